@@ -1,0 +1,117 @@
+#include "camera.h"
+
+#include <math.h>
+#include <string.h>
+
+#define DEGREES 57.29577951308232
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void cross(double out[3], const double a[3], const double b[3])
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* Returns 0 where there is no direction. */
+static int normalise(double v[3])
+{
+    double length = sqrt(dot(v, v));
+    for (int i = 0; i < 3; i++)
+        v[i] /= length;
+    return length > 1e-12 && isfinite(length);
+}
+
+int fxs_view_look_at(fxs_file_view *view, const double eye[3], const double target[3], const double up[3], double fov,
+                     int width, int height, fxs_message *message)
+{
+    double *right = view->rotation, *down = view->rotation + 3, *forward = view->rotation + 6;
+    if (!(fov >= 1 && fov <= 170))
+        return fxs_fail(message, "a field of view of %g degrees: expected 1 to 170", fov);
+    strcpy(view->name, "look-at");
+    view->width = width;
+    view->height = height;
+    view->fx = view->fy = height / 2.0 / tan(fov / 2 / DEGREES);
+    view->cx = width / 2.0;
+    view->cy = height / 2.0;
+    for (int i = 0; i < 3; i++) {
+        view->position[i] = eye[i];
+        forward[i] = target[i] - eye[i];
+    }
+    int forward_ok = normalise(forward);
+    cross(right, forward, up);
+    if (!forward_ok || !normalise(right))
+        return fxs_fail(message, "the camera looks nowhere: eye and target are one point, or up is along the view");
+    cross(down, forward, right);
+    return 0;
+}
+
+int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double high[3], const double up[3], double fov,
+                       int width, int height, fxs_message *message)
+{
+    double middle[3], eye[3], axis[3], back[3] = {0, 0, -1}, radius = 0;
+    memcpy(axis, up, sizeof axis);
+    if (!normalise(axis))
+        return fxs_fail(message, "up is not a direction");
+    if (fabs(dot(axis, back)) > 0.9)
+        memcpy(back, (double[3]){0, -1, 0}, sizeof back);
+    double along = dot(axis, back);
+    for (int i = 0; i < 3; i++)
+        back[i] -= along * axis[i];
+    normalise(back);
+    for (int i = 0; i < 3; i++) {
+        middle[i] = (low[i] + high[i]) / 2;
+        radius += (high[i] - low[i]) * (high[i] - low[i]) / 4;
+    }
+    double narrow = atan(tan(fov / 2 / DEGREES) * fmin(1, (double)width / height));
+    double distance = fmax(sqrt(radius), 0.01) / sin(narrow);
+    for (int i = 0; i < 3; i++)
+        eye[i] = middle[i] + distance * (0.95 * back[i] + 0.31 * axis[i]);
+    return fxs_view_look_at(view, eye, middle, up, fov, width, height, message);
+}
+
+void fxs_view_resize(fxs_file_view *view, int width, int height)
+{
+    double scale = (double)width / view->width;
+    view->fx *= scale;
+    view->fy *= scale;
+    view->cx = width / 2.0;
+    view->cy = height / 2.0;
+    view->width = width;
+    view->height = height;
+}
+
+static int to_fixed(int64_t *out, double x, int q, double limit)
+{
+    *out = (int64_t)(fabs(x) < limit ? floor(ldexp(x, q) + 0.5) : 0);
+    return fabs(x) < limit;
+}
+
+int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_message *message)
+{
+    const double pixels[4] = {view->fx, view->fy, view->cx, view->cy};
+    int64_t fixed[4], r;
+    camera->width = view->width;
+    camera->height = view->height;
+    for (int i = 0; i < 4; i++)
+        if (!to_fixed(&fixed[i], pixels[i], 12, 524287) || (i < 2 && fixed[i] < 1))
+            return fxs_fail(message, "view %s: a %s of %g pixels is out of range", view->name,
+                            i < 2 ? "focal length" : "principal point", pixels[i]);
+    camera->fx_q12 = (int32_t)fixed[0];
+    camera->fy_q12 = (int32_t)fixed[1];
+    camera->cx_q12 = (int32_t)fixed[2];
+    camera->cy_q12 = (int32_t)fixed[3];
+    for (int i = 0; i < 9; i++) {
+        if (!to_fixed(&r, view->rotation[i], 30, 1.001))
+            return fxs_fail(message, "view %s: its rotation is not a rotation", view->name);
+        camera->rotation_q30[i] = (int32_t)r;
+    }
+    for (int i = 0; i < 3; i++)
+        if (!to_fixed(&camera->position_q32[i], view->position[i], 32, 134217728.0))
+            return fxs_fail(message, "view %s: a position of %g is beyond 2^27 units", view->name, view->position[i]);
+    return 0;
+}

@@ -1,0 +1,53 @@
+/* Import: a scene file -> a packed scene (src/packed.h). The only place where attributes are quantised. */
+#ifndef FXS_PACK_H
+#define FXS_PACK_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "message.h"
+#include "scene_file.h"
+
+/* Gaussians that could not be drawn and were left out, by reason. */
+typedef struct fxs_pack_dropped {
+    uint64_t not_finite;      /* a value is NaN or infinite */
+    uint64_t rotation;        /* the quaternion is zero */
+    uint64_t scale;           /* ln(sigma) beyond +-20 */
+    uint64_t position;        /* beyond +-2^27 units */
+} fxs_pack_dropped;
+
+/* Largest differences between what was read and what the packed scene says. */
+typedef struct fxs_pack_error {
+    double position;          /* scene units */
+    double scale;             /* ln(sigma) */
+    double rotation;          /* degrees */
+    double opacity;           /* 0..1 */
+    double dc, sh;            /* coefficients */
+} fxs_pack_error;
+
+typedef struct fxs_pack_report {
+    uint64_t read, packed;
+    fxs_pack_dropped dropped;
+    fxs_pack_error largest;
+    double low[3], high[3];   /* bounds of the centres */
+    double inner_low[3], inner_high[3];   /* the same for the middle 90 % of the centres on each axis */
+} fxs_pack_report;
+
+/* Called now and then with the work done, 0 to 1; a return other than 0 stops the import. */
+typedef int fxs_progress_fn(void *argument, double done);
+
+typedef struct fxs_packed_scene {
+    void *data;               /* aligned to 64, for fxs_scene_open */
+    size_t bytes;
+    void *allocation;         /* what fxs_packed_scene_free frees */
+} fxs_packed_scene;
+
+/* Reads an open scene file from its start, three times, and packs it. Needs 24 bytes a Gaussian beside the packed scene while the order is
+   found, 4 afterwards. `progress` may be null. Returns 0, or -1 and a message; a scene without a drawable Gaussian is an error. */
+int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
+             fxs_progress_fn *progress, void *argument, fxs_message *message);
+
+/* Frees what fxs_pack allocated. */
+void fxs_packed_scene_free(fxs_packed_scene *scene);
+
+#endif

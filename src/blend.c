@@ -1,0 +1,73 @@
+/* blend: the splats of a tile, near to far, over its 256 pixels. The math of one pixel is in pixel.h; here are the loops and the early stop. */
+#include "memory.h"
+#include "stage.h"
+
+/* A splat at a tile: coordinates at the tile's first pixel, and the rows it can touch. */
+typedef struct placed {
+    int32_t u_q24, v_q24, first_row, last_row, limit_q11;
+} placed;
+
+static placed place(const fxs_view *view, const fxs_splat *splat, uint32_t entry, int32_t x, int32_t y)
+{
+    uint32_t u = splat->u0_q24 + (uint32_t)x * (uint32_t)splat->ux_q24 + (uint32_t)y * (uint32_t)splat->uy_q24;
+    uint32_t v = splat->v0_q24 + (uint32_t)y * (uint32_t)splat->vy_q24;
+    placed p;
+    p.u_q24 = entry & FXS_ENTRY_FAR ? FXS_FAR_Q24 : (int32_t)u;
+    p.v_q24 = entry & FXS_ENTRY_FAR ? FXS_FAR_Q24 : (int32_t)v;
+    p.first_row = splat->first_row > y ? splat->first_row - y : 0;
+    p.last_row = fxs_min(splat->last_row - y, FXS_TILE - 1);
+    p.limit_q11 = fxs_limit_q11(splat->offset_q11, view->cut_q11);
+    return p;
+}
+
+static void clear(fxs_tile *tile)
+{
+    memset(tile->sum_q13, 0, sizeof tile->sum_q13);
+    for (int i = 0; i < FXS_TILE_PIXELS; i++)
+        tile->transmittance_q15[i] = FXS_CLEAR_Q15;
+}
+
+/* One splat over one row. Returns how many pixels it closed. */
+static int blend_row(fxs_tile *tile, int row, const fxs_splat *splat, const placed *p, uint64_t *evaluated,
+                     uint64_t *blended)
+{
+    int closed = 0, first = row * FXS_TILE;
+    int level_of_row = fxs_row_level_q11(fxs_coordinate_q13(p->v_q24 + row * splat->vy_q24), splat->offset_q11);
+    int32_t u_q24 = p->u_q24 + row * splat->uy_q24;
+    for (int i = first; i < first + FXS_TILE; i++, u_q24 += splat->ux_q24) {
+        int transmittance = tile->transmittance_q15[i];
+        if (transmittance < FXS_CLOSED_Q15)
+            continue;
+        ++*evaluated;
+        int level = fxs_level_q11(fxs_coordinate_q13(u_q24), level_of_row);
+        if (level > p->limit_q11)
+            continue;
+        ++*blended;
+        int weight = fxs_weight_q15(fxs_alpha_q15(level), transmittance);
+        tile->transmittance_q15[i] = (int16_t)(transmittance - weight);
+        closed += transmittance - weight < FXS_CLOSED_Q15;
+        for (int c = 0; c < 3; c++)
+            tile->sum_q13[c][i] = (int16_t)fxs_accumulate_q13(tile->sum_q13[c][i], weight, splat->colour_q13[c]);
+    }
+    return closed;
+}
+
+void fxs_blend_count(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
+                     uint32_t count, fxs_tile *tile, uint64_t *evaluated, uint64_t *blended)
+{
+    int open = FXS_TILE_PIXELS;
+    clear(tile);
+    for (uint32_t i = 0; i < count && open > 0; i++) {
+        const fxs_splat *splat = &splats[entries[i] & ~FXS_ENTRY_FAR];
+        placed p = place(view, splat, entries[i], x, y);
+        for (int row = p.first_row; row <= p.last_row; row++)
+            open -= blend_row(tile, row, splat, &p, evaluated, blended);
+    }
+}
+
+void fxs_blend_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
+                 uint32_t count, fxs_tile *tile)
+{
+    uint64_t evaluated = 0, blended = 0;
+    fxs_blend_count(view, x, y, splats, entries, count, tile, &evaluated, &blended);
+}

@@ -1,0 +1,96 @@
+/* Integer arithmetic of the stages before the pixel. m * 2^-32 below is a mantissa: m in [2^31, 2^32), or [2^30, 2^32)
+ * where the exponent must be even. Error bounds are shown in docs/numbers.md and checked by tests/test_fixed.c. */
+#ifndef FXS_FIXED_H
+#define FXS_FIXED_H
+
+#include <stdint.h>
+
+/* Leading zeros; x above 0. */
+static inline int fxs_clz32(uint32_t x)
+{
+#if defined(__GNUC__)
+    return __builtin_clz(x);
+#else
+    int n = 0;
+    for (; !(x >> 31); x <<= 1)
+        n++;
+    return n;
+#endif
+}
+
+static inline int fxs_clz64(uint64_t x)
+{
+    return x >> 32 ? fxs_clz32((uint32_t)(x >> 32)) : 32 + fxs_clz32((uint32_t)x);
+}
+
+/* High half of a product. */
+static inline uint32_t fxs_mulhi(uint32_t a, uint32_t b)
+{
+    return (uint32_t)((uint64_t)a * b >> 32);
+}
+
+/* x * 2^-shift, rounded to nearest, halves up; shift in 1..62. */
+static inline int64_t fxs_round_shift(int64_t x, int shift)
+{
+    return (x + ((int64_t)1 << (shift - 1))) >> shift;
+}
+
+static inline int32_t fxs_clamp(int32_t x, int32_t low, int32_t high)
+{
+    return x < low ? low : x > high ? high : x;
+}
+
+/* 2^62 / m, in (2^30, 2^31]; m in [2^31, 2^32). Newton from 48/17 - 32/17 x (error 1/17): y' = y (2 - x y), three times. */
+static inline uint32_t fxs_reciprocal(uint32_t m)
+{
+    uint32_t y_q30 = 3031741620u - fxs_mulhi(m, 2021161081u);
+    for (int i = 0; i < 3; i++)
+        y_q30 = (uint32_t)((uint64_t)y_q30 * (0x80000000u - fxs_mulhi(m, y_q30)) >> 30);
+    return y_q30;
+}
+
+/* 1 / sqrt(m * 2^-32), Q30, in (2^30, 2^31]; m in [2^30, 2^32). Newton from 2.2 - 1.333 x (error 1/8):
+   y' = y (3 - x y^2) / 2, three times; relative error below 2^-19. */
+static inline uint32_t fxs_rsqrt(uint32_t m)
+{
+    uint32_t y_q30 = 2369829601u - fxs_mulhi(m, 1431655765u);
+    for (int i = 0; i < 3; i++) {
+        uint32_t square_q29 = (uint32_t)((uint64_t)y_q30 * y_q30 >> 31);
+        y_q30 = (uint32_t)((uint64_t)y_q30 * (0x60000000u - fxs_mulhi(m, square_q29)) >> 30);
+    }
+    return y_q30;
+}
+
+/* sqrt(x), rounded down to within 1 part in 2^18. */
+static inline uint32_t fxs_sqrt(uint32_t x)
+{
+    if (!x)
+        return 0;
+    int shift = fxs_clz32(x) & ~1;
+    uint32_t m = x << shift;
+    return fxs_mulhi(m, fxs_rsqrt(m)) >> (14 + shift / 2);
+}
+
+/* 2^-f, Q15, in (2^14, 2^15]; f_q15 in 0..32767. Quartic, relative error below 2^-13. */
+static inline int32_t fxs_exp2_q15(int32_t f_q15)
+{
+    int32_t p = (256 * f_q15 + 16384) >> 15;
+    p = ((p - 1820) * f_q15 + 16384) >> 15;
+    p = ((p + 7904) * f_q15 + 16384) >> 15;
+    p = ((p - 22724) * f_q15 + 16384) >> 15;
+    return 32768 + p;
+}
+
+/* log2(x), Q16; x above 0. log2(1 + t) = t (1 + (1 - t) q(t)), q a cubic, absolute error below 2^-12. */
+static inline int32_t fxs_log2_q16(uint64_t x)
+{
+    int n = fxs_clz64(x);
+    int32_t t_q15 = (int32_t)((x << n << 1) >> 49);
+    int32_t q = (-2776 * t_q15 + 16384) >> 15;
+    q = ((q + 6897) * t_q15 + 16384) >> 15;
+    q = ((q - 9697) * t_q15 + 16384) >> 15;
+    q = ((q + 14605) * (32768 - t_q15) + 16384) >> 15;
+    return (63 - n) * 65536 + 2 * (((32768 + q) * (t_q15 >> 1) + 8192) >> 14);
+}
+
+#endif

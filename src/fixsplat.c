@@ -1,0 +1,47 @@
+#include "fixsplat.h"
+
+#include "memory.h"
+#include "stage.h"
+
+const fxs_kernels fxs_kernels_c = {
+    {"c", "c", "c", "c", "c", "c"}, fxs_project_c, fxs_shade_c, fxs_blend_c, fxs_resolve_c,
+};
+
+const char *fxs_strerror(int error)
+{
+    static const char *const words[] = {
+        "success",
+        "an argument is null or out of range",
+        "not a packed scene, or one that is cut short or damaged",
+        "a packed scene of another version",
+        "the camera's focal length is not above 0, its rotation is not a rotation, or its position is too far out",
+        "the width or height is outside 1 to 16384",
+        "the working memory is too small or not aligned to 64 bytes",
+        "not supported by this build or machine",
+    };
+    int count = (int)(sizeof words / sizeof *words);
+    return error <= 0 && -error < count ? words[-error] : "unknown error";
+}
+
+const char *fxs_stage_name(enum fxs_stage stage)
+{
+    static const char *const names[FXS_STAGES] = {"project", "shade", "sort", "bin", "blend", "resolve"};
+    return (unsigned)stage < FXS_STAGES ? names[stage] : "unknown";
+}
+
+void fxs_options_default(fxs_options *options)
+{
+    memset(options, 0, sizeof *options);
+    options->sh_degree = 3;
+}
+
+int fxs_init(fxs_context *context, const fxs_config *config)
+{
+    if (!context || (config && config->threads > 64))
+        return FXS_ERR_ARGUMENT;
+    memset(context, 0, sizeof *context);
+    if (config)
+        context->config = *config;
+    context->kernels = &fxs_kernels_c;
+    return 0;
+}

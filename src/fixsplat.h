@@ -1,0 +1,163 @@
+/* fixsplat: renders 3D Gaussian splatting scenes in fixed point.
+ *
+ * The picture is a pure function of (packed scene, camera, options): the same bytes on every machine. The library
+ * allocates nothing, opens nothing, keeps no global state; every buffer belongs to the caller. Functions return 0 (or
+ * a count) on success and a negative FXS_ERR_* otherwise; fxs_strerror gives the words. A context may be used by
+ * several threads at once, each with memory of its own.
+ *
+ * Conventions: scene units are the file's. Camera axes: x right, y down, z forward; pixel centres at +0.5. `_qN` in a name
+ * says that the integer is the real value times 2^N.
+ */
+#ifndef FXS_FIXSPLAT_H
+#define FXS_FIXSPLAT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define FXS_VERSION "0.1.0"
+#define FXS_MAX_SIZE 16384           /* pixels, width and height of a picture */
+#define FXS_MAX_COUNT (1u << 30)     /* Gaussians in a scene */
+
+enum fxs_error {
+    FXS_ERR_ARGUMENT = -1,      /* a null pointer, or an option outside its range */
+    FXS_ERR_SCENE = -2,         /* not a packed scene, or one cut short */
+    FXS_ERR_VERSION = -3,       /* a packed scene of another version */
+    FXS_ERR_CAMERA = -4,        /* focal length not above 0, rotation not orthonormal, position beyond +-2^28 units */
+    FXS_ERR_SIZE = -5,          /* width or height outside 1..FXS_MAX_SIZE */
+    FXS_ERR_MEMORY = -6,        /* the working memory given is smaller than fxs_frame_bytes, or not aligned to 64 */
+    FXS_ERR_UNSUPPORTED = -7    /* a stage that this build or machine does not have */
+};
+
+/* The words for an error code: one line, static, never null. */
+const char *fxs_strerror(int error);
+
+/* ---- Scene ----------------------------------------------------------------------------------------------------- */
+
+/* A packed scene (src/packed.h has its layout), as seen by the renderer: it points into the caller's bytes. */
+typedef struct fxs_scene {
+    const unsigned char *chunks;   /* first chunk, aligned to 64 */
+    uint32_t count;                /* Gaussians */
+    uint32_t chunk_count;          /* chunks of 256 Gaussians, the last one padded */
+    uint32_t chunk_bytes;
+    int sh_degree;                 /* 0 to 3 */
+    int antialiased;               /* 1: the opacity is compensated for the dilation */
+} fxs_scene;
+
+/* Bytes of a packed scene of `count` Gaussians with SH of degree `sh_degree`; 0 where either is out of range. */
+size_t fxs_scene_bytes(uint32_t count, int sh_degree);
+
+/* Checks `bytes` bytes of a packed scene at `data` (aligned to 64; memory, a mapped file or flash) and fills *scene.
+   `data` must stay in place and unchanged as long as the scene is used; nothing is copied.
+   Errors: FXS_ERR_ARGUMENT, FXS_ERR_SCENE, FXS_ERR_VERSION. */
+int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes);
+
+/* ---- Camera and options ---------------------------------------------------------------------------------------- */
+
+typedef struct fxs_camera {
+    int32_t width, height;         /* pixels, 1 to FXS_MAX_SIZE */
+    int32_t fx_q12, fy_q12;        /* focal lengths, pixels; above 0 */
+    int32_t cx_q12, cy_q12;        /* principal point, pixels from the top left corner */
+    int32_t rotation_q30[9];       /* world to camera, rows: the camera's x, y and z axes in the scene */
+    int64_t position_q32[3];       /* the camera's centre, scene units, within +-2^28 */
+} fxs_camera;
+
+enum fxs_cutoff {
+    FXS_CUTOFF_MAHALANOBIS = 0,    /* a Gaussian touches a pixel where its Mahalanobis distance is at most 3 */
+    FXS_CUTOFF_SQUARE = 1          /* as in Kerbl et al. 2023: 16x16 tiles touched by a square of side 6 sigma_max */
+};
+
+enum fxs_format {
+    FXS_FORMAT_RGBA8 = 0,          /* 4 bytes a pixel: r, g, b, 255 */
+    FXS_FORMAT_RGBA8_COVERAGE = 1, /* 4 bytes a pixel: r, g, b times coverage, coverage; no background */
+    FXS_FORMAT_RGB565 = 2          /* 2 bytes a pixel, native byte order: r in bits 15..11, g 10..5, b 4..0 */
+};
+
+typedef struct fxs_options {
+    enum fxs_cutoff cutoff;
+    enum fxs_format format;
+    int sh_degree;                 /* highest degree evaluated, 0 to 3; the scene's own where that is lower */
+    uint8_t background[3];         /* r g b */
+} fxs_options;
+
+/* Mahalanobis cut-off, RGBA8, SH degree 3, black background. */
+void fxs_options_default(fxs_options *options);
+
+/* ---- Context --------------------------------------------------------------------------------------------------- */
+
+/* Runs job(argument, i) for every i in 0..jobs-1, in any order, on any threads, and returns when all are done. */
+typedef void fxs_run_fn(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs);
+
+/* A clock in nanoseconds that never runs backwards. */
+typedef uint64_t fxs_clock_fn(void *clock);
+
+typedef struct fxs_config {
+    fxs_run_fn *run;               /* null: one thread, the caller's */
+    void *pool;                    /* first argument of run */
+    uint32_t threads;              /* threads that run uses, 1 to 64; 0: 1. A hint: the picture does not depend on it */
+    fxs_clock_fn *clock;           /* null: stage times are reported as 0 */
+    void *clock_argument;
+} fxs_config;
+
+enum fxs_stage { FXS_PROJECT, FXS_SHADE, FXS_SORT, FXS_BIN, FXS_BLEND, FXS_RESOLVE, FXS_STAGES };
+
+/* The name of a stage: "project", "shade", ... */
+const char *fxs_stage_name(enum fxs_stage stage);
+
+struct fxs_kernels;                /* the function of each stage: src/stage.h */
+
+typedef struct fxs_context {
+    fxs_config config;
+    const struct fxs_kernels *kernels;
+} fxs_context;
+
+/* Fills *context with the plain C version of each stage. `config` may be null: one thread, no clock. */
+int fxs_init(fxs_context *context, const fxs_config *config);
+
+/* ---- Frame ----------------------------------------------------------------------------------------------------- */
+
+/* Where the working memory of a frame goes, in bytes. */
+typedef struct fxs_frame_memory {
+    size_t splats;                 /* projected Gaussians: 60 bytes each */
+    size_t keys;                   /* sort keys, twice: 16 bytes a Gaussian */
+    size_t tiles;                  /* list lengths, ends and times: 16 bytes a tile of 16x16 pixels */
+    size_t entries;                /* tile lists, 4 bytes an entry */
+    size_t total;
+} fxs_frame_memory;
+
+/* The working memory that a frame of this size needs, worst case. Where the tile lists of a whole frame do not fit in
+   `entries`, the frame is rendered in runs of tiles, with the same bytes. *memory may be null.
+   Returns 0 where an argument is out of range. */
+size_t fxs_frame_bytes(const fxs_context *context, const fxs_scene *scene, int32_t width, int32_t height,
+                       fxs_frame_memory *memory);
+
+typedef struct fxs_stats {
+    uint32_t gaussians;            /* in the scene */
+    uint32_t visible;              /* left after culling */
+    uint64_t entries;              /* tile list entries */
+    uint32_t runs;                 /* runs of tiles the frame was rendered in; 1 where all lists fitted */
+    uint64_t nanoseconds[FXS_STAGES];   /* wall time of each stage; blend and resolve share theirs by work done */
+    uint64_t frame_nanoseconds;
+} fxs_stats;
+
+/* Renders a frame. `memory`: `memory_bytes` bytes, at least fxs_frame_bytes, aligned to 64, contents undefined before and
+   after. `pixels`: height rows of width pixels (options->format), `stride` bytes from row to row (negative: bottom up);
+   only the pixels are written. *stats may be null.
+   Errors: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA, FXS_ERR_SIZE, FXS_ERR_MEMORY; nothing is written to `pixels` then. */
+int fxs_render(const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
+               void *memory, size_t memory_bytes, void *pixels, ptrdiff_t stride, fxs_stats *stats);
+
+/* Counts, after fxs_render and with the same arguments, what its blend stage did: pairs of pixel and Gaussian evaluated
+   (the pixel still open, the Gaussian in its tile's list and on its row) and blended (within the cut-off and at least 1/255).
+   Renders the frame once more with the plain C stages, one thread. Errors as fxs_render. */
+int fxs_count_pairs(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options, void *memory,
+                    size_t memory_bytes, uint64_t *evaluated, uint64_t *blended);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

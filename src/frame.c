@@ -1,0 +1,304 @@
+/* A frame: project, shade, sort, bin, blend, resolve. */
+#include "memory.h"
+#include "stage.h"
+
+#define BLOCK 16u                          /* chunks a job projects; its visible splats share a run of slots */
+#define BLOCK_SLOTS (BLOCK * FXS_CHUNK)
+
+typedef struct frame {
+    const fxs_context *context;
+    const fxs_scene *scene;
+    const fxs_options *options;
+    fxs_view view;
+    fxs_stats stats;
+
+    uint32_t blocks, tiles, entry_capacity;
+    fxs_splat *splats;                     /* slot: block * BLOCK_SLOTS + rank among the block's visible ones */
+    fxs_bounds *bounds;
+    uint32_t *indices;                     /* in the scene */
+    uint32_t *block_counts;                /* visible splats of each block */
+    fxs_key *keys, *spare_keys;            /* the depths lie in spare_keys until the sort */
+    uint32_t *tile_counts, *tile_ends;     /* length of each tile's list; where the lists of this run end in entries */
+    uint32_t (*tile_times)[2];             /* nanoseconds of blend and resolve */
+    uint32_t *entries;
+
+    uint32_t first_tile, last_tile;        /* of the run being blended */
+    unsigned char *pixels;
+    ptrdiff_t stride;
+    uint64_t evaluated, blended;           /* fxs_count_pairs only */
+} frame;
+
+static uint64_t now(const fxs_context *context)
+{
+    return context->config.clock ? context->config.clock(context->config.clock_argument) : 0;
+}
+
+static void run(const fxs_context *context, void (*job)(void *, uint32_t), void *argument, uint32_t jobs)
+{
+    if (context->config.run) {
+        context->config.run(context->config.pool, job, argument, jobs);
+        return;
+    }
+    for (uint32_t i = 0; i < jobs; i++)
+        job(argument, i);
+}
+
+/* ---- Memory ---------------------------------------------------------------------------------------------------- */
+
+/* Cuts `bytes` off the front of what is left, rounded up to 64. Only counts where memory is null. */
+static void *cut(unsigned char **memory, size_t *total, uint64_t bytes)
+{
+    void *part = *memory;
+    bytes = (bytes + 63) / 64 * 64;
+    if (*memory)
+        *memory += bytes;
+    *total = bytes > SIZE_MAX / 2 - *total ? SIZE_MAX / 2 : *total + (size_t)bytes;
+    return part;
+}
+
+static void lay_out(frame *f, const fxs_scene *scene, int32_t width, int32_t height, unsigned char *memory,
+                    fxs_frame_memory *sizes)
+{
+    memset(sizes, 0, sizeof *sizes);
+    f->blocks = (scene->chunk_count + BLOCK - 1) / BLOCK;
+    f->tiles = (uint32_t)((width + FXS_TILE - 1) / FXS_TILE * ((height + FXS_TILE - 1) / FXS_TILE));
+    uint64_t slots = (uint64_t)f->blocks * BLOCK_SLOTS, capacity = 4 * slots + 64 * (uint64_t)f->tiles;
+    f->entry_capacity = capacity > UINT32_MAX ? UINT32_MAX : (uint32_t)capacity;
+    f->splats = cut(&memory, &sizes->splats, slots * sizeof *f->splats);
+    f->bounds = cut(&memory, &sizes->splats, slots * sizeof *f->bounds);
+    f->indices = cut(&memory, &sizes->splats, slots * sizeof *f->indices);
+    f->block_counts = cut(&memory, &sizes->splats, f->blocks * sizeof *f->block_counts);
+    f->keys = cut(&memory, &sizes->keys, slots * sizeof *f->keys);
+    f->spare_keys = cut(&memory, &sizes->keys, slots * sizeof *f->spare_keys);
+    f->tile_counts = cut(&memory, &sizes->tiles, f->tiles * sizeof *f->tile_counts);
+    f->tile_ends = cut(&memory, &sizes->tiles, f->tiles * sizeof *f->tile_ends);
+    f->tile_times = cut(&memory, &sizes->tiles, f->tiles * sizeof *f->tile_times);
+    f->entries = cut(&memory, &sizes->entries, f->entry_capacity * (uint64_t)sizeof *f->entries);
+    sizes->total = sizes->splats + sizes->keys + sizes->tiles + sizes->entries;
+}
+
+size_t fxs_frame_bytes(const fxs_context *context, const fxs_scene *scene, int32_t width, int32_t height,
+                       fxs_frame_memory *memory)
+{
+    frame f;
+    fxs_frame_memory sizes;
+    if (!context || !scene || width < 1 || height < 1 || width > FXS_MAX_SIZE || height > FXS_MAX_SIZE)
+        return 0;
+    lay_out(&f, scene, width, height, 0, &sizes);
+    if (memory)
+        *memory = sizes;
+    return sizes.total;
+}
+
+/* ---- Stages ---------------------------------------------------------------------------------------------------- */
+
+static const unsigned char *chunk_at(const frame *f, uint32_t chunk)
+{
+    return f->scene->chunks + (size_t)chunk * f->scene->chunk_bytes;
+}
+
+static void project_block(void *argument, uint32_t block)
+{
+    frame *f = argument;
+    uint32_t count = 0, *depths = (uint32_t *)f->spare_keys;
+    for (uint32_t c = block * BLOCK; c < (block + 1) * BLOCK && c < f->scene->chunk_count; c++) {
+        size_t slot = (size_t)block * BLOCK_SLOTS + count;
+        count += f->context->kernels->project(&f->view, chunk_at(f, c), c * FXS_CHUNK, f->splats + slot,
+                                              f->bounds + slot, f->indices + slot, depths + slot);
+    }
+    f->block_counts[block] = count;
+}
+
+static void shade_block(void *argument, uint32_t block)
+{
+    frame *f = argument;
+    size_t first = (size_t)block * BLOCK_SLOTS, end = first + f->block_counts[block];
+    while (first < end) {
+        size_t last = first + 1;
+        uint32_t chunk = f->indices[first] / FXS_CHUNK;
+        while (last < end && f->indices[last] / FXS_CHUNK == chunk)
+            last++;
+        f->context->kernels->shade(&f->view, chunk_at(f, chunk), f->indices + first, (uint32_t)(last - first),
+                                   f->splats + first);
+        first = last;
+    }
+}
+
+static void sort_all(frame *f)
+{
+    const uint32_t *depths = (const uint32_t *)f->spare_keys;
+    uint32_t visible = 0;
+    for (uint32_t block = 0; block < f->blocks; block++)
+        for (uint32_t i = 0; i < f->block_counts[block]; i++) {
+            uint32_t slot = block * BLOCK_SLOTS + i;
+            f->keys[visible++] = FXS_KEY(depths[slot], slot);
+        }
+    f->stats.visible = visible;
+    fxs_key *sorted = fxs_sort(f->keys, f->spare_keys, visible);
+    f->spare_keys = sorted == f->keys ? f->spare_keys : f->keys;
+    f->keys = sorted;
+}
+
+static void bin_count(frame *f)
+{
+    memset(f->tile_counts, 0, f->tiles * sizeof *f->tile_counts);
+    fxs_bin_count(&f->view, f->keys, f->stats.visible, f->splats, f->bounds, f->tile_counts);
+    for (uint32_t tile = 0; tile < f->tiles; tile++)
+        f->stats.entries += f->tile_counts[tile];
+}
+
+/* Lists as many tiles as fit in `entries`, from first_tile on. A list is never longer than the number of slots, so one always fits. */
+static void bin_run(frame *f)
+{
+    uint32_t used = 0, tile = f->first_tile;
+    for (; tile < f->tiles && f->tile_counts[tile] <= f->entry_capacity - used; tile++) {
+        f->tile_ends[tile] = used;
+        used += f->tile_counts[tile];
+    }
+    f->last_tile = tile - 1;
+    fxs_bin_fill(&f->view, f->keys, f->stats.visible, f->splats, f->bounds, (int32_t)f->first_tile,
+                 (int32_t)f->last_tile, f->tile_ends, f->entries);
+    f->stats.runs++;
+}
+
+static const uint32_t *list_of(const frame *f, uint32_t tile)
+{
+    return f->entries + f->tile_ends[tile] - f->tile_counts[tile];
+}
+
+static void blend_tile(void *argument, uint32_t job)
+{
+    frame *f = argument;
+    fxs_tile pixels;
+    uint32_t tile = f->first_tile + job;
+    int32_t x = (int32_t)tile % f->view.tiles_x * FXS_TILE, y = (int32_t)tile / f->view.tiles_x * FXS_TILE;
+    ptrdiff_t pixel_bytes = f->options->format == FXS_FORMAT_RGB565 ? 2 : 4;
+    uint64_t start = now(f->context);
+    f->context->kernels->blend(&f->view, x, y, f->splats, list_of(f, tile), f->tile_counts[tile], &pixels);
+    uint64_t blended = now(f->context);
+    f->context->kernels->resolve(f->options, &pixels, fxs_min(FXS_TILE, f->view.width - x),
+                                 fxs_min(FXS_TILE, f->view.height - y), f->pixels + y * f->stride + x * pixel_bytes,
+                                 f->stride);
+    f->tile_times[tile][0] = (uint32_t)(blended - start);
+    f->tile_times[tile][1] = (uint32_t)(now(f->context) - blended);
+}
+
+/* Splits the wall time of the last run between blend and resolve by the time its tiles spent in each. */
+static void share_time(frame *f, uint64_t wall)
+{
+    uint64_t blend = 0, resolve = 0;
+    for (uint32_t tile = f->first_tile; tile <= f->last_tile; tile++) {
+        blend += f->tile_times[tile][0];
+        resolve += f->tile_times[tile][1];
+    }
+    uint64_t part = blend + resolve ? wall * 1024 / (blend + resolve) * resolve / 1024 : 0;
+    f->stats.nanoseconds[FXS_BLEND] += wall - part;
+    f->stats.nanoseconds[FXS_RESOLVE] += part;
+}
+
+/* ---- Frame ----------------------------------------------------------------------------------------------------- */
+
+static int check(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options, const void *memory)
+{
+    if (!scene || !camera || !options || !memory || options->sh_degree < 0 || options->sh_degree > 3 ||
+        (options->cutoff != FXS_CUTOFF_MAHALANOBIS && options->cutoff != FXS_CUTOFF_SQUARE) ||
+        (options->format != FXS_FORMAT_RGBA8 && options->format != FXS_FORMAT_RGBA8_COVERAGE &&
+         options->format != FXS_FORMAT_RGB565))
+        return FXS_ERR_ARGUMENT;
+    return 0;
+}
+
+static int frame_init(frame *f, const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera,
+                      const fxs_options *options, void *memory, size_t memory_bytes)
+{
+    fxs_frame_memory sizes;
+    int error = check(scene, camera, options, memory);
+    memset(f, 0, sizeof *f);
+    if (!error)
+        error = fxs_view_init(&f->view, scene, camera, options);
+    if (error)
+        return error;
+    f->context = context;
+    f->scene = scene;
+    f->options = options;
+    f->stats.gaussians = scene->count;
+    lay_out(f, scene, camera->width, camera->height, memory, &sizes);
+    return (uintptr_t)memory % 64 || memory_bytes < sizes.total ? FXS_ERR_MEMORY : 0;
+}
+
+static void prepare(frame *f)
+{
+    uint64_t t[5];
+    t[0] = now(f->context);
+    run(f->context, project_block, f, f->blocks);
+    t[1] = now(f->context);
+    run(f->context, shade_block, f, f->blocks);
+    t[2] = now(f->context);
+    sort_all(f);
+    t[3] = now(f->context);
+    bin_count(f);
+    t[4] = now(f->context);
+    for (int stage = FXS_PROJECT; stage <= FXS_BIN; stage++)
+        f->stats.nanoseconds[stage] = t[stage + 1] - t[stage];
+}
+
+static void blend_runs(frame *f, void (*job)(void *, uint32_t))
+{
+    for (f->first_tile = 0; f->first_tile < f->tiles; f->first_tile = f->last_tile + 1) {
+        uint64_t start = now(f->context);
+        bin_run(f);
+        uint64_t listed = now(f->context);
+        run(f->context, job, f, f->last_tile - f->first_tile + 1);
+        f->stats.nanoseconds[FXS_BIN] += listed - start;
+        share_time(f, now(f->context) - listed);
+    }
+}
+
+int fxs_render(const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
+               void *memory, size_t memory_bytes, void *pixels, ptrdiff_t stride, fxs_stats *stats)
+{
+    frame f;
+    if (!context || !pixels)
+        return FXS_ERR_ARGUMENT;
+    int error = frame_init(&f, context, scene, camera, options, memory, memory_bytes);
+    if (error)
+        return error;
+    f.pixels = pixels;
+    f.stride = stride;
+    uint64_t start = now(context);
+    prepare(&f);
+    blend_runs(&f, blend_tile);
+    f.stats.frame_nanoseconds = now(context) - start;
+    if (stats)
+        *stats = f.stats;
+    return 0;
+}
+
+static void count_tile(void *argument, uint32_t job)
+{
+    frame *f = argument;
+    fxs_tile pixels;
+    uint32_t tile = f->first_tile + job;
+    int32_t x = (int32_t)tile % f->view.tiles_x * FXS_TILE, y = (int32_t)tile / f->view.tiles_x * FXS_TILE;
+    f->tile_times[tile][0] = f->tile_times[tile][1] = 0;
+    fxs_blend_count(&f->view, x, y, f->splats, list_of(f, tile), f->tile_counts[tile], &pixels, &f->evaluated,
+                    &f->blended);
+}
+
+int fxs_count_pairs(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options, void *memory,
+                    size_t memory_bytes, uint64_t *evaluated, uint64_t *blended)
+{
+    frame f;
+    fxs_context context;
+    fxs_init(&context, 0);
+    if (!evaluated || !blended)
+        return FXS_ERR_ARGUMENT;
+    int error = frame_init(&f, &context, scene, camera, options, memory, memory_bytes);
+    if (error)
+        return error;
+    prepare(&f);
+    blend_runs(&f, count_tile);
+    *evaluated = f.evaluated;
+    *blended = f.blended;
+    return 0;
+}

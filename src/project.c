@@ -1,0 +1,356 @@
+/* project: packed Gaussian -> centre, 2x2 covariance, whitened rows, depth. EWA splatting (Zwicker et al. 2001) as in Kerbl et al. 2023:
+ * Sigma' = J W R S S^T R^T W^T J^T + 0.3 I. The 2x3 matrix T = J W R S is kept in fixed point relative to its own size, 2^E pixels. */
+#include "fixed.h"
+#include "memory.h"
+#include "stage.h"
+
+#define NEAR_Q32 858993459                       /* 0.2 */
+#define DILATION_Q30 322122547u                  /* 0.3 pixels^2 */
+#define TENTH_Q60 (((uint64_t)1 << 60) / 10)
+#define CENTRE_LIMIT_Q14 ((int64_t)1 << 30)      /* 65536 pixels */
+#define EXPONENT_MAX 18                          /* sigma up to 2^18 pixels */
+
+/* Where a chunk lies for this camera: camera coordinates = (base + m code) * 2^-16, in units of 2^(shift - 32). */
+typedef struct chunk_view {
+    const fxs_chunk *chunk;
+    int64_t base_q16[3];
+    int64_t m_q16[3][3];           /* below 2^30 */
+    int shift;
+    int32_t near;
+} chunk_view;
+
+/* What is known of a Gaussian once its centre is projected. */
+typedef struct projected {
+    int32_t z;
+    int zeros;                     /* of z */
+    uint32_t inverse_q30;          /* 2^62 / (z << zeros) */
+    int32_t slope_q23[2];          /* x/z, y/z */
+    int32_t position_q14[2];       /* pixels, 0 at the centre of the first pixel */
+} projected;
+
+/* Sigma' / 4^E, Q30: [[a, b], [b, c]], and its determinant with and without the dilation, Q60. */
+typedef struct covariance {
+    uint32_t a_q30, c_q30;
+    int32_t b_q30;
+    uint64_t det_q60, det_undilated_q60;
+    int exponent;                  /* E */
+} covariance;
+
+static void chunk_view_init(chunk_view *cv, const fxs_view *view, const fxs_chunk *chunk)
+{
+    int64_t offset[3];
+    uint64_t most = 0;
+    for (int i = 0; i < 3; i++) {
+        offset[i] = chunk->origin_q32[i] - view->position_q32[i];
+        uint64_t reach = (uint64_t)(offset[i] < 0 ? -offset[i] : offset[i]) +
+                         ((uint64_t)chunk->step_q32[i] * 65535 << chunk->step_shift);
+        most |= reach;
+    }
+    int bits = most ? 64 - fxs_clz64(most) : 0;
+    cv->chunk = chunk;
+    cv->shift = bits > 29 ? bits - 29 : 0;       /* so |offset| + reach < 2^29 an axis */
+    cv->near = (int32_t)(NEAR_Q32 >> cv->shift);
+    for (int i = 0; i < 3; i++) {
+        int64_t base_q30 = 0;
+        for (int j = 0; j < 3; j++) {
+            int64_t r_q30 = view->rotation_q30[3 * i + j];
+            base_q30 += r_q30 * (offset[j] >> cv->shift);
+            cv->m_q16[i][j] = (r_q30 * chunk->step_q32[j] >> 14) * ((int64_t)1 << chunk->step_shift) >> cv->shift;
+        }
+        cv->base_q16[i] = base_q30 >> 14;
+    }
+}
+
+/* The farthest corner of the chunk's box is in front of the near plane. */
+static int chunk_in_front(const chunk_view *cv)
+{
+    int64_t z_q16 = cv->base_q16[2];
+    for (int j = 0; j < 3; j++)
+        z_q16 += cv->m_q16[2][j] > 0 ? cv->m_q16[2][j] * 65535 : 0;
+    return z_q16 >> 16 > cv->near;
+}
+
+/* Returns 0 behind the near plane, or where the centre is too far off the axis or the picture. */
+static int project_centre(projected *out, const fxs_view *view, const chunk_view *cv, const uint16_t code[3])
+{
+    int32_t camera[3];
+    for (int i = 0; i < 3; i++)
+        camera[i] = (int32_t)((cv->base_q16[i] + cv->m_q16[i][0] * code[0] + cv->m_q16[i][1] * code[1] +
+                               cv->m_q16[i][2] * code[2]) >> 16);
+    out->z = camera[2];
+    if (out->z <= cv->near)
+        return 0;
+    out->zeros = fxs_clz32((uint32_t)out->z);
+    out->inverse_q30 = fxs_reciprocal((uint32_t)out->z << out->zeros);
+    const int64_t f_q12[2] = {view->fx_q12, view->fy_q12}, c_q12[2] = {view->cx_q12, view->cy_q12};
+    for (int i = 0; i < 2; i++) {
+        if (camera[i] >= (int64_t)out->z * 64 || -camera[i] >= (int64_t)out->z * 64)
+            return 0;
+        int64_t slope = fxs_round_shift((int64_t)camera[i] * out->inverse_q30, 39 - out->zeros);
+        int64_t position = fxs_round_shift(f_q12[i] * slope, 21) + c_q12[i] * 4 - (1 << 13);
+        if (position >= CENTRE_LIMIT_Q14 || position <= -CENTRE_LIMIT_Q14)
+            return 0;
+        out->slope_q23[i] = (int32_t)slope;
+        out->position_q14[i] = (int32_t)position;
+    }
+    return 1;
+}
+
+/* Rows of the 2x3 matrix J W, over f/z 2^jacobian_exponent: row_i - slope_i * forward_i, Q15. */
+static void jacobian(int32_t j_q15[2][3], const fxs_view *view, const projected *centre)
+{
+    for (int i = 0; i < 2; i++) {
+        int32_t slope = fxs_clamp(centre->slope_q23[i], view->slope_low_q23[i], view->slope_high_q23[i]);
+        int32_t slope_q15 = (int32_t)fxs_round_shift(slope, 8 + view->jacobian_exponent);
+        for (int k = 0; k < 3; k++)
+            j_q15[i][k] = view->row_q15[i][k] - fxs_mul_q15(slope_q15, view->forward_q15[i][k]);
+    }
+}
+
+/* Smallest three: code c of 10 bits is (2 c - 1023) / 1023 / sqrt(2); the largest component is what is left of 1. */
+static void quaternion(int32_t q_q15[4], uint32_t word)
+{
+    int largest = (int)(word >> 30), shift = 20;
+    int32_t square_q30 = 0;
+    for (int i = 0; i < 4; i++) {
+        if (i == largest)
+            continue;
+        int32_t code = (int32_t)(word >> shift & 1023);
+        q_q15[i] = ((2 * code - 1023) * 23194 + 512) >> 10;
+        square_q30 += q_q15[i] * q_q15[i];
+        shift -= 10;
+    }
+    q_q15[largest] = (int32_t)fxs_sqrt(square_q30 < 1 << 30 ? (1u << 30) - (uint32_t)square_q30 : 0);
+}
+
+/* Rotation matrix of a unit quaternion w, x, y, z. */
+static void rotation(int32_t r_q15[3][3], const int32_t q[4])
+{
+    const int32_t w = q[0], x = q[1], y = q[2], z = q[3], half = 1 << 13;
+    r_q15[0][0] = 32768 - ((y * y + z * z + half) >> 14);
+    r_q15[0][1] = (x * y - w * z + half) >> 14;
+    r_q15[0][2] = (x * z + w * y + half) >> 14;
+    r_q15[1][0] = (x * y + w * z + half) >> 14;
+    r_q15[1][1] = 32768 - ((x * x + z * z + half) >> 14);
+    r_q15[1][2] = (y * z - w * x + half) >> 14;
+    r_q15[2][0] = (x * z - w * y + half) >> 14;
+    r_q15[2][1] = (y * z + w * x + half) >> 14;
+    r_q15[2][2] = 32768 - ((x * x + y * y + half) >> 14);
+}
+
+/* f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent, mantissa in [0.5, 1). sigma_max = 2^log2. */
+static uint32_t screen_size(const fxs_view *view, const chunk_view *cv, const projected *centre, int32_t log2_q16,
+                            int *exponent)
+{
+    int32_t whole = -(-log2_q16 >> 16);          /* ceil */
+    uint32_t size_q15 = (uint32_t)fxs_exp2_q15((-log2_q16 & 65535) >> 1);
+    uint32_t over_z_q30 = (uint32_t)((uint64_t)size_q15 * centre->inverse_q30 >> 15);
+    uint32_t mantissa = fxs_mulhi(over_z_q30, view->focal_q32);
+    int zeros = fxs_clz32(mantissa);
+    *exponent = whole - cv->shift + centre->zeros + view->focal_exponent + view->jacobian_exponent + 2 - zeros;
+    return mantissa << zeros;
+}
+
+/* The Gaussian's size cannot bring it onto the picture: sigma < 2^exponent, radius <= 3.34 sqrt(sigma^2 + 0.3). */
+static int off_picture(const fxs_view *view, const projected *centre, int exponent)
+{
+    int64_t radius_q14 = ((int64_t)14 << 12) * ((1 << (exponent > 0 ? exponent : 0)) + 1);
+    return centre->position_q14[0] + radius_q14 < 0 || centre->position_q14[1] + radius_q14 < 0 ||
+           centre->position_q14[0] - radius_q14 > (int64_t)view->tiles_x << 18 ||
+           centre->position_q14[1] - radius_q14 > (int64_t)view->tiles_y << 18;
+}
+
+static int32_t dot_q15(const int32_t a_q15[3], const int32_t b_q15[3])
+{
+    return (a_q15[0] * b_q15[0] + a_q15[1] * b_q15[1] + a_q15[2] * b_q15[2] + 16384) >> 15;
+}
+
+/* det(T T^T) = |t0 x t1|^2 and det(Sigma') = det(T T^T) + 0.3 (A + C) + 0.09 for undilated A, C: sums of positive terms, nothing
+   cancels. Entries of T are at most 1, so every product of two is at most 2^30. */
+static void covariance_of(covariance *out, int32_t t_q15[2][3], int exponent)
+{
+    const int32_t *p = t_q15[0], *q = t_q15[1];
+    uint32_t a = (uint32_t)(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+    uint32_t c = (uint32_t)(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
+    int64_t minor[3] = {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
+    uint32_t dilation = exponent < 14 ? DILATION_Q30 >> 2 * exponent : 1;
+    out->b_q30 = p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+    out->det_undilated_q60 = (uint64_t)(minor[0] * minor[0] + minor[1] * minor[1] + minor[2] * minor[2]);
+    out->det_q60 = out->det_undilated_q60 + (uint64_t)dilation * ((uint64_t)a + c + dilation);
+    out->a_q30 = a + dilation;
+    out->c_q30 = c + dilation;
+    out->exponent = exponent;
+}
+
+/* x^(-1/2) for x = m 2^-32 4^half: m 2^-32 in [1/4, 1). */
+typedef struct root {
+    uint32_t m, inverse_q30;       /* mantissa, and 1 / sqrt(m * 2^-32) */
+    int half;                      /* sqrt(x) = sqrt(m * 2^-32) * 2^half */
+} root;
+
+static root root_of(uint64_t x, int q)
+{
+    int zeros = fxs_clz64(x) & ~1;
+    uint32_t m = (uint32_t)(x << zeros >> 32);
+    return (root){m, fxs_rsqrt(m), (64 - zeros - q) / 2};
+}
+
+/* x * 2^-shift rounded to nearest, 0 where nothing is left. */
+static uint32_t scale_down(uint64_t x, int shift)
+{
+    return shift > 62 ? 0 : (uint32_t)fxs_round_shift((int64_t)x, shift);
+}
+
+/* sqrt(x) 2^exponent */
+static uint32_t sqrt_q8(root r, int exponent)
+{
+    return scale_down(fxs_mulhi(r.m, r.inverse_q30), 22 - r.half - exponent);
+}
+
+/* Whitened rows: v = dy / sqrt(C), u = (dx - (B / C) dy) / sqrt(A - B^2 / C). With D = det:
+   vy = 1 / sqrt(C), ux = sqrt(C / D), uy = -B / sqrt(C D); all at most 1 / sqrt(0.3) = 1.83. */
+static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, const projected *centre, uint32_t r_q12)
+{
+    const int e = s->exponent;
+    root c = root_of(s->c_q30, 30), d = root_of(s->det_q60, 60), a = root_of(s->a_q30, 30);
+    uint32_t root_c_q30 = fxs_mulhi(c.m, c.inverse_q30), root_d_q30 = fxs_mulhi(d.m, d.inverse_q30);
+    uint64_t inverse_q29 = (uint64_t)c.inverse_q30 * d.inverse_q30 >> 31;
+    splat->vy_q24 = (int32_t)scale_down(c.inverse_q30, 6 + c.half + e);
+    splat->ux_q24 = (int32_t)scale_down((uint64_t)root_c_q30 * d.inverse_q30 >> 30, 6 - c.half + d.half + e);
+    splat->uy_q24 = -(int32_t)fxs_round_shift(s->b_q30 * (int64_t)inverse_q29, 35 + c.half + d.half + e);
+
+    bounds->cx_q14 = centre->position_q14[0];
+    bounds->cy_q14 = centre->position_q14[1];
+    bounds->breadth_q8 = scale_down((uint64_t)root_d_q30 * c.inverse_q30 >> 30, 22 - d.half + c.half - e);
+    bounds->shear_q8 = (int32_t)fxs_round_shift((int64_t)s->b_q30 * c.inverse_q30, 52 + c.half - e);
+    bounds->half_width_q8 = (uint32_t)((uint64_t)sqrt_q8(a, e) * r_q12 >> 12);
+    bounds->radius = 0;
+
+    int64_t u_q38 = (int64_t)bounds->cx_q14 * splat->ux_q24 + (int64_t)bounds->cy_q14 * splat->uy_q24;
+    int64_t v_q38 = (int64_t)bounds->cy_q14 * splat->vy_q24;
+    splat->u0_q24 = (uint32_t)(-u_q38 >> 14) + (1 << 10);
+    splat->v0_q24 = (uint32_t)(-v_q38 >> 14) + (1 << 10);
+}
+
+/* Rows and columns that the ellipse of radius r can touch, a margin of 1/8 pixel and 1/128 of the size around it.
+   Returns 0 where it misses the picture. */
+static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const covariance *s, uint32_t r_q12)
+{
+    int64_t half_height_q8 = (int64_t)((uint64_t)sqrt_q8(root_of(s->c_q30, 30), s->exponent) * r_q12 >> 12);
+    int64_t half_width_q8 = bounds->half_width_q8 + (bounds->half_width_q8 >> 7) + 32;
+    half_height_q8 += (half_height_q8 >> 7) + 32;
+    bounds->half_width_q8 = (uint32_t)half_width_q8;
+    int64_t cx_q8 = bounds->cx_q14 >> 6, cy_q8 = bounds->cy_q14 >> 6;
+    int64_t first = (cy_q8 - half_height_q8 + 255) >> 8, last = (cy_q8 + half_height_q8) >> 8;
+    if (cx_q8 + half_width_q8 < 0 || cx_q8 - half_width_q8 > (int64_t)(view->width - 1) << 8 || last < 0 ||
+        first >= view->height || first > last)
+        return 0;
+    splat->first_row = (uint16_t)(first < 0 ? 0 : first);
+    splat->last_row = (uint16_t)(last >= view->height ? view->height - 1 : last);
+    return 1;
+}
+
+/* The square of Kerbl et al. 2023 (code): radius = ceil(3 sqrt(lambda)), lambda = mid + sqrt(max(0.1, mid^2 - det)). Returns 0 where
+   the square misses the picture. */
+static int square(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const covariance *s)
+{
+    uint64_t mid_q30 = ((uint64_t)s->a_q30 + s->c_q30) / 2;
+    uint64_t least_q60 = s->exponent < 15 ? TENTH_Q60 >> 4 * s->exponent : 1;
+    int64_t spread_q60 = (int64_t)(mid_q30 * mid_q30 - s->det_q60);
+    root spread = root_of(spread_q60 < (int64_t)least_q60 ? least_q60 : (uint64_t)spread_q60, 60);
+    uint64_t lambda_q30 = mid_q30 + ((uint64_t)fxs_mulhi(spread.m, spread.inverse_q30) << 1 >> (1 - spread.half));
+    uint32_t sigma_q8 = sqrt_q8(root_of(lambda_q30, 30), s->exponent);
+    bounds->radius = (uint32_t)((3 * (uint64_t)sigma_q8 + 255) >> 8);
+    int64_t x = bounds->cx_q14, y = bounds->cy_q14, radius_q14 = (int64_t)bounds->radius << 14;
+    splat->first_row = 0;
+    splat->last_row = (uint16_t)(view->height - 1);
+    return x + radius_q14 + (15 << 14) >= 16 << 14 && y + radius_q14 + (15 << 14) >= 16 << 14 &&
+           x - radius_q14 < (int64_t)view->tiles_x << 18 && y - radius_q14 < (int64_t)view->tiles_y << 18;
+}
+
+/* Size, shape and opacity, once the centre is known. Returns 0 for a Gaussian that touches no pixel. */
+static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const chunk_view *cv,
+                         const projected *centre, uint32_t scale_word, uint32_t rotation_word)
+{
+    int32_t log2_q16[3], q_q15[4], r_q15[3][3], j_q15[2][3], t_q15[2][3], most = INT32_MIN;
+    for (int i = 0; i < 3; i++) {
+        int64_t step = (int64_t)cv->chunk->scale_step_q20 * (scale_word >> 10 * i & 1023);
+        log2_q16[i] = cv->chunk->scale_q16 + (int32_t)((step + 8) >> 4);
+        most = log2_q16[i] > most ? log2_q16[i] : most;
+    }
+    int size_exponent;
+    uint32_t size_q32 = screen_size(view, cv, centre, most, &size_exponent);
+    if (size_exponent > EXPONENT_MAX || off_picture(view, centre, size_exponent))
+        return 0;
+    int exponent = size_exponent > 0 ? size_exponent : 0;
+    jacobian(j_q15, view, centre);
+    quaternion(q_q15, rotation_word);
+    rotation(r_q15, q_q15);
+    for (int i = 0; i < 3; i++) {
+        const int32_t column[3] = {r_q15[0][i], r_q15[1][i], r_q15[2][i]};
+        int32_t below_q16 = most - log2_q16[i];
+        uint32_t ratio_q15 = (uint32_t)fxs_exp2_q15((below_q16 & 65535) >> 1);
+        int32_t k_q15 = (int32_t)scale_down((uint64_t)ratio_q15 * size_q32,
+                                            32 + exponent - size_exponent + (below_q16 >> 16));
+        t_q15[0][i] = fxs_mul_q15(dot_q15(j_q15[0], column), k_q15);
+        t_q15[1][i] = fxs_mul_q15(dot_q15(j_q15[1], column), k_q15);
+    }
+    covariance s;
+    covariance_of(&s, t_q15, exponent);
+
+    int32_t offset_q11 = splat->offset_q11;
+    if (view->antialiased) {       /* opacity *= sqrt(det undilated / det), so -2 ln gains ln(det / det undilated) */
+        if (!s.det_undilated_q60)
+            return 0;
+        int32_t log2 = fxs_log2_q16(s.det_q60) - fxs_log2_q16(s.det_undilated_q60);
+        offset_q11 += (int32_t)(((int64_t)log2 * 45426 + (1 << 20)) >> 21);   /* ln 2 = 45426 * 2^-16 */
+    }
+    if (offset_q11 > FXS_FAINT_Q11)
+        return 0;
+    splat->offset_q11 = (uint16_t)offset_q11;
+    uint32_t r2_q11 = (uint32_t)(fxs_limit_q11(offset_q11, FXS_CUT_Q11) - offset_q11);
+    if (view->square)
+        r2_q11 = (uint32_t)(FXS_FAINT_Q11 - offset_q11);
+    uint32_t r_q12 = fxs_sqrt(r2_q11 << 13) + 1;
+    whiten(splat, bounds, &s, centre, r_q12);
+    return view->square ? square(splat, bounds, view, &s) : clip(splat, bounds, view, &s, r_q12);
+}
+
+/* -2 ln(code / 255), Q11; code 0 is never drawn. */
+static const uint16_t offset_of_code_q11[256] = {
+#include "opacity.inc"
+};
+
+/* Depth in an order-keeping 32 bits: exponent in 6, mantissa in 26. z > 0.2, so the exponent is at least -3. */
+static uint32_t depth_key(const chunk_view *cv, const projected *centre)
+{
+    uint32_t exponent = (uint32_t)(cv->shift - centre->zeros - 1 + 4);
+    return exponent << 26 | (((uint32_t)centre->z << centre->zeros) >> 5 & 0x3ffffff);
+}
+
+uint32_t fxs_project_c(const fxs_view *view, const unsigned char *chunk, uint32_t first_index, fxs_splat *splats,
+                       fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
+{
+    const uint16_t *position = (const uint16_t *)(const void *)(chunk + FXS_CHUNK_POSITION);
+    const uint32_t *rotation_word = (const uint32_t *)(const void *)(chunk + FXS_CHUNK_ROTATION);
+    const uint32_t *scale_word = (const uint32_t *)(const void *)(chunk + FXS_CHUNK_SCALE);
+    const uint32_t *colour_word = (const uint32_t *)(const void *)(chunk + FXS_CHUNK_COLOUR);
+    chunk_view cv;
+    uint32_t count = 0;
+    chunk_view_init(&cv, view, (const fxs_chunk *)(const void *)chunk);
+    if (!chunk_in_front(&cv))
+        return 0;
+    for (uint32_t i = 0; i < FXS_CHUNK; i++) {
+        const uint16_t code[3] = {position[i], position[FXS_CHUNK + i], position[2 * FXS_CHUNK + i]};
+        projected centre;
+        uint32_t opacity = colour_word[i] >> 24;
+        if (!opacity || !project_centre(&centre, view, &cv, code))
+            continue;
+        splats[count].offset_q11 = offset_of_code_q11[opacity];
+        if (!project_shape(&splats[count], &bounds[count], view, &cv, &centre, scale_word[i], rotation_word[i]))
+            continue;
+        indices[count] = first_index + i;
+        depths[count++] = depth_key(&cv, &centre);
+    }
+    return count;
+}

@@ -1,0 +1,127 @@
+/* The stages of a frame: what they hand to each other, and the table through which a faster version replaces the C one. */
+#ifndef FXS_STAGE_H
+#define FXS_STAGE_H
+
+#include <stdint.h>
+
+#include "fixsplat.h"
+#include "packed.h"
+
+#define FXS_FN static inline
+#include "pixel.h"
+
+#define FXS_TILE 16
+#define FXS_TILE_PIXELS (FXS_TILE * FXS_TILE)
+
+/* In a tile list, with the square cut-off: the tile is in the square, the ellipse does not touch it. */
+#define FXS_ENTRY_FAR 0x80000000u
+/* Whitened coordinate of the corner of such a tile: over the tile it stays beyond +-4 and within +-128. */
+#define FXS_FAR_Q24 (70 << 24)
+
+/* A camera made ready for a scene, once a frame. */
+typedef struct fxs_view {
+    int32_t width, height, tiles_x, tiles_y;
+    int64_t position_q32[3];
+    int32_t rotation_q30[9];
+    int64_t fx_q12, fy_q12, cx_q12, cy_q12;
+    uint32_t focal_q32;            /* max(fx, fy) = focal * 2^focal_exponent, focal in [0.5, 1) */
+    int32_t focal_exponent;
+    int32_t slope_low_q23[2], slope_high_q23[2];   /* x/z and y/z are cut to these in the Jacobian */
+    int32_t jacobian_exponent;     /* 2^jacobian_exponent >= length of a row (1, 0, -x/z) of the Jacobian, times z / f */
+    int32_t row_q15[2][3];         /* first and second row of f'/f * rotation * 2^-jacobian_exponent */
+    int32_t forward_q15[2][3];     /* f'/f * third row of the rotation */
+    int32_t cut_q11;               /* for fxs_limit_q11 */
+    int sh_degree, antialiased;
+    int square;                    /* the square cut-off */
+} fxs_view;
+
+/* A projected Gaussian, as the blend stage reads it: 32 bytes. u = u0 + X ux + Y uy, v = v0 + Y vy for the pixel (X, Y), all
+   modulo 2^32: right wherever |u|, |v| < 128, which holds in every tile that the ellipse touches. */
+typedef struct fxs_splat {
+    uint32_t u0_q24, v0_q24;       /* plus 2^10, so that a shift by 11 rounds */
+    int32_t ux_q24, uy_q24, vy_q24;
+    uint16_t offset_q11;           /* -2 ln(opacity), 0 to 22697 */
+    int16_t colour_q13[3];         /* 0 to 4 */
+    uint16_t first_row, last_row;  /* pixel rows that the ellipse can touch */
+} fxs_splat;
+
+/* The same Gaussian, as the bin stage reads it: x = cx + shear v + breadth sqrt(r^2 - v^2) bounds the ellipse at v. */
+typedef struct fxs_bounds {
+    int32_t cx_q14, cy_q14;        /* centre, in pixels, 0 at the centre of the first pixel */
+    uint32_t breadth_q8;           /* sqrt(A - B^2 / C), pixels */
+    int32_t shear_q8;              /* B / sqrt(C) */
+    uint32_t half_width_q8;        /* r sqrt(A) */
+    uint32_t radius;               /* square cut-off: ceil(3 sigma_max), pixels; else 0 */
+} fxs_bounds;
+
+/* What a sort moves: depth above, slot below. */
+typedef uint64_t fxs_key;
+#define FXS_KEY(depth, slot) ((fxs_key)(depth) << 32 | (slot))
+#define FXS_KEY_SLOT(key) ((uint32_t)(key))
+
+/* The pixels of one tile, while it is blended. */
+typedef struct fxs_tile {
+    int16_t transmittance_q15[FXS_TILE_PIXELS];
+    int16_t sum_q13[3][FXS_TILE_PIXELS];
+} fxs_tile;
+
+/* A stage's job on one chunk, or on one tile. */
+typedef struct fxs_kernels {
+    const char *name[FXS_STAGES];  /* version of each stage: "c", "avx2", ... */
+
+    /* Projects the Gaussians of a chunk. Those that can touch a pixel are appended: splats (but for the colour), bounds,
+       index in the scene, depth key. Returns their number, at most 256. */
+    uint32_t (*project)(const fxs_view *view, const unsigned char *chunk, uint32_t first_index, fxs_splat *splats,
+                        fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
+
+    /* Fills in the colour of `count` splats of one chunk; indices ascend. */
+    void (*shade)(const fxs_view *view, const unsigned char *chunk, const uint32_t *indices, uint32_t count,
+                  fxs_splat *splats);
+
+    /* Blends a list of splats, near to far, into a tile at pixel (x, y). */
+    void (*blend)(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
+                  uint32_t count, fxs_tile *tile);
+
+    /* Writes `columns` x `rows` pixels of a tile. */
+    void (*resolve)(const fxs_options *options, const fxs_tile *tile, int32_t columns, int32_t rows,
+                    unsigned char *pixels, ptrdiff_t stride);
+} fxs_kernels;
+
+/* ---- The C versions -------------------------------------------------------------------------------------------- */
+
+extern const fxs_kernels fxs_kernels_c;
+
+uint32_t fxs_project_c(const fxs_view *view, const unsigned char *chunk, uint32_t first_index, fxs_splat *splats,
+                       fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
+void fxs_shade_c(const fxs_view *view, const unsigned char *chunk, const uint32_t *indices, uint32_t count,
+                 fxs_splat *splats);
+void fxs_blend_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
+                 uint32_t count, fxs_tile *tile);
+void fxs_resolve_c(const fxs_options *options, const fxs_tile *tile, int32_t columns, int32_t rows,
+                   unsigned char *pixels, ptrdiff_t stride);
+
+/* fxs_blend_c that counts: see fxs_count_pairs. */
+void fxs_blend_count(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
+                     uint32_t count, fxs_tile *tile, uint64_t *evaluated, uint64_t *blended);
+
+/* Prepares the camera. Returns 0 or an FXS_ERR_*. */
+int fxs_view_init(fxs_view *view, const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options);
+
+/* Sorts keys by depth, ties by slot (they arrive in the order of their slots). `spare` has room for as many.
+   Returns where the result is: keys or spare. */
+fxs_key *fxs_sort(fxs_key *keys, fxs_key *spare, uint32_t count);
+
+/* The tiles of the tile row `row` that a splat is listed in: first to last; first > last where there are none. */
+typedef struct fxs_span {
+    int32_t first, last;
+} fxs_span;
+
+/* Adds 1 to counts[tile] for every tile each splat is listed in. keys: sorted, `count` of them. */
+void fxs_bin_count(const fxs_view *view, const fxs_key *keys, uint32_t count, const fxs_splat *splats,
+                   const fxs_bounds *bounds, uint32_t *counts);
+
+/* Writes the lists of tiles first_tile to last_tile: for each such tile a splat is in, entries[next[tile]++] = slot. */
+void fxs_bin_fill(const fxs_view *view, const fxs_key *keys, uint32_t count, const fxs_splat *splats,
+                  const fxs_bounds *bounds, int32_t first_tile, int32_t last_tile, uint32_t *next, uint32_t *entries);
+
+#endif

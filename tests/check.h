@@ -1,0 +1,32 @@
+/* The smallest test harness: RUN(test) counts a test as failed when a CHECK in it failed, as skipped when it called SKIP. */
+#ifndef CHECK_H
+#define CHECK_H
+
+#include <stdio.h>
+
+static int check_passed, check_failed, check_skipped;   /* tests */
+static int check_faults, check_skips;                   /* in the running test */
+
+#define CHECK(condition) \
+    ((condition) ? 1 : (check_faults++, printf("  %s:%d: not so: %s\n", __FILE__, __LINE__, #condition), 0))
+
+/* Leaves the test, saying why it could not run here. */
+#define SKIP(reason) do { printf("  skipped: %s\n", reason); check_skips++; return; } while (0)
+
+#define RUN(test) do { \
+        check_faults = check_skips = 0; \
+        test(); \
+        if (check_faults) { check_failed++; printf("FAIL %s\n", #test); } \
+        else if (check_skips) { check_skipped++; printf("skip %s\n", #test); } \
+        else { check_passed++; printf("ok   %s\n", #test); } \
+        fflush(stdout); \
+    } while (0)
+
+/* The last line of a test program; tests/run.sh adds these up. Returns the exit status. */
+static int check_report(void)
+{
+    printf("%d passed, %d failed, %d skipped\n", check_passed, check_failed, check_skipped);
+    return check_failed != 0;
+}
+
+#endif
