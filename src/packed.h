@@ -34,8 +34,8 @@ typedef struct fxs_chunk {           /* 128 bytes */
     int64_t origin_q32[3];           /* position = origin + (code * step << step_shift), within +-2^28 units */
     uint32_t step_q32[3];
     uint32_t step_shift;             /* 0 to 12 */
-    int32_t scale_q16;               /* log2(sigma) = scale + code * scale_step, within +-32 */
-    uint32_t scale_step_q20;
+    int32_t scale_q16;               /* log2(sigma) = scale - code^2 * scale_step, within +-32: large sigmas, which */
+    uint32_t scale_step_q24;         /* cover many pixels, get the fine steps; at most 1026 */
     int32_t colour_q16[3];           /* 0.5 + C0 dc = colour + code * colour_step, within +-64 */
     uint32_t colour_step_q20[3];
     uint32_t sh_step_q19[3];         /* a coefficient of degree d is code * sh_step[d - 1]; at most 32767 */

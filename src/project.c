@@ -274,8 +274,8 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
 {
     int32_t log2_q16[3], q_q15[4], r_q15[3][3], j_q15[2][3], t_q15[2][3], most = INT32_MIN;
     for (int i = 0; i < 3; i++) {
-        int64_t step = (int64_t)cv->chunk->scale_step_q20 * (scale_word >> 10 * i & 1023);
-        log2_q16[i] = cv->chunk->scale_q16 + (int32_t)((step + 8) >> 4);
+        uint32_t code = scale_word >> 10 * i & 1023;
+        log2_q16[i] = cv->chunk->scale_q16 - (int32_t)((code * code * cv->chunk->scale_step_q24 + 128) >> 8);
         most = log2_q16[i] > most ? log2_q16[i] : most;
     }
     int size_exponent;

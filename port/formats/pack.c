@@ -247,8 +247,8 @@ static void write_header(fxs_chunk *chunk, const chunk_ranges *r)
         most = fmax(most, (double)r->position[i].high - r->position[i].low);
     while (ldexp(most, 32 - (int)chunk->step_shift) / 65535 > 4294967294.0)
         chunk->step_shift++;
-    chunk->scale_q16 = (int32_t)floor(ldexp(r->scale.low, 16));
-    chunk->scale_step_q20 = step_for(r->scale.high - ldexp(chunk->scale_q16, -16), 1023, 20);
+    chunk->scale_q16 = (int32_t)ceil(ldexp(r->scale.high, 16));
+    chunk->scale_step_q24 = step_for(ldexp(chunk->scale_q16, -16) - r->scale.low, 1023 * 1023, 24);
     for (int i = 0; i < 3; i++) {
         chunk->origin_q32[i] = (int64_t)floor(ldexp(r->position[i].low, 32));
         chunk->step_q32[i] = step_for(r->position[i].high - ldexp((double)chunk->origin_q32[i], -32), 65535,
@@ -290,6 +290,16 @@ static uint32_t encode(double x, double low, double step, int codes, double *lar
     code = code < 0 ? 0 : code > codes ? codes : code;
     note_error(largest, low + code * step - x);
     return (uint32_t)code;
+}
+
+/* Nearest code with log2(sigma) = high - code^2 step. */
+static uint32_t encode_scale(double x, double high, double step, double *largest)
+{
+    double code = step > 0 ? floor(sqrt(fmax(0, (high - x) / step))) : 0;
+    double above = high - code * code * step - x, below = x - (high - (code + 1) * (code + 1) * step);
+    code += code < 1023 && step > 0 && below < above;
+    note_error(largest, high - code * code * step - x);
+    return (uint32_t)fmin(code, 1023);
 }
 
 /* Smallest three: the largest component is left out, the others are in +-1/sqrt(2), 10 bits each. */
@@ -359,8 +369,8 @@ static void write_codes(packer *p, uint64_t index, const fxs_gaussian *g)
         position[i * FXS_CHUNK + (int)at] = (uint16_t)encode(
             g->position[i], ldexp((double)chunk->origin_q32[i], -32),
             ldexp(chunk->step_q32[i], (int)chunk->step_shift - 32), 65535, &largest->position);
-        scale_word |= encode(log2_scale(g, i), ldexp(chunk->scale_q16, -16), ldexp(chunk->scale_step_q20, -20), 1023,
-                             &scale_error) << 10 * i;
+        scale_word |= encode_scale(log2_scale(g, i), ldexp(chunk->scale_q16, -16), ldexp(chunk->scale_step_q24, -24),
+                                   &scale_error) << 10 * i;
     }
     note_error(&largest->scale, scale_error / LOG2_E);
     rotation[at] = encode_rotation(g->rotation, &largest->rotation);

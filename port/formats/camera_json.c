@@ -1,0 +1,183 @@
+/* cameras.json of the Inria 3D Gaussian splatting code, and transforms.json of nerfstudio and Blender. */
+#include "camera_internal.h"
+
+#ifdef FXS_WITH_CJSON
+
+#include <math.h>
+#include <string.h>
+
+#include <cjson/cJSON.h>
+
+/* The number of that name; INFINITY where it is something else. */
+static double number(const cJSON *object, const char *name, double absent)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
+    return !item ? absent : cJSON_IsNumber(item) ? item->valuedouble : INFINITY;
+}
+
+static const char *string(const cJSON *object, const char *name)
+{
+    return cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(object, name));
+}
+
+/* 1 where the array holds exactly these many numbers. */
+static int numbers(const cJSON *array, double *out, int count)
+{
+    const cJSON *item;
+    if (!cJSON_IsArray(array) || cJSON_GetArraySize(array) != count)
+        return 0;
+    cJSON_ArrayForEach(item, array) {
+        if (!cJSON_IsNumber(item))
+            return 0;
+        *out++ = item->valuedouble;
+    }
+    return 1;
+}
+
+/* 1 where the array holds size rows of size numbers. */
+static int matrix(const cJSON *array, double *out, int size)
+{
+    const cJSON *row;
+    if (!cJSON_IsArray(array) || cJSON_GetArraySize(array) != size)
+        return 0;
+    cJSON_ArrayForEach(row, array) {
+        if (!numbers(row, out, size))
+            return 0;
+        out += size;
+    }
+    return 1;
+}
+
+/* rotation holds the camera's axes as columns: camera to world. */
+static int read_inria_view(fxs_view_list *list, const cJSON *item)
+{
+    fxs_file_view *view = fxs_view_add(list, string(item, "img_name"));
+    double width = number(item, "width", 0), height = number(item, "height", 0), r[9];
+    if (!view)
+        return -1;
+    if (!numbers(cJSON_GetObjectItemCaseSensitive(item, "position"), view->position, 3))
+        return fxs_view_fault(list, "\"position\" is not three numbers");
+    if (!matrix(cJSON_GetObjectItemCaseSensitive(item, "rotation"), r, 3))
+        return fxs_view_fault(list, "\"rotation\" is not three rows of three numbers");
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            view->rotation[3 * i + j] = r[3 * j + i];
+    view->fx = number(item, "fx", 0);
+    view->fy = number(item, "fy", 0);
+    view->cx = width / 2;
+    view->cy = height / 2;
+    return fxs_view_finish(list, width, height);
+}
+
+/* As in the file, NAN where absent. */
+typedef struct intrinsics {
+    double w, h, fl_x, fl_y, cx, cy, camera_angle_x, camera_angle_y;
+} intrinsics;
+
+static intrinsics read_intrinsics(const cJSON *object)
+{
+    return (intrinsics){number(object, "w", NAN), number(object, "h", NAN),
+                        number(object, "fl_x", NAN), number(object, "fl_y", NAN),
+                        number(object, "cx", NAN), number(object, "cy", NAN),
+                        number(object, "camera_angle_x", NAN), number(object, "camera_angle_y", NAN)};
+}
+
+static double first(double a, double b)
+{
+    return isnan(a) ? b : a;
+}
+
+static double focal_length(double length, double angle, double size)
+{
+    if (!isnan(length) || isnan(angle))
+        return length;
+    return angle > 0 && angle < 3.14159 ? size / (2 * tan(angle / 2)) : 0;
+}
+
+/* A frame's own intrinsics go before those of the file. */
+static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics *file)
+{
+    fxs_file_view *view = fxs_view_add(list, string(frame, "file_path"));
+    intrinsics own = read_intrinsics(frame);
+    double m[16], width = first(own.w, file->w), height = first(own.h, file->h);
+    if (!view)
+        return -1;
+    if (isnan(width) && isnan(height))
+        width = height = 800;   /* Blender's synthetic scenes do not say it */
+    if (!matrix(cJSON_GetObjectItemCaseSensitive(frame, "transform_matrix"), m, 4))
+        return fxs_view_fault(list, "\"transform_matrix\" is not four rows of four numbers");
+    if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1)
+        return fxs_view_fault(list, "the last row of \"transform_matrix\" is not 0 0 0 1");
+    /* camera to world with y up and z back: the columns are x, -y, -z and the centre */
+    for (int i = 0; i < 3; i++) {
+        view->rotation[i] = m[4 * i];
+        view->rotation[3 + i] = -m[4 * i + 1];
+        view->rotation[6 + i] = -m[4 * i + 2];
+        view->position[i] = m[4 * i + 3];
+    }
+    view->fx = first(focal_length(own.fl_x, own.camera_angle_x, width),
+                     focal_length(file->fl_x, file->camera_angle_x, width));
+    view->fy = first(focal_length(own.fl_y, own.camera_angle_y, height),
+                     focal_length(file->fl_y, file->camera_angle_y, height));
+    view->fy = first(view->fy, view->fx);
+    view->cx = first(first(own.cx, file->cx), width / 2);
+    view->cy = first(first(own.cy, file->cy), height / 2);
+    return fxs_view_finish(list, width, height);
+}
+
+/* The models whose pinhole part is close to the truth. Small distortions k1 to k4, p1 and p2 are ignored: nerfstudio
+   writes them with nearly every capture. */
+static int perspective(const char *model)
+{
+    static const char *const models[] = {"SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV"};
+    for (size_t i = 0; i < sizeof models / sizeof *models; i++)
+        if (!strcmp(model, models[i]))
+            return 1;
+    return 0;
+}
+
+static int read_transforms(fxs_view_list *list, const cJSON *root, const cJSON *frames)
+{
+    const char *model = string(root, "camera_model");
+    intrinsics file = read_intrinsics(root);
+    if (model && !perspective(model))
+        return fxs_fail(list->message, "%s: camera_model is not a perspective one; undistort the images", list->path);
+    const cJSON *frame;
+    cJSON_ArrayForEach(frame, frames)
+        if (read_frame(list, frame, &file))
+            return -1;
+    return 0;
+}
+
+static int read_root(fxs_view_list *list, const cJSON *root)
+{
+    const cJSON *frames = cJSON_GetObjectItemCaseSensitive(root, "frames"), *item;
+    if (cJSON_IsArray(frames))
+        return read_transforms(list, root, frames);
+    if (!cJSON_IsArray(root))
+        return fxs_fail(list->message, "%s: neither an array of cameras nor an object with \"frames\"", list->path);
+    cJSON_ArrayForEach(item, root)
+        if (read_inria_view(list, item))
+            return -1;
+    return 0;
+}
+
+int fxs_camera_json_parse(fxs_view_list *list, const fxs_text *json)
+{
+    const char *end = json->data;
+    cJSON *root = cJSON_ParseWithLengthOpts(json->data, json->size + 1, &end, 1);
+    if (!root)
+        return fxs_fail(list->message, "%s: not a camera file: bad JSON at byte %td", list->path, end - json->data);
+    int status = read_root(list, root);
+    cJSON_Delete(root);
+    return status;
+}
+
+#else
+
+int fxs_camera_json_parse(fxs_view_list *list, const fxs_text *json)
+{
+    return fxs_fail(list->message, "%s: cannot read JSON cameras: built without cJSON", json->path);
+}
+
+#endif

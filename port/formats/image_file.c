@@ -1,0 +1,164 @@
+#include "image_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+#define MAX_SIZE 16384
+#define MAX_READ_PIXELS (1 << 26)
+#define MAX_PNG_BYTES (1 << 29)   /* stb_image_write counts in int and doubles its buffer */
+
+#if defined(__GNUC__)
+#pragma GCC diagnostic ignored "-Wunused-function"   /* gcc says it at the end of the file */
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wsign-conversion"
+#pragma GCC diagnostic ignored "-Wshadow"
+#endif
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_PNG
+#define STBI_ONLY_PNM
+#define STBI_MAX_DIMENSIONS MAX_SIZE
+#include <stb/stb_image.h>
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC
+#define STBI_WRITE_NO_STDIO
+#include <stb/stb_image_write.h>
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
+
+enum { UNKNOWN, PNG, PPM, RAW };
+
+static int format_of(const char *path)
+{
+    static const char *const endings[] = {[PNG] = ".png", [PPM] = ".ppm", [RAW] = ".raw"};
+    const char *dot = strrchr(path, '.');
+    for (int format = PNG; dot && format <= RAW; format++)
+        if (!strcasecmp(dot, endings[format]))
+            return format;
+    return UNKNOWN;
+}
+
+int fxs_image_file_known(const char *path)
+{
+    return format_of(path) != UNKNOWN;
+}
+
+static void write_bytes(void *file, void *data, int size)
+{
+    fwrite(data, 1, (size_t)size, file);   /* ferror tells later */
+}
+
+static int opaque(const uint8_t *rgba, size_t pixels)
+{
+    for (size_t i = 0; i < pixels; i++)
+        if (rgba[4 * i + 3] != 255)
+            return 0;
+    return 1;
+}
+
+/* Writes the pixels, in which the caller looks for errors of the stream; -1 when out of memory. */
+static int write_pixels(FILE *file, int format, const uint8_t *rgba, int width, int height)
+{
+    size_t pixels = (size_t)width * (size_t)height;
+    if (format == RAW) {
+        fwrite(rgba, 4, pixels, file);
+        return 0;
+    }
+    if (format == PNG && !opaque(rgba, pixels))
+        return stbi_write_png_to_func(write_bytes, file, width, height, 4, rgba, 4 * width) ? 0 : -1;
+    uint8_t *rgb = malloc(3 * pixels);
+    if (!rgb)
+        return -1;
+    for (size_t i = 0; i < pixels; i++)
+        memcpy(rgb + 3 * i, rgba + 4 * i, 3);
+    int written = 1;
+    if (format == PNG)
+        written = stbi_write_png_to_func(write_bytes, file, width, height, 3, rgb, 3 * width);
+    else if (fprintf(file, "P6\n%d %d\n255\n", width, height) > 0)
+        fwrite(rgb, 3, pixels, file);
+    free(rgb);
+    return written ? 0 : -1;
+}
+
+/* A new file in the folder of `path`, so that it can be renamed to it. The caller frees *name. */
+static FILE *create_beside(const char *path, char **name)
+{
+    const char *slash = strrchr(path, '/');
+    int folder = slash ? (int)(slash + 1 - path) : 0, descriptor = -1;
+    size_t room = (size_t)folder + 64;
+    *name = malloc(room);
+    if (!*name)
+        return NULL;
+    for (int i = 0; i < 100 && descriptor < 0; i++) {
+        snprintf(*name, room, "%.*s.fixsplat-%ld-%d.tmp", folder, path, (long)getpid(), i);
+        descriptor = open(*name, O_WRONLY | O_CREAT | O_EXCL, 0666);
+        if (descriptor < 0 && errno != EEXIST)
+            break;
+    }
+    FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
+    if (!file && descriptor >= 0) {
+        close(descriptor);
+        remove(*name);
+    }
+    return file;
+}
+
+/* Returns 0 or an errno. */
+static int write_and_rename(const char *path, int format, const uint8_t *rgba, int width, int height)
+{
+    char *name;
+    FILE *file = create_beside(path, &name);
+    int error = errno;
+    if (file) {
+        errno = 0;
+        error = write_pixels(file, format, rgba, width, height) ? ENOMEM : 0;
+        if (ferror(file) && !error)
+            error = errno ? errno : EIO;
+        if (fclose(file) && !error)
+            error = errno;
+        if (!error && rename(name, path))
+            error = errno;
+        if (error)
+            remove(name);
+    }
+    free(name);
+    return error;
+}
+
+int fxs_image_file_write(const char *path, const uint8_t *rgba, int width, int height, fxs_message *message)
+{
+    int format = format_of(path);
+    if (format == UNKNOWN)
+        return fxs_fail(message, "%s: unknown ending of an image; known are .png, .ppm and .raw", path);
+    if (width < 1 || height < 1 || width > MAX_SIZE || height > MAX_SIZE)
+        return fxs_fail(message, "%s: cannot write an image of %d x %d", path, width, height);
+    if (format == PNG && (int64_t)width * height * 4 > MAX_PNG_BYTES)
+        return fxs_fail(message, "%s: %d x %d is too large for .png here; .ppm and .raw can hold it", path, width,
+                        height);
+    int error = write_and_rename(path, format, rgba, width, height);
+    return error ? fxs_fail(message, "%s: cannot be written: %s", path, strerror(error)) : 0;
+}
+
+int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_message *message)
+{
+    int channels;
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return fxs_fail(message, "%s: %s", path, strerror(errno));
+    *rgba = NULL;
+    if (!stbi_info_from_file(file, width, height, &channels))
+        fxs_fail(message, "%s: not a .png or .ppm: %s", path, ferror(file) ? strerror(errno) : stbi_failure_reason());
+    else if ((int64_t)*width * *height > MAX_READ_PIXELS)
+        fxs_fail(message, "%s: %d x %d is more than %d pixels", path, *width, *height, MAX_READ_PIXELS);
+    else if (!(*rgba = stbi_load_from_file(file, width, height, &channels, 4)))
+        fxs_fail(message, "%s: %s", path, ferror(file) ? strerror(errno) : stbi_failure_reason());
+    fclose(file);
+    return *rgba ? 0 : -1;
+}

@@ -1,0 +1,86 @@
+#include "scene_file.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "scene_format.h"
+
+struct fxs_scene_file {
+    fxs_scene_source source;
+    const fxs_scene_format *format;
+    void *reader;   /* the format's own */
+};
+
+static const fxs_scene_format *format_of(const char *head, size_t size)
+{
+    if (size >= 3 && memcmp(head, "ply", 3) == 0)
+        return &fxs_scene_ply;
+    return NULL;
+}
+
+static int open_source(fxs_scene_source *source, const char *path, fxs_message *message)
+{
+    struct stat status;
+    source->path = strdup(path);
+    if (!source->path)
+        return fxs_fail(message, "%s: out of memory", path);
+    source->stream = fopen(path, "rb");
+    if (!source->stream || fstat(fileno(source->stream), &status) != 0)
+        return fxs_fail(message, "%s: %s", path, strerror(errno));
+    if (!S_ISREG(status.st_mode))
+        return fxs_fail(message, "%s: not a regular file", path);
+    source->size = (uint64_t)status.st_size;
+    setvbuf(source->stream, NULL, _IONBF, 0);
+    return 0;
+}
+
+static int open_file(fxs_scene_file *file, const char *path, fxs_scene_file_info *info, fxs_message *message)
+{
+    char head[16];
+    if (open_source(&file->source, path, message) != 0)
+        return -1;
+    size_t size = fread(head, 1, sizeof head, file->source.stream);
+    if (ferror(file->source.stream) || fseeko(file->source.stream, 0, SEEK_SET) != 0)
+        return fxs_fail(message, "%s: %s", path, strerror(errno));
+    file->format = format_of(head, size);
+    if (!file->format)
+        return fxs_fail(message, "%s: not a scene file of a known format (.ply)", path);
+    info->format = file->format->name;
+    return file->format->open(&file->source, &file->reader, info, message);
+}
+
+int fxs_scene_file_open(const char *path, fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message)
+{
+    *file = calloc(1, sizeof **file);
+    if (!*file)
+        return fxs_fail(message, "%s: out of memory", path);
+    if (open_file(*file, path, info, message) == 0)
+        return 0;
+    fxs_scene_file_close(*file);
+    *file = NULL;
+    return -1;
+}
+
+long fxs_scene_file_read(fxs_scene_file *file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
+{
+    return file->format->read(file->reader, gaussians, capacity, message);
+}
+
+int fxs_scene_file_rewind(fxs_scene_file *file, fxs_message *message)
+{
+    return file->format->rewind(file->reader, message);
+}
+
+void fxs_scene_file_close(fxs_scene_file *file)
+{
+    if (!file)
+        return;
+    if (file->reader)
+        file->format->close(file->reader);
+    if (file->source.stream)
+        fclose(file->source.stream);
+    free(file->source.path);
+    free(file);
+}

@@ -1,0 +1,27 @@
+/* What a scene format provides to scene_file.c. */
+#ifndef FXS_SCENE_FORMAT_H
+#define FXS_SCENE_FORMAT_H
+
+#include <stdio.h>
+
+#include "scene_file.h"
+
+/* An open regular file; outlives the reader that is given it. */
+typedef struct fxs_scene_source {
+    FILE *stream;    /* at the first byte, unbuffered */
+    char *path;
+    uint64_t size;   /* bytes */
+} fxs_scene_source;
+
+typedef struct fxs_scene_format {
+    const char *name;
+    /* Returns 0 with *reader for the other functions and *info filled in but for its format, or -1 and a message. */
+    int (*open)(const fxs_scene_source *source, void **reader, fxs_scene_file_info *info, fxs_message *message);
+    long (*read)(void *reader, fxs_gaussian *gaussians, size_t capacity, fxs_message *message);
+    int (*rewind)(void *reader, fxs_message *message);
+    void (*close)(void *reader);
+} fxs_scene_format;
+
+extern const fxs_scene_format fxs_scene_ply;
+
+#endif
