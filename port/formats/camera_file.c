@@ -11,7 +11,6 @@
 #define MAX_VIEWS 1000000
 #define MAX_SIZE 16384                /* pixels */
 #define MAX_FILE ((size_t)256 << 20)
-#define MAX_JSON ((size_t)64 << 20)   /* cJSON takes up to 40 bytes of memory for one of text */
 #define MAX_PATH 4096                 /* characters */
 
 int fxs_view_fault(const fxs_view_list *list, const char *fault)
@@ -102,15 +101,15 @@ int fxs_view_finish(fxs_view_list *list, double width, double height)
 }
 
 /* Loads a regular file; the caller frees text->data. */
-static int load(const char *path, size_t limit, fxs_text *text, fxs_message *message)
+static int load(const char *path, fxs_text *text, fxs_message *message)
 {
     struct stat status;
     if (stat(path, &status))
         return fxs_fail(message, "%s: %s", path, strerror(errno));
     if (!S_ISREG(status.st_mode))   /* also keeps a pipe from being waited for */
         return fxs_fail(message, "%s: not a regular file", path);
-    if ((uint64_t)status.st_size > limit)
-        return fxs_fail(message, "%s: larger than %zu MiB", path, limit >> 20);
+    if ((uint64_t)status.st_size > MAX_FILE)
+        return fxs_fail(message, "%s: larger than %zu MiB", path, MAX_FILE >> 20);
     size_t size = (size_t)status.st_size, got = 0;
     char *data = malloc(size + 1);
     if (!data)
@@ -132,7 +131,7 @@ static int load(const char *path, size_t limit, fxs_text *text, fxs_message *mes
 static int read_json(fxs_view_list *list)
 {
     fxs_text json;
-    if (load(list->path, MAX_JSON, &json, list->message))
+    if (load(list->path, &json, list->message))
         return -1;
     int status = fxs_camera_json_parse(list, &json);
     free(json.data);
@@ -147,9 +146,9 @@ static int read_colmap(fxs_view_list *list, const char *folder, int folder_lengt
     snprintf(images_path, sizeof images_path, "%.*simages.%s", folder_length, folder, ending);
     const char *model = list->path;
     fxs_text cameras, images;
-    if (load(cameras_path, MAX_FILE, &cameras, list->message))
+    if (load(cameras_path, &cameras, list->message))
         return -1;
-    int status = load(images_path, MAX_FILE, &images, list->message);
+    int status = load(images_path, &images, list->message);
     if (!status) {
         list->path = images_path;
         status = fxs_camera_colmap_parse(list, binary, &cameras, &images);

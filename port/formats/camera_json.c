@@ -8,6 +8,8 @@
 
 #include <cjson/cJSON.h>
 
+#define MAX_VALUES ((size_t)8 << 20)   /* cJSON takes about 100 bytes for each */
+
 /* The number of that name; INFINITY where it is something else. */
 static double number(const cJSON *object, const char *name, double absent)
 {
@@ -162,9 +164,20 @@ static int read_root(fxs_view_list *list, const cJSON *root)
     return 0;
 }
 
+/* At least the number of values: each follows a comma or the bracket of its array or object. */
+static size_t count_separators(const fxs_text *json)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < json->size; i++)
+        count += json->data[i] == ',' || json->data[i] == '[' || json->data[i] == '{';
+    return count;
+}
+
 int fxs_camera_json_parse(fxs_view_list *list, const fxs_text *json)
 {
     const char *end = json->data;
+    if (count_separators(json) > MAX_VALUES)
+        return fxs_fail(list->message, "%s: more than %zu values", list->path, MAX_VALUES);
     cJSON *root = cJSON_ParseWithLengthOpts(json->data, json->size + 1, &end, 1);
     if (!root)
         return fxs_fail(list->message, "%s: not a camera file: bad JSON at byte %td", list->path, end - json->data);

@@ -146,19 +146,18 @@ int fxs_image_file_write(const char *path, const uint8_t *rgba, int width, int h
     return error ? fxs_fail(message, "%s: cannot be written: %s", path, strerror(error)) : 0;
 }
 
-int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_message *message)
+/* A number of a .ppm's header with the blank that follows it, after blanks and comments; -1 where it is none. */
+static int read_header_number(FILE *file)
 {
-    int channels;
-    FILE *file = fopen(path, "rb");
-    if (!file)
-        return fxs_fail(message, "%s: %s", path, strerror(errno));
-    *rgba = NULL;
-    if (!stbi_info_from_file(file, width, height, &channels))
-        fxs_fail(message, "%s: not a .png or .ppm: %s", path, ferror(file) ? strerror(errno) : stbi_failure_reason());
-    else if ((int64_t)*width * *height > MAX_READ_PIXELS)
-        fxs_fail(message, "%s: %d x %d is more than %d pixels", path, *width, *height, MAX_READ_PIXELS);
-    else if (!(*rgba = stbi_load_from_file(file, width, height, &channels, 4)))
-        fxs_fail(message, "%s: %s", path, ferror(file) ? strerror(errno) : stbi_failure_reason());
-    fclose(file);
-    return *rgba ? 0 : -1;
+    int c = getc(file), value = 0;
+    while (isspace(c) || c == '#') {
+        while (c == '#' || (c != '\n' && c != EOF && !isspace(c)))
+            c = getc(file);
+        c = getc(file);
+    }
+    if (!isdigit(c))
+        return -1;
+    for (; isdigit(c) && value <= MAX_SIZE; c = getc(file))
+        value = 10 * value + (c - '0');
+    return isspace(c) ? value : -1;
 }

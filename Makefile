@@ -1,0 +1,115 @@
+# fixsplat. `make help` lists the targets.
+VERSION := 0.1.0
+CC ?= cc
+CFLAGS ?= -O2 -g
+PREFIX ?= /usr/local
+SCENES ?= ../shared/scenes
+B := build
+
+# No contraction of a * b + c: procedural scenes and imports are the same everywhere.
+FLAGS = -std=c99 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off \
+        -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(FEATURES) $(CFLAGS) $(CPPFLAGS)
+LIBS = -lm -lpthread
+
+# Optional libraries: without one, its feature answers with a clear message.
+header = $(shell printf '\#include <$(1)>\n' | $(CC) $(CPPFLAGS) -E -x c - >/dev/null 2>&1 && echo yes)
+ifeq ($(call header,cjson/cJSON.h),yes)
+FEATURES += -DFXS_WITH_CJSON
+LIBS += -lcjson
+endif
+ifeq ($(call header,stb/stb_image_write.h),yes)
+FEATURES += -DFXS_WITH_STB
+endif
+
+# Faster versions of the stages, by processor; src/ alone is complete.
+MACHINE := $(shell $(CC) -dumpmachine)
+KERNELS := $(wildcard kernels/*.c)
+KERNELS += $(if $(findstring x86_64,$(MACHINE)),$(wildcard kernels/x86/*.c))
+KERNELS += $(if $(findstring aarch64,$(MACHINE)),$(wildcard kernels/arm/*.c))
+isa = $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
+      -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi)))
+FEATURES += $(if $(KERNELS),-DFXS_WITH_KERNELS)
+
+CORE := $(wildcard src/*.c) $(KERNELS)
+PORT := $(wildcard port/formats/*.c port/posix/*.c)
+TOOL := $(wildcard tools/*.c)
+TOOL_SHARED := tools/metrics.c tools/procedural.c
+objects = $(patsubst %.c,$(B)/%.o,$(1))
+
+all: $(B)/fixsplat $(B)/libfixsplat.a
+
+$(B)/libfixsplat.a: $(call objects,$(CORE) $(PORT))
+	@rm -f $@
+	$(AR) rcs $@ $^
+
+$(B)/fixsplat: $(call objects,$(TOOL)) $(B)/libfixsplat.a
+	$(CC) $(FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS)
+
+$(B)/%.o: %.c
+	@mkdir -p $(@D)
+	$(CC) $(FLAGS) $(call isa,$*) -MMD -MP -c -o $@ $<
+
+-include $(shell find $(B) -name '*.d' 2>/dev/null)
+
+# ---- Setup, demo, install ------------------------------------------------------------------------------------------
+
+PACKAGES := libcjson-dev libstb-dev
+TEST_PACKAGES := clang libclang-rt-14-dev glslang-tools qemu-user gcc-aarch64-linux-gnu libc6-dev-arm64-cross \
+                 gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind
+WANTED = $(PACKAGES) $(if $(filter test,$(MAKECMDGOALS)),$(TEST_PACKAGES))
+
+setup: ## install the Debian packages that are missing (those for the tests too, before `test`)
+	@sh tools/setup.sh $(WANTED)
+
+demo: ## make a procedural scene and render it to demo.png
+	@$(MAKE) --no-print-directory all
+	$(B)/fixsplat make-scene knot --count 200000 -o demo.ply
+	$(B)/fixsplat render demo.ply --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --fov 36 --bg 11131b -o demo.png --stats
+	@echo "demo.png: 200,000 Gaussians with view-dependent colour of degree 3, from demo.ply"
+
+install: all ## install to $(DESTDIR)$(PREFIX): command, library, headers, pkg-config file
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig
+	install $(B)/fixsplat $(DESTDIR)$(PREFIX)/bin/
+	install -m 644 $(B)/libfixsplat.a $(DESTDIR)$(PREFIX)/lib/
+	for f in src/fixsplat.h src/packed.h port/formats/*.h port/posix/*.h; do \
+	    install -D -m 644 $$f $(DESTDIR)$(PREFIX)/include/fixsplat/$$f || exit 1; done
+	printf 'prefix=%s\nName: fixsplat\nDescription: 3D Gaussian splatting in fixed point\nVersion: %s\nCflags: %s\nLibs: %s\n' \
+	    '$(PREFIX)' '$(VERSION)' '-I$${prefix}/include/fixsplat' '-L$${prefix}/lib -lfixsplat $(LIBS)' \
+	    > $(DESTDIR)$(PREFIX)/lib/pkgconfig/fixsplat.pc
+
+# ---- Tests ---------------------------------------------------------------------------------------------------------
+
+TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(wildcard tests/test_*.c))
+
+$(B)/tests/test_%: $(B)/tests/test_%.o $(B)/tests/reference.o $(call objects,$(TOOL_SHARED)) $(B)/libfixsplat.a
+	$(CC) $(FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS)
+
+.PRECIOUS: $(B)/tests/%.o
+
+test: ## run every test
+	@$(MAKE) --no-print-directory all $(TESTS)
+	@FXS_SCENES=$(SCENES) B=$(B) sh tests/run.sh
+
+test-programs: $(TESTS)
+
+golden-update: all $(B)/tests/test_golden ## write the golden images anew (and say why in the commit)
+	$(B)/tests/test_golden --update
+
+fuzz: ## fuzz the file readers, SECONDS=60 each
+	sh tests/fuzz.sh $(or $(SECONDS),60)
+
+# ---- Measurements --------------------------------------------------------------------------------------------------
+
+bench: all ## measure and write the tables of docs/performance.md
+	SCENES=$(SCENES) B=$(B) sh tools/bench.sh
+
+size: all ## code size of each part
+	@sh tools/size.sh $(B)
+
+clean: ## remove what was built
+	rm -rf $(B) demo.ply demo.png
+
+help: ## this list
+	@awk -F ': |## ' '/^[a-z-]+:.*## / {printf "  make %-14s %s\n", $$1, $$NF}' Makefile
+
+.PHONY: all setup demo install test test-programs golden-update fuzz bench size clean help

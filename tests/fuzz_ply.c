@@ -1,0 +1,47 @@
+/* libFuzzer target: any bytes as a .ply file, read whole, rewound, and read again with the same result. */
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "../port/formats/scene_file.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+/* Returns read's last result; adds the Gaussians read to *total. */
+static long read_all(fxs_scene_file *file, uint64_t *total)
+{
+    static fxs_gaussian gaussians[100];
+    fxs_message message;
+    long count;
+    while ((count = fxs_scene_file_read(file, gaussians, 100, &message)) > 0)
+        *total += (uint64_t)count;
+    return count;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static char path[] = "/tmp/fuzz_ply_XXXXXX";
+    static int descriptor = -1;
+    if (descriptor < 0)
+        descriptor = mkstemp(path);
+    if (descriptor < 0 || ftruncate(descriptor, 0) != 0 || pwrite(descriptor, data, size, 0) != (ssize_t)size)
+        abort();
+
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_message message;
+    if (fxs_scene_file_open(path, &file, &info, &message) != 0) {
+        if (strchr(message.text, '\n') || !strstr(message.text, path))
+            abort();
+        return 0;
+    }
+    uint64_t first = 0, second = 0;
+    long first_end = read_all(file, &first);
+    if (fxs_scene_file_rewind(file, &message) != 0)
+        abort();
+    long second_end = read_all(file, &second);
+    if (first != second || first_end != second_end || (first_end == 0 && first != info.count))
+        abort();
+    fxs_scene_file_close(file);
+    return 0;
+}

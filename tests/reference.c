@@ -1,0 +1,301 @@
+#include "reference.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define NEAR_PLANE 0.2
+#define DILATION 0.3             /* pixels^2 */
+#define ALPHA_MAX 0.99
+#define TRANSMITTANCE_MIN 1e-4
+#define TILE 16                  /* pixels */
+
+static double dot(const double *u, const double *v)
+{
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+}
+
+/* Not a number becomes low. */
+static double clamp(double value, double low, double high)
+{
+    return value >= high ? high : value > low ? value : low;
+}
+
+static int finite_floats(const float *values, int count)
+{
+    for (int i = 0; i < count; i++)
+        if (!isfinite(values[i]))
+            return 0;
+    return 1;
+}
+
+static int gaussian_is_valid(const fxs_gaussian *g)
+{
+    const float *q = g->rotation;
+    return finite_floats(g->position, 3) && finite_floats(g->scale, 3) && finite_floats(q, 4)
+        && finite_floats(&g->opacity, 1) && finite_floats(g->dc, 3) && finite_floats(g->sh, 45)
+        && (q[0] != 0 || q[1] != 0 || q[2] != 0 || q[3] != 0);
+}
+
+/* Rotation matrix of the normalised quaternion w, x, y, z. */
+static void rotation_matrix(const float *rotation, double m[3][3])
+{
+    double q[4], length = 0;
+    for (int i = 0; i < 4; i++)
+        length += (double)rotation[i] * rotation[i];
+    for (int i = 0; i < 4; i++)
+        q[i] = rotation[i] / sqrt(length);
+
+    double w = q[0], x = q[1], y = q[2], z = q[3];
+    m[0][0] = 1 - 2 * (y * y + z * z), m[0][1] = 2 * (x * y - w * z), m[0][2] = 2 * (x * z + w * y);
+    m[1][0] = 2 * (x * y + w * z), m[1][1] = 1 - 2 * (x * x + z * z), m[1][2] = 2 * (y * z - w * x);
+    m[2][0] = 2 * (x * z - w * y), m[2][1] = 2 * (y * z + w * x), m[2][2] = 1 - 2 * (x * x + y * y);
+}
+
+/* One row of J W, with J the derivative of focal * x / z + centre: focal/z (axis - slope * forward). The slope x/z is
+   clamped to the image widened by 30 % of half its size on each side, as the linear approximation blows up beyond. */
+static void jacobian_row(double focal, double centre, int size, double slope, double z, const double *axis,
+                         const double *forward, double row[3])
+{
+    double margin = 0.3 * size / (2 * focal);
+    double clamped = clamp(slope, -centre / focal - margin, (size - centre) / focal + margin);
+    for (int i = 0; i < 3; i++)
+        row[i] = focal / z * (axis[i] - clamped * forward[i]);
+}
+
+/* Sigma' = J W R S (J W R S)^T, with J W given as two rows. */
+static void project_covariance(const fxs_gaussian *g, double jw[2][3], struct reference_splat *out)
+{
+    double rotation[3][3], m[2][3];
+    rotation_matrix(g->rotation, rotation);
+    for (int i = 0; i < 2; i++)
+        for (int j = 0; j < 3; j++) {
+            double column[3] = { rotation[0][j], rotation[1][j], rotation[2][j] };
+            m[i][j] = dot(jw[i], column) * exp(g->scale[j]);
+        }
+    out->a = dot(m[0], m[0]);
+    out->b = dot(m[0], m[1]);
+    out->c = dot(m[1], m[1]);
+}
+
+static double determinant(const struct reference_splat *s)
+{
+    return s->a * s->c - s->b * s->b;
+}
+
+/* Real spherical harmonics of degrees 1 to 3 in the unit direction d, Condon-Shortley signs. */
+static void sh_basis(const double *d, double basis[15])
+{
+    double x = d[0], y = d[1], z = d[2], xx = x * x, yy = y * y, zz = z * z;
+    basis[0] = -0.4886025119029199 * y;
+    basis[1] = 0.4886025119029199 * z;
+    basis[2] = -0.4886025119029199 * x;
+    basis[3] = 1.0925484305920792 * x * y;
+    basis[4] = -1.0925484305920792 * y * z;
+    basis[5] = 0.31539156525252005 * (2 * zz - xx - yy);
+    basis[6] = -1.0925484305920792 * x * z;
+    basis[7] = 0.5462742152960396 * (xx - yy);
+    basis[8] = -0.5900435899266435 * y * (3 * xx - yy);
+    basis[9] = 2.890611442640554 * x * y * z;
+    basis[10] = -0.4570457994644658 * y * (4 * zz - xx - yy);
+    basis[11] = 0.3731763325901154 * z * (2 * zz - 3 * xx - 3 * yy);
+    basis[12] = -0.4570457994644658 * x * (4 * zz - xx - yy);
+    basis[13] = 1.445305721320277 * z * (xx - yy);
+    basis[14] = -0.5900435899266435 * x * (xx - 3 * yy);
+}
+
+/* max(0, 0.5 + SH) in the direction from the camera to the Gaussian. */
+static void shade(const fxs_gaussian *g, const double *from_camera, int degree, double colour[3])
+{
+    double basis[15], direction[3], length = sqrt(dot(from_camera, from_camera));
+    int terms = degree > 3 ? 15 : degree > 0 ? (degree + 1) * (degree + 1) - 1 : 0;
+    for (int i = 0; i < 3; i++)
+        direction[i] = from_camera[i] / length;
+    sh_basis(direction, basis);
+    for (int channel = 0; channel < 3; channel++) {
+        double sum = 0.5 + 0.28209479177387814 * g->dc[channel];
+        for (int k = 0; k < terms; k++)
+            sum += basis[k] * g->sh[3 * k + channel];
+        colour[channel] = sum > 0 ? sum : 0;
+    }
+}
+
+/* ceil(3 sqrt(lambda_max)), the eigenvalue as the original computes it. */
+static int square_radius(const struct reference_splat *s)
+{
+    double mid = (s->a + s->c) / 2, det = determinant(s);
+    double lambda = mid + sqrt(fmax(0.1, mid * mid - det));
+    return (int)fmin(ceil(3 * sqrt(lambda)), 1 << 30);
+}
+
+/* The largest distance squared that counts: opacity exp(-d2 / 2) >= 1/255 is d2 <= 2 ln(255 opacity). */
+static double distance_limit(const struct reference_splat *s, enum reference_cutoff cutoff)
+{
+    double limit = 2 * log(255 * s->opacity);
+    return cutoff == REFERENCE_MAHALANOBIS && limit > 9 ? 9 : limit;
+}
+
+/* Indices from first up to but not including end. */
+struct span { int first, end; };
+
+static int clamp_index(double value, int size)
+{
+    return (int)clamp(value, 0, size);
+}
+
+/* The pixels of one image axis that the Gaussian may reach: none where a negative limit makes reach not a number. */
+static struct span pixel_span(double centre, double variance, int radius, int size, double limit,
+                              enum reference_cutoff cutoff)
+{
+    double index = centre - 0.5, reach = sqrt(limit * variance);
+    struct span span = { clamp_index(floor(index - reach), size), clamp_index(ceil(index + reach) + 1, size) };
+    if (cutoff == REFERENCE_SQUARE) {
+        int first = clamp_index(TILE * floor((index - radius) / TILE), size);
+        int end = clamp_index(TILE * floor((index + radius + TILE - 1) / TILE), size);
+        span.first = first > span.first ? first : span.first;
+        span.end = end < span.end ? end : span.end;
+    }
+    return span;
+}
+
+static void pixel_box(const struct reference_splat *s, int width, int height, enum reference_cutoff cutoff,
+                      struct span *columns, struct span *rows)
+{
+    double limit = distance_limit(s, cutoff);
+    *columns = pixel_span(s->x, s->a, s->radius, width, limit, cutoff);
+    *rows = pixel_span(s->y, s->c, s->radius, height, limit, cutoff);
+}
+
+int reference_project(const fxs_gaussian *gaussian, const fxs_file_view *view, const struct reference_options *options,
+                      struct reference_splat *out)
+{
+    const double *right = view->rotation, *down = right + 3, *forward = right + 6;
+    double offset[3], jw[2][3];
+    for (int i = 0; i < 3; i++)
+        offset[i] = gaussian->position[i] - view->position[i];
+    double z = dot(forward, offset);
+    if (!gaussian_is_valid(gaussian) || !(z > NEAR_PLANE))
+        return 0;
+
+    double slope_x = dot(right, offset) / z, slope_y = dot(down, offset) / z;
+    out->x = view->fx * slope_x + view->cx;
+    out->y = view->fy * slope_y + view->cy;
+    out->depth = z;
+    jacobian_row(view->fx, view->cx, view->width, slope_x, z, right, forward, jw[0]);
+    jacobian_row(view->fy, view->cy, view->height, slope_y, z, down, forward, jw[1]);
+    project_covariance(gaussian, jw, out);
+    double sharp_determinant = determinant(out);
+    out->a += DILATION;
+    out->c += DILATION;
+    if (!isfinite(out->a) || !isfinite(out->c) || !(determinant(out) > 0))
+        return 0;
+
+    out->opacity = 1 / (1 + exp(-gaussian->opacity));
+    if (options->antialiased)
+        out->opacity *= sqrt(fmax(0, sharp_determinant / determinant(out)));
+    out->radius = square_radius(out);
+    shade(gaussian, offset, options->sh_degree, out->colour);
+
+    struct span columns, rows;
+    pixel_box(out, view->width, view->height, options->cutoff, &columns, &rows);
+    return columns.first < columns.end && rows.first < rows.end;
+}
+
+static void add_colour(double *pixel, double weight, const double *colour)
+{
+    for (int channel = 0; channel < 3; channel++)
+        pixel[channel] += weight * colour[channel];
+}
+
+/* A pixel that stops takes its background at once; from then on its transmittance is 0. */
+static void blend_pixel(const struct reference_splat *s, double alpha, const double *background, double *transmittance,
+                        double *pixel)
+{
+    double next = *transmittance * (1 - alpha);
+    if (next < TRANSMITTANCE_MIN) {
+        add_colour(pixel, *transmittance, background);
+        *transmittance = 0;
+    } else {
+        add_colour(pixel, *transmittance * alpha, s->colour);
+        *transmittance = next;
+    }
+}
+
+static void blend_splat(const struct reference_splat *s, int width, int height, const struct reference_options *options,
+                        double *transmittance, double *rgb)
+{
+    double det = determinant(s), limit = distance_limit(s, options->cutoff);
+    double xx = s->c / det, xy = -2 * s->b / det, yy = s->a / det;   /* d2 = xx dx^2 + xy dx dy + yy dy^2 */
+    struct span columns, rows;
+    pixel_box(s, width, height, options->cutoff, &columns, &rows);
+    for (int row = rows.first; row < rows.end; row++) {
+        double dy = row + 0.5 - s->y;
+        for (int column = columns.first; column < columns.end; column++) {
+            double dx = column + 0.5 - s->x;
+            double d2 = (xx * dx + xy * dy) * dx + yy * dy * dy;
+            size_t i = (size_t)row * (size_t)width + (size_t)column;
+            if (d2 <= limit && transmittance[i] > 0) {
+                double alpha = fmin(ALPHA_MAX, s->opacity * exp(-d2 / 2));
+                blend_pixel(s, alpha, options->background, &transmittance[i], &rgb[3 * i]);
+            }
+        }
+    }
+}
+
+/* Of pointers into one array, so that the lower address is the lower index. */
+static int compare_depth(const void *left, const void *right)
+{
+    const struct reference_splat *l = *(const struct reference_splat *const *)left;
+    const struct reference_splat *r = *(const struct reference_splat *const *)right;
+    if (l->depth < r->depth || l->depth > r->depth)
+        return l->depth < r->depth ? -1 : 1;
+    return (l > r) - (l < r);
+}
+
+int reference_render_splats(const struct reference_splat *splats, size_t count, int width, int height,
+                            const struct reference_options *options, double *rgb)
+{
+    size_t pixels = (size_t)width * (size_t)height;
+    double *transmittance = calloc(pixels + 1, sizeof *transmittance);
+    const struct reference_splat **order = calloc(count + 1, sizeof *order);   /* + 1: an empty list is no failure */
+    int status = transmittance && order ? 0 : -1;
+    if (status == 0) {
+        for (size_t i = 0; i < count; i++)
+            order[i] = &splats[i];
+        qsort(order, count, sizeof *order, compare_depth);
+        for (size_t i = 0; i < pixels; i++) {
+            transmittance[i] = 1;
+            rgb[3 * i] = rgb[3 * i + 1] = rgb[3 * i + 2] = 0;
+        }
+        for (size_t i = 0; i < count; i++)
+            blend_splat(order[i], width, height, options, transmittance, rgb);
+        for (size_t i = 0; i < pixels; i++)
+            add_colour(&rgb[3 * i], transmittance[i], options->background);
+    }
+    free(order);
+    free(transmittance);
+    return status;
+}
+
+int reference_render(const fxs_gaussian *gaussians, size_t count, const fxs_file_view *view,
+                     const struct reference_options *options, double *rgb)
+{
+    struct reference_splat *splats = calloc(count + 1, sizeof *splats);
+    if (!splats)
+        return -1;
+    size_t visible = 0;
+    for (size_t i = 0; i < count; i++)
+        visible += (size_t)reference_project(&gaussians[i], view, options, &splats[visible]);
+    int status = reference_render_splats(splats, visible, view->width, view->height, options, rgb);
+    free(splats);
+    return status;
+}
+
+void reference_to_rgba8(const double *rgb, int width, int height, uint8_t *rgba)
+{
+    size_t pixels = (size_t)width * (size_t)height;
+    for (size_t i = 0; i < pixels; i++) {
+        for (size_t channel = 0; channel < 3; channel++)
+            rgba[4 * i + channel] = (uint8_t)(255 * clamp(rgb[3 * i + channel], 0, 1) + 0.5);
+        rgba[4 * i + 3] = 255;
+    }
+}

@@ -1,0 +1,582 @@
+/* Camera files: one camera through every format, faults, truncations, real files. */
+#include "../port/formats/camera_file.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "check.h"
+
+static char folder[] = "/tmp/fixsplat-cameras-XXXXXX";
+static fxs_message message;
+
+static const char *in_folder(const char *name)
+{
+    static char path[512];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return path;
+}
+
+static void put(const char *name, const void *data, size_t size)
+{
+    FILE *file = fopen(in_folder(name), "wb");
+    if (!CHECK(file != NULL))
+        return;
+    CHECK(fwrite(data, 1, size, file) == size);
+    CHECK(!fclose(file));
+}
+
+static void put_text(const char *name, const char *format, ...)
+{
+    char text[8192];
+    va_list arguments;
+    va_start(arguments, format);
+    int size = vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    CHECK(size >= 0 && size < (int)sizeof text);
+    put(name, text, strlen(text));
+}
+
+static long read_views(const char *name, fxs_file_view **views)
+{
+    *views = NULL;
+    memset(&message, 0, sizeof message);
+    long count = fxs_camera_file_read(in_folder(name), views, &message);
+    if (count < 0)
+        CHECK(message.text[0] != 0 && !strchr(message.text, '\n'));
+    return count;
+}
+
+/* Expects reading to fail with a message that holds these words. */
+static void check_fault(const char *name, const char *words)
+{
+    fxs_file_view *views;
+    long count = read_views(name, &views);
+    if (!CHECK(count == -1 && strstr(message.text, words) != NULL))
+        printf("  %s: %ld views, \"%s\", expected \"%s\"\n", name, count, message.text, words);
+    if (count > 0)
+        free(views);
+}
+
+/* The camera of every format: turned by 0.7 about (1, 2, 3), its rotation by Rodrigues' formula
+   R = cos I + sin [k] + (1 - cos) k k^T. */
+
+static const double centre[3] = {1.25, -0.375, 2.0625};
+static double rotation[9], quaternion[4], translation[3];
+
+static void make_camera(void)
+{
+    const double angle = 0.7, k[3] = {1 / sqrt(14), 2 / sqrt(14), 3 / sqrt(14)};
+    const double cross[9] = {0, -k[2], k[1], k[2], 0, -k[0], -k[1], k[0], 0};
+    for (int i = 0; i < 9; i++)
+        rotation[i] = cos(angle) * (i % 4 == 0) + sin(angle) * cross[i] + (1 - cos(angle)) * k[i / 3] * k[i % 3];
+    quaternion[0] = cos(angle / 2);
+    for (int i = 0; i < 3; i++) {
+        quaternion[1 + i] = sin(angle / 2) * k[i];
+        translation[i] = 0;
+        for (int j = 0; j < 3; j++)
+            translation[i] -= rotation[3 * i + j] * centre[j];
+    }
+}
+
+static void check_camera(const char *name, const char *view_name, double cx, double cy)
+{
+    fxs_file_view *views;
+    if (!CHECK(read_views(name, &views) == 1)) {
+        printf("  %s\n", message.text);
+        return;
+    }
+    CHECK(!strcmp(views->name, view_name) && views->width == 640 && views->height == 480);
+    CHECK(fabs(views->fx - 500.5) < 1e-9 && fabs(views->fy - 499.25) < 1e-9);
+    CHECK(fabs(views->cx - cx) < 1e-9 && fabs(views->cy - cy) < 1e-9);
+    for (int i = 0; i < 9; i++)
+        CHECK(fabs(views->rotation[i] - rotation[i]) < 1e-9);
+    for (int i = 0; i < 3; i++)
+        CHECK(fabs(views->position[i] - centre[i]) < 1e-9);
+    free(views);
+}
+
+/* COLMAP binary models */
+
+static unsigned char bytes[4096];
+static size_t size;
+
+static void add_integer(uint64_t value, int count)
+{
+    for (int i = 0; i < count; i++)
+        bytes[size++] = (unsigned char)(value >> 8 * i);
+}
+
+static void add_double(double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, 8);
+    add_integer(bits, 8);
+}
+
+static void make_cameras_bin(uint64_t model, const double *params, int count)
+{
+    size = 0;
+    add_integer(1, 8);
+    add_integer(7, 4);
+    add_integer(model, 4);
+    add_integer(640, 8);
+    add_integer(480, 8);
+    for (int i = 0; i < count; i++)
+        add_double(params[i]);
+}
+
+static void add_image_bin(const char *name, const double q[4])
+{
+    add_integer(3, 4);
+    for (int i = 0; i < 4; i++)
+        add_double(q[i]);
+    for (int i = 0; i < 3; i++)
+        add_double(translation[i]);
+    add_integer(7, 4);
+    memcpy(bytes + size, name, strlen(name) + 1);
+    size += strlen(name) + 1;
+    add_integer(2, 8);
+    for (int i = 0; i < 6; i++)
+        add_integer((uint64_t)i, 8);
+}
+
+static void make_images_bin(uint64_t count, const char *name, const double q[4])
+{
+    size = 0;
+    add_integer(count, 8);
+    add_image_bin(name, q);
+}
+
+static const double pinhole[4] = {500.5, 499.25, 320, 240};
+
+static void put_colmap_bin(void)
+{
+    make_cameras_bin(1, pinhole, 4);
+    put("cameras.bin", bytes, size);
+    make_images_bin(1, "b.jpg", quaternion);
+    put("images.bin", bytes, size);
+}
+
+static void put_colmap_txt(const char *camera, const char *points)
+{
+    put_text("cameras.txt", "# a comment\n\n%s\n", camera);
+    put_text("images.txt", "# a comment\r\n3 %.17g %.17g %.17g %.17g %.17g %.17g %.17g 7 b.jpg\r\n%s", quaternion[0],
+             quaternion[1], quaternion[2], quaternion[3], translation[0], translation[1], translation[2], points);
+}
+
+static void remove_all(void)
+{
+    static const char *const names[] = {"cameras.bin", "images.bin", "cameras.txt", "images.txt", "cameras.json",
+                                        "transforms.json"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        remove(in_folder(names[i]));
+}
+
+static void colmap_bin(void)
+{
+    remove_all();
+    put_colmap_bin();
+    check_camera("", "b.jpg", 320, 240);
+    check_camera("images.bin", "b.jpg", 320, 240);
+    check_camera("cameras.bin", "b.jpg", 320, 240);
+}
+
+static void colmap_txt(void)
+{
+    remove_all();
+    put_colmap_txt("7 PINHOLE 640 480 500.5 499.25 320.5 239", "1 2 -1 3.5 4 17\n");
+    check_camera("", "b.jpg", 320.5, 239);
+    put_colmap_txt("7 OPENCV 640 480 500.5 499.25 320 240 0 0 0 0.0 ", "\n");
+    check_camera("images.txt", "b.jpg", 320, 240);
+    put_colmap_txt("7 FULL_OPENCV 640 480 500.5 499.25 320 240 0 0 0 0 0 0 0 0", "");
+    check_camera("cameras.txt", "b.jpg", 320, 240);
+}
+
+static void colmap_models(void)
+{
+    fxs_file_view *views;
+    remove_all();
+    put_colmap_txt("7 SIMPLE_RADIAL 640 480 500 310 250 0", "\n");
+    if (CHECK(read_views("", &views) == 1)) {
+        CHECK(views->fx == 500 && views->fy == 500 && views->cx == 310 && views->cy == 250);
+        free(views);
+    }
+    put_colmap_txt("7 SIMPLE_RADIAL 640 480 500 310 250 1e-9", "\n");
+    check_fault("", "cameras.txt: camera 7: not a pinhole camera; undistort");
+    put_colmap_txt("7 OPENCV_FISHEYE 640 480 500 500 310 250 0 0 0 0", "\n");
+    check_fault("", "undistort");
+    put_colmap_txt("7 PINHOLE 640 480 500 310 250", "\n");
+    check_fault("", "camera 7: not a size and 4 parameters");
+    put_colmap_txt("7 PINHOLE 640 480 500 500 310 250 0", "\n");
+    check_fault("", "camera 7: not a size and 4 parameters");
+    put_colmap_txt("8 PINHOLE 640 480 500 500 310 250", "\n");
+    check_fault("", "images.txt: view b.jpg: its camera is not");
+    put_colmap_txt("7 PINHOLE 640.5 480 500 500 310 250", "\n");
+    check_fault("", "view b.jpg: width and height");
+    put_colmap_txt("7 PINHOLE 640 16385 500 500 310 250", "\n");
+    check_fault("", "view b.jpg: width and height");
+    put_colmap_txt("7 PINHOLE 640 480 500 -500 310 250", "\n");
+    check_fault("", "view b.jpg: no focal length");
+    put_colmap_txt("7 PINHOLE 640 480 500 500 nan 250", "\n");
+    check_fault("", "camera 7: not a size and 4 parameters");
+}
+
+static void colmap_images(void)
+{
+    fxs_file_view *views;
+    remove_all();
+    put_text("cameras.txt", "7 PINHOLE 640 480 500 500 310 250\n2 SIMPLE_PINHOLE 64 48 50 31 25\n");
+    put_text("images.txt", "9 1 0 0 0 1 2 3 2 z\n\n5 3 0 0 0 4 5 6 7 a\n1 2 3\n");
+    if (CHECK(read_views("", &views) == 2)) {
+        CHECK(!strcmp(views[0].name, "a") && views[0].width == 640 && views[0].position[0] == -4);
+        CHECK(!strcmp(views[1].name, "z") && views[1].width == 64 && views[1].position[2] == -3);
+        CHECK(views[0].rotation[0] == 1 && views[0].rotation[4] == 1 && views[0].rotation[8] == 1);
+        free(views);
+    }
+    put_text("images.txt", "1 0 0 0 0 1 2 3 7 a\n\n");
+    check_fault("", "view a: its quaternion is zero");
+    put_text("images.txt", "1 1 0 0 0 1 2 7 a\n\n");
+    check_fault("", "image 0: not nine numbers and a name");
+    put_text("images.txt", "1 1 0 0 0 1 2 3 7 \n\n");
+    check_fault("", "image 0: not nine numbers and a name");
+    put_text("images.txt", "1 1 0 0 0 1e308 1e309 3 7 a\n\n");
+    check_fault("", "not nine numbers");
+    put_text("images.txt", "# nothing\n");
+    check_fault("", "no views");
+    put("images.txt", "1 1 0 0 0 1 2 3 7 a\0\n", 21);
+    check_fault("", "zero bytes");
+    remove(in_folder("cameras.txt"));
+    check_fault("images.txt", "cameras.txt: No such file");
+    remove(in_folder("images.txt"));
+    check_fault("", "no images.bin or images.txt");
+}
+
+static void colmap_bin_faults(void)
+{
+    const double distorted[8] = {500, 500, 320, 240, 0, 0, 0.01, 0}, zero[4] = {0, 0, 0, 0}, bad[4] = {NAN, 0, 0, 0};
+    remove_all();
+    put_colmap_bin();
+    make_cameras_bin(4, distorted, 8);
+    put("cameras.bin", bytes, size);
+    check_fault("", "cameras.bin: camera 7: not a pinhole camera; undistort");
+    make_cameras_bin(5, distorted, 8);
+    put("cameras.bin", bytes, size);
+    check_fault("", "undistort");
+    make_cameras_bin(4000000000u, distorted, 8);
+    put("cameras.bin", bytes, size);
+    check_fault("", "undistort");
+    put_colmap_bin();
+    make_images_bin(1, "b.jpg", zero);
+    put("images.bin", bytes, size);
+    check_fault("", "images.bin: view b.jpg: its quaternion is zero");
+    make_images_bin(1, "b.jpg", bad);
+    put("images.bin", bytes, size);
+    check_fault("", "quaternion");
+    make_images_bin(UINT64_MAX, "b.jpg", quaternion);
+    put("images.bin", bytes, size);
+    check_fault("", "cut short");
+    make_images_bin(0, "b.jpg", quaternion);
+    put("images.bin", bytes, size);
+    check_fault("", "no views");
+}
+
+static void colmap_bin_truncated(void)
+{
+    remove_all();
+    put_colmap_bin();
+    size_t whole = size;
+    for (size_t i = 0; i < whole; i++) {
+        put("images.bin", bytes, i);
+        check_fault("", "images.bin: cut short");
+    }
+    put_colmap_bin();
+    make_cameras_bin(1, pinhole, 4);
+    whole = size;
+    for (size_t i = 0; i < whole; i++) {
+        put("cameras.bin", bytes, i);
+        check_fault("", "cameras.bin: cut short");
+    }
+}
+
+static void colmap_long_name(void)
+{
+    fxs_file_view *views;
+    char name[400];
+    memset(name, 'n', sizeof name - 1);
+    name[0] = '\n';
+    name[sizeof name - 1] = 0;
+    remove_all();
+    put_colmap_bin();
+    make_images_bin(2, name, quaternion);
+    add_image_bin("a", quaternion);
+    put("images.bin", bytes, size);
+    if (CHECK(read_views("", &views) == 2)) {
+        CHECK(strlen(views[0].name) == 127 && views[0].name[0] == '?');
+        CHECK(!strcmp(views[1].name, "a"));
+        free(views);
+    }
+}
+
+static void no_file(void)
+{
+    remove_all();
+    check_fault("missing.json", "missing.json: No such file");
+    put("cameras.json", "", 0);
+    CHECK(!truncate(in_folder("cameras.json"), (off_t)1 << 40));
+    check_fault("cameras.json", "larger than");
+    remove(in_folder("cameras.json"));
+    CHECK(!mkfifo(in_folder("cameras.json"), 0600));
+    check_fault("cameras.json", "not a regular file");
+    remove_all();
+}
+
+#ifdef FXS_WITH_CJSON
+
+#define INRIA_POSE "\"position\":[0,0,0],\"rotation\":[[1,0,0],[0,1,0],[0,0,1]]"
+
+static void put_inria(void)
+{
+    const double *r = rotation;
+    put_text("cameras.json",
+             " [{\"id\":0,\"img_name\":\"b.jpg\",\"width\":640,\"height\":480,\"position\":[%.17g,%.17g,%.17g],"
+             "\"rotation\":[[%.17g,%.17g,%.17g],[%.17g,%.17g,%.17g],[%.17g,%.17g,%.17g]],\"fy\":499.25,\"fx\":500.5}]",
+             centre[0], centre[1], centre[2], r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]);
+}
+
+/* A frame with the camera's matrix; `own` are further members of the frame. */
+static void put_transforms(const char *top, const char *own)
+{
+    const double *r = rotation;
+    put_text("transforms.json",
+             "{%s \"frames\":[{\"file_path\":\"b.jpg\",%s \"transform_matrix\":[[%.17g,%.17g,%.17g,%.17g],"
+             "[%.17g,%.17g,%.17g,%.17g],[%.17g,%.17g,%.17g,%.17g],[0,0,0,1]]}]}", top, own,
+             r[0], -r[3], -r[6], centre[0], r[1], -r[4], -r[7], centre[1], r[2], -r[5], -r[8], centre[2]);
+}
+
+static void inria(void)
+{
+    fxs_file_view *views;
+    remove_all();
+    put_inria();
+    check_camera("cameras.json", "b.jpg", 320, 240);
+    put_text("cameras.json", "[{\"width\":10,\"height\":5,\"fx\":1,\"fy\":2," INRIA_POSE "}]");
+    if (CHECK(read_views("cameras.json", &views) == 1)) {
+        CHECK(!strcmp(views->name, "0") && views->cx == 5 && views->cy == 2.5);
+        free(views);
+    }
+}
+
+static void inria_faults(void)
+{
+    static const struct {
+        const char *text, *words;
+    } faults[] = {
+        {"", "bad JSON at byte 0"},
+        {"[]", "no views"},
+        {"{}", "neither an array of cameras nor an object with \"frames\""},
+        {"[3]", "view 0: \"position\""},
+        {"[{\"img_name\":\"q\"}]", "view q: \"position\""},
+        {"[{\"position\":[0,0,\"1\"]}]", "view 0: \"position\""},
+        {"[{\"position\":[0,0,1,2]}]", "view 0: \"position\""},
+        {"[{\"position\":[0,0,1]}]", "view 0: \"rotation\""},
+        {"[{\"position\":[0,0,0],\"rotation\":[[1,0,0],[0,1],[0,0,1]]}]", "view 0: \"rotation\""},
+        {"[{" INRIA_POSE "}]", "view 0: width and height"},
+        {"[{\"width\":1e300,\"height\":5,\"fx\":1,\"fy\":1," INRIA_POSE "}]", "width and height"},
+        {"[{\"width\":0,\"height\":5,\"fx\":1,\"fy\":1," INRIA_POSE "}]", "width and height"},
+        {"[{\"width\":9,\"height\":5,\"fx\":0,\"fy\":1," INRIA_POSE "}]", "no focal length"},
+        {"[{\"width\":9,\"height\":5,\"fx\":\"1\",\"fy\":1," INRIA_POSE "}]", "no focal length"},
+        {"[{\"width\":9,\"height\":5,\"fx\":1," INRIA_POSE "}]", "no focal length"},
+        {"[{\"width\":9,\"height\":5,\"fx\":1,\"fy\":1," INRIA_POSE "},1]", "view 1: \"position\""},
+        {"[{\"width\":9,\"height\":5,\"fx\":1,\"fy\":1," INRIA_POSE "}] x", "bad JSON"},
+        {"[{\"width\":9,\"height\":5,\"fx\":1,\"fy\":1,\"position\":[1e999,0,0],"
+         "\"rotation\":[[1,0,0],[0,1,0],[0,0,1]]}]", "view 0: position not finite"},
+        {"[{\"width\":9,\"height\":5,\"fx\":1,\"fy\":1,\"position\":[1,0,0],"
+         "\"rotation\":[[1,0,0],[0,1,0],[0,0,-1]]}]", "view 0: rotation"},
+        {"[{\"width\":9,\"height\":5,\"fx\":1,\"fy\":1,\"position\":[1,0,0],"
+         "\"rotation\":[[1,0,0],[0,1,0],[0,0.0011,1]]}]", "view 0: rotation"},
+        {"[{\"width\":9,\"height\":5,\"fx\":1,\"fy\":1,\"position\":[1,0,0],"
+         "\"rotation\":[[0,0,0],[0,0,0],[0,0,0]]}]", "view 0: rotation"},
+        {"[{\"img_name\":\"a\\nb\"}]", "view a?b: \"position\""},
+    };
+    remove_all();
+    for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {
+        put("cameras.json", faults[i].text, strlen(faults[i].text));
+        check_fault("cameras.json", faults[i].words);
+    }
+}
+
+/* A rotation within 1e-3 comes back orthonormal. */
+static void inria_orthonormalised(void)
+{
+    fxs_file_view *views;
+    remove_all();
+    put_text("cameras.json", "[{\"width\":9,\"height\":5,\"fx\":1,\"fy\":1,\"position\":[1,0,0],"
+                             "\"rotation\":[[1.0003,0.0002,0],[0,0.9997,-0.0004],[0.0003,0.0005,1]]}]");
+    if (!CHECK(read_views("cameras.json", &views) == 1))
+        return;
+    const double *r = views->rotation;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            CHECK(fabs(r[3 * i] * r[3 * j] + r[3 * i + 1] * r[3 * j + 1] + r[3 * i + 2] * r[3 * j + 2] -
+                       (i == j)) < 1e-15);
+    CHECK(fabs(r[0] - 1) < 1e-6 && fabs(r[5] - 0.00045) < 1e-6 && fabs(r[7] + 0.00045) < 1e-6);
+    free(views);
+}
+
+static void transforms(void)
+{
+    char top[512];
+    remove_all();
+    put_transforms("\"w\":640,\"h\":480,\"fl_x\":500.5,\"fl_y\":499.25,\"cx\":320,\"cy\":240,\"k1\":0.1,"
+                   "\"camera_model\":\"OPENCV\",", "");
+    check_camera("transforms.json", "b.jpg", 320, 240);
+    put_transforms("\"w\":1,\"h\":2,\"fl_x\":3,\"camera_angle_x\":1,",
+                   "\"w\":640.0,\"h\":480,\"fl_x\":500.5,\"fl_y\":499.25,\"cx\":300,\"cy\":200,");
+    check_camera("transforms.json", "b.jpg", 300, 200);
+    snprintf(top, sizeof top, "\"w\":640,\"h\":480,\"camera_angle_x\":%.17g,\"camera_angle_y\":%.17g,",
+             2 * atan(320 / 500.5), 2 * atan(240 / 499.25));
+    put_transforms(top, "");
+    check_camera("transforms.json", "b.jpg", 320, 240);
+    put_transforms("\"w\":640,\"h\":480,\"fl_x\":1,\"fl_y\":2,\"camera_angle_x\":1,", top);
+    check_camera("transforms.json", "b.jpg", 320, 240);
+}
+
+/* An untouched camera of Blender looks along -z with y up. */
+static void blender(void)
+{
+    static const double axes[9] = {1, 0, 0, 0, -1, 0, 0, 0, -1};
+    fxs_file_view *views;
+    remove_all();
+    put_text("transforms.json", "{\"camera_angle_x\":1.5707963267948966,\"frames\":[{\"file_path\":\"./train/r_0\","
+                                "\"transform_matrix\":[[1,0,0,5],[0,1,0,6],[0,0,1,7],[0,0,0,1]]}]}");
+    if (!CHECK(read_views("transforms.json", &views) == 1))
+        return;
+    CHECK(!strcmp(views->name, "./train/r_0") && views->width == 800 && views->height == 800);
+    CHECK(fabs(views->fx - 400) < 1e-9 && views->fy == views->fx && views->cx == 400 && views->cy == 400);
+    for (int i = 0; i < 9; i++)
+        CHECK(fabs(views->rotation[i] - axes[i]) < 1e-15);
+    CHECK(views->position[0] == 5 && views->position[1] == 6 && views->position[2] == 7);
+    free(views);
+}
+
+static void transforms_faults(void)
+{
+    remove_all();
+    put_transforms("", "");
+    check_fault("transforms.json", "view b.jpg: no focal length");
+    put_transforms("\"camera_angle_x\":50,", "");
+    check_fault("transforms.json", "view b.jpg: no focal length");
+    put_transforms("\"fl_x\":null,\"camera_angle_x\":1,", "");
+    check_fault("transforms.json", "view b.jpg: no focal length");
+    put_transforms("\"fl_x\":500,\"w\":640,", "");
+    check_fault("transforms.json", "view b.jpg: width and height");
+    put_transforms("\"fl_x\":500,\"cx\":1e999,", "");
+    check_fault("transforms.json", "view b.jpg: principal point");
+    put_transforms("\"fl_x\":500,\"camera_model\":\"OPENCV_FISHEYE\",", "");
+    check_fault("transforms.json", "undistort");
+    put_text("transforms.json", "{\"frames\":[]}");
+    check_fault("transforms.json", "no views");
+    put_text("transforms.json", "{\"frames\":[{}]}");
+    check_fault("transforms.json", "view 0: \"transform_matrix\"");
+    put_text("transforms.json", "{\"frames\":[{\"transform_matrix\":[[1,0,0,0],[0,1,0,0],[0,0,1,0],[5,6,7,1]]}]}");
+    check_fault("transforms.json", "last row");
+}
+
+static void json_truncated(void)
+{
+    char text[8192];
+    remove_all();
+    put_inria();
+    FILE *file = fopen(in_folder("cameras.json"), "rb");
+    if (!CHECK(file != NULL))
+        return;
+    size_t whole = fread(text, 1, sizeof text, file);
+    fclose(file);
+    for (size_t i = 0; i < whole; i++) {
+        put("cameras.json", text, i);
+        check_fault("cameras.json", "bad JSON");
+    }
+}
+
+static void too_many_values(void)
+{
+    size_t length = (size_t)17 << 20;
+    char *text = malloc(length);
+    if (!CHECK(text != NULL))
+        return;
+    for (size_t i = 0; i < length; i++)
+        text[i] = i % 2 ? '0' : ',';
+    text[0] = '[';
+    text[length - 1] = ']';
+    put("cameras.json", text, length);
+    check_fault("cameras.json", "more than 8388608 values");
+    free(text);
+}
+
+static void real_cameras(void)
+{
+    fxs_file_view *views;
+    char path[1024];
+    const char *scenes = getenv("FXS_SCENES");
+    snprintf(path, sizeof path, "%s/snowmiku/cameras.json", scenes ? scenes : "../shared/scenes");
+    if (access(path, R_OK))
+        SKIP("no scenes");
+    if (!CHECK(fxs_camera_file_read(path, &views, &message) == 97))
+        return;
+    CHECK(!strcmp(views[0].name, "20240212_003919.jpg") && views[96].width == 1200 && views[96].height == 900);
+    CHECK(fabs(views[0].rotation[6] - 0.18865072947177312) < 1e-12 && fabs(views[0].fy - 993.6739021830649) < 1e-12);
+    /* the plush stands near the origin, before every camera */
+    for (int i = 0; i < 97; i++)
+        CHECK(views[i].rotation[6] * -views[i].position[0] + views[i].rotation[7] * -views[i].position[1] +
+              views[i].rotation[8] * -views[i].position[2] > 0);
+    free(views);
+}
+
+#else
+
+static void without_cjson(void)
+{
+    put_text("cameras.json", "[]");
+    check_fault("cameras.json", "built without cJSON");
+}
+
+#endif
+
+int main(void)
+{
+    if (!mkdtemp(folder)) {
+        perror(folder);
+        return 1;
+    }
+    make_camera();
+    RUN(colmap_bin);
+    RUN(colmap_txt);
+    RUN(colmap_models);
+    RUN(colmap_images);
+    RUN(colmap_bin_faults);
+    RUN(colmap_bin_truncated);
+    RUN(colmap_long_name);
+    RUN(no_file);
+#ifdef FXS_WITH_CJSON
+    RUN(inria);
+    RUN(inria_faults);
+    RUN(inria_orthonormalised);
+    RUN(transforms);
+    RUN(blender);
+    RUN(transforms_faults);
+    RUN(json_truncated);
+    RUN(too_many_values);
+    RUN(real_cameras);
+#else
+    RUN(without_cjson);
+#endif
+    remove_all();
+    rmdir(folder);
+    return check_report();
+}

@@ -1,0 +1,332 @@
+/* Image files: round trips, failures that leave the old file whole. Metrics: values worked out by hand. */
+#include "../port/formats/image_file.h"
+
+#include <dirent.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "../tools/metrics.h"
+#include "check.h"
+
+enum { WIDTH = 37, HEIGHT = 23, PIXELS = WIDTH * HEIGHT };
+
+static char folder[] = "/tmp/fixsplat-images-XXXXXX";
+static fxs_message message;
+static uint8_t image[4 * PIXELS], other[4 * PIXELS];
+
+static const char *in_folder(const char *name)
+{
+    static char path[512];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return path;
+}
+
+static uint32_t seed;
+
+static uint8_t random_byte(void)
+{
+    seed = seed * 1664525u + 1013904223u;
+    return (uint8_t)(seed >> 24);
+}
+
+/* Noise with an alpha of 255, or noise there too. */
+static void make_image(int opaque)
+{
+    seed = 1;
+    for (int i = 0; i < 4 * PIXELS; i++)
+        image[i] = i % 4 == 3 && opaque ? 255 : random_byte();
+}
+
+static int files_in_folder(void)
+{
+    int count = 0;
+    DIR *directory = opendir(folder);
+    if (!directory)
+        return -1;
+    while (readdir(directory))
+        count++;
+    closedir(directory);
+    return count - 2;
+}
+
+static int write_image(const char *name)
+{
+    memset(&message, 0, sizeof message);
+    int status = fxs_image_file_write(in_folder(name), image, WIDTH, HEIGHT, &message);
+    CHECK(status == 0 || (status == -1 && message.text[0] != 0));
+    return status;
+}
+
+static void check_read(const char *name, int keeps_alpha)
+{
+    uint8_t *rgba;
+    int width, height;
+    if (!CHECK(!fxs_image_file_read(in_folder(name), &rgba, &width, &height, &message)))
+        return;
+    if (CHECK(width == WIDTH && height == HEIGHT))
+        for (int i = 0; i < 4 * PIXELS; i++)
+            if (!CHECK(rgba[i] == (i % 4 == 3 && !keeps_alpha ? 255 : image[i])))
+                break;
+    free(rgba);
+}
+
+static void round_trips(void)
+{
+    for (int opaque = 0; opaque < 2; opaque++) {
+        make_image(opaque);
+        CHECK(!write_image("a.png"));
+        check_read("a.png", 1);
+        CHECK(!write_image("a.PPM"));
+        check_read("a.PPM", 0);
+    }
+    CHECK(files_in_folder() == 2);
+    remove(in_folder("a.png"));
+    remove(in_folder("a.PPM"));
+}
+
+static void raw(void)
+{
+    uint8_t bytes[4 * PIXELS + 1];
+    make_image(0);
+    CHECK(!write_image("a.raw"));
+    FILE *file = fopen(in_folder("a.raw"), "rb");
+    if (!CHECK(file != NULL))
+        return;
+    CHECK(fread(bytes, 1, sizeof bytes, file) == 4 * PIXELS && !memcmp(bytes, image, 4 * PIXELS));
+    fclose(file);
+    remove(in_folder("a.raw"));
+}
+
+static void endings(void)
+{
+    CHECK(fxs_image_file_known("a.png") && fxs_image_file_known("b/c.d.ppm") && fxs_image_file_known("x.raw"));
+    CHECK(!fxs_image_file_known("a.jpg") && !fxs_image_file_known("png") && !fxs_image_file_known("a.png/b"));
+    CHECK(write_image("a.jpg") == -1 && strstr(message.text, "a.jpg") && strstr(message.text, ".png, .ppm and .raw"));
+    CHECK(fxs_image_file_write(in_folder("a.png"), image, 0, 5, &message) == -1);
+    CHECK(fxs_image_file_write(in_folder("a.png"), image, 16384, 16384, &message) == -1);
+    CHECK(files_in_folder() == 0);
+}
+
+static void bad_targets(void)
+{
+    make_image(1);
+    CHECK(write_image("missing/a.png") == -1 && strstr(message.text, "No such file"));
+    CHECK(!mkdir(in_folder("d.png"), 0777));
+    CHECK(write_image("d.png") == -1 && strstr(message.text, "directory"));
+    CHECK(files_in_folder() == 1);
+    rmdir(in_folder("d.png"));
+}
+
+static void unwritable_folder(void)
+{
+    if (!geteuid())
+        SKIP("root may write everywhere");
+    make_image(1);
+    CHECK(!write_image("a.png"));
+    CHECK(!chmod(folder, 0500));
+    CHECK(write_image("a.png") == -1 && strstr(message.text, "ermission"));
+    CHECK(!chmod(folder, 0700));
+    check_read("a.png", 1);
+    remove(in_folder("a.png"));
+}
+
+/* A limit of the file size stands in for a full disk; the old file stays and nothing is left beside it. */
+static void full_disk(void)
+{
+    static const char *const names[] = {"a.png", "a.ppm", "a.raw"};
+    struct rlimit old, limit;
+    CHECK(!getrlimit(RLIMIT_FSIZE, &old));
+    signal(SIGXFSZ, SIG_IGN);
+    for (int i = 0; i < 3; i++) {
+        make_image(1);
+        CHECK(!write_image(names[i]));
+        struct stat before, after;
+        CHECK(!stat(in_folder(names[i]), &before));
+        limit = old;
+        limit.rlim_cur = 1000;
+        CHECK(!setrlimit(RLIMIT_FSIZE, &limit));
+        memset(image, 255, sizeof image);
+        for (int j = 0; j < 4 * PIXELS; j++)
+            image[j] = random_byte();
+        CHECK(write_image(names[i]) == -1 && strstr(message.text, "too large"));
+        CHECK(!setrlimit(RLIMIT_FSIZE, &old));
+        CHECK(!stat(in_folder(names[i]), &after) && before.st_ino == after.st_ino && before.st_size == after.st_size);
+        CHECK(files_in_folder() == 1);
+        remove(in_folder(names[i]));
+    }
+    signal(SIGXFSZ, SIG_DFL);
+}
+
+static void check_unreadable(const char *name, const char *words)
+{
+    uint8_t *rgba;
+    int width, height;
+    memset(&message, 0, sizeof message);
+    if (!CHECK(fxs_image_file_read(in_folder(name), &rgba, &width, &height, &message) == -1 &&
+               strstr(message.text, words) && strstr(message.text, name)))
+        printf("  %s: \"%s\"\n", name, message.text);
+}
+
+static void put(const char *name, const void *data, size_t size)
+{
+    FILE *file = fopen(in_folder(name), "wb");
+    if (!CHECK(file != NULL))
+        return;
+    CHECK(fwrite(data, 1, size, file) == size);
+    fclose(file);
+}
+
+static void bad_images(void)
+{
+    check_unreadable("missing.png", "No such file");
+    check_unreadable("", "directory");
+    put("a.png", "not an image", 12);
+    check_unreadable("a.png", "not a .png or .ppm");
+    put("a.png", "P6\n16384 16384\n255\n", 19);
+    check_unreadable("a.png", "pixels");
+    put("a.png", "P6\n1 1\n256\n123456", 17);
+    check_unreadable("a.png", "16 bits");
+    put("a.png", "P6\n16385 1\n255\n", 15);
+    check_unreadable("a.png", "a.png");
+    remove(in_folder("a.png"));
+}
+
+/* Every shorter .png is refused or read, and never a crash. */
+static void truncated_png(void)
+{
+    static uint8_t bytes[8 * PIXELS];
+    make_image(1);
+    CHECK(!write_image("a.png"));
+    FILE *file = fopen(in_folder("a.png"), "rb");
+    if (!CHECK(file != NULL))
+        return;
+    size_t whole = fread(bytes, 1, sizeof bytes, file);
+    fclose(file);
+    for (size_t i = 0; i < whole - 12; i += 7) {   /* 12: the IEND chunk */
+        put("a.png", bytes, i);
+        check_unreadable("a.png", "a.png");
+    }
+    remove(in_folder("a.png"));
+}
+
+static int near(double a, double b)
+{
+    return fabs(a - b) < 1e-9;
+}
+
+static void metrics_equal(void)
+{
+    struct fxs_metrics metrics;
+    make_image(0);
+    memcpy(other, image, sizeof image);
+    for (int i = 3; i < 4 * PIXELS; i += 4)
+        other[i] = random_byte();   /* alpha does not count */
+    CHECK(!fxs_metrics_compare(image, other, WIDTH, HEIGHT, &metrics));
+    CHECK(metrics.mse == 0 && isinf(metrics.psnr) && metrics.psnr > 0 && metrics.largest == 0);
+    CHECK(near(metrics.ssim, 1));
+}
+
+/* Flat images: the variances are 0, so that SSIM = (2 a b + c1) / (a^2 + b^2 + c1). */
+static void metrics_flat(void)
+{
+    static const int sizes[][2] = {{WIDTH, HEIGHT}, {11, 11}, {WIDTH, 4}, {1, HEIGHT}, {1, 1}, {10, 12}};
+    const double c1 = 6.5025;
+    struct fxs_metrics metrics;
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        memset(image, 100, sizeof image);
+        memset(other, 110, sizeof other);
+        CHECK(!fxs_metrics_compare(image, other, sizes[i][0], sizes[i][1], &metrics));
+        CHECK(metrics.mse == 100 && metrics.largest == 10 && near(metrics.psnr, 10 * log10(650.25)));
+        CHECK(near(metrics.ssim, (2 * 100 * 110 + c1) / (100 * 100 + 110 * 110 + c1)));
+    }
+}
+
+/* One channel of one pixel differs by 255. */
+static void metrics_pixel(void)
+{
+    struct fxs_metrics metrics;
+    memset(image, 0, sizeof image);
+    memset(other, 0, sizeof other);
+    other[4 * 300 + 1] = 255;
+    CHECK(!fxs_metrics_compare(image, other, WIDTH, HEIGHT, &metrics));
+    CHECK(near(metrics.mse, 65025.0 / (3 * PIXELS)) && metrics.largest == 255);
+    CHECK(near(metrics.psnr, 10 * log10(3 * PIXELS)));
+    CHECK(metrics.ssim < 1 && metrics.ssim > 2.0 / 3);
+}
+
+/* SSIM as the paper writes it: one window after another, two-dimensional weights, centred moments. */
+static double plain_ssim(int channel)
+{
+    double sum = 0, c1 = 6.5025, c2 = 58.5225, total = 0, weight[11][11];
+    for (int y = 0; y < 11; y++)
+        for (int x = 0; x < 11; x++)
+            total += weight[y][x] = exp(-((x - 5) * (x - 5) + (y - 5) * (y - 5)) / 4.5);
+    for (int top = 0; top + 11 <= HEIGHT; top++)
+        for (int left = 0; left + 11 <= WIDTH; left++) {
+            double mean_a = 0, mean_b = 0, aa = 0, bb = 0, ab = 0;
+            for (int pass = 0; pass < 2; pass++)
+                for (int y = 0; y < 11; y++)
+                    for (int x = 0; x < 11; x++) {
+                        int i = 4 * ((top + y) * WIDTH + left + x) + channel;
+                        double w = weight[y][x] / total, a = image[i], b = other[i];
+                        mean_a += pass ? 0 : w * a;
+                        mean_b += pass ? 0 : w * b;
+                        aa += pass ? w * (a - mean_a) * (a - mean_a) : 0;
+                        bb += pass ? w * (b - mean_b) * (b - mean_b) : 0;
+                        ab += pass ? w * (a - mean_a) * (b - mean_b) : 0;
+                    }
+            sum += (2 * mean_a * mean_b + c1) * (2 * ab + c2) /
+                   ((mean_a * mean_a + mean_b * mean_b + c1) * (aa + bb + c2));
+        }
+    return sum / ((HEIGHT - 10) * (WIDTH - 10));
+}
+
+static void metrics_plain(void)
+{
+    struct fxs_metrics metrics, swapped;
+    make_image(1);
+    for (int i = 0; i < 4 * PIXELS; i++)
+        other[i] = (uint8_t)((3 * image[i] + random_byte()) / 4);
+    CHECK(!fxs_metrics_compare(image, other, WIDTH, HEIGHT, &metrics));
+    CHECK(near(metrics.ssim, (plain_ssim(0) + plain_ssim(1) + plain_ssim(2)) / 3));
+    CHECK(!fxs_metrics_compare(other, image, WIDTH, HEIGHT, &swapped));
+    CHECK(swapped.mse == metrics.mse && near(swapped.ssim, metrics.ssim));
+}
+
+static void difference(void)
+{
+    const uint8_t a[8] = {10, 10, 200, 0, 0, 5, 255, 9}, b[8] = {10, 11, 100, 0, 31, 0, 223, 200};
+    const uint8_t expected[8] = {0, 8, 255, 255, 248, 40, 255, 255};
+    uint8_t out[8];
+    fxs_metrics_difference(a, b, 2, 1, out);
+    CHECK(!memcmp(out, expected, 8));
+}
+
+int main(void)
+{
+    if (!mkdtemp(folder)) {
+        perror(folder);
+        return 1;
+    }
+    RUN(round_trips);
+    RUN(raw);
+    RUN(endings);
+    RUN(bad_targets);
+    RUN(unwritable_folder);
+    RUN(full_disk);
+    RUN(bad_images);
+    RUN(truncated_png);
+    RUN(metrics_equal);
+    RUN(metrics_flat);
+    RUN(metrics_pixel);
+    RUN(metrics_plain);
+    RUN(difference);
+    CHECK(!rmdir(folder));
+    return check_report();
+}

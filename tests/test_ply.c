@@ -1,0 +1,696 @@
+/* Reads of .ply files made here in every encoding, of faulty ones, and of real scenes. */
+#include <math.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "../port/formats/scene_file.h"
+#include "check.h"
+
+enum { ROWS = 3, MAX_FILE = 1 << 21, FLOATS = sizeof(fxs_gaussian) / sizeof(float) };
+
+static char path[] = "/tmp/test_ply_XXXXXX";
+static uint8_t bytes[MAX_FILE];
+static size_t size;
+static fxs_message message;
+static fxs_scene_file_info info;
+
+/* Making a file */
+
+static void put(const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    size += (size_t)vsnprintf((char *)bytes + size, MAX_FILE - size, format, arguments);
+    va_end(arguments);
+}
+
+static void put_file(size_t length)
+{
+    FILE *stream = fopen(path, "wb");
+    if (!CHECK(stream != NULL))
+        return;
+    CHECK(fwrite(bytes, 1, length, stream) == length);
+    fclose(stream);
+}
+
+static const char *const encodings[] = {"ascii", "binary_little_endian", "binary_big_endian"};
+enum { ASCII, LITTLE, BIG };
+
+/* A value of a property: a whole number that fits every type, and for the real types an exact fraction. */
+static double value_of(const char *name, int row, int is_whole)
+{
+    unsigned hash = 17u * (unsigned)row + 5;
+    for (; *name; name++)
+        hash = 31 * hash + (unsigned char)*name;
+    return is_whole ? hash % 100 : (hash % 20000 - 10000.0) / 64 + 1.0 / 1024;
+}
+
+static void put_number(int encoding, const char *type, double value)
+{
+    static const struct { const char *name; int size; } sizes[] = {
+        {"char", 1}, {"int8", 1}, {"uchar", 1}, {"uint8", 1}, {"short", 2}, {"int16", 2}, {"ushort", 2}, {"uint16", 2},
+        {"int", 4}, {"int32", 4}, {"uint", 4}, {"uint32", 4},
+        {"float", -4}, {"float32", -4}, {"double", -8}, {"float64", -8}
+    };
+    int i = 0;
+    if (encoding == ASCII) {
+        put("%.17g ", value);
+        return;
+    }
+    while (strcmp(sizes[i].name, type) != 0)
+        i++;
+    float real = (float)value;
+    uint64_t bits;
+    uint32_t float_bits;
+    memcpy(&float_bits, &real, 4);
+    memcpy(&bits, &value, 8);
+    if (sizes[i].size == -4)
+        bits = float_bits;
+    if (sizes[i].size > 0)
+        bits = (uint64_t)(int64_t)value;
+    int count = abs(sizes[i].size);
+    for (int k = 0; k < count; k++)
+        bytes[size++] = (uint8_t)(bits >> 8 * (encoding == BIG ? count - 1 - k : k));
+}
+
+/* One row of properties "type name" or "list type type name"; lists get 0 to 3 values. */
+static void put_row(int encoding, const char *const *properties, int count, int row, int is_whole)
+{
+    char type[3][16], name[32];
+    for (int i = 0; i < count; i++) {
+        if (sscanf(properties[i], "list %15s %15s %31s", type[0], type[1], name) == 3) {
+            int length = (row + i) % 4;
+            put_number(encoding, type[0], length);
+            for (int k = 0; k < length; k++)
+                put_number(encoding, type[1], 7 * k);
+        } else if (sscanf(properties[i], "%15s %31s", type[2], name) == 2) {
+            int real = strncmp(type[2], "float", 5) == 0 || strncmp(type[2], "double", 6) == 0;
+            put_number(encoding, type[2], value_of(name, row, is_whole || !real));
+        }
+    }
+    if (encoding == ASCII)
+        put("\n");
+}
+
+static void put_element(const char *name, int rows, const char *const *properties, int count)
+{
+    put("element %s %d\n", name, rows);
+    for (int i = 0; i < count; i++)
+        put("property %s\n", properties[i]);
+}
+
+static const char *const core[] = {
+    "float x", "float y", "float z", "float nx", "float f_dc_0", "float f_dc_1", "float f_dc_2", "float opacity",
+    "float scale_0", "float scale_1", "float scale_2", "float rot_0", "float rot_1", "float rot_2", "float rot_3"
+};
+enum { CORE = sizeof core / sizeof *core };
+
+static char rest_text[72][24];
+static const char *properties[CORE + 72];
+
+/* The core properties and `rest` of f_rest; returns their number. */
+static int fill_properties(int rest)
+{
+    memcpy(properties, core, sizeof core);
+    for (int i = 0; i < rest; i++) {
+        snprintf(rest_text[i], sizeof rest_text[i], "float f_rest_%d", i);
+        properties[CORE + i] = rest_text[i];
+    }
+    return CORE + rest;
+}
+
+static void make_file(int encoding, int count, int is_whole)
+{
+    size = 0;
+    put("ply\nformat %s 1.0\n", encodings[encoding]);
+    put_element("vertex", ROWS, properties, count);
+    put("end_header\n");
+    for (int row = 0; row < ROWS; row++)
+        put_row(encoding, properties, count, row, is_whole);
+}
+
+/* Reading it */
+
+static void expect_gaussian(fxs_gaussian *g, int row, int rest, int is_whole)
+{
+    char name[32];
+    float *fields = (float *)g;
+    static const char *const names[] = {"x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",
+                                        "rot_3", "opacity", "f_dc_0", "f_dc_1", "f_dc_2"};
+    memset(g, 0, sizeof *g);
+    for (int i = 0; i < 14; i++)
+        fields[i] = (float)value_of(names[i], row, is_whole);
+    for (int channel = 0; channel < 3; channel++)
+        for (int k = 0; k < rest / 3 && k < 15; k++) {
+            snprintf(name, sizeof name, "f_rest_%d", channel * (rest / 3) + k);
+            g->sh[3 * k + channel] = (float)value_of(name, row, is_whole);
+        }
+}
+
+/* 0 where the file at `path` opens and reads to its end, twice, at two paces; else -1 and the message. */
+static int read_file(fxs_gaussian *gaussians, size_t capacity)
+{
+    fxs_scene_file *file;
+    fxs_gaussian one;
+    long count, total = 0;
+    if (fxs_scene_file_open(path, &file, &info, &message) != 0) {
+        CHECK(file == NULL);
+        return -1;
+    }
+    while ((count = fxs_scene_file_read(file, &one, 1, &message)) > 0)
+        total += count;
+    CHECK(count < 0 || total == (long)info.count);
+    CHECK(fxs_scene_file_rewind(file, &message) == 0);
+    CHECK(fxs_scene_file_read(file, gaussians, capacity, &message) == (count < 0 ? -1 : total));
+    fxs_scene_file_close(file);
+    return count < 0 ? -1 : 0;
+}
+
+static void check_file(int degree, int rest, int is_whole)
+{
+    fxs_gaussian gaussians[ROWS + 1], expected;
+    put_file(size);
+    if (!CHECK(read_file(gaussians, ROWS + 1) == 0)) {
+        printf("  %s\n", message.text);
+        return;
+    }
+    CHECK(info.count == ROWS && info.sh_degree == degree && strcmp(info.format, "ply") == 0);
+    for (int row = 0; row < ROWS; row++) {
+        expect_gaussian(&expected, row, rest, is_whole);
+        CHECK(memcmp(&gaussians[row], &expected, sizeof expected) == 0);
+    }
+}
+
+/* The file at `path` must fail with a message of the path, a colon and `text`. */
+static void check_fails(const char *text)
+{
+    fxs_gaussian gaussians[ROWS];
+    put_file(size);
+    CHECK(read_file(gaussians, ROWS) == -1);
+    if (!CHECK(strncmp(message.text, path, strlen(path)) == 0) || !CHECK(strstr(message.text, text) != NULL))
+        printf("  said: %s\n  not:  %s\n", message.text, text);
+}
+
+static void every_degree_in_every_encoding(void)
+{
+    static const int rests[] = {0, 9, 24, 45, 72};
+    for (int degree = 0; degree <= 4; degree++)
+        for (int encoding = ASCII; encoding <= BIG; encoding++) {
+            make_file(encoding, fill_properties(rests[degree]), 0);
+            check_file(degree < 3 ? degree : 3, rests[degree], 0);
+        }
+}
+
+static void shuffled_properties(void)
+{
+    int count = fill_properties(45);
+    for (int i = count - 1, seed = 1; i > 0; i--) {
+        seed = (seed * 75 + 74) % 65537;
+        const char *other = properties[seed % (i + 1)];
+        properties[seed % (i + 1)] = properties[i];
+        properties[i] = other;
+    }
+    for (int encoding = ASCII; encoding <= BIG; encoding++) {
+        make_file(encoding, count, 0);
+        check_file(3, 45, 0);
+    }
+}
+
+static void every_type(void)
+{
+    static const char *const types[] = {"char", "int8", "uchar", "uint8", "short", "int16", "ushort", "uint16", "int",
+                                        "int32", "uint", "uint32", "float", "float32", "double", "float64"};
+    static char text[CORE][32];
+    for (size_t type = 0; type < sizeof types / sizeof *types; type++)
+        for (int encoding = ASCII; encoding <= BIG; encoding++) {
+            int count = fill_properties(9);
+            for (int i = 0; i < CORE; i++) {
+                snprintf(text[i], sizeof text[i], "%s %s", types[type], strchr(core[i], ' ') + 1);
+                properties[i] = text[i];
+            }
+            make_file(encoding, count, 1);
+            check_file(1, 9, 1);
+        }
+}
+
+static void negative_and_large_integers(void)
+{
+    static const struct { const char *type; double value; } cases[] = {
+        {"char", -128}, {"uchar", 255}, {"short", -32768}, {"ushort", 65535}, {"int", -2147483648.0},
+        {"uint", 4294967295.0}, {"double", -1e300}
+    };
+    fxs_gaussian g;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        for (int encoding = ASCII; encoding <= BIG; encoding++) {
+            int count = fill_properties(0);
+            size = 0;
+            put("ply\nformat %s 1.0\nelement vertex 1\nproperty %s x\n", encodings[encoding], cases[i].type);
+            for (int k = 1; k < count; k++)
+                put("property %s\n", properties[k]);
+            put("end_header\n");
+            put_number(encoding, cases[i].type, cases[i].value);
+            put_row(encoding, properties + 1, count - 1, 0, 0);
+            put_file(size);
+            CHECK(read_file(&g, 1) == 0 && g.position[0] == (float)cases[i].value);
+        }
+}
+
+static void other_elements_and_lists(void)
+{
+    static const char *const face[] = {"list uchar int vertex_indices", "uchar red", "list uint double weights"};
+    static const char *const camera[] = {"double focal", "int x"};
+    for (int with_list = 0; with_list <= 1; with_list++)
+        for (int encoding = ASCII; encoding <= BIG; encoding++) {
+            int count = fill_properties(9);
+            if (with_list)
+                properties[3] = "list ushort short extra";
+            size = 0;
+            put("ply\nformat %s 1.0\n", encodings[encoding]);
+            put_element("camera", 2, camera, 2);
+            put_element("face", 5, face, 3);
+            put_element("nothing", 2000000000, NULL, 0);
+            put_element("vertex", ROWS, properties, count);
+            put_element("edge", 4, face, 3);
+            put("end_header\n");
+            for (int row = 0; row < 2; row++)
+                put_row(encoding, camera, 2, row, 0);
+            for (int row = 0; row < 5; row++)
+                put_row(encoding, face, 3, row, 0);
+            for (int row = 0; row < ROWS; row++)
+                put_row(encoding, properties, count, row, 0);
+            for (int row = 0; row < 4; row++)
+                put_row(encoding, face, 3, row, 0);
+            check_file(1, 9, 0);
+        }
+}
+
+/* A list longer than the reader's buffer, and more bytes after the last row. */
+static void long_list(void)
+{
+    int count = fill_properties(0);
+    size = 0;
+    put("ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list uint float values\n");
+    put_element("vertex", ROWS, properties, count);
+    put("end_header\n");
+    put_number(LITTLE, "uint", 200000);
+    memset(bytes + size, 0, 800000);
+    size += 800000;
+    for (int row = 0; row < ROWS; row++)
+        put_row(LITTLE, properties, count, row, 0);
+    put("trailing");
+    check_file(0, 0, 0);
+}
+
+static void comments(void)
+{
+    static const struct { const char *text; int antialiased; } cases[] = {
+        {"comment", 0}, {"comment SplatRenderMode: mip", 1}, {"comment SplatRenderMode: default", 0},
+        {"comment antialiased 1", 1}, {"comment antialiased 0", 0}, {"comment not antialiased 1", 0},
+        {"obj_info antialiased 1", 0}, {"comment  antialiased\t1 \r", 1},
+        {"comment element vertex 12 element vertex 13", 0}
+    };
+    fxs_gaussian gaussians[ROWS];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        int count = fill_properties(0);
+        size = 0;
+        put("ply\n%s\nformat binary_little_endian 1.0\n", cases[i].text);
+        put_element("vertex", ROWS, properties, count);
+        put("end_header\n");
+        for (int row = 0; row < ROWS; row++)
+            put_row(LITTLE, properties, count, row, 0);
+        put_file(size);
+        CHECK(read_file(gaussians, ROWS) == 0 && info.antialiased == cases[i].antialiased);
+    }
+}
+
+static void carriage_returns(void)
+{
+    static uint8_t plain[1 << 14];
+    for (int encoding = ASCII; encoding <= BIG; encoding++) {
+        make_file(encoding, fill_properties(9), 0);
+        size_t length = size, header = (size_t)(strstr((char *)bytes, "end_header\n") - (char *)bytes) + 11;
+        memcpy(plain, bytes, length);
+        size = 0;
+        for (size_t i = 0; i < length; i++) {
+            if (plain[i] == '\n' && (encoding == ASCII || i < header))
+                bytes[size++] = '\r';
+            bytes[size++] = plain[i];
+        }
+        check_file(1, 9, 0);
+    }
+}
+
+static void empty_scene(void)
+{
+    fxs_gaussian g;
+    size = 0;
+    put("ply\nformat ascii 1.0\n");
+    put_element("vertex", 0, properties, fill_properties(0));
+    put("end_header");
+    check_fails("the header has no end_header");
+    put("\n");
+    put_file(size);
+    CHECK(read_file(&g, 1) == 0 && info.count == 0);
+}
+
+static int read_ascii_x(const char *text, float *x)
+{
+    fxs_gaussian g;
+    int count = fill_properties(0);
+    size = 0;
+    put("ply\nformat ascii 1.0\n");
+    put_element("vertex", 1, properties, count);
+    put("end_header\n\n\n%s\t", text);
+    put_row(ASCII, properties + 1, count - 1, 0, 0);
+    put_file(size);
+    int status = read_file(&g, 1);
+    *x = g.position[0];
+    return status;
+}
+
+static void ascii_numbers(void)
+{
+    static const struct { const char *text; double value; } good[] = {
+        {"0", 0}, {"-12", -12}, {"+3", 3}, {".5", 0.5}, {"5.", 5}, {"1e3", 1000}, {"1E-3", 1e-3}, {"-2.5e+2", -250},
+        {"0.1", 0.1}, {"3.4028235e38", 3.4028235e38}, {"1.17549435e-38", 1.17549435e-38},
+        {"1.40129846e-45", 1.40129846e-45},
+        {"1e400", INFINITY}, {"-1e99999999999", -INFINITY}, {"1e-400", 0}, {"0e99999", 0}, {"inf", INFINITY},
+        {"-INF", -INFINITY}, {"0.33333333333333333333333333333333333333333333333333", 1 / 3.0},
+        {"123456789012345678901234567890", 1.2345678901234568e29}
+    };
+    static const char *const bad[] = {"-", ".", "1e", "1e+", "1.2.3", "1,5", "abc", "0x10", "nano", "--1", "1-", "e5"};
+    float x;
+    char text[800];
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++)
+        if (!CHECK(read_ascii_x(good[i].text, &x) == 0 && x == (float)good[i].value))
+            printf("  %s\n", good[i].text);
+    CHECK(read_ascii_x("-nan", &x) == 0 && isnan(x));
+    CHECK(read_ascii_x("NaN", &x) == 0 && isnan(x));
+    snprintf(text, sizeof text, "%f", -1e300);
+    CHECK(read_ascii_x(text, &x) == 0 && x == -INFINITY);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        if (!CHECK(read_ascii_x(bad[i], &x) == -1 && strstr(message.text, ": vertex 1 of 1: a value is not a number")))
+            printf("  %s\n", bad[i]);
+    memset(text, '1', 700);
+    text[700] = '\0';
+    CHECK(read_ascii_x(text, &x) == -1 && strstr(message.text, "a value is too long"));
+    CHECK(read_ascii_x("1 2", &x) == -1 && strstr(message.text, "too many values"));
+    CHECK(read_ascii_x("1\n", &x) == -1 && strstr(message.text, "too few values"));
+}
+
+/* Random floats printed with 9 digits come back bit for bit. */
+static void ascii_round_trip(void)
+{
+    enum { COUNT = 1000 };
+    static fxs_gaussian gaussians[COUNT];
+    static float values[COUNT][CORE];
+    uint32_t bits = 1;
+    size = 0;
+    put("ply\nformat ascii 1.0\n");
+    put_element("vertex", COUNT, properties, fill_properties(0));
+    put("end_header\n");
+    for (int row = 0; row < COUNT; row++, put("\n"))
+        for (int i = 0; i < CORE; i++) {
+            do {
+                bits = bits * 1664525u + 1013904223u;
+                uint32_t mixed = bits ^ bits >> 15;
+                memcpy(&values[row][i], &mixed, 4);
+            } while (!isfinite(values[row][i]));
+            put("%.9g ", (double)values[row][i]);
+        }
+    put_file(size);
+    CHECK(read_file(gaussians, COUNT) == 0);
+    for (int row = 0; row < COUNT; row++)
+        CHECK(memcmp(gaussians[row].position, values[row], 12) == 0
+              && memcmp(gaussians[row].rotation, values[row] + 11, 16) == 0);
+}
+
+static void not_finite_values_pass(void)
+{
+    fxs_gaussian gaussians[ROWS];
+    make_file(LITTLE, fill_properties(0), 0);
+    memcpy(bytes + size - 8, "\x00\x00\xc0\x7f\x00\x00\x80\xff", 8);
+    put_file(size);
+    CHECK(read_file(gaussians, ROWS) == 0 && isnan(gaussians[ROWS - 1].rotation[2]));
+    CHECK(gaussians[ROWS - 1].rotation[3] == -INFINITY);
+}
+
+static void truncated_binary(void)
+{
+    fxs_gaussian gaussians[ROWS];
+    char text[80];
+    make_file(LITTLE, fill_properties(9), 0);
+    size_t header = (size_t)(strstr((char *)bytes, "end_header\n") - (char *)bytes) + 11;
+    for (size_t length = 0; length < size; length++) {
+        put_file(length);
+        CHECK(read_file(gaussians, ROWS) == -1);
+        snprintf(text, sizeof text, "at least %zu bytes, the file has %zu", size, length);
+        CHECK(strstr(message.text, length < 3 ? "not a scene file" : length < header ? "no end_header" : text) != NULL);
+    }
+}
+
+/* With lists, the last of them the row's last property: the size by the header is only a lower bound. */
+static void truncated_lists(void)
+{
+    fxs_gaussian gaussians[ROWS];
+    for (int encoding = ASCII; encoding <= BIG; encoding++) {
+        int count = fill_properties(0);
+        properties[0] = "list uchar double a";
+        properties[count++] = "float x";
+        properties[count++] = "list int ushort b";
+        make_file(encoding, count, 0);
+        put_file(size);
+        CHECK(read_file(gaussians, ROWS) == 0);
+        for (size_t length = 0; length < size - 3; length++) {
+            put_file(length);
+            CHECK(read_file(gaussians, ROWS) == -1);
+        }
+    }
+}
+
+/* Only a cut within the last number cannot be told: the number is read as it stands. */
+static void truncated_ascii(void)
+{
+    fxs_gaussian gaussians[ROWS];
+    make_file(ASCII, fill_properties(9), 0);
+    size_t last = size - 2;
+    while (bytes[last - 1] != ' ')
+        last--;
+    for (size_t length = 0; length < size; length++) {
+        put_file(length);
+        int status = read_file(gaussians, ROWS);
+        CHECK(length > last ? status == 0 || bytes[length - 1] == '-' : status == -1);
+        CHECK(length > last || strstr(message.text, "vertex 3 of 3: the file ends early") || length < last - 1
+              || !printf("  %s\n", message.text));
+    }
+}
+
+static void list_lengths(void)
+{
+    static const char *const lengths[] = {"-1", "nan", "1e30"};
+    for (int i = 0; i < 3; i++) {
+        size = 0;
+        put("ply\nformat ascii 1.0\nelement face 1\nproperty list int int v\n");
+        put_element("vertex", 0, properties, fill_properties(0));
+        put("end_header\n%s\n", lengths[i]);
+        check_fails(": face 1 of 1: a list has no valid length");
+    }
+    size = 0;
+    put("ply\nformat binary_big_endian 1.0\nelement face 1\nproperty list int double v\n");
+    put_element("vertex", 0, properties, fill_properties(0));
+    put("end_header\n\x7f\xff\xff\xff");
+    check_fails(": face 1 of 1: the file ends early");
+}
+
+#define START "ply\nformat ascii 1.0\n"
+#define VERTEX START "element vertex 1\n"
+
+static void faulty_headers(void)
+{
+    static const char *const cases[][2] = {
+        {"", "not a scene file of a known format"},
+        {"plx\n", "not a scene file of a known format"},
+        {"ply", "the header has no end_header"},
+        {"plyx\n", "header line 1: not \"ply\" alone: \"plyx\""},
+        {"ply ply\n", "header line 1: not \"ply\" alone"},
+        {"ply\nformat ascii 2.0\n", "header line 2: unknown version \"2.0\""},
+        {"ply\nformat binary 1.0\n", "header line 2: unknown format \"binary\""},
+        {"ply\nformat ascii\n", "header line 2: cannot read this \"format\""},
+        {"ply\nend_header\n", "the header has no format line"},
+        {START "end_header\n", "the header has no element vertex"},
+        {START "elephant\n", "header line 3: cannot read this \"elephant\""},
+        {START "end_header 1\n", "header line 3: cannot read this \"end_header\""},
+        {START "element vertex\n", "header line 3: cannot read this \"element\""},
+        {START "element vertex -1\n", "header line 3: not a count from 0 to 2147483647: \"-1\""},
+        {START "element vertex 12x\n", "header line 3: not a count from 0 to 2147483647: \"12x\""},
+        {START "element vertex 2147483648\n", "header line 3: not a count from 0 to 2147483647: \"2147483648\""},
+        {START "element vertex 99999999999999999999999999\n", "header line 3: not a count from 0 to 2147483647"},
+        {VERTEX "element vertex 1\n", "header line 4: a second element \"vertex\""},
+        {START "property float x\n", "header line 3: a property before the first element: \"x\""},
+        {VERTEX "property flaot x\n", "header line 4: unknown type \"flaot\""},
+        {VERTEX "property list uchar flaot x\n", "header line 4: unknown type \"flaot\""},
+        {VERTEX "property list float int x\n", "header line 4: a list length that is not of an integer type: \"x\""},
+        {VERTEX "property list uchar int\n", "header line 4: cannot read this \"property\""},
+        {VERTEX "property float x\nproperty double x\n", "header line 5: a second property \"x\""},
+        {VERTEX "property float f_rest_8\nproperty float f_rest_8\n", "header line 5: a second property \"f_rest_8\""},
+        {VERTEX "property float \x1b[2J\n", "header line 4 is not text"},
+        {VERTEX "property list uchar float x\nend_header\n", "element vertex has no property x"},
+        {VERTEX "property uint packed_position\nend_header\n", "compressed .ply is not read yet"}
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        size = 0;
+        put("%s", cases[i][0]);
+        check_fails(cases[i][1]);
+    }
+}
+
+static void header_limits(void)
+{
+    size = 0;
+    put(START "comment %4088s\ncomment %4089s\n", "", "");
+    check_fails("header line 4 has more than 4096 characters");
+    size = 0;
+    put(START);
+    while (size <= 1 << 20)
+        put("comment %4000s\n", "");
+    check_fails("the header has more than 1048576 bytes");
+    size = 0;
+    put(VERTEX);
+    for (int i = 0; i <= 1024; i++)
+        put("property float p%d\n", i);
+    check_fails("header line 1028: more than 1024 properties, at \"p1024\"");
+    size = 0;
+    put(START);
+    for (int i = 0; i <= 64; i++)
+        put("element e%d 1\n", i);
+    check_fails("header line 67: more than 64 elements, at \"e64\"");
+}
+
+static void missing_properties(void)
+{
+    char text[80];
+    for (int missing = 0; missing < CORE; missing++) {
+        int count = fill_properties(0);
+        const char *name = strchr(properties[missing], ' ') + 1;
+        properties[missing] = "float other";
+        make_file(LITTLE, count, 0);
+        snprintf(text, sizeof text, "element vertex has no property %s", name);
+        if (strcmp(name, "scale_2") == 0)
+            check_fails("no property scale_2: a file of 2D surfels");
+        else if (strcmp(name, "nx") != 0)
+            check_fails(text);
+    }
+}
+
+static void wrong_rest_counts(void)
+{
+    char text[80];
+    for (int rest = 1; rest <= 72; rest++) {
+        if (rest == 9 || rest == 24 || rest == 45 || rest == 72)
+            continue;
+        make_file(LITTLE, fill_properties(rest), 0);
+        snprintf(text, sizeof text, "%d f_rest_* properties, not 0, 9, 24, 45 or 72", rest);
+        check_fails(text);
+    }
+    int count = fill_properties(9);
+    properties[CORE + 4] = "float f_rest_9";
+    make_file(LITTLE, count, 0);
+    check_fails("element vertex has no property f_rest_4");
+    properties[CORE + 4] = "float f_rest_99999999999999999999";
+    make_file(LITTLE, count, 0);
+    check_fails("element vertex has no property f_rest_4");
+}
+
+/* A count that the file cannot hold is refused before anyone allocates for it. */
+static void absurd_counts(void)
+{
+    for (int encoding = ASCII; encoding <= BIG; encoding++) {
+        size = 0;
+        put("ply\nformat %s 1.0\n", encodings[encoding]);
+        put_element("vertex", 2147483647, properties, fill_properties(0));
+        put("end_header\n1 2 3\n");
+        check_fails("the header asks for at least");
+    }
+}
+
+static void not_files(void)
+{
+    fxs_scene_file *file;
+    CHECK(fxs_scene_file_open("/tmp", &file, &info, &message) == -1 && file == NULL);
+    CHECK(strcmp(message.text, "/tmp: not a regular file") == 0);
+    CHECK(fxs_scene_file_open("no/such/file", &file, &info, &message) == -1 && file == NULL);
+    CHECK(strncmp(message.text, "no/such/file: ", 14) == 0);
+    fxs_scene_file_close(NULL);
+}
+
+static void real_scenes(void)
+{
+    static const struct { const char *name; uint64_t count; int degree; } scenes[] = {
+        {"snowmiku/snowmiku.ply", 335690, 3}, {"donut/donut.ply", 45624, 0},
+        {"fruit-drops/fruit_drops_minimal.ply", 4721, 3}, {"train-1000/train-1000.ply", 1000, 3}
+    };
+    static fxs_gaussian gaussians[1000];
+    const char *folder = getenv("FXS_SCENES") ? getenv("FXS_SCENES") : "../shared/scenes";
+    char name[1024];
+    if (access(folder, R_OK) != 0)
+        SKIP("no folder of scenes; set FXS_SCENES");
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
+        fxs_scene_file *file;
+        uint64_t total = 0, odd = 0;
+        long count;
+        snprintf(name, sizeof name, "%s/%s", folder, scenes[i].name);
+        if (!CHECK(fxs_scene_file_open(name, &file, &info, &message) == 0)) {
+            printf("  %s\n", message.text);
+            continue;
+        }
+        CHECK(info.count == scenes[i].count && info.sh_degree == scenes[i].degree && !info.antialiased);
+        while ((count = fxs_scene_file_read(file, gaussians, 1000, &message)) > 0) {
+            for (long k = 0; k < count; k++)
+                odd += !(fabsf(gaussians[k].scale[0]) < 30 && fabsf(gaussians[k].opacity) < 100);
+            total += (uint64_t)count;
+        }
+        CHECK(count == 0 && total == scenes[i].count && odd == 0);
+        fxs_scene_file_close(file);
+    }
+    snprintf(name, sizeof name, "%s/guitar/guitar.compressed.ply", folder);
+    fxs_scene_file *file;
+    CHECK(fxs_scene_file_open(name, &file, &info, &message) == -1 && strstr(message.text, "compressed .ply"));
+}
+
+int main(void)
+{
+    int descriptor = mkstemp(path);
+    if (descriptor < 0) {
+        perror(path);
+        return 1;
+    }
+    close(descriptor);
+    RUN(every_degree_in_every_encoding);
+    RUN(shuffled_properties);
+    RUN(every_type);
+    RUN(negative_and_large_integers);
+    RUN(other_elements_and_lists);
+    RUN(long_list);
+    RUN(comments);
+    RUN(carriage_returns);
+    RUN(empty_scene);
+    RUN(ascii_numbers);
+    RUN(ascii_round_trip);
+    RUN(not_finite_values_pass);
+    RUN(truncated_binary);
+    RUN(truncated_lists);
+    RUN(truncated_ascii);
+    RUN(list_lengths);
+    RUN(faulty_headers);
+    RUN(header_limits);
+    RUN(missing_properties);
+    RUN(wrong_rest_counts);
+    RUN(absurd_counts);
+    RUN(not_files);
+    RUN(real_scenes);
+    unlink(path);
+    return check_report();
+}

@@ -1,0 +1,125 @@
+#include "command.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+int fail(int status, const char *format, ...)
+{
+    va_list arguments;
+    progress_end();
+    fputs("fixsplat: ", stderr);
+    va_start(arguments, format);
+    vfprintf(stderr, format, arguments);
+    va_end(arguments);
+    fputc('\n', stderr);
+    return status;
+}
+
+int usage_hint(const char *command)
+{
+    return fail(EXIT_USAGE, "see: fixsplat %s --help", command);
+}
+
+int parse_count(const char *text, uint64_t low, uint64_t high, uint64_t *out)
+{
+    char *end;
+    errno = 0;
+    unsigned long long value = strtoull(text, &end, 10);
+    *out = value;
+    return text[0] >= '0' && text[0] <= '9' && !*end && !errno && value >= low && value <= high;
+}
+
+int parse_size(const char *text, int *width, int *height)
+{
+    uint64_t w, h;
+    char first[16];
+    const char *x = strchr(text, 'x');
+    size_t length = x ? (size_t)(x - text) : 0;
+    if (!length || length >= sizeof first)
+        return 0;
+    memcpy(first, text, length);
+    first[length] = 0;
+    if (!parse_count(first, 1, FXS_MAX_SIZE, &w) || !parse_count(x + 1, 1, FXS_MAX_SIZE, &h))
+        return 0;
+    *width = (int)w;
+    *height = (int)h;
+    return 1;
+}
+
+int parse_vector(const char *text, double out[3])
+{
+    for (int i = 0; i < 3; i++) {
+        char *end;
+        out[i] = strtod(text, &end);
+        if (end == text || !isfinite(out[i]) || *end != (i < 2 ? ',' : 0))
+            return 0;
+        text = end + 1;
+    }
+    return 1;
+}
+
+int parse_colour(const char *text, uint8_t rgb[3])
+{
+    if (strlen(text) != 6 || strspn(text, "0123456789abcdefABCDEF") != 6)
+        return 0;
+    unsigned long value = strtoul(text, 0, 16);
+    for (int i = 0; i < 3; i++)
+        rgb[i] = (uint8_t)(value >> (16 - 8 * i));
+    return 1;
+}
+
+static int bar_shown;
+
+int progress_bar(void *label, double done)
+{
+    static const char marks[] = "########################################";
+    int width = (int)(sizeof marks - 1), filled = (int)(done * width);
+    if (!isatty(STDERR_FILENO))
+        return 0;
+    fprintf(stderr, "\r%-12s [%.*s%*s] %3d %%", (const char *)label, filled, marks, width - filled, "",
+            (int)(done * 100));
+    bar_shown = 1;
+    return 0;
+}
+
+void progress_end(void)
+{
+    if (bar_shown)
+        fputs("\r\033[K", stderr);
+    bar_shown = 0;
+}
+
+int load_scene(loaded_scene *loaded, const char *path)
+{
+    fxs_message message;
+    fxs_scene_file *file;
+    char label[] = "reading";
+    memset(loaded, 0, sizeof *loaded);
+    if (fxs_scene_file_open(path, &file, &loaded->info, &message))
+        return fail(EXIT_FAILED, "%s", message.text);
+    int result = fxs_pack(file, &loaded->info, &loaded->packed, &loaded->report, progress_bar, label, &message);
+    fxs_scene_file_close(file);
+    progress_end();
+    if (result)
+        return fail(EXIT_FAILED, strncmp(message.text, path, strlen(path)) ? "%s: %s" : "%.0s%s", path, message.text);
+    result = fxs_scene_open(&loaded->scene, loaded->packed.data, loaded->packed.bytes);
+    if (result)
+        return fail(EXIT_FAILED, "%s: %s", path, fxs_strerror(result));
+    const fxs_pack_dropped *d = &loaded->report.dropped;
+    uint64_t dropped = loaded->report.read - loaded->report.packed;
+    if (dropped)
+        fprintf(stderr, "fixsplat: %s: left out %llu of %llu Gaussians (%llu not finite, %llu with a zero quaternion, "
+                "%llu with a scale beyond +-20, %llu too far out)\n", path, (unsigned long long)dropped,
+                (unsigned long long)loaded->report.read, (unsigned long long)d->not_finite,
+                (unsigned long long)d->rotation, (unsigned long long)d->scale, (unsigned long long)d->position);
+    return 0;
+}
+
+void free_scene(loaded_scene *loaded)
+{
+    fxs_packed_scene_free(&loaded->packed);
+}

@@ -1,0 +1,107 @@
+/* The fixsplat command: what its sub-commands share. */
+#ifndef COMMAND_H
+#define COMMAND_H
+
+#include <getopt.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "../port/formats/camera.h"
+#include "../port/formats/pack.h"
+#include "../port/posix/pool.h"
+#include "../src/fixsplat.h"
+
+enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
+
+/* The sub-commands; argv[0] is their name. They return the exit status. */
+int command_render(int argc, char **argv);
+int command_bench(int argc, char **argv);
+int command_info(int argc, char **argv);
+int command_compare(int argc, char **argv);
+int command_make_scene(int argc, char **argv);
+
+/* Prints "fixsplat: ..." on stderr and returns the status. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+int fail(int status, const char *format, ...);
+
+/* After a wrong option (getopt_long has said which): points at --help and returns EXIT_USAGE. */
+int usage_hint(const char *command);
+
+/* Whole numbers and lists of numbers, checked; they return 0 where the text is anything else. */
+int parse_count(const char *text, uint64_t low, uint64_t high, uint64_t *out);
+int parse_size(const char *text, int *width, int *height);          /* WxH, each 1 to 16384 */
+int parse_vector(const char *text, double out[3]);                  /* X,Y,Z */
+int parse_colour(const char *text, uint8_t rgb[3]);                 /* RRGGBB */
+
+/* A bar on stderr where that is a terminal. The argument of fxs_progress_fn: the words before the bar. */
+int progress_bar(void *label, double done);
+void progress_end(void);
+
+/* ---- A scene, loaded and packed -------------------------------------------------------------------------------- */
+
+typedef struct loaded_scene {
+    fxs_scene_file_info info;
+    fxs_packed_scene packed;
+    fxs_pack_report report;
+    fxs_scene scene;
+} loaded_scene;
+
+/* Returns 0, or prints why not and returns EXIT_FAILED. */
+int load_scene(loaded_scene *loaded, const char *path);
+void free_scene(loaded_scene *loaded);
+
+/* ---- The options of render and bench ---------------------------------------------------------------------------- */
+
+typedef struct view_options {
+    const char *cameras, *view;             /* camera file; number, name or "all" */
+    int has_eye, has_look, has_up;
+    double eye[3], look[3], up[3], fov;
+    int width, height;                      /* 0: the camera's own size, or 1280x720 */
+    fxs_options render;
+    const char *cpu, *backend;
+    uint32_t threads;
+} view_options;
+
+/* Their entries for a getopt_long table, and the value that each returns there. */
+enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_SIZE, OPT_BG, OPT_CUTOFF, OPT_SH_DEGREE,
+       OPT_CPU, OPT_THREADS, OPT_BACKEND, OPT_HELP, OPT_OWN };
+#define VIEW_OPTIONS \
+    {"cameras", required_argument, 0, OPT_CAMERAS}, {"view", required_argument, 0, OPT_VIEW}, \
+    {"eye", required_argument, 0, OPT_EYE}, {"look", required_argument, 0, OPT_LOOK}, \
+    {"up", required_argument, 0, OPT_UP}, {"fov", required_argument, 0, OPT_FOV}, \
+    {"size", required_argument, 0, OPT_SIZE}, {"bg", required_argument, 0, OPT_BG}, \
+    {"cutoff", required_argument, 0, OPT_CUTOFF}, {"sh-degree", required_argument, 0, OPT_SH_DEGREE}, \
+    {"cpu", required_argument, 0, OPT_CPU}, {"threads", required_argument, 0, OPT_THREADS}, \
+    {"backend", required_argument, 0, OPT_BACKEND}, {"help", no_argument, 0, OPT_HELP}
+extern const char view_options_help[];
+
+void view_options_default(view_options *options);
+
+/* Takes one of VIEW_OPTIONS. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
+int view_option(view_options *options, int which, const char *value);
+
+/* The views that the options ask for, at their final size. Returns how many, with *views allocated; or prints why not and returns -1. */
+long choose_views(const view_options *options, const fxs_pack_report *report, fxs_file_view **views);
+
+/* ---- A renderer: context, threads and memory for one picture size ----------------------------------------------- */
+
+typedef struct renderer {
+    fxs_context context;
+    fxs_pool *pool;
+    void *memory, *allocation;
+    size_t memory_bytes;
+    uint8_t *pixels;                        /* RGBA */
+    int width, height;
+} renderer;
+
+/* Returns 0, or prints why not and returns EXIT_FAILED or EXIT_USAGE (an unknown --cpu or --backend). */
+int renderer_init(renderer *r, const view_options *options);
+void renderer_free(renderer *r);
+
+/* Renders into r->pixels, making room where the size has changed. Returns 0, or prints why not and returns EXIT_FAILED. */
+int renderer_render(renderer *r, const loaded_scene *loaded, const fxs_file_view *view, const fxs_options *options,
+                    fxs_stats *stats);
+
+#endif

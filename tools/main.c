@@ -1,0 +1,49 @@
+/* fixsplat: renders 3D Gaussian splatting scenes in fixed point. */
+#include <string.h>
+
+#include "command.h"
+
+static const struct {
+    const char *name, *does;
+    int (*run)(int argc, char **argv);
+} commands[] = {
+    {"render", "scene file -> picture", command_render},
+    {"info", "what a scene holds, and what it needs", command_info},
+    {"compare", "how far two pictures are apart", command_compare},
+    {"make-scene", "writes a procedural scene", command_make_scene},
+    {"bench", "times each stage", command_bench},
+};
+
+enum { COMMANDS = sizeof commands / sizeof *commands };
+
+static void help(void)
+{
+    puts("fixsplat " FXS_VERSION ": renders 3D Gaussian splatting scenes in fixed point; the same bytes on every machine.\n\n"
+         "Usage: fixsplat COMMAND [OPTION...]     (fixsplat COMMAND --help tells more)\n");
+    for (int i = 0; i < COMMANDS; i++)
+        printf("  %-12s %s\n", commands[i].name, commands[i].does);
+    puts("\nExamples:\n"
+         "  fixsplat make-scene knot -o knot.ply\n"
+         "  fixsplat render knot.ply -o knot.png\n"
+         "  fixsplat render scene.ply --cameras cameras.json --view 0 -o view.png --stats\n\n"
+         "Exit status: 0 done, 1 failed, 2 wrong usage.");
+}
+
+int main(int argc, char **argv)
+{
+    const char *name = argc > 1 ? argv[1] : "";
+    if (!strcmp(name, "--help") || !strcmp(name, "-h") || !strcmp(name, "help")) {
+        help();
+        return EXIT_OK;
+    }
+    if (!strcmp(name, "--version")) {
+        puts("fixsplat " FXS_VERSION);
+        return EXIT_OK;
+    }
+    for (int i = 0; i < COMMANDS; i++)
+        if (!strcmp(name, commands[i].name))
+            return commands[i].run(argc - 1, argv + 1);
+    if (!*name)
+        return fail(EXIT_USAGE, "no command; see: fixsplat --help");
+    return fail(EXIT_USAGE, "no command '%s'; see: fixsplat --help", name);
+}

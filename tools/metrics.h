@@ -1,0 +1,22 @@
+/* How far two images are apart. */
+#ifndef METRICS_H
+#define METRICS_H
+
+#include <stdint.h>
+
+struct fxs_metrics {
+    double mse;    /* mean squared error, levels of 255 */
+    double psnr;   /* dB; infinity where the images are equal */
+    double ssim;   /* mean structural similarity, 1 where the images are equal */
+    int largest;   /* absolute difference, levels of 255 */
+};
+
+/* Compares the red, green and blue of two RGBA images. SSIM is that of Wang et al. 2004 (Gaussian window of 11 x 11
+   pixels, sigma 1.5, K1 0.01, K2 0.03), the mean of the three channels over the windows that lie whole in the image;
+   a side of fewer than 11 pixels cuts the window to it. Returns 0, or -1 when out of memory. */
+int fxs_metrics_compare(const uint8_t *a, const uint8_t *b, int width, int height, struct fxs_metrics *out);
+
+/* Writes 8 |a - b|, at most 255, with alpha 255. rgba: width * height * 4 bytes. */
+void fxs_metrics_difference(const uint8_t *a, const uint8_t *b, int width, int height, uint8_t *rgba);
+
+#endif

@@ -1,0 +1,788 @@
+#include "procedural.h"
+
+#include <math.h>
+#include <string.h>
+
+/* gcc has no such pragma and does the same by -std=c99 or -ffp-contract=off. */
+#ifdef __clang__
+#pragma STDC FP_CONTRACT OFF
+#endif
+
+#define PI 3.14159265358979324
+#define SH_C0 0.28209479177387814
+
+/* ---- Arithmetic: nothing here but operations that IEEE 754 rounds exactly ---------------------------------------- */
+
+/* A vector, or a colour as r g b. */
+typedef struct vec {
+    double x, y, z;
+} vec;
+
+static vec v3(double x, double y, double z)
+{
+    vec v = { x, y, z };
+    return v;
+}
+
+static vec add(vec a, vec b) { return v3(a.x + b.x, a.y + b.y, a.z + b.z); }
+static vec times(vec a, double s) { return v3(a.x * s, a.y * s, a.z * s); }
+static vec sub(vec a, vec b) { return v3(a.x - b.x, a.y - b.y, a.z - b.z); }
+static vec tint(vec a, vec b) { return v3(a.x * b.x, a.y * b.y, a.z * b.z); }
+static double dot(vec a, vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static vec cross(vec a, vec b) { return v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x); }
+static vec normalise(vec a) { return times(a, 1 / sqrt(dot(a, a))); }
+static vec mirror(vec d, vec normal) { return sub(d, times(normal, 2 * dot(d, normal))); }
+static double clamp(double x, double low, double high) { return x < low ? low : x > high ? high : x; }
+static double blend(double a, double b, double t) { return a + (b - a) * t; }
+static vec blend3(vec a, vec b, double t) { return add(a, times(sub(b, a), t)); }
+
+static double smoothstep(double low, double high, double x)
+{
+    double t = clamp((x - low) / (high - low), 0, 1);
+    return t * t * (3 - 2 * t);
+}
+
+/* floor(x) for |x| < 2^62, which is a library call on plain x86-64. */
+static double whole(double x)
+{
+    double towards_zero = (double)(int64_t)x;
+    return towards_zero > x ? towards_zero - 1 : towards_zero;
+}
+
+/* sin(2 pi t): t to -1/4..1/4, then the Taylor series of sin(x) to x^15. */
+static double sine(double t)
+{
+    static const double taylor[] = {
+        -7.6471637318198165e-13, 1.6059043836821615e-10, -2.5052108385441719e-8, 2.7557319223985891e-6,
+        -1.9841269841269841e-4, 8.3333333333333333e-3, -0.16666666666666667, 1,
+    };
+    t -= whole(t + 0.5);
+    t = t > 0.25 ? 0.5 - t : t < -0.25 ? -0.5 - t : t;
+    double x = 2 * PI * t, sum = 0;
+    for (int k = 0; k < 8; k++)
+        sum = sum * (x * x) + taylor[k];
+    return x * sum;
+}
+
+static double cosine(double t) { return sine(t + 0.25); }
+
+/* ln x = e ln 2 + 2 (s + s^3/3 + s^5/5 + ...), s = (m - 1)/(m + 1), x = m 2^e, sqrt(1/2) <= m < sqrt(2) */
+static double logarithm(double x)
+{
+    int e;
+    double m = frexp(x, &e);
+    if (m < 0.70710678118654752) {
+        m *= 2;
+        e--;
+    }
+    static const double odd[] = { 1 / 15.0, 1 / 13.0, 1 / 11.0, 1 / 9.0, 1 / 7.0, 1 / 5.0, 1 / 3.0, 1 };
+    double s = (m - 1) / (m + 1), sum = 0;
+    for (int k = 0; k < 8; k++)
+        sum = sum * (s * s) + odd[k];
+    return e * 0.69314718055994531 + 2 * s * sum;
+}
+
+/* ---- Randomness: hashes of counters ------------------------------------------------------------------------------ */
+
+/* The finaliser of SplitMix64 (Steele, Lea, Flood 2014). */
+static uint64_t mix(uint64_t x)
+{
+    x = (x ^ (x >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
+    x = (x ^ (x >> 27)) * UINT64_C(0x94D049BB133111EB);
+    return x ^ (x >> 31);
+}
+
+/* The upper 53 bits as a fraction in [0, 1). */
+static double unit(uint64_t bits) { return (double)(int64_t)(bits >> 11) / 9007199254740992.0; }
+
+/* Draw k of a key, in [0, 1). */
+static double draw(uint64_t key, unsigned k) { return unit(mix(key + (k + 1) * UINT64_C(0x9E3779B97F4A7C15))); }
+
+static uint64_t key_of(uint32_t seed, uint64_t what) { return mix(mix(seed + UINT64_C(0x51ED270B)) + what); }
+
+/* A Gaussian's place in its part of a scene. */
+typedef struct place {
+    uint64_t index, count;   /* in the part */
+    uint64_t total, key;
+    uint32_t seed;
+    double u, v;             /* evenly spread over the unit square */
+} place;
+
+/* As in a sunflower: v grows by the golden section (in 0.64 fixed point), even however long and narrow the surface. */
+static void spread_evenly(place *p, uint64_t index, uint64_t count)
+{
+    p->u = ((double)index + 0.5) / (double)count;
+    p->v = unit(key_of(p->seed, 0) + index * UINT64_C(0x9E3779B97F4A7C15));
+}
+
+/* The part that Gaussian i belongs to; parts follow each other and end at these thousandths of the count. */
+static int part_of(uint64_t i, uint64_t count, uint32_t seed, const unsigned *ends, place *p)
+{
+    int part = 0;
+    while (i >= count * ends[part] / 1000)
+        part++;
+    uint64_t start = part ? count * ends[part - 1] / 1000 : 0;
+    p->index = i - start;
+    p->count = count * ends[part] / 1000 - start;
+    p->key = key_of(seed, i);
+    p->seed = seed;
+    p->total = count;
+    spread_evenly(p, p->index, p->count);
+    return part;
+}
+
+/* A lighter hash, to -1..1: good enough for a lattice of noise. */
+static double lattice(uint64_t corner)
+{
+    return (double)(int64_t)((corner ^ (corner >> 32)) * UINT64_C(0x94D049BB133111EB)) / 9223372036854775808.0;
+}
+
+/* Value noise in -1..1 with quintic interpolation; *dx and *dz receive its gradient. */
+static double noise(double x, double z, uint64_t salt, double *dx, double *dz)
+{
+    const uint64_t right = UINT64_C(0xD1B54A32D192ED03), up = UINT64_C(0xABC98388FB8FAC03);
+    double x0 = whole(x), z0 = whole(z), u = x - x0, w = z - z0;
+    uint64_t corner = salt * UINT64_C(0x8CB92BA72F3D8DD7) + (uint64_t)(int64_t)x0 * right + (uint64_t)(int64_t)z0 * up;
+    double a = lattice(corner), b = lattice(corner + right), c = lattice(corner + up), d = lattice(corner + right + up);
+    double su = u * u * u * (u * (u * 6 - 15) + 10), sw = w * w * w * (w * (w * 6 - 15) + 10);
+    double twist = a - b - c + d;
+    *dx = 30 * u * u * (u - 1) * (u - 1) * (b - a + twist * sw);
+    *dz = 30 * w * w * (w - 1) * (w - 1) * (c - a + twist * su);
+    return a + (b - a) * su + (c - a) * sw + twist * su * sw;
+}
+
+static double plain_noise(double x, double z, uint64_t salt)
+{
+    double dx, dz;
+    return noise(x, z, salt, &dx, &dz);
+}
+
+/* ---- Splats ------------------------------------------------------------------------------------------------------ */
+
+/* A Gaussian in the making. Its colour seen along the unit vector d is the sum of sh[k] Y_k(d). */
+typedef struct splat {
+    vec position, axis[3];   /* axes orthonormal and right-handed */
+    double sigma[3], opacity;
+    vec sh[16];
+} splat;
+
+/* The 16 real SH basis functions at the unit vector d, with the signs of KHR_gaussian_splatting. */
+static void sh_basis(vec d, double y[16])
+{
+    double xx = d.x * d.x, yy = d.y * d.y, zz = d.z * d.z;
+    y[0] = SH_C0;
+    y[1] = -0.48860251190292 * d.y;
+    y[2] = 0.48860251190292 * d.z;
+    y[3] = -0.48860251190292 * d.x;
+    y[4] = 1.09254843059208 * d.x * d.y;
+    y[5] = -1.09254843059208 * d.y * d.z;
+    y[6] = 0.31539156525252 * (2 * zz - xx - yy);
+    y[7] = -1.09254843059208 * d.x * d.z;
+    y[8] = 0.54627421529604 * (xx - yy);
+    y[9] = -0.59004358992664 * d.y * (3 * xx - yy);
+    y[10] = 2.89061144264055 * d.x * d.y * d.z;
+    y[11] = -0.45704579946446 * d.y * (4 * zz - xx - yy);
+    y[12] = 0.37317633259012 * d.z * (2 * zz - 3 * xx - 3 * yy);
+    y[13] = -0.45704579946446 * d.x * (4 * zz - xx - yy);
+    y[14] = 1.44530572132028 * d.z * (xx - yy);
+    y[15] = -0.59004358992664 * d.x * (xx - 3 * yy);
+}
+
+static void add_constant(splat *s, vec colour) { s->sh[0] = add(s->sh[0], times(colour, 1 / SH_C0)); }
+
+/* Adds colour f(d . axis), f = sum of p[l] P_l (Legendre polynomials), by the addition theorem:
+   P_l(d . a) = 4 pi / (2 l + 1) sum over m of Y_lm(d) Y_lm(a) */
+static void add_zonal(splat *s, vec axis, const double p[4], vec colour)
+{
+    static const double convolution[4] = { 4 * PI, 4 * PI / 3, 4 * PI / 5, 4 * PI / 7 };
+    double y[16];
+    sh_basis(axis, y);
+    for (int l = 0, k = 0; l < 4; l++)
+        for (double scale = p[l] * convolution[l]; k < (l + 1) * (l + 1); k++)
+            s->sh[k] = add(s->sh[k], times(colour, scale * y[k]));
+}
+
+static const double highlight[4] = { 0.09, 0.26, 0.36, 0.29 };   /* 1 in the middle, nearly 0 beyond 70 degrees */
+static const double rim[4] = { 2 / 3.0, 0, -2 / 3.0, 0 };        /* 1 - x^2 */
+
+/* A flat disc at `position`, its plane across `normal`, first axis nearest to `along`. */
+static void lay_flat(splat *s, vec position, vec normal, vec along, double sigma, double opacity)
+{
+    memset(s, 0, sizeof *s);
+    s->position = position;
+    s->axis[2] = normal;
+    s->axis[0] = normalise(sub(along, times(normal, dot(normal, along))));
+    s->axis[1] = cross(normal, s->axis[0]);
+    s->sigma[0] = s->sigma[1] = sigma;
+    s->sigma[2] = sigma * 0.1;
+    s->opacity = opacity;
+}
+
+/* A round Gaussian of one colour. */
+static void lay_round(splat *s, vec position, double sigma, double opacity, vec colour)
+{
+    lay_flat(s, position, v3(0, 0, 1), v3(1, 0, 0), sigma, opacity);
+    s->sigma[2] = sigma;
+    add_constant(s, colour);
+}
+
+/* A random orientation. */
+static void turn(splat *s, uint64_t key, unsigned k)
+{
+    double z = 2 * draw(key, k) - 1, r = sqrt(1 - z * z), turn0 = draw(key, k + 1), turn1 = draw(key, k + 2);
+    vec n = v3(r * cosine(turn0), r * sine(turn0), z);
+    vec a = normalise(cross(n, n.x * n.x < 0.5 ? v3(1, 0, 0) : v3(0, 1, 0)));
+    s->axis[0] = add(times(a, cosine(turn1)), times(cross(n, a), sine(turn1)));
+    s->axis[1] = cross(n, s->axis[0]);
+    s->axis[2] = n;
+}
+
+/* The unit quaternion w x y z of the rotation with columns a, b, c, by its largest component. */
+static void quaternion(vec a, vec b, vec c, double q[4])
+{
+    double w = 1 + a.x + b.y + c.z, x = 1 + a.x - b.y - c.z, y = 1 - a.x + b.y - c.z, z = 1 - a.x - b.y + c.z;
+    double yz = b.z - c.y, zx = c.x - a.z, xy = a.y - b.x;
+    if (w >= x && w >= y && w >= z)
+        q[0] = w, q[1] = yz, q[2] = zx, q[3] = xy;
+    else if (x >= y && x >= z)
+        q[0] = yz, q[1] = x, q[2] = a.y + b.x, q[3] = c.x + a.z;
+    else if (y >= z)
+        q[0] = zx, q[1] = a.y + b.x, q[2] = y, q[3] = b.z + c.y;
+    else
+        q[0] = xy, q[1] = c.x + a.z, q[2] = b.z + c.y, q[3] = z;
+    double scale = 1 / sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    for (int k = 0; k < 4; k++)
+        q[k] *= scale;
+}
+
+static void store(float out[3], vec v)
+{
+    out[0] = (float)v.x;
+    out[1] = (float)v.y;
+    out[2] = (float)v.z;
+}
+
+static void finish(const splat *s, fxs_gaussian *out)
+{
+    double q[4];
+    quaternion(s->axis[0], s->axis[1], s->axis[2], q);
+    for (int k = 0; k < 4; k++)
+        out->rotation[k] = (float)q[k];
+    for (int k = 0; k < 3; k++)
+        out->scale[k] = (float)logarithm(s->sigma[k]);
+    store(out->position, s->position);
+    out->opacity = (float)logarithm(s->opacity / (1 - s->opacity));
+    store(out->dc, sub(s->sh[0], times(v3(1, 1, 1), 0.5 / SH_C0)));
+    for (int k = 0; k < 15; k++)
+        store(out->sh + 3 * k, s->sh[k + 1]);
+}
+
+/* ---- knot: an iridescent trefoil and marbles on a stone disc ----------------------------------------------------- */
+
+#define KNOT_SIZE 0.80
+#define KNOT_TUBE 0.50
+#define TABLE_Y 2.13    /* 2.0625 KNOT_SIZE + the tube at its thickest - a little */
+#define TABLE_RADIUS 4.6
+#define TABLE_DEPTH 0.30
+
+static const vec key_light = { -0.53, -0.74, -0.42 }, cool_light = { 0.74, -0.29, 0.60 }, sky_light = { 0, -1, 0 };
+
+static const struct marble {
+    double x, z, radius;
+    vec colour;
+    double iridescence;
+} marbles[] = {
+    { -2.75, -1.25, 0.62, { 0.80, 0.16, 0.10 }, 0.0 },
+    { 2.55, -1.55, 0.50, { 0.05, 0.36, 0.40 }, 0.1 },
+    { 1.62, -2.35, 0.34, { 0.86, 0.56, 0.10 }, 0.0 },
+    { -1.35, -2.60, 0.40, { 0.50, 0.50, 0.54 }, 0.30 },
+    { 3.35, 0.35, 0.42, { 0.42, 0.09, 0.34 }, 0.1 },
+    { -3.70, 0.95, 0.42, { 0.10, 0.22, 0.58 }, 0.1 },
+    { 0.25, -3.15, 0.26, { 0.06, 0.42, 0.20 }, 0.0 },
+    { -0.6, 2.6, 0.55, { 0.72, 0.66, 0.58 }, 0.2 },
+};
+#define MARBLES (sizeof marbles / sizeof marbles[0])
+
+/* The trefoil (sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t), from the sine and cosine of t. */
+static vec trefoil(double s, double c)
+{
+    return times(v3(s + 4 * s * c, c - 2 * (c * c - s * s), -s * (3 - 4 * s * s)), KNOT_SIZE);
+}
+
+/* A point of the tube around it, a rope of five strands: u turns along, v turns around. */
+static vec knot_surface(double u, double v)
+{
+    double s = sine(u), c = cosine(u);
+    vec tangent = normalise(v3(c + 4 * (c * c - s * s), -s + 8 * s * c, -3 * c * (1 - 4 * s * s)));
+    vec a = normalise(cross(tangent, v3(0, 0, 1))), b = cross(a, tangent);
+    double radius = KNOT_TUBE * (1 + 0.06 * cosine(5 * v + 12 * u));
+    return add(trefoil(s, c), add(times(a, radius * cosine(v)), times(b, radius * sine(v))));
+}
+
+/* Lowers *open, the part of the sky over a point, and *lit, its part of the key light, by what a ball takes away. */
+static void occlude(vec p, vec normal, vec centre, double radius, double weight, double *open, double *lit)
+{
+    vec to = sub(centre, p);
+    double square = dot(to, to), facing = dot(to, normal), along = dot(to, key_light);
+    if (facing > 0)
+        *open -= weight * radius * radius * facing / (square * sqrt(square));
+    if (along > 0) {
+        double across = sqrt(clamp(square - along * along, 0, square)), edge = 0.05 + 0.10 * along;
+        double free = smoothstep(radius - edge, radius + edge, across);
+        *lit = free < *lit ? free : *lit;
+    }
+}
+
+static void occlude_all(vec p, vec normal, double *open, double *lit)
+{
+    enum { BALLS = 72 };
+    const double step_c = 0.99619469809174554, step_s = 0.08715574274765817;   /* 1/72 turn */
+    double s = 0, c = 1;
+    *open = *lit = 1;
+    for (int k = 0; k < BALLS; k++) {
+        occlude(p, normal, trefoil(s, c), KNOT_TUBE, 0.28, open, lit);
+        double next = s * step_c + c * step_s;
+        c = c * step_c - s * step_s;
+        s = next;
+    }
+    for (size_t k = 0; k < MARBLES; k++) {
+        vec centre = v3(marbles[k].x, TABLE_Y - marbles[k].radius, marbles[k].z), to = sub(centre, p);
+        if (dot(to, to) > 1.01 * marbles[k].radius * marbles[k].radius)
+            occlude(p, normal, centre, marbles[k].radius, 1, open, lit);
+    }
+    *open = clamp(*open, 0.12, 1);
+}
+
+/* Colour that turns with the angle of view: cos(k x + 2 pi phase), k = 2.6, x = d . normal, cut after degree 3. */
+static void add_iridescence(splat *s, vec normal, double phase, double strength)
+{
+    static const double even[4] = { 0.198, 0, -1.352, 0 }, odd[4] = { 0, 1.217, 0, -0.797 };
+    vec c = v3(cosine(phase), cosine(phase + 0.33), cosine(phase + 0.67));
+    vec d = v3(sine(phase), sine(phase + 0.33), sine(phase + 0.67));
+    add_zonal(s, normal, even, times(c, strength));
+    add_zonal(s, normal, odd, times(d, -strength));
+}
+
+/* Varnish: diffuse light, highlights where the mirrored view meets a light, a rim. */
+static void add_gloss(splat *s, vec normal, vec colour, double phase, double iridescence)
+{
+    double open, lit, key = dot(normal, key_light), cool = dot(normal, cool_light);
+    occlude_all(s->position, normal, &open, &lit);
+    double diffuse = 0.50 * open * (1.2 - 0.6 * normal.y) + 0.75 * lit * clamp(key, 0, 1);
+    add_constant(s, times(colour, diffuse));
+    add_iridescence(s, normal, phase, iridescence * blend(open, diffuse, 0.6));
+    vec warm = times(v3(0.72, 0.67, 0.59), lit * smoothstep(0, 0.5, key));
+    vec cold = times(v3(0.245, 0.385, 0.595), open * smoothstep(0, 0.5, cool));
+    vec above = times(v3(0.22, 0.25, 0.30), open * smoothstep(-0.2, 0.6, -normal.y));
+    add_zonal(s, mirror(key_light, normal), highlight, warm);
+    add_zonal(s, mirror(cool_light, normal), highlight, cold);
+    add_zonal(s, mirror(sky_light, normal), highlight, above);
+    add_zonal(s, normal, rim, times(v3(0.10, 0.13, 0.20), open));
+}
+
+static void knot_rope(place *p, splat *s)
+{
+    const double step = 1.0 / 4096;
+    vec along = times(sub(knot_surface(p->u + step, p->v), knot_surface(p->u - step, p->v)), 0.5 / step);
+    vec around = times(sub(knot_surface(p->u, p->v + step), knot_surface(p->u, p->v - step)), 0.5 / step);
+    vec area = cross(along, around);
+    double sigma = 0.62 * sqrt(sqrt(dot(area, area)) / (double)p->count);
+    lay_flat(s, knot_surface(p->u, p->v), normalise(area), along, sigma, 0.96);
+    add_gloss(s, s->axis[2], v3(0.42, 0.38, 0.46), p->u + 0.06 * sine(5 * p->v + 12 * p->u), 0.23);
+}
+
+static void knot_marble(place *p, splat *s)
+{
+    const struct marble *m = &marbles[p->index % MARBLES];
+    spread_evenly(p, p->index / MARBLES, p->count / MARBLES + 1);
+    double y = 2 * p->u - 1, r = sqrt(1 - y * y);
+    vec normal = v3(r * cosine(p->v), y, r * sine(p->v));
+    vec centre = v3(m->x, TABLE_Y - m->radius, m->z);
+    double sigma = 0.72 * m->radius * sqrt(4 * PI * (double)MARBLES / (double)p->count);
+    lay_flat(s, add(centre, times(normal, m->radius)), normal, v3(normal.z + 1e-9, 0, -normal.x), sigma, 0.96);
+    add_gloss(s, normal, m->colour, 0.3 * normal.y, m->iridescence);
+}
+
+/* Stone with a ring of slate inlaid between two of brass. */
+static vec table_colour(double x, double z, double r, uint64_t key)
+{
+    double grain = plain_noise(x * 1.3, z * 1.3, 5) + 0.5 * plain_noise(x * 3.7, z * 3.7, 6);
+    vec stone = times(v3(0.80, 0.76, 0.70), 1 + 0.05 * grain + 0.06 * (draw(key, 0) - 0.5));
+    vec slate = times(v3(0.16, 0.24, 0.30), 1 + 0.15 * grain);
+    stone = blend3(stone, v3(0.78, 0.56, 0.26), smoothstep(0.38, 0.34, fabs(r - 3.97)));
+    return blend3(stone, slate, smoothstep(0.28, 0.24, fabs(r - 3.97)));
+}
+
+static void knot_table(place *p, splat *s)
+{
+    const double side = 2 * TABLE_DEPTH / (2 * TABLE_DEPTH + TABLE_RADIUS);
+    double c = cosine(p->v), z = sine(p->v), open, lit, r = TABLE_RADIUS * sqrt(clamp(p->u / (1 - side), 0, 1));
+    double y = TABLE_Y + TABLE_DEPTH * clamp((p->u - 1 + side) / side, 0, 1);
+    vec normal = p->u < 1 - side ? v3(0, -1, 0) : v3(c, 0, z);
+    double sigma = 0.72 * sqrt(PI * TABLE_RADIUS * (TABLE_RADIUS + 2 * TABLE_DEPTH) / (double)p->count);
+    lay_flat(s, v3(r * c, y, r * z), normal, v3(-z, 0, c), sigma, 0.96);
+    occlude_all(s->position, normal, &open, &lit);
+    double key = clamp(dot(normal, key_light), 0, 1) * lit * smoothstep(9, 2, r);
+    vec light = add(times(v3(0.34, 0.37, 0.44), open), times(v3(0.98, 0.88, 0.74), key));
+    add_constant(s, tint(table_colour(r * c, r * z, r, p->key), light));
+    add_zonal(s, mirror(cool_light, normal), highlight, times(v3(0.04, 0.06, 0.10), open));
+}
+
+static void knot(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
+{
+    static const unsigned ends[] = { 480, 570, 1000 };
+    static void (*const lay[])(place *, splat *) = { knot_rope, knot_marble, knot_table };
+    place p;
+    splat s;
+    lay[part_of(i, count, seed, ends, &p)](&p, &s);
+    finish(&s, out);
+}
+
+/* ---- landscape: a lake among mountains, foveated: the nearer to the centre, the finer ---------------------------- */
+
+#define LAND_RADIUS 64.0
+#define LAND_OCTAVES 6
+#define SNOW_LINE 4.6
+
+static const vec sun = { -0.85, -0.42, -0.318 };
+static const vec haze = { 0.66, 0.77, 0.88 };
+
+/* Height above the lake. Octaves are damped where the sum is steep already, as if eroded (after Quilez, "Elevated"). */
+static double land_height(double x, double z, int octaves)
+{
+    double r = sqrt(x * x + z * z), ring = smoothstep(0, 42, r + 4 * plain_noise(x * 0.11, z * 0.11, 1));
+    double px = x * 0.062 + 3.7, pz = z * 0.062 + 9.2, sx = 0, sz = 0, sum = 0, amplitude = 1;
+    for (int k = 0; k < octaves; k++) {
+        double dx, dz, value = noise(px, pz, (uint64_t)k + 100, &dx, &dz);
+        sx += dx * 0.7;
+        sz += dz * 0.7;
+        sum += amplitude * (0.5 * value + 0.5) / (1 + sx * sx + sz * sz);
+        amplitude *= 0.5;
+        double turned = 1.6 * px - 1.2 * pz;
+        pz = 1.2 * px + 1.6 * pz;
+        px = turned;
+    }
+    return -0.24 + ring * (1.3 + 1.2 * sum) + ring * ring * 11 * sum;
+}
+
+/* How much of the sun reaches a point: the lowest gap between the ray and the ground on the way. */
+static double sun_reach(vec p)
+{
+    double reach = 1;
+    for (double t = 0.5; t < 20 && reach > 0; t *= 3) {
+        double gap = -(p.y + sun.y * t) - land_height(p.x + sun.x * t, p.z + sun.z * t, 3);
+        double free = 0.5 + 4 * gap / t;
+        reach = free < reach ? free : reach;
+    }
+    return smoothstep(0, 1, reach);
+}
+
+/* Above 0.05: a wood. */
+static double forest(double x, double z)
+{
+    return plain_noise(x * 0.21, z * 0.21, 31) + 0.5 * plain_noise(x * 0.6, z * 0.6, 32);
+}
+
+/* A colour of the scene lit by sun and sky, in display values: the square root of linear light. */
+static vec land_light(vec colour, double direct, double sky, double r)
+{
+    vec light = add(times(v3(1.65, 1.38, 1.05), direct), times(v3(0.20, 0.28, 0.42), sky));
+    vec linear = tint(colour, light);
+    double far = smoothstep(8, 75, r);
+    return blend3(v3(sqrt(linear.x), sqrt(linear.y), sqrt(linear.z)), haze, 0.6 * far);
+}
+
+static vec ground_colour(vec p, vec normal, uint64_t key)
+{
+    double height = -p.y, rough = plain_noise(p.x * 0.9, p.z * 0.9, 41) + 0.5 * plain_noise(p.x * 2.7, p.z * 2.7, 42);
+    double speckle = 0.8 + 0.4 * draw(key, 1);
+    vec grass = blend3(v3(0.10, 0.19, 0.035), v3(0.30, 0.30, 0.07), clamp(0.5 + 0.45 * rough, 0, 1));
+    grass = times(grass, 1 - 0.45 * smoothstep(0, 0.5, forest(p.x, p.z)));
+    if (draw(key, 2) < 0.02 && rough > 0)
+        grass = draw(key, 3) < 0.5 ? v3(0.75, 0.55, 0.08) : v3(0.70, 0.66, 0.70);
+    double strata = 0.5 + 0.5 * plain_noise(height * 4 + rough, p.x * 0.1, 43);
+    vec rock = blend3(v3(0.17, 0.145, 0.13), v3(0.30, 0.26, 0.23), strata);
+    vec colour = blend3(v3(0.42, 0.36, 0.24), grass, smoothstep(0.03, 0.12, height + 0.03 * rough));
+    colour = blend3(colour, rock, smoothstep(0.80, 0.66, -normal.y + 0.06 * rough));
+    colour = blend3(colour, rock, smoothstep(2.8, 4.2, height + 0.5 * rough));
+    colour = times(colour, speckle);
+    double above = height - SNOW_LINE;
+    double snow = smoothstep(-0.4, 0.6, above + 0.7 * rough) * smoothstep(0.40, 0.62, -normal.y + 0.02 * above);
+    return blend3(colour, v3(0.60, 0.63, 0.68), snow);
+}
+
+static void lay_water(const place *p, double x, double z, double sigma, splat *s)
+{
+    double ripple = 0.03 * plain_noise(x * 2.2, z * 5.0, 51);
+    vec normal = normalise(v3(ripple, -1, 0.03 * (draw(p->key, 1) - 0.5)));
+    lay_flat(s, v3(x, 0, z), normal, v3(1, 0, 0), sigma, 0.07);
+    add_constant(s, v3(0.03, 0.15, 0.19));
+    add_zonal(s, v3(0, -1, 0), rim, times(sub(haze, v3(0.03, 0.15, 0.19)), 0.45));
+    add_zonal(s, mirror(sun, normal), highlight, v3(0.22, 0.18, 0.10));
+}
+
+/* The ground at this place of the plane, of height h. */
+static void lay_ground(const place *p, double x, double z, double h, double sigma, splat *s)
+{
+    double step = sigma > 0.01 ? sigma : 0.01, r = sqrt(x * x + z * z);
+    double dx = (land_height(x + step, z, LAND_OCTAVES) - h) / step;
+    double dz = (land_height(x, z + step, LAND_OCTAVES) - h) / step;
+    vec normal = normalise(v3(-dx, -1, -dz));
+    lay_flat(s, v3(x, -h, z), normal, v3(dx + 1e-9, -dx * dx - dz * dz, dz), sigma, 0.97);
+    s->sigma[0] = sigma * clamp(-1 / normal.y, 1, 1.8);
+    double direct = clamp(dot(normal, sun), 0, 1);
+    if (direct > 0)
+        direct *= sun_reach(s->position);
+    vec colour = ground_colour(s->position, normal, p->key);
+    add_constant(s, land_light(colour, direct, 0.7 - 0.3 * normal.y, r));
+    add_zonal(s, normal, rim, times(v3(0.03, 0.035, 0.03), 1 + direct));
+    add_zonal(s, mirror(sun, normal), highlight, times(colour, 0.12 * direct));
+}
+
+/* Radius R (0.55 u + 0.45 u^2): an even spread of u and v thins out with the distance. */
+static void spread(const place *p, double from, double *x, double *z, double *sigma)
+{
+    double r = from + (LAND_RADIUS - from) * p->u * (0.55 + 0.45 * p->u);
+    double slope = (LAND_RADIUS - from) * (0.55 + 0.9 * p->u);
+    *x = r * cosine(p->v);
+    *z = r * sine(p->v);
+    *sigma = clamp(0.72 * sqrt(2 * PI * (r + 0.05) * slope / (double)p->count), 0, 4);
+}
+
+static void landscape_ground(place *p, splat *s)
+{
+    double x, z, sigma;
+    spread(p, 0, &x, &z, &sigma);
+    double h = land_height(x, z, LAND_OCTAVES);
+    if (h < 0)
+        lay_water(p, x, z, sigma, s);
+    else
+        lay_ground(p, x, z, h, sigma, s);
+}
+
+/* Upside down and darker: what the lake shows. */
+static void reflect_in_lake(splat *s)
+{
+    static const int odd_in_y[16] = { 0, 1, 0, 0, 1, 1, 0, 0, 0, 1, 1, 1, 0, 0, 0, 0 };
+    s->position.y = -s->position.y;
+    for (int k = 0; k < 3; k++)
+        s->axis[k].y = -s->axis[k].y;
+    s->axis[1] = times(s->axis[1], -1);   /* right-handed again */
+    for (int k = 0; k < 16; k++)
+        s->sh[k] = times(s->sh[k], odd_in_y[k] ? -0.85 : 0.85);
+}
+
+static void lay_mist(const place *p, vec centre, double sigma, double opacity, vec colour, splat *s)
+{
+    lay_round(s, centre, sigma, opacity, colour);
+    s->sigma[1] = 0.45 * sigma;
+    add_zonal(s, sun, highlight, times(v3(0.12, 0.11, 0.09), 0.5 + draw(p->key, 9)));
+}
+
+static void landscape_reflected_ground(place *p, splat *s)
+{
+    double x, z, sigma;
+    spread(p, 3, &x, &z, &sigma);
+    double h = land_height(x, z, LAND_OCTAVES);
+    if (h < 0.02) {
+        vec centre = v3(x, -0.05 - 0.35 * draw(p->key, 1) * draw(p->key, 2), z);
+        lay_mist(p, centre, 3 * sigma, 0.008 * smoothstep(2, 8, sqrt(x * x + z * z)) + 0.0001, v3(0.80, 0.86, 0.92), s);
+        return;
+    }
+    lay_ground(p, x, z, h, sigma, s);
+    reflect_in_lake(s);
+}
+
+/* The foot of a tree: of many candidates the first that stands on dry ground below the tree line, in a wood. */
+static vec tree_foot(uint64_t key)
+{
+    vec foot = v3(0, 0, 0);
+    for (unsigned k = 0; k < 100; k++) {
+        double x = 56 * draw(key, 2 * k) - 28, z = 56 * draw(key, 2 * k + 1) - 28;
+        if (forest(x, z) < 0.05)
+            continue;
+        foot = v3(x, -land_height(x, z, LAND_OCTAVES), z);
+        if (foot.y < -0.08 && foot.y > -3.2)
+            break;
+    }
+    return foot;
+}
+
+/* A spruce, or a golden larch: tiers of drooping twigs around a stem. */
+static void landscape_tree(place *p, splat *s)
+{
+    uint64_t trees = p->total / 400 + 1 < 3000 ? p->total / 400 + 1 : 3000;
+    uint64_t key = key_of(p->seed, ~(p->index % trees) << 8);
+    double twigs = (double)(p->count / trees + 1), height = 0.5 + 0.6 * draw(key, 20);
+    vec foot = tree_foot(key);
+    double up = 1 - sqrt(1 - draw(p->key, 1)), turns = draw(p->key, 2), tier = up * 9 - whole(up * 9);
+    double reach = height * 0.24 * (1 - up) * (1.1 - 0.55 * tier) * (0.55 + 0.45 * sqrt(draw(p->key, 3)));
+    vec out = v3(cosine(turns), 0.45, sine(turns));
+    vec at = add(foot, v3(out.x * reach, -height * (0.10 + 0.90 * up), out.z * reach));
+    vec normal = normalise(v3(out.x * 0.7, -1, out.z * 0.7));
+    double sigma = height * 0.36 / sqrt(twigs), r = sqrt(at.x * at.x + at.z * at.z);
+    lay_flat(s, at, normal, out, sigma, 0.93);
+    s->sigma[0] = 1.7 * sigma;
+    s->sigma[2] = 0.4 * sigma;
+    vec green = blend3(v3(0.035, 0.085, 0.03), v3(0.10, 0.16, 0.04), draw(key, 21));
+    vec colour = draw(key, 22) < 0.22 ? v3(0.50, 0.27, 0.04) : green;
+    double depth = reach / (height * 0.26 * (1.02 - up)), shade = (0.25 + 0.9 * depth) * (0.6 + 0.8 * draw(p->key, 4));
+    double direct = clamp(0.30 + 0.70 * dot(v3(out.x, -0.5, out.z), sun), 0.05, 1);
+    add_constant(s, land_light(times(colour, shade), direct, 0.9, r));
+    add_zonal(s, normal, rim, times(colour, 0.25));
+    add_zonal(s, times(sun, -1), highlight, times(colour, 0.3 * direct));
+}
+
+static void landscape_reflected_tree(place *p, splat *s)
+{
+    landscape_tree(p, s);
+    reflect_in_lake(s);
+}
+
+static void landscape_cloud(place *p, splat *s)
+{
+    enum { CLOUDS = 22 };
+    uint64_t key = key_of(p->seed, ~(p->index % CLOUDS) << 16);
+    double turns = draw(key, 1), r = 30 + 30 * draw(key, 2), size = 3 + 4 * draw(key, 3);
+    vec centre = v3(r * cosine(turns), -9 - 7 * draw(key, 4), r * sine(turns));
+    unsigned puff = (unsigned)(draw(p->key, 3) * 9);
+    double px = 2 * draw(key, puff + 40) - 1, big = size * (1 - 0.7 * px * px) * (0.35 + 0.35 * draw(key, puff + 50));
+    vec in = v3(0, 0, 0);
+    for (unsigned k = 0; k < 9; k += 3)
+        in = add(in, v3(draw(p->key, 10 + k) - 0.5, draw(p->key, 11 + k) - 0.5, draw(p->key, 12 + k) - 0.5));
+    vec offset = add(times(in, big), v3(px * size, -0.2 * big, 0.6 * size * (draw(key, puff + 60) - 0.5)));
+    offset.y *= offset.y > 0 ? 0.3 : 0.8;
+    double shade = smoothstep(-1.2, 0.8, dot(in, sun) - 0.3 * in.y);
+    double sigma = 3.0 * size / sqrt((double)p->count / CLOUDS + 1);
+    vec along = v3(-centre.z, 0, centre.x), flat = v3(offset.x * along.x / r - offset.z * along.z / r, offset.y,
+                                                        offset.x * along.z / r + offset.z * along.x / r);
+    lay_mist(p, add(centre, flat), sigma, 0.06, blend3(v3(0.66, 0.73, 0.83), v3(1.0, 0.985, 0.96), shade), s);
+}
+
+static void landscape(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
+{
+    static const unsigned ends[] = { 560, 680, 900, 960, 1000 };
+    static void (*const lay[])(place *, splat *) = {
+        landscape_ground, landscape_reflected_ground, landscape_tree, landscape_reflected_tree, landscape_cloud,
+    };
+    place p;
+    splat s;
+    lay[part_of(i, count, seed, ends, &p)](&p, &s);
+    finish(&s, out);
+}
+
+/* ---- Scenes that are hard on a renderer -------------------------------------------------------------------------- */
+
+/* 2^-(least + (most - least) t), a straight line between the powers of two. */
+static double power_of_half(double t, double least, double most)
+{
+    double exponent = blend(least, most, t), halvings = whole(exponent);
+    return ldexp(1 - 0.5 * (exponent - halvings), -(int)halvings);
+}
+
+/* The lattice side with side^power >= count. */
+static uint64_t lattice_side(uint64_t count, int power)
+{
+    uint64_t side = 1;
+    while ((power == 3 ? side * side * side : side * side) < count)
+        side++;
+    return side;
+}
+
+static vec rainbow(double t)
+{
+    return v3(0.5 + 0.45 * cosine(t), 0.5 + 0.45 * cosine(t - 0.33), 0.5 + 0.45 * cosine(t - 0.67));
+}
+
+/* Needles and discs of every direction and size, up to a thousand times as long as thick. */
+static void needles(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
+{
+    uint64_t key = key_of(seed, i);
+    vec at = v3(10 * draw(key, 0) - 5, 10 * draw(key, 1) - 5, 10 * draw(key, 2) - 5);
+    double size = power_of_half(draw(key, 3), 0, 7) * clamp(141 / sqrt((double)count), 0, 1);
+    double thin = power_of_half(draw(key, 4), 1, 9.966);
+    static const double degree1[4] = { 0, 0.25, 0, 0 };
+    splat s;
+    lay_round(&s, at, size, 0.3 + 0.69 * draw(key, 5), rainbow(draw(key, 6)));
+    s.sigma[1] = draw(key, 7) < 0.3 ? size : size * thin;
+    s.sigma[2] = size * thin;
+    turn(&s, key, 8);
+    add_zonal(&s, s.axis[2], degree1, rainbow(draw(key, 11)));
+    finish(&s, out);
+}
+
+/* Large and hardly visible one by one; hundreds over every pixel. */
+static void fog(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
+{
+    static const unsigned ends[] = { 1000 };
+    static const double degree2[4] = { 0.1, 0.35, 0.55, 0 };
+    place p;
+    splat s;
+    part_of(i, count, seed, ends, &p);
+    vec at = v3(12 * draw(p.key, 0) - 6, 7 * draw(p.key, 1) - 3.5, 12 * draw(p.key, 6) - 6);
+    double sigma = (0.25 + 0.55 * draw(p.key, 7)) * clamp(70.7 / sqrt((double)count), 0, 4);
+    double glow = smoothstep(4.5, 0.5, sqrt(dot(at, at)));
+    vec colour = blend3(v3(0.16, 0.20, 0.34), v3(1.0, 0.62, 0.25), glow);
+    colour = blend3(colour, rainbow(0.08 * at.x + 0.25 * draw(p.key, 8)), 0.45);
+    lay_round(&s, at, sigma, 0.01 + 0.09 * draw(p.key, 2), colour);
+    s.sigma[0] *= 1.6;
+    s.sigma[2] *= 0.6;
+    turn(&s, p.key, 3);
+    add_zonal(&s, normalise(v3(0.4, 0.2, -0.9)), degree2, times(v3(0.30, 0.34, 0.40), 1 - glow));
+    finish(&s, out);
+}
+
+/* A fan of ten cards square to the z axis: every depth on a card is equal, every position taken at least twice. */
+static void layers(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
+{
+    enum { CARDS = 10 };
+    uint64_t card = i % CARDS, twin = i / CARDS % 2, j = i / CARDS / 2;
+    uint64_t side = lattice_side((count + 2 * CARDS - 1) / (2 * CARDS), 2);
+    double spacing = 4.0 / (double)side, x = (double)(j % side) * spacing, y = (double)(j / side % side) * spacing;
+    double shift = 0.5 * (double)card;
+    vec at = v3(x + shift - 4.25, y + 0.5 * shift - 3.125, 0.25 * (double)card);
+    vec colour = rainbow(0.1 * (double)card + (twin ? 0.5 : 0) + 0.03 * draw(key_of(seed, i), 0));
+    splat s;
+    lay_round(&s, at, 0.6 * spacing, twin ? 0.6 : 0.999, colour);
+    s.sigma[2] *= 0.01;
+    finish(&s, out);
+}
+
+/* A lattice of balls from 1/1000 of the spacing to wider than it. */
+static void cubes(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
+{
+    uint64_t side = lattice_side(count, 3), key = key_of(seed, i);
+    double spacing = 9.0 / (double)side, centre = 0.5 * (double)(side - 1);
+    double x = (double)(i % side), y = (double)(i / side % side), z = (double)(i / side / side);
+    double wide = draw(key, 0) < 0.01 ? 4 : 0.4, last = side > 1 ? (double)(side - 1) : 1;
+    vec at = times(sub(v3(x, y, z), v3(centre, centre, centre)), spacing);
+    splat s;
+    lay_round(&s, at, wide * spacing * power_of_half(draw(key, 1), 0, 9), wide > 1 ? 0.1 : 0.4 + 0.55 * draw(key, 2),
+              v3(0.1 + 0.85 * x / last, 0.1 + 0.85 * y / last, 0.1 + 0.85 * z / last));
+    finish(&s, out);
+}
+
+/* ---- The table --------------------------------------------------------------------------------------------------- */
+
+static const fxs_procedural_scene scenes[] = {
+    { "knot", "an iridescent knot and glossy marbles on a stone disc", 3, 100000, knot },
+    { "landscape", "a lake, woods and snow mountains under clouds", 3, 1000000, landscape },
+    { "needles", "needles and discs, up to a thousand times as long as thick", 1, 20000, needles },
+    { "fog", "large Gaussians, nearly transparent, hundreds over every pixel", 2, 5000, fog },
+    { "layers", "opaque cards full of equal depths and positions", 0, 10000, layers },
+    { "cubes", "a lattice of balls, from far below a pixel to huge", 0, 4096, cubes },
+};
+
+const fxs_procedural_scene *fxs_procedural_list(size_t *count)
+{
+    *count = sizeof scenes / sizeof scenes[0];
+    return scenes;
+}
+
+const fxs_procedural_scene *fxs_procedural_find(const char *name)
+{
+    for (size_t k = 0; k < sizeof scenes / sizeof scenes[0]; k++)
+        if (strcmp(name, scenes[k].name) == 0)
+            return &scenes[k];
+    return NULL;
+}

@@ -1,0 +1,29 @@
+/* Scenes made by formula, for golden images, benchmarks and pictures. Gaussian i of a scene depends on (i, count, seed)
+   only, so that any number of them can be streamed, and is the same to the last bit on every machine and compiler that
+   has IEEE 754 doubles: integer hashes, + - * / and sqrt. Build with -ffp-contract=off.
+
+   Axes: y points down, the scene is centred near the origin. Sizes shrink as count grows, so that coverage stays. */
+#ifndef FXS_PROCEDURAL_H
+#define FXS_PROCEDURAL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "../port/formats/scene_file.h"
+
+typedef struct fxs_procedural_scene {
+    const char *name;
+    const char *description;   /* one line */
+    int sh_degree;             /* 0 to 3 */
+    uint64_t count;            /* Gaussians, unless asked otherwise */
+    /* Writes Gaussian i, 0 <= i < count, of the scene of `count` Gaussians, count at most 2^40. */
+    void (*gaussian)(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out);
+} fxs_procedural_scene;
+
+/* All scenes, a static array of *count. */
+const fxs_procedural_scene *fxs_procedural_list(size_t *count);
+
+/* The scene of that name, or NULL. */
+const fxs_procedural_scene *fxs_procedural_find(const char *name);
+
+#endif

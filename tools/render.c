@@ -1,0 +1,165 @@
+/* fixsplat render */
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../port/formats/image_file.h"
+#include "command.h"
+
+static const char help[] =
+    "Usage: fixsplat render SCENE -o OUT [OPTION...]\n\n"
+    "Renders a scene (.ply) to OUT: .png, .ppm or .raw (RGBA bytes, rows from the top).\n\n"
+    "  -o, --output OUT    the picture; with --view all a name with one %%d, as out/%%04d.png\n"
+    "  --alpha             alpha holds the coverage, colours premultiplied; else alpha is 255\n"
+    "  --hash              print the FNV-1a 64 hash of the RGBA bytes\n"
+    "  --stats             print a JSON object: counts, milliseconds of each stage, bytes of each buffer\n"
+    "%s\n"
+    "Examples:\n"
+    "  fixsplat render scene.ply -o scene.png\n"
+    "  fixsplat render scene.ply --cameras cameras.json --view 8 --size 1280x720 -o view8.png\n"
+    "  fixsplat render scene.ply --cameras cameras.json --view all -o out/%%04d.png\n"
+    "  fixsplat render scene.ply --eye 0,-1,-4 --look 0,0,0 --fov 40 --bg ffffff -o white.png --hash\n";
+
+typedef struct render_options {
+    view_options view;
+    const char *scene, *output;
+    int hash, stats;
+} render_options;
+
+enum { OPT_ALPHA = OPT_OWN, OPT_HASH, OPT_STATS };
+
+static int take_options(render_options *o, int argc, char **argv)
+{
+    static const struct option table[] = {VIEW_OPTIONS, {"output", required_argument, 0, 'o'},
+                                          {"alpha", no_argument, 0, OPT_ALPHA}, {"hash", no_argument, 0, OPT_HASH},
+                                          {"stats", no_argument, 0, OPT_STATS}, {0, 0, 0, 0}};
+    memset(o, 0, sizeof *o);
+    view_options_default(&o->view);
+    for (int c; (c = getopt_long(argc, argv, "o:", table, 0)) != -1;)
+        switch (c) {
+        case 'o': o->output = optarg; break;
+        case OPT_ALPHA: o->view.render.format = FXS_FORMAT_RGBA8_COVERAGE; break;
+        case OPT_HASH: o->hash = 1; break;
+        case OPT_STATS: o->stats = 1; break;
+        case OPT_HELP: printf(help, view_options_help); exit(EXIT_OK);
+        case '?': return usage_hint("render");
+        default:
+            if (view_option(&o->view, c, optarg))
+                return EXIT_USAGE;
+        }
+    if (optind != argc - 1)
+        return fail(EXIT_USAGE, "render takes one scene file; see: fixsplat render --help");
+    o->scene = argv[optind];
+    if (!o->output && !o->hash && !o->stats)
+        return fail(EXIT_USAGE, "render: where to? Give -o OUT.png, --hash or --stats");
+    if (o->output && !fxs_image_file_known(o->output))
+        return fail(EXIT_USAGE, "%s: expected a name ending in .png, .ppm or .raw", o->output);
+    return 0;
+}
+
+/* The name has exactly one % conversion, a %d with an optional zero-padded width. */
+static int is_pattern(const char *name)
+{
+    const char *percent = strchr(name, '%');
+    if (!percent || strchr(percent + 1, '%'))
+        return 0;
+    return percent[1 + strspn(percent + 1, "0123456789")] == 'd' && strspn(percent + 1, "0123456789") <= 2;
+}
+
+static void output_name(char *name, size_t size, const char *pattern, long index)
+{
+    const char *percent = strchr(pattern, '%');
+    int width = atoi(percent + 1);
+    snprintf(name, size, "%.*s%0*ld%s", (int)(percent - pattern), pattern, width, index, strchr(percent, 'd') + 1);
+}
+
+static uint64_t fnv1a64(const uint8_t *bytes, size_t count)
+{
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (size_t i = 0; i < count; i++)
+        hash = (hash ^ bytes[i]) * 0x100000001b3u;
+    return hash;
+}
+
+static int print_stats(renderer *r, const render_options *o, const loaded_scene *loaded, const fxs_file_view *view,
+                       const fxs_stats *stats)
+{
+    fxs_camera camera;
+    fxs_message message;
+    fxs_frame_memory memory;
+    uint64_t evaluated = 0, blended = 0;
+    fxs_camera_from_view(&camera, view, &message);
+    int error = fxs_count_pairs(&loaded->scene, &camera, &o->view.render, r->memory, r->memory_bytes, &evaluated,
+                                &blended);
+    if (error)
+        return fail(EXIT_FAILED, "%s", fxs_strerror(error));
+    fxs_frame_bytes(&r->context, &loaded->scene, view->width, view->height, &memory);
+    printf("{\"gaussians\": %" PRIu64 ", \"packed\": %" PRIu32 ", \"visible\": %" PRIu32 ", \"entries\": %" PRIu64
+           ", \"runs\": %" PRIu32 ", \"pairs_evaluated\": %" PRIu64 ", \"pairs_blended\": %" PRIu64
+           ", \"frame_ms\": %.3f, \"stages_ms\": {", loaded->report.read, stats->gaussians, stats->visible,
+           stats->entries, stats->runs, evaluated, blended, (double)stats->frame_nanoseconds * 1e-6);
+    for (int i = 0; i < FXS_STAGES; i++)
+        printf("%s\"%s\": %.3f", i ? ", " : "", fxs_stage_name((enum fxs_stage)i),
+               (double)stats->nanoseconds[i] * 1e-6);
+    printf("}, \"bytes\": {\"scene\": %zu, \"splats\": %zu, \"keys\": %zu, \"tiles\": %zu, \"entries\": %zu, "
+           "\"frame\": %zu}}\n", loaded->packed.bytes, memory.splats, memory.keys, memory.tiles, memory.entries,
+           memory.total);
+    return 0;
+}
+
+static int render_view(renderer *r, const render_options *o, const loaded_scene *loaded, const fxs_file_view *view,
+                       const char *output)
+{
+    fxs_stats stats;
+    fxs_message message;
+    if (renderer_render(r, loaded, view, &o->view.render, &stats))
+        return EXIT_FAILED;
+    if (output && fxs_image_file_write(output, r->pixels, view->width, view->height, &message))
+        return fail(EXIT_FAILED, "%s", message.text);
+    if (o->hash) {
+        progress_end();
+        printf("%016" PRIx64 "\n", fnv1a64(r->pixels, (size_t)view->width * (size_t)view->height * 4));
+    }
+    return o->stats ? print_stats(r, o, loaded, view, &stats) : 0;
+}
+
+static int render_all(renderer *r, const render_options *o, const loaded_scene *loaded, const fxs_file_view *views,
+                      long count)
+{
+    char name[4096], label[] = "rendering";
+    if (o->output && count > 1 && !is_pattern(o->output))
+        return fail(EXIT_USAGE, "%s: for %ld views, expected a name with one %%d, as out/%%04d.png", o->output, count);
+    for (long i = 0; i < count; i++) {
+        if (o->output && strchr(o->output, '%') && is_pattern(o->output))
+            output_name(name, sizeof name, o->output, i);
+        else if (o->output)
+            snprintf(name, sizeof name, "%s", o->output);
+        if (render_view(r, o, loaded, &views[i], o->output ? name : 0))
+            return EXIT_FAILED;
+        if (count > 1)
+            progress_bar(label, (double)(i + 1) / (double)count);
+    }
+    progress_end();
+    return 0;
+}
+
+int command_render(int argc, char **argv)
+{
+    render_options o;
+    renderer r;
+    loaded_scene loaded;
+    fxs_file_view *views = 0;
+    int status = take_options(&o, argc, argv);
+    if (status)
+        return status;
+    status = renderer_init(&r, &o.view);
+    if (!status && !(status = load_scene(&loaded, o.scene))) {
+        long count = choose_views(&o.view, &loaded.report, &views);
+        status = count < 0 ? EXIT_FAILED : render_all(&r, &o, &loaded, views, count);
+        if (count > 0)
+            free(views);
+        free_scene(&loaded);
+    }
+    renderer_free(&r);
+    return status;
+}

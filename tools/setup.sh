@@ -1,0 +1,12 @@
+#!/bin/sh
+# Installs the Debian packages named that are not there yet; asks for root by sudo where needed.
+missing=
+for package in "$@"; do
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing="$missing $package"
+done
+[ -z "$missing" ] && { echo "setup: nothing is missing"; exit 0; }
+command -v apt-get >/dev/null || { echo "setup: no apt-get here; install by hand:$missing" >&2; exit 1; }
+root=
+[ "$(id -u)" = 0 ] || root=sudo
+echo "setup: installing$missing"
+$root apt-get update -qq && DEBIAN_FRONTEND=noninteractive $root apt-get install -y -qq --no-install-recommends $missing >/dev/null

@@ -1,0 +1,222 @@
+/* The camera and rendering options that render and bench share, and the renderer they set up. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "../port/posix/clock.h"
+#include "command.h"
+
+const char view_options_help[] =
+    "Camera (without one, the scene is framed whole):\n"
+    "  --cameras FILE      cameras.json, transforms.json or a COLMAP model (folder, images.bin or images.txt)\n"
+    "  --view N|NAME|all   a view of that file: its number from 0, its image name, or all (default 0)\n"
+    "  --eye X,Y,Z         camera centre\n"
+    "  --look X,Y,Z        point looked at (default: the middle of the scene)\n"
+    "  --up X,Y,Z          up in the picture (default 0,-1,0: y points down; 0,0,1 for scenes with z up)\n"
+    "  --fov DEG           vertical field of view, 1 to 170 (default 50)\n"
+    "  --size WxH          pixels (default: the view's own size, else 1280x720)\n"
+    "Rendering:\n"
+    "  --bg RRGGBB         background (default 000000)\n"
+    "  --cutoff NAME       mahalanobis (default) or square\n"
+    "  --sh-degree D       highest SH degree used, 0 to 3 (default 3)\n"
+    "  --threads N         threads, 1 to 64 (default: one a processor); the picture does not depend on it\n"
+    "  --cpu LIST          instruction sets that may be used, separated by commas; c: none (default: all there are)\n"
+    "  --backend NAME      cpu or auto (default auto)\n"
+    "  --help              this text\n";
+
+void view_options_default(view_options *options)
+{
+    memset(options, 0, sizeof *options);
+    fxs_options_default(&options->render);
+    options->up[1] = -1;
+    options->fov = 50;
+    options->cpu = "all";
+    options->backend = "auto";
+    options->threads = fxs_processors();
+}
+
+static int take_number(const char *name, const char *value, uint64_t low, uint64_t high, uint64_t *out)
+{
+    if (parse_count(value, low, high, out))
+        return 0;
+    return fail(EXIT_USAGE, "--%s %s: expected a whole number from %llu to %llu", name, value, (unsigned long long)low,
+                (unsigned long long)high);
+}
+
+static int take_vector(const char *name, const char *value, double out[3], int *has)
+{
+    *has = parse_vector(value, out);
+    return *has ? 0 : fail(EXIT_USAGE, "--%s %s: expected three numbers X,Y,Z", name, value);
+}
+
+static int take_cutoff(fxs_options *options, const char *value)
+{
+    if (!strcmp(value, "mahalanobis"))
+        options->cutoff = FXS_CUTOFF_MAHALANOBIS;
+    else if (!strcmp(value, "square"))
+        options->cutoff = FXS_CUTOFF_SQUARE;
+    else
+        return fail(EXIT_USAGE, "--cutoff %s: expected mahalanobis or square", value);
+    return 0;
+}
+
+static int take_fov(double *fov, const char *value)
+{
+    char *end;
+    *fov = strtod(value, &end);
+    return end != value && !*end && *fov >= 1 && *fov <= 170
+               ? 0 : fail(EXIT_USAGE, "--fov %s: expected 1 to 170 degrees", value);
+}
+
+int view_option(view_options *options, int which, const char *value)
+{
+    uint64_t number = 0;
+    int status = 0;
+    switch (which) {
+    case OPT_CAMERAS: options->cameras = value; break;
+    case OPT_VIEW: options->view = value; break;
+    case OPT_EYE: return take_vector("eye", value, options->eye, &options->has_eye);
+    case OPT_LOOK: return take_vector("look", value, options->look, &options->has_look);
+    case OPT_UP: return take_vector("up", value, options->up, &options->has_up);
+    case OPT_FOV: return take_fov(&options->fov, value);
+    case OPT_SIZE:
+        return parse_size(value, &options->width, &options->height)
+                   ? 0 : fail(EXIT_USAGE, "--size %s: expected WxH, each 1 to %d", value, FXS_MAX_SIZE);
+    case OPT_BG:
+        return parse_colour(value, options->render.background)
+                   ? 0 : fail(EXIT_USAGE, "--bg %s: expected six hex digits RRGGBB", value);
+    case OPT_CUTOFF: return take_cutoff(&options->render, value);
+    case OPT_SH_DEGREE:
+        status = take_number("sh-degree", value, 0, 3, &number);
+        options->render.sh_degree = (int)number;
+        return status;
+    case OPT_CPU: options->cpu = value; break;
+    case OPT_BACKEND: options->backend = value; break;
+    case OPT_THREADS:
+        status = take_number("threads", value, 1, 64, &number);
+        options->threads = (uint32_t)number;
+        return status;
+    default: return EXIT_USAGE;
+    }
+    return 0;
+}
+
+/* The index of a view by its number or name, or -1. */
+static long find_view(const fxs_file_view *views, long count, const char *wanted)
+{
+    uint64_t number;
+    for (long i = 0; i < count; i++)
+        if (!strcmp(views[i].name, wanted))
+            return i;
+    return parse_count(wanted, 0, (uint64_t)count - 1, &number) ? (long)number : -1;
+}
+
+static long views_of_file(const view_options *options, fxs_file_view **views)
+{
+    fxs_message message;
+    const char *wanted = options->view ? options->view : "0";
+    long count = fxs_camera_file_read(options->cameras, views, &message);
+    if (count < 0)
+        return fail(-1, "%s", message.text);
+    if (strcmp(wanted, "all")) {
+        long index = find_view(*views, count, wanted);
+        if (index < 0) {
+            free(*views);
+            return fail(-1, "%s: no view '%s' (there are %ld, from 0 on)", options->cameras, wanted, count);
+        }
+        (*views)[0] = (*views)[index];
+        count = 1;
+    }
+    for (long i = 0; i < count && options->width; i++)
+        fxs_view_resize(&(*views)[i], options->width, options->height);
+    return count;
+}
+
+long choose_views(const view_options *options, const fxs_pack_report *report, fxs_file_view **views)
+{
+    fxs_message message;
+    int width = options->width ? options->width : 1280, height = options->height ? options->height : 720, result;
+    if (options->cameras)
+        return views_of_file(options, views);
+    if (options->view)
+        return fail(-1, "--view needs --cameras");
+    *views = malloc(sizeof **views);
+    if (!*views)
+        return fail(-1, "out of memory");
+    if (options->has_eye) {
+        double middle[3];
+        for (int i = 0; i < 3; i++)
+            middle[i] = (report->inner_low[i] + report->inner_high[i]) / 2;
+        result = fxs_view_look_at(*views, options->eye, options->has_look ? options->look : middle, options->up,
+                                  options->fov, width, height, &message);
+    } else {
+        result = fxs_view_frame_box(*views, report->inner_low, report->inner_high, options->up, options->fov, width,
+                                    height, &message);
+    }
+    if (!result)
+        return 1;
+    free(*views);
+    return fail(-1, "%s", message.text);
+}
+
+static int choose_cpu(const char *list)
+{
+    if (!strcmp(list, "all") || !strcmp(list, "c"))
+        return 0;
+    return fail(EXIT_USAGE, "--cpu %s: expected all or c", list);
+}
+
+int renderer_init(renderer *r, const view_options *options)
+{
+    memset(r, 0, sizeof *r);
+    if (strcmp(options->backend, "cpu") && strcmp(options->backend, "auto"))
+        return fail(EXIT_USAGE, "--backend %s: expected cpu or auto", options->backend);
+    fxs_config config = {0, 0, options->threads, fxs_clock, 0};
+    if (options->threads > 1) {
+        r->pool = fxs_pool_create(options->threads);
+        if (!r->pool)
+            return fail(EXIT_FAILED, "cannot start %u threads", options->threads);
+        config.run = fxs_pool_run;
+        config.pool = r->pool;
+    }
+    fxs_init(&r->context, &config);
+    return choose_cpu(options->cpu);
+}
+
+void renderer_free(renderer *r)
+{
+    fxs_pool_destroy(r->pool);
+    free(r->allocation);
+    free(r->pixels);
+}
+
+static int make_room(renderer *r, const fxs_scene *scene, int width, int height)
+{
+    size_t bytes = fxs_frame_bytes(&r->context, scene, width, height, 0);
+    if (r->pixels && width == r->width && height == r->height && bytes <= r->memory_bytes)
+        return 0;
+    free(r->allocation);
+    free(r->pixels);
+    r->allocation = malloc(bytes + 63);
+    r->pixels = malloc((size_t)width * (size_t)height * 4);
+    if (!r->allocation || !r->pixels)
+        return fail(EXIT_FAILED, "out of memory: a frame of %dx%d needs %zu bytes", width, height, bytes);
+    r->memory = (void *)(((uintptr_t)r->allocation + 63) / 64 * 64);
+    r->memory_bytes = bytes;
+    r->width = width;
+    r->height = height;
+    return 0;
+}
+
+int renderer_render(renderer *r, const loaded_scene *loaded, const fxs_file_view *view, const fxs_options *options,
+                    fxs_stats *stats)
+{
+    fxs_camera camera;
+    fxs_message message;
+    if (fxs_camera_from_view(&camera, view, &message))
+        return fail(EXIT_FAILED, "%s", message.text);
+    if (make_room(r, &loaded->scene, view->width, view->height))
+        return EXIT_FAILED;
+    int error = fxs_render(&r->context, &loaded->scene, &camera, options, r->memory, r->memory_bytes, r->pixels,
+                           (ptrdiff_t)view->width * 4, stats);
+    return error ? fail(EXIT_FAILED, "view %s: %s", view->name, fxs_strerror(error)) : 0;
+}
