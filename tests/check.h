@@ -3,6 +3,7 @@
 #define CHECK_H
 
 #include <stdio.h>
+#include <stdlib.h>
 
 static int check_passed, check_failed, check_skipped;   /* tests */
 static int check_faults, check_skips;                   /* in the running test */
@@ -21,6 +22,13 @@ static int check_faults, check_skips;                   /* in the running test *
         else { check_passed++; printf("ok   %s\n", #test); } \
         fflush(stdout); \
     } while (0)
+
+/* Memory aligned to 64, for free. */
+static inline void *check_aligned(size_t bytes)
+{
+    void *memory = 0;
+    return posix_memalign(&memory, 64, bytes ? bytes : 64) ? 0 : memory;
+}
 
 /* The last line of a test program; tests/run.sh adds these up. Returns the exit status. */
 static int check_report(void)

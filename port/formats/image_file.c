@@ -1,5 +1,6 @@
 #include "image_file.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -22,7 +23,6 @@
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_PNG
-#define STBI_ONLY_PNM
 #define STBI_MAX_DIMENSIONS MAX_SIZE
 #include <stb/stb_image.h>
 #define STB_IMAGE_WRITE_IMPLEMENTATION
@@ -32,6 +32,8 @@
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
 #endif
+
+static const char too_large[] = "without pixels, or more than 16384 on a side or 2^26 in all";
 
 enum { UNKNOWN, PNG, PPM, RAW };
 
@@ -146,13 +148,18 @@ int fxs_image_file_write(const char *path, const uint8_t *rgba, int width, int h
     return error ? fxs_fail(message, "%s: cannot be written: %s", path, strerror(error)) : 0;
 }
 
-/* A number of a .ppm's header with the blank that follows it, after blanks and comments; -1 where it is none. */
-static int read_header_number(FILE *file)
+static int readable_size(int width, int height)
 {
-    int c = getc(file), value = 0;
-    while (isspace(c) || c == '#') {
-        while (c == '#' || (c != '\n' && c != EOF && !isspace(c)))
-            c = getc(file);
+    return width >= 1 && height >= 1 && width <= MAX_SIZE && height <= MAX_SIZE &&
+           (int64_t)width * height <= MAX_READ_PIXELS;
+}
+
+/* A number of a .ppm's header, after blanks and comments and with the blank that follows; -1 where there is none. */
+static int header_number(FILE *file)
+{
+    int c = getc(file), comment = 0, value = 0;
+    while (isspace(c) || c == '#' || (comment && c != EOF)) {
+        comment = c == '#' || (comment && c != '\n');
         c = getc(file);
     }
     if (!isdigit(c))
@@ -160,4 +167,60 @@ static int read_header_number(FILE *file)
     for (; isdigit(c) && value <= MAX_SIZE; c = getc(file))
         value = 10 * value + (c - '0');
     return isspace(c) ? value : -1;
+}
+
+/* The readers return NULL or the fault. */
+
+/* stb_image 2.27 has a .ppm reader too, but takes a file that is cut short. */
+static const char *read_ppm(FILE *file, uint8_t **rgba, int *width, int *height)
+{
+    if (getc(file) != 'P' || getc(file) != '6')
+        return "not a .ppm of type P6";
+    *width = header_number(file);
+    *height = header_number(file);
+    if (header_number(file) != 255)
+        return "not a .ppm of 255 levels";
+    if (!readable_size(*width, *height))
+        return too_large;
+    size_t pixels = (size_t)*width * (size_t)*height;
+    *rgba = malloc(4 * pixels);
+    if (!*rgba)
+        return "out of memory";
+    uint8_t *rgb = *rgba + pixels;   /* spread from the end of the room to the front */
+    if (fread(rgb, 3, pixels, file) != pixels)
+        return "cut short";
+    for (size_t i = 0; i < pixels; i++) {
+        memmove(*rgba + 4 * i, rgb + 3 * i, 3);
+        (*rgba)[4 * i + 3] = 255;
+    }
+    return NULL;
+}
+
+static const char *read_png(FILE *file, uint8_t **rgba, int *width, int *height)
+{
+    int channels;
+    if (!stbi_info_from_file(file, width, height, &channels))
+        return "not a .png or .ppm";
+    if (!readable_size(*width, *height))
+        return too_large;
+    *rgba = stbi_load_from_file(file, width, height, &channels, 4);
+    return *rgba ? NULL : stbi_failure_reason();
+}
+
+int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_message *message)
+{
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return fxs_fail(message, "%s: %s", path, strerror(errno));
+    *rgba = NULL;
+    int ppm = getc(file) == 'P';
+    rewind(file);
+    const char *fault = ppm ? read_ppm(file, rgba, width, height) : read_png(file, rgba, width, height);
+    if (fault) {
+        fxs_fail(message, "%s: %s", path, ferror(file) ? strerror(errno) : fault);
+        free(*rgba);
+        *rgba = NULL;
+    }
+    fclose(file);
+    return fault ? -1 : 0;
 }

@@ -1,0 +1,175 @@
+/* Golden images: small frames of procedural scenes, compared byte for byte with tests/golden/NAME.png. --update writes them anew.
+ * On a difference the frame and a picture of the difference are left in build/golden. */
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "../port/formats/camera.h"
+#include "../port/formats/image_file.h"
+#include "../port/formats/pack.h"
+#include "../port/formats/ply_write.h"
+#include "../tools/metrics.h"
+#include "../tools/procedural.h"
+#include "check.h"
+
+typedef struct golden {
+    const char *name, *scene;
+    uint64_t count;
+    double eye[3], look[3], fov;
+    int width, height;
+    int antialiased;
+    fxs_options options;
+} golden;
+
+#define MAHALANOBIS FXS_CUTOFF_MAHALANOBIS, FXS_FORMAT_RGBA8
+
+static const golden cases[] = {
+    /* project, shade: degree 3 on an object; blend: opaque surfaces, early stop */
+    {"knot", "knot", 30000, {0.9, -2.6, -12.8}, {0, 0.42, 0}, 36, 240, 135, 0, {MAHALANOBIS, 3, {17, 19, 27}}},
+    /* shade: the same, degree 1 of 3 only */
+    {"knot-degree1", "knot", 30000, {-6, -4, 9}, {0, 0.4, 0}, 40, 120, 90, 0, {MAHALANOBIS, 1, {0, 0, 0}}},
+    /* bin, blend: the original's square instead of the ellipse */
+    {"knot-square", "knot", 30000, {0.9, -2.6, -12.8}, {0, 0.42, 0}, 36, 120, 68, 0,
+     {FXS_CUTOFF_SQUARE, FXS_FORMAT_RGBA8, 3, {17, 19, 27}}},
+    /* project: opacity compensated for the dilation, sub-pixel Gaussians */
+    {"knot-antialiased", "knot", 30000, {3, -9, -40}, {0, 0, 0}, 20, 96, 64, 1, {MAHALANOBIS, 3, {40, 40, 40}}},
+    /* project: depths from near to far, culls at the edges; sort: 150,000 keys */
+    {"landscape", "landscape", 150000, {4.6, -1.9, -12.7}, {0, -2.2, 0}, 52, 256, 144, 0,
+     {MAHALANOBIS, 3, {153, 189, 230}}},
+    /* project: whitening and bin: spans of needles 1:1000 at all angles, widths under a pixel */
+    {"needles", "needles", 20000, {0, -2, -11}, {0, 0, 0}, 50, 200, 150, 0, {MAHALANOBIS, 3, {25, 25, 30}}},
+    /* blend: deep translucent overlap, small weights; resolve: coverage, premultiplied */
+    {"fog-coverage", "fog", 5000, {0, -1, -12}, {0, 0, 0}, 45, 160, 90, 0,
+     {FXS_CUTOFF_MAHALANOBIS, FXS_FORMAT_RGBA8_COVERAGE, 3, {0, 0, 0}}},
+    /* sort: exact ties of depth keep the order of the scene; blend: tiles that close */
+    {"layers", "layers", 10000, {0, 0, -7}, {0, 0, 0}, 55, 128, 96, 0, {MAHALANOBIS, 0, {0, 0, 0}}},
+    /* project: from sub-pixel to larger than the picture; a size that is no multiple of the tile */
+    {"cubes", "cubes", 4096, {7, -5, -10}, {0, 0, 0}, 50, 173, 101, 0, {MAHALANOBIS, 3, {255, 255, 255}}},
+    /* project: the camera inside the scene, a very wide view: near plane, cut slopes, huge footprints */
+    {"inside", "knot", 30000, {0.4, 0.3, 0.2}, {1.5, 0.9, 2}, 140, 160, 120, 0, {MAHALANOBIS, 3, {90, 60, 30}}},
+    /* everything: one pixel */
+    {"pixel", "fog", 500, {0, 0, -8}, {0, 0, 0}, 20, 1, 1, 0, {MAHALANOBIS, 2, {10, 200, 100}}},
+};
+
+static int updating;
+static char folder[64];
+
+/* Writes the scene as .ply, reads and packs it as a user would. */
+static int make_scene(const golden *g, fxs_packed_scene *packed, fxs_message *m)
+{
+    char path[96];
+    fxs_ply_writer *writer;
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_pack_report report;
+    const fxs_procedural_scene *scene = fxs_procedural_find(g->scene);
+    snprintf(path, sizeof path, "%s/scene.ply", folder);
+    if (!scene || fxs_ply_writer_open(path, g->count, scene->sh_degree, g->antialiased, &writer, m))
+        return -1;
+    for (uint64_t i = 0; i < g->count; i++) {
+        fxs_gaussian gaussian;
+        scene->gaussian(i, g->count, 1, &gaussian);
+        if (fxs_ply_writer_put(writer, &gaussian, 1, m))
+            break;
+    }
+    if (fxs_ply_writer_close(writer, m) || fxs_scene_file_open(path, &file, &info, m))
+        return -1;
+    int result = fxs_pack(file, &info, packed, &report, 0, 0, m);
+    fxs_scene_file_close(file);
+    unlink(path);
+    return result;
+}
+
+static uint8_t *render(const golden *g, fxs_message *m)
+{
+    static const double up[3] = {0, -1, 0};
+    fxs_packed_scene packed;
+    fxs_scene scene;
+    fxs_context context;
+    fxs_file_view view;
+    fxs_camera camera;
+    if (make_scene(g, &packed, m))
+        return 0;
+    fxs_init(&context, 0);
+    fxs_scene_open(&scene, packed.data, packed.bytes);
+    size_t bytes = fxs_frame_bytes(&context, &scene, g->width, g->height, 0);
+    void *memory = check_aligned(bytes);
+    uint8_t *pixels = malloc((size_t)g->width * (size_t)g->height * 4);
+    int error = !memory || !pixels || fxs_view_look_at(&view, g->eye, g->look, up, g->fov, g->width, g->height, m) ||
+                fxs_camera_from_view(&camera, &view, m) ||
+                fxs_render(&context, &scene, &camera, &g->options, memory, bytes, pixels, (ptrdiff_t)g->width * 4, 0);
+    free(memory);
+    fxs_packed_scene_free(&packed);
+    if (!error)
+        return pixels;
+    free(pixels);
+    return 0;
+}
+
+static void leave_pictures(const golden *g, const uint8_t *actual, const uint8_t *expected)
+{
+    char path[128];
+    fxs_message m;
+    struct fxs_metrics metrics;
+    uint8_t *difference = malloc((size_t)g->width * (size_t)g->height * 4);
+    mkdir("build", 0777);
+    mkdir("build/golden", 0777);
+    snprintf(path, sizeof path, "build/golden/%s.png", g->name);
+    fxs_image_file_write(path, actual, g->width, g->height, &m);
+    if (difference && expected && !fxs_metrics_compare(actual, expected, g->width, g->height, &metrics)) {
+        printf("  %s: PSNR %.2f dB, SSIM %.5f, largest difference %d: see build/golden\n", g->name, metrics.psnr,
+               metrics.ssim, metrics.largest);
+        snprintf(path, sizeof path, "build/golden/%s-difference.png", g->name);
+        fxs_metrics_difference(actual, expected, g->width, g->height, difference);
+        fxs_image_file_write(path, difference, g->width, g->height, &m);
+    }
+    free(difference);
+}
+
+static void compare(const golden *g, const uint8_t *actual, const char *path)
+{
+    fxs_message m;
+    uint8_t *expected = 0;
+    int width = 0, height = 0;
+    if (!CHECK(!fxs_image_file_read(path, &expected, &width, &height, &m))) {
+        puts(m.text);
+        return;
+    }
+    int same_size = width == g->width && height == g->height;
+    if (!CHECK(same_size && !memcmp(actual, expected, (size_t)width * (size_t)height * 4)))
+        leave_pictures(g, actual, same_size ? expected : 0);
+    free(expected);
+}
+
+static const golden *current;
+
+static void golden_image(void)
+{
+    char path[128];
+    fxs_message m = {"render failed"};
+    uint8_t *actual = render(current, &m);
+    snprintf(path, sizeof path, "tests/golden/%s.png", current->name);
+    if (!CHECK(actual != 0))
+        puts(m.text);
+    else if (updating)
+        CHECK(!fxs_image_file_write(path, actual, current->width, current->height, &m));
+    else
+        compare(current, actual, path);
+    free(actual);
+}
+
+int main(int argc, char **argv)
+{
+    updating = argc > 1 && !strcmp(argv[1], "--update");
+    strcpy(folder, "/tmp/fixsplat-golden-XXXXXX");
+    if (!mkdtemp(folder))
+        return 1;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        current = &cases[i];
+        printf("%s: ", current->name);
+        RUN(golden_image);
+    }
+    rmdir(folder);
+    return check_report();
+}
