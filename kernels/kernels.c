@@ -1,0 +1,63 @@
+#include "kernels.h"
+
+#if defined(__x86_64__) || defined(__i386__)
+#include "x86/x86.h"
+
+unsigned fxs_cpu_detect(void)
+{
+    unsigned cpu = 0;
+    __builtin_cpu_init();
+    if (__builtin_cpu_supports("sse4.1"))
+        cpu |= FXS_CPU_SSE41;
+    if (__builtin_cpu_supports("avx2"))
+        cpu |= FXS_CPU_AVX2;
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
+        __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512vbmi"))
+        cpu |= FXS_CPU_AVX512;
+    return cpu;
+}
+#elif defined(__aarch64__)
+#include "arm/arm.h"
+
+unsigned fxs_cpu_detect(void)
+{
+    return FXS_CPU_NEON;           /* every AArch64 processor has it */
+}
+#else
+unsigned fxs_cpu_detect(void)
+{
+    return 0;
+}
+#endif
+
+#define USE(stage, function, isa) kernels->function = fxs_##function##_##isa, kernels->name[stage] = #isa
+
+void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
+{
+    cpu &= fxs_cpu_detect();
+#if defined(__x86_64__) || defined(__i386__)
+    if (cpu & FXS_CPU_SSE41) {
+        USE(FXS_BLEND, blend, sse41);
+        USE(FXS_RESOLVE, resolve, sse41);
+    }
+    if (cpu & FXS_CPU_AVX2) {
+        USE(FXS_PROJECT, project, avx2);
+        USE(FXS_SHADE, shade, avx2);
+        USE(FXS_BLEND, blend, avx2);
+    }
+    if (cpu & FXS_CPU_AVX512) {
+        USE(FXS_PROJECT, project, avx512);
+        USE(FXS_SHADE, shade, avx512);
+        USE(FXS_BLEND, blend, avx512);
+    }
+#elif defined(__aarch64__)
+    if (cpu & FXS_CPU_NEON) {
+        USE(FXS_SHADE, shade, neon);
+        USE(FXS_BLEND, blend, neon);
+        USE(FXS_RESOLVE, resolve, neon);
+    }
+#else
+    (void)kernels;
+#endif
+}

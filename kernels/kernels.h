@@ -1,0 +1,20 @@
+/* Faster versions of the stages, chosen at run time. This folder can be deleted: src/ renders without it. */
+#ifndef FXS_KERNELS_H
+#define FXS_KERNELS_H
+
+#include "../src/stage.h"
+
+enum fxs_cpu {
+    FXS_CPU_SSE41 = 1,
+    FXS_CPU_AVX2 = 2,
+    FXS_CPU_AVX512 = 4,            /* F, BW, DQ, VL, CD and VBMI */
+    FXS_CPU_NEON = 8
+};
+
+/* What this processor has. */
+unsigned fxs_cpu_detect(void);
+
+/* Overwrites the stages of *kernels that have a version for one of the instruction sets in `cpu`, the best last. */
+void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu);
+
+#endif
