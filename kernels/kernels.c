@@ -31,6 +31,17 @@ unsigned fxs_cpu_detect(void)
 }
 #endif
 
+const char *fxs_cpu_name(unsigned flag)
+{
+    switch (flag) {
+    case FXS_CPU_SSE41: return "sse41";
+    case FXS_CPU_AVX2: return "avx2";
+    case FXS_CPU_AVX512: return "avx512";
+    case FXS_CPU_NEON: return "neon";
+    default: return 0;
+    }
+}
+
 #define USE(stage, function, isa) kernels->function = fxs_##function##_##isa, kernels->name[stage] = #isa
 
 void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)

@@ -2,7 +2,7 @@
 #ifndef FXS_KERNELS_H
 #define FXS_KERNELS_H
 
-#include "../src/stage.h"
+#include "../src/fixsplat.h"
 
 enum fxs_cpu {
     FXS_CPU_SSE41 = 1,
@@ -13,6 +13,9 @@ enum fxs_cpu {
 
 /* What this processor has. */
 unsigned fxs_cpu_detect(void);
+
+/* The name of one flag, as in "avx2"; null for any other value. */
+const char *fxs_cpu_name(unsigned flag);
 
 /* Overwrites the stages of *kernels that have a version for one of the instruction sets in `cpu`, the best last. */
 void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu);

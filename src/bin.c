@@ -5,24 +5,37 @@
 #include "memory.h"
 #include "stage.h"
 
+/* Tile columns or rows, first to last; none where first > last. */
+typedef struct span {
+    int32_t first, last;
+} span;
+
 typedef struct ellipse {
     const fxs_splat *splat;
     const fxs_bounds *bounds;
-    int64_t cx_q8, margin_q8;
+    span columns, rows;            /* of its bounding box */
     int32_t r_q12;
-    int32_t first_row, last_row;       /* tile rows of the ellipse */
 } ellipse;
 
-static void ellipse_init(ellipse *e, const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds)
+static const span none = {0, -1};
+
+/* The tile columns of the pixels between two points. */
+static span columns_between(const fxs_view *view, int64_t left_q8, int64_t right_q8)
 {
+    int64_t first = (left_q8 + 255) >> 8, last = right_q8 >> 8;
+    if (last < 0 || first >= view->width || first > last)
+        return none;
+    return (span){first < 0 ? 0 : (int32_t)(first / FXS_TILE),
+                  last >= view->width ? view->tiles_x - 1 : (int32_t)(last / FXS_TILE)};
+}
+
+static ellipse ellipse_of(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds)
+{
+    int64_t cx_q8 = bounds->cx_q14 >> 6, reach_q8 = bounds->half_width_q8;
     int32_t limit_q11 = fxs_limit_q11(splat->offset_q11, view->cut_q11);
-    e->splat = splat;
-    e->bounds = bounds;
-    e->cx_q8 = bounds->cx_q14 >> 6;
-    e->margin_q8 = (bounds->half_width_q8 >> 7) + 32;
-    e->r_q12 = (int32_t)fxs_sqrt((uint32_t)(limit_q11 - splat->offset_q11) << 13) + 1;
-    e->first_row = splat->first_row / FXS_TILE;
-    e->last_row = splat->last_row / FXS_TILE;
+    return (ellipse){splat, bounds, columns_between(view, cx_q8 - reach_q8, cx_q8 + reach_q8),
+                     {splat->first_row / FXS_TILE, splat->last_row / FXS_TILE},
+                     (int32_t)fxs_sqrt((uint32_t)(limit_q11 - splat->offset_q11) << 13) + 1};
 }
 
 /* v at a pixel row. */
@@ -43,99 +56,135 @@ static int64_t half_width_q8(const ellipse *e, int32_t v_q12)
     return (int64_t)e->bounds->breadth_q8 * (fxs_sqrt(square_q24) + 1) >> 12;
 }
 
-static fxs_span columns(const fxs_view *view, int64_t left_q8, int64_t right_q8)
+static int64_t larger(int64_t a, int64_t b)
 {
-    int64_t first = (left_q8 + 255) >> 8, last = right_q8 >> 8;
-    if (last < 0 || first >= view->width || first > last)
-        return (fxs_span){0, -1};
-    return (fxs_span){first < 0 ? 0 : (int32_t)(first / FXS_TILE),
-                      last >= view->width ? view->tiles_x - 1 : (int32_t)(last / FXS_TILE)};
+    return a > b ? a : b;
 }
 
-static fxs_span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
+/* The tiles of a tile row that the ellipse touches. */
+static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
 {
-    int64_t reach_q8 = e->bounds->half_width_q8;
-    fxs_span box = columns(view, e->cx_q8 - reach_q8, e->cx_q8 + reach_q8);
-    if (!view->square && (box.first >= box.last || e->first_row == e->last_row))
-        return box;
     int64_t top_q12 = v_at_row(e, row * FXS_TILE), bottom_q12 = v_at_row(e, row * FXS_TILE + FXS_TILE - 1);
     if (top_q12 > e->r_q12 + 1024 || bottom_q12 < -e->r_q12 - 1024)   /* 1/4: a margin of 1/8 pixel */
-        return (fxs_span){0, -1};
+        return none;
+    if (e->columns.first >= e->columns.last)
+        return e->columns;
     int32_t top = cut_to(e->r_q12, top_q12), bottom = cut_to(e->r_q12, bottom_q12);
-    int64_t x_top_q8 = (int64_t)e->bounds->shear_q8 * top >> 12;
-    int64_t x_bottom_q8 = (int64_t)e->bounds->shear_q8 * bottom >> 12;
-    int64_t half_top_q8 = half_width_q8(e, top), half_bottom_q8 = half_width_q8(e, bottom);
-    int64_t left_q8 = x_top_q8 - half_top_q8 < x_bottom_q8 - half_bottom_q8 ? x_top_q8 - half_top_q8
-                                                                            : x_bottom_q8 - half_bottom_q8;
-    int64_t right_q8 = x_top_q8 + half_top_q8 > x_bottom_q8 + half_bottom_q8 ? x_top_q8 + half_top_q8
-                                                                             : x_bottom_q8 + half_bottom_q8;
+    int64_t x_top_q8 = (int64_t)e->bounds->shear_q8 * top >> 12, half_top_q8 = half_width_q8(e, top);
+    int64_t x_bottom_q8 = (int64_t)e->bounds->shear_q8 * bottom >> 12, half_bottom_q8 = half_width_q8(e, bottom);
+    int64_t left_q8 = -larger(half_top_q8 - x_top_q8, half_bottom_q8 - x_bottom_q8);
+    int64_t right_q8 = larger(half_top_q8 + x_top_q8, half_bottom_q8 + x_bottom_q8);
     /* v sqrt(A) against +- r shear: is a widest point on this tile row? */
+    int64_t reach_q8 = e->bounds->half_width_q8;
     int64_t tangent = (int64_t)e->bounds->shear_q8 * e->r_q12 / 4096 * e->r_q12;
     if (top * reach_q8 <= tangent && tangent <= bottom * reach_q8)
         right_q8 = reach_q8;
     if (top * reach_q8 <= -tangent && -tangent <= bottom * reach_q8)
         left_q8 = -reach_q8;
-    return columns(view, e->cx_q8 + left_q8 - e->margin_q8, e->cx_q8 + right_q8 + e->margin_q8);
+    int64_t cx_q8 = e->bounds->cx_q14 >> 6, margin_q8 = (reach_q8 >> 7) + 32;
+    left_q8 = larger(left_q8 - margin_q8, -reach_q8);
+    right_q8 = -larger(-right_q8 - margin_q8, -reach_q8);
+    return columns_between(view, cx_q8 + left_q8, cx_q8 + right_q8);
 }
 
-/* Tile rows and columns of the square: floor((c - radius) / 16) to floor((c + radius + 15) / 16), exclusive. */
-static fxs_span square_span(int32_t centre_q14, uint32_t radius, int32_t tiles)
+/* Tile rows or columns of the square: floor((c - radius) / 16) to floor((c + radius + 15) / 16), exclusive. */
+static span square_span(int32_t centre_q14, uint32_t radius, int32_t tiles)
 {
     int64_t first = (centre_q14 - ((int64_t)radius << 14)) >> 18;
     int64_t last = ((centre_q14 + ((int64_t)(radius + 15) << 14)) >> 18) - 1;
-    return (fxs_span){first < 0 ? 0 : (int32_t)(first < tiles ? first : tiles),
-                      last < tiles ? (int32_t)(last < -1 ? -1 : last) : tiles - 1};
+    return (span){first < 0 ? 0 : (int32_t)(first < tiles ? first : tiles),
+                  last < tiles ? (int32_t)(last < -1 ? -1 : last) : tiles - 1};
 }
 
-static fxs_span rows(const ellipse *e, const fxs_view *view)
+static span rows_of(const ellipse *e, const fxs_view *view)
 {
-    if (view->square)
-        return square_span(e->bounds->cy_q14, e->bounds->radius, view->tiles_y);
-    return (fxs_span){e->first_row, e->last_row};
+    return view->square ? square_span(e->bounds->cy_q14, e->bounds->radius, view->tiles_y) : e->rows;
 }
 
-static fxs_span span(const ellipse *e, const fxs_view *view, int32_t row)
+static span span_of(const ellipse *e, const fxs_view *view, int32_t row)
 {
-    if (view->square)
-        return square_span(e->bounds->cx_q14, e->bounds->radius, view->tiles_x);
-    return ellipse_span(e, view, row);
+    return view->square ? square_span(e->bounds->cx_q14, e->bounds->radius, view->tiles_x)
+                        : ellipse_span(e, view, row);
 }
 
-void fxs_bin_count(const fxs_view *view, const fxs_key *keys, uint32_t count, const fxs_splat *splats,
-                   const fxs_bounds *bounds, uint32_t *counts)
+void fxs_bin_c(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count, fxs_box *boxes)
 {
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t slot = FXS_KEY_SLOT(keys[i]);
-        ellipse e;
-        ellipse_init(&e, view, &splats[slot], &bounds[slot]);
-        fxs_span r = rows(&e, view);
-        for (int32_t row = r.first; row <= r.last; row++) {
-            fxs_span s = span(&e, view, row);
+        ellipse e = ellipse_of(view, &splats[i], &bounds[i]);
+        boxes[i] = (fxs_box){(uint32_t)(e.rows.first * view->tiles_x + e.columns.first), 0};
+        if (view->square || e.columns.first > e.columns.last || e.columns.last - e.columns.first > 3 ||
+            e.rows.last - e.rows.first > 3)
+            continue;
+        if (e.rows.first == e.rows.last)           /* the box is the span */
+            boxes[i].mask = (2u << (e.columns.last - e.columns.first)) - 1;
+        for (int32_t row = e.rows.first; row <= e.rows.last && e.rows.first < e.rows.last; row++) {
+            span s = ellipse_span(&e, view, row);
+            if (s.first <= s.last)
+                boxes[i].mask |= ((2u << (s.last - e.columns.first)) - (1u << (s.first - e.columns.first)))
+                                 << 4 * (row - e.rows.first);
+        }
+    }
+}
+
+static uint32_t tile_of_bit(const fxs_view *view, fxs_box box, uint32_t mask)
+{
+    uint32_t bit = (uint32_t)fxs_ctz32(mask);
+    return box.base + bit / 4 * (uint32_t)view->tiles_x + bit % 4;
+}
+
+void fxs_bin_count(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_box *boxes,
+                   uint32_t count, uint32_t *counts)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        for (uint32_t mask = boxes[i].mask; mask; mask &= mask - 1)
+            counts[tile_of_bit(view, boxes[i], mask)]++;
+        if (boxes[i].mask)
+            continue;
+        ellipse e = ellipse_of(view, &splats[i], &bounds[i]);
+        span rows = rows_of(&e, view);
+        for (int32_t row = rows.first; row <= rows.last; row++) {
+            span s = span_of(&e, view, row);
             for (int32_t column = s.first; column <= s.last; column++)
                 counts[row * view->tiles_x + column]++;
         }
     }
 }
 
-void fxs_bin_fill(const fxs_view *view, const fxs_key *keys, uint32_t count, const fxs_splat *splats,
-                  const fxs_bounds *bounds, int32_t first_tile, int32_t last_tile, uint32_t *next, uint32_t *entries)
+/* Lists a splat whose tiles do not fit in a box. */
+static void fill_large(const fxs_view *view, const ellipse *e, uint32_t slot, uint32_t first_tile, uint32_t last_tile,
+                       uint32_t *next, uint32_t *entries)
+{
+    span rows = rows_of(e, view);
+    int32_t first_row = (int32_t)first_tile / view->tiles_x, last_row = (int32_t)last_tile / view->tiles_x;
+    first_row = rows.first > first_row ? rows.first : first_row;
+    last_row = rows.last < last_row ? rows.last : last_row;
+    for (int32_t row = first_row; row <= last_row; row++) {
+        span s = span_of(e, view, row), touched = view->square ? ellipse_span(e, view, row) : s;
+        for (int32_t column = s.first; column <= s.last; column++) {
+            uint32_t tile = (uint32_t)(row * view->tiles_x + column);
+            uint32_t far = column < touched.first || column > touched.last ? FXS_ENTRY_FAR : 0;
+            if (tile - first_tile <= last_tile - first_tile)
+                entries[next[tile]++] = slot | far;
+        }
+    }
+}
+
+void fxs_bin_fill(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_box *boxes,
+                  const fxs_key *keys, uint32_t count, uint32_t first_tile, uint32_t last_tile, uint32_t *next,
+                  uint32_t *entries)
 {
     for (uint32_t i = 0; i < count; i++) {
         uint32_t slot = FXS_KEY_SLOT(keys[i]);
-        ellipse e;
-        ellipse_init(&e, view, &splats[slot], &bounds[slot]);
-        fxs_span r = rows(&e, view);
-        for (int32_t row = r.first; row <= r.last; row++) {
-            fxs_span s = span(&e, view, row), near = s;
-            if (view->square)
-                near = ellipse_span(&e, view, row);
-            for (int32_t column = s.first; column <= s.last; column++) {
-                int32_t tile = row * view->tiles_x + column;
-                if (tile < first_tile || tile > last_tile)
-                    continue;
-                uint32_t far = column < near.first || column > near.last ? FXS_ENTRY_FAR : 0;
-                entries[next[tile]++] = slot | far;
-            }
+        fxs_box box = boxes[slot];
+        if (!box.mask) {
+            ellipse e = ellipse_of(view, &splats[slot], &bounds[slot]);
+            fill_large(view, &e, slot, first_tile, last_tile, next, entries);
+            continue;
+        }
+        for (; box.mask; box.mask &= box.mask - 1) {
+            uint32_t tile = tile_of_bit(view, box, box.mask);
+            if (tile - first_tile <= last_tile - first_tile)
+                entries[next[tile]++] = slot;
         }
     }
 }

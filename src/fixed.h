@@ -23,6 +23,12 @@ static inline int fxs_clz64(uint64_t x)
     return x >> 32 ? fxs_clz32((uint32_t)(x >> 32)) : 32 + fxs_clz32((uint32_t)x);
 }
 
+/* Trailing zeros; x above 0. */
+static inline int fxs_ctz32(uint32_t x)
+{
+    return 31 - fxs_clz32(x & -x);
+}
+
 /* High half of a product. */
 static inline uint32_t fxs_mulhi(uint32_t a, uint32_t b)
 {

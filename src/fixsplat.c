@@ -4,7 +4,7 @@
 #include "stage.h"
 
 const fxs_kernels fxs_kernels_c = {
-    {"c", "c", "c", "c", "c", "c"}, fxs_project_c, fxs_shade_c, fxs_blend_c, fxs_resolve_c,
+    {"c", "c", "c", "c", "c", "c"}, fxs_project_c, fxs_shade_c, fxs_bin_c, fxs_blend_c, fxs_resolve_c,
 };
 
 const char *fxs_strerror(int error)
@@ -42,6 +42,6 @@ int fxs_init(fxs_context *context, const fxs_config *config)
     memset(context, 0, sizeof *context);
     if (config)
         context->config = *config;
-    context->kernels = &fxs_kernels_c;
+    context->kernels = fxs_kernels_c;
     return 0;
 }

@@ -107,11 +107,42 @@ enum fxs_stage { FXS_PROJECT, FXS_SHADE, FXS_SORT, FXS_BIN, FXS_BLEND, FXS_RESOL
 /* The name of a stage: "project", "shade", ... */
 const char *fxs_stage_name(enum fxs_stage stage);
 
-struct fxs_kernels;                /* the function of each stage: src/stage.h */
+/* The function of each stage, on one chunk or one tile: src/stage.h says what they are given. fxs_init fills in the plain C versions; a faster
+   one with the same results may take the place of any. */
+struct fxs_view;
+struct fxs_splat;
+struct fxs_bounds;
+struct fxs_box;
+struct fxs_tile;
+
+typedef struct fxs_kernels {
+    const char *name[FXS_STAGES];  /* version of each stage: "c", "avx2", ... */
+
+    /* Projects the Gaussians of a chunk. Those that can touch a pixel are appended: splats (but for the colour), bounds,
+       index in the scene, depth key. Returns their number, at most 256. */
+    uint32_t (*project)(const struct fxs_view *view, const unsigned char *chunk, uint32_t first_index,
+                        struct fxs_splat *splats, struct fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
+
+    /* Fills in the colour of `count` splats of one chunk; indices ascend. */
+    void (*shade)(const struct fxs_view *view, const unsigned char *chunk, const uint32_t *indices, uint32_t count,
+                  struct fxs_splat *splats);
+
+    /* Finds the tiles of `count` splats. */
+    void (*bin)(const struct fxs_view *view, const struct fxs_splat *splats, const struct fxs_bounds *bounds,
+                uint32_t count, struct fxs_box *boxes);
+
+    /* Blends a list of splats, near to far, into a tile at pixel (x, y). */
+    void (*blend)(const struct fxs_view *view, int32_t x, int32_t y, const struct fxs_splat *splats,
+                  const uint32_t *entries, uint32_t count, struct fxs_tile *tile);
+
+    /* Writes `columns` x `rows` pixels of a tile. */
+    void (*resolve)(const fxs_options *options, const struct fxs_tile *tile, int32_t columns, int32_t rows,
+                    unsigned char *pixels, ptrdiff_t stride);
+} fxs_kernels;
 
 typedef struct fxs_context {
     fxs_config config;
-    const struct fxs_kernels *kernels;
+    fxs_kernels kernels;
 } fxs_context;
 
 /* Fills *context with the plain C version of each stage. `config` may be null: one thread, no clock. */
@@ -121,9 +152,9 @@ int fxs_init(fxs_context *context, const fxs_config *config);
 
 /* Where the working memory of a frame goes, in bytes. */
 typedef struct fxs_frame_memory {
-    size_t splats;                 /* projected Gaussians: 60 bytes each */
-    size_t keys;                   /* sort keys, twice: 16 bytes a Gaussian */
-    size_t tiles;                  /* list lengths, ends and times: 16 bytes a tile of 16x16 pixels */
+    size_t splats;                 /* projected Gaussians: 68 bytes each */
+    size_t keys;                   /* sort keys, twice: 16 bytes a Gaussian; 8 KiB a thread */
+    size_t tiles;                  /* list lengths, 4 bytes a tile of 16x16 pixels and thread; ends and times, 12 a tile */
     size_t entries;                /* tile lists, 4 bytes an entry */
     size_t total;
 } fxs_frame_memory;

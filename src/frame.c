@@ -13,12 +13,16 @@ typedef struct frame {
     fxs_stats stats;
 
     uint32_t blocks, tiles, entry_capacity;
+    uint32_t parts;                        /* jobs that share the sort and the lists: one a thread */
     fxs_splat *splats;                     /* slot: block * BLOCK_SLOTS + rank among the block's visible ones */
     fxs_bounds *bounds;
+    fxs_box *boxes;
     uint32_t *indices;                     /* in the scene */
     uint32_t *block_counts;                /* visible splats of each block */
     fxs_key *keys, *spare_keys;            /* the depths lie in spare_keys until the sort */
-    uint32_t *tile_counts, *tile_ends;     /* length of each tile's list; where the lists of this run end in entries */
+    uint32_t (*histograms)[FXS_SORT_BUCKETS];   /* of each part */
+    uint32_t *tile_counts;                 /* length of each tile's list; before they are added up, a row for each part */
+    uint32_t *tile_ends;                   /* where the lists of this run end in entries */
     uint32_t (*tile_times)[2];             /* nanoseconds of blend and resolve */
     uint32_t *entries;
 
@@ -33,14 +37,19 @@ static uint64_t now(const fxs_context *context)
     return context->config.clock ? context->config.clock(context->config.clock_argument) : 0;
 }
 
-static void run(const fxs_context *context, void (*job)(void *, uint32_t), void *argument, uint32_t jobs)
+void fxs_run(const fxs_config *config, void (*job)(void *, uint32_t), void *argument, uint32_t jobs)
 {
-    if (context->config.run) {
-        context->config.run(context->config.pool, job, argument, jobs);
+    if (config->run && jobs > 1) {
+        config->run(config->pool, job, argument, jobs);
         return;
     }
     for (uint32_t i = 0; i < jobs; i++)
         job(argument, i);
+}
+
+static void run(const frame *f, void (*job)(void *, uint32_t), uint32_t jobs)
+{
+    fxs_run(&f->context->config, job, (void *)f, jobs);
 }
 
 /* ---- Memory ---------------------------------------------------------------------------------------------------- */
@@ -56,21 +65,24 @@ static void *cut(unsigned char **memory, size_t *total, uint64_t bytes)
     return part;
 }
 
-static void lay_out(frame *f, const fxs_scene *scene, int32_t width, int32_t height, unsigned char *memory,
-                    fxs_frame_memory *sizes)
+static void lay_out(frame *f, const fxs_context *context, const fxs_scene *scene, int32_t width,
+                    int32_t height, unsigned char *memory, fxs_frame_memory *sizes)
 {
     memset(sizes, 0, sizeof *sizes);
+    f->parts = context->config.run && context->config.threads > 1 ? context->config.threads : 1;
     f->blocks = (scene->chunk_count + BLOCK - 1) / BLOCK;
     f->tiles = (uint32_t)((width + FXS_TILE - 1) / FXS_TILE * ((height + FXS_TILE - 1) / FXS_TILE));
     uint64_t slots = (uint64_t)f->blocks * BLOCK_SLOTS, capacity = 4 * slots + 64 * (uint64_t)f->tiles;
     f->entry_capacity = capacity > UINT32_MAX ? UINT32_MAX : (uint32_t)capacity;
     f->splats = cut(&memory, &sizes->splats, slots * sizeof *f->splats);
     f->bounds = cut(&memory, &sizes->splats, slots * sizeof *f->bounds);
+    f->boxes = cut(&memory, &sizes->splats, slots * sizeof *f->boxes);
     f->indices = cut(&memory, &sizes->splats, slots * sizeof *f->indices);
     f->block_counts = cut(&memory, &sizes->splats, f->blocks * sizeof *f->block_counts);
     f->keys = cut(&memory, &sizes->keys, slots * sizeof *f->keys);
     f->spare_keys = cut(&memory, &sizes->keys, slots * sizeof *f->spare_keys);
-    f->tile_counts = cut(&memory, &sizes->tiles, f->tiles * sizeof *f->tile_counts);
+    f->histograms = cut(&memory, &sizes->keys, f->parts * sizeof *f->histograms);
+    f->tile_counts = cut(&memory, &sizes->tiles, (uint64_t)f->parts * f->tiles * sizeof *f->tile_counts);
     f->tile_ends = cut(&memory, &sizes->tiles, f->tiles * sizeof *f->tile_ends);
     f->tile_times = cut(&memory, &sizes->tiles, f->tiles * sizeof *f->tile_times);
     f->entries = cut(&memory, &sizes->entries, f->entry_capacity * (uint64_t)sizeof *f->entries);
@@ -84,7 +96,7 @@ size_t fxs_frame_bytes(const fxs_context *context, const fxs_scene *scene, int32
     fxs_frame_memory sizes;
     if (!context || !scene || width < 1 || height < 1 || width > FXS_MAX_SIZE || height > FXS_MAX_SIZE)
         return 0;
-    lay_out(&f, scene, width, height, 0, &sizes);
+    lay_out(&f, context, scene, width, height, 0, &sizes);
     if (memory)
         *memory = sizes;
     return sizes.total;
@@ -103,7 +115,7 @@ static void project_block(void *argument, uint32_t block)
     uint32_t count = 0, *depths = (uint32_t *)f->spare_keys;
     for (uint32_t c = block * BLOCK; c < (block + 1) * BLOCK && c < f->scene->chunk_count; c++) {
         size_t slot = (size_t)block * BLOCK_SLOTS + count;
-        count += f->context->kernels->project(&f->view, chunk_at(f, c), c * FXS_CHUNK, f->splats + slot,
+        count += f->context->kernels.project(&f->view, chunk_at(f, c), c * FXS_CHUNK, f->splats + slot,
                                               f->bounds + slot, f->indices + slot, depths + slot);
     }
     f->block_counts[block] = count;
@@ -118,33 +130,77 @@ static void shade_block(void *argument, uint32_t block)
         uint32_t chunk = f->indices[first] / FXS_CHUNK;
         while (last < end && f->indices[last] / FXS_CHUNK == chunk)
             last++;
-        f->context->kernels->shade(&f->view, chunk_at(f, chunk), f->indices + first, (uint32_t)(last - first),
+        f->context->kernels.shade(&f->view, chunk_at(f, chunk), f->indices + first, (uint32_t)(last - first),
                                    f->splats + first);
         first = last;
     }
 }
 
-static void sort_all(frame *f)
+/* Where a block's keys start: after those of the blocks before it. */
+static void gather_part(void *argument, uint32_t part)
 {
+    frame *f = argument;
     const uint32_t *depths = (const uint32_t *)f->spare_keys;
-    uint32_t visible = 0;
-    for (uint32_t block = 0; block < f->blocks; block++)
+    uint32_t first = fxs_part(f->blocks, f->parts, part), end = fxs_part(f->blocks, f->parts, part + 1), at = 0;
+    for (uint32_t block = 0; block < first; block++)
+        at += f->block_counts[block];
+    for (uint32_t block = first; block < end; block++)
         for (uint32_t i = 0; i < f->block_counts[block]; i++) {
             uint32_t slot = block * BLOCK_SLOTS + i;
-            f->keys[visible++] = FXS_KEY(depths[slot], slot);
+            f->keys[at++] = FXS_KEY(depths[slot], slot);
         }
-    f->stats.visible = visible;
-    fxs_key *sorted = fxs_sort(f->keys, f->spare_keys, visible);
+}
+
+static void sort_all(frame *f)
+{
+    for (uint32_t block = 0; block < f->blocks; block++)
+        f->stats.visible += f->block_counts[block];
+    run(f, gather_part, f->parts);
+    fxs_key *sorted = fxs_sort(&f->context->config, f->keys, f->spare_keys, f->stats.visible, f->histograms, f->parts);
     f->spare_keys = sorted == f->keys ? f->spare_keys : f->keys;
     f->keys = sorted;
 }
 
-static void bin_count(frame *f)
+static void bin_part(void *argument, uint32_t part)
 {
-    memset(f->tile_counts, 0, f->tiles * sizeof *f->tile_counts);
-    fxs_bin_count(&f->view, f->keys, f->stats.visible, f->splats, f->bounds, f->tile_counts);
+    frame *f = argument;
+    uint32_t end = fxs_part(f->blocks, f->parts, part + 1), *counts = f->tile_counts + (size_t)part * f->tiles;
+    memset(counts, 0, f->tiles * sizeof *counts);
+    for (uint32_t block = fxs_part(f->blocks, f->parts, part); block < end; block++) {
+        size_t slot = (size_t)block * BLOCK_SLOTS;
+        f->context->kernels.bin(&f->view, f->splats + slot, f->bounds + slot, f->block_counts[block],
+                                 f->boxes + slot);
+        fxs_bin_count(&f->view, f->splats + slot, f->bounds + slot, f->boxes + slot, f->block_counts[block], counts);
+    }
+}
+
+static void bin_all(frame *f)
+{
+    run(f, bin_part, f->parts);
+    for (uint32_t part = 1; part < f->parts; part++)
+        for (uint32_t tile = 0; tile < f->tiles; tile++)
+            f->tile_counts[tile] += f->tile_counts[(size_t)part * f->tiles + tile];
     for (uint32_t tile = 0; tile < f->tiles; tile++)
         f->stats.entries += f->tile_counts[tile];
+}
+
+/* Lists a part of the run's tiles, with about as many entries as the other parts. */
+static void fill_part(void *argument, uint32_t part)
+{
+    frame *f = argument;
+    uint32_t entries = 0, first = f->first_tile, last;
+    for (uint32_t tile = f->first_tile; tile <= f->last_tile; tile++)
+        entries += f->tile_counts[tile];
+    uint32_t from = fxs_part(entries, f->parts, part), to = fxs_part(entries, f->parts, part + 1), before = 0;
+    while (first <= f->last_tile && before < from)
+        before += f->tile_counts[first++];
+    for (last = first; last <= f->last_tile && before < to; last++)
+        before += f->tile_counts[last];
+    if (part == f->parts - 1)
+        last = f->last_tile + 1;
+    if (first < last)
+        fxs_bin_fill(&f->view, f->splats, f->bounds, f->boxes, f->keys, f->stats.visible, first, last - 1,
+                     f->tile_ends, f->entries);
 }
 
 /* Lists as many tiles as fit in `entries`, from first_tile on. A list is never longer than the number of slots, so one always fits. */
@@ -156,8 +212,7 @@ static void bin_run(frame *f)
         used += f->tile_counts[tile];
     }
     f->last_tile = tile - 1;
-    fxs_bin_fill(&f->view, f->keys, f->stats.visible, f->splats, f->bounds, (int32_t)f->first_tile,
-                 (int32_t)f->last_tile, f->tile_ends, f->entries);
+    run(f, fill_part, f->parts);
     f->stats.runs++;
 }
 
@@ -174,9 +229,9 @@ static void blend_tile(void *argument, uint32_t job)
     int32_t x = (int32_t)tile % f->view.tiles_x * FXS_TILE, y = (int32_t)tile / f->view.tiles_x * FXS_TILE;
     ptrdiff_t pixel_bytes = f->options->format == FXS_FORMAT_RGB565 ? 2 : 4;
     uint64_t start = now(f->context);
-    f->context->kernels->blend(&f->view, x, y, f->splats, list_of(f, tile), f->tile_counts[tile], &pixels);
+    f->context->kernels.blend(&f->view, x, y, f->splats, list_of(f, tile), f->tile_counts[tile], &pixels);
     uint64_t blended = now(f->context);
-    f->context->kernels->resolve(f->options, &pixels, fxs_min(FXS_TILE, f->view.width - x),
+    f->context->kernels.resolve(f->options, &pixels, fxs_min(FXS_TILE, f->view.width - x),
                                  fxs_min(FXS_TILE, f->view.height - y), f->pixels + y * f->stride + x * pixel_bytes,
                                  f->stride);
     f->tile_times[tile][0] = (uint32_t)(blended - start);
@@ -222,7 +277,7 @@ static int frame_init(frame *f, const fxs_context *context, const fxs_scene *sce
     f->scene = scene;
     f->options = options;
     f->stats.gaussians = scene->count;
-    lay_out(f, scene, camera->width, camera->height, memory, &sizes);
+    lay_out(f, context, scene, camera->width, camera->height, memory, &sizes);
     return (uintptr_t)memory % 64 || memory_bytes < sizes.total ? FXS_ERR_MEMORY : 0;
 }
 
@@ -230,13 +285,13 @@ static void prepare(frame *f)
 {
     uint64_t t[5];
     t[0] = now(f->context);
-    run(f->context, project_block, f, f->blocks);
+    run(f, project_block, f->blocks);
     t[1] = now(f->context);
-    run(f->context, shade_block, f, f->blocks);
+    run(f, shade_block, f->blocks);
     t[2] = now(f->context);
     sort_all(f);
     t[3] = now(f->context);
-    bin_count(f);
+    bin_all(f);
     t[4] = now(f->context);
     for (int stage = FXS_PROJECT; stage <= FXS_BIN; stage++)
         f->stats.nanoseconds[stage] = t[stage + 1] - t[stage];
@@ -248,7 +303,7 @@ static void blend_runs(frame *f, void (*job)(void *, uint32_t))
         uint64_t start = now(f->context);
         bin_run(f);
         uint64_t listed = now(f->context);
-        run(f->context, job, f, f->last_tile - f->first_tile + 1);
+        run(f, job, f->last_tile - f->first_tile + 1);
         f->stats.nanoseconds[FXS_BIN] += listed - start;
         share_time(f, now(f->context) - listed);
     }

@@ -54,6 +54,13 @@ typedef struct fxs_bounds {
     uint32_t radius;               /* square cut-off: ceil(3 sigma_max), pixels; else 0 */
 } fxs_bounds;
 
+/* The tiles that a splat is listed in, where they fit in 4x4: bit 4 r + c of the mask stands for tile `base` + r tiles_x + c. Mask 0: they
+   do not fit, and are found again from the bounds when the lists are made. */
+typedef struct fxs_box {
+    uint32_t base;
+    uint32_t mask;
+} fxs_box;
+
 /* What a sort moves: depth above, slot below. */
 typedef uint64_t fxs_key;
 #define FXS_KEY(depth, slot) ((fxs_key)(depth) << 32 | (slot))
@@ -65,36 +72,17 @@ typedef struct fxs_tile {
     int16_t sum_q13[3][FXS_TILE_PIXELS];
 } fxs_tile;
 
-/* A stage's job on one chunk, or on one tile. */
-typedef struct fxs_kernels {
-    const char *name[FXS_STAGES];  /* version of each stage: "c", "avx2", ... */
-
-    /* Projects the Gaussians of a chunk. Those that can touch a pixel are appended: splats (but for the colour), bounds,
-       index in the scene, depth key. Returns their number, at most 256. */
-    uint32_t (*project)(const fxs_view *view, const unsigned char *chunk, uint32_t first_index, fxs_splat *splats,
-                        fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
-
-    /* Fills in the colour of `count` splats of one chunk; indices ascend. */
-    void (*shade)(const fxs_view *view, const unsigned char *chunk, const uint32_t *indices, uint32_t count,
-                  fxs_splat *splats);
-
-    /* Blends a list of splats, near to far, into a tile at pixel (x, y). */
-    void (*blend)(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
-                  uint32_t count, fxs_tile *tile);
-
-    /* Writes `columns` x `rows` pixels of a tile. */
-    void (*resolve)(const fxs_options *options, const fxs_tile *tile, int32_t columns, int32_t rows,
-                    unsigned char *pixels, ptrdiff_t stride);
-} fxs_kernels;
-
 /* ---- The C versions -------------------------------------------------------------------------------------------- */
 
+/* The table of all of these. */
 extern const fxs_kernels fxs_kernels_c;
 
 uint32_t fxs_project_c(const fxs_view *view, const unsigned char *chunk, uint32_t first_index, fxs_splat *splats,
                        fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
 void fxs_shade_c(const fxs_view *view, const unsigned char *chunk, const uint32_t *indices, uint32_t count,
                  fxs_splat *splats);
+void fxs_bin_c(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count,
+               fxs_box *boxes);
 void fxs_blend_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
                  uint32_t count, fxs_tile *tile);
 void fxs_resolve_c(const fxs_options *options, const fxs_tile *tile, int32_t columns, int32_t rows,
@@ -107,21 +95,30 @@ void fxs_blend_count(const fxs_view *view, int32_t x, int32_t y, const fxs_splat
 /* Prepares the camera. Returns 0 or an FXS_ERR_*. */
 int fxs_view_init(fxs_view *view, const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options);
 
-/* Sorts keys by depth, ties by slot (they arrive in the order of their slots). `spare` has room for as many.
-   Returns where the result is: keys or spare. */
-fxs_key *fxs_sort(fxs_key *keys, fxs_key *spare, uint32_t count);
+/* Runs job(argument, i) for i in 0..jobs-1 as the configuration says. */
+void fxs_run(const fxs_config *config, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs);
 
-/* The tiles of the tile row `row` that a splat is listed in: first to last; first > last where there are none. */
-typedef struct fxs_span {
-    int32_t first, last;
-} fxs_span;
+/* Part `i` of `parts` of `count` things: from fxs_part(count, parts, i) to fxs_part(count, parts, i + 1). */
+static inline uint32_t fxs_part(uint32_t count, uint32_t parts, uint32_t i)
+{
+    return (uint32_t)((uint64_t)count * i / parts);
+}
 
-/* Adds 1 to counts[tile] for every tile each splat is listed in. keys: sorted, `count` of them. */
-void fxs_bin_count(const fxs_view *view, const fxs_key *keys, uint32_t count, const fxs_splat *splats,
-                   const fxs_bounds *bounds, uint32_t *counts);
+#define FXS_SORT_BUCKETS 2048
 
-/* Writes the lists of tiles first_tile to last_tile: for each such tile a splat is in, entries[next[tile]++] = slot. */
-void fxs_bin_fill(const fxs_view *view, const fxs_key *keys, uint32_t count, const fxs_splat *splats,
-                  const fxs_bounds *bounds, int32_t first_tile, int32_t last_tile, uint32_t *next, uint32_t *entries);
+/* Sorts keys by depth, ties by slot (they arrive in the order of their slots), in `parts` jobs. `spare` has room for as many,
+   `histograms` for `parts`. Returns where the result is: keys or spare. */
+fxs_key *fxs_sort(const fxs_config *config, fxs_key *keys, fxs_key *spare, uint32_t count,
+                  uint32_t (*histograms)[FXS_SORT_BUCKETS], uint32_t parts);
+
+/* Adds 1 to counts[tile] for every tile that each of `count` splats is listed in. */
+void fxs_bin_count(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_box *boxes,
+                   uint32_t count, uint32_t *counts);
+
+/* Makes the lists of tiles first_tile to last_tile: for each splat in the order of keys, and each such tile that it is in,
+   entries[next[tile]++] = slot. */
+void fxs_bin_fill(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_box *boxes,
+                  const fxs_key *keys, uint32_t count, uint32_t first_tile, uint32_t last_tile, uint32_t *next,
+                  uint32_t *entries);
 
 #endif

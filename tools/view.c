@@ -4,6 +4,9 @@
 
 #include "../port/posix/clock.h"
 #include "command.h"
+#ifdef FXS_WITH_KERNELS
+#include "../kernels/kernels.h"
+#endif
 
 const char view_options_help[] =
     "Camera (without one, the scene is framed whole):\n"
@@ -19,7 +22,8 @@ const char view_options_help[] =
     "  --cutoff NAME       mahalanobis (default) or square\n"
     "  --sh-degree D       highest SH degree used, 0 to 3 (default 3)\n"
     "  --threads N         threads, 1 to 64 (default: one a processor); the picture does not depend on it\n"
-    "  --cpu LIST          instruction sets that may be used, separated by commas; c: none (default: all there are)\n"
+    "  --cpu LIST          instruction sets that may be used: all (default), c for none, or names out of\n"
+    "                      sse41,avx2,avx512,neon\n"
     "  --backend NAME      cpu or auto (default auto)\n"
     "  --help              this text\n";
 
@@ -158,12 +162,47 @@ long choose_views(const view_options *options, const fxs_pack_report *report, fx
     return fail(-1, "%s", message.text);
 }
 
-static int choose_cpu(const char *list)
+#ifdef FXS_WITH_KERNELS
+/* The flag of a name in a list, up to its comma; 0 for "c", ~0 for "all"; -1 for anything else. */
+static long cpu_flag(const char *name, size_t length)
 {
+    if (length == 1 && *name == 'c')
+        return 0;
+    if (length == 3 && !strncmp(name, "all", 3))
+        return 0xffff;
+    for (unsigned flag = 1; fxs_cpu_name(flag); flag *= 2)
+        if (strlen(fxs_cpu_name(flag)) == length && !strncmp(name, fxs_cpu_name(flag), length))
+            return (long)flag;
+    return -1;
+}
+
+static int choose_cpu(fxs_context *context, const char *list)
+{
+    unsigned allowed = 0;
+    for (const char *name = list;;) {
+        size_t length = strcspn(name, ",");
+        long flag = cpu_flag(name, length);
+        if (flag < 0)
+            return fail(EXIT_USAGE, "--cpu %s: expected all, c, or names out of sse41, avx2, avx512, neon", list);
+        if (flag != 0xffff && ((unsigned)flag & ~fxs_cpu_detect()))
+            return fail(EXIT_USAGE, "--cpu %s: this processor has no %.*s", list, (int)length, name);
+        allowed |= (unsigned)flag;
+        if (!name[length])
+            break;
+        name += length + 1;
+    }
+    fxs_kernels_choose(&context->kernels, allowed);
+    return 0;
+}
+#else
+static int choose_cpu(fxs_context *context, const char *list)
+{
+    (void)context;
     if (!strcmp(list, "all") || !strcmp(list, "c"))
         return 0;
-    return fail(EXIT_USAGE, "--cpu %s: expected all or c", list);
+    return fail(EXIT_USAGE, "--cpu %s: this build has the plain C versions only; expected all or c", list);
 }
+#endif
 
 int renderer_init(renderer *r, const view_options *options)
 {
@@ -179,7 +218,7 @@ int renderer_init(renderer *r, const view_options *options)
         config.pool = r->pool;
     }
     fxs_init(&r->context, &config);
-    return choose_cpu(options->cpu);
+    return choose_cpu(&r->context, options->cpu);
 }
 
 void renderer_free(renderer *r)

@@ -1,0 +1,16 @@
+/* AArch64 NEON versions of the stages: what src/stage.h says of the table's functions holds for these. */
+#ifndef FXS_ARM_H
+#define FXS_ARM_H
+
+#include "../../src/stage.h"
+
+uint32_t fxs_project_neon(const fxs_view *view, const unsigned char *chunk, uint32_t first_index, fxs_splat *splats,
+                          fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
+void fxs_shade_neon(const fxs_view *view, const unsigned char *chunk, const uint32_t *indices, uint32_t count,
+                    fxs_splat *splats);
+void fxs_blend_neon(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
+                    uint32_t count, fxs_tile *tile);
+void fxs_resolve_neon(const fxs_options *options, const fxs_tile *tile, int32_t columns, int32_t rows,
+                      unsigned char *pixels, ptrdiff_t stride);
+
+#endif

@@ -1,0 +1,119 @@
+/* src/fixed.h, LANES numbers at a time. Include lanes_avx2.h or lanes_avx512.h first. */
+#ifndef FXS_LANES_H
+#define FXS_LANES_H
+
+static const int32_t lane_numbers[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+
+static inline wide add_wide(wide a, wide b)
+{
+    return (wide){a.even + b.even, a.odd + b.odd};
+}
+
+static inline wide offset_wide(wide a, int64_t b)
+{
+    return (wide){a.even + (uint64_t)b, a.odd + (uint64_t)b};
+}
+
+/* Bits shift to shift + 31 of each number; shift in 0..32. */
+static inline vu narrow(wide x, const int shift)
+{
+    if (shift == 0)
+        return interleave(x.even, x.odd << 32);
+    if (shift == 32)
+        return interleave(x.even >> 32, x.odd);
+    return interleave(x.even >> shift, x.odd << (32 - shift));
+}
+
+/* x * 2^-shift, rounded down, where that fits 32 bits; shift in 0..63 by lane. */
+static inline vi narrow_by(wide x, vi shift)
+{
+    vw odd = (vw)shift >> 32, even = ((vw)shift << 32) >> 32;
+    return (vi)narrow((wide){shift_right_64(x.even, even), shift_right_64(x.odd, odd)}, 0);
+}
+
+/* x * 2^-shift, rounded to nearest; 0 where nothing is left. shift above 0. */
+static inline vu scale_down(vu x, vi shift)
+{
+    return (shift_right(x, shift - 1) + 1) >> 1;
+}
+
+static inline vi scale_down_wide(wide x, vi shift)
+{
+    return (narrow_by(x, shift - 1) + 1) >> 1;
+}
+
+static inline vu mulhi(vu a, vu b)
+{
+    return narrow(mul_wide_u(a, b), 32);
+}
+
+static inline vi mul_q15(vi a, vi b)
+{
+    return (a * b + 16384) >> 15;
+}
+
+static inline vi clamp(vi x, vi low, vi high)
+{
+    return least(most(x, low), high);
+}
+
+/* Above, the high and the low half of a 64-bit number. */
+static inline vi clz_64(vu high, vu low)
+{
+    mask empty = equal((vi)high, all(0));
+    return clz((vu)choose(empty, (vi)low, (vi)high)) + choose(empty, all(32), all(0));
+}
+
+/* (x << shift) >> 32 for x = high, low; shift in 0..63. */
+static inline vu mantissa_64(vu high, vu low, vi shift)
+{
+    return shift_left(high, shift) | shift_right(low, 32 - shift) | shift_left(low, shift - 32);
+}
+
+/* Below 2^31. */
+static inline vu reciprocal(vu m)
+{
+    vu y_q30 = 3031741620u - mulhi(m, (vu)all(2021161081));
+    for (int i = 0; i < 3; i++)
+        y_q30 = narrow(mul_wide_u(y_q30, 0x80000000u - mulhi(m, y_q30)), 30);
+    return y_q30;
+}
+
+/* Below 2^31. */
+static inline vu rsqrt(vu m)
+{
+    vu y_q30 = 2369829601u - mulhi(m, (vu)all(1431655765));
+    for (int i = 0; i < 3; i++) {
+        vu square_q29 = narrow(mul_wide_u(y_q30, y_q30), 31);
+        y_q30 = narrow(mul_wide_u(y_q30, 0x60000000u - mulhi(m, square_q29)), 30);
+    }
+    return y_q30;
+}
+
+static inline vu root(vu x)
+{
+    vi shift = clz(x) & ~1;
+    vu m = shift_left(x, shift);
+    return shift_right(mulhi(m, rsqrt(m)), 14 + (shift >> 1));
+}
+
+static inline vi exp2_q15(vi f_q15)
+{
+    vi p = (256 * f_q15 + 16384) >> 15;
+    p = mul_q15(p - 1820, f_q15);
+    p = mul_q15(p + 7904, f_q15);
+    p = mul_q15(p - 22724, f_q15);
+    return 32768 + p;
+}
+
+static inline vi log2_q16(vu high, vu low)
+{
+    vi n = clz_64(high, low), t_q15 = (vi)(mantissa_64(high, low, n) >> 16) & 32767;
+    vi q = mul_q15(all(-2776), t_q15);
+    q = mul_q15(q + 6897, t_q15);
+    q = mul_q15(q - 9697, t_q15);
+    q = mul_q15(q + 14605, 32768 - t_q15);
+    return (63 - n) * 65536 + 2 * (((32768 + q) * (t_q15 >> 1) + 8192) >> 14);
+}
+
+#endif

@@ -1,0 +1,9 @@
+#include "lanes_avx512.h"
+#include "project_body.h"
+#include "x86.h"
+
+FXS_X86_PROJECT(avx512)
+{
+    return view->square ? fxs_project_c(view, chunk, first_index, splats, bounds, indices, depths)
+                        : project(view, chunk, first_index, splats, bounds, indices, depths);
+}

@@ -1,0 +1,373 @@
+/* project, LANES Gaussians at a time: src/project.c with the same numbers in the same order, in two passes over a chunk. The first finds
+ * the centres and drops what is behind the camera or off the picture; the second shapes what is left, without gaps.
+ * Include lanes_avx2.h or lanes_avx512.h first. */
+#include "chunk_view.h"
+#include "lanes.h"
+
+/* What the second pass needs of a Gaussian. */
+enum row { INDEX, DEPTH, SLOPE_X, SLOPE_Y, POSITION_X, POSITION_Y, SIZE, EXPONENT, SCALE, ROTATION, OPACITY, ROWS };
+
+typedef struct survivors {
+    uint32_t count;
+    int32_t rows[ROWS][FXS_CHUNK + LANES];
+} survivors;
+
+typedef struct centre {
+    vi camera[3], zeros, inverse_q30, slope_q23[2], position_q14[2];
+} centre;
+
+static inline vi camera_axis(const chunk_view *cv, int i, const vi code[3])
+{
+    wide x = mul_wide(code[0], all((int32_t)cv->m_q16[i][0]));
+    x = add_wide(x, mul_wide(code[1], all((int32_t)cv->m_q16[i][1])));
+    x = add_wide(x, mul_wide(code[2], all((int32_t)cv->m_q16[i][2])));
+    return (vi)narrow(offset_wide(x, cv->base_q16[i]), 16);
+}
+
+/* Slope and position on one axis. The position is taken 2^30 - 1 up, which makes -2^30 < position < 2^30 the same as
+   0 <= that < 2^31 - 1, and all that is above bit 30 has to be 0. */
+static inline mask project_axis(centre *c, int i, int64_t f_q12, int64_t c_q12)
+{
+    const int64_t up = CENTRE_LIMIT_Q14 - 1;
+    vi x = c->camera[i], z = c->camera[2];
+    c->slope_q23[i] = scale_down_wide(mul_wide(x, c->inverse_q30), 39 - c->zeros);
+    wide raised_q35 = offset_wide(mul_wide(c->slope_q23[i], all((int32_t)f_q12)),
+                                  (c_q12 * 4 - (1 << 13) + up) * (1 << 21) + (1 << 20));
+    vu raised_q14 = narrow(raised_q35, 21);
+    c->position_q14[i] = (vi)(raised_q14 - (uint32_t)up);
+    return greater(z, x >> 6) & greater(z, -x >> 6) & greater(all(INT32_MAX), (vi)raised_q14) &
+           equal((vi)(narrow(raised_q35, 32) >> 21 | raised_q14 >> 31), all(0));
+}
+
+static inline vi log2_sigma_q16(const chunk_view *cv, vi code)
+{
+    return cv->chunk->scale_q16 - (vi)(((vu)(code * code * (int32_t)cv->chunk->scale_step_q24) + 128) >> 8);
+}
+
+/* f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent, mantissa in [0.5, 1). The smallest code is the largest sigma. */
+static inline vu screen_size(const fxs_view *view, const chunk_view *cv, const centre *c, vi scale_word, vi *exponent)
+{
+    vi code = least(least(scale_word & 1023, scale_word >> 10 & 1023), scale_word >> 20 & 1023);
+    vi minus_log2_q16 = -log2_sigma_q16(cv, code);
+    vu size_q15 = (vu)exp2_q15((minus_log2_q16 & 65535) >> 1);
+    vu over_z_q30 = narrow(mul_wide_u(size_q15, (vu)c->inverse_q30), 15);
+    vu mantissa = mulhi(over_z_q30, (vu)all((int32_t)view->focal_q32));
+    vi zeros = clz(mantissa);
+    *exponent = c->zeros - (minus_log2_q16 >> 16) - zeros +
+                (view->focal_exponent + view->jacobian_exponent + 2 - cv->shift);
+    return shift_left(mantissa, zeros);
+}
+
+/* radius = 3.5 (2^exponent + 1), cut to what a centre can be off. */
+static inline mask on_picture(const fxs_view *view, const centre *c, vi exponent)
+{
+    vi size = (vi)shift_left((vu)all(1), clamp(exponent, all(0), all(15)));
+    vi radius_q14 = least((14 << 12) * (size + 1), all(CENTRE_LIMIT_Q14));
+    return greater(all(EXPONENT_MAX + 1), exponent) & greater(c->position_q14[0], -radius_q14 - 1) &
+           greater(c->position_q14[1], -radius_q14 - 1) &
+           greater(radius_q14 + ((view->tiles_x << 18) + 1), c->position_q14[0]) &
+           greater(radius_q14 + ((view->tiles_y << 18) + 1), c->position_q14[1]);
+}
+
+static inline vi depth_key(const chunk_view *cv, const centre *c)
+{
+    vu exponent = (vu)((cv->shift + 3) - c->zeros);
+    return (vi)(exponent << 26 | (shift_left((vu)c->camera[2], c->zeros) >> 5 & 0x3ffffff));
+}
+
+/* The centres of the Gaussians i to i + LANES - 1. */
+static inline void find_centres(survivors *s, const fxs_view *view, const chunk_view *cv, const unsigned char *chunk,
+                                uint32_t i)
+{
+    const uint16_t *position = (const uint16_t *)(const void *)(chunk + FXS_CHUNK_POSITION) + i;
+    const vi code[3] = {load_u16(position), load_u16(position + FXS_CHUNK), load_u16(position + 2 * FXS_CHUNK)};
+    vi opacity = (vi)((vu)load(chunk + FXS_CHUNK_COLOUR + 4 * i) >> 24), value[ROWS];
+    centre c;
+    c.camera[2] = camera_axis(cv, 2, code);
+    mask alive = greater(c.camera[2], all(cv->near)) & greater(opacity, all(0));
+    if (!bits(alive))
+        return;
+    c.camera[0] = camera_axis(cv, 0, code);
+    c.camera[1] = camera_axis(cv, 1, code);
+    c.zeros = clz((vu)c.camera[2]);
+    c.inverse_q30 = (vi)reciprocal(shift_left((vu)c.camera[2], c.zeros));
+    alive &= project_axis(&c, 0, view->fx_q12, view->cx_q12);
+    alive &= project_axis(&c, 1, view->fy_q12, view->cy_q12);
+    value[SCALE] = load(chunk + FXS_CHUNK_SCALE + 4 * i);
+    value[SIZE] = (vi)screen_size(view, cv, &c, value[SCALE], &value[EXPONENT]);
+    alive &= on_picture(view, &c, value[EXPONENT]);
+    if (!bits(alive))
+        return;
+    value[INDEX] = load(lane_numbers) + (int32_t)i;
+    value[DEPTH] = depth_key(cv, &c);
+    value[SLOPE_X] = c.slope_q23[0];
+    value[SLOPE_Y] = c.slope_q23[1];
+    value[POSITION_X] = c.position_q14[0];
+    value[POSITION_Y] = c.position_q14[1];
+    value[ROTATION] = load(chunk + FXS_CHUNK_ROTATION + 4 * i);
+    value[OPACITY] = opacity;
+    for (int row = 0; row < ROWS; row++)
+        store_compressed(&s->rows[row][s->count], value[row], alive);
+    s->count += (uint32_t)__builtin_popcount(bits(alive));
+}
+
+/* ---- Second pass ----------------------------------------------------------------------------------------------- */
+
+/* Rows of the Jacobian. */
+static inline void jacobian(vi j_q15[3], const fxs_view *view, int i, vi slope_q23)
+{
+    vi slope = clamp(slope_q23, all(view->slope_low_q23[i]), all(view->slope_high_q23[i]));
+    const int32_t shift = 8 + view->jacobian_exponent, half = 1 << (shift - 1);
+    vi slope_q15 = (slope + half) >> shift;
+    for (int k = 0; k < 3; k++)
+        j_q15[k] = view->row_q15[i][k] - mul_q15(slope_q15, all(view->forward_q15[i][k]));
+}
+
+static inline vi component(vi word, int shift)
+{
+    vi code = (vi)((vu)word >> shift) & 1023;
+    return ((2 * code - 1023) * 23194 + 512) >> 10;
+}
+
+/* w, x, y, z from the smallest three a, b, c. */
+static inline void quaternion(vi q_q15[4], vi word)
+{
+    vi a = component(word, 20), b = component(word, 10), c = component(word, 0), which = (vi)((vu)word >> 30);
+    vi largest = (vi)root((vu)most((1 << 30) - (a * a + b * b + c * c), all(0)));
+    q_q15[0] = choose(equal(which, all(0)), largest, a);
+    q_q15[1] = choose(equal(which, all(1)), largest, choose(equal(which, all(0)), a, b));
+    q_q15[2] = choose(equal(which, all(2)), largest, choose(greater(which, all(2)), c, b));
+    q_q15[3] = choose(equal(which, all(3)), largest, c);
+}
+
+static inline vi half_product(vi product)
+{
+    return (product + (1 << 13)) >> 14;
+}
+
+/* Columns of the rotation matrix. */
+static inline void rotation(vi r_q15[3][3], const vi q[4])
+{
+    const vi w = q[0], x = q[1], y = q[2], z = q[3];
+    r_q15[0][0] = 32768 - half_product(y * y + z * z);
+    r_q15[1][0] = half_product(x * y - w * z);
+    r_q15[2][0] = half_product(x * z + w * y);
+    r_q15[0][1] = half_product(x * y + w * z);
+    r_q15[1][1] = 32768 - half_product(x * x + z * z);
+    r_q15[2][1] = half_product(y * z - w * x);
+    r_q15[0][2] = half_product(x * z - w * y);
+    r_q15[1][2] = half_product(y * z + w * x);
+    r_q15[2][2] = 32768 - half_product(x * x + y * y);
+}
+
+static inline vi dot_q15(const vi a_q15[3], const vi b_q15[3])
+{
+    return (a_q15[0] * b_q15[0] + a_q15[1] * b_q15[1] + a_q15[2] * b_q15[2] + 16384) >> 15;
+}
+
+/* sigma_i over the size on the screen: 2^-below * size, Q15. */
+static inline vi axis_length(vi below_q16, vu size_q32, vi reduce)
+{
+    vu ratio_q15 = (vu)exp2_q15((below_q16 & 65535) >> 1);
+    return (vi)((shift_right(narrow(mul_wide_u(ratio_q15, size_q32), 31), reduce + (below_q16 >> 16)) + 1) >> 1);
+}
+
+/* T = J W R S, column by column. */
+static inline void screen_axes(vi t_q15[2][3], const fxs_view *view, const chunk_view *cv, const survivors *s, uint32_t at)
+{
+    vi j_q15[2][3], q_q15[4], r_q15[3][3], log2_q16[3], exponent = load(&s->rows[EXPONENT][at]);
+    vi scale_word = load(&s->rows[SCALE][at]), reduce = most(exponent, all(0)) - exponent;
+    jacobian(j_q15[0], view, 0, load(&s->rows[SLOPE_X][at]));
+    jacobian(j_q15[1], view, 1, load(&s->rows[SLOPE_Y][at]));
+    quaternion(q_q15, load(&s->rows[ROTATION][at]));
+    rotation(r_q15, q_q15);
+    for (int i = 0; i < 3; i++)
+        log2_q16[i] = log2_sigma_q16(cv, scale_word >> 10 * i & 1023);
+    vi longest = most(most(log2_q16[0], log2_q16[1]), log2_q16[2]);
+    for (int i = 0; i < 3; i++) {
+        vi k_q15 = axis_length(longest - log2_q16[i], (vu)load(&s->rows[SIZE][at]), reduce);
+        t_q15[0][i] = mul_q15(dot_q15(j_q15[0], r_q15[i]), k_q15);
+        t_q15[1][i] = mul_q15(dot_q15(j_q15[1], r_q15[i]), k_q15);
+    }
+}
+
+typedef struct covariance {
+    vu a_q30, c_q30;
+    vi b_q30, exponent;
+    wide det_q60, det_undilated_q60;
+} covariance;
+
+static inline void covariance_of(covariance *out, vi t_q15[2][3], vi exponent)
+{
+    const vi *p = t_q15[0], *q = t_q15[1];
+    vu a = (vu)(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]), c = (vu)(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
+    vi x = p[1] * q[2] - p[2] * q[1], y = p[2] * q[0] - p[0] * q[2], z = p[0] * q[1] - p[1] * q[0];
+    vu dilation = (vu)most((vi)shift_right((vu)all(DILATION_Q30), 2 * exponent), all(1));
+    out->b_q30 = p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+    out->det_undilated_q60 = add_wide(add_wide(mul_wide(x, x), mul_wide(y, y)), mul_wide(z, z));
+    out->det_q60 = add_wide(out->det_undilated_q60, mul_wide_u(dilation, a + c + dilation));
+    out->a_q30 = a + dilation;
+    out->c_q30 = c + dilation;
+    out->exponent = exponent;
+}
+
+/* As in src/project.c: x = m 2^-32 4^half. */
+typedef struct mantissa {
+    vu m, inverse_q30;
+    vi half;
+} mantissa;
+
+static inline mantissa mantissa_of(vu x_q30)
+{
+    vi zeros = clz(x_q30) & ~1;
+    vu m = shift_left(x_q30, zeros);
+    return (mantissa){m, rsqrt(m), 1 - (zeros >> 1)};
+}
+
+static inline mantissa mantissa_of_wide(wide x_q60)
+{
+    vu high = narrow(x_q60, 32), low = narrow(x_q60, 0);
+    vi zeros = clz_64(high, low) & ~1;
+    vu m = mantissa_64(high, low, zeros);
+    return (mantissa){m, rsqrt(m), 2 - (zeros >> 1)};
+}
+
+/* sqrt(x) 2^exponent r */
+static inline vi reach_q8(const mantissa *x, vi exponent, vu r_q12)
+{
+    vu root_q8 = scale_down(mulhi(x->m, x->inverse_q30), 22 - x->half - exponent);
+    return (vi)narrow(mul_wide_u(root_q8, r_q12), 12);
+}
+
+/* Adds what the dilation took from the opacity: ln(det / det undilated). */
+static inline mask compensate(vi *offset_q11, const covariance *s)
+{
+    vu high = narrow(s->det_undilated_q60, 32), low = narrow(s->det_undilated_q60, 0);
+    vi log2 = log2_q16(narrow(s->det_q60, 32), narrow(s->det_q60, 0)) - log2_q16(high, low);
+    *offset_q11 += (vi)narrow(offset_wide(mul_wide(log2, all(45426)), 1 << 20), 21);
+    return greater(all(FXS_FAINT_Q11 + 1), *offset_q11) & ~equal((vi)(high | low), all(0));
+}
+
+/* The words of fxs_splat, and of fxs_bounds. */
+enum { U0, V0, UX, UY, VY, OFFSET, COLOUR, CLIP, CX = 0, CY, BREADTH, SHEAR, HALF_WIDTH, RADIUS, WORDS = 8 };
+
+static inline void whiten(vi splat[WORDS], vi bounds[WORDS], const covariance *s, const mantissa *c)
+{
+    const vi e = s->exponent;
+    const mantissa d = mantissa_of_wide(s->det_q60);
+    vu root_c_q30 = mulhi(c->m, c->inverse_q30), root_d_q30 = mulhi(d.m, d.inverse_q30);
+    vi inverse_q29 = (vi)narrow(mul_wide_u(c->inverse_q30, d.inverse_q30), 31);
+    vi vy = (vi)scale_down(c->inverse_q30, 6 + c->half + e);
+    vi ux = (vi)scale_down(narrow(mul_wide_u(root_c_q30, d.inverse_q30), 30), 6 - c->half + d.half + e);
+    vi uy = -scale_down_wide(mul_wide(s->b_q30, inverse_q29), 35 + c->half + d.half + e);
+    wide u_q38 = add_wide(mul_wide(-bounds[CX], ux), mul_wide(-bounds[CY], uy)), v_q38 = mul_wide(-bounds[CY], vy);
+    splat[U0] = (vi)(narrow(u_q38, 14) + (1 << 10));
+    splat[V0] = (vi)(narrow(v_q38, 14) + (1 << 10));
+    splat[UX] = ux;
+    splat[UY] = uy;
+    splat[VY] = vy;
+    bounds[BREADTH] = (vi)scale_down(narrow(mul_wide_u(root_d_q30, c->inverse_q30), 30), 22 - d.half + c->half - e);
+    bounds[SHEAR] = scale_down_wide(mul_wide(s->b_q30, (vi)c->inverse_q30), 52 + c->half - e);
+}
+
+static inline mask clip(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view, vi half_height_q8)
+{
+    vi half_width_q8 = bounds[HALF_WIDTH], cx_q8 = bounds[CX] >> 6, cy_q8 = bounds[CY] >> 6;
+    half_width_q8 += (half_width_q8 >> 7) + 32;
+    half_height_q8 += (half_height_q8 >> 7) + 32;
+    bounds[HALF_WIDTH] = half_width_q8;
+    vi first = (cy_q8 - half_height_q8 + 255) >> 8, last = (cy_q8 + half_height_q8) >> 8;
+    splat[CLIP] = most(first, all(0)) | least(last, all(view->height - 1)) << 16;
+    return greater(cx_q8 + half_width_q8, all(-1)) &
+           greater(half_width_q8 + (((view->width - 1) << 8) + 1), cx_q8) & greater(last, all(-1)) &
+           greater(all(view->height), first) & greater(last + 1, first);
+}
+
+/* The survivors `at` to at + LANES - 1. */
+static inline mask shape(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view, const chunk_view *cv,
+                         const survivors *s, uint32_t at)
+{
+    vi t_q15[2][3], offset_q11 = load(&s->rows[OPACITY][at]);
+    covariance cov;
+    screen_axes(t_q15, view, cv, s, at);
+    covariance_of(&cov, t_q15, most(load(&s->rows[EXPONENT][at]), all(0)));
+    mask alive = greater((int32_t)(s->count - at) - load(lane_numbers), all(0));
+    if (view->antialiased)
+        alive &= compensate(&offset_q11, &cov);
+    vi r2_q11 = least(all(FXS_CUT_Q11), FXS_FAINT_Q11 - offset_q11);
+    vu r_q12 = root((vu)r2_q11 << 13) + 1;
+    const mantissa a = mantissa_of(cov.a_q30), c = mantissa_of(cov.c_q30);
+    bounds[CX] = load(&s->rows[POSITION_X][at]);
+    bounds[CY] = load(&s->rows[POSITION_Y][at]);
+    bounds[HALF_WIDTH] = reach_q8(&a, cov.exponent, r_q12);
+    bounds[RADIUS] = all(0);
+    splat[OFFSET] = offset_q11;
+    splat[COLOUR] = all(0);
+    whiten(splat, bounds, &cov, &c);
+    return alive & clip(splat, bounds, view, reach_q8(&c, cov.exponent, r_q12));
+}
+
+/* Columns first to first + 3 of 8 rows, as 4 structures of 8 words. */
+static inline void transpose(__m256i out[4], int32_t rows[WORDS][LANES], int first)
+{
+    __m256i in[4];
+    for (int i = 0; i < 4; i++)
+        in[i] = _mm256_loadu2_m128i((const __m128i *)(const void *)&rows[i + 4][first],
+                                    (const __m128i *)(const void *)&rows[i][first]);
+    __m256i a = _mm256_unpacklo_epi32(in[0], in[1]), b = _mm256_unpacklo_epi32(in[2], in[3]);
+    __m256i c = _mm256_unpackhi_epi32(in[0], in[1]), d = _mm256_unpackhi_epi32(in[2], in[3]);
+    out[0] = _mm256_unpacklo_epi64(a, b);
+    out[1] = _mm256_unpackhi_epi64(a, b);
+    out[2] = _mm256_unpacklo_epi64(c, d);
+    out[3] = _mm256_unpackhi_epi64(c, d);
+}
+
+/* Appends the structures of the lanes in `which`. Every lane is written; the next one overwrites it where it is not wanted. */
+static inline void append(fxs_splat *splats, fxs_bounds *bounds, int32_t splat_rows[WORDS][LANES],
+                          int32_t bounds_rows[WORDS][LANES], unsigned which)
+{
+    for (int lane = 0; lane < LANES; lane += 4) {
+        __m256i splat[4], bound[4];
+        transpose(splat, splat_rows, lane);
+        transpose(bound, bounds_rows, lane);
+        for (int i = 0; i < 4; i++) {
+            _mm256_storeu_si256((__m256i *)(void *)splats, splat[i]);
+            _mm_storeu_si128((__m128i *)(void *)bounds, _mm256_castsi256_si128(bound[i]));
+            _mm_storel_epi64((__m128i *)(void *)&bounds->half_width_q8, _mm256_extracti128_si256(bound[i], 1));
+            splats += which >> (lane + i) & 1;
+            bounds += which >> (lane + i) & 1;
+        }
+    }
+}
+
+static inline uint32_t project(const fxs_view *view, const unsigned char *chunk, uint32_t first_index, fxs_splat *splats,
+                               fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
+{
+    chunk_view cv;
+    survivors s;
+    uint32_t count = 0;
+    chunk_view_init(&cv, view, (const fxs_chunk *)(const void *)chunk);
+    if (!chunk_in_front(&cv))
+        return 0;
+    s.count = 0;
+    for (uint32_t i = 0; i < FXS_CHUNK; i += LANES)
+        find_centres(&s, view, &cv, chunk, i);
+    for (uint32_t i = 0; i < s.count; i++)
+        s.rows[OPACITY][i] = offset_of_code_q11[s.rows[OPACITY][i]];
+    for (int row = 0; row < ROWS; row++)
+        store(&s.rows[row][s.count], all(0));
+    for (uint32_t at = 0; at < s.count; at += LANES) {
+        int32_t splat_rows[WORDS][LANES], bounds_rows[WORDS][LANES];
+        vi splat[WORDS], bound[WORDS] = {{0}};
+        mask visible = shape(splat, bound, view, &cv, &s, at);
+        for (int i = 0; i < WORDS; i++) {
+            store(splat_rows[i], splat[i]);
+            store(bounds_rows[i], bound[i]);
+        }
+        append(splats + count, bounds + count, splat_rows, bounds_rows, bits(visible));
+        store_compressed(indices + count, load(&s.rows[INDEX][at]) + (int32_t)first_index, visible);
+        store_compressed(depths + count, load(&s.rows[DEPTH][at]), visible);
+        count += (uint32_t)__builtin_popcount(bits(visible));
+    }
+    return count;
+}

@@ -1,0 +1,8 @@
+#include "lanes_avx2.h"
+#include "shade_body.h"
+#include "x86.h"
+
+FXS_X86_SHADE(avx2)
+{
+    shade(view, chunk, indices, count, splats);
+}

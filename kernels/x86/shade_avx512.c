@@ -1,0 +1,8 @@
+#include "lanes_avx512.h"
+#include "shade_body.h"
+#include "x86.h"
+
+FXS_X86_SHADE(avx512)
+{
+    shade(view, chunk, indices, count, splats);
+}

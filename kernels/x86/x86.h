@@ -1,0 +1,27 @@
+/* The x86 versions of the stages; each has the prototype and the meaning of its row in src/stage.h. */
+#ifndef FXS_X86_H
+#define FXS_X86_H
+
+#include "../../src/stage.h"
+
+#define FXS_X86_PROJECT(isa) uint32_t fxs_project_##isa(const fxs_view *view, const unsigned char *chunk, \
+    uint32_t first_index, fxs_splat *splats, fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
+#define FXS_X86_SHADE(isa) void fxs_shade_##isa(const fxs_view *view, const unsigned char *chunk, \
+    const uint32_t *indices, uint32_t count, fxs_splat *splats)
+#define FXS_X86_BLEND(isa) void fxs_blend_##isa(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, \
+    const uint32_t *entries, uint32_t count, fxs_tile *tile)
+#define FXS_X86_RESOLVE(isa) void fxs_resolve_##isa(const fxs_options *options, const fxs_tile *tile, int32_t columns, \
+    int32_t rows, unsigned char *pixels, ptrdiff_t stride)
+
+FXS_X86_PROJECT(avx2);
+FXS_X86_PROJECT(avx512);
+FXS_X86_SHADE(avx2);
+FXS_X86_SHADE(avx512);
+FXS_X86_BLEND(sse41);
+FXS_X86_BLEND(avx2);
+FXS_X86_BLEND(avx512);
+FXS_X86_RESOLVE(sse41);
+FXS_X86_RESOLVE(avx2);
+FXS_X86_RESOLVE(avx512);
+
+#endif

@@ -1,0 +1,44 @@
+#!/bin/sh
+# tools/size.sh BUILD: bytes of code and data of each part, without debugging information.
+build=${1:?build folder}
+stripped=$(mktemp) || exit 1
+objects=$(mktemp -d) || exit 1
+trap 'rm -rf "$stripped" "$objects"' EXIT
+
+row() { printf '%-24s %9s %9s %9s\n' "$@"; }
+
+# part NAME SIZE FILE...: the sum, of the files that there are
+part() {
+    name=$1 size=$2
+    shift 2
+    for file in "$@"; do
+        shift
+        [ -f "$file" ] && set -- "$@" "$file"
+    done
+    if [ $# = 0 ]; then
+        row "$name" - - -
+    else
+        row "$name" $("$size" "$@" | awk 'NR > 1 { text += $1; data += $2; bss += $3 } END { print text, data, bss }')
+    fi
+}
+
+# The objects of a folder's sources.
+objects_of() {
+    for source in "$1"/*.c; do
+        echo "$build/${source%.c}.o"
+    done
+}
+
+row "bytes, $(uname -m)" text data bss
+for folder in src kernels kernels/*/ port/formats port/posix tools; do
+    folder=${folder%/}
+    ls "$folder"/*.c >/dev/null 2>&1 && part "$folder" size $(objects_of "$folder")
+done
+strip -o "$stripped" "$build/fixsplat" && part "fixsplat, stripped" size "$stripped"
+
+if command -v arm-none-eabi-gcc >/dev/null 2>&1; then
+    for source in src/*.c; do
+        arm-none-eabi-gcc -std=c99 -Os -mcpu=cortex-m3 -mthumb -c "$source" -o "$objects/$(basename "$source" .c).o" || exit 1
+    done
+    part "src, Cortex-M3 -Os" arm-none-eabi-size "$objects"/*.o
+fi
