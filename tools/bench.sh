@@ -1,0 +1,131 @@
+#!/bin/sh
+# Measures and writes the tables of docs/performance.md (between its marker lines). B: build folder; SCENES: folder of real scenes.
+# Medians of 10 frames or more, from `fixsplat bench --json`; rows of one table are from one run.
+set -eu
+B=${B:-build} SCENES=${SCENES:-../shared/scenes}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+two=2
+[ "$(getconf _NPROCESSORS_ONLN)" -ge 2 ] || two=1
+
+field() { sed -n "s/.*\"$1\": \([0-9.]*\).*/\1/p"; }
+
+# A table row: the label, then the stages and the frame of a bench run.
+row() {
+    label=$1
+    shift
+    json=$("$B/fixsplat" bench --json "$@")
+    printf '| %s ' "$label"
+    for stage in project shade sort bin blend resolve frame_ms; do
+        printf '| %s ' "$(echo "$json" | field $stage)"
+    done
+    printf '|\n'
+    frame=$(echo "$json" | field frame_ms)
+}
+
+head_row() {
+    printf '| %s | project | shade | sort | bin | blend | resolve | frame |\n|---|---|---|---|---|---|---|---|\n' "$1"
+}
+
+landscape() {
+    [ -f "$work/$1.ply" ] || "$B/fixsplat" make-scene landscape --count "$1" -o "$work/$1.ply"
+}
+
+growth() {
+    printf '### Growth with the number of Gaussians\n\nlandscape, 1280x720, milliseconds: plain C, one thread; then everything, %s threads.\n\n' $two
+    head_row 'Gaussians'
+    for count in 100000 300000 1000000 3000000 10000000; do
+        landscape $count
+        row "$count, C" "$work/$count.ply" --cpu c --threads 1
+        row "$count" "$work/$count.ply" --threads $two
+        [ $count = 1000000 ] || [ $count = 10000000 ] || rm "$work/$count.ply"
+    done
+    row '10000000 at 1920x1080' "$work/10000000.ply" --threads $two --size 1920x1080
+    row '1000000 at 1920x1080' "$work/1000000.ply" --threads $two --size 1920x1080
+    rm "$work/10000000.ply"
+}
+
+scene_rows() {
+    name=$1 file=$2
+    shift 2
+    row "$name, C, 1 thread" "$file" --cpu c --threads 1 --size 1280x720 "$@"
+    plain=$frame
+    row "$name, 1 thread" "$file" --threads 1 --size 1280x720 "$@"
+    single=$frame
+    row "$name, $two threads" "$file" --threads $two --size 1280x720 "$@"
+    ratios="$ratios$(awk "BEGIN {printf \"| %s | %.1f | %.2f | %.0f |\", \"$name\", $plain / $frame, $single / $frame, 1000 / $frame}")
+"
+    row "$name, $two threads, 1920x1080" "$file" --threads $two --size 1920x1080 "$@"
+}
+
+scenes() {
+    printf '### Scenes\n\n1280x720 unless said otherwise, milliseconds.\n\n'
+    ratios=
+    head_row 'scene'
+    landscape 1000000
+    scene_rows 'landscape 1,000,000' "$work/1000000.ply"
+    if [ -d "$SCENES" ]; then
+        for view in 8 40 72; do
+            scene_rows "snowmiku, view $view" "$SCENES/snowmiku/snowmiku.ply" \
+                --cameras "$SCENES/snowmiku/cameras.json" --view $view
+        done
+        scene_rows guitar "$SCENES/guitar/guitar.ply"
+        scene_rows luma-seal "$SCENES/luma-seal/luma-seal.ply"
+        scene_rows boatyard-tile3 "$SCENES/boatyard-tile3/boatyard-tile3.ply" --up 0,0,1
+        scene_rows kitchen-marble "$SCENES/kitchen-marble/kitchen-marble.ply"
+        scene_rows statue-st-peter "$SCENES/statue-st-peter/st-peter.ply"
+        scene_rows donut "$SCENES/donut/donut.ply" --up 0,0,1
+        scene_rows fruit-drops "$SCENES/fruit-drops/fruit_drops_minimal.ply"
+    fi
+    printf '\n| scene | times C, 1 thread | times 1 thread | frames a second, 1280x720 |\n|---|---|---|---|\n%s' "$ratios"
+}
+
+# Pairs, blend time and distance of the two cut-offs, for one camera.
+cutoff_rows() {
+    name=$1 file=$2
+    shift 2
+    for cutoff in mahalanobis square; do
+        for cpu in c all; do
+            json=$("$B/fixsplat" bench --json "$file" --threads 1 --size 1280x720 --cutoff $cutoff --cpu $cpu "$@")
+            eval "blend_$cpu=$(echo "$json" | field blend)"
+        done
+        json=$("$B/fixsplat" render "$file" --size 1280x720 --cutoff $cutoff -o "$work/$cutoff.png" --stats "$@")
+        printf '| %s, %s | %s | %s | %s | %s | %s |\n' "$name" $cutoff "$(echo "$json" | sed 's/bytes.*//' | field entries)" \
+            "$(echo "$json" | field pairs_evaluated)" "$(echo "$json" | field pairs_blended)" "$blend_c" "$blend_all"
+    done
+    distances="$distances- $name: $("$B/fixsplat" compare "$work/mahalanobis.png" "$work/square.png")
+"
+}
+
+cutoffs() {
+    printf '### The cut-offs\n\n1280x720, blend in milliseconds, one thread.\n\n'
+    printf '| scene, cut-off | tile entries | pairs evaluated | pairs blended | blend, C | blend |\n|---|---|---|---|---|---|\n'
+    distances=
+    landscape 1000000
+    cutoff_rows 'landscape 1,000,000' "$work/1000000.ply"
+    if [ -d "$SCENES" ]; then
+        for view in 8 40 72; do
+            cutoff_rows "snowmiku, view $view" "$SCENES/snowmiku/snowmiku.ply" \
+                --cameras "$SCENES/snowmiku/cameras.json" --view $view
+        done
+        cutoff_rows statue-st-peter "$SCENES/statue-st-peter/st-peter.ply"
+    fi
+    printf '\nBetween the two pictures:\n\n%s' "$distances"
+}
+
+{
+    printf 'Measured %s on %s (%s processors), %s.\n\n' "$(date -u +%Y-%m-%d)" \
+        "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)" "$(getconf _NPROCESSORS_ONLN)" \
+        "$(${CC:-cc} --version | head -n 1)"
+    growth
+    echo
+    scenes
+    echo
+    cutoffs
+} >"$work/tables"
+awk -v tables="$work/tables" '
+    /^<!-- tables: begin/ { print; print ""; while ((getline line < tables) > 0) print line; skip = 1 }
+    /^<!-- tables: end/ { skip = 0; print "" }
+    !skip' docs/performance.md >"$work/performance.md"
+cat "$work/performance.md" >docs/performance.md
+cat "$work/tables"
