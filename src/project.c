@@ -1,23 +1,9 @@
 /* project: packed Gaussian -> centre, 2x2 covariance, whitened rows, depth. EWA splatting (Zwicker et al. 2001) as in Kerbl et al. 2023:
  * Sigma' = J W R S S^T R^T W^T J^T + 0.3 I. The 2x3 matrix T = J W R S is kept in fixed point relative to its own size, 2^E pixels. */
 #include "fixed.h"
-#include "memory.h"
 #include "stage.h"
 
-#define NEAR_Q32 858993459                       /* 0.2 */
-#define DILATION_Q30 322122547u                  /* 0.3 pixels^2 */
 #define TENTH_Q60 (((uint64_t)1 << 60) / 10)
-#define CENTRE_LIMIT_Q14 ((int64_t)1 << 30)      /* 65536 pixels */
-#define EXPONENT_MAX 18                          /* sigma up to 2^18 pixels */
-
-/* Where a chunk lies for this camera: camera coordinates = (base + m code) * 2^-16, in units of 2^(shift - 32). */
-typedef struct chunk_view {
-    const fxs_chunk *chunk;
-    int64_t base_q16[3];
-    int64_t m_q16[3][3];           /* below 2^30 */
-    int shift;
-    int32_t near;
-} chunk_view;
 
 /* What is known of a Gaussian once its centre is projected. */
 typedef struct projected {
@@ -36,42 +22,8 @@ typedef struct covariance {
     int exponent;                  /* E */
 } covariance;
 
-static void chunk_view_init(chunk_view *cv, const fxs_view *view, const fxs_chunk *chunk)
-{
-    int64_t offset[3];
-    uint64_t most = 0;
-    for (int i = 0; i < 3; i++) {
-        offset[i] = chunk->origin_q32[i] - view->position_q32[i];
-        uint64_t reach = (uint64_t)(offset[i] < 0 ? -offset[i] : offset[i]) +
-                         ((uint64_t)chunk->step_q32[i] * 65535 << chunk->step_shift);
-        most |= reach;
-    }
-    int bits = most ? 64 - fxs_clz64(most) : 0;
-    cv->chunk = chunk;
-    cv->shift = bits > 29 ? bits - 29 : 0;       /* so |offset| + reach < 2^29 an axis */
-    cv->near = (int32_t)(NEAR_Q32 >> cv->shift);
-    for (int i = 0; i < 3; i++) {
-        int64_t base_q30 = 0;
-        for (int j = 0; j < 3; j++) {
-            int64_t r_q30 = view->rotation_q30[3 * i + j];
-            base_q30 += r_q30 * (offset[j] >> cv->shift);
-            cv->m_q16[i][j] = (r_q30 * chunk->step_q32[j] >> 14) * ((int64_t)1 << chunk->step_shift) >> cv->shift;
-        }
-        cv->base_q16[i] = base_q30 >> 14;
-    }
-}
-
-/* The farthest corner of the chunk's box is in front of the near plane. */
-static int chunk_in_front(const chunk_view *cv)
-{
-    int64_t z_q16 = cv->base_q16[2];
-    for (int j = 0; j < 3; j++)
-        z_q16 += cv->m_q16[2][j] > 0 ? cv->m_q16[2][j] * 65535 : 0;
-    return z_q16 >> 16 > cv->near;
-}
-
 /* Returns 0 behind the near plane, or where the centre is too far off the axis or the picture. */
-static int project_centre(projected *out, const fxs_view *view, const chunk_view *cv, const uint16_t code[3])
+static int project_centre(projected *out, const fxs_view *view, const fxs_chunk_view *cv, const uint16_t code[3])
 {
     int32_t camera[3];
     for (int i = 0; i < 3; i++)
@@ -88,7 +40,7 @@ static int project_centre(projected *out, const fxs_view *view, const chunk_view
             return 0;
         int64_t slope = fxs_round_shift((int64_t)camera[i] * out->inverse_q30, 39 - out->zeros);
         int64_t position = fxs_round_shift(f_q12[i] * slope, 21) + c_q12[i] * 4 - (1 << 13);
-        if (position >= CENTRE_LIMIT_Q14 || position <= -CENTRE_LIMIT_Q14)
+        if (position >= FXS_CENTRE_LIMIT_Q14 || position <= -FXS_CENTRE_LIMIT_Q14)
             return 0;
         out->slope_q23[i] = (int32_t)slope;
         out->position_q14[i] = (int32_t)position;
@@ -139,7 +91,7 @@ static void rotation(int32_t r_q15[3][3], const int32_t q[4])
 }
 
 /* f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent, mantissa in [0.5, 1). sigma_max = 2^log2. */
-static uint32_t screen_size(const fxs_view *view, const chunk_view *cv, const projected *centre, int32_t log2_q16,
+static uint32_t screen_size(const fxs_view *view, const fxs_chunk_view *cv, const projected *centre, int32_t log2_q16,
                             int *exponent)
 {
     int32_t whole = -(-log2_q16 >> 16);          /* ceil */
@@ -173,7 +125,7 @@ static void covariance_of(covariance *out, int32_t t_q15[2][3], int exponent)
     uint32_t a = (uint32_t)(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
     uint32_t c = (uint32_t)(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
     int64_t minor[3] = {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
-    uint32_t dilation = exponent < 14 ? DILATION_Q30 >> 2 * exponent : 1;
+    uint32_t dilation = exponent < 14 ? FXS_DILATION_Q30 >> 2 * exponent : 1;
     out->b_q30 = p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
     out->det_undilated_q60 = (uint64_t)(minor[0] * minor[0] + minor[1] * minor[1] + minor[2] * minor[2]);
     out->det_q60 = out->det_undilated_q60 + (uint64_t)dilation * ((uint64_t)a + c + dilation);
@@ -269,7 +221,7 @@ static int square(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, co
 }
 
 /* Size, shape and opacity, once the centre is known. Returns 0 for a Gaussian that touches no pixel. */
-static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const chunk_view *cv,
+static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const fxs_chunk_view *cv,
                          const projected *centre, uint32_t scale_word, uint32_t rotation_word)
 {
     int32_t log2_q16[3], q_q15[4], r_q15[3][3], j_q15[2][3], t_q15[2][3], most = INT32_MIN;
@@ -280,7 +232,7 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
     }
     int size_exponent;
     uint32_t size_q32 = screen_size(view, cv, centre, most, &size_exponent);
-    if (size_exponent > EXPONENT_MAX || off_picture(view, centre, size_exponent))
+    if (size_exponent > FXS_EXPONENT_MAX || off_picture(view, centre, size_exponent))
         return 0;
     int exponent = size_exponent > 0 ? size_exponent : 0;
     jacobian(j_q15, view, centre);
@@ -316,13 +268,8 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
     return view->square ? square(splat, bounds, view, &s) : clip(splat, bounds, view, &s, r_q12);
 }
 
-/* -2 ln(code / 255), Q11; code 0 is never drawn. */
-static const uint16_t offset_of_code_q11[256] = {
-#include "opacity.inc"
-};
-
 /* Depth in an order-keeping 32 bits: exponent in 6, mantissa in 26. z > 0.2, so the exponent is at least -3. */
-static uint32_t depth_key(const chunk_view *cv, const projected *centre)
+static uint32_t depth_key(const fxs_chunk_view *cv, const projected *centre)
 {
     uint32_t exponent = (uint32_t)(cv->shift - centre->zeros - 1 + 4);
     return exponent << 26 | (((uint32_t)centre->z << centre->zeros) >> 5 & 0x3ffffff);
@@ -335,10 +282,9 @@ uint32_t fxs_project_c(const fxs_view *view, const unsigned char *chunk, uint32_
     const uint32_t *rotation_word = (const uint32_t *)(const void *)(chunk + FXS_CHUNK_ROTATION);
     const uint32_t *scale_word = (const uint32_t *)(const void *)(chunk + FXS_CHUNK_SCALE);
     const uint32_t *colour_word = (const uint32_t *)(const void *)(chunk + FXS_CHUNK_COLOUR);
-    chunk_view cv;
+    fxs_chunk_view cv;
     uint32_t count = 0;
-    chunk_view_init(&cv, view, (const fxs_chunk *)(const void *)chunk);
-    if (!chunk_in_front(&cv))
+    if (!fxs_chunk_view_init(&cv, view, (const fxs_chunk *)(const void *)chunk))
         return 0;
     for (uint32_t i = 0; i < FXS_CHUNK; i++) {
         const uint16_t code[3] = {position[i], position[FXS_CHUNK + i], position[2 * FXS_CHUNK + i]};
@@ -346,7 +292,7 @@ uint32_t fxs_project_c(const fxs_view *view, const unsigned char *chunk, uint32_
         uint32_t opacity = colour_word[i] >> 24;
         if (!opacity || !project_centre(&centre, view, &cv, code))
             continue;
-        splats[count].offset_q11 = offset_of_code_q11[opacity];
+        splats[count].offset_q11 = fxs_offset_of_code_q11[opacity];
         if (!project_shape(&splats[count], &bounds[count], view, &cv, &centre, scale_word[i], rotation_word[i]))
             continue;
         indices[count] = first_index + i;

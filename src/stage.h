@@ -27,6 +27,7 @@ typedef struct fxs_view {
     uint32_t focal_q32;            /* max(fx, fy) = focal * 2^focal_exponent, focal in [0.5, 1) */
     int32_t focal_exponent;
     int32_t slope_low_q23[2], slope_high_q23[2];   /* x/z and y/z are cut to these in the Jacobian */
+    int32_t edge_low_q23[2], edge_high_q23[2];     /* x/z and y/z at the picture's edges, 18 pixels out, cut to +-64 */
     int32_t jacobian_exponent;     /* 2^jacobian_exponent >= length of a row (1, 0, -x/z) of the Jacobian, times z / f */
     int32_t row_q15[2][3];         /* first and second row of f'/f * rotation * 2^-jacobian_exponent */
     int32_t forward_q15[2][3];     /* f'/f * third row of the rotation */
@@ -34,6 +35,21 @@ typedef struct fxs_view {
     int sh_degree, antialiased;
     int square;                    /* the square cut-off */
 } fxs_view;
+
+/* Where a chunk lies for a camera: camera coordinates = (base + m code) * 2^-16, in units of 2^(shift - 32), each below 2^30. */
+typedef struct fxs_chunk_view {
+    const fxs_chunk *chunk;
+    int64_t base_q16[3];
+    int64_t m_q16[3][3];           /* below 2^30 */
+    int shift;
+    int32_t near;                  /* the near plane's depth */
+} fxs_chunk_view;
+
+/* Constants of project. */
+#define FXS_NEAR_Q32 858993459                   /* 0.2 */
+#define FXS_DILATION_Q30 322122547u              /* 0.3 pixels^2 */
+#define FXS_CENTRE_LIMIT_Q14 (1 << 30)           /* 65536 pixels */
+#define FXS_EXPONENT_MAX 18                      /* sigma up to 2^18 pixels */
 
 /* A projected Gaussian, as the blend stage reads it: 32 bytes. u = u0 + X ux + Y uy, v = v0 + Y vy for the pixel (X, Y), all
    modulo 2^32: right wherever |u|, |v| < 128, which holds in every tile that the ellipse touches. */
@@ -105,6 +121,13 @@ static inline uint32_t fxs_part(uint32_t count, uint32_t parts, uint32_t i)
 }
 
 #define FXS_SORT_BUCKETS 2048
+
+/* Places a chunk. Returns 0 where nothing of it can be seen: behind the near plane, or beside the picture by more than its largest
+   Gaussian reaches. */
+int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *chunk);
+
+/* -2 ln(code / 255), Q11; code 0 is never drawn. */
+extern const uint16_t fxs_offset_of_code_q11[256];
 
 /* Sorts keys by depth, ties by slot (they arrive in the order of their slots), in `parts` jobs. `spare` has room for as many,
    `histograms` for `parts`. Returns where the result is: keys or spare. */

@@ -41,6 +41,18 @@ static int check_camera(const fxs_camera *camera)
     return 0;
 }
 
+static int32_t cut_slope(int64_t slope_q23, int64_t most)
+{
+    return (int32_t)(slope_q23 < -most ? -most : slope_q23 > most ? most : slope_q23);
+}
+
+/* The picture's edges, a tile and the reach of the dilation (3.34 sqrt(0.3) < 2) out. */
+static void edge_slopes(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *low_q23, int32_t *high_q23)
+{
+    *low_q23 = cut_slope(-((c_q12 + (18 << 12)) * (1 << 23)) / f_q12, (int64_t)64 << 23);
+    *high_q23 = cut_slope((((size + 18) << 12) - c_q12) * (1 << 23) / f_q12, (int64_t)64 << 23);
+}
+
 /* The field of view plus 30 % (Kerbl et al. 2023, code; for any principal point as in gsplat), as slopes x/z:
    -c / f - 0.3 size / (2 f) and (size - c) / f + 0.3 size / (2 f). Cut to +-60. */
 static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *low_q23, int32_t *high_q23)
@@ -49,8 +61,8 @@ static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *lo
     int64_t margin = size * 614;                     /* 0.15 size, Q12 */
     int64_t low = -((c_q12 + margin) * (1 << 23)) / f_q12;
     int64_t high = (((size << 12) - c_q12 + margin) * (1 << 23)) / f_q12;
-    *low_q23 = (int32_t)(low < -most ? -most : low > most ? most : low);
-    *high_q23 = (int32_t)(high < -most ? -most : high > most ? most : high);
+    *low_q23 = cut_slope(low, most);
+    *high_q23 = cut_slope(high, most);
 }
 
 /* ceil(log2(sqrt(1 + max(slope)^2))) */
@@ -101,6 +113,8 @@ int fxs_view_init(fxs_view *view, const fxs_scene *scene, const fxs_camera *came
     view->cy_q12 = camera->cy_q12;
     slope_limits(camera->width, camera->fx_q12, camera->cx_q12, &view->slope_low_q23[0], &view->slope_high_q23[0]);
     slope_limits(camera->height, camera->fy_q12, camera->cy_q12, &view->slope_low_q23[1], &view->slope_high_q23[1]);
+    edge_slopes(camera->width, camera->fx_q12, camera->cx_q12, &view->edge_low_q23[0], &view->edge_high_q23[0]);
+    edge_slopes(camera->height, camera->fy_q12, camera->cy_q12, &view->edge_low_q23[1], &view->edge_high_q23[1]);
     view->jacobian_exponent = jacobian_exponent(view);
     jacobian_rows(view, camera);
     view->square = options->cutoff == FXS_CUTOFF_SQUARE;

@@ -1,0 +1,75 @@
+/* The part of project that is done once a chunk: where it lies for this camera, and whether anything of it can be seen. */
+#include "fixed.h"
+#include "stage.h"
+
+const uint16_t fxs_offset_of_code_q11[256] = {
+#include "opacity.inc"
+};
+
+static uint64_t magnitude(int64_t x)
+{
+    return (uint64_t)(x < 0 ? -x : x);
+}
+
+static void place(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *chunk)
+{
+    int64_t offset[3];
+    uint64_t most = 0;
+    for (int i = 0; i < 3; i++) {
+        offset[i] = chunk->origin_q32[i] - view->position_q32[i];
+        most |= magnitude(offset[i]) + ((uint64_t)chunk->step_q32[i] * 65535 << chunk->step_shift);
+    }
+    int bits = most ? 64 - fxs_clz64(most) : 0;
+    cv->chunk = chunk;
+    cv->shift = bits > 29 ? bits - 29 : 0;       /* so |offset| + reach < 2^29 an axis */
+    cv->near = (int32_t)((int64_t)FXS_NEAR_Q32 >> cv->shift);
+    for (int i = 0; i < 3; i++) {
+        int64_t base_q30 = 0;
+        for (int j = 0; j < 3; j++) {
+            int64_t r_q30 = view->rotation_q30[3 * i + j];
+            base_q30 += r_q30 * (offset[j] >> cv->shift);
+            cv->m_q16[i][j] = (r_q30 * chunk->step_q32[j] >> 14) * ((int64_t)1 << chunk->step_shift) >> cv->shift;
+        }
+        cv->base_q16[i] = base_q30 >> 14;
+    }
+}
+
+/* An upper bound on how far, in units of cv, the chunk's Gaussians reach across the view: on the picture half a width is at most
+   3.34 sqrt((f / z sigma |J|)^2 + 0.3), |J| = 2^jacobian_exponent at most; without the dilation, times z / f, that is 3.34 sigma |J|. */
+static int64_t reach_across(const fxs_chunk_view *cv, const fxs_view *view)
+{
+    int32_t log2_q16 = cv->chunk->scale_q16 + (32 - cv->shift + view->jacobian_exponent) * 65536;
+    int32_t whole = -(-log2_q16 >> 16);          /* ceil */
+    if (whole > 40)
+        return INT64_MAX / 4;
+    return whole < 0 ? 4 : ((int64_t)fxs_exp2_q15((-log2_q16 & 65535) >> 1) << whole >> 15) * 7 / 2 + 4;
+}
+
+/* The largest value of sign * (axis i) - slope * z in the chunk's box, slope in Q23. */
+static int64_t farthest(const fxs_chunk_view *cv, int i, int sign, int64_t slope_q23)
+{
+    int64_t sum = sign * (cv->base_q16[i] >> 16) - (slope_q23 * (cv->base_q16[2] >> 16) >> 23) + 2;
+    for (int j = 0; j < 3; j++) {
+        int64_t m_q16 = sign * cv->m_q16[i][j] - (slope_q23 * cv->m_q16[2][j] >> 23);
+        sum += m_q16 > 0 ? (m_q16 * 65535 >> 16) + 1 : 0;
+    }
+    return sum;
+}
+
+int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *chunk)
+{
+    place(cv, view, chunk);
+    int64_t z_q16 = cv->base_q16[2];
+    for (int j = 0; j < 3; j++)
+        z_q16 += cv->m_q16[2][j] > 0 ? cv->m_q16[2][j] * 65535 : 0;
+    if (z_q16 >> 16 <= cv->near)
+        return 0;
+    if (view->square)                            /* its tiles reach further; it is there to be measured */
+        return 1;
+    int64_t reach = reach_across(cv, view);
+    for (int i = 0; i < 2; i++)                  /* x + reach < edge_low z: left of the picture; and so on */
+        if (farthest(cv, i, 1, view->edge_low_q23[i]) + reach < 0 ||
+            farthest(cv, i, -1, -(int64_t)view->edge_high_q23[i]) + reach < 0)
+            return 0;
+    return 1;
+}
