@@ -8,26 +8,32 @@
 static const char help[] =
     "Usage: fixsplat bench SCENE [OPTION...]\n\n"
     "Renders one view again and again and prints the median milliseconds of each stage.\n\n"
+    "  --path N            fly once around the scene in N frames, 2 to 10000, and print minimum, median and maximum\n"
     "  --frames N          frames measured after a warm-up of two, 10 to 10000 (default 10)\n"
     "  --json              print a JSON object\n"
     "%s\n"
     "Examples:\n"
     "  fixsplat bench scene.ply --cameras cameras.json --view 8 --size 1280x720\n"
-    "  fixsplat bench scene.ply --threads 1 --cutoff square --json\n";
+    "  fixsplat bench scene.ply --threads 1 --cutoff square --json\n"
+    "  fixsplat bench scene.ply --path 120\n";
 
 typedef struct bench_options {
     view_options view;
     const char *scene;
-    int frames, json;
+    int frames, path, json;
 } bench_options;
 
-enum { OPT_FRAMES = OPT_OWN, OPT_JSON };
+enum { OPT_FRAMES = OPT_OWN, OPT_PATH, OPT_JSON };
+
+/* Columns of the times: the stages, then the whole frame. */
+enum { COLUMNS = FXS_STAGES + 1 };
 
 static int take_options(bench_options *o, int argc, char **argv)
 {
     static const struct option table[] = {VIEW_OPTIONS, {"frames", required_argument, 0, OPT_FRAMES},
+                                          {"path", required_argument, 0, OPT_PATH},
                                           {"json", no_argument, 0, OPT_JSON}, {0, 0, 0, 0}};
-    uint64_t frames = 10;
+    uint64_t frames = 10, path = 0;
     memset(o, 0, sizeof *o);
     view_options_default(&o->view);
     for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;)
@@ -35,6 +41,10 @@ static int take_options(bench_options *o, int argc, char **argv)
         case OPT_FRAMES:
             if (!parse_count(optarg, 10, 10000, &frames))
                 return fail(EXIT_USAGE, "--frames %s: expected 10 to 10000", optarg);
+            break;
+        case OPT_PATH:
+            if (!parse_count(optarg, 2, 10000, &path))
+                return fail(EXIT_USAGE, "--path %s: expected 2 to 10000", optarg);
             break;
         case OPT_JSON: o->json = 1; break;
         case OPT_HELP: printf(help, view_options_help); exit(EXIT_OK);
@@ -46,7 +56,8 @@ static int take_options(bench_options *o, int argc, char **argv)
     if (optind != argc - 1)
         return fail(EXIT_USAGE, "bench takes one scene file; see: fixsplat bench --help");
     o->scene = argv[optind];
-    o->frames = (int)frames;
+    o->path = (int)path;
+    o->frames = path ? o->path : (int)frames;
     return 0;
 }
 
@@ -56,50 +67,82 @@ static int compare_doubles(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static double median(double *values, int count)
+typedef struct spread {
+    double least, median, most;
+} spread;
+
+static spread spread_of(double *values, int count)
 {
     qsort(values, (size_t)count, sizeof *values, compare_doubles);
-    return (values[(count - 1) / 2] + values[count / 2]) / 2;
+    return (spread){values[0], (values[(count - 1) / 2] + values[count / 2]) / 2, values[count - 1]};
 }
 
-/* Columns: the stages, then the whole frame. */
-static int measure(double medians[FXS_STAGES + 1], renderer *r, const bench_options *o, const loaded_scene *loaded,
+/* The view of frame i: the one given, or a step of a circle around the middle of the scene. */
+static fxs_file_view view_of_frame(const bench_options *o, const loaded_scene *loaded, const fxs_file_view *view, int i)
+{
+    fxs_file_view turned = *view;
+    double middle[3];
+    for (int k = 0; k < 3; k++)
+        middle[k] = (loaded->report.inner_low[k] + loaded->report.inner_high[k]) / 2;
+    if (o->path)
+        fxs_view_orbit(&turned, middle, o->view.up, 6.283185307179586 * i / o->path);
+    return turned;
+}
+
+static int measure(spread columns[COLUMNS], renderer *r, const bench_options *o, const loaded_scene *loaded,
                    const fxs_file_view *view)
 {
     enum { WARM_UP = 2 };
     int frames = o->frames, status = 0;
-    double *times = malloc((size_t)frames * (FXS_STAGES + 1) * sizeof *times);
+    double *times = malloc((size_t)frames * COLUMNS * sizeof *times);
     if (!times)
         return fail(EXIT_FAILED, "out of memory");
     for (int i = -WARM_UP; i < frames && !status; i++) {
         fxs_stats stats;
-        status = renderer_render(r, loaded, view, &o->view.render, &stats);
-        for (int s = 0; s <= FXS_STAGES && i >= 0; s++)
+        fxs_file_view turned = view_of_frame(o, loaded, view, i);
+        status = renderer_render(r, loaded, &turned, &o->view.render, &stats);
+        for (int s = 0; s < COLUMNS && i >= 0; s++)
             times[s * frames + i] = (double)(s < FXS_STAGES ? stats.nanoseconds[s] : stats.frame_nanoseconds) * 1e-6;
     }
-    for (int s = 0; s <= FXS_STAGES && !status; s++)
-        medians[s] = median(times + s * frames, frames);
+    for (int s = 0; s < COLUMNS && !status; s++)
+        columns[s] = spread_of(times + s * frames, frames);
     free(times);
     return status;
 }
 
-static void print(const double medians[FXS_STAGES + 1], const bench_options *o, const loaded_scene *loaded,
-                  const fxs_file_view *view)
+static const char *column_name(int column)
 {
-    const char *cutoff = o->view.render.cutoff == FXS_CUTOFF_SQUARE ? "square" : "mahalanobis";
-    if (!o->json) {
-        printf("%" PRIu32 " Gaussians, %dx%d, %" PRIu32 " threads, cut-off %s, median of %d frames\n",
-               loaded->scene.count, view->width, view->height, o->view.threads, cutoff, o->frames);
-        for (int s = 0; s < FXS_STAGES; s++)
-            printf("  %-8s %9.3f ms\n", fxs_stage_name((enum fxs_stage)s), medians[s]);
-        printf("  %-8s %9.3f ms\n", "frame", medians[FXS_STAGES]);
-        return;
-    }
+    return column < FXS_STAGES ? fxs_stage_name((enum fxs_stage)column) : "frame";
+}
+
+static const char *cutoff_name(const bench_options *o)
+{
+    return o->view.render.cutoff == FXS_CUTOFF_SQUARE ? "square" : "mahalanobis";
+}
+
+static void print_text(const spread columns[COLUMNS], const renderer *r, const bench_options *o,
+                       const loaded_scene *loaded, const fxs_file_view *view)
+{
+    printf("%" PRIu32 " Gaussians, %dx%d, %" PRIu32 " threads, cut-off %s, %d frames%s; milliseconds\n",
+           loaded->scene.count, view->width, view->height, o->view.threads, cutoff_name(o), o->frames,
+           o->path ? " around the scene" : "");
+    printf("           %9s %9s %9s   share  version\n", "minimum", "median", "maximum");
+    for (int s = 0; s < COLUMNS; s++)
+        printf("  %-8s %9.3f %9.3f %9.3f  %5.1f%%  %s\n", column_name(s), columns[s].least, columns[s].median,
+               columns[s].most, 100 * columns[s].median / columns[FXS_STAGES].median,
+               s < FXS_STAGES ? r->context.kernels.name[s] : "");
+}
+
+static void print_json(const spread columns[COLUMNS], const bench_options *o, const loaded_scene *loaded,
+                       const fxs_file_view *view)
+{
     printf("{\"gaussians\": %" PRIu32 ", \"width\": %d, \"height\": %d, \"threads\": %" PRIu32 ", \"cpu\": \"%s\", "
-           "\"cutoff\": \"%s\", \"backend\": \"cpu\", \"frame_ms\": %.3f, \"stages\": {", loaded->scene.count,
-           view->width, view->height, o->view.threads, o->view.cpu, cutoff, medians[FXS_STAGES]);
+           "\"cutoff\": \"%s\", \"backend\": \"cpu\", \"frames\": %d, \"frame_ms\": %.3f, \"frame_ms_min\": %.3f, "
+           "\"frame_ms_max\": %.3f, \"stages\": {", loaded->scene.count, view->width, view->height, o->view.threads,
+           o->view.cpu, cutoff_name(o), o->frames, columns[FXS_STAGES].median, columns[FXS_STAGES].least,
+           columns[FXS_STAGES].most);
     for (int s = 0; s < FXS_STAGES; s++)
-        printf("%s\"%s\": %.3f", s ? ", " : "", fxs_stage_name((enum fxs_stage)s), medians[s]);
+        printf("%s\"%s\": %.3f", s ? ", " : "", column_name(s), columns[s].median);
     puts("}}");
 }
 
@@ -109,7 +152,7 @@ int command_bench(int argc, char **argv)
     renderer r;
     loaded_scene loaded;
     fxs_file_view *views = 0;
-    double medians[FXS_STAGES + 1];
+    spread columns[COLUMNS];
     int status = take_options(&o, argc, argv);
     if (status)
         return status;
@@ -118,11 +161,12 @@ int command_bench(int argc, char **argv)
     status = renderer_init(&r, &o.view);
     if (!status && !(status = load_scene(&loaded, o.scene))) {
         status = choose_views(&o.view, &loaded.report, &views) < 0
-                     ? EXIT_FAILED : measure(medians, &r, &o, &loaded, views);
-        if (!status)
-            print(medians, &o, &loaded, views);
-        if (views && !status)
-            free(views);
+                     ? EXIT_FAILED : measure(columns, &r, &o, &loaded, views);
+        if (!status && o.json)
+            print_json(columns, &o, &loaded, views);
+        else if (!status)
+            print_text(columns, &r, &o, &loaded, views);
+        free(views);
         free_scene(&loaded);
     }
     renderer_free(&r);

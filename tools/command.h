@@ -82,7 +82,8 @@ void view_options_default(view_options *options);
 /* Takes one of VIEW_OPTIONS. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
 int view_option(view_options *options, int which, const char *value);
 
-/* The views that the options ask for, at their final size. Returns how many, with *views allocated; or prints why not and returns -1. */
+/* The views that the options ask for, at their final size. Returns how many, with *views allocated; or prints why not and returns -1, with
+   *views null if it was null before. */
 long choose_views(const view_options *options, const fxs_pack_report *report, fxs_file_view **views);
 
 /* ---- A renderer: context, threads and memory for one picture size ----------------------------------------------- */

@@ -22,11 +22,27 @@ static void help(void)
          "Usage: fixsplat COMMAND [OPTION...]     (fixsplat COMMAND --help tells more)\n");
     for (int i = 0; i < COMMANDS; i++)
         printf("  %-12s %s\n", commands[i].name, commands[i].does);
-    puts("\nExamples:\n"
+    puts("  --kernels    which version of each stage runs here\n"
+         "  --version\n"
+         "\nExamples:\n"
          "  fixsplat make-scene knot -o knot.ply\n"
          "  fixsplat render knot.ply -o knot.png\n"
          "  fixsplat render scene.ply --cameras cameras.json --view 0 -o view.png --stats\n\n"
          "Exit status: 0 done, 1 failed, 2 wrong usage.");
+}
+
+static int kernels(void)
+{
+    view_options options;
+    renderer r;
+    view_options_default(&options);
+    options.threads = 1;
+    if (renderer_init(&r, &options))
+        return EXIT_FAILED;
+    for (int i = 0; i < FXS_STAGES; i++)
+        printf("%-8s %s\n", fxs_stage_name((enum fxs_stage)i), r.context.kernels.name[i]);
+    renderer_free(&r);
+    return EXIT_OK;
 }
 
 int main(int argc, char **argv)
@@ -40,6 +56,8 @@ int main(int argc, char **argv)
         puts("fixsplat " FXS_VERSION);
         return EXIT_OK;
     }
+    if (!strcmp(name, "--kernels"))
+        return kernels();
     for (int i = 0; i < COMMANDS; i++)
         if (!strcmp(name, commands[i].name))
             return commands[i].run(argc - 1, argv + 1);

@@ -101,6 +101,9 @@ static int print_stats(renderer *r, const render_options *o, const loaded_scene 
     for (int i = 0; i < FXS_STAGES; i++)
         printf("%s\"%s\": %.3f", i ? ", " : "", fxs_stage_name((enum fxs_stage)i),
                (double)stats->nanoseconds[i] * 1e-6);
+    printf("}, \"versions\": {");
+    for (int i = 0; i < FXS_STAGES; i++)
+        printf("%s\"%s\": \"%s\"", i ? ", " : "", fxs_stage_name((enum fxs_stage)i), r->context.kernels.name[i]);
     printf("}, \"bytes\": {\"scene\": %zu, \"splats\": %zu, \"keys\": %zu, \"tiles\": %zu, \"entries\": %zu, "
            "\"frame\": %zu}}\n", loaded->packed.bytes, memory.splats, memory.keys, memory.tiles, memory.entries,
            memory.total);
@@ -156,8 +159,7 @@ int command_render(int argc, char **argv)
     if (!status && !(status = load_scene(&loaded, o.scene))) {
         long count = choose_views(&o.view, &loaded.report, &views);
         status = count < 0 ? EXIT_FAILED : render_all(&r, &o, &loaded, views, count);
-        if (count > 0)
-            free(views);
+        free(views);
         free_scene(&loaded);
     }
     renderer_free(&r);

@@ -38,7 +38,8 @@ strip -o "$stripped" "$build/fixsplat" && part "fixsplat, stripped" size "$strip
 
 if command -v arm-none-eabi-gcc >/dev/null 2>&1; then
     for source in src/*.c; do
-        arm-none-eabi-gcc -std=c99 -Os -mcpu=cortex-m3 -mthumb -c "$source" -o "$objects/$(basename "$source" .c).o" || exit 1
+        object=$objects/$(basename "$source" .c).o
+        arm-none-eabi-gcc -std=c99 -Os -mcpu=cortex-m3 -mthumb -c "$source" -o "$object" || exit 1
     done
     part "src, Cortex-M3 -Os" arm-none-eabi-size "$objects"/*.o
 fi

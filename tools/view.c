@@ -125,6 +125,7 @@ static long views_of_file(const view_options *options, fxs_file_view **views)
         long index = find_view(*views, count, wanted);
         if (index < 0) {
             free(*views);
+            *views = 0;
             return fail(-1, "%s: no view '%s' (there are %ld, from 0 on)", options->cameras, wanted, count);
         }
         (*views)[0] = (*views)[index];
@@ -159,6 +160,7 @@ long choose_views(const view_options *options, const fxs_pack_report *report, fx
     if (!result)
         return 1;
     free(*views);
+    *views = 0;
     return fail(-1, "%s", message.text);
 }
 

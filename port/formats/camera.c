@@ -85,6 +85,31 @@ void fxs_view_resize(fxs_file_view *view, int width, int height)
     view->height = height;
 }
 
+/* Rodrigues' formula; axis of length 1. */
+static void turn(double out[3], const double v[3], const double axis[3], double angle)
+{
+    double across[3], c = cos(angle), s = sin(angle), along = dot(axis, v) * (1 - c);
+    cross(across, axis, v);
+    for (int i = 0; i < 3; i++)
+        out[i] = v[i] * c + across[i] * s + axis[i] * along;
+}
+
+void fxs_view_orbit(fxs_file_view *view, const double middle[3], const double axis[3], double angle)
+{
+    double unit[3] = {axis[0], axis[1], axis[2]}, offset[3], turned[3];
+    if (!normalise(unit))
+        return;
+    for (int i = 0; i < 3; i++)
+        offset[i] = view->position[i] - middle[i];
+    turn(turned, offset, unit, angle);
+    for (int i = 0; i < 3; i++)
+        view->position[i] = middle[i] + turned[i];
+    for (int row = 0; row < 9; row += 3) {
+        turn(turned, view->rotation + row, unit, angle);
+        memcpy(view->rotation + row, turned, sizeof turned);
+    }
+}
+
 static int to_fixed(int64_t *out, double x, int q, double limit)
 {
     *out = (int64_t)(fabs(x) < limit ? floor(ldexp(x, q) + 0.5) : 0);

@@ -18,6 +18,9 @@ int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double hi
 /* The same view at another size: fx and fy scaled by new width / old width, the principal point in the centre. */
 void fxs_view_resize(fxs_file_view *view, int width, int height);
 
+/* Turns a view about an axis through `middle` by an angle in radians, as if the scene were turned the other way. */
+void fxs_view_orbit(fxs_file_view *view, const double middle[3], const double axis[3], double angle);
+
 /* Rounds a view to the renderer's camera. Returns 0, or -1 and a message where it is out of the renderer's range. */
 int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_message *message);
 
