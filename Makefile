@@ -95,8 +95,8 @@ test-programs: $(TESTS)
 golden-update: all $(B)/tests/test_golden ## write the golden images anew (and say why in the commit)
 	$(B)/tests/test_golden --update
 
-fuzz: ## fuzz the file readers, SECONDS=60 each
-	sh tests/fuzz.sh $(or $(SECONDS),60)
+fuzz: all ## fuzz the file readers, SECONDS=60 each
+	B=$(B) sh tests/fuzz.sh $(or $(SECONDS),60)
 
 # ---- Measurements --------------------------------------------------------------------------------------------------
 

@@ -1,5 +1,5 @@
 /* bin: which tiles a splat touches. On a tile row the ellipse u^2 + v^2 = r^2 spans x = cx + shear v +- breadth sqrt(r^2 - v^2), v between the row's
- * first and last pixel row; the widest points are at v = +- r shear / sqrt(A). A margin of 1/8 pixel and 1/128 of the size makes up for rounding, so a list
+ * first and last pixel row; the widest points are at v = +- r shear / sqrt(A). A margin of 1/8 pixel and 1/256 of the size makes up for rounding, so a list
  * never misses a pixel that passes the test in pixel.h. */
 #include "fixed.h"
 #include "memory.h"
@@ -67,8 +67,6 @@ static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
     int64_t top_q12 = v_at_row(e, row * FXS_TILE), bottom_q12 = v_at_row(e, row * FXS_TILE + FXS_TILE - 1);
     if (top_q12 > e->r_q12 + 1024 || bottom_q12 < -e->r_q12 - 1024)   /* 1/4: a margin of 1/8 pixel */
         return none;
-    if (e->columns.first >= e->columns.last)
-        return e->columns;
     int32_t top = cut_to(e->r_q12, top_q12), bottom = cut_to(e->r_q12, bottom_q12);
     int64_t x_top_q8 = (int64_t)e->bounds->shear_q8 * top >> 12, half_top_q8 = half_width_q8(e, top);
     int64_t x_bottom_q8 = (int64_t)e->bounds->shear_q8 * bottom >> 12, half_bottom_q8 = half_width_q8(e, bottom);
@@ -81,7 +79,7 @@ static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
         right_q8 = reach_q8;
     if (top * reach_q8 <= -tangent && -tangent <= bottom * reach_q8)
         left_q8 = -reach_q8;
-    int64_t cx_q8 = e->bounds->cx_q14 >> 6, margin_q8 = (reach_q8 >> 7) + 32;
+    int64_t cx_q8 = e->bounds->cx_q14 >> 6, margin_q8 = (reach_q8 >> 8) + 32;
     left_q8 = larger(left_q8 - margin_q8, -reach_q8);
     right_q8 = -larger(-right_q8 - margin_q8, -reach_q8);
     return columns_between(view, cx_q8 + left_q8, cx_q8 + right_q8);
@@ -115,9 +113,13 @@ void fxs_bin_c(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *
         if (view->square || e.columns.first > e.columns.last || e.columns.last - e.columns.first > 3 ||
             e.rows.last - e.rows.first > 3)
             continue;
-        if (e.rows.first == e.rows.last)           /* the box is the span */
+        /* All of it on one tile row: it touches every column of its box. */
+        int whole = splats[i].first_row > 0 && splats[i].last_row < view->height - 1;
+        if (whole && e.rows.first == e.rows.last) {
             boxes[i].mask = (2u << (e.columns.last - e.columns.first)) - 1;
-        for (int32_t row = e.rows.first; row <= e.rows.last && e.rows.first < e.rows.last; row++) {
+            continue;
+        }
+        for (int32_t row = e.rows.first; row <= e.rows.last; row++) {
             span s = ellipse_span(&e, view, row);
             if (s.first <= s.last)
                 boxes[i].mask |= ((2u << (s.last - e.columns.first)) - (1u << (s.first - e.columns.first)))

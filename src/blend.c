@@ -32,14 +32,15 @@ static int blend_row(fxs_tile *tile, int row, const fxs_splat *splat, const plac
                      uint64_t *blended)
 {
     int closed = 0, first = row * FXS_TILE;
-    int level_of_row = fxs_row_level_q11(fxs_coordinate_q13(p->v_q24 + row * splat->vy_q24), splat->offset_q11);
-    int32_t u_q24 = p->u_q24 + row * splat->uy_q24;
-    for (int i = first; i < first + FXS_TILE; i++, u_q24 += splat->ux_q24) {
+    uint32_t v_q24 = (uint32_t)p->v_q24 + (uint32_t)row * (uint32_t)splat->vy_q24;
+    uint32_t u_q24 = (uint32_t)p->u_q24 + (uint32_t)row * (uint32_t)splat->uy_q24;
+    int level_of_row = fxs_row_level_q11(fxs_coordinate_q13((int32_t)v_q24), splat->offset_q11);
+    for (int i = first; i < first + FXS_TILE; i++, u_q24 += (uint32_t)splat->ux_q24) {
         int transmittance = tile->transmittance_q15[i];
         if (transmittance < FXS_CLOSED_Q15)
             continue;
         ++*evaluated;
-        int level = fxs_level_q11(fxs_coordinate_q13(u_q24), level_of_row);
+        int level = fxs_level_q11(fxs_coordinate_q13((int32_t)u_q24), level_of_row);
         if (level > p->limit_q11)
             continue;
         ++*blended;

@@ -59,8 +59,9 @@ static void jacobian(int32_t j_q15[2][3], const fxs_view *view, const projected 
     }
 }
 
-/* Smallest three: code c of 10 bits is (2 c - 1023) / 1023 / sqrt(2); the largest component is what is left of 1. */
-static void quaternion(int32_t q_q15[4], uint32_t word)
+/* Smallest three: code c of 10 bits is (2 c - 1023) / 1023 / sqrt(2); the largest component is what is left of 1.
+   Returns 0 where the three are longer than that already. */
+static int quaternion(int32_t q_q15[4], uint32_t word)
 {
     int largest = (int)(word >> 30), shift = 20;
     int32_t square_q30 = 0;
@@ -72,7 +73,10 @@ static void quaternion(int32_t q_q15[4], uint32_t word)
         square_q30 += q_q15[i] * q_q15[i];
         shift -= 10;
     }
-    q_q15[largest] = (int32_t)fxs_sqrt(square_q30 < 1 << 30 ? (1u << 30) - (uint32_t)square_q30 : 0);
+    if (square_q30 > 1 << 30)
+        return 0;
+    q_q15[largest] = (int32_t)fxs_sqrt((1u << 30) - (uint32_t)square_q30);
+    return 1;
 }
 
 /* Rotation matrix of a unit quaternion w, x, y, z. */
@@ -125,7 +129,7 @@ static void covariance_of(covariance *out, int32_t t_q15[2][3], int exponent)
     uint32_t a = (uint32_t)(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
     uint32_t c = (uint32_t)(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
     int64_t minor[3] = {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
-    uint32_t dilation = exponent < 14 ? FXS_DILATION_Q30 >> 2 * exponent : 1;
+    uint32_t dilation = exponent < 12 ? FXS_DILATION_Q30 >> 2 * exponent : FXS_DILATION_LEAST_Q30;
     out->b_q30 = p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
     out->det_undilated_q60 = (uint64_t)(minor[0] * minor[0] + minor[1] * minor[1] + minor[2] * minor[2]);
     out->det_q60 = out->det_undilated_q60 + (uint64_t)dilation * ((uint64_t)a + c + dilation);
@@ -184,13 +188,13 @@ static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, co
     splat->v0_q24 = (uint32_t)(-v_q38 >> 14) + (1 << 10);
 }
 
-/* Rows and columns that the ellipse of radius r can touch, a margin of 1/8 pixel and 1/128 of the size around it.
+/* Rows and columns that the ellipse of radius r can touch, a margin of 1/8 pixel and 1/256 of the size around it.
    Returns 0 where it misses the picture. */
 static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const covariance *s, uint32_t r_q12)
 {
     int64_t half_height_q8 = (int64_t)((uint64_t)sqrt_q8(root_of(s->c_q30, 30), s->exponent) * r_q12 >> 12);
-    int64_t half_width_q8 = bounds->half_width_q8 + (bounds->half_width_q8 >> 7) + 32;
-    half_height_q8 += (half_height_q8 >> 7) + 32;
+    int64_t half_width_q8 = bounds->half_width_q8 + (bounds->half_width_q8 >> 8) + 32;
+    half_height_q8 += (half_height_q8 >> 8) + 32;
     bounds->half_width_q8 = (uint32_t)half_width_q8;
     int64_t cx_q8 = bounds->cx_q14 >> 6, cy_q8 = bounds->cy_q14 >> 6;
     int64_t first = (cy_q8 - half_height_q8 + 255) >> 8, last = (cy_q8 + half_height_q8) >> 8;
@@ -236,7 +240,8 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
         return 0;
     int exponent = size_exponent > 0 ? size_exponent : 0;
     jacobian(j_q15, view, centre);
-    quaternion(q_q15, rotation_word);
+    if (!quaternion(q_q15, rotation_word))
+        return 0;
     rotation(r_q15, q_q15);
     for (int i = 0; i < 3; i++) {
         const int32_t column[3] = {r_q15[0][i], r_q15[1][i], r_q15[2][i]};

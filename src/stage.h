@@ -48,8 +48,9 @@ typedef struct fxs_chunk_view {
 /* Constants of project. */
 #define FXS_NEAR_Q32 858993459                   /* 0.2 */
 #define FXS_DILATION_Q30 322122547u              /* 0.3 pixels^2 */
+#define FXS_DILATION_LEAST_Q30 64u               /* 2^-24: no needle is thinner than 1 in 4096, see docs/numbers.md */
 #define FXS_CENTRE_LIMIT_Q14 (1 << 30)           /* 65536 pixels */
-#define FXS_EXPONENT_MAX 18                      /* sigma up to 2^18 pixels */
+#define FXS_EXPONENT_MAX 16                      /* sigma up to 65536 pixels */
 
 /* A projected Gaussian, as the blend stage reads it: 32 bytes. u = u0 + X ux + Y uy, v = v0 + Y vy for the pixel (X, Y), all
    modulo 2^32: right wherever |u|, |v| < 128, which holds in every tile that the ellipse touches. */

@@ -5,6 +5,13 @@
 
 #include "../port/formats/scene_file.h"
 
+static char path[] = "/tmp/fuzz_ply_XXXXXX";
+
+static void remove_file(void)
+{
+    unlink(path);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 /* Returns read's last result; adds the Gaussians read to *total. */
@@ -18,12 +25,20 @@ static long read_all(fxs_scene_file *file, uint64_t *total)
     return count;
 }
 
+static char path[] = "/tmp/fuzz_ply_XXXXXX";
+
+static void remove_file(void)
+{
+    unlink(path);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static char path[] = "/tmp/fuzz_ply_XXXXXX";
     static int descriptor = -1;
-    if (descriptor < 0)
+    if (descriptor < 0) {
         descriptor = mkstemp(path);
+        atexit(remove_file);
+    }
     if (descriptor < 0 || ftruncate(descriptor, 0) != 0 || pwrite(descriptor, data, size, 0) != (ssize_t)size)
         abort();
 

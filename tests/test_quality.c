@@ -36,6 +36,7 @@ static double linear[PIXELS * 3];
 typedef struct splat_list {
     fxs_splat *splats;
     fxs_bounds *bounds;
+    fxs_box *boxes;
     fxs_key *keys, *spare;
     uint32_t count;
 } splat_list;
@@ -70,7 +71,8 @@ static int to_fixed(fxs_splat *s, fxs_bounds *b, const struct reference_splat *r
 static splat_list project_in_doubles(const subject *s, const fxs_file_view *view, const struct reference_options *o)
 {
     splat_list list = {calloc(s->count, sizeof *list.splats), calloc(s->count, sizeof *list.bounds),
-                       calloc(s->count, sizeof *list.keys), calloc(s->count, sizeof *list.spare), 0};
+                       calloc(s->count, sizeof *list.boxes), calloc(s->count, sizeof *list.keys),
+                       calloc(s->count, sizeof *list.spare), 0};
     for (size_t i = 0; i < s->count; i++) {
         struct reference_splat r;
         if (!reference_project(&s->gaussians[i], view, o, &r) || r.opacity * 255 < 1 ||
@@ -88,17 +90,19 @@ static void pixel_stage(const subject *s, const fxs_file_view *file_view, const 
     fxs_view view = {.width = WIDTH, .height = HEIGHT, .tiles_x = WIDTH / FXS_TILE, .tiles_y = HEIGHT / FXS_TILE,
                      .cut_q11 = FXS_CUT_Q11};
     enum { TILES = WIDTH / FXS_TILE * (HEIGHT / FXS_TILE) };
-    static uint32_t counts[TILES], ends[TILES];
-    fxs_key *sorted = fxs_sort(list.keys, list.spare, list.count);
+    static uint32_t counts[TILES], ends[TILES], histogram[1][FXS_SORT_BUCKETS];
+    const fxs_config one_thread = {0, 0, 1, 0, 0};
+    fxs_key *sorted = fxs_sort(&one_thread, list.keys, list.spare, list.count, histogram, 1);
     memset(counts, 0, sizeof counts);
-    fxs_bin_count(&view, sorted, list.count, list.splats, list.bounds, counts);
+    fxs_bin_c(&view, list.splats, list.bounds, list.count, list.boxes);
+    fxs_bin_count(&view, list.splats, list.bounds, list.boxes, list.count, counts);
     uint32_t total = 0;
     for (int t = 0; t < TILES; t++) {
         ends[t] = total;
         total += counts[t];
     }
     uint32_t *entries = malloc(((size_t)total + 1) * sizeof *entries);
-    fxs_bin_fill(&view, sorted, list.count, list.splats, list.bounds, 0, TILES - 1, ends, entries);
+    fxs_bin_fill(&view, list.splats, list.bounds, list.boxes, sorted, list.count, 0, TILES - 1, ends, entries);
     fxs_options options;
     fxs_options_default(&options);
     for (int t = 0; t < TILES; t++) {
@@ -110,6 +114,7 @@ static void pixel_stage(const subject *s, const fxs_file_view *file_view, const 
     free(entries);
     free(list.splats);
     free(list.bounds);
+    free(list.boxes);
     free(list.keys);
     free(list.spare);
 }

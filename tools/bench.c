@@ -36,6 +36,7 @@ static int take_options(bench_options *o, int argc, char **argv)
     uint64_t frames = 10, path = 0;
     memset(o, 0, sizeof *o);
     view_options_default(&o->view);
+    opterr = 0;
     for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;)
         switch (c) {
         case OPT_FRAMES:
@@ -48,7 +49,7 @@ static int take_options(bench_options *o, int argc, char **argv)
             break;
         case OPT_JSON: o->json = 1; break;
         case OPT_HELP: printf(help, view_options_help); exit(EXIT_OK);
-        case '?': return usage_hint("bench");
+        case '?': return wrong_option(argv);
         default:
             if (view_option(&o->view, c, optarg))
                 return EXIT_USAGE;
@@ -58,7 +59,7 @@ static int take_options(bench_options *o, int argc, char **argv)
     o->scene = argv[optind];
     o->path = (int)path;
     o->frames = path ? o->path : (int)frames;
-    return 0;
+    return view_options_check(&o->view);
 }
 
 static int compare_doubles(const void *a, const void *b)

@@ -19,9 +19,10 @@ int fail(int status, const char *format, ...)
     return status;
 }
 
-int usage_hint(const char *command)
+int wrong_option(char **argv)
 {
-    return fail(EXIT_USAGE, "see: fixsplat %s --help", command);
+    return fail(EXIT_USAGE, "%s: unknown option or missing value: %s; see: fixsplat %s --help", argv[0],
+                argv[optind - 1], argv[0]);
 }
 
 int parse_count(const char *text, uint64_t low, uint64_t high, uint64_t *out)

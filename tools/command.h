@@ -26,8 +26,8 @@ __attribute__((format(printf, 2, 3)))
 #endif
 int fail(int status, const char *format, ...);
 
-/* After a wrong option (getopt_long has said which): points at --help and returns EXIT_USAGE. */
-int usage_hint(const char *command);
+/* After getopt_long met a wrong option (opterr is 0): names it, points at --help and returns EXIT_USAGE. */
+int wrong_option(char **argv);
 
 /* Whole numbers and lists of numbers, checked; they return 0 where the text is anything else. */
 int parse_count(const char *text, uint64_t low, uint64_t high, uint64_t *out);
@@ -81,6 +81,9 @@ void view_options_default(view_options *options);
 
 /* Takes one of VIEW_OPTIONS. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
 int view_option(view_options *options, int which, const char *value);
+
+/* Checks the options against each other. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
+int view_options_check(const view_options *options);
 
 /* The views that the options ask for, at their final size. Returns how many, with *views allocated; or prints why not and returns -1, with
    *views null if it was null before. */

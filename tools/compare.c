@@ -69,12 +69,13 @@ int command_compare(int argc, char **argv)
                                           {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
     const char *difference = 0;
     int json = 0;
+    opterr = 0;
     for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;)
         switch (c) {
         case OPT_DIFF: difference = optarg; break;
         case OPT_JSON: json = 1; break;
         case OPT_HELP: fputs(help, stdout); return EXIT_OK;
-        default: return usage_hint("compare");
+        default: return wrong_option(argv);
         }
     if (optind != argc - 2)
         return fail(EXIT_USAGE, "compare takes two pictures; see: fixsplat compare --help");

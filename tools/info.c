@@ -57,6 +57,7 @@ int command_info(int argc, char **argv)
     loaded_scene loaded;
     fxs_context context;
     fxs_frame_memory memory;
+    opterr = 0;
     for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;)
         switch (c) {
         case OPT_SIZE:
@@ -65,7 +66,7 @@ int command_info(int argc, char **argv)
             break;
         case OPT_JSON: json = 1; break;
         case OPT_HELP: fputs(help, stdout); return EXIT_OK;
-        default: return usage_hint("info");
+        default: return wrong_option(argv);
         }
     if (optind != argc - 1)
         return fail(EXIT_USAGE, "info takes one scene file; see: fixsplat info --help");

@@ -45,6 +45,14 @@ static int kernels(void)
     return EXIT_OK;
 }
 
+/* What was printed has to have arrived. */
+static int finish(int status)
+{
+    if (fflush(stdout) || ferror(stdout))
+        return fail(EXIT_FAILED, "cannot write to standard output");
+    return status;
+}
+
 int main(int argc, char **argv)
 {
     const char *name = argc > 1 ? argv[1] : "";
@@ -60,7 +68,7 @@ int main(int argc, char **argv)
         return kernels();
     for (int i = 0; i < COMMANDS; i++)
         if (!strcmp(name, commands[i].name))
-            return commands[i].run(argc - 1, argv + 1);
+            return finish(commands[i].run(argc - 1, argv + 1));
     if (!*name)
         return fail(EXIT_USAGE, "no command; see: fixsplat --help");
     return fail(EXIT_USAGE, "no command '%s'; see: fixsplat --help", name);

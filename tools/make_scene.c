@@ -58,6 +58,7 @@ int command_make_scene(int argc, char **argv)
                                           {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
     const char *output = 0;
     uint64_t count = 0, seed = 1;
+    opterr = 0;
     for (int c; (c = getopt_long(argc, argv, "o:", table, 0)) != -1;)
         switch (c) {
         case 'o': output = optarg; break;
@@ -70,7 +71,7 @@ int command_make_scene(int argc, char **argv)
                 return fail(EXIT_USAGE, "--seed %s: expected 0 to 4294967295", optarg);
             break;
         case OPT_HELP: help(); return EXIT_OK;
-        default: return usage_hint("make-scene");
+        default: return wrong_option(argv);
         }
     if (optind != argc - 1 || !output)
         return fail(EXIT_USAGE, "make-scene takes a name and -o OUT.ply; see: fixsplat make-scene --help");

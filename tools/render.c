@@ -35,6 +35,7 @@ static int take_options(render_options *o, int argc, char **argv)
                                           {"stats", no_argument, 0, OPT_STATS}, {0, 0, 0, 0}};
     memset(o, 0, sizeof *o);
     view_options_default(&o->view);
+    opterr = 0;
     for (int c; (c = getopt_long(argc, argv, "o:", table, 0)) != -1;)
         switch (c) {
         case 'o': o->output = optarg; break;
@@ -42,7 +43,7 @@ static int take_options(render_options *o, int argc, char **argv)
         case OPT_HASH: o->hash = 1; break;
         case OPT_STATS: o->stats = 1; break;
         case OPT_HELP: printf(help, view_options_help); exit(EXIT_OK);
-        case '?': return usage_hint("render");
+        case '?': return wrong_option(argv);
         default:
             if (view_option(&o->view, c, optarg))
                 return EXIT_USAGE;
@@ -54,7 +55,7 @@ static int take_options(render_options *o, int argc, char **argv)
         return fail(EXIT_USAGE, "render: where to? Give -o OUT.png, --hash or --stats");
     if (o->output && !fxs_image_file_known(o->output))
         return fail(EXIT_USAGE, "%s: expected a name ending in .png, .ppm or .raw", o->output);
-    return 0;
+    return view_options_check(&o->view);
 }
 
 /* The name has exactly one % conversion, a %d with an optional zero-padded width. */

@@ -104,6 +104,17 @@ int view_option(view_options *options, int which, const char *value)
     return 0;
 }
 
+int view_options_check(const view_options *options)
+{
+    if (options->view && !options->cameras)
+        return fail(EXIT_USAGE, "--view needs --cameras");
+    if (options->cameras && (options->has_eye || options->has_look))
+        return fail(EXIT_USAGE, "--cameras and --eye or --look: give one camera");
+    if (options->has_look && !options->has_eye)
+        return fail(EXIT_USAGE, "--look needs --eye");
+    return 0;
+}
+
 /* The index of a view by its number or name, or -1. */
 static long find_view(const fxs_file_view *views, long count, const char *wanted)
 {
@@ -131,8 +142,16 @@ static long views_of_file(const view_options *options, fxs_file_view **views)
         (*views)[0] = (*views)[index];
         count = 1;
     }
-    for (long i = 0; i < count && options->width; i++)
-        fxs_view_resize(&(*views)[i], options->width, options->height);
+    for (long i = 0; i < count; i++) {
+        fxs_camera camera;
+        if (options->width)
+            fxs_view_resize(&(*views)[i], options->width, options->height);
+        if (fxs_camera_from_view(&camera, &(*views)[i], &message)) {
+            free(*views);
+            *views = 0;
+            return fail(-1, "%s: %s", options->cameras, message.text);
+        }
+    }
     return count;
 }
 
@@ -142,8 +161,6 @@ long choose_views(const view_options *options, const fxs_pack_report *report, fx
     int width = options->width ? options->width : 1280, height = options->height ? options->height : 720, result;
     if (options->cameras)
         return views_of_file(options, views);
-    if (options->view)
-        return fail(-1, "--view needs --cameras");
     *views = malloc(sizeof **views);
     if (!*views)
         return fail(-1, "out of memory");

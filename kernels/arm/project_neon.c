@@ -1,21 +1,10 @@
-/* project: four neighbours of a chunk at once; those left after culling are appended one by one. The functions are those
- * of src/project.c; a lane that is culled goes on with values that mean nothing and is dropped at the end. */
-#include "../../src/fixed.h"
+/* project: four neighbours of a chunk at once; those left after culling are appended one by one. The functions are
+ * those of src/project.c; a lane that is culled goes on with values that mean nothing and is dropped at the end. The
+ * square cut-off is there to be measured: C does it. */
 #include "arm.h"
 #include "fixed_neon.h"
 
-#define NEAR_Q32 858993459                       /* 0.2 */
-#define DILATION_Q30 322122547u                  /* 0.3 pixels^2 */
-#define EXPONENT_MAX 18                          /* sigma up to 2^18 pixels */
 #define LANES 4u
-
-/* Where a chunk lies for this camera: camera coordinates = (base + m code) * 2^-16, in units of 2^(shift - 32). */
-typedef struct chunk_view {
-    const fxs_chunk *chunk;
-    int64_t base_q16[3];
-    int32_t m_q16[3][3];
-    int32_t shift, near;
-} chunk_view;
 
 typedef struct projected {
     int32x4_t z, zeros;
@@ -38,39 +27,6 @@ typedef struct shapes {
     uint32_t breadth_q8[LANES], half_width_q8[LANES];
 } shapes;
 
-static void chunk_view_init(chunk_view *cv, const fxs_view *view, const fxs_chunk *chunk)
-{
-    int64_t offset[3];
-    uint64_t most = 0;
-    for (int i = 0; i < 3; i++) {
-        offset[i] = chunk->origin_q32[i] - view->position_q32[i];
-        most |= (uint64_t)(offset[i] < 0 ? -offset[i] : offset[i]) +
-                ((uint64_t)chunk->step_q32[i] * 65535 << chunk->step_shift);
-    }
-    int bits = most ? 64 - fxs_clz64(most) : 0;
-    cv->chunk = chunk;
-    cv->shift = bits > 29 ? bits - 29 : 0;
-    cv->near = (int32_t)(NEAR_Q32 >> cv->shift);
-    for (int i = 0; i < 3; i++) {
-        int64_t base_q30 = 0;
-        for (int j = 0; j < 3; j++) {
-            int64_t r_q30 = view->rotation_q30[3 * i + j];
-            base_q30 += r_q30 * (offset[j] >> cv->shift);
-            int64_t m_q16 = (r_q30 * chunk->step_q32[j] >> 14) * ((int64_t)1 << chunk->step_shift) >> cv->shift;
-            cv->m_q16[i][j] = (int32_t)m_q16;              /* below 2^30 */
-        }
-        cv->base_q16[i] = base_q30 >> 14;
-    }
-}
-
-static int chunk_in_front(const chunk_view *cv)
-{
-    int64_t z_q16 = cv->base_q16[2];
-    for (int j = 0; j < 3; j++)
-        z_q16 += cv->m_q16[2][j] > 0 ? (int64_t)cv->m_q16[2][j] * 65535 : 0;
-    return z_q16 >> 16 > cv->near;
-}
-
 static inline int any(uint32x4_t mask)
 {
     return vget_lane_u64(vreinterpret_u64_u16(vmovn_u32(mask)), 0) != 0;
@@ -86,12 +42,13 @@ static inline int32x4_t s32(uint32x4_t x)
     return vreinterpretq_s32_u32(x);
 }
 
-static inline int32x4_t camera_coordinate(const chunk_view *cv, int axis, const int32x4_t code[3])
+static inline int32x4_t camera_coordinate(const fxs_chunk_view *cv, int axis, const int32x4_t code[3])
 {
     int64x2_t low = vdupq_n_s64(cv->base_q16[axis]), high = low;
     for (int j = 0; j < 3; j++) {
-        low = vmlal_n_s32(low, vget_low_s32(code[j]), cv->m_q16[axis][j]);
-        high = vmlal_high_n_s32(high, code[j], cv->m_q16[axis][j]);
+        const int32_t m_q16 = (int32_t)cv->m_q16[axis][j];
+        low = vmlal_n_s32(low, vget_low_s32(code[j]), m_q16);
+        high = vmlal_high_n_s32(high, code[j], m_q16);
     }
     return vshrn_high_n_s64(vshrn_n_s64(low, 16), high, 16);
 }
@@ -99,7 +56,7 @@ static inline int32x4_t camera_coordinate(const chunk_view *cv, int axis, const 
 /* Pixels from slope * f + c. Clears the lanes of *alive that are 65536 pixels away. */
 static inline int32x4_t pixel_q14(int32x4_t slope_q23, int64_t f_q12, int64_t c_q12, uint32x4_t *alive)
 {
-    const int64x2_t c_q14 = vdupq_n_s64(c_q12 * 4 - (1 << 13)), limit = vdupq_n_s64((int64_t)1 << 30);
+    const int64x2_t c_q14 = vdupq_n_s64(c_q12 * 4 - (1 << 13)), limit = vdupq_n_s64(FXS_CENTRE_LIMIT_Q14);
     int64x2_t low = vrshrq_n_s64(vmull_n_s32(vget_low_s32(slope_q23), (int32_t)f_q12), 21);
     int64x2_t high = vrshrq_n_s64(vmull_high_n_s32(slope_q23, (int32_t)f_q12), 21);
     low = vaddq_s64(low, c_q14);
@@ -110,7 +67,7 @@ static inline int32x4_t pixel_q14(int32x4_t slope_q23, int64_t f_q12, int64_t c_
 }
 
 /* Returns the lanes in front of the near plane and not too far off the axis and the picture. */
-static inline uint32x4_t project_centre(projected *out, const fxs_view *view, const chunk_view *cv,
+static inline uint32x4_t project_centre(projected *out, const fxs_view *view, const fxs_chunk_view *cv,
                                         const uint16_t *position)
 {
     int32x4_t code[3];
@@ -165,7 +122,8 @@ static inline int32x4_t component(uint32x4_t code)
     return vrshrq_n_s32(vmulq_n_s32(odd, 23194), 10);
 }
 
-static inline void quaternion(int32x4_t q_q15[4], uint32x4_t word)
+/* Returns the lanes whose three components are not longer than 1. */
+static inline uint32x4_t quaternion(int32x4_t q_q15[4], uint32x4_t word)
 {
     const uint32x4_t mask = vdupq_n_u32(1023), largest = vshrq_n_u32(word, 30), one_q30 = vdupq_n_u32(1u << 30);
     int32x4_t a = component(vandq_u32(vshrq_n_u32(word, 20), mask));
@@ -177,9 +135,10 @@ static inline void quaternion(int32x4_t q_q15[4], uint32x4_t word)
     q_q15[2] = vbslq_s32(vcltq_u32(largest, vdupq_n_u32(2)), b,
                          vbslq_s32(vceqq_u32(largest, vdupq_n_u32(2)), rest, c));
     q_q15[3] = vbslq_s32(vceqq_u32(largest, vdupq_n_u32(3)), rest, c);
+    return vcleq_u32(square_q30, one_q30);
 }
 
-/* (a b + c d) and (a b - c d), Q15 from Q15 by 2. */
+/* 2 (a b + c d) and 2 (a b - c d). */
 static inline int32x4_t sum_of_products(int32x4_t a, int32x4_t b, int32x4_t c, int32x4_t d)
 {
     return vrshrq_n_s32(vmlaq_s32(vmulq_s32(a, b), c, d), 14);
@@ -204,7 +163,7 @@ static inline void rotation(int32x4_t r_q15[3][3], const int32x4_t q[4])
     r_q15[2][2] = vsubq_s32(one, sum_of_products(x, x, y, y));
 }
 
-static inline uint32x4_t screen_size(const fxs_view *view, const chunk_view *cv, const projected *centre,
+static inline uint32x4_t screen_size(const fxs_view *view, const fxs_chunk_view *cv, const projected *centre,
                                      int32x4_t log2_q16, int32x4_t *exponent)
 {
     int32x4_t minus = vnegq_s32(log2_q16), whole = vnegq_s32(vshrq_n_s32(minus, 16));
@@ -243,8 +202,8 @@ static inline void covariance_of(covariance *out, int32x4_t t_q15[2][3], int32x4
     const int32x4_t minor[3] = {minor_of(p[1], q[2], p[2], q[1]), minor_of(p[2], q[0], p[0], q[2]),
                                 minor_of(p[0], q[1], p[1], q[0])};
     uint32x4_t a = u32(dot(p, p[0], p[1], p[2])), c = u32(dot(q, q[0], q[1], q[2]));
-    uint32x4_t dilation = vshlq_u32(vdupq_n_u32(DILATION_Q30), vmulq_n_s32(exponent, -2));
-    dilation = vmaxq_u32(dilation, vdupq_n_u32(1));
+    uint32x4_t dilation = vshlq_u32(vdupq_n_u32(FXS_DILATION_Q30), vmulq_n_s32(exponent, -2));
+    dilation = vmaxq_u32(dilation, vdupq_n_u32(FXS_DILATION_LEAST_Q30));
     out->a_q30 = vaddq_u32(a, dilation);
     out->b_q30 = dot(p, q[0], q[1], q[2]);
     out->c_q30 = vaddq_u32(c, dilation);
@@ -354,7 +313,7 @@ static inline void whiten(shapes *out, const covariance *s, const projected *cen
 /* x / 128 + 1/8 pixel more */
 static inline int32x4_t with_margin_q8(uint32x4_t x_q8)
 {
-    return s32(vaddq_u32(vsraq_n_u32(x_q8, x_q8, 7), vdupq_n_u32(32)));
+    return s32(vaddq_u32(vsraq_n_u32(x_q8, x_q8, 8), vdupq_n_u32(32)));
 }
 
 /* Returns the lanes whose ellipse does not miss the picture. */
@@ -400,20 +359,20 @@ static inline int32x4_t column_size_q15(int32x4_t below_q16, uint32x4_t size_q32
 }
 
 /* Size, shape and opacity of the lanes in `alive`. Returns those that touch a pixel. */
-static inline uint32x4_t project_shape(shapes *out, const fxs_view *view, const chunk_view *cv, const projected *centre,
-                                       uint32x4_t scale_word, uint32x4_t rotation_word, int32x4_t offset_q11,
-                                       uint32x4_t alive)
+static inline uint32x4_t project_shape(shapes *out, const fxs_view *view, const fxs_chunk_view *cv,
+                                       const projected *centre, uint32x4_t scale_word, uint32x4_t rotation_word,
+                                       int32x4_t offset_q11, uint32x4_t alive)
 {
     int32x4_t log2_q16[3], q_q15[4], r_q15[3][3], j_q15[2][3], t_q15[2][3], size_exponent;
     int32x4_t most = sigmas(log2_q16, cv->chunk, scale_word);
     uint32x4_t size_q32 = screen_size(view, cv, centre, most, &size_exponent);
     int32x4_t exponent = vmaxq_s32(size_exponent, vdupq_n_s32(0));
-    alive = vandq_u32(alive, vcleq_s32(exponent, vdupq_n_s32(EXPONENT_MAX)));
+    alive = vandq_u32(alive, vcleq_s32(exponent, vdupq_n_s32(FXS_EXPONENT_MAX)));
     alive = vbicq_u32(alive, off_picture(view, centre, exponent));
     if (!any(alive))
         return alive;
     jacobian(j_q15, view, centre);
-    quaternion(q_q15, rotation_word);
+    alive = vandq_u32(alive, quaternion(q_q15, rotation_word));
     rotation(r_q15, q_q15);
     for (int i = 0; i < 3; i++) {
         int32x4_t k_q15 = column_size_q15(vsubq_s32(most, log2_q16[i]), size_q32, vsubq_s32(exponent, size_exponent));
@@ -436,20 +395,16 @@ static inline uint32x4_t project_shape(shapes *out, const fxs_view *view, const 
     return vandq_u32(alive, clip(out, view, &s, centre, c, r_q12));
 }
 
-static const uint16_t offset_of_code_q11[256] = {
-#include "../../src/opacity.inc"
-};
-
 /* -2 ln(opacity) of four colour words. */
 static inline int32x4_t offset_q11_of(const uint32_t *colour_word)
 {
     int32_t offset_q11[LANES];
     for (uint32_t lane = 0; lane < LANES; lane++)
-        offset_q11[lane] = offset_of_code_q11[colour_word[lane] >> 24];
+        offset_q11[lane] = fxs_offset_of_code_q11[colour_word[lane] >> 24];
     return vld1q_s32(offset_q11);
 }
 
-static inline uint32x4_t depth_key(const chunk_view *cv, const projected *centre)
+static inline uint32x4_t depth_key(const fxs_chunk_view *cv, const projected *centre)
 {
     int32x4_t exponent = vsubq_s32(vdupq_n_s32(cv->shift - 1 + 4), centre->zeros);
     uint32x4_t mantissa = vandq_u32(vshrq_n_u32(vshlq_u32(u32(centre->z), centre->zeros), 5), vdupq_n_u32(0x3ffffff));
@@ -483,10 +438,9 @@ uint32_t fxs_project_neon(const fxs_view *view, const unsigned char *chunk, uint
     const uint32_t *rotation_word = (const uint32_t *)(const void *)(chunk + FXS_CHUNK_ROTATION);
     const uint32_t *scale_word = (const uint32_t *)(const void *)(chunk + FXS_CHUNK_SCALE);
     const uint32_t *colour_word = (const uint32_t *)(const void *)(chunk + FXS_CHUNK_COLOUR);
-    chunk_view cv;
+    fxs_chunk_view cv;
     uint32_t count = 0;
-    chunk_view_init(&cv, view, (const fxs_chunk *)(const void *)chunk);
-    if (!chunk_in_front(&cv))
+    if (!fxs_chunk_view_init(&cv, view, (const fxs_chunk *)(const void *)chunk))
         return 0;
     for (uint32_t i = 0; i < FXS_CHUNK; i += LANES) {
         projected centre;

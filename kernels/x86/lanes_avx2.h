@@ -32,14 +32,31 @@ static inline vi load_i8(const int8_t *from)
     return (vi)_mm256_cvtepi8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)from));
 }
 
+/* from[stride * at[0]], from[stride * at[1]], ...: quicker than a gather. */
+static inline vi load_apart(const int32_t *from, const int32_t at[LANES], int stride)
+{
+#define AT(i) from[stride * at[i]]
+    return (vi)_mm256_setr_epi32(AT(0), AT(1), AT(2), AT(3), AT(4), AT(5), AT(6), AT(7));
+#undef AT
+}
+
 static inline void store(void *to, vi x)
 {
     _mm256_storeu_si256(to, (__m256i)x);
 }
 
+/* a[0], b[0], a[1], b[1], ... */
+static inline void store_pairs(void *to, vi a, vi b)
+{
+    __m256i low = _mm256_unpacklo_epi32((__m256i)a, (__m256i)b), high = _mm256_unpackhi_epi32((__m256i)a, (__m256i)b);
+    _mm256_storeu_si256(to, _mm256_permute2x128_si256(low, high, 0x20));
+    _mm256_storeu_si256((__m256i *)to + 1, _mm256_permute2x128_si256(low, high, 0x31));
+}
+
 static inline unsigned bits(mask which)
 {
-    __m128i words = _mm_packs_epi32(_mm256_castsi256_si128((__m256i)which), _mm256_extracti128_si256((__m256i)which, 1));
+    __m128i high = _mm256_extracti128_si256((__m256i)which, 1);
+    __m128i words = _mm_packs_epi32(_mm256_castsi256_si128((__m256i)which), high);
     return (unsigned)_mm_movemask_epi8(_mm_packs_epi16(words, _mm_setzero_si128()));
 }
 
@@ -102,10 +119,11 @@ static inline vu shift_right(vu x, vi shift)
     return (vu)_mm256_srlv_epi32((__m256i)x, (__m256i)shift);
 }
 
-/* Leading zeros; 32 for 0. Those of each half byte from a table; then the lower part counts where the upper one is 0. */
+/* Leading zeros; 32 for 0. Those of each half byte from a table; then a lower part counts where the upper one is 0. */
 static inline vi clz(vu x)
 {
-    const __m256i zeros_of = _mm256_broadcastsi128_si256(_mm_setr_epi8(4, 3, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0));
+    const __m128i table = _mm_setr_epi8(4, 3, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0);
+    const __m256i zeros_of = _mm256_broadcastsi128_si256(table);
     const __m256i nibble = _mm256_set1_epi8(15);
     __m256i low = _mm256_shuffle_epi8(zeros_of, _mm256_and_si256((__m256i)x, nibble));
     __m256i high = _mm256_shuffle_epi8(zeros_of, _mm256_and_si256((__m256i)(x >> 4), nibble));
@@ -115,7 +133,8 @@ static inline vi clz(vu x)
     n = _mm256_add_epi16(high, _mm256_and_si256(low, _mm256_cmpeq_epi16(high, _mm256_set1_epi16(8))));
     low = _mm256_and_si256(n, _mm256_set1_epi32(65535));
     high = _mm256_srli_epi32(n, 16);
-    return (vi)_mm256_add_epi32(high, _mm256_and_si256(low, _mm256_cmpeq_epi32(high, _mm256_set1_epi32(16))));
+    low = _mm256_and_si256(low, _mm256_cmpeq_epi32(high, _mm256_set1_epi32(16)));
+    return (vi)_mm256_add_epi32(high, low);
 }
 
 /* Low 16 bits of a, signed, times b, which fits 16 bits too and has 0 above them. */

@@ -32,9 +32,27 @@ static inline vi load_i8(const int8_t *from)
     return (vi)_mm512_cvtepi8_epi32(_mm_loadu_si128((const __m128i *)(const void *)from));
 }
 
+/* from[stride * at[0]], from[stride * at[1]], ...: quicker than a gather. */
+static inline vi load_apart(const int32_t *from, const int32_t at[LANES], int stride)
+{
+#define AT(i) from[stride * at[i]]
+    return (vi)_mm512_setr_epi32(AT(0), AT(1), AT(2), AT(3), AT(4), AT(5), AT(6), AT(7),
+                                 AT(8), AT(9), AT(10), AT(11), AT(12), AT(13), AT(14), AT(15));
+#undef AT
+}
+
 static inline void store(void *to, vi x)
 {
     _mm512_storeu_si512(to, (__m512i)x);
+}
+
+/* a[0], b[0], a[1], b[1], ... */
+static inline void store_pairs(void *to, vi a, vi b)
+{
+    const __m512i low = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+    const __m512i high = _mm512_setr_epi32(8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
+    _mm512_storeu_si512(to, _mm512_permutex2var_epi32((__m512i)a, low, (__m512i)b));
+    _mm512_storeu_si512((__m512i *)to + 1, _mm512_permutex2var_epi32((__m512i)a, high, (__m512i)b));
 }
 
 /* Stores the lanes of `which`, in order, without gaps; the rest of a vector behind them is overwritten. */

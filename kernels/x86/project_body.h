@@ -1,7 +1,7 @@
-/* project, LANES Gaussians at a time: src/project.c with the same numbers in the same order, in two passes over a chunk. The first finds
- * the centres and drops what is behind the camera or off the picture; the second shapes what is left, without gaps.
- * Include lanes_avx2.h or lanes_avx512.h first. */
-#include "chunk_view.h"
+/* project, LANES Gaussians at a time: src/project.c with the same numbers in the same order, in two passes over a
+ * chunk. The first finds the centres and drops what is behind the camera or off the picture; the second shapes what is
+ * left, without gaps. Include lanes_avx2.h or lanes_avx512.h first. */
+#include "../../src/stage.h"
 #include "lanes.h"
 
 /* What the second pass needs of a Gaussian. */
@@ -16,7 +16,7 @@ typedef struct centre {
     vi camera[3], zeros, inverse_q30, slope_q23[2], position_q14[2];
 } centre;
 
-static inline vi camera_axis(const chunk_view *cv, int i, const vi code[3])
+static inline vi camera_axis(const fxs_chunk_view *cv, int i, const vi code[3])
 {
     wide x = mul_wide(code[0], all((int32_t)cv->m_q16[i][0]));
     x = add_wide(x, mul_wide(code[1], all((int32_t)cv->m_q16[i][1])));
@@ -28,7 +28,7 @@ static inline vi camera_axis(const chunk_view *cv, int i, const vi code[3])
    0 <= that < 2^31 - 1, and all that is above bit 30 has to be 0. */
 static inline mask project_axis(centre *c, int i, int64_t f_q12, int64_t c_q12)
 {
-    const int64_t up = CENTRE_LIMIT_Q14 - 1;
+    const int64_t up = FXS_CENTRE_LIMIT_Q14 - 1;
     vi x = c->camera[i], z = c->camera[2];
     c->slope_q23[i] = scale_down_wide(mul_wide(x, c->inverse_q30), 39 - c->zeros);
     wide raised_q35 = offset_wide(mul_wide(c->slope_q23[i], all((int32_t)f_q12)),
@@ -39,13 +39,15 @@ static inline mask project_axis(centre *c, int i, int64_t f_q12, int64_t c_q12)
            equal((vi)(narrow(raised_q35, 32) >> 21 | raised_q14 >> 31), all(0));
 }
 
-static inline vi log2_sigma_q16(const chunk_view *cv, vi code)
+static inline vi log2_sigma_q16(const fxs_chunk_view *cv, vi code)
 {
     return cv->chunk->scale_q16 - (vi)(((vu)(code * code * (int32_t)cv->chunk->scale_step_q24) + 128) >> 8);
 }
 
-/* f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent, mantissa in [0.5, 1). The smallest code is the largest sigma. */
-static inline vu screen_size(const fxs_view *view, const chunk_view *cv, const centre *c, vi scale_word, vi *exponent)
+/* f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent, mantissa in [0.5, 1). The smallest code is the largest
+   sigma. */
+static inline vu screen_size(const fxs_view *view, const fxs_chunk_view *cv, const centre *c, vi scale_word,
+                             vi *exponent)
 {
     vi code = least(least(scale_word & 1023, scale_word >> 10 & 1023), scale_word >> 20 & 1023);
     vi minus_log2_q16 = -log2_sigma_q16(cv, code);
@@ -62,22 +64,22 @@ static inline vu screen_size(const fxs_view *view, const chunk_view *cv, const c
 static inline mask on_picture(const fxs_view *view, const centre *c, vi exponent)
 {
     vi size = (vi)shift_left((vu)all(1), clamp(exponent, all(0), all(15)));
-    vi radius_q14 = least((14 << 12) * (size + 1), all(CENTRE_LIMIT_Q14));
-    return greater(all(EXPONENT_MAX + 1), exponent) & greater(c->position_q14[0], -radius_q14 - 1) &
+    vi radius_q14 = least((14 << 12) * (size + 1), all(FXS_CENTRE_LIMIT_Q14));
+    return greater(all(FXS_EXPONENT_MAX + 1), exponent) & greater(c->position_q14[0], -radius_q14 - 1) &
            greater(c->position_q14[1], -radius_q14 - 1) &
            greater(radius_q14 + ((view->tiles_x << 18) + 1), c->position_q14[0]) &
            greater(radius_q14 + ((view->tiles_y << 18) + 1), c->position_q14[1]);
 }
 
-static inline vi depth_key(const chunk_view *cv, const centre *c)
+static inline vi depth_key(const fxs_chunk_view *cv, const centre *c)
 {
     vu exponent = (vu)((cv->shift + 3) - c->zeros);
     return (vi)(exponent << 26 | (shift_left((vu)c->camera[2], c->zeros) >> 5 & 0x3ffffff));
 }
 
 /* The centres of the Gaussians i to i + LANES - 1. */
-static inline void find_centres(survivors *s, const fxs_view *view, const chunk_view *cv, const unsigned char *chunk,
-                                uint32_t i)
+static inline void find_centres(survivors *s, const fxs_view *view, const fxs_chunk_view *cv,
+                                const unsigned char *chunk, uint32_t i)
 {
     const uint16_t *position = (const uint16_t *)(const void *)(chunk + FXS_CHUNK_POSITION) + i;
     const vi code[3] = {load_u16(position), load_u16(position + FXS_CHUNK), load_u16(position + 2 * FXS_CHUNK)};
@@ -129,15 +131,16 @@ static inline vi component(vi word, int shift)
     return ((2 * code - 1023) * 23194 + 512) >> 10;
 }
 
-/* w, x, y, z from the smallest three a, b, c. */
-static inline void quaternion(vi q_q15[4], vi word)
+/* w, x, y, z from the smallest three a, b, c, where those are not longer than 1. */
+static inline mask quaternion(vi q_q15[4], vi word)
 {
     vi a = component(word, 20), b = component(word, 10), c = component(word, 0), which = (vi)((vu)word >> 30);
-    vi largest = (vi)root((vu)most((1 << 30) - (a * a + b * b + c * c), all(0)));
+    vi rest_q30 = (1 << 30) - (a * a + b * b + c * c), largest = (vi)root((vu)rest_q30);
     q_q15[0] = choose(equal(which, all(0)), largest, a);
     q_q15[1] = choose(equal(which, all(1)), largest, choose(equal(which, all(0)), a, b));
     q_q15[2] = choose(equal(which, all(2)), largest, choose(greater(which, all(2)), c, b));
     q_q15[3] = choose(equal(which, all(3)), largest, c);
+    return greater(rest_q30, all(-1));
 }
 
 static inline vi half_product(vi product)
@@ -172,14 +175,15 @@ static inline vi axis_length(vi below_q16, vu size_q32, vi reduce)
     return (vi)((shift_right(narrow(mul_wide_u(ratio_q15, size_q32), 31), reduce + (below_q16 >> 16)) + 1) >> 1);
 }
 
-/* T = J W R S, column by column. */
-static inline void screen_axes(vi t_q15[2][3], const fxs_view *view, const chunk_view *cv, const survivors *s, uint32_t at)
+/* T = J W R S, column by column, where the rotation is one. */
+static inline mask screen_axes(vi t_q15[2][3], const fxs_view *view, const fxs_chunk_view *cv, const survivors *s,
+                               uint32_t at)
 {
     vi j_q15[2][3], q_q15[4], r_q15[3][3], log2_q16[3], exponent = load(&s->rows[EXPONENT][at]);
     vi scale_word = load(&s->rows[SCALE][at]), reduce = most(exponent, all(0)) - exponent;
     jacobian(j_q15[0], view, 0, load(&s->rows[SLOPE_X][at]));
     jacobian(j_q15[1], view, 1, load(&s->rows[SLOPE_Y][at]));
-    quaternion(q_q15, load(&s->rows[ROTATION][at]));
+    const mask valid = quaternion(q_q15, load(&s->rows[ROTATION][at]));
     rotation(r_q15, q_q15);
     for (int i = 0; i < 3; i++)
         log2_q16[i] = log2_sigma_q16(cv, scale_word >> 10 * i & 1023);
@@ -189,6 +193,7 @@ static inline void screen_axes(vi t_q15[2][3], const fxs_view *view, const chunk
         t_q15[0][i] = mul_q15(dot_q15(j_q15[0], r_q15[i]), k_q15);
         t_q15[1][i] = mul_q15(dot_q15(j_q15[1], r_q15[i]), k_q15);
     }
+    return valid;
 }
 
 typedef struct covariance {
@@ -202,7 +207,8 @@ static inline void covariance_of(covariance *out, vi t_q15[2][3], vi exponent)
     const vi *p = t_q15[0], *q = t_q15[1];
     vu a = (vu)(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]), c = (vu)(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
     vi x = p[1] * q[2] - p[2] * q[1], y = p[2] * q[0] - p[0] * q[2], z = p[0] * q[1] - p[1] * q[0];
-    vu dilation = (vu)most((vi)shift_right((vu)all(DILATION_Q30), 2 * exponent), all(1));
+    vu dilation = (vu)most((vi)shift_right((vu)all((int32_t)FXS_DILATION_Q30), 2 * exponent),
+                           all(FXS_DILATION_LEAST_Q30));
     out->b_q30 = p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
     out->det_undilated_q60 = add_wide(add_wide(mul_wide(x, x), mul_wide(y, y)), mul_wide(z, z));
     out->det_q60 = add_wide(out->det_undilated_q60, mul_wide_u(dilation, a + c + dilation));
@@ -273,8 +279,8 @@ static inline void whiten(vi splat[WORDS], vi bounds[WORDS], const covariance *s
 static inline mask clip(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view, vi half_height_q8)
 {
     vi half_width_q8 = bounds[HALF_WIDTH], cx_q8 = bounds[CX] >> 6, cy_q8 = bounds[CY] >> 6;
-    half_width_q8 += (half_width_q8 >> 7) + 32;
-    half_height_q8 += (half_height_q8 >> 7) + 32;
+    half_width_q8 += (half_width_q8 >> 8) + 32;
+    half_height_q8 += (half_height_q8 >> 8) + 32;
     bounds[HALF_WIDTH] = half_width_q8;
     vi first = (cy_q8 - half_height_q8 + 255) >> 8, last = (cy_q8 + half_height_q8) >> 8;
     splat[CLIP] = most(first, all(0)) | least(last, all(view->height - 1)) << 16;
@@ -284,14 +290,14 @@ static inline mask clip(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view,
 }
 
 /* The survivors `at` to at + LANES - 1. */
-static inline mask shape(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view, const chunk_view *cv,
+static inline mask shape(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view, const fxs_chunk_view *cv,
                          const survivors *s, uint32_t at)
 {
     vi t_q15[2][3], offset_q11 = load(&s->rows[OPACITY][at]);
     covariance cov;
-    screen_axes(t_q15, view, cv, s, at);
-    covariance_of(&cov, t_q15, most(load(&s->rows[EXPONENT][at]), all(0)));
     mask alive = greater((int32_t)(s->count - at) - load(lane_numbers), all(0));
+    alive &= screen_axes(t_q15, view, cv, s, at);
+    covariance_of(&cov, t_q15, most(load(&s->rows[EXPONENT][at]), all(0)));
     if (view->antialiased)
         alive &= compensate(&offset_q11, &cov);
     vi r2_q11 = least(all(FXS_CUT_Q11), FXS_FAINT_Q11 - offset_q11);
@@ -322,7 +328,7 @@ static inline void transpose(__m256i out[4], int32_t rows[WORDS][LANES], int fir
     out[3] = _mm256_unpackhi_epi64(c, d);
 }
 
-/* Appends the structures of the lanes in `which`. Every lane is written; the next one overwrites it where it is not wanted. */
+/* Appends the structures of the lanes in `which`. Every lane is written, and overwritten by the next if not wanted. */
 static inline void append(fxs_splat *splats, fxs_bounds *bounds, int32_t splat_rows[WORDS][LANES],
                           int32_t bounds_rows[WORDS][LANES], unsigned which)
 {
@@ -340,20 +346,19 @@ static inline void append(fxs_splat *splats, fxs_bounds *bounds, int32_t splat_r
     }
 }
 
-static inline uint32_t project(const fxs_view *view, const unsigned char *chunk, uint32_t first_index, fxs_splat *splats,
-                               fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
+static inline uint32_t project(const fxs_view *view, const unsigned char *chunk, uint32_t first_index,
+                               fxs_splat *splats, fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
 {
-    chunk_view cv;
+    fxs_chunk_view cv;
     survivors s;
     uint32_t count = 0;
-    chunk_view_init(&cv, view, (const fxs_chunk *)(const void *)chunk);
-    if (!chunk_in_front(&cv))
+    if (!fxs_chunk_view_init(&cv, view, (const fxs_chunk *)(const void *)chunk))
         return 0;
     s.count = 0;
     for (uint32_t i = 0; i < FXS_CHUNK; i += LANES)
         find_centres(&s, view, &cv, chunk, i);
     for (uint32_t i = 0; i < s.count; i++)
-        s.rows[OPACITY][i] = offset_of_code_q11[s.rows[OPACITY][i]];
+        s.rows[OPACITY][i] = fxs_offset_of_code_q11[s.rows[OPACITY][i]];
     for (int row = 0; row < ROWS; row++)
         store(&s.rows[row][s.count], all(0));
     for (uint32_t at = 0; at < s.count; at += LANES) {

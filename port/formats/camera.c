@@ -68,7 +68,7 @@ int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double hi
         radius += (high[i] - low[i]) * (high[i] - low[i]) / 4;
     }
     double narrow = atan(tan(fov / 2 / DEGREES) * fmin(1, (double)width / height));
-    double distance = fmax(sqrt(radius), 0.01) / sin(narrow);
+    double distance = fmax(sqrt(radius) / sin(narrow), sqrt(radius) + 0.5);   /* clear of the near plane, 0.2 */
     for (int i = 0; i < 3; i++)
         eye[i] = middle[i] + distance * (0.95 * back[i] + 0.31 * axis[i]);
     return fxs_view_look_at(view, eye, middle, up, fov, width, height, message);

@@ -236,7 +236,7 @@ static void take_ranges(packer *p, uint64_t index, const fxs_gaussian *g)
 /* The smallest step, in units of 2^-q, with which `codes` + 1 codes reach from low over the whole range. */
 static uint32_t step_for(double reach, int codes, int q)
 {
-    return (uint32_t)ceil(ldexp(reach, q) / codes);
+    return (uint32_t)fmin(ceil(ldexp(reach, q) / codes), UINT32_MAX);
 }
 
 static void write_header(fxs_chunk *chunk, const chunk_ranges *r)

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define MAX_PROPERTIES 62   /* position, normal, degree 0, degrees 1 to 3, opacity, scale, rotation */
 
@@ -46,7 +47,7 @@ int fxs_ply_writer_open(const char *path, uint64_t count, int sh_degree, int ant
     size_t length = strlen(path) + 1;
     if (made) {
         made->path = malloc(length);
-        made->temporary = malloc(length + 4);
+        made->temporary = malloc(length + 40);
     }
     if (!made || !made->path || !made->temporary) {
         if (made)
@@ -54,7 +55,7 @@ int fxs_ply_writer_open(const char *path, uint64_t count, int sh_degree, int ant
         return fxs_fail(message, "%s: out of memory", path);
     }
     memcpy(made->path, path, length);
-    snprintf(made->temporary, length + 4, "%s.tmp", path);
+    snprintf(made->temporary, length + 40, "%s.fixsplat-%ld.tmp", path, (long)getpid());
     made->left = count;
     made->coefficients = (size_t)((sh_degree + 1) * (sh_degree + 1) - 1);
     made->file = fopen(made->temporary, "wb");

@@ -11,7 +11,7 @@
 typedef struct fxs_ply_writer fxs_ply_writer;
 
 /* Begins a file of exactly `count` Gaussians with SH up to `sh_degree`, 0 to 3; antialiased 1 says so in a comment.
-   The file takes the name `path` when it is complete; until then it is beside it, as `path`.tmp.
+   The file takes the name `path` when it is complete; until then it is beside it, under a temporary name.
    Returns 0 and a writer that fxs_ply_writer_close frees, or -1 and a message. */
 int fxs_ply_writer_open(const char *path, uint64_t count, int sh_degree, int antialiased, fxs_ply_writer **writer,
                         fxs_message *message);

@@ -1,0 +1,91 @@
+#!/bin/sh
+# tests/fuzz.sh SECONDS: fuzzes each reader that long. What makes one fail is kept in the folder fuzz of the build.
+. tests/scripts/lib/check.sh
+seconds=${1:?seconds}
+out=${B:-build}/fuzz
+fixsplat=$(cd "${B:-build}" && pwd)/fixsplat
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+
+# The sources that each needs beside itself.
+sources_of() {
+    case $1 in
+    fuzz_ply) set -- ply scene_file ;;
+    fuzz_camera) set -- camera_file camera_json camera_colmap ;;
+    esac
+    printf 'port/formats/%s.c ' "$@" message
+}
+
+# ---- Small files to start from, of each kind -------------------------------------------------------------------------
+
+seeds_of_ply() {
+    for scene in knot needles fog layers; do
+        "$fixsplat" make-scene $scene --count 3 -o $scene.ply
+    done
+    {
+        printf '%s\n' ply 'format ascii 1.0' 'comment SplatRenderMode: mip' 'element vertex 2'
+        printf 'property double %s\n' x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2
+        printf 'property uchar %s\n' rot_0 rot_1 rot_2 rot_3
+        printf '%s\n' 'element face 1' 'property list uchar int index' end_header '0 0 0 1 .5 2e-1 2 -1 -2 -3 1 0 0 0' \
+            '1 1 1 1 nan .2 inf -1 -2 -3 1 0 0 0' '3 0 1 2'
+    } >ascii.ply
+    sed 's/ascii/binary_big_endian/' ascii.ply >big.ply
+}
+
+# colmap KIND CAMERAS IMAGES: as tests/fuzz_camera.c takes them, both written as the format of printf
+colmap() {
+    printf "$2" >cameras
+    printf "\\$1\\$(printf %o $(wc -c <cameras))\\0$2$3"
+    rm cameras
+}
+
+seeds_of_camera() {
+    printf '\0\0\0[{"img_name": "a", "width": 8, "height": 6, "fx": 9, "fy": 9, %s}]' \
+        '"position": [0, 0, 1], "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]' >inria
+    printf '\0\0\0{"camera_angle_x": 0.7, "w": 8, "h": 6, "cx": 4, "frames": [{"file_path": "a", %s}]}' \
+        '"transform_matrix": [[1, 0, 0, 2], [0, 1, 0, 3], [0, 0, 1, 4], [0, 0, 0, 1]]' >transforms
+    colmap 2 '# cameras\n1 PINHOLE 8 6 9 9 4 3\n' '# images\n1 1 0 0 0 0 0 1 1 a.png\n2.5 3 -1\n' >text
+    int='\1\0\0\0' long='\1\0\0\0\0\0\0\0' zero='\0\0\0\0\0\0\0\0' unit='\0\0\0\0\0\0\360\77'
+    colmap 1 "$long$int$int$long$long$unit$unit$unit$unit" \
+        "$long$int$unit$zero$zero$zero$zero$zero$unit${int}a.png\\0$long$unit$unit$long" >binary
+}
+
+# ---- Run -------------------------------------------------------------------------------------------------------------
+
+build() {
+    clang -std=c99 -D_POSIX_C_SOURCE=200809L -g -O1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
+        $features tests/"$1.c" $(sources_of "$1") -lm $libraries -o "$work/$1"
+}
+
+fuzz() {
+    mkdir "$work/corpus"
+    (cd "$work/corpus" && "seeds_of_${1#fuzz_}")
+    "$work/$1" -max_total_time="$seconds" -max_len=4096 -timeout=10 -rss_limit_mb=1024 -artifact_prefix="$out/$1-" \
+        "$work/corpus" >"$work/log" 2>&1
+    status=$?
+    rm -r "$work/corpus"
+    return $status
+}
+
+echo 'int LLVMFuzzerTestOneInput(const char *data, long size) { return data && size < 0; }' >"$work/links.c"
+if ! clang -fsanitize=fuzzer,address,undefined "$work/links.c" -o "$work/links" 2>/dev/null; then
+    skip fuzz "no clang with libFuzzer here"
+    finish
+    exit
+fi
+if echo '#include <cjson/cJSON.h>' | clang -E -x c - >/dev/null 2>&1; then
+    features=-DFXS_WITH_CJSON libraries=-lcjson
+fi
+mkdir -p "$out"
+for source in tests/fuzz_*.c; do
+    name=$(basename "$source" .c)
+    if ! build "$name"; then
+        fail "$name" "does not build"
+    elif fuzz "$name"; then
+        ok "$name: $(sed -n 's/^Done \([0-9]*\) runs.*/\1/p' "$work/log") inputs"
+    else
+        tail -n 40 "$work/log"
+        fail "$name" "see $out"
+    fi
+done
+finish

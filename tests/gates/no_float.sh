@@ -1,0 +1,54 @@
+#!/bin/sh
+# No floating point in src and kernels: no such type or number in the text (a GPU may carry integers in its float
+# registers, so its folders are left out), no soft-float call in src on a processor without floating point, and no
+# vector or float register on AArch64.
+cd "$(dirname "$0")/../.." || exit 1
+objects=$(mktemp -d) || exit 1
+trap 'rm -rf "$objects"' EXIT
+missing=
+
+fail() {
+    echo "FAIL no_float: $1"
+    exit 1
+}
+
+# build NAME COMPILER [FLAG...]: every file of src, to NAME_FILE.o. Returns 1 where there is no such compiler, or it has
+# no C library.
+build() {
+    name=$1 compiler=$2
+    shift 2
+    echo '#include <string.h>' | "$compiler" "$@" -E - >"$objects/log" 2>&1 || {
+        missing="$missing $compiler"
+        return 1
+    }
+    for source in src/*.c; do
+        "$compiler" -std=c99 -O2 "$@" -c "$source" -o "$objects/${name}_$(basename "$source" .c).o" 2>"$objects/log" ||
+            fail "$source does not build with $compiler $*: $(head -n 1 "$objects/log")"
+    done
+}
+
+type='(float|double|long double|_Float[0-9]*|__fp16|float(16|32|64)(x[0-9]+)?(x[0-9]+)?_t)'
+number='([0-9]+\.[0-9]*|\.[0-9]+|[0-9]+[eE][-+]?[0-9]+)'
+text=$(find src kernels \( -path kernels/cuda -o -path kernels/gles \) -prune -o -type f \
+    \( -name '*.[ch]' -o -name '*.inc' \) -print | xargs awk -f tests/gates/strip_comments.awk |
+    grep -v '^[^:]*:[0-9]*:[ \t]*#[ \t]*include' |
+    grep -E "^[^:]*:[0-9]*:(.*[^A-Za-z0-9_.])?($type|$number)([^A-Za-z0-9_]|\$)" | cut -d: -f1,2 | tr '\n' ' ')
+[ -z "$text" ] || fail "in $text"
+
+# ARM's run-time ABI: arithmetic __aeabi_fadd, __aeabi_dmul, ..., comparison __aeabi_cfcmple, ..., conversion
+# __aeabi_i2f, __aeabi_ul2d, __aeabi_d2iz, __aeabi_f2lz, __aeabi_h2f, ...;
+# libgcc's own names: __addsf3, __muldf3, __floatsisf, __fixdfsi, ...
+soft_float='__aeabi_(f|d|h|cf|cd|i2|ui2|l2|ul2)[a-z0-9_]*|__[a-z]+[hsdt]f[a-z0-9]*|__(float|fix)[a-z]+'
+hosted='malloc|calloc|realloc|free|[a-z]*printf|puts|abort|exit'
+if build cortexm3 arm-none-eabi-gcc -mcpu=cortex-m3 -mthumb -ffreestanding; then
+    bad=$(arm-none-eabi-nm -A -u "$objects"/cortexm3_*.o | awk '{ print $NF }' | grep -Ex "$soft_float|$hosted" |
+        sort -u | tr '\n' ' ')
+    [ -z "$bad" ] || fail "src calls $bad"
+fi
+build aarch64 aarch64-linux-gnu-gcc -mgeneral-regs-only
+
+if [ -n "$missing" ]; then
+    echo "skip no_float: not here:$missing"
+    exit 77
+fi
+echo "ok   no_float"

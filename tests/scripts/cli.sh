@@ -1,0 +1,422 @@
+#!/bin/sh
+# The command, from outside: its exit codes, messages, options and pictures.
+. tests/scripts/lib/check.sh
+fixsplat=$PWD/${B:-build}/fixsplat
+case $B in /*) fixsplat=$B/fixsplat ;; esac
+scenes=$(cd "${FXS_SCENES:-../shared/scenes}" 2>/dev/null && pwd)
+root=$PWD
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+mkdir logs
+helper=logs/helper
+${CC:-cc} -O1 -o $helper "$root/tests/scripts/lib/helper.c" || exit 1
+
+# ---- Expectations ----------------------------------------------------------------------------------------------------
+
+# Runs the command: $status, logs/out, logs/err.
+run() {
+    "$fixsplat" "$@" >logs/out 2>logs/err
+    status=$?
+}
+
+# succeeds NAME ARGUMENT...: exit 0, not a word on stderr.
+succeeds() {
+    name=$1
+    shift
+    run "$@"
+    if [ $status = 0 ] && [ ! -s logs/err ]; then ok "$name"; else fail "$name" "status $status: $(cat logs/err)"; fi
+}
+
+# fails NAME STATUS WORDS ARGUMENT...: that exit status, nothing on stdout, one line with those words (a regular
+# expression) on stderr.
+fails() {
+    name=$1 wanted=$2 words=$3
+    shift 3
+    run "$@"
+    if [ $status = "$wanted" ] && [ ! -s logs/out ] && [ "$(wc -l <logs/err)" = 1 ] && grep -q "^fixsplat: " logs/err &&
+        grep -Eq -- "$words" logs/err; then
+        ok "$name"
+    else
+        fail "$name" "status $status, stdout of $(wc -c <logs/out) bytes, stderr: $(cat logs/err)"
+    fi
+}
+
+# The hash of the picture of these arguments, or what went wrong.
+hash_of() { "$fixsplat" render "$@" --hash 2>&1; }
+
+# Pixels as lines of numbers: of a .raw without its alpha, of a .ppm of the picture size WxH.
+raw_colours() { od -An -v -tu1 "$1" | awk '{ for (i = 1; i <= NF; i++) if (i % 4) print $i }'; }
+ppm_colours() { tail -c "$(($2 * 3))" "$1" | od -An -v -tu1 | awk '{ for (i = 1; i <= NF; i++) print $i }'; }
+
+equal() { [ "$1" = "$2" ] || { echo "$1 is not $2"; return 1; }; }
+differ() { [ "$1" != "$2" ] || { echo "both are $1"; return 1; }; }
+all_zero() { cmp -n "$(wc -c <"$1")" "$1" /dev/zero; }
+
+# keys FILE KEY...: one JSON object with these keys (a.b: b inside a).
+keys() {
+    file=$1
+    shift
+    if have python3; then
+        python3 -c '
+import json, sys
+def refuse(name): raise ValueError(name)
+for path in sys.argv[2:]:
+    value = json.load(open(sys.argv[1]), parse_constant=refuse)
+    for key in path.split("."): value = value[key]' "$file" "$@" 2>&1 | tail -n 1 | grep . && return 1
+        return 0
+    fi
+    for key in "$@"; do
+        grep -q "\"${key##*.}\":" "$file" || { echo "no $key"; return 1; }
+    done
+}
+
+# ---- Scenes and cameras made here ------------------------------------------------------------------------------------
+
+# ply_header COUNT
+ply_header() {
+    printf 'ply\nformat ascii 1.0\nelement vertex %s\n' "$1"
+    printf 'property float %s\n' x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3
+    echo end_header
+}
+
+# ply FILE LINE...: x y z r g b opacity, three ln(sigma), quaternion
+ply() {
+    file=$1
+    shift
+    ply_header $# >"$file"
+    printf '%s\n' "$@" >>"$file"
+}
+
+# inria_camera NAME X WIDTH HEIGHT FX ROTATION: looks along z from (X, 0, -6)
+inria_camera() {
+    echo "{\"id\": 0, \"img_name\": \"$1\", \"width\": $3, \"height\": $4, \"position\": [$2, 0, -6],"
+    echo " \"rotation\": ${6:-$identity}, \"fx\": $5, \"fy\": $5}"
+}
+identity='[[1, 0, 0], [0, 1, 0], [0, 0, 1]]'
+
+cameras() { file=$1; shift; printf '[%s]\n' "$(IFS=,; echo "$*")" >"$file"; }
+
+small=--size\ 64x48
+"$fixsplat" make-scene knot --count 2000 -o knot.ply || exit 1
+cameras three.json "$(inria_camera front 0 64 48 60)" "$(inria_camera side 1 64 48 60)" "$(inria_camera far 2 64 48 60)"
+cameras double.json "$(inria_camera front 0 128 96 120)"
+cameras wide.json "$(inria_camera front 0 128 32 120)"
+
+# ---- Help and usage --------------------------------------------------------------------------------------------------
+
+fails "no command" 2 "no command"
+fails "unknown command" 2 "'paint'" paint
+fails "no scene" 2 "render takes one scene" render
+fails "two scenes" 2 "render takes one scene" render knot.ply knot.ply $small --hash
+fails "no output" 2 "where to" render knot.ply
+succeeds "version" --version
+succeeds "help" --help
+
+# The options of each command stand in its table for getopt_long.
+for command in render bench info compare make-scene; do
+    source=$root/tools/$(echo $command | tr - _).c
+    grep -q VIEW_OPTIONS "$source" && source="$source $root/tools/command.h"
+    succeeds "$command --help" $command --help
+    check "$command --help has examples" grep -q '^Examples:' logs/out
+    for option in $(sed -n 's/{"/\n{"/gp' $source | sed -n 's/^{"\([a-z-]*\)", \(no\|required\)_argument.*/\1/p'); do
+        [ "$option" = help ] || check "$command --help names --$option" grep -q -- "--$option" logs/out
+    done
+    fails "$command: unknown option" 2 "" $command --no-such-option
+    fails "$command: option without its value" 2 "" $command -o
+done
+
+for bad in 0x10 10x0 16385x1 1x16385 10 10x 10x10x10 -1x10 99999999999999999999x1; do
+    fails "--size $bad" 2 "--size $bad" render knot.ply --size $bad --hash
+done
+for bad in 'bg 12345' 'bg 12345g' 'cutoff round' 'sh-degree 4' 'sh-degree -1' 'threads 0' 'threads 65' 'cpu none' \
+    'backend none' 'eye 1,2' 'eye 1,2,nan' 'look 1,2,3,4' 'up x' 'fov 0' 'fov 171' 'fov nan'; do
+    fails "--$bad" 2 "--${bad%% *}" render knot.ply $small --hash --$bad
+done
+for bad in 'frames 9' 'frames 10001' 'view all'; do
+    fails "bench --$bad" 2 "" bench knot.ply $small --cameras three.json --$bad
+done
+fails "--view without cameras" 2 "--view" render knot.ply --view 0 --hash
+
+# ---- Pictures --------------------------------------------------------------------------------------------------------
+
+for ending in png ppm raw; do
+    succeeds "render .$ending" render knot.ply $small -o knot.$ending
+done
+hash=$(hash_of knot.ply $small)
+check "a .raw has the bytes that --hash hashes" equal "$($helper hash knot.raw)" "$hash"
+check "a .raw has width * height * 4 bytes" equal "$(($(wc -c <knot.raw)))" $((64 * 48 * 4))
+raw_colours knot.raw >raw.txt
+ppm_colours knot.ppm $((64 * 48)) >ppm.txt
+check ".ppm and .raw have the same colours" cmp raw.txt ppm.txt
+check ".png and .ppm are equal" equal "$("$fixsplat" compare knot.png knot.ppm)" equal
+check "alpha is 255" equal \
+    "$(od -An -v -tu1 knot.raw | awk '{ for (i = 4; i <= NF; i += 4) if ($i != 255) n++ } END { print n + 0 }')" 0
+check "the picture shows something" differ "$(sort -u raw.txt | wc -l)" 1
+
+for threads in 1 2 7; do
+    check "one hash with --threads $threads" equal "$(hash_of knot.ply $small --threads $threads)" "$hash"
+done
+for cpu in all c sse41 avx2 avx512 neon sse41,avx2; do
+    if got=$(hash_of knot.ply $small --cpu $cpu) || [ $cpu = all ] || [ $cpu = c ]; then
+        check "one hash with --cpu $cpu" equal "$got" "$hash"
+    else
+        skip "one hash with --cpu $cpu" "${got#fixsplat: }"
+    fi
+done
+check "one hash with --backend cpu" equal "$(hash_of knot.ply $small --backend cpu)" "$hash"
+for other in '--bg ff0000' '--cutoff square' '--sh-degree 0' '--fov 40' '--up 0,0,1' '--eye 0,-2,-9' \
+    '--eye 0,-2,-9 --look 1,0,0' '--alpha'; do
+    check "$other changes the picture" differ "$(hash_of knot.ply $small $other)" "$hash"
+done
+
+away='--eye 0,0,-100 --look 0,0,-200'
+succeeds "everything behind the camera" render knot.ply $small $away -o black.ppm
+tail -c $((64 * 48 * 3)) black.ppm >black.rgb
+check "everything behind the camera: black" all_zero black.rgb
+succeeds "--alpha" render knot.ply $small $away --bg ff0000 --alpha -o clear.raw
+check "--alpha: nothing is nothing, whatever the background" all_zero clear.raw
+"$fixsplat" render knot.ply $small --alpha --bg ff0000 -o coverage.raw
+check "--alpha: coverage from 0 to 255" equal "$(od -An -v -tu1 coverage.raw |
+    awk '{ for (i = 4; i <= NF; i += 4) { low += $i == 0; high += $i > 250; middle += $i > 9 && $i < 246 } }
+         END { print (low > 0) + (high > 0) + (middle > 0) }')" 3
+succeeds "16384x1" render knot.ply --size 16384x1 -o long.png
+succeeds "1x16384" render knot.ply --size 1x16384 -o tall.png
+succeeds "--eye inside a Gaussian" render knot.ply $small --eye 0,0.9,0 --hash
+
+# ---- Cameras ---------------------------------------------------------------------------------------------------------
+
+view() { hash_of knot.ply --cameras "$@"; }
+check "--view 0 is the default" equal "$(view three.json)" "$(view three.json --view 0)"
+check "--view by name" equal "$(view three.json --view side)" "$(view three.json --view 1)"
+check "views differ" differ "$(view three.json --view 0)" "$(view three.json --view 1)"
+succeeds "--cameras" render knot.ply --cameras three.json -o view.ppm
+check "the size is the file's" equal "$(sed -n 2p view.ppm)" "64 48"
+check "--size scales the focal length" equal "$(view three.json --size 128x96)" "$(view double.json)"
+check "--size scales by the width" equal "$(view three.json --size 128x32)" "$(view wide.json)"
+mkdir views
+succeeds "--view all" render knot.ply --cameras three.json --view all -o views/%04d.raw
+check "--view all: the files" equal "$(ls views | tr '\n' ' ')" "0000.raw 0001.raw 0002.raw "
+for i in 0 1 2; do
+    check "--view all: picture $i" equal "$($helper hash views/000$i.raw)" "$(view three.json --view $i)"
+done
+succeeds "--view all --hash" render knot.ply --cameras three.json --view all --hash
+check "--view all --hash: three lines" equal "$(($(wc -l <logs/out)))" 3
+for bad in x.png x%s.png x%d%d.png; do
+    fails "--view all -o $bad" 2 "$bad" render knot.ply --cameras three.json --view all -o $bad
+done
+fails "--view beyond the last" 1 "three.json: no view '3'" render knot.ply --cameras three.json --view 3 --hash
+fails "--view of no name" 1 "three.json: no view 'top'" render knot.ply --cameras three.json --view top --hash
+
+cameras zero-focal.json "$(inria_camera zero 0 64 48 0)"
+cameras skewed.json "$(inria_camera skewed 0 64 48 60 '[[1, 0.1, 0], [0, 1, 0], [0, 0, 1]]')"
+cameras mirrored.json "$(inria_camera mirrored 0 64 48 60 '[[-1, 0, 0], [0, 1, 0], [0, 0, 1]]')"
+cameras large.json "$(inria_camera large 0 16385 48 60)"
+cameras out.json "$(inria_camera out 1e30 64 48 60)"
+echo '[{"id": 0,' >cut.json
+echo '[]' >empty.json
+fails "camera with a focal length of 0" 1 "zero-focal.json: .*focal" render knot.ply --cameras zero-focal.json --hash
+fails "camera with a skewed matrix" 1 "skewed.json: .*rotation" render knot.ply --cameras skewed.json --hash
+fails "camera with a mirror" 1 "mirrored.json: .*rotation" render knot.ply --cameras mirrored.json --hash
+fails "camera with 16385 pixels" 1 "large.json: .*width" render knot.ply --cameras large.json --hash
+fails "camera too far out" 1 "out.json: .*position" render knot.ply --cameras out.json --hash
+fails "camera file cut short" 1 "cut.json: .*JSON" render knot.ply --cameras cut.json --hash
+fails "camera file without cameras" 1 "empty.json: no views" render knot.ply --cameras empty.json --hash
+fails "camera file missing" 1 "none.json: No such file" render knot.ply --cameras none.json --hash
+fails "eye == look" 1 "one point" render knot.ply $small --eye 1,2,3 --look 1,2,3 --hash
+fails "up along the view" 1 "up" render knot.ply $small --eye 0,0,0 --look 0,1,0 --hash
+fails "no up" 1 "up" render knot.ply $small --up 0,0,0 --hash
+fails "eye too far out" 1 "position" render knot.ply $small --eye 1e30,0,0 --hash
+
+# ---- Scenes that are not right ---------------------------------------------------------------------------------------
+
+fails "scene missing" 1 "none.ply: No such file" render none.ply --hash
+fails "scene a folder" 1 "views: " render views --hash
+fails "scene a picture" 1 "knot.png: not a scene" render knot.png --hash
+fails "info: scene missing" 1 "none.ply: No such file" info none.ply
+fails "bench: scene missing" 1 "none.ply: No such file" bench none.ply
+: >empty.ply
+fails "scene empty" 1 "empty.ply: " render empty.ply --hash
+for bytes in 3 100 500 5000 $(($(wc -c <knot.ply) - 1)); do
+    head -c $bytes knot.ply >cut.ply
+    fails "scene cut after $bytes bytes" 1 "cut.ply: " render cut.ply --hash
+done
+
+near="$small --eye 1,-2,-6 --look 0,0,0"
+good='0 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0' other='1 .5 1 -1 .5 1 1 -2 -1 -1 .7 .7 0 .1'
+# The room that 2 * 10^9 Gaussians would take is not there. (A sanitizer needs more than that for itself.)
+room=2000000
+(ulimit -v $room && "$fixsplat" --version) >/dev/null 2>&1 || room=unlimited
+for count in 2000000000 4000000000 99999999999999999999 -1 x; do
+    ply_header $count >count.ply
+    echo "$good" >>count.ply
+    sed 's/ascii/binary_little_endian/' count.ply >binary.ply
+    (
+        ulimit -v $room
+        fails "ascii scene of $count announced, one there" 1 "count.ply: " render count.ply --hash
+        fails "binary scene of $count announced, one there" 1 "binary.ply: " render binary.ply --hash
+        echo "passed=$passed failed=$failed" >logs/counts
+    )
+    . logs/counts
+done
+
+ply good.ply "$good" "$other"
+hash=$(hash_of good.ply $near)
+check "two Gaussians are seen" differ "$hash" "$(hash_of good.ply $small $away)"
+ply mixed.ply 'nan 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0' "$good" '0 0 0 1 inf .2 2 -1 -1.5 -2 1 0 0 0' \
+    '0 0 0 1 .5 .2 nan -1 -1.5 -2 1 0 0 0' '0 0 0 1 .5 .2 2 -1 -1.5 -2 0 0 0 0' "$other" \
+    '0 0 0 1 .5 .2 2 25 -1.5 -2 1 0 0 0' '0 0 0 1 .5 .2 2 -1 -25 -2 1 0 0 0' '1e20 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0'
+run render mixed.ply $near -o mixed.raw
+check "bad Gaussians are left out and counted" equal "$status $(cat logs/err)" "0 fixsplat: mixed.ply: left out 7 of 9 \
+Gaussians (3 not finite, 1 with a zero quaternion, 2 with a scale beyond +-20, 1 too far out)"
+check "bad Gaussians are not in the picture" equal "$($helper hash mixed.raw)" "$hash"
+ply bad.ply '0 0 0 1 .5 .2 2 -1 -1.5 -2 0 0 0 0' 'nan 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0'
+fails "render: no good Gaussian" 1 "bad.ply: none of the 2" render bad.ply --hash
+fails "info: no good Gaussian" 1 "bad.ply: none of the 2" info bad.ply
+fails "bench: no good Gaussian" 1 "bad.ply: none of the 2" bench bad.ply
+ply zero.ply
+fails "a scene of no Gaussians" 1 "zero.ply: " render zero.ply --hash
+ply clear.ply "$good" "$other" '0 0 0 1 .5 .2 -inf -1 -1.5 -2 1 0 0 0'
+check "an opacity of sigmoid(-inf) is 0" equal "$(hash_of clear.ply $near)" "$hash"
+ply one.ply "$good"
+check "a scene of one Gaussian is framed" differ "$(hash_of one.ply $small)" "$(hash_of one.ply $small $away)"
+ply flat.ply '0 0 0 1 1 1 4 -19.9 -19.9 -19.9 1 0 0 0' '0 0 0 1 1 1 4 -19.9 2 2 1 0 0 0' \
+    '0 0 0 1 1 1 4 19.9 -19.9 -19.9 1 0 0 0'
+succeeds "points, flat discs and endless needles" render flat.ply $small --hash
+ply far.ply '-1.3e8 0 0 1 1 1 2 19 19 19 1 0 0 0' '1.3e8 0 0 1 1 1 2 19 19 19 1 0 0 0'
+succeeds "a scene as large as can be" render far.ply $small --eye 1.2e8,0,0 --look 0,0,0 --hash
+for value in 1e6 1e30; do
+    {
+        ply_header 1 | sed '$d'
+        printf 'property float f_rest_%s\n' 0 1 2 3 4 5 6 7 8
+        printf '%s\n' end_header "$good $value 0 0 0 0 0 0 0 0"
+    } >sh-$value.ply
+done
+check "SH coefficients too large are held" equal "$(hash_of sh-1e30.ply $near)" "$(hash_of sh-1e6.ply $near)"
+ply huge.ply '0 0 0 1 1 1 9 3 3 3 1 0 0 0'
+succeeds "the camera inside a Gaussian" render huge.ply $small --eye 0,0,0 --look 0,0,1 -o inside.raw
+
+# ---- Outputs ---------------------------------------------------------------------------------------------------------
+
+echo precious >kept.png
+cp kept.png kept.raw
+cp kept.png kept.ply
+mkdir folder.png
+for output in missing/x.png kept.ply/x.png folder.png; do
+    fails "-o $output" 1 "$output: cannot be written: " render knot.ply $small -o $output
+done
+if [ "$(id -u)" = 0 ]; then
+    skip "a folder without write permission" "root may write everywhere"
+else
+    mkdir locked
+    chmod 555 locked
+    fails "a folder without write permission" 1 "locked/x.png: cannot be" render knot.ply $small -o locked/x.png
+fi
+for output in x.jpg x png .; do
+    fails "-o $output" 2 "$output: expected a name ending" render knot.ply $small -o $output
+done
+fails "make-scene -o missing/x.ply" 1 "missing/x.ply.*: cannot be" make-scene knot --count 10 -o missing/x.ply
+fails "no scene, existing output" 1 "none.ply" render none.ply -o kept.png
+fails "a bad scene, existing output" 1 "bad.ply" render bad.ply -o kept.png
+fails "compare: no picture, existing difference" 1 "none.png" compare none.png knot.png --diff kept.png
+# A disc that is full after 512 bytes.
+(
+    trap '' XFSZ
+    ulimit -f 1
+    fails "no room for the picture" 1 "kept.raw: cannot be written: " render knot.ply $small -o kept.raw
+    fails "no room for the scene" 1 "kept.ply.*: write failed: " make-scene knot --count 100 -o kept.ply
+    echo "passed=$passed failed=$failed" >logs/counts
+)
+. logs/counts
+for file in kept.png kept.raw kept.ply; do
+    check "$file is left whole" equal "$(cat $file)" precious
+done
+if [ -c /dev/full ]; then
+    for arguments in "render knot.ply $small --hash" "render knot.ply $small --stats" "info knot.ply" \
+        "bench knot.ply $small" "compare knot.png knot.png"; do
+        "$fixsplat" $arguments >/dev/full 2>logs/err
+        check "no room on stdout: ${arguments%% *} ${arguments##* }" equal "$? $(($(wc -l <logs/err)))" "1 1"
+    done
+fi
+
+# ---- JSON ------------------------------------------------------------------------------------------------------------
+
+stages='project shade sort bin blend resolve'
+succeeds "--stats" render knot.ply $small --stats
+check "--stats: keys" keys logs/out gaussians visible entries pairs_evaluated pairs_blended frame_ms \
+    $(printf 'stages_ms.%s ' $stages) $(printf 'bytes.%s ' scene splats keys tiles entries frame)
+check "--stats: Gaussians" grep -q '"gaussians": 2000,' logs/out
+succeeds "info" info knot.ply
+succeeds "info --json" info knot.ply --json --size 100x50
+check "info --json: keys" keys logs/out format gaussians packed sh_degree antialiased bounds packed_bytes \
+    bytes_per_gaussian largest_error.position frame.width frame.height frame.bytes
+check "info --json: values" grep -q '"gaussians": 2000, "packed": 2000, "sh_degree": 3,' logs/out
+succeeds "bench" bench knot.ply $small
+succeeds "bench --json" bench knot.ply $small --json --threads 2 --cpu c --cutoff square
+check "bench --json: keys" keys logs/out gaussians width height threads cpu cutoff backend frame_ms \
+    $(printf 'stages.%s ' $stages)
+check "bench --json: values" grep -q '^{"gaussians": 2000, "width": 64, "height": 48, "threads": 2, "cpu": "c", '\
+'"cutoff": "square", "backend": "cpu", ' logs/out
+
+# ---- compare ---------------------------------------------------------------------------------------------------------
+
+"$fixsplat" render knot.ply $small --bg 010101 -o near.png
+succeeds "compare" compare knot.png near.png --diff difference.png
+check "compare: says how far" grep -Eq '^PSNR [0-9.]+ dB, SSIM [0-9.]+, largest difference 1$' logs/out
+succeeds "compare: its difference is a picture" compare difference.png difference.png
+succeeds "compare --json" compare knot.png near.png --json
+check "compare --json: keys" keys logs/out psnr ssim largest
+succeeds "compare --json of equal pictures" compare knot.png knot.png --json
+check "compare --json of equal pictures: values" equal "$(cat logs/out)" \
+    '{"psnr": null, "ssim": 1.000000, "largest": 0}'
+fails "compare: two sizes" 1 "knot.png is 64x48, long.png is 16384x1" compare knot.png long.png
+fails "compare: one picture" 2 "two pictures" compare knot.png
+fails "compare: no picture" 1 "knot.ply: " compare knot.png knot.ply
+fails "compare: --diff of no known ending" 2 "d.jpg" compare knot.png knot.png --diff d.jpg
+head -c 500 knot.png >cut.png
+fails "compare: a picture cut short" 1 "cut.png: " compare cut.png knot.png
+
+# ---- make-scene ------------------------------------------------------------------------------------------------------
+
+for scene in $("$fixsplat" make-scene --help | sed -n 's/^  \([a-z]*\) .*(degree.*/\1/p'); do
+    succeeds "make-scene $scene" make-scene $scene --count 300 -o a.ply
+    "$fixsplat" make-scene $scene --count 300 -o b.ply
+    "$fixsplat" make-scene $scene --count 300 --seed 2 -o c.ply
+    check "make-scene $scene: the same again" cmp a.ply b.ply
+    succeeds "make-scene $scene: can be rendered" render a.ply $small --hash
+    check "make-scene $scene: another seed" differ "$(cksum <a.ply)" "$(cksum <c.ply)"
+done
+succeeds "make-scene --count 1" make-scene knot --count 1 -o one.ply
+succeeds "make-scene --count 1: can be rendered" render one.ply $small --hash
+succeeds "make-scene --seed 4294967295" make-scene knot --count 10 --seed 4294967295 -o a.ply
+for bad in 'count 0' 'count 100000001' 'count -1' 'count 1e3' 'count' 'seed -1' 'seed 4294967296' 'seed x'; do
+    fails "make-scene --$bad" 2 "--${bad%% *}" make-scene knot -o a.ply --$bad
+done
+fails "make-scene of no such name" 2 "'castle'" make-scene castle -o a.ply
+fails "make-scene without -o" 2 "-o OUT" make-scene knot
+
+check "no temporary file is left" equal "$(find . -name '*.tmp*')" ""
+
+# ---- Real scenes -----------------------------------------------------------------------------------------------------
+
+if [ -f "$scenes/snowmiku/snowmiku.ply" ]; then
+    folder=$scenes/snowmiku
+    succeeds "snowmiku" render "$folder/snowmiku.ply" --cameras "$folder/cameras.json" --view 0 -o snowmiku.png
+else
+    skip "snowmiku" "no real scenes at FXS_SCENES"
+fi
+
+# ---- Memory ----------------------------------------------------------------------------------------------------------
+
+number() { sed -n "s/.*\"bytes\":.*\"$1\": \([0-9]*\).*/\1/p" logs/out; }
+if [ "$(df -Pk . | awk 'NR == 2 { print $4 }')" -gt 1048576 ]; then
+    "$fixsplat" make-scene landscape --count 1000000 -o million.ply
+    peak=$($helper peak "$fixsplat" render million.ply -o million.png)
+    run render million.ply --stats
+    bound=$(($(number scene) * 13 / 10 + $(number frame) + (16 << 20)))
+    said="memory for a million Gaussians: ${peak:=0} KiB of $((bound / 1024))"
+    if [ "$peak" -gt 1000 ] && [ $((peak * 1024)) -le $bound ]; then ok "$said"; else fail "$said" "too much"; fi
+else
+    skip "memory for a million Gaussians" "less than 1 GB free"
+fi
+finish

@@ -1,0 +1,659 @@
+/* Every fast version of a stage against the C version: random and extreme inputs, all outputs compared byte by byte,
+ * guard bytes around them. `test_kernels SEED` replays one case, `test_kernels --bench` measures. */
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#if defined(__x86_64__) || defined(__i386__)
+#include <x86intrin.h>
+#define TICK "cycles"
+#else
+#include <time.h>
+#define TICK "ns"
+#endif
+
+#include "../kernels/kernels.h"
+#include "../src/stage.h"
+#include "check.h"
+
+#define CASES 2000
+#define GUARD 64
+#define GUARD_BYTE 0xa5
+#define MAX_SPLATS 1024
+#define MAX_ENTRIES 3000
+#define TILE_COLUMNS 100               /* tiles of the picture that blend is tried on, each way */
+#define MAX_STRIDE 200
+
+static const struct {
+    const char *name;
+    unsigned cpu;
+} versions[] = {{"sse41", FXS_CPU_SSE41}, {"avx2", FXS_CPU_AVX2}, {"avx512", FXS_CPU_AVX512}, {"neon", FXS_CPU_NEON}};
+
+#define VERSIONS (sizeof versions / sizeof *versions)
+
+static fxs_kernels fast;               /* of the version under test */
+static uint64_t first_seed = 1, last_seed = CASES;
+
+/* ---- Random numbers -------------------------------------------------------------------------------------------- */
+
+static uint64_t state;
+
+/* splitmix64 */
+static uint64_t next(void)
+{
+    uint64_t x = state += 0x9e3779b97f4a7c15u;
+    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+    return x ^ x >> 31;
+}
+
+static uint32_t below(uint32_t n)
+{
+    return (uint32_t)((next() >> 32) * n >> 32);
+}
+
+static int one_in(uint32_t n)
+{
+    return below(n) == 0;
+}
+
+static int64_t between(int64_t low, int64_t high)
+{
+    return low + (int64_t)(next() % (uint64_t)(high - low + 1));
+}
+
+static double uniform(double low, double high)
+{
+    return low + (high - low) * (double)(next() >> 11) * 0x1p-53;
+}
+
+/* A number of any size up to `limit`, either sign, small ones as likely as large ones. */
+static int64_t any_size(int64_t limit)
+{
+    int64_t x = (int64_t)(next() >> 1 >> below(63)) % (limit + 1);
+    return one_in(2) ? x : -x;
+}
+
+static void *allocate(size_t bytes)
+{
+    void *memory = NULL;
+    if (posix_memalign(&memory, 64, bytes))
+        abort();
+    return memory;
+}
+
+/* ---- Guarded buffers ------------------------------------------------------------------------------------------- */
+
+/* An output twice, for the C version [0] and the fast one [1], each between guard bytes. */
+typedef struct output {
+    unsigned char *memory[2];
+    size_t bytes;
+} output;
+
+static output outputs[8];
+static size_t output_count;
+
+/* Both copies start with the same noise. `skew`: bytes off the alignment. */
+static output *output_new(size_t bytes, size_t skew)
+{
+    output *o = &outputs[output_count++];
+    o->bytes = bytes + skew + 2 * GUARD;
+    for (int i = 0; i < 2; i++) {
+        o->memory[i] = allocate(o->bytes);
+        memset(o->memory[i], GUARD_BYTE, o->bytes);
+    }
+    for (size_t i = 0; i < bytes; i++)
+        o->memory[0][GUARD + skew + i] = o->memory[1][GUARD + skew + i] = (unsigned char)next();
+    return o;
+}
+
+static void *at(const output *o, int which, size_t skew)
+{
+    return o->memory[which] + GUARD + skew;
+}
+
+static int guards_whole(const output *o, size_t skew)
+{
+    for (int i = 0; i < 2; i++)
+        for (size_t k = 0; k < GUARD; k++)
+            if (o->memory[i][k] != GUARD_BYTE || o->memory[i][o->bytes - 1 - k] != GUARD_BYTE ||
+                (k < skew && o->memory[i][GUARD + k] != GUARD_BYTE))
+                return 0;
+    return 1;
+}
+
+static int same(const output *o)
+{
+    return !memcmp(o->memory[0], o->memory[1], o->bytes);
+}
+
+static void outputs_free(void)
+{
+    while (output_count) {
+        output *o = &outputs[--output_count];
+        free(o->memory[0]);
+        free(o->memory[1]);
+    }
+}
+
+/* ---- Scenes and cameras ---------------------------------------------------------------------------------------- */
+
+/* A packed scene of one chunk. */
+typedef union packed {
+    uint64_t aligned[(64 + FXS_CHUNK_BYTES(3)) / 8];
+    unsigned char bytes[64 + FXS_CHUNK_BYTES(3)];
+} packed;
+
+static packed *scene_data;
+static fxs_scene scene;
+static fxs_view view;
+
+static fxs_chunk *chunk_of(void)
+{
+    return (fxs_chunk *)(void *)(scene_data->bytes + sizeof(fxs_packed_header));
+}
+
+/* Codes of one kind a row: 0 all 0, 1 all of the highest, 2 either, above that random. */
+static void fill_codes(unsigned char *row, size_t bytes, uint32_t kind)
+{
+    for (size_t i = 0; i < bytes; i += 4) {
+        uint32_t bits = (uint32_t)next(), all = kind == 1 || (kind == 2 && bits & 1) ? UINT32_MAX : 0;
+        uint32_t word = kind > 2 ? bits : all;
+        memcpy(row + i, &word, 4);
+    }
+}
+
+static void fill_chunk_body(unsigned char *chunk, int degree)
+{
+    for (uint32_t row = 0; row < 3; row++)
+        fill_codes(chunk + FXS_CHUNK_POSITION + 2 * FXS_CHUNK * row, 2 * FXS_CHUNK, below(6));
+    fill_codes(chunk + FXS_CHUNK_ROTATION, 4 * FXS_CHUNK, below(16));
+    fill_codes(chunk + FXS_CHUNK_SCALE, 4 * FXS_CHUNK, below(6));
+    fill_codes(chunk + FXS_CHUNK_COLOUR, 4 * FXS_CHUNK, below(6));
+    for (uint32_t row = 0; row < 3 * (uint32_t)FXS_SH_COUNT(degree); row++)
+        fill_codes(chunk + FXS_CHUNK_SH + FXS_CHUNK * row, FXS_CHUNK, below(6));
+    for (uint32_t i = 0; i < FXS_CHUNK; i++)     /* bits 31..30 of a scale word are 0 */
+        chunk[FXS_CHUNK_SCALE + 4 * i + 3] &= 0x3f;
+    for (uint32_t i = below(64); i < FXS_CHUNK; i += below(64) + 1)
+        chunk[FXS_CHUNK_COLOUR + 4 * i + 3] = (unsigned char)(one_in(2));
+}
+
+/* Anything that fxs_scene_open accepts, the limits of each range among it. */
+static void wild_header(fxs_chunk *c)
+{
+    const int64_t far = (int64_t)1 << 60;
+    c->step_shift = below(13);
+    c->scale_q16 = (int32_t)(one_in(4) ? 32 << 16 : any_size(32 << 16));
+    int64_t reach = (c->scale_q16 + (32 << 16)) * (int64_t)256 / (1023 * 1023);
+    c->scale_step_q24 = (uint32_t)(one_in(4) ? reach : (int64_t)between(0, reach));
+    for (int i = 0; i < 3; i++) {
+        c->step_q32[i] = one_in(8) ? UINT32_MAX : (uint32_t)next() >> below(32);
+        int64_t span = (int64_t)c->step_q32[i] * 65535 << c->step_shift;
+        c->origin_q32[i] = one_in(8) ? -far : one_in(8) ? far - span : any_size(far - span);
+        c->colour_q16[i] = (int32_t)any_size(64 << 16);
+        c->colour_step_q20[i] = (uint32_t)between(0, ((64 << 16) - c->colour_q16[i]) * (int64_t)16 / 255);
+        c->sh_step_q19[i] = one_in(4) ? 32767 : below(32768);
+    }
+}
+
+/* All centres in one place. */
+static void point_header(fxs_chunk *c)
+{
+    for (int i = 0; i < 3; i++) {
+        c->step_q32[i] = 0;
+        c->origin_q32[i] = 0;
+    }
+}
+
+/* A box of the size of a chunk of a captured scene, about the origin; sigma up to 0.05. */
+static void tame_header(fxs_chunk *c)
+{
+    double size = exp2(uniform(-4, 2));
+    c->step_shift = 0;
+    c->scale_q16 = (int32_t)(uniform(-5, -4) * 65536);
+    c->scale_step_q24 = 60;
+    for (int i = 0; i < 3; i++) {
+        c->step_q32[i] = (uint32_t)(size * 0x1p32 / 65535);
+        c->origin_q32[i] = -(int64_t)(size * 0x1p31);
+        c->colour_q16[i] = 0;
+        c->colour_step_q20[i] = (1 << 20) / 255;
+        c->sh_step_q19[i] = 2048;
+    }
+}
+
+static void make_scene(void)
+{
+    const int wild = one_in(2), antialiased = one_in(2), degree = (int)below(4);
+    const fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, FXS_CHUNK, 1, FXS_CHUNK_BYTES(degree),
+                                      (uint32_t)degree, antialiased ? FXS_PACKED_ANTIALIASED : 0, {0}};
+    memset(scene_data, 0, sizeof *scene_data);
+    memcpy(scene_data->bytes, &header, sizeof header);
+    if (wild)
+        wild_header(chunk_of());
+    else
+        tame_header(chunk_of());
+    if (one_in(16))
+        point_header(chunk_of());
+    fill_chunk_body((unsigned char *)chunk_of(), degree);
+    CHECK(fxs_scene_open(&scene, scene_data->bytes, sizeof scene_data->bytes) == 0);
+}
+
+static void random_rotation(fxs_camera *camera)
+{
+    double q[4], norm = 0;
+    for (int i = 0; i < 4; i++) {
+        q[i] = uniform(-1, 1);
+        norm += q[i] * q[i];
+    }
+    if (norm < 1e-3 || one_in(8)) {              /* none */
+        memset(q, 0, sizeof q);
+        q[0] = norm = 1;
+    }
+    const double w = q[0], x = q[1], y = q[2], z = q[3], s = 2 / norm;
+    const double m[9] = {1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y),
+                         s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x),
+                         s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y)};
+    for (int i = 0; i < 9; i++)
+        camera->rotation_q30[i] = (int32_t)lrint(m[i] * 0x1p30);
+}
+
+/* A point of the chunk's box, minus `distance` along the view. */
+static void place_camera(fxs_camera *camera, double distance)
+{
+    const fxs_chunk *c = chunk_of();
+    for (int i = 0; i < 3; i++) {
+        double span = (double)c->step_q32[i] * 65535 * (double)(1u << c->step_shift);
+        double x = (double)c->origin_q32[i] + uniform(0, 1) * span -
+                   distance * 0x1p32 * camera->rotation_q30[6 + i] * 0x1p-30;
+        camera->position_q32[i] = (int64_t)fmax(-0x1p60, fmin(0x1p60, x));
+    }
+}
+
+/* In the middle, anywhere, or where a centre on the axis is at its limit. */
+static int32_t principal_point(int32_t size)
+{
+    const int32_t limit = 65536 << 12, half_pixel = 1 << 11;
+    const int32_t off = half_pixel + (int32_t)between(-1, 1);
+    return one_in(4) ? (int32_t)next() : one_in(8) ? off - limit : one_in(8) ? off + limit : size * 2048;
+}
+
+static void make_view(void)
+{
+    fxs_options options;
+    fxs_camera camera;
+    fxs_options_default(&options);
+    options.sh_degree = (int)below(4);
+    camera.width = 1 + (int32_t)below(one_in(4) ? FXS_MAX_SIZE : 2000);
+    camera.height = 1 + (int32_t)below(one_in(4) ? FXS_MAX_SIZE : 1200);
+    double focal = one_in(2) ? uniform(0.5, 2) * camera.width : exp2(uniform(-11, 18.9));
+    camera.fx_q12 = (int32_t)(focal * 4096) + 1;
+    camera.fy_q12 = one_in(4) ? INT32_MAX : one_in(2) ? camera.fx_q12 : 1 + (int32_t)(focal * uniform(0.3, 1) * 4096);
+    camera.cx_q12 = principal_point(camera.width);
+    camera.cy_q12 = principal_point(camera.height);
+    random_rotation(&camera);
+    place_camera(&camera, one_in(4) ? 0 : one_in(8) ? -1 : exp2(uniform(-4, one_in(4) ? 28 : 5)));
+    CHECK(fxs_view_init(&view, &scene, &camera, &options) == 0);
+    view.square = one_in(16);
+}
+
+/* ---- project, shade -------------------------------------------------------------------------------------------- */
+
+static uint64_t visible_total;         /* to see that the cases are worth something */
+
+static void project_case(void)
+{
+    const uint32_t first_index = below(1u << 22) * FXS_CHUNK;
+    const size_t skew = 4 * below(4);
+    uint32_t count[2];
+    make_scene();
+    make_view();
+    output *splats = output_new(FXS_CHUNK * sizeof(fxs_splat), skew);
+    output *bounds = output_new(FXS_CHUNK * sizeof(fxs_bounds), skew);
+    output *indices = output_new(FXS_CHUNK * sizeof(uint32_t), skew);
+    output *depths = output_new(FXS_CHUNK * sizeof(uint32_t), skew);
+    for (int i = 0; i < 2; i++)
+        count[i] = (i ? fast.project : fxs_project_c)(&view, scene.chunks, first_index, at(splats, i, skew),
+                                                      at(bounds, i, skew), at(indices, i, skew), at(depths, i, skew));
+    fxs_splat *a = at(splats, 0, skew), *b = at(splats, 1, skew);
+    for (uint32_t i = 0; i < count[0]; i++) {    /* colours are not project's */
+        memset(a[i].colour_q13, 0, sizeof a[i].colour_q13);
+        memset(b[i].colour_q13, 0, sizeof b[i].colour_q13);
+    }
+    CHECK(count[0] == count[1]);
+    CHECK(!memcmp(a, b, count[0] * sizeof *a));
+    CHECK(!memcmp(at(bounds, 0, skew), at(bounds, 1, skew), count[0] * sizeof(fxs_bounds)));
+    CHECK(!memcmp(at(indices, 0, skew), at(indices, 1, skew), count[0] * sizeof(uint32_t)));
+    CHECK(!memcmp(at(depths, 0, skew), at(depths, 1, skew), count[0] * sizeof(uint32_t)));
+    CHECK(guards_whole(splats, skew) && guards_whole(bounds, skew) && guards_whole(indices, skew) &&
+          guards_whole(depths, skew));
+    visible_total += count[0];
+}
+
+static void shade_case(void)
+{
+    const uint32_t first_index = below(1u << 22) * FXS_CHUNK, sparse = one_in(2) ? 1 + below(2) : 1 + below(100);
+    uint32_t indices[FXS_CHUNK], count = 0;
+    make_scene();
+    make_view();
+    for (uint32_t i = 0; i < FXS_CHUNK; i++)
+        if (one_in(sparse))
+            indices[count++] = first_index + i;
+    output *splats = output_new(count * sizeof(fxs_splat), 4);
+    fxs_shade_c(&view, scene.chunks, indices, count, at(splats, 0, 4));
+    fast.shade(&view, scene.chunks, indices, count, at(splats, 1, 4));
+    CHECK(same(splats));
+}
+
+/* ---- blend, resolve -------------------------------------------------------------------------------------------- */
+
+static int32_t extreme(int32_t low, int32_t high)
+{
+    return one_in(16) ? low : one_in(16) ? high : (int32_t)between(low, high);
+}
+
+/* A splat whose coordinates stay within +-128 over the tile at (x, y), sizes from 0.55 to 100 pixels. Its rows are all
+   that it can touch, and some more, one of the tile's among them: the contract of a tile list. */
+static void make_splat(fxs_splat *s, int32_t x, int32_t y, int faint)
+{
+    const double per_pixel = one_in(16) ? 1.83 : one_in(16) ? 0 : exp2(uniform(-6.6, 0.87));
+    const double centre_x = uniform(-12, 28), centre_y = uniform(-12, 28);
+    const int32_t ux = (int32_t)(per_pixel * 0x1p24), uy = (int32_t)(uniform(-1, 1) * ux);
+    const int32_t vy = one_in(8) ? 0 : (int32_t)(uniform(0.2, 1) * ux);
+    const uint32_t u = (uint32_t)(int32_t)(-centre_x * ux - centre_y * uy), v = (uint32_t)(int32_t)(-centre_y * vy);
+    s->ux_q24 = ux;
+    s->uy_q24 = uy;
+    s->vy_q24 = vy;
+    s->u0_q24 = u - (uint32_t)x * (uint32_t)ux - (uint32_t)y * (uint32_t)uy;
+    s->v0_q24 = v - (uint32_t)y * (uint32_t)vy;
+    s->offset_q11 = (uint16_t)extreme(faint ? 9000 : 0, FXS_FAINT_Q11);
+    for (int c = 0; c < 3; c++)
+        s->colour_q13[c] = (int16_t)extreme(0, 32767);
+    const double reach = vy ? 3.4 * 0x1p24 / vy + uniform(0.25, one_in(2) ? 1 : 20) : FXS_MAX_SIZE;
+    const double first = fmin(y + centre_y - reach, y + FXS_TILE - 1), last = fmax(y + centre_y + reach, y);
+    s->first_row = (uint16_t)fmax(first, 0);
+    s->last_row = (uint16_t)fmin(last, TILE_COLUMNS * FXS_TILE - 1);
+}
+
+static void blend_case(void)
+{
+    static fxs_splat splats[MAX_SPLATS];
+    static uint32_t entries[MAX_ENTRIES];
+    const int32_t x = (int32_t)below(TILE_COLUMNS) * FXS_TILE, y = (int32_t)below(TILE_COLUMNS) * FXS_TILE;
+    const uint32_t count = one_in(16) ? 0 : one_in(4) ? below(MAX_ENTRIES) : below(40);
+    const int faint = one_in(2), far = one_in(4);
+    memset(&view, 0, sizeof view);
+    view.width = view.height = TILE_COLUMNS * FXS_TILE;
+    view.tiles_x = view.tiles_y = TILE_COLUMNS;
+    view.square = far;
+    view.cut_q11 = view.square ? FXS_LEVEL_MAX_Q11 : FXS_CUT_Q11;
+    for (uint32_t i = 0; i < MAX_SPLATS; i++)
+        make_splat(&splats[i], x, y, faint);
+    for (uint32_t i = 0; i < count; i++)
+        entries[i] = below(MAX_SPLATS) | (far && one_in(4) ? FXS_ENTRY_FAR : 0);
+    output *tile = output_new(sizeof(fxs_tile), 0);
+    fxs_blend_c(&view, x, y, splats, entries, count, at(tile, 0, 0));
+    fast.blend(&view, x, y, splats, entries, count, at(tile, 1, 0));
+    CHECK(same(tile));
+}
+
+static void make_tile(fxs_tile *tile)
+{
+    const int32_t reach = one_in(2) ? 32767 : 9000;
+    for (int i = 0; i < FXS_TILE_PIXELS; i++) {
+        tile->transmittance_q15[i] = (int16_t)extreme(0, 32767);
+        for (int c = 0; c < 3; c++)
+            tile->sum_q13[c][i] = (int16_t)extreme(0, reach);
+    }
+}
+
+/* Every size of a tile, three formats. */
+static void resolve_case(void)
+{
+    fxs_tile tile;
+    fxs_options options;
+    fxs_options_default(&options);
+    for (int c = 0; c < 3; c++)
+        options.background[c] = (uint8_t)extreme(0, 255);
+    for (int size = 0; size < FXS_TILE_PIXELS * 3; size++) {
+        const int32_t columns = size % FXS_TILE + 1, rows = size / FXS_TILE % FXS_TILE + 1;
+        const ptrdiff_t pitch = 4 * FXS_TILE + below(MAX_STRIDE - 4 * FXS_TILE), stride = one_in(4) ? -pitch : pitch;
+        const size_t skew = below(32), first = stride < 0 ? (size_t)(rows - 1) * (size_t)pitch : 0;
+        options.format = (enum fxs_format)(size / FXS_TILE_PIXELS);
+        make_tile(&tile);
+        output *pixels = output_new((size_t)rows * (size_t)pitch, skew);
+        fxs_resolve_c(&options, &tile, columns, rows, (unsigned char *)at(pixels, 0, skew) + first, stride);
+        fast.resolve(&options, &tile, columns, rows, (unsigned char *)at(pixels, 1, skew) + first, stride);
+        CHECK(same(pixels));
+        outputs_free();
+    }
+}
+
+/* ---- Tests ----------------------------------------------------------------------------------------------------- */
+
+/* Runs every seed until one fails. */
+static void run_cases(void (*one)(void), uint64_t share)
+{
+    for (uint64_t seed = first_seed; seed <= last_seed && !check_faults; seed++) {
+        if (first_seed != last_seed && seed % share)
+            continue;
+        state = seed;
+        one();
+        outputs_free();
+        if (check_faults)
+            printf("  seed %" PRIu64 "\n", seed);
+    }
+}
+
+static void project(void)
+{
+    visible_total = 0;
+    run_cases(project_case, 1);
+    if (!check_faults && first_seed != last_seed)
+        CHECK(visible_total > 10 * (last_seed - first_seed));
+}
+
+static void shade(void)
+{
+    run_cases(shade_case, 1);
+}
+
+static void blend(void)
+{
+    run_cases(blend_case, 2);
+}
+
+static void resolve(void)
+{
+    run_cases(resolve_case, 100);
+}
+
+static void test_version(size_t i)
+{
+    fast = fxs_kernels_c;
+    fxs_kernels_choose(&fast, versions[i].cpu);
+    printf("%s\n", versions[i].name);
+    if (fast.project != fxs_project_c)
+        RUN(project);
+    if (fast.shade != fxs_shade_c)
+        RUN(shade);
+    if (fast.blend != fxs_blend_c)
+        RUN(blend);
+    if (fast.resolve != fxs_resolve_c)
+        RUN(resolve);
+}
+
+/* ---- Measuring ------------------------------------------------------------------------------------------------- */
+
+#define BENCH_RUNS 200
+#define BENCH_CHUNKS 32
+
+static uint64_t ticks(void)
+{
+#if defined(__x86_64__) || defined(__i386__)
+    return __rdtsc();
+#else
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
+#endif
+}
+
+typedef struct workload {
+    fxs_scene scene;
+    fxs_view view;
+    uint32_t counts[BENCH_CHUNKS], visible;
+    fxs_splat splats[BENCH_CHUNKS][FXS_CHUNK];
+    fxs_bounds bounds[BENCH_CHUNKS][FXS_CHUNK];
+    uint32_t indices[BENCH_CHUNKS][FXS_CHUNK], sparse[BENCH_CHUNKS][FXS_CHUNK], depths[BENCH_CHUNKS][FXS_CHUNK];
+    fxs_splat tile_splats[MAX_SPLATS];
+    uint32_t entries[MAX_SPLATS];
+    fxs_tile tile;
+    unsigned char pixels[FXS_TILE_PIXELS * 4];
+} workload;
+
+static workload *bench_load;
+
+/* Chunks of 0.4 units in view of a camera 5 away with a focal length of 1000 pixels: sigmas of 1 to 10 pixels. The
+   codes of a rotation are in the middle of their range, so that it is one. */
+static void bench_scene(unsigned char *data)
+{
+    static const double low[3] = {-2.8, -1.6, 4}, high[3] = {2.4, 1.2, 6};
+    const uint32_t bytes = FXS_CHUNK_BYTES(3);
+    const fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, BENCH_CHUNKS * FXS_CHUNK, BENCH_CHUNKS,
+                                      bytes, 3, 0, {0}};
+    memcpy(data, &header, sizeof header);
+    for (uint32_t i = 0; i < BENCH_CHUNKS; i++) {
+        unsigned char *body = data + sizeof header + (size_t)i * bytes;
+        fxs_chunk *c = (fxs_chunk *)(void *)body;
+        for (uint32_t k = sizeof *c; k < bytes; k++)
+            body[k] = (unsigned char)next();
+        tame_header(c);
+        c->scale_q16 = (int32_t)(-4.32 * 65536);
+        c->scale_step_q24 = 53;
+        for (int k = 0; k < 3; k++) {
+            c->step_q32[k] = (uint32_t)(0.4 * 0x1p32 / 65535);
+            c->origin_q32[k] = (int64_t)(uniform(low[k], high[k]) * 0x1p32);
+        }
+        for (uint32_t k = 0; k < FXS_CHUNK; k++) {
+            uint32_t word = below(4) << 30 | (200 + below(624)) << 20 | (200 + below(624)) << 10 | (200 + below(624));
+            memcpy(body + FXS_CHUNK_ROTATION + 4 * k, &word, sizeof word);
+            body[FXS_CHUNK_SCALE + 4 * k + 3] &= 0x3f;
+        }
+    }
+}
+
+static void bench_init(workload *w)
+{
+    static const fxs_camera camera = {1280, 720, 1000 << 12, 1000 << 12, 640 << 12, 360 << 12,
+                                      {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, 0}};
+    fxs_options options;
+    const size_t bytes = fxs_scene_bytes(BENCH_CHUNKS * FXS_CHUNK, 3);
+    unsigned char *data = allocate(bytes);
+    fxs_options_default(&options);
+    state = 1;
+    bench_scene(data);
+    CHECK(fxs_scene_open(&w->scene, data, bytes) == 0);
+    CHECK(fxs_view_init(&w->view, &w->scene, &camera, &options) == 0);
+    for (uint32_t i = 0; i < MAX_SPLATS; i++) {
+        make_splat(&w->tile_splats[i], 0, 0, 1);
+        w->entries[i] = i;
+    }
+}
+
+static void bench_project(workload *w, const fxs_kernels *k)
+{
+    w->visible = 0;
+    for (uint32_t i = 0; i < BENCH_CHUNKS; i++) {
+        w->counts[i] = k->project(&w->view, w->scene.chunks + (size_t)i * w->scene.chunk_bytes, i * FXS_CHUNK,
+                                  w->splats[i], w->bounds[i], w->indices[i], w->depths[i]);
+        w->visible += w->counts[i];
+    }
+}
+
+static void bench_shade(workload *w, const fxs_kernels *k)
+{
+    for (uint32_t i = 0; i < BENCH_CHUNKS; i++)
+        k->shade(&w->view, w->scene.chunks + (size_t)i * w->scene.chunk_bytes, w->indices[i], w->counts[i],
+                 w->splats[i]);
+}
+
+/* One visible Gaussian in 16. */
+static void bench_sparse(workload *w, const fxs_kernels *k)
+{
+    for (uint32_t i = 0; i < BENCH_CHUNKS; i++) {
+        for (uint32_t g = 0; g < FXS_CHUNK / 16; g++)
+            w->sparse[i][g] = i * FXS_CHUNK + 16 * g + (7 * g & 15);
+        k->shade(&w->view, w->scene.chunks + (size_t)i * w->scene.chunk_bytes, w->sparse[i], FXS_CHUNK / 16,
+                 w->splats[i]);
+    }
+}
+
+static void bench_blend(workload *w, const fxs_kernels *k)
+{
+    k->blend(&w->view, 0, 0, w->tile_splats, w->entries, MAX_SPLATS, &w->tile);
+}
+
+static void bench_resolve(workload *w, const fxs_kernels *k)
+{
+    static const fxs_options options;
+    k->resolve(&options, &w->tile, FXS_TILE, FXS_TILE, w->pixels, 4 * FXS_TILE);
+}
+
+/* Least of all runs, for one of `units`. */
+static double measure(void (*job)(workload *, const fxs_kernels *), const fxs_kernels *kernels, uint32_t units)
+{
+    uint64_t least = UINT64_MAX;
+    for (int i = 0; i < BENCH_RUNS; i++) {
+        uint64_t start = ticks();
+        job(bench_load, kernels);
+        uint64_t took = ticks() - start;
+        least = took < least ? took : least;
+    }
+    return (double)least / units;
+}
+
+static void bench_version(const char *name, const fxs_kernels *k)
+{
+    workload *w = bench_load;
+    printf("%-8s", name);
+    printf(" %9.1f", measure(bench_project, k, BENCH_CHUNKS * FXS_CHUNK));
+    printf(" %9.1f", measure(bench_shade, k, w->visible));
+    printf(" %9.1f", measure(bench_sparse, k, BENCH_CHUNKS * FXS_CHUNK / 16));
+    printf(" %9.1f", measure(bench_blend, k, MAX_SPLATS));
+    printf(" %9.2f\n", measure(bench_resolve, k, FXS_TILE_PIXELS));
+}
+
+static void bench(void)
+{
+    fxs_kernels kernels = fxs_kernels_c;
+    bench_load = calloc(1, sizeof *bench_load);
+    bench_init(bench_load);
+    bench_project(bench_load, &kernels);
+    printf("%s a Gaussian (project, shade of all, sparse: of 1 in 16), a tile entry (blend), a pixel (resolve);\n"
+           "%u of %u Gaussians visible\n", TICK, bench_load->visible, BENCH_CHUNKS * FXS_CHUNK);
+    printf("%-8s %9s %9s %9s %9s %9s\n", "", "project", "shade", "sparse", "blend", "resolve");
+    bench_version("c", &kernels);
+    for (size_t i = 0; i < VERSIONS; i++)
+        if (fxs_cpu_detect() & versions[i].cpu) {
+            kernels = fxs_kernels_c;
+            fxs_kernels_choose(&kernels, versions[i].cpu);
+            bench_version(versions[i].name, &kernels);
+        }
+}
+
+int main(int argc, char **argv)
+{
+    if (argc > 1 && !strcmp(argv[1], "--bench")) {
+        bench();
+        return check_faults != 0;
+    }
+    if (argc > 1)
+        first_seed = last_seed = strtoull(argv[1], NULL, 0);
+    scene_data = allocate(sizeof *scene_data);
+    for (size_t i = 0; i < VERSIONS; i++)
+        if (fxs_cpu_detect() & versions[i].cpu)
+            test_version(i);
+    free(scene_data);
+    return check_report();
+}

@@ -1,0 +1,408 @@
+/* Import: scene files written here -> packed scenes. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "../port/formats/pack.h"
+#include "../port/formats/ply_write.h"
+#include "../src/fixsplat.h"
+#include "../src/packed.h"
+#include "check.h"
+
+enum { MAX_COUNT = 40000 };
+
+static char path[] = "/tmp/test_pack_XXXXXX";
+static fxs_gaussian gaussians[MAX_COUNT];
+static fxs_packed_scene packed;
+static fxs_pack_report report;
+static fxs_message message;
+
+/* ---- Scenes ----------------------------------------------------------------------------------------------------- */
+
+static uint32_t seed;
+
+static float uniform(double low, double high)
+{
+    seed = seed * 1664525u + 1013904223u;
+    return (float)(low + (high - low) * seed / 4294967296.0);
+}
+
+static void make_gaussians(size_t count)
+{
+    seed = 1;
+    for (size_t i = 0; i < count; i++) {
+        fxs_gaussian *g = &gaussians[i];
+        memset(g, 0, sizeof *g);
+        for (int k = 0; k < 3; k++) {
+            g->position[k] = uniform(-8, 8);
+            g->scale[k] = uniform(-7, -2);
+            g->dc[k] = uniform(-1.5, 1.5);
+        }
+        for (int k = 0; k < 4; k++)
+            g->rotation[k] = uniform(-2, 2);
+        g->opacity = uniform(-5, 5);
+        for (int k = 0; k < 45; k++)
+            g->sh[k] = uniform(-0.3, 0.3);
+    }
+}
+
+static int write_file(uint64_t count, int sh_degree, int antialiased)
+{
+    fxs_ply_writer *writer;
+    return fxs_ply_writer_open(path, count, sh_degree, antialiased, &writer, &message) == 0 &&
+           fxs_ply_writer_put(writer, gaussians, (size_t)count, &message) == 0 &&
+           fxs_ply_writer_close(writer, &message) == 0;
+}
+
+static int pack_file(fxs_progress_fn *progress, void *argument)
+{
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    message.text[0] = 0;
+    if (fxs_scene_file_open(path, &file, &info, &message))
+        return -1;
+    int result = fxs_pack(file, &info, &packed, &report, progress, argument, &message);
+    fxs_scene_file_close(file);
+    return result;
+}
+
+/* Packs the first `count` Gaussians and opens the result. */
+static fxs_scene pack(size_t count, int sh_degree)
+{
+    fxs_scene scene;
+    memset(&scene, 0, sizeof scene);
+    CHECK(write_file(count, sh_degree, 0));
+    if (!CHECK(pack_file(0, 0) == 0))
+        printf("  %s\n", message.text);
+    else
+        CHECK(fxs_scene_open(&scene, packed.data, packed.bytes) == 0);
+    return scene;
+}
+
+/* ---- What a packed scene says ----------------------------------------------------------------------------------- */
+
+static const fxs_chunk *chunk_of(const fxs_scene *scene, uint32_t i)
+{
+    return (const fxs_chunk *)(const void *)(scene->chunks + (size_t)(i / FXS_CHUNK) * scene->chunk_bytes);
+}
+
+static uint32_t word_at(const fxs_scene *scene, uint32_t i, uint32_t row)
+{
+    uint32_t word;
+    memcpy(&word, (const unsigned char *)chunk_of(scene, i) + row + 4 * (i % FXS_CHUNK), 4);
+    return word;
+}
+
+static double position_step(const fxs_chunk *chunk, uint32_t axis)
+{
+    return ldexp(chunk->step_q32[axis], (int)chunk->step_shift - 32);
+}
+
+static double position_of(const fxs_scene *scene, uint32_t i, uint32_t axis)
+{
+    const fxs_chunk *chunk = chunk_of(scene, i);
+    uint16_t code;
+    memcpy(&code, (const unsigned char *)chunk + FXS_CHUNK_POSITION + 2 * (axis * FXS_CHUNK + i % FXS_CHUNK), 2);
+    return ldexp((double)chunk->origin_q32[axis], -32) + code * position_step(chunk, axis);
+}
+
+/* The Gaussian of the file that lies nearest to packed Gaussian i. */
+static const fxs_gaussian *source_of(const fxs_scene *scene, uint32_t i, size_t count)
+{
+    double nearest = INFINITY, p[3];
+    const fxs_gaussian *source = 0;
+    for (uint32_t axis = 0; axis < 3; axis++)
+        p[axis] = position_of(scene, i, axis);
+    for (size_t k = 0; k < count; k++) {
+        double distance = hypot(hypot(p[0] - gaussians[k].position[0], p[1] - gaussians[k].position[1]),
+                                p[2] - gaussians[k].position[2]);
+        source = distance < nearest ? &gaussians[k] : source;
+        nearest = fmin(nearest, distance);
+    }
+    return source;
+}
+
+static double worst_rotation, worst_step;   /* degrees; differences of the other attributes, in their steps */
+
+static void note(double difference, double step)
+{
+    worst_step = fmax(worst_step, fabs(difference) / step);
+}
+
+static void compare_rotation(uint32_t word, const float rotation[4])
+{
+    double q[4], rest = 0, dot = 0, norm = 0;
+    int largest = (int)(word >> 30);
+    for (int i = 0, shift = 20; i < 4; i++) {
+        norm += (double)rotation[i] * rotation[i];
+        if (i == largest)
+            continue;
+        q[i] = (2.0 * (word >> shift & 1023) - 1023) / 1023 / sqrt(2);
+        rest += q[i] * q[i];
+        shift -= 10;
+    }
+    q[largest] = sqrt(1 - rest);
+    for (int i = 0; i < 4; i++)
+        dot += q[i] * rotation[i] / sqrt(norm);
+    worst_rotation = fmax(worst_rotation, 2 * acos(fmin(1, fabs(dot))) * 57.29577951308232);
+}
+
+static void compare_gaussian(const fxs_scene *scene, uint32_t i, const fxs_gaussian *g)
+{
+    const fxs_chunk *chunk = chunk_of(scene, i);
+    const uint32_t scale = word_at(scene, i, FXS_CHUNK_SCALE), colour = word_at(scene, i, FXS_CHUNK_COLOUR);
+    for (uint32_t k = 0; k < 3; k++) {
+        double code = scale >> 10 * k & 1023, step = ldexp(chunk->scale_step_q24, -24);
+        double dc_step = ldexp(chunk->colour_step_q20[k], -20), base = 0.5 + 0.28209479177387814 * g->dc[k];
+        note(position_of(scene, i, k) - g->position[k], position_step(chunk, k));
+        note(ldexp(chunk->scale_q16, -16) - code * code * step - g->scale[k] / log(2), step * (2 * code + 1));
+        note(ldexp(chunk->colour_q16[k], -16) + (colour >> 8 * k & 255) * dc_step - base, dc_step);
+    }
+    note((colour >> 24) / 255.0 - 1 / (1 + exp(-g->opacity)), 1 / 255.0);
+    compare_rotation(word_at(scene, i, FXS_CHUNK_ROTATION), g->rotation);
+    const int8_t *sh = (const int8_t *)chunk + FXS_CHUNK_SH;
+    for (int k = 0; k < 3 * FXS_SH_COUNT(scene->sh_degree); k++) {
+        double step = ldexp(chunk->sh_step_q19[k < 9 ? 0 : k < 24 ? 1 : 2], -19);
+        note(sh[k * FXS_CHUNK + (int)(i % FXS_CHUNK)] * step - g->sh[k], step);
+    }
+}
+
+/* Every packed Gaussian is its source within half a step (and what float and double differ by). */
+static void check_packed(size_t count, int sh_degree)
+{
+    fxs_scene scene = pack(count, sh_degree);
+    CHECK(report.read == count && report.packed == count && scene.count == count && scene.sh_degree == sh_degree);
+    worst_rotation = worst_step = 0;
+    for (uint32_t i = 0; i < scene.count; i++)
+        compare_gaussian(&scene, i, source_of(&scene, i, count));
+    if (!CHECK(worst_step < 0.51) || !CHECK(worst_rotation < 0.28))
+        printf("  differences: %.3f steps, %.3f degrees\n", worst_step, worst_rotation);
+    CHECK(fabs(report.largest.rotation - worst_rotation) < 1e-3);
+    for (uint32_t i = scene.count; i < scene.chunk_count * FXS_CHUNK; i++)
+        CHECK(word_at(&scene, i, FXS_CHUNK_COLOUR) >> 24 == 0);
+    fxs_packed_scene_free(&packed);
+}
+
+static void test_packed_is_source_within_half_a_step(void)
+{
+    make_gaussians(1000);
+    for (int degree = 0; degree <= 3; degree++)
+        check_packed(1000, degree);
+}
+
+static void test_counts(void)
+{
+    static const size_t counts[] = {1, 2, 255, 256, 257, 512, 513};
+    make_gaussians(513);
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
+        check_packed(counts[i], 1);
+}
+
+static void test_largest_errors(void)
+{
+    make_gaussians(2000);
+    fxs_scene scene = pack(2000, 3);
+    fxs_pack_error most = {0, 0, 0, 0, 0, 0};
+    for (uint32_t i = 0; i < scene.chunk_count; i++) {
+        const fxs_chunk *chunk = chunk_of(&scene, i * FXS_CHUNK);
+        for (int k = 0; k < 3; k++) {
+            most.position = fmax(most.position, ldexp(chunk->step_q32[k], (int)chunk->step_shift - 33));
+            most.dc = fmax(most.dc, ldexp(chunk->colour_step_q20[k], -21) / 0.28209479177387814);
+            most.sh = fmax(most.sh, ldexp(chunk->sh_step_q19[k], -20));
+        }
+        most.scale = fmax(most.scale, ldexp(chunk->scale_step_q24, -25) * 2046 * log(2));
+    }
+    CHECK(report.largest.position > 0 && report.largest.position < 1.01 * most.position);
+    CHECK(report.largest.scale > 0 && report.largest.scale < 1.01 * most.scale);
+    CHECK(report.largest.dc > 0 && report.largest.dc < 1.01 * most.dc);
+    CHECK(report.largest.sh > 0 && report.largest.sh < 1.01 * most.sh);
+    CHECK(report.largest.opacity > 0 && report.largest.opacity < 1.01 / 510);
+    CHECK(report.largest.rotation > 0 && report.largest.rotation < 0.28);
+    fxs_packed_scene_free(&packed);
+}
+
+static void test_bounds(void)
+{
+    make_gaussians(1000);
+    gaussians[3].position[0] = 500;
+    pack(1000, 0);
+    CHECK(report.high[0] == 500 && report.low[0] >= -8 && report.low[0] < -7.9);
+    CHECK(report.inner_high[0] < 7.5 && report.inner_high[0] > 6.5 && report.inner_low[0] > -7.5);
+    fxs_packed_scene_free(&packed);
+}
+
+static void test_all_equal(void)
+{
+    make_gaussians(1);
+    for (int i = 1; i < 600; i++)
+        gaussians[i] = gaussians[0];
+    fxs_scene scene = pack(600, 3);
+    worst_step = worst_rotation = 0;
+    CHECK(report.packed == 600 && report.largest.position < 1e-9);
+    for (uint32_t i = 1; i < scene.count; i++)
+        CHECK(word_at(&scene, i, FXS_CHUNK_ROTATION) == word_at(&scene, 0, FXS_CHUNK_ROTATION) &&
+              word_at(&scene, i, FXS_CHUNK_COLOUR) == word_at(&scene, 0, FXS_CHUNK_COLOUR));
+    fxs_packed_scene_free(&packed);
+}
+
+/* Values at the ends of what is taken: the packed scene must be one that fxs_scene_open takes. */
+static void test_extremes(void)
+{
+    make_gaussians(512);
+    for (int i = 0; i < 3; i++) {
+        gaussians[0].position[i] = 134217728;
+        gaussians[1].position[i] = -134217728;
+        gaussians[2].scale[i] = 20;
+        gaussians[3].scale[i] = -20;
+        gaussians[4].dc[i] = 1e30f;
+        gaussians[5].dc[i] = -1e30f;
+        gaussians[6].sh[i] = 1e30f;
+    }
+    gaussians[7].opacity = INFINITY;
+    gaussians[8].opacity = -INFINITY;
+    for (int i = 0; i < 4; i++)
+        gaussians[9].rotation[i] = 1e-30f;
+    fxs_scene scene = pack(512, 3);
+    CHECK(report.packed == 512 && scene.count == 512);
+    fxs_packed_scene_free(&packed);
+}
+
+/* ---- Gaussians left out ----------------------------------------------------------------------------------------- */
+
+static void test_dropped(void)
+{
+    make_gaussians(300);
+    gaussians[10].position[1] = NAN;
+    gaussians[20].scale[2] = INFINITY;
+    gaussians[30].rotation[3] = -INFINITY;
+    gaussians[40].opacity = NAN;
+    gaussians[50].dc[0] = INFINITY;
+    gaussians[60].sh[44] = NAN;
+    memset(gaussians[70].rotation, 0, sizeof gaussians[70].rotation);
+    gaussians[80].scale[0] = 20.5f;
+    gaussians[90].scale[1] = -20.5f;
+    gaussians[100].position[2] = 134217744;
+    fxs_scene scene = pack(300, 3);
+    CHECK(report.read == 300 && report.packed == 290 && scene.count == 290);
+    CHECK(report.dropped.not_finite == 6 && report.dropped.rotation == 1);
+    CHECK(report.dropped.scale == 2 && report.dropped.position == 1);
+    CHECK(isfinite(report.largest.position) && isfinite(report.largest.sh) && report.high[2] <= 8);
+    fxs_packed_scene_free(&packed);
+}
+
+static void test_faults_above_the_degree_do_not_matter(void)
+{
+    make_gaussians(10);
+    gaussians[5].sh[44] = NAN;
+    pack(10, 2);
+    CHECK(report.packed == 10 && report.dropped.not_finite == 0);
+    fxs_packed_scene_free(&packed);
+}
+
+static void test_nothing_left(void)
+{
+    make_gaussians(5);
+    for (int i = 0; i < 5; i++)
+        gaussians[i].position[0] = NAN;
+    CHECK(write_file(5, 0, 0) && pack_file(0, 0) == -1 && message.text[0] && !packed.data && !packed.allocation);
+    CHECK(report.dropped.not_finite == 5);
+}
+
+static void test_empty_file(void)
+{
+    CHECK(!write_file(0, 0, 0) || (pack_file(0, 0) == -1 && message.text[0]));
+    FILE *stream = fopen(path, "wb");
+    CHECK(stream && fclose(stream) == 0);
+    CHECK(pack_file(0, 0) == -1 && message.text[0]);
+}
+
+/* ---- The rest --------------------------------------------------------------------------------------------------- */
+
+static void test_flags(void)
+{
+    fxs_scene scene;
+    make_gaussians(3);
+    CHECK(write_file(3, 2, 1) && pack_file(0, 0) == 0 && fxs_scene_open(&scene, packed.data, packed.bytes) == 0);
+    CHECK(scene.antialiased == 1 && scene.sh_degree == 2 && (uintptr_t)packed.data % 64 == 0);
+    CHECK(packed.bytes == fxs_scene_bytes(3, 2));
+    fxs_packed_scene_free(&packed);
+    CHECK(!packed.data && !packed.allocation && packed.bytes == 0);
+    fxs_packed_scene_free(&packed);
+}
+
+static void test_same_bytes_twice(void)
+{
+    make_gaussians(3000);
+    pack(3000, 3);
+    fxs_packed_scene first = packed;
+    pack(3000, 3);
+    CHECK(first.bytes == packed.bytes && memcmp(first.data, packed.data, first.bytes) == 0);
+    fxs_packed_scene_free(&first);
+    fxs_packed_scene_free(&packed);
+}
+
+/* Neighbours in a chunk are neighbours in space: 157 chunks of a cube of side 16 are 3 units wide at best. */
+static void test_chunks_are_small(void)
+{
+    make_gaussians(MAX_COUNT);
+    fxs_scene scene = pack(MAX_COUNT, 0);
+    double side = 0;
+    for (uint32_t i = 0; i < scene.chunk_count; i++)
+        for (int k = 0; k < 3; k++)
+            side += ldexp(chunk_of(&scene, i * FXS_CHUNK)->step_q32[k], -32) * 65535 / (3 * scene.chunk_count);
+    if (!CHECK(side < 6))
+        printf("  %.2f units\n", side);
+    fxs_packed_scene_free(&packed);
+}
+
+struct calls {
+    int count, stop_at, ordered;
+    double last;
+};
+
+static int count_call(void *argument, double done)
+{
+    struct calls *calls = argument;
+    calls->ordered = calls->ordered && done >= calls->last && done <= 1;
+    calls->last = done;
+    return ++calls->count == calls->stop_at;
+}
+
+static void test_progress(void)
+{
+    struct calls all = {0, -1, 1, 0};
+    make_gaussians(MAX_COUNT);
+    CHECK(write_file(MAX_COUNT, 0, 0) && pack_file(count_call, &all) == 0);
+    CHECK(all.ordered && all.count >= 3 && all.last > 0.5);
+    fxs_packed_scene_free(&packed);
+    for (int stop = 1; stop <= all.count; stop++) {
+        struct calls calls = {0, stop, 1, 0};
+        CHECK(pack_file(count_call, &calls) == -1 && calls.count == stop && message.text[0]);
+        CHECK(!packed.data && !packed.allocation);
+    }
+}
+
+int main(void)
+{
+    int file = mkstemp(path);
+    if (file < 0)
+        return 1;
+    close(file);
+    RUN(test_packed_is_source_within_half_a_step);
+    RUN(test_counts);
+    RUN(test_largest_errors);
+    RUN(test_bounds);
+    RUN(test_all_equal);
+    RUN(test_extremes);
+    RUN(test_dropped);
+    RUN(test_faults_above_the_degree_do_not_matter);
+    RUN(test_nothing_left);
+    RUN(test_empty_file);
+    RUN(test_flags);
+    RUN(test_same_bytes_twice);
+    RUN(test_chunks_are_small);
+    RUN(test_progress);
+    unlink(path);
+    return check_report();
+}

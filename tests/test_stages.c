@@ -1,0 +1,994 @@
+/* The stages on random scenes packed here by hand: against the double-precision reference, and whole frames against the
+ * simplest renderer that shares their per-pixel math: every pixel, every splat in order, no tiles. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../src/stage.h"
+#include "check.h"
+#include "reference.h"
+
+enum { MAX_COUNT = 1024, MAX_SIDE = 2000, GUARD = 0xa5, GUARD_BYTES = 64 };
+
+/* ---- Random scenes ---------------------------------------------------------------------------------------------- */
+
+static uint64_t seed = 88172645463325252u;   /* xorshift64: Marsaglia 2003 */
+
+static uint32_t bits(void)
+{
+    seed ^= seed << 13;
+    seed ^= seed >> 7;
+    seed ^= seed << 17;
+    return (uint32_t)(seed >> 16);
+}
+
+static int below(int n)
+{
+    return (int)(bits() % (uint32_t)n);
+}
+
+static double uniform(double low, double high)
+{
+    return low + (high - low) * bits() / 4294967296.0;
+}
+
+typedef struct recipe {
+    double reach;                   /* centres in +-reach, scene units */
+    double sigma_low, sigma_high;   /* log2 */
+    int needle;                     /* one axis at sigma_high, two at sigma_low */
+    int opacity_low, opacity_high;  /* codes */
+} recipe;
+
+static const recipe ordinary = {1, -9, -3, 0, 1, 255};
+static const recipe needles = {1, -10, 0, 1, 30, 255};
+static const recipe long_needles = {4, -8, 6, 1, 30, 255};
+static const recipe huge = {3, -2, 8, 0, 1, 60};
+static const recipe tiny = {1, -20, -10, 0, 100, 255};
+static const recipe scattered = {20, -8, 1, 0, 1, 255};
+static const recipe *const recipes[] = {&ordinary, &needles, &long_needles, &huge, &tiny, &scattered};
+enum { RECIPES = sizeof recipes / sizeof *recipes };
+
+typedef struct hand_scene {
+    fxs_scene scene;
+    void *data;
+} hand_scene;
+
+static void random_quaternion(double q[4])
+{
+    double norm;
+    do {
+        norm = 0;
+        for (int i = 0; i < 4; i++) {
+            q[i] = uniform(-1, 1);
+            norm += q[i] * q[i];
+        }
+    } while (norm > 1 || norm < 0.01);
+    for (int i = 0; i < 4; i++)
+        q[i] /= sqrt(norm);
+}
+
+static uint32_t rotation_word(void)
+{
+    double q[4];
+    int largest = 0;
+    random_quaternion(q);
+    for (int i = 1; i < 4; i++)
+        largest = fabs(q[i]) > fabs(q[largest]) ? i : largest;
+    uint32_t word = (uint32_t)largest << 30;
+    for (int i = 0, shift = 20; i < 4; i++) {
+        if (i == largest)
+            continue;
+        double code = floor((q[i] / copysign(sqrt(0.5), q[largest]) + 1) * 511.5 + 0.5);
+        word |= (uint32_t)fmin(code, 1023) << shift;
+        shift -= 10;
+    }
+    return word;
+}
+
+static uint32_t scale_word(const recipe *r)
+{
+    uint32_t word = 0;
+    int longest = below(3);
+    for (int i = 0; i < 3; i++) {
+        double code = r->needle ? (i == longest ? 0 : 1023) : 1023 * sqrt(uniform(0, 1));
+        word |= (uint32_t)code << 10 * i;
+    }
+    return word;
+}
+
+static void fill_header(fxs_chunk *chunk, const recipe *r)
+{
+    for (int i = 0; i < 3; i++) {
+        chunk->origin_q32[i] = (int64_t)ldexp(-r->reach, 32);
+        chunk->step_q32[i] = (uint32_t)ldexp(2 * r->reach / 65535, 32);
+        chunk->colour_q16[i] = (int32_t)ldexp(uniform(-0.3, 0.1), 16);
+        chunk->colour_step_q20[i] = (uint32_t)ldexp(uniform(0.5, 1.5) / 255, 20);
+        chunk->sh_step_q19[i] = (uint32_t)ldexp(uniform(0, 0.5) / 127, 19);
+    }
+    chunk->scale_q16 = (int32_t)ldexp(r->sigma_high, 16);
+    chunk->scale_step_q24 = (uint32_t)ldexp((r->sigma_high - r->sigma_low) / (1023 * 1023), 24);
+}
+
+static void fill_chunk(unsigned char *chunk, const recipe *r, uint32_t chunk_bytes, uint32_t used)
+{
+    uint16_t *position = (uint16_t *)(void *)(chunk + FXS_CHUNK_POSITION);
+    uint32_t *rotation = (uint32_t *)(void *)(chunk + FXS_CHUNK_ROTATION);
+    uint32_t *scale = (uint32_t *)(void *)(chunk + FXS_CHUNK_SCALE);
+    uint32_t *colour = (uint32_t *)(void *)(chunk + FXS_CHUNK_COLOUR);
+    fill_header((fxs_chunk *)(void *)chunk, r);
+    for (uint32_t i = 0; i < used; i++) {
+        for (uint32_t axis = 0; axis < 3; axis++)
+            position[axis * FXS_CHUNK + i] = (uint16_t)bits();
+        rotation[i] = rotation_word();
+        scale[i] = scale_word(r);
+        uint32_t opacity = (uint32_t)(r->opacity_low + below(r->opacity_high - r->opacity_low + 1));
+        colour[i] = (bits() & 0xffffff) | opacity << 24;
+    }
+    for (uint32_t i = FXS_CHUNK_SH; i < chunk_bytes; i++)
+        chunk[i] = (unsigned char)(below(255) - 127);
+}
+
+static void *allocate(size_t bytes, int fill)
+{
+    void *memory = 0;
+    if (posix_memalign(&memory, 64, bytes)) {
+        printf("out of memory\n");
+        exit(1);
+    }
+    memset(memory, fill, bytes);
+    return memory;
+}
+
+static hand_scene make_scene(const recipe *r, uint32_t count, uint32_t degree, int antialiased)
+{
+    hand_scene s;
+    size_t bytes = fxs_scene_bytes(count, (int)degree);
+    fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, count, (count + FXS_CHUNK - 1) / FXS_CHUNK,
+                                FXS_CHUNK_BYTES(degree), degree, antialiased ? FXS_PACKED_ANTIALIASED : 0, {0}};
+    s.data = allocate(bytes, 0);
+    memcpy(s.data, &header, sizeof header);
+    unsigned char *chunks = (unsigned char *)s.data + sizeof header;
+    for (uint32_t i = 0; i < header.chunk_count; i++) {
+        uint32_t left = count - i * FXS_CHUNK;
+        fill_chunk(chunks + i * header.chunk_bytes, r, header.chunk_bytes, left < FXS_CHUNK ? left : FXS_CHUNK);
+    }
+    CHECK(fxs_scene_open(&s.scene, s.data, bytes) == 0);
+    return s;
+}
+
+/* Rows of a rotation matrix. */
+static void random_rotation(double m[9])
+{
+    double q[4];
+    random_quaternion(q);
+    double w = q[0], x = q[1], y = q[2], z = q[3];
+    const double r[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
+                         2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+                         2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)};
+    memcpy(m, r, sizeof r);
+}
+
+/* Looks at the scene's origin, more or less, from `distance`. */
+static fxs_camera make_camera(int width, int height, double distance)
+{
+    fxs_camera camera = {width, height, 0, 0, 0, 0, {0}, {0}};
+    double rotation[9], focal = (width > height ? width : height) * uniform(0.5, 2);
+    random_rotation(rotation);
+    camera.fx_q12 = (int32_t)ldexp(focal, 12);
+    camera.fy_q12 = (int32_t)ldexp(focal * uniform(0.7, 1.4), 12);
+    camera.cx_q12 = (int32_t)ldexp(width * uniform(0.3, 0.7), 12);
+    camera.cy_q12 = (int32_t)ldexp(height * uniform(0.3, 0.7), 12);
+    for (int i = 0; i < 9; i++)
+        camera.rotation_q30[i] = (int32_t)floor(ldexp(rotation[i], 30) + 0.5);
+    for (int i = 0; i < 3; i++)
+        camera.position_q32[i] = (int64_t)ldexp(-distance * rotation[6 + i] + uniform(-0.2, 0.2), 32);
+    return camera;
+}
+
+/* ---- The same in doubles ---------------------------------------------------------------------------------------- */
+
+static fxs_file_view view_of(const fxs_camera *camera)
+{
+    fxs_file_view view = {"", camera->width, camera->height, ldexp(camera->fx_q12, -12), ldexp(camera->fy_q12, -12),
+                          ldexp(camera->cx_q12, -12), ldexp(camera->cy_q12, -12), {0}, {0}};
+    for (int i = 0; i < 9; i++)
+        view.rotation[i] = ldexp(camera->rotation_q30[i], -30);
+    for (int i = 0; i < 3; i++)
+        view.position[i] = ldexp((double)camera->position_q32[i], -32);
+    return view;
+}
+
+static void decode_rotation(float rotation[4], uint32_t word)
+{
+    int largest = (int)(word >> 30);
+    double rest = 1;
+    for (int i = 0, shift = 20; i < 4; i++) {
+        if (i == largest)
+            continue;
+        double q = (2.0 * (word >> shift & 1023) - 1023) / 1023 / sqrt(2);
+        rotation[i] = (float)q;
+        rest -= q * q;
+        shift -= 10;
+    }
+    rotation[largest] = (float)sqrt(fmax(0, rest));
+}
+
+/* What src/packed.h says that Gaussian `index` is. */
+static fxs_gaussian decode(const fxs_scene *scene, uint32_t index)
+{
+    const unsigned char *bytes = scene->chunks + index / FXS_CHUNK * scene->chunk_bytes;
+    const fxs_chunk *chunk = (const fxs_chunk *)(const void *)bytes;
+    const uint16_t *position = (const uint16_t *)(const void *)(bytes + FXS_CHUNK_POSITION);
+    const int8_t *sh = (const int8_t *)(bytes + FXS_CHUNK_SH);
+    const uint32_t at = index % FXS_CHUNK;
+    uint32_t rotation, scale, colour;
+    memcpy(&rotation, bytes + FXS_CHUNK_ROTATION + 4 * at, 4);
+    memcpy(&scale, bytes + FXS_CHUNK_SCALE + 4 * at, 4);
+    memcpy(&colour, bytes + FXS_CHUNK_COLOUR + 4 * at, 4);
+    fxs_gaussian g;
+    memset(&g, 0, sizeof g);
+    for (int i = 0; i < 3; i++) {
+        double code = scale >> 10 * i & 1023;
+        g.position[i] = (float)(ldexp((double)chunk->origin_q32[i], -32) + position[(uint32_t)i * FXS_CHUNK + at] *
+                                ldexp(chunk->step_q32[i], (int)chunk->step_shift - 32));
+        g.scale[i] = (float)(log(2) * (ldexp(chunk->scale_q16, -16) - code * code * ldexp(chunk->scale_step_q24, -24)));
+        g.dc[i] = (float)((ldexp(chunk->colour_q16[i], -16) - 0.5 +
+                           (colour >> 8 * i & 255) * ldexp(chunk->colour_step_q20[i], -20)) / 0.28209479177387814);
+    }
+    decode_rotation(g.rotation, rotation);
+    double opacity = (colour >> 24) / 255.0;
+    g.opacity = (float)fmax(-50, fmin(50, log(opacity / (1 - opacity))));
+    for (int k = 0; k < FXS_SH_COUNT(scene->sh_degree); k++)
+        for (int c = 0; c < 3; c++)
+            g.sh[3 * k + c] = (float)(sh[(3 * k + c) * FXS_CHUNK + (int)at] *
+                                      ldexp(chunk->sh_step_q19[k < 3 ? 0 : k < 8 ? 1 : 2], -19));
+    return g;
+}
+
+/* ---- Projected scenes ------------------------------------------------------------------------------------------- */
+
+static struct {
+    fxs_view view;
+    fxs_splat splats[MAX_COUNT];
+    fxs_bounds bounds[MAX_COUNT];
+    uint32_t indices[MAX_COUNT], depths[MAX_COUNT], count;
+    fxs_key keys[MAX_COUNT];       /* sorted */
+} all;
+
+/* Insertion sort: stable. */
+static void sort_keys(void)
+{
+    for (uint32_t i = 0; i < all.count; i++) {
+        uint32_t k = i;
+        for (; k > 0 && all.keys[k - 1] >> 32 > all.depths[i]; k--)
+            all.keys[k] = all.keys[k - 1];
+        all.keys[k] = FXS_KEY(all.depths[i], i);
+    }
+}
+
+static void project_all(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options)
+{
+    all.count = 0;
+    CHECK(fxs_view_init(&all.view, scene, camera, options) == 0);
+    for (uint32_t c = 0; c < scene->chunk_count; c++) {
+        const unsigned char *chunk = scene->chunks + c * scene->chunk_bytes;
+        uint32_t at = all.count;
+        uint32_t n = fxs_project_c(&all.view, chunk, c * FXS_CHUNK, all.splats + at, all.bounds + at, all.indices + at,
+                                   all.depths + at);
+        fxs_shade_c(&all.view, chunk, all.indices + at, n, all.splats + at);
+        all.count += n;
+    }
+    sort_keys();
+}
+
+static const fxs_options defaults = {FXS_CUTOFF_MAHALANOBIS, FXS_FORMAT_RGBA8, 3, {0, 0, 0}};
+static const fxs_options squares = {FXS_CUTOFF_SQUARE, FXS_FORMAT_RGBA8, 3, {0, 0, 0}};
+
+static struct reference_options reference_of(const fxs_options *options, const fxs_scene *scene)
+{
+    struct reference_options r = {options->cutoff == FXS_CUTOFF_SQUARE ? REFERENCE_SQUARE : REFERENCE_MAHALANOBIS,
+                                  options->sh_degree, scene->antialiased, {0, 0, 0}};
+    return r;
+}
+
+/* ---- project ---------------------------------------------------------------------------------------------------- */
+
+static struct errors {
+    double centre, shape, opacity, radius, colour;   /* largest */
+} worst, worst_large;   /* of splats up to 128 pixels, and of larger ones: a needle over 1000 pixels is kept thicker */
+
+/* f sigma_max / z, pixels: how large a Gaussian can be on the picture. */
+static double size_of(const fxs_gaussian *g, const fxs_file_view *view, double z)
+{
+    return fmax(view->fx, view->fy) / z * exp(fmax(g->scale[0], fmax(g->scale[1], g->scale[2])));
+}
+
+/* sigma_max / sigma_min */
+static double elongation(const struct reference_splat *r)
+{
+    double mid = (r->a + r->c) / 2, spread = sqrt((r->a - r->c) * (r->a - r->c) / 4 + r->b * r->b);
+    return (mid + spread) / sqrt(r->a * r->c - r->b * r->b);
+}
+
+/* The largest entry of W Sigma W^T - I: 0 where the whitened rows W belong to the covariance Sigma. The short axis of a
+   needle is kept with the absolute error of the long one. */
+static double shape_error(const fxs_splat *s, const struct reference_splat *r)
+{
+    double ux = ldexp(s->ux_q24, -24), uy = ldexp(s->uy_q24, -24), vy = ldexp(s->vy_q24, -24);
+    double uu = ux * ux * r->a + 2 * ux * uy * r->b + uy * uy * r->c;
+    double uv = vy * (ux * r->b + uy * r->c), vv = vy * vy * r->c;
+    return fmax(fabs(uu - 1), fmax(fabs(uv), fabs(vv - 1))) / elongation(r);
+}
+
+static void compare_splat(struct errors *e, uint32_t slot, const struct reference_splat *r)
+{
+    const fxs_splat *s = &all.splats[slot];
+    const fxs_bounds *b = &all.bounds[slot];
+    double dx = ldexp(b->cx_q14, -14) + 0.5 - r->x, dy = ldexp(b->cy_q14, -14) + 0.5 - r->y;
+    e->centre = fmax(e->centre, hypot(dx, dy));
+    e->shape = fmax(e->shape, shape_error(s, r));
+    e->opacity = fmax(e->opacity, fabs(exp(-ldexp(s->offset_q11, -12)) - r->opacity));
+    if (all.view.square)
+        e->radius = fmax(e->radius, (fabs((double)b->radius - r->radius) - 1) / r->radius);
+    for (int c = 0; c < 3; c++)
+        e->colour = fmax(e->colour, fabs(ldexp(s->colour_q13[c], -13) - fmin(r->colour[c], 32767 / 8192.0)));
+}
+
+static void compare_visible(const hand_scene *s, const fxs_camera *camera, const fxs_options *options)
+{
+    fxs_file_view view = view_of(camera);
+    struct reference_options reference = reference_of(options, &s->scene);
+    project_all(&s->scene, camera, options);
+    for (uint32_t slot = 0; slot < all.count; slot++) {
+        struct reference_splat splat;
+        fxs_gaussian g = decode(&s->scene, all.indices[slot]);
+        reference_project(&g, &view, &reference, &splat);
+        compare_splat(size_of(&g, &view, splat.depth) < 128 ? &worst : &worst_large, slot, &splat);
+    }
+}
+
+static void clear_errors(void)
+{
+    memset(&worst, 0, sizeof worst);
+    memset(&worst_large, 0, sizeof worst_large);
+}
+
+static int within(const struct errors *e, double centre, double shape, double opacity)
+{
+    if (e->centre < centre && e->shape < shape && e->opacity < opacity && e->radius < 0.001 && e->colour < 0.0002)
+        return 1;
+    printf("  errors: centre %.4f pixels, shape %.5f, opacity %.5f, radius %.4f, colour %.5f\n", e->centre, e->shape,
+           e->opacity, e->radius, e->colour);
+    return 0;
+}
+
+static void compare_scenes(const recipe *r, int antialiased)
+{
+    clear_errors();
+    for (int i = 0; i < 200; i++) {
+        hand_scene s = make_scene(r, 256, 0, antialiased);
+        fxs_camera camera = make_camera(60 + 10 * i, 40 + 5 * i, uniform(0.5, 4));
+        compare_visible(&s, &camera, i % 2 ? &defaults : &squares);
+        free(s.data);
+    }
+}
+
+static void test_project_against_reference(void)
+{
+    compare_scenes(&ordinary, 0);
+    CHECK(within(&worst, 0.003, 0.003, 0.0002));
+    CHECK(within(&worst_large, 0.003, 0.1, 0.0002));
+}
+
+static void test_project_needles(void)
+{
+    compare_scenes(&needles, 0);
+    CHECK(within(&worst, 0.003, 0.003, 0.0002));
+    CHECK(within(&worst_large, 0.006, 0.1, 0.0002));
+}
+
+/* In a chunk 40 units wide, a step of a coordinate is 0.005 pixels at the near plane for f = 4000, more off the axis. */
+static void test_project_scattered(void)
+{
+    compare_scenes(&scattered, 0);
+    CHECK(within(&worst, 0.05, 0.003, 0.0002));
+    CHECK(within(&worst_large, 0.05, 0.1, 0.0002));
+}
+
+static void test_project_antialiased(void)
+{
+    compare_scenes(&ordinary, 1);
+    CHECK(within(&worst, 0.003, 0.003, 0.002));
+    CHECK(within(&worst_large, 0.003, 0.1, 0.05));
+}
+
+/* Pixels at which the Gaussian counts by a margin: 2 % of its size and alpha 1.1 / 255. */
+static int counts_somewhere(const struct reference_splat *r, const fxs_file_view *view)
+{
+    double det = r->a * r->c - r->b * r->b, limit = fmin(9, 2 * log(255 / 1.1 * r->opacity)) * 0.96 - 0.02;
+    for (int y = 0; y < view->height; y++)
+        for (int x = 0; x < view->width; x++) {
+            double dx = x + 0.5 - r->x, dy = y + 0.5 - r->y;
+            if ((r->c * dx * dx - 2 * r->b * dx * dy + r->a * dy * dy) / det <= limit)
+                return 1;
+        }
+    return 0;
+}
+
+/* What is left out counts nowhere, and what is not is in front of the near plane and not too faint. Sigmas beyond 2^16
+   pixels are outside what project takes. */
+static void check_culls(const hand_scene *s, const fxs_camera *camera)
+{
+    fxs_file_view view = view_of(camera);
+    struct reference_options reference = reference_of(&defaults, &s->scene);
+    uint32_t slot = 0;
+    int lost = 0, kept = 0;
+    project_all(&s->scene, camera, &defaults);
+    for (uint32_t i = 0; i < s->scene.count; i++) {
+        struct reference_splat r;
+        fxs_gaussian g = decode(&s->scene, i);
+        int visible = reference_project(&g, &view, &reference, &r);
+        if (slot < all.count && all.indices[slot] == i) {
+            slot++;
+            kept += !visible && (r.depth < 0.1999 || r.opacity < 0.95 / 255);
+        } else if (visible && r.depth > 0.2001 && size_of(&g, &view, r.depth) < 65536)
+            lost += counts_somewhere(&r, &view);
+    }
+    CHECK(slot == all.count && lost == 0 && kept == 0);
+}
+
+static void test_culls(void)
+{
+    for (int i = 0; i < 240; i++) {
+        int width = 1 + below(100), height = 1 + below(70);
+        hand_scene s = make_scene(recipes[i % RECIPES], 256, 0, i % 4 == 3);
+        fxs_camera camera = make_camera(width, height, uniform(0, 4));
+        check_culls(&s, &camera);
+        free(s.data);
+    }
+}
+
+static void test_padding_and_opacity_0_are_never_drawn(void)
+{
+    hand_scene s = make_scene(&huge, 300, 1, 0);
+    fxs_camera camera = make_camera(64, 64, 8);
+    uint32_t *colour = (uint32_t *)(void *)((unsigned char *)s.data + sizeof(fxs_packed_header) + FXS_CHUNK_COLOUR);
+    for (int i = 0; i < 100; i++)
+        colour[i] &= 0xffffff;
+    project_all(&s.scene, &camera, &defaults);
+    for (uint32_t i = 0; i < all.count; i++)
+        CHECK(all.indices[i] >= 100 && all.indices[i] < 300);
+    CHECK(all.count > 100);
+    free(s.data);
+}
+
+/* Keys of chunks of any size and place compare: the order is that of the depths, up to the last bit of a coordinate. */
+static void test_depth_order(void)
+{
+    for (int i = 0; i < 60; i++) {
+        hand_scene s = make_scene(recipes[i % RECIPES], 1000, 0, 0);
+        fxs_camera camera = make_camera(200, 150, uniform(0, 10));
+        const double *forward, reach = recipes[i % RECIPES]->reach + 10;
+        fxs_file_view view = view_of(&camera);
+        double previous = 0;
+        int wrong = 0;
+        forward = view.rotation + 6;
+        project_all(&s.scene, &camera, &defaults);
+        for (uint32_t k = 0; k < all.count; k++) {
+            fxs_gaussian g = decode(&s.scene, all.indices[FXS_KEY_SLOT(all.keys[k])]);
+            double z = 0;
+            for (int axis = 0; axis < 3; axis++)
+                z += forward[axis] * (g.position[axis] - view.position[axis]);
+            wrong += z < previous - reach * ldexp(1, -22);
+            previous = fmax(z, previous);
+        }
+        CHECK(wrong == 0);
+        free(s.data);
+    }
+}
+
+/* ---- shade ------------------------------------------------------------------------------------------------------ */
+
+static void check_shade(uint32_t scene_degree, int degree)
+{
+    fxs_options options = defaults;
+    options.sh_degree = degree;
+    hand_scene s = make_scene(&ordinary, 1000, scene_degree, 0);
+    fxs_camera camera = make_camera(100, 70, uniform(0, 3));
+    compare_visible(&s, &camera, &options);
+    CHECK(all.view.sh_degree == (degree < (int)scene_degree ? degree : (int)scene_degree));
+    free(s.data);
+}
+
+static void test_shade_against_reference(void)
+{
+    static const double most[4] = {0.0001, 0.0004, 0.0006, 0.0008};
+    for (int degree = 0; degree <= 3; degree++) {
+        clear_errors();
+        for (int i = 0; i < 40; i++) {
+            check_shade((uint32_t)degree, degree + i % (4 - degree));
+            check_shade(3, degree);
+        }
+        if (!CHECK(worst.colour < most[degree]) || !CHECK(worst_large.colour < most[degree]))
+            printf("  degree %d: %.5f, %.5f\n", degree, worst.colour, worst_large.colour);
+    }
+}
+
+/* ---- sort ------------------------------------------------------------------------------------------------------- */
+
+/* The last job first. `pool` counts the calls, or is null. */
+static void run_backwards(void *pool, void (*job)(void *, uint32_t), void *argument, uint32_t jobs)
+{
+    if (pool)
+        ++*(int *)pool;
+    while (jobs-- > 0)
+        job(argument, jobs);
+}
+
+static int compare_keys(const void *a, const void *b)
+{
+    fxs_key x = *(const fxs_key *)a, y = *(const fxs_key *)b;
+    return (x > y) - (x < y);
+}
+
+/* Slots arrive in order, so a stable sort by depth is a sort by the whole key. `mask`: bits of the depth in use. */
+static void check_sort(uint32_t count, uint32_t mask, uint32_t parts)
+{
+    static fxs_key keys[5000], spare[5000], expected[5000];
+    static uint32_t histograms[64][FXS_SORT_BUCKETS];
+    const fxs_config config = {run_backwards, 0, parts, 0, 0};
+    for (uint32_t i = 0; i < count; i++)
+        keys[i] = expected[i] = FXS_KEY(bits() & mask, i);
+    qsort(expected, count, sizeof *expected, compare_keys);
+    fxs_key *sorted = fxs_sort(&config, keys, spare, count, histograms, parts);
+    CHECK(sorted == keys || sorted == spare);
+    CHECK(memcmp(sorted, expected, count * sizeof *expected) == 0);
+}
+
+static void test_sort(void)
+{
+    static const uint32_t counts[] = {0, 1, 2, 3, 100, 5000}, parts[] = {1, 2, 7, 64};
+    static const uint32_t masks[] = {0, 1, 0x7ff, 0x3ff800, 0xffc00000, 0x80000001, 0x00400400, 0xf, UINT32_MAX};
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
+        for (size_t k = 0; k < sizeof masks / sizeof *masks; k++)
+            check_sort(counts[i], masks[k], parts[(i + k) % 4]);
+}
+
+/* ---- bin: what the lists miss ----------------------------------------------------------------------------------- */
+
+/* u or v of a pixel before it was cut to 32 bits: near `about`, with the same low bits. */
+static int64_t unwrap_q24(uint32_t low_bits, int64_t about_q24)
+{
+    return about_q24 + (int32_t)(low_bits - (uint32_t)about_q24);
+}
+
+static int coordinate(int64_t q24)
+{
+    return fxs_coordinate_q13((int)(q24 < INT32_MIN ? INT32_MIN : q24 > INT32_MAX ? INT32_MAX : q24));
+}
+
+/* The level of a splat at a pixel, whatever the distance. */
+static int level_at(uint32_t slot, int x, int y)
+{
+    const fxs_splat *s = &all.splats[slot];
+    int64_t dx_q14 = ((int64_t)x << 14) - all.bounds[slot].cx_q14;
+    int64_t dy_q14 = ((int64_t)y << 14) - all.bounds[slot].cy_q14;
+    uint32_t u = s->u0_q24 + (uint32_t)x * (uint32_t)s->ux_q24 + (uint32_t)y * (uint32_t)s->uy_q24;
+    uint32_t v = s->v0_q24 + (uint32_t)y * (uint32_t)s->vy_q24;
+    int64_t u_q24 = unwrap_q24(u, (dx_q14 * s->ux_q24 + dy_q14 * s->uy_q24) >> 14);
+    int64_t v_q24 = unwrap_q24(v, dy_q14 * s->vy_q24 >> 14);
+    return fxs_level_q11(coordinate(u_q24), fxs_row_level_q11(coordinate(v_q24), s->offset_q11));
+}
+
+static int limit_of(uint32_t slot)
+{
+    return fxs_limit_q11(all.splats[slot].offset_q11, all.view.cut_q11);
+}
+
+/* The pixel's tile is in the square of Kerbl et al.: floor((c - r) / 16) to floor((c + r + 15) / 16), exclusive. */
+static int in_square(uint32_t slot, int x, int y)
+{
+    const fxs_bounds *b = &all.bounds[slot];
+    double cx = ldexp(b->cx_q14, -14), cy = ldexp(b->cy_q14, -14), radius = b->radius;
+    int tile_x = x / FXS_TILE, tile_y = y / FXS_TILE;
+    return tile_x >= floor((cx - radius) / 16) && tile_x < floor((cx + radius + 15) / 16) &&
+           tile_y >= floor((cy - radius) / 16) && tile_y < floor((cy + radius + 15) / 16);
+}
+
+enum listed { NOT_LISTED, FAR, NEAR };
+
+/* The tiles that one splat is listed in. */
+static void list_splat(uint32_t slot, unsigned char *listed)
+{
+    static uint32_t counts[4096], ends[4096], entries[4096];
+    const fxs_splat *splat = &all.splats[slot];
+    const fxs_bounds *bounds = &all.bounds[slot];
+    const fxs_key key = FXS_KEY(0, 0);
+    const uint32_t tiles = (uint32_t)(all.view.tiles_x * all.view.tiles_y);
+    fxs_box box;
+    memset(counts, 0, sizeof counts);
+    fxs_bin_c(&all.view, splat, bounds, 1, &box);
+    fxs_bin_count(&all.view, splat, bounds, &box, 1, counts);
+    for (uint32_t tile = 0; tile < tiles; tile++)
+        ends[tile] = tile;
+    fxs_bin_fill(&all.view, splat, bounds, &box, &key, 1, 0, tiles - 1, ends, entries);
+    for (uint32_t tile = 0; tile < tiles; tile++) {
+        CHECK(ends[tile] - tile == counts[tile] && counts[tile] <= 1);
+        listed[tile] = counts[tile] == 0 ? NOT_LISTED : entries[tile] & FXS_ENTRY_FAR ? FAR : NEAR;
+    }
+}
+
+static struct {
+    int64_t missed, wrapped, in_far;
+} lists;
+
+/* A pixel counts in the blend stage exactly where its level is within the limit (and its tile in the square). */
+static void check_pixel(uint32_t slot, int x, int y, enum listed listed)
+{
+    const fxs_splat *s = &all.splats[slot];
+    int counts = level_at(slot, x, y) <= limit_of(slot), square = all.view.square;
+    int on_row = y >= s->first_row && y <= s->last_row;
+    if (counts && (!square || in_square(slot, x, y))) {
+        lists.missed += listed == NOT_LISTED || !on_row;
+        lists.in_far += listed == FAR;
+    }
+    if (!counts && listed == NEAR && on_row) {
+        int32_t u = (int32_t)(s->u0_q24 + (uint32_t)x * (uint32_t)s->ux_q24 + (uint32_t)y * (uint32_t)s->uy_q24);
+        int32_t v = (int32_t)(s->v0_q24 + (uint32_t)y * (uint32_t)s->vy_q24);
+        int row_level = fxs_row_level_q11(fxs_coordinate_q13(v), s->offset_q11);
+        lists.wrapped += fxs_level_q11(fxs_coordinate_q13(u), row_level) <= limit_of(slot);
+    }
+}
+
+static void check_lists(const recipe *r, int width, int height, const fxs_options *options, uint32_t count)
+{
+    static unsigned char listed[4096];
+    hand_scene s = make_scene(r, count, 0, 0);
+    fxs_camera camera = make_camera(width, height, uniform(0, 2 * r->reach));
+    memset(&lists, 0, sizeof lists);
+    project_all(&s.scene, &camera, options);
+    for (uint32_t slot = 0; slot < all.count; slot++) {
+        list_splat(slot, listed);
+        for (int y = 0; y < height; y++)
+            for (int x = 0; x < width; x++)
+                check_pixel(slot, x, y, listed[y / FXS_TILE * all.view.tiles_x + x / FXS_TILE]);
+    }
+    if (!CHECK(lists.missed == 0) || !CHECK(lists.in_far == 0) || !CHECK(lists.wrapped == 0))
+        printf("  sigma_high %g, %dx%d, cut-off %d: %d pixels missed, %d in far tiles, %d wrapped\n",
+               r->sigma_high, width, height, (int)options->cutoff, (int)lists.missed, (int)lists.in_far,
+               (int)lists.wrapped);
+    free(s.data);
+}
+
+static void test_lists_of_small_pictures(void)
+{
+    for (int i = 0; i < 20 * RECIPES; i++) {
+        int width = 1 + below(100), height = 1 + below(70);
+        check_lists(recipes[i % RECIPES], width, height, i / RECIPES % 2 ? &defaults : &squares, 64);
+    }
+}
+
+/* Long splats across few tiles of one side and many of the other. */
+static void test_lists_of_narrow_pictures(void)
+{
+    for (int i = 0; i < 4 * RECIPES; i++) {
+        const fxs_options *options = i / RECIPES % 2 ? &defaults : &squares;
+        int length = 600 + below(1400), breadth = 1 + below(30);
+        check_lists(recipes[i % RECIPES], length, breadth, options, 64);
+        check_lists(recipes[i % RECIPES], breadth, length, options, 64);
+    }
+}
+
+static void test_lists_of_large_pictures(void)
+{
+    for (int i = 0; i < 2 * RECIPES; i++)
+        check_lists(recipes[i % RECIPES], 900, 600, i / RECIPES ? &defaults : &squares, 12);
+}
+
+/* ---- frame ------------------------------------------------------------------------------------------------------ */
+
+static struct {
+    int transmittance_q15[MAX_SIDE * 80], sum_q13[3][MAX_SIDE * 80];
+    uint64_t blended;
+} brute;
+
+static void blend_splat(uint32_t slot)
+{
+    for (int y = 0, i = 0; y < all.view.height; y++)
+        for (int x = 0; x < all.view.width; x++, i++) {
+            int level = level_at(slot, x, y), t = brute.transmittance_q15[i];
+            if (t < FXS_CLOSED_Q15 || level > limit_of(slot) || (all.view.square && !in_square(slot, x, y)))
+                continue;
+            int weight = fxs_weight_q15(fxs_alpha_q15(level), t);
+            brute.transmittance_q15[i] -= weight;
+            for (int c = 0; c < 3; c++)
+                brute.sum_q13[c][i] = fxs_accumulate_q13(brute.sum_q13[c][i], weight, all.splats[slot].colour_q13[c]);
+            brute.blended++;
+        }
+}
+
+static void store(unsigned char *pixel, int i, const fxs_options *options)
+{
+    int rgb[3], t = brute.transmittance_q15[i];
+    for (int c = 0; c < 3; c++) {
+        int background = options->format == FXS_FORMAT_RGBA8_COVERAGE ? 0 : options->background[c];
+        rgb[c] = fxs_resolve_8bit(brute.sum_q13[c][i], t, (background * 8192 + 127) / 255);
+    }
+    if (options->format == FXS_FORMAT_RGB565) {
+        double r = floor(rgb[0] * 31 / 255.0 + 0.5), g = floor(rgb[1] * 63 / 255.0 + 0.5);
+        uint16_t packed = (uint16_t)(r * 2048 + g * 32 + floor(rgb[2] * 31 / 255.0 + 0.5));
+        memcpy(pixel, &packed, 2);
+        return;
+    }
+    for (int c = 0; c < 3; c++)
+        pixel[c] = (unsigned char)rgb[c];
+    pixel[3] = options->format == FXS_FORMAT_RGBA8 ? 255 : (unsigned char)fxs_coverage_8bit(t);
+}
+
+/* The frame without tiles, lists or rows. */
+static void render_brute(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
+                         unsigned char *pixels, ptrdiff_t stride)
+{
+    const int bytes = options->format == FXS_FORMAT_RGB565 ? 2 : 4, count = camera->width * camera->height;
+    memset(&brute, 0, sizeof brute);
+    for (int i = 0; i < count; i++)
+        brute.transmittance_q15[i] = FXS_CLEAR_Q15;
+    project_all(scene, camera, options);
+    for (uint32_t k = 0; k < all.count; k++)
+        blend_splat(FXS_KEY_SLOT(all.keys[k]));
+    for (int i = 0; i < count; i++)
+        store(pixels + i / camera->width * stride + i % camera->width * bytes, i, options);
+}
+
+static uint64_t tick(void *ticks)
+{
+    return ++*(uint64_t *)ticks;
+}
+
+static int untouched(const unsigned char *bytes, size_t count)
+{
+    while (count > 0 && *bytes == GUARD)
+        bytes++, count--;
+    return count == 0;
+}
+
+/* fxs_render in memory of the size it asks for: all of `expected`, padding included, must come out. */
+static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
+                             const unsigned char *expected, size_t bytes, size_t first, ptrdiff_t stride)
+{
+    int pools = 0;
+    uint64_t ticks = 0;
+    fxs_config config = {run_backwards, &pools, (uint32_t)(2 + below(7)), tick, &ticks};
+    fxs_context context;
+    fxs_stats stats;
+    CHECK(fxs_init(&context, below(2) ? &config : 0) == 0);
+    size_t size = fxs_frame_bytes(&context, scene, camera->width, camera->height, 0);
+    unsigned char *memory = allocate(size + GUARD_BYTES, GUARD), *pixels = allocate(bytes, GUARD);
+    CHECK(fxs_render(&context, scene, camera, options, memory, size, pixels + first, stride, &stats) == 0);
+    CHECK(memcmp(pixels, expected, bytes) == 0);
+    CHECK(untouched(memory + size, GUARD_BYTES));
+    CHECK(stats.gaussians == scene->count && stats.visible == all.count && stats.runs >= 1);
+    CHECK(!context.config.run || (pools > 0 && stats.frame_nanoseconds > 0));
+    uint64_t evaluated = 0, blended = 0;
+    CHECK(fxs_count_pairs(scene, camera, options, memory, size, &evaluated, &blended) == 0);
+    /* Tiles are counted whole. */
+    CHECK(camera->width % FXS_TILE ? blended >= brute.blended : blended == brute.blended);
+    CHECK(evaluated >= blended);
+    free(memory);
+    free(pixels);
+    return stats;
+}
+
+/* Random format, background, direction of rows and padding between them. */
+static fxs_stats check_frame(const fxs_scene *scene, const fxs_camera *camera, enum fxs_cutoff cutoff)
+{
+    fxs_options options = {cutoff, (enum fxs_format)below(3), 0, {0, 0, 0}};
+    options.sh_degree = below(4);
+    for (int c = 0; c < 3; c++)
+        options.background[c] = (uint8_t)bits();
+    ptrdiff_t row = camera->width * (options.format == FXS_FORMAT_RGB565 ? 2 : 4), stride = row + below(9);
+    size_t bytes = (size_t)stride * (size_t)camera->height + GUARD_BYTES, first = 0;
+    if (below(2)) {
+        first = (size_t)stride * (size_t)(camera->height - 1);
+        stride = -stride;
+    }
+    unsigned char *expected = allocate(bytes, GUARD);
+    render_brute(scene, camera, &options, expected + first, stride);
+    fxs_stats stats = check_bytes(scene, camera, &options, expected, bytes, first, stride);
+    free(expected);
+    return stats;
+}
+
+static void check_size(const recipe *r, int width, int height)
+{
+    int count = 1 + below(400), degree = below(4);
+    hand_scene s = make_scene(r, (uint32_t)count, (uint32_t)degree, below(2));
+    fxs_camera camera = make_camera(width, height, uniform(0, 3 * r->reach));
+    int faults = check_faults;
+    check_frame(&s.scene, &camera, FXS_CUTOFF_MAHALANOBIS);
+    check_frame(&s.scene, &camera, FXS_CUTOFF_SQUARE);
+    if (check_faults > faults)
+        printf("  recipe with sigma_high %g, %u Gaussians, %dx%d\n", r->sigma_high, s.scene.count, width, height);
+    free(s.data);
+}
+
+static void test_frame_equals_brute_force(void)
+{
+    static const int sizes[][2] = {{1, 1}, {16, 16}, {17, 33}, {100, 70}, {1, 70}, {100, 1}, {15, 15}, {32, 31}};
+    for (int i = 0; i < RECIPES; i++)
+        for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++)
+            check_size(recipes[i], sizes[k][0], sizes[k][1]);
+    for (int i = 0; i < 20 * RECIPES; i++) {
+        int width = 1 + below(100), height = 1 + below(70);
+        check_size(recipes[i % RECIPES], width, height);
+    }
+}
+
+static void test_narrow_frame_equals_brute_force(void)
+{
+    for (int i = 0; i < RECIPES; i++) {
+        int length = 900 + below(200), breadth = 1 + below(20);
+        check_size(recipes[i], length, breadth);
+        check_size(recipes[i], breadth, length);
+    }
+}
+
+/* More list entries than fit: the frame is rendered in runs of tiles. */
+static void test_frame_in_runs_equals_brute_force(void)
+{
+    static const recipe veils = {1, 4, 6, 0, 1, 3};
+    hand_scene s = make_scene(&veils, MAX_COUNT, 0, 0);
+    fxs_camera camera = make_camera(100, 70, 3);
+    for (int cutoff = 0; cutoff < 2; cutoff++) {
+        fxs_stats stats = check_frame(&s.scene, &camera, (enum fxs_cutoff)cutoff);
+        CHECK(stats.runs > 1 && stats.entries > 4 * 4096);
+    }
+    free(s.data);
+}
+
+static void test_empty_scene_is_background(void)
+{
+    hand_scene s = make_scene(&ordinary, 0, 0, 0);
+    fxs_camera camera = make_camera(40, 30, 2);
+    fxs_stats stats = check_frame(&s.scene, &camera, FXS_CUTOFF_MAHALANOBIS);
+    CHECK(stats.visible == 0 && stats.entries == 0);
+    free(s.data);
+}
+
+/* ---- Errors ----------------------------------------------------------------------------------------------------- */
+
+static struct {
+    fxs_context context;
+    hand_scene scene;
+    fxs_camera camera;
+    fxs_options options;
+    unsigned char *memory, pixels[20 * 10 * 4];
+    size_t bytes;
+} good;
+
+static int render_good(void)
+{
+    return fxs_render(&good.context, &good.scene.scene, &good.camera, &good.options, good.memory, good.bytes,
+                      good.pixels, 80, 0);
+}
+
+/* Renders, expects the error and untouched pixels, and puts the value back. */
+#define REFUSES(error, place, value) do { \
+        memcpy(saved, &(place), sizeof (place)); \
+        (place) = (value); \
+        if (!CHECK(render_good() == (error)) || !CHECK(untouched(good.pixels, sizeof good.pixels))) \
+            printf("  %s = %s\n", #place, #value); \
+        memcpy(&(place), saved, sizeof (place)); \
+    } while (0)
+
+static void make_good(void)
+{
+    good.scene = make_scene(&ordinary, 10, 0, 0);
+    good.camera = make_camera(20, 10, 2);
+    good.options = defaults;
+    fxs_init(&good.context, 0);
+    good.bytes = fxs_frame_bytes(&good.context, &good.scene.scene, 20, 10, 0);
+    good.memory = allocate(good.bytes + 64, 0);
+    memset(good.pixels, GUARD, sizeof good.pixels);
+}
+
+static void test_render_refuses_cameras(void)
+{
+    unsigned char saved[64];
+    make_good();
+    fxs_camera *camera = &good.camera;
+    REFUSES(FXS_ERR_SIZE, camera->width, 0);
+    REFUSES(FXS_ERR_SIZE, camera->height, -1);
+    REFUSES(FXS_ERR_SIZE, camera->width, FXS_MAX_SIZE + 1);
+    REFUSES(FXS_ERR_SIZE, camera->height, INT32_MAX);
+    REFUSES(FXS_ERR_CAMERA, camera->fx_q12, 0);
+    REFUSES(FXS_ERR_CAMERA, camera->fy_q12, INT32_MIN);
+    for (int i = 0; i < 9; i++) {
+        REFUSES(FXS_ERR_CAMERA, camera->rotation_q30[i], camera->rotation_q30[i] + (1 << 26));
+        REFUSES(FXS_ERR_CAMERA, camera->rotation_q30[i], INT32_MIN);
+        REFUSES(FXS_ERR_CAMERA, camera->rotation_q30[i], INT32_MAX);
+    }
+    for (int i = 0; i < 3; i++) {
+        REFUSES(FXS_ERR_CAMERA, camera->position_q32[i], ((int64_t)1 << 60) + 1);
+        REFUSES(FXS_ERR_CAMERA, camera->position_q32[i], INT64_MIN);
+    }
+    for (int i = 0; i < 3; i++)
+        camera->rotation_q30[i] = -camera->rotation_q30[i];   /* a mirror */
+    CHECK(render_good() == FXS_ERR_CAMERA && untouched(good.pixels, sizeof good.pixels));
+    free(good.scene.data);
+    free(good.memory);
+}
+
+static void test_render_refuses_arguments(void)
+{
+    unsigned char saved[64];
+    make_good();
+    REFUSES(FXS_ERR_ARGUMENT, good.options.sh_degree, -1);
+    REFUSES(FXS_ERR_ARGUMENT, good.options.sh_degree, 4);
+    REFUSES(FXS_ERR_ARGUMENT, good.options.cutoff, (enum fxs_cutoff)2);
+    REFUSES(FXS_ERR_ARGUMENT, good.options.format, (enum fxs_format)3);
+    REFUSES(FXS_ERR_ARGUMENT, good.memory, 0);
+    REFUSES(FXS_ERR_MEMORY, good.memory, good.memory + 32);
+    REFUSES(FXS_ERR_MEMORY, good.bytes, good.bytes - 1);
+    REFUSES(FXS_ERR_MEMORY, good.bytes, 0);
+    const fxs_scene *s = &good.scene.scene;
+    const fxs_context *context = &good.context;
+    const fxs_camera *camera = &good.camera;
+    const fxs_options *options = &good.options;
+    void *memory = good.memory, *pixels = good.pixels;
+    uint64_t pairs;
+    CHECK(fxs_render(0, s, camera, options, memory, good.bytes, pixels, 80, 0) == FXS_ERR_ARGUMENT);
+    CHECK(fxs_render(context, 0, camera, options, memory, good.bytes, pixels, 80, 0) == FXS_ERR_ARGUMENT);
+    CHECK(fxs_render(context, s, 0, options, memory, good.bytes, pixels, 80, 0) == FXS_ERR_ARGUMENT);
+    CHECK(fxs_render(context, s, camera, 0, memory, good.bytes, pixels, 80, 0) == FXS_ERR_ARGUMENT);
+    CHECK(fxs_render(context, s, camera, options, memory, good.bytes, 0, 80, 0) == FXS_ERR_ARGUMENT);
+    CHECK(fxs_count_pairs(s, camera, options, memory, good.bytes, 0, &pairs) == FXS_ERR_ARGUMENT);
+    CHECK(fxs_count_pairs(s, camera, options, memory, good.bytes, &pairs, 0) == FXS_ERR_ARGUMENT);
+    CHECK(render_good() == 0 && !untouched(good.pixels, sizeof good.pixels));
+    free(good.scene.data);
+    free(good.memory);
+}
+
+static void test_init(void)
+{
+    fxs_context context;
+    fxs_config config = {0, 0, 65, 0, 0};
+    CHECK(fxs_init(0, 0) == FXS_ERR_ARGUMENT && fxs_init(&context, &config) == FXS_ERR_ARGUMENT);
+    config.threads = 64;
+    CHECK(fxs_init(&context, &config) == 0 && context.config.threads == 64);
+}
+
+static void test_words(void)
+{
+    for (int error = 0; error >= FXS_ERR_UNSUPPORTED; error--)
+        for (int other = 0; other > error; other--)
+            CHECK(strcmp(fxs_strerror(error), fxs_strerror(other)) != 0);
+    CHECK(!strcmp(fxs_strerror(1), fxs_strerror(FXS_ERR_UNSUPPORTED - 1)) && fxs_strerror(INT32_MIN));
+    CHECK(!strcmp(fxs_stage_name(FXS_PROJECT), "project") && !strcmp(fxs_stage_name(FXS_RESOLVE), "resolve"));
+    CHECK(fxs_stage_name(FXS_STAGES) && fxs_stage_name((enum fxs_stage)-1));
+}
+
+int main(void)
+{
+    RUN(test_project_against_reference);
+    RUN(test_project_needles);
+    RUN(test_project_scattered);
+    RUN(test_project_antialiased);
+    RUN(test_culls);
+    RUN(test_padding_and_opacity_0_are_never_drawn);
+    RUN(test_depth_order);
+    RUN(test_shade_against_reference);
+    RUN(test_sort);
+    RUN(test_lists_of_small_pictures);
+    RUN(test_lists_of_narrow_pictures);
+    RUN(test_lists_of_large_pictures);
+    RUN(test_frame_equals_brute_force);
+    RUN(test_narrow_frame_equals_brute_force);
+    RUN(test_frame_in_runs_equals_brute_force);
+    RUN(test_empty_scene_is_background);
+    RUN(test_render_refuses_cameras);
+    RUN(test_render_refuses_arguments);
+    RUN(test_init);
+    RUN(test_words);
+    return check_report();
+}
