@@ -35,7 +35,7 @@ static ellipse ellipse_of(const fxs_view *view, const fxs_splat *splat, const fx
     int32_t limit_q11 = fxs_limit_q11(splat->offset_q11, view->cut_q11);
     return (ellipse){splat, bounds, columns_between(view, cx_q8 - reach_q8, cx_q8 + reach_q8),
                      {splat->first_row / FXS_TILE, splat->last_row / FXS_TILE},
-                     (int32_t)fxs_sqrt((uint32_t)(limit_q11 - splat->offset_q11) << 13) + 1};
+                     (int32_t)fxs_sqrt((uint32_t)(limit_q11 - splat->offset_q11 + 1) << 13) + 1};
 }
 
 /* v at a pixel row. */

@@ -46,7 +46,7 @@ static inline int32_t fxs_clamp(int32_t x, int32_t low, int32_t high)
     return x < low ? low : x > high ? high : x;
 }
 
-/* 2^62 / m, in (2^30, 2^31]; m in [2^31, 2^32). Newton from 48/17 - 32/17 x (error 1/17): y' = y (2 - x y), three times. */
+/* 2^62 / m, in [2^30, 2^31]; m in [2^31, 2^32). Newton from 48/17 - 32/17 x (error 1/17): y' = y (2 - x y), three times. */
 static inline uint32_t fxs_reciprocal(uint32_t m)
 {
     uint32_t y_q30 = 3031741620u - fxs_mulhi(m, 2021161081u);
@@ -55,7 +55,7 @@ static inline uint32_t fxs_reciprocal(uint32_t m)
     return y_q30;
 }
 
-/* 1 / sqrt(m * 2^-32), Q30, in (2^30, 2^31]; m in [2^30, 2^32). Newton from 2.2 - 1.333 x (error 1/8):
+/* 1 / sqrt(m * 2^-32), Q30, in [2^30 - 1024, 2^31]; m in [2^30, 2^32). Newton from 2.2 - 1.333 x (error 1/8):
    y' = y (3 - x y^2) / 2, three times; relative error below 2^-19. */
 static inline uint32_t fxs_rsqrt(uint32_t m)
 {
@@ -67,7 +67,7 @@ static inline uint32_t fxs_rsqrt(uint32_t m)
     return y_q30;
 }
 
-/* sqrt(x), rounded down to within 1 part in 2^18. */
+/* sqrt(x), to within 1 part in 2^18, then rounded down. */
 static inline uint32_t fxs_sqrt(uint32_t x)
 {
     if (!x)

@@ -20,7 +20,7 @@ const char *fxs_strerror(int error)
         "not supported by this build or machine",
     };
     int count = (int)(sizeof words / sizeof *words);
-    return error <= 0 && -error < count ? words[-error] : "unknown error";
+    return error <= 0 && error > -count ? words[-error] : "unknown error";
 }
 
 const char *fxs_stage_name(enum fxs_stage stage)

@@ -182,7 +182,7 @@ int fxs_render(const fxs_context *context, const fxs_scene *scene, const fxs_cam
                void *memory, size_t memory_bytes, void *pixels, ptrdiff_t stride, fxs_stats *stats);
 
 /* Counts, after fxs_render and with the same arguments, what its blend stage did: pairs of pixel and Gaussian evaluated
-   (the pixel still open, the Gaussian in its tile's list and on its row) and blended (within the cut-off and at least 1/255).
+   (the pixel still open, of a whole tile also beyond the picture's edge, the Gaussian in its tile's list and on its row) and blended (within the cut-off and at least 1/255).
    Renders the frame once more with the plain C stages, one thread. Errors as fxs_render. */
 int fxs_count_pairs(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options, void *memory,
                     size_t memory_bytes, uint64_t *evaluated, uint64_t *blended);

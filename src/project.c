@@ -268,7 +268,7 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
     uint32_t r2_q11 = (uint32_t)(fxs_limit_q11(offset_q11, FXS_CUT_Q11) - offset_q11);
     if (view->square)
         r2_q11 = (uint32_t)(FXS_FAINT_Q11 - offset_q11);
-    uint32_t r_q12 = fxs_sqrt(r2_q11 << 13) + 1;
+    uint32_t r_q12 = fxs_sqrt((r2_q11 + 1) << 13) + 1;
     whiten(splat, bounds, &s, centre, r_q12);
     return view->square ? square(splat, bounds, view, &s) : clip(splat, bounds, view, &s, r_q12);
 }

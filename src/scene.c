@@ -20,7 +20,9 @@ static int within(int64_t x, int64_t limit)
 static int chunk_valid(const fxs_chunk *chunk)
 {
     int64_t scale = chunk->scale_q16, scale_reach = (int64_t)chunk->scale_step_q24 * (1023 * 1023) >> 8;
-    int valid = chunk->step_shift <= 12 && within(scale, 32 << 16) && within(scale - scale_reach, 32 << 16);
+    if (chunk->step_shift > 12)
+        return 0;
+    int valid = within(scale, 32 << 16) && within(scale - scale_reach, 32 << 16);
     for (int i = 0; i < 3; i++) {
         int64_t reach = (int64_t)chunk->step_q32[i] * 65535 << chunk->step_shift;
         int64_t colour = chunk->colour_q16[i], colour_reach = (int64_t)chunk->colour_step_q20[i] * 255 >> 4;

@@ -387,7 +387,7 @@ static void test_project_needles(void)
     CHECK(within(&worst_large, 0.006, 0.1, 0.0002));
 }
 
-/* In a chunk 40 units wide, a step of a coordinate is 0.005 pixels at the near plane for f = 4000, more off the axis. */
+/* In a chunk 40 units wide, a step of a coordinate is 0.005 pixels at the near plane for f = 4000, more off axis. */
 static void test_project_scattered(void)
 {
     compare_scenes(&scattered, 0);
@@ -415,8 +415,8 @@ static int counts_somewhere(const struct reference_splat *r, const fxs_file_view
     return 0;
 }
 
-/* What is left out counts nowhere, and what is not is in front of the near plane and not too faint. Sigmas beyond 2^16
-   pixels are outside what project takes. */
+/* What is left out counts nowhere, and what is not is in front of the near plane and not too faint. What is larger than
+   2^FXS_EXPONENT_MAX pixels, seen under the worst Jacobian, is outside what project takes. */
 static void check_culls(const hand_scene *s, const fxs_camera *camera)
 {
     fxs_file_view view = view_of(camera);
@@ -424,6 +424,7 @@ static void check_culls(const hand_scene *s, const fxs_camera *camera)
     uint32_t slot = 0;
     int lost = 0, kept = 0;
     project_all(&s->scene, camera, &defaults);
+    double most = ldexp(0.99, FXS_EXPONENT_MAX - all.view.jacobian_exponent);
     for (uint32_t i = 0; i < s->scene.count; i++) {
         struct reference_splat r;
         fxs_gaussian g = decode(&s->scene, i);
@@ -431,7 +432,7 @@ static void check_culls(const hand_scene *s, const fxs_camera *camera)
         if (slot < all.count && all.indices[slot] == i) {
             slot++;
             kept += !visible && (r.depth < 0.1999 || r.opacity < 0.95 / 255);
-        } else if (visible && r.depth > 0.2001 && size_of(&g, &view, r.depth) < 65536)
+        } else if (visible && r.depth > 0.2001 && size_of(&g, &view, r.depth) < most)
             lost += counts_somewhere(&r, &view);
     }
     CHECK(slot == all.count && lost == 0 && kept == 0);

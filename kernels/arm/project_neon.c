@@ -388,7 +388,7 @@ static inline uint32x4_t project_shape(shapes *out, const fxs_view *view, const 
     const int32x4_t faint_q11 = vdupq_n_s32(FXS_FAINT_Q11);
     alive = vandq_u32(alive, vcleq_s32(offset_q11, faint_q11));
     int32x4_t r2_q11 = vminq_s32(vsubq_s32(faint_q11, offset_q11), vdupq_n_s32(FXS_CUT_Q11));
-    uint32x4_t r_q12 = vaddq_u32(sqrt_32(vshlq_n_u32(u32(r2_q11), 13)), vdupq_n_u32(1));
+    uint32x4_t r_q12 = vaddq_u32(sqrt_32(vshlq_n_u32(vaddq_u32(u32(r2_q11), vdupq_n_u32(1)), 13)), vdupq_n_u32(1));
     const root c = root_q30(s.c_q30);
     vst1q_s32(out->offset_q11, offset_q11);
     whiten(out, &s, centre, c);

@@ -1,6 +1,6 @@
 /* resolve: a row of 16 pixels a step. */
 #include <arm_neon.h>
-#include <string.h>
+#include "../../src/memory.h"
 
 #include "arm.h"
 

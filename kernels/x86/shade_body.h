@@ -1,6 +1,6 @@
 /* shade, LANES Gaussians at a time: src/shade.c with the same numbers in the same order. Include lanes_avx2.h
  * or lanes_avx512.h first. */
-#include <string.h>
+#include "../../src/memory.h"
 
 #include "../../src/stage.h"
 #include "lanes.h"

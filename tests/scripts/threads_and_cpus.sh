@@ -1,0 +1,63 @@
+#!/bin/sh
+# One hash for 1 to 16 threads, for every instruction set, on processors that lack the newer ones (qemu-x86_64: a wrong choice is an illegal
+# instruction there), and no finding by ThreadSanitizer and Valgrind.
+. tests/scripts/lib/check.sh
+B=${B:-build}
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+"$B/fixsplat" make-scene knot --count 20000 -o "$work/scene.ply" || exit 1
+set -- render "$work/scene.ply" --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --fov 36 --size 333x187 --hash
+expected=$("$B/fixsplat" "$@" --cpu c --threads 1)
+
+# same NAME COMMAND...: it prints the expected hash.
+same() {
+    name=$1
+    shift
+    hash=$("$@" 2>"$work/errors") || { fail "$name" "$(tail -n 3 "$work/errors")"; return; }
+    if [ "$hash" = "$expected" ]; then ok "$name"; else fail "$name" "$hash, expected $expected"; fi
+}
+
+for threads in 1 2 3 5 8 16; do
+    same "$threads threads" "$B/fixsplat" "$@" --threads $threads
+done
+for cpu in c sse41 avx2 avx512 neon sse41,avx2 avx2,avx512; do
+    if "$B/fixsplat" "$@" --cpu $cpu >/dev/null 2>&1; then
+        same "cpu $cpu" "$B/fixsplat" "$@" --cpu $cpu --threads 2
+    else
+        skip "cpu $cpu" "not on this processor"
+    fi
+done
+
+if have qemu-x86_64 && [ "$(uname -m)" = x86_64 ]; then
+    for model in qemu64:c core2duo:c Penryn:sse41 Nehalem:sse41 Haswell:avx2; do
+        chosen=$(qemu-x86_64 -cpu ${model%:*} "$B/fixsplat" --kernels 2>/dev/null | sed -n 's/^blend *//p')
+        if [ "$chosen" = ${model#*:} ]; then
+            ok "${model%:*} blends with ${model#*:}"
+        else
+            fail "${model%:*} blends with ${model#*:}" "with '$chosen'"
+        fi
+        same "${model%:*}" qemu-x86_64 -cpu ${model%:*} "$B/fixsplat" "$@" --threads 2
+    done
+else
+    skip "older processors" "no qemu-x86_64 here"
+fi
+
+if echo 'int main(void) { return 0; }' | clang -fsanitize=thread -x c - -o "$work/links" 2>/dev/null && "$work/links"; then
+    if make -s B="$work/tsan" CC=clang CFLAGS='-O1 -g -fsanitize=thread' "$work/tsan/fixsplat" >"$work/log" 2>&1; then
+        for threads in 2 7; do
+            same "ThreadSanitizer, $threads threads" env TSAN_OPTIONS=halt_on_error=1 "$work/tsan/fixsplat" "$@" \
+                --threads $threads
+        done
+    else
+        fail ThreadSanitizer "$(tail -n 3 "$work/log")"
+    fi
+else
+    skip ThreadSanitizer "no clang with it here"
+fi
+
+if have valgrind; then
+    same Valgrind valgrind -q --error-exitcode=9 --leak-check=full "$B/fixsplat" "$@" --threads 2
+else
+    skip Valgrind "not here"
+fi
+finish

@@ -1,0 +1,140 @@
+/* Frame after frame with no allocation after set-up, on one thread and on several: malloc and its kin are counted. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "../port/formats/camera.h"
+#include "../port/posix/pool.h"
+#include "../src/fixsplat.h"
+#include "../src/packed.h"
+#include "check.h"
+#ifdef FXS_WITH_KERNELS
+#include "../kernels/kernels.h"
+#endif
+
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define COUNTING 1
+void *__libc_malloc(size_t size);
+void *__libc_calloc(size_t count, size_t size);
+void *__libc_realloc(void *old, size_t size);
+void *__libc_memalign(size_t alignment, size_t size);
+
+static int allocations;
+
+static void count(void)
+{
+    __atomic_fetch_add(&allocations, 1, __ATOMIC_RELAXED);
+}
+
+void *malloc(size_t size)
+{
+    count();
+    return __libc_malloc(size);
+}
+
+void *calloc(size_t n, size_t size)
+{
+    count();
+    return __libc_calloc(n, size);
+}
+
+void *realloc(void *old, size_t size)
+{
+    count();
+    return __libc_realloc(old, size);
+}
+
+int posix_memalign(void **out, size_t alignment, size_t size)
+{
+    count();
+    *out = __libc_memalign(alignment, size);
+    return *out ? 0 : 12;
+}
+#endif
+
+enum { WIDTH = 200, HEIGHT = 120, COUNT = 5000 };
+
+static void fill_scene(unsigned char *data)
+{
+    fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, COUNT, (COUNT + FXS_CHUNK - 1) / FXS_CHUNK,
+                                FXS_CHUNK_BYTES(1), 1, 0, {0}};
+    memcpy(data, &header, sizeof header);
+    for (uint32_t c = 0; c < header.chunk_count; c++) {
+        unsigned char *bytes = data + sizeof header + c * header.chunk_bytes;
+        fxs_chunk *chunk = (fxs_chunk *)(void *)bytes;
+        memset(chunk, 0, sizeof *chunk);
+        for (int i = 0; i < 3; i++) {
+            chunk->origin_q32[i] = -((int64_t)1 << 32);
+            chunk->step_q32[i] = 1 << 17;
+            chunk->colour_step_q20[i] = 4000;
+            chunk->sh_step_q19[i] = 200;
+        }
+        chunk->scale_q16 = -4 * 65536;
+        chunk->scale_step_q24 = 60;
+        uint32_t state = c + 1;
+        for (uint32_t at = sizeof *chunk; at < header.chunk_bytes; at++)
+            bytes[at] = (unsigned char)((state = state * 1664525 + 1013904223) >> 24);
+    }
+}
+
+static void render_frames(uint32_t threads)
+{
+#ifdef COUNTING
+    static const double middle[3] = {0, 0, 0}, up[3] = {0, -1, 0}, eye[3] = {0, 0, -4};
+    fxs_pool *pool = fxs_pool_create(threads);
+    fxs_config config = {fxs_pool_run, pool, threads, 0, 0};
+    fxs_context context;
+    fxs_scene scene;
+    fxs_options options;
+    fxs_file_view view;
+    fxs_message m;
+    size_t scene_bytes = fxs_scene_bytes(COUNT, 1);
+    unsigned char *data = check_aligned(scene_bytes), *pixels = malloc(WIDTH * HEIGHT * 4);
+    fill_scene(data);
+    fxs_init(&context, &config);
+#ifdef FXS_WITH_KERNELS
+    fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
+#endif
+    fxs_options_default(&options);
+    CHECK(pool && pixels && !fxs_scene_open(&scene, data, scene_bytes) &&
+          !fxs_view_look_at(&view, eye, middle, up, 50, WIDTH, HEIGHT, &m));
+    size_t bytes = fxs_frame_bytes(&context, &scene, WIDTH, HEIGHT, 0);
+    void *memory = check_aligned(bytes);
+    int before = allocations;
+    uint32_t visible = 0;
+    for (int i = 0; i < 30; i++) {
+        fxs_camera camera;
+        fxs_stats stats;
+        fxs_view_orbit(&view, middle, up, 0.2);
+        CHECK(!fxs_camera_from_view(&camera, &view, &m) &&
+              !fxs_render(&context, &scene, &camera, &options, memory, bytes, pixels, WIDTH * 4, &stats));
+        visible += stats.visible;
+    }
+    CHECK(visible > 30 * 1000);
+    CHECK(allocations == before);
+    fxs_pool_destroy(pool);
+    free(memory);
+    free(pixels);
+    free(data);
+#else
+    (void)threads;
+    (void)fill_scene;
+    SKIP("malloc cannot be counted here");
+#endif
+}
+
+static void test_one_thread(void)
+{
+    render_frames(1);
+}
+
+static void test_four_threads(void)
+{
+    render_frames(4);
+}
+
+int main(void)
+{
+    RUN(test_one_thread);
+    RUN(test_four_threads);
+    return check_report();
+}
