@@ -5,6 +5,8 @@
 #include "memory.h"
 #include "stage.h"
 
+#define AHEAD 16                   /* keys */
+
 /* Tile columns or rows, first to last; none where first > last. */
 typedef struct span {
     int32_t first, last;
@@ -134,21 +136,30 @@ static uint32_t tile_of_bit(const fxs_view *view, fxs_box box, uint32_t mask)
     return box.base + bit / 4 * (uint32_t)view->tiles_x + bit % 4;
 }
 
-void fxs_bin_count(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_box *boxes,
-                   uint32_t count, uint32_t *counts)
+static void count_large(const fxs_view *view, const ellipse *e, uint32_t *counts)
 {
-    for (uint32_t i = 0; i < count; i++) {
-        for (uint32_t mask = boxes[i].mask; mask; mask &= mask - 1)
-            counts[tile_of_bit(view, boxes[i], mask)]++;
-        if (boxes[i].mask)
-            continue;
-        ellipse e = ellipse_of(view, &splats[i], &bounds[i]);
-        span rows = rows_of(&e, view);
-        for (int32_t row = rows.first; row <= rows.last; row++) {
-            span s = span_of(&e, view, row);
-            for (int32_t column = s.first; column <= s.last; column++)
-                counts[row * view->tiles_x + column]++;
+    span rows = rows_of(e, view);
+    for (int32_t row = rows.first; row <= rows.last; row++) {
+        span s = span_of(e, view, row);
+        for (int32_t column = s.first; column <= s.last; column++)
+            counts[row * view->tiles_x + column]++;
+    }
+}
+
+void fxs_bin_count(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_box *boxes,
+                   const fxs_sorted *sorted, uint32_t *counts)
+{
+    for (uint32_t i = 0; i < sorted->count; i++) {
+        uint32_t slot = FXS_KEY_SLOT(sorted->keys[i]);
+        if (i + AHEAD < sorted->count)             /* slots are in no order here */
+            FXS_PREFETCH(&boxes[FXS_KEY_SLOT(sorted->keys[i + AHEAD])]);
+        fxs_box box = sorted->boxes[i] = boxes[slot];
+        if (!box.mask) {
+            ellipse e = ellipse_of(view, &splats[slot], &bounds[slot]);
+            count_large(view, &e, counts);
         }
+        for (; box.mask; box.mask &= box.mask - 1)
+            counts[tile_of_bit(view, box, box.mask)]++;
     }
 }
 
@@ -171,17 +182,15 @@ static void fill_large(const fxs_view *view, const ellipse *e, uint32_t slot, ui
     }
 }
 
-void fxs_bin_fill(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_box *boxes,
-                  const fxs_key *keys, uint32_t count, uint32_t first_tile, uint32_t last_tile, uint32_t *next,
-                  uint32_t *entries)
+void fxs_bin_fill(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_sorted *sorted,
+                  uint32_t first_tile, uint32_t last_tile, uint32_t *next, uint32_t *entries)
 {
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t slot = FXS_KEY_SLOT(keys[i]);
-        fxs_box box = boxes[slot];
+    for (uint32_t i = 0; i < sorted->count; i++) {
+        uint32_t slot = FXS_KEY_SLOT(sorted->keys[i]);
+        fxs_box box = sorted->boxes[i];
         if (!box.mask) {
             ellipse e = ellipse_of(view, &splats[slot], &bounds[slot]);
             fill_large(view, &e, slot, first_tile, last_tile, next, entries);
-            continue;
         }
         for (; box.mask; box.mask &= box.mask - 1) {
             uint32_t tile = tile_of_bit(view, box, box.mask);

@@ -5,6 +5,13 @@
 
 #include <stdint.h>
 
+/* Asks for a cache line that will be read soon. */
+#if defined(__GNUC__)
+#define FXS_PREFETCH(address) __builtin_prefetch(address)
+#else
+#define FXS_PREFETCH(address) ((void)0)
+#endif
+
 /* Leading zeros; x above 0. */
 static inline int fxs_clz32(uint32_t x)
 {

@@ -154,7 +154,7 @@ int fxs_init(fxs_context *context, const fxs_config *config);
 typedef struct fxs_frame_memory {
     size_t splats;                 /* projected Gaussians: 68 bytes each */
     size_t keys;                   /* sort keys, twice: 16 bytes a Gaussian; 8 KiB a thread */
-    size_t tiles;                  /* list lengths, 4 bytes a tile of 16x16 pixels and thread; ends and times, 12 a tile */
+    size_t tiles;                  /* lists of 16x16 pixels: 12 bytes a tile, and 4 a tile and thread */
     size_t entries;                /* tile lists, 4 bytes an entry */
     size_t total;
 } fxs_frame_memory;

@@ -21,8 +21,8 @@ typedef struct frame {
     uint32_t *block_counts;                /* visible splats of each block */
     fxs_key *keys, *spare_keys;            /* the depths lie in spare_keys until the sort */
     uint32_t (*histograms)[FXS_SORT_BUCKETS];   /* of each part */
-    uint32_t *tile_counts;                 /* length of each tile's list; before they are added up, a row for each part */
-    uint32_t *tile_ends;                   /* where the lists of this run end in entries */
+    uint32_t *tile_counts;                 /* length of each tile's list */
+    uint32_t *next;                        /* a row of tiles for each part of the keys: its entries, then where they go */
     uint32_t (*tile_times)[2];             /* nanoseconds of blend and resolve */
     uint32_t *entries;
 
@@ -82,8 +82,8 @@ static void lay_out(frame *f, const fxs_context *context, const fxs_scene *scene
     f->keys = cut(&memory, &sizes->keys, slots * sizeof *f->keys);
     f->spare_keys = cut(&memory, &sizes->keys, slots * sizeof *f->spare_keys);
     f->histograms = cut(&memory, &sizes->keys, f->parts * sizeof *f->histograms);
-    f->tile_counts = cut(&memory, &sizes->tiles, (uint64_t)f->parts * f->tiles * sizeof *f->tile_counts);
-    f->tile_ends = cut(&memory, &sizes->tiles, f->tiles * sizeof *f->tile_ends);
+    f->tile_counts = cut(&memory, &sizes->tiles, f->tiles * sizeof *f->tile_counts);
+    f->next = cut(&memory, &sizes->tiles, (uint64_t)f->parts * f->tiles * sizeof *f->next);
     f->tile_times = cut(&memory, &sizes->tiles, f->tiles * sizeof *f->tile_times);
     f->entries = cut(&memory, &sizes->entries, f->entry_capacity * (uint64_t)sizeof *f->entries);
     sizes->total = sizes->splats + sizes->keys + sizes->tiles + sizes->entries;
@@ -161,64 +161,69 @@ static void sort_all(frame *f)
     f->keys = sorted;
 }
 
-static void bin_part(void *argument, uint32_t part)
+static void bin_block(void *argument, uint32_t block)
 {
     frame *f = argument;
-    uint32_t end = fxs_part(f->blocks, f->parts, part + 1), *counts = f->tile_counts + (size_t)part * f->tiles;
+    size_t slot = (size_t)block * BLOCK_SLOTS;
+    f->context->kernels.bin(&f->view, f->splats + slot, f->bounds + slot, f->block_counts[block], f->boxes + slot);
+}
+
+/* A part of the sorted keys. Their boxes take the place of the spare keys. */
+static fxs_sorted sorted_part(const frame *f, uint32_t part)
+{
+    uint32_t first = fxs_part(f->stats.visible, f->parts, part), end = fxs_part(f->stats.visible, f->parts, part + 1);
+    return (fxs_sorted){f->keys + first, (fxs_box *)f->spare_keys + first, end - first};
+}
+
+static void count_part(void *argument, uint32_t part)
+{
+    frame *f = argument;
+    fxs_sorted sorted = sorted_part(f, part);
+    uint32_t *counts = f->next + (size_t)part * f->tiles;
     memset(counts, 0, f->tiles * sizeof *counts);
-    for (uint32_t block = fxs_part(f->blocks, f->parts, part); block < end; block++) {
-        size_t slot = (size_t)block * BLOCK_SLOTS;
-        f->context->kernels.bin(&f->view, f->splats + slot, f->bounds + slot, f->block_counts[block],
-                                 f->boxes + slot);
-        fxs_bin_count(&f->view, f->splats + slot, f->bounds + slot, f->boxes + slot, f->block_counts[block], counts);
-    }
+    fxs_bin_count(&f->view, f->splats, f->bounds, f->boxes, &sorted, counts);
 }
 
 static void bin_all(frame *f)
 {
-    run(f, bin_part, f->parts);
-    for (uint32_t part = 1; part < f->parts; part++)
+    run(f, bin_block, f->blocks);
+    run(f, count_part, f->parts);
+    memset(f->tile_counts, 0, f->tiles * sizeof *f->tile_counts);
+    for (uint32_t part = 0; part < f->parts; part++)
         for (uint32_t tile = 0; tile < f->tiles; tile++)
-            f->tile_counts[tile] += f->tile_counts[(size_t)part * f->tiles + tile];
+            f->tile_counts[tile] += f->next[(size_t)part * f->tiles + tile];
     for (uint32_t tile = 0; tile < f->tiles; tile++)
         f->stats.entries += f->tile_counts[tile];
 }
 
-/* Lists a part of the run's tiles, with about as many entries as the other parts. */
 static void fill_part(void *argument, uint32_t part)
 {
     frame *f = argument;
-    uint32_t entries = 0, first = f->first_tile, last;
-    for (uint32_t tile = f->first_tile; tile <= f->last_tile; tile++)
-        entries += f->tile_counts[tile];
-    uint32_t from = fxs_part(entries, f->parts, part), to = fxs_part(entries, f->parts, part + 1), before = 0;
-    while (first <= f->last_tile && before < from)
-        before += f->tile_counts[first++];
-    for (last = first; last <= f->last_tile && before < to; last++)
-        before += f->tile_counts[last];
-    if (part == f->parts - 1)
-        last = f->last_tile + 1;
-    if (first < last)
-        fxs_bin_fill(&f->view, f->splats, f->bounds, f->boxes, f->keys, f->stats.visible, first, last - 1,
-                     f->tile_ends, f->entries);
+    fxs_sorted sorted = sorted_part(f, part);
+    fxs_bin_fill(&f->view, f->splats, f->bounds, &sorted, f->first_tile, f->last_tile,
+                 f->next + (size_t)part * f->tiles, f->entries);
 }
 
-/* Lists as many tiles as fit in `entries`, from first_tile on. A list is never longer than the number of slots, so one always fits. */
+/* Lists as many tiles as fit in `entries`, from first_tile on. A list is never longer than the number of slots, so one always fits.
+   In a tile's list the parts follow each other, so it is in the order of the keys. */
 static void bin_run(frame *f)
 {
     uint32_t used = 0, tile = f->first_tile;
-    for (; tile < f->tiles && f->tile_counts[tile] <= f->entry_capacity - used; tile++) {
-        f->tile_ends[tile] = used;
-        used += f->tile_counts[tile];
-    }
+    for (; tile < f->tiles && f->tile_counts[tile] <= f->entry_capacity - used; tile++)
+        for (uint32_t part = 0; part < f->parts; part++) {
+            uint32_t *next = &f->next[(size_t)part * f->tiles + tile], count = *next;
+            *next = used;
+            used += count;
+        }
     f->last_tile = tile - 1;
     run(f, fill_part, f->parts);
     f->stats.runs++;
 }
 
+/* The last part's entries end the list. */
 static const uint32_t *list_of(const frame *f, uint32_t tile)
 {
-    return f->entries + f->tile_ends[tile] - f->tile_counts[tile];
+    return f->entries + f->next[(size_t)(f->parts - 1) * f->tiles + tile] - f->tile_counts[tile];
 }
 
 static void blend_tile(void *argument, uint32_t job)

@@ -135,14 +135,20 @@ extern const uint16_t fxs_offset_of_code_q11[256];
 fxs_key *fxs_sort(const fxs_config *config, fxs_key *keys, fxs_key *spare, uint32_t count,
                   uint32_t (*histograms)[FXS_SORT_BUCKETS], uint32_t parts);
 
-/* Adds 1 to counts[tile] for every tile that each of `count` splats is listed in. */
-void fxs_bin_count(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_box *boxes,
-                   uint32_t count, uint32_t *counts);
+/* A stretch of sorted keys, and the boxes of their slots in the same order. */
+typedef struct fxs_sorted {
+    const fxs_key *keys;
+    fxs_box *boxes;
+    uint32_t count;
+} fxs_sorted;
 
-/* Makes the lists of tiles first_tile to last_tile: for each splat in the order of keys, and each such tile that it is in,
+/* Fetches the boxes of a stretch from `boxes` (by slot) and adds 1 to counts[tile] for every tile that each is in. */
+void fxs_bin_count(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_box *boxes,
+                   const fxs_sorted *sorted, uint32_t *counts);
+
+/* Lists a stretch in tiles first_tile to last_tile: for each key in order, and each such tile that it is in,
    entries[next[tile]++] = slot. */
-void fxs_bin_fill(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_box *boxes,
-                  const fxs_key *keys, uint32_t count, uint32_t first_tile, uint32_t last_tile, uint32_t *next,
-                  uint32_t *entries);
+void fxs_bin_fill(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_sorted *sorted,
+                  uint32_t first_tile, uint32_t last_tile, uint32_t *next, uint32_t *entries);
 
 #endif

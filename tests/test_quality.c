@@ -94,15 +94,17 @@ static void pixel_stage(const subject *s, const fxs_file_view *file_view, const 
     const fxs_config one_thread = {0, 0, 1, 0, 0};
     fxs_key *sorted = fxs_sort(&one_thread, list.keys, list.spare, list.count, histogram, 1);
     memset(counts, 0, sizeof counts);
+    fxs_sorted stretch = {sorted, malloc((list.count + 1) * sizeof(fxs_box)), list.count};
     fxs_bin_c(&view, list.splats, list.bounds, list.count, list.boxes);
-    fxs_bin_count(&view, list.splats, list.bounds, list.boxes, list.count, counts);
+    fxs_bin_count(&view, list.splats, list.bounds, list.boxes, &stretch, counts);
     uint32_t total = 0;
     for (int t = 0; t < TILES; t++) {
         ends[t] = total;
         total += counts[t];
     }
     uint32_t *entries = malloc(((size_t)total + 1) * sizeof *entries);
-    fxs_bin_fill(&view, list.splats, list.bounds, list.boxes, sorted, list.count, 0, TILES - 1, ends, entries);
+    fxs_bin_fill(&view, list.splats, list.bounds, &stretch, 0, TILES - 1, ends, entries);
+    free(stretch.boxes);
     fxs_options options;
     fxs_options_default(&options);
     for (int t = 0; t < TILES; t++) {

@@ -606,13 +606,14 @@ static void list_splat(uint32_t slot, unsigned char *listed)
     const fxs_bounds *bounds = &all.bounds[slot];
     const fxs_key key = FXS_KEY(0, 0);
     const uint32_t tiles = (uint32_t)(all.view.tiles_x * all.view.tiles_y);
-    fxs_box box;
+    fxs_box box, same_box;
+    const fxs_sorted stretch = {&key, &same_box, 1};
     memset(counts, 0, sizeof counts);
     fxs_bin_c(&all.view, splat, bounds, 1, &box);
-    fxs_bin_count(&all.view, splat, bounds, &box, 1, counts);
+    fxs_bin_count(&all.view, splat, bounds, &box, &stretch, counts);
     for (uint32_t tile = 0; tile < tiles; tile++)
         ends[tile] = tile;
-    fxs_bin_fill(&all.view, splat, bounds, &box, &key, 1, 0, tiles - 1, ends, entries);
+    fxs_bin_fill(&all.view, splat, bounds, &stretch, 0, tiles - 1, ends, entries);
     for (uint32_t tile = 0; tile < tiles; tile++) {
         CHECK(ends[tile] - tile == counts[tile] && counts[tile] <= 1);
         listed[tile] = counts[tile] == 0 ? NOT_LISTED : entries[tile] & FXS_ENTRY_FAR ? FAR : NEAR;
