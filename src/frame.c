@@ -23,7 +23,7 @@ typedef struct frame {
     uint32_t (*histograms)[FXS_SORT_BUCKETS];   /* of each part */
     uint32_t *tile_counts;                 /* length of each tile's list */
     uint32_t *next;                        /* a row of tiles for each part of the keys: its entries, then where they go */
-    uint32_t (*tile_times)[2];             /* nanoseconds of blend and resolve */
+    uint32_t *block_times, *tile_times;    /* nanoseconds: three for project, shade and bin; two for blend and resolve */
     uint32_t *entries;
 
     uint32_t first_tile, last_tile;        /* of the run being blended */
@@ -79,12 +79,13 @@ static void lay_out(frame *f, const fxs_context *context, const fxs_scene *scene
     f->boxes = cut(&memory, &sizes->splats, slots * sizeof *f->boxes);
     f->indices = cut(&memory, &sizes->splats, slots * sizeof *f->indices);
     f->block_counts = cut(&memory, &sizes->splats, f->blocks * sizeof *f->block_counts);
+    f->block_times = cut(&memory, &sizes->splats, f->blocks * 3 * sizeof *f->block_times);
     f->keys = cut(&memory, &sizes->keys, slots * sizeof *f->keys);
     f->spare_keys = cut(&memory, &sizes->keys, slots * sizeof *f->spare_keys);
     f->histograms = cut(&memory, &sizes->keys, f->parts * sizeof *f->histograms);
     f->tile_counts = cut(&memory, &sizes->tiles, f->tiles * sizeof *f->tile_counts);
     f->next = cut(&memory, &sizes->tiles, (uint64_t)f->parts * f->tiles * sizeof *f->next);
-    f->tile_times = cut(&memory, &sizes->tiles, f->tiles * sizeof *f->tile_times);
+    f->tile_times = cut(&memory, &sizes->tiles, (uint64_t)f->tiles * 2 * sizeof *f->tile_times);
     f->entries = cut(&memory, &sizes->entries, f->entry_capacity * (uint64_t)sizeof *f->entries);
     sizes->total = sizes->splats + sizes->keys + sizes->tiles + sizes->entries;
 }
@@ -109,21 +110,19 @@ static const unsigned char *chunk_at(const frame *f, uint32_t chunk)
     return f->scene->chunks + (size_t)chunk * f->scene->chunk_bytes;
 }
 
-static void project_block(void *argument, uint32_t block)
+static void project_block(frame *f, uint32_t block)
 {
-    frame *f = argument;
     uint32_t count = 0, *depths = (uint32_t *)f->spare_keys;
     for (uint32_t c = block * BLOCK; c < (block + 1) * BLOCK && c < f->scene->chunk_count; c++) {
         size_t slot = (size_t)block * BLOCK_SLOTS + count;
         count += f->context->kernels.project(&f->view, chunk_at(f, c), c * FXS_CHUNK, f->splats + slot,
-                                              f->bounds + slot, f->indices + slot, depths + slot);
+                                             f->bounds + slot, f->indices + slot, depths + slot);
     }
     f->block_counts[block] = count;
 }
 
-static void shade_block(void *argument, uint32_t block)
+static void shade_block(frame *f, uint32_t block)
 {
-    frame *f = argument;
     size_t first = (size_t)block * BLOCK_SLOTS, end = first + f->block_counts[block];
     while (first < end) {
         size_t last = first + 1;
@@ -131,9 +130,26 @@ static void shade_block(void *argument, uint32_t block)
         while (last < end && f->indices[last] / FXS_CHUNK == chunk)
             last++;
         f->context->kernels.shade(&f->view, chunk_at(f, chunk), f->indices + first, (uint32_t)(last - first),
-                                   f->splats + first);
+                                  f->splats + first);
         first = last;
     }
+}
+
+/* What of the first stages needs no other block, while its splats are in the cache. */
+static void prepare_block(void *argument, uint32_t block)
+{
+    frame *f = argument;
+    size_t slot = (size_t)block * BLOCK_SLOTS;
+    uint32_t *times = f->block_times + 3 * (size_t)block;
+    uint64_t start = now(f->context);
+    project_block(f, block);
+    uint64_t projected = now(f->context);
+    shade_block(f, block);
+    uint64_t shaded = now(f->context);
+    f->context->kernels.bin(&f->view, f->splats + slot, f->bounds + slot, f->block_counts[block], f->boxes + slot);
+    times[0] = (uint32_t)(projected - start);
+    times[1] = (uint32_t)(shaded - projected);
+    times[2] = (uint32_t)(now(f->context) - shaded);
 }
 
 /* Where a block's keys start: after those of the blocks before it. */
@@ -161,13 +177,6 @@ static void sort_all(frame *f)
     f->keys = sorted;
 }
 
-static void bin_block(void *argument, uint32_t block)
-{
-    frame *f = argument;
-    size_t slot = (size_t)block * BLOCK_SLOTS;
-    f->context->kernels.bin(&f->view, f->splats + slot, f->bounds + slot, f->block_counts[block], f->boxes + slot);
-}
-
 /* A part of the sorted keys. Their boxes take the place of the spare keys. */
 static fxs_sorted sorted_part(const frame *f, uint32_t part)
 {
@@ -186,7 +195,6 @@ static void count_part(void *argument, uint32_t part)
 
 static void bin_all(frame *f)
 {
-    run(f, bin_block, f->blocks);
     run(f, count_part, f->parts);
     memset(f->tile_counts, 0, f->tiles * sizeof *f->tile_counts);
     for (uint32_t part = 0; part < f->parts; part++)
@@ -239,21 +247,21 @@ static void blend_tile(void *argument, uint32_t job)
     f->context->kernels.resolve(f->options, &pixels, fxs_min(FXS_TILE, f->view.width - x),
                                  fxs_min(FXS_TILE, f->view.height - y), f->pixels + y * f->stride + x * pixel_bytes,
                                  f->stride);
-    f->tile_times[tile][0] = (uint32_t)(blended - start);
-    f->tile_times[tile][1] = (uint32_t)(now(f->context) - blended);
+    f->tile_times[2 * tile] = (uint32_t)(blended - start);
+    f->tile_times[2 * tile + 1] = (uint32_t)(now(f->context) - blended);
 }
 
-/* Splits the wall time of the last run between blend and resolve by the time its tiles spent in each. */
-static void share_time(frame *f, uint64_t wall)
+/* Shares a wall time out to `columns` stages, as the jobs spent theirs: times has a row for each job. */
+static void share_time(frame *f, uint64_t wall, const uint32_t *times, uint32_t jobs, uint32_t columns,
+                       const enum fxs_stage *stages)
 {
-    uint64_t blend = 0, resolve = 0;
-    for (uint32_t tile = f->first_tile; tile <= f->last_tile; tile++) {
-        blend += f->tile_times[tile][0];
-        resolve += f->tile_times[tile][1];
+    uint64_t sums[3] = {0, 0, 0}, total = 0;
+    for (uint32_t i = 0; i < jobs * columns; i++) {
+        sums[i % columns] += times[i];
+        total += times[i];
     }
-    uint64_t part = blend + resolve ? wall * 1024 / (blend + resolve) * resolve / 1024 : 0;
-    f->stats.nanoseconds[FXS_BLEND] += wall - part;
-    f->stats.nanoseconds[FXS_RESOLVE] += part;
+    for (uint32_t c = 0; c < columns && total; c++)
+        f->stats.nanoseconds[stages[c]] += wall * (sums[c] * 1024 / total) / 1024;
 }
 
 /* ---- Frame ----------------------------------------------------------------------------------------------------- */
@@ -288,29 +296,29 @@ static int frame_init(frame *f, const fxs_context *context, const fxs_scene *sce
 
 static void prepare(frame *f)
 {
-    uint64_t t[5];
-    t[0] = now(f->context);
-    run(f, project_block, f->blocks);
-    t[1] = now(f->context);
-    run(f, shade_block, f->blocks);
-    t[2] = now(f->context);
+    static const enum fxs_stage stages[] = {FXS_PROJECT, FXS_SHADE, FXS_BIN};
+    uint64_t start = now(f->context);
+    run(f, prepare_block, f->blocks);
+    uint64_t prepared = now(f->context);
     sort_all(f);
-    t[3] = now(f->context);
+    uint64_t sorted = now(f->context);
     bin_all(f);
-    t[4] = now(f->context);
-    for (int stage = FXS_PROJECT; stage <= FXS_BIN; stage++)
-        f->stats.nanoseconds[stage] = t[stage + 1] - t[stage];
+    share_time(f, prepared - start, f->block_times, f->blocks, 3, stages);
+    f->stats.nanoseconds[FXS_SORT] += sorted - prepared;
+    f->stats.nanoseconds[FXS_BIN] += now(f->context) - sorted;
 }
 
 static void blend_runs(frame *f, void (*job)(void *, uint32_t))
 {
+    static const enum fxs_stage stages[] = {FXS_BLEND, FXS_RESOLVE};
     for (f->first_tile = 0; f->first_tile < f->tiles; f->first_tile = f->last_tile + 1) {
         uint64_t start = now(f->context);
         bin_run(f);
         uint64_t listed = now(f->context);
-        run(f, job, f->last_tile - f->first_tile + 1);
+        uint32_t jobs = f->last_tile - f->first_tile + 1;
+        run(f, job, jobs);
         f->stats.nanoseconds[FXS_BIN] += listed - start;
-        share_time(f, now(f->context) - listed);
+        share_time(f, now(f->context) - listed, f->tile_times + 2 * (size_t)f->first_tile, jobs, 2, stages);
     }
 }
 
@@ -340,7 +348,7 @@ static void count_tile(void *argument, uint32_t job)
     fxs_tile pixels;
     uint32_t tile = f->first_tile + job;
     int32_t x = (int32_t)tile % f->view.tiles_x * FXS_TILE, y = (int32_t)tile / f->view.tiles_x * FXS_TILE;
-    f->tile_times[tile][0] = f->tile_times[tile][1] = 0;
+    f->tile_times[2 * tile] = f->tile_times[2 * tile + 1] = 0;
     fxs_blend_count(&f->view, x, y, f->splats, list_of(f, tile), f->tile_counts[tile], &pixels, &f->evaluated,
                     &f->blended);
 }
