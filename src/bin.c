@@ -67,9 +67,9 @@ static int64_t larger(int64_t a, int64_t b)
 static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
 {
     int64_t top_q12 = v_at_row(e, row * FXS_TILE), bottom_q12 = v_at_row(e, row * FXS_TILE + FXS_TILE - 1);
-    if (top_q12 > e->r_q12 + 1024 || bottom_q12 < -e->r_q12 - 1024)   /* 1/4: a margin of 1/8 pixel */
+    if (top_q12 > e->r_q12 + 2 || bottom_q12 < -e->r_q12 - 2)
         return none;
-    int32_t top = cut_to(e->r_q12, top_q12), bottom = cut_to(e->r_q12, bottom_q12);
+    int32_t top = cut_to(e->r_q12, top_q12), bottom = cut_to(e->r_q12, bottom_q12 + 1);   /* rounded outwards */
     int64_t x_top_q8 = (int64_t)e->bounds->shear_q8 * top >> 12, half_top_q8 = half_width_q8(e, top);
     int64_t x_bottom_q8 = (int64_t)e->bounds->shear_q8 * bottom >> 12, half_bottom_q8 = half_width_q8(e, bottom);
     int64_t left_q8 = -larger(half_top_q8 - x_top_q8, half_bottom_q8 - x_bottom_q8);

@@ -161,7 +161,7 @@ typedef struct fxs_frame_memory {
 
 /* The working memory that a frame of this size needs, worst case. Where the tile lists of a whole frame do not fit in
    `entries`, the frame is rendered in runs of tiles, with the same bytes. *memory may be null.
-   Returns 0 where an argument is out of range. */
+   Returns 0 where an argument is out of range, or the memory more than a size_t can count. */
 size_t fxs_frame_bytes(const fxs_context *context, const fxs_scene *scene, int32_t width, int32_t height,
                        fxs_frame_memory *memory);
 

@@ -54,40 +54,54 @@ static void run(const frame *f, void (*job)(void *, uint32_t), uint32_t jobs)
 
 /* ---- Memory ---------------------------------------------------------------------------------------------------- */
 
-/* Cuts `bytes` off the front of what is left, rounded up to 64. Only counts where memory is null. */
-static void *cut(unsigned char **memory, size_t *total, uint64_t bytes)
+/* A block of memory being cut up, or, where it is null, only measured. */
+typedef struct arena {
+    unsigned char *rest;
+    uint64_t used;
+} arena;
+
+/* Cuts `bytes` off the front, rounded up to 64. */
+static void *cut(arena *m, uint64_t bytes)
 {
-    void *part = *memory;
+    void *part = m->rest;
     bytes = (bytes + 63) / 64 * 64;
-    if (*memory)
-        *memory += bytes;
-    *total = bytes > SIZE_MAX / 2 - *total ? SIZE_MAX / 2 : *total + (size_t)bytes;
+    if (m->rest)
+        m->rest += bytes;
+    m->used += bytes;
     return part;
 }
 
-static void lay_out(frame *f, const fxs_context *context, const fxs_scene *scene, int32_t width,
-                    int32_t height, unsigned char *memory, fxs_frame_memory *sizes)
+/* Returns the bytes of all, which may be more than a size_t holds. */
+static uint64_t lay_out(frame *f, const fxs_context *context, const fxs_scene *scene, int32_t width, int32_t height,
+                        unsigned char *block, fxs_frame_memory *sizes)
 {
-    memset(sizes, 0, sizeof *sizes);
+    arena m = {block, 0};
     f->parts = context->config.run && context->config.threads > 1 ? context->config.threads : 1;
     f->blocks = (scene->chunk_count + BLOCK - 1) / BLOCK;
     f->tiles = (uint32_t)((width + FXS_TILE - 1) / FXS_TILE * ((height + FXS_TILE - 1) / FXS_TILE));
     uint64_t slots = (uint64_t)f->blocks * BLOCK_SLOTS, capacity = 4 * slots + 64 * (uint64_t)f->tiles;
     f->entry_capacity = capacity > UINT32_MAX ? UINT32_MAX : (uint32_t)capacity;
-    f->splats = cut(&memory, &sizes->splats, slots * sizeof *f->splats);
-    f->bounds = cut(&memory, &sizes->splats, slots * sizeof *f->bounds);
-    f->boxes = cut(&memory, &sizes->splats, slots * sizeof *f->boxes);
-    f->indices = cut(&memory, &sizes->splats, slots * sizeof *f->indices);
-    f->block_counts = cut(&memory, &sizes->splats, f->blocks * sizeof *f->block_counts);
-    f->block_times = cut(&memory, &sizes->splats, f->blocks * 3 * sizeof *f->block_times);
-    f->keys = cut(&memory, &sizes->keys, slots * sizeof *f->keys);
-    f->spare_keys = cut(&memory, &sizes->keys, slots * sizeof *f->spare_keys);
-    f->histograms = cut(&memory, &sizes->keys, f->parts * sizeof *f->histograms);
-    f->tile_counts = cut(&memory, &sizes->tiles, f->tiles * sizeof *f->tile_counts);
-    f->next = cut(&memory, &sizes->tiles, (uint64_t)f->parts * f->tiles * sizeof *f->next);
-    f->tile_times = cut(&memory, &sizes->tiles, (uint64_t)f->tiles * 2 * sizeof *f->tile_times);
-    f->entries = cut(&memory, &sizes->entries, f->entry_capacity * (uint64_t)sizeof *f->entries);
-    sizes->total = sizes->splats + sizes->keys + sizes->tiles + sizes->entries;
+
+    f->splats = cut(&m, slots * sizeof *f->splats);
+    f->bounds = cut(&m, slots * sizeof *f->bounds);
+    f->boxes = cut(&m, slots * sizeof *f->boxes);
+    f->indices = cut(&m, slots * sizeof *f->indices);
+    f->block_counts = cut(&m, f->blocks * sizeof *f->block_counts);
+    f->block_times = cut(&m, (uint64_t)f->blocks * 3 * sizeof *f->block_times);
+    uint64_t splats = m.used;
+    f->keys = cut(&m, slots * sizeof *f->keys);
+    f->spare_keys = cut(&m, slots * sizeof *f->spare_keys);
+    f->histograms = cut(&m, f->parts * sizeof *f->histograms);
+    uint64_t keys = m.used;
+    f->tile_counts = cut(&m, f->tiles * sizeof *f->tile_counts);
+    f->next = cut(&m, (uint64_t)f->parts * f->tiles * sizeof *f->next);
+    f->tile_times = cut(&m, (uint64_t)f->tiles * 2 * sizeof *f->tile_times);
+    uint64_t tiles = m.used;
+    f->entries = cut(&m, f->entry_capacity * (uint64_t)sizeof *f->entries);
+
+    *sizes = (fxs_frame_memory){(size_t)splats, (size_t)(keys - splats), (size_t)(tiles - keys),
+                                (size_t)(m.used - tiles), (size_t)m.used};
+    return m.used;
 }
 
 size_t fxs_frame_bytes(const fxs_context *context, const fxs_scene *scene, int32_t width, int32_t height,
@@ -97,7 +111,8 @@ size_t fxs_frame_bytes(const fxs_context *context, const fxs_scene *scene, int32
     fxs_frame_memory sizes;
     if (!context || !scene || width < 1 || height < 1 || width > FXS_MAX_SIZE || height > FXS_MAX_SIZE)
         return 0;
-    lay_out(&f, context, scene, width, height, 0, &sizes);
+    if (lay_out(&f, context, scene, width, height, 0, &sizes) > SIZE_MAX)
+        return 0;
     if (memory)
         *memory = sizes;
     return sizes.total;
@@ -290,8 +305,10 @@ static int frame_init(frame *f, const fxs_context *context, const fxs_scene *sce
     f->scene = scene;
     f->options = options;
     f->stats.gaussians = scene->count;
+    if ((uintptr_t)memory % 64 || lay_out(f, context, scene, camera->width, camera->height, 0, &sizes) > memory_bytes)
+        return FXS_ERR_MEMORY;
     lay_out(f, context, scene, camera->width, camera->height, memory, &sizes);
-    return (uintptr_t)memory % 64 || memory_bytes < sizes.total ? FXS_ERR_MEMORY : 0;
+    return 0;
 }
 
 static void prepare(frame *f)

@@ -180,6 +180,7 @@ static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, co
     bounds->breadth_q8 = scale_down((uint64_t)root_d_q30 * c.inverse_q30 >> 30, 22 - d.half + c.half - e);
     bounds->shear_q8 = (int32_t)fxs_round_shift((int64_t)s->b_q30 * c.inverse_q30, 52 + c.half - e);
     bounds->half_width_q8 = (uint32_t)((uint64_t)sqrt_q8(a, e) * r_q12 >> 12);
+    bounds->half_width_q8 += (bounds->half_width_q8 >> 8) + 32;
     bounds->radius = 0;
 
     int64_t u_q38 = (int64_t)bounds->cx_q14 * splat->ux_q24 + (int64_t)bounds->cy_q14 * splat->uy_q24;
@@ -188,14 +189,13 @@ static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, co
     splat->v0_q24 = (uint32_t)(-v_q38 >> 14) + (1 << 10);
 }
 
-/* Rows and columns that the ellipse of radius r can touch, a margin of 1/8 pixel and 1/256 of the size around it.
+/* Rows and columns that the ellipse of radius r can touch, with a margin of 1/8 pixel and 1/256 of the size.
    Returns 0 where it misses the picture. */
 static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const covariance *s, uint32_t r_q12)
 {
     int64_t half_height_q8 = (int64_t)((uint64_t)sqrt_q8(root_of(s->c_q30, 30), s->exponent) * r_q12 >> 12);
-    int64_t half_width_q8 = bounds->half_width_q8 + (bounds->half_width_q8 >> 8) + 32;
+    int64_t half_width_q8 = bounds->half_width_q8;
     half_height_q8 += (half_height_q8 >> 8) + 32;
-    bounds->half_width_q8 = (uint32_t)half_width_q8;
     int64_t cx_q8 = bounds->cx_q14 >> 6, cy_q8 = bounds->cy_q14 >> 6;
     int64_t first = (cy_q8 - half_height_q8 + 255) >> 8, last = (cy_q8 + half_height_q8) >> 8;
     if (cx_q8 + half_width_q8 < 0 || cx_q8 - half_width_q8 > (int64_t)(view->width - 1) << 8 || last < 0 ||

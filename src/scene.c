@@ -47,8 +47,10 @@ int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes)
         return FXS_ERR_VERSION;
     if (header.sh_degree > 3 || header.count > FXS_MAX_COUNT ||
         header.chunk_count != (header.count + FXS_CHUNK - 1) / FXS_CHUNK ||
-        header.chunk_bytes != FXS_CHUNK_BYTES(header.sh_degree) ||
-        bytes < fxs_scene_bytes(header.count, (int)header.sh_degree))
+        header.chunk_bytes != FXS_CHUNK_BYTES(header.sh_degree))
+        return FXS_ERR_SCENE;
+    size_t needed = fxs_scene_bytes(header.count, (int)header.sh_degree);
+    if (!needed || bytes < needed)
         return FXS_ERR_SCENE;
     scene->chunks = (const unsigned char *)data + sizeof header;
     scene->count = header.count;

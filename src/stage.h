@@ -67,7 +67,7 @@ typedef struct fxs_bounds {
     int32_t cx_q14, cy_q14;        /* centre, in pixels, 0 at the centre of the first pixel */
     uint32_t breadth_q8;           /* sqrt(A - B^2 / C), pixels */
     int32_t shear_q8;              /* B / sqrt(C) */
-    uint32_t half_width_q8;        /* r sqrt(A) */
+    uint32_t half_width_q8;        /* r sqrt(A), plus 1/256 of it and 1/8 pixel */
     uint32_t radius;               /* square cut-off: ceil(3 sigma_max), pixels; else 0 */
 } fxs_bounds;
 

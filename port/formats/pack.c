@@ -11,7 +11,7 @@
 #define C0 0.28209479177387814
 #define LOG2_E 1.4426950408889634
 #define DROPPED UINT32_MAX
-#define POSITION_LIMIT 134217728.0   /* 2^27 units */
+#define POSITION_LIMIT 134000000.0   /* just under 2^27 units */
 
 typedef struct order_key {
     uint64_t morton;
