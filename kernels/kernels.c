@@ -55,15 +55,18 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
     if (cpu & FXS_CPU_AVX2) {
         USE(FXS_PROJECT, project, avx2);
         USE(FXS_SHADE, shade, avx2);
+        USE(FXS_BIN, bin, avx2);
         USE(FXS_BLEND, blend, avx2);
     }
     if (cpu & FXS_CPU_AVX512) {
         USE(FXS_PROJECT, project, avx512);
         USE(FXS_SHADE, shade, avx512);
+        USE(FXS_BIN, bin, avx512);
         USE(FXS_BLEND, blend, avx512);
     }
 #elif defined(__aarch64__)
     if (cpu & FXS_CPU_NEON) {
+        USE(FXS_PROJECT, project, neon);
         USE(FXS_SHADE, shade, neon);
         USE(FXS_BLEND, blend, neon);
         USE(FXS_RESOLVE, resolve, neon);

@@ -5,13 +5,6 @@
 
 #include "../port/formats/scene_file.h"
 
-static char path[] = "/tmp/fuzz_ply_XXXXXX";
-
-static void remove_file(void)
-{
-    unlink(path);
-}
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 /* Returns read's last result; adds the Gaussians read to *total. */

@@ -345,6 +345,39 @@ static void shade_case(void)
     CHECK(same(splats));
 }
 
+/* ---- bin ------------------------------------------------------------------------------------------------------- */
+
+static uint64_t rows_total;            /* boxes on more than one tile row */
+
+/* The splats of a chunk, each at several places; every third time on a picture of a few tiles, which cuts the large
+   ones to a box. */
+static void bin_case(void)
+{
+    fxs_splat splats[FXS_CHUNK];
+    fxs_bounds bounds[FXS_CHUNK];
+    uint32_t indices[FXS_CHUNK], depths[FXS_CHUNK];
+    make_scene();
+    make_view();
+    if (one_in(3)) {
+        view.width = 1 + (int32_t)below(80);
+        view.height = 1 + (int32_t)below(80);
+        view.tiles_x = (view.width + FXS_TILE - 1) / FXS_TILE;
+        view.tiles_y = (view.height + FXS_TILE - 1) / FXS_TILE;
+    }
+    const uint32_t count = fxs_project_c(&view, scene.chunks, 0, splats, bounds, indices, depths);
+    output *boxes = output_new(count * sizeof(fxs_box), 4);
+    const fxs_box *box = at(boxes, 0, 4);
+    for (int place = 0; place < 32; place++) {
+        fxs_bin_c(&view, splats, bounds, count, at(boxes, 0, 4));
+        fast.bin(&view, splats, bounds, count, at(boxes, 1, 4));
+        CHECK(same(boxes));
+        for (uint32_t i = 0; i < count; i++) {
+            rows_total += box[i].mask > 15;
+            bounds[i].cx_q14 += (int32_t)between(-(1 << 17), 1 << 17);
+        }
+    }
+}
+
 /* ---- blend, resolve -------------------------------------------------------------------------------------------- */
 
 static int32_t extreme(int32_t low, int32_t high)
@@ -458,6 +491,14 @@ static void shade(void)
     run_cases(shade_case, 1);
 }
 
+static void bin(void)
+{
+    rows_total = 0;
+    run_cases(bin_case, 1);
+    if (!check_faults && first_seed != last_seed)
+        CHECK(rows_total > 20 * (last_seed - first_seed));
+}
+
 static void blend(void)
 {
     run_cases(blend_case, 2);
@@ -477,6 +518,8 @@ static void test_version(size_t i)
         RUN(project);
     if (fast.shade != fxs_shade_c)
         RUN(shade);
+    if (fast.bin != fxs_bin_c)
+        RUN(bin);
     if (fast.blend != fxs_blend_c)
         RUN(blend);
     if (fast.resolve != fxs_resolve_c)

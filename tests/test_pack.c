@@ -251,8 +251,8 @@ static void test_extremes(void)
 {
     make_gaussians(512);
     for (int i = 0; i < 3; i++) {
-        gaussians[0].position[i] = 134217728;
-        gaussians[1].position[i] = -134217728;
+        gaussians[0].position[i] = 134000000;
+        gaussians[1].position[i] = -134000000;
         gaussians[2].scale[i] = 20;
         gaussians[3].scale[i] = -20;
         gaussians[4].dc[i] = 1e30f;

@@ -50,8 +50,8 @@ void BLEND_FUNCTION(const fxs_view *view, int32_t x, int32_t y, const fxs_splat 
         sum[0][s] = sum[1][s] = sum[2][s] = V_SET1(0);
     }
     for (uint32_t i = 0; i < count && open; i++) {
-        if (i + 4 < count)
-            __builtin_prefetch(&splats[entries[i + 4] & ~FXS_ENTRY_FAR]);
+        if (i + 8 < count)
+            __builtin_prefetch(&splats[entries[i + 8] & ~FXS_ENTRY_FAR]);
         const fxs_splat *splat = &splats[entries[i] & ~FXS_ENTRY_FAR];
         placed p = place(view, splat, entries[i], x, y);
         const V limit = V_SET1((int16_t)p.limit_q11);

@@ -70,24 +70,39 @@ static inline vu mantissa_64(vu high, vu low, vi shift)
     return shift_left(high, shift) | shift_right(low, 32 - shift) | shift_left(low, shift - 32);
 }
 
+/* Newton's steps as in src/fixed.h, on the low halves of 64-bit numbers: the results need no narrowing in between. */
+static inline vw reciprocal_step(vw m, vw y_q30)
+{
+    return mul_low(y_q30, 0x80000000u - (mul_low(m, y_q30) >> 32)) >> 30;
+}
+
+static inline vw rsqrt_step(vw m, vw y_q30)
+{
+    return mul_low(y_q30, 0x60000000u - (mul_low(m, mul_low(y_q30, y_q30) >> 31) >> 32)) >> 30;
+}
+
+static inline vw reciprocal_low(vw m)
+{
+    vw y_q30 = 3031741620u - (mul_low(m, (vw)all(2021161081)) >> 32);
+    return reciprocal_step(m, reciprocal_step(m, reciprocal_step(m, y_q30)));
+}
+
+static inline vw rsqrt_low(vw m)
+{
+    vw y_q30 = 2369829601u - (mul_low(m, (vw)all(1431655765)) >> 32);
+    return rsqrt_step(m, rsqrt_step(m, rsqrt_step(m, y_q30)));
+}
+
 /* Below 2^31. */
 static inline vu reciprocal(vu m)
 {
-    vu y_q30 = 3031741620u - mulhi(m, (vu)all(2021161081));
-    for (int i = 0; i < 3; i++)
-        y_q30 = narrow(mul_wide_u(y_q30, 0x80000000u - mulhi(m, y_q30)), 30);
-    return y_q30;
+    return interleave(reciprocal_low((vw)m), reciprocal_low((vw)m >> 32) << 32);
 }
 
 /* Below 2^31. */
 static inline vu rsqrt(vu m)
 {
-    vu y_q30 = 2369829601u - mulhi(m, (vu)all(1431655765));
-    for (int i = 0; i < 3; i++) {
-        vu square_q29 = narrow(mul_wide_u(y_q30, y_q30), 31);
-        y_q30 = narrow(mul_wide_u(y_q30, 0x60000000u - mulhi(m, square_q29)), 30);
-    }
-    return y_q30;
+    return interleave(rsqrt_low((vw)m), rsqrt_low((vw)m >> 32) << 32);
 }
 
 static inline vu root(vu x)

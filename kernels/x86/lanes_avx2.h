@@ -32,12 +32,25 @@ static inline vi load_i8(const int8_t *from)
     return (vi)_mm256_cvtepi8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)from));
 }
 
-/* from[stride * at[0]], from[stride * at[1]], ...: quicker than a gather. */
-static inline vi load_apart(const int32_t *from, const int32_t at[LANES], int stride)
+/* The four words at from + stride * at[0], from + stride * at[4], ... */
+static inline __m256i every_fourth(const int32_t *from, int stride, const int32_t *at)
 {
-#define AT(i) from[stride * at[i]]
-    return (vi)_mm256_setr_epi32(AT(0), AT(1), AT(2), AT(3), AT(4), AT(5), AT(6), AT(7));
-#undef AT
+    return _mm256_loadu2_m128i((const __m128i *)(const void *)(from + stride * at[4]),
+                               (const __m128i *)(const void *)(from + stride * at[0]));
+}
+
+/* The four words at from + stride * at[lane], of each lane. Quicker than gathers, and constant offsets fold. */
+static inline __attribute__((always_inline)) void load_fours(vi words[4], const int32_t *from, int stride,
+                                                             const int32_t at[LANES])
+{
+    __m256i x = every_fourth(from, stride, at), y = every_fourth(from, stride, at + 1);
+    __m256i z = every_fourth(from, stride, at + 2), w = every_fourth(from, stride, at + 3);
+    __m256i xy = _mm256_unpacklo_epi32(x, y), zw = _mm256_unpacklo_epi32(z, w);
+    words[0] = (vi)_mm256_unpacklo_epi64(xy, zw);
+    words[1] = (vi)_mm256_unpackhi_epi64(xy, zw);
+    xy = _mm256_unpackhi_epi32(x, y), zw = _mm256_unpackhi_epi32(z, w);
+    words[2] = (vi)_mm256_unpacklo_epi64(xy, zw);
+    words[3] = (vi)_mm256_unpackhi_epi64(xy, zw);
 }
 
 static inline void store(void *to, vi x)
@@ -158,6 +171,12 @@ static inline wide mul_wide_u(vu a, vu b)
 {
     return (wide){(vw)_mm256_mul_epu32((__m256i)a, (__m256i)b),
                   (vw)_mm256_mul_epu32((__m256i)((vw)a >> 32), (__m256i)((vw)b >> 32))};
+}
+
+/* Products of the low halves. */
+static inline vw mul_low(vw a, vw b)
+{
+    return (vw)_mm256_mul_epu32((__m256i)a, (__m256i)b);
 }
 
 /* Even lanes of a, odd lanes of b. */

@@ -32,13 +32,28 @@ static inline vi load_i8(const int8_t *from)
     return (vi)_mm512_cvtepi8_epi32(_mm_loadu_si128((const __m128i *)(const void *)from));
 }
 
-/* from[stride * at[0]], from[stride * at[1]], ...: quicker than a gather. */
-static inline vi load_apart(const int32_t *from, const int32_t at[LANES], int stride)
+/* The four words at from + stride * at[0], from + stride * at[4], ... */
+static inline __m512i every_fourth(const int32_t *from, int stride, const int32_t *at)
 {
-#define AT(i) from[stride * at[i]]
-    return (vi)_mm512_setr_epi32(AT(0), AT(1), AT(2), AT(3), AT(4), AT(5), AT(6), AT(7),
-                                 AT(8), AT(9), AT(10), AT(11), AT(12), AT(13), AT(14), AT(15));
-#undef AT
+    __m256i low = _mm256_loadu2_m128i((const __m128i *)(const void *)(from + stride * at[4]),
+                                      (const __m128i *)(const void *)(from + stride * at[0]));
+    __m256i high = _mm256_loadu2_m128i((const __m128i *)(const void *)(from + stride * at[12]),
+                                       (const __m128i *)(const void *)(from + stride * at[8]));
+    return _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1);
+}
+
+/* The four words at from + stride * at[lane], of each lane. Quicker than gathers, and constant offsets fold. */
+static inline __attribute__((always_inline)) void load_fours(vi words[4], const int32_t *from, int stride,
+                                                             const int32_t at[LANES])
+{
+    __m512i x = every_fourth(from, stride, at), y = every_fourth(from, stride, at + 1);
+    __m512i z = every_fourth(from, stride, at + 2), w = every_fourth(from, stride, at + 3);
+    __m512i xy = _mm512_unpacklo_epi32(x, y), zw = _mm512_unpacklo_epi32(z, w);
+    words[0] = (vi)_mm512_unpacklo_epi64(xy, zw);
+    words[1] = (vi)_mm512_unpackhi_epi64(xy, zw);
+    xy = _mm512_unpackhi_epi32(x, y), zw = _mm512_unpackhi_epi32(z, w);
+    words[2] = (vi)_mm512_unpacklo_epi64(xy, zw);
+    words[3] = (vi)_mm512_unpackhi_epi64(xy, zw);
 }
 
 static inline void store(void *to, vi x)
@@ -129,6 +144,12 @@ static inline wide mul_wide_u(vu a, vu b)
 {
     return (wide){(vw)_mm512_mul_epu32((__m512i)a, (__m512i)b),
                   (vw)_mm512_mul_epu32((__m512i)((vw)a >> 32), (__m512i)((vw)b >> 32))};
+}
+
+/* Products of the low halves. */
+static inline vw mul_low(vw a, vw b)
+{
+    return (vw)_mm512_mul_epu32((__m512i)a, (__m512i)b);
 }
 
 /* Even lanes of a, odd lanes of b. */

@@ -8,6 +8,8 @@
     uint32_t first_index, fxs_splat *splats, fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
 #define FXS_X86_SHADE(isa) void fxs_shade_##isa(const fxs_view *view, const unsigned char *chunk, \
     const uint32_t *indices, uint32_t count, fxs_splat *splats)
+#define FXS_X86_BIN(isa) void fxs_bin_##isa(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, \
+    uint32_t count, fxs_box *boxes)
 #define FXS_X86_BLEND(isa) void fxs_blend_##isa(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, \
     const uint32_t *entries, uint32_t count, fxs_tile *tile)
 #define FXS_X86_RESOLVE(isa) void fxs_resolve_##isa(const fxs_options *options, const fxs_tile *tile, int32_t columns, \
@@ -17,6 +19,8 @@ FXS_X86_PROJECT(avx2);
 FXS_X86_PROJECT(avx512);
 FXS_X86_SHADE(avx2);
 FXS_X86_SHADE(avx512);
+FXS_X86_BIN(avx2);
+FXS_X86_BIN(avx512);
 FXS_X86_BLEND(sse41);
 FXS_X86_BLEND(avx2);
 FXS_X86_BLEND(avx512);

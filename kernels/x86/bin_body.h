@@ -1,0 +1,185 @@
+/* bin, LANES splats at a time: src/bin.c with the same numbers, in 32 bits. First come the boxes, and the masks of
+ * those that lie whole on one tile row; other splats that fit in a box wait in lists, until they fill a vector for the
+ * row by row pass. Include lanes_avx2.h or lanes_avx512.h first. */
+#include "../../src/stage.h"
+#include "lanes.h"
+
+/* 256 pixels. Up to it the row by row pass needs no more than 31 bits: breadth r and |shear| r are at most sqrt(A) r,
+   less than 4096 half_width (Q20) <= 2^28; breadth (sqrt(r^2 - v^2) + 1) is 1 part in 91 more, as r >= 91 (Q12); the
+   tangent and v half_width are at most r half_width < 2^29.6. What is larger and fits in a box is cut by the picture's
+   edge; that is rare, and left to C. */
+#define HALF_WIDTH_LIMIT_Q8 (1 << 16)
+
+typedef struct job {
+    const fxs_view *view;
+    const fxs_splat *splats;
+    const fxs_bounds *bounds;
+    fxs_box *boxes;
+} job;
+
+/* Splats that wait. */
+typedef struct list {
+    uint32_t count;
+    int32_t index[2 * LANES];
+} list;
+
+/* The words from vy_q24 on of fxs_splat; from cx_q14 on, and from breadth_q8 on, of fxs_bounds. */
+enum { VY, OFFSET, CLIP = 3, CX = 0, CY, BREADTH = 0, SHEAR, HALF_WIDTH };
+
+#define LOAD_FOURS(words, structs, member, at) \
+    load_fours(words, (const int32_t *)(const void *)&(structs)->member, (int)sizeof *(structs) / 4, at)
+
+/* The tile columns of the pixels between two points. Returns the lanes where there is no pixel. */
+static inline mask columns_between(vi *first, vi *last, const fxs_view *view, vi left_q8, vi right_q8)
+{
+    vi first_pixel = most((left_q8 + 255) >> 8, all(0)), last_pixel = least(right_q8 >> 8, all(view->width - 1));
+    *first = first_pixel >> 4;
+    *last = last_pixel >> 4;
+    return greater(first_pixel, last_pixel);
+}
+
+/* ---- Row by row ------------------------------------------------------------------------------------------------ */
+
+typedef struct ellipse {
+    vi v_q24, vy_q24;              /* v on the first pixel row of a tile row, and from row to row */
+    vi cx_q8, breadth_q8, shear_q8, reach_q8, margin_q8, r_q12, tangent;
+    vi first_column, more_rows;    /* of the box; tile rows after the first */
+} ellipse;
+
+/* v = ((y << 14) - cy) vy >> 26 = ((-cy vy >> 14) + y vy) >> 12, of which 32 bits are enough: the tile rows of a box
+   are less than 16 pixels off the ellipse, so |v| < 4 + 16 vy < 128. */
+static inline ellipse ellipse_of(const job *j, const int32_t index[LANES])
+{
+    vi splat[4], centre[4], shape[4], last;
+    LOAD_FOURS(splat, j->splats, vy_q24, index);
+    LOAD_FOURS(centre, j->bounds, cx_q14, index);
+    LOAD_FOURS(shape, j->bounds, breadth_q8, index);
+    const vi offset_q11 = splat[OFFSET] & 65535, limit_q11 = least(offset_q11 + j->view->cut_q11, all(FXS_FAINT_Q11));
+    const vu first_row = (vu)splat[CLIP] & 65535 & ~15u;
+    ellipse e;
+    e.vy_q24 = splat[VY];
+    e.v_q24 = (vi)(narrow(mul_wide(-centre[CY], splat[VY]), 14) + first_row * (vu)splat[VY]);
+    e.cx_q8 = centre[CX] >> 6;
+    e.breadth_q8 = shape[BREADTH];
+    e.shear_q8 = shape[SHEAR];
+    e.reach_q8 = shape[HALF_WIDTH];
+    e.margin_q8 = (e.reach_q8 >> 8) + 32;
+    e.r_q12 = (vi)root((vu)(limit_q11 - offset_q11 + 1) << 13) + 1;
+    vi widest = e.shear_q8 * e.r_q12;            /* over 4096, towards 0 */
+    e.tangent = ((widest + (widest >> 31 & 4095)) >> 12) * e.r_q12;
+    columns_between(&e.first_column, &last, j->view, e.cx_q8 - e.reach_q8, e.cx_q8 + e.reach_q8);
+    e.more_rows = (vi)(((vu)splat[CLIP] >> 20) - (first_row >> 4));
+    return e;
+}
+
+/* Half the width at v, about x = cx + shear v. */
+static inline vi half_width_q8(const ellipse *e, vi v_q12)
+{
+    vi square_q24 = e->r_q12 * e->r_q12 - v_q12 * v_q12;
+    if (!bits(greater(square_q24, all(0))))      /* often so above the ellipse and below it, and the root is slow */
+        return e->breadth_q8 >> 12;
+    return e->breadth_q8 * ((vi)root((vu)square_q24) + 1) >> 12;
+}
+
+/* The tiles of a tile row that the ellipse touches, bit 0 for the first column of the box. */
+static inline vi tiles_of_row(const ellipse *e, const fxs_view *view)
+{
+    const vi r = e->r_q12, reach = e->reach_q8;
+    const vi top_q12 = e->v_q24 >> 12, bottom_q12 = (e->v_q24 + (FXS_TILE - 1) * e->vy_q24) >> 12;
+    const vi top = clamp(top_q12, -r, r), bottom = clamp(bottom_q12 + 1, -r, r);
+    vi x_top_q8 = e->shear_q8 * top >> 12, half_top_q8 = half_width_q8(e, top);
+    vi x_bottom_q8 = e->shear_q8 * bottom >> 12, half_bottom_q8 = half_width_q8(e, bottom);
+    vi left_q8 = most(half_top_q8 - x_top_q8, half_bottom_q8 - x_bottom_q8);
+    vi right_q8 = most(half_top_q8 + x_top_q8, half_bottom_q8 + x_bottom_q8);
+    /* Is a widest point on this tile row? */
+    vi low = top * reach, high = bottom * reach, first, last;
+    left_q8 = choose(greater(low, -e->tangent) | greater(-e->tangent, high), left_q8, reach);
+    right_q8 = choose(greater(low, e->tangent) | greater(e->tangent, high), right_q8, reach);
+    left_q8 = least(left_q8 + e->margin_q8, reach);
+    right_q8 = least(right_q8 + e->margin_q8, reach);
+    mask none = columns_between(&first, &last, view, e->cx_q8 - left_q8, e->cx_q8 + right_q8) |
+                greater(top_q12, r + 2) | greater(-r - 2, bottom_q12);
+    vu tiles = shift_left((vu)all(2), last - e->first_column) - shift_left((vu)all(1), first - e->first_column);
+    return choose(none, all(0), (vi)tiles);
+}
+
+/* The masks of the first `count` splats of a list, at most LANES; the index has LANES of them. */
+static void fill_masks(const job *j, const list *l, uint32_t count)
+{
+    int32_t masks[LANES];
+    vi tiles = all(0);
+    ellipse e = ellipse_of(j, l->index);
+    for (int row = 0; bits(greater(e.more_rows, all(row - 1))); row++) {
+        tiles |= choose(greater(e.more_rows, all(row - 1)), tiles_of_row(&e, j->view), all(0)) << 4 * row;
+        e.v_q24 += FXS_TILE * e.vy_q24;
+    }
+    store(masks, tiles);
+    for (uint32_t i = 0; i < count; i++)
+        j->boxes[l->index[i]].mask = (uint32_t)masks[i];
+}
+
+/* ---- Boxes ----------------------------------------------------------------------------------------------------- */
+
+/* Appends to a list; as soon as a vector is full, it is taken from the front. */
+static inline void append(const job *j, list *l, vi index, mask which)
+{
+    store_compressed(l->index + l->count, index, which);
+    l->count += (uint32_t)__builtin_popcount(bits(which));
+    if (l->count < LANES)
+        return;
+    fill_masks(j, l, LANES);
+    l->count -= LANES;
+    store(l->index, load(l->index + LANES));
+}
+
+/* The boxes of the splats i to i + LANES - 1. */
+static inline void find_boxes(const job *j, list lists[4], uint32_t i)
+{
+    vi splat[4], centre[4], shape[4], first, last;
+    LOAD_FOURS(splat, j->splats + i, vy_q24, lane_numbers);
+    LOAD_FOURS(centre, j->bounds + i, cx_q14, lane_numbers);
+    LOAD_FOURS(shape, j->bounds + i, breadth_q8, lane_numbers);
+    const vi cx_q8 = centre[CX] >> 6, reach_q8 = shape[HALF_WIDTH], index = load(lane_numbers) + (int32_t)i;
+    const vi first_row = splat[CLIP] & 65535, last_row = (vi)((vu)splat[CLIP] >> 16);
+    const vi more_rows = (last_row >> 4) - (first_row >> 4);
+    mask none = columns_between(&first, &last, j->view, cx_q8 - reach_q8, cx_q8 + reach_q8);
+    mask fits = greater(all(4), more_rows) & greater(all(4), last - first) & ~none;
+    mask whole = fits & equal(more_rows, all(0)) & greater(first_row, all(0)) &
+                 greater(all(j->view->height - 1), last_row);
+    vi base = (first_row >> 4) * j->view->tiles_x + choose(none, all(0), first);
+    store_pairs(j->boxes + i, base, choose(whole, (vi)shift_left((vu)all(2), last - first) - 1, all(0)));
+    mask large = greater(reach_q8, all(HALF_WIDTH_LIMIT_Q8));
+    /* A list for each number of rows; in list 0 those that may reach the top or the bottom of their tile rows. */
+    mask at_edge = equal(first_row & 15, all(0)) | equal(last_row & 15, all(15));
+    vi list_number = choose(at_edge, all(0), more_rows);
+    for (int k = 0; k < 4; k++) {
+        mask which = fits & ~whole & ~large & equal(list_number, all(k));
+        if (bits(which))
+            append(j, &lists[k], index, which);
+    }
+    for (unsigned left = bits(fits & ~whole & large); left; left &= left - 1) {
+        uint32_t k = i + (uint32_t)__builtin_ctz(left);
+        fxs_bin_c(j->view, j->splats + k, j->bounds + k, 1, j->boxes + k);
+    }
+}
+
+/* The last vector overlaps the one before where count is no multiple of LANES. */
+static inline void bin(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count,
+                       fxs_box *boxes)
+{
+    const job j = {view, splats, bounds, boxes};
+    list lists[4];
+    if (view->square || count < LANES) {
+        fxs_bin_c(view, splats, bounds, count, boxes);
+        return;
+    }
+    for (int k = 0; k < 4; k++)
+        lists[k].count = 0;
+    for (uint32_t i = 0; i < count; i += LANES)
+        find_boxes(&j, lists, i + LANES <= count ? i : count - LANES);
+    for (int k = 0; k < 4; k++)
+        if (lists[k].count) {
+            store(lists[k].index + lists[k].count, all(lists[k].index[0]));
+            fill_masks(&j, &lists[k], lists[k].count);
+        }
+}
