@@ -17,6 +17,10 @@ ifeq ($(call header,cjson/cJSON.h),yes)
 FEATURES += -DFXS_WITH_CJSON
 LIBS += -lcjson
 endif
+ifeq ($(call header,zlib.h),yes)
+FEATURES += -DFXS_WITH_ZLIB
+LIBS += -lz
+endif
 ifeq ($(call header,stb/stb_image_write.h),yes)
 FEATURES += -DFXS_WITH_STB
 endif
@@ -53,7 +57,7 @@ $(B)/%.o: %.c
 
 # ---- Setup, demo, install ------------------------------------------------------------------------------------------
 
-PACKAGES := libcjson-dev libstb-dev
+PACKAGES := libcjson-dev libstb-dev zlib1g-dev
 TEST_PACKAGES := clang libclang-rt-14-dev glslang-tools qemu-user gcc-aarch64-linux-gnu libc6-dev-arm64-cross \
                  gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind
 WANTED = $(PACKAGES) $(if $(filter test,$(MAKECMDGOALS)),$(TEST_PACKAGES))

@@ -1,4 +1,5 @@
-/* The packed scene: what an importer writes and the renderer reads in place. Little-endian, aligned to 64.
+/* The packed scene: what an importer writes and the renderer reads in place, in memory or from a mapped .fxs file. Little-endian,
+ * aligned to 64.
  *
  *   fxs_packed_header, then chunk_count chunks, each
  *       fxs_chunk                          128 bytes: how the codes of these 256 Gaussians are read
@@ -21,13 +22,15 @@
 #define FXS_PACKED_VERSION 1u
 #define FXS_PACKED_ANTIALIASED 1u
 
-typedef struct fxs_packed_header {   /* 64 bytes */
+typedef struct fxs_packed_header {   /* 128 bytes */
     uint32_t magic, version;
     uint32_t count, chunk_count;
     uint32_t chunk_bytes;
     uint32_t sh_degree;
     uint32_t flags;                  /* FXS_PACKED_ANTIALIASED */
-    uint32_t reserved[9];            /* 0 */
+    uint32_t checksum[1];            /* in a file: CRC-32 of the header with 0 here; in memory: 0 */
+    int64_t low_q32[3], high_q32[3];               /* bounds of the centres; not read by the renderer */
+    int64_t inner_low_q32[3], inner_high_q32[3];   /* the same for the middle 90 % on each axis */
 } fxs_packed_header;
 
 typedef struct fxs_chunk {           /* 128 bytes */
@@ -39,7 +42,8 @@ typedef struct fxs_chunk {           /* 128 bytes */
     int32_t colour_q16[3];           /* 0.5 + C0 dc = colour + code * colour_step, within +-64 */
     uint32_t colour_step_q20[3];
     uint32_t sh_step_q19[3];         /* a coefficient of degree d is code * sh_step[d - 1]; at most 32767 */
-    uint32_t reserved[9];            /* 0 */
+    uint32_t checksum;               /* in a file: CRC-32 of the chunk with 0 here; in memory: 0 */
+    uint32_t reserved[8];            /* 0 */
 } fxs_chunk;
 
 #define FXS_CHUNK_POSITION 128u                          /* offsets in a chunk, in bytes */

@@ -56,7 +56,7 @@ enum { WIDTH = 200, HEIGHT = 120, COUNT = 5000 };
 static void fill_scene(unsigned char *data)
 {
     fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, COUNT, (COUNT + FXS_CHUNK - 1) / FXS_CHUNK,
-                                FXS_CHUNK_BYTES(1), 1, 0, {0}};
+                                FXS_CHUNK_BYTES(1), 1, 0, {0}, {0}, {0}, {0}, {0}};
     memcpy(data, &header, sizeof header);
     for (uint32_t c = 0; c < header.chunk_count; c++) {
         unsigned char *bytes = data + sizeof header + c * header.chunk_bytes;

@@ -141,8 +141,8 @@ static void outputs_free(void)
 
 /* A packed scene of one chunk. */
 typedef union packed {
-    uint64_t aligned[(64 + FXS_CHUNK_BYTES(3)) / 8];
-    unsigned char bytes[64 + FXS_CHUNK_BYTES(3)];
+    uint64_t aligned[(sizeof(fxs_packed_header) + FXS_CHUNK_BYTES(3)) / 8];
+    unsigned char bytes[sizeof(fxs_packed_header) + FXS_CHUNK_BYTES(3)];
 } packed;
 
 static packed *scene_data;
@@ -226,7 +226,7 @@ static void make_scene(void)
 {
     const int wild = one_in(2), antialiased = one_in(2), degree = (int)below(4);
     const fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, FXS_CHUNK, 1, FXS_CHUNK_BYTES(degree),
-                                      (uint32_t)degree, antialiased ? FXS_PACKED_ANTIALIASED : 0, {0}};
+                                      (uint32_t)degree, antialiased ? FXS_PACKED_ANTIALIASED : 0, {0}, {0}, {0}, {0}, {0}};
     memset(scene_data, 0, sizeof *scene_data);
     memcpy(scene_data->bytes, &header, sizeof header);
     if (wild)
@@ -564,7 +564,7 @@ static void bench_scene(unsigned char *data)
     static const double low[3] = {-2.8, -1.6, 4}, high[3] = {2.4, 1.2, 6};
     const uint32_t bytes = FXS_CHUNK_BYTES(3);
     const fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, BENCH_CHUNKS * FXS_CHUNK, BENCH_CHUNKS,
-                                      bytes, 3, 0, {0}};
+                                      bytes, 3, 0, {0}, {0}, {0}, {0}, {0}};
     memcpy(data, &header, sizeof header);
     for (uint32_t i = 0; i < BENCH_CHUNKS; i++) {
         unsigned char *body = data + sizeof header + (size_t)i * bytes;

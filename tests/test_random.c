@@ -53,7 +53,7 @@ static void *random_scene(size_t *bytes)
     *bytes = fxs_scene_bytes(count, degree);
     unsigned char *data = check_aligned(*bytes);
     fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, count, (count + FXS_CHUNK - 1) / FXS_CHUNK,
-                                FXS_CHUNK_BYTES(degree), (uint32_t)degree, (uint32_t)between(0, 1), {0}};
+                                FXS_CHUNK_BYTES(degree), (uint32_t)degree, (uint32_t)between(0, 1), {0}, {0}, {0}, {0}, {0}};
     if (!data)
         abort();
     memcpy(data, &header, sizeof header);

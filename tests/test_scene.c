@@ -44,7 +44,7 @@ static struct {
 static void make_scene(void)
 {
     const fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, COUNT, CHUNKS, FXS_CHUNK_BYTES(DEGREE),
-                                      DEGREE, FXS_PACKED_ANTIALIASED, {0}};
+                                      DEGREE, FXS_PACKED_ANTIALIASED, {0}, {0}, {0}, {0}, {0}};
     s.size = fxs_scene_bytes(COUNT, DEGREE);
     s.bytes = allocate(s.size);
     s.header = (fxs_packed_header *)(void *)s.bytes;
@@ -63,7 +63,7 @@ static void test_open(void)
 {
     make_scene();
     CHECK(open_scene() == 0);
-    CHECK(s.scene.chunks == s.bytes + 64 && s.scene.count == COUNT && s.scene.chunk_count == CHUNKS);
+    CHECK(s.scene.chunks == s.bytes + 128 && s.scene.count == COUNT && s.scene.chunk_count == CHUNKS);
     CHECK(s.scene.chunk_bytes == 128 + 256 * (6 + 4 + 4 + 4 + 9) && s.scene.sh_degree == 1 && s.scene.antialiased == 1);
     s.header->flags = 0;
     CHECK(open_scene() == 0 && s.scene.antialiased == 0);
@@ -195,13 +195,13 @@ static void test_open_chunk_out_of_range(void)
 
 static void test_scene_bytes(void)
 {
-    CHECK(fxs_scene_bytes(0, 0) == 64 && fxs_scene_bytes(1, 0) == 64 + 128 + 256 * 18);
+    CHECK(fxs_scene_bytes(0, 0) == 128 && fxs_scene_bytes(1, 0) == 128 + 128 + 256 * 18);
     CHECK(fxs_scene_bytes(256, 0) == fxs_scene_bytes(1, 0));
-    CHECK(fxs_scene_bytes(257, 0) == 2 * fxs_scene_bytes(1, 0) - 64);
-    CHECK(fxs_scene_bytes(256, 3) == 64 + 128 + 256 * 63);
+    CHECK(fxs_scene_bytes(257, 0) == 2 * fxs_scene_bytes(1, 0) - sizeof(fxs_packed_header));
+    CHECK(fxs_scene_bytes(256, 3) == 128 + 128 + 256 * 63);
     CHECK(fxs_scene_bytes(1, -1) == 0 && fxs_scene_bytes(1, 4) == 0 && fxs_scene_bytes(FXS_MAX_COUNT + 1, 0) == 0);
     CHECK(fxs_scene_bytes(UINT32_MAX, 3) == 0);
-    CHECK(sizeof(size_t) < 8 || fxs_scene_bytes(FXS_MAX_COUNT, 3) == 64 + (size_t)(1 << 22) * (128 + 256 * 63));
+    CHECK(sizeof(size_t) < 8 || fxs_scene_bytes(FXS_MAX_COUNT, 3) == 128 + (size_t)(1 << 22) * (128 + 256 * 63));
 }
 
 static void test_frame_bytes(void)

@@ -2,10 +2,15 @@
 
 #include <errno.h>
 #include <math.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+#include "../port/formats/fxs_file.h"
+#include "../port/posix/map.h"
+#include "../src/packed.h"
 
 int fail(int status, const char *format, ...)
 {
@@ -94,12 +99,23 @@ void progress_end(void)
     bar_shown = 0;
 }
 
-int load_scene(loaded_scene *loaded, const char *path)
+static void note_dropped(const char *path, const fxs_pack_report *report)
+{
+    const fxs_pack_dropped *d = &report->dropped;
+    if (report->read == report->packed)
+        return;
+    fprintf(stderr, "fixsplat: %s: left out %llu of %llu Gaussians (%llu not finite, %llu with a zero quaternion, "
+            "%llu with a scale beyond +-20, %llu too far out)\n", path,
+            (unsigned long long)(report->read - report->packed), (unsigned long long)report->read,
+            (unsigned long long)d->not_finite, (unsigned long long)d->rotation, (unsigned long long)d->scale,
+            (unsigned long long)d->position);
+}
+
+static int import(loaded_scene *loaded, const char *path)
 {
     fxs_message message;
     fxs_scene_file *file;
     char label[] = "reading";
-    memset(loaded, 0, sizeof *loaded);
     if (fxs_scene_file_open(path, &file, &loaded->info, &message))
         return fail(EXIT_FAILED, "%s", message.text);
     int result = fxs_pack(file, &loaded->info, &loaded->packed, &loaded->report, progress_bar, label, &message);
@@ -110,17 +126,55 @@ int load_scene(loaded_scene *loaded, const char *path)
     result = fxs_scene_open(&loaded->scene, loaded->packed.data, loaded->packed.bytes);
     if (result)
         return fail(EXIT_FAILED, "%s: %s", path, fxs_strerror(result));
-    const fxs_pack_dropped *d = &loaded->report.dropped;
-    uint64_t dropped = loaded->report.read - loaded->report.packed;
-    if (dropped)
-        fprintf(stderr, "fixsplat: %s: left out %llu of %llu Gaussians (%llu not finite, %llu with a zero quaternion, "
-                "%llu with a scale beyond +-20, %llu too far out)\n", path, (unsigned long long)dropped,
-                (unsigned long long)loaded->report.read, (unsigned long long)d->not_finite,
-                (unsigned long long)d->rotation, (unsigned long long)d->scale, (unsigned long long)d->position);
+    note_dropped(path, &loaded->report);
     return 0;
+}
+
+/* The four bytes with which an .fxs file begins. */
+static int is_packed(const char *path)
+{
+    uint32_t magic = 0;
+    FILE *file = fopen(path, "rb");
+    size_t got = file ? fread(&magic, sizeof magic, 1, file) : 0;
+    if (file)
+        fclose(file);
+    return got == 1 && magic == FXS_PACKED_MAGIC;
+}
+
+static int map(loaded_scene *loaded, const char *path)
+{
+    fxs_message message;
+    if (fxs_map(path, &loaded->packed.data, &loaded->packed.bytes, &message))
+        return fail(EXIT_FAILED, "%s", message.text);
+    loaded->mapped = 1;
+    if (fxs_file_check(path, loaded->packed.data, loaded->packed.bytes, 0, &message))
+        return fail(EXIT_FAILED, "%s", message.text);
+    fxs_scene_open(&loaded->scene, loaded->packed.data, loaded->packed.bytes);
+    const fxs_packed_header *header = loaded->packed.data;
+    loaded->info = (fxs_scene_file_info){"fxs", header->count, (int)header->sh_degree, loaded->scene.antialiased};
+    loaded->report.read = loaded->report.packed = header->count;
+    for (int i = 0; i < 3; i++) {
+        loaded->report.low[i] = ldexp((double)header->low_q32[i], -32);
+        loaded->report.high[i] = ldexp((double)header->high_q32[i], -32);
+        loaded->report.inner_low[i] = ldexp((double)header->inner_low_q32[i], -32);
+        loaded->report.inner_high[i] = ldexp((double)header->inner_high_q32[i], -32);
+    }
+    return 0;
+}
+
+int load_scene(loaded_scene *loaded, const char *path)
+{
+    memset(loaded, 0, sizeof *loaded);
+    int status = is_packed(path) ? map(loaded, path) : import(loaded, path);
+    if (status)
+        free_scene(loaded);
+    return status;
 }
 
 void free_scene(loaded_scene *loaded)
 {
-    fxs_packed_scene_free(&loaded->packed);
+    if (loaded->mapped)
+        fxs_unmap(loaded->packed.data, loaded->packed.bytes);
+    else
+        fxs_packed_scene_free(&loaded->packed);
 }

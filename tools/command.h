@@ -17,6 +17,7 @@ enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 int command_render(int argc, char **argv);
 int command_bench(int argc, char **argv);
 int command_info(int argc, char **argv);
+int command_convert(int argc, char **argv);
 int command_compare(int argc, char **argv);
 int command_make_scene(int argc, char **argv);
 
@@ -39,13 +40,14 @@ int parse_colour(const char *text, uint8_t rgb[3]);                 /* RRGGBB */
 int progress_bar(void *label, double done);
 void progress_end(void);
 
-/* ---- A scene, loaded and packed -------------------------------------------------------------------------------- */
+/* ---- A scene: imported and packed, or mapped -------------------------------------------------------------------------------- */
 
 typedef struct loaded_scene {
     fxs_scene_file_info info;
     fxs_packed_scene packed;
-    fxs_pack_report report;
+    fxs_pack_report report;                 /* of an .fxs file: counts and bounds only */
     fxs_scene scene;
+    int mapped;                             /* packed is a mapped .fxs file */
 } loaded_scene;
 
 /* Returns 0, or prints why not and returns EXIT_FAILED. */

@@ -2,12 +2,14 @@
 #include <inttypes.h>
 #include <stdlib.h>
 
+#include "../port/formats/fxs_file.h"
 #include "command.h"
 
 static const char help[] =
     "Usage: fixsplat info SCENE [--size WxH] [--json]\n\n"
     "Prints the number of Gaussians, SH degree and bounds of a scene, its bytes a Gaussian once packed, the largest\n"
-    "difference that packing made to each attribute, and the memory that a frame of the given size (default 1280x720) needs.\n\n"
+    "difference that packing made to each attribute (not of an .fxs file, which is packed already: there every checksum is\n"
+    "verified), and the memory that a frame of the given size (default 1280x720) needs.\n\n"
     "Examples:\n"
     "  fixsplat info scene.ply\n"
     "  fixsplat info scene.ply --size 1920x1080 --json\n";
@@ -22,7 +24,8 @@ static void print_json(const loaded_scene *s, const fxs_frame_memory *m, int wid
            r->high[1], r->high[2]);
     printf("\"packed_bytes\": %zu, \"bytes_per_gaussian\": %.3f, ", s->packed.bytes,
            (double)s->packed.bytes / (double)r->packed);
-    printf("\"largest_error\": {\"position\": %.3g, \"scale\": %.3g, \"rotation_degrees\": %.3g, \"opacity\": %.3g, "
+    if (!s->mapped)
+        printf("\"largest_error\": {\"position\": %.3g, \"scale\": %.3g, \"rotation_degrees\": %.3g, \"opacity\": %.3g, "
            "\"dc\": %.3g, \"sh\": %.3g}, ", r->largest.position, r->largest.scale, r->largest.rotation,
            r->largest.opacity, r->largest.dc, r->largest.sh);
     printf("\"frame\": {\"width\": %d, \"height\": %d, \"splats\": %zu, \"keys\": %zu, \"tiles\": %zu, "
@@ -41,7 +44,8 @@ static void print_text(const loaded_scene *s, const fxs_frame_memory *m, int wid
            r->inner_high[0], r->inner_high[1], r->inner_high[2]);
     printf("packed        %zu bytes, %.2f a Gaussian\n", s->packed.bytes,
            (double)s->packed.bytes / (double)r->packed);
-    printf("largest error position %.3g, ln(sigma) %.3g, rotation %.3g degrees, opacity %.3g, dc %.3g, sh %.3g\n",
+    if (!s->mapped)
+        printf("largest error position %.3g, ln(sigma) %.3g, rotation %.3g degrees, opacity %.3g, dc %.3g, sh %.3g\n",
            r->largest.position, r->largest.scale, r->largest.rotation, r->largest.opacity, r->largest.dc,
            r->largest.sh);
     printf("frame         %dx%d needs %zu bytes: splats %zu, keys %zu, tiles %zu, entries %zu\n", width, height,
@@ -72,6 +76,11 @@ int command_info(int argc, char **argv)
         return fail(EXIT_USAGE, "info takes one scene file; see: fixsplat info --help");
     if (load_scene(&loaded, argv[optind]))
         return EXIT_FAILED;
+    fxs_message message;
+    if (loaded.mapped && fxs_file_check(argv[optind], loaded.packed.data, loaded.packed.bytes, 1, &message)) {
+        free_scene(&loaded);
+        return fail(EXIT_FAILED, "%s", message.text);
+    }
     fxs_init(&context, 0);
     fxs_frame_bytes(&context, &loaded.scene, width, height, &memory);
     (json ? print_json : print_text)(&loaded, &memory, width, height);

@@ -393,10 +393,16 @@ static int allocate_scene(packer *p, fxs_packed_scene *scene)
     scene->data = (void *)(((uintptr_t)scene->allocation + 63) / 64 * 64);
     scene->bytes = bytes;
     fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, (uint32_t)p->report->packed, 0, 0,
-                                (uint32_t)p->info->sh_degree, 0, {0}};
+                                (uint32_t)p->info->sh_degree, 0, {0}, {0}, {0}, {0}, {0}};
     header.chunk_count = (header.count + FXS_CHUNK - 1) / FXS_CHUNK;
     header.chunk_bytes = p->chunk_bytes;
     header.flags = p->info->antialiased ? FXS_PACKED_ANTIALIASED : 0;
+    for (int i = 0; i < 3; i++) {
+        header.low_q32[i] = (int64_t)floor(ldexp(p->report->low[i], 32));
+        header.high_q32[i] = (int64_t)ceil(ldexp(p->report->high[i], 32));
+        header.inner_low_q32[i] = (int64_t)floor(ldexp(p->report->inner_low[i], 32));
+        header.inner_high_q32[i] = (int64_t)ceil(ldexp(p->report->inner_high[i], 32));
+    }
     memcpy(scene->data, &header, sizeof header);
     p->chunks = (unsigned char *)scene->data + sizeof header;
     return 0;

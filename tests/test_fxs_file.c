@@ -1,0 +1,136 @@
+/* .fxs files: written, mapped and rendered as from memory; damage of every part is found; an existing file survives a failure. */
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "../port/formats/fxs_file.h"
+#include "../port/formats/pack.h"
+#include "../port/formats/ply_write.h"
+#include "../port/posix/map.h"
+#include "../src/fixsplat.h"
+#include "../src/packed.h"
+#include "../tools/procedural.h"
+#include "check.h"
+
+enum { COUNT = 1000, SIZE = 48 };
+
+static char folder[] = "/tmp/fixsplat-fxs-XXXXXX";
+static char fxs_path[64], ply_path[64];
+static fxs_packed_scene packed;
+
+static int import(void)
+{
+    fxs_message m;
+    fxs_ply_writer *writer;
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_pack_report report;
+    const fxs_procedural_scene *scene = fxs_procedural_find("knot");
+    if (fxs_ply_writer_open(ply_path, COUNT, 3, 0, &writer, &m))
+        return -1;
+    for (uint64_t i = 0; i < COUNT; i++) {
+        fxs_gaussian g;
+        scene->gaussian(i, COUNT, 1, &g);
+        fxs_ply_writer_put(writer, &g, 1, &m);
+    }
+    if (fxs_ply_writer_close(writer, &m) || fxs_scene_file_open(ply_path, &file, &info, &m))
+        return -1;
+    int result = fxs_pack(file, &info, &packed, &report, 0, 0, &m);
+    fxs_scene_file_close(file);
+    return result;
+}
+
+static void draw(const void *data, size_t bytes, uint8_t *rgba)
+{
+    fxs_scene scene;
+    fxs_context context;
+    fxs_options options;
+    fxs_camera camera = {SIZE, SIZE, SIZE << 12, SIZE << 12, SIZE << 11, SIZE << 11,
+                         {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, -((int64_t)14 << 32)}};
+    fxs_init(&context, 0);
+    fxs_options_default(&options);
+    if (!CHECK(!fxs_scene_open(&scene, data, bytes)))
+        return;
+    size_t need = fxs_frame_bytes(&context, &scene, SIZE, SIZE, 0);
+    void *memory = check_aligned(need);
+    CHECK(!fxs_render(&context, &scene, &camera, &options, memory, need, rgba, SIZE * 4, 0));
+    free(memory);
+}
+
+static void test_round_trip(void)
+{
+    static uint8_t from_memory[SIZE * SIZE * 4], from_file[SIZE * SIZE * 4];
+    fxs_message m;
+    void *data;
+    size_t bytes;
+    if (!CHECK(!fxs_file_write(fxs_path, packed.data, packed.bytes, &m) && !fxs_map(fxs_path, &data, &bytes, &m)))
+        return;
+    CHECK(bytes == packed.bytes && !fxs_file_check(fxs_path, data, bytes, 1, &m));
+    draw(packed.data, packed.bytes, from_memory);
+    draw(data, bytes, from_file);
+    CHECK(!memcmp(from_memory, from_file, sizeof from_file));
+    CHECK(memcmp(from_memory, from_memory + 4, sizeof from_file - 4));   /* not one colour */
+    CHECK(!fxs_file_write(fxs_path, data, bytes, &m));                    /* from a mapping, over itself */
+    fxs_unmap(data, bytes);
+}
+
+/* Every byte of the headers and a sample of the rest, one bit flipped. */
+static void test_damage(void)
+{
+    fxs_message m;
+    void *data;
+    size_t bytes, unseen = 0;
+    if (!CHECK(!fxs_map(fxs_path, &data, &bytes, &m)))
+        return;
+    unsigned char *copy = check_aligned(bytes);
+    memcpy(copy, data, bytes);
+    for (size_t i = 0; i < bytes; i += i < 256 ? 1 : 97) {
+        copy[i] ^= 16;
+        unseen += fxs_file_check("x.fxs", copy, bytes, 1, &m) == 0 || !strstr(m.text, "x.fxs");
+        copy[i] ^= 16;
+    }
+    CHECK(unseen == 0);
+    for (size_t cut = 0; cut < bytes; cut += cut < 300 ? 1 : 501)
+        unseen += fxs_file_check("x.fxs", copy, cut, 0, &m) == 0;
+    CHECK(unseen == 0);
+    CHECK(!fxs_file_check("x.fxs", copy, bytes, 1, &m));
+    free(copy);
+    fxs_unmap(data, bytes);
+}
+
+static void test_failures(void)
+{
+    char path[96];
+    fxs_message m;
+    void *data;
+    size_t bytes;
+    struct stat before, after;
+    CHECK(fxs_file_write(fxs_path, packed.data, packed.bytes - 1, &m) == -1);
+    stat(fxs_path, &before);
+    snprintf(path, sizeof path, "%s/none/a.fxs", folder);
+    CHECK(fxs_file_write(path, packed.data, packed.bytes, &m) == -1 && strstr(m.text, path));
+    CHECK(fxs_file_write(folder, packed.data, packed.bytes, &m) == -1 && strstr(m.text, folder));
+    CHECK(!stat(fxs_path, &after) && before.st_ino == after.st_ino && before.st_size == after.st_size);
+    CHECK(fxs_map(path, &data, &bytes, &m) == -1 && fxs_map(folder, &data, &bytes, &m) == -1);
+}
+
+int main(void)
+{
+    if (!mkdtemp(folder))
+        return 1;
+    snprintf(fxs_path, sizeof fxs_path, "%s/a.fxs", folder);
+    snprintf(ply_path, sizeof ply_path, "%s/a.ply", folder);
+    if (import())
+        return 1;
+#ifdef FXS_WITH_ZLIB
+    RUN(test_round_trip);
+    RUN(test_damage);
+    RUN(test_failures);
+#endif
+    fxs_packed_scene_free(&packed);
+    unlink(fxs_path);
+    unlink(ply_path);
+    rmdir(folder);
+    return check_report();
+}
