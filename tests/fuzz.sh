@@ -10,7 +10,7 @@ trap 'rm -rf "$work"' EXIT
 # The sources that each needs beside itself.
 sources_of() {
     case $1 in
-    fuzz_ply) set -- ply scene_file ;;
+    fuzz_scene) set -- scene_file byte_reader ply_header ply compressed_ply ;;
     fuzz_camera) set -- camera_file camera_json camera_colmap ;;
     esac
     printf 'port/formats/%s.c ' "$@" message
@@ -18,7 +18,7 @@ sources_of() {
 
 # ---- Small files to start from, of each kind -------------------------------------------------------------------------
 
-seeds_of_ply() {
+seeds_of_scene() {
     for scene in knot needles fog layers; do
         "$fixsplat" make-scene $scene --count 3 -o $scene.ply
     done
@@ -30,6 +30,19 @@ seeds_of_ply() {
             '1 1 1 1 nan .2 inf -1 -2 -3 1 0 0 0' '3 0 1 2'
     } >ascii.ply
     sed 's/ascii/binary_big_endian/' ascii.ply >big.ply
+    {
+        printf '%s\n' ply 'format binary_little_endian 1.0' 'element chunk 1'
+        for attribute in '' scale_; do
+            printf 'property float %s\n' min_${attribute}x min_${attribute}y min_${attribute}z \
+                max_${attribute}x max_${attribute}y max_${attribute}z
+        done
+        printf '%s\n' 'element vertex 2'
+        printf 'property uint packed_%s\n' position rotation scale color
+        printf '%s\n' 'element sh 2'
+        printf 'property uchar f_rest_%s\n' 0 1 2 3 4 5 6 7 8
+        printf '%s\n' end_header
+        head -c 98 /dev/zero
+    } >compressed.ply
 }
 
 # colmap KIND CAMERAS IMAGES: as tests/fuzz_camera.c takes them, both written as the format of printf

@@ -13,10 +13,10 @@ struct fxs_scene_file {
     void *reader;   /* the format's own */
 };
 
-static const fxs_scene_format *format_of(const char *head, size_t size)
+static const fxs_scene_format *format_of(const fxs_scene_source *source, const char *head, size_t size)
 {
     if (size >= 3 && memcmp(head, "ply", 3) == 0)
-        return &fxs_scene_ply;
+        return fxs_is_compressed_ply(source) ? &fxs_scene_compressed_ply : &fxs_scene_ply;
     return NULL;
 }
 
@@ -42,11 +42,13 @@ static int open_file(fxs_scene_file *file, const char *path, fxs_scene_file_info
     if (open_source(&file->source, path, message) != 0)
         return -1;
     size_t size = fread(head, 1, sizeof head, file->source.stream);
-    if (ferror(file->source.stream) || fseeko(file->source.stream, 0, SEEK_SET) != 0)
+    if (ferror(file->source.stream))
         return fxs_fail(message, "%s: %s", path, strerror(errno));
-    file->format = format_of(head, size);
+    file->format = format_of(&file->source, head, size);
     if (!file->format)
         return fxs_fail(message, "%s: not a scene file of a known format (.ply)", path);
+    if (fseeko(file->source.stream, 0, SEEK_SET) != 0)
+        return fxs_fail(message, "%s: %s", path, strerror(errno));
     info->format = file->format->name;
     return file->format->open(&file->source, &file->reader, info, message);
 }

@@ -22,6 +22,9 @@ typedef struct fxs_scene_format {
     void (*close)(void *reader);
 } fxs_scene_format;
 
-extern const fxs_scene_format fxs_scene_ply;
+extern const fxs_scene_format fxs_scene_ply, fxs_scene_compressed_ply;
+
+/* Whether a file that begins with "ply" is PlayCanvas's compressed one. */
+int fxs_is_compressed_ply(const fxs_scene_source *source);
 
 #endif

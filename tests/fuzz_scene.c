@@ -1,9 +1,16 @@
-/* libFuzzer target: any bytes as a .ply file, read whole, rewound, and read again with the same result. */
+/* libFuzzer target: any bytes as a scene file, read whole, rewound, and read again with the same result. */
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "../port/formats/scene_file.h"
+
+static char path[] = "/tmp/fuzz_scene_XXXXXX";
+
+static void remove_file(void)
+{
+    unlink(path);
+}
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
@@ -16,13 +23,6 @@ static long read_all(fxs_scene_file *file, uint64_t *total)
     while ((count = fxs_scene_file_read(file, gaussians, 100, &message)) > 0)
         *total += (uint64_t)count;
     return count;
-}
-
-static char path[] = "/tmp/fuzz_ply_XXXXXX";
-
-static void remove_file(void)
-{
-    unlink(path);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

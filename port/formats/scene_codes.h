@@ -1,0 +1,25 @@
+/* Attributes as the compact formats hold them, to the units of fxs_gaussian. */
+#ifndef FXS_SCENE_CODES_H
+#define FXS_SCENE_CODES_H
+
+#include <math.h>
+
+/* ln of a standard deviation, from -20 on, where 0 goes; NaN below 0. */
+static inline float fxs_log_scale(double scale)
+{
+    return scale > 2.061153622438558e-9 ? (float)log(scale) : scale >= 0 ? -20 : NAN;
+}
+
+/* Logit of the opacity code / 255, +-20 at the ends. */
+static inline float fxs_logit_of_code(int code)
+{
+    return code <= 0 ? -20 : code >= 255 ? 20 : (float)log(code / (255.0 - code));
+}
+
+/* SH degree 0 of a colour, 0 to 1. */
+static inline float fxs_dc_of_colour(double colour)
+{
+    return (float)((colour - 0.5) / 0.28209479177387814);
+}
+
+#endif
