@@ -10,7 +10,7 @@ trap 'rm -rf "$work"' EXIT
 # The sources that each needs beside itself.
 sources_of() {
     case $1 in
-    fuzz_scene) set -- scene_file byte_reader ply_header ply compressed_ply ;;
+    fuzz_scene) set -- scene_file byte_reader ply_header ply compressed_ply splat ;;
     fuzz_camera) set -- camera_file camera_json camera_colmap ;;
     esac
     printf 'port/formats/%s.c ' "$@" message
@@ -43,6 +43,9 @@ seeds_of_scene() {
         printf '%s\n' end_header
         head -c 98 /dev/zero
     } >compressed.ply
+    for record in 1 2; do
+        printf '\0\0\200\77\0\0\0\100\0\0\100\300\0\0\200\76\0\0\200\76\0\0\200\76\1\2\3\377\0\100\200\377'
+    done >splat
 }
 
 # colmap KIND CAMERAS IMAGES: as tests/fuzz_camera.c takes them, both written as the format of printf

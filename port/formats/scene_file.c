@@ -13,11 +13,12 @@ struct fxs_scene_file {
     void *reader;   /* the format's own */
 };
 
+/* .splat has no magic number, so it comes last. */
 static const fxs_scene_format *format_of(const fxs_scene_source *source, const char *head, size_t size)
 {
     if (size >= 3 && memcmp(head, "ply", 3) == 0)
         return fxs_is_compressed_ply(source) ? &fxs_scene_compressed_ply : &fxs_scene_ply;
-    return NULL;
+    return fxs_is_splat(source) ? &fxs_scene_splat : NULL;
 }
 
 static int open_source(fxs_scene_source *source, const char *path, fxs_message *message)
@@ -46,7 +47,8 @@ static int open_file(fxs_scene_file *file, const char *path, fxs_scene_file_info
         return fxs_fail(message, "%s: %s", path, strerror(errno));
     file->format = format_of(&file->source, head, size);
     if (!file->format)
-        return fxs_fail(message, "%s: not a scene file of a known format (.ply)", path);
+        return fxs_fail(message, "%s: not a scene file of a known format (.ply; or .splat: whole records of "
+                        "32 bytes, finite positions, scales of 0 or more)", path);
     if (fseeko(file->source.stream, 0, SEEK_SET) != 0)
         return fxs_fail(message, "%s: %s", path, strerror(errno));
     info->format = file->format->name;

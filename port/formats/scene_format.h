@@ -22,9 +22,12 @@ typedef struct fxs_scene_format {
     void (*close)(void *reader);
 } fxs_scene_format;
 
-extern const fxs_scene_format fxs_scene_ply, fxs_scene_compressed_ply;
+extern const fxs_scene_format fxs_scene_ply, fxs_scene_compressed_ply, fxs_scene_splat;
 
 /* Whether a file that begins with "ply" is PlayCanvas's compressed one. */
 int fxs_is_compressed_ply(const fxs_scene_source *source);
+
+/* Whether a file without a magic number can be a .splat: whole records, the first of them plausible. */
+int fxs_is_splat(const fxs_scene_source *source);
 
 #endif
