@@ -10,7 +10,7 @@ trap 'rm -rf "$work"' EXIT
 # The sources that each needs beside itself.
 sources_of() {
     case $1 in
-    fuzz_scene) set -- scene_file byte_reader ply_header ply compressed_ply splat ;;
+    fuzz_scene) set -- scene_file byte_reader ply_header ply compressed_ply ksplat splat ;;
     fuzz_camera) set -- camera_file camera_json camera_colmap ;;
     esac
     printf 'port/formats/%s.c ' "$@" message
@@ -46,6 +46,18 @@ seeds_of_scene() {
     for record in 1 2; do
         printf '\0\0\200\77\0\0\0\100\0\0\100\300\0\0\200\76\0\0\200\76\0\0\200\76\1\2\3\377\0\100\200\377'
     done >splat
+    # Of each level: a section of 3 Gaussians of SH degree 1 in a full bucket of 2 and a partly filled one
+    int='\0\0\0'
+    for level in 0 1 2; do
+        {
+            printf "\0\1\0\0\1$int\1$int\3$int\3$int\\$level$int"
+            head -c 4072 /dev/zero
+            printf "\3$int\3$int\2$int\2$int\0\0\240\100\14$int\0$int\0$int\1$int\1$int\1$int"
+            head -c 980 /dev/zero
+            printf "\1$int"
+            head -c 264 /dev/zero
+        } >ksplat$level
+    done
 }
 
 # colmap KIND CAMERAS IMAGES: as tests/fuzz_camera.c takes them, both written as the format of printf
@@ -76,7 +88,7 @@ build() {
 fuzz() {
     mkdir "$work/corpus"
     (cd "$work/corpus" && "seeds_of_${1#fuzz_}")
-    "$work/$1" -max_total_time="$seconds" -max_len=4096 -timeout=10 -rss_limit_mb=1024 -artifact_prefix="$out/$1-" \
+    "$work/$1" -max_total_time="$seconds" -max_len=8192 -timeout=10 -rss_limit_mb=1024 -artifact_prefix="$out/$1-" \
         "$work/corpus" >"$work/log" 2>&1
     status=$?
     rm -r "$work/corpus"

@@ -18,6 +18,8 @@ static const fxs_scene_format *format_of(const fxs_scene_source *source, const c
 {
     if (size >= 3 && memcmp(head, "ply", 3) == 0)
         return fxs_is_compressed_ply(source) ? &fxs_scene_compressed_ply : &fxs_scene_ply;
+    if (size >= 4 && head[0] == 0 && head[1] != 0 && head[2] == 0 && head[3] == 0)
+        return &fxs_scene_ksplat;
     return fxs_is_splat(source) ? &fxs_scene_splat : NULL;
 }
 
@@ -47,7 +49,7 @@ static int open_file(fxs_scene_file *file, const char *path, fxs_scene_file_info
         return fxs_fail(message, "%s: %s", path, strerror(errno));
     file->format = format_of(&file->source, head, size);
     if (!file->format)
-        return fxs_fail(message, "%s: not a scene file of a known format (.ply; or .splat: whole records of "
+        return fxs_fail(message, "%s: not a scene file of a known format (.ply, .ksplat; or .splat: whole records of "
                         "32 bytes, finite positions, scales of 0 or more)", path);
     if (fseeko(file->source.stream, 0, SEEK_SET) != 0)
         return fxs_fail(message, "%s: %s", path, strerror(errno));

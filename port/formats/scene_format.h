@@ -22,7 +22,7 @@ typedef struct fxs_scene_format {
     void (*close)(void *reader);
 } fxs_scene_format;
 
-extern const fxs_scene_format fxs_scene_ply, fxs_scene_compressed_ply, fxs_scene_splat;
+extern const fxs_scene_format fxs_scene_ply, fxs_scene_compressed_ply, fxs_scene_ksplat, fxs_scene_splat;
 
 /* Whether a file that begins with "ply" is PlayCanvas's compressed one. */
 int fxs_is_compressed_ply(const fxs_scene_source *source);
