@@ -1,6 +1,7 @@
-/* bin: which tiles a splat touches. On a tile row the ellipse u^2 + v^2 = r^2 spans x = cx + shear v +- breadth sqrt(r^2 - v^2), v between the row's
- * first and last pixel row; the widest points are at v = +- r shear / sqrt(A). A margin of 1/8 pixel and 1/256 of the size makes up for rounding, so a list
- * never misses a pixel that passes the test in pixel.h. */
+/* bin: which tiles a splat touches. On a tile row the ellipse u^2 + v^2 = r^2 spans x = cx + shear v +- breadth
+ * sqrt(r^2 - v^2), v between the row's first and last pixel row; the widest points are at v = +- r shear / sqrt(A). A
+ * margin of 1/8 pixel and 1/256 of the size makes up for rounding, so a list never misses a pixel that passes the
+ * test in pixel.h. */
 #include "fixed.h"
 #include "memory.h"
 #include "stage.h"

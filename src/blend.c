@@ -1,4 +1,5 @@
-/* blend: the splats of a tile, near to far, over its 256 pixels. The math of one pixel is in pixel.h; here are the loops and the early stop. */
+/* blend: the splats of a tile, near to far, over its 256 pixels. The math of one pixel is in pixel.h; here are the
+   loops and the early stop. */
 #include "memory.h"
 #include "stage.h"
 

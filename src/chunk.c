@@ -1,4 +1,5 @@
-/* The part of project that is done once a chunk: where it lies for this camera, and whether anything of it can be seen. */
+/* The part of project that is done once a chunk: where it lies for this camera, and whether anything of it can be
+   seen. */
 #include "fixed.h"
 #include "stage.h"
 
@@ -34,8 +35,9 @@ static void place(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *chu
     }
 }
 
-/* An upper bound on how far, in units of cv, the chunk's Gaussians reach across the view: on the picture half a width is at most
-   3.34 sqrt((f / z sigma |J|)^2 + 0.3), |J| = 2^jacobian_exponent at most; without the dilation, times z / f, that is 3.34 sigma |J|. */
+/* An upper bound on how far, in units of cv, the chunk's Gaussians reach across the view: on the picture half a width
+   is at most 3.34 sqrt((f / z sigma |J|)^2 + 0.3), |J| = 2^jacobian_exponent at most; without the dilation, times z /
+   f, that is 3.34 sigma |J|. */
 static int64_t reach_across(const fxs_chunk_view *cv, const fxs_view *view)
 {
     int32_t log2_q16 = cv->chunk->scale_q16 + (32 - cv->shift + view->jacobian_exponent) * 65536;

@@ -53,7 +53,8 @@ static inline int32_t fxs_clamp(int32_t x, int32_t low, int32_t high)
     return x < low ? low : x > high ? high : x;
 }
 
-/* 2^62 / m, in [2^30, 2^31]; m in [2^31, 2^32). Newton from 48/17 - 32/17 x (error 1/17): y' = y (2 - x y), three times. */
+/* 2^62 / m, in [2^30, 2^31]; m in [2^31, 2^32). Newton from 48/17 - 32/17 x (error 1/17): y' = y (2 - x y), three
+   times. */
 static inline uint32_t fxs_reciprocal(uint32_t m)
 {
     uint32_t y_q30 = 3031741620u - fxs_mulhi(m, 2021161081u);

@@ -5,9 +5,8 @@
  * a count) on success and a negative FXS_ERR_* otherwise; fxs_strerror gives the words. A context may be used by
  * several threads at once, each with memory of its own.
  *
- * Conventions: scene units are the file's. Camera axes: x right, y down, z forward; pixel centres at +0.5. `_qN` in a name
- * says that the integer is the real value times 2^N.
- */
+ * Conventions: scene units are the file's. Camera axes: x right, y down, z forward; pixel centres at +0.5. `_qN` in a
+ * name says that the integer is the real value times 2^N. */
 #ifndef FXS_FIXSPLAT_H
 #define FXS_FIXSPLAT_H
 
@@ -107,8 +106,8 @@ enum fxs_stage { FXS_PROJECT, FXS_SHADE, FXS_SORT, FXS_BIN, FXS_BLEND, FXS_RESOL
 /* The name of a stage: "project", "shade", ... */
 const char *fxs_stage_name(enum fxs_stage stage);
 
-/* The function of each stage, on one chunk or one tile: src/stage.h says what they are given. fxs_init fills in the plain C versions; a faster
-   one with the same results may take the place of any. */
+/* The function of each stage, on one chunk or one tile: src/stage.h says what they are given. fxs_init fills in the
+   plain C versions; a faster one with the same results may take the place of any. */
 struct fxs_view;
 struct fxs_splat;
 struct fxs_bounds;
@@ -118,8 +117,8 @@ struct fxs_tile;
 typedef struct fxs_kernels {
     const char *name[FXS_STAGES];  /* version of each stage: "c", "avx2", ... */
 
-    /* Projects the Gaussians of a chunk. Those that can touch a pixel are appended: splats (but for the colour), bounds,
-       index in the scene, depth key. Returns their number, at most 256. */
+    /* Projects the Gaussians of a chunk. Those that can touch a pixel are appended: splats (but for the colour),
+       bounds, index in the scene, depth key. Returns their number, at most 256. */
     uint32_t (*project)(const struct fxs_view *view, const unsigned char *chunk, uint32_t first_index,
                         struct fxs_splat *splats, struct fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
 
@@ -174,16 +173,17 @@ typedef struct fxs_stats {
     uint64_t frame_nanoseconds;
 } fxs_stats;
 
-/* Renders a frame. `memory`: `memory_bytes` bytes, at least fxs_frame_bytes, aligned to 64, contents undefined before and
-   after. `pixels`: height rows of width pixels (options->format), `stride` bytes from row to row (negative: bottom up);
-   only the pixels are written. *stats may be null.
-   Errors: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA, FXS_ERR_SIZE, FXS_ERR_MEMORY; nothing is written to `pixels` then. */
+/* Renders a frame. `memory`: `memory_bytes` bytes, at least fxs_frame_bytes, aligned to 64, contents undefined before
+   and after. `pixels`: height rows of width pixels (options->format), `stride` bytes from row to row (negative:
+   bottom up); only the pixels are written. *stats may be null. Errors: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA,
+   FXS_ERR_SIZE, FXS_ERR_MEMORY; nothing is written to `pixels` then. */
 int fxs_render(const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                void *memory, size_t memory_bytes, void *pixels, ptrdiff_t stride, fxs_stats *stats);
 
-/* Counts, after fxs_render and with the same arguments, what its blend stage did: pairs of pixel and Gaussian evaluated
-   (the pixel still open, of a whole tile also beyond the picture's edge, the Gaussian in its tile's list and on its row) and blended (within the cut-off and at least 1/255).
-   Renders the frame once more with the plain C stages, one thread. Errors as fxs_render. */
+/* Counts, after fxs_render and with the same arguments, what its blend stage did: pairs of pixel and Gaussian
+   evaluated (the pixel still open, of a whole tile also beyond the picture's edge, the Gaussian in its tile's list
+   and on its row) and blended (within the cut-off and at least 1/255). Renders the frame once more with the plain C
+   stages, one thread. Errors as fxs_render. */
 int fxs_count_pairs(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options, void *memory,
                     size_t memory_bytes, uint64_t *evaluated, uint64_t *blended);
 

@@ -22,8 +22,8 @@ typedef struct frame {
     fxs_key *keys, *spare_keys;            /* the depths lie in spare_keys until the sort */
     uint32_t (*histograms)[FXS_SORT_BUCKETS];   /* of each part */
     uint32_t *tile_counts;                 /* length of each tile's list */
-    uint32_t *next;                        /* a row of tiles for each part of the keys: its entries, then where they go */
-    uint32_t *block_times, *tile_times;    /* nanoseconds: three for project, shade and bin; two for blend and resolve */
+    uint32_t *next;                        /* a row of tiles for each part of the keys: entries, then where they go */
+    uint32_t *block_times, *tile_times;    /* nanoseconds of project, shade and bin; of blend and resolve */
     uint32_t *entries;
 
     uint32_t first_tile, last_tile;        /* of the run being blended */
@@ -227,8 +227,8 @@ static void fill_part(void *argument, uint32_t part)
                  f->next + (size_t)part * f->tiles, f->entries);
 }
 
-/* Lists as many tiles as fit in `entries`, from first_tile on. A list is never longer than the number of slots, so one always fits.
-   In a tile's list the parts follow each other, so it is in the order of the keys. */
+/* Lists as many tiles as fit in `entries`, from first_tile on. A list is never longer than the number of slots, so
+   one always fits. In a tile's list the parts follow each other, so it is in the order of the keys. */
 static void bin_run(frame *f)
 {
     uint32_t used = 0, tile = f->first_tile;

@@ -1,17 +1,17 @@
-/* The packed scene: what an importer writes and the renderer reads in place, in memory or from a mapped .fxs file. Little-endian,
- * aligned to 64.
+/* The packed scene: what an importer writes and the renderer reads in place, in memory or from a mapped .fxs file.
+ * Little-endian, aligned to 64.
  *
  *   fxs_packed_header, then chunk_count chunks, each
  *       fxs_chunk                          128 bytes: how the codes of these 256 Gaussians are read
  *       uint16_t x[256], y[256], z[256]    position codes
- *       uint32_t rotation[256]             bits 31..30: which of w, x, y, z is the largest; then three codes of 10 bits,
- *                                          the other components in that order from bit 20 down
+ *       uint32_t rotation[256]             bits 31..30: which of w, x, y, z is the largest; then the others, in
+ *                                          that order, 10 bits each, from bit 20 down
  *       uint32_t scale[256]                three codes of 10 bits: x in bits 9..0, y, z; bits 31..30 are 0
  *       uint32_t colour[256]               r in bits 7..0, g, b, opacity in bits 31..24
  *       int8_t   sh[3 * K][256]            K = 0, 3, 8, 15 for degree 0..3; row 3 * k + channel
  *
- * Rows are whole, so that 16, 32 or 64 neighbours load at once. The Gaussians lie along a Morton curve, so that a chunk is
- * small in space. The last chunk is padded with opacity 0. */
+ * Rows are whole, so that 16, 32 or 64 neighbours load at once. The Gaussians lie along a Morton curve, so that a
+ * chunk is small in space. The last chunk is padded with opacity 0. */
 #ifndef FXS_PACKED_H
 #define FXS_PACKED_H
 

@@ -1,5 +1,6 @@
-/* project: packed Gaussian -> centre, 2x2 covariance, whitened rows, depth. EWA splatting (Zwicker et al. 2001) as in Kerbl et al. 2023:
- * Sigma' = J W R S S^T R^T W^T J^T + 0.3 I. The 2x3 matrix T = J W R S is kept in fixed point relative to its own size, 2^E pixels. */
+/* project: packed Gaussian -> centre, 2x2 covariance, whitened rows, depth. EWA splatting (Zwicker et al. 2001) as in
+ * Kerbl et al. 2023: Sigma' = J W R S S^T R^T W^T J^T + 0.3 I. The 2x3 matrix T = J W R S is kept in fixed point
+ * relative to its own size, 2^E pixels. */
 #include "fixed.h"
 #include "stage.h"
 
@@ -121,8 +122,8 @@ static int32_t dot_q15(const int32_t a_q15[3], const int32_t b_q15[3])
     return (a_q15[0] * b_q15[0] + a_q15[1] * b_q15[1] + a_q15[2] * b_q15[2] + 16384) >> 15;
 }
 
-/* det(T T^T) = |t0 x t1|^2 and det(Sigma') = det(T T^T) + 0.3 (A + C) + 0.09 for undilated A, C: sums of positive terms, nothing
-   cancels. Entries of T are at most 1, so every product of two is at most 2^30. */
+/* det(T T^T) = |t0 x t1|^2 and det(Sigma') = det(T T^T) + 0.3 (A + C) + 0.09 for undilated A, C: sums of positive
+   terms, nothing cancels. Entries of T are at most 1, so every product of two is at most 2^30. */
 static void covariance_of(covariance *out, int32_t t_q15[2][3], int exponent)
 {
     const int32_t *p = t_q15[0], *q = t_q15[1];
@@ -206,8 +207,8 @@ static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, cons
     return 1;
 }
 
-/* The square of Kerbl et al. 2023 (code): radius = ceil(3 sqrt(lambda)), lambda = mid + sqrt(max(0.1, mid^2 - det)). Returns 0 where
-   the square misses the picture. */
+/* The square of Kerbl et al. 2023 (code): radius = ceil(3 sqrt(lambda)), lambda = mid + sqrt(max(0.1, mid^2 - det)).
+   Returns 0 where the square misses the picture. */
 static int square(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const covariance *s)
 {
     uint64_t mid_q30 = ((uint64_t)s->a_q30 + s->c_q30) / 2;

@@ -21,7 +21,8 @@ void fxs_resolve_c(const fxs_options *options, const fxs_tile *tile, int32_t col
     const int bytes = options->format == FXS_FORMAT_RGB565 ? 2 : 4;
     int background_q13[3], rgb[3];
     for (int c = 0; c < 3; c++)
-        background_q13[c] = options->format == FXS_FORMAT_RGBA8_COVERAGE ? 0 : (options->background[c] * 8192 + 127) / 255;
+        background_q13[c] =
+            options->format == FXS_FORMAT_RGBA8_COVERAGE ? 0 : (options->background[c] * 8192 + 127) / 255;
     for (int32_t y = 0; y < rows; y++)
         for (int32_t x = 0; x < columns; x++) {
             int i = y * FXS_TILE + x;

@@ -1,5 +1,5 @@
-/* shade: quantised SH and view direction -> colour = max(0, 0.5 + sum basis * coefficient). Basis functions and signs as in Kerbl et al.
- * 2023 (code) and KHR_gaussian_splatting, "Calculating color". */
+/* shade: quantised SH and view direction -> colour = max(0, 0.5 + sum basis * coefficient). Basis functions and signs
+ * as in Kerbl et al. 2023 (code) and KHR_gaussian_splatting, "Calculating color". */
 #include "fixed.h"
 #include "memory.h"
 #include "stage.h"
@@ -80,9 +80,10 @@ void fxs_shade_c(const fxs_view *view, const unsigned char *chunk, const uint32_
         int32_t d_q15[3], b_q15[15];
         if (view->sh_degree > 0) {
             int64_t offset_q32[3];
-            for (int k = 0; k < 3; k++)
-                offset_q32[k] = header->origin_q32[k] - view->position_q32[k] +
-                                ((int64_t)header->step_q32[k] * position[(uint32_t)k * FXS_CHUNK + g] << header->step_shift);
+            for (uint32_t k = 0; k < 3; k++) {
+                int64_t reach = (int64_t)header->step_q32[k] * position[k * FXS_CHUNK + g] << header->step_shift;
+                offset_q32[k] = header->origin_q32[k] - view->position_q32[k] + reach;
+            }
             direction(d_q15, offset_q32);
             basis(b_q15, d_q15, view->sh_degree);
         }

@@ -1,4 +1,5 @@
-/* The stages of a frame: what they hand to each other, and the table through which a faster version replaces the C one. */
+/* The stages of a frame: what they hand to each other, and the table through which a faster version replaces the C
+   one. */
 #ifndef FXS_STAGE_H
 #define FXS_STAGE_H
 
@@ -28,7 +29,7 @@ typedef struct fxs_view {
     int32_t focal_exponent;
     int32_t slope_low_q23[2], slope_high_q23[2];   /* x/z and y/z are cut to these in the Jacobian */
     int32_t edge_low_q23[2], edge_high_q23[2];     /* x/z and y/z at the picture's edges, 18 pixels out, cut to +-64 */
-    int32_t jacobian_exponent;     /* 2^jacobian_exponent >= length of a row (1, 0, -x/z) of the Jacobian, times z / f */
+    int32_t jacobian_exponent;     /* 2^that >= length of a row (1, 0, -x/z) of the Jacobian, times z / f */
     int32_t row_q15[2][3];         /* first and second row of f'/f * rotation * 2^-jacobian_exponent */
     int32_t forward_q15[2][3];     /* f'/f * third row of the rotation */
     int32_t cut_q11;               /* for fxs_limit_q11 */
@@ -36,7 +37,8 @@ typedef struct fxs_view {
     int square;                    /* the square cut-off */
 } fxs_view;
 
-/* Where a chunk lies for a camera: camera coordinates = (base + m code) * 2^-16, in units of 2^(shift - 32), each below 2^30. */
+/* Where a chunk lies for a camera: camera coordinates = (base + m code) * 2^-16, in units of 2^(shift - 32), each
+   below 2^30. */
 typedef struct fxs_chunk_view {
     const fxs_chunk *chunk;
     int64_t base_q16[3];
@@ -52,8 +54,8 @@ typedef struct fxs_chunk_view {
 #define FXS_CENTRE_LIMIT_Q14 (1 << 30)           /* 65536 pixels */
 #define FXS_EXPONENT_MAX 16                      /* sigma up to 65536 pixels */
 
-/* A projected Gaussian, as the blend stage reads it: 32 bytes. u = u0 + X ux + Y uy, v = v0 + Y vy for the pixel (X, Y), all
-   modulo 2^32: right wherever |u|, |v| < 128, which holds in every tile that the ellipse touches. */
+/* A projected Gaussian, as the blend stage reads it: 32 bytes. u = u0 + X ux + Y uy, v = v0 + Y vy for the pixel (X,
+   Y), all modulo 2^32: right wherever |u|, |v| < 128, which holds in every tile that the ellipse touches. */
 typedef struct fxs_splat {
     uint32_t u0_q24, v0_q24;       /* plus 2^10, so that a shift by 11 rounds */
     int32_t ux_q24, uy_q24, vy_q24;
@@ -71,8 +73,8 @@ typedef struct fxs_bounds {
     uint32_t radius;               /* square cut-off: ceil(3 sigma_max), pixels; else 0 */
 } fxs_bounds;
 
-/* The tiles that a splat is listed in, where they fit in 4x4: bit 4 r + c of the mask stands for tile `base` + r tiles_x + c. Mask 0: they
-   do not fit, and are found again from the bounds when the lists are made. */
+/* The tiles that a splat is listed in, where they fit in 4x4: bit 4 r + c of the mask stands for tile `base` + r
+   tiles_x + c. Mask 0: they do not fit, and are found again from the bounds when the lists are made. */
 typedef struct fxs_box {
     uint32_t base;
     uint32_t mask;
@@ -123,15 +125,15 @@ static inline uint32_t fxs_part(uint32_t count, uint32_t parts, uint32_t i)
 
 #define FXS_SORT_BUCKETS 2048
 
-/* Places a chunk. Returns 0 where nothing of it can be seen: behind the near plane, or beside the picture by more than its largest
-   Gaussian reaches. */
+/* Places a chunk. Returns 0 where nothing of it can be seen: behind the near plane, or beside the picture by more
+   than its largest Gaussian reaches. */
 int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *chunk);
 
 /* -2 ln(code / 255), Q11; code 0 is never drawn. */
 extern const uint16_t fxs_offset_of_code_q11[256];
 
-/* Sorts keys by depth, ties by slot (they arrive in the order of their slots), in `parts` jobs. `spare` has room for as many,
-   `histograms` for `parts`. Returns where the result is: keys or spare. */
+/* Sorts keys by depth, ties by slot (they arrive in the order of their slots), in `parts` jobs. `spare` has room for
+   as many, `histograms` for `parts`. Returns where the result is: keys or spare. */
 fxs_key *fxs_sort(const fxs_config *config, fxs_key *keys, fxs_key *spare, uint32_t count,
                   uint32_t (*histograms)[FXS_SORT_BUCKETS], uint32_t parts);
 

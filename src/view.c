@@ -24,9 +24,12 @@ static int is_rotation(const int32_t m_q30[9])
             if (error < -tolerance || error > tolerance)
                 return 0;
         }
-    int64_t z = ((int64_t)m_q30[0] * m_q30[4] - (int64_t)m_q30[1] * m_q30[3]) >> 30;
-    int64_t x = ((int64_t)m_q30[1] * m_q30[5] - (int64_t)m_q30[2] * m_q30[4]) >> 30;
-    return z * m_q30[8] + x * m_q30[6] + ((((int64_t)m_q30[2] * m_q30[3] - (int64_t)m_q30[0] * m_q30[5]) >> 30) * m_q30[7]) > 0;
+    int64_t handed = 0;
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        handed += (((int64_t)m_q30[j] * m_q30[3 + k] - (int64_t)m_q30[k] * m_q30[3 + j]) >> 30) * m_q30[6 + i];
+    }
+    return handed > 0;
 }
 
 static int check_camera(const fxs_camera *camera)

@@ -1,4 +1,5 @@
-/* The smallest test harness: RUN(test) counts a test as failed when a CHECK in it failed, as skipped when it called SKIP. */
+/* The smallest test harness: RUN(test) counts a test as failed when a CHECK in it failed, as skipped when it called
+   SKIP. */
 #ifndef CHECK_H
 #define CHECK_H
 

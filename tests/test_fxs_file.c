@@ -1,4 +1,5 @@
-/* .fxs files: written, mapped and rendered as from memory; damage of every part is found; an existing file survives a failure. */
+/* .fxs files: written, mapped and rendered as from memory; damage of every part is found; an existing file survives a
+   failure. */
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>

@@ -1,5 +1,5 @@
-/* Golden images: small frames of procedural scenes, compared byte for byte with tests/golden/NAME.png. --update writes them anew.
- * On a difference the frame and a picture of the difference are left in build/golden. */
+/* Golden images: small frames of procedural scenes, compared byte for byte with tests/golden/NAME.png. --update
+ * writes them anew. On a difference the frame and a picture of the difference are left in build/golden. */
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>

@@ -226,7 +226,8 @@ static void make_scene(void)
 {
     const int wild = one_in(2), antialiased = one_in(2), degree = (int)below(4);
     const fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, FXS_CHUNK, 1, FXS_CHUNK_BYTES(degree),
-                                      (uint32_t)degree, antialiased ? FXS_PACKED_ANTIALIASED : 0, {0}, {0}, {0}, {0}, {0}};
+                                      (uint32_t)degree, antialiased ? FXS_PACKED_ANTIALIASED : 0,
+                                {0}, {0}, {0}, {0}, {0}};
     memset(scene_data, 0, sizeof *scene_data);
     memcpy(scene_data->bytes, &header, sizeof header);
     if (wild)

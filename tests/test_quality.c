@@ -1,5 +1,6 @@
-/* Quality floors: 8-bit frames against an independent double-precision renderer (reference.c) of the unquantised file, mean over four
- * views a scene: the packed scene, and the pixel stage alone (blend and resolve) fed with splats projected in doubles. */
+/* Quality floors: 8-bit frames against an independent double-precision renderer (reference.c) of the unquantised
+ * file, mean over four views a scene: the packed scene, and the pixel stage alone (blend and resolve) fed with splats
+ * projected in doubles. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,6 @@
-/* Random packed scenes, cameras and options, drawn small; the hashes of all frames folded into one constant that every compiler,
- * optimisation level and processor must give. `test_random N` prints the hash of case N alone. Needs src/ only. */
+/* Random packed scenes, cameras and options, drawn small; the hashes of all frames folded into one constant that
+ * every compiler, optimisation level and processor must give. `test_random N` prints the hash of case N alone. Needs
+ * src/ only. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -53,7 +54,8 @@ static void *random_scene(size_t *bytes)
     *bytes = fxs_scene_bytes(count, degree);
     unsigned char *data = check_aligned(*bytes);
     fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, count, (count + FXS_CHUNK - 1) / FXS_CHUNK,
-                                FXS_CHUNK_BYTES(degree), (uint32_t)degree, (uint32_t)between(0, 1), {0}, {0}, {0}, {0}, {0}};
+                                FXS_CHUNK_BYTES(degree), (uint32_t)degree, (uint32_t)between(0, 1),
+                                {0}, {0}, {0}, {0}, {0}};
     if (!data)
         abort();
     memcpy(data, &header, sizeof header);

@@ -144,7 +144,8 @@ static hand_scene make_scene(const recipe *r, uint32_t count, uint32_t degree, i
     hand_scene s;
     size_t bytes = fxs_scene_bytes(count, (int)degree);
     fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, count, (count + FXS_CHUNK - 1) / FXS_CHUNK,
-                                FXS_CHUNK_BYTES(degree), degree, antialiased ? FXS_PACKED_ANTIALIASED : 0, {0}, {0}, {0}, {0}, {0}};
+                                FXS_CHUNK_BYTES(degree), degree, antialiased ? FXS_PACKED_ANTIALIASED : 0,
+                                {0}, {0}, {0}, {0}, {0}};
     s.data = allocate(bytes, 0);
     memcpy(s.data, &header, sizeof header);
     unsigned char *chunks = (unsigned char *)s.data + sizeof header;

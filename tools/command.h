@@ -40,7 +40,8 @@ int parse_colour(const char *text, uint8_t rgb[3]);                 /* RRGGBB */
 int progress_bar(void *label, double done);
 void progress_end(void);
 
-/* ---- A scene: imported and packed, or mapped -------------------------------------------------------------------------------- */
+/* ---- A scene: imported and packed, or mapped
+   -------------------------------------------------------------------------------- */
 
 typedef struct loaded_scene {
     fxs_scene_file_info info;
@@ -87,8 +88,8 @@ int view_option(view_options *options, int which, const char *value);
 /* Checks the options against each other. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
 int view_options_check(const view_options *options);
 
-/* The views that the options ask for, at their final size. Returns how many, with *views allocated; or prints why not and returns -1, with
-   *views null if it was null before. */
+/* The views that the options ask for, at their final size. Returns how many, with *views allocated; or prints why not
+ * and returns -1, with views null if it was null before. */
 long choose_views(const view_options *options, const fxs_pack_report *report, fxs_file_view **views);
 
 /* ---- A renderer: context, threads and memory for one picture size ----------------------------------------------- */
@@ -106,7 +107,8 @@ typedef struct renderer {
 int renderer_init(renderer *r, const view_options *options);
 void renderer_free(renderer *r);
 
-/* Renders into r->pixels, making room where the size has changed. Returns 0, or prints why not and returns EXIT_FAILED. */
+/* Renders into r->pixels, making room where the size has changed. Returns 0, or prints why not and returns
+   EXIT_FAILED. */
 int renderer_render(renderer *r, const loaded_scene *loaded, const fxs_file_view *view, const fxs_options *options,
                     fxs_stats *stats);
 

@@ -8,7 +8,8 @@
 
 static const char help[] =
     "Usage: fixsplat compare A.png B.png [--diff D.png] [--json]\n\n"
-    "Prints PSNR, SSIM (Wang et al. 2004) and the largest difference of two pictures of one size, over red, green and blue.\n\n"
+    "Prints PSNR, SSIM (Wang et al. 2004) and the largest difference of two pictures of one size, over red,\n"
+    "green and blue.\n\n"
     "  --diff D.png        write 8 times the absolute difference\n"
     "  --json              print a JSON object (psnr is null where the pictures are equal)\n\n"
     "Examples:\n"

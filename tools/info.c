@@ -8,8 +8,9 @@
 static const char help[] =
     "Usage: fixsplat info SCENE [--size WxH] [--json]\n\n"
     "Prints the number of Gaussians, SH degree and bounds of a scene, its bytes a Gaussian once packed, the largest\n"
-    "difference that packing made to each attribute (not of an .fxs file, which is packed already: there every checksum is\n"
-    "verified), and the memory that a frame of the given size (default 1280x720) needs.\n\n"
+    "difference that packing made to each attribute (of an .fxs file, which is packed\n"
+    "already, every checksum is verified instead), and the memory that a frame of the given size (default\n"
+    "1280x720) needs.\n\n"
     "Examples:\n"
     "  fixsplat info scene.ply\n"
     "  fixsplat info scene.ply --size 1920x1080 --json\n";
@@ -25,7 +26,8 @@ static void print_json(const loaded_scene *s, const fxs_frame_memory *m, int wid
     printf("\"packed_bytes\": %zu, \"bytes_per_gaussian\": %.3f, ", s->packed.bytes,
            (double)s->packed.bytes / (double)r->packed);
     if (!s->mapped)
-        printf("\"largest_error\": {\"position\": %.3g, \"scale\": %.3g, \"rotation_degrees\": %.3g, \"opacity\": %.3g, "
+        printf("\"largest_error\": {\"position\": %.3g, \"scale\": %.3g, \"rotation_degrees\": %.3g, "
+               "\"opacity\": %.3g, "
            "\"dc\": %.3g, \"sh\": %.3g}, ", r->largest.position, r->largest.scale, r->largest.rotation,
            r->largest.opacity, r->largest.dc, r->largest.sh);
     printf("\"frame\": {\"width\": %d, \"height\": %d, \"splats\": %zu, \"keys\": %zu, \"tiles\": %zu, "

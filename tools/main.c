@@ -19,7 +19,7 @@ enum { COMMANDS = sizeof commands / sizeof *commands };
 
 static void help(void)
 {
-    puts("fixsplat " FXS_VERSION ": renders 3D Gaussian splatting scenes in fixed point; the same bytes on every machine.\n\n"
+    puts("fixsplat " FXS_VERSION ": renders 3D Gaussian splatting scenes in fixed point.\n\n"
          "Usage: fixsplat COMMAND [OPTION...]     (fixsplat COMMAND --help tells more)\n");
     for (int i = 0; i < COMMANDS; i++)
         printf("  %-12s %s\n", commands[i].name, commands[i].does);

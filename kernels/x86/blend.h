@@ -1,13 +1,14 @@
 /* blend, for any vector of int16 lanes. The including file defines the vector and what depends on its width:
  *
- *   V, STEPS        a vector of 16-bit lanes; how many of them a tile is: step s covers the pixels s * lanes ... of the tile
- *   coordinates     where the lanes' u is kept from step to step: coordinates_at sets it up, coordinates_next returns u of a step (Q13, saturated)
+ *   V, STEPS        a vector of 16-bit lanes; how many of them a tile is, in the order of its pixels
+ *   coordinates     where the lanes' u is kept from step to step: coordinates_at sets it up, coordinates_next returns
+ *                   u of a step (Q13, saturated) and goes on to the next
  *   row_levels      v^2 + offset of the 16 rows: row_levels_of, and row_level for the lanes of a step
  *   V_...           the operations below
  *
- * Levels are unsigned here: where the C code cuts a coordinate to -32767, its square 32766 to a vector is 32768 (-32768 squared), and a level
- * saturates at 65535, not 32767. Both are above every limit, so such a pixel takes nothing either way. */
-
+ * Levels are unsigned here. Where the C code cuts a coordinate to -32767, with the square 32766, a vector has -32768,
+ * with the square 32768; and a level saturates at 65535, not 32767. All of these are above every limit, so such a pixel
+ * takes nothing either way. An entry has to touch a row of the tile. */
 
 typedef struct placed {
     int32_t u_q24, v_q24;

@@ -1,4 +1,5 @@
-/* blend, AVX-512: a step is two rows of 16 pixels. Packing two rows of 32-bit coordinates leaves them in turns of four: r0 x 0..3, r1 x 0..3, r0 x 4..7, ... */
+/* blend, AVX-512: a step is two rows of 16 pixels. Packing two rows of 32-bit coordinates leaves them in turns of
+   four: r0 x 0..3, r1 x 0..3, r0 x 4..7, ... */
 #include <immintrin.h>
 
 #include "x86.h"

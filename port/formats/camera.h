@@ -6,12 +6,13 @@
 #include "camera_file.h"
 #include "message.h"
 
-/* A view of `width` x `height` pixels from `eye` towards `target`. `up`: any vector that points up in the picture. `fov`: vertical field
-   of view, degrees. Returns 0, or -1 and a message where the arguments leave no view. */
+/* A view of `width` x `height` pixels from `eye` towards `target`. `up`: any vector that points up in the picture.
+   `fov`: vertical field of view, degrees. Returns 0, or -1 and a message where the arguments leave no view. */
 int fxs_view_look_at(fxs_file_view *view, const double eye[3], const double target[3], const double up[3], double fov,
                      int width, int height, fxs_message *message);
 
-/* A view that holds the box low..high (say, the inner bounds of fxs_pack_report) whole, from in front and a little above. */
+/* A view that holds the box low..high (say, the inner bounds of fxs_pack_report) whole, from in front and a little
+   above. */
 int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double high[3], const double up[3], double fov,
                        int width, int height, fxs_message *message);
 

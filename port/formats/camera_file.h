@@ -18,8 +18,8 @@ typedef struct fxs_file_view {
 /* Reads every view of a camera file, told by content: a cameras.json (an array), a transforms.json (an object with
    "frames"), or a COLMAP model, named by its folder or by its images.bin or images.txt. COLMAP views come in order of
    their image name. Returns the number of views, at least 1, with *views allocated by malloc and owned by the caller;
-   or -1 and a message, naming the view where one is at fault (focal length not above 0, rotation not orthonormal within 1e-3,
-   not finite, size out of range, distorting camera model). */
+   or -1 and a message, naming the view where one is at fault (focal length not above 0, rotation not orthonormal
+   within 1e-3, not finite, size out of range, distorting camera model). */
 long fxs_camera_file_read(const char *path, fxs_file_view **views, fxs_message *message);
 
 #endif

@@ -35,7 +35,8 @@ static int write_scene(FILE *file, const unsigned char *data)
     header.checksum[0] = header_checksum(&header);
     int ok = fwrite(&header, sizeof header, 1, file) == 1;
     for (uint32_t i = 0; i < header.chunk_count && ok; i++) {
-        const fxs_chunk *from = (const fxs_chunk *)(const void *)(data + sizeof header + (size_t)i * header.chunk_bytes);
+        const void *at = data + sizeof header + (size_t)i * header.chunk_bytes;
+        const fxs_chunk *from = at;
         fxs_chunk chunk = *from;
         chunk.checksum = chunk_checksum(from, header.chunk_bytes);
         ok = fwrite(&chunk, sizeof chunk, 1, file) == 1 &&

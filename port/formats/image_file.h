@@ -14,7 +14,8 @@ int fxs_image_file_write(const char *path, const uint8_t *rgba, int width, int h
 /* 1 where the ending of the name is one that fxs_image_file_write knows. */
 int fxs_image_file_known(const char *path);
 
-/* Reads a .png or .ppm (stb_image), as RGBA. Returns 0 with *rgba allocated by malloc and owned by the caller, or -1 and a message. */
+/* Reads a .png or .ppm (stb_image), as RGBA. Returns 0 with *rgba allocated by malloc and owned by the caller, or -1
+   and a message. */
 int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_message *message);
 
 #endif

@@ -146,7 +146,8 @@ static uint64_t spread_bits(uint64_t x)
     return (x | x << 2) & 0x1249249249249249;
 }
 
-/* 21 bits an axis. Coordinates go through t / (1 + |t|), t = 0 in the middle of the scene, so that far outliers do not coarsen it. */
+/* 21 bits an axis. Coordinates go through t / (1 + |t|), t = 0 in the middle of the scene, so that far outliers do
+   not coarsen it. */
 static uint64_t morton(const fxs_pack_report *report, const float position[3])
 {
     uint64_t code = 0;

@@ -42,8 +42,9 @@ typedef struct fxs_packed_scene {
     void *allocation;         /* what fxs_packed_scene_free frees */
 } fxs_packed_scene;
 
-/* Reads an open scene file from its start, three times, and packs it. Needs 24 bytes a Gaussian beside the packed scene while the order is
-   found, 4 afterwards. `progress` may be null. Returns 0, or -1 and a message; a scene without a drawable Gaussian is an error. */
+/* Reads an open scene file from its start, three times, and packs it. Needs 32 bytes a Gaussian beside the packed
+   scene while the order is found, 4 afterwards. `progress` may be null. Returns 0, or -1 and a message; a scene
+   without a drawable Gaussian is an error. */
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
              fxs_progress_fn *progress, void *argument, fxs_message *message);
 

@@ -30,7 +30,8 @@ typedef struct fxs_scene_file_info {
    frees, or -1 and a message. The header is checked whole, and the size of a binary body against it. */
 int fxs_scene_file_open(const char *path, fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message);
 
-/* Reads the next `capacity` Gaussians or as many as are left. Returns their number, 0 at the end, or -1 and a message. */
+/* Reads the next `capacity` Gaussians or as many as are left. Returns their number, 0 at the end, or -1 and a
+   message. */
 long fxs_scene_file_read(fxs_scene_file *file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message);
 
 /* Back to the first Gaussian. Returns 0, or -1 and a message. */

@@ -6,7 +6,8 @@
 
 typedef struct fxs_pool fxs_pool;
 
-/* Starts threads - 1 threads, the caller of fxs_pool_run is the last; threads in 1..64. Null where they cannot be had. */
+/* Starts threads - 1 threads, the caller of fxs_pool_run is the last; threads in 1..64. Null where they cannot be
+   had. */
 fxs_pool *fxs_pool_create(uint32_t threads);
 
 /* Runs job(argument, i) for i in 0..jobs-1 and returns when all are done. One caller at a time. */
