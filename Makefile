@@ -71,11 +71,14 @@ demo: ## make a procedural scene and render it to demo.png
 	$(B)/fixsplat render demo.ply --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --fov 36 --bg 11131b -o demo.png --stats
 	@echo "demo.png: 200,000 Gaussians with view-dependent colour of degree 3, from demo.ply"
 
+PUBLIC := src/fixsplat.h src/packed.h kernels/kernels.h $(wildcard port/posix/*.h) $(addprefix port/formats/,\
+          camera.h camera_file.h fxs_file.h image_file.h message.h pack.h ply_write.h scene_file.h)
+
 install: all ## install to $(DESTDIR)$(PREFIX): command, library, headers, pkg-config file
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig
 	install $(B)/fixsplat $(DESTDIR)$(PREFIX)/bin/
 	install -m 644 $(B)/libfixsplat.a $(DESTDIR)$(PREFIX)/lib/
-	for f in src/fixsplat.h src/packed.h port/formats/*.h port/posix/*.h; do \
+	for f in $(PUBLIC); do \
 	    install -D -m 644 $$f $(DESTDIR)$(PREFIX)/include/fixsplat/$$f || exit 1; done
 	printf 'prefix=%s\nName: fixsplat\nDescription: 3D Gaussian splatting in fixed point\nVersion: %s\nCflags: %s\nLibs: %s\n' \
 	    '$(PREFIX)' '$(VERSION)' '-I$${prefix}/include/fixsplat' '-L$${prefix}/lib -lfixsplat $(LIBS)' \
