@@ -11,7 +11,7 @@ trap 'rm -rf "$work"' EXIT
 sources_of() {
     case $1 in
     fuzz_scene) set -- scene_file byte_reader ply_header ply compressed_ply ksplat splat ;;
-    fuzz_camera) set -- camera_file camera_json camera_colmap ;;
+    fuzz_camera) set -- camera_file camera_json camera_colmap text ;;
     esac
     printf 'port/formats/%s.c ' "$@" message
 }

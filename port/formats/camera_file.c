@@ -1,6 +1,5 @@
 #include "camera_internal.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -9,9 +8,8 @@
 #include <sys/stat.h>
 
 #define MAX_VIEWS 1000000
-#define MAX_SIZE 16384                /* pixels */
-#define MAX_FILE ((size_t)256 << 20)
-#define MAX_PATH 4096                 /* characters */
+#define MAX_SIZE 16384   /* pixels */
+#define MAX_PATH 4096    /* characters */
 
 int fxs_view_fault(const fxs_view_list *list, const char *fault)
 {
@@ -100,38 +98,10 @@ int fxs_view_finish(fxs_view_list *list, double width, double height)
     return 0;
 }
 
-/* Loads a regular file; the caller frees text->data. */
-static int load(const char *path, fxs_text *text, fxs_message *message)
-{
-    struct stat status;
-    if (stat(path, &status))
-        return fxs_fail(message, "%s: %s", path, strerror(errno));
-    if (!S_ISREG(status.st_mode))   /* also keeps a pipe from being waited for */
-        return fxs_fail(message, "%s: not a regular file", path);
-    if ((uint64_t)status.st_size > MAX_FILE)
-        return fxs_fail(message, "%s: larger than %zu MiB", path, MAX_FILE >> 20);
-    size_t size = (size_t)status.st_size, got = 0;
-    char *data = malloc(size + 1);
-    if (!data)
-        return fxs_fail(message, "%s: out of memory", path);
-    FILE *file = fopen(path, "rb");
-    if (file) {
-        got = fread(data, 1, size, file);
-        fclose(file);
-    }
-    if (!file || got < size) {
-        free(data);
-        return fxs_fail(message, "%s: %s", path, file ? "cannot be read whole" : strerror(errno));
-    }
-    data[size] = 0;
-    *text = (fxs_text){path, data, size};
-    return 0;
-}
-
 static int read_json(fxs_view_list *list)
 {
     fxs_text json;
-    if (load(list->path, &json, list->message))
+    if (fxs_text_load(list->path, &json, list->message))
         return -1;
     int status = fxs_camera_json_parse(list, &json);
     free(json.data);
@@ -146,9 +116,9 @@ static int read_colmap(fxs_view_list *list, const char *folder, int folder_lengt
     snprintf(images_path, sizeof images_path, "%.*simages.%s", folder_length, folder, ending);
     const char *model = list->path;
     fxs_text cameras, images;
-    if (load(cameras_path, &cameras, list->message))
+    if (fxs_text_load(cameras_path, &cameras, list->message))
         return -1;
-    int status = load(images_path, &images, list->message);
+    int status = fxs_text_load(images_path, &images, list->message);
     if (!status) {
         list->path = images_path;
         status = fxs_camera_colmap_parse(list, binary, &cameras, &images);

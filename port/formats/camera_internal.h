@@ -5,13 +5,7 @@
 #include <stddef.h>
 
 #include "camera_file.h"
-
-/* The bytes of a file, followed by one that is zero. */
-typedef struct fxs_text {
-    const char *path;
-    char *data;
-    size_t size;   /* without the zero */
-} fxs_text;
+#include "text_internal.h"
 
 /* The views read so far. */
 typedef struct fxs_view_list {

@@ -8,32 +8,11 @@
 
 #include <cjson/cJSON.h>
 
-#define MAX_VALUES ((size_t)8 << 20)   /* cJSON takes about 100 bytes for each */
-
 /* The number of that name; INFINITY where it is something else. */
 static double number(const cJSON *object, const char *name, double absent)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
     return !item ? absent : cJSON_IsNumber(item) ? item->valuedouble : INFINITY;
-}
-
-static const char *string(const cJSON *object, const char *name)
-{
-    return cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(object, name));
-}
-
-/* 1 where the array holds exactly these many numbers. */
-static int numbers(const cJSON *array, double *out, int count)
-{
-    const cJSON *item;
-    if (!cJSON_IsArray(array) || cJSON_GetArraySize(array) != count)
-        return 0;
-    cJSON_ArrayForEach(item, array) {
-        if (!cJSON_IsNumber(item))
-            return 0;
-        *out++ = item->valuedouble;
-    }
-    return 1;
 }
 
 /* 1 where the array holds size rows of size numbers. */
@@ -43,7 +22,7 @@ static int matrix(const cJSON *array, double *out, int size)
     if (!cJSON_IsArray(array) || cJSON_GetArraySize(array) != size)
         return 0;
     cJSON_ArrayForEach(row, array) {
-        if (!numbers(row, out, size))
+        if (!fxs_json_numbers(row, out, size))
             return 0;
         out += size;
     }
@@ -53,11 +32,11 @@ static int matrix(const cJSON *array, double *out, int size)
 /* rotation holds the camera's axes as columns: camera to world. */
 static int read_inria_view(fxs_view_list *list, const cJSON *item)
 {
-    fxs_file_view *view = fxs_view_add(list, string(item, "img_name"));
+    fxs_file_view *view = fxs_view_add(list, fxs_json_string(item, "img_name"));
     double width = number(item, "width", 0), height = number(item, "height", 0), r[9];
     if (!view)
         return -1;
-    if (!numbers(cJSON_GetObjectItemCaseSensitive(item, "position"), view->position, 3))
+    if (!fxs_json_numbers(cJSON_GetObjectItemCaseSensitive(item, "position"), view->position, 3))
         return fxs_view_fault(list, "\"position\" is not three numbers");
     if (!matrix(cJSON_GetObjectItemCaseSensitive(item, "rotation"), r, 3))
         return fxs_view_fault(list, "\"rotation\" is not three rows of three numbers");
@@ -99,7 +78,7 @@ static double focal_length(double length, double angle, double size)
 /* A frame's own intrinsics go before those of the file. */
 static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics *file)
 {
-    fxs_file_view *view = fxs_view_add(list, string(frame, "file_path"));
+    fxs_file_view *view = fxs_view_add(list, fxs_json_string(frame, "file_path"));
     intrinsics own = read_intrinsics(frame);
     double m[16], width = first(own.w, file->w), height = first(own.h, file->h);
     if (!view)
@@ -140,7 +119,7 @@ static int perspective(const char *model)
 
 static int read_transforms(fxs_view_list *list, const cJSON *root, const cJSON *frames)
 {
-    const char *model = string(root, "camera_model");
+    const char *model = fxs_json_string(root, "camera_model");
     intrinsics file = read_intrinsics(root);
     if (model && !perspective(model))
         return fxs_fail(list->message, "%s: camera_model is not a perspective one; undistort the images", list->path);
@@ -164,23 +143,11 @@ static int read_root(fxs_view_list *list, const cJSON *root)
     return 0;
 }
 
-/* At least the number of values: each follows a comma or the bracket of its array or object. */
-static size_t count_separators(const fxs_text *json)
-{
-    size_t count = 0;
-    for (size_t i = 0; i < json->size; i++)
-        count += json->data[i] == ',' || json->data[i] == '[' || json->data[i] == '{';
-    return count;
-}
-
 int fxs_camera_json_parse(fxs_view_list *list, const fxs_text *json)
 {
-    const char *end = json->data;
-    if (count_separators(json) > MAX_VALUES)
-        return fxs_fail(list->message, "%s: more than %zu values", list->path, MAX_VALUES);
-    cJSON *root = cJSON_ParseWithLengthOpts(json->data, json->size + 1, &end, 1);
+    cJSON *root = fxs_json_parse(json, list->message);
     if (!root)
-        return fxs_fail(list->message, "%s: not a camera file: bad JSON at byte %td", list->path, end - json->data);
+        return -1;
     int status = read_root(list, root);
     cJSON_Delete(root);
     return status;

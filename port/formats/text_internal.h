@@ -1,0 +1,34 @@
+/* Whole files in memory, and the JSON in them. */
+#ifndef FXS_TEXT_INTERNAL_H
+#define FXS_TEXT_INTERNAL_H
+
+#include <stddef.h>
+
+#include "message.h"
+
+#define FXS_TEXT_MAX ((size_t)1 << 30)
+
+/* The bytes of a file, followed by one that is zero. */
+typedef struct fxs_text {
+    const char *path;   /* for messages */
+    char *data;
+    size_t size;        /* without the zero */
+} fxs_text;
+
+/* Loads a regular file; the caller frees text->data. Returns 0, or -1 and a message. */
+int fxs_text_load(const char *path, fxs_text *text, fxs_message *message);
+
+/* ---- With cJSON (FXS_WITH_CJSON) ---- */
+
+struct cJSON;
+
+/* Returns what cJSON_Delete frees, or NULL and a message. */
+struct cJSON *fxs_json_parse(const fxs_text *json, fxs_message *message);
+
+/* 1 where the array holds exactly these many numbers. */
+int fxs_json_numbers(const struct cJSON *array, double *out, int count);
+
+/* The string of that name, or NULL. */
+const char *fxs_json_string(const struct cJSON *object, const char *name);
+
+#endif
