@@ -21,6 +21,14 @@ ifeq ($(call header,zlib.h),yes)
 FEATURES += -DFXS_WITH_ZLIB
 LIBS += -lz
 endif
+ifeq ($(call header,webp/decode.h),yes)
+FEATURES += -DFXS_WITH_WEBP
+LIBS += -lwebp
+endif
+ifeq ($(call header,zip.h),yes)
+FEATURES += -DFXS_WITH_ZIP
+LIBS += -lzip
+endif
 ifeq ($(call header,stb/stb_image_write.h),yes)
 FEATURES += -DFXS_WITH_STB
 endif
@@ -57,7 +65,7 @@ $(B)/%.o: %.c
 
 # ---- Setup, demo, install ------------------------------------------------------------------------------------------
 
-PACKAGES := libcjson-dev libstb-dev zlib1g-dev
+PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev
 TEST_PACKAGES := clang libclang-rt-14-dev glslang-tools qemu-user gcc-aarch64-linux-gnu libc6-dev-arm64-cross \
                  gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind
 WANTED = $(PACKAGES) $(if $(filter test,$(MAKECMDGOALS)),$(TEST_PACKAGES))

@@ -13,6 +13,13 @@ struct fxs_scene_file {
     void *reader;   /* the format's own */
 };
 
+static int is_json_object(const char *head)
+{
+    static const char blanks[] = " \t\r\n";
+    head += strspn(head, blanks);
+    return *head == '{' && head[1 + strspn(head + 1, blanks)] == '"';
+}
+
 /* .splat has no magic number, so it comes last. */
 static const fxs_scene_format *format_of(const fxs_scene_source *source, const char *head, size_t size)
 {
@@ -20,20 +27,39 @@ static const fxs_scene_format *format_of(const fxs_scene_source *source, const c
         return fxs_is_compressed_ply(source) ? &fxs_scene_compressed_ply : &fxs_scene_ply;
     if (size >= 4 && head[0] == 0 && head[1] != 0 && head[2] == 0 && head[3] == 0)
         return &fxs_scene_ksplat;
+    if (memcmp(head, "PK\3\4", 4) == 0 || is_json_object(head))
+        return &fxs_scene_sog;
     return fxs_is_splat(source) ? &fxs_scene_splat : NULL;
+}
+
+/* The path, or of a folder that of the index in it, for free; NULL when out of memory. */
+static char *path_of_file(const char *path)
+{
+    struct stat status;
+    size_t room = strlen(path) + sizeof "/lod-meta.json";
+    char *found = malloc(room);
+    if (!found)
+        return NULL;
+    snprintf(found, room, "%s", path);
+    if (stat(path, &status) == 0 && S_ISDIR(status.st_mode)) {
+        snprintf(found, room, "%s/lod-meta.json", path);
+        if (stat(found, &status) != 0)
+            snprintf(found, room, "%s/meta.json", path);
+    }
+    return found;
 }
 
 static int open_source(fxs_scene_source *source, const char *path, fxs_message *message)
 {
     struct stat status;
-    source->path = strdup(path);
+    source->path = path_of_file(path);
     if (!source->path)
         return fxs_fail(message, "%s: out of memory", path);
-    source->stream = fopen(path, "rb");
+    source->stream = fopen(source->path, "rb");
     if (!source->stream || fstat(fileno(source->stream), &status) != 0)
-        return fxs_fail(message, "%s: %s", path, strerror(errno));
+        return fxs_fail(message, "%s: %s", source->path, strerror(errno));
     if (!S_ISREG(status.st_mode))
-        return fxs_fail(message, "%s: not a regular file", path);
+        return fxs_fail(message, "%s: not a regular file", source->path);
     source->size = (uint64_t)status.st_size;
     setvbuf(source->stream, NULL, _IONBF, 0);
     return 0;
@@ -41,32 +67,45 @@ static int open_source(fxs_scene_source *source, const char *path, fxs_message *
 
 static int open_file(fxs_scene_file *file, const char *path, fxs_scene_file_info *info, fxs_message *message)
 {
-    char head[16];
+    char head[64] = "";
     if (open_source(&file->source, path, message) != 0)
         return -1;
-    size_t size = fread(head, 1, sizeof head, file->source.stream);
+    size_t size = fread(head, 1, sizeof head - 1, file->source.stream);
     if (ferror(file->source.stream))
         return fxs_fail(message, "%s: %s", path, strerror(errno));
     file->format = format_of(&file->source, head, size);
     if (!file->format)
-        return fxs_fail(message, "%s: not a scene file of a known format (.ply, .ksplat; or .splat: whole records of "
-                        "32 bytes, finite positions, scales of 0 or more)", path);
+        return fxs_fail(message, "%s: not a scene file of a known format (.ply, .sog, .ksplat; or .splat: whole "
+                        "records of 32 bytes, finite positions, scales of 0 or more)", path);
     if (fseeko(file->source.stream, 0, SEEK_SET) != 0)
         return fxs_fail(message, "%s: %s", path, strerror(errno));
     info->format = file->format->name;
-    return file->format->open(&file->source, &file->reader, info, message);
+    info->levels = 1;
+    if (file->format->open(&file->source, &file->reader, info, message) != 0)
+        return -1;
+    if (file->source.level < 0 || file->source.level >= info->levels)
+        return fxs_fail(message, "%s: no level %d: levels of detail in this scene: %d", path, file->source.level,
+                        info->levels);
+    return 0;
 }
 
-int fxs_scene_file_open(const char *path, fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message)
+int fxs_scene_file_open_lod(const char *path, int level, fxs_scene_file **file, fxs_scene_file_info *info,
+                            fxs_message *message)
 {
     *file = calloc(1, sizeof **file);
     if (!*file)
         return fxs_fail(message, "%s: out of memory", path);
+    (*file)->source.level = level;
     if (open_file(*file, path, info, message) == 0)
         return 0;
     fxs_scene_file_close(*file);
     *file = NULL;
     return -1;
+}
+
+int fxs_scene_file_open(const char *path, fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message)
+{
+    return fxs_scene_file_open_lod(path, 0, file, info, message);
 }
 
 long fxs_scene_file_read(fxs_scene_file *file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)

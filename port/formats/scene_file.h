@@ -20,15 +20,21 @@ typedef struct fxs_gaussian {
 typedef struct fxs_scene_file fxs_scene_file;
 
 typedef struct fxs_scene_file_info {
-    const char *format;   /* "ply", "compressed ply", "ksplat", "splat"; static */
+    const char *format;   /* "ply", "compressed ply", "ksplat", "sog", "splat"; static */
     uint64_t count;       /* Gaussians in the file */
     int sh_degree;        /* 0 to 3 */
     int antialiased;      /* 1: opacities were fitted with the dilation compensated */
+    int levels;           /* of detail that can be opened; 1 but for streamed SOG */
 } fxs_scene_file_info;
 
-/* Opens a scene file; the format is told by its content. Returns 0 and a handle that fxs_scene_file_close
-   frees, or -1 and a message. The header is checked whole, and the size of a binary body against it. */
+/* Opens a scene file, or a folder with the meta.json or lod-meta.json of a .sog; the format is told by its content.
+   Returns 0 and a handle that fxs_scene_file_close frees, or -1 and a message. The header is checked whole, and the
+   size of a binary body against it. */
 int fxs_scene_file_open(const char *path, fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message);
+
+/* The same at a level of detail, 0 the finest, where the file has several (streamed SOG). */
+int fxs_scene_file_open_lod(const char *path, int level, fxs_scene_file **file, fxs_scene_file_info *info,
+                            fxs_message *message);
 
 /* Reads the next `capacity` Gaussians or as many as are left. Returns their number, 0 at the end, or -1 and a
    message. */

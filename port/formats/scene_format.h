@@ -11,18 +11,20 @@ typedef struct fxs_scene_source {
     FILE *stream;    /* at the first byte, unbuffered */
     char *path;
     uint64_t size;   /* bytes */
+    int level;       /* of detail, 0 the finest; a format that has only this one may ignore it */
 } fxs_scene_source;
 
 typedef struct fxs_scene_format {
     const char *name;
-    /* Returns 0 with *reader for the other functions and *info filled in but for its format, or -1 and a message. */
+    /* Returns 0 with *reader for the other functions and *info filled in, but for its format, and but for its levels
+       where there is one; or -1 and a message. Either way, close is called where *reader was set. */
     int (*open)(const fxs_scene_source *source, void **reader, fxs_scene_file_info *info, fxs_message *message);
     long (*read)(void *reader, fxs_gaussian *gaussians, size_t capacity, fxs_message *message);
     int (*rewind)(void *reader, fxs_message *message);
     void (*close)(void *reader);
 } fxs_scene_format;
 
-extern const fxs_scene_format fxs_scene_ply, fxs_scene_compressed_ply, fxs_scene_ksplat, fxs_scene_splat;
+extern const fxs_scene_format fxs_scene_ply, fxs_scene_compressed_ply, fxs_scene_ksplat, fxs_scene_sog, fxs_scene_splat;
 
 /* Whether a file that begins with "ply" is PlayCanvas's compressed one. */
 int fxs_is_compressed_ply(const fxs_scene_source *source);

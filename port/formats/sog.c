@@ -1,0 +1,567 @@
+/* .sog versions 1 and 2, as a zip or as files in a folder, and streamed SOG: PlayCanvas, "The SOG Format" and "The
+   Streamed SOG Format". Where those and PlayCanvas's own code differ (order of a quaternion, logarithms of scales,
+   width of a palette of degree 1), as the code has it. */
+#include "scene_format.h"
+
+#if defined(FXS_WITH_WEBP) && defined(FXS_WITH_CJSON)
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cjson/cJSON.h>
+#include <webp/decode.h>
+
+#include "scene_codes.h"
+#include "zip_internal.h"
+
+enum {
+    MAX_INFLATION = 1032,   /* of deflate */
+    MAX_PER_BYTE = 256,     /* Gaussians to a byte of MEANS_LOW, which is close to noise and hardly packs */
+    SLACK = 1 << 16,
+    MAX_LEVELS = 1000,
+    MAX_FILES = 1 << 16,
+    PALETTE_ROW = 64        /* entries */
+};
+
+enum { MEANS_LOW, MEANS_HIGH, SCALES, QUATS, SH0, CENTROIDS, LABELS, IMAGES };
+
+static const struct { const char *name; int first, count; } properties[] = {
+    {"means", MEANS_LOW, 2}, {"scales", SCALES, 1}, {"quats", QUATS, 1}, {"sh0", SH0, 1}, {"shN", CENTROIDS, 2}
+};
+
+/* What the codes of a channel mean. */
+typedef float table[256];
+
+typedef struct sog_scene {
+    char *path;                /* of meta.json or the zip */
+    size_t count;
+    int sh_degree, antialiased;
+    size_t palette;            /* entries */
+    double mins[3], maxs[3];   /* of sign(x) ln(1 + |x|) */
+    table scale[3], colour[4], sh;
+    fxs_text files[IMAGES];    /* the images until they are decoded */
+    uint8_t *pixels[IMAGES];   /* RGBA; Gaussian i is pixel i, whatever the width */
+} sog_scene;
+
+/* Gaussians [begin, end) of a file. */
+typedef struct range {
+    size_t file, begin, end;
+} range;
+
+#define NO_FILE SIZE_MAX
+#define TO_THE_LAST SIZE_MAX
+
+typedef struct sog_reader {
+    const fxs_scene_source *source;
+    int bundled;
+    cJSON *files;         /* of streamed SOG: the names of its scenes */
+    size_t file_count;
+    range *ranges;        /* in the order of files */
+    size_t range_count, range_capacity;
+    size_t at, done;      /* the range being read, and how much of it was */
+    size_t file;          /* whose scene this is, or NO_FILE */
+    sog_scene scene;
+} sog_reader;
+
+static const cJSON *member(const cJSON *object, const char *name)
+{
+    return cJSON_GetObjectItemCaseSensitive(object, name);
+}
+
+/* 1 where the item is a whole number from 0 to `most`. */
+static int whole(const cJSON *item, size_t most, size_t *out)
+{
+    double value = cJSON_IsNumber(item) ? item->valuedouble : -1;
+    if (!(value >= 0 && value <= (double)most && value == floor(value)))
+        return 0;
+    *out = (size_t)value;
+    return 1;
+}
+
+static double lerp(double a, double b, double t)
+{
+    return a * (1 - t) + b * t;
+}
+
+/* ---- Files ----------------------------------------------------------------------------------------------------- */
+
+/* Where the files of a scene are: in the zip, or where that is NULL, beside the path. */
+typedef struct container {
+    const char *path;   /* of meta.json or the zip */
+    struct zip *zip;
+    size_t most;        /* bytes of a file in it */
+    fxs_message *message;
+} container;
+
+/* Stays in the folder, and can be shown in one line. */
+static int name_valid(const char *name)
+{
+    for (const char *c = name; *c; c++)
+        if ((unsigned char)*c < ' ')
+            return 0;
+    return *name && *name != '/' && strncmp(name, "../", 3) != 0 && !strstr(name, "/../");
+}
+
+/* The path of a file that `path` names, for free; or NULL and a message. */
+static char *path_beside(const char *path, const char *name, fxs_message *message)
+{
+    const char *slash = strrchr(path, '/');
+    int folder = slash ? (int)(slash + 1 - path) : 0;
+    if (!name || !name_valid(name)) {
+        fxs_fail(message, "%s: a file name that is missing, leaves the folder or has control characters", path);
+        return NULL;
+    }
+    size_t room = (size_t)folder + strlen(name) + 1;
+    char *joined = malloc(room);
+    if (joined)
+        snprintf(joined, room, "%.*s%s", folder, path, name);
+    else
+        fxs_fail(message, "%s: out of memory", path);
+    return joined;
+}
+
+static int load_file(const container *c, const char *name, fxs_text *text)
+{
+    char *path = path_beside(c->path, name, c->message);   /* names in a zip are checked too */
+    if (!path)
+        return -1;
+    int status = c->zip ? fxs_zip_load(c->zip, c->path, name, c->most, text, c->message)
+                        : fxs_text_load(path, text, c->message);
+    free(path);
+    text->path = c->path;
+    return status;
+}
+
+/* ---- meta.json ------------------------------------------------------------------------------------------------- */
+
+/* Version 2: 256 values, the same for all tables. Old writers left the first null. */
+static int read_codebook(const cJSON *property, table *tables, int count)
+{
+    const cJSON *codebook = member(property, "codebook"), *value;
+    float *next = tables[0];
+    if (!cJSON_IsArray(codebook) || cJSON_GetArraySize(codebook) != 256)
+        return 0;
+    cJSON_ArrayForEach(value, codebook) {
+        if (!cJSON_IsNumber(value) && !(value == codebook->child && cJSON_IsNull(value)))
+            return 0;
+        *next++ = (float)value->valuedouble;
+    }
+    if (cJSON_IsNull(codebook->child))
+        tables[0][0] = tables[0][1] + (tables[0][1] - tables[0][255]) / 255;
+    for (int i = 1; i < count; i++)
+        memcpy(tables[i], tables[0], sizeof(table));
+    return 1;
+}
+
+/* Version 1: the ends of each table; of a single one without an array. */
+static int read_bounds(const cJSON *property, table *tables, int count)
+{
+    const cJSON *low = member(property, "mins"), *high = member(property, "maxs");
+    double mins[4], maxs[4];
+    if (count == 1 && cJSON_IsNumber(low) && cJSON_IsNumber(high)) {
+        mins[0] = low->valuedouble;
+        maxs[0] = high->valuedouble;
+    } else if (!fxs_json_numbers(low, mins, count) || !fxs_json_numbers(high, maxs, count)) {
+        return 0;
+    }
+    for (int i = 0; i < count; i++)
+        for (int code = 0; code < 256; code++)
+            tables[i][code] = (float)lerp(mins[i], maxs[i], code / 255.0);
+    return 1;
+}
+
+/* Returns NULL or the fault. */
+static const char *read_meta(sog_scene *s, const cJSON *root)
+{
+    const cJSON *version = member(root, "version"), *means = member(root, "means"), *shn = member(root, "shN");
+    const char *model = fxs_json_string(root, "model");
+    int (*read)(const cJSON *, table *, int) = version ? read_codebook : read_bounds;
+    size_t degree = 0;
+    if (!means)
+        return "not a SOG scene: no \"means\"";
+    if (version && !(cJSON_IsNumber(version) && version->valuedouble == 2))
+        return "a version that is not known: not 1 or 2";
+    if (model && strcmp(model, "2dgs") == 0)
+        return "2D surfels (model 2dgs), not 3D Gaussians";
+    s->antialiased = cJSON_IsTrue(member(root, "antialias")) || (model && strcmp(model, "antialiased") == 0);
+    if (!whole(version ? member(root, "count") : cJSON_GetArrayItem(member(means, "shape"), 0), INT32_MAX, &s->count))
+        return version ? "no valid \"count\"" : "no valid \"shape\" of \"means\"";
+    if (!fxs_json_numbers(member(means, "mins"), s->mins, 3) || !fxs_json_numbers(member(means, "maxs"), s->maxs, 3))
+        return "no valid \"mins\" and \"maxs\" of \"means\"";
+    if (!read(member(root, "scales"), s->scale, 3))
+        return "no valid values of \"scales\"";
+    for (int code = 0; code < 256; code++)   /* version 1 has its own */
+        s->colour[3][code] = fxs_logit_of_code(code);
+    if (!read(member(root, "sh0"), s->colour, version ? 3 : 4))
+        return "no valid values of \"sh0\"";
+    if (shn && !read(shn, &s->sh, 1))
+        return "no valid values of \"shN\"";
+    if (shn && version && !(whole(member(shn, "bands"), 3, &degree) && degree > 0))
+        return "no valid \"bands\" of \"shN\"";
+    if (shn && version && !whole(member(shn, "count"), 65536, &s->palette))
+        return "no valid \"count\" of \"shN\"";
+    s->sh_degree = (int)degree;
+    return NULL;
+}
+
+/* ---- Images ---------------------------------------------------------------------------------------------------- */
+
+static int coefficients(int degree)
+{
+    return degree * (degree + 2);
+}
+
+/* The width of the palette gives the degree in version 1, and must agree with it in version 2, which counts entries. */
+static const char *check_palette(sog_scene *s, int width, size_t pixels)
+{
+    int degree = s->sh_degree ? s->sh_degree : 1;
+    while (!s->sh_degree && degree < 3 && width != PALETTE_ROW * coefficients(degree))
+        degree++;
+    if (width != PALETTE_ROW * coefficients(degree))
+        return "not as wide as a palette of its degree";
+    size_t room = pixels / (size_t)coefficients(degree);
+    if (room < s->palette)
+        return "not as high as a palette of its count";
+    if (!s->sh_degree)
+        s->palette = room;
+    s->sh_degree = degree;
+    return NULL;
+}
+
+static const char *check_image(sog_scene *s, int image)
+{
+    const fxs_text *file = &s->files[image];
+    WebPBitstreamFeatures features;
+    if (WebPGetFeatures((const uint8_t *)file->data, file->size, &features) != VP8_STATUS_OK ||
+        features.has_animation || features.format != 2)
+        return "not a lossless WebP";
+    size_t pixels = (size_t)features.width * (size_t)features.height;
+    if (image == CENTROIDS)
+        return check_palette(s, features.width, pixels);
+    if (pixels < s->count)
+        return "fewer pixels than Gaussians";
+    if (pixels / 2 > s->count + SLACK)
+        return "far more pixels than Gaussians";
+    if (image == MEANS_LOW && s->count > (uint64_t)file->size * MAX_PER_BYTE + SLACK)
+        return "too few bytes for that many Gaussians";
+    return NULL;
+}
+
+static int load_image(sog_scene *s, const container *c, int image, const char *name)
+{
+    if (load_file(c, name, &s->files[image]) != 0)
+        return -1;
+    const char *fault = check_image(s, image);
+    return fault ? fxs_fail(c->message, "%s: %s: %s", c->path, name, fault) : 0;
+}
+
+static int load_images(sog_scene *s, const container *c, const cJSON *root)
+{
+    for (size_t i = 0; i < sizeof properties / sizeof *properties; i++) {
+        const cJSON *property = member(root, properties[i].name), *names = member(property, "files");
+        if (properties[i].first == CENTROIDS && !property)
+            continue;
+        if (cJSON_GetArraySize(names) < properties[i].count)
+            return fxs_fail(c->message, "%s: too few \"files\" of \"%s\"", c->path, properties[i].name);
+        for (int k = 0; k < properties[i].count; k++)
+            if (load_image(s, c, properties[i].first + k, cJSON_GetStringValue(cJSON_GetArrayItem(names, k))) != 0)
+                return -1;
+    }
+    return 0;
+}
+
+static int decode_images(sog_scene *s, fxs_message *message)
+{
+    for (int i = 0; i < IMAGES; i++) {
+        fxs_text *file = &s->files[i];
+        int width, height;
+        if (!file->data)
+            continue;
+        s->pixels[i] = WebPDecodeRGBA((const uint8_t *)file->data, file->size, &width, &height);
+        if (!s->pixels[i])
+            return fxs_fail(message, "%s: an image cannot be decoded: damaged, or out of memory", file->path);
+        free(file->data);
+        file->data = NULL;
+    }
+    return 0;
+}
+
+static void free_scene(sog_scene *s)
+{
+    for (int i = 0; i < IMAGES; i++) {
+        free(s->files[i].data);
+        WebPFree(s->pixels[i]);
+    }
+    free(s->path);
+    memset(s, 0, sizeof *s);
+}
+
+static int load_meta(sog_scene *s, const container *c)
+{
+    fxs_text meta;
+    if ((c->zip ? load_file(c, "meta.json", &meta) : fxs_text_load(c->path, &meta, c->message)) != 0)
+        return -1;
+    cJSON *root = fxs_json_parse(&meta, c->message);
+    free(meta.data);
+    if (!root)
+        return -1;
+    const char *fault = read_meta(s, root);
+    int status = fault ? fxs_fail(c->message, "%s: %s", c->path, fault) : load_images(s, c, root);
+    cJSON_Delete(root);
+    return status;
+}
+
+/* ---- Gaussians ------------------------------------------------------------------------------------------------- */
+
+/* Smallest three: alpha names the component of w, x, y, z that is left out, the others are in +-1/sqrt(2). */
+static void decode_rotation(const uint8_t *code, float rotation[4])
+{
+    double sum = 0;
+    int omitted = code[3] - 252;
+    for (int i = 0; i < 4; i++)
+        rotation[i] = i == 0;
+    if (omitted < 0)
+        return;
+    for (int i = 0; i < 4; i++) {
+        if (i == omitted)
+            continue;
+        double value = (*code++ / 255.0 - 0.5) * 1.4142135623730951;
+        rotation[i] = (float)value;
+        sum += value * value;
+    }
+    rotation[omitted] = (float)sqrt(fmax(0, 1 - sum));
+}
+
+static void decode_sh(const sog_scene *s, size_t index, float *sh)
+{
+    const uint8_t *code = s->pixels[LABELS] + 4 * index;
+    size_t label = code[0] | (size_t)code[1] << 8, count = (size_t)coefficients(s->sh_degree);
+    if (label >= s->palette)   /* 0, as PlayCanvas's own reader has it */
+        return;
+    for (size_t k = 0; k < count; k++)
+        for (size_t c = 0; c < 3; c++)
+            sh[3 * k + c] = s->sh[s->pixels[CENTROIDS][4 * (label * count + k) + c]];
+}
+
+static void decode_gaussian(const sog_scene *s, size_t index, fxs_gaussian *g)
+{
+    const uint8_t *low = s->pixels[MEANS_LOW] + 4 * index, *high = s->pixels[MEANS_HIGH] + 4 * index;
+    const uint8_t *scale = s->pixels[SCALES] + 4 * index, *colour = s->pixels[SH0] + 4 * index;
+    memset(g, 0, sizeof *g);
+    for (int i = 0; i < 3; i++) {
+        double n = lerp(s->mins[i], s->maxs[i], (high[i] << 8 | low[i]) / 65535.0);
+        g->position[i] = (float)copysign(expm1(fabs(n)), n);
+        g->scale[i] = s->scale[i][scale[i]];
+        g->dc[i] = s->colour[i][colour[i]];
+    }
+    g->opacity = s->colour[3][colour[3]];
+    decode_rotation(s->pixels[QUATS] + 4 * index, g->rotation);
+    if (s->sh_degree)
+        decode_sh(s, index, g->sh);
+}
+
+/* ---- Ranges of files ------------------------------------------------------------------------------------------- */
+
+static int add_range(sog_reader *r, range added, fxs_message *message)
+{
+    if (r->range_count == r->range_capacity) {
+        size_t capacity = 2 * r->range_capacity + 16;
+        range *ranges = realloc(r->ranges, capacity * sizeof *ranges);
+        if (!ranges)
+            return fxs_fail(message, "%s: out of memory", r->source->path);
+        r->ranges = ranges;
+        r->range_capacity = capacity;
+    }
+    r->ranges[r->range_count++] = added;
+    return 0;
+}
+
+/* The ranges of the node's leaves at a level; a leaf without it has nothing there. */
+static int add_leaves(sog_reader *r, const cJSON *node, const char *level, fxs_message *message)
+{
+    const cJSON *run = member(member(node, "lods"), level), *child;
+    if (run) {
+        range added;
+        size_t count;
+        if (!whole(member(run, "file"), r->file_count, &added.file) || added.file == r->file_count ||
+            !whole(member(run, "offset"), INT32_MAX, &added.begin) || !whole(member(run, "count"), INT32_MAX, &count))
+            return fxs_fail(message, "%s: a leaf with no valid \"file\", \"offset\" and \"count\"", r->source->path);
+        added.end = added.begin + count;
+        if (count > 0 && add_range(r, added, message) != 0)
+            return -1;
+    }
+    cJSON_ArrayForEach(child, member(node, "children"))
+        if (add_leaves(r, child, level, message) != 0)
+            return -1;
+    return 0;
+}
+
+static int compare_ranges(const void *a, const void *b)
+{
+    const range *x = a, *y = b;
+    if (x->file != y->file)
+        return x->file < y->file ? -1 : 1;
+    return (x->begin > y->begin) - (x->begin < y->begin);
+}
+
+/* lod-meta.json: one level of every leaf, file by file, and the environment. */
+static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs_message *message)
+{
+    const cJSON *version = member(root, "version");
+    char level[16];
+    size_t levels;
+    if (version && !(cJSON_IsNumber(version) && version->valuedouble == 1))
+        return fxs_fail(message, "%s: streamed SOG of a version that is not known: not 1", r->source->path);
+    if (!whole(member(root, "lodLevels"), MAX_LEVELS, &levels) || levels == 0)
+        return fxs_fail(message, "%s: no valid \"lodLevels\"", r->source->path);
+    info->levels = (int)levels;
+    r->files = cJSON_DetachItemFromObjectCaseSensitive(root, "filenames");
+    if (!cJSON_IsArray(r->files) || cJSON_GetArraySize(r->files) > MAX_FILES)
+        return fxs_fail(message, "%s: \"filenames\" is not an array of up to %d", r->source->path, MAX_FILES);
+    r->file_count = (size_t)cJSON_GetArraySize(r->files);
+    snprintf(level, sizeof level, "%d", r->source->level);
+    if (add_leaves(r, member(root, "tree"), level, message) != 0)
+        return -1;
+    if (r->range_count > 0)
+        qsort(r->ranges, r->range_count, sizeof *r->ranges, compare_ranges);
+    if (!cJSON_IsString(member(root, "environment")))
+        return 0;
+    cJSON_AddItemToArray(r->files, cJSON_DetachItemFromObjectCaseSensitive(root, "environment"));
+    return add_range(r, (range){r->file_count, 0, TO_THE_LAST}, message);
+}
+
+/* Loads a scene, its images not decoded yet. */
+static int load_scene(sog_reader *r, size_t file, fxs_message *message)
+{
+    const char *path = r->source->path;
+    uint64_t most = r->source->size * MAX_INFLATION;
+    sog_scene *s = &r->scene;
+    free_scene(s);
+    if (r->files)
+        s->path = path_beside(path, cJSON_GetStringValue(cJSON_GetArrayItem(r->files, (int)file)), message);
+    else if (!(s->path = strdup(path)))
+        fxs_fail(message, "%s: out of memory", path);
+    if (!s->path)
+        return -1;
+    container c = {s->path, NULL, most < FXS_TEXT_MAX ? (size_t)most : FXS_TEXT_MAX, message};
+    if (r->bundled && !(c.zip = fxs_zip_open(path, message)))
+        return -1;
+    int status = load_meta(s, &c);
+    fxs_zip_close(c.zip);
+    return status;
+}
+
+/* Makes the range's scene the reader's. Its file may have changed since it was last looked at. */
+static int open_range(sog_reader *r, range *of, fxs_message *message)
+{
+    if (r->file != of->file) {
+        r->file = NO_FILE;
+        if (load_scene(r, of->file, message) != 0)
+            return -1;
+        r->file = of->file;
+    }
+    if (of->end == TO_THE_LAST)
+        of->end = r->scene.count;
+    if (of->end > r->scene.count)
+        return fxs_fail(message, "%s: %zu Gaussians, but a leaf ends at %zu", r->scene.path, r->scene.count,
+                        of->end);
+    return 0;
+}
+
+static int check_ranges(sog_reader *r, fxs_scene_file_info *info, fxs_message *message)
+{
+    info->count = 0;
+    info->sh_degree = info->antialiased = 0;
+    for (size_t i = 0; i < r->range_count; i++) {
+        range *of = &r->ranges[i];
+        if (open_range(r, of, message) != 0)
+            return -1;
+        if (i > 0 && of[-1].file == of->file && of[-1].end > of->begin)
+            return fxs_fail(message, "%s: two leaves share Gaussian %zu", r->scene.path, of->begin);
+        info->count += of->end - of->begin;
+        info->antialiased |= r->scene.antialiased;
+        info->sh_degree = r->scene.sh_degree > info->sh_degree ? r->scene.sh_degree : info->sh_degree;
+    }
+    return 0;
+}
+
+static int read_source(sog_reader *r, fxs_scene_file_info *info, fxs_message *message)
+{
+    fxs_text json;
+    r->bundled = getc(r->source->stream) == 'P';
+    if (r->bundled)
+        return add_range(r, (range){0, 0, TO_THE_LAST}, message);
+    if (fxs_text_load(r->source->path, &json, message) != 0)
+        return -1;
+    cJSON *root = fxs_json_parse(&json, message);
+    free(json.data);
+    if (!root)
+        return -1;
+    int status = member(root, "tree") ? read_index(r, root, info, message)
+                                      : add_range(r, (range){0, 0, TO_THE_LAST}, message);
+    cJSON_Delete(root);
+    return status;
+}
+
+/* ---- The format ------------------------------------------------------------------------------------------------ */
+
+static int sog_open(const fxs_scene_source *source, void **handle, fxs_scene_file_info *info, fxs_message *message)
+{
+    sog_reader *r = calloc(1, sizeof *r);
+    if (!r)
+        return fxs_fail(message, "%s: out of memory", source->path);
+    *handle = r;
+    r->source = source;
+    r->file = NO_FILE;
+    return read_source(r, info, message) != 0 ? -1 : check_ranges(r, info, message);
+}
+
+static long sog_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
+{
+    sog_reader *r = handle;
+    size_t count = 0;
+    while (count < capacity && r->at < r->range_count) {
+        range *of = &r->ranges[r->at];
+        if (open_range(r, of, message) != 0 || decode_images(&r->scene, message) != 0)
+            return -1;
+        for (; count < capacity && r->done < of->end - of->begin; r->done++)
+            decode_gaussian(&r->scene, of->begin + r->done, &gaussians[count++]);
+        if (r->done == of->end - of->begin) {
+            r->at++;
+            r->done = 0;
+        }
+    }
+    return (long)count;
+}
+
+static int sog_rewind(void *handle, fxs_message *message)
+{
+    sog_reader *r = handle;
+    (void)message;
+    r->at = r->done = 0;
+    return 0;
+}
+
+static void sog_close(void *handle)
+{
+    sog_reader *r = handle;
+    free_scene(&r->scene);
+    cJSON_Delete(r->files);
+    free(r->ranges);
+    free(r);
+}
+
+const fxs_scene_format fxs_scene_sog = {"sog", sog_open, sog_read, sog_rewind, sog_close};
+
+#else
+
+static int sog_open(const fxs_scene_source *source, void **handle, fxs_scene_file_info *info, fxs_message *message)
+{
+    (void)handle, (void)info;
+    return fxs_fail(message, "%s: cannot read .sog: built without libwebp or cJSON", source->path);
+}
+
+const fxs_scene_format fxs_scene_sog = {"sog", sog_open, NULL, NULL, NULL};
+
+#endif
