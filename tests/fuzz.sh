@@ -10,7 +10,7 @@ trap 'rm -rf "$work"' EXIT
 # The sources that each needs beside itself.
 sources_of() {
     case $1 in
-    fuzz_scene) set -- scene_file byte_reader ply_header ply compressed_ply ksplat splat ;;
+    fuzz_scene | fuzz_sog) set -- scene_file byte_reader ply_header ply compressed_ply ksplat sog splat text zip ;;
     fuzz_camera) set -- camera_file camera_json camera_colmap text ;;
     esac
     printf 'port/formats/%s.c ' "$@" message
@@ -78,6 +78,40 @@ seeds_of_camera() {
         "$long$int$unit$zero$zero$zero$zero$zero$unit${int}a.png\\0$long$unit$unit$long" >binary
 }
 
+# part TEXT: a file as tests/fuzz_sog.c takes it, written as the format of printf
+part() {
+    printf "$1" >part
+    size=$(wc -c <part)
+    printf "\\$(printf %o $((size % 256)))\\$(printf %o $((size / 256)))$1"
+    rm part
+}
+
+# sog ZIP META INDEX: with images of one pixel, and a palette of one row
+sog() {
+    part "$1" && part "$2" && part "$3"
+    for width in 0 0 0 0 0 277 0; do
+        part "RIFF\36\0\0\0WEBPVP8L\21\0\0\0/\\$width\0\0\20\7P\344\42\27\271\375\201\210\350\177\0\0"
+    done
+}
+
+seeds_of_sog() {
+    codebook="\"codebook\":[null$(printf ',%.0s1' $(seq 255))]"
+    ends='"mins":[0,1,2],"maxs":[1,2,3]'
+    means="\"means\":{\"shape\":[1,3],$ends,\"files\":[\"0\",\"1\"]},\"quats\":{\"files\":[\"3\"]}"
+    leaf='"lods":{"0":{"file":0,"offset":0,"count":1},"1":{"file":0,"offset":0,"count":0}}'
+    sog '' "{$means,\"scales\":{$ends,\"files\":[\"2\"]},
+        \"sh0\":{\"mins\":[1,2,3,4],\"maxs\":[2,3,4,5],\"files\":[\"4\"]},
+        \"shN\":{\"mins\":0,\"maxs\":1,\"files\":[\"5\",\"6\"]}}" '' >first
+    sog '' "{\"version\":2,\"count\":1,$means,\"scales\":{$codebook,\"files\":[\"2\"]},\"antialias\":true,
+        \"sh0\":{$codebook,\"files\":[\"4\"]},
+        \"shN\":{\"count\":9,\"bands\":1,$codebook,\"files\":[\"5\",\"6\"]}}" \
+        "{\"version\":1,\"lodLevels\":2,\"environment\":\"meta.json\",\"filenames\":[\"meta.json\"],
+        \"tree\":{\"children\":[{$leaf},{}]}}" >second
+    sog 'PK\3\4\24\0\0\0\0\0\0\0!\0C\277\246\243\2\0\0\0\2\0\0\0\11\0\0\0meta.json{}PK\1\2\24\3\24\0\0\0\0\0\0\0'\
+'!\0C\277\246\243\2\0\0\0\2\0\0\0\11\0\0\0\0\0\0\0\0\0\0\0\200\1\0\0\0\0meta.json'\
+'PK\5\6\0\0\0\0\1\0\1\0\067\0\0\0)\0\0\0\0\0' '' '' >zip
+}
+
 # ---- Run -------------------------------------------------------------------------------------------------------------
 
 build() {
@@ -101,9 +135,12 @@ if ! clang -fsanitize=fuzzer,address,undefined "$work/links.c" -o "$work/links" 
     finish
     exit
 fi
-if echo '#include <cjson/cJSON.h>' | clang -E -x c - >/dev/null 2>&1; then
-    features=-DFXS_WITH_CJSON libraries=-lcjson
-fi
+for library in CJSON:cjson/cJSON.h:cjson WEBP:webp/decode.h:webp ZIP:zip.h:zip; do
+    header=${library#*:}
+    if echo "#include <${header%:*}>" | clang -E -x c - >/dev/null 2>&1; then
+        features="$features -DFXS_WITH_${library%%:*}" libraries="$libraries -l${library##*:}"
+    fi
+done
 mkdir -p "$out"
 for source in tests/fuzz_*.c; do
     name=$(basename "$source" .c)

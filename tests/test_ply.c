@@ -559,11 +559,24 @@ static void absurd_counts(void)
     }
 }
 
+static void one_level(void)
+{
+    fxs_scene_file *file;
+    make_file(LITTLE, fill_properties(0), 0);
+    put_file(size);
+    CHECK(fxs_scene_file_open_lod(path, 0, &file, &info, &message) == 0 && info.levels == 1);
+    fxs_scene_file_close(file);
+    CHECK(fxs_scene_file_open_lod(path, 1, &file, &info, &message) == -1 && file == NULL);
+    CHECK(strstr(message.text, ": no level 1: levels of detail in this scene: 1") != NULL);
+}
+
 static void not_files(void)
 {
     fxs_scene_file *file;
-    CHECK(fxs_scene_file_open("/tmp", &file, &info, &message) == -1 && file == NULL);
-    CHECK(strcmp(message.text, "/tmp: not a regular file") == 0);
+    CHECK(fxs_scene_file_open("/dev/null", &file, &info, &message) == -1 && file == NULL);
+    CHECK(strcmp(message.text, "/dev/null: not a regular file") == 0);
+    CHECK(fxs_scene_file_open("/dev", &file, &info, &message) == -1 && file == NULL);
+    CHECK(strncmp(message.text, "/dev/meta.json: ", 16) == 0);
     CHECK(fxs_scene_file_open("no/such/file", &file, &info, &message) == -1 && file == NULL);
     CHECK(strncmp(message.text, "no/such/file: ", 14) == 0);
     fxs_scene_file_close(NULL);
@@ -624,6 +637,7 @@ int main(void)
     RUN(missing_properties);
     RUN(wrong_rest_counts);
     RUN(absurd_counts);
+    RUN(one_level);
     RUN(not_files);
     RUN(real_scenes);
     unlink(path);

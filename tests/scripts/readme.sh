@@ -5,8 +5,9 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 sed -n '/^```c$/,/^```$/p' README.md | sed '/^```/d' >"$work/program.c"
 optional=
-${CC:-cc} -E - </dev/null -include cjson/cJSON.h >/dev/null 2>&1 && optional=-lcjson
-${CC:-cc} -E - </dev/null -include zlib.h >/dev/null 2>&1 && optional="$optional -lz"
+for library in cjson:cjson/cJSON.h webp:webp/decode.h zip:zip.h z:zlib.h; do
+    ${CC:-cc} -E - </dev/null -include "${library#*:}" >/dev/null 2>&1 && optional="$optional -l${library%%:*}"
+done
 if ${CC:-cc} -std=c99 -D_POSIX_C_SOURCE=200809L -Wall -Wextra -Werror -I. "$work/program.c" "$B/libfixsplat.a" -lm -lpthread $optional \
     -o "$work/program" && "$B/fixsplat" make-scene cubes -o "$work/cubes.ply" &&
     "$work/program" "$work/cubes.ply" "$work/cubes.ppm" && [ "$(wc -c <"$work/cubes.ppm")" = 691215 ]; then

@@ -1,0 +1,815 @@
+/* Reads of .sog made here: both versions, every SH degree, as a zip and as a folder; streamed; faulty; a real one. */
+#include "../port/formats/scene_file.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "check.h"
+
+static char folder[] = "/tmp/test_sog_XXXXXX";
+static fxs_message message;
+static fxs_scene_file_info info;
+
+static const char *in_folder(const char *name)
+{
+    static char path[2][512];
+    static int turn;
+    turn = !turn;
+    snprintf(path[turn], sizeof path[turn], "%s/%s", folder, name);
+    return path[turn];
+}
+
+static void put(const char *name, const void *data, size_t size)
+{
+    FILE *stream = fopen(in_folder(name), "wb");
+    if (!CHECK(stream != NULL))
+        return;
+    CHECK(fwrite(data, 1, size, stream) == size);
+    CHECK(fclose(stream) == 0);
+}
+
+/* Reads at most `capacity` Gaussians, a few at a time, twice. Returns their number, or -1 and the message. */
+static long read_level(const char *name, int level, fxs_gaussian *gaussians, long capacity)
+{
+    fxs_scene_file *file;
+    long total[2] = {0, 0}, count = 0;
+    memset(&info, 0, sizeof info);
+    if (fxs_scene_file_open_lod(in_folder(name), level, &file, &info, &message) != 0) {
+        CHECK(file == NULL && strncmp(message.text, folder, strlen(folder)) == 0 && !strchr(message.text, '\n'));
+        return -1;
+    }
+    for (int pass = 0; pass < 2 && count >= 0; pass++) {
+        while ((count = fxs_scene_file_read(file, gaussians + total[pass], (size_t)(capacity - total[pass] < 10
+                ? capacity - total[pass] : 10), &message)) > 0)
+            total[pass] += count;
+        CHECK(fxs_scene_file_rewind(file, &message) == 0);
+    }
+    fxs_scene_file_close(file);
+    if (count < 0)
+        return -1;
+    CHECK(total[0] == total[1] && total[0] == (long)info.count && strcmp(info.format, "sog") == 0);
+    return total[0];
+}
+
+static void check_level_fails(const char *name, int level, const char *words)
+{
+    static fxs_gaussian gaussians[1000];
+    if (!CHECK(read_level(name, level, gaussians, 1000) == -1 && strstr(message.text, words)))
+        printf("  said: %s\n  not:  %s\n", message.text, words);
+}
+
+static void check_fails(const char *name, const char *words)
+{
+    check_level_fails(name, 0, words);
+}
+
+#if defined(FXS_WITH_WEBP) && defined(FXS_WITH_CJSON) && defined(FXS_WITH_ZIP)
+
+#include <webp/encode.h>
+#include <zip.h>
+
+enum { COUNT = 37, WIDTH = 7, HEIGHT = 6, PALETTE = 300, PALETTE_ROWS = 5 };
+enum { LOW, HIGH, SCALES, QUATS, SH0, CENTROIDS, LABELS, IMAGES };
+enum { SCALE_VALUES, COLOUR_VALUES, SH_VALUES };
+
+static const char *const image_names[IMAGES] = {"low.webp", "high.webp", "scales.webp", "quats.webp", "sh0.webp",
+                                                "centroids.webp", "labels.webp"};
+
+/* ---- Making a scene -------------------------------------------------------------------------------------------- */
+
+typedef struct made_scene {
+    int version, degree;
+    unsigned seed;
+} made_scene;
+
+static struct { char name[32]; void *data; size_t size; } files[IMAGES + 1];   /* meta.json comes last */
+static int file_count;
+
+static void forget_files(void)
+{
+    while (file_count > 0)
+        free(files[--file_count].data);
+}
+
+static void add_file(const char *name, const void *data, size_t size)
+{
+    snprintf(files[file_count].name, sizeof files->name, "%s", name);
+    files[file_count].data = malloc(size + 1);
+    memcpy(files[file_count].data, data, size);
+    ((char *)files[file_count].data)[size] = 0;
+    files[file_count++].size = size;
+}
+
+static int coefficients(int degree)
+{
+    return degree * (degree + 2);
+}
+
+/* A byte of a made image. Gaussian 0 is opaque and has a scale of code 0, Gaussian 1 has no opacity. */
+static uint8_t byte_of(const made_scene *m, int image, int pixel, int channel)
+{
+    unsigned h = m->seed * 977u + (unsigned)image * 131u + (unsigned)pixel * 7919u;
+    unsigned label = (h * 2654435761u >> 12) % (64 * PALETTE_ROWS);
+    if (image == LABELS && channel < 2)
+        return (uint8_t)(label >> 8 * channel);
+    h = ((h + (unsigned)channel * 31u) * 2654435761u) >> 20;
+    if (image == QUATS && channel == 3)
+        return (uint8_t)(250 + h % 6);
+    if ((image == SCALES && pixel == 0 && channel == 1) || (image == SH0 && pixel == 1 && channel == 3))
+        return 0;
+    if (image == SH0 && channel == 3)
+        return (uint8_t)(pixel == 0 ? 255 : h);
+    return (uint8_t)(channel == 3 ? 255 : h);
+}
+
+/* Not WebPEncodeLosslessRGBA, which changes colours where alpha is 0. */
+static void encode(const uint8_t *rgba, int width, int height, WebPMemoryWriter *out)
+{
+    WebPConfig config;
+    WebPPicture picture;
+    CHECK(WebPConfigInit(&config) && WebPPictureInit(&picture));
+    config.lossless = config.exact = picture.use_argb = 1;
+    picture.width = width;
+    picture.height = height;
+    picture.writer = WebPMemoryWrite;
+    picture.custom_ptr = out;
+    WebPMemoryWriterInit(out);
+    CHECK(WebPPictureImportRGBA(&picture, rgba, 4 * width) && WebPEncode(&config, &picture));
+    WebPPictureFree(&picture);
+}
+
+static void add_image(const made_scene *m, int image, int width, int height)
+{
+    static uint8_t rgba[960 * HEIGHT * 4];
+    WebPMemoryWriter out;
+    for (int i = 0; i < 4 * width * height; i++)
+        rgba[i] = byte_of(m, image, i / 4, i % 4);
+    encode(rgba, width, height, &out);
+    add_file(image_names[image], out.mem, out.size);
+    WebPMemoryWriterClear(&out);
+}
+
+static char text[1 << 16];
+static size_t length;
+
+static void say(const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    length += (size_t)vsnprintf(text + length, sizeof text - length, format, arguments);
+    va_end(arguments);
+}
+
+static const double position_mins[3] = {-3.25, -0.5, 0.125}, position_maxs[3] = {2.5, 4.75, 6};
+
+static double codebook(int values, int code)
+{
+    return (code - 100) / 32.0 + values;
+}
+
+static double bound(int values, int channel, int high)
+{
+    return high ? 2.25 + channel : -1.5 - 0.25 * values - channel;
+}
+
+static void say_codebook(int values)
+{
+    say("\"codebook\":[");
+    for (int i = 0; i < 256; i++)
+        say("%s%.17g", i ? "," : "", codebook(values, i));
+    say("],");
+}
+
+static void say_bounds(int values, int channels)
+{
+    for (int high = 0; high < 2; high++) {
+        say("\"%s\":%s", high ? "maxs" : "mins", channels > 1 ? "[" : "");
+        for (int c = 0; c < channels; c++)
+            say("%s%.17g", c ? "," : "", bound(values, c, high));
+        say("%s,", channels > 1 ? "]" : "");
+    }
+}
+
+static void say_values(const made_scene *m, const char *name, int values, int channels)
+{
+    say(",\"%s\":{", name);
+    if (m->version == 2)
+        say_codebook(values);
+    else
+        say_bounds(values, channels);
+}
+
+static void add_meta(const made_scene *m)
+{
+    length = 0;
+    say(m->version == 2 ? "{\"version\":2,\"count\":%d,\"means\":{" : "{\"means\":{\"shape\":[%d,3],", COUNT);
+    say("\"mins\":[%g,%g,%g],\"maxs\":[%g,%g,%g],\"files\":[\"low.webp\",\"high.webp\"]}", position_mins[0],
+        position_mins[1], position_mins[2], position_maxs[0], position_maxs[1], position_maxs[2]);
+    say_values(m, "scales", SCALE_VALUES, 3);
+    say("\"files\":[\"scales.webp\"]},\"quats\":{\"files\":[\"quats.webp\"]}");
+    say_values(m, "sh0", COLOUR_VALUES, 4);
+    say("\"files\":[\"sh0.webp\"]}");
+    if (m->degree) {
+        say_values(m, "shN", SH_VALUES, 1);
+        if (m->version == 2)
+            say("\"count\":%d,\"bands\":%d,", PALETTE, m->degree);
+        say("\"files\":[\"centroids.webp\",\"labels.webp\"]}");
+    }
+    say("}");
+    add_file("meta.json", text, length);
+}
+
+static void make(const made_scene *m)
+{
+    forget_files();
+    for (int image = LOW; image <= SH0; image++)
+        add_image(m, image, WIDTH, HEIGHT);
+    if (m->degree) {
+        add_image(m, CENTROIDS, 64 * coefficients(m->degree), PALETTE_ROWS);
+        add_image(m, LABELS, WIDTH, HEIGHT);
+    }
+    add_meta(m);
+}
+
+/* Replaces the first `old` in meta.json. */
+static void edit(const char *old, const char *new)
+{
+    char *meta = files[file_count - 1].data, *found = strstr(meta, old);
+    if (!CHECK(found != NULL))
+        return;
+    length = 0;
+    say("%.*s%s%s", (int)(found - meta), meta, new, found + strlen(old));
+    free(files[--file_count].data);
+    add_file("meta.json", text, length);
+}
+
+static void put_folder(const char *name)
+{
+    char path[512];
+    mkdir(in_folder(name), 0700);
+    for (int i = 0; i < file_count; i++) {
+        snprintf(path, sizeof path, "%s/%s", name, files[i].name);
+        put(path, files[i].data, files[i].size);
+    }
+}
+
+static void put_zip(const char *name, int method)
+{
+    int error;
+    zip_t *zip = zip_open(in_folder(name), ZIP_CREATE | ZIP_TRUNCATE, &error);
+    if (!CHECK(zip != NULL))
+        return;
+    for (int i = 0; i < file_count; i++) {
+        zip_source_t *source = zip_source_buffer(zip, files[i].data, files[i].size, 0);
+        zip_int64_t index = zip_file_add(zip, files[i].name, source, 0);
+        CHECK(index >= 0 && zip_set_file_compression(zip, (zip_uint64_t)index, method, 0) == 0);
+    }
+    CHECK(zip_close(zip) == 0);
+}
+
+static size_t get(const char *name, uint8_t *bytes, size_t capacity)
+{
+    FILE *stream = fopen(in_folder(name), "rb");
+    size_t size = CHECK(stream != NULL) ? fread(bytes, 1, capacity, stream) : 0;
+    if (stream)
+        fclose(stream);
+    CHECK(size > 0 && size < capacity);
+    return size;
+}
+
+/* ---- What it means --------------------------------------------------------------------------------------------- */
+
+static double value_of(const made_scene *m, int values, int channel, int code)
+{
+    double low = bound(values, channel, 0), high = bound(values, channel, 1);
+    return m->version == 2 ? codebook(values, code) : low + (high - low) * code / 255;
+}
+
+static void expect_rotation(const made_scene *m, int i, float *rotation)
+{
+    static const int others[4][3] = {{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}};   /* of w, x, y, z */
+    int omitted = byte_of(m, QUATS, i, 3) - 252;
+    double sum = 0;
+    memset(rotation, 0, 4 * sizeof *rotation);
+    for (int k = 0; k < 3 && omitted >= 0; k++) {
+        double value = (2 * byte_of(m, QUATS, i, k) / 255.0 - 1) / sqrt(2);
+        rotation[others[omitted][k]] = (float)value;
+        sum += value * value;
+    }
+    rotation[omitted < 0 ? 0 : omitted] = (float)sqrt(fmax(0, 1 - sum));
+}
+
+static void expect(const made_scene *m, int i, fxs_gaussian *g)
+{
+    memset(g, 0, sizeof *g);
+    for (int c = 0; c < 3; c++) {
+        int code = byte_of(m, LOW, i, c) + 256 * byte_of(m, HIGH, i, c);
+        double n = position_mins[c] + (position_maxs[c] - position_mins[c]) * code / 65535;
+        g->position[c] = (float)(n < 0 ? 1 - exp(-n) : exp(n) - 1);
+        g->scale[c] = (float)value_of(m, SCALE_VALUES, c, byte_of(m, SCALES, i, c));
+        g->dc[c] = (float)value_of(m, COLOUR_VALUES, c, byte_of(m, SH0, i, c));
+    }
+    int alpha = byte_of(m, SH0, i, 3);
+    double logit = alpha == 0 ? -20 : alpha == 255 ? 20 : -log(255.0 / alpha - 1);
+    g->opacity = (float)(m->version == 2 ? logit : value_of(m, COLOUR_VALUES, 3, alpha));
+    expect_rotation(m, i, g->rotation);
+    int label = byte_of(m, LABELS, i, 0) + 256 * byte_of(m, LABELS, i, 1), count = coefficients(m->degree);
+    for (int k = 0; k < count && (m->version == 1 || label < PALETTE); k++)
+        for (int c = 0; c < 3; c++) {
+            int pixel = label / 64 * (64 * count) + label % 64 * count + k;
+            g->sh[3 * k + c] = (float)value_of(m, SH_VALUES, 0, byte_of(m, CENTROIDS, pixel, c));
+        }
+}
+
+/* 1 where they agree to a few units of the float's last place. */
+static int same(const fxs_gaussian *a, const fxs_gaussian *b)
+{
+    const float *x = (const float *)a, *y = (const float *)b;
+    for (size_t i = 0; i < sizeof *a / sizeof *x; i++)
+        if (!(fabsf(x[i] - y[i]) <= 3e-7f * fmaxf(1, fabsf(y[i]))))
+            return 0;
+    return 1;
+}
+
+static int all_same(const made_scene *m, const fxs_gaussian *gaussians, int begin, int end)
+{
+    fxs_gaussian expected;
+    for (int i = begin; i < end; i++) {
+        expect(m, i, &expected);
+        if (!CHECK(same(&gaussians[i - begin], &expected)))
+            return 0;
+    }
+    return 1;
+}
+
+static void check_scene(const char *name, const made_scene *m)
+{
+    fxs_gaussian gaussians[COUNT + 1];
+    if (!CHECK(read_level(name, 0, gaussians, COUNT + 1) == COUNT)) {
+        printf("  %s\n", message.text);
+        return;
+    }
+    CHECK(info.sh_degree == m->degree && info.antialiased == 0 && info.levels == 1);
+    if (!all_same(m, gaussians, 0, COUNT))
+        printf("  %s, version %d, degree %d\n", name, m->version, m->degree);
+}
+
+/* ---- One scene ------------------------------------------------------------------------------------------------- */
+
+static void every_version_and_degree(void)
+{
+    for (int version = 1; version <= 2; version++)
+        for (int degree = 0; degree <= 3; degree++) {
+            made_scene m = {version, degree, (unsigned)(4 * version + degree)};
+            make(&m);
+            put_folder("scene");
+            check_scene("scene", &m);
+            check_scene("scene/", &m);
+            check_scene("scene/meta.json", &m);
+            put_zip("stored.sog", ZIP_CM_STORE);
+            check_scene("stored.sog", &m);
+            put_zip("deflated.sog", ZIP_CM_DEFLATE);
+            check_scene("deflated.sog", &m);
+        }
+}
+
+static const made_scene plain = {2, 1, 5};
+
+/* As PlayCanvas writes it: sizes and checksum are 0 in the local headers, and follow the data. */
+static void zip_with_data_descriptors(void)
+{
+    static uint8_t bytes[1 << 18], out[1 << 18];
+    make(&plain);
+    put_zip("a.sog", ZIP_CM_STORE);
+    size_t size = get("a.sog", bytes, sizeof bytes), at = 0, end = 0, moved[IMAGES + 1];
+    int entry = 0;
+    for (; memcmp(bytes + at, "PK\3\4", 4) == 0; entry++) {
+        size_t header = 30u + bytes[at + 26] + bytes[at + 28], data = files[entry].size;
+        moved[entry] = end;
+        memcpy(out + end, bytes + at, header + data);
+        out[end + 6] = 8;
+        memset(out + end + 14, 0, 12);
+        end += header + data;
+        memcpy(out + end, "PK\7\10", 4);
+        memcpy(out + end + 4, bytes + at + 14, 12);
+        end += 16;
+        at += header + data;
+    }
+    size_t directory = end;
+    memcpy(out + end, bytes + at, size - at);
+    end += size - at;
+    CHECK(entry == file_count);
+    for (at = directory, entry = 0; memcmp(out + at, "PK\1\2", 4) == 0; entry++) {
+        out[at + 8] = 8;
+        for (int i = 0; i < 4; i++)
+            out[at + 42 + (size_t)i] = (uint8_t)(moved[entry] >> 8 * i);
+        at += 46u + out[at + 28] + out[at + 30];
+    }
+    for (int i = 0; i < 4; i++)
+        out[at + 16 + (size_t)i] = (uint8_t)(directory >> 8 * i);
+    put("a.sog", out, end);
+    check_scene("a.sog", &plain);
+}
+
+/* The first of a codebook is null in files of old writers: as far below the second as the others are on average. */
+static void null_in_codebook(void)
+{
+    fxs_gaussian gaussians[COUNT + 1];
+    int found = 0;
+    make(&plain);
+    edit("\"codebook\":[-3.125,", "\"codebook\":[null,");
+    put_folder("scene");
+    CHECK(read_level("scene", 0, gaussians, COUNT + 1) == COUNT);
+    double first = codebook(SCALE_VALUES, 1) + (codebook(SCALE_VALUES, 1) - codebook(SCALE_VALUES, 255)) / 255;
+    for (int i = 0; i < COUNT; i++)
+        for (int c = 0; c < 3; c++)
+            if (byte_of(&plain, SCALES, i, c) == 0) {
+                found++;
+                CHECK(fabs(gaussians[i].scale[c] - first) < 1e-6);
+            } else {
+                CHECK(gaussians[i].scale[c] == (float)codebook(SCALE_VALUES, byte_of(&plain, SCALES, i, c)));
+            }
+    CHECK(found > 0);
+}
+
+static void tags(void)
+{
+    static const struct { const char *text; int antialiased; } cases[] = {
+        {"\"antialias\":true,", 1}, {"\"antialias\":false,", 0}, {"\"model\":\"antialiased\",", 1},
+        {"\"model\":\"classic\",", 0}, {"\"asset\":{\"generator\":\"model\"},", 0}
+    };
+    fxs_gaussian gaussians[COUNT + 1];
+    char start[64];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        make(&plain);
+        snprintf(start, sizeof start, " \n{%s", cases[i].text);
+        edit("{", start);
+        put_folder("scene");
+        CHECK(read_level("scene", 0, gaussians, COUNT + 1) == COUNT && info.antialiased == cases[i].antialiased);
+    }
+    make(&plain);
+    edit("{", "{\"model\":\"2dgs\",");
+    put_folder("scene");
+    check_fails("scene", "meta.json: 2D surfels (model 2dgs), not 3D Gaussians");
+}
+
+static void empty_scene(void)
+{
+    fxs_gaussian none;
+    make(&plain);
+    edit("\"count\":37", "\"count\":0");
+    put_zip("a.sog", ZIP_CM_STORE);
+    CHECK(read_level("a.sog", 0, &none, 1) == 0 && info.count == 0);
+}
+
+/* ---- Faults ---------------------------------------------------------------------------------------------------- */
+
+static void faulty_meta(void)
+{
+    static const struct { const char *old, *new, *words; } cases[] = {
+        {"{", "x{", "not a scene file of a known format"},
+        {"}}", "}", "meta.json: bad JSON at byte"},
+        {"\"version\":2", "\"version\":3", "a version that is not known: not 1 or 2"},
+        {"\"version\":2", "\"version\":\"2\"", "a version that is not known"},
+        {"\"version\":2,", "", "no valid \"shape\" of \"means\""},
+        {"\"means\"", "\"mean\"", "not a SOG scene: no \"means\""},
+        {"\"count\":37", "\"count\":-1", "no valid \"count\""},
+        {"\"count\":37", "\"count\":1.5", "no valid \"count\""},
+        {"\"count\":37", "\"count\":\"37\"", "no valid \"count\""},
+        {"\"count\":37", "\"count\":1e300", "no valid \"count\""},
+        {"\"count\":37", "\"count\":43", "low.webp: fewer pixels than Gaussians"},
+        {"\"count\":37", "\"count\":2147483647", "low.webp: fewer pixels than Gaussians"},
+        {"[-3.25,", "[", "no valid \"mins\" and \"maxs\" of \"means\""},
+        {"[-3.25,", "[null,", "no valid \"mins\" and \"maxs\" of \"means\""},
+        {"\"codebook\":[-3.125,", "\"codebook\":[", "no valid values of \"scales\""},
+        {"-3.09375,", "null,", "no valid values of \"scales\""},
+        {"\"codebook\":[-2.125,", "\"codebook\":[\"x\",", "no valid values of \"sh0\""},
+        {"\"codebook\":[-1.125,", "\"codebook\":[-1.125,1,", "no valid values of \"shN\""},
+        {"\"bands\":1", "\"bands\":0", "no valid \"bands\" of \"shN\""},
+        {"\"bands\":1", "\"bands\":4", "no valid \"bands\" of \"shN\""},
+        {"\"bands\":1", "\"bands\":2", "centroids.webp: not as wide as a palette of its degree"},
+        {"\"count\":300", "\"count\":65537", "no valid \"count\" of \"shN\""},
+        {"\"count\":300", "\"count\":321", "centroids.webp: not as high as a palette of its count"},
+        {"\"low.webp\",", "", "too few \"files\" of \"means\""},
+        {"[\"scales.webp\"]", "\"scales.webp\"", "too few \"files\" of \"scales\""},
+        {"\"quats\"", "\"quat\"", "too few \"files\" of \"quats\""},
+        {"\"scales.webp\"", "\"../scene/scales.webp\"", "a file name that is missing, leaves the folder"},
+        {"\"scales.webp\"", "\"./../scene/scales.webp\"", "leaves the folder"},
+        {"\"scales.webp\"", "\"/etc/passwd\"", "leaves the folder"},
+        {"\"scales.webp\"", "\"\"", "leaves the folder"},
+        {"\"scales.webp\"", "7", "leaves the folder"},
+        {"\"scales.webp\"", "\"a\\nb\"", "or has control characters"},
+        {"\"scales.webp\"", "\"no.webp\"", "scene/no.webp: No such file"},
+        {"\"scales.webp\"", "\".\"", "not a regular file"},
+        {"\"scales.webp\"", "\"meta.json\"", "meta.json: not a lossless WebP"},
+        {"\"labels.webp\"", "\"no.webp\"", "no.webp: No such file"}
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        make(&plain);
+        edit(cases[i].old, cases[i].new);
+        put_folder("scene");
+        check_fails("scene", cases[i].words);
+    }
+    made_scene first = {1, 1, 9};
+    make(&first);
+    edit("\"mins\":-", "\"mins\":[],\"min\":-");
+    put_folder("scene");
+    check_fails("scene", "no valid values of \"shN\"");
+    CHECK(mkdir(in_folder("empty"), 0700) == 0);
+    check_fails("empty", "empty/meta.json: No such file");
+}
+
+static void faulty_images(void)
+{
+    const uint8_t rgba[COUNT * 4] = {1, 2, 3, 255};
+    uint8_t *data;
+    fxs_gaussian gaussians[COUNT + 1];
+    WebPMemoryWriter out;
+    make(&plain);
+    put_folder("scene");
+    for (size_t size = 0; size < files[QUATS].size; size++) {
+        put("scene/quats.webp", files[QUATS].data, size);
+        CHECK(read_level("scene", 0, gaussians, COUNT + 1) == -1);
+    }
+    CHECK(strstr(message.text, "an image cannot be decoded") != NULL);
+    size_t size = WebPEncodeRGBA(rgba, COUNT, 1, 4 * COUNT, 50, &data);
+    put("scene/quats.webp", data, size);
+    WebPFree(data);
+    check_fails("scene", "quats.webp: not a lossless WebP");
+    put_folder("scene");
+    encode(rgba, COUNT, 1, &out);
+    put("scene/centroids.webp", out.mem, out.size);
+    WebPMemoryWriterClear(&out);
+    check_fails("scene", "centroids.webp: not as wide as a palette");
+}
+
+/* Images of one colour take a few bytes, however large. */
+static void absurd_sizes(void)
+{
+    enum { SIDE = 1500 };
+    uint8_t *rgba = calloc(SIDE * SIDE, 4);
+    WebPMemoryWriter out;
+    if (!CHECK(rgba != NULL))
+        return;
+    make(&plain);
+    put_folder("scene");
+    encode(rgba, SIDE, SIDE, &out);
+    put("scene/low.webp", out.mem, out.size);
+    check_fails("scene", "low.webp: far more pixels than Gaussians");
+    edit("\"count\":37", "\"count\":2000000");
+    put("scene/meta.json", files[file_count - 1].data, files[file_count - 1].size);
+    check_fails("scene", "low.webp: too few bytes for that many Gaussians");
+    WebPMemoryWriterClear(&out);
+    free(rgba);
+}
+
+static uint8_t zip_bytes[1 << 18];
+
+static void truncated_zip(void)
+{
+    fxs_gaussian gaussians[COUNT + 1];
+    make(&plain);
+    put_zip("a.sog", ZIP_CM_DEFLATE);
+    size_t size = get("a.sog", zip_bytes, sizeof zip_bytes);
+    for (size_t cut = 0; cut < size; cut++) {
+        put("a.sog", zip_bytes, cut);
+        CHECK(read_level("a.sog", 0, gaussians, COUNT + 1) == -1);
+        CHECK(strstr(message.text, cut < 4 ? "not a scene file of a known format" : "cannot be read as a zip") != NULL);
+    }
+}
+
+/* Each byte changed in turn: refused, or in a place that does not matter. */
+static void damaged_zip(void)
+{
+    fxs_gaussian gaussians[COUNT + 1];
+    make(&(made_scene){2, 0, 3});
+    put_zip("a.sog", ZIP_CM_STORE);
+    size_t size = get("a.sog", zip_bytes, sizeof zip_bytes);
+    for (size_t i = 2; i < size; i++) {
+        zip_bytes[i] ^= 0x55;
+        put("a.sog", zip_bytes, size);
+        long count = read_level("a.sog", 0, gaussians, COUNT + 1);
+        CHECK(count == -1 || (count == COUNT && all_same(&(made_scene){2, 0, 3}, gaussians, 0, COUNT)));
+        zip_bytes[i] ^= 0x55;
+    }
+}
+
+static void faulty_zip(void)
+{
+    make(&plain);
+    edit("\"labels.webp\"", "\"other.webp\"");
+    put_zip("a.sog", ZIP_CM_STORE);
+    check_fails("a.sog", "a.sog: no other.webp in this zip");
+    free(files[--file_count].data);
+    put_zip("a.sog", ZIP_CM_STORE);
+    check_fails("a.sog", "a.sog: no meta.json in this zip");
+    make(&plain);
+    put_zip("a.sog", ZIP_CM_STORE);
+    size_t size = get("a.sog", zip_bytes, sizeof zip_bytes), at = size - 22;
+    at = zip_bytes[at + 16] | (size_t)zip_bytes[at + 17] << 8 | (size_t)zip_bytes[at + 18] << 16;
+    zip_bytes[at + 23] = zip_bytes[at + 27] = 0x70;   /* both sizes of the first entry */
+    put("a.sog", zip_bytes, size);
+    check_fails("a.sog", "more than this file can hold");
+}
+
+/* ---- Streamed -------------------------------------------------------------------------------------------------- */
+
+static const made_scene chunks[] = {{2, 0, 20}, {2, 2, 21}, {1, 1, 22}, {2, 3, 23}};   /* the last: environment */
+
+#define BOUND "\"bound\":{\"min\":[0,0,0],\"max\":[1,1,1]},"
+
+static const char index_text[] =
+    "{\"version\":1,\"count\":99,\"counts\":[62,37],\"lodLevels\":2,\"environment\":\"env/meta.json\","
+    "\"filenames\":[\"0_0/meta.json\",\"0_1/meta.json\",\"1_0/meta.json\"],\"tree\":{" BOUND "\"children\":["
+    "{" BOUND "\"lods\":{\"0\":{\"file\":1,\"offset\":12,\"count\":25},\"1\":{\"file\":2,\"offset\":20,\"count\":17}}},"
+    "{" BOUND "\"children\":["
+    "{" BOUND "\"lods\":{\"0\":{\"file\":0,\"offset\":5,\"count\":32},\"1\":{\"file\":2,\"offset\":0,\"count\":20}}},"
+    "{" BOUND "\"lods\":{\"0\":{\"file\":1,\"offset\":0,\"count\":12}},\"errors\":[0,1]}]}]}}";
+
+static void put_index(const char *old, const char *new)
+{
+    const char *found = strstr(index_text, old);
+    length = 0;
+    if (CHECK(found != NULL))
+        say("%.*s%s%s", (int)(found - index_text), index_text, new, found + strlen(old));
+    put("lod-meta.json", text, length);
+}
+
+static void put_streamed(void)
+{
+    static const char *const names[] = {"0_0", "0_1", "1_0", "env"};
+    for (int i = 0; i < 4; i++) {
+        make(&chunks[i]);
+        put_folder(names[i]);
+    }
+    put_index("", "");
+}
+
+static void streamed(void)
+{
+    fxs_gaussian g[4 * COUNT];
+    put_streamed();
+    CHECK(read_level("", 0, g, 4 * COUNT) == 32 + 37 + COUNT && info.sh_degree == 3 && info.levels == 2);
+    all_same(&chunks[0], g, 5, 37);
+    all_same(&chunks[1], g + 32, 0, 37);
+    all_same(&chunks[3], g + 69, 0, COUNT);
+    CHECK(read_level("lod-meta.json", 1, g, 4 * COUNT) == 37 + COUNT && info.levels == 2);
+    all_same(&chunks[2], g, 0, 37);
+    all_same(&chunks[3], g + 37, 0, COUNT);
+    check_level_fails("", 2, "no level 2: levels of detail in this scene: 2");
+    check_level_fails("", -1, "no level -1: levels of detail in this scene: 2");
+    check_level_fails("env", 1, "no level 1: levels of detail in this scene: 1");
+    put_index("\"environment\":\"env/meta.json\"", "\"environment\":null");
+    CHECK(read_level("", 0, g, 4 * COUNT) == 69 && info.sh_degree == 2);
+    put_index("\"version\":1,", "");
+    CHECK(read_level("", 1, g, 4 * COUNT) == 37 + COUNT);
+    put_index("\"offset\":12,\"count\":25", "\"offset\":5,\"count\":0");
+    CHECK(read_level("", 0, g, 4 * COUNT) == 32 + 12 + COUNT);
+}
+
+static void faulty_index(void)
+{
+    static const struct { const char *old, *new, *words; } cases[] = {
+        {"\"version\":1", "\"version\":2", "lod-meta.json: streamed SOG of a version that is not known: not 1"},
+        {"\"lodLevels\":2,", "", "no valid \"lodLevels\""},
+        {"\"lodLevels\":2,", "\"lodLevels\":0,", "no valid \"lodLevels\""},
+        {"\"lodLevels\":2,", "\"lodLevels\":1e9,", "no valid \"lodLevels\""},
+        {"\"filenames\"", "\"names\"", "\"filenames\" is not an array"},
+        {"\"file\":1", "\"file\":3", "a leaf with no valid \"file\""},
+        {"\"file\":1", "\"file\":-1", "a leaf with no valid \"file\""},
+        {"\"file\":1,", "", "a leaf with no valid \"file\""},
+        {"\"offset\":12", "\"offset\":0.5", "a leaf with no valid \"file\""},
+        {"\"count\":25", "\"count\":1e99", "a leaf with no valid \"file\""},
+        {"\"count\":25", "\"count\":26", "0_1/meta.json: 37 Gaussians, but a leaf ends at 38"},
+        {"\"offset\":12", "\"offset\":11", "0_1/meta.json: two leaves share Gaussian 11"},
+        {"0_1/meta.json", "no/meta.json", "no/meta.json: No such file"},
+        {"0_1/meta.json", "lod-meta.json", "not a SOG scene: no \"means\""},
+        {"0_1/meta.json", "0_1/low.webp", "0_1/low.webp: bad JSON"},
+        {"0_1/meta.json", "../0_1/meta.json", "leaves the folder"},
+        {"\"0_1/meta.json\"", "1", "leaves the folder"},
+        {"env/meta.json", "no/meta.json", "no/meta.json: No such file"}
+    };
+    put_streamed();
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        put_index(cases[i].old, cases[i].new);
+        check_fails("lod-meta.json", cases[i].words);
+    }
+    length = 0;
+    say("{\"lodLevels\":1,\"filenames\":[],\"tree\":");
+    for (int i = 0; i < 5000; i++)
+        say("{\"children\":[");
+    put("lod-meta.json", text, length);
+    check_fails("lod-meta.json", "bad JSON");
+    for (size_t cut = 2; cut < sizeof index_text - 1; cut++) {
+        put("lod-meta.json", index_text, cut);
+        check_fails("lod-meta.json", "bad JSON");
+    }
+    remove(in_folder("lod-meta.json"));
+}
+
+/* A file that is made shorter while it is open. */
+static void changed_while_open(void)
+{
+    fxs_gaussian gaussians[4 * COUNT];
+    fxs_scene_file *file;
+    put_streamed();
+    if (!CHECK(fxs_scene_file_open(in_folder(""), &file, &info, &message) == 0))
+        return;
+    make(&chunks[1]);
+    edit("\"count\":37", "\"count\":20");
+    put_folder("0_1");
+    CHECK(fxs_scene_file_read(file, gaussians, 4 * COUNT, &message) == -1);
+    CHECK(strstr(message.text, "0_1/meta.json: 20 Gaussians, but a leaf ends at 37") != NULL);
+    CHECK(fxs_scene_file_rewind(file, &message) == 0);
+    CHECK(fxs_scene_file_read(file, gaussians, 32, &message) == 32 && all_same(&chunks[0], gaussians, 5, 37));
+    fxs_scene_file_close(file);
+    remove(in_folder("lod-meta.json"));
+}
+
+/* ---- Real ------------------------------------------------------------------------------------------------------ */
+
+/* The .ply was converted with opacities 1e-6 off 0 and 1. */
+static int same_but_for_ends(fxs_gaussian a, const fxs_gaussian *b)
+{
+    int close = fabs(1 / (1 + exp(-a.opacity)) - 1 / (1 + exp(-b->opacity))) < 1.5e-6;
+    a.opacity = b->opacity;
+    return close && same(&a, b);
+}
+
+static void real_scene(void)
+{
+    const char *scenes = getenv("FXS_SCENES") ? getenv("FXS_SCENES") : "../shared/scenes";
+    char path[1024];
+    fxs_scene_file *sog, *ply;
+    fxs_gaussian a[1000], b[1000];
+    long read, count = 0, different = 0;
+    snprintf(path, sizeof path, "%s/statue-st-peter/st-peter.sog", scenes);
+    if (access(path, R_OK) != 0)
+        SKIP("no folder of scenes; set FXS_SCENES");
+    if (!CHECK(fxs_scene_file_open(path, &sog, &info, &message) == 0))
+        return;
+    CHECK(info.count == 133618 && info.sh_degree == 0 && info.antialiased == 0);
+    snprintf(path, sizeof path, "%s/statue-st-peter/st-peter.ply", scenes);
+    if (CHECK(fxs_scene_file_open(path, &ply, &info, &message) == 0)) {
+        for (; (read = fxs_scene_file_read(sog, a, 1000, &message)) > 0; count += read) {
+            CHECK(fxs_scene_file_read(ply, b, 1000, &message) == read);
+            for (long i = 0; i < read; i++)
+                different += !same_but_for_ends(a[i], &b[i]);
+        }
+        CHECK(count == 133618 && different == 0);
+        fxs_scene_file_close(ply);
+    }
+    fxs_scene_file_close(sog);
+}
+
+static void run_tests(void)
+{
+    RUN(every_version_and_degree);
+    RUN(zip_with_data_descriptors);
+    RUN(null_in_codebook);
+    RUN(tags);
+    RUN(empty_scene);
+    RUN(faulty_meta);
+    RUN(faulty_images);
+    RUN(absurd_sizes);
+    RUN(truncated_zip);
+    RUN(damaged_zip);
+    RUN(faulty_zip);
+    RUN(streamed);
+    RUN(faulty_index);
+    RUN(changed_while_open);
+    RUN(real_scene);
+    forget_files();
+}
+
+#else
+
+static void built_without(void)
+{
+    put("a.sog", "PK\3\4", 4);
+    check_fails("a.sog", "built without lib");
+}
+
+static void run_tests(void)
+{
+    RUN(built_without);
+}
+
+#endif
+
+int main(void)
+{
+    char command[64];
+    if (!mkdtemp(folder)) {
+        perror(folder);
+        return 1;
+    }
+    run_tests();
+    snprintf(command, sizeof command, "rm -r %s", folder);
+    return system(command) != 0 || check_report();
+}
