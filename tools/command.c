@@ -111,12 +111,12 @@ static void note_dropped(const char *path, const fxs_pack_report *report)
             (unsigned long long)d->position);
 }
 
-static int import(loaded_scene *loaded, const char *path)
+static int import(loaded_scene *loaded, const char *path, int lod)
 {
     fxs_message message;
     fxs_scene_file *file;
     char label[] = "reading";
-    if (fxs_scene_file_open(path, &file, &loaded->info, &message))
+    if (fxs_scene_file_open_lod(path, lod, &file, &loaded->info, &message))
         return fail(EXIT_FAILED, "%s", message.text);
     int result = fxs_pack(file, &loaded->info, &loaded->packed, &loaded->report, progress_bar, label, &message);
     fxs_scene_file_close(file);
@@ -163,10 +163,19 @@ static int map(loaded_scene *loaded, const char *path)
     return 0;
 }
 
-int load_scene(loaded_scene *loaded, const char *path)
+int take_lod(int *lod, const char *value)
+{
+    uint64_t number;
+    if (!parse_count(value, 0, 1000, &number))
+        return fail(EXIT_USAGE, "--lod %s: expected 0 to 1000", value);
+    *lod = (int)number;
+    return 0;
+}
+
+int load_scene(loaded_scene *loaded, const char *path, int lod)
 {
     memset(loaded, 0, sizeof *loaded);
-    int status = is_packed(path) ? map(loaded, path) : import(loaded, path);
+    int status = is_packed(path) ? map(loaded, path) : import(loaded, path, lod);
     if (status)
         free_scene(loaded);
     return status;

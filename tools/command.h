@@ -51,8 +51,12 @@ typedef struct loaded_scene {
     int mapped;                             /* packed is a mapped .fxs file */
 } loaded_scene;
 
-/* Returns 0, or prints why not and returns EXIT_FAILED. */
-int load_scene(loaded_scene *loaded, const char *path);
+/* `lod`: the level of detail, 0 the finest, of a file that has several. Returns 0, or prints why not and returns
+   EXIT_FAILED. */
+int load_scene(loaded_scene *loaded, const char *path, int lod);
+
+/* Takes the value of --lod. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
+int take_lod(int *lod, const char *value);
 void free_scene(loaded_scene *loaded);
 
 /* ---- The options of render and bench ---------------------------------------------------------------------------- */
@@ -65,11 +69,12 @@ typedef struct view_options {
     fxs_options render;
     const char *cpu, *backend;
     uint32_t threads;
+    int lod;
 } view_options;
 
 /* Their entries for a getopt_long table, and the value that each returns there. */
 enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_SIZE, OPT_BG, OPT_CUTOFF, OPT_SH_DEGREE,
-       OPT_CPU, OPT_THREADS, OPT_BACKEND, OPT_HELP, OPT_OWN };
+       OPT_CPU, OPT_THREADS, OPT_BACKEND, OPT_LOD, OPT_HELP, OPT_OWN };
 #define VIEW_OPTIONS \
     {"cameras", required_argument, 0, OPT_CAMERAS}, {"view", required_argument, 0, OPT_VIEW}, \
     {"eye", required_argument, 0, OPT_EYE}, {"look", required_argument, 0, OPT_LOOK}, \
@@ -77,7 +82,8 @@ enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_SIZE
     {"size", required_argument, 0, OPT_SIZE}, {"bg", required_argument, 0, OPT_BG}, \
     {"cutoff", required_argument, 0, OPT_CUTOFF}, {"sh-degree", required_argument, 0, OPT_SH_DEGREE}, \
     {"cpu", required_argument, 0, OPT_CPU}, {"threads", required_argument, 0, OPT_THREADS}, \
-    {"backend", required_argument, 0, OPT_BACKEND}, {"help", no_argument, 0, OPT_HELP}
+    {"backend", required_argument, 0, OPT_BACKEND}, {"lod", required_argument, 0, OPT_LOD}, \
+    {"help", no_argument, 0, OPT_HELP}
 extern const char view_options_help[];
 
 void view_options_default(view_options *options);

@@ -7,7 +7,7 @@
 #include "command.h"
 
 static const char help[] =
-    "Usage: fixsplat convert IN OUT\n\n"
+    "Usage: fixsplat convert IN OUT [--lod LEVEL]\n\n"
     "Writes a scene file as another, by the ending of OUT:\n\n"
     "  .fxs    packed: opens at once and is rendered from the file as it lies, at most 64 bytes a Gaussian\n"
     "  .ply    Inria's, floats; not from an .fxs\n\n"
@@ -21,11 +21,11 @@ static int ends_with(const char *name, const char *ending)
     return length > tail && !strcmp(name + length - tail, ending);
 }
 
-static int to_fxs(const char *in, const char *out)
+static int to_fxs(const char *in, const char *out, int lod)
 {
     loaded_scene loaded;
     fxs_message message;
-    if (load_scene(&loaded, in))
+    if (load_scene(&loaded, in, lod))
         return EXIT_FAILED;
     int result = fxs_file_write(out, loaded.packed.data, loaded.packed.bytes, &message);
     free_scene(&loaded);
@@ -47,13 +47,13 @@ static int copy(fxs_scene_file *file, fxs_ply_writer *writer, uint64_t count, fx
     return 0;
 }
 
-static int to_ply(const char *in, const char *out)
+static int to_ply(const char *in, const char *out, int lod)
 {
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_ply_writer *writer;
     fxs_message message, closing;
-    if (fxs_scene_file_open(in, &file, &info, &message))
+    if (fxs_scene_file_open_lod(in, lod, &file, &info, &message))
         return fail(EXIT_FAILED, "%s", message.text);
     int result = fxs_ply_writer_open(out, info.count, info.sh_degree, info.antialiased, &writer, &message);
     if (!result) {
@@ -70,20 +70,26 @@ static int to_ply(const char *in, const char *out)
 
 int command_convert(int argc, char **argv)
 {
-    static const struct option table[] = {{"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
+    static const struct option table[] = {{"lod", required_argument, 0, OPT_LOD}, {"help", no_argument, 0, OPT_HELP},
+                                          {0, 0, 0, 0}};
+    int lod = 0;
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;) {
-        if (c != OPT_HELP)
+        if (c == OPT_HELP) {
+            fputs(help, stdout);
+            return EXIT_OK;
+        }
+        if (c != OPT_LOD)
             return wrong_option(argv);
-        fputs(help, stdout);
-        return EXIT_OK;
+        if (take_lod(&lod, optarg))
+            return EXIT_USAGE;
     }
     if (optind != argc - 2)
         return fail(EXIT_USAGE, "convert takes two files, IN and OUT; see: fixsplat convert --help");
     const char *in = argv[optind], *out = argv[optind + 1];
     if (ends_with(out, ".fxs"))
-        return to_fxs(in, out);
+        return to_fxs(in, out, lod);
     if (ends_with(out, ".ply"))
-        return to_ply(in, out);
+        return to_ply(in, out, lod);
     return fail(EXIT_USAGE, "%s: expected a name ending in .fxs or .ply", out);
 }

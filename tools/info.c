@@ -6,7 +6,7 @@
 #include "command.h"
 
 static const char help[] =
-    "Usage: fixsplat info SCENE [--size WxH] [--json]\n\n"
+    "Usage: fixsplat info SCENE [--size WxH] [--lod LEVEL] [--json]\n\n"
     "Prints the number of Gaussians, SH degree and bounds of a scene, its bytes a Gaussian once packed, the largest\n"
     "difference that packing made to each attribute (of an .fxs file, which is packed\n"
     "already, every checksum is verified instead), and the memory that a frame of the given size (default\n"
@@ -57,9 +57,9 @@ static void print_text(const loaded_scene *s, const fxs_frame_memory *m, int wid
 int command_info(int argc, char **argv)
 {
     enum { OPT_JSON = OPT_OWN };
-    static const struct option table[] = {{"size", required_argument, 0, OPT_SIZE}, {"json", no_argument, 0, OPT_JSON},
+    static const struct option table[] = {{"size", required_argument, 0, OPT_SIZE}, {"lod", required_argument, 0, OPT_LOD}, {"json", no_argument, 0, OPT_JSON},
                                           {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
-    int width = 1280, height = 720, json = 0;
+    int width = 1280, height = 720, lod = 0, json = 0;
     loaded_scene loaded;
     fxs_context context;
     fxs_frame_memory memory;
@@ -70,13 +70,17 @@ int command_info(int argc, char **argv)
             if (!parse_size(optarg, &width, &height))
                 return fail(EXIT_USAGE, "--size %s: expected WxH, each 1 to %d", optarg, FXS_MAX_SIZE);
             break;
+        case OPT_LOD:
+            if (take_lod(&lod, optarg))
+                return EXIT_USAGE;
+            break;
         case OPT_JSON: json = 1; break;
         case OPT_HELP: fputs(help, stdout); return EXIT_OK;
         default: return wrong_option(argv);
         }
     if (optind != argc - 1)
         return fail(EXIT_USAGE, "info takes one scene file; see: fixsplat info --help");
-    if (load_scene(&loaded, argv[optind]))
+    if (load_scene(&loaded, argv[optind], lod))
         return EXIT_FAILED;
     fxs_message message;
     if (loaded.mapped && fxs_file_check(argv[optind], loaded.packed.data, loaded.packed.bytes, 1, &message)) {

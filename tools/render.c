@@ -8,7 +8,8 @@
 
 static const char help[] =
     "Usage: fixsplat render SCENE -o OUT [OPTION...]\n\n"
-    "Renders a scene (.ply, .splat, .ksplat) to OUT: .png, .ppm or .raw (RGBA bytes, rows from the top).\n\n"
+    "Renders a scene (.fxs, .ply, .splat, .ksplat, .spz, .sog, .gltf, .glb) to OUT: .png, .ppm or .raw (RGBA bytes,\n"
+    "rows from the top).\n\n"
     "  -o, --output OUT    the picture; with --view all a name with one %%d, as out/%%04d.png\n"
     "  --alpha             alpha holds the coverage, colours premultiplied; else alpha is 255\n"
     "  --hash              print the FNV-1a 64 hash of the RGBA bytes\n"
@@ -157,7 +158,7 @@ int command_render(int argc, char **argv)
     if (status)
         return status;
     status = renderer_init(&r, &o.view);
-    if (!status && !(status = load_scene(&loaded, o.scene))) {
+    if (!status && !(status = load_scene(&loaded, o.scene, o.view.lod))) {
         long count = choose_views(&o.view, &loaded.report, &views);
         status = count < 0 ? EXIT_FAILED : render_all(&r, &o, &loaded, views, count);
         free(views);

@@ -25,6 +25,7 @@ const char view_options_help[] =
     "  --cpu LIST          instruction sets that may be used: all (default), c for none, or names out of\n"
     "                      sse41,avx2,avx512,neon\n"
     "  --backend NAME      cpu or auto (default auto)\n"
+    "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
     "  --help              this text\n";
 
 void view_options_default(view_options *options)
@@ -95,6 +96,7 @@ int view_option(view_options *options, int which, const char *value)
         return status;
     case OPT_CPU: options->cpu = value; break;
     case OPT_BACKEND: options->backend = value; break;
+    case OPT_LOD: return take_lod(&options->lod, value);
     case OPT_THREADS:
         status = take_number("threads", value, 1, 64, &number);
         options->threads = (uint32_t)number;
