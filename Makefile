@@ -21,6 +21,10 @@ ifeq ($(call header,zlib.h),yes)
 FEATURES += -DFXS_WITH_ZLIB
 LIBS += -lz
 endif
+ifeq ($(call header,zstd.h),yes)
+FEATURES += -DFXS_WITH_ZSTD
+LIBS += -lzstd
+endif
 ifeq ($(call header,webp/decode.h),yes)
 FEATURES += -DFXS_WITH_WEBP
 LIBS += -lwebp
@@ -65,7 +69,7 @@ $(B)/%.o: %.c
 
 # ---- Setup, demo, install ------------------------------------------------------------------------------------------
 
-PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev
+PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libzstd-dev
 TEST_PACKAGES := clang libclang-rt-14-dev glslang-tools qemu-user gcc-aarch64-linux-gnu libc6-dev-arm64-cross \
                  gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind
 WANTED = $(PACKAGES) $(if $(filter test,$(MAKECMDGOALS)),$(TEST_PACKAGES))

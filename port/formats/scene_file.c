@@ -27,6 +27,8 @@ static const fxs_scene_format *format_of(const fxs_scene_source *source, const c
         return fxs_is_compressed_ply(source) ? &fxs_scene_compressed_ply : &fxs_scene_ply;
     if (size >= 4 && head[0] == 0 && head[1] != 0 && head[2] == 0 && head[3] == 0)
         return &fxs_scene_ksplat;
+    if (memcmp(head, "NGSP", 4) == 0 || memcmp(head, "\x1f\x8b", 2) == 0)
+        return &fxs_scene_spz;
     if (memcmp(head, "PK\3\4", 4) == 0 || is_json_object(head))
         return &fxs_scene_sog;
     return fxs_is_splat(source) ? &fxs_scene_splat : NULL;
@@ -49,33 +51,53 @@ static char *path_of_file(const char *path)
     return found;
 }
 
-static int open_source(fxs_scene_source *source, const char *path, fxs_message *message)
+int fxs_scene_source_open(fxs_scene_source *source, const char *path, fxs_message *message)
 {
     struct stat status;
-    source->path = path_of_file(path);
+    source->path = strdup(path);
     if (!source->path)
         return fxs_fail(message, "%s: out of memory", path);
-    source->stream = fopen(source->path, "rb");
-    if (!source->stream || fstat(fileno(source->stream), &status) != 0)
-        return fxs_fail(message, "%s: %s", source->path, strerror(errno));
-    if (!S_ISREG(status.st_mode))
-        return fxs_fail(message, "%s: not a regular file", source->path);
+    if (stat(path, &status) != 0)
+        return fxs_fail(message, "%s: %s", path, strerror(errno));
+    if (!S_ISREG(status.st_mode))   /* before fopen, which waits for the writer of a pipe */
+        return fxs_fail(message, "%s: not a regular file", path);
+    source->stream = fopen(path, "rb");
+    if (!source->stream)
+        return fxs_fail(message, "%s: %s", path, strerror(errno));
     source->size = (uint64_t)status.st_size;
     setvbuf(source->stream, NULL, _IONBF, 0);
     return 0;
 }
 
+int fxs_scene_source_read(const fxs_scene_source *source, uint64_t offset, void *out, size_t size,
+                          fxs_message *message)
+{
+    if (fseeko(source->stream, (off_t)offset, SEEK_SET) == 0 && fread(out, 1, size, source->stream) == size)
+        return 0;
+    return fxs_fail(message, "%s: %s", source->path, feof(source->stream) ? "the file ends early" : "read error");
+}
+
+void fxs_scene_source_close(fxs_scene_source *source)
+{
+    if (source->stream)
+        fclose(source->stream);
+    free(source->path);
+}
+
 static int open_file(fxs_scene_file *file, const char *path, fxs_scene_file_info *info, fxs_message *message)
 {
-    char head[64] = "";
-    if (open_source(&file->source, path, message) != 0)
+    char head[64] = "", *found = path_of_file(path);
+    int opened = found ? fxs_scene_source_open(&file->source, found, message)
+                 : fxs_fail(message, "%s: out of memory", path);
+    free(found);
+    if (opened != 0)
         return -1;
     size_t size = fread(head, 1, sizeof head - 1, file->source.stream);
     if (ferror(file->source.stream))
         return fxs_fail(message, "%s: %s", path, strerror(errno));
     file->format = format_of(&file->source, head, size);
     if (!file->format)
-        return fxs_fail(message, "%s: not a scene file of a known format (.ply, .sog, .ksplat; or .splat: whole "
+        return fxs_fail(message, "%s: not a scene file of a known format (.ply, .spz, .sog, .ksplat; or .splat: whole "
                         "records of 32 bytes, finite positions, scales of 0 or more)", path);
     if (fseeko(file->source.stream, 0, SEEK_SET) != 0)
         return fxs_fail(message, "%s: %s", path, strerror(errno));
@@ -124,8 +146,6 @@ void fxs_scene_file_close(fxs_scene_file *file)
         return;
     if (file->reader)
         file->format->close(file->reader);
-    if (file->source.stream)
-        fclose(file->source.stream);
-    free(file->source.path);
+    fxs_scene_source_close(&file->source);
     free(file);
 }

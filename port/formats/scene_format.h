@@ -14,6 +14,15 @@ typedef struct fxs_scene_source {
     int level;       /* of detail, 0 the finest; a format that has only this one may ignore it */
 } fxs_scene_source;
 
+/* Opens a regular file. Returns 0, or -1 and a message; close it also then. */
+int fxs_scene_source_open(fxs_scene_source *source, const char *path, fxs_message *message);
+
+/* Reads the bytes at an offset, all of them. Returns 0, or -1 and a message. */
+int fxs_scene_source_read(const fxs_scene_source *source, uint64_t offset, void *out, size_t size,
+                          fxs_message *message);
+
+void fxs_scene_source_close(fxs_scene_source *source);
+
 typedef struct fxs_scene_format {
     const char *name;
     /* Returns 0 with *reader for the other functions and *info filled in, but for its format, and but for its levels
@@ -24,7 +33,8 @@ typedef struct fxs_scene_format {
     void (*close)(void *reader);
 } fxs_scene_format;
 
-extern const fxs_scene_format fxs_scene_ply, fxs_scene_compressed_ply, fxs_scene_ksplat, fxs_scene_sog, fxs_scene_splat;
+extern const fxs_scene_format fxs_scene_ply, fxs_scene_compressed_ply, fxs_scene_ksplat, fxs_scene_sog, fxs_scene_splat,
+                              fxs_scene_spz;
 
 /* Whether a file that begins with "ply" is PlayCanvas's compressed one. */
 int fxs_is_compressed_ply(const fxs_scene_source *source);

@@ -1,0 +1,495 @@
+/* Reads of .spz files made here in every version, of faulty ones, and of a real scene. */
+#include <math.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "../port/formats/scene_file.h"
+#include "check.h"
+#include "spz_bytes.h"
+
+enum { COUNT = 7, MAX_FILE = 1 << 20 };
+enum { PLAIN, GZIP, ZSTD, CONTAINERS };
+
+static char path[] = "/tmp/test_spz_XXXXXX";
+static spz_bytes s;
+static uint8_t bytes[MAX_FILE];
+static size_t size;
+static fxs_message message;
+static fxs_scene_file_info info;
+
+/* ---- Making a file --------------------------------------------------------------------------------------------- */
+
+static void fill(int version, int degree)
+{
+    uint32_t state = (uint32_t)(version * 8 + degree + 1);
+    memset(&s, 0, sizeof s);
+    s.version = version;
+    s.count = COUNT;
+    s.degree = degree;
+    s.fractional_bits = 12;
+    for (int i = 0; i < SPZ_ARRAYS; i++)
+        for (size_t k = 0; k < spz_array_size(&s, i); k++) {
+            state = state * 1664525 + 1013904223;
+            s.arrays[i][k] = (uint8_t)(state >> 24);
+        }
+    if (version == 1)
+        for (int k = 1; k < 6 * COUNT; k += 2)
+            s.arrays[0][k] &= 0xbf;   /* halves below 2 */
+    s.arrays[1][0] = 0;
+    s.arrays[1][1] = 255;
+}
+
+/* 0 where this build cannot. */
+static int make(int container)
+{
+    static uint8_t plain[MAX_FILE];
+    (void)plain;
+    size = 0;
+    if (container == PLAIN)
+        size = spz_plain(&s, bytes);
+#ifdef FXS_WITH_ZLIB
+    if (container == GZIP)
+        size = spz_gzip(plain, spz_plain(&s, plain), bytes, MAX_FILE);
+#endif
+#ifdef FXS_WITH_ZSTD
+    if (container == ZSTD)
+        size = spz_zstd(&s, bytes, MAX_FILE);
+#endif
+    return size > 0;
+}
+
+static void put_file(size_t length)
+{
+    FILE *stream = fopen(path, "wb");
+    if (!CHECK(stream != NULL))
+        return;
+    CHECK(fwrite(bytes, 1, length, stream) == length);
+    fclose(stream);
+}
+
+/* ---- Reading it ------------------------------------------------------------------------------------------------ */
+
+/* Reads all, a few at a time; returns the number or -1. */
+static long read_file(size_t length, fxs_gaussian *out)
+{
+    fxs_scene_file *file;
+    long total = 0, got;
+    put_file(length);
+    if (fxs_scene_file_open(path, &file, &info, &message) != 0)
+        return -1;
+    CHECK(strcmp(info.format, "spz") == 0);
+    fxs_scene_file_read(file, out, 2, &message);
+    CHECK(fxs_scene_file_rewind(file, &message) == 0);
+    while ((got = fxs_scene_file_read(file, out + total, 3, &message)) > 0)
+        total += got;
+    fxs_scene_file_close(file);
+    return got < 0 ? -1 : total;
+}
+
+static void check_fails(const char *text)
+{
+    fxs_gaussian out[COUNT];
+    message.text[0] = '\0';
+    if (!CHECK(read_file(size, out) == -1) || !CHECK(strstr(message.text, text) && strstr(message.text, path)))
+        printf("  got \"%s\", wanted \"%s\"\n", message.text, text);
+}
+
+static int near(double a, double b)
+{
+    return fabs(a - b) <= 2e-6 * (1 + fabs(b));
+}
+
+static double expected_position(int i, int axis)
+{
+    if (s.version == 1) {
+        int half = s.arrays[0][6 * i + 2 * axis] | s.arrays[0][6 * i + 2 * axis + 1] << 8, e = half >> 10 & 31;
+        return (half >> 15 ? -1 : 1) * (e ? ldexp(1 + (half & 1023) / 1024.0, e - 15) : ldexp(half & 1023, -24));
+    }
+    const uint8_t *at = s.arrays[0] + 9 * i + 3 * axis;
+    double value = at[0] + 256.0 * at[1] + 65536.0 * at[2];
+    return (value >= 8388608 ? value - 16777216 : value) / pow(2, s.fractional_bits);
+}
+
+/* x y z w */
+static void expected_rotation(int i, double q[4])
+{
+    double rest = 1;
+    int largest = 3;
+    const uint8_t *at = s.arrays[4] + (s.version < 3 ? 3 : 4) * i;
+    if (s.version < 3) {
+        for (int k = 0; k < 3; k++)
+            q[k] = at[k] / 127.5 - 1;
+    } else {
+        uint32_t word = at[0] + 256u * at[1] + 65536u * at[2] + 16777216u * at[3];
+        largest = (int)(word >> 30);
+        for (int k = 3, shift = 0; k >= 0; k--)
+            if (k != largest) {
+                q[k] = (word >> shift & 511) / 511.0 * sqrt(0.5) * (word >> shift >> 9 & 1 ? -1 : 1);
+                shift += 10;
+            }
+    }
+    for (int k = 0; k < 4; k++)
+        rest -= k == largest ? 0 : q[k] * q[k];
+    q[largest] = sqrt(fmax(rest, 0));
+}
+
+/* Signs of x, y, z in front of everything. */
+static void check_gaussians(const fxs_gaussian *g, const double sign[3])
+{
+    for (int i = 0; i < COUNT; i++, g++) {
+        double q[4], alpha = s.arrays[1][i] / 255.0, x = sign[0], y = sign[1], z = sign[2];
+        double sh_sign[15] = {y, z, x, x * y, y * z, 1, x * z, 1, y, x * y * z, y, z, x, z, x};
+        expected_rotation(i, q);
+        CHECK(fabs(q[3] - (double)g->rotation[0]) < 1e-3 && fabs(1 / (1 + exp(-(double)g->opacity)) - alpha) < 1e-6);
+        for (int k = 0; k < 3; k++) {
+            CHECK(near((double)g->position[k], sign[k] * expected_position(i, k)));
+            CHECK(near((double)g->rotation[k + 1], sign[(k + 1) % 3] * sign[(k + 2) % 3] * q[k]));
+            CHECK(near((double)g->scale[k], s.arrays[3][3 * i + k] / 16.0 - 10));
+            CHECK(near((double)g->dc[k], (s.arrays[2][3 * i + k] / 255.0 - 0.5) / 0.15));
+        }
+        for (int k = 0; k < 45; k++) {
+            int stride = 3 * s.degree * (s.degree + 2);
+            double value = k < stride ? (s.arrays[5][stride * i + k] - 128) / 128.0 : 0;
+            CHECK(near((double)g->sh[k], sh_sign[k / 3] * value));
+        }
+    }
+}
+
+static const double to_rdf[3] = {1, -1, -1};
+
+/* ---- Tests ----------------------------------------------------------------------------------------------------- */
+
+static void every_version_and_degree(void)
+{
+    fxs_gaussian out[COUNT + 3];
+    for (int version = 1; version <= 4; version++)
+        for (int degree = 0; degree <= 4; degree++)
+            for (int container = PLAIN; container < CONTAINERS; container++) {
+                fill(version, degree);
+                if ((version == 4) != (container == ZSTD) || !make(container))
+                    continue;
+                if (!CHECK(read_file(size, out) == COUNT)) {
+                    printf("  %s\n", message.text);
+                    continue;
+                }
+                CHECK(info.count == COUNT && info.sh_degree == (degree < 3 ? degree : 3) && !info.antialiased);
+                check_gaussians(out, to_rdf);
+            }
+}
+
+static void halves(void)
+{
+    static const struct { uint16_t bits; float value; } cases[] = {
+        {0x0000, 0}, {0x3c00, 1}, {0xc000, -2}, {0x7bff, 65504}, {0x0001, 5.9604645e-8f}, {0x83ff, -6.0975552e-5f},
+        {0x0400, 6.1035156e-5f}
+    };
+    fxs_gaussian out[COUNT + 3];
+    fill(1, 0);
+    for (int i = 0; i < COUNT; i++)
+        spz_put(s.arrays[0] + 6 * i, cases[i].bits, 2);
+    spz_put(s.arrays[0] + 2, 0x7c00, 2);
+    spz_put(s.arrays[0] + 8, 0x7e00, 2);
+    if (!CHECK(make(PLAIN) && read_file(size, out) == COUNT))
+        return;
+    for (int i = 0; i < COUNT; i++)
+        CHECK(out[i].position[0] == cases[i].value);
+    CHECK(isinf(out[0].position[1]) && isnan(out[1].position[1]));
+}
+
+static void fractional_bits(void)
+{
+    fxs_gaussian out[COUNT + 3];
+    for (int bits = 0; bits <= 24; bits += 6) {
+        fill(2, 0);
+        s.fractional_bits = bits;
+        if (CHECK(make(PLAIN) && read_file(size, out) == COUNT))
+            check_gaussians(out, to_rdf);
+    }
+}
+
+static void antialiased(void)
+{
+    fxs_gaussian out[COUNT + 3];
+    fill(3, 1);
+    s.flags = 1;
+    CHECK(make(PLAIN) && read_file(size, out) == COUNT && info.antialiased);
+}
+
+static void coordinate_systems(void)
+{
+    uint8_t records[64];
+    fxs_gaussian out[COUNT + 3];
+    for (int container = PLAIN; container < CONTAINERS; container++)
+        for (uint32_t system = 0; system <= 9; system++) {
+            fill(container == ZSTD ? 4 : 3, 3);
+            s.flags = 2;
+            s.extensions = records;
+            uint8_t *to = spz_put(spz_put(spz_put(records, 0xadbe0002, 4), 12, 4), 0, 12);   /* others are skipped */
+            s.extensions_size = (size_t)(spz_put(spz_put(spz_put(to, 0xadbe0003, 4), 4, 4), system, 4) - records);
+            if (!make(container))
+                continue;
+            if (system > 8) {
+                check_fails("coordinate system 9, not 0 to 8");
+                continue;
+            }
+            uint32_t bits = (system ? system : 4) - 1;
+            const double sign[3] = {bits & 1 ? 1 : -1, bits & 2 ? -1 : 1, bits & 4 ? 1 : -1};
+            if (CHECK(read_file(size, out) == COUNT))
+                check_gaussians(out, sign);
+            else
+                printf("  %s\n", message.text);
+        }
+}
+
+static void faulty_extensions(void)
+{
+    static uint8_t records[1 << 17];
+    for (int container = PLAIN; container < CONTAINERS; container++) {
+        fill(container == ZSTD ? 4 : 3, 0);
+        s.flags = 2;
+        s.extensions = records;
+        spz_put(spz_put(records, 0xadbe0003, 4), 5, 4);
+        for (s.extensions_size = 1; s.extensions_size < 13; s.extensions_size++)
+            if (make(container))
+                check_fails("an extension ends early");
+        if (make(container))
+            check_fails("the extension with the coordinate system has not 4 bytes");
+        spz_put(records + 4, 0xffffffff, 4);
+        if (make(container))
+            check_fails("an extension ends early");
+    }
+    s.version = 3;
+    s.extensions_size = sizeof records;
+    spz_put(spz_put(records, 1, 4), sizeof records - 8, 4);
+    if (make(GZIP))
+        check_fails("the gzip stream has more bytes than the header asks for");
+}
+
+static void truncated(void)
+{
+    fxs_gaussian out[COUNT + 3];
+    for (int container = PLAIN; container < CONTAINERS; container++) {
+        fill(container == ZSTD ? 4 : 3, 1);
+        if (!make(container))
+            continue;
+        for (size_t length = 0; length < size; length++)
+            CHECK(read_file(length, out) == -1);
+        CHECK(read_file(size, out) == COUNT);
+    }
+}
+
+static void one_byte_more(void)
+{
+    fill(3, 1);
+    CHECK(make(PLAIN));
+    bytes[size++] = 0;
+    check_fails("the header asks for 203 bytes of attributes, there are 204");
+    fill(4, 1);
+    if (make(ZSTD)) {
+        bytes[size++] = 0;
+        check_fails("there are bytes behind the last stream");
+    }
+}
+
+static void faulty_headers(void)
+{
+    static const struct { int offset; uint32_t value; int size; const char *text; } cases[] = {
+        {3, 'Q', 1, "not a scene file of a known format"}, {4, 0, 4, ".spz version 0, not 1 to 4"},
+        {4, 5, 4, ".spz version 5, not 1 to 4"}, {8, COUNT + 1, 4, "bytes of attributes, there are"},
+        {8, COUNT - 1, 4, "bytes of attributes, there are"},
+        {8, 0x40000001, 4, "the header tells of 1073741825 Gaussians, more than 156 bytes hold"},
+        {8, 0xffffffff, 4, "the header tells of 4294967295 Gaussians"}, {8, 18000, 4, "the header tells of 18000"},
+        {12, 5, 1, "SH degree 5, not 0 to 4"}, {12, 1, 1, "bytes of attributes, there are"},
+        {13, 25, 1, "25 fractional bits, not 0 to 24"}, {14, 0x80, 1, "levels of detail"}
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        fill(3, 0);
+        CHECK(make(PLAIN));
+        spz_put(bytes + cases[i].offset, cases[i].value, cases[i].size);
+        check_fails(cases[i].text);
+    }
+}
+
+static void empty_scene(void)
+{
+    fxs_gaussian out[COUNT + 3];
+    for (int container = PLAIN; container < CONTAINERS; container++) {
+        fill(container == ZSTD ? 4 : 3, 2);
+        s.count = 0;
+        if (make(container))
+            CHECK(read_file(size, out) == 0 && info.count == 0);
+    }
+}
+
+/* A header that promises few or too many Gaussians before a stream that goes on. */
+static void gzip_bombs(void)
+{
+#ifdef FXS_WITH_ZLIB
+    const size_t zeros = (size_t)64 << 20;
+    uint8_t *bomb = calloc(1, zeros);
+    if (!CHECK(bomb != NULL))
+        return;
+    fill(3, 0);
+    spz_plain(&s, bomb);
+    size = spz_gzip(bomb, zeros, bytes, MAX_FILE);
+    check_fails("the gzip stream has more bytes than the header asks for");
+    spz_put(bomb + 8, (uint64_t)(size * 1024 / 9), 4);
+    bomb[12] = 4;
+    size = spz_gzip(bomb, zeros, bytes, MAX_FILE);
+    check_fails("more than");
+    spz_put(bomb + 8, 1 << 30, 4);
+    size = spz_gzip(bomb, zeros, bytes, MAX_FILE);
+    check_fails("the header tells of 1073741824 Gaussians");
+    spz_put(bomb + 4, 4, 4);
+    spz_put(bomb + 8, COUNT, 4);
+    size = spz_gzip(bomb, 200, bytes, MAX_FILE);
+    check_fails("version 4 within gzip");
+    memset(bomb, 0, 200);
+    size = spz_gzip(bomb, 200, bytes, MAX_FILE);
+    check_fails("not an .spz file: no NGSP at its beginning");
+    free(bomb);
+#else
+    SKIP("built without zlib");
+#endif
+}
+
+static void damaged_gzip(void)
+{
+    fill(3, 3);
+    if (!make(GZIP))
+        SKIP("built without zlib");
+    for (size_t i = size - 8; i < size; i++) {   /* its check sum and length */
+        bytes[i] ^= 1;
+        check_fails("the gzip stream is damaged");
+        bytes[i] ^= 1;
+    }
+}
+
+/* Without its library, a container is named as what cannot be read. */
+static void libraries(void)
+{
+    fill(4, 0);
+    spz_put_header(&s, bytes);
+    size = 200;
+#ifndef FXS_WITH_ZSTD
+    check_fails("cannot read .spz version 4: built without zstd");
+#endif
+#ifndef FXS_WITH_ZLIB
+    spz_put(bytes, 0x8b1f, 2);
+    check_fails("cannot read gzip: built without zlib");
+#endif
+    CHECK(size == 200);
+}
+
+static void faulty_streams(void)
+{
+    static const struct { int offset; uint64_t value; int size; const char *text; } cases[] = {
+        {15, 5, 1, "5 streams, not 6"}, {15, 7, 1, "7 streams, not 6"},
+        {16, 31, 4, "the table of contents is not within the file"},
+        {16, 0xffffffff, 4, "the table of contents is not within the file"},
+        {32, 1000000, 8, "the file ends early"}, {32, UINT64_MAX, 8, "the file ends early"},
+        {40, 9 * COUNT + 1, 8, "the header asks for 63 bytes in a stream of 64"},
+        {40, UINT64_MAX, 8, "the header asks for 63 bytes in a stream of"},
+        {8, COUNT + 1, 4, "the header asks for 72 bytes in a stream of 63"},
+        {128, 0, 4, "a zstd stream is damaged"}, {32, 3, 8, "there are bytes behind the last stream"}
+    };
+    fill(4, 1);
+    if (!make(ZSTD))
+        SKIP("built without zstd");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        make(ZSTD);
+        spz_put(bytes + cases[i].offset, cases[i].value, cases[i].size);
+        check_fails(cases[i].text);
+    }
+}
+
+/* A stream that holds more or less than its entry says. */
+static void zstd_bombs(void)
+{
+#ifdef FXS_WITH_ZSTD
+    uint8_t *zeros = calloc(1, MAX_FILE);
+    if (!CHECK(zeros != NULL))
+        return;
+    for (size_t length = 10; length <= MAX_FILE; length *= 4) {
+        fill(4, 0);
+        make(ZSTD);
+        uint8_t *last = bytes + 32 + 4 * 16;     /* entry of the rotations */
+        size -= *last;
+        size_t compressed = ZSTD_compress(bytes + size, MAX_FILE - size, zeros, length, 9);
+        spz_put(last, compressed, 8);
+        size += compressed;
+        check_fails("a zstd stream is damaged, or of another size than the header asks for");
+    }
+    free(zeros);
+#else
+    SKIP("built without zstd");
+#endif
+}
+
+static void real_scene(void)
+{
+    const char *folder = getenv("FXS_SCENES") ? getenv("FXS_SCENES") : "../shared/scenes";
+    static const char *const names[2] = {"kitchen-marble.spz", "kitchen-marble.ply"};
+    static fxs_gaussian g[2][1000];
+    fxs_scene_file *files[2];
+    fxs_scene_file_info infos[2];
+    char name[1024];
+    long count;
+    double worst = 0, turn = 0;
+    for (int i = 0; i < 2; i++) {
+        snprintf(name, sizeof name, "%s/kitchen-marble/%s", folder, names[i]);
+        if (access(name, R_OK) != 0)
+            SKIP("no such scene; set FXS_SCENES");
+        if (!CHECK(fxs_scene_file_open(name, &files[i], &infos[i], &message) == 0))
+            SKIP(message.text);
+    }
+    CHECK(infos[0].count == infos[1].count && infos[0].sh_degree == 0 && infos[0].antialiased);
+    while ((count = fxs_scene_file_read(files[0], g[0], 1000, &message)) > 0) {
+        CHECK(fxs_scene_file_read(files[1], g[1], 1000, &message) == count);
+        for (long i = 0; i < count; i++) {
+            const fxs_gaussian *a = &g[0][i], *b = &g[1][i];
+            double dot = 0;
+            for (int k = 0; k < 3; k++) {
+                worst = fmax(worst, fabs((double)(a->position[k] - b->position[k])));
+                worst = fmax(worst, fabs((double)(a->scale[k] - b->scale[k])));
+                worst = fmax(worst, fabs((double)(a->dc[k] - b->dc[k])));
+            }
+            for (int k = 0; k < 4; k++)
+                dot += (double)(a->rotation[k] * b->rotation[k]);
+            turn = fmax(turn, 1 - fabs(dot));
+            worst = fmax(worst, fabs(1 / (1 + exp(-(double)a->opacity)) - 1 / (1 + exp(-(double)b->opacity))));
+        }
+    }
+    CHECK(count == 0 && worst < 2e-6 && turn < 1e-6);
+    printf("  worst difference %g, of the rotation %g\n", worst, turn);
+    fxs_scene_file_close(files[0]);
+    fxs_scene_file_close(files[1]);
+}
+
+int main(void)
+{
+    int descriptor = mkstemp(path);
+    if (descriptor < 0) {
+        perror(path);
+        return 1;
+    }
+    close(descriptor);
+    RUN(every_version_and_degree);
+    RUN(halves);
+    RUN(fractional_bits);
+    RUN(antialiased);
+    RUN(coordinate_systems);
+    RUN(faulty_extensions);
+    RUN(truncated);
+    RUN(one_byte_more);
+    RUN(faulty_headers);
+    RUN(empty_scene);
+    RUN(gzip_bombs);
+    RUN(damaged_gzip);
+    RUN(libraries);
+    RUN(faulty_streams);
+    RUN(zstd_bombs);
+    RUN(real_scene);
+    unlink(path);
+    return check_report();
+}
