@@ -13,23 +13,43 @@ struct fxs_scene_file {
     void *reader;   /* the format's own */
 };
 
-static int is_json_object(const char *head)
+/* The first name in a JSON object, or NULL. */
+static const char *first_name(const char *head)
 {
     static const char blanks[] = " \t\r\n";
     head += strspn(head, blanks);
-    return *head == '{' && head[1 + strspn(head + 1, blanks)] == '"';
+    if (*head != '{')
+        return NULL;
+    head += 1 + strspn(head + 1, blanks);
+    return *head == '"' ? head + 1 : NULL;
+}
+
+/* Whether it is one that glTF has; the index of a .sog has none of these. */
+static int is_of_gltf(const char *name)
+{
+    static const char *const names[] = {
+        "accessors\"", "animations\"", "asset\"", "buffers\"", "bufferViews\"", "cameras\"", "extensions", "extras\"",
+        "images\"", "materials\"", "meshes\"", "nodes\"", "samplers\"", "scene\"", "scenes\"", "skins\"", "textures\""
+    };
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strncmp(name, names[i], strlen(names[i])) == 0)
+            return 1;
+    return 0;
 }
 
 /* .splat has no magic number, so it comes last. */
 static const fxs_scene_format *format_of(const fxs_scene_source *source, const char *head, size_t size)
 {
+    const char *name = first_name(head);
     if (size >= 3 && memcmp(head, "ply", 3) == 0)
         return fxs_is_compressed_ply(source) ? &fxs_scene_compressed_ply : &fxs_scene_ply;
     if (size >= 4 && head[0] == 0 && head[1] != 0 && head[2] == 0 && head[3] == 0)
         return &fxs_scene_ksplat;
     if (memcmp(head, "NGSP", 4) == 0 || memcmp(head, "\x1f\x8b", 2) == 0)
         return &fxs_scene_spz;
-    if (memcmp(head, "PK\3\4", 4) == 0 || is_json_object(head))
+    if (memcmp(head, "glTF", 4) == 0 || (name && is_of_gltf(name)))
+        return &fxs_scene_gltf;
+    if (memcmp(head, "PK\3\4", 4) == 0 || name)
         return &fxs_scene_sog;
     return fxs_is_splat(source) ? &fxs_scene_splat : NULL;
 }
@@ -97,7 +117,7 @@ static int open_file(fxs_scene_file *file, const char *path, fxs_scene_file_info
         return fxs_fail(message, "%s: %s", path, strerror(errno));
     file->format = format_of(&file->source, head, size);
     if (!file->format)
-        return fxs_fail(message, "%s: not a scene file of a known format (.ply, .spz, .sog, .ksplat; or .splat: whole "
+        return fxs_fail(message, "%s: not a scene file of a known format (.ply, .spz, .glb, .gltf, .sog, .ksplat; or .splat: whole "
                         "records of 32 bytes, finite positions, scales of 0 or more)", path);
     if (fseeko(file->source.stream, 0, SEEK_SET) != 0)
         return fxs_fail(message, "%s: %s", path, strerror(errno));

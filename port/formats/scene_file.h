@@ -20,7 +20,7 @@ typedef struct fxs_gaussian {
 typedef struct fxs_scene_file fxs_scene_file;
 
 typedef struct fxs_scene_file_info {
-    const char *format;   /* "ply", "compressed ply", "ksplat", "sog", "splat", "spz"; static */
+    const char *format;   /* "ply", "compressed ply", "ksplat", "sog", "splat", "spz", "gltf"; static */
     uint64_t count;       /* Gaussians in the file */
     int sh_degree;        /* 0 to 3 */
     int antialiased;      /* 1: opacities were fitted with the dilation compensated */

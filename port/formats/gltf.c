@@ -1,0 +1,776 @@
+/* .glb and .gltf with KHR_gaussian_splatting (Khronos, release candidate), plain or with an .spz in a bufferView. The
+   Gaussians come in the frame of a .ply, y down: x and y of glTF change their signs. Colours are taken as stored: where
+   colorSpace says lin_rec709_display, they are blended and shown as if it said srgb_rec709_display. */
+#include "scene_format.h"
+
+#ifdef FXS_WITH_CJSON
+
+#include <cjson/cJSON.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene_codes.h"
+#include "spz_internal.h"
+#include "text_internal.h"
+#include "transform_internal.h"
+
+enum {
+    MAX_DEPTH = 64,              /* of nodes */
+    MAX_BUFFERS = 64,
+    MAX_PARTS = 1024,            /* primitives times their nodes */
+    MAX_COUNT = 2147483647,      /* Gaussians in all */
+    BATCH = 256,                 /* Gaussians read at a time */
+    MAX_STRIDE = 252             /* bytes */
+};
+
+/* An array of the file. */
+typedef struct list {
+    const cJSON **items;
+    int count;
+} list;
+
+enum { NODES, MESHES, ACCESSORS, VIEWS, BUFFERS, LISTS };
+static const char *const list_names[LISTS] = {"nodes", "meshes", "accessors", "bufferViews", "buffers"};
+
+/* Bytes in a file or in memory. */
+typedef struct buffer {
+    const fxs_scene_source *source;
+    fxs_scene_source own;        /* *source where it is another file */
+    uint8_t *memory;             /* instead of source */
+    uint64_t offset, size;
+} buffer;
+
+typedef struct range {
+    const buffer *buffer;
+    uint64_t offset, size;
+} range;
+
+enum { BYTE, UBYTE, SHORT, USHORT, FLOAT = 6 };   /* componentType - 5120 */
+
+typedef struct accessor {
+    range bytes;                 /* from the first element to the end of the bufferView */
+    uint32_t count, stride, size;
+    uint8_t type, is_normalized, components;
+} accessor;
+
+enum { POSITION, ROTATION, SCALE, OPACITY, SH, ATTRIBUTES = SH + 16 };
+
+/* A primitive with Gaussians. */
+typedef struct splats {
+    range spz;                   /* or, where its buffer is NULL, the attributes */
+    accessor attributes[ATTRIBUTES];
+    uint32_t count;
+    int sh_degree, antialiased;
+} splats;
+
+/* Its primitives with Gaussians, once it is read. */
+typedef struct mesh {
+    int is_read, first, end;
+} mesh;
+
+/* A primitive as placed by a node. */
+typedef struct part {
+    int splats;
+    double rows[3][4];
+} part;
+
+typedef struct gltf {
+    const fxs_scene_source *source;
+    fxs_message *message;        /* of the call */
+    list lists[LISTS];           /* until the file is open; so are the next two */
+    mesh *meshes;
+    uint8_t *visited;            /* nodes */
+    uint64_t bin_offset, bin_size;
+    buffer buffers[MAX_BUFFERS];
+    splats *splats;
+    part *parts;
+    int splats_count, parts_count;
+    int part;                    /* being read */
+    uint32_t next;               /* Gaussian of it */
+    fxs_transform transform;     /* of it */
+    fxs_spz *spz;                /* of the primitive spz_splats */
+    int spz_splats;
+    uint8_t bytes[BATCH * MAX_STRIDE];
+} gltf;
+
+static int fail(const gltf *g, const char *fault)
+{
+    return fxs_fail(g->message, "%s: %s", g->source->path, fault);
+}
+
+static int fail_item(const gltf *g, const char *item, int index, const char *fault)
+{
+    return fxs_fail(g->message, "%s: %s %d: %s", g->source->path, item, index, fault);
+}
+
+/* ---- JSON ------------------------------------------------------------------------------------------------------ */
+
+static const cJSON *member(const cJSON *object, const char *name)
+{
+    return cJSON_GetObjectItemCaseSensitive(object, name);
+}
+
+/* A whole number from 0 to 2^53 - 1; `absent` for NULL, -1 for anything else. */
+static int64_t whole(const cJSON *item, int64_t absent)
+{
+    if (!item)
+        return absent;
+    double value = cJSON_IsNumber(item) ? item->valuedouble : -1;
+    return value >= 0 && value < 9007199254740992.0 && value == (double)(int64_t)value ? (int64_t)value : -1;
+}
+
+/* The index of something that exists, or -1. */
+static int index_of(const gltf *g, const cJSON *item, int which)
+{
+    int64_t index = whole(item, -1);
+    return index < g->lists[which].count ? (int)index : -1;
+}
+
+static int make_list(gltf *g, const cJSON *root, int which)
+{
+    const cJSON *array = member(root, list_names[which]), *item;
+    list *made = &g->lists[which];
+    made->items = malloc(((size_t)cJSON_GetArraySize(array) + 1) * sizeof *made->items);
+    if (!made->items)
+        return fail(g, "out of memory");
+    cJSON_ArrayForEach(item, array)
+        made->items[made->count++] = item;
+    return 0;
+}
+
+/* The array with room for one more item, or NULL and a message. */
+static void *grow(const gltf *g, void *items, int count, size_t size)
+{
+    if (count & (count - 1))     /* it has the size of a power of two */
+        return items;
+    void *larger = realloc(items, (size_t)(count ? 2 * count : 1) * size);
+    if (!larger)
+        fail(g, "out of memory");
+    return larger;
+}
+
+/* ---- Buffers --------------------------------------------------------------------------------------------------- */
+
+static int base64_digit(int c)
+{
+    return c >= 'A' && c <= 'Z' ? c - 'A' : c >= 'a' && c <= 'z' ? c - 'a' + 26 : c >= '0' && c <= '9' ? c - '0' + 52
+           : c == '+' ? 62 : c == '/' ? 63 : -1;
+}
+
+/* Returns the number of bytes, or -1. */
+static int64_t decode_base64(const char *text, uint8_t *out)
+{
+    const uint8_t *start = out;
+    uint32_t bits = 0;
+    int count = 0;
+    for (; *text && *text != '='; text++) {
+        int digit = base64_digit(*text);
+        if (digit < 0)
+            return -1;
+        bits = bits << 6 | (uint32_t)digit;
+        count += 6;
+        if (count >= 8)
+            *out++ = (uint8_t)(bits >> (count -= 8));
+    }
+    return out - start;
+}
+
+static int open_data(const gltf *g, buffer *b, int index, const char *uri)
+{
+    const char *comma = strchr(uri, ',');
+    if (!comma || comma - uri < 7 || memcmp(comma - 7, ";base64", 7) != 0)
+        return fail_item(g, "buffer", index, "a data: URI that is not base64");
+    b->memory = malloc(strlen(comma) / 4 * 3 + 3);
+    if (!b->memory)
+        return fail(g, "out of memory");
+    int64_t size = decode_base64(comma + 1, b->memory);
+    if (size < 0)
+        return fail_item(g, "buffer", index, "a data: URI that is not base64");
+    b->size = (uint64_t)size;
+    return 0;
+}
+
+static int hex_digit(int c)
+{
+    return c >= '0' && c <= '9' ? c - '0' : c >= 'A' && c <= 'F' ? c - 'A' + 10 : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+}
+
+/* Undoes %XX. */
+static void decode_percent(char *text)
+{
+    char *out = text;
+    for (; *text; text++) {
+        int high = *text == '%' ? hex_digit(text[1]) : -1, low = high < 0 ? -1 : hex_digit(text[2]);
+        *out++ = low < 0 ? *text : (char)(high << 4 | low);
+        text += low < 0 ? 0 : 2;
+    }
+    *out = '\0';
+}
+
+/* Only a file beside this one: a scene from elsewhere may not choose other files to read. */
+static int open_beside(const gltf *g, buffer *b, int index, const char *uri)
+{
+    const char *path = g->source->path, *slash = strrchr(path, '/');
+    size_t folder = slash ? (size_t)(slash + 1 - path) : 0;
+    char *name = malloc(folder + strlen(uri) + 1);
+    if (!name)
+        return fail(g, "out of memory");
+    memcpy(name, path, folder);
+    strcpy(name + folder, uri);
+    decode_percent(name + folder);
+    int result = name[folder] && !strchr(name + folder, '/') ? fxs_scene_source_open(&b->own, name, g->message)
+                 : fail_item(g, "buffer", index, "a URI that is not a file name in the same folder");
+    free(name);
+    b->source = &b->own;
+    b->size = b->own.size;
+    return result;
+}
+
+/* A buffer that has no bytes here (the fallback of a compressed one) is left empty. */
+static int open_buffer(gltf *g, int index)
+{
+    const cJSON *item = g->lists[BUFFERS].items[index];
+    const char *uri = fxs_json_string(item, "uri");
+    int64_t size = whole(member(item, "byteLength"), -1);
+    buffer *b = &g->buffers[index];
+    if (size < 1)
+        return fail_item(g, "buffer", index, "no byteLength above 0");
+    if (!uri && index > 0)
+        return 0;
+    if (!uri) {
+        b->source = g->source;
+        b->offset = g->bin_offset;
+        b->size = g->bin_size;
+    } else if ((strncmp(uri, "data:", 5) == 0 ? open_data : open_beside)(g, b, index, uri))
+        return -1;
+    if (b->size < (uint64_t)size)
+        return fxs_fail(g->message, "%s: buffer %d has %llu bytes, not %lld", g->source->path, index,
+                        (unsigned long long)b->size, (long long)size);
+    b->size = (uint64_t)size;
+    return 0;
+}
+
+static int open_buffers(gltf *g)
+{
+    if (g->lists[BUFFERS].count > MAX_BUFFERS)
+        return fxs_fail(g->message, "%s: more than %d buffers", g->source->path, MAX_BUFFERS);
+    for (int i = 0; i < g->lists[BUFFERS].count; i++)
+        if (open_buffer(g, i))
+            return -1;
+    return 0;
+}
+
+static int read_bytes(const gltf *g, const range *from, uint64_t offset, void *out, size_t size)
+{
+    const buffer *b = from->buffer;
+    offset += from->offset;
+    if (!b->memory)
+        return fxs_scene_source_read(b->source, b->offset + offset, out, size, g->message);
+    memcpy(out, b->memory + offset, size);
+    return 0;
+}
+
+static int range_of_view(gltf *g, int index, range *out)
+{
+    const cJSON *item = g->lists[VIEWS].items[index], *extensions = member(item, "extensions");
+    int buffer_index = index_of(g, member(item, "buffer"), BUFFERS);
+    int64_t offset = whole(member(item, "byteOffset"), 0), size = whole(member(item, "byteLength"), -1);
+    if (member(extensions, "EXT_meshopt_compression") || member(extensions, "KHR_meshopt_compression"))
+        return fail_item(g, "bufferView", index, "meshopt compression is not read");
+    if (buffer_index < 0 || offset < 0 || size < 0)
+        return fail_item(g, "bufferView", index, "no valid buffer, byteOffset and byteLength");
+    const buffer *b = &g->buffers[buffer_index];
+    if ((uint64_t)size > b->size || (uint64_t)offset > b->size - (uint64_t)size)
+        return fail_item(g, "bufferView", index, "not within its buffer");
+    *out = (range){b, (uint64_t)offset, (uint64_t)size};
+    return 0;
+}
+
+/* ---- Accessors ------------------------------------------------------------------------------------------------- */
+
+/* Types as bits: plain at 2 type, normalized at 2 type + 1. */
+#define PLAIN(type) (1u << 2 * (type))
+#define NORMALIZED(type) (2u << 2 * (type))
+
+static int read_layout(gltf *g, int index, const cJSON *item, accessor *a)
+{
+    int view = index_of(g, member(item, "bufferView"), VIEWS);
+    if (view < 0)
+        return fail_item(g, "accessor", index, "no valid bufferView");
+    if (range_of_view(g, view, &a->bytes))
+        return -1;
+    int64_t offset = whole(member(item, "byteOffset"), 0), count = whole(member(item, "count"), -1);
+    int64_t stride = whole(member(g->lists[VIEWS].items[view], "byteStride"), a->size);
+    if (count < 1 || count > MAX_COUNT || stride < a->size || stride > MAX_STRIDE)
+        return fail_item(g, "accessor", index, "no valid count or byteStride");
+    uint64_t needed = (uint64_t)(count - 1) * (uint64_t)stride + a->size;
+    if (offset < 0 || needed > a->bytes.size || (uint64_t)offset > a->bytes.size - needed)
+        return fail_item(g, "accessor", index, "not within its bufferView");
+    a->bytes.offset += (uint64_t)offset;
+    a->bytes.size -= (uint64_t)offset;
+    a->count = (uint32_t)count;
+    a->stride = (uint32_t)stride;
+    return 0;
+}
+
+static int read_accessor(gltf *g, const cJSON *attributes, const char *name, int components, unsigned types,
+                         accessor *a)
+{
+    static const char *const shapes[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
+    static const uint8_t sizes[] = {1, 1, 2, 2, 0, 4, 4};
+    int index = index_of(g, member(attributes, name), ACCESSORS);
+    if (index < 0)
+        return fxs_fail(g->message, "%s: a primitive with Gaussians has no accessor for %s", g->source->path, name);
+    const cJSON *item = g->lists[ACCESSORS].items[index];
+    const char *shape = fxs_json_string(item, "type");
+    int64_t type = whole(member(item, "componentType"), -1) - 5120;
+    int is_normalized = cJSON_IsTrue(member(item, "normalized"));
+    if (type < 0 || type > FLOAT || !(types >> (2 * type + is_normalized) & 1) || !shape ||
+        strcmp(shape, shapes[components]) != 0)
+        return fxs_fail(g->message, "%s: accessor %d: not of a type that %s may have", g->source->path, index, name);
+    if (member(item, "sparse"))
+        return fail_item(g, "accessor", index, "sparse accessors are not read");
+    a->type = (uint8_t)type;
+    a->is_normalized = (uint8_t)is_normalized;
+    a->components = (uint8_t)components;
+    a->size = (uint32_t)(sizes[type] * components);
+    return read_layout(g, index, item, a);
+}
+
+static double component(const accessor *a, const uint8_t *bytes)
+{
+    uint32_t bits = bytes[0];
+    float real;
+    switch (a->type) {
+    case BYTE:   return fmax((int8_t)bits / 127.0, -1);
+    case UBYTE:  return bits / (a->is_normalized ? 255.0 : 1);
+    case SHORT:  return fmax((int16_t)(bits | (uint32_t)bytes[1] << 8) / 32767.0, -1);
+    case USHORT: return (bits | (uint32_t)bytes[1] << 8) / (a->is_normalized ? 65535.0 : 1);
+    }
+    bits = load_u32(bytes);
+    memcpy(&real, &bits, sizeof real);
+    return real;
+}
+
+static float logit(double opacity)
+{
+    opacity = opacity < 0 ? 0 : opacity > 1 ? 1 : opacity;
+    return (float)fmin(fmax(log(opacity / (1 - opacity)), -20), 20);
+}
+
+static void store(fxs_gaussian *gaussian, int attribute, const double *v)
+{
+    if (attribute == OPACITY)
+        gaussian->opacity = logit(v[0]);
+    if (attribute == ROTATION)
+        for (int i = 0; i < 4; i++)
+            gaussian->rotation[i] = (float)v[(i + 3) % 4];   /* x y z w in the file */
+    if (attribute == ROTATION || attribute == OPACITY)
+        return;
+    float *out = attribute == POSITION ? gaussian->position : attribute == SCALE ? gaussian->scale
+                 : attribute == SH ? gaussian->dc : gaussian->sh + 3 * (attribute - SH - 1);
+    for (int i = 0; i < 3; i++)
+        out[i] = attribute == SCALE ? fxs_log_scale(v[i]) : (float)v[i];
+}
+
+static int read_attributes(gltf *g, const splats *s, fxs_gaussian *gaussians, size_t count)
+{
+    double values[4];
+    memset(gaussians, 0, count * sizeof *gaussians);
+    for (int i = 0; i < SH + (s->sh_degree + 1) * (s->sh_degree + 1); i++) {
+        const accessor *a = &s->attributes[i];
+        uint32_t step = a->size / a->components;
+        if (read_bytes(g, &a->bytes, (uint64_t)g->next * a->stride, g->bytes, (count - 1) * a->stride + a->size))
+            return -1;
+        for (size_t k = 0; k < count; k++) {
+            for (uint32_t c = 0; c < a->components; c++)
+                values[c] = component(a, g->bytes + k * a->stride + c * step);
+            store(&gaussians[k], i, values);
+        }
+    }
+    return 0;
+}
+
+/* ---- Primitives and nodes -------------------------------------------------------------------------------------- */
+
+static int read_sh(gltf *g, const cJSON *attributes, splats *s)
+{
+    char name[48];
+    for (int degree = 0; degree <= 3; degree++) {
+        snprintf(name, sizeof name, "KHR_gaussian_splatting:SH_DEGREE_%d_COEF_0", degree);
+        if (degree > 0 && !member(attributes, name))
+            break;
+        s->sh_degree = degree;
+        for (int k = 0; k <= 2 * degree; k++) {
+            snprintf(name, sizeof name, "KHR_gaussian_splatting:SH_DEGREE_%d_COEF_%d", degree, k);
+            if (read_accessor(g, attributes, name, 3, PLAIN(FLOAT), &s->attributes[SH + degree * degree + k]))
+                return -1;
+        }
+    }
+    return 0;
+}
+
+static int read_accessors(gltf *g, const cJSON *attributes, splats *s)
+{
+    static const struct { const char *name; int components; unsigned types; } core[SH] = {
+        {"POSITION", 3, PLAIN(FLOAT)},
+        {"KHR_gaussian_splatting:ROTATION", 4, PLAIN(FLOAT) | NORMALIZED(BYTE) | NORMALIZED(SHORT)},
+        {"KHR_gaussian_splatting:SCALE", 3, PLAIN(FLOAT) | PLAIN(UBYTE) | NORMALIZED(UBYTE) | PLAIN(USHORT) |
+                                            NORMALIZED(USHORT)},
+        {"KHR_gaussian_splatting:OPACITY", 1, PLAIN(FLOAT) | NORMALIZED(UBYTE) | NORMALIZED(USHORT)}
+    };
+    for (int i = 0; i < SH; i++)
+        if (read_accessor(g, attributes, core[i].name, core[i].components, core[i].types, &s->attributes[i]))
+            return -1;
+    if (read_sh(g, attributes, s))
+        return -1;
+    s->count = s->attributes[POSITION].count;
+    for (int i = 0; i < SH + (s->sh_degree + 1) * (s->sh_degree + 1); i++)
+        if (s->attributes[i].count != s->count)
+            return fail(g, "the accessors of a primitive with Gaussians differ in count");
+    return 0;
+}
+
+/* The drafts of a compression by .spz, in or beside the extension. */
+static const cJSON *find_spz(const cJSON *extensions)
+{
+    static const char *const names[] = {"KHR_gaussian_splatting_compression_spz_2",
+                                        "KHR_gaussian_splatting_compression_spz", "KHR_spz_gaussian_splats_compression"};
+    const cJSON *inner = member(member(extensions, "KHR_gaussian_splatting"), "extensions"), *found = NULL;
+    for (int i = 0; i < 3 && !found; i++) {
+        found = member(inner, names[i]);
+        found = found ? found : member(extensions, names[i]);
+    }
+    return found;
+}
+
+static int read_primitive(gltf *g, const cJSON *primitive)
+{
+    const cJSON *extensions = member(primitive, "extensions"), *spz = find_spz(extensions);
+    const cJSON *splatting = member(extensions, "KHR_gaussian_splatting");
+    const char *kernel = fxs_json_string(splatting, "kernel");
+    if (!spz && !splatting)
+        return 0;
+    if (kernel && strcmp(kernel, "ellipse") != 0)
+        return fxs_fail(g->message, "%s: kernel \"%.40s\" is not read", g->source->path, kernel);
+    splats *larger = grow(g, g->splats, g->splats_count, sizeof *g->splats);
+    if (!larger)
+        return -1;
+    g->splats = larger;
+    splats *added = &g->splats[g->splats_count++];
+    memset(added, 0, sizeof *added);
+    if (!spz)
+        return read_accessors(g, member(primitive, "attributes"), added);
+    int view = index_of(g, member(spz, "bufferView"), VIEWS);
+    return view < 0 ? fail(g, "an .spz without a valid bufferView") : range_of_view(g, view, &added->spz);
+}
+
+static int read_mesh(gltf *g, int index)
+{
+    mesh *m = &g->meshes[index];
+    const cJSON *primitive;
+    if (m->is_read)
+        return 0;
+    m->is_read = 1;
+    m->first = g->splats_count;
+    cJSON_ArrayForEach(primitive, member(g->lists[MESHES].items[index], "primitives"))
+        if (read_primitive(g, primitive))
+            return -1;
+    m->end = g->splats_count;
+    return 0;
+}
+
+static int place_mesh(gltf *g, int index, double rows[3][4])
+{
+    if (read_mesh(g, index))
+        return -1;
+    for (int i = g->meshes[index].first; i < g->meshes[index].end; i++) {
+        if (g->parts_count == MAX_PARTS)
+            return fxs_fail(g->message, "%s: more than %d primitives with Gaussians", g->source->path, MAX_PARTS);
+        part *larger = grow(g, g->parts, g->parts_count, sizeof *g->parts);
+        if (!larger)
+            return -1;
+        g->parts = larger;
+        part *added = &g->parts[g->parts_count++];
+        added->splats = i;
+        memcpy(added->rows, rows, sizeof added->rows);
+    }
+    return 0;
+}
+
+/* 1 where there is no such member, or exactly these many numbers. */
+static int take_numbers(const cJSON *object, const char *name, double *out, int count)
+{
+    const cJSON *item = member(object, name);
+    return !item || fxs_json_numbers(item, out, count);
+}
+
+/* Column by column, as glTF has it. */
+static int local_matrix(const gltf *g, int index, double m[16])
+{
+    const cJSON *node = g->lists[NODES].items[index];
+    double t[3] = {0, 0, 0}, q[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
+    memset(m, 0, 16 * sizeof *m);
+    if (member(node, "matrix")) {
+        if (!take_numbers(node, "matrix", m, 16) || m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
+            return fail_item(g, "node", index, "not a matrix of 16 numbers with a last row of 0 0 0 1");
+        return 0;
+    }
+    if (!take_numbers(node, "translation", t, 3) || !take_numbers(node, "rotation", q, 4) ||
+        !take_numbers(node, "scale", s, 3))
+        return fail_item(g, "node", index, "not 3 numbers in translation or scale, or 4 in rotation");
+    const double x = q[0], y = q[1], z = q[2], w = q[3], k = 2 / (x * x + y * y + z * z + w * w);
+    const double made[16] = {
+        s[0] * (1 - k * (y * y + z * z)), s[0] * k * (x * y + w * z), s[0] * k * (x * z - w * y), 0,
+        s[1] * k * (x * y - w * z), s[1] * (1 - k * (x * x + z * z)), s[1] * k * (y * z + w * x), 0,
+        s[2] * k * (x * z + w * y), s[2] * k * (y * z - w * x), s[2] * (1 - k * (x * x + y * y)), 0,
+        t[0], t[1], t[2], 1};
+    memcpy(m, made, sizeof made);
+    return 0;
+}
+
+static int visit(gltf *g, const cJSON *item, double parent[3][4], int depth)
+{
+    int index = index_of(g, item, NODES);
+    double m[16], rows[3][4];
+    const cJSON *child;
+    if (index < 0)
+        return fail(g, "a node that does not exist");
+    if (depth > MAX_DEPTH || g->visited[index]++)
+        return fail_item(g, "node", index, depth > MAX_DEPTH ? "nested too deep" : "reached twice");
+    if (local_matrix(g, index, m))
+        return -1;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 4; j++)
+            rows[i][j] = parent[i][0] * m[4 * j] + parent[i][1] * m[4 * j + 1] + parent[i][2] * m[4 * j + 2] +
+                         parent[i][3] * m[4 * j + 3];
+    const cJSON *node = g->lists[NODES].items[index], *mesh_item = member(node, "mesh");
+    int mesh_index = index_of(g, mesh_item, MESHES);
+    if (mesh_item && mesh_index < 0)
+        return fail_item(g, "node", index, "a mesh that does not exist");
+    if (mesh_item && place_mesh(g, mesh_index, rows))
+        return -1;
+    cJSON_ArrayForEach(child, member(node, "children"))
+        if (visit(g, child, rows, depth + 1))
+            return -1;
+    return 0;
+}
+
+/* ---- Parts ----------------------------------------------------------------------------------------------------- */
+
+static int load_spz(gltf *g, int index)
+{
+    splats *s = &g->splats[index];
+    fxs_scene_file_info info;
+    fxs_spz_close(g->spz);
+    g->spz = NULL;
+    uint8_t *data = s->spz.size < SIZE_MAX ? malloc((size_t)s->spz.size + 1) : NULL;
+    if (!data)
+        return fail(g, "out of memory");
+    int result = read_bytes(g, &s->spz, 0, data, (size_t)s->spz.size);
+    if (!result)
+        result = fxs_spz_open(g->source->path, data, (size_t)s->spz.size, 1, &g->spz, &info, g->message);
+    free(data);
+    if (result)
+        return -1;
+    g->spz_splats = index;
+    s->count = (uint32_t)info.count;
+    s->sh_degree = info.sh_degree;
+    s->antialiased = info.antialiased;
+    return 0;
+}
+
+/* Makes a part the one that is read; g->parts_count is the end. */
+static int enter(gltf *g, int index)
+{
+    g->part = g->parts_count;
+    g->next = 0;
+    if (index == g->parts_count)
+        return 0;
+    part *p = &g->parts[index];
+    if (fxs_transform_init(&g->transform, p->rows))
+        return fail(g, "a node's transform has no inverse");
+    if (g->splats[p->splats].spz.buffer) {
+        if ((!g->spz || g->spz_splats != p->splats) && load_spz(g, p->splats))
+            return -1;
+        fxs_spz_rewind(g->spz);
+    }
+    g->part = index;
+    return 0;
+}
+
+static int describe(gltf *g, fxs_scene_file_info *info)
+{
+    info->count = 0;
+    info->sh_degree = info->antialiased = 0;
+    for (int i = 0; i < g->parts_count; i++) {
+        if (enter(g, i))
+            return -1;
+        const splats *s = &g->splats[g->parts[i].splats];
+        info->count += s->count;
+        info->sh_degree = s->sh_degree > info->sh_degree ? s->sh_degree : info->sh_degree;
+        info->antialiased |= s->antialiased;
+    }
+    if (g->parts_count == 0)
+        return fail(g, "no primitive with KHR_gaussian_splatting in the scene");
+    if (info->count > MAX_COUNT)
+        return fxs_fail(g->message, "%s: more than %d Gaussians", g->source->path, MAX_COUNT);
+    return enter(g, 0);
+}
+
+/* ---- Opening --------------------------------------------------------------------------------------------------- */
+
+/* Where the JSON is; notes where the binary chunk is. */
+static int find_chunks(gltf *g, uint64_t *offset, uint64_t *size)
+{
+    uint8_t h[20], chunk[8];
+    *offset = 0;
+    *size = g->source->size;
+    if (*size < sizeof h)
+        return fail(g, "the file ends early");
+    if (fxs_scene_source_read(g->source, 0, h, sizeof h, g->message))
+        return -1;
+    if (memcmp(h, "glTF", 4) != 0)
+        return 0;
+    const uint64_t length = load_u32(h + 8), json = load_u32(h + 12);
+    if (load_u32(h + 4) != 2)
+        return fxs_fail(g->message, "%s: glTF version %u, not 2", g->source->path, load_u32(h + 4));
+    if (length > *size || length < sizeof h || json > length - sizeof h)
+        return fail(g, "the file ends early");
+    if (memcmp(h + 16, "JSON", 4) != 0)
+        return fail(g, "the first chunk is not JSON");
+    *offset = sizeof h;
+    *size = json;
+    g->bin_offset = sizeof h + json + sizeof chunk;
+    if (length < g->bin_offset)
+        return 0;
+    if (fxs_scene_source_read(g->source, sizeof h + json, chunk, sizeof chunk, g->message))
+        return -1;
+    g->bin_size = memcmp(chunk + 4, "BIN", 4) == 0 ? load_u32(chunk) : 0;
+    return g->bin_size > length - g->bin_offset ? fail(g, "the file ends early") : 0;
+}
+
+static int read_root(gltf *g, const cJSON *root)
+{
+    const char *version = fxs_json_string(member(root, "asset"), "version");
+    double frame[3][4] = {{-1, 0, 0, 0}, {0, -1, 0, 0}, {0, 0, 1, 0}};
+    if (!version || strncmp(version, "2.", 2) != 0)
+        return fail(g, "not glTF 2: no such version in \"asset\"");
+    for (int i = 0; i < LISTS; i++)
+        if (make_list(g, root, i))
+            return -1;
+    g->meshes = calloc((size_t)g->lists[MESHES].count + 1, sizeof *g->meshes);
+    g->visited = calloc((size_t)g->lists[NODES].count + 1, 1);
+    if (!g->meshes || !g->visited)
+        return fail(g, "out of memory");
+    if (open_buffers(g))
+        return -1;
+    int64_t scene = whole(member(root, "scene"), 0);
+    const cJSON *node, *nodes = scene < 0 || scene > MAX_PARTS ? NULL
+                                : member(cJSON_GetArrayItem(member(root, "scenes"), (int)scene), "nodes");
+    cJSON_ArrayForEach(node, nodes)
+        if (visit(g, node, frame, 0))
+            return -1;
+    return 0;
+}
+
+static int read_json(gltf *g)
+{
+    uint64_t offset, size;
+    if (find_chunks(g, &offset, &size))
+        return -1;
+    if (size > FXS_TEXT_MAX)
+        return fail(g, "too much JSON");
+    fxs_text text = {g->source->path, malloc((size_t)size + 1), (size_t)size};
+    if (!text.data)
+        return fail(g, "out of memory");
+    text.data[size] = '\0';
+    int result = fxs_scene_source_read(g->source, offset, text.data, text.size, g->message);
+    cJSON *root = result ? NULL : fxs_json_parse(&text, g->message);
+    free(text.data);
+    result = root ? read_root(g, root) : -1;
+    cJSON_Delete(root);
+    return result;
+}
+
+static void free_json(gltf *g)
+{
+    for (int i = 0; i < LISTS; i++)
+        free(g->lists[i].items);
+    free(g->meshes);
+    free(g->visited);
+}
+
+static int gltf_open(const fxs_scene_source *source, void **handle, fxs_scene_file_info *info, fxs_message *message)
+{
+    gltf *g = calloc(1, sizeof *g);
+    if (!g)
+        return fxs_fail(message, "%s: out of memory", source->path);
+    *handle = g;
+    g->source = source;
+    g->message = message;
+    int result = read_json(g);
+    free_json(g);
+    return result ? -1 : describe(g, info);
+}
+
+static long gltf_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
+{
+    gltf *g = handle;
+    size_t done = 0;
+    g->message = message;
+    while (done < capacity && g->part < g->parts_count) {
+        const splats *s = &g->splats[g->parts[g->part].splats];
+        size_t left = s->count - g->next, count = capacity - done;
+        count = count < left ? count : left;
+        count = count < BATCH ? count : BATCH;
+        if (s->spz.buffer)
+            fxs_spz_read(g->spz, gaussians + done, count);
+        else if (count > 0 && read_attributes(g, s, gaussians + done, count))
+            return -1;
+        for (size_t i = 0; i < count; i++)
+            fxs_transform_apply(&g->transform, &gaussians[done + i], s->sh_degree);
+        done += count;
+        g->next += (uint32_t)count;
+        if (g->next == s->count && enter(g, g->part + 1))
+            return -1;
+    }
+    return (long)done;
+}
+
+static int gltf_rewind(void *handle, fxs_message *message)
+{
+    gltf *g = handle;
+    g->message = message;
+    return enter(g, 0);
+}
+
+static void gltf_close(void *handle)
+{
+    gltf *g = handle;
+    for (int i = 0; i < MAX_BUFFERS; i++) {
+        fxs_scene_source_close(&g->buffers[i].own);
+        free(g->buffers[i].memory);
+    }
+    fxs_spz_close(g->spz);
+    free(g->splats);
+    free(g->parts);
+    free(g);
+}
+
+#else
+
+static int gltf_open(const fxs_scene_source *source, void **reader, fxs_scene_file_info *info, fxs_message *message)
+{
+    (void)reader;
+    (void)info;
+    return fxs_fail(message, "%s: cannot read glTF: built without cJSON", source->path);
+}
+
+#define gltf_read NULL
+#define gltf_rewind NULL
+#define gltf_close NULL
+
+#endif
+
+const fxs_scene_format fxs_scene_gltf = {"gltf", gltf_open, gltf_read, gltf_rewind, gltf_close};

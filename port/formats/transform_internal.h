@@ -1,0 +1,18 @@
+/* Affine maps of Gaussians, for formats whose scenes have a transform. */
+#ifndef FXS_TRANSFORM_INTERNAL_H
+#define FXS_TRANSFORM_INTERNAL_H
+
+#include "scene_file.h"
+
+typedef struct fxs_transform {
+    double linear[3][3], shift[3];
+    double sh[15][15];   /* rotates the coefficients of degrees 1 to 3 */
+} fxs_transform;
+
+/* Takes the map with these rows. Returns 0, or -1 where it has no inverse. */
+int fxs_transform_init(fxs_transform *transform, double rows[3][4]);
+
+/* Maps position and covariance, and the SH by the map's rotation. */
+void fxs_transform_apply(const fxs_transform *transform, fxs_gaussian *gaussian, int sh_degree);
+
+#endif
