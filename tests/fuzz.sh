@@ -10,7 +10,8 @@ trap 'rm -rf "$work"' EXIT
 # The sources that each needs beside itself.
 sources_of() {
     case $1 in
-    fuzz_scene | fuzz_sog) set -- scene_file byte_reader ply_header ply compressed_ply ksplat sog splat text zip ;;
+    fuzz_scene | fuzz_sog | fuzz_spz | fuzz_gltf)
+        set -- scene_file byte_reader ply_header ply compressed_ply ksplat sog splat spz gltf transform text zip ;;
     fuzz_camera) set -- camera_file camera_json camera_colmap text ;;
     esac
     printf 'port/formats/%s.c ' "$@" message
@@ -58,6 +59,56 @@ seeds_of_scene() {
             head -c 264 /dev/zero
         } >ksplat$level
     done
+}
+
+# zstd SIZE: a frame of that many zeros, as a raw block
+zstd() {
+    printf '\50\265\57\375\40'"\\$(printf %o "$1")\\$(printf %o $(($1 * 8 + 1)))\\0\\0"
+    head -c "$1" /dev/zero
+}
+
+# The first byte is for tests/fuzz_spz.c.
+seeds_of_spz() {
+    int='\0\0\0' long='\0\0\0\0\0\0\0' zeros='\0\0\0\0'
+    for version in 1 2 3; do
+        for degree in 0 1; do
+            printf "\\$degree""NGSP\\$version$int\\2$int\\$degree\\14\\2\\0" >spz$version$degree
+            head -c $((2 * ((version == 1 ? 6 : 9) + (version == 3 ? 4 : 3) + 7 + 9 * degree))) /dev/zero >>spz$version$degree
+            printf "\\3\\0\\276\\255\\4$int\\6$int" >>spz$version$degree
+        done
+    done
+    {
+        printf "\\0NGSP\\4$int\\1$int\\0\\14\\0\\5\\40$int$zeros$zeros$zeros"
+        for size in 9 1 3 3 4; do
+            printf "\\$(printf %o $((size + 9)))$long\\$(printf %o $size)$long"
+        done
+        for size in 9 1 3 3 4; do
+            zstd $size
+        done
+    } >spz4
+}
+
+# gltf JSON: as tests/fuzz_gltf.c takes it, with 200 bytes
+gltf() {
+    size=$(printf %s "$1" | wc -c)
+    printf "\\$(printf %o $((size % 256)))\\$(printf %o $((size / 256)))"
+    printf %s "$1"
+    head -c 200 /dev/zero
+}
+
+seeds_of_gltf() {
+    head='{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"meshes":[{"primitives":[{'
+    tail='}]}],"buffers":[{"byteLength":200}],"bufferViews":[{"buffer":0,"byteLength":200,"byteStride":20}]'
+    attribute='{"bufferView":0,"byteOffset":8,"componentType":5126,"count":3,"type":'
+    coefficient='"KHR_gaussian_splatting:SH_DEGREE'
+    gltf "$head"'"extensions":{"KHR_gaussian_splatting":{"kernel":"ellipse"}},"attributes":{"POSITION":0,'"$(
+        )"'"KHR_gaussian_splatting:ROTATION":1,"KHR_gaussian_splatting:SCALE":0,"KHR_gaussian_splatting:OPACITY":2,'"$(
+        )$coefficient"'_0_COEF_0":0,'"$coefficient"'_1_COEF_0":0,'"$coefficient"'_1_COEF_1":0,'"$(
+        )$coefficient"'_1_COEF_2":0}'"$tail"',"nodes":[{"children":[1]},{"mesh":0,"scale":[1,2,3],'"$(
+        )"'"rotation":[0,0,1,0],"translation":[1,2,3]}],"accessors":['"$(
+        )$attribute"'"VEC3"},'"$attribute"'"VEC4"},'"$attribute"'"SCALAR"}]}' >plain
+    gltf "$head"'"extensions":{"KHR_spz_gaussian_splats_compression":{"bufferView":0}}'"$tail"',"nodes":[{"mesh":0,'"$(
+        )"'"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,5,6,7,1]}]}' >compressed
 }
 
 # colmap KIND CAMERAS IMAGES: as tests/fuzz_camera.c takes them, both written as the format of printf
@@ -135,7 +186,7 @@ if ! clang -fsanitize=fuzzer,address,undefined "$work/links.c" -o "$work/links" 
     finish
     exit
 fi
-for library in CJSON:cjson/cJSON.h:cjson WEBP:webp/decode.h:webp ZIP:zip.h:zip; do
+for library in CJSON:cjson/cJSON.h:cjson WEBP:webp/decode.h:webp ZIP:zip.h:zip ZLIB:zlib.h:z ZSTD:zstd.h:zstd; do
     header=${library#*:}
     if echo "#include <${header%:*}>" | clang -E -x c - >/dev/null 2>&1; then
         features="$features -DFXS_WITH_${library%%:*}" libraries="$libraries -l${library##*:}"

@@ -31,7 +31,7 @@ static inline size_t spz_array_size(const spz_bytes *s, int array)
 static inline uint8_t *spz_put(uint8_t *to, uint64_t value, int size)
 {
     for (int i = 0; i < size; i++)
-        *to++ = (uint8_t)(value >> 8 * i);
+        *to++ = (uint8_t)(i < 8 ? value >> 8 * i : 0);
     return to;
 }
 

@@ -440,8 +440,10 @@ static void real_scene(void)
         snprintf(name, sizeof name, "%s/kitchen-marble/%s", folder, names[i]);
         if (access(name, R_OK) != 0)
             SKIP("no such scene; set FXS_SCENES");
-        if (!CHECK(fxs_scene_file_open(name, &files[i], &infos[i], &message) == 0))
+        if (fxs_scene_file_open(name, &files[i], &infos[i], &message) != 0) {
+            CHECK(strstr(message.text, "built without zlib"));
             SKIP(message.text);
+        }
     }
     CHECK(infos[0].count == infos[1].count && infos[0].sh_degree == 0 && infos[0].antialiased);
     while ((count = fxs_scene_file_read(files[0], g[0], 1000, &message)) > 0) {

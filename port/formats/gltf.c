@@ -17,6 +17,7 @@
 enum {
     MAX_DEPTH = 64,              /* of nodes */
     MAX_BUFFERS = 64,
+    MAX_MEMBERS = 1024,          /* of an item of a list: each look-up goes through them */
     MAX_PARTS = 1024,            /* primitives times their nodes */
     MAX_COUNT = 2147483647,      /* Gaussians in all */
     BATCH = 256,                 /* Gaussians read at a time */
@@ -45,10 +46,16 @@ typedef struct range {
     uint64_t offset, size;
 } range;
 
+typedef struct view {
+    range bytes;
+    int64_t stride;              /* 0: none is given */
+    const char *fault;           /* or NULL; told when it is used */
+} view;
+
 enum { BYTE, UBYTE, SHORT, USHORT, FLOAT = 6 };   /* componentType - 5120 */
 
 typedef struct accessor {
-    range bytes;                 /* from the first element to the end of the bufferView */
+    range bytes;
     uint32_t count, stride, size;
     uint8_t type, is_normalized, components;
 } accessor;
@@ -77,7 +84,8 @@ typedef struct part {
 typedef struct gltf {
     const fxs_scene_source *source;
     fxs_message *message;        /* of the call */
-    list lists[LISTS];           /* until the file is open; so are the next two */
+    list lists[LISTS];           /* until the file is open; so are the next three */
+    view *views;
     mesh *meshes;
     uint8_t *visited;            /* nodes */
     uint64_t bin_offset, bin_size;
@@ -133,8 +141,11 @@ static int make_list(gltf *g, const cJSON *root, int which)
     made->items = malloc(((size_t)cJSON_GetArraySize(array) + 1) * sizeof *made->items);
     if (!made->items)
         return fail(g, "out of memory");
-    cJSON_ArrayForEach(item, array)
+    cJSON_ArrayForEach(item, array) {
+        if (cJSON_GetArraySize(item) > MAX_MEMBERS)
+            return fail_item(g, list_names[which], made->count, "too many members");
         made->items[made->count++] = item;
+    }
     return 0;
 }
 
@@ -192,7 +203,9 @@ static int open_data(const gltf *g, buffer *b, int index, const char *uri)
 
 static int hex_digit(int c)
 {
-    return c >= '0' && c <= '9' ? c - '0' : c >= 'A' && c <= 'F' ? c - 'A' + 10 : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+    static const char digits[] = "0123456789abcdef0123456789ABCDEF";
+    const char *at = c ? strchr(digits, c) : NULL;
+    return at ? (int)(at - digits) % 16 : -1;
 }
 
 /* Undoes %XX. */
@@ -270,20 +283,26 @@ static int read_bytes(const gltf *g, const range *from, uint64_t offset, void *o
     return 0;
 }
 
-static int range_of_view(gltf *g, int index, range *out)
+static view parse_view(const gltf *g, const cJSON *item)
 {
-    const cJSON *item = g->lists[VIEWS].items[index], *extensions = member(item, "extensions");
-    int buffer_index = index_of(g, member(item, "buffer"), BUFFERS);
+    const cJSON *extensions = member(item, "extensions");
+    int index = index_of(g, member(item, "buffer"), BUFFERS);
     int64_t offset = whole(member(item, "byteOffset"), 0), size = whole(member(item, "byteLength"), -1);
+    view v = {{index < 0 ? NULL : &g->buffers[index], (uint64_t)offset, (uint64_t)size},
+              whole(member(item, "byteStride"), 0), NULL};
     if (member(extensions, "EXT_meshopt_compression") || member(extensions, "KHR_meshopt_compression"))
-        return fail_item(g, "bufferView", index, "meshopt compression is not read");
-    if (buffer_index < 0 || offset < 0 || size < 0)
-        return fail_item(g, "bufferView", index, "no valid buffer, byteOffset and byteLength");
-    const buffer *b = &g->buffers[buffer_index];
-    if ((uint64_t)size > b->size || (uint64_t)offset > b->size - (uint64_t)size)
-        return fail_item(g, "bufferView", index, "not within its buffer");
-    *out = (range){b, (uint64_t)offset, (uint64_t)size};
-    return 0;
+        v.fault = "meshopt compression is not read";
+    else if (index < 0 || offset < 0 || size < 0)
+        v.fault = "no valid buffer, byteOffset and byteLength";
+    else if (v.bytes.size > v.bytes.buffer->size || v.bytes.offset > v.bytes.buffer->size - v.bytes.size)
+        v.fault = "not within its buffer";
+    return v;
+}
+
+static int use_view(const gltf *g, int index, view *out)
+{
+    *out = g->views[index];
+    return out->fault ? fail_item(g, "bufferView", index, out->fault) : 0;
 }
 
 /* ---- Accessors ------------------------------------------------------------------------------------------------- */
@@ -294,20 +313,20 @@ static int range_of_view(gltf *g, int index, range *out)
 
 static int read_layout(gltf *g, int index, const cJSON *item, accessor *a)
 {
-    int view = index_of(g, member(item, "bufferView"), VIEWS);
-    if (view < 0)
+    int view_index = index_of(g, member(item, "bufferView"), VIEWS);
+    view v;
+    if (view_index < 0)
         return fail_item(g, "accessor", index, "no valid bufferView");
-    if (range_of_view(g, view, &a->bytes))
+    if (use_view(g, view_index, &v))
         return -1;
     int64_t offset = whole(member(item, "byteOffset"), 0), count = whole(member(item, "count"), -1);
-    int64_t stride = whole(member(g->lists[VIEWS].items[view], "byteStride"), a->size);
+    int64_t stride = v.stride ? v.stride : a->size;
     if (count < 1 || count > MAX_COUNT || stride < a->size || stride > MAX_STRIDE)
         return fail_item(g, "accessor", index, "no valid count or byteStride");
     uint64_t needed = (uint64_t)(count - 1) * (uint64_t)stride + a->size;
-    if (offset < 0 || needed > a->bytes.size || (uint64_t)offset > a->bytes.size - needed)
+    if (offset < 0 || needed > v.bytes.size || (uint64_t)offset > v.bytes.size - needed)
         return fail_item(g, "accessor", index, "not within its bufferView");
-    a->bytes.offset += (uint64_t)offset;
-    a->bytes.size -= (uint64_t)offset;
+    a->bytes = (range){v.bytes.buffer, v.bytes.offset + (uint64_t)offset, needed};
     a->count = (uint32_t)count;
     a->stride = (uint32_t)stride;
     return 0;
@@ -434,14 +453,21 @@ static int read_accessors(gltf *g, const cJSON *attributes, splats *s)
 /* The drafts of a compression by .spz, in or beside the extension. */
 static const cJSON *find_spz(const cJSON *extensions)
 {
-    static const char *const names[] = {"KHR_gaussian_splatting_compression_spz_2",
-                                        "KHR_gaussian_splatting_compression_spz", "KHR_spz_gaussian_splats_compression"};
+    static const char *const names[] = {
+        "KHR_gaussian_splatting_compression_spz_2", "KHR_gaussian_splatting_compression_spz",
+        "KHR_spz_gaussian_splats_compression"
+    };
     const cJSON *inner = member(member(extensions, "KHR_gaussian_splatting"), "extensions"), *found = NULL;
     for (int i = 0; i < 3 && !found; i++) {
         found = member(inner, names[i]);
         found = found ? found : member(extensions, names[i]);
     }
     return found;
+}
+
+static int fail_parts(const gltf *g)
+{
+    return fxs_fail(g->message, "%s: more than %d primitives with Gaussians", g->source->path, MAX_PARTS);
 }
 
 static int read_primitive(gltf *g, const cJSON *primitive)
@@ -453,6 +479,8 @@ static int read_primitive(gltf *g, const cJSON *primitive)
         return 0;
     if (kernel && strcmp(kernel, "ellipse") != 0)
         return fxs_fail(g->message, "%s: kernel \"%.40s\" is not read", g->source->path, kernel);
+    if (g->splats_count == MAX_PARTS)
+        return fail_parts(g);
     splats *larger = grow(g, g->splats, g->splats_count, sizeof *g->splats);
     if (!larger)
         return -1;
@@ -461,8 +489,14 @@ static int read_primitive(gltf *g, const cJSON *primitive)
     memset(added, 0, sizeof *added);
     if (!spz)
         return read_accessors(g, member(primitive, "attributes"), added);
-    int view = index_of(g, member(spz, "bufferView"), VIEWS);
-    return view < 0 ? fail(g, "an .spz without a valid bufferView") : range_of_view(g, view, &added->spz);
+    int view_index = index_of(g, member(spz, "bufferView"), VIEWS);
+    view v;
+    if (view_index < 0)
+        return fail(g, "an .spz without a valid bufferView");
+    if (use_view(g, view_index, &v))
+        return -1;
+    added->spz = v.bytes;
+    return 0;
 }
 
 static int read_mesh(gltf *g, int index)
@@ -486,7 +520,7 @@ static int place_mesh(gltf *g, int index, double rows[3][4])
         return -1;
     for (int i = g->meshes[index].first; i < g->meshes[index].end; i++) {
         if (g->parts_count == MAX_PARTS)
-            return fxs_fail(g->message, "%s: more than %d primitives with Gaussians", g->source->path, MAX_PARTS);
+            return fail_parts(g);
         part *larger = grow(g, g->parts, g->parts_count, sizeof *g->parts);
         if (!larger)
             return -1;
@@ -661,10 +695,13 @@ static int read_root(gltf *g, const cJSON *root)
             return -1;
     g->meshes = calloc((size_t)g->lists[MESHES].count + 1, sizeof *g->meshes);
     g->visited = calloc((size_t)g->lists[NODES].count + 1, 1);
-    if (!g->meshes || !g->visited)
+    g->views = malloc(((size_t)g->lists[VIEWS].count + 1) * sizeof *g->views);
+    if (!g->meshes || !g->visited || !g->views)
         return fail(g, "out of memory");
     if (open_buffers(g))
         return -1;
+    for (int i = 0; i < g->lists[VIEWS].count; i++)
+        g->views[i] = parse_view(g, g->lists[VIEWS].items[i]);
     int64_t scene = whole(member(root, "scene"), 0);
     const cJSON *node, *nodes = scene < 0 || scene > MAX_PARTS ? NULL
                                 : member(cJSON_GetArrayItem(member(root, "scenes"), (int)scene), "nodes");
@@ -697,6 +734,7 @@ static void free_json(gltf *g)
 {
     for (int i = 0; i < LISTS; i++)
         free(g->lists[i].items);
+    free(g->views);
     free(g->meshes);
     free(g->visited);
 }

@@ -283,9 +283,10 @@ static int check_contents(const fxs_spz *spz, const input *in, uint32_t contents
 static int load_zstd(fxs_spz *spz, const input *in)
 {
     uint32_t contents = in->size < HEADER_SIZE_4 ? 0 : load_u32(in->data + 16);
-    if (check_contents(spz, in, contents) ||
-        parse_extensions(spz, in, in->data + HEADER_SIZE_4, spz->flags & HAS_EXTENSIONS ? contents - HEADER_SIZE_4 : 0) ||
-        allocate(spz, in, 1))
+    if (check_contents(spz, in, contents))
+        return -1;
+    uint32_t extensions = spz->flags & HAS_EXTENSIONS ? contents - HEADER_SIZE_4 : 0;
+    if (parse_extensions(spz, in, in->data + HEADER_SIZE_4, extensions) || allocate(spz, in, 1))
         return -1;
     const uint8_t *entry = in->data + contents, *stream = entry + 16 * (size_t)in->data[15];
     for (int i = 0; i < ARRAYS; i++) {

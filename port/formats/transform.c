@@ -29,8 +29,8 @@ static void sh_basis(double b[15], const double d[3])
     b[14] = -0.5900435899266435 * x * (xx - 3 * yy);
 }
 
-/* sh[j][k] = integral over the sphere of Y_j(d) Y_k(R^T d): 4 Gauss-Legendre nodes in z times 8 azimuths are exact up to
-   degree 7, and the integrand has at most 6. */
+/* sh[j][k] = integral over the sphere of Y_j(d) Y_k(R^T d): 4 Gauss-Legendre nodes in z times 8 azimuths are exact up
+   to degree 7, and the integrand has at most 6. */
 static void rotate_sh(double sh[15][15], matrix r)
 {
     static const double node[2] = {0.3399810435848563, 0.8611363115940526};
@@ -164,8 +164,8 @@ int fxs_transform_init(fxs_transform *transform, double rows[3][4])
     return 0;
 }
 
-/* With M the linear part, R and S rotation and scale of the Gaussian: the columns of M R S, made orthogonal by rotations
-   from the right (one-sided Jacobi), are the new axes times the new scales. */
+/* With M the linear part, R and S rotation and scale of the Gaussian: the columns of M R S, made orthogonal by
+   rotations from the right (one-sided Jacobi), are the new axes times the new scales. */
 static void apply_linear(const fxs_transform *t, fxs_gaussian *g)
 {
     matrix r, m;

@@ -1,0 +1,74 @@
+/* libFuzzer target: a .glb whose container is made here, so that mutations reach what is in it. The first two bytes are
+   the size of the JSON; the rest is the JSON and the binary chunk. */
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "../port/formats/scene_file.h"
+#include "spz_bytes.h"
+
+static char path[] = "/tmp/fuzz_gltf_XXXXXX";
+
+static void remove_file(void)
+{
+    unlink(path);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static size_t make_glb(const uint8_t *data, size_t size, uint8_t *out)
+{
+    size_t json = size < 2 ? 0 : data[0] | (size_t)data[1] << 8, left = size < 2 ? 0 : size - 2;
+    json = json < left ? json : left;
+    uint8_t *to = spz_put(spz_put(spz_put(out, 0x46546c67, 4), 2, 4), 28 + left, 4);
+    to = spz_put(spz_put(to, json, 4), 0x4e4f534a, 4);
+    if (left)
+        memcpy(to, data + 2, json);
+    to = spz_put(spz_put(to + json, left - json, 4), 0x004e4942, 4);
+    if (left)
+        memcpy(to, data + 2 + json, left - json);
+    return 28 + left;
+}
+
+/* Returns read's last result; adds the Gaussians read to *total. */
+static long read_some(fxs_scene_file *file, uint64_t *total)
+{
+    static fxs_gaussian gaussians[100];
+    fxs_message message;
+    long count;
+    while ((count = fxs_scene_file_read(file, gaussians, 100, &message)) > 0 && *total < 100000)
+        *total += (uint64_t)count;
+    return count;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static uint8_t glb[1 << 16];
+    static int descriptor = -1;
+    if (descriptor < 0) {
+        descriptor = mkstemp(path);
+        atexit(remove_file);
+    }
+    if (size > sizeof glb - 28)
+        return 0;
+    size = make_glb(data, size, glb);
+    if (descriptor < 0 || ftruncate(descriptor, 0) != 0 || pwrite(descriptor, glb, size, 0) != (ssize_t)size)
+        abort();
+
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_message message;
+    if (fxs_scene_file_open(path, &file, &info, &message) != 0) {
+        if (strchr(message.text, '\n') || !strstr(message.text, path))
+            abort();
+        return 0;
+    }
+    uint64_t first = 0, second = 0;
+    long first_end = read_some(file, &first);
+    if (fxs_scene_file_rewind(file, &message) != 0)
+        abort();
+    if (read_some(file, &second) != first_end || first != second || (first_end == 0 && first != info.count))
+        abort();
+    fxs_scene_file_close(file);
+    return 0;
+}

@@ -1,0 +1,52 @@
+/* libFuzzer target: .spz in memory. The first byte says how: even, as it is; odd, gzipped here, since no mutation would
+   keep its check sum. What opens is read whole, rewound, and read again with the same result. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "../port/formats/spz_internal.h"
+#include "spz_bytes.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static size_t read_all(fxs_spz *spz, fxs_gaussian *last)
+{
+    static fxs_gaussian gaussians[100];
+    size_t count, total = 0;
+    while ((count = fxs_spz_read(spz, gaussians, 100)) > 0) {
+        total += count;
+        *last = gaussians[count - 1];
+    }
+    return total;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static uint8_t gzip[1 << 16];
+    fxs_spz *spz;
+    fxs_scene_file_info info;
+    fxs_message message;
+    fxs_gaussian first, second;
+    if (size == 0)
+        return 0;
+    const int kind = *data++;
+    size--;
+#ifdef FXS_WITH_ZLIB
+    if (kind & 1) {
+        size = spz_gzip(data, size, gzip, sizeof gzip);
+        data = gzip;
+    }
+#endif
+    if (fxs_spz_open("fuzz", data, size, kind >> 1 & 1, &spz, &info, &message) != 0) {
+        if (strncmp(message.text, "fuzz: ", 6) != 0 || strchr(message.text, '\n'))
+            abort();
+        return 0;
+    }
+    memset(&first, 0, sizeof first);
+    memset(&second, 0, sizeof second);
+    size_t total = read_all(spz, &first);
+    fxs_spz_rewind(spz);
+    if (total != info.count || read_all(spz, &second) != total || memcmp(&first, &second, sizeof first) != 0)
+        abort();
+    fxs_spz_close(spz);
+    return 0;
+}
