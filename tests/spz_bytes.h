@@ -28,9 +28,9 @@ static inline size_t spz_array_size(const spz_bytes *s, int array)
     return (size_t)(s->count * stride[array]);
 }
 
-static inline uint8_t *spz_put(uint8_t *to, uint64_t value, int size)
+static inline uint8_t *spz_put(uint8_t *to, uint64_t value, int length)
 {
-    for (int i = 0; i < size; i++)
+    for (int i = 0; i < length; i++)
         *to++ = (uint8_t)(i < 8 ? value >> 8 * i : 0);
     return to;
 }
@@ -61,13 +61,13 @@ static inline size_t spz_plain(const spz_bytes *s, uint8_t *out)
 }
 
 #ifdef FXS_WITH_ZLIB
-static inline size_t spz_gzip(const uint8_t *bytes, size_t size, uint8_t *out, size_t room)
+static inline size_t spz_gzip(const uint8_t *data, size_t length, uint8_t *out, size_t room)
 {
     z_stream z;
     memset(&z, 0, sizeof z);
     deflateInit2(&z, 9, Z_DEFLATED, 16 + MAX_WBITS, 8, Z_DEFAULT_STRATEGY);
-    z.next_in = (uint8_t *)(uintptr_t)bytes;
-    z.avail_in = (uInt)size;
+    z.next_in = (uint8_t *)(uintptr_t)data;
+    z.avail_in = (uInt)length;
     z.next_out = out;
     z.avail_out = (uInt)room;
     deflate(&z, Z_FINISH);
@@ -92,11 +92,11 @@ static inline size_t spz_zstd(const spz_bytes *s, uint8_t *out, size_t room)
     uint8_t *entry = to + 12 + s->extensions_size;
     to = entry + 16 * streams;
     for (int i = 0; i < SPZ_ARRAYS; i++) {
-        size_t size = spz_array_size(s, i);
-        if (size == 0)
+        size_t length = spz_array_size(s, i);
+        if (length == 0)
             continue;
-        size_t compressed = ZSTD_compress(to, room - (size_t)(to - out), s->arrays[i], size, 9);
-        entry = spz_put(spz_put(entry, compressed, 8), size, 8);
+        size_t compressed = ZSTD_compress(to, room - (size_t)(to - out), s->arrays[i], length, 9);
+        entry = spz_put(spz_put(entry, compressed, 8), length, 8);
         to += compressed;
     }
     return (size_t)(to - out);

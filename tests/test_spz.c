@@ -1,21 +1,12 @@
 /* Reads of .spz files made here in every version, of faulty ones, and of a real scene. */
-#include <math.h>
-#include <stdlib.h>
-#include <unistd.h>
-
-#include "../port/formats/scene_file.h"
-#include "check.h"
+#include "scene_bytes.h"
 #include "spz_bytes.h"
 
-enum { COUNT = 7, MAX_FILE = 1 << 20 };
+enum { COUNT = 7 };
 enum { PLAIN, GZIP, ZSTD, CONTAINERS };
 
-static char path[] = "/tmp/test_spz_XXXXXX";
 static spz_bytes s;
-static uint8_t bytes[MAX_FILE];
-static size_t size;
-static fxs_message message;
-static fxs_scene_file_info info;
+static fxs_gaussian out[COUNT + 1];
 
 /* ---- Making a file --------------------------------------------------------------------------------------------- */
 
@@ -58,45 +49,17 @@ static int make(int container)
     return size > 0;
 }
 
-static void put_file(size_t length)
-{
-    FILE *stream = fopen(path, "wb");
-    if (!CHECK(stream != NULL))
-        return;
-    CHECK(fwrite(bytes, 1, length, stream) == length);
-    fclose(stream);
-}
-
 /* ---- Reading it ------------------------------------------------------------------------------------------------ */
 
-/* Reads all, a few at a time; returns the number or -1. */
-static long read_file(size_t length, fxs_gaussian *out)
+/* 1 where the file reads, with `count` Gaussians. */
+static int reads(uint64_t count)
 {
-    fxs_scene_file *file;
-    long total = 0, got;
-    put_file(length);
-    if (fxs_scene_file_open(path, &file, &info, &message) != 0)
-        return -1;
-    CHECK(strcmp(info.format, "spz") == 0);
-    fxs_scene_file_read(file, out, 2, &message);
-    CHECK(fxs_scene_file_rewind(file, &message) == 0);
-    while ((got = fxs_scene_file_read(file, out + total, 3, &message)) > 0)
-        total += got;
-    fxs_scene_file_close(file);
-    return got < 0 ? -1 : total;
-}
-
-static void check_fails(const char *text)
-{
-    fxs_gaussian out[COUNT];
-    message.text[0] = '\0';
-    if (!CHECK(read_file(size, out) == -1) || !CHECK(strstr(message.text, text) && strstr(message.text, path)))
-        printf("  got \"%s\", wanted \"%s\"\n", message.text, text);
-}
-
-static int near(double a, double b)
-{
-    return fabs(a - b) <= 2e-6 * (1 + fabs(b));
+    put_file(size);
+    if (!CHECK(read_file(out, COUNT + 1) == 0)) {
+        printf("  %s\n", message.text);
+        return 0;
+    }
+    return CHECK(info.count == count && strcmp(info.format, "spz") == 0);
 }
 
 static double expected_position(int i, int axis)
@@ -134,23 +97,24 @@ static void expected_rotation(int i, double q[4])
 }
 
 /* Signs of x, y, z in front of everything. */
-static void check_gaussians(const fxs_gaussian *g, const double sign[3])
+static void check_gaussians(const double sign[3])
 {
+    const fxs_gaussian *g = out;
     for (int i = 0; i < COUNT; i++, g++) {
         double q[4], alpha = s.arrays[1][i] / 255.0, x = sign[0], y = sign[1], z = sign[2];
         double sh_sign[15] = {y, z, x, x * y, y * z, 1, x * z, 1, y, x * y * z, y, z, x, z, x};
         expected_rotation(i, q);
-        CHECK(fabs(q[3] - (double)g->rotation[0]) < 1e-3 && fabs(1 / (1 + exp(-(double)g->opacity)) - alpha) < 1e-6);
+        CHECK(is_near(g->rotation[0], q[3], 2e-6) && fabs(1 / (1 + exp(-(double)g->opacity)) - alpha) < 1e-6);
         for (int k = 0; k < 3; k++) {
-            CHECK(near((double)g->position[k], sign[k] * expected_position(i, k)));
-            CHECK(near((double)g->rotation[k + 1], sign[(k + 1) % 3] * sign[(k + 2) % 3] * q[k]));
-            CHECK(near((double)g->scale[k], s.arrays[3][3 * i + k] / 16.0 - 10));
-            CHECK(near((double)g->dc[k], (s.arrays[2][3 * i + k] / 255.0 - 0.5) / 0.15));
+            CHECK(is_near((double)g->position[k], sign[k] * expected_position(i, k), 2e-6));
+            CHECK(is_near((double)g->rotation[k + 1], sign[(k + 1) % 3] * sign[(k + 2) % 3] * q[k], 2e-6));
+            CHECK(is_near((double)g->scale[k], s.arrays[3][3 * i + k] / 16.0 - 10, 2e-6));
+            CHECK(is_near((double)g->dc[k], (s.arrays[2][3 * i + k] / 255.0 - 0.5) / 0.15, 2e-6));
         }
         for (int k = 0; k < 45; k++) {
             int stride = 3 * s.degree * (s.degree + 2);
             double value = k < stride ? (s.arrays[5][stride * i + k] - 128) / 128.0 : 0;
-            CHECK(near((double)g->sh[k], sh_sign[k / 3] * value));
+            CHECK(is_near((double)g->sh[k], sh_sign[k / 3] * value, 2e-6));
         }
     }
 }
@@ -161,19 +125,16 @@ static const double to_rdf[3] = {1, -1, -1};
 
 static void every_version_and_degree(void)
 {
-    fxs_gaussian out[COUNT + 3];
     for (int version = 1; version <= 4; version++)
         for (int degree = 0; degree <= 4; degree++)
             for (int container = PLAIN; container < CONTAINERS; container++) {
                 fill(version, degree);
                 if ((version == 4) != (container == ZSTD) || !make(container))
                     continue;
-                if (!CHECK(read_file(size, out) == COUNT)) {
-                    printf("  %s\n", message.text);
+                if (!reads(COUNT))
                     continue;
-                }
-                CHECK(info.count == COUNT && info.sh_degree == (degree < 3 ? degree : 3) && !info.antialiased);
-                check_gaussians(out, to_rdf);
+                CHECK(info.sh_degree == (degree < 3 ? degree : 3) && !info.antialiased);
+                check_gaussians(to_rdf);
             }
 }
 
@@ -183,13 +144,12 @@ static void halves(void)
         {0x0000, 0}, {0x3c00, 1}, {0xc000, -2}, {0x7bff, 65504}, {0x0001, 5.9604645e-8f}, {0x83ff, -6.0975552e-5f},
         {0x0400, 6.1035156e-5f}
     };
-    fxs_gaussian out[COUNT + 3];
     fill(1, 0);
     for (int i = 0; i < COUNT; i++)
         spz_put(s.arrays[0] + 6 * i, cases[i].bits, 2);
     spz_put(s.arrays[0] + 2, 0x7c00, 2);
     spz_put(s.arrays[0] + 8, 0x7e00, 2);
-    if (!CHECK(make(PLAIN) && read_file(size, out) == COUNT))
+    if (!make(PLAIN) || !reads(COUNT))
         return;
     for (int i = 0; i < COUNT; i++)
         CHECK(out[i].position[0] == cases[i].value);
@@ -198,27 +158,24 @@ static void halves(void)
 
 static void fractional_bits(void)
 {
-    fxs_gaussian out[COUNT + 3];
     for (int bits = 0; bits <= 24; bits += 6) {
         fill(2, 0);
         s.fractional_bits = bits;
-        if (CHECK(make(PLAIN) && read_file(size, out) == COUNT))
-            check_gaussians(out, to_rdf);
+        if (make(PLAIN) && reads(COUNT))
+            check_gaussians(to_rdf);
     }
 }
 
 static void antialiased(void)
 {
-    fxs_gaussian out[COUNT + 3];
     fill(3, 1);
     s.flags = 1;
-    CHECK(make(PLAIN) && read_file(size, out) == COUNT && info.antialiased);
+    CHECK(make(PLAIN) && reads(COUNT) && info.antialiased);
 }
 
 static void coordinate_systems(void)
 {
     uint8_t records[64];
-    fxs_gaussian out[COUNT + 3];
     for (int container = PLAIN; container < CONTAINERS; container++)
         for (uint32_t system = 0; system <= 9; system++) {
             fill(container == ZSTD ? 4 : 3, 3);
@@ -234,10 +191,8 @@ static void coordinate_systems(void)
             }
             uint32_t bits = (system ? system : 4) - 1;
             const double sign[3] = {bits & 1 ? 1 : -1, bits & 2 ? -1 : 1, bits & 4 ? 1 : -1};
-            if (CHECK(read_file(size, out) == COUNT))
-                check_gaussians(out, sign);
-            else
-                printf("  %s\n", message.text);
+            if (reads(COUNT))
+                check_gaussians(sign);
         }
 }
 
@@ -267,14 +222,13 @@ static void faulty_extensions(void)
 
 static void truncated(void)
 {
-    fxs_gaussian out[COUNT + 3];
     for (int container = PLAIN; container < CONTAINERS; container++) {
         fill(container == ZSTD ? 4 : 3, 1);
         if (!make(container))
             continue;
         for (size_t length = 0; length < size; length++)
-            CHECK(read_file(length, out) == -1);
-        CHECK(read_file(size, out) == COUNT);
+            check_cut_fails(length, "");
+        reads(COUNT);
     }
 }
 
@@ -312,12 +266,11 @@ static void faulty_headers(void)
 
 static void empty_scene(void)
 {
-    fxs_gaussian out[COUNT + 3];
     for (int container = PLAIN; container < CONTAINERS; container++) {
         fill(container == ZSTD ? 4 : 3, 2);
         s.count = 0;
         if (make(container))
-            CHECK(read_file(size, out) == 0 && info.count == 0);
+            reads(0);
     }
 }
 
@@ -428,54 +381,20 @@ static void zstd_bombs(void)
 
 static void real_scene(void)
 {
-    const char *folder = getenv("FXS_SCENES") ? getenv("FXS_SCENES") : "../shared/scenes";
-    static const char *const names[2] = {"kitchen-marble.spz", "kitchen-marble.ply"};
-    static fxs_gaussian g[2][1000];
-    fxs_scene_file *files[2];
-    fxs_scene_file_info infos[2];
     char name[1024];
-    long count;
-    double worst = 0, turn = 0;
-    for (int i = 0; i < 2; i++) {
-        snprintf(name, sizeof name, "%s/kitchen-marble/%s", folder, names[i]);
-        if (access(name, R_OK) != 0)
-            SKIP("no such scene; set FXS_SCENES");
-        if (fxs_scene_file_open(name, &files[i], &infos[i], &message) != 0) {
-            CHECK(strstr(message.text, "built without zlib"));
-            SKIP(message.text);
-        }
-    }
-    CHECK(infos[0].count == infos[1].count && infos[0].sh_degree == 0 && infos[0].antialiased);
-    while ((count = fxs_scene_file_read(files[0], g[0], 1000, &message)) > 0) {
-        CHECK(fxs_scene_file_read(files[1], g[1], 1000, &message) == count);
-        for (long i = 0; i < count; i++) {
-            const fxs_gaussian *a = &g[0][i], *b = &g[1][i];
-            double dot = 0;
-            for (int k = 0; k < 3; k++) {
-                worst = fmax(worst, fabs((double)(a->position[k] - b->position[k])));
-                worst = fmax(worst, fabs((double)(a->scale[k] - b->scale[k])));
-                worst = fmax(worst, fabs((double)(a->dc[k] - b->dc[k])));
-            }
-            for (int k = 0; k < 4; k++)
-                dot += (double)(a->rotation[k] * b->rotation[k]);
-            turn = fmax(turn, 1 - fabs(dot));
-            worst = fmax(worst, fabs(1 / (1 + exp(-(double)a->opacity)) - 1 / (1 + exp(-(double)b->opacity))));
-        }
-    }
-    CHECK(count == 0 && worst < 2e-6 && turn < 1e-6);
-    printf("  worst difference %g, of the rotation %g\n", worst, turn);
-    fxs_scene_file_close(files[0]);
-    fxs_scene_file_close(files[1]);
+    snprintf(name, sizeof name, "%s/kitchen-marble/kitchen-marble.spz", scenes_folder());
+    if (access(name, R_OK) != 0)
+        SKIP("no folder of scenes; set FXS_SCENES");
+#ifndef FXS_WITH_ZLIB
+    SKIP("built without zlib");
+#endif
+    check_same_scenes("kitchen-marble/kitchen-marble.spz", "kitchen-marble/kitchen-marble.ply", 2e-6);
 }
 
 int main(void)
 {
-    int descriptor = mkstemp(path);
-    if (descriptor < 0) {
-        perror(path);
+    if (make_path() != 0)
         return 1;
-    }
-    close(descriptor);
     RUN(every_version_and_degree);
     RUN(halves);
     RUN(fractional_bits);

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "byte_reader.h"
 #include "scene_codes.h"
 #include "spz_internal.h"
 #include "text_internal.h"
@@ -358,17 +359,13 @@ static int read_accessor(gltf *g, const cJSON *attributes, const char *name, int
 
 static double component(const accessor *a, const uint8_t *bytes)
 {
-    uint32_t bits = bytes[0];
-    float real;
     switch (a->type) {
-    case BYTE:   return fmax((int8_t)bits / 127.0, -1);
-    case UBYTE:  return bits / (a->is_normalized ? 255.0 : 1);
-    case SHORT:  return fmax((int16_t)(bits | (uint32_t)bytes[1] << 8) / 32767.0, -1);
-    case USHORT: return (bits | (uint32_t)bytes[1] << 8) / (a->is_normalized ? 65535.0 : 1);
+    case BYTE:   return fmax((int8_t)bytes[0] / 127.0, -1);
+    case UBYTE:  return bytes[0] / (a->is_normalized ? 255.0 : 1);
+    case SHORT:  return fmax((int16_t)fxs_load_u16(bytes) / 32767.0, -1);
+    case USHORT: return fxs_load_u16(bytes) / (a->is_normalized ? 65535.0 : 1);
+    default:     return fxs_load_float(bytes);
     }
-    bits = load_u32(bytes);
-    memcpy(&real, &bits, sizeof real);
-    return real;
 }
 
 static float logit(double opacity)
@@ -666,9 +663,9 @@ static int find_chunks(gltf *g, uint64_t *offset, uint64_t *size)
         return -1;
     if (memcmp(h, "glTF", 4) != 0)
         return 0;
-    const uint64_t length = load_u32(h + 8), json = load_u32(h + 12);
-    if (load_u32(h + 4) != 2)
-        return fxs_fail(g->message, "%s: glTF version %u, not 2", g->source->path, load_u32(h + 4));
+    const uint64_t length = fxs_load_u32(h + 8), json = fxs_load_u32(h + 12);
+    if (fxs_load_u32(h + 4) != 2)
+        return fxs_fail(g->message, "%s: glTF version %u, not 2", g->source->path, fxs_load_u32(h + 4));
     if (length > *size || length < sizeof h || json > length - sizeof h)
         return fail(g, "the file ends early");
     if (memcmp(h + 16, "JSON", 4) != 0)
@@ -680,7 +677,7 @@ static int find_chunks(gltf *g, uint64_t *offset, uint64_t *size)
         return 0;
     if (fxs_scene_source_read(g->source, sizeof h + json, chunk, sizeof chunk, g->message))
         return -1;
-    g->bin_size = memcmp(chunk + 4, "BIN", 4) == 0 ? load_u32(chunk) : 0;
+    g->bin_size = memcmp(chunk + 4, "BIN", 4) == 0 ? fxs_load_u32(chunk) : 0;
     return g->bin_size > length - g->bin_offset ? fail(g, "the file ends early") : 0;
 }
 

@@ -24,8 +24,9 @@ static const char *first_name(const char *head)
     return *head == '"' ? head + 1 : NULL;
 }
 
-/* Whether it is one that glTF has; the index of a .sog has none of these. */
-static int is_of_gltf(const char *name)
+/* Whether a JSON object with that first name is a glTF. The index of a .sog has "asset" of these, but also what is
+   looked for. */
+static int is_gltf(const char *name)
 {
     static const char *const names[] = {
         "accessors\"", "animations\"", "asset\"", "buffers\"", "bufferViews\"", "cameras\"", "extensions", "extras\"",
@@ -33,7 +34,7 @@ static int is_of_gltf(const char *name)
     };
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (strncmp(name, names[i], strlen(names[i])) == 0)
-            return 1;
+            return !strstr(name, "\"means\"") && !strstr(name, "\"lodLevels\"");
     return 0;
 }
 
@@ -47,7 +48,7 @@ static const fxs_scene_format *format_of(const fxs_scene_source *source, const c
         return &fxs_scene_ksplat;
     if (memcmp(head, "NGSP", 4) == 0 || memcmp(head, "\x1f\x8b", 2) == 0)
         return &fxs_scene_spz;
-    if (memcmp(head, "glTF", 4) == 0 || (name && is_of_gltf(name)))
+    if (memcmp(head, "glTF", 4) == 0 || (name && is_gltf(name)))
         return &fxs_scene_gltf;
     if (memcmp(head, "PK\3\4", 4) == 0 || name)
         return &fxs_scene_sog;
@@ -106,7 +107,7 @@ void fxs_scene_source_close(fxs_scene_source *source)
 
 static int open_file(fxs_scene_file *file, const char *path, fxs_scene_file_info *info, fxs_message *message)
 {
-    char head[64] = "", *found = path_of_file(path);
+    char head[4096] = "", *found = path_of_file(path);
     int opened = found ? fxs_scene_source_open(&file->source, found, message)
                  : fxs_fail(message, "%s: out of memory", path);
     free(found);

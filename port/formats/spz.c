@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "byte_reader.h"
 #include "scene_codes.h"
-#include "scene_format.h"
 
 #ifdef FXS_WITH_ZLIB
 #define ZLIB_CONST
@@ -71,10 +71,10 @@ static uint64_t payload_bytes(const fxs_spz *spz)
 
 static int parse_header(fxs_spz *spz, const input *in, const uint8_t *header)
 {
-    if (load_u32(header) != MAGIC)
+    if (fxs_load_u32(header) != MAGIC)
         return fail(in, "not an .spz file: no NGSP at its beginning");
-    spz->version = load_u32(header + 4);
-    spz->count = load_u32(header + 8);
+    spz->version = fxs_load_u32(header + 4);
+    spz->count = fxs_load_u32(header + 8);
     spz->sh_degree = header[12];
     spz->fractional_bits = header[13];
     spz->flags = header[14];
@@ -122,13 +122,13 @@ static int parse_extensions(fxs_spz *spz, const input *in, const uint8_t *bytes,
 {
     uint32_t system = RUB;
     while (size > 0) {
-        uint32_t length = size < 8 ? 0 : load_u32(bytes + 4);
+        uint32_t length = size < 8 ? 0 : fxs_load_u32(bytes + 4);
         if (size < 8 || length > size - 8)
             return fail(in, "an extension ends early");
-        if (load_u32(bytes) == COORDINATE_SYSTEM) {
+        if (fxs_load_u32(bytes) == COORDINATE_SYSTEM) {
             if (length != 4)
                 return fail(in, "the extension with the coordinate system has not 4 bytes");
-            system = load_u32(bytes + 8);
+            system = fxs_load_u32(bytes + 8);
         }
         bytes += 8 + (size_t)length;
         size -= 8 + (uint64_t)length;
@@ -251,7 +251,7 @@ static int load_gzip(fxs_spz *spz, const input *in)
 
 static uint64_t load_u64(const uint8_t *bytes)
 {
-    return load_u32(bytes) | (uint64_t)load_u32(bytes + 4) << 32;
+    return fxs_load_u32(bytes) | (uint64_t)fxs_load_u32(bytes + 4) << 32;
 }
 
 /* The entries: compressed and uncompressed size of each array that is not empty. */
@@ -282,7 +282,7 @@ static int check_contents(const fxs_spz *spz, const input *in, uint32_t contents
 
 static int load_zstd(fxs_spz *spz, const input *in)
 {
-    uint32_t contents = in->size < HEADER_SIZE_4 ? 0 : load_u32(in->data + 16);
+    uint32_t contents = in->size < HEADER_SIZE_4 ? 0 : fxs_load_u32(in->data + 16);
     if (check_contents(spz, in, contents))
         return -1;
     uint32_t extensions = spz->flags & HAS_EXTENSIONS ? contents - HEADER_SIZE_4 : 0;
@@ -364,53 +364,53 @@ static float half(uint32_t bits)
 static float position(const fxs_spz *spz, const uint8_t *bytes)
 {
     if (spz->version == 1)
-        return half(bytes[0] | (uint32_t)bytes[1] << 8);
+        return half(fxs_load_u16(bytes));
     int32_t value = bytes[0] | bytes[1] << 8 | bytes[2] << 16;
     return ldexpf((float)(value - (value >> 23 << 24)), -spz->fractional_bits);
 }
 
-/* x, y, z in 8 bits. */
-static void decode_first_three(float q[4], const uint8_t *bytes)
+/* x, y, z in 8 bits. In double: the rest of 1 may be small. */
+static void decode_first_three(double q[4], const uint8_t *bytes)
 {
-    float rest = 1;
+    double rest = 1;
     for (int i = 0; i < 3; i++) {
-        q[i] = (float)bytes[i] / 127.5f - 1;
+        q[i] = bytes[i] / 127.5 - 1;
         rest -= q[i] * q[i];
     }
-    q[3] = rest > 0 ? sqrtf(rest) : 0;
+    q[3] = sqrt(fmax(rest, 0));
 }
 
 /* Bits 31 and 30: which of x, y, z, w is the largest. The others, sign and 9 bits each: the last is the lowest. */
-static void decode_smallest_three(float q[4], uint32_t word)
+static void decode_smallest_three(double q[4], uint32_t word)
 {
     uint32_t largest = word >> 30;
-    float rest = 1;
+    double rest = 1;
     for (uint32_t i = 4; i-- > 0;) {
         if (i == largest)
             continue;
-        float value = (float)(word & 511) * (0.70710678f / 511);
+        double value = (word & 511) * (0.7071067811865476 / 511);
         q[i] = word >> 9 & 1 ? -value : value;
         rest -= value * value;
         word >>= 10;
     }
-    q[largest] = rest > 0 ? sqrtf(rest) : 0;
+    q[largest] = sqrt(fmax(rest, 0));
 }
 
 static void decode(const fxs_spz *spz, size_t index, fxs_gaussian *g)
 {
     const uint8_t *at[ARRAYS];
-    float q[4];
+    double q[4];
     for (int i = 0; i < ARRAYS; i++)
         at[i] = spz->array[i] + index * spz->stride[i];
     memset(g, 0, sizeof *g);
     if (spz->version < 3)
         decode_first_three(q, at[ROTATION]);
     else
-        decode_smallest_three(q, load_u32(at[ROTATION]));
-    g->rotation[0] = q[3];
+        decode_smallest_three(q, fxs_load_u32(at[ROTATION]));
+    g->rotation[0] = (float)q[3];
     for (int i = 0; i < 3; i++) {
         g->position[i] = spz->flip[i] * position(spz, at[POSITION] + i * spz->stride[POSITION] / 3);
-        g->rotation[i + 1] = spz->flip_rotation[i] * q[i];
+        g->rotation[i + 1] = spz->flip_rotation[i] * (float)q[i];
         g->scale[i] = (float)at[SCALE][i] / 16 - 10;
         g->dc[i] = ((float)at[COLOUR][i] / 255 - 0.5f) / 0.15f;
     }

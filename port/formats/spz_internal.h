@@ -21,9 +21,4 @@ void fxs_spz_rewind(fxs_spz *spz);
 /* NULL is allowed. */
 void fxs_spz_close(fxs_spz *spz);
 
-static inline uint32_t load_u32(const uint8_t *bytes)
-{
-    return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
-}
-
 #endif

@@ -5,7 +5,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 sed -n '/^```c$/,/^```$/p' README.md | sed '/^```/d' >"$work/program.c"
 optional=
-for library in cjson:cjson/cJSON.h webp:webp/decode.h zip:zip.h z:zlib.h; do
+for library in cjson:cjson/cJSON.h webp:webp/decode.h zip:zip.h z:zlib.h zstd:zstd.h; do
     ${CC:-cc} -E - </dev/null -include "${library#*:}" >/dev/null 2>&1 && optional="$optional -l${library%%:*}"
 done
 if ${CC:-cc} -std=c99 -D_POSIX_C_SOURCE=200809L -Wall -Wextra -Werror -I. "$work/program.c" "$B/libfixsplat.a" -lm -lpthread $optional \
