@@ -1,4 +1,5 @@
 /* Reads of .spz files made here in every version, of faulty ones, and of a real scene. */
+#include "../port/formats/spz_write.h"
 #include "scene_bytes.h"
 #include "spz_bytes.h"
 
@@ -391,6 +392,108 @@ static void real_scene(void)
     check_same_scenes("kitchen-marble/kitchen-marble.spz", "kitchen-marble/kitchen-marble.ply", 2e-6);
 }
 
+static fxs_gaussian wanted[COUNT];
+
+static void fill_gaussians(int degree)
+{
+    uint32_t state = (uint32_t)degree;
+    float *values = (float *)wanted;
+    memset(wanted, 0, sizeof wanted);
+    for (int i = 0; i < COUNT; i++, values += sizeof *wanted / sizeof *values)
+        for (int k = 0; k < 14 + 3 * degree * (degree + 2); k++) {
+            state = state * 1664525 + 1013904223;
+            values[k] = (float)(state >> 8) / 8388608 - 1;
+        }
+}
+
+static int write_file(int version, int degree)
+{
+    fxs_spz_writer *writer;
+    if (fxs_spz_writer_open(path, version, COUNT, degree, degree == 1, &writer, &message) != 0)
+        return -1;
+    CHECK(fxs_spz_writer_put(writer, wanted, 3, &message) == 0);
+    CHECK(fxs_spz_writer_put(writer, wanted + 3, COUNT - 3, &message) == 0);
+    CHECK(fxs_spz_writer_put(writer, wanted, 1, &message) == -1);
+    CHECK(strstr(message.text, "more Gaussians than announced"));
+    return fxs_spz_writer_close(writer, &message);
+}
+
+/* To half a step of the format. */
+static void written_and_read(void)
+{
+    for (int version = 3; version <= 4; version++)
+        for (int degree = 0; degree <= 3; degree++) {
+            fill_gaussians(degree);
+            if (write_file(version, degree) != 0) {
+                CHECK(strstr(message.text, "built without"));
+                continue;
+            }
+            if (!CHECK(read_file(out, COUNT + 1) == 0)) {
+                printf("  %s\n", message.text);
+                continue;
+            }
+            CHECK(info.count == COUNT && info.sh_degree == degree && info.antialiased == (degree == 1));
+            for (int i = 0; i < COUNT; i++) {
+                const fxs_gaussian *a = &wanted[i], *b = &out[i];
+                CHECK(rotation_match(a, b) > 1 - 4e-6 && fabs(opacity_of(a) - opacity_of(b)) < 0.501 / 255);
+                for (int k = 0; k < 3; k++) {
+                    CHECK(fabs((double)a->position[k] - b->position[k]) < 0.501 / 4096);
+                    CHECK(fabs((double)a->scale[k] - b->scale[k]) < 0.501 / 16);
+                    CHECK(fabs((double)a->dc[k] - b->dc[k]) < 0.501 / 255 / 0.15);
+                }
+                for (int k = 0; k < 45; k++)
+                    CHECK(fabs((double)a->sh[k] - b->sh[k]) < (fabsf(a->sh[k]) > 0.99f ? 1.01 : 0.501) / 128);
+            }
+        }
+}
+
+/* What was read is the same when it is written and read again, up to the ends of the ranges. */
+static void read_and_written(void)
+{
+    for (int version = 3; version <= 4; version++) {
+        fill(version, 3);
+        if (!make(version == 3 ? PLAIN : ZSTD) || !reads(COUNT))
+            continue;
+        memcpy(wanted, out, sizeof wanted);
+        if (write_file(version, 3) == 0 && CHECK(read_file(out, COUNT + 1) == 0))
+            for (int i = 0; i < COUNT; i++)
+                CHECK(is_same(&wanted[i], &out[i], 2e-3));
+    }
+}
+
+/* y and z are stored with their signs changed. */
+static void written_extremes(void)
+{
+    fill_gaussians(1);
+    const float far[] = {1e30f, -1e30f, NAN, INFINITY, 2047.9999f, -2048, 0};
+    for (int i = 0; i < COUNT; i++) {
+        wanted[i].position[1] = wanted[i].scale[0] = wanted[i].dc[0] = wanted[i].sh[4] = wanted[i].opacity = far[i];
+        wanted[i].rotation[i % 4] = far[i];
+    }
+    memset(wanted[6].rotation, 0, sizeof wanted[6].rotation);
+    if (write_file(3, 1) != 0 || !CHECK(read_file(out, COUNT + 1) == 0))
+        SKIP(message.text);
+    CHECK(out[0].position[1] == 2048 && out[1].position[1] == -8388607.0f / 4096);
+    CHECK(out[5].position[1] == -8388607.0f / 4096);
+    CHECK(out[0].scale[0] == 5.9375f && out[1].scale[0] == -10 && out[0].sh[4] == 1 && out[1].sh[4] == -127 / 128.0f);
+    CHECK(out[6].rotation[0] == 1);
+}
+
+static void faulty_writes(void)
+{
+    fxs_spz_writer *writer;
+    CHECK(fxs_spz_writer_open(path, 2, 1, 0, 0, &writer, &message) == -1 && strstr(message.text, "version 2"));
+    CHECK(fxs_spz_writer_open(path, 5, 1, 0, 0, &writer, &message) == -1 && strstr(message.text, "version 5"));
+    CHECK(fxs_spz_writer_close(NULL, &message) == 0);
+    if (fxs_spz_writer_open(path, 3, 1, 0, 0, &writer, &message) != 0)
+        SKIP(message.text);
+    CHECK(fxs_spz_writer_close(writer, &message) == -1 && strstr(message.text, "1 Gaussians fewer than announced"));
+    CHECK(fxs_spz_writer_open(path, 3, 1, 4, 0, &writer, &message) == -1 && strstr(message.text, "SH degree 4"));
+    CHECK(fxs_spz_writer_open(path, 3, UINT64_MAX, 0, 0, &writer, &message) == -1 && strstr(message.text, "more than"));
+    CHECK(fxs_spz_writer_open("no/such/folder/a.spz", 3, 0, 0, 0, &writer, &message) == 0);
+    CHECK(fxs_spz_writer_close(writer, &message) == -1 && strstr(message.text, "No such file"));
+}
+
 int main(void)
 {
     if (make_path() != 0)
@@ -410,6 +513,10 @@ int main(void)
     RUN(libraries);
     RUN(faulty_streams);
     RUN(zstd_bombs);
+    RUN(written_and_read);
+    RUN(read_and_written);
+    RUN(written_extremes);
+    RUN(faulty_writes);
     RUN(real_scene);
     unlink(path);
     return check_report();

@@ -15,12 +15,10 @@
 #include <zstd.h>
 #endif
 
-#define MAGIC 0x5053474eu                    /* "NGSP" */
 #define COORDINATE_SYSTEM 0xadbe0003u        /* the type of an extension */
 
 enum {
     HEADER_SIZE = 16, HEADER_SIZE_4 = 32,    /* versions 1 to 3, and 4 */
-    MAX_COUNT = 1 << 30,
     MAX_FRACTIONAL_BITS = 24,
     MAX_EXTENSIONS = 1 << 16,                /* bytes, where they are compressed */
     MAX_EXPANSION = 1032                     /* of deflate */
@@ -30,15 +28,15 @@ enum { ANTIALIASED = 1, HAS_EXTENSIONS = 2, LEVELS_OF_DETAIL = 0x80 };   /* flag
 
 enum { RUB = 4, RDF = 6, LAST_XYZ = 8 };     /* coordinate systems: 1 + R + 2 U + 4 F of right, up, front */
 
-enum { POSITION, ALPHA, COLOUR, SCALE, ROTATION, SH, ARRAYS };
+const uint8_t fxs_spz_odd_in[15] = {2, 4, 1, 3, 6, 0, 5, 0, 2, 7, 2, 4, 1, 4, 1};
 
 struct fxs_spz {
     uint32_t version, count;
     int sh_degree, fractional_bits, flags;
     int keep_axes;
     float flip[3], flip_rotation[3], flip_sh[15];   /* +-1, from the file's axes to those wanted */
-    uint8_t stride[ARRAYS];                         /* bytes a Gaussian */
-    uint8_t *payload, *array[ARRAYS];
+    uint8_t stride[FXS_SPZ_ARRAYS];                         /* bytes a Gaussian */
+    uint8_t *payload, *array[FXS_SPZ_ARRAYS];
     uint32_t next;                                  /* Gaussian to read */
 };
 
@@ -64,14 +62,21 @@ static uint64_t array_bytes(const fxs_spz *spz, int array)
 static uint64_t payload_bytes(const fxs_spz *spz)
 {
     uint64_t bytes = 0;
-    for (int i = 0; i < ARRAYS; i++)
+    for (int i = 0; i < FXS_SPZ_ARRAYS; i++)
         bytes += array_bytes(spz, i);
     return bytes;
 }
 
+void fxs_spz_strides(uint8_t stride[FXS_SPZ_ARRAYS], uint32_t version, int sh_degree)
+{
+    const uint8_t strides[FXS_SPZ_ARRAYS] = {version == 1 ? 6 : 9, 1, 3, 3, version < 3 ? 3 : 4,
+                                             (uint8_t)(3 * sh_degree * (sh_degree + 2))};
+    memcpy(stride, strides, sizeof strides);
+}
+
 static int parse_header(fxs_spz *spz, const input *in, const uint8_t *header)
 {
-    if (fxs_load_u32(header) != MAGIC)
+    if (fxs_load_u32(header) != FXS_SPZ_MAGIC)
         return fail(in, "not an .spz file: no NGSP at its beginning");
     spz->version = fxs_load_u32(header + 4);
     spz->count = fxs_load_u32(header + 8);
@@ -87,19 +92,16 @@ static int parse_header(fxs_spz *spz, const input *in, const uint8_t *header)
                         spz->fractional_bits, MAX_FRACTIONAL_BITS);
     if (spz->flags & LEVELS_OF_DETAIL)
         return fail(in, "a tree of levels of detail (Spark) is not read");
-    if (spz->count > MAX_COUNT || (uint64_t)spz->count * 9 > (uint64_t)in->size * 1024)
+    if (spz->count > FXS_SPZ_MAX_COUNT || (uint64_t)spz->count * 9 > (uint64_t)in->size * 1024)
         return fxs_fail(in->message, "%s: the header tells of %u Gaussians, more than %zu bytes hold", in->name,
                         spz->count, in->size);
-    const uint8_t stride[ARRAYS] = {spz->version == 1 ? 6 : 9, 1, 3, 3, spz->version < 3 ? 3 : 4,
-                                    (uint8_t)(3 * spz->sh_degree * (spz->sh_degree + 2))};
-    memcpy(spz->stride, stride, sizeof stride);
+    fxs_spz_strides(spz->stride, spz->version, spz->sh_degree);
     return 0;
 }
 
 /* Values above 8 have y and z exchanged, but which is which differs between versions of the reference library. */
 static int set_axes(fxs_spz *spz, const input *in, uint32_t system)
 {
-    static const uint8_t odd_in[15] = {2, 4, 1, 3, 6, 0, 5, 0, 2, 7, 2, 4, 1, 4, 1};   /* bits 0 to 2: x, y, z */
     system = spz->keep_axes ? RDF : system ? system : RUB;
     if (system > LAST_XYZ)
         return fxs_fail(in->message, "%s: coordinate system %u, not 0 to %d", in->name, system, LAST_XYZ);
@@ -111,7 +113,7 @@ static int set_axes(fxs_spz *spz, const input *in, uint32_t system)
     for (int k = 0; k < 15; k++) {
         spz->flip_sh[k] = 1;
         for (int i = 0; i < 3; i++)
-            if (odd_in[k] >> i & 1)
+            if (fxs_spz_odd_in[k] >> i & 1)
                 spz->flip_sh[k] *= spz->flip[i];
     }
     return 0;
@@ -143,7 +145,7 @@ static int allocate(fxs_spz *spz, const input *in, size_t extra)
     if (!spz->payload)
         return fxs_fail(in->message, "%s: out of memory for %u Gaussians", in->name, spz->count);
     uint8_t *at = spz->payload;
-    for (int i = 0; i < ARRAYS; i++) {
+    for (int i = 0; i < FXS_SPZ_ARRAYS; i++) {
         spz->array[i] = at;
         at += array_bytes(spz, i);
     }
@@ -258,7 +260,7 @@ static uint64_t load_u64(const uint8_t *bytes)
 static int check_contents(const fxs_spz *spz, const input *in, uint32_t contents)
 {
     int streams = 0;
-    for (int i = 0; i < ARRAYS; i++)
+    for (int i = 0; i < FXS_SPZ_ARRAYS; i++)
         streams += array_bytes(spz, i) > 0;
     if (in->data[15] != streams)
         return fxs_fail(in->message, "%s: %d streams, not %d", in->name, in->data[15], streams);
@@ -266,7 +268,7 @@ static int check_contents(const fxs_spz *spz, const input *in, uint32_t contents
         return fail(in, "the table of contents is not within the file");
     const uint8_t *entry = in->data + contents;
     uint64_t left = in->size - contents - (size_t)streams * 16;
-    for (int i = 0; i < ARRAYS; i++) {
+    for (int i = 0; i < FXS_SPZ_ARRAYS; i++) {
         if (array_bytes(spz, i) == 0)
             continue;
         if (load_u64(entry + 8) != array_bytes(spz, i))
@@ -289,7 +291,7 @@ static int load_zstd(fxs_spz *spz, const input *in)
     if (parse_extensions(spz, in, in->data + HEADER_SIZE_4, extensions) || allocate(spz, in, 1))
         return -1;
     const uint8_t *entry = in->data + contents, *stream = entry + 16 * (size_t)in->data[15];
-    for (int i = 0; i < ARRAYS; i++) {
+    for (int i = 0; i < FXS_SPZ_ARRAYS; i++) {
         size_t size = (size_t)array_bytes(spz, i), compressed = size ? (size_t)load_u64(entry) : 0;
         if (size == 0)
             continue;
@@ -398,25 +400,25 @@ static void decode_smallest_three(double q[4], uint32_t word)
 
 static void decode(const fxs_spz *spz, size_t index, fxs_gaussian *g)
 {
-    const uint8_t *at[ARRAYS];
+    const uint8_t *at[FXS_SPZ_ARRAYS];
     double q[4];
-    for (int i = 0; i < ARRAYS; i++)
+    for (int i = 0; i < FXS_SPZ_ARRAYS; i++)
         at[i] = spz->array[i] + index * spz->stride[i];
     memset(g, 0, sizeof *g);
     if (spz->version < 3)
-        decode_first_three(q, at[ROTATION]);
+        decode_first_three(q, at[FXS_SPZ_ROTATION]);
     else
-        decode_smallest_three(q, fxs_load_u32(at[ROTATION]));
+        decode_smallest_three(q, fxs_load_u32(at[FXS_SPZ_ROTATION]));
     g->rotation[0] = (float)q[3];
     for (int i = 0; i < 3; i++) {
-        g->position[i] = spz->flip[i] * position(spz, at[POSITION] + i * spz->stride[POSITION] / 3);
+        g->position[i] = spz->flip[i] * position(spz, at[FXS_SPZ_POSITION] + i * spz->stride[FXS_SPZ_POSITION] / 3);
         g->rotation[i + 1] = spz->flip_rotation[i] * (float)q[i];
-        g->scale[i] = (float)at[SCALE][i] / 16 - 10;
-        g->dc[i] = ((float)at[COLOUR][i] / 255 - 0.5f) / 0.15f;
+        g->scale[i] = (float)at[FXS_SPZ_SCALE][i] / 16 - 10;
+        g->dc[i] = ((float)at[FXS_SPZ_COLOUR][i] / 255 - 0.5f) / 0.15f;
     }
-    g->opacity = fxs_logit_of_code(at[ALPHA][0]);
-    for (int i = 0; i < spz->stride[SH] && i < 45; i++)
-        g->sh[i] = spz->flip_sh[i / 3] * (float)(at[SH][i] - 128) / 128;
+    g->opacity = fxs_logit_of_code(at[FXS_SPZ_ALPHA][0]);
+    for (int i = 0; i < spz->stride[FXS_SPZ_SH] && i < 45; i++)
+        g->sh[i] = spz->flip_sh[i / 3] * (float)(at[FXS_SPZ_SH][i] - 128) / 128;
 }
 
 size_t fxs_spz_read(fxs_spz *spz, fxs_gaussian *gaussians, size_t capacity)

@@ -4,6 +4,20 @@
 
 #include "scene_file.h"
 
+#define FXS_SPZ_MAGIC 0x5053474eu   /* "NGSP" */
+enum { FXS_SPZ_MAX_COUNT = 1 << 30 };
+
+/* The arrays of a payload, in their order. */
+enum {
+    FXS_SPZ_POSITION, FXS_SPZ_ALPHA, FXS_SPZ_COLOUR, FXS_SPZ_SCALE, FXS_SPZ_ROTATION, FXS_SPZ_SH, FXS_SPZ_ARRAYS
+};
+
+/* Sets the bytes a Gaussian of each. */
+void fxs_spz_strides(uint8_t stride[FXS_SPZ_ARRAYS], uint32_t version, int sh_degree);
+
+/* Of the SH of degrees 1 to 3: bits 0, 1, 2 where odd in x, y, z. */
+extern const uint8_t fxs_spz_odd_in[15];
+
 typedef struct fxs_spz fxs_spz;
 
 /* Decompresses and checks all of it; `data` is not needed afterwards. The Gaussians are in the axes of a .ply (right,

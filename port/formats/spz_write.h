@@ -1,0 +1,28 @@
+/* Writes .spz version 3 (gzip) or 4 (zstd). */
+#ifndef FXS_SPZ_WRITE_H
+#define FXS_SPZ_WRITE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "message.h"
+#include "scene_file.h"
+
+typedef struct fxs_spz_writer fxs_spz_writer;
+
+/* Begins a file of exactly `count` Gaussians with SH up to `sh_degree`, 0 to 3. They are held in memory, 20 bytes each
+   and 3 for each SH coefficient, until the file is written. Returns 0 and a writer that fxs_spz_writer_close frees, or
+   -1 and a message. */
+int fxs_spz_writer_open(const char *path, int version, uint64_t count, int sh_degree, int antialiased,
+                        fxs_spz_writer **writer, fxs_message *message);
+
+/* Adds the next n Gaussians, in the axes of a .ply. What the format cannot hold is clamped: positions to +-2048 in
+   steps of 1/4096, logarithms of scales to -10 to 5.9375, dc to +-3.33, SH to +-1 in steps of 1/128 (all 8 bits, where
+   the reference writer keeps 5 or 4). Returns 0, or -1 and a message. */
+int fxs_spz_writer_put(fxs_spz_writer *writer, const fxs_gaussian *gaussians, size_t n, fxs_message *message);
+
+/* Writes the file and frees the writer; NULL is allowed. Returns 0; or -1 and a message where that failed or Gaussians
+   are missing: then nothing is left behind, and an earlier file of that name is as it was. */
+int fxs_spz_writer_close(fxs_spz_writer *writer, fxs_message *message);
+
+#endif
