@@ -63,7 +63,9 @@ scenes() {
     ratios=
     head_row 'scene'
     landscape 1000000
-    scene_rows 'landscape 1,000,000' "$work/1000000.ply"
+    scene_rows 'landscape 1,000,000, all in view' "$work/1000000.ply"
+    scene_rows 'landscape 1,000,000, from the shore' "$work/1000000.ply" \
+        --eye 4.6,-1.9,-12.7 --look 0,-2.2,0 --fov 52
     if [ -d "$SCENES" ]; then
         for view in 8 40 72; do
             scene_rows "snowmiku, view $view" "$SCENES/snowmiku/snowmiku.ply" \

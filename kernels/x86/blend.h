@@ -10,6 +10,8 @@
  * with the square 32768; and a level saturates at 65535, not 32767. All of these are above every limit, so such a pixel
  * takes nothing either way. An entry has to touch a row of the tile. */
 
+#define AHEAD 14                   /* entries: a splat is fetched that much before it is blended */
+
 typedef struct placed {
     int32_t u_q24, v_q24;
     int first_step, last_step, limit_q11;
@@ -51,8 +53,8 @@ void BLEND_FUNCTION(const fxs_view *view, int32_t x, int32_t y, const fxs_splat 
         sum[0][s] = sum[1][s] = sum[2][s] = V_SET1(0);
     }
     for (uint32_t i = 0; i < count && open; i++) {
-        if (i + 8 < count)
-            __builtin_prefetch(&splats[entries[i + 8] & ~FXS_ENTRY_FAR]);
+        if (i + AHEAD < count)
+            __builtin_prefetch(&splats[entries[i + AHEAD] & ~FXS_ENTRY_FAR]);
         const fxs_splat *splat = &splats[entries[i] & ~FXS_ENTRY_FAR];
         placed p = place(view, splat, entries[i], x, y);
         const V limit = V_SET1((int16_t)p.limit_q11);
