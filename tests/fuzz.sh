@@ -72,9 +72,11 @@ seeds_of_spz() {
     int='\0\0\0' long='\0\0\0\0\0\0\0' zeros='\0\0\0\0'
     for version in 1 2 3; do
         for degree in 0 1; do
-            printf "\\$degree""NGSP\\$version$int\\2$int\\$degree\\14\\2\\0" >spz$version$degree
-            head -c $((2 * ((version == 1 ? 6 : 9) + (version == 3 ? 4 : 3) + 7 + 9 * degree))) /dev/zero >>spz$version$degree
-            printf "\\3\\0\\276\\255\\4$int\\6$int" >>spz$version$degree
+            {
+                printf "\\$degree""NGSP\\$version$int\\2$int\\$degree\\14\\2\\0"
+                head -c $((2 * ((version == 1 ? 6 : 9) + (version == 3 ? 4 : 3) + 7 + 9 * degree))) /dev/zero
+                printf "\\3\\0\\276\\255\\4$int\\6$int"
+            } >spz$version$degree
         done
     done
     {
