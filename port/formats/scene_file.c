@@ -118,8 +118,8 @@ static int open_file(fxs_scene_file *file, const char *path, fxs_scene_file_info
         return fxs_fail(message, "%s: %s", path, strerror(errno));
     file->format = format_of(&file->source, head, size);
     if (!file->format)
-        return fxs_fail(message, "%s: not a scene file of a known format (.ply, .spz, .glb, .gltf, .sog, .ksplat; or .splat: whole "
-                        "records of 32 bytes, finite positions, scales of 0 or more)", path);
+        return fxs_fail(message, "%s: not a scene file of a known format (.ply, .spz, .glb, .gltf, .sog, .ksplat; or "
+                        ".splat: whole records of 32 bytes, finite positions, scales of 0 or more)", path);
     if (fseeko(file->source.stream, 0, SEEK_SET) != 0)
         return fxs_fail(message, "%s: %s", path, strerror(errno));
     info->format = file->format->name;
