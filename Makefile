@@ -42,8 +42,10 @@ MACHINE := $(shell $(CC) -dumpmachine)
 KERNELS := $(wildcard kernels/*.c)
 KERNELS += $(if $(findstring x86_64,$(MACHINE)),$(wildcard kernels/x86/*.c))
 KERNELS += $(if $(findstring aarch64,$(MACHINE)),$(wildcard kernels/arm/*.c))
+# clang 14 crashes on the debug information of AVX-512 masks.
+CLANG_14 := $(if $(findstring clang,$(shell $(CC) --version)),-g0)
 isa = $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
-      -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi)))
+      -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi $(CLANG_14))))
 FEATURES += $(if $(KERNELS),-DFXS_WITH_KERNELS)
 
 CORE := $(wildcard src/*.c) $(KERNELS)
