@@ -231,7 +231,7 @@ fails "eye too far out" 1 "position" render knot.ply $small --eye 1e30,0,0 --has
 # ---- Scenes that are not right ---------------------------------------------------------------------------------------
 
 fails "scene missing" 1 "none.ply: No such file" render none.ply --hash
-fails "scene a folder" 1 "views: " render views --hash
+fails "scene a folder" 1 "views/meta.json: No such file" render views --hash
 fails "scene a picture" 1 "knot.png: not a scene" render knot.png --hash
 fails "info: scene missing" 1 "none.ply: No such file" info none.ply
 fails "bench: scene missing" 1 "none.ply: No such file" bench none.ply
