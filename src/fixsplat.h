@@ -153,7 +153,7 @@ int fxs_init(fxs_context *context, const fxs_config *config);
 typedef struct fxs_frame_memory {
     size_t splats;                 /* projected Gaussians: 68 bytes each */
     size_t keys;                   /* sort keys, twice: 16 bytes a Gaussian; 8 KiB a thread */
-    size_t tiles;                  /* lists of 16x16 pixels: 12 bytes a tile, and 4 a tile and thread */
+    size_t tiles;                  /* of 16x16 pixels: 12 bytes each, and 4 for each thread */
     size_t entries;                /* tile lists, 4 bytes an entry */
     size_t total;
 } fxs_frame_memory;
@@ -173,10 +173,12 @@ typedef struct fxs_stats {
     uint64_t frame_nanoseconds;
 } fxs_stats;
 
-/* Renders a frame. `memory`: `memory_bytes` bytes, at least fxs_frame_bytes, aligned to 64, contents undefined before
-   and after. `pixels`: height rows of width pixels (options->format), `stride` bytes from row to row (negative:
-   bottom up); only the pixels are written. *stats may be null. Errors: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA,
-   FXS_ERR_SIZE, FXS_ERR_MEMORY; nothing is written to `pixels` then. */
+/* Renders a frame. Not drawn are Gaussians whose centre is within 0.2 units of the camera's plane or behind it, more
+   than 89 degrees off the axis or 65536 pixels off the picture's corner, or whose sigma is over 65536 pixels.
+   `memory`: `memory_bytes` bytes, at least fxs_frame_bytes, aligned to 64, contents undefined before and after.
+   `pixels`: height rows of width pixels (options->format), `stride` bytes from row to row (negative: bottom up); only
+   the pixels are written. *stats may be null. Errors: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA, FXS_ERR_SIZE, FXS_ERR_MEMORY;
+   nothing is written to `pixels` then. */
 int fxs_render(const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                void *memory, size_t memory_bytes, void *pixels, ptrdiff_t stride, fxs_stats *stats);
 
