@@ -68,6 +68,7 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
     if (cpu & FXS_CPU_NEON) {
         USE(FXS_PROJECT, project, neon);
         USE(FXS_SHADE, shade, neon);
+        USE(FXS_BIN, bin, neon);
         USE(FXS_BLEND, blend, neon);
         USE(FXS_RESOLVE, resolve, neon);
     }

@@ -8,6 +8,8 @@ uint32_t fxs_project_neon(const fxs_view *view, const unsigned char *chunk, uint
                           fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
 void fxs_shade_neon(const fxs_view *view, const unsigned char *chunk, const uint32_t *indices, uint32_t count,
                     fxs_splat *splats);
+void fxs_bin_neon(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count,
+                  fxs_box *boxes);
 void fxs_blend_neon(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
                     uint32_t count, fxs_tile *tile);
 void fxs_resolve_neon(const fxs_options *options, const fxs_tile *tile, int32_t columns, int32_t rows,
