@@ -20,29 +20,6 @@ typedef struct ellipses {
     int32x4_t first_column, more_rows;   /* of the box; tile rows after the first */
 } ellipses;
 
-static inline int any(uint32x4_t mask)
-{
-    return vget_lane_u64(vreinterpret_u64_u16(vmovn_u32(mask)), 0) != 0;
-}
-
-static inline uint32x4_t u32(int32x4_t x)
-{
-    return vreinterpretq_u32_s32(x);
-}
-
-static inline int32x4_t s32(uint32x4_t x)
-{
-    return vreinterpretq_s32_u32(x);
-}
-
-/* fxs_sqrt; 0 for 0 */
-static inline uint32x4_t sqrt_32(uint32x4_t x)
-{
-    int32x4_t zeros = even_zeros(x);
-    uint32x4_t m = vshlq_u32(x, zeros);
-    return vshlq_u32(mulhi(m, rsqrt(m)), vsubq_s32(vdupq_n_s32(-14), vshrq_n_s32(zeros, 1)));
-}
-
 /* words[i] = word i of what the four pointers point to */
 static inline void load_fours(int32x4_t words[4], const void *x, const void *y, const void *z, const void *w)
 {

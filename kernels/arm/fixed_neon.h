@@ -8,6 +8,21 @@
 #define MUL_SHIFT(a, b, shift) \
     vshrn_high_n_u64(vshrn_n_u64(vmull_u32(vget_low_u32(a), vget_low_u32(b)), shift), vmull_high_u32(a, b), shift)
 
+static inline int any(uint32x4_t mask)
+{
+    return vget_lane_u64(vreinterpret_u64_u16(vmovn_u32(mask)), 0) != 0;
+}
+
+static inline uint32x4_t u32(int32x4_t x)
+{
+    return vreinterpretq_u32_s32(x);
+}
+
+static inline int32x4_t s32(uint32x4_t x)
+{
+    return vreinterpretq_s32_u32(x);
+}
+
 static inline uint32x4_t mulhi(uint32x4_t a, uint32x4_t b)
 {
     uint64x2_t low = vmull_u32(vget_low_u32(a), vget_low_u32(b)), high = vmull_high_u32(a, b);
@@ -75,6 +90,14 @@ static inline uint32x4_t rsqrt(uint32x4_t m)
         y_q30 = MUL_SHIFT(y_q30, rest, 30);
     }
     return y_q30;
+}
+
+/* fxs_sqrt; 0 for 0 */
+static inline uint32x4_t sqrt_32(uint32x4_t x)
+{
+    int32x4_t zeros = even_zeros(x);
+    uint32x4_t m = vshlq_u32(x, zeros);
+    return vshlq_u32(mulhi(m, rsqrt(m)), vsubq_s32(vdupq_n_s32(-14), vshrq_n_s32(zeros, 1)));
 }
 
 #endif

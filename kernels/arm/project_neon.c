@@ -27,21 +27,6 @@ typedef struct shapes {
     uint32_t breadth_q8[LANES], half_width_q8[LANES];
 } shapes;
 
-static inline int any(uint32x4_t mask)
-{
-    return vget_lane_u64(vreinterpret_u64_u16(vmovn_u32(mask)), 0) != 0;
-}
-
-static inline uint32x4_t u32(int32x4_t x)
-{
-    return vreinterpretq_u32_s32(x);
-}
-
-static inline int32x4_t s32(uint32x4_t x)
-{
-    return vreinterpretq_s32_u32(x);
-}
-
 static inline int32x4_t camera_coordinate(const fxs_chunk_view *cv, int axis, const int32x4_t code[3])
 {
     int64x2_t low = vdupq_n_s64(cv->base_q16[axis]), high = low;
@@ -106,14 +91,6 @@ static inline uint32x4_t exp2_q15(uint32x4_t x_q16)
     p = mul_q15(vaddq_s32(p, vdupq_n_s32(7904)), f_q15);
     p = mul_q15(vsubq_s32(p, vdupq_n_s32(22724)), f_q15);
     return u32(vaddq_s32(vdupq_n_s32(32768), p));
-}
-
-/* fxs_sqrt; 0 for 0 */
-static inline uint32x4_t sqrt_32(uint32x4_t x)
-{
-    int32x4_t zeros = even_zeros(x);
-    uint32x4_t m = vshlq_u32(x, zeros);
-    return vshlq_u32(mulhi(m, rsqrt(m)), vsubq_s32(vdupq_n_s32(-14), vshrq_n_s32(zeros, 1)));
 }
 
 static inline int32x4_t component(uint32x4_t code)
