@@ -12,30 +12,15 @@ FLAGS = -std=c99 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=
 LIBS = -lm -lpthread
 
 # Optional libraries: without one, its feature answers with a clear message.
-header = $(shell printf '\#include <$(1)>\n' | $(CC) $(CPPFLAGS) -E -x c - >/dev/null 2>&1 && echo yes)
-ifeq ($(call header,cjson/cJSON.h),yes)
-FEATURES += -DFXS_WITH_CJSON
-LIBS += -lcjson
-endif
-ifeq ($(call header,zlib.h),yes)
-FEATURES += -DFXS_WITH_ZLIB
-LIBS += -lz
-endif
-ifeq ($(call header,zstd.h),yes)
-FEATURES += -DFXS_WITH_ZSTD
-LIBS += -lzstd
-endif
-ifeq ($(call header,webp/decode.h),yes)
-FEATURES += -DFXS_WITH_WEBP
-LIBS += -lwebp
-endif
-ifeq ($(call header,zip.h),yes)
-FEATURES += -DFXS_WITH_ZIP
-LIBS += -lzip
-endif
-ifeq ($(call header,stb/stb_image_write.h),yes)
-FEATURES += -DFXS_WITH_STB
-endif
+# optional(header, feature, libraries)
+optional = $(if $(shell printf '\#include <$(1)>\n' | $(CC) $(CPPFLAGS) -E -x c - >/dev/null 2>&1 && echo yes),\
+           $(eval FEATURES += -DFXS_WITH_$(2))$(eval LIBS += $(3)))
+$(call optional,cjson/cJSON.h,CJSON,-lcjson)
+$(call optional,zlib.h,ZLIB,-lz)
+$(call optional,zstd.h,ZSTD,-lzstd)
+$(call optional,webp/decode.h,WEBP,-lwebp)
+$(call optional,zip.h,ZIP,-lzip)
+$(call optional,stb/stb_image_write.h,STB,)
 
 # Faster versions of the stages, by processor; src/ alone is complete.
 MACHINE := $(shell $(CC) -dumpmachine)

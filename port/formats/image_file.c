@@ -13,6 +13,7 @@
 #define MAX_READ_PIXELS (1 << 26)
 #define MAX_PNG_BYTES (1 << 29)   /* stb_image_write counts in int and doubles its buffer */
 
+#ifdef FXS_WITH_STB
 #if defined(__GNUC__)
 #pragma GCC diagnostic ignored "-Wunused-function"   /* gcc says it at the end of the file */
 #pragma GCC diagnostic push
@@ -31,6 +32,7 @@
 #include <stb/stb_image_write.h>
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
+#endif
 #endif
 
 static const char too_large[] = "without pixels, or more than 16384 on a side or 2^26 in all";
@@ -52,11 +54,6 @@ int fxs_image_file_known(const char *path)
     return format_of(path) != UNKNOWN;
 }
 
-static void write_bytes(void *file, void *data, int size)
-{
-    fwrite(data, 1, (size_t)size, file);   /* ferror tells later */
-}
-
 static int opaque(const uint8_t *rgba, size_t pixels)
 {
     for (size_t i = 0; i < pixels; i++)
@@ -64,6 +61,25 @@ static int opaque(const uint8_t *rgba, size_t pixels)
             return 0;
     return 1;
 }
+
+#ifdef FXS_WITH_STB
+static void write_bytes(void *file, void *data, int size)
+{
+    fwrite(data, 1, (size_t)size, file);   /* ferror tells later */
+}
+
+static int write_png(FILE *file, int channels, const uint8_t *pixels, int width, int height)
+{
+    return stbi_write_png_to_func(write_bytes, file, width, height, channels, pixels, channels * width) ? 0 : -1;
+}
+#else
+/* Refused before it comes to this. */
+static int write_png(FILE *file, int channels, const uint8_t *pixels, int width, int height)
+{
+    (void)file, (void)channels, (void)pixels, (void)width, (void)height;
+    return -1;
+}
+#endif
 
 /* Writes the pixels, in which the caller looks for errors of the stream; -1 when out of memory. */
 static int write_pixels(FILE *file, int format, const uint8_t *rgba, int width, int height)
@@ -74,19 +90,19 @@ static int write_pixels(FILE *file, int format, const uint8_t *rgba, int width, 
         return 0;
     }
     if (format == PNG && !opaque(rgba, pixels))
-        return stbi_write_png_to_func(write_bytes, file, width, height, 4, rgba, 4 * width) ? 0 : -1;
+        return write_png(file, 4, rgba, width, height);
     uint8_t *rgb = malloc(3 * pixels);
     if (!rgb)
         return -1;
     for (size_t i = 0; i < pixels; i++)
         memcpy(rgb + 3 * i, rgba + 4 * i, 3);
-    int written = 1;
+    int result = 0;
     if (format == PNG)
-        written = stbi_write_png_to_func(write_bytes, file, width, height, 3, rgb, 3 * width);
+        result = write_png(file, 3, rgb, width, height);
     else if (fprintf(file, "P6\n%d %d\n255\n", width, height) > 0)
         fwrite(rgb, 3, pixels, file);
     free(rgb);
-    return written ? 0 : -1;
+    return result;
 }
 
 /* A new file in the folder of `path`, so that it can be renamed to it. The caller frees *name. */
@@ -141,6 +157,11 @@ int fxs_image_file_write(const char *path, const uint8_t *rgba, int width, int h
         return fxs_fail(message, "%s: unknown ending of an image; known are .png, .ppm and .raw", path);
     if (width < 1 || height < 1 || width > MAX_SIZE || height > MAX_SIZE)
         return fxs_fail(message, "%s: cannot write an image of %d x %d", path, width, height);
+#ifndef FXS_WITH_STB
+    if (format == PNG)
+        return fxs_fail(message, "%s: this program was built without stb, which .png needs; .ppm and .raw can be written",
+                        path);
+#endif
     if (format == PNG && (int64_t)width * height * 4 > MAX_PNG_BYTES)
         return fxs_fail(message, "%s: %d x %d is too large for .png here; .ppm and .raw can hold it", path, width,
                         height);
@@ -153,6 +174,25 @@ static int readable_size(int width, int height)
     return width >= 1 && height >= 1 && width <= MAX_SIZE && height <= MAX_SIZE &&
            (int64_t)width * height <= MAX_READ_PIXELS;
 }
+
+#ifdef FXS_WITH_STB
+static const char *read_png(FILE *file, uint8_t **rgba, int *width, int *height)
+{
+    int channels;
+    if (!stbi_info_from_file(file, width, height, &channels))
+        return "not a .png or .ppm";
+    if (!readable_size(*width, *height))
+        return too_large;
+    *rgba = stbi_load_from_file(file, width, height, &channels, 4);
+    return *rgba ? NULL : stbi_failure_reason();
+}
+#else
+static const char *read_png(FILE *file, uint8_t **rgba, int *width, int *height)
+{
+    (void)file, (void)rgba, (void)width, (void)height;
+    return "not a .ppm; this program was built without stb, which .png needs";
+}
+#endif
 
 /* A number of a .ppm's header, after blanks and comments and with the blank that follows; -1 where there is none. */
 static int header_number(FILE *file)
@@ -194,17 +234,6 @@ static const char *read_ppm(FILE *file, uint8_t **rgba, int *width, int *height)
         (*rgba)[4 * i + 3] = 255;
     }
     return NULL;
-}
-
-static const char *read_png(FILE *file, uint8_t **rgba, int *width, int *height)
-{
-    int channels;
-    if (!stbi_info_from_file(file, width, height, &channels))
-        return "not a .png or .ppm";
-    if (!readable_size(*width, *height))
-        return too_large;
-    *rgba = stbi_load_from_file(file, width, height, &channels, 4);
-    return *rgba ? NULL : stbi_failure_reason();
 }
 
 int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_message *message)
