@@ -37,17 +37,29 @@ const char *fxs_strerror(int error);
 /* ---- Scene ----------------------------------------------------------------------------------------------------- */
 
 /* A packed scene (src/packed.h has its layout), as seen by the renderer: it points into the caller's bytes. */
+struct fxs_chunk;
+
+enum fxs_profile {                 /* at SH degree 3, of a large scene: */
+    FXS_PROFILE_DEFAULT = 0,       /* 63.5 bytes a Gaussian */
+    FXS_PROFILE_COMPACT = 1,       /* 38.6: SH by a palette and what is left of it in 3 bits */
+    FXS_PROFILE_SMALL = 2          /* 19.6: SH by a palette, the rest in 8 to 12 bits */
+};
+
 typedef struct fxs_scene {
-    const unsigned char *chunks;   /* first chunk, aligned to 64 */
-    uint32_t count;                /* Gaussians */
-    uint32_t chunk_count;          /* chunks of 256 Gaussians, the last one padded */
-    uint32_t chunk_bytes;
-    int sh_degree;                 /* 0 to 3 */
-    int antialiased;               /* 1: the opacity is compensated for the dilation */
+    const struct fxs_chunk *chunks;   /* of 256 Gaussians, the last one padded */
+    const unsigned char *rows;        /* of the first chunk, aligned to 64 */
+    const int8_t *palette;            /* null without one */
+    enum fxs_profile profile;
+    uint32_t count;                   /* Gaussians */
+    uint32_t chunk_count, chunk_bytes;
+    uint32_t palette_entries, palette_step_q19;
+    int sh_degree;                    /* 0 to 3 */
+    int antialiased;                  /* 1: the opacity is compensated for the dilation */
 } fxs_scene;
 
-/* Bytes of a packed scene of `count` Gaussians with SH of degree `sh_degree`; 0 where either is out of range. */
-size_t fxs_scene_bytes(uint32_t count, int sh_degree);
+/* Bytes of a packed scene of `count` Gaussians with SH of degree `sh_degree`, and `palette_entries` (0 to 256) in each
+   stage of its palette; 0 where any is out of range. */
+size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries);
 
 /* Checks `bytes` bytes of a packed scene at `data` (aligned to 64; memory, a mapped file or flash) and fills *scene.
    `data` must stay in place and unchanged as long as the scene is used; nothing is copied.
@@ -119,12 +131,12 @@ typedef struct fxs_kernels {
 
     /* Projects the Gaussians of a chunk. Those that can touch a pixel are appended: splats (but for the colour),
        bounds, index in the scene, depth key. Returns their number, at most 256. */
-    uint32_t (*project)(const struct fxs_view *view, const unsigned char *chunk, uint32_t first_index,
-                        struct fxs_splat *splats, struct fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
+    uint32_t (*project)(const struct fxs_view *view, const fxs_scene *scene, uint32_t chunk, struct fxs_splat *splats,
+                        struct fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
 
     /* Fills in the colour of `count` splats of one chunk; indices ascend. */
-    void (*shade)(const struct fxs_view *view, const unsigned char *chunk, const uint32_t *indices, uint32_t count,
-                  struct fxs_splat *splats);
+    void (*shade)(const struct fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
+                  uint32_t count, struct fxs_splat *splats);
 
     /* Finds the tiles of `count` splats. */
     void (*bin)(const struct fxs_view *view, const struct fxs_splat *splats, const struct fxs_bounds *bounds,

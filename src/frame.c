@@ -120,18 +120,13 @@ size_t fxs_frame_bytes(const fxs_context *context, const fxs_scene *scene, int32
 
 /* ---- Stages ---------------------------------------------------------------------------------------------------- */
 
-static const unsigned char *chunk_at(const frame *f, uint32_t chunk)
-{
-    return f->scene->chunks + (size_t)chunk * f->scene->chunk_bytes;
-}
-
 static void project_block(frame *f, uint32_t block)
 {
     uint32_t count = 0, *depths = (uint32_t *)f->spare_keys;
     for (uint32_t c = block * BLOCK; c < (block + 1) * BLOCK && c < f->scene->chunk_count; c++) {
         size_t slot = (size_t)block * BLOCK_SLOTS + count;
-        count += f->context->kernels.project(&f->view, chunk_at(f, c), c * FXS_CHUNK, f->splats + slot,
-                                             f->bounds + slot, f->indices + slot, depths + slot);
+        count += f->context->kernels.project(&f->view, f->scene, c, f->splats + slot, f->bounds + slot,
+                                             f->indices + slot, depths + slot);
     }
     f->block_counts[block] = count;
 }
@@ -144,7 +139,7 @@ static void shade_block(frame *f, uint32_t block)
         uint32_t chunk = f->indices[first] / FXS_CHUNK;
         while (last < end && f->indices[last] / FXS_CHUNK == chunk)
             last++;
-        f->context->kernels.shade(&f->view, chunk_at(f, chunk), f->indices + first, (uint32_t)(last - first),
+        f->context->kernels.shade(&f->view, f->scene, chunk, f->indices + first, (uint32_t)(last - first),
                                   f->splats + first);
         first = last;
     }

@@ -1,14 +1,31 @@
 /* The packed scene: what an importer writes and the renderer reads in place, in memory or from a mapped .fxs file.
- * Little-endian, aligned to 64.
+ * Little-endian, aligned to 64. docs/format.md has it byte by byte.
  *
- *   fxs_packed_header, then chunk_count chunks, each
- *       fxs_chunk                          128 bytes: how the codes of these 256 Gaussians are read
+ *   fxs_packed_header                      192 bytes
+ *   fxs_chunk[chunk_count]                 128 bytes each: how the codes of 256 Gaussians are read, and where they lie
+ *   int8_t palette[stages][entries][48]    SH, 0 to 4 stages: red, green, blue of 16 (the last of them 0); then zeros
+ *                                          up to a multiple of 64
+ *   rows[chunk_count]                      chunk_bytes each, one of:
+ *
+ *   default
  *       uint16_t x[256], y[256], z[256]    position codes
  *       uint32_t rotation[256]             bits 31..30: which of w, x, y, z is the largest; then the others, in
  *                                          that order, 10 bits each, from bit 20 down
  *       uint32_t scale[256]                three codes of 10 bits: x in bits 9..0, y, z; bits 31..30 are 0
  *       uint32_t colour[256]               r in bits 7..0, g, b, opacity in bits 31..24
  *       int8_t   sh[3 * K][256]            K = 0, 3, 8, 15 for degree 0..3; row 3 * k + channel
+ *
+ *   compact: as default, but for
+ *       uint8_t  sh[256][8, 12 or 20]      degree 1, 2, 3: index in each of two palettes, gain, then 3 K codes of 3
+ *                                          bits, two's complement, red first, from the low bits of each byte up
+ *
+ *   small: codes of fewer bits, spread to those of default by repeating their high bits below
+ *       uint32_t a[256]                    x in bits 11..0, y in 23..12, opacity in 31..24
+ *       uint32_t b[256]                    z in bits 11..0, largest component in 13..12, 0, r in 23..16, g in 31..24
+ *       uint32_t c[256]                    scale codes of 8 bits: x, y, z; the first component of the rotation
+ *       uint16_t d[256]                    the second and the third
+ *       uint8_t  e[256]                    b
+ *       uint8_t  sh[256][4]                degree 1 to 3: index in each of four palettes
  *
  * Rows are whole, so that 16, 32 or 64 neighbours load at once. The Gaussians lie along a Morton curve, so that a
  * chunk is small in space. The last chunk is padded with opacity 0. */
@@ -17,20 +34,27 @@
 
 #include <stdint.h>
 
+#include "fixsplat.h"
+
 #define FXS_CHUNK 256
 #define FXS_PACKED_MAGIC 0x31535846u      /* "FXS1" */
-#define FXS_PACKED_VERSION 1u
+#define FXS_PACKED_VERSION 2u
 #define FXS_PACKED_ANTIALIASED 1u
 
-typedef struct fxs_packed_header {   /* 128 bytes */
+typedef struct fxs_packed_header {   /* 192 bytes */
     uint32_t magic, version;
     uint32_t count, chunk_count;
-    uint32_t chunk_bytes;
+    uint32_t chunk_bytes;            /* of a chunk's rows */
     uint32_t sh_degree;
     uint32_t flags;                  /* FXS_PACKED_ANTIALIASED */
-    uint32_t checksum[1];            /* in a file: CRC-32 of the header with 0 here; in memory: 0 */
+    uint32_t checksum;               /* in a file: CRC-32 of the header with 0 here; in memory: 0 */
     int64_t low_q32[3], high_q32[3];               /* bounds of the centres; not read by the renderer */
     int64_t inner_low_q32[3], inner_high_q32[3];   /* the same for the middle 90 % on each axis */
+    uint32_t profile;                /* enum fxs_profile */
+    uint32_t palette_entries;        /* of each stage, 1 to 256; 0 without a palette */
+    uint32_t palette_step_q19;       /* a coefficient of a palette is its number * step; at most 32767 */
+    uint32_t palette_checksum;       /* in a file: CRC-32 of the palette */
+    uint32_t reserved[12];           /* 0 */
 } fxs_packed_header;
 
 typedef struct fxs_chunk {           /* 128 bytes */
@@ -41,20 +65,50 @@ typedef struct fxs_chunk {           /* 128 bytes */
     uint32_t scale_step_q24;         /* cover many pixels, get the fine steps; at most 1026 */
     int32_t colour_q16[3];           /* 0.5 + C0 dc = colour + code * colour_step, within +-64 */
     uint32_t colour_step_q20[3];
-    uint32_t sh_step_q19[3];         /* a coefficient of degree d is code * sh_step[d - 1]; at most 32767 */
-    uint32_t checksum;               /* in a file: CRC-32 of the chunk with 0 here; in memory: 0 */
-    uint32_t reserved[8];            /* 0 */
+    uint32_t sh_step_q19[3];         /* default: a coefficient of degree d is code * sh_step[d - 1]; at most 32767 */
+    uint32_t checksum;               /* in a file: CRC-32 of this header with 0 here, and of the chunk's rows */
+    uint32_t reserved[10];           /* 0 */
 } fxs_chunk;
-
-#define FXS_CHUNK_POSITION 128u                          /* offsets in a chunk, in bytes */
-#define FXS_CHUNK_ROTATION (FXS_CHUNK_POSITION + 6u * FXS_CHUNK)
-#define FXS_CHUNK_SCALE (FXS_CHUNK_ROTATION + 4u * FXS_CHUNK)
-#define FXS_CHUNK_COLOUR (FXS_CHUNK_SCALE + 4u * FXS_CHUNK)
-#define FXS_CHUNK_SH (FXS_CHUNK_COLOUR + 4u * FXS_CHUNK)
 
 /* SH coefficients a channel above degree 0: 0, 3, 8, 15. */
 #define FXS_SH_COUNT(degree) (((degree) + 1) * ((degree) + 1) - 1)
 
-#define FXS_CHUNK_BYTES(degree) (FXS_CHUNK_SH + 3u * (uint32_t)FXS_SH_COUNT(degree) * FXS_CHUNK)
+#define FXS_ROW_POSITION 0u                              /* offsets in the rows of default and compact, in bytes */
+#define FXS_ROW_ROTATION (6u * FXS_CHUNK)
+#define FXS_ROW_SCALE (10u * FXS_CHUNK)
+#define FXS_ROW_COLOUR (14u * FXS_CHUNK)
+#define FXS_ROW_SH (18u * FXS_CHUNK)
+
+#define FXS_SMALL_A 0u                                   /* and of small */
+#define FXS_SMALL_B (4u * FXS_CHUNK)
+#define FXS_SMALL_C (8u * FXS_CHUNK)
+#define FXS_SMALL_D (12u * FXS_CHUNK)
+#define FXS_SMALL_E (14u * FXS_CHUNK)
+#define FXS_SMALL_SH (15u * FXS_CHUNK)
+
+/* Bytes of SH a Gaussian in the rows. */
+static inline uint32_t fxs_sh_bytes(enum fxs_profile profile, int degree)
+{
+    static const uint8_t compact[4] = {0, 8, 12, 20};
+    return profile == FXS_PROFILE_DEFAULT   ? 3u * (uint32_t)FXS_SH_COUNT(degree)
+           : profile == FXS_PROFILE_COMPACT ? compact[degree]
+                                            : degree > 0 ? 4u : 0u;
+}
+
+static inline uint32_t fxs_chunk_bytes(enum fxs_profile profile, int degree)
+{
+    return (uint32_t)FXS_CHUNK * ((profile == FXS_PROFILE_SMALL ? 15u : 18u) + fxs_sh_bytes(profile, degree));
+}
+
+/* Stages of the palette: the sum of one entry of each is a Gaussian's SH, but for the residual of compact. */
+static inline uint32_t fxs_palette_stages(enum fxs_profile profile, int degree)
+{
+    return degree == 0 || profile == FXS_PROFILE_DEFAULT ? 0 : profile == FXS_PROFILE_COMPACT ? 2 : 4;
+}
+
+#define FXS_PALETTE_ENTRIES 256u                         /* most of a stage */
+#define FXS_PALETTE_STRIDE 48u                           /* bytes an entry */
+#define FXS_GAIN_BYTE 2u                                 /* in an SH record of compact */
+#define FXS_RESIDUAL_BIT 24u                             /* where its codes begin */
 
 #endif

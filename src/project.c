@@ -1,6 +1,7 @@
 /* project: packed Gaussian -> centre, 2x2 covariance, whitened rows, depth. EWA splatting (Zwicker et al. 2001) as in
  * Kerbl et al. 2023: Sigma' = J W R S S^T R^T W^T J^T + 0.3 I. The 2x3 matrix T = J W R S is kept in fixed point
  * relative to its own size, 2^E pixels. */
+#include "codes.h"
 #include "fixed.h"
 #include "stage.h"
 
@@ -281,27 +282,24 @@ static uint32_t depth_key(const fxs_chunk_view *cv, const projected *centre)
     return exponent << 26 | (((uint32_t)centre->z << centre->zeros) >> 5 & 0x3ffffff);
 }
 
-uint32_t fxs_project_c(const fxs_view *view, const unsigned char *chunk, uint32_t first_index, fxs_splat *splats,
+uint32_t fxs_project_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
                        fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
 {
-    const uint16_t *position = (const uint16_t *)(const void *)(chunk + FXS_CHUNK_POSITION);
-    const uint32_t *rotation_word = (const uint32_t *)(const void *)(chunk + FXS_CHUNK_ROTATION);
-    const uint32_t *scale_word = (const uint32_t *)(const void *)(chunk + FXS_CHUNK_SCALE);
-    const uint32_t *colour_word = (const uint32_t *)(const void *)(chunk + FXS_CHUNK_COLOUR);
+    const unsigned char *rows = fxs_rows(scene, chunk);
     fxs_chunk_view cv;
     uint32_t count = 0;
-    if (!fxs_chunk_view_init(&cv, view, (const fxs_chunk *)(const void *)chunk))
+    if (!fxs_chunk_view_init(&cv, view, &scene->chunks[chunk]))
         return 0;
-    for (uint32_t i = 0; i < FXS_CHUNK; i++) {
-        const uint16_t code[3] = {position[i], position[FXS_CHUNK + i], position[2 * FXS_CHUNK + i]};
+    for (uint32_t g = 0; g < FXS_CHUNK; g++) {
+        const fxs_codes codes = fxs_codes_of(scene, rows, g);
         projected centre;
-        uint32_t opacity = colour_word[i] >> 24;
-        if (!opacity || !project_centre(&centre, view, &cv, code))
+        uint32_t opacity = codes.colour >> 24;
+        if (!opacity || !project_centre(&centre, view, &cv, codes.position))
             continue;
         splats[count].offset_q11 = fxs_offset_of_code_q11[opacity];
-        if (!project_shape(&splats[count], &bounds[count], view, &cv, &centre, scale_word[i], rotation_word[i]))
+        if (!project_shape(&splats[count], &bounds[count], view, &cv, &centre, codes.scale, codes.rotation))
             continue;
-        indices[count] = first_index + i;
+        indices[count] = chunk * FXS_CHUNK + g;
         depths[count++] = depth_key(&cv, &centre);
     }
     return count;

@@ -2,13 +2,37 @@
 #include "packed.h"
 #include "stage.h"
 
-size_t fxs_scene_bytes(uint32_t count, int sh_degree)
+/* Where the parts of a packed scene begin, and its bytes. */
+typedef struct layout {
+    uint64_t palette, rows, bytes;
+} layout;
+
+static layout lay_out(uint64_t chunks, uint64_t chunk_bytes, uint64_t palette_bytes)
 {
-    if (count > FXS_MAX_COUNT || sh_degree < 0 || sh_degree > 3)
+    layout l;
+    l.palette = sizeof(fxs_packed_header) + chunks * sizeof(fxs_chunk);
+    l.rows = l.palette + (palette_bytes + 63) / 64 * 64;
+    l.bytes = l.rows + chunks * chunk_bytes;
+    return l;
+}
+
+/* Returns 0 where a number is out of range. */
+static int layout_of(layout *out, uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries)
+{
+    if (count > FXS_MAX_COUNT || sh_degree < 0 || sh_degree > 3 || (uint32_t)profile > FXS_PROFILE_SMALL)
         return 0;
-    uint64_t chunks = ((uint64_t)count + FXS_CHUNK - 1) / FXS_CHUNK;
-    uint64_t bytes = sizeof(fxs_packed_header) + chunks * FXS_CHUNK_BYTES(sh_degree);
-    return bytes > SIZE_MAX ? 0 : (size_t)bytes;
+    uint32_t stages = fxs_palette_stages(profile, sh_degree);
+    if (palette_entries > FXS_PALETTE_ENTRIES || !palette_entries != !stages)
+        return 0;
+    *out = lay_out(((uint64_t)count + FXS_CHUNK - 1) / FXS_CHUNK, fxs_chunk_bytes(profile, sh_degree),
+                   (uint64_t)stages * palette_entries * FXS_PALETTE_STRIDE);
+    return out->bytes <= SIZE_MAX;
+}
+
+size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries)
+{
+    layout l;
+    return layout_of(&l, count, sh_degree, profile, palette_entries) ? (size_t)l.bytes : 0;
 }
 
 static int within(int64_t x, int64_t limit)
@@ -35,31 +59,36 @@ static int chunk_valid(const fxs_chunk *chunk)
 
 int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes)
 {
-    fxs_packed_header header;
+    fxs_packed_header h;
+    layout l;
     if (!scene || !data || (uintptr_t)data % 64)
         return FXS_ERR_ARGUMENT;
-    if (bytes < sizeof header)
+    if (bytes < sizeof h)
         return FXS_ERR_SCENE;
-    memcpy(&header, data, sizeof header);
-    if (header.magic != FXS_PACKED_MAGIC)
+    memcpy(&h, data, sizeof h);
+    if (h.magic != FXS_PACKED_MAGIC)
         return FXS_ERR_SCENE;
-    if (header.version != FXS_PACKED_VERSION)
+    if (h.version != FXS_PACKED_VERSION)
         return FXS_ERR_VERSION;
-    if (header.sh_degree > 3 || header.count > FXS_MAX_COUNT ||
-        header.chunk_count != (header.count + FXS_CHUNK - 1) / FXS_CHUNK ||
-        header.chunk_bytes != FXS_CHUNK_BYTES(header.sh_degree))
+    if (h.sh_degree > 3 || h.profile > FXS_PROFILE_SMALL || h.palette_step_q19 > 32767 ||
+        !layout_of(&l, h.count, (int)h.sh_degree, (enum fxs_profile)h.profile, h.palette_entries) ||
+        h.chunk_count != (h.count + FXS_CHUNK - 1) / FXS_CHUNK ||
+        h.chunk_bytes != fxs_chunk_bytes((enum fxs_profile)h.profile, (int)h.sh_degree) || bytes < l.bytes)
         return FXS_ERR_SCENE;
-    size_t needed = fxs_scene_bytes(header.count, (int)header.sh_degree);
-    if (!needed || bytes < needed)
-        return FXS_ERR_SCENE;
-    scene->chunks = (const unsigned char *)data + sizeof header;
-    scene->count = header.count;
-    scene->chunk_count = header.chunk_count;
-    scene->chunk_bytes = header.chunk_bytes;
-    scene->sh_degree = (int)header.sh_degree;
-    scene->antialiased = (header.flags & FXS_PACKED_ANTIALIASED) != 0;
+    const unsigned char *start = data;
+    scene->chunks = (const fxs_chunk *)(const void *)(start + sizeof h);
+    scene->palette = h.palette_entries ? (const int8_t *)(start + l.palette) : 0;
+    scene->rows = start + l.rows;
+    scene->profile = (enum fxs_profile)h.profile;
+    scene->count = h.count;
+    scene->chunk_count = h.chunk_count;
+    scene->chunk_bytes = h.chunk_bytes;
+    scene->palette_entries = h.palette_entries;
+    scene->palette_step_q19 = h.palette_step_q19;
+    scene->sh_degree = (int)h.sh_degree;
+    scene->antialiased = (h.flags & FXS_PACKED_ANTIALIASED) != 0;
     for (uint32_t i = 0; i < scene->chunk_count; i++)
-        if (!chunk_valid((const fxs_chunk *)(const void *)(scene->chunks + (size_t)i * scene->chunk_bytes)))
+        if (!chunk_valid(&scene->chunks[i]))
             return FXS_ERR_SCENE;
     return 0;
 }

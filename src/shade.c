@@ -1,7 +1,7 @@
 /* shade: quantised SH and view direction -> colour = max(0, 0.5 + sum basis * coefficient). Basis functions and signs
  * as in Kerbl et al. 2023 (code) and KHR_gaussian_splatting, "Calculating color". */
+#include "codes.h"
 #include "fixed.h"
-#include "memory.h"
 #include "stage.h"
 
 /* A constant of the basis, Q15. */
@@ -68,31 +68,81 @@ static int32_t bands(const int8_t *codes, const int32_t b_q15[15], const uint32_
     return sum_q16;
 }
 
-void fxs_shade_c(const fxs_view *view, const unsigned char *chunk, const uint32_t *indices, uint32_t count,
+static void add_entry(fxs_sh_sums *s, const int8_t *entry, const int32_t b_q15[15])
+{
+    for (int c = 0; c < 3; c++)
+        for (int k = 0; k < 15; k++)
+            s->palette[c] += b_q15[k] * entry[16 * c + k];
+}
+
+static void add_residual(fxs_sh_sums *s, const unsigned char *record, int degree, const int32_t b_q15[15])
+{
+    for (int c = 0; c < 3; c++) {
+        uint64_t codes = fxs_residual(record, degree, c);
+        for (int k = 0; k < FXS_SH_COUNT(degree); k++, codes >>= 3)
+            s->odd[c] += b_q15[k] * (2 * (int32_t)((codes & 7) ^ 4) - 7);
+    }
+    s->gain = record[FXS_GAIN_BYTE];
+}
+
+static fxs_sh_sums sum_of(const fxs_scene *scene, const unsigned char *record, const int32_t b_q15[15])
+{
+    fxs_sh_sums s = {{0, 0, 0}, {0, 0, 0}, 0};
+    for (uint32_t stage = 0; stage < fxs_palette_stages(scene->profile, scene->sh_degree); stage++)
+        add_entry(&s, fxs_palette_entry(scene, stage, record[stage]), b_q15);
+    if (scene->profile == FXS_PROFILE_COMPACT)
+        add_residual(&s, record, scene->sh_degree, b_q15);
+    return s;
+}
+
+/* The basis towards a Gaussian; 0 above the view's degree. */
+static void basis_at(int32_t b_q15[15], const fxs_view *view, const fxs_chunk *chunk, const uint16_t position[3])
+{
+    int64_t offset_q32[3];
+    int32_t d_q15[3];
+    for (int k = 0; k < 3; k++) {
+        int64_t reach = (int64_t)chunk->step_q32[k] * position[k] << chunk->step_shift;
+        offset_q32[k] = chunk->origin_q32[k] - view->position_q32[k] + reach;
+    }
+    direction(d_q15, offset_q32);
+    memset(b_q15, 0, 15 * sizeof *b_q15);
+    basis(b_q15, d_q15, view->sh_degree);
+}
+
+/* What is above degree 0. */
+static void directional(int32_t sum_q16[3], const fxs_view *view, const fxs_scene *scene, uint32_t chunk, uint32_t g,
+                        const uint16_t position[3])
+{
+    const fxs_chunk *header = &scene->chunks[chunk];
+    const unsigned char *rows = fxs_rows(scene, chunk);
+    int32_t b_q15[15];
+    basis_at(b_q15, view, header, position);
+    if (scene->palette) {
+        const fxs_sh_sums s = sum_of(scene, fxs_sh_record(scene, rows, g), b_q15);
+        for (int c = 0; c < 3; c++)
+            sum_q16[c] += fxs_sh_sum_q16(&s, scene, c);
+        return;
+    }
+    const int8_t *sh = (const int8_t *)rows + FXS_ROW_SH + g;
+    for (int c = 0; c < 3; c++)
+        sum_q16[c] += bands(sh + c * FXS_CHUNK, b_q15, header->sh_step_q19, view->sh_degree);
+}
+
+void fxs_shade_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices, uint32_t count,
                  fxs_splat *splats)
 {
-    const fxs_chunk *header = (const fxs_chunk *)(const void *)chunk;
-    const uint16_t *position = (const uint16_t *)(const void *)(chunk + FXS_CHUNK_POSITION);
-    const uint32_t *colour = (const uint32_t *)(const void *)(chunk + FXS_CHUNK_COLOUR);
-    const int8_t *sh = (const int8_t *)(chunk + FXS_CHUNK_SH);
+    const fxs_chunk *header = &scene->chunks[chunk];
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t g = indices[i] % FXS_CHUNK;
-        int32_t d_q15[3], b_q15[15];
-        if (view->sh_degree > 0) {
-            int64_t offset_q32[3];
-            for (uint32_t k = 0; k < 3; k++) {
-                int64_t reach = (int64_t)header->step_q32[k] * position[k * FXS_CHUNK + g] << header->step_shift;
-                offset_q32[k] = header->origin_q32[k] - view->position_q32[k] + reach;
-            }
-            direction(d_q15, offset_q32);
-            basis(b_q15, d_q15, view->sh_degree);
+        const fxs_codes codes = fxs_codes_of(scene, fxs_rows(scene, chunk), g);
+        int32_t sum_q16[3];
+        for (int c = 0; c < 3; c++) {
+            int64_t step = (int64_t)header->colour_step_q20[c] * (codes.colour >> 8 * c & 255);
+            sum_q16[c] = header->colour_q16[c] + (int32_t)((step + 8) >> 4);
         }
-        for (int k = 0; k < 3; k++) {
-            int64_t step = (int64_t)header->colour_step_q20[k] * (colour[g] >> 8 * k & 255);
-            int32_t sum_q16 = header->colour_q16[k] + (int32_t)((step + 8) >> 4);
-            if (view->sh_degree > 0)
-                sum_q16 += bands(sh + k * FXS_CHUNK + g, b_q15, header->sh_step_q19, view->sh_degree);
-            splats[i].colour_q13[k] = (int16_t)fxs_clamp((sum_q16 + 4) >> 3, 0, 32767);
-        }
+        if (view->sh_degree > 0)
+            directional(sum_q16, view, scene, chunk, g, codes.position);
+        for (int c = 0; c < 3; c++)
+            splats[i].colour_q13[c] = (int16_t)fxs_clamp((sum_q16[c] + 4) >> 3, 0, 32767);
     }
 }

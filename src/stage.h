@@ -91,14 +91,20 @@ typedef struct fxs_tile {
     int16_t sum_q13[3][FXS_TILE_PIXELS];
 } fxs_tile;
 
+/* The rows of a chunk. */
+static inline const unsigned char *fxs_rows(const fxs_scene *scene, uint32_t chunk)
+{
+    return scene->rows + (size_t)chunk * scene->chunk_bytes;
+}
+
 /* ---- The C versions -------------------------------------------------------------------------------------------- */
 
 /* The table of all of these. */
 extern const fxs_kernels fxs_kernels_c;
 
-uint32_t fxs_project_c(const fxs_view *view, const unsigned char *chunk, uint32_t first_index, fxs_splat *splats,
+uint32_t fxs_project_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
                        fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
-void fxs_shade_c(const fxs_view *view, const unsigned char *chunk, const uint32_t *indices, uint32_t count,
+void fxs_shade_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices, uint32_t count,
                  fxs_splat *splats);
 void fxs_bin_c(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count,
                fxs_box *boxes);

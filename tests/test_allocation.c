@@ -5,8 +5,7 @@
 #include "../port/formats/camera.h"
 #include "../port/posix/pool.h"
 #include "../src/fixsplat.h"
-#include "../src/packed.h"
-#include "check.h"
+#include "packed_scene.h"
 #ifdef FXS_WITH_KERNELS
 #include "../kernels/kernels.h"
 #endif
@@ -53,15 +52,12 @@ int posix_memalign(void **out, size_t alignment, size_t size)
 
 enum { WIDTH = 200, HEIGHT = 120, COUNT = 5000 };
 
-static void fill_scene(unsigned char *data)
+static packed_scene make_scene(void)
 {
-    fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, COUNT, (COUNT + FXS_CHUNK - 1) / FXS_CHUNK,
-                                FXS_CHUNK_BYTES(1), 1, 0, {0}, {0}, {0}, {0}, {0}};
-    memcpy(data, &header, sizeof header);
-    for (uint32_t c = 0; c < header.chunk_count; c++) {
-        unsigned char *bytes = data + sizeof header + c * header.chunk_bytes;
-        fxs_chunk *chunk = (fxs_chunk *)(void *)bytes;
-        memset(chunk, 0, sizeof *chunk);
+    packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 1, COUNT, 0);
+    for (uint32_t c = 0; c < s.header->chunk_count; c++) {
+        unsigned char *rows = packed_scene_rows(&s, c);
+        fxs_chunk *chunk = &s.chunks[c];
         for (int i = 0; i < 3; i++) {
             chunk->origin_q32[i] = -((int64_t)1 << 32);
             chunk->step_q32[i] = 1 << 17;
@@ -71,9 +67,10 @@ static void fill_scene(unsigned char *data)
         chunk->scale_q16 = -4 * 65536;
         chunk->scale_step_q24 = 60;
         uint32_t state = c + 1;
-        for (uint32_t at = sizeof *chunk; at < header.chunk_bytes; at++)
-            bytes[at] = (unsigned char)((state = state * 1664525 + 1013904223) >> 24);
+        for (uint32_t at = 0; at < s.header->chunk_bytes; at++)
+            rows[at] = (unsigned char)((state = state * 1664525 + 1013904223) >> 24);
     }
+    return s;
 }
 
 static void render_frames(uint32_t threads)
@@ -87,15 +84,14 @@ static void render_frames(uint32_t threads)
     fxs_options options;
     fxs_file_view view;
     fxs_message m;
-    size_t scene_bytes = fxs_scene_bytes(COUNT, 1);
-    unsigned char *data = check_aligned(scene_bytes), *pixels = malloc(WIDTH * HEIGHT * 4);
-    fill_scene(data);
+    packed_scene packed = make_scene();
+    unsigned char *pixels = malloc(WIDTH * HEIGHT * 4);
     fxs_init(&context, &config);
 #ifdef FXS_WITH_KERNELS
     fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
 #endif
     fxs_options_default(&options);
-    CHECK(pool && pixels && !fxs_scene_open(&scene, data, scene_bytes) &&
+    CHECK(pool && pixels && !fxs_scene_open(&scene, packed.data, packed.bytes) &&
           !fxs_view_look_at(&view, eye, middle, up, 50, WIDTH, HEIGHT, &m));
     size_t bytes = fxs_frame_bytes(&context, &scene, WIDTH, HEIGHT, 0);
     void *memory = check_aligned(bytes);
@@ -114,7 +110,7 @@ static void render_frames(uint32_t threads)
     fxs_pool_destroy(pool);
     free(memory);
     free(pixels);
-    free(data);
+    free(packed.data);
 #else
     (void)threads;
     (void)fill_scene;

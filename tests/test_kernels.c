@@ -15,7 +15,7 @@
 
 #include "../kernels/kernels.h"
 #include "../src/stage.h"
-#include "check.h"
+#include "packed_scene.h"
 
 #define CASES 2000
 #define GUARD 64
@@ -139,19 +139,13 @@ static void outputs_free(void)
 
 /* ---- Scenes and cameras ---------------------------------------------------------------------------------------- */
 
-/* A packed scene of one chunk. */
-typedef union packed {
-    uint64_t aligned[(sizeof(fxs_packed_header) + FXS_CHUNK_BYTES(3)) / 8];
-    unsigned char bytes[sizeof(fxs_packed_header) + FXS_CHUNK_BYTES(3)];
-} packed;
-
-static packed *scene_data;
+static packed_scene made;            /* of one chunk */
 static fxs_scene scene;
 static fxs_view view;
 
 static fxs_chunk *chunk_of(void)
 {
-    return (fxs_chunk *)(void *)(scene_data->bytes + sizeof(fxs_packed_header));
+    return made.chunks;
 }
 
 /* Codes of one kind a row: 0 all 0, 1 all of the highest, 2 either, above that random. */
@@ -164,19 +158,30 @@ static void fill_codes(unsigned char *row, size_t bytes, uint32_t kind)
     }
 }
 
-static void fill_chunk_body(unsigned char *chunk, int degree)
+static void fill_rows(unsigned char *rows, int degree)
 {
     for (uint32_t row = 0; row < 3; row++)
-        fill_codes(chunk + FXS_CHUNK_POSITION + 2 * FXS_CHUNK * row, 2 * FXS_CHUNK, below(6));
-    fill_codes(chunk + FXS_CHUNK_ROTATION, 4 * FXS_CHUNK, below(16));
-    fill_codes(chunk + FXS_CHUNK_SCALE, 4 * FXS_CHUNK, below(6));
-    fill_codes(chunk + FXS_CHUNK_COLOUR, 4 * FXS_CHUNK, below(6));
+        fill_codes(rows + FXS_ROW_POSITION + 2 * FXS_CHUNK * row, 2 * FXS_CHUNK, below(6));
+    fill_codes(rows + FXS_ROW_ROTATION, 4 * FXS_CHUNK, below(16));
+    fill_codes(rows + FXS_ROW_SCALE, 4 * FXS_CHUNK, below(6));
+    fill_codes(rows + FXS_ROW_COLOUR, 4 * FXS_CHUNK, below(6));
     for (uint32_t row = 0; row < 3 * (uint32_t)FXS_SH_COUNT(degree); row++)
-        fill_codes(chunk + FXS_CHUNK_SH + FXS_CHUNK * row, FXS_CHUNK, below(6));
+        fill_codes(rows + FXS_ROW_SH + FXS_CHUNK * row, FXS_CHUNK, below(6));
     for (uint32_t i = 0; i < FXS_CHUNK; i++)     /* bits 31..30 of a scale word are 0 */
-        chunk[FXS_CHUNK_SCALE + 4 * i + 3] &= 0x3f;
+        rows[FXS_ROW_SCALE + 4 * i + 3] &= 0x3f;
     for (uint32_t i = below(64); i < FXS_CHUNK; i += below(64) + 1)
-        chunk[FXS_CHUNK_COLOUR + 4 * i + 3] = (unsigned char)(one_in(2));
+        rows[FXS_ROW_COLOUR + 4 * i + 3] = (unsigned char)(one_in(2));
+}
+
+/* The other profiles: any bytes are codes. */
+static void fill_other(unsigned char *rows, uint32_t bytes)
+{
+    for (uint32_t row = 0; row < bytes / FXS_CHUNK; row++)
+        fill_codes(rows + FXS_CHUNK * row, FXS_CHUNK, below(32));
+    fill_codes((unsigned char *)made.palette, made.palette ? (size_t)(made.rows - (unsigned char *)made.palette) : 0,
+               below(6));
+    if (made.palette)
+        made.header->palette_step_q19 = one_in(4) ? 32767 : below(32768);
 }
 
 /* Anything that fxs_scene_open accepts, the limits of each range among it. */
@@ -225,19 +230,20 @@ static void tame_header(fxs_chunk *c)
 static void make_scene(void)
 {
     const int wild = one_in(2), antialiased = one_in(2), degree = (int)below(4);
-    const fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, FXS_CHUNK, 1, FXS_CHUNK_BYTES(degree),
-                                      (uint32_t)degree, antialiased ? FXS_PACKED_ANTIALIASED : 0,
-                                {0}, {0}, {0}, {0}, {0}};
-    memset(scene_data, 0, sizeof *scene_data);
-    memcpy(scene_data->bytes, &header, sizeof header);
+    const enum fxs_profile profile = (enum fxs_profile)(one_in(2) ? FXS_PROFILE_DEFAULT : below(3));
+    free(made.data);
+    made = packed_scene_make(profile, degree, FXS_CHUNK, antialiased);
     if (wild)
         wild_header(chunk_of());
     else
         tame_header(chunk_of());
     if (one_in(16))
         point_header(chunk_of());
-    fill_chunk_body((unsigned char *)chunk_of(), degree);
-    CHECK(fxs_scene_open(&scene, scene_data->bytes, sizeof scene_data->bytes) == 0);
+    if (profile == FXS_PROFILE_DEFAULT)
+        fill_rows(made.rows, degree);
+    else
+        fill_other(made.rows, made.header->chunk_bytes);
+    CHECK(fxs_scene_open(&scene, made.data, made.bytes) == 0);
 }
 
 static void random_rotation(fxs_camera *camera)
@@ -304,7 +310,6 @@ static uint64_t visible_total;         /* to see that the cases are worth someth
 
 static void project_case(void)
 {
-    const uint32_t first_index = below(1u << 22) * FXS_CHUNK;
     const size_t skew = 4 * below(4);
     uint32_t count[2];
     make_scene();
@@ -314,7 +319,7 @@ static void project_case(void)
     output *indices = output_new(FXS_CHUNK * sizeof(uint32_t), skew);
     output *depths = output_new(FXS_CHUNK * sizeof(uint32_t), skew);
     for (int i = 0; i < 2; i++)
-        count[i] = (i ? fast.project : fxs_project_c)(&view, scene.chunks, first_index, at(splats, i, skew),
+        count[i] = (i ? fast.project : fxs_project_c)(&view, &scene, 0, at(splats, i, skew),
                                                       at(bounds, i, skew), at(indices, i, skew), at(depths, i, skew));
     fxs_splat *a = at(splats, 0, skew), *b = at(splats, 1, skew);
     for (uint32_t i = 0; i < count[0]; i++) {    /* colours are not project's */
@@ -341,8 +346,8 @@ static void shade_case(void)
         if (one_in(sparse))
             indices[count++] = first_index + i;
     output *splats = output_new(count * sizeof(fxs_splat), 4);
-    fxs_shade_c(&view, scene.chunks, indices, count, at(splats, 0, 4));
-    fast.shade(&view, scene.chunks, indices, count, at(splats, 1, 4));
+    fxs_shade_c(&view, &scene, 0, indices, count, at(splats, 0, 4));
+    fast.shade(&view, &scene, 0, indices, count, at(splats, 1, 4));
     CHECK(same(splats));
 }
 
@@ -365,7 +370,7 @@ static void bin_case(void)
         view.tiles_x = (view.width + FXS_TILE - 1) / FXS_TILE;
         view.tiles_y = (view.height + FXS_TILE - 1) / FXS_TILE;
     }
-    const uint32_t count = fxs_project_c(&view, scene.chunks, 0, splats, bounds, indices, depths);
+    const uint32_t count = fxs_project_c(&view, &scene, 0, splats, bounds, indices, depths);
     output *boxes = output_new(count * sizeof(fxs_box), 4);
     const fxs_box *box = at(boxes, 0, 4);
     for (int place = 0; place < 32; place++) {
@@ -544,6 +549,7 @@ static uint64_t ticks(void)
 }
 
 typedef struct workload {
+    packed_scene packed;
     fxs_scene scene;
     fxs_view view;
     uint32_t counts[BENCH_CHUNKS], visible;
@@ -560,18 +566,16 @@ static workload *bench_load;
 
 /* Chunks of 0.4 units in view of a camera 5 away with a focal length of 1000 pixels: sigmas of 1 to 10 pixels. The
    codes of a rotation are in the middle of their range, so that it is one. */
-static void bench_scene(unsigned char *data)
+static packed_scene bench_scene(enum fxs_profile profile)
 {
     static const double low[3] = {-2.8, -1.6, 4}, high[3] = {2.4, 1.2, 6};
-    const uint32_t bytes = FXS_CHUNK_BYTES(3);
-    const fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, BENCH_CHUNKS * FXS_CHUNK, BENCH_CHUNKS,
-                                      bytes, 3, 0, {0}, {0}, {0}, {0}, {0}};
-    memcpy(data, &header, sizeof header);
+    packed_scene p = packed_scene_make(profile, 3, BENCH_CHUNKS * FXS_CHUNK, 0);
+    p.header->palette_step_q19 = p.palette ? 2048 : 0;
+    for (unsigned char *at = p.palette ? (unsigned char *)p.palette : p.rows; at < p.data + p.bytes; at++)
+        *at = (unsigned char)next();
     for (uint32_t i = 0; i < BENCH_CHUNKS; i++) {
-        unsigned char *body = data + sizeof header + (size_t)i * bytes;
-        fxs_chunk *c = (fxs_chunk *)(void *)body;
-        for (uint32_t k = sizeof *c; k < bytes; k++)
-            body[k] = (unsigned char)next();
+        unsigned char *rows = packed_scene_rows(&p, i);
+        fxs_chunk *c = &p.chunks[i];
         tame_header(c);
         c->scale_q16 = (int32_t)(-4.32 * 65536);
         c->scale_step_q24 = 53;
@@ -579,25 +583,24 @@ static void bench_scene(unsigned char *data)
             c->step_q32[k] = (uint32_t)(0.4 * 0x1p32 / 65535);
             c->origin_q32[k] = (int64_t)(uniform(low[k], high[k]) * 0x1p32);
         }
-        for (uint32_t k = 0; k < FXS_CHUNK; k++) {
+        for (uint32_t k = 0; k < FXS_CHUNK && profile != FXS_PROFILE_SMALL; k++) {
             uint32_t word = below(4) << 30 | (200 + below(624)) << 20 | (200 + below(624)) << 10 | (200 + below(624));
-            memcpy(body + FXS_CHUNK_ROTATION + 4 * k, &word, sizeof word);
-            body[FXS_CHUNK_SCALE + 4 * k + 3] &= 0x3f;
+            memcpy(rows + FXS_ROW_ROTATION + 4 * k, &word, sizeof word);
+            rows[FXS_ROW_SCALE + 4 * k + 3] &= 0x3f;
         }
     }
+    return p;
 }
 
-static void bench_init(workload *w)
+static void bench_init(workload *w, enum fxs_profile profile)
 {
     static const fxs_camera camera = {1280, 720, 1000 << 12, 1000 << 12, 640 << 12, 360 << 12,
                                       {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, 0}};
     fxs_options options;
-    const size_t bytes = fxs_scene_bytes(BENCH_CHUNKS * FXS_CHUNK, 3);
-    unsigned char *data = allocate(bytes);
     fxs_options_default(&options);
     state = 1;
-    bench_scene(data);
-    CHECK(fxs_scene_open(&w->scene, data, bytes) == 0);
+    w->packed = bench_scene(profile);
+    CHECK(fxs_scene_open(&w->scene, w->packed.data, w->packed.bytes) == 0);
     CHECK(fxs_view_init(&w->view, &w->scene, &camera, &options) == 0);
     for (uint32_t i = 0; i < MAX_SPLATS; i++) {
         make_splat(&w->tile_splats[i], 0, 0, 1);
@@ -609,8 +612,7 @@ static void bench_project(workload *w, const fxs_kernels *k)
 {
     w->visible = 0;
     for (uint32_t i = 0; i < BENCH_CHUNKS; i++) {
-        w->counts[i] = k->project(&w->view, w->scene.chunks + (size_t)i * w->scene.chunk_bytes, i * FXS_CHUNK,
-                                  w->splats[i], w->bounds[i], w->indices[i], w->depths[i]);
+        w->counts[i] = k->project(&w->view, &w->scene, i, w->splats[i], w->bounds[i], w->indices[i], w->depths[i]);
         w->visible += w->counts[i];
     }
 }
@@ -618,8 +620,7 @@ static void bench_project(workload *w, const fxs_kernels *k)
 static void bench_shade(workload *w, const fxs_kernels *k)
 {
     for (uint32_t i = 0; i < BENCH_CHUNKS; i++)
-        k->shade(&w->view, w->scene.chunks + (size_t)i * w->scene.chunk_bytes, w->indices[i], w->counts[i],
-                 w->splats[i]);
+        k->shade(&w->view, &w->scene, i, w->indices[i], w->counts[i], w->splats[i]);
 }
 
 /* One visible Gaussian in 16. */
@@ -628,8 +629,7 @@ static void bench_sparse(workload *w, const fxs_kernels *k)
     for (uint32_t i = 0; i < BENCH_CHUNKS; i++) {
         for (uint32_t g = 0; g < FXS_CHUNK / 16; g++)
             w->sparse[i][g] = i * FXS_CHUNK + 16 * g + (7 * g & 15);
-        k->shade(&w->view, w->scene.chunks + (size_t)i * w->scene.chunk_bytes, w->sparse[i], FXS_CHUNK / 16,
-                 w->splats[i]);
+        k->shade(&w->view, &w->scene, i, w->sparse[i], FXS_CHUNK / 16, w->splats[i]);
     }
 }
 
@@ -668,14 +668,14 @@ static void bench_version(const char *name, const fxs_kernels *k)
     printf(" %9.2f\n", measure(bench_resolve, k, FXS_TILE_PIXELS));
 }
 
-static void bench(void)
+static void bench(const char *label, enum fxs_profile profile)
 {
     fxs_kernels kernels = fxs_kernels_c;
     bench_load = calloc(1, sizeof *bench_load);
-    bench_init(bench_load);
+    bench_init(bench_load, profile);
     bench_project(bench_load, &kernels);
-    printf("%s a Gaussian (project, shade of all, sparse: of 1 in 16), a tile entry (blend), a pixel (resolve);\n"
-           "%u of %u Gaussians visible\n", TICK, bench_load->visible, BENCH_CHUNKS * FXS_CHUNK);
+    printf("%s: %s a Gaussian (project, shade of all, sparse: of 1 in 16), a tile entry (blend), a pixel (resolve);\n"
+           "%u of %u Gaussians visible\n", label, TICK, bench_load->visible, BENCH_CHUNKS * FXS_CHUNK);
     printf("%-8s %9s %9s %9s %9s %9s\n", "", "project", "shade", "sparse", "blend", "resolve");
     bench_version("c", &kernels);
     for (size_t i = 0; i < VERSIONS; i++)
@@ -684,20 +684,23 @@ static void bench(void)
             fxs_kernels_choose(&kernels, versions[i].cpu);
             bench_version(versions[i].name, &kernels);
         }
+    free(bench_load->packed.data);
+    free(bench_load);
 }
 
 int main(int argc, char **argv)
 {
     if (argc > 1 && !strcmp(argv[1], "--bench")) {
-        bench();
+        bench("default", FXS_PROFILE_DEFAULT);
+        bench("compact", FXS_PROFILE_COMPACT);
+        bench("small", FXS_PROFILE_SMALL);
         return check_faults != 0;
     }
     if (argc > 1)
         first_seed = last_seed = strtoull(argv[1], NULL, 0);
-    scene_data = allocate(sizeof *scene_data);
     for (size_t i = 0; i < VERSIONS; i++)
         if (fxs_cpu_detect() & versions[i].cpu)
             test_version(i);
-    free(scene_data);
+    free(made.data);
     return check_report();
 }

@@ -84,13 +84,18 @@ static fxs_scene pack(size_t count, int sh_degree)
 
 static const fxs_chunk *chunk_of(const fxs_scene *scene, uint32_t i)
 {
-    return (const fxs_chunk *)(const void *)(scene->chunks + (size_t)(i / FXS_CHUNK) * scene->chunk_bytes);
+    return &scene->chunks[i / FXS_CHUNK];
+}
+
+static const unsigned char *rows_of(const fxs_scene *scene, uint32_t i)
+{
+    return scene->rows + (size_t)(i / FXS_CHUNK) * scene->chunk_bytes;
 }
 
 static uint32_t word_at(const fxs_scene *scene, uint32_t i, uint32_t row)
 {
     uint32_t word;
-    memcpy(&word, (const unsigned char *)chunk_of(scene, i) + row + 4 * (i % FXS_CHUNK), 4);
+    memcpy(&word, rows_of(scene, i) + row + 4 * (i % FXS_CHUNK), 4);
     return word;
 }
 
@@ -103,7 +108,7 @@ static double position_of(const fxs_scene *scene, uint32_t i, uint32_t axis)
 {
     const fxs_chunk *chunk = chunk_of(scene, i);
     uint16_t code;
-    memcpy(&code, (const unsigned char *)chunk + FXS_CHUNK_POSITION + 2 * (axis * FXS_CHUNK + i % FXS_CHUNK), 2);
+    memcpy(&code, rows_of(scene, i) + FXS_ROW_POSITION + 2 * (axis * FXS_CHUNK + i % FXS_CHUNK), 2);
     return ldexp((double)chunk->origin_q32[axis], -32) + code * position_step(chunk, axis);
 }
 
@@ -151,7 +156,7 @@ static void compare_rotation(uint32_t word, const float rotation[4])
 static void compare_gaussian(const fxs_scene *scene, uint32_t i, const fxs_gaussian *g)
 {
     const fxs_chunk *chunk = chunk_of(scene, i);
-    const uint32_t scale = word_at(scene, i, FXS_CHUNK_SCALE), colour = word_at(scene, i, FXS_CHUNK_COLOUR);
+    const uint32_t scale = word_at(scene, i, FXS_ROW_SCALE), colour = word_at(scene, i, FXS_ROW_COLOUR);
     for (uint32_t k = 0; k < 3; k++) {
         double code = scale >> 10 * k & 1023, step = ldexp(chunk->scale_step_q24, -24);
         double dc_step = ldexp(chunk->colour_step_q20[k], -20), base = 0.5 + 0.28209479177387814 * g->dc[k];
@@ -160,8 +165,8 @@ static void compare_gaussian(const fxs_scene *scene, uint32_t i, const fxs_gauss
         note(ldexp(chunk->colour_q16[k], -16) + (colour >> 8 * k & 255) * dc_step - base, dc_step);
     }
     note((colour >> 24) / 255.0 - 1 / (1 + exp(-g->opacity)), 1 / 255.0);
-    compare_rotation(word_at(scene, i, FXS_CHUNK_ROTATION), g->rotation);
-    const int8_t *sh = (const int8_t *)chunk + FXS_CHUNK_SH;
+    compare_rotation(word_at(scene, i, FXS_ROW_ROTATION), g->rotation);
+    const int8_t *sh = (const int8_t *)rows_of(scene, i) + FXS_ROW_SH;
     for (int k = 0; k < 3 * FXS_SH_COUNT(scene->sh_degree); k++) {
         double step = ldexp(chunk->sh_step_q19[k < 9 ? 0 : k < 24 ? 1 : 2], -19);
         note(sh[k * FXS_CHUNK + (int)(i % FXS_CHUNK)] * step - g->sh[k], step);
@@ -180,7 +185,7 @@ static void check_packed(size_t count, int sh_degree)
         printf("  differences: %.3f steps, %.3f degrees\n", worst_step, worst_rotation);
     CHECK(fabs(report.largest.rotation - worst_rotation) < 1e-3);
     for (uint32_t i = scene.count; i < scene.chunk_count * FXS_CHUNK; i++)
-        CHECK(word_at(&scene, i, FXS_CHUNK_COLOUR) >> 24 == 0);
+        CHECK(word_at(&scene, i, FXS_ROW_COLOUR) >> 24 == 0);
     fxs_packed_scene_free(&packed);
 }
 
@@ -241,8 +246,8 @@ static void test_all_equal(void)
     worst_step = worst_rotation = 0;
     CHECK(report.packed == 600 && report.largest.position < 1e-9);
     for (uint32_t i = 1; i < scene.count; i++)
-        CHECK(word_at(&scene, i, FXS_CHUNK_ROTATION) == word_at(&scene, 0, FXS_CHUNK_ROTATION) &&
-              word_at(&scene, i, FXS_CHUNK_COLOUR) == word_at(&scene, 0, FXS_CHUNK_COLOUR));
+        CHECK(word_at(&scene, i, FXS_ROW_ROTATION) == word_at(&scene, 0, FXS_ROW_ROTATION) &&
+              word_at(&scene, i, FXS_ROW_COLOUR) == word_at(&scene, 0, FXS_ROW_COLOUR));
     fxs_packed_scene_free(&packed);
 }
 
@@ -325,7 +330,7 @@ static void test_flags(void)
     make_gaussians(3);
     CHECK(write_file(3, 2, 1) && pack_file(0, 0) == 0 && fxs_scene_open(&scene, packed.data, packed.bytes) == 0);
     CHECK(scene.antialiased == 1 && scene.sh_degree == 2 && (uintptr_t)packed.data % 64 == 0);
-    CHECK(packed.bytes == fxs_scene_bytes(3, 2));
+    CHECK(packed.bytes == fxs_scene_bytes(3, 2, FXS_PROFILE_DEFAULT, 0));
     fxs_packed_scene_free(&packed);
     CHECK(!packed.data && !packed.allocation && packed.bytes == 0);
     fxs_packed_scene_free(&packed);

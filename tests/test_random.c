@@ -1,16 +1,18 @@
 /* Random packed scenes, cameras and options, drawn small; the hashes of all frames folded into one constant that
- * every compiler, optimisation level and processor must give. `test_random N` prints the hash of case N alone. Needs
+ * every compiler, optimisation level and processor must give. `test_random N` prints the hash of case N of the default profile
+ * alone. Needs
  * src/ only. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "../src/fixsplat.h"
-#include "../src/packed.h"
-#include "check.h"
+#include "packed_scene.h"
 
 #define CASES 300
-#define EXPECTED 0x2df0384c9cc4811au
+#define EXPECTED 0x4271a9e7e1545376u
+#define EXPECTED_COMPACT 0x9f062d90477f7a7bu
+#define EXPECTED_SMALL 0xae81d75ac51d2098u
 
 static uint64_t state;
 
@@ -28,40 +30,42 @@ static int32_t between(int32_t low, int32_t high)
     return low + (int32_t)(next() % (uint64_t)((int64_t)high - low + 1));
 }
 
-static void fill_chunk(unsigned char *bytes, uint32_t chunk_bytes)
+static void fill_words(void *out, size_t bytes)
 {
-    fxs_chunk *chunk = (fxs_chunk *)(void *)bytes;
-    memset(bytes, 0, sizeof *chunk);
+    for (size_t at = 0; at < bytes; at += 4) {
+        uint32_t word = (uint32_t)next();
+        memcpy((unsigned char *)out + at, &word, 4);
+    }
+}
+
+static void fill_chunk(const packed_scene *s, uint32_t c)
+{
+    fxs_chunk *chunk = &s->chunks[c];
     for (int i = 0; i < 3; i++) {
         chunk->origin_q32[i] = (int64_t)between(-3145728, 3145728) * 4096;
-        chunk->step_q32[i] = (uint32_t)next() >> between(8, 20);
+        uint32_t step_q32 = (uint32_t)next();
+        chunk->step_q32[i] = step_q32 >> between(8, 20);
         chunk->colour_q16[i] = between(-20000, 60000);
         chunk->colour_step_q20[i] = (uint32_t)between(0, 8000);
         chunk->sh_step_q19[i] = (uint32_t)between(0, 2000);
     }
     chunk->scale_q16 = between(-393216, 65536);
     chunk->scale_step_q24 = (uint32_t)between(0, 200);
-    for (uint32_t at = sizeof *chunk; at < chunk_bytes; at += 4) {
-        uint32_t word = (uint32_t)next();
-        memcpy(bytes + at, &word, 4);
-    }
+    fill_words(packed_scene_rows(s, c), s->header->chunk_bytes);
 }
 
-static void *random_scene(size_t *bytes)
+static packed_scene random_scene(enum fxs_profile profile)
 {
     int degree = between(0, 3);
     uint32_t count = (uint32_t)between(1, 3000);
-    *bytes = fxs_scene_bytes(count, degree);
-    unsigned char *data = check_aligned(*bytes);
-    fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, count, (count + FXS_CHUNK - 1) / FXS_CHUNK,
-                                FXS_CHUNK_BYTES(degree), (uint32_t)degree, (uint32_t)between(0, 1),
-                                {0}, {0}, {0}, {0}, {0}};
-    if (!data)
-        abort();
-    memcpy(data, &header, sizeof header);
-    for (uint32_t c = 0; c < header.chunk_count; c++)
-        fill_chunk(data + sizeof header + (size_t)c * header.chunk_bytes, header.chunk_bytes);
-    return data;
+    packed_scene s = packed_scene_make(profile, degree, count, between(0, 1));
+    for (uint32_t c = 0; c < s.header->chunk_count; c++)
+        fill_chunk(&s, c);
+    if (s.palette) {
+        s.header->palette_step_q19 = (uint32_t)between(0, 2000);
+        fill_words(s.palette, (size_t)(s.rows - (unsigned char *)s.palette));
+    }
+    return s;
 }
 
 /* A rotation about one axis by a Pythagorean angle, so that it is exact enough in integers. */
@@ -86,11 +90,10 @@ static void random_camera(fxs_camera *camera)
         camera->position_q32[i] = (int64_t)between(-4194304, 4194304) * 4096;
 }
 
-static uint64_t hash_case(int which)
+static uint64_t hash_case(enum fxs_profile profile, int which)
 {
     state = (uint64_t)which * 0x1234567u;
-    size_t scene_bytes;
-    void *data = random_scene(&scene_bytes);
+    packed_scene packed = random_scene(profile);
     fxs_scene scene;
     fxs_camera camera;
     fxs_context context;
@@ -101,7 +104,7 @@ static uint64_t hash_case(int which)
     options.cutoff = between(0, 3) ? FXS_CUTOFF_MAHALANOBIS : FXS_CUTOFF_SQUARE;
     options.format = (enum fxs_format)between(0, 1);
     options.background[0] = (uint8_t)between(0, 255);
-    if (!CHECK(fxs_scene_open(&scene, data, scene_bytes) == 0))
+    if (!CHECK(fxs_scene_open(&scene, packed.data, packed.bytes) == 0))
         exit(1);
     size_t bytes = fxs_frame_bytes(&context, &scene, camera.width, camera.height, 0);
     size_t pixels = (size_t)camera.width * (size_t)camera.height * 4;
@@ -115,25 +118,42 @@ static uint64_t hash_case(int which)
         hash = (hash ^ rgba[i]) * 0x100000001b3u;
     free(rgba);
     free(memory);
-    free(data);
+    free(packed.data);
     return hash;
 }
 
-static void test_one_constant(void)
+static void check_profile(enum fxs_profile profile, uint64_t expected)
 {
     uint64_t sum = 0;
     for (int i = 0; i < CASES; i++)
-        sum = sum * 3 + hash_case(i);
+        sum = sum * 3 + hash_case(profile, i);
     printf("  %d random frames: %016" PRIx64 "\n", CASES, sum);
-    CHECK(sum == EXPECTED);
+    CHECK(sum == expected);
+}
+
+static void test_default(void)
+{
+    check_profile(FXS_PROFILE_DEFAULT, EXPECTED);
+}
+
+static void test_compact(void)
+{
+    check_profile(FXS_PROFILE_COMPACT, EXPECTED_COMPACT);
+}
+
+static void test_small(void)
+{
+    check_profile(FXS_PROFILE_SMALL, EXPECTED_SMALL);
 }
 
 int main(int argc, char **argv)
 {
     if (argc > 1) {
-        printf("%016" PRIx64 "\n", hash_case(atoi(argv[1])));
+        printf("%016" PRIx64 "\n", hash_case(FXS_PROFILE_DEFAULT, atoi(argv[1])));
         return 0;
     }
-    RUN(test_one_constant);
+    RUN(test_default);
+    RUN(test_compact);
+    RUN(test_small);
     return check_report();
 }

@@ -4,8 +4,7 @@
 #include <string.h>
 
 #include "../src/fixsplat.h"
-#include "../src/packed.h"
-#include "check.h"
+#include "packed_scene.h"
 
 static uint64_t seed = 88172645463325252u;   /* xorshift64: Marsaglia 2003 */
 
@@ -38,19 +37,24 @@ static struct {
     size_t size;
     fxs_packed_header *header;
     fxs_chunk *chunks[CHUNKS];
+    unsigned char *rows;
     fxs_scene scene;
 } s;
 
+static void make_scene_of(enum fxs_profile profile)
+{
+    const packed_scene p = packed_scene_make(profile, DEGREE, COUNT, 1);
+    s.rows = p.rows;
+    s.size = p.bytes;
+    s.bytes = p.data;
+    s.header = p.header;
+    for (int i = 0; i < CHUNKS; i++)
+        s.chunks[i] = &p.chunks[i];
+}
+
 static void make_scene(void)
 {
-    const fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, COUNT, CHUNKS, FXS_CHUNK_BYTES(DEGREE),
-                                      DEGREE, FXS_PACKED_ANTIALIASED, {0}, {0}, {0}, {0}, {0}};
-    s.size = fxs_scene_bytes(COUNT, DEGREE);
-    s.bytes = allocate(s.size);
-    s.header = (fxs_packed_header *)(void *)s.bytes;
-    *s.header = header;
-    for (int i = 0; i < CHUNKS; i++)
-        s.chunks[i] = (fxs_chunk *)(void *)(s.bytes + sizeof header + (size_t)i * header.chunk_bytes);
+    make_scene_of(FXS_PROFILE_DEFAULT);
 }
 
 static int open_scene(void)
@@ -63,8 +67,9 @@ static void test_open(void)
 {
     make_scene();
     CHECK(open_scene() == 0);
-    CHECK(s.scene.chunks == s.bytes + 128 && s.scene.count == COUNT && s.scene.chunk_count == CHUNKS);
-    CHECK(s.scene.chunk_bytes == 128 + 256 * (6 + 4 + 4 + 4 + 9) && s.scene.sh_degree == 1 && s.scene.antialiased == 1);
+    CHECK((const unsigned char *)s.scene.chunks == s.bytes + 192 && s.scene.rows == s.bytes + 192 + 2 * 128);
+    CHECK(!s.scene.palette && s.scene.profile == FXS_PROFILE_DEFAULT && s.scene.count == COUNT && s.scene.chunk_count == CHUNKS);
+    CHECK(s.scene.chunk_bytes == 256 * (6 + 4 + 4 + 4 + 9) && s.scene.sh_degree == 1 && s.scene.antialiased == 1);
     s.header->flags = 0;
     CHECK(open_scene() == 0 && s.scene.antialiased == 0);
     CHECK(fxs_scene_open(0, s.bytes, s.size) == FXS_ERR_ARGUMENT);
@@ -118,9 +123,14 @@ static void test_open_damaged_header(void)
         GIVES(FXS_ERR_SCENE, h->magic, FXS_PACKED_MAGIC ^ 1u << bit);
         GIVES(FXS_ERR_VERSION, h->version, FXS_PACKED_VERSION ^ 1u << bit);
         GIVES(FXS_ERR_SCENE, h->chunk_count, CHUNKS ^ 1u << bit);
-        GIVES(FXS_ERR_SCENE, h->chunk_bytes, FXS_CHUNK_BYTES(DEGREE) ^ 1u << bit);
+        GIVES(FXS_ERR_SCENE, h->chunk_bytes, fxs_chunk_bytes(FXS_PROFILE_DEFAULT, DEGREE) ^ 1u << bit);
         GIVES(FXS_ERR_SCENE, h->sh_degree, DEGREE ^ 1u << bit);
     }
+    GIVES(FXS_ERR_SCENE, h->profile, 1);
+    GIVES(FXS_ERR_SCENE, h->profile, 3);
+    GIVES(FXS_ERR_SCENE, h->profile, UINT32_MAX);
+    GIVES(FXS_ERR_SCENE, h->palette_entries, 1);
+    GIVES(FXS_ERR_SCENE, h->palette_step_q19, 32768);
     GIVES(FXS_ERR_SCENE, h->count, 0);
     GIVES(FXS_ERR_SCENE, h->count, 256);
     GIVES(0, h->count, 257);
@@ -195,13 +205,24 @@ static void test_open_chunk_out_of_range(void)
 
 static void test_scene_bytes(void)
 {
-    CHECK(fxs_scene_bytes(0, 0) == 128 && fxs_scene_bytes(1, 0) == 128 + 128 + 256 * 18);
-    CHECK(fxs_scene_bytes(256, 0) == fxs_scene_bytes(1, 0));
-    CHECK(fxs_scene_bytes(257, 0) == 2 * fxs_scene_bytes(1, 0) - sizeof(fxs_packed_header));
-    CHECK(fxs_scene_bytes(256, 3) == 128 + 128 + 256 * 63);
-    CHECK(fxs_scene_bytes(1, -1) == 0 && fxs_scene_bytes(1, 4) == 0 && fxs_scene_bytes(FXS_MAX_COUNT + 1, 0) == 0);
-    CHECK(fxs_scene_bytes(UINT32_MAX, 3) == 0);
-    CHECK(sizeof(size_t) < 8 || fxs_scene_bytes(FXS_MAX_COUNT, 3) == 128 + (size_t)(1 << 22) * (128 + 256 * 63));
+    const enum fxs_profile d = FXS_PROFILE_DEFAULT, compact = FXS_PROFILE_COMPACT, small = FXS_PROFILE_SMALL;
+    CHECK(fxs_scene_bytes(0, 0, d, 0) == 192 && fxs_scene_bytes(1, 0, d, 0) == 192 + 128 + 256 * 18);
+    CHECK(fxs_scene_bytes(256, 0, d, 0) == fxs_scene_bytes(1, 0, d, 0));
+    CHECK(fxs_scene_bytes(257, 0, d, 0) == 2 * fxs_scene_bytes(1, 0, d, 0) - sizeof(fxs_packed_header));
+    CHECK(fxs_scene_bytes(256, 3, d, 0) == 192 + 128 + 256 * 63);
+    CHECK(fxs_scene_bytes(256, 0, compact, 0) == 192 + 128 + 256 * 18);
+    CHECK(fxs_scene_bytes(256, 1, compact, 4) == 192 + 128 + 2 * 4 * 48 + 256 * 26);
+    CHECK(fxs_scene_bytes(256, 2, compact, 4) == 192 + 128 + 2 * 4 * 48 + 256 * 30);
+    CHECK(fxs_scene_bytes(256, 3, compact, 256) == 192 + 128 + 2 * 256 * 48 + 256 * 38);
+    CHECK(fxs_scene_bytes(256, 0, small, 0) == 192 + 128 + 256 * 15);
+    CHECK(fxs_scene_bytes(512, 1, small, 1) == 192 + 2 * 128 + 4 * 48 + 2 * 256 * 19);
+    CHECK(fxs_scene_bytes(1, -1, d, 0) == 0 && fxs_scene_bytes(1, 4, d, 0) == 0);
+    CHECK(fxs_scene_bytes(FXS_MAX_COUNT + 1, 0, d, 0) == 0 && fxs_scene_bytes(UINT32_MAX, 3, d, 0) == 0);
+    CHECK(fxs_scene_bytes(1, 3, d, 1) == 0 && fxs_scene_bytes(1, 3, small, 0) == 0);
+    CHECK(fxs_scene_bytes(1, 3, small, 257) == 0 && fxs_scene_bytes(1, 0, small, 1) == 0);
+    CHECK(fxs_scene_bytes(1, 3, (enum fxs_profile)3, 0) == 0 && fxs_scene_bytes(1, 3, (enum fxs_profile)3, 1) == 0);
+    CHECK(sizeof(size_t) < 8 ||
+          fxs_scene_bytes(FXS_MAX_COUNT, 3, d, 0) == 192 + (size_t)(1 << 22) * (128 + 256 * 63));
 }
 
 static void test_frame_bytes(void)
@@ -260,9 +281,9 @@ static void random_chunk(fxs_chunk *chunk)
 }
 
 /* Rotations and scales of the first and last codes only: three components of a quaternion can be 0.707 each. */
-static void extreme_codes(fxs_chunk *chunk)
+static void extreme_codes(unsigned char *rows)
 {
-    uint32_t *words = (uint32_t *)(void *)((unsigned char *)chunk + FXS_CHUNK_ROTATION);
+    uint32_t *words = (uint32_t *)(void *)(rows + FXS_ROW_ROTATION);
     for (int i = 0; i < 2 * FXS_CHUNK; i++)
         for (int shift = 0; shift < 30; shift += 10)
             words[i] = bits() & 1 ? words[i] | 1023u << shift : words[i] & ~(1023u << shift);
@@ -329,25 +350,33 @@ static uint32_t render_random(const fxs_context *context)
     return stats.visible;
 }
 
-static void test_random_bytes(void)
+static void check_random_bytes(enum fxs_profile profile)
 {
     uint64_t visible = 0;
     fxs_context context;
-    make_scene();
+    make_scene_of(profile);
     CHECK(fxs_init(&context, 0) == 0);
     for (int i = 0; i < 2000; i++) {
         for (size_t at = sizeof *s.header; at < s.size; at += 4)
             memcpy(s.bytes + at, &(uint32_t){bits()}, 4);
         memset(s.chunks[1], 0, sizeof *s.chunks[1]);
+        s.header->palette_step_q19 = bits() % 32768;
         random_chunk(s.chunks[0]);
         random_chunk(s.chunks[1]);
         if (i % 4 == 0)
-            extreme_codes(s.chunks[0]);
+            extreme_codes(s.rows);
         visible += render_random(&context);
     }
     if (!CHECK(visible > 10000))
         printf("  only %d Gaussians were visible\n", (int)visible);
     free(s.bytes);
+}
+
+static void test_random_bytes(void)
+{
+    check_random_bytes(FXS_PROFILE_DEFAULT);
+    check_random_bytes(FXS_PROFILE_COMPACT);
+    check_random_bytes(FXS_PROFILE_SMALL);
 }
 
 int main(void)

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "../src/stage.h"
-#include "check.h"
+#include "packed_scene.h"
 #include "reference.h"
 
 enum { MAX_COUNT = 1024, MAX_SIDE = 2000, GUARD = 0xa5, GUARD_BYTES = 64 };
@@ -48,10 +48,6 @@ static const recipe scattered = {20, -8, 1, 0, 1, 255};
 static const recipe *const recipes[] = {&ordinary, &needles, &long_needles, &huge, &tiny, &scattered};
 enum { RECIPES = sizeof recipes / sizeof *recipes };
 
-typedef struct hand_scene {
-    fxs_scene scene;
-    void *data;
-} hand_scene;
 
 static void random_quaternion(double q[4])
 {
@@ -109,13 +105,12 @@ static void fill_header(fxs_chunk *chunk, const recipe *r)
     chunk->scale_step_q24 = (uint32_t)ldexp((r->sigma_high - r->sigma_low) / (1023 * 1023), 24);
 }
 
-static void fill_chunk(unsigned char *chunk, const recipe *r, uint32_t chunk_bytes, uint32_t used)
+static void fill_rows(unsigned char *rows, const recipe *r, uint32_t chunk_bytes, uint32_t used)
 {
-    uint16_t *position = (uint16_t *)(void *)(chunk + FXS_CHUNK_POSITION);
-    uint32_t *rotation = (uint32_t *)(void *)(chunk + FXS_CHUNK_ROTATION);
-    uint32_t *scale = (uint32_t *)(void *)(chunk + FXS_CHUNK_SCALE);
-    uint32_t *colour = (uint32_t *)(void *)(chunk + FXS_CHUNK_COLOUR);
-    fill_header((fxs_chunk *)(void *)chunk, r);
+    uint16_t *position = (uint16_t *)(void *)(rows + FXS_ROW_POSITION);
+    uint32_t *rotation = (uint32_t *)(void *)(rows + FXS_ROW_ROTATION);
+    uint32_t *scale = (uint32_t *)(void *)(rows + FXS_ROW_SCALE);
+    uint32_t *colour = (uint32_t *)(void *)(rows + FXS_ROW_COLOUR);
     for (uint32_t i = 0; i < used; i++) {
         for (uint32_t axis = 0; axis < 3; axis++)
             position[axis * FXS_CHUNK + i] = (uint16_t)bits();
@@ -124,36 +119,27 @@ static void fill_chunk(unsigned char *chunk, const recipe *r, uint32_t chunk_byt
         uint32_t opacity = (uint32_t)(r->opacity_low + below(r->opacity_high - r->opacity_low + 1));
         colour[i] = (bits() & 0xffffff) | opacity << 24;
     }
-    for (uint32_t i = FXS_CHUNK_SH; i < chunk_bytes; i++)
-        chunk[i] = (unsigned char)(below(255) - 127);
+    for (uint32_t i = FXS_ROW_SH; i < chunk_bytes; i++)
+        rows[i] = (unsigned char)(below(255) - 127);
 }
 
 static void *allocate(size_t bytes, int fill)
 {
-    void *memory = 0;
-    if (posix_memalign(&memory, 64, bytes)) {
-        printf("out of memory\n");
-        exit(1);
-    }
-    memset(memory, fill, bytes);
-    return memory;
+    void *memory = check_aligned(bytes);
+    if (!memory)
+        abort();
+    return memset(memory, fill, bytes);
 }
 
-static hand_scene make_scene(const recipe *r, uint32_t count, uint32_t degree, int antialiased)
+static packed_scene make_scene(const recipe *r, uint32_t count, uint32_t degree, int antialiased)
 {
-    hand_scene s;
-    size_t bytes = fxs_scene_bytes(count, (int)degree);
-    fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, count, (count + FXS_CHUNK - 1) / FXS_CHUNK,
-                                FXS_CHUNK_BYTES(degree), degree, antialiased ? FXS_PACKED_ANTIALIASED : 0,
-                                {0}, {0}, {0}, {0}, {0}};
-    s.data = allocate(bytes, 0);
-    memcpy(s.data, &header, sizeof header);
-    unsigned char *chunks = (unsigned char *)s.data + sizeof header;
-    for (uint32_t i = 0; i < header.chunk_count; i++) {
+    packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, (int)degree, count, antialiased);
+    for (uint32_t i = 0; i < s.header->chunk_count; i++) {
         uint32_t left = count - i * FXS_CHUNK;
-        fill_chunk(chunks + i * header.chunk_bytes, r, header.chunk_bytes, left < FXS_CHUNK ? left : FXS_CHUNK);
+        fill_header(&s.chunks[i], r);
+        fill_rows(packed_scene_rows(&s, i), r, s.header->chunk_bytes, left < FXS_CHUNK ? left : FXS_CHUNK);
     }
-    CHECK(fxs_scene_open(&s.scene, s.data, bytes) == 0);
+    CHECK(fxs_scene_open(&s.scene, s.data, s.bytes) == 0);
     return s;
 }
 
@@ -217,15 +203,15 @@ static void decode_rotation(float rotation[4], uint32_t word)
 /* What src/packed.h says that Gaussian `index` is. */
 static fxs_gaussian decode(const fxs_scene *scene, uint32_t index)
 {
-    const unsigned char *bytes = scene->chunks + index / FXS_CHUNK * scene->chunk_bytes;
-    const fxs_chunk *chunk = (const fxs_chunk *)(const void *)bytes;
-    const uint16_t *position = (const uint16_t *)(const void *)(bytes + FXS_CHUNK_POSITION);
-    const int8_t *sh = (const int8_t *)(bytes + FXS_CHUNK_SH);
+    const unsigned char *rows = fxs_rows(scene, index / FXS_CHUNK);
+    const fxs_chunk *chunk = &scene->chunks[index / FXS_CHUNK];
+    const uint16_t *position = (const uint16_t *)(const void *)(rows + FXS_ROW_POSITION);
+    const int8_t *sh = (const int8_t *)rows + FXS_ROW_SH;
     const uint32_t at = index % FXS_CHUNK;
     uint32_t rotation, scale, colour;
-    memcpy(&rotation, bytes + FXS_CHUNK_ROTATION + 4 * at, 4);
-    memcpy(&scale, bytes + FXS_CHUNK_SCALE + 4 * at, 4);
-    memcpy(&colour, bytes + FXS_CHUNK_COLOUR + 4 * at, 4);
+    memcpy(&rotation, rows + FXS_ROW_ROTATION + 4 * at, 4);
+    memcpy(&scale, rows + FXS_ROW_SCALE + 4 * at, 4);
+    memcpy(&colour, rows + FXS_ROW_COLOUR + 4 * at, 4);
     fxs_gaussian g;
     memset(&g, 0, sizeof g);
     for (int i = 0; i < 3; i++) {
@@ -272,11 +258,10 @@ static void project_all(const fxs_scene *scene, const fxs_camera *camera, const 
     all.count = 0;
     CHECK(fxs_view_init(&all.view, scene, camera, options) == 0);
     for (uint32_t c = 0; c < scene->chunk_count; c++) {
-        const unsigned char *chunk = scene->chunks + c * scene->chunk_bytes;
         uint32_t at = all.count;
-        uint32_t n = fxs_project_c(&all.view, chunk, c * FXS_CHUNK, all.splats + at, all.bounds + at, all.indices + at,
+        uint32_t n = fxs_project_c(&all.view, scene, c, all.splats + at, all.bounds + at, all.indices + at,
                                    all.depths + at);
-        fxs_shade_c(&all.view, chunk, all.indices + at, n, all.splats + at);
+        fxs_shade_c(&all.view, scene, c, all.indices + at, n, all.splats + at);
         all.count += n;
     }
     sort_keys();
@@ -335,7 +320,7 @@ static void compare_splat(struct errors *e, uint32_t slot, const struct referenc
         e->colour = fmax(e->colour, fabs(ldexp(s->colour_q13[c], -13) - fmin(r->colour[c], 32767 / 8192.0)));
 }
 
-static void compare_visible(const hand_scene *s, const fxs_camera *camera, const fxs_options *options)
+static void compare_visible(const packed_scene *s, const fxs_camera *camera, const fxs_options *options)
 {
     fxs_file_view view = view_of(camera);
     struct reference_options reference = reference_of(options, &s->scene);
@@ -367,7 +352,7 @@ static void compare_scenes(const recipe *r, int antialiased)
 {
     clear_errors();
     for (int i = 0; i < 200; i++) {
-        hand_scene s = make_scene(r, 256, 0, antialiased);
+        packed_scene s = make_scene(r, 256, 0, antialiased);
         fxs_camera camera = make_camera(60 + 10 * i, 40 + 5 * i, uniform(0.5, 4));
         compare_visible(&s, &camera, i % 2 ? &defaults : &squares);
         free(s.data);
@@ -418,7 +403,7 @@ static int counts_somewhere(const struct reference_splat *r, const fxs_file_view
 
 /* What is left out counts nowhere, and what is not is in front of the near plane and not too faint. What is larger than
    2^FXS_EXPONENT_MAX pixels, seen under the worst Jacobian, is outside what project takes. */
-static void check_culls(const hand_scene *s, const fxs_camera *camera)
+static void check_culls(const packed_scene *s, const fxs_camera *camera)
 {
     fxs_file_view view = view_of(camera);
     struct reference_options reference = reference_of(&defaults, &s->scene);
@@ -443,7 +428,7 @@ static void test_culls(void)
 {
     for (int i = 0; i < 240; i++) {
         int width = 1 + below(100), height = 1 + below(70);
-        hand_scene s = make_scene(recipes[i % RECIPES], 256, 0, i % 4 == 3);
+        packed_scene s = make_scene(recipes[i % RECIPES], 256, 0, i % 4 == 3);
         fxs_camera camera = make_camera(width, height, uniform(0, 4));
         check_culls(&s, &camera);
         free(s.data);
@@ -452,9 +437,9 @@ static void test_culls(void)
 
 static void test_padding_and_opacity_0_are_never_drawn(void)
 {
-    hand_scene s = make_scene(&huge, 300, 1, 0);
+    packed_scene s = make_scene(&huge, 300, 1, 0);
     fxs_camera camera = make_camera(64, 64, 8);
-    uint32_t *colour = (uint32_t *)(void *)((unsigned char *)s.data + sizeof(fxs_packed_header) + FXS_CHUNK_COLOUR);
+    uint32_t *colour = (uint32_t *)(void *)(s.rows + FXS_ROW_COLOUR);
     for (int i = 0; i < 100; i++)
         colour[i] &= 0xffffff;
     project_all(&s.scene, &camera, &defaults);
@@ -468,7 +453,7 @@ static void test_padding_and_opacity_0_are_never_drawn(void)
 static void test_depth_order(void)
 {
     for (int i = 0; i < 60; i++) {
-        hand_scene s = make_scene(recipes[i % RECIPES], 1000, 0, 0);
+        packed_scene s = make_scene(recipes[i % RECIPES], 1000, 0, 0);
         fxs_camera camera = make_camera(200, 150, uniform(0, 10));
         const double *forward, reach = recipes[i % RECIPES]->reach + 10;
         fxs_file_view view = view_of(&camera);
@@ -495,7 +480,7 @@ static void check_shade(uint32_t scene_degree, int degree)
 {
     fxs_options options = defaults;
     options.sh_degree = degree;
-    hand_scene s = make_scene(&ordinary, 1000, scene_degree, 0);
+    packed_scene s = make_scene(&ordinary, 1000, scene_degree, 0);
     fxs_camera camera = make_camera(100, 70, uniform(0, 3));
     compare_visible(&s, &camera, &options);
     CHECK(all.view.sh_degree == (degree < (int)scene_degree ? degree : (int)scene_degree));
@@ -646,7 +631,7 @@ static void check_pixel(uint32_t slot, int x, int y, enum listed listed)
 static void check_lists(const recipe *r, int width, int height, const fxs_options *options, uint32_t count)
 {
     static unsigned char listed[4096];
-    hand_scene s = make_scene(r, count, 0, 0);
+    packed_scene s = make_scene(r, count, 0, 0);
     fxs_camera camera = make_camera(width, height, uniform(0, 2 * r->reach));
     memset(&lists, 0, sizeof lists);
     project_all(&s.scene, &camera, options);
@@ -805,7 +790,7 @@ static fxs_stats check_frame(const fxs_scene *scene, const fxs_camera *camera, e
 static void check_size(const recipe *r, int width, int height)
 {
     int count = 1 + below(400), degree = below(4);
-    hand_scene s = make_scene(r, (uint32_t)count, (uint32_t)degree, below(2));
+    packed_scene s = make_scene(r, (uint32_t)count, (uint32_t)degree, below(2));
     fxs_camera camera = make_camera(width, height, uniform(0, 3 * r->reach));
     int faults = check_faults;
     check_frame(&s.scene, &camera, FXS_CUTOFF_MAHALANOBIS);
@@ -840,7 +825,7 @@ static void test_narrow_frame_equals_brute_force(void)
 static void test_frame_in_runs_equals_brute_force(void)
 {
     static const recipe veils = {1, 4, 6, 0, 1, 3};
-    hand_scene s = make_scene(&veils, MAX_COUNT, 0, 0);
+    packed_scene s = make_scene(&veils, MAX_COUNT, 0, 0);
     fxs_camera camera = make_camera(100, 70, 3);
     for (int cutoff = 0; cutoff < 2; cutoff++) {
         fxs_stats stats = check_frame(&s.scene, &camera, (enum fxs_cutoff)cutoff);
@@ -851,7 +836,7 @@ static void test_frame_in_runs_equals_brute_force(void)
 
 static void test_empty_scene_is_background(void)
 {
-    hand_scene s = make_scene(&ordinary, 0, 0, 0);
+    packed_scene s = make_scene(&ordinary, 0, 0, 0);
     fxs_camera camera = make_camera(40, 30, 2);
     fxs_stats stats = check_frame(&s.scene, &camera, FXS_CUTOFF_MAHALANOBIS);
     CHECK(stats.visible == 0 && stats.entries == 0);
@@ -862,7 +847,7 @@ static void test_empty_scene_is_background(void)
 
 static struct {
     fxs_context context;
-    hand_scene scene;
+    packed_scene scene;
     fxs_camera camera;
     fxs_options options;
     unsigned char *memory, pixels[20 * 10 * 4];

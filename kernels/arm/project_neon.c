@@ -2,6 +2,7 @@
  * those of src/project.c; a lane that is culled goes on with values that mean nothing and is dropped at the end. The
  * square cut-off is there to be measured: C does it. */
 #include "arm.h"
+#include "codes_neon.h"
 #include "fixed_neon.h"
 
 #define LANES 4u
@@ -53,11 +54,9 @@ static inline int32x4_t pixel_q14(int32x4_t slope_q23, int64_t f_q12, int64_t c_
 
 /* Returns the lanes in front of the near plane and not too far off the axis and the picture. */
 static inline uint32x4_t project_centre(projected *out, const fxs_view *view, const fxs_chunk_view *cv,
-                                        const uint16_t *position)
+                                        const uint32x4_t position[3])
 {
-    int32x4_t code[3];
-    for (int j = 0; j < 3; j++)
-        code[j] = s32(vmovl_u16(vld1_u16(position + j * FXS_CHUNK)));
+    const int32x4_t code[3] = {s32(position[0]), s32(position[1]), s32(position[2])};
     out->z = camera_coordinate(cv, 2, code);
     out->zeros = vclzq_s32(out->z);
     out->inverse_q30 = reciprocal(vshlq_u32(u32(out->z), out->zeros));
@@ -372,12 +371,12 @@ static inline uint32x4_t project_shape(shapes *out, const fxs_view *view, const 
     return vandq_u32(alive, clip(out, view, &s, centre, c, r_q12));
 }
 
-/* -2 ln(opacity) of four colour words. */
-static inline int32x4_t offset_q11_of(const uint32_t *colour_word)
+/* -2 ln(opacity) */
+static inline int32x4_t offset_q11_of(const uint32_t *opacity)
 {
     int32_t offset_q11[LANES];
     for (uint32_t lane = 0; lane < LANES; lane++)
-        offset_q11[lane] = fxs_offset_of_code_q11[colour_word[lane] >> 24];
+        offset_q11[lane] = fxs_offset_of_code_q11[opacity[lane]];
     return vld1q_s32(offset_q11);
 }
 
@@ -406,29 +405,27 @@ static inline void store(fxs_splat *splat, fxs_bounds *bounds, const shapes *s, 
     bounds->radius = 0;
 }
 
-uint32_t fxs_project_neon(const fxs_view *view, const unsigned char *chunk, uint32_t first_index, fxs_splat *splats,
+uint32_t fxs_project_neon(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
                           fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
 {
     if (view->square)
-        return fxs_project_c(view, chunk, first_index, splats, bounds, indices, depths);
-    const uint16_t *position = (const uint16_t *)(const void *)(chunk + FXS_CHUNK_POSITION);
-    const uint32_t *rotation_word = (const uint32_t *)(const void *)(chunk + FXS_CHUNK_ROTATION);
-    const uint32_t *scale_word = (const uint32_t *)(const void *)(chunk + FXS_CHUNK_SCALE);
-    const uint32_t *colour_word = (const uint32_t *)(const void *)(chunk + FXS_CHUNK_COLOUR);
+        return fxs_project_c(view, scene, chunk, splats, bounds, indices, depths);
+    const unsigned char *rows = fxs_rows(scene, chunk);
     fxs_chunk_view cv;
     uint32_t count = 0;
-    if (!fxs_chunk_view_init(&cv, view, (const fxs_chunk *)(const void *)chunk))
+    if (!fxs_chunk_view_init(&cv, view, &scene->chunks[chunk]))
         return 0;
     for (uint32_t i = 0; i < FXS_CHUNK; i += LANES) {
         projected centre;
         shapes s;
-        uint32_t touches[LANES], depth[LANES];
-        uint32x4_t alive = project_centre(&centre, view, &cv, position + i);
-        alive = vandq_u32(alive, vcgeq_u32(vld1q_u32(colour_word + i), vdupq_n_u32(1u << 24)));
+        uint32_t touches[LANES], depth[LANES], opacity[LANES];
+        codes_neon codes = load_codes(scene, rows, i);
+        uint32x4_t alive = project_centre(&centre, view, &cv, codes.position);
+        alive = vandq_u32(alive, vcgtq_u32(vshrq_n_u32(codes.colour, 24), vdupq_n_u32(0)));
         if (!any(alive))
             continue;
-        alive = project_shape(&s, view, &cv, &centre, vld1q_u32(scale_word + i), vld1q_u32(rotation_word + i),
-                              offset_q11_of(colour_word + i), alive);
+        vst1q_u32(opacity, vshrq_n_u32(codes.colour, 24));
+        alive = project_shape(&s, view, &cv, &centre, codes.scale, codes.rotation, offset_q11_of(opacity), alive);
         if (!any(alive))
             continue;
         vst1q_u32(touches, alive);
@@ -437,7 +434,7 @@ uint32_t fxs_project_neon(const fxs_view *view, const unsigned char *chunk, uint
             if (!touches[lane])
                 continue;
             store(&splats[count], &bounds[count], &s, lane);
-            indices[count] = first_index + i + lane;
+            indices[count] = chunk * FXS_CHUNK + i + lane;
             depths[count++] = depth[lane];
         }
     }

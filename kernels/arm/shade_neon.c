@@ -1,5 +1,6 @@
 /* shade: 8 neighbours of a chunk at once, whether visible or not; the colours of those that are go to their splats. */
 #include "arm.h"
+#include "codes_neon.h"
 #include "fixed_neon.h"
 
 #define LANES 8u
@@ -26,15 +27,14 @@ static inline int64x2_t offset_q32(const fxs_view *view, const fxs_chunk *header
 
 /* Unit vectors from the camera to four Gaussians. */
 static inline void direction(int32x4_t d_q15[3], const fxs_view *view, const fxs_chunk *header,
-                             const uint16_t *position)
+                             const uint32x4_t position[3])
 {
     int64x2_t low[3], high[3];
     uint64x2x2_t most = {{vdupq_n_u64(1), vdupq_n_u64(1)}};
     uint32x4_t square = vdupq_n_u32(0);
     for (int i = 0; i < 3; i++) {
-        uint32x4_t code = vmovl_u16(vld1_u16(position + (uint32_t)i * FXS_CHUNK));
-        low[i] = offset_q32(view, header, i, vget_low_u32(code));
-        high[i] = offset_q32(view, header, i, vget_high_u32(code));
+        low[i] = offset_q32(view, header, i, vget_low_u32(position[i]));
+        high[i] = offset_q32(view, header, i, vget_high_u32(position[i]));
         most.val[0] = vorrq_u64(most.val[0], vreinterpretq_u64_s64(vabsq_s64(low[i])));
         most.val[1] = vorrq_u64(most.val[1], vreinterpretq_u64_s64(vabsq_s64(high[i])));
     }
@@ -83,12 +83,12 @@ static inline void basis(int32x4_t b[15], const int32x4_t d_q15[3], int degree)
 }
 
 /* The basis functions of 8 Gaussians; at most 0.75, so 16 bits hold them. */
-static void basis_8(int16x8_t b_q15[15], const fxs_view *view, const fxs_chunk *header, const uint16_t *position)
+static void basis_8(int16x8_t b_q15[15], const fxs_view *view, const fxs_chunk *header, const codes_neon codes[2])
 {
     int32x4_t d_q15[3], low[15], high[15];
-    direction(d_q15, view, header, position);
+    direction(d_q15, view, header, codes[0].position);
     basis(low, d_q15, view->sh_degree);
-    direction(d_q15, view, header, position + 4);
+    direction(d_q15, view, header, codes[1].position);
     basis(high, d_q15, view->sh_degree);
     for (int k = 0; k < FXS_SH_COUNT(view->sh_degree); k++)
         b_q15[k] = vcombine_s16(vmovn_s32(low[k]), vmovn_s32(high[k]));
@@ -139,21 +139,94 @@ static inline int32x4_t degree_0_q16(const fxs_chunk *header, uint32x4_t colour,
     return vrsraq_n_s32(vdupq_n_s32(header->colour_q16[channel]), step_q20, 4);
 }
 
-/* The colours of the 8 Gaussians from g on. */
-static void shade_8(int16_t colour_q13[3][LANES], const fxs_view *view, const unsigned char *chunk, uint32_t g)
+/* sum basis * number */
+static inline int32_t dot(const int16x8_t b_q15[2], int16x8_t low, int16x8_t high)
 {
-    const fxs_chunk *header = (const fxs_chunk *)(const void *)chunk;
-    const uint16_t *position = (const uint16_t *)(const void *)(chunk + FXS_CHUNK_POSITION);
-    const uint32_t *colour = (const uint32_t *)(const void *)(chunk + FXS_CHUNK_COLOUR);
+    int32x4_t sum = vmull_s16(vget_low_s16(b_q15[0]), vget_low_s16(low));
+    sum = vmlal_high_s16(sum, b_q15[0], low);
+    sum = vmlal_s16(sum, vget_low_s16(b_q15[1]), vget_low_s16(high));
+    return vaddvq_s32(vmlal_high_s16(sum, b_q15[1], high));
+}
+
+/* 8 codes of 3 bits, the first at bit `first` of `codes`, as odd numbers -7 to 7. */
+static inline int16x8_t odd_numbers(uint64_t codes, int first)
+{
+    static const int64_t down[8] = {0, -3, -6, -9, -12, -15, -18, -21};
+    const uint64x2_t word = vdupq_n_u64(codes >> first);
+    uint16x4_t code[2];
+    for (int i = 0; i < 2; i++) {
+        uint32x2_t low = vmovn_u64(vshlq_u64(word, vld1q_s64(down + 4 * i)));
+        uint32x2_t high = vmovn_u64(vshlq_u64(word, vld1q_s64(down + 4 * i + 2)));
+        code[i] = vmovn_u32(vcombine_u32(low, high));
+    }
+    uint16x8_t low_bits = vandq_u16(vcombine_u16(code[0], code[1]), vdupq_n_u16(7));
+    int16x8_t flipped = vreinterpretq_s16_u16(veorq_u16(low_bits, vdupq_n_u16(4)));
+    return vsubq_s16(vshlq_n_s16(flipped, 1), vdupq_n_s16(7));
+}
+
+static fxs_sh_sums sum_of(const fxs_scene *scene, const unsigned char *record, const int16x8_t b_q15[2])
+{
+    fxs_sh_sums s = {{0, 0, 0}, {0, 0, 0}, record[FXS_GAIN_BYTE]};
+    const uint32_t stages = fxs_palette_stages(scene->profile, scene->sh_degree);
+    for (int c = 0; c < 3; c++) {
+        int16x8_t low = vdupq_n_s16(0), high = low;
+        for (uint32_t stage = 0; stage < stages; stage++) {
+            int8x16_t entry = vld1q_s8(fxs_palette_entry(scene, stage, record[stage]) + 16 * c);
+            low = vaddw_s8(low, vget_low_s8(entry));
+            high = vaddw_high_s8(high, entry);
+        }
+        s.palette[c] = dot(b_q15, low, high);
+        if (scene->profile != FXS_PROFILE_COMPACT)
+            continue;
+        uint64_t codes = fxs_residual(record, scene->sh_degree, c);
+        s.odd[c] = dot(b_q15, odd_numbers(codes, 0), odd_numbers(codes, 24));
+    }
+    return s;
+}
+
+/* Adds what a palette says to the lanes that are wanted, one at a time: their entries lie far apart. */
+static void add_palette(sum_8 sum_q16[3], const fxs_scene *scene, const unsigned char *rows, uint32_t g,
+                        const int16x8_t b_q15[15], int degree, uint32_t wanted)
+{
+    int16_t by_function[16][LANES] = {{0}}, by_gaussian[LANES][16];
+    int32_t more_q16[3][LANES] = {{0}};
+    for (int k = 0; k < FXS_SH_COUNT(degree); k++)
+        vst1q_s16(by_function[k], b_q15[k]);
+    for (uint32_t lane = 0; lane < LANES; lane++) {
+        if (!(wanted >> lane & 1))
+            continue;
+        for (int k = 0; k < 16; k++)
+            by_gaussian[lane][k] = by_function[k][lane];
+        const int16x8_t b[2] = {vld1q_s16(by_gaussian[lane]), vld1q_s16(by_gaussian[lane] + 8)};
+        const fxs_sh_sums s = sum_of(scene, fxs_sh_record(scene, rows, g + lane), b);
+        for (int c = 0; c < 3; c++)
+            more_q16[c][lane] = fxs_sh_sum_q16(&s, scene, c);
+    }
+    for (int c = 0; c < 3; c++) {
+        sum_q16[c].low = vaddq_s32(sum_q16[c].low, vld1q_s32(more_q16[c]));
+        sum_q16[c].high = vaddq_s32(sum_q16[c].high, vld1q_s32(more_q16[c] + 4));
+    }
+}
+
+/* The colours of the 8 Gaussians from g on; those of a bit in `wanted` at least. */
+static void shade_8(int16_t colour_q13[3][LANES], const fxs_view *view, const fxs_scene *scene, uint32_t chunk,
+                    uint32_t g, uint32_t wanted)
+{
+    const fxs_chunk *header = &scene->chunks[chunk];
+    const unsigned char *rows = fxs_rows(scene, chunk);
+    const codes_neon codes[2] = {load_codes(scene, rows, g), load_codes(scene, rows, g + 4)};
     sum_8 sum_q16[3];
     for (int c = 0; c < 3; c++) {
-        sum_q16[c].low = degree_0_q16(header, vld1q_u32(colour + g), c);
-        sum_q16[c].high = degree_0_q16(header, vld1q_u32(colour + g + 4), c);
+        sum_q16[c].low = degree_0_q16(header, codes[0].colour, c);
+        sum_q16[c].high = degree_0_q16(header, codes[1].colour, c);
     }
     if (view->sh_degree > 0) {
         int16x8_t b_q15[15];
-        basis_8(b_q15, view, header, position + g);
-        add_bands(sum_q16, (const int8_t *)(chunk + FXS_CHUNK_SH) + g, b_q15, header->sh_step_q19, view->sh_degree);
+        basis_8(b_q15, view, header, codes);
+        if (scene->palette)
+            add_palette(sum_q16, scene, rows, g, b_q15, view->sh_degree, wanted);
+        else
+            add_bands(sum_q16, (const int8_t *)rows + FXS_ROW_SH + g, b_q15, header->sh_step_q19, view->sh_degree);
     }
     for (int c = 0; c < 3; c++) {
         int16x8_t q13 = vqrshrn_high_n_s32(vqrshrn_n_s32(sum_q16[c].low, 3), sum_q16[c].high, 3);
@@ -161,14 +234,17 @@ static void shade_8(int16_t colour_q13[3][LANES], const fxs_view *view, const un
     }
 }
 
-void fxs_shade_neon(const fxs_view *view, const unsigned char *chunk, const uint32_t *indices, uint32_t count,
-                    fxs_splat *splats)
+void fxs_shade_neon(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
+                    uint32_t count, fxs_splat *splats)
 {
-    for (uint32_t i = 0; i < count;) {
-        const uint32_t group = indices[i] / LANES;
+    for (uint32_t i = 0, end; i < count; i = end) {
+        const uint32_t first = indices[i] & ~(LANES - 1u);
         int16_t colour_q13[3][LANES];
-        shade_8(colour_q13, view, chunk, group * LANES % FXS_CHUNK);
-        for (; i < count && indices[i] / LANES == group; i++)
+        uint32_t wanted = 0;
+        for (end = i; end < count && indices[end] - first < LANES; end++)
+            wanted |= 1u << (indices[end] - first);
+        shade_8(colour_q13, view, scene, chunk, first % FXS_CHUNK, wanted);
+        for (; i < end; i++)
             for (int c = 0; c < 3; c++)
                 splats[i].colour_q13[c] = colour_q13[c][indices[i] % LANES];
     }

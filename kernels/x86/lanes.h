@@ -131,4 +131,19 @@ static inline vi log2_q16(vu high, vu low)
     return (63 - n) * 65536 + 2 * (((32768 + q) * (t_q15 >> 1) + 8192) >> 14);
 }
 
+/* Columns first to first + 3 of 8 rows, as 4 structures of 8 words. */
+static inline void transpose(__m256i out[4], int32_t rows[8][LANES], int first)
+{
+    __m256i in[4];
+    for (int i = 0; i < 4; i++)
+        in[i] = _mm256_loadu2_m128i((const __m128i *)(const void *)&rows[i + 4][first],
+                                    (const __m128i *)(const void *)&rows[i][first]);
+    __m256i a = _mm256_unpacklo_epi32(in[0], in[1]), b = _mm256_unpacklo_epi32(in[2], in[3]);
+    __m256i c = _mm256_unpackhi_epi32(in[0], in[1]), d = _mm256_unpackhi_epi32(in[2], in[3]);
+    out[0] = _mm256_unpacklo_epi64(a, b);
+    out[1] = _mm256_unpackhi_epi64(a, b);
+    out[2] = _mm256_unpacklo_epi64(c, d);
+    out[3] = _mm256_unpackhi_epi64(c, d);
+}
+
 #endif

@@ -4,6 +4,6 @@
 
 FXS_X86_PROJECT(avx512)
 {
-    return view->square ? fxs_project_c(view, chunk, first_index, splats, bounds, indices, depths)
-                        : project(view, chunk, first_index, splats, bounds, indices, depths);
+    return view->square ? fxs_project_c(view, scene, chunk, splats, bounds, indices, depths)
+                        : project(view, scene, chunk, splats, bounds, indices, depths);
 }

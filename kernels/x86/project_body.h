@@ -1,8 +1,7 @@
 /* project, LANES Gaussians at a time: src/project.c with the same numbers in the same order, in two passes over a
  * chunk. The first finds the centres and drops what is behind the camera or off the picture; the second shapes what is
  * left, without gaps. Include lanes_avx2.h or lanes_avx512.h first. */
-#include "../../src/stage.h"
-#include "lanes.h"
+#include "codes_body.h"
 
 /* What the second pass needs of a Gaussian. */
 enum row { INDEX, DEPTH, SLOPE_X, SLOPE_Y, POSITION_X, POSITION_Y, SIZE, EXPONENT, SCALE, ROTATION, OPACITY, ROWS };
@@ -79,12 +78,12 @@ static inline vi depth_key(const fxs_chunk_view *cv, const centre *c)
 
 /* The centres of the Gaussians i to i + LANES - 1. */
 static inline void find_centres(survivors *s, const fxs_view *view, const fxs_chunk_view *cv,
-                                const unsigned char *chunk, uint32_t i)
+                                const fxs_scene *scene, const unsigned char *rows, uint32_t i)
 {
-    const uint16_t *position = (const uint16_t *)(const void *)(chunk + FXS_CHUNK_POSITION) + i;
-    const vi code[3] = {load_u16(position), load_u16(position + FXS_CHUNK), load_u16(position + 2 * FXS_CHUNK)};
-    vi opacity = (vi)((vu)load(chunk + FXS_CHUNK_COLOUR + 4 * i) >> 24), value[ROWS];
+    vi code[3], opacity = (vi)((vu)load(rows + (scene->profile == FXS_PROFILE_SMALL ? FXS_SMALL_A : FXS_ROW_COLOUR) +
+                                        4 * i) >> 24), value[ROWS];
     centre c;
+    load_positions(code, scene, rows, i);
     c.camera[2] = camera_axis(cv, 2, code);
     mask alive = greater(c.camera[2], all(cv->near)) & greater(opacity, all(0));
     if (!bits(alive))
@@ -95,7 +94,7 @@ static inline void find_centres(survivors *s, const fxs_view *view, const fxs_ch
     c.inverse_q30 = (vi)reciprocal(shift_left((vu)c.camera[2], c.zeros));
     alive &= project_axis(&c, 0, view->fx_q12, view->cx_q12);
     alive &= project_axis(&c, 1, view->fy_q12, view->cy_q12);
-    value[SCALE] = load(chunk + FXS_CHUNK_SCALE + 4 * i);
+    value[SCALE] = load_scales(scene, rows, i);
     value[SIZE] = (vi)screen_size(view, cv, &c, value[SCALE], &value[EXPONENT]);
     alive &= on_picture(view, &c, value[EXPONENT]);
     if (!bits(alive))
@@ -106,7 +105,7 @@ static inline void find_centres(survivors *s, const fxs_view *view, const fxs_ch
     value[SLOPE_Y] = c.slope_q23[1];
     value[POSITION_X] = c.position_q14[0];
     value[POSITION_Y] = c.position_q14[1];
-    value[ROTATION] = load(chunk + FXS_CHUNK_ROTATION + 4 * i);
+    value[ROTATION] = load_rotations(scene, rows, i);
     value[OPACITY] = opacity;
     for (int row = 0; row < ROWS; row++)
         store_compressed(&s->rows[row][s->count], value[row], alive);
@@ -313,21 +312,6 @@ static inline mask shape(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view
     return alive & clip(splat, bounds, view, reach_q8(&c, cov.exponent, r_q12));
 }
 
-/* Columns first to first + 3 of 8 rows, as 4 structures of 8 words. */
-static inline void transpose(__m256i out[4], int32_t rows[WORDS][LANES], int first)
-{
-    __m256i in[4];
-    for (int i = 0; i < 4; i++)
-        in[i] = _mm256_loadu2_m128i((const __m128i *)(const void *)&rows[i + 4][first],
-                                    (const __m128i *)(const void *)&rows[i][first]);
-    __m256i a = _mm256_unpacklo_epi32(in[0], in[1]), b = _mm256_unpacklo_epi32(in[2], in[3]);
-    __m256i c = _mm256_unpackhi_epi32(in[0], in[1]), d = _mm256_unpackhi_epi32(in[2], in[3]);
-    out[0] = _mm256_unpacklo_epi64(a, b);
-    out[1] = _mm256_unpackhi_epi64(a, b);
-    out[2] = _mm256_unpacklo_epi64(c, d);
-    out[3] = _mm256_unpackhi_epi64(c, d);
-}
-
 /* Appends the structures of the lanes in `which`. Every lane is written, and overwritten by the next if not wanted. */
 static inline void append(fxs_splat *splats, fxs_bounds *bounds, int32_t splat_rows[WORDS][LANES],
                           int32_t bounds_rows[WORDS][LANES], unsigned which)
@@ -346,17 +330,17 @@ static inline void append(fxs_splat *splats, fxs_bounds *bounds, int32_t splat_r
     }
 }
 
-static inline uint32_t project(const fxs_view *view, const unsigned char *chunk, uint32_t first_index,
-                               fxs_splat *splats, fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
+static inline uint32_t project(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
+                               fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
 {
     fxs_chunk_view cv;
     survivors s;
     uint32_t count = 0;
-    if (!fxs_chunk_view_init(&cv, view, (const fxs_chunk *)(const void *)chunk))
+    if (!fxs_chunk_view_init(&cv, view, &scene->chunks[chunk]))
         return 0;
     s.count = 0;
     for (uint32_t i = 0; i < FXS_CHUNK; i += LANES)
-        find_centres(&s, view, &cv, chunk, i);
+        find_centres(&s, view, &cv, scene, fxs_rows(scene, chunk), i);
     for (uint32_t i = 0; i < s.count; i++)
         s.rows[OPACITY][i] = fxs_offset_of_code_q11[s.rows[OPACITY][i]];
     for (int row = 0; row < ROWS; row++)
@@ -370,7 +354,7 @@ static inline uint32_t project(const fxs_view *view, const unsigned char *chunk,
             store(bounds_rows[i], bound[i]);
         }
         append(splats + count, bounds + count, splat_rows, bounds_rows, bits(visible));
-        store_compressed(indices + count, load(&s.rows[INDEX][at]) + (int32_t)first_index, visible);
+        store_compressed(indices + count, load(&s.rows[INDEX][at]) + (int32_t)(chunk * FXS_CHUNK), visible);
         store_compressed(depths + count, load(&s.rows[DEPTH][at]), visible);
         count += (uint32_t)__builtin_popcount(bits(visible));
     }

@@ -4,5 +4,5 @@
 
 FXS_X86_SHADE(avx2)
 {
-    shade(view, chunk, indices, count, splats);
+    shade(view, scene, chunk, indices, count, splats);
 }

@@ -1,16 +1,13 @@
 /* shade, LANES Gaussians at a time: src/shade.c with the same numbers in the same order. Include lanes_avx2.h
  * or lanes_avx512.h first. */
-#include "../../src/memory.h"
-
-#include "../../src/stage.h"
-#include "lanes.h"
+#include "codes_body.h"
 
 /* A constant of the basis, Q15. */
 #define Q15(x_millionths) ((int32_t)(((int64_t)(x_millionths) * 32768 + 500000) / 1000000))
 
-static inline wide offset_q32(const fxs_view *view, const fxs_chunk *chunk, int axis, const uint16_t *position)
+static inline wide offset_q32(const fxs_view *view, const fxs_chunk *chunk, int axis, vi position)
 {
-    wide x = mul_wide_u((vu)load_u16(position), (vu)all((int32_t)chunk->step_q32[axis]));
+    wide x = mul_wide_u((vu)position, (vu)all((int32_t)chunk->step_q32[axis]));
     x.even <<= chunk->step_shift;
     x.odd <<= chunk->step_shift;
     return offset_wide(x, chunk->origin_q32[axis] - view->position_q32[axis]);
@@ -86,46 +83,141 @@ static inline vi bands(const int8_t *codes, const vi b_q15[15], const uint32_t s
     return sum_q16;
 }
 
-/* The Gaussians first to first + LANES - 1. */
-static inline void colours(vi colour_q13[3], const fxs_view *view, const unsigned char *chunk, uint32_t first)
+/* The basis towards the Gaussians first to first + LANES - 1; 0 above the view's degree. */
+static inline void basis_at(vi b_q15[16], const fxs_view *view, const fxs_chunk *chunk, const vi position[3])
 {
-    const fxs_chunk *header = (const fxs_chunk *)(const void *)chunk;
-    const uint16_t *position = (const uint16_t *)(const void *)(chunk + FXS_CHUNK_POSITION) + first;
-    const int8_t *sh = (const int8_t *)(chunk + FXS_CHUNK_SH) + first;
-    vi colour = load(chunk + FXS_CHUNK_COLOUR + 4 * first), b_q15[15];
-    if (view->sh_degree > 0) {
-        vi d_q15[3];
-        wide offset[3];
-        for (int k = 0; k < 3; k++)
-            offset[k] = offset_q32(view, header, k, position + k * FXS_CHUNK);
-        direction(d_q15, offset);
-        basis(b_q15, d_q15, view->sh_degree);
-        for (int k = 0; k < FXS_SH_COUNT(view->sh_degree); k++)
-            b_q15[k] &= 65535;
-    }
-    for (int k = 0; k < 3; k++) {
-        vi step = (colour >> 8 * k & 255) * (int32_t)header->colour_step_q20[k];
-        vi sum_q16 = header->colour_q16[k] + ((step + 8) >> 4);
-        if (view->sh_degree > 0)
-            sum_q16 += bands(sh + k * FXS_CHUNK, b_q15, header->sh_step_q19, view->sh_degree);
-        colour_q13[k] = clamp((sum_q16 + 4) >> 3, all(0), all(32767));
-    }
+    vi d_q15[3];
+    wide offset[3];
+    for (int k = 0; k < 3; k++)
+        offset[k] = offset_q32(view, chunk, k, position[k]);
+    direction(d_q15, offset);
+    for (int k = FXS_SH_COUNT(view->sh_degree); k < 16; k++)
+        b_q15[k] = all(0);
+    basis(b_q15, d_q15, view->sh_degree);
+    for (int k = 0; k < 16; k++)
+        b_q15[k] &= 65535;
 }
 
-static inline void shade(const fxs_view *view, const unsigned char *chunk, const uint32_t *indices, uint32_t count,
-                         fxs_splat *splats)
+/* A basis of 16 bits for each of LANES Gaussians, from rows of one function each. */
+static inline void basis_by_gaussian(__m256i b_q15[LANES], const vi rows[16])
+{
+    int32_t pairs[8][LANES];
+    for (int k = 0; k < 8; k++)
+        store(pairs[k], rows[2 * k] | rows[2 * k + 1] << 16);
+    for (int lane = 0; lane < LANES; lane += 4)
+        transpose(b_q15 + lane, pairs, lane);
+}
+
+/* The sum of each of three vectors. */
+static inline void sum_each(int32_t sums[4], __m256i a, __m256i b, __m256i c)
+{
+    __m256i pairs = _mm256_hadd_epi32(_mm256_hadd_epi32(a, b), _mm256_hadd_epi32(c, c));
+    _mm_storeu_si128((__m128i *)(void *)sums,
+                     _mm_add_epi32(_mm256_castsi256_si128(pairs), _mm256_extracti128_si256(pairs, 1)));
+}
+
+/* The codes of a channel, 3 bits each from the low end of `codes`, as odd numbers -7 to 7: each in a window of 16 bits
+   that is moved up until it is on top. */
+static inline __m256i odd_numbers(uint64_t codes)
+{
+#define WINDOW(k) (char)(3 * (k) / 8), (char)(3 * (k) / 8 + 1)
+#define UP(k) (short)(1 << (13 - 3 * (k) % 8))
+    const __m256i windows = _mm256_setr_epi8(
+        WINDOW(0), WINDOW(1), WINDOW(2), WINDOW(3), WINDOW(4), WINDOW(5), WINDOW(6), WINDOW(7),
+        WINDOW(8), WINDOW(9), WINDOW(10), WINDOW(11), WINDOW(12), WINDOW(13), WINDOW(14), -1, -1);
+    const __m256i up = _mm256_setr_epi16(UP(0), UP(1), UP(2), UP(3), UP(4), UP(5), UP(6), UP(7), UP(8), UP(9), UP(10),
+                                         UP(11), UP(12), UP(13), UP(14), 0);
+#undef WINDOW
+#undef UP
+    __m256i x = _mm256_shuffle_epi8(_mm256_set1_epi64x((int64_t)codes), windows);
+    x = _mm256_srai_epi16(_mm256_mullo_epi16(x, up), 13);
+    return _mm256_or_si256(_mm256_add_epi16(x, x), _mm256_set1_epi16(1));
+}
+
+static inline fxs_sh_sums sum_of(const fxs_scene *scene, const unsigned char *record, __m256i b_q15)
+{
+    fxs_sh_sums s;
+    int32_t sums[4];
+    __m256i numbers[3] = {_mm256_setzero_si256(), _mm256_setzero_si256(), _mm256_setzero_si256()};
+    for (uint32_t stage = 0; stage < fxs_palette_stages(scene->profile, scene->sh_degree); stage++) {
+        const __m128i *entry = (const __m128i *)(const void *)fxs_palette_entry(scene, stage, record[stage]);
+        for (int c = 0; c < 3; c++)
+            numbers[c] = _mm256_add_epi16(numbers[c], _mm256_cvtepi8_epi16(_mm_loadu_si128(entry + c)));
+    }
+    sum_each(sums, _mm256_madd_epi16(numbers[0], b_q15), _mm256_madd_epi16(numbers[1], b_q15),
+             _mm256_madd_epi16(numbers[2], b_q15));
+    memcpy(s.palette, sums, sizeof s.palette);
+    if (scene->profile == FXS_PROFILE_COMPACT) {
+        for (int c = 0; c < 3; c++)
+            numbers[c] = _mm256_madd_epi16(odd_numbers(fxs_residual(record, scene->sh_degree, c)), b_q15);
+        sum_each(sums, numbers[0], numbers[1], numbers[2]);
+    } else {
+        memset(sums, 0, sizeof sums);
+    }
+    memcpy(s.odd, sums, sizeof s.odd);
+    s.gain = record[FXS_GAIN_BYTE];
+    return s;
+}
+
+/* Adds what a palette says to the lanes that are wanted, one at a time: their entries lie far apart. */
+static inline void add_palette(vi sum_q16[3], const fxs_scene *scene, const unsigned char *rows, uint32_t first,
+                               const vi b_q15[16], uint32_t wanted)
+{
+    __m256i by_gaussian[LANES];
+    int32_t more_q16[3][LANES] = {{0}};
+    basis_by_gaussian(by_gaussian, b_q15);
+    for (uint32_t lane = 0; lane < LANES; lane++) {
+        if (!(wanted >> lane & 1))
+            continue;
+        const fxs_sh_sums s = sum_of(scene, fxs_sh_record(scene, rows, first + lane), by_gaussian[lane]);
+        for (int c = 0; c < 3; c++)
+            more_q16[c][lane] = fxs_sh_sum_q16(&s, scene, c);
+    }
+    for (int c = 0; c < 3; c++)
+        sum_q16[c] += load(more_q16[c]);
+}
+
+/* The Gaussians first to first + LANES - 1; those of a bit in `wanted` at least. */
+static inline void colours(vi colour_q13[3], const fxs_view *view, const fxs_scene *scene, uint32_t chunk,
+                           uint32_t first, uint32_t wanted)
+{
+    const fxs_chunk *header = &scene->chunks[chunk];
+    const unsigned char *rows = fxs_rows(scene, chunk);
+    vi colour = load_colours(scene, rows, first), sum_q16[3];
+    for (int c = 0; c < 3; c++) {
+        vi step = (colour >> 8 * c & 255) * (int32_t)header->colour_step_q20[c];
+        sum_q16[c] = header->colour_q16[c] + ((step + 8) >> 4);
+    }
+    if (view->sh_degree > 0) {
+        vi position[3], b_q15[16];
+        load_positions(position, scene, rows, first);
+        basis_at(b_q15, view, header, position);
+        if (scene->palette)
+            add_palette(sum_q16, scene, rows, first, b_q15, wanted);
+        else
+            for (int c = 0; c < 3; c++)
+                sum_q16[c] += bands((const int8_t *)rows + FXS_ROW_SH + first + c * FXS_CHUNK, b_q15,
+                                    header->sh_step_q19, view->sh_degree);
+    }
+    for (int c = 0; c < 3; c++)
+        colour_q13[c] = clamp((sum_q16[c] + 4) >> 3, all(0), all(32767));
+}
+
+static inline void shade(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
+                         uint32_t count, fxs_splat *splats)
 {
     for (uint32_t i = 0, end; i < count; i = end) {
         const uint32_t first = indices[i] & ~(LANES - 1u);
-        for (end = i + 1; end < count && indices[end] - first < LANES; end++)
-            ;
+        uint32_t wanted = 0;
+        for (end = i; end < count && indices[end] - first < LANES; end++)
+            wanted |= 1u << (indices[end] - first);
         if (end - i == 1) {            /* a vector costs as much as one or two Gaussians in C */
-            fxs_shade_c(view, chunk, indices + i, 1, splats + i);
+            fxs_shade_c(view, scene, chunk, indices + i, 1, splats + i);
             continue;
         }
         vi colour_q13[3];
         int32_t red_green[LANES], blue[LANES];
-        colours(colour_q13, view, chunk, first % FXS_CHUNK);
+        colours(colour_q13, view, scene, chunk, first % FXS_CHUNK, wanted);
         store(red_green, colour_q13[0] | colour_q13[1] << 16);
         store(blue, colour_q13[2]);
         for (; i < end; i++) {

@@ -4,10 +4,10 @@
 
 #include "../../src/stage.h"
 
-#define FXS_X86_PROJECT(isa) uint32_t fxs_project_##isa(const fxs_view *view, const unsigned char *chunk, \
-    uint32_t first_index, fxs_splat *splats, fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
-#define FXS_X86_SHADE(isa) void fxs_shade_##isa(const fxs_view *view, const unsigned char *chunk, \
-    const uint32_t *indices, uint32_t count, fxs_splat *splats)
+#define FXS_X86_PROJECT(isa) uint32_t fxs_project_##isa(const fxs_view *view, const fxs_scene *scene, \
+    uint32_t chunk, fxs_splat *splats, fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
+#define FXS_X86_SHADE(isa) void fxs_shade_##isa(const fxs_view *view, const fxs_scene *scene, \
+    uint32_t chunk, const uint32_t *indices, uint32_t count, fxs_splat *splats)
 #define FXS_X86_BIN(isa) void fxs_bin_##isa(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, \
     uint32_t count, fxs_box *boxes)
 #define FXS_X86_BLEND(isa) void fxs_blend_##isa(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, \

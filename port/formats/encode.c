@@ -153,14 +153,13 @@ static int8_t encode_coefficient(double x, uint32_t step_q19, double *largest)
     return (int8_t)code;
 }
 
-void fxs_encode(unsigned char *bytes, uint32_t at, const fxs_gaussian *g, int sh_degree, fxs_pack_error *largest)
+void fxs_encode(const fxs_chunk *chunk, unsigned char *rows, uint32_t at, const fxs_gaussian *g, int sh_degree, fxs_pack_error *largest)
 {
-    const fxs_chunk *chunk = (const fxs_chunk *)(void *)bytes;
-    uint16_t *position = (uint16_t *)(void *)(bytes + FXS_CHUNK_POSITION);
-    uint32_t *rotation = (uint32_t *)(void *)(bytes + FXS_CHUNK_ROTATION), scale_word = 0;
-    uint32_t *scale = (uint32_t *)(void *)(bytes + FXS_CHUNK_SCALE);
-    uint32_t *colour = (uint32_t *)(void *)(bytes + FXS_CHUNK_COLOUR);
-    int8_t *sh = (int8_t *)(bytes + FXS_CHUNK_SH);
+    uint16_t *position = (uint16_t *)(void *)(rows + FXS_ROW_POSITION);
+    uint32_t *rotation = (uint32_t *)(void *)(rows + FXS_ROW_ROTATION), scale_word = 0;
+    uint32_t *scale = (uint32_t *)(void *)(rows + FXS_ROW_SCALE);
+    uint32_t *colour = (uint32_t *)(void *)(rows + FXS_ROW_COLOUR);
+    int8_t *sh = (int8_t *)(rows + FXS_ROW_SH);
     double scale_error = 0;
     for (int i = 0; i < 3; i++) {
         position[i * FXS_CHUNK + (int)at] = (uint16_t)encode(

@@ -23,7 +23,7 @@ void fxs_ranges_take(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, int
 void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *ranges);
 
 /* Writes the codes of Gaussian `at` of a chunk whose header is written, and notes the largest errors. */
-void fxs_encode(unsigned char *chunk, uint32_t at, const fxs_gaussian *gaussian, int sh_degree,
+void fxs_encode(const fxs_chunk *chunk, unsigned char *rows, uint32_t at, const fxs_gaussian *gaussian, int sh_degree,
                 fxs_pack_error *largest);
 
 #endif

@@ -16,33 +16,52 @@
 static uint32_t header_checksum(const fxs_packed_header *header)
 {
     fxs_packed_header blank = *header;
-    blank.checksum[0] = 0;
+    blank.checksum = 0;
     return (uint32_t)crc32(0, (const unsigned char *)&blank, sizeof blank);
 }
 
-static uint32_t chunk_checksum(const fxs_chunk *chunk, uint32_t chunk_bytes)
+static const unsigned char *rows_of(const fxs_scene *scene, uint32_t i)
 {
-    fxs_chunk blank = *chunk;
-    blank.checksum = 0;
-    uLong crc = crc32(0, (const unsigned char *)&blank, sizeof blank);
-    return (uint32_t)crc32(crc, (const unsigned char *)(chunk + 1), chunk_bytes - (uInt)sizeof blank);
+    return scene->rows + (size_t)i * scene->chunk_bytes;
 }
 
-static int write_scene(FILE *file, const unsigned char *data)
+static uint32_t chunk_checksum(const fxs_scene *scene, uint32_t i)
+{
+    fxs_chunk blank = scene->chunks[i];
+    blank.checksum = 0;
+    uLong crc = crc32(0, (const unsigned char *)&blank, sizeof blank);
+    return (uint32_t)crc32(crc, rows_of(scene, i), scene->chunk_bytes);
+}
+
+static size_t palette_bytes(const fxs_scene *scene)
+{
+    return scene->palette ? (size_t)(scene->rows - (const unsigned char *)scene->palette) : 0;
+}
+
+static uint32_t palette_checksum(const fxs_scene *scene)
+{
+    return (uint32_t)crc32(0, (const unsigned char *)scene->palette, (uInt)palette_bytes(scene));
+}
+
+static int put(FILE *file, const void *from, size_t bytes)
+{
+    return bytes == 0 || fwrite(from, bytes, 1, file) == 1;
+}
+
+static int write_scene(FILE *file, const void *data, const fxs_scene *scene)
 {
     fxs_packed_header header;
     memcpy(&header, data, sizeof header);
-    header.checksum[0] = header_checksum(&header);
-    int ok = fwrite(&header, sizeof header, 1, file) == 1;
-    for (uint32_t i = 0; i < header.chunk_count && ok; i++) {
-        const void *at = data + sizeof header + (size_t)i * header.chunk_bytes;
-        const fxs_chunk *from = at;
-        fxs_chunk chunk = *from;
-        chunk.checksum = chunk_checksum(from, header.chunk_bytes);
-        ok = fwrite(&chunk, sizeof chunk, 1, file) == 1 &&
-             fwrite(from + 1, header.chunk_bytes - sizeof chunk, 1, file) == 1;
+    header.palette_checksum = palette_checksum(scene);
+    header.checksum = header_checksum(&header);
+    int ok = put(file, &header, sizeof header);
+    for (uint32_t i = 0; i < scene->chunk_count && ok; i++) {
+        fxs_chunk chunk = scene->chunks[i];
+        chunk.checksum = chunk_checksum(scene, i);
+        ok = put(file, &chunk, sizeof chunk);
     }
-    return ok;
+    return ok && put(file, scene->palette, palette_bytes(scene)) &&
+           put(file, scene->rows, (size_t)scene->chunk_count * scene->chunk_bytes);
 }
 
 int fxs_file_write(const char *path, const void *data, size_t bytes, fxs_message *message)
@@ -57,7 +76,7 @@ int fxs_file_write(const char *path, const void *data, size_t bytes, fxs_message
         return fxs_fail(message, "%s: out of memory", path);
     snprintf(temporary, room, "%s.fixsplat-%ld.tmp", path, (long)getpid());
     FILE *file = fopen(temporary, "wb");
-    int ok = file && write_scene(file, data);
+    int ok = file && write_scene(file, data, &scene);
     ok = file && !fclose(file) && ok && !rename(temporary, path);
     if (!ok) {
         fxs_fail(message, "%s: cannot be written: %s", path, strerror(errno));
@@ -77,17 +96,18 @@ int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fx
     if (header->version != FXS_PACKED_VERSION)
         return fxs_fail(message, "%s: .fxs of version %u, this program reads %u", path, header->version,
                         FXS_PACKED_VERSION);
-    if (header->checksum[0] != header_checksum(header))
+    if (header->checksum != header_checksum(header))
         return fxs_fail(message, "%s: the header is damaged: its checksum is wrong", path);
     if (fxs_scene_open(&scene, data, bytes))
         return fxs_fail(message, "%s: damaged or cut short: %zu bytes, expected %zu", path, bytes,
-                        fxs_scene_bytes(header->count, (int)(header->sh_degree & 3)));
-    for (uint32_t i = 0; i < scene.chunk_count && all; i++) {
-        const void *chunk = scene.chunks + (size_t)i * scene.chunk_bytes;
-        if (((const fxs_chunk *)chunk)->checksum != chunk_checksum(chunk, scene.chunk_bytes))
+                        fxs_scene_bytes(header->count, (int)(header->sh_degree & 3),
+                                        (enum fxs_profile)header->profile, header->palette_entries));
+    if (all && header->palette_checksum != palette_checksum(&scene))
+        return fxs_fail(message, "%s: the palette is damaged: its checksum is wrong", path);
+    for (uint32_t i = 0; i < scene.chunk_count && all; i++)
+        if (scene.chunks[i].checksum != chunk_checksum(&scene, i))
             return fxs_fail(message, "%s: chunk %u of %u is damaged: its checksum is wrong", path, i,
                             scene.chunk_count);
-    }
     return 0;
 }
 #else

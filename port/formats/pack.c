@@ -27,7 +27,8 @@ typedef struct packer {
     float (*positions)[3];           /* in file order; first x is NaN for a dropped Gaussian */
     uint32_t *slots;                 /* where Gaussian i of the file goes, or DROPPED */
     fxs_chunk_ranges *ranges;
-    unsigned char *chunks;
+    fxs_chunk *chunks;
+    unsigned char *rows;
     uint32_t chunk_bytes;
 } packer;
 
@@ -200,7 +201,7 @@ static int write_headers(packer *p)
     if (pass(p, 1, take_ranges))
         return -1;
     for (uint32_t i = 0; i < chunks; i++)
-        fxs_encode_header((fxs_chunk *)(void *)(p->chunks + (size_t)i * p->chunk_bytes), &p->ranges[i]);
+        fxs_encode_header(&p->chunks[i], &p->ranges[i]);
     return 0;
 }
 
@@ -208,7 +209,7 @@ static void write_codes(packer *p, uint64_t index, const fxs_gaussian *g)
 {
     uint32_t slot = p->slots[index];
     if (slot != DROPPED)
-        fxs_encode(p->chunks + (size_t)(slot / FXS_CHUNK) * p->chunk_bytes, slot % FXS_CHUNK, g, p->info->sh_degree,
+        fxs_encode(&p->chunks[slot / FXS_CHUNK], p->rows + (size_t)(slot / FXS_CHUNK) * p->chunk_bytes, slot % FXS_CHUNK, g, p->info->sh_degree,
                    &p->report->largest);
 }
 
@@ -216,14 +217,14 @@ static void write_codes(packer *p, uint64_t index, const fxs_gaussian *g)
 
 static int allocate_scene(packer *p, fxs_packed_scene *scene)
 {
-    size_t bytes = fxs_scene_bytes((uint32_t)p->report->packed, p->info->sh_degree);
+    size_t bytes = fxs_scene_bytes((uint32_t)p->report->packed, p->info->sh_degree, FXS_PROFILE_DEFAULT, 0);
     scene->allocation = calloc(1, bytes + 63);
     if (!scene->allocation)
         return fxs_fail(p->message, "out of memory: %zu bytes for the packed scene", bytes);
     scene->data = (void *)(((uintptr_t)scene->allocation + 63) / 64 * 64);
     scene->bytes = bytes;
     fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, (uint32_t)p->report->packed, 0, 0,
-                                (uint32_t)p->info->sh_degree, 0, {0}, {0}, {0}, {0}, {0}};
+                                (uint32_t)p->info->sh_degree, 0, 0, {0}, {0}, {0}, {0}, 0, 0, 0, 0, {0}};
     header.chunk_count = (header.count + FXS_CHUNK - 1) / FXS_CHUNK;
     header.chunk_bytes = p->chunk_bytes;
     header.flags = p->info->antialiased ? FXS_PACKED_ANTIALIASED : 0;
@@ -234,7 +235,8 @@ static int allocate_scene(packer *p, fxs_packed_scene *scene)
         header.inner_high_q32[i] = (int64_t)ceil(ldexp(p->report->inner_high[i], 32));
     }
     memcpy(scene->data, &header, sizeof header);
-    p->chunks = (unsigned char *)scene->data + sizeof header;
+    p->chunks = (fxs_chunk *)(void *)((unsigned char *)scene->data + sizeof header);
+    p->rows = (unsigned char *)(p->chunks + header.chunk_count);
     return 0;
 }
 
@@ -262,7 +264,8 @@ static int pack(packer *p, fxs_packed_scene *scene)
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
              fxs_progress_fn *progress, void *argument, fxs_message *message)
 {
-    packer p = {file, info, report, progress, argument, message, 0, 0, 0, 0, FXS_CHUNK_BYTES(info->sh_degree)};
+    packer p = {file, info, report, progress, argument, message, 0, 0, 0, 0, 0,
+                fxs_chunk_bytes(FXS_PROFILE_DEFAULT, info->sh_degree)};
     memset(scene, 0, sizeof *scene);
     memset(report, 0, sizeof *report);
     int result = pack(&p, scene);

@@ -76,7 +76,7 @@ for name in $variants; do
     fi
     $run "$work/$name" >"$log" 2>&1
     status=$?
-    sum=$(sed -n 's/.*random frames: //p' "$log")
+    sum=$(sed -n 's/.*random frames: //p' "$log" | tr '\n' ' ')
     first=${first:-$sum}
     said="$name (${sum:+sum }${sum:-$(tail -n 1 "$log")})"
     if [ $status = 0 ] && [ "${sum:-$first}" = "$first" ]; then

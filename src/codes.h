@@ -1,0 +1,101 @@
+/* The codes of one Gaussian of a packed scene, whatever its profile. */
+#ifndef FXS_CODES_H
+#define FXS_CODES_H
+
+#include "memory.h"
+#include "stage.h"
+
+/* As in the rows of the default profile. */
+typedef struct fxs_codes {
+    uint16_t position[3];
+    uint32_t rotation, scale, colour;
+} fxs_codes;
+
+static inline uint32_t fxs_word_at(const unsigned char *row, uint32_t g)
+{
+    uint32_t word;
+    memcpy(&word, row + 4 * g, sizeof word);
+    return word;
+}
+
+static inline uint16_t fxs_half_at(const unsigned char *row, uint32_t g)
+{
+    uint16_t half;
+    memcpy(&half, row + 2 * g, sizeof half);
+    return half;
+}
+
+/* 12 bits to 16, and three of 8 to three of 10: the high bits again below. */
+static inline uint16_t fxs_spread_12(uint32_t code)
+{
+    return (uint16_t)(code << 4 | code >> 8);
+}
+
+static inline uint32_t fxs_spread_8(uint32_t x, uint32_t y, uint32_t z)
+{
+    uint32_t word = x | y << 10 | z << 20;
+    return word << 2 | (word >> 6 & 0x00300c03);
+}
+
+static inline fxs_codes fxs_small_codes(const unsigned char *rows, uint32_t g)
+{
+    const uint32_t a = fxs_word_at(rows + FXS_SMALL_A, g), b = fxs_word_at(rows + FXS_SMALL_B, g);
+    const uint32_t c = fxs_word_at(rows + FXS_SMALL_C, g), d = fxs_half_at(rows + FXS_SMALL_D, g);
+    fxs_codes codes = {{fxs_spread_12(a & 4095), fxs_spread_12(a >> 12 & 4095), fxs_spread_12(b & 4095)}, 0, 0, 0};
+    codes.rotation = fxs_spread_8(d >> 8, d & 255, c >> 24) | (b >> 12 & 3) << 30;
+    codes.scale = fxs_spread_8(c & 255, c >> 8 & 255, c >> 16 & 255);
+    codes.colour = b >> 16 | (uint32_t)rows[FXS_SMALL_E + g] << 16 | (a & 0xff000000u);
+    return codes;
+}
+
+/* The SH record of a Gaussian of compact or small. */
+static inline const unsigned char *fxs_sh_record(const fxs_scene *scene, const unsigned char *rows, uint32_t g)
+{
+    return rows + (scene->profile == FXS_PROFILE_COMPACT ? FXS_ROW_SH : FXS_SMALL_SH) +
+           g * fxs_sh_bytes(scene->profile, scene->sh_degree);
+}
+
+/* The residual codes of a channel in a record of compact, the first in bits 2..0. They are in 8 bytes of the record:
+   those from the first code's on, or the last 8. */
+static inline uint64_t fxs_residual(const unsigned char *record, int degree, int channel)
+{
+    const uint32_t bytes = fxs_sh_bytes(FXS_PROFILE_COMPACT, degree);
+    const uint32_t bit = FXS_RESIDUAL_BIT + 3u * (uint32_t)(channel * FXS_SH_COUNT(degree));
+    const uint32_t first = bit / 8 < bytes - 8 ? bit / 8 : bytes - 8;
+    uint64_t word;
+    memcpy(&word, record + first, sizeof word);
+    return word >> (bit - 8 * first);
+}
+
+/* An entry of the palette: int8_t[3][16]. */
+static inline const int8_t *fxs_palette_entry(const fxs_scene *scene, uint32_t stage, uint32_t index)
+{
+    index = index < scene->palette_entries ? index : scene->palette_entries - 1;
+    return scene->palette + (size_t)(stage * scene->palette_entries + index) * FXS_PALETTE_STRIDE;
+}
+
+/* The coefficients of a Gaussian in a profile with a palette: the sum of an entry of each stage, times the scene's step;
+   and (compact) odd numbers, -7 to 7, times the Gaussian's gain. */
+typedef struct fxs_sh_sums {
+    int32_t palette[3], odd[3];    /* sum basis * number, Q15: at most 2^28 and 2^22 */
+    int gain;                      /* (8 + bits 2..0) * 2^(bits 7..3) * 2^-32 */
+} fxs_sh_sums;
+
+static inline int32_t fxs_sh_sum_q16(const fxs_sh_sums *s, const fxs_scene *scene, int channel)
+{
+    int64_t palette_q34 = (int64_t)s->palette[channel] * scene->palette_step_q19;
+    return (int32_t)(palette_q34 >> 18) + (s->odd[channel] * (8 + (s->gain & 7)) >> (31 - (s->gain >> 3)));
+}
+
+static inline fxs_codes fxs_codes_of(const fxs_scene *scene, const unsigned char *rows, uint32_t g)
+{
+    if (scene->profile == FXS_PROFILE_SMALL)
+        return fxs_small_codes(rows, g);
+    const unsigned char *position = rows + FXS_ROW_POSITION;
+    return (fxs_codes){{fxs_half_at(position, g), fxs_half_at(position, FXS_CHUNK + g),
+                        fxs_half_at(position, 2 * FXS_CHUNK + g)},
+                       fxs_word_at(rows + FXS_ROW_ROTATION, g), fxs_word_at(rows + FXS_ROW_SCALE, g),
+                       fxs_word_at(rows + FXS_ROW_COLOUR, g)};
+}
+
+#endif

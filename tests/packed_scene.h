@@ -1,0 +1,53 @@
+/* A packed scene made by a test: headers of zeros but for what is given here, to be filled in. */
+#ifndef PACKED_SCENE_H
+#define PACKED_SCENE_H
+
+#include <string.h>
+
+#include "../src/packed.h"
+#include "check.h"
+
+typedef struct packed_scene {
+    unsigned char *data;           /* for free */
+    size_t bytes;
+    fxs_packed_header *header;
+    fxs_chunk *chunks;
+    int8_t *palette;               /* null without one */
+    unsigned char *rows;
+    fxs_scene scene;               /* open on it */
+} packed_scene;
+
+static inline packed_scene packed_scene_make(enum fxs_profile profile, int degree, uint32_t count, int antialiased)
+{
+    packed_scene s;
+    memset(&s, 0, sizeof s);
+    const uint32_t entries = fxs_palette_stages(profile, degree) ? 77 : 0;
+    s.bytes = fxs_scene_bytes(count, degree, profile, entries);
+    s.data = check_aligned(s.bytes);
+    if (!s.bytes || !s.data)
+        abort();
+    memset(s.data, 0, s.bytes);
+    s.header = (fxs_packed_header *)(void *)s.data;
+    s.header->magic = FXS_PACKED_MAGIC;
+    s.header->version = FXS_PACKED_VERSION;
+    s.header->count = count;
+    s.header->chunk_count = (count + FXS_CHUNK - 1) / FXS_CHUNK;
+    s.header->chunk_bytes = fxs_chunk_bytes(profile, degree);
+    s.header->sh_degree = (uint32_t)degree;
+    s.header->flags = antialiased ? FXS_PACKED_ANTIALIASED : 0;
+    s.header->profile = (uint32_t)profile;
+    s.header->palette_entries = entries;
+    if (fxs_scene_open(&s.scene, s.data, s.bytes))
+        abort();
+    s.chunks = (fxs_chunk *)(void *)(s.data + sizeof *s.header);
+    s.palette = entries ? (int8_t *)s.data + ((const unsigned char *)s.scene.palette - s.data) : 0;
+    s.rows = s.data + (s.scene.rows - s.data);
+    return s;
+}
+
+static inline unsigned char *packed_scene_rows(const packed_scene *s, uint32_t chunk)
+{
+    return s->rows + (size_t)chunk * s->header->chunk_bytes;
+}
+
+#endif
