@@ -11,10 +11,10 @@ trap 'rm -rf "$work"' EXIT
 sources_of() {
     case $1 in
     fuzz_scene | fuzz_sog | fuzz_spz | fuzz_gltf)
-        set -- scene_file byte_reader ply_header ply compressed_ply ksplat sog splat spz gltf transform text zip ;;
-    fuzz_camera) set -- camera_file camera_json camera_colmap text ;;
+        set -- scene_file byte_reader ply_header ply compressed_ply ksplat sog splat spz gltf transform zip ;;
+    fuzz_camera) set -- camera_file camera_json camera_colmap ;;
     esac
-    printf 'port/formats/%s.c ' "$@" message
+    printf 'port/formats/%s.c ' "$@" text source allocator message
 }
 
 # ---- Small files to start from, of each kind -------------------------------------------------------------------------

@@ -1,43 +1,47 @@
 /* libFuzzer target: bytes as the files of a folder, each after its size of two bytes, for a .sog as a zip, as files and
    streamed. What opens is read whole, rewound, and read again with the same result. */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "../port/formats/scene_file.h"
 
-static char folder[] = "/tmp/fuzz_sog_XXXXXX";
-static const char *const names[] = {"a.sog", "meta.json", "lod-meta.json", "0", "1", "2", "3", "4", "5", "6"};
+static struct file { const char *name; const uint8_t *data; size_t size; } files[] = {
+    {"a.sog", NULL, 0}, {"meta.json", NULL, 0}, {"lod-meta.json", NULL, 0}, {"0", NULL, 0}, {"1", NULL, 0},
+    {"2", NULL, 0}, {"3", NULL, 0}, {"4", NULL, 0}, {"5", NULL, 0}, {"6", NULL, 0}
+};
 
-enum { FILES = sizeof names / sizeof *names };
+enum { FILES = sizeof files / sizeof *files };
 
-static void remove_files(void)
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static void cut_files(const uint8_t *data, size_t size)
 {
-    for (int i = 0; i < FILES; i++)
-        unlink(names[i]);
-    rmdir(folder);
-}
-
-static void write_files(const uint8_t *data, size_t size)
-{
-    static FILE *files[FILES];
-    if (!files[0] && (!mkdtemp(folder) || chdir(folder) != 0 || atexit(remove_files) != 0))
-        abort();
     for (int i = 0; i < FILES; i++) {
         size_t length = size < 2 ? 0 : data[0] | (size_t)data[1] << 8;
         data += size < 2 ? size : 2;
         size -= size < 2 ? size : 2;
-        length = length < size ? length : size;
-        if (!files[i] && !(files[i] = fopen(names[i], "wb")))
-            abort();
-        rewind(files[i]);
-        if (ftruncate(fileno(files[i]), 0) != 0 || fwrite(data, 1, length, files[i]) != length ||
-            fflush(files[i]) != 0)
-            abort();
-        data += length;
-        size -= length;
+        files[i].data = data;
+        files[i].size = length < size ? length : size;
+        data += files[i].size;
+        size -= files[i].size;
     }
+}
+
+static int read_bytes(void *file, uint64_t offset, void *out, size_t size)
+{
+    memcpy(out, ((const struct file *)file)->data + offset, size);
+    return 0;
+}
+
+static int open_beside(void *argument, const char *name, fxs_scene_input *input)
+{
+    (void)argument;
+    for (int i = 0; i < FILES; i++)
+        if (strcmp(files[i].name, name) == 0) {
+            *input = (fxs_scene_input){files[i].size, read_bytes, open_beside, NULL, &files[i]};
+            return 0;
+        }
+    return -1;
 }
 
 /* Returns read's last result; adds the Gaussians read to *total. */
@@ -51,12 +55,16 @@ static long read_all(fxs_scene_file *file, uint64_t *total)
     return count;
 }
 
-static void read_scene(const char *path, int level)
+static void read_scene(const char *name, int level)
 {
+    const fxs_scene_file_options options = {.level = level};
+    fxs_scene_input input;
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_message message;
-    if (fxs_scene_file_open_lod(path, level, &file, &info, &message) != 0) {
+    if (open_beside(NULL, name, &input) != 0)
+        abort();
+    if (fxs_scene_file_open_input(name, &input, &options, &file, &info, &message) != 0) {
         if (strpbrk(message.text, "\r\n"))
             abort();
         return;
@@ -73,7 +81,7 @@ static void read_scene(const char *path, int level)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    write_files(data, size);
+    cut_files(data, size);
     read_scene("a.sog", 0);
     read_scene("meta.json", 0);
     read_scene("lod-meta.json", 0);

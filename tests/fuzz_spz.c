@@ -8,15 +8,26 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-static size_t read_all(fxs_spz *spz, fxs_gaussian *last)
+/* One line, and of this file. */
+static void check_message(const fxs_message *message)
+{
+    if (strncmp(message->text, "fuzz: ", 6) != 0 || strchr(message->text, '\n'))
+        abort();
+}
+
+/* Returns the number of Gaussians, or -1. */
+static long read_all(fxs_spz *spz, fxs_gaussian *last)
 {
     static fxs_gaussian gaussians[100];
-    size_t count, total = 0;
-    while ((count = fxs_spz_read(spz, gaussians, 100)) > 0) {
+    fxs_message message;
+    long count, total = 0;
+    while ((count = fxs_spz_read(spz, gaussians, 100, &message)) > 0) {
         total += count;
         *last = gaussians[count - 1];
     }
-    return total;
+    if (count < 0)
+        check_message(&message);
+    return count < 0 ? -1 : total;
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
@@ -26,6 +37,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     fxs_scene_file_info info;
     fxs_message message;
     fxs_gaussian first, second;
+    char path[] = "fuzz";
     if (size == 0)
         return 0;
     const int kind = *data++;
@@ -36,16 +48,17 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         data = gzip;
     }
 #endif
-    if (fxs_spz_open("fuzz", data, size, kind >> 1 & 1, &spz, &info, &message) != 0) {
-        if (strncmp(message.text, "fuzz: ", 6) != 0 || strchr(message.text, '\n'))
-            abort();
+    fxs_scene_source source = {.input = fxs_memory_input(data, size), .path = path};
+    if (fxs_spz_open(&source, 0, size, kind >> 1 & 1, &spz, &info, &message) != 0) {
+        check_message(&message);
         return 0;
     }
     memset(&first, 0, sizeof first);
     memset(&second, 0, sizeof second);
-    size_t total = read_all(spz, &first);
+    long total = read_all(spz, &first);
     fxs_spz_rewind(spz);
-    if (total != info.count || read_all(spz, &second) != total || memcmp(&first, &second, sizeof first) != 0)
+    if ((total >= 0 && (uint64_t)total != info.count) || read_all(spz, &second) != total ||
+        memcmp(&first, &second, sizeof first) != 0)
         abort();
     fxs_spz_close(spz);
     return 0;

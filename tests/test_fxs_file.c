@@ -35,7 +35,7 @@ static int import(void)
         scene->gaussian(i, COUNT, 1, &g);
         fxs_ply_writer_put(writer, &g, 1, &m);
     }
-    if (fxs_ply_writer_close(writer, &m) || fxs_scene_file_open(ply_path, &file, &info, &m))
+    if (fxs_ply_writer_close(writer, &m) || fxs_scene_file_open(ply_path, NULL, &file, &info, &m))
         return -1;
     int result = fxs_pack(file, &info, &packed, &report, 0, 0, &m);
     fxs_scene_file_close(file);

@@ -173,7 +173,7 @@ static long read_scene(const char *name, int step)
     fxs_scene_file *file;
     long total = 0, got = 0;
     snprintf(full, sizeof full, "%s/%s", folder, name);
-    if (fxs_scene_file_open(full, &file, &info, &message) != 0)
+    if (fxs_scene_file_open(full, NULL, &file, &info, &message) != 0)
         return -1;
     CHECK(strcmp(info.format, "gltf") == 0);
     fxs_scene_file_read(file, out, 2, &message);
@@ -664,7 +664,7 @@ static void real_scene(void)
         snprintf(name, sizeof name, "%s/boatyard-tile3/boatyard-tile3.%s", scenes, i ? "ply" : "glb");
         if (access(name, R_OK) != 0)
             SKIP("no such scene; set FXS_SCENES");
-        if (fxs_scene_file_open(name, &files[i], &infos[i], &message) != 0) {
+        if (fxs_scene_file_open(name, NULL, &files[i], &infos[i], &message) != 0) {
             CHECK(strstr(message.text, "built without zlib"));
             SKIP(message.text);
         }

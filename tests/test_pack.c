@@ -60,7 +60,7 @@ static int pack_file(fxs_progress_fn *progress, void *argument)
     fxs_scene_file *file;
     fxs_scene_file_info info;
     message.text[0] = 0;
-    if (fxs_scene_file_open(path, &file, &info, &message))
+    if (fxs_scene_file_open(path, NULL, &file, &info, &message))
         return -1;
     int result = fxs_pack(file, &info, &packed, &report, progress, argument, &message);
     fxs_scene_file_close(file);

@@ -129,7 +129,7 @@ static int load(subject *s, const char *path)
     fxs_message m;
     fxs_scene_file *file;
     memset(s, 0, sizeof *s);
-    if (fxs_scene_file_open(path, &file, &s->info, &m))
+    if (fxs_scene_file_open(path, NULL, &file, &s->info, &m))
         return -1;
     int result = fxs_pack(file, &s->info, &s->packed, &s->report, 0, 0, &m) || fxs_scene_file_rewind(file, &m);
     s->gaussians = malloc(s->info.count * sizeof *s->gaussians);

@@ -37,9 +37,10 @@ static void put(const char *name, const void *data, size_t size)
 static long read_level(const char *name, int level, fxs_gaussian *gaussians, long capacity)
 {
     fxs_scene_file *file;
+    const fxs_scene_file_options options = {.level = level};
     long total[2] = {0, 0}, count = 0;
     memset(&info, 0, sizeof info);
-    if (fxs_scene_file_open_lod(in_folder(name), level, &file, &info, &message) != 0) {
+    if (fxs_scene_file_open(in_folder(name), &options, &file, &info, &message) != 0) {
         CHECK(file == NULL && strncmp(message.text, folder, strlen(folder)) == 0 && !strchr(message.text, '\n'));
         return -1;
     }
@@ -718,7 +719,7 @@ static void changed_while_open(void)
     fxs_gaussian gaussians[4 * COUNT];
     fxs_scene_file *file;
     put_streamed();
-    if (!CHECK(fxs_scene_file_open(in_folder(""), &file, &info, &message) == 0))
+    if (!CHECK(fxs_scene_file_open(in_folder(""), NULL, &file, &info, &message) == 0))
         return;
     make(&chunks[1]);
     edit("\"count\":37", "\"count\":20");
@@ -751,11 +752,11 @@ static void real_scene(void)
     snprintf(path, sizeof path, "%s/statue-st-peter/st-peter.sog", scenes);
     if (access(path, R_OK) != 0)
         SKIP("no folder of scenes; set FXS_SCENES");
-    if (!CHECK(fxs_scene_file_open(path, &sog, &info, &message) == 0))
+    if (!CHECK(fxs_scene_file_open(path, NULL, &sog, &info, &message) == 0))
         return;
     CHECK(info.count == 133618 && info.sh_degree == 0 && info.antialiased == 0);
     snprintf(path, sizeof path, "%s/statue-st-peter/st-peter.ply", scenes);
-    if (CHECK(fxs_scene_file_open(path, &ply, &info, &message) == 0)) {
+    if (CHECK(fxs_scene_file_open(path, NULL, &ply, &info, &message) == 0)) {
         for (; (read = fxs_scene_file_read(sog, a, 1000, &message)) > 0; count += read) {
             CHECK(fxs_scene_file_read(ply, b, 1000, &message) == read);
             for (long i = 0; i < read; i++)

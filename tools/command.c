@@ -116,7 +116,8 @@ static int import(loaded_scene *loaded, const char *path, int lod)
     fxs_message message;
     fxs_scene_file *file;
     char label[] = "reading";
-    if (fxs_scene_file_open_lod(path, lod, &file, &loaded->info, &message))
+    const fxs_scene_file_options options = {.level = lod};
+    if (fxs_scene_file_open(path, &options, &file, &loaded->info, &message))
         return fail(EXIT_FAILED, "%s", message.text);
     int result = fxs_pack(file, &loaded->info, &loaded->packed, &loaded->report, progress_bar, label, &message);
     fxs_scene_file_close(file);

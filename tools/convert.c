@@ -53,7 +53,8 @@ static int to_ply(const char *in, const char *out, int lod)
     fxs_scene_file_info info;
     fxs_ply_writer *writer;
     fxs_message message, closing;
-    if (fxs_scene_file_open_lod(in, lod, &file, &info, &message))
+    const fxs_scene_file_options options = {.level = lod};
+    if (fxs_scene_file_open(in, &options, &file, &info, &message))
         return fail(EXIT_FAILED, "%s", message.text);
     int result = fxs_ply_writer_open(out, info.count, info.sh_degree, info.antialiased, &writer, &message);
     if (!result) {

@@ -13,25 +13,27 @@ int fxs_bytes_fail_row(const fxs_byte_reader *reader, const char *rows, uint64_t
                     (unsigned long long)count, reader->fault);
 }
 
-static void fill(fxs_byte_reader *reader)
+static int fill(fxs_byte_reader *reader)
 {
-    FILE *stream = reader->source->stream;
+    const fxs_scene_input *input = &reader->source->input;
     reader->end -= reader->begin;
     memmove(reader->buffer, reader->buffer + reader->begin, reader->end);
     reader->begin = 0;
-    if (fseeko(stream, (off_t)reader->offset, SEEK_SET) != 0)
-        return;
-    size_t got = fread(reader->buffer + reader->end, 1, FXS_BYTE_READER_BUFFER - reader->end, stream);
-    reader->end += got;
-    reader->offset += got;
+    uint64_t left = input->size - reader->offset;
+    size_t room = FXS_BYTE_READER_BUFFER - reader->end, wanted = left < room ? (size_t)left : room;
+    if (wanted > 0 && input->read(input->argument, reader->offset, reader->buffer + reader->end, wanted) != 0)
+        return fxs_bytes_fail(reader, "read error");
+    reader->end += wanted;
+    reader->offset += wanted;
+    return 0;
 }
 
 const uint8_t *fxs_bytes_take(fxs_byte_reader *reader, size_t size)
 {
-    if (reader->end - reader->begin < size)
-        fill(reader);
+    if (reader->end - reader->begin < size && fill(reader) != 0)
+        return NULL;
     if (reader->end - reader->begin < size) {
-        fxs_bytes_fail(reader, ferror(reader->source->stream) ? "read error" : "the file ends early");
+        fxs_bytes_fail(reader, "the file ends early");
         return NULL;
     }
     reader->begin += size;
@@ -40,7 +42,7 @@ const uint8_t *fxs_bytes_take(fxs_byte_reader *reader, size_t size)
 
 int fxs_bytes_seek(fxs_byte_reader *reader, uint64_t offset)
 {
-    if (offset > reader->source->size)
+    if (offset > reader->source->input.size)
         return fxs_bytes_fail(reader, "the file ends early");
     reader->offset = offset;
     reader->begin = reader->end = 0;

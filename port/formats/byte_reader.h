@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "scene_format.h"
+#include "source_internal.h"
 
 enum { FXS_BYTE_READER_BUFFER = 1 << 17 };
 

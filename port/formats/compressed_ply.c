@@ -1,9 +1,8 @@
 /* PlayCanvas's compressed .ply: words of 32 bits, for 256 Gaussians between the bounds of their chunk; layout as its
    engine's gsplat-compressed-data.js reads it. */
-#include <stdlib.h>
-
 #include "ply_header.h"
 #include "scene_codes.h"
+#include "scene_format.h"
 
 enum { CHUNK = 256, WORDS = 4 };
 
@@ -37,17 +36,18 @@ typedef struct compressed_reader {
 
 /* Header */
 
-int fxs_is_compressed_ply(const fxs_scene_source *source)
+int fxs_is_compressed_ply(const fxs_scene_source *source, fxs_message *message)
 {
+    struct { fxs_ply_header header; fxs_byte_reader bytes; } *start;
     fxs_message ignored;
-    compressed_reader *reader = calloc(1, sizeof *reader);
-    if (!reader)
-        return 0;
-    const fxs_ply_header *header = &reader->header;
-    reader->vertex.bytes.source = source;
-    int is_compressed = fxs_ply_read_header(&reader->header, &reader->vertex.bytes, &ignored) == 0
+    start = fxs_allocate_zeroed(source->options.allocator, 1, sizeof *start);
+    if (!start)
+        return fxs_fail(message, "%s: out of memory", source->path);
+    const fxs_ply_header *header = &start->header;
+    start->bytes.source = source;
+    int is_compressed = fxs_ply_read_header(&start->header, &start->bytes, &ignored) == 0
                         && fxs_ply_find(header, fxs_ply_find_element(header, "vertex"), word_names[0]) >= 0;
-    free(reader);
+    fxs_release(source->options.allocator, start);
     return is_compressed;
 }
 
@@ -156,13 +156,10 @@ static int open_reader(compressed_reader *reader, const char *path, fxs_message 
     return compressed_rewind(reader, message);
 }
 
-static int compressed_open(const fxs_scene_source *source, void **handle, fxs_scene_file_info *info,
+static int compressed_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info,
                            fxs_message *message)
 {
-    compressed_reader *reader = calloc(1, sizeof *reader);
-    if (!reader)
-        return fxs_fail(message, "%s: out of memory", source->path);
-    *handle = reader;
+    compressed_reader *reader = handle;
     reader->chunk.bytes.source = reader->vertex.bytes.source = reader->sh.bytes.source = source;
     if (open_reader(reader, source->path, message) != 0)
         return -1;
@@ -266,5 +263,5 @@ static long compressed_read(void *handle, fxs_gaussian *gaussians, size_t capaci
 }
 
 const fxs_scene_format fxs_scene_compressed_ply = {
-    "compressed ply", compressed_open, compressed_read, compressed_rewind, free
+    "compressed ply", sizeof(compressed_reader), compressed_open, compressed_read, compressed_rewind, NULL
 };

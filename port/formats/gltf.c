@@ -6,7 +6,7 @@
 #ifdef FXS_WITH_CJSON
 
 #include <cjson/cJSON.h>
-#include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "byte_reader.h"
@@ -34,11 +34,10 @@ typedef struct list {
 enum { NODES, MESHES, ACCESSORS, VIEWS, BUFFERS, LISTS };
 static const char *const list_names[LISTS] = {"nodes", "meshes", "accessors", "bufferViews", "buffers"};
 
-/* Bytes in a file or in memory. */
 typedef struct buffer {
     const fxs_scene_source *source;
-    fxs_scene_source own;        /* *source where it is another file */
-    uint8_t *memory;             /* instead of source */
+    fxs_scene_source own;        /* *source where it is another file, or memory */
+    uint8_t *memory;             /* of a data: URI */
     uint64_t offset, size;
 } buffer;
 
@@ -107,6 +106,19 @@ static int fail(const gltf *g, const char *fault)
     return fxs_fail(g->message, "%s: %s", g->source->path, fault);
 }
 
+static void *allocate(const gltf *g, size_t count, size_t size)
+{
+    void *block = fxs_allocate_zeroed(g->source->options.allocator, count, size);
+    if (!block)
+        fail(g, "out of memory");
+    return block;
+}
+
+static void release(const gltf *g, void *block)
+{
+    fxs_release(g->source->options.allocator, block);
+}
+
 static int fail_item(const gltf *g, const char *item, int index, const char *fault)
 {
     return fxs_fail(g->message, "%s: %s %d: %s", g->source->path, item, index, fault);
@@ -139,9 +151,9 @@ static int make_list(gltf *g, const cJSON *root, int which)
 {
     const cJSON *array = member(root, list_names[which]), *item;
     list *made = &g->lists[which];
-    made->items = malloc(((size_t)cJSON_GetArraySize(array) + 1) * sizeof *made->items);
+    made->items = allocate(g, (size_t)cJSON_GetArraySize(array), sizeof *made->items);
     if (!made->items)
-        return fail(g, "out of memory");
+        return -1;
     cJSON_ArrayForEach(item, array) {
         if (cJSON_GetArraySize(item) > MAX_MEMBERS)
             return fail_item(g, list_names[which], made->count, "too many members");
@@ -155,7 +167,7 @@ static void *grow(const gltf *g, void *items, int count, size_t size)
 {
     if (count & (count - 1))     /* it has the size of a power of two */
         return items;
-    void *larger = realloc(items, (size_t)(count ? 2 * count : 1) * size);
+    void *larger = fxs_enlarge(g->source->options.allocator, items, (size_t)count, count ? 2 * (size_t)count : 1, size);
     if (!larger)
         fail(g, "out of memory");
     return larger;
@@ -192,14 +204,15 @@ static int open_data(const gltf *g, buffer *b, int index, const char *uri)
     const char *comma = strchr(uri, ',');
     if (!comma || comma - uri < 7 || memcmp(comma - 7, ";base64", 7) != 0)
         return fail_item(g, "buffer", index, "a data: URI that is not base64");
-    b->memory = malloc(strlen(comma) / 4 * 3 + 3);
+    b->memory = allocate(g, strlen(comma) / 4 * 3 + 3, 1);
     if (!b->memory)
-        return fail(g, "out of memory");
+        return -1;
     int64_t size = decode_base64(comma + 1, b->memory);
     if (size < 0)
         return fail_item(g, "buffer", index, "a data: URI that is not base64");
-    b->size = (uint64_t)size;
-    return 0;
+    const fxs_scene_input input = fxs_memory_input(b->memory, (size_t)size);
+    b->own.options = g->source->options;
+    return fxs_scene_source_open_input(&b->own, g->source->path, &input, g->message);
 }
 
 static int hex_digit(int c)
@@ -224,19 +237,14 @@ static void decode_percent(char *text)
 /* Only a file beside this one: a scene from elsewhere may not choose other files to read. */
 static int open_beside(const gltf *g, buffer *b, int index, const char *uri)
 {
-    const char *path = g->source->path, *slash = strrchr(path, '/');
-    size_t folder = slash ? (size_t)(slash + 1 - path) : 0;
-    char *name = malloc(folder + strlen(uri) + 1);
+    char *name = allocate(g, strlen(uri) + 1, 1);
     if (!name)
-        return fail(g, "out of memory");
-    memcpy(name, path, folder);
-    strcpy(name + folder, uri);
-    decode_percent(name + folder);
-    int result = name[folder] && !strchr(name + folder, '/') ? fxs_scene_source_open(&b->own, name, g->message)
+        return -1;
+    strcpy(name, uri);
+    decode_percent(name);
+    int result = *name && !strchr(name, '/') ? fxs_scene_source_open_beside(&b->own, g->source, name, g->message)
                  : fail_item(g, "buffer", index, "a URI that is not a file name in the same folder");
-    free(name);
-    b->source = &b->own;
-    b->size = b->own.size;
+    release(g, name);
     return result;
 }
 
@@ -255,8 +263,12 @@ static int open_buffer(gltf *g, int index)
         b->source = g->source;
         b->offset = g->bin_offset;
         b->size = g->bin_size;
-    } else if ((strncmp(uri, "data:", 5) == 0 ? open_data : open_beside)(g, b, index, uri))
-        return -1;
+    } else {
+        if ((strncmp(uri, "data:", 5) == 0 ? open_data : open_beside)(g, b, index, uri))
+            return -1;
+        b->source = &b->own;
+        b->size = b->own.input.size;
+    }
     if (b->size < (uint64_t)size)
         return fxs_fail(g->message, "%s: buffer %d has %llu bytes, not %lld", g->source->path, index,
                         (unsigned long long)b->size, (long long)size);
@@ -277,11 +289,7 @@ static int open_buffers(gltf *g)
 static int read_bytes(const gltf *g, const range *from, uint64_t offset, void *out, size_t size)
 {
     const buffer *b = from->buffer;
-    offset += from->offset;
-    if (!b->memory)
-        return fxs_scene_source_read(b->source, b->offset + offset, out, size, g->message);
-    memcpy(out, b->memory + offset, size);
-    return 0;
+    return fxs_scene_source_read(b->source, b->offset + from->offset + offset, out, size, g->message);
 }
 
 static view parse_view(const gltf *g, const cJSON *item)
@@ -589,20 +597,13 @@ static int visit(gltf *g, const cJSON *item, double parent[3][4], int depth)
 
 /* ---- Parts ----------------------------------------------------------------------------------------------------- */
 
-static int load_spz(gltf *g, int index)
+static int open_spz(gltf *g, int index)
 {
     splats *s = &g->splats[index];
+    const buffer *b = s->spz.buffer;
     fxs_scene_file_info info;
     fxs_spz_close(g->spz);
-    g->spz = NULL;
-    uint8_t *data = s->spz.size < SIZE_MAX ? malloc((size_t)s->spz.size + 1) : NULL;
-    if (!data)
-        return fail(g, "out of memory");
-    int result = read_bytes(g, &s->spz, 0, data, (size_t)s->spz.size);
-    if (!result)
-        result = fxs_spz_open(g->source->path, data, (size_t)s->spz.size, 1, &g->spz, &info, g->message);
-    free(data);
-    if (result)
+    if (fxs_spz_open(b->source, b->offset + s->spz.offset, s->spz.size, 1, &g->spz, &info, g->message))
         return -1;
     g->spz_splats = index;
     s->count = (uint32_t)info.count;
@@ -622,7 +623,7 @@ static int enter(gltf *g, int index)
     if (fxs_transform_init(&g->transform, p->rows))
         return fail(g, "a node's transform has no inverse");
     if (g->splats[p->splats].spz.buffer) {
-        if ((!g->spz || g->spz_splats != p->splats) && load_spz(g, p->splats))
+        if ((!g->spz || g->spz_splats != p->splats) && open_spz(g, p->splats))
             return -1;
         fxs_spz_rewind(g->spz);
     }
@@ -656,7 +657,7 @@ static int find_chunks(gltf *g, uint64_t *offset, uint64_t *size)
 {
     uint8_t h[20], chunk[8];
     *offset = 0;
-    *size = g->source->size;
+    *size = g->source->input.size;
     if (*size < sizeof h)
         return fail(g, "the file ends early");
     if (fxs_scene_source_read(g->source, 0, h, sizeof h, g->message))
@@ -690,12 +691,10 @@ static int read_root(gltf *g, const cJSON *root)
     for (int i = 0; i < LISTS; i++)
         if (make_list(g, root, i))
             return -1;
-    g->meshes = calloc((size_t)g->lists[MESHES].count + 1, sizeof *g->meshes);
-    g->visited = calloc((size_t)g->lists[NODES].count + 1, 1);
-    g->views = malloc(((size_t)g->lists[VIEWS].count + 1) * sizeof *g->views);
-    if (!g->meshes || !g->visited || !g->views)
-        return fail(g, "out of memory");
-    if (open_buffers(g))
+    g->meshes = allocate(g, (size_t)g->lists[MESHES].count, sizeof *g->meshes);
+    g->visited = allocate(g, (size_t)g->lists[NODES].count, 1);
+    g->views = allocate(g, (size_t)g->lists[VIEWS].count, sizeof *g->views);
+    if (!g->meshes || !g->visited || !g->views || open_buffers(g))
         return -1;
     for (int i = 0; i < g->lists[VIEWS].count; i++)
         g->views[i] = parse_view(g, g->lists[VIEWS].items[i]);
@@ -711,18 +710,12 @@ static int read_root(gltf *g, const cJSON *root)
 static int read_json(gltf *g)
 {
     uint64_t offset, size;
-    if (find_chunks(g, &offset, &size))
+    fxs_text text;
+    if (find_chunks(g, &offset, &size) || fxs_scene_source_load(g->source, offset, size, &text, g->message))
         return -1;
-    if (size > FXS_TEXT_MAX)
-        return fail(g, "too much JSON");
-    fxs_text text = {g->source->path, malloc((size_t)size + 1), (size_t)size};
-    if (!text.data)
-        return fail(g, "out of memory");
-    text.data[size] = '\0';
-    int result = fxs_scene_source_read(g->source, offset, text.data, text.size, g->message);
-    cJSON *root = result ? NULL : fxs_json_parse(&text, g->message);
-    free(text.data);
-    result = root ? read_root(g, root) : -1;
+    cJSON *root = fxs_json_parse(&text, g->message);
+    release(g, text.data);
+    int result = root ? read_root(g, root) : -1;
     cJSON_Delete(root);
     return result;
 }
@@ -730,18 +723,15 @@ static int read_json(gltf *g)
 static void free_json(gltf *g)
 {
     for (int i = 0; i < LISTS; i++)
-        free(g->lists[i].items);
-    free(g->views);
-    free(g->meshes);
-    free(g->visited);
+        release(g, g->lists[i].items);
+    release(g, g->views);
+    release(g, g->meshes);
+    release(g, g->visited);
 }
 
-static int gltf_open(const fxs_scene_source *source, void **handle, fxs_scene_file_info *info, fxs_message *message)
+static int gltf_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
-    gltf *g = calloc(1, sizeof *g);
-    if (!g)
-        return fxs_fail(message, "%s: out of memory", source->path);
-    *handle = g;
+    gltf *g = handle;
     g->source = source;
     g->message = message;
     int result = read_json(g);
@@ -759,9 +749,8 @@ static long gltf_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fx
         size_t left = s->count - g->next, count = capacity - done;
         count = count < left ? count : left;
         count = count < BATCH ? count : BATCH;
-        if (s->spz.buffer)
-            fxs_spz_read(g->spz, gaussians + done, count);
-        else if (count > 0 && read_attributes(g, s, gaussians + done, count))
+        if (s->spz.buffer ? fxs_spz_read(g->spz, gaussians + done, count, message) < 0
+                          : count > 0 && read_attributes(g, s, gaussians + done, count))
             return -1;
         for (size_t i = 0; i < count; i++)
             fxs_transform_apply(&g->transform, &gaussians[done + i], s->sh_degree);
@@ -785,27 +774,29 @@ static void gltf_close(void *handle)
     gltf *g = handle;
     for (int i = 0; i < MAX_BUFFERS; i++) {
         fxs_scene_source_close(&g->buffers[i].own);
-        free(g->buffers[i].memory);
+        release(g, g->buffers[i].memory);
     }
     fxs_spz_close(g->spz);
-    free(g->splats);
-    free(g->parts);
-    free(g);
+    release(g, g->splats);
+    release(g, g->parts);
 }
+
+#define READER_SIZE sizeof(gltf)
 
 #else
 
-static int gltf_open(const fxs_scene_source *source, void **reader, fxs_scene_file_info *info, fxs_message *message)
+static int gltf_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
-    (void)reader;
+    (void)handle;
     (void)info;
     return fxs_fail(message, "%s: cannot read glTF: built without cJSON", source->path);
 }
 
+#define READER_SIZE 0
 #define gltf_read NULL
 #define gltf_rewind NULL
 #define gltf_close NULL
 
 #endif
 
-const fxs_scene_format fxs_scene_gltf = {"gltf", gltf_open, gltf_read, gltf_rewind, gltf_close};
+const fxs_scene_format fxs_scene_gltf = {"gltf", READER_SIZE, gltf_open, gltf_read, gltf_rewind, gltf_close};

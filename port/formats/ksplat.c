@@ -1,10 +1,9 @@
 /* .ksplat 0.x: a header of 4096 bytes, section headers of 1024, sections; layout as mkkellogg/GaussianSplats3D's
    SplatBuffer.js writes it. A section holds the lengths of its partly filled buckets, the buckets' centres, and its
    Gaussians, bucket by bucket; with compression level 0, the Gaussians only. */
-#include <stdlib.h>
-
 #include "byte_reader.h"
 #include "scene_codes.h"
+#include "scene_format.h"
 
 enum { HEADER_SIZE = 4096, SECTION_HEADER_SIZE = 1024, LEVELS = 3 };
 
@@ -58,9 +57,10 @@ static section parse_section(const ksplat_reader *reader, const uint8_t *header)
 /* NULL, or what is wrong. */
 static const char *check_section(const ksplat_reader *reader, const section *s)
 {
+    const uint64_t file_size = reader->source->input.size;
     if (s->sh_degree > 3)
         return "an SH degree above 3";
-    if (s->lengths > reader->source->size || s->rows + (uint64_t)s->count * s->row_size > reader->source->size)
+    if (s->lengths > file_size || s->rows + (uint64_t)s->count * s->row_size > file_size)
         return "the file ends before its last Gaussian";
     if ((uint64_t)s->count * s->row_size > s->end - s->rows)
         return "more Gaussians than it has room for";
@@ -119,18 +119,15 @@ static int read_header(ksplat_reader *reader, fxs_message *message)
     reader->sh_high = high < 0 || high > 0 ? high : 1.5f;
     reader->sections = fxs_load_u32(header + 4);
     uint64_t needed = HEADER_SIZE + (uint64_t)reader->sections * SECTION_HEADER_SIZE;
-    if (needed > reader->source->size)
+    if (needed > reader->source->input.size)
         return fxs_fail(message, "%s: the header asks for at least %llu bytes, the file has %llu", path,
-                        (unsigned long long)needed, (unsigned long long)reader->source->size);
+                        (unsigned long long)needed, (unsigned long long)reader->source->input.size);
     return ksplat_rewind(reader, message);
 }
 
-static int ksplat_open(const fxs_scene_source *source, void **handle, fxs_scene_file_info *info, fxs_message *message)
+static int ksplat_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
-    ksplat_reader *reader = calloc(1, sizeof *reader);
-    if (!reader)
-        return fxs_fail(message, "%s: out of memory", source->path);
-    *handle = reader;
+    ksplat_reader *reader = handle;
     reader->source = source;
     reader->headers.source = reader->lengths.source = reader->centres.source = reader->rows.source = source;
     info->sh_degree = info->antialiased = 0;
@@ -258,4 +255,6 @@ static long ksplat_read(void *handle, fxs_gaussian *gaussians, size_t capacity, 
     return count;
 }
 
-const fxs_scene_format fxs_scene_ksplat = {"ksplat", ksplat_open, ksplat_read, ksplat_rewind, free};
+const fxs_scene_format fxs_scene_ksplat = {
+    "ksplat", sizeof(ksplat_reader), ksplat_open, ksplat_read, ksplat_rewind, NULL
+};

@@ -33,9 +33,6 @@ typedef struct fxs_pack_report {
     double inner_low[3], inner_high[3];   /* the same for the middle 90 % of the centres on each axis */
 } fxs_pack_report;
 
-/* Called now and then with the work done, 0 to 1; a return other than 0 stops the import. */
-typedef int fxs_progress_fn(void *argument, double done);
-
 typedef struct fxs_packed_scene {
     void *data;               /* aligned to 64, for fxs_scene_open */
     size_t bytes;

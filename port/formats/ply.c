@@ -1,9 +1,10 @@
 /* .ply: the vertex properties as Inria's 3D Gaussian splatting code writes them. */
 #include <math.h>
-#include <stdlib.h>
+#include <stdio.h>
 #include <strings.h>
 
 #include "ply_header.h"
+#include "scene_format.h"
 
 enum { MAX_NUMBER = 511 };   /* characters; the longest double printed with %f has 316 */
 
@@ -314,13 +315,10 @@ static int open_reader(ply_reader *reader, fxs_scene_file_info *info, fxs_messag
     return 0;
 }
 
-static int ply_open(const fxs_scene_source *source, void **handle, fxs_scene_file_info *info, fxs_message *message)
+static int ply_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
-    ply_reader *reader = calloc(1, sizeof *reader);
-    if (!reader)
-        return fxs_fail(message, "%s: out of memory", source->path);
+    ply_reader *reader = handle;
     reader->bytes.source = source;
-    *handle = reader;
     return open_reader(reader, info, message);
 }
 
@@ -349,4 +347,4 @@ static int ply_rewind(void *handle, fxs_message *message)
     return 0;
 }
 
-const fxs_scene_format fxs_scene_ply = {"ply", ply_open, ply_read, ply_rewind, free};
+const fxs_scene_format fxs_scene_ply = {"ply", sizeof(ply_reader), ply_open, ply_read, ply_rewind, NULL};

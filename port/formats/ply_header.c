@@ -1,6 +1,7 @@
 /* The container as in G. Turk, "The PLY Polygon File Format" (1994). */
 #include "ply_header.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 enum {
@@ -176,7 +177,7 @@ int fxs_ply_read_header(fxs_ply_header *header, fxs_byte_reader *bytes, fxs_mess
 /* An ASCII value takes at least a digit and a separator, but for the file's last. */
 int fxs_ply_check_size(const fxs_ply_header *header, const fxs_byte_reader *bytes, fxs_message *message)
 {
-    uint64_t needed = fxs_bytes_tell(bytes), size = bytes->source->size, values = 0;
+    uint64_t needed = fxs_bytes_tell(bytes), size = bytes->source->input.size, values = 0;
     for (int i = 0; i < header->elements; i++) {
         const fxs_ply_element *e = &header->element_table[i];
         values += e->count * (uint64_t)(e->end - e->first);

@@ -1,7 +1,6 @@
 #include "scene_file.h"
 
-#include <errno.h>
-#include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -10,7 +9,7 @@
 struct fxs_scene_file {
     fxs_scene_source source;
     const fxs_scene_format *format;
-    void *reader;   /* the format's own */
+    void *reader;   /* the format's own, or NULL */
 };
 
 /* The first name in a JSON object, or NULL. */
@@ -38,12 +37,15 @@ static int is_gltf(const char *name)
     return 0;
 }
 
-/* .splat has no magic number, so it comes last. */
-static const fxs_scene_format *format_of(const fxs_scene_source *source, const char *head, size_t size)
+/* .splat has no magic number, so it comes last. NULL: none, or a message. */
+static const fxs_scene_format *format_of(const fxs_scene_source *source, const char *head, size_t size,
+                                         fxs_message *message)
 {
     const char *name = first_name(head);
-    if (size >= 3 && memcmp(head, "ply", 3) == 0)
-        return fxs_is_compressed_ply(source) ? &fxs_scene_compressed_ply : &fxs_scene_ply;
+    if (size >= 3 && memcmp(head, "ply", 3) == 0) {
+        int is_compressed = fxs_is_compressed_ply(source, message);
+        return is_compressed < 0 ? NULL : is_compressed ? &fxs_scene_compressed_ply : &fxs_scene_ply;
+    }
     if (size >= 4 && head[0] == 0 && head[1] != 0 && head[2] == 0 && head[3] == 0)
         return &fxs_scene_ksplat;
     if (memcmp(head, "NGSP", 4) == 0 || memcmp(head, "\x1f\x8b", 2) == 0)
@@ -52,15 +54,19 @@ static const fxs_scene_format *format_of(const fxs_scene_source *source, const c
         return &fxs_scene_gltf;
     if (memcmp(head, "PK\3\4", 4) == 0 || name)
         return &fxs_scene_sog;
-    return fxs_is_splat(source) ? &fxs_scene_splat : NULL;
+    if (fxs_is_splat(source))
+        return &fxs_scene_splat;
+    fxs_fail(message, "%s: not a scene file of a known format (.ply, .spz, .glb, .gltf, .sog, .ksplat; or .splat: "
+             "whole records of 32 bytes, finite positions, scales of 0 or more)", source->path);
+    return NULL;
 }
 
-/* The path, or of a folder that of the index in it, for free; NULL when out of memory. */
-static char *path_of_file(const char *path)
+/* The path, or of a folder that of the index in it, for fxs_release; NULL when out of memory. */
+static char *path_of_file(const char *path, const fxs_allocator *allocator)
 {
     struct stat status;
     size_t room = strlen(path) + sizeof "/lod-meta.json";
-    char *found = malloc(room);
+    char *found = fxs_allocate(allocator, room, 1);
     if (!found)
         return NULL;
     snprintf(found, room, "%s", path);
@@ -72,83 +78,78 @@ static char *path_of_file(const char *path)
     return found;
 }
 
-int fxs_scene_source_open(fxs_scene_source *source, const char *path, fxs_message *message)
+static int open_path(fxs_scene_source *source, const char *path, fxs_message *message)
 {
-    struct stat status;
-    source->path = strdup(path);
-    if (!source->path)
+    char *found = path_of_file(path, source->options.allocator);
+    if (!found)
         return fxs_fail(message, "%s: out of memory", path);
-    if (stat(path, &status) != 0)
-        return fxs_fail(message, "%s: %s", path, strerror(errno));
-    if (!S_ISREG(status.st_mode))   /* before fopen, which waits for the writer of a pipe */
-        return fxs_fail(message, "%s: not a regular file", path);
-    source->stream = fopen(path, "rb");
-    if (!source->stream)
-        return fxs_fail(message, "%s: %s", path, strerror(errno));
-    source->size = (uint64_t)status.st_size;
-    setvbuf(source->stream, NULL, _IONBF, 0);
-    return 0;
+    int result = fxs_scene_source_open(source, found, message);
+    fxs_release(source->options.allocator, found);
+    return result;
 }
 
-int fxs_scene_source_read(const fxs_scene_source *source, uint64_t offset, void *out, size_t size,
-                          fxs_message *message)
+static int open_reader(fxs_scene_file *file, fxs_scene_file_info *info, fxs_message *message)
 {
-    if (fseeko(source->stream, (off_t)offset, SEEK_SET) == 0 && fread(out, 1, size, source->stream) == size)
-        return 0;
-    return fxs_fail(message, "%s: %s", source->path, feof(source->stream) ? "the file ends early" : "read error");
-}
-
-void fxs_scene_source_close(fxs_scene_source *source)
-{
-    if (source->stream)
-        fclose(source->stream);
-    free(source->path);
-}
-
-static int open_file(fxs_scene_file *file, const char *path, fxs_scene_file_info *info, fxs_message *message)
-{
-    char head[4096] = "", *found = path_of_file(path);
-    int opened = found ? fxs_scene_source_open(&file->source, found, message)
-                 : fxs_fail(message, "%s: out of memory", path);
-    free(found);
-    if (opened != 0)
+    const fxs_scene_source *source = &file->source;
+    const int level = source->options.level;
+    char head[4096] = "";
+    size_t size = source->input.size < sizeof head - 1 ? (size_t)source->input.size : sizeof head - 1;
+    if (fxs_scene_source_read(source, 0, head, size, message))
         return -1;
-    size_t size = fread(head, 1, sizeof head - 1, file->source.stream);
-    if (ferror(file->source.stream))
-        return fxs_fail(message, "%s: %s", path, strerror(errno));
-    file->format = format_of(&file->source, head, size);
+    file->format = format_of(source, head, size, message);
     if (!file->format)
-        return fxs_fail(message, "%s: not a scene file of a known format (.ply, .spz, .glb, .gltf, .sog, .ksplat; or "
-                        ".splat: whole records of 32 bytes, finite positions, scales of 0 or more)", path);
-    if (fseeko(file->source.stream, 0, SEEK_SET) != 0)
-        return fxs_fail(message, "%s: %s", path, strerror(errno));
+        return -1;
+    file->reader = fxs_allocate_zeroed(source->options.allocator, 1, file->format->reader_size);
+    if (!file->reader)
+        return fxs_fail(message, "%s: out of memory", source->path);
     info->format = file->format->name;
     info->levels = 1;
-    if (file->format->open(&file->source, &file->reader, info, message) != 0)
+    if (file->format->open(file->reader, source, info, message) != 0)
         return -1;
-    if (file->source.level < 0 || file->source.level >= info->levels)
-        return fxs_fail(message, "%s: no level %d: levels of detail in this scene: %d", path, file->source.level,
+    if (level < 0 || level >= info->levels)
+        return fxs_fail(message, "%s: no level %d: levels of detail in this scene: %d", source->path, level,
                         info->levels);
     return 0;
 }
 
-int fxs_scene_file_open_lod(const char *path, int level, fxs_scene_file **file, fxs_scene_file_info *info,
-                            fxs_message *message)
+/* Opens the input, or where that is null the file at a path. */
+static int open_any(const char *path, const fxs_scene_input *input, const fxs_scene_file_options *options,
+                    fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message)
 {
-    *file = calloc(1, sizeof **file);
-    if (!*file)
+    fxs_scene_file *f = *file = fxs_allocate_zeroed(options ? options->allocator : NULL, 1, sizeof *f);
+    if (!f) {
+        if (input && input->close)
+            input->close(input->argument);
         return fxs_fail(message, "%s: out of memory", path);
-    (*file)->source.level = level;
-    if (open_file(*file, path, info, message) == 0)
+    }
+    if (options)
+        f->source.options = *options;
+    int result = input ? fxs_scene_source_open_input(&f->source, path, input, message)
+                 : open_path(&f->source, path, message);
+    if (result == 0 && open_reader(f, info, message) == 0)
         return 0;
-    fxs_scene_file_close(*file);
+    fxs_scene_file_close(f);
     *file = NULL;
     return -1;
 }
 
-int fxs_scene_file_open(const char *path, fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message)
+int fxs_scene_file_open(const char *path, const fxs_scene_file_options *options, fxs_scene_file **file,
+                        fxs_scene_file_info *info, fxs_message *message)
 {
-    return fxs_scene_file_open_lod(path, 0, file, info, message);
+    return open_any(path, NULL, options, file, info, message);
+}
+
+int fxs_scene_file_open_memory(const char *name, const void *data, size_t size, const fxs_scene_file_options *options,
+                               fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message)
+{
+    const fxs_scene_input input = fxs_memory_input(data, size);
+    return open_any(name, &input, options, file, info, message);
+}
+
+int fxs_scene_file_open_input(const char *name, const fxs_scene_input *input, const fxs_scene_file_options *options,
+                              fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message)
+{
+    return open_any(name, input, options, file, info, message);
 }
 
 long fxs_scene_file_read(fxs_scene_file *file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
@@ -165,8 +166,10 @@ void fxs_scene_file_close(fxs_scene_file *file)
 {
     if (!file)
         return;
-    if (file->reader)
+    const fxs_allocator *allocator = file->source.options.allocator;
+    if (file->reader && file->format->close)
         file->format->close(file->reader);
+    fxs_release(allocator, file->reader);
     fxs_scene_source_close(&file->source);
-    free(file);
+    fxs_release(allocator, file);
 }

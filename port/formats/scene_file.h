@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "allocator.h"
 #include "message.h"
 
 /* One Gaussian as an Inria .ply means it, before any quantisation. */
@@ -27,14 +28,51 @@ typedef struct fxs_scene_file_info {
     int levels;           /* of detail that can be opened; 1 but for streamed SOG */
 } fxs_scene_file_info;
 
-/* Opens a scene file, or a folder with the meta.json or lod-meta.json of a .sog; the format is told by its content.
-   Returns 0 and a handle that fxs_scene_file_close frees, or -1 and a message. The header is checked whole, and the
-   size of a binary body against it. */
-int fxs_scene_file_open(const char *path, fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message);
+/* Called now and then with the work done, 0 to 1; a return other than 0 stops it, which is an error. */
+typedef int fxs_progress_fn(void *argument, double done);
 
-/* The same at a level of detail, 0 the finest, where the file has several (streamed SOG). */
-int fxs_scene_file_open_lod(const char *path, int level, fxs_scene_file **file, fxs_scene_file_info *info,
-                            fxs_message *message);
+/* All 0: the finest level, malloc and free, no progress. */
+typedef struct fxs_scene_file_options {
+    int level;                       /* of detail, 0 the finest */
+    const fxs_allocator *allocator;  /* for all that a reader allocates itself; may be null, else outlives the file */
+    fxs_progress_fn *progress;       /* of opening streamed SOG, and of the first read of .spz; may be null */
+    void *progress_argument;
+} fxs_scene_file_options;
+
+/* The bytes of a file, by functions of the caller. */
+typedef struct fxs_scene_input fxs_scene_input;
+struct fxs_scene_input {
+    uint64_t size;        /* bytes */
+    /* Copies the `size` bytes at `offset`, all of them within the file. Returns 0, or -1 for an error. */
+    int (*read)(void *argument, uint64_t offset, void *out, size_t size);
+    /* Fills *input for another file, a path relative to this one's folder without "..". Returns 0, or -1 where there is
+       none. It needs no `beside` of its own. Null: there are no other files. */
+    int (*beside)(void *argument, const char *name, fxs_scene_input *input);
+    void (*close)(void *argument);   /* once, when it is not needed any more; may be null */
+    void *argument;
+};
+
+/* Opens a scene file, or a folder with the meta.json or lod-meta.json of a .sog; the format is told by its content.
+   Returns 0 and a handle that fxs_scene_file_close frees, or -1 and a message. `options` may be null.
+
+   The header is checked whole, and the size of a binary body against it. Only headers are read, so that *info is known
+   before anything large is allocated; but a .ply is read up to its vertices where it has lists or text before them, and
+   .sog (each file of a level) as far as its images, which are kept compressed.
+   What a reader allocates: .ply, .ksplat and .splat at most 1 MiB; .spz from the first read on 65 bytes a Gaussian at
+   SH degree 3 (92 at 4), and for that read the longest stream of version 4; .sog its images, and from the first read on
+   4 bytes a pixel of each instead; .glb and .gltf 3 MiB, their JSON and base64, and as their .spz. What cJSON, libzip,
+   libwebp and zstd need themselves comes from malloc. */
+int fxs_scene_file_open(const char *path, const fxs_scene_file_options *options, fxs_scene_file **file,
+                        fxs_scene_file_info *info, fxs_message *message);
+
+/* The same for a file in memory, which must stay as it is until the handle is closed. `name` begins messages. A format
+   that refers to other files cannot be opened so. */
+int fxs_scene_file_open_memory(const char *name, const void *data, size_t size, const fxs_scene_file_options *options,
+                               fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message);
+
+/* The same by functions; *input is copied. Its `close` is called also where opening fails. */
+int fxs_scene_file_open_input(const char *name, const fxs_scene_input *input, const fxs_scene_file_options *options,
+                              fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message);
 
 /* Reads the next `capacity` Gaussians or as many as are left. Returns their number, 0 at the end, or -1 and a
    message. */

@@ -6,6 +6,7 @@
 #if defined(FXS_WITH_WEBP) && defined(FXS_WITH_CJSON)
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,13 +35,15 @@ static const struct { const char *name; int first, count; } properties[] = {
 typedef float table[256];
 
 typedef struct sog_scene {
-    char *path;                /* of meta.json or the zip */
+    const fxs_scene_source *source;   /* meta.json or the zip */
+    fxs_scene_source own;      /* *source where it is not what was opened */
     size_t count;
     int sh_degree, antialiased;
     size_t palette;            /* entries */
     double mins[3], maxs[3];   /* of sign(x) ln(1 + |x|) */
     table scale[3], colour[4], sh;
     fxs_text files[IMAGES];    /* the images until they are decoded */
+    int widths[IMAGES], heights[IMAGES];   /* pixels */
     uint8_t *pixels[IMAGES];   /* RGBA; Gaussian i is pixel i, whatever the width */
 } sog_scene;
 
@@ -86,11 +89,11 @@ static double lerp(double a, double b, double t)
 
 /* ---- Files ----------------------------------------------------------------------------------------------------- */
 
-/* Where the files of a scene are: in the zip, or where that is NULL, beside the path. */
+/* Where the files of a scene are: in the zip, or where that is NULL, beside meta.json. */
 typedef struct container {
-    const char *path;   /* of meta.json or the zip */
-    struct zip *zip;
-    size_t most;        /* bytes of a file in it */
+    const fxs_scene_source *source;   /* meta.json or the zip */
+    fxs_zip *zip;
+    size_t most;                      /* bytes of a file in it */
     fxs_message *message;
 } container;
 
@@ -103,34 +106,29 @@ static int name_valid(const char *name)
     return *name && *name != '/' && strncmp(name, "../", 3) != 0 && !strstr(name, "/../");
 }
 
-/* The path of a file that `path` names, for free; or NULL and a message. */
-static char *path_beside(const char *path, const char *name, fxs_message *message)
+/* Names in a zip are checked too. */
+static int check_name(const fxs_scene_source *source, const char *name, fxs_message *message)
 {
-    const char *slash = strrchr(path, '/');
-    int folder = slash ? (int)(slash + 1 - path) : 0;
-    if (!name || !name_valid(name)) {
-        fxs_fail(message, "%s: a file name that is missing, leaves the folder or has control characters", path);
-        return NULL;
-    }
-    size_t room = (size_t)folder + strlen(name) + 1;
-    char *joined = malloc(room);
-    if (joined)
-        snprintf(joined, room, "%.*s%s", folder, path, name);
-    else
-        fxs_fail(message, "%s: out of memory", path);
-    return joined;
+    return name && name_valid(name) ? 0 : fxs_fail(message, "%s: a file name that is missing, leaves the folder or has "
+                                                   "control characters", source->path);
+}
+
+static int load_beside(const fxs_scene_source *source, const char *name, fxs_text *text, fxs_message *message)
+{
+    fxs_scene_source beside;
+    int status = fxs_scene_source_open_beside(&beside, source, name, message);
+    if (status == 0)
+        status = fxs_scene_source_load(&beside, 0, beside.input.size, text, message);
+    fxs_scene_source_close(&beside);
+    return status;
 }
 
 static int load_file(const container *c, const char *name, fxs_text *text)
 {
-    char *path = path_beside(c->path, name, c->message);   /* names in a zip are checked too */
-    if (!path)
+    if (check_name(c->source, name, c->message) != 0)
         return -1;
-    int status = c->zip ? fxs_zip_load(c->zip, c->path, name, c->most, text, c->message)
-                        : fxs_text_load(path, text, c->message);
-    free(path);
-    text->path = c->path;
-    return status;
+    return c->zip ? fxs_zip_load(c->zip, name, c->most, text, c->message)
+                  : load_beside(c->source, name, text, c->message);
 }
 
 /* ---- meta.json ------------------------------------------------------------------------------------------------- */
@@ -237,6 +235,8 @@ static const char *check_image(sog_scene *s, int image)
         features.has_animation || features.format != 2)
         return "not a lossless WebP";
     size_t pixels = (size_t)features.width * (size_t)features.height;
+    s->widths[image] = features.width;
+    s->heights[image] = features.height;
     if (image == CENTROIDS)
         return check_palette(s, features.width, pixels);
     if (pixels < s->count)
@@ -253,7 +253,7 @@ static int load_image(sog_scene *s, const container *c, int image, const char *n
     if (load_file(c, name, &s->files[image]) != 0)
         return -1;
     const char *fault = check_image(s, image);
-    return fault ? fxs_fail(c->message, "%s: %s: %s", c->path, name, fault) : 0;
+    return fault ? fxs_fail(c->message, "%s: %s: %s", c->source->path, name, fault) : 0;
 }
 
 static int load_images(sog_scene *s, const container *c, const cJSON *root)
@@ -263,7 +263,7 @@ static int load_images(sog_scene *s, const container *c, const cJSON *root)
         if (properties[i].first == CENTROIDS && !property)
             continue;
         if (cJSON_GetArraySize(names) < properties[i].count)
-            return fxs_fail(c->message, "%s: too few \"files\" of \"%s\"", c->path, properties[i].name);
+            return fxs_fail(c->message, "%s: too few \"files\" of \"%s\"", c->source->path, properties[i].name);
         for (int k = 0; k < properties[i].count; k++)
             if (load_image(s, c, properties[i].first + k, cJSON_GetStringValue(cJSON_GetArrayItem(names, k))) != 0)
                 return -1;
@@ -271,43 +271,60 @@ static int load_images(sog_scene *s, const container *c, const cJSON *root)
     return 0;
 }
 
+static int decode_image(sog_scene *s, int image, fxs_message *message)
+{
+    const fxs_allocator *allocator = s->source->options.allocator;
+    const fxs_text *file = &s->files[image];
+    const int row = 4 * s->widths[image];
+    const size_t bytes = (size_t)row * (size_t)s->heights[image];
+    uint8_t *pixels = fxs_allocate(allocator, bytes, 1);
+    if (!pixels)
+        return fxs_fail(message, "%s: out of memory", s->source->path);
+    if (!WebPDecodeRGBAInto((const uint8_t *)file->data, file->size, pixels, bytes, row)) {
+        fxs_release(allocator, pixels);
+        return fxs_fail(message, "%s: an image cannot be decoded: damaged, or out of memory", s->source->path);
+    }
+    s->pixels[image] = pixels;
+    return 0;
+}
+
 static int decode_images(sog_scene *s, fxs_message *message)
 {
     for (int i = 0; i < IMAGES; i++) {
-        fxs_text *file = &s->files[i];
-        int width, height;
-        if (!file->data)
+        if (!s->files[i].data)
             continue;
-        s->pixels[i] = WebPDecodeRGBA((const uint8_t *)file->data, file->size, &width, &height);
-        if (!s->pixels[i])
-            return fxs_fail(message, "%s: an image cannot be decoded: damaged, or out of memory", file->path);
-        free(file->data);
-        file->data = NULL;
+        if (decode_image(s, i, message) != 0)
+            return -1;
+        fxs_release(s->source->options.allocator, s->files[i].data);
+        s->files[i].data = NULL;
     }
     return 0;
 }
 
 static void free_scene(sog_scene *s)
 {
+    if (!s->source)
+        return;
     for (int i = 0; i < IMAGES; i++) {
-        free(s->files[i].data);
-        WebPFree(s->pixels[i]);
+        fxs_release(s->source->options.allocator, s->files[i].data);
+        fxs_release(s->source->options.allocator, s->pixels[i]);
     }
-    free(s->path);
+    fxs_scene_source_close(&s->own);
     memset(s, 0, sizeof *s);
 }
 
 static int load_meta(sog_scene *s, const container *c)
 {
     fxs_text meta;
-    if ((c->zip ? load_file(c, "meta.json", &meta) : fxs_text_load(c->path, &meta, c->message)) != 0)
+    if ((c->zip ? load_file(c, "meta.json", &meta)
+                : fxs_scene_source_load(c->source, 0, c->source->input.size, &meta, c->message)) != 0)
         return -1;
     cJSON *root = fxs_json_parse(&meta, c->message);
-    free(meta.data);
+    fxs_release(c->source->options.allocator, meta.data);
     if (!root)
         return -1;
     const char *fault = read_meta(s, root);
-    int status = fault ? fxs_fail(c->message, "%s: %s", c->path, fault) : load_images(s, c, root);
+    int status = fault ? fxs_fail(c->message, "%s: %s", c->source->path, fault) : load_images(s, c, root);
     cJSON_Delete(root);
     return status;
 }
@@ -367,7 +384,7 @@ static int add_range(sog_reader *r, range added, fxs_message *message)
 {
     if (r->range_count == r->range_capacity) {
         size_t capacity = 2 * r->range_capacity + 16;
-        range *ranges = realloc(r->ranges, capacity * sizeof *ranges);
+        range *ranges = fxs_enlarge(r->source->options.allocator, r->ranges, r->range_count, capacity, sizeof *ranges);
         if (!ranges)
             return fxs_fail(message, "%s: out of memory", r->source->path);
         r->ranges = ranges;
@@ -420,7 +437,7 @@ static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs
     if (!cJSON_IsArray(r->files) || cJSON_GetArraySize(r->files) > MAX_FILES)
         return fxs_fail(message, "%s: \"filenames\" is not an array of up to %d", r->source->path, MAX_FILES);
     r->file_count = (size_t)cJSON_GetArraySize(r->files);
-    snprintf(level, sizeof level, "%d", r->source->level);
+    snprintf(level, sizeof level, "%d", r->source->options.level);
     if (add_leaves(r, member(root, "tree"), level, message) != 0)
         return -1;
     if (r->range_count > 0)
@@ -431,23 +448,29 @@ static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs
     return add_range(r, (range){r->file_count, 0, TO_THE_LAST}, message);
 }
 
+/* Sets the source of a scene: what was opened, or for streamed SOG a file beside it. */
+static int open_scene(sog_reader *r, size_t file, fxs_message *message)
+{
+    sog_scene *s = &r->scene;
+    free_scene(s);
+    s->source = r->files ? &s->own : r->source;
+    if (!r->files)
+        return 0;
+    const char *name = cJSON_GetStringValue(cJSON_GetArrayItem(r->files, (int)file));
+    s->own.options = r->source->options;
+    return check_name(r->source, name, message) ? -1 : fxs_scene_source_open_beside(&s->own, r->source, name, message);
+}
+
 /* Loads a scene, its images not decoded yet. */
 static int load_scene(sog_reader *r, size_t file, fxs_message *message)
 {
-    const char *path = r->source->path;
-    uint64_t most = r->source->size * MAX_INFLATION;
-    sog_scene *s = &r->scene;
-    free_scene(s);
-    if (r->files)
-        s->path = path_beside(path, cJSON_GetStringValue(cJSON_GetArrayItem(r->files, (int)file)), message);
-    else if (!(s->path = strdup(path)))
-        fxs_fail(message, "%s: out of memory", path);
-    if (!s->path)
+    uint64_t most = r->source->input.size * MAX_INFLATION;
+    if (open_scene(r, file, message) != 0)
         return -1;
-    container c = {s->path, NULL, most < FXS_TEXT_MAX ? (size_t)most : FXS_TEXT_MAX, message};
-    if (r->bundled && !(c.zip = fxs_zip_open(path, message)))
+    container c = {r->scene.source, NULL, most < FXS_TEXT_MAX ? (size_t)most : FXS_TEXT_MAX, message};
+    if (r->bundled && !(c.zip = fxs_zip_open(r->source, message)))
         return -1;
-    int status = load_meta(s, &c);
+    int status = load_meta(&r->scene, &c);
     fxs_zip_close(c.zip);
     return status;
 }
@@ -464,7 +487,7 @@ static int open_range(sog_reader *r, range *of, fxs_message *message)
     if (of->end == TO_THE_LAST)
         of->end = r->scene.count;
     if (of->end > r->scene.count)
-        return fxs_fail(message, "%s: %zu Gaussians, but a leaf ends at %zu", r->scene.path, r->scene.count,
+        return fxs_fail(message, "%s: %zu Gaussians, but a leaf ends at %zu", r->scene.source->path, r->scene.count,
                         of->end);
     return 0;
 }
@@ -475,10 +498,11 @@ static int check_ranges(sog_reader *r, fxs_scene_file_info *info, fxs_message *m
     info->sh_degree = info->antialiased = 0;
     for (size_t i = 0; i < r->range_count; i++) {
         range *of = &r->ranges[i];
-        if (open_range(r, of, message) != 0)
+        if (fxs_scene_source_progress(r->source, (double)i / (double)r->range_count, message) != 0 ||
+            open_range(r, of, message) != 0)
             return -1;
         if (i > 0 && of[-1].file == of->file && of[-1].end > of->begin)
-            return fxs_fail(message, "%s: two leaves share Gaussian %zu", r->scene.path, of->begin);
+            return fxs_fail(message, "%s: two leaves share Gaussian %zu", r->scene.source->path, of->begin);
         info->count += of->end - of->begin;
         info->antialiased |= r->scene.antialiased;
         info->sh_degree = r->scene.sh_degree > info->sh_degree ? r->scene.sh_degree : info->sh_degree;
@@ -488,14 +512,17 @@ static int check_ranges(sog_reader *r, fxs_scene_file_info *info, fxs_message *m
 
 static int read_source(sog_reader *r, fxs_scene_file_info *info, fxs_message *message)
 {
+    char first;
     fxs_text json;
-    r->bundled = getc(r->source->stream) == 'P';
+    if (fxs_scene_source_read(r->source, 0, &first, 1, message) != 0)
+        return -1;
+    r->bundled = first == 'P';
     if (r->bundled)
         return add_range(r, (range){0, 0, TO_THE_LAST}, message);
-    if (fxs_text_load(r->source->path, &json, message) != 0)
+    if (fxs_scene_source_load(r->source, 0, r->source->input.size, &json, message) != 0)
         return -1;
     cJSON *root = fxs_json_parse(&json, message);
-    free(json.data);
+    fxs_release(r->source->options.allocator, json.data);
     if (!root)
         return -1;
     int status = member(root, "tree") ? read_index(r, root, info, message)
@@ -506,12 +533,9 @@ static int read_source(sog_reader *r, fxs_scene_file_info *info, fxs_message *me
 
 /* ---- The format ------------------------------------------------------------------------------------------------ */
 
-static int sog_open(const fxs_scene_source *source, void **handle, fxs_scene_file_info *info, fxs_message *message)
+static int sog_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
-    sog_reader *r = calloc(1, sizeof *r);
-    if (!r)
-        return fxs_fail(message, "%s: out of memory", source->path);
-    *handle = r;
+    sog_reader *r = handle;
     r->source = source;
     r->file = NO_FILE;
     return read_source(r, info, message) != 0 ? -1 : check_ranges(r, info, message);
@@ -548,20 +572,19 @@ static void sog_close(void *handle)
     sog_reader *r = handle;
     free_scene(&r->scene);
     cJSON_Delete(r->files);
-    free(r->ranges);
-    free(r);
+    fxs_release(r->source->options.allocator, r->ranges);
 }
 
-const fxs_scene_format fxs_scene_sog = {"sog", sog_open, sog_read, sog_rewind, sog_close};
+const fxs_scene_format fxs_scene_sog = {"sog", sizeof(sog_reader), sog_open, sog_read, sog_rewind, sog_close};
 
 #else
 
-static int sog_open(const fxs_scene_source *source, void **handle, fxs_scene_file_info *info, fxs_message *message)
+static int sog_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
     (void)handle, (void)info;
     return fxs_fail(message, "%s: cannot read .sog: built without libwebp or cJSON", source->path);
 }
 
-const fxs_scene_format fxs_scene_sog = {"sog", sog_open, NULL, NULL, NULL};
+const fxs_scene_format fxs_scene_sog = {"sog", 0, sog_open, NULL, NULL, NULL};
 
 #endif

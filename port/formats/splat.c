@@ -1,8 +1,7 @@
 /* .splat as antimatter15/splat writes it: records of 32 bytes, and nothing else. */
-#include <stdlib.h>
-
 #include "byte_reader.h"
 #include "scene_codes.h"
+#include "scene_format.h"
 
 enum { RECORD_SIZE = 32, SCALE = 12, COLOUR = 24, ROTATION = 28, RECORDS_CHECKED = 64 };
 
@@ -36,9 +35,12 @@ int fxs_is_splat(const fxs_scene_source *source)
 {
     uint8_t records[RECORDS_CHECKED * RECORD_SIZE];
     int any_scale = 0;
-    if (source->size % RECORD_SIZE != 0 || fseeko(source->stream, 0, SEEK_SET) != 0)
+    fxs_message ignored;
+    uint64_t count = source->input.size / RECORD_SIZE;
+    count = count < RECORDS_CHECKED ? count : RECORDS_CHECKED;
+    if (source->input.size % RECORD_SIZE != 0
+        || fxs_scene_source_read(source, 0, records, (size_t)count * RECORD_SIZE, &ignored) != 0)
         return 0;
-    size_t count = fread(records, RECORD_SIZE, RECORDS_CHECKED, source->stream);
     for (size_t i = 0; i < count; i++) {
         if (!is_plausible(records + i * RECORD_SIZE))
             return 0;
@@ -47,14 +49,12 @@ int fxs_is_splat(const fxs_scene_source *source)
     return any_scale;
 }
 
-static int splat_open(const fxs_scene_source *source, void **handle, fxs_scene_file_info *info, fxs_message *message)
+static int splat_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
-    splat_reader *reader = calloc(1, sizeof *reader);
-    if (!reader)
-        return fxs_fail(message, "%s: out of memory", source->path);
-    *handle = reader;
+    splat_reader *reader = handle;
+    (void)message;
     reader->bytes.source = source;
-    reader->count = info->count = source->size / RECORD_SIZE;
+    reader->count = info->count = source->input.size / RECORD_SIZE;
     info->sh_degree = info->antialiased = 0;
     return 0;
 }
@@ -94,4 +94,6 @@ static int splat_rewind(void *handle, fxs_message *message)
     return fxs_bytes_seek(&reader->bytes, 0);
 }
 
-const fxs_scene_format fxs_scene_splat = {"splat", splat_open, splat_read, splat_rewind, free};
+const fxs_scene_format fxs_scene_splat = {
+    "splat", sizeof(splat_reader), splat_open, splat_read, splat_rewind, NULL
+};

@@ -1,11 +1,11 @@
 /* .spz, versions 1 to 4, as in README and src/cc of nianticlabs/spz. */
 #include "spz_internal.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "byte_reader.h"
 #include "scene_codes.h"
+#include "scene_format.h"
 
 #ifdef FXS_WITH_ZLIB
 #define ZLIB_CONST
@@ -31,25 +31,44 @@ enum { RUB = 4, RDF = 6, LAST_XYZ = 8 };     /* coordinate systems: 1 + R + 2 U 
 const uint8_t fxs_spz_odd_in[15] = {2, 4, 1, 3, 6, 0, 5, 0, 2, 7, 2, 4, 1, 4, 1};
 
 struct fxs_spz {
+    const fxs_scene_source *source;
+    uint64_t offset, size;                          /* of the .spz in it */
+    fxs_message *message;                           /* of the call */
     uint32_t version, count;
     int sh_degree, fractional_bits, flags;
-    int keep_axes;
+    int keep_axes, is_gzip;
     float flip[3], flip_rotation[3], flip_sh[15];   /* +-1, from the file's axes to those wanted */
-    uint8_t stride[FXS_SPZ_ARRAYS];                         /* bytes a Gaussian */
-    uint8_t *payload, *array[FXS_SPZ_ARRAYS];
+    uint8_t stride[FXS_SPZ_ARRAYS];                 /* bytes a Gaussian */
+    uint8_t *payload, *array[FXS_SPZ_ARRAYS];       /* NULL until the first read */
+    uint32_t contents;                              /* of version 4: where the table of contents is */
+    uint64_t compressed[FXS_SPZ_ARRAYS];            /* and what it says */
     uint32_t next;                                  /* Gaussian to read */
 };
 
-typedef struct input {
-    const char *name;
-    const uint8_t *data;
-    size_t size;
-    fxs_message *message;
-} input;
-
-static int fail(const input *in, const char *fault)
+static int fail(const fxs_spz *spz, const char *fault)
 {
-    return fxs_fail(in->message, "%s: %s", in->name, fault);
+    return fxs_fail(spz->message, "%s: %s", spz->source->path, fault);
+}
+
+static int read_at(const fxs_spz *spz, uint64_t offset, void *out, size_t size)
+{
+    if (offset > spz->size || size > spz->size - offset)
+        return fail(spz, "the file ends early");
+    return fxs_scene_source_read(spz->source, spz->offset + offset, out, size, spz->message);
+}
+
+/* NULL: out of memory, and a message. */
+static void *allocate(const fxs_spz *spz, uint64_t bytes)
+{
+    void *block = bytes <= SIZE_MAX ? fxs_allocate(spz->source->options.allocator, (size_t)bytes, 1) : NULL;
+    if (!block)
+        fail(spz, "out of memory");
+    return block;
+}
+
+static void release(const fxs_spz *spz, void *block)
+{
+    fxs_release(spz->source->options.allocator, block);
 }
 
 /* ---- Header ---------------------------------------------------------------------------------------------------- */
@@ -74,37 +93,37 @@ void fxs_spz_strides(uint8_t stride[FXS_SPZ_ARRAYS], uint32_t version, int sh_de
     memcpy(stride, strides, sizeof strides);
 }
 
-static int parse_header(fxs_spz *spz, const input *in, const uint8_t *header)
+static int parse_header(fxs_spz *spz, const uint8_t *header)
 {
     if (fxs_load_u32(header) != FXS_SPZ_MAGIC)
-        return fail(in, "not an .spz file: no NGSP at its beginning");
+        return fail(spz, "not an .spz file: no NGSP at its beginning");
     spz->version = fxs_load_u32(header + 4);
     spz->count = fxs_load_u32(header + 8);
     spz->sh_degree = header[12];
     spz->fractional_bits = header[13];
     spz->flags = header[14];
     if (spz->version < 1 || spz->version > 4)
-        return fxs_fail(in->message, "%s: .spz version %u, not 1 to 4", in->name, spz->version);
+        return fxs_fail(spz->message, "%s: .spz version %u, not 1 to 4", spz->source->path, spz->version);
     if (spz->sh_degree > 4)
-        return fxs_fail(in->message, "%s: SH degree %d, not 0 to 4", in->name, spz->sh_degree);
+        return fxs_fail(spz->message, "%s: SH degree %d, not 0 to 4", spz->source->path, spz->sh_degree);
     if (spz->fractional_bits > MAX_FRACTIONAL_BITS)
-        return fxs_fail(in->message, "%s: positions with %d fractional bits, not 0 to %d", in->name,
+        return fxs_fail(spz->message, "%s: positions with %d fractional bits, not 0 to %d", spz->source->path,
                         spz->fractional_bits, MAX_FRACTIONAL_BITS);
     if (spz->flags & LEVELS_OF_DETAIL)
-        return fail(in, "a tree of levels of detail (Spark) is not read");
-    if (spz->count > FXS_SPZ_MAX_COUNT || (uint64_t)spz->count * 9 > (uint64_t)in->size * 1024)
-        return fxs_fail(in->message, "%s: the header tells of %u Gaussians, more than %zu bytes hold", in->name,
-                        spz->count, in->size);
+        return fail(spz, "a tree of levels of detail (Spark) is not read");
+    if (spz->count > FXS_SPZ_MAX_COUNT || (uint64_t)spz->count * 9 > spz->size * 1024)
+        return fxs_fail(spz->message, "%s: the header tells of %u Gaussians, more than %llu bytes hold",
+                        spz->source->path, spz->count, (unsigned long long)spz->size);
     fxs_spz_strides(spz->stride, spz->version, spz->sh_degree);
     return 0;
 }
 
 /* Values above 8 have y and z exchanged, but which is which differs between versions of the reference library. */
-static int set_axes(fxs_spz *spz, const input *in, uint32_t system)
+static int set_axes(fxs_spz *spz, uint32_t system)
 {
     system = spz->keep_axes ? RDF : system ? system : RUB;
     if (system > LAST_XYZ)
-        return fxs_fail(in->message, "%s: coordinate system %u, not 0 to %d", in->name, system, LAST_XYZ);
+        return fxs_fail(spz->message, "%s: coordinate system %u, not 0 to %d", spz->source->path, system, LAST_XYZ);
     uint32_t flips = (system - 1) ^ (RDF - 1);
     for (int i = 0; i < 3; i++)
         spz->flip[i] = flips >> i & 1 ? -1 : 1;
@@ -120,130 +139,190 @@ static int set_axes(fxs_spz *spz, const input *in, uint32_t system)
 }
 
 /* Records of type, length, payload. */
-static int parse_extensions(fxs_spz *spz, const input *in, const uint8_t *bytes, uint64_t size)
+static int parse_extensions(fxs_spz *spz, const uint8_t *bytes, uint64_t size)
 {
     uint32_t system = RUB;
     while (size > 0) {
         uint32_t length = size < 8 ? 0 : fxs_load_u32(bytes + 4);
         if (size < 8 || length > size - 8)
-            return fail(in, "an extension ends early");
+            return fail(spz, "an extension ends early");
         if (fxs_load_u32(bytes) == COORDINATE_SYSTEM) {
             if (length != 4)
-                return fail(in, "the extension with the coordinate system has not 4 bytes");
+                return fail(spz, "the extension with the coordinate system has not 4 bytes");
             system = fxs_load_u32(bytes + 8);
         }
         bytes += 8 + (size_t)length;
         size -= 8 + (uint64_t)length;
     }
-    return set_axes(spz, in, system);
+    return set_axes(spz, system);
 }
 
-static int allocate(fxs_spz *spz, const input *in, size_t extra)
+static int read_extensions(fxs_spz *spz, uint64_t offset, uint64_t size)
 {
-    uint64_t bytes = payload_bytes(spz) + extra;
-    spz->payload = bytes <= SIZE_MAX ? malloc((size_t)bytes) : NULL;
-    if (!spz->payload)
-        return fxs_fail(in->message, "%s: out of memory for %u Gaussians", in->name, spz->count);
-    uint8_t *at = spz->payload;
-    for (int i = 0; i < FXS_SPZ_ARRAYS; i++) {
+    uint8_t *bytes = allocate(spz, size);
+    int result = bytes && read_at(spz, offset, bytes, (size_t)size) == 0 ? parse_extensions(spz, bytes, size) : -1;
+    release(spz, bytes);
+    return result;
+}
+
+static int allocate_payload(fxs_spz *spz, size_t extra)
+{
+    uint8_t *at = spz->payload = allocate(spz, payload_bytes(spz) + extra);
+    for (int i = 0; i < FXS_SPZ_ARRAYS && at; i++) {
         spz->array[i] = at;
         at += array_bytes(spz, i);
     }
-    return 0;
+    return at ? 0 : -1;
 }
 
 /* ---- Versions 1 to 3: one stream, gzip or plain ---------------------------------------------------------------- */
 
-static int check_payload(const fxs_spz *spz, const input *in, uint64_t size)
+static int check_payload(const fxs_spz *spz, uint64_t size)
 {
     uint64_t wanted = payload_bytes(spz);
     if (size < wanted || (size > wanted && !(spz->flags & HAS_EXTENSIONS)))
-        return fxs_fail(in->message, "%s: the header asks for %llu bytes of attributes, there are %llu", in->name,
-                        (unsigned long long)wanted, (unsigned long long)size);
+        return fxs_fail(spz->message, "%s: the header asks for %llu bytes of attributes, there are %llu",
+                        spz->source->path, (unsigned long long)wanted, (unsigned long long)size);
     return 0;
 }
 
-static int load_plain(fxs_spz *spz, const input *in)
+static int load_plain(fxs_spz *spz)
 {
-    const uint8_t *payload = in->data + HEADER_SIZE;
-    size_t size = in->size - HEADER_SIZE, wanted = (size_t)payload_bytes(spz);
-    if (check_payload(spz, in, size) || parse_extensions(spz, in, payload + wanted, size - wanted) ||
-        allocate(spz, in, 1))
+    uint64_t wanted = payload_bytes(spz), end = HEADER_SIZE + wanted;
+    if (read_extensions(spz, end, spz->size - end) || allocate_payload(spz, 0))
         return -1;
-    memcpy(spz->payload, payload, wanted);
-    return 0;
+    return read_at(spz, HEADER_SIZE, spz->payload, (size_t)wanted);
 }
 
 #ifdef FXS_WITH_ZLIB
 
-/* Inflates up to `size` bytes, in pieces that zlib can count. Returns zlib's last status. */
-static int inflate_some(z_stream *stream, const input *in, uint8_t *out, size_t size, size_t *got)
+typedef struct gzip {
+    fxs_spz *spz;
+    uint64_t next;             /* byte of the .spz */
+    z_stream stream;
+    uint8_t bytes[1 << 16];
+} gzip;
+
+static int refill(gzip *g)
+{
+    const fxs_spz *spz = g->spz;
+    uint64_t left = spz->size - g->next;
+    size_t size = left < sizeof g->bytes ? (size_t)left : sizeof g->bytes;
+    if (fxs_scene_source_progress(spz->source, (double)g->next / (double)spz->size, spz->message) ||
+        read_at(spz, g->next, g->bytes, size))
+        return -1;
+    g->next += size;
+    g->stream.next_in = g->bytes;
+    g->stream.avail_in = (uInt)size;
+    return 0;
+}
+
+/* Inflates up to `size` bytes, in pieces that zlib can count. Returns zlib's last status; Z_ERRNO with a message. */
+static int inflate_some(gzip *g, uint8_t *out, size_t size, size_t *got)
 {
     const size_t piece = 1u << 30;
     int status = Z_OK;
     *got = 0;
     while (*got < size && status == Z_OK) {
-        size_t left = in->size - (size_t)(stream->next_in - in->data), room = size - *got;
-        stream->avail_in = (uInt)(left < piece ? left : piece);
-        stream->avail_out = (uInt)(room = room < piece ? room : piece);
-        stream->next_out = out + *got;
-        status = inflate(stream, Z_NO_FLUSH);
-        *got += room - stream->avail_out;
+        size_t room = size - *got;
+        if (g->stream.avail_in == 0 && refill(g))
+            return Z_ERRNO;
+        g->stream.avail_out = (uInt)(room = room < piece ? room : piece);
+        g->stream.next_out = out + *got;
+        status = inflate(&g->stream, Z_NO_FLUSH);
+        *got += room - g->stream.avail_out;
     }
     return status;
 }
 
-static int fail_inflate(const input *in, int status)
+static int fail_inflate(const fxs_spz *spz, int status)
 {
-    return fail(in, status == Z_BUF_ERROR || status == Z_STREAM_END ? "the gzip stream ends early"
-                    : status == Z_MEM_ERROR ? "out of memory" : "the gzip stream is damaged");
+    if (status == Z_ERRNO)
+        return -1;
+    return fail(spz, status == Z_BUF_ERROR || status == Z_STREAM_END ? "the gzip stream ends early"
+                     : status == Z_MEM_ERROR ? "out of memory" : "the gzip stream is damaged");
 }
 
-static int inflate_all(fxs_spz *spz, const input *in, z_stream *stream)
+static int inflate_header(fxs_spz *spz, gzip *g)
 {
     uint8_t header[HEADER_SIZE];
     size_t got;
-    int status = inflate_some(stream, in, header, sizeof header, &got);
+    int status = inflate_some(g, header, sizeof header, &got);
     if (got < sizeof header)
-        return fail_inflate(in, status);
-    if (parse_header(spz, in, header))
+        return fail_inflate(spz, status);
+    if (parse_header(spz, header))
         return -1;
     if (spz->version == 4)
-        return fail(in, "version 4 within gzip");
+        return fail(spz, "version 4 within gzip");
     uint64_t wanted = payload_bytes(spz);
-    size_t extra = (spz->flags & HAS_EXTENSIONS ? MAX_EXTENSIONS : 0) + 1;   /* one more than there may be */
-    if (wanted / MAX_EXPANSION > in->size)
-        return fxs_fail(in->message, "%s: the header asks for %llu bytes of attributes, more than %zu can inflate to",
-                        in->name, (unsigned long long)wanted, in->size);
-    if (allocate(spz, in, extra))
-        return -1;
-    status = inflate_some(stream, in, spz->payload, (size_t)wanted + extra, &got);
-    if (got == wanted + extra)
-        return fail(in, "the gzip stream has more bytes than the header asks for");
-    if (status != Z_STREAM_END)
-        return fail_inflate(in, status);
-    return check_payload(spz, in, got) ? -1 : parse_extensions(spz, in, spz->payload + wanted, got - wanted);
+    if (wanted / MAX_EXPANSION > spz->size)
+        return fxs_fail(spz->message, "%s: the header asks for %llu bytes of attributes, more than %llu can inflate to",
+                        spz->source->path, (unsigned long long)wanted, (unsigned long long)spz->size);
+    return 0;
 }
 
-static int load_gzip(fxs_spz *spz, const input *in)
+static int inflate_payload(fxs_spz *spz, gzip *g)
 {
-    z_stream stream;
-    memset(&stream, 0, sizeof stream);
-    stream.next_in = in->data;
-    if (inflateInit2(&stream, 16 + MAX_WBITS) != Z_OK)
-        return fail(in, "out of memory");
-    int result = inflate_all(spz, in, &stream);
-    inflateEnd(&stream);
+    uint8_t header[HEADER_SIZE];
+    size_t extra = (spz->flags & HAS_EXTENSIONS ? MAX_EXTENSIONS : 0) + 1, got;   /* one more than there may be */
+    uint64_t wanted = payload_bytes(spz);
+    int status = inflate_some(g, header, sizeof header, &got);
+    if (got < sizeof header)
+        return fail_inflate(spz, status);
+    if (allocate_payload(spz, extra))
+        return -1;
+    status = inflate_some(g, spz->payload, (size_t)wanted + extra, &got);
+    if (got == wanted + extra)
+        return fail(spz, "the gzip stream has more bytes than the header asks for");
+    if (status != Z_STREAM_END)
+        return fail_inflate(spz, status);
+    return check_payload(spz, got) ? -1 : parse_extensions(spz, spz->payload + wanted, got - wanted);
+}
+
+static void *allocate_for_zlib(void *spz, uInt count, uInt size)
+{
+    return fxs_allocate(((const fxs_spz *)spz)->source->options.allocator, count, size);
+}
+
+static void release_for_zlib(void *spz, void *block)
+{
+    release(spz, block);
+}
+
+static int with_gzip(fxs_spz *spz, int (*use)(fxs_spz *, gzip *))
+{
+    gzip *g = allocate(spz, sizeof *g);
+    if (!g)
+        return -1;
+    memset(g, 0, sizeof *g);
+    g->spz = spz;
+    g->stream.zalloc = allocate_for_zlib;
+    g->stream.zfree = release_for_zlib;
+    g->stream.opaque = spz;
+    int result = inflateInit2(&g->stream, 16 + MAX_WBITS) == Z_OK ? use(spz, g) : fail(spz, "out of memory");
+    inflateEnd(&g->stream);
+    release(spz, g);
     return result;
+}
+
+static int open_gzip(fxs_spz *spz)
+{
+    return with_gzip(spz, inflate_header);
+}
+
+static int load_gzip(fxs_spz *spz)
+{
+    return with_gzip(spz, inflate_payload);
 }
 
 #else
 
-static int load_gzip(fxs_spz *spz, const input *in)
+static int open_gzip(fxs_spz *spz)
 {
-    (void)spz;
-    return fail(in, "cannot read gzip: built without zlib");
+    return fail(spz, "cannot read gzip: built without zlib");
 }
+
+#define load_gzip open_gzip
 
 #endif
 
@@ -257,99 +336,137 @@ static uint64_t load_u64(const uint8_t *bytes)
 }
 
 /* The entries: compressed and uncompressed size of each array that is not empty. */
-static int check_contents(const fxs_spz *spz, const input *in, uint32_t contents)
+static int parse_contents(fxs_spz *spz, const uint8_t *entry, uint64_t left)
 {
-    int streams = 0;
-    for (int i = 0; i < FXS_SPZ_ARRAYS; i++)
-        streams += array_bytes(spz, i) > 0;
-    if (in->data[15] != streams)
-        return fxs_fail(in->message, "%s: %d streams, not %d", in->name, in->data[15], streams);
-    if (contents < HEADER_SIZE_4 || contents > in->size || in->size - contents < (size_t)streams * 16)
-        return fail(in, "the table of contents is not within the file");
-    const uint8_t *entry = in->data + contents;
-    uint64_t left = in->size - contents - (size_t)streams * 16;
     for (int i = 0; i < FXS_SPZ_ARRAYS; i++) {
         if (array_bytes(spz, i) == 0)
             continue;
         if (load_u64(entry + 8) != array_bytes(spz, i))
-            return fxs_fail(in->message, "%s: the header asks for %llu bytes in a stream of %llu", in->name,
+            return fxs_fail(spz->message, "%s: the header asks for %llu bytes in a stream of %llu", spz->source->path,
                             (unsigned long long)array_bytes(spz, i), (unsigned long long)load_u64(entry + 8));
-        if (load_u64(entry) > left)
-            return fail(in, "the file ends early");
-        left -= load_u64(entry);
+        spz->compressed[i] = load_u64(entry);
+        if (spz->compressed[i] > left)
+            return fail(spz, "the file ends early");
+        left -= spz->compressed[i];
         entry += 16;
     }
-    return left ? fail(in, "there are bytes behind the last stream") : 0;
+    return left ? fail(spz, "there are bytes behind the last stream") : 0;
 }
 
-static int load_zstd(fxs_spz *spz, const input *in)
+static size_t contents_bytes(const fxs_spz *spz)
 {
-    uint32_t contents = in->size < HEADER_SIZE_4 ? 0 : fxs_load_u32(in->data + 16);
-    if (check_contents(spz, in, contents))
+    size_t bytes = 0;
+    for (int i = 0; i < FXS_SPZ_ARRAYS; i++)
+        bytes += array_bytes(spz, i) > 0 ? 16 : 0;
+    return bytes;
+}
+
+static int open_zstd(fxs_spz *spz)
+{
+    uint8_t header[HEADER_SIZE_4], entries[16 * FXS_SPZ_ARRAYS];
+    const size_t bytes = contents_bytes(spz);
+    if (read_at(spz, 0, header, sizeof header))
         return -1;
-    uint32_t extensions = spz->flags & HAS_EXTENSIONS ? contents - HEADER_SIZE_4 : 0;
-    if (parse_extensions(spz, in, in->data + HEADER_SIZE_4, extensions) || allocate(spz, in, 1))
+    spz->contents = fxs_load_u32(header + 16);
+    if (header[15] != bytes / 16)
+        return fxs_fail(spz->message, "%s: %d streams, not %zu", spz->source->path, header[15], bytes / 16);
+    if (spz->contents < HEADER_SIZE_4 || spz->contents > spz->size || spz->size - spz->contents < bytes)
+        return fail(spz, "the table of contents is not within the file");
+    if (read_at(spz, spz->contents, entries, bytes))
         return -1;
-    const uint8_t *entry = in->data + contents, *stream = entry + 16 * (size_t)in->data[15];
+    return parse_contents(spz, entries, spz->size - spz->contents - bytes);
+}
+
+static int load_stream(fxs_spz *spz, int array, uint64_t offset)
+{
+    const size_t size = (size_t)array_bytes(spz, array), compressed = (size_t)spz->compressed[array];
+    uint8_t *stream = allocate(spz, compressed);
+    int result = stream ? read_at(spz, offset, stream, compressed) : -1;
+    if (result == 0 && ZSTD_decompress(spz->array[array], size, stream, compressed) != size)
+        result = fail(spz, "a zstd stream is damaged, or of another size than the header asks for");
+    release(spz, stream);
+    return result;
+}
+
+static int load_zstd(fxs_spz *spz)
+{
+    uint64_t extensions = spz->flags & HAS_EXTENSIONS ? spz->contents - HEADER_SIZE_4 : 0;
+    uint64_t offset = spz->contents + contents_bytes(spz);
+    if (read_extensions(spz, HEADER_SIZE_4, extensions) || allocate_payload(spz, 0))
+        return -1;
     for (int i = 0; i < FXS_SPZ_ARRAYS; i++) {
-        size_t size = (size_t)array_bytes(spz, i), compressed = size ? (size_t)load_u64(entry) : 0;
-        if (size == 0)
-            continue;
-        if (ZSTD_decompress(spz->array[i], size, stream, compressed) != size)
-            return fail(in, "a zstd stream is damaged, or of another size than the header asks for");
-        stream += compressed;
-        entry += 16;
+        if (fxs_scene_source_progress(spz->source, (double)offset / (double)spz->size, spz->message) ||
+            (array_bytes(spz, i) > 0 && load_stream(spz, i, offset)))
+            return -1;
+        offset += spz->compressed[i];
     }
     return 0;
 }
 
 #else
 
-static int load_zstd(fxs_spz *spz, const input *in)
+static int open_zstd(fxs_spz *spz)
 {
-    (void)spz;
-    return fail(in, "cannot read .spz version 4: built without zstd");
+    return fail(spz, "cannot read .spz version 4: built without zstd");
 }
+
+#define load_zstd open_zstd
 
 #endif
 
 /* ---- Opening --------------------------------------------------------------------------------------------------- */
 
-static int load(fxs_spz *spz, const input *in)
+static int open_header(fxs_spz *spz)
 {
-    if (in->size >= 2 && in->data[0] == 0x1f && in->data[1] == 0x8b)
-        return load_gzip(spz, in);
-    if (in->size < HEADER_SIZE)
-        return fail(in, "the file ends early");
-    if (parse_header(spz, in, in->data))
+    uint8_t header[HEADER_SIZE];
+    if (read_at(spz, 0, header, 2))
         return -1;
-    return spz->version == 4 ? load_zstd(spz, in) : load_plain(spz, in);
+    spz->is_gzip = header[0] == 0x1f && header[1] == 0x8b;
+    if (spz->is_gzip)
+        return open_gzip(spz);
+    if (read_at(spz, 0, header, sizeof header) || parse_header(spz, header))
+        return -1;
+    return spz->version == 4 ? open_zstd(spz) : check_payload(spz, spz->size - HEADER_SIZE);
 }
 
-int fxs_spz_open(const char *name, const uint8_t *data, size_t size, int keep_axes, fxs_spz **spz,
+static int load(fxs_spz *spz)
+{
+    int result = spz->is_gzip ? load_gzip(spz) : spz->version == 4 ? load_zstd(spz) : load_plain(spz);
+    if (result) {
+        release(spz, spz->payload);
+        spz->payload = NULL;
+    }
+    return result;
+}
+
+int fxs_spz_open(const fxs_scene_source *source, uint64_t offset, uint64_t size, int keep_axes, fxs_spz **spz,
                  fxs_scene_file_info *info, fxs_message *message)
 {
-    const input in = {name, data, size, message};
-    *spz = calloc(1, sizeof **spz);
-    if (!*spz)
-        return fail(&in, "out of memory");
-    (*spz)->keep_axes = keep_axes;
-    if (load(*spz, &in)) {
-        fxs_spz_close(*spz);
+    fxs_spz *s = *spz = fxs_allocate_zeroed(source->options.allocator, 1, sizeof *s);
+    if (!s)
+        return fxs_fail(message, "%s: out of memory", source->path);
+    s->source = source;
+    s->offset = offset;
+    s->size = size;
+    s->message = message;
+    s->keep_axes = keep_axes;
+    if (open_header(s)) {
+        fxs_spz_close(s);
         *spz = NULL;
         return -1;
     }
-    info->count = (*spz)->count;
-    info->sh_degree = (*spz)->sh_degree < 3 ? (*spz)->sh_degree : 3;
-    info->antialiased = (*spz)->flags & ANTIALIASED;
+    info->count = s->count;
+    info->sh_degree = s->sh_degree < 3 ? s->sh_degree : 3;
+    info->antialiased = s->flags & ANTIALIASED;
     return 0;
 }
 
 void fxs_spz_close(fxs_spz *spz)
 {
-    if (spz)
-        free(spz->payload);
-    free(spz);
+    if (!spz)
+        return;
+    release(spz, spz->payload);
+    release(spz, spz);
 }
 
 /* ---- Gaussians ------------------------------------------------------------------------------------------------- */
@@ -421,12 +538,15 @@ static void decode(const fxs_spz *spz, size_t index, fxs_gaussian *g)
         g->sh[i] = spz->flip_sh[i / 3] * (float)(at[FXS_SPZ_SH][i] - 128) / 128;
 }
 
-size_t fxs_spz_read(fxs_spz *spz, fxs_gaussian *gaussians, size_t capacity)
+long fxs_spz_read(fxs_spz *spz, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
 {
     size_t left = spz->count - spz->next, count = capacity < left ? capacity : left;
+    spz->message = message;
+    if (!spz->payload && load(spz))
+        return -1;
     for (size_t i = 0; i < count; i++)
         decode(spz, spz->next++, &gaussians[i]);
-    return count;
+    return (long)count;
 }
 
 void fxs_spz_rewind(fxs_spz *spz)
@@ -436,36 +556,30 @@ void fxs_spz_rewind(fxs_spz *spz)
 
 /* ---- A file of its own ----------------------------------------------------------------------------------------- */
 
-static int spz_open(const fxs_scene_source *source, void **reader, fxs_scene_file_info *info, fxs_message *message)
+typedef struct spz_reader {
+    fxs_spz *spz;
+} spz_reader;
+
+static int spz_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
-    fxs_spz *spz = NULL;
-    uint8_t *data = source->size < SIZE_MAX ? malloc((size_t)source->size + 1) : NULL;
-    if (!data)
-        return fxs_fail(message, "%s: out of memory", source->path);
-    int result = fxs_scene_source_read(source, 0, data, (size_t)source->size, message);
-    if (!result)
-        result = fxs_spz_open(source->path, data, (size_t)source->size, 0, &spz, info, message);
-    free(data);
-    *reader = spz;
-    return result;
+    return fxs_spz_open(source, 0, source->input.size, 0, &((spz_reader *)handle)->spz, info, message);
 }
 
-static long spz_read(void *reader, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
+static long spz_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
 {
-    (void)message;
-    return (long)fxs_spz_read(reader, gaussians, capacity);
+    return fxs_spz_read(((spz_reader *)handle)->spz, gaussians, capacity, message);
 }
 
-static int spz_rewind(void *reader, fxs_message *message)
+static int spz_rewind(void *handle, fxs_message *message)
 {
     (void)message;
-    fxs_spz_rewind(reader);
+    fxs_spz_rewind(((spz_reader *)handle)->spz);
     return 0;
 }
 
-static void spz_close(void *reader)
+static void spz_close(void *handle)
 {
-    fxs_spz_close(reader);
+    fxs_spz_close(((spz_reader *)handle)->spz);
 }
 
-const fxs_scene_format fxs_scene_spz = {"spz", spz_open, spz_read, spz_rewind, spz_close};
+const fxs_scene_format fxs_scene_spz = {"spz", sizeof(spz_reader), spz_open, spz_read, spz_rewind, spz_close};

@@ -1,37 +1,19 @@
 #include "text_internal.h"
 
-#include <errno.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+
+#include "source_internal.h"
 
 int fxs_text_load(const char *path, fxs_text *text, fxs_message *message)
 {
-    struct stat status;
-    if (stat(path, &status))
-        return fxs_fail(message, "%s: %s", path, strerror(errno));
-    if (!S_ISREG(status.st_mode))   /* also keeps a pipe from being waited for */
-        return fxs_fail(message, "%s: not a regular file", path);
-    if ((uint64_t)status.st_size > FXS_TEXT_MAX)
-        return fxs_fail(message, "%s: larger than %zu MiB", path, FXS_TEXT_MAX >> 20);
-    size_t size = (size_t)status.st_size, got = 0;
-    char *data = malloc(size + 1);
-    if (!data)
-        return fxs_fail(message, "%s: out of memory", path);
-    FILE *file = fopen(path, "rb");
-    if (file) {
-        got = fread(data, 1, size, file);
-        fclose(file);
-    }
-    if (!file || got < size) {
-        free(data);
-        return fxs_fail(message, "%s: %s", path, file ? "cannot be read whole" : strerror(errno));
-    }
-    data[size] = 0;
-    *text = (fxs_text){path, data, size};
-    return 0;
+    fxs_scene_source source;
+    memset(&source, 0, sizeof source);
+    int result = fxs_scene_source_open(&source, path, message);
+    if (result == 0)
+        result = fxs_scene_source_load(&source, 0, source.input.size, text, message);
+    text->path = path;
+    fxs_scene_source_close(&source);
+    return result;
 }
 
 #ifdef FXS_WITH_CJSON

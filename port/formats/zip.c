@@ -2,20 +2,95 @@
 
 #ifdef FXS_WITH_ZIP
 
-#include <stdlib.h>
-
 #include <zip.h>
 
-zip_t *fxs_zip_open(const char *path, fxs_message *message)
+struct fxs_zip {
+    const fxs_scene_source *source;
+    uint64_t offset;           /* of the next byte that libzip reads */
+    zip_error_t error;         /* of the last call by libzip */
+    zip_t *archive;
+};
+
+/* ---- The source, as libzip calls it ---------------------------------------------------------------------------- */
+
+static zip_int64_t read_source(fxs_zip *zip, void *out, zip_uint64_t size)
 {
-    int code;
-    zip_error_t error;
-    zip_t *zip = zip_open(path, ZIP_RDONLY, &code);
-    if (!zip) {
-        zip_error_init_with_code(&error, code);
-        fxs_fail(message, "%s: cannot be read as a zip: %s", path, zip_error_strerror(&error));
-        zip_error_fini(&error);
+    fxs_message ignored;
+    uint64_t left = zip->source->input.size - zip->offset;
+    size = size < left ? size : left;
+    if (fxs_scene_source_read(zip->source, zip->offset, out, (size_t)size, &ignored)) {
+        zip_error_set(&zip->error, ZIP_ER_READ, 0);
+        return -1;
     }
+    zip->offset += size;
+    return (zip_int64_t)size;
+}
+
+static zip_int64_t seek_source(fxs_zip *zip, void *data, zip_uint64_t size)
+{
+    zip_int64_t offset = zip_source_seek_compute_offset(zip->offset, zip->source->input.size, data, size, &zip->error);
+    if (offset >= 0)
+        zip->offset = (uint64_t)offset;
+    return offset < 0 ? -1 : 0;
+}
+
+static zip_int64_t stat_source(const fxs_zip *zip, void *data)
+{
+    zip_stat_t *stat = data;
+    zip_stat_init(stat);
+    stat->valid = ZIP_STAT_SIZE;
+    stat->size = zip->source->input.size;
+    return sizeof *stat;
+}
+
+static zip_int64_t call_source(void *argument, void *data, zip_uint64_t size, zip_source_cmd_t command)
+{
+    fxs_zip *zip = argument;
+    switch (command) {
+    case ZIP_SOURCE_OPEN:     zip->offset = 0; return 0;
+    case ZIP_SOURCE_READ:     return read_source(zip, data, size);
+    case ZIP_SOURCE_SEEK:     return seek_source(zip, data, size);
+    case ZIP_SOURCE_TELL:     return (zip_int64_t)zip->offset;
+    case ZIP_SOURCE_STAT:     return stat_source(zip, data);
+    case ZIP_SOURCE_ERROR:    return zip_error_to_data(&zip->error, data, size);
+    case ZIP_SOURCE_SUPPORTS: return ZIP_SOURCE_SUPPORTS_SEEKABLE;
+    case ZIP_SOURCE_CLOSE:
+    case ZIP_SOURCE_FREE:     return 0;
+    default:
+        zip_error_set(&zip->error, ZIP_ER_OPNOTSUPP, 0);
+        return -1;
+    }
+}
+
+/* ---- Archives -------------------------------------------------------------------------------------------------- */
+
+/* Returns 0, or -1 and *error. */
+static int open_archive(fxs_zip *zip, zip_error_t *error)
+{
+    zip_source_t *source = zip_source_function_create(call_source, zip, error);
+    zip->archive = source ? zip_open_from_source(source, ZIP_RDONLY, error) : NULL;
+    if (source && !zip->archive)
+        zip_source_free(source);
+    return zip->archive ? 0 : -1;
+}
+
+fxs_zip *fxs_zip_open(const fxs_scene_source *source, fxs_message *message)
+{
+    zip_error_t error;
+    fxs_zip *zip = fxs_allocate_zeroed(source->options.allocator, 1, sizeof *zip);
+    if (!zip) {
+        fxs_fail(message, "%s: out of memory", source->path);
+        return NULL;
+    }
+    zip->source = source;
+    zip_error_init(&zip->error);
+    zip_error_init(&error);
+    if (open_archive(zip, &error)) {
+        fxs_fail(message, "%s: cannot be read as a zip: %s", source->path, zip_error_strerror(&error));
+        fxs_zip_close(zip);
+        zip = NULL;
+    }
+    zip_error_fini(&error);
     return zip;
 }
 
@@ -25,22 +100,24 @@ static int read_entry(zip_file_t *file, char *data, size_t size)
     return zip_fread(file, data, size) == (zip_int64_t)size && zip_fread(file, data + size, 1) == 0;
 }
 
-int fxs_zip_load(zip_t *zip, const char *path, const char *name, size_t most, fxs_text *text, fxs_message *message)
+int fxs_zip_load(fxs_zip *zip, const char *name, size_t most, fxs_text *text, fxs_message *message)
 {
+    const fxs_allocator *allocator = zip->source->options.allocator;
+    const char *path = zip->source->path;
     zip_stat_t entry;
-    if (zip_stat(zip, name, 0, &entry) != 0 || !(entry.valid & ZIP_STAT_SIZE))
+    if (zip_stat(zip->archive, name, 0, &entry) != 0 || !(entry.valid & ZIP_STAT_SIZE))
         return fxs_fail(message, "%s: no %s in this zip", path, name);
     if (entry.size > most)
         return fxs_fail(message, "%s: %s claims %llu bytes, more than this file can hold", path, name,
                         (unsigned long long)entry.size);
-    char *data = malloc((size_t)entry.size + 1);
-    zip_file_t *file = data ? zip_fopen_index(zip, entry.index, 0) : NULL;
+    char *data = fxs_allocate(allocator, (size_t)entry.size + 1, 1);
+    zip_file_t *file = data ? zip_fopen_index(zip->archive, entry.index, 0) : NULL;
     int whole = file && read_entry(file, data, (size_t)entry.size) == 1;
     if (file)
         zip_fclose(file);
     if (!whole) {
         fxs_fail(message, "%s: %s: %s", path, name, data ? "damaged, or packed in an unknown way" : "out of memory");
-        free(data);
+        fxs_release(allocator, data);
         return -1;
     }
     data[entry.size] = 0;
@@ -48,28 +125,31 @@ int fxs_zip_load(zip_t *zip, const char *path, const char *name, size_t most, fx
     return 0;
 }
 
-void fxs_zip_close(zip_t *zip)
+void fxs_zip_close(fxs_zip *zip)
 {
-    if (zip)
-        zip_discard(zip);
+    if (!zip)
+        return;
+    if (zip->archive)
+        zip_discard(zip->archive);
+    zip_error_fini(&zip->error);
+    fxs_release(zip->source->options.allocator, zip);
 }
 
 #else
 
-struct zip *fxs_zip_open(const char *path, fxs_message *message)
+fxs_zip *fxs_zip_open(const fxs_scene_source *source, fxs_message *message)
 {
-    fxs_fail(message, "%s: cannot read a zip: built without libzip", path);
+    fxs_fail(message, "%s: cannot read a zip: built without libzip", source->path);
     return NULL;
 }
 
-int fxs_zip_load(struct zip *zip, const char *path, const char *name, size_t most, fxs_text *text,
-                 fxs_message *message)
+int fxs_zip_load(fxs_zip *zip, const char *name, size_t most, fxs_text *text, fxs_message *message)
 {
-    (void)zip, (void)name, (void)most, (void)text;
-    return fxs_fail(message, "%s: built without libzip", path);
+    (void)zip, (void)most, (void)text;
+    return fxs_fail(message, "%s: built without libzip", name);
 }
 
-void fxs_zip_close(struct zip *zip)
+void fxs_zip_close(fxs_zip *zip)
 {
     (void)zip;
 }

@@ -2,19 +2,18 @@
 #ifndef FXS_ZIP_INTERNAL_H
 #define FXS_ZIP_INTERNAL_H
 
-#include "text_internal.h"
+#include "source_internal.h"
 
-struct zip;
+typedef struct fxs_zip fxs_zip;
 
-/* Returns NULL and a message where the file is not a zip, or this was built without libzip. */
-struct zip *fxs_zip_open(const char *path, fxs_message *message);
+/* The source must outlive it. Returns NULL and a message where that is not a zip, or this was built without libzip. */
+fxs_zip *fxs_zip_open(const fxs_scene_source *source, fxs_message *message);
 
-/* Loads the entry of that name, of at most `most` bytes; the caller frees text->data. text->path becomes `path`, the
-   archive's. Returns 0, or -1 and a message. */
-int fxs_zip_load(struct zip *zip, const char *path, const char *name, size_t most, fxs_text *text,
-                 fxs_message *message);
+/* Loads the entry of that name, of at most `most` bytes; text->data is for fxs_release, text->path the archive's.
+   Returns 0, or -1 and a message. */
+int fxs_zip_load(fxs_zip *zip, const char *name, size_t most, fxs_text *text, fxs_message *message);
 
 /* NULL is allowed. */
-void fxs_zip_close(struct zip *zip);
+void fxs_zip_close(fxs_zip *zip);
 
 #endif
