@@ -4,9 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+static int overflows(size_t count, size_t size)
+{
+    return size > 0 && count > SIZE_MAX / size;
+}
+
 void *fxs_allocate(const fxs_allocator *allocator, size_t count, size_t size)
 {
-    if (size > 0 && count > SIZE_MAX / size)
+    if (overflows(count, size))
         return NULL;
     size_t bytes = count * size > 0 ? count * size : 1;
     return allocator ? allocator->allocate(allocator->argument, bytes) : malloc(bytes);
@@ -15,7 +20,7 @@ void *fxs_allocate(const fxs_allocator *allocator, size_t count, size_t size)
 /* calloc gets large blocks from the system as zeros. */
 void *fxs_allocate_zeroed(const fxs_allocator *allocator, size_t count, size_t size)
 {
-    if (!allocator)
+    if (!allocator && !overflows(count, size))
         return calloc(count > 0 ? count : 1, size > 0 ? size : 1);
     void *block = fxs_allocate(allocator, count, size);
     return block ? memset(block, 0, count * size) : NULL;

@@ -772,11 +772,11 @@ static int gltf_rewind(void *handle, fxs_message *message)
 static void gltf_close(void *handle)
 {
     gltf *g = handle;
+    fxs_spz_close(g->spz);       /* before its source */
     for (int i = 0; i < MAX_BUFFERS; i++) {
         fxs_scene_source_close(&g->buffers[i].own);
         release(g, g->buffers[i].memory);
     }
-    fxs_spz_close(g->spz);
     release(g, g->splats);
     release(g, g->parts);
 }

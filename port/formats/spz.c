@@ -243,14 +243,17 @@ static int fail_inflate(const fxs_spz *spz, int status)
                      : status == Z_MEM_ERROR ? "out of memory" : "the gzip stream is damaged");
 }
 
+static int inflate_start(const fxs_spz *spz, gzip *g, uint8_t header[HEADER_SIZE])
+{
+    size_t got;
+    int status = inflate_some(g, header, HEADER_SIZE, &got);
+    return got < HEADER_SIZE || status == Z_MEM_ERROR ? fail_inflate(spz, status) : 0;
+}
+
 static int inflate_header(fxs_spz *spz, gzip *g)
 {
     uint8_t header[HEADER_SIZE];
-    size_t got;
-    int status = inflate_some(g, header, sizeof header, &got);
-    if (got < sizeof header)
-        return fail_inflate(spz, status);
-    if (parse_header(spz, header))
+    if (inflate_start(spz, g, header) || parse_header(spz, header))
         return -1;
     if (spz->version == 4)
         return fail(spz, "version 4 within gzip");
@@ -266,12 +269,9 @@ static int inflate_payload(fxs_spz *spz, gzip *g)
     uint8_t header[HEADER_SIZE];
     size_t extra = (spz->flags & HAS_EXTENSIONS ? MAX_EXTENSIONS : 0) + 1, got;   /* one more than there may be */
     uint64_t wanted = payload_bytes(spz);
-    int status = inflate_some(g, header, sizeof header, &got);
-    if (got < sizeof header)
-        return fail_inflate(spz, status);
-    if (allocate_payload(spz, extra))
+    if (inflate_start(spz, g, header) || allocate_payload(spz, extra))
         return -1;
-    status = inflate_some(g, spz->payload, (size_t)wanted + extra, &got);
+    int status = inflate_some(g, spz->payload, (size_t)wanted + extra, &got);
     if (got == wanted + extra)
         return fail(spz, "the gzip stream has more bytes than the header asks for");
     if (status != Z_STREAM_END)

@@ -1,0 +1,306 @@
+/* A small scene of every format and container, as files in memory. */
+#ifndef EVERY_FORMAT_BYTES_H
+#define EVERY_FORMAT_BYTES_H
+
+#include "scene_bytes.h"
+#include "spz_bytes.h"
+#if defined(FXS_WITH_WEBP) && defined(FXS_WITH_CJSON)
+#define WITH_SOG
+#include <webp/encode.h>
+#endif
+#ifdef FXS_WITH_ZIP
+#include <zip.h>
+#endif
+
+enum { GAUSSIANS = 3, MAX_FILES = 24 };
+
+/* The first is the one to open. */
+static struct made_file { char name[32]; uint8_t data[1 << 14]; size_t size; } files[MAX_FILES];
+static int file_count;
+
+/* Ends a file that was put into `bytes`. */
+static inline void add_file(const char *name)
+{
+    struct made_file *f = &files[file_count++];
+    snprintf(f->name, sizeof f->name, "%s", name);
+    f->size = size < sizeof f->data ? size : sizeof f->data;
+    memcpy(f->data, bytes, f->size);
+    size = 0;
+}
+
+/* Finite floats, none of them 0. */
+static inline void put_floats(int count)
+{
+    for (int i = 1; i <= count; i++)
+        put_float((float)i / 8);
+}
+
+/* ---- One file -------------------------------------------------------------------------------------------------- */
+
+static inline void make_ply(void)
+{
+    static const char *const names[] = {"x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",
+                                        "rot_3", "opacity", "f_dc_0", "f_dc_1", "f_dc_2"};
+    put("ply\nformat binary_little_endian 1.0\nelement vertex %d\n", GAUSSIANS);
+    for (int i = 0; i < 14; i++)
+        put("property float %s\n", names[i]);
+    put("end_header\n");
+    put_floats(14 * GAUSSIANS);
+    add_file("a.ply");
+}
+
+static inline void make_compressed_ply(void)
+{
+    put("ply\nformat binary_little_endian 1.0\nelement chunk 1\n");
+    for (int i = 0; i < 12; i++)
+        put("property float %s_%s%c\n", i % 6 < 3 ? "min" : "max", i < 6 ? "" : "scale_", "xyz"[i % 3]);
+    put("element vertex %d\nproperty uint packed_position\nproperty uint packed_rotation\n", GAUSSIANS);
+    put("property uint packed_scale\nproperty uint packed_color\nelement sh %d\n", GAUSSIANS);
+    for (int i = 0; i < 9; i++)
+        put("property uchar f_rest_%d\n", i);
+    put("end_header\n");
+    put_floats(12);
+    for (uint32_t i = 0; i < 4 * GAUSSIANS; i++)
+        put_u32(i * 2654435761u);
+    for (int i = 0; i < 9 * GAUSSIANS; i++)
+        put_u8(20 * i);
+    add_file("a.compressed.ply");
+}
+
+static inline void make_splat(void)
+{
+    for (int i = 0; i < GAUSSIANS; i++) {
+        put_floats(6);
+        put_u32(0x80402010);
+        put_u32(0x102030ff);
+    }
+    add_file("a.splat");
+}
+
+static inline void make_ksplat(void)
+{
+    memset(bytes, 0, 4096 + 1024);
+    bytes[1] = 1;
+    put_u32_at(4, 1);
+    put_u32_at(4096, GAUSSIANS);
+    put_u32_at(4096 + 4, GAUSSIANS);
+    size = 4096 + 1024;
+    put_floats(11 * GAUSSIANS);
+    add_file("a.ksplat");
+}
+
+static inline void fill_spz(spz_bytes *s, int version)
+{
+    memset(s, 0, sizeof *s);
+    s->version = version;
+    s->count = GAUSSIANS;
+    s->degree = 1;
+    s->fractional_bits = 12;
+    for (int i = 0; i < SPZ_ARRAYS; i++)
+        for (int k = 0; k < 100; k++)
+            s->arrays[i][k] = (uint8_t)(k * 37 + i);
+}
+
+static inline void make_plain_spz(void)
+{
+    static const uint8_t extension[] = {3, 0, 0xbe, 0xad, 4, 0, 0, 0, 6, 0, 0, 0};   /* right, down, front */
+    spz_bytes s;
+    fill_spz(&s, 3);
+    s.flags = 2;
+    s.extensions = extension;
+    s.extensions_size = sizeof extension;
+    size = spz_plain(&s, bytes);
+    add_file("a.spz");
+}
+
+#ifdef FXS_WITH_ZLIB
+static inline void make_gzip_spz(void)
+{
+    static uint8_t plain[1 << 12];
+    spz_bytes s;
+    fill_spz(&s, 2);
+    size = spz_gzip(plain, spz_plain(&s, plain), bytes, MAX_FILE);
+    add_file("a.spz");
+}
+#endif
+
+#ifdef FXS_WITH_ZSTD
+static inline void make_zstd_spz(void)
+{
+    spz_bytes s;
+    fill_spz(&s, 4);
+    size = spz_zstd(&s, bytes, MAX_FILE);
+    add_file("a.spz");
+}
+#endif
+
+/* ---- glTF ------------------------------------------------------------------------------------------------------ */
+
+#ifdef FXS_WITH_CJSON
+
+enum { GLTF_FLOATS = 14 * GAUSSIANS };
+
+/* Two primitives: floats in buffer 0, an .spz of `spz` bytes in buffer `where` at an offset. */
+static inline void put_gltf_json(const char *first_buffer, size_t first_size, int where, size_t offset, size_t spz)
+{
+    static const struct { const char *name, *type; int components; } attributes[] = {
+        {"POSITION", "VEC3", 3}, {"KHR_gaussian_splatting:ROTATION", "VEC4", 4},
+        {"KHR_gaussian_splatting:SCALE", "VEC3", 3}, {"KHR_gaussian_splatting:OPACITY", "SCALAR", 1},
+        {"KHR_gaussian_splatting:SH_DEGREE_0_COEF_0", "VEC3", 3}
+    };
+    put("{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"meshes\":[{"
+        "\"primitives\":[{\"extensions\":{\"KHR_gaussian_splatting\":{}},\"attributes\":{");
+    for (int i = 0; i < 5; i++)
+        put("%s\"%s\":%d", i ? "," : "", attributes[i].name, i);
+    put("}},{\"extensions\":{\"KHR_gaussian_splatting_compression_spz\":{\"bufferView\":1}}}]}],\"accessors\":[");
+    for (int i = 0, at = 0; i < 5; at += 4 * GAUSSIANS * attributes[i++].components)
+        put("%s{\"bufferView\":0,\"byteOffset\":%d,\"componentType\":5126,\"count\":%d,\"type\":\"%s\"}", i ? "," : "",
+            at, GAUSSIANS, attributes[i].type);
+    put("],\"bufferViews\":[{\"buffer\":0,\"byteLength\":%d},{\"buffer\":%d,\"byteOffset\":%zu,\"byteLength\":%zu}],",
+        4 * GLTF_FLOATS, where, offset, spz);
+    put("\"buffers\":[{%s\"byteLength\":%zu}", first_buffer, first_size);
+    put(where ? ",{\"uri\":\"b%%31.bin\",\"byteLength\":%zu}]}" : "]}", spz);
+}
+
+static inline void make_glb(void)
+{
+    static uint8_t spz[1 << 10];
+    spz_bytes s;
+    fill_spz(&s, 3);
+    const size_t spz_size = spz_plain(&s, spz), bin_size = 4 * GLTF_FLOATS + spz_size;
+    size = 20;
+    put_gltf_json("", bin_size, 0, 4 * GLTF_FLOATS, spz_size);
+    const uint32_t json_size = (uint32_t)size - 20;
+    put_u32((uint32_t)bin_size);
+    put_u32(0x004e4942);
+    put_floats(GLTF_FLOATS);
+    memcpy(bytes + size, spz, spz_size);
+    size += spz_size;
+    memcpy(bytes, "glTF\2\0\0", 8);
+    put_u32_at(8, (uint32_t)size);
+    put_u32_at(12, json_size);
+    memcpy(bytes + 16, "JSON", 4);
+    add_file("a.glb");
+}
+
+/* A buffer of base64, all ones, and one in another file. */
+static inline void make_gltf(void)
+{
+    char uri[64 + GLTF_FLOATS / 3 * 16] = "\"uri\":\"data:application/octet-stream;base64,";
+    spz_bytes s;
+    fill_spz(&s, 3);
+    for (int i = 0; i < GLTF_FLOATS / 3; i++)
+        strcat(uri, "AACAPwAAgD8AAIA/");   /* 1, 1, 1 */
+    strcat(uri, "\",");
+    size_t spz_size = spz_plain(&s, bytes);
+    put_gltf_json(uri, 4 * GLTF_FLOATS, 1, 0, spz_size);
+    add_file("a.gltf");
+    size = spz_plain(&s, bytes);
+    add_file("b1.bin");
+}
+
+#endif
+
+/* ---- SOG ------------------------------------------------------------------------------------------------------- */
+
+#ifdef WITH_SOG
+
+static inline void add_image(const char *folder, const char *name, int width, int height)
+{
+    char full[32];
+    uint8_t pixels[4 * 192], *webp;
+    for (int i = 0; i < 4 * width * height; i++)
+        pixels[i] = (uint8_t)(i % 4 == 3 ? 252 + i % 3 : name[0] == 'l' ? i & 1 : 40 * i + name[0]);
+    size = WebPEncodeLosslessRGBA(pixels, width, height, 4 * width, &webp);
+    memcpy(bytes, webp, size);
+    WebPFree(webp);
+    snprintf(full, sizeof full, "%s%s", folder, name);
+    add_file(full);
+}
+
+static inline void add_sog(const char *folder)
+{
+    char full[32];
+    put("{\"means\":{\"shape\":[%d,3],\"mins\":[0,1,2],\"maxs\":[1,2,3],\"files\":[\"m0\",\"m1\"]},", GAUSSIANS);
+    put("\"scales\":{\"mins\":[-5,-4,-3],\"maxs\":[-1,0,1],\"files\":[\"s\"]},\"quats\":{\"files\":[\"q\"]},");
+    put("\"sh0\":{\"mins\":[1,2,3,4],\"maxs\":[2,3,4,5],\"files\":[\"c\"]},");
+    put("\"shN\":{\"mins\":0,\"maxs\":1,\"files\":[\"n\",\"l\"]}}");
+    snprintf(full, sizeof full, "%smeta.json", folder);
+    add_file(full);
+    for (const char *names = "m0m1s q c n l "; *names; names += 2) {
+        const char name[] = {names[0], names[1] == ' ' ? '\0' : names[1], '\0'};
+        add_image(folder, name, name[0] == 'n' ? 192 : 2, name[0] == 'n' ? 1 : 2);
+    }
+}
+
+static inline void make_sog_folder(void)
+{
+    add_sog("");
+}
+
+static inline void make_streamed_sog(void)
+{
+    put("{\"version\":1,\"lodLevels\":2,\"filenames\":[\"0/meta.json\"],\"environment\":\"sky/meta.json\",");
+    put("\"tree\":{\"lods\":{\"0\":{\"file\":0,\"offset\":1,\"count\":2}}}}");
+    add_file("lod-meta.json");
+    add_sog("0/");
+    add_sog("sky/");
+}
+
+#ifdef FXS_WITH_ZIP
+/* The files of add_sog, in one. */
+static inline void make_sog_zip(void)
+{
+    char name[] = "/tmp/test_zip_XXXXXX";
+    int descriptor = mkstemp(name), code;
+    add_sog("");
+    zip_t *zip = zip_open(name, ZIP_TRUNCATE, &code);
+    for (int i = 0; i < file_count && zip; i++)
+        zip_file_add(zip, files[i].name, zip_source_buffer(zip, files[i].data, files[i].size, 0), 0);
+    CHECK(descriptor >= 0 && zip && zip_close(zip) == 0);
+    FILE *stream = fopen(name, "rb");
+    size = stream ? fread(bytes, 1, MAX_FILE, stream) : 0;
+    if (stream)
+        fclose(stream);
+    close(descriptor);
+    unlink(name);
+    file_count = 0;
+    add_file("a.sog");
+}
+#endif
+
+#endif
+
+/* ---- All ------------------------------------------------------------------------------------------------------- */
+
+static const struct made_format { const char *name; void (*make)(void); int is_several; } formats[] = {
+    {"ply", make_ply, 0}, {"compressed ply", make_compressed_ply, 0}, {"splat", make_splat, 0},
+    {"ksplat", make_ksplat, 0}, {"spz", make_plain_spz, 0},
+#ifdef FXS_WITH_ZLIB
+    {"spz", make_gzip_spz, 0},
+#endif
+#ifdef FXS_WITH_ZSTD
+    {"spz", make_zstd_spz, 0},
+#endif
+#ifdef FXS_WITH_CJSON
+    {"gltf", make_glb, 0}, {"gltf", make_gltf, 1},
+#endif
+#ifdef WITH_SOG
+    {"sog", make_sog_folder, 1}, {"sog", make_streamed_sog, 1},
+#ifdef FXS_WITH_ZIP
+    {"sog", make_sog_zip, 0},
+#endif
+#endif
+};
+
+enum { FORMATS = sizeof formats / sizeof *formats };
+
+static inline const struct made_format *make_format(int i)
+{
+    size = 0;
+    file_count = 0;
+    formats[i].make();
+    return &formats[i];
+}
+
+#endif
