@@ -316,7 +316,7 @@ static void progress_is_told(void)
     }
 }
 
-/* At any call, also where the whole of it is in one. */
+/* Whether it is opening or reading that makes the call. */
 static void every_progress_stops(void)
 {
     fxs_scene_file *file;

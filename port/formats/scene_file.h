@@ -58,8 +58,8 @@ struct fxs_scene_input {
    The header is checked whole, and the size of a binary body against it. Only headers are read, so that *info is known
    before anything large is allocated; but a .ply is read up to its vertices where it has lists or text before them, and
    .sog (each file of a level) as far as its images, which are kept compressed.
-   What a reader allocates: .ply, .ksplat and .splat at most 1 MiB; .spz from the first read on 65 bytes a Gaussian at
-   SH degree 3 (92 at 4), and for that read the longest stream of version 4; .sog its images, and from the first read on
+   What a reader allocates: .ply, .ksplat and .splat at most 1 MiB; .spz from the first read on 65 bytes a Gaussian of
+   SH degree 3 (92 of 4), and for that read the longest stream of version 4; .sog its images, and from the first read on
    4 bytes a pixel of each instead; .glb and .gltf 3 MiB, their JSON and base64, and as their .spz. What cJSON, libzip,
    libwebp and zstd need themselves comes from malloc. */
 int fxs_scene_file_open(const char *path, const fxs_scene_file_options *options, fxs_scene_file **file,
