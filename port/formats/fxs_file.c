@@ -1,14 +1,11 @@
 #include "fxs_file.h"
 
-#include <errno.h>
 #include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "../../src/fixsplat.h"
 #include "../../src/packed.h"
+#include "output_internal.h"
 
 #ifdef FXS_WITH_ZLIB
 #include <zlib.h>
@@ -28,44 +25,34 @@ static uint32_t chunk_checksum(const fxs_chunk *chunk, uint32_t chunk_bytes)
     return (uint32_t)crc32(crc, (const unsigned char *)(chunk + 1), chunk_bytes - (uInt)sizeof blank);
 }
 
-static int write_scene(FILE *file, const unsigned char *data)
+/* Errors stay in the output. */
+static void write_scene(fxs_output *output, const unsigned char *data, fxs_message *message)
 {
     fxs_packed_header header;
     memcpy(&header, data, sizeof header);
     header.checksum[0] = header_checksum(&header);
-    int ok = fwrite(&header, sizeof header, 1, file) == 1;
-    for (uint32_t i = 0; i < header.chunk_count && ok; i++) {
+    int result = fxs_output_write(output, &header, sizeof header, message);
+    for (uint32_t i = 0; i < header.chunk_count && !result; i++) {
         const void *at = data + sizeof header + (size_t)i * header.chunk_bytes;
         const fxs_chunk *from = at;
         fxs_chunk chunk = *from;
         chunk.checksum = chunk_checksum(from, header.chunk_bytes);
-        ok = fwrite(&chunk, sizeof chunk, 1, file) == 1 &&
-             fwrite(from + 1, header.chunk_bytes - sizeof chunk, 1, file) == 1;
+        result = fxs_output_write(output, &chunk, sizeof chunk, message) ||
+                 fxs_output_write(output, from + 1, header.chunk_bytes - sizeof chunk, message);
     }
-    return ok;
 }
 
 int fxs_file_write(const char *path, const void *data, size_t bytes, fxs_message *message)
 {
     fxs_scene scene;
+    fxs_output output;
     int error = fxs_scene_open(&scene, data, bytes);
     if (error)
         return fxs_fail(message, "%s: %s", path, fxs_strerror(error));
-    size_t room = strlen(path) + 40;
-    char *temporary = malloc(room);
-    if (!temporary)
-        return fxs_fail(message, "%s: out of memory", path);
-    snprintf(temporary, room, "%s.fixsplat-%ld.tmp", path, (long)getpid());
-    FILE *file = fopen(temporary, "wb");
-    int ok = file && write_scene(file, data);
-    ok = file && !fclose(file) && ok && !rename(temporary, path);
-    if (!ok) {
-        fxs_fail(message, "%s: cannot be written: %s", path, strerror(errno));
-        if (file)
-            remove(temporary);
-    }
-    free(temporary);
-    return ok ? 0 : -1;
+    if (fxs_output_open(&output, path, 0, message))
+        return -1;
+    write_scene(&output, data, message);
+    return fxs_output_close(&output, message);
 }
 
 int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fxs_message *message)
