@@ -103,7 +103,7 @@ static void wild_record_at_the_end(void)
     CHECK(isnan(g[ROWS - 1].position[0]) && isnan(g[ROWS - 1].scale[0]));
 }
 
-/* ---- Written -------------------------------------------------------------------------------------------------------- */
+/* ---- Written --------------------------------------------------------------------------------------------------- */
 
 static int write_file(const fxs_gaussian *gaussians, uint64_t announced, size_t count)
 {
