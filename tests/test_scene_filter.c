@@ -138,6 +138,8 @@ static void sh_degrees(void)
             CHECK(out[1].sh[k] == (k < coefficients ? made[1].sh[k] : 0));
         fxs_scene_file_close(file);
     }
+    for (filter.sh_degree = -1; filter.sh_degree <= 4; filter.sh_degree += 5)
+        CHECK(open_filtered() == -1 && strstr(message.text, "not 0 to 3"));
     CHECK(write_made(1));
     filter.sh_degree = 2;
     CHECK(open_filtered() == 0 && info.sh_degree == 1);

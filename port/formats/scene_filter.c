@@ -96,6 +96,8 @@ int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, 
                           fxs_scene_filter_report *report, fxs_progress_fn *progress, void *argument,
                           fxs_message *message)
 {
+    if (filter->sh_degree < 0 || filter->sh_degree > 3)
+        return fxs_fail(message, "SH degree %d, not 0 to 3", filter->sh_degree);
     filter_reader *r = calloc(1, sizeof *r);
     if (!r)
         return fxs_fail(message, "out of memory");

@@ -26,7 +26,7 @@ void fxs_scene_filter_default(fxs_scene_filter *filter);
 
 /* Puts the filter before an open file: fxs_scene_file_read then gives what is left, and info->count and info->sh_degree
    are set to that. To count it, the file is read once; it is at its beginning then. `progress` may be null. Returns 0,
-   or -1 and a message: also where nothing is left. */
+   or -1 and a message, also where nothing is left: close the file then. */
 int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, fxs_scene_file_info *info,
                           fxs_scene_filter_report *report, fxs_progress_fn *progress, void *argument,
                           fxs_message *message);
