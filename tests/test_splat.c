@@ -1,4 +1,5 @@
-/* Reads of .splat files made here, of what is none, and of a real scene. */
+/* Reads of .splat files made here, of what is none, and of a real scene; files written and read again. */
+#include "../port/formats/splat_write.h"
 #include "scene_bytes.h"
 
 enum { RECORD = 32, ROWS = 100 };
@@ -102,6 +103,74 @@ static void wild_record_at_the_end(void)
     CHECK(isnan(g[ROWS - 1].position[0]) && isnan(g[ROWS - 1].scale[0]));
 }
 
+/* ---- Written --------------------------------------------------------------------------------------------------- */
+
+static int write_file(const fxs_gaussian *gaussians, uint64_t announced, size_t count)
+{
+    fxs_splat_writer *writer;
+    if (fxs_splat_writer_open(path, announced, &writer, &message))
+        return -1;
+    fxs_splat_writer_put(writer, gaussians, count, &message);
+    return fxs_splat_writer_close(writer, &message);
+}
+
+/* To half a step of the format. */
+static void written_and_read(void)
+{
+    static fxs_gaussian wanted[ROWS], got[ROWS];
+    uint32_t state = 1;
+    for (int i = 0; i < ROWS; i++) {
+        float *values = (float *)&wanted[i];
+        for (int k = 0; k < 14; k++)
+            values[k] = (float)((state = state * 1664525 + 1013904223) >> 8) / 8388608 - 1;
+    }
+    CHECK(write_file(wanted, ROWS, ROWS) == 0);
+    if (!CHECK(read_file(got, ROWS) == 0 && info.count == ROWS))
+        return;
+    for (int i = 0; i < ROWS; i++) {
+        const fxs_gaussian *a = &wanted[i], *b = &got[i];
+        CHECK(rotation_match(a, b) > 1 - 1e-4 && fabs(opacity_of(a) - opacity_of(b)) < 0.501 / 255);
+        for (int k = 0; k < 3; k++) {
+            CHECK(a->position[k] == b->position[k] && is_near((double)a->scale[k], (double)b->scale[k], 1e-6));
+            CHECK(fabs((double)a->dc[k] - b->dc[k]) * 0.28209479177387814 < 0.501 / 255);
+        }
+    }
+}
+
+/* Whatever fxs_pack draws can be read again. */
+static void written_extremes(void)
+{
+    fxs_gaussian got[2], wild[2] = {
+        {.position = {1.34e8f, -1.34e8f, 0}, .scale = {20, 20, 20}, .rotation = {1e-30f, 0, 0, 0}, .opacity = INFINITY,
+         .dc = {1e30f, -1e30f, 0}},
+        {.position = {0, -0.0f, 1e-40f}, .scale = {-20, -20, -20}, .rotation = {-1e10f, 0, 0, 0}, .opacity = -INFINITY}
+    };
+    CHECK(write_file(wild, 2, 2) == 0);
+    if (!CHECK(read_file(got, 2) == 0))
+        return;
+    CHECK(got[0].opacity == 20 && got[1].opacity == -20 && got[0].rotation[0] > 0.99f && got[1].rotation[0] == -1);
+    for (int i = 0; i < 3; i++) {
+        CHECK(got[0].position[i] == wild[0].position[i] && is_near((double)got[0].scale[i], 20, 1e-4));
+        CHECK(is_near((double)got[1].scale[i], -20, 1e-6));
+    }
+    CHECK(is_near((double)got[0].dc[0], 0.5 / 0.28209479177387814, 1e-6) && got[0].dc[0] == -got[0].dc[1]);
+}
+
+static void faulty_writes(void)
+{
+    fxs_gaussian g[2] = {{.rotation = {1, 0, 0, 0}}, {.rotation = {1, 0, 0, 0}}};
+    fxs_gaussian kept[3];
+    fxs_splat_writer *writer;
+    make_file(3);
+    put_file(size);
+    CHECK(write_file(g, 2, 1) == -1 && strstr(message.text, "1 Gaussians fewer than announced"));
+    CHECK(write_file(g, 1, 2) == -1 && strncmp(message.text, path, strlen(path)) == 0);
+    CHECK(read_file(kept, 3) == 0 && info.count == 3);
+    CHECK(fxs_splat_writer_open("no/such/folder/a.splat", 1, &writer, &message) == -1 && !writer);
+    CHECK(strstr(message.text, "no/such/folder/a.splat: cannot be written: No such file"));
+    CHECK(fxs_splat_writer_close(NULL, &message) == 0);
+}
+
 static void real_scene(void)
 {
     if (access(scenes_folder(), R_OK) != 0)
@@ -116,6 +185,9 @@ int main(void)
     RUN(every_length);
     RUN(implausible_records);
     RUN(wild_record_at_the_end);
+    RUN(written_and_read);
+    RUN(written_extremes);
+    RUN(faulty_writes);
     RUN(real_scene);
     return check_report();
 }

@@ -418,16 +418,15 @@ static void take_written(void)
     fclose(stream);
 }
 
-static int write_file(int version, int degree)
+static int write_file(int version, int degree, uint32_t clamped)
 {
     fxs_spz_writer *writer;
     if (fxs_spz_writer_open(written, version, COUNT, degree, degree == 1, &writer, &message) != 0)
         return -1;
     CHECK(fxs_spz_writer_put(writer, wanted, 3, &message) == 0);
     CHECK(fxs_spz_writer_put(writer, wanted + 3, COUNT - 3, &message) == 0);
-    CHECK(fxs_spz_writer_put(writer, wanted, 1, &message) == -1);
-    CHECK(strstr(message.text, "more Gaussians than announced"));
-    int result = fxs_spz_writer_close(writer, &message);
+    CHECK(fxs_spz_writer_clamped(writer) == clamped);
+    int result = fxs_spz_writer_close(writer, NULL, NULL, &message);
     take_written();
     return result;
 }
@@ -438,7 +437,7 @@ static void written_and_read(void)
     for (int version = 3; version <= 4; version++)
         for (int degree = 0; degree <= 3; degree++) {
             fill_gaussians(degree);
-            if (write_file(version, degree) != 0) {
+            if (write_file(version, degree, 0) != 0) {
                 CHECK(strstr(message.text, "built without"));
                 continue;
             }
@@ -469,7 +468,7 @@ static void read_and_written(void)
         if (!make(version == 3 ? PLAIN : ZSTD) || !reads(COUNT))
             continue;
         memcpy(wanted, out, sizeof wanted);
-        if (write_file(version, 3) == 0 && CHECK(read_file(out, COUNT + 1) == 0))
+        if (write_file(version, 3, 0) == 0 && CHECK(read_file(out, COUNT + 1) == 0))
             for (int i = 0; i < COUNT; i++)
                 CHECK(is_same(&wanted[i], &out[i], 2e-3));
     }
@@ -485,7 +484,7 @@ static void written_extremes(void)
         wanted[i].rotation[i % 4] = far[i];
     }
     memset(wanted[6].rotation, 0, sizeof wanted[6].rotation);
-    if (write_file(3, 1) != 0 || !CHECK(read_file(out, COUNT + 1) == 0))
+    if (write_file(3, 1, 4) != 0 || !CHECK(read_file(out, COUNT + 1) == 0))
         SKIP(message.text);
     CHECK(out[0].position[1] == 2048 && out[1].position[1] == -8388607.0f / 4096);
     CHECK(out[5].position[1] == -8388607.0f / 4096);
@@ -498,15 +497,56 @@ static void faulty_writes(void)
     fxs_spz_writer *writer;
     CHECK(fxs_spz_writer_open(written, 2, 1, 0, 0, &writer, &message) == -1 && strstr(message.text, "version 2"));
     CHECK(fxs_spz_writer_open(written, 5, 1, 0, 0, &writer, &message) == -1 && strstr(message.text, "version 5"));
-    CHECK(fxs_spz_writer_close(NULL, &message) == 0);
+    CHECK(fxs_spz_writer_close(NULL, NULL, NULL, &message) == 0);
     if (fxs_spz_writer_open(written, 3, 1, 0, 0, &writer, &message) != 0)
         SKIP(message.text);
-    CHECK(fxs_spz_writer_close(writer, &message) == -1 && strstr(message.text, "1 Gaussians fewer than announced"));
+    CHECK(fxs_spz_writer_close(writer, NULL, NULL, &message) == -1);
+    CHECK(strstr(message.text, "1 Gaussians fewer than announced"));
+    CHECK(fxs_spz_writer_open(written, 3, 1, 0, 0, &writer, &message) == 0);
+    CHECK(fxs_spz_writer_put(writer, wanted, 2, &message) == -1);
+    CHECK(strstr(message.text, "more Gaussians than announced"));
+    CHECK(fxs_spz_writer_close(writer, NULL, NULL, &message) == -1);
     CHECK(fxs_spz_writer_open(written, 3, 1, 4, 0, &writer, &message) == -1 && strstr(message.text, "SH degree 4"));
-    CHECK(fxs_spz_writer_open(written, 3, UINT64_MAX, 0, 0, &writer, &message) == -1);
-    CHECK(strstr(message.text, "more than"));
-    CHECK(fxs_spz_writer_open("no/such/folder/a.spz", 3, 0, 0, 0, &writer, &message) == 0);
-    CHECK(fxs_spz_writer_close(writer, &message) == -1 && strstr(message.text, "No such file"));
+    CHECK(fxs_spz_writer_open(written, 3, UINT64_MAX, 0, 0, &writer, &message) == -1 && strstr(message.text, "more than"));
+    CHECK(fxs_spz_writer_open("no/such/folder/a.spz", 3, 0, 0, 0, &writer, &message) == -1);
+    CHECK(strstr(message.text, "No such file"));
+}
+
+/* Where the work stood last, and where it is to stop. */
+typedef struct halt {
+    double done, limit;
+} halt;
+
+static int note_progress(void *argument, double done)
+{
+    halt *h = argument;
+    int forward = CHECK(done > h->done);
+    h->done = done;
+    return !forward || done >= h->limit;
+}
+
+/* 6.5 MB, so that there are some pieces. */
+static void progress(void)
+{
+    enum { MANY = 100000 };
+    static const halt cases[] = {{0, 2}, {0, 0.5}};
+    fill_gaussians(3);
+    for (int k = 0; k < 4; k++) {
+        fxs_spz_writer *writer;
+        fxs_scene_file *whole = NULL;
+        halt h = cases[k % 2];
+        if (fxs_spz_writer_open(written, 3 + k / 2, MANY, 3, 0, &writer, &message) != 0)
+            SKIP(message.text);
+        for (int i = 0; i < MANY; i++)
+            fxs_spz_writer_put(writer, &wanted[i % COUNT], 1, &message);
+        int result = fxs_spz_writer_close(writer, note_progress, &h, &message);
+        CHECK(k % 2 ? result == -1 && h.done >= 0.5 && h.done < 0.9 : result == 0 && h.done == 1);
+        if (k % 2)
+            CHECK(strncmp(message.text, written, strlen(written)) == 0);
+        else
+            CHECK(fxs_scene_file_open(written, NULL, &whole, &info, &message) == 0 && info.count == MANY);
+        fxs_scene_file_close(whole);
+    }
 }
 
 int main(void)
@@ -533,6 +573,7 @@ int main(void)
     RUN(read_and_written);
     RUN(written_extremes);
     RUN(faulty_writes);
+    RUN(progress);
     RUN(real_scene);
     unlink(written);
     return check_report();

@@ -1,7 +1,7 @@
 #include "command.h"
 
 #include <errno.h>
-#include <math.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -56,12 +56,12 @@ int parse_size(const char *text, int *width, int *height)
     return 1;
 }
 
-int parse_vector(const char *text, double out[3])
+int parse_vector(const char *text, int count, double *out)
 {
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < count; i++) {
         char *end;
         out[i] = strtod(text, &end);
-        if (end == text || !isfinite(out[i]) || *end != (i < 2 ? ',' : 0))
+        if (end == text || !isfinite(out[i]) || *end != (i < count - 1 ? ',' : 0))
             return 0;
         text = end + 1;
     }
@@ -78,61 +78,92 @@ int parse_colour(const char *text, uint8_t rgb[3])
     return 1;
 }
 
-static int bar_shown;
+static int percent_shown = -1;   /* -1: no bar */
 
 int progress_bar(void *label, double done)
 {
     static const char marks[] = "########################################";
-    int width = (int)(sizeof marks - 1), filled = (int)(done * width);
-    if (!isatty(STDERR_FILENO))
+    int width = (int)(sizeof marks - 1), filled = (int)(done * width), percent = (int)(done * 100);
+    if (percent == percent_shown || !isatty(STDERR_FILENO))
         return 0;
-    fprintf(stderr, "\r%-12s [%.*s%*s] %3d %%", (const char *)label, filled, marks, width - filled, "",
-            (int)(done * 100));
-    bar_shown = 1;
+    fprintf(stderr, "\r%-12s [%.*s%*s] %3d %%", (const char *)label, filled, marks, width - filled, "", percent);
+    percent_shown = percent;
     return 0;
 }
 
 void progress_end(void)
 {
-    if (bar_shown)
+    if (percent_shown >= 0)
         fputs("\r\033[K", stderr);
-    bar_shown = 0;
+    percent_shown = -1;
 }
 
-static void note_dropped(const char *path, const fxs_pack_report *report)
+static void note_dropped(const char *path, const fxs_pack_dropped *d, uint64_t packed)
 {
-    const fxs_pack_dropped *d = &report->dropped;
-    if (report->read == report->packed)
-        return;
-    fprintf(stderr, "fixsplat: %s: left out %llu of %llu Gaussians (%llu not finite, %llu with a zero quaternion, "
-            "%llu with a scale beyond +-20, %llu too far out)\n", path,
-            (unsigned long long)(report->read - report->packed), (unsigned long long)report->read,
-            (unsigned long long)d->not_finite, (unsigned long long)d->rotation, (unsigned long long)d->scale,
-            (unsigned long long)d->position);
+    uint64_t dropped = d->not_finite + d->rotation + d->scale + d->position;
+    if (dropped)
+        fprintf(stderr, "fixsplat: %s: left out %" PRIu64 " of %" PRIu64 " Gaussians (%" PRIu64 " not finite, %" PRIu64
+                " with a zero quaternion, %" PRIu64 " with a scale beyond +-20, %" PRIu64 " too far out)\n", path,
+                dropped, dropped + packed, d->not_finite, d->rotation, d->scale, d->position);
 }
 
-static int import(loaded_scene *loaded, const char *path, int lod)
+/* A message about a scene, which may or may not begin with its name. */
+static int fail_scene(const char *path, const fxs_message *message)
+{
+    return fail(EXIT_FAILED, strncmp(message->text, path, strlen(path)) ? "%s: %s" : "%.0s%s", path, message->text);
+}
+
+static int filter_scene(fxs_scene_file *file, const char *path, const fxs_scene_filter *filter,
+                        fxs_scene_file_info *info)
+{
+    fxs_message message;
+    fxs_scene_filter_report r;
+    char label[] = "counting";
+    int result = fxs_scene_file_filter(file, filter, info, &r, progress_bar, label, &message);
+    progress_end();
+    if (result)
+        return fail_scene(path, &message);
+    if (r.outside || r.faint)
+        fprintf(stderr, "fixsplat: %s: kept %" PRIu64 " of %" PRIu64 " Gaussians (%" PRIu64 " outside the box, %" PRIu64
+                " too faint)\n", path, r.read - r.outside - r.faint, r.read, r.outside, r.faint);
+    note_dropped(path, &r.dropped, r.kept);
+    return 0;
+}
+
+int open_scene(const char *path, int lod, const fxs_scene_filter *filter, fxs_scene_file **file,
+               fxs_scene_file_info *info)
+{
+    fxs_message message;
+    const fxs_scene_file_options options = {.level = lod};
+    if (fxs_scene_file_open(path, &options, file, info, &message))
+        return fail(EXIT_FAILED, "%s", message.text);
+    int status = filter ? filter_scene(*file, path, filter, info) : 0;
+    if (status)
+        fxs_scene_file_close(*file);
+    return status;
+}
+
+static int import(loaded_scene *loaded, const char *path, int lod, const fxs_scene_filter *filter)
 {
     fxs_message message;
     fxs_scene_file *file;
-    char label[] = "reading";
-    const fxs_scene_file_options options = {.level = lod};
-    if (fxs_scene_file_open(path, &options, &file, &loaded->info, &message))
-        return fail(EXIT_FAILED, "%s", message.text);
+    char label[] = "packing";
+    if (open_scene(path, lod, filter, &file, &loaded->info))
+        return EXIT_FAILED;
     int result = fxs_pack(file, &loaded->info, &loaded->packed, &loaded->report, progress_bar, label, &message);
     fxs_scene_file_close(file);
     progress_end();
     if (result)
-        return fail(EXIT_FAILED, strncmp(message.text, path, strlen(path)) ? "%s: %s" : "%.0s%s", path, message.text);
+        return fail_scene(path, &message);
     result = fxs_scene_open(&loaded->scene, loaded->packed.data, loaded->packed.bytes);
     if (result)
         return fail(EXIT_FAILED, "%s: %s", path, fxs_strerror(result));
-    note_dropped(path, &loaded->report);
+    note_dropped(path, &loaded->report.dropped, loaded->report.packed);
     return 0;
 }
 
-/* The four bytes with which an .fxs file begins. */
-static int is_packed(const char *path)
+/* By the four bytes with which an .fxs file begins. */
+int is_packed(const char *path)
 {
     uint32_t magic = 0;
     FILE *file = fopen(path, "rb");
@@ -173,10 +204,10 @@ int take_lod(int *lod, const char *value)
     return 0;
 }
 
-int load_scene(loaded_scene *loaded, const char *path, int lod)
+int load_scene(loaded_scene *loaded, const char *path, int lod, const fxs_scene_filter *filter)
 {
     memset(loaded, 0, sizeof *loaded);
-    int status = is_packed(path) ? map(loaded, path) : import(loaded, path, lod);
+    int status = is_packed(path) ? map(loaded, path) : import(loaded, path, lod, filter);
     if (status)
         free_scene(loaded);
     return status;

@@ -8,6 +8,7 @@
 
 #include "../port/formats/camera.h"
 #include "../port/formats/pack.h"
+#include "../port/formats/scene_filter.h"
 #include "../port/posix/pool.h"
 #include "../src/fixsplat.h"
 
@@ -33,15 +34,15 @@ int wrong_option(char **argv);
 /* Whole numbers and lists of numbers, checked; they return 0 where the text is anything else. */
 int parse_count(const char *text, uint64_t low, uint64_t high, uint64_t *out);
 int parse_size(const char *text, int *width, int *height);          /* WxH, each 1 to 16384 */
-int parse_vector(const char *text, double out[3]);                  /* X,Y,Z */
+int parse_vector(const char *text, int count, double *out);         /* X,Y,... */
 int parse_colour(const char *text, uint8_t rgb[3]);                 /* RRGGBB */
 
-/* A bar on stderr where that is a terminal. The argument of fxs_progress_fn: the words before the bar. */
+/* A bar on stderr where that is a terminal, after a word on what is being done: an fxs_progress_fn. progress_end takes
+   it away, before anything else is printed and between two labels. */
 int progress_bar(void *label, double done);
 void progress_end(void);
 
-/* ---- A scene: imported and packed, or mapped
-   -------------------------------------------------------------------------------- */
+/* ---- A scene: imported and packed, or mapped --------------------------------------------------------------------- */
 
 typedef struct loaded_scene {
     fxs_scene_file_info info;
@@ -51,9 +52,17 @@ typedef struct loaded_scene {
     int mapped;                             /* packed is a mapped .fxs file */
 } loaded_scene;
 
-/* `lod`: the level of detail, 0 the finest, of a file that has several. Returns 0, or prints why not and returns
-   EXIT_FAILED. */
-int load_scene(loaded_scene *loaded, const char *path, int lod);
+/* Whether a file begins as an .fxs file does. */
+int is_packed(const char *path);
+
+/* `lod`: the level of detail, 0 the finest, of a file that has several. `filter`: what to leave out, or null; an .fxs
+   file is mapped whole. Returns 0, or prints why not and returns EXIT_FAILED. */
+int load_scene(loaded_scene *loaded, const char *path, int lod, const fxs_scene_filter *filter);
+
+/* Opens a scene file to be read in floats, and says on stderr what the filter (or null) leaves out. Returns 0 and a
+   file for fxs_scene_file_close, or prints why not and returns EXIT_FAILED. */
+int open_scene(const char *path, int lod, const fxs_scene_filter *filter, fxs_scene_file **file,
+               fxs_scene_file_info *info);
 
 /* Takes the value of --lod. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
 int take_lod(int *lod, const char *value);

@@ -31,7 +31,7 @@ static int write_difference(const char *path, const uint8_t *a, const uint8_t *b
 static void print(const struct fxs_metrics *m, int json)
 {
     char psnr[32];
-    snprintf(psnr, sizeof psnr, isinf(m->psnr) ? "null" : "%.4f", m->psnr);
+    fxs_metrics_psnr(psnr, m->psnr, "null");
     if (json)
         printf("{\"psnr\": %s, \"ssim\": %.6f, \"largest\": %d}\n", psnr, m->ssim, m->largest);
     else if (isinf(m->psnr))

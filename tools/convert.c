@@ -1,19 +1,45 @@
 /* fixsplat convert */
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "../port/formats/fxs_file.h"
 #include "../port/formats/ply_write.h"
+#include "../port/formats/splat_write.h"
+#include "../port/formats/spz_write.h"
 #include "command.h"
 
 static const char help[] =
-    "Usage: fixsplat convert IN OUT [--lod LEVEL]\n\n"
+    "Usage: fixsplat convert IN OUT [OPTION...]\n\n"
     "Writes a scene file as another, by the ending of OUT:\n\n"
     "  .fxs    packed: opens at once and is rendered from the file as it lies, at most 64 bytes a Gaussian\n"
-    "  .ply    Inria's, floats; not from an .fxs\n\n"
+    "  .ply    Inria's, floats\n"
+    "  .splat  32 bytes a Gaussian: no SH above degree 0\n"
+    "  .spz    compressed: positions within +-2048 units in steps of 1/4096, the rest in 8 to 10 bits\n\n"
+    "What .fxs leaves out because it cannot be drawn, the others leave out too. An .fxs file is not converted back.\n\n"
+    "  --crop MINX,MINY,MINZ,MAXX,MAXY,MAXZ\n"
+    "                      keep the Gaussians with their centre in this box, edges included\n"
+    "  --prune ALPHA       keep those of this opacity or more, 0 to 1\n"
+    "  --sh-degree D       keep SH up to this degree, 0 to 3\n"
+    "  --spz-version V     3 (gzip) or 4 (zstd, the default), for .spz\n"
+    "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
+    "  --help              this text\n\n"
     "Examples:\n"
     "  fixsplat convert scene.ply scene.fxs\n"
-    "  fixsplat render scene.fxs -o scene.png\n";
+    "  fixsplat render scene.fxs -o scene.png\n"
+    "  fixsplat convert scene.ply small.spz --prune 0.02 --sh-degree 1\n"
+    "  fixsplat convert scene.spz table.ply --crop -1,-1,-1,1,0.5,1\n";
+
+typedef struct convert_options {
+    const char *in, *out;
+    fxs_scene_filter filter;
+    int filtered;                           /* an option asks for the filter */
+    int lod, spz_version;                   /* spz_version 0: none given */
+} convert_options;
+
+enum { OPT_CROP = OPT_OWN, OPT_PRUNE, OPT_SPZ_VERSION };
+
+/* ---- Options --------------------------------------------------------------------------------------------------- */
 
 static int ends_with(const char *name, const char *ending)
 {
@@ -21,76 +47,184 @@ static int ends_with(const char *name, const char *ending)
     return length > tail && !strcmp(name + length - tail, ending);
 }
 
-static int to_fxs(const char *in, const char *out, int lod)
+static int take_crop(fxs_scene_filter *filter, const char *value)
+{
+    double box[6];
+    if (!parse_vector(value, 6, box) || box[0] > box[3] || box[1] > box[4] || box[2] > box[5])
+        return fail(EXIT_USAGE, "--crop %s: expected six numbers MINX,MINY,MINZ,MAXX,MAXY,MAXZ", value);
+    memcpy(filter->low, box, sizeof filter->low);
+    memcpy(filter->high, box + 3, sizeof filter->high);
+    return 0;
+}
+
+static int take_option(convert_options *o, int which, const char *value)
+{
+    uint64_t number;
+    o->filtered |= which == OPT_CROP || which == OPT_PRUNE || which == OPT_SH_DEGREE;
+    switch (which) {
+    case OPT_LOD: return take_lod(&o->lod, value);
+    case OPT_CROP: return take_crop(&o->filter, value);
+    case OPT_PRUNE:
+        if (!parse_vector(value, 1, &o->filter.opacity) || o->filter.opacity < 0 || o->filter.opacity > 1)
+            return fail(EXIT_USAGE, "--prune %s: expected an opacity, 0 to 1", value);
+        return 0;
+    case OPT_SH_DEGREE:
+        if (!parse_count(value, 0, 3, &number))
+            return fail(EXIT_USAGE, "--sh-degree %s: expected 0 to 3", value);
+        o->filter.sh_degree = (int)number;
+        return 0;
+    case OPT_SPZ_VERSION:
+        if (!parse_count(value, 3, 4, &number))
+            return fail(EXIT_USAGE, "--spz-version %s: expected 3 or 4", value);
+        o->spz_version = (int)number;
+        return 0;
+    default: return EXIT_USAGE;
+    }
+}
+
+static int take_options(convert_options *o, int argc, char **argv)
+{
+    static const struct option table[] = {{"crop", required_argument, 0, OPT_CROP},
+                                          {"prune", required_argument, 0, OPT_PRUNE},
+                                          {"sh-degree", required_argument, 0, OPT_SH_DEGREE},
+                                          {"spz-version", required_argument, 0, OPT_SPZ_VERSION},
+                                          {"lod", required_argument, 0, OPT_LOD},
+                                          {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
+    memset(o, 0, sizeof *o);
+    fxs_scene_filter_default(&o->filter);
+    opterr = 0;
+    for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;) {
+        if (c == OPT_HELP) {
+            fputs(help, stdout);
+            exit(EXIT_OK);
+        }
+        if (c == '?')
+            return wrong_option(argv);
+        if (take_option(o, c, optarg))
+            return EXIT_USAGE;
+    }
+    if (optind != argc - 2)
+        return fail(EXIT_USAGE, "convert takes two files, IN and OUT; see: fixsplat convert --help");
+    o->in = argv[optind];
+    o->out = argv[optind + 1];
+    if (o->spz_version && !ends_with(o->out, ".spz"))
+        return fail(EXIT_USAGE, "--spz-version: %s is no .spz", o->out);
+    return 0;
+}
+
+/* ---- .fxs ------------------------------------------------------------------------------------------------------ */
+
+static int to_fxs(const convert_options *o)
 {
     loaded_scene loaded;
     fxs_message message;
-    if (load_scene(&loaded, in, lod))
+    if (load_scene(&loaded, o->in, o->lod, o->filtered ? &o->filter : 0))
         return EXIT_FAILED;
-    int result = fxs_file_write(out, loaded.packed.data, loaded.packed.bytes, &message);
+    int result = fxs_file_write(o->out, loaded.packed.data, loaded.packed.bytes, &message);
     free_scene(&loaded);
     return result ? fail(EXIT_FAILED, "%s", message.text) : EXIT_OK;
 }
 
-static int copy(fxs_scene_file *file, fxs_ply_writer *writer, uint64_t count, fxs_message *message)
+/* ---- The others, Gaussian by Gaussian -------------------------------------------------------------------------- */
+
+/* One of them is open. */
+typedef struct writer {
+    fxs_ply_writer *ply;
+    fxs_splat_writer *splat;
+    fxs_spz_writer *spz;
+} writer;
+
+static int open_writer(writer *w, const convert_options *o, const fxs_scene_file_info *info, fxs_message *message)
+{
+    memset(w, 0, sizeof *w);
+    if (ends_with(o->out, ".ply"))
+        return fxs_ply_writer_open(o->out, info->count, info->sh_degree, info->antialiased, &w->ply, message);
+    if (ends_with(o->out, ".splat"))
+        return fxs_splat_writer_open(o->out, info->count, &w->splat, message);
+    return fxs_spz_writer_open(o->out, o->spz_version ? o->spz_version : 4, info->count, info->sh_degree,
+                               info->antialiased, &w->spz, message);
+}
+
+static int put(const writer *w, const fxs_gaussian *gaussians, size_t n, fxs_message *message)
+{
+    return w->ply     ? fxs_ply_writer_put(w->ply, gaussians, n, message)
+           : w->splat ? fxs_splat_writer_put(w->splat, gaussians, n, message)
+                      : fxs_spz_writer_put(w->spz, gaussians, n, message);
+}
+
+static int close_writer(writer *w, fxs_message *message)
+{
+    char label[] = "compressing";
+    int result = w->ply     ? fxs_ply_writer_close(w->ply, message)
+                 : w->splat ? fxs_splat_writer_close(w->splat, message)
+                            : fxs_spz_writer_close(w->spz, progress_bar, label, message);
+    progress_end();
+    return result;
+}
+
+static int copy(const writer *w, fxs_scene_file *file, uint64_t count, fxs_message *message)
 {
     enum { BATCH = 256 };
     fxs_gaussian batch[BATCH];
     char label[] = "converting";
     uint64_t done = 0;
-    for (long n; (n = fxs_scene_file_read(file, batch, BATCH, message)) != 0; done += (uint64_t)n) {
-        if (n < 0 || fxs_ply_writer_put(writer, batch, (size_t)n, message))
-            return -1;
-        if (done % (BATCH * 256) == 0)
-            progress_bar(label, (double)done / (double)count);
+    int result = 0;
+    for (long n; !result && (n = fxs_scene_file_read(file, batch, BATCH, message)) != 0;) {
+        result = n < 0 ? -1 : put(w, batch, (size_t)n, message);
+        done += n < 0 ? 0 : (uint64_t)n;
+        progress_bar(label, (double)done / (double)count);
     }
-    return 0;
+    progress_end();
+    return result;
 }
 
-static int to_ply(const char *in, const char *out, int lod)
+/* What the format of OUT cannot say. */
+static void note_losses(const char *out, const fxs_scene_file_info *info, uint32_t clamped)
 {
+    if (ends_with(out, ".splat") && (info->sh_degree || info->antialiased))
+        fprintf(stderr, "fixsplat: %s: a .splat cannot hold%s%s%s\n", out,
+                info->sh_degree ? " the SH above degree 0" : "", info->sh_degree && info->antialiased ? " and" : "",
+                info->antialiased ? " that the scene is anti-aliased" : "");
+    if (clamped)
+        fprintf(stderr, "fixsplat: %s: moved %" PRIu32 " Gaussians: an .spz cannot hold positions beyond +-2048\n", out,
+                clamped);
+}
+
+static int stream(const convert_options *o)
+{
+    writer w;
     fxs_scene_file *file;
     fxs_scene_file_info info;
-    fxs_ply_writer *writer;
     fxs_message message, closing;
-    const fxs_scene_file_options options = {.level = lod};
-    if (fxs_scene_file_open(in, &options, &file, &info, &message))
-        return fail(EXIT_FAILED, "%s", message.text);
-    int result = fxs_ply_writer_open(out, info.count, info.sh_degree, info.antialiased, &writer, &message);
+    fxs_scene_filter filter = o->filter;
+    filter.drawable = 1;
+    if (open_scene(o->in, o->lod, &filter, &file, &info))
+        return EXIT_FAILED;
+    int result = open_writer(&w, o, &info, &message);
     if (!result) {
-        result = copy(file, writer, info.count, &message);
-        if (fxs_ply_writer_close(writer, &closing) && !result) {
+        result = copy(&w, file, info.count, &message);
+        uint32_t clamped = w.spz ? fxs_spz_writer_clamped(w.spz) : 0;
+        if (close_writer(&w, &closing) && !result) {
             message = closing;
             result = -1;
         }
+        if (!result)
+            note_losses(o->out, &info, clamped);
     }
     fxs_scene_file_close(file);
-    progress_end();
     return result ? fail(EXIT_FAILED, "%s", message.text) : EXIT_OK;
 }
 
 int command_convert(int argc, char **argv)
 {
-    static const struct option table[] = {{"lod", required_argument, 0, OPT_LOD}, {"help", no_argument, 0, OPT_HELP},
-                                          {0, 0, 0, 0}};
-    int lod = 0;
-    opterr = 0;
-    for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;) {
-        if (c == OPT_HELP) {
-            fputs(help, stdout);
-            return EXIT_OK;
-        }
-        if (c != OPT_LOD)
-            return wrong_option(argv);
-        if (take_lod(&lod, optarg))
-            return EXIT_USAGE;
-    }
-    if (optind != argc - 2)
-        return fail(EXIT_USAGE, "convert takes two files, IN and OUT; see: fixsplat convert --help");
-    const char *in = argv[optind], *out = argv[optind + 1];
-    if (ends_with(out, ".fxs"))
-        return to_fxs(in, out, lod);
-    if (ends_with(out, ".ply"))
-        return to_ply(in, out, lod);
-    return fail(EXIT_USAGE, "%s: expected a name ending in .fxs or .ply", out);
+    convert_options o;
+    int status = take_options(&o, argc, argv);
+    if (status)
+        return status;
+    int packed = ends_with(o.out, ".fxs");
+    if (!packed && !ends_with(o.out, ".ply") && !ends_with(o.out, ".splat") && !ends_with(o.out, ".spz"))
+        return fail(EXIT_USAGE, "%s: expected a name ending in .fxs, .ply, .splat or .spz", o.out);
+    if (is_packed(o.in))
+        return fail(EXIT_FAILED, "%s: an .fxs file is not converted; convert the scene that it was made from", o.in);
+    return packed ? to_fxs(&o) : stream(&o);
 }

@@ -9,7 +9,7 @@ static const struct {
 } commands[] = {
     {"render", "scene file -> picture", command_render},
     {"info", "what a scene holds, and what it needs", command_info},
-    {"convert", "scene file -> packed scene (.fxs) or .ply", command_convert},
+    {"convert", "scene file -> .fxs (packed), .ply, .splat or .spz", command_convert},
     {"compare", "how far two pictures are apart", command_compare},
     {"make-scene", "writes a procedural scene", command_make_scene},
     {"bench", "times each stage", command_bench},

@@ -1,6 +1,7 @@
 #include "metrics.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -102,6 +103,15 @@ int fxs_metrics_compare(const uint8_t *a, const uint8_t *b, int width, int heigh
         out->ssim += ssim_channel(a + channel, b + channel, w, h, memory) / 3;
     free(memory);
     return 0;
+}
+
+const char *fxs_metrics_psnr(char text[32], double psnr, const char *equal)
+{
+    if (isinf(psnr))
+        snprintf(text, 32, "%s", equal);
+    else
+        snprintf(text, 32, "%.4f", psnr);
+    return text;
 }
 
 void fxs_metrics_difference(const uint8_t *a, const uint8_t *b, int width, int height, uint8_t *rgba)

@@ -16,6 +16,9 @@ struct fxs_metrics {
    a side of fewer than 11 pixels cuts the window to it. Returns 0, or -1 when out of memory. */
 int fxs_metrics_compare(const uint8_t *a, const uint8_t *b, int width, int height, struct fxs_metrics *out);
 
+/* A PSNR as text, four decimals; `equal` where it is infinite. Returns text. */
+const char *fxs_metrics_psnr(char text[32], double psnr, const char *equal);
+
 /* Writes 8 |a - b|, at most 255, with alpha 255. rgba: width * height * 4 bytes. */
 void fxs_metrics_difference(const uint8_t *a, const uint8_t *b, int width, int height, uint8_t *rgba);
 

@@ -49,7 +49,7 @@ static int take_number(const char *name, const char *value, uint64_t low, uint64
 
 static int take_vector(const char *name, const char *value, double out[3], int *has)
 {
-    *has = parse_vector(value, out);
+    *has = parse_vector(value, 3, out);
     return *has ? 0 : fail(EXIT_USAGE, "--%s %s: expected three numbers X,Y,Z", name, value);
 }
 

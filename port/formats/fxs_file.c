@@ -1,14 +1,11 @@
 #include "fxs_file.h"
 
-#include <errno.h>
 #include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "../../src/fixsplat.h"
 #include "../../src/packed.h"
+#include "output_internal.h"
 
 #ifdef FXS_WITH_ZLIB
 #include <zlib.h>
@@ -43,48 +40,36 @@ static uint32_t palette_checksum(const fxs_scene *scene)
     return (uint32_t)crc32(0, (const unsigned char *)scene->palette, (uInt)palette_bytes(scene));
 }
 
-static int put(FILE *file, const void *from, size_t bytes)
-{
-    return bytes == 0 || fwrite(from, bytes, 1, file) == 1;
-}
-
-static int write_scene(FILE *file, const void *data, const fxs_scene *scene)
+/* Errors stay in the output. */
+static void write_scene(fxs_output *output, const void *data, const fxs_scene *scene, fxs_message *message)
 {
     fxs_packed_header header;
     memcpy(&header, data, sizeof header);
     header.palette_checksum = palette_checksum(scene);
     header.checksum = header_checksum(&header);
-    int ok = put(file, &header, sizeof header);
-    for (uint32_t i = 0; i < scene->chunk_count && ok; i++) {
+    int result = fxs_output_write(output, &header, sizeof header, message);
+    for (uint32_t i = 0; i < scene->chunk_count && !result; i++) {
         fxs_chunk chunk = scene->chunks[i];
         chunk.checksum = chunk_checksum(scene, i);
-        ok = put(file, &chunk, sizeof chunk);
+        result = fxs_output_write(output, &chunk, sizeof chunk, message);
     }
-    return ok && put(file, scene->palette, palette_bytes(scene)) &&
-           put(file, scene->rows, (size_t)scene->chunk_count * scene->chunk_bytes);
+    if (!result && scene->palette)
+        result = fxs_output_write(output, scene->palette, palette_bytes(scene), message);
+    if (!result)
+        fxs_output_write(output, scene->rows, (size_t)scene->chunk_count * scene->chunk_bytes, message);
 }
 
 int fxs_file_write(const char *path, const void *data, size_t bytes, fxs_message *message)
 {
     fxs_scene scene;
+    fxs_output output;
     int error = fxs_scene_open(&scene, data, bytes);
     if (error)
         return fxs_fail(message, "%s: %s", path, fxs_strerror(error));
-    size_t room = strlen(path) + 40;
-    char *temporary = malloc(room);
-    if (!temporary)
-        return fxs_fail(message, "%s: out of memory", path);
-    snprintf(temporary, room, "%s.fixsplat-%ld.tmp", path, (long)getpid());
-    FILE *file = fopen(temporary, "wb");
-    int ok = file && write_scene(file, data, &scene);
-    ok = file && !fclose(file) && ok && !rename(temporary, path);
-    if (!ok) {
-        fxs_fail(message, "%s: cannot be written: %s", path, strerror(errno));
-        if (file)
-            remove(temporary);
-    }
-    free(temporary);
-    return ok ? 0 : -1;
+    if (fxs_output_open(&output, path, 0, message))
+        return -1;
+    write_scene(&output, data, &scene, message);
+    return fxs_output_close(&output, message);
 }
 
 int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fxs_message *message)

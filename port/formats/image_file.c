@@ -2,12 +2,12 @@
 
 #include <ctype.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <unistd.h>
+
+#include "output_internal.h"
 
 #define MAX_SIZE 16384
 #define MAX_READ_PIXELS (1 << 26)
@@ -105,51 +105,6 @@ static int write_pixels(FILE *file, int format, const uint8_t *rgba, int width, 
     return result;
 }
 
-/* A new file in the folder of `path`, so that it can be renamed to it. The caller frees *name. */
-static FILE *create_beside(const char *path, char **name)
-{
-    const char *slash = strrchr(path, '/');
-    int folder = slash ? (int)(slash + 1 - path) : 0, descriptor = -1;
-    size_t room = (size_t)folder + 64;
-    *name = malloc(room);
-    if (!*name)
-        return NULL;
-    for (int i = 0; i < 100 && descriptor < 0; i++) {
-        snprintf(*name, room, "%.*s.fixsplat-%ld-%d.tmp", folder, path, (long)getpid(), i);
-        descriptor = open(*name, O_WRONLY | O_CREAT | O_EXCL, 0666);
-        if (descriptor < 0 && errno != EEXIST)
-            break;
-    }
-    FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
-    if (!file && descriptor >= 0) {
-        close(descriptor);
-        remove(*name);
-    }
-    return file;
-}
-
-/* Returns 0 or an errno. */
-static int write_and_rename(const char *path, int format, const uint8_t *rgba, int width, int height)
-{
-    char *name;
-    FILE *file = create_beside(path, &name);
-    int error = errno;
-    if (file) {
-        errno = 0;
-        error = write_pixels(file, format, rgba, width, height) ? ENOMEM : 0;
-        if (ferror(file) && !error)
-            error = errno ? errno : EIO;
-        if (fclose(file) && !error)
-            error = errno;
-        if (!error && rename(name, path))
-            error = errno;
-        if (error)
-            remove(name);
-    }
-    free(name);
-    return error;
-}
-
 int fxs_image_file_write(const char *path, const uint8_t *rgba, int width, int height, fxs_message *message)
 {
     int format = format_of(path);
@@ -165,8 +120,13 @@ int fxs_image_file_write(const char *path, const uint8_t *rgba, int width, int h
     if (format == PNG && (int64_t)width * height * 4 > MAX_PNG_BYTES)
         return fxs_fail(message, "%s: %d x %d is too large for .png here; .ppm and .raw can hold it", path, width,
                         height);
-    int error = write_and_rename(path, format, rgba, width, height);
-    return error ? fxs_fail(message, "%s: cannot be written: %s", path, strerror(error)) : 0;
+    fxs_output output;
+    if (fxs_output_open(&output, path, 0, message))
+        return -1;
+    errno = 0;
+    if (write_pixels(output.file, format, rgba, width, height))
+        output.error = ENOMEM;
+    return fxs_output_close(&output, message);
 }
 
 static int readable_size(int width, int height)

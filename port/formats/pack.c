@@ -62,7 +62,7 @@ static int all_finite(const float *values, size_t count)
     return 1;
 }
 
-static int drawable(const fxs_gaussian *g, int sh_degree, fxs_pack_dropped *dropped)
+int fxs_drawable(const fxs_gaussian *g, int sh_degree, fxs_pack_dropped *dropped)
 {
     float norm = 0;
     if (!all_finite(g->position, 3) || !all_finite(g->scale, 3) || !all_finite(g->rotation, 4) ||
@@ -85,7 +85,7 @@ static void take_position(packer *p, uint64_t index, const fxs_gaussian *g)
 {
     p->report->read++;
     memcpy(p->positions[index], g->position, sizeof g->position);
-    if (!drawable(g, p->info->sh_degree, &p->report->dropped))
+    if (!fxs_drawable(g, p->info->sh_degree, &p->report->dropped))
         p->positions[index][0] = NAN;
 }
 

@@ -45,6 +45,9 @@ typedef struct fxs_packed_scene {
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
              fxs_progress_fn *progress, void *argument, fxs_message *message);
 
+/* Whether fxs_pack takes a Gaussian with SH of this degree; where not, the reason is counted. */
+int fxs_drawable(const fxs_gaussian *gaussian, int sh_degree, fxs_pack_dropped *dropped);
+
 /* Frees what fxs_pack allocated. */
 void fxs_packed_scene_free(fxs_packed_scene *scene);
 

@@ -1,20 +1,16 @@
 #include "ply_write.h"
 
-#include <errno.h>
 #include <inttypes.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
+
+#include "output_internal.h"
 
 #define MAX_PROPERTIES 62   /* position, normal, degree 0, degrees 1 to 3, opacity, scale, rotation */
 
 struct fxs_ply_writer {
-    FILE *file;
-    uint64_t left;         /* Gaussians still to come */
+    fxs_output output;
     size_t coefficients;   /* SH coefficients of a channel above degree 0 */
-    int error;             /* errno of the first failure, or 0 */
-    char *path, *temporary;
 };
 
 static void write_header(FILE *file, uint64_t count, size_t coefficients, int antialiased)
@@ -30,13 +26,6 @@ static void write_header(FILE *file, uint64_t count, size_t coefficients, int an
           "property float rot_0\nproperty float rot_1\nproperty float rot_2\nproperty float rot_3\nend_header\n", file);
 }
 
-static void free_writer(fxs_ply_writer *writer)
-{
-    free(writer->path);
-    free(writer->temporary);
-    free(writer);
-}
-
 int fxs_ply_writer_open(const char *path, uint64_t count, int sh_degree, int antialiased, fxs_ply_writer **writer,
                         fxs_message *message)
 {
@@ -44,27 +33,14 @@ int fxs_ply_writer_open(const char *path, uint64_t count, int sh_degree, int ant
     if (sh_degree < 0 || sh_degree > 3)
         return fxs_fail(message, "%s: SH degree %d, not 0 to 3", path, sh_degree);
     fxs_ply_writer *made = calloc(1, sizeof *made);
-    size_t length = strlen(path) + 1;
-    if (made) {
-        made->path = malloc(length);
-        made->temporary = malloc(length + 40);
-    }
-    if (!made || !made->path || !made->temporary) {
-        if (made)
-            free_writer(made);
+    if (!made)
         return fxs_fail(message, "%s: out of memory", path);
-    }
-    memcpy(made->path, path, length);
-    snprintf(made->temporary, length + 40, "%s.fixsplat-%ld.tmp", path, (long)getpid());
-    made->left = count;
-    made->coefficients = (size_t)((sh_degree + 1) * (sh_degree + 1) - 1);
-    made->file = fopen(made->temporary, "wb");
-    if (!made->file) {
-        fxs_fail(message, "%s: cannot be written: %s", made->temporary, strerror(errno));
-        free_writer(made);
+    if (fxs_output_open(&made->output, path, count, message)) {
+        free(made);
         return -1;
     }
-    write_header(made->file, count, made->coefficients, antialiased);
+    made->coefficients = (size_t)((sh_degree + 1) * (sh_degree + 1) - 1);
+    write_header(made->output.file, count, made->coefficients, antialiased);
     *writer = made;
     return 0;
 }
@@ -98,44 +74,19 @@ static size_t encode(const fxs_gaussian *g, size_t coefficients, unsigned char *
 int fxs_ply_writer_put(fxs_ply_writer *writer, const fxs_gaussian *gaussians, size_t n, fxs_message *message)
 {
     unsigned char row[MAX_PROPERTIES * 4];
-    if (n > writer->left) {
-        writer->error = EINVAL;
-        return fxs_fail(message, "%s: more Gaussians than announced", writer->path);
-    }
-    writer->left -= n;
+    if (fxs_output_expect(&writer->output, n, message))
+        return -1;
     for (size_t i = 0; i < n; i++) {
         size_t bytes = encode(&gaussians[i], writer->coefficients, row);
-        if (fwrite(row, 1, bytes, writer->file) != bytes) {
-            writer->error = errno;
-            return fxs_fail(message, "%s: write failed: %s", writer->temporary, strerror(errno));
-        }
+        if (fxs_output_write(&writer->output, row, bytes, message))
+            return -1;
     }
-    return 0;
-}
-
-/* The file whole under its own name, or -1 and a message. */
-static int complete(fxs_ply_writer *writer, fxs_message *message)
-{
-    errno = 0;
-    int failed = ferror(writer->file);
-    failed |= fclose(writer->file);
-    if (failed || writer->error)
-        return fxs_fail(message, "%s: write failed: %s", writer->temporary,
-                        strerror(writer->error ? writer->error : errno ? errno : EIO));
-    if (writer->left)
-        return fxs_fail(message, "%s: %" PRIu64 " Gaussians fewer than announced", writer->path, writer->left);
-    if (rename(writer->temporary, writer->path))
-        return fxs_fail(message, "%s: cannot be renamed from %s: %s", writer->path, writer->temporary, strerror(errno));
     return 0;
 }
 
 int fxs_ply_writer_close(fxs_ply_writer *writer, fxs_message *message)
 {
-    if (!writer)
-        return 0;
-    int result = complete(writer, message);
-    if (result)
-        remove(writer->temporary);
-    free_writer(writer);
+    int result = writer ? fxs_output_close(&writer->output, message) : 0;
+    free(writer);
     return result;
 }

@@ -162,6 +162,21 @@ int fxs_scene_file_rewind(fxs_scene_file *file, fxs_message *message)
     return file->format->rewind(file->reader, message);
 }
 
+const fxs_allocator *fxs_scene_file_allocator(const fxs_scene_file *file)
+{
+    return file->source.options.allocator;
+}
+
+void fxs_scene_file_swap(fxs_scene_file *file, const fxs_scene_format **format, void **reader)
+{
+    const fxs_scene_format *old_format = file->format;
+    void *old_reader = file->reader;
+    file->format = *format;
+    file->reader = *reader;
+    *format = old_format;
+    *reader = old_reader;
+}
+
 void fxs_scene_file_close(fxs_scene_file *file)
 {
     if (!file)

@@ -18,6 +18,12 @@ typedef struct fxs_scene_format {
 extern const fxs_scene_format fxs_scene_ply, fxs_scene_compressed_ply, fxs_scene_ksplat, fxs_scene_sog, fxs_scene_splat,
                               fxs_scene_spz, fxs_scene_gltf;
 
+/* Swaps the reader of an open file for another, and the format whose functions read from it */
+void fxs_scene_file_swap(fxs_scene_file *file, const fxs_scene_format **format, void **reader);
+
+/* What readers are from. */
+const fxs_allocator *fxs_scene_file_allocator(const fxs_scene_file *file);
+
 /* Whether a file that begins with "ply" is PlayCanvas's compressed one: 1 or 0, or -1 and a message. */
 int fxs_is_compressed_ply(const fxs_scene_source *source, fxs_message *message);
 

@@ -2,11 +2,10 @@
 
 #include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
+#include "output_internal.h"
 #include "spz_internal.h"
 
 #ifdef FXS_WITH_ZLIB
@@ -17,15 +16,17 @@
 #include <zstd.h>
 #endif
 
-enum { FRACTIONAL_BITS = 12, ZSTD_LEVEL = 9 };
+enum { FRACTIONAL_BITS = 12, ZSTD_LEVEL = 9, PIECE = 1 << 20 };
 
 struct fxs_spz_writer {
-    char *path;
+    fxs_output output;
     int version, sh_degree, antialiased;
-    uint32_t count, next;
+    uint32_t count, next, clamped;
     uint8_t stride[FXS_SPZ_ARRAYS];
     uint8_t *payload, *array[FXS_SPZ_ARRAYS];
-    size_t size;   /* of the payload */
+    size_t size, done;   /* bytes of the payload, and those compressed */
+    fxs_progress_fn *progress;
+    void *argument;
 };
 
 static int is_built_in(int version)
@@ -39,13 +40,6 @@ static int is_built_in(int version)
         return 1;
 #endif
     return version != 3 && version != 4;
-}
-
-static void free_writer(fxs_spz_writer *writer)
-{
-    free(writer->path);
-    free(writer->payload);
-    free(writer);
 }
 
 int fxs_spz_writer_open(const char *path, int version, uint64_t count, int sh_degree, int antialiased,
@@ -71,11 +65,13 @@ int fxs_spz_writer_open(const char *path, int version, uint64_t count, int sh_de
     fxs_spz_strides(made->stride, (uint32_t)version, sh_degree);
     for (int i = 0; i < FXS_SPZ_ARRAYS; i++)
         made->size += (size_t)count * made->stride[i];
-    made->path = strdup(path);
     made->payload = malloc(made->size + 1);
-    if (!made->path || !made->payload) {
-        free_writer(made);
-        return fxs_fail(message, "%s: out of memory", path);
+    int opened = made->payload ? fxs_output_open(&made->output, path, count, message)
+                               : fxs_fail(message, "%s: out of memory", path);
+    if (opened) {
+        free(made->payload);
+        free(made);
+        return -1;
     }
     made->array[0] = made->payload;
     for (int i = 1; i < FXS_SPZ_ARRAYS; i++)
@@ -118,16 +114,19 @@ static uint32_t code_rotation(const double q[4])
     return word;
 }
 
-/* y and z change their signs: from right, down, front to right, up, back. */
-static void encode(const fxs_spz_writer *w, const fxs_gaussian *g, size_t index)
+/* Returns 1 where a position is beyond the format's. y and z change their signs: from right, down, front to right, up,
+   back. */
+static int encode(const fxs_spz_writer *w, const fxs_gaussian *g, size_t index)
 {
     uint8_t *at[FXS_SPZ_ARRAYS];
     const double q[4] = {g->rotation[1], -g->rotation[2], -g->rotation[3], g->rotation[0]};
+    int beyond = 0;
     for (int i = 0; i < FXS_SPZ_ARRAYS; i++)
         at[i] = w->array[i] + index * w->stride[i];
     for (int i = 0; i < 3; i++) {
         double x = ldexp(i ? -g->position[i] : g->position[i], FRACTIONAL_BITS);
         uint32_t bits = (uint32_t)code(x, -(1 << 23), (1 << 23) - 1);
+        beyond |= !(fabs(x) <= 1 << 23);
         for (int k = 0; k < 3; k++)
             at[FXS_SPZ_POSITION][3 * i + k] = (uint8_t)(bits >> 8 * k);
         at[FXS_SPZ_COLOUR][i] = (uint8_t)code((0.15 * g->dc[i] + 0.5) * 255, 0, 255);
@@ -140,15 +139,21 @@ static void encode(const fxs_spz_writer *w, const fxs_gaussian *g, size_t index)
         double x = odd == 2 || odd == 4 ? -g->sh[i] : g->sh[i];
         at[FXS_SPZ_SH][i] = (uint8_t)code(128 * x + 128, 0, 255);
     }
+    return beyond;
 }
 
 int fxs_spz_writer_put(fxs_spz_writer *writer, const fxs_gaussian *gaussians, size_t n, fxs_message *message)
 {
-    if (n > writer->count - writer->next)
-        return fxs_fail(message, "%s: more Gaussians than announced", writer->path);
+    if (fxs_output_expect(&writer->output, n, message))
+        return -1;
     for (size_t i = 0; i < n; i++)
-        encode(writer, &gaussians[i], writer->next++);
+        writer->clamped += (uint32_t)encode(writer, &gaussians[i], writer->next++);
     return 0;
+}
+
+uint32_t fxs_spz_writer_clamped(const fxs_spz_writer *writer)
+{
+    return writer->clamped;
 }
 
 /* ---- The file -------------------------------------------------------------------------------------------------- */
@@ -164,59 +169,97 @@ static void make_header(const fxs_spz_writer *w, uint8_t header[16])
     header[14] = w->antialiased ? 1 : 0;
     header[15] = 0;
 }
-#endif
 
-/* Both writers return 1 where all was written. */
-
-#ifdef FXS_WITH_ZLIB
-static int deflate_bytes(z_stream *stream, const uint8_t *bytes, size_t size, int flush, FILE *file)
+/* Notes what was compressed; returns other than 0 where that is to stop. */
+static int advance(fxs_spz_writer *w, size_t bytes)
 {
-    uint8_t out[1 << 14];
-    int status = Z_OK;
-    do {
-        uInt piece = size < 1 << 30 ? (uInt)size : 1 << 30;
-        stream->next_in = bytes;
-        stream->avail_in = piece;
-        bytes += piece;
-        size -= piece;
-        do {
-            stream->next_out = out;
-            stream->avail_out = sizeof out;
-            status = deflate(stream, size ? Z_NO_FLUSH : flush);
-            if (fwrite(out, 1, sizeof out - stream->avail_out, file) != sizeof out - stream->avail_out)
-                return 0;
-        } while (stream->avail_out == 0);
-    } while (size > 0);
-    return status == (flush == Z_FINISH ? Z_STREAM_END : Z_OK) || status == Z_BUF_ERROR;
+    w->done += bytes;
+    if (w->progress && w->progress(w->argument, (double)w->done / (double)w->size))
+        w->output.error = ECANCELED;
+    return w->output.error;
 }
 
-static int write_gzip(const fxs_spz_writer *w, FILE *file)
+static size_t piece_of(size_t left)
+{
+    return left < PIECE ? left : PIECE;
+}
+#endif
+
+/* Both writers leave errors in the output. */
+
+#ifdef FXS_WITH_ZLIB
+static int deflate_bytes(fxs_spz_writer *w, z_stream *stream, const uint8_t *bytes, size_t size, int flush,
+                         fxs_message *message)
+{
+    uint8_t out[1 << 14];
+    stream->next_in = bytes;
+    stream->avail_in = (uInt)size;
+    do {
+        stream->next_out = out;
+        stream->avail_out = sizeof out;
+        deflate(stream, flush);   /* cannot fail: there is always room */
+        if (fxs_output_write(&w->output, out, sizeof out - stream->avail_out, message))
+            return -1;
+    } while (stream->avail_out == 0);
+    return 0;
+}
+
+static void write_gzip(fxs_spz_writer *w, fxs_message *message)
 {
     z_stream stream;
     uint8_t header[16];
     memset(&stream, 0, sizeof stream);
     make_header(w, header);
-    if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY) != Z_OK)
-        return 0;
-    int done = deflate_bytes(&stream, header, sizeof header, Z_NO_FLUSH, file) &&
-               deflate_bytes(&stream, w->payload, w->size, Z_FINISH, file);
+    if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY) != Z_OK) {
+        w->output.error = ENOMEM;
+        return;
+    }
+    int stop = deflate_bytes(w, &stream, header, sizeof header, Z_NO_FLUSH, message);
+    while (!stop && w->done < w->size) {
+        size_t size = piece_of(w->size - w->done);
+        stop = deflate_bytes(w, &stream, w->payload + w->done, size, Z_NO_FLUSH, message) || advance(w, size);
+    }
+    if (!stop)
+        deflate_bytes(w, &stream, header, 0, Z_FINISH, message);
     deflateEnd(&stream);
-    return done;
 }
 #else
-#define write_gzip(writer, file) 0
+#define write_gzip(writer, message) ((void)0)
 #endif
 
 #ifdef FXS_WITH_ZSTD
-/* Returns the compressed size, or 0. */
-static size_t write_frame(const uint8_t *bytes, size_t size, FILE *file)
+/* Adds the bytes that it wrote to *compressed. */
+static int compress_bytes(fxs_spz_writer *w, ZSTD_CStream *stream, const uint8_t *bytes, size_t size, int last,
+                          uint64_t *compressed, fxs_message *message)
 {
-    size_t room = ZSTD_compressBound(size);
-    uint8_t *out = malloc(room);
-    size_t compressed = out ? ZSTD_compress(out, room, bytes, size, ZSTD_LEVEL) : 0;
-    if (!out || ZSTD_isError(compressed) || fwrite(out, 1, compressed, file) != compressed)
-        compressed = 0;
-    free(out);
+    uint8_t room[1 << 14];
+    ZSTD_inBuffer in = {bytes, size, 0};
+    size_t left;
+    do {
+        ZSTD_outBuffer out = {room, sizeof room, 0};
+        left = ZSTD_compressStream2(stream, &out, &in, last ? ZSTD_e_end : ZSTD_e_continue);
+        if (ZSTD_isError(left))
+            return w->output.error = ENOMEM;
+        if (fxs_output_write(&w->output, room, out.pos, message))
+            return -1;
+        *compressed += out.pos;
+    } while (last ? left > 0 : in.pos < in.size);
+    return 0;
+}
+
+/* Returns the compressed size. */
+static uint64_t write_frame(fxs_spz_writer *w, ZSTD_CStream *stream, const uint8_t *bytes, size_t size,
+                            fxs_message *message)
+{
+    uint64_t compressed = 0;
+    ZSTD_CCtx_setParameter(stream, ZSTD_c_compressionLevel, ZSTD_LEVEL);
+    ZSTD_CCtx_setPledgedSrcSize(stream, size);
+    for (size_t at = 0, piece; at < size; at += piece) {
+        piece = piece_of(size - at);
+        if (compress_bytes(w, stream, bytes + at, piece, at + piece == size, &compressed, message) ||
+            advance(w, piece))
+            break;
+    }
     return compressed;
 }
 
@@ -227,54 +270,47 @@ static void put_u64(uint8_t *to, uint64_t value)
 }
 
 /* Header and table of contents are written once more when the sizes are known. */
-static int write_zstd(const fxs_spz_writer *w, FILE *file)
+static void write_zstd(fxs_spz_writer *w, fxs_message *message)
 {
     uint8_t head[32 + 16 * FXS_SPZ_ARRAYS] = {0}, *entry = head + 32;
+    ZSTD_CStream *stream = ZSTD_createCStream();
     make_header(w, head);
     put_u32(head + 16, 32);
     for (int i = 0; i < FXS_SPZ_ARRAYS; i++)
         head[15] = (uint8_t)(head[15] + (w->count > 0 && w->stride[i] > 0));
     const size_t head_size = 32 + 16 * (size_t)head[15];
-    if (fwrite(head, 1, head_size, file) != head_size)
-        return 0;
-    for (int i = 0; i < head[15]; i++, entry += 16) {
-        size_t size = (size_t)w->count * w->stride[i], compressed = write_frame(w->array[i], size, file);
-        if (compressed == 0)
-            return 0;
-        put_u64(entry, compressed);
+    if (!stream)
+        w->output.error = ENOMEM;
+    else
+        fxs_output_write(&w->output, head, head_size, message);
+    for (int i = 0; i < head[15] && !w->output.error; i++, entry += 16) {
+        size_t size = (size_t)w->count * w->stride[i];
+        put_u64(entry, write_frame(w, stream, w->array[i], size, message));
         put_u64(entry + 8, size);
     }
-    return fseeko(file, 0, SEEK_SET) == 0 && fwrite(head, 1, head_size, file) == head_size;
+    ZSTD_freeCStream(stream);
+    if (!w->output.error && fseeko(w->output.file, 0, SEEK_SET))
+        w->output.error = errno;
+    if (!w->output.error)
+        fxs_output_write(&w->output, head, head_size, message);
 }
 #else
-#define write_zstd(writer, file) 0
+#define write_zstd(writer, message) ((void)0)
 #endif
 
-static int complete(const fxs_spz_writer *w, fxs_message *message)
-{
-    if (w->next != w->count)
-        return fxs_fail(message, "%s: %u Gaussians fewer than announced", w->path, w->count - w->next);
-    size_t room = strlen(w->path) + 40;
-    char *temporary = malloc(room);
-    if (!temporary)
-        return fxs_fail(message, "%s: out of memory", w->path);
-    snprintf(temporary, room, "%s.fixsplat-%ld.tmp", w->path, (long)getpid());
-    errno = 0;
-    FILE *file = fopen(temporary, "wb");
-    int written = file && (w->version == 3 ? write_gzip(w, file) : write_zstd(w, file));
-    written = file && fclose(file) == 0 && written && rename(temporary, w->path) == 0;
-    int result = written ? 0 : fxs_fail(message, "%s: write failed: %s", w->path, strerror(errno ? errno : ENOMEM));
-    if (file && !written)
-        remove(temporary);
-    free(temporary);
-    return result;
-}
-
-int fxs_spz_writer_close(fxs_spz_writer *writer, fxs_message *message)
+int fxs_spz_writer_close(fxs_spz_writer *writer, fxs_progress_fn *progress, void *argument, fxs_message *message)
 {
     if (!writer)
         return 0;
-    int result = complete(writer, message);
-    free_writer(writer);
+    writer->progress = progress;
+    writer->argument = argument;
+    int whole = writer->next == writer->count && !writer->output.error;
+    if (whole && writer->version == 3)
+        write_gzip(writer, message);
+    if (whole && writer->version == 4)
+        write_zstd(writer, message);
+    int result = fxs_output_close(&writer->output, message);
+    free(writer->payload);
+    free(writer);
     return result;
 }

@@ -6,12 +6,13 @@
 #include <stdint.h>
 
 #include "message.h"
+#include "pack.h"
 #include "scene_file.h"
 
 typedef struct fxs_spz_writer fxs_spz_writer;
 
 /* Begins a file of exactly `count` Gaussians with SH up to `sh_degree`, 0 to 3. They are held in memory, 20 bytes each
-   and 3 for each SH coefficient, until the file is written. Returns 0 and a writer that fxs_spz_writer_close frees, or
+   and 3 for each SH coefficient, until the file is closed. Returns 0 and a writer that fxs_spz_writer_close frees, or
    -1 and a message. */
 int fxs_spz_writer_open(const char *path, int version, uint64_t count, int sh_degree, int antialiased,
                         fxs_spz_writer **writer, fxs_message *message);
@@ -21,8 +22,12 @@ int fxs_spz_writer_open(const char *path, int version, uint64_t count, int sh_de
    the reference writer keeps 5 or 4). Returns 0, or -1 and a message. */
 int fxs_spz_writer_put(fxs_spz_writer *writer, const fxs_gaussian *gaussians, size_t n, fxs_message *message);
 
-/* Writes the file and frees the writer; NULL is allowed. Returns 0; or -1 and a message where that failed or Gaussians
-   are missing: then nothing is left behind, and an earlier file of that name is as it was. */
-int fxs_spz_writer_close(fxs_spz_writer *writer, fxs_message *message);
+/* How many of the Gaussians so far had their position clamped. */
+uint32_t fxs_spz_writer_clamped(const fxs_spz_writer *writer);
+
+/* Compresses and writes the file, under a temporary name first, and frees the writer; NULL is allowed. `progress` may
+   be null. Returns 0; or -1 and a message where that failed or Gaussians are missing: then nothing is left behind, and
+   an earlier file of that name is as it was. */
+int fxs_spz_writer_close(fxs_spz_writer *writer, fxs_progress_fn *progress, void *argument, fxs_message *message);
 
 #endif

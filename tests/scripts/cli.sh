@@ -114,7 +114,7 @@ succeeds "version" --version
 succeeds "help" --help
 
 # The options of each command stand in its table for getopt_long.
-for command in render bench info compare make-scene; do
+for command in render bench info convert compare make-scene; do
     source=$root/tools/$(echo $command | tr - _).c
     grep -q VIEW_OPTIONS "$source" && source="$source $root/tools/command.h"
     succeeds "$command --help" $command --help
@@ -132,6 +132,17 @@ done
 for bad in 'bg 12345' 'bg 12345g' 'cutoff round' 'sh-degree 4' 'sh-degree -1' 'threads 0' 'threads 65' 'cpu none' \
     'backend none' 'eye 1,2' 'eye 1,2,nan' 'look 1,2,3,4' 'up x' 'fov 0' 'fov 171' 'fov nan'; do
     fails "--$bad" 2 "--${bad%% *}" render knot.ply $small --hash --$bad
+done
+for bad in 'crop 0,0,0,1,1' 'crop 0,0,0,1,1,1,1' 'crop 0,0,0,1,1,-1' 'crop nan,0,0,1,1,1' 'crop x' \
+    'prune -0.1' 'prune 1.1' 'prune nan' 'prune 0.1,0.2' 'sh-degree 4' 'sh-degree -1' 'spz-version 2' 'spz-version 5' \
+    'lod -1'; do
+    fails "convert --$bad" 2 "--${bad%% *}" convert knot.ply x.spz --$bad
+done
+for bad in 'views 0' 'views 1001' 'size 1x' 'lod x'; do
+    fails "info --$bad" 2 "--${bad%% *}" info knot.ply --compare knot.ply --$bad
+done
+for bad in 'cameras three.json' 'views 2'; do
+    fails "info --$bad without --compare" 2 "need --compare" info knot.ply --$bad
 done
 for bad in 'frames 9' 'frames 10001' 'view all'; do
     fails "bench --$bad" 2 "" bench knot.ply $small --cameras three.json --$bad
@@ -280,6 +291,7 @@ ply clear.ply "$good" "$other" '0 0 0 1 .5 .2 -inf -1 -1.5 -2 1 0 0 0'
 check "an opacity of sigmoid(-inf) is 0" equal "$(hash_of clear.ply $near)" "$hash"
 ply one.ply "$good"
 check "a scene of one Gaussian is framed" differ "$(hash_of one.ply $small)" "$(hash_of one.ply $small $away)"
+{ ply_header 900 && yes "$good" | head -n 899 && echo "x $good"; } >x-row.ply
 ply flat.ply '0 0 0 1 1 1 4 -19.9 -19.9 -19.9 1 0 0 0' '0 0 0 1 1 1 4 -19.9 2 2 1 0 0 0' \
     '0 0 0 1 1 1 4 19.9 -19.9 -19.9 1 0 0 0'
 succeeds "points, flat discs and endless needles" render flat.ply $small --hash
@@ -324,7 +336,7 @@ fails "compare: no picture, existing difference" 1 "none.png" compare none.png k
     trap '' XFSZ
     ulimit -f 1
     fails "no room for the picture" 1 "kept.raw: cannot be written: " render knot.ply $small -o kept.raw
-    fails "no room for the scene" 1 "kept.ply.*: write failed: " make-scene knot --count 100 -o kept.ply
+    fails "no room for the scene" 1 "kept.ply: cannot be written: " make-scene knot --count 100 -o kept.ply
     echo "passed=$passed failed=$failed" >logs/counts
 )
 . logs/counts
@@ -376,6 +388,111 @@ fails "compare: --diff of no known ending" 2 "d.jpg" compare knot.png knot.png -
 head -c 500 knot.png >cut.png
 fails "compare: a picture cut short" 1 "cut.png: " compare cut.png knot.png
 
+# ---- convert ---------------------------------------------------------------------------------------------------------
+
+# psnr_of SCENE ORIGINAL OPTION...: the mean, or "equal"
+psnr_of() {
+    scene=$1 original=$2
+    shift 2
+    "$fixsplat" info "$scene" --compare "$original" --views 4 --size 320x240 "$@" | awk '/^mean/ { print $2 }'
+}
+at_least() { awk "BEGIN { exit !($1 >= $2) }" || { echo "$1 is below $2"; return 1; }; }
+says() { equal "$status $(cat logs/err)" "0 fixsplat: $1"; }
+# gaussians FILE COUNT DEGREE
+gaussians() {
+    "$fixsplat" info "$1" --json | grep -q "\"gaussians\": $2, \"packed\": $2, \"sh_degree\": $3," && return
+    "$fixsplat" info "$1"
+    return 1
+}
+
+succeeds "convert to .ply" convert knot.ply knot2.ply
+check "convert to .ply: the same bytes" cmp knot.ply knot2.ply
+succeeds "convert to .fxs" convert knot.ply knot.fxs
+check "convert to .fxs: the same picture" equal "$(hash_of knot.fxs $small)" "$(hash_of knot.ply $small)"
+check "convert to .fxs: equal to its original" equal "$(psnr_of knot.fxs knot.ply)" equal
+succeeds "convert to .spz" convert knot.ply knot4.spz
+check "convert to .spz: version 4" equal "$(head -c 5 knot4.spz | od -An -tx1)" " 4e 47 53 50 04"
+succeeds "convert to .spz 3" convert knot.ply knot3.spz --spz-version 3
+check "convert to .spz 3: gzip" equal "$(head -c 2 knot3.spz | od -An -tx1)" " 1f 8b"
+check "convert to .spz: 3 and 4 are the same scene" equal "$(hash_of knot3.spz $small)" "$(hash_of knot4.spz $small)"
+check "convert to .spz: PSNR" at_least "$(psnr_of knot4.spz knot.ply)" 46
+check "convert to .spz: all of it" gaussians knot4.spz 2000 3
+run convert knot.ply knot.splat
+check "convert to .splat: says what is lost" says "knot.splat: a .splat cannot hold the SH above degree 0"
+check "convert to .splat: bytes" equal "$(($(wc -c <knot.splat)))" 64000
+succeeds "convert --sh-degree 0" convert knot.ply plain.ply --sh-degree 0
+check "convert --sh-degree 0: degree" gaussians plain.ply 2000 0
+check "convert --sh-degree 0: the picture" equal "$(hash_of plain.ply $small)" \
+    "$(hash_of knot.ply $small --sh-degree 0)"
+succeeds "convert to .splat without SH" convert plain.ply plain.splat
+check "convert to .splat: PSNR" at_least "$(psnr_of plain.splat plain.ply)" 46
+check "convert to .splat: the SH was left out" cmp plain.splat knot.splat
+succeeds "convert .splat to .spz" convert plain.splat plain.spz --spz-version 3
+check "convert .splat to .spz: PSNR" at_least "$(psnr_of plain.spz plain.ply)" 44
+
+# Row i: x = i; logits of the opacity -3.5, -2.5, -1.5, 0.5, 1.5.
+{ ply_header 5 && for i in 0 1 2 3 4; do echo "$i 0 0 1 .5 .2 $((i - 3)).5 -1 -1.5 -2 1 0 0 0"; done; } >rows.ply
+for out in ply splat spz fxs; do
+    run convert rows.ply left.$out --crop 1,-1,-1,3,1,1
+    check "convert --crop to .$out" says "rows.ply: kept 3 of 5 Gaussians (2 outside the box, 0 too faint)"
+    check "convert --crop to .$out: what is left" gaussians left.$out 3 0
+    run convert rows.ply left.$out --prune 0.5 --crop 0,0,0,3,0,0
+    check "convert --prune to .$out" says "rows.ply: kept 1 of 5 Gaussians (1 outside the box, 3 too faint)"
+    check "convert --prune to .$out: what is left" gaussians left.$out 1 0
+    echo precious >left.$out
+    fails "convert --crop to .$out: nothing left" 1 "rows.ply: none of the 5 Gaussians is left" convert rows.ply \
+        left.$out --crop 7,7,7,8,8,8
+    fails "convert bad Gaussians to .$out" 1 "bad.ply: none of the 2 Gaussians can be drawn" convert bad.ply left.$out
+    fails "convert a scene cut short to .$out" 1 "cut.ply: " convert cut.ply left.$out
+    fails "convert a scene with a bad row to .$out" 1 "x-row.ply: " convert x-row.ply left.$out
+    fails "convert a scene that is not there to .$out" 1 "none.ply: No such file" convert none.ply left.$out
+    fails "convert to missing/x.$out" 1 "missing/x.$out: cannot be written: " convert plain.ply missing/x.$out
+    fails "convert an .fxs file to .$out" 1 "knot.fxs: an .fxs file is not converted" convert knot.fxs left.$out
+    (
+        trap '' XFSZ
+        ulimit -f 1
+        fails "no room for the .$out" 1 "left.$out: cannot be written: " convert plain.ply left.$out
+        echo "passed=$passed failed=$failed" >logs/counts
+    )
+    . logs/counts
+    check "convert: left.$out is left whole" equal "$(cat left.$out)" precious
+    run convert mixed.ply drawn.$out
+    check "convert to .$out: bad Gaussians are left out and counted" says "mixed.ply: left out 7 of 9 \
+Gaussians (3 not finite, 1 with a zero quaternion, 2 with a scale beyond +-20, 1 too far out)"
+    check "convert to .$out: the others are there" gaussians drawn.$out 2 0
+done
+"$fixsplat" convert knot.ply part.ply --crop -9,-9,-9,0,9,9 --prune 0.3 --sh-degree 2 2>logs/err
+"$fixsplat" convert knot.ply part.fxs --crop -9,-9,-9,0,9,9 --prune 0.3 --sh-degree 2 2>logs/err
+check "convert: filtered and packed, or packed when filtered" equal "$(hash_of part.ply $small)" \
+    "$(hash_of part.fxs $small)"
+check "convert: filtered is less" differ "$(hash_of part.ply $small)" "$(hash_of knot.ply $small --sh-degree 2)"
+run convert far.ply far.spz
+check "convert to .spz: says what is moved" says \
+    "far.spz: moved 2 Gaussians: an .spz cannot hold positions beyond +-2048"
+fails "convert: an ending that is none" 2 "x.glb: expected a name ending" convert knot.ply x.glb
+fails "convert: one file" 2 "two files" convert knot.ply
+fails "convert --spz-version to .ply" 2 "x.ply is no .spz" convert knot.ply x.ply --spz-version 3
+
+# ---- info --compare --------------------------------------------------------------------------------------------------
+
+succeeds "info --compare" info knot4.spz --compare knot.ply --views 3 --size 64x48
+check "info --compare: a line for each view" equal "$(grep -c ' degrees .* 64x48 ' logs/out)" 3
+succeeds "info --compare --json" info knot4.spz --compare knot.ply --size 64x48 --json
+check "info --compare --json: keys" keys logs/out compare.psnr compare.ssim compare.views largest_error.sh
+check "info --compare: 8 views" equal "$(grep -o '"largest": ' logs/out | wc -l | tr -d ' ')" 8
+succeeds "info --compare --cameras" info knot4.spz --compare knot.ply --cameras three.json --views 2 --json
+check "info --compare --cameras: evenly spaced" grep -Eq \
+    '("view": [01], "width": 64, "height": 48, [^}]*}.*){2}' logs/out
+run info knot.ply --compare knot.ply --cameras three.json --views 9 --json
+check "info --compare: equal" grep -q '"view": 2, .*"largest": 0}\], "psnr": null, "ssim": 1.000000}, ' logs/out
+"$fixsplat" render knot4.spz --cameras three.json --view 0 -o knot4.png
+"$fixsplat" render knot.ply --cameras three.json --view 0 -o knot1.png
+run info knot4.spz --compare knot.ply --cameras three.json --views 1 --json
+check "info --compare: as compare says" equal "$(sed 's/.*\("psnr".*\)}\], .*/{\1}/' logs/out)" \
+    "$("$fixsplat" compare knot4.png knot1.png --json)"
+fails "info --compare: no original" 1 "none.ply: No such file" info knot.ply --compare none.ply
+fails "info --compare: no cameras" 1 "none.json: No such file" info knot.ply --compare knot.ply --cameras none.json
+
 # ---- make-scene ------------------------------------------------------------------------------------------------------
 
 for scene in $("$fixsplat" make-scene --help | sed -n 's/^  \([a-z]*\) .*(degree.*/\1/p'); do
@@ -402,6 +519,14 @@ check "no temporary file is left" equal "$(find . -name '*.tmp*')" ""
 if [ -f "$scenes/snowmiku/snowmiku.ply" ]; then
     folder=$scenes/snowmiku
     succeeds "snowmiku" render "$folder/snowmiku.ply" --cameras "$folder/cameras.json" --view 0 -o snowmiku.png
+    cameras="--cameras $folder/cameras.json"
+    "$fixsplat" convert "$folder/snowmiku.ply" plain.ply --sh-degree 0
+    "$fixsplat" convert plain.ply plain.splat
+    check "snowmiku as .splat: PSNR" at_least "$(psnr_of plain.splat plain.ply $cameras)" 51
+    for version in 3 4; do
+        "$fixsplat" convert "$folder/snowmiku.ply" snowmiku.spz --spz-version $version
+        check "snowmiku as .spz $version: PSNR" at_least "$(psnr_of snowmiku.spz "$folder/snowmiku.ply" $cameras)" 51
+    done
 else
     skip "snowmiku" "no real scenes at FXS_SCENES"
 fi

@@ -1,0 +1,120 @@
+#include "scene_filter.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "scene_format.h"
+
+/* The reader of a filtered file. */
+typedef struct filter_reader {
+    const fxs_scene_format *format;   /* of the file's own reader */
+    void *reader;
+    const fxs_allocator *allocator;   /* of both readers */
+    fxs_scene_filter filter;
+    fxs_scene_filter_report report;   /* since the beginning */
+} filter_reader;
+
+void fxs_scene_filter_default(fxs_scene_filter *filter)
+{
+    *filter = (fxs_scene_filter){{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}, 0, 3, 0};
+}
+
+/* NaN passes, here and below: it is for the last test. */
+static int is_inside(const fxs_scene_filter *filter, const float position[3])
+{
+    for (int i = 0; i < 3; i++)
+        if (position[i] < filter->low[i] || position[i] > filter->high[i])
+            return 0;
+    return 1;
+}
+
+static int passes(filter_reader *r, fxs_gaussian *g)
+{
+    const int coefficients = 3 * r->filter.sh_degree * (r->filter.sh_degree + 2);
+    r->report.read++;
+    if (!is_inside(&r->filter, g->position))
+        return r->report.outside++, 0;
+    if (1 / (1 + exp(-(double)g->opacity)) < r->filter.opacity)
+        return r->report.faint++, 0;
+    if (r->filter.drawable && !fxs_drawable(g, r->filter.sh_degree, &r->report.dropped))
+        return 0;
+    memset(g->sh + coefficients, 0, sizeof g->sh - (size_t)coefficients * sizeof *g->sh);
+    r->report.kept++;
+    return 1;
+}
+
+static long filter_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
+{
+    filter_reader *r = handle;
+    size_t kept = 0;
+    while (kept < capacity) {
+        fxs_gaussian *next = gaussians + kept;
+        long n = r->format->read(r->reader, next, capacity - kept, message);
+        if (n < 0)
+            return n;
+        if (n == 0)
+            break;
+        for (long i = 0; i < n; i++)
+            if (passes(r, &next[i]))
+                gaussians[kept++] = next[i];
+    }
+    return (long)kept;
+}
+
+static int filter_rewind(void *handle, fxs_message *message)
+{
+    filter_reader *r = handle;
+    memset(&r->report, 0, sizeof r->report);
+    return r->format->rewind(r->reader, message);
+}
+
+static void filter_close(void *handle)
+{
+    filter_reader *r = handle;
+    if (r->format->close)
+        r->format->close(r->reader);
+    fxs_release(r->allocator, r->reader);
+}
+
+static const fxs_scene_format filtered = {"filtered", sizeof(filter_reader), NULL, filter_read, filter_rewind, filter_close};
+
+/* Reads all, so that the report is that of the whole file. */
+static int count(fxs_scene_file *file, const filter_reader *r, uint64_t total, fxs_progress_fn *progress,
+                 void *argument, fxs_message *message)
+{
+    enum { BATCH = 256 };
+    fxs_gaussian batch[BATCH];
+    for (long n; (n = fxs_scene_file_read(file, batch, BATCH, message)) != 0;) {
+        if (n < 0)
+            return -1;
+        if (progress && progress(argument, (double)r->report.read / (double)total))
+            return fxs_fail(message, "stopped");
+    }
+    return 0;
+}
+
+int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, fxs_scene_file_info *info,
+                          fxs_scene_filter_report *report, fxs_progress_fn *progress, void *argument,
+                          fxs_message *message)
+{
+    if (filter->sh_degree < 0 || filter->sh_degree > 3)
+        return fxs_fail(message, "SH degree %d, not 0 to 3", filter->sh_degree);
+    const fxs_allocator *allocator = fxs_scene_file_allocator(file);
+    filter_reader *r = fxs_allocate_zeroed(allocator, 1, sizeof *r);
+    if (!r)
+        return fxs_fail(message, "out of memory");
+    r->allocator = allocator;
+    r->filter = *filter;
+    r->format = &filtered;
+    r->reader = r;
+    fxs_scene_file_swap(file, &r->format, &r->reader);
+    if (fxs_scene_file_rewind(file, message) || count(file, r, info->count, progress, argument, message))
+        return -1;
+    *report = r->report;
+    info->count = report->kept;
+    info->sh_degree = info->sh_degree < filter->sh_degree ? info->sh_degree : filter->sh_degree;
+    if (report->kept == 0)
+        return fxs_fail(message, "none of the %llu Gaussians %s", (unsigned long long)report->read,
+                        report->outside + report->faint < report->read ? "can be drawn" : "is left");
+    return fxs_scene_file_rewind(file, message);
+}

@@ -1,0 +1,296 @@
+/* Filtered scene files: what is left, its count before anything is read, and the same through fxs_pack. */
+#include "../port/formats/ply_write.h"
+#include "../port/formats/scene_filter.h"
+#include "scene_bytes.h"
+
+enum { COUNT = 1000 };
+
+static fxs_gaussian made[COUNT];
+static fxs_scene_filter filter;
+static fxs_scene_filter_report report;
+static fxs_scene_file *file;
+
+/* Writes the Gaussians to a file, which is then the one to read. */
+static int write_made(int sh_degree)
+{
+    char written[] = "/tmp/test_scene_filter_XXXXXX";
+    int descriptor = mkstemp(written);
+    fxs_ply_writer *writer;
+    if (descriptor < 0 || fxs_ply_writer_open(written, COUNT, sh_degree, 0, &writer, &message) ||
+        fxs_ply_writer_put(writer, made, COUNT, &message) || fxs_ply_writer_close(writer, &message))
+        return 0;
+    close(descriptor);
+    FILE *stream = fopen(written, "rb");
+    put_file(stream ? fread(bytes, 1, MAX_FILE, stream) : 0);
+    if (stream)
+        fclose(stream);
+    unlink(written);
+    return file_size > 0;
+}
+
+/* Gaussian i lies at (i, i % 10, -i) with the logit (i % 20) - 10. */
+static void make(void)
+{
+    memset(made, 0, sizeof made);
+    for (int i = 0; i < COUNT; i++) {
+        fxs_gaussian *g = &made[i];
+        g->position[0] = (float)i;
+        g->position[1] = (float)(i % 10);
+        g->position[2] = (float)-i;
+        g->rotation[0] = 1;
+        g->opacity = (float)(i % 20 - 10);
+        for (int k = 0; k < 45; k++)
+            g->sh[k] = (float)(i + k) / 2000;
+    }
+    fxs_scene_filter_default(&filter);
+    CHECK(write_made(3));
+}
+
+static int open_filtered(void)
+{
+    if (!CHECK(fxs_scene_file_open_memory(path, bytes, file_size, NULL, &file, &info, &message) == 0))
+        return -1;
+    int result = fxs_scene_file_filter(file, &filter, &info, &report, NULL, NULL, &message);
+    if (result)
+        fxs_scene_file_close(file);
+    return result;
+}
+
+/* Reads what is left, `step` at a time, twice; a step is cut short at the end alone. Returns how many. */
+static long read_left(fxs_gaussian *out, long step)
+{
+    long total = 0, n = step;
+    for (int again = 0; again < 2; again++) {
+        for (total = 0; n == step; total += n) {
+            n = fxs_scene_file_read(file, out + total, (size_t)step, &message);
+            if (!CHECK(n >= 0 && (uint64_t)(total + n) <= info.count))
+                return -1;
+        }
+        CHECK(fxs_scene_file_read(file, out, 1, &message) == 0);
+        CHECK(fxs_scene_file_rewind(file, &message) == 0);
+        n = step;
+    }
+    return total;
+}
+
+/* The Gaussians left must be those of which `left` is true, in their order, whatever the pace. */
+static void check_left(int (*left)(int i))
+{
+    static fxs_gaussian out[COUNT + COUNT];
+    for (long step = 1; step <= COUNT; step = 7 * step + 1) {
+        uint64_t expected = 0;
+        if (!CHECK(open_filtered() == 0))
+            return;
+        CHECK((uint64_t)read_left(out, step) == info.count);
+        for (int i = 0; i < COUNT; i++)
+            if (left(i))
+                CHECK(memcmp(&out[expected++], &made[i], sizeof *made) == 0);
+        CHECK(expected == info.count && report.kept == expected && report.read == COUNT);
+        fxs_scene_file_close(file);
+    }
+}
+
+static int any(int i)
+{
+    return i >= 0;
+}
+
+static void all_pass(void)
+{
+    make();
+    check_left(any);
+    CHECK(info.sh_degree == 3 && report.outside == 0 && report.faint == 0);
+}
+
+static int in_box(int i)
+{
+    return i >= 100 && i <= 300 && i % 10 >= 3;
+}
+
+/* Edges belong to the box. */
+static void box(void)
+{
+    make();
+    const double low[3] = {100, 3, -300}, high[3] = {500, 9, 0};
+    memcpy(filter.low, low, sizeof low);
+    memcpy(filter.high, high, sizeof high);
+    check_left(in_box);
+    CHECK(report.outside == COUNT - 140 && report.faint == 0);
+}
+
+static int is_half(int i)
+{
+    return i % 20 >= 10;
+}
+
+/* A logit of 0 is an opacity of 1/2. */
+static void opacity(void)
+{
+    make();
+    filter.opacity = 0.5;
+    check_left(is_half);
+    CHECK(report.faint == COUNT / 2);
+    filter.opacity = 0;
+    check_left(any);
+}
+
+static void sh_degrees(void)
+{
+    fxs_gaussian out[2];
+    make();
+    for (int degree = 0; degree <= 3; degree++) {
+        const int coefficients = 3 * degree * (degree + 2);
+        filter.sh_degree = degree;
+        if (!CHECK(open_filtered() == 0))
+            return;
+        CHECK(info.sh_degree == degree && info.count == COUNT);
+        CHECK(fxs_scene_file_read(file, out, 2, &message) == 2);
+        for (int k = 0; k < 45; k++)
+            CHECK(out[1].sh[k] == (k < coefficients ? made[1].sh[k] : 0));
+        fxs_scene_file_close(file);
+    }
+    for (filter.sh_degree = -1; filter.sh_degree <= 4; filter.sh_degree += 5)
+        CHECK(open_filtered() == -1 && strstr(message.text, "not 0 to 3"));
+    CHECK(write_made(1));
+    filter.sh_degree = 2;
+    CHECK(open_filtered() == 0 && info.sh_degree == 1);
+    fxs_scene_file_close(file);
+}
+
+static int is_drawable(int i)
+{
+    return i > 6;
+}
+
+static void make_undrawable(void)
+{
+    make();
+    made[0].position[1] = NAN;
+    made[1].opacity = NAN;
+    made[2].sh[2] = INFINITY;
+    made[3].rotation[0] = 0;
+    made[4].scale[2] = -20.1f;
+    made[5].position[0] = 1.4e8f;
+    made[6].position[0] = -INFINITY;
+    CHECK(write_made(3));
+}
+
+static void undrawable(void)
+{
+    make_undrawable();
+    check_left(any);
+    filter.drawable = 1;
+    check_left(is_drawable);
+    CHECK(report.dropped.not_finite == 4 && report.dropped.rotation == 1 && report.dropped.scale == 1 &&
+          report.dropped.position == 1);
+    filter.sh_degree = 0;   /* the infinite SH is left out */
+    CHECK(open_filtered() == 0 && info.count == COUNT - 6);
+    fxs_scene_file_close(file);
+}
+
+/* Of 1 to 99, two have moved out; an opacity of NaN is not faint but not finite. */
+static void undrawable_in_a_box(void)
+{
+    make_undrawable();
+    filter.drawable = 1;
+    filter.low[0] = 1;
+    filter.high[0] = 99;
+    filter.opacity = 0.5;
+    CHECK(open_filtered() == 0);
+    CHECK(report.outside == COUNT - 99 + 2 && report.dropped.not_finite == 1 && info.count == report.kept);
+    CHECK(report.kept + report.outside + report.faint + 1 == COUNT);
+    fxs_scene_file_close(file);
+}
+
+static void nothing_left(void)
+{
+    make();
+    filter.low[0] = 2 * COUNT;
+    CHECK(open_filtered() == -1 && strstr(message.text, "none of the 1000 Gaussians is left"));
+    for (int i = 0; i < COUNT; i++)
+        made[i].scale[0] = NAN;
+    CHECK(write_made(3));
+    fxs_scene_filter_default(&filter);
+    filter.drawable = 1;
+    CHECK(open_filtered() == -1 && strstr(message.text, "none of the 1000 Gaussians can be drawn"));
+}
+
+/* The scene packed through a filter and that of a file with only what is left are the same bytes. */
+static void packed(void)
+{
+    static fxs_gaussian out[COUNT];
+    fxs_packed_scene scenes[2];
+    fxs_pack_report reports[2];
+    make_undrawable();
+    filter.opacity = 0.5;
+    filter.high[0] = 700;
+    filter.sh_degree = 2;
+    for (int k = 0; k < 2; k++) {
+        if (!CHECK(open_filtered() == 0))
+            return;
+        CHECK(fxs_pack(file, &info, &scenes[k], &reports[k], NULL, NULL, &message) == 0);
+        if (k == 0) {
+            fxs_ply_writer *writer;
+            CHECK(fxs_scene_file_rewind(file, &message) == 0 && read_left(out, COUNT) == (long)info.count);
+            CHECK(fxs_ply_writer_open(path, info.count, 2, 0, &writer, &message) == 0);
+            CHECK(fxs_ply_writer_put(writer, out, info.count, &message) == 0);
+            CHECK(fxs_ply_writer_close(writer, &message) == 0);
+            fxs_scene_filter_default(&filter);
+        }
+        fxs_scene_file_close(file);
+    }
+    CHECK(scenes[0].bytes == scenes[1].bytes && memcmp(scenes[0].data, scenes[1].data, scenes[0].bytes) == 0);
+    CHECK(reports[0].read == reports[1].read && reports[0].packed == reports[1].packed);
+    fxs_packed_scene_free(&scenes[0]);
+    fxs_packed_scene_free(&scenes[1]);
+}
+
+static int stop_at_half(void *last, double done)
+{
+    CHECK(done > *(double *)last && done <= 1);
+    *(double *)last = done;
+    return done >= 0.5;
+}
+
+static void progress(void)
+{
+    double last = 0;
+    make();
+    filter.high[0] = 10;
+    if (!CHECK(fxs_scene_file_open_memory(path, bytes, file_size, NULL, &file, &info, &message) == 0))
+        return;
+    CHECK(fxs_scene_file_filter(file, &filter, &info, &report, stop_at_half, &last, &message) == -1);
+    CHECK(last >= 0.5);
+    fxs_scene_file_close(file);
+}
+
+/* A file that is at fault in its middle. */
+static void damaged(void)
+{
+    size = 0;
+    put("ply\nformat ascii 1.0\nelement vertex 600\n");
+    for (int i = 0; i < 14; i++)
+        put("property float %s\n", (const char *[]){"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0",
+            "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"}[i]);
+    put("end_header\n");
+    for (int i = 0; i < 600; i++)
+        put("%s 0 0 0 0 0 0 0 0 0 1 0 0 0\n", i == 500 ? "x" : "1");
+    put_file(size);
+    fxs_scene_filter_default(&filter);
+    CHECK(open_filtered() == -1 && strncmp(message.text, path, strlen(path)) == 0);
+}
+
+int main(void)
+{
+    RUN(all_pass);
+    RUN(box);
+    RUN(opacity);
+    RUN(sh_degrees);
+    RUN(undrawable);
+    RUN(undrawable_in_a_box);
+    RUN(nothing_left);
+    RUN(packed);
+    RUN(progress);
+    RUN(damaged);
+    return check_report();
+}

@@ -1,0 +1,125 @@
+#include "quality.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int measure_view(quality_view *out, renderer *r, const loaded_scene *const scenes[2], const fxs_file_view *view,
+                        const fxs_options *options)
+{
+    size_t bytes = (size_t)view->width * (size_t)view->height * 4;
+    uint8_t *original = 0;
+    int status = renderer_render(r, scenes[1], view, options, 0);
+    if (!status && !(original = malloc(bytes)))
+        status = fail(EXIT_FAILED, "out of memory");
+    if (!status) {
+        memcpy(original, r->pixels, bytes);
+        status = renderer_render(r, scenes[0], view, options, 0);
+    }
+    if (!status && fxs_metrics_compare(r->pixels, original, view->width, view->height, &out->metrics))
+        status = fail(EXIT_FAILED, "out of memory");
+    free(original);
+    memcpy(out->name, view->name, sizeof out->name);
+    out->width = view->width;
+    out->height = view->height;
+    return status;
+}
+
+/* View i of q->count: one of the file, or the only one, turned about the middle of the scene. */
+static fxs_file_view choose(quality *q, long i, const fxs_file_view *views, long given, const view_options *options,
+                            const fxs_pack_report *report)
+{
+    double middle[3];
+    q->views[i].index = options->cameras ? i * given / q->count : i;
+    if (options->cameras)
+        return views[q->views[i].index];
+    fxs_file_view turned = views[0];
+    for (int k = 0; k < 3; k++)
+        middle[k] = (report->inner_low[k] + report->inner_high[k]) / 2;
+    fxs_view_orbit(&turned, middle, options->up, 6.283185307179586 * (double)i / (double)q->count);
+    snprintf(turned.name, sizeof turned.name, "%.0f degrees", 360.0 * (double)i / (double)q->count);
+    return turned;
+}
+
+static void find_means(quality *q)
+{
+    long different = 0;
+    q->psnr = q->ssim = 0;
+    for (long i = 0; i < q->count; i++) {
+        const struct fxs_metrics *m = &q->views[i].metrics;
+        q->ssim += m->ssim / (double)q->count;
+        if (!isinf(m->psnr)) {
+            q->psnr += m->psnr;
+            different++;
+        }
+    }
+    q->psnr = different ? q->psnr / (double)different : INFINITY;
+}
+
+static int measure(quality *q, const loaded_scene *const scenes[2], const fxs_file_view *views, long given,
+                   const view_options *options)
+{
+    renderer r;
+    char label[] = "comparing";
+    int status = renderer_init(&r, options);
+    for (long i = 0; i < q->count && !status; i++) {
+        fxs_file_view view = choose(q, i, views, given, options, &scenes[1]->report);
+        progress_bar(label, (double)i / (double)q->count);
+        status = measure_view(&q->views[i], &r, scenes, &view, &options->render);
+    }
+    progress_end();
+    renderer_free(&r);
+    return status;
+}
+
+int quality_measure(quality *q, const loaded_scene *scene, const loaded_scene *original, const view_options *options,
+                    long wanted)
+{
+    const loaded_scene *const scenes[2] = {scene, original};
+    view_options all = *options;
+    fxs_file_view *views = 0;
+    all.view = "all";
+    memset(q, 0, sizeof *q);
+    long given = choose_views(&all, &original->report, &views);
+    if (given < 0)
+        return EXIT_FAILED;
+    q->count = options->cameras && given < wanted ? given : wanted;
+    q->views = calloc((size_t)q->count, sizeof *q->views);
+    int status = q->views ? measure(q, scenes, views, given, options) : fail(EXIT_FAILED, "out of memory");
+    free(views);
+    if (status)
+        quality_free(q);
+    else
+        find_means(q);
+    return status;
+}
+
+void quality_print_text(const quality *q)
+{
+    char psnr[32];
+    puts("view                                  size    PSNR, dB      SSIM   largest difference");
+    for (long i = 0; i < q->count; i++) {
+        const quality_view *v = &q->views[i];
+        printf("%4ld %-24.24s %6dx%-6d %9s  %.6f   %d\n", v->index, v->name, v->width, v->height,
+               fxs_metrics_psnr(psnr, v->metrics.psnr, "equal"), v->metrics.ssim, v->metrics.largest);
+    }
+    printf("mean %38s %9s  %.6f\n", "", fxs_metrics_psnr(psnr, q->psnr, "equal"), q->ssim);
+}
+
+void quality_print_json(const quality *q)
+{
+    char psnr[32];
+    printf("{\"views\": [");
+    for (long i = 0; i < q->count; i++) {
+        const quality_view *v = &q->views[i];
+        printf("%s{\"view\": %ld, \"width\": %d, \"height\": %d, \"psnr\": %s, \"ssim\": %.6f, \"largest\": %d}",
+               i ? ", " : "", v->index, v->width, v->height, fxs_metrics_psnr(psnr, v->metrics.psnr, "null"),
+               v->metrics.ssim, v->metrics.largest);
+    }
+    printf("], \"psnr\": %s, \"ssim\": %.6f}", fxs_metrics_psnr(psnr, q->psnr, "null"), q->ssim);
+}
+
+void quality_free(quality *q)
+{
+    free(q->views);
+}
