@@ -5,6 +5,7 @@
 #include "memory.h"
 
 #define JOBS 8u                    /* blocks a thread where bands are planned, at most */
+#define ENTRIES 4u                 /* a slot: what lists usually take */
 #define SLOT_BYTES (sizeof(fxs_splat) + sizeof(fxs_bounds) + sizeof(fxs_box) + sizeof(uint32_t) + 2 * sizeof(fxs_key))
 
 /* ---- Memory ---------------------------------------------------------------------------------------------------- */
@@ -60,7 +61,7 @@ static void lay_out_frame(fxs_frame *f, int planned)
     f->fixed_bytes = m.used;
 }
 
-/* What lasts for a band. The entries take the rest of the memory, up to 4 a slot and 64 a tile. Returns the bytes of
+/* What lasts for a band. The entries take the rest of the memory, up to ENTRIES a slot and 64 a tile. Returns the bytes of
    all, which may be more than a size_t holds. */
 static uint64_t lay_out_band(fxs_frame *f, uint64_t slots)
 {
@@ -72,7 +73,7 @@ static uint64_t lay_out_band(fxs_frame *f, uint64_t slots)
     f->indices = cut(&m, slots * sizeof *f->indices);
     f->keys = cut(&m, slots * sizeof *f->keys);
     f->spare_keys = cut(&m, slots * sizeof *f->spare_keys);
-    uint64_t wanted = 4 * slots + 64 * (uint64_t)f->tiles, rest = (f->memory_bytes - m.used) / sizeof *f->entries;
+    uint64_t wanted = ENTRIES * slots + 64 * (uint64_t)f->tiles, rest = (f->memory_bytes - m.used) / sizeof *f->entries;
     wanted = wanted < UINT32_MAX ? wanted : UINT32_MAX;
     f->entry_capacity = (uint32_t)(wanted < rest ? wanted : rest) / 16 * 16;
     f->entries = cut(&m, f->entry_capacity * (uint64_t)sizeof *f->entries);
@@ -85,21 +86,21 @@ static uint64_t lay_out_band(fxs_frame *f, uint64_t slots)
     return m.used;
 }
 
-/* The memory for `slots` slots, with as many entries: a tile's list is never longer, so one always fits. */
-static uint64_t bytes_for(const fxs_frame *f, uint64_t slots)
+static uint64_t bytes_for(const fxs_frame *f, uint64_t slots, uint64_t entries_a_slot)
 {
-    return f->fixed_bytes + to_multiple_of_16(slots) * (SLOT_BYTES + sizeof *f->entries);
+    return f->fixed_bytes + to_multiple_of_16(slots) * (SLOT_BYTES + entries_a_slot * sizeof *f->entries);
 }
 
-/* The same for every Gaussian, and for a plan, of a frame that is laid out for it. */
+/* The least memory for every Gaussian, and for a plan, of a frame that is laid out for it. With one entry a slot a tile
+   always fits, as its list is never longer. */
 static uint64_t bytes_for_all(const fxs_frame *f)
 {
-    return bytes_for(f, (uint64_t)f->scene->chunk_count * FXS_CHUNK);
+    return bytes_for(f, (uint64_t)f->scene->chunk_count * FXS_CHUNK, 1);
 }
 
 static uint64_t bytes_for_plan(const fxs_frame *f)
 {
-    return bytes_for(f, (uint64_t)f->blocks * FXS_CHUNK);
+    return bytes_for(f, (uint64_t)f->blocks * FXS_CHUNK, 1);
 }
 
 static uint64_t smaller(uint64_t a, uint64_t b)
@@ -177,12 +178,12 @@ static uint32_t block_slots(const fxs_frame *f, uint32_t block, int32_t first_ro
     return (uint32_t)smaller(most, counts[end_row].started - counts[first_row].ended + FXS_CHUNK);
 }
 
-static uint64_t band_bytes(const fxs_frame *f, int32_t first_row, int32_t end_row)
+static uint64_t band_bytes(const fxs_frame *f, int32_t first_row, int32_t end_row, uint64_t entries_a_slot)
 {
     uint64_t slots = 0;
     for (uint32_t block = 0; block < f->blocks; block++)
         slots += block_slots(f, block, first_row, end_row);
-    return bytes_for(f, slots);
+    return bytes_for(f, slots, entries_a_slot);
 }
 
 /* Returns the memory that the fullest tile row takes. */
@@ -194,7 +195,7 @@ static uint64_t plan(fxs_frame *f)
     for (uint32_t block = 0; block < f->blocks; block++)
         f->stats.visible += row_counts_of(f, block)[f->view.tiles_y].started;
     for (int32_t row = 0; row < f->view.tiles_y; row++) {
-        uint64_t bytes = band_bytes(f, row, row + 1);
+        uint64_t bytes = band_bytes(f, row, row + 1, 1);
         most = bytes > most ? bytes : most;
     }
     return most;
@@ -219,7 +220,7 @@ void fxs_band_next(fxs_frame *f)
     uint32_t slots = 0;
     f->first_row = f->end_row;
     f->end_row = f->planned ? f->first_row + 1 : f->view.tiles_y;
-    while (f->end_row < f->view.tiles_y && band_bytes(f, f->first_row, f->end_row + 1) <= f->memory_bytes)
+    while (f->end_row < f->view.tiles_y && band_bytes(f, f->first_row, f->end_row + 1, ENTRIES) <= f->memory_bytes)
         f->end_row++;
     for (uint32_t block = 0; block < f->blocks; block++) {
         f->block_slots[block] = slots;

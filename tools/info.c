@@ -6,11 +6,12 @@
 #include "command.h"
 
 static const char help[] =
-    "Usage: fixsplat info SCENE [--size WxH] [--lod LEVEL] [--json]\n\n"
+    "Usage: fixsplat info SCENE [--size WxH] [--max-memory BYTES] [--lod LEVEL] [--json]\n\n"
     "Prints the number of Gaussians, SH degree and bounds of a scene, its bytes a Gaussian once packed, the largest\n"
     "difference that packing made to each attribute (of an .fxs file, which is packed\n"
     "already, every checksum is verified instead), and the memory that a frame of the given size (default\n"
-    "1280x720) needs.\n\n"
+    "1280x720) needs: for any view, and the least. --max-memory BYTES (also as 64K, 3M, 2G): what render and bench\n"
+    "can do with so much.\n\n"
     "Examples:\n"
     "  fixsplat info scene.ply\n"
     "  fixsplat info scene.ply --size 1920x1080 --json\n";
@@ -31,7 +32,8 @@ static void print_json(const loaded_scene *s, const fxs_frame_memory *m, int wid
            "\"dc\": %.3g, \"sh\": %.3g}, ", r->largest.position, r->largest.scale, r->largest.rotation,
            r->largest.opacity, r->largest.dc, r->largest.sh);
     printf("\"frame\": {\"width\": %d, \"height\": %d, \"splats\": %zu, \"keys\": %zu, \"tiles\": %zu, "
-           "\"entries\": %zu, \"bytes\": %zu}}\n", width, height, m->splats, m->keys, m->tiles, m->entries, m->total);
+           "\"entries\": %zu, \"bytes\": %zu, \"least\": %zu}}\n", width, height, m->splats, m->keys, m->tiles, m->entries,
+           m->total, m->least);
 }
 
 static void print_text(const loaded_scene *s, const fxs_frame_memory *m, int width, int height)
@@ -50,18 +52,33 @@ static void print_text(const loaded_scene *s, const fxs_frame_memory *m, int wid
         printf("largest error position %.3g, ln(sigma) %.3g, rotation %.3g degrees, opacity %.3g, dc %.3g, sh %.3g\n",
            r->largest.position, r->largest.scale, r->largest.rotation, r->largest.opacity, r->largest.dc,
            r->largest.sh);
-    printf("frame         %dx%d needs %zu bytes: splats %zu, keys %zu, tiles %zu, entries %zu\n", width, height,
-           m->total, m->splats, m->keys, m->tiles, m->entries);
+    printf("frame         %dx%d needs %zu bytes: splats %zu, keys %zu, tiles %zu, entries %zu; in bands %zu or more\n",
+           width, height, m->total, m->splats, m->keys, m->tiles, m->entries, m->least);
+}
+
+/* What a frame can be with --max-memory: beyond the least, a band takes 88 bytes a splat. */
+static void print_limit(const fxs_frame_memory *m, size_t limit)
+{
+    if (limit < m->least)
+        printf("--max-memory  %zu bytes: too little for any view\n", limit);
+    else if (limit >= m->total)
+        printf("--max-memory  %zu bytes: enough for any view\n", limit);
+    else
+        printf("--max-memory  %zu bytes: enough for views with at most %zu Gaussians in a row of tiles (16 pixels)\n",
+               limit, (limit - m->least) / 88 / 16 * 16);
 }
 
 int command_info(int argc, char **argv)
 {
     enum { OPT_JSON = OPT_OWN };
-    static const struct option table[] = {{"size", required_argument, 0, OPT_SIZE}, {"lod", required_argument, 0, OPT_LOD}, {"json", no_argument, 0, OPT_JSON},
+    static const struct option table[] = {{"size", required_argument, 0, OPT_SIZE},
+                                          {"max-memory", required_argument, 0, OPT_MAX_MEMORY}, {"lod", required_argument, 0, OPT_LOD}, {"json", no_argument, 0, OPT_JSON},
                                           {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
     int width = 1280, height = 720, lod = 0, json = 0;
+    size_t limit = 0;
     loaded_scene loaded;
     fxs_context context;
+    const fxs_config config = {fxs_pool_run, 0, fxs_processors(), 0, 0};   /* only asked for sizes */
     fxs_frame_memory memory;
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;)
@@ -69,6 +86,10 @@ int command_info(int argc, char **argv)
         case OPT_SIZE:
             if (!parse_size(optarg, &width, &height))
                 return fail(EXIT_USAGE, "--size %s: expected WxH, each 1 to %d", optarg, FXS_MAX_SIZE);
+            break;
+        case OPT_MAX_MEMORY:
+            if (take_max_memory(&limit, optarg))
+                return EXIT_USAGE;
             break;
         case OPT_LOD:
             if (take_lod(&lod, optarg))
@@ -87,9 +108,11 @@ int command_info(int argc, char **argv)
         free_scene(&loaded);
         return fail(EXIT_FAILED, "%s", message.text);
     }
-    fxs_init(&context, 0);
+    fxs_init(&context, &config);
     fxs_frame_bytes(&context, &loaded.scene, width, height, &memory);
     (json ? print_json : print_text)(&loaded, &memory, width, height);
+    if (limit && !json)
+        print_limit(&memory, limit);
     free_scene(&loaded);
     return EXIT_OK;
 }
