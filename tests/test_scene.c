@@ -212,6 +212,7 @@ static void test_frame_bytes(void)
     CHECK(open_scene() == 0 && fxs_init(&context, 0) == 0);
     size_t total = fxs_frame_bytes(&context, &s.scene, 100, 70, &m);
     CHECK(total > 0 && total == m.total && total == m.splats + m.keys + m.tiles + m.entries && total % 64 == 0);
+    CHECK(m.least > 0 && m.least <= total);
     CHECK(fxs_frame_bytes(&context, &s.scene, 100, 70, 0) == total);
     CHECK(fxs_frame_bytes(&context, &s.scene, 1, 1, 0) > 0);
     CHECK(fxs_frame_bytes(&context, &s.scene, FXS_MAX_SIZE, FXS_MAX_SIZE, 0) > total);
