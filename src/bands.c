@@ -61,8 +61,8 @@ static void lay_out_frame(fxs_frame *f, int planned)
     f->fixed_bytes = m.used;
 }
 
-/* What lasts for a band. The entries take the rest of the memory, up to ENTRIES a slot and 64 a tile. Returns the bytes of
-   all, which may be more than a size_t holds. */
+/* What lasts for a band. The entries take the rest of the memory, up to ENTRIES a slot and 64 a tile. Returns the bytes
+   of all, which may be more than a size_t holds. */
 static uint64_t lay_out_band(fxs_frame *f, uint64_t slots)
 {
     arena m = {f->memory ? f->memory + f->fixed_bytes : 0, f->fixed_bytes};

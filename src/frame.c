@@ -120,8 +120,8 @@ static void fill_part(void *argument, uint32_t part)
                  f->next + (size_t)part * f->tiles, f->entries);
 }
 
-/* Lists as many tiles of the band as fit in `entries`, from first_tile on. A list is never longer than the number of slots, so
-   one always fits. In a tile's list the parts follow each other, so it is in the order of the keys. */
+/* Lists as many tiles of the band as fit in `entries`, from first_tile on. A list is never longer than the number of
+   slots, so one always fits. In a tile's list the parts follow each other, so it is in the order of the keys. */
 static void bin_run(fxs_frame *f)
 {
     uint32_t used = 0, tile = f->first_tile;

@@ -19,7 +19,7 @@ static struct {
     unsigned char expected[MOST_PIXELS * 4], pixels[MOST_PIXELS * 4];
 } drawn;
 
-static uint64_t banded, planned;           /* frames in more than one band; views that did not fit in the least memory */
+static uint64_t banded, planned;           /* frames in more than one band; views that need more than the least */
 
 static int untouched(const unsigned char *bytes, size_t count)
 {
@@ -119,8 +119,8 @@ static void draw(int height)
     free(memory);
 }
 
-/* A random view of up to `most` Gaussians, `height` pixels high (0: any), by each number of threads, by the plain and by
-   the best versions of the stages. */
+/* A random view of up to `most` Gaussians, `height` pixels high (0: any), by each number of threads, by the plain and
+   by the best versions of the stages. */
 static void check_case(uint64_t seed, int32_t most, int height)
 {
     size_t scene_bytes;

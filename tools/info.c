@@ -32,8 +32,8 @@ static void print_json(const loaded_scene *s, const fxs_frame_memory *m, int wid
            "\"dc\": %.3g, \"sh\": %.3g}, ", r->largest.position, r->largest.scale, r->largest.rotation,
            r->largest.opacity, r->largest.dc, r->largest.sh);
     printf("\"frame\": {\"width\": %d, \"height\": %d, \"splats\": %zu, \"keys\": %zu, \"tiles\": %zu, "
-           "\"entries\": %zu, \"bytes\": %zu, \"least\": %zu}}\n", width, height, m->splats, m->keys, m->tiles, m->entries,
-           m->total, m->least);
+           "\"entries\": %zu, \"bytes\": %zu, \"least\": %zu}}\n", width, height, m->splats, m->keys, m->tiles,
+           m->entries, m->total, m->least);
 }
 
 static void print_text(const loaded_scene *s, const fxs_frame_memory *m, int width, int height)
@@ -72,7 +72,8 @@ int command_info(int argc, char **argv)
 {
     enum { OPT_JSON = OPT_OWN };
     static const struct option table[] = {{"size", required_argument, 0, OPT_SIZE},
-                                          {"max-memory", required_argument, 0, OPT_MAX_MEMORY}, {"lod", required_argument, 0, OPT_LOD}, {"json", no_argument, 0, OPT_JSON},
+                                          {"max-memory", required_argument, 0, OPT_MAX_MEMORY},
+                                          {"lod", required_argument, 0, OPT_LOD}, {"json", no_argument, 0, OPT_JSON},
                                           {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
     int width = 1280, height = 720, lod = 0, json = 0;
     size_t limit = 0;

@@ -97,8 +97,8 @@ static int print_stats(renderer *r, const render_options *o, const loaded_scene 
         return fail(EXIT_FAILED, "%s", fxs_strerror(error));
     printf("{\"gaussians\": %" PRIu64 ", \"packed\": %" PRIu32 ", \"visible\": %" PRIu32 ", \"entries\": %" PRIu64
            ", \"bands\": %" PRIu32 ", \"runs\": %" PRIu32 ", \"pairs_evaluated\": %" PRIu64
-           ", \"pairs_blended\": %" PRIu64 ", \"frame_ms\": %.3f, \"stages_ms\": {", loaded->report.read, stats->gaussians, stats->visible,
-           stats->entries, stats->bands, stats->runs, evaluated, blended, (double)stats->frame_nanoseconds * 1e-6);
+           ", \"pairs_blended\": %" PRIu64 ", \"frame_ms\": %.3f, \"stages_ms\": {", loaded->report.read, stats->gaussians,
+           stats->visible, stats->entries, stats->bands, stats->runs, evaluated, blended, (double)stats->frame_nanoseconds * 1e-6);
     for (int i = 0; i < FXS_STAGES; i++)
         printf("%s\"%s\": %.3f", i ? ", " : "", fxs_stage_name((enum fxs_stage)i),
                (double)stats->nanoseconds[i] * 1e-6);

@@ -284,7 +284,7 @@ int renderer_render(renderer *r, const loaded_scene *loaded, const fxs_file_view
     int error = fxs_render(&r->context, &loaded->scene, &camera, options, r->memory, r->memory_bytes, r->pixels,
                            (ptrdiff_t)view->width * 4, stats);
     if (error == FXS_ERR_MEMORY)
-        return fail(EXIT_FAILED, "view %s: a frame of %dx%d does not fit in --max-memory %zu: it needs at least %zu bytes",
-                    view->name, view->width, view->height, r->max_memory, stats->memory.least);
+        return fail(EXIT_FAILED, "view %s: a frame of %dx%d does not fit in --max-memory %zu: it needs at least %zu "
+                    "bytes", view->name, view->width, view->height, r->max_memory, stats->memory.least);
     return error ? fail(EXIT_FAILED, "view %s: %s", view->name, fxs_strerror(error)) : 0;
 }
