@@ -211,7 +211,7 @@ int fxs_bands_init(fxs_frame *f)
     uint64_t least = bytes_for_plan(f);
     if (f->memory_bytes >= least)
         least = plan(f);
-    f->stats.memory.least = (size_t)smaller(least, all);
+    f->stats.memory.least = (size_t)smaller(smaller(least, all), SIZE_MAX);
     return f->memory_bytes < least ? FXS_ERR_MEMORY : 0;
 }
 
