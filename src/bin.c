@@ -8,10 +8,7 @@
 
 #define AHEAD 16                   /* keys */
 
-/* Tile columns or rows, first to last; none where first > last. */
-typedef struct span {
-    int32_t first, last;
-} span;
+typedef fxs_span span;
 
 typedef struct ellipse {
     const fxs_splat *splat;
@@ -97,9 +94,15 @@ static span square_span(int32_t centre_q14, uint32_t radius, int32_t tiles)
                   last < tiles ? (int32_t)(last < -1 ? -1 : last) : tiles - 1};
 }
 
+fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds)
+{
+    return view->square ? square_span(bounds->cy_q14, bounds->radius, view->tiles_y)
+                        : (span){splat->first_row / FXS_TILE, splat->last_row / FXS_TILE};
+}
+
 static span rows_of(const ellipse *e, const fxs_view *view)
 {
-    return view->square ? square_span(e->bounds->cy_q14, e->bounds->radius, view->tiles_y) : e->rows;
+    return fxs_bin_rows(view, e->splat, e->bounds);
 }
 
 static span span_of(const ellipse *e, const fxs_view *view, int32_t row)

@@ -27,7 +27,7 @@ enum fxs_error {
     FXS_ERR_VERSION = -3,       /* a packed scene of another version */
     FXS_ERR_CAMERA = -4,        /* focal length not above 0, rotation not orthonormal, position beyond +-2^28 units */
     FXS_ERR_SIZE = -5,          /* width or height outside 1..FXS_MAX_SIZE */
-    FXS_ERR_MEMORY = -6,        /* the working memory given is smaller than fxs_frame_bytes, or not aligned to 64 */
+    FXS_ERR_MEMORY = -6,        /* the working memory given is too small for the view, or not aligned to 64 */
     FXS_ERR_UNSUPPORTED = -7    /* a stage that this build or machine does not have */
 };
 
@@ -165,14 +165,18 @@ int fxs_init(fxs_context *context, const fxs_config *config);
 typedef struct fxs_frame_memory {
     size_t splats;                 /* projected Gaussians: 68 bytes each */
     size_t keys;                   /* sort keys, twice: 16 bytes a Gaussian; 8 KiB a thread */
-    size_t tiles;                  /* of 16x16 pixels: 12 bytes each, and 4 for each thread */
+    size_t tiles;                  /* of 16x16 pixels: 20 bytes each, and 4 for each thread */
     size_t entries;                /* tile lists, 4 bytes an entry */
-    size_t total;
+    size_t total;                  /* the four above */
+    size_t least;                  /* with less there is no frame */
 } fxs_frame_memory;
 
-/* The working memory that a frame of this size needs, worst case. Where the tile lists of a whole frame do not fit in
-   `entries`, the frame is rendered in runs of tiles, with the same bytes. *memory may be null.
-   Returns 0 where an argument is out of range, or the memory more than a size_t can count. */
+/* The working memory with which a frame of this size is rendered at once, whatever the view: `total`, of a splat for
+   every Gaussian. From `least` on (some 200 KB a thread, 8 bytes a chunk, and the tiles), less memory will do where
+   the view allows it: the frame is rendered in bands of tile rows, whose splats fit, after a first projection that
+   plans them. Each band takes 88 bytes for each Gaussian that touches it. The bytes of the picture are the same.
+   *memory may be null. Returns total; 0 where an argument is out of range, or the memory more than a size_t can
+   count. */
 size_t fxs_frame_bytes(const fxs_context *context, const fxs_scene *scene, int32_t width, int32_t height,
                        fxs_frame_memory *memory);
 
@@ -180,14 +184,18 @@ typedef struct fxs_stats {
     uint32_t gaussians;            /* in the scene */
     uint32_t visible;              /* left after culling */
     uint64_t entries;              /* tile list entries */
-    uint32_t runs;                 /* runs of tiles the frame was rendered in; 1 where all lists fitted */
+    uint32_t bands;                /* bands of tile rows the frame was rendered in; 1 where all splats fitted */
+    uint32_t runs;                 /* runs of tiles that those were rendered in; as many where all lists fitted */
+    fxs_frame_memory memory;       /* of the last band; least: for this view, exact, or 0 where nothing was planned */
     uint64_t nanoseconds[FXS_STAGES];   /* wall time of each stage; blend and resolve share theirs by work done */
     uint64_t frame_nanoseconds;
 } fxs_stats;
 
 /* Renders a frame. Not drawn are Gaussians whose centre is within 0.2 units of the camera's plane or behind it, more
    than 89 degrees off the axis or 65536 pixels off the picture's corner, or whose sigma is over 65536 pixels.
-   `memory`: `memory_bytes` bytes, at least fxs_frame_bytes, aligned to 64, contents undefined before and after.
+   `memory`: `memory_bytes` bytes, aligned to 64, contents undefined before and after. fxs_frame_bytes are always
+   enough; with less, FXS_ERR_MEMORY may be the answer, and stats->memory.least is what this view needs (at least that
+   where memory_bytes is below the `least` of fxs_frame_bytes, else exactly, for this number of threads).
    `pixels`: height rows of width pixels (options->format), `stride` bytes from row to row (negative: bottom up); only
    the pixels are written. *stats may be null. Errors: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA, FXS_ERR_SIZE, FXS_ERR_MEMORY;
    nothing is written to `pixels` then. */

@@ -150,6 +150,14 @@ typedef struct fxs_sorted {
     uint32_t count;
 } fxs_sorted;
 
+/* Tile columns or rows, first to last; none where first > last. */
+typedef struct fxs_span {
+    int32_t first, last;
+} fxs_span;
+
+/* The tile rows in which a splat may be listed. */
+fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds);
+
 /* Fetches the boxes of a stretch from `boxes` (by slot) and adds 1 to counts[tile] for every tile that each is in. */
 void fxs_bin_count(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_box *boxes,
                    const fxs_sorted *sorted, uint32_t *counts);

@@ -77,6 +77,27 @@ static inline void put_file(size_t length)
     file_size = length;
 }
 
+/* ---- A file that a writer of the library makes ---- */
+
+static char written[] = "/tmp/fixsplat_written_XXXXXX";
+
+/* Makes room for it, empty. */
+static inline void make_written(void)
+{
+    int descriptor = mkstemp(written);
+    if (descriptor < 0 || close(descriptor))
+        abort();
+}
+
+/* Its bytes are the file to read. */
+static inline void take_written(void)
+{
+    FILE *stream = fopen(written, "rb");
+    put_file(stream ? fread(bytes, 1, MAX_FILE, stream) : 0);
+    if (stream)
+        fclose(stream);
+}
+
 /* ---- Reading it ---- */
 
 /* 0 where the file opens and reads to its end, twice, at two paces; else -1 and the message. */

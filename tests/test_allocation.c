@@ -96,16 +96,18 @@ static void render_frames(uint32_t threads)
     size_t bytes = fxs_frame_bytes(&context, &scene, WIDTH, HEIGHT, 0);
     void *memory = check_aligned(bytes);
     int before = allocations;
-    uint32_t visible = 0;
+    uint32_t visible = 0, bands = 0;
     for (int i = 0; i < 30; i++) {
         fxs_camera camera;
         fxs_stats stats;
         fxs_view_orbit(&view, middle, up, 0.2);
         CHECK(!fxs_camera_from_view(&camera, &view, &m) &&
-              !fxs_render(&context, &scene, &camera, &options, memory, bytes, pixels, WIDTH * 4, &stats));
+              !fxs_render(&context, &scene, &camera, &options, memory, i % 2 ? bytes : bytes / 2, pixels, WIDTH * 4, &stats));
         visible += stats.visible;
+        bands += stats.bands;
     }
     CHECK(visible > 30 * 1000);
+    CHECK(bands > 30);
     CHECK(allocations == before);
     fxs_pool_destroy(pool);
     free(memory);

@@ -406,18 +406,6 @@ static void fill_gaussians(int degree)
         }
 }
 
-static char written[] = "/tmp/test_spz_XXXXXX";
-
-/* Makes a written file the one to read. */
-static void take_written(void)
-{
-    FILE *stream = fopen(written, "rb");
-    if (!CHECK(stream != NULL))
-        return;
-    put_file(fread(bytes, 1, MAX_FILE, stream));
-    fclose(stream);
-}
-
 static int write_file(int version, int degree, uint32_t clamped)
 {
     fxs_spz_writer *writer;

@@ -851,7 +851,7 @@ static struct {
     fxs_camera camera;
     fxs_options options;
     unsigned char *memory, pixels[20 * 10 * 4];
-    size_t bytes;
+    size_t bytes, least;
 } good;
 
 static int render_good(void)
@@ -875,7 +875,9 @@ static void make_good(void)
     good.camera = make_camera(20, 10, 2);
     good.options = defaults;
     fxs_init(&good.context, 0);
-    good.bytes = fxs_frame_bytes(&good.context, &good.scene.scene, 20, 10, 0);
+    fxs_frame_memory memory;
+    good.bytes = fxs_frame_bytes(&good.context, &good.scene.scene, 20, 10, &memory);
+    good.least = memory.least;
     good.memory = allocate(good.bytes + 64, 0);
     memset(good.pixels, GUARD, sizeof good.pixels);
 }
@@ -917,7 +919,7 @@ static void test_render_refuses_arguments(void)
     REFUSES(FXS_ERR_ARGUMENT, good.options.format, (enum fxs_format)3);
     REFUSES(FXS_ERR_ARGUMENT, good.memory, 0);
     REFUSES(FXS_ERR_MEMORY, good.memory, good.memory + 32);
-    REFUSES(FXS_ERR_MEMORY, good.bytes, good.bytes - 1);
+    REFUSES(FXS_ERR_MEMORY, good.bytes, good.least - 1);
     REFUSES(FXS_ERR_MEMORY, good.bytes, 0);
     const fxs_scene *s = &good.scene.scene;
     const fxs_context *context = &good.context;

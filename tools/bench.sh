@@ -1,5 +1,6 @@
 #!/bin/sh
-# Measures and writes the tables of docs/performance.md (between its marker lines). B: build folder; SCENES: folder of real scenes.
+# bench.sh [PART...]: measures and writes the parts of docs/performance.md (between their marker lines): tables, limits; without PART, both.
+# B: build folder; SCENES: folder of real scenes.
 # Medians of 10 frames or more, from `fixsplat bench --json`; rows of one table are from one run.
 set -eu
 B=${B:-build} SCENES=${SCENES:-../shared/scenes}
@@ -115,19 +116,62 @@ cutoffs() {
     printf '\nBetween the two pictures:\n\n%s' "$distances"
 }
 
-{
-    printf 'Measured %s on %s (%s processors), %s.\n\n' "$(date -u +%Y-%m-%d)" \
-        "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)" "$(getconf _NPROCESSORS_ONLN)" \
-        "$(${CC:-cc} --version | head -n 1)"
+# Rows for a view in 1, 1/2, 1/4 and 1/8 of the memory that fxs_frame_bytes asks for.
+limit_rows() {
+    name=$1 file=$2 all=
+    shift 2
+    bytes=$("$B/fixsplat" render "$file" --threads 1 --size 1280x720 --stats "$@" | sed 's/.*"bytes"//' | field frame)
+    for share in 1 2 4 8; do
+        set -- "$@" --threads 1 --size 1280x720 --max-memory $((bytes / share))
+        mb=$(awk "BEGIN {printf \"%.1f\", $bytes / $share / 1e6}")
+        if ! json=$("$B/fixsplat" render "$file" --stats "$@" 2>"$work/needs"); then
+            least=$(sed 's/.* \([0-9]*\) bytes$/\1/' "$work/needs")
+            printf '| %s, 1/%s | %s | too little: %s | | | | | |\n' "$name" $share $mb \
+                "$(awk "BEGIN {printf \"%.1f\", $least / 1e6}")"
+            continue
+        fi
+        bands=$(echo "$json" | field bands) json=$("$B/fixsplat" bench --json "$file" --frames 20 "$@")
+        frame=$(echo "$json" | field frame_ms)
+        all=${all:-$frame}
+        printf '| %s, 1/%s | %s | %s | %s | %s | %s | %s | %s |\n' "$name" $share $mb "$bands" \
+            "$(echo "$json" | field project)" "$(echo "$json" | field shade)" "$(echo "$json" | field bin)" $frame \
+            "$(awk "BEGIN {printf \"%.2f\", $frame / $all}")"
+    done
+}
+
+limits() {
+    printf '1280x720, one thread, milliseconds.\n\n| view, share of the memory | MB | bands | project | shade | bin | frame | times |\n'
+    printf '|---|---|---|---|---|---|---|---|\n'
+    landscape 1000000
+    limit_rows 'landscape 1,000,000, all in view' "$work/1000000.ply"
+    limit_rows 'landscape 1,000,000, from the shore' "$work/1000000.ply" --eye 4.6,-1.9,-12.7 --look 0,-2.2,0 --fov 52
+    if [ -d "$SCENES" ]; then
+        for view in 8 40; do
+            limit_rows "snowmiku, view $view" "$SCENES/snowmiku/snowmiku.ply" --cameras "$SCENES/snowmiku/cameras.json" \
+                --view $view
+        done
+    fi
+}
+
+tables() {
     growth
     echo
     scenes
     echo
     cutoffs
-} >"$work/tables"
-awk -v tables="$work/tables" '
-    /^<!-- tables: begin/ { print; print ""; while ((getline line < tables) > 0) print line; skip = 1 }
-    /^<!-- tables: end/ { skip = 0; print "" }
-    !skip' docs/performance.md >"$work/performance.md"
-cat "$work/performance.md" >docs/performance.md
-cat "$work/tables"
+}
+
+for part in ${*:-tables limits}; do
+    {
+        printf 'Measured %s on %s (%s processors), %s.\n\n' "$(date -u +%Y-%m-%d)" \
+            "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)" "$(getconf _NPROCESSORS_ONLN)" \
+            "$(${CC:-cc} --version | head -n 1)"
+        $part
+    } >"$work/$part"
+    awk -v text="$work/$part" -v begin="<!-- $part: begin" -v end="<!-- $part: end" '
+        index($0, begin) == 1 { print; print ""; while ((getline line < text) > 0) print line; skip = 1 }
+        index($0, end) == 1 { skip = 0; print "" }
+        !skip' docs/performance.md >"$work/performance.md"
+    cat "$work/performance.md" >docs/performance.md
+    cat "$work/$part"
+done

@@ -39,6 +39,24 @@ int parse_count(const char *text, uint64_t low, uint64_t high, uint64_t *out)
     return text[0] >= '0' && text[0] <= '9' && !*end && !errno && value >= low && value <= high;
 }
 
+int parse_bytes(const char *text, size_t *out)
+{
+    static const char units[] = "KMG";
+    size_t digits = strspn(text, "0123456789");
+    const char *unit = text[digits] ? strchr(units, text[digits]) : 0;
+    int shift = unit ? 10 * (int)(unit - units + 1) : 0;
+    char number[24];
+    uint64_t value;
+    if (digits >= sizeof number || (text[digits] && (!unit || text[digits + 1])))
+        return 0;
+    memcpy(number, text, digits);
+    number[digits] = 0;
+    if (!parse_count(number, 1, SIZE_MAX >> shift, &value))
+        return 0;
+    *out = (size_t)value << shift;
+    return 1;
+}
+
 int parse_size(const char *text, int *width, int *height)
 {
     uint64_t w, h;
@@ -193,6 +211,12 @@ static int map(loaded_scene *loaded, const char *path)
         loaded->report.inner_high[i] = ldexp((double)header->inner_high_q32[i], -32);
     }
     return 0;
+}
+
+int take_max_memory(size_t *bytes, const char *value)
+{
+    return parse_bytes(value, bytes)
+               ? 0 : fail(EXIT_USAGE, "--max-memory %s: expected bytes, or a number with K, M or G", value);
 }
 
 int take_lod(int *lod, const char *value)

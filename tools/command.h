@@ -33,6 +33,7 @@ int wrong_option(char **argv);
 
 /* Whole numbers and lists of numbers, checked; they return 0 where the text is anything else. */
 int parse_count(const char *text, uint64_t low, uint64_t high, uint64_t *out);
+int parse_bytes(const char *text, size_t *out);                     /* 1 or more; 64K, 3M, 2G: times 2^10, 2^20, 2^30 */
 int parse_size(const char *text, int *width, int *height);          /* WxH, each 1 to 16384 */
 int parse_vector(const char *text, int count, double *out);         /* X,Y,... */
 int parse_colour(const char *text, uint8_t rgb[3]);                 /* RRGGBB */
@@ -64,6 +65,9 @@ int load_scene(loaded_scene *loaded, const char *path, int lod, const fxs_scene_
 int open_scene(const char *path, int lod, const fxs_scene_filter *filter, fxs_scene_file **file,
                fxs_scene_file_info *info);
 
+/* Takes the value of --max-memory. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
+int take_max_memory(size_t *bytes, const char *value);
+
 /* Takes the value of --lod. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
 int take_lod(int *lod, const char *value);
 void free_scene(loaded_scene *loaded);
@@ -78,12 +82,13 @@ typedef struct view_options {
     fxs_options render;
     const char *cpu, *backend;
     uint32_t threads;
+    size_t max_memory;                      /* of a frame, bytes; 0: as much as it takes */
     int lod;
 } view_options;
 
 /* Their entries for a getopt_long table, and the value that each returns there. */
 enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_SIZE, OPT_BG, OPT_CUTOFF, OPT_SH_DEGREE,
-       OPT_CPU, OPT_THREADS, OPT_BACKEND, OPT_LOD, OPT_HELP, OPT_OWN };
+       OPT_CPU, OPT_THREADS, OPT_MAX_MEMORY, OPT_BACKEND, OPT_LOD, OPT_HELP, OPT_OWN };
 #define VIEW_OPTIONS \
     {"cameras", required_argument, 0, OPT_CAMERAS}, {"view", required_argument, 0, OPT_VIEW}, \
     {"eye", required_argument, 0, OPT_EYE}, {"look", required_argument, 0, OPT_LOOK}, \
@@ -91,6 +96,7 @@ enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_SIZE
     {"size", required_argument, 0, OPT_SIZE}, {"bg", required_argument, 0, OPT_BG}, \
     {"cutoff", required_argument, 0, OPT_CUTOFF}, {"sh-degree", required_argument, 0, OPT_SH_DEGREE}, \
     {"cpu", required_argument, 0, OPT_CPU}, {"threads", required_argument, 0, OPT_THREADS}, \
+    {"max-memory", required_argument, 0, OPT_MAX_MEMORY}, \
     {"backend", required_argument, 0, OPT_BACKEND}, {"lod", required_argument, 0, OPT_LOD}, \
     {"help", no_argument, 0, OPT_HELP}
 extern const char view_options_help[];
@@ -113,7 +119,7 @@ typedef struct renderer {
     fxs_context context;
     fxs_pool *pool;
     void *memory, *allocation;
-    size_t memory_bytes;
+    size_t memory_bytes, max_memory;        /* max_memory: as in view_options */
     uint8_t *pixels;                        /* RGBA */
     int width, height;
 } renderer;

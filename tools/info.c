@@ -10,7 +10,7 @@ static const char help[] =
     "Usage: fixsplat info SCENE [OPTION...]\n\n"
     "Prints the number of Gaussians, SH degree and bounds of a scene, its bytes a Gaussian once packed, the largest\n"
     "difference that packing made to each attribute (of an .fxs file, which is packed already, every checksum is\n"
-    "verified instead), and the memory that a frame needs.\n\n"
+    "verified instead), and the memory that a frame needs: for any view, and the least.\n\n"
     "  --compare ORIGINAL  render SCENE and the scene that it was made from, and print PSNR and SSIM of each view and\n"
     "                      their means (that of PSNR without views that are equal). The original is packed as\n"
     "                      convert does without options: what that loses itself, against the floats, is not in the\n"
@@ -18,6 +18,7 @@ static const char help[] =
     "  --cameras FILE      compare from evenly spaced views of this file (default: from around the scene)\n"
     "  --views N           how many, 1 to 1000 (default 8)\n"
     "  --size WxH          pixels (default 1280x720; of the views of a file their own)\n"
+    "  --max-memory BYTES  (also as 64K, 3M, 2G) what render and bench can do with so much\n"
     "  --lod LEVEL         level of detail of SCENE, where it is a streamed .sog, 0 the finest (default 0)\n"
     "  --json              print a JSON object (psnr is null where the pictures are equal)\n"
     "  --help              this text\n\n"
@@ -40,6 +41,7 @@ typedef struct findings {
     loaded_scene scene;
     int width, height;
     fxs_frame_memory memory;
+    size_t limit;                           /* --max-memory; 0: none */
     int compared;
     quality quality;
 } findings;
@@ -72,14 +74,26 @@ static void print_json(const findings *f)
         printf(", ");
     }
     printf("\"frame\": {\"width\": %d, \"height\": %d, \"splats\": %zu, \"keys\": %zu, \"tiles\": %zu, "
-           "\"entries\": %zu, \"bytes\": %zu}}\n", f->width, f->height, m->splats, m->keys, m->tiles, m->entries,
-           m->total);
+           "\"entries\": %zu, \"bytes\": %zu, \"least\": %zu}}\n", f->width, f->height, m->splats, m->keys, m->tiles,
+           m->entries, m->total, m->least);
 }
 
 static void print_error_text(const char *name, const fxs_pack_error *e)
 {
     printf("%-13s position %.3g, ln(sigma) %.3g, rotation %.3g degrees, opacity %.3g, dc %.3g, sh %.3g\n", name,
            e->position, e->scale, e->rotation, e->opacity, e->dc, e->sh);
+}
+
+/* What a frame can be with --max-memory: beyond the least, a band takes 88 bytes a splat. */
+static void print_limit(const fxs_frame_memory *m, size_t limit)
+{
+    if (limit < m->least)
+        printf("--max-memory  %zu bytes: too little for any view\n", limit);
+    else if (limit >= m->total)
+        printf("--max-memory  %zu bytes: enough for any view\n", limit);
+    else
+        printf("--max-memory  %zu bytes: enough for views with at most %zu Gaussians in a row of tiles (16 pixels)\n",
+               limit, (limit - m->least) / 88 / 16 * 16);
 }
 
 static void print_text(const findings *f)
@@ -98,8 +112,10 @@ static void print_text(const findings *f)
            (double)s->packed.bytes / (double)r->packed);
     if (!s->mapped)
         print_error_text("largest error", &r->largest);
-    printf("frame         %dx%d needs %zu bytes: splats %zu, keys %zu, tiles %zu, entries %zu\n", f->width, f->height,
-           m->total, m->splats, m->keys, m->tiles, m->entries);
+    printf("frame         %dx%d needs %zu bytes: splats %zu, keys %zu, tiles %zu, entries %zu; in bands %zu or more\n",
+           f->width, f->height, m->total, m->splats, m->keys, m->tiles, m->entries, m->least);
+    if (f->limit)
+        print_limit(m, f->limit);
     if (f->compared) {
         puts("");
         quality_print_text(&f->quality);
@@ -114,6 +130,7 @@ static int take_options(info_options *o, int argc, char **argv)
                                           {"cameras", required_argument, 0, OPT_CAMERAS},
                                           {"views", required_argument, 0, OPT_VIEWS},
                                           {"size", required_argument, 0, OPT_SIZE},
+                                          {"max-memory", required_argument, 0, OPT_MAX_MEMORY},
                                           {"lod", required_argument, 0, OPT_LOD}, {"json", no_argument, 0, OPT_JSON},
                                           {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
     memset(o, 0, sizeof *o);
@@ -162,7 +179,9 @@ static int find(findings *f, const info_options *o)
         return fail(EXIT_FAILED, "%s", message.text);
     f->width = o->view.width ? o->view.width : 1280;
     f->height = o->view.height ? o->view.height : 720;
-    fxs_init(&context, 0);
+    const fxs_config config = {fxs_pool_run, 0, fxs_processors(), 0, 0};   /* only asked for sizes */
+    f->limit = o->view.max_memory;
+    fxs_init(&context, &config);
     fxs_frame_bytes(&context, &f->scene.scene, f->width, f->height, &f->memory);
     return o->original ? compare(f, o) : 0;
 }

@@ -88,18 +88,17 @@ static int print_stats(renderer *r, const render_options *o, const loaded_scene 
 {
     fxs_camera camera;
     fxs_message message;
-    fxs_frame_memory memory;
+    const fxs_frame_memory *memory = &stats->memory;
     uint64_t evaluated = 0, blended = 0;
     fxs_camera_from_view(&camera, view, &message);
     int error = fxs_count_pairs(&loaded->scene, &camera, &o->view.render, r->memory, r->memory_bytes, &evaluated,
                                 &blended);
     if (error)
         return fail(EXIT_FAILED, "%s", fxs_strerror(error));
-    fxs_frame_bytes(&r->context, &loaded->scene, view->width, view->height, &memory);
     printf("{\"gaussians\": %" PRIu64 ", \"packed\": %" PRIu32 ", \"visible\": %" PRIu32 ", \"entries\": %" PRIu64
-           ", \"runs\": %" PRIu32 ", \"pairs_evaluated\": %" PRIu64 ", \"pairs_blended\": %" PRIu64
-           ", \"frame_ms\": %.3f, \"stages_ms\": {", loaded->report.read, stats->gaussians, stats->visible,
-           stats->entries, stats->runs, evaluated, blended, (double)stats->frame_nanoseconds * 1e-6);
+           ", \"bands\": %" PRIu32 ", \"runs\": %" PRIu32 ", \"pairs_evaluated\": %" PRIu64
+           ", \"pairs_blended\": %" PRIu64 ", \"frame_ms\": %.3f, \"stages_ms\": {", loaded->report.read, stats->gaussians,
+           stats->visible, stats->entries, stats->bands, stats->runs, evaluated, blended, (double)stats->frame_nanoseconds * 1e-6);
     for (int i = 0; i < FXS_STAGES; i++)
         printf("%s\"%s\": %.3f", i ? ", " : "", fxs_stage_name((enum fxs_stage)i),
                (double)stats->nanoseconds[i] * 1e-6);
@@ -107,8 +106,8 @@ static int print_stats(renderer *r, const render_options *o, const loaded_scene 
     for (int i = 0; i < FXS_STAGES; i++)
         printf("%s\"%s\": \"%s\"", i ? ", " : "", fxs_stage_name((enum fxs_stage)i), r->context.kernels.name[i]);
     printf("}, \"bytes\": {\"scene\": %zu, \"splats\": %zu, \"keys\": %zu, \"tiles\": %zu, \"entries\": %zu, "
-           "\"frame\": %zu}}\n", loaded->packed.bytes, memory.splats, memory.keys, memory.tiles, memory.entries,
-           memory.total);
+           "\"frame\": %zu}}\n", loaded->packed.bytes, memory->splats, memory->keys, memory->tiles, memory->entries,
+           memory->total);
     return 0;
 }
 

@@ -22,6 +22,8 @@ const char view_options_help[] =
     "  --cutoff NAME       mahalanobis (default) or square\n"
     "  --sh-degree D       highest SH degree used, 0 to 3 (default 3)\n"
     "  --threads N         threads, 1 to 64 (default: one a processor); the picture does not depend on it\n"
+    "  --max-memory BYTES  working memory of a frame, also as 64K, 3M, 2G: rendered in bands where it does not hold\n"
+    "                      every Gaussian; the picture does not depend on it\n"
     "  --cpu LIST          instruction sets that may be used: all (default), c for none, or names out of\n"
     "                      sse41,avx2,avx512,neon\n"
     "  --backend NAME      cpu or auto (default auto)\n"
@@ -97,6 +99,7 @@ int view_option(view_options *options, int which, const char *value)
     case OPT_CPU: options->cpu = value; break;
     case OPT_BACKEND: options->backend = value; break;
     case OPT_LOD: return take_lod(&options->lod, value);
+    case OPT_MAX_MEMORY: return take_max_memory(&options->max_memory, value);
     case OPT_THREADS:
         status = take_number("threads", value, 1, 64, &number);
         options->threads = (uint32_t)number;
@@ -230,6 +233,7 @@ int renderer_init(renderer *r, const view_options *options)
     memset(r, 0, sizeof *r);
     if (strcmp(options->backend, "cpu") && strcmp(options->backend, "auto"))
         return fail(EXIT_USAGE, "--backend %s: expected cpu or auto", options->backend);
+    r->max_memory = options->max_memory;
     fxs_config config = {0, 0, options->threads, fxs_clock, 0};
     if (options->threads > 1) {
         r->pool = fxs_pool_create(options->threads);
@@ -252,6 +256,7 @@ void renderer_free(renderer *r)
 static int make_room(renderer *r, const fxs_scene *scene, int width, int height)
 {
     size_t bytes = fxs_frame_bytes(&r->context, scene, width, height, 0);
+    bytes = r->max_memory && r->max_memory < bytes ? r->max_memory : bytes;
     if (r->pixels && width == r->width && height == r->height && bytes <= r->memory_bytes)
         return 0;
     free(r->allocation);
@@ -278,5 +283,8 @@ int renderer_render(renderer *r, const loaded_scene *loaded, const fxs_file_view
         return EXIT_FAILED;
     int error = fxs_render(&r->context, &loaded->scene, &camera, options, r->memory, r->memory_bytes, r->pixels,
                            (ptrdiff_t)view->width * 4, stats);
+    if (error == FXS_ERR_MEMORY)
+        return fail(EXIT_FAILED, "view %s: a frame of %dx%d does not fit in --max-memory %zu: it needs at least %zu "
+                    "bytes", view->name, view->width, view->height, r->max_memory, stats->memory.least);
     return error ? fail(EXIT_FAILED, "view %s: %s", view->name, fxs_strerror(error)) : 0;
 }

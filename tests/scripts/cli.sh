@@ -130,7 +130,9 @@ for bad in 0x10 10x0 16385x1 1x16385 10 10x 10x10x10 -1x10 99999999999999999999x
     fails "--size $bad" 2 "--size $bad" render knot.ply --size $bad --hash
 done
 for bad in 'bg 12345' 'bg 12345g' 'cutoff round' 'sh-degree 4' 'sh-degree -1' 'threads 0' 'threads 65' 'cpu none' \
-    'backend none' 'eye 1,2' 'eye 1,2,nan' 'look 1,2,3,4' 'up x' 'fov 0' 'fov 171' 'fov nan'; do
+    'backend none' 'eye 1,2' 'eye 1,2,nan' 'look 1,2,3,4' 'up x' 'fov 0' 'fov 171' 'fov nan' 'max-memory 0' \
+    'max-memory 1T' 'max-memory 1KB' 'max-memory -1' 'max-memory K' 'max-memory 99999999999G' \
+    'max-memory 99999999999999999999999999' 'max-memory'; do
     fails "--$bad" 2 "--${bad%% *}" render knot.ply $small --hash --$bad
 done
 for bad in 'crop 0,0,0,1,1' 'crop 0,0,0,1,1,1,1' 'crop 0,0,0,1,1,-1' 'crop nan,0,0,1,1,1' 'crop x' \
@@ -175,6 +177,12 @@ for cpu in all c sse41 avx2 avx512 neon sse41,avx2; do
         skip "one hash with --cpu $cpu" "${got#fixsplat: }"
     fi
 done
+for memory in 300000 400K 1M 3G; do
+    check "one hash with --max-memory $memory" equal "$(hash_of knot.ply $small --threads 2 --max-memory $memory)" "$hash"
+done
+check "one hash with --max-memory, square" equal \
+    "$(hash_of knot.ply $small --cutoff square --threads 2 --max-memory 300000)" \
+    "$(hash_of knot.ply $small --cutoff square)"
 check "one hash with --backend cpu" equal "$(hash_of knot.ply $small --backend cpu)" "$hash"
 for other in '--bg ff0000' '--cutoff square' '--sh-degree 0' '--fov 40' '--up 0,0,1' '--eye 0,-2,-9' \
     '--eye 0,-2,-9 --look 1,0,0' '--alpha'; do
@@ -185,6 +193,19 @@ away='--eye 0,0,-100 --look 0,0,-200'
 succeeds "everything behind the camera" render knot.ply $small $away -o black.ppm
 tail -c $((64 * 48 * 3)) black.ppm >black.rgb
 check "everything behind the camera: black" all_zero black.rgb
+# What it asks for is enough, and one byte less is not.
+words='a frame of 64x48 does not fit in --max-memory [0-9]*: it needs at least [0-9]* bytes$'
+fails "--max-memory 1: too little" 1 "$words" render knot.ply $small --threads 1 --max-memory 1 --hash
+needed() { sed -n 's/.*at least \([0-9]*\) bytes$/\1/p' logs/err; }
+fails "--max-memory: too little for this view" 1 "$words" render knot.ply $small --threads 1 --max-memory $(needed) \
+    -o none.png
+check "--max-memory: no picture is begun" [ ! -e none.png ]
+least=$(needed)
+check "--max-memory: what it asks for is enough" equal \
+    "$(hash_of knot.ply $small --threads 1 --max-memory ${least:-1})" "$hash"
+fails "--max-memory: one byte less is not" 1 "$words" render knot.ply $small --threads 1 \
+    --max-memory $((${least:-1} - 1)) --hash
+
 succeeds "--alpha" render knot.ply $small $away --bg ff0000 --alpha -o clear.raw
 check "--alpha: nothing is nothing, whatever the background" all_zero clear.raw
 "$fixsplat" render knot.ply $small --alpha --bg ff0000 -o coverage.raw
@@ -355,13 +376,17 @@ fi
 
 stages='project shade sort bin blend resolve'
 succeeds "--stats" render knot.ply $small --stats
-check "--stats: keys" keys logs/out gaussians visible entries pairs_evaluated pairs_blended frame_ms \
+check "--stats: keys" keys logs/out gaussians visible entries bands runs pairs_evaluated pairs_blended frame_ms \
     $(printf 'stages_ms.%s ' $stages) $(printf 'bytes.%s ' scene splats keys tiles entries frame)
 check "--stats: Gaussians" grep -q '"gaussians": 2000,' logs/out
 succeeds "info" info knot.ply
+for said in '1K: 1024 bytes: too little' '1M: 1048576 bytes: enough for views with' '1G: 1073741824 bytes: enough for any'; do
+    succeeds "info --max-memory ${said%%:*}" info knot.ply --max-memory ${said%%:*}
+    check "info --max-memory ${said%%:*}: says" grep -q -- "^--max-memory *${said#*: }" logs/out
+done
 succeeds "info --json" info knot.ply --json --size 100x50
 check "info --json: keys" keys logs/out format gaussians packed sh_degree antialiased bounds packed_bytes \
-    bytes_per_gaussian largest_error.position frame.width frame.height frame.bytes
+    bytes_per_gaussian largest_error.position frame.width frame.height frame.bytes frame.least
 check "info --json: values" grep -q '"gaussians": 2000, "packed": 2000, "sh_degree": 3,' logs/out
 succeeds "bench" bench knot.ply $small
 succeeds "bench --json" bench knot.ply $small --json --threads 2 --cpu c --cutoff square
@@ -541,6 +566,12 @@ if [ "$(df -Pk . | awk 'NR == 2 { print $4 }')" -gt 1048576 ]; then
     bound=$(($(number scene) * 13 / 10 + $(number frame) + (16 << 20)))
     said="memory for a million Gaussians: ${peak:=0} KiB of $((bound / 1024))"
     if [ "$peak" -gt 1000 ] && [ $((peak * 1024)) -le $bound ]; then ok "$said"; else fail "$said" "too much"; fi
+    "$fixsplat" convert million.ply million.fxs
+    peak=$($helper peak "$fixsplat" render million.fxs --threads 2 --max-memory 25M -o bands.png)
+    bound=$(($(wc -c <million.fxs) + (25 << 20) + (16 << 20)))
+    said="memory for a million Gaussians in 25 MB: ${peak:=0} KiB of $((bound / 1024))"
+    if [ "$peak" -gt 1000 ] && [ $((peak * 1024)) -le $bound ]; then ok "$said"; else fail "$said" "too much"; fi
+    check "a million Gaussians in 25 MB: the same picture" cmp million.png bands.png
 else
     skip "memory for a million Gaussians" "less than 1 GB free"
 fi

@@ -1,5 +1,5 @@
 #!/bin/sh
-# One hash for 1 to 16 threads, for every instruction set, on processors that lack the newer ones (qemu-x86_64: a wrong choice is an illegal
+# One hash for 1 to 16 threads, in more and less memory, for every instruction set, on processors that lack the newer ones (qemu-x86_64: a wrong choice is an illegal
 # instruction there), and no finding by ThreadSanitizer and Valgrind.
 . tests/scripts/lib/check.sh
 B=${B:-build}
@@ -19,6 +19,7 @@ same() {
 
 for threads in 1 2 3 5 8 16; do
     same "$threads threads" "$B/fixsplat" "$@" --threads $threads
+    same "$threads threads in bands" "$B/fixsplat" "$@" --threads $threads --max-memory 1500K
 done
 for cpu in c sse41 avx2 avx512 neon sse41,avx2 avx2,avx512; do
     if "$B/fixsplat" "$@" --cpu $cpu >/dev/null 2>&1; then
@@ -47,6 +48,8 @@ if echo 'int main(void) { return 0; }' | clang -fsanitize=thread -x c - -o "$wor
         for threads in 2 7; do
             same "ThreadSanitizer, $threads threads" env TSAN_OPTIONS=halt_on_error=1 "$work/tsan/fixsplat" "$@" \
                 --threads $threads
+            same "ThreadSanitizer, $threads threads in bands" env TSAN_OPTIONS=halt_on_error=1 \
+                "$work/tsan/fixsplat" "$@" --threads $threads --max-memory 1500K
         done
     else
         fail ThreadSanitizer "$(tail -n 3 "$work/log")"

@@ -1,0 +1,258 @@
+/* Where a frame's memory goes, and its bands. Where the memory does not hold a splat for every Gaussian, the frame is
+ * rendered in bands of tile rows. A first projection only counts the splats of each tile row, so that the bands are
+ * known, and the least memory that would do, before a pixel is written. */
+#include "frame.h"
+#include "memory.h"
+
+#define JOBS 8u                    /* blocks a thread where bands are planned, at most */
+#define ENTRIES 4u                 /* a slot: what lists usually take */
+#define SLOT_BYTES (sizeof(fxs_splat) + sizeof(fxs_bounds) + sizeof(fxs_box) + sizeof(uint32_t) + 2 * sizeof(fxs_key))
+
+/* ---- Memory ---------------------------------------------------------------------------------------------------- */
+
+/* A block of memory being cut up, or, where it is null, only measured. */
+typedef struct arena {
+    unsigned char *rest;
+    uint64_t used;
+} arena;
+
+/* Cuts `bytes` off the front, rounded up to 64. */
+static void *cut(arena *m, uint64_t bytes)
+{
+    void *part = m->rest;
+    bytes = (bytes + 63) / 64 * 64;
+    if (m->rest)
+        m->rest += bytes;
+    m->used += bytes;
+    return part;
+}
+
+static uint64_t to_multiple_of_16(uint64_t x)
+{
+    return (x + 15) / 16 * 16;
+}
+
+/* What lasts for the frame. Where bands are planned, a block needs room for a chunk beyond what it keeps, so there are
+   fewer. */
+static void lay_out_frame(fxs_frame *f, int planned)
+{
+    arena m = {f->memory, 0};
+    const fxs_config *config = &f->context->config;
+    uint32_t chunks = f->scene->chunk_count, tiles_y = (uint32_t)f->view.tiles_y;
+    f->planned = planned;
+    f->parts = config->run && config->threads > 1 ? config->threads : 1;
+    f->tiles = (uint32_t)f->view.tiles_x * tiles_y;
+    f->block_chunks = FXS_BLOCK;
+    while (planned && chunks > JOBS * f->parts * (uint64_t)f->block_chunks)
+        f->block_chunks *= 2;
+    f->blocks = (chunks + f->block_chunks - 1) / f->block_chunks;
+
+    f->block_slots = cut(&m, f->blocks * sizeof *f->block_slots);
+    f->block_counts = cut(&m, f->blocks * sizeof *f->block_counts);
+    f->block_times = cut(&m, (uint64_t)f->blocks * 3 * sizeof *f->block_times);
+    f->row_counts = cut(&m, planned ? (uint64_t)f->blocks * (tiles_y + 1) * sizeof *f->row_counts : 0);
+    f->chunk_rows = cut(&m, planned ? (uint64_t)chunks * sizeof *f->chunk_rows : 0);
+    f->histograms = cut(&m, f->parts * sizeof *f->histograms);
+    uint64_t tiles_at = m.used;
+    f->tile_counts = cut(&m, f->tiles * sizeof *f->tile_counts);
+    f->next = cut(&m, (uint64_t)f->parts * f->tiles * sizeof *f->next);
+    f->tile_times = cut(&m, (uint64_t)f->tiles * 2 * sizeof *f->tile_times);
+    f->stats.memory.tiles = (size_t)(m.used - tiles_at);
+    f->fixed_bytes = m.used;
+}
+
+/* What lasts for a band. The entries take the rest of the memory, up to ENTRIES a slot and 64 a tile. Returns the bytes
+   of all, which may be more than a size_t holds. */
+static uint64_t lay_out_band(fxs_frame *f, uint64_t slots)
+{
+    arena m = {f->memory ? f->memory + f->fixed_bytes : 0, f->fixed_bytes};
+    slots = to_multiple_of_16(slots);
+    f->splats = cut(&m, slots * sizeof *f->splats);
+    f->bounds = cut(&m, slots * sizeof *f->bounds);
+    f->boxes = cut(&m, slots * sizeof *f->boxes);
+    f->indices = cut(&m, slots * sizeof *f->indices);
+    f->keys = cut(&m, slots * sizeof *f->keys);
+    f->spare_keys = cut(&m, slots * sizeof *f->spare_keys);
+    uint64_t wanted = ENTRIES * slots + 64 * (uint64_t)f->tiles, rest = (f->memory_bytes - m.used) / sizeof *f->entries;
+    wanted = wanted < UINT32_MAX ? wanted : UINT32_MAX;
+    f->entry_capacity = (uint32_t)(wanted < rest ? wanted : rest) / 16 * 16;
+    f->entries = cut(&m, f->entry_capacity * (uint64_t)sizeof *f->entries);
+
+    fxs_frame_memory *sizes = &f->stats.memory;
+    sizes->keys = (size_t)slots * 2 * sizeof *f->keys + f->parts * sizeof *f->histograms;
+    sizes->entries = f->entry_capacity * sizeof *f->entries;
+    sizes->total = (size_t)m.used;
+    sizes->splats = sizes->total - sizes->keys - sizes->tiles - sizes->entries;
+    return m.used;
+}
+
+static uint64_t bytes_for(const fxs_frame *f, uint64_t slots, uint64_t entries_a_slot)
+{
+    return f->fixed_bytes + to_multiple_of_16(slots) * (SLOT_BYTES + entries_a_slot * sizeof *f->entries);
+}
+
+/* The least memory for every Gaussian, and for a plan, of a frame that is laid out for it. With one entry a slot a tile
+   always fits, as its list is never longer. */
+static uint64_t bytes_for_all(const fxs_frame *f)
+{
+    return bytes_for(f, (uint64_t)f->scene->chunk_count * FXS_CHUNK, 1);
+}
+
+static uint64_t bytes_for_plan(const fxs_frame *f)
+{
+    return bytes_for(f, (uint64_t)f->blocks * FXS_CHUNK, 1);
+}
+
+static uint64_t smaller(uint64_t a, uint64_t b)
+{
+    return a < b ? a : b;
+}
+
+size_t fxs_frame_bytes(const fxs_context *context, const fxs_scene *scene, int32_t width, int32_t height,
+                       fxs_frame_memory *memory)
+{
+    fxs_frame f = {0};
+    if (!context || !scene || width < 1 || height < 1 || width > FXS_MAX_SIZE || height > FXS_MAX_SIZE)
+        return 0;
+    f.context = context;
+    f.scene = scene;
+    f.memory_bytes = UINT64_MAX;
+    f.view.tiles_x = (width + FXS_TILE - 1) / FXS_TILE;
+    f.view.tiles_y = (height + FXS_TILE - 1) / FXS_TILE;
+    lay_out_frame(&f, 1);
+    uint64_t plan = bytes_for_plan(&f);
+    lay_out_frame(&f, 0);
+    if (lay_out_band(&f, (uint64_t)scene->chunk_count * FXS_CHUNK) > SIZE_MAX)
+        return 0;
+    f.stats.memory.least = (size_t)smaller(plan, bytes_for_all(&f));
+    if (memory)
+        *memory = f.stats.memory;
+    return f.stats.memory.total;
+}
+
+/* ---- Bands ----------------------------------------------------------------------------------------------------- */
+
+static fxs_row_counts *row_counts_of(const fxs_frame *f, uint32_t block)
+{
+    return f->row_counts + (size_t)block * (uint32_t)(f->view.tiles_y + 1);
+}
+
+static uint32_t project(fxs_frame *f, uint32_t chunk, uint32_t slot)
+{
+    return f->context->kernels.project(&f->view, f->scene, chunk, f->splats + slot, f->bounds + slot,
+                                       f->indices + slot, (uint32_t *)f->spare_keys + slot);
+}
+
+/* Counts the splats of a block by tile row. One chunk's slots are enough for that. */
+static void plan_block(void *argument, uint32_t block)
+{
+    fxs_frame *f = argument;
+    fxs_row_counts *counts = row_counts_of(f, block);
+    const uint32_t rows = (uint32_t)f->view.tiles_y, first_slot = block * FXS_CHUNK;
+    memset(counts, 0, (rows + 1) * sizeof *counts);
+    for (uint32_t c = fxs_block_start(f, block); c < fxs_block_start(f, block + 1); c++) {
+        fxs_span touched = {f->view.tiles_y, -1};
+        uint32_t count = project(f, c, first_slot);
+        for (uint32_t slot = first_slot; slot < first_slot + count; slot++) {
+            fxs_span span = fxs_bin_rows(&f->view, &f->splats[slot], &f->bounds[slot]);
+            counts[span.first + 1].started++;
+            counts[span.last + 1].ended++;
+            touched.first = fxs_min(touched.first, span.first);
+            touched.last = -fxs_min(-touched.last, -span.last);
+        }
+        f->chunk_rows[c] = touched;
+    }
+    for (uint32_t row = 0; row < rows; row++) {
+        counts[row + 1].started += counts[row].started;
+        counts[row + 1].ended += counts[row].ended;
+    }
+}
+
+/* Slots for what of a block touches tile rows first_row to end_row - 1, and for projecting one chunk more. */
+static uint32_t block_slots(const fxs_frame *f, uint32_t block, int32_t first_row, int32_t end_row)
+{
+    uint32_t most = (fxs_block_start(f, block + 1) - fxs_block_start(f, block)) * FXS_CHUNK;
+    if (!f->planned)
+        return most;
+    const fxs_row_counts *counts = row_counts_of(f, block);
+    return (uint32_t)smaller(most, counts[end_row].started - counts[first_row].ended + FXS_CHUNK);
+}
+
+static uint64_t band_bytes(const fxs_frame *f, int32_t first_row, int32_t end_row, uint64_t entries_a_slot)
+{
+    uint64_t slots = 0;
+    for (uint32_t block = 0; block < f->blocks; block++)
+        slots += block_slots(f, block, first_row, end_row);
+    return bytes_for(f, slots, entries_a_slot);
+}
+
+/* Returns the memory that the fullest tile row takes. */
+static uint64_t plan(fxs_frame *f)
+{
+    uint64_t most = 0;
+    lay_out_band(f, (uint64_t)f->blocks * FXS_CHUNK);
+    fxs_frame_run(f, plan_block, f->blocks);
+    for (uint32_t block = 0; block < f->blocks; block++)
+        f->stats.visible += row_counts_of(f, block)[f->view.tiles_y].started;
+    for (int32_t row = 0; row < f->view.tiles_y; row++) {
+        uint64_t bytes = band_bytes(f, row, row + 1, 1);
+        most = bytes > most ? bytes : most;
+    }
+    return most;
+}
+
+int fxs_bands_init(fxs_frame *f)
+{
+    lay_out_frame(f, 0);
+    uint64_t all = bytes_for_all(f);
+    if (f->memory_bytes >= all)
+        return 0;
+    lay_out_frame(f, 1);
+    uint64_t least = bytes_for_plan(f);
+    if (f->memory_bytes >= least)
+        least = plan(f);
+    f->stats.memory.least = (size_t)smaller(smaller(least, all), SIZE_MAX);
+    return f->memory_bytes < least ? FXS_ERR_MEMORY : 0;
+}
+
+void fxs_band_next(fxs_frame *f)
+{
+    uint32_t slots = 0;
+    f->first_row = f->end_row;
+    f->end_row = f->planned ? f->first_row + 1 : f->view.tiles_y;
+    while (f->end_row < f->view.tiles_y && band_bytes(f, f->first_row, f->end_row + 1, ENTRIES) <= f->memory_bytes)
+        f->end_row++;
+    for (uint32_t block = 0; block < f->blocks; block++) {
+        f->block_slots[block] = slots;
+        slots += block_slots(f, block, f->first_row, f->end_row);
+    }
+    lay_out_band(f, slots);
+    f->stats.bands++;
+}
+
+/* Moves the splats that touch the band together. */
+static uint32_t keep(fxs_frame *f, uint32_t first_slot, uint32_t count)
+{
+    uint32_t *depths = (uint32_t *)f->spare_keys, to = first_slot;
+    for (uint32_t slot = first_slot; slot < first_slot + count; slot++) {
+        fxs_span rows = fxs_bin_rows(&f->view, &f->splats[slot], &f->bounds[slot]);
+        if (rows.last < f->first_row || rows.first >= f->end_row)
+            continue;
+        f->splats[to] = f->splats[slot];
+        f->bounds[to] = f->bounds[slot];
+        f->indices[to] = f->indices[slot];
+        depths[to++] = depths[slot];
+    }
+    return to - first_slot;
+}
+
+uint32_t fxs_band_project(fxs_frame *f, uint32_t chunk, uint32_t slot)
+{
+    if (!f->planned)
+        return project(f, chunk, slot);
+    fxs_span rows = f->chunk_rows[chunk];
+    if (rows.last < f->first_row || rows.first >= f->end_row)
+        return 0;
+    uint32_t count = project(f, chunk, slot);
+    return rows.first >= f->first_row && rows.last < f->end_row ? count : keep(f, slot, count);
+}

@@ -1,0 +1,88 @@
+/* Random packed scenes and cameras, for tests that draw many of them small. */
+#ifndef RANDOM_SCENE_H
+#define RANDOM_SCENE_H
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "../src/fixsplat.h"
+#include "packed_scene.h"
+
+static uint64_t state;
+
+/* splitmix64 (Steele, Lea, Flood 2014) */
+static uint64_t next(void)
+{
+    uint64_t z = state += 0x9e3779b97f4a7c15u;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    return z ^ z >> 31;
+}
+
+static int32_t between(int32_t low, int32_t high)
+{
+    return low + (int32_t)(next() % (uint64_t)((int64_t)high - low + 1));
+}
+
+static void fill_words(void *out, size_t bytes)
+{
+    for (size_t at = 0; at < bytes; at += 4) {
+        uint32_t word = (uint32_t)next();
+        memcpy((unsigned char *)out + at, &word, 4);
+    }
+}
+
+static void fill_chunk(const packed_scene *s, uint32_t c)
+{
+    fxs_chunk *chunk = &s->chunks[c];
+    for (int i = 0; i < 3; i++) {
+        chunk->origin_q32[i] = (int64_t)between(-3145728, 3145728) * 4096;
+        uint32_t step_q32 = (uint32_t)next();
+        chunk->step_q32[i] = step_q32 >> between(8, 20);
+        chunk->colour_q16[i] = between(-20000, 60000);
+        chunk->colour_step_q20[i] = (uint32_t)between(0, 8000);
+        chunk->sh_step_q19[i] = (uint32_t)between(0, 2000);
+    }
+    chunk->scale_q16 = between(-393216, 65536);
+    chunk->scale_step_q24 = (uint32_t)between(0, 200);
+    fill_words(packed_scene_rows(s, c), s->header->chunk_bytes);
+}
+
+/* Up to `most` Gaussians. Free its data. */
+static packed_scene random_scene(enum fxs_profile profile, int32_t most)
+{
+    int degree = between(0, 3);
+    uint32_t count = (uint32_t)between(1, most);
+    packed_scene s = packed_scene_make(profile, degree, count, between(0, 1));
+    for (uint32_t c = 0; c < s.header->chunk_count; c++)
+        fill_chunk(&s, c);
+    if (s.palette) {
+        s.header->palette_step_q19 = (uint32_t)between(0, 2000);
+        fill_words(s.palette, (size_t)(s.rows - (unsigned char *)s.palette));
+    }
+    return s;
+}
+
+/* A rotation about one axis by a Pythagorean angle, so that it is exact enough in integers. */
+static void random_camera(fxs_camera *camera)
+{
+    static const int32_t triples[][3] = {{1, 0, 1}, {3, 4, 5}, {5, 12, 13}, {8, 15, 17}, {-7, 24, 25}, {-20, 21, 29}};
+    const int32_t *t = triples[between(0, 5)];
+    int32_t c = (int32_t)(t[0] * (INT64_C(1) << 30) / t[2]), s = (int32_t)(t[1] * (INT64_C(1) << 30) / t[2]);
+    int axis = between(0, 2), a = (axis + 1) % 3, b = (axis + 2) % 3;
+    memset(camera, 0, sizeof *camera);
+    camera->rotation_q30[axis * 4] = 1 << 30;
+    camera->rotation_q30[a * 3 + a] = camera->rotation_q30[b * 3 + b] = c;
+    camera->rotation_q30[a * 3 + b] = -s;
+    camera->rotation_q30[b * 3 + a] = s;
+    camera->width = between(1, 100);
+    camera->height = between(1, 80);
+    camera->fx_q12 = between(20 << 12, 200 << 12);
+    camera->fy_q12 = camera->fx_q12 + between(0, 10 << 12);
+    camera->cx_q12 = camera->width * 2048 + between(-40000, 40000);
+    camera->cy_q12 = camera->height * 2048;
+    for (int i = 0; i < 3; i++)
+        camera->position_q32[i] = (int64_t)between(-4194304, 4194304) * 4096;
+}
+
+#endif

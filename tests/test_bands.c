@@ -1,0 +1,179 @@
+/* Frames in less memory than fxs_frame_bytes: the same bytes down to the least that a view needs, on any number of
+ * threads; one byte less is refused with nothing written. */
+#include "../port/posix/pool.h"
+#include "random_scene.h"
+#ifdef FXS_WITH_KERNELS
+#include "../kernels/kernels.h"
+#endif
+
+enum { GUARD = 0xa5, GUARD_BYTES = 256, MOST_PIXELS = 100 * 300 };
+
+/* What is drawn, the frame in all the memory it can use, and room for another. */
+static struct {
+    fxs_scene scene;
+    fxs_camera camera;
+    fxs_options options;
+    fxs_stats stats;
+    uint64_t evaluated, blended;
+    size_t bytes;                          /* of the picture */
+    unsigned char expected[MOST_PIXELS * 4], pixels[MOST_PIXELS * 4];
+} drawn;
+
+static uint64_t banded, planned;           /* frames in more than one band; views that need more than the least */
+
+static int untouched(const unsigned char *bytes, size_t count)
+{
+    while (count > 0 && *bytes == GUARD)
+        bytes++, count--;
+    return count == 0;
+}
+
+/* Renders in exactly `bytes` bytes. */
+static int render(const fxs_context *context, size_t bytes, fxs_stats *stats)
+{
+    unsigned char *memory = check_aligned(bytes + GUARD_BYTES);
+    memset(memory, GUARD, bytes + GUARD_BYTES);
+    memset(drawn.pixels, GUARD, drawn.bytes);
+    int error = fxs_render(context, &drawn.scene, &drawn.camera, &drawn.options, memory, bytes, drawn.pixels,
+                           (ptrdiff_t)(drawn.bytes / (size_t)drawn.camera.height), stats);
+    CHECK(untouched(memory + bytes, GUARD_BYTES));
+    free(memory);
+    return error;
+}
+
+static void check_pairs(size_t bytes)
+{
+    uint64_t evaluated, blended;
+    void *memory = check_aligned(bytes);
+    CHECK(!fxs_count_pairs(&drawn.scene, &drawn.camera, &drawn.options, memory, bytes, &evaluated, &blended) &&
+          evaluated == drawn.evaluated && blended == drawn.blended);
+    free(memory);
+}
+
+static void check_same(const fxs_context *context, size_t bytes)
+{
+    fxs_stats stats;
+    CHECK(render(context, bytes, &stats) == 0);
+    CHECK(!memcmp(drawn.pixels, drawn.expected, drawn.bytes));
+    CHECK(stats.visible == drawn.stats.visible && stats.entries == drawn.stats.entries);
+    CHECK(stats.bands >= 1 && stats.runs >= stats.bands && stats.memory.total <= bytes);
+    CHECK(stats.memory.least <= bytes);
+    banded += stats.bands > 1;
+}
+
+static void check_refused(const fxs_context *context, size_t bytes, size_t least)
+{
+    fxs_stats stats;
+    CHECK(render(context, bytes, &stats) == FXS_ERR_MEMORY && stats.memory.least == least);
+    CHECK(untouched(drawn.pixels, drawn.bytes));
+}
+
+/* Returns the least memory for the view. */
+static size_t least_of(const fxs_context *context, const fxs_frame_memory *memory)
+{
+    fxs_stats stats;
+    if (!render(context, memory->least, &stats))
+        return memory->least;
+    planned++;
+    CHECK(stats.memory.least > memory->least && stats.memory.least <= memory->total);
+    return stats.memory.least;
+}
+
+static void check_limits(const fxs_context *context)
+{
+    fxs_frame_memory memory;
+    size_t total = fxs_frame_bytes(context, &drawn.scene, drawn.camera.width, drawn.camera.height, &memory);
+    size_t least = least_of(context, &memory);
+    check_refused(context, 0, memory.least);
+    check_refused(context, memory.least - 1, memory.least);
+    check_refused(context, least - 1, least);
+    check_same(context, least);
+    for (int shift = 0; shift < 7; shift++)
+        check_same(context, least + ((total - least) >> shift));
+    check_same(context, total - 1);
+    check_same(context, 2 * total);
+    check_pairs(least);
+}
+
+static void draw(int height)
+{
+    fxs_context context;
+    random_camera(&drawn.camera);
+    if (height) {
+        drawn.camera.height = height;
+        drawn.camera.cy_q12 = height * 2048;
+    }
+    fxs_options_default(&drawn.options);
+    drawn.options.cutoff = (enum fxs_cutoff)between(0, 1);
+    drawn.options.format = (enum fxs_format)between(0, 2);
+    size_t pixel_bytes = drawn.options.format == FXS_FORMAT_RGB565 ? 2 : 4;
+    drawn.bytes = (size_t)drawn.camera.width * (size_t)drawn.camera.height * pixel_bytes;
+    fxs_init(&context, 0);
+    size_t bytes = fxs_frame_bytes(&context, &drawn.scene, drawn.camera.width, drawn.camera.height, 0);
+    void *memory = check_aligned(bytes);
+    CHECK(!fxs_render(&context, &drawn.scene, &drawn.camera, &drawn.options, memory, bytes, drawn.expected,
+                      (ptrdiff_t)drawn.camera.width * (ptrdiff_t)pixel_bytes, &drawn.stats));
+    CHECK(!fxs_count_pairs(&drawn.scene, &drawn.camera, &drawn.options, memory, bytes, &drawn.evaluated,
+                           &drawn.blended));
+    CHECK(drawn.stats.bands == 1 && drawn.stats.memory.least == 0 && drawn.stats.memory.total == bytes);
+    free(memory);
+}
+
+/* A random view of up to `most` Gaussians, `height` pixels high (0: any), by each number of threads, by the plain and
+   by the best versions of the stages. */
+static void check_case(uint64_t seed, int32_t most, int height)
+{
+    state = seed * 0x1234567u;
+    const packed_scene packed = random_scene((enum fxs_profile)(seed % 3), most);
+    CHECK(!fxs_scene_open(&drawn.scene, packed.data, packed.bytes));
+    draw(height);
+    for (uint32_t threads = 1; threads <= 4; threads *= 2) {
+        fxs_pool *pool = fxs_pool_create(threads);
+        fxs_config config = {fxs_pool_run, pool, threads, 0, 0};
+        fxs_context context;
+        fxs_init(&context, &config);
+        check_limits(&context);
+#ifdef FXS_WITH_KERNELS
+        fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
+        check_limits(&context);
+#endif
+        fxs_pool_destroy(pool);
+    }
+    free(packed.data);
+}
+
+static void test_same_bytes(void)
+{
+    for (uint64_t i = 0; i < 60 && !check_faults; i++)
+        check_case(i, 3000, 0);
+    printf("  %d frames in bands, %d views planned\n", (int)banded, (int)planned);
+    CHECK(banded > 100 && planned > 50);
+}
+
+/* One tile row and many, of ragged height. */
+static void test_same_bytes_of_tall_pictures(void)
+{
+    banded = planned = 0;
+    for (int height = 1; height <= 300 && !check_faults; height += 23)
+        check_case((uint64_t)height + 1000, 6000, height);
+    printf("  %d frames in bands, %d views planned\n", (int)banded, (int)planned);
+    CHECK(banded > 100 && planned > 50);
+}
+
+/* Enough chunks for blocks of 32 and more. */
+static void test_same_bytes_of_larger_scenes(void)
+{
+    banded = planned = 0;
+    for (uint64_t i = 0; i < 3 && !check_faults; i++)
+        check_case(i + 2000, 100000, 200);
+    printf("  %d frames in bands, %d views planned\n", (int)banded, (int)planned);
+    CHECK(banded > 10 && planned > 10);
+}
+
+int main(void)
+{
+    RUN(test_same_bytes);
+    RUN(test_same_bytes_of_tall_pictures);
+    RUN(test_same_bytes_of_larger_scenes);
+    return check_report();
+}
