@@ -160,7 +160,7 @@ int command_bench(int argc, char **argv)
     if (o.view.view && !strcmp(o.view.view, "all"))
         return fail(EXIT_USAGE, "bench takes one view, not all");
     status = renderer_init(&r, &o.view);
-    if (!status && !(status = load_scene(&loaded, o.scene, o.view.lod))) {
+    if (!status && !(status = load_scene(&loaded, o.scene, o.view.lod, o.view.threads))) {
         status = choose_views(&o.view, &loaded.report, &views) < 0
                      ? EXIT_FAILED : measure(columns, &r, &o, &loaded, views);
         if (!status && o.json)

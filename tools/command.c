@@ -111,14 +111,17 @@ static void note_dropped(const char *path, const fxs_pack_report *report)
             (unsigned long long)d->position);
 }
 
-static int import(loaded_scene *loaded, const char *path, int lod)
+static int import(loaded_scene *loaded, const char *path, int lod, uint32_t threads)
 {
     fxs_message message;
     fxs_scene_file *file;
     char label[] = "reading";
     if (fxs_scene_file_open_lod(path, lod, &file, &loaded->info, &message))
         return fail(EXIT_FAILED, "%s", message.text);
-    int result = fxs_pack(file, &loaded->info, &loaded->packed, &loaded->report, progress_bar, label, &message);
+    fxs_pool *pool = fxs_pool_create(threads);
+    fxs_pack_options options = {pool ? fxs_pool_run : 0, pool, threads, progress_bar, label};
+    int result = fxs_pack(file, &loaded->info, &loaded->packed, &loaded->report, &options, &message);
+    fxs_pool_destroy(pool);
     fxs_scene_file_close(file);
     progress_end();
     if (result)
@@ -172,10 +175,10 @@ int take_lod(int *lod, const char *value)
     return 0;
 }
 
-int load_scene(loaded_scene *loaded, const char *path, int lod)
+int load_scene(loaded_scene *loaded, const char *path, int lod, uint32_t threads)
 {
     memset(loaded, 0, sizeof *loaded);
-    int status = is_packed(path) ? map(loaded, path) : import(loaded, path, lod);
+    int status = is_packed(path) ? map(loaded, path) : import(loaded, path, lod, threads);
     if (status)
         free_scene(loaded);
     return status;

@@ -51,9 +51,9 @@ typedef struct loaded_scene {
     int mapped;                             /* packed is a mapped .fxs file */
 } loaded_scene;
 
-/* `lod`: the level of detail, 0 the finest, of a file that has several. Returns 0, or prints why not and returns
-   EXIT_FAILED. */
-int load_scene(loaded_scene *loaded, const char *path, int lod);
+/* `lod`: the level of detail, 0 the finest, of a file that has several. `threads`: of the import, 1 to 64. Returns 0,
+   or prints why not and returns EXIT_FAILED. */
+int load_scene(loaded_scene *loaded, const char *path, int lod, uint32_t threads);
 
 /* Takes the value of --lod. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
 int take_lod(int *lod, const char *value);

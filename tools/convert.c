@@ -25,7 +25,7 @@ static int to_fxs(const char *in, const char *out, int lod)
 {
     loaded_scene loaded;
     fxs_message message;
-    if (load_scene(&loaded, in, lod))
+    if (load_scene(&loaded, in, lod, fxs_processors()))
         return EXIT_FAILED;
     int result = fxs_file_write(out, loaded.packed.data, loaded.packed.bytes, &message);
     free_scene(&loaded);

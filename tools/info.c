@@ -80,7 +80,7 @@ int command_info(int argc, char **argv)
         }
     if (optind != argc - 1)
         return fail(EXIT_USAGE, "info takes one scene file; see: fixsplat info --help");
-    if (load_scene(&loaded, argv[optind], lod))
+    if (load_scene(&loaded, argv[optind], lod, fxs_processors()))
         return EXIT_FAILED;
     fxs_message message;
     if (loaded.mapped && fxs_file_check(argv[optind], loaded.packed.data, loaded.packed.bytes, 1, &message)) {

@@ -4,53 +4,100 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../src/fixsplat.h"
 #include "../../src/packed.h"
 #include "encode.h"
+#include "order.h"
 
-#define BATCH 1024
-#define DROPPED UINT32_MAX
+#define BATCH 4096                   /* Gaussians read at once */
+#define PARTS_PER_THREAD 4           /* so that the thread that reads gets its share of the other work */
 #define POSITION_LIMIT 134000000.0   /* just under 2^27 units */
 
-typedef struct order_key {
-    uint64_t morton;
-    uint32_t index;                  /* in the file */
-} order_key;
+typedef struct batch {
+    fxs_gaussian gaussians[BATCH];
+    uint64_t first;                  /* index in the file */
+    long count;                      /* 0: the end; -1: not read, with a message */
+} batch;
 
-typedef struct packer {
+/* What the jobs of one part found, in all batches. */
+typedef struct findings {
+    fxs_pack_dropped dropped;
+    fxs_pack_error largest;
+    float low[3], high[3];
+} findings;
+
+typedef struct packer packer;
+typedef void part_fn(packer *p, const batch *b, uint32_t part);
+
+struct packer {
     fxs_scene_file *file;
     const fxs_scene_file_info *info;
     fxs_pack_report *report;
-    fxs_progress_fn *progress;
-    void *argument;
+    fxs_pack_options options;
     fxs_message *message;
-    float (*positions)[3];           /* in file order; first x is NaN for a dropped Gaussian */
-    uint32_t *slots;                 /* where Gaussian i of the file goes, or DROPPED */
+    uint32_t parts;                  /* jobs that share a batch */
+    findings *findings;              /* of each part */
+    batch *batches;                  /* two: one is worked on while the other is filled */
+    int ready;                       /* the one that is worked on */
+    part_fn *work;
+    fxs_order_entry *entries;
+    uint32_t *slots;                 /* where Gaussian i of the file goes, or FXS_NO_SLOT */
     fxs_chunk_ranges *ranges;
     unsigned char *chunks;
     uint32_t chunk_bytes;
-} packer;
+};
 
 /* ---- Passes over the file -------------------------------------------------------------------------------------- */
 
-typedef void gaussian_fn(packer *p, uint64_t index, const fxs_gaussian *gaussian);
-
-static int pass(packer *p, int which, gaussian_fn *use)
+static void run_here(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
 {
-    fxs_gaussian batch[BATCH / 8];
-    uint64_t index = 0;
+    (void)pool;
+    for (uint32_t i = 0; i < jobs; i++)
+        job(argument, i);
+}
+
+static void read_batch(packer *p, batch *b, uint64_t first)
+{
+    uint64_t left = p->info->count - first;
+    b->first = first;
+    b->count = fxs_scene_file_read(p->file, b->gaussians, BATCH, p->message);
+    if (b->count > 0 && (uint64_t)b->count > left)
+        b->count = (long)left;
+}
+
+static void read_or_work(void *argument, uint32_t job)
+{
+    packer *p = argument;
+    const batch *b = &p->batches[p->ready];
+    if (job == 0)
+        read_batch(p, &p->batches[!p->ready], b->first + (uint64_t)b->count);
+    else
+        p->work(p, b, job - 1);
+}
+
+static int pass(packer *p, int which, part_fn *work)
+{
+    batch *b = p->batches;
+    p->work = work;
+    p->ready = 0;
+    b->first = 0;
+    b->count = 0;
     if (fxs_scene_file_rewind(p->file, p->message))
         return -1;
-    for (;;) {
-        long n = fxs_scene_file_read(p->file, batch, BATCH / 8, p->message);
-        if (n <= 0)
-            return (int)n;
-        for (long i = 0; i < n && index < p->info->count; i++, index++)
-            use(p, index, &batch[i]);
-        if (p->progress && index % (BATCH * 16) < BATCH / 8 &&
-            p->progress(p->argument, (which + (double)index / (double)p->info->count) / 3))
+    do {
+        p->options.run(p->options.pool, read_or_work, p, 1 + p->parts);
+        p->ready = !p->ready;
+        b = &p->batches[p->ready];
+        if (b->count >= 0 && p->options.progress &&
+            p->options.progress(p->options.argument, (which + (double)b->first / (double)p->info->count) / 3))
             return fxs_fail(p->message, "import stopped");
-    }
+    } while (b->count > 0);
+    return (int)b->count;
+}
+
+/* The first of a part's Gaussians in a batch. */
+static long first_of(const packer *p, const batch *b, uint32_t part)
+{
+    return b->count * (long)part / (long)p->parts;
 }
 
 static int all_finite(const float *values, size_t count)
@@ -80,15 +127,58 @@ static int drawable(const fxs_gaussian *g, int sh_degree, fxs_pack_dropped *drop
     return 1;
 }
 
-static void take_position(packer *p, uint64_t index, const fxs_gaussian *g)
+static void take_position(packer *p, fxs_order_entry *entry, const fxs_gaussian *g, findings *f)
 {
-    p->report->read++;
-    memcpy(p->positions[index], g->position, sizeof g->position);
-    if (!drawable(g, p->info->sh_degree, &p->report->dropped))
-        p->positions[index][0] = NAN;
+    memcpy(entry->position, g->position, sizeof g->position);
+    if (!drawable(g, p->info->sh_degree, &f->dropped)) {
+        entry->position[0] = NAN;
+        return;
+    }
+    for (int i = 0; i < 3; i++) {
+        f->low[i] = g->position[i] < f->low[i] ? g->position[i] : f->low[i];
+        f->high[i] = g->position[i] > f->high[i] ? g->position[i] : f->high[i];
+    }
 }
 
-/* ---- Order: a Morton curve ------------------------------------------------------------------------------------- */
+static void take_positions(packer *p, const batch *b, uint32_t part)
+{
+    for (long i = first_of(p, b, part); i < first_of(p, b, part + 1); i++)
+        take_position(p, &p->entries[b->first + (uint64_t)i], &b->gaussians[i], &p->findings[part]);
+}
+
+static int read_positions(packer *p)
+{
+    fxs_pack_report *report = p->report;
+    fxs_pack_dropped *dropped = &report->dropped;
+    for (uint32_t part = 0; part < p->parts; part++)
+        for (int i = 0; i < 3; i++) {
+            p->findings[part].low[i] = INFINITY;
+            p->findings[part].high[i] = -INFINITY;
+        }
+    if (pass(p, 0, take_positions))
+        return -1;
+    report->read = p->batches[p->ready].first;
+    for (uint64_t i = report->read; i < p->info->count; i++)
+        p->entries[i].position[0] = NAN;
+    for (int i = 0; i < 3; i++) {
+        report->low[i] = INFINITY;
+        report->high[i] = -INFINITY;
+    }
+    for (const findings *f = p->findings; f < p->findings + p->parts; f++) {
+        for (int i = 0; i < 3; i++) {
+            report->low[i] = fmin(report->low[i], f->low[i]);
+            report->high[i] = fmax(report->high[i], f->high[i]);
+        }
+        dropped->not_finite += f->dropped.not_finite;
+        dropped->rotation += f->dropped.rotation;
+        dropped->scale += f->dropped.scale;
+        dropped->position += f->dropped.position;
+    }
+    report->packed = report->read - dropped->not_finite - dropped->rotation - dropped->scale - dropped->position;
+    return 0;
+}
+
+/* ---- Order ----------------------------------------------------------------------------------------------------- */
 
 static int compare_floats(const void *a, const void *b)
 {
@@ -96,8 +186,8 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Bounds of all, and of the middle 90 % as found on an evenly spaced sample. */
-static int find_bounds(packer *p)
+/* Bounds of the middle 90 % as found on an evenly spaced sample. */
+static int find_inner_bounds(packer *p)
 {
     enum { SAMPLE = 65536 };
     uint64_t count = p->info->count, step = count / SAMPLE + 1;
@@ -105,88 +195,43 @@ static int find_bounds(packer *p)
     if (!sample)
         return fxs_fail(p->message, "out of memory");
     for (int axis = 0; axis < 3; axis++) {
-        double low = INFINITY, high = -INFINITY;
         size_t n = 0;
-        for (uint64_t i = 0; i < count; i++) {
-            if (isnan(p->positions[i][0]))
-                continue;
-            float x = p->positions[i][axis];
-            low = fmin(low, x);
-            high = fmax(high, x);
-            if (i % step == 0)
-                sample[n++] = x;
-        }
+        for (uint64_t i = 0; i < count; i += step)
+            if (!isnan(p->entries[i].position[0]))
+                sample[n++] = p->entries[i].position[axis];
         qsort(sample, n, sizeof *sample, compare_floats);
-        p->report->low[axis] = low;
-        p->report->high[axis] = high;
-        p->report->inner_low[axis] = n ? sample[n / 20] : low;
-        p->report->inner_high[axis] = n ? sample[n - 1 - n / 20] : high;
+        p->report->inner_low[axis] = n ? sample[n / 20] : p->report->low[axis];
+        p->report->inner_high[axis] = n ? sample[n - 1 - n / 20] : p->report->high[axis];
     }
     free(sample);
     return 0;
 }
 
-static uint64_t spread_bits(uint64_t x)
+static int find_slots(packer *p)
 {
-    x = (x | x << 32) & 0x1f00000000ffff;
-    x = (x | x << 16) & 0x1f0000ff0000ff;
-    x = (x | x << 8) & 0x100f00f00f00f00f;
-    x = (x | x << 4) & 0x10c30c30c30c30c3;
-    return (x | x << 2) & 0x1249249249249249;
-}
-
-/* 21 bits an axis. Coordinates go through t / (1 + |t|), t = 0 in the middle of the scene, so that far outliers do
-   not coarsen it. */
-static uint64_t morton(const fxs_pack_report *report, const float position[3])
-{
-    uint64_t code = 0;
-    for (int i = 0; i < 3; i++) {
-        double middle = (report->inner_low[i] + report->inner_high[i]) / 2;
-        double half = (report->inner_high[i] - report->inner_low[i]) / 2;
-        double t = (position[i] - middle) / (half > 1e-9 ? half : 1e-9);
-        code |= spread_bits((uint64_t)((t / (1 + fabs(t)) + 1) * 1048575.5)) << i;
-    }
-    return code;
-}
-
-static int compare_keys(const void *a, const void *b)
-{
-    const order_key *x = a, *y = b;
-    if (x->morton != y->morton)
-        return x->morton < y->morton ? -1 : 1;
-    return (x->index > y->index) - (x->index < y->index);
-}
-
-static int find_order(packer *p)
-{
-    uint64_t count = p->info->count;
-    uint32_t n = 0;
-    order_key *keys = malloc(count * sizeof *keys);
-    if (!keys)
-        return fxs_fail(p->message, "out of memory for %llu Gaussians", (unsigned long long)count);
-    for (uint64_t i = 0; i < count; i++)
-        if (!isnan(p->positions[i][0]))
-            keys[n++] = (order_key){morton(p->report, p->positions[i]), (uint32_t)i};
-    free(p->positions);
-    p->positions = 0;
-    qsort(keys, n, sizeof *keys, compare_keys);
+    uint32_t count = (uint32_t)p->info->count;
+    if (fxs_order(p->entries, count, p->report, &p->options))
+        return fxs_fail(p->message, "out of memory for %u Gaussians", count);
     p->slots = malloc(count * sizeof *p->slots);
-    if (p->slots) {
-        memset(p->slots, 255, count * sizeof *p->slots);
-        for (uint32_t i = 0; i < n; i++)
-            p->slots[keys[i].index] = i;
-    }
-    free(keys);
-    p->report->packed = n;
-    return p->slots ? 0 : fxs_fail(p->message, "out of memory for %llu Gaussians", (unsigned long long)count);
+    if (!p->slots)
+        return fxs_fail(p->message, "out of memory for %u Gaussians", count);
+    for (uint32_t i = 0; i < count; i++)
+        p->slots[p->entries[i].key.index] = i < p->report->packed ? i : FXS_NO_SLOT;
+    free(p->entries);
+    p->entries = 0;
+    return 0;
 }
 
 /* ---- Chunks ---------------------------------------------------------------------------------------------------- */
 
-static void take_ranges(packer *p, uint64_t index, const fxs_gaussian *g)
+/* A chunk is one part's, whatever the batch. */
+static void take_ranges(packer *p, const batch *b, uint32_t part)
 {
-    if (p->slots[index] != DROPPED)
-        fxs_ranges_take(&p->ranges[p->slots[index] / FXS_CHUNK], g, p->info->sh_degree);
+    for (long i = 0; i < b->count; i++) {
+        uint32_t slot = p->slots[b->first + (uint64_t)i], chunk = slot / FXS_CHUNK;
+        if (slot != FXS_NO_SLOT && chunk % p->parts == part)
+            fxs_ranges_take(&p->ranges[chunk], &b->gaussians[i], p->info->sh_degree);
+    }
 }
 
 static int write_headers(packer *p)
@@ -204,12 +249,32 @@ static int write_headers(packer *p)
     return 0;
 }
 
-static void write_codes(packer *p, uint64_t index, const fxs_gaussian *g)
+static void encode_part(packer *p, const batch *b, uint32_t part)
 {
-    uint32_t slot = p->slots[index];
-    if (slot != DROPPED)
-        fxs_encode(p->chunks + (size_t)(slot / FXS_CHUNK) * p->chunk_bytes, slot % FXS_CHUNK, g, p->info->sh_degree,
-                   &p->report->largest);
+    fxs_pack_error largest = p->findings[part].largest;   /* a copy: parts share cache lines */
+    for (long i = first_of(p, b, part); i < first_of(p, b, part + 1); i++) {
+        uint32_t slot = p->slots[b->first + (uint64_t)i];
+        if (slot != FXS_NO_SLOT)
+            fxs_encode(p->chunks + (size_t)(slot / FXS_CHUNK) * p->chunk_bytes, slot % FXS_CHUNK, &b->gaussians[i],
+                       p->info->sh_degree, &largest);
+    }
+    p->findings[part].largest = largest;
+}
+
+static int write_codes(packer *p)
+{
+    fxs_pack_error *most = &p->report->largest;
+    if (pass(p, 2, encode_part))
+        return -1;
+    for (const findings *f = p->findings; f < p->findings + p->parts; f++) {
+        most->position = fmax(most->position, f->largest.position);
+        most->scale = fmax(most->scale, f->largest.scale);
+        most->rotation = fmax(most->rotation, f->largest.rotation);
+        most->opacity = fmax(most->opacity, f->largest.opacity);
+        most->dc = fmax(most->dc, f->largest.dc);
+        most->sh = fmax(most->sh, f->largest.sh);
+    }
+    return 0;
 }
 
 /* ---- Import ---------------------------------------------------------------------------------------------------- */
@@ -243,30 +308,40 @@ static int pack(packer *p, fxs_packed_scene *scene)
     if (p->info->count == 0 || p->info->count > FXS_MAX_COUNT)
         return fxs_fail(p->message, "%llu Gaussians: expected 1 to %u", (unsigned long long)p->info->count,
                         FXS_MAX_COUNT);
-    p->positions = malloc((size_t)p->info->count * sizeof *p->positions);
-    if (!p->positions)
+    p->entries = calloc((size_t)p->info->count, sizeof *p->entries);
+    p->batches = malloc(2 * sizeof *p->batches);
+    p->findings = calloc(p->parts, sizeof *p->findings);
+    if (!p->entries || !p->batches || !p->findings)
         return fxs_fail(p->message, "out of memory for %llu Gaussians", (unsigned long long)p->info->count);
-    if (pass(p, 0, take_position))
-        return -1;
-    for (uint64_t i = p->report->read; i < p->info->count; i++)
-        p->positions[i][0] = NAN;
-    if (find_bounds(p) || find_order(p))
+    if (read_positions(p))
         return -1;
     if (p->report->packed == 0)
         return fxs_fail(p->message, "none of the %llu Gaussians can be drawn", (unsigned long long)p->report->read);
-    if (allocate_scene(p, scene) || write_headers(p) || pass(p, 2, write_codes))
-        return -1;
-    return 0;
+    return find_inner_bounds(p) || find_slots(p) || allocate_scene(p, scene) || write_headers(p) || write_codes(p);
 }
 
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
-             fxs_progress_fn *progress, void *argument, fxs_message *message)
+             const fxs_pack_options *options, fxs_message *message)
 {
-    packer p = {file, info, report, progress, argument, message, 0, 0, 0, 0, FXS_CHUNK_BYTES(info->sh_degree)};
+    packer p;
+    memset(&p, 0, sizeof p);
     memset(scene, 0, sizeof *scene);
     memset(report, 0, sizeof *report);
-    int result = pack(&p, scene);
-    free(p.positions);
+    p.file = file;
+    p.info = info;
+    p.report = report;
+    p.message = message;
+    p.chunk_bytes = FXS_CHUNK_BYTES(info->sh_degree);
+    if (options)
+        p.options = *options;
+    if (!p.options.run)
+        p.options.run = run_here;
+    p.options.threads += p.options.threads == 0;
+    p.parts = PARTS_PER_THREAD * p.options.threads;
+    int result = pack(&p, scene) ? -1 : 0;
+    free(p.entries);
+    free(p.batches);
+    free(p.findings);
     free(p.slots);
     free(p.ranges);
     if (result)

@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "../../src/fixsplat.h"
 #include "message.h"
 #include "scene_file.h"
 
@@ -42,11 +43,19 @@ typedef struct fxs_packed_scene {
     void *allocation;         /* what fxs_packed_scene_free frees */
 } fxs_packed_scene;
 
-/* Reads an open scene file from its start, three times, and packs it. Needs 32 bytes a Gaussian beside the packed
-   scene while the order is found, 4 afterwards. `progress` may be null. Returns 0, or -1 and a message; a scene
-   without a drawable Gaussian is an error. */
+typedef struct fxs_pack_options {
+    fxs_run_fn *run;          /* null: one thread, the caller's */
+    void *pool;               /* first argument of run */
+    uint32_t threads;         /* threads that run uses, 1 to 64; 0: 1. The packed scene does not depend on it */
+    fxs_progress_fn *progress;   /* may be null; called on the caller's thread */
+    void *argument;           /* first argument of progress */
+} fxs_pack_options;
+
+/* Reads an open scene file from its start, three times, and packs it: one job of a run reads while the others work.
+   `options` may be null: one thread, no progress. Needs 24 bytes a Gaussian before the packed scene is allocated, 4
+   beside it, and 2 MB. Returns 0, or -1 and a message; a scene without a drawable Gaussian is an error. */
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
-             fxs_progress_fn *progress, void *argument, fxs_message *message);
+             const fxs_pack_options *options, fxs_message *message);
 
 /* Frees what fxs_pack allocated. */
 void fxs_packed_scene_free(fxs_packed_scene *scene);
