@@ -4,6 +4,7 @@
 #include <string.h>
 
 #define C0 0.28209479177387814
+#define DEGREES 57.29577951308232   /* a radian */
 #define LOG2_E 1.4426950408889634
 
 /* ---- Ranges of each chunk -------------------------------------------------------------------------------------- */
@@ -32,11 +33,6 @@ static double base_colour(const fxs_gaussian *g, int channel)
     return colour < -60 ? -60 : colour > 60 ? 60 : colour;
 }
 
-static int degree_of(int coefficient)
-{
-    return coefficient < 3 ? 0 : coefficient < 8 ? 1 : 2;
-}
-
 void fxs_ranges_take(fxs_chunk_ranges *r, const fxs_gaussian *g, int sh_degree)
 {
     for (int i = 0; i < 3; i++) {
@@ -44,11 +40,12 @@ void fxs_ranges_take(fxs_chunk_ranges *r, const fxs_gaussian *g, int sh_degree)
         widen(&r->scale, (float)log2_scale(g, i));
         widen(&r->colour[i], (float)base_colour(g, i));
     }
-    for (int k = 0; k < FXS_SH_COUNT(sh_degree); k++)
-        for (int c = 0; c < 3; c++) {
-            float *most = &r->sh[degree_of(k)];
-            *most = fmaxf(*most, fabsf(g->sh[3 * k + c]));
-        }
+    for (int degree = 1; degree <= sh_degree; degree++) {
+        float most = r->sh[degree - 1];
+        for (int i = 3 * FXS_SH_COUNT(degree - 1); i < 3 * FXS_SH_COUNT(degree); i++)
+            most = fabsf(g->sh[i]) > most ? fabsf(g->sh[i]) : most;
+        r->sh[degree - 1] = most;
+    }
 }
 
 /* The smallest step, in units of 2^-q, with which `codes` + 1 codes reach from low over the whole range. */
@@ -82,14 +79,22 @@ void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *r)
 
 static void note_error(double *largest, double error)
 {
-    *largest = fmax(*largest, fabs(error));
+    error = fabs(error);
+    *largest = error > *largest ? error : *largest;
+}
+
+/* floor(x) in low..high. */
+static int floor_within(double x, int low, int high)
+{
+    x = x < low ? low : x > high ? high : x;
+    int whole = (int)x;
+    return whole - (whole > x);
 }
 
 /* round((x - low) / step) in 0..codes, and how far off that is. */
 static uint32_t encode(double x, double low, double step, int codes, double *largest)
 {
-    double code = step > 0 ? floor((x - low) / step + 0.5) : 0;
-    code = code < 0 ? 0 : code > codes ? codes : code;
+    int code = step > 0 ? floor_within((x - low) / step + 0.5, 0, codes) : 0;
     note_error(largest, low + code * step - x);
     return (uint32_t)code;
 }
@@ -97,11 +102,19 @@ static uint32_t encode(double x, double low, double step, int codes, double *lar
 /* Nearest code with log2(sigma) = high - code^2 step. */
 static uint32_t encode_scale(double x, double high, double step, double *largest)
 {
-    double code = step > 0 ? floor(sqrt(fmax(0, (high - x) / step))) : 0;
+    double code = step > 0 && x < high ? floor(sqrt((high - x) / step)) : 0;
     double above = high - code * code * step - x, below = x - (high - (code + 1) * (code + 1) * step);
     code += code < 1023 && step > 0 && below < above;
     note_error(largest, high - code * code * step - x);
-    return (uint32_t)fmin(code, 1023);
+    return code < 1023 ? (uint32_t)code : 1023;
+}
+
+/* 2 acos(|dot|), degrees. acos(x)^2 <= 2.5 (1 - x) in 0..1, so that few have to be known. */
+static void note_angle(double *largest, double dot)
+{
+    dot = fabs(dot) < 1 ? fabs(dot) : 1;
+    if (10 * DEGREES * DEGREES * (1 - dot) > *largest * *largest)
+        note_error(largest, 2 * acos(dot) * DEGREES);
 }
 
 /* Smallest three: the largest component is left out, the others are in +-1/sqrt(2), 10 bits each. */
@@ -119,8 +132,7 @@ static uint32_t encode_rotation(const float rotation[4], double *largest_error)
         q[i] = rotation[i] / norm;
         if (i == largest)
             continue;
-        double code = floor((q[i] * 1.4142135623730951 + 1) * 511.5 + 0.5);
-        code = code < 0 ? 0 : code > 1023 ? 1023 : code;
+        int code = floor_within((q[i] * 1.4142135623730951 + 1) * 511.5 + 0.5, 0, 1023);
         decoded[i] = (code / 511.5 - 1) / 1.4142135623730951;
         rest += decoded[i] * decoded[i];
         word |= (uint32_t)code << shift;
@@ -129,7 +141,7 @@ static uint32_t encode_rotation(const float rotation[4], double *largest_error)
     decoded[largest] = sqrt(fmax(0, 1 - rest));
     for (int i = 0; i < 4; i++)
         dot += q[i] * decoded[i];
-    note_error(largest_error, 2 * acos(fmin(1, fabs(dot))) * 57.29577951308232);
+    note_angle(largest_error, dot);
     return word;
 }
 
@@ -139,16 +151,18 @@ static uint32_t encode_colour(const fxs_gaussian *g, const fxs_chunk *chunk, fxs
     uint32_t word = (uint32_t)floor(opacity * 255 + 0.5) << 24;
     note_error(&largest->opacity, (word >> 24) / 255.0 - opacity);
     for (int i = 0; i < 3; i++)
-        word |= encode(base_colour(g, i), ldexp(chunk->colour_q16[i], -16), ldexp(chunk->colour_step_q20[i], -20), 255,
+        word |= encode(base_colour(g, i), chunk->colour_q16[i] * 0x1p-16, chunk->colour_step_q20[i] * 0x1p-20, 255,
                        &colour_error) << 8 * i;
     note_error(&largest->dc, colour_error / C0);
     return word;
 }
 
-static int8_t encode_coefficient(double x, uint32_t step_q19, double *largest)
+/* round(x / step) in +-127: x is a float and step a whole number of 2^-19, so that no quotient but an exact half lies
+   within 2^-40 of a half, and adding 128.5 rounds nothing over it. */
+static int8_t encode_coefficient(double x, double step, double *largest)
 {
-    double step = ldexp(step_q19, -19), code = step > 0 ? floor(x / step + 0.5) : 0;
-    code = code < -127 ? -127 : code > 127 ? 127 : code;
+    double most = 127 * step, held = x < -most ? -most : x > most ? most : x;
+    int code = step > 0 ? (int)(held / step + 128.5) - 128 : 0;
     note_error(largest, code * step - x);
     return (int8_t)code;
 }
@@ -161,20 +175,22 @@ void fxs_encode(unsigned char *bytes, uint32_t at, const fxs_gaussian *g, int sh
     uint32_t *scale = (uint32_t *)(void *)(bytes + FXS_CHUNK_SCALE);
     uint32_t *colour = (uint32_t *)(void *)(bytes + FXS_CHUNK_COLOUR);
     int8_t *sh = (int8_t *)(bytes + FXS_CHUNK_SH);
-    double scale_error = 0;
+    double scale_error = 0, sh_error = 0;
     for (int i = 0; i < 3; i++) {
         position[i * FXS_CHUNK + (int)at] = (uint16_t)encode(
-            g->position[i], ldexp((double)chunk->origin_q32[i], -32),
-            ldexp(chunk->step_q32[i], (int)chunk->step_shift - 32), 65535, &largest->position);
-        scale_word |= encode_scale(log2_scale(g, i), ldexp(chunk->scale_q16, -16), ldexp(chunk->scale_step_q24, -24),
+            g->position[i], (double)chunk->origin_q32[i] * 0x1p-32,
+            (double)((uint64_t)chunk->step_q32[i] << chunk->step_shift) * 0x1p-32, 65535, &largest->position);
+        scale_word |= encode_scale(log2_scale(g, i), chunk->scale_q16 * 0x1p-16, chunk->scale_step_q24 * 0x1p-24,
                                    &scale_error) << 10 * i;
     }
     note_error(&largest->scale, scale_error / LOG2_E);
     rotation[at] = encode_rotation(g->rotation, &largest->rotation);
     scale[at] = scale_word;
     colour[at] = encode_colour(g, chunk, largest);
-    for (int k = 0; k < FXS_SH_COUNT(sh_degree); k++)
-        for (int c = 0; c < 3; c++)
-            sh[(3 * k + c) * FXS_CHUNK + (int)at] =
-                encode_coefficient(g->sh[3 * k + c], chunk->sh_step_q19[degree_of(k)], &largest->sh);
+    for (int degree = 1; degree <= sh_degree; degree++) {
+        double step = chunk->sh_step_q19[degree - 1] * 0x1p-19;
+        for (int i = 3 * FXS_SH_COUNT(degree - 1); i < 3 * FXS_SH_COUNT(degree); i++)
+            sh[i * FXS_CHUNK + (int)at] = encode_coefficient(g->sh[i], step, &sh_error);
+    }
+    note_error(&largest->sh, sh_error);
 }
