@@ -10,7 +10,14 @@
 
 #define BATCH 4096                   /* Gaussians read at once */
 #define PARTS_PER_THREAD 4           /* so that the thread that reads gets its share of the other work */
+#define MAX_RECORD ((FXS_CHUNK_BYTES(3) - FXS_CHUNK_POSITION) / FXS_CHUNK)   /* bytes */
 #define POSITION_LIMIT 134000000.0   /* just under 2^27 units */
+
+#if defined(__GNUC__)
+#define PREFETCH(address) __builtin_prefetch(address, 1)
+#else
+#define PREFETCH(address) ((void)(address))
+#endif
 
 typedef struct batch {
     fxs_gaussian gaussians[BATCH];
@@ -24,6 +31,11 @@ typedef struct findings {
     fxs_pack_error largest;
     float low[3], high[3];
 } findings;
+
+/* Where a byte of the codes of a chunk's Gaussian `at` lies: at offset + at * stride in the chunk. */
+typedef struct code_byte {
+    uint32_t offset, stride;
+} code_byte;
 
 typedef struct packer packer;
 typedef void part_fn(packer *p, const batch *b, uint32_t part);
@@ -41,9 +53,12 @@ struct packer {
     part_fn *work;
     fxs_order_entry *entries;
     uint32_t *slots;                 /* where Gaussian i of the file goes, or FXS_NO_SLOT */
-    fxs_chunk_ranges *ranges;
+    fxs_chunk_ranges *ranges;        /* of each chunk */
+    fxs_chunk *headers;
     unsigned char *chunks;
-    uint32_t chunk_bytes;
+    uint32_t chunk_count, chunk_bytes;
+    uint32_t record_bytes;           /* codes of one Gaussian */
+    code_byte record[MAX_RECORD];
 };
 
 /* ---- Passes over the file -------------------------------------------------------------------------------------- */
@@ -142,7 +157,7 @@ static void take_position(packer *p, fxs_order_entry *entry, const fxs_gaussian 
 
 static void take_positions(packer *p, const batch *b, uint32_t part)
 {
-    for (long i = first_of(p, b, part); i < first_of(p, b, part + 1); i++)
+    for (long i = first_of(p, b, part), end = first_of(p, b, part + 1); i < end; i++)
         take_position(p, &p->entries[b->first + (uint64_t)i], &b->gaussians[i], &p->findings[part]);
 }
 
@@ -234,38 +249,88 @@ static void take_ranges(packer *p, const batch *b, uint32_t part)
     }
 }
 
-static int write_headers(packer *p)
+static int find_headers(packer *p)
 {
-    uint32_t chunks = (uint32_t)((p->report->packed + FXS_CHUNK - 1) / FXS_CHUNK);
+    uint32_t chunks = p->chunk_count;
     p->ranges = malloc(chunks * sizeof *p->ranges);
-    if (!p->ranges)
+    p->headers = malloc(chunks * sizeof *p->headers);
+    if (!p->ranges || !p->headers)
         return fxs_fail(p->message, "out of memory");
     for (uint32_t i = 0; i < chunks; i++)
         fxs_ranges_clear(&p->ranges[i]);
     if (pass(p, 1, take_ranges))
         return -1;
     for (uint32_t i = 0; i < chunks; i++)
-        fxs_encode_header((fxs_chunk *)(void *)(p->chunks + (size_t)i * p->chunk_bytes), &p->ranges[i]);
+        fxs_encode_header(&p->headers[i], &p->ranges[i]);
     return 0;
 }
 
+static void add_row(packer *p, uint32_t offset, uint32_t stride)
+{
+    for (uint32_t i = 0; i < stride; i++)
+        p->record[p->record_bytes++] = (code_byte){offset + i, stride};
+}
+
+static void list_rows(packer *p)
+{
+    for (uint32_t i = 0; i < 3; i++)
+        add_row(p, FXS_CHUNK_POSITION + 2 * FXS_CHUNK * i, 2);
+    add_row(p, FXS_CHUNK_ROTATION, 4);
+    add_row(p, FXS_CHUNK_SCALE, 4);
+    add_row(p, FXS_CHUNK_COLOUR, 4);
+    for (uint32_t i = 0; i < 3 * (uint32_t)FXS_SH_COUNT(p->info->sh_degree); i++)
+        add_row(p, FXS_CHUNK_SH + FXS_CHUNK * i, 1);
+}
+
+/* Neighbours in the file are not neighbours on the curve: rows, a cache line each, would be fetched for one byte. So
+   the codes of a Gaussian are kept together until all are known. */
 static void encode_part(packer *p, const batch *b, uint32_t part)
 {
+    union {
+        fxs_chunk header;
+        unsigned char bytes[FXS_CHUNK_BYTES(3)];
+    } chunk;                                              /* of one Gaussian */
+    unsigned char record[MAX_RECORD];
     fxs_pack_error largest = p->findings[part].largest;   /* a copy: parts share cache lines */
-    for (long i = first_of(p, b, part); i < first_of(p, b, part + 1); i++) {
+    for (long i = first_of(p, b, part), end = first_of(p, b, part + 1); i < end; i++) {
         uint32_t slot = p->slots[b->first + (uint64_t)i];
-        if (slot != FXS_NO_SLOT)
-            fxs_encode(p->chunks + (size_t)(slot / FXS_CHUNK) * p->chunk_bytes, slot % FXS_CHUNK, &b->gaussians[i],
-                       p->info->sh_degree, &largest);
+        if (slot == FXS_NO_SLOT)
+            continue;
+        unsigned char *to = p->chunks + (size_t)(slot / FXS_CHUNK) * p->chunk_bytes + FXS_CHUNK_POSITION +
+                            slot % FXS_CHUNK * p->record_bytes;
+        PREFETCH(to);
+        PREFETCH(to + p->record_bytes - 1);
+        chunk.header = p->headers[slot / FXS_CHUNK];
+        fxs_encode(chunk.bytes, 0, &b->gaussians[i], p->info->sh_degree, &largest);
+        for (uint32_t k = 0; k < p->record_bytes; k++)
+            record[k] = chunk.bytes[p->record[k].offset];
+        memcpy(to, record, p->record_bytes);
     }
     p->findings[part].largest = largest;
+}
+
+/* Records to rows. */
+static void transpose_part(void *argument, uint32_t part)
+{
+    const packer *p = argument;
+    unsigned char records[FXS_CHUNK_BYTES(3)];
+    for (uint32_t chunk = part; chunk < p->chunk_count; chunk += p->parts) {
+        unsigned char *to = p->chunks + (size_t)chunk * p->chunk_bytes;
+        memcpy(to, &p->headers[chunk], sizeof *p->headers);
+        memcpy(records, to + FXS_CHUNK_POSITION, FXS_CHUNK * p->record_bytes);
+        for (uint32_t k = 0; k < p->record_bytes; k++)
+            for (uint32_t at = 0; at < FXS_CHUNK; at++)
+                to[p->record[k].offset + at * p->record[k].stride] = records[at * p->record_bytes + k];
+    }
 }
 
 static int write_codes(packer *p)
 {
     fxs_pack_error *most = &p->report->largest;
+    list_rows(p);
     if (pass(p, 2, encode_part))
         return -1;
+    p->options.run(p->options.pool, transpose_part, p, p->parts);
     for (const findings *f = p->findings; f < p->findings + p->parts; f++) {
         most->position = fmax(most->position, f->largest.position);
         most->scale = fmax(most->scale, f->largest.scale);
@@ -289,7 +354,7 @@ static int allocate_scene(packer *p, fxs_packed_scene *scene)
     scene->bytes = bytes;
     fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, (uint32_t)p->report->packed, 0, 0,
                                 (uint32_t)p->info->sh_degree, 0, {0}, {0}, {0}, {0}, {0}};
-    header.chunk_count = (header.count + FXS_CHUNK - 1) / FXS_CHUNK;
+    header.chunk_count = p->chunk_count = (header.count + FXS_CHUNK - 1) / FXS_CHUNK;
     header.chunk_bytes = p->chunk_bytes;
     header.flags = p->info->antialiased ? FXS_PACKED_ANTIALIASED : 0;
     for (int i = 0; i < 3; i++) {
@@ -317,7 +382,7 @@ static int pack(packer *p, fxs_packed_scene *scene)
         return -1;
     if (p->report->packed == 0)
         return fxs_fail(p->message, "none of the %llu Gaussians can be drawn", (unsigned long long)p->report->read);
-    return find_inner_bounds(p) || find_slots(p) || allocate_scene(p, scene) || write_headers(p) || write_codes(p);
+    return find_inner_bounds(p) || find_slots(p) || allocate_scene(p, scene) || find_headers(p) || write_codes(p);
 }
 
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
@@ -344,6 +409,7 @@ int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_s
     free(p.findings);
     free(p.slots);
     free(p.ranges);
+    free(p.headers);
     if (result)
         fxs_packed_scene_free(scene);
     return result;

@@ -52,7 +52,7 @@ typedef struct fxs_pack_options {
 } fxs_pack_options;
 
 /* Reads an open scene file from its start, three times, and packs it: one job of a run reads while the others work.
-   `options` may be null: one thread, no progress. Needs 24 bytes a Gaussian before the packed scene is allocated, 4
+   `options` may be null: one thread, no progress. Needs 24 bytes a Gaussian before the packed scene is allocated, 5
    beside it, and 2 MB. Returns 0, or -1 and a message; a scene without a drawable Gaussian is an error. */
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
              const fxs_pack_options *options, fxs_message *message);
