@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "../port/formats/fxs_file.h"
+#include "../port/posix/clock.h"
 #include "../port/posix/map.h"
 #include "../src/packed.h"
 
@@ -177,8 +178,10 @@ int take_lod(int *lod, const char *value)
 
 int load_scene(loaded_scene *loaded, const char *path, int lod, uint32_t threads)
 {
+    uint64_t start = fxs_clock(0);
     memset(loaded, 0, sizeof *loaded);
     int status = is_packed(path) ? map(loaded, path) : import(loaded, path, lod, threads);
+    loaded->load_nanoseconds = fxs_clock(0) - start;
     if (status)
         free_scene(loaded);
     return status;

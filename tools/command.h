@@ -49,6 +49,7 @@ typedef struct loaded_scene {
     fxs_pack_report report;                 /* of an .fxs file: counts and bounds only */
     fxs_scene scene;
     int mapped;                             /* packed is a mapped .fxs file */
+    uint64_t load_nanoseconds;
 } loaded_scene;
 
 /* `lod`: the level of detail, 0 the finest, of a file that has several. `threads`: of the import, 1 to 64. Returns 0,
