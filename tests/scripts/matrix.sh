@@ -8,8 +8,8 @@ trap 'rm -rf "$work"' EXIT
 flags='-std=c99 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off -g0'
 arm=aarch64-linux-gnu-gcc
 random='src/*.c tests/test_random.c'
-formats=$(printf 'port/formats/%s.c ' byte_reader camera compressed_ply gltf image_file ksplat message pack ply \
-    ply_header ply_write scene_file sog splat spz)
+formats=$(printf 'port/formats/%s.c ' byte_reader camera compressed_ply encode gltf image_file ksplat message order pack \
+    ply ply_header ply_write scene_file sog splat spz)
 golden="src/*.c tests/test_golden.c tools/metrics.c tools/procedural.c $formats"
 
 links() { echo 'int main(void) { return 0; }' | "$@" -x c - -o "$work/links" >/dev/null 2>&1; }
