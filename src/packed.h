@@ -106,7 +106,8 @@ static inline uint32_t fxs_palette_stages(enum fxs_profile profile, int degree)
     return degree == 0 || profile == FXS_PROFILE_DEFAULT ? 0 : profile == FXS_PROFILE_COMPACT ? 2 : 4;
 }
 
-#define FXS_PALETTE_ENTRIES 256u                         /* most of a stage */
+#define FXS_PALETTE_STAGES 4u                            /* at most */
+#define FXS_PALETTE_ENTRIES 256u                         /* of a stage, at most */
 #define FXS_PALETTE_STRIDE 48u                           /* bytes an entry */
 #define FXS_GAIN_BYTE 2u                                 /* in an SH record of compact */
 #define FXS_RESIDUAL_BIT 24u                             /* where its codes begin */

@@ -37,7 +37,7 @@ static int import(void)
     }
     if (fxs_ply_writer_close(writer, &m) || fxs_scene_file_open(ply_path, NULL, &file, &info, &m))
         return -1;
-    int result = fxs_pack(file, &info, &packed, &report, 0, 0, &m);
+    int result = fxs_pack(file, &info, &packed, &report, 0, &m);
     fxs_scene_file_close(file);
     return result;
 }

@@ -75,7 +75,7 @@ static int make_scene(const golden *g, fxs_packed_scene *packed, fxs_message *m)
     }
     if (fxs_ply_writer_close(writer, m) || fxs_scene_file_open(path, NULL, &file, &info, m))
         return -1;
-    int result = fxs_pack(file, &info, packed, &report, 0, 0, m);
+    int result = fxs_pack(file, &info, packed, &report, 0, m);
     fxs_scene_file_close(file);
     unlink(path);
     return result;

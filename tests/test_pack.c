@@ -4,8 +4,10 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "../port/formats/order.h"
 #include "../port/formats/pack.h"
 #include "../port/formats/ply_write.h"
+#include "../port/posix/pool.h"
 #include "../src/fixsplat.h"
 #include "../src/packed.h"
 #include "check.h"
@@ -55,16 +57,26 @@ static int write_file(uint64_t count, int sh_degree, int antialiased)
            fxs_ply_writer_close(writer, &message) == 0;
 }
 
-static int pack_file(fxs_progress_fn *progress, void *argument)
+/* threads 0: no pool. */
+static int pack_with(const char *name, uint32_t threads, fxs_progress_fn *progress, void *argument)
 {
     fxs_scene_file *file;
     fxs_scene_file_info info;
+    fxs_pool *pool = threads ? fxs_pool_create(threads) : 0;
+    fxs_pack_options options = {FXS_PROFILE_DEFAULT, pool ? fxs_pool_run : 0, pool, threads, progress, argument, 0};
     message.text[0] = 0;
-    if (fxs_scene_file_open(path, NULL, &file, &info, &message))
-        return -1;
-    int result = fxs_pack(file, &info, &packed, &report, progress, argument, &message);
-    fxs_scene_file_close(file);
+    int result = fxs_scene_file_open(name, NULL, &file, &info, &message);
+    if (!result) {
+        result = fxs_pack(file, &info, &packed, &report, &options, &message);
+        fxs_scene_file_close(file);
+    }
+    fxs_pool_destroy(pool);
     return result;
+}
+
+static int pack_file(fxs_progress_fn *progress, void *argument)
+{
+    return pack_with(path, 0, progress, argument);
 }
 
 /* Packs the first `count` Gaussians and opens the result. */
@@ -347,6 +359,102 @@ static void test_same_bytes_twice(void)
     fxs_packed_scene_free(&packed);
 }
 
+static const uint32_t thread_counts[] = {0, 1, 2, 4, 7};
+
+enum { THREAD_COUNTS = sizeof thread_counts / sizeof *thread_counts };
+
+/* The same bytes and the same report for every number of threads. */
+static void check_threads(const char *name)
+{
+    fxs_packed_scene first = {0, 0, 0, 0};
+    fxs_pack_report first_report = {0};
+    for (int i = 0; i < THREAD_COUNTS; i++) {
+        if (!CHECK(pack_with(name, thread_counts[i], 0, 0) == 0)) {
+            printf("  %s\n", message.text);
+            continue;
+        }
+        if (!first.data) {
+            first = packed;
+            first_report = report;
+            continue;
+        }
+        CHECK(first.bytes == packed.bytes && memcmp(first.data, packed.data, first.bytes) == 0);
+        CHECK(memcmp(&first_report, &report, sizeof report) == 0);
+        fxs_packed_scene_free(&packed);
+    }
+    fxs_packed_scene_free(&first);
+}
+
+static void test_threads(void)
+{
+    make_gaussians(MAX_COUNT);
+    for (size_t i = 0; i < MAX_COUNT; i += 977)
+        gaussians[i].rotation[i % 4] = NAN;
+    for (size_t i = 0; i < MAX_COUNT; i += 1009)
+        gaussians[i].scale[0] = 21;
+    CHECK(write_file(MAX_COUNT, 3, 0));
+    check_threads(path);
+    CHECK(report.dropped.not_finite == 41 && report.dropped.scale == 39);
+}
+
+static void test_threads_on_real_scenes(void)
+{
+    static const char *const names[] = {"boatyard-tile3/boatyard-tile3.ply", "guitar/guitar.compressed.ply",
+                                        "luma-seal/luma-seal.splat", "snowmiku/snowmiku.ply",
+#ifdef FXS_WITH_ZLIB
+                                        "kitchen-marble/kitchen-marble.spz"
+#endif
+    };
+    const char *folder = getenv("FXS_SCENES");
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char name[1000];
+        snprintf(name, sizeof name, "%s/%s", folder ? folder : "../shared/scenes", names[i]);
+        if (access(name, R_OK))
+            SKIP("no real scenes here");
+        check_threads(name);
+    }
+}
+
+/* Sorted by code, then by index; each Gaussian once; those left out last. */
+static void check_order(uint32_t count, uint32_t threads)
+{
+    static fxs_order_entry entries[MAX_COUNT];
+    static unsigned char left_out[MAX_COUNT], seen[MAX_COUNT];
+    fxs_pool *pool = fxs_pool_create(threads);
+    fxs_pack_options options = {FXS_PROFILE_DEFAULT, fxs_pool_run, pool, threads, 0, 0, 0};
+    fxs_pack_report around = {.inner_low = {-4, -4, -4}, .inner_high = {4, 4, 4}};
+    seed = count;
+    for (uint32_t i = 0; i < count; i++) {
+        seen[i] = 0;
+        left_out[i] = i % 7 == 3;
+        for (int k = 0; k < 3; k++)   /* whole numbers: equal codes too; and the corners of the curve */
+            entries[i].position[k] = i % 11 == 5 ? 134000000 : i % 13 == 5 ? -134000000 : floorf(uniform(-6, 6));
+        if (left_out[i])
+            entries[i].position[0] = NAN;
+    }
+    CHECK(pool && fxs_order(entries, count, &around, &options) == 0);
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t index = entries[i].key.index;
+        CHECK(index < count && !seen[index]++);
+        if (i == 0 || index >= count)
+            continue;
+        uint32_t before = entries[i - 1].key.index;
+        uint64_t code = (uint64_t)entries[i].key.high << 32 | entries[i].key.low;
+        uint64_t code_before = (uint64_t)entries[i - 1].key.high << 32 | entries[i - 1].key.low;
+        CHECK(code_before < code || (code_before == code && before < index));
+        CHECK(left_out[before] <= left_out[index] && left_out[index] == (code == UINT64_MAX));
+    }
+    fxs_pool_destroy(pool);
+}
+
+static void test_order(void)
+{
+    static const uint32_t counts[] = {1, 2, 3, 5, 100, 4099, MAX_COUNT};
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
+        for (int k = 1; k < THREAD_COUNTS; k++)
+            check_order(counts[i], thread_counts[k]);
+}
+
 /* Neighbours in a chunk are neighbours in space: 157 chunks of a cube of side 16 are 3 units wide at best. */
 static void test_chunks_are_small(void)
 {
@@ -374,17 +482,45 @@ static int count_call(void *argument, double done)
     return ++calls->count == calls->stop_at;
 }
 
-static void test_progress(void)
+static void check_progress(uint32_t threads)
 {
     struct calls all = {0, -1, 1, 0};
-    make_gaussians(MAX_COUNT);
-    CHECK(write_file(MAX_COUNT, 0, 0) && pack_file(count_call, &all) == 0);
+    CHECK(pack_with(path, threads, count_call, &all) == 0);
     CHECK(all.ordered && all.count >= 3 && all.last > 0.5);
     fxs_packed_scene_free(&packed);
     for (int stop = 1; stop <= all.count; stop++) {
         struct calls calls = {0, stop, 1, 0};
-        CHECK(pack_file(count_call, &calls) == -1 && calls.count == stop && message.text[0]);
-        CHECK(!packed.data && !packed.allocation);
+        CHECK(pack_with(path, threads, count_call, &calls) == -1 && calls.count == stop);
+        CHECK(!packed.data && !packed.allocation && !strcmp(message.text, "import stopped"));
+    }
+}
+
+static void test_progress(void)
+{
+    make_gaussians(MAX_COUNT);
+    CHECK(write_file(MAX_COUNT, 0, 0));
+    for (int i = 0; i < THREAD_COUNTS; i++)
+        check_progress(thread_counts[i]);
+}
+
+/* A row in the middle that cannot be read. */
+static void test_reader_fails(void)
+{
+    static const char *const names[] = {"x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",
+                                        "rot_3", "opacity", "f_dc_0", "f_dc_1", "f_dc_2"};
+    FILE *stream = fopen(path, "wb");
+    if (!CHECK(stream))
+        return;
+    fputs("ply\nformat ascii 1.0\nelement vertex 9000\n", stream);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        fprintf(stream, "property float %s\n", names[i]);
+    fputs("end_header\n", stream);
+    for (int i = 0; i < 9000; i++)
+        fprintf(stream, "%d 2 3 -4 -4 -4 1 0 0 0 2 0 0 %s\n", i, i == 6000 ? "dog" : "0");
+    CHECK(fclose(stream) == 0);
+    for (int i = 0; i < THREAD_COUNTS; i++) {
+        CHECK(pack_with(path, thread_counts[i], 0, 0) == -1 && !packed.data && !packed.allocation);
+        CHECK(strstr(message.text, path) && strstr(message.text, "6001 of 9000"));
     }
 }
 
@@ -406,8 +542,12 @@ int main(void)
     RUN(test_empty_file);
     RUN(test_flags);
     RUN(test_same_bytes_twice);
+    RUN(test_threads);
+    RUN(test_threads_on_real_scenes);
+    RUN(test_order);
     RUN(test_chunks_are_small);
     RUN(test_progress);
+    RUN(test_reader_fails);
     unlink(path);
     return check_report();
 }

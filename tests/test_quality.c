@@ -131,7 +131,7 @@ static int load(subject *s, const char *path)
     memset(s, 0, sizeof *s);
     if (fxs_scene_file_open(path, NULL, &file, &s->info, &m))
         return -1;
-    int result = fxs_pack(file, &s->info, &s->packed, &s->report, 0, 0, &m) || fxs_scene_file_rewind(file, &m);
+    int result = fxs_pack(file, &s->info, &s->packed, &s->report, 0, &m) || fxs_scene_file_rewind(file, &m);
     s->gaussians = malloc(s->info.count * sizeof *s->gaussians);
     for (long n = 1; !result && n > 0; s->count += (size_t)n) {
         n = fxs_scene_file_read(file, s->gaussians + s->count, s->info.count - s->count, &m);

@@ -221,7 +221,7 @@ static void packed(void)
     for (int k = 0; k < 2; k++) {
         if (!CHECK(open_filtered() == 0))
             return;
-        CHECK(fxs_pack(file, &info, &scenes[k], &reports[k], NULL, NULL, &message) == 0);
+        CHECK(fxs_pack(file, &info, &scenes[k], &reports[k], NULL, &message) == 0);
         if (k == 0) {
             fxs_ply_writer *writer;
             CHECK(fxs_scene_file_rewind(file, &message) == 0 && read_left(out, COUNT) == (long)info.count);

@@ -139,9 +139,10 @@ static void print_json(const spread columns[COLUMNS], const bench_options *o, co
 {
     printf("{\"gaussians\": %" PRIu32 ", \"width\": %d, \"height\": %d, \"threads\": %" PRIu32 ", \"cpu\": \"%s\", "
            "\"cutoff\": \"%s\", \"backend\": \"cpu\", \"frames\": %d, \"frame_ms\": %.3f, \"frame_ms_min\": %.3f, "
-           "\"frame_ms_max\": %.3f, \"stages\": {", loaded->scene.count, view->width, view->height, o->view.threads,
-           o->view.cpu, cutoff_name(o), o->frames, columns[FXS_STAGES].median, columns[FXS_STAGES].least,
-           columns[FXS_STAGES].most);
+           "\"frame_ms_max\": %.3f, \"load_ms\": %.3f, \"stages\": {",
+           loaded->scene.count, view->width, view->height, o->view.threads, o->view.cpu, cutoff_name(o), o->frames,
+           columns[FXS_STAGES].median, columns[FXS_STAGES].least, columns[FXS_STAGES].most,
+           (double)loaded->load_nanoseconds * 1e-6);
     for (int s = 0; s < FXS_STAGES; s++)
         printf("%s\"%s\": %.3f", s ? ", " : "", column_name(s), columns[s].median);
     puts("}}");
@@ -160,7 +161,7 @@ int command_bench(int argc, char **argv)
     if (o.view.view && !strcmp(o.view.view, "all"))
         return fail(EXIT_USAGE, "bench takes one view, not all");
     status = renderer_init(&r, &o.view);
-    if (!status && !(status = load_scene(&loaded, o.scene, o.view.lod, 0))) {
+    if (!status && !(status = load_scene(&loaded, o.scene, &o.view.load))) {
         status = choose_views(&o.view, &loaded.report, &views) < 0
                      ? EXIT_FAILED : measure(columns, &r, &o, &loaded, views);
         if (!status && o.json)

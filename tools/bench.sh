@@ -83,6 +83,32 @@ scenes() {
     printf '\n| scene | times C, 1 thread | times 1 thread | frames a second, 1280x720 |\n|---|---|---|---|\n%s' "$ratios"
 }
 
+# Milliseconds of the import (median of three) by one thread and by two.
+import_row() {
+    for threads in 1 $two; do
+        for run in 1 2 3; do
+            "$B/fixsplat" bench --json "$2" --threads $threads --size 64x64 >"$work/json"
+            field load_ms <"$work/json"
+        done | sort -n | sed -n 2p >"$work/load$threads"
+    done
+    awk -v name="$1" -v n="$(field gaussians <"$work/json")" -v one="$(cat "$work/load1")" -v two="$(cat "$work/load$two")" \
+        'BEGIN { printf "| %s | %d | %.0f | %.0f | %.2f |\n", name, n, one, two, n / two / 1000 }'
+}
+
+imports() {
+    printf '### Import\n\nFrom an open file to the packed scene, the file in the page cache; milliseconds, median of three.\n\n'
+    printf '| file | Gaussians | 1 thread | %s threads | million a second |\n|---|---|---|---|---|\n' $two
+    landscape 3000000
+    import_row 'landscape, .ply, degree 3' "$work/3000000.ply"
+    rm "$work/3000000.ply"
+    if [ -d "$SCENES" ]; then
+        for file in snowmiku/snowmiku.ply guitar/guitar.compressed.ply luma-seal/luma-seal.splat \
+            kitchen-marble/kitchen-marble.spz statue-st-peter/st-peter.sog boatyard-tile3/boatyard-tile3.glb; do
+            import_row "${file#*/}" "$SCENES/$file"
+        done
+    fi
+}
+
 # Pairs, blend time and distance of the two cut-offs, for one camera.
 cutoff_rows() {
     name=$1 file=$2
@@ -157,6 +183,8 @@ tables() {
     growth
     echo
     scenes
+    echo
+    imports
     echo
     cutoffs
 }

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "../port/formats/fxs_file.h"
+#include "../port/posix/clock.h"
 #include "../port/posix/map.h"
 #include "../src/packed.h"
 
@@ -161,14 +162,18 @@ int open_scene(const char *path, int lod, const fxs_scene_filter *filter, fxs_sc
     return status;
 }
 
-static int import(loaded_scene *loaded, const char *path, int lod, const fxs_scene_filter *filter)
+static int import(loaded_scene *loaded, const char *path, const load_options *o)
 {
     fxs_message message;
     fxs_scene_file *file;
     char label[] = "packing";
-    if (open_scene(path, lod, filter, &file, &loaded->info))
+    if (open_scene(path, o->lod, o->filter, &file, &loaded->info))
         return EXIT_FAILED;
-    int result = fxs_pack(file, &loaded->info, &loaded->packed, &loaded->report, progress_bar, label, &message);
+    const uint32_t threads = o->threads ? o->threads : fxs_processors();
+    fxs_pool *pool = fxs_pool_create(threads);
+    const fxs_pack_options options = {o->profile, pool ? fxs_pool_run : 0, pool, threads, progress_bar, label, 0};
+    int result = fxs_pack(file, &loaded->info, &loaded->packed, &loaded->report, &options, &message);
+    fxs_pool_destroy(pool);
     fxs_scene_file_close(file);
     progress_end();
     if (result)
@@ -219,19 +224,38 @@ int take_max_memory(size_t *bytes, const char *value)
                ? 0 : fail(EXIT_USAGE, "--max-memory %s: expected bytes, or a number with K, M or G", value);
 }
 
-int take_lod(int *lod, const char *value)
+static const char *const profiles[] = {"default", "compact", "small"};
+
+const char *profile_name(enum fxs_profile profile)
+{
+    return profiles[profile];
+}
+
+int take_profile(load_options *options, const char *value)
+{
+    for (int i = 0; i < 3; i++)
+        if (!strcmp(value, profiles[i])) {
+            options->profile = (enum fxs_profile)i;
+            return 0;
+        }
+    return fail(EXIT_USAGE, "--profile %s: expected default, compact or small", value);
+}
+
+int take_lod(load_options *options, const char *value)
 {
     uint64_t number;
     if (!parse_count(value, 0, 1000, &number))
         return fail(EXIT_USAGE, "--lod %s: expected 0 to 1000", value);
-    *lod = (int)number;
+    options->lod = (int)number;
     return 0;
 }
 
-int load_scene(loaded_scene *loaded, const char *path, int lod, const fxs_scene_filter *filter)
+int load_scene(loaded_scene *loaded, const char *path, const load_options *options)
 {
+    uint64_t start = fxs_clock(0);
     memset(loaded, 0, sizeof *loaded);
-    int status = is_packed(path) ? map(loaded, path) : import(loaded, path, lod, filter);
+    int status = is_packed(path) ? map(loaded, path) : import(loaded, path, options);
+    loaded->load_nanoseconds = fxs_clock(0) - start;
     if (status)
         free_scene(loaded);
     return status;

@@ -51,14 +51,22 @@ typedef struct loaded_scene {
     fxs_pack_report report;                 /* of an .fxs file: counts and bounds only */
     fxs_scene scene;
     int mapped;                             /* packed is a mapped .fxs file */
+    uint64_t load_nanoseconds;
 } loaded_scene;
 
 /* Whether a file begins as an .fxs file does. */
 int is_packed(const char *path);
 
-/* `lod`: the level of detail, 0 the finest, of a file that has several. `filter`: what to leave out, or null; an .fxs
-   file is mapped whole. Returns 0, or prints why not and returns EXIT_FAILED. */
-int load_scene(loaded_scene *loaded, const char *path, int lod, const fxs_scene_filter *filter);
+/* All 0 is a default. */
+typedef struct load_options {
+    int lod;                                /* level of detail, 0 the finest, of a file that has several */
+    uint32_t threads;                       /* of the import; 0: one a processor */
+    enum fxs_profile profile;               /* of what is not packed yet */
+    const fxs_scene_filter *filter;         /* what to leave out, or null; an .fxs file is mapped whole */
+} load_options;
+
+/* Returns 0, or prints why not and returns EXIT_FAILED. */
+int load_scene(loaded_scene *loaded, const char *path, const load_options *options);
 
 /* Opens a scene file to be read in floats, and says on stderr what the filter (or null) leaves out. Returns 0 and a
    file for fxs_scene_file_close, or prints why not and returns EXIT_FAILED. */
@@ -69,7 +77,13 @@ int open_scene(const char *path, int lod, const fxs_scene_filter *filter, fxs_sc
 int take_max_memory(size_t *bytes, const char *value);
 
 /* Takes the value of --lod. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
-int take_lod(int *lod, const char *value);
+int take_lod(load_options *options, const char *value);
+
+/* Takes the value of --profile. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
+int take_profile(load_options *options, const char *value);
+
+/* "default", "compact" or "small". */
+const char *profile_name(enum fxs_profile profile);
 void free_scene(loaded_scene *loaded);
 
 /* ---- The options of render and bench ---------------------------------------------------------------------------- */
@@ -83,12 +97,12 @@ typedef struct view_options {
     const char *cpu, *backend;
     uint32_t threads;
     size_t max_memory;                      /* of a frame, bytes; 0: as much as it takes */
-    int lod;
+    load_options load;
 } view_options;
 
 /* Their entries for a getopt_long table, and the value that each returns there. */
 enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_SIZE, OPT_BG, OPT_CUTOFF, OPT_SH_DEGREE,
-       OPT_CPU, OPT_THREADS, OPT_MAX_MEMORY, OPT_BACKEND, OPT_LOD, OPT_HELP, OPT_OWN };
+       OPT_CPU, OPT_THREADS, OPT_MAX_MEMORY, OPT_BACKEND, OPT_LOD, OPT_PROFILE, OPT_HELP, OPT_OWN };
 #define VIEW_OPTIONS \
     {"cameras", required_argument, 0, OPT_CAMERAS}, {"view", required_argument, 0, OPT_VIEW}, \
     {"eye", required_argument, 0, OPT_EYE}, {"look", required_argument, 0, OPT_LOOK}, \
@@ -98,6 +112,7 @@ enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_SIZE
     {"cpu", required_argument, 0, OPT_CPU}, {"threads", required_argument, 0, OPT_THREADS}, \
     {"max-memory", required_argument, 0, OPT_MAX_MEMORY}, \
     {"backend", required_argument, 0, OPT_BACKEND}, {"lod", required_argument, 0, OPT_LOD}, \
+    {"profile", required_argument, 0, OPT_PROFILE}, \
     {"help", no_argument, 0, OPT_HELP}
 extern const char view_options_help[];
 

@@ -19,6 +19,7 @@ static const char help[] =
     "  --views N           how many, 1 to 1000 (default 8)\n"
     "  --size WxH          pixels (default 1280x720; of the views of a file their own)\n"
     "  --max-memory BYTES  (also as 64K, 3M, 2G) what render and bench can do with so much\n"
+    "  --profile P         how a scene that is not an .fxs file is packed: default, compact or small\n"
     "  --lod LEVEL         level of detail of SCENE, where it is a streamed .sog, 0 the finest (default 0)\n"
     "  --json              print a JSON object (psnr is null where the pictures are equal)\n"
     "  --help              this text\n\n"
@@ -64,10 +65,13 @@ static void print_json(const findings *f)
            s->info.antialiased ? "true" : "false");
     printf("\"bounds\": [[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]], ", r->low[0], r->low[1], r->low[2], r->high[0],
            r->high[1], r->high[2]);
+    printf("\"profile\": \"%s\", ", profile_name(s->scene.profile));
     printf("\"packed_bytes\": %zu, \"bytes_per_gaussian\": %.3f, ", s->packed.bytes,
            (double)s->packed.bytes / (double)r->packed);
-    if (!s->mapped)
+    if (!s->mapped) {
         print_error_json("largest_error", &r->largest);
+        print_error_json("rms_error", &r->rms);
+    }
     if (f->compared) {
         printf("\"compare\": ");
         quality_print_json(&f->quality);
@@ -104,14 +108,17 @@ static void print_text(const findings *f)
     printf("format        %s%s\n", s->info.format, s->info.antialiased ? ", anti-aliased" : "");
     printf("Gaussians     %" PRIu64 ", %" PRIu64 " of them drawable\n", r->read, r->packed);
     printf("SH degree     %d\n", s->info.sh_degree);
+    printf("profile       %s\n", profile_name(s->scene.profile));
     printf("bounds        %.6g %.6g %.6g to %.6g %.6g %.6g\n", r->low[0], r->low[1], r->low[2], r->high[0], r->high[1],
            r->high[2]);
     printf("middle 90 %%   %.6g %.6g %.6g to %.6g %.6g %.6g\n", r->inner_low[0], r->inner_low[1], r->inner_low[2],
            r->inner_high[0], r->inner_high[1], r->inner_high[2]);
     printf("packed        %zu bytes, %.2f a Gaussian\n", s->packed.bytes,
            (double)s->packed.bytes / (double)r->packed);
-    if (!s->mapped)
+    if (!s->mapped) {
         print_error_text("largest error", &r->largest);
+        print_error_text("rms error", &r->rms);
+    }
     printf("frame         %dx%d needs %zu bytes: splats %zu, keys %zu, tiles %zu, entries %zu; in bands %zu or more\n",
            f->width, f->height, m->total, m->splats, m->keys, m->tiles, m->entries, m->least);
     if (f->limit)
@@ -131,7 +138,8 @@ static int take_options(info_options *o, int argc, char **argv)
                                           {"views", required_argument, 0, OPT_VIEWS},
                                           {"size", required_argument, 0, OPT_SIZE},
                                           {"max-memory", required_argument, 0, OPT_MAX_MEMORY},
-                                          {"lod", required_argument, 0, OPT_LOD}, {"json", no_argument, 0, OPT_JSON},
+                                          {"lod", required_argument, 0, OPT_LOD},
+                                          {"profile", required_argument, 0, OPT_PROFILE}, {"json", no_argument, 0, OPT_JSON},
                                           {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
     memset(o, 0, sizeof *o);
     view_options_default(&o->view);
@@ -161,7 +169,7 @@ static int take_options(info_options *o, int argc, char **argv)
 static int compare(findings *f, const info_options *o)
 {
     loaded_scene original;
-    int status = load_scene(&original, o->original, 0, 0);
+    int status = load_scene(&original, o->original, &(load_options){.lod = 0});
     if (status)
         return status;
     status = quality_measure(&f->quality, &f->scene, &original, &o->view, o->views ? (long)o->views : 8);
@@ -191,7 +199,7 @@ int command_info(int argc, char **argv)
     info_options o;
     findings f = {.compared = 0};
     int status = take_options(&o, argc, argv);
-    if (!status && !(status = load_scene(&f.scene, o.scene, o.view.lod, 0))) {
+    if (!status && !(status = load_scene(&f.scene, o.scene, &o.view.load))) {
         status = find(&f, &o);
         if (!status)
             (o.json ? print_json : print_text)(&f);

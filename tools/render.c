@@ -157,7 +157,7 @@ int command_render(int argc, char **argv)
     if (status)
         return status;
     status = renderer_init(&r, &o.view);
-    if (!status && !(status = load_scene(&loaded, o.scene, o.view.lod, 0))) {
+    if (!status && !(status = load_scene(&loaded, o.scene, &o.view.load))) {
         long count = choose_views(&o.view, &loaded.report, &views);
         status = count < 0 ? EXIT_FAILED : render_all(&r, &o, &loaded, views, count);
         free(views);

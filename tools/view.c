@@ -28,6 +28,7 @@ const char view_options_help[] =
     "                      sse41,avx2,avx512,neon\n"
     "  --backend NAME      cpu or auto (default auto)\n"
     "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
+    "  --profile P         how a scene that is not an .fxs file is packed: default, compact or small\n"
     "  --help              this text\n";
 
 void view_options_default(view_options *options)
@@ -98,7 +99,8 @@ int view_option(view_options *options, int which, const char *value)
         return status;
     case OPT_CPU: options->cpu = value; break;
     case OPT_BACKEND: options->backend = value; break;
-    case OPT_LOD: return take_lod(&options->lod, value);
+    case OPT_LOD: return take_lod(&options->load, value);
+    case OPT_PROFILE: return take_profile(&options->load, value);
     case OPT_MAX_MEMORY: return take_max_memory(&options->max_memory, value);
     case OPT_THREADS:
         status = take_number("threads", value, 1, 64, &number);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #define C0 0.28209479177387814
+#define DEGREES 57.29577951308232   /* a radian */
 #define LOG2_E 1.4426950408889634
 
 /* ---- Ranges of each chunk -------------------------------------------------------------------------------------- */
@@ -32,11 +33,6 @@ static double base_colour(const fxs_gaussian *g, int channel)
     return colour < -60 ? -60 : colour > 60 ? 60 : colour;
 }
 
-static int degree_of(int coefficient)
-{
-    return coefficient < 3 ? 0 : coefficient < 8 ? 1 : 2;
-}
-
 void fxs_ranges_take(fxs_chunk_ranges *r, const fxs_gaussian *g, int sh_degree)
 {
     for (int i = 0; i < 3; i++) {
@@ -44,11 +40,12 @@ void fxs_ranges_take(fxs_chunk_ranges *r, const fxs_gaussian *g, int sh_degree)
         widen(&r->scale, (float)log2_scale(g, i));
         widen(&r->colour[i], (float)base_colour(g, i));
     }
-    for (int k = 0; k < FXS_SH_COUNT(sh_degree); k++)
-        for (int c = 0; c < 3; c++) {
-            float *most = &r->sh[degree_of(k)];
-            *most = fmaxf(*most, fabsf(g->sh[3 * k + c]));
-        }
+    for (int degree = 1; degree <= sh_degree; degree++) {
+        float most = r->sh[degree - 1];
+        for (int i = 3 * FXS_SH_COUNT(degree - 1); i < 3 * FXS_SH_COUNT(degree); i++)
+            most = fabsf(g->sh[i]) > most ? fabsf(g->sh[i]) : most;
+        r->sh[degree - 1] = most;
+    }
 }
 
 /* The smallest step, in units of 2^-q, with which `codes` + 1 codes reach from low over the whole range. */
@@ -80,100 +77,265 @@ void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *r)
 
 /* ---- Codes ----------------------------------------------------------------------------------------------------- */
 
-static void note_error(double *largest, double error)
+static void note(fxs_loss *loss, int which, double error)
 {
-    *largest = fmax(*largest, fabs(error));
+    error = fabs(error);
+    loss->largest[which] = error > loss->largest[which] ? error : loss->largest[which];
+    loss->squares[which] += error * error;
 }
 
-/* round((x - low) / step) in 0..codes, and how far off that is. */
-static uint32_t encode(double x, double low, double step, int codes, double *largest)
+/* floor(x) in low..high. */
+static int floor_within(double x, int low, int high)
 {
-    double code = step > 0 ? floor((x - low) / step + 0.5) : 0;
-    code = code < 0 ? 0 : code > codes ? codes : code;
-    note_error(largest, low + code * step - x);
-    return (uint32_t)code;
+    x = x < low ? low : x > high ? high : x;
+    int whole = (int)x;
+    return whole - (whole > x);
 }
 
-/* Nearest code with log2(sigma) = high - code^2 step. */
-static uint32_t encode_scale(double x, double high, double step, double *largest)
+/* round((x - low) / step) in 0..codes */
+static uint32_t encode(double x, double low, double step, int codes)
 {
-    double code = step > 0 ? floor(sqrt(fmax(0, (high - x) / step))) : 0;
-    double above = high - code * code * step - x, below = x - (high - (code + 1) * (code + 1) * step);
-    code += code < 1023 && step > 0 && below < above;
-    note_error(largest, high - code * code * step - x);
-    return (uint32_t)fmin(code, 1023);
+    return step > 0 ? (uint32_t)floor_within((x - low) / step + 0.5, 0, codes) : 0;
 }
 
-/* Smallest three: the largest component is left out, the others are in +-1/sqrt(2), 10 bits each. */
-static uint32_t encode_rotation(const float rotation[4], double *largest_error)
+/* What the renderer makes of fewer bits: their high bits again below. */
+static int spread(const fxs_encoder *e, int code)
+{
+    return e->profile == FXS_PROFILE_SMALL ? code << 2 | code >> 6 : code;
+}
+
+/* Codes of 12 bits in small, 16 else. */
+static uint32_t encode_position(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g, int axis,
+                                fxs_loss *loss)
+{
+    const int small = e->profile == FXS_PROFILE_SMALL;
+    double low = (double)chunk->origin_q32[axis] * 0x1p-32;
+    double step = (double)((uint64_t)chunk->step_q32[axis] << chunk->step_shift) * 0x1p-32;
+    uint32_t code = encode(g->position[axis], low, small ? step * 65535 / 4095 : step, small ? 4095 : 65535);
+    note(loss, FXS_LOSS_POSITION, low + (small ? code << 4 | code >> 8 : code) * step - g->position[axis]);
+    return code;
+}
+
+/* Nearest code with log2(sigma) = high - code^2 step; of 8 bits in small, 10 else. */
+static uint32_t encode_scale(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g, int axis,
+                             fxs_loss *loss)
+{
+    const int small = e->profile == FXS_PROFILE_SMALL, most = small ? 255 : 1023;
+    double x = log2_scale(g, axis), high = chunk->scale_q16 * 0x1p-16, step = chunk->scale_step_q24 * 0x1p-24;
+    int code = step > 0 && x < high ? floor_within(sqrt((high - x) / step) * (small ? 255 / 1023.0 : 1), 0, most) : 0;
+    int next = code < most && step > 0 ? code + 1 : code;
+    double above = high - spread(e, code) * spread(e, code) * step - x;
+    double below = high - spread(e, next) * spread(e, next) * step - x;
+    note(loss, FXS_LOSS_SCALE, (fabs(below) < fabs(above) ? below : above) / LOG2_E);
+    return (uint32_t)(fabs(below) < fabs(above) ? next : code);
+}
+
+/* 2 acos(|dot|), degrees. acos(x)^2 = 2 (1 - x) within 25 %, and almost where x is near 1; it is at most 2.5 (1 - x), so
+   that few angles have to be known. */
+static void note_angle(fxs_loss *loss, double dot)
+{
+    double *largest = &loss->largest[FXS_LOSS_ROTATION];
+    dot = fabs(dot) < 1 ? fabs(dot) : 1;
+    loss->squares[FXS_LOSS_ROTATION] += 8 * DEGREES * DEGREES * (1 - dot);
+    if (10 * DEGREES * DEGREES * (1 - dot) > *largest * *largest)
+        *largest = fmax(*largest, 2 * acos(dot) * DEGREES);
+}
+
+/* Smallest three: the largest component is left out, the others are in +-1/sqrt(2), 10 bits each, 8 in small. Returns
+   which is the largest. */
+static uint32_t encode_rotation(const fxs_encoder *e, const float rotation[4], uint32_t codes[3], fxs_loss *loss)
 {
     double q[4], decoded[4], norm = 0, rest = 0, dot = 0;
-    int largest = 0;
+    const double half = e->profile == FXS_PROFILE_SMALL ? 127.5 : 511.5;
+    int largest = 0, n = 0;
     for (int i = 0; i < 4; i++) {
         norm += (double)rotation[i] * rotation[i];
         largest = fabsf(rotation[i]) > fabsf(rotation[largest]) ? i : largest;
     }
     norm = copysign(sqrt(norm), rotation[largest]);
-    uint32_t word = (uint32_t)largest << 30;
-    for (int i = 0, shift = 20; i < 4; i++) {
+    for (int i = 0; i < 4; i++) {
         q[i] = rotation[i] / norm;
         if (i == largest)
             continue;
-        double code = floor((q[i] * 1.4142135623730951 + 1) * 511.5 + 0.5);
-        code = code < 0 ? 0 : code > 1023 ? 1023 : code;
-        decoded[i] = (code / 511.5 - 1) / 1.4142135623730951;
+        int code = floor_within((q[i] * 1.4142135623730951 + 1) * half + 0.5, 0, (int)(2 * half));
+        decoded[i] = (spread(e, code) / 511.5 - 1) / 1.4142135623730951;
         rest += decoded[i] * decoded[i];
-        word |= (uint32_t)code << shift;
-        shift -= 10;
+        codes[n++] = (uint32_t)code;
     }
     decoded[largest] = sqrt(fmax(0, 1 - rest));
     for (int i = 0; i < 4; i++)
         dot += q[i] * decoded[i];
-    note_error(largest_error, 2 * acos(fmin(1, fabs(dot))) * 57.29577951308232);
-    return word;
+    note_angle(loss, dot);
+    return (uint32_t)largest;
 }
 
-static uint32_t encode_colour(const fxs_gaussian *g, const fxs_chunk *chunk, fxs_pack_error *largest)
+static uint32_t encode_colour(const fxs_gaussian *g, const fxs_chunk *chunk, fxs_loss *loss)
 {
-    double opacity = 1 / (1 + exp(-g->opacity)), colour_error = 0;
+    double opacity = 1 / (1 + exp(-g->opacity));
     uint32_t word = (uint32_t)floor(opacity * 255 + 0.5) << 24;
-    note_error(&largest->opacity, (word >> 24) / 255.0 - opacity);
-    for (int i = 0; i < 3; i++)
-        word |= encode(base_colour(g, i), ldexp(chunk->colour_q16[i], -16), ldexp(chunk->colour_step_q20[i], -20), 255,
-                       &colour_error) << 8 * i;
-    note_error(&largest->dc, colour_error / C0);
+    note(loss, FXS_LOSS_OPACITY, (word >> 24) / 255.0 - opacity);
+    for (int i = 0; i < 3; i++) {
+        double low = chunk->colour_q16[i] * 0x1p-16, step = chunk->colour_step_q20[i] * 0x1p-20, x = base_colour(g, i);
+        uint32_t code = encode(x, low, step, 255);
+        note(loss, FXS_LOSS_DC, (low + code * step - x) / C0);
+        word |= code << 8 * i;
+    }
     return word;
 }
 
-static int8_t encode_coefficient(double x, uint32_t step_q19, double *largest)
+/* ---- SH -------------------------------------------------------------------------------------------------------- */
+
+/* round(x / step) in +-127: x is a float and step a whole number of 2^-19, so that no quotient but an exact half lies
+   within 2^-40 of a half, and adding 128.5 rounds nothing over it. */
+static int8_t encode_coefficient(double x, double step, fxs_loss *loss)
 {
-    double step = ldexp(step_q19, -19), code = step > 0 ? floor(x / step + 0.5) : 0;
-    code = code < -127 ? -127 : code > 127 ? 127 : code;
-    note_error(largest, code * step - x);
+    double most = 127 * step, held = x < -most ? -most : x > most ? most : x;
+    int code = step > 0 ? (int)(held / step + 128.5) - 128 : 0;
+    note(loss, FXS_LOSS_SH, code * step - x);
     return (int8_t)code;
 }
 
-void fxs_encode(const fxs_chunk *chunk, unsigned char *rows, uint32_t at, const fxs_gaussian *g, int sh_degree, fxs_pack_error *largest)
+void fxs_sh_vector_of(fxs_sh_vector vector, const fxs_gaussian *g, int sh_degree)
 {
-    uint16_t *position = (uint16_t *)(void *)(rows + FXS_ROW_POSITION);
-    uint32_t *rotation = (uint32_t *)(void *)(rows + FXS_ROW_ROTATION), scale_word = 0;
-    uint32_t *scale = (uint32_t *)(void *)(rows + FXS_ROW_SCALE);
-    uint32_t *colour = (uint32_t *)(void *)(rows + FXS_ROW_COLOUR);
-    int8_t *sh = (int8_t *)(rows + FXS_ROW_SH);
-    double scale_error = 0;
-    for (int i = 0; i < 3; i++) {
-        position[i * FXS_CHUNK + (int)at] = (uint16_t)encode(
-            g->position[i], ldexp((double)chunk->origin_q32[i], -32),
-            ldexp(chunk->step_q32[i], (int)chunk->step_shift - 32), 65535, &largest->position);
-        scale_word |= encode_scale(log2_scale(g, i), ldexp(chunk->scale_q16, -16), ldexp(chunk->scale_step_q24, -24),
-                                   &scale_error) << 10 * i;
-    }
-    note_error(&largest->scale, scale_error / LOG2_E);
-    rotation[at] = encode_rotation(g->rotation, &largest->rotation);
-    scale[at] = scale_word;
-    colour[at] = encode_colour(g, chunk, largest);
+    memset(vector, 0, sizeof(fxs_sh_vector));
     for (int k = 0; k < FXS_SH_COUNT(sh_degree); k++)
         for (int c = 0; c < 3; c++)
-            sh[(3 * k + c) * FXS_CHUNK + (int)at] =
-                encode_coefficient(g->sh[3 * k + c], chunk->sh_step_q19[degree_of(k)], &largest->sh);
+            vector[16 * c + k] = g->sh[3 * k + c];
+}
+
+/* (8 + bits 2..0) 2^(bits 7..3) 2^-32 */
+static double gain_of(int code)
+{
+    return ldexp(8 + (code & 7), (code >> 3) - 32);
+}
+
+/* The odd number in -7..7 that times the gain is nearest to x. */
+static int nearest_odd(double x, double gain)
+{
+    return 2 * floor_within(x / gain / 2, -4, 3) + 1;
+}
+
+/* The gain with the least sum of squares: down to an octave and a half below the one that clips nothing. */
+static int find_gain(const fxs_sh_vector rest, int count)
+{
+    double most = 0, least = INFINITY;
+    int best = 0, first = 0;
+    for (int i = 0; i < (int)FXS_PALETTE_STRIDE; i++)
+        most = fmax(most, fabs(rest[i]));
+    while (first < 255 && 8 * gain_of(first) < most)
+        first++;
+    for (int code = first; code >= 0 && code > first - 12; code--) {
+        double gain = gain_of(code), sum = 0;
+        for (int c = 0; c < 3; c++)
+            for (int k = 0; k < count; k++) {
+                double error = nearest_odd(rest[16 * c + k], gain) * gain - rest[16 * c + k];
+                sum += error * error;
+            }
+        best = sum < least ? code : best;
+        least = fmin(least, sum);
+    }
+    return best;
+}
+
+/* Of the profile compact: gain and codes of 3 bits. `rest` becomes what is left. */
+static void encode_rest(fxs_sh_vector rest, int count, unsigned char *record)
+{
+    const int code = find_gain(rest, count);
+    const double gain = gain_of(code);
+    uint32_t bit = FXS_RESIDUAL_BIT;
+    record[FXS_GAIN_BYTE] = (unsigned char)code;
+    for (int c = 0; c < 3; c++)
+        for (int k = 0; k < count; k++, bit += 3) {
+            int odd = nearest_odd(rest[16 * c + k], gain);
+            uint32_t bits = (uint32_t)((odd - 1) / 2 & 7) << bit % 8;
+            record[bit / 8] = (unsigned char)(record[bit / 8] | bits);
+            if (bits >> 8)
+                record[bit / 8 + 1] = (unsigned char)(bits >> 8);
+            rest[16 * c + k] -= (float)(odd * gain);
+        }
+}
+
+static void encode_by_palette(const fxs_encoder *e, const fxs_gaussian *g, unsigned char *record, fxs_loss *loss)
+{
+    const int count = FXS_SH_COUNT(e->sh_degree);
+    uint8_t indices[FXS_PALETTE_STAGES];
+    fxs_sh_vector rest;
+    fxs_sh_vector_of(rest, g, e->sh_degree);
+    fxs_palette_find(e->palette, rest, indices);
+    memset(record, 0, fxs_sh_bytes(e->profile, e->sh_degree));
+    memcpy(record, indices, e->palette->stages);
+    if (e->profile == FXS_PROFILE_COMPACT)
+        encode_rest(rest, count, record);
+    for (int c = 0; c < 3; c++)
+        for (int k = 0; k < count; k++)
+            note(loss, FXS_LOSS_SH, rest[16 * c + k]);
+}
+
+static void encode_sh(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g, unsigned char *record,
+                      fxs_loss *loss)
+{
+    if (e->palette) {
+        encode_by_palette(e, g, record, loss);
+        return;
+    }
+    for (int degree = 1; degree <= e->sh_degree; degree++) {
+        double step = chunk->sh_step_q19[degree - 1] * 0x1p-19;
+        for (int i = 3 * FXS_SH_COUNT(degree - 1); i < 3 * FXS_SH_COUNT(degree); i++)
+            record[i] = (unsigned char)encode_coefficient(g->sh[i], step, loss);
+    }
+}
+
+/* ---- Records --------------------------------------------------------------------------------------------------- */
+
+static unsigned char *put(unsigned char *to, uint32_t value, int bytes)
+{
+    for (int i = 0; i < bytes; i++)
+        *to++ = (unsigned char)(value >> 8 * i);
+    return to;
+}
+
+void fxs_encode(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g,
+                unsigned char record[FXS_RECORD_BYTES], fxs_loss *loss)
+{
+    uint32_t p[3], s[3], q[3];
+    for (int i = 0; i < 3; i++) {
+        p[i] = encode_position(e, chunk, g, i, loss);
+        s[i] = encode_scale(e, chunk, g, i, loss);
+    }
+    const uint32_t largest = encode_rotation(e, g->rotation, q, loss), colour = encode_colour(g, chunk, loss);
+    if (e->profile == FXS_PROFILE_SMALL) {
+        record = put(record, p[0] | p[1] << 12 | (colour & 0xff000000u), 4);
+        record = put(record, p[2] | largest << 12 | colour << 16, 4);
+        record = put(record, s[0] | s[1] << 8 | s[2] << 16 | q[0] << 24, 4);
+        record = put(record, q[1] | q[2] << 8 | (colour & 0xff0000), 3);
+    } else {
+        for (int i = 0; i < 3; i++)
+            record = put(record, p[i], 2);
+        record = put(record, largest << 30 | q[0] << 20 | q[1] << 10 | q[2], 4);
+        record = put(record, s[0] | s[1] << 10 | s[2] << 20, 4);
+        record = put(record, colour, 4);
+    }
+    encode_sh(e, chunk, g, record, loss);
+}
+
+/* Bytes `first` to first + width - 1 of each record, side by side. */
+static unsigned char *put_row(unsigned char *to, const unsigned char *records, uint32_t bytes, uint32_t first,
+                              uint32_t width)
+{
+    for (uint32_t at = 0; at < FXS_CHUNK; at++, to += width)
+        for (uint32_t i = 0; i < width; i++)
+            to[i] = records[at * bytes + first + i];
+    return to;
+}
+
+void fxs_encode_rows(const fxs_encoder *e, const unsigned char *records, unsigned char *rows)
+{
+    static const unsigned char small[] = {4, 4, 4, 2, 1, 0}, others[] = {2, 2, 2, 4, 4, 4, 0};
+    const uint32_t bytes = fxs_chunk_bytes(e->profile, e->sh_degree) / FXS_CHUNK;
+    uint32_t first = 0;
+    for (const unsigned char *width = e->profile == FXS_PROFILE_SMALL ? small : others; *width; first += *width++)
+        rows = put_row(rows, records, bytes, first, *width);
+    const uint32_t width = e->palette ? bytes - first : 1;
+    for (; first < bytes; first += width)
+        rows = put_row(rows, records, bytes, first, width);
 }

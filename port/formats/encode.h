@@ -1,9 +1,9 @@
-/* Gaussians -> the codes of a chunk (src/packed.h). */
+/* Gaussians -> the codes of a chunk (src/packed.h). The only place where attributes are quantised. */
 #ifndef FXS_ENCODE_H
 #define FXS_ENCODE_H
 
 #include "../../src/packed.h"
-#include "pack.h"
+#include "palette.h"
 #include "scene_file.h"
 
 typedef struct fxs_range {
@@ -22,8 +22,30 @@ void fxs_ranges_take(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, int
 /* Writes a chunk's header. */
 void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *ranges);
 
-/* Writes the codes of Gaussian `at` of a chunk whose header is written, and notes the largest errors. */
-void fxs_encode(const fxs_chunk *chunk, unsigned char *rows, uint32_t at, const fxs_gaussian *gaussian, int sh_degree,
-                fxs_pack_error *largest);
+enum { FXS_LOSS_POSITION, FXS_LOSS_SCALE, FXS_LOSS_ROTATION, FXS_LOSS_OPACITY, FXS_LOSS_DC, FXS_LOSS_SH, FXS_LOSSES };
+
+/* Differences between what was read and what the codes say: of each number, but of a rotation its angle. */
+typedef struct fxs_loss {
+    double largest[FXS_LOSSES], squares[FXS_LOSSES];
+} fxs_loss;
+
+/* How a scene is coded. */
+typedef struct fxs_encoder {
+    enum fxs_profile profile;
+    int sh_degree;
+    const fxs_palette *palette;      /* null without one */
+} fxs_encoder;
+
+/* The coefficients of a Gaussian in the order of a palette. */
+void fxs_sh_vector_of(fxs_sh_vector vector, const fxs_gaussian *gaussian, int sh_degree);
+
+enum { FXS_RECORD_BYTES = 63 };      /* of the codes of one Gaussian, at most */
+
+/* Writes the codes of a Gaussian one after the other, in the order of the rows of its chunk, and notes what is lost. */
+void fxs_encode(const fxs_encoder *encoder, const fxs_chunk *chunk, const fxs_gaussian *gaussian,
+                unsigned char record[FXS_RECORD_BYTES], fxs_loss *loss);
+
+/* Turns the records of a chunk, one after the other, into its rows. */
+void fxs_encode_rows(const fxs_encoder *encoder, const unsigned char *records, unsigned char *rows);
 
 #endif

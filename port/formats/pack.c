@@ -4,54 +4,113 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../src/fixsplat.h"
 #include "../../src/packed.h"
 #include "encode.h"
+#include "order.h"
 
-#define BATCH 1024
-#define DROPPED UINT32_MAX
+#define BATCH 4096                   /* Gaussians read at once */
+#define PARTS 16                     /* of a batch, however many the threads: sums come out the same */
+#define SAMPLE 65536                 /* Gaussians that a palette is learned from, at most */
 #define POSITION_LIMIT 134000000.0   /* just under 2^27 units */
 
-typedef struct order_key {
-    uint64_t morton;
-    uint32_t index;                  /* in the file */
-} order_key;
+#if defined(__GNUC__)
+#define PREFETCH(address) __builtin_prefetch(address, 1)
+#else
+#define PREFETCH(address) ((void)(address))
+#endif
 
-typedef struct packer {
+typedef struct batch {
+    fxs_gaussian gaussians[BATCH];
+    uint64_t first;                  /* index in the file */
+    long count;                      /* 0: the end; -1: not read, with a message */
+} batch;
+
+/* What the jobs of one part found, in all batches. */
+typedef struct findings {
+    fxs_pack_dropped dropped;
+    fxs_loss loss;
+    float low[3], high[3];
+} findings;
+
+typedef struct packer packer;
+typedef void part_fn(packer *p, const batch *b, uint32_t part);
+
+struct packer {
     fxs_scene_file *file;
     const fxs_scene_file_info *info;
     fxs_pack_report *report;
-    fxs_progress_fn *progress;
-    void *argument;
+    fxs_pack_options options;
     fxs_message *message;
-    float (*positions)[3];           /* in file order; first x is NaN for a dropped Gaussian */
-    uint32_t *slots;                 /* where Gaussian i of the file goes, or DROPPED */
-    fxs_chunk_ranges *ranges;
+    uint32_t parts;                  /* jobs that share a batch */
+    findings *findings;              /* of each part */
+    batch *batches;                  /* two: one is worked on while the other is filled */
+    int ready;                       /* the one that is worked on */
+    part_fn *work;
+    int steps;                       /* three passes, and the palette's learning before the last */
+    fxs_order_entry *entries;
+    uint32_t *slots;                 /* where Gaussian i of the file goes, or FXS_NO_SLOT */
+    fxs_chunk_ranges *ranges;        /* of each chunk */
+    fxs_encoder encoder;
+    fxs_palette *palette;            /* null without one */
+    fxs_sh_vector *sample;           /* of every sample_step-th slot */
+    uint32_t sample_count, sample_step;
+    fxs_packed_header *header;       /* of the packed scene, and its parts */
     fxs_chunk *chunks;
     unsigned char *rows;
-    uint32_t chunk_bytes;
-} packer;
+};
 
 /* ---- Passes over the file -------------------------------------------------------------------------------------- */
 
-typedef void gaussian_fn(packer *p, uint64_t index, const fxs_gaussian *gaussian);
-
-static int pass(packer *p, int which, gaussian_fn *use)
+static void run_here(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
 {
-    fxs_gaussian batch[BATCH / 8];
-    uint64_t index = 0;
+    (void)pool;
+    for (uint32_t i = 0; i < jobs; i++)
+        job(argument, i);
+}
+
+static void read_batch(packer *p, batch *b, uint64_t first)
+{
+    uint64_t left = p->info->count - first;
+    b->first = first;
+    b->count = fxs_scene_file_read(p->file, b->gaussians, BATCH, p->message);
+    if (b->count > 0 && (uint64_t)b->count > left)
+        b->count = (long)left;
+}
+
+static void read_or_work(void *argument, uint32_t job)
+{
+    packer *p = argument;
+    const batch *b = &p->batches[p->ready];
+    if (job == 0)
+        read_batch(p, &p->batches[!p->ready], b->first + (uint64_t)b->count);
+    else
+        p->work(p, b, job - 1);
+}
+
+static int pass(packer *p, int which, part_fn *work)
+{
+    batch *b = p->batches;
+    p->work = work;
+    p->ready = 0;
+    b->first = 0;
+    b->count = 0;
     if (fxs_scene_file_rewind(p->file, p->message))
         return -1;
-    for (;;) {
-        long n = fxs_scene_file_read(p->file, batch, BATCH / 8, p->message);
-        if (n <= 0)
-            return (int)n;
-        for (long i = 0; i < n && index < p->info->count; i++, index++)
-            use(p, index, &batch[i]);
-        if (p->progress && index % (BATCH * 16) < BATCH / 8 &&
-            p->progress(p->argument, (which + (double)index / (double)p->info->count) / 3))
+    do {
+        p->options.run(p->options.pool, read_or_work, p, 1 + p->parts);
+        p->ready = !p->ready;
+        b = &p->batches[p->ready];
+        if (b->count >= 0 && p->options.progress &&
+            p->options.progress(p->options.argument, (which + (double)b->first / (double)p->info->count) / p->steps))
             return fxs_fail(p->message, "import stopped");
-    }
+    } while (b->count > 0);
+    return (int)b->count;
+}
+
+/* The first of a part's Gaussians in a batch. */
+static long first_of(const packer *p, const batch *b, uint32_t part)
+{
+    return b->count * (long)part / (long)p->parts;
 }
 
 static int all_finite(const float *values, size_t count)
@@ -81,15 +140,58 @@ int fxs_drawable(const fxs_gaussian *g, int sh_degree, fxs_pack_dropped *dropped
     return 1;
 }
 
-static void take_position(packer *p, uint64_t index, const fxs_gaussian *g)
+static void take_position(packer *p, fxs_order_entry *entry, const fxs_gaussian *g, findings *f)
 {
-    p->report->read++;
-    memcpy(p->positions[index], g->position, sizeof g->position);
-    if (!fxs_drawable(g, p->info->sh_degree, &p->report->dropped))
-        p->positions[index][0] = NAN;
+    memcpy(entry->position, g->position, sizeof g->position);
+    if (!fxs_drawable(g, p->info->sh_degree, &f->dropped)) {
+        entry->position[0] = NAN;
+        return;
+    }
+    for (int i = 0; i < 3; i++) {
+        f->low[i] = g->position[i] < f->low[i] ? g->position[i] : f->low[i];
+        f->high[i] = g->position[i] > f->high[i] ? g->position[i] : f->high[i];
+    }
 }
 
-/* ---- Order: a Morton curve ------------------------------------------------------------------------------------- */
+static void take_positions(packer *p, const batch *b, uint32_t part)
+{
+    for (long i = first_of(p, b, part), end = first_of(p, b, part + 1); i < end; i++)
+        take_position(p, &p->entries[b->first + (uint64_t)i], &b->gaussians[i], &p->findings[part]);
+}
+
+static int read_positions(packer *p)
+{
+    fxs_pack_report *report = p->report;
+    fxs_pack_dropped *dropped = &report->dropped;
+    for (uint32_t part = 0; part < p->parts; part++)
+        for (int i = 0; i < 3; i++) {
+            p->findings[part].low[i] = INFINITY;
+            p->findings[part].high[i] = -INFINITY;
+        }
+    if (pass(p, 0, take_positions))
+        return -1;
+    report->read = p->batches[p->ready].first;
+    for (uint64_t i = report->read; i < p->info->count; i++)
+        p->entries[i].position[0] = NAN;
+    for (int i = 0; i < 3; i++) {
+        report->low[i] = INFINITY;
+        report->high[i] = -INFINITY;
+    }
+    for (const findings *f = p->findings; f < p->findings + p->parts; f++) {
+        for (int i = 0; i < 3; i++) {
+            report->low[i] = fmin(report->low[i], f->low[i]);
+            report->high[i] = fmax(report->high[i], f->high[i]);
+        }
+        dropped->not_finite += f->dropped.not_finite;
+        dropped->rotation += f->dropped.rotation;
+        dropped->scale += f->dropped.scale;
+        dropped->position += f->dropped.position;
+    }
+    report->packed = report->read - dropped->not_finite - dropped->rotation - dropped->scale - dropped->position;
+    return 0;
+}
+
+/* ---- Order ----------------------------------------------------------------------------------------------------- */
 
 static int compare_floats(const void *a, const void *b)
 {
@@ -97,147 +199,196 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Bounds of all, and of the middle 90 % as found on an evenly spaced sample. */
-static int find_bounds(packer *p)
+/* Bounds of the middle 90 % as found on an evenly spaced sample. */
+static int find_inner_bounds(packer *p)
 {
-    enum { SAMPLE = 65536 };
-    uint64_t count = p->info->count, step = count / SAMPLE + 1;
-    float *sample = malloc(SAMPLE * sizeof *sample);
+    enum { MIDDLE = 65536 };
+    uint64_t count = p->info->count, step = count / MIDDLE + 1;
+    float *sample = fxs_allocate(p->options.allocator, MIDDLE, sizeof *sample);
     if (!sample)
         return fxs_fail(p->message, "out of memory");
     for (int axis = 0; axis < 3; axis++) {
-        double low = INFINITY, high = -INFINITY;
         size_t n = 0;
-        for (uint64_t i = 0; i < count; i++) {
-            if (isnan(p->positions[i][0]))
-                continue;
-            float x = p->positions[i][axis];
-            low = fmin(low, x);
-            high = fmax(high, x);
-            if (i % step == 0)
-                sample[n++] = x;
-        }
+        for (uint64_t i = 0; i < count; i += step)
+            if (!isnan(p->entries[i].position[0]))
+                sample[n++] = p->entries[i].position[axis];
         qsort(sample, n, sizeof *sample, compare_floats);
-        p->report->low[axis] = low;
-        p->report->high[axis] = high;
-        p->report->inner_low[axis] = n ? sample[n / 20] : low;
-        p->report->inner_high[axis] = n ? sample[n - 1 - n / 20] : high;
+        p->report->inner_low[axis] = n ? sample[n / 20] : p->report->low[axis];
+        p->report->inner_high[axis] = n ? sample[n - 1 - n / 20] : p->report->high[axis];
     }
-    free(sample);
+    fxs_release(p->options.allocator, sample);
     return 0;
 }
 
-static uint64_t spread_bits(uint64_t x)
+static int find_slots(packer *p)
 {
-    x = (x | x << 32) & 0x1f00000000ffff;
-    x = (x | x << 16) & 0x1f0000ff0000ff;
-    x = (x | x << 8) & 0x100f00f00f00f00f;
-    x = (x | x << 4) & 0x10c30c30c30c30c3;
-    return (x | x << 2) & 0x1249249249249249;
-}
-
-/* 21 bits an axis. Coordinates go through t / (1 + |t|), t = 0 in the middle of the scene, so that far outliers do
-   not coarsen it. */
-static uint64_t morton(const fxs_pack_report *report, const float position[3])
-{
-    uint64_t code = 0;
-    for (int i = 0; i < 3; i++) {
-        double middle = (report->inner_low[i] + report->inner_high[i]) / 2;
-        double half = (report->inner_high[i] - report->inner_low[i]) / 2;
-        double t = (position[i] - middle) / (half > 1e-9 ? half : 1e-9);
-        code |= spread_bits((uint64_t)((t / (1 + fabs(t)) + 1) * 1048575.5)) << i;
-    }
-    return code;
-}
-
-static int compare_keys(const void *a, const void *b)
-{
-    const order_key *x = a, *y = b;
-    if (x->morton != y->morton)
-        return x->morton < y->morton ? -1 : 1;
-    return (x->index > y->index) - (x->index < y->index);
-}
-
-static int find_order(packer *p)
-{
-    uint64_t count = p->info->count;
-    uint32_t n = 0;
-    order_key *keys = malloc(count * sizeof *keys);
-    if (!keys)
-        return fxs_fail(p->message, "out of memory for %llu Gaussians", (unsigned long long)count);
-    for (uint64_t i = 0; i < count; i++)
-        if (!isnan(p->positions[i][0]))
-            keys[n++] = (order_key){morton(p->report, p->positions[i]), (uint32_t)i};
-    free(p->positions);
-    p->positions = 0;
-    qsort(keys, n, sizeof *keys, compare_keys);
-    p->slots = malloc(count * sizeof *p->slots);
-    if (p->slots) {
-        memset(p->slots, 255, count * sizeof *p->slots);
-        for (uint32_t i = 0; i < n; i++)
-            p->slots[keys[i].index] = i;
-    }
-    free(keys);
-    p->report->packed = n;
-    return p->slots ? 0 : fxs_fail(p->message, "out of memory for %llu Gaussians", (unsigned long long)count);
+    uint32_t count = (uint32_t)p->info->count;
+    if (fxs_order(p->entries, count, p->report, &p->options))
+        return fxs_fail(p->message, "out of memory for %u Gaussians", count);
+    p->slots = fxs_allocate(p->options.allocator, count, sizeof *p->slots);
+    if (!p->slots)
+        return fxs_fail(p->message, "out of memory for %u Gaussians", count);
+    for (uint32_t i = 0; i < count; i++)
+        p->slots[p->entries[i].key.index] = i < p->report->packed ? i : FXS_NO_SLOT;
+    fxs_release(p->options.allocator, p->entries);
+    p->entries = 0;
+    return 0;
 }
 
 /* ---- Chunks ---------------------------------------------------------------------------------------------------- */
 
-static void take_ranges(packer *p, uint64_t index, const fxs_gaussian *g)
+/* A chunk is one part's, whatever the batch. */
+static void take_ranges(packer *p, const batch *b, uint32_t part)
 {
-    if (p->slots[index] != DROPPED)
-        fxs_ranges_take(&p->ranges[p->slots[index] / FXS_CHUNK], g, p->info->sh_degree);
+    for (long i = 0; i < b->count; i++) {
+        uint32_t slot = p->slots[b->first + (uint64_t)i], chunk = slot / FXS_CHUNK;
+        if (slot == FXS_NO_SLOT || chunk % p->parts != part)
+            continue;
+        fxs_ranges_take(&p->ranges[chunk], &b->gaussians[i], p->encoder.sh_degree);
+        if (p->sample && slot % p->sample_step == 0)
+            fxs_sh_vector_of(p->sample[slot / p->sample_step], &b->gaussians[i], p->encoder.sh_degree);
+    }
 }
 
-static int write_headers(packer *p)
+static int find_headers(packer *p)
 {
-    uint32_t chunks = (uint32_t)((p->report->packed + FXS_CHUNK - 1) / FXS_CHUNK);
-    p->ranges = malloc(chunks * sizeof *p->ranges);
+    p->ranges = fxs_allocate(p->options.allocator, p->header->chunk_count, sizeof *p->ranges);
     if (!p->ranges)
         return fxs_fail(p->message, "out of memory");
-    for (uint32_t i = 0; i < chunks; i++)
+    for (uint32_t i = 0; i < p->header->chunk_count; i++)
         fxs_ranges_clear(&p->ranges[i]);
     if (pass(p, 1, take_ranges))
         return -1;
-    for (uint32_t i = 0; i < chunks; i++)
+    for (uint32_t i = 0; i < p->header->chunk_count; i++)
         fxs_encode_header(&p->chunks[i], &p->ranges[i]);
     return 0;
 }
 
-static void write_codes(packer *p, uint64_t index, const fxs_gaussian *g)
+static int allocate_palette(packer *p)
 {
-    uint32_t slot = p->slots[index];
-    if (slot != DROPPED)
-        fxs_encode(&p->chunks[slot / FXS_CHUNK], p->rows + (size_t)(slot / FXS_CHUNK) * p->chunk_bytes, slot % FXS_CHUNK, g, p->info->sh_degree,
-                   &p->report->largest);
+    p->sample_step = (p->header->count + SAMPLE - 1) / SAMPLE;
+    p->sample_count = (p->header->count + p->sample_step - 1) / p->sample_step;
+    p->sample = fxs_allocate(p->options.allocator, p->sample_count, sizeof *p->sample);
+    p->palette = fxs_allocate(p->options.allocator, 1, sizeof *p->palette);
+    p->encoder.palette = p->palette;
+    return p->sample && p->palette ? 0 : fxs_fail(p->message, "out of memory");
+}
+
+static int note_learned(void *argument, double done)
+{
+    const packer *p = argument;
+    return p->options.progress ? p->options.progress(p->options.argument, (2 + done) / p->steps) : 0;
+}
+
+static int find_palette(packer *p)
+{
+    fxs_packed_header *h = p->header;
+    unsigned char *to = (unsigned char *)(p->chunks + h->chunk_count);
+    const uint32_t stages = fxs_palette_stages(p->encoder.profile, p->encoder.sh_degree);
+    if (fxs_palette_learn(p->palette, stages, h->palette_entries, p->sample, p->sample_count, p->options.allocator,
+                          note_learned, p, p->message))
+        return -1;
+    h->palette_step_q19 = p->palette->step_q19;
+    for (uint32_t stage = 0; stage < stages; stage++, to += h->palette_entries * FXS_PALETTE_STRIDE)
+        memcpy(to, p->palette->codes[stage], h->palette_entries * FXS_PALETTE_STRIDE);
+    return 0;
+}
+
+/* Neighbours in the file are not neighbours on the curve: rows, a cache line each, would be fetched for one byte. So
+   the codes of a Gaussian are kept together until all are known. */
+static void encode_part(packer *p, const batch *b, uint32_t part)
+{
+    const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK;
+    fxs_loss loss = p->findings[part].loss;               /* a copy: parts share cache lines */
+    for (long i = first_of(p, b, part), end = first_of(p, b, part + 1); i < end; i++) {
+        uint32_t slot = p->slots[b->first + (uint64_t)i];
+        if (slot == FXS_NO_SLOT)
+            continue;
+        unsigned char record[FXS_RECORD_BYTES], *to = p->rows + (size_t)slot * bytes;
+        PREFETCH(to);
+        PREFETCH(to + bytes - 1);
+        fxs_encode(&p->encoder, &p->chunks[slot / FXS_CHUNK], &b->gaussians[i], record, &loss);
+        memcpy(to, record, bytes);
+    }
+    p->findings[part].loss = loss;
+}
+
+/* Records to rows. */
+static void turn_part(void *argument, uint32_t part)
+{
+    const packer *p = argument;
+    unsigned char records[FXS_CHUNK * FXS_RECORD_BYTES];
+    for (uint32_t chunk = part; chunk < p->header->chunk_count; chunk += p->parts) {
+        unsigned char *rows = p->rows + (size_t)chunk * p->header->chunk_bytes;
+        memcpy(records, rows, p->header->chunk_bytes);
+        fxs_encode_rows(&p->encoder, records, rows);
+    }
+}
+
+static void sum_losses(packer *p)
+{
+    fxs_loss all = {{0}, {0}};
+    for (const findings *f = p->findings; f < p->findings + p->parts; f++)
+        for (int i = 0; i < FXS_LOSSES; i++) {
+            all.largest[i] = fmax(all.largest[i], f->loss.largest[i]);
+            all.squares[i] += f->loss.squares[i];
+        }
+    const double one = (double)p->report->packed, three = 3 * one, sh = three * FXS_SH_COUNT(p->encoder.sh_degree);
+    const double *most = all.largest, *sum = all.squares;
+    p->report->largest = (fxs_pack_error){most[FXS_LOSS_POSITION], most[FXS_LOSS_SCALE], most[FXS_LOSS_ROTATION],
+                                          most[FXS_LOSS_OPACITY], most[FXS_LOSS_DC], most[FXS_LOSS_SH]};
+    p->report->rms = (fxs_pack_error){sqrt(sum[FXS_LOSS_POSITION] / three), sqrt(sum[FXS_LOSS_SCALE] / three),
+                                      sqrt(sum[FXS_LOSS_ROTATION] / one), sqrt(sum[FXS_LOSS_OPACITY] / one),
+                                      sqrt(sum[FXS_LOSS_DC] / three), sh > 0 ? sqrt(sum[FXS_LOSS_SH] / sh) : 0};
+}
+
+static int write_codes(packer *p)
+{
+    if (pass(p, p->steps - 1, encode_part))
+        return -1;
+    p->options.run(p->options.pool, turn_part, p, p->parts);
+    sum_losses(p);
+    return 0;
 }
 
 /* ---- Import ---------------------------------------------------------------------------------------------------- */
 
+static void write_bounds(fxs_packed_header *header, const fxs_pack_report *report)
+{
+    for (int i = 0; i < 3; i++) {
+        header->low_q32[i] = (int64_t)floor(ldexp(report->low[i], 32));
+        header->high_q32[i] = (int64_t)ceil(ldexp(report->high[i], 32));
+        header->inner_low_q32[i] = (int64_t)floor(ldexp(report->inner_low[i], 32));
+        header->inner_high_q32[i] = (int64_t)ceil(ldexp(report->inner_high[i], 32));
+    }
+}
+
 static int allocate_scene(packer *p, fxs_packed_scene *scene)
 {
-    size_t bytes = fxs_scene_bytes((uint32_t)p->report->packed, p->info->sh_degree, FXS_PROFILE_DEFAULT, 0);
-    scene->allocation = calloc(1, bytes + 63);
+    const uint32_t count = (uint32_t)p->report->packed;
+    const enum fxs_profile profile = p->encoder.profile;
+    const uint32_t entries = fxs_palette_stages(profile, p->encoder.sh_degree) ? fxs_palette_entries_for(count) : 0;
+    scene->bytes = fxs_scene_bytes(count, p->encoder.sh_degree, profile, entries);
+    scene->allocator = p->options.allocator;
+    scene->allocation = scene->bytes ? fxs_allocate_zeroed(p->options.allocator, 1, scene->bytes + 63) : 0;
     if (!scene->allocation)
-        return fxs_fail(p->message, "out of memory: %zu bytes for the packed scene", bytes);
+        return fxs_fail(p->message, "out of memory: %zu bytes for the packed scene", scene->bytes);
     scene->data = (void *)(((uintptr_t)scene->allocation + 63) / 64 * 64);
-    scene->bytes = bytes;
-    fxs_packed_header header = {FXS_PACKED_MAGIC, FXS_PACKED_VERSION, (uint32_t)p->report->packed, 0, 0,
-                                (uint32_t)p->info->sh_degree, 0, 0, {0}, {0}, {0}, {0}, 0, 0, 0, 0, {0}};
-    header.chunk_count = (header.count + FXS_CHUNK - 1) / FXS_CHUNK;
-    header.chunk_bytes = p->chunk_bytes;
-    header.flags = p->info->antialiased ? FXS_PACKED_ANTIALIASED : 0;
-    for (int i = 0; i < 3; i++) {
-        header.low_q32[i] = (int64_t)floor(ldexp(p->report->low[i], 32));
-        header.high_q32[i] = (int64_t)ceil(ldexp(p->report->high[i], 32));
-        header.inner_low_q32[i] = (int64_t)floor(ldexp(p->report->inner_low[i], 32));
-        header.inner_high_q32[i] = (int64_t)ceil(ldexp(p->report->inner_high[i], 32));
-    }
-    memcpy(scene->data, &header, sizeof header);
-    p->chunks = (fxs_chunk *)(void *)((unsigned char *)scene->data + sizeof header);
-    p->rows = (unsigned char *)(p->chunks + header.chunk_count);
-    return 0;
+    p->header = scene->data;
+    p->header->magic = FXS_PACKED_MAGIC;
+    p->header->version = FXS_PACKED_VERSION;
+    p->header->count = count;
+    p->header->chunk_count = (count + FXS_CHUNK - 1) / FXS_CHUNK;
+    p->header->chunk_bytes = fxs_chunk_bytes(profile, p->encoder.sh_degree);
+    p->header->sh_degree = (uint32_t)p->encoder.sh_degree;
+    p->header->flags = p->info->antialiased ? FXS_PACKED_ANTIALIASED : 0;
+    p->header->profile = (uint32_t)profile;
+    p->header->palette_entries = entries;
+    write_bounds(p->header, p->report);
+    p->chunks = (fxs_chunk *)(void *)(p->header + 1);
+    p->rows = (unsigned char *)scene->data + scene->bytes - (size_t)p->header->chunk_count * p->header->chunk_bytes;
+    p->steps = entries ? 4 : 3;
+    return entries ? allocate_palette(p) : 0;
 }
 
 static int pack(packer *p, fxs_packed_scene *scene)
@@ -245,33 +396,48 @@ static int pack(packer *p, fxs_packed_scene *scene)
     if (p->info->count == 0 || p->info->count > FXS_MAX_COUNT)
         return fxs_fail(p->message, "%llu Gaussians: expected 1 to %u", (unsigned long long)p->info->count,
                         FXS_MAX_COUNT);
-    p->positions = malloc((size_t)p->info->count * sizeof *p->positions);
-    if (!p->positions)
+    p->entries = fxs_allocate_zeroed(p->options.allocator, (size_t)p->info->count, sizeof *p->entries);
+    p->batches = fxs_allocate(p->options.allocator, 2, sizeof *p->batches);
+    p->findings = fxs_allocate_zeroed(p->options.allocator, p->parts, sizeof *p->findings);
+    if (!p->entries || !p->batches || !p->findings)
         return fxs_fail(p->message, "out of memory for %llu Gaussians", (unsigned long long)p->info->count);
-    if (pass(p, 0, take_position))
-        return -1;
-    for (uint64_t i = p->report->read; i < p->info->count; i++)
-        p->positions[i][0] = NAN;
-    if (find_bounds(p) || find_order(p))
+    if (read_positions(p))
         return -1;
     if (p->report->packed == 0)
         return fxs_fail(p->message, "none of the %llu Gaussians can be drawn", (unsigned long long)p->report->read);
-    if (allocate_scene(p, scene) || write_headers(p) || pass(p, 2, write_codes))
+    if (find_inner_bounds(p) || find_slots(p) || allocate_scene(p, scene) || find_headers(p))
         return -1;
-    return 0;
+    return (p->palette && find_palette(p)) || write_codes(p);
 }
 
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
-             fxs_progress_fn *progress, void *argument, fxs_message *message)
+             const fxs_pack_options *options, fxs_message *message)
 {
-    packer p = {file, info, report, progress, argument, message, 0, 0, 0, 0, 0,
-                fxs_chunk_bytes(FXS_PROFILE_DEFAULT, info->sh_degree)};
+    packer p;
+    memset(&p, 0, sizeof p);
     memset(scene, 0, sizeof *scene);
     memset(report, 0, sizeof *report);
-    int result = pack(&p, scene);
-    free(p.positions);
-    free(p.slots);
-    free(p.ranges);
+    p.file = file;
+    p.info = info;
+    p.report = report;
+    p.message = message;
+    if (options)
+        p.options = *options;
+    p.steps = 3;
+    p.encoder.profile = p.options.profile;
+    p.encoder.sh_degree = info->sh_degree;
+    if (!p.options.run)
+        p.options.run = run_here;
+    p.options.threads += p.options.threads == 0;
+    p.parts = PARTS;
+    int result = pack(&p, scene) ? -1 : 0;
+    fxs_release(p.options.allocator, p.entries);
+    fxs_release(p.options.allocator, p.batches);
+    fxs_release(p.options.allocator, p.findings);
+    fxs_release(p.options.allocator, p.slots);
+    fxs_release(p.options.allocator, p.ranges);
+    fxs_release(p.options.allocator, p.palette);
+    fxs_release(p.options.allocator, p.sample);
     if (result)
         fxs_packed_scene_free(scene);
     return result;
@@ -279,6 +445,6 @@ int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_s
 
 void fxs_packed_scene_free(fxs_packed_scene *scene)
 {
-    free(scene->allocation);
+    fxs_release(scene->allocator, scene->allocation);
     memset(scene, 0, sizeof *scene);
 }

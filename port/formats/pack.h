@@ -1,10 +1,11 @@
-/* Import: a scene file -> a packed scene (src/packed.h). The only place where attributes are quantised. */
+/* Import: a scene file -> a packed scene (src/packed.h). */
 #ifndef FXS_PACK_H
 #define FXS_PACK_H
 
 #include <stddef.h>
 #include <stdint.h>
 
+#include "../../src/fixsplat.h"
 #include "message.h"
 #include "scene_file.h"
 
@@ -16,7 +17,7 @@ typedef struct fxs_pack_dropped {
     uint64_t position;        /* beyond +-2^27 units */
 } fxs_pack_dropped;
 
-/* Largest differences between what was read and what the packed scene says. */
+/* Differences between what was read and what the packed scene says. */
 typedef struct fxs_pack_error {
     double position;          /* scene units */
     double scale;             /* ln(sigma) */
@@ -28,7 +29,7 @@ typedef struct fxs_pack_error {
 typedef struct fxs_pack_report {
     uint64_t read, packed;
     fxs_pack_dropped dropped;
-    fxs_pack_error largest;
+    fxs_pack_error largest, rms;   /* rms: root mean square, of all numbers of an attribute */
     double low[3], high[3];   /* bounds of the centres */
     double inner_low[3], inner_high[3];   /* the same for the middle 90 % of the centres on each axis */
 } fxs_pack_report;
@@ -37,13 +38,25 @@ typedef struct fxs_packed_scene {
     void *data;               /* aligned to 64, for fxs_scene_open */
     size_t bytes;
     void *allocation;         /* what fxs_packed_scene_free frees */
+    const fxs_allocator *allocator;
 } fxs_packed_scene;
 
-/* Reads an open scene file from its start, three times, and packs it. Needs 32 bytes a Gaussian beside the packed
-   scene while the order is found, 4 afterwards. `progress` may be null. Returns 0, or -1 and a message; a scene
-   without a drawable Gaussian is an error. */
+/* All 0: profile default, one thread, no progress, malloc. */
+typedef struct fxs_pack_options {
+    enum fxs_profile profile;
+    fxs_run_fn *run;          /* null: one thread, the caller's */
+    void *pool;               /* first argument of run */
+    uint32_t threads;         /* threads that run uses, 1 to 64; 0: 1. The packed scene does not depend on it */
+    fxs_progress_fn *progress;   /* may be null; called on the caller's thread */
+    void *argument;           /* first argument of progress */
+    const fxs_allocator *allocator;   /* for all memory but that of the file's reader; may be null, else outlives it */
+} fxs_pack_options;
+
+/* Reads an open scene file from its start, three times, and packs it: one job of a run reads while the others work.
+   `options` may be null. Needs 24 bytes a Gaussian before the packed scene is allocated, 5 beside it, and 2 MB; to learn
+   a palette, 20 MB. Returns 0, or -1 and a message; a scene without a drawable Gaussian is an error. */
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
-             fxs_progress_fn *progress, void *argument, fxs_message *message);
+             const fxs_pack_options *options, fxs_message *message);
 
 /* Whether fxs_pack takes a Gaussian with SH of this degree; where not, the reason is counted. */
 int fxs_drawable(const fxs_gaussian *gaussian, int sh_degree, fxs_pack_dropped *dropped);
