@@ -285,8 +285,10 @@ static int find_palette(packer *p)
     fxs_packed_header *h = p->header;
     unsigned char *to = (unsigned char *)(p->chunks + h->chunk_count);
     const uint32_t stages = fxs_palette_stages(p->encoder.profile, p->encoder.sh_degree);
-    if (fxs_palette_learn(p->palette, stages, h->palette_entries, p->sample, p->sample_count, p->options.allocator,
-                          note_learned, p, p->message))
+    fxs_pack_options options = p->options;
+    options.progress = note_learned;
+    options.argument = p;
+    if (fxs_palette_learn(p->palette, stages, h->palette_entries, p->sample, p->sample_count, &options, p->message))
         return -1;
     h->palette_step_q19 = p->palette->step_q19;
     for (uint32_t stage = 0; stage < stages; stage++, to += h->palette_entries * FXS_PALETTE_STRIDE)

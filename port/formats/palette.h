@@ -7,9 +7,8 @@
 #include <stdint.h>
 
 #include "../../src/packed.h"
-#include "allocator.h"
 #include "message.h"
-#include "scene_file.h"
+#include "pack.h"
 
 /* Coefficients as an entry of a packed palette has them: red, green, blue of 16, the last of each 0. */
 typedef float fxs_sh_vector[FXS_PALETTE_STRIDE];
@@ -25,11 +24,10 @@ typedef struct fxs_palette {
 /* Entries of a stage that are worth their bytes in a scene of `count` Gaussians. */
 uint32_t fxs_palette_entries_for(uint64_t count);
 
-/* Learns from `count` vectors, at least 1, which are overwritten. `progress` is given 0 to 1. Returns 0, or -1 and a
-   message: out of memory, or stopped. */
-int fxs_palette_learn(fxs_palette *palette, uint32_t stages, uint32_t entries, fxs_sh_vector *vectors, size_t count,
-                      const fxs_allocator *allocator, fxs_progress_fn *progress, void *argument,
-                      fxs_message *message);
+/* Learns from `count` vectors, at least 1, which are overwritten. options->run is not null; options->progress is given 0
+   to 1. Returns 0, or -1 and a message: out of memory, or stopped. */
+int fxs_palette_learn(fxs_palette *palette, uint32_t stages, uint32_t entries, fxs_sh_vector *vectors, uint32_t count,
+                      const fxs_pack_options *options, fxs_message *message);
 
 /* Finds entries whose sum is near a vector, an index for each stage; the vector becomes what is left. */
 void fxs_palette_find(const fxs_palette *palette, fxs_sh_vector vector, uint8_t indices[FXS_PALETTE_STAGES]);
