@@ -57,13 +57,16 @@ static int write_file(uint64_t count, int sh_degree, int antialiased)
            fxs_ply_writer_close(writer, &message) == 0;
 }
 
+static enum fxs_profile profile;
+static const fxs_allocator *allocator;
+
 /* threads 0: no pool. */
 static int pack_with(const char *name, uint32_t threads, fxs_progress_fn *progress, void *argument)
 {
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_pool *pool = threads ? fxs_pool_create(threads) : 0;
-    fxs_pack_options options = {FXS_PROFILE_DEFAULT, pool ? fxs_pool_run : 0, pool, threads, progress, argument, 0};
+    fxs_pack_options options = {profile, pool ? fxs_pool_run : 0, pool, threads, progress, argument, allocator};
     message.text[0] = 0;
     int result = fxs_scene_file_open(name, NULL, &file, &info, &message);
     if (!result) {
@@ -124,13 +127,11 @@ static double position_of(const fxs_scene *scene, uint32_t i, uint32_t axis)
     return ldexp((double)chunk->origin_q32[axis], -32) + code * position_step(chunk, axis);
 }
 
-/* The Gaussian of the file that lies nearest to packed Gaussian i. */
-static const fxs_gaussian *source_of(const fxs_scene *scene, uint32_t i, size_t count)
+/* The Gaussian of the file that lies nearest. */
+static const fxs_gaussian *source_at(const double p[3], size_t count)
 {
-    double nearest = INFINITY, p[3];
+    double nearest = INFINITY;
     const fxs_gaussian *source = 0;
-    for (uint32_t axis = 0; axis < 3; axis++)
-        p[axis] = position_of(scene, i, axis);
     for (size_t k = 0; k < count; k++) {
         double distance = hypot(hypot(p[0] - gaussians[k].position[0], p[1] - gaussians[k].position[1]),
                                 p[2] - gaussians[k].position[2]);
@@ -138,6 +139,12 @@ static const fxs_gaussian *source_of(const fxs_scene *scene, uint32_t i, size_t 
         nearest = fmin(nearest, distance);
     }
     return source;
+}
+
+static const fxs_gaussian *source_of(const fxs_scene *scene, uint32_t i, size_t count)
+{
+    const double p[3] = {position_of(scene, i, 0), position_of(scene, i, 1), position_of(scene, i, 2)};
+    return source_at(p, count);
 }
 
 static double worst_rotation, worst_step;   /* degrees; differences of the other attributes, in their steps */
@@ -359,6 +366,204 @@ static void test_same_bytes_twice(void)
     fxs_packed_scene_free(&packed);
 }
 
+/* ---- Profiles --------------------------------------------------------------------------------------------------- */
+
+/* What docs/format.md says of an 8-bit code that stands for one of 10 bits. */
+static double spread(uint32_t code)
+{
+    return profile == FXS_PROFILE_SMALL ? 4 * code + code / 64 : code;
+}
+
+typedef struct decoded {
+    double position[3], scale[3], rotation[4], opacity, dc[3], sh[45];
+} decoded;
+
+/* Codes of a Gaussian of the profile small, of 8 bits but for the position's 12. */
+static void small_codes(uint32_t codes[14], const unsigned char *rows, uint32_t at)
+{
+    const unsigned char *a = rows + 4 * at, *b = a + 1024, *c = b + 1024, *d = rows + 3072 + 2 * at;
+    const uint32_t all[14] = {
+        a[0] + (a[1] & 15) * 256u, (a[1] >> 4) + a[2] * 16u, b[0] + (b[1] & 15) * 256u,   /* position */
+        c[0], c[1], c[2],                                                                 /* scale */
+        b[1] >> 4 & 3, c[3], d[0], d[1],                                                  /* rotation */
+        b[2], b[3], rows[3584 + at], a[3]                                                 /* colour, opacity */
+    };
+    memcpy(codes, all, sizeof all);
+    for (int i = 0; i < 3; i++)
+        codes[i] = codes[i] * 16 + codes[i] / 256;
+}
+
+static void other_codes(uint32_t codes[14], const unsigned char *rows, uint32_t at)
+{
+    uint32_t words[3];
+    for (uint32_t i = 0; i < 3; i++) {
+        uint16_t half;
+        memcpy(&half, rows + 512 * i + 2 * at, 2);
+        memcpy(&words[i], rows + 1536 + 1024 * i + 4 * at, 4);
+        codes[i] = half;
+    }
+    for (int i = 0; i < 3; i++) {
+        codes[3 + i] = words[1] >> 10 * i & 1023;
+        codes[7 + i] = words[0] >> (20 - 10 * i) & 1023;
+        codes[10 + i] = words[2] >> 8 * i & 255;
+    }
+    codes[6] = words[0] >> 30;
+    codes[13] = words[2] >> 24;
+}
+
+static void decode_palette(double sh[45], const fxs_scene *s, const unsigned char *record)
+{
+    const int stages = profile == FXS_PROFILE_COMPACT ? 2 : 4, count = FXS_SH_COUNT(s->sh_degree);
+    for (int c = 0; c < 3; c++)
+        for (int k = 0; k < count; k++) {
+            int sum = 0, bit = 24 + 3 * (c * count + k);
+            for (int stage = 0; stage < stages; stage++)
+                sum += s->palette[((uint32_t)stage * s->palette_entries + record[stage]) * 48 + 16 * (uint32_t)c + (uint32_t)k];
+            sh[3 * k + c] = ldexp(sum * (double)s->palette_step_q19, -19);
+            if (profile != FXS_PROFILE_COMPACT)
+                continue;
+            int code = 0;
+            for (int i = 0; i < 3; i++)
+                code += (record[(bit + i) / 8] >> (bit + i) % 8 & 1) << i;
+            sh[3 * k + c] += (2 * (code < 4 ? code : code - 8) + 1) * ldexp(8 + record[2] % 8, record[2] / 8 - 32);
+        }
+}
+
+static decoded decode(const fxs_scene *s, uint32_t i)
+{
+    decoded d;
+    uint32_t codes[14], at = i % FXS_CHUNK;
+    const fxs_chunk *chunk = chunk_of(s, i);
+    const unsigned char *rows = rows_of(s, i);
+    double rest = 1;
+    memset(&d, 0, sizeof d);
+    (profile == FXS_PROFILE_SMALL ? small_codes : other_codes)(codes, rows, at);
+    for (uint32_t k = 0; k < 3; k++) {
+        double scale = spread(codes[3 + k]);
+        d.position[k] = ldexp((double)chunk->origin_q32[k], -32) + codes[k] * position_step(chunk, k);
+        d.scale[k] = log(2) * (ldexp(chunk->scale_q16, -16) - scale * scale * ldexp(chunk->scale_step_q24, -24));
+        d.dc[k] = (ldexp(chunk->colour_q16[k], -16) + codes[10 + k] * ldexp(chunk->colour_step_q20[k], -20) - 0.5) /
+                  0.28209479177387814;
+        double q = (2 * spread(codes[7 + k]) - 1023) / 1023 / sqrt(2);
+        d.rotation[k < codes[6] ? k : k + 1] = q;
+        rest -= q * q;
+    }
+    d.rotation[codes[6]] = sqrt(fmax(0, rest));
+    d.opacity = codes[13] / 255.0;
+    if (profile != FXS_PROFILE_DEFAULT && s->sh_degree) {
+        const uint32_t bytes = profile == FXS_PROFILE_SMALL ? 4 : (const uint32_t[]){0, 8, 12, 20}[s->sh_degree];
+        decode_palette(d.sh, s, rows + (profile == FXS_PROFILE_SMALL ? 3840 : 4608) + bytes * at);
+        return d;
+    }
+    for (int k = 0; k < 3 * FXS_SH_COUNT(s->sh_degree); k++)
+        d.sh[k] = ldexp((int8_t)rows[4608 + 256 * k + (int)at] *
+                        (double)chunk->sh_step_q19[k < 9 ? 0 : k < 24 ? 1 : 2], -19);
+    return d;
+}
+
+static double largest[6], squares[6];
+
+static void note_loss(int which, double error)
+{
+    largest[which] = fmax(largest[which], fabs(error));
+    squares[which] += error * error;
+}
+
+static void compare_decoded(const decoded *d, const fxs_gaussian *g, int sh_degree)
+{
+    double dot = 0, norm = 0;
+    for (int k = 0; k < 3; k++) {
+        note_loss(0, d->position[k] - (double)g->position[k]);
+        note_loss(1, d->scale[k] - (double)g->scale[k]);
+        note_loss(4, d->dc[k] - (double)g->dc[k]);
+    }
+    for (int k = 0; k < 4; k++) {
+        dot += d->rotation[k] * g->rotation[k];
+        norm += (double)g->rotation[k] * g->rotation[k];
+    }
+    note_loss(2, 2 * acos(fmin(1, fabs(dot) / sqrt(norm))) * 57.29577951308232);
+    note_loss(3, d->opacity - 1 / (1 + exp(-(double)g->opacity)));
+    for (int k = 0; k < 3 * FXS_SH_COUNT(sh_degree); k++)
+        note_loss(5, d->sh[k] - (double)g->sh[k]);
+}
+
+/* What the report says is lost is what is lost, decoded here as the format's description has it. */
+static void check_loss(size_t count, int sh_degree)
+{
+    fxs_scene s = pack(count, sh_degree);
+    const fxs_pack_error *most = &report.largest, *rms = &report.rms;
+    const double said_most[6] = {most->position, most->scale, most->rotation, most->opacity, most->dc, most->sh};
+    const double said_rms[6] = {rms->position, rms->scale, rms->rotation, rms->opacity, rms->dc, rms->sh};
+    const double numbers[6] = {3, 3, 1, 1, 3, fmax(1, 3 * FXS_SH_COUNT(sh_degree))};
+    CHECK(s.profile == profile && s.sh_degree == sh_degree);
+    memset(largest, 0, sizeof largest);
+    memset(squares, 0, sizeof squares);
+    for (uint32_t i = 0; i < s.count; i++) {
+        const decoded d = decode(&s, i);
+        compare_decoded(&d, source_at(d.position, count), sh_degree);
+    }
+    for (int i = 0; i < 6; i++) {
+        double of_all = sqrt(squares[i] / numbers[i] / (double)count);
+        if (!CHECK(fabs(largest[i] - said_most[i]) < 1e-3 * largest[i] + 1e-7) ||
+            !CHECK(fabs(of_all - said_rms[i]) < 1e-2 * of_all + 1e-7))
+            printf("  profile %d, degree %d, %d: %g %g, said %g %g\n", profile, sh_degree, i, largest[i], of_all,
+                   said_most[i], said_rms[i]);
+    }
+    fxs_packed_scene_free(&packed);
+}
+
+static void test_loss_of_each_profile(void)
+{
+    make_gaussians(1500);
+    for (int i = 0; i < 3; i++)
+        for (int degree = 0; degree <= 3; degree++) {
+            profile = (enum fxs_profile)i;
+            check_loss(1500, degree);
+        }
+    profile = FXS_PROFILE_DEFAULT;
+}
+
+/* ---- Memory ----------------------------------------------------------------------------------------------------- */
+
+static int live, allocations, failing;      /* blocks; the allocation that fails, counted from 0 */
+
+static void *count_allocation(void *argument, size_t bytes)
+{
+    (void)argument;
+    void *block = allocations++ == failing ? NULL : malloc(bytes);
+    live += block != NULL;
+    return block;
+}
+
+static void count_release(void *argument, void *block)
+{
+    (void)argument;
+    live--;
+    free(block);
+}
+
+static void test_every_allocation_fails(void)
+{
+    static const fxs_allocator counting = {count_allocation, count_release, 0};
+    make_gaussians(1000);
+    CHECK(write_file(1000, 1, 0));
+    allocator = &counting;
+    profile = FXS_PROFILE_COMPACT;
+    int result = -1;
+    for (failing = 0; result && failing < 100; failing++) {
+        allocations = 0;
+        result = pack_with(path, 2, 0, 0);
+        CHECK(live == (result == 0) && (result == 0 || strstr(message.text, "out of memory")));
+    }
+    CHECK(result == 0 && failing > 8);
+    fxs_packed_scene_free(&packed);
+    CHECK(live == 0);
+    allocator = NULL;
+    profile = FXS_PROFILE_DEFAULT;
+}
+
+/* ---- Threads ---------------------------------------------------------------------------------------------------- */
+
 static const uint32_t thread_counts[] = {0, 1, 2, 4, 7};
 
 enum { THREAD_COUNTS = sizeof thread_counts / sizeof *thread_counts };
@@ -383,6 +588,18 @@ static void check_threads(const char *name)
         fxs_packed_scene_free(&packed);
     }
     fxs_packed_scene_free(&first);
+}
+
+static void test_threads_learning_a_palette(void)
+{
+    make_gaussians(3000);
+    CHECK(write_file(3000, 2, 0));
+    for (int i = 1; i < 3; i++) {
+        profile = (enum fxs_profile)i;
+        check_threads(path);
+        CHECK(report.packed == 3000 && report.rms.sh > 0);
+    }
+    profile = FXS_PROFILE_DEFAULT;
 }
 
 static void test_threads(void)
@@ -542,6 +759,9 @@ int main(void)
     RUN(test_empty_file);
     RUN(test_flags);
     RUN(test_same_bytes_twice);
+    RUN(test_loss_of_each_profile);
+    RUN(test_every_allocation_fails);
+    RUN(test_threads_learning_a_palette);
     RUN(test_threads);
     RUN(test_threads_on_real_scenes);
     RUN(test_order);
