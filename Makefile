@@ -107,7 +107,7 @@ fuzz: all ## fuzz the file readers, SECONDS=60 each
 
 # ---- Measurements --------------------------------------------------------------------------------------------------
 
-bench: all ## measure and write the tables of docs/performance.md
+bench: all $(B)/tests/test_quality ## measure and write the tables of docs/performance.md
 	SCENES=$(SCENES) B=$(B) sh tools/bench.sh
 
 size: all ## code size of each part

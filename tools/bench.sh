@@ -1,5 +1,5 @@
 #!/bin/sh
-# bench.sh [PART...]: measures and writes the parts of docs/performance.md (between their marker lines): tables, limits; without PART, both.
+# bench.sh [PART...]: measures and writes the parts of docs/performance.md (between their marker lines): tables, sizes, limits; without PART, all.
 # B: build folder; SCENES: folder of real scenes.
 # Medians of 10 frames or more, from `fixsplat bench --json`; rows of one table are from one run.
 set -eu
@@ -179,6 +179,48 @@ limits() {
     fi
 }
 
+# test_quality measures; rows of degree 3.
+sizes() {
+    printf '1280x720, mean of four views, 8-bit pictures against double precision from the floats of the .ply.\n\n'
+    printf '| scene | form | bytes a Gaussian | PSNR, dB | SSIM |\n|---|---|---|---|---|\n'
+    FXS_SCENES=$SCENES "$B/tests/test_quality" | awk '
+        /\.ply$/ { scene = $0; sub(/.*\//, "", scene) }
+        / bytes a Gaussian/ && scene ~ /snowmiku|train|boatyard|fruit/ {
+            form = $0
+            sub(/^ */, "", form)
+            sub(/ +[0-9.]+ bytes.*/, "", form)
+            bytes = $0
+            sub(/ bytes.*/, "", bytes)
+            sub(/.* /, "", bytes)
+            printf "| %s | %s | %s | %s | %s |\n", scene, form, bytes, $(NF - 3), $NF
+        }'
+    printf '\n### Time of each profile\n\nFrom the .fxs file, mapped, 1280x720, two threads, milliseconds.\n\n'
+    head_row 'scene, profile'
+    for profile in default compact small; do
+        if [ -d "$SCENES" ]; then
+            "$B/fixsplat" convert "$SCENES/snowmiku/snowmiku.ply" "$work/s.fxs" --profile $profile
+            row "snowmiku, view 8, $profile" "$work/s.fxs" --threads $two --size 1280x720 \
+                --cameras "$SCENES/snowmiku/cameras.json" --view 8
+        fi
+    done
+    [ ! -d "$SCENES" ] || row 'snowmiku, view 8, packed from the .ply in memory' "$SCENES/snowmiku/snowmiku.ply" \
+        --threads $two --size 1280x720 --cameras "$SCENES/snowmiku/cameras.json" --view 8
+    mapped
+}
+
+# The first stages read only the chunks that can be seen.
+mapped() {
+    printf '\n### A large scene from its file\n\nlandscape of 10,000,000, .fxs of the profile default, mapped; 1920x1080, %s threads, milliseconds.\n\n' $two
+    head_row view
+    landscape 10000000
+    "$B/fixsplat" convert "$work/10000000.ply" "$work/large.fxs"
+    rm "$work/10000000.ply"
+    row 'all in view' "$work/large.fxs" --threads $two --size 1920x1080
+    row 'a meadow, close up' "$work/large.fxs" --threads $two --size 1920x1080 --eye 14,-2.2,-6 --look 15.2,-1.6,-5.2 \
+        --fov 40
+    rm "$work/large.fxs"
+}
+
 tables() {
     growth
     echo
@@ -189,7 +231,7 @@ tables() {
     cutoffs
 }
 
-for part in ${*:-tables limits}; do
+for part in ${*:-tables sizes limits}; do
     {
         printf 'Measured %s on %s (%s processors), %s.\n\n' "$(date -u +%Y-%m-%d)" \
             "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)" "$(getconf _NPROCESSORS_ONLN)" \

@@ -137,7 +137,7 @@ for bad in 'bg 12345' 'bg 12345g' 'cutoff round' 'sh-degree 4' 'sh-degree -1' 't
 done
 for bad in 'crop 0,0,0,1,1' 'crop 0,0,0,1,1,1,1' 'crop 0,0,0,1,1,-1' 'crop nan,0,0,1,1,1' 'crop x' \
     'prune -0.1' 'prune 1.1' 'prune nan' 'prune 0.1,0.2' 'sh-degree 4' 'sh-degree -1' 'spz-version 2' 'spz-version 5' \
-    'lod -1'; do
+    'lod -1' 'profile tiny' 'profile 1'; do
     fails "convert --$bad" 2 "--${bad%% *}" convert knot.ply x.spz --$bad
 done
 for bad in 'views 0' 'views 1001' 'size 1x' 'lod x'; do
@@ -435,6 +435,16 @@ check "convert to .ply: the same bytes" cmp knot.ply knot2.ply
 succeeds "convert to .fxs" convert knot.ply knot.fxs
 check "convert to .fxs: the same picture" equal "$(hash_of knot.fxs $small)" "$(hash_of knot.ply $small)"
 check "convert to .fxs: equal to its original" equal "$(psnr_of knot.fxs knot.ply)" equal
+for profile in compact small; do
+    succeeds "convert to .fxs, $profile" convert knot.ply $profile.fxs --profile $profile
+    check "convert to .fxs, $profile: less" [ "$(wc -c <$profile.fxs)" -lt "$(wc -c <knot.fxs)" ]
+    check "convert to .fxs, $profile: PSNR" at_least "$(psnr_of $profile.fxs knot.ply)" 35
+    check "info, $profile" [ "$("$fixsplat" info $profile.fxs | sed -n 's/^profile *//p')" = $profile ]
+    check "render --profile $profile: the same picture" equal "$(hash_of knot.ply $small --profile $profile)" \
+        "$(hash_of $profile.fxs $small)"
+    check "$profile: one hash with --cpu c" equal "$(hash_of $profile.fxs $small --cpu c)" \
+        "$(hash_of $profile.fxs $small --cpu all)"
+done
 succeeds "convert to .spz" convert knot.ply knot4.spz
 check "convert to .spz: version 4" equal "$(head -c 5 knot4.spz | od -An -tx1)" " 4e 47 53 50 04"
 succeeds "convert to .spz 3" convert knot.ply knot3.spz --spz-version 3
@@ -496,6 +506,7 @@ check "convert to .spz: says what is moved" says \
     "far.spz: moved 2 Gaussians: an .spz cannot hold positions beyond +-2048"
 fails "convert: an ending that is none" 2 "x.glb: expected a name ending" convert knot.ply x.glb
 fails "convert: one file" 2 "two files" convert knot.ply
+fails "convert --profile to .ply" 2 "--profile is for .fxs" convert knot.ply x.ply --profile small
 fails "convert --spz-version to .ply" 2 "x.ply is no .spz" convert knot.ply x.ply --spz-version 3
 
 # ---- info --compare --------------------------------------------------------------------------------------------------
@@ -572,6 +583,11 @@ if [ "$(df -Pk . | awk 'NR == 2 { print $4 }')" -gt 1048576 ]; then
     said="memory for a million Gaussians in 25 MB: ${peak:=0} KiB of $((bound / 1024))"
     if [ "$peak" -gt 1000 ] && [ $((peak * 1024)) -le $bound ]; then ok "$said"; else fail "$said" "too much"; fi
     check "a million Gaussians in 25 MB: the same picture" cmp million.png bands.png
+    peak=$($helper peak "$fixsplat" render million.fxs --eye 14,-2.2,-6 --look 15.2,-1.6,-5.2 -o meadow.png)
+    run render million.fxs --stats
+    bound=$(($(number scene) / 2 + $(number frame) / 4 + (16 << 20)))
+    said="memory of a close-up among a million Gaussians: ${peak:=0} KiB of $((bound / 1024))"
+    if [ "$peak" -gt 1000 ] && [ $((peak * 1024)) -le $bound ]; then ok "$said"; else fail "$said" "too much"; fi
 else
     skip "memory for a million Gaussians" "less than 1 GB free"
 fi
