@@ -7,6 +7,7 @@
 #include "../port/formats/order.h"
 #include "../port/formats/pack.h"
 #include "../port/formats/ply_write.h"
+#include "../port/formats/spz_write.h"
 #include "../port/posix/pool.h"
 #include "../src/fixsplat.h"
 #include "../src/packed.h"
@@ -523,6 +524,29 @@ static void test_loss_of_each_profile(void)
     profile = FXS_PROFILE_DEFAULT;
 }
 
+/* Colours, opacities and SH of files that have them in 8 bits get the same codes again. */
+static void test_few_bits_are_kept(void)
+{
+    static const char *const names[] = {"luma-seal/luma-seal.splat", "kitchen-marble/kitchen-marble.spz"};
+    const char *folder = getenv("FXS_SCENES");
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char name[1000];
+        snprintf(name, sizeof name, "%s/%s", folder ? folder : "../shared/scenes", names[i]);
+        if (access(name, R_OK) || pack_with(name, 0, 0, 0))
+            SKIP(access(name, R_OK) ? "no real scenes here" : message.text);
+        CHECK(report.largest.dc * 0.28209479177387814 < 2e-4 && report.largest.opacity < 1e-6);
+        fxs_packed_scene_free(&packed);
+    }
+    fxs_spz_writer *writer;
+    make_gaussians(2000);
+    if (fxs_spz_writer_open(path, 4, 2000, 3, 0, &writer, &message))
+        SKIP(message.text);
+    CHECK(fxs_spz_writer_put(writer, gaussians, 2000, &message) == 0);
+    CHECK(fxs_spz_writer_close(writer, NULL, NULL, &message) == 0 && pack_file(0, 0) == 0);
+    CHECK(report.largest.sh < 1e-7 && report.largest.dc * 0.28209479177387814 < 2e-4);
+    fxs_packed_scene_free(&packed);
+}
+
 /* ---- Memory ----------------------------------------------------------------------------------------------------- */
 
 static int live, allocations, failing;      /* blocks; the allocation that fails, counted from 0 */
@@ -760,6 +784,7 @@ int main(void)
     RUN(test_flags);
     RUN(test_same_bytes_twice);
     RUN(test_loss_of_each_profile);
+    RUN(test_few_bits_are_kept);
     RUN(test_every_allocation_fails);
     RUN(test_threads_learning_a_palette);
     RUN(test_threads);

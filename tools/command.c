@@ -207,7 +207,7 @@ static int map(loaded_scene *loaded, const char *path)
     fxs_scene_open(&loaded->scene, loaded->packed.data, loaded->packed.bytes);
     const fxs_packed_header *header = loaded->packed.data;
     loaded->info = (fxs_scene_file_info){"fxs", header->count, (int)header->sh_degree, loaded->scene.antialiased,
-                                        1};
+                                        1, {0, 0}, {0, 0}};
     loaded->report.read = loaded->report.packed = header->count;
     for (int i = 0; i < 3; i++) {
         loaded->report.low[i] = ldexp((double)header->low_q32[i], -32);

@@ -54,7 +54,27 @@ static uint32_t step_for(double reach, int codes, int q)
     return (uint32_t)fmin(ceil(ldexp(reach, q) / codes), UINT32_MAX);
 }
 
-void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *r)
+static void find_colour_codes(fxs_chunk *chunk, int channel, const fxs_range *r, const fxs_grid *grid)
+{
+    double low = grid->step > 0 ? floor((r->low - grid->low) / grid->step + 0.5) * grid->step + grid->low : 0;
+    if (grid->step > 0 && r->high < low + 255.5 * grid->step) {
+        chunk->colour_q16[channel] = (int32_t)floor(ldexp(low, 16) + 0.5);
+        chunk->colour_step_q20[channel] = (uint32_t)floor(ldexp(grid->step, 20) + 0.5);
+        return;
+    }
+    chunk->colour_q16[channel] = (int32_t)floor(ldexp(r->low, 16));
+    chunk->colour_step_q20[channel] = step_for(r->high - ldexp(chunk->colour_q16[channel], -16), 255, 20);
+}
+
+/* At most 32767. */
+static uint32_t sh_step(float most, const fxs_grid *grid)
+{
+    double own = ldexp(grid->step, 19);
+    uint32_t step = step_for(most, 127, 19);
+    return own == floor(own) && step <= own ? (uint32_t)own : step < 32767 ? step : 32767;
+}
+
+void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *r, const fxs_scene_file_info *info)
 {
     double most = 0;
     memset(chunk, 0, sizeof *chunk);
@@ -68,10 +88,8 @@ void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *r)
         chunk->origin_q32[i] = (int64_t)floor(ldexp(r->position[i].low, 32));
         chunk->step_q32[i] = step_for(r->position[i].high - ldexp((double)chunk->origin_q32[i], -32), 65535,
                                       32 - (int)chunk->step_shift);
-        chunk->colour_q16[i] = (int32_t)floor(ldexp(r->colour[i].low, 16));
-        chunk->colour_step_q20[i] = step_for(r->colour[i].high - ldexp(chunk->colour_q16[i], -16), 255, 20);
-        uint32_t step = step_for(r->sh[i], 127, 19);
-        chunk->sh_step_q19[i] = step < 32767 ? step : 32767;
+        find_colour_codes(chunk, i, &r->colour[i], &info->colour);
+        chunk->sh_step_q19[i] = sh_step(r->sh[i], &info->sh);
     }
 }
 

@@ -19,8 +19,9 @@ typedef struct fxs_chunk_ranges {
 void fxs_ranges_clear(fxs_chunk_ranges *ranges);
 void fxs_ranges_take(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, int sh_degree);
 
-/* Writes a chunk's header. */
-void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *ranges);
+/* Writes a chunk's header. Where the file's numbers are in few bits and a chunk's range allows it, codes are those of
+   the file. */
+void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *ranges, const fxs_scene_file_info *info);
 
 enum { FXS_LOSS_POSITION, FXS_LOSS_SCALE, FXS_LOSS_ROTATION, FXS_LOSS_OPACITY, FXS_LOSS_DC, FXS_LOSS_SH, FXS_LOSSES };
 

@@ -131,6 +131,7 @@ static int ksplat_open(void *handle, const fxs_scene_source *source, fxs_scene_f
     reader->source = source;
     reader->headers.source = reader->lengths.source = reader->centres.source = reader->rows.source = source;
     info->sh_degree = info->antialiased = 0;
+    info->colour.step = 1 / 255.0;
     if (read_header(reader, message) != 0)
         return -1;
     while (reader->sections_begun < reader->sections) {

@@ -260,7 +260,7 @@ static int find_headers(packer *p)
     if (pass(p, 1, take_ranges))
         return -1;
     for (uint32_t i = 0; i < p->header->chunk_count; i++)
-        fxs_encode_header(&p->chunks[i], &p->ranges[i]);
+        fxs_encode_header(&p->chunks[i], &p->ranges[i], p->info);
     return 0;
 }
 

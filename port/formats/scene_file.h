@@ -20,12 +20,19 @@ typedef struct fxs_gaussian {
 
 typedef struct fxs_scene_file fxs_scene_file;
 
+/* Numbers that a file holds in few bits: all are `low` plus a whole multiple of `step`. Step 0: they are not. */
+typedef struct fxs_grid {
+    double low, step;
+} fxs_grid;
+
 typedef struct fxs_scene_file_info {
     const char *format;   /* "ply", "compressed ply", "ksplat", "sog", "splat", "spz", "gltf"; static */
     uint64_t count;       /* Gaussians in the file */
     int sh_degree;        /* 0 to 3 */
     int antialiased;      /* 1: opacities were fitted with the dilation compensated */
     int levels;           /* of detail that can be opened; 1 but for streamed SOG */
+    fxs_grid colour;      /* of 0.5 + 0.28209479177387814 dc */
+    fxs_grid sh;          /* of the coefficients above degree 0 */
 } fxs_scene_file_info;
 
 /* Called now and then with the work done, 0 to 1; a return other than 0 stops it, which is an error. */

@@ -56,6 +56,7 @@ static int splat_open(void *handle, const fxs_scene_source *source, fxs_scene_fi
     reader->bytes.source = source;
     reader->count = info->count = source->input.size / RECORD_SIZE;
     info->sh_degree = info->antialiased = 0;
+    info->colour.step = 1 / 255.0;
     return 0;
 }
 

@@ -24,6 +24,9 @@ enum {
     MAX_EXPANSION = 1032                     /* of deflate */
 };
 
+#define C0 0.28209479177387814
+#define COLOUR_RANGE 0.15                    /* dc = (code / 255 - 0.5) / range */
+
 enum { ANTIALIASED = 1, HAS_EXTENSIONS = 2, LEVELS_OF_DETAIL = 0x80 };   /* flags */
 
 enum { RUB = 4, RDF = 6, LAST_XYZ = 8 };     /* coordinate systems: 1 + R + 2 U + 4 F of right, up, front */
@@ -458,6 +461,9 @@ int fxs_spz_open(const fxs_scene_source *source, uint64_t offset, uint64_t size,
     info->count = s->count;
     info->sh_degree = s->sh_degree < 3 ? s->sh_degree : 3;
     info->antialiased = s->flags & ANTIALIASED;
+    info->colour.step = C0 / COLOUR_RANGE / 255;
+    info->colour.low = 0.5 - C0 / COLOUR_RANGE / 2;
+    info->sh.step = 1 / 128.0;
     return 0;
 }
 
@@ -531,7 +537,7 @@ static void decode(const fxs_spz *spz, size_t index, fxs_gaussian *g)
         g->position[i] = spz->flip[i] * position(spz, at[FXS_SPZ_POSITION] + i * spz->stride[FXS_SPZ_POSITION] / 3);
         g->rotation[i + 1] = spz->flip_rotation[i] * (float)q[i];
         g->scale[i] = (float)at[FXS_SPZ_SCALE][i] / 16 - 10;
-        g->dc[i] = ((float)at[FXS_SPZ_COLOUR][i] / 255 - 0.5f) / 0.15f;
+        g->dc[i] = ((float)at[FXS_SPZ_COLOUR][i] / 255 - 0.5f) / (float)COLOUR_RANGE;
     }
     g->opacity = fxs_logit_of_code(at[FXS_SPZ_ALPHA][0]);
     for (int i = 0; i < spz->stride[FXS_SPZ_SH] && i < 45; i++)
