@@ -239,7 +239,7 @@ static int find_gain(const fxs_sh_vector rest, int count)
     double most = 0, least = INFINITY;
     int best = 0, first = 0;
     for (int i = 0; i < (int)FXS_PALETTE_STRIDE; i++)
-        most = fmax(most, fabs(rest[i]));
+        most = fabs(rest[i]) > most ? fabs(rest[i]) : most;
     while (first < 255 && 8 * gain_of(first) < most)
         first++;
     for (int code = first; code >= 0 && code > first - 12; code--) {
