@@ -60,6 +60,7 @@ static int write_file(uint64_t count, int sh_degree, int antialiased)
 
 static enum fxs_profile profile;
 static const fxs_allocator *allocator;
+static size_t bytes_said;
 
 /* threads 0: no pool. */
 static int pack_with(const char *name, uint32_t threads, fxs_progress_fn *progress, void *argument)
@@ -72,6 +73,7 @@ static int pack_with(const char *name, uint32_t threads, fxs_progress_fn *progre
     int result = fxs_scene_file_open(name, NULL, &file, &info, &message);
     if (!result) {
         result = fxs_pack(file, &info, &packed, &report, &options, &message);
+        bytes_said = fxs_pack_bytes(&info, profile);
         fxs_scene_file_close(file);
     }
     fxs_pool_destroy(pool);
@@ -496,7 +498,7 @@ static void check_loss(size_t count, int sh_degree)
     const double said_most[6] = {most->position, most->scale, most->rotation, most->opacity, most->dc, most->sh};
     const double said_rms[6] = {rms->position, rms->scale, rms->rotation, rms->opacity, rms->dc, rms->sh};
     const double numbers[6] = {3, 3, 1, 1, 3, fmax(1, 3 * FXS_SH_COUNT(sh_degree))};
-    CHECK(s.profile == profile && s.sh_degree == sh_degree);
+    CHECK(s.profile == profile && s.sh_degree == sh_degree && packed.bytes == bytes_said);
     memset(largest, 0, sizeof largest);
     memset(squares, 0, sizeof squares);
     for (uint32_t i = 0; i < s.count; i++) {

@@ -365,11 +365,23 @@ static void write_bounds(fxs_packed_header *header, const fxs_pack_report *repor
     }
 }
 
+static uint32_t palette_entries(uint64_t count, int sh_degree, enum fxs_profile profile)
+{
+    return fxs_palette_stages(profile, sh_degree) ? fxs_palette_entries_for(count) : 0;
+}
+
+size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile)
+{
+    const uint32_t entries = palette_entries(info->count, info->sh_degree, profile);
+    return info->count > FXS_MAX_COUNT ? 0
+           : fxs_scene_bytes((uint32_t)info->count, info->sh_degree, profile, entries);
+}
+
 static int allocate_scene(packer *p, fxs_packed_scene *scene)
 {
     const uint32_t count = (uint32_t)p->report->packed;
     const enum fxs_profile profile = p->encoder.profile;
-    const uint32_t entries = fxs_palette_stages(profile, p->encoder.sh_degree) ? fxs_palette_entries_for(count) : 0;
+    const uint32_t entries = palette_entries(count, p->encoder.sh_degree, profile);
     scene->bytes = fxs_scene_bytes(count, p->encoder.sh_degree, profile, entries);
     scene->allocator = p->options.allocator;
     scene->allocation = scene->bytes ? fxs_allocate_zeroed(p->options.allocator, 1, scene->bytes + 63) : 0;

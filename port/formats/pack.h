@@ -52,6 +52,10 @@ typedef struct fxs_pack_options {
     const fxs_allocator *allocator;   /* for all memory but that of the file's reader; may be null, else outlives it */
 } fxs_pack_options;
 
+/* Bytes of the packed scene of a file where none of its Gaussians is left out, to be known before it is read. 0: more
+   than can be packed. */
+size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile);
+
 /* Reads an open scene file from its start, three times, and packs it: one job of a run reads while the others work.
    `options` may be null. Needs 24 bytes a Gaussian before the packed scene is allocated, 5 beside it, and 2 MB; to learn
    a palette, 20 MB. Returns 0, or -1 and a message; a scene without a drawable Gaussian is an error. */
