@@ -261,6 +261,18 @@ static void blend_tile(void *argument, uint32_t job)
     f->tile_times[2 * tile + 1] = (uint32_t)(now(f->context) - blended);
 }
 
+/* Has the back end draw the run. The indices have served. */
+static int draw_run(const frame *f)
+{
+    const fxs_config *config = &f->context->config;
+    int listed = !config->draw_unlisted;
+    const fxs_tile_run r = {
+        &f->view, f->options, f->splats, f->bounds, f->keys, f->stats.visible, f->blocks * BLOCK_SLOTS,
+        listed ? f->entries : 0, listed ? f->next + (size_t)(f->parts - 1) * f->tiles : 0,
+        listed ? f->tile_counts : 0, f->first_tile, f->last_tile, f->indices, f->pixels, f->stride};
+    return config->draw(config->draw_argument, &r);
+}
+
 /* Shares a wall time out to `columns` stages, as the jobs spent theirs: times has a row for each job. */
 static void share_time(frame *f, uint64_t wall, const uint32_t *times, uint32_t jobs, uint32_t columns,
                        const enum fxs_stage *stages)
@@ -314,7 +326,8 @@ static void prepare(frame *f)
     uint64_t prepared = now(f->context);
     sort_all(f);
     uint64_t sorted = now(f->context);
-    bin_all(f);
+    if (!f->context->config.draw_unlisted)
+        bin_all(f);
     share_time(f, prepared - start, f->block_times, f->blocks, 3, stages);
     f->stats.nanoseconds[FXS_SORT] += sorted - prepared;
     f->stats.nanoseconds[FXS_BIN] += now(f->context) - sorted;
@@ -334,11 +347,28 @@ static void blend_runs(frame *f, void (*job)(void *, uint32_t))
     }
 }
 
+/* The same by the back end. Returns 0 or its error. */
+static int draw_runs(frame *f)
+{
+    int error = 0;
+    for (f->first_tile = 0; f->first_tile < f->tiles && !error; f->first_tile = f->last_tile + 1) {
+        uint64_t start = now(f->context);
+        f->last_tile = f->tiles - 1;
+        if (!f->context->config.draw_unlisted)
+            bin_run(f);
+        uint64_t listed = now(f->context);
+        error = draw_run(f);
+        f->stats.nanoseconds[FXS_BIN] += listed - start;
+        f->stats.nanoseconds[FXS_BLEND] += now(f->context) - listed;
+    }
+    return error;
+}
+
 int fxs_render(const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                void *memory, size_t memory_bytes, void *pixels, ptrdiff_t stride, fxs_stats *stats)
 {
     frame f;
-    if (!context || !pixels)
+    if (!context || (!pixels && !context->config.draw))
         return FXS_ERR_ARGUMENT;
     int error = frame_init(&f, context, scene, camera, options, memory, memory_bytes);
     if (error)
@@ -347,11 +377,14 @@ int fxs_render(const fxs_context *context, const fxs_scene *scene, const fxs_cam
     f.stride = stride;
     uint64_t start = now(context);
     prepare(&f);
-    blend_runs(&f, blend_tile);
+    if (context->config.draw)
+        error = draw_runs(&f);
+    else
+        blend_runs(&f, blend_tile);
     f.stats.frame_nanoseconds = now(context) - start;
     if (stats)
         *stats = f.stats;
-    return 0;
+    return error;
 }
 
 static void count_tile(void *argument, uint32_t job)
