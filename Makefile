@@ -32,9 +32,15 @@ CLANG_14 := $(if $(findstring clang,$(shell $(CC) --version)),-g0)
 isa = $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
       -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi $(CLANG_14))))
 FEATURES += $(if $(KERNELS),-DFXS_WITH_KERNELS)
+# The OpenGL ES back end wants headers only; the libraries are found at run time.
+$(call optional,GLES3/gl3.h,GLES,-ldl)
+KERNELS += $(if $(findstring WITH_GLES,$(FEATURES)),$(wildcard kernels/gles/*.c))
+$(if $(findstring WITH_GLES,$(FEATURES)),$(call optional,EGL/egl.h,EGL,)$(call optional,GL/osmesa.h,OSMESA,))
 
 CORE := $(wildcard src/*.c) $(KERNELS)
 PORT := $(wildcard port/formats/*.c port/posix/*.c)
+PORT += $(if $(findstring WITH_EGL,$(FEATURES)),$(wildcard port/egl/*.c))
+PORT += $(if $(findstring WITH_OSMESA,$(FEATURES)),$(wildcard port/osmesa/*.c))
 TOOL := $(wildcard tools/*.c)
 TOOL_SHARED := tools/metrics.c tools/procedural.c
 objects = $(patsubst %.c,$(B)/%.o,$(1))
@@ -51,6 +57,15 @@ $(B)/fixsplat: $(call objects,$(TOOL)) $(B)/libfixsplat.a
 $(B)/%.o: %.c
 	@mkdir -p $(@D)
 	$(CC) $(FLAGS) $(call isa,$*) -MMD -MP -c -o $@ $<
+
+# The shaders' texts, and src/pixel.h that they are built around, as arrays of characters.
+SHADERS := src/pixel.h $(wildcard kernels/gles/*.vert kernels/gles/*.frag)
+$(B)/kernels/gles/shaders.h: $(SHADERS)
+	@mkdir -p $(@D)
+	@for f in $^; do echo "static const char $$(basename $$f | tr . _)[] = {"; \
+	    od -An -v -tu1 $$f | sed 's/[0-9][0-9]*/&,/g'; echo '0};'; done >$@
+$(B)/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h
+$(B)/kernels/gles/gles.o: CPPFLAGS += -I$(B)/kernels/gles
 
 -include $(shell find $(B) -name '*.d' 2>/dev/null)
 
