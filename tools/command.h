@@ -10,6 +10,7 @@
 #include "../port/formats/pack.h"
 #include "../port/posix/pool.h"
 #include "../src/fixsplat.h"
+#include "backend.h"
 
 enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 
@@ -103,6 +104,7 @@ long choose_views(const view_options *options, const fxs_pack_report *report, fx
 typedef struct renderer {
     fxs_context context;
     fxs_pool *pool;
+    backend *backend;
     void *memory, *allocation;
     size_t memory_bytes;
     uint8_t *pixels;                        /* RGBA */

@@ -6,11 +6,12 @@
 #include "command.h"
 
 static const char help[] =
-    "Usage: fixsplat info SCENE [--size WxH] [--lod LEVEL] [--json]\n\n"
+    "Usage: fixsplat info SCENE [--size WxH] [--lod LEVEL] [--json]\n"
+    "       fixsplat info --backends\n\n"
     "Prints the number of Gaussians, SH degree and bounds of a scene, its bytes a Gaussian once packed, the largest\n"
     "difference that packing made to each attribute (of an .fxs file, which is packed\n"
     "already, every checksum is verified instead), and the memory that a frame of the given size (default\n"
-    "1280x720) needs.\n\n"
+    "1280x720) needs. With --backends: what can blend here, and why something cannot.\n\n"
     "Examples:\n"
     "  fixsplat info scene.ply\n"
     "  fixsplat info scene.ply --size 1920x1080 --json\n";
@@ -56,8 +57,9 @@ static void print_text(const loaded_scene *s, const fxs_frame_memory *m, int wid
 
 int command_info(int argc, char **argv)
 {
-    enum { OPT_JSON = OPT_OWN };
+    enum { OPT_JSON = OPT_OWN, OPT_BACKENDS };
     static const struct option table[] = {{"size", required_argument, 0, OPT_SIZE}, {"lod", required_argument, 0, OPT_LOD}, {"json", no_argument, 0, OPT_JSON},
+                                          {"backends", no_argument, 0, OPT_BACKENDS},
                                           {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
     int width = 1280, height = 720, lod = 0, json = 0;
     loaded_scene loaded;
@@ -75,6 +77,7 @@ int command_info(int argc, char **argv)
                 return EXIT_USAGE;
             break;
         case OPT_JSON: json = 1; break;
+        case OPT_BACKENDS: backend_list(); return EXIT_OK;
         case OPT_HELP: fputs(help, stdout); return EXIT_OK;
         default: return wrong_option(argv);
         }

@@ -24,7 +24,8 @@ const char view_options_help[] =
     "  --threads N         threads, 1 to 64 (default: one a processor); the picture does not depend on it\n"
     "  --cpu LIST          instruction sets that may be used: all (default), c for none, or names out of\n"
     "                      sse41,avx2,avx512,neon\n"
-    "  --backend NAME      cpu or auto (default auto)\n"
+    "  --backend NAME      what blends: cpu, gles (OpenGL ES 3.0 by EGL), osmesa: the same bytes; gles-quads: inexact,\n"
+    "                      blended by the device; auto (default): cpu. See fixsplat info --backends\n"
     "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
     "  --help              this text\n";
 
@@ -228,9 +229,12 @@ static int choose_cpu(fxs_context *context, const char *list)
 int renderer_init(renderer *r, const view_options *options)
 {
     memset(r, 0, sizeof *r);
-    if (strcmp(options->backend, "cpu") && strcmp(options->backend, "auto"))
-        return fail(EXIT_USAGE, "--backend %s: expected cpu or auto", options->backend);
-    fxs_config config = {0, 0, options->threads, fxs_clock, 0};
+    fxs_message message;
+    if (!backend_known(options->backend))
+        return fail(EXIT_USAGE, "--backend %s: expected cpu, auto, gles, gles-quads or osmesa", options->backend);
+    fxs_config config = {.threads = options->threads, .clock = fxs_clock};
+    if (backend_open(&r->backend, options->backend, &config, &message))
+        return fail(EXIT_FAILED, "--backend %s: %s", options->backend, message.text);
     if (options->threads > 1) {
         r->pool = fxs_pool_create(options->threads);
         if (!r->pool)
@@ -244,6 +248,7 @@ int renderer_init(renderer *r, const view_options *options)
 
 void renderer_free(renderer *r)
 {
+    backend_close(r->backend);
     fxs_pool_destroy(r->pool);
     free(r->allocation);
     free(r->pixels);
