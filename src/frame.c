@@ -261,15 +261,15 @@ static void blend_tile(void *argument, uint32_t job)
     f->tile_times[2 * tile + 1] = (uint32_t)(now(f->context) - blended);
 }
 
-/* Has the back end draw the run. The indices have served. */
+/* Has the back end draw the run. */
 static int draw_run(const frame *f)
 {
     const fxs_config *config = &f->context->config;
     int listed = !config->draw_unlisted;
     const fxs_tile_run r = {
-        &f->view, f->options, f->splats, f->bounds, f->keys, f->stats.visible, f->blocks * BLOCK_SLOTS,
+        &f->view, f->options, f->splats, f->bounds, f->keys, f->stats.visible,
         listed ? f->entries : 0, listed ? f->next + (size_t)(f->parts - 1) * f->tiles : 0,
-        listed ? f->tile_counts : 0, f->first_tile, f->last_tile, f->indices, f->pixels, f->stride};
+        listed ? f->tile_counts : 0, f->first_tile, f->last_tile, f->pixels, f->stride};
     return config->draw(config->draw_argument, &r);
 }
 

@@ -99,10 +99,9 @@ typedef struct fxs_tile_run {
     const fxs_splat *splats;       /* by slot */
     const fxs_bounds *bounds;
     const fxs_key *keys;           /* of the visible splats, near to far */
-    uint32_t visible, slots;
+    uint32_t visible;
     const uint32_t *entries, *ends, *counts;
     uint32_t first_tile, last_tile;
-    uint32_t *scratch;             /* `slots` of them, for the back end to use during the call */
     unsigned char *pixels;         /* of the whole picture, as in fxs_render */
     ptrdiff_t stride;
 } fxs_tile_run;

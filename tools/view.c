@@ -243,7 +243,10 @@ int renderer_init(renderer *r, const view_options *options)
         config.pool = r->pool;
     }
     fxs_init(&r->context, &config);
-    return choose_cpu(&r->context, options->cpu);
+    int status = choose_cpu(&r->context, options->cpu);
+    if (r->backend)
+        r->context.kernels.name[FXS_BLEND] = r->context.kernels.name[FXS_RESOLVE] = options->backend;
+    return status;
 }
 
 void renderer_free(renderer *r)

@@ -6,12 +6,12 @@
 #include "gl.h"
 #include "gles.h"
 
-#define FXS_GLES_SIDE 2048         /* texels: what every device has; the lists of 4 M entries, 2 M records */
+#define FXS_GLES_SIDE 2048         /* texels, of what every device has: 2 M records */
 #define FXS_GLES_LOOP 65536u       /* entries of a tile in one draw, so that no draw takes long enough to be stopped */
 
 enum { FXS_GLES_STATE, FXS_GLES_INTEGER, FXS_GLES_NORMALISED, FXS_GLES_QUADS, FXS_GLES_PROGRAMS };
 /* Textures of the tiles' shader by unit; two of tile size take turns as the last and the next state. */
-enum { FXS_GLES_LISTS, FXS_GLES_ENTRIES, FXS_GLES_RECORDS, FXS_GLES_CARRIED, FXS_GLES_UNITS,
+enum { FXS_GLES_LISTS, FXS_GLES_RECORDS, FXS_GLES_CARRIED, FXS_GLES_UNITS,
        FXS_GLES_NEXT = FXS_GLES_UNITS, FXS_GLES_TEXTURES };
 /* Framebuffers: of integers; of the quads, blended and then as bytes; of the two states. */
 enum { FXS_GLES_TARGET, FXS_GLES_BLENDED, FXS_GLES_BYTES, FXS_GLES_TARGETS,
@@ -25,7 +25,7 @@ typedef struct fxs_gles_program {
 struct fxs_gles {
     fxs_gl gl;
     char renderer[128];
-    int32_t shift;                 /* log2 of the width, and greatest height, of entries and records */
+    int32_t shift;                 /* log2 of the width, and the greatest height, of the texture of records */
     int32_t most;                  /* pixels, width and height of a render target */
     int timer, timing;             /* the device can time draws; is timing one */
     GLenum blended_format;         /* of the quads' target */
@@ -34,7 +34,7 @@ struct fxs_gles {
         vertex_arrays[2];
     GLuint upload, download, instances, query;
     int32_t columns, rows;         /* of the texture of lists */
-    int32_t entry_rows, record_rows;            /* of those textures */
+    int32_t record_rows;           /* of that of records */
     int32_t width[FXS_GLES_TARGETS], height[FXS_GLES_TARGETS];
     GLenum format[FXS_GLES_TARGETS];
     const fxs_gles_target *target; /* the caller's, during fxs_gles_render */

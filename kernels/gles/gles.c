@@ -123,7 +123,7 @@ static int compile(const fxs_gl *gl, GLuint program, GLenum kind, const char *de
 static int make_program(fxs_gles *g, int which, const char *define, const char *vertex, const char *fragment,
                         char *message)
 {
-    static const char *const units[] = {"lists", "entries", "records", "carried"};
+    static const char *const units[] = {"lists", "records", "carried"};
     const fxs_gl *gl = &g->gl;
     char log[FXS_GLES_MESSAGE] = "";
     GLint done = 0;

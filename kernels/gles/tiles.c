@@ -1,22 +1,25 @@
-/* The exact picture: lists and records are uploaded for as many tiles as the textures hold, drawn, and so on. A list
-   that no draw can hold is drawn in parts, with the tile's state kept in a texture in between. */
+/* The exact picture: the lists of as many tiles as the texture of records holds are uploaded and drawn, and so on. A
+   list that no draw can hold is drawn in parts, with the tile's state kept in a texture in between. A splat's record
+   is there once for each list that it is in: a fetch less than by its number, and one pass over the lists. */
+#include "../../src/fixed.h"
 #include "../../src/memory.h"
 #include "device.h"
 
-#define UNLISTED UINT32_MAX
+#define RECORD 32                  /* bytes */
+#define AHEAD 16                   /* entries */
 
 /* A part of the picture that a render target can hold, in pixels and tiles. */
 typedef struct window {
     int32_t x, y, width, height, first_column, first_row, columns, rows;
 } window;
 
-/* One upload, in the mapped buffer: lists of the window's tiles, entries, records. */
+/* One upload, in the mapped buffer: lists of the window's tiles, then records. */
 typedef struct batch {
     fxs_gles *gles;
     const fxs_tile_run *run;
     const window *window;
-    uint32_t *lists, *entries, *records;
-    uint32_t entry_count, record_count, entry_capacity, record_capacity;
+    uint32_t *lists, *records;
+    uint32_t count, capacity;      /* records */
     int32_t first, end;            /* tiles, by number in the window */
 } batch;
 
@@ -33,31 +36,22 @@ static void make_texture(const fxs_gles *g, int unit, GLint format, GLenum layou
     g->gl.TexImage2D(GL_TEXTURE_2D, 0, format, width, height, 0, layout, GL_UNSIGNED_INT, 0);
 }
 
-/* Rows of a texture that hold `count` things, each `texels` long. */
-static int32_t rows_for(const fxs_gles *g, uint64_t count, uint64_t texels)
-{
-    uint64_t rows = ((count * texels) >> g->shift) + 1, most = UINT64_C(1) << g->shift;
-    return (int32_t)(rows < most ? rows : most);
-}
-
 /* Textures large enough for a run, where that can be. */
 static void make_room(fxs_gles *g, const fxs_tile_run *run, const window *w)
 {
-    uint64_t entries = 0;
+    uint64_t records = 0;
     for (uint32_t tile = run->first_tile; tile <= run->last_tile; tile++)
-        entries += run->counts[tile];
-    int32_t entry_rows = rows_for(g, entries, 1);
-    int32_t record_rows = rows_for(g, entries < run->slots ? entries : run->slots, 2);
+        records += run->counts[tile];
+    const uint64_t wanted = (2 * records >> g->shift) + 1, most = UINT64_C(1) << g->shift;
+    const int32_t rows = (int32_t)(wanted < most ? wanted : most);
     g->gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
     if (w->columns > g->columns || w->rows > g->rows) {
         g->columns = w->columns > g->columns ? w->columns : g->columns;
         g->rows = w->rows > g->rows ? w->rows : g->rows;
         make_texture(g, FXS_GLES_LISTS, GL_RG32UI, GL_RG_INTEGER, g->columns, g->rows);
     }
-    if (entry_rows > g->entry_rows)
-        make_texture(g, FXS_GLES_ENTRIES, GL_R32UI, GL_RED_INTEGER, 1 << g->shift, g->entry_rows = entry_rows);
-    if (record_rows > g->record_rows)
-        make_texture(g, FXS_GLES_RECORDS, GL_RGBA32UI, GL_RGBA_INTEGER, 1 << g->shift, g->record_rows = record_rows);
+    if (rows > g->record_rows)
+        make_texture(g, FXS_GLES_RECORDS, GL_RGBA32UI, GL_RGBA_INTEGER, 1 << g->shift, g->record_rows = rows);
 }
 
 /* A buffer of its own for each batch: the driver gives the old one's memory back when the device has read it. */
@@ -65,20 +59,16 @@ static int begin_batch(batch *b, int32_t first)
 {
     const fxs_gles *g = b->gles;
     size_t lists = (size_t)b->window->columns * (size_t)b->window->rows;
-    b->entry_capacity = (uint32_t)g->entry_rows << g->shift;
-    b->record_capacity = (uint32_t)g->record_rows << (g->shift - 1);
-    size_t bytes = lists * 8 + (size_t)b->entry_capacity * 4 + (size_t)b->record_capacity * 32;
+    b->capacity = (uint32_t)g->record_rows << (g->shift - 1);
+    GLsizeiptr bytes = (GLsizeiptr)(lists * 8 + (size_t)b->capacity * RECORD);
     g->gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, g->upload);
-    g->gl.BufferData(GL_PIXEL_UNPACK_BUFFER, (GLsizeiptr)bytes, 0, GL_STREAM_DRAW);
-    b->lists = g->gl.MapBufferRange(GL_PIXEL_UNPACK_BUFFER, 0, (GLsizeiptr)bytes,
-                                    GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
+    g->gl.BufferData(GL_PIXEL_UNPACK_BUFFER, bytes, 0, GL_STREAM_DRAW);
+    b->lists = g->gl.MapBufferRange(GL_PIXEL_UNPACK_BUFFER, 0, bytes, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
     if (!b->lists)
         return FXS_ERR_DEVICE;
-    b->entries = b->lists + 2 * lists;
-    b->records = b->entries + b->entry_capacity;
-    b->entry_count = b->record_count = 0;
+    b->records = b->lists + 2 * lists;
+    b->count = 0;
     b->first = b->end = first;
-    memset(b->run->scratch, 0xff, b->run->slots * sizeof *b->run->scratch);
     return 0;
 }
 
@@ -89,22 +79,16 @@ static void upload(const fxs_gles *g, int unit, int32_t y, int32_t width, int32_
         g->gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, y, width, height, layout, GL_UNSIGNED_INT, (const void *)offset);
 }
 
-static int32_t rows_used(const fxs_gles *g, uint32_t texels)
-{
-    return (int32_t)((texels + (1u << g->shift) - 1) >> g->shift);
-}
-
 static int end_batch(batch *b)
 {
     fxs_gles *g = b->gles;
     const int32_t columns = b->window->columns, row = b->first / columns, rows = (b->end - 1) / columns - row + 1;
-    size_t entries = (size_t)(b->entries - b->lists) * 4, records = (size_t)(b->records - b->lists) * 4;
+    const int32_t record_rows = (int32_t)((2 * b->count + (1u << g->shift) - 1) >> g->shift);
     if (!g->gl.UnmapBuffer(GL_PIXEL_UNPACK_BUFFER))
         return FXS_ERR_DEVICE;
     fxs_gles_start_timer(g);
     upload(g, FXS_GLES_LISTS, row, columns, rows, GL_RG_INTEGER, (size_t)(row * columns) * 8);
-    upload(g, FXS_GLES_ENTRIES, 0, 1 << g->shift, rows_used(g, b->entry_count), GL_RED_INTEGER, entries);
-    upload(g, FXS_GLES_RECORDS, 0, 1 << g->shift, rows_used(g, 2 * b->record_count), GL_RGBA_INTEGER, records);
+    upload(g, FXS_GLES_RECORDS, 0, 1 << g->shift, record_rows, GL_RGBA_INTEGER, (size_t)(b->records - b->lists) * 4);
     return 0;
 }
 
@@ -113,34 +97,25 @@ static int end_batch(batch *b)
 /* A splat as the shader reads it: first what rejects it. */
 static void put_record(uint32_t *record, const fxs_splat *s)
 {
-    const uint32_t words[8] = {
+    const uint32_t words[RECORD / 4] = {
         s->u0_q24, (uint32_t)s->ux_q24, (uint32_t)s->uy_q24, s->first_row | (uint32_t)s->last_row << 16,
         s->v0_q24, (uint32_t)s->vy_q24, s->offset_q11 | (uint32_t)s->colour_q13[0] << 16,
         (uint32_t)s->colour_q13[1] | (uint32_t)s->colour_q13[2] << 16};
     memcpy(record, words, sizeof words);
 }
 
-/* Splats that the ellipse of does not touch the tile are left out: no pixel takes them. */
-static void put_entries(batch *b, const uint32_t *entries, uint32_t count)
-{
-    uint32_t *numbers = b->run->scratch;
-    for (uint32_t i = 0; i < count; i++) {
-        if (entries[i] & FXS_ENTRY_FAR)
-            continue;
-        uint32_t slot = entries[i];
-        if (numbers[slot] == UNLISTED) {
-            numbers[slot] = b->record_count++;
-            put_record(b->records + 8 * (size_t)numbers[slot], &b->run->splats[slot]);
-        }
-        b->entries[b->entry_count++] = numbers[slot];
-    }
-}
-
+/* Splats whose ellipse does not touch the tile are left out: no pixel takes them. */
 static void put_list(batch *b, int32_t tile, const uint32_t *entries, uint32_t count)
 {
-    b->lists[2 * tile] = b->entry_count;
-    put_entries(b, entries, count);
-    b->lists[2 * tile + 1] = b->entry_count;
+    const fxs_splat *splats = b->run->splats;
+    b->lists[2 * tile] = b->count;
+    for (uint32_t i = 0; i < count; i++) {
+        if (i + AHEAD < count)
+            FXS_PREFETCH(&splats[entries[i + AHEAD] & ~FXS_ENTRY_FAR]);
+        if (!(entries[i] & FXS_ENTRY_FAR))
+            put_record(b->records + RECORD / 4 * (size_t)b->count++, &splats[entries[i]]);
+    }
+    b->lists[2 * tile + 1] = b->count;
 }
 
 /* Tiles from `first` to before `end` are not drawn. */
@@ -166,17 +141,9 @@ static int in_run(const batch *b, uint32_t tile)
 }
 
 /* Entries that a tile's list may have to be drawn at once. */
-static uint32_t longest(const batch *b)
+static uint32_t longest(const fxs_gles *g)
 {
-    return least(least((uint32_t)b->gles->entry_rows << b->gles->shift,
-                       (uint32_t)b->gles->record_rows << (b->gles->shift - 1)), FXS_GLES_LOOP);
-}
-
-/* Records run out only where there are more slots than they. */
-static int fits(const batch *b, uint32_t count)
-{
-    return count <= longest(b) && count <= b->entry_capacity - b->entry_count &&
-           (b->record_capacity >= b->run->slots || count <= b->record_capacity - b->record_count);
+    return least((uint32_t)g->record_rows << (g->shift - 1), FXS_GLES_LOOP);
 }
 
 /* ---- Draws ------------------------------------------------------------------------------------------------------- */
@@ -231,7 +198,7 @@ static int draw_parts(batch *b)
     const fxs_tile_run *run = b->run;
     const fxs_gles *g = b->gles;
     const int32_t tile = b->end, row = tile / b->window->columns * b->window->columns;
-    const uint32_t t = tile_of(b, tile), count = run->counts[t], most = longest(b);
+    const uint32_t t = tile_of(b, tile), count = run->counts[t], most = longest(g);
     const uint32_t *entries = run->entries + run->ends[t] - count;
     int error = 0, carried = 0;
     for (uint32_t done = 0, part; done < count && !error; done += part, carried = 1) {
@@ -268,7 +235,7 @@ static int draw_batch(batch *b)
         uint32_t tile = tile_of(b, b->end);
         if (!in_run(b, tile))
             leave_out(b, b->end, b->end + 1);
-        else if (!fits(b, b->run->counts[tile]))
+        else if (b->run->counts[tile] > least(longest(b->gles), b->capacity - b->count))
             break;
         else
             put_list(b, b->end, b->run->entries + b->run->ends[tile] - b->run->counts[tile], b->run->counts[tile]);
@@ -282,12 +249,12 @@ static int draw_batch(batch *b)
 
 static int draw_window(fxs_gles *g, const fxs_tile_run *run, const window *w)
 {
-    batch b = {g, run, w, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+    batch b = {g, run, w, 0, 0, 0, 0, 0, 0};
     int error = 0;
     make_room(g, run, w);
     while (b.end < w->columns * w->rows && !error) {
         uint32_t tile = tile_of(&b, b.end);
-        error = in_run(&b, tile) && run->counts[tile] > longest(&b) ? draw_parts(&b) : draw_batch(&b);
+        error = in_run(&b, tile) && run->counts[tile] > longest(g) ? draw_parts(&b) : draw_batch(&b);
     }
     fxs_gles_stop_timer(g);
     return error ? error : fxs_gles_check(g);

@@ -1,10 +1,9 @@
 // blend and resolve of one pixel, after src/pixel.h.
-uniform highp usampler2D lists;      // of each tile: its first entry and the one after its last; (1, 0): not in this draw
-uniform highp usampler2D entries;    // records, near to far
-uniform highp usampler2D records;    // two texels each: u0, ux, uy, first and last row; v0, vy, offset and r, g and b
+uniform highp usampler2D lists;      // of each tile: its first record and the one after its last; (1, 0): not in this draw
+uniform highp usampler2D records;    // splats, two texels each: u0, ux, uy, first and last row; v0, vy, offset and r, g and b
 uniform highp isampler2D carried;    // of a tile whose list is in parts: T, r, g, b after the last part
 uniform ivec4 place;                 // pixel of the fragment (0, 0); rows go by; 1: goes on from `carried`
-uniform ivec4 source;                // first tile of `lists`; log2 of the width of the other textures; cut-off
+uniform ivec4 source;                // first tile of `lists`; log2 of the width of `records`; cut-off
 uniform ivec4 background;            // r, g, b; 1: alpha is the coverage
 
 #if defined STATE
@@ -61,7 +60,7 @@ void main()
         discard;
     ivec4 state = place.w == 1 ? texelFetch(carried, pixel & 15, 0) : ivec4(FXS_CLEAR_Q15, 0, 0, 0);
     for (uint i = list.x; i < list.y && state.x >= FXS_CLOSED_Q15; i++)
-        blend(int(texelFetch(entries, texel(int(i)), 0).x), pixel, state);
+        blend(int(i), pixel, state);
 #if defined STATE
     result = state;
 #elif defined INTEGER
