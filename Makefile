@@ -42,7 +42,7 @@ PORT := $(wildcard port/formats/*.c port/posix/*.c)
 PORT += $(if $(findstring WITH_EGL,$(FEATURES)),$(wildcard port/egl/*.c))
 PORT += $(if $(findstring WITH_OSMESA,$(FEATURES)),$(wildcard port/osmesa/*.c))
 TOOL := $(wildcard tools/*.c)
-TOOL_SHARED := tools/metrics.c tools/procedural.c
+TOOL_SHARED := tools/backend.c tools/metrics.c tools/procedural.c
 objects = $(patsubst %.c,$(B)/%.o,$(1))
 
 all: $(B)/fixsplat $(B)/libfixsplat.a

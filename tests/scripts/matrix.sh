@@ -10,7 +10,7 @@ arm=aarch64-linux-gnu-gcc
 random='src/*.c tests/test_random.c'
 formats=$(printf 'port/formats/%s.c ' allocator byte_reader camera compressed_ply encode gltf image_file ksplat message \
     pack ply ply_header ply_write scene_file sog source splat spz)
-golden="src/*.c tests/test_golden.c tools/metrics.c tools/procedural.c $formats"
+golden="src/*.c tests/test_golden.c tools/backend.c tools/metrics.c tools/procedural.c $formats"
 
 links() { echo 'int main(void) { return 0; }' | "$@" -x c - -o "$work/links" >/dev/null 2>&1; }
 
