@@ -224,8 +224,13 @@ int fxs_gles_init(fxs_gles *g, fxs_gl_load_fn *load, void *argument, char messag
 void fxs_gles_free(fxs_gles *g)
 {
     const fxs_gl *gl = &g->gl;
-    for (int i = 0; i < FXS_GLES_PROGRAMS; i++)
+    GLint current = 0;
+    gl->GetIntegerv(GL_CURRENT_PROGRAM, &current);
+    for (int i = 0; i < FXS_GLES_PROGRAMS; i++) {
+        if ((GLuint)current == g->programs[i].name)
+            gl->UseProgram(0);     /* alone of all objects, it would outlive its deletion */
         gl->DeleteProgram(g->programs[i].name);
+    }
     gl->DeleteTextures(FXS_GLES_TEXTURES, g->textures);
     gl->DeleteFramebuffers(FXS_GLES_FRAMEBUFFERS, g->framebuffers);
     gl->DeleteRenderbuffers(FXS_GLES_TARGETS, g->renderbuffers);
