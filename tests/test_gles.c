@@ -131,13 +131,13 @@ static int make_subject(subject *s, const char *name, uint64_t count, int width,
     fxs_options_default(&s->options);
     s->options.background[0] = 17;
     s->options.background[2] = 200;
-    if (procedural_scene_make(name, count, 0, &s->packed, 0, &m) ||
-        fxs_scene_open(&s->scene, s->packed.data, s->packed.bytes) ||
-        fxs_view_look_at(&view, eye, look, up, 40, width, height, &m) || fxs_camera_from_view(&s->camera, &view, &m)) {
+    const int made = !procedural_scene_make(name, count, 0, &s->packed, 0, &m) &&
+                     !fxs_scene_open(&s->scene, s->packed.data, s->packed.bytes) &&
+                     !fxs_view_look_at(&view, eye, look, up, 40, width, height, &m) &&
+                     !fxs_camera_from_view(&s->camera, &view, &m);
+    if (!CHECK(made))
         puts(m.text);
-        return CHECK(!"a scene");
-    }
-    return 1;
+    return made;
 }
 
 /* Renders; pixels null: into the target. */

@@ -32,7 +32,7 @@ typedef struct kind {
 
 static const kind kinds[] = {
     {"gles", "OpenGL ES 3.0 by EGL, the same bytes", "libegl-dev, libgles-dev", 0, EGL},
-    {"gles-quads", "the same device, quads blended by the hardware: faster, inexact", "libegl-dev, libgles-dev", 1, EGL},
+    {"gles-quads", "the same device, quads blended by the hardware: inexact", "libegl-dev, libgles-dev", 1, EGL},
     {"osmesa", "OpenGL by OSMesa, the same bytes", "libosmesa6-dev, libgles-dev", 0, OSMESA},
 };
 

@@ -1,4 +1,4 @@
-/* The back end's objects: functions, programs, textures and buffers; reading back; rendering into the caller's target. */
+/* The back end's objects: functions, programs, textures and buffers; reading back; the caller's target. */
 #include "gles.h"
 
 #include "../../src/memory.h"

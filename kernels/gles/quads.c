@@ -37,7 +37,8 @@ static void draw(const fxs_gles *g, const fxs_tile_run *run)
     for (GLuint i = 0; i < 2; i++) {
         gl->EnableVertexAttribArray(i);
         gl->VertexAttribDivisor(i, 1);
-        gl->VertexAttribIPointer(i, 4, i ? GL_UNSIGNED_INT : GL_INT, INSTANCE, (const void *)(INSTANCE / 2 * (size_t)i));
+        gl->VertexAttribIPointer(i, 4, i ? GL_UNSIGNED_INT : GL_INT, INSTANCE,
+                                 (const void *)(INSTANCE / 2 * (size_t)i));
     }
     gl->Enable(GL_BLEND);
     gl->BlendEquationSeparate(GL_FUNC_ADD, GL_FUNC_ADD);

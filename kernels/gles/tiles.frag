@@ -1,6 +1,6 @@
 // blend and resolve of one pixel, after src/pixel.h.
-uniform highp usampler2D lists;      // of each tile: its first record and the one after its last; (1, 0): not in this draw
-uniform highp usampler2D records;    // splats, two texels each: u0, ux, uy, first and last row; v0, vy, offset and r, g and b
+uniform highp usampler2D lists;      // of each tile: first record, the one after the last; (1, 0): not in this draw
+uniform highp usampler2D records;    // two texels a splat: u0, ux, uy, first and last row; v0, vy, offset and r, g and b
 uniform highp isampler2D carried;    // of a tile whose list is in parts: T, r, g, b after the last part
 uniform ivec4 place;                 // pixel of the fragment (0, 0); rows go by; 1: goes on from `carried`
 uniform ivec4 source;                // first tile of `lists`; log2 of the width of `records`; cut-off
@@ -47,8 +47,9 @@ void blend(int record, ivec2 pixel, inout ivec4 state)
 
 uvec4 resolve(ivec4 state)
 {
+    int alpha = background.a == 1 ? fxs_coverage_8bit(state.x) : 255;
     return uvec4(fxs_resolve_8bit(state.y, state.x, background.r), fxs_resolve_8bit(state.z, state.x, background.g),
-                 fxs_resolve_8bit(state.w, state.x, background.b), background.a == 1 ? fxs_coverage_8bit(state.x) : 255);
+                 fxs_resolve_8bit(state.w, state.x, background.b), alpha);
 }
 
 void main()
