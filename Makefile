@@ -71,9 +71,10 @@ $(B)/kernels/gles/gles.o: CPPFLAGS += -I$(B)/kernels/gles
 
 # ---- Setup, demo, install ------------------------------------------------------------------------------------------
 
-PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libzstd-dev
+PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libzstd-dev libegl-dev libgles-dev
 TEST_PACKAGES := clang libclang-rt-14-dev glslang-tools qemu-user gcc-aarch64-linux-gnu libc6-dev-arm64-cross \
-                 gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind
+                 gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind libosmesa6-dev libosmesa6 libegl1 libgles2 \
+                 libegl-mesa0 libgl1-mesa-dri
 WANTED = $(PACKAGES) $(if $(filter test,$(MAKECMDGOALS)),$(TEST_PACKAGES))
 
 setup: ## install the Debian packages that are missing (those for the tests too, before `test`)
@@ -85,7 +86,8 @@ demo: ## make a procedural scene and render it to demo.png
 	$(B)/fixsplat render demo.ply --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --fov 36 --bg 11131b -o demo.png --stats
 	@echo "demo.png: 200,000 Gaussians with view-dependent colour of degree 3, from demo.ply"
 
-PUBLIC := src/fixsplat.h src/packed.h kernels/kernels.h $(wildcard port/posix/*.h) $(addprefix port/formats/,\
+PUBLIC := src/fixsplat.h src/packed.h kernels/kernels.h kernels/gles/gles.h port/egl/egl.h port/osmesa/osmesa.h \
+          $(wildcard port/posix/*.h) $(addprefix port/formats/,\
           allocator.h camera.h camera_file.h fxs_file.h image_file.h message.h pack.h ply_write.h scene_file.h spz_write.h)
 
 install: all ## install to $(DESTDIR)$(PREFIX): command, library, headers, pkg-config file

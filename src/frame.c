@@ -267,7 +267,7 @@ static int draw_run(const frame *f)
     const fxs_config *config = &f->context->config;
     int listed = !config->draw_unlisted;
     const fxs_tile_run r = {
-        &f->view, f->options, f->splats, f->bounds, f->keys, f->stats.visible,
+        config, &f->view, f->options, f->splats, f->bounds, f->keys, f->stats.visible,
         listed ? f->entries : 0, listed ? f->next + (size_t)(f->parts - 1) * f->tiles : 0,
         listed ? f->tile_counts : 0, f->first_tile, f->last_tile, f->pixels, f->stride};
     return config->draw(config->draw_argument, &r);

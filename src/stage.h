@@ -94,6 +94,7 @@ typedef struct fxs_tile {
 /* A run of tiles, first to last, ready to be drawn by a back end. Tile t's list is counts[t] entries that end before
    entries[ends[t]]. A back end without lists draws all tiles; entries, ends and counts are null then. */
 typedef struct fxs_tile_run {
+    const fxs_config *config;
     const fxs_view *view;
     const fxs_options *options;
     const fxs_splat *splats;       /* by slot */

@@ -140,12 +140,21 @@ static int make_subject(subject *s, const char *name, uint64_t count, int width,
     return made;
 }
 
+/* The jobs of a frame in another order. */
+static void run_backwards(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
+{
+    (void)pool;
+    while (jobs-- > 0)
+        job(argument, jobs);
+}
+
 /* Renders; pixels null: into the target. */
 static int render(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const fxs_gles_target *target, void *pixels,
                   ptrdiff_t stride, fxs_stats *stats)
 {
     fxs_context c;
-    fxs_config config = {.draw = draw, .draw_argument = gles, .draw_unlisted = draw == fxs_gles_draw_quads};
+    fxs_config config = {.run = run_backwards, .threads = 3, .draw = draw, .draw_argument = gles,
+                         .draw_unlisted = draw == fxs_gles_draw_quads};
     fxs_init(&c, &config);
     size_t bytes = fxs_frame_bytes(&c, &s->scene, s->camera.width, s->camera.height, 0);
     void *memory = check_aligned(bytes);

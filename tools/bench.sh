@@ -115,6 +115,37 @@ cutoffs() {
     printf '\nBetween the two pictures:\n\n%s' "$distances"
 }
 
+# The back ends of OpenGL ES, for one camera.
+gles_rows() {
+    name=$1 file=$2
+    shift 2
+    for backend in cpu gles gles-quads; do
+        json=$("$B/fixsplat" bench --json "$file" --threads $two --size 1280x720 --backend $backend "$@")
+        "$B/fixsplat" render "$file" --size 1280x720 --backend $backend -o "$work/$backend.ppm" "$@"
+        printf '| %s, %s | %s | %s | %s | %s |\n' "$name" $backend "$(echo "$json" | field frame_ms)" \
+            "$(echo "$json" | field blend)" "$(echo "$json" | field device_ms)" \
+            "$("$B/fixsplat" compare "$work/cpu.ppm" "$work/$backend.ppm" | sed 's/, SSIM.*//')"
+    done
+}
+
+gles() {
+    device=$("$B/fixsplat" info --backends | sed -n 's/^gles  *here: \(.*\) (OpenGL.*/\1/p')
+    [ "$device" ] || return 0
+    printf '### OpenGL ES\n\nOn %s, 1280x720, milliseconds, %s threads. blend: for a back end, upload, draw and reading back; device: ' \
+        "$device" $two
+    printf 'the part of it from the first upload to the last draw, by the device.\n\n'
+    printf '| scene, back end | frame | blend | device | against cpu |\n|---|---|---|---|---|\n'
+    landscape 1000000
+    gles_rows 'landscape 1,000,000' "$work/1000000.ply"
+    if [ -d "$SCENES" ]; then
+        for view in 8 40 72; do
+            gles_rows "snowmiku, view $view" "$SCENES/snowmiku/snowmiku.ply" \
+                --cameras "$SCENES/snowmiku/cameras.json" --view $view
+        done
+        gles_rows statue-st-peter "$SCENES/statue-st-peter/st-peter.ply"
+    fi
+}
+
 {
     printf 'Measured %s on %s (%s processors), %s.\n\n' "$(date -u +%Y-%m-%d)" \
         "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)" "$(getconf _NPROCESSORS_ONLN)" \
@@ -124,6 +155,8 @@ cutoffs() {
     scenes
     echo
     cutoffs
+    echo
+    gles
 } >"$work/tables"
 awk -v tables="$work/tables" '
     /^<!-- tables: begin/ { print; print ""; while ((getline line < tables) > 0) print line; skip = 1 }

@@ -7,6 +7,7 @@
 #include "gles.h"
 
 #define FXS_GLES_SIDE 2048         /* texels, of what every device has: 2 M records */
+#define FXS_GLES_MOST 8192         /* pixels: as words, 1 GiB, which 32 bits can count */
 #define FXS_GLES_LOOP 65536u       /* entries of a tile in one draw, so that no draw takes long enough to be stopped */
 
 enum { FXS_GLES_STATE, FXS_GLES_INTEGER, FXS_GLES_NORMALISED, FXS_GLES_QUADS, FXS_GLES_PROGRAMS };

@@ -75,7 +75,7 @@ static int check_version(fxs_gles *g, char *message)
     strncpy(g->renderer, renderer, sizeof g->renderer - 1);
     int is_es = !strncmp(version, es, sizeof es - 1);
     const char *number = is_es ? version + sizeof es - 1 : version;
-    if (number[0] < '3' || number[0] > '9' || (!is_es && number[0] == '3' && number[2] < '3'))
+    if (number[0] < '3' || number[0] > '9' || (!is_es && number[0] == '3' && (number[1] != '.' || number[2] < '3')))
         return say(message, "the context is too old, OpenGL ES 3.0 is needed: ", version);
     if (!is_es && !has_extension(&g->gl, "GL_ARB_ES3_compatibility"))
         return say(message, "no GL_ARB_ES3_compatibility in OpenGL ", version);
@@ -92,7 +92,7 @@ static int check_limits(fxs_gles *g, char *message)
     g->gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &renderbuffer);
     g->gl.GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
     g->most = fxs_min(fxs_min(texture, renderbuffer), fxs_min(viewport[0], viewport[1]));
-    g->most = fxs_min(g->most, FXS_MAX_SIZE) & -FXS_TILE;
+    g->most = fxs_min(g->most, FXS_GLES_MOST) & -FXS_TILE;
     if (g->most < FXS_TILE)
         return say(message, "textures of less than 16x16 texels", "");
     while (2 << g->shift <= fxs_min(texture, FXS_GLES_SIDE))
@@ -370,7 +370,8 @@ int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_scene *sc
     fxs_gles_state state;
     if (!g || !context || !camera || !options || !target)
         return FXS_ERR_ARGUMENT;
-    if (options->format == FXS_FORMAT_RGB565 || camera->width > FXS_TILE << g->shift)
+    if (options->format == FXS_FORMAT_RGB565 || camera->width > FXS_TILE << g->shift ||
+        camera->height > FXS_TILE << g->shift)
         return FXS_ERR_UNSUPPORTED;
     fxs_context drawing = *context;
     drawing.config.draw = fxs_gles_draw;

@@ -1,29 +1,52 @@
 /* The inexact picture: an instance of a quad for each splat, the farthest first, blended over the background by the
    hardware: C = C' (1 - alpha) + colour alpha. */
+#include "../../src/fixed.h"
 #include "../../src/memory.h"
 #include "device.h"
 
 #define INSTANCE 32                /* bytes */
+#define PARTS 64u                  /* jobs that fill the instances */
+#define AHEAD 16                   /* instances */
 
-static int upload(const fxs_gles *g, const fxs_tile_run *run)
+typedef struct filling {
+    const fxs_tile_run *run;
+    uint32_t *instances;
+} filling;
+
+/* A part of the instances: the farthest splat is the first. */
+static void fill_part(void *argument, uint32_t part)
 {
-    const fxs_gl *gl = &g->gl;
-    const GLsizeiptr bytes = (GLsizeiptr)run->visible * INSTANCE;
-    gl->BindBuffer(GL_ARRAY_BUFFER, g->instances);
-    gl->BufferData(GL_ARRAY_BUFFER, bytes, 0, GL_STREAM_DRAW);
-    uint32_t *to = gl->MapBufferRange(GL_ARRAY_BUFFER, 0, bytes, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
-    if (!to)
-        return FXS_ERR_DEVICE;
-    for (uint32_t i = run->visible; i-- > 0; to += INSTANCE / 4) {
-        const uint32_t slot = FXS_KEY_SLOT(run->keys[i]);
+    const filling *f = argument;
+    const fxs_tile_run *run = f->run;
+    const uint32_t end = fxs_part(run->visible, PARTS, part + 1);
+    for (uint32_t i = fxs_part(run->visible, PARTS, part); i < end; i++) {
+        const uint32_t slot = FXS_KEY_SLOT(run->keys[run->visible - 1 - i]);
         const fxs_splat *s = &run->splats[slot];
         const fxs_bounds *b = &run->bounds[slot];
         const uint32_t words[INSTANCE / 4] = {
             (uint32_t)b->cx_q14, (uint32_t)b->cy_q14, (uint32_t)s->ux_q24, (uint32_t)s->uy_q24,
             (uint32_t)s->vy_q24, s->offset_q11 | (uint32_t)s->colour_q13[0] << 16,
             (uint32_t)s->colour_q13[1] | (uint32_t)s->colour_q13[2] << 16, 0};
-        memcpy(to, words, sizeof words);
+        if (i + AHEAD < end) {
+            const uint32_t next = FXS_KEY_SLOT(run->keys[run->visible - 1 - i - AHEAD]);
+            FXS_PREFETCH(&run->splats[next]);
+            FXS_PREFETCH(&run->bounds[next]);
+        }
+        memcpy(f->instances + INSTANCE / 4 * (size_t)i, words, sizeof words);
     }
+}
+
+static int upload(const fxs_gles *g, const fxs_tile_run *run)
+{
+    const fxs_gl *gl = &g->gl;
+    const GLsizeiptr bytes = (GLsizeiptr)run->visible * INSTANCE;
+    filling f = {run, 0};
+    gl->BindBuffer(GL_ARRAY_BUFFER, g->instances);
+    gl->BufferData(GL_ARRAY_BUFFER, bytes, 0, GL_STREAM_DRAW);
+    f.instances = gl->MapBufferRange(GL_ARRAY_BUFFER, 0, bytes, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
+    if (!f.instances)
+        return FXS_ERR_DEVICE;
+    fxs_run(run->config, fill_part, &f, PARTS);
     return gl->UnmapBuffer(GL_ARRAY_BUFFER) ? 0 : FXS_ERR_DEVICE;
 }
 

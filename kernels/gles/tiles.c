@@ -21,6 +21,7 @@ typedef struct batch {
     uint32_t *lists, *records;
     uint32_t count, capacity;      /* records */
     int32_t first, end;            /* tiles, by number in the window */
+    uint32_t starts[FXS_MAX_SIZE / FXS_TILE];   /* first record of each row of tiles, from that of `first` on */
 } batch;
 
 static uint32_t least(uint32_t a, uint32_t b)
@@ -104,27 +105,24 @@ static void put_record(uint32_t *record, const fxs_splat *s)
     memcpy(record, words, sizeof words);
 }
 
-/* Splats whose ellipse does not touch the tile are left out: no pixel takes them. */
-static void put_list(batch *b, int32_t tile, const uint32_t *entries, uint32_t count)
+/* One whose ellipse does not touch the tile becomes a record with no rows: no pixel takes it. */
+static void put_records(const batch *b, uint32_t at, const uint32_t *entries, uint32_t count)
 {
+    static const fxs_splat nothing = {.first_row = 1};
     const fxs_splat *splats = b->run->splats;
-    b->lists[2 * tile] = b->count;
     for (uint32_t i = 0; i < count; i++) {
         if (i + AHEAD < count)
             FXS_PREFETCH(&splats[entries[i + AHEAD] & ~FXS_ENTRY_FAR]);
-        if (!(entries[i] & FXS_ENTRY_FAR))
-            put_record(b->records + RECORD / 4 * (size_t)b->count++, &splats[entries[i]]);
+        put_record(b->records + RECORD / 4 * (size_t)(at + i),
+                   entries[i] & FXS_ENTRY_FAR ? &nothing : &splats[entries[i]]);
     }
-    b->lists[2 * tile + 1] = b->count;
 }
 
-/* Tiles from `first` to before `end` are not drawn. */
-static void leave_out(batch *b, int32_t first, int32_t end)
+/* Says where a tile's list is; where it ends before it starts, the tile is not drawn. */
+static void put_list(const batch *b, int32_t tile, uint32_t first, uint32_t end)
 {
-    for (int32_t tile = first; tile < end; tile++) {
-        b->lists[2 * tile] = 1;
-        b->lists[2 * tile + 1] = 0;
-    }
+    b->lists[2 * tile] = first;
+    b->lists[2 * tile + 1] = end;
 }
 
 /* A window's tile in the picture; outside the run where it is not first_tile to last_tile. */
@@ -138,6 +136,25 @@ static uint32_t tile_of(const batch *b, int32_t tile)
 static int in_run(const batch *b, uint32_t tile)
 {
     return tile >= b->run->first_tile && tile <= b->run->last_tile;
+}
+
+/* Fills a row of tiles, the job-th of the batch. */
+static void put_row(void *argument, uint32_t job)
+{
+    const batch *b = argument;
+    const fxs_tile_run *run = b->run;
+    const int32_t columns = b->window->columns, start = (b->first / columns + (int32_t)job) * columns;
+    uint32_t at = b->starts[job];
+    for (int32_t tile = start; tile < start + columns; tile++) {
+        const uint32_t t = tile_of(b, tile);
+        if (tile < b->first || tile >= b->end || !in_run(b, t)) {
+            put_list(b, tile, 1, 0);
+            continue;
+        }
+        put_list(b, tile, at, at + run->counts[t]);
+        put_records(b, at, run->entries + run->ends[t] - run->counts[t], run->counts[t]);
+        at += run->counts[t];
+    }
 }
 
 /* Entries that a tile's list may have to be drawn at once. */
@@ -207,8 +224,11 @@ static int draw_parts(batch *b)
         if (error)
             return error;
         b->end = tile + 1;
-        leave_out(b, row, row + b->window->columns);
-        put_list(b, tile, entries + done, part);
+        for (int32_t other = row; other < row + b->window->columns; other++)
+            put_list(b, other, 1, 0);
+        put_list(b, tile, 0, part);
+        put_records(b, 0, entries + done, part);
+        b->count = part;
         error = end_batch(b);
         surface s = surface_of(b);
         int turn = (int)(done / most % 2);
@@ -223,24 +243,29 @@ static int draw_parts(batch *b)
     return error;
 }
 
-/* As many tiles as fit, from tile b->end on. */
+/* Takes as many tiles as fit, from the first on: the end of the batch. */
+static void take_tiles(batch *b)
+{
+    const int32_t columns = b->window->columns, tiles = columns * b->window->rows, row = b->first / columns;
+    b->starts[0] = 0;
+    for (; b->end < tiles; b->end++) {
+        const uint32_t tile = tile_of(b, b->end), count = in_run(b, tile) ? b->run->counts[tile] : 0;
+        if (count > least(longest(b->gles), b->capacity - b->count))
+            break;
+        if (b->end % columns == 0)
+            b->starts[b->end / columns - row] = b->count;
+        b->count += count;
+    }
+}
+
 static int draw_batch(batch *b)
 {
-    const int32_t columns = b->window->columns, tiles = columns * b->window->rows;
     int error = begin_batch(b, b->end);
     if (error)
         return error;
-    leave_out(b, b->first / columns * columns, b->first);
-    for (; b->end < tiles; b->end++) {
-        uint32_t tile = tile_of(b, b->end);
-        if (!in_run(b, tile))
-            leave_out(b, b->end, b->end + 1);
-        else if (b->run->counts[tile] > least(longest(b->gles), b->capacity - b->count))
-            break;
-        else
-            put_list(b, b->end, b->run->entries + b->run->ends[tile] - b->run->counts[tile], b->run->counts[tile]);
-    }
-    leave_out(b, b->end, (b->end + columns - 1) / columns * columns);
+    take_tiles(b);
+    fxs_run(b->run->config, put_row, b, (uint32_t)((b->end - 1) / b->window->columns -
+                                                   b->first / b->window->columns + 1));
     error = end_batch(b);
     surface s = surface_of(b);
     draw(b, &s, 0);
@@ -249,7 +274,7 @@ static int draw_batch(batch *b)
 
 static int draw_window(fxs_gles *g, const fxs_tile_run *run, const window *w)
 {
-    batch b = {g, run, w, 0, 0, 0, 0, 0, 0};
+    batch b = {g, run, w, 0, 0, 0, 0, 0, 0, {0}};
     int error = 0;
     make_room(g, run, w);
     while (b.end < w->columns * w->rows && !error) {
