@@ -32,11 +32,17 @@ CLANG_14 := $(if $(findstring clang,$(shell $(CC) --version)),-g0)
 isa = $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
       -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi $(CLANG_14))))
 FEATURES += $(if $(KERNELS),-DFXS_WITH_KERNELS)
+# The OpenGL ES back end wants headers only; the libraries are found at run time.
+$(call optional,GLES3/gl3.h,GLES,-ldl)
+KERNELS += $(if $(findstring WITH_GLES,$(FEATURES)),$(wildcard kernels/gles/*.c))
+$(if $(findstring WITH_GLES,$(FEATURES)),$(call optional,EGL/egl.h,EGL,)$(call optional,GL/osmesa.h,OSMESA,))
 
 CORE := $(wildcard src/*.c) $(KERNELS)
 PORT := $(wildcard port/formats/*.c port/posix/*.c)
+PORT += $(if $(findstring WITH_EGL,$(FEATURES)),$(wildcard port/egl/*.c))
+PORT += $(if $(findstring WITH_OSMESA,$(FEATURES)),$(wildcard port/osmesa/*.c))
 TOOL := $(wildcard tools/*.c)
-TOOL_SHARED := tools/metrics.c tools/procedural.c
+TOOL_SHARED := tools/backend.c tools/metrics.c tools/procedural.c
 objects = $(patsubst %.c,$(B)/%.o,$(1))
 
 all: $(B)/fixsplat $(B)/libfixsplat.a
@@ -52,13 +58,23 @@ $(B)/%.o: %.c
 	@mkdir -p $(@D)
 	$(CC) $(FLAGS) $(call isa,$*) -MMD -MP -c -o $@ $<
 
+# The shaders' texts, and src/pixel.h that they are built around, as arrays of characters.
+SHADERS := src/pixel.h $(wildcard kernels/gles/*.vert kernels/gles/*.frag)
+$(B)/kernels/gles/shaders.h: $(SHADERS)
+	@mkdir -p $(@D)
+	@for f in $^; do echo "static const char $$(basename $$f | tr . _)[] = {"; \
+	    od -An -v -tu1 $$f | sed 's/[0-9][0-9]*/&,/g'; echo '0};'; done >$@
+$(B)/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h
+$(B)/kernels/gles/gles.o: CPPFLAGS += -I$(B)/kernels/gles
+
 -include $(shell find $(B) -name '*.d' 2>/dev/null)
 
 # ---- Setup, demo, install ------------------------------------------------------------------------------------------
 
-PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libzstd-dev
+PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libzstd-dev libegl-dev libgles-dev
 TEST_PACKAGES := clang libclang-rt-14-dev glslang-tools qemu-user gcc-aarch64-linux-gnu libc6-dev-arm64-cross \
-                 gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind
+                 gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind libosmesa6-dev libosmesa6 libegl1 libgles2 \
+                 libegl-mesa0 libgl1-mesa-dri
 WANTED = $(PACKAGES) $(if $(filter test,$(MAKECMDGOALS)),$(TEST_PACKAGES))
 
 setup: ## install the Debian packages that are missing (those for the tests too, before `test`)
@@ -70,7 +86,8 @@ demo: ## make a procedural scene and render it to demo.png
 	$(B)/fixsplat render demo.ply --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --fov 36 --bg 11131b -o demo.png --stats
 	@echo "demo.png: 200,000 Gaussians with view-dependent colour of degree 3, from demo.ply"
 
-PUBLIC := src/fixsplat.h src/packed.h kernels/kernels.h $(wildcard port/posix/*.h) $(addprefix port/formats/,\
+PUBLIC := src/fixsplat.h src/packed.h kernels/kernels.h kernels/gles/gles.h port/egl/egl.h port/osmesa/osmesa.h \
+          $(wildcard port/posix/*.h) $(addprefix port/formats/,\
           allocator.h camera.h camera_file.h fxs_file.h image_file.h message.h pack.h ply_write.h scene_file.h \
           scene_filter.h splat_write.h spz_write.h)
 

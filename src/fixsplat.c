@@ -18,6 +18,7 @@ const char *fxs_strerror(int error)
         "the width or height is outside 1 to 16384",
         "the working memory is too small or not aligned to 64 bytes",
         "not supported by this build or machine",
+        "the back end's device failed, was lost or has no memory left",
     };
     int count = (int)(sizeof words / sizeof *words);
     return error <= 0 && error > -count ? words[-error] : "unknown error";

@@ -28,7 +28,8 @@ enum fxs_error {
     FXS_ERR_CAMERA = -4,        /* focal length not above 0, rotation not orthonormal, position beyond +-2^28 units */
     FXS_ERR_SIZE = -5,          /* width or height outside 1..FXS_MAX_SIZE */
     FXS_ERR_MEMORY = -6,        /* the working memory given is too small for the view, or not aligned to 64 */
-    FXS_ERR_UNSUPPORTED = -7    /* a stage that this build or machine does not have */
+    FXS_ERR_UNSUPPORTED = -7,   /* a stage that this build or machine does not have */
+    FXS_ERR_DEVICE = -8         /* a back end's device failed, was lost or has no memory left */
 };
 
 /* The words for an error code: one line, static, never null. */
@@ -105,12 +106,21 @@ typedef void fxs_run_fn(void *pool, void (*job)(void *argument, uint32_t i), voi
 /* A clock in nanoseconds that never runs backwards. */
 typedef uint64_t fxs_clock_fn(void *clock);
 
+/* A back end: draws a run of tiles (src/stage.h) in place of blend and resolve, on the thread that called fxs_render.
+   Returns 0 or an FXS_ERR_*, which ends the frame and is returned by fxs_render. */
+struct fxs_tile_run;
+typedef int fxs_draw_fn(void *argument, const struct fxs_tile_run *run);
+
 typedef struct fxs_config {
     fxs_run_fn *run;               /* null: one thread, the caller's */
     void *pool;                    /* first argument of run */
     uint32_t threads;              /* threads that run uses, 1 to 64; 0: 1. A hint: the picture does not depend on it */
     fxs_clock_fn *clock;           /* null: stage times are reported as 0 */
     void *clock_argument;
+    fxs_draw_fn *draw;             /* null: the kernels' blend and resolve */
+    void *draw_argument;
+    int draw_unlisted;             /* 1: draw needs no tile lists, and is called once a frame: a frame that memory
+                                      cuts into bands is FXS_ERR_UNSUPPORTED */
 } fxs_config;
 
 enum fxs_stage { FXS_PROJECT, FXS_SHADE, FXS_SORT, FXS_BIN, FXS_BLEND, FXS_RESOLVE, FXS_STAGES };
@@ -197,8 +207,9 @@ typedef struct fxs_stats {
    enough; with less, FXS_ERR_MEMORY may be the answer, and stats->memory.least is what this view needs (at least that
    where memory_bytes is below the `least` of fxs_frame_bytes, else exactly, for this number of threads).
    `pixels`: height rows of width pixels (options->format), `stride` bytes from row to row (negative: bottom up); only
-   the pixels are written. *stats may be null. Errors: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA, FXS_ERR_SIZE, FXS_ERR_MEMORY;
-   nothing is written to `pixels` then. */
+   the pixels are written. With a back end they are passed on to it, and may be null where it needs none. *stats may
+   be null. Errors: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA, FXS_ERR_SIZE, FXS_ERR_MEMORY; nothing is written to `pixels`
+   then. Those of a back end; a part of the pixels may be written then. */
 int fxs_render(const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                void *memory, size_t memory_bytes, void *pixels, ptrdiff_t stride, fxs_stats *stats);
 

@@ -159,6 +159,18 @@ static void blend_tile(void *argument, uint32_t job)
     f->tile_times[2 * tile + 1] = now(f->context) - blended;
 }
 
+/* Has the back end draw the run. */
+static int draw_run(const fxs_frame *f)
+{
+    const fxs_config *config = &f->context->config;
+    int listed = !config->draw_unlisted;
+    const fxs_tile_run r = {
+        config, &f->view, f->options, f->splats, f->bounds, f->keys, f->count,
+        listed ? f->entries : 0, listed ? f->next + (size_t)(f->parts - 1) * f->tiles : 0,
+        listed ? f->tile_counts : 0, f->first_tile, f->last_tile, f->pixels, f->stride};
+    return config->draw(config->draw_argument, &r);
+}
+
 /* Shares a wall time out to `columns` stages, as the jobs spent theirs: times has a row for each job. */
 static void share_time(fxs_frame *f, uint64_t wall, const uint64_t *times, uint32_t jobs, uint32_t columns,
                        const enum fxs_stage *stages)
@@ -210,7 +222,8 @@ static void prepare(fxs_frame *f)
     uint64_t prepared = now(f->context);
     sort_all(f);
     uint64_t sorted = now(f->context);
-    bin_all(f);
+    if (!f->context->config.draw_unlisted)
+        bin_all(f);
     share_time(f, prepared - start, f->block_times, f->blocks, 3, stages);
     f->stats.nanoseconds[FXS_SORT] += sorted - prepared;
     f->stats.nanoseconds[FXS_BIN] += now(f->context) - sorted;
@@ -231,6 +244,25 @@ static void blend_runs(fxs_frame *f, void (*job)(void *, uint32_t))
     }
 }
 
+/* The same by the back end. Returns 0 or its error. */
+static int draw_runs(fxs_frame *f)
+{
+    const uint32_t end = tiles_above(f, f->end_row);
+    int error = 0;
+    for (f->first_tile = tiles_above(f, f->first_row); f->first_tile < end && !error; f->first_tile = f->last_tile + 1) {
+        uint64_t start = now(f->context);
+        f->last_tile = end - 1;
+        if (!f->context->config.draw_unlisted)
+            bin_run(f);
+        uint64_t listed = now(f->context);
+        error = draw_run(f);
+        f->stats.nanoseconds[FXS_BIN] += listed - start;
+        f->stats.nanoseconds[FXS_BLEND] += now(f->context) - listed;
+    }
+    return error;
+}
+
+/* A null job: the back end draws. */
 static int render(fxs_frame *f, void (*job)(void *, uint32_t))
 {
     uint64_t start = now(f->context);
@@ -238,8 +270,13 @@ static int render(fxs_frame *f, void (*job)(void *, uint32_t))
     f->stats.nanoseconds[FXS_PROJECT] = now(f->context) - start;
     while (!error && f->end_row < f->view.tiles_y) {
         fxs_band_next(f);
+        if (!job && f->context->config.draw_unlisted && f->end_row < f->view.tiles_y)
+            return FXS_ERR_UNSUPPORTED;    /* it draws whole frames */
         prepare(f);
-        blend_runs(f, job);
+        if (job)
+            blend_runs(f, job);
+        else
+            error = draw_runs(f);
     }
     f->stats.frame_nanoseconds = now(f->context) - start;
     return error;
@@ -249,14 +286,14 @@ int fxs_render(const fxs_context *context, const fxs_scene *scene, const fxs_cam
                void *memory, size_t memory_bytes, void *pixels, ptrdiff_t stride, fxs_stats *stats)
 {
     fxs_frame f;
-    if (!context || !pixels)
+    if (!context || (!pixels && !context->config.draw))
         return FXS_ERR_ARGUMENT;
     int error = frame_init(&f, context, scene, camera, options, memory, memory_bytes);
     if (error)
         return error;
     f.pixels = pixels;
     f.stride = stride;
-    error = render(&f, blend_tile);
+    error = render(&f, context->config.draw ? 0 : blend_tile);
     if (stats)
         *stats = f.stats;
     return error;

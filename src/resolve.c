@@ -5,8 +5,7 @@
 static void store(unsigned char *pixel, enum fxs_format format, const int rgb[3], int transmittance_q15)
 {
     if (format == FXS_FORMAT_RGB565) {
-        uint16_t packed = (uint16_t)((rgb[0] * 31 + 127) / 255 << 11 | (rgb[1] * 63 + 127) / 255 << 5 |
-                                     (rgb[2] * 31 + 127) / 255);
+        uint16_t packed = fxs_rgb565(rgb[0], rgb[1], rgb[2]);
         memcpy(pixel, &packed, sizeof packed);
         return;
     }
@@ -21,8 +20,7 @@ void fxs_resolve_c(const fxs_options *options, const fxs_tile *tile, int32_t col
     const int bytes = options->format == FXS_FORMAT_RGB565 ? 2 : 4;
     int background_q13[3], rgb[3];
     for (int c = 0; c < 3; c++)
-        background_q13[c] =
-            options->format == FXS_FORMAT_RGBA8_COVERAGE ? 0 : (options->background[c] * 8192 + 127) / 255;
+        background_q13[c] = fxs_background_q13(options, c);
     for (int32_t y = 0; y < rows; y++)
         for (int32_t x = 0; x < columns; x++) {
             int i = y * FXS_TILE + x;

@@ -91,6 +91,34 @@ typedef struct fxs_tile {
     int16_t sum_q13[3][FXS_TILE_PIXELS];
 } fxs_tile;
 
+/* A run of tiles, first to last, ready to be drawn by a back end. Tile t's list is counts[t] entries that end before
+   entries[ends[t]]. A back end without lists draws all tiles; entries, ends and counts are null then. */
+typedef struct fxs_tile_run {
+    const fxs_config *config;
+    const fxs_view *view;
+    const fxs_options *options;
+    const fxs_splat *splats;       /* by slot */
+    const fxs_bounds *bounds;
+    const fxs_key *keys;           /* of the visible splats, near to far */
+    uint32_t visible;
+    const uint32_t *entries, *ends, *counts;
+    uint32_t first_tile, last_tile;
+    unsigned char *pixels;         /* of the whole picture, as in fxs_render */
+    ptrdiff_t stride;
+} fxs_tile_run;
+
+/* The background that resolve adds, colour c of r g b. */
+static inline int fxs_background_q13(const fxs_options *options, int c)
+{
+    return options->format == FXS_FORMAT_RGBA8_COVERAGE ? 0 : (options->background[c] * 8192 + 127) / 255;
+}
+
+/* A pixel of FXS_FORMAT_RGB565. */
+static inline uint16_t fxs_rgb565(int r, int g, int b)
+{
+    return (uint16_t)((r * 31 + 127) / 255 << 11 | (g * 63 + 127) / 255 << 5 | (b * 31 + 127) / 255);
+}
+
 /* The rows of a chunk. */
 static inline const unsigned char *fxs_rows(const fxs_scene *scene, uint32_t chunk)
 {

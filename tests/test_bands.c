@@ -129,7 +129,7 @@ static void check_case(uint64_t seed, int32_t most, int height)
     draw(height);
     for (uint32_t threads = 1; threads <= 4; threads *= 2) {
         fxs_pool *pool = fxs_pool_create(threads);
-        fxs_config config = {fxs_pool_run, pool, threads, 0, 0};
+        fxs_config config = {.run = fxs_pool_run, .pool = pool, .threads = threads};
         fxs_context context;
         fxs_init(&context, &config);
         check_limits(&context);

@@ -1,17 +1,15 @@
-/* Golden images: small frames of procedural scenes, compared byte for byte with tests/golden/NAME.png. --update
- * writes them anew. On a difference the frame and a picture of the difference are left in build/golden. */
+/* Golden images: small frames of procedural scenes, compared byte for byte with tests/golden/NAME.png, by the processor
+ * and each exact back end. --update writes them anew. On a difference the frame and a picture of the difference are left in build/golden. */
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "../port/formats/camera.h"
 #include "../port/formats/image_file.h"
-#include "../port/formats/pack.h"
-#include "../port/formats/ply_write.h"
+#include "../tools/backend.h"
 #include "../tools/metrics.h"
-#include "../tools/procedural.h"
 #include "check.h"
+#include "procedural_scene.h"
 
 typedef struct golden {
     const char *name, *scene;
@@ -53,35 +51,8 @@ static const golden cases[] = {
 };
 
 static int updating;
-static char folder[64];
 
-/* Writes the scene as .ply, reads and packs it as a user would. */
-static int make_scene(const golden *g, fxs_packed_scene *packed, fxs_message *m)
-{
-    char path[96];
-    fxs_ply_writer *writer;
-    fxs_scene_file *file;
-    fxs_scene_file_info info;
-    fxs_pack_report report;
-    const fxs_procedural_scene *scene = fxs_procedural_find(g->scene);
-    snprintf(path, sizeof path, "%s/scene.ply", folder);
-    if (!scene || fxs_ply_writer_open(path, g->count, scene->sh_degree, g->antialiased, &writer, m))
-        return -1;
-    for (uint64_t i = 0; i < g->count; i++) {
-        fxs_gaussian gaussian;
-        scene->gaussian(i, g->count, 1, &gaussian);
-        if (fxs_ply_writer_put(writer, &gaussian, 1, m))
-            break;
-    }
-    if (fxs_ply_writer_close(writer, m) || fxs_scene_file_open(path, NULL, &file, &info, m))
-        return -1;
-    int result = fxs_pack(file, &info, packed, &report, 0, m);
-    fxs_scene_file_close(file);
-    unlink(path);
-    return result;
-}
-
-static uint8_t *render(const golden *g, fxs_message *m)
+static uint8_t *render(const golden *g, const fxs_config *config, fxs_message *m)
 {
     static const double up[3] = {0, -1, 0};
     fxs_packed_scene packed;
@@ -89,9 +60,9 @@ static uint8_t *render(const golden *g, fxs_message *m)
     fxs_context context;
     fxs_file_view view;
     fxs_camera camera;
-    if (make_scene(g, &packed, m))
+    if (procedural_scene_make(g->scene, g->count, g->antialiased, &packed, 0, m))
         return 0;
-    fxs_init(&context, 0);
+    fxs_init(&context, config);
     fxs_scene_open(&scene, packed.data, packed.bytes);
     size_t bytes = fxs_frame_bytes(&context, &scene, g->width, g->height, 0);
     void *memory = check_aligned(bytes);
@@ -143,33 +114,39 @@ static void compare(const golden *g, const uint8_t *actual, const char *path)
 }
 
 static const golden *current;
+static const char *backend_name;
 
+/* A back end other than the processor is compared only. */
 static void golden_image(void)
 {
     char path[128];
     fxs_message m = {"render failed"};
-    uint8_t *actual = render(current, &m);
+    fxs_config config = {.run = 0};
+    backend *b;
+    if (backend_open(&b, backend_name, &config, &m))
+        SKIP(m.text);
+    uint8_t *actual = render(current, &config, &m);
     snprintf(path, sizeof path, "tests/golden/%s.png", current->name);
     if (!CHECK(actual != 0))
         puts(m.text);
-    else if (updating)
+    else if (updating && !b)
         CHECK(!fxs_image_file_write(path, actual, current->width, current->height, &m));
     else
         compare(current, actual, path);
     free(actual);
+    backend_close(b);
 }
 
 int main(int argc, char **argv)
 {
+    static const char *const backends[] = {"cpu", "gles", "osmesa"};
     updating = argc > 1 && !strcmp(argv[1], "--update");
-    strcpy(folder, "/tmp/fixsplat-golden-XXXXXX");
-    if (!mkdtemp(folder))
-        return 1;
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        current = &cases[i];
-        printf("%s: ", current->name);
-        RUN(golden_image);
-    }
-    rmdir(folder);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        for (size_t k = 0; k < sizeof backends / sizeof *backends; k++) {
+            current = &cases[i];
+            backend_name = backends[k];
+            printf("%s, %s: ", current->name, backend_name);
+            RUN(golden_image);
+        }
     return check_report();
 }

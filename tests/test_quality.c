@@ -99,7 +99,7 @@ static void pixel_stage(const subject *s, const fxs_file_view *file_view, const 
                      .cut_q11 = FXS_CUT_Q11};
     enum { TILES = WIDTH / FXS_TILE * (HEIGHT / FXS_TILE) };
     static uint32_t counts[TILES], ends[TILES], histogram[1][FXS_SORT_BUCKETS];
-    const fxs_config one_thread = {0, 0, 1, 0, 0};
+    const fxs_config one_thread = {.threads = 1};
     fxs_key *sorted = fxs_sort(&one_thread, list.keys, list.spare, list.count, histogram, 1);
     memset(counts, 0, sizeof counts);
     fxs_sorted stretch = {sorted, malloc((list.count + 1) * sizeof(fxs_box)), list.count};

@@ -7,7 +7,8 @@
 
 static const char help[] =
     "Usage: fixsplat bench SCENE [OPTION...]\n\n"
-    "Renders one view again and again and prints the median milliseconds of each stage.\n\n"
+    "Renders one view again and again and prints the median milliseconds of each stage; of a back end\n"
+    "with a timer also those of its device.\n\n"
     "  --path N            fly once around the scene in N frames, 2 to 10000, and print minimum, median and maximum\n"
     "  --frames N          frames measured after a warm-up of two, 10 to 10000 (default 10)\n"
     "  --json              print a JSON object\n"
@@ -25,8 +26,8 @@ typedef struct bench_options {
 
 enum { OPT_FRAMES = OPT_OWN, OPT_PATH, OPT_JSON };
 
-/* Columns of the times: the stages, then the whole frame. */
-enum { COLUMNS = FXS_STAGES + 1 };
+/* Columns of the times: the stages, the whole frame, and of that the device of a back end. */
+enum { FRAME = FXS_STAGES, DEVICE, COLUMNS };
 
 static int take_options(bench_options *o, int argc, char **argv)
 {
@@ -102,8 +103,12 @@ static int measure(spread columns[COLUMNS], renderer *r, const bench_options *o,
         fxs_stats stats;
         fxs_file_view turned = view_of_frame(o, loaded, view, i);
         status = renderer_render(r, loaded, &turned, &o->view.render, &stats);
-        for (int s = 0; s < COLUMNS && i >= 0; s++)
-            times[s * frames + i] = (double)(s < FXS_STAGES ? stats.nanoseconds[s] : stats.frame_nanoseconds) * 1e-6;
+        for (int s = 0; s < FXS_STAGES && i >= 0; s++)
+            times[s * frames + i] = (double)stats.nanoseconds[s] * 1e-6;
+        if (i >= 0) {
+            times[FRAME * frames + i] = (double)stats.frame_nanoseconds * 1e-6;
+            times[DEVICE * frames + i] = (double)backend_nanoseconds(r->backend) * 1e-6;
+        }
     }
     for (int s = 0; s < COLUMNS && !status; s++)
         columns[s] = spread_of(times + s * frames, frames);
@@ -113,7 +118,7 @@ static int measure(spread columns[COLUMNS], renderer *r, const bench_options *o,
 
 static const char *column_name(int column)
 {
-    return column < FXS_STAGES ? fxs_stage_name((enum fxs_stage)column) : "frame";
+    return column < FXS_STAGES ? fxs_stage_name((enum fxs_stage)column) : column == FRAME ? "frame" : "device";
 }
 
 static const char *cutoff_name(const bench_options *o)
@@ -128,9 +133,9 @@ static void print_text(const spread columns[COLUMNS], const renderer *r, const b
            loaded->scene.count, view->width, view->height, o->view.threads, cutoff_name(o), o->frames,
            o->path ? " around the scene" : "");
     printf("           %9s %9s %9s   share  version\n", "minimum", "median", "maximum");
-    for (int s = 0; s < COLUMNS; s++)
+    for (int s = 0; s < (columns[DEVICE].most > 0 ? COLUMNS : DEVICE); s++)
         printf("  %-8s %9.3f %9.3f %9.3f  %5.1f%%  %s\n", column_name(s), columns[s].least, columns[s].median,
-               columns[s].most, 100 * columns[s].median / columns[FXS_STAGES].median,
+               columns[s].most, 100 * columns[s].median / columns[FRAME].median,
                s < FXS_STAGES ? r->context.kernels.name[s] : "");
 }
 
@@ -138,11 +143,11 @@ static void print_json(const spread columns[COLUMNS], const bench_options *o, co
                        const fxs_file_view *view)
 {
     printf("{\"gaussians\": %" PRIu32 ", \"width\": %d, \"height\": %d, \"threads\": %" PRIu32 ", \"cpu\": \"%s\", "
-           "\"cutoff\": \"%s\", \"backend\": \"cpu\", \"frames\": %d, \"frame_ms\": %.3f, \"frame_ms_min\": %.3f, "
-           "\"frame_ms_max\": %.3f, \"load_ms\": %.3f, \"stages\": {",
-           loaded->scene.count, view->width, view->height, o->view.threads, o->view.cpu, cutoff_name(o), o->frames,
-           columns[FXS_STAGES].median, columns[FXS_STAGES].least, columns[FXS_STAGES].most,
-           (double)loaded->load_nanoseconds * 1e-6);
+           "\"cutoff\": \"%s\", \"backend\": \"%s\", \"frames\": %d, \"frame_ms\": %.3f, \"frame_ms_min\": %.3f, "
+           "\"frame_ms_max\": %.3f, \"device_ms\": %.3f, \"load_ms\": %.3f, \"stages\": {",
+           loaded->scene.count, view->width, view->height, o->view.threads, o->view.cpu, cutoff_name(o),
+           strcmp(o->view.backend, "auto") ? o->view.backend : "cpu", o->frames, columns[FRAME].median,
+           columns[FRAME].least, columns[FRAME].most, columns[DEVICE].median, (double)loaded->load_nanoseconds * 1e-6);
     for (int s = 0; s < FXS_STAGES; s++)
         printf("%s\"%s\": %.3f", s ? ", " : "", column_name(s), columns[s].median);
     puts("}}");

@@ -142,6 +142,37 @@ cutoffs() {
     printf '\nBetween the two pictures:\n\n%s' "$distances"
 }
 
+# The back ends of OpenGL ES, for one camera.
+gles_rows() {
+    name=$1 file=$2
+    shift 2
+    for backend in cpu gles gles-quads; do
+        json=$("$B/fixsplat" bench --json "$file" --threads $two --size 1280x720 --backend $backend "$@")
+        "$B/fixsplat" render "$file" --size 1280x720 --backend $backend -o "$work/$backend.ppm" "$@"
+        printf '| %s, %s | %s | %s | %s | %s |\n' "$name" $backend "$(echo "$json" | field frame_ms)" \
+            "$(echo "$json" | field blend)" "$(echo "$json" | field device_ms)" \
+            "$("$B/fixsplat" compare "$work/cpu.ppm" "$work/$backend.ppm" | sed 's/, SSIM.*//')"
+    done
+}
+
+gles() {
+    device=$("$B/fixsplat" info --backends | sed -n 's/^gles  *here: \(.*\) (OpenGL.*/\1/p')
+    [ "$device" ] || return 0
+    printf '### OpenGL ES\n\nOn %s, 1280x720, milliseconds, %s threads. blend: for a back end, upload, draw and reading back; device: ' \
+        "$device" $two
+    printf 'the part of it from the first upload to the last draw, by the device.\n\n'
+    printf '| scene, back end | frame | blend | device | against cpu |\n|---|---|---|---|---|\n'
+    landscape 1000000
+    gles_rows 'landscape 1,000,000' "$work/1000000.ply"
+    if [ -d "$SCENES" ]; then
+        for view in 8 40 72; do
+            gles_rows "snowmiku, view $view" "$SCENES/snowmiku/snowmiku.ply" \
+                --cameras "$SCENES/snowmiku/cameras.json" --view $view
+        done
+        gles_rows statue-st-peter "$SCENES/statue-st-peter/st-peter.ply"
+    fi
+}
+
 # Rows for a view in 1, 1/2, 1/4 and 1/8 of the memory that fxs_frame_bytes asks for.
 limit_rows() {
     name=$1 file=$2 all=
@@ -231,7 +262,7 @@ tables() {
     cutoffs
 }
 
-for part in ${*:-tables sizes limits}; do
+for part in ${*:-tables gles sizes limits}; do
     {
         printf 'Measured %s on %s (%s processors), %s.\n\n' "$(date -u +%Y-%m-%d)" \
             "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)" "$(getconf _NPROCESSORS_ONLN)" \

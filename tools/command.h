@@ -11,6 +11,7 @@
 #include "../port/formats/scene_filter.h"
 #include "../port/posix/pool.h"
 #include "../src/fixsplat.h"
+#include "backend.h"
 
 enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 
@@ -133,6 +134,7 @@ long choose_views(const view_options *options, const fxs_pack_report *report, fx
 typedef struct renderer {
     fxs_context context;
     fxs_pool *pool;
+    backend *backend;
     void *memory, *allocation;
     size_t memory_bytes, max_memory;        /* max_memory: as in view_options */
     uint8_t *pixels;                        /* RGBA */

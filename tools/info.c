@@ -7,7 +7,8 @@
 #include "quality.h"
 
 static const char help[] =
-    "Usage: fixsplat info SCENE [OPTION...]\n\n"
+    "Usage: fixsplat info SCENE [OPTION...]\n"
+    "       fixsplat info --backends\n\n"
     "Prints the number of Gaussians, SH degree and bounds of a scene, its bytes a Gaussian once packed, the largest\n"
     "difference that packing made to each attribute (of an .fxs file, which is packed already, every checksum is\n"
     "verified instead), and the memory that a frame needs: for any view, and the least.\n\n"
@@ -22,6 +23,7 @@ static const char help[] =
     "  --profile P         how a scene that is not an .fxs file is packed: default, compact or small\n"
     "  --lod LEVEL         level of detail of SCENE, where it is a streamed .sog, 0 the finest (default 0)\n"
     "  --json              print a JSON object (psnr is null where the pictures are equal)\n"
+    "  --backends          what can blend here, and why something cannot\n"
     "  --help              this text\n\n"
     "Examples:\n"
     "  fixsplat info scene.ply\n"
@@ -35,7 +37,7 @@ typedef struct info_options {
     int json;
 } info_options;
 
-enum { OPT_JSON = OPT_OWN, OPT_COMPARE, OPT_VIEWS };
+enum { OPT_JSON = OPT_OWN, OPT_COMPARE, OPT_VIEWS, OPT_BACKENDS };
 
 /* What is known of a scene. */
 typedef struct findings {
@@ -135,7 +137,7 @@ static int take_options(info_options *o, int argc, char **argv)
 {
     static const struct option table[] = {{"compare", required_argument, 0, OPT_COMPARE},
                                           {"cameras", required_argument, 0, OPT_CAMERAS},
-                                          {"views", required_argument, 0, OPT_VIEWS},
+                                          {"views", required_argument, 0, OPT_VIEWS}, {"backends", no_argument, 0, OPT_BACKENDS},
                                           {"size", required_argument, 0, OPT_SIZE},
                                           {"max-memory", required_argument, 0, OPT_MAX_MEMORY},
                                           {"lod", required_argument, 0, OPT_LOD},
@@ -152,6 +154,7 @@ static int take_options(info_options *o, int argc, char **argv)
                 return fail(EXIT_USAGE, "--views %s: expected 1 to 1000", optarg);
             break;
         case OPT_JSON: o->json = 1; break;
+        case OPT_BACKENDS: backend_list(); exit(EXIT_OK);
         case OPT_HELP: fputs(help, stdout); exit(EXIT_OK);
         case '?': return wrong_option(argv);
         default:
@@ -187,7 +190,7 @@ static int find(findings *f, const info_options *o)
         return fail(EXIT_FAILED, "%s", message.text);
     f->width = o->view.width ? o->view.width : 1280;
     f->height = o->view.height ? o->view.height : 720;
-    const fxs_config config = {fxs_pool_run, 0, fxs_processors(), 0, 0};   /* only asked for sizes */
+    const fxs_config config = {.run = fxs_pool_run, .threads = fxs_processors()};   /* only asked for sizes */
     f->limit = o->view.max_memory;
     fxs_init(&context, &config);
     fxs_frame_bytes(&context, &f->scene.scene, f->width, f->height, &f->memory);

@@ -26,7 +26,8 @@ const char view_options_help[] =
     "                      every Gaussian; the picture does not depend on it\n"
     "  --cpu LIST          instruction sets that may be used: all (default), c for none, or names out of\n"
     "                      sse41,avx2,avx512,neon\n"
-    "  --backend NAME      cpu or auto (default auto)\n"
+    "  --backend NAME      what blends: cpu, gles (OpenGL ES 3.0 by EGL), osmesa: the same bytes; gles-quads: inexact,\n"
+    "                      blended by the device; auto (default): cpu. See fixsplat info --backends\n"
     "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
     "  --profile P         how a scene that is not an .fxs file is packed: default, compact or small\n"
     "  --help              this text\n";
@@ -233,10 +234,13 @@ static int choose_cpu(fxs_context *context, const char *list)
 int renderer_init(renderer *r, const view_options *options)
 {
     memset(r, 0, sizeof *r);
-    if (strcmp(options->backend, "cpu") && strcmp(options->backend, "auto"))
-        return fail(EXIT_USAGE, "--backend %s: expected cpu or auto", options->backend);
+    fxs_message message;
+    if (!backend_known(options->backend))
+        return fail(EXIT_USAGE, "--backend %s: expected cpu, auto, gles, gles-quads or osmesa", options->backend);
     r->max_memory = options->max_memory;
-    fxs_config config = {0, 0, options->threads, fxs_clock, 0};
+    fxs_config config = {.threads = options->threads, .clock = fxs_clock};
+    if (backend_open(&r->backend, options->backend, &config, &message))
+        return fail(EXIT_FAILED, "--backend %s: %s", options->backend, message.text);
     if (options->threads > 1) {
         r->pool = fxs_pool_create(options->threads);
         if (!r->pool)
@@ -245,11 +249,15 @@ int renderer_init(renderer *r, const view_options *options)
         config.pool = r->pool;
     }
     fxs_init(&r->context, &config);
-    return choose_cpu(&r->context, options->cpu);
+    int status = choose_cpu(&r->context, options->cpu);
+    if (r->backend)
+        r->context.kernels.name[FXS_BLEND] = r->context.kernels.name[FXS_RESOLVE] = options->backend;
+    return status;
 }
 
 void renderer_free(renderer *r)
 {
+    backend_close(r->backend);
     fxs_pool_destroy(r->pool);
     free(r->allocation);
     free(r->pixels);

@@ -40,7 +40,7 @@ void fxs_resolve_neon(const fxs_options *options, const fxs_tile *tile, int32_t 
     const uint8x16_t least_alpha = vdupq_n_u8(coverage ? 0 : 255);
     int16x8_t background_q13[3];
     for (int c = 0; c < 3; c++)
-        background_q13[c] = vdupq_n_s16((int16_t)(coverage ? 0 : (options->background[c] * 8192 + 127) / 255));
+        background_q13[c] = vdupq_n_s16((int16_t)fxs_background_q13(options, c));
     for (int32_t y = 0; y < rows; y++, pixels += stride) {
         uint8_t edge[4 * FXS_TILE];
         resolve_row(columns == FXS_TILE ? pixels : edge, tile, y * FXS_TILE, background_q13, least_alpha);

@@ -35,7 +35,7 @@ void fxs_resolve_sse41(const fxs_options *options, const fxs_tile *tile, int32_t
         return;
     }
     for (int c = 0; c < 3; c++)
-        background_q13[c] = (int16_t)(coverage ? 0 : (options->background[c] * 8192 + 127) / 255);
+        background_q13[c] = (int16_t)fxs_background_q13(options, c);
     for (int32_t y = 0; y < rows; y++) {
         unsigned char row[4 * FXS_TILE], *to = columns == FXS_TILE ? pixels + y * stride : row;
         eight(to, tile, y * FXS_TILE, background_q13, coverage);

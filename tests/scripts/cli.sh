@@ -157,6 +157,7 @@ for ending in png ppm raw; do
     succeeds "render .$ending" render knot.ply $small -o knot.$ending
 done
 hash=$(hash_of knot.ply $small)
+hash_small=$hash
 check "a .raw has the bytes that --hash hashes" equal "$($helper hash knot.raw)" "$hash"
 check "a .raw has width * height * 4 bytes" equal "$(($(wc -c <knot.raw)))" $((64 * 48 * 4))
 raw_colours knot.raw >raw.txt
@@ -370,6 +371,29 @@ if [ -c /dev/full ]; then
         "$fixsplat" $arguments >/dev/full 2>logs/err
         check "no room on stdout: ${arguments%% *} ${arguments##* }" equal "$? $(($(wc -l <logs/err)))" "1 1"
     done
+fi
+
+# ---- Back ends -------------------------------------------------------------------------------------------------------
+
+succeeds "info --backends" info --backends
+for backend in gles osmesa; do
+    reason=$("$fixsplat" info --backends | sed -n "s/^$backend  *not here: //p")
+    if [ "$reason" ]; then
+        skip "--backend $backend" "$reason"
+    else
+        check "one hash with --backend $backend" equal "$(hash_of knot.ply $small --backend $backend)" "$hash_small"
+        succeeds "bench --backend $backend" bench knot.ply $small --backend $backend --json
+        check "bench --backend $backend: said" grep -q "\"backend\": \"$backend\"" logs/out
+    fi
+done
+export __EGL_VENDOR_LIBRARY_FILENAMES=none MESA_EXTENSION_OVERRIDE=-GL_ARB_ES3_compatibility
+fails "--backend gles without a driver" 1 "--backend gles: (no|built)" render knot.ply $small --hash --backend gles
+fails "--backend osmesa of an old Mesa" 1 "--backend osmesa: (no|built)" render knot.ply $small --hash --backend osmesa
+unset __EGL_VENDOR_LIBRARY_FILENAMES MESA_EXTENSION_OVERRIDE
+if have ldd; then
+    check "no GL library is linked" equal "$(ldd "$fixsplat" 2>&1 | grep -E 'lib(EGL|GL|OSMesa)')" ""
+else
+    skip "no GL library is linked" "no ldd here"
 fi
 
 # ---- JSON ------------------------------------------------------------------------------------------------------------

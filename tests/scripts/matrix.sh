@@ -8,7 +8,7 @@ trap 'rm -rf "$work"' EXIT
 flags='-std=c99 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off -g0'
 arm=aarch64-linux-gnu-gcc
 random='src/*.c tests/test_random.c'
-golden="src/*.c tests/test_golden.c tools/metrics.c tools/procedural.c port/formats/*.c"
+golden="src/*.c tests/test_golden.c tools/backend.c tools/metrics.c tools/procedural.c port/formats/*.c"
 
 links() { echo 'int main(void) { return 0; }' | "$@" -x c - -o "$work/links" >/dev/null 2>&1; }
 

@@ -1,0 +1,73 @@
+/* What the files of the GLES back end share. */
+#ifndef FXS_GLES_DEVICE_H
+#define FXS_GLES_DEVICE_H
+
+#include "../../src/stage.h"
+#include "gl.h"
+#include "gles.h"
+
+#define FXS_GLES_SIDE 2048         /* texels, of what every device has: 2 M records */
+#define FXS_GLES_MOST 8192         /* pixels: as words, 1 GiB, which 32 bits can count */
+#define FXS_GLES_LOOP 65536u       /* entries of a tile in one draw, so that no draw takes long enough to be stopped */
+
+enum { FXS_GLES_STATE, FXS_GLES_INTEGER, FXS_GLES_NORMALISED, FXS_GLES_QUADS, FXS_GLES_PROGRAMS };
+/* Textures of the tiles' shader by unit; two of tile size take turns as the last and the next state. */
+enum { FXS_GLES_LISTS, FXS_GLES_RECORDS, FXS_GLES_CARRIED, FXS_GLES_UNITS,
+       FXS_GLES_NEXT = FXS_GLES_UNITS, FXS_GLES_TEXTURES };
+/* Framebuffers: of integers; of the quads, blended and then as bytes; of the two states. */
+enum { FXS_GLES_TARGET, FXS_GLES_BLENDED, FXS_GLES_BYTES, FXS_GLES_TARGETS,
+       FXS_GLES_FIRST_STATE = FXS_GLES_TARGETS, FXS_GLES_SECOND_STATE, FXS_GLES_FRAMEBUFFERS };
+
+typedef struct fxs_gles_program {
+    GLuint name;
+    GLint place, source, background, size;      /* uniforms */
+} fxs_gles_program;
+
+struct fxs_gles {
+    fxs_gl gl;
+    char renderer[128];
+    int32_t shift;                 /* log2 of the width, and the greatest height, of the texture of records */
+    int32_t most;                  /* pixels, width and height of a render target */
+    int timer, timing;             /* the device can time draws; is timing one */
+    GLenum blended_format;         /* of the quads' target */
+    fxs_gles_program programs[FXS_GLES_PROGRAMS];
+    GLuint textures[FXS_GLES_TEXTURES], framebuffers[FXS_GLES_FRAMEBUFFERS], renderbuffers[FXS_GLES_TARGETS],
+        vertex_arrays[2];
+    GLuint upload, download, instances, query;
+    int32_t columns, rows;         /* of the texture of lists */
+    int32_t record_rows;           /* of that of records */
+    int32_t width[FXS_GLES_TARGETS], height[FXS_GLES_TARGETS];
+    GLenum format[FXS_GLES_TARGETS];
+    const fxs_gles_target *target; /* the caller's, during fxs_gles_render */
+    uint64_t nanoseconds;
+};
+
+/* The GL state that fxs_gles_init and fxs_gles_render touch. */
+typedef struct fxs_gles_state {
+    GLint program, vertex_array, unpack_buffer, draw_framebuffer, active_texture;
+    GLint textures[FXS_GLES_UNITS], samplers[FXS_GLES_UNITS], viewport[4], scissor[4], unpack[3];
+    GLboolean switches[8], colour_mask[4];
+} fxs_gles_state;
+
+void fxs_gles_save(const fxs_gl *gl, fxs_gles_state *state);
+void fxs_gles_restore(const fxs_gl *gl, const fxs_gles_state *state);
+
+/* Sets what every draw wants: switches, masks, unpacking, and the textures of the tiles' shader at their units. */
+void fxs_gles_set(const fxs_gles *gles);
+
+/* Takes the errors that are pending. Returns 0 where there were none, else FXS_ERR_DEVICE. */
+int fxs_gles_check(const fxs_gles *gles);
+
+/* Makes a target of the back end's own at least so large. Returns 0 or FXS_ERR_DEVICE. */
+int fxs_gles_make_target(fxs_gles *gles, int target, GLenum format, int32_t width, int32_t height);
+
+/* Where there is a timer: starts it if it does not run yet; stops it, waits for the device and adds the time up. */
+void fxs_gles_start_timer(fxs_gles *gles);
+void fxs_gles_stop_timer(fxs_gles *gles);
+
+/* Reads the lower left corner of FXS_GLES_TARGET or FXS_GLES_BYTES, `width` x `height` pixels, as the run's pixels at
+   (x, y); those of its tiles only. Returns 0, FXS_ERR_DEVICE, or FXS_ERR_ARGUMENT where the run has no pixels. */
+int fxs_gles_read(fxs_gles *gles, const fxs_tile_run *run, int target, int32_t x, int32_t y, int32_t width,
+                  int32_t height);
+
+#endif

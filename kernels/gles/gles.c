@@ -1,0 +1,387 @@
+/* The back end's objects: functions, programs, textures and buffers; reading back; the caller's target. */
+#include "gles.h"
+
+#include "../../src/memory.h"
+#include "device.h"
+#include "shaders.h"
+
+#define TIME_ELAPSED 0x88BF        /* EXT_disjoint_timer_query */
+#define DISJOINT 0x8FBB
+
+/* Writes a text and what it is about. */
+static int say(char *message, const char *text, const char *what)
+{
+    const char *parts[] = {text, what};
+    size_t used = 0;
+    for (int i = 0; i < 2; i++) {
+        size_t length = strlen(parts[i]), room = FXS_GLES_MESSAGE - 1 - used;
+        length = length < room ? length : room;
+        memcpy(message + used, parts[i], length);
+        used += length;
+    }
+    message[used] = 0;
+    for (char *c = message; *c; c++)
+        *c = *c == '\n' ? ' ' : *c;
+    return FXS_ERR_UNSUPPORTED;
+}
+
+size_t fxs_gles_bytes(void)
+{
+    return sizeof(fxs_gles);
+}
+
+const char *fxs_gles_renderer(const fxs_gles *g)
+{
+    return g->renderer;
+}
+
+uint64_t fxs_gles_nanoseconds(const fxs_gles *g)
+{
+    return g->nanoseconds;
+}
+
+/* ---- Functions and limits ---------------------------------------------------------------------------------------- */
+
+static int load_functions(fxs_gl *gl, fxs_gl_load_fn *load, void *argument, char *message)
+{
+#define LOAD(type, name) \
+    gl->name = (PFNGL##type##PROC)load(argument, "gl" #name); \
+    if (!gl->name) \
+        return say(message, "no function gl", #name);
+    FXS_GL_FUNCTIONS(LOAD)
+    return 0;
+}
+
+static int has_extension(const fxs_gl *gl, const char *name)
+{
+    GLint count = 0;
+    gl->GetIntegerv(GL_NUM_EXTENSIONS, &count);
+    for (GLint i = 0; i < count; i++) {
+        const char *one = (const char *)gl->GetStringi(GL_EXTENSIONS, (GLuint)i);
+        if (one && !strcmp(one, name))
+            return 1;
+    }
+    return 0;
+}
+
+/* "OpenGL ES 3.2 ...", or of desktop OpenGL "4.5 ...". */
+static int check_version(fxs_gles *g, char *message)
+{
+    static const char es[] = "OpenGL ES ";
+    const char *version = (const char *)g->gl.GetString(GL_VERSION);
+    const char *renderer = (const char *)g->gl.GetString(GL_RENDERER);
+    if (!version || !renderer)
+        return say(message, "no context is current", "");
+    strncpy(g->renderer, renderer, sizeof g->renderer - 1);
+    int is_es = !strncmp(version, es, sizeof es - 1);
+    const char *number = is_es ? version + sizeof es - 1 : version;
+    if (number[0] < '3' || number[0] > '9' || (!is_es && number[0] == '3' && (number[1] != '.' || number[2] < '3')))
+        return say(message, "the context is too old, OpenGL ES 3.0 is needed: ", version);
+    if (!is_es && !has_extension(&g->gl, "GL_ARB_ES3_compatibility"))
+        return say(message, "no GL_ARB_ES3_compatibility in OpenGL ", version);
+    g->timer = is_es && has_extension(&g->gl, "GL_EXT_disjoint_timer_query");
+    g->blended_format = !is_es || has_extension(&g->gl, "GL_EXT_color_buffer_half_float") ||
+                        has_extension(&g->gl, "GL_EXT_color_buffer_float") ? GL_RGBA16F : GL_RGB10_A2;
+    return 0;
+}
+
+static int check_limits(fxs_gles *g, char *message)
+{
+    GLint texture = 0, renderbuffer = 0, viewport[2] = {0, 0};
+    g->gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &texture);
+    g->gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &renderbuffer);
+    g->gl.GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
+    g->most = fxs_min(fxs_min(texture, renderbuffer), fxs_min(viewport[0], viewport[1]));
+    g->most = fxs_min(g->most, FXS_GLES_MOST) & -FXS_TILE;
+    if (g->most < FXS_TILE)
+        return say(message, "textures of less than 16x16 texels", "");
+    while (2 << g->shift <= fxs_min(texture, FXS_GLES_SIDE))
+        g->shift++;
+    return 0;
+}
+
+/* ---- Programs ---------------------------------------------------------------------------------------------------- */
+
+static const char prelude[] = "#version 300 es\nprecision highp int;\nprecision highp float;\n#define FXS_FN\n";
+
+static int compile(const fxs_gl *gl, GLuint program, GLenum kind, const char *define, const char *text, char *message)
+{
+    char log[FXS_GLES_MESSAGE] = "";
+    const char *parts[] = {prelude, define, kind == GL_FRAGMENT_SHADER ? pixel_h : "", text};
+    GLint done = 0;
+    GLuint shader = gl->CreateShader(kind);
+    gl->ShaderSource(shader, 4, parts, 0);
+    gl->CompileShader(shader);
+    gl->GetShaderiv(shader, GL_COMPILE_STATUS, &done);
+    if (!done)
+        gl->GetShaderInfoLog(shader, sizeof log, 0, log);
+    gl->AttachShader(program, shader);
+    gl->DeleteShader(shader);
+    return done ? 0 : say(message, "the shader does not compile: ", log);
+}
+
+static int make_program(fxs_gles *g, int which, const char *define, const char *vertex, const char *fragment,
+                        char *message)
+{
+    static const char *const units[] = {"lists", "records", "carried"};
+    const fxs_gl *gl = &g->gl;
+    char log[FXS_GLES_MESSAGE] = "";
+    GLint done = 0;
+    fxs_gles_program *p = &g->programs[which];
+    p->name = gl->CreateProgram();
+    int error = compile(gl, p->name, GL_VERTEX_SHADER, define, vertex, message);
+    if (!error)
+        error = compile(gl, p->name, GL_FRAGMENT_SHADER, define, fragment, message);
+    if (error)
+        return error;
+    gl->BindAttribLocation(p->name, 0, "shape");
+    gl->BindAttribLocation(p->name, 1, "look");
+    gl->LinkProgram(p->name);
+    gl->GetProgramiv(p->name, GL_LINK_STATUS, &done);
+    if (!done) {
+        gl->GetProgramInfoLog(p->name, sizeof log, 0, log);
+        return say(message, "the shaders do not link: ", log);
+    }
+    p->place = gl->GetUniformLocation(p->name, "place");
+    p->source = gl->GetUniformLocation(p->name, "source");
+    p->background = gl->GetUniformLocation(p->name, "background");
+    p->size = gl->GetUniformLocation(p->name, "size");
+    gl->UseProgram(p->name);
+    for (int i = 0; i < FXS_GLES_UNITS; i++)
+        gl->Uniform1i(gl->GetUniformLocation(p->name, units[i]), i);
+    return 0;
+}
+
+static int make_programs(fxs_gles *g, char *message)
+{
+    int error = make_program(g, FXS_GLES_STATE, "#define STATE\n", screen_vert, tiles_frag, message);
+    if (!error)
+        error = make_program(g, FXS_GLES_INTEGER, "#define INTEGER\n", screen_vert, tiles_frag, message);
+    if (!error)
+        error = make_program(g, FXS_GLES_NORMALISED, "", screen_vert, tiles_frag, message);
+    if (!error)
+        error = make_program(g, FXS_GLES_QUADS, "", quads_vert, quads_frag, message);
+    return error;
+}
+
+/* ---- Objects ----------------------------------------------------------------------------------------------------- */
+
+static int make_objects(fxs_gles *g, char *message)
+{
+    const fxs_gl *gl = &g->gl;
+    gl->GenTextures(FXS_GLES_TEXTURES, g->textures);
+    gl->GenFramebuffers(FXS_GLES_FRAMEBUFFERS, g->framebuffers);
+    gl->GenRenderbuffers(FXS_GLES_TARGETS, g->renderbuffers);
+    gl->GenVertexArrays(2, g->vertex_arrays);
+    gl->GenBuffers(1, &g->upload);
+    gl->GenBuffers(1, &g->download);
+    gl->GenBuffers(1, &g->instances);
+    if (g->timer)
+        gl->GenQueries(1, &g->query);
+    gl->ActiveTexture(GL_TEXTURE0);
+    gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    for (int i = 0; i < FXS_GLES_TEXTURES; i++) {
+        gl->BindTexture(GL_TEXTURE_2D, g->textures[i]);
+        gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+        gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+        if (i < FXS_GLES_CARRIED)
+            continue;
+        gl->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16I, FXS_TILE, FXS_TILE, 0, GL_RGBA_INTEGER, GL_SHORT, 0);
+        gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, g->framebuffers[FXS_GLES_FIRST_STATE + i - FXS_GLES_CARRIED]);
+        gl->FramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, g->textures[i], 0);
+        if (gl->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+            return say(message, "no render target of the format RGBA16I", "");
+    }
+    return 0;
+}
+
+int fxs_gles_init(fxs_gles *g, fxs_gl_load_fn *load, void *argument, char message[FXS_GLES_MESSAGE])
+{
+    fxs_gles_state state;
+    memset(g, 0, sizeof *g);
+    int error = load_functions(&g->gl, load, argument, message);
+    if (!error)
+        error = check_version(g, message);
+    if (!error)
+        error = check_limits(g, message);
+    if (error)
+        return error;
+    fxs_gles_save(&g->gl, &state);
+    fxs_gles_check(g);
+    error = make_programs(g, message);
+    if (!error)
+        error = make_objects(g, message);
+    if (!error && fxs_gles_check(g)) {
+        say(message, "the device failed to make textures and buffers", "");
+        error = FXS_ERR_DEVICE;
+    }
+    if (error)
+        fxs_gles_free(g);
+    fxs_gles_restore(&g->gl, &state);
+    return error;
+}
+
+void fxs_gles_free(fxs_gles *g)
+{
+    const fxs_gl *gl = &g->gl;
+    GLint current = 0;
+    gl->GetIntegerv(GL_CURRENT_PROGRAM, &current);
+    for (int i = 0; i < FXS_GLES_PROGRAMS; i++) {
+        if ((GLuint)current == g->programs[i].name)
+            gl->UseProgram(0);     /* alone of all objects, it would outlive its deletion */
+        gl->DeleteProgram(g->programs[i].name);
+    }
+    gl->DeleteTextures(FXS_GLES_TEXTURES, g->textures);
+    gl->DeleteFramebuffers(FXS_GLES_FRAMEBUFFERS, g->framebuffers);
+    gl->DeleteRenderbuffers(FXS_GLES_TARGETS, g->renderbuffers);
+    gl->DeleteVertexArrays(2, g->vertex_arrays);
+    gl->DeleteBuffers(1, &g->upload);
+    gl->DeleteBuffers(1, &g->download);
+    gl->DeleteBuffers(1, &g->instances);
+    if (g->timer)
+        gl->DeleteQueries(1, &g->query);
+}
+
+int fxs_gles_check(const fxs_gles *g)
+{
+    int error = 0;
+    /* A context that is lost may say so for ever. */
+    for (int i = 0; i < 16 && g->gl.GetError() != GL_NO_ERROR; i++)
+        error = FXS_ERR_DEVICE;
+    return error;
+}
+
+int fxs_gles_make_target(fxs_gles *g, int target, GLenum format, int32_t width, int32_t height)
+{
+    const fxs_gl *gl = &g->gl;
+    if (width <= g->width[target] && height <= g->height[target] && format == g->format[target])
+        return 0;
+    g->width[target] = g->height[target] = 0;
+    g->format[target] = format;
+    gl->BindRenderbuffer(GL_RENDERBUFFER, g->renderbuffers[target]);
+    gl->RenderbufferStorage(GL_RENDERBUFFER, format, width, height);
+    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, g->framebuffers[target]);
+    gl->FramebufferRenderbuffer(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, g->renderbuffers[target]);
+    if (gl->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE || fxs_gles_check(g))
+        return FXS_ERR_DEVICE;
+    g->width[target] = width;
+    g->height[target] = height;
+    return 0;
+}
+
+/* ---- Time -------------------------------------------------------------------------------------------------------- */
+
+void fxs_gles_start_timer(fxs_gles *g)
+{
+    if (!g->timer || g->timing || g->target)
+        return;
+    g->gl.BeginQuery(TIME_ELAPSED, g->query);
+    g->timing = 1;
+}
+
+void fxs_gles_stop_timer(fxs_gles *g)
+{
+    GLuint nanoseconds = 0;
+    GLint disjoint = 0;
+    if (!g->timing)
+        return;
+    g->gl.EndQuery(TIME_ELAPSED);
+    g->gl.GetQueryObjectuiv(g->query, GL_QUERY_RESULT, &nanoseconds);
+    g->gl.GetIntegerv(DISJOINT, &disjoint);
+    g->timing = 0;
+    g->nanoseconds += disjoint ? 0 : nanoseconds;
+}
+
+/* ---- Reading back ------------------------------------------------------------------------------------------------ */
+
+static void store(unsigned char *to, const unsigned char *rgba, enum fxs_format format)
+{
+    const uint16_t packed = fxs_rgb565(rgba[0], rgba[1], rgba[2]);
+    if (format == FXS_FORMAT_RGB565)
+        memcpy(to, &packed, sizeof packed);
+    else
+        memcpy(to, rgba, 4);
+}
+
+/* A row of pixels; `wide`: of four words each. */
+static void copy_row(unsigned char *to, const unsigned char *from, int32_t count, int wide, enum fxs_format format)
+{
+    if (!wide && format != FXS_FORMAT_RGB565) {
+        memcpy(to, from, 4 * (size_t)count);
+        return;
+    }
+    for (int32_t i = 0; i < count; i++) {
+        unsigned char rgba[4];
+        uint32_t words[4];
+        memcpy(words, from + (wide ? 16 * i : 0), sizeof words);
+        for (int c = 0; c < 4; c++)
+            rgba[c] = wide ? (unsigned char)words[c] : from[4 * i + c];
+        store(to + (format == FXS_FORMAT_RGB565 ? 2 : 4) * i, rgba, format);
+    }
+}
+
+/* The pixels of the run's tiles: its first and last row of tiles may be parts of rows. */
+static void copy_tiles(const fxs_tile_run *run, const unsigned char *from, int32_t x, int32_t y, int32_t width,
+                       int32_t height, int wide)
+{
+    const int32_t across = run->view->tiles_x, first = (int32_t)run->first_tile, last = (int32_t)run->last_tile;
+    const enum fxs_format format = run->options->format;
+    for (int32_t line = y; line < y + height; line++, from += (wide ? 16 : 4) * (ptrdiff_t)width) {
+        const int32_t row = line / FXS_TILE;
+        const int32_t left = row == first / across ? first % across * FXS_TILE : 0;
+        const int32_t right = row == last / across ? (last % across + 1) * FXS_TILE : run->view->width;
+        const int32_t begin = left > x ? left : x, end = fxs_min(right, x + width);
+        if (begin < end)
+            copy_row(run->pixels + line * run->stride + begin * (format == FXS_FORMAT_RGB565 ? 2 : 4),
+                     from + (wide ? 16 : 4) * (ptrdiff_t)(begin - x), end - begin, wide, format);
+    }
+}
+
+int fxs_gles_read(fxs_gles *g, const fxs_tile_run *run, int framebuffer, int32_t x, int32_t y, int32_t width,
+                  int32_t height)
+{
+    const fxs_gl *gl = &g->gl;
+    const GLenum format = framebuffer == FXS_GLES_TARGET ? GL_RGBA_INTEGER : GL_RGBA;
+    GLint has_format = 0, has_type = 0;
+    if (!run->pixels)
+        return FXS_ERR_ARGUMENT;
+    gl->BindFramebuffer(GL_READ_FRAMEBUFFER, g->framebuffers[framebuffer]);
+    gl->GetIntegerv(GL_IMPLEMENTATION_COLOR_READ_FORMAT, &has_format);
+    gl->GetIntegerv(GL_IMPLEMENTATION_COLOR_READ_TYPE, &has_type);
+    /* Of integers, every device reads words; most read bytes too. */
+    const int wide = format == GL_RGBA_INTEGER && (has_format != GL_RGBA_INTEGER || has_type != GL_UNSIGNED_BYTE);
+    const GLsizeiptr bytes = (GLsizeiptr)(wide ? 16 : 4) * width * height;
+    gl->BindBuffer(GL_PIXEL_PACK_BUFFER, g->download);
+    gl->BufferData(GL_PIXEL_PACK_BUFFER, bytes, 0, GL_STREAM_READ);
+    gl->ReadPixels(0, 0, width, height, format, wide ? GL_UNSIGNED_INT : GL_UNSIGNED_BYTE, 0);
+    const unsigned char *read = gl->MapBufferRange(GL_PIXEL_PACK_BUFFER, 0, bytes, GL_MAP_READ_BIT);
+    if (!read)
+        return FXS_ERR_DEVICE;
+    copy_tiles(run, read, x, y, width, height, wide);
+    return gl->UnmapBuffer(GL_PIXEL_PACK_BUFFER) ? fxs_gles_check(g) : FXS_ERR_DEVICE;
+}
+
+/* ---- Into the caller's target ------------------------------------------------------------------------------------ */
+
+int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera,
+                    const fxs_options *options, void *memory, size_t memory_bytes, const fxs_gles_target *target,
+                    fxs_stats *stats)
+{
+    fxs_gles_state state;
+    if (!g || !context || !camera || !options || !target)
+        return FXS_ERR_ARGUMENT;
+    if (options->format == FXS_FORMAT_RGB565 || camera->width > FXS_TILE << g->shift ||
+        camera->height > FXS_TILE << g->shift)
+        return FXS_ERR_UNSUPPORTED;
+    fxs_context drawing = *context;
+    drawing.config.draw = fxs_gles_draw;
+    drawing.config.draw_argument = g;
+    drawing.config.draw_unlisted = 0;
+    fxs_gles_save(&g->gl, &state);
+    fxs_gles_check(g);
+    g->target = target;
+    int error = fxs_render(&drawing, scene, camera, options, memory, memory_bytes, 0, 0, stats);
+    g->target = 0;
+    fxs_gles_restore(&g->gl, &state);
+    return error;
+}

@@ -1,0 +1,65 @@
+/* A back end for OpenGL ES 3.0: the core projects, shades, sorts and bins on the processor, a fragment shader blends
+ * and resolves, with the same bytes. It runs in any current context of OpenGL ES 3.0, or of OpenGL 3.3 with
+ * GL_ARB_ES3_compatibility; every call here wants that context current on its thread.
+ *
+ *     fxs_gles *gles = malloc(fxs_gles_bytes());
+ *     if (fxs_gles_init(gles, load, argument, message)) ...
+ *     config.draw = fxs_gles_draw, config.draw_argument = gles;
+ *     fxs_init(&context, &config), fxs_render(&context, ...); */
+#ifndef FXS_GLES_H
+#define FXS_GLES_H
+
+#include "../../src/fixsplat.h"
+
+typedef struct fxs_gles fxs_gles;
+
+/* Finds a function of OpenGL ES by its name, "glDrawArrays"; null where there is none. As eglGetProcAddress. */
+typedef void (*fxs_gl_function)(void);
+typedef fxs_gl_function fxs_gl_load_fn(void *argument, const char *name);
+
+#define FXS_GLES_MESSAGE 512
+
+/* Bytes of a back end, for the caller to allocate (aligned as malloc does). */
+size_t fxs_gles_bytes(void);
+
+/* Loads the functions, compiles the shaders, makes buffers and textures. Leaves the context's state as it was, but for
+   a GL error that was pending. Returns 0, or FXS_ERR_UNSUPPORTED or FXS_ERR_DEVICE, one line why not in `message`, and
+   nothing left behind. */
+int fxs_gles_init(fxs_gles *gles, fxs_gl_load_fn *load, void *argument, char message[FXS_GLES_MESSAGE]);
+
+/* Deletes what was made. Not to be called where the context is gone: its objects went with it. */
+void fxs_gles_free(fxs_gles *gles);
+
+/* The renderer that the context names, as GL_RENDERER. */
+const char *fxs_gles_renderer(const fxs_gles *gles);
+
+/* For fxs_config.draw, with the fxs_gles as argument, in a context that is the back end's own: GL state is not kept.
+   Errors: FXS_ERR_DEVICE (also where the context was lost: init anew in another). */
+fxs_draw_fn fxs_gles_draw;
+
+/* The same for a faster, inexact picture: a quad for each Gaussian, back to front, blended by the hardware in half
+   floats where it can, else in 10 or 8 bits. Wants fxs_config.draw_unlisted. Errors: FXS_ERR_DEVICE,
+   FXS_ERR_UNSUPPORTED (the picture is larger than a render target can be). */
+fxs_draw_fn fxs_gles_draw_quads;
+
+/* The time that the device took from the first upload to the last draw of the last frame, without reading back; 0
+   where it has no timer (EXT_disjoint_timer_query). Not of fxs_gles_render. */
+uint64_t fxs_gles_nanoseconds(const fxs_gles *gles);
+
+/* Where fxs_gles_render draws: a framebuffer of the caller with one colour buffer of 8 bits, normalised, linear, not
+   multisampled; bound to a texture, or 0 for the context's own. */
+typedef struct fxs_gles_target {
+    uint32_t framebuffer;          /* its name */
+    int32_t x, y;                  /* of the picture's lower left corner */
+    int top_down;                  /* 1: the picture's first row is the lowest one, as a texture is filled by rows */
+} fxs_gles_target;
+
+/* Renders a frame (arguments and errors as fxs_render, format RGBA8 or RGBA8_COVERAGE) into a target, in the caller's
+   context. The GL state is left as it was, but for a GL error that was pending. Transform feedback must not be active;
+   an occlusion query that is counts this draw too. `context` says how the stages before run; its draw is not used.
+   Errors also: FXS_ERR_UNSUPPORTED (another format), FXS_ERR_DEVICE. */
+int fxs_gles_render(fxs_gles *gles, const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera,
+                    const fxs_options *options, void *memory, size_t memory_bytes, const fxs_gles_target *target,
+                    fxs_stats *stats);
+
+#endif

@@ -1,0 +1,106 @@
+/* The inexact picture: an instance of a quad for each splat, the farthest first, blended over the background by the
+   hardware: C = C' (1 - alpha) + colour alpha. */
+#include "../../src/fixed.h"
+#include "../../src/memory.h"
+#include "device.h"
+
+#define INSTANCE 32                /* bytes */
+#define PARTS 64u                  /* jobs that fill the instances */
+#define AHEAD 16                   /* instances */
+
+typedef struct filling {
+    const fxs_tile_run *run;
+    uint32_t *instances;
+} filling;
+
+/* A part of the instances: the farthest splat is the first. */
+static void fill_part(void *argument, uint32_t part)
+{
+    const filling *f = argument;
+    const fxs_tile_run *run = f->run;
+    const uint32_t end = fxs_part(run->visible, PARTS, part + 1);
+    for (uint32_t i = fxs_part(run->visible, PARTS, part); i < end; i++) {
+        const uint32_t slot = FXS_KEY_SLOT(run->keys[run->visible - 1 - i]);
+        const fxs_splat *s = &run->splats[slot];
+        const fxs_bounds *b = &run->bounds[slot];
+        const uint32_t words[INSTANCE / 4] = {
+            (uint32_t)b->cx_q14, (uint32_t)b->cy_q14, (uint32_t)s->ux_q24, (uint32_t)s->uy_q24,
+            (uint32_t)s->vy_q24, s->offset_q11 | (uint32_t)s->colour_q13[0] << 16,
+            (uint32_t)s->colour_q13[1] | (uint32_t)s->colour_q13[2] << 16, 0};
+        if (i + AHEAD < end) {
+            const uint32_t next = FXS_KEY_SLOT(run->keys[run->visible - 1 - i - AHEAD]);
+            FXS_PREFETCH(&run->splats[next]);
+            FXS_PREFETCH(&run->bounds[next]);
+        }
+        memcpy(f->instances + INSTANCE / 4 * (size_t)i, words, sizeof words);
+    }
+}
+
+static int upload(const fxs_gles *g, const fxs_tile_run *run)
+{
+    const fxs_gl *gl = &g->gl;
+    const GLsizeiptr bytes = (GLsizeiptr)run->visible * INSTANCE;
+    filling f = {run, 0};
+    gl->BindBuffer(GL_ARRAY_BUFFER, g->instances);
+    gl->BufferData(GL_ARRAY_BUFFER, bytes, 0, GL_STREAM_DRAW);
+    f.instances = gl->MapBufferRange(GL_ARRAY_BUFFER, 0, bytes, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
+    if (!f.instances)
+        return FXS_ERR_DEVICE;
+    fxs_run(run->config, fill_part, &f, PARTS);
+    return gl->UnmapBuffer(GL_ARRAY_BUFFER) ? 0 : FXS_ERR_DEVICE;
+}
+
+static void draw(const fxs_gles *g, const fxs_tile_run *run)
+{
+    const fxs_gl *gl = &g->gl;
+    const fxs_view *v = run->view;
+    gl->UseProgram(g->programs[FXS_GLES_QUADS].name);
+    gl->Uniform4i(g->programs[FXS_GLES_QUADS].size, v->width, v->height, v->cut_q11, 0);
+    gl->BindVertexArray(g->vertex_arrays[1]);
+    for (GLuint i = 0; i < 2; i++) {
+        gl->EnableVertexAttribArray(i);
+        gl->VertexAttribDivisor(i, 1);
+        gl->VertexAttribIPointer(i, 4, i ? GL_UNSIGNED_INT : GL_INT, INSTANCE,
+                                 (const void *)(INSTANCE / 2 * (size_t)i));
+    }
+    gl->Enable(GL_BLEND);
+    gl->BlendEquationSeparate(GL_FUNC_ADD, GL_FUNC_ADD);
+    gl->BlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    gl->DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)run->visible);
+}
+
+int fxs_gles_draw_quads(void *argument, const fxs_tile_run *run)
+{
+    fxs_gles *g = argument;
+    const fxs_gl *gl = &g->gl;
+    const fxs_options *o = run->options;
+    const int32_t width = run->view->width, height = run->view->height;
+    const int opaque = o->format != FXS_FORMAT_RGBA8_COVERAGE;
+    GLfloat background[4] = {0, 0, 0, (GLfloat)opaque};
+    for (int c = 0; c < 3; c++)
+        background[c] = opaque ? (GLfloat)o->background[c] / 255 : 0;
+    if (width > g->most || height > g->most)
+        return FXS_ERR_UNSUPPORTED;
+    g->nanoseconds = 0;
+    fxs_gles_set(g);
+    int error = fxs_gles_make_target(g, FXS_GLES_BYTES, GL_RGBA8, width, height);
+    if (!error)
+        error = fxs_gles_make_target(g, FXS_GLES_BLENDED, opaque || g->blended_format == GL_RGBA16F ?
+                                     g->blended_format : GL_RGBA8, width, height);
+    if (!error && run->visible)
+        error = upload(g, run);
+    if (error)
+        return error;
+    fxs_gles_start_timer(g);
+    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, g->framebuffers[FXS_GLES_BLENDED]);
+    gl->Viewport(0, 0, width, height);
+    gl->Scissor(0, 0, width, height);
+    gl->ClearBufferfv(GL_COLOR, 0, background);
+    if (run->visible)
+        draw(g, run);
+    gl->BindFramebuffer(GL_READ_FRAMEBUFFER, g->framebuffers[FXS_GLES_BLENDED]);
+    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, g->framebuffers[FXS_GLES_BYTES]);
+    gl->BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    fxs_gles_stop_timer(g);
+    return fxs_gles_read(g, run, FXS_GLES_BYTES, 0, 0, width, height);
+}

@@ -1,0 +1,71 @@
+/* The state of a context: saved, set for a draw, restored. */
+#include "device.h"
+
+/* All off for a draw but the last. */
+static const GLenum switches[] = {GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_DITHER, GL_RASTERIZER_DISCARD,
+                                  GL_SAMPLE_ALPHA_TO_COVERAGE, GL_STENCIL_TEST, GL_SCISSOR_TEST};
+enum { SWITCHES = sizeof switches / sizeof *switches };
+
+/* All 0 for an upload; its rows are multiples of 8 bytes, so that the alignment does not matter. */
+static const GLenum unpack[] = {GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS};
+enum { UNPACK = sizeof unpack / sizeof *unpack };
+
+void fxs_gles_save(const fxs_gl *gl, fxs_gles_state *s)
+{
+    gl->GetIntegerv(GL_CURRENT_PROGRAM, &s->program);
+    gl->GetIntegerv(GL_VERTEX_ARRAY_BINDING, &s->vertex_array);
+    gl->GetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &s->unpack_buffer);
+    gl->GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &s->draw_framebuffer);
+    gl->GetIntegerv(GL_VIEWPORT, s->viewport);
+    gl->GetIntegerv(GL_SCISSOR_BOX, s->scissor);
+    gl->GetBooleanv(GL_COLOR_WRITEMASK, s->colour_mask);
+    for (int i = 0; i < SWITCHES; i++)
+        s->switches[i] = gl->IsEnabled(switches[i]);
+    for (int i = 0; i < UNPACK; i++)
+        gl->GetIntegerv(unpack[i], &s->unpack[i]);
+    gl->GetIntegerv(GL_ACTIVE_TEXTURE, &s->active_texture);
+    for (int i = 0; i < FXS_GLES_UNITS; i++) {
+        gl->ActiveTexture(GL_TEXTURE0 + (GLenum)i);
+        gl->GetIntegerv(GL_TEXTURE_BINDING_2D, &s->textures[i]);
+        gl->GetIntegerv(GL_SAMPLER_BINDING, &s->samplers[i]);
+    }
+    gl->ActiveTexture((GLenum)s->active_texture);
+}
+
+void fxs_gles_restore(const fxs_gl *gl, const fxs_gles_state *s)
+{
+    gl->UseProgram((GLuint)s->program);
+    gl->BindVertexArray((GLuint)s->vertex_array);
+    gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, (GLuint)s->unpack_buffer);
+    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)s->draw_framebuffer);
+    gl->Viewport(s->viewport[0], s->viewport[1], s->viewport[2], s->viewport[3]);
+    gl->Scissor(s->scissor[0], s->scissor[1], s->scissor[2], s->scissor[3]);
+    gl->ColorMask(s->colour_mask[0], s->colour_mask[1], s->colour_mask[2], s->colour_mask[3]);
+    for (int i = 0; i < SWITCHES; i++)
+        (s->switches[i] ? gl->Enable : gl->Disable)(switches[i]);
+    for (int i = 0; i < UNPACK; i++)
+        gl->PixelStorei(unpack[i], s->unpack[i]);
+    for (int i = 0; i < FXS_GLES_UNITS; i++) {
+        gl->ActiveTexture(GL_TEXTURE0 + (GLenum)i);
+        gl->BindTexture(GL_TEXTURE_2D, (GLuint)s->textures[i]);
+        gl->BindSampler((GLuint)i, (GLuint)s->samplers[i]);
+    }
+    gl->ActiveTexture((GLenum)s->active_texture);
+}
+
+void fxs_gles_set(const fxs_gles *g)
+{
+    const fxs_gl *gl = &g->gl;
+    for (int i = 0; i < SWITCHES - 1; i++)
+        gl->Disable(switches[i]);
+    gl->Enable(GL_SCISSOR_TEST);
+    gl->ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    for (int i = 0; i < UNPACK; i++)
+        gl->PixelStorei(unpack[i], 0);
+    gl->BindVertexArray(g->vertex_arrays[0]);
+    for (int i = 0; i < FXS_GLES_UNITS; i++) {
+        gl->ActiveTexture(GL_TEXTURE0 + (GLenum)i);
+        gl->BindTexture(GL_TEXTURE_2D, g->textures[i]);
+        gl->BindSampler((GLuint)i, 0);
+    }
+}

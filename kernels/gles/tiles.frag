@@ -1,0 +1,72 @@
+// blend and resolve of one pixel, after src/pixel.h.
+uniform highp usampler2D lists;      // of each tile: first record, the one after the last; (1, 0): not in this draw
+uniform highp usampler2D records;    // two texels a splat: u0, ux, uy, first and last row; v0, vy, offset and r, g and b
+uniform highp isampler2D carried;    // of a tile whose list is in parts: T, r, g, b after the last part
+uniform ivec4 place;                 // pixel of the fragment (0, 0); rows go by; 1: goes on from `carried`
+uniform ivec4 source;                // first tile of `lists`; log2 of the width of `records`; cut-off
+uniform ivec4 background;            // r, g, b; 1: alpha is the coverage
+
+#if defined STATE
+out ivec4 result;
+#elif defined INTEGER
+out uvec4 result;
+#else
+out vec4 result;
+#endif
+
+ivec2 texel(int i)
+{
+    return ivec2(i & ((1 << source.z) - 1), i >> source.z);
+}
+
+int low(uint word)
+{
+    return int(word & 0xffffu);
+}
+
+int high(uint word)
+{
+    return int(word >> 16);
+}
+
+void blend(int record, ivec2 pixel, inout ivec4 state)
+{
+    uvec4 a = texelFetch(records, texel(2 * record), 0);
+    int u = fxs_coordinate_q13(int(a.x + uint(pixel.x) * a.y + uint(pixel.y) * a.z));
+    if (pixel.y < low(a.w) || pixel.y > high(a.w) || fxs_mul_q15(u, u) > source.w)
+        return;
+    uvec4 b = texelFetch(records, texel(2 * record + 1), 0);
+    int v = fxs_coordinate_q13(int(b.x + uint(pixel.y) * b.y));
+    int level = fxs_level_q11(u, fxs_row_level_q11(v, low(b.z)));
+    if (level > fxs_limit_q11(low(b.z), source.w))
+        return;
+    int weight = fxs_weight_q15(fxs_alpha_q15(level), state.x);
+    state = ivec4(state.x - weight, fxs_accumulate_q13(state.y, weight, high(b.z)),
+                  fxs_accumulate_q13(state.z, weight, low(b.w)), fxs_accumulate_q13(state.w, weight, high(b.w)));
+}
+
+uvec4 resolve(ivec4 state)
+{
+    int alpha = background.a == 1 ? fxs_coverage_8bit(state.x) : 255;
+    return uvec4(fxs_resolve_8bit(state.y, state.x, background.r), fxs_resolve_8bit(state.z, state.x, background.g),
+                 fxs_resolve_8bit(state.w, state.x, background.b), alpha);
+}
+
+void main()
+{
+    ivec2 fragment = ivec2(gl_FragCoord.xy);
+    ivec2 pixel = place.xy + ivec2(fragment.x, place.z * fragment.y);
+    uvec2 list = texelFetch(lists, (pixel >> 4) - source.xy, 0).xy;
+    if (list.x > list.y)
+        discard;
+    ivec4 state = place.w == 1 ? texelFetch(carried, pixel & 15, 0) : ivec4(FXS_CLEAR_Q15, 0, 0, 0);
+    for (uint i = list.x; i < list.y && state.x >= FXS_CLOSED_Q15; i++)
+        blend(int(i), pixel, state);
+#if defined STATE
+    result = state;
+#elif defined INTEGER
+    result = resolve(state);
+#else
+    result = (vec4(resolve(state)) + 0.25) / 255.0;   // the same byte, rounded down or to the nearest
+#endif
+}

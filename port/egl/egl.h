@@ -1,0 +1,17 @@
+/* An OpenGL ES 3.0 context without a display, for kernels/gles: EGL on a device (EGL_EXT_platform_device), Mesa without
+   a surface (EGL_MESA_platform_surfaceless), or the default display. libEGL and libGLESv2 are loaded at run time. */
+#ifndef FXS_EGL_H
+#define FXS_EGL_H
+
+#include "../formats/message.h"
+
+/* Makes a context, the first that can be had, and makes it current on this thread. Returns 0, or -1 and why not. */
+int fxs_egl_open(void **egl, fxs_message *message);
+
+/* Finds a function: an fxs_gl_load_fn, with what fxs_egl_open gave as argument. */
+void (*fxs_egl_load(void *egl, const char *name))(void);
+
+/* Ends the context; null is allowed. */
+void fxs_egl_close(void *egl);
+
+#endif

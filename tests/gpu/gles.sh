@@ -1,0 +1,68 @@
+#!/bin/sh
+# tests/gpu/gles.sh [FOLDER [SIZE]]: builds, then holds the GLES back end of this machine against its processor and times
+# both, for every .fxs scene in FOLDER (without one: procedural scenes) at SIZE (default 1280x720). Needs a device with
+# OpenGL ES 3.0 through EGL, no display. Prints one table, in milliseconds:
+#   frame         a whole frame: the processor's stages, upload, draw, reading back
+#   blend         of that, what takes the place of blend and resolve, as the processor waits for it
+#   device        of that, what the device says (EXT_disjoint_timer_query); 0 where it does not
+# Exit status 1 where a picture of the exact mode differs from the processor's.
+cd "$(dirname "$0")/../.." || exit 1
+folder=$1 size=${2:-1280x720} B=${B:-build}
+fixsplat=$B/fixsplat
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+make -s B="$B" || exit 1
+"$fixsplat" info --backends | grep -q '^gles  *here' || { "$fixsplat" info --backends; exit 1; }
+if [ -z "$folder" ]; then
+    folder=$work
+    for scene in knot:200000 fog:20000 needles:50000 landscape:1000000; do
+        "$fixsplat" make-scene ${scene%:*} --count ${scene#*:} -o "$work/scene.ply" &&
+            "$fixsplat" convert "$work/scene.ply" "$work/${scene%:*}.fxs" >"$work/log" || exit 1
+    done
+fi
+
+field() { sed -n "s/.*\"$1\": \([0-9.]*\).*/\1/p"; }
+
+# hash_of SCENE SIZE BACKEND OPTION...: of the picture.
+hash_of() {
+    shown=$1 at=$2 backend=$3
+    shift 3
+    "$fixsplat" render "$shown" --size "$at" --backend "$backend" --hash "$@"
+}
+
+differing=0
+# compare SCENE: every size, cut-off and format; counts the pictures that differ.
+compare() {
+    pictures=0 same=0
+    for at in "$size" 1x1 15x17 1279x719 4096x64; do
+        for options in "--bg 336699" "--alpha" "--cutoff square"; do
+            pictures=$((pictures + 1))
+            hash=$(hash_of "$1" $at cpu $options) || exit 1
+            [ "$hash" = "$(hash_of "$1" $at gles $options)" ] && same=$((same + 1))
+        done
+    done
+    differing=$((differing + pictures - same))
+}
+
+measure() { "$fixsplat" bench "$1" --size "$size" --backend "$2" --json --frames 20; }
+
+"$fixsplat" info --backends | sed -n 's/^gles  *here: //p'
+grep -m 1 'model name' /proc/cpuinfo
+printf '%s, medians of 20 frames, milliseconds\n\n' "$size"
+printf '| scene | Gaussians | cpu frame | cpu blend | gles frame | gles blend | gles device | same bytes '
+printf '| quads frame | quads blend | quads device | quads PSNR |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n'
+for scene in "$folder"/*.fxs; do
+    compare "$scene"
+    cpu=$(measure "$scene" cpu) gles=$(measure "$scene" gles) quads=$(measure "$scene" gles-quads)
+    for backend in cpu gles-quads; do
+        "$fixsplat" render "$scene" --size "$size" --backend $backend -o "$work/$backend.ppm"
+    done
+    printf '| %s ' "$(basename "$scene" .fxs)" "$(echo "$cpu" | field gaussians)" \
+        "$(echo "$cpu" | field frame_ms)" "$(echo "$cpu" | field blend)" \
+        "$(echo "$gles" | field frame_ms)" "$(echo "$gles" | field blend)" "$(echo "$gles" | field device_ms)" \
+        "$same of $pictures" \
+        "$(echo "$quads" | field frame_ms)" "$(echo "$quads" | field blend)" "$(echo "$quads" | field device_ms)" \
+        "$("$fixsplat" compare "$work/cpu.ppm" "$work/gles-quads.ppm" | sed 's/,.*//')"
+    echo '|'
+done
+[ $differing = 0 ] || { echo "$differing pictures differ"; exit 1; }

@@ -1,0 +1,761 @@
+/* The GLES back end against the processor, byte for byte: sizes, formats, runs, small limits, real scenes, into a
+ * target of the caller with the state kept; what it says and returns where the device fails, by functions put in
+ * place of the real ones. */
+#include <math.h>
+#include <string.h>
+
+#include "../port/formats/camera.h"
+#include "../tools/metrics.h"
+#include "check.h"
+#include "procedural_scene.h"
+#ifdef FXS_WITH_GLES
+#include <GLES3/gl3.h>
+
+#include "../kernels/gles/gles.h"
+#endif
+#ifdef FXS_WITH_EGL
+#include "../port/egl/egl.h"
+#endif
+#ifdef FXS_WITH_OSMESA
+#include "../port/osmesa/osmesa.h"
+#endif
+
+#ifndef FXS_WITH_GLES
+static void gles(void)
+{
+    SKIP("built without the headers of OpenGL ES");
+}
+
+int main(void)
+{
+    RUN(gles);
+    return check_report();
+}
+#else
+
+/* ---- Contexts and functions put in place of others --------------------------------------------------------------- */
+
+static const struct port {
+    const char *name;
+    int (*open)(void **context, fxs_message *message);
+    fxs_gl_load_fn *load;
+    void (*close)(void *context);
+} ports[] = {
+#ifdef FXS_WITH_EGL
+    {"EGL", fxs_egl_open, fxs_egl_load, fxs_egl_close},
+#endif
+#ifdef FXS_WITH_OSMESA
+    {"OSMesa", fxs_osmesa_open, fxs_osmesa_load, fxs_osmesa_close},
+#endif
+    {0, 0, 0, 0}
+};
+
+static const struct port *port;
+static void *context;                      /* of the port, open */
+static fxs_message why_not;
+
+/* What load gives instead of the real function; a name that ends the list is null. */
+static struct fake {
+    const char *name;
+    fxs_gl_function function;
+} fakes[4];
+
+static fxs_gl_function load(void *argument, const char *name)
+{
+    for (int i = 0; i < 4 && fakes[i].name; i++)
+        if (!strcmp(name, fakes[i].name))
+            return fakes[i].function;
+    return port->load(argument, name);
+}
+
+static void fake(int i, const char *name, fxs_gl_function function)
+{
+    fakes[i].name = name;
+    fakes[i].function = function;
+}
+
+static PFNGLGETINTEGERVPROC real_GetIntegerv;
+static GLint limit, read_type;             /* 0: the device's own */
+
+static void GL_APIENTRY fake_GetIntegerv(GLenum name, GLint *value)
+{
+    real_GetIntegerv(name, value);
+    if (limit && name == GL_MAX_TEXTURE_SIZE)
+        *value = limit;
+    if (read_type && name == GL_IMPLEMENTATION_COLOR_READ_TYPE)
+        *value = read_type;
+}
+
+static void fake_limits(GLint size, GLint type)
+{
+    real_GetIntegerv = (PFNGLGETINTEGERVPROC)port->load(context, "glGetIntegerv");
+    limit = size;
+    read_type = type;
+    fake(0, "glGetIntegerv", (fxs_gl_function)fake_GetIntegerv);
+}
+
+/* A back end with the fakes as they are; null, with why_not, where it cannot be. */
+static fxs_gles *open_gles(int *error)
+{
+    fxs_gles *gles = malloc(fxs_gles_bytes());
+    why_not.text[0] = 0;
+    *error = fxs_gles_init(gles, load, context, why_not.text);
+    if (!*error)
+        return gles;
+    free(gles);
+    return 0;
+}
+
+static void close_gles(fxs_gles *gles)
+{
+    if (gles)
+        fxs_gles_free(gles);
+    free(gles);
+    memset(fakes, 0, sizeof fakes);
+}
+
+/* ---- Pictures ---------------------------------------------------------------------------------------------------- */
+
+typedef struct subject {
+    fxs_packed_scene packed;
+    fxs_scene scene;
+    fxs_camera camera;
+    fxs_options options;
+} subject;
+
+static int make_subject(subject *s, const char *name, uint64_t count, int width, int height)
+{
+    static const double eye[3] = {0.9, -2.6, -12.8}, look[3] = {0, 0.4, 0}, up[3] = {0, -1, 0};
+    fxs_message m = {"no camera"};
+    fxs_file_view view;
+    fxs_options_default(&s->options);
+    s->options.background[0] = 17;
+    s->options.background[2] = 200;
+    const int made = !procedural_scene_make(name, count, 0, &s->packed, 0, &m) &&
+                     !fxs_scene_open(&s->scene, s->packed.data, s->packed.bytes) &&
+                     !fxs_view_look_at(&view, eye, look, up, 40, width, height, &m) &&
+                     !fxs_camera_from_view(&s->camera, &view, &m);
+    if (!CHECK(made))
+        puts(m.text);
+    return made;
+}
+
+/* The jobs of a frame in another order. */
+static void run_backwards(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
+{
+    (void)pool;
+    while (jobs-- > 0)
+        job(argument, jobs);
+}
+
+/* Renders; pixels null: into the target. */
+static int render(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const fxs_gles_target *target, void *pixels,
+                  ptrdiff_t stride, fxs_stats *stats)
+{
+    fxs_context c;
+    fxs_config config = {.run = run_backwards, .threads = 3, .draw = draw, .draw_argument = gles,
+                         .draw_unlisted = draw == fxs_gles_draw_quads};
+    fxs_init(&c, &config);
+    size_t bytes = fxs_frame_bytes(&c, &s->scene, s->camera.width, s->camera.height, 0);
+    void *memory = check_aligned(bytes);
+    int error = target ? fxs_gles_render(gles, &c, &s->scene, &s->camera, &s->options, memory, bytes, target, stats)
+                       : fxs_render(&c, &s->scene, &s->camera, &s->options, memory, bytes, pixels, stride, stats);
+    free(memory);
+    return error;
+}
+
+static size_t picture_bytes(const subject *s)
+{
+    return (size_t)s->camera.width * (size_t)s->camera.height * 4;
+}
+
+/* Memory for a picture, filled with something else. */
+static uint8_t *new_picture(const subject *s)
+{
+    uint8_t *pixels = malloc(picture_bytes(s));
+    memset(pixels, 0x5a, picture_bytes(s));
+    return pixels;
+}
+
+/* The back end's picture, with `stride` and from `first` on, is the processor's. */
+static int same_laid_out(const subject *s, fxs_gles *gles, ptrdiff_t stride, ptrdiff_t first, fxs_stats *stats)
+{
+    uint8_t *expected = new_picture(s), *actual = new_picture(s);
+    int same = CHECK(!render(s, 0, 0, 0, expected + first, stride, 0)) &&
+               CHECK(!render(s, fxs_gles_draw, gles, 0, actual + first, stride, stats)) &&
+               CHECK(!memcmp(expected, actual, picture_bytes(s)));
+    free(expected);
+    free(actual);
+    return same;
+}
+
+static int same(const subject *s, fxs_gles *gles)
+{
+    return same_laid_out(s, gles, (ptrdiff_t)s->camera.width * 4, 0, 0);
+}
+
+/* ---- The same bytes ---------------------------------------------------------------------------------------------- */
+
+#define OPEN_OR_SKIP(gles) \
+    int error; \
+    fxs_gles *gles = open_gles(&error); \
+    if (!gles) \
+        SKIP(why_not.text)
+
+static void sizes(void)
+{
+    static const int all[][2] = {{1, 1}, {15, 17}, {16, 16}, {33, 1}, {1279, 719}, {4096, 64}, {31, 2100}};
+    OPEN_OR_SKIP(gles);
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+        subject s;
+        if (!make_subject(&s, "knot", 20000, all[i][0], all[i][1]))
+            break;
+        if (!same(&s, gles))
+            printf("  %dx%d\n", all[i][0], all[i][1]);
+        fxs_packed_scene_free(&s.packed);
+    }
+    close_gles(gles);
+}
+
+static void formats(void)
+{
+    subject s;
+    OPEN_OR_SKIP(gles);
+    if (!make_subject(&s, "fog", 3000, 77, 50))
+        return;
+    const ptrdiff_t row = 77 * 4;
+    for (int format = FXS_FORMAT_RGBA8; format <= FXS_FORMAT_RGB565; format++)
+        for (int cutoff = FXS_CUTOFF_MAHALANOBIS; cutoff <= FXS_CUTOFF_SQUARE; cutoff++) {
+            s.options.format = (enum fxs_format)format;
+            s.options.cutoff = (enum fxs_cutoff)cutoff;
+            same_laid_out(&s, gles, row, 0, 0);
+            same_laid_out(&s, gles, -row, row * 49, 0);
+        }
+    s.options.format = FXS_FORMAT_RGB565;
+    same_laid_out(&s, gles, 77 * 2, 0, 0);
+    fxs_packed_scene_free(&s.packed);
+    close_gles(gles);
+}
+
+/* Lists that do not fit in the frame's memory at once. */
+static void runs(void)
+{
+    subject s;
+    fxs_stats stats = {0};
+    OPEN_OR_SKIP(gles);
+    if (!make_subject(&s, "fog", 4000, 640, 360))
+        return;
+    s.options.cutoff = FXS_CUTOFF_SQUARE;
+    same_laid_out(&s, gles, 640 * 4, 0, &stats);
+    CHECK(stats.runs > 1);
+    fxs_packed_scene_free(&s.packed);
+    close_gles(gles);
+}
+
+/* Textures so small that the picture is drawn in windows, and lists in parts. */
+static void small_textures(void)
+{
+    static const GLint limits[] = {16, 63, 64, 200, 2048};
+    subject s;
+    if (!make_subject(&s, "knot", 20000, 333, 187))
+        return;
+    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
+        int error;
+        fake_limits(limits[i], 0);
+        fxs_gles *gles = open_gles(&error);
+        if (gles && !same(&s, gles))
+            printf("  textures of %d\n", limits[i]);
+        close_gles(gles);
+        if (error)
+            SKIP(why_not.text);
+    }
+    fxs_packed_scene_free(&s.packed);
+}
+
+/* A list longer than one draw may take. */
+static void long_list(void)
+{
+    subject s;
+    fxs_stats stats = {0};
+    OPEN_OR_SKIP(gles);
+    if (!make_subject(&s, "fog", 200000, 16, 16))
+        return;
+    same_laid_out(&s, gles, 16 * 4, 0, &stats);
+    CHECK(stats.entries > 65536);
+    fxs_packed_scene_free(&s.packed);
+    close_gles(gles);
+}
+
+/* A device that reads integers as words only. */
+static void words_read(void)
+{
+    subject s;
+    fake_limits(0, GL_UNSIGNED_INT);
+    OPEN_OR_SKIP(gles);
+    if (!make_subject(&s, "knot", 5000, 50, 40))
+        return;
+    same(&s, gles);
+    s.options.format = FXS_FORMAT_RGB565;
+    same_laid_out(&s, gles, 50 * 2, 0, 0);
+    fxs_packed_scene_free(&s.packed);
+    close_gles(gles);
+}
+
+/* ---- Real scenes, exact and by quads ----------------------------------------------------------------------------- */
+
+static int load_subject(subject *s, const char *folder, const char *name, const double up[3])
+{
+    char path[512];
+    fxs_message m = {""};
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_pack_report report;
+    fxs_file_view view;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    fxs_options_default(&s->options);
+    if (fxs_scene_file_open(path, 0, &file, &info, &m))
+        return 0;
+    int error = fxs_pack(file, &info, &s->packed, &report, 0, &m);
+    fxs_scene_file_close(file);
+    return CHECK(!error && !fxs_scene_open(&s->scene, s->packed.data, s->packed.bytes) &&
+                 !fxs_view_frame_box(&view, report.inner_low, report.inner_high, up, 50, 479, 269, &m) &&
+                 !fxs_camera_from_view(&s->camera, &view, &m));
+}
+
+static double psnr_of_quads(const subject *s, fxs_gles *gles)
+{
+    struct fxs_metrics metrics = {.psnr = 0};
+    uint8_t *exact = new_picture(s), *quads = new_picture(s);
+    const ptrdiff_t row = (ptrdiff_t)s->camera.width * 4;
+    CHECK(!render(s, 0, 0, 0, exact, row, 0));
+    CHECK(!render(s, fxs_gles_draw_quads, gles, 0, quads, row, 0));
+    CHECK(!fxs_metrics_compare(exact, quads, s->camera.width, s->camera.height, &metrics));
+    free(exact);
+    free(quads);
+    return metrics.psnr;
+}
+
+static void real_scenes(void)
+{
+    static const struct {
+        const char *name;
+        double up[3];
+    } scenes[] = {
+        {"snowmiku/snowmiku.ply", {0, -1, 0}}, {"guitar/guitar.ply", {0, -1, 0}},
+        {"luma-seal/luma-seal.ply", {0, -1, 0}}, {"boatyard-tile3/boatyard-tile3.ply", {0, 0, 1}},
+        {"kitchen-marble/kitchen-marble.ply", {0, -1, 0}}, {"statue-st-peter/st-peter.ply", {0, -1, 0}},
+        {"donut/donut.ply", {0, 0, 1}}, {"fruit-drops/fruit_drops_minimal.ply", {0, -1, 0}},
+        {"train-1000/train-1000.ply", {0, -1, 0}},
+    };
+    const char *folder = getenv("FXS_SCENES");
+    int seen = 0;
+    OPEN_OR_SKIP(gles);
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
+        subject s;
+        if (!load_subject(&s, folder ? folder : "../shared/scenes", scenes[i].name, scenes[i].up))
+            continue;
+        int exact = same(&s, gles);
+        double psnr = psnr_of_quads(&s, gles);
+        printf("  %s: %s, quads at %.1f dB\n", scenes[i].name, exact ? "the same bytes" : "differs", psnr);
+        CHECK(psnr >= 40);
+        fxs_packed_scene_free(&s.packed);
+        seen++;
+    }
+    close_gles(gles);
+    if (!seen)
+        SKIP("no scenes at FXS_SCENES");
+}
+
+static void quads(void)
+{
+    static const char *const names[] = {"knot", "fog", "needles", "landscape", "cubes", "layers"};
+    OPEN_OR_SKIP(gles);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        for (int format = FXS_FORMAT_RGBA8; format <= FXS_FORMAT_RGBA8_COVERAGE; format++) {
+            subject s;
+            if (!make_subject(&s, names[i], 4000, 201, 133))
+                return;
+            s.options.format = (enum fxs_format)format;
+            double psnr = psnr_of_quads(&s, gles);
+            printf("  %s: %.1f dB\n", names[i], psnr);
+            CHECK(psnr >= 40);
+            fxs_packed_scene_free(&s.packed);
+        }
+    close_gles(gles);
+}
+
+/* ---- Into the caller's target ------------------------------------------------------------------------------------ */
+
+#define GL(type, name) ((PFNGL##type##PROC)port->load(context, "gl" #name))
+
+/* More of a context's state than the back end touches; what a context does not know stays 0. */
+typedef struct state {
+    GLint values[64][4], units[8][3];
+    GLboolean switches[16];
+} state;
+
+static void dump(state *s)
+{
+    static const GLenum names[] = {
+        GL_CURRENT_PROGRAM, GL_VERTEX_ARRAY_BINDING, GL_ARRAY_BUFFER_BINDING, GL_ELEMENT_ARRAY_BUFFER_BINDING,
+        GL_PIXEL_PACK_BUFFER_BINDING, GL_PIXEL_UNPACK_BUFFER_BINDING, GL_UNIFORM_BUFFER_BINDING,
+        GL_COPY_READ_BUFFER_BINDING, GL_COPY_WRITE_BUFFER_BINDING, GL_TRANSFORM_FEEDBACK_BUFFER_BINDING,
+        GL_DRAW_FRAMEBUFFER_BINDING, GL_READ_FRAMEBUFFER_BINDING, GL_RENDERBUFFER_BINDING, GL_ACTIVE_TEXTURE,
+        GL_VIEWPORT, GL_SCISSOR_BOX, GL_COLOR_WRITEMASK, GL_DEPTH_WRITEMASK, GL_STENCIL_WRITEMASK, GL_DEPTH_FUNC,
+        GL_STENCIL_FUNC, GL_STENCIL_REF, GL_BLEND_SRC_RGB, GL_BLEND_DST_RGB, GL_BLEND_SRC_ALPHA, GL_BLEND_DST_ALPHA,
+        GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA, GL_COLOR_CLEAR_VALUE, GL_CULL_FACE_MODE, GL_FRONT_FACE,
+        GL_PACK_ALIGNMENT, GL_PACK_ROW_LENGTH, GL_PACK_SKIP_PIXELS, GL_PACK_SKIP_ROWS, GL_UNPACK_ALIGNMENT,
+        GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS, GL_UNPACK_IMAGE_HEIGHT,
+        GL_UNPACK_SKIP_IMAGES, GL_DRAW_BUFFER0, GL_READ_BUFFER, GL_LINE_WIDTH, GL_POLYGON_OFFSET_FACTOR};
+    static const GLenum switches[] = {
+        GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_DITHER, GL_RASTERIZER_DISCARD, GL_SAMPLE_ALPHA_TO_COVERAGE,
+        GL_SAMPLE_COVERAGE, GL_STENCIL_TEST, GL_SCISSOR_TEST, GL_POLYGON_OFFSET_FILL,
+        GL_PRIMITIVE_RESTART_FIXED_INDEX};
+    memset(s, 0, sizeof *s);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        GL(GETINTEGERV, GetIntegerv)(names[i], s->values[i]);
+    for (size_t i = 0; i < sizeof switches / sizeof *switches; i++)
+        s->switches[i] = GL(ISENABLED, IsEnabled)(switches[i]);
+    for (GLuint i = 0; i < 8; i++) {
+        GL(ACTIVETEXTURE, ActiveTexture)(GL_TEXTURE0 + i);
+        GL(GETINTEGERV, GetIntegerv)(GL_TEXTURE_BINDING_2D, &s->units[i][0]);
+        GL(GETINTEGERV, GetIntegerv)(GL_TEXTURE_BINDING_3D, &s->units[i][1]);
+        GL(GETINTEGERV, GetIntegerv)(GL_SAMPLER_BINDING, &s->units[i][2]);
+    }
+    GL(ACTIVETEXTURE, ActiveTexture)((GLenum)s->values[13][0]);
+    while (GL(GETERROR, GetError)())
+        ;
+}
+
+static GLuint make_program(void)
+{
+    static const char *const texts[] = {
+        "#version 300 es\nvoid main() { gl_Position = vec4(0); }\n",
+        "#version 300 es\nprecision highp float;\nout vec4 c;\nvoid main() { c = vec4(1); }\n"};
+    GLuint program = GL(CREATEPROGRAM, CreateProgram)();
+    for (int i = 0; i < 2; i++) {
+        GLuint shader = GL(CREATESHADER, CreateShader)(i ? GL_FRAGMENT_SHADER : GL_VERTEX_SHADER);
+        GL(SHADERSOURCE, ShaderSource)(shader, 1, &texts[i], 0);
+        GL(COMPILESHADER, CompileShader)(shader);
+        GL(ATTACHSHADER, AttachShader)(program, shader);
+        GL(DELETESHADER, DeleteShader)(shader);
+    }
+    GL(LINKPROGRAM, LinkProgram)(program);
+    return program;
+}
+
+enum { WIDE = 140, HIGH = 100 };           /* of the caller's texture */
+
+typedef struct caller {
+    GLuint texture, framebuffers[2], program, vertex_array, buffers[2], samplers[5], textures[5], renderbuffer;
+} caller;
+
+/* Everything other than it is in a new context. */
+static void upset(caller *c)
+{
+    static const GLenum switches[] = {GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_RASTERIZER_DISCARD,
+                                      GL_SAMPLE_ALPHA_TO_COVERAGE, GL_STENCIL_TEST, GL_SCISSOR_TEST};
+    for (size_t i = 0; i < sizeof switches / sizeof *switches; i++)
+        GL(ENABLE, Enable)(switches[i]);
+    GL(USEPROGRAM, UseProgram)(c->program);
+    GL(BINDVERTEXARRAY, BindVertexArray)(c->vertex_array);
+    GL(BINDBUFFER, BindBuffer)(GL_ARRAY_BUFFER, c->buffers[0]);
+    GL(BINDBUFFER, BindBuffer)(GL_PIXEL_UNPACK_BUFFER, c->buffers[1]);
+    GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, c->framebuffers[1]);
+    GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_READ_FRAMEBUFFER, c->framebuffers[0]);
+    GL(BINDRENDERBUFFER, BindRenderbuffer)(GL_RENDERBUFFER, c->renderbuffer);
+    GL(VIEWPORT, Viewport)(1, 2, 3, 4);
+    GL(SCISSOR, Scissor)(5, 6, 7, 8);
+    GL(COLORMASK, ColorMask)(GL_FALSE, GL_TRUE, GL_FALSE, GL_TRUE);
+    GL(PIXELSTOREI, PixelStorei)(GL_UNPACK_ALIGNMENT, 1);
+    GL(PIXELSTOREI, PixelStorei)(GL_UNPACK_ROW_LENGTH, 7);
+    GL(PIXELSTOREI, PixelStorei)(GL_UNPACK_SKIP_PIXELS, 2);
+    GL(PIXELSTOREI, PixelStorei)(GL_UNPACK_SKIP_ROWS, 1);
+    for (GLuint i = 0; i < 5; i++) {
+        GL(ACTIVETEXTURE, ActiveTexture)(GL_TEXTURE0 + i);
+        GL(BINDTEXTURE, BindTexture)(GL_TEXTURE_2D, c->textures[i]);
+        GL(BINDSAMPLER, BindSampler)(i, c->samplers[i]);
+    }
+}
+
+static void settle(void)
+{
+    static const GLenum switches[] = {GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_RASTERIZER_DISCARD,
+                                      GL_SAMPLE_ALPHA_TO_COVERAGE, GL_STENCIL_TEST, GL_SCISSOR_TEST};
+    for (size_t i = 0; i < sizeof switches / sizeof *switches; i++)
+        GL(DISABLE, Disable)(switches[i]);
+    GL(COLORMASK, ColorMask)(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    GL(BINDBUFFER, BindBuffer)(GL_PIXEL_UNPACK_BUFFER, 0);
+    GL(PIXELSTOREI, PixelStorei)(GL_UNPACK_ALIGNMENT, 4);
+    GL(PIXELSTOREI, PixelStorei)(GL_UNPACK_ROW_LENGTH, 0);
+    GL(PIXELSTOREI, PixelStorei)(GL_UNPACK_SKIP_PIXELS, 0);
+    GL(PIXELSTOREI, PixelStorei)(GL_UNPACK_SKIP_ROWS, 0);
+}
+
+static caller make_caller(void)
+{
+    caller c;
+    GL(GENTEXTURES, GenTextures)(1, &c.texture);
+    GL(GENTEXTURES, GenTextures)(5, c.textures);
+    GL(GENSAMPLERS, GenSamplers)(5, c.samplers);
+    GL(GENBUFFERS, GenBuffers)(2, c.buffers);
+    GL(GENRENDERBUFFERS, GenRenderbuffers)(1, &c.renderbuffer);
+    GL(GENVERTEXARRAYS, GenVertexArrays)(1, &c.vertex_array);
+    GL(GENFRAMEBUFFERS, GenFramebuffers)(2, c.framebuffers);
+    GL(BINDTEXTURE, BindTexture)(GL_TEXTURE_2D, c.texture);
+    GL(TEXIMAGE2D, TexImage2D)(GL_TEXTURE_2D, 0, GL_RGBA8, WIDE, HIGH, 0, GL_RGBA, GL_UNSIGNED_BYTE, 0);
+    GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_FRAMEBUFFER, c.framebuffers[0]);
+    GL(FRAMEBUFFERTEXTURE2D, FramebufferTexture2D)(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, c.texture, 0);
+    c.program = make_program();
+    return c;
+}
+
+/* The picture in the caller's texture, and nothing beside it. */
+static int in_target(const subject *s, const fxs_gles_target *t, const uint8_t *expected)
+{
+    const int width = s->camera.width, height = s->camera.height;
+    uint8_t *pixels = malloc(WIDE * HIGH * 4);
+    int same_pixels = 1;
+    GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_READ_FRAMEBUFFER, t->framebuffer);
+    GL(READPIXELS, ReadPixels)(0, 0, WIDE, HIGH, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
+    for (int y = 0; y < HIGH; y++)
+        for (int x = 0; x < WIDE; x++) {
+            static const uint8_t beside[4] = {51, 102, 153, 204};
+            const int column = x - t->x, line = t->top_down ? y - t->y : t->y + height - 1 - y;
+            const int inside = column >= 0 && column < width && line >= 0 && line < height;
+            same_pixels &= !memcmp(pixels + 4 * (y * WIDE + x),
+                                   inside ? expected + 4 * (line * width + column) : beside, 4);
+        }
+    free(pixels);
+    return same_pixels;
+}
+
+static void target(void)
+{
+    static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
+    subject s;
+    OPEN_OR_SKIP(gles);
+    caller c = make_caller();
+    if (!make_subject(&s, "knot", 9000, 111, 83))
+        return;
+    uint8_t *expected = new_picture(&s);
+    for (int i = 0; i < 4; i++) {
+        const fxs_gles_target t = {c.framebuffers[0], 13, 7, i % 2};
+        state before, after;
+        s.options.format = i / 2 ? FXS_FORMAT_RGBA8_COVERAGE : FXS_FORMAT_RGBA8;
+        CHECK(!render(&s, 0, 0, 0, expected, 111 * 4, 0));
+        settle();
+        GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, c.framebuffers[0]);
+        GL(CLEARBUFFERFV, ClearBufferfv)(GL_COLOR, 0, beside);
+        upset(&c);
+        dump(&before);
+        CHECK(!render(&s, 0, gles, &t, 0, 0, 0));
+        dump(&after);
+        CHECK(!memcmp(&before, &after, sizeof before));
+        settle();
+        CHECK(in_target(&s, &t, expected));
+    }
+    const fxs_gles_target t = {c.framebuffers[0], 0, 0, 0};
+    s.options.format = FXS_FORMAT_RGB565;
+    CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
+    free(expected);
+    fxs_packed_scene_free(&s.packed);
+    close_gles(gles);
+}
+
+/* Making and ending a back end leaves the state too. */
+static void init_keeps_state(void)
+{
+    state before, after;
+    caller c = make_caller();
+    upset(&c);
+    dump(&before);
+    OPEN_OR_SKIP(gles);
+    dump(&after);
+    CHECK(!memcmp(&before, &after, sizeof before));
+    close_gles(gles);
+    dump(&after);
+    CHECK(!memcmp(&before, &after, sizeof before));
+    settle();
+}
+
+/* ---- What goes wrong --------------------------------------------------------------------------------------------- */
+
+static int calls, missing;                 /* the call of load that finds nothing */
+static char missing_name[64];
+
+static fxs_gl_function load_but_one(void *argument, const char *name)
+{
+    if (calls++ != missing)
+        return load(argument, name);
+    snprintf(missing_name, sizeof missing_name, "%s", name);
+    return 0;
+}
+
+static void missing_functions(void)
+{
+    fxs_gles *gles = malloc(fxs_gles_bytes());
+    int error = FXS_ERR_UNSUPPORTED;
+    for (missing = 0; error == FXS_ERR_UNSUPPORTED && missing < 200; missing++) {
+        char said[FXS_GLES_MESSAGE] = "";
+        calls = 0;
+        error = fxs_gles_init(gles, load_but_one, context, said);
+        CHECK(error ? strstr(said, missing_name) != 0 : missing == calls);
+    }
+    if (CHECK(!error && missing > 50))
+        fxs_gles_free(gles);
+    free(gles);
+}
+
+static PFNGLSHADERSOURCEPROC real_ShaderSource;
+
+static void GL_APIENTRY broken_ShaderSource(GLuint shader, GLsizei count, const GLchar *const *parts, const GLint *n)
+{
+    static const GLchar *const broken = "#version 300 es\nvoid main() { nonsense(); }\n";
+    (void)count, (void)parts, (void)n;
+    real_ShaderSource(shader, 1, &broken, 0);
+}
+
+static PFNGLGETSTRINGPROC real_GetString;
+static const char *fake_version;
+
+static const GLubyte *GL_APIENTRY fake_GetString(GLenum name)
+{
+    return name == GL_VERSION ? (const GLubyte *)fake_version : real_GetString(name);
+}
+
+static const GLubyte *GL_APIENTRY no_GetStringi(GLenum name, GLuint i)
+{
+    (void)name, (void)i;
+    return 0;
+}
+
+static void refuses(const char *words)
+{
+    int error;
+    fxs_gles *gles = open_gles(&error);
+    if (!CHECK(error == FXS_ERR_UNSUPPORTED && !gles && strstr(why_not.text, words)))
+        printf("  said: %s\n", why_not.text);
+    close_gles(gles);
+}
+
+static void unfit_contexts(void)
+{
+    static const char *const old[] = {"OpenGL ES 2.0 old", "OpenGL ES-CM 1.1", "2.1 Mesa", "3.2 Mesa"};
+    real_ShaderSource = (PFNGLSHADERSOURCEPROC)port->load(context, "glShaderSource");
+    real_GetString = (PFNGLGETSTRINGPROC)port->load(context, "glGetString");
+    fake(0, "glShaderSource", (fxs_gl_function)broken_ShaderSource);
+    refuses("the shader does not compile: ");
+    CHECK(strstr(why_not.text, "nonsense"));
+    for (size_t i = 0; i < sizeof old / sizeof *old; i++) {
+        fake_version = old[i];
+        fake(0, "glGetString", (fxs_gl_function)fake_GetString);
+        refuses("too old");
+        CHECK(strstr(why_not.text, old[i]));
+    }
+    fake_version = "3.3 Mesa";
+    fake(0, "glGetString", (fxs_gl_function)fake_GetString);
+    fake(1, "glGetStringi", (fxs_gl_function)no_GetStringi);
+    refuses("no GL_ARB_ES3_compatibility");
+    fake_version = 0;
+    fake(0, "glGetString", (fxs_gl_function)fake_GetString);
+    refuses("no context");
+    fake_limits(15, 0);
+    refuses("16x16");
+}
+
+static int good_calls;                     /* before the device is lost */
+static PFNGLMAPBUFFERRANGEPROC real_MapBufferRange;
+static PFNGLUNMAPBUFFERPROC real_UnmapBuffer;
+
+static void *GL_APIENTRY lost_MapBufferRange(GLenum name, GLintptr offset, GLsizeiptr bytes, GLbitfield access)
+{
+    return good_calls-- > 0 ? real_MapBufferRange(name, offset, bytes, access) : 0;
+}
+
+static GLboolean GL_APIENTRY lost_UnmapBuffer(GLenum name)
+{
+    GLboolean unmapped = real_UnmapBuffer(name);
+    return good_calls-- > 0 ? unmapped : GL_FALSE;
+}
+
+static GLenum GL_APIENTRY lost_GetError(void)
+{
+    return good_calls-- > 0 ? GL_NO_ERROR : 0x0507;   /* GL_CONTEXT_LOST */
+}
+
+static GLenum GL_APIENTRY lost_CheckFramebufferStatus(GLenum name)
+{
+    (void)name;
+    return good_calls-- > 0 ? GL_FRAMEBUFFER_COMPLETE : 0;
+}
+
+/* A function fails from its n-th call on, for every n until a frame is done without. */
+static void loses(const subject *s, const char *name, fxs_gl_function function, int least_calls)
+{
+    int error = FXS_ERR_DEVICE, n;
+    for (n = 0; n < 100 && error; n++) {
+        uint8_t *pixels = new_picture(s);
+        good_calls = 1000;
+        fake(0, name, function);
+        fxs_gles *gles = open_gles(&error);
+        if (!CHECK(gles != 0))
+            return;
+        good_calls = n;
+        error = render(s, fxs_gles_draw, gles, 0, pixels, (ptrdiff_t)s->camera.width * 4, 0);
+        CHECK(!error || error == FXS_ERR_DEVICE);
+        good_calls = n;
+        int quads_error = render(s, fxs_gles_draw_quads, gles, 0, pixels, (ptrdiff_t)s->camera.width * 4, 0);
+        CHECK(!quads_error || quads_error == FXS_ERR_DEVICE);
+        close_gles(gles);
+        free(pixels);
+    }
+    CHECK(n > least_calls && n < 100);
+}
+
+static void lost_devices(void)
+{
+    subject s;
+    if (!make_subject(&s, "knot", 2000, 64, 48))
+        return;
+    real_MapBufferRange = (PFNGLMAPBUFFERRANGEPROC)port->load(context, "glMapBufferRange");
+    real_UnmapBuffer = (PFNGLUNMAPBUFFERPROC)port->load(context, "glUnmapBuffer");
+    loses(&s, "glMapBufferRange", (fxs_gl_function)lost_MapBufferRange, 2);
+    loses(&s, "glUnmapBuffer", (fxs_gl_function)lost_UnmapBuffer, 2);
+    loses(&s, "glGetError", (fxs_gl_function)lost_GetError, 2);
+    loses(&s, "glCheckFramebufferStatus", (fxs_gl_function)lost_CheckFramebufferStatus, 1);
+    good_calls = 0;
+    fake(0, "glCheckFramebufferStatus", (fxs_gl_function)lost_CheckFramebufferStatus);
+    int error;
+    CHECK(!open_gles(&error) && error && strstr(why_not.text, "RGBA16I"));
+    memset(fakes, 0, sizeof fakes);
+    fxs_packed_scene_free(&s.packed);
+}
+
+int main(void)
+{
+    for (port = ports; port->name; port++) {
+        printf("%s:\n", port->name);
+        if (port->open(&context, &why_not)) {
+            printf("  skipped: %s\nskip %s\n", why_not.text, port->name);
+            check_skipped++;
+            continue;
+        }
+        RUN(sizes);
+        RUN(formats);
+        RUN(runs);
+        RUN(small_textures);
+        RUN(long_list);
+        RUN(words_read);
+        RUN(real_scenes);
+        RUN(quads);
+        RUN(target);
+        RUN(init_keeps_state);
+        RUN(missing_functions);
+        RUN(unfit_contexts);
+        RUN(lost_devices);
+        port->close(context);
+    }
+    return check_report();
+}
+#endif
