@@ -7,6 +7,7 @@
 #include "../port/formats/camera.h"
 #include "../tools/metrics.h"
 #include "check.h"
+#include "packed_scene.h"
 #include "procedural_scene.h"
 #ifdef FXS_WITH_GLES
 #include <GLES3/gl3.h>
@@ -272,17 +273,47 @@ static void small_textures(void)
     fxs_packed_scene_free(&s.packed);
 }
 
+/* 80,000 faint points over a picture of one tile: its pixels are open to the last. About the 65,536th they are as large
+   as the tile, so that one too few is seen. */
+static packed_scene faint_points(void)
+{
+    packed_scene p = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 80000, 0);
+    uint32_t state = 1;
+    for (uint32_t chunk = 0; chunk < p.header->chunk_count; chunk++) {
+        fxs_chunk *c = &p.chunks[chunk];
+        unsigned char *rows = packed_scene_rows(&p, chunk);
+        for (int i = 0; i < 3; i++) {
+            c->origin_q32[i] = (int64_t)(i < 2 ? -1 : 4) * (INT64_C(1) << 32);
+            c->step_q32[i] = i < 2 ? 1 << 17 : 0;
+            c->colour_step_q20[i] = 4000;
+        }
+        c->scale_q16 = chunk >= 254 && chunk < 257 ? 0 : -10 * 65536;
+        for (uint32_t i = 0; i < p.header->chunk_bytes; i++)
+            rows[i] = (unsigned char)((state = state * 1664525 + 1013904223) >> 24);
+        for (uint32_t i = 0; i < FXS_CHUNK; i++)
+            rows[FXS_ROW_COLOUR + 4 * i + 3] = 2;
+    }
+    return p;
+}
+
 /* A list longer than one draw may take. */
 static void long_list(void)
 {
-    subject s;
+    const packed_scene p = faint_points();
+    subject s = {.scene = p.scene, .camera = {16, 16, 32 << 12, 32 << 12, 8 << 12, 8 << 12,
+                                              {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, 0}}};
     fxs_stats stats = {0};
     OPEN_OR_SKIP(gles);
-    if (!make_subject(&s, "fog", 200000, 16, 16))
-        return;
+    fxs_options_default(&s.options);
     same_laid_out(&s, gles, 16 * 4, 0, &stats);
-    CHECK(stats.entries > 65536);
-    fxs_packed_scene_free(&s.packed);
+    CHECK(stats.entries > 70000);
+    s.options.format = FXS_FORMAT_RGBA8_COVERAGE;
+    uint8_t *pixels = new_picture(&s);
+    CHECK(!render(&s, 0, 0, 0, pixels, 16 * 4, 0));
+    for (int i = 0; i < 16 * 16; i++)
+        CHECK(pixels[4 * i + 3] < 255);
+    free(pixels);
+    free(p.data);
     close_gles(gles);
 }
 

@@ -150,7 +150,7 @@ gles_rows() {
         json=$("$B/fixsplat" bench --json "$file" --threads $two --size 1280x720 --backend $backend "$@")
         "$B/fixsplat" render "$file" --size 1280x720 --backend $backend -o "$work/$backend.ppm" "$@"
         printf '| %s, %s | %s | %s | %s | %s |\n' "$name" $backend "$(echo "$json" | field frame_ms)" \
-            "$(echo "$json" | field blend)" "$(echo "$json" | field device_ms)" \
+            "$(echo "$json" | field blend)" "$(echo "$json" | field device_ms | sed 's/^0.000$/-/')" \
             "$("$B/fixsplat" compare "$work/cpu.ppm" "$work/$backend.ppm" | sed 's/, SSIM.*//')"
     done
 }

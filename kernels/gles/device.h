@@ -8,7 +8,9 @@
 
 #define FXS_GLES_SIDE 2048         /* texels, of what every device has: 2 M records */
 #define FXS_GLES_MOST 8192         /* pixels: as words, 1 GiB, which 32 bits can count */
-#define FXS_GLES_LOOP 65536u       /* entries of a tile in one draw, so that no draw takes long enough to be stopped */
+/* Entries of a tile in one draw, so that no draw takes long enough to be stopped. Mesa on a processor ends a loop after
+   65,535 rounds. */
+#define FXS_GLES_LOOP 32768u
 
 enum { FXS_GLES_STATE, FXS_GLES_INTEGER, FXS_GLES_NORMALISED, FXS_GLES_QUADS, FXS_GLES_PROGRAMS };
 /* Textures of the tiles' shader by unit; two of tile size take turns as the last and the next state. */
@@ -23,6 +25,9 @@ typedef struct fxs_gles_program {
     GLint place, source, background, size;      /* uniforms */
 } fxs_gles_program;
 
+/* Buffers of the ring of uploads; the one that is read back; the quads' instances. */
+enum { FXS_GLES_UPLOADS = 3, FXS_GLES_DOWNLOAD = FXS_GLES_UPLOADS, FXS_GLES_INSTANCES, FXS_GLES_BUFFERS };
+
 struct fxs_gles {
     fxs_gl gl;
     char renderer[128];
@@ -33,7 +38,9 @@ struct fxs_gles {
     fxs_gles_program programs[FXS_GLES_PROGRAMS];
     GLuint textures[FXS_GLES_TEXTURES], framebuffers[FXS_GLES_FRAMEBUFFERS], renderbuffers[FXS_GLES_TARGETS],
         vertex_arrays[2];
-    GLuint upload, download, instances, query;
+    GLuint buffers[FXS_GLES_BUFFERS], query;
+    GLsizeiptr buffer_bytes[FXS_GLES_BUFFERS];
+    unsigned turn;                 /* of the uploads */
     int32_t columns, rows;         /* of the texture of lists */
     int32_t record_rows;           /* of that of records */
     int32_t width[FXS_GLES_TARGETS], height[FXS_GLES_TARGETS];
@@ -60,6 +67,9 @@ int fxs_gles_check(const fxs_gles *gles);
 
 /* Makes a target of the back end's own at least so large. Returns 0 or FXS_ERR_DEVICE. */
 int fxs_gles_make_target(fxs_gles *gles, int target, GLenum format, int32_t width, int32_t height);
+
+/* Binds a buffer, at least so large, and maps it for writing; what was in it is lost. Null where the device fails. */
+void *fxs_gles_map(fxs_gles *gles, GLenum target, int buffer, GLsizeiptr bytes);
 
 /* Where there is a timer: starts it if it does not run yet; stops it, waits for the device and adds the time up. */
 void fxs_gles_start_timer(fxs_gles *gles);

@@ -173,9 +173,7 @@ static int make_objects(fxs_gles *g, char *message)
     gl->GenFramebuffers(FXS_GLES_FRAMEBUFFERS, g->framebuffers);
     gl->GenRenderbuffers(FXS_GLES_TARGETS, g->renderbuffers);
     gl->GenVertexArrays(2, g->vertex_arrays);
-    gl->GenBuffers(1, &g->upload);
-    gl->GenBuffers(1, &g->download);
-    gl->GenBuffers(1, &g->instances);
+    gl->GenBuffers(FXS_GLES_BUFFERS, g->buffers);
     if (g->timer)
         gl->GenQueries(1, &g->query);
     gl->ActiveTexture(GL_TEXTURE0);
@@ -235,9 +233,7 @@ void fxs_gles_free(fxs_gles *g)
     gl->DeleteFramebuffers(FXS_GLES_FRAMEBUFFERS, g->framebuffers);
     gl->DeleteRenderbuffers(FXS_GLES_TARGETS, g->renderbuffers);
     gl->DeleteVertexArrays(2, g->vertex_arrays);
-    gl->DeleteBuffers(1, &g->upload);
-    gl->DeleteBuffers(1, &g->download);
-    gl->DeleteBuffers(1, &g->instances);
+    gl->DeleteBuffers(FXS_GLES_BUFFERS, g->buffers);
     if (g->timer)
         gl->DeleteQueries(1, &g->query);
 }
@@ -267,6 +263,19 @@ int fxs_gles_make_target(fxs_gles *g, int target, GLenum format, int32_t width, 
     g->width[target] = width;
     g->height[target] = height;
     return 0;
+}
+
+static void bind(fxs_gles *g, GLenum target, int buffer, GLsizeiptr bytes, GLenum use)
+{
+    g->gl.BindBuffer(target, g->buffers[buffer]);
+    if (bytes > g->buffer_bytes[buffer])
+        g->gl.BufferData(target, g->buffer_bytes[buffer] = bytes, 0, use);
+}
+
+void *fxs_gles_map(fxs_gles *g, GLenum target, int buffer, GLsizeiptr bytes)
+{
+    bind(g, target, buffer, bytes, GL_STREAM_DRAW);
+    return g->gl.MapBufferRange(target, 0, bytes, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
 }
 
 /* ---- Time -------------------------------------------------------------------------------------------------------- */
@@ -351,8 +360,7 @@ int fxs_gles_read(fxs_gles *g, const fxs_tile_run *run, int framebuffer, int32_t
     /* Of integers, every device reads words; most read bytes too. */
     const int wide = format == GL_RGBA_INTEGER && (has_format != GL_RGBA_INTEGER || has_type != GL_UNSIGNED_BYTE);
     const GLsizeiptr bytes = (GLsizeiptr)(wide ? 16 : 4) * width * height;
-    gl->BindBuffer(GL_PIXEL_PACK_BUFFER, g->download);
-    gl->BufferData(GL_PIXEL_PACK_BUFFER, bytes, 0, GL_STREAM_READ);
+    bind(g, GL_PIXEL_PACK_BUFFER, FXS_GLES_DOWNLOAD, bytes, GL_STREAM_READ);
     gl->ReadPixels(0, 0, width, height, format, wide ? GL_UNSIGNED_INT : GL_UNSIGNED_BYTE, 0);
     const unsigned char *read = gl->MapBufferRange(GL_PIXEL_PACK_BUFFER, 0, bytes, GL_MAP_READ_BIT);
     if (!read)

@@ -34,7 +34,7 @@ void fxs_gles_free(fxs_gles *gles);
 const char *fxs_gles_renderer(const fxs_gles *gles);
 
 /* For fxs_config.draw, with the fxs_gles as argument, in a context that is the back end's own: GL state is not kept.
-   Errors: FXS_ERR_DEVICE (also where the context was lost: init anew in another). */
+   Errors: FXS_ERR_DEVICE, after which the back end is to be made anew; in another context where that one was lost. */
 fxs_draw_fn fxs_gles_draw;
 
 /* The same for a faster, inexact picture: a quad for each Gaussian, back to front, blended by the hardware in half

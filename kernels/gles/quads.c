@@ -36,18 +36,15 @@ static void fill_part(void *argument, uint32_t part)
     }
 }
 
-static int upload(const fxs_gles *g, const fxs_tile_run *run)
+static int upload(fxs_gles *g, const fxs_tile_run *run)
 {
-    const fxs_gl *gl = &g->gl;
     const GLsizeiptr bytes = (GLsizeiptr)run->visible * INSTANCE;
     filling f = {run, 0};
-    gl->BindBuffer(GL_ARRAY_BUFFER, g->instances);
-    gl->BufferData(GL_ARRAY_BUFFER, bytes, 0, GL_STREAM_DRAW);
-    f.instances = gl->MapBufferRange(GL_ARRAY_BUFFER, 0, bytes, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
+    f.instances = fxs_gles_map(g, GL_ARRAY_BUFFER, FXS_GLES_INSTANCES, bytes);
     if (!f.instances)
         return FXS_ERR_DEVICE;
     fxs_run(run->config, fill_part, &f, PARTS);
-    return gl->UnmapBuffer(GL_ARRAY_BUFFER) ? 0 : FXS_ERR_DEVICE;
+    return g->gl.UnmapBuffer(GL_ARRAY_BUFFER) ? 0 : FXS_ERR_DEVICE;
 }
 
 static void draw(const fxs_gles *g, const fxs_tile_run *run)

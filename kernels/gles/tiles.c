@@ -55,16 +55,14 @@ static void make_room(fxs_gles *g, const fxs_tile_run *run, const window *w)
         make_texture(g, FXS_GLES_RECORDS, GL_RGBA32UI, GL_RGBA_INTEGER, 1 << g->shift, g->record_rows = rows);
 }
 
-/* A buffer of its own for each batch: the driver gives the old one's memory back when the device has read it. */
+/* Buffers take turns, so that none is waited for. (Making their storage anew for each batch takes 20 ms for 50 MB.) */
 static int begin_batch(batch *b, int32_t first)
 {
-    const fxs_gles *g = b->gles;
+    fxs_gles *g = b->gles;
     size_t lists = (size_t)b->window->columns * (size_t)b->window->rows;
     b->capacity = (uint32_t)g->record_rows << (g->shift - 1);
     GLsizeiptr bytes = (GLsizeiptr)(lists * 8 + (size_t)b->capacity * RECORD);
-    g->gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, g->upload);
-    g->gl.BufferData(GL_PIXEL_UNPACK_BUFFER, bytes, 0, GL_STREAM_DRAW);
-    b->lists = g->gl.MapBufferRange(GL_PIXEL_UNPACK_BUFFER, 0, bytes, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
+    b->lists = fxs_gles_map(g, GL_PIXEL_UNPACK_BUFFER, (int)(g->turn++ % FXS_GLES_UPLOADS), bytes);
     if (!b->lists)
         return FXS_ERR_DEVICE;
     b->records = b->lists + 2 * lists;

@@ -1,6 +1,7 @@
 #!/bin/sh
 # tests/gpu/gles.sh [FOLDER [SIZE]]: builds, then holds the GLES back end of this machine against its processor and times
-# both, for every .fxs scene in FOLDER (without one: procedural scenes) at SIZE (default 1280x720). Needs a device with
+# both, for every .fxs scene in FOLDER (without one: procedural scenes) at SIZE (default 1280x720), from view 8 of
+# NAME.json where that is beside NAME.fxs. Needs a device with
 # OpenGL ES 3.0 through EGL, no display. Prints one table, in milliseconds:
 #   frame         a whole frame: the processor's stages, upload, draw, reading back
 #   blend         of that, what takes the place of blend and resolve, as the processor waits for it
@@ -31,20 +32,18 @@ hash_of() {
 }
 
 differing=0
-# compare SCENE: every size, cut-off and format; counts the pictures that differ.
+# compare SCENE: every size, and at one every cut-off and format; counts the pictures that differ.
 compare() {
     pictures=0 same=0
-    for at in "$size" 1x1 15x17 1279x719 4096x64; do
-        for options in "--bg 336699" "--alpha" "--cutoff square"; do
-            pictures=$((pictures + 1))
-            hash=$(hash_of "$1" $at cpu $options) || exit 1
-            [ "$hash" = "$(hash_of "$1" $at gles $options)" ] && same=$((same + 1))
-        done
+    for case in "$size --bg 336699" "$size --alpha" "$size --cutoff square" 1x1 15x17 1279x719 4096x64; do
+        pictures=$((pictures + 1))
+        hash=$(hash_of "$1" ${case%% *} cpu ${case#"${case%% *}"} $view) || exit 1
+        [ "$hash" = "$(hash_of "$1" ${case%% *} gles ${case#"${case%% *}"} $view)" ] && same=$((same + 1))
     done
     differing=$((differing + pictures - same))
 }
 
-measure() { "$fixsplat" bench "$1" --size "$size" --backend "$2" --json --frames 20; }
+measure() { "$fixsplat" bench "$1" --size "$size" --backend "$2" --json --frames 20 $view; }
 
 "$fixsplat" info --backends | sed -n 's/^gles  *here: //p'
 grep -m 1 'model name' /proc/cpuinfo
@@ -52,10 +51,12 @@ printf '%s, medians of 20 frames, milliseconds\n\n' "$size"
 printf '| scene | Gaussians | cpu frame | cpu blend | gles frame | gles blend | gles device | same bytes '
 printf '| quads frame | quads blend | quads device | quads PSNR |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n'
 for scene in "$folder"/*.fxs; do
+    view=
+    [ ! -f "${scene%.fxs}.json" ] || view="--cameras ${scene%.fxs}.json --view 8"
     compare "$scene"
     cpu=$(measure "$scene" cpu) gles=$(measure "$scene" gles) quads=$(measure "$scene" gles-quads)
     for backend in cpu gles-quads; do
-        "$fixsplat" render "$scene" --size "$size" --backend $backend -o "$work/$backend.ppm"
+        "$fixsplat" render "$scene" --size "$size" --backend $backend -o "$work/$backend.ppm" $view
     done
     printf '| %s ' "$(basename "$scene" .fxs)" "$(echo "$cpu" | field gaussians)" \
         "$(echo "$cpu" | field frame_ms)" "$(echo "$cpu" | field blend)" \
