@@ -94,7 +94,7 @@ $(B)/tests/test_%: $(B)/tests/test_%.o $(B)/tests/reference.o $(call objects,$(T
 	$(CC) $(FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS)
 
 $(B)/tests/test_window: $(call objects,tests/test_window.c port/window/motion.c port/window/overlay.c $(WINDOW) \
-                        tools/command.c tools/view.c tools/window.c $(TOOL_SHARED)) $(B)/libfixsplat.a
+                        $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a
 	$(CC) $(FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS) $(WINDOW_LIBS)
 
 .PRECIOUS: $(B)/tests/%.o

@@ -9,7 +9,7 @@
    of looking along `up`. */
 void fxs_motion_orbit(fxs_file_view *view, double distance, const double up[3], double right, double down);
 
-/* Turns the camera's head to the right and down, likewise. */
+/* Turns the camera in place, to the right and down; it stops likewise. */
 void fxs_motion_look(fxs_file_view *view, const double up[3], double right, double down);
 
 /* Moves the camera along its own axes, scene units. */

@@ -32,6 +32,7 @@ int fxs_window_open(fxs_window **window, fxs_message *message)
         return 0;
     fail(message);
     fxs_window_close(*window);
+    *window = 0;
     return -1;
 }
 

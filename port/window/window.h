@@ -27,7 +27,7 @@ typedef struct fxs_window_event {
     const char *path;           /* of the file dropped; the window's, until the next event */
 } fxs_window_event;
 
-/* Opens a window that is not shown yet. Returns 0 and a window for fxs_window_close, or -1 and a message. */
+/* Opens a window that is not shown yet. Returns 0 and a window for fxs_window_close, or -1, null and a message. */
 int fxs_window_open(fxs_window **window, fxs_message *message);
 void fxs_window_close(fxs_window *window);
 
