@@ -376,7 +376,8 @@ static void test_motion_is_coarse_then_full(void)
     CHECK(!v.coarse && shows(&v, v.view, 64, 48));
     fxs_file_view turned = v.view;
     drag(&v, SDL_BUTTON_RMASK, 9, 4);
-    CHECK(!memcmp(v.view.rotation, turned.rotation, sizeof turned.rotation) && v.view.position[0] != turned.position[0]);
+    CHECK(!memcmp(v.view.rotation, turned.rotation, sizeof turned.rotation));
+    CHECK(v.view.position[0] != turned.position[0]);
     key(&v, 'r');
     CHECK(!memcmp(&v.view.position, &v.views[0].position, sizeof v.view.position) && shows(&v, v.views[0], 64, 48));
     viewer_close(&v);
@@ -429,13 +430,20 @@ static void test_views_of_a_file(void)
     if (start(&v, &options))
         return;
     CHECK(v.view_count == 3 && v.index == 1 && shows(&v, v.views[1], 80, 60));
+    CHECK(near(v.up[0], 0) && near(v.up[1], -0.8) && near(v.up[2], 0.6));
     key(&v, 'n');
     key(&v, 'n');
     CHECK(v.index == 0 && shows(&v, v.views[0], 80, 60));
     key(&v, 'p');
     CHECK(v.index == 2 && !strcmp(v.view.name, "third"));
     drop(&v, cubes);
-    CHECK(v.view_count == 1 && !v.options.cameras);
+    CHECK(v.view_count == 1 && !v.options.cameras && near(v.up[1], -1));
+    viewer_close(&v);
+    memcpy(options.up, (double[3]){0, 0, 1}, sizeof options.up);
+    options.has_up = 1;
+    if (start(&v, &options))
+        return;
+    CHECK(near(v.up[1], 0) && near(v.up[2], 1));
     viewer_close(&v);
 }
 
@@ -505,8 +513,9 @@ static void test_failures_to_open(void)
 
 static void test_files_are_made(void)
 {
-    static const char view[] = "{\"id\": 0, \"img_name\": \"%s\", \"width\": 80, \"height\": 60, \"fx\": 70, \"fy\": 70, "
-                               "\"position\": [0, -1, %d], \"rotation\": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}%c\n";
+    static const char view[] = "{\"id\": 0, \"img_name\": \"%s\", \"width\": 80, \"height\": 60, \"fx\": 70, "
+                               "\"fy\": 70, \"position\": [0, 0, %d], "
+                               "\"rotation\": [[1, 0, 0], [0, 0.8, 0.6], [0, -0.6, 0.8]]}%c\n";
     char text[1024], *end = text;
     *end++ = '[';
     end += sprintf(end, view, "first", -8, ',');

@@ -30,7 +30,7 @@ objects_of() {
 }
 
 row "bytes, $(uname -m)" text data bss
-for folder in src kernels kernels/*/ port/formats port/posix tools; do
+for folder in src kernels kernels/*/ port/formats port/posix port/window tools; do
     folder=${folder%/}
     ls "$folder"/*.c >/dev/null 2>&1 && part "$folder" size $(objects_of "$folder")
 done

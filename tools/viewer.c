@@ -42,6 +42,17 @@ static void show_view(viewer *v, long index)
     v->changed = 1;
 }
 
+/* Up in the scene: as given, or the mean of the views' where they come from a file. */
+static void find_up(viewer *v)
+{
+    double mean[3] = {0, 0, 0};
+    for (long i = 0; i < v->view_count; i++)
+        for (int k = 0; k < 3; k++)
+            mean[k] -= v->views[i].rotation[3 + k] / (double)v->view_count;
+    int of_views = v->options.cameras && !v->options.has_up && hypot(hypot(mean[0], mean[1]), mean[2]) > 0.1;
+    memcpy(v->up, of_views ? mean : v->options.up, sizeof v->up);
+}
+
 /* Puts another scene and its views in the place of those there are, which stay where that fails. */
 static int take_scene(viewer *v, const char *path, const view_options *options)
 {
@@ -71,6 +82,7 @@ static int take_scene(viewer *v, const char *path, const view_options *options)
     v->view_count = count;
     v->path = copy;
     v->options = *options;
+    find_up(v);
     show_view(v, index);
     return 0;
 }
@@ -302,9 +314,9 @@ static void point(viewer *v, const fxs_window_event *event)
     fxs_window_size(v->window, &width, &height);
     double turn = acos(-1) / height, pixels = (double)v->view.width / width;
     if (look)
-        fxs_motion_look(&v->view, v->options.up, event->dx * pixels / v->view.fx, event->dy * pixels / v->view.fy);
+        fxs_motion_look(&v->view, v->up, event->dx * pixels / v->view.fx, event->dy * pixels / v->view.fy);
     else if (event->left)
-        fxs_motion_orbit(&v->view, v->distance, v->options.up, event->dx * turn, event->dy * turn);
+        fxs_motion_orbit(&v->view, v->distance, v->up, event->dx * turn, event->dy * turn);
     else if (event->other)
         fxs_motion_pan(&v->view, v->distance, event->dx * pixels, event->dy * pixels);
     if (look || event->left || event->other)

@@ -17,6 +17,7 @@ typedef struct viewer {
     long view_count, index;                 /* the view that was moved away from */
 
     fxs_file_view view;                     /* on show, at the size that it came with */
+    double up[3];                           /* in the scene */
     double distance;                        /* from the camera's centre to the point that it turns about */
     double radius, speed;                   /* of the scene, units; of flight, radii a second */
 
@@ -31,12 +32,13 @@ typedef struct viewer {
     char note[256];                         /* shown in the title; empty: none */
 } viewer;
 
-/* Opens a scene in a window. `options`, `path` and `screenshot` (or null) as on the command line. Returns 0 and a viewer
-   for viewer_close, or prints why not and returns the exit status. */
+/* Opens a scene in a window. `options`, `path` and `screenshot` (or null) as on the command line. Returns 0 and a
+   viewer for viewer_close, or prints why not and returns the exit status. */
 int viewer_open(viewer *v, const view_options *options, const char *path, const char *screenshot);
 void viewer_close(viewer *v);
 
-/* Waits up to so many milliseconds (negative: for ever) for something to do, then does it: v->quit is set at the end. */
+/* Waits up to so many milliseconds (negative: for ever) for something to do, and does it. v->quit is set at the
+   end. */
 void viewer_step(viewer *v, int milliseconds);
 
 /* The keys, a line each. */

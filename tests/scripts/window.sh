@@ -46,7 +46,8 @@ export DISPLAY SDL_VIDEODRIVER DBUS_SESSION_BUS_ADDRESS
 
 # open COMMAND...: the viewer, in the background; its window has the focus.
 open() {
-    "$@" view "$work/knot.ply" --screenshot "$work/shot.png" --cameras "$work/cameras.json" >"$work/out" 2>"$work/errors" &
+    "$@" view "$work/knot.ply" --screenshot "$work/shot.png" --cameras "$work/cameras.json" \
+        >"$work/out" 2>"$work/errors" &
     viewer=$!
     shots=0
     until_ 300 xdotool search --onlyvisible --class fixsplat || { fail "a window" "$(cat "$work/errors")"; return 1; }
