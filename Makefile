@@ -12,16 +12,17 @@ FLAGS = -std=c99 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=
 LIBS = -lm -lpthread
 
 # Optional libraries: without one, its feature answers with a clear message.
-# optional(header, feature, libraries)
+# optional(header, feature, libraries, variable that they go to)
 hash := \#
 optional = $(if $(shell printf '$(hash)include <$(1)>\n' | $(CC) $(CPPFLAGS) -E -x c - >/dev/null 2>&1 && echo yes),\
-           $(eval FEATURES += -DFXS_WITH_$(2))$(eval LIBS += $(3)))
+           $(eval FEATURES += -DFXS_WITH_$(2))$(eval $(or $(4),LIBS) += $(3)))
 $(call optional,cjson/cJSON.h,CJSON,-lcjson)
 $(call optional,zlib.h,ZLIB,-lz)
 $(call optional,zstd.h,ZSTD,-lzstd)
 $(call optional,webp/decode.h,WEBP,-lwebp)
 $(call optional,zip.h,ZIP,-lzip)
 $(call optional,stb/stb_image_write.h,STB,)
+$(call optional,SDL2/SDL.h,SDL,-lSDL2,WINDOW_LIBS)
 
 # Faster versions of the stages, by processor; src/ alone is complete.
 MACHINE := $(shell $(CC) -dumpmachine)
@@ -42,7 +43,8 @@ CORE := $(wildcard src/*.c) $(KERNELS)
 PORT := $(wildcard port/formats/*.c port/posix/*.c)
 PORT += $(if $(findstring WITH_EGL,$(FEATURES)),$(wildcard port/egl/*.c))
 PORT += $(if $(findstring WITH_OSMESA,$(FEATURES)),$(wildcard port/osmesa/*.c))
-TOOL := $(wildcard tools/*.c)
+WINDOW := $(if $(WINDOW_LIBS),$(wildcard port/window/*.c) tools/viewer.c)
+TOOL := $(filter-out tools/viewer.c,$(wildcard tools/*.c)) $(WINDOW)
 TOOL_SHARED := tools/backend.c tools/metrics.c tools/procedural.c
 objects = $(patsubst %.c,$(B)/%.o,$(1))
 
@@ -53,7 +55,7 @@ $(B)/libfixsplat.a: $(call objects,$(CORE) $(PORT))
 	$(AR) rcs $@ $^
 
 $(B)/fixsplat: $(call objects,$(TOOL)) $(B)/libfixsplat.a
-	$(CC) $(FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS)
+	$(CC) $(FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS) $(WINDOW_LIBS)
 
 $(B)/%.o: %.c
 	@mkdir -p $(@D)
@@ -72,10 +74,11 @@ $(B)/kernels/gles/gles.o: CPPFLAGS += -I$(B)/kernels/gles
 
 # ---- Setup, demo, install ------------------------------------------------------------------------------------------
 
-PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libzstd-dev libegl-dev libgles-dev
+PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libzstd-dev libegl-dev libgles-dev \
+            libsdl2-dev
 TEST_PACKAGES := clang libclang-rt-14-dev glslang-tools qemu-user gcc-aarch64-linux-gnu libc6-dev-arm64-cross \
                  gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind libosmesa6-dev libosmesa6 libegl1 libgles2 \
-                 libegl-mesa0 libgl1-mesa-dri
+                 libegl-mesa0 libgl1-mesa-dri xvfb xdotool
 WANTED = $(PACKAGES) $(if $(filter test,$(MAKECMDGOALS)),$(TEST_PACKAGES))
 
 setup: ## install the Debian packages that are missing (those for the tests too, before `test`)
@@ -108,6 +111,10 @@ TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(wildcard tests/test_*.c))
 
 $(B)/tests/test_%: $(B)/tests/test_%.o $(B)/tests/reference.o $(call objects,$(TOOL_SHARED)) $(B)/libfixsplat.a
 	$(CC) $(FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS)
+
+$(B)/tests/test_window: $(call objects,tests/test_window.c port/window/motion.c port/window/overlay.c $(WINDOW) \
+                        $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a
+	$(CC) $(FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS) $(WINDOW_LIBS)
 
 .PRECIOUS: $(B)/tests/%.o
 

@@ -17,6 +17,7 @@ enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 
 /* The sub-commands; argv[0] is their name. They return the exit status. */
 int command_render(int argc, char **argv);
+int command_view(int argc, char **argv);
 int command_bench(int argc, char **argv);
 int command_info(int argc, char **argv);
 int command_convert(int argc, char **argv);
@@ -87,7 +88,7 @@ int take_profile(load_options *options, const char *value);
 const char *profile_name(enum fxs_profile profile);
 void free_scene(loaded_scene *loaded);
 
-/* ---- The options of render and bench ---------------------------------------------------------------------------- */
+/* ---- The options of render, view and bench --------------------------------------------------------------------- */
 
 typedef struct view_options {
     const char *cameras, *view;             /* camera file; number, name or "all" */
@@ -128,6 +129,9 @@ int view_options_check(const view_options *options);
 /* The views that the options ask for, at their final size. Returns how many, with *views allocated; or prints why not
  * and returns -1, with views null if it was null before. */
 long choose_views(const view_options *options, const fxs_pack_report *report, fxs_file_view **views);
+
+/* The number of the view that --view asks for, 0 without it; or prints that there is none and returns -1. */
+long find_view(const view_options *options, const fxs_file_view *views, long count);
 
 /* ---- A renderer: context, threads and memory for one picture size ----------------------------------------------- */
 

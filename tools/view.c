@@ -1,4 +1,4 @@
-/* The camera and rendering options that render and bench share, and the renderer they set up. */
+/* The camera and rendering options that render, view and bench share, and the renderer they set up. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -123,29 +123,30 @@ int view_options_check(const view_options *options)
     return 0;
 }
 
-/* The index of a view by its number or name, or -1. */
-static long find_view(const fxs_file_view *views, long count, const char *wanted)
+long find_view(const view_options *options, const fxs_file_view *views, long count)
 {
+    const char *wanted = options->view ? options->view : "0";
     uint64_t number;
     for (long i = 0; i < count; i++)
         if (!strcmp(views[i].name, wanted))
             return i;
-    return parse_count(wanted, 0, (uint64_t)count - 1, &number) ? (long)number : -1;
+    if (parse_count(wanted, 0, (uint64_t)count - 1, &number))
+        return (long)number;
+    return fail(-1, "%s: no view '%s' (there are %ld, from 0 on)", options->cameras, wanted, count);
 }
 
 static long views_of_file(const view_options *options, fxs_file_view **views)
 {
     fxs_message message;
-    const char *wanted = options->view ? options->view : "0";
     long count = fxs_camera_file_read(options->cameras, views, &message);
     if (count < 0)
         return fail(-1, "%s", message.text);
-    if (strcmp(wanted, "all")) {
-        long index = find_view(*views, count, wanted);
+    if (!options->view || strcmp(options->view, "all")) {
+        long index = find_view(options, *views, count);
         if (index < 0) {
             free(*views);
             *views = 0;
-            return fail(-1, "%s: no view '%s' (there are %ld, from 0 on)", options->cameras, wanted, count);
+            return -1;
         }
         (*views)[0] = (*views)[index];
         count = 1;
@@ -271,6 +272,7 @@ static int make_room(renderer *r, const fxs_scene *scene, int width, int height)
         return 0;
     free(r->allocation);
     free(r->pixels);
+    r->memory_bytes = 0;
     r->allocation = malloc(bytes + 63);
     r->pixels = malloc((size_t)width * (size_t)height * 4);
     if (!r->allocation || !r->pixels)

@@ -114,8 +114,8 @@ succeeds "version" --version
 succeeds "help" --help
 
 # The options of each command stand in its table for getopt_long.
-for command in render bench info convert compare make-scene; do
-    source=$root/tools/$(echo $command | tr - _).c
+for command in render view bench info convert compare make-scene; do
+    source=$root/tools/$(echo $command | sed -e 's/^view$/window/' -e 's/-/_/').c
     grep -q VIEW_OPTIONS "$source" && source="$source $root/tools/command.h"
     succeeds "$command --help" $command --help
     check "$command --help has examples" grep -q '^Examples:' logs/out

@@ -1,0 +1,565 @@
+/* Camera motion, the overlay, and the viewer with events pushed to SDL, on its driver without a screen. */
+#include "../port/formats/camera.h"
+#include "../port/window/motion.h"
+#include "../port/window/overlay.h"
+#include "check.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double up[3] = {0, -1, 0};
+
+static fxs_file_view a_view(void)
+{
+    const double eye[3] = {1, -2, -6}, target[3] = {0.5, 0, 1};
+    fxs_file_view view;
+    fxs_message message;
+    fxs_view_look_at(&view, eye, target, up, 50, 640, 480, &message);
+    return view;
+}
+
+/* The pixel of a point; returns its depth. */
+static double see(const fxs_file_view *view, const double point[3], double pixel[2])
+{
+    double seen[3] = {0, 0, 0};
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            seen[i] += view->rotation[3 * i + j] * (point[j] - view->position[j]);
+    pixel[0] = view->cx + view->fx * seen[0] / seen[2];
+    pixel[1] = view->cy + view->fy * seen[1] / seen[2];
+    return seen[2];
+}
+
+static void ahead(const fxs_file_view *view, double distance, double point[3])
+{
+    for (int i = 0; i < 3; i++)
+        point[i] = view->position[i] + distance * view->rotation[6 + i];
+}
+
+static int near(double a, double b)
+{
+    return fabs(a - b) < 1e-9;
+}
+
+/* ---- Motion ------------------------------------------------------------------------------------------------------ */
+
+static void test_orbit_keeps_the_pivot(void)
+{
+    fxs_file_view view = a_view();
+    double pivot[3], front[3], pixel[2];
+    ahead(&view, 7, pivot);
+    ahead(&view, 5, front);
+    fxs_motion_orbit(&view, 7, up, 0.3, 0.2);
+    CHECK(near(see(&view, pivot, pixel), 7));
+    CHECK(near(pixel[0], view.cx) && near(pixel[1], view.cy));
+    see(&view, front, pixel);
+    CHECK(pixel[0] > view.cx + 10 && pixel[1] > view.cy + 10);   /* what is in front goes with the pointer */
+}
+
+static void test_orbit_stops_at_the_poles(void)
+{
+    for (int down = -1; down <= 1; down += 2) {
+        fxs_file_view view = a_view();
+        for (int i = 0; i < 100; i++)
+            fxs_motion_orbit(&view, 7, up, 0.05, 0.1 * down);
+        CHECK(view.rotation[7] * down > 0.999 && fabs(view.rotation[7]) < 1 - 1e-4);   /* forward, along -up */
+        CHECK(near(view.rotation[1], 0));                                              /* right, still level */
+    }
+}
+
+static void test_poles_let_go(void)
+{
+    const double eye[3] = {0, -5, 0}, target[3] = {0, 0, 0}, back[3] = {0, 0, 1};
+    fxs_file_view view;
+    fxs_message message;
+    CHECK(!fxs_view_look_at(&view, eye, target, back, 50, 640, 480, &message));
+    fxs_motion_orbit(&view, 5, up, 0, -0.5);
+    CHECK(view.rotation[7] < 0.9 && near(view.position[1], -5 * view.rotation[7]));
+}
+
+static void test_look_turns_in_place(void)
+{
+    fxs_file_view view = a_view();
+    const fxs_file_view before = view;
+    double point[3], pixel[2];
+    ahead(&view, 7, point);
+    fxs_motion_look(&view, up, 10 / view.fx, 5 / view.fy);
+    see(&view, point, pixel);
+    CHECK(!memcmp(view.position, before.position, sizeof view.position));
+    CHECK(fabs(pixel[0] - view.cx + 10) < 1 && fabs(pixel[1] - view.cy + 5) < 1);
+}
+
+static void test_pan_follows_the_pointer(void)
+{
+    fxs_file_view view = a_view();
+    double pivot[3], pixel[2];
+    ahead(&view, 7, pivot);
+    fxs_motion_pan(&view, 7, 31, -17);
+    CHECK(near(see(&view, pivot, pixel), 7));
+    CHECK(near(pixel[0], view.cx + 31) && near(pixel[1], view.cy - 17));
+}
+
+static void test_zoom_keeps_the_pivot(void)
+{
+    fxs_file_view view = a_view();
+    double pivot[3], pixel[2], distance = 7;
+    ahead(&view, distance, pivot);
+    fxs_motion_zoom(&view, &distance, 0.25);
+    CHECK(near(distance, 1.75) && near(see(&view, pivot, pixel), 1.75));
+    CHECK(near(pixel[0], view.cx) && near(pixel[1], view.cy));
+}
+
+static void test_fly_along_the_axes(void)
+{
+    fxs_file_view view = a_view();
+    double centre[3] = {view.position[0], view.position[1], view.position[2]}, pixel[2];
+    fxs_motion_fly(&view, 1, 2, -4);
+    CHECK(near(see(&view, centre, pixel), 4));
+    CHECK(near(pixel[0], view.cx - view.fx / 4) && near(pixel[1], view.cy - view.fy / 2));
+}
+
+static void test_rotations_stay_rotations(void)
+{
+    fxs_file_view view = a_view();
+    for (int i = 0; i < 100000; i++) {
+        fxs_motion_orbit(&view, 3, up, 0.01 * (i % 7), 0.01 * (i % 11 - 5));
+        fxs_motion_look(&view, up, -0.01 * (i % 5), 0.01 * (i % 3 - 1));
+    }
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            const double *a = view.rotation + 3 * i, *b = view.rotation + 3 * j;
+            CHECK(near(a[0] * b[0] + a[1] * b[1] + a[2] * b[2], i == j));
+        }
+}
+
+/* ---- Overlay ----------------------------------------------------------------------------------------------------- */
+
+static uint8_t dots[400 * 200 * 4];
+
+static fxs_picture blank(int width, int height)
+{
+    memset(dots, 0, sizeof dots);
+    return (fxs_picture){dots, width, height};
+}
+
+/* Pixels of a colour, 0xRRGGBBAA. */
+static int pixels_of(const fxs_picture *picture, uint32_t colour)
+{
+    const uint8_t rgba[4] = {(uint8_t)(colour >> 24), (uint8_t)(colour >> 16), (uint8_t)(colour >> 8), (uint8_t)colour};
+    int found = 0;
+    for (int i = 0; i < picture->width * picture->height; i++)
+        found += !memcmp(picture->rgba + 4 * i, rgba, 4);
+    return found;
+}
+
+static void test_rectangles_are_clipped(void)
+{
+    fxs_picture picture = blank(20, 10);
+    fxs_draw_rectangle(&picture, -3, -4, 5, 6, 0x102030ff);
+    CHECK(pixels_of(&picture, 0x102030ff) == 2 * 2);
+    fxs_draw_rectangle(&picture, 18, 7, 100, 100, 0x405060ff);
+    CHECK(pixels_of(&picture, 0x405060ff) == 2 * 3);
+    fxs_draw_rectangle(&picture, 30, 30, 5, 5, 0x708090ff);
+    fxs_draw_rectangle(&picture, 5, 5, 0, 5, 0x708090ff);
+    CHECK(pixels_of(&picture, 0x708090ff) == 0);
+    CHECK(pixels_of(&picture, 0) == 200 - 4 - 6);
+    CHECK(dots[200 * 4] == 0);
+}
+
+static void test_text_has_its_dots(void)
+{
+    fxs_picture picture = blank(40, 40);
+    fxs_draw_text(&picture, 0, 0, 1, "7", 0xffffffff);
+    for (int x = 0; x < 5; x++)
+        CHECK(dots[4 * x] == 255);
+    CHECK(pixels_of(&picture, 0xffffffff) == 5 + 6);
+    int one = pixels_of(&picture, 0xffffffff);
+    fxs_draw_text(&picture, 0, 0, 2, " \n 7", 0xff0000ff);   /* one cell right, one line down, twice as large */
+    CHECK(pixels_of(&picture, 0xff0000ff) == 4 * one);
+    CHECK(dots[4 * (18 * 40 + 12)] == 255 && dots[4 * (18 * 40 + 11)] == 0 && dots[4 * (17 * 40 + 12)] == 0);
+    picture = blank(40, 40);
+    fxs_draw_text(&picture, 0, 0, 1, "\x01\xff\t{", 0xffffffff);
+    CHECK(pixels_of(&picture, 0xffffffff) == 0);
+    fxs_draw_text(&picture, 0, 0, 1, "a", 0xffffffff);
+    fxs_draw_text(&picture, 0, 0, 1, "A", 0xff0000ff);
+    CHECK(pixels_of(&picture, 0xffffffff) == 0 && pixels_of(&picture, 0xff0000ff) > 10);
+}
+
+static void test_letters_differ(void)
+{
+    static const char letters[] = "+,-./0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ";
+    static uint8_t seen[sizeof letters][8 * 8 * 4];
+    for (size_t i = 0; letters[i]; i++) {
+        fxs_picture picture = {seen[i], 8, 8};
+        char text[2] = {letters[i], 0};
+        fxs_draw_text(&picture, 0, 0, 1, text, 0xffffffff);
+        CHECK(pixels_of(&picture, 0xffffffff) > 2);
+        for (size_t j = 0; j < i; j++)
+            CHECK(memcmp(seen[i], seen[j], sizeof seen[i]));
+    }
+}
+
+/* Pixels of a colour within one column of bars. */
+static int column_of(const fxs_picture *picture, int x, uint32_t colour)
+{
+    int found = 0;
+    for (int y = 0; y < picture->height; y++) {
+        const fxs_picture pixel = {picture->rgba + 4 * (y * picture->width + x), 1, 1};
+        found += pixels_of(&pixel, colour);
+    }
+    return found;
+}
+
+static void test_graph_shows_the_times(void)
+{
+    static fxs_frame_times times;
+    fxs_picture picture = blank(FXS_GRAPH_WIDTH, FXS_GRAPH_HEIGHT);
+    fxs_stats stats = {0};
+    stats.nanoseconds[FXS_BLEND] = 8000000;
+    stats.nanoseconds[FXS_SORT] = 7000000;
+    stats.frame_nanoseconds = 15000000;
+    fxs_frame_times_add(&times, &stats);
+    fxs_frame_times_add(&times, &(fxs_stats){.nanoseconds = {[FXS_PROJECT] = 5000000}});
+    CHECK(near(times.stage[0][FXS_PROJECT], 5) && near(times.stage[1][FXS_BLEND], 8) && near(times.frame, 0));
+    fxs_draw_frame_times(&picture, 0, 0, &times);
+    int right = 8 + 2 * FXS_GRAPH_FRAMES - 1;                        /* 112 pixels high, 20 ms */
+    CHECK(column_of(&picture, right, 0x4f8ff0ff) == 28);
+    CHECK(column_of(&picture, right - 2, 0xf0705aff) + column_of(&picture, right - 2, 0xb07ee8ff) == 84);
+    CHECK(abs(column_of(&picture, right - 2, 0xf0705aff) - 45) <= 1);
+    CHECK(column_of(&picture, right - 4, 0xf0705aff) == 0);
+}
+
+/* ---- The viewer -------------------------------------------------------------------------------------------------- */
+
+#ifdef FXS_WITH_SDL
+#include <SDL2/SDL.h>
+
+#include "../port/formats/image_file.h"
+#include "../tools/viewer.h"
+
+static char folder[] = "/tmp/fixsplat-window-XXXXXX";
+static char knot[64], cubes[64], junk[64], cameras[64], shot[64];
+
+static void make_scene(char *path, const char *name, char *count)
+{
+    snprintf(path, sizeof knot, "%s/%s.ply", folder, name);
+    char *arguments[] = {"make-scene", (char *)name, "-o", path, "--count", count, 0};
+    optind = 1;
+    CHECK(command_make_scene(6, arguments) == EXIT_OK);
+}
+
+static void write_text(char *path, const char *name, const char *text)
+{
+    snprintf(path, sizeof knot, "%s/%s", folder, name);
+    FILE *file = fopen(path, "w");
+    if (CHECK(file)) {
+        fputs(text, file);
+        fclose(file);
+    }
+}
+
+static view_options small_options(void)
+{
+    view_options options;
+    view_options_default(&options);
+    options.threads = 1;
+    options.width = 64;
+    options.height = 48;
+    return options;
+}
+
+static int start(viewer *v, const view_options *options)
+{
+    int status = viewer_open(v, options, knot, shot);
+    if (CHECK(!status))
+        viewer_step(v, 10);
+    return status;
+}
+
+/* Events that are there already are handled in one step. */
+static void key(viewer *v, int symbol)
+{
+    SDL_Event event = {0};
+    event.type = SDL_KEYDOWN;
+    event.key.keysym.sym = symbol;
+    SDL_PushEvent(&event);
+    viewer_step(v, 10);
+}
+
+static void drag(viewer *v, Uint32 buttons, int dx, int dy)
+{
+    SDL_Event event = {0};
+    event.type = SDL_MOUSEMOTION;
+    event.motion.state = buttons;
+    event.motion.xrel = dx;
+    event.motion.yrel = dy;
+    SDL_PushEvent(&event);
+    viewer_step(v, 10);
+}
+
+static void wheel(viewer *v, float steps)
+{
+    SDL_Event event = {0};
+    event.type = SDL_MOUSEWHEEL;
+    event.wheel.preciseY = steps;
+    SDL_PushEvent(&event);
+    viewer_step(v, 10);
+}
+
+static void drop(viewer *v, const char *path)
+{
+    SDL_Event event = {0};
+    event.type = SDL_DROPFILE;
+    event.drop.file = SDL_strdup(path);
+    SDL_PushEvent(&event);
+    viewer_step(v, 10);
+}
+
+/* Whether the viewer's picture is the renderer's of that view. */
+static int shows(const viewer *v, fxs_file_view view, int width, int height)
+{
+    renderer r;
+    fxs_stats stats;
+    const fxs_options *options = &v->options.render;
+    if (view.width != width || view.height != height)
+        fxs_view_resize(&view, width, height);
+    int same = !renderer_init(&r, &v->options) && !renderer_render(&r, &v->scene, &view, options, &stats) &&
+               r.width == v->renderer.width && r.height == v->renderer.height &&
+               !memcmp(r.pixels, v->renderer.pixels, (size_t)width * (size_t)height * 4);
+    renderer_free(&r);
+    return same;
+}
+
+static void test_keys(void)
+{
+    viewer v;
+    const view_options options = small_options();
+    if (start(&v, &options))
+        return;
+    CHECK(shows(&v, v.views[0], 64, 48));
+    key(&v, 'c');
+    CHECK(v.options.render.cutoff == FXS_CUTOFF_SQUARE && shows(&v, v.views[0], 64, 48));
+    key(&v, '1');
+    CHECK(v.options.render.sh_degree == 1 && shows(&v, v.views[0], 64, 48));
+    key(&v, 'g');
+    key(&v, 'h');
+    CHECK(v.graph && v.help && shows(&v, v.views[0], 64, 48));
+    key(&v, 'v');
+    CHECK(v.divisor == 4);
+    key(&v, 'b');
+    CHECK(!strcmp(v.options.backend, "cpu") && shows(&v, v.views[0], 64, 48));
+    double speed = v.speed;
+    key(&v, '+');
+    CHECK(v.speed > speed && strstr(v.note, "units a second"));
+    key(&v, 'x');
+    CHECK(strstr(v.note, "units a second"));
+    CHECK(!v.quit);
+    key(&v, SDLK_ESCAPE);
+    CHECK(v.quit);
+    viewer_close(&v);
+}
+
+static void test_motion_is_coarse_then_full(void)
+{
+    viewer v;
+    const view_options options = small_options();
+    if (start(&v, &options))
+        return;
+    double distance = v.distance;
+    wheel(&v, 2);
+    CHECK(v.coarse && shows(&v, v.view, 32, 24) && near(v.distance, 0.81 * distance));
+    viewer_step(&v, -1);
+    CHECK(!v.coarse && shows(&v, v.view, 64, 48));
+    drag(&v, SDL_BUTTON_LMASK, 9, 4);
+    CHECK(v.coarse && memcmp(v.view.rotation, v.views[0].rotation, sizeof v.view.rotation));
+    drag(&v, 0, 9, 4);
+    CHECK(!v.coarse && shows(&v, v.view, 64, 48));
+    fxs_file_view turned = v.view;
+    drag(&v, SDL_BUTTON_RMASK, 9, 4);
+    CHECK(!memcmp(v.view.rotation, turned.rotation, sizeof turned.rotation));
+    CHECK(v.view.position[0] != turned.position[0]);
+    key(&v, 'r');
+    CHECK(!memcmp(&v.view.position, &v.views[0].position, sizeof v.view.position) && shows(&v, v.views[0], 64, 48));
+    viewer_close(&v);
+}
+
+static void test_zoom_stays_in_range(void)
+{
+    viewer v;
+    fxs_camera camera;
+    fxs_message message;
+    const view_options options = small_options();
+    if (start(&v, &options))
+        return;
+    for (int i = 0; i < 20; i++) {
+        wheel(&v, -40);
+        CHECK(!fxs_camera_from_view(&camera, &v.view, &message));
+    }
+    CHECK(v.distance > 1e6);
+    for (int i = 0; i < 20; i++)
+        wheel(&v, 40);
+    CHECK(v.distance < 1e-2 && v.distance > 0);
+    viewer_close(&v);
+}
+
+static void test_dropped_files(void)
+{
+    viewer v;
+    char missing[80];
+    const view_options options = small_options();
+    snprintf(missing, sizeof missing, "%s/none.ply", folder);
+    if (start(&v, &options))
+        return;
+    uint32_t count = v.scene.scene.count;
+    drop(&v, junk);
+    CHECK(strstr(v.note, junk) && !strcmp(v.path, knot) && v.scene.scene.count == count);
+    drop(&v, missing);
+    CHECK(strstr(v.note, missing) && !strcmp(v.path, knot) && shows(&v, v.views[0], 64, 48));
+    drop(&v, cubes);
+    CHECK(!strcmp(v.path, cubes) && v.scene.scene.count == 300 && shows(&v, v.views[0], 64, 48));
+    viewer_close(&v);
+}
+
+static void test_views_of_a_file(void)
+{
+    viewer v;
+    view_options options = small_options();
+    options.cameras = cameras;
+    options.view = "second";
+    options.width = options.height = 0;
+    if (start(&v, &options))
+        return;
+    CHECK(v.view_count == 3 && v.index == 1 && shows(&v, v.views[1], 80, 60));
+    CHECK(near(v.up[0], 0) && near(v.up[1], -0.8) && near(v.up[2], 0.6));
+    key(&v, 'n');
+    key(&v, 'n');
+    CHECK(v.index == 0 && shows(&v, v.views[0], 80, 60));
+    key(&v, 'p');
+    CHECK(v.index == 2 && !strcmp(v.view.name, "third"));
+    drop(&v, cubes);
+    CHECK(v.view_count == 1 && !v.options.cameras && near(v.up[1], -1));
+    viewer_close(&v);
+    memcpy(options.up, (double[3]){0, 0, 1}, sizeof options.up);
+    options.has_up = 1;
+    if (start(&v, &options))
+        return;
+    CHECK(near(v.up[1], 0) && near(v.up[2], 1));
+    viewer_close(&v);
+}
+
+static void test_resized_window(void)
+{
+    viewer v;
+    const view_options options = small_options();
+    if (start(&v, &options))
+        return;
+    SDL_SetWindowSize(SDL_GetWindowFromID(1), 101, 33);
+    viewer_step(&v, 10);
+    CHECK(shows(&v, v.views[0], 101, 33));
+    SDL_SetWindowSize(SDL_GetWindowFromID(1), 1, 1);
+    viewer_step(&v, 10);
+    wheel(&v, 1);
+    CHECK(v.renderer.width == 1 && v.renderer.height == 1);
+    viewer_close(&v);
+}
+
+static void test_screenshot(void)
+{
+    viewer v;
+    uint8_t *rgba = 0;
+    int width, height;
+    fxs_message message;
+    const view_options options = small_options();
+    if (start(&v, &options))
+        return;
+    drag(&v, SDL_BUTTON_LMASK, 9, 4);
+    key(&v, 'i');
+    CHECK(strstr(v.note, shot) && !v.coarse);
+    if (CHECK(!fxs_image_file_read(shot, &rgba, &width, &height, &message)) && CHECK(width == 64 && height == 48))
+        CHECK(shows(&v, v.view, 64, 48) && !memcmp(rgba, v.renderer.pixels, 64 * 48 * 4));
+    free(rgba);
+    v.screenshot = "/none/shot.ppm";
+    key(&v, 'i');
+    CHECK(strstr(v.note, "/none/shot.ppm: cannot be written"));
+    v.screenshot = 0;
+    key(&v, 'i');
+    key(&v, 'i');
+    char beside[80];
+    snprintf(beside, sizeof beside, "%s/knot-002.png", folder);
+    CHECK(!remove(beside));
+    snprintf(beside, sizeof beside, "%s/knot-001.png", folder);
+    CHECK(!remove(beside));
+    viewer_close(&v);
+}
+
+static void test_failures_to_open(void)
+{
+    viewer v;
+    view_options options = small_options();
+    CHECK(viewer_open(&v, &options, junk, 0) == EXIT_FAILED);
+    options.cameras = junk;
+    CHECK(viewer_open(&v, &options, knot, 0) == EXIT_FAILED);
+    options.cameras = cameras;
+    options.view = "fourth";
+    CHECK(viewer_open(&v, &options, knot, 0) == EXIT_FAILED);
+    options = small_options();
+    options.max_memory = 1;
+    CHECK(viewer_open(&v, &options, knot, 0) == EXIT_FAILED);
+    setenv("SDL_VIDEODRIVER", "none", 1);
+    options = small_options();
+    CHECK(viewer_open(&v, &options, knot, 0) == EXIT_FAILED);
+    setenv("SDL_VIDEODRIVER", "dummy", 1);
+}
+
+static void test_files_are_made(void)
+{
+    static const char view[] = "{\"id\": 0, \"img_name\": \"%s\", \"width\": 80, \"height\": 60, \"fx\": 70, "
+                               "\"fy\": 70, \"position\": [0, 0, %d], "
+                               "\"rotation\": [[1, 0, 0], [0, 0.8, 0.6], [0, -0.6, 0.8]]}%c\n";
+    char text[1024], *end = text;
+    *end++ = '[';
+    end += sprintf(end, view, "first", -8, ',');
+    end += sprintf(end, view, "second", -9, ',');
+    sprintf(end, view, "third", -10, ']');
+    write_text(cameras, "cameras.json", text);
+    write_text(junk, "junk.ply", "ply\nnot a scene\n");
+    make_scene(knot, "knot", "2000");
+    make_scene(cubes, "cubes", "300");
+    snprintf(shot, sizeof shot, "%s/shot.png", folder);
+}
+#endif
+
+int main(void)
+{
+    RUN(test_orbit_keeps_the_pivot);
+    RUN(test_orbit_stops_at_the_poles);
+    RUN(test_poles_let_go);
+    RUN(test_look_turns_in_place);
+    RUN(test_pan_follows_the_pointer);
+    RUN(test_zoom_keeps_the_pivot);
+    RUN(test_fly_along_the_axes);
+    RUN(test_rotations_stay_rotations);
+    RUN(test_rectangles_are_clipped);
+    RUN(test_text_has_its_dots);
+    RUN(test_letters_differ);
+    RUN(test_graph_shows_the_times);
+#ifdef FXS_WITH_SDL
+    setenv("SDL_VIDEODRIVER", "dummy", 1);
+    if (!mkdtemp(folder))
+        return 1;
+    RUN(test_files_are_made);
+    RUN(test_keys);
+    RUN(test_motion_is_coarse_then_full);
+    RUN(test_zoom_stays_in_range);
+    RUN(test_dropped_files);
+    RUN(test_views_of_a_file);
+    RUN(test_resized_window);
+    RUN(test_screenshot);
+    RUN(test_failures_to_open);
+    remove(shot), remove(knot), remove(cubes), remove(junk), remove(cameras), remove(folder);
+#else
+    printf("  the viewer's tests are left out: built without SDL2\n");
+    check_skipped++;
+#endif
+    return check_report();
+}

@@ -1,0 +1,97 @@
+/* fixsplat view */
+#include <stdlib.h>
+#include <string.h>
+
+#include "../port/formats/image_file.h"
+#include "viewer.h"
+
+const char viewer_keys[] =
+    "left drag      orbit\n"
+    "right drag     pan, also middle drag\n"
+    "wheel          zoom\n"
+    "w a s d q e    fly, faster with shift\n"
+    "space, mouse   look around\n"
+    "+ -            speed of flight\n"
+    "n p            next, previous view\n"
+    "r              back to the view\n"
+    "c              cut-off\n"
+    "0 1 2 3        SH degree\n"
+    "v              resolution in motion\n"
+    "b              back end\n"
+    "g              frame times\n"
+    "i              screenshot\n"
+    "h              these keys\n"
+    "escape         quit\n";
+
+static const char help[] =
+    "Usage: fixsplat view SCENE [OPTION...]\n\n"
+    "Shows a scene (.fxs, .ply, .splat, .ksplat, .spz, .sog, .gltf, .glb) in a window; opens files dropped on it.\n"
+    "With --cameras, up is the mean of the views' up, unless --up says otherwise.\n\n"
+    "  --screenshot OUT    the picture that key i writes: .png, .ppm or .raw (default: beside the scene,\n"
+    "                      SCENE-001.png and on); the command that renders it again is printed\n"
+    "%s\n"
+    "Keys:\n"
+    "%s\n"
+    "Examples:\n"
+    "  fixsplat view scene.ply\n"
+    "  fixsplat view scene.ply --cameras cameras.json --view 8\n"
+    "  fixsplat view scene.ply --up 0,0,1 --size 1920x1080 --screenshot shot.png\n";
+
+typedef struct window_options {
+    view_options view;
+    const char *scene, *screenshot;
+} window_options;
+
+enum { OPT_SCREENSHOT = OPT_OWN };
+
+static int take_options(window_options *o, int argc, char **argv)
+{
+    static const struct option table[] = {VIEW_OPTIONS, {"screenshot", required_argument, 0, OPT_SCREENSHOT},
+                                          {0, 0, 0, 0}};
+    memset(o, 0, sizeof *o);
+    view_options_default(&o->view);
+    opterr = 0;
+    for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;)
+        switch (c) {
+        case OPT_SCREENSHOT: o->screenshot = optarg; break;
+        case OPT_HELP: printf(help, view_options_help, viewer_keys); exit(EXIT_OK);
+        case '?': return wrong_option(argv);
+        default:
+            if (view_option(&o->view, c, optarg))
+                return EXIT_USAGE;
+        }
+    if (optind != argc - 1)
+        return fail(EXIT_USAGE, "view takes one scene file; see: fixsplat view --help");
+    o->scene = argv[optind];
+    if (o->view.view && !strcmp(o->view.view, "all"))
+        return fail(EXIT_USAGE, "view: --view takes one view to start from; n and p show the others");
+    if (o->screenshot && !fxs_image_file_known(o->screenshot))
+        return fail(EXIT_USAGE, "%s: expected a name ending in .png, .ppm or .raw", o->screenshot);
+    return view_options_check(&o->view);
+}
+
+#ifdef FXS_WITH_SDL
+static int show(const window_options *o)
+{
+    viewer v;
+    int status = viewer_open(&v, &o->view, o->scene, o->screenshot);
+    if (status)
+        return status;
+    while (!v.quit)
+        viewer_step(&v, -1);
+    viewer_close(&v);
+    return EXIT_OK;
+}
+#else
+static int show(const window_options *o)
+{
+    return fail(EXIT_FAILED, "%s: cannot be shown: this program was built without SDL2", o->scene);
+}
+#endif
+
+int command_view(int argc, char **argv)
+{
+    window_options o;
+    int status = take_options(&o, argc, argv);
+    return status ? status : show(&o);
+}
