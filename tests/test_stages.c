@@ -949,10 +949,10 @@ static void test_init(void)
 
 static void test_words(void)
 {
-    for (int error = 0; error >= FXS_ERR_UNSUPPORTED; error--)
+    for (int error = 0; error >= FXS_ERR_DEVICE; error--)
         for (int other = 0; other > error; other--)
             CHECK(strcmp(fxs_strerror(error), fxs_strerror(other)) != 0);
-    CHECK(!strcmp(fxs_strerror(1), fxs_strerror(FXS_ERR_UNSUPPORTED - 1)) && fxs_strerror(INT32_MIN));
+    CHECK(!strcmp(fxs_strerror(1), fxs_strerror(FXS_ERR_DEVICE - 1)) && fxs_strerror(INT32_MIN));
     CHECK(!strcmp(fxs_stage_name(FXS_PROJECT), "project") && !strcmp(fxs_stage_name(FXS_RESOLVE), "resolve"));
     CHECK(fxs_stage_name(FXS_STAGES) && fxs_stage_name((enum fxs_stage)-1));
 }
