@@ -740,6 +740,61 @@ static int untouched(const unsigned char *bytes, size_t count)
     return count == 0;
 }
 
+/* A back end that does what the stages do. */
+static int draw_tiles(void *argument, const fxs_tile_run *run)
+{
+    const fxs_view *view = run->view;
+    const int bytes = run->options->format == FXS_FORMAT_RGB565 ? 2 : 4;
+    ++*(int *)argument;
+    for (uint32_t t = run->first_tile; t <= run->last_tile; t++) {
+        int x = (int)t % view->tiles_x * FXS_TILE, y = (int)t / view->tiles_x * FXS_TILE;
+        fxs_tile tile;
+        fxs_blend_c(view, x, y, run->splats, run->entries + run->ends[t] - run->counts[t], run->counts[t], &tile);
+        fxs_resolve_c(run->options, &tile, fxs_min(FXS_TILE, view->width - x), fxs_min(FXS_TILE, view->height - y),
+                      run->pixels + y * run->stride + x * bytes, run->stride);
+    }
+    return 0;
+}
+
+/* A back end without lists: gives the number of Gaussians it was given in order. */
+static int draw_keys(void *argument, const fxs_tile_run *run)
+{
+    uint32_t *ordered = argument;
+    CHECK(!run->entries && !run->ends && !run->counts && run->first_tile == 0 && !run->pixels);
+    CHECK(run->last_tile == (uint32_t)(run->view->tiles_x * run->view->tiles_y) - 1);
+    for (uint32_t i = 0; i < run->visible; i++)
+        *ordered += i == 0 || run->keys[i - 1] < run->keys[i];
+    return 0;
+}
+
+static int draw_nothing(void *argument, const fxs_tile_run *run)
+{
+    (void)argument, (void)run;
+    return FXS_ERR_DEVICE;
+}
+
+/* The same bytes by a back end, once a run; one without lists; one that fails. */
+static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options, void *memory,
+                            size_t size, const unsigned char *expected, size_t bytes, size_t first, ptrdiff_t stride)
+{
+    int calls = 0;
+    uint32_t ordered = 0;
+    fxs_context context;
+    fxs_stats stats;
+    unsigned char *pixels = allocate(bytes, GUARD);
+    fxs_init(&context, 0);
+    context.config.draw = draw_tiles;
+    context.config.draw_argument = &calls;
+    CHECK(fxs_render(&context, scene, camera, options, memory, size, pixels + first, stride, &stats) == 0);
+    CHECK(memcmp(pixels, expected, bytes) == 0 && calls == (int)stats.runs);
+    context.config.draw = draw_nothing;
+    CHECK(fxs_render(&context, scene, camera, options, memory, size, pixels, stride, 0) == FXS_ERR_DEVICE);
+    context.config = (fxs_config){.draw = draw_keys, .draw_argument = &ordered, .draw_unlisted = 1};
+    CHECK(fxs_render(&context, scene, camera, options, memory, size, 0, 0, &stats) == 0);
+    CHECK(ordered == stats.visible && stats.visible == all.count);
+    free(pixels);
+}
+
 /* fxs_render in memory of the size it asks for: all of `expected`, padding included, must come out. */
 static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                              const unsigned char *expected, size_t bytes, size_t first, ptrdiff_t stride)
@@ -763,6 +818,7 @@ static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, c
     /* Tiles are counted whole. */
     CHECK(camera->width % FXS_TILE ? blended >= brute.blended : blended == brute.blended);
     CHECK(evaluated >= blended);
+    check_back_ends(scene, camera, options, memory, size, expected, bytes, first, stride);
     free(memory);
     free(pixels);
     return stats;
@@ -951,7 +1007,7 @@ static void test_init(void)
 
 static void test_words(void)
 {
-    for (int error = 0; error >= FXS_ERR_UNSUPPORTED; error--)
+    for (int error = 0; error >= FXS_ERR_DEVICE; error--)
         for (int other = 0; other > error; other--)
             CHECK(strcmp(fxs_strerror(error), fxs_strerror(other)) != 0);
     CHECK(!strcmp(fxs_strerror(1), fxs_strerror(FXS_ERR_DEVICE - 1)) && fxs_strerror(INT32_MIN));

@@ -11,15 +11,15 @@ typedef int fxs_gl_load_fn;
 #endif
 #ifdef FXS_WITH_EGL
 #include "../port/egl/egl.h"
-#define EGL fxs_egl_open, fxs_egl_load, fxs_egl_close
+#define EGL fxs_egl_open, fxs_egl_load, fxs_egl_use, fxs_egl_close
 #else
-#define EGL 0, 0, 0
+#define EGL 0, 0, 0, 0
 #endif
 #ifdef FXS_WITH_OSMESA
 #include "../port/osmesa/osmesa.h"
-#define OSMESA fxs_osmesa_open, fxs_osmesa_load, fxs_osmesa_close
+#define OSMESA fxs_osmesa_open, fxs_osmesa_load, fxs_osmesa_use, fxs_osmesa_close
 #else
-#define OSMESA 0, 0, 0
+#define OSMESA 0, 0, 0, 0
 #endif
 
 typedef struct kind {
@@ -27,6 +27,7 @@ typedef struct kind {
     int quads;
     int (*open)(void **port, fxs_message *message);
     fxs_gl_load_fn *load;
+    int (*use)(void *port);
     void (*close)(void *port);
 } kind;
 
@@ -77,6 +78,15 @@ static int open_gles(backend *b, fxs_message *m)
     return 0;
 }
 
+/* There may be other contexts on this thread. */
+static int draw(void *argument, const struct fxs_tile_run *run)
+{
+    const backend *b = argument;
+    if (b->kind->use(b->port))
+        return FXS_ERR_DEVICE;
+    return (b->kind->quads ? fxs_gles_draw_quads : fxs_gles_draw)(b->gles, run);
+}
+
 int backend_open(backend **out, const char *name, fxs_config *config, fxs_message *m)
 {
     const kind *k = find(name);
@@ -93,8 +103,8 @@ int backend_open(backend **out, const char *name, fxs_config *config, fxs_messag
         backend_close(b);
         return -1;
     }
-    config->draw = k->quads ? fxs_gles_draw_quads : fxs_gles_draw;
-    config->draw_argument = b->gles;
+    config->draw = draw;
+    config->draw_argument = b;
     config->draw_unlisted = k->quads;
     *out = b;
     return 0;
@@ -109,7 +119,7 @@ void backend_close(backend *b)
 {
     if (!b)
         return;
-    if (b->gles)
+    if (b->gles && b->kind->use(b->port) == 0)
         fxs_gles_free(b->gles);
     free(b->gles);
     b->kind->close(b->port);

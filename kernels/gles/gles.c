@@ -329,17 +329,17 @@ static void copy_row(unsigned char *to, const unsigned char *from, int32_t count
     }
 }
 
-/* The pixels of the run's tiles: its first and last row of tiles may be parts of rows. */
+/* The pixels of the run's tiles, whose first row of tiles may be a part of one; what lies right of the last tile comes
+   with the next run. */
 static void copy_tiles(const fxs_tile_run *run, const unsigned char *from, int32_t x, int32_t y, int32_t width,
                        int32_t height, int wide)
 {
-    const int32_t across = run->view->tiles_x, first = (int32_t)run->first_tile, last = (int32_t)run->last_tile;
+    const int32_t across = run->view->tiles_x, first = (int32_t)run->first_tile;
     const enum fxs_format format = run->options->format;
     for (int32_t line = y; line < y + height; line++, from += (wide ? 16 : 4) * (ptrdiff_t)width) {
         const int32_t row = line / FXS_TILE;
         const int32_t left = row == first / across ? first % across * FXS_TILE : 0;
-        const int32_t right = row == last / across ? (last % across + 1) * FXS_TILE : run->view->width;
-        const int32_t begin = left > x ? left : x, end = fxs_min(right, x + width);
+        const int32_t begin = left > x ? left : x, end = x + width;
         if (begin < end)
             copy_row(run->pixels + line * run->stride + begin * (format == FXS_FORMAT_RGB565 ? 2 : 4),
                      from + (wide ? 16 : 4) * (ptrdiff_t)(begin - x), end - begin, wide, format);

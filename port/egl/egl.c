@@ -42,13 +42,20 @@ static function *egl_function(const fxs_egl *e, const char *name)
 }
 #define CALL(type, name) ((PFN##type##PROC)egl_function(e, #name))
 
+int fxs_egl_use(void *egl)
+{
+    const fxs_egl *e = egl;
+    return CALL(EGLMAKECURRENT, eglMakeCurrent)(e->display, e->surface, e->surface, e->context) ? 0 : -1;
+}
+
 static int make_surface(fxs_egl *e, EGLConfig config)
 {
     static const EGLint size[] = {EGL_WIDTH, 1, EGL_HEIGHT, 1, EGL_NONE};
-    if (CALL(EGLMAKECURRENT, eglMakeCurrent)(e->display, EGL_NO_SURFACE, EGL_NO_SURFACE, e->context))
+    e->surface = EGL_NO_SURFACE;
+    if (fxs_egl_use(e) == 0)
         return 1;
     e->surface = CALL(EGLCREATEPBUFFERSURFACE, eglCreatePbufferSurface)(e->display, config, size);
-    return e->surface && CALL(EGLMAKECURRENT, eglMakeCurrent)(e->display, e->surface, e->surface, e->context);
+    return e->surface && fxs_egl_use(e) == 0;
 }
 
 /* A context of OpenGL ES 3 on a display, current. */
@@ -132,7 +139,6 @@ void fxs_egl_close(void *egl)
         if (e->surface)
             CALL(EGLDESTROYSURFACE, eglDestroySurface)(e->display, e->surface);
         CALL(EGLDESTROYCONTEXT, eglDestroyContext)(e->display, e->context);
-        CALL(EGLTERMINATE, eglTerminate)(e->display);
     }
     /* The libraries stay: drivers do not bear to be unloaded. */
     free(e);

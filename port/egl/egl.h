@@ -11,7 +11,10 @@ int fxs_egl_open(void **egl, fxs_message *message);
 /* Finds a function: an fxs_gl_load_fn, with what fxs_egl_open gave as argument. */
 void (*fxs_egl_load(void *egl, const char *name))(void);
 
-/* Ends the context; null is allowed. */
+/* Makes the context current on this thread again. Returns 0, or -1. */
+int fxs_egl_use(void *egl);
+
+/* Ends the context; null is allowed. The display is the process's and stays: there may be other contexts on it. */
 void fxs_egl_close(void *egl);
 
 #endif

@@ -29,19 +29,25 @@ void (*fxs_osmesa_load(void *argument, const char *name))(void)
     return o->get_address(name);
 }
 
+int fxs_osmesa_use(void *osmesa)
+{
+    fxs_osmesa *o = osmesa;
+    GLboolean (*make_current)(OSMesaContext, void *, GLenum, GLsizei, GLsizei) =
+        (GLboolean (*)(OSMesaContext, void *, GLenum, GLsizei, GLsizei))symbol(o, "OSMesaMakeCurrent");
+    return make_current && make_current(o->context, o->pixel, GL_UNSIGNED_BYTE, 1, 1) ? 0 : -1;
+}
+
 static int make_context(fxs_osmesa *o, fxs_message *m)
 {
     static const int attributes[] = {OSMESA_FORMAT, OSMESA_RGBA, OSMESA_PROFILE, OSMESA_CORE_PROFILE,
                                      OSMESA_CONTEXT_MAJOR_VERSION, 3, OSMESA_CONTEXT_MINOR_VERSION, 3, 0};
     OSMesaContext (*create)(const int *, OSMesaContext) =
         (OSMesaContext (*)(const int *, OSMesaContext))symbol(o, "OSMesaCreateContextAttribs");
-    GLboolean (*make_current)(OSMesaContext, void *, GLenum, GLsizei, GLsizei) =
-        (GLboolean (*)(OSMesaContext, void *, GLenum, GLsizei, GLsizei))symbol(o, "OSMesaMakeCurrent");
     o->get_address = (function *(*)(const char *))symbol(o, "OSMesaGetProcAddress");
-    if (!create || !make_current || !o->get_address)
+    if (!create || !o->get_address)
         return fxs_fail(m, "libOSMesa.so.8 is too old: it makes no core contexts");
     o->context = create(attributes, 0);
-    if (!o->context || !make_current(o->context, o->pixel, GL_UNSIGNED_BYTE, 1, 1))
+    if (!o->context || fxs_osmesa_use(o))
         return fxs_fail(m, "libOSMesa.so.8 makes no context of OpenGL 3.3");
     return 0;
 }

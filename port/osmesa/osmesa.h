@@ -11,6 +11,9 @@ int fxs_osmesa_open(void **osmesa, fxs_message *message);
 /* Finds a function: an fxs_gl_load_fn, with what fxs_osmesa_open gave as argument. */
 void (*fxs_osmesa_load(void *osmesa, const char *name))(void);
 
+/* Makes the context current on this thread again. Returns 0, or -1. */
+int fxs_osmesa_use(void *osmesa);
+
 /* Ends the context; null is allowed. */
 void fxs_osmesa_close(void *osmesa);
 
