@@ -76,46 +76,45 @@ static uint32_t project(stereo *s, uint32_t chunk, uint32_t slot)
     return count;
 }
 
-static void find_boxes(const fxs_kernels *kernels, const fxs_view *view, const fxs_splat *splats,
-                       const fxs_bounds *bounds, uint32_t count, fxs_box *boxes)
-{
-    kernels->bin(view, splats, bounds, count, boxes);
-    for (uint32_t i = 0; i < count; i++)
-        if (bounds[i].cx_q14 == UNSEEN_Q14)
-            boxes[i].base = FXS_NOWHERE;
-}
-
-/* project, shade and the boxes of bin, for a chunk. */
-static uint32_t prepare_chunk(stereo *s, uint32_t chunk, uint32_t slot, uint64_t times[3])
+/* project and shade, for a chunk. */
+static uint32_t prepare_chunk(stereo *s, uint32_t chunk, uint32_t slot, uint64_t times[2])
 {
     fxs_frame *f = &s->frame;
-    const fxs_kernels *kernels = &f->context->kernels;
     fxs_splat *splats = f->splats + slot, *right = s->right.splats + slot;
     uint64_t start = fxs_now(f);
     uint32_t count = project(s, chunk, slot);
     uint64_t projected = fxs_now(f);
-    kernels->shade(&s->middle, f->scene, chunk, f->indices + slot, count, splats);
+    f->context->kernels.shade(&s->middle, f->scene, chunk, f->indices + slot, count, splats);
     for (uint32_t i = 0; i < count; i++)
         memcpy(right[i].colour_q13, splats[i].colour_q13, sizeof splats->colour_q13);
-    uint64_t shaded = fxs_now(f);
-    find_boxes(kernels, &f->view, splats, f->bounds + slot, count, f->boxes + slot);
-    find_boxes(kernels, &s->right.view, right, s->right.bounds + slot, count, s->right.boxes + slot);
     times[0] += projected - start;
-    times[1] += shaded - projected;
-    times[2] += fxs_now(f) - shaded;
+    times[1] += fxs_now(f) - projected;
     return count;
+}
+
+static void find_boxes(const stereo *s, const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds,
+                       uint32_t count, fxs_box *boxes)
+{
+    s->frame.context->kernels.bin(view, splats, bounds, count, boxes);
+    for (uint32_t i = 0; i < count; i++)
+        if (bounds[i].cx_q14 == UNSEEN_Q14)
+            boxes[i].base = FXS_NOWHERE;
 }
 
 static void prepare_block(void *argument, uint32_t block)
 {
     stereo *s = argument;
     fxs_frame *f = &s->frame;
-    uint32_t slot = f->block_slots[block];
+    uint32_t slot = f->block_slots[block], count = 0;
     uint64_t *times = f->block_times + 3 * (size_t)block;
     memset(times, 0, 3 * sizeof *times);
     for (uint32_t chunk = fxs_block_start(f, block); chunk < fxs_block_start(f, block + 1); chunk++)
-        slot += prepare_chunk(s, chunk, slot, times);
-    f->block_counts[block] = slot - f->block_slots[block];
+        count += prepare_chunk(s, chunk, slot + count, times);
+    uint64_t shaded = fxs_now(f);
+    find_boxes(s, &f->view, f->splats + slot, f->bounds + slot, count, f->boxes + slot);
+    find_boxes(s, &s->right.view, s->right.splats + slot, s->right.bounds + slot, count, s->right.boxes + slot);
+    times[2] = fxs_now(f) - shaded;
+    f->block_counts[block] = count;
 }
 
 /* ---- The pair of frames ---------------------------------------------------------------------------------------- */
