@@ -158,7 +158,7 @@ void fxs_bin_count(const fxs_view *view, const fxs_splat *splats, const fxs_boun
         if (i + AHEAD < sorted->count)             /* slots are in no order here */
             FXS_PREFETCH(&boxes[FXS_KEY_SLOT(sorted->keys[i + AHEAD])]);
         fxs_box box = sorted->boxes[i] = boxes[slot];
-        if (!box.mask) {
+        if (!box.mask && box.base != FXS_NOWHERE) {
             ellipse e = ellipse_of(view, &splats[slot], &bounds[slot]);
             count_large(view, &e, counts);
         }
@@ -192,7 +192,7 @@ void fxs_bin_fill(const fxs_view *view, const fxs_splat *splats, const fxs_bound
     for (uint32_t i = 0; i < sorted->count; i++) {
         uint32_t slot = FXS_KEY_SLOT(sorted->keys[i]);
         fxs_box box = sorted->boxes[i];
-        if (!box.mask) {
+        if (!box.mask && box.base != FXS_NOWHERE) {
             ellipse e = ellipse_of(view, &splats[slot], &bounds[slot]);
             fill_large(view, &e, slot, first_tile, last_tile, next, entries);
         }

@@ -220,6 +220,27 @@ int fxs_render(const fxs_context *context, const fxs_scene *scene, const fxs_cam
 int fxs_count_pairs(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options, void *memory,
                     size_t memory_bytes, uint64_t *evaluated, uint64_t *blended);
 
+/* ---- Stereo ---------------------------------------------------------------------------------------------------- */
+
+/* The working memory of two eyes with pictures of this size: that of fxs_frame_bytes, and 68 bytes for every Gaussian.
+   0 where an argument is out of range, or the memory more than a size_t can count. */
+size_t fxs_stereo_bytes(const fxs_context *context, const fxs_scene *scene, int32_t width, int32_t height);
+
+/* Renders a frame for each of two eyes, left and right, whose pictures are of one size. Each has the geometry of its
+   own camera. Their colours are found once, as seen from the point between them; so is the order, where their z axes
+   are parallel and neither eye is ahead of the other (within 2^-14): elsewhere each is sorted by itself. The bytes are
+   the same on every machine. Where both cameras are equal they are those of fxs_render; with eyes 2 % of the distance
+   to the scene apart, each picture is within 54 dB (PSNR) of it on the scenes measured (the tests hold 50). `exact` not
+   0: each eye has the very bytes of fxs_render, in the time of two frames.
+   `memory`: `memory_bytes` bytes, aligned to 64, at least fxs_stereo_bytes; with less, FXS_ERR_MEMORY, and
+   stats->memory.least is what it takes. `pixels`: the two pictures, as for fxs_render, both with this stride (side by
+   side in one image: pixels[1] = pixels[0] + half a row). *stats, which may be null, is of both eyes together;
+   `visible` counts what either sees once, or with `exact` once for each eye. Errors as fxs_render, and FXS_ERR_SIZE
+   where the pictures differ in size; nothing is written to `pixels` then. */
+int fxs_render_stereo(const fxs_context *context, const fxs_scene *scene, const fxs_camera cameras[2],
+                      const fxs_options *options, int exact, void *memory, size_t memory_bytes, void *const pixels[2],
+                      ptrdiff_t stride, fxs_stats *stats);
+
 #ifdef __cplusplus
 }
 #endif

@@ -2,11 +2,6 @@
 #include "frame.h"
 #include "memory.h"
 
-static uint64_t now(const fxs_context *context)
-{
-    return context->config.clock ? context->config.clock(context->config.clock_argument) : 0;
-}
-
 void fxs_run(const fxs_config *config, void (*job)(void *, uint32_t), void *argument, uint32_t jobs)
 {
     if (config->run && jobs > 1) {
@@ -25,19 +20,19 @@ static uint32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint3
 {
     const fxs_kernels *kernels = &f->context->kernels;
     uint32_t starts[FXS_BLOCK + 1] = {slot};
-    uint64_t start = now(f->context);
+    uint64_t start = fxs_now(f);
     for (uint32_t i = 0; i < end - first; i++)
         starts[i + 1] = starts[i] + fxs_band_project(f, first + i, starts[i]);
-    uint64_t projected = now(f->context);
+    uint64_t projected = fxs_now(f);
     for (uint32_t i = 0; i < end - first; i++)
         kernels->shade(&f->view, f->scene, first + i, f->indices + starts[i], starts[i + 1] - starts[i],
                        f->splats + starts[i]);
-    uint64_t shaded = now(f->context);
+    uint64_t shaded = fxs_now(f);
     uint32_t count = starts[end - first] - slot;
     kernels->bin(&f->view, f->splats + slot, f->bounds + slot, count, f->boxes + slot);
     times[0] += projected - start;
     times[1] += shaded - projected;
-    times[2] += now(f->context) - shaded;
+    times[2] += fxs_now(f) - shaded;
     return count;
 }
 
@@ -67,16 +62,17 @@ static void gather_part(void *argument, uint32_t part)
         }
 }
 
-static void sort_all(fxs_frame *f)
+void fxs_frame_sort(fxs_frame *f)
 {
+    uint64_t start = fxs_now(f);
     f->count = 0;
     for (uint32_t block = 0; block < f->blocks; block++)
         f->count += f->block_counts[block];
-    f->stats.visible = f->planned ? f->stats.visible : f->count;
     fxs_frame_run(f, gather_part, f->parts);
     fxs_key *sorted = fxs_sort(&f->context->config, f->keys, f->spare_keys, f->count, f->histograms, f->parts);
     f->spare_keys = sorted == f->keys ? f->spare_keys : f->keys;
     f->keys = sorted;
+    f->stats.nanoseconds[FXS_SORT] += fxs_now(f) - start;
 }
 
 /* Tiles of the picture above a tile row. */
@@ -149,26 +145,29 @@ static void blend_tile(void *argument, uint32_t job)
     uint32_t tile = f->first_tile + job;
     int32_t x = (int32_t)tile % f->view.tiles_x * FXS_TILE, y = (int32_t)tile / f->view.tiles_x * FXS_TILE;
     ptrdiff_t pixel_bytes = f->options->format == FXS_FORMAT_RGB565 ? 2 : 4;
-    uint64_t start = now(f->context);
+    uint64_t start = fxs_now(f);
     f->context->kernels.blend(&f->view, x, y, f->splats, list_of(f, tile), f->tile_counts[tile], &pixels);
-    uint64_t blended = now(f->context);
+    uint64_t blended = fxs_now(f);
     f->context->kernels.resolve(f->options, &pixels, fxs_min(FXS_TILE, f->view.width - x),
                                  fxs_min(FXS_TILE, f->view.height - y), f->pixels + y * f->stride + x * pixel_bytes,
                                  f->stride);
     f->tile_times[2 * tile] = blended - start;
-    f->tile_times[2 * tile + 1] = now(f->context) - blended;
+    f->tile_times[2 * tile + 1] = fxs_now(f) - blended;
 }
 
 /* Has the back end draw the run. */
-static int draw_run(const fxs_frame *f)
+static int draw_run(fxs_frame *f)
 {
+    const uint64_t start = fxs_now(f);
     const fxs_config *config = &f->context->config;
     int listed = !config->draw_unlisted;
     const fxs_tile_run r = {
         config, &f->view, f->options, f->splats, f->bounds, f->keys, f->count,
         listed ? f->entries : 0, listed ? f->next + (size_t)(f->parts - 1) * f->tiles : 0,
         listed ? f->tile_counts : 0, f->first_tile, f->last_tile, f->pixels, f->stride};
-    return config->draw(config->draw_argument, &r);
+    const int error = config->draw(config->draw_argument, &r);
+    f->stats.nanoseconds[FXS_BLEND] += fxs_now(f) - start;
+    return error;
 }
 
 /* Shares a wall time out to `columns` stages, as the jobs spent theirs: times has a row for each job. */
@@ -196,8 +195,8 @@ static int check(const fxs_scene *scene, const fxs_camera *camera, const fxs_opt
     return 0;
 }
 
-static int frame_init(fxs_frame *f, const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera,
-                      const fxs_options *options, void *memory, size_t memory_bytes)
+int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera,
+                   const fxs_options *options, void *memory, size_t memory_bytes)
 {
     int error = check(scene, camera, options, memory);
     memset(f, 0, sizeof *f);
@@ -214,72 +213,81 @@ static int frame_init(fxs_frame *f, const fxs_context *context, const fxs_scene 
     return (uintptr_t)memory % 64 ? FXS_ERR_MEMORY : 0;
 }
 
-static void prepare(fxs_frame *f)
+void fxs_frame_prepare(fxs_frame *f, void (*prepare_job)(void *frame, uint32_t block))
 {
     static const enum fxs_stage stages[] = {FXS_PROJECT, FXS_SHADE, FXS_BIN};
-    uint64_t start = now(f->context);
-    fxs_frame_run(f, prepare_block, f->blocks);
-    uint64_t prepared = now(f->context);
-    sort_all(f);
-    uint64_t sorted = now(f->context);
-    if (!f->context->config.draw_unlisted)
-        bin_all(f);
-    share_time(f, prepared - start, f->block_times, f->blocks, 3, stages);
-    f->stats.nanoseconds[FXS_SORT] += sorted - prepared;
-    f->stats.nanoseconds[FXS_BIN] += now(f->context) - sorted;
+    uint64_t start = fxs_now(f);
+    fxs_frame_run(f, prepare_job, f->blocks);
+    share_time(f, fxs_now(f) - start, f->block_times, f->blocks, 3, stages);
+    fxs_frame_sort(f);
+    f->stats.visible += f->planned ? 0 : f->count;
 }
 
-static void blend_runs(fxs_frame *f, void (*job)(void *, uint32_t))
+static void blend_run(fxs_frame *f, void (*tile_job)(void *, uint32_t))
 {
     static const enum fxs_stage stages[] = {FXS_BLEND, FXS_RESOLVE};
-    uint32_t end_tile = tiles_above(f, f->end_row);
-    for (f->first_tile = tiles_above(f, f->first_row); f->first_tile < end_tile; f->first_tile = f->last_tile + 1) {
-        uint64_t start = now(f->context);
-        bin_run(f);
-        uint64_t listed = now(f->context);
-        uint32_t jobs = f->last_tile - f->first_tile + 1;
-        fxs_frame_run(f, job, jobs);
-        f->stats.nanoseconds[FXS_BIN] += listed - start;
-        share_time(f, now(f->context) - listed, f->tile_times + 2 * (size_t)f->first_tile, jobs, 2, stages);
-    }
+    uint64_t start = fxs_now(f);
+    uint32_t jobs = f->last_tile - f->first_tile + 1;
+    fxs_frame_run(f, tile_job, jobs);
+    share_time(f, fxs_now(f) - start, f->tile_times + 2 * (size_t)f->first_tile, jobs, 2, stages);
 }
 
-/* The same by the back end. Returns 0 or its error. */
-static int draw_runs(fxs_frame *f)
+/* Lists the band's splats by tile, and has the tiles blended by a job each, or, where that is null, by the back end.
+   Returns 0 or the back end's error. */
+static int draw(fxs_frame *f, void (*tile_job)(void *, uint32_t))
 {
-    const uint32_t end = tiles_above(f, f->end_row);
+    const int listed = tile_job || !f->context->config.draw_unlisted;
+    const uint32_t end_tile = tiles_above(f, f->end_row);
     int error = 0;
-    for (f->first_tile = tiles_above(f, f->first_row); f->first_tile < end && !error; f->first_tile = f->last_tile + 1) {
-        uint64_t start = now(f->context);
-        f->last_tile = end - 1;
-        if (!f->context->config.draw_unlisted)
+    uint64_t start = fxs_now(f);
+    if (listed)
+        bin_all(f);
+    for (f->first_tile = tiles_above(f, f->first_row); f->first_tile < end_tile && !error;
+         f->first_tile = f->last_tile + 1) {
+        f->last_tile = end_tile - 1;
+        if (listed)
             bin_run(f);
-        uint64_t listed = now(f->context);
-        error = draw_run(f);
-        f->stats.nanoseconds[FXS_BIN] += listed - start;
-        f->stats.nanoseconds[FXS_BLEND] += now(f->context) - listed;
+        f->stats.nanoseconds[FXS_BIN] += fxs_now(f) - start;
+        if (tile_job)
+            blend_run(f, tile_job);
+        else
+            error = draw_run(f);
+        start = fxs_now(f);
     }
     return error;
 }
 
-/* A null job: the back end draws. */
-static int render(fxs_frame *f, void (*job)(void *, uint32_t))
+static int render(fxs_frame *f, void (*tile_job)(void *, uint32_t))
 {
-    uint64_t start = now(f->context);
+    uint64_t start = fxs_now(f);
     int error = fxs_bands_init(f);
-    f->stats.nanoseconds[FXS_PROJECT] = now(f->context) - start;
+    f->end_row = 0;
+    f->stats.nanoseconds[FXS_PROJECT] += fxs_now(f) - start;
     while (!error && f->end_row < f->view.tiles_y) {
         fxs_band_next(f);
-        if (!job && f->context->config.draw_unlisted && f->end_row < f->view.tiles_y)
+        if (!tile_job && f->context->config.draw_unlisted && f->end_row < f->view.tiles_y)
             return FXS_ERR_UNSUPPORTED;    /* it draws whole frames */
-        prepare(f);
-        if (job)
-            blend_runs(f, job);
-        else
-            error = draw_runs(f);
+        fxs_frame_prepare(f, prepare_block);
+        error = draw(f, tile_job);
     }
-    f->stats.frame_nanoseconds = now(f->context) - start;
+    f->stats.frame_nanoseconds += fxs_now(f) - start;
     return error;
+}
+
+/* Null: the back end draws. */
+static void (*tile_job_of(const fxs_frame *f))(void *, uint32_t)
+{
+    return f->context->config.draw ? 0 : blend_tile;
+}
+
+int fxs_frame_draw(fxs_frame *f)
+{
+    return draw(f, tile_job_of(f));
+}
+
+int fxs_frame_render(fxs_frame *f)
+{
+    return render(f, tile_job_of(f));
 }
 
 int fxs_render(const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
@@ -288,12 +296,12 @@ int fxs_render(const fxs_context *context, const fxs_scene *scene, const fxs_cam
     fxs_frame f;
     if (!context || (!pixels && !context->config.draw))
         return FXS_ERR_ARGUMENT;
-    int error = frame_init(&f, context, scene, camera, options, memory, memory_bytes);
+    int error = fxs_frame_init(&f, context, scene, camera, options, memory, memory_bytes);
     if (error)
         return error;
     f.pixels = pixels;
     f.stride = stride;
-    error = render(&f, context->config.draw ? 0 : blend_tile);
+    error = fxs_frame_render(&f);
     if (stats)
         *stats = f.stats;
     return error;
@@ -318,7 +326,7 @@ int fxs_count_pairs(const fxs_scene *scene, const fxs_camera *camera, const fxs_
     fxs_init(&context, 0);
     if (!evaluated || !blended)
         return FXS_ERR_ARGUMENT;
-    int error = frame_init(&f, &context, scene, camera, options, memory, memory_bytes);
+    int error = fxs_frame_init(&f, &context, scene, camera, options, memory, memory_bytes);
     if (error)
         return error;
     error = render(&f, count_tile);

@@ -1,4 +1,4 @@
-/* A frame while it is rendered: what frame.c and bands.c share. */
+/* A frame while it is rendered: what frame.c, bands.c and stereo.c share. */
 #ifndef FXS_FRAME_H
 #define FXS_FRAME_H
 
@@ -58,6 +58,12 @@ static inline void fxs_frame_run(const fxs_frame *f, void (*job)(void *, uint32_
     fxs_run(&f->context->config, job, (void *)f, jobs);
 }
 
+static inline uint64_t fxs_now(const fxs_frame *f)
+{
+    const fxs_config *config = &f->context->config;
+    return config->clock ? config->clock(config->clock_argument) : 0;
+}
+
 /* The chunks of a block: from fxs_block_start(f, block) to fxs_block_start(f, block + 1). */
 static inline uint32_t fxs_block_start(const fxs_frame *f, uint32_t block)
 {
@@ -74,5 +80,21 @@ void fxs_band_next(fxs_frame *f);
 
 /* Projects a chunk to the slots from `slot` on, room for 256, and keeps what touches the band. Returns how many. */
 uint32_t fxs_band_project(fxs_frame *f, uint32_t chunk, uint32_t slot);
+
+/* Checks the arguments, then the memory. Returns 0 or an FXS_ERR_*. */
+int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera,
+                   const fxs_options *options, void *memory, size_t memory_bytes);
+
+/* The band's splats, sorted: runs a job that projects, shades and boxes each block, then the sort. */
+void fxs_frame_prepare(fxs_frame *f, void (*prepare_job)(void *frame, uint32_t block));
+
+/* The sort alone: of the depths in spare_keys. */
+void fxs_frame_sort(fxs_frame *f);
+
+/* Lists them by tile, and blends the band into f->pixels. Returns 0 or a back end's error. */
+int fxs_frame_draw(fxs_frame *f);
+
+/* The whole frame, from its memory to its pixels. Returns 0, FXS_ERR_MEMORY or a back end's error. */
+int fxs_frame_render(fxs_frame *f);
 
 #endif

@@ -74,7 +74,9 @@ typedef struct fxs_bounds {
 } fxs_bounds;
 
 /* The tiles that a splat is listed in, where they fit in 4x4: bit 4 r + c of the mask stands for tile `base` + r
-   tiles_x + c. Mask 0: they do not fit, and are found again from the bounds when the lists are made. */
+   tiles_x + c. Mask 0: they do not fit, and are found again from the bounds when the lists are made; but there are none
+   where `base` is FXS_NOWHERE. */
+#define FXS_NOWHERE UINT32_MAX
 typedef struct fxs_box {
     uint32_t base;
     uint32_t mask;

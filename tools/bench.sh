@@ -1,5 +1,6 @@
 #!/bin/sh
-# bench.sh [PART...]: measures and writes the parts of docs/performance.md (between their marker lines): tables, sizes, limits; without PART, all.
+# bench.sh [PART...]: measures and writes the parts of docs/performance.md (between their marker lines): tables, sizes, limits, stereo;
+# without PART, all.
 # B: build folder; SCENES: folder of real scenes.
 # Medians of 10 frames or more, from `fixsplat bench --json`; rows of one table are from one run.
 set -eu
@@ -252,6 +253,38 @@ mapped() {
     rm "$work/large.fxs"
 }
 
+# One row: two frames, then both eyes with the order and colours shared; and how far the pictures are from exact.
+# The two take turns, and the fastest frame of three turns counts: they differ by less than the noise of a busy machine.
+stereo_row() {
+    name=$1 file=$2
+    shift 2
+    set -- "$@" --size 1280x720
+    rm -f "$work"/turn-*
+    for exact in --stereo-exact '' --stereo-exact '' --stereo-exact ''; do
+        "$B/fixsplat" bench --json "$file" --threads 1 --frames 20 $exact "$@" | field frame_ms_min >>"$work/turn-$exact"
+    done
+    "$B/fixsplat" render "$file" "$@" --stereo-exact -o "$work/exact.png"
+    "$B/fixsplat" render "$file" "$@" -o "$work/shared.png"
+    "$B/fixsplat" compare "$work/exact.png" "$work/shared.png" >"$work/far"
+    awk -v name="$name" -v two="$(sort -n "$work/turn---stereo-exact" | head -n 1)" \
+        -v both="$(sort -n "$work/turn-" | head -n 1)" \
+        '{ printf "| %s | %s | %s | %.2f | %.1f |\n", name, two, both, both / two, $2 }' "$work/far"
+}
+
+stereo() {
+    printf '1280x720 an eye, eyes 2 %% of the distance to the middle of the scene apart; milliseconds of both, the fastest of 60 frames, one thread.\n\n'
+    printf '| view | exact | shared | ratio | PSNR, dB |\n|---|---|---|---|---|\n'
+    landscape 1000000
+    stereo_row 'landscape 1,000,000, all in view' "$work/1000000.ply" --stereo 2.6
+    stereo_row 'landscape 1,000,000, from the shore' "$work/1000000.ply" --eye 4.6,-1.9,-12.7 --look 0,-2.2,0 --fov 52 --stereo 0.27
+    if [ -d "$SCENES" ]; then
+        for view in 8 40 72; do
+            stereo_row "snowmiku, view $view" "$SCENES/snowmiku/snowmiku.ply" \
+                --cameras "$SCENES/snowmiku/cameras.json" --view $view --stereo 0.1
+        done
+    fi
+}
+
 tables() {
     growth
     echo
@@ -262,7 +295,7 @@ tables() {
     cutoffs
 }
 
-for part in ${*:-tables gles sizes limits}; do
+for part in ${*:-tables gles sizes limits stereo}; do
     {
         printf 'Measured %s on %s (%s processors), %s.\n\n' "$(date -u +%Y-%m-%d)" \
             "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)" "$(getconf _NPROCESSORS_ONLN)" \

@@ -95,6 +95,8 @@ typedef struct view_options {
     int has_eye, has_look, has_up;
     double eye[3], look[3], up[3], fov;
     int width, height;                      /* 0: the camera's own size, or 1280x720 */
+    double stereo;                          /* between the two eyes, scene units; 0: one picture */
+    int stereo_exact;
     fxs_options render;
     const char *cpu, *backend;
     uint32_t threads;
@@ -104,7 +106,8 @@ typedef struct view_options {
 
 /* Their entries for a getopt_long table, and the value that each returns there. */
 enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_SIZE, OPT_BG, OPT_CUTOFF, OPT_SH_DEGREE,
-       OPT_CPU, OPT_THREADS, OPT_MAX_MEMORY, OPT_BACKEND, OPT_LOD, OPT_PROFILE, OPT_HELP, OPT_OWN };
+       OPT_CPU, OPT_THREADS, OPT_MAX_MEMORY, OPT_BACKEND, OPT_LOD, OPT_PROFILE, OPT_STEREO,
+       OPT_STEREO_EXACT, OPT_HELP, OPT_OWN };
 #define VIEW_OPTIONS \
     {"cameras", required_argument, 0, OPT_CAMERAS}, {"view", required_argument, 0, OPT_VIEW}, \
     {"eye", required_argument, 0, OPT_EYE}, {"look", required_argument, 0, OPT_LOOK}, \
@@ -114,7 +117,8 @@ enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_SIZE
     {"cpu", required_argument, 0, OPT_CPU}, {"threads", required_argument, 0, OPT_THREADS}, \
     {"max-memory", required_argument, 0, OPT_MAX_MEMORY}, \
     {"backend", required_argument, 0, OPT_BACKEND}, {"lod", required_argument, 0, OPT_LOD}, \
-    {"profile", required_argument, 0, OPT_PROFILE}, \
+    {"profile", required_argument, 0, OPT_PROFILE}, {"stereo", required_argument, 0, OPT_STEREO}, \
+    {"stereo-exact", no_argument, 0, OPT_STEREO_EXACT}, \
     {"help", no_argument, 0, OPT_HELP}
 extern const char view_options_help[];
 
@@ -140,9 +144,11 @@ typedef struct renderer {
     fxs_pool *pool;
     backend *backend;
     void *memory, *allocation;
-    size_t memory_bytes, max_memory;        /* max_memory: as in view_options */
-    uint8_t *pixels;                        /* RGBA */
-    int width, height;
+    size_t memory_bytes, max_memory;        /* max_memory, stereo, stereo_exact: as in view_options */
+    double stereo;
+    int stereo_exact;
+    uint8_t *pixels;                        /* RGBA; of two eyes side by side, the left one left */
+    int width, height;                      /* of the pixels */
 } renderer;
 
 /* Returns 0, or prints why not and returns EXIT_FAILED or EXIT_USAGE (an unknown --cpu or --backend). */

@@ -7,14 +7,15 @@
 static int measure_view(quality_view *out, renderer *r, const loaded_scene *const scenes[2], const fxs_file_view *view,
                         const fxs_options *options)
 {
+    fxs_stats stats;
     size_t bytes = (size_t)view->width * (size_t)view->height * 4;
     uint8_t *original = 0;
-    int status = renderer_render(r, scenes[1], view, options, 0);
+    int status = renderer_render(r, scenes[1], view, options, &stats);
     if (!status && !(original = malloc(bytes)))
         status = fail(EXIT_FAILED, "out of memory");
     if (!status) {
         memcpy(original, r->pixels, bytes);
-        status = renderer_render(r, scenes[0], view, options, 0);
+        status = renderer_render(r, scenes[0], view, options, &stats);
     }
     if (!status && fxs_metrics_compare(r->pixels, original, view->width, view->height, &out->metrics))
         status = fail(EXIT_FAILED, "out of memory");

@@ -54,6 +54,8 @@ static int take_options(render_options *o, int argc, char **argv)
     o->scene = argv[optind];
     if (!o->output && !o->hash && !o->stats)
         return fail(EXIT_USAGE, "render: where to? Give -o OUT.png, --hash or --stats");
+    if (o->stats && o->view.stereo > 0)
+        return fail(EXIT_USAGE, "--stats is of one picture, not of --stereo; see: fixsplat bench --stereo");
     if (o->output && !fxs_image_file_known(o->output))
         return fail(EXIT_USAGE, "%s: expected a name ending in .png, .ppm or .raw", o->output);
     return view_options_check(&o->view);
@@ -118,11 +120,11 @@ static int render_view(renderer *r, const render_options *o, const loaded_scene 
     fxs_message message;
     if (renderer_render(r, loaded, view, &o->view.render, &stats))
         return EXIT_FAILED;
-    if (output && fxs_image_file_write(output, r->pixels, view->width, view->height, &message))
+    if (output && fxs_image_file_write(output, r->pixels, r->width, r->height, &message))
         return fail(EXIT_FAILED, "%s", message.text);
     if (o->hash) {
         progress_end();
-        printf("%016" PRIx64 "\n", fnv1a64(r->pixels, (size_t)view->width * (size_t)view->height * 4));
+        printf("%016" PRIx64 "\n", fnv1a64(r->pixels, (size_t)r->width * (size_t)r->height * 4));
     }
     return o->stats ? print_stats(r, o, loaded, view, &stats) : 0;
 }

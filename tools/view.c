@@ -17,6 +17,9 @@ const char view_options_help[] =
     "  --up X,Y,Z          up in the picture (default 0,-1,0: y points down; 0,0,1 for scenes with z up)\n"
     "  --fov DEG           vertical field of view, 1 to 170 (default 50)\n"
     "  --size WxH          pixels (default: the view's own size, else 1280x720)\n"
+    "  --stereo DISTANCE   two pictures side by side, of eyes so far apart (scene units, above 0) about the camera;\n"
+    "                      order and colours are found once for both\n"
+    "  --stereo-exact      each eye as its camera alone would be rendered\n"
     "Rendering:\n"
     "  --bg RRGGBB         background (default 000000)\n"
     "  --cutoff NAME       mahalanobis (default) or square\n"
@@ -76,6 +79,12 @@ static int take_fov(double *fov, const char *value)
                ? 0 : fail(EXIT_USAGE, "--fov %s: expected 1 to 170 degrees", value);
 }
 
+static int take_stereo(double *distance, const char *value)
+{
+    return parse_vector(value, 1, distance) && *distance > 0
+               ? 0 : fail(EXIT_USAGE, "--stereo %s: expected a distance above 0", value);
+}
+
 int view_option(view_options *options, int which, const char *value)
 {
     uint64_t number = 0;
@@ -90,6 +99,8 @@ int view_option(view_options *options, int which, const char *value)
     case OPT_SIZE:
         return parse_size(value, &options->width, &options->height)
                    ? 0 : fail(EXIT_USAGE, "--size %s: expected WxH, each 1 to %d", value, FXS_MAX_SIZE);
+    case OPT_STEREO: return take_stereo(&options->stereo, value);
+    case OPT_STEREO_EXACT: options->stereo_exact = 1; break;
     case OPT_BG:
         return parse_colour(value, options->render.background)
                    ? 0 : fail(EXIT_USAGE, "--bg %s: expected six hex digits RRGGBB", value);
@@ -118,6 +129,8 @@ int view_options_check(const view_options *options)
         return fail(EXIT_USAGE, "--view needs --cameras");
     if (options->cameras && (options->has_eye || options->has_look))
         return fail(EXIT_USAGE, "--cameras and --eye or --look: give one camera");
+    if (options->stereo_exact && options->stereo <= 0)
+        return fail(EXIT_USAGE, "--stereo-exact needs --stereo");
     if (options->has_look && !options->has_eye)
         return fail(EXIT_USAGE, "--look needs --eye");
     return 0;
@@ -239,6 +252,8 @@ int renderer_init(renderer *r, const view_options *options)
     if (!backend_known(options->backend))
         return fail(EXIT_USAGE, "--backend %s: expected cpu, auto, gles, gles-quads or osmesa", options->backend);
     r->max_memory = options->max_memory;
+    r->stereo = options->stereo;
+    r->stereo_exact = options->stereo_exact;
     fxs_config config = {.threads = options->threads, .clock = fxs_clock};
     if (backend_open(&r->backend, options->backend, &config, &message))
         return fail(EXIT_FAILED, "--backend %s: %s", options->backend, message.text);
@@ -266,8 +281,10 @@ void renderer_free(renderer *r)
 
 static int make_room(renderer *r, const fxs_scene *scene, int width, int height)
 {
-    size_t bytes = fxs_frame_bytes(&r->context, scene, width, height, 0);
+    size_t bytes = r->stereo > 0 ? fxs_stereo_bytes(&r->context, scene, width, height)
+                                 : fxs_frame_bytes(&r->context, scene, width, height, 0);
     bytes = r->max_memory && r->max_memory < bytes ? r->max_memory : bytes;
+    width *= r->stereo > 0 ? 2 : 1;
     if (r->pixels && width == r->width && height == r->height && bytes <= r->memory_bytes)
         return 0;
     free(r->allocation);
@@ -284,17 +301,29 @@ static int make_room(renderer *r, const fxs_scene *scene, int width, int height)
     return 0;
 }
 
+/* The view from `offset` units to the right of its centre. */
+static int camera_beside(fxs_camera *camera, const fxs_file_view *view, double offset)
+{
+    fxs_message message;
+    fxs_file_view beside = *view;
+    for (int i = 0; i < 3; i++)
+        beside.position[i] += offset * view->rotation[i];
+    return fxs_camera_from_view(camera, &beside, &message) ? fail(EXIT_FAILED, "%s", message.text) : 0;
+}
+
 int renderer_render(renderer *r, const loaded_scene *loaded, const fxs_file_view *view, const fxs_options *options,
                     fxs_stats *stats)
 {
-    fxs_camera camera;
-    fxs_message message;
-    if (fxs_camera_from_view(&camera, view, &message))
-        return fail(EXIT_FAILED, "%s", message.text);
-    if (make_room(r, &loaded->scene, view->width, view->height))
+    fxs_camera cameras[2];
+    if (camera_beside(&cameras[0], view, -r->stereo / 2) || camera_beside(&cameras[1], view, r->stereo / 2) ||
+        make_room(r, &loaded->scene, view->width, view->height))
         return EXIT_FAILED;
-    int error = fxs_render(&r->context, &loaded->scene, &camera, options, r->memory, r->memory_bytes, r->pixels,
-                           (ptrdiff_t)view->width * 4, stats);
+    ptrdiff_t stride = (ptrdiff_t)r->width * 4;
+    void *const eyes[2] = {r->pixels, r->pixels + stride / 2};
+    int error = r->stereo > 0 ? fxs_render_stereo(&r->context, &loaded->scene, cameras, options, r->stereo_exact,
+                                                  r->memory, r->memory_bytes, eyes, stride, stats)
+                              : fxs_render(&r->context, &loaded->scene, cameras, options, r->memory, r->memory_bytes,
+                                           r->pixels, stride, stats);
     if (error == FXS_ERR_MEMORY)
         return fail(EXIT_FAILED, "view %s: a frame of %dx%d does not fit in --max-memory %zu: it needs at least %zu "
                     "bytes", view->name, view->width, view->height, r->max_memory, stats->memory.least);

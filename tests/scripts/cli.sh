@@ -132,7 +132,8 @@ done
 for bad in 'bg 12345' 'bg 12345g' 'cutoff round' 'sh-degree 4' 'sh-degree -1' 'threads 0' 'threads 65' 'cpu none' \
     'backend none' 'eye 1,2' 'eye 1,2,nan' 'look 1,2,3,4' 'up x' 'fov 0' 'fov 171' 'fov nan' 'max-memory 0' \
     'max-memory 1T' 'max-memory 1KB' 'max-memory -1' 'max-memory K' 'max-memory 99999999999G' \
-    'max-memory 99999999999999999999999999' 'max-memory'; do
+    'max-memory 99999999999999999999999999' 'max-memory' 'stereo 0' 'stereo -1' 'stereo nan' 'stereo 1,2' \
+    'stereo-exact' 'stereo 0.1 --stats'; do
     fails "--$bad" 2 "--${bad%% *}" render knot.ply $small --hash --$bad
 done
 for bad in 'crop 0,0,0,1,1' 'crop 0,0,0,1,1,1,1' 'crop 0,0,0,1,1,-1' 'crop nan,0,0,1,1,1' 'crop x' \
@@ -213,6 +214,18 @@ check "--alpha: nothing is nothing, whatever the background" all_zero clear.raw
 check "--alpha: coverage from 0 to 255" equal "$(od -An -v -tu1 coverage.raw |
     awk '{ for (i = 4; i <= NF; i += 4) { low += $i == 0; high += $i > 250; middle += $i > 9 && $i < 246 } }
          END { print (low > 0) + (high > 0) + (middle > 0) }')" 3
+# Side by side: the bytes of two cameras, once with --stereo-exact, each half a picture of its own.
+eyes='--eye 0,-2,-9 --look 0,-2,0'
+succeeds "--stereo" render knot.ply $small $eyes --stereo 0.5 -o eyes.ppm
+check "--stereo: twice as wide" equal "$(sed -n 2p eyes.ppm)" "128 48"
+"$fixsplat" render knot.ply $small $eyes --stereo 0.5 --stereo-exact -o exact.raw
+"$fixsplat" render knot.ply $small --eye -0.25,-2,-9 --look -0.25,-2,0 -o left.raw
+"$fixsplat" render knot.ply $small --eye 0.25,-2,-9 --look 0.25,-2,0 -o right.raw
+halves() { od -An -v -tx1 -w256 "$1" | awk "NR % 2 == $2"; }
+check "--stereo-exact: the left half" equal "$(halves exact.raw 1)" "$(od -An -v -tx1 -w256 left.raw)"
+check "--stereo-exact: the right half" equal "$(halves exact.raw 0)" "$(od -An -v -tx1 -w256 right.raw)"
+fails "--stereo: too little memory" 1 "it needs at least [0-9]* bytes$" render knot.ply $small --stereo 0.5 \
+    --max-memory 300K --hash
 succeeds "16384x1" render knot.ply --size 16384x1 -o long.png
 succeeds "1x16384" render knot.ply --size 1x16384 -o tall.png
 succeeds "--eye inside a Gaussian" render knot.ply $small --eye 0,0.9,0 --hash

@@ -1,0 +1,365 @@
+/* Two eyes at once: exact, the bytes of two frames; shared, the same bytes on any number of threads and by every
+ * version of the stages, the tile lists of two frames, and pictures close to theirs. */
+#include <inttypes.h>
+#include <math.h>
+#include <unistd.h>
+
+#include "../port/formats/camera.h"
+#include "../port/formats/pack.h"
+#include "../port/formats/ply_write.h"
+#include "../port/posix/pool.h"
+#include "../tools/metrics.h"
+#include "../tools/procedural.h"
+#include "random_scene.h"
+#ifdef FXS_WITH_KERNELS
+#include "../kernels/kernels.h"
+#endif
+
+enum { GUARD = 0xa5, GUARD_BYTES = 256, CASES = 80 };
+#define EXPECTED 0x5c68910efa0b69b8u
+#define FLOOR 50.0
+
+typedef struct pair {
+    fxs_scene scene;
+    fxs_camera cameras[2];
+    fxs_options options;
+    ptrdiff_t stride;              /* of the two pictures side by side */
+    size_t bytes;                  /* of both */
+    fxs_stats stats;
+} pair;
+
+static pair pair_of(const fxs_scene *scene, const fxs_camera cameras[2], const fxs_options *options)
+{
+    pair p = {*scene, {cameras[0], cameras[1]}, *options, 0, 0, {0}};
+    p.stride = 2 * (ptrdiff_t)cameras[0].width * (options->format == FXS_FORMAT_RGB565 ? 2 : 4);
+    p.bytes = (size_t)p.stride * (size_t)cameras[0].height;
+    return p;
+}
+
+static int untouched(const unsigned char *bytes, size_t count)
+{
+    while (count > 0 && *bytes == GUARD)
+        bytes++, count--;
+    return count == 0;
+}
+
+/* Both pictures, in exactly `memory_bytes` bytes. */
+static int render(pair *p, const fxs_context *context, int exact, size_t memory_bytes, unsigned char *pixels)
+{
+    unsigned char *memory = check_aligned(memory_bytes + GUARD_BYTES);
+    void *const eyes[2] = {pixels, pixels + p->stride / 2};
+    memset(memory, GUARD, memory_bytes + GUARD_BYTES);
+    memset(pixels, GUARD, p->bytes);
+    int error = fxs_render_stereo(context, &p->scene, p->cameras, &p->options, exact, memory, memory_bytes, eyes,
+                                  p->stride, &p->stats);
+    CHECK(untouched(memory + memory_bytes, GUARD_BYTES));
+    free(memory);
+    return error;
+}
+
+static size_t bytes_of(const pair *p, const fxs_context *context)
+{
+    return fxs_stereo_bytes(context, &p->scene, p->cameras[0].width, p->cameras[0].height);
+}
+
+/* Two frames, by fxs_render. Returns their list entries. */
+static uint64_t render_alone(const pair *p, const fxs_context *context, unsigned char *pixels)
+{
+    size_t bytes = fxs_frame_bytes(context, &p->scene, p->cameras[0].width, p->cameras[0].height, 0);
+    void *memory = check_aligned(bytes);
+    fxs_stats stats[2];
+    for (int eye = 0; eye < 2; eye++)
+        CHECK(!fxs_render(context, &p->scene, &p->cameras[eye], &p->options, memory, bytes,
+                          pixels + eye * p->stride / 2, p->stride, &stats[eye]));
+    free(memory);
+    return stats[0].entries + stats[1].entries;
+}
+
+/* ---- Random scenes ----------------------------------------------------------------------------------------------- */
+
+/* Eyes by the case: that look elsewhere, at one place, side by side (twice), apart in any direction. */
+enum { ELSEWHERE, ONE_PLACE, APART = 4, KINDS };
+
+static void random_pair(fxs_camera cameras[2], fxs_options *options, int which)
+{
+    random_camera(&cameras[0]);
+    random_camera(&cameras[1]);
+    cameras[1].width = cameras[0].width;
+    cameras[1].height = cameras[0].height;
+    if (which % KINDS != ELSEWHERE)
+        cameras[1] = cameras[0];
+    int32_t distance_q16 = between(1, 20000);
+    for (int i = 0; i < 3 && which % KINDS > ONE_PLACE; i++)
+        cameras[1].position_q32[i] += which % KINDS == APART ? (int64_t)between(-65536, 65536) * 4096
+                                                             : (int64_t)cameras[0].rotation_q30[i] * distance_q16 >> 14;
+    fxs_options_default(options);
+    options->cutoff = (enum fxs_cutoff)(which / 3 % 2);
+    options->format = (enum fxs_format)between(0, 2);
+    options->sh_degree = which % 4;
+}
+
+/* Where order and colours are those of two frames: the eyes do not share them, or they are equal. */
+static int is_exact(const pair *p, int which)
+{
+    int flat = !p->options.sh_degree || !p->scene.sh_degree;
+    return which % KINDS == ONE_PLACE || (flat && (which % KINDS == ELSEWHERE || which % KINDS == APART));
+}
+
+static uint64_t hash_of(const unsigned char *bytes, size_t count)
+{
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (size_t i = 0; i < count; i++)
+        hash = (hash ^ bytes[i]) * 0x100000001b3u;
+    return hash;
+}
+
+/* In just enough memory; one byte less is refused with nothing written. Returns the hash of the shared pictures. */
+static uint64_t check_pair(pair *p, const fxs_context *context, const unsigned char *alone, uint64_t entries, int which)
+{
+    unsigned char *pixels = malloc(p->bytes);
+    size_t bytes = bytes_of(p, context);
+    for (int exact = 0; exact < 2; exact++) {
+        CHECK(render(p, context, exact, bytes - 1, pixels) == FXS_ERR_MEMORY && p->stats.memory.least == bytes);
+        CHECK(untouched(pixels, p->bytes));
+    }
+    CHECK(!render(p, context, 1, bytes, pixels) && !memcmp(pixels, alone, p->bytes));
+    CHECK(p->stats.entries == entries && p->stats.bands == 2);
+    CHECK(!render(p, context, 0, bytes, pixels));
+    CHECK(p->stats.entries == entries && p->stats.bands == 1 && p->stats.memory.total == bytes);
+    uint64_t hash = hash_of(pixels, p->bytes);
+    if (is_exact(p, which))
+        CHECK(!memcmp(pixels, alone, p->bytes));
+    CHECK(!render(p, context, 0, 2 * bytes, pixels) && hash_of(pixels, p->bytes) == hash);
+    free(pixels);
+    return hash;
+}
+
+static uint64_t check_case(int which)
+{
+    fxs_scene scene;
+    fxs_camera cameras[2];
+    fxs_options options;
+    fxs_context context;
+    state = (uint64_t)which * 0x7654321u;
+    const packed_scene packed = random_scene((enum fxs_profile)(which % 3), which % 10 ? 3000 : 20000);
+    CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
+    random_pair(cameras, &options, which);
+    pair p = pair_of(&scene, cameras, &options);
+    unsigned char *alone = malloc(p.bytes);
+    fxs_init(&context, 0);
+    uint64_t entries = render_alone(&p, &context, alone), hash = check_pair(&p, &context, alone, entries, which);
+    for (uint32_t threads = 1; threads <= 4; threads *= 2) {
+        fxs_config config = {.run = fxs_pool_run, .pool = fxs_pool_create(threads), .threads = threads};
+        fxs_init(&context, &config);
+        CHECK(check_pair(&p, &context, alone, entries, which) == hash);
+#ifdef FXS_WITH_KERNELS
+        fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
+        CHECK(check_pair(&p, &context, alone, entries, which) == hash);
+#endif
+        fxs_pool_destroy(config.pool);
+    }
+    free(alone);
+    free(packed.data);
+    return hash;
+}
+
+static void test_random_pairs(void)
+{
+    uint64_t sum = 0;
+    for (int i = 0; i < CASES && !check_faults; i++)
+        sum = sum * 3 + check_case(i);
+    printf("  %d random pairs: %016" PRIx64 "\n", CASES, sum);
+    CHECK(sum == EXPECTED);
+}
+
+static void test_arguments(void)
+{
+    fxs_scene scene;
+    fxs_camera cameras[2];
+    fxs_options options;
+    fxs_context context;
+    state = 1;
+    const packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 500);
+    CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
+    random_pair(cameras, &options, 2);
+    fxs_init(&context, 0);
+    pair p = pair_of(&scene, cameras, &options), other = p;
+    unsigned char *pixels = malloc(p.bytes);
+    size_t bytes = bytes_of(&p, &context);
+    CHECK(bytes > fxs_frame_bytes(&context, &scene, cameras[0].width, cameras[0].height, 0));
+    CHECK(!fxs_stereo_bytes(&context, &scene, 0, 1) && !fxs_stereo_bytes(&context, 0, 1, 1));
+    for (int eye = 0; eye < 2; eye++)
+        for (int exact = 0; exact < 2; exact++) {
+            other = p;
+            other.cameras[eye].height++;
+            CHECK(render(&other, &context, exact, 2 * bytes, pixels) == FXS_ERR_SIZE && untouched(pixels, p.bytes));
+            other = p;
+            other.cameras[eye].fx_q12 = 0;
+            CHECK(render(&other, &context, exact, bytes, pixels) == FXS_ERR_CAMERA && untouched(pixels, p.bytes));
+            void *eyes[2] = {pixels, pixels};
+            eyes[eye] = 0;
+            CHECK(fxs_render_stereo(&context, &scene, cameras, &options, exact, pixels, bytes, eyes, p.stride, 0) ==
+                  FXS_ERR_ARGUMENT);
+        }
+    CHECK(fxs_render_stereo(&context, &scene, 0, &options, 0, pixels, bytes, (void *[]){pixels, pixels}, p.stride, 0) ==
+          FXS_ERR_ARGUMENT);
+    free(pixels);
+    free(packed.data);
+}
+
+/* ---- The difference to each eye alone ---------------------------------------------------------------------------- */
+
+enum { WIDTH = 640, HEIGHT = 360 };
+static const double up[3] = {0, -1, 0};
+
+/* The eyes, 2 % of the distance to the middle of the scene apart; the left one turned right by `turn` degrees, the
+   right one left. */
+static int eyes_of(fxs_camera cameras[2], const fxs_file_view *view, const fxs_pack_report *report, double turn)
+{
+    fxs_message m;
+    double square = 0;
+    for (int i = 0; i < 3; i++)
+        square += pow((report->inner_low[i] + report->inner_high[i]) / 2 - view->position[i], 2);
+    for (int eye = 0; eye < 2; eye++) {
+        fxs_file_view beside = *view;
+        for (int i = 0; i < 3; i++)
+            beside.position[i] += (eye ? 0.01 : -0.01) * sqrt(square) * view->rotation[i];
+        fxs_view_orbit(&beside, beside.position, view->rotation + 3, (eye ? -1 : 1) * turn * 0.017453292519943295);
+        if (fxs_camera_from_view(&cameras[eye], &beside, &m))
+            return -1;
+    }
+    return 0;
+}
+
+static void copy_eye(uint8_t *eye, const pair *p, const unsigned char *pixels, int which)
+{
+    for (int y = 0; y < HEIGHT; y++)
+        memcpy(eye + y * WIDTH * 4, pixels + y * p->stride + which * WIDTH * 4, WIDTH * 4);
+}
+
+/* Returns the PSNR of the worse eye. */
+static double worse_psnr(const fxs_scene *scene, const fxs_camera cameras[2])
+{
+    static uint8_t eyes[2][WIDTH * HEIGHT * 4];
+    fxs_context context;
+    fxs_options options;
+    struct fxs_metrics metrics;
+    double worse = INFINITY;
+    fxs_init(&context, 0);
+#ifdef FXS_WITH_KERNELS
+    fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
+#endif
+    fxs_options_default(&options);
+    pair p = pair_of(scene, cameras, &options);
+    unsigned char *shared = malloc(p.bytes), *alone = malloc(p.bytes);
+    CHECK(!render(&p, &context, 0, bytes_of(&p, &context), shared));
+    CHECK(!render(&p, &context, 1, bytes_of(&p, &context), alone));
+    for (int eye = 0; eye < 2; eye++) {
+        copy_eye(eyes[0], &p, shared, eye);
+        copy_eye(eyes[1], &p, alone, eye);
+        CHECK(!fxs_metrics_compare(eyes[0], eyes[1], WIDTH, HEIGHT, &metrics));
+        worse = fmin(worse, metrics.psnr);
+    }
+    free(shared);
+    free(alone);
+    return worse;
+}
+
+static void check_view(const fxs_packed_scene *packed, const fxs_pack_report *report, const fxs_file_view *view)
+{
+    static const double turns[] = {0, 1, -5};
+    fxs_scene scene;
+    fxs_camera cameras[2];
+    CHECK(!fxs_scene_open(&scene, packed->data, packed->bytes));
+    for (int i = 0; i < 3; i++) {
+        if (!CHECK(!eyes_of(cameras, view, report, turns[i])))
+            return;
+        double psnr = worse_psnr(&scene, cameras);
+        printf("  %s, turned %g degrees: %.1f dB\n", view->name, turns[i], psnr);
+        CHECK(psnr >= FLOOR);
+    }
+}
+
+static int pack(const char *path, fxs_packed_scene *packed, fxs_pack_report *report)
+{
+    fxs_message m;
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    if (fxs_scene_file_open(path, NULL, &file, &info, &m))
+        return -1;
+    int result = fxs_pack(file, &info, packed, report, NULL, &m);
+    fxs_scene_file_close(file);
+    return result;
+}
+
+static void test_captured_scene(void)
+{
+    char path[512];
+    fxs_message m;
+    fxs_packed_scene packed;
+    fxs_pack_report report;
+    fxs_file_view *views = 0;
+    const char *folder = getenv("FXS_SCENES");
+    folder = folder ? folder : "../shared/scenes";
+    snprintf(path, sizeof path, "%s/snowmiku/snowmiku.ply", folder);
+    if (access(path, R_OK))
+        SKIP("the scene is not here");
+    if (!CHECK(!pack(path, &packed, &report)))
+        return;
+    snprintf(path, sizeof path, "%s/snowmiku/cameras.json", folder);
+    long count = fxs_camera_file_read(path, &views, &m);
+    CHECK(count > 72);
+    for (long i = 8; i < count && i <= 72; i += 32) {
+        fxs_view_resize(&views[i], WIDTH, HEIGHT);
+        check_view(&packed, &report, &views[i]);
+    }
+    free(views);
+    fxs_packed_scene_free(&packed);
+}
+
+static int write_scene(const char *path, const char *name, uint64_t count)
+{
+    fxs_message m;
+    fxs_ply_writer *writer;
+    const fxs_procedural_scene *scene = fxs_procedural_find(name);
+    if (fxs_ply_writer_open(path, count, scene->sh_degree, 0, &writer, &m))
+        return -1;
+    for (uint64_t i = 0; i < count; i++) {
+        fxs_gaussian gaussian;
+        scene->gaussian(i, count, 1, &gaussian);
+        fxs_ply_writer_put(writer, &gaussian, 1, &m);
+    }
+    return fxs_ply_writer_close(writer, &m);
+}
+
+static void check_procedural(const char *name, const double eye[3], const double look[3])
+{
+    char path[] = "/tmp/fixsplat-stereo-XXXXXX";
+    fxs_message m;
+    fxs_packed_scene packed;
+    fxs_pack_report report;
+    fxs_file_view view;
+    int fd = mkstemp(path);
+    if (CHECK(fd >= 0 && !close(fd) && !write_scene(path, name, 50000) && !pack(path, &packed, &report))) {
+        CHECK(!fxs_view_look_at(&view, eye, look, up, 50, WIDTH, HEIGHT, &m));
+        snprintf(view.name, sizeof view.name, "%s", name);
+        check_view(&packed, &report, &view);
+        fxs_packed_scene_free(&packed);
+    }
+    unlink(path);
+}
+
+static void test_procedural_scenes(void)
+{
+    check_procedural("knot", (const double[3]){0.9, -2.6, -12.8}, (const double[3]){0, 0.42, 0});
+    check_procedural("landscape", (const double[3]){4.6, -1.9, -12.7}, (const double[3]){0, -2.2, 0});
+}
+
+int main(void)
+{
+    RUN(test_random_pairs);
+    RUN(test_arguments);
+    RUN(test_procedural_scenes);
+    RUN(test_captured_scene);
+    return check_report();
+}
