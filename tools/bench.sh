@@ -159,7 +159,7 @@ gles_rows() {
 gles() {
     device=$("$B/fixsplat" info --backends | sed -n 's/^gles  *here: \(.*\) (OpenGL.*/\1/p')
     [ "$device" ] || return 0
-    printf '### OpenGL ES\n\nOn %s, 1280x720, milliseconds, %s threads. blend: for a back end, upload, draw and reading back; device: ' \
+    printf 'On %s, 1280x720, milliseconds, %s threads. blend: for a back end, upload, draw and reading back; device: ' \
         "$device" $two
     printf 'the part of it from the first upload to the last draw, by the device.\n\n'
     printf '| scene, back end | frame | blend | device | against cpu |\n|---|---|---|---|---|\n'
