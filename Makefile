@@ -44,17 +44,21 @@ PORT := $(wildcard port/formats/*.c port/posix/*.c)
 PORT += $(if $(findstring WITH_EGL,$(FEATURES)),$(wildcard port/egl/*.c))
 PORT += $(if $(findstring WITH_OSMESA,$(FEATURES)),$(wildcard port/osmesa/*.c))
 WINDOW := $(if $(WINDOW_LIBS),$(wildcard port/window/*.c) tools/viewer.c)
-TOOL := $(filter-out tools/viewer.c,$(wildcard tools/*.c)) $(WINDOW)
+TOOL := $(filter-out tools/viewer%,$(wildcard tools/*.c))
+PROGRAMS := $(B)/fixsplat $(if $(WINDOW),$(B)/fixsplat-view)
 TOOL_SHARED := tools/backend.c tools/metrics.c tools/procedural.c
 objects = $(patsubst %.c,$(B)/%.o,$(1))
 
-all: $(B)/fixsplat $(B)/libfixsplat.a
+all: $(PROGRAMS) $(B)/libfixsplat.a
 
 $(B)/libfixsplat.a: $(call objects,$(CORE) $(PORT))
 	@rm -f $@
 	$(AR) rcs $@ $^
 
 $(B)/fixsplat: $(call objects,$(TOOL)) $(B)/libfixsplat.a
+	$(CC) $(FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS)
+
+$(B)/fixsplat-view: $(call objects,tools/viewer_main.c $(WINDOW) $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a
 	$(CC) $(FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS) $(WINDOW_LIBS)
 
 $(B)/%.o: %.c
@@ -97,7 +101,7 @@ PUBLIC := src/fixsplat.h src/packed.h kernels/kernels.h kernels/gles/gles.h port
 
 install: all ## install to $(DESTDIR)$(PREFIX): command, library, headers, pkg-config file
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig
-	install $(B)/fixsplat $(DESTDIR)$(PREFIX)/bin/
+	install $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin/
 	install -m 644 $(B)/libfixsplat.a $(DESTDIR)$(PREFIX)/lib/
 	for f in $(PUBLIC); do \
 	    install -D -m 644 $$f $(DESTDIR)$(PREFIX)/include/fixsplat/$$f || exit 1; done

@@ -8,6 +8,7 @@
 #include "../port/formats/image_file.h"
 #include "../port/posix/clock.h"
 #include "../port/window/motion.h"
+#include "window.h"
 
 enum { OVERLAY_WIDTH = 480, OVERLAY_HEIGHT = 440, STILL_MS = 150, FRAME_MS = 16 };
 

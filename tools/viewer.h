@@ -41,7 +41,5 @@ void viewer_close(viewer *v);
    end. */
 void viewer_step(viewer *v, int milliseconds);
 
-/* The keys, a line each. */
-extern const char viewer_keys[];
 
 #endif

@@ -1,9 +1,11 @@
 /* fixsplat view */
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "../port/formats/image_file.h"
-#include "viewer.h"
+#include "window.h"
 
 const char viewer_keys[] =
     "left drag      orbit\n"
@@ -37,14 +39,9 @@ static const char help[] =
     "  fixsplat view scene.ply --cameras cameras.json --view 8\n"
     "  fixsplat view scene.ply --up 0,0,1 --size 1920x1080 --screenshot shot.png\n";
 
-typedef struct window_options {
-    view_options view;
-    const char *scene, *screenshot;
-} window_options;
-
 enum { OPT_SCREENSHOT = OPT_OWN };
 
-static int take_options(window_options *o, int argc, char **argv)
+int window_options_take(window_options *o, int argc, char **argv)
 {
     static const struct option table[] = {VIEW_OPTIONS, {"screenshot", required_argument, 0, OPT_SCREENSHOT},
                                           {0, 0, 0, 0}};
@@ -71,20 +68,19 @@ static int take_options(window_options *o, int argc, char **argv)
 }
 
 #ifdef FXS_WITH_SDL
-static int show(const window_options *o)
+/* The window's libraries are many, and the other commands do without: a program beside this one has them. */
+static int show(const window_options *o, char **argv)
 {
-    viewer v;
-    int status = viewer_open(&v, &o->view, o->scene, o->screenshot);
-    if (status)
-        return status;
-    while (!v.quit)
-        viewer_step(&v, -1);
-    viewer_close(&v);
-    return EXIT_OK;
+    char path[4096] = "fixsplat";
+    ssize_t length = readlink("/proc/self/exe", path, sizeof path - sizeof "-view");
+    strcpy(path + (length > 0 ? (size_t)length : strlen(path)), "-view");
+    execvp(path, argv);
+    return fail(EXIT_FAILED, "%s: cannot be shown: %s: %s", o->scene, path, strerror(errno));
 }
 #else
-static int show(const window_options *o)
+static int show(const window_options *o, char **argv)
 {
+    (void)argv;
     return fail(EXIT_FAILED, "%s: cannot be shown: this program was built without SDL2", o->scene);
 }
 #endif
@@ -92,6 +88,6 @@ static int show(const window_options *o)
 int command_view(int argc, char **argv)
 {
     window_options o;
-    int status = take_options(&o, argc, argv);
-    return status ? status : show(&o);
+    int status = window_options_take(&o, argc, argv);
+    return status ? status : show(&o, argv);
 }
