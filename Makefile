@@ -33,15 +33,28 @@ isa = $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mav
       -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi $(CLANG_14))))
 FEATURES += $(if $(KERNELS),-DFXS_WITH_KERNELS)
 
+# The CUDA back end, where there is a compiler for it: machine code for sm_90, PTX for other GPUs from sm_80 on.
+NVCC ?= nvcc
+NVCC_PATH := $(shell command -v $(NVCC) 2>/dev/null)
+NVCC_FLAGS = -O3 -std=c++17 -diag-suppress 177 -gencode arch=compute_90,code=sm_90 \
+             -gencode arch=compute_80,code=compute_80 -Xcompiler -fno-exceptions,-fno-rtti,-fno-threadsafe-statics
+ifneq ($(NVCC_PATH),)
+CUDA := kernels/cuda/cuda.cu
+FEATURES += -DFXS_WITH_CUDA
+LIBS += $(shell $(NVCC) --dryrun -x cu /dev/null 2>&1 | sed -n 's/.*LIBRARIES=//p') -lcudart_static -ldl -lrt
+else ifneq ($(filter-out clean help,$(or $(MAKECMDGOALS),all)),)
+$(info no $(NVCC): built without the CUDA back end)
+endif
+
 CORE := $(wildcard src/*.c) $(KERNELS)
 PORT := $(wildcard port/formats/*.c port/posix/*.c)
 TOOL := $(wildcard tools/*.c)
 TOOL_SHARED := tools/metrics.c tools/procedural.c
-objects = $(patsubst %.c,$(B)/%.o,$(1))
+objects = $(patsubst %.cu,$(B)/%.o,$(patsubst %.c,$(B)/%.o,$(1)))
 
 all: $(B)/fixsplat $(B)/libfixsplat.a
 
-$(B)/libfixsplat.a: $(call objects,$(CORE) $(PORT))
+$(B)/libfixsplat.a: $(call objects,$(CORE) $(PORT) $(CUDA))
 	@rm -f $@
 	$(AR) rcs $@ $^
 
@@ -51,6 +64,10 @@ $(B)/fixsplat: $(call objects,$(TOOL)) $(B)/libfixsplat.a
 $(B)/%.o: %.c
 	@mkdir -p $(@D)
 	$(CC) $(FLAGS) $(call isa,$*) -MMD -MP -c -o $@ $<
+
+$(B)/%.o: %.cu
+	@mkdir -p $(@D)
+	$(NVCC) $(NVCC_FLAGS) -MMD -MP -c -o $@ $<
 
 -include $(shell find $(B) -name '*.d' 2>/dev/null)
 
@@ -98,6 +115,12 @@ test: ## run every test
 	@FXS_SCENES=$(SCENES) B=$(B) sh tests/run.sh
 
 test-programs: $(TESTS)
+
+# Needs a GPU: see tests/gpu/cuda.sh.
+$(B)/tests/gpu/%: $(B)/tests/gpu/%.o $(B)/tests/gpu/peek.o $(B)/libfixsplat.a
+	$(CC) $(FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS)
+
+cuda-tests: $(B)/tests/gpu/test_cuda $(B)/tests/gpu/bench_cuda
 
 golden-update: all $(B)/tests/test_golden ## write the golden images anew (and say why in the commit)
 	$(B)/tests/test_golden --update
