@@ -1,6 +1,6 @@
-/* blend and resolve. A warp has 8x8 pixels, two a lane, and walks the list of their tile by itself. 32 splats at a time
- * are tested against the 8 rows, a splat a lane; those that can touch a pixel are queued in shared memory, then all
- * lanes take them one by one.
+/* sort, blend and resolve. A group of 4 warps has a tile: it sorts the next keys of the tile's list, and each warp blends
+ * them over its 8x8 pixels, two a lane, until all pixels are closed. A warp tests 32 splats at a time against its 8
+ * rows, a splat a lane; those that can touch a pixel are queued in shared memory, then all lanes take them one by one.
  *
  * Levels are integers in float registers, twice the level of pixel.h plus the bit that its rounding drops: with c =
  * coordinate_q13 2^-7,
@@ -10,32 +10,41 @@
 #ifndef FXS_CUDA_BLEND_CUH
 #define FXS_CUDA_BLEND_CUH
 
-#include "stages.cuh"
+#include "sort.cuh"
 
 namespace {
 
-const uint32_t BLEND_THREADS = 1024, BLEND_WARPS = BLEND_THREADS / WARP;
-const int REGION = 8;                      /* pixels, across and down */
-const uint32_t REGIONS = 4;                /* of a tile */
+const uint32_t GROUPS = 8, BLEND_THREADS = GROUPS * GROUP_THREADS;
+const int REGION = 8;                      /* pixels of a warp, across and down */
 const int LEVEL_ONE = 0x4b000000;          /* 2^23 as a float, in bits */
 
-/* A splat at a region. */
+/* A splat on a row of a region. */
 struct queued_row {
     uint32_t u_q24;                        /* at its first pixel */
     float level;                           /* 2^23 + 2 row_level + 1 */
 };
 
-struct queued_rest {
+/* A splat at a region. Its 80 bytes put 8 lanes' 16 bytes in different banks. */
+struct alignas(16) queued_splat {
+    queued_row rows[REGION / 2][2];        /* a lane's two */
     uint32_t ux_q24;
     int limit;                             /* of the level's bits */
     uint32_t red_green, blue;
 };
 
+struct group_shared {
+    group_keys keys;
+    union {
+        queued_splat queues[GROUP_WARPS][WARP];
+        uint32_t bins[BINS];
+    };
+    uint32_t tile, count;
+};
+
 struct blend_shared {
+    group_shared groups[GROUPS];
     uint16_t alpha_q15[FXS_FAINT_Q11 + 1]; /* fxs_alpha_q15 */
-    alignas(16) queued_row rows[BLEND_WARPS][WARP][REGION];
-    queued_rest rest[BLEND_WARPS][WARP];
-    uint32_t next_region;
+    uint32_t next_turn;
 };
 
 struct pixel {
@@ -61,14 +70,14 @@ __device__ inline int limit_bits(int offset_q11, int cut_q11)
     return LEVEL_ONE + 2 * fxs_limit_q11(offset_q11, cut_q11) + 1;
 }
 
-__device__ inline void blend_pixel(pixel *p, const blend_shared *shared, uint32_t u_q24, float level_of_row,
-                                   const queued_rest *s)
+__device__ inline void blend_pixel(pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t across_q24,
+                                   const queued_splat *s)
 {
-    const float u = coordinate_q6(u_q24);
-    const int level = __float_as_int(__fmaf_rd(u, u, level_of_row));
+    const float u = coordinate_q6(row.u_q24 + across_q24);
+    const int level = __float_as_int(__fmaf_rd(u, u, row.level));
     int alpha = 0;
     if (level <= s->limit && p->transmittance >= FXS_CLOSED_Q15)
-        alpha = shared->alpha_q15[(level & 0xffff) >> 1];
+        alpha = alpha_q15[(level & 0xffff) >> 1];
     const int weight = fxs_weight_q15(alpha, p->transmittance);
     p->transmittance -= weight;
     /* Sums only grow: cut to 32767 once, by resolve. */
@@ -77,66 +86,69 @@ __device__ inline void blend_pixel(pixel *p, const blend_shared *shared, uint32_
     p->sum[2] += fxs_mul_q15(weight, (int)s->blue);
 }
 
-/* Whether a splat can touch a pixel of the region at (x, y), and its rows there. u grows along a row, so the least |u|
-   is at an end or 0 between them. */
-__device__ inline bool place_rows(queued_row rows[REGION], const fxs_splat *s, int limit, int32_t x, int32_t y)
+/* Puts a splat at the region at (x, y), but for its colour. Returns whether it can touch a pixel there. u grows along a
+   row, so the least |u| is at an end, or 0 between them. */
+__device__ inline bool place_splat(queued_splat *q, const fxs_splat *s, const fxs_view *view, int32_t x, int32_t y)
 {
     uint32_t u = s->u0_q24 + (uint32_t)x * (uint32_t)s->ux_q24 + (uint32_t)y * (uint32_t)s->uy_q24;
     uint32_t v = s->v0_q24 + (uint32_t)y * (uint32_t)s->vy_q24;
     bool touched = false;
+    q->ux_q24 = (uint32_t)s->ux_q24;
+    q->limit = LEVEL_ONE + 2 * fxs_limit_q11(s->offset_q11, view->cut_q11) + 1;
+#pragma unroll
     for (int row = 0; row < REGION; row++) {
         const float left = coordinate_q6(u), right = coordinate_q6(u + (REGION - 1) * (uint32_t)s->ux_q24);
         const float least = fmaxf(fmaxf(left, -right), 0.0f);
-        rows[row].u_q24 = u;
-        rows[row].level = row_level(v, s->offset_q11);
-        touched |= __float_as_int(__fmaf_rd(least, least, rows[row].level)) <= limit;
+        const queued_row placed = {u, row_level(v, s->offset_q11)};
+        q->rows[row % (REGION / 2)][row / (REGION / 2)] = placed;
+        touched |= __float_as_int(__fmaf_rd(least, least, placed.level)) <= q->limit;
         u += (uint32_t)s->uy_q24;
         v += (uint32_t)s->vy_q24;
     }
     return touched;
 }
 
-/* Tests one splat a lane and queues those that touch the region. Returns how many. */
-__device__ inline uint32_t queue_splats(blend_shared *shared, uint32_t warp, const frame_buffers *f,
-                                        const fxs_view *view, uint64_t entry, bool listed, int32_t x, int32_t y)
+/* Tests one splat a lane, and queues those that can touch the region. Returns how many. */
+__device__ inline uint32_t queue_splats(queued_splat queue[WARP], const fxs_splat *splats, const fxs_view *view,
+                                        uint32_t entry, bool listed, int32_t x, int32_t y)
 {
-    queued_row rows[REGION];
-    fxs_splat s;
-    int limit = 0;
+    queued_splat q;
     bool touched = false;
-    if (listed && !((uint32_t)entry & FXS_ENTRY_FAR)) {
-        s = f->splats[(uint32_t)entry];
-        limit = limit_bits(s.offset_q11, view->cut_q11);
-        touched = place_rows(rows, &s, limit, x, y);
+    if (listed && !(entry & FXS_ENTRY_FAR)) {
+        const fxs_splat s = splats[entry];
+        touched = place_splat(&q, &s, view, x, y);
+        q.red_green = (uint32_t)s.colour_q13[0] | (uint32_t)s.colour_q13[1] << 16;
+        q.blue = (uint32_t)s.colour_q13[2];
     }
     const unsigned lanes = __ballot_sync(ALL_LANES, touched);
-    if (touched) {
-        const uint32_t place = (uint32_t)__popc(lanes & ((1u << lane_index()) - 1));
-        for (int row = 0; row < REGION; row++)
-            shared->rows[warp][place][row] = rows[row];
-        shared->rest[warp][place] = {(uint32_t)s.ux_q24, limit,
-                                     (uint32_t)s.colour_q13[0] | (uint32_t)s.colour_q13[1] << 16,
-                                     (uint32_t)s.colour_q13[2]};
-    }
+    if (touched)
+        queue[__popc(lanes & ((1u << lane_index()) - 1))] = q;
     __syncwarp();
     return (uint32_t)__popc(lanes);
 }
 
-__device__ inline void blend_region(pixel p[2], blend_shared *shared, uint32_t warp, const frame_buffers *f,
-                                    const fxs_view *view, const uint64_t *list, uint32_t count, int32_t x, int32_t y)
+__device__ inline bool is_open(const pixel p[2])
 {
-    const uint32_t lane = lane_index(), column = lane % REGION, row = lane / REGION;
-    for (uint32_t first = 0; first < count; first += WARP) {
-        if (!__any_sync(ALL_LANES, p[0].transmittance >= FXS_CLOSED_Q15 || p[1].transmittance >= FXS_CLOSED_Q15))
-            break;
+    return p[0].transmittance >= FXS_CLOSED_Q15 || p[1].transmittance >= FXS_CLOSED_Q15;
+}
+
+/* Blends sorted keys over the region at (x, y). */
+__device__ inline void blend_keys(pixel p[2], const uint64_t *keys, uint32_t count, queued_splat queue[WARP],
+                                  const uint16_t *alpha_q15, const fxs_splat *splats, const fxs_view *view, int32_t x,
+                                  int32_t y)
+{
+    const uint32_t lane = lane_index();
+    for (uint32_t first = 0; first < count && __any_sync(ALL_LANES, is_open(p)); first += WARP) {
         const bool listed = first + lane < count;
-        const uint32_t queued = queue_splats(shared, warp, f, view, listed ? list[first + lane] : 0, listed, x, y);
+        const uint32_t entry = listed ? (uint32_t)keys[first + lane] : 0;
+        const uint32_t queued = queue_splats(queue, splats, view, entry, listed, x, y);
+#pragma unroll 2
         for (uint32_t i = 0; i < queued; i++) {
-            const queued_rest s = shared->rest[warp][i];
-            const uint32_t across = column * s.ux_q24;
-            const queued_row upper = shared->rows[warp][i][row], lower = shared->rows[warp][i][row + REGION / 2];
-            blend_pixel(&p[0], shared, upper.u_q24 + across, upper.level, &s);
-            blend_pixel(&p[1], shared, lower.u_q24 + across, lower.level, &s);
+            const queued_splat *s = &queue[i];
+            const queued_row upper = s->rows[lane / REGION][0], lower = s->rows[lane / REGION][1];
+            const uint32_t across = lane % REGION * s->ux_q24;
+            blend_pixel(&p[0], alpha_q15, upper, across, s);
+            blend_pixel(&p[1], alpha_q15, lower, across, s);
         }
         __syncwarp();
     }
@@ -167,42 +179,77 @@ __device__ inline void store_pixel(const target *t, const pixel *p, int32_t x, i
         ((uint32_t *)row)[x] = packed.word;
 }
 
-/* A block has tiles blockIdx.x, + gridDim.x, ... in the order of their lists' lengths; its warps take their regions as
-   they come. */
+/* The tile that is `turn`th, long lists first. */
+__device__ uint32_t tile_of_turn(const frame_buffers *f, uint32_t tiles, uint32_t turn)
+{
+    uint32_t magnitude = 31;
+    for (; turn >= f->status->classes[magnitude]; magnitude--)
+        turn -= f->status->classes[magnitude];
+    return f->classes[magnitude * tiles + turn];
+}
+
+/* Sorts and blends a tile's list, over the region at (x, y) of each warp. */
+__device__ void blend_list(pixel p[2], group_shared *own, const uint16_t *alpha_q15, const frame_buffers *f,
+                           const fxs_view *view, const group *g, int32_t x, int32_t y)
+{
+    const uint32_t all = own->count;
+    const uint64_t *list = f->entries + (f->next[own->tile] - all);
+    rounds r = {0, 0};
+    if (all > ROUND_KEYS)
+        r = begin_rounds(&own->keys, list, all, g);
+    for (uint32_t done = 0; done < all;) {
+        uint32_t count = all;
+        if (all > ROUND_KEYS)
+            count = next_round(&r, &own->keys, own->bins, list, all, g);
+        else
+            for (uint32_t i = g->thread; i < all; i += GROUP_THREADS)
+                own->keys.keys[i] = list[i];
+        g->sync();
+        sort_keys(&own->keys, count, g);
+        blend_keys(p, own->keys.keys, count, own->queues[g->thread / WARP], alpha_q15, f->splats, view, x, y);
+        done += count;
+        if (!g->any(is_open(p)))
+            break;
+    }
+}
+
+/* A block has the tiles of turns blockIdx.x, + gridDim.x, ...; its groups take them as they come. */
 __global__ void __launch_bounds__(BLEND_THREADS, 1) blend_tiles(const __grid_constant__ fxs_view view,
                                                                 const __grid_constant__ frame_buffers f,
                                                                 const __grid_constant__ target t)
 {
     extern __shared__ __align__(16) unsigned char memory[];
     blend_shared *shared = (blend_shared *)memory;
-    const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y), lane = lane_index(), warp = threadIdx.x / WARP;
-    if (f.status->entries > f.capacity)
+    const group g = {threadIdx.x / GROUP_THREADS, threadIdx.x % GROUP_THREADS};
+    const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y), lane = lane_index(), part = g.thread / WARP;
+    group_shared *own = &shared->groups[g.number];
+    if (!fits(&f))
         return;
     for (uint32_t level = threadIdx.x; level <= FXS_FAINT_Q11; level += BLEND_THREADS)
         shared->alpha_q15[level] = (uint16_t)fxs_alpha_q15((int)level);
     if (threadIdx.x == 0)
-        shared->next_region = 0;
+        shared->next_turn = 0;
     __syncthreads();
     for (;;) {
-        uint32_t region = lane == 0 ? atomicAdd(&shared->next_region, 1u) : 0;
-        region = __shfl_sync(ALL_LANES, region, 0);
-        const uint32_t turn = blockIdx.x + region / REGIONS * gridDim.x;
-        if (turn >= tiles)
+        if (g.thread == 0) {
+            const uint32_t turn = blockIdx.x + gridDim.x * atomicAdd(&shared->next_turn, 1u);
+            own->tile = turn < tiles ? tile_of_turn(&f, tiles, turn) : tiles;
+            own->count = turn < tiles ? f.counts[own->tile] : 0;
+        }
+        g.sync();
+        if (own->tile == tiles)
             return;
-        const uint32_t tile = f.order[turn], count = f.counts[tile], part = region % REGIONS;
-        const int32_t x = (int32_t)(tile % (uint32_t)view.tiles_x * FXS_TILE + part % 2 * REGION);
-        const int32_t y = (int32_t)(tile / (uint32_t)view.tiles_x * FXS_TILE + part / 2 * REGION);
+        const int32_t x = (int32_t)(own->tile % (uint32_t)view.tiles_x * FXS_TILE + part % 2 * REGION);
+        const int32_t y = (int32_t)(own->tile / (uint32_t)view.tiles_x * FXS_TILE + part / 2 * REGION);
+        const int32_t px = x + (int32_t)lane % REGION, py = y + (int32_t)lane / REGION;
         pixel p[2];
-        for (int i = 0; i < 2; i++) {
-            const int32_t px = x + (int32_t)lane % REGION, py = y + (int32_t)lane / REGION + i * REGION / 2;
-            p[i] = {px < view.width && py < view.height ? FXS_CLEAR_Q15 : 0, {0, 0, 0}};
-        }
-        blend_region(p, shared, warp, &f, &view, f.entries + (f.next[tile] - count), count, x, y);
-        for (int i = 0; i < 2; i++) {
-            const int32_t px = x + (int32_t)lane % REGION, py = y + (int32_t)lane / REGION + i * REGION / 2;
-            if (px < view.width && py < view.height)
-                store_pixel(&t, &p[i], px, py);
-        }
+        for (int i = 0; i < 2; i++)
+            p[i] = {px < view.width && py + i * REGION / 2 < view.height ? FXS_CLEAR_Q15 : 0, {0, 0, 0}};
+        blend_list(p, own, shared->alpha_q15, &f, &view, &g, x, y);
+        for (int i = 0; i < 2; i++)
+            if (px < view.width && py + i * REGION / 2 < view.height)
+                store_pixel(&t, &p[i], px, py + i * REGION / 2);
+        g.sync();
     }
 }
 

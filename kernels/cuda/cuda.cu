@@ -19,7 +19,7 @@ struct block {                     /* of device memory */
 struct slot {
     cudaStream_t stream;
     cudaEvent_t done, stages[FXS_CUDA_STAGES + 1];
-    block splats, tiles, entries;  /* cut up by slot_buffers */
+    block splats, larges, tiles, entries;   /* cut up by slot_buffers */
 };
 
 }
@@ -32,10 +32,11 @@ struct fxs_cuda {                  /* in pinned host memory, for the sake of `st
     block scene_data, pixels;
     slot slots[SLOTS];
     cudaEvent_t ready;
-    uint64_t capacity;             /* of a slot's entries */
+    uint64_t capacity, large_capacity;      /* of a slot's entries and large splats, from its next frame on */
 
     fxs_options options;           /* of the frames under way */
     fxs_cuda_frame frames[FXS_CUDA_BATCH];
+    frame_buffers buffers[FXS_CUDA_BATCH];
     frame_status status[FXS_CUDA_BATCH];
     uint32_t frame_count;
 };
@@ -117,9 +118,11 @@ frame_buffers slot_buffers(const slot *s, uint32_t chunks, uint32_t tiles, uint6
     f.status = cut<frame_status>(&of_tiles, 1);
     f.counts = cut<uint32_t>(&of_tiles, tiles);
     f.next = cut<uint32_t>(&of_tiles, tiles);
-    f.order = cut<uint32_t>(&of_tiles, tiles);
+    f.classes = cut<uint32_t>(&of_tiles, 32 * (uint64_t)tiles);
     f.entries = (uint64_t *)s->entries.data;
-    f.capacity = s->entries.bytes / sizeof(uint64_t);
+    f.capacity = s->entries.bytes / sizeof *f.entries;
+    f.larges = (large_splat *)s->larges.data;
+    f.large_capacity = (uint32_t)(s->larges.bytes / sizeof *f.larges);
     *splat_bytes = (uint64_t)(splats - (unsigned char *)s->splats.data);
     *tile_bytes = (uint64_t)(of_tiles - (unsigned char *)s->tiles.data);
     return f;
@@ -131,10 +134,16 @@ int prepare_slot(fxs_cuda *cuda, slot *s, uint32_t tiles, frame_buffers *buffers
     slot_buffers(s, cuda->scene.chunk_count, tiles, &splat_bytes, &tile_bytes);
     int error = reserve(cuda, &s->splats, splat_bytes, failure);
     error = error ? error : reserve(cuda, &s->tiles, tile_bytes, failure);
+    error = error ? error : reserve(cuda, &s->larges, cuda->large_capacity * sizeof(large_splat), failure);
     error = error ? error : reserve(cuda, &s->entries, cuda->capacity * sizeof(uint64_t), failure);
     if (!error)
         *buffers = slot_buffers(s, cuda->scene.chunk_count, tiles, &splat_bytes, &tile_bytes);
     return error;
+}
+
+uint64_t larger_of(uint64_t a, uint64_t b)
+{
+    return a > b ? a : b;
 }
 
 target target_of(const fxs_cuda_frame *frame, const fxs_options *options)
@@ -168,19 +177,19 @@ int start_frame(fxs_cuda *cuda, uint32_t i, fxs_cuda_failure *failure)
     const uint64_t cleared = (uint64_t)((unsigned char *)(f.counts + tiles) - (unsigned char *)f.status);
     cudaMemsetAsync(f.status, 0, cleared, s->stream);
     mark(cuda, s, 0);
-    if (chunks)
+    if (chunks) {
+        place_chunks<<<(chunks + 63) / 64, 64, 0, s->stream>>>(view, cuda->scene, f);
         project_chunk<<<chunks, FXS_CHUNK, 0, s->stream>>>(view, cuda->scene, f);
+    }
     mark(cuda, s, 1);
-    place_lists<<<1, PLACE_THREADS, 0, s->stream>>>(f, tiles);
-    mark(cuda, s, 2);
+    place_lists<<<(tiles + PLACE_THREADS - 1) / PLACE_THREADS, PLACE_THREADS, 0, s->stream>>>(f, tiles);
     if (chunks)
-        fill_lists<<<chunks, FXS_CHUNK, 0, s->stream>>>(view, cuda->scene, f);
-    mark(cuda, s, 3);
-    sort_lists<<<tiles, SORT_THREADS, 0, s->stream>>>(f);
-    mark(cuda, s, 4);
+        fill_lists<<<LARGE_BLOCKS + chunks, FXS_CHUNK, 0, s->stream>>>(view, cuda->scene, f);
+    mark(cuda, s, 2);
     blend_tiles<<<cuda->processors, BLEND_THREADS, sizeof(blend_shared), s->stream>>>(
         view, f, target_of(&cuda->frames[i], &cuda->options));
-    mark(cuda, s, 5);
+    mark(cuda, s, 3);
+    cuda->buffers[i] = f;
     return check(failure, cudaMemcpyAsync(&cuda->status[i], f.status, sizeof *f.status, cudaMemcpyDeviceToHost,
                                           s->stream), cudaGetLastError());
 }
@@ -213,6 +222,7 @@ int slot_init(slot *s, fxs_cuda_failure *failure)
 void slot_free(fxs_cuda *cuda, slot *s)
 {
     reserve(cuda, &s->splats, 0, 0);
+    reserve(cuda, &s->larges, 0, 0);
     reserve(cuda, &s->tiles, 0, 0);
     reserve(cuda, &s->entries, 0, 0);
     if (s->stream)
@@ -241,7 +251,7 @@ fxs_cuda_memory memory_of(const fxs_cuda *cuda)
 {
     fxs_cuda_memory m = {cuda->scene_data.bytes, 0, 0, 0, cuda->pixels.bytes, cuda->bytes};
     for (uint32_t i = 0; i < cuda->slot_count; i++) {
-        m.splats += cuda->slots[i].splats.bytes;
+        m.splats += cuda->slots[i].splats.bytes + cuda->slots[i].larges.bytes;
         m.tiles += cuda->slots[i].tiles.bytes;
         m.entries += cuda->slots[i].entries.bytes;
     }
@@ -313,6 +323,7 @@ int fxs_cuda_upload(fxs_cuda *cuda, const fxs_scene *scene, fxs_cuda_failure *fa
     for (uint32_t i = 0; i < cuda->slot_count; i++)
         reserve(cuda, &cuda->slots[i].splats, 0, 0);
     cuda->capacity = 4 * (uint64_t)scene->count + 65536;
+    cuda->large_capacity = scene->count / 16 + 4096;
     int error = reserve(cuda, &cuda->scene_data, bytes + 64, failure);
     error = error ? error : check(failure, cudaMemcpy(cuda->scene_data.data, start, bytes, cudaMemcpyHostToDevice));
     if (error)
@@ -347,8 +358,8 @@ int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count
     for (uint32_t i = 0; i < count && !error; i++)
         error = start_frame(cuda, i, failure);
     for (uint32_t i = 0; i < used && !error; i++)
-        error = check(failure, cudaEventRecord(cuda->slots[i].done, cuda->slots[i].stream),
-                      cudaStreamWaitEvent((cudaStream_t)stream, cuda->slots[i].done, 0));
+        if (!(error = check(failure, cudaEventRecord(cuda->slots[i].done, cuda->slots[i].stream))))
+            error = check(failure, cudaStreamWaitEvent((cudaStream_t)stream, cuda->slots[i].done, 0));
     return error;
 }
 
@@ -359,13 +370,16 @@ int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_cuda_failure *fai
     on_device scope(cuda->device);
     int error = wait(cuda, failure);
     for (uint32_t i = 0; i < cuda->frame_count && !error; i++) {
-        if (cuda->status[i].entries <= cuda->slots[i % cuda->slot_count].entries.bytes / sizeof(uint64_t))
+        const frame_status *needed = &cuda->status[i];
+        const frame_buffers *had = &cuda->buffers[i];
+        if (needed->entries <= had->capacity && needed->larges <= had->large_capacity)
             continue;
-        if (cuda->status[i].entries > ENTRIES_MAX)
+        if (needed->entries > ENTRIES_MAX)
             return failed(failure, FXS_ERR_MEMORY, "a frame has more than 2^32 tile list entries",
-                          cuda->status[i].entries * sizeof(uint64_t));
-        cuda->capacity = cuda->status[i].entries + cuda->status[i].entries / 8;
+                          needed->entries * sizeof(uint64_t));
+        cuda->capacity = larger_of(cuda->capacity, needed->entries + needed->entries / 8);
         cuda->capacity = cuda->capacity < ENTRIES_MAX ? cuda->capacity : ENTRIES_MAX;
+        cuda->large_capacity = larger_of(cuda->large_capacity, needed->larges + needed->larges / 8);
         error = start_frame(cuda, i, failure);
         error = error ? error : wait(cuda, failure);
     }

@@ -30,7 +30,8 @@ typedef struct fxs_cuda_memory {
     uint64_t total;                /* the five above */
 } fxs_cuda_memory;
 
-enum fxs_cuda_stage { FXS_CUDA_PROJECT, FXS_CUDA_PLACE, FXS_CUDA_FILL, FXS_CUDA_SORT, FXS_CUDA_BLEND, FXS_CUDA_STAGES };
+/* project and shade, and the lengths of the lists; the lists; sort, blend and resolve. */
+enum fxs_cuda_stage { FXS_CUDA_PROJECT, FXS_CUDA_BIN, FXS_CUDA_BLEND, FXS_CUDA_STAGES };
 
 typedef struct fxs_cuda_stats {
     uint32_t visible;              /* of the last frame */

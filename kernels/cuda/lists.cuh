@@ -1,4 +1,4 @@
-/* project, shade, bin and sort: from the packed scene to a sorted list for each tile. */
+/* project, shade and bin: from the packed scene to a list of splats for each tile, in no order yet. */
 #ifndef FXS_CUDA_LISTS_CUH
 #define FXS_CUDA_LISTS_CUH
 
@@ -6,114 +6,11 @@
 
 namespace {
 
-const uint32_t SORT_THREADS = 256, SORT_KEYS = 2048;
-const uint32_t PLACE_THREADS = 1024, LENGTH_CLASSES = 64;
+const uint32_t PLACE_THREADS = 128, LARGE_BLOCKS = 264;
+const int MASK_TILES = 8;                  /* across and down */
 
-/* One splat that does not fit in 8x8 tiles, for a warp. */
-struct large_splat {
-    fxs_splat splat;
-    fxs_bounds bounds;
-};
-
-/* Calls visit(tile, far) for every tile of a splat; each lane has tile rows of its own. */
-template <class Visit>
-__device__ void visit_tiles(const fxs_view *view, const large_splat *large, Visit visit)
-{
-    const ellipse e = ellipse_of(view, &large->splat, &large->bounds);
-    const span rows = rows_of(&e, view);
-    for (int32_t row = rows.first + (int32_t)lane_index(); row <= rows.last; row += WARP) {
-        span s = span_of(&e, view, row), touched = view->square ? ellipse_span(&e, view, row) : s;
-        for (int32_t column = s.first; column <= s.last; column++)
-            visit((uint32_t)(row * view->tiles_x + column), column < touched.first || column > touched.last);
-    }
-}
-
-template <class Visit>
-__device__ void visit_mask(const fxs_view *view, uint32_t base, uint64_t mask, Visit visit)
-{
-    for (; mask; mask &= mask - 1) {
-        uint32_t bit = (uint32_t)__ffsll((long long)mask) - 1;
-        visit(base + bit / 8 * (uint32_t)view->tiles_x + bit % 8);
-    }
-}
-
-/* The tiles of a splat as a mask over 8x8 tiles from *base on, or 0 and one of the special bases. */
-__device__ uint64_t tiles_of(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds, uint32_t *base)
-{
-    const ellipse e = ellipse_of(view, splat, bounds);
-    uint64_t mask = 0;
-    *base = BASE_LARGE;
-    if (view->square || e.columns.last - e.columns.first > 7 || e.rows.last - e.rows.first > 7)
-        return 0;
-    *base = BASE_NONE;
-    if (e.columns.first > e.columns.last)
-        return 0;
-    *base = (uint32_t)(e.rows.first * view->tiles_x + e.columns.first);
-    for (int32_t row = e.rows.first; row <= e.rows.last; row++) {
-        span s = ellipse_span(&e, view, row);
-        if (s.first <= s.last)
-            mask |= (uint64_t)((2u << (s.last - e.columns.first)) - (1u << (s.first - e.columns.first)))
-                    << 8 * (row - e.rows.first);
-    }
-    return mask;
-}
-
-/* A block of 256 threads a chunk: its splats, colours and tiles, and the lengths of the tiles' lists. */
-__global__ void __launch_bounds__(FXS_CHUNK) project_chunk(const __grid_constant__ fxs_view view,
-                                                           const __grid_constant__ fxs_scene scene,
-                                                           const __grid_constant__ frame_buffers f)
-{
-    __shared__ fxs_chunk_view cv;
-    __shared__ large_splat of_warp[FXS_CHUNK / WARP];
-    const uint32_t chunk = blockIdx.x, g = threadIdx.x, index = chunk * FXS_CHUNK + g;
-    if (g == 0) {
-        if (!fxs_chunk_view_init(&cv, &view, &scene.chunks[chunk]))
-            cv.chunk = 0;
-        f.chunk_views[chunk] = cv;
-    }
-    __syncthreads();
-    if (!cv.chunk)
-        return;
-
-    const fxs_codes codes = fxs_codes_of(&scene, fxs_rows(&scene, chunk), g);
-    large_splat s;
-    uint32_t base = BASE_NONE, depth;
-    uint64_t mask = 0;
-    const int visible = project_one(&s.splat, &s.bounds, &depth, &view, &cv, &codes, offset_of_code_q11);
-    if (visible) {
-        mask = tiles_of(&view, &s.splat, &s.bounds, &base);
-        shade_one(&s.splat, &view, &scene, chunk, g);
-        f.splats[index] = s.splat;
-        f.depths[index] = depth;
-    }
-    f.masks[index] = mask;
-    f.bases[index] = base;
-    visit_mask(&view, base, mask, [&](uint32_t tile) { atomicAdd(&f.counts[tile], 1u); });
-
-    large_splat *shared = &of_warp[g / WARP];
-    for (unsigned large = __ballot_sync(ALL_LANES, base == BASE_LARGE); large; large &= large - 1) {
-        if (lane_index() == (uint32_t)__ffs((int)large) - 1)
-            *shared = s;
-        __syncwarp();
-        visit_tiles(&view, shared, [&](uint32_t tile, bool) { atomicAdd(&f.counts[tile], 1u); });
-        __syncwarp();
-    }
-    const int of_block = __syncthreads_count(visible);
-    if (g == 0)
-        atomicAdd(&f.status->visible, (uint32_t)of_block);
-}
-
-/* Longer lists have higher classes: two for each power of 2. */
-__device__ uint32_t length_class(uint32_t count)
-{
-    if (count < 2)
-        return count;
-    const int log2 = 31 - __clz((int)count);
-    return (uint32_t)(2 * log2 + (int)(count >> (log2 - 1) & 1));
-}
-
-/* Adds 1 to counters[i] for each lane with `active`; returns what a lane finds there. */
-__device__ uint32_t take_place(uint32_t *counters, uint32_t i, bool active)
+/* Takes a place at counters[i] for each lane with `active`; lanes that share a counter share one atomic. */
+__device__ inline uint32_t take_place(uint32_t *counters, uint32_t i, bool active)
 {
     const unsigned lanes = __ballot_sync(ALL_LANES, active), lane = lane_index();
     uint32_t place = 0;
@@ -126,147 +23,205 @@ __device__ uint32_t take_place(uint32_t *counters, uint32_t i, bool active)
     return place;
 }
 
-/* Room for `count` entries, of all lanes together; returns where those of this lane start. */
-__device__ uint64_t take_room(unsigned long long *used, uint32_t count)
+/* A thread a chunk: where it lies, if anything of it can be seen. */
+__global__ void place_chunks(const __grid_constant__ fxs_view view, const __grid_constant__ fxs_scene scene,
+                             const __grid_constant__ frame_buffers f)
 {
-    uint32_t sum = count;
-    for (int d = 1; d < (int)WARP; d *= 2) {
-        uint32_t below = __shfl_up_sync(ALL_LANES, sum, (unsigned)d);
-        sum += lane_index() >= (uint32_t)d ? below : 0;
-    }
-    unsigned long long start = 0;
-    if (lane_index() == WARP - 1)
-        start = atomicAdd(used, (unsigned long long)sum);
-    return __shfl_sync(ALL_LANES, start, WARP - 1) + sum - count;
+    const uint32_t chunk = blockIdx.x * blockDim.x + threadIdx.x;
+    fxs_chunk_view cv;
+    const bool visible = chunk < scene.chunk_count && fxs_chunk_view_init(&cv, &view, &scene.chunks[chunk]);
+    const uint32_t place = take_place(&f.status->chunks, 0, visible);
+    if (visible)
+        f.chunk_views[place] = cv;
 }
 
-/* One block: where each tile's list starts, and the order of the tiles. */
+/* A block's splats on their way to tiles. */
+struct block_splats {
+    fxs_splat splats[FXS_CHUNK];
+    fxs_bounds bounds[FXS_CHUNK];
+    uint32_t row_ends[FXS_CHUNK];          /* tile rows of the splats up to this one */
+    uint8_t masks[FXS_CHUNK][MASK_TILES];
+    uint32_t warp_rows[FXS_CHUNK / WARP];
+};
+
+/* row_ends, from the tile rows of each thread's splat. Returns those of all. */
+__device__ uint32_t place_rows(block_splats *b, uint32_t rows)
+{
+    const uint32_t sum = warp_sum(rows), warp = threadIdx.x / WARP;
+    if (lane_index() == WARP - 1)
+        b->warp_rows[warp] = sum;
+    __syncthreads();
+    uint32_t before = 0, all = 0;
+    for (uint32_t i = 0; i < FXS_CHUNK / WARP; i++) {
+        before += i < warp ? b->warp_rows[i] : 0;
+        all += b->warp_rows[i];
+    }
+    b->row_ends[threadIdx.x] = before + sum;
+    __syncthreads();
+    return all;
+}
+
+/* The splat that has tile row `item` of the block's. */
+__device__ uint32_t splat_of_row(const block_splats *b, uint32_t item)
+{
+    uint32_t splat = 0;
+    for (uint32_t step = FXS_CHUNK / 2; step > 0; step /= 2)
+        splat += b->row_ends[splat + step - 1] <= item ? step : 0;
+    return splat;
+}
+
+__device__ bool is_large(const ellipse *e, const fxs_view *view)
+{
+    return view->square || e->columns.last - e->columns.first >= MASK_TILES ||
+           e->rows.last - e->rows.first >= MASK_TILES;
+}
+
+/* The tiles of a tile row, as fxs_bin_c finds them: of an ellipse that is whole on one, all its columns. */
+__device__ span tiles_of_row(const ellipse *e, const fxs_view *view, int32_t row)
+{
+    const bool whole = e->rows.first == e->rows.last && e->splat->first_row > 0 && e->splat->last_row < view->height - 1;
+    return !view->square && whole && e->columns.last - e->columns.first < 4 ? e->columns : span_of(e, view, row);
+}
+
+/* A tile row of a splat a thread: lengthens the lists, and fills in the masks. */
+__device__ void count_rows(block_splats *b, const frame_buffers *f, const fxs_view *view, uint32_t items)
+{
+    for (uint32_t first = 0; first < items; first += FXS_CHUNK) {
+        const uint32_t item = first + threadIdx.x;
+        int32_t tile = 0, tiles = 0;
+        if (item < items) {
+            const uint32_t i = splat_of_row(b, item);
+            const ellipse e = ellipse_of(view, &b->splats[i], &b->bounds[i]);
+            const span rows = rows_of(&e, view);
+            const int32_t down = (int32_t)(item - (i ? b->row_ends[i - 1] : 0)), row = rows.first + down;
+            const span s = tiles_of_row(&e, view, row);
+            tile = row * view->tiles_x + s.first;
+            tiles = s.last - s.first + 1;
+            if (!is_large(&e, view))
+                b->masks[i][down] = tiles > 0 ? (uint8_t)((2u << (s.last - e.columns.first)) -
+                                                          (1u << (s.first - e.columns.first))) : 0;
+        }
+        for (; __any_sync(ALL_LANES, tiles > 0); tile++, tiles--)
+            take_place(f->counts, (uint32_t)tile, tiles > 0);
+    }
+    __syncthreads();
+}
+
+/* The mask of a thread's splat, or its place among the large ones. */
+__device__ void store_tiles(const block_splats *b, const frame_buffers *f, const fxs_view *view, uint32_t index,
+                            bool listed)
+{
+    const uint32_t i = threadIdx.x;
+    uint64_t mask = 0;
+    bool large = false;
+    if (listed) {
+        const ellipse e = ellipse_of(view, &b->splats[i], &b->bounds[i]);
+        large = is_large(&e, view);
+        for (int32_t row = 0; row <= e.rows.last - e.rows.first && !large; row++)
+            mask |= (uint64_t)b->masks[i][row] << 8 * row;
+        f->bases[index] = (uint32_t)(e.rows.first * view->tiles_x + e.columns.first);
+    }
+    f->masks[index] = mask;
+    const uint32_t place = take_place(&f->status->larges, 0, large);
+    if (large && place < f->large_capacity)
+        f->larges[place] = {b->bounds[i], index};
+}
+
+/* A block a chunk that can be seen: its splats and colours, their tiles, and the lengths of the lists. */
+__global__ void __launch_bounds__(FXS_CHUNK) project_chunk(const __grid_constant__ fxs_view view,
+                                                           const __grid_constant__ fxs_scene scene,
+                                                           const __grid_constant__ frame_buffers f)
+{
+    __shared__ block_splats b;
+    if (blockIdx.x >= f.status->chunks)
+        return;
+    const fxs_chunk_view *cv = &f.chunk_views[blockIdx.x];
+    const uint32_t chunk = (uint32_t)(cv->chunk - scene.chunks), g = threadIdx.x, index = chunk * FXS_CHUNK + g;
+    const fxs_codes codes = fxs_codes_of(&scene, fxs_rows(&scene, chunk), g);
+    fxs_splat splat;
+    fxs_bounds bounds;
+    uint32_t depth, rows = 0;
+    const int visible = project_one(&splat, &bounds, &depth, &view, cv, &codes, offset_of_code_q11);
+    if (visible) {
+        shade_one(&splat, &view, &scene, chunk, g);
+        f.splats[index] = b.splats[g] = splat;
+        f.depths[index] = depth;
+        b.bounds[g] = bounds;
+        const span s = fxs_bin_rows(&view, &splat, &bounds);
+        rows = s.last < s.first ? 0 : (uint32_t)(s.last - s.first + 1);
+    }
+    const uint32_t items = place_rows(&b, rows);
+    count_rows(&b, &f, &view, items);
+    store_tiles(&b, &f, &view, index, rows > 0);
+    const int of_block = __syncthreads_count(visible);
+    if (g == 0)
+        atomicAdd(&f.status->visible, (uint32_t)of_block);
+}
+
+/* A thread a tile: where its list starts, and its place among those of its magnitude. */
 __global__ void __launch_bounds__(PLACE_THREADS) place_lists(const __grid_constant__ frame_buffers f, uint32_t tiles)
 {
-    __shared__ uint32_t places[LENGTH_CLASSES];
-    __shared__ unsigned long long used;
-    const uint32_t padded = (tiles + PLACE_THREADS - 1) / PLACE_THREADS * PLACE_THREADS;
-    if (threadIdx.x < LENGTH_CLASSES)
-        places[threadIdx.x] = 0;
-    if (threadIdx.x == 0)
-        used = 0;
-    __syncthreads();
-    for (uint32_t tile = threadIdx.x; tile < padded; tile += PLACE_THREADS) {
-        uint32_t count = tile < tiles ? f.counts[tile] : 0;
-        uint64_t start = take_room(&used, count);
-        take_place(places, length_class(count), tile < tiles);
-        if (tile < tiles)
-            f.next[tile] = (uint32_t)start;
+    const uint32_t tile = blockIdx.x * PLACE_THREADS + threadIdx.x, count = tile < tiles ? f.counts[tile] : 0;
+    const uint32_t sum = warp_sum(count), magnitude = count ? 31 - (uint32_t)__clz((int)count) : 0;
+    unsigned long long start = 0;
+    if (lane_index() == WARP - 1 && sum)
+        start = atomicAdd((unsigned long long *)&f.status->entries, (unsigned long long)sum);
+    start = __shfl_sync(ALL_LANES, start, WARP - 1);
+    const uint32_t place = take_place(f.status->classes, magnitude, tile < tiles);
+    if (tile < tiles) {
+        f.next[tile] = (uint32_t)start + sum - count;
+        f.classes[magnitude * tiles + place] = tile;
     }
-    __syncthreads();
-    if (threadIdx.x == 0) {
-        f.status->entries = used;
-        for (uint32_t i = LENGTH_CLASSES, start = 0; i-- > 0;) {
-            uint32_t size = places[i];
-            places[i] = start;
-            start += size;
+}
+
+/* One entry for each lane with `active`. */
+__device__ inline void append(const frame_buffers *f, uint32_t tile, uint32_t depth, uint32_t index, bool active)
+{
+    const uint32_t place = take_place(f->next, tile, active);
+    if (active)
+        f->entries[place] = FXS_KEY(depth, index);
+}
+
+/* A warp a large splat, a tile row a lane. */
+__device__ void fill_large(const fxs_view *view, const frame_buffers *f, const large_splat *large)
+{
+    const ellipse e = ellipse_of(view, &f->splats[large->index], &large->bounds);
+    const span rows = rows_of(&e, view);
+    const uint32_t depth = f->depths[large->index];
+    for (int32_t first = rows.first; first <= rows.last; first += WARP) {
+        const int32_t row = first + (int32_t)lane_index();
+        span s = {0, -1}, touched = s;
+        if (row <= rows.last) {
+            s = span_of(&e, view, row);
+            touched = view->square ? ellipse_span(&e, view, row) : s;
+        }
+        for (int32_t column = s.first; column <= s.last; column++) {
+            const uint32_t far = column < touched.first || column > touched.last ? FXS_ENTRY_FAR : 0;
+            const uint32_t place = atomicAdd(&f->next[row * view->tiles_x + column], 1u);
+            f->entries[place] = FXS_KEY(depth, large->index | far);
         }
     }
-    __syncthreads();
-    for (uint32_t tile = threadIdx.x; tile < padded; tile += PLACE_THREADS) {
-        uint32_t place = take_place(places, length_class(tile < tiles ? f.counts[tile] : 0), tile < tiles);
-        if (tile < tiles)
-            f.order[place] = tile;
-    }
 }
 
-__device__ bool fits(const frame_buffers *f)
-{
-    return f->status->entries <= f->capacity;
-}
-
-__device__ void append(const frame_buffers *f, uint32_t tile, uint32_t depth, uint32_t index)
-{
-    f->entries[atomicAdd(&f->next[tile], 1u)] = FXS_KEY(depth, index);
-}
-
-/* A block a chunk: the entries of its splats, in any order. */
+/* The entries. The first LARGE_BLOCKS blocks are for large splats, then a block for each chunk that can be seen. */
 __global__ void __launch_bounds__(FXS_CHUNK) fill_lists(const __grid_constant__ fxs_view view,
                                                         const __grid_constant__ fxs_scene scene,
                                                         const __grid_constant__ frame_buffers f)
 {
-    __shared__ large_splat of_warp[FXS_CHUNK / WARP];
-    const uint32_t chunk = blockIdx.x, g = threadIdx.x, index = chunk * FXS_CHUNK + g;
-    const fxs_chunk_view *cv = &f.chunk_views[chunk];
-    if (!cv->chunk || !fits(&f))
+    const uint32_t warps = LARGE_BLOCKS * FXS_CHUNK / WARP;
+    if (!fits(&f) || blockIdx.x >= LARGE_BLOCKS + f.status->chunks)
         return;
-    const uint32_t base = f.bases[index];
-    uint32_t depth = f.depths[index];
-    visit_mask(&view, base, f.masks[index], [&](uint32_t tile) { append(&f, tile, depth, index); });
-
-    large_splat *shared = &of_warp[g / WARP];
-    for (unsigned large = __ballot_sync(ALL_LANES, base == BASE_LARGE); large; large &= large - 1) {
-        const int lane = __ffs((int)large) - 1;
-        if (lane_index() == (uint32_t)lane) {
-            const fxs_codes codes = fxs_codes_of(&scene, fxs_rows(&scene, chunk), g);
-            project_one(&shared->splat, &shared->bounds, &depth, &view, cv, &codes, offset_of_code_q11);
-        }
-        __syncwarp();
-        const uint32_t key_depth = __shfl_sync(ALL_LANES, depth, lane), key_index = __shfl_sync(ALL_LANES, index, lane);
-        visit_tiles(&view, shared, [&](uint32_t tile, bool far) {
-            append(&f, tile, key_depth, key_index | (far ? FXS_ENTRY_FAR : 0));
-        });
-        __syncwarp();
-    }
-}
-
-/* Puts keys[i] and keys[j] in order, where there is a j; i < j. */
-__device__ void order_pair(uint64_t *keys, uint32_t count, uint32_t i, uint32_t j)
-{
-    if (j >= count)
+    if (blockIdx.x < LARGE_BLOCKS) {
+        for (uint32_t i = (blockIdx.x * FXS_CHUNK + threadIdx.x) / WARP; i < f.status->larges; i += warps)
+            fill_large(&view, &f, &f.larges[i]);
         return;
-    const uint64_t a = keys[i], b = keys[j];
-    if (b < a) {
-        keys[i] = b;
-        keys[j] = a;
     }
-}
-
-/* The pairs (i, i + half) of blocks of 2 half keys, or, to begin a merge, (i, its mirror image). */
-__device__ void order_pairs(uint64_t *keys, uint32_t count, uint32_t half, bool mirrored)
-{
-    const uint32_t pairs = (count + 2 * half - 1) / (2 * half) * half;
-    for (uint32_t pair = threadIdx.x; pair < pairs; pair += SORT_THREADS) {
-        const uint32_t i = pair / half * 2 * half + pair % half;
-        order_pair(keys, count, i, mirrored ? i ^ (2 * half - 1) : i + half);
+    const uint32_t chunk = (uint32_t)(f.chunk_views[blockIdx.x - LARGE_BLOCKS].chunk - scene.chunks);
+    const uint32_t index = chunk * FXS_CHUNK + threadIdx.x, base = f.bases[index], depth = f.depths[index];
+    for (uint64_t mask = f.masks[index]; __any_sync(ALL_LANES, mask != 0); mask &= mask - 1) {
+        const uint32_t bit = mask ? (uint32_t)__ffsll((long long)mask) - 1 : 0;
+        append(&f, base + bit / MASK_TILES * (uint32_t)view.tiles_x + bit % MASK_TILES, depth, index, mask != 0);
     }
-    __syncthreads();
-}
-
-/* A bitonic sort (Batcher 1968) all of whose comparisons point up, so that keys beyond the count need not be there. */
-__device__ void sort_keys(uint64_t *keys, uint32_t count, uint32_t sorted)
-{
-    for (uint32_t size = sorted; size < count; size *= 2) {
-        order_pairs(keys, count, size, true);
-        for (uint32_t half = size / 2; half > 0; half /= 2)
-            order_pairs(keys, count, half, false);
-    }
-}
-
-/* A block a tile: sorts its list, near to far, equal depths by index. */
-__global__ void __launch_bounds__(SORT_THREADS) sort_lists(const __grid_constant__ frame_buffers f)
-{
-    __shared__ uint64_t shared[SORT_KEYS];
-    const uint32_t tile = f.order[blockIdx.x], count = f.counts[tile];
-    if (count < 2 || !fits(&f))
-        return;
-    uint64_t *list = f.entries + (f.next[tile] - count);
-    for (uint32_t first = 0; first < count; first += SORT_KEYS) {
-        const uint32_t part = min(count - first, SORT_KEYS);
-        for (uint32_t i = threadIdx.x; i < part; i += SORT_THREADS)
-            shared[i] = list[first + i];
-        __syncthreads();
-        sort_keys(shared, part, 1);
-        for (uint32_t i = threadIdx.x; i < part; i += SORT_THREADS)
-            list[first + i] = shared[i];
-        __syncthreads();
-    }
-    sort_keys(list, count, SORT_KEYS);
 }
 
 }

@@ -151,8 +151,8 @@ int main(int argc, char **argv)
     for (int i = 0; i < BATCH; i++)
         if (!(pixels[i] = peek_device_memory(1920 * 1080 * 4)))
             return puts("no CUDA device, or no memory"), 1;
-    printf("| scene | visible | entries | project | place | fill | sort | blend | frame | of %d, each | MB |\n"
-           "|---|---|---|---|---|---|---|---|---|---|---|\n", BATCH);
+    printf("| scene | visible | entries | project | bin | blend | frame | of %d, each | MB |\n"
+           "|---|---|---|---|---|---|---|---|---|\n", BATCH);
     for (int i = 1; i < argc; i++)
         rows_of_scene(argv[i]);
     return 0;

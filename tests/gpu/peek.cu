@@ -24,7 +24,7 @@ int peek(fxs_cuda *cuda, uint32_t tiles, peeked *out)
     const frame_buffers f = slot_buffers(s, cuda->scene.chunk_count, tiles, &splat_bytes, &tile_bytes);
     return download(&out->splats, f.splats, gaussians) || download(&out->depths, f.depths, gaussians) ||
            download(&out->counts, f.counts, tiles) || download(&out->ends, f.next, tiles) ||
-           download(&out->order, f.order, tiles) || download(&out->entries, f.entries, cuda->status[0].entries);
+           download(&out->entries, f.entries, cuda->status[0].entries);
 }
 
 void peek_free(peeked *p)
@@ -33,7 +33,6 @@ void peek_free(peeked *p)
     free(p->depths);
     free(p->counts);
     free(p->ends);
-    free(p->order);
     free(p->entries);
 }
 
@@ -51,7 +50,8 @@ __global__ void compare_levels(unsigned long long *wrong)
     for (int swap = 0; swap < 2; swap++) {
         /* First a row at v = 0 and any u, then the same as v, u = 0. */
         const float row = row_level(swap ? u_q24 : 0, offset), coordinate = coordinate_q6(swap ? 0 : u_q24);
-        const int level = __float_as_int(__fmaf_rd(coordinate, coordinate, row)), limit = limit_bits(offset, FXS_CUT_Q11);
+        const int level = __float_as_int(__fmaf_rd(coordinate, coordinate, row));
+        const int limit = LEVEL_ONE + 2 * fxs_limit_q11(offset, FXS_CUT_Q11) + 1;
         const int row_wanted = fxs_row_level_q11(swap ? fxs_coordinate_q13((int)u_q24) : 0, offset);
         const int wanted = fxs_level_q11(swap ? 0 : fxs_coordinate_q13((int)u_q24), row_wanted);
         const bool passes = level <= limit;

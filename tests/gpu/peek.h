@@ -11,8 +11,8 @@ extern "C" {
 /* The buffers of the last frame of slot 0, on the host, for free. */
 typedef struct peeked {
     void *splats;                  /* fxs_splat, by index */
-    uint32_t *depths, *counts, *ends, *order;
-    uint64_t *entries;
+    uint32_t *depths, *counts, *ends;
+    uint64_t *entries;             /* of a tile: up to its end, in no order */
 } peeked;
 
 /* Returns 0 where they could be copied. */
