@@ -14,7 +14,7 @@
 
 namespace {
 
-const uint32_t GROUPS = 8, BLEND_THREADS = GROUPS * GROUP_THREADS;
+const uint32_t GROUPS = 6, BLEND_THREADS = GROUPS * GROUP_THREADS;
 const int REGION = 8;                      /* pixels of a warp, across and down */
 const int LEVEL_ONE = 0x4b000000;          /* 2^23 as a float, in bits */
 
@@ -38,13 +38,12 @@ struct group_shared {
         queued_splat queues[GROUP_WARPS][WARP];
         uint32_t bins[BINS];
     };
-    uint32_t tile, count;
+    uint32_t turn;
 };
 
 struct blend_shared {
     group_shared groups[GROUPS];
     uint16_t alpha_q15[FXS_FAINT_Q11 + 1]; /* fxs_alpha_q15 */
-    uint32_t next_turn;
 };
 
 struct pixel {
@@ -179,21 +178,30 @@ __device__ inline void store_pixel(const target *t, const pixel *p, int32_t x, i
         ((uint32_t *)row)[x] = packed.word;
 }
 
-/* The tile that is `turn`th, long lists first. */
-__device__ uint32_t tile_of_turn(const frame_buffers *f, uint32_t tiles, uint32_t turn)
+/* The order of the tiles, in a warp: the lane has the turns up to `end` of the tiles of class 31 - lane. */
+struct turns {
+    uint32_t start, end;
+};
+
+__device__ inline turns turns_of(const frame_buffers *f)
 {
-    uint32_t magnitude = 31;
-    for (; turn >= f->status->classes[magnitude]; magnitude--)
-        turn -= f->status->classes[magnitude];
-    return f->classes[magnitude * tiles + turn];
+    const uint32_t count = f->status->classes[WARP - 1 - lane_index()], end = warp_sum(count);
+    return {end - count, end};
+}
+
+/* The tile that is `turn`th, long lists first. */
+__device__ inline uint32_t tile_of_turn(const frame_buffers *f, const turns *order, uint32_t tiles, uint32_t turn)
+{
+    const int lane = __ffs((int)__ballot_sync(ALL_LANES, turn < order->end)) - 1;
+    return f->classes[(WARP - 1 - (uint32_t)lane) * tiles + turn - __shfl_sync(ALL_LANES, order->start, lane)];
 }
 
 /* Sorts and blends a tile's list, over the region at (x, y) of each warp. */
 __device__ void blend_list(pixel p[2], group_shared *own, const uint16_t *alpha_q15, const frame_buffers *f,
-                           const fxs_view *view, const group *g, int32_t x, int32_t y)
+                           const fxs_view *view, const group *g, uint32_t tile, int32_t x, int32_t y)
 {
-    const uint32_t all = own->count;
-    const uint64_t *list = f->entries + (f->next[own->tile] - all);
+    const uint32_t all = f->counts[tile];
+    const uint64_t *list = f->entries + (f->next[tile] - all);
     rounds r = {0, 0};
     if (all > ROUND_KEYS)
         r = begin_rounds(&own->keys, list, all, g);
@@ -213,7 +221,7 @@ __device__ void blend_list(pixel p[2], group_shared *own, const uint16_t *alpha_
     }
 }
 
-/* A block has the tiles of turns blockIdx.x, + gridDim.x, ...; its groups take them as they come. */
+/* The groups of all blocks take the tiles as they come. */
 __global__ void __launch_bounds__(BLEND_THREADS, 1) blend_tiles(const __grid_constant__ fxs_view view,
                                                                 const __grid_constant__ frame_buffers f,
                                                                 const __grid_constant__ target t)
@@ -227,25 +235,25 @@ __global__ void __launch_bounds__(BLEND_THREADS, 1) blend_tiles(const __grid_con
         return;
     for (uint32_t level = threadIdx.x; level <= FXS_FAINT_Q11; level += BLEND_THREADS)
         shared->alpha_q15[level] = (uint16_t)fxs_alpha_q15((int)level);
-    if (threadIdx.x == 0)
-        shared->next_turn = 0;
+    const turns order = turns_of(&f);
+    uint32_t next = g.thread == 0 ? atomicAdd(&f.status->next_turn, 1u) : 0;
     __syncthreads();
     for (;;) {
         if (g.thread == 0) {
-            const uint32_t turn = blockIdx.x + gridDim.x * atomicAdd(&shared->next_turn, 1u);
-            own->tile = turn < tiles ? tile_of_turn(&f, tiles, turn) : tiles;
-            own->count = turn < tiles ? f.counts[own->tile] : 0;
+            own->turn = next;
+            next = atomicAdd(&f.status->next_turn, 1u);    /* fetched meanwhile */
         }
         g.sync();
-        if (own->tile == tiles)
+        if (own->turn >= tiles)
             return;
-        const int32_t x = (int32_t)(own->tile % (uint32_t)view.tiles_x * FXS_TILE + part % 2 * REGION);
-        const int32_t y = (int32_t)(own->tile / (uint32_t)view.tiles_x * FXS_TILE + part / 2 * REGION);
+        const uint32_t tile = tile_of_turn(&f, &order, tiles, own->turn);
+        const int32_t x = (int32_t)(tile % (uint32_t)view.tiles_x * FXS_TILE + part % 2 * REGION);
+        const int32_t y = (int32_t)(tile / (uint32_t)view.tiles_x * FXS_TILE + part / 2 * REGION);
         const int32_t px = x + (int32_t)lane % REGION, py = y + (int32_t)lane / REGION;
         pixel p[2];
         for (int i = 0; i < 2; i++)
             p[i] = {px < view.width && py + i * REGION / 2 < view.height ? FXS_CLEAR_Q15 : 0, {0, 0, 0}};
-        blend_list(p, own, shared->alpha_q15, &f, &view, &g, x, y);
+        blend_list(p, own, shared->alpha_q15, &f, &view, &g, tile, x, y);
         for (int i = 0; i < 2; i++)
             if (px < view.width && py + i * REGION / 2 < view.height)
                 store_pixel(&t, &p[i], px, py + i * REGION / 2);

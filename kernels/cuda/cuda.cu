@@ -182,7 +182,7 @@ int start_frame(fxs_cuda *cuda, uint32_t i, fxs_cuda_failure *failure)
         project_chunk<<<chunks, FXS_CHUNK, 0, s->stream>>>(view, cuda->scene, f);
     }
     mark(cuda, s, 1);
-    place_lists<<<(tiles + PLACE_THREADS - 1) / PLACE_THREADS, PLACE_THREADS, 0, s->stream>>>(f, tiles);
+    place_lists<<<(uint32_t)view.tiles_y, WARP, 0, s->stream>>>(f, (uint32_t)view.tiles_x, tiles);
     if (chunks)
         fill_lists<<<LARGE_BLOCKS + chunks, FXS_CHUNK, 0, s->stream>>>(view, cuda->scene, f);
     mark(cuda, s, 2);

@@ -33,6 +33,7 @@ __device__ const uint16_t offset_of_code_q11[256] = {
 struct large_splat {
     fxs_bounds bounds;
     uint32_t index;
+    int32_t first;                 /* of LARGE_ROWS tile rows; the others have records of their own */
 };
 
 /* What a frame needed; over the capacity of its buffers, it is not blended. */
@@ -40,6 +41,7 @@ struct frame_status {
     uint64_t entries;
     uint32_t larges, visible, chunks;
     uint32_t classes[32];          /* tiles in each class */
+    uint32_t next_turn;            /* of blend_tiles */
 };
 
 /* What the kernels of a frame share; device memory. */
