@@ -134,13 +134,13 @@ static void print_text(const spread columns[COLUMNS], const renderer *r, const b
                s < FXS_STAGES ? r->context.kernels.name[s] : "");
 }
 
-static void print_json(const spread columns[COLUMNS], const bench_options *o, const loaded_scene *loaded,
-                       const fxs_file_view *view)
+static void print_json(const spread columns[COLUMNS], const renderer *r, const bench_options *o,
+                       const loaded_scene *loaded, const fxs_file_view *view)
 {
     printf("{\"gaussians\": %" PRIu32 ", \"width\": %d, \"height\": %d, \"threads\": %" PRIu32 ", \"cpu\": \"%s\", "
-           "\"cutoff\": \"%s\", \"backend\": \"cpu\", \"frames\": %d, \"frame_ms\": %.3f, \"frame_ms_min\": %.3f, "
+           "\"cutoff\": \"%s\", \"backend\": \"%s\", \"frames\": %d, \"frame_ms\": %.3f, \"frame_ms_min\": %.3f, "
            "\"frame_ms_max\": %.3f, \"stages\": {", loaded->scene.count, view->width, view->height, o->view.threads,
-           o->view.cpu, cutoff_name(o), o->frames, columns[FXS_STAGES].median, columns[FXS_STAGES].least,
+           o->view.cpu, cutoff_name(o), r->cuda ? "cuda" : "cpu", o->frames, columns[FXS_STAGES].median, columns[FXS_STAGES].least,
            columns[FXS_STAGES].most);
     for (int s = 0; s < FXS_STAGES; s++)
         printf("%s\"%s\": %.3f", s ? ", " : "", column_name(s), columns[s].median);
@@ -164,7 +164,7 @@ int command_bench(int argc, char **argv)
         status = choose_views(&o.view, &loaded.report, &views) < 0
                      ? EXIT_FAILED : measure(columns, &r, &o, &loaded, views);
         if (!status && o.json)
-            print_json(columns, &o, &loaded, views);
+            print_json(columns, &r, &o, &loaded, views);
         else if (!status)
             print_text(columns, &r, &o, &loaded, views);
         free(views);

@@ -23,10 +23,12 @@ const char view_options_help[] =
     "  --sh-degree D       highest SH degree used, 0 to 3 (default 3)\n"
     "  --threads N         threads, 1 to 64 (default: one a processor); the picture does not depend on it\n"
     "  --max-memory BYTES  working memory of a frame, also as 64K, 3M, 2G: rendered in bands where it does not hold\n"
-    "                      every Gaussian; the picture does not depend on it\n"
+    "                      every Gaussian; the picture does not depend on it. With --backend cuda: device memory,\n"
+    "                      scene included\n"
     "  --cpu LIST          instruction sets that may be used: all (default), c for none, or names out of\n"
     "                      sse41,avx2,avx512,neon\n"
-    "  --backend NAME      cpu or auto (default auto)\n"
+    "  --backend NAME      cpu, cuda or auto, which is cpu (default auto); the picture does not depend on it\n"
+    "  --device N          the GPU of --backend cuda, from 0 on (default 0)\n"
     "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
     "  --help              this text\n";
 
@@ -98,6 +100,10 @@ int view_option(view_options *options, int which, const char *value)
         return status;
     case OPT_CPU: options->cpu = value; break;
     case OPT_BACKEND: options->backend = value; break;
+    case OPT_DEVICE:
+        status = take_number("device", value, 0, 255, &number);
+        options->device = (int)number;
+        return status;
     case OPT_LOD: return take_lod(&options->lod, value);
     case OPT_MAX_MEMORY: return take_max_memory(&options->max_memory, value);
     case OPT_THREADS:
@@ -231,8 +237,9 @@ static int choose_cpu(fxs_context *context, const char *list)
 int renderer_init(renderer *r, const view_options *options)
 {
     memset(r, 0, sizeof *r);
-    if (strcmp(options->backend, "cpu") && strcmp(options->backend, "auto"))
-        return fail(EXIT_USAGE, "--backend %s: expected cpu or auto", options->backend);
+    const int cuda = !strcmp(options->backend, "cuda");
+    if (!cuda && strcmp(options->backend, "cpu") && strcmp(options->backend, "auto"))
+        return fail(EXIT_USAGE, "--backend %s: expected cpu, cuda or auto", options->backend);
     r->max_memory = options->max_memory;
     fxs_config config = {0, 0, options->threads, fxs_clock, 0};
     if (options->threads > 1) {
@@ -243,11 +250,13 @@ int renderer_init(renderer *r, const view_options *options)
         config.pool = r->pool;
     }
     fxs_init(&r->context, &config);
-    return choose_cpu(&r->context, options->cpu);
+    int status = choose_cpu(&r->context, options->cpu);
+    return status || !cuda ? status : cuda_open(r, options->device);
 }
 
 void renderer_free(renderer *r)
 {
+    cuda_close(r);
     fxs_pool_destroy(r->pool);
     free(r->allocation);
     free(r->pixels);
@@ -256,7 +265,7 @@ void renderer_free(renderer *r)
 static int make_room(renderer *r, const fxs_scene *scene, int width, int height)
 {
     size_t bytes = fxs_frame_bytes(&r->context, scene, width, height, 0);
-    bytes = r->max_memory && r->max_memory < bytes ? r->max_memory : bytes;
+    bytes = !r->cuda && r->max_memory && r->max_memory < bytes ? r->max_memory : bytes;
     if (r->pixels && width == r->width && height == r->height && bytes <= r->memory_bytes)
         return 0;
     free(r->allocation);
@@ -281,6 +290,8 @@ int renderer_render(renderer *r, const loaded_scene *loaded, const fxs_file_view
         return fail(EXIT_FAILED, "%s", message.text);
     if (make_room(r, &loaded->scene, view->width, view->height))
         return EXIT_FAILED;
+    if (r->cuda)
+        return cuda_render(r, loaded, &camera, options, r->pixels, stats);
     int error = fxs_render(&r->context, &loaded->scene, &camera, options, r->memory, r->memory_bytes, r->pixels,
                            (ptrdiff_t)view->width * 4, stats);
     if (error == FXS_ERR_MEMORY)
