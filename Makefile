@@ -13,7 +13,8 @@ LIBS = -lm -lpthread
 
 # Optional libraries: without one, its feature answers with a clear message.
 # optional(header, feature, libraries)
-optional = $(if $(shell printf '\#include <$(1)>\n' | $(CC) $(CPPFLAGS) -E -x c - >/dev/null 2>&1 && echo yes),\
+HASH := \#
+optional = $(if $(shell echo '$(HASH)include <$(1)>' | $(CC) $(CPPFLAGS) -E -x c - >/dev/null 2>&1 && echo yes),\
            $(eval FEATURES += -DFXS_WITH_$(2))$(eval LIBS += $(3)))
 $(call optional,cjson/cJSON.h,CJSON,-lcjson)
 $(call optional,zlib.h,ZLIB,-lz)

@@ -14,7 +14,9 @@
 
 namespace {
 
-const uint32_t GROUPS = 6, BLEND_THREADS = GROUPS * GROUP_THREADS;
+const uint32_t GROUPS = 6, GROUP_THREADS = 128, BLEND_THREADS = GROUPS * GROUP_THREADS;
+const uint32_t DENSE = 4096;               /* from this length on, a list is blended by blend_dense */
+typedef group<GROUP_THREADS> tile_group;
 const int REGION = 8;                      /* pixels of a warp, across and down */
 const int LEVEL_ONE = 0x4b000000;          /* 2^23 as a float, in bits */
 
@@ -35,7 +37,7 @@ struct alignas(16) queued_splat {
 struct group_shared {
     group_keys keys;
     union {
-        queued_splat queues[GROUP_WARPS][WARP];
+        queued_splat queues[GROUP_THREADS / WARP][WARP];
         uint32_t bins[BINS];
     };
     uint32_t turn;
@@ -69,6 +71,11 @@ __device__ inline int limit_bits(int offset_q11, int cut_q11)
     return LEVEL_ONE + 2 * fxs_limit_q11(offset_q11, cut_q11) + 1;
 }
 
+__device__ inline int limit_bits(const fxs_splat *s, const fxs_view *view)
+{
+    return LEVEL_ONE + 2 * fxs_limit_q11(s->offset_q11, view->cut_q11) + 1;
+}
+
 __device__ inline void blend_pixel(pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t across_q24,
                                    const queued_splat *s)
 {
@@ -93,7 +100,7 @@ __device__ inline bool place_splat(queued_splat *q, const fxs_splat *s, const fx
     uint32_t v = s->v0_q24 + (uint32_t)y * (uint32_t)s->vy_q24;
     bool touched = false;
     q->ux_q24 = (uint32_t)s->ux_q24;
-    q->limit = LEVEL_ONE + 2 * fxs_limit_q11(s->offset_q11, view->cut_q11) + 1;
+    q->limit = limit_bits(s, view);
 #pragma unroll
     for (int row = 0; row < REGION; row++) {
         const float left = coordinate_q6(u), right = coordinate_q6(u + (REGION - 1) * (uint32_t)s->ux_q24);
@@ -198,7 +205,7 @@ __device__ inline uint32_t tile_of_turn(const frame_buffers *f, const turns *ord
 
 /* Sorts and blends a tile's list, over the region at (x, y) of each warp. */
 __device__ void blend_list(pixel p[2], group_shared *own, const uint16_t *alpha_q15, const frame_buffers *f,
-                           const fxs_view *view, const group *g, uint32_t tile, int32_t x, int32_t y)
+                           const fxs_view *view, const tile_group *g, uint32_t tile, int32_t x, int32_t y)
 {
     const uint32_t all = f->counts[tile];
     const uint64_t *list = f->entries + (f->next[tile] - all);
@@ -228,7 +235,7 @@ __global__ void __launch_bounds__(BLEND_THREADS, 1) blend_tiles(const __grid_con
 {
     extern __shared__ __align__(16) unsigned char memory[];
     blend_shared *shared = (blend_shared *)memory;
-    const group g = {threadIdx.x / GROUP_THREADS, threadIdx.x % GROUP_THREADS};
+    const tile_group g = {threadIdx.x / GROUP_THREADS, threadIdx.x % GROUP_THREADS};
     const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y), lane = lane_index(), part = g.thread / WARP;
     group_shared *own = &shared->groups[g.number];
     if (!fits(&f))
@@ -247,6 +254,10 @@ __global__ void __launch_bounds__(BLEND_THREADS, 1) blend_tiles(const __grid_con
         if (own->turn >= tiles)
             return;
         const uint32_t tile = tile_of_turn(&f, &order, tiles, own->turn);
+        if (f.counts[tile] >= DENSE) {
+            g.sync();
+            continue;
+        }
         const int32_t x = (int32_t)(tile % (uint32_t)view.tiles_x * FXS_TILE + part % 2 * REGION);
         const int32_t y = (int32_t)(tile / (uint32_t)view.tiles_x * FXS_TILE + part / 2 * REGION);
         const int32_t px = x + (int32_t)lane % REGION, py = y + (int32_t)lane / REGION;

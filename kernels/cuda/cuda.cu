@@ -3,6 +3,7 @@
 
 #include "blend.cuh"
 #include "cuda.h"
+#include "dense.cuh"
 #include "lists.cuh"
 
 namespace {
@@ -17,8 +18,8 @@ struct block {                     /* of device memory */
 
 /* What a frame needs while it is under way. */
 struct slot {
-    cudaStream_t stream;
-    cudaEvent_t done, stages[FXS_CUDA_STAGES + 1];
+    cudaStream_t stream, side;     /* side: of blend_dense */
+    cudaEvent_t done, listed, dense_done, stages[FXS_CUDA_STAGES + 1];
     block splats, larges, tiles, entries;   /* cut up by slot_buffers */
 };
 
@@ -120,12 +121,22 @@ frame_buffers slot_buffers(const slot *s, uint32_t chunks, uint32_t tiles, uint6
     f.next = cut<uint32_t>(&of_tiles, tiles);
     f.classes = cut<uint32_t>(&of_tiles, 32 * (uint64_t)tiles);
     f.entries = (uint64_t *)s->entries.data;
-    f.capacity = s->entries.bytes / sizeof *f.entries;
+    f.capacity = s->entries.bytes / (2 * sizeof *f.entries);
+    f.split_entries = f.entries + f.capacity;
     f.larges = (large_splat *)s->larges.data;
     f.large_capacity = (uint32_t)(s->larges.bytes / sizeof *f.larges);
     *splat_bytes = (uint64_t)(splats - (unsigned char *)s->splats.data);
     *tile_bytes = (uint64_t)(of_tiles - (unsigned char *)s->tiles.data);
     return f;
+}
+
+/* What a slot takes for a scene, but for the tiles. */
+uint64_t slot_bytes(const fxs_cuda *cuda, uint32_t chunks)
+{
+    const slot none = {};
+    uint64_t splat_bytes, tile_bytes;
+    slot_buffers(&none, chunks, 0, &splat_bytes, &tile_bytes);
+    return splat_bytes + cuda->large_capacity * sizeof(large_splat) + cuda->capacity * 2 * sizeof(uint64_t);
 }
 
 int prepare_slot(fxs_cuda *cuda, slot *s, uint32_t tiles, frame_buffers *buffers, fxs_cuda_failure *failure)
@@ -135,7 +146,7 @@ int prepare_slot(fxs_cuda *cuda, slot *s, uint32_t tiles, frame_buffers *buffers
     int error = reserve(cuda, &s->splats, splat_bytes, failure);
     error = error ? error : reserve(cuda, &s->tiles, tile_bytes, failure);
     error = error ? error : reserve(cuda, &s->larges, cuda->large_capacity * sizeof(large_splat), failure);
-    error = error ? error : reserve(cuda, &s->entries, cuda->capacity * sizeof(uint64_t), failure);
+    error = error ? error : reserve(cuda, &s->entries, cuda->capacity * 2 * sizeof(uint64_t), failure);
     if (!error)
         *buffers = slot_buffers(s, cuda->scene.chunk_count, tiles, &splat_bytes, &tile_bytes);
     return error;
@@ -186,8 +197,13 @@ int start_frame(fxs_cuda *cuda, uint32_t i, fxs_cuda_failure *failure)
     if (chunks)
         fill_lists<<<LARGE_BLOCKS + chunks, FXS_CHUNK, 0, s->stream>>>(view, cuda->scene, f);
     mark(cuda, s, 2);
-    blend_tiles<<<cuda->processors, BLEND_THREADS, sizeof(blend_shared), s->stream>>>(
-        view, f, target_of(&cuda->frames[i], &cuda->options));
+    const target t = target_of(&cuda->frames[i], &cuda->options);
+    cudaEventRecord(s->listed, s->stream);
+    cudaStreamWaitEvent(s->side, s->listed, 0);
+    blend_dense<<<cuda->processors * DENSE_BLOCKS, DENSE_THREADS, sizeof(dense_shared), s->side>>>(view, f, t);
+    cudaEventRecord(s->dense_done, s->side);
+    blend_tiles<<<cuda->processors, BLEND_THREADS, sizeof(blend_shared), s->stream>>>(view, f, t);
+    cudaStreamWaitEvent(s->stream, s->dense_done, 0);
     mark(cuda, s, 3);
     cuda->buffers[i] = f;
     return check(failure, cudaMemcpyAsync(&cuda->status[i], f.status, sizeof *f.status, cudaMemcpyDeviceToHost,
@@ -213,7 +229,10 @@ int options_valid(const fxs_options *o)
 int slot_init(slot *s, fxs_cuda_failure *failure)
 {
     cudaError_t error = cudaStreamCreateWithFlags(&s->stream, cudaStreamNonBlocking);
-    error = error ? error : cudaEventCreateWithFlags(&s->done, cudaEventDisableTiming);
+    error = error ? error : cudaStreamCreateWithFlags(&s->side, cudaStreamNonBlocking);
+    cudaEvent_t *const events[] = {&s->done, &s->listed, &s->dense_done};
+    for (int i = 0; i < 3 && !error; i++)
+        error = cudaEventCreateWithFlags(events[i], cudaEventDisableTiming);
     for (int i = 0; i <= FXS_CUDA_STAGES && !error; i++)
         error = cudaEventCreate(&s->stages[i]);
     return check(failure, error);
@@ -227,8 +246,12 @@ void slot_free(fxs_cuda *cuda, slot *s)
     reserve(cuda, &s->entries, 0, 0);
     if (s->stream)
         cudaStreamDestroy(s->stream);
-    if (s->done)
-        cudaEventDestroy(s->done);
+    if (s->side)
+        cudaStreamDestroy(s->side);
+    const cudaEvent_t events[] = {s->done, s->listed, s->dense_done};
+    for (cudaEvent_t event : events)
+        if (event)
+            cudaEventDestroy(event);
     for (int i = 0; i <= FXS_CUDA_STAGES; i++)
         if (s->stages[i])
             cudaEventDestroy(s->stages[i]);
@@ -240,6 +263,8 @@ int renderer_init(fxs_cuda *cuda, fxs_cuda_failure *failure)
     int error = check(failure, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, cuda->device),
                       cudaFuncSetAttribute(blend_tiles, cudaFuncAttributeMaxDynamicSharedMemorySize,
                                            (int)sizeof(blend_shared)));
+    error = error ? error : check(failure, cudaFuncSetAttribute(blend_dense, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                                                (int)sizeof(dense_shared)));
     error = error ? error : check(failure, cudaEventCreateWithFlags(&cuda->ready, cudaEventDisableTiming));
     for (uint32_t i = 0; i < cuda->slot_count && !error; i++)
         error = slot_init(&cuda->slots[i], failure);
@@ -322,9 +347,12 @@ int fxs_cuda_upload(fxs_cuda *cuda, const fxs_scene *scene, fxs_cuda_failure *fa
     reserve(cuda, &cuda->scene_data, 0, 0);
     for (uint32_t i = 0; i < cuda->slot_count; i++)
         reserve(cuda, &cuda->slots[i].splats, 0, 0);
-    cuda->capacity = 4 * (uint64_t)scene->count + 65536;
+    cuda->capacity = 2 * (uint64_t)scene->count + 65536;
     cuda->large_capacity = scene->count / 16 + 4096;
-    int error = reserve(cuda, &cuda->scene_data, bytes + 64, failure);
+    const uint64_t needed = cuda->bytes + bytes + cuda->slot_count * slot_bytes(cuda, scene->chunk_count);
+    if (cuda->max_memory && needed > cuda->max_memory)
+        return failed(failure, FXS_ERR_MEMORY, "the device memory allowed is too small", needed);
+    int error = reserve(cuda, &cuda->scene_data, bytes, failure);
     error = error ? error : check(failure, cudaMemcpy(cuda->scene_data.data, start, bytes, cudaMemcpyHostToDevice));
     if (error)
         return error;
@@ -376,7 +404,7 @@ int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_cuda_failure *fai
             continue;
         if (needed->entries > ENTRIES_MAX)
             return failed(failure, FXS_ERR_MEMORY, "a frame has more than 2^32 tile list entries",
-                          needed->entries * sizeof(uint64_t));
+                          needed->entries * 2 * sizeof(uint64_t));
         cuda->capacity = larger_of(cuda->capacity, needed->entries + needed->entries / 8);
         cuda->capacity = cuda->capacity < ENTRIES_MAX ? cuda->capacity : ENTRIES_MAX;
         cuda->large_capacity = larger_of(cuda->large_capacity, needed->larges + needed->larges / 8);

@@ -23,9 +23,9 @@ typedef struct fxs_cuda_failure {
 /* Device memory of a renderer, bytes. */
 typedef struct fxs_cuda_memory {
     uint64_t scene;                /* the packed scene as it is */
-    uint64_t splats;               /* 48 bytes a Gaussian, 112 a chunk; for each slot */
-    uint64_t tiles;                /* 12 bytes a tile; for each slot */
-    uint64_t entries;              /* 8 bytes a tile list entry; for each slot */
+    uint64_t splats;               /* for each slot: 50 bytes a Gaussian, 112 a chunk */
+    uint64_t tiles;                /* for each slot: 136 bytes a tile */
+    uint64_t entries;              /* for each slot: 16 bytes a tile list entry there is room for */
     uint64_t pixels;               /* of fxs_cuda_render_host */
     uint64_t total;                /* the five above */
 } fxs_cuda_memory;
@@ -55,7 +55,8 @@ int fxs_cuda_create(fxs_cuda **out, int device, uint64_t max_memory, uint32_t sl
 void fxs_cuda_destroy(fxs_cuda *cuda);
 
 /* Copies a packed scene to the device, in place of the one before. Errors: FXS_ERR_ARGUMENT, FXS_ERR_MEMORY (nothing is
-   loaded then), FXS_ERR_UNSUPPORTED where the device fails. */
+   loaded then; bytes_needed is for the scene and its frames, but for tiles and pixels), FXS_ERR_UNSUPPORTED where the
+   device fails. */
 int fxs_cuda_upload(fxs_cuda *cuda, const fxs_scene *scene, fxs_cuda_failure *failure);
 
 /* Whether stage times are taken: that puts an event between the stages. */
@@ -68,7 +69,7 @@ int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count
                     void *stream, fxs_cuda_failure *failure);
 
 /* Waits for the frames of fxs_cuda_render. Frames whose tile lists did not fit are rendered again, in more memory.
-   *stats may be null. Errors: FXS_ERR_MEMORY, FXS_ERR_UNSUPPORTED; pixels are undefined then. */
+   *stats may be null. Errors: FXS_ERR_ARGUMENT where none are under way, FXS_ERR_MEMORY, FXS_ERR_UNSUPPORTED; pixels are undefined then. */
 int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_cuda_failure *failure);
 
 /* One frame to host memory: render, finish and copy. */

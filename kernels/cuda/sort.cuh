@@ -6,25 +6,27 @@
 
 namespace {
 
-const uint32_t GROUP_THREADS = 128, GROUP_WARPS = GROUP_THREADS / WARP;
+const uint32_t GROUP_WARPS_MOST = 8;
 const uint32_t ROUND_KEYS = 1024;          /* sorted at a time */
 const uint32_t BIN_BITS = 11, BINS = 1u << BIN_BITS;
 
 /* Where a group sorts. */
 struct group_keys {
     uint64_t keys[ROUND_KEYS];
-    uint64_t bounds[GROUP_WARPS][2];
-    uint32_t sums[GROUP_WARPS];
+    uint64_t bounds[GROUP_WARPS_MOST][2];
+    uint32_t sums[GROUP_WARPS_MOST];
     uint32_t count, bin;
 };
 
-/* The group's threads. */
+/* A group of T threads. */
+template <uint32_t T>
 struct group {
+    static constexpr uint32_t threads = T;
     uint32_t number, thread;               /* the group in its block, the thread in its group */
 
     __device__ void sync() const
     {
-        asm volatile("barrier.sync %0, %1;" ::"r"(number + 1), "r"(GROUP_THREADS) : "memory");
+        asm volatile("barrier.sync %0, %1;" ::"r"(number + 1), "r"(T) : "memory");
     }
 
     /* Whether `x` holds in any thread; synchronises too. */
@@ -32,7 +34,7 @@ struct group {
     {
         uint32_t result;
         asm volatile("{ .reg .pred p, q; setp.ne.u32 p, %1, 0; barrier.red.or.pred q, %2, %3, p; selp.u32 %0, 1, 0, q; }"
-                     : "=r"(result) : "r"((uint32_t)x), "r"(number + 1), "r"(GROUP_THREADS) : "memory");
+                     : "=r"(result) : "r"((uint32_t)x), "r"(number + 1), "r"(T) : "memory");
         return result != 0;
     }
 };
@@ -55,8 +57,8 @@ __device__ inline void order_local(uint64_t k[N], int mask)
 }
 
 /* Orders with thread ^ mask; mirrored: its keys from the last to the first. */
-template <int N>
-__device__ inline void order_threads(uint64_t k[N], uint32_t mask, bool mirrored, group_keys *shared, const group *g)
+template <int N, class G>
+__device__ inline void order_threads(uint64_t k[N], uint32_t mask, bool mirrored, group_keys *shared, const G *g)
 {
     const bool upper = (g->thread & (mirrored ? (mask + 1) / 2 : mask)) != 0;
     uint64_t other[N];
@@ -68,11 +70,11 @@ __device__ inline void order_threads(uint64_t k[N], uint32_t mask, bool mirrored
         g->sync();
 #pragma unroll
         for (int i = 0; i < N; i++)
-            shared->keys[i * GROUP_THREADS + g->thread] = k[i];
+            shared->keys[i * G::threads + g->thread] = k[i];
         g->sync();
 #pragma unroll
         for (int i = 0; i < N; i++)
-            other[i] = shared->keys[i * GROUP_THREADS + (g->thread ^ mask)];
+            other[i] = shared->keys[i * G::threads + (g->thread ^ mask)];
     }
 #pragma unroll
     for (int i = 0; i < N; i++) {
@@ -81,9 +83,9 @@ __device__ inline void order_threads(uint64_t k[N], uint32_t mask, bool mirrored
     }
 }
 
-/* Sorts shared->keys, `count` of them, at most N GROUP_THREADS. */
-template <int N>
-__device__ void sort_group(group_keys *shared, uint32_t count, const group *g)
+/* Sorts shared->keys, `count` of them, at most N G::threads. */
+template <int N, class G>
+__device__ void sort_group(group_keys *shared, uint32_t count, const G *g)
 {
     uint64_t k[N];
 #pragma unroll
@@ -98,7 +100,7 @@ __device__ void sort_group(group_keys *shared, uint32_t count, const group *g)
         for (int half = size / 2; half > 0; half /= 2)
             order_local<N>(k, half);
     }
-    for (uint32_t size = 1; size < GROUP_THREADS && size * N < count; size *= 2) {
+    for (uint32_t size = 1; size < G::threads && size * N < count; size *= 2) {
         order_threads<N>(k, 2 * size - 1, true, shared, g);
         for (uint32_t half = size / 2; half > 0; half /= 2)
             order_threads<N>(k, half, false, shared, g);
@@ -114,18 +116,18 @@ __device__ void sort_group(group_keys *shared, uint32_t count, const group *g)
 }
 
 /* Calls visit(key) for every key of a list; several are fetched at once. */
-template <class Visit>
-__device__ void visit_keys(const uint64_t *list, uint32_t count, const group *g, Visit visit)
+template <class G, class Visit>
+__device__ void visit_keys(const uint64_t *list, uint32_t count, const G *g, Visit visit)
 {
     enum { FETCHES = 8 };
-    for (uint32_t first = g->thread; first < count; first += FETCHES * GROUP_THREADS) {
+    for (uint32_t first = g->thread; first < count; first += FETCHES * G::threads) {
         uint64_t k[FETCHES];
 #pragma unroll
         for (uint32_t i = 0; i < FETCHES; i++)
-            k[i] = first + i * GROUP_THREADS < count ? __ldcg(&list[first + i * GROUP_THREADS]) : 0;
+            k[i] = first + i * G::threads < count ? __ldcg(&list[first + i * G::threads]) : 0;
 #pragma unroll
         for (uint32_t i = 0; i < FETCHES; i++)
-            if (first + i * GROUP_THREADS < count)
+            if (first + i * G::threads < count)
                 visit(k[i]);
     }
 }
@@ -135,7 +137,8 @@ struct rounds {
     uint64_t low, high;                    /* keys below low are done; all are at most high */
 };
 
-__device__ rounds begin_rounds(group_keys *shared, const uint64_t *list, uint32_t count, const group *g)
+template <class G>
+__device__ rounds begin_rounds(group_keys *shared, const uint64_t *list, uint32_t count, const G *g)
 {
     rounds r = {~(uint64_t)0, 0};
     visit_keys(list, count, g, [&](uint64_t key) {
@@ -152,7 +155,7 @@ __device__ rounds begin_rounds(group_keys *shared, const uint64_t *list, uint32_
         shared->bounds[g->thread / WARP][1] = r.high;
     }
     g->sync();
-    for (uint32_t i = 0; i < GROUP_WARPS; i++) {
+    for (uint32_t i = 0; i < G::threads / WARP; i++) {
         r.low = shared->bounds[i][0] < r.low ? shared->bounds[i][0] : r.low;
         r.high = shared->bounds[i][1] > r.high ? shared->bounds[i][1] : r.high;
     }
@@ -161,9 +164,10 @@ __device__ rounds begin_rounds(group_keys *shared, const uint64_t *list, uint32_
 
 /* Finds the first bin with which the keys are more than ROUND_KEYS: shared->bin (BINS: none), and how many are below it:
    shared->count. */
-__device__ void find_bin(group_keys *shared, const uint32_t *bins, const group *g)
+template <class G>
+__device__ void find_bin(group_keys *shared, const uint32_t *bins, const G *g)
 {
-    const uint32_t each = BINS / GROUP_THREADS, warp = g->thread / WARP;
+    const uint32_t each = BINS / G::threads, warp = g->thread / WARP;
     uint32_t own = 0;
     for (uint32_t i = 0; i < each; i++)
         own += bins[g->thread * each + i];
@@ -174,7 +178,7 @@ __device__ void find_bin(group_keys *shared, const uint32_t *bins, const group *
     for (uint32_t i = 0; i < warp; i++)
         end += shared->sums[i];
     uint32_t start = end - own;
-    if (start <= ROUND_KEYS && (end > ROUND_KEYS || g->thread == GROUP_THREADS - 1)) {
+    if (start <= ROUND_KEYS && (end > ROUND_KEYS || g->thread == G::threads - 1)) {
         uint32_t bin = g->thread * each;
         for (; bin < (g->thread + 1) * each && start + bins[bin] <= ROUND_KEYS; bin++)
             start += bins[bin];
@@ -186,14 +190,15 @@ __device__ void find_bin(group_keys *shared, const uint32_t *bins, const group *
 
 /* Puts the least keys from r->low on into shared->keys, at most ROUND_KEYS, and moves r->low. Returns how many; 0: there
    are no more. `bins`: BINS of shared memory. */
+template <class G>
 __device__ uint32_t next_round(rounds *r, group_keys *shared, uint32_t *bins, const uint64_t *list, uint32_t count,
-                               const group *g)
+                               const G *g)
 {
     uint64_t first = r->low, last = r->high;
     uint32_t found = 0;
     while (!found) {
         const int bits = 64 - __clzll((long long)(last - first)), shift = bits > (int)BIN_BITS ? bits - (int)BIN_BITS : 0;
-        for (uint32_t i = g->thread; i < BINS; i += GROUP_THREADS)
+        for (uint32_t i = g->thread; i < BINS; i += G::threads)
             bins[i] = 0;
         g->sync();
         visit_keys(list, count, g, [&](uint64_t key) {
@@ -224,16 +229,17 @@ __device__ uint32_t next_round(rounds *r, group_keys *shared, uint32_t *bins, co
     return found;
 }
 
-__device__ void sort_keys(group_keys *shared, uint32_t count, const group *g)
+template <class G>
+__device__ void sort_keys(group_keys *shared, uint32_t count, const G *g)
 {
-    if (count <= GROUP_THREADS)
+    if (count <= G::threads)
         sort_group<1>(shared, count, g);
-    else if (count <= 2 * GROUP_THREADS)
+    else if (count <= 2 * G::threads)
         sort_group<2>(shared, count, g);
-    else if (count <= 4 * GROUP_THREADS)
+    else if (count <= 4 * G::threads)
         sort_group<4>(shared, count, g);
     else
-        sort_group<8>(shared, count, g);
+        sort_group<ROUND_KEYS / G::threads>(shared, count, g);
 }
 
 }

@@ -41,7 +41,7 @@ struct frame_status {
     uint64_t entries;
     uint32_t larges, visible, chunks;
     uint32_t classes[32];          /* tiles in each class */
-    uint32_t next_turn;            /* of blend_tiles */
+    uint32_t next_turn, next_dense;   /* of blend_tiles, blend_dense */
 };
 
 /* What the kernels of a frame share; device memory. */
@@ -57,7 +57,8 @@ struct frame_buffers {
     uint32_t *next;                /* where its next entry goes: after the fill, its end */
     uint32_t *classes;             /* tiles by the magnitude of their lists: a row of all tiles for each class */
     uint64_t *entries;             /* the lists: depth above, index and FXS_ENTRY_FAR below; in no order */
-    uint64_t capacity;             /* of entries */
+    uint64_t *split_entries;       /* long lists again, in bins */
+    uint64_t capacity;             /* of entries, and of split_entries */
     uint32_t large_capacity;
 };
 

@@ -186,7 +186,7 @@ static void check_random(enum fxs_profile profile)
 {
     for (int i = 0; i < cases; i++) {
         state = (uint64_t)i * 0x1234567u + 99;
-        packed_scene packed = random_scene(profile, i % 8 ? 3000 : 20000);
+        packed_scene packed = random_scene(profile, i % 8 == 3 ? 60000 : 3000);
         fxs_scene scene;
         fxs_camera camera;
         fxs_options options;
