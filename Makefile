@@ -39,6 +39,19 @@ $(call optional,GLES3/gl3.h,GLES,-ldl)
 KERNELS += $(if $(findstring WITH_GLES,$(FEATURES)),$(wildcard kernels/gles/*.c))
 $(if $(findstring WITH_GLES,$(FEATURES)),$(call optional,EGL/egl.h,EGL,)$(call optional,GL/osmesa.h,OSMESA,))
 
+# The CUDA back end, where there is a compiler for it: machine code for sm_90, PTX for other GPUs from sm_80 on.
+NVCC ?= nvcc
+NVCC_PATH := $(shell command -v $(NVCC) 2>/dev/null)
+NVCC_FLAGS = -O3 -std=c++17 -diag-suppress 177 -gencode arch=compute_90,code=sm_90 \
+             -gencode arch=compute_80,code=compute_80 -Xcompiler -fno-exceptions,-fno-rtti,-fno-threadsafe-statics
+ifneq ($(NVCC_PATH),)
+CUDA := kernels/cuda/cuda.cu
+FEATURES += -DFXS_WITH_CUDA
+LIBS += $(shell $(NVCC) --dryrun -x cu /dev/null 2>&1 | sed -n 's/.*LIBRARIES=//p') -lcudart_static -ldl -lrt
+else ifneq ($(filter-out clean help,$(or $(MAKECMDGOALS),all)),)
+$(info no $(NVCC): built without the CUDA back end)
+endif
+
 CORE := $(wildcard src/*.c) $(KERNELS)
 PORT := $(wildcard port/formats/*.c port/posix/*.c)
 PORT += $(if $(findstring WITH_EGL,$(FEATURES)),$(wildcard port/egl/*.c))
@@ -47,11 +60,11 @@ WINDOW := $(if $(WINDOW_LIBS),$(wildcard port/window/*.c) tools/viewer.c)
 TOOL := $(filter-out tools/viewer%,$(wildcard tools/*.c))
 PROGRAMS := $(B)/fixsplat $(if $(WINDOW),$(B)/fixsplat-view)
 TOOL_SHARED := tools/backend.c tools/metrics.c tools/procedural.c
-objects = $(patsubst %.c,$(B)/%.o,$(1))
+objects = $(patsubst %.cu,$(B)/%.o,$(patsubst %.c,$(B)/%.o,$(1)))
 
 all: $(PROGRAMS) $(B)/libfixsplat.a
 
-$(B)/libfixsplat.a: $(call objects,$(CORE) $(PORT))
+$(B)/libfixsplat.a: $(call objects,$(CORE) $(PORT) $(CUDA))
 	@rm -f $@
 	$(AR) rcs $@ $^
 
@@ -73,6 +86,10 @@ $(B)/kernels/gles/shaders.h: $(SHADERS)
 	    od -An -v -tu1 $$f | sed 's/[0-9][0-9]*/&,/g'; echo '0};'; done >$@
 $(B)/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h
 $(B)/kernels/gles/gles.o: CPPFLAGS += -I$(B)/kernels/gles
+
+$(B)/%.o: %.cu
+	@mkdir -p $(@D)
+	$(NVCC) $(NVCC_FLAGS) -MMD -MP -c -o $@ $<
 
 -include $(shell find $(B) -name '*.d' 2>/dev/null)
 
@@ -127,6 +144,12 @@ test: ## run every test
 	@FXS_SCENES=$(SCENES) B=$(B) sh tests/run.sh
 
 test-programs: $(TESTS)
+
+# Needs a GPU: see tests/gpu/cuda.sh.
+$(B)/tests/gpu/%: $(B)/tests/gpu/%.o $(B)/tests/gpu/peek.o $(B)/libfixsplat.a
+	$(CC) $(FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS)
+
+cuda-tests: $(B)/tests/gpu/test_cuda $(B)/tests/gpu/bench_cuda
 
 golden-update: all $(B)/tests/test_golden ## write the golden images anew (and say why in the commit)
 	$(B)/tests/test_golden --update

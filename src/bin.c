@@ -17,14 +17,12 @@ typedef struct ellipse {
     int32_t r_q12;
 } ellipse;
 
-static const span none = {0, -1};
-
 /* The tile columns of the pixels between two points. */
 static span columns_between(const fxs_view *view, int64_t left_q8, int64_t right_q8)
 {
     int64_t first = (left_q8 + 255) >> 8, last = right_q8 >> 8;
     if (last < 0 || first >= view->width || first > last)
-        return none;
+        return (span){0, -1};
     return (span){first < 0 ? 0 : (int32_t)(first / FXS_TILE),
                   last >= view->width ? view->tiles_x - 1 : (int32_t)(last / FXS_TILE)};
 }
@@ -66,7 +64,7 @@ static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
 {
     int64_t top_q12 = v_at_row(e, row * FXS_TILE), bottom_q12 = v_at_row(e, row * FXS_TILE + FXS_TILE - 1);
     if (top_q12 > e->r_q12 + 2 || bottom_q12 < -e->r_q12 - 2)
-        return none;
+        return (span){0, -1};
     int32_t top = cut_to(e->r_q12, top_q12), bottom = cut_to(e->r_q12, bottom_q12 + 1);   /* rounded outwards */
     int64_t x_top_q8 = (int64_t)e->bounds->shear_q8 * top >> 12, half_top_q8 = half_width_q8(e, top);
     int64_t x_bottom_q8 = (int64_t)e->bounds->shear_q8 * bottom >> 12, half_bottom_q8 = half_width_q8(e, bottom);
@@ -94,7 +92,7 @@ static span square_span(int32_t centre_q14, uint32_t radius, int32_t tiles)
                   last < tiles ? (int32_t)(last < -1 ? -1 : last) : tiles - 1};
 }
 
-fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds)
+FXS_STAGE fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds)
 {
     return view->square ? square_span(bounds->cy_q14, bounds->radius, view->tiles_y)
                         : (span){splat->first_row / FXS_TILE, splat->last_row / FXS_TILE};

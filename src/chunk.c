@@ -58,7 +58,7 @@ static int64_t farthest(const fxs_chunk_view *cv, int i, int sign, int64_t slope
     return sum;
 }
 
-int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *chunk)
+FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *chunk)
 {
     place(cv, view, chunk);
     int64_t z_q16 = cv->base_q16[2];

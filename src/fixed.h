@@ -15,7 +15,9 @@
 /* Leading zeros; x above 0. */
 static inline int fxs_clz32(uint32_t x)
 {
-#if defined(__GNUC__)
+#if defined(__CUDA_ARCH__)
+    return __clz((int)x);
+#elif defined(__GNUC__)
     return __builtin_clz(x);
 #else
     int n = 0;

@@ -89,7 +89,7 @@ typedef struct fxs_chunk {           /* 128 bytes */
 /* Bytes of SH a Gaussian in the rows. */
 static inline uint32_t fxs_sh_bytes(enum fxs_profile profile, int degree)
 {
-    static const uint8_t compact[4] = {0, 8, 12, 20};
+    const uint8_t compact[4] = {0, 8, 12, 20};
     return profile == FXS_PROFILE_DEFAULT   ? 3u * (uint32_t)FXS_SH_COUNT(degree)
            : profile == FXS_PROFILE_COMPACT ? compact[degree]
                                             : degree > 0 ? 4u : 0u;

@@ -282,6 +282,19 @@ static uint32_t depth_key(const fxs_chunk_view *cv, const projected *centre)
     return exponent << 26 | (((uint32_t)centre->z << centre->zeros) >> 5 & 0x3ffffff);
 }
 
+/* Returns 0 for a Gaussian that touches no pixel. offset_of_code_q11: fxs_offset_of_code_q11, where this runs. */
+static int project_one(fxs_splat *splat, fxs_bounds *bounds, uint32_t *depth, const fxs_view *view,
+                       const fxs_chunk_view *cv, const fxs_codes *codes, const uint16_t *offset_of_code_q11)
+{
+    projected centre;
+    uint32_t opacity = codes->colour >> 24;
+    if (!opacity || !project_centre(&centre, view, cv, codes->position))
+        return 0;
+    splat->offset_q11 = offset_of_code_q11[opacity];
+    *depth = depth_key(cv, &centre);
+    return project_shape(splat, bounds, view, cv, &centre, codes->scale, codes->rotation);
+}
+
 uint32_t fxs_project_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
                        fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
 {
@@ -292,15 +305,8 @@ uint32_t fxs_project_c(const fxs_view *view, const fxs_scene *scene, uint32_t ch
         return 0;
     for (uint32_t g = 0; g < FXS_CHUNK; g++) {
         const fxs_codes codes = fxs_codes_of(scene, rows, g);
-        projected centre;
-        uint32_t opacity = codes.colour >> 24;
-        if (!opacity || !project_centre(&centre, view, &cv, codes.position))
-            continue;
-        splats[count].offset_q11 = fxs_offset_of_code_q11[opacity];
-        if (!project_shape(&splats[count], &bounds[count], view, &cv, &centre, codes.scale, codes.rotation))
-            continue;
-        indices[count] = chunk * FXS_CHUNK + g;
-        depths[count++] = depth_key(&cv, &centre);
+        if (project_one(&splats[count], &bounds[count], &depths[count], view, &cv, &codes, fxs_offset_of_code_q11))
+            indices[count++] = chunk * FXS_CHUNK + g;
     }
     return count;
 }

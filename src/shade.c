@@ -128,21 +128,24 @@ static void directional(int32_t sum_q16[3], const fxs_view *view, const fxs_scen
         sum_q16[c] += bands(sh + c * FXS_CHUNK, b_q15, header->sh_step_q19, view->sh_degree);
 }
 
+static void shade_one(fxs_splat *splat, const fxs_view *view, const fxs_scene *scene, uint32_t chunk, uint32_t g)
+{
+    const fxs_chunk *header = &scene->chunks[chunk];
+    const fxs_codes codes = fxs_codes_of(scene, fxs_rows(scene, chunk), g);
+    int32_t sum_q16[3];
+    for (int c = 0; c < 3; c++) {
+        int64_t step = (int64_t)header->colour_step_q20[c] * (codes.colour >> 8 * c & 255);
+        sum_q16[c] = header->colour_q16[c] + (int32_t)((step + 8) >> 4);
+    }
+    if (view->sh_degree > 0)
+        directional(sum_q16, view, scene, chunk, g, codes.position);
+    for (int c = 0; c < 3; c++)
+        splat->colour_q13[c] = (int16_t)fxs_clamp((sum_q16[c] + 4) >> 3, 0, 32767);
+}
+
 void fxs_shade_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices, uint32_t count,
                  fxs_splat *splats)
 {
-    const fxs_chunk *header = &scene->chunks[chunk];
-    for (uint32_t i = 0; i < count; i++) {
-        const uint32_t g = indices[i] % FXS_CHUNK;
-        const fxs_codes codes = fxs_codes_of(scene, fxs_rows(scene, chunk), g);
-        int32_t sum_q16[3];
-        for (int c = 0; c < 3; c++) {
-            int64_t step = (int64_t)header->colour_step_q20[c] * (codes.colour >> 8 * c & 255);
-            sum_q16[c] = header->colour_q16[c] + (int32_t)((step + 8) >> 4);
-        }
-        if (view->sh_degree > 0)
-            directional(sum_q16, view, scene, chunk, g, codes.position);
-        for (int c = 0; c < 3; c++)
-            splats[i].colour_q13[c] = (int16_t)fxs_clamp((sum_q16[c] + 4) >> 3, 0, 32767);
-    }
+    for (uint32_t i = 0; i < count; i++)
+        shade_one(&splats[i], view, scene, chunk, indices[i] % FXS_CHUNK);
 }

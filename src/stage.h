@@ -11,6 +11,11 @@
 #define FXS_FN static inline
 #include "pixel.h"
 
+/* Before functions of a stage that other files call; the CUDA back end compiles their text for the device as well. */
+#ifndef FXS_STAGE
+#define FXS_STAGE
+#endif
+
 #define FXS_TILE 16
 #define FXS_TILE_PIXELS (FXS_TILE * FXS_TILE)
 
@@ -121,10 +126,14 @@ static inline uint16_t fxs_rgb565(int r, int g, int b)
     return (uint16_t)((r * 31 + 127) / 255 << 11 | (g * 63 + 127) / 255 << 5 | (b * 31 + 127) / 255);
 }
 
-/* The rows of a chunk. */
+/* The rows of a chunk, aligned to 64. */
 static inline const unsigned char *fxs_rows(const fxs_scene *scene, uint32_t chunk)
 {
-    return scene->rows + (size_t)chunk * scene->chunk_bytes;
+    const unsigned char *rows = scene->rows + (size_t)chunk * scene->chunk_bytes;
+#if defined(__CUDA_ARCH__)
+    rows = (const unsigned char *)__builtin_assume_aligned(rows, 64);   /* else nvcc reads single bytes */
+#endif
+    return rows;
 }
 
 /* ---- The C versions -------------------------------------------------------------------------------------------- */
@@ -163,7 +172,7 @@ static inline uint32_t fxs_part(uint32_t count, uint32_t parts, uint32_t i)
 
 /* Places a chunk. Returns 0 where nothing of it can be seen: behind the near plane, or beside the picture by more
    than its largest Gaussian reaches. */
-int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *chunk);
+FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *chunk);
 
 /* -2 ln(code / 255), Q11; code 0 is never drawn. */
 extern const uint16_t fxs_offset_of_code_q11[256];
@@ -186,7 +195,7 @@ typedef struct fxs_span {
 } fxs_span;
 
 /* The tile rows in which a splat may be listed. */
-fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds);
+FXS_STAGE fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds);
 
 /* Fetches the boxes of a stretch from `boxes` (by slot) and adds 1 to counts[tile] for every tile that each is in. */
 void fxs_bin_count(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_box *boxes,

@@ -99,6 +99,7 @@ typedef struct view_options {
     int stereo_exact;
     fxs_options render;
     const char *cpu, *backend;
+    int device;                             /* of --backend cuda */
     uint32_t threads;
     size_t max_memory;                      /* of a frame, bytes; 0: as much as it takes */
     load_options load;
@@ -106,7 +107,7 @@ typedef struct view_options {
 
 /* Their entries for a getopt_long table, and the value that each returns there. */
 enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_SIZE, OPT_BG, OPT_CUTOFF, OPT_SH_DEGREE,
-       OPT_CPU, OPT_THREADS, OPT_MAX_MEMORY, OPT_BACKEND, OPT_LOD, OPT_PROFILE, OPT_STEREO,
+       OPT_CPU, OPT_THREADS, OPT_MAX_MEMORY, OPT_BACKEND, OPT_DEVICE, OPT_LOD, OPT_PROFILE, OPT_STEREO,
        OPT_STEREO_EXACT, OPT_HELP, OPT_OWN };
 #define VIEW_OPTIONS \
     {"cameras", required_argument, 0, OPT_CAMERAS}, {"view", required_argument, 0, OPT_VIEW}, \
@@ -116,7 +117,8 @@ enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_SIZE
     {"cutoff", required_argument, 0, OPT_CUTOFF}, {"sh-degree", required_argument, 0, OPT_SH_DEGREE}, \
     {"cpu", required_argument, 0, OPT_CPU}, {"threads", required_argument, 0, OPT_THREADS}, \
     {"max-memory", required_argument, 0, OPT_MAX_MEMORY}, \
-    {"backend", required_argument, 0, OPT_BACKEND}, {"lod", required_argument, 0, OPT_LOD}, \
+    {"backend", required_argument, 0, OPT_BACKEND}, {"device", required_argument, 0, OPT_DEVICE}, \
+    {"lod", required_argument, 0, OPT_LOD}, \
     {"profile", required_argument, 0, OPT_PROFILE}, {"stereo", required_argument, 0, OPT_STEREO}, \
     {"stereo-exact", no_argument, 0, OPT_STEREO_EXACT}, \
     {"help", no_argument, 0, OPT_HELP}
@@ -139,8 +141,12 @@ long find_view(const view_options *options, const fxs_file_view *views, long cou
 
 /* ---- A renderer: context, threads and memory for one picture size ----------------------------------------------- */
 
+struct fxs_cuda;
+
 typedef struct renderer {
     fxs_context context;
+    struct fxs_cuda *cuda;                  /* null: frames are rendered by the context */
+    const loaded_scene *on_device;          /* the scene that cuda has */
     fxs_pool *pool;
     backend *backend;
     void *memory, *allocation;
@@ -154,6 +160,13 @@ typedef struct renderer {
 /* Returns 0, or prints why not and returns EXIT_FAILED or EXIT_USAGE (an unknown --cpu or --backend). */
 int renderer_init(renderer *r, const view_options *options);
 void renderer_free(renderer *r);
+
+/* The CUDA back end of a renderer; without one in this build, cuda_open fails. They return 0, or print why not and
+   return EXIT_FAILED. `pixels`: RGBA, no gaps. */
+int cuda_open(renderer *r, int device);
+void cuda_close(renderer *r);
+int cuda_render(renderer *r, const loaded_scene *loaded, const fxs_camera *camera, const fxs_options *options,
+                uint8_t *pixels, fxs_stats *stats);
 
 /* Renders into r->pixels, making room where the size has changed. Returns 0, or prints why not and returns
    EXIT_FAILED. */

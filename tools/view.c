@@ -26,11 +26,14 @@ const char view_options_help[] =
     "  --sh-degree D       highest SH degree used, 0 to 3 (default 3)\n"
     "  --threads N         threads, 1 to 64 (default: one a processor); the picture does not depend on it\n"
     "  --max-memory BYTES  working memory of a frame, also as 64K, 3M, 2G: rendered in bands where it does not hold\n"
-    "                      every Gaussian; the picture does not depend on it\n"
+    "                      every Gaussian; the picture does not depend on it. With --backend cuda: device memory,\n"
+    "                      scene included\n"
     "  --cpu LIST          instruction sets that may be used: all (default), c for none, or names out of\n"
     "                      sse41,avx2,avx512,neon\n"
-    "  --backend NAME      what blends: cpu, gles (OpenGL ES 3.0 by EGL), osmesa: the same bytes; gles-quads: inexact,\n"
-    "                      blended by the device; auto (default): cpu. See fixsplat info --backends\n"
+    "  --backend NAME      what renders: cpu; gles (OpenGL ES 3.0 by EGL) or osmesa in place of blend and resolve; cuda:\n"
+    "                      the same bytes. gles-quads: inexact, blended by the device. auto (default): cpu. See\n"
+    "                      fixsplat info --backends\n"
+    "  --device N          the GPU of --backend cuda, from 0 on (default 0)\n"
     "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
     "  --profile P         how a scene that is not an .fxs file is packed: default, compact or small\n"
     "  --help              this text\n";
@@ -111,6 +114,10 @@ int view_option(view_options *options, int which, const char *value)
         return status;
     case OPT_CPU: options->cpu = value; break;
     case OPT_BACKEND: options->backend = value; break;
+    case OPT_DEVICE:
+        status = take_number("device", value, 0, 255, &number);
+        options->device = (int)number;
+        return status;
     case OPT_LOD: return take_lod(&options->load, value);
     case OPT_PROFILE: return take_profile(&options->load, value);
     case OPT_MAX_MEMORY: return take_max_memory(&options->max_memory, value);
@@ -249,13 +256,16 @@ int renderer_init(renderer *r, const view_options *options)
 {
     memset(r, 0, sizeof *r);
     fxs_message message;
-    if (!backend_known(options->backend))
-        return fail(EXIT_USAGE, "--backend %s: expected cpu, auto, gles, gles-quads or osmesa", options->backend);
+    const int cuda = !strcmp(options->backend, "cuda");
+    if (!cuda && !backend_known(options->backend))
+        return fail(EXIT_USAGE, "--backend %s: expected cpu, auto, cuda, gles, gles-quads or osmesa", options->backend);
+    if (cuda && options->stereo > 0)
+        return fail(EXIT_USAGE, "--backend cuda renders one picture, not --stereo");
     r->max_memory = options->max_memory;
     r->stereo = options->stereo;
     r->stereo_exact = options->stereo_exact;
     fxs_config config = {.threads = options->threads, .clock = fxs_clock};
-    if (backend_open(&r->backend, options->backend, &config, &message))
+    if (!cuda && backend_open(&r->backend, options->backend, &config, &message))
         return fail(EXIT_FAILED, "--backend %s: %s", options->backend, message.text);
     if (options->threads > 1) {
         r->pool = fxs_pool_create(options->threads);
@@ -268,12 +278,13 @@ int renderer_init(renderer *r, const view_options *options)
     int status = choose_cpu(&r->context, options->cpu);
     if (r->backend)
         r->context.kernels.name[FXS_BLEND] = r->context.kernels.name[FXS_RESOLVE] = options->backend;
-    return status;
+    return status || !cuda ? status : cuda_open(r, options->device);
 }
 
 void renderer_free(renderer *r)
 {
     backend_close(r->backend);
+    cuda_close(r);
     fxs_pool_destroy(r->pool);
     free(r->allocation);
     free(r->pixels);
@@ -283,7 +294,7 @@ static int make_room(renderer *r, const fxs_scene *scene, int width, int height)
 {
     size_t bytes = r->stereo > 0 ? fxs_stereo_bytes(&r->context, scene, width, height)
                                  : fxs_frame_bytes(&r->context, scene, width, height, 0);
-    bytes = r->max_memory && r->max_memory < bytes ? r->max_memory : bytes;
+    bytes = !r->cuda && r->max_memory && r->max_memory < bytes ? r->max_memory : bytes;
     width *= r->stereo > 0 ? 2 : 1;
     if (r->pixels && width == r->width && height == r->height && bytes <= r->memory_bytes)
         return 0;
@@ -318,6 +329,8 @@ int renderer_render(renderer *r, const loaded_scene *loaded, const fxs_file_view
     if (camera_beside(&cameras[0], view, -r->stereo / 2) || camera_beside(&cameras[1], view, r->stereo / 2) ||
         make_room(r, &loaded->scene, view->width, view->height))
         return EXIT_FAILED;
+    if (r->cuda)
+        return cuda_render(r, loaded, &cameras[0], options, r->pixels, stats);
     ptrdiff_t stride = (ptrdiff_t)r->width * 4;
     void *const eyes[2] = {r->pixels, r->pixels + stride / 2};
     int error = r->stereo > 0 ? fxs_render_stereo(&r->context, &loaded->scene, cameras, options, r->stereo_exact,

@@ -1,0 +1,277 @@
+/* sort, blend and resolve. A group of 4 warps has a tile: it sorts the next keys of the tile's list, and each warp blends
+ * them over its 8x8 pixels, two a lane, until all pixels are closed. A warp tests 32 splats at a time against its 8
+ * rows, a splat a lane; those that can touch a pixel are queued in shared memory, then all lanes take them one by one.
+ *
+ * Levels are integers in float registers, twice the level of pixel.h plus the bit that its rounding drops: with c =
+ * coordinate_q13 2^-7,
+ *     fma(c, c, 2^23 + 2 row_level + 1), rounded down, = 2^23 + floor(2 (coordinate_q13^2 2^-15 + 1/2 + row_level))
+ * where that is below 2^24, and no less than 2^24 elsewhere; a limit is at most 2^23 + 45395. Coordinates are not cut to
+ * +-4: beyond that the level is over every limit either way. */
+#ifndef FXS_CUDA_BLEND_CUH
+#define FXS_CUDA_BLEND_CUH
+
+#include "sort.cuh"
+
+namespace {
+
+const uint32_t GROUPS = 6, GROUP_THREADS = 128, BLEND_THREADS = GROUPS * GROUP_THREADS;
+const uint32_t DENSE = 4096;               /* from this length on, a list is blended by blend_dense */
+typedef group<GROUP_THREADS> tile_group;
+const int REGION = 8;                      /* pixels of a warp, across and down */
+const int LEVEL_ONE = 0x4b000000;          /* 2^23 as a float, in bits */
+
+/* A splat on a row of a region. */
+struct queued_row {
+    uint32_t u_q24;                        /* at its first pixel */
+    float level;                           /* 2^23 + 2 row_level + 1 */
+};
+
+/* A splat at a region. Its 80 bytes put 8 lanes' 16 bytes in different banks. */
+struct alignas(16) queued_splat {
+    queued_row rows[REGION / 2][2];        /* a lane's two */
+    uint32_t ux_q24;
+    int limit;                             /* of the level's bits */
+    uint32_t red_green, blue;
+};
+
+struct group_shared {
+    group_keys keys;
+    union {
+        queued_splat queues[GROUP_THREADS / WARP][WARP];
+        uint32_t bins[BINS];
+    };
+    uint32_t turn;
+};
+
+struct blend_shared {
+    group_shared groups[GROUPS];
+    uint16_t alpha_q15[FXS_FAINT_Q11 + 1]; /* fxs_alpha_q15 */
+};
+
+struct pixel {
+    int transmittance, sum[3];
+};
+
+/* coordinate_q13 2^-7, not cut: added to the mantissa of 1.5 2^16, whose unit is 2^-7. */
+__device__ inline float coordinate_q6(uint32_t coordinate_q24)
+{
+    return __int_as_float(((int32_t)coordinate_q24 >> 11) + 0x47c00000) - 98304.0f;
+}
+
+/* 2^23 + 2 row_level + 1 */
+__device__ inline float row_level(uint32_t v_q24, int offset_q11)
+{
+    const float v = coordinate_q6(v_q24);
+    const int twice = __float_as_int(__fmaf_rd(v, v, 8388609.0f)) & ~1;
+    return __int_as_float(twice) + (float)(2 * offset_q11 + 1);
+}
+
+__device__ inline int limit_bits(int offset_q11, int cut_q11)
+{
+    return LEVEL_ONE + 2 * fxs_limit_q11(offset_q11, cut_q11) + 1;
+}
+
+__device__ inline int limit_bits(const fxs_splat *s, const fxs_view *view)
+{
+    return LEVEL_ONE + 2 * fxs_limit_q11(s->offset_q11, view->cut_q11) + 1;
+}
+
+__device__ inline void blend_pixel(pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t across_q24,
+                                   const queued_splat *s)
+{
+    const float u = coordinate_q6(row.u_q24 + across_q24);
+    const int level = __float_as_int(__fmaf_rd(u, u, row.level));
+    int alpha = 0;
+    if (level <= s->limit && p->transmittance >= FXS_CLOSED_Q15)
+        alpha = alpha_q15[(level & 0xffff) >> 1];
+    const int weight = fxs_weight_q15(alpha, p->transmittance);
+    p->transmittance -= weight;
+    /* Sums only grow: cut to 32767 once, by resolve. */
+    p->sum[0] += fxs_mul_q15(weight, (int)(s->red_green & 0xffff));
+    p->sum[1] += fxs_mul_q15(weight, (int)(s->red_green >> 16));
+    p->sum[2] += fxs_mul_q15(weight, (int)s->blue);
+}
+
+/* Puts a splat at the region at (x, y), but for its colour. Returns whether it can touch a pixel there. u grows along a
+   row, so the least |u| is at an end, or 0 between them. */
+__device__ inline bool place_splat(queued_splat *q, const fxs_splat *s, const fxs_view *view, int32_t x, int32_t y)
+{
+    uint32_t u = s->u0_q24 + (uint32_t)x * (uint32_t)s->ux_q24 + (uint32_t)y * (uint32_t)s->uy_q24;
+    uint32_t v = s->v0_q24 + (uint32_t)y * (uint32_t)s->vy_q24;
+    bool touched = false;
+    q->ux_q24 = (uint32_t)s->ux_q24;
+    q->limit = limit_bits(s, view);
+#pragma unroll
+    for (int row = 0; row < REGION; row++) {
+        const float left = coordinate_q6(u), right = coordinate_q6(u + (REGION - 1) * (uint32_t)s->ux_q24);
+        const float least = fmaxf(fmaxf(left, -right), 0.0f);
+        const queued_row placed = {u, row_level(v, s->offset_q11)};
+        q->rows[row % (REGION / 2)][row / (REGION / 2)] = placed;
+        touched |= __float_as_int(__fmaf_rd(least, least, placed.level)) <= q->limit;
+        u += (uint32_t)s->uy_q24;
+        v += (uint32_t)s->vy_q24;
+    }
+    return touched;
+}
+
+/* Tests one splat a lane, and queues those that can touch the region. Returns how many. */
+__device__ inline uint32_t queue_splats(queued_splat queue[WARP], const fxs_splat *splats, const fxs_view *view,
+                                        uint32_t entry, bool listed, int32_t x, int32_t y)
+{
+    queued_splat q;
+    bool touched = false;
+    if (listed && !(entry & FXS_ENTRY_FAR)) {
+        const fxs_splat s = splats[entry];
+        touched = place_splat(&q, &s, view, x, y);
+        q.red_green = (uint32_t)s.colour_q13[0] | (uint32_t)s.colour_q13[1] << 16;
+        q.blue = (uint32_t)s.colour_q13[2];
+    }
+    const unsigned lanes = __ballot_sync(ALL_LANES, touched);
+    if (touched)
+        queue[__popc(lanes & ((1u << lane_index()) - 1))] = q;
+    __syncwarp();
+    return (uint32_t)__popc(lanes);
+}
+
+__device__ inline bool is_open(const pixel p[2])
+{
+    return p[0].transmittance >= FXS_CLOSED_Q15 || p[1].transmittance >= FXS_CLOSED_Q15;
+}
+
+/* Blends sorted keys over the region at (x, y). */
+__device__ inline void blend_keys(pixel p[2], const uint64_t *keys, uint32_t count, queued_splat queue[WARP],
+                                  const uint16_t *alpha_q15, const fxs_splat *splats, const fxs_view *view, int32_t x,
+                                  int32_t y)
+{
+    const uint32_t lane = lane_index();
+    for (uint32_t first = 0; first < count && __any_sync(ALL_LANES, is_open(p)); first += WARP) {
+        const bool listed = first + lane < count;
+        const uint32_t entry = listed ? (uint32_t)keys[first + lane] : 0;
+        const uint32_t queued = queue_splats(queue, splats, view, entry, listed, x, y);
+#pragma unroll 2
+        for (uint32_t i = 0; i < queued; i++) {
+            const queued_splat *s = &queue[i];
+            const queued_row upper = s->rows[lane / REGION][0], lower = s->rows[lane / REGION][1];
+            const uint32_t across = lane % REGION * s->ux_q24;
+            blend_pixel(&p[0], alpha_q15, upper, across, s);
+            blend_pixel(&p[1], alpha_q15, lower, across, s);
+        }
+        __syncwarp();
+    }
+}
+
+struct target {
+    unsigned char *pixels;
+    ptrdiff_t stride;
+    int background_q13[3];
+    enum fxs_format format;
+};
+
+__device__ inline void store_pixel(const target *t, const pixel *p, int32_t x, int32_t y)
+{
+    union {
+        unsigned char bytes[4];
+        uint32_t word;
+        uint16_t half;
+    } packed;
+    int rgb[3];
+    for (int c = 0; c < 3; c++)
+        rgb[c] = fxs_resolve_8bit(fxs_min(p->sum[c], 32767), p->transmittance, t->background_q13[c]);
+    store(packed.bytes, t->format, rgb, p->transmittance);
+    unsigned char *row = t->pixels + y * t->stride;
+    if (t->format == FXS_FORMAT_RGB565)
+        ((uint16_t *)row)[x] = packed.half;
+    else
+        ((uint32_t *)row)[x] = packed.word;
+}
+
+/* The order of the tiles, in a warp: the lane has the turns up to `end` of the tiles of class 31 - lane. */
+struct turns {
+    uint32_t start, end;
+};
+
+__device__ inline turns turns_of(const frame_buffers *f)
+{
+    const uint32_t count = f->status->classes[WARP - 1 - lane_index()], end = warp_sum(count);
+    return {end - count, end};
+}
+
+/* The tile that is `turn`th, long lists first. */
+__device__ inline uint32_t tile_of_turn(const frame_buffers *f, const turns *order, uint32_t tiles, uint32_t turn)
+{
+    const int lane = __ffs((int)__ballot_sync(ALL_LANES, turn < order->end)) - 1;
+    return f->classes[(WARP - 1 - (uint32_t)lane) * tiles + turn - __shfl_sync(ALL_LANES, order->start, lane)];
+}
+
+/* Sorts and blends a tile's list, over the region at (x, y) of each warp. */
+__device__ void blend_list(pixel p[2], group_shared *own, const uint16_t *alpha_q15, const frame_buffers *f,
+                           const fxs_view *view, const tile_group *g, uint32_t tile, int32_t x, int32_t y)
+{
+    const uint32_t all = f->counts[tile];
+    const uint64_t *list = f->entries + (f->next[tile] - all);
+    rounds r = {0, 0};
+    if (all > ROUND_KEYS)
+        r = begin_rounds(&own->keys, list, all, g);
+    for (uint32_t done = 0; done < all;) {
+        uint32_t count = all;
+        if (all > ROUND_KEYS)
+            count = next_round(&r, &own->keys, own->bins, list, all, g);
+        else
+            for (uint32_t i = g->thread; i < all; i += GROUP_THREADS)
+                own->keys.keys[i] = list[i];
+        g->sync();
+        sort_keys(&own->keys, count, g);
+        blend_keys(p, own->keys.keys, count, own->queues[g->thread / WARP], alpha_q15, f->splats, view, x, y);
+        done += count;
+        if (!g->any(is_open(p)))
+            break;
+    }
+}
+
+/* The groups of all blocks take the tiles as they come. */
+__global__ void __launch_bounds__(BLEND_THREADS, 1) blend_tiles(const __grid_constant__ fxs_view view,
+                                                                const __grid_constant__ frame_buffers f,
+                                                                const __grid_constant__ target t)
+{
+    extern __shared__ __align__(16) unsigned char memory[];
+    blend_shared *shared = (blend_shared *)memory;
+    const tile_group g = {threadIdx.x / GROUP_THREADS, threadIdx.x % GROUP_THREADS};
+    const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y), lane = lane_index(), part = g.thread / WARP;
+    group_shared *own = &shared->groups[g.number];
+    if (!fits(&f))
+        return;
+    for (uint32_t level = threadIdx.x; level <= FXS_FAINT_Q11; level += BLEND_THREADS)
+        shared->alpha_q15[level] = (uint16_t)fxs_alpha_q15((int)level);
+    const turns order = turns_of(&f);
+    uint32_t next = g.thread == 0 ? atomicAdd(&f.status->next_turn, 1u) : 0;
+    __syncthreads();
+    for (;;) {
+        if (g.thread == 0) {
+            own->turn = next;
+            next = atomicAdd(&f.status->next_turn, 1u);    /* fetched meanwhile */
+        }
+        g.sync();
+        if (own->turn >= tiles)
+            return;
+        const uint32_t tile = tile_of_turn(&f, &order, tiles, own->turn);
+        if (f.counts[tile] >= DENSE) {
+            g.sync();
+            continue;
+        }
+        const int32_t x = (int32_t)(tile % (uint32_t)view.tiles_x * FXS_TILE + part % 2 * REGION);
+        const int32_t y = (int32_t)(tile / (uint32_t)view.tiles_x * FXS_TILE + part / 2 * REGION);
+        const int32_t px = x + (int32_t)lane % REGION, py = y + (int32_t)lane / REGION;
+        pixel p[2];
+        for (int i = 0; i < 2; i++)
+            p[i] = {px < view.width && py + i * REGION / 2 < view.height ? FXS_CLEAR_Q15 : 0, {0, 0, 0}};
+        blend_list(p, own, shared->alpha_q15, &f, &view, &g, tile, x, y);
+        for (int i = 0; i < 2; i++)
+            if (px < view.width && py + i * REGION / 2 < view.height)
+                store_pixel(&t, &p[i], px, py + i * REGION / 2);
+        g.sync();
+    }
+}
+
+}
+
+#endif

@@ -1,0 +1,109 @@
+/* What the tests see of the CUDA back end's insides. */
+#include <stdlib.h>
+
+#include "../../kernels/cuda/cuda.cu"
+#include "peek.h"
+
+namespace {
+
+/* Copies an array to the host. Returns 0 where that worked. */
+template <class T, class U>
+int download(U **out, const T *from, uint64_t count)
+{
+    *out = (U *)malloc(count * sizeof(T) + 1);
+    return !*out || cudaMemcpy(*out, from, count * sizeof(T), cudaMemcpyDeviceToHost) != cudaSuccess;
+}
+
+}
+
+int peek(fxs_cuda *cuda, uint32_t tiles, peeked *out)
+{
+    const slot *s = &cuda->slots[0];
+    const uint32_t gaussians = cuda->scene.chunk_count * FXS_CHUNK;
+    uint64_t splat_bytes, tile_bytes;
+    const frame_buffers f = slot_buffers(s, cuda->scene.chunk_count, tiles, &splat_bytes, &tile_bytes);
+    return download(&out->splats, f.splats, gaussians) || download(&out->depths, f.depths, gaussians) ||
+           download(&out->counts, f.counts, tiles) || download(&out->ends, f.next, tiles) ||
+           download(&out->entries, f.entries, cuda->status[0].entries);
+}
+
+void peek_free(peeked *p)
+{
+    free(p->splats);
+    free(p->depths);
+    free(p->counts);
+    free(p->ends);
+    free(p->entries);
+}
+
+namespace {
+
+/* Counts the levels and alphas that are not those of pixel.h: every coordinate with every row level. */
+__global__ void compare_levels(unsigned long long *wrong)
+{
+    /* +-33000 one by one, then wider to +-128, where coordinates wrap. */
+    const int step = (int)blockIdx.x - 40000, beyond = max(abs(step) - 33000, 0);
+    const int u = step + (step < 0 ? -beyond : beyond) * 144, offset = (int)(threadIdx.x + blockIdx.y * blockDim.x);
+    if (offset > FXS_FAINT_Q11)
+        return;
+    const uint32_t u_q24 = (uint32_t)u << 11 | (uint32_t)(offset * 37 & 2047);
+    for (int swap = 0; swap < 2; swap++) {
+        /* First a row at v = 0 and any u, then the same as v, u = 0. */
+        const float row = row_level(swap ? u_q24 : 0, offset), coordinate = coordinate_q6(swap ? 0 : u_q24);
+        const int level = __float_as_int(__fmaf_rd(coordinate, coordinate, row));
+        const int limit = LEVEL_ONE + 2 * fxs_limit_q11(offset, FXS_CUT_Q11) + 1;
+        const int row_wanted = fxs_row_level_q11(swap ? fxs_coordinate_q13((int)u_q24) : 0, offset);
+        const int wanted = fxs_level_q11(swap ? 0 : fxs_coordinate_q13((int)u_q24), row_wanted);
+        const bool passes = level <= limit;
+        if (passes != (wanted <= fxs_limit_q11(offset, FXS_CUT_Q11)) || (passes && (level & 0xffff) >> 1 != wanted))
+            atomicAdd(wrong, 1ull);
+    }
+}
+
+}
+
+long peek_levels(void)
+{
+    unsigned long long *wrong, count = 1;
+    if (cudaMalloc(&wrong, sizeof *wrong) || cudaMemset(wrong, 0, sizeof *wrong))
+        return -1;
+    compare_levels<<<dim3(80001, (FXS_FAINT_Q11 + 256) / 256), 256>>>(wrong);
+    const cudaError_t error = cudaMemcpy(&count, wrong, sizeof count, cudaMemcpyDeviceToHost);
+    cudaFree(wrong);
+    return error ? -1 : (long)count;
+}
+
+void *peek_device_memory(size_t bytes)
+{
+    void *memory;
+    return cudaMalloc(&memory, bytes) ? 0 : memory;
+}
+
+void peek_device_free(void *memory)
+{
+    cudaFree(memory);
+}
+
+void *peek_host_copy(const void *memory, size_t bytes)
+{
+    void *copy;
+    return download(&copy, (const unsigned char *)memory, bytes) ? 0 : copy;
+}
+
+float peek_time(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
+                fxs_cuda_failure *failure)
+{
+    cudaEvent_t start, end;
+    float milliseconds = -1;
+    cudaEventCreate(&start);
+    cudaEventCreate(&end);
+    cudaEventRecord(start, 0);
+    int error = fxs_cuda_render(cuda, frames, count, options, 0, failure);
+    cudaEventRecord(end, 0);
+    error = error ? error : fxs_cuda_finish(cuda, 0, failure);
+    if (!error && !cudaEventSynchronize(end))
+        cudaEventElapsedTime(&milliseconds, start, end);
+    cudaEventDestroy(start);
+    cudaEventDestroy(end);
+    return milliseconds;
+}

@@ -1,0 +1,37 @@
+/* What the tests see of the CUDA back end's insides. */
+#ifndef PEEK_H
+#define PEEK_H
+
+#include "../../kernels/cuda/cuda.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The buffers of the last frame of slot 0, on the host, for free. */
+typedef struct peeked {
+    void *splats;                  /* fxs_splat, by index */
+    uint32_t *depths, *counts, *ends;
+    uint64_t *entries;             /* of a tile: up to its end, in no order */
+} peeked;
+
+/* Returns 0 where they could be copied. */
+int peek(fxs_cuda *cuda, uint32_t tiles, peeked *out);
+void peek_free(peeked *p);
+
+/* How many of the levels computed in float registers differ from pixel.h's; -1 where the device failed. */
+long peek_levels(void);
+
+void *peek_device_memory(size_t bytes);
+void peek_device_free(void *memory);
+void *peek_host_copy(const void *memory, size_t bytes);   /* for free; null where that fails */
+
+/* Milliseconds of frames on the device, by its own clock; below 0 where they failed. */
+float peek_time(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
+                fxs_cuda_failure *failure);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

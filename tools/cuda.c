@@ -1,0 +1,94 @@
+/* --backend cuda: frames rendered on a GPU. */
+#include <inttypes.h>
+#include <string.h>
+
+#include "../port/posix/clock.h"
+#include "command.h"
+
+#ifdef FXS_WITH_CUDA
+#include "../kernels/cuda/cuda.h"
+
+static int fail_cuda(const renderer *r, int error, const fxs_cuda_failure *failure)
+{
+    if (error == FXS_ERR_MEMORY && r->max_memory)
+        return fail(EXIT_FAILED, "--backend cuda: %s: %" PRIu64 " bytes needed, --max-memory is %zu", failure->text,
+                    failure->bytes_needed, r->max_memory);
+    if (error == FXS_ERR_MEMORY)
+        return fail(EXIT_FAILED, "--backend cuda: %s: %" PRIu64 " bytes needed", failure->text, failure->bytes_needed);
+    return fail(EXIT_FAILED, "--backend cuda: %s", failure->text);
+}
+
+int cuda_open(renderer *r, int device)
+{
+    fxs_cuda_failure failure;
+    int error = fxs_cuda_create(&r->cuda, device, r->max_memory, 1, &failure);
+    if (error)
+        return fail_cuda(r, error, &failure);
+    fxs_cuda_time(r->cuda, 1);
+    for (int i = 0; i < FXS_STAGES; i++)
+        r->context.kernels.name[i] = "cuda";
+    return 0;
+}
+
+void cuda_close(renderer *r)
+{
+    fxs_cuda_destroy(r->cuda);
+}
+
+/* shade is part of project, sort and resolve are part of blend. */
+static void fill_stats(fxs_stats *out, const fxs_cuda_stats *stats, uint32_t gaussians, uint64_t nanoseconds)
+{
+    memset(out, 0, sizeof *out);
+    out->gaussians = gaussians;
+    out->visible = stats->visible;
+    out->entries = stats->entries;
+    out->bands = out->runs = 1;
+    out->memory.splats = (size_t)stats->memory.splats;
+    out->memory.tiles = (size_t)stats->memory.tiles;
+    out->memory.entries = (size_t)stats->memory.entries;
+    out->memory.total = (size_t)(stats->memory.total - stats->memory.scene);
+    out->nanoseconds[FXS_PROJECT] = (uint64_t)(stats->milliseconds[FXS_CUDA_PROJECT] * 1e6f);
+    out->nanoseconds[FXS_BIN] = (uint64_t)(stats->milliseconds[FXS_CUDA_BIN] * 1e6f);
+    out->nanoseconds[FXS_BLEND] = (uint64_t)(stats->milliseconds[FXS_CUDA_BLEND] * 1e6f);
+    out->frame_nanoseconds = nanoseconds;
+}
+
+int cuda_render(renderer *r, const loaded_scene *loaded, const fxs_camera *camera, const fxs_options *options,
+                uint8_t *pixels, fxs_stats *stats)
+{
+    fxs_cuda_failure failure;
+    fxs_cuda_stats cuda_stats;
+    int error = r->on_device == loaded ? 0 : fxs_cuda_upload(r->cuda, &loaded->scene, &failure);
+    r->on_device = error ? 0 : loaded;
+    uint64_t start = fxs_clock(0);
+    if (!error)
+        error = fxs_cuda_render_host(r->cuda, camera, options, pixels, (ptrdiff_t)camera->width * 4, &cuda_stats,
+                                     &failure);
+    if (error)
+        return fail_cuda(r, error, &failure);
+    if (stats)
+        fill_stats(stats, &cuda_stats, loaded->scene.count, fxs_clock(0) - start);
+    return 0;
+}
+
+#else
+
+int cuda_open(renderer *r, int device)
+{
+    (void)r, (void)device;
+    return fail(EXIT_FAILED, "--backend cuda: this build has no CUDA back end; build it where there is nvcc");
+}
+
+void cuda_close(renderer *r)
+{
+    (void)r;
+}
+
+int cuda_render(renderer *r, const loaded_scene *loaded, const fxs_camera *camera, const fxs_options *options,
+                uint8_t *pixels, fxs_stats *stats)
+{
+    (void)r, (void)loaded, (void)camera, (void)options, (void)pixels, (void)stats;
+    return EXIT_FAILED;
+}
+
+#endif
