@@ -378,8 +378,8 @@ int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_scene *sc
     fxs_gles_state state;
     if (!g || !context || !camera || !options || !target)
         return FXS_ERR_ARGUMENT;
-    if (options->format == FXS_FORMAT_RGB565 || camera->width > FXS_TILE / 2 << g->shift ||
-        camera->height > FXS_TILE / 2 << g->shift)
+    if (options->format == FXS_FORMAT_RGB565 || camera->width > FXS_TILE << g->shift ||
+        camera->height > FXS_TILE << g->shift)
         return FXS_ERR_UNSUPPORTED;
     fxs_context drawing = *context;
     drawing.config.draw = fxs_gles_draw;

@@ -1,13 +1,11 @@
 /* The exact picture: the lists of as many tiles as the texture of records holds are uploaded and drawn, and so on. A
-   list that no draw can hold is drawn in parts, with the tile's state kept in a texture in between. Each tile is drawn
-   as four blocks of 8x8 pixels, each with the splats of the tile's list that may touch it. A splat's record is there
-   once for each block: a fetch less than by its number. */
+   list that no draw can hold is drawn in parts, with the tile's state kept in a texture in between. A splat's record
+   is there once for each list that it is in: a fetch less than by its number, and one pass over the lists. */
 #include "../../src/fixed.h"
 #include "../../src/memory.h"
 #include "device.h"
 
 #define RECORD 32                  /* bytes */
-#define BLOCK 8                    /* pixels */
 #define AHEAD 16                   /* entries */
 
 /* A part of the picture that a render target can hold, in pixels and tiles. */
@@ -15,17 +13,15 @@ typedef struct window {
     int32_t x, y, width, height, first_column, first_row, columns, rows;
 } window;
 
-/* One upload, in the mapped buffer: lists of the window's blocks, then records. How many a row of tiles has is not
-   known before they are put, so each has room for the most, and begins a row of the texture. */
+/* One upload, in the mapped buffer: lists of the window's tiles, then records. */
 typedef struct batch {
     fxs_gles *gles;
     const fxs_tile_run *run;
     const window *window;
     uint32_t *lists, *records;
-    uint32_t count, capacity;      /* records: room taken, and in all */
+    uint32_t count, capacity;      /* records */
     int32_t first, end;            /* tiles, by number in the window */
     uint32_t starts[FXS_MAX_SIZE / FXS_TILE];   /* first record of each row of tiles, from that of `first` on */
-    uint32_t ends[FXS_MAX_SIZE / FXS_TILE];     /* the one after the last */
 } batch;
 
 static uint32_t least(uint32_t a, uint32_t b)
@@ -47,13 +43,13 @@ static void make_room(fxs_gles *g, const fxs_tile_run *run, const window *w)
     uint64_t records = 0;
     for (uint32_t tile = run->first_tile; tile <= run->last_tile; tile++)
         records += run->counts[tile];
-    const uint64_t wanted = (8 * records >> g->shift) + 1 + (uint64_t)w->rows, most = UINT64_C(1) << g->shift;
+    const uint64_t wanted = (2 * records >> g->shift) + 1, most = UINT64_C(1) << g->shift;
     const int32_t rows = (int32_t)(wanted < most ? wanted : most);
     g->gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
     if (w->columns > g->columns || w->rows > g->rows) {
         g->columns = w->columns > g->columns ? w->columns : g->columns;
         g->rows = w->rows > g->rows ? w->rows : g->rows;
-        make_texture(g, FXS_GLES_LISTS, GL_RG32UI, GL_RG_INTEGER, 2 * g->columns, 2 * g->rows);
+        make_texture(g, FXS_GLES_LISTS, GL_RG32UI, GL_RG_INTEGER, g->columns, g->rows);
     }
     if (rows > g->record_rows)
         make_texture(g, FXS_GLES_RECORDS, GL_RGBA32UI, GL_RGBA_INTEGER, 1 << g->shift, g->record_rows = rows);
@@ -63,7 +59,7 @@ static void make_room(fxs_gles *g, const fxs_tile_run *run, const window *w)
 static int begin_batch(batch *b, int32_t first)
 {
     fxs_gles *g = b->gles;
-    size_t lists = 4 * (size_t)b->window->columns * (size_t)b->window->rows;
+    size_t lists = (size_t)b->window->columns * (size_t)b->window->rows;
     b->capacity = (uint32_t)g->record_rows << (g->shift - 1);
     GLsizeiptr bytes = (GLsizeiptr)(lists * 8 + (size_t)b->capacity * RECORD);
     b->lists = fxs_gles_map(g, GL_PIXEL_UNPACK_BUFFER, (int)(g->turn++ % FXS_GLES_UPLOADS), bytes);
@@ -86,15 +82,12 @@ static int end_batch(batch *b)
 {
     fxs_gles *g = b->gles;
     const int32_t columns = b->window->columns, row = b->first / columns, rows = (b->end - 1) / columns - row + 1;
-    const uint32_t across = 1u << (g->shift - 1);
+    const int32_t record_rows = (int32_t)((2 * b->count + (1u << g->shift) - 1) >> g->shift);
     if (!g->gl.UnmapBuffer(GL_PIXEL_UNPACK_BUFFER))
         return FXS_ERR_DEVICE;
     fxs_gles_start_timer(g);
-    upload(g, FXS_GLES_LISTS, 2 * row, 2 * columns, 2 * rows, GL_RG_INTEGER, (size_t)(row * columns) * 32);
-    for (int32_t i = 0; i < rows; i++)
-        upload(g, FXS_GLES_RECORDS, (int32_t)(b->starts[i] / across), 1 << g->shift,
-               (int32_t)((b->ends[i] - b->starts[i] + across - 1) / across), GL_RGBA_INTEGER,
-               (size_t)(b->records - b->lists) * 4 + (size_t)b->starts[i] * RECORD);
+    upload(g, FXS_GLES_LISTS, row, columns, rows, GL_RG_INTEGER, (size_t)(row * columns) * 8);
+    upload(g, FXS_GLES_RECORDS, 0, 1 << g->shift, record_rows, GL_RGBA_INTEGER, (size_t)(b->records - b->lists) * 4);
     return 0;
 }
 
@@ -110,48 +103,24 @@ static void put_record(uint32_t *record, const fxs_splat *s)
     memcpy(record, words, sizeof words);
 }
 
-/* How near to 0 a coordinate comes over a block, that is at_first at its first pixel. */
-static int nearest_q13(uint32_t at_first, int32_t step_x, int32_t step_y)
+/* One whose ellipse does not touch the tile becomes a record with no rows: no pixel takes it. */
+static void put_records(const batch *b, uint32_t at, const uint32_t *entries, uint32_t count)
 {
-    const uint32_t steps = BLOCK - 1;
-    const int low = fxs_coordinate_q13(
-        (int32_t)(at_first + steps * (uint32_t)fxs_min(step_x, 0) + steps * (uint32_t)fxs_min(step_y, 0)));
-    const int high = fxs_coordinate_q13((int32_t)(at_first + steps * (uint32_t)(step_x - fxs_min(step_x, 0)) +
-                                                  steps * (uint32_t)(step_y - fxs_min(step_y, 0))));
-    return -fxs_min(fxs_min(-low, high), 0);
-}
-
-/* May a splat count at a pixel of the block at (x, y)? Of u and v, level takes the nearest to 0, if not at one pixel. */
-static int touches(const fxs_splat *s, uint32_t x, uint32_t y, int cut_q11)
-{
-    if (s->first_row > y + BLOCK - 1 || s->last_row < y)
-        return 0;
-    const int v = nearest_q13(s->v0_q24 + y * (uint32_t)s->vy_q24, 0, s->vy_q24);
-    const int u = nearest_q13(s->u0_q24 + x * (uint32_t)s->ux_q24 + y * (uint32_t)s->uy_q24, s->ux_q24, s->uy_q24);
-    return fxs_level_q11(u, fxs_row_level_q11(v, s->offset_q11)) <= fxs_limit_q11(s->offset_q11, cut_q11);
-}
-
-/* Puts the records of a block from `at` on. Returns the one after the last. */
-static uint32_t put_block(const batch *b, uint32_t x, uint32_t y, uint32_t at, const uint32_t *entries, uint32_t count)
-{
+    static const fxs_splat nothing = {.first_row = 1};
     const fxs_splat *splats = b->run->splats;
-    const int cut_q11 = b->run->view->cut_q11;
     for (uint32_t i = 0; i < count; i++) {
         if (i + AHEAD < count)
             FXS_PREFETCH(&splats[entries[i + AHEAD] & ~FXS_ENTRY_FAR]);
-        if (!(entries[i] & FXS_ENTRY_FAR) && touches(&splats[entries[i]], x, y, cut_q11))
-            put_record(b->records + RECORD / 4 * (size_t)at++, &splats[entries[i]]);
+        put_record(b->records + RECORD / 4 * (size_t)(at + i),
+                   entries[i] & FXS_ENTRY_FAR ? &nothing : &splats[entries[i]]);
     }
-    return at;
 }
 
-/* Says where a block's list is; where it ends before it starts, the block is not drawn. */
-static void put_list(const batch *b, int32_t tile, uint32_t block, uint32_t first, uint32_t end)
+/* Says where a tile's list is; where it ends before it starts, the tile is not drawn. */
+static void put_list(const batch *b, int32_t tile, uint32_t first, uint32_t end)
 {
-    const uint32_t columns = (uint32_t)b->window->columns, t = (uint32_t)tile;
-    uint32_t *list = b->lists + 4 * ((2 * (t / columns) + block / 2) * columns + t % columns) + 2 * (block % 2);
-    list[0] = first;
-    list[1] = end;
+    b->lists[2 * tile] = first;
+    b->lists[2 * tile + 1] = end;
 }
 
 /* A window's tile in the picture; outside the run where it is not first_tile to last_tile. */
@@ -167,46 +136,29 @@ static int in_run(const batch *b, uint32_t tile)
     return tile >= b->run->first_tile && tile <= b->run->last_tile;
 }
 
-static void put_nothing(const batch *b, int32_t tile)
-{
-    for (uint32_t block = 0; block < 4; block++)
-        put_list(b, tile, block, 1, 0);
-}
-
-/* Puts the lists of a tile, and their records from `at` on. Returns the one after the last. */
-static uint32_t put_tile(const batch *b, int32_t tile, uint32_t at, const uint32_t *entries, uint32_t count)
-{
-    const uint32_t t = tile_of(b, tile), across = (uint32_t)b->run->view->tiles_x;
-    for (uint32_t block = 0; block < 4; block++) {
-        const uint32_t x = t % across * FXS_TILE + block % 2 * BLOCK, y = t / across * FXS_TILE + block / 2 * BLOCK;
-        const uint32_t end = put_block(b, x, y, at, entries, count);
-        put_list(b, tile, block, at, end);
-        at = end;
-    }
-    return at;
-}
-
 /* Fills a row of tiles, the job-th of the batch. */
 static void put_row(void *argument, uint32_t job)
 {
-    batch *b = argument;
+    const batch *b = argument;
     const fxs_tile_run *run = b->run;
     const int32_t columns = b->window->columns, start = (b->first / columns + (int32_t)job) * columns;
     uint32_t at = b->starts[job];
     for (int32_t tile = start; tile < start + columns; tile++) {
         const uint32_t t = tile_of(b, tile);
-        if (tile < b->first || tile >= b->end || !in_run(b, t))
-            put_nothing(b, tile);
-        else
-            at = put_tile(b, tile, at, run->entries + run->ends[t] - run->counts[t], run->counts[t]);
+        if (tile < b->first || tile >= b->end || !in_run(b, t)) {
+            put_list(b, tile, 1, 0);
+            continue;
+        }
+        put_list(b, tile, at, at + run->counts[t]);
+        put_records(b, at, run->entries + run->ends[t] - run->counts[t], run->counts[t]);
+        at += run->counts[t];
     }
-    b->ends[job] = at;
 }
 
 /* Entries that a tile's list may have to be drawn at once. */
 static uint32_t longest(const fxs_gles *g)
 {
-    return least(((uint32_t)g->record_rows << (g->shift - 1)) / 4, FXS_GLES_LOOP);
+    return least((uint32_t)g->record_rows << (g->shift - 1), FXS_GLES_LOOP);
 }
 
 /* ---- Draws ------------------------------------------------------------------------------------------------------- */
@@ -271,9 +223,10 @@ static int draw_parts(batch *b)
             return error;
         b->end = tile + 1;
         for (int32_t other = row; other < row + b->window->columns; other++)
-            put_nothing(b, other);
-        b->starts[0] = 0;
-        b->ends[0] = put_tile(b, tile, 0, entries + done, part);
+            put_list(b, other, 1, 0);
+        put_list(b, tile, 0, part);
+        put_records(b, 0, entries + done, part);
+        b->count = part;
         error = end_batch(b);
         surface s = surface_of(b);
         int turn = (int)(done / most % 2);
@@ -292,15 +245,14 @@ static int draw_parts(batch *b)
 static void take_tiles(batch *b)
 {
     const int32_t columns = b->window->columns, tiles = columns * b->window->rows, row = b->first / columns;
-    const uint32_t across = 1u << (b->gles->shift - 1);
     b->starts[0] = 0;
     for (; b->end < tiles; b->end++) {
         const uint32_t tile = tile_of(b, b->end), count = in_run(b, tile) ? b->run->counts[tile] : 0;
-        if (b->end % columns == 0)
-            b->starts[b->end / columns - row] = b->count = (b->count + across - 1) / across * across;
-        if (count > least(longest(b->gles), (b->capacity - b->count) / 4))
+        if (count > least(longest(b->gles), b->capacity - b->count))
             break;
-        b->count += 4 * count;
+        if (b->end % columns == 0)
+            b->starts[b->end / columns - row] = b->count;
+        b->count += count;
     }
 }
 
@@ -320,7 +272,7 @@ static int draw_batch(batch *b)
 
 static int draw_window(fxs_gles *g, const fxs_tile_run *run, const window *w)
 {
-    batch b = {g, run, w, 0, 0, 0, 0, 0, 0, {0}, {0}};
+    batch b = {g, run, w, 0, 0, 0, 0, 0, 0, {0}};
     int error = 0;
     make_room(g, run, w);
     while (b.end < w->columns * w->rows && !error) {

@@ -1,5 +1,5 @@
 // blend and resolve of one pixel, after src/pixel.h.
-uniform highp usampler2D lists;      // of each block of 8x8: first record, the one after the last; (1, 0): not in this draw
+uniform highp usampler2D lists;      // of each tile: first record, the one after the last; (1, 0): not in this draw
 uniform highp usampler2D records;    // two texels a splat: u0, ux, uy, first and last row; v0, vy, offset and r, g and b
 uniform highp isampler2D carried;    // of a tile whose list is in parts: T, r, g, b after the last part
 uniform ivec4 place;                 // pixel of the fragment (0, 0); rows go by; 1: goes on from `carried`
@@ -56,7 +56,7 @@ void main()
 {
     ivec2 fragment = ivec2(gl_FragCoord.xy);
     ivec2 pixel = place.xy + ivec2(fragment.x, place.z * fragment.y);
-    uvec2 list = texelFetch(lists, (pixel >> 3) - 2 * source.xy, 0).xy;
+    uvec2 list = texelFetch(lists, (pixel >> 4) - source.xy, 0).xy;
     if (list.x > list.y)
         discard;
     ivec4 state = place.w == 1 ? texelFetch(carried, pixel & 15, 0) : ivec4(FXS_CLEAR_Q15, 0, 0, 0);
