@@ -111,8 +111,8 @@ demo: ## make a procedural scene and render it to demo.png
 	$(B)/fixsplat render demo.ply --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --fov 36 --bg 11131b -o demo.png --stats
 	@echo "demo.png: 200,000 Gaussians with view-dependent colour of degree 3, from demo.ply"
 
-PUBLIC := src/fixsplat.h src/packed.h kernels/kernels.h kernels/gles/gles.h port/egl/egl.h port/osmesa/osmesa.h \
-          $(wildcard port/posix/*.h) $(addprefix port/formats/,\
+PUBLIC := src/fixsplat.h src/packed.h kernels/kernels.h kernels/cuda/cuda.h kernels/gles/gles.h port/egl/egl.h \
+          port/osmesa/osmesa.h $(wildcard port/posix/*.h) $(addprefix port/formats/,\
           allocator.h camera.h camera_file.h fxs_file.h image_file.h message.h pack.h ply_write.h scene_file.h \
           scene_filter.h splat_write.h spz_write.h)
 

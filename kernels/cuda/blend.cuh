@@ -1,12 +1,13 @@
-/* sort, blend and resolve. A group of 4 warps has a tile: it sorts the next keys of the tile's list, and each warp blends
- * them over its 8x8 pixels, two a lane, until all pixels are closed. A warp tests 32 splats at a time against its 8
- * rows, a splat a lane; those that can touch a pixel are queued in shared memory, then all lanes take them one by one.
+/* sort, blend and resolve. A group of 4 warps has a tile: it sorts the next keys of the tile's list, and each warp
+ * blends them over its 8x8 pixels, two a lane, until all pixels are closed. A warp tests 32 splats at a time against
+ * its 8 rows, a splat a lane; those that can touch a pixel are queued in shared memory, then all lanes take them one
+ * by one.
  *
  * Levels are integers in float registers, twice the level of pixel.h plus the bit that its rounding drops: with c =
  * coordinate_q13 2^-7,
  *     fma(c, c, 2^23 + 2 row_level + 1), rounded down, = 2^23 + floor(2 (coordinate_q13^2 2^-15 + 1/2 + row_level))
- * where that is below 2^24, and no less than 2^24 elsewhere; a limit is at most 2^23 + 45395. Coordinates are not cut to
- * +-4: beyond that the level is over every limit either way. */
+ * where that is below 2^24, and no less than 2^24 elsewhere; a limit is at most 2^23 + 45395. Coordinates are not cut
+ * to +-4: beyond that the level is over every limit either way. */
 #ifndef FXS_CUDA_BLEND_CUH
 #define FXS_CUDA_BLEND_CUH
 

@@ -263,8 +263,8 @@ int renderer_init(fxs_cuda *cuda, fxs_cuda_failure *failure)
     int error = check(failure, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, cuda->device),
                       cudaFuncSetAttribute(blend_tiles, cudaFuncAttributeMaxDynamicSharedMemorySize,
                                            (int)sizeof(blend_shared)));
-    error = error ? error : check(failure, cudaFuncSetAttribute(blend_dense, cudaFuncAttributeMaxDynamicSharedMemorySize,
-                                                                (int)sizeof(dense_shared)));
+    const cudaFuncAttribute size = cudaFuncAttributeMaxDynamicSharedMemorySize;
+    error = error ? error : check(failure, cudaFuncSetAttribute(blend_dense, size, (int)sizeof(dense_shared)));
     error = error ? error : check(failure, cudaEventCreateWithFlags(&cuda->ready, cudaEventDisableTiming));
     for (uint32_t i = 0; i < cuda->slot_count && !error; i++)
         error = slot_init(&cuda->slots[i], failure);

@@ -1,5 +1,6 @@
-/* Long lists, which are of small splats: a block a tile, a pixel a thread. The list is first put into bins by depth; then,
- * 1024 splats at a time, a splat a thread marks the pixels that it can touch, and each pixel takes its own, in order. */
+/* Long lists, which are of small splats: a block a tile, a pixel a thread. The list is first put into bins by depth;
+ * then, 1024 splats at a time, a splat a thread marks the pixels that it can touch, and each pixel takes its own, in
+ * order. */
 #ifndef FXS_CUDA_DENSE_CUH
 #define FXS_CUDA_DENSE_CUH
 
@@ -27,23 +28,15 @@ __device__ void split_list(uint64_t *sorted, dense_shared *shared, const uint64_
                            const dense_group *g)
 {
     const rounds r = begin_rounds(&shared->keys, list, count, g);
-    const int bits = 64 - __clzll((long long)(r.high - r.low)), shift = bits > (int)BIN_BITS ? bits - (int)BIN_BITS : 0;
+    const int shift = bin_shift(r.low, r.high);
     const uint32_t each = BINS / DENSE_THREADS;
-    uint32_t *ends = shared->ends, own = 0;
+    uint32_t *ends = shared->ends, own;
     for (uint32_t i = g->thread; i < BINS; i += DENSE_THREADS)
         ends[i] = 0;
     g->sync();
     visit_keys(list, count, g, [&](uint64_t key) { atomicAdd(&ends[(key - r.low) >> shift], 1u); });
     g->sync();
-    for (uint32_t i = 0; i < each; i++)
-        own += ends[g->thread * each + i];
-    uint32_t start = warp_sum(own);
-    if (lane_index() == WARP - 1)
-        shared->keys.sums[g->thread / WARP] = start;
-    g->sync();
-    for (uint32_t i = 0; i < g->thread / WARP; i++)
-        start += shared->keys.sums[i];
-    start -= own;
+    uint32_t start = keys_before(&shared->keys, ends, &own, g);
     for (uint32_t i = g->thread * each; i < (g->thread + 1) * each; i++) {
         const uint32_t size = ends[i];
         ends[i] = start;

@@ -117,7 +117,8 @@ __device__ bool is_large(const ellipse *e, const fxs_view *view)
 /* The tiles of a tile row, as fxs_bin_c finds them: of an ellipse that is whole on one, all its columns. */
 __device__ span tiles_of_row(const ellipse *e, const fxs_view *view, int32_t row)
 {
-    const bool whole = e->rows.first == e->rows.last && e->splat->first_row > 0 && e->splat->last_row < view->height - 1;
+    const fxs_splat *s = e->splat;
+    const bool whole = e->rows.first == e->rows.last && s->first_row > 0 && s->last_row < view->height - 1;
     return !view->square && whole && e->columns.last - e->columns.first < 4 ? e->columns : span_of(e, view, row);
 }
 
@@ -272,7 +273,8 @@ __global__ void __launch_bounds__(FXS_CHUNK) fill_lists(const __grid_constant__ 
         const uint32_t bit = bit_of(__shfl_sync(ALL_LANES, mask, lane), item);
         const uint32_t tile = __shfl_sync(ALL_LANES, base, lane) + bit / MASK_TILES * (uint32_t)view.tiles_x +
                               bit % MASK_TILES;
-        const uint32_t key_depth = __shfl_sync(ALL_LANES, depth, lane), key_index = index - lane_index() + (uint32_t)lane;
+        const uint32_t key_depth = __shfl_sync(ALL_LANES, depth, lane);
+        const uint32_t key_index = index - lane_index() + (uint32_t)lane;
         const uint32_t place = take_place(f.next, tile, active);
         if (active)
             f.entries[place] = FXS_KEY(key_depth, key_index);

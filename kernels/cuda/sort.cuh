@@ -33,7 +33,8 @@ struct group {
     __device__ bool any(bool x) const
     {
         uint32_t result;
-        asm volatile("{ .reg .pred p, q; setp.ne.u32 p, %1, 0; barrier.red.or.pred q, %2, %3, p; selp.u32 %0, 1, 0, q; }"
+        asm volatile("{ .reg .pred p, q; setp.ne.u32 p, %1, 0; barrier.red.or.pred q, %2, %3, p; "
+                     "selp.u32 %0, 1, 0, q; }"
                      : "=r"(result) : "r"((uint32_t)x), "r"(number + 1), "r"(T) : "memory");
         return result != 0;
     }
@@ -162,22 +163,38 @@ __device__ rounds begin_rounds(group_keys *shared, const uint64_t *list, uint32_
     return r;
 }
 
-/* Finds the first bin with which the keys are more than ROUND_KEYS: shared->bin (BINS: none), and how many are below it:
-   shared->count. */
+/* A bin holds 2^that keys, so that BINS reach from `low` to `high`. */
+__device__ inline int bin_shift(uint64_t low, uint64_t high)
+{
+    const int bits = 64 - __clzll((long long)(high - low));
+    return bits > (int)BIN_BITS ? bits - (int)BIN_BITS : 0;
+}
+
+/* How many keys are in the bins before this thread's, and in its own. */
 template <class G>
-__device__ void find_bin(group_keys *shared, const uint32_t *bins, const G *g)
+__device__ uint32_t keys_before(group_keys *shared, const uint32_t *bins, uint32_t *own, const G *g)
 {
     const uint32_t each = BINS / G::threads, warp = g->thread / WARP;
-    uint32_t own = 0;
+    *own = 0;
     for (uint32_t i = 0; i < each; i++)
-        own += bins[g->thread * each + i];
-    uint32_t end = warp_sum(own);
+        *own += bins[g->thread * each + i];
+    uint32_t end = warp_sum(*own);
     if (lane_index() == WARP - 1)
         shared->sums[warp] = end;
     g->sync();
     for (uint32_t i = 0; i < warp; i++)
         end += shared->sums[i];
-    uint32_t start = end - own;
+    return end - *own;
+}
+
+/* Finds the first bin with which the keys are more than ROUND_KEYS: shared->bin (BINS: none), and how many are below
+   it: shared->count. */
+template <class G>
+__device__ void find_bin(group_keys *shared, const uint32_t *bins, const G *g)
+{
+    const uint32_t each = BINS / G::threads;
+    uint32_t own, start = keys_before(shared, bins, &own, g);
+    const uint32_t end = start + own;
     if (start <= ROUND_KEYS && (end > ROUND_KEYS || g->thread == G::threads - 1)) {
         uint32_t bin = g->thread * each;
         for (; bin < (g->thread + 1) * each && start + bins[bin] <= ROUND_KEYS; bin++)
@@ -188,8 +205,8 @@ __device__ void find_bin(group_keys *shared, const uint32_t *bins, const G *g)
     g->sync();
 }
 
-/* Puts the least keys from r->low on into shared->keys, at most ROUND_KEYS, and moves r->low. Returns how many; 0: there
-   are no more. `bins`: BINS of shared memory. */
+/* Puts the least keys from r->low on into shared->keys, at most ROUND_KEYS, and moves r->low. Returns how many. There
+   must be some left. `bins`: BINS of shared memory. */
 template <class G>
 __device__ uint32_t next_round(rounds *r, group_keys *shared, uint32_t *bins, const uint64_t *list, uint32_t count,
                                const G *g)
@@ -197,7 +214,7 @@ __device__ uint32_t next_round(rounds *r, group_keys *shared, uint32_t *bins, co
     uint64_t first = r->low, last = r->high;
     uint32_t found = 0;
     while (!found) {
-        const int bits = 64 - __clzll((long long)(last - first)), shift = bits > (int)BIN_BITS ? bits - (int)BIN_BITS : 0;
+        const int shift = bin_shift(first, last);
         for (uint32_t i = g->thread; i < BINS; i += G::threads)
             bins[i] = 0;
         g->sync();

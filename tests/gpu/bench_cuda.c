@@ -77,7 +77,10 @@ static void row(fxs_cuda *single, fxs_cuda *batch, const char *name, const fxs_c
            options->cutoff == FXS_CUTOFF_SQUARE ? ", square" : "", s.visible, s.entries);
     for (int i = 0; i < FXS_CUDA_STAGES; i++)
         printf(" | %.3f", (double)s.milliseconds[i]);
-    printf(" | %.3f | %.3f | %.1f |\n", (double)frame, (double)of_batch, (double)s.memory.total * 1e-6);
+    printf(" | %.3f | ", (double)frame);
+    if (batch)
+        printf("%.3f", (double)of_batch);
+    printf(" | %.1f |\n", (double)s.memory.total * 1e-6);
     fflush(stdout);
 }
 

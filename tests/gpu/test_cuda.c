@@ -1,5 +1,5 @@
-/* The CUDA back end against the C stages, buffer by buffer: splats and depths by index, the lists of the tiles in order,
- * pixels. `test_cuda [--quick] [FILE.fxs...]`; --quick: few random scenes, for the sanitizers. */
+/* The CUDA back end against the C stages, buffer by buffer: splats and depths by index, the lists of the tiles, pixels.
+ * `test_cuda [--quick] [FILE.fxs...]`; --quick: few random scenes, for the sanitizers. */
 #include <inttypes.h>
 
 #include "../../port/formats/camera.h"
@@ -292,7 +292,8 @@ static void test_batch(void)
     CHECK(!fxs_cuda_render(batch, frames, FRAMES, &options, 0, &failure) && !fxs_cuda_finish(batch, 0, &failure));
     for (int i = 0; i < FRAMES; i++) {
         const size_t bytes = (size_t)frames[i].stride * 1024;
-        uint8_t *wanted = render_c(&scene, &frames[i].camera, &options, bytes), *got = peek_host_copy(frames[i].pixels, bytes);
+        uint8_t *wanted = render_c(&scene, &frames[i].camera, &options, bytes);
+        uint8_t *got = peek_host_copy(frames[i].pixels, bytes);
         CHECK(got && !memcmp(wanted, got, bytes));
         free(wanted);
         free(got);

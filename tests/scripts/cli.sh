@@ -133,7 +133,7 @@ for bad in 'bg 12345' 'bg 12345g' 'cutoff round' 'sh-degree 4' 'sh-degree -1' 't
     'backend none' 'eye 1,2' 'eye 1,2,nan' 'look 1,2,3,4' 'up x' 'fov 0' 'fov 171' 'fov nan' 'max-memory 0' \
     'max-memory 1T' 'max-memory 1KB' 'max-memory -1' 'max-memory K' 'max-memory 99999999999G' \
     'max-memory 99999999999999999999999999' 'max-memory' 'stereo 0' 'stereo -1' 'stereo nan' 'stereo 1,2' \
-    'stereo-exact' 'stereo 0.1 --stats'; do
+    'device x' 'device 256' 'stereo-exact' 'stereo 0.1 --stats'; do
     fails "--$bad" 2 "--${bad%% *}" render knot.ply $small --hash --$bad
 done
 for bad in 'crop 0,0,0,1,1' 'crop 0,0,0,1,1,1,1' 'crop 0,0,0,1,1,-1' 'crop nan,0,0,1,1,1' 'crop x' \
@@ -186,6 +186,11 @@ check "one hash with --max-memory, square" equal \
     "$(hash_of knot.ply $small --cutoff square --threads 2 --max-memory 300000)" \
     "$(hash_of knot.ply $small --cutoff square)"
 check "one hash with --backend cpu" equal "$(hash_of knot.ply $small --backend cpu)" "$hash"
+if [ -e /dev/nvidia0 ]; then
+    check "one hash with --backend cuda" equal "$(hash_of knot.ply $small --backend cuda)" "$hash"
+else
+    fails "--backend cuda without a GPU" 1 "--backend cuda: " render knot.ply $small --hash --backend cuda
+fi
 for other in '--bg ff0000' '--cutoff square' '--sh-degree 0' '--fov 40' '--up 0,0,1' '--eye 0,-2,-9' \
     '--eye 0,-2,-9 --look 1,0,0' '--alpha'; do
     check "$other changes the picture" differ "$(hash_of knot.ply $small $other)" "$hash"
