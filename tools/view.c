@@ -123,7 +123,7 @@ int view_option(view_options *options, int which, const char *value)
     case OPT_MAX_MEMORY: return take_max_memory(&options->max_memory, value);
     case OPT_THREADS:
         status = take_number("threads", value, 1, 64, &number);
-        options->threads = (uint32_t)number;
+        options->threads = options->load.threads = (uint32_t)number;
         return status;
     default: return EXIT_USAGE;
     }

@@ -205,12 +205,30 @@ static uint32_t encode_colour(const fxs_gaussian *g, const fxs_chunk *chunk, fxs
 
 /* round(x / step) in +-127: x is a float and step a whole number of 2^-19, so that no quotient but an exact half lies
    within 2^-40 of a half, and adding 128.5 rounds nothing over it. */
-static int8_t encode_coefficient(double x, double step, fxs_loss *loss)
+static int encode_coefficient(double x, double step)
 {
     double most = 127 * step, held = x < -most ? -most : x > most ? most : x;
-    int code = step > 0 ? (int)(held / step + 128.5) - 128 : 0;
-    note(loss, FXS_LOSS_SH, code * step - x);
-    return (int8_t)code;
+    return step > 0 ? (int)(held / step + 128.5) - 128 : 0;
+}
+
+/* Of the profile default. A sum for each channel, so that they do not wait for each other. */
+static void encode_bands(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g, unsigned char *record,
+                         fxs_loss *loss)
+{
+    double most = loss->largest[FXS_LOSS_SH], sums[3] = {0, 0, 0};
+    for (int degree = 1; degree <= e->sh_degree; degree++) {
+        const double step = chunk->sh_step_q19[degree - 1] * 0x1p-19;
+        for (int i = 3 * FXS_SH_COUNT(degree - 1); i < 3 * FXS_SH_COUNT(degree); i += 3)
+            for (int c = 0; c < 3; c++) {
+                int code = encode_coefficient(g->sh[i + c], step);
+                double error = fabs(code * step - g->sh[i + c]);
+                record[i + c] = (unsigned char)code;
+                sums[c] += error * error;
+                most = error > most ? error : most;
+            }
+    }
+    loss->largest[FXS_LOSS_SH] = most;
+    loss->squares[FXS_LOSS_SH] += sums[0] + sums[1] + sums[2];
 }
 
 void fxs_sh_vector_of(fxs_sh_vector vector, const fxs_gaussian *g, int sh_degree)
@@ -289,20 +307,6 @@ static void encode_by_palette(const fxs_encoder *e, const fxs_gaussian *g, unsig
             note(loss, FXS_LOSS_SH, rest[16 * c + k]);
 }
 
-static void encode_sh(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g, unsigned char *record,
-                      fxs_loss *loss)
-{
-    if (e->palette) {
-        encode_by_palette(e, g, record, loss);
-        return;
-    }
-    for (int degree = 1; degree <= e->sh_degree; degree++) {
-        double step = chunk->sh_step_q19[degree - 1] * 0x1p-19;
-        for (int i = 3 * FXS_SH_COUNT(degree - 1); i < 3 * FXS_SH_COUNT(degree); i++)
-            record[i] = (unsigned char)encode_coefficient(g->sh[i], step, loss);
-    }
-}
-
 /* ---- Records --------------------------------------------------------------------------------------------------- */
 
 static unsigned char *put(unsigned char *to, uint32_t value, int bytes)
@@ -333,7 +337,10 @@ void fxs_encode(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian
         record = put(record, s[0] | s[1] << 10 | s[2] << 20, 4);
         record = put(record, colour, 4);
     }
-    encode_sh(e, chunk, g, record, loss);
+    if (e->palette)
+        encode_by_palette(e, g, record, loss);
+    else
+        encode_bands(e, chunk, g, record, loss);
 }
 
 /* Bytes `first` to first + width - 1 of each record, side by side. */
