@@ -56,7 +56,7 @@ static void expected_splats(expected *e, const fxs_scene *scene)
 static void expected_lists(expected *e)
 {
     static uint32_t histograms[1][FXS_SORT_BUCKETS];
-    const fxs_config config = {0, 0, 0, 0, 0};
+    const fxs_config config = {.run = 0};
     for (uint32_t i = 0; i < e->count; i++)
         e->keys[i] = FXS_KEY(e->depths[i], i);
     fxs_sorted sorted = {fxs_sort(&config, e->keys, e->spare, e->count, histograms, 1), e->sorted_boxes, e->count};
