@@ -531,6 +531,7 @@ static void faulty_text(void)
         {"{\"mesh\":0}", "{\"mesh\":0,\"rotation\":[0,0,0,0]}", "has no inverse"},
         {"KHR_gaussian_splatting\":{", "KHR_other\":{", "no primitive with KHR_gaussian_splatting"},
         {"ellipse", "gausses", "kernel \"gausses\" is not read"},
+        {"ellipse", "g\\u000as\\u007f", "kernel \"g?s?\" is not read"},
         {"\"POSITION\"", "\"POSITIONS\"", "no accessor for POSITION"},
         {":SCALE", ":SCALES", "no accessor for KHR_gaussian_splatting:SCALE"},
         {"DEGREE_0_COEF_0", "DEGREE_0_COEF_1", "no accessor for KHR_gaussian_splatting:SH_DEGREE_0_COEF_0"},
