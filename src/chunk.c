@@ -29,7 +29,8 @@ static void place(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *chu
         for (int j = 0; j < 3; j++) {
             int64_t r_q30 = view->rotation_q30[3 * i + j];
             base_q30 += r_q30 * (offset[j] >> cv->shift);
-            cv->m_q16[i][j] = (r_q30 * chunk->step_q32[j] >> 14) * ((int64_t)1 << chunk->step_shift) >> cv->shift;
+            cv->m_q16[i][j] = (int32_t)((r_q30 * chunk->step_q32[j] >> 14) * ((int64_t)1 << chunk->step_shift)
+                                        >> cv->shift);
         }
         cv->base_q16[i] = base_q30 >> 14;
     }
@@ -52,7 +53,7 @@ static int64_t farthest(const fxs_chunk_view *cv, int i, int sign, int64_t slope
 {
     int64_t sum = sign * (cv->base_q16[i] >> 16) - (slope_q23 * (cv->base_q16[2] >> 16) >> 23) + 2;
     for (int j = 0; j < 3; j++) {
-        int64_t m_q16 = sign * cv->m_q16[i][j] - (slope_q23 * cv->m_q16[2][j] >> 23);
+        int64_t m_q16 = sign * (int64_t)cv->m_q16[i][j] - (slope_q23 * cv->m_q16[2][j] >> 23);
         sum += m_q16 > 0 ? (m_q16 * 65535 >> 16) + 1 : 0;
     }
     return sum;
@@ -63,7 +64,7 @@ FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, cons
     place(cv, view, chunk);
     int64_t z_q16 = cv->base_q16[2];
     for (int j = 0; j < 3; j++)
-        z_q16 += cv->m_q16[2][j] > 0 ? cv->m_q16[2][j] * 65535 : 0;
+        z_q16 += cv->m_q16[2][j] > 0 ? (int64_t)cv->m_q16[2][j] * 65535 : 0;
     if (z_q16 >> 16 <= cv->near)
         return 0;
     if (view->square)                            /* its tiles reach further; it is there to be measured */

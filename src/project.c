@@ -29,8 +29,8 @@ static int project_centre(projected *out, const fxs_view *view, const fxs_chunk_
 {
     int32_t camera[3];
     for (int i = 0; i < 3; i++)
-        camera[i] = (int32_t)((cv->base_q16[i] + cv->m_q16[i][0] * code[0] + cv->m_q16[i][1] * code[1] +
-                               cv->m_q16[i][2] * code[2]) >> 16);
+        camera[i] = (int32_t)((cv->base_q16[i] + (int64_t)cv->m_q16[i][0] * code[0] +
+                               (int64_t)cv->m_q16[i][1] * code[1] + (int64_t)cv->m_q16[i][2] * code[2]) >> 16);
     out->z = camera[2];
     if (out->z <= cv->near)
         return 0;
@@ -65,19 +65,20 @@ static void jacobian(int32_t j_q15[2][3], const fxs_view *view, const projected 
    Returns 0 where the three are longer than that already. */
 static int quaternion(int32_t q_q15[4], uint32_t word)
 {
-    int largest = (int)(word >> 30), shift = 20;
-    int32_t square_q30 = 0;
-    for (int i = 0; i < 4; i++) {
-        if (i == largest)
-            continue;
-        int32_t code = (int32_t)(word >> shift & 1023);
-        q_q15[i] = ((2 * code - 1023) * 23194 + 512) >> 10;
-        square_q30 += q_q15[i] * q_q15[i];
-        shift -= 10;
+    const uint32_t largest = word >> 30;
+    int32_t three_q15[3], square_q30 = 0;
+    for (int i = 0; i < 3; i++) {
+        int32_t code = (int32_t)(word >> (20 - 10 * i) & 1023);
+        three_q15[i] = ((2 * code - 1023) * 23194 + 512) >> 10;
+        square_q30 += three_q15[i] * three_q15[i];
     }
     if (square_q30 > 1 << 30)
         return 0;
-    q_q15[largest] = (int32_t)fxs_sqrt((1u << 30) - (uint32_t)square_q30);
+    const int32_t most_q15 = (int32_t)fxs_sqrt((1u << 30) - (uint32_t)square_q30);
+    q_q15[0] = largest == 0 ? most_q15 : three_q15[0];
+    q_q15[1] = largest == 1 ? most_q15 : largest > 1 ? three_q15[1] : three_q15[0];
+    q_q15[2] = largest == 2 ? most_q15 : largest > 2 ? three_q15[2] : three_q15[1];
+    q_q15[3] = largest == 3 ? most_q15 : three_q15[2];
     return 1;
 }
 

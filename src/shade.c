@@ -59,9 +59,9 @@ static void basis(int32_t b[15], const int32_t d_q15[3], int degree)
 static int32_t bands(const int8_t *codes, const int32_t b_q15[15], const uint32_t step_q19[3], int degree)
 {
     int32_t sum_q16 = 0;
-    for (int d = 1, k = 0; d <= degree; d++) {
+    for (int d = 1; d <= 3 && d <= degree; d++) {
         int32_t band_q15 = 0;
-        for (int end = FXS_SH_COUNT(d); k < end; k++)
+        for (int k = FXS_SH_COUNT(d - 1); k < FXS_SH_COUNT(d); k++)
             band_q15 += b_q15[k] * codes[3 * k * FXS_CHUNK];
         sum_q16 += (((band_q15 + 512) >> 10) * (int32_t)step_q19[d - 1] + 128) >> 8;
     }
@@ -110,13 +110,11 @@ static void basis_at(int32_t b_q15[15], const fxs_view *view, const fxs_chunk *c
 }
 
 /* What is above degree 0. */
-static void directional(int32_t sum_q16[3], const fxs_view *view, const fxs_scene *scene, uint32_t chunk, uint32_t g,
-                        const uint16_t position[3])
+static void directional(int32_t sum_q16[3], const fxs_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
+                        const unsigned char *rows, uint32_t g, const uint16_t position[3])
 {
-    const fxs_chunk *header = &scene->chunks[chunk];
-    const unsigned char *rows = fxs_rows(scene, chunk);
     int32_t b_q15[15];
-    basis_at(b_q15, view, header, position);
+    basis_at(b_q15, view, chunk, position);
     if (scene->palette) {
         const fxs_sh_sums s = sum_of(scene, fxs_sh_record(scene, rows, g), b_q15);
         for (int c = 0; c < 3; c++)
@@ -125,20 +123,21 @@ static void directional(int32_t sum_q16[3], const fxs_view *view, const fxs_scen
     }
     const int8_t *sh = (const int8_t *)rows + FXS_ROW_SH + g;
     for (int c = 0; c < 3; c++)
-        sum_q16[c] += bands(sh + c * FXS_CHUNK, b_q15, header->sh_step_q19, view->sh_degree);
+        sum_q16[c] += bands(sh + c * FXS_CHUNK, b_q15, chunk->sh_step_q19, view->sh_degree);
 }
 
-static void shade_one(fxs_splat *splat, const fxs_view *view, const fxs_scene *scene, uint32_t chunk, uint32_t g)
+/* The colour of Gaussian g of a chunk; `rows` are the chunk's. */
+static void shade_one(fxs_splat *splat, const fxs_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
+                      const unsigned char *rows, uint32_t g)
 {
-    const fxs_chunk *header = &scene->chunks[chunk];
-    const fxs_codes codes = fxs_codes_of(scene, fxs_rows(scene, chunk), g);
+    const fxs_codes codes = fxs_codes_of(scene, rows, g);
     int32_t sum_q16[3];
     for (int c = 0; c < 3; c++) {
-        int64_t step = (int64_t)header->colour_step_q20[c] * (codes.colour >> 8 * c & 255);
-        sum_q16[c] = header->colour_q16[c] + (int32_t)((step + 8) >> 4);
+        int64_t step = (int64_t)chunk->colour_step_q20[c] * (codes.colour >> 8 * c & 255);
+        sum_q16[c] = chunk->colour_q16[c] + (int32_t)((step + 8) >> 4);
     }
     if (view->sh_degree > 0)
-        directional(sum_q16, view, scene, chunk, g, codes.position);
+        directional(sum_q16, view, scene, chunk, rows, g, codes.position);
     for (int c = 0; c < 3; c++)
         splat->colour_q13[c] = (int16_t)fxs_clamp((sum_q16[c] + 4) >> 3, 0, 32767);
 }
@@ -146,6 +145,7 @@ static void shade_one(fxs_splat *splat, const fxs_view *view, const fxs_scene *s
 void fxs_shade_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices, uint32_t count,
                  fxs_splat *splats)
 {
+    const unsigned char *rows = fxs_rows(scene, chunk);
     for (uint32_t i = 0; i < count; i++)
-        shade_one(&splats[i], view, scene, chunk, indices[i] % FXS_CHUNK);
+        shade_one(&splats[i], view, scene, &scene->chunks[chunk], rows, indices[i] % FXS_CHUNK);
 }

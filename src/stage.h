@@ -47,7 +47,7 @@ typedef struct fxs_view {
 typedef struct fxs_chunk_view {
     const fxs_chunk *chunk;
     int64_t base_q16[3];
-    int64_t m_q16[3][3];           /* below 2^30 */
+    int32_t m_q16[3][3];           /* below 2^29 */
     int shift;
     int32_t near;                  /* the near plane's depth */
 } fxs_chunk_view;
