@@ -16,8 +16,9 @@
 namespace {
 
 const uint32_t GROUPS = 6, GROUP_THREADS = 128, BLEND_THREADS = GROUPS * GROUP_THREADS;
-const uint32_t DENSE = 4096;               /* from this length on, a list is blended by blend_dense */
+const uint32_t DENSE_MAGNITUDE = 11;       /* lists of 2^11 entries or more are blended by blend_dense */
 typedef group<GROUP_THREADS> tile_group;
+typedef group_keys<1024> tile_keys;
 const int REGION = 8;                      /* pixels of a warp, across and down */
 const int LEVEL_ONE = 0x4b000000;          /* 2^23 as a float, in bits */
 
@@ -36,7 +37,7 @@ struct alignas(16) queued_splat {
 };
 
 struct group_shared {
-    group_keys keys;
+    tile_keys keys;
     union {
         queued_splat queues[GROUP_THREADS / WARP][WARP];
         uint32_t bins[BINS];
@@ -77,11 +78,16 @@ __device__ inline int limit_bits(const fxs_splat *s, const fxs_view *view)
     return LEVEL_ONE + 2 * fxs_limit_q11(s->offset_q11, view->cut_q11) + 1;
 }
 
+__device__ inline int level_bits(queued_row row, uint32_t across_q24)
+{
+    const float u = coordinate_q6(row.u_q24 + across_q24);
+    return __float_as_int(__fmaf_rd(u, u, row.level));
+}
+
 __device__ inline void blend_pixel(pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t across_q24,
                                    const queued_splat *s)
 {
-    const float u = coordinate_q6(row.u_q24 + across_q24);
-    const int level = __float_as_int(__fmaf_rd(u, u, row.level));
+    const int level = level_bits(row, across_q24);
     int alpha = 0;
     if (level <= s->limit && p->transmittance >= FXS_CLOSED_Q15)
         alpha = alpha_q15[(level & 0xffff) >> 1];
@@ -140,16 +146,16 @@ __device__ inline bool is_open(const pixel p[2])
 }
 
 /* Blends sorted keys over the region at (x, y). */
-__device__ inline void blend_keys(pixel p[2], const uint64_t *keys, uint32_t count, queued_splat queue[WARP],
+__device__ inline void blend_keys(pixel p[2], const tile_keys *keys, uint32_t count, queued_splat queue[WARP],
                                   const uint16_t *alpha_q15, const fxs_splat *splats, const fxs_view *view, int32_t x,
                                   int32_t y)
 {
     const uint32_t lane = lane_index();
     for (uint32_t first = 0; first < count && __any_sync(ALL_LANES, is_open(p)); first += WARP) {
         const bool listed = first + lane < count;
-        const uint32_t entry = listed ? (uint32_t)keys[first + lane] : 0;
+        const uint32_t entry = listed ? keys->entries[first + lane] : 0;
         const uint32_t queued = queue_splats(queue, splats, view, entry, listed, x, y);
-#pragma unroll 2
+#pragma unroll 4
         for (uint32_t i = 0; i < queued; i++) {
             const queued_splat *s = &queue[i];
             const queued_row upper = s->rows[lane / REGION][0], lower = s->rows[lane / REGION][1];
@@ -186,22 +192,28 @@ __device__ inline void store_pixel(const target *t, const pixel *p, int32_t x, i
         ((uint32_t *)row)[x] = packed.word;
 }
 
-/* The order of the tiles, in a warp: the lane has the turns up to `end` of the tiles of class 31 - lane. */
+/* The order of the tiles, long lists first, in a warp: the lane has the turns from start to end, for the tiles of
+   magnitude 31 - lane, `each` of them a tile. */
 struct turns {
-    uint32_t start, end;
+    uint32_t start, end, each, all;
 };
 
-__device__ inline turns turns_of(const frame_buffers *f)
+__device__ inline turns turns_of(const frame_buffers *f, uint32_t each)
 {
-    const uint32_t count = f->status->classes[WARP - 1 - lane_index()], end = warp_sum(count);
-    return {end - count, end};
+    const uint32_t count = each * f->status->classes[WARP - 1 - lane_index()], end = warp_sum(count);
+    return {end - count, end, each, __shfl_sync(ALL_LANES, end, WARP - 1)};
 }
 
-/* The tile that is `turn`th, long lists first. */
-__device__ inline uint32_t tile_of_turn(const frame_buffers *f, const turns *order, uint32_t tiles, uint32_t turn)
+struct turn_of_tile {
+    uint32_t tile, number, turns;          /* which of its turns this is */
+};
+
+__device__ inline turn_of_tile tile_of_turn(const frame_buffers *f, const turns *order, uint32_t tiles, uint32_t turn)
 {
     const int lane = __ffs((int)__ballot_sync(ALL_LANES, turn < order->end)) - 1;
-    return f->classes[(WARP - 1 - (uint32_t)lane) * tiles + turn - __shfl_sync(ALL_LANES, order->start, lane)];
+    const uint32_t i = turn - __shfl_sync(ALL_LANES, order->start, lane);
+    const uint32_t each = __shfl_sync(ALL_LANES, order->each, lane);
+    return {f->classes[(WARP - 1 - (uint32_t)lane) * tiles + i / each], i % each, each};
 }
 
 /* Sorts and blends a tile's list, over the region at (x, y) of each warp. */
@@ -210,19 +222,19 @@ __device__ void blend_list(pixel p[2], group_shared *own, const uint16_t *alpha_
 {
     const uint32_t all = f->counts[tile];
     const uint64_t *list = f->entries + (f->next[tile] - all);
-    rounds r = {0, 0};
-    if (all > ROUND_KEYS)
-        r = begin_rounds(&own->keys, list, all, g);
+    key_range r = {0, 0};
+    if (all > tile_keys::room)
+        r = range_of_list(&own->keys, list, all, g);
     for (uint32_t done = 0; done < all;) {
         uint32_t count = all;
-        if (all > ROUND_KEYS)
+        if (all > tile_keys::room)
             count = next_round(&r, &own->keys, own->bins, list, all, g);
         else
             for (uint32_t i = g->thread; i < all; i += GROUP_THREADS)
                 own->keys.keys[i] = list[i];
         g->sync();
-        sort_keys(&own->keys, count, g);
-        blend_keys(p, own->keys.keys, count, own->queues[g->thread / WARP], alpha_q15, f->splats, view, x, y);
+        sort_keys(&own->keys, own->bins, count, g);
+        blend_keys(p, &own->keys, count, own->queues[g->thread / WARP], alpha_q15, f->splats, view, x, y);
         done += count;
         if (!g->any(is_open(p)))
             break;
@@ -243,7 +255,7 @@ __global__ void __launch_bounds__(BLEND_THREADS, 1) blend_tiles(const __grid_con
         return;
     for (uint32_t level = threadIdx.x; level <= FXS_FAINT_Q11; level += BLEND_THREADS)
         shared->alpha_q15[level] = (uint16_t)fxs_alpha_q15((int)level);
-    const turns order = turns_of(&f);
+    const turns order = turns_of(&f, WARP - 1 - lane_index() < DENSE_MAGNITUDE ? 1 : 0);
     uint32_t next = g.thread == 0 ? atomicAdd(&f.status->next_turn, 1u) : 0;
     __syncthreads();
     for (;;) {
@@ -252,13 +264,9 @@ __global__ void __launch_bounds__(BLEND_THREADS, 1) blend_tiles(const __grid_con
             next = atomicAdd(&f.status->next_turn, 1u);    /* fetched meanwhile */
         }
         g.sync();
-        if (own->turn >= tiles)
+        if (own->turn >= order.all)
             return;
-        const uint32_t tile = tile_of_turn(&f, &order, tiles, own->turn);
-        if (f.counts[tile] >= DENSE) {
-            g.sync();
-            continue;
-        }
+        const uint32_t tile = tile_of_turn(&f, &order, tiles, own->turn).tile;
         const int32_t x = (int32_t)(tile % (uint32_t)view.tiles_x * FXS_TILE + part % 2 * REGION);
         const int32_t y = (int32_t)(tile / (uint32_t)view.tiles_x * FXS_TILE + part / 2 * REGION);
         const int32_t px = x + (int32_t)lane % REGION, py = y + (int32_t)lane / REGION;

@@ -113,16 +113,15 @@ frame_buffers slot_buffers(const slot *s, uint32_t chunks, uint32_t tiles, uint6
     const uint64_t gaussians = (uint64_t)chunks * FXS_CHUNK;
     f.chunk_views = cut<fxs_chunk_view>(&splats, chunks);
     f.splats = cut<fxs_splat>(&splats, gaussians);
-    f.masks = cut<uint64_t>(&splats, gaussians);
-    f.bases = cut<uint32_t>(&splats, gaussians);
+    f.split_entries = f.boxes = cut<uint64_t>(&splats, gaussians);
     f.depths = cut<uint32_t>(&splats, gaussians);
+    f.split_capacity = (uint64_t)(splats - (unsigned char *)f.boxes) / sizeof *f.split_entries;
     f.status = cut<frame_status>(&of_tiles, 1);
     f.counts = cut<uint32_t>(&of_tiles, tiles);
     f.next = cut<uint32_t>(&of_tiles, tiles);
     f.classes = cut<uint32_t>(&of_tiles, 32 * (uint64_t)tiles);
     f.entries = (uint64_t *)s->entries.data;
-    f.capacity = s->entries.bytes / (2 * sizeof *f.entries);
-    f.split_entries = f.entries + f.capacity;
+    f.capacity = s->entries.bytes / sizeof *f.entries;
     f.larges = (large_splat *)s->larges.data;
     f.large_capacity = (uint32_t)(s->larges.bytes / sizeof *f.larges);
     *splat_bytes = (uint64_t)(splats - (unsigned char *)s->splats.data);
@@ -136,7 +135,7 @@ uint64_t slot_bytes(const fxs_cuda *cuda, uint32_t chunks)
     const slot none = {};
     uint64_t splat_bytes, tile_bytes;
     slot_buffers(&none, chunks, 0, &splat_bytes, &tile_bytes);
-    return splat_bytes + cuda->large_capacity * sizeof(large_splat) + cuda->capacity * 2 * sizeof(uint64_t);
+    return splat_bytes + cuda->large_capacity * sizeof(large_splat) + cuda->capacity * sizeof(uint64_t);
 }
 
 int prepare_slot(fxs_cuda *cuda, slot *s, uint32_t tiles, frame_buffers *buffers, fxs_cuda_failure *failure)
@@ -146,7 +145,7 @@ int prepare_slot(fxs_cuda *cuda, slot *s, uint32_t tiles, frame_buffers *buffers
     int error = reserve(cuda, &s->splats, splat_bytes, failure);
     error = error ? error : reserve(cuda, &s->tiles, tile_bytes, failure);
     error = error ? error : reserve(cuda, &s->larges, cuda->large_capacity * sizeof(large_splat), failure);
-    error = error ? error : reserve(cuda, &s->entries, cuda->capacity * 2 * sizeof(uint64_t), failure);
+    error = error ? error : reserve(cuda, &s->entries, cuda->capacity * sizeof(uint64_t), failure);
     if (!error)
         *buffers = slot_buffers(s, cuda->scene.chunk_count, tiles, &splat_bytes, &tile_bytes);
     return error;
@@ -404,7 +403,7 @@ int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_cuda_failure *fai
             continue;
         if (needed->entries > ENTRIES_MAX)
             return failed(failure, FXS_ERR_MEMORY, "a frame has more than 2^32 tile list entries",
-                          needed->entries * 2 * sizeof(uint64_t));
+                          needed->entries * sizeof(uint64_t));
         cuda->capacity = larger_of(cuda->capacity, needed->entries + needed->entries / 8);
         cuda->capacity = cuda->capacity < ENTRIES_MAX ? cuda->capacity : ENTRIES_MAX;
         cuda->large_capacity = larger_of(cuda->large_capacity, needed->larges + needed->larges / 8);

@@ -23,9 +23,9 @@ typedef struct fxs_cuda_failure {
 /* Device memory of a renderer, bytes. */
 typedef struct fxs_cuda_memory {
     uint64_t scene;                /* the packed scene as it is */
-    uint64_t splats;               /* for each slot: 50 bytes a Gaussian, 112 a chunk */
+    uint64_t splats;               /* for each slot: 46 bytes a Gaussian, 80 a chunk */
     uint64_t tiles;                /* for each slot: 136 bytes a tile */
-    uint64_t entries;              /* for each slot: 16 bytes a tile list entry there is room for */
+    uint64_t entries;              /* for each slot: 8 bytes a tile list entry there is room for */
     uint64_t pixels;               /* of fxs_cuda_render_host */
     uint64_t total;                /* the five above */
 } fxs_cuda_memory;

@@ -1,6 +1,7 @@
-/* Long lists, which are of small splats: a block a tile, a pixel a thread. The list is first put into bins by depth;
- * then, 1024 splats at a time, a splat a thread marks the pixels that it can touch, and each pixel takes its own, in
- * order. */
+/* Long lists, which are of small splats: a block a tile. The list is first put into bins by depth. Bin after bin, the
+ * splats that can touch an open pixel are collected; once there are enough, they are sorted, a splat a thread marks the
+ * pixels that it can touch, and each pixel takes its own, in order: a lane a pixel, or where few are open a warp a pixel,
+ * that does for 32 splats at once what does not depend on the order. */
 #ifndef FXS_CUDA_DENSE_CUH
 #define FXS_CUDA_DENSE_CUH
 
@@ -8,65 +9,156 @@
 
 namespace {
 
-const uint32_t DENSE_THREADS = FXS_TILE_PIXELS, DENSE_BLOCKS = 2;   /* of a multiprocessor */
-const uint32_t WORDS = ROUND_KEYS / WARP;
+const uint32_t DENSE_THREADS = 1024, DENSE_BLOCKS = 1;  /* of a multiprocessor */
+const uint32_t ROW_PAIRS = FXS_TILE / 2;               /* of a tile: 32 pixels */
 typedef group<DENSE_THREADS> dense_group;
+typedef group_keys<1024> dense_keys;
+const uint32_t WORDS = dense_keys::room / WARP;
+const int CROWDED = 16;                                /* open pixels of a pair of rows: more take a lane each */
 
 struct dense_shared {
-    group_keys keys;
+    dense_keys keys;
     uint32_t ends[BINS];                   /* of the bins, in the list */
+    fxs_splat splats[dense_keys::room];    /* of the keys sorted, near to far */
+    uint32_t masks[ROW_PAIRS][dense_keys::room];    /* of the pixels that each can touch */
     union {
         uint32_t bins[BINS];
-        uint32_t touching[WORDS][FXS_TILE_PIXELS];   /* splats of the round, a bit each */
+        uint32_t touching[WORDS][FXS_TILE_PIXELS + 1];   /* of those splats, a bit each; + 1: in different banks */
     };
     uint16_t alpha_q15[FXS_FAINT_Q11 + 1];
-    uint32_t turn;
+    uint64_t *room;
+    uint32_t turn, collected;
+    pixel pixels[FXS_TILE_PIXELS];
+    uint32_t open[ROW_PAIRS];              /* of those, a bit each */
+};
+
+/* Room to put lists into bins: split_entries, and what is free behind the entries. */
+__device__ inline uint64_t spare_entries(const frame_buffers *f)
+{
+    return f->capacity - f->status->entries;
+}
+
+/* How many blocks share the rows of a tile whose list is of magnitude 31 - lane, so that none is late: each puts the list
+   into bins of its own, so only as long as there is room for all lists. */
+__device__ inline uint32_t blocks_a_tile(const frame_buffers *f)
+{
+    const uint32_t magnitude = WARP - 1 - lane_index();
+    const uint32_t wanted = magnitude >= 16 ? 4 : magnitude == 15 ? 2 : 1;
+    const uint64_t entries = magnitude >= DENSE_MAGNITUDE ? f->status->class_entries[magnitude] : 0;
+    const uint64_t room = f->split_capacity + spare_entries(f), needed = warp_sum(entries * (wanted - 1));
+    const uint64_t all = __shfl_sync(ALL_LANES, warp_sum(entries), WARP - 1);
+    return magnitude < DENSE_MAGNITUDE ? 0 : all + needed <= room ? wanted : 1;
+}
+
+/* A tile being blended, and what its pixels have in common. */
+struct dense_tile {
+    const fxs_view *view;
+    const fxs_splat *splats;
+    int32_t x, y;
 };
 
 /* Moves a list to `sorted`, bin after bin; shared->ends has where they end. */
 __device__ void split_list(uint64_t *sorted, dense_shared *shared, const uint64_t *list, uint32_t count,
                            const dense_group *g)
 {
-    const rounds r = begin_rounds(&shared->keys, list, count, g);
+    const key_range r = range_of_list(&shared->keys, list, count, g);
     const int shift = bin_shift(r.low, r.high);
-    const uint32_t each = BINS / DENSE_THREADS;
-    uint32_t *ends = shared->ends, own;
-    for (uint32_t i = g->thread; i < BINS; i += DENSE_THREADS)
-        ends[i] = 0;
+    uint32_t *ends = shared->ends;
+    clear_bins(ends, g);
     g->sync();
     visit_keys(list, count, g, [&](uint64_t key) { atomicAdd(&ends[(key - r.low) >> shift], 1u); });
     g->sync();
-    uint32_t start = keys_before(&shared->keys, ends, &own, g);
-    for (uint32_t i = g->thread * each; i < (g->thread + 1) * each; i++) {
-        const uint32_t size = ends[i];
-        ends[i] = start;
-        start += size;
-    }
-    g->sync();
+    place_bins(&shared->keys, ends, g);
     visit_keys(list, count, g, [&](uint64_t key) { sorted[atomicAdd(&ends[(key - r.low) >> shift], 1u)] = key; });
     g->sync();
 }
 
-/* The end of the bins that are within ROUND_KEYS after `first`, or of the one that begins there. */
-__device__ uint32_t round_end(const uint32_t *ends, uint32_t first)
+/* How many ends are at most `most`, by a warp. */
+__device__ uint32_t ends_within(const uint32_t *ends, uint32_t most)
 {
-    uint32_t bin = 0, next = 0;                /* bins that end within, and by `first` */
-    for (uint32_t step = BINS / 2; step > 0; step /= 2) {
-        bin += ends[bin + step - 1] <= first + ROUND_KEYS ? step : 0;
-        next += ends[next + step - 1] <= first ? step : 0;
-    }
-    const uint32_t end = bin ? ends[bin - 1] : 0;
-    return end > first ? end : ends[next];
+    const uint32_t each = BINS / WARP;
+    uint32_t blocks = (uint32_t)__popc(__ballot_sync(ALL_LANES, ends[(lane_index() + 1) * each - 1] <= most));
+    uint32_t count = blocks * each;
+    for (uint32_t i = lane_index(); i < each && blocks < WARP; i += WARP)
+        count += (uint32_t)__popc(__ballot_sync(ALL_LANES, ends[blocks * each + i] <= most));
+    return count;
+}
+
+/* The end of the bins that are within `room` keys after `first`; `first` where there are none. */
+__device__ uint32_t bins_end(const uint32_t *ends, uint32_t first, uint32_t room)
+{
+    const uint32_t bins = ends_within(ends, first + room);
+    return bins ? max(ends[bins - 1], first) : first;
+}
+
+/* The end of the bin that begins at `first`. */
+__device__ uint32_t bin_end(const uint32_t *ends, uint32_t first)
+{
+    return ends[ends_within(ends, first)];
+}
+
+/* sqrt(x), to within 1 part in 2^22; x at least 1. */
+__device__ inline float root_of_level(float x)
+{
+    float root;
+    asm("sqrt.approx.f32 %0, %1;" : "=f"(root) : "f"(x));
+    return root;
+}
+
+/* x rounded down, 0 to 31. */
+__device__ inline uint32_t whole(float x)
+{
+    return (uint32_t)__float_as_int(__fadd_rd(fminf(fmaxf(x, 0), 31), 8388608.0f)) % 32;
 }
 
 /* The pixels of a row, a bit each, that a splat can touch: |u| at most the root of what the row leaves of the level,
    widened by more than the rounding of u. */
 __device__ inline uint32_t pixels_of_row(uint32_t u_q24, float inverse, float left)
 {
-    const float u = coordinate_q6(u_q24), reach = sqrtf(fmaxf(left, 0.0f) + 1) * 1.0001f + 0.05f;
-    const int from = (int)fminf(fmaxf((-reach - u) * inverse - 0.05f, 0.0f), 31.0f);
-    const int to = (int)fmaxf(fminf((reach - u) * inverse + 0.05f, FXS_TILE - 1.0f), -1.0f);
-    return left >= 0 && from <= to ? (2u << to) - (1u << from) : 0;
+    const float u = coordinate_q6(u_q24), reach = root_of_level(fmaxf(left, 0) + 1) * 1.0001f + 0.05f;
+    const uint32_t first = whole((-reach - u) * inverse + 0.95f);
+    const uint32_t end = whole(fminf((reach - u) * inverse + 1.05f, FXS_TILE));
+    return left >= 0 && first < end ? (1u << end) - (1u << first) : 0;
+}
+
+/* A splat on its way down the rows of a tile. */
+struct row_walk {
+    uint32_t u_q24, v_q24;                 /* at the row's first pixel */
+    float inverse, limit;
+
+    __device__ row_walk(const dense_tile *t, const fxs_splat *s, int32_t row)
+    {
+        const uint32_t y = (uint32_t)(t->y + row);
+        u_q24 = s->u0_q24 + (uint32_t)t->x * (uint32_t)s->ux_q24 + y * (uint32_t)s->uy_q24;
+        v_q24 = s->v0_q24 + y * (uint32_t)s->vy_q24;
+        inverse = __fdividef(262144, (float)max(s->ux_q24, 1));
+        limit = __int_as_float(limit_bits(s, t->view));
+    }
+
+    /* The pixels that it can touch of this row; goes on to the next one. */
+    __device__ uint32_t next(const fxs_splat *s)
+    {
+        const uint32_t pixels = pixels_of_row(u_q24, inverse, limit - row_level(v_q24, s->offset_q11));
+        skip(s, 1);
+        return pixels;
+    }
+
+    __device__ void skip(const fxs_splat *s, uint32_t rows)
+    {
+        u_q24 += rows * (uint32_t)s->uy_q24;
+        v_q24 += rows * (uint32_t)s->vy_q24;
+    }
+};
+
+/* Whether a splat can touch an open pixel. */
+__device__ bool touches_open(const dense_tile *t, const fxs_splat *s, const uint32_t open[ROW_PAIRS])
+{
+    const int32_t first = max((int32_t)s->first_row - t->y, 0), last = min((int32_t)s->last_row - t->y, FXS_TILE - 1);
+    row_walk down(t, s, first);
+    bool touches = false;
+    for (int32_t row = first; row <= last && !touches; row++)
+        touches = (down.next(s) & open[row / 2] >> row % 2 * FXS_TILE) != 0;
+    return touches;
 }
 
 /* Bit i of lane j becomes bit j of lane i. */
@@ -80,104 +172,242 @@ __device__ inline uint32_t transpose(uint32_t x)
     return x;
 }
 
-/* Marks the pixels of the tile at (x, y) that each lane's splat can touch. `s` is null for none. */
-__device__ void mark_pixels(uint32_t touching[FXS_TILE_PIXELS], const fxs_splat *s, const fxs_view *view, int32_t x,
-                            int32_t y)
+/* Marks the open pixels that each thread's splat, the one in place i, can touch. */
+__device__ void mark_pixels(dense_shared *shared, const dense_tile *t, const fxs_splat *s, uint32_t i, bool listed)
 {
-    fxs_splat splat = {};
-    float limit = 0;
-    if (s) {
-        splat = *s;
-        limit = __int_as_float(limit_bits(s, view));
-    }
-    uint32_t u_q24 = splat.u0_q24 + (uint32_t)x * (uint32_t)splat.ux_q24 + (uint32_t)y * (uint32_t)splat.uy_q24;
-    uint32_t v_q24 = splat.v0_q24 + (uint32_t)y * (uint32_t)splat.vy_q24;
-    const float inverse = 262144.0f / (float)max(splat.ux_q24, 1);
-    for (uint32_t first = 0; first < FXS_TILE_PIXELS; first += WARP) {
-        uint32_t pixels = 0;
-        for (uint32_t shift = 0; shift < WARP; shift += FXS_TILE) {
-            pixels |= pixels_of_row(u_q24, inverse, limit - row_level(v_q24, splat.offset_q11)) << shift;
-            u_q24 += (uint32_t)splat.uy_q24;
-            v_q24 += (uint32_t)splat.vy_q24;
-        }
-        touching[first + lane_index()] = transpose(pixels);
-    }
+    const int32_t first = max((int32_t)s->first_row - t->y, 0), last = min((int32_t)s->last_row - t->y, FXS_TILE - 1);
+    row_walk down(t, s, first);
+    for (uint32_t pair = 0; pair < ROW_PAIRS; pair++)
+        shared->masks[pair][i] = 0;
+    for (int32_t row = first; row <= last && listed; row++)
+        shared->masks[row / 2][i] |= down.next(s) << row % 2 * FXS_TILE;
+    __syncwarp();
+    for (uint32_t pair = 0; pair < ROW_PAIRS; pair++)
+        if (shared->open[pair])
+            shared->touching[i / WARP][pair * WARP + lane_index()] = transpose(shared->masks[pair][i]);
 }
 
-/* Takes the splats of a round that can touch the thread's pixel, one by one. */
-struct walk {
-    uint32_t word, bits;
-
-    __device__ bool next(fxs_splat *s, const dense_shared *shared, const fxs_splat *splats)
-    {
-        while (!bits && word < WORDS)
-            bits = shared->touching[word++][threadIdx.x];
-        if (!bits)
-            return false;
-        *s = splats[(uint32_t)shared->keys.keys[(word - 1) * WARP + (uint32_t)__ffs((int)bits) - 1]];
-        bits &= bits - 1;
-        return true;
-    }
-};
-
-__device__ inline void blend_splat(pixel *p, const uint16_t *alpha_q15, const fxs_splat *s, const fxs_view *view,
-                                   int32_t x, int32_t y)
+/* alpha of a splat at the pixel (x, y), 0 where it does not count. */
+__device__ inline int alpha_of(const uint16_t *alpha_q15, const fxs_splat *s, const fxs_view *view, int32_t x, int32_t y)
 {
     const queued_row row = {s->u0_q24 + (uint32_t)y * (uint32_t)s->uy_q24,
                             row_level(s->v0_q24 + (uint32_t)y * (uint32_t)s->vy_q24, s->offset_q11)};
-    queued_splat q;
-    q.limit = limit_bits(s, view);
-    q.red_green = (uint32_t)s->colour_q13[0] | (uint32_t)s->colour_q13[1] << 16;
-    q.blue = (uint32_t)s->colour_q13[2];
-    blend_pixel(p, alpha_q15, row, (uint32_t)x * (uint32_t)s->ux_q24, &q);
+    const int level = level_bits(row, (uint32_t)x * (uint32_t)s->ux_q24);
+    return level <= limit_bits(s, view) ? alpha_q15[(level & 0xffff) >> 1] : 0;
 }
 
-/* Blends shared->keys over the tile. */
-__device__ void blend_round(pixel *p, dense_shared *shared, uint32_t count, const fxs_splat *splats,
-                            const fxs_view *view, int32_t x, int32_t y, const dense_group *g)
+/* Blends the lanes' splats in order over one pixel, the same for all lanes: their weights one after the other, then the
+   colours at once. */
+__device__ inline void blend_lanes(pixel *p, int alpha, const fxs_splat *s)
 {
-    const int32_t px = x + (int32_t)(g->thread % FXS_TILE), py = y + (int32_t)(g->thread / FXS_TILE);
-    for (uint32_t i = g->thread; i < ROUND_KEYS; i += DENSE_THREADS) {
-        const uint32_t entry = i < count ? (uint32_t)shared->keys.keys[i] : FXS_ENTRY_FAR;
-        mark_pixels(shared->touching[i / WARP], entry & FXS_ENTRY_FAR ? 0 : &splats[entry], view, x, y);
+    int weight = 0;
+    for (unsigned lanes = __ballot_sync(ALL_LANES, alpha > 0); lanes && p->transmittance >= FXS_CLOSED_Q15;
+         lanes &= lanes - 1) {
+        const int lane = __ffs((int)lanes) - 1;
+        const int of_lane = fxs_weight_q15(__shfl_sync(ALL_LANES, alpha, lane), p->transmittance);
+        weight = (int)lane_index() == lane ? of_lane : weight;
+        p->transmittance -= of_lane;
     }
-    g->sync();
-    walk w = {0, 0};
-    fxs_splat ahead;
-    for (bool more = w.next(&ahead, shared, splats); more && p->transmittance >= FXS_CLOSED_Q15;) {
-        const fxs_splat s = ahead;
-        more = w.next(&ahead, shared, splats);   /* on its way while this one is blended */
-        blend_splat(p, shared->alpha_q15, &s, view, px, py);
-    }
-    g->sync();
+    for (int c = 0; c < 3; c++)
+        p->sum[c] += __reduce_add_sync(ALL_LANES, fxs_mul_q15(weight, s->colour_q13[c]));
 }
 
-__device__ void blend_dense_tile(pixel *p, dense_shared *shared, const frame_buffers *f, const fxs_view *view,
-                                 uint32_t tile, int32_t x, int32_t y, const dense_group *g)
+/* Blends the splats that are marked at pixel n of the tile, by a warp. */
+__device__ void blend_marked(dense_shared *shared, const dense_tile *t, uint32_t n)
 {
-    const uint32_t count = f->counts[tile], start = f->next[tile] - count;
-    uint64_t *list = f->split_entries + start;
-    split_list(list, shared, f->entries + start, count, g);
-    for (uint32_t first = 0; first < count;) {
-        const uint32_t end = round_end(shared->ends, first);
-        rounds r = {0, ~(uint64_t)0};
-        if (end - first > ROUND_KEYS)
-            r = begin_rounds(&shared->keys, list + first, end - first, g);
-        for (uint32_t done = first; done < end;) {
-            uint32_t keys = end - first;
-            if (keys > ROUND_KEYS)
-                keys = next_round(&r, &shared->keys, shared->bins, list + first, end - first, g);
-            else
-                for (uint32_t i = g->thread; i < keys; i += DENSE_THREADS)
-                    shared->keys.keys[i] = list[first + i];
-            g->sync();
-            sort_keys(&shared->keys, keys, g);
-            blend_round(p, shared, keys, f->splats, view, x, y, g);
-            if (!g->any(p->transmittance >= FXS_CLOSED_Q15))
-                return;
-            done += keys;
+    const int32_t x = t->x + (int32_t)(n % FXS_TILE), y = t->y + (int32_t)(n / FXS_TILE);
+    const uint32_t marks = shared->touching[lane_index() % WORDS][n];
+    pixel p = shared->pixels[n];
+    share_out((uint32_t)__popc(marks), [&](int lane, uint32_t item, bool active) {
+        const uint32_t place = (uint32_t)lane * WARP + bit_of(__shfl_sync(ALL_LANES, marks, lane), item);
+        const fxs_splat *s = &shared->splats[active ? place : 0];
+        blend_lanes(&p, active ? alpha_of(shared->alpha_q15, s, t->view, x, y) : 0, s);
+    });
+    if (lane_index() == 0) {
+        shared->pixels[n] = p;
+        if (p.transmittance < FXS_CLOSED_Q15)
+            atomicAnd(&shared->open[n / WARP], ~(1u << n % WARP));
+    }
+}
+
+/* The same for a pair of rows, by a lane a pixel. */
+__device__ void blend_pair(dense_shared *shared, const dense_tile *t, uint32_t pair)
+{
+    const uint32_t n = pair * WARP + lane_index();
+    const int32_t x = t->x + (int32_t)(n % FXS_TILE), y = t->y + (int32_t)(n / FXS_TILE);
+    pixel p = shared->pixels[n];
+    bool open = shared->open[pair] >> lane_index() & 1;
+    uint32_t marks = 0;
+    for (uint32_t word = 0; open && (word < WORDS || marks);) {
+        if (!marks) {
+            marks = shared->touching[word++][n];
+            continue;
         }
-        first = end;
+        const fxs_splat *s = &shared->splats[(word - 1) * WARP + (uint32_t)__ffs((int)marks) - 1];
+        const int weight = fxs_weight_q15(alpha_of(shared->alpha_q15, s, t->view, x, y), p.transmittance);
+        p.transmittance -= weight;
+        for (int c = 0; c < 3; c++)
+            p.sum[c] += fxs_mul_q15(weight, s->colour_q13[c]);
+        open = p.transmittance >= FXS_CLOSED_Q15;
+        marks &= marks - 1;
+    }
+    shared->pixels[n] = p;
+    const uint32_t still_open = __ballot_sync(ALL_LANES, open);
+    if (lane_index() == 0)
+        shared->open[pair] = still_open;
+}
+
+/* Blends shared->keys, `count` of them. Returns whether any pixel is open. */
+__device__ bool blend_collected(dense_shared *shared, const dense_tile *t, uint32_t count,
+                                const dense_group *g)
+{
+    sort_keys(&shared->keys, shared->bins, count, g);
+    for (uint32_t i = g->thread; i < dense_keys::room; i += DENSE_THREADS) {
+        const uint32_t entry = i < count ? shared->keys.entries[i] : FXS_ENTRY_FAR;
+        const bool listed = !(entry & FXS_ENTRY_FAR);
+        fxs_splat s = {};
+        if (listed)
+            s = shared->splats[i] = t->splats[entry];
+        mark_pixels(shared, t, &s, i, listed);
+    }
+    const uint32_t open = shared->open[lane_index() % ROW_PAIRS], warp = g->thread / WARP;
+    const uint32_t crowded = __ballot_sync(ALL_LANES, __popc(open) > CROWDED);
+    if (g->thread == 0)
+        shared->collected = 0;
+    g->sync();
+    if (warp < ROW_PAIRS && crowded >> warp & 1)
+        blend_pair(shared, t, warp);
+    for (uint32_t n = warp; n < FXS_TILE_PIXELS; n += DENSE_THREADS / WARP)
+        if (!(crowded >> n / WARP & 1) && shared->open[n / WARP] >> n % WARP & 1)
+            blend_marked(shared, t, n);
+    g->sync();
+    return g->any(lane_index() < ROW_PAIRS && shared->open[lane_index()]);
+}
+
+/* Calls keep(key) for the keys of a list whose splats can touch an open pixel, up to 1024 at a time. */
+template <class Keep>
+__device__ void visit_open(const dense_shared *shared, const dense_tile *t, const uint64_t *list, uint32_t count,
+                           const dense_group *g, Keep keep)
+{
+    for (uint32_t first = 0; first < count; first += DENSE_THREADS) {
+        const uint32_t i = first + g->thread;
+        const uint64_t key = i < count ? __ldcg(&list[i]) : FXS_ENTRY_FAR;
+        bool kept = false;
+        if (!(key & FXS_ENTRY_FAR)) {
+            const fxs_splat s = t->splats[(uint32_t)key];
+            kept = touches_open(t, &s, shared->open);
+        }
+        keep(key, kept);
+    }
+    g->sync();
+}
+
+/* shared->collected, before anything is added to it. */
+__device__ uint32_t collected(const dense_shared *shared, const dense_group *g)
+{
+    const uint32_t count = shared->collected;
+    g->sync();
+    return count;
+}
+
+/* Adds a list to shared->keys; there is room for all of it. Returns how many there are. */
+__device__ uint32_t collect(dense_shared *shared, const dense_tile *t, const uint64_t *list, uint32_t count,
+                            const dense_group *g)
+{
+    visit_open(shared, t, list, count, g, [&](uint64_t key, bool kept) {
+        const uint32_t place = take_place(&shared->collected, 0, kept);
+        if (kept)
+            shared->keys.keys[place] = key;
+    });
+    return collected(shared, g);
+}
+
+/* Moves the keys of a list whose splats can touch an open pixel to its start; none are collected. Returns how many. */
+__device__ uint32_t drop_closed(dense_shared *shared, const dense_tile *t, uint64_t *list, uint32_t count,
+                                const dense_group *g)
+{
+    visit_open(shared, t, list, count, g, [&](uint64_t key, bool kept) {
+        const uint32_t place = take_place(&shared->collected, 0, kept);
+        g->sync();                         /* what is written over has been read */
+        if (kept)
+            list[place] = key;
+    });
+    const uint32_t left = collected(shared, g);
+    if (g->thread == 0)
+        shared->collected = 0;
+    g->sync();
+    return left;
+}
+
+/* Blends a list in rounds. Returns whether any pixel is open. */
+__device__ bool blend_rounds(dense_shared *shared, const dense_tile *t, const uint64_t *list, uint32_t count,
+                             const dense_group *g)
+{
+    key_range r = range_of_list(&shared->keys, list, count, g);
+    bool open = true;
+    for (uint32_t done = 0; done < count && open;) {
+        const uint32_t keys = next_round(&r, &shared->keys, shared->bins, list, count, g);
+        open = blend_collected(shared, t, keys, g);
+        done += keys;
+    }
+    return open;
+}
+
+/* Room for `count` entries, null where there is none left. */
+__device__ uint64_t *take_room(dense_shared *shared, const frame_buffers *f, uint32_t count, const dense_group *g)
+{
+    if (g->thread == 0) {
+        const uint64_t place = atomicAdd((unsigned long long *)&f->status->split_taken[0], (unsigned long long)count);
+        shared->room = f->split_entries + place;
+        if (place + count > f->split_capacity) {
+            const uint64_t behind = atomicAdd((unsigned long long *)&f->status->split_taken[1],
+                                              (unsigned long long)count);
+            shared->room = behind + count <= spare_entries(f) ? f->entries + f->status->entries + behind : 0;
+        }
+    }
+    g->sync();
+    return shared->room;
+}
+
+/* Blends a list that is in bins. */
+__device__ void blend_split(dense_shared *shared, const dense_tile *t, uint64_t *list, uint32_t count,
+                            const dense_group *g)
+{
+    uint32_t have = 0;                         /* collected */
+    for (uint32_t first = 0, end; first < count; first = end) {
+        end = bins_end(shared->ends, first, dense_keys::room - have);
+        if (end == first && have) {
+            if (!blend_collected(shared, t, have, g))
+                return;
+            have = 0;
+            end = bins_end(shared->ends, first, dense_keys::room);
+        }
+        if (end > first) {
+            have = collect(shared, t, list + first, end - first, g);
+            continue;
+        }
+        end = bin_end(shared->ends, first);    /* a bin too large */
+        const uint32_t left = drop_closed(shared, t, list + first, end - first, g);
+        if (left <= dense_keys::room)
+            have = collect(shared, t, list + first, left, g);
+        else if (!blend_rounds(shared, t, list + first, left, g))
+            return;
+    }
+    if (have)
+        blend_collected(shared, t, have, g);
+}
+
+__device__ void blend_dense_tile(dense_shared *shared, const frame_buffers *f, const dense_tile *t,
+                                 uint32_t tile, const dense_group *g)
+{
+    const uint32_t count = f->counts[tile];
+    const uint64_t *list = f->entries + (f->next[tile] - count);
+    uint64_t *room = take_room(shared, f, count, g);
+    if (room) {
+        split_list(room, shared, list, count, g);
+        blend_split(shared, t, room, count, g);
+    } else {
+        blend_rounds(shared, t, list, count, g);
     }
 }
 
@@ -189,27 +419,37 @@ __global__ void __launch_bounds__(DENSE_THREADS, DENSE_BLOCKS) blend_dense(const
     dense_shared *shared = (dense_shared *)memory;
     const dense_group g = {0, threadIdx.x};
     const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y);
-    const turns order = turns_of(&f);
-    const uint32_t dense = __shfl_sync(ALL_LANES, order.end, WARP - 1 - (31 - __clz((int)DENSE)));
-    if (!fits(&f) || blockIdx.x >= dense)
+    if (!fits(&f))
+        return;
+    const turns order = turns_of(&f, blocks_a_tile(&f));
+    if (blockIdx.x >= order.all)
         return;
     for (uint32_t level = threadIdx.x; level <= FXS_FAINT_Q11; level += DENSE_THREADS)
         shared->alpha_q15[level] = (uint16_t)fxs_alpha_q15((int)level);
     for (;;) {
         if (threadIdx.x == 0)
             shared->turn = atomicAdd(&f.status->next_dense, 1u);
+        if (threadIdx.x == 0)
+            shared->collected = 0;
         g.sync();
-        if (shared->turn >= dense)
+        if (shared->turn >= order.all)
             return;
-        const uint32_t tile = tile_of_turn(&f, &order, tiles, shared->turn);
-        const int32_t x = (int32_t)(tile % (uint32_t)view.tiles_x) * FXS_TILE;
-        const int32_t y = (int32_t)(tile / (uint32_t)view.tiles_x) * FXS_TILE;
-        const int32_t px = x + (int32_t)(g.thread % FXS_TILE), py = y + (int32_t)(g.thread / FXS_TILE);
-        const bool inside = px < view.width && py < view.height;
-        pixel p = {inside ? FXS_CLEAR_Q15 : 0, {0, 0, 0}};
-        blend_dense_tile(&p, shared, &f, &view, tile, x, y, &g);
+        const turn_of_tile turn = tile_of_turn(&f, &order, tiles, shared->turn);
+        const uint32_t tile = turn.tile;
+        const dense_tile at = {&view, f.splats, (int32_t)(tile % (uint32_t)view.tiles_x) * FXS_TILE,
+                               (int32_t)(tile / (uint32_t)view.tiles_x) * FXS_TILE};
+        const int32_t px = at.x + (int32_t)(g.thread % FXS_TILE), py = at.y + (int32_t)(g.thread / FXS_TILE);
+        const bool inside = g.thread < FXS_TILE_PIXELS && g.thread / (FXS_TILE_PIXELS / turn.turns) == turn.number &&
+                            px < view.width && py < view.height;
+        const uint32_t open = __ballot_sync(ALL_LANES, inside);
+        if (g.thread < FXS_TILE_PIXELS)
+            shared->pixels[g.thread] = {FXS_CLEAR_Q15, {0, 0, 0}};
+        if (g.thread < FXS_TILE_PIXELS && lane_index() == 0)
+            shared->open[g.thread / WARP] = open;
+        g.sync();
+        blend_dense_tile(shared, &f, &at, tile, &g);
         if (inside)
-            store_pixel(&t, &p, px, py);
+            store_pixel(&t, &shared->pixels[g.thread], px, py);
         g.sync();
     }
 }

@@ -2,27 +2,16 @@
 #ifndef FXS_CUDA_LISTS_CUH
 #define FXS_CUDA_LISTS_CUH
 
+#include <cuda_pipeline_primitives.h>
+
 #include "stages.cuh"
 
 namespace {
 
 const uint32_t LARGE_BLOCKS = 792;
 const int LARGE_ROWS = 8;
-const int MASK_TILES = 8;                  /* across and down */
-
-/* Takes a place at counters[i] for each lane with `active`; lanes that share a counter share one atomic. */
-__device__ inline uint32_t take_place(uint32_t *counters, uint32_t i, bool active)
-{
-    const unsigned lanes = __ballot_sync(ALL_LANES, active), lane = lane_index();
-    uint32_t place = 0;
-    if (active) {
-        const unsigned same = __match_any_sync(lanes, i), leader = (unsigned)__ffs((int)same) - 1;
-        if (lane == leader)
-            place = atomicAdd(&counters[i], (uint32_t)__popc(same));
-        place = __shfl_sync(same, place, (int)leader) + (uint32_t)__popc(same & ((1u << lane) - 1));
-    }
-    return place;
-}
+const int BOX_COLUMNS = 6, BOX_ROWS = 7, BOX_TILES = BOX_COLUMNS * BOX_ROWS;
+const uint32_t CHUNK_BYTES_MOST = FXS_ROW_SH + 3 * FXS_SH_COUNT(3) * FXS_CHUNK;
 
 /* Adds `by` to counters[i] for each lane with `active`. */
 __device__ inline void add_at(uint32_t *counters, uint32_t i, uint32_t by, bool active)
@@ -33,32 +22,6 @@ __device__ inline void add_at(uint32_t *counters, uint32_t i, uint32_t by, bool 
         if (lane_index() == (uint32_t)__ffs((int)same) - 1)
             atomicAdd(&counters[i], by * (uint32_t)__popc(same));
     }
-}
-
-/* Shares out `own` items of each lane: calls visit(lane, item of it, active) with all lanes, until all were visited. */
-template <class Visit>
-__device__ inline void share_out(uint32_t own, Visit visit)
-{
-    const uint32_t end = warp_sum(own), start = end - own, all = __shfl_sync(ALL_LANES, end, WARP - 1);
-    for (uint32_t first = 0; first < all; first += WARP) {
-        const uint32_t item = first + lane_index();
-        uint32_t lane = 0;
-        for (uint32_t step = WARP / 2; step > 0; step /= 2)
-            lane += __shfl_sync(ALL_LANES, end, (int)(lane + step - 1)) <= item ? step : 0;
-        visit((int)lane, item - __shfl_sync(ALL_LANES, start, (int)lane), item < all);
-    }
-}
-
-/* The place of the n-th bit, from 0 on. */
-__device__ inline uint32_t bit_of(uint64_t mask, uint32_t n)
-{
-    uint32_t place = 0;
-    for (uint32_t step = 32; step > 0; step /= 2) {
-        const uint32_t below = (uint32_t)__popcll(mask >> place & (((uint64_t)1 << step) - 1));
-        place += below <= n ? step : 0;
-        n -= below <= n ? below : 0;
-    }
-    return place;
 }
 
 /* A thread a chunk: where it lies, if anything of it can be seen. */
@@ -73,14 +36,34 @@ __global__ void place_chunks(const __grid_constant__ fxs_view view, const __grid
         f.chunk_views[place] = cv;
 }
 
-/* A block's splats on their way to tiles. */
+/* A splat's tiles: bit BOX_COLUMNS r + c stands for tile `base` + r tiles_x + c. Below 2^20 tiles. */
+__device__ inline uint64_t box_of(uint32_t base, uint64_t mask)
+{
+    return (uint64_t)base << BOX_TILES | mask;
+}
+
+__device__ inline uint64_t box_mask(uint64_t box)
+{
+    return box & (((uint64_t)1 << BOX_TILES) - 1);
+}
+
+/* A block's chunk, and its splats on their way to tiles. */
 struct block_splats {
+    alignas(64) unsigned char rows[CHUNK_BYTES_MOST];
     fxs_splat splats[FXS_CHUNK];
     fxs_bounds bounds[FXS_CHUNK];
     uint32_t row_ends[FXS_CHUNK];          /* tile rows of the splats up to this one */
-    uint8_t masks[FXS_CHUNK][MASK_TILES];
+    uint8_t masks[FXS_CHUNK][BOX_ROWS];
     uint32_t warp_rows[FXS_CHUNK / WARP];
 };
+
+/* Starts to copy bytes `first` to `end` of a chunk, multiples of 16. */
+__device__ inline void fetch_rows(block_splats *b, const unsigned char *rows, uint32_t first, uint32_t end)
+{
+    for (uint32_t at = first + 16 * threadIdx.x; at < end; at += 16 * FXS_CHUNK)
+        __pipeline_memcpy_async(b->rows + at, rows + at, 16);
+    __pipeline_commit();
+}
 
 /* row_ends, from the tile rows of each thread's splat. Returns those of all. */
 __device__ uint32_t place_rows(block_splats *b, uint32_t rows)
@@ -110,63 +93,56 @@ __device__ uint32_t splat_of_row(const block_splats *b, uint32_t item)
 
 __device__ bool is_large(const ellipse *e, const fxs_view *view)
 {
-    return view->square || e->columns.last - e->columns.first >= MASK_TILES ||
-           e->rows.last - e->rows.first >= MASK_TILES;
+    return view->square || e->columns.last - e->columns.first >= BOX_COLUMNS ||
+           e->rows.last - e->rows.first >= BOX_ROWS;
 }
 
-/* The tiles of a tile row, as fxs_bin_c finds them: of an ellipse that is whole on one, all its columns. */
-__device__ span tiles_of_row(const ellipse *e, const fxs_view *view, int32_t row)
+/* Of an ellipse that is whole on a tile row, fxs_bin_c lists all columns. */
+__device__ bool is_whole(const ellipse *e, const fxs_view *view)
 {
-    const fxs_splat *s = e->splat;
-    const bool whole = e->rows.first == e->rows.last && s->first_row > 0 && s->last_row < view->height - 1;
-    return !view->square && whole && e->columns.last - e->columns.first < 4 ? e->columns : span_of(e, view, row);
+    return !view->square && e->rows.first == e->rows.last && e->splat->first_row > 0 &&
+           e->splat->last_row < view->height - 1 && e->columns.last - e->columns.first < 4;
 }
 
-/* A tile row of a splat a thread: fills in the masks, and adds 1 to counts where its tiles begin, takes it where they
-   have ended; place_lists sums up. */
+/* Adds 1 to counts where a splat's tiles begin on a tile row, takes it where they have ended; place_lists sums up. */
+__device__ void count_tiles(const frame_buffers *f, const fxs_view *view, int32_t row, span s)
+{
+    const bool listed = s.first <= s.last;
+    add_at(f->counts, (uint32_t)(row * view->tiles_x + s.first), 1, listed);
+    add_at(f->counts, (uint32_t)(row * view->tiles_x + s.last + 1), ~0u, listed && s.last < view->tiles_x - 1);
+}
+
+__device__ uint32_t mask_of_span(span s, int32_t first_column)
+{
+    return s.first <= s.last ? (2u << (s.last - first_column)) - (1u << (s.first - first_column)) : 0;
+}
+
+/* A tile row of a splat a thread: fills in the masks and counts. */
 __device__ void count_rows(block_splats *b, const frame_buffers *f, const fxs_view *view, uint32_t items)
 {
     for (uint32_t first = 0; first < items; first += FXS_CHUNK) {
         const uint32_t item = first + threadIdx.x;
-        uint32_t tile = 0, end = 0;
-        bool listed = false, ends = false;
+        span s = {0, -1};
+        int32_t row = 0;
+        if (first + threadIdx.x - lane_index() >= items)
+            break;                         /* nothing for the whole warp */
         if (item < items) {
             const uint32_t i = splat_of_row(b, item);
             const ellipse e = ellipse_of(view, &b->splats[i], &b->bounds[i]);
-            const int32_t down = (int32_t)(item - (i ? b->row_ends[i - 1] : 0)), row = rows_of(&e, view).first + down;
-            const span s = tiles_of_row(&e, view, row);
-            listed = s.first <= s.last;
-            ends = listed && s.last < view->tiles_x - 1;
-            tile = (uint32_t)(row * view->tiles_x + s.first);
-            end = (uint32_t)(row * view->tiles_x + s.last + 1);
+            const int32_t down = (int32_t)(item - (i ? b->row_ends[i - 1] : 0));
+            row = rows_of(&e, view).first + down;
+            s = span_of(&e, view, row);
             if (!is_large(&e, view))
-                b->masks[i][down] = listed ? (uint8_t)((2u << (s.last - e.columns.first)) -
-                                                       (1u << (s.first - e.columns.first))) : 0;
+                b->masks[i][down] = (uint8_t)mask_of_span(s, e.columns.first);
         }
-        add_at(f->counts, tile, 1, listed);
-        add_at(f->counts, end, ~0u, ends);
+        count_tiles(f, view, row, s);
     }
     __syncthreads();
 }
 
-/* The mask of a thread's splat, or its place among the large ones. */
-__device__ void store_tiles(const block_splats *b, const frame_buffers *f, const fxs_view *view, uint32_t index,
-                            bool listed)
+/* The records of a thread's large splat, if it has one. */
+__device__ void store_large(const frame_buffers *f, const fxs_bounds *bounds, uint32_t index, span rows)
 {
-    const uint32_t i = threadIdx.x;
-    uint64_t mask = 0;
-    bool large = false;
-    if (listed) {
-        const ellipse e = ellipse_of(view, &b->splats[i], &b->bounds[i]);
-        large = is_large(&e, view);
-        for (int32_t row = 0; row <= e.rows.last - e.rows.first && !large; row++)
-            mask |= (uint64_t)b->masks[i][row] << 8 * row;
-        f->bases[index] = (uint32_t)(e.rows.first * view->tiles_x + e.columns.first);
-    }
-    f->masks[index] = mask;
-    span rows = {0, -1};
-    if (large)
-        rows = fxs_bin_rows(view, &b->splats[i], &b->bounds[i]);
     const uint32_t records = (uint32_t)(rows.last - rows.first + LARGE_ROWS) / LARGE_ROWS, end = warp_sum(records);
     uint32_t place = 0;
     if (lane_index() == WARP - 1 && end)
@@ -174,35 +150,63 @@ __device__ void store_tiles(const block_splats *b, const frame_buffers *f, const
     place = __shfl_sync(ALL_LANES, place, WARP - 1) + end - records;
     for (int32_t first = rows.first; first <= rows.last; first += LARGE_ROWS, place++)
         if (place < f->large_capacity)
-            f->larges[place] = {b->bounds[i], index, first};
+            f->larges[place] = {*bounds, index, first};
 }
 
-/* A block a chunk that can be seen: its splats and colours, their tiles, and the lengths of the lists. */
-__global__ void __launch_bounds__(FXS_CHUNK) project_chunk(const __grid_constant__ fxs_view view,
-                                                           const __grid_constant__ fxs_scene scene,
-                                                           const __grid_constant__ frame_buffers f)
+/* Lists the splats of a block, of each thread the one with ellipse `e` if `visible`: their boxes or records, and the
+   lengths of the lists. */
+__device__ void list_splats(block_splats *b, const frame_buffers *f, const fxs_view *view, uint32_t index,
+                            const ellipse *e, bool visible)
+{
+    const span none = {0, -1};
+    const bool whole = visible && is_whole(e, view);
+    span rows = none;
+    if (visible && !whole) {
+        b->splats[threadIdx.x] = *e->splat;
+        b->bounds[threadIdx.x] = *e->bounds;
+        rows = rows_of(e, view);
+    }
+    count_tiles(f, view, whole ? e->rows.first : 0, whole ? e->columns : none);
+    count_rows(b, f, view, place_rows(b, rows.last < rows.first ? 0 : (uint32_t)(rows.last - rows.first + 1)));
+    const bool large = rows.first <= rows.last && is_large(e, view);
+    uint64_t mask = whole ? mask_of_span(e->columns, e->columns.first) : 0;
+    for (int32_t row = rows.first; row <= rows.last && !large; row++)
+        mask |= (uint64_t)b->masks[threadIdx.x][row - rows.first] << BOX_COLUMNS * (row - rows.first);
+    f->boxes[index] = mask ? box_of((uint32_t)(e->rows.first * view->tiles_x + e->columns.first), mask) : 0;
+    store_large(f, e->bounds, index, large ? rows : none);
+}
+
+/* A block a chunk that can be seen: its splats and colours, and list_splats. */
+__global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_constant__ fxs_view view,
+                                                              const __grid_constant__ fxs_scene scene,
+                                                              const __grid_constant__ frame_buffers f)
 {
     __shared__ block_splats b;
     if (blockIdx.x >= f.status->chunks)
         return;
     const fxs_chunk_view *cv = &f.chunk_views[blockIdx.x];
     const uint32_t chunk = (uint32_t)(cv->chunk - scene.chunks), g = threadIdx.x, index = chunk * FXS_CHUNK + g;
-    const fxs_codes codes = fxs_codes_of(&scene, fxs_rows(&scene, chunk), g);
+    const unsigned char *rows = (const unsigned char *)__builtin_assume_aligned(b.rows, 64);
+    const uint32_t early = scene.chunk_bytes < FXS_ROW_SH ? scene.chunk_bytes : FXS_ROW_SH;
+    fetch_rows(&b, fxs_rows(&scene, chunk), 0, early);
+    fetch_rows(&b, fxs_rows(&scene, chunk), early, scene.chunk_bytes);
+    __pipeline_wait_prior(1);
+    __syncthreads();
+    const fxs_codes codes = fxs_codes_of(&scene, rows, g);
     fxs_splat splat;
     fxs_bounds bounds;
-    uint32_t depth, rows = 0;
-    const int visible = project_one(&splat, &bounds, &depth, &view, cv, &codes, offset_of_code_q11);
+    uint32_t depth;
+    const bool visible = project_one(&splat, &bounds, &depth, &view, cv, &codes, offset_of_code_q11);
+    __pipeline_wait_prior(0);
+    __syncthreads();
+    ellipse e;
     if (visible) {
-        shade_one(&splat, &view, &scene, chunk, g);
-        f.splats[index] = b.splats[g] = splat;
+        shade_one(&splat, &view, &scene, cv->chunk, rows, g);
+        f.splats[index] = splat;
         f.depths[index] = depth;
-        b.bounds[g] = bounds;
-        const span s = fxs_bin_rows(&view, &splat, &bounds);
-        rows = s.last < s.first ? 0 : (uint32_t)(s.last - s.first + 1);
+        e = ellipse_of(&view, &splat, &bounds);
     }
-    const uint32_t items = place_rows(&b, rows);
-    count_rows(&b, &f, &view, items);
-    store_tiles(&b, &f, &view, index, rows > 0);
+    list_splats(&b, &f, &view, index, &e, visible);
     const int of_block = __syncthreads_count(visible);
     if (g == 0)
         atomicAdd(&f.status->visible, (uint32_t)of_block);
@@ -223,6 +227,8 @@ __global__ void place_lists(const __grid_constant__ frame_buffers f, uint32_t ti
             start = atomicAdd((unsigned long long *)&f.status->entries, (unsigned long long)sum);
         start = __shfl_sync(ALL_LANES, start, WARP - 1);
         const uint32_t place = take_place(f.status->classes, magnitude, inside);
+        if (count)
+            atomicAdd(&f.status->class_entries[magnitude], count);
         if (inside) {
             f.counts[tile] = count;
             f.next[tile] = (uint32_t)start + sum - count;
@@ -267,12 +273,13 @@ __global__ void __launch_bounds__(FXS_CHUNK) fill_lists(const __grid_constant__ 
         return;
     }
     const uint32_t chunk = (uint32_t)(f.chunk_views[blockIdx.x - LARGE_BLOCKS].chunk - scene.chunks);
-    const uint32_t index = chunk * FXS_CHUNK + threadIdx.x, base = f.bases[index], depth = f.depths[index];
-    const uint64_t mask = f.masks[index];
-    share_out((uint32_t)__popcll(mask), [&](int lane, uint32_t item, bool active) {
-        const uint32_t bit = bit_of(__shfl_sync(ALL_LANES, mask, lane), item);
-        const uint32_t tile = __shfl_sync(ALL_LANES, base, lane) + bit / MASK_TILES * (uint32_t)view.tiles_x +
-                              bit % MASK_TILES;
+    const uint32_t index = chunk * FXS_CHUNK + threadIdx.x, depth = f.depths[index];
+    const uint64_t box = f.boxes[index];
+    share_out((uint32_t)__popcll(box_mask(box)), [&](int lane, uint32_t item, bool active) {
+        const uint64_t of_lane = __shfl_sync(ALL_LANES, box, lane);
+        const uint32_t bit = bit_of(box_mask(of_lane), item);
+        const uint32_t tile = (uint32_t)(of_lane >> BOX_TILES) + bit / BOX_COLUMNS * (uint32_t)view.tiles_x +
+                              bit % BOX_COLUMNS;
         const uint32_t key_depth = __shfl_sync(ALL_LANES, depth, lane);
         const uint32_t key_index = index - lane_index() + (uint32_t)lane;
         const uint32_t place = take_place(f.next, tile, active);

@@ -6,14 +6,17 @@
 
 namespace {
 
-const uint32_t GROUP_WARPS_MOST = 8;
-const uint32_t ROUND_KEYS = 1024;          /* sorted at a time */
+const uint32_t GROUP_WARPS_MOST = 32;
 const uint32_t BIN_BITS = 11, BINS = 1u << BIN_BITS;
 
-/* Where a group sorts. */
+/* Where a group sorts, up to Room keys at a time. */
+template <uint32_t Room>
 struct group_keys {
-    uint64_t keys[ROUND_KEYS];
-    uint64_t bounds[GROUP_WARPS_MOST][2];
+    static constexpr uint32_t room = Room;
+    uint64_t keys[Room];                   /* in no order */
+    uint32_t entries[Room];                /* their low halves, near to far */
+    uint16_t places[Room];                 /* of the keys, bin after bin */
+    uint2 bounds[GROUP_WARPS_MOST];        /* of depths, least and most */
     uint32_t sums[GROUP_WARPS_MOST];
     uint32_t count, bin;
 };
@@ -40,82 +43,6 @@ struct group {
     }
 };
 
-/* Bitonic sort (Batcher 1968): thread t holds keys N t to N t + N - 1. Comparisons are with the mirror image first, so
-   all point up. */
-
-template <int N>
-__device__ inline void order_local(uint64_t k[N], int mask)
-{
-#pragma unroll
-    for (int i = 0; i < N; i++) {
-        const int j = i ^ mask;
-        if (j > i && k[j] < k[i]) {
-            const uint64_t least = k[j];
-            k[j] = k[i];
-            k[i] = least;
-        }
-    }
-}
-
-/* Orders with thread ^ mask; mirrored: its keys from the last to the first. */
-template <int N, class G>
-__device__ inline void order_threads(uint64_t k[N], uint32_t mask, bool mirrored, group_keys *shared, const G *g)
-{
-    const bool upper = (g->thread & (mirrored ? (mask + 1) / 2 : mask)) != 0;
-    uint64_t other[N];
-    if (mask < WARP) {
-#pragma unroll
-        for (int i = 0; i < N; i++)
-            other[i] = __shfl_xor_sync(ALL_LANES, k[i], (int)mask);
-    } else {
-        g->sync();
-#pragma unroll
-        for (int i = 0; i < N; i++)
-            shared->keys[i * G::threads + g->thread] = k[i];
-        g->sync();
-#pragma unroll
-        for (int i = 0; i < N; i++)
-            other[i] = shared->keys[i * G::threads + (g->thread ^ mask)];
-    }
-#pragma unroll
-    for (int i = 0; i < N; i++) {
-        const uint64_t theirs = mirrored ? other[N - 1 - i] : other[i];
-        k[i] = (theirs < k[i]) != upper ? theirs : k[i];
-    }
-}
-
-/* Sorts shared->keys, `count` of them, at most N G::threads. */
-template <int N, class G>
-__device__ void sort_group(group_keys *shared, uint32_t count, const G *g)
-{
-    uint64_t k[N];
-#pragma unroll
-    for (int i = 0; i < N; i++) {
-        const uint32_t at = g->thread * N + (uint32_t)i;
-        k[i] = at < count ? shared->keys[at] : ~(uint64_t)0;
-    }
-#pragma unroll
-    for (int size = 1; size < N; size *= 2) {
-        order_local<N>(k, 2 * size - 1);
-#pragma unroll
-        for (int half = size / 2; half > 0; half /= 2)
-            order_local<N>(k, half);
-    }
-    for (uint32_t size = 1; size < G::threads && size * N < count; size *= 2) {
-        order_threads<N>(k, 2 * size - 1, true, shared, g);
-        for (uint32_t half = size / 2; half > 0; half /= 2)
-            order_threads<N>(k, half, false, shared, g);
-#pragma unroll
-        for (int half = N / 2; half > 0; half /= 2)
-            order_local<N>(k, half);
-    }
-    g->sync();
-#pragma unroll
-    for (int i = 0; i < N; i++)
-        shared->keys[g->thread * N + (uint32_t)i] = k[i];
-    g->sync();
-}
-
 /* Calls visit(key) for every key of a list; several are fetched at once. */
 template <class G, class Visit>
 __device__ void visit_keys(const uint64_t *list, uint32_t count, const G *g, Visit visit)
@@ -133,34 +60,39 @@ __device__ void visit_keys(const uint64_t *list, uint32_t count, const G *g, Vis
     }
 }
 
-/* A list being taken in rounds. */
-struct rounds {
-    uint64_t low, high;                    /* keys below low are done; all are at most high */
+/* Keys from low to high. */
+struct key_range {
+    uint64_t low, high;
 };
 
-template <class G>
-__device__ rounds begin_rounds(group_keys *shared, const uint64_t *list, uint32_t count, const G *g)
+/* The range of keys whose depths lie within those of all threads. */
+template <class K, class G>
+__device__ key_range range_of(K *shared, uint32_t least, uint32_t most, const G *g)
 {
-    rounds r = {~(uint64_t)0, 0};
-    visit_keys(list, count, g, [&](uint64_t key) {
-        r.low = key < r.low ? key : r.low;
-        r.high = key > r.high ? key : r.high;
-    });
-    for (int d = WARP / 2; d > 0; d /= 2) {
-        const uint64_t low = __shfl_xor_sync(ALL_LANES, r.low, d), high = __shfl_xor_sync(ALL_LANES, r.high, d);
-        r.low = low < r.low ? low : r.low;
-        r.high = high > r.high ? high : r.high;
-    }
-    if (g->thread % WARP == 0) {
-        shared->bounds[g->thread / WARP][0] = r.low;
-        shared->bounds[g->thread / WARP][1] = r.high;
-    }
+    least = __reduce_min_sync(ALL_LANES, least);
+    most = __reduce_max_sync(ALL_LANES, most);
+    if (lane_index() == 0)
+        shared->bounds[g->thread / WARP] = make_uint2(least, most);
     g->sync();
-    for (uint32_t i = 0; i < G::threads / WARP; i++) {
-        r.low = shared->bounds[i][0] < r.low ? shared->bounds[i][0] : r.low;
-        r.high = shared->bounds[i][1] > r.high ? shared->bounds[i][1] : r.high;
-    }
-    return r;
+    const uint2 of_warp = shared->bounds[lane_index() % (G::threads / WARP)];
+    return {(uint64_t)__reduce_min_sync(ALL_LANES, of_warp.x) << 32,
+            (uint64_t)__reduce_max_sync(ALL_LANES, of_warp.y) << 32 | UINT32_MAX};
+}
+
+__device__ inline uint32_t depth_of(uint64_t key)
+{
+    return (uint32_t)(key >> 32);
+}
+
+template <class K, class G>
+__device__ key_range range_of_list(K *shared, const uint64_t *list, uint32_t count, const G *g)
+{
+    uint32_t least = UINT32_MAX, most = 0;
+    visit_keys(list, count, g, [&](uint64_t key) {
+        least = min(least, depth_of(key));
+        most = max(most, depth_of(key));
+    });
+    return range_of(shared, least, most, g);
 }
 
 /* A bin holds 2^that keys, so that BINS reach from `low` to `high`. */
@@ -171,8 +103,8 @@ __device__ inline int bin_shift(uint64_t low, uint64_t high)
 }
 
 /* How many keys are in the bins before this thread's, and in its own. */
-template <class G>
-__device__ uint32_t keys_before(group_keys *shared, const uint32_t *bins, uint32_t *own, const G *g)
+template <class K, class G>
+__device__ uint32_t keys_before(K *shared, const uint32_t *bins, uint32_t *own, const G *g)
 {
     const uint32_t each = BINS / G::threads, warp = g->thread / WARP;
     *own = 0;
@@ -182,22 +114,42 @@ __device__ uint32_t keys_before(group_keys *shared, const uint32_t *bins, uint32
     if (lane_index() == WARP - 1)
         shared->sums[warp] = end;
     g->sync();
-    for (uint32_t i = 0; i < warp; i++)
-        end += shared->sums[i];
+    end += __reduce_add_sync(ALL_LANES, lane_index() < warp ? shared->sums[lane_index()] : 0);
     return end - *own;
 }
 
-/* Finds the first bin with which the keys are more than ROUND_KEYS: shared->bin (BINS: none), and how many are below
-   it: shared->count. */
+/* From the sizes of bins to their starts. */
+template <class K, class G>
+__device__ void place_bins(K *shared, uint32_t *bins, const G *g)
+{
+    const uint32_t each = BINS / G::threads;
+    uint32_t own, start = keys_before(shared, bins, &own, g);
+    for (uint32_t i = g->thread * each; i < (g->thread + 1) * each; i++) {
+        const uint32_t size = bins[i];
+        bins[i] = start;
+        start += size;
+    }
+    g->sync();
+}
+
 template <class G>
-__device__ void find_bin(group_keys *shared, const uint32_t *bins, const G *g)
+__device__ void clear_bins(uint32_t *bins, const G *g)
+{
+    for (uint32_t i = g->thread; i < BINS; i += G::threads)
+        bins[i] = 0;
+}
+
+/* Finds the first bin with which the keys are more than K::room: shared->bin (BINS: none), and how many are below
+   it: shared->count. */
+template <class K, class G>
+__device__ void find_bin(K *shared, const uint32_t *bins, const G *g)
 {
     const uint32_t each = BINS / G::threads;
     uint32_t own, start = keys_before(shared, bins, &own, g);
     const uint32_t end = start + own;
-    if (start <= ROUND_KEYS && (end > ROUND_KEYS || g->thread == G::threads - 1)) {
+    if (start <= K::room && (end > K::room || g->thread == G::threads - 1)) {
         uint32_t bin = g->thread * each;
-        for (; bin < (g->thread + 1) * each && start + bins[bin] <= ROUND_KEYS; bin++)
+        for (; bin < (g->thread + 1) * each && start + bins[bin] <= K::room; bin++)
             start += bins[bin];
         shared->bin = bin;
         shared->count = start;
@@ -205,18 +157,17 @@ __device__ void find_bin(group_keys *shared, const uint32_t *bins, const G *g)
     g->sync();
 }
 
-/* Puts the least keys from r->low on into shared->keys, at most ROUND_KEYS, and moves r->low. Returns how many. There
-   must be some left. `bins`: BINS of shared memory. */
-template <class G>
-__device__ uint32_t next_round(rounds *r, group_keys *shared, uint32_t *bins, const uint64_t *list, uint32_t count,
+/* Puts the least keys from r->low on into shared->keys, at most K::room, and moves r->low. Returns how many. There must
+   be some left. */
+template <class K, class G>
+__device__ uint32_t next_round(key_range *r, K *shared, uint32_t bins[BINS], const uint64_t *list, uint32_t count,
                                const G *g)
 {
     uint64_t first = r->low, last = r->high;
     uint32_t found = 0;
     while (!found) {
         const int shift = bin_shift(first, last);
-        for (uint32_t i = g->thread; i < BINS; i += G::threads)
-            bins[i] = 0;
+        clear_bins(bins, g);
         g->sync();
         visit_keys(list, count, g, [&](uint64_t key) {
             if (key >= first && key <= last)
@@ -246,17 +197,35 @@ __device__ uint32_t next_round(rounds *r, group_keys *shared, uint32_t *bins, co
     return found;
 }
 
-template <class G>
-__device__ void sort_keys(group_keys *shared, uint32_t count, const G *g)
+/* shared->entries from shared->keys, `count` of them: they go to bins by depth, then each counts those of its bin that
+   are less. */
+template <class K, class G>
+__device__ void sort_keys(K *shared, uint32_t bins[BINS], uint32_t count, const G *g)
 {
-    if (count <= G::threads)
-        sort_group<1>(shared, count, g);
-    else if (count <= 2 * G::threads)
-        sort_group<2>(shared, count, g);
-    else if (count <= 4 * G::threads)
-        sort_group<4>(shared, count, g);
-    else
-        sort_group<ROUND_KEYS / G::threads>(shared, count, g);
+    uint32_t least = UINT32_MAX, most = 0;
+    for (uint32_t i = g->thread; i < count; i += G::threads) {
+        least = min(least, depth_of(shared->keys[i]));
+        most = max(most, depth_of(shared->keys[i]));
+    }
+    clear_bins(bins, g);
+    const key_range r = range_of(shared, least, most, g);
+    const int shift = bin_shift(r.low, r.high);
+    for (uint32_t i = g->thread; i < count; i += G::threads)
+        atomicAdd(&bins[(shared->keys[i] - r.low) >> shift], 1u);
+    g->sync();
+    place_bins(shared, bins, g);
+    for (uint32_t i = g->thread; i < count; i += G::threads)
+        shared->places[atomicAdd(&bins[(shared->keys[i] - r.low) >> shift], 1u)] = (uint16_t)i;
+    g->sync();                             /* bins are ends now */
+    for (uint32_t i = g->thread; i < count; i += G::threads) {
+        const uint64_t key = shared->keys[shared->places[i]];
+        const uint32_t bin = (uint32_t)((key - r.low) >> shift), start = bin ? bins[bin - 1] : 0, end = bins[bin];
+        uint32_t place = start;
+        for (uint32_t k = start; k < end && end - start > 1; k++)
+            place += shared->keys[shared->places[k]] < key ? 1 : 0;
+        shared->entries[place] = (uint32_t)key;
+    }
+    g->sync();
 }
 
 }

@@ -29,7 +29,7 @@ __device__ const uint16_t offset_of_code_q11[256] = {
 #include "../../src/opacity.inc"
 };
 
-/* A splat that does not fit in 8x8 tiles, or any with the square cut-off. */
+/* A splat that does not fit in BOX_COLUMNS x BOX_ROWS tiles, or any with the square cut-off. */
 struct large_splat {
     fxs_bounds bounds;
     uint32_t index;
@@ -41,24 +41,25 @@ struct frame_status {
     uint64_t entries;
     uint32_t larges, visible, chunks;
     uint32_t classes[32];          /* tiles in each class */
+    uint32_t class_entries[32];    /* and their entries */
     uint32_t next_turn, next_dense;   /* of blend_tiles, blend_dense */
+    uint64_t split_taken[2];       /* of split_entries, and behind the entries, by blend_dense */
 };
 
 /* What the kernels of a frame share; device memory. */
 struct frame_buffers {
     frame_status *status;
     fxs_chunk_view *chunk_views;   /* of the chunks that can be seen, status->chunks of them */
-    fxs_splat *splats;             /* by index in the scene, like the next three; written where visible */
-    uint64_t *masks;               /* bit 8 r + c: listed in tile base + r tiles_x + c; of chunks that can be seen */
-    uint32_t *bases;
+    fxs_splat *splats;             /* by index in the scene, like the next two; written where visible */
+    uint64_t *boxes;               /* the tiles it is listed in: see box_of; of chunks that can be seen */
     uint32_t *depths;
-    large_splat *larges;           /* masks 0 */
+    large_splat *larges;           /* boxes 0 */
     uint32_t *counts;              /* length of each tile's list */
     uint32_t *next;                /* where its next entry goes: after the fill, its end */
     uint32_t *classes;             /* tiles by the magnitude of their lists: a row of all tiles for each class */
     uint64_t *entries;             /* the lists: depth above, index and FXS_ENTRY_FAR below; in no order */
-    uint64_t *split_entries;       /* long lists again, in bins */
-    uint64_t capacity;             /* of entries, and of split_entries */
+    uint64_t *split_entries;       /* long lists again, in bins: over boxes and depths, which are done with by then */
+    uint64_t capacity, split_capacity;
     uint32_t large_capacity;
 };
 
@@ -76,13 +77,57 @@ __device__ inline uint32_t lane_index()
 }
 
 /* The sum over the lanes up to this one. */
-__device__ inline uint32_t warp_sum(uint32_t x)
+template <class T>
+__device__ inline T warp_sum(T x)
 {
     for (uint32_t d = 1; d < WARP; d *= 2) {
-        const uint32_t below = __shfl_up_sync(ALL_LANES, x, d);
+        const T below = __shfl_up_sync(ALL_LANES, x, d);
         x += lane_index() >= d ? below : 0;
     }
     return x;
+}
+
+/* Takes a place at counters[i] for each lane with `active`; lanes that share a counter share one atomic. */
+__device__ inline uint32_t take_place(uint32_t *counters, uint32_t i, bool active)
+{
+    const unsigned lanes = __ballot_sync(ALL_LANES, active), lane = lane_index();
+    uint32_t place = 0;
+    if (active) {
+        const unsigned same = __match_any_sync(lanes, i), leader = (unsigned)__ffs((int)same) - 1;
+        if (lane == leader)
+            place = atomicAdd(&counters[i], (uint32_t)__popc(same));
+        place = __shfl_sync(same, place, (int)leader) + (uint32_t)__popc(same & ((1u << lane) - 1));
+    }
+    return place;
+}
+
+/* Shares out `own` items of each lane: calls visit(lane, item of it, active) with all lanes, until all were visited. */
+template <class Visit>
+__device__ inline void share_out(uint32_t own, Visit visit)
+{
+    const uint32_t end = warp_sum(own), start = end - own, all = __shfl_sync(ALL_LANES, end, WARP - 1);
+    for (uint32_t first = 0; first < all; first += WARP) {
+        const uint32_t item = first + lane_index();
+        uint32_t lane = 0;
+        for (uint32_t step = WARP / 2; step > 0; step /= 2)
+            lane += __shfl_sync(ALL_LANES, end, (int)(lane + step - 1)) <= item ? step : 0;
+        visit((int)lane, item - __shfl_sync(ALL_LANES, start, (int)lane), item < all);
+    }
+}
+
+/* The place of the n-th bit, from 0 on. */
+__device__ inline uint32_t bit_of(uint64_t mask, uint32_t n)
+{
+    const uint32_t low_bits = (uint32_t)__popc((uint32_t)mask), high = n >= low_bits ? 32 : 0;
+    uint32_t bits = (uint32_t)(mask >> high), place = 0;
+    n -= high ? low_bits : 0;
+    for (uint32_t step = 16; step > 0; step /= 2) {
+        const uint32_t below = (uint32_t)__popc(bits & ((1u << step) - 1)), skip = below <= n ? step : 0;
+        bits >>= skip;
+        place += skip;
+        n -= skip ? below : 0;
+    }
+    return high + place;
 }
 
 }

@@ -22,7 +22,7 @@ int peek(fxs_cuda *cuda, uint32_t tiles, peeked *out)
     const uint32_t gaussians = cuda->scene.chunk_count * FXS_CHUNK;
     uint64_t splat_bytes, tile_bytes;
     const frame_buffers f = slot_buffers(s, cuda->scene.chunk_count, tiles, &splat_bytes, &tile_bytes);
-    return download(&out->splats, f.splats, gaussians) || download(&out->depths, f.depths, gaussians) ||
+    return download(&out->splats, f.splats, gaussians) ||
            download(&out->counts, f.counts, tiles) || download(&out->ends, f.next, tiles) ||
            download(&out->entries, f.entries, cuda->status[0].entries);
 }
@@ -30,7 +30,6 @@ int peek(fxs_cuda *cuda, uint32_t tiles, peeked *out)
 void peek_free(peeked *p)
 {
     free(p->splats);
-    free(p->depths);
     free(p->counts);
     free(p->ends);
     free(p->entries);

@@ -11,7 +11,7 @@ extern "C" {
 /* The buffers of the last frame of slot 0, on the host, for free. */
 typedef struct peeked {
     void *splats;                  /* fxs_splat, by index */
-    uint32_t *depths, *counts, *ends;
+    uint32_t *counts, *ends;
     uint64_t *entries;             /* of a tile: up to its end, in no order */
 } peeked;
 
