@@ -1,11 +1,15 @@
 /* Golden images: small frames of procedural scenes, compared byte for byte with tests/golden/NAME.png, by the processor
- * and each exact back end. --update writes them anew. On a difference the frame and a picture of the difference are left in build/golden. */
+ * and each exact back end; --cuda: by CUDA alone. --update writes them anew. On a difference the frame and a picture of
+ * the difference are left in build/golden. */
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
 #include "../port/formats/camera.h"
 #include "../port/formats/image_file.h"
+#ifdef FXS_WITH_CUDA
+#include "../kernels/cuda/cuda.h"
+#endif
 #include "../tools/backend.h"
 #include "../tools/metrics.h"
 #include "check.h"
@@ -51,26 +55,68 @@ static const golden cases[] = {
 };
 
 static int updating;
+static const golden *current;
+static const char *backend_name;
+
+#ifdef FXS_WITH_CUDA
+static int draw_cuda(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options, uint8_t *pixels)
+{
+    fxs_cuda *cuda;
+    fxs_cuda_failure failure;
+    int error = fxs_cuda_create(&cuda, 0, 0, 1, &failure);
+    if (error)
+        return error;
+    error = fxs_cuda_upload(cuda, scene, &failure);
+    error = error ? error : fxs_cuda_render_host(cuda, camera, options, pixels, camera->width * 4, 0, &failure);
+    fxs_cuda_destroy(cuda);
+    return error;
+}
+
+static int has_cuda(void)
+{
+    return fxs_cuda_devices() > 0;
+}
+#else
+static int draw_cuda(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options, uint8_t *pixels)
+{
+    (void)scene, (void)camera, (void)options, (void)pixels;
+    return FXS_ERR_UNSUPPORTED;
+}
+
+static int has_cuda(void)
+{
+    return 0;
+}
+#endif
+
+static int draw(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options, const fxs_config *config,
+                uint8_t *pixels)
+{
+    fxs_context context;
+    if (!strcmp(backend_name, "cuda"))
+        return draw_cuda(scene, camera, options, pixels);
+    fxs_init(&context, config);
+    size_t bytes = fxs_frame_bytes(&context, scene, camera->width, camera->height, 0);
+    void *memory = check_aligned(bytes);
+    int error = memory ? fxs_render(&context, scene, camera, options, memory, bytes, pixels,
+                                    (ptrdiff_t)camera->width * 4, 0) : FXS_ERR_MEMORY;
+    free(memory);
+    return error;
+}
 
 static uint8_t *render(const golden *g, const fxs_config *config, fxs_message *m)
 {
     static const double up[3] = {0, -1, 0};
     fxs_packed_scene packed;
     fxs_scene scene;
-    fxs_context context;
     fxs_file_view view;
     fxs_camera camera;
     if (procedural_scene_make(g->scene, g->count, g->antialiased, &packed, 0, m))
         return 0;
-    fxs_init(&context, config);
     fxs_scene_open(&scene, packed.data, packed.bytes);
-    size_t bytes = fxs_frame_bytes(&context, &scene, g->width, g->height, 0);
-    void *memory = check_aligned(bytes);
     uint8_t *pixels = malloc((size_t)g->width * (size_t)g->height * 4);
-    int error = !memory || !pixels || fxs_view_look_at(&view, g->eye, g->look, up, g->fov, g->width, g->height, m) ||
-                fxs_camera_from_view(&camera, &view, m) ||
-                fxs_render(&context, &scene, &camera, &g->options, memory, bytes, pixels, (ptrdiff_t)g->width * 4, 0);
-    free(memory);
+    int error = !pixels || fxs_view_look_at(&view, g->eye, g->look, up, g->fov, g->width, g->height, m) ||
+                fxs_camera_from_view(&camera, &view, m) || draw(&scene, &camera, &g->options, config, pixels);
     fxs_packed_scene_free(&packed);
     if (!error)
         return pixels;
@@ -113,23 +159,24 @@ static void compare(const golden *g, const uint8_t *actual, const char *path)
     free(expected);
 }
 
-static const golden *current;
-static const char *backend_name;
-
 /* A back end other than the processor is compared only. */
 static void golden_image(void)
 {
     char path[128];
     fxs_message m = {"render failed"};
     fxs_config config = {.run = 0};
-    backend *b;
-    if (backend_open(&b, backend_name, &config, &m))
+    backend *b = 0;
+    if (!strcmp(backend_name, "cuda")) {
+        if (!has_cuda())
+            SKIP("no CUDA device");
+    } else if (backend_open(&b, backend_name, &config, &m)) {
         SKIP(m.text);
+    }
     uint8_t *actual = render(current, &config, &m);
     snprintf(path, sizeof path, "tests/golden/%s.png", current->name);
     if (!CHECK(actual != 0))
         puts(m.text);
-    else if (updating && !b)
+    else if (updating && !strcmp(backend_name, "cpu"))
         CHECK(!fxs_image_file_write(path, actual, current->width, current->height, &m));
     else
         compare(current, actual, path);
@@ -137,16 +184,27 @@ static void golden_image(void)
     backend_close(b);
 }
 
+static void by_backend(const char *name)
+{
+    backend_name = name;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        current = &cases[i];
+        printf("%s, %s: ", current->name, backend_name);
+        RUN(golden_image);
+    }
+}
+
 int main(int argc, char **argv)
 {
-    static const char *const backends[] = {"cpu", "gles", "osmesa"};
     updating = argc > 1 && !strcmp(argv[1], "--update");
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        for (size_t k = 0; k < sizeof backends / sizeof *backends; k++) {
-            current = &cases[i];
-            backend_name = backends[k];
-            printf("%s, %s: ", current->name, backend_name);
-            RUN(golden_image);
-        }
+    if (argc > 1 && !strcmp(argv[1], "--cuda")) {
+        by_backend("cuda");
+        return check_report();
+    }
+    by_backend("cpu");
+    by_backend("gles");
+    by_backend("osmesa");
+    if (has_cuda())
+        by_backend("cuda");
     return check_report();
 }

@@ -90,6 +90,8 @@ void free_scene(loaded_scene *loaded);
 
 /* ---- The options of render, view and bench --------------------------------------------------------------------- */
 
+#define DEVICES_MOST 16
+
 typedef struct view_options {
     const char *cameras, *view;             /* camera file; number, name or "all" */
     int has_eye, has_look, has_up;
@@ -99,7 +101,8 @@ typedef struct view_options {
     int stereo_exact;
     fxs_options render;
     const char *cpu, *backend;
-    int device;                             /* of --backend cuda */
+    int devices[DEVICES_MOST];              /* of --backend cuda; the first device_count, 0: all there are */
+    int device_count;
     uint32_t threads;
     size_t max_memory;                      /* of a frame, bytes; 0: as much as it takes */
     load_options load;
@@ -162,11 +165,17 @@ int renderer_init(renderer *r, const view_options *options);
 void renderer_free(renderer *r);
 
 /* The CUDA back end of a renderer; without one in this build, cuda_open fails. They return 0, or print why not and
-   return EXIT_FAILED. `pixels`: RGBA, no gaps. */
+   return EXIT_FAILED. `pixels`: RGBA. */
 int cuda_open(renderer *r, int device);
 void cuda_close(renderer *r);
 int cuda_render(renderer *r, const loaded_scene *loaded, const fxs_camera *camera, const fxs_options *options,
-                uint8_t *pixels, fxs_stats *stats);
+                uint8_t *pixels, ptrdiff_t stride, fxs_stats *stats);
+
+/* Fills in the devices that the options ask for; 1 without --backend cuda. Returns how many. */
+int cuda_devices(const view_options *options, int devices[DEVICES_MOST]);
+
+/* Prints a line for each device, or why there is none. */
+void cuda_list(void);
 
 /* Renders into r->pixels, making room where the size has changed. Returns 0, or prints why not and returns
    EXIT_FAILED. */

@@ -54,7 +54,7 @@ static void fill_stats(fxs_stats *out, const fxs_cuda_stats *stats, uint32_t gau
 }
 
 int cuda_render(renderer *r, const loaded_scene *loaded, const fxs_camera *camera, const fxs_options *options,
-                uint8_t *pixels, fxs_stats *stats)
+                uint8_t *pixels, ptrdiff_t stride, fxs_stats *stats)
 {
     fxs_cuda_failure failure;
     fxs_cuda_stats cuda_stats;
@@ -62,13 +62,28 @@ int cuda_render(renderer *r, const loaded_scene *loaded, const fxs_camera *camer
     r->on_device = error ? 0 : loaded;
     uint64_t start = fxs_clock(0);
     if (!error)
-        error = fxs_cuda_render_host(r->cuda, camera, options, pixels, (ptrdiff_t)camera->width * 4, &cuda_stats,
-                                     &failure);
+        error = fxs_cuda_render_host(r->cuda, camera, options, pixels, stride, &cuda_stats, &failure);
     if (error)
         return fail_cuda(r, error, &failure);
     if (stats)
         fill_stats(stats, &cuda_stats, loaded->scene.count, fxs_clock(0) - start);
     return 0;
+}
+
+static int devices_here(void)
+{
+    return fxs_cuda_devices();
+}
+
+void cuda_list(void)
+{
+    char name[256];
+    fxs_cuda_failure failure;
+    int device = 0;
+    for (; device < fxs_cuda_devices() && !fxs_cuda_name(device, name, sizeof name, &failure); device++)
+        printf("%-11s here: %s, --device %d (whole frames on a GPU, the same bytes)\n", "cuda", name, device);
+    if (device == 0 && fxs_cuda_name(0, name, sizeof name, &failure))
+        printf("%-11s not here: %s (whole frames on a GPU, the same bytes)\n", "cuda", failure.text);
 }
 
 #else
@@ -85,10 +100,34 @@ void cuda_close(renderer *r)
 }
 
 int cuda_render(renderer *r, const loaded_scene *loaded, const fxs_camera *camera, const fxs_options *options,
-                uint8_t *pixels, fxs_stats *stats)
+                uint8_t *pixels, ptrdiff_t stride, fxs_stats *stats)
 {
-    (void)r, (void)loaded, (void)camera, (void)options, (void)pixels, (void)stats;
+    (void)r, (void)loaded, (void)camera, (void)options, (void)pixels, (void)stride, (void)stats;
     return EXIT_FAILED;
 }
 
+static int devices_here(void)
+{
+    return 0;
+}
+
+void cuda_list(void)
+{
+    printf("%-11s not here: built without nvcc (whole frames on a GPU, the same bytes)\n", "cuda");
+}
+
 #endif
+
+int cuda_devices(const view_options *options, int devices[DEVICES_MOST])
+{
+    int count = strcmp(options->backend, "cuda") ? 1 : options->device_count;
+    for (int i = 0; i < count; i++)
+        devices[i] = options->devices[i];
+    if (count)
+        return count;
+    count = devices_here();
+    count = count < 1 ? 1 : count > DEVICES_MOST ? DEVICES_MOST : count;
+    for (int i = 0; i < count; i++)
+        devices[i] = i;
+    return count;
+}

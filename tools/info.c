@@ -154,7 +154,7 @@ static int take_options(info_options *o, int argc, char **argv)
                 return fail(EXIT_USAGE, "--views %s: expected 1 to 1000", optarg);
             break;
         case OPT_JSON: o->json = 1; break;
-        case OPT_BACKENDS: backend_list(); exit(EXIT_OK);
+        case OPT_BACKENDS: backend_list(); cuda_list(); exit(EXIT_OK);
         case OPT_HELP: fputs(help, stdout); exit(EXIT_OK);
         case '?': return wrong_option(argv);
         default:

@@ -113,58 +113,108 @@ static int print_stats(renderer *r, const render_options *o, const loaded_scene 
     return 0;
 }
 
-static int render_view(renderer *r, const render_options *o, const loaded_scene *loaded, const fxs_file_view *view,
-                       const char *output)
+/* Views that are rendered side by side, one on each device. */
+typedef struct shared_views {
+    const render_options *o;
+    const loaded_scene *loaded;
+    const fxs_file_view *views;             /* of the next round */
+    renderer renderers[DEVICES_MOST];
+    int count;                              /* of renderers */
+    fxs_pool *pool;                         /* a thread a renderer */
+    long first, all;                        /* views done, and to do */
+    int status[DEVICES_MOST];
+    fxs_stats stats[DEVICES_MOST];
+} shared_views;
+
+/* Renders and writes view first + i. */
+static void render_view(void *argument, uint32_t i)
 {
-    fxs_stats stats;
+    shared_views *s = argument;
+    renderer *r = &s->renderers[i];
+    const char *output = s->o->output;
+    char name[4096];
     fxs_message message;
-    if (renderer_render(r, loaded, view, &o->view.render, &stats))
-        return EXIT_FAILED;
-    if (output && fxs_image_file_write(output, r->pixels, r->width, r->height, &message))
-        return fail(EXIT_FAILED, "%s", message.text);
-    if (o->hash) {
+    s->status[i] = renderer_render(r, s->loaded, &s->views[s->first + i], &s->o->view.render, &s->stats[i]);
+    if (output && is_pattern(output))
+        output_name(name, sizeof name, output, s->first + i);
+    else if (output)
+        snprintf(name, sizeof name, "%s", output);
+    if (!s->status[i] && output && fxs_image_file_write(name, r->pixels, r->width, r->height, &message))
+        s->status[i] = fail(EXIT_FAILED, "%s", message.text);
+}
+
+/* What is printed of a view, in the order of the views. */
+static int report_view(shared_views *s, int i)
+{
+    renderer *r = &s->renderers[i];
+    if (!s->status[i] && s->o->hash) {
         progress_end();
         printf("%016" PRIx64 "\n", fnv1a64(r->pixels, (size_t)r->width * (size_t)r->height * 4));
     }
-    return o->stats ? print_stats(r, o, loaded, view, &stats) : 0;
+    return s->status[i] || !s->o->stats
+               ? s->status[i] : print_stats(r, s->o, s->loaded, &s->views[s->first + i], &s->stats[i]);
 }
 
-static int render_all(renderer *r, const render_options *o, const loaded_scene *loaded, const fxs_file_view *views,
-                      long count)
+static int render_all(shared_views *s)
 {
-    char name[4096], label[] = "rendering";
-    if (o->output && count > 1 && !is_pattern(o->output))
-        return fail(EXIT_USAGE, "%s: for %ld views, expected a name with one %%d, as out/%%04d.png", o->output, count);
-    for (long i = 0; i < count; i++) {
-        if (o->output && strchr(o->output, '%') && is_pattern(o->output))
-            output_name(name, sizeof name, o->output, i);
-        else if (o->output)
-            snprintf(name, sizeof name, "%s", o->output);
-        if (render_view(r, o, loaded, &views[i], o->output ? name : 0))
-            return EXIT_FAILED;
-        if (count > 1)
-            progress_bar(label, (double)(i + 1) / (double)count);
+    if (s->o->output && s->all > 1 && !is_pattern(s->o->output))
+        return fail(EXIT_USAGE, "%s: for %ld views, expected a name with one %%d, as out/%%04d.png", s->o->output,
+                    s->all);
+    for (int round; s->first < s->all; s->first += round) {
+        round = s->all - s->first < s->count ? (int)(s->all - s->first) : s->count;
+        if (s->pool)
+            fxs_pool_run(s->pool, render_view, s, (uint32_t)round);
+        else
+            render_view(s, 0);
+        for (int i = 0; i < round; i++)
+            if (report_view(s, i))
+                return EXIT_FAILED;
+        if (s->all > 1)
+            progress_bar("rendering", (double)(s->first + round) / (double)s->all);
     }
     progress_end();
     return 0;
 }
 
+static int open_renderers(shared_views *s, const view_options *options)
+{
+    int devices[DEVICES_MOST], count = cuda_devices(options, devices), status = 0;
+    for (; s->count < count && !status; s->count++) {
+        view_options own = *options;
+        own.devices[0] = devices[s->count];
+        own.device_count = 1;
+        own.threads = count > 1 ? 1 : options->threads;
+        status = renderer_init(&s->renderers[s->count], &own);
+    }
+    if (!status && count > 1 && !(s->pool = fxs_pool_create((uint32_t)count)))
+        status = fail(EXIT_FAILED, "cannot start %d threads", count);
+    return status;
+}
+
+static void close_renderers(shared_views *s)
+{
+    for (int i = 0; i < s->count; i++)
+        renderer_free(&s->renderers[i]);
+    fxs_pool_destroy(s->pool);
+}
+
 int command_render(int argc, char **argv)
 {
     render_options o;
-    renderer r;
     loaded_scene loaded;
     fxs_file_view *views = 0;
+    shared_views s = {.o = &o, .loaded = &loaded};
     int status = take_options(&o, argc, argv);
     if (status)
         return status;
-    status = renderer_init(&r, &o.view);
+    status = open_renderers(&s, &o.view);
     if (!status && !(status = load_scene(&loaded, o.scene, &o.view.load))) {
-        long count = choose_views(&o.view, &loaded.report, &views);
-        status = count < 0 ? EXIT_FAILED : render_all(&r, &o, &loaded, views, count);
+        s.all = choose_views(&o.view, &loaded.report, &views);
+        s.views = views;
+        status = s.all < 0 ? EXIT_FAILED : render_all(&s);
         free(views);
         free_scene(&loaded);
     }
-    renderer_free(&r);
+    close_renderers(&s);
     return status;
 }

@@ -33,7 +33,8 @@ const char view_options_help[] =
     "  --backend NAME      what renders: cpu; gles (OpenGL ES 3.0 by EGL) or osmesa in place of blend and resolve; cuda:\n"
     "                      the same bytes. gles-quads: inexact, blended by the device. auto (default): cpu. See\n"
     "                      fixsplat info --backends\n"
-    "  --device N          the GPU of --backend cuda, from 0 on (default 0)\n"
+    "  --device LIST       GPUs of --backend cuda: numbers from 0 on with commas, or all (default 0); render --view all\n"
+    "                      shares the views out among them, other commands take the first\n"
     "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
     "  --profile P         how a scene that is not an .fxs file is packed: default, compact or small\n"
     "  --help              this text\n";
@@ -47,6 +48,7 @@ void view_options_default(view_options *options)
     options->cpu = "all";
     options->backend = "auto";
     options->threads = fxs_processors();
+    options->device_count = 1;
 }
 
 static int take_number(const char *name, const char *value, uint64_t low, uint64_t high, uint64_t *out)
@@ -61,6 +63,24 @@ static int take_vector(const char *name, const char *value, double out[3], int *
 {
     *has = parse_vector(value, 3, out);
     return *has ? 0 : fail(EXIT_USAGE, "--%s %s: expected three numbers X,Y,Z", name, value);
+}
+
+static int take_devices(view_options *options, const char *value)
+{
+    const char *at = value;
+    options->device_count = 0;
+    while (strcmp(value, "all")) {
+        char *end;
+        const long number = strtol(at, &end, 10);
+        if (*at < '0' || *at > '9' || number > 255 || options->device_count == DEVICES_MOST || (*end && *end != ','))
+            return fail(EXIT_USAGE, "--device %s: expected all, or up to %d numbers from 0 to 255 with commas", value,
+                        DEVICES_MOST);
+        options->devices[options->device_count++] = (int)number;
+        if (!*end)
+            break;
+        at = end + 1;
+    }
+    return 0;
 }
 
 static int take_cutoff(fxs_options *options, const char *value)
@@ -114,10 +134,7 @@ int view_option(view_options *options, int which, const char *value)
         return status;
     case OPT_CPU: options->cpu = value; break;
     case OPT_BACKEND: options->backend = value; break;
-    case OPT_DEVICE:
-        status = take_number("device", value, 0, 255, &number);
-        options->device = (int)number;
-        return status;
+    case OPT_DEVICE: return take_devices(options, value);
     case OPT_LOD: return take_lod(&options->load, value);
     case OPT_PROFILE: return take_profile(&options->load, value);
     case OPT_MAX_MEMORY: return take_max_memory(&options->max_memory, value);
@@ -259,8 +276,8 @@ int renderer_init(renderer *r, const view_options *options)
     const int cuda = !strcmp(options->backend, "cuda");
     if (!cuda && !backend_known(options->backend))
         return fail(EXIT_USAGE, "--backend %s: expected cpu, auto, cuda, gles, gles-quads or osmesa", options->backend);
-    if (cuda && options->stereo > 0)
-        return fail(EXIT_USAGE, "--backend cuda renders one picture, not --stereo");
+    if (cuda && options->stereo > 0 && !options->stereo_exact)
+        return fail(EXIT_USAGE, "--backend cuda: --stereo needs --stereo-exact");
     r->max_memory = options->max_memory;
     r->stereo = options->stereo;
     r->stereo_exact = options->stereo_exact;
@@ -278,7 +295,9 @@ int renderer_init(renderer *r, const view_options *options)
     int status = choose_cpu(&r->context, options->cpu);
     if (r->backend)
         r->context.kernels.name[FXS_BLEND] = r->context.kernels.name[FXS_RESOLVE] = options->backend;
-    return status || !cuda ? status : cuda_open(r, options->device);
+    int devices[DEVICES_MOST];
+    cuda_devices(options, devices);
+    return status || !cuda ? status : cuda_open(r, devices[0]);
 }
 
 void renderer_free(renderer *r)
@@ -329,10 +348,11 @@ int renderer_render(renderer *r, const loaded_scene *loaded, const fxs_file_view
     if (camera_beside(&cameras[0], view, -r->stereo / 2) || camera_beside(&cameras[1], view, r->stereo / 2) ||
         make_room(r, &loaded->scene, view->width, view->height))
         return EXIT_FAILED;
-    if (r->cuda)
-        return cuda_render(r, loaded, &cameras[0], options, r->pixels, stats);
     ptrdiff_t stride = (ptrdiff_t)r->width * 4;
     void *const eyes[2] = {r->pixels, r->pixels + stride / 2};
+    if (r->cuda)
+        return cuda_render(r, loaded, &cameras[0], options, eyes[0], stride, stats) ||
+               (r->stereo > 0 && cuda_render(r, loaded, &cameras[1], options, eyes[1], stride, stats)) ? EXIT_FAILED : 0;
     int error = r->stereo > 0 ? fxs_render_stereo(&r->context, &loaded->scene, cameras, options, r->stereo_exact,
                                                   r->memory, r->memory_bytes, eyes, stride, stats)
                               : fxs_render(&r->context, &loaded->scene, cameras, options, r->memory, r->memory_bytes,

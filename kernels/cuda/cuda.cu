@@ -1,5 +1,6 @@
 /* The host's side: device memory, and the kernels of a frame in order. */
 #include <cuda_runtime.h>
+#include <stdio.h>
 
 #include "blend.cuh"
 #include "cuda.h"
@@ -293,17 +294,33 @@ void stats_of(const fxs_cuda *cuda, fxs_cuda_stats *stats)
 
 }
 
-int fxs_cuda_create(fxs_cuda **out, int device, uint64_t max_memory, uint32_t slots, fxs_cuda_failure *failure)
+int fxs_cuda_devices(void)
 {
     int count = 0;
+    return check(0, cudaGetDeviceCount(&count)) ? 0 : count;
+}
+
+int fxs_cuda_name(int device, char *name, size_t size, fxs_cuda_failure *failure)
+{
+    cudaDeviceProp properties;
+    int count = 0, error = check(failure, cudaGetDeviceCount(&count));
+    if (!error && (device < 0 || device >= count))
+        return failed(failure, FXS_ERR_UNSUPPORTED, "no such CUDA device");
+    error = error ? error : check(failure, cudaGetDeviceProperties(&properties, device));
+    if (!error && size)
+        snprintf(name, size, "%s", properties.name);
+    return error;
+}
+
+int fxs_cuda_create(fxs_cuda **out, int device, uint64_t max_memory, uint32_t slots, fxs_cuda_failure *failure)
+{
+    char name[1];
     void *memory;
     if (!out || slots < 1 || slots > SLOTS)
         return failed(failure, FXS_ERR_ARGUMENT, "slots: expected 1 to 16");
-    int error = check(failure, cudaGetDeviceCount(&count));
+    int error = fxs_cuda_name(device, name, sizeof name, failure);
     if (error)
         return error;
-    if (device < 0 || device >= count)
-        return failed(failure, FXS_ERR_UNSUPPORTED, "no such CUDA device");
     on_device scope(device);
     error = check(failure, cudaHostAlloc(&memory, sizeof(fxs_cuda), cudaHostAllocDefault));
     if (error)

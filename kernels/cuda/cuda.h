@@ -46,6 +46,12 @@ typedef struct fxs_cuda_frame {
     ptrdiff_t stride;              /* bytes from row to row, a multiple of a pixel's bytes; negative: bottom up */
 } fxs_cuda_frame;
 
+/* How many devices there are; 0 where there is no driver. */
+int fxs_cuda_devices(void);
+
+/* The name of a device, cut to `size` bytes with the final 0. Errors: FXS_ERR_UNSUPPORTED. */
+int fxs_cuda_name(int device, char *name, size_t size, fxs_cuda_failure *failure);
+
 /* Opens device `device`. `max_memory`: most bytes of device memory, 0 for no limit of its own. `slots`: 1 to 16 frames
    under way at a time, each with buffers of its own. Errors: FXS_ERR_ARGUMENT, FXS_ERR_UNSUPPORTED where there is no
    driver or no such device, FXS_ERR_MEMORY. */
