@@ -153,7 +153,8 @@ typedef struct renderer {
     fxs_pool *pool;
     backend *backend;
     void *memory, *allocation;
-    size_t memory_bytes, max_memory;        /* max_memory, stereo, stereo_exact: as in view_options */
+    size_t memory_bytes, pixel_bytes;
+    size_t max_memory;                      /* max_memory, stereo, stereo_exact: as in view_options */
     double stereo;
     int stereo_exact;
     uint8_t *pixels;                        /* RGBA; of two eyes side by side, the left one left */

@@ -113,46 +113,98 @@ static int print_stats(renderer *r, const render_options *o, const loaded_scene 
     return 0;
 }
 
-/* Views that are rendered side by side, one on each device. */
+/* A picture that is done, to be written. */
+typedef struct picture {
+    uint8_t *pixels;
+    size_t bytes;
+    int width, height, status, unwritten;
+    fxs_message why;                        /* unwritten */
+    fxs_stats stats;
+    uint64_t hash;
+} picture;
+
+enum { PICTURES_MOST = 64, PICTURE_BYTES_MOST = 256 << 20 };
+
+/* The views, in rounds: each device renders some of a round, then all of them are written, a thread a picture. */
 typedef struct shared_views {
     const render_options *o;
     const loaded_scene *loaded;
-    const fxs_file_view *views;             /* of the next round */
+    const fxs_file_view *views;
     renderer renderers[DEVICES_MOST];
-    int count;                              /* of renderers */
-    fxs_pool *pool;                         /* a thread a renderer */
-    long first, all;                        /* views done, and to do */
-    int status[DEVICES_MOST];
-    fxs_stats stats[DEVICES_MOST];
+    int devices;                            /* renderers, one on each */
+    fxs_pool *pool;
+    picture pictures[PICTURES_MOST];
+    long first, all, round, round_most;     /* views done, of all, of this round, of a round at most */
 } shared_views;
 
-/* Renders and writes view first + i. */
-static void render_view(void *argument, uint32_t i)
+static void draw_view(shared_views *s, renderer *r, const fxs_file_view *view, picture *out)
+{
+    out->status = renderer_render(r, s->loaded, view, &s->o->view.render, &out->stats);
+    const picture done = {.pixels = r->pixels, .bytes = r->pixel_bytes};
+    r->pixels = out->pixels;                /* the one that was written, for the next view */
+    r->pixel_bytes = out->bytes;
+    out->pixels = done.pixels;
+    out->bytes = done.bytes;
+    out->width = r->width;
+    out->height = r->height;
+}
+
+static void draw_views(void *argument, uint32_t device)
 {
     shared_views *s = argument;
-    renderer *r = &s->renderers[i];
-    const char *output = s->o->output;
+    for (long i = (long)device; i < s->round; i += s->devices) {
+        draw_view(s, &s->renderers[device], &s->views[s->first + i], &s->pictures[i]);
+        if (s->pictures[i].status)
+            break;
+        if (device == 0 && s->all > 1)
+            progress_bar("rendering", (double)(s->first + i + 1) / (double)s->all);
+    }
+}
+
+static void write_view(void *argument, uint32_t i)
+{
+    shared_views *s = argument;
+    picture *p = &s->pictures[i];
     char name[4096];
-    fxs_message message;
-    s->status[i] = renderer_render(r, s->loaded, &s->views[s->first + i], &s->o->view.render, &s->stats[i]);
-    if (output && is_pattern(output))
-        output_name(name, sizeof name, output, s->first + i);
-    else if (output)
-        snprintf(name, sizeof name, "%s", output);
-    if (!s->status[i] && output && fxs_image_file_write(name, r->pixels, r->width, r->height, &message))
-        s->status[i] = fail(EXIT_FAILED, "%s", message.text);
+    if (p->status)
+        return;
+    if (s->o->hash)
+        p->hash = fnv1a64(p->pixels, (size_t)p->width * (size_t)p->height * 4);
+    if (!s->o->output)
+        return;
+    if (is_pattern(s->o->output))
+        output_name(name, sizeof name, s->o->output, s->first + i);
+    else
+        snprintf(name, sizeof name, "%s", s->o->output);
+    p->unwritten = fxs_image_file_write(name, p->pixels, p->width, p->height, &p->why);
 }
 
 /* What is printed of a view, in the order of the views. */
-static int report_view(shared_views *s, int i)
+static int report_view(shared_views *s, long i)
 {
-    renderer *r = &s->renderers[i];
-    if (!s->status[i] && s->o->hash) {
+    const picture *p = &s->pictures[i];
+    if (!p->status && p->unwritten)
+        return fail(EXIT_FAILED, "%s", p->why.text);
+    if (!p->status && s->o->hash) {
         progress_end();
-        printf("%016" PRIx64 "\n", fnv1a64(r->pixels, (size_t)r->width * (size_t)r->height * 4));
+        printf("%016" PRIx64 "\n", p->hash);
     }
-    return s->status[i] || !s->o->stats
-               ? s->status[i] : print_stats(r, s->o, s->loaded, &s->views[s->first + i], &s->stats[i]);
+    return p->status || !s->o->stats
+               ? p->status : print_stats(&s->renderers[0], s->o, s->loaded, &s->views[s->first + i], &p->stats);
+}
+
+static int render_round(shared_views *s)
+{
+    s->round = s->all - s->first < s->round_most ? s->all - s->first : s->round_most;
+    for (long i = 0; i < s->round; i++)
+        s->pictures[i].status = EXIT_FAILED;    /* until it is drawn */
+    fxs_pool_run(s->pool, draw_views, s, (uint32_t)(s->round < s->devices ? s->round : s->devices));
+    fxs_pool_run(s->pool, write_view, s, (uint32_t)s->round);
+    for (long i = 0; i < s->round; i++)
+        if (report_view(s, i))
+            return EXIT_FAILED;
+    s->first += s->round;
+    return 0;
 }
 
 static int render_all(shared_views *s)
@@ -160,18 +212,17 @@ static int render_all(shared_views *s)
     if (s->o->output && s->all > 1 && !is_pattern(s->o->output))
         return fail(EXIT_USAGE, "%s: for %ld views, expected a name with one %%d, as out/%%04d.png", s->o->output,
                     s->all);
-    for (int round; s->first < s->all; s->first += round) {
-        round = s->all - s->first < s->count ? (int)(s->all - s->first) : s->count;
-        if (s->pool)
-            fxs_pool_run(s->pool, render_view, s, (uint32_t)round);
-        else
-            render_view(s, 0);
-        for (int i = 0; i < round; i++)
-            if (report_view(s, i))
-                return EXIT_FAILED;
-        if (s->all > 1)
-            progress_bar("rendering", (double)(s->first + round) / (double)s->all);
+    size_t largest = 4;
+    for (long i = 0; i < s->all; i++) {
+        const size_t bytes = (size_t)s->views[i].width * (size_t)s->views[i].height * 4;
+        largest = bytes > largest ? bytes : largest;
     }
+    s->round_most = (long)(PICTURE_BYTES_MOST / largest);
+    s->round_most = s->round_most < PICTURES_MOST ? s->round_most : PICTURES_MOST;
+    s->round_most = s->round_most > s->devices ? s->round_most : s->devices;
+    while (s->first < s->all)
+        if (render_round(s))
+            return EXIT_FAILED;
     progress_end();
     return 0;
 }
@@ -179,22 +230,24 @@ static int render_all(shared_views *s)
 static int open_renderers(shared_views *s, const view_options *options)
 {
     int devices[DEVICES_MOST], count = cuda_devices(options, devices), status = 0;
-    for (; s->count < count && !status; s->count++) {
+    const uint32_t threads = options->threads < (uint32_t)count ? (uint32_t)count : options->threads;
+    while (s->devices < count && !status) {
         view_options own = *options;
-        own.devices[0] = devices[s->count];
+        own.devices[0] = devices[s->devices];
         own.device_count = 1;
-        own.threads = count > 1 ? 1 : options->threads;
-        status = renderer_init(&s->renderers[s->count], &own);
+        status = renderer_init(&s->renderers[s->devices++], &own);
     }
-    if (!status && count > 1 && !(s->pool = fxs_pool_create((uint32_t)count)))
-        status = fail(EXIT_FAILED, "cannot start %d threads", count);
+    if (!status && !(s->pool = fxs_pool_create(threads)))
+        status = fail(EXIT_FAILED, "cannot start %u threads", threads);
     return status;
 }
 
 static void close_renderers(shared_views *s)
 {
-    for (int i = 0; i < s->count; i++)
+    for (int i = 0; i < s->devices; i++)
         renderer_free(&s->renderers[i]);
+    for (int i = 0; i < PICTURES_MOST; i++)
+        free(s->pictures[i].pixels);
     fxs_pool_destroy(s->pool);
 }
 

@@ -314,21 +314,22 @@ static int make_room(renderer *r, const fxs_scene *scene, int width, int height)
     size_t bytes = r->stereo > 0 ? fxs_stereo_bytes(&r->context, scene, width, height)
                                  : fxs_frame_bytes(&r->context, scene, width, height, 0);
     bytes = !r->cuda && r->max_memory && r->max_memory < bytes ? r->max_memory : bytes;
-    width *= r->stereo > 0 ? 2 : 1;
-    if (r->pixels && width == r->width && height == r->height && bytes <= r->memory_bytes)
-        return 0;
-    free(r->allocation);
-    free(r->pixels);
-    r->memory_bytes = 0;
-    r->allocation = malloc(bytes + 63);
-    r->pixels = malloc((size_t)width * (size_t)height * 4);
-    if (!r->allocation || !r->pixels)
-        return fail(EXIT_FAILED, "out of memory: a frame of %dx%d needs %zu bytes", width, height, bytes);
-    r->memory = (void *)(((uintptr_t)r->allocation + 63) / 64 * 64);
-    r->memory_bytes = bytes;
-    r->width = width;
+    r->width = r->stereo > 0 ? 2 * width : width;
     r->height = height;
-    return 0;
+    const size_t pixel_bytes = (size_t)r->width * (size_t)height * 4;
+    if (bytes > r->memory_bytes) {
+        free(r->allocation);
+        r->allocation = malloc(bytes + 63);
+        r->memory = (void *)(((uintptr_t)r->allocation + 63) / 64 * 64);
+        r->memory_bytes = r->allocation ? bytes : 0;
+    }
+    if (pixel_bytes > r->pixel_bytes) {
+        free(r->pixels);
+        r->pixels = malloc(pixel_bytes);
+        r->pixel_bytes = r->pixels ? pixel_bytes : 0;
+    }
+    return r->allocation && r->pixels
+               ? 0 : fail(EXIT_FAILED, "out of memory: a frame of %dx%d needs %zu bytes", width, height, bytes);
 }
 
 /* The view from `offset` units to the right of its centre. */

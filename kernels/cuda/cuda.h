@@ -42,7 +42,8 @@ typedef struct fxs_cuda_stats {
 
 typedef struct fxs_cuda_frame {
     fxs_camera camera;
-    void *pixels;                  /* device memory: height rows of width pixels, aligned to a pixel's bytes */
+    void *pixels;                  /* height rows of width pixels, aligned to a pixel's bytes, in device memory or in
+                                      pinned host memory (cudaHostAlloc), which the device writes by itself */
     ptrdiff_t stride;              /* bytes from row to row, a multiple of a pixel's bytes; negative: bottom up */
 } fxs_cuda_frame;
 

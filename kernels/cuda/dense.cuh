@@ -216,7 +216,7 @@ __device__ inline void blend_lanes(pixel *p, int alpha, const fxs_splat *s)
 __device__ void blend_marked(dense_shared *shared, const dense_tile *t, uint32_t n)
 {
     const int32_t x = t->x + (int32_t)(n % FXS_TILE), y = t->y + (int32_t)(n / FXS_TILE);
-    const uint32_t marks = shared->touching[lane_index() % WORDS][n];
+    const uint32_t marks = lane_index() < WORDS ? shared->touching[lane_index()][n] : 0;
     pixel p = shared->pixels[n];
     share_out((uint32_t)__popc(marks), [&](int lane, uint32_t item, bool active) {
         const uint32_t place = (uint32_t)lane * WARP + bit_of(__shfl_sync(ALL_LANES, marks, lane), item);

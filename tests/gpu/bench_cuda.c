@@ -1,4 +1,5 @@
-/* Times frames of 1920x1080 on the GPU by CUDA events and prints one table. Each argument: FILE.fxs, for an overview of
+/* Times frames of 1920x1080 on the GPU by CUDA events and prints one table: single ones by stages and whole, then of a
+ * batch, into device memory and into pinned host memory. Each argument: FILE.fxs, for an overview of
  * the scene, or FILE.fxs:CAMERAS:N,N,... for views of a camera file. Medians, milliseconds; one row of every scene is
  * for the square cut-off, one for a smaller picture. */
 #include <inttypes.h>
@@ -14,7 +15,7 @@
 enum { WARM_UP = 5, REPEATS = 31, BATCH = 16, SLOTS = 4 };
 
 static fxs_cuda_failure failure;
-static unsigned char *pixels[BATCH];
+static unsigned char *pixels[BATCH], *pinned[BATCH];
 
 static int compare_floats(const void *a, const void *b)
 {
@@ -28,12 +29,13 @@ static float median(float *values, int count)
     return values[count / 2];
 }
 
-static float time_frames(fxs_cuda *cuda, const fxs_camera *camera, const fxs_options *options, uint32_t count)
+static float time_frames(fxs_cuda *cuda, const fxs_camera *camera, const fxs_options *options,
+                         unsigned char *const into[], uint32_t count)
 {
     fxs_cuda_frame frames[BATCH];
     float times[REPEATS];
     for (uint32_t i = 0; i < count; i++)
-        frames[i] = (fxs_cuda_frame){*camera, pixels[i], (ptrdiff_t)camera->width * 4};
+        frames[i] = (fxs_cuda_frame){*camera, into[i], (ptrdiff_t)camera->width * 4};
     for (int i = -WARM_UP; i < REPEATS; i++) {
         float t = peek_time(cuda, frames, count, options, &failure);
         if (t < 0)
@@ -66,9 +68,10 @@ static fxs_cuda_stats time_stages(fxs_cuda *cuda, const fxs_camera *camera, cons
 static void row(fxs_cuda *single, fxs_cuda *batch, const char *name, const fxs_camera *camera,
                 const fxs_options *options)
 {
-    const float frame = time_frames(single, camera, options, 1);
+    const float frame = time_frames(single, camera, options, pixels, 1);
     const fxs_cuda_stats s = time_stages(single, camera, options);
-    const float of_batch = batch ? time_frames(batch, camera, options, BATCH) : -1;
+    const float of_batch = batch ? time_frames(batch, camera, options, pixels, BATCH) : -1;
+    const float to_host = batch ? time_frames(batch, camera, options, pinned, BATCH) : -1;
     if (frame < 0) {
         printf("| %s | %s |\n", name, failure.text);
         return;
@@ -79,7 +82,9 @@ static void row(fxs_cuda *single, fxs_cuda *batch, const char *name, const fxs_c
         printf(" | %.3f", (double)s.milliseconds[i]);
     printf(" | %.3f | ", (double)frame);
     if (batch)
-        printf("%.3f", (double)of_batch);
+        printf("%.3f | %.3f", (double)of_batch, (double)to_host);
+    else
+        printf(" | ");
     printf(" | %.1f |\n", (double)s.memory.total * 1e-6);
     fflush(stdout);
 }
@@ -152,10 +157,10 @@ static void rows_of_scene(char *argument)
 int main(int argc, char **argv)
 {
     for (int i = 0; i < BATCH; i++)
-        if (!(pixels[i] = peek_device_memory(1920 * 1080 * 4)))
+        if (!(pixels[i] = peek_device_memory(1920 * 1080 * 4)) || !(pinned[i] = peek_pinned_memory(1920 * 1080 * 4)))
             return puts("no CUDA device, or no memory"), 1;
-    printf("| scene | visible | entries | project | bin | blend | frame | of %d, each | MB |\n"
-           "|---|---|---|---|---|---|---|---|---|\n", BATCH);
+    printf("| scene | visible | entries | project | bin | blend | frame | of %d, each | to the host | MB |\n"
+           "|---|---|---|---|---|---|---|---|---|---|\n", BATCH);
     for (int i = 1; i < argc; i++)
         rows_of_scene(argv[i]);
     return 0;

@@ -11,7 +11,7 @@ template <class T, class U>
 int download(U **out, const T *from, uint64_t count)
 {
     *out = (U *)malloc(count * sizeof(T) + 1);
-    return !*out || cudaMemcpy(*out, from, count * sizeof(T), cudaMemcpyDeviceToHost) != cudaSuccess;
+    return !*out || cudaMemcpy(*out, from, count * sizeof(T), cudaMemcpyDefault) != cudaSuccess;
 }
 
 }
@@ -81,6 +81,17 @@ void *peek_device_memory(size_t bytes)
 void peek_device_free(void *memory)
 {
     cudaFree(memory);
+}
+
+void *peek_pinned_memory(size_t bytes)
+{
+    void *memory;
+    return cudaHostAlloc(&memory, bytes, cudaHostAllocDefault) ? 0 : memory;
+}
+
+void peek_pinned_free(void *memory)
+{
+    cudaFreeHost(memory);
 }
 
 void *peek_host_copy(const void *memory, size_t bytes)

@@ -24,6 +24,8 @@ long peek_levels(void);
 
 void *peek_device_memory(size_t bytes);
 void peek_device_free(void *memory);
+void *peek_pinned_memory(size_t bytes);
+void peek_pinned_free(void *memory);
 void *peek_host_copy(const void *memory, size_t bytes);   /* for free; null where that fails */
 
 /* Milliseconds of frames on the device, by its own clock; below 0 where they failed. */

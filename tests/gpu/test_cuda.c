@@ -266,10 +266,12 @@ static void test_files(void)
     }
 }
 
-/* Several frames in several slots, straight to device memory, one of them into too small lists. */
-static void test_batch(void)
+enum { BATCH_FRAMES = 7 };
+
+/* Several frames in several slots, straight to device or pinned host memory, one of them into too small lists. */
+static void check_batch(uint8_t *memory)
 {
-    enum { FRAMES = 7, SLOTS = 3 };
+    enum { FRAMES = BATCH_FRAMES, SLOTS = 3 };
     fxs_cuda *batch;
     fxs_cuda_frame frames[FRAMES];
     fxs_options options;
@@ -280,13 +282,12 @@ static void test_batch(void)
     packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 20000);
     fxs_scene_open(&scene, packed.data, packed.bytes);
     fxs_options_default(&options);
-    uint8_t *device = peek_device_memory(FRAMES << 24);
-    CHECK(device && !fxs_cuda_upload(batch, &scene, &failure));
+    CHECK(memory && !fxs_cuda_upload(batch, &scene, &failure));
     for (int i = 0; i < FRAMES; i++) {
         random_camera(&frames[i].camera);
         frames[i].camera.width = 512 + 256 * i;
         frames[i].camera.height = 1024;
-        frames[i].pixels = device + ((size_t)i << 24);
+        frames[i].pixels = memory + ((size_t)i << 24);
         frames[i].stride = frames[i].camera.width * 4;
     }
     CHECK(!fxs_cuda_render(batch, frames, FRAMES, &options, 0, &failure) && !fxs_cuda_finish(batch, 0, &failure));
@@ -298,9 +299,17 @@ static void test_batch(void)
         free(wanted);
         free(got);
     }
-    peek_device_free(device);
     free(packed.data);
     fxs_cuda_destroy(batch);
+}
+
+static void test_batch(void)
+{
+    uint8_t *device = peek_device_memory(BATCH_FRAMES << 24), *pinned = peek_pinned_memory(BATCH_FRAMES << 24);
+    check_batch(device);
+    check_batch(pinned);
+    peek_device_free(device);
+    peek_pinned_free(pinned);
 }
 
 /* Too little device memory is refused by name of what is needed, and what fits then still renders. */

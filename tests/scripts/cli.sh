@@ -133,7 +133,8 @@ for bad in 'bg 12345' 'bg 12345g' 'cutoff round' 'sh-degree 4' 'sh-degree -1' 't
     'backend none' 'eye 1,2' 'eye 1,2,nan' 'look 1,2,3,4' 'up x' 'fov 0' 'fov 171' 'fov nan' 'max-memory 0' \
     'max-memory 1T' 'max-memory 1KB' 'max-memory -1' 'max-memory K' 'max-memory 99999999999G' \
     'max-memory 99999999999999999999999999' 'max-memory' 'stereo 0' 'stereo -1' 'stereo nan' 'stereo 1,2' \
-    'device x' 'device 256' 'stereo-exact' 'stereo 0.1 --stats'; do
+    'device x' 'device 256' 'device 0,' 'device ,1' 'device 0;1' 'device 0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0' \
+    'stereo-exact' 'stereo 0.1 --stats' 'stereo 0.1 --backend cuda'; do
     fails "--$bad" 2 "--${bad%% *}" render knot.ply $small --hash --$bad
 done
 for bad in 'crop 0,0,0,1,1' 'crop 0,0,0,1,1,1,1' 'crop 0,0,0,1,1,-1' 'crop nan,0,0,1,1,1' 'crop x' \
@@ -188,6 +189,7 @@ check "one hash with --max-memory, square" equal \
 check "one hash with --backend cpu" equal "$(hash_of knot.ply $small --backend cpu)" "$hash"
 if [ -e /dev/nvidia0 ]; then
     check "one hash with --backend cuda" equal "$(hash_of knot.ply $small --backend cuda)" "$hash"
+    check "one hash with every device" equal "$(hash_of knot.ply $small --backend cuda --device all)" "$hash"
 else
     fails "--backend cuda without a GPU" 1 "--backend cuda: " render knot.ply $small --hash --backend cuda
 fi
@@ -251,6 +253,14 @@ check "--view all: the files" equal "$(ls views | tr '\n' ' ')" "0000.raw 0001.r
 for i in 0 1 2; do
     check "--view all: picture $i" equal "$($helper hash views/000$i.raw)" "$(view three.json --view $i)"
 done
+views= i=0
+while [ $i -lt 70 ]; do
+    views="$views$(inria_camera v$i 0.$i 64 48 60)," i=$((i + 1))
+done
+echo "[${views%,}]" >seventy.json
+succeeds "--view all, more than a round" render knot.ply --cameras seventy.json --view all --hash
+check "--view all, more than a round: in order" equal "$(sed -n 70p logs/out)" "$(view seventy.json --view 69)"
+fails "--view all into no folder" 1 "none/0000.raw" render knot.ply --cameras three.json --view all -o none/%04d.raw
 succeeds "--view all --hash" render knot.ply --cameras three.json --view all --hash
 check "--view all --hash: three lines" equal "$(($(wc -l <logs/out)))" 3
 for bad in x.png x%s.png x%d%d.png; do
