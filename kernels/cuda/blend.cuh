@@ -15,8 +15,7 @@
 
 namespace {
 
-const uint32_t GROUPS = 6, GROUP_THREADS = 128, BLEND_THREADS = GROUPS * GROUP_THREADS;
-const uint32_t DENSE_MAGNITUDE = 11;       /* lists of 2^11 entries or more are blended by blend_dense */
+const uint32_t GROUPS_MOST = 6, GROUP_THREADS = 128;
 typedef group<GROUP_THREADS> tile_group;
 typedef group_keys<1024> tile_keys;
 const int REGION = 8;                      /* pixels of a warp, across and down */
@@ -46,9 +45,14 @@ struct group_shared {
 };
 
 struct blend_shared {
-    group_shared groups[GROUPS];
     uint16_t alpha_q15[FXS_FAINT_Q11 + 1]; /* fxs_alpha_q15 */
+    group_shared groups[1];                /* as many as the block has */
 };
+
+inline size_t blend_bytes(uint32_t groups)
+{
+    return sizeof(blend_shared) + (groups - 1) * sizeof(group_shared);
+}
 
 struct pixel {
     int transmittance, sum[3];
@@ -241,8 +245,8 @@ __device__ void blend_list(pixel p[2], group_shared *own, const uint16_t *alpha_
     }
 }
 
-/* The groups of all blocks take the tiles as they come. */
-__global__ void __launch_bounds__(BLEND_THREADS, 1) blend_tiles(const __grid_constant__ fxs_view view,
+/* The groups of all blocks take the tiles as they come. Runs beside blend_dense, and ends after it. */
+__global__ void __launch_bounds__(GROUPS_MOST * GROUP_THREADS, 1) blend_tiles(const __grid_constant__ fxs_view view,
                                                                 const __grid_constant__ frame_buffers f,
                                                                 const __grid_constant__ target t)
 {
@@ -253,9 +257,9 @@ __global__ void __launch_bounds__(BLEND_THREADS, 1) blend_tiles(const __grid_con
     group_shared *own = &shared->groups[g.number];
     if (!fits(&f))
         return;
-    for (uint32_t level = threadIdx.x; level <= FXS_FAINT_Q11; level += BLEND_THREADS)
+    for (uint32_t level = threadIdx.x; level <= FXS_FAINT_Q11; level += blockDim.x)
         shared->alpha_q15[level] = (uint16_t)fxs_alpha_q15((int)level);
-    const turns order = turns_of(&f, WARP - 1 - lane_index() < DENSE_MAGNITUDE ? 1 : 0);
+    const turns order = turns_of(&f, WARP - 1 - lane_index() < f.dense_magnitude ? 1 : 0);
     uint32_t next = g.thread == 0 ? atomicAdd(&f.status->next_turn, 1u) : 0;
     __syncthreads();
     for (;;) {
@@ -265,7 +269,7 @@ __global__ void __launch_bounds__(BLEND_THREADS, 1) blend_tiles(const __grid_con
         }
         g.sync();
         if (own->turn >= order.all)
-            return;
+            break;
         const uint32_t tile = tile_of_turn(&f, &order, tiles, own->turn).tile;
         const int32_t x = (int32_t)(tile % (uint32_t)view.tiles_x * FXS_TILE + part % 2 * REGION);
         const int32_t y = (int32_t)(tile / (uint32_t)view.tiles_x * FXS_TILE + part / 2 * REGION);
@@ -279,6 +283,7 @@ __global__ void __launch_bounds__(BLEND_THREADS, 1) blend_tiles(const __grid_con
                 store_pixel(&t, &p[i], px, py + i * REGION / 2);
         g.sync();
     }
+    wait_for_kernel_before();
 }
 
 }

@@ -12,7 +12,7 @@ namespace {
 const uint32_t DENSE_THREADS = 1024, DENSE_BLOCKS = 1;  /* of a multiprocessor */
 const uint32_t ROW_PAIRS = FXS_TILE / 2;               /* of a tile: 32 pixels */
 typedef group<DENSE_THREADS> dense_group;
-typedef group_keys<1024> dense_keys;
+typedef group_keys<960> dense_keys;
 const uint32_t WORDS = dense_keys::room / WARP;
 const int CROWDED = 16;                                /* open pixels of a pair of rows: more take a lane each */
 
@@ -44,10 +44,10 @@ __device__ inline uint32_t blocks_a_tile(const frame_buffers *f)
 {
     const uint32_t magnitude = WARP - 1 - lane_index();
     const uint32_t wanted = magnitude >= 16 ? 4 : magnitude == 15 ? 2 : 1;
-    const uint64_t entries = magnitude >= DENSE_MAGNITUDE ? f->status->class_entries[magnitude] : 0;
+    const uint64_t entries = magnitude >= f->dense_magnitude ? f->status->class_entries[magnitude] : 0;
     const uint64_t room = f->split_capacity + spare_entries(f), needed = warp_sum(entries * (wanted - 1));
     const uint64_t all = __shfl_sync(ALL_LANES, warp_sum(entries), WARP - 1);
-    return magnitude < DENSE_MAGNITUDE ? 0 : all + needed <= room ? wanted : 1;
+    return magnitude < f->dense_magnitude ? 0 : all + needed <= room ? wanted : 1;
 }
 
 /* A tile being blended, and what its pixels have in common. */
@@ -181,7 +181,6 @@ __device__ void mark_pixels(dense_shared *shared, const dense_tile *t, const fxs
         shared->masks[pair][i] = 0;
     for (int32_t row = first; row <= last && listed; row++)
         shared->masks[row / 2][i] |= down.next(s) << row % 2 * FXS_TILE;
-    __syncwarp();
     for (uint32_t pair = 0; pair < ROW_PAIRS; pair++)
         if (shared->open[pair])
             shared->touching[i / WARP][pair * WARP + lane_index()] = transpose(shared->masks[pair][i]);
@@ -223,6 +222,7 @@ __device__ void blend_marked(dense_shared *shared, const dense_tile *t, uint32_t
         const fxs_splat *s = &shared->splats[active ? place : 0];
         blend_lanes(&p, active ? alpha_of(shared->alpha_q15, s, t->view, x, y) : 0, s);
     });
+    __syncwarp();
     if (lane_index() == 0) {
         shared->pixels[n] = p;
         if (p.transmittance < FXS_CLOSED_Q15)
@@ -230,13 +230,13 @@ __device__ void blend_marked(dense_shared *shared, const dense_tile *t, uint32_t
     }
 }
 
-/* The same for a pair of rows, by a lane a pixel. */
-__device__ void blend_pair(dense_shared *shared, const dense_tile *t, uint32_t pair)
+/* The same for the open pixels of a pair of rows, by a lane a pixel. */
+__device__ void blend_pair(dense_shared *shared, const dense_tile *t, uint32_t pair, uint32_t open_pixels)
 {
     const uint32_t n = pair * WARP + lane_index();
     const int32_t x = t->x + (int32_t)(n % FXS_TILE), y = t->y + (int32_t)(n / FXS_TILE);
     pixel p = shared->pixels[n];
-    bool open = shared->open[pair] >> lane_index() & 1;
+    bool open = open_pixels >> lane_index() & 1;
     uint32_t marks = 0;
     for (uint32_t word = 0; open && (word < WORDS || marks);) {
         if (!marks) {
@@ -276,9 +276,9 @@ __device__ bool blend_collected(dense_shared *shared, const dense_tile *t, uint3
         shared->collected = 0;
     g->sync();
     if (warp < ROW_PAIRS && crowded >> warp & 1)
-        blend_pair(shared, t, warp);
+        blend_pair(shared, t, warp, __shfl_sync(ALL_LANES, open, (int)warp));
     for (uint32_t n = warp; n < FXS_TILE_PIXELS; n += DENSE_THREADS / WARP)
-        if (!(crowded >> n / WARP & 1) && shared->open[n / WARP] >> n % WARP & 1)
+        if (!(crowded >> n / WARP & 1) && __shfl_sync(ALL_LANES, open, (int)(n / WARP)) >> n % WARP & 1)
             blend_marked(shared, t, n);
     g->sync();
     return g->any(lane_index() < ROW_PAIRS && shared->open[lane_index()]);
@@ -416,6 +416,7 @@ __global__ void __launch_bounds__(DENSE_THREADS, DENSE_BLOCKS) blend_dense(const
                                                                            const __grid_constant__ target t)
 {
     extern __shared__ __align__(16) unsigned char memory[];
+    let_next_kernel_start();               /* blend_tiles, where there is room beside this */
     dense_shared *shared = (dense_shared *)memory;
     const dense_group g = {0, threadIdx.x};
     const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y);

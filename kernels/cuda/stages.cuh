@@ -61,6 +61,7 @@ struct frame_buffers {
     uint64_t *split_entries;       /* long lists again, in bins: over boxes and depths, which are done with by then */
     uint64_t capacity, split_capacity;
     uint32_t large_capacity;
+    uint32_t dense_magnitude;      /* lists of 2^that entries or more are blended by blend_dense */
 };
 
 __device__ inline bool fits(const frame_buffers *f)
@@ -74,6 +75,21 @@ const unsigned ALL_LANES = 0xffffffffu;
 __device__ inline uint32_t lane_index()
 {
     return threadIdx.x % WARP;
+}
+
+/* From sm_90 on, the next kernel of the stream may start before this one has ended, if it was launched so. */
+__device__ inline void let_next_kernel_start()
+{
+#if __CUDA_ARCH__ >= 900
+    cudaTriggerProgrammaticLaunchCompletion();
+#endif
+}
+
+__device__ inline void wait_for_kernel_before()
+{
+#if __CUDA_ARCH__ >= 900
+    cudaGridDependencySynchronize();
+#endif
 }
 
 /* The sum over the lanes up to this one. */

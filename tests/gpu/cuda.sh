@@ -1,7 +1,7 @@
 #!/bin/sh
 # Builds and tests the CUDA back end on a machine with a GPU, then prints one table of times.
 #   sh tests/gpu/cuda.sh [FILE.fxs | FILE.fxs:CAMERAS.json:N,N,...]...
-# Procedural scenes of 1 and 10 million Gaussians are made in a temporary folder. B: the build folder (default build);
+# Procedural scenes of 1, 4 and 10 million Gaussians are made in a temporary folder. B: the build folder (default build);
 # with PREBUILT=1 nothing is built.
 cd "$(dirname "$0")/../.." || exit 1
 B=${B:-build}
@@ -11,7 +11,7 @@ failed=
 
 [ "$PREBUILT" = 1 ] || make -j8 B="$B" all cuda-tests "$B/tests/test_golden" >"$work/log" 2>&1 || { cat "$work/log"; exit 1; }
 
-for scene in knot:1 knot:10 landscape:1 landscape:10; do
+for scene in knot:1 knot:4 knot:10 landscape:1 landscape:4 landscape:10; do
     name=${scene%:*} millions=${scene#*:}
     { "$B/fixsplat" make-scene "$name" --count "${millions}000000" -o "$work/$name$millions.ply" &&
         "$B/fixsplat" convert "$work/$name$millions.ply" "$work/$name-${millions}M.fxs" >/dev/null || echo "no $scene"
@@ -66,7 +66,7 @@ echo "== out of memory"
     failed="$failed max-memory"
 
 echo "== times"
-"$B/tests/gpu/bench_cuda" "$@" "$work/knot-1M.fxs" "$work/knot-10M.fxs" "$work/landscape-1M.fxs" \
-    "$work/landscape-10M.fxs"
+"$B/tests/gpu/bench_cuda" "$@" "$work/knot-1M.fxs" "$work/knot-4M.fxs" "$work/knot-10M.fxs" \
+    "$work/landscape-1M.fxs" "$work/landscape-4M.fxs" "$work/landscape-10M.fxs"
 [ -z "$failed" ] || { echo "FAIL cuda:$failed"; exit 1; }
 echo "ok   cuda"

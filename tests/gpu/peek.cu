@@ -72,6 +72,11 @@ long peek_levels(void)
     return error ? -1 : (long)count;
 }
 
+int peek_fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_cuda_failure *failure)
+{
+    return fit_blocks(cuda, shared_most, failure);
+}
+
 void *peek_device_memory(size_t bytes)
 {
     void *memory;

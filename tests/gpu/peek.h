@@ -22,6 +22,9 @@ void peek_free(peeked *p);
 /* How many of the levels computed in float registers differ from pixel.h's; -1 where the device failed. */
 long peek_levels(void);
 
+/* As if a block could have only so much shared memory. Returns 0 where that is enough. */
+int peek_fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_cuda_failure *failure);
+
 void *peek_device_memory(size_t bytes);
 void peek_device_free(void *memory);
 void *peek_pinned_memory(size_t bytes);

@@ -225,6 +225,17 @@ static void test_small(void)
     check_random(FXS_PROFILE_SMALL);
 }
 
+/* As on GPUs with 99 KiB of shared memory a block: fewer tiles at a time, and no blend_dense. */
+static void test_small_blocks(void)
+{
+    fxs_cuda *const whole = cuda;
+    if (CHECK(!fxs_cuda_create(&cuda, 0, 0, 1, &failure)) && CHECK(!peek_fit_blocks(cuda, 99 << 10, &failure)))
+        check_random(FXS_PROFILE_DEFAULT);
+    CHECK(peek_fit_blocks(cuda, 48 << 10, &failure) == FXS_ERR_UNSUPPORTED);
+    fxs_cuda_destroy(cuda);
+    cuda = whole;
+}
+
 static void test_levels(void)
 {
     long wrong = peek_levels();
@@ -363,6 +374,7 @@ int main(int argc, char **argv)
     RUN(test_default);
     RUN(test_compact);
     RUN(test_small);
+    RUN(test_small_blocks);
     RUN(test_batch);
     RUN(test_memory);
     RUN(test_files);
