@@ -245,7 +245,7 @@ __device__ void blend_list(pixel p[2], group_shared *own, const uint16_t *alpha_
     }
 }
 
-/* The groups of all blocks take the tiles as they come. Runs beside blend_dense, and ends after it. */
+/* The groups of all blocks take the tiles as they come. */
 __global__ void __launch_bounds__(GROUPS_MOST * GROUP_THREADS, 1) blend_tiles(const __grid_constant__ fxs_view view,
                                                                 const __grid_constant__ frame_buffers f,
                                                                 const __grid_constant__ target t)
@@ -269,7 +269,7 @@ __global__ void __launch_bounds__(GROUPS_MOST * GROUP_THREADS, 1) blend_tiles(co
         }
         g.sync();
         if (own->turn >= order.all)
-            break;
+            return;
         const uint32_t tile = tile_of_turn(&f, &order, tiles, own->turn).tile;
         const int32_t x = (int32_t)(tile % (uint32_t)view.tiles_x * FXS_TILE + part % 2 * REGION);
         const int32_t y = (int32_t)(tile / (uint32_t)view.tiles_x * FXS_TILE + part / 2 * REGION);
@@ -283,7 +283,6 @@ __global__ void __launch_bounds__(GROUPS_MOST * GROUP_THREADS, 1) blend_tiles(co
                 store_pixel(&t, &p[i], px, py + i * REGION / 2);
         g.sync();
     }
-    wait_for_kernel_before();
 }
 
 }

@@ -20,8 +20,8 @@ struct block {                     /* of device memory */
 
 /* What a frame needs while it is under way. */
 struct slot {
-    cudaStream_t stream;
-    cudaEvent_t done, stages[FXS_CUDA_STAGES + 1];
+    cudaStream_t stream, side;     /* side: of blend_dense */
+    cudaEvent_t done, listed, dense_done, stages[FXS_CUDA_STAGES + 1];
     block splats, larges, tiles, entries;   /* cut up by slot_buffers */
 };
 
@@ -29,7 +29,7 @@ struct slot {
 
 struct fxs_cuda {                  /* in pinned host memory, for the sake of `status` */
     int device, timed;
-    int overlaps, dense;           /* a kernel may start before the one before it has ended; blend_dense is used */
+    int dense;                     /* blend_dense is used */
     uint32_t processors, groups, slot_count;   /* groups: of a block of blend_tiles */
     uint64_t max_memory, bytes;    /* allowed, and taken */
     fxs_scene scene;               /* its pointers are the device's; no chunks: none */
@@ -201,14 +201,15 @@ int start_frame(fxs_cuda *cuda, uint32_t i, fxs_cuda_failure *failure)
         fill_lists<<<LARGE_BLOCKS + chunks, FXS_CHUNK, 0, s->stream>>>(view, cuda->scene, f);
     mark(cuda, s, 2);
     const target t = target_of(&cuda->frames[i], &cuda->options);
+    if (cuda->dense) {
+        cudaEventRecord(s->listed, s->stream);
+        cudaStreamWaitEvent(s->side, s->listed, 0);
+        blend_dense<<<cuda->processors * DENSE_BLOCKS, DENSE_THREADS, sizeof(dense_shared), s->side>>>(view, f, t);
+        cudaEventRecord(s->dense_done, s->side);
+    }
+    blend_tiles<<<cuda->processors, cuda->groups * GROUP_THREADS, blend_bytes(cuda->groups), s->stream>>>(view, f, t);
     if (cuda->dense)
-        blend_dense<<<cuda->processors * DENSE_BLOCKS, DENSE_THREADS, sizeof(dense_shared), s->stream>>>(view, f, t);
-    cudaLaunchAttribute beside = {};
-    beside.id = cudaLaunchAttributeProgrammaticStreamSerialization;
-    beside.val.programmaticStreamSerializationAllowed = 1;
-    const cudaLaunchConfig_t launch = {cuda->processors, cuda->groups * GROUP_THREADS, blend_bytes(cuda->groups),
-                                       s->stream, &beside, cuda->dense && cuda->overlaps ? 1u : 0u};
-    cudaLaunchKernelEx(&launch, blend_tiles, view, f, t);
+        cudaStreamWaitEvent(s->stream, s->dense_done, 0);
     mark(cuda, s, 3);
     cuda->buffers[i] = f;
     return check(failure, cudaMemcpyAsync(&cuda->status[i], f.status, sizeof *f.status, cudaMemcpyDeviceToHost,
@@ -234,7 +235,10 @@ int options_valid(const fxs_options *o)
 int slot_init(slot *s, fxs_cuda_failure *failure)
 {
     cudaError_t error = cudaStreamCreateWithFlags(&s->stream, cudaStreamNonBlocking);
-    error = error ? error : cudaEventCreateWithFlags(&s->done, cudaEventDisableTiming);
+    error = error ? error : cudaStreamCreateWithFlags(&s->side, cudaStreamNonBlocking);
+    cudaEvent_t *const events[] = {&s->done, &s->listed, &s->dense_done};
+    for (int i = 0; i < 3 && !error; i++)
+        error = cudaEventCreateWithFlags(events[i], cudaEventDisableTiming);
     for (int i = 0; i <= FXS_CUDA_STAGES && !error; i++)
         error = cudaEventCreate(&s->stages[i]);
     return check(failure, error);
@@ -248,8 +252,12 @@ void slot_free(fxs_cuda *cuda, slot *s)
     reserve(cuda, &s->entries, 0, 0);
     if (s->stream)
         cudaStreamDestroy(s->stream);
-    if (s->done)
-        cudaEventDestroy(s->done);
+    if (s->side)
+        cudaStreamDestroy(s->side);
+    const cudaEvent_t events[] = {s->done, s->listed, s->dense_done};
+    for (cudaEvent_t event : events)
+        if (event)
+            cudaEventDestroy(event);
     for (int i = 0; i <= FXS_CUDA_STAGES; i++)
         if (s->stages[i])
             cudaEventDestroy(s->stages[i]);
@@ -273,17 +281,14 @@ int fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_cuda_failure *failure)
 
 int renderer_init(fxs_cuda *cuda, fxs_cuda_failure *failure)
 {
-    int processors = 0, major = 0, shared_most = 0;
+    int processors = 0, shared_most = 0;
     int error = check(failure, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, cuda->device),
-                      cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, cuda->device));
-    error = error ? error : check(failure, cudaDeviceGetAttribute(&shared_most, cudaDevAttrMaxSharedMemoryPerBlockOptin,
-                                                                  cuda->device));
+                      cudaDeviceGetAttribute(&shared_most, cudaDevAttrMaxSharedMemoryPerBlockOptin, cuda->device));
     error = error ? error : fit_blocks(cuda, (size_t)shared_most, failure);
     error = error ? error : check(failure, cudaEventCreateWithFlags(&cuda->ready, cudaEventDisableTiming));
     for (uint32_t i = 0; i < cuda->slot_count && !error; i++)
         error = slot_init(&cuda->slots[i], failure);
     cuda->processors = (uint32_t)processors;
-    cuda->overlaps = major >= 9;
     return error;
 }
 

@@ -38,6 +38,8 @@ __device__ inline uint64_t spare_entries(const frame_buffers *f)
     return f->capacity - f->status->entries;
 }
 
+static_assert(sizeof(dense_shared) <= 163 << 10, "more shared memory than an A100's block has");
+
 /* How many blocks share the rows of a tile whose list is of magnitude 31 - lane, so that none is late: each puts the list
    into bins of its own, so only as long as there is room for all lists. */
 __device__ inline uint32_t blocks_a_tile(const frame_buffers *f)
@@ -416,7 +418,6 @@ __global__ void __launch_bounds__(DENSE_THREADS, DENSE_BLOCKS) blend_dense(const
                                                                            const __grid_constant__ target t)
 {
     extern __shared__ __align__(16) unsigned char memory[];
-    let_next_kernel_start();               /* blend_tiles, where there is room beside this */
     dense_shared *shared = (dense_shared *)memory;
     const dense_group g = {0, threadIdx.x};
     const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y);

@@ -77,21 +77,6 @@ __device__ inline uint32_t lane_index()
     return threadIdx.x % WARP;
 }
 
-/* From sm_90 on, the next kernel of the stream may start before this one has ended, if it was launched so. */
-__device__ inline void let_next_kernel_start()
-{
-#if __CUDA_ARCH__ >= 900
-    cudaTriggerProgrammaticLaunchCompletion();
-#endif
-}
-
-__device__ inline void wait_for_kernel_before()
-{
-#if __CUDA_ARCH__ >= 900
-    cudaGridDependencySynchronize();
-#endif
-}
-
 /* The sum over the lanes up to this one. */
 template <class T>
 __device__ inline T warp_sum(T x)
