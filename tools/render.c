@@ -198,7 +198,10 @@ static int render_round(shared_views *s)
     s->round = s->all - s->first < s->round_most ? s->all - s->first : s->round_most;
     for (long i = 0; i < s->round; i++)
         s->pictures[i].status = EXIT_FAILED;    /* until it is drawn */
-    fxs_pool_run(s->pool, draw_views, s, (uint32_t)(s->round < s->devices ? s->round : s->devices));
+    if (s->devices == 1)
+        draw_views(s, 0);                       /* on this thread, whose a GL context is */
+    else
+        fxs_pool_run(s->pool, draw_views, s, (uint32_t)(s->round < s->devices ? s->round : s->devices));
     fxs_pool_run(s->pool, write_view, s, (uint32_t)s->round);
     for (long i = 0; i < s->round; i++)
         if (report_view(s, i))

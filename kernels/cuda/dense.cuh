@@ -32,13 +32,13 @@ struct dense_shared {
     uint32_t open[ROW_PAIRS];              /* of those, a bit each */
 };
 
-/* Room to put lists into bins: split_entries, and what is free behind the entries. */
+static_assert(sizeof(dense_shared) <= 163 << 10, "more shared memory than a block of an A100 has");
+
+/* Room to put lists into bins, beside split_entries: what is free behind the entries. */
 __device__ inline uint64_t spare_entries(const frame_buffers *f)
 {
     return f->capacity - f->status->entries;
 }
-
-static_assert(sizeof(dense_shared) <= 163 << 10, "more shared memory than an A100's block has");
 
 /* How many blocks share the rows of a tile whose list is of magnitude 31 - lane, so that none is late: each puts the list
    into bins of its own, so only as long as there is room for all lists. */
@@ -52,7 +52,7 @@ __device__ inline uint32_t blocks_a_tile(const frame_buffers *f)
     return magnitude < f->dense_magnitude ? 0 : all + needed <= room ? wanted : 1;
 }
 
-/* A tile being blended, and what its pixels have in common. */
+/* A tile being blended; (x, y): its first pixel. */
 struct dense_tile {
     const fxs_view *view;
     const fxs_splat *splats;
@@ -174,7 +174,7 @@ __device__ inline uint32_t transpose(uint32_t x)
     return x;
 }
 
-/* Marks the open pixels that each thread's splat, the one in place i, can touch. */
+/* Marks the pixels that each thread's splat, the one in place i, can touch, in pairs of rows with an open one. */
 __device__ void mark_pixels(dense_shared *shared, const dense_tile *t, const fxs_splat *s, uint32_t i, bool listed)
 {
     const int32_t first = max((int32_t)s->first_row - t->y, 0), last = min((int32_t)s->last_row - t->y, FXS_TILE - 1);
@@ -260,8 +260,7 @@ __device__ void blend_pair(dense_shared *shared, const dense_tile *t, uint32_t p
 }
 
 /* Blends shared->keys, `count` of them. Returns whether any pixel is open. */
-__device__ bool blend_collected(dense_shared *shared, const dense_tile *t, uint32_t count,
-                                const dense_group *g)
+__device__ bool blend_collected(dense_shared *shared, const dense_tile *t, uint32_t count, const dense_group *g)
 {
     sort_keys(&shared->keys, shared->bins, count, g);
     for (uint32_t i = g->thread; i < dense_keys::room; i += DENSE_THREADS) {
@@ -286,7 +285,7 @@ __device__ bool blend_collected(dense_shared *shared, const dense_tile *t, uint3
     return g->any(lane_index() < ROW_PAIRS && shared->open[lane_index()]);
 }
 
-/* Calls keep(key) for the keys of a list whose splats can touch an open pixel, up to 1024 at a time. */
+/* Calls keep(key, whether its splat can touch an open pixel) for the keys of a list, with all threads, a key each. */
 template <class Keep>
 __device__ void visit_open(const dense_shared *shared, const dense_tile *t, const uint64_t *list, uint32_t count,
                            const dense_group *g, Keep keep)
@@ -304,7 +303,7 @@ __device__ void visit_open(const dense_shared *shared, const dense_tile *t, cons
     g->sync();
 }
 
-/* shared->collected, before anything is added to it. */
+/* How many are collected, read by all threads before any adds to it. */
 __device__ uint32_t collected(const dense_shared *shared, const dense_group *g)
 {
     const uint32_t count = shared->collected;
@@ -371,7 +370,7 @@ __device__ uint64_t *take_room(dense_shared *shared, const frame_buffers *f, uin
     return shared->room;
 }
 
-/* Blends a list that is in bins. */
+/* Blends a list that split_list has put into bins. */
 __device__ void blend_split(dense_shared *shared, const dense_tile *t, uint64_t *list, uint32_t count,
                             const dense_group *g)
 {
@@ -429,10 +428,10 @@ __global__ void __launch_bounds__(DENSE_THREADS, DENSE_BLOCKS) blend_dense(const
     for (uint32_t level = threadIdx.x; level <= FXS_FAINT_Q11; level += DENSE_THREADS)
         shared->alpha_q15[level] = (uint16_t)fxs_alpha_q15((int)level);
     for (;;) {
-        if (threadIdx.x == 0)
+        if (threadIdx.x == 0) {
             shared->turn = atomicAdd(&f.status->next_dense, 1u);
-        if (threadIdx.x == 0)
             shared->collected = 0;
+        }
         g.sync();
         if (shared->turn >= order.all)
             return;
