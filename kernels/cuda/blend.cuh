@@ -72,11 +72,6 @@ __device__ inline float row_level(uint32_t v_q24, int offset_q11)
     return __int_as_float(twice) + (float)(2 * offset_q11 + 1);
 }
 
-__device__ inline int limit_bits(int offset_q11, int cut_q11)
-{
-    return LEVEL_ONE + 2 * fxs_limit_q11(offset_q11, cut_q11) + 1;
-}
-
 __device__ inline int limit_bits(const fxs_splat *s, const fxs_view *view)
 {
     return LEVEL_ONE + 2 * fxs_limit_q11(s->offset_q11, view->cut_q11) + 1;

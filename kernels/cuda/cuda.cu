@@ -32,7 +32,7 @@ struct fxs_cuda {                  /* in pinned host memory, for the sake of `st
     int dense;                     /* blend_dense is used */
     uint32_t processors, groups, slot_count;   /* groups: of a block of blend_tiles */
     uint64_t max_memory, bytes;    /* allowed, and taken */
-    fxs_scene scene;               /* its pointers are the device's; no chunks: none */
+    fxs_scene scene;               /* its pointers are the device's; rows null: none */
     block scene_data, pixels;
     slot slots[SLOTS];
     cudaEvent_t ready;
@@ -67,19 +67,22 @@ int check(fxs_cuda_failure *failure, cudaError_t error, cudaError_t second = cud
 
 /* As long as it lives, the renderer's device is the thread's. */
 struct on_device {
-    int before = 0;
-    explicit on_device(int device)
+    int device, before = 0;
+    explicit on_device(int device_) : device(device_)
     {
         cudaGetDevice(&before);
-        cudaSetDevice(device);
+        if (before != device)
+            cudaSetDevice(device);
     }
     ~on_device()
     {
-        cudaSetDevice(before);
+        if (before != device && cudaSetDevice(before))
+            cudaGetLastError();
     }
 };
 
-/* Makes a block of at least `bytes` bytes, contents undefined; 0 gives it back. */
+/* Makes a block of at least `bytes` bytes, contents undefined; 0 gives it back. Frames that use the old one are waited
+   for, by cudaFree. */
 int reserve(fxs_cuda *cuda, block *b, uint64_t bytes, fxs_cuda_failure *failure)
 {
     if (bytes && bytes <= b->bytes)
@@ -226,6 +229,53 @@ int wait(fxs_cuda *cuda, fxs_cuda_failure *failure)
     return 0;
 }
 
+/* After `error` or the last frame: none is under way any more. Returns `error`. */
+int end_frames(fxs_cuda *cuda, int error)
+{
+    if (error)
+        wait(cuda, 0);
+    cuda->frame_count = 0;
+    return error;
+}
+
+int frame_valid(const fxs_cuda_frame *frame, const fxs_options *options)
+{
+    const uintptr_t pixel_bytes = options->format == FXS_FORMAT_RGB565 ? 2 : 4;
+    return frame->pixels && ((uintptr_t)frame->pixels | (uintptr_t)frame->stride) % pixel_bytes == 0;
+}
+
+int frame_fitted(const fxs_cuda *cuda, uint32_t i)
+{
+    const frame_status *needed = &cuda->status[i];
+    const frame_buffers *had = &cuda->buffers[i];
+    return needed->entries <= had->capacity && needed->larges <= had->large_capacity;
+}
+
+/* Renders frame i in as much memory as it needed, with some to spare where there is as much. */
+int render_again(fxs_cuda *cuda, uint32_t i, fxs_cuda_failure *failure)
+{
+    const uint64_t capacity = cuda->capacity, large_capacity = cuda->large_capacity;
+    const uint64_t entries = cuda->status[i].entries, larges = cuda->status[i].larges;
+    if (entries > ENTRIES_MAX)
+        return failed(failure, FXS_ERR_MEMORY, "a frame has more than 2^32 tile list entries",
+                      entries * sizeof(uint64_t));
+    int error = FXS_ERR_MEMORY;
+    for (int spare = 1; spare >= 0 && error == FXS_ERR_MEMORY; spare--) {
+        cuda->capacity = larger_of(capacity, entries + (spare ? entries / 8 : 0));
+        cuda->capacity = cuda->capacity < ENTRIES_MAX ? cuda->capacity : ENTRIES_MAX;
+        cuda->large_capacity = larger_of(large_capacity, larges + (spare ? larges / 8 : 0));
+        error = start_frame(cuda, i, failure);
+    }
+    error = error ? error : wait(cuda, failure);
+    if (!error && !frame_fitted(cuda, i))
+        error = failed(failure, FXS_ERR_MEMORY, "a frame does not fit in 32-bit counts");
+    if (error) {                   /* the next frame may be smaller */
+        cuda->capacity = capacity;
+        cuda->large_capacity = large_capacity;
+    }
+    return error;
+}
+
 int options_valid(const fxs_options *o)
 {
     return o->sh_degree >= 0 && o->sh_degree <= 3 && (unsigned)o->cutoff <= FXS_CUTOFF_SQUARE &&
@@ -244,12 +294,17 @@ int slot_init(slot *s, fxs_cuda_failure *failure)
     return check(failure, error);
 }
 
-void slot_free(fxs_cuda *cuda, slot *s)
+void free_blocks(fxs_cuda *cuda, slot *s)
 {
     reserve(cuda, &s->splats, 0, 0);
     reserve(cuda, &s->larges, 0, 0);
     reserve(cuda, &s->tiles, 0, 0);
     reserve(cuda, &s->entries, 0, 0);
+}
+
+void slot_free(fxs_cuda *cuda, slot *s)
+{
+    free_blocks(cuda, s);
     if (s->stream)
         cudaStreamDestroy(s->stream);
     if (s->side)
@@ -263,8 +318,8 @@ void slot_free(fxs_cuda *cuda, slot *s)
             cudaEventDestroy(s->stages[i]);
 }
 
-/* Fits the blocks to the shared memory that one can have: 227 KiB on an H100 or H200, 163 on an A100, 99 on others, where
-   blend_tiles takes all lists. */
+/* Fits the blocks to the shared memory that one can have: 227 KiB on an H100 or H200, 163 on an A100, 99 on others,
+   where blend_tiles takes all lists. */
 int fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_cuda_failure *failure)
 {
     const cudaFuncAttribute size = cudaFuncAttributeMaxDynamicSharedMemorySize;
@@ -382,14 +437,17 @@ int fxs_cuda_upload(fxs_cuda *cuda, const fxs_scene *scene, fxs_cuda_failure *fa
     cuda->scene = {};
     reserve(cuda, &cuda->scene_data, 0, 0);
     for (uint32_t i = 0; i < cuda->slot_count; i++)
-        reserve(cuda, &cuda->slots[i].splats, 0, 0);
+        free_blocks(cuda, &cuda->slots[i]);
     cuda->capacity = 2 * (uint64_t)scene->count + 65536;
     cuda->large_capacity = scene->count / 16 + 4096;
     const uint64_t needed = cuda->bytes + bytes + cuda->slot_count * slot_bytes(cuda, scene->chunk_count);
     if (cuda->max_memory && needed > cuda->max_memory)
         return failed(failure, FXS_ERR_MEMORY, "the device memory allowed is too small", needed);
-    int error = reserve(cuda, &cuda->scene_data, bytes, failure);
-    error = error ? error : check(failure, cudaMemcpy(cuda->scene_data.data, start, bytes, cudaMemcpyHostToDevice));
+    const cudaStream_t stream = cuda->slots[0].stream;
+    int error = reserve(cuda, &cuda->scene_data, bytes + !bytes, failure);
+    error = error ? error : check(failure, cudaMemcpyAsync(cuda->scene_data.data, start, bytes, cudaMemcpyHostToDevice,
+                                                           stream));
+    error = error ? error : check(failure, cudaStreamSynchronize(stream));
     if (error)
         return error;
     unsigned char *copy = (unsigned char *)cuda->scene_data.data;
@@ -411,7 +469,11 @@ int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count
     if (!cuda || !frames || !options || !cuda->scene.rows || count < 1 || count > FXS_CUDA_BATCH ||
         !options_valid(options))
         return failed(failure, FXS_ERR_ARGUMENT, "an argument is null or out of range");
+    for (uint32_t i = 0; i < count; i++)
+        if (!frame_valid(&frames[i], options))
+            return failed(failure, FXS_ERR_ARGUMENT, "pixels are null or not aligned to a pixel");
     on_device scope(cuda->device);
+    cudaGetLastError();            /* not ours */
     cuda->options = *options;
     cuda->frame_count = count;
     memcpy(cuda->frames, frames, count * sizeof *frames);
@@ -424,7 +486,7 @@ int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count
     for (uint32_t i = 0; i < used && !error; i++)
         if (!(error = check(failure, cudaEventRecord(cuda->slots[i].done, cuda->slots[i].stream))))
             error = check(failure, cudaStreamWaitEvent((cudaStream_t)stream, cuda->slots[i].done, 0));
-    return error;
+    return error ? end_frames(cuda, error) : 0;
 }
 
 int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_cuda_failure *failure)
@@ -432,24 +494,14 @@ int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_cuda_failure *fai
     if (!cuda || !cuda->frame_count)
         return failed(failure, FXS_ERR_ARGUMENT, "no frame is under way");
     on_device scope(cuda->device);
+    cudaGetLastError();            /* not ours */
     int error = wait(cuda, failure);
-    for (uint32_t i = 0; i < cuda->frame_count && !error; i++) {
-        const frame_status *needed = &cuda->status[i];
-        const frame_buffers *had = &cuda->buffers[i];
-        if (needed->entries <= had->capacity && needed->larges <= had->large_capacity)
-            continue;
-        if (needed->entries > ENTRIES_MAX)
-            return failed(failure, FXS_ERR_MEMORY, "a frame has more than 2^32 tile list entries",
-                          needed->entries * sizeof(uint64_t));
-        cuda->capacity = larger_of(cuda->capacity, needed->entries + needed->entries / 8);
-        cuda->capacity = cuda->capacity < ENTRIES_MAX ? cuda->capacity : ENTRIES_MAX;
-        cuda->large_capacity = larger_of(cuda->large_capacity, needed->larges + needed->larges / 8);
-        error = start_frame(cuda, i, failure);
-        error = error ? error : wait(cuda, failure);
-    }
+    for (uint32_t i = 0; i < cuda->frame_count && !error; i++)
+        if (!frame_fitted(cuda, i))
+            error = render_again(cuda, i, failure);
     if (!error && stats)
         stats_of(cuda, stats);
-    return error;
+    return end_frames(cuda, error);
 }
 
 int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_camera *camera, const fxs_options *options, void *pixels,

@@ -36,7 +36,7 @@ enum fxs_cuda_stage { FXS_CUDA_PROJECT, FXS_CUDA_BIN, FXS_CUDA_BLEND, FXS_CUDA_S
 typedef struct fxs_cuda_stats {
     uint32_t visible;              /* of the last frame */
     uint64_t entries;
-    float milliseconds[FXS_CUDA_STAGES];   /* of the last frame, where fxs_cuda_time asked for it; else 0 */
+    float milliseconds[FXS_CUDA_STAGES];   /* of the last frame rendered in its slot, after fxs_cuda_time; else 0 */
     fxs_cuda_memory memory;
 } fxs_cuda_stats;
 
@@ -71,7 +71,8 @@ void fxs_cuda_time(fxs_cuda *cuda, int on);
 
 /* Starts 1 to FXS_CUDA_BATCH frames behind the work of `stream` (a cudaStream_t; null: the default one), and lets the
    stream wait for them. The pixels are there once fxs_cuda_finish has returned 0, which must come before the next call
-   of any other function. Errors as fxs_render's, and FXS_ERR_UNSUPPORTED where the device fails. */
+   of any other function. Errors as fxs_render's, and FXS_ERR_UNSUPPORTED where the device fails: no frame is under way
+   then. */
 int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
                     void *stream, fxs_cuda_failure *failure);
 

@@ -1,7 +1,7 @@
 /* Long lists, which are of small splats: a block a tile. The list is first put into bins by depth. Bin after bin, the
  * splats that can touch an open pixel are collected; once there are enough, they are sorted, a splat a thread marks the
- * pixels that it can touch, and each pixel takes its own, in order: a lane a pixel, or where few are open a warp a pixel,
- * that does for 32 splats at once what does not depend on the order. */
+ * pixels that it can touch, and each pixel takes its own, in order: a lane a pixel, or where few are open a warp a
+ * pixel, that does for 32 splats at once what does not depend on the order. */
 #ifndef FXS_CUDA_DENSE_CUH
 #define FXS_CUDA_DENSE_CUH
 
@@ -40,8 +40,8 @@ __device__ inline uint64_t spare_entries(const frame_buffers *f)
     return f->capacity - f->status->entries;
 }
 
-/* How many blocks share the rows of a tile whose list is of magnitude 31 - lane, so that none is late: each puts the list
-   into bins of its own, so only as long as there is room for all lists. */
+/* How many blocks share the rows of a tile whose list is of magnitude 31 - lane, so that none is late: each puts the
+   list into bins of its own, so only as long as there is about room for all lists. */
 __device__ inline uint32_t blocks_a_tile(const frame_buffers *f)
 {
     const uint32_t magnitude = WARP - 1 - lane_index();
@@ -141,14 +141,9 @@ struct row_walk {
     __device__ uint32_t next(const fxs_splat *s)
     {
         const uint32_t pixels = pixels_of_row(u_q24, inverse, limit - row_level(v_q24, s->offset_q11));
-        skip(s, 1);
+        u_q24 += (uint32_t)s->uy_q24;
+        v_q24 += (uint32_t)s->vy_q24;
         return pixels;
-    }
-
-    __device__ void skip(const fxs_splat *s, uint32_t rows)
-    {
-        u_q24 += rows * (uint32_t)s->uy_q24;
-        v_q24 += rows * (uint32_t)s->vy_q24;
     }
 };
 
@@ -189,7 +184,8 @@ __device__ void mark_pixels(dense_shared *shared, const dense_tile *t, const fxs
 }
 
 /* alpha of a splat at the pixel (x, y), 0 where it does not count. */
-__device__ inline int alpha_of(const uint16_t *alpha_q15, const fxs_splat *s, const fxs_view *view, int32_t x, int32_t y)
+__device__ inline int alpha_of(const uint16_t *alpha_q15, const fxs_splat *s, const fxs_view *view, int32_t x,
+                               int32_t y)
 {
     const queued_row row = {s->u0_q24 + (uint32_t)y * (uint32_t)s->uy_q24,
                             row_level(s->v0_q24 + (uint32_t)y * (uint32_t)s->vy_q24, s->offset_q11)};

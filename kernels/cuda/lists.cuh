@@ -220,7 +220,8 @@ __global__ void place_lists(const __grid_constant__ frame_buffers f, uint32_t ti
         const uint32_t column = first + lane_index(), tile = blockIdx.x * tiles_x + column;
         const bool inside = column < tiles_x;
         const uint32_t along = carry + warp_sum(inside ? f.counts[tile] : 0), count = inside ? along : 0;
-        const uint32_t sum = warp_sum(count), magnitude = count ? 31 - (uint32_t)__clz((int)count) : 0;
+        const uint64_t sum = warp_sum((uint64_t)count);
+        const uint32_t magnitude = count ? 31 - (uint32_t)__clz((int)count) : 0;
         carry = __shfl_sync(ALL_LANES, along, WARP - 1);
         unsigned long long start = 0;
         if (lane_index() == WARP - 1 && sum)
@@ -231,7 +232,7 @@ __global__ void place_lists(const __grid_constant__ frame_buffers f, uint32_t ti
             atomicAdd(&f.status->class_entries[magnitude], count);
         if (inside) {
             f.counts[tile] = count;
-            f.next[tile] = (uint32_t)start + sum - count;
+            f.next[tile] = (uint32_t)(start + sum - count);
             f.classes[magnitude * tiles + place] = tile;
         }
     }

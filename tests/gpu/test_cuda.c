@@ -359,6 +359,43 @@ static void test_memory(void)
     free(packed.data);
 }
 
+/* A scene of no Gaussians is background; a frame that fails leaves none under way; a scene can be loaded again. */
+static void test_edges(void)
+{
+    fxs_cuda *small;
+    fxs_scene scene;
+    fxs_camera camera;
+    fxs_options options;
+    fxs_options_default(&options);
+    state = 3;
+    random_camera(&camera);
+    packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 3000);
+    fxs_scene_open(&scene, packed.data, packed.bytes);
+    CHECK(!fxs_cuda_upload(cuda, &scene, &failure));
+    fxs_cuda_frame frames[2] = {{camera, 0, camera.width * 4}, {camera, 0, camera.width * 4}};
+    CHECK(fxs_cuda_render(cuda, frames, 1, &options, 0, &failure) == FXS_ERR_ARGUMENT);
+    uint8_t *device = peek_device_memory((size_t)camera.width * (size_t)camera.height * 4 + 4);
+    frames[0].pixels = device + 1;
+    CHECK(fxs_cuda_render(cuda, frames, 1, &options, 0, &failure) == FXS_ERR_ARGUMENT);
+    frames[0].pixels = frames[1].pixels = device;
+    frames[1].camera.width = 0;
+    CHECK(fxs_cuda_render(cuda, frames, 2, &options, 0, &failure) == FXS_ERR_SIZE);
+    CHECK(fxs_cuda_finish(cuda, 0, &failure) == FXS_ERR_ARGUMENT);
+    CHECK(frame_equal(&scene, &camera, &options));
+    peek_device_free(device);
+
+    const uint64_t room = 64 << 20;
+    CHECK(!fxs_cuda_create(&small, 0, room, 1, &failure));
+    for (int i = 0; i < 40; i++)
+        CHECK(!fxs_cuda_upload(small, &scene, &failure));
+    fxs_cuda_destroy(small);
+
+    scene.chunk_count = scene.count = 0;
+    scene.rows = (const unsigned char *)scene.chunks;
+    CHECK(!fxs_cuda_upload(cuda, &scene, &failure) && frame_equal(&scene, &camera, &options));
+    free(packed.data);
+}
+
 int main(int argc, char **argv)
 {
     int quick = argc > 1 && !strcmp(argv[1], "--quick");
@@ -377,6 +414,7 @@ int main(int argc, char **argv)
     RUN(test_small_blocks);
     RUN(test_batch);
     RUN(test_memory);
+    RUN(test_edges);
     RUN(test_files);
     fxs_cuda_destroy(cuda);
     return check_report();
