@@ -1,6 +1,5 @@
 /* The host's side: device memory, and the kernels of a frame in order. */
 #include <cuda_runtime.h>
-#include <stdio.h>
 
 #include "blend.cuh"
 #include "cuda.h"
@@ -382,9 +381,12 @@ int fxs_cuda_name(int device, char *name, size_t size, fxs_cuda_failure *failure
     if (!error && (device < 0 || device >= count))
         return failed(failure, FXS_ERR_UNSUPPORTED, "no such CUDA device");
     error = error ? error : check(failure, cudaGetDeviceProperties(&properties, device));
-    if (!error && size)
-        snprintf(name, size, "%s", properties.name);
-    return error;
+    if (error || !size)
+        return error;
+    const size_t length = strlen(properties.name), kept = length < size ? length : size - 1;
+    memcpy(name, properties.name, kept);
+    name[kept] = 0;
+    return 0;
 }
 
 int fxs_cuda_create(fxs_cuda **out, int device, uint64_t max_memory, uint32_t slots, fxs_cuda_failure *failure)
