@@ -14,6 +14,7 @@ typedef struct ellipse {
     const fxs_splat *splat;
     const fxs_bounds *bounds;
     span columns, rows;            /* of its bounding box */
+    int32_t r_q12;                 /* add_radius */
 } ellipse;
 
 /* The tile columns of the pixels between two points. */
@@ -30,14 +31,14 @@ static ellipse ellipse_of(const fxs_view *view, const fxs_splat *splat, const fx
 {
     int64_t cx_q8 = bounds->cx_q14 >> 6, reach_q8 = bounds->half_width_q8;
     return (ellipse){splat, bounds, columns_between(view, cx_q8 - reach_q8, cx_q8 + reach_q8),
-                     {splat->first_row / FXS_TILE, splat->last_row / FXS_TILE}};
+                     {splat->first_row / FXS_TILE, splat->last_row / FXS_TILE}, 0};
 }
 
-/* r */
-static int32_t radius_q12(const ellipse *e, const fxs_view *view)
+/* What ellipse_span needs: apart, as many a splat has no tile row cut. */
+static void add_radius(ellipse *e, const fxs_view *view)
 {
     int32_t offset_q11 = e->splat->offset_q11, limit_q11 = fxs_limit_q11(offset_q11, view->cut_q11);
-    return (int32_t)fxs_sqrt((uint32_t)(limit_q11 - offset_q11 + 1) << 13) + 1;
+    e->r_q12 = (int32_t)fxs_sqrt((uint32_t)(limit_q11 - offset_q11 + 1) << 13) + 1;
 }
 
 /* v at a pixel row. */
@@ -52,9 +53,9 @@ static int32_t cut_to(int32_t r, int64_t v)
 }
 
 /* Half the width at v, about x = cx + shear v. */
-static int64_t half_width_q8(const ellipse *e, int32_t r_q12, int32_t v_q12)
+static int64_t half_width_q8(const ellipse *e, int32_t v_q12)
 {
-    uint32_t square_q24 = (uint32_t)(r_q12 * r_q12 - v_q12 * v_q12);
+    uint32_t square_q24 = (uint32_t)(e->r_q12 * e->r_q12 - v_q12 * v_q12);
     return (int64_t)e->bounds->breadth_q8 * (fxs_sqrt(square_q24) + 1) >> 12;
 }
 
@@ -66,14 +67,14 @@ static int64_t larger(int64_t a, int64_t b)
 /* The tiles of a tile row that the ellipse touches. */
 static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
 {
-    const int32_t r_q12 = radius_q12(e, view);
+    const int32_t r_q12 = e->r_q12;
     int64_t top_q12 = v_at_row(e, row * FXS_TILE), bottom_q12 = v_at_row(e, row * FXS_TILE + FXS_TILE - 1);
     if (top_q12 > r_q12 + 2 || bottom_q12 < -r_q12 - 2)
         return (span){0, -1};
     int32_t top = cut_to(r_q12, top_q12), bottom = cut_to(r_q12, bottom_q12 + 1);   /* rounded outwards */
-    int64_t x_top_q8 = (int64_t)e->bounds->shear_q8 * top >> 12, half_top_q8 = half_width_q8(e, r_q12, top);
+    int64_t x_top_q8 = (int64_t)e->bounds->shear_q8 * top >> 12, half_top_q8 = half_width_q8(e, top);
     int64_t x_bottom_q8 = (int64_t)e->bounds->shear_q8 * bottom >> 12;
-    int64_t half_bottom_q8 = half_width_q8(e, r_q12, bottom);
+    int64_t half_bottom_q8 = half_width_q8(e, bottom);
     int64_t left_q8 = -larger(half_top_q8 - x_top_q8, half_bottom_q8 - x_bottom_q8);
     int64_t right_q8 = larger(half_top_q8 + x_top_q8, half_bottom_q8 + x_bottom_q8);
     /* v sqrt(A) against +- r shear: is a widest point on this tile row? */
@@ -129,6 +130,7 @@ void fxs_bin_c(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *
             boxes[i].mask = (2u << (e.columns.last - e.columns.first)) - 1;
             continue;
         }
+        add_radius(&e, view);
         for (int32_t row = e.rows.first; row <= e.rows.last; row++) {
             span s = ellipse_span(&e, view, row);
             if (s.first <= s.last)
@@ -164,6 +166,7 @@ void fxs_bin_count(const fxs_view *view, const fxs_splat *splats, const fxs_boun
         fxs_box box = sorted->boxes[i] = boxes[slot];
         if (!box.mask && box.base != FXS_NOWHERE) {
             ellipse e = ellipse_of(view, &splats[slot], &bounds[slot]);
+            add_radius(&e, view);
             count_large(view, &e, counts);
         }
         for (; box.mask; box.mask &= box.mask - 1)
@@ -198,6 +201,7 @@ void fxs_bin_fill(const fxs_view *view, const fxs_splat *splats, const fxs_bound
         fxs_box box = sorted->boxes[i];
         if (!box.mask && box.base != FXS_NOWHERE) {
             ellipse e = ellipse_of(view, &splats[slot], &bounds[slot]);
+            add_radius(&e, view);
             fill_large(view, &e, slot, first_tile, last_tile, next, entries);
         }
         for (; box.mask; box.mask &= box.mask - 1) {

@@ -128,7 +128,8 @@ __device__ void count_rows(block_splats *b, const frame_buffers *f, const fxs_vi
             break;                         /* nothing for the whole warp */
         if (item < items) {
             const uint32_t i = splat_of_row(b, item);
-            const ellipse e = ellipse_of(view, &b->splats[i], &b->bounds[i]);
+            ellipse e = ellipse_of(view, &b->splats[i], &b->bounds[i]);
+            add_radius(&e, view);
             const int32_t down = (int32_t)(item - (i ? b->row_ends[i - 1] : 0));
             row = rows_of(&e, view).first + down;
             s = span_of(&e, view, row);
@@ -241,7 +242,8 @@ __global__ void place_lists(const __grid_constant__ frame_buffers f, uint32_t ti
 /* A warp some rows of a large splat: a tile row a lane, then their tiles shared out. */
 __device__ void fill_large(const fxs_view *view, const frame_buffers *f, const large_splat *large)
 {
-    const ellipse e = ellipse_of(view, &f->splats[large->index], &large->bounds);
+    ellipse e = ellipse_of(view, &f->splats[large->index], &large->bounds);
+    add_radius(&e, view);
     const uint32_t depth = f->depths[large->index];
     const int32_t row = large->first + (int32_t)lane_index();
     span s = {0, -1}, touched = s;
