@@ -67,19 +67,17 @@ static int64_t larger(int64_t a, int64_t b)
 /* The tiles of a tile row that the ellipse touches. */
 static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
 {
-    const int32_t r_q12 = e->r_q12;
     int64_t top_q12 = v_at_row(e, row * FXS_TILE), bottom_q12 = v_at_row(e, row * FXS_TILE + FXS_TILE - 1);
-    if (top_q12 > r_q12 + 2 || bottom_q12 < -r_q12 - 2)
+    if (top_q12 > e->r_q12 + 2 || bottom_q12 < -e->r_q12 - 2)
         return (span){0, -1};
-    int32_t top = cut_to(r_q12, top_q12), bottom = cut_to(r_q12, bottom_q12 + 1);   /* rounded outwards */
+    int32_t top = cut_to(e->r_q12, top_q12), bottom = cut_to(e->r_q12, bottom_q12 + 1);   /* rounded outwards */
     int64_t x_top_q8 = (int64_t)e->bounds->shear_q8 * top >> 12, half_top_q8 = half_width_q8(e, top);
-    int64_t x_bottom_q8 = (int64_t)e->bounds->shear_q8 * bottom >> 12;
-    int64_t half_bottom_q8 = half_width_q8(e, bottom);
+    int64_t x_bottom_q8 = (int64_t)e->bounds->shear_q8 * bottom >> 12, half_bottom_q8 = half_width_q8(e, bottom);
     int64_t left_q8 = -larger(half_top_q8 - x_top_q8, half_bottom_q8 - x_bottom_q8);
     int64_t right_q8 = larger(half_top_q8 + x_top_q8, half_bottom_q8 + x_bottom_q8);
     /* v sqrt(A) against +- r shear: is a widest point on this tile row? */
     int64_t reach_q8 = e->bounds->half_width_q8;
-    int64_t tangent = (int64_t)e->bounds->shear_q8 * r_q12 / 4096 * r_q12;
+    int64_t tangent = (int64_t)e->bounds->shear_q8 * e->r_q12 / 4096 * e->r_q12;
     if (top * reach_q8 <= tangent && tangent <= bottom * reach_q8)
         right_q8 = reach_q8;
     if (top * reach_q8 <= -tangent && -tangent <= bottom * reach_q8)
