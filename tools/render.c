@@ -123,9 +123,9 @@ typedef struct picture {
     uint64_t hash;
 } picture;
 
-enum { PICTURES_MOST = 64, PICTURE_BYTES_MOST = 256 << 20 };
+enum { PICTURES_MOST = 64 };                /* as many as threads, at most */
 
-/* The views, in rounds: each device renders some of a round, then all of them are written, a thread a picture. */
+/* The views, in rounds of a picture a thread: each device renders some of a round, then all of them are written. */
 typedef struct shared_views {
     const render_options *o;
     const loaded_scene *loaded;
@@ -134,7 +134,7 @@ typedef struct shared_views {
     int devices;                            /* renderers, one on each */
     fxs_pool *pool;
     picture pictures[PICTURES_MOST];
-    long first, all, round, round_most;     /* views done, of all, of this round, of a round at most */
+    long first, all, round, round_most;     /* views done, of all, of this round, of a round at most: threads */
 } shared_views;
 
 static void draw_view(shared_views *s, renderer *r, const fxs_file_view *view, picture *out)
@@ -215,14 +215,6 @@ static int render_all(shared_views *s)
     if (s->o->output && s->all > 1 && !is_pattern(s->o->output))
         return fail(EXIT_USAGE, "%s: for %ld views, expected a name with one %%d, as out/%%04d.png", s->o->output,
                     s->all);
-    size_t largest = 4;
-    for (long i = 0; i < s->all; i++) {
-        const size_t bytes = (size_t)s->views[i].width * (size_t)s->views[i].height * 4;
-        largest = bytes > largest ? bytes : largest;
-    }
-    s->round_most = (long)(PICTURE_BYTES_MOST / largest);
-    s->round_most = s->round_most < PICTURES_MOST ? s->round_most : PICTURES_MOST;
-    s->round_most = s->round_most > s->devices ? s->round_most : s->devices;
     while (s->first < s->all)
         if (render_round(s))
             return EXIT_FAILED;
@@ -240,6 +232,7 @@ static int open_renderers(shared_views *s, const view_options *options)
         own.device_count = 1;
         status = renderer_init(&s->renderers[s->devices++], &own);
     }
+    s->round_most = threads;
     if (!status && !(s->pool = fxs_pool_create(threads)))
         status = fail(EXIT_FAILED, "cannot start %u threads", threads);
     return status;
