@@ -241,9 +241,9 @@ __device__ void blend_list(pixel p[2], group_shared *own, const uint16_t *alpha_
 }
 
 /* The groups of all blocks take the tiles as they come. */
-__global__ void __launch_bounds__(GROUPS_MOST * GROUP_THREADS, 1) blend_tiles(const __grid_constant__ fxs_view view,
-                                                                const __grid_constant__ frame_buffers f,
-                                                                const __grid_constant__ target t)
+__global__ void __launch_bounds__(GROUPS_MOST * GROUP_THREADS, 1)
+blend_tiles(const __grid_constant__ fxs_view view, const __grid_constant__ frame_buffers f,
+            const __grid_constant__ target t)
 {
     extern __shared__ __align__(16) unsigned char memory[];
     blend_shared *shared = (blend_shared *)memory;

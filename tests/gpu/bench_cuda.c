@@ -1,7 +1,7 @@
 /* Times frames of 1920x1080 on the GPU by CUDA events and prints one table: single ones by stages and whole, then of a
- * batch, into device memory and into pinned host memory. Each argument: FILE.fxs, for an overview of
- * the scene, or FILE.fxs:CAMERAS:N,N,... for views of a camera file. Medians, milliseconds; one row of every scene is
- * for the square cut-off, one for a smaller picture. */
+ * batch, into device memory and into pinned host memory. Each argument: FILE.fxs, for an overview of the scene, or
+ * FILE.fxs:CAMERAS:N,N,... for views of a camera file. Medians, milliseconds; one row of every scene is for the square
+ * cut-off, one for a smaller picture. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -57,7 +57,7 @@ for view in "$@"; do
         done
         "$B/fixsplat" render "$scene" $options >"$work/views-cpu" 2>"$work/log"
         wc -l <"$work/views-cpu"
-        cmp "$work/views-cpu" "$work/views-0" && cmp "$work/views-cpu" "$work/views-all" || failed="$failed views" ;;
+        [ -s "$work/views-cpu" ] && cmp "$work/views-cpu" "$work/views-0" && cmp "$work/views-cpu" "$work/views-all" || failed="$failed views" ;;
     esac
 done
 

@@ -384,11 +384,17 @@ static void test_edges(void)
     CHECK(frame_equal(&scene, &camera, &options));
     peek_device_free(device);
 
-    const uint64_t room = 64 << 20;
-    CHECK(!fxs_cuda_create(&small, 0, room, 1, &failure));
-    for (int i = 0; i < 40; i++)
-        CHECK(!fxs_cuda_upload(small, &scene, &failure));
-    fxs_cuda_destroy(small);
+    /* In no more memory than one loading and frame take. */
+    fxs_cuda_stats stats = {0};
+    uint8_t *pixels = room((size_t)camera.width * (size_t)camera.height * 4);
+    for (int limited = 0; limited < 2; limited++) {
+        CHECK(!fxs_cuda_create(&small, 0, stats.memory.total, 1, &failure));
+        for (int i = 0; i <= 2 * limited; i++)
+            CHECK(!fxs_cuda_upload(small, &scene, &failure) &&
+                  !fxs_cuda_render_host(small, &camera, &options, pixels, camera.width * 4, &stats, &failure));
+        fxs_cuda_destroy(small);
+    }
+    free(pixels);
 
     scene.chunk_count = scene.count = 0;
     scene.rows = (const unsigned char *)scene.chunks;
