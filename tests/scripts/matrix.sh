@@ -1,23 +1,11 @@
 #!/bin/sh
-# One picture everywhere: the random frames of tests/test_random.c by every compiler, optimisation level, sanitizer and
-# processor at hand; the golden images and the kernels under AArch64.
+# One picture everywhere: the random frames of tests/test_random.c by every compiler, optimisation level and sanitizer at
+# hand. processors.sh has the processors.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
-
-flags='-std=c99 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off -g0'
-arm=aarch64-linux-gnu-gcc
+. tests/scripts/lib/variants.sh
 random='src/*.c tests/test_random.c'
-golden="src/*.c tests/test_golden.c tools/backend.c tools/metrics.c tools/procedural.c port/formats/*.c"
-
-links() { echo 'int main(void) { return 0; }' | "$@" -x c - -o "$work/links" >/dev/null 2>&1; }
-
-# variant NAME COMMAND: one more program to build, as $work/NAME; %: that name.
-variants=
-variant() {
-    echo "$2" | sed "s|%|$work/$1|g" >"$work/$1.build"
-    variants="$variants $1"
-}
 
 for compiler in gcc clang; do
     if links $compiler; then
@@ -33,55 +21,5 @@ if links clang -fsanitize=address,undefined; then
 else
     skip clang-sanitized "no clang with its sanitizers here"
 fi
-if links gcc -m32; then
-    variant gcc-m32 "gcc $flags -m32 -O2 $random -o %"
-else
-    skip gcc-m32 "no 32-bit C library here"
-fi
-if links $arm -static && have qemu-aarch64; then
-    variant aarch64 "$arm $flags -O2 -static $random -o %"
-    variant aarch64-integers "mkdir %.objects && cd %.objects &&
-        $arm $flags -O2 -c $PWD/tests/test_random.c && $arm $flags -O2 -mgeneral-regs-only -c $PWD/src/*.c &&
-        $arm -static *.o -o %"
-    if [ -d kernels/arm ]; then
-        variant aarch64-kernels "$arm $flags -O2 -static -DFXS_WITH_KERNELS src/*.c kernels/*.c kernels/arm/*.c \
-            tests/test_kernels.c -lm -o %"
-    fi
-    # The folder of stb alone: beside it lie the host's headers.
-    stb=$(echo '#include <stb/stb_image.h>' | gcc -E -x c - 2>/dev/null |
-        sed -n 's|^# 1 "\(.*/stb\)/stb_image.h".*|\1|p')
-    if [ "$stb" ]; then
-        mkdir "$work/include"
-        ln -s "$stb" "$work/include/stb"
-        variant aarch64-golden "$arm $flags -O2 -static -DFXS_WITH_STB -I$work/include $golden -lm -o %"
-    else
-        skip aarch64-golden "no stb here"
-    fi
-else
-    skip aarch64 "no $arm with qemu-aarch64 here"
-fi
-
-printf '%s\n' $variants | xargs -P 2 -I NAME sh -c "sh '$work/NAME.build' >'$work/NAME.log' 2>&1"
-
-first=
-for name in $variants; do
-    log=$work/$name.log
-    case $name in aarch64*) run=qemu-aarch64 ;; *) run= ;; esac
-    if ! [ -x "$work/$name" ]; then
-        cat "$log"
-        fail "$name" "does not build"
-        continue
-    fi
-    $run "$work/$name" >"$log" 2>&1
-    status=$?
-    sum=$(sed -n 's/.*random frames: //p' "$log" | tr '\n' ' ')
-    first=${first:-$sum}
-    said="$name (${sum:+sum }${sum:-$(tail -n 1 "$log")})"
-    if [ $status = 0 ] && [ "${sum:-$first}" = "$first" ]; then
-        ok "$said"
-    else
-        cat "$log"
-        fail "$said" "status $status, the first sum is $first"
-    fi
-done
+run_variants
 finish

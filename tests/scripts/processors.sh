@@ -1,0 +1,57 @@
+#!/bin/sh
+# One picture everywhere: on every processor, two of them big-endian, the random frames of tests/test_random.c and the .fxs
+# files of tests/test_fxs_bytes.c; the golden images and the kernels under AArch64. By qemu-user, where this processor does
+# not run them itself.
+. tests/scripts/lib/check.sh
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+. tests/scripts/lib/variants.sh
+arm=aarch64-linux-gnu-gcc
+golden="src/*.c tests/test_golden.c tools/backend.c tools/metrics.c tools/procedural.c port/formats/*.c"
+files="$PWD/tests/test_fxs_bytes.c $PWD/port/formats/fxs_file.c"
+others=$(ls "$PWD"/src/*.c "$PWD"/port/formats/*.c | grep -v '/fxs_file\.c$' | tr '\n' ' ')
+
+# processor NAME COMPILER EMULATOR: the programs that each processor runs.
+processor() {
+    if ! links $2 -static; then
+        skip "$1" "no $2 with its C library here"
+    elif ! "$work/links" 2>/dev/null && ! have "${3:-none}"; then
+        skip "$1" "no $3 here"
+    else
+        if "$work/links" 2>/dev/null; then set -- "$1" "$2"; fi
+        variant $1 "$2 $flags -O2 -static src/*.c tests/test_random.c -o %" $3
+        variant $1-files "mkdir %.objects && cd %.objects &&
+            $2 $flags -O1 -c -DFXS_WITH_ZLIB -I$PWD/tests/scripts/lib/crc32 $files &&
+            $2 $flags -O1 -static *.o $others -lm -o %" $3
+    fi
+}
+
+# What only AArch64 is asked: no float register in src, the kernels, the golden images.
+aarch64() {
+    variant aarch64-integers "mkdir %.objects && cd %.objects &&
+        $arm $flags -O2 -c $PWD/tests/test_random.c && $arm $flags -O2 -mgeneral-regs-only -c $PWD/src/*.c &&
+        $arm -static *.o -o %" qemu-aarch64
+    variant aarch64-kernels "$arm $flags -O2 -static -DFXS_WITH_KERNELS src/*.c kernels/*.c kernels/arm/*.c \
+        tests/test_kernels.c -lm -o %" qemu-aarch64
+    # The folder of stb alone: beside it lie the host's headers.
+    stb=$(echo '#include <stb/stb_image.h>' | gcc -E -x c - 2>/dev/null |
+        sed -n 's|^# 1 "\(.*/stb\)/stb_image.h".*|\1|p')
+    if [ "$stb" ]; then
+        mkdir "$work/include"
+        ln -s "$stb" "$work/include/stb"
+        variant aarch64-golden "$arm $flags -O2 -static -DFXS_WITH_STB -I$work/include $golden -lm -o %" qemu-aarch64
+    else
+        skip aarch64-golden "no stb here"
+    fi
+}
+
+processor x86-64 x86_64-linux-gnu-gcc qemu-x86_64
+processor i686 i686-linux-gnu-gcc qemu-i386
+processor armv7 arm-linux-gnueabihf-gcc qemu-arm
+processor aarch64 $arm qemu-aarch64
+processor riscv64 riscv64-linux-gnu-gcc qemu-riscv64
+processor powerpc powerpc-linux-gnu-gcc qemu-ppc
+processor s390x s390x-linux-gnu-gcc qemu-s390x
+case $variants in *aarch64*) aarch64 ;; esac
+run_variants
+finish

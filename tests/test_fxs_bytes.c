@@ -1,0 +1,178 @@
+/* The bytes of .fxs files and of the pictures that they render to: the same on every processor (scripts/processors.sh). */
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "../port/formats/fxs_file.h"
+#include "../port/formats/pack.h"
+#include "../port/formats/ply_write.h"
+#include "../src/fixsplat.h"
+#include "check.h"
+
+enum { WIDTH = 72, HEIGHT = 50 };
+
+static char folder[] = "/tmp/fixsplat-bytes-XXXXXX";
+static char ply_path[64], fxs_path[64];
+static fxs_message message;
+
+/* Numbers that a float holds exactly, so that no processor rounds them. */
+static float grid(uint32_t *seed, int low, int high)
+{
+    *seed = *seed * 1664525u + 1013904223u;
+    return (float)(low + (int)((*seed >> 8) % (uint32_t)(high - low + 1))) / 256;
+}
+
+static void make_gaussian(uint32_t *seed, fxs_gaussian *g)
+{
+    memset(g, 0, sizeof *g);
+    for (int k = 0; k < 3; k++) {
+        g->position[k] = grid(seed, -2000, 2000);
+        g->scale[k] = grid(seed, -1500, -100);
+        g->dc[k] = grid(seed, -400, 400);
+    }
+    for (int k = 0; k < 4; k++)
+        g->rotation[k] = grid(seed, 1, 500);
+    g->opacity = grid(seed, -1000, 1000);
+    for (int k = 0; k < 45; k++)
+        g->sh[k] = grid(seed, -60, 60);
+}
+
+static int write_ply(int count, int sh_degree)
+{
+    fxs_ply_writer *writer;
+    fxs_gaussian gaussian;
+    uint32_t seed = 11;
+    if (fxs_ply_writer_open(ply_path, (uint64_t)count, sh_degree, 0, &writer, &message))
+        return 0;
+    for (int i = 0; i < count; i++) {
+        make_gaussian(&seed, &gaussian);
+        fxs_ply_writer_put(writer, &gaussian, 1, &message);
+    }
+    return !fxs_ply_writer_close(writer, &message);
+}
+
+static int pack(enum fxs_profile profile)
+{
+    const fxs_pack_options options = {.profile = profile};
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_packed_scene packed;
+    fxs_pack_report report;
+    if (fxs_scene_file_open(ply_path, NULL, &file, &info, &message))
+        return 0;
+    int done = !fxs_pack(file, &info, &packed, &report, &options, &message);
+    fxs_scene_file_close(file);
+    if (done) {
+        done = !fxs_file_write(fxs_path, packed.data, packed.bytes, &message);
+        fxs_packed_scene_free(&packed);
+    }
+    return done;
+}
+
+/* The file, for free. */
+static void *load(size_t *bytes)
+{
+    FILE *file = fopen(fxs_path, "rb");
+    if (!file)
+        return 0;
+    fseek(file, 0, SEEK_END);
+    *bytes = (size_t)ftell(file);
+    rewind(file);
+    void *data = check_aligned(*bytes);
+    if (!data || fread(data, 1, *bytes, file) != *bytes)
+        *bytes = 0;
+    fclose(file);
+    return data;
+}
+
+/* FNV-1a */
+static uint64_t hash(uint64_t value, const void *bytes, size_t count)
+{
+    for (const unsigned char *byte = bytes; count > 0; byte++, count--)
+        value = (value ^ *byte) * 0x100000001b3u;
+    return value;
+}
+
+static uint64_t draw(const fxs_scene *scene, enum fxs_format format)
+{
+    static unsigned char pixels[WIDTH * HEIGHT * 4];
+    const fxs_camera camera = {WIDTH, HEIGHT, WIDTH << 12, WIDTH << 12, WIDTH << 11, HEIGHT << 11,
+                               {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, -((int64_t)12 << 32)}};
+    const int pixel_bytes = format == FXS_FORMAT_RGB565 ? 2 : 4;
+    fxs_context context;
+    fxs_options options;
+    fxs_init(&context, 0);
+    fxs_options_default(&options);
+    options.format = format;
+    size_t bytes = fxs_frame_bytes(&context, scene, WIDTH, HEIGHT, 0);
+    void *memory = check_aligned(bytes);
+    CHECK(!fxs_render(&context, scene, &camera, &options, memory, bytes, pixels, WIDTH * pixel_bytes, 0));
+    free(memory);
+    return hash(0xcbf29ce484222325u, pixels, (size_t)(WIDTH * HEIGHT * pixel_bytes));
+}
+
+static void check_file(enum fxs_profile profile, int count, int sh_degree, const uint64_t expected[3])
+{
+    fxs_scene scene;
+    size_t bytes = 0;
+    if (!CHECK(write_ply(count, sh_degree) && pack(profile))) {
+        printf("  %s\n", message.text);
+        return;
+    }
+    void *data = load(&bytes);
+    if (CHECK(data && !fxs_file_check(fxs_path, data, bytes, 1, &message) && !fxs_scene_open(&scene, data, bytes))) {
+        const uint64_t found[3] = {hash(0xcbf29ce484222325u, data, bytes), draw(&scene, FXS_FORMAT_RGBA8),
+                                   draw(&scene, FXS_FORMAT_RGB565)};
+        printf("  file, RGBA8, RGB565: %016" PRIx64 " %016" PRIx64 " %016" PRIx64 "\n", found[0], found[1], found[2]);
+        CHECK(!memcmp(found, expected, sizeof found));
+    }
+    free(data);
+}
+
+static void test_default(void)
+{
+    static const uint64_t expected[3] = {0xadb9019c45678895u, 0x10899089fdcf7e46u,
+                                         0x51492c6b20f8069eu};
+    check_file(FXS_PROFILE_DEFAULT, 700, 3, expected);
+}
+
+static void test_compact(void)
+{
+    static const uint64_t expected[3] = {0x89813da4885902fau, 0x8e07eb109d5516c5u,
+                                         0xf7b260fd3940cacbu};
+    check_file(FXS_PROFILE_COMPACT, 270, 2, expected);
+}
+
+static void test_small(void)
+{
+    static const uint64_t expected[3] = {0x14a4fc2626fc0792u, 0x794207e4f9ed81aau,
+                                         0x5581feb5c799566cu};
+    check_file(FXS_PROFILE_SMALL, 30, 1, expected);
+}
+
+static void without_zlib(void)
+{
+    SKIP("built without zlib, which .fxs files need");
+}
+
+int main(void)
+{
+    if (!mkdtemp(folder))
+        return 1;
+    snprintf(ply_path, sizeof ply_path, "%s/a.ply", folder);
+    snprintf(fxs_path, sizeof fxs_path, "%s/a.fxs", folder);
+#ifdef FXS_WITH_ZLIB
+    (void)without_zlib;
+    RUN(test_default);
+    RUN(test_compact);
+    RUN(test_small);
+#else
+    (void)test_default, (void)test_compact, (void)test_small;
+    RUN(without_zlib);
+#endif
+    unlink(ply_path);
+    unlink(fxs_path);
+    rmdir(folder);
+    return check_report();
+}
