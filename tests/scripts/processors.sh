@@ -19,7 +19,7 @@ processor() {
         skip "$1" "no $3 here"
     else
         if "$work/links" 2>/dev/null; then set -- "$1" "$2"; fi
-        variant $1 "$2 $flags -O2 -static src/*.c tests/test_random.c -o %" $3
+        variant $1 "$2 $flags -O1 -static src/*.c tests/test_random.c -o %" $3
         variant $1-files "mkdir %.objects && cd %.objects &&
             $2 $flags -O1 -c -DFXS_WITH_ZLIB -I$PWD/tests/scripts/lib/crc32 $files &&
             $2 $flags -O1 -static *.o $others -lm -o %" $3
