@@ -1,21 +1,13 @@
 #!/bin/sh
-# tests/fuzz.sh SECONDS: fuzzes each reader that long. What makes one fail is kept in the folder fuzz of the build.
+# tests/fuzz.sh SECONDS: fuzzes each target that long, JOBS at once (else as many as there are processors). What makes one
+# fail is kept in the folder fuzz of the build.
 . tests/scripts/lib/check.sh
 seconds=${1:?seconds}
+jobs=${JOBS:-$(getconf _NPROCESSORS_ONLN)}
 out=${B:-build}/fuzz
 fixsplat=$(cd "${B:-build}" && pwd)/fixsplat
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
-
-# The sources that each needs beside itself.
-sources_of() {
-    case $1 in
-    fuzz_scene | fuzz_sog | fuzz_spz | fuzz_gltf)
-        set -- scene_file byte_reader ply_header ply compressed_ply ksplat sog splat spz gltf transform zip ;;
-    fuzz_camera) set -- camera_file camera_json camera_colmap ;;
-    esac
-    printf 'port/formats/%s.c ' "$@" text source allocator message
-}
 
 # ---- Small files to start from, of each kind -------------------------------------------------------------------------
 
@@ -165,45 +157,135 @@ seeds_of_sog() {
 'PK\5\6\0\0\0\0\1\0\1\0\067\0\0\0)\0\0\0\0\0' '' '' >zip
 }
 
+# fxs FLAGS NAME...: the control bytes of tests/fuzz_frame.h, each flags and a few more, then the file NAME, if any
+fxs() {
+    printf "\\$1\\144\\17\\0\\0\\3\\144\\17\\0\\0\\$2\\20\\40\\60\\$2\\0\\$1\\$2\\0\\0"
+    if [ "$3" ]; then cat "$3"; fi
+}
+
+# Files of each profile and degree, taken with their checksums and without; and what is made from a seed.
+seeds_of_fxs() {
+    for degree in 0 1 2 3; do
+        "$fixsplat" make-scene knot --count 40 -o scene.ply
+        "$fixsplat" convert scene.ply less.ply --sh-degree $degree
+        for profile in default compact small; do
+            "$fixsplat" convert less.ply scene.fxs --profile $profile
+            fxs 1 $degree$degree scene.fxs >$profile$degree
+            fxs 3 $degree$degree scene.fxs >checked-$profile$degree
+        done
+    done >"$work/seeds.log"
+    rm scene.ply less.ply scene.fxs
+    for flags in 0 24 50 120 124 130; do
+        for options in 0 1 10 31 47; do
+            fxs $flags $options >made-$flags-$options
+        done
+    done
+}
+
+seeds_of_scribble() { seeds_of_fxs; }
+
+seeds_of_pack() {
+    for profile in 0 1 2 11; do
+        {
+            printf "\\$profile"
+            for number in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16; do
+                printf "\\0\\0\\$(printf %o $((number * 16)))\\77"
+            done
+            head -c 2000 /dev/zero
+        } >$profile
+    done
+}
+
+seeds_of_image() {
+    "$fixsplat" make-scene knot --count 20 -o scene.ply
+    "$fixsplat" render scene.ply --size 8x6 -o scene.png
+    "$fixsplat" render scene.ply --size 8x6 -o scene.ppm
+    rm scene.ply
+}
+
 # ---- Run -------------------------------------------------------------------------------------------------------------
 
+sanitizers=address,undefined,float-cast-overflow
+compile="clang -std=c11 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off -g -O1 \
+    -fsanitize=fuzzer-no-link,$sanitizers -fno-sanitize-recover=all"
+
+# What the Makefile compiles kernels/x86 with.
+instructions_of() {
+    case $1 in
+    *_sse41.c) echo -msse4.1 ;;
+    *_avx2.c) echo -mavx2 ;;
+    *_avx512.c) echo -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi -g0 ;;
+    esac
+}
+
+# Compiles the library once for all targets, and links each, as $work/NAME.
 build() {
-    clang -std=c99 -D_POSIX_C_SOURCE=200809L -g -O1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
-        $features tests/"$1.c" $(sources_of "$1") -lm $libraries -o "$work/$1"
+    case $(clang -dumpmachine) in
+    x86_64*) kernels='kernels/*.c kernels/x86/*.c' ;;
+    aarch64*) kernels='kernels/*.c kernels/arm/*.c' ;;
+    *) kernels='kernels/*.c' ;;
+    esac
+    mkdir "$work/objects"
+    for source in src/*.c $kernels port/formats/*.c tests/fuzz_*.c; do
+        echo "$compile $features -DFXS_WITH_KERNELS $(instructions_of "$source") -c $source -o $work/objects/$(
+            )$(basename "$source" .c).o"
+    done | xargs -P "$jobs" -I COMMAND sh -c COMMAND || return
+    for name in $targets; do
+        mv "$work/objects/$name.o" "$work/$name.o"
+    done
+    ar rc "$work/library.a" "$work"/objects/*.o
+    for name in $targets; do
+        clang -fsanitize=fuzzer,$sanitizers "$work/$name.o" "$work/library.a" -lm -lpthread $libraries -o "$work/$name" ||
+            return
+    done
 }
 
 fuzz() {
-    mkdir "$work/corpus"
-    (cd "$work/corpus" && "seeds_of_${1#fuzz_}")
-    "$work/$1" -max_total_time="$seconds" -max_len=8192 -timeout=10 -rss_limit_mb=1024 -artifact_prefix="$out/$1-" \
-        "$work/corpus" >"$work/log" 2>&1
-    status=$?
-    rm -r "$work/corpus"
-    return $status
+    for name in $targets; do
+        mkdir "$work/$name.corpus"
+        (cd "$work/$name.corpus" && "seeds_of_${name#fuzz_}")
+    done
+    printf '%s\n' $targets | xargs -P "$jobs" -I NAME sh -c "$work/NAME -max_total_time=$seconds -max_len=16384 \
+        -timeout=20 -rss_limit_mb=1024 -artifact_prefix=$out/NAME- $work/NAME.corpus >$work/NAME.log 2>&1
+        echo \$? >$work/NAME.status"
+}
+
+# said NAME: inputs, inputs a second and edges covered
+said() {
+    sed -n 's/^Done \([0-9]*\) runs in \([0-9]*\).*/\1 \2/p; s/^#\([0-9]*\).* cov: \([0-9]*\).*/\1 0 \2/p' "$work/$1.log" |
+        awk '{ if (NF == 3) edges = $3; runs = $1; seconds = $2 }
+            END { printf "%d inputs%s, %d edges", runs, seconds ? sprintf(", %d a second", runs / seconds) : "", edges }'
 }
 
 echo 'int LLVMFuzzerTestOneInput(const char *data, long size) { return data && size < 0; }' >"$work/links.c"
-if ! clang -fsanitize=fuzzer,address,undefined "$work/links.c" -o "$work/links" 2>/dev/null; then
+if ! clang -fsanitize=fuzzer,$sanitizers "$work/links.c" -o "$work/links" 2>/dev/null; then
     skip fuzz "no clang with libFuzzer here"
     finish
     exit
 fi
-for library in CJSON:cjson/cJSON.h:cjson WEBP:webp/decode.h:webp ZIP:zip.h:zip ZLIB:zlib.h:z ZSTD:zstd.h:zstd; do
+for library in CJSON:cjson/cJSON.h:-lcjson WEBP:webp/decode.h:-lwebp ZIP:zip.h:-lzip ZLIB:zlib.h:-lz ZSTD:zstd.h:-lzstd \
+    STB:stb/stb_image_write.h:; do
     header=${library#*:}
     if echo "#include <${header%:*}>" | clang -E -x c - >/dev/null 2>&1; then
-        features="$features -DFXS_WITH_${library%%:*}" libraries="$libraries -l${library##*:}"
+        features="$features -DFXS_WITH_${library%%:*}" libraries="$libraries ${library##*:}"
     fi
 done
 mkdir -p "$out"
-for source in tests/fuzz_*.c; do
-    name=$(basename "$source" .c)
-    if ! build "$name"; then
-        fail "$name" "does not build"
-    elif fuzz "$name"; then
-        ok "$name: $(sed -n 's/^Done \([0-9]*\) runs.*/\1/p' "$work/log") inputs"
+targets=${TARGETS:-$(basename -s .c tests/fuzz_*.c | tr '\n' ' ')}
+if ! build; then
+    fail fuzz "does not build"
+    finish
+    exit
+fi
+fuzz
+for name in $targets; do
+    if [ "$(cat "$work/$name.status")" = 0 ]; then
+        ok "$name: $(said "$name")"
     else
-        tail -n 40 "$work/log"
-        fail "$name" "see $out"
+        grep -E -A 12 'ERROR|runtime error' "$work/$name.log" | head -n 24
+        fail "$name: $(said "$name")" "$(grep -o 'Test unit written to .*' "$work/$name.log" || tail -n 1 "$work/$name.log")"
     fi
 done
+times >"$work/times"
+echo "processor time: $(tail -n 1 "$work/times" | sed 's/\.[0-9]*//g; s/ /, /') of the system"
 finish

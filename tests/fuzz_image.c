@@ -1,0 +1,37 @@
+/* libFuzzer target: any bytes as an image file. */
+#define _GNU_SOURCE
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "../port/formats/image_file.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static int file = -1;
+    static char path[32];
+    uint8_t *rgba = NULL;
+    int width = 0, height = 0;
+    fxs_message message;
+    if (file < 0) {
+        file = memfd_create("fuzz", 0);
+        snprintf(path, sizeof path, "/dev/fd/%d", file);
+    }
+    if (file < 0 || ftruncate(file, 0) || pwrite(file, data, size, 0) != (ssize_t)size)
+        abort();
+    if (fxs_image_file_read(path, &rgba, &width, &height, &message) == 0) {
+        unsigned sum = 0;
+        for (size_t i = 0; i < 4 * (size_t)width * (size_t)height; i += 509)
+            sum += rgba[i];
+        if (width < 1 || height < 1 || sum == UINT32_MAX)   /* every byte is there */
+            abort();
+    } else if (rgba || strncmp(message.text, path, strlen(path)) != 0 || strchr(message.text, '\n')) {
+        abort();
+    }
+    free(rgba);
+    return 0;
+}
