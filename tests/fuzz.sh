@@ -175,8 +175,8 @@ seeds_of_fxs() {
         done
     done >"$work/seeds.log"
     rm scene.ply less.ply scene.fxs
-    for flags in 0 24 50 120 124 130; do
-        for options in 0 1 10 31 47; do
+    for flags in 0 24 50 120 124 160 164 170 260 264 270 370; do
+        for options in 0 1 10 31 47 365 371; do
             fxs $flags $options >made-$flags-$options
         done
     done

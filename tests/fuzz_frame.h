@@ -79,7 +79,7 @@ static int fuzz_scene(fuzz_frame *f, const uint8_t *control, const uint8_t *rest
         if (size)
             memcpy(f->data, rest, size);
     } else {
-        const packed_scene packed = random_scene((enum fxs_profile)(control[0] / 4 % 3), 40 << (control[0] / 16 % 6));
+        const packed_scene packed = random_scene((enum fxs_profile)(control[0] / 4 % 3), 40 << (control[0] / 16 % 8));
         f->data = packed.data;
         f->bytes = packed.bytes;
         fuzz_edit(f, (size_t)(packed.rows - packed.data), rest, size);
@@ -150,7 +150,7 @@ static int fuzz_frame_make(fuzz_frame *f, const uint8_t *input, size_t size)
     f->cameras[1].height = f->cameras[0].height;
     f->cameras[1].position_q32[0] += input[5] & 2 ? INT64_C(1) << (input[5] >> 2) % 40 : 0;
     fuzz_options(f, input + 10);
-    f->scribble = input[14];
+    f->scribble = input[14] | (input[15] & 1u) << 8;
     fuzz_levels(f);
     return 1;
 }

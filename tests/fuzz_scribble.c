@@ -1,13 +1,15 @@
-/* libFuzzer target: a packed scene that another thread writes to while it is rendered, in bands, for two eyes, and while
-   its pairs are counted. Any picture or error will do; nothing may be touched beyond the caller's memory. */
+/* libFuzzer target: a packed scene that is written to while it is rendered, in bands, for two eyes, and while its pairs
+   are counted: by another thread, or, so that a finding comes again, between the stages. Any picture or error will do;
+   nothing may be touched beyond the caller's memory. */
 #include <pthread.h>
+#include <sched.h>
 #include <stdatomic.h>
 
 #include "fuzz_frame.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* The scene being written to: `original` and `other` are two that open, of the same layout. */
+/* The scene being written to. `original` and `other` are two that open, of the same layout. */
 static struct {
     _Atomic uint32_t wanted, busy;
     unsigned char *data;
@@ -23,19 +25,26 @@ static uint32_t scribble_random(uint32_t *seed)
     return *seed ^= *seed << 5;
 }
 
-/* Some bytes from `at` on: from one of the scenes, which keeps headers in range, or any. */
+/* Some bytes, up to all: those of one of the scenes, which keeps headers in range, or any. */
 static void scribble(uint32_t *seed)
 {
     const uint32_t what = scribble_random(seed);
     const size_t first = target.how & 1 ? 192 : 0, end = target.how & 2 ? target.headers : target.bytes;
     const size_t at = first + scribble_random(seed) % (end - first);
-    size_t count = (size_t)1 << (what >> 4) % 14;
+    size_t count = (size_t)1 << (what >> 4) % 20;
     count = count < end - at ? count : end - at;
-    if ((what & 15) < (target.how & 4 ? 15u : 8u))
+    if ((what & 15) < (target.how & 4 ? 16u : 12u))
         memcpy(target.data + at, (what & 1 ? target.original : target.other) + at, count);
     else
-        for (volatile unsigned char *byte = target.data + at; count > 0; count -= count < 64 ? count : 64, byte++)
-            *byte = (unsigned char)scribble_random(seed);
+        memset(target.data + at, (int)(what >> 24), count < 64 ? count : 64);
+}
+
+/* The renderer's clock, called between chunks and stages, may be who writes. */
+static uint64_t scribbling_clock(void *seed)
+{
+    if (scribble_random(seed) % 4 == 0)
+        scribble(seed);
+    return 0;
 }
 
 static void *run_scribbler(void *argument)
@@ -44,37 +53,34 @@ static void *run_scribbler(void *argument)
     for (;;) {
         atomic_store(&target.busy, 0);
         while (!atomic_load(&target.wanted))
-            ;
+            sched_yield();
         atomic_store(&target.busy, 1);
-        while (atomic_load(&target.wanted))
+        while (atomic_load(&target.wanted)) {
             scribble(&seed);
+            if (target.how & 8)
+                sched_yield();
+        }
     }
     return argument;
 }
 
-static void start_scribbling(const fuzz_frame *f, const unsigned char *original, const unsigned char *other)
+static void start_scribbling(void)
 {
     static int running;
     pthread_t thread;
-    target.data = f->data;
-    target.bytes = f->bytes;
-    target.headers = 192 + 128 * (size_t)f->scene.chunk_count;
-    target.original = original;
-    target.other = other;
-    target.how = f->scribble;
     if (!running && pthread_create(&thread, NULL, run_scribbler, NULL))
         abort();
     running = 1;
     atomic_store(&target.wanted, 1);
     while (!atomic_load(&target.busy))
-        ;
+        sched_yield();
 }
 
 static void stop_scribbling(void)
 {
     atomic_store(&target.wanted, 0);
     while (atomic_load(&target.busy))
-        ;
+        sched_yield();
 }
 
 static void check(int error)
@@ -101,17 +107,47 @@ static void render(const fuzz_frame *f, const fxs_context *context, size_t least
                                 (void *const[2]){pixels[0], pixels[1]}, (ptrdiff_t)f->row, NULL));
 }
 
-/* A scene of the same layout as f's, where that is one made by fuzz_scene, else the same. */
+/* A scene of the same layout: the chunks lie where others did, and of some only the first few Gaussians are seen, as the
+   opacity of the others is 0. */
 static unsigned char *make_other(const fuzz_frame *f)
 {
-    unsigned char *other = check_aligned(f->bytes);
+    unsigned char *other = check_aligned(f->bytes), *rows = other + (f->scene.rows - f->data);
+    const size_t chunks = f->scene.chunk_count, bytes = f->scene.chunk_bytes;
+    const size_t opacities = f->scene.profile == FXS_PROFILE_SMALL ? FXS_SMALL_A : FXS_ROW_COLOUR;
+    const size_t seen = 1 + f->scribble % 8;
     memcpy(other, f->data, f->bytes);
-    const size_t headers = 192 + 128 * (size_t)f->scene.chunk_count;
-    for (size_t at = headers; at < f->bytes; at++)
-        other[at] = (unsigned char)(f->data[at] * 5 + 77);
-    for (size_t i = 0; i < f->scene.chunk_count; i++)    /* chunk i lies where the last but i did */
-        memcpy(other + 192 + 128 * i, f->data + headers - 128 * (i + 1), 128);
+    for (size_t i = 0; i < chunks; i++) {
+        if (f->scribble & 32)
+            memcpy(other + 192 + 128 * i, f->data + 192 + 128 * (chunks - 1 - i), 128);
+        if (i % 4 || f->scribble & 16)
+            memset(rows + i * bytes + opacities + 4 * seen, 0, 4 * (FXS_CHUNK - seen));
+    }
     return other;
+}
+
+static void render_scribbled(fuzz_frame *f, size_t least, size_t all)
+{
+    unsigned char *original = check_aligned(f->bytes), *other = make_other(f);
+    uint32_t seed = f->scribble + 1;
+    memcpy(original, f->data, f->bytes);
+    target.data = f->data;
+    target.bytes = f->bytes;
+    target.headers = 192 + 128 * (size_t)f->scene.chunk_count;
+    target.original = original;
+    target.other = other;
+    target.how = f->scribble;
+    const int threaded = f->scribble >> 8 & 1;
+    if (threaded)
+        start_scribbling();
+    for (int level = 0; level < f->level_count; level++) {
+        f->levels[level].config.clock = threaded ? NULL : scribbling_clock;
+        f->levels[level].config.clock_argument = &seed;
+        render(f, &f->levels[level], least, all);
+    }
+    if (threaded)
+        stop_scribbling();
+    free(original);
+    free(other);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
@@ -121,17 +157,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (fuzz_frame_make(&f, data, size)) {
         const fxs_camera *camera = &f.cameras[0];
         const size_t all = fxs_frame_bytes(&f.levels[0], &f.scene, camera->width, camera->height, &memory);
-        if (all && all <= FUZZ_ROOM && f.row * (size_t)camera->height <= FUZZ_ROOM) {
-            const size_t least = fuzz_least(&f, &f.levels[0], &memory);
-            unsigned char *original = check_aligned(f.bytes), *other = make_other(&f);
-            memcpy(original, f.data, f.bytes);
-            start_scribbling(&f, original, other);
-            for (int level = 0; level < f.level_count; level++)
-                render(&f, &f.levels[level], least, all);
-            stop_scribbling();
-            free(original);
-            free(other);
-        }
+        if (all && all <= FUZZ_ROOM && f.row * (size_t)camera->height <= FUZZ_ROOM)
+            render_scribbled(&f, fuzz_least(&f, &f.levels[0], &memory), all);
     }
     free(f.data);
     return 0;
