@@ -1,0 +1,331 @@
+/* A scene whose bytes change while it is rendered: any picture or FXS_ERR_SCENE, and nothing touched beyond the memory
+ * and the pixels. The scene's pages are closed but for the last few that were touched, so that the change comes at a
+ * chosen touch of another page: between plan and band, and within a chunk, whatever the versions of the stages. */
+#define _DEFAULT_SOURCE
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "random_scene.h"
+#ifdef FXS_WITH_KERNELS
+#include "../kernels/kernels.h"
+#endif
+
+enum {
+    OPEN = 4,                      /* pages open at once: an access may need two */
+    SCENES = 3,                    /* one of each profile */
+    SEEN = 4,                      /* Gaussians of a chunk that are seen in the faint scene */
+    CHANGES = 12,                  /* touches at which a scene changes, of all that there are */
+    ZONE = 1 << 20                 /* closed bytes before and after memory and pixels */
+};
+
+typedef struct bytes {
+    unsigned char *data;
+    size_t size;
+} bytes;
+
+/* The scene being rendered. All else is what changes it. */
+static struct {
+    unsigned char *data;
+    size_t size, page;
+    fxs_scene scene;
+    fxs_camera camera;
+    fxs_options options;
+    unsigned char *bright, *faint;         /* as it is made; and with opacity 0 but for SEEN of a chunk */
+} drawn;
+
+static struct {
+    unsigned char *recent[OPEN];
+    int oldest;
+    uint64_t touches, first, every;        /* changes at touch `first` and, unless 0, `every` so many after it */
+    int wild;                              /* to any bytes, not to the bright scene */
+} watch;
+
+/* ---- Pages ------------------------------------------------------------------------------------------------------ */
+
+static void protect(void *start, size_t size, int how)
+{
+    if (mprotect(start, size, how))
+        _exit(3);
+}
+
+static void change(void)
+{
+    if (!watch.wild) {
+        memcpy(drawn.data, drawn.bright, drawn.size);
+        return;
+    }
+    const size_t headers = sizeof(fxs_packed_header) + drawn.scene.chunk_count * sizeof(fxs_chunk);
+    const size_t end = between(0, 1) ? headers : drawn.size, at = next() % end, most = next() % 2000;
+    for (size_t i = at; i < end && i < at + most; i++)
+        drawn.data[i] = (unsigned char)next();
+}
+
+static void on_touch(int number, siginfo_t *info, void *context)
+{
+    unsigned char *address = info->si_addr;
+    (void)context;
+    if (address < drawn.data || address >= drawn.data + drawn.size) {
+        signal(number, SIG_DFL);           /* beyond what is the renderer's: the access is made again, and ends this */
+        return;
+    }
+    const uint64_t touch = watch.touches++;
+    if (touch == watch.first || (watch.every && touch > watch.first && (touch - watch.first) % watch.every == 0)) {
+        protect(drawn.data, drawn.size, PROT_READ | PROT_WRITE);
+        change();
+        protect(drawn.data, drawn.size, PROT_NONE);
+        for (int i = 0; i < OPEN; i++)
+            watch.recent[i] = NULL;
+    }
+    unsigned char **oldest = &watch.recent[watch.oldest++ % OPEN];
+    if (*oldest)
+        protect(*oldest, drawn.page, PROT_NONE);
+    *oldest = drawn.data + (size_t)(address - drawn.data) / drawn.page * drawn.page;
+    protect(*oldest, drawn.page, PROT_READ);
+}
+
+static void start_watch(const unsigned char *scene)
+{
+    memcpy(drawn.data, scene, drawn.size);
+    memset(watch.recent, 0, sizeof watch.recent);
+    watch.touches = 0;
+    protect(drawn.data, drawn.size, PROT_NONE);
+}
+
+static uint64_t end_watch(void)
+{
+    protect(drawn.data, drawn.size, PROT_READ | PROT_WRITE);
+    return watch.touches;
+}
+
+/* Room of a multiple of 64 bytes that ends where a closed zone begins; the bytes before it are of no one. */
+static bytes make_room(size_t size)
+{
+    const size_t whole = (size + drawn.page - 1) / drawn.page * drawn.page;
+    unsigned char *start = mmap(NULL, whole + 2 * (size_t)ZONE, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (start == MAP_FAILED)
+        _exit(3);
+    protect(start + ZONE, whole, PROT_READ | PROT_WRITE);
+    memset(start + ZONE, 0xa5, whole - size);
+    return (bytes){start + ZONE + whole - size, size};
+}
+
+static int free_room(bytes room)
+{
+    const size_t whole = (room.size + drawn.page - 1) / drawn.page * drawn.page;
+    unsigned char *start = room.data + room.size - whole;
+    int untouched = 1;
+    for (const unsigned char *byte = start; byte < room.data; byte++)
+        untouched &= *byte == 0xa5;
+    munmap(start - ZONE, whole + 2 * (size_t)ZONE);
+    return untouched;
+}
+
+/* ---- Frames ----------------------------------------------------------------------------------------------------- */
+
+enum call { BANDS, HALF, WHOLE, STEREO, EXACT, PAIRS, CALLS };
+static const char *const call_names[CALLS] = {"least memory", "half the memory", "whole memory", "stereo",
+                                              "exact stereo", "count_pairs"};
+
+static size_t to_multiple_of_64(size_t size)
+{
+    return (size + 63) / 64 * 64;
+}
+
+/* What the faint scene needs, so that there is no room for the bright one. */
+static size_t memory_for(const fxs_context *context, enum call call)
+{
+    fxs_frame_memory memory;
+    fxs_stats stats;
+    const size_t all = fxs_frame_bytes(context, &drawn.scene, drawn.camera.width, drawn.camera.height, &memory);
+    if (call == WHOLE)
+        return to_multiple_of_64(all);
+    if (call == STEREO || call == EXACT)
+        return to_multiple_of_64(fxs_stereo_bytes(context, &drawn.scene, drawn.camera.width, drawn.camera.height));
+    bytes room = make_room(to_multiple_of_64(memory.least)), pixels = make_room(1 << 16);
+    memcpy(drawn.data, drawn.faint, drawn.size);
+    const int error = fxs_render(context, &drawn.scene, &drawn.camera, &drawn.options, room.data, memory.least,
+                                 pixels.data, 4 * (ptrdiff_t)drawn.camera.width, &stats);
+    CHECK(free_room(room) + free_room(pixels) == 2);
+    const size_t least = error == FXS_ERR_MEMORY ? stats.memory.least : memory.least;
+    return to_multiple_of_64(call == HALF ? (least + all) / 2 : least);
+}
+
+/* Renders the faint scene under the watch. Returns the touches. */
+static uint64_t render(const fxs_context *context, enum call call, size_t size)
+{
+    bytes room = make_room(size);
+    const ptrdiff_t stride = 4 * (ptrdiff_t)drawn.camera.width;
+    const size_t picture = to_multiple_of_64((size_t)stride * (size_t)drawn.camera.height);
+    bytes left = make_room(picture), right = make_room(picture);
+    const fxs_camera right_camera = {.width = drawn.camera.width};
+    fxs_camera cameras[2] = {drawn.camera, right_camera};
+    uint64_t pairs[2];
+    int error;
+    cameras[1] = drawn.camera;
+    cameras[1].position_q32[0] += INT64_C(1) << 28;
+    start_watch(drawn.faint);
+    if (call == PAIRS)
+        error = fxs_count_pairs(&drawn.scene, &drawn.camera, &drawn.options, room.data, size, &pairs[0], &pairs[1]);
+    else if (call == STEREO || call == EXACT)
+        error = fxs_render_stereo(context, &drawn.scene, cameras, &drawn.options, call == EXACT, room.data, size,
+                                  (void *const[2]){left.data, right.data}, stride, NULL);
+    else
+        error = fxs_render(context, &drawn.scene, &drawn.camera, &drawn.options, room.data, size, left.data, stride,
+                           NULL);
+    const uint64_t touches = end_watch();
+    CHECK(error == 0 || error == FXS_ERR_SCENE || ((call <= HALF || call == PAIRS) && error == FXS_ERR_MEMORY));
+    CHECK(free_room(room) && free_room(left) && free_room(right));
+    return touches;
+}
+
+/* One change at each of some touches, then wild ones. */
+static void render_all(const fxs_context *context, enum call call)
+{
+    const size_t size = memory_for(context, call);
+    watch.first = UINT64_MAX;
+    watch.every = 0;
+    const uint64_t touches = render(context, call, size);
+    CHECK(touches > drawn.scene.chunk_count);
+    for (watch.wild = 0; watch.wild < 2; watch.wild++)
+        for (uint64_t i = 0; i < CHANGES; i++) {
+            watch.first = touches * i / CHANGES;
+            watch.every = watch.wild ? 1 + touches / (1 + 2 * i) : 0;
+            render(context, call, size);
+        }
+}
+
+/* In a process of its own, since a write beyond the memory ends it. */
+static void check_call(const fxs_context *context, const char *name, enum call call)
+{
+    int status;
+    fflush(stdout);
+    const pid_t child = fork();
+    if (child == 0) {
+        const struct sigaction action = {.sa_sigaction = on_touch, .sa_flags = SA_SIGINFO};
+        sigaction(SIGSEGV, &action, NULL);
+        alarm(30);
+        state = 5;
+        check_faults = 0;
+        render_all(context, call);
+        fflush(stdout);
+        _exit(check_faults != 0);
+    }
+    if (!CHECK(child > 0 && waitpid(child, &status, 0) == child && status == 0))
+        printf("  %s, %s, profile %d: %s %d\n", name, call_names[call], (int)drawn.scene.profile,
+               WIFSIGNALED(status) ? "signal" : "status", WIFSIGNALED(status) ? WTERMSIG(status) : status);
+}
+
+/* ---- Scenes ----------------------------------------------------------------------------------------------------- */
+
+static uint32_t visible(const unsigned char *scene)
+{
+    fxs_context context;
+    fxs_stats stats;
+    fxs_init(&context, NULL);
+    memcpy(drawn.data, scene, drawn.size);
+    const size_t size = fxs_frame_bytes(&context, &drawn.scene, drawn.camera.width, drawn.camera.height, NULL);
+    void *memory = check_aligned(size), *pixels = check_aligned(1 << 16);
+    CHECK(!fxs_render(&context, &drawn.scene, &drawn.camera, &drawn.options, memory, size, pixels,
+                      4 * (ptrdiff_t)drawn.camera.width, &stats));
+    free(memory);
+    free(pixels);
+    return stats.visible;
+}
+
+static void make_faint(void)
+{
+    const size_t opacities = drawn.scene.profile == FXS_PROFILE_SMALL ? FXS_SMALL_A : FXS_ROW_COLOUR;
+    unsigned char *rows = drawn.faint + (drawn.scene.rows - drawn.data);
+    memcpy(drawn.faint, drawn.bright, drawn.size);
+    for (uint32_t c = 0; c < drawn.scene.chunk_count; c++)
+        memset(rows + (size_t)c * drawn.scene.chunk_bytes + opacities + 4 * SEEN, 0, 4 * (FXS_CHUNK - SEEN));
+}
+
+static void free_scene(void)
+{
+    munmap(drawn.data, drawn.size);
+    free(drawn.bright);
+    free(drawn.faint);
+}
+
+/* Returns whether the scene is one with far more to see when it is bright. */
+static int make_scene(enum fxs_profile profile, uint64_t seed)
+{
+    state = seed;
+    const packed_scene packed = random_scene(profile, 5000);
+    drawn.size = (packed.bytes + drawn.page - 1) / drawn.page * drawn.page;
+    drawn.data = mmap(NULL, drawn.size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    drawn.bright = calloc(1, drawn.size);
+    drawn.faint = malloc(drawn.size);
+    if (drawn.data == MAP_FAILED || !drawn.bright || !drawn.faint)
+        exit(1);
+    memcpy(drawn.bright, packed.data, packed.bytes);
+    memcpy(drawn.data, packed.data, packed.bytes);
+    free(packed.data);
+    random_camera(&drawn.camera);
+    fxs_options_default(&drawn.options);
+    drawn.options.cutoff = (enum fxs_cutoff)between(0, 1);
+    if (!CHECK(!fxs_scene_open(&drawn.scene, drawn.data, drawn.size)))
+        exit(1);
+    make_faint();
+    const uint32_t most = visible(drawn.bright), least = visible(drawn.faint);
+    if (least > drawn.scene.chunk_count / 2 && most > least + 1000)
+        return 1;
+    free_scene();
+    return 0;
+}
+
+static void check_versions(enum call call)
+{
+    uint64_t seed = 1;
+    for (int i = 0; i < SCENES; i++) {
+        while (!make_scene((enum fxs_profile)i, seed++))
+            ;
+        fxs_context context;
+        fxs_init(&context, NULL);
+        check_call(&context, "c", call);
+#ifdef FXS_WITH_KERNELS
+        const unsigned cpu = call == PAIRS ? 0 : fxs_cpu_detect();   /* it is plain C always */
+        for (unsigned flag = 1; flag <= cpu; flag *= 2)
+            if (cpu & flag) {
+                fxs_kernels_choose(&context.kernels, flag);
+                check_call(&context, fxs_cpu_name(flag), call);
+            }
+#endif
+        free_scene();
+    }
+}
+
+static void test_bands(void)
+{
+    check_versions(BANDS);
+    check_versions(HALF);
+}
+
+static void test_whole(void)
+{
+    check_versions(WHOLE);
+}
+
+static void test_stereo(void)
+{
+    check_versions(STEREO);
+    check_versions(EXACT);
+}
+
+static void test_count_pairs(void)
+{
+    check_versions(PAIRS);
+}
+
+int main(void)
+{
+    drawn.page = (size_t)sysconf(_SC_PAGESIZE);
+    RUN(test_bands);
+    RUN(test_whole);
+    RUN(test_stereo);
+    RUN(test_count_pairs);
+    return check_report();
+}
