@@ -154,7 +154,7 @@ cuda-tests: $(B)/tests/gpu/test_cuda $(B)/tests/gpu/bench_cuda
 golden-update: all $(B)/tests/test_golden ## write the golden images anew (and say why in the commit)
 	$(B)/tests/test_golden --update
 
-fuzz: all ## fuzz the file readers, SECONDS=60 each
+fuzz: all ## fuzz readers and renderer, SECONDS=60 each, JOBS at once
 	B=$(B) sh tests/fuzz.sh $(or $(SECONDS),60)
 
 # ---- Measurements --------------------------------------------------------------------------------------------------

@@ -1,6 +1,6 @@
 #!/bin/sh
-# tests/fuzz.sh SECONDS: fuzzes each target that long, JOBS at once (else as many as there are processors). What makes one
-# fail is kept in the folder fuzz of the build.
+# tests/fuzz.sh SECONDS: fuzzes each target (or those named in TARGETS) that long, JOBS at once (else one a processor).
+# What makes one fail is kept in the folder fuzz of the build.
 . tests/scripts/lib/check.sh
 seconds=${1:?seconds}
 jobs=${JOBS:-$(getconf _NPROCESSORS_ONLN)}
@@ -235,8 +235,8 @@ build() {
     done
     ar rc "$work/library.a" "$work"/objects/*.o
     for name in $targets; do
-        clang -fsanitize=fuzzer,$sanitizers "$work/$name.o" "$work/library.a" -lm -lpthread $libraries -o "$work/$name" ||
-            return
+        clang -fsanitize=fuzzer,$sanitizers "$work/$name.o" "$work/library.a" -lm -lpthread $libraries \
+            -o "$work/$name" || return
     done
 }
 
@@ -246,15 +246,15 @@ fuzz() {
         (cd "$work/$name.corpus" && "seeds_of_${name#fuzz_}")
     done
     printf '%s\n' $targets | xargs -P "$jobs" -I NAME sh -c "$work/NAME -max_total_time=$seconds -max_len=16384 \
-        -timeout=20 -rss_limit_mb=1024 -artifact_prefix=$out/NAME- $work/NAME.corpus >$work/NAME.log 2>&1
+        -timeout=20 -rss_limit_mb=1100 -artifact_prefix=$out/NAME- $work/NAME.corpus >$work/NAME.log 2>&1
         echo \$? >$work/NAME.status"
 }
 
 # said NAME: inputs, inputs a second and edges covered
 said() {
-    sed -n 's/^Done \([0-9]*\) runs in \([0-9]*\).*/\1 \2/p; s/^#\([0-9]*\).* cov: \([0-9]*\).*/\1 0 \2/p' "$work/$1.log" |
-        awk '{ if (NF == 3) edges = $3; runs = $1; seconds = $2 }
-            END { printf "%d inputs%s, %d edges", runs, seconds ? sprintf(", %d a second", runs / seconds) : "", edges }'
+    awk '/^#[0-9]+.* cov: / { runs = substr($1, 2); sub(/.* cov: /, ""); edges = $1 }
+        /^Done / { runs = $2; rate = sprintf(", %d a second", $2 / $5) }
+        END { printf "%d inputs%s, %d edges", runs, rate, edges }' "$work/$1.log"
 }
 
 echo 'int LLVMFuzzerTestOneInput(const char *data, long size) { return data && size < 0; }' >"$work/links.c"
@@ -263,8 +263,8 @@ if ! clang -fsanitize=fuzzer,$sanitizers "$work/links.c" -o "$work/links" 2>/dev
     finish
     exit
 fi
-for library in CJSON:cjson/cJSON.h:-lcjson WEBP:webp/decode.h:-lwebp ZIP:zip.h:-lzip ZLIB:zlib.h:-lz ZSTD:zstd.h:-lzstd \
-    STB:stb/stb_image_write.h:; do
+for library in CJSON:cjson/cJSON.h:-lcjson WEBP:webp/decode.h:-lwebp ZIP:zip.h:-lzip ZLIB:zlib.h:-lz \
+    ZSTD:zstd.h:-lzstd STB:stb/stb_image_write.h:; do
     header=${library#*:}
     if echo "#include <${header%:*}>" | clang -E -x c - >/dev/null 2>&1; then
         features="$features -DFXS_WITH_${library%%:*}" libraries="$libraries ${library##*:}"
@@ -283,7 +283,8 @@ for name in $targets; do
         ok "$name: $(said "$name")"
     else
         grep -E -A 12 'ERROR|runtime error' "$work/$name.log" | head -n 24
-        fail "$name: $(said "$name")" "$(grep -o 'Test unit written to .*' "$work/$name.log" || tail -n 1 "$work/$name.log")"
+        kept=$(sed -n 's/.*Test unit written to //p' "$work/$name.log")
+        fail "$name: $(said "$name")" "${kept:-$(tail -n 1 "$work/$name.log")}"
     fi
 done
 times >"$work/times"

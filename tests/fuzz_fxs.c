@@ -1,5 +1,5 @@
-/* libFuzzer target: a packed scene, damaged or not, rendered in all its memory and in the least, for one eye and two, and
-   its pairs counted; every version of the stages that this processor has against plain C, byte for byte. */
+/* libFuzzer target: a packed scene, damaged or not, rendered in all its memory and in the least, for one eye and two,
+   and its pairs counted; every version of the stages that this processor has against plain C, byte for byte. */
 #include "fuzz_frame.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -15,7 +15,7 @@ static size_t picture_bytes(const fuzz_frame *f)
     return f->row * (size_t)f->cameras[0].height;
 }
 
-/* Pictures start as they were on the page before, so that a pixel that is left out is seen. */
+/* All pixels of one value, so that one that is left out is the same in every version. */
 static unsigned char *picture(const fuzz_frame *f, int eye)
 {
     unsigned char *pixels = fuzz_room(1 + eye, picture_bytes(f));

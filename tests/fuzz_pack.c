@@ -1,5 +1,5 @@
-/* libFuzzer target: Gaussians of any floats, packed. What comes out opens, in each profile. The first byte is the profile
-   and the SH degree; the rest are the records of a .ply. */
+/* libFuzzer target: Gaussians of any floats, packed. What comes out opens, in each profile. The first byte is the
+   profile and the SH degree; the rest are the records of a .ply. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,8 +12,8 @@ enum { MOST = 1 << 17 };
 
 static size_t make_ply(char *ply, int sh_degree, const uint8_t *records, size_t size)
 {
-    static const char *const properties[] = {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1",
-                                             "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"};
+    static const char *const properties[] = {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0",
+                                             "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"};
     const int rest = 3 * ((sh_degree + 1) * (sh_degree + 1) - 1);
     const size_t record = 4 * (14 + (size_t)rest), count = size / record;
     char *to = ply + sprintf(ply, "ply\nformat binary_little_endian 1.0\nelement vertex %zu\n", count);

@@ -107,8 +107,8 @@ static void render(const fuzz_frame *f, const fxs_context *context, size_t least
                                 (void *const[2]){pixels[0], pixels[1]}, (ptrdiff_t)f->row, NULL));
 }
 
-/* A scene of the same layout: the chunks lie where others did, and of some only the first few Gaussians are seen, as the
-   opacity of the others is 0. */
+/* A scene of the same layout: the chunks lie where others did, and of some only the first few Gaussians are seen, as
+   the opacity of the others is 0. */
 static unsigned char *make_other(const fuzz_frame *f)
 {
     unsigned char *other = check_aligned(f->bytes), *rows = other + (f->scene.rows - f->data);

@@ -1,4 +1,5 @@
-/* The bytes of .fxs files and of the pictures that they render to: the same on every processor (scripts/processors.sh). */
+/* The bytes of .fxs files and of the pictures that they render to: the same on every processor, see
+ * scripts/processors.sh. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>

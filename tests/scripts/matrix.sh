@@ -1,6 +1,6 @@
 #!/bin/sh
-# One picture everywhere: the random frames of tests/test_random.c by every compiler, optimisation level and sanitizer at
-# hand. processors.sh has the processors.
+# One picture everywhere: the random frames of tests/test_random.c by every compiler, optimisation level and sanitizer
+# at hand. processors.sh has the processors.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT

@@ -1,7 +1,7 @@
 #!/bin/sh
-# One picture everywhere: on every processor, two of them big-endian, the random frames of tests/test_random.c and the .fxs
-# files of tests/test_fxs_bytes.c; the golden images and the kernels under AArch64. By qemu-user, where this processor does
-# not run them itself.
+# One picture everywhere: on every processor, two of them big-endian, the random frames of tests/test_random.c and the
+# .fxs files of tests/test_fxs_bytes.c; the golden images and the kernels under AArch64. By qemu-user, where this
+# processor does not run them itself.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
