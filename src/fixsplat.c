@@ -12,7 +12,7 @@ const char *fxs_strerror(int error)
     static const char *const words[] = {
         "success",
         "an argument is null or out of range",
-        "not a packed scene, or one that is cut short or damaged",
+        "not a packed scene, or one that is cut short, damaged or changed while it was rendered",
         "a packed scene of another version",
         "the camera's focal length is not above 0, its rotation is not a rotation, or its position is too far out",
         "the width or height is outside 1 to 16384",

@@ -295,6 +295,7 @@ static packed_scene faint_points(void)
         for (uint32_t i = 0; i < FXS_CHUNK; i++)
             rows[FXS_ROW_COLOUR + 4 * i + 3] = chunk == 255 && i == 255 ? 120 : 2;
     }
+    CHECK(packed_scene_finish(&p) == 0);
     return p;
 }
 

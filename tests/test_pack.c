@@ -11,6 +11,7 @@
 #include "../port/posix/pool.h"
 #include "../src/fixsplat.h"
 #include "../src/packed.h"
+#include "../src/stage.h"
 #include "check.h"
 
 enum { MAX_COUNT = 40000 };
@@ -102,7 +103,9 @@ static fxs_scene pack(size_t count, int sh_degree)
 
 static const fxs_chunk *chunk_of(const fxs_scene *scene, uint32_t i)
 {
-    return &scene->chunks[i / FXS_CHUNK];
+    static fxs_chunk header;
+    CHECK(fxs_chunk_read(&header, scene, i / FXS_CHUNK) == 0);
+    return &header;
 }
 
 static const unsigned char *rows_of(const fxs_scene *scene, uint32_t i)

@@ -193,7 +193,7 @@ int is_packed(const char *path)
     size_t got = file ? fread(&magic, sizeof magic, 1, file) : 0;
     if (file)
         fclose(file);
-    return got == 1 && magic == FXS_PACKED_MAGIC;
+    return got == 1 && fxs_little_32(magic) == FXS_PACKED_MAGIC;
 }
 
 static int map(loaded_scene *loaded, const char *path)
@@ -205,15 +205,17 @@ static int map(loaded_scene *loaded, const char *path)
     if (fxs_file_check(path, loaded->packed.data, loaded->packed.bytes, 0, &message))
         return fail(EXIT_FAILED, "%s", message.text);
     fxs_scene_open(&loaded->scene, loaded->packed.data, loaded->packed.bytes);
-    const fxs_packed_header *header = loaded->packed.data;
-    loaded->info = (fxs_scene_file_info){"fxs", header->count, (int)header->sh_degree, loaded->scene.antialiased,
+    fxs_packed_header header;
+    memcpy(&header, loaded->packed.data, sizeof header);
+    fxs_packed_header_turn(&header);
+    loaded->info = (fxs_scene_file_info){"fxs", header.count, (int)header.sh_degree, loaded->scene.antialiased,
                                         1, {0, 0}, {0, 0}};
-    loaded->report.read = loaded->report.packed = header->count;
+    loaded->report.read = loaded->report.packed = header.count;
     for (int i = 0; i < 3; i++) {
-        loaded->report.low[i] = ldexp((double)header->low_q32[i], -32);
-        loaded->report.high[i] = ldexp((double)header->high_q32[i], -32);
-        loaded->report.inner_low[i] = ldexp((double)header->inner_low_q32[i], -32);
-        loaded->report.inner_high[i] = ldexp((double)header->inner_high_q32[i], -32);
+        loaded->report.low[i] = ldexp((double)header.low_q32[i], -32);
+        loaded->report.high[i] = ldexp((double)header.high_q32[i], -32);
+        loaded->report.inner_low[i] = ldexp((double)header.inner_low_q32[i], -32);
+        loaded->report.inner_high[i] = ldexp((double)header.inner_high_q32[i], -32);
     }
     return 0;
 }

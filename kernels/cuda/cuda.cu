@@ -434,7 +434,7 @@ int fxs_cuda_upload(fxs_cuda *cuda, const fxs_scene *scene, fxs_cuda_failure *fa
     if (!cuda || !scene)
         return failed(failure, FXS_ERR_ARGUMENT, "an argument is null");
     on_device scope(cuda->device);
-    const unsigned char *start = (const unsigned char *)scene->chunks;
+    const unsigned char *start = scene->chunks;
     const uint64_t bytes = (uint64_t)(scene->rows - start) + (uint64_t)scene->chunk_count * scene->chunk_bytes;
     cuda->scene = {};
     reserve(cuda, &cuda->scene_data, 0, 0);
@@ -454,7 +454,7 @@ int fxs_cuda_upload(fxs_cuda *cuda, const fxs_scene *scene, fxs_cuda_failure *fa
         return error;
     unsigned char *copy = (unsigned char *)cuda->scene_data.data;
     cuda->scene = *scene;
-    cuda->scene.chunks = (const fxs_chunk *)copy;
+    cuda->scene.chunks = copy;
     cuda->scene.rows = copy + (scene->rows - start);
     cuda->scene.palette = scene->palette ? (const int8_t *)copy + (scene->palette - (const int8_t *)start) : 0;
     return 0;
@@ -499,7 +499,9 @@ int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_cuda_failure *fai
     cudaGetLastError();            /* not ours */
     int error = wait(cuda, failure);
     for (uint32_t i = 0; i < cuda->frame_count && !error; i++)
-        if (!frame_fitted(cuda, i))
+        if (cuda->status[i].damaged)
+            error = failed(failure, FXS_ERR_SCENE, fxs_strerror(FXS_ERR_SCENE));
+        else if (!frame_fitted(cuda, i))
             error = render_again(cuda, i, failure);
     if (!error && stats)
         stats_of(cuda, stats);

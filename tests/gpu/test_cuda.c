@@ -45,8 +45,8 @@ static void expected_splats(expected *e, const fxs_scene *scene)
     e->keys = room(most * sizeof *e->keys);
     e->spare = room(most * sizeof *e->keys);
     for (uint32_t chunk = 0; chunk < scene->chunk_count; chunk++) {
-        uint32_t n = fxs_project_c(&e->view, scene, chunk, e->splats + e->count, e->bounds + e->count,
-                                   e->indices + e->count, e->depths + e->count);
+        uint32_t n = (uint32_t)fxs_project_c(&e->view, scene, chunk, e->splats + e->count, e->bounds + e->count,
+                                             e->indices + e->count, e->depths + e->count);
         fxs_shade_c(&e->view, scene, chunk, e->indices + e->count, n, e->splats + e->count);
         e->count += n;
     }
@@ -397,7 +397,7 @@ static void test_edges(void)
     free(pixels);
 
     scene.chunk_count = scene.count = 0;
-    scene.rows = (const unsigned char *)scene.chunks;
+    scene.rows = scene.chunks;
     CHECK(!fxs_cuda_upload(cuda, &scene, &failure) && frame_equal(&scene, &camera, &options));
     free(packed.data);
 }
