@@ -10,7 +10,6 @@
 
 #include "../port/formats/fxs_file.h"
 #include "../port/posix/clock.h"
-#include "../port/posix/map.h"
 #include "../src/packed.h"
 
 int fail(int status, const char *format, ...)
@@ -199,9 +198,11 @@ int is_packed(const char *path)
 static int map(loaded_scene *loaded, const char *path)
 {
     fxs_message message;
-    if (fxs_map(path, &loaded->packed.data, &loaded->packed.bytes, &message))
+    fxs_map_guard();
+    if (fxs_map(&loaded->mapping, path, &message))
         return fail(EXIT_FAILED, "%s", message.text);
-    loaded->mapped = 1;
+    loaded->packed.data = loaded->mapping.data;
+    loaded->packed.bytes = loaded->mapping.bytes;
     if (fxs_file_check(path, loaded->packed.data, loaded->packed.bytes, 0, &message))
         return fail(EXIT_FAILED, "%s", message.text);
     fxs_scene_open(&loaded->scene, loaded->packed.data, loaded->packed.bytes);
@@ -256,6 +257,7 @@ int load_scene(loaded_scene *loaded, const char *path, const load_options *optio
 {
     uint64_t start = fxs_clock(0);
     memset(loaded, 0, sizeof *loaded);
+    loaded->path = path;
     int status = is_packed(path) ? map(loaded, path) : import(loaded, path, options);
     loaded->load_nanoseconds = fxs_clock(0) - start;
     if (status)
@@ -263,10 +265,18 @@ int load_scene(loaded_scene *loaded, const char *path, const load_options *optio
     return status;
 }
 
+int check_scene(const loaded_scene *loaded)
+{
+    fxs_message message;
+    if (loaded->mapping.data && fxs_map_check(&loaded->mapping, loaded->path, &message))
+        return fail(EXIT_FAILED, "%s", message.text);
+    return 0;
+}
+
 void free_scene(loaded_scene *loaded)
 {
-    if (loaded->mapped)
-        fxs_unmap(loaded->packed.data, loaded->packed.bytes);
+    if (loaded->mapping.data)
+        fxs_unmap(&loaded->mapping);
     else
         fxs_packed_scene_free(&loaded->packed);
 }

@@ -9,6 +9,7 @@
 #include "../port/formats/camera.h"
 #include "../port/formats/pack.h"
 #include "../port/formats/scene_filter.h"
+#include "../port/posix/map.h"
 #include "../port/posix/pool.h"
 #include "../src/fixsplat.h"
 #include "backend.h"
@@ -52,7 +53,8 @@ typedef struct loaded_scene {
     fxs_packed_scene packed;
     fxs_pack_report report;                 /* of an .fxs file: counts and bounds only */
     fxs_scene scene;
-    int mapped;                             /* packed is a mapped .fxs file */
+    const char *path;
+    fxs_mapping mapping;                    /* what `packed` is of an .fxs file */
     uint64_t load_nanoseconds;
 } loaded_scene;
 
@@ -86,6 +88,11 @@ int take_profile(load_options *options, const char *value);
 
 /* "default", "compact" or "small". */
 const char *profile_name(enum fxs_profile profile);
+
+/* Whether the scene is still what was loaded: an .fxs file may be written to. Returns 0, or prints that it is not and
+   returns EXIT_FAILED. */
+int check_scene(const loaded_scene *loaded);
+
 void free_scene(loaded_scene *loaded);
 
 /* ---- The options of render, view and bench --------------------------------------------------------------------- */

@@ -70,7 +70,7 @@ static void print_json(const findings *f)
     printf("\"profile\": \"%s\", ", profile_name(s->scene.profile));
     printf("\"packed_bytes\": %zu, \"bytes_per_gaussian\": %.3f, ", s->packed.bytes,
            (double)s->packed.bytes / (double)r->packed);
-    if (!s->mapped) {
+    if (!s->mapping.data) {
         print_error_json("largest_error", &r->largest);
         print_error_json("rms_error", &r->rms);
     }
@@ -117,7 +117,7 @@ static void print_text(const findings *f)
            r->inner_high[0], r->inner_high[1], r->inner_high[2]);
     printf("packed        %zu bytes, %.2f a Gaussian\n", s->packed.bytes,
            (double)s->packed.bytes / (double)r->packed);
-    if (!s->mapped) {
+    if (!s->mapping.data) {
         print_error_text("largest error", &r->largest);
         print_error_text("rms error", &r->rms);
     }
@@ -186,7 +186,7 @@ static int find(findings *f, const info_options *o)
     fxs_message message;
     fxs_context context;
     const fxs_packed_scene *packed = &f->scene.packed;
-    if (f->scene.mapped && fxs_file_check(o->scene, packed->data, packed->bytes, 1, &message))
+    if (f->scene.mapping.data && fxs_file_check(o->scene, packed->data, packed->bytes, 1, &message))
         return fail(EXIT_FAILED, "%s", message.text);
     f->width = o->view.width ? o->view.width : 1280;
     f->height = o->view.height ? o->view.height : 720;

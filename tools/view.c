@@ -342,8 +342,8 @@ static int camera_beside(fxs_camera *camera, const fxs_file_view *view, double o
     return fxs_camera_from_view(camera, &beside, &message) ? fail(EXIT_FAILED, "%s", message.text) : 0;
 }
 
-int renderer_render(renderer *r, const loaded_scene *loaded, const fxs_file_view *view, const fxs_options *options,
-                    fxs_stats *stats)
+static int draw(renderer *r, const loaded_scene *loaded, const fxs_file_view *view, const fxs_options *options,
+                fxs_stats *stats)
 {
     fxs_camera cameras[2];
     if (camera_beside(&cameras[0], view, -r->stereo / 2) || camera_beside(&cameras[1], view, r->stereo / 2) ||
@@ -362,4 +362,11 @@ int renderer_render(renderer *r, const loaded_scene *loaded, const fxs_file_view
         return fail(EXIT_FAILED, "view %s: a frame of %dx%d does not fit in --max-memory %zu: it needs at least %zu "
                     "bytes", view->name, view->width, view->height, r->max_memory, stats->memory.least);
     return error ? fail(EXIT_FAILED, "view %s: %s", view->name, fxs_strerror(error)) : 0;
+}
+
+int renderer_render(renderer *r, const loaded_scene *loaded, const fxs_file_view *view, const fxs_options *options,
+                    fxs_stats *stats)
+{
+    const int status = draw(r, loaded, view, options, stats);
+    return status ? status : check_scene(loaded);
 }

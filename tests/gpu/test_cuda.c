@@ -248,8 +248,7 @@ static void test_files(void)
     if (!file_count)
         SKIP("no .fxs file given");
     for (int i = 0; i < file_count; i++) {
-        void *data;
-        size_t bytes;
+        fxs_mapping file;
         fxs_scene scene;
         fxs_message message;
         const double up[3] = {0, -1, 0};
@@ -257,9 +256,10 @@ static void test_files(void)
         fxs_file_view view;
         fxs_camera camera;
         fxs_options options;
-        if (!CHECK(!fxs_map(files[i], &data, &bytes, &message)) || !CHECK(!fxs_scene_open(&scene, data, bytes)))
+        if (!CHECK(!fxs_map(&file, files[i], &message)) ||
+            !CHECK(!fxs_scene_open(&scene, file.data, file.bytes)))
             continue;
-        const fxs_packed_header *header = data;
+        const fxs_packed_header *header = file.data;
         for (int k = 0; k < 3; k++) {
             low[k] = (double)header->inner_low_q32[k] / 4294967296.0;
             high[k] = (double)header->inner_high_q32[k] / 4294967296.0;
@@ -273,7 +273,7 @@ static void test_files(void)
             if (!CHECK(frame_equal(&scene, &camera, &options)))
                 printf("  %s\n", files[i]);
         }
-        fxs_unmap(data, bytes);
+        fxs_unmap(&file);
     }
 }
 
