@@ -431,7 +431,9 @@ static int pack(packer *p, fxs_packed_scene *scene)
     if ((p->palette && find_palette(p)) || write_codes(p))
         return -1;
     turn_headers(p);
-    return 0;
+    fxs_scene whole;                 /* a pass may have read other numbers than the one before */
+    return fxs_scene_open(&whole, scene->data, scene->bytes) ? fxs_fail(p->message, "the file changed while it was read")
+                                                             : 0;
 }
 
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
