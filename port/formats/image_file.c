@@ -24,7 +24,8 @@ static unsigned char *compress_rows(unsigned char *rows, int size, int *compress
 {
     uLongf room = compressBound((uLong)size);
     unsigned char *out = malloc(room);
-    if (!out || compress2(out, &room, rows, (uLong)size, level) != Z_OK || room > INT_MAX - 64) {
+    (void)level;   /* of stb_image_write's own */
+    if (!out || compress(out, &room, rows, (uLong)size) != Z_OK || room > INT_MAX - 64) {
         free(out);
         return NULL;
     }
