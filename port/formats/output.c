@@ -48,13 +48,14 @@ static void forget(fxs_output *output)
     leave(&before);
 }
 
-/* Never leaves: the signal, no longer handled, comes again when this returns. */
+/* Never leaves, so that other threads wait, with a second signal too. This one comes again when this returns. */
 static void remove_and_end(int signal_number)
 {
     while (__atomic_test_and_set(&taken, __ATOMIC_ACQUIRE))
         continue;
     for (const fxs_output *output = under_way; output; output = output->next)
         unlink(output->temporary);
+    signal(signal_number, SIG_DFL);
     raise(signal_number);
 }
 
@@ -64,7 +65,6 @@ void fxs_output_remove_at_signals(void)
     struct sigaction action, old;
     memset(&action, 0, sizeof action);
     action.sa_handler = remove_and_end;
-    action.sa_flags = (int)SA_RESETHAND;
     sigfillset(&action.sa_mask);
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
         if (!sigaction(signals[i], NULL, &old) && old.sa_handler == SIG_DFL)
