@@ -17,10 +17,8 @@ typedef struct fxs_output {
     int error;                 /* errno of the first failure, or 0; the user may set it */
 } fxs_output;
 
-/* Creates a file in the folder of `path`, for `count` Gaussians (0 where it holds something else). Where `path` is a
-   symbolic link, its target is what is written, whether it exists or not; a file that exists keeps its permissions. A
-   FIFO or a device is written to as the bytes come, and so is standard output by a name of the system's (/dev/stdout).
-   Returns 0, or -1 and a message, with nothing to close. */
+/* Begins a file as output.h says, for `count` Gaussians (0 where it holds something else). Returns 0, or -1 and a
+   message, with nothing to close. */
 int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_message *message);
 
 /* Before n Gaussians are written: returns 0, or -1 and a message where these are more than announced. */
@@ -30,7 +28,7 @@ int fxs_output_expect(fxs_output *output, size_t n, fxs_message *message);
 int fxs_output_write(fxs_output *output, const void *bytes, size_t size, fxs_message *message);
 
 /* Gives the file its name, where it is complete and on the disk. Returns 0, or -1 and a message: then nothing is left
-   behind, and an earlier file of that name is as it was (but what went to a FIFO or a device has gone). */
+   behind, and an earlier file of that name is as it was. */
 int fxs_output_close(fxs_output *output, fxs_message *message);
 
 #endif

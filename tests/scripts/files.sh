@@ -110,7 +110,7 @@ check "a signal that is ignored stays so" equal "$(cat logs/status) $(ls ignored
 (
     ulimit -f 100
     "$fixsplat" make-scene landscape --count 20000000 -o ended.ply
-    :   # by this shell is it said what ended the command
+    :   # else the shell outside would say what ended the command
 ) 2>logs/err
 check "SIGXFSZ: nothing is left" equal "$(left; ls ended.ply 2>/dev/null)" ""
 
