@@ -113,8 +113,8 @@ demo: ## make a procedural scene and render it to demo.png
 
 PUBLIC := src/fixsplat.h src/packed.h kernels/kernels.h kernels/cuda/cuda.h kernels/gles/gles.h port/egl/egl.h \
           port/osmesa/osmesa.h $(wildcard port/posix/*.h) $(addprefix port/formats/,\
-          allocator.h camera.h camera_file.h fxs_file.h image_file.h message.h pack.h ply_write.h scene_file.h \
-          scene_filter.h splat_write.h spz_write.h)
+          allocator.h camera.h camera_file.h fxs_file.h image_file.h message.h output.h pack.h ply_write.h \
+          scene_file.h scene_filter.h splat_write.h spz_write.h)
 
 install: all ## install to $(DESTDIR)$(PREFIX): command, library, headers, pkg-config file
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig
