@@ -665,8 +665,6 @@ static int describe(gltf *g, fxs_scene_file_info *info)
         info->count += s->count;
         info->sh_degree = s->sh_degree > info->sh_degree ? s->sh_degree : info->sh_degree;
         info->antialiased |= s->antialiased;
-        if (fxs_limit_gaussians(g->source, info->count, g->message))
-            return -1;
     }
     if (g->parts_count == 0)
         return fail(g, "no primitive with KHR_gaussian_splatting in the scene");

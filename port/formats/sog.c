@@ -344,7 +344,11 @@ static int load_meta(sog_scene *s, const container *c)
     if (!root)
         return -1;
     const char *fault = read_meta(s, root);
-    int status = fault ? fxs_fail(c->message, "%s: %s", c->source->path, fault) : load_images(s, c, root);
+    int status = fault ? fxs_fail(c->message, "%s: %s", c->source->path, fault) : 0;
+    if (status == 0 && c->zip)   /* all its bytes are known, those of files in a folder when they are loaded */
+        status = fxs_limit_gaussians(c->source, s->count, c->message);
+    if (status == 0)
+        status = load_images(s, c, root);
     cJSON_Delete(root);
     return status;
 }

@@ -243,8 +243,8 @@ int fxs_limit_gaussians(const fxs_scene_source *source, uint64_t count, fxs_mess
 {
     if (!source->import || count <= most_gaussians(source))
         return 0;
-    return fxs_fail(message, "%s: %" PRIu64 " Gaussians in %" PRIu64 " bytes of files, more than the limit of %" PRIu64
-                    "; --max-gaussians raises it (a program: max_gaussians)", source->path, count,
+    return fxs_fail(message, "%s: %" PRIu64 " Gaussians or more in %" PRIu64 " bytes of files, beyond the limit of %"
+                    PRIu64 "; --max-gaussians raises it (a program: max_gaussians)", source->path, count,
                     source->import->file_bytes, most_gaussians(source));
 }
 
