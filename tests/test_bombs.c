@@ -6,7 +6,6 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
-#include <time.h>
 
 #include "../port/formats/pack.h"
 #include "every_format_bytes.h"
@@ -264,6 +263,7 @@ static void make_bomb(const struct bomb *b)
     int status;
     pid_t child = fork();
     if (child == 0) {
+        check_faults = 0;
         b->make(b->name);
         _exit(check_faults != 0);
     }
@@ -272,7 +272,7 @@ static void make_bomb(const struct bomb *b)
 
 /* ---- What it takes to import them ------------------------------------------------------------------------------ */
 
-enum { MOST_KIB = 256 << 10, MOST_SECONDS = 2, SURELY_SECONDS = 20 };
+enum { MOST_KIB = 256 << 10, MOST_SECONDS = 2, SURELY_SECONDS = 20 };   /* of the processor; of the clock */
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 enum { MEASURED = 0 };
@@ -300,12 +300,10 @@ static void import_measured(const struct bomb *b)
     const struct rlimit most = {(rlim_t)4 << 30, (rlim_t)4 << 30};
     struct { int result; fxs_message said; } answer;
     struct rusage usage;
-    struct timespec start, end;
     int pipe_ends[2], status = -1;
     memset(&answer, 0, sizeof answer);
     if (!CHECK(pipe(pipe_ends) == 0))
         return;
-    clock_gettime(CLOCK_MONOTONIC, &start);
     pid_t child = fork();
     if (child == 0) {
         if (MEASURED)
@@ -316,11 +314,11 @@ static void import_measured(const struct bomb *b)
     }
     close(pipe_ends[1]);
     CHECK(child > 0 && wait4(child, &status, 0, &usage) == child);
-    clock_gettime(CLOCK_MONOTONIC, &end);
     if (!CHECK(status == 0 && read(pipe_ends[0], &answer, sizeof answer) == sizeof answer))
         printf("  %s: ended by signal %d\n", b->name, status & 127);
     close(pipe_ends[0]);
-    const double seconds = (double)(end.tv_sec - start.tv_sec) + 1e-9 * (double)(end.tv_nsec - start.tv_nsec);
+    const double seconds = (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+                           1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
     printf("  %-16s %7ld KiB %6.2f s  %s\n", b->name, usage.ru_maxrss, seconds, answer.said.text);
     CHECK(!MEASURED || (usage.ru_maxrss <= MOST_KIB && seconds <= MOST_SECONDS));
     CHECK(b->line ? answer.result == -1 && strstr(answer.said.text, b->line) : answer.result == 0);
