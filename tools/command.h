@@ -120,10 +120,11 @@ enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_SIZE
     {"max-gaussians", required_argument, 0, OPT_MAX_GAUSSIANS}, \
     {"import-memory", required_argument, 0, OPT_IMPORT_MEMORY}
 #define IMPORT_HELP \
-    "  --max-gaussians N   refuse to import a scene of more Gaussians (default: 1000000 and one for each byte of its\n" \
-    "                      files, 67108864 at most); each takes about 100 bytes while it is packed\n" \
-    "  --import-memory BYTES  refuse to import a scene that takes more memory to read and decompress, also as 64K, 3M,\n" \
-    "                      2G (default: 96 bytes for each Gaussian of that limit, for 1000000 at least)\n"
+    "  --max-gaussians N   refuse to import a scene of more Gaussians (default: 1000000 and one for each byte of\n" \
+    "                      its files, 67108864 at most); each takes about 100 bytes while it is packed\n" \
+    "  --import-memory BYTES\n" \
+    "                      refuse to import a scene that takes more memory to read and decompress, also as 64K,\n" \
+    "                      3M, 2G (default: 96 bytes for each Gaussian of that limit, for 1000000 at least)\n"
 #define VIEW_OPTIONS \
     {"cameras", required_argument, 0, OPT_CAMERAS}, {"view", required_argument, 0, OPT_VIEW}, \
     {"eye", required_argument, 0, OPT_EYE}, {"look", required_argument, 0, OPT_LOOK}, \

@@ -40,8 +40,8 @@ typedef int fxs_progress_fn(void *argument, double done);
 
 /* Where the options do not say another limit, a scene may have one Gaussian for each byte of its files (those that a
    .gltf or .sog refers to included) and FXS_GAUSSIANS_ALWAYS more, FXS_GAUSSIANS_CEILING at most, and reading it may
-   take FXS_IMPORT_BYTES for each Gaussian of that limit, or of FXS_GAUSSIANS_ALWAYS where it is lower. Captured scenes
-   have up to a Gaussian for 6 bytes. */
+   take FXS_IMPORT_BYTES for each Gaussian of that limit, or of FXS_GAUSSIANS_ALWAYS where it is lower. Compressed
+   scenes that were captured have 12 bytes a Gaussian and more. */
 #define FXS_GAUSSIANS_ALWAYS 1000000u
 #define FXS_GAUSSIANS_CEILING 67108864u
 #define FXS_IMPORT_BYTES 96u

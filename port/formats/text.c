@@ -21,7 +21,7 @@ int fxs_text_load(const char *path, fxs_text *text, fxs_message *message)
 #include <cjson/cJSON.h>
 
 #define MAX_VALUES ((size_t)8 << 20)
-#define VALUE_BYTES 144                /* that cJSON takes for each, and for the strings in it as many as the text has */
+#define VALUE_BYTES 144                /* that cJSON takes for each, beside the letters of its strings */
 
 /* At least the number of values: each follows a comma or the bracket of its array or object. */
 static size_t count_separators(const fxs_text *json)
