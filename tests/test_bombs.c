@@ -181,34 +181,63 @@ static void make_json_sog(const char *name)
     free(json);
 }
 
-/* One scene named 65,536 times, by names that look different. */
-static void make_streamed_sog_bomb(const char *name)
+enum { FILES = 65536 };
+
+static void look_different(char *name, int i)
 {
-    enum { FILES = 65536 };
     static const char *const ways[4] = {"s/meta.json", "./s/meta.json", "s//meta.json", "s/./meta.json"};
+    strcpy(name, ways[i % 4]);
+}
+
+static void go_through_links(char *name, int i)
+{
+    for (int bit = 0; bit < 16; bit++)
+        memcpy(name + 2 * bit, i >> bit & 1 ? "a/" : "b/", 2);
+    strcpy(name + 32, "s/meta.json");
+}
+
+/* One scene of one Gaussian, in s, that is named 65,536 times. */
+static void write_streamed_sog(const char *name, void name_of(char *name, int i))
+{
     uint8_t image[40];
-    char *json = malloc(FILES * 96), *to = json;
+    char *json = malloc(FILES * 128), *to = json, file[64];
     const size_t length = flat_webp(100, 100, image);
     if (!CHECK(json != NULL))
         return;
-    mkdir(in_folder("s"), 0700);
-    put_meta(10000, five_names);
-    write_file("s/meta.json", bytes, size);
+    snprintf(file, sizeof file, "%.*ss/", (int)(strlen(name) - strlen("lod-meta.json")), name);
+    const size_t at = strlen(file);
+    mkdir(in_folder(file), 0700);
+    put_meta(1, five_names);
+    strcpy(file + at, "meta.json");
+    write_file(file, bytes, size);
     size = 0;
     for (int i = 0; i < 5; i++) {
-        char full[16];
-        snprintf(full, sizeof full, "s/%s", five_names[i]);
-        write_file(full, image, length);
+        strcpy(file + at, five_names[i]);
+        write_file(file, image, length);
     }
     to += sprintf(to, "{\"version\":1,\"lodLevels\":1,\"filenames\":[");
-    for (int i = 0; i < FILES; i++)
-        to += sprintf(to, "%s\"%s\"", i ? "," : "", ways[i % 4]);
+    for (int i = 0; i < FILES; i++) {
+        name_of(file, i);
+        to += sprintf(to, "%s\"%s\"", i ? "," : "", file);
+    }
     to += sprintf(to, "],\"tree\":{\"children\":[");
     for (int i = 0; i < FILES; i++)
-        to += sprintf(to, "%s{\"lods\":{\"0\":{\"file\":%d,\"offset\":0,\"count\":10000}}}", i ? "," : "", i);
+        to += sprintf(to, "%s{\"lods\":{\"0\":{\"file\":%d,\"offset\":0,\"count\":1}}}", i ? "," : "", i);
     to += sprintf(to, "]}}");
     write_file(name, json, (size_t)(to - json));
     free(json);
+}
+
+static void make_streamed_sog_bomb(const char *name)
+{
+    write_streamed_sog(name, look_different);
+}
+
+static void make_linked_sog_bomb(const char *name)
+{
+    mkdir(in_folder("links"), 0700);
+    CHECK(symlink(".", in_folder("links/a")) == 0 && symlink(".", in_folder("links/b")) == 0);
+    write_streamed_sog(name, go_through_links);
 }
 
 /* Gzip at 1032 to 1, and more with what a Gaussian takes while it is packed. */
@@ -250,6 +279,7 @@ static const struct bomb {
     {"large.sog", "67104768 Gaussians or more in ", make_large_sog},
     {"json.sog", "bytes of memory or more, beyond the limit of 97", make_json_sog},
     {"lod-meta.json", "s/meta.json: two leaves share Gaussian 0", make_streamed_sog_bomb},
+    {"links/lod-meta.json", "s/meta.json: the same file as ", make_linked_sog_bomb},
     {"inflating.spz", "4000000 Gaussians or more in ", make_inflating_spz},
     {"instances.glb", "102400000 Gaussians or more in 17", make_instances_glb},
     {"exponents.ply", NULL, make_exponents_ply}
@@ -319,7 +349,7 @@ static void import_measured(const struct bomb *b)
     close(pipe_ends[0]);
     const double seconds = (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
                            1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-    printf("  %-16s %7ld KiB %6.2f s  %s\n", b->name, usage.ru_maxrss, seconds, answer.said.text);
+    printf("  %-19s %7ld KiB %6.2f s  %s\n", b->name, usage.ru_maxrss, seconds, answer.said.text);
     CHECK(!MEASURED || (usage.ru_maxrss <= MOST_KIB && seconds <= MOST_SECONDS));
     CHECK(b->line ? answer.result == -1 && strstr(answer.said.text, b->line) : answer.result == 0);
 }

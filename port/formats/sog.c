@@ -54,6 +54,7 @@ typedef struct range {
 typedef struct file_name {
     const char *name;
     size_t file;
+    uint64_t device, inode;   /* once it was opened by its path; else 0 */
 } file_name;
 
 #define TO_THE_LAST SIZE_MAX
@@ -466,7 +467,7 @@ static int list_names(sog_reader *r, fxs_message *message)
     }
     cJSON_ArrayForEach(item, r->files) {
         const char *name = cJSON_GetStringValue(item);
-        sorted[i] = r->names[i] = (file_name){name ? name : "", i};
+        sorted[i] = r->names[i] = (file_name){name ? name : "", i, 0, 0};
         i++;
     }
     if (count > 0)
@@ -549,10 +550,21 @@ static int open_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_messag
     return check_name(r->source, name, message) ? -1 : fxs_scene_source_open_beside(&s->own, r->source, name, message);
 }
 
+/* Links can give one file many names. */
+static int check_identity(const sog_reader *r, const sog_scene *s, size_t file, fxs_message *message)
+{
+    for (size_t i = 0; i < r->file_count && s->own.inode; i++)
+        if (i != file && r->names[i].inode == s->own.inode && r->names[i].device == s->own.device)
+            return fxs_fail(message, "%s: the same file as %s", s->own.path, r->names[i].name);
+    r->names[file].device = s->own.device;
+    r->names[file].inode = s->own.inode;
+    return 0;
+}
+
 /* Loads a scene, its images not decoded yet. */
 static int load_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_message *message)
 {
-    if (open_scene(r, s, file, message) != 0)
+    if (open_scene(r, s, file, message) != 0 || (r->files && check_identity(r, s, file, message) != 0))
         return -1;
     container c = {s->source, NULL, message};
     if (r->bundled && !(c.zip = fxs_zip_open(r->source, message)))

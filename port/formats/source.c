@@ -46,6 +46,8 @@ static int open_file(fxs_scene_source *source, const char *name, int flags, fxs_
     if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
         return fxs_fail(message, "%s: not a regular file", path);
     source->input.size = (uint64_t)status.st_size;
+    source->device = (uint64_t)status.st_dev;
+    source->inode = (uint64_t)status.st_ino;
     return 0;
 }
 

@@ -21,6 +21,7 @@ struct fxs_scene_source {
     const fxs_scene_source *first;    /* the one that this lies beside, or NULL */
     fxs_scene_file_options options;
     fxs_import *import;               /* NULL: without limits */
+    uint64_t device, inode;           /* of a file that was opened by its path; else 0 */
 };
 
 /* These open a source whose options are set and the rest is 0. Each returns 0, or -1 and a message; close it also

@@ -33,6 +33,7 @@ refuses "padding that deflates to nothing" "padded.sog: 268402689 $gaussians" co
 refuses "large images" "large.sog: 67104768 $gaussians" convert large.sog out.fxs
 refuses "millions of values" "json.sog: .* $memory" convert json.sog out.fxs
 refuses "one file 65536 times" "two leaves share Gaussian 0" convert lod-meta.json out.fxs
+refuses "one file by links" "the same file as" convert links/lod-meta.json out.fxs
 refuses "gzip of zeros" "inflating.spz: 4000000 $gaussians" convert inflating.spz out.fxs
 refuses "one .spz 1024 times" "instances.glb: 102400000 $gaussians" convert instances.glb out.fxs
 refuses "to another format" "instances.glb: 102400000 $gaussians" convert instances.glb out.ply
