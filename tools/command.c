@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "../port/formats/fxs_file.h"
@@ -148,14 +149,15 @@ static int filter_scene(fxs_scene_file *file, const char *path, const fxs_scene_
     return 0;
 }
 
-int open_scene(const char *path, int lod, const fxs_scene_filter *filter, fxs_scene_file **file,
-               fxs_scene_file_info *info)
+int open_scene(const char *path, const load_options *o, fxs_scene_file **file, fxs_scene_file_info *info)
 {
     fxs_message message;
-    const fxs_scene_file_options options = {.level = lod};
+    const fxs_scene_file_options options = {
+        .level = o->lod, .max_gaussians = o->max_gaussians, .max_memory = o->import_memory
+    };
     if (fxs_scene_file_open(path, &options, file, info, &message))
         return fail(EXIT_FAILED, "%s", message.text);
-    int status = filter ? filter_scene(*file, path, filter, info) : 0;
+    int status = o->filter ? filter_scene(*file, path, o->filter, info) : 0;
     if (status)
         fxs_scene_file_close(*file);
     return status;
@@ -166,7 +168,7 @@ static int import(loaded_scene *loaded, const char *path, const load_options *o)
     fxs_message message;
     fxs_scene_file *file;
     char label[] = "packing";
-    if (open_scene(path, o->lod, o->filter, &file, &loaded->info))
+    if (open_scene(path, o, &file, &loaded->info))
         return EXIT_FAILED;
     const uint32_t threads = o->threads ? o->threads : fxs_processors();
     fxs_pool *pool = fxs_pool_create(threads);
@@ -184,11 +186,12 @@ static int import(loaded_scene *loaded, const char *path, const load_options *o)
     return 0;
 }
 
-/* By the four bytes with which an .fxs file begins. */
+/* By the four bytes with which an .fxs file begins. Only a regular file is opened: a pipe would wait for its writer. */
 int is_packed(const char *path)
 {
     uint32_t magic = 0;
-    FILE *file = fopen(path, "rb");
+    struct stat information;
+    FILE *file = stat(path, &information) == 0 && S_ISREG(information.st_mode) ? fopen(path, "rb") : 0;
     size_t got = file ? fread(&magic, sizeof magic, 1, file) : 0;
     if (file)
         fclose(file);
@@ -225,6 +228,15 @@ int take_max_memory(size_t *bytes, const char *value)
 {
     return parse_bytes(value, bytes)
                ? 0 : fail(EXIT_USAGE, "--max-memory %s: expected bytes, or a number with K, M or G", value);
+}
+
+int take_import_limit(load_options *options, int which, const char *value)
+{
+    if (which == OPT_IMPORT_MEMORY)
+        return parse_bytes(value, &options->import_memory)
+                   ? 0 : fail(EXIT_USAGE, "--import-memory %s: expected bytes, or a number with K, M or G", value);
+    return parse_count(value, 1, UINT64_MAX, &options->max_gaussians)
+               ? 0 : fail(EXIT_USAGE, "--max-gaussians %s: expected a whole number from 1 on", value);
 }
 
 static const char *const profiles[] = {"default", "compact", "small"};

@@ -22,6 +22,7 @@ static const char help[] =
     "  --max-memory BYTES  (also as 64K, 3M, 2G) what render and bench can do with so much\n"
     "  --profile P         how a scene that is not an .fxs file is packed: default, compact or small\n"
     "  --lod LEVEL         level of detail of SCENE, where it is a streamed .sog, 0 the finest (default 0)\n"
+    IMPORT_HELP
     "  --json              print a JSON object (psnr is null where the pictures are equal)\n"
     "  --backends          what can blend here, and why something cannot\n"
     "  --help              this text\n\n"
@@ -140,7 +141,7 @@ static int take_options(info_options *o, int argc, char **argv)
                                           {"views", required_argument, 0, OPT_VIEWS}, {"backends", no_argument, 0, OPT_BACKENDS},
                                           {"size", required_argument, 0, OPT_SIZE},
                                           {"max-memory", required_argument, 0, OPT_MAX_MEMORY},
-                                          {"lod", required_argument, 0, OPT_LOD},
+                                          {"lod", required_argument, 0, OPT_LOD}, IMPORT_OPTIONS,
                                           {"profile", required_argument, 0, OPT_PROFILE}, {"json", no_argument, 0, OPT_JSON},
                                           {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
     memset(o, 0, sizeof *o);
@@ -172,7 +173,9 @@ static int take_options(info_options *o, int argc, char **argv)
 static int compare(findings *f, const info_options *o)
 {
     loaded_scene original;
-    int status = load_scene(&original, o->original, &(load_options){.lod = 0});
+    const load_options *load = &o->view.load;
+    int status = load_scene(&original, o->original, &(load_options){.max_gaussians = load->max_gaussians,
+                                                                    .import_memory = load->import_memory});
     if (status)
         return status;
     status = quality_measure(&f->quality, &f->scene, &original, &o->view, o->views ? (long)o->views : 8);

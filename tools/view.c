@@ -37,6 +37,7 @@ const char view_options_help[] =
     "                      shares the views out among them, other commands take the first\n"
     "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
     "  --profile P         how a scene that is not an .fxs file is packed: default, compact or small\n"
+    IMPORT_HELP
     "  --help              this text\n";
 
 void view_options_default(view_options *options)
@@ -136,6 +137,8 @@ int view_option(view_options *options, int which, const char *value)
     case OPT_BACKEND: options->backend = value; break;
     case OPT_DEVICE: return take_devices(options, value);
     case OPT_LOD: return take_lod(&options->load, value);
+    case OPT_MAX_GAUSSIANS:
+    case OPT_IMPORT_MEMORY: return take_import_limit(&options->load, which, value);
     case OPT_PROFILE: return take_profile(&options->load, value);
     case OPT_MAX_MEMORY: return take_max_memory(&options->max_memory, value);
     case OPT_THREADS:
