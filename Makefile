@@ -99,7 +99,9 @@ PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libzstd-de
             libsdl2-dev
 TEST_PACKAGES := clang libclang-rt-14-dev glslang-tools qemu-user gcc-aarch64-linux-gnu libc6-dev-arm64-cross \
                  gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind libosmesa6-dev libosmesa6 libegl1 libgles2 \
-                 libegl-mesa0 libgl1-mesa-dri xvfb xdotool
+                 libegl-mesa0 libgl1-mesa-dri xvfb xdotool gcc-s390x-linux-gnu libc6-dev-s390x-cross \
+                 gcc-powerpc-linux-gnu libc6-dev-powerpc-cross gcc-arm-linux-gnueabihf libc6-dev-armhf-cross \
+                 gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-i686-linux-gnu libc6-dev-i386-cross
 WANTED = $(PACKAGES) $(if $(filter test,$(MAKECMDGOALS)),$(TEST_PACKAGES))
 
 setup: ## install the Debian packages that are missing (those for the tests too, before `test`)

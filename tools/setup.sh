@@ -9,4 +9,5 @@ command -v apt-get >/dev/null || { echo "setup: no apt-get here; install by hand
 root=
 [ "$(id -u)" = 0 ] || root=sudo
 echo "setup: installing$missing"
-$root apt-get update -qq && DEBIAN_FRONTEND=noninteractive $root apt-get install -y -qq --no-install-recommends $missing >/dev/null
+apt() { $root env DEBIAN_FRONTEND=noninteractive apt-get -qq -o DPkg::Lock::Timeout=300 "$@"; }
+apt update && apt install -y --no-install-recommends $missing >/dev/null
