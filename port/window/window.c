@@ -16,8 +16,8 @@ static int fail(fxs_message *message)
     return fxs_fail(message, "no window: %s", SDL_GetError());
 }
 
-/* Without a display SDL would fall back to drivers that show nothing. Wayland's library writes lines of its own where it
-   has no folder for its socket. A driver asked for by SDL_VIDEODRIVER is taken as it is. */
+/* Without a display SDL would fall back to drivers that show nothing. Wayland's library writes lines of its own where
+   it has no folder for its socket. A driver asked for by SDL_VIDEODRIVER is taken as it is. */
 static void choose_drivers(void)
 {
     char list[256] = "";
