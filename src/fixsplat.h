@@ -3,7 +3,8 @@
  * The picture is a pure function of (packed scene, camera, options): the same bytes on every machine. The library
  * allocates nothing, opens nothing, keeps no global state; every buffer belongs to the caller. Functions return 0 (or
  * a count) on success and a negative FXS_ERR_* otherwise; fxs_strerror gives the words. A context may be used by
- * several threads at once, each with memory of its own.
+ * several threads at once, each with memory and pixels of its own, where its `run` may be called by several (as that
+ * of port/posix/pool.h may) and its `draw` is null: a back end is one thread's at a time.
  *
  * Conventions: scene units are the file's. Camera axes: x right, y down, z forward; pixel centres at +0.5. `_qN` in a
  * name says that the integer is the real value times 2^N. */
@@ -27,9 +28,9 @@ enum fxs_error {
     FXS_ERR_VERSION = -3,       /* a packed scene of another version */
     FXS_ERR_CAMERA = -4,        /* focal length not above 0, rotation not orthonormal, position beyond +-2^28 units */
     FXS_ERR_SIZE = -5,          /* width or height outside 1..FXS_MAX_SIZE */
-    FXS_ERR_MEMORY = -6,        /* the working memory given is too small for the view, or not aligned to 64 */
+    FXS_ERR_MEMORY = -6,        /* too little memory: the working memory given (or not aligned to 64), or a device's */
     FXS_ERR_UNSUPPORTED = -7,   /* a stage that this build or machine does not have */
-    FXS_ERR_DEVICE = -8         /* a back end's device failed, was lost or has no memory left */
+    FXS_ERR_DEVICE = -8         /* a back end's device is missing, failed or was lost */
 };
 
 /* The words for an error code: one line, static, never null. */

@@ -456,7 +456,8 @@ static void resolve_case(void)
         options.background[c] = (uint8_t)extreme(0, 255);
     for (int size = 0; size < FXS_TILE_PIXELS * 3; size++) {
         const int32_t columns = size % FXS_TILE + 1, rows = size / FXS_TILE % FXS_TILE + 1;
-        const ptrdiff_t pitch = 4 * FXS_TILE + below(MAX_STRIDE - 4 * FXS_TILE), stride = one_in(4) ? -pitch : pitch;
+        const ptrdiff_t pitch = 4 * FXS_TILE + (ptrdiff_t)below(MAX_STRIDE - 4 * FXS_TILE);
+        const ptrdiff_t stride = one_in(4) ? -pitch : pitch;
         const size_t skew = below(32), first = stride < 0 ? (size_t)(rows - 1) * (size_t)pitch : 0;
         options.format = (enum fxs_format)(size / FXS_TILE_PIXELS);
         make_tile(&tile);

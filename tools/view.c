@@ -361,7 +361,7 @@ static int draw(renderer *r, const loaded_scene *loaded, const fxs_file_view *vi
                                                   r->memory, r->memory_bytes, eyes, stride, stats)
                               : fxs_render(&r->context, &loaded->scene, cameras, options, r->memory, r->memory_bytes,
                                            r->pixels, stride, stats);
-    if (error == FXS_ERR_MEMORY)
+    if (error == FXS_ERR_MEMORY && stats->memory.least > r->memory_bytes)
         return fail(EXIT_FAILED, "view %s: a frame of %dx%d does not fit in --max-memory %zu: it needs at least %zu "
                     "bytes", view->name, view->width, view->height, r->max_memory, stats->memory.least);
     return error ? fail(EXIT_FAILED, "view %s: %s", view->name, fxs_strerror(error)) : 0;

@@ -53,6 +53,16 @@ int failed(fxs_cuda_failure *failure, int error, const char *text, uint64_t byte
     return error;
 }
 
+const char *words(cudaError_t error)
+{
+    int driver = 0;
+    if (error == cudaErrorNoDevice)
+        return "no NVIDIA GPU was found";
+    if (error == cudaErrorInsufficientDriver && !cudaDriverGetVersion(&driver) && !driver)
+        return "no NVIDIA driver or GPU was found";
+    return cudaGetErrorString(error);
+}
+
 /* The first of two errors of the runtime, as one of ours. */
 int check(fxs_cuda_failure *failure, cudaError_t error, cudaError_t second = cudaSuccess)
 {
@@ -60,8 +70,7 @@ int check(fxs_cuda_failure *failure, cudaError_t error, cudaError_t second = cud
     if (!error)
         return 0;
     cudaGetLastError();            /* forgotten, for the sake of other users */
-    return failed(failure, error == cudaErrorMemoryAllocation ? FXS_ERR_MEMORY : FXS_ERR_UNSUPPORTED,
-                  cudaGetErrorString(error));
+    return failed(failure, error == cudaErrorMemoryAllocation ? FXS_ERR_MEMORY : FXS_ERR_DEVICE, words(error));
 }
 
 /* As long as it lives, the renderer's device is the thread's. */
@@ -379,7 +388,7 @@ int fxs_cuda_name(int device, char *name, size_t size, fxs_cuda_failure *failure
     cudaDeviceProp properties;
     int count = 0, error = check(failure, cudaGetDeviceCount(&count));
     if (!error && (device < 0 || device >= count))
-        return failed(failure, FXS_ERR_UNSUPPORTED, "no such CUDA device");
+        return failed(failure, FXS_ERR_DEVICE, "no such CUDA device");
     error = error ? error : check(failure, cudaGetDeviceProperties(&properties, device));
     if (error || !size)
         return error;

@@ -353,7 +353,7 @@ static void test_memory(void)
     camera.width = 0;
     CHECK(fxs_cuda_upload(cuda, &scene, &failure) == 0);
     CHECK(fxs_cuda_render_host(cuda, &camera, &options, pixels, 0, 0, &failure) == FXS_ERR_SIZE);
-    CHECK(fxs_cuda_create(&small, 1000, 0, 1, &failure) == FXS_ERR_UNSUPPORTED);
+    CHECK(fxs_cuda_create(&small, 1000, 0, 1, &failure) == FXS_ERR_DEVICE);
     CHECK(fxs_cuda_create(&small, 0, 0, 17, &failure) == FXS_ERR_ARGUMENT);
     free(pixels);
     free(packed.data);

@@ -33,10 +33,15 @@ if links clang -fsanitize=address,undefined; then
 else
     skip clang-sanitized "no clang with its sanitizers here"
 fi
-if links gcc -m32; then
-    variant gcc-m32 "gcc $flags -m32 -O2 $random -o %"
+i686=i686-linux-gnu-gcc
+if links $i686 -static && "$work/links"; then
+    variant i686 "$i686 $flags -O2 -static $random -o %"
+    # By the Makefile, with the kernels of x86: without /usr/include, whose libraries are the host's.
+    alone="$i686 -nostdinc -isystem $($i686 -print-file-name=include) -isystem /usr/i686-linux-gnu/include"
+    variant i686-kernels "env -u MAKEFLAGS make -s B=%.made CC='$alone' CFLAGS=-O1 LDFLAGS=-static NVCC=none \
+        %.made/tests/test_kernels && cp %.made/tests/test_kernels %"
 else
-    skip gcc-m32 "no 32-bit C library here"
+    skip i686 "no $i686 here, or nothing that runs its programs"
 fi
 if links $arm -static && have qemu-aarch64; then
     variant aarch64 "$arm $flags -O2 -static $random -o %"
