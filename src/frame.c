@@ -218,12 +218,6 @@ static int check(const fxs_scene *scene, const fxs_camera *camera, const fxs_opt
     return 0;
 }
 
-int fxs_check_stride(const fxs_camera *camera, const fxs_options *options, ptrdiff_t stride)
-{
-    const ptrdiff_t row = camera->width * (ptrdiff_t)fxs_pixel_bytes(options);
-    return camera->height > 1 && stride < row && stride > -row ? FXS_ERR_ARGUMENT : 0;
-}
-
 int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera,
                    const fxs_options *options, void *memory, size_t memory_bytes)
 {
@@ -330,8 +324,8 @@ int fxs_render(const fxs_context *context, const fxs_scene *scene, const fxs_cam
     if (!context || (!pixels && !context->config.draw))
         return FXS_ERR_ARGUMENT;
     int error = fxs_frame_init(&f, context, scene, camera, options, memory, memory_bytes);
-    if (!error && pixels)
-        error = fxs_check_stride(camera, options, stride);
+    if (!error && pixels && !fxs_stride_valid(camera, options, stride))
+        error = FXS_ERR_ARGUMENT;
     if (error)
         return error;
     f.pixels = pixels;

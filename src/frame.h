@@ -87,9 +87,6 @@ int32_t fxs_band_project(fxs_frame *f, uint32_t chunk, uint32_t slot, uint32_t e
 int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera,
                    const fxs_options *options, void *memory, size_t memory_bytes);
 
-/* FXS_ERR_ARGUMENT where rows would overlap. */
-int fxs_check_stride(const fxs_camera *camera, const fxs_options *options, ptrdiff_t stride);
-
 /* Runs a job for each block, which sets its block_counts. Returns 0, or FXS_ERR_SCENE where one failed. */
 int fxs_frame_blocks(fxs_frame *f, void (*job)(void *frame, uint32_t block));
 

@@ -122,6 +122,13 @@ static inline int fxs_pixel_bytes(const fxs_options *options)
     return options->format == FXS_FORMAT_RGB565 ? 2 : 4;
 }
 
+/* Whether rows of pixels, `stride` bytes apart, do not overlap. */
+static inline int fxs_stride_valid(const fxs_camera *camera, const fxs_options *options, ptrdiff_t stride)
+{
+    const ptrdiff_t row = camera->width * (ptrdiff_t)fxs_pixel_bytes(options);
+    return camera->height <= 1 || stride >= row || stride <= -row;
+}
+
 /* The background that resolve adds, colour c of r g b. */
 static inline int fxs_background_q13(const fxs_options *options, int c)
 {

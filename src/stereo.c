@@ -234,8 +234,8 @@ int fxs_render_stereo(const fxs_context *context, const fxs_scene *scene, const 
     if (!context || !cameras || !pixels || !pixels[0] || !pixels[1])
         return FXS_ERR_ARGUMENT;
     int error = stereo_init(&s, context, scene, cameras, options, memory, memory_bytes);
-    if (!error)
-        error = fxs_check_stride(&cameras[0], options, stride);
+    if (!error && !fxs_stride_valid(&cameras[0], options, stride))
+        error = FXS_ERR_ARGUMENT;
     if (!error) {
         uint64_t start = fxs_now(&s.frame);
         s.frame.pixels = pixels[0];

@@ -990,6 +990,9 @@ static void test_render_refuses_arguments(void)
     CHECK(fxs_render(context, s, 0, options, memory, good.bytes, pixels, 80, 0) == FXS_ERR_ARGUMENT);
     CHECK(fxs_render(context, s, camera, 0, memory, good.bytes, pixels, 80, 0) == FXS_ERR_ARGUMENT);
     CHECK(fxs_render(context, s, camera, options, memory, good.bytes, 0, 80, 0) == FXS_ERR_ARGUMENT);
+    for (ptrdiff_t stride = -79; stride < 80; stride++)
+        CHECK(fxs_render(context, s, camera, options, memory, good.bytes, pixels, stride, 0) == FXS_ERR_ARGUMENT);
+    CHECK(untouched(good.pixels, sizeof good.pixels));
     CHECK(fxs_count_pairs(s, camera, options, memory, good.bytes, 0, &pairs) == FXS_ERR_ARGUMENT);
     CHECK(fxs_count_pairs(s, camera, options, memory, good.bytes, &pairs, 0) == FXS_ERR_ARGUMENT);
     CHECK(render_good() == 0 && !untouched(good.pixels, sizeof good.pixels));

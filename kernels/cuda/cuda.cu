@@ -248,8 +248,9 @@ int end_frames(fxs_cuda *cuda, int error)
 
 int frame_valid(const fxs_cuda_frame *frame, const fxs_options *options)
 {
-    const uintptr_t pixel_bytes = options->format == FXS_FORMAT_RGB565 ? 2 : 4;
-    return frame->pixels && ((uintptr_t)frame->pixels | (uintptr_t)frame->stride) % pixel_bytes == 0;
+    const uintptr_t pixel_bytes = (uintptr_t)fxs_pixel_bytes(options);
+    return frame->pixels && ((uintptr_t)frame->pixels | (uintptr_t)frame->stride) % pixel_bytes == 0 &&
+           fxs_stride_valid(&frame->camera, options, frame->stride);
 }
 
 int frame_fitted(const fxs_cuda *cuda, uint32_t i)
@@ -482,7 +483,7 @@ int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count
         return failed(failure, FXS_ERR_ARGUMENT, "an argument is null or out of range");
     for (uint32_t i = 0; i < count; i++)
         if (!frame_valid(&frames[i], options))
-            return failed(failure, FXS_ERR_ARGUMENT, "pixels are null or not aligned to a pixel");
+            return failed(failure, FXS_ERR_ARGUMENT, "pixels are null or not aligned to a pixel, or rows overlap");
     on_device scope(cuda->device);
     cudaGetLastError();            /* not ours */
     cuda->options = *options;
@@ -520,12 +521,12 @@ int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_cuda_failure *fai
 int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_camera *camera, const fxs_options *options, void *pixels,
                          ptrdiff_t stride, fxs_cuda_stats *stats, fxs_cuda_failure *failure)
 {
-    if (!cuda || !camera || !options || !pixels)
-        return failed(failure, FXS_ERR_ARGUMENT, "an argument is null");
+    if (!cuda || !camera || !options || !pixels || !fxs_stride_valid(camera, options, stride))
+        return failed(failure, FXS_ERR_ARGUMENT, "an argument is null, or rows overlap");
     if (camera->width < 1 || camera->height < 1 || camera->width > FXS_MAX_SIZE || camera->height > FXS_MAX_SIZE)
         return failed(failure, FXS_ERR_SIZE, "the width or height is outside 1 to 16384");
     on_device scope(cuda->device);
-    const size_t row = (size_t)camera->width * (options->format == FXS_FORMAT_RGB565 ? 2 : 4);
+    const size_t row = (size_t)camera->width * (size_t)fxs_pixel_bytes(options);
     const size_t height = (size_t)camera->height;
     int error = reserve(cuda, &cuda->pixels, row * height, failure);
     const fxs_cuda_frame frame = {*camera, cuda->pixels.data, (ptrdiff_t)row};

@@ -77,8 +77,9 @@ int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count
                     void *stream, fxs_cuda_failure *failure);
 
 /* Waits for the frames of fxs_cuda_render. Frames whose tile lists did not fit are rendered again, in more memory.
-   *stats may be null. Errors: FXS_ERR_ARGUMENT where none are under way, FXS_ERR_MEMORY, FXS_ERR_DEVICE; pixels are
-   undefined then. */
+   *stats may be null. Errors: FXS_ERR_ARGUMENT where none are under way, FXS_ERR_MEMORY, FXS_ERR_DEVICE, FXS_ERR_SCENE
+   where a chunk's header is out of range: the scene's bytes had changed before they were uploaded; pixels are undefined
+   then. */
 int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_cuda_failure *failure);
 
 /* One frame to host memory: render, finish and copy. */

@@ -326,7 +326,7 @@ void fxs_gles_stop_timer(fxs_gles *g)
 
 static void store(unsigned char *to, const unsigned char *rgba, enum fxs_format format)
 {
-    const uint16_t packed = fxs_rgb565(rgba[0], rgba[1], rgba[2]);
+    const uint16_t packed = fxs_little_16(fxs_rgb565(rgba[0], rgba[1], rgba[2]));
     if (format == FXS_FORMAT_RGB565)
         memcpy(to, &packed, sizeof packed);
     else

@@ -382,6 +382,8 @@ static void test_edges(void)
     CHECK(fxs_cuda_render(cuda, frames, 2, &options, 0, &failure) == FXS_ERR_SIZE);
     CHECK(fxs_cuda_finish(cuda, 0, &failure) == FXS_ERR_ARGUMENT);
     CHECK(frame_equal(&scene, &camera, &options));
+    frames[0].stride = -(camera.width * 4 - 4);    /* less than a row */
+    CHECK(fxs_cuda_render(cuda, frames, 1, &options, 0, &failure) == FXS_ERR_ARGUMENT);
     peek_device_free(device);
 
     /* In no more memory than one loading and frame take. */
@@ -394,6 +396,15 @@ static void test_edges(void)
                   !fxs_cuda_render_host(small, &camera, &options, pixels, camera.width * 4, &stats, &failure));
         fxs_cuda_destroy(small);
     }
+    free(pixels);
+
+    /* A header that changed after the scene was opened. */
+    pixels = room((size_t)camera.width * (size_t)camera.height * 4);
+    packed.chunks[scene.chunk_count / 2].step_shift = 63;
+    CHECK(!fxs_cuda_upload(cuda, &scene, &failure));
+    CHECK(fxs_cuda_render_host(cuda, &camera, &options, pixels, camera.width * 4, 0, &failure) == FXS_ERR_SCENE);
+    packed.chunks[scene.chunk_count / 2].step_shift = 0;
+    CHECK(!fxs_cuda_upload(cuda, &scene, &failure) && frame_equal(&scene, &camera, &options));
     free(pixels);
 
     scene.chunk_count = scene.count = 0;
