@@ -27,10 +27,11 @@ $(call optional,SDL2/SDL.h,SDL,-lSDL2,WINDOW_LIBS)
 # Faster versions of the stages, by processor; src/ alone is complete.
 MACHINE := $(shell $(CC) -dumpmachine)
 KERNELS := $(wildcard kernels/*.c)
-KERNELS += $(if $(findstring x86_64,$(MACHINE)),$(wildcard kernels/x86/*.c))
+KERNELS += $(if $(filter x86_64-% i386-% i486-% i586-% i686-%,$(MACHINE)),$(wildcard kernels/x86/*.c))
 KERNELS += $(if $(findstring aarch64,$(MACHINE)),$(wildcard kernels/arm/*.c))
 # clang 14 crashes on the debug information of AVX-512 masks.
-CLANG_14 := $(if $(findstring clang,$(shell $(CC) --version)),-g0)
+CC_VERSION := $(shell $(CC) --version 2>&1)
+CLANG_14 := $(if $(findstring clang,$(CC_VERSION)),-g0)
 isa = $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
       -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi $(CLANG_14))))
 FEATURES += $(if $(KERNELS),-DFXS_WITH_KERNELS)
@@ -47,6 +48,7 @@ NVCC_FLAGS = -O3 -std=c++17 -diag-suppress 177 -gencode arch=compute_90,code=sm_
 ifneq ($(NVCC_PATH),)
 CUDA := kernels/cuda/cuda.cu
 FEATURES += -DFXS_WITH_CUDA
+NVCC_VERSION := $(shell $(NVCC) --version)
 LIBS += $(shell $(NVCC) --dryrun -x cu /dev/null 2>&1 | sed -n 's/.*LIBRARIES=//p') -lcudart_static -ldl -lrt
 else ifneq ($(filter-out clean help,$(or $(MAKECMDGOALS),all)),)
 $(info no $(NVCC): built without the CUDA back end)
@@ -74,7 +76,15 @@ $(B)/fixsplat: $(call objects,$(TOOL)) $(B)/libfixsplat.a
 $(B)/fixsplat-view: $(call objects,tools/viewer_main.c $(WINDOW) $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a
 	$(CC) $(FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS) $(WINDOW_LIBS)
 
-$(B)/%.o: %.c
+# Compilers, flags and libraries found: what is built with others is built again.
+STATE := $(CC) $(CC_VERSION) $(FLAGS) $(LDFLAGS) $(LIBS) $(WINDOW_LIBS) $(NVCC_PATH) $(NVCC_VERSION) $(NVCC_FLAGS)
+quote := '
+$(B)/state: FORCE
+	@mkdir -p $(@D)
+	@printf '%s\n' '$(subst $(quote),$(quote)\$(quote)$(quote),$(STATE))' >$@.new
+	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
+
+$(B)/%.o: %.c $(B)/state
 	@mkdir -p $(@D)
 	$(CC) $(FLAGS) $(call isa,$*) -MMD -MP -c -o $@ $<
 
@@ -87,7 +97,7 @@ $(B)/kernels/gles/shaders.h: $(SHADERS)
 $(B)/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h
 $(B)/kernels/gles/gles.o: CPPFLAGS += -I$(B)/kernels/gles
 
-$(B)/%.o: %.cu
+$(B)/%.o: %.cu $(B)/state
 	@mkdir -p $(@D)
 	$(NVCC) $(NVCC_FLAGS) -MMD -MP -c -o $@ $<
 
@@ -99,7 +109,9 @@ PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libzstd-de
             libsdl2-dev
 TEST_PACKAGES := clang libclang-rt-14-dev glslang-tools qemu-user gcc-aarch64-linux-gnu libc6-dev-arm64-cross \
                  gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind libosmesa6-dev libosmesa6 libegl1 libgles2 \
-                 libegl-mesa0 libgl1-mesa-dri xvfb xdotool
+                 libegl-mesa0 libgl1-mesa-dri xvfb xdotool gcc-s390x-linux-gnu libc6-dev-s390x-cross \
+                 gcc-powerpc-linux-gnu libc6-dev-powerpc-cross gcc-arm-linux-gnueabihf libc6-dev-armhf-cross \
+                 gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-i686-linux-gnu libc6-dev-i386-cross
 WANTED = $(PACKAGES) $(if $(filter test,$(MAKECMDGOALS)),$(TEST_PACKAGES))
 
 setup: ## install the Debian packages that are missing (those for the tests too, before `test`)
@@ -113,8 +125,8 @@ demo: ## make a procedural scene and render it to demo.png
 
 PUBLIC := src/fixsplat.h src/packed.h kernels/kernels.h kernels/cuda/cuda.h kernels/gles/gles.h port/egl/egl.h \
           port/osmesa/osmesa.h $(wildcard port/posix/*.h) $(addprefix port/formats/,\
-          allocator.h camera.h camera_file.h fxs_file.h image_file.h message.h pack.h ply_write.h scene_file.h \
-          scene_filter.h splat_write.h spz_write.h)
+          allocator.h camera.h camera_file.h fxs_file.h image_file.h message.h output.h pack.h ply_write.h \
+          scene_file.h scene_filter.h splat_write.h spz_write.h)
 
 install: all ## install to $(DESTDIR)$(PREFIX): command, library, headers, pkg-config file
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig
@@ -142,6 +154,9 @@ $(B)/tests/test_window: $(call objects,tests/test_window.c port/window/motion.c 
 test: ## run every test
 	@$(MAKE) --no-print-directory all $(TESTS)
 	@FXS_SCENES=$(SCENES) B=$(B) sh tests/run.sh
+
+# What setup installs is found by the makes that these run.
+demo test: $(filter setup,$(MAKECMDGOALS))
 
 test-programs: $(TESTS)
 
@@ -171,4 +186,4 @@ clean: ## remove what was built
 help: ## this list
 	@awk -F ': |## ' '/^[a-z-]+:.*## / {printf "  make %-14s %s\n", $$1, $$NF}' Makefile
 
-.PHONY: all setup demo install test test-programs golden-update fuzz bench size clean help
+.PHONY: all setup demo install test test-programs golden-update fuzz bench size clean help FORCE

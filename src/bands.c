@@ -47,7 +47,7 @@ static void lay_out_frame(fxs_frame *f, int planned)
         f->block_chunks *= 2;
     f->blocks = (chunks + f->block_chunks - 1) / f->block_chunks;
 
-    f->block_slots = cut(&m, f->blocks * sizeof *f->block_slots);
+    f->block_slots = cut(&m, (f->blocks + 1) * sizeof *f->block_slots);
     f->block_counts = cut(&m, f->blocks * sizeof *f->block_counts);
     f->block_times = cut(&m, (uint64_t)f->blocks * 3 * sizeof *f->block_times);
     f->row_counts = cut(&m, planned ? (uint64_t)f->blocks * (tiles_y + 1) * sizeof *f->row_counts : 0);
@@ -137,7 +137,7 @@ static fxs_row_counts *row_counts_of(const fxs_frame *f, uint32_t block)
     return f->row_counts + (size_t)block * (uint32_t)(f->view.tiles_y + 1);
 }
 
-static uint32_t project(fxs_frame *f, uint32_t chunk, uint32_t slot)
+static int32_t project(fxs_frame *f, uint32_t chunk, uint32_t slot)
 {
     return f->context->kernels.project(&f->view, f->scene, chunk, f->splats + slot, f->bounds + slot,
                                        f->indices + slot, (uint32_t *)f->spare_keys + slot);
@@ -150,10 +150,13 @@ static void plan_block(void *argument, uint32_t block)
     fxs_row_counts *counts = row_counts_of(f, block);
     const uint32_t rows = (uint32_t)f->view.tiles_y, first_slot = block * FXS_CHUNK;
     memset(counts, 0, (rows + 1) * sizeof *counts);
+    f->block_counts[block] = FXS_BLOCK_FAILED;
     for (uint32_t c = fxs_block_start(f, block); c < fxs_block_start(f, block + 1); c++) {
         fxs_span touched = {f->view.tiles_y, -1};
-        uint32_t count = project(f, c, first_slot);
-        for (uint32_t slot = first_slot; slot < first_slot + count; slot++) {
+        int32_t count = project(f, c, first_slot);
+        if (count < 0)
+            return;
+        for (uint32_t slot = first_slot; slot < first_slot + (uint32_t)count; slot++) {
             fxs_span span = fxs_bin_rows(&f->view, &f->splats[slot], &f->bounds[slot]);
             counts[span.first + 1].started++;
             counts[span.last + 1].ended++;
@@ -166,6 +169,7 @@ static void plan_block(void *argument, uint32_t block)
         counts[row + 1].started += counts[row].started;
         counts[row + 1].ended += counts[row].ended;
     }
+    f->block_counts[block] = counts[rows].started;
 }
 
 /* Slots for what of a block touches tile rows first_row to end_row - 1, and for projecting one chunk more. */
@@ -186,19 +190,21 @@ static uint64_t band_bytes(const fxs_frame *f, int32_t first_row, int32_t end_ro
     return bytes_for(f, slots, entries_a_slot);
 }
 
-/* Returns the memory that the fullest tile row takes. */
-static uint64_t plan(fxs_frame *f)
+/* Finds the memory that the fullest tile row takes. Returns 0 or FXS_ERR_SCENE. */
+static int plan(fxs_frame *f, uint64_t *most)
 {
-    uint64_t most = 0;
     lay_out_band(f, (uint64_t)f->blocks * FXS_CHUNK);
-    fxs_frame_run(f, plan_block, f->blocks);
+    int error = fxs_frame_blocks(f, plan_block);
+    if (error)
+        return error;
     for (uint32_t block = 0; block < f->blocks; block++)
-        f->stats.visible += row_counts_of(f, block)[f->view.tiles_y].started;
+        f->stats.visible += f->block_counts[block];
+    *most = 0;
     for (int32_t row = 0; row < f->view.tiles_y; row++) {
         uint64_t bytes = band_bytes(f, row, row + 1, 1);
-        most = bytes > most ? bytes : most;
+        *most = bytes > *most ? bytes : *most;
     }
-    return most;
+    return 0;
 }
 
 int fxs_bands_init(fxs_frame *f)
@@ -209,8 +215,9 @@ int fxs_bands_init(fxs_frame *f)
         return 0;
     lay_out_frame(f, 1);
     uint64_t least = bytes_for_plan(f);
-    if (f->memory_bytes >= least)
-        least = plan(f);
+    int error = f->memory_bytes >= least ? plan(f, &least) : 0;
+    if (error)
+        return error;
     f->stats.memory.least = (size_t)smaller(smaller(least, all), SIZE_MAX);
     return f->memory_bytes < least ? FXS_ERR_MEMORY : 0;
 }
@@ -226,15 +233,16 @@ void fxs_band_next(fxs_frame *f)
         f->block_slots[block] = slots;
         slots += block_slots(f, block, f->first_row, f->end_row);
     }
+    f->block_slots[f->blocks] = slots;
     lay_out_band(f, slots);
     f->stats.bands++;
 }
 
 /* Moves the splats that touch the band together. */
-static uint32_t keep(fxs_frame *f, uint32_t first_slot, uint32_t count)
+static int32_t keep(fxs_frame *f, uint32_t first_slot, int32_t count)
 {
     uint32_t *depths = (uint32_t *)f->spare_keys, to = first_slot;
-    for (uint32_t slot = first_slot; slot < first_slot + count; slot++) {
+    for (uint32_t slot = first_slot; slot < first_slot + (uint32_t)count; slot++) {
         fxs_span rows = fxs_bin_rows(&f->view, &f->splats[slot], &f->bounds[slot]);
         if (rows.last < f->first_row || rows.first >= f->end_row)
             continue;
@@ -243,16 +251,18 @@ static uint32_t keep(fxs_frame *f, uint32_t first_slot, uint32_t count)
         f->indices[to] = f->indices[slot];
         depths[to++] = depths[slot];
     }
-    return to - first_slot;
+    return (int32_t)(to - first_slot);
 }
 
-uint32_t fxs_band_project(fxs_frame *f, uint32_t chunk, uint32_t slot)
+int32_t fxs_band_project(fxs_frame *f, uint32_t chunk, uint32_t slot, uint32_t end_slot)
 {
+    if (end_slot - slot < FXS_CHUNK)
+        return FXS_ERR_SCENE;
     if (!f->planned)
         return project(f, chunk, slot);
     fxs_span rows = f->chunk_rows[chunk];
     if (rows.last < f->first_row || rows.first >= f->end_row)
         return 0;
-    uint32_t count = project(f, chunk, slot);
-    return rows.first >= f->first_row && rows.last < f->end_row ? count : keep(f, slot, count);
+    int32_t count = project(f, chunk, slot);
+    return count < 0 || (rows.first >= f->first_row && rows.last < f->end_row) ? count : keep(f, slot, count);
 }

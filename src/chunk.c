@@ -1,11 +1,40 @@
 /* The part of project that is done once a chunk: where it lies for this camera, and whether anything of it can be
    seen. */
 #include "fixed.h"
+#include "memory.h"
 #include "stage.h"
 
 const uint16_t fxs_offset_of_code_q11[256] = {
 #include "opacity.inc"
 };
+
+static int within(int64_t x, int64_t limit)
+{
+    return x >= -limit && x <= limit;
+}
+
+static int in_range(const fxs_chunk *chunk)
+{
+    int64_t scale = chunk->scale_q16, scale_reach = (int64_t)chunk->scale_step_q24 * (1023 * 1023) >> 8;
+    if (chunk->step_shift > 12)
+        return 0;
+    int valid = within(scale, 32 << 16) && within(scale - scale_reach, 32 << 16);
+    for (int i = 0; i < 3; i++) {
+        int64_t reach = (int64_t)chunk->step_q32[i] * 65535 << chunk->step_shift;
+        int64_t colour = chunk->colour_q16[i], colour_reach = (int64_t)chunk->colour_step_q20[i] * 255 >> 4;
+        valid = valid && within(chunk->origin_q32[i], (int64_t)1 << 60) &&
+                within(chunk->origin_q32[i] + reach, (int64_t)1 << 60) && within(colour, 64 << 16) &&
+                within(colour + colour_reach, 64 << 16) && chunk->sh_step_q19[i] <= 32767;
+    }
+    return valid;
+}
+
+FXS_STAGE int fxs_chunk_read(fxs_chunk *header, const fxs_scene *scene, uint32_t chunk)
+{
+    memcpy(header, fxs_aligned(scene->chunks + (size_t)chunk * sizeof *header), sizeof *header);
+    fxs_chunk_turn(header);
+    return in_range(header) ? 0 : FXS_ERR_SCENE;
+}
 
 static uint64_t magnitude(int64_t x)
 {
@@ -21,7 +50,8 @@ static void place(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *chu
         most |= magnitude(offset[i]) + ((uint64_t)chunk->step_q32[i] * 65535 << chunk->step_shift);
     }
     int bits = most ? 64 - fxs_clz64(most) : 0;
-    cv->chunk = chunk;
+    cv->scale_q16 = chunk->scale_q16;
+    cv->scale_step_q24 = chunk->scale_step_q24;
     cv->shift = bits > 29 ? bits - 29 : 0;       /* so |offset| + reach < 2^29 an axis */
     cv->near = (int32_t)((int64_t)FXS_NEAR_Q32 >> cv->shift);
     for (int i = 0; i < 3; i++) {
@@ -41,7 +71,7 @@ static void place(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *chu
    f, that is 3.34 sigma |J|. */
 static int64_t reach_across(const fxs_chunk_view *cv, const fxs_view *view)
 {
-    int32_t log2_q16 = cv->chunk->scale_q16 + (32 - cv->shift + view->jacobian_exponent) * 65536;
+    int32_t log2_q16 = cv->scale_q16 + (32 - cv->shift + view->jacobian_exponent) * 65536;
     int32_t whole = -(-log2_q16 >> 16);          /* ceil */
     if (whole > 40)
         return INT64_MAX / 4;
@@ -59,9 +89,14 @@ static int64_t farthest(const fxs_chunk_view *cv, int i, int sign, int64_t slope
     return sum;
 }
 
-FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *chunk)
+FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_scene *scene, uint32_t chunk)
 {
-    place(cv, view, chunk);
+    fxs_chunk header;
+    int error = fxs_chunk_read(&header, scene, chunk);
+    if (error)
+        return error;
+    cv->chunk = chunk;
+    place(cv, view, &header);
     int64_t z_q16 = cv->base_q16[2];
     for (int j = 0; j < 3; j++)
         z_q16 += cv->m_q16[2][j] > 0 ? (int64_t)cv->m_q16[2][j] * 65535 : 0;

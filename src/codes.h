@@ -15,14 +15,14 @@ static inline uint32_t fxs_word_at(const unsigned char *row, uint32_t g)
 {
     uint32_t word;
     memcpy(&word, row + 4 * g, sizeof word);
-    return word;
+    return fxs_little_32(word);
 }
 
 static inline uint16_t fxs_half_at(const unsigned char *row, uint32_t g)
 {
     uint16_t half;
     memcpy(&half, row + 2 * g, sizeof half);
-    return half;
+    return fxs_little_16(half);
 }
 
 /* 12 bits to 16, and three of 8 to three of 10: the high bits again below. */
@@ -64,7 +64,7 @@ static inline uint64_t fxs_residual(const unsigned char *record, int degree, int
     const uint32_t first = bit / 8 < bytes - 8 ? bit / 8 : bytes - 8;
     uint64_t word;
     memcpy(&word, record + first, sizeof word);
-    return word >> (bit - 8 * first);
+    return fxs_little_64(word) >> (bit - 8 * first);
 }
 
 /* An entry of the palette: int8_t[3][16]. */

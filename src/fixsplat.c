@@ -12,13 +12,13 @@ const char *fxs_strerror(int error)
     static const char *const words[] = {
         "success",
         "an argument is null or out of range",
-        "not a packed scene, or one that is cut short or damaged",
+        "not a packed scene, or one that is cut short, damaged or changed while it was rendered",
         "a packed scene of another version",
         "the camera's focal length is not above 0, its rotation is not a rotation, or its position is too far out",
         "the width or height is outside 1 to 16384",
-        "the working memory is too small or not aligned to 64 bytes",
+        "too little memory: the working memory given (or it is not aligned to 64 bytes), or the device's",
         "not supported by this build or machine",
-        "the back end's device failed, was lost or has no memory left",
+        "the back end's device is missing, failed or was lost",
     };
     int count = (int)(sizeof words / sizeof *words);
     return error <= 0 && error > -count ? words[-error] : "unknown error";

@@ -3,7 +3,8 @@
  * The picture is a pure function of (packed scene, camera, options): the same bytes on every machine. The library
  * allocates nothing, opens nothing, keeps no global state; every buffer belongs to the caller. Functions return 0 (or
  * a count) on success and a negative FXS_ERR_* otherwise; fxs_strerror gives the words. A context may be used by
- * several threads at once, each with memory of its own.
+ * several threads at once, each with memory and pixels of its own, where its `run` may be called by several (as that
+ * of port/posix/pool.h may) and its `draw` is null: a back end is one thread's at a time.
  *
  * Conventions: scene units are the file's. Camera axes: x right, y down, z forward; pixel centres at +0.5. `_qN` in a
  * name says that the integer is the real value times 2^N. */
@@ -23,13 +24,13 @@ extern "C" {
 
 enum fxs_error {
     FXS_ERR_ARGUMENT = -1,      /* a null pointer, or an option outside its range */
-    FXS_ERR_SCENE = -2,         /* not a packed scene, or one cut short */
+    FXS_ERR_SCENE = -2,         /* not a packed scene, or one cut short, damaged or changed while it was rendered */
     FXS_ERR_VERSION = -3,       /* a packed scene of another version */
     FXS_ERR_CAMERA = -4,        /* focal length not above 0, rotation not orthonormal, position beyond +-2^28 units */
     FXS_ERR_SIZE = -5,          /* width or height outside 1..FXS_MAX_SIZE */
-    FXS_ERR_MEMORY = -6,        /* the working memory given is too small for the view, or not aligned to 64 */
+    FXS_ERR_MEMORY = -6,        /* too little memory: the working memory given (or not aligned to 64), or a device's */
     FXS_ERR_UNSUPPORTED = -7,   /* a stage that this build or machine does not have */
-    FXS_ERR_DEVICE = -8         /* a back end's device failed, was lost or has no memory left */
+    FXS_ERR_DEVICE = -8         /* a back end's device is missing, failed or was lost */
 };
 
 /* The words for an error code: one line, static, never null. */
@@ -38,7 +39,6 @@ const char *fxs_strerror(int error);
 /* ---- Scene ----------------------------------------------------------------------------------------------------- */
 
 /* A packed scene (src/packed.h has its layout), as seen by the renderer: it points into the caller's bytes. */
-struct fxs_chunk;
 
 enum fxs_profile {                 /* at SH degree 3, of a large scene: */
     FXS_PROFILE_DEFAULT = 0,       /* 63.5 bytes a Gaussian */
@@ -47,8 +47,8 @@ enum fxs_profile {                 /* at SH degree 3, of a large scene: */
 };
 
 typedef struct fxs_scene {
-    const struct fxs_chunk *chunks;   /* of 256 Gaussians, the last one padded */
-    const unsigned char *rows;        /* of the first chunk, aligned to 64 */
+    const unsigned char *chunks;      /* headers of chunks of 256 Gaussians, the last one padded */
+    const unsigned char *rows;        /* of the first chunk; both aligned to 64 */
     const int8_t *palette;            /* null without one */
     enum fxs_profile profile;
     uint32_t count;                   /* Gaussians */
@@ -63,7 +63,10 @@ typedef struct fxs_scene {
 size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries);
 
 /* Checks `bytes` bytes of a packed scene at `data` (aligned to 64; memory, a mapped file or flash) and fills *scene.
-   `data` must stay in place and unchanged as long as the scene is used; nothing is copied.
+   `data` must stay in place and unchanged as long as the scene is used; nothing is copied. Where its bytes change all
+   the same (another program writes to a mapped file), a frame is FXS_ERR_SCENE or of some bytes of before and some of
+   after, but nothing is read or written beyond the caller's memory. Memory that goes away (a mapped file is cut short:
+   SIGBUS) is for the caller to prevent, or to catch as port/posix/map.h does.
    Errors: FXS_ERR_ARGUMENT, FXS_ERR_SCENE, FXS_ERR_VERSION. */
 int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes);
 
@@ -85,7 +88,7 @@ enum fxs_cutoff {
 enum fxs_format {
     FXS_FORMAT_RGBA8 = 0,          /* 4 bytes a pixel: r, g, b, 255 */
     FXS_FORMAT_RGBA8_COVERAGE = 1, /* 4 bytes a pixel: r, g, b times coverage, coverage; no background */
-    FXS_FORMAT_RGB565 = 2          /* 2 bytes a pixel, native byte order: r in bits 15..11, g 10..5, b 4..0 */
+    FXS_FORMAT_RGB565 = 2          /* 2 bytes a pixel, the low one first: r in bits 15..11, g 10..5, b 4..0 */
 };
 
 typedef struct fxs_options {
@@ -140,13 +143,14 @@ typedef struct fxs_kernels {
     const char *name[FXS_STAGES];  /* version of each stage: "c", "avx2", ... */
 
     /* Projects the Gaussians of a chunk. Those that can touch a pixel are appended: splats (but for the colour),
-       bounds, index in the scene, depth key. Returns their number, at most 256. */
-    uint32_t (*project)(const struct fxs_view *view, const fxs_scene *scene, uint32_t chunk, struct fxs_splat *splats,
-                        struct fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
+       bounds, index in the scene (ascending), depth key. Returns their number, at most 256, or FXS_ERR_SCENE where the
+       chunk's header is out of range: it was not when the scene was opened. */
+    int32_t (*project)(const struct fxs_view *view, const fxs_scene *scene, uint32_t chunk, struct fxs_splat *splats,
+                       struct fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
 
-    /* Fills in the colour of `count` splats of one chunk; indices ascend. */
-    void (*shade)(const struct fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
-                  uint32_t count, struct fxs_splat *splats);
+    /* Fills in the colour of `count` splats of one chunk; indices ascend. Returns 0, or FXS_ERR_SCENE like project. */
+    int (*shade)(const struct fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
+                 uint32_t count, struct fxs_splat *splats);
 
     /* Finds the tiles of `count` splats. */
     void (*bin)(const struct fxs_view *view, const struct fxs_splat *splats, const struct fxs_bounds *bounds,
@@ -206,10 +210,10 @@ typedef struct fxs_stats {
    `memory`: `memory_bytes` bytes, aligned to 64, contents undefined before and after. fxs_frame_bytes are always
    enough; with less, FXS_ERR_MEMORY may be the answer, and stats->memory.least is what this view needs (at least that
    where memory_bytes is below the `least` of fxs_frame_bytes, else exactly, for this number of threads).
-   `pixels`: height rows of width pixels (options->format), `stride` bytes from row to row (negative: bottom up); only
-   the pixels are written. With a back end they are passed on to it, and may be null where it needs none. *stats may
-   be null. Errors: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA, FXS_ERR_SIZE, FXS_ERR_MEMORY; nothing is written to `pixels`
-   then. Those of a back end; a part of the pixels may be written then. */
+   `pixels`: height rows of width pixels (options->format), `stride` bytes from row to row, at least those of a row
+   (negative: bottom up); only the pixels are written. With a back end they are passed on to it, and may be null where
+   it needs none. *stats may be null. Errors: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA, FXS_ERR_SIZE, FXS_ERR_MEMORY; nothing is
+   written to `pixels` then. FXS_ERR_SCENE and those of a back end; a part of the pixels may be written then. */
 int fxs_render(const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                void *memory, size_t memory_bytes, void *pixels, ptrdiff_t stride, fxs_stats *stats);
 

@@ -15,25 +15,33 @@ void fxs_run(const fxs_config *config, void (*job)(void *, uint32_t), void *argu
 /* ---- Stages ---------------------------------------------------------------------------------------------------- */
 
 /* What of the first stages needs no other block, for up to FXS_BLOCK chunks, while their splats are in the cache.
-   Returns how many splats they have in the band; they lie from `slot` on. */
-static uint32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32_t slot, uint64_t *times)
+   Their splats in the band lie from `slot` on, before end_slot. Returns their number or FXS_ERR_SCENE. */
+static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32_t slot, uint32_t end_slot,
+                              uint64_t *times)
 {
     const fxs_kernels *kernels = &f->context->kernels;
     uint32_t starts[FXS_BLOCK + 1] = {slot};
     uint64_t start = fxs_now(f);
-    for (uint32_t i = 0; i < end - first; i++)
-        starts[i + 1] = starts[i] + fxs_band_project(f, first + i, starts[i]);
+    for (uint32_t i = 0; i < end - first; i++) {
+        int32_t count = fxs_band_project(f, first + i, starts[i], end_slot);
+        if (count < 0)
+            return count;
+        starts[i + 1] = starts[i] + (uint32_t)count;
+    }
     uint64_t projected = fxs_now(f);
-    for (uint32_t i = 0; i < end - first; i++)
-        kernels->shade(&f->view, f->scene, first + i, f->indices + starts[i], starts[i + 1] - starts[i],
-                       f->splats + starts[i]);
+    for (uint32_t i = 0; i < end - first; i++) {
+        int error = kernels->shade(&f->view, f->scene, first + i, f->indices + starts[i], starts[i + 1] - starts[i],
+                                   f->splats + starts[i]);
+        if (error)
+            return error;
+    }
     uint64_t shaded = fxs_now(f);
     uint32_t count = starts[end - first] - slot;
     kernels->bin(&f->view, f->splats + slot, f->bounds + slot, count, f->boxes + slot);
     times[0] += projected - start;
     times[1] += shaded - projected;
     times[2] += fxs_now(f) - shaded;
-    return count;
+    return (int32_t)count;
 }
 
 static void prepare_block(void *argument, uint32_t block)
@@ -42,9 +50,24 @@ static void prepare_block(void *argument, uint32_t block)
     uint32_t first = fxs_block_start(f, block), end = fxs_block_start(f, block + 1), slot = f->block_slots[block];
     uint64_t *times = f->block_times + 3 * (size_t)block;
     memset(times, 0, 3 * sizeof *times);
-    for (; first < end; first += FXS_BLOCK)
-        slot += prepare_chunks(f, first, first + FXS_BLOCK < end ? first + FXS_BLOCK : end, slot, times);
+    f->block_counts[block] = FXS_BLOCK_FAILED;
+    for (; first < end; first += FXS_BLOCK) {
+        int32_t count = prepare_chunks(f, first, first + FXS_BLOCK < end ? first + FXS_BLOCK : end, slot,
+                                       f->block_slots[block + 1], times);
+        if (count < 0)
+            return;
+        slot += (uint32_t)count;
+    }
     f->block_counts[block] = slot - f->block_slots[block];
+}
+
+int fxs_frame_blocks(fxs_frame *f, void (*job)(void *frame, uint32_t block))
+{
+    fxs_frame_run(f, job, f->blocks);
+    for (uint32_t block = 0; block < f->blocks; block++)
+        if (f->block_counts[block] == FXS_BLOCK_FAILED)
+            return FXS_ERR_SCENE;
+    return 0;
 }
 
 /* Where a block's keys start: after those of the blocks before it. */
@@ -144,7 +167,7 @@ static void blend_tile(void *argument, uint32_t job)
     fxs_tile pixels;
     uint32_t tile = f->first_tile + job;
     int32_t x = (int32_t)tile % f->view.tiles_x * FXS_TILE, y = (int32_t)tile / f->view.tiles_x * FXS_TILE;
-    ptrdiff_t pixel_bytes = f->options->format == FXS_FORMAT_RGB565 ? 2 : 4;
+    ptrdiff_t pixel_bytes = fxs_pixel_bytes(f->options);
     uint64_t start = fxs_now(f);
     f->context->kernels.blend(&f->view, x, y, f->splats, list_of(f, tile), f->tile_counts[tile], &pixels);
     uint64_t blended = fxs_now(f);
@@ -213,14 +236,17 @@ int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_scene *sc
     return (uintptr_t)memory % 64 ? FXS_ERR_MEMORY : 0;
 }
 
-void fxs_frame_prepare(fxs_frame *f, void (*prepare_job)(void *frame, uint32_t block))
+int fxs_frame_prepare(fxs_frame *f, void (*prepare_job)(void *frame, uint32_t block))
 {
     static const enum fxs_stage stages[] = {FXS_PROJECT, FXS_SHADE, FXS_BIN};
     uint64_t start = fxs_now(f);
-    fxs_frame_run(f, prepare_job, f->blocks);
+    int error = fxs_frame_blocks(f, prepare_job);
+    if (error)
+        return error;
     share_time(f, fxs_now(f) - start, f->block_times, f->blocks, 3, stages);
     fxs_frame_sort(f);
     f->stats.visible += f->planned ? 0 : f->count;
+    return 0;
 }
 
 static void blend_run(fxs_frame *f, void (*tile_job)(void *, uint32_t))
@@ -267,8 +293,9 @@ static int render(fxs_frame *f, void (*tile_job)(void *, uint32_t))
         fxs_band_next(f);
         if (!tile_job && f->context->config.draw_unlisted && f->end_row < f->view.tiles_y)
             return FXS_ERR_UNSUPPORTED;    /* it draws whole frames */
-        fxs_frame_prepare(f, prepare_block);
-        error = draw(f, tile_job);
+        error = fxs_frame_prepare(f, prepare_block);
+        if (!error)
+            error = draw(f, tile_job);
     }
     f->stats.frame_nanoseconds += fxs_now(f) - start;
     return error;
@@ -297,6 +324,8 @@ int fxs_render(const fxs_context *context, const fxs_scene *scene, const fxs_cam
     if (!context || (!pixels && !context->config.draw))
         return FXS_ERR_ARGUMENT;
     int error = fxs_frame_init(&f, context, scene, camera, options, memory, memory_bytes);
+    if (!error && pixels && !fxs_stride_valid(camera, options, stride))
+        error = FXS_ERR_ARGUMENT;
     if (error)
         return error;
     f.pixels = pixels;

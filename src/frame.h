@@ -5,6 +5,7 @@
 #include "stage.h"
 
 #define FXS_BLOCK 16u              /* chunks that are projected, shaded and binned in one go */
+#define FXS_BLOCK_FAILED UINT32_MAX   /* the scene was damaged or changed */
 
 /* Splats of a block whose first, or last, tile row is above a given one. */
 typedef struct fxs_row_counts {
@@ -27,8 +28,8 @@ typedef struct fxs_frame {
 
     /* Cut from the memory once, fixed_bytes long. */
     uint64_t fixed_bytes;
-    uint32_t *block_slots;                 /* first slot of each block */
-    uint32_t *block_counts;                /* its splats */
+    uint32_t *block_slots;                 /* first slot of each block, and the end of the last one's */
+    uint32_t *block_counts;                /* its splats, or FXS_BLOCK_FAILED */
     uint64_t *block_times;                 /* nanoseconds of project, shade and bin */
     fxs_row_counts *row_counts;            /* planned only: tiles_y + 1 for each block */
     fxs_span *chunk_rows;                  /* planned only: tile rows that the splats of each chunk touch */
@@ -72,21 +73,26 @@ static inline uint32_t fxs_block_start(const fxs_frame *f, uint32_t block)
 }
 
 /* Cuts up the memory; where it does not hold every Gaussian of the scene, finds out how many splats each tile row has.
-   Returns 0, or FXS_ERR_MEMORY where they do not fit either (stats.memory.least has what would do). */
+   Returns 0, FXS_ERR_MEMORY where they do not fit either (stats.memory.least has what would do), or FXS_ERR_SCENE. */
 int fxs_bands_init(fxs_frame *f);
 
 /* Goes on to the next band: as many tile rows from end_row on as fit in the memory. */
 void fxs_band_next(fxs_frame *f);
 
-/* Projects a chunk to the slots from `slot` on, room for 256, and keeps what touches the band. Returns how many. */
-uint32_t fxs_band_project(fxs_frame *f, uint32_t chunk, uint32_t slot);
+/* Projects a chunk to the slots from `slot` on, and keeps what touches the band. Returns how many, or FXS_ERR_SCENE:
+   also where there is no room for 256 before end_slot, as there are more splats than were counted for the plan. */
+int32_t fxs_band_project(fxs_frame *f, uint32_t chunk, uint32_t slot, uint32_t end_slot);
 
 /* Checks the arguments, then the memory. Returns 0 or an FXS_ERR_*. */
 int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera,
                    const fxs_options *options, void *memory, size_t memory_bytes);
 
-/* The band's splats, sorted: runs a job that projects, shades and boxes each block, then the sort. */
-void fxs_frame_prepare(fxs_frame *f, void (*prepare_job)(void *frame, uint32_t block));
+/* Runs a job for each block, which sets its block_counts. Returns 0, or FXS_ERR_SCENE where one failed. */
+int fxs_frame_blocks(fxs_frame *f, void (*job)(void *frame, uint32_t block));
+
+/* The band's splats, sorted: runs a job that projects, shades and boxes each block, then the sort. Returns 0 or
+   FXS_ERR_SCENE. */
+int fxs_frame_prepare(fxs_frame *f, void (*prepare_job)(void *frame, uint32_t block));
 
 /* The sort alone: of the depths in spare_keys. */
 void fxs_frame_sort(fxs_frame *f);
@@ -94,7 +100,7 @@ void fxs_frame_sort(fxs_frame *f);
 /* Lists them by tile, and blends the band into f->pixels. Returns 0 or a back end's error. */
 int fxs_frame_draw(fxs_frame *f);
 
-/* The whole frame, from its memory to its pixels. Returns 0, FXS_ERR_MEMORY or a back end's error. */
+/* The whole frame, from its memory to its pixels. Returns 0, FXS_ERR_MEMORY, FXS_ERR_SCENE or a back end's error. */
 int fxs_frame_render(fxs_frame *f);
 
 #endif

@@ -1,5 +1,5 @@
 /* The packed scene: what an importer writes and the renderer reads in place, in memory or from a mapped .fxs file.
- * Little-endian, aligned to 64. docs/format.md has it byte by byte.
+ * Little-endian on every processor, aligned to 64. docs/format.md has it byte by byte.
  *
  *   fxs_packed_header                      192 bytes
  *   fxs_chunk[chunk_count]                 128 bytes each: how the codes of 256 Gaussians are read, and where they lie
@@ -69,6 +69,57 @@ typedef struct fxs_chunk {           /* 128 bytes */
     uint32_t checksum;               /* in a file: CRC-32 of this header with 0 here, and of the chunk's rows */
     uint32_t reserved[10];           /* 0 */
 } fxs_chunk;
+
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+#define FXS_BIG_ENDIAN 1
+#else
+#define FXS_BIG_ENDIAN 0
+#endif
+
+/* Turns the bytes of `count` numbers of `size` bytes, from `offset` on, between the order of a packed scene and that of
+   this processor. */
+static inline void fxs_little_endian(void *start, size_t offset, size_t count, size_t size)
+{
+    unsigned char *bytes = (unsigned char *)start + offset;
+    for (size_t i = 0; FXS_BIG_ENDIAN && i < count; i++, bytes += size)
+        for (size_t low = 0, high = size - 1; low < high; low++, high--) {
+            const unsigned char byte = bytes[low];
+            bytes[low] = bytes[high];
+            bytes[high] = byte;
+        }
+}
+
+static inline uint16_t fxs_little_16(uint16_t x)
+{
+    fxs_little_endian(&x, 0, 1, sizeof x);
+    return x;
+}
+
+static inline uint32_t fxs_little_32(uint32_t x)
+{
+    fxs_little_endian(&x, 0, 1, sizeof x);
+    return x;
+}
+
+static inline uint64_t fxs_little_64(uint64_t x)
+{
+    fxs_little_endian(&x, 0, 1, sizeof x);
+    return x;
+}
+
+/* A header that was copied from a packed scene, to be read; or one that was filled in, to be copied there. */
+static inline void fxs_packed_header_turn(fxs_packed_header *header)
+{
+    fxs_little_endian(header, 0, 8, 4);
+    fxs_little_endian(header, offsetof(fxs_packed_header, low_q32), 12, 8);
+    fxs_little_endian(header, offsetof(fxs_packed_header, profile), 16, 4);
+}
+
+static inline void fxs_chunk_turn(fxs_chunk *chunk)
+{
+    fxs_little_endian(chunk, 0, 3, 8);
+    fxs_little_endian(chunk, offsetof(fxs_chunk, step_q32), 26, 4);
+}
 
 /* SH coefficients a channel above degree 0: 0, 3, 8, 15. */
 #define FXS_SH_COUNT(degree) (((degree) + 1) * ((degree) + 1) - 1)

@@ -234,7 +234,7 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
     int32_t log2_q16[3], q_q15[4], r_q15[3][3], j_q15[2][3], t_q15[2][3], most = INT32_MIN;
     for (int i = 0; i < 3; i++) {
         uint32_t code = scale_word >> 10 * i & 1023;
-        log2_q16[i] = cv->chunk->scale_q16 - (int32_t)((code * code * cv->chunk->scale_step_q24 + 128) >> 8);
+        log2_q16[i] = cv->scale_q16 - (int32_t)((code * code * cv->scale_step_q24 + 128) >> 8);
         most = log2_q16[i] > most ? log2_q16[i] : most;
     }
     int size_exponent;
@@ -296,14 +296,15 @@ static int project_one(fxs_splat *splat, fxs_bounds *bounds, uint32_t *depth, co
     return project_shape(splat, bounds, view, cv, &centre, codes->scale, codes->rotation);
 }
 
-uint32_t fxs_project_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
-                       fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
+int32_t fxs_project_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
+                      fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
 {
     const unsigned char *rows = fxs_rows(scene, chunk);
     fxs_chunk_view cv;
-    uint32_t count = 0;
-    if (!fxs_chunk_view_init(&cv, view, &scene->chunks[chunk]))
-        return 0;
+    int32_t count = 0;
+    const int seen = fxs_chunk_view_init(&cv, view, scene, chunk);
+    if (seen <= 0)
+        return seen;
     for (uint32_t g = 0; g < FXS_CHUNK; g++) {
         const fxs_codes codes = fxs_codes_of(scene, rows, g);
         if (project_one(&splats[count], &bounds[count], &depths[count], view, &cv, &codes, fxs_offset_of_code_q11))

@@ -5,7 +5,7 @@
 static void store(unsigned char *pixel, enum fxs_format format, const int rgb[3], int transmittance_q15)
 {
     if (format == FXS_FORMAT_RGB565) {
-        uint16_t packed = fxs_rgb565(rgb[0], rgb[1], rgb[2]);
+        uint16_t packed = fxs_little_16(fxs_rgb565(rgb[0], rgb[1], rgb[2]));
         memcpy(pixel, &packed, sizeof packed);
         return;
     }
@@ -17,7 +17,7 @@ static void store(unsigned char *pixel, enum fxs_format format, const int rgb[3]
 void fxs_resolve_c(const fxs_options *options, const fxs_tile *tile, int32_t columns, int32_t rows,
                    unsigned char *pixels, ptrdiff_t stride)
 {
-    const int bytes = options->format == FXS_FORMAT_RGB565 ? 2 : 4;
+    const int bytes = fxs_pixel_bytes(options);
     int background_q13[3], rgb[3];
     for (int c = 0; c < 3; c++)
         background_q13[c] = fxs_background_q13(options, c);

@@ -35,28 +35,6 @@ size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, 
     return layout_of(&l, count, sh_degree, profile, palette_entries) ? (size_t)l.bytes : 0;
 }
 
-static int within(int64_t x, int64_t limit)
-{
-    return x >= -limit && x <= limit;
-}
-
-/* The ranges that project and shade rely on. */
-static int chunk_valid(const fxs_chunk *chunk)
-{
-    int64_t scale = chunk->scale_q16, scale_reach = (int64_t)chunk->scale_step_q24 * (1023 * 1023) >> 8;
-    if (chunk->step_shift > 12)
-        return 0;
-    int valid = within(scale, 32 << 16) && within(scale - scale_reach, 32 << 16);
-    for (int i = 0; i < 3; i++) {
-        int64_t reach = (int64_t)chunk->step_q32[i] * 65535 << chunk->step_shift;
-        int64_t colour = chunk->colour_q16[i], colour_reach = (int64_t)chunk->colour_step_q20[i] * 255 >> 4;
-        valid = valid && within(chunk->origin_q32[i], (int64_t)1 << 60) &&
-                within(chunk->origin_q32[i] + reach, (int64_t)1 << 60) && within(colour, 64 << 16) &&
-                within(colour + colour_reach, 64 << 16) && chunk->sh_step_q19[i] <= 32767;
-    }
-    return valid;
-}
-
 int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes)
 {
     fxs_packed_header h;
@@ -66,6 +44,7 @@ int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes)
     if (bytes < sizeof h)
         return FXS_ERR_SCENE;
     memcpy(&h, data, sizeof h);
+    fxs_packed_header_turn(&h);
     if (h.magic != FXS_PACKED_MAGIC)
         return FXS_ERR_SCENE;
     if (h.version != FXS_PACKED_VERSION)
@@ -76,7 +55,7 @@ int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes)
         h.chunk_bytes != fxs_chunk_bytes((enum fxs_profile)h.profile, (int)h.sh_degree) || bytes < l.bytes)
         return FXS_ERR_SCENE;
     const unsigned char *start = data;
-    scene->chunks = (const fxs_chunk *)(const void *)(start + sizeof h);
+    scene->chunks = start + sizeof h;
     scene->palette = h.palette_entries ? (const int8_t *)(start + l.palette) : 0;
     scene->rows = start + l.rows;
     scene->profile = (enum fxs_profile)h.profile;
@@ -87,8 +66,10 @@ int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes)
     scene->palette_step_q19 = h.palette_step_q19;
     scene->sh_degree = (int)h.sh_degree;
     scene->antialiased = (h.flags & FXS_PACKED_ANTIALIASED) != 0;
-    for (uint32_t i = 0; i < scene->chunk_count; i++)
-        if (!chunk_valid(&scene->chunks[i]))
-            return FXS_ERR_SCENE;
-    return 0;
+    int error = 0;
+    for (uint32_t i = 0; i < scene->chunk_count && !error; i++) {
+        fxs_chunk header;
+        error = fxs_chunk_read(&header, scene, i);
+    }
+    return error;
 }

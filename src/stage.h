@@ -45,7 +45,9 @@ typedef struct fxs_view {
 /* Where a chunk lies for a camera: camera coordinates = (base + m code) * 2^-16, in units of 2^(shift - 32), each
    below 2^30. */
 typedef struct fxs_chunk_view {
-    const fxs_chunk *chunk;
+    uint32_t chunk;
+    int32_t scale_q16;             /* of its header */
+    uint32_t scale_step_q24;
     int64_t base_q16[3];
     int32_t m_q16[3][3];           /* below 2^29 */
     int shift;
@@ -114,6 +116,19 @@ typedef struct fxs_tile_run {
     ptrdiff_t stride;
 } fxs_tile_run;
 
+/* Bytes of a pixel. */
+static inline int fxs_pixel_bytes(const fxs_options *options)
+{
+    return options->format == FXS_FORMAT_RGB565 ? 2 : 4;
+}
+
+/* Whether rows of pixels, `stride` bytes apart, do not overlap. */
+static inline int fxs_stride_valid(const fxs_camera *camera, const fxs_options *options, ptrdiff_t stride)
+{
+    const ptrdiff_t row = camera->width * (ptrdiff_t)fxs_pixel_bytes(options);
+    return camera->height <= 1 || stride >= row || stride <= -row;
+}
+
 /* The background that resolve adds, colour c of r g b. */
 static inline int fxs_background_q13(const fxs_options *options, int c)
 {
@@ -126,14 +141,19 @@ static inline uint16_t fxs_rgb565(int r, int g, int b)
     return (uint16_t)((r * 31 + 127) / 255 << 11 | (g * 63 + 127) / 255 << 5 | (b * 31 + 127) / 255);
 }
 
+/* Of a packed scene. */
+static inline const unsigned char *fxs_aligned(const unsigned char *bytes)
+{
+#if defined(__CUDA_ARCH__)
+    bytes = (const unsigned char *)__builtin_assume_aligned(bytes, 64);   /* else nvcc reads single bytes */
+#endif
+    return bytes;
+}
+
 /* The rows of a chunk, aligned to 64. */
 static inline const unsigned char *fxs_rows(const fxs_scene *scene, uint32_t chunk)
 {
-    const unsigned char *rows = scene->rows + (size_t)chunk * scene->chunk_bytes;
-#if defined(__CUDA_ARCH__)
-    rows = (const unsigned char *)__builtin_assume_aligned(rows, 64);   /* else nvcc reads single bytes */
-#endif
-    return rows;
+    return fxs_aligned(scene->rows + (size_t)chunk * scene->chunk_bytes);
 }
 
 /* ---- The C versions -------------------------------------------------------------------------------------------- */
@@ -141,10 +161,10 @@ static inline const unsigned char *fxs_rows(const fxs_scene *scene, uint32_t chu
 /* The table of all of these. */
 extern const fxs_kernels fxs_kernels_c;
 
-uint32_t fxs_project_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
-                       fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
-void fxs_shade_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices, uint32_t count,
-                 fxs_splat *splats);
+int32_t fxs_project_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
+                      fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
+int fxs_shade_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices, uint32_t count,
+                fxs_splat *splats);
 void fxs_bin_c(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count,
                fxs_box *boxes);
 void fxs_blend_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
@@ -170,9 +190,17 @@ static inline uint32_t fxs_part(uint32_t count, uint32_t parts, uint32_t i)
 
 #define FXS_SORT_BUCKETS 2048
 
-/* Places a chunk. Returns 0 where nothing of it can be seen: behind the near plane, or beside the picture by more
-   than its largest Gaussian reaches. */
-FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *chunk);
+/* Copies a chunk's header and checks its ranges, on which project and shade rely: the scene's bytes may have changed
+   since it was opened. Returns 0 or FXS_ERR_SCENE. */
+FXS_STAGE int fxs_chunk_read(fxs_chunk *header, const fxs_scene *scene, uint32_t chunk);
+
+/* Reads and places a chunk. Returns 1, or 0 where nothing of it can be seen (behind the near plane, or beside the
+   picture by more than its largest Gaussian reaches), or FXS_ERR_SCENE. */
+FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_scene *scene, uint32_t chunk);
+
+/* fxs_shade_c with a header that was read and the chunk's rows. */
+void fxs_shade_list(const fxs_view *view, const fxs_scene *scene, const fxs_chunk *header, const unsigned char *rows,
+                    const uint32_t *indices, uint32_t count, fxs_splat *splats);
 
 /* -2 ln(code / 255), Q11; code 0 is never drawn. */
 extern const uint16_t fxs_offset_of_code_q11[256];

@@ -52,17 +52,21 @@ static void spread(fxs_splat *splats, fxs_bounds *bounds, uint32_t to, int seen,
 }
 
 /* Projects a chunk for both eyes, from `slot` on. What one eye does not see has the other's depth. Returns how many
-   slots are taken, at most 256. */
-static uint32_t project(stereo *s, uint32_t chunk, uint32_t slot)
+   slots are taken, at most 256, or FXS_ERR_SCENE. */
+static int32_t project(stereo *s, uint32_t chunk, uint32_t slot)
 {
     fxs_frame *f = &s->frame;
     uint32_t right_indices[FXS_CHUNK], *indices = f->indices + slot;
     uint32_t *depths = (uint32_t *)f->spare_keys + slot, *right_depths = s->right.depths + slot;
-    uint32_t left = f->context->kernels.project(&f->view, f->scene, chunk, f->splats + slot, f->bounds + slot, indices,
-                                                depths);
-    uint32_t right = f->context->kernels.project(&s->right.view, f->scene, chunk, s->right.splats + slot,
-                                                 s->right.bounds + slot, right_indices, right_depths);
-    uint32_t count = union_count(indices, left, right_indices, right);
+    const fxs_kernels *kernels = &f->context->kernels;
+    const int32_t of_left = kernels->project(&f->view, f->scene, chunk, f->splats + slot, f->bounds + slot, indices,
+                                             depths);
+    const int32_t of_right = kernels->project(&s->right.view, f->scene, chunk, s->right.splats + slot,
+                                              s->right.bounds + slot, right_indices, right_depths);
+    if (of_left < 0 || of_right < 0)
+        return FXS_ERR_SCENE;
+    uint32_t left = (uint32_t)of_left, right = (uint32_t)of_right;
+    const uint32_t count = union_count(indices, left, right_indices, right);
     for (uint32_t to = count; to-- > 0 && (left <= to || right <= to);) {
         int by_left = left && (!right || indices[left - 1] >= right_indices[right - 1]);
         int by_right = right && (!left || right_indices[right - 1] >= indices[left - 1]);
@@ -73,19 +77,22 @@ static uint32_t project(stereo *s, uint32_t chunk, uint32_t slot)
         spread(f->splats + slot, f->bounds + slot, to, by_left, &left);
         spread(s->right.splats + slot, s->right.bounds + slot, to, by_right, &right);
     }
-    return count;
+    return (int32_t)count;
 }
 
-/* project and shade, for a chunk. */
-static uint32_t prepare_chunk(stereo *s, uint32_t chunk, uint32_t slot, uint64_t times[2])
+/* project and shade, for a chunk. Returns what project does. */
+static int32_t prepare_chunk(stereo *s, uint32_t chunk, uint32_t slot, uint64_t times[2])
 {
     fxs_frame *f = &s->frame;
     fxs_splat *splats = f->splats + slot, *right = s->right.splats + slot;
     uint64_t start = fxs_now(f);
-    uint32_t count = project(s, chunk, slot);
+    int32_t count = project(s, chunk, slot);
+    if (count < 0)
+        return count;
     uint64_t projected = fxs_now(f);
-    f->context->kernels.shade(&s->middle, f->scene, chunk, f->indices + slot, count, splats);
-    for (uint32_t i = 0; i < count; i++)
+    if (f->context->kernels.shade(&s->middle, f->scene, chunk, f->indices + slot, (uint32_t)count, splats))
+        return FXS_ERR_SCENE;
+    for (int32_t i = 0; i < count; i++)
         memcpy(right[i].colour_q13, splats[i].colour_q13, sizeof splats->colour_q13);
     times[0] += projected - start;
     times[1] += fxs_now(f) - projected;
@@ -108,8 +115,13 @@ static void prepare_block(void *argument, uint32_t block)
     uint32_t slot = f->block_slots[block], count = 0;
     uint64_t *times = f->block_times + 3 * (size_t)block;
     memset(times, 0, 3 * sizeof *times);
-    for (uint32_t chunk = fxs_block_start(f, block); chunk < fxs_block_start(f, block + 1); chunk++)
-        count += prepare_chunk(s, chunk, slot + count, times);
+    f->block_counts[block] = FXS_BLOCK_FAILED;
+    for (uint32_t chunk = fxs_block_start(f, block); chunk < fxs_block_start(f, block + 1); chunk++) {
+        const int32_t more = prepare_chunk(s, chunk, slot + count, times);
+        if (more < 0)
+            return;
+        count += (uint32_t)more;
+    }
     uint64_t shaded = fxs_now(f);
     find_boxes(s, &f->view, f->splats + slot, f->bounds + slot, count, f->boxes + slot);
     find_boxes(s, &s->right.view, s->right.splats + slot, s->right.bounds + slot, count, s->right.boxes + slot);
@@ -162,8 +174,8 @@ static int same_depth(const fxs_view *a, const fxs_view *b)
     return -limit_q30 <= ahead && ahead <= limit_q30;
 }
 
-/* Puts the right eye's splats behind the frame's memory, and finds the splats of both. */
-static void prepare(stereo *s)
+/* Puts the right eye's splats behind the frame's memory, and finds the splats of both. Returns 0 or FXS_ERR_SCENE. */
+static int prepare(stereo *s)
 {
     fxs_frame *f = &s->frame;
     size_t slots = (size_t)f->scene->chunk_count * FXS_CHUNK;
@@ -178,7 +190,7 @@ static void prepare(stereo *s)
     s->right.depths = (uint32_t *)(s->right.boxes + slots);
     f->stats.memory.splats += slots * RIGHT_BYTES;
     f->stats.memory.total += slots * RIGHT_BYTES;
-    fxs_frame_prepare(f, prepare_block);
+    return fxs_frame_prepare(f, prepare_block);
 }
 
 static void turn_right(stereo *s)
@@ -194,8 +206,9 @@ static int render_shared(stereo *s)
 {
     fxs_frame *f = &s->frame;
     int sorted = same_depth(&f->view, &s->right.view);
-    prepare(s);
-    int error = fxs_frame_draw(f);
+    int error = prepare(s);
+    if (!error)
+        error = fxs_frame_draw(f);
     if (error)
         return error;
     turn_right(s);
@@ -221,6 +234,8 @@ int fxs_render_stereo(const fxs_context *context, const fxs_scene *scene, const 
     if (!context || !cameras || !pixels || !pixels[0] || !pixels[1])
         return FXS_ERR_ARGUMENT;
     int error = stereo_init(&s, context, scene, cameras, options, memory, memory_bytes);
+    if (!error && !fxs_stride_valid(&cameras[0], options, stride))
+        error = FXS_ERR_ARGUMENT;
     if (!error) {
         uint64_t start = fxs_now(&s.frame);
         s.frame.pixels = pixels[0];

@@ -1,4 +1,5 @@
-/* A packed scene made by a test: headers of zeros but for what is given here, to be filled in. */
+/* A packed scene made by a test: headers of zeros but for what is given here, to be filled in, in this processor's byte
+ * order; then packed_scene_finish. Rows are filled in as bytes, or by fxs_little_16 and fxs_little_32. */
 #ifndef PACKED_SCENE_H
 #define PACKED_SCENE_H
 
@@ -37,12 +38,19 @@ static inline packed_scene packed_scene_make(enum fxs_profile profile, int degre
     s.header->flags = antialiased ? FXS_PACKED_ANTIALIASED : 0;
     s.header->profile = (uint32_t)profile;
     s.header->palette_entries = entries;
-    if (fxs_scene_open(&s.scene, s.data, s.bytes))
-        abort();
     s.chunks = (fxs_chunk *)(void *)(s.data + sizeof *s.header);
-    s.palette = entries ? (int8_t *)s.data + ((const unsigned char *)s.scene.palette - s.data) : 0;
-    s.rows = s.data + (s.scene.rows - s.data);
+    s.rows = s.data + s.bytes - (size_t)s.header->chunk_count * s.header->chunk_bytes;
+    s.palette = entries ? (int8_t *)(s.chunks + s.header->chunk_count) : 0;
     return s;
+}
+
+/* Once it is filled in: turns its headers, which are not to be read from here on, and opens it. */
+static inline int packed_scene_finish(packed_scene *s)
+{
+    for (uint32_t i = 0, count = s->header->chunk_count; i < count; i++)
+        fxs_chunk_turn(&s->chunks[i]);
+    fxs_packed_header_turn(s->header);
+    return fxs_scene_open(&s->scene, s->data, s->bytes);
 }
 
 static inline unsigned char *packed_scene_rows(const packed_scene *s, uint32_t chunk)

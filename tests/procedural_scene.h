@@ -14,25 +14,31 @@
 static inline int procedural_scene_make(const char *name, uint64_t count, int antialiased, fxs_packed_scene *packed,
                                         fxs_pack_report *report, fxs_message *m)
 {
-    char path[64];
+    char path[] = "/tmp/fixsplat-scene-XXXXXX";
     fxs_ply_writer *writer;
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_pack_report unused;
     const fxs_procedural_scene *scene = fxs_procedural_find(name);
-    snprintf(path, sizeof path, "/tmp/fixsplat-scene-%ld.ply", (long)getpid());
-    if (!scene || fxs_ply_writer_open(path, count, scene->sh_degree, antialiased, &writer, m))
+    int descriptor = scene ? mkstemp(path) : -1;
+    if (descriptor < 0)
+        return fxs_fail(m, "%s: no such scene, or no file %s", name, path);
+    close(descriptor);
+    if (fxs_ply_writer_open(path, count, scene->sh_degree, antialiased, &writer, m)) {
+        unlink(path);
         return -1;
+    }
     for (uint64_t i = 0; i < count; i++) {
         fxs_gaussian gaussian;
         scene->gaussian(i, count, 1, &gaussian);
         if (fxs_ply_writer_put(writer, &gaussian, 1, m))
             break;
     }
-    if (fxs_ply_writer_close(writer, m) || fxs_scene_file_open(path, NULL, &file, &info, m))
-        return -1;
-    int result = fxs_pack(file, &info, packed, report ? report : &unused, 0, m);
-    fxs_scene_file_close(file);
+    int result = fxs_ply_writer_close(writer, m) || fxs_scene_file_open(path, NULL, &file, &info, m) ? -1 : 0;
+    if (!result) {
+        result = fxs_pack(file, &info, packed, report ? report : &unused, 0, m);
+        fxs_scene_file_close(file);
+    }
     unlink(path);
     return result;
 }

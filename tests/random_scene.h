@@ -27,7 +27,7 @@ static int32_t between(int32_t low, int32_t high)
 static void fill_words(void *out, size_t bytes)
 {
     for (size_t at = 0; at < bytes; at += 4) {
-        uint32_t word = (uint32_t)next();
+        uint32_t word = fxs_little_32((uint32_t)next());
         memcpy((unsigned char *)out + at, &word, 4);
     }
 }
@@ -60,6 +60,8 @@ static packed_scene random_scene(enum fxs_profile profile, int32_t most)
         s.header->palette_step_q19 = (uint32_t)between(0, 2000);
         fill_words(s.palette, (size_t)(s.rows - (unsigned char *)s.palette));
     }
+    if (packed_scene_finish(&s))
+        abort();
     return s;
 }
 

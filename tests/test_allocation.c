@@ -70,6 +70,7 @@ static packed_scene make_scene(void)
         for (uint32_t at = 0; at < s.header->chunk_bytes; at++)
             rows[at] = (unsigned char)((state = state * 1664525 + 1013904223) >> 24);
     }
+    CHECK(packed_scene_finish(&s) == 0);
     return s;
 }
 

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "../port/formats/fxs_file.h"
@@ -63,29 +64,75 @@ static void test_round_trip(void)
 {
     static uint8_t from_memory[SIZE * SIZE * 4], from_file[SIZE * SIZE * 4];
     fxs_message m;
-    void *data;
-    size_t bytes;
-    if (!CHECK(!fxs_file_write(fxs_path, packed.data, packed.bytes, &m) && !fxs_map(fxs_path, &data, &bytes, &m)))
+    fxs_mapping file;
+    if (!CHECK(!fxs_file_write(fxs_path, packed.data, packed.bytes, &m) && !fxs_map(&file, fxs_path, &m)))
         return;
-    CHECK(bytes == packed.bytes && !fxs_file_check(fxs_path, data, bytes, 1, &m));
+    CHECK(file.bytes == packed.bytes && !fxs_file_check(fxs_path, file.data, file.bytes, 1, &m));
     draw(packed.data, packed.bytes, from_memory);
-    draw(data, bytes, from_file);
+    draw(file.data, file.bytes, from_file);
     CHECK(!memcmp(from_memory, from_file, sizeof from_file));
     CHECK(memcmp(from_memory, from_memory + 4, sizeof from_file - 4));   /* not one colour */
-    CHECK(!fxs_file_write(fxs_path, data, bytes, &m));                    /* from a mapping, over itself */
-    fxs_unmap(data, bytes);
+    CHECK(!fxs_file_write(fxs_path, file.data, file.bytes, &m));          /* from a mapping, over itself */
+    CHECK(!fxs_map_check(&file, fxs_path, &m));                           /* which is another file now */
+    fxs_unmap(&file);
+    CHECK(!file.data);
+}
+
+/* A file of 16 pages, cut to one, and written to: the mapping says so, and what is lost reads as 0. */
+static void test_changed(void)
+{
+    enum { PAGE = 4096, PAGES = 16 };
+    static unsigned char bytes[PAGES * PAGE];
+    char path[96];
+    fxs_message m;
+    fxs_mapping file;
+    snprintf(path, sizeof path, "%s/changed", folder);
+    for (int cut = 0; cut < 2; cut++) {
+        memset(bytes, 7, sizeof bytes);
+        FILE *out = fopen(path, "wb");
+        if (!CHECK(out && fwrite(bytes, 1, sizeof bytes, out) == sizeof bytes && !fclose(out) &&
+                   !fxs_map(&file, path, &m)))
+            return;
+        const volatile unsigned char *data = file.data;
+        CHECK(!fxs_map_check(&file, path, &m) && data[PAGES * PAGE - 1] == 7);
+        nanosleep(&(struct timespec){0, 20000000}, 0);   /* the clock of a file system ticks every 4 or 10 ms */
+        out = fopen(path, "r+b");
+        CHECK(out && fputc(8, out) == 8 && !fclose(out) && (!cut || !truncate(path, PAGE)));
+        CHECK(data[0] == 8 && data[PAGES * PAGE - 1] == (cut ? 0 : 7));
+        CHECK(fxs_map_check(&file, path, &m) == -1 && strstr(m.text, cut ? "cut short" : "written to") &&
+              strstr(m.text, path));
+        fxs_unmap(&file);
+    }
+    unlink(path);
+}
+
+/* More files than there is room for, and the room again afterwards. */
+static void test_many(void)
+{
+    fxs_message m;
+    static fxs_mapping files[65];
+    int count = 0;
+    while (count < 65 && !fxs_map(&files[count], fxs_path, &m))
+        count++;
+    CHECK(count == 64 && strstr(m.text, "64 files"));
+    while (count-- > 0)
+        fxs_unmap(&files[count]);
+    CHECK(!fxs_map(&files[0], fxs_path, &m));
+    fxs_unmap(&files[0]);
+    fxs_unmap(&files[0]);
 }
 
 /* Every byte of the headers and a sample of the rest, one bit flipped. */
 static void test_damage(void)
 {
     fxs_message m;
-    void *data;
-    size_t bytes, unseen = 0;
-    if (!CHECK(!fxs_map(fxs_path, &data, &bytes, &m)))
+    fxs_mapping file;
+    size_t unseen = 0;
+    if (!CHECK(!fxs_map(&file, fxs_path, &m)))
         return;
+    const size_t bytes = file.bytes;
     unsigned char *copy = check_aligned(bytes);
-    memcpy(copy, data, bytes);
+    memcpy(copy, file.data, bytes);
     for (size_t i = 0; i < bytes; i += i < 256 ? 1 : 97) {
         copy[i] ^= 16;
         unseen += fxs_file_check("x.fxs", copy, bytes, 1, &m) == 0 || !strstr(m.text, "x.fxs");
@@ -97,15 +144,14 @@ static void test_damage(void)
     CHECK(unseen == 0);
     CHECK(!fxs_file_check("x.fxs", copy, bytes, 1, &m));
     free(copy);
-    fxs_unmap(data, bytes);
+    fxs_unmap(&file);
 }
 
 static void test_failures(void)
 {
     char path[96];
     fxs_message m;
-    void *data;
-    size_t bytes;
+    fxs_mapping file;
     struct stat before, after;
     CHECK(fxs_file_write(fxs_path, packed.data, packed.bytes - 1, &m) == -1);
     stat(fxs_path, &before);
@@ -113,14 +159,14 @@ static void test_failures(void)
     CHECK(fxs_file_write(path, packed.data, packed.bytes, &m) == -1 && strstr(m.text, path));
     CHECK(fxs_file_write(folder, packed.data, packed.bytes, &m) == -1 && strstr(m.text, folder));
     CHECK(!stat(fxs_path, &after) && before.st_ino == after.st_ino && before.st_size == after.st_size);
-    CHECK(fxs_map(path, &data, &bytes, &m) == -1 && fxs_map(folder, &data, &bytes, &m) == -1);
+    CHECK(fxs_map(&file, path, &m) == -1 && fxs_map(&file, folder, &m) == -1 && !file.data);
 }
 
 #ifndef FXS_WITH_ZLIB
 static void test_without_zlib(void)
 {
     fxs_message m;
-    (void)test_round_trip, (void)test_damage, (void)test_failures;
+    (void)test_round_trip, (void)test_damage, (void)test_failures, (void)test_changed, (void)test_many;
     CHECK(fxs_file_write(fxs_path, packed.data, packed.bytes, &m) == -1 && strstr(m.text, "zlib"));
     SKIP("built without zlib");
 }
@@ -128,6 +174,7 @@ static void test_without_zlib(void)
 
 int main(void)
 {
+    fxs_map_guard();
     if (!mkdtemp(folder))
         return 1;
     snprintf(fxs_path, sizeof fxs_path, "%s/a.fxs", folder);
@@ -140,6 +187,8 @@ int main(void)
     RUN(test_round_trip);
     RUN(test_damage);
     RUN(test_failures);
+    RUN(test_changed);
+    RUN(test_many);
 #endif
     fxs_packed_scene_free(&packed);
     unlink(fxs_path);

@@ -40,15 +40,16 @@ static const struct port {
     const char *name;
     int (*open)(void **context, fxs_message *message);
     fxs_gl_load_fn *load;
+    fxs_gl_use_fn *use;
     void (*close)(void *context);
 } ports[] = {
 #ifdef FXS_WITH_EGL
-    {"EGL", fxs_egl_open, fxs_egl_load, fxs_egl_close},
+    {"EGL", fxs_egl_open, fxs_egl_load, fxs_egl_use, fxs_egl_close},
 #endif
 #ifdef FXS_WITH_OSMESA
-    {"OSMesa", fxs_osmesa_open, fxs_osmesa_load, fxs_osmesa_close},
+    {"OSMesa", fxs_osmesa_open, fxs_osmesa_load, fxs_osmesa_use, fxs_osmesa_close},
 #endif
-    {0, 0, 0, 0}
+    {0, 0, 0, 0, 0}
 };
 
 static const struct port *port;
@@ -100,7 +101,7 @@ static fxs_gles *open_gles(int *error)
 {
     fxs_gles *gles = malloc(fxs_gles_bytes());
     why_not.text[0] = 0;
-    *error = fxs_gles_init(gles, load, context, why_not.text);
+    *error = fxs_gles_init(gles, load, 0, context, why_not.text);
     if (!*error)
         return gles;
     free(gles);
@@ -295,6 +296,7 @@ static packed_scene faint_points(void)
         for (uint32_t i = 0; i < FXS_CHUNK; i++)
             rows[FXS_ROW_COLOUR + 4 * i + 3] = chunk == 255 && i == 255 ? 120 : 2;
     }
+    CHECK(packed_scene_finish(&p) == 0);
     return p;
 }
 
@@ -644,7 +646,7 @@ static void missing_functions(void)
     for (missing = 0; error == FXS_ERR_UNSUPPORTED && missing < 200; missing++) {
         char said[FXS_GLES_MESSAGE] = "";
         calls = 0;
-        error = fxs_gles_init(gles, load_but_one, context, said);
+        error = fxs_gles_init(gles, load_but_one, 0, context, said);
         CHECK(error ? strstr(said, missing_name) != 0 : missing == calls);
     }
     if (CHECK(!error && missing > 50))
@@ -729,16 +731,26 @@ static GLenum GL_APIENTRY lost_GetError(void)
     return good_calls-- > 0 ? GL_NO_ERROR : 0x0507;   /* GL_CONTEXT_LOST */
 }
 
+static GLenum GL_APIENTRY full_GetError(void)
+{
+    return good_calls-- > 0 ? GL_NO_ERROR : GL_OUT_OF_MEMORY;
+}
+
+static void *GL_APIENTRY full_MapBufferRange(GLenum name, GLintptr offset, GLsizeiptr bytes, GLbitfield access)
+{
+    return good_calls > 0 ? real_MapBufferRange(name, offset, bytes, access) : 0;
+}
+
 static GLenum GL_APIENTRY lost_CheckFramebufferStatus(GLenum name)
 {
     (void)name;
     return good_calls-- > 0 ? GL_FRAMEBUFFER_COMPLETE : 0;
 }
 
-/* A function fails from its n-th call on, for every n until a frame is done without. */
-static void loses(const subject *s, const char *name, fxs_gl_function function, int least_calls)
+/* A function fails from its n-th call on, for every n until a frame is done without: the error is that expected. */
+static void loses(const subject *s, const char *name, fxs_gl_function function, int least_calls, int expected)
 {
-    int error = FXS_ERR_DEVICE, n;
+    int error = expected, n;
     for (n = 0; n < 100 && error; n++) {
         uint8_t *pixels = new_picture(s);
         good_calls = 1000;
@@ -748,10 +760,10 @@ static void loses(const subject *s, const char *name, fxs_gl_function function, 
             return;
         good_calls = n;
         error = render(s, fxs_gles_draw, gles, 0, pixels, (ptrdiff_t)s->camera.width * 4, 0);
-        CHECK(!error || error == FXS_ERR_DEVICE);
+        CHECK(!error || error == expected);
         good_calls = n;
         int quads_error = render(s, fxs_gles_draw_quads, gles, 0, pixels, (ptrdiff_t)s->camera.width * 4, 0);
-        CHECK(!quads_error || quads_error == FXS_ERR_DEVICE);
+        CHECK(!quads_error || quads_error == expected);
         close_gles(gles);
         free(pixels);
     }
@@ -765,16 +777,110 @@ static void lost_devices(void)
         return;
     real_MapBufferRange = (PFNGLMAPBUFFERRANGEPROC)port->load(context, "glMapBufferRange");
     real_UnmapBuffer = (PFNGLUNMAPBUFFERPROC)port->load(context, "glUnmapBuffer");
-    loses(&s, "glMapBufferRange", (fxs_gl_function)lost_MapBufferRange, 2);
-    loses(&s, "glUnmapBuffer", (fxs_gl_function)lost_UnmapBuffer, 2);
-    loses(&s, "glGetError", (fxs_gl_function)lost_GetError, 2);
-    loses(&s, "glCheckFramebufferStatus", (fxs_gl_function)lost_CheckFramebufferStatus, 1);
+    loses(&s, "glMapBufferRange", (fxs_gl_function)lost_MapBufferRange, 2, FXS_ERR_DEVICE);
+    loses(&s, "glUnmapBuffer", (fxs_gl_function)lost_UnmapBuffer, 2, FXS_ERR_DEVICE);
+    loses(&s, "glGetError", (fxs_gl_function)lost_GetError, 2, FXS_ERR_DEVICE);
+    loses(&s, "glGetError", (fxs_gl_function)full_GetError, 2, FXS_ERR_MEMORY);
+    loses(&s, "glCheckFramebufferStatus", (fxs_gl_function)lost_CheckFramebufferStatus, 1, FXS_ERR_DEVICE);
     good_calls = 0;
     fake(0, "glCheckFramebufferStatus", (fxs_gl_function)lost_CheckFramebufferStatus);
     int error;
     CHECK(!open_gles(&error) && error && strstr(why_not.text, "RGBA16I"));
     memset(fakes, 0, sizeof fakes);
     fxs_packed_scene_free(&s.packed);
+}
+
+/* A buffer that cannot be mapped, after a frame that could be drawn. */
+static void full_device(void)
+{
+    subject s;
+    fake(0, "glMapBufferRange", (fxs_gl_function)full_MapBufferRange);
+    fake(1, "glGetError", (fxs_gl_function)full_GetError);
+    good_calls = 1000;
+    OPEN_OR_SKIP(gles);
+    if (!make_subject(&s, "knot", 2000, 64, 48))
+        return;
+    uint8_t *pixels = new_picture(&s);
+    CHECK(!render(&s, fxs_gles_draw, gles, 0, pixels, 64 * 4, 0));
+    CHECK(!render(&s, fxs_gles_draw_quads, gles, 0, pixels, 64 * 4, 0));
+    good_calls = 0;
+    CHECK(render(&s, fxs_gles_draw, gles, 0, pixels, 64 * 4, 0) == FXS_ERR_MEMORY);
+    CHECK(render(&s, fxs_gles_draw_quads, gles, 0, pixels, 64 * 4, 0) == FXS_ERR_MEMORY);
+    free(pixels);
+    fxs_packed_scene_free(&s.packed);
+    close_gles(gles);
+}
+
+/* ---- Contexts in turn -------------------------------------------------------------------------------------------- */
+
+typedef struct turn {
+    void *context;
+    fxs_gles *gles;
+    caller caller;
+} turn;
+
+/* Two contexts of every port, all open on this thread. */
+static void contexts_in_turn(void)
+{
+    static const int order[] = {0, 2, 0, 3, 1, 3, 1, 0, 2, 1};
+    subject s;
+    turn turns[4] = {{0}};
+    int count = 0;
+    for (int i = 0; i < 4 && ports[i / 2].name; i++) {
+        turn *t = &turns[count];
+        port = &ports[i / 2];
+        if (port->open(&t->context, &why_not))
+            SKIP(why_not.text);
+        context = t->context;
+        t->caller = make_caller();
+        t->gles = malloc(fxs_gles_bytes());
+        count += CHECK(!fxs_gles_init(t->gles, port->load, port->use, context, why_not.text));
+    }
+    if (count < 4)
+        SKIP("not both EGL and OSMesa here");
+    if (!make_subject(&s, "knot", 4000, 111, 83))
+        return;
+    uint8_t *expected = new_picture(&s);
+    CHECK(!render(&s, 0, 0, 0, expected, 111 * 4, 0));
+    for (size_t i = 0; i < sizeof order / sizeof *order; i++)
+        same(&s, turns[order[i]].gles);
+    for (int i = 0; i < 4; i++) {
+        static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
+        const int other = (i + 2) % 4;
+        const fxs_gles_target t = {turns[i].caller.framebuffers[0], 13, 7, i % 2};
+        port = &ports[i / 2];
+        context = turns[i].context;
+        port->use(context);
+        settle();
+        GL(BINDBUFFER, BindBuffer)(GL_PIXEL_PACK_BUFFER, 0);
+        GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, t.framebuffer);
+        GL(CLEARBUFFERFV, ClearBufferfv)(GL_COLOR, 0, beside);
+        ports[other / 2].use(turns[other].context);
+        CHECK(!render(&s, 0, turns[i].gles, &t, 0, 0, 0));
+        CHECK(in_target(&s, &t, expected));
+    }
+    for (int i = 0; i < 4; i++) {
+        fxs_gles_free(turns[i].gles);
+        free(turns[i].gles);
+    }
+    for (int i = 0; i < 4; i++)
+        ports[i / 2].close(turns[i].context);
+    free(expected);
+    fxs_packed_scene_free(&s.packed);
+}
+
+static int use_nothing(void *argument)
+{
+    (void)argument;
+    return -1;
+}
+
+static void context_that_cannot_be_used(void)
+{
+    fxs_gles *gles = malloc(fxs_gles_bytes());
+    CHECK(fxs_gles_init(gles, load, use_nothing, context, why_not.text) == FXS_ERR_DEVICE);
+    CHECK(strstr(why_not.text, "current"));
+    free(gles);
 }
 
 int main(void)
@@ -799,8 +905,11 @@ int main(void)
         RUN(missing_functions);
         RUN(unfit_contexts);
         RUN(lost_devices);
+        RUN(full_device);
+        RUN(context_that_cannot_be_used);
         port->close(context);
     }
+    RUN(contexts_in_turn);
     return check_report();
 }
 #endif

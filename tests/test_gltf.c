@@ -456,7 +456,7 @@ static void faulty_buffers(void)
         {"\"uri\":\"/etc/passwd\",", "a URI that is not a file name in the same folder"},
         {"\"uri\":\"..%2fa.bin\",", "a URI that is not a file name in the same folder"},
         {"\"uri\":\"\",", "a URI that is not a file name in the same folder"},
-        {"\"uri\":\"..\",", "not a regular file"}, {"\"uri\":\"none.bin\",", "No such file"},
+        {"\"uri\":\"..\",", "..: leaves the folder of"}, {"\"uri\":\"none.bin\",", "No such file"},
         {"\"uri\":\"short.bin\",", "buffer 0 has 7 bytes, not"},
         {"\"uri\":\"data:,abc\",", "not base64"}, {"\"uri\":\"data:;base64\",", "not base64"},
         {"\"uri\":\"data:;base64,AA*A\",", "not base64"},

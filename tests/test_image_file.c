@@ -10,6 +10,9 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#ifdef FXS_WITH_ZLIB
+#include <zlib.h>
+#endif
 
 #include "../tools/metrics.h"
 #include "check.h"
@@ -229,6 +232,70 @@ static void truncated_png(void)
     remove(in_folder("a.png"));
 }
 
+#if defined(FXS_WITH_STB) && defined(FXS_WITH_ZLIB)
+static uint8_t *put_chunk(uint8_t *to, const char *type, const void *data, size_t size)
+{
+    const uint32_t words[2] = {(uint32_t)size, 0};   /* stb_image skips the checksum */
+    for (int i = 0; i < 4; i++)
+        *to++ = (uint8_t)(words[0] >> (24 - 8 * i));
+    memcpy(to, type, 4);
+    memcpy(to + 4, data, size);
+    memcpy(to + 4 + size, &words[1], 4);
+    return to + 8 + size;
+}
+
+/* RGBA of 8 or 16 bits, with `size` zeros to be inflated. */
+static void put_zeros(const char *name, int side, int depth, int interlaced, size_t size)
+{
+    uLongf compressed = compressBound(size);
+    uint8_t *zeros = calloc(1, size), *data = malloc(compressed), *bytes = malloc(compressed + 100), *to = bytes;
+    const uint8_t header[13] = {0, 0, (uint8_t)(side >> 8), (uint8_t)side, 0, 0, (uint8_t)(side >> 8), (uint8_t)side,
+                                (uint8_t)depth, 6, 0, 0, (uint8_t)interlaced};
+    if (CHECK(zeros && data && bytes && compress(data, &compressed, zeros, size) == Z_OK)) {
+        memcpy(to, "\211PNG\r\n\032\n", 8);
+        to = put_chunk(to + 8, "IHDR", header, sizeof header);
+        to = put_chunk(to, "IDAT", data, compressed);
+        to = put_chunk(to, "IEND", "", 0);
+        put(name, bytes, (size_t)(to - bytes));
+    }
+    free(zeros);
+    free(data);
+    free(bytes);
+}
+
+/* Bytes of a picture's rows: those of an interlaced one come in seven parts, each with rows of its own. */
+static size_t row_bytes(int side, int depth, int interlaced)
+{
+    static const int parts[8][4] = {{0, 0, 1, 1}, {0, 0, 8, 8}, {4, 0, 8, 8}, {0, 4, 4, 8}, {2, 0, 4, 4}, {0, 2, 2, 4},
+                                    {1, 0, 2, 2}, {0, 1, 1, 2}};
+    size_t bytes = 0;
+    for (int i = interlaced ? 1 : 0; i < (interlaced ? 8 : 1); i++) {
+        int width = (side - parts[i][0] + parts[i][2] - 1) / parts[i][2];
+        int height = (side - parts[i][1] + parts[i][3] - 1) / parts[i][3];
+        bytes += (size_t)height * (1 + (size_t)width * (size_t)depth / 2);
+    }
+    return bytes;
+}
+
+/* A .png inflates to what its size says, and some: interlaced pictures to more than stb_image thinks at first. */
+static void inflated_size(void)
+{
+    uint8_t *rgba;
+    int width, height;
+    for (int i = 0; i < 4; i++) {
+        int depth = i & 1 ? 16 : 8, interlaced = i >> 1;
+        put_zeros("a.png", 300, depth, interlaced, row_bytes(300, depth, interlaced));
+        if (CHECK(!fxs_image_file_read(in_folder("a.png"), &rgba, &width, &height, &message)))
+            free(rgba);
+        put_zeros("a.png", 300, depth, interlaced, 4 * row_bytes(300, depth, interlaced) + (1 << 18));
+        check_unreadable("a.png", "more data than a picture of its size has");
+    }
+    put_zeros("a.png", 1, 8, 0, 1 << 24);
+    check_unreadable("a.png", "more data than a picture of its size has");
+    remove(in_folder("a.png"));
+}
+#endif
+
 static int near(double a, double b)
 {
     return fabs(a - b) < 1e-9;
@@ -337,6 +404,9 @@ int main(void)
     RUN(bad_images);
     RUN(ppm_comment);
     RUN(truncated_png);
+#if defined(FXS_WITH_STB) && defined(FXS_WITH_ZLIB)
+    RUN(inflated_size);
+#endif
     RUN(metrics_equal);
     RUN(metrics_flat);
     RUN(metrics_pixel);

@@ -319,8 +319,8 @@ static void project_case(void)
     output *indices = output_new(FXS_CHUNK * sizeof(uint32_t), skew);
     output *depths = output_new(FXS_CHUNK * sizeof(uint32_t), skew);
     for (int i = 0; i < 2; i++)
-        count[i] = (i ? fast.project : fxs_project_c)(&view, &scene, 0, at(splats, i, skew),
-                                                      at(bounds, i, skew), at(indices, i, skew), at(depths, i, skew));
+        count[i] = (uint32_t)(i ? fast.project : fxs_project_c)(
+            &view, &scene, 0, at(splats, i, skew), at(bounds, i, skew), at(indices, i, skew), at(depths, i, skew));
     fxs_splat *a = at(splats, 0, skew), *b = at(splats, 1, skew);
     for (uint32_t i = 0; i < count[0]; i++) {    /* colours are not project's */
         memset(a[i].colour_q13, 0, sizeof a[i].colour_q13);
@@ -346,8 +346,8 @@ static void shade_case(void)
         if (one_in(sparse))
             indices[count++] = first_index + i;
     output *splats = output_new(count * sizeof(fxs_splat), 4);
-    fxs_shade_c(&view, &scene, 0, indices, count, at(splats, 0, 4));
-    fast.shade(&view, &scene, 0, indices, count, at(splats, 1, 4));
+    CHECK(fxs_shade_c(&view, &scene, 0, indices, count, at(splats, 0, 4)) == 0);
+    CHECK(fast.shade(&view, &scene, 0, indices, count, at(splats, 1, 4)) == 0);
     CHECK(same(splats));
 }
 
@@ -370,7 +370,7 @@ static void bin_case(void)
         view.tiles_x = (view.width + FXS_TILE - 1) / FXS_TILE;
         view.tiles_y = (view.height + FXS_TILE - 1) / FXS_TILE;
     }
-    const uint32_t count = fxs_project_c(&view, &scene, 0, splats, bounds, indices, depths);
+    const uint32_t count = (uint32_t)fxs_project_c(&view, &scene, 0, splats, bounds, indices, depths);
     output *boxes = output_new(count * sizeof(fxs_box), 4);
     const fxs_box *box = at(boxes, 0, 4);
     for (int place = 0; place < 32; place++) {
@@ -456,7 +456,8 @@ static void resolve_case(void)
         options.background[c] = (uint8_t)extreme(0, 255);
     for (int size = 0; size < FXS_TILE_PIXELS * 3; size++) {
         const int32_t columns = size % FXS_TILE + 1, rows = size / FXS_TILE % FXS_TILE + 1;
-        const ptrdiff_t pitch = 4 * FXS_TILE + below(MAX_STRIDE - 4 * FXS_TILE), stride = one_in(4) ? -pitch : pitch;
+        const ptrdiff_t pitch = 4 * FXS_TILE + (ptrdiff_t)below(MAX_STRIDE - 4 * FXS_TILE);
+        const ptrdiff_t stride = one_in(4) ? -pitch : pitch;
         const size_t skew = below(32), first = stride < 0 ? (size_t)(rows - 1) * (size_t)pitch : 0;
         options.format = (enum fxs_format)(size / FXS_TILE_PIXELS);
         make_tile(&tile);
@@ -612,7 +613,8 @@ static void bench_project(workload *w, const fxs_kernels *k)
 {
     w->visible = 0;
     for (uint32_t i = 0; i < BENCH_CHUNKS; i++) {
-        w->counts[i] = k->project(&w->view, &w->scene, i, w->splats[i], w->bounds[i], w->indices[i], w->depths[i]);
+        w->counts[i] = (uint32_t)k->project(&w->view, &w->scene, i, w->splats[i], w->bounds[i], w->indices[i],
+                                            w->depths[i]);
         w->visible += w->counts[i];
     }
 }

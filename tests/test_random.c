@@ -14,7 +14,6 @@ static uint64_t hash_case(enum fxs_profile profile, int which)
 {
     state = (uint64_t)which * 0x1234567u;
     packed_scene packed = random_scene(profile, 3000);
-    fxs_scene scene;
     fxs_camera camera;
     fxs_context context;
     fxs_options options;
@@ -24,13 +23,11 @@ static uint64_t hash_case(enum fxs_profile profile, int which)
     options.cutoff = between(0, 3) ? FXS_CUTOFF_MAHALANOBIS : FXS_CUTOFF_SQUARE;
     options.format = (enum fxs_format)between(0, 1);
     options.background[0] = (uint8_t)between(0, 255);
-    if (!CHECK(fxs_scene_open(&scene, packed.data, packed.bytes) == 0))
-        exit(1);
-    size_t bytes = fxs_frame_bytes(&context, &scene, camera.width, camera.height, 0);
+    size_t bytes = fxs_frame_bytes(&context, &packed.scene, camera.width, camera.height, 0);
     size_t pixels = (size_t)camera.width * (size_t)camera.height * 4;
     void *memory = check_aligned(bytes);
     uint8_t *rgba = malloc(pixels);
-    if (!CHECK(memory && rgba && !fxs_render(&context, &scene, &camera, &options, memory, bytes, rgba,
+    if (!CHECK(memory && rgba && !fxs_render(&context, &packed.scene, &camera, &options, memory, bytes, rgba,
                                              (ptrdiff_t)camera.width * 4, 0)))
         exit(1);
     uint64_t hash = 0xcbf29ce484222325u;

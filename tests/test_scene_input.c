@@ -177,6 +177,87 @@ static void file_that_is_not_there(void)
     }
 }
 
+/* ---- What lies beside ------------------------------------------------------------------------------------------ */
+
+static void move_and_link(const char *from, const char *to)
+{
+    CHECK(rename(from, to) == 0 && symlink(to, from) == 0);
+}
+
+static void move_back(const char *from, const char *to)
+{
+    CHECK(unlink(from) == 0 && rename(to, from) == 0);
+}
+
+/* A file beside may be a link to another in the folder, but not to one elsewhere, through a linked folder neither. */
+static void links_stay_in_the_folder(void)
+{
+    static fxs_gaussian out[MOST];
+    char outside[64], inside[64], linked[128];
+    snprintf(outside, sizeof outside, "%s.outside", folder);
+    snprintf(inside, sizeof inside, "%s/inside", folder);
+    for (int i = 0; i < FORMATS; i++) {
+        if (!make_format(i)->is_several)
+            continue;
+        write_made();
+        snprintf(linked, sizeof linked, "%s/%.31s", folder, files[file_count - 1].name);
+        CHECK(read_made_scene(BY_PATH, NULL, out) > 0);
+        while (strlen(linked) > strlen(folder)) {   /* the file, then the folder that it is in */
+            move_and_link(linked, outside);
+            if (!CHECK(read_made_scene(BY_PATH, NULL, out) == -1 && strstr(message.text, ": leaves the folder of ")))
+                printf("  %s\n", message.text);
+            move_back(linked, outside);
+            move_and_link(linked, inside);
+            if (!CHECK(read_made_scene(BY_PATH, NULL, out) > 0))
+                printf("  %s\n", message.text);
+            move_back(linked, inside);
+            *strrchr(linked, '/') = '\0';
+        }
+        remove_made();
+    }
+}
+
+/* A scene that is itself a link is read, with what lies beside the link. */
+static void linked_scene(void)
+{
+    static fxs_gaussian out[MOST];
+    char outside[64], full[128];
+    snprintf(outside, sizeof outside, "%s.outside", folder);
+    for (int i = 0; i < FORMATS; i++) {
+        make_format(i);
+        write_made();
+        snprintf(full, sizeof full, "%s/%.31s", folder, files[0].name);
+        move_and_link(full, outside);
+        CHECK(read_made_scene(BY_PATH, NULL, out) > 0);
+        move_back(full, outside);
+        remove_made();
+    }
+}
+
+/* Neither a pipe nor a device nor a folder, as the scene or beside it; none is waited for. */
+static void only_regular_files(void)
+{
+    static fxs_gaussian out[MOST];
+    static const char *const others[] = {"pipe", "folder"};
+    for (int i = 0; i < FORMATS; i++) {
+        make_format(i);
+        for (int which = 0; which < 2 * file_count; which++) {
+            char full[128];
+            write_made();
+            snprintf(full, sizeof full, "%s/%.31s", folder, files[which / 2].name);
+            CHECK(unlink(full) == 0 && (which % 2 ? mkdir(full, 0700) : mkfifo(full, 0600)) == 0);
+            alarm(10);
+            if (!CHECK(read_made_scene(BY_PATH, NULL, out) == -1 && (strstr(message.text, ": not a regular file") ||
+                                                                     strstr(message.text, "meta.json: No such file"))))
+                printf("  %s for %s: %s\n", others[which % 2], files[which / 2].name, message.text);
+            alarm(0);
+            if (which % 2)
+                rmdir(full);
+            remove_made();
+        }
+    }
+}
+
 /* ---- Memory ---------------------------------------------------------------------------------------------------- */
 
 static int is_one_line(void)
@@ -386,6 +467,9 @@ int main(void)
         return 1;
     RUN(same_from_everywhere);
     RUN(file_that_is_not_there);
+    RUN(links_stay_in_the_folder);
+    RUN(linked_scene);
+    RUN(only_regular_files);
     RUN(every_allocation_fails);
     RUN(every_read_fails);
     RUN(count_comes_first);

@@ -139,7 +139,7 @@ static packed_scene make_scene(const recipe *r, uint32_t count, uint32_t degree,
         fill_header(&s.chunks[i], r);
         fill_rows(packed_scene_rows(&s, i), r, s.header->chunk_bytes, left < FXS_CHUNK ? left : FXS_CHUNK);
     }
-    CHECK(fxs_scene_open(&s.scene, s.data, s.bytes) == 0);
+    CHECK(packed_scene_finish(&s) == 0);
     return s;
 }
 
@@ -204,10 +204,11 @@ static void decode_rotation(float rotation[4], uint32_t word)
 static fxs_gaussian decode(const fxs_scene *scene, uint32_t index)
 {
     const unsigned char *rows = fxs_rows(scene, index / FXS_CHUNK);
-    const fxs_chunk *chunk = &scene->chunks[index / FXS_CHUNK];
+    fxs_chunk header, *chunk = &header;
     const uint16_t *position = (const uint16_t *)(const void *)(rows + FXS_ROW_POSITION);
     const int8_t *sh = (const int8_t *)rows + FXS_ROW_SH;
     const uint32_t at = index % FXS_CHUNK;
+    CHECK(fxs_chunk_read(&header, scene, index / FXS_CHUNK) == 0);
     uint32_t rotation, scale, colour;
     memcpy(&rotation, rows + FXS_ROW_ROTATION + 4 * at, 4);
     memcpy(&scale, rows + FXS_ROW_SCALE + 4 * at, 4);
@@ -259,10 +260,10 @@ static void project_all(const fxs_scene *scene, const fxs_camera *camera, const 
     CHECK(fxs_view_init(&all.view, scene, camera, options) == 0);
     for (uint32_t c = 0; c < scene->chunk_count; c++) {
         uint32_t at = all.count;
-        uint32_t n = fxs_project_c(&all.view, scene, c, all.splats + at, all.bounds + at, all.indices + at,
-                                   all.depths + at);
-        fxs_shade_c(&all.view, scene, c, all.indices + at, n, all.splats + at);
-        all.count += n;
+        int32_t n = fxs_project_c(&all.view, scene, c, all.splats + at, all.bounds + at, all.indices + at,
+                                  all.depths + at);
+        CHECK(n >= 0 && fxs_shade_c(&all.view, scene, c, all.indices + at, (uint32_t)n, all.splats + at) == 0);
+        all.count += (uint32_t)n;
     }
     sort_keys();
 }
@@ -989,6 +990,9 @@ static void test_render_refuses_arguments(void)
     CHECK(fxs_render(context, s, 0, options, memory, good.bytes, pixels, 80, 0) == FXS_ERR_ARGUMENT);
     CHECK(fxs_render(context, s, camera, 0, memory, good.bytes, pixels, 80, 0) == FXS_ERR_ARGUMENT);
     CHECK(fxs_render(context, s, camera, options, memory, good.bytes, 0, 80, 0) == FXS_ERR_ARGUMENT);
+    for (ptrdiff_t stride = -79; stride < 80; stride++)
+        CHECK(fxs_render(context, s, camera, options, memory, good.bytes, pixels, stride, 0) == FXS_ERR_ARGUMENT);
+    CHECK(untouched(good.pixels, sizeof good.pixels));
     CHECK(fxs_count_pairs(s, camera, options, memory, good.bytes, 0, &pairs) == FXS_ERR_ARGUMENT);
     CHECK(fxs_count_pairs(s, camera, options, memory, good.bytes, &pairs, 0) == FXS_ERR_ARGUMENT);
     CHECK(render_good() == 0 && !untouched(good.pixels, sizeof good.pixels));

@@ -200,6 +200,9 @@ static void test_arguments(void)
             eyes[eye] = 0;
             CHECK(fxs_render_stereo(&context, &scene, cameras, &options, exact, pixels, bytes, eyes, p.stride, 0) ==
                   FXS_ERR_ARGUMENT);
+            other = p;
+            other.stride = cameras[0].width * (options.format == FXS_FORMAT_RGB565 ? 2 : 4) - 1;
+            CHECK(render(&other, &context, exact, bytes, pixels) == FXS_ERR_ARGUMENT && untouched(pixels, p.bytes));
         }
     CHECK(fxs_render_stereo(&context, &scene, 0, &options, 0, pixels, bytes, (void *[]){pixels, pixels}, p.stride, 0) ==
           FXS_ERR_ARGUMENT);

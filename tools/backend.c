@@ -70,21 +70,12 @@ static int open_gles(backend *b, fxs_message *m)
     fxs_gles *gles = malloc(fxs_gles_bytes());
     if (!gles)
         return fxs_fail(m, "out of memory");
-    if (fxs_gles_init(gles, b->kind->load, b->port, text)) {
+    if (fxs_gles_init(gles, b->kind->load, b->kind->use, b->port, text)) {
         free(gles);
         return fxs_fail(m, "%s", text);
     }
     b->gles = gles;
     return 0;
-}
-
-/* There may be other contexts on this thread. */
-static int draw(void *argument, const struct fxs_tile_run *run)
-{
-    const backend *b = argument;
-    if (b->kind->use(b->port))
-        return FXS_ERR_DEVICE;
-    return (b->kind->quads ? fxs_gles_draw_quads : fxs_gles_draw)(b->gles, run);
 }
 
 int backend_open(backend **out, const char *name, fxs_config *config, fxs_message *m)
@@ -103,8 +94,8 @@ int backend_open(backend **out, const char *name, fxs_config *config, fxs_messag
         backend_close(b);
         return -1;
     }
-    config->draw = draw;
-    config->draw_argument = b;
+    config->draw = k->quads ? fxs_gles_draw_quads : fxs_gles_draw;
+    config->draw_argument = b->gles;
     config->draw_unlisted = k->quads;
     *out = b;
     return 0;
@@ -119,7 +110,7 @@ void backend_close(backend *b)
 {
     if (!b)
         return;
-    if (b->gles && b->kind->use(b->port) == 0)
+    if (b->gles)
         fxs_gles_free(b->gles);
     free(b->gles);
     b->kind->close(b->port);

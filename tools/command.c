@@ -6,11 +6,11 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "../port/formats/fxs_file.h"
 #include "../port/posix/clock.h"
-#include "../port/posix/map.h"
 #include "../src/packed.h"
 
 int fail(int status, const char *format, ...)
@@ -149,14 +149,15 @@ static int filter_scene(fxs_scene_file *file, const char *path, const fxs_scene_
     return 0;
 }
 
-int open_scene(const char *path, int lod, const fxs_scene_filter *filter, fxs_scene_file **file,
-               fxs_scene_file_info *info)
+int open_scene(const char *path, const load_options *o, fxs_scene_file **file, fxs_scene_file_info *info)
 {
     fxs_message message;
-    const fxs_scene_file_options options = {.level = lod};
+    const fxs_scene_file_options options = {
+        .level = o->lod, .max_gaussians = o->max_gaussians, .max_memory = o->import_memory
+    };
     if (fxs_scene_file_open(path, &options, file, info, &message))
         return fail(EXIT_FAILED, "%s", message.text);
-    int status = filter ? filter_scene(*file, path, filter, info) : 0;
+    int status = o->filter ? filter_scene(*file, path, o->filter, info) : 0;
     if (status)
         fxs_scene_file_close(*file);
     return status;
@@ -167,7 +168,7 @@ static int import(loaded_scene *loaded, const char *path, const load_options *o)
     fxs_message message;
     fxs_scene_file *file;
     char label[] = "packing";
-    if (open_scene(path, o->lod, o->filter, &file, &loaded->info))
+    if (open_scene(path, o, &file, &loaded->info))
         return EXIT_FAILED;
     const uint32_t threads = o->threads ? o->threads : fxs_processors();
     fxs_pool *pool = fxs_pool_create(threads);
@@ -185,35 +186,40 @@ static int import(loaded_scene *loaded, const char *path, const load_options *o)
     return 0;
 }
 
-/* By the four bytes with which an .fxs file begins. */
+/* By the four bytes with which an .fxs file begins. Only a regular file is opened: a pipe would wait for its writer. */
 int is_packed(const char *path)
 {
     uint32_t magic = 0;
-    FILE *file = fopen(path, "rb");
+    struct stat information;
+    FILE *file = stat(path, &information) == 0 && S_ISREG(information.st_mode) ? fopen(path, "rb") : 0;
     size_t got = file ? fread(&magic, sizeof magic, 1, file) : 0;
     if (file)
         fclose(file);
-    return got == 1 && magic == FXS_PACKED_MAGIC;
+    return got == 1 && fxs_little_32(magic) == FXS_PACKED_MAGIC;
 }
 
 static int map(loaded_scene *loaded, const char *path)
 {
     fxs_message message;
-    if (fxs_map(path, &loaded->packed.data, &loaded->packed.bytes, &message))
+    fxs_map_guard();
+    if (fxs_map(&loaded->mapping, path, &message))
         return fail(EXIT_FAILED, "%s", message.text);
-    loaded->mapped = 1;
+    loaded->packed.data = loaded->mapping.data;
+    loaded->packed.bytes = loaded->mapping.bytes;
     if (fxs_file_check(path, loaded->packed.data, loaded->packed.bytes, 0, &message))
         return fail(EXIT_FAILED, "%s", message.text);
     fxs_scene_open(&loaded->scene, loaded->packed.data, loaded->packed.bytes);
-    const fxs_packed_header *header = loaded->packed.data;
-    loaded->info = (fxs_scene_file_info){"fxs", header->count, (int)header->sh_degree, loaded->scene.antialiased,
+    fxs_packed_header header;
+    memcpy(&header, loaded->packed.data, sizeof header);
+    fxs_packed_header_turn(&header);
+    loaded->info = (fxs_scene_file_info){"fxs", header.count, (int)header.sh_degree, loaded->scene.antialiased,
                                         1, {0, 0}, {0, 0}};
-    loaded->report.read = loaded->report.packed = header->count;
+    loaded->report.read = loaded->report.packed = header.count;
     for (int i = 0; i < 3; i++) {
-        loaded->report.low[i] = ldexp((double)header->low_q32[i], -32);
-        loaded->report.high[i] = ldexp((double)header->high_q32[i], -32);
-        loaded->report.inner_low[i] = ldexp((double)header->inner_low_q32[i], -32);
-        loaded->report.inner_high[i] = ldexp((double)header->inner_high_q32[i], -32);
+        loaded->report.low[i] = ldexp((double)header.low_q32[i], -32);
+        loaded->report.high[i] = ldexp((double)header.high_q32[i], -32);
+        loaded->report.inner_low[i] = ldexp((double)header.inner_low_q32[i], -32);
+        loaded->report.inner_high[i] = ldexp((double)header.inner_high_q32[i], -32);
     }
     return 0;
 }
@@ -222,6 +228,15 @@ int take_max_memory(size_t *bytes, const char *value)
 {
     return parse_bytes(value, bytes)
                ? 0 : fail(EXIT_USAGE, "--max-memory %s: expected bytes, or a number with K, M or G", value);
+}
+
+int take_import_limit(load_options *options, int which, const char *value)
+{
+    if (which == OPT_IMPORT_MEMORY)
+        return parse_bytes(value, &options->import_memory)
+                   ? 0 : fail(EXIT_USAGE, "--import-memory %s: expected bytes, or a number with K, M or G", value);
+    return parse_count(value, 1, UINT64_MAX, &options->max_gaussians)
+               ? 0 : fail(EXIT_USAGE, "--max-gaussians %s: expected a whole number from 1 on", value);
 }
 
 static const char *const profiles[] = {"default", "compact", "small"};
@@ -254,6 +269,7 @@ int load_scene(loaded_scene *loaded, const char *path, const load_options *optio
 {
     uint64_t start = fxs_clock(0);
     memset(loaded, 0, sizeof *loaded);
+    loaded->path = path;
     int status = is_packed(path) ? map(loaded, path) : import(loaded, path, options);
     loaded->load_nanoseconds = fxs_clock(0) - start;
     if (status)
@@ -261,10 +277,18 @@ int load_scene(loaded_scene *loaded, const char *path, const load_options *optio
     return status;
 }
 
+int check_scene(const loaded_scene *loaded)
+{
+    fxs_message message;
+    if (loaded->mapping.data && fxs_map_check(&loaded->mapping, loaded->path, &message))
+        return fail(EXIT_FAILED, "%s", message.text);
+    return 0;
+}
+
 void free_scene(loaded_scene *loaded)
 {
-    if (loaded->mapped)
-        fxs_unmap(loaded->packed.data, loaded->packed.bytes);
+    if (loaded->mapping.data)
+        fxs_unmap(&loaded->mapping);
     else
         fxs_packed_scene_free(&loaded->packed);
 }

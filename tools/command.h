@@ -9,6 +9,7 @@
 #include "../port/formats/camera.h"
 #include "../port/formats/pack.h"
 #include "../port/formats/scene_filter.h"
+#include "../port/posix/map.h"
 #include "../port/posix/pool.h"
 #include "../src/fixsplat.h"
 #include "backend.h"
@@ -52,7 +53,8 @@ typedef struct loaded_scene {
     fxs_packed_scene packed;
     fxs_pack_report report;                 /* of an .fxs file: counts and bounds only */
     fxs_scene scene;
-    int mapped;                             /* packed is a mapped .fxs file */
+    const char *path;
+    fxs_mapping mapping;                    /* what `packed` is of an .fxs file */
     uint64_t load_nanoseconds;
 } loaded_scene;
 
@@ -65,6 +67,8 @@ typedef struct load_options {
     uint32_t threads;                       /* of the import; 0: one a processor */
     enum fxs_profile profile;               /* of what is not packed yet */
     const fxs_scene_filter *filter;         /* what to leave out, or null; an .fxs file is mapped whole */
+    uint64_t max_gaussians;                 /* in a file that is imported, and the memory that reading it may take: */
+    size_t import_memory;                   /* as in fxs_scene_file_options */
 } load_options;
 
 /* Returns 0, or prints why not and returns EXIT_FAILED. */
@@ -72,11 +76,13 @@ int load_scene(loaded_scene *loaded, const char *path, const load_options *optio
 
 /* Opens a scene file to be read in floats, and says on stderr what the filter (or null) leaves out. Returns 0 and a
    file for fxs_scene_file_close, or prints why not and returns EXIT_FAILED. */
-int open_scene(const char *path, int lod, const fxs_scene_filter *filter, fxs_scene_file **file,
-               fxs_scene_file_info *info);
+int open_scene(const char *path, const load_options *options, fxs_scene_file **file, fxs_scene_file_info *info);
 
 /* Takes the value of --max-memory. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
 int take_max_memory(size_t *bytes, const char *value);
+
+/* Takes the value of one of IMPORT_OPTIONS. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
+int take_import_limit(load_options *options, int which, const char *value);
 
 /* Takes the value of --lod. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
 int take_lod(load_options *options, const char *value);
@@ -86,6 +92,11 @@ int take_profile(load_options *options, const char *value);
 
 /* "default", "compact" or "small". */
 const char *profile_name(enum fxs_profile profile);
+
+/* Whether the scene is still what was loaded: an .fxs file may be written to. Returns 0, or prints that it is not and
+   returns EXIT_FAILED. */
+int check_scene(const loaded_scene *loaded);
+
 void free_scene(loaded_scene *loaded);
 
 /* ---- The options of render, view and bench --------------------------------------------------------------------- */
@@ -111,7 +122,16 @@ typedef struct view_options {
 /* Their entries for a getopt_long table, and the value that each returns there. */
 enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_SIZE, OPT_BG, OPT_CUTOFF, OPT_SH_DEGREE,
        OPT_CPU, OPT_THREADS, OPT_MAX_MEMORY, OPT_BACKEND, OPT_DEVICE, OPT_LOD, OPT_PROFILE, OPT_STEREO,
-       OPT_STEREO_EXACT, OPT_HELP, OPT_OWN };
+       OPT_STEREO_EXACT, OPT_MAX_GAUSSIANS, OPT_IMPORT_MEMORY, OPT_HELP, OPT_OWN };
+#define IMPORT_OPTIONS \
+    {"max-gaussians", required_argument, 0, OPT_MAX_GAUSSIANS}, \
+    {"import-memory", required_argument, 0, OPT_IMPORT_MEMORY}
+#define IMPORT_HELP \
+    "  --max-gaussians N   refuse to import a scene of more Gaussians (default: 1000000 and one for each byte of\n" \
+    "                      its files, 67108864 at most); each takes about 100 bytes while it is packed\n" \
+    "  --import-memory BYTES\n" \
+    "                      refuse to import a scene that takes more memory to read and decompress, also as 64K,\n" \
+    "                      3M, 2G (default: 96 bytes for each Gaussian of that limit, for 1000000 at least)\n"
 #define VIEW_OPTIONS \
     {"cameras", required_argument, 0, OPT_CAMERAS}, {"view", required_argument, 0, OPT_VIEW}, \
     {"eye", required_argument, 0, OPT_EYE}, {"look", required_argument, 0, OPT_LOOK}, \
@@ -121,7 +141,7 @@ enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_SIZE
     {"cpu", required_argument, 0, OPT_CPU}, {"threads", required_argument, 0, OPT_THREADS}, \
     {"max-memory", required_argument, 0, OPT_MAX_MEMORY}, \
     {"backend", required_argument, 0, OPT_BACKEND}, {"device", required_argument, 0, OPT_DEVICE}, \
-    {"lod", required_argument, 0, OPT_LOD}, \
+    {"lod", required_argument, 0, OPT_LOD}, IMPORT_OPTIONS, \
     {"profile", required_argument, 0, OPT_PROFILE}, {"stereo", required_argument, 0, OPT_STEREO}, \
     {"stereo-exact", no_argument, 0, OPT_STEREO_EXACT}, \
     {"help", no_argument, 0, OPT_HELP}

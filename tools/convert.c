@@ -25,6 +25,7 @@ static const char help[] =
     "                      default 63.5 (56.1 dB), compact 38.6 (52.8 dB), small 19.7 (42.4 dB)\n"
     "  --spz-version V     3 (gzip) or 4 (zstd, the default), for .spz\n"
     "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
+    IMPORT_HELP
     "  --help              this text\n\n"
     "Examples:\n"
     "  fixsplat convert scene.ply scene.fxs\n"
@@ -67,6 +68,8 @@ static int take_option(convert_options *o, int which, const char *value)
     o->filtered |= which == OPT_CROP || which == OPT_PRUNE || which == OPT_SH_DEGREE;
     switch (which) {
     case OPT_LOD: return take_lod(&o->load, value);
+    case OPT_MAX_GAUSSIANS:
+    case OPT_IMPORT_MEMORY: return take_import_limit(&o->load, which, value);
     case OPT_PROFILE: o->profile_given = 1; return take_profile(&o->load, value);
     case OPT_CROP: return take_crop(&o->filter, value);
     case OPT_PRUNE:
@@ -93,7 +96,7 @@ static int take_options(convert_options *o, int argc, char **argv)
                                           {"prune", required_argument, 0, OPT_PRUNE},
                                           {"sh-degree", required_argument, 0, OPT_SH_DEGREE},
                                           {"spz-version", required_argument, 0, OPT_SPZ_VERSION},
-                                          {"lod", required_argument, 0, OPT_LOD},
+                                          {"lod", required_argument, 0, OPT_LOD}, IMPORT_OPTIONS,
                                           {"profile", required_argument, 0, OPT_PROFILE},
                                           {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
     memset(o, 0, sizeof *o);
@@ -207,8 +210,10 @@ static int stream(const convert_options *o)
     fxs_scene_file_info info;
     fxs_message message, closing;
     fxs_scene_filter filter = o->filter;
+    load_options load = o->load;
     filter.drawable = 1;
-    if (open_scene(o->in, o->load.lod, &filter, &file, &info))
+    load.filter = &filter;
+    if (open_scene(o->in, &load, &file, &info))
         return EXIT_FAILED;
     int result = open_writer(&w, o, &info, &message);
     if (!result) {

@@ -8,12 +8,12 @@
 #ifdef FXS_WITH_CUDA
 #include "../kernels/cuda/cuda.h"
 
-static int fail_cuda(const renderer *r, int error, const fxs_cuda_failure *failure)
+static int fail_cuda(const renderer *r, const fxs_cuda_failure *failure)
 {
-    if (error == FXS_ERR_MEMORY && r->max_memory)
+    if (failure->bytes_needed && r->max_memory)
         return fail(EXIT_FAILED, "--backend cuda: %s: %" PRIu64 " bytes needed, --max-memory is %zu", failure->text,
                     failure->bytes_needed, r->max_memory);
-    if (error == FXS_ERR_MEMORY)
+    if (failure->bytes_needed)
         return fail(EXIT_FAILED, "--backend cuda: %s: %" PRIu64 " bytes needed", failure->text, failure->bytes_needed);
     return fail(EXIT_FAILED, "--backend cuda: %s", failure->text);
 }
@@ -21,9 +21,8 @@ static int fail_cuda(const renderer *r, int error, const fxs_cuda_failure *failu
 int cuda_open(renderer *r, int device)
 {
     fxs_cuda_failure failure;
-    int error = fxs_cuda_create(&r->cuda, device, r->max_memory, 1, &failure);
-    if (error)
-        return fail_cuda(r, error, &failure);
+    if (fxs_cuda_create(&r->cuda, device, r->max_memory, 1, &failure))
+        return fail_cuda(r, &failure);
     fxs_cuda_time(r->cuda, 1);
     for (int i = 0; i < FXS_STAGES; i++)
         r->context.kernels.name[i] = "cuda";
@@ -64,7 +63,7 @@ int cuda_render(renderer *r, const loaded_scene *loaded, const fxs_camera *camer
     if (!error)
         error = fxs_cuda_render_host(r->cuda, camera, options, pixels, stride, &cuda_stats, &failure);
     if (error)
-        return fail_cuda(r, error, &failure);
+        return fail_cuda(r, &failure);
     if (stats)
         fill_stats(stats, &cuda_stats, loaded->scene.count, fxs_clock(0) - start);
     return 0;

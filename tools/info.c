@@ -22,6 +22,7 @@ static const char help[] =
     "  --max-memory BYTES  (also as 64K, 3M, 2G) what render and bench can do with so much\n"
     "  --profile P         how a scene that is not an .fxs file is packed: default, compact or small\n"
     "  --lod LEVEL         level of detail of SCENE, where it is a streamed .sog, 0 the finest (default 0)\n"
+    IMPORT_HELP
     "  --json              print a JSON object (psnr is null where the pictures are equal)\n"
     "  --backends          what can blend here, and why something cannot\n"
     "  --help              this text\n\n"
@@ -70,7 +71,7 @@ static void print_json(const findings *f)
     printf("\"profile\": \"%s\", ", profile_name(s->scene.profile));
     printf("\"packed_bytes\": %zu, \"bytes_per_gaussian\": %.3f, ", s->packed.bytes,
            (double)s->packed.bytes / (double)r->packed);
-    if (!s->mapped) {
+    if (!s->mapping.data) {
         print_error_json("largest_error", &r->largest);
         print_error_json("rms_error", &r->rms);
     }
@@ -117,7 +118,7 @@ static void print_text(const findings *f)
            r->inner_high[0], r->inner_high[1], r->inner_high[2]);
     printf("packed        %zu bytes, %.2f a Gaussian\n", s->packed.bytes,
            (double)s->packed.bytes / (double)r->packed);
-    if (!s->mapped) {
+    if (!s->mapping.data) {
         print_error_text("largest error", &r->largest);
         print_error_text("rms error", &r->rms);
     }
@@ -140,7 +141,7 @@ static int take_options(info_options *o, int argc, char **argv)
                                           {"views", required_argument, 0, OPT_VIEWS}, {"backends", no_argument, 0, OPT_BACKENDS},
                                           {"size", required_argument, 0, OPT_SIZE},
                                           {"max-memory", required_argument, 0, OPT_MAX_MEMORY},
-                                          {"lod", required_argument, 0, OPT_LOD},
+                                          {"lod", required_argument, 0, OPT_LOD}, IMPORT_OPTIONS,
                                           {"profile", required_argument, 0, OPT_PROFILE}, {"json", no_argument, 0, OPT_JSON},
                                           {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
     memset(o, 0, sizeof *o);
@@ -172,7 +173,9 @@ static int take_options(info_options *o, int argc, char **argv)
 static int compare(findings *f, const info_options *o)
 {
     loaded_scene original;
-    int status = load_scene(&original, o->original, &(load_options){.lod = 0});
+    const load_options *load = &o->view.load;
+    int status = load_scene(&original, o->original, &(load_options){.max_gaussians = load->max_gaussians,
+                                                                    .import_memory = load->import_memory});
     if (status)
         return status;
     status = quality_measure(&f->quality, &f->scene, &original, &o->view, o->views ? (long)o->views : 8);
@@ -186,7 +189,7 @@ static int find(findings *f, const info_options *o)
     fxs_message message;
     fxs_context context;
     const fxs_packed_scene *packed = &f->scene.packed;
-    if (f->scene.mapped && fxs_file_check(o->scene, packed->data, packed->bytes, 1, &message))
+    if (f->scene.mapping.data && fxs_file_check(o->scene, packed->data, packed->bytes, 1, &message))
         return fail(EXIT_FAILED, "%s", message.text);
     f->width = o->view.width ? o->view.width : 1280;
     f->height = o->view.height ? o->view.height : 720;

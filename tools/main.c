@@ -1,6 +1,9 @@
 /* fixsplat: renders 3D Gaussian splatting scenes in fixed point. */
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "../port/formats/output.h"
 #include "command.h"
 
 static const struct {
@@ -47,17 +50,18 @@ static int kernels(void)
     return EXIT_OK;
 }
 
-/* What was printed has to have arrived. */
-static int finish(int status)
+/* What was printed has to have arrived, wherever the program ends. */
+static void check_printed(void)
 {
     if (fflush(stdout) || ferror(stdout))
-        return fail(EXIT_FAILED, "cannot write to standard output");
-    return status;
+        _exit(fail(EXIT_FAILED, "cannot write to standard output"));
 }
 
 int main(int argc, char **argv)
 {
     const char *name = argc > 1 ? argv[1] : "";
+    fxs_output_remove_at_signals();
+    atexit(check_printed);
     if (!strcmp(name, "--help") || !strcmp(name, "-h") || !strcmp(name, "help")) {
         help();
         return EXIT_OK;
@@ -70,7 +74,7 @@ int main(int argc, char **argv)
         return kernels();
     for (int i = 0; i < COMMANDS; i++)
         if (!strcmp(name, commands[i].name))
-            return finish(commands[i].run(argc - 1, argv + 1));
+            return commands[i].run(argc - 1, argv + 1);
     if (!*name)
         return fail(EXIT_USAGE, "no command; see: fixsplat --help");
     return fail(EXIT_USAGE, "no command '%s'; see: fixsplat --help", name);

@@ -9,4 +9,12 @@ command -v apt-get >/dev/null || { echo "setup: no apt-get here; install by hand
 root=
 [ "$(id -u)" = 0 ] || root=sudo
 echo "setup: installing$missing"
-$root apt-get update -qq && DEBIAN_FRONTEND=noninteractive $root apt-get install -y -qq --no-install-recommends $missing >/dev/null
+apt() { $root env DEBIAN_FRONTEND=noninteractive LC_ALL=C apt-get -qq -o DPkg::Lock::Timeout=300 "$@"; }
+# `update` has a lock of its own, for which apt-get does not wait.
+tries=0
+until said=$(apt update 2>&1); do
+    case $said in *"Could not get lock"*) ;; *) tries=60 ;; esac
+    [ $((tries += 1)) -le 60 ] || { echo "setup: $said" >&2; exit 1; }
+    sleep 5
+done
+apt install -y --no-install-recommends $missing >/dev/null

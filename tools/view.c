@@ -37,6 +37,7 @@ const char view_options_help[] =
     "                      shares the views out among them, other commands take the first\n"
     "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
     "  --profile P         how a scene that is not an .fxs file is packed: default, compact or small\n"
+    IMPORT_HELP
     "  --help              this text\n";
 
 void view_options_default(view_options *options)
@@ -136,6 +137,8 @@ int view_option(view_options *options, int which, const char *value)
     case OPT_BACKEND: options->backend = value; break;
     case OPT_DEVICE: return take_devices(options, value);
     case OPT_LOD: return take_lod(&options->load, value);
+    case OPT_MAX_GAUSSIANS:
+    case OPT_IMPORT_MEMORY: return take_import_limit(&options->load, which, value);
     case OPT_PROFILE: return take_profile(&options->load, value);
     case OPT_MAX_MEMORY: return take_max_memory(&options->max_memory, value);
     case OPT_THREADS:
@@ -342,8 +345,8 @@ static int camera_beside(fxs_camera *camera, const fxs_file_view *view, double o
     return fxs_camera_from_view(camera, &beside, &message) ? fail(EXIT_FAILED, "%s", message.text) : 0;
 }
 
-int renderer_render(renderer *r, const loaded_scene *loaded, const fxs_file_view *view, const fxs_options *options,
-                    fxs_stats *stats)
+static int draw(renderer *r, const loaded_scene *loaded, const fxs_file_view *view, const fxs_options *options,
+                fxs_stats *stats)
 {
     fxs_camera cameras[2];
     if (camera_beside(&cameras[0], view, -r->stereo / 2) || camera_beside(&cameras[1], view, r->stereo / 2) ||
@@ -358,8 +361,15 @@ int renderer_render(renderer *r, const loaded_scene *loaded, const fxs_file_view
                                                   r->memory, r->memory_bytes, eyes, stride, stats)
                               : fxs_render(&r->context, &loaded->scene, cameras, options, r->memory, r->memory_bytes,
                                            r->pixels, stride, stats);
-    if (error == FXS_ERR_MEMORY)
+    if (error == FXS_ERR_MEMORY && stats->memory.least > r->memory_bytes)
         return fail(EXIT_FAILED, "view %s: a frame of %dx%d does not fit in --max-memory %zu: it needs at least %zu "
                     "bytes", view->name, view->width, view->height, r->max_memory, stats->memory.least);
     return error ? fail(EXIT_FAILED, "view %s: %s", view->name, fxs_strerror(error)) : 0;
+}
+
+int renderer_render(renderer *r, const loaded_scene *loaded, const fxs_file_view *view, const fxs_options *options,
+                    fxs_stats *stats)
+{
+    const int status = draw(r, loaded, view, options, stats);
+    return status ? status : check_scene(loaded);
 }

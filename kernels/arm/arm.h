@@ -4,10 +4,10 @@
 
 #include "../../src/stage.h"
 
-uint32_t fxs_project_neon(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
-                          fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
-void fxs_shade_neon(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
-                    uint32_t count, fxs_splat *splats);
+int32_t fxs_project_neon(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
+                         fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
+int fxs_shade_neon(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices, uint32_t count,
+                   fxs_splat *splats);
 void fxs_bin_neon(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count,
                   fxs_box *boxes);
 void fxs_blend_neon(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,

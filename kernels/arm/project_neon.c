@@ -312,12 +312,12 @@ static inline uint32x4_t clip(shapes *out, const fxs_view *view, const covarianc
 }
 
 /* log2 of the three sigmas. Returns the largest. */
-static inline int32x4_t sigmas(int32x4_t log2_q16_out[3], const fxs_chunk *chunk, uint32x4_t word)
+static inline int32x4_t sigmas(int32x4_t log2_q16_out[3], const fxs_chunk_view *cv, uint32x4_t word)
 {
     for (int i = 0; i < 3; i++) {
         uint32x4_t code = vandq_u32(vshlq_u32(word, vdupq_n_s32(-10 * i)), vdupq_n_u32(1023));
-        uint32x4_t below = vrshrq_n_u32(vmulq_n_u32(vmulq_u32(code, code), chunk->scale_step_q24), 8);
-        log2_q16_out[i] = vsubq_s32(vdupq_n_s32(chunk->scale_q16), s32(below));
+        uint32x4_t below = vrshrq_n_u32(vmulq_n_u32(vmulq_u32(code, code), cv->scale_step_q24), 8);
+        log2_q16_out[i] = vsubq_s32(vdupq_n_s32(cv->scale_q16), s32(below));
     }
     return vmaxq_s32(vmaxq_s32(log2_q16_out[0], log2_q16_out[1]), log2_q16_out[2]);
 }
@@ -340,7 +340,7 @@ static inline uint32x4_t project_shape(shapes *out, const fxs_view *view, const 
                                        int32x4_t offset_q11, uint32x4_t alive)
 {
     int32x4_t log2_q16[3], q_q15[4], r_q15[3][3], j_q15[2][3], t_q15[2][3], size_exponent;
-    int32x4_t most = sigmas(log2_q16, cv->chunk, scale_word);
+    int32x4_t most = sigmas(log2_q16, cv, scale_word);
     uint32x4_t size_q32 = screen_size(view, cv, centre, most, &size_exponent);
     int32x4_t exponent = vmaxq_s32(size_exponent, vdupq_n_s32(0));
     alive = vandq_u32(alive, vcleq_s32(exponent, vdupq_n_s32(FXS_EXPONENT_MAX)));
@@ -405,16 +405,17 @@ static inline void store(fxs_splat *splat, fxs_bounds *bounds, const shapes *s, 
     bounds->radius = 0;
 }
 
-uint32_t fxs_project_neon(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
-                          fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
+int32_t fxs_project_neon(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
+                         fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
 {
     if (view->square)
         return fxs_project_c(view, scene, chunk, splats, bounds, indices, depths);
     const unsigned char *rows = fxs_rows(scene, chunk);
     fxs_chunk_view cv;
-    uint32_t count = 0;
-    if (!fxs_chunk_view_init(&cv, view, &scene->chunks[chunk]))
-        return 0;
+    int32_t count = 0;
+    const int seen = fxs_chunk_view_init(&cv, view, scene, chunk);
+    if (seen <= 0)
+        return seen;
     for (uint32_t i = 0; i < FXS_CHUNK; i += LANES) {
         projected centre;
         shapes s;

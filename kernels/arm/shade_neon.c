@@ -209,11 +209,9 @@ static void add_palette(sum_8 sum_q16[3], const fxs_scene *scene, const unsigned
 }
 
 /* The colours of the 8 Gaussians from g on; those of a bit in `wanted` at least. */
-static void shade_8(int16_t colour_q13[3][LANES], const fxs_view *view, const fxs_scene *scene, uint32_t chunk,
-                    uint32_t g, uint32_t wanted)
+static void shade_8(int16_t colour_q13[3][LANES], const fxs_view *view, const fxs_scene *scene,
+                    const fxs_chunk *header, const unsigned char *rows, uint32_t g, uint32_t wanted)
 {
-    const fxs_chunk *header = &scene->chunks[chunk];
-    const unsigned char *rows = fxs_rows(scene, chunk);
     const codes_neon codes[2] = {load_codes(scene, rows, g), load_codes(scene, rows, g + 4)};
     sum_8 sum_q16[3];
     for (int c = 0; c < 3; c++) {
@@ -234,18 +232,24 @@ static void shade_8(int16_t colour_q13[3][LANES], const fxs_view *view, const fx
     }
 }
 
-void fxs_shade_neon(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
-                    uint32_t count, fxs_splat *splats)
+int fxs_shade_neon(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices, uint32_t count,
+                   fxs_splat *splats)
 {
+    const unsigned char *rows = fxs_rows(scene, chunk);
+    fxs_chunk header;
+    const int error = fxs_chunk_read(&header, scene, chunk);
+    if (error)
+        return error;
     for (uint32_t i = 0, end; i < count; i = end) {
         const uint32_t first = indices[i] & ~(LANES - 1u);
         int16_t colour_q13[3][LANES];
         uint32_t wanted = 0;
         for (end = i; end < count && indices[end] - first < LANES; end++)
             wanted |= 1u << (indices[end] - first);
-        shade_8(colour_q13, view, scene, chunk, first % FXS_CHUNK, wanted);
+        shade_8(colour_q13, view, scene, &header, rows, first % FXS_CHUNK, wanted);
         for (; i < end; i++)
             for (int c = 0; c < 3; c++)
                 splats[i].colour_q13[c] = colour_q13[c][indices[i] % LANES];
     }
+    return 0;
 }

@@ -53,6 +53,16 @@ int failed(fxs_cuda_failure *failure, int error, const char *text, uint64_t byte
     return error;
 }
 
+const char *words(cudaError_t error)
+{
+    int driver = 0;
+    if (error == cudaErrorNoDevice)
+        return "no NVIDIA GPU was found";
+    if (error == cudaErrorInsufficientDriver && !cudaDriverGetVersion(&driver) && !driver)
+        return "no NVIDIA driver or GPU was found";
+    return cudaGetErrorString(error);
+}
+
 /* The first of two errors of the runtime, as one of ours. */
 int check(fxs_cuda_failure *failure, cudaError_t error, cudaError_t second = cudaSuccess)
 {
@@ -60,8 +70,7 @@ int check(fxs_cuda_failure *failure, cudaError_t error, cudaError_t second = cud
     if (!error)
         return 0;
     cudaGetLastError();            /* forgotten, for the sake of other users */
-    return failed(failure, error == cudaErrorMemoryAllocation ? FXS_ERR_MEMORY : FXS_ERR_UNSUPPORTED,
-                  cudaGetErrorString(error));
+    return failed(failure, error == cudaErrorMemoryAllocation ? FXS_ERR_MEMORY : FXS_ERR_DEVICE, words(error));
 }
 
 /* As long as it lives, the renderer's device is the thread's. */
@@ -239,8 +248,9 @@ int end_frames(fxs_cuda *cuda, int error)
 
 int frame_valid(const fxs_cuda_frame *frame, const fxs_options *options)
 {
-    const uintptr_t pixel_bytes = options->format == FXS_FORMAT_RGB565 ? 2 : 4;
-    return frame->pixels && ((uintptr_t)frame->pixels | (uintptr_t)frame->stride) % pixel_bytes == 0;
+    const uintptr_t pixel_bytes = (uintptr_t)fxs_pixel_bytes(options);
+    return frame->pixels && ((uintptr_t)frame->pixels | (uintptr_t)frame->stride) % pixel_bytes == 0 &&
+           fxs_stride_valid(&frame->camera, options, frame->stride);
 }
 
 int frame_fitted(const fxs_cuda *cuda, uint32_t i)
@@ -379,7 +389,7 @@ int fxs_cuda_name(int device, char *name, size_t size, fxs_cuda_failure *failure
     cudaDeviceProp properties;
     int count = 0, error = check(failure, cudaGetDeviceCount(&count));
     if (!error && (device < 0 || device >= count))
-        return failed(failure, FXS_ERR_UNSUPPORTED, "no such CUDA device");
+        return failed(failure, FXS_ERR_DEVICE, "no such CUDA device");
     error = error ? error : check(failure, cudaGetDeviceProperties(&properties, device));
     if (error || !size)
         return error;
@@ -434,7 +444,7 @@ int fxs_cuda_upload(fxs_cuda *cuda, const fxs_scene *scene, fxs_cuda_failure *fa
     if (!cuda || !scene)
         return failed(failure, FXS_ERR_ARGUMENT, "an argument is null");
     on_device scope(cuda->device);
-    const unsigned char *start = (const unsigned char *)scene->chunks;
+    const unsigned char *start = scene->chunks;
     const uint64_t bytes = (uint64_t)(scene->rows - start) + (uint64_t)scene->chunk_count * scene->chunk_bytes;
     cuda->scene = {};
     reserve(cuda, &cuda->scene_data, 0, 0);
@@ -454,7 +464,7 @@ int fxs_cuda_upload(fxs_cuda *cuda, const fxs_scene *scene, fxs_cuda_failure *fa
         return error;
     unsigned char *copy = (unsigned char *)cuda->scene_data.data;
     cuda->scene = *scene;
-    cuda->scene.chunks = (const fxs_chunk *)copy;
+    cuda->scene.chunks = copy;
     cuda->scene.rows = copy + (scene->rows - start);
     cuda->scene.palette = scene->palette ? (const int8_t *)copy + (scene->palette - (const int8_t *)start) : 0;
     return 0;
@@ -473,7 +483,7 @@ int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count
         return failed(failure, FXS_ERR_ARGUMENT, "an argument is null or out of range");
     for (uint32_t i = 0; i < count; i++)
         if (!frame_valid(&frames[i], options))
-            return failed(failure, FXS_ERR_ARGUMENT, "pixels are null or not aligned to a pixel");
+            return failed(failure, FXS_ERR_ARGUMENT, "pixels are null or not aligned to a pixel, or rows overlap");
     on_device scope(cuda->device);
     cudaGetLastError();            /* not ours */
     cuda->options = *options;
@@ -499,7 +509,9 @@ int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_cuda_failure *fai
     cudaGetLastError();            /* not ours */
     int error = wait(cuda, failure);
     for (uint32_t i = 0; i < cuda->frame_count && !error; i++)
-        if (!frame_fitted(cuda, i))
+        if (cuda->status[i].damaged)
+            error = failed(failure, FXS_ERR_SCENE, fxs_strerror(FXS_ERR_SCENE));
+        else if (!frame_fitted(cuda, i))
             error = render_again(cuda, i, failure);
     if (!error && stats)
         stats_of(cuda, stats);
@@ -509,12 +521,12 @@ int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_cuda_failure *fai
 int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_camera *camera, const fxs_options *options, void *pixels,
                          ptrdiff_t stride, fxs_cuda_stats *stats, fxs_cuda_failure *failure)
 {
-    if (!cuda || !camera || !options || !pixels)
-        return failed(failure, FXS_ERR_ARGUMENT, "an argument is null");
+    if (!cuda || !camera || !options || !pixels || !fxs_stride_valid(camera, options, stride))
+        return failed(failure, FXS_ERR_ARGUMENT, "an argument is null, or rows overlap");
     if (camera->width < 1 || camera->height < 1 || camera->width > FXS_MAX_SIZE || camera->height > FXS_MAX_SIZE)
         return failed(failure, FXS_ERR_SIZE, "the width or height is outside 1 to 16384");
     on_device scope(cuda->device);
-    const size_t row = (size_t)camera->width * (options->format == FXS_FORMAT_RGB565 ? 2 : 4);
+    const size_t row = (size_t)camera->width * (size_t)fxs_pixel_bytes(options);
     const size_t height = (size_t)camera->height;
     int error = reserve(cuda, &cuda->pixels, row * height, failure);
     const fxs_cuda_frame frame = {*camera, cuda->pixels.data, (ptrdiff_t)row};

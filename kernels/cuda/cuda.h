@@ -1,7 +1,9 @@
 /* The CUDA back end: a scene on a GPU, and frames of it with the same bytes as fxs_render.
  *
  * No global state; a renderer belongs to one thread at a time and to the device it was created on, whose other users
- * it does not disturb. Functions return 0 or an FXS_ERR_*, and then, where `failure` is not null, why. */
+ * it does not disturb. Functions return 0 or an FXS_ERR_*, and then, where `failure` is not null, why: FXS_ERR_DEVICE
+ * where the driver or the device is missing, failed or was lost, FXS_ERR_MEMORY where device memory, as it is or as
+ * max_memory allows, is too small. */
 #ifndef FXS_CUDA_H
 #define FXS_CUDA_H
 
@@ -50,20 +52,19 @@ typedef struct fxs_cuda_frame {
 /* How many devices there are; 0 where there is no driver. */
 int fxs_cuda_devices(void);
 
-/* The name of a device, cut to `size` bytes with the final 0. Errors: FXS_ERR_UNSUPPORTED. */
+/* The name of a device, cut to `size` bytes with the final 0. Errors: FXS_ERR_DEVICE. */
 int fxs_cuda_name(int device, char *name, size_t size, fxs_cuda_failure *failure);
 
 /* Opens device `device`. `max_memory`: most bytes of device memory, 0 for no limit of its own. `slots`: 1 to 16 frames
-   under way at a time, each with buffers of its own. Errors: FXS_ERR_ARGUMENT, FXS_ERR_UNSUPPORTED where there is no
-   driver or no such device, FXS_ERR_MEMORY. */
+   under way at a time, each with buffers of its own. Errors: FXS_ERR_ARGUMENT, FXS_ERR_DEVICE, FXS_ERR_MEMORY,
+   FXS_ERR_UNSUPPORTED where the device has too little shared memory. */
 int fxs_cuda_create(fxs_cuda **out, int device, uint64_t max_memory, uint32_t slots, fxs_cuda_failure *failure);
 
 /* Waits for what is under way and gives everything back; `cuda` may be null. */
 void fxs_cuda_destroy(fxs_cuda *cuda);
 
 /* Copies a packed scene to the device, in place of the one before. Errors: FXS_ERR_ARGUMENT, FXS_ERR_MEMORY (nothing is
-   loaded then; bytes_needed is for the scene and its frames, but for tiles and pixels), FXS_ERR_UNSUPPORTED where the
-   device fails. */
+   loaded then; bytes_needed is for the scene and its frames, but for tiles and pixels), FXS_ERR_DEVICE. */
 int fxs_cuda_upload(fxs_cuda *cuda, const fxs_scene *scene, fxs_cuda_failure *failure);
 
 /* Whether stage times are taken: that puts an event between the stages. */
@@ -71,14 +72,14 @@ void fxs_cuda_time(fxs_cuda *cuda, int on);
 
 /* Starts 1 to FXS_CUDA_BATCH frames behind the work of `stream` (a cudaStream_t; null: the default one), and lets the
    stream wait for them. The pixels are there once fxs_cuda_finish has returned 0, which must come before the next call
-   of any other function. Errors as fxs_render's, and FXS_ERR_UNSUPPORTED where the device fails: no frame is under way
-   then. */
+   of any other function. Errors as fxs_render's, and FXS_ERR_DEVICE: no frame is under way then. */
 int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
                     void *stream, fxs_cuda_failure *failure);
 
 /* Waits for the frames of fxs_cuda_render. Frames whose tile lists did not fit are rendered again, in more memory.
-   *stats may be null. Errors: FXS_ERR_ARGUMENT where none are under way, FXS_ERR_MEMORY, FXS_ERR_UNSUPPORTED; pixels
-   are undefined then. */
+   *stats may be null. Errors: FXS_ERR_ARGUMENT where none are under way, FXS_ERR_MEMORY, FXS_ERR_DEVICE, FXS_ERR_SCENE
+   where a chunk's header is out of range: the scene's bytes had changed before they were uploaded; pixels are undefined
+   then. */
 int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_cuda_failure *failure);
 
 /* One frame to host memory: render, finish and copy. */

@@ -24,13 +24,16 @@ __device__ inline void add_at(uint32_t *counters, uint32_t i, uint32_t by, bool 
     }
 }
 
-/* A thread a chunk: where it lies, if anything of it can be seen. */
+/* A thread a chunk: where it lies, if anything of it can be seen; or that its header is damaged. */
 __global__ void place_chunks(const __grid_constant__ fxs_view view, const __grid_constant__ fxs_scene scene,
                              const __grid_constant__ frame_buffers f)
 {
     const uint32_t chunk = blockIdx.x * blockDim.x + threadIdx.x;
     fxs_chunk_view cv;
-    const bool visible = chunk < scene.chunk_count && fxs_chunk_view_init(&cv, &view, &scene.chunks[chunk]);
+    const int seen = chunk < scene.chunk_count ? fxs_chunk_view_init(&cv, &view, &scene, chunk) : 0;
+    const bool visible = seen > 0;
+    if (seen < 0)
+        f.status->damaged = 1;
     const uint32_t place = take_place(&f.status->chunks, 0, visible);
     if (visible)
         f.chunk_views[place] = cv;
@@ -186,7 +189,7 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
     if (blockIdx.x >= f.status->chunks)
         return;
     const fxs_chunk_view *cv = &f.chunk_views[blockIdx.x];
-    const uint32_t chunk = (uint32_t)(cv->chunk - scene.chunks), g = threadIdx.x, index = chunk * FXS_CHUNK + g;
+    const uint32_t chunk = cv->chunk, g = threadIdx.x, index = chunk * FXS_CHUNK + g;
     const unsigned char *rows = (const unsigned char *)__builtin_assume_aligned(b.rows, 64);
     const uint32_t early = scene.chunk_bytes < FXS_ROW_SH ? scene.chunk_bytes : FXS_ROW_SH;
     fetch_rows(&b, fxs_rows(&scene, chunk), 0, early);
@@ -202,7 +205,7 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
     __syncthreads();
     ellipse e;
     if (visible) {
-        shade_one(&splat, &view, &scene, cv->chunk, rows, g);
+        shade_one(&splat, &view, &scene, (const fxs_chunk *)scene.chunks + chunk, rows, g);
         f.splats[index] = splat;
         f.depths[index] = depth;
         e = ellipse_of(&view, &splat, &bounds);
@@ -275,7 +278,7 @@ __global__ void __launch_bounds__(FXS_CHUNK) fill_lists(const __grid_constant__ 
             fill_large(&view, &f, &f.larges[i]);
         return;
     }
-    const uint32_t chunk = (uint32_t)(f.chunk_views[blockIdx.x - LARGE_BLOCKS].chunk - scene.chunks);
+    const uint32_t chunk = f.chunk_views[blockIdx.x - LARGE_BLOCKS].chunk;
     const uint32_t index = chunk * FXS_CHUNK + threadIdx.x, depth = f.depths[index];
     const uint64_t box = f.boxes[index];
     share_out((uint32_t)__popcll(box_mask(box)), [&](int lane, uint32_t item, bool active) {

@@ -40,6 +40,7 @@ struct large_splat {
 struct frame_status {
     uint64_t entries;
     uint32_t larges, visible, chunks;
+    uint32_t damaged;              /* 1: a chunk's header is out of range */
     uint32_t classes[32];          /* tiles in each class */
     uint32_t class_entries[32];    /* and their entries */
     uint32_t next_turn, next_dense;   /* of blend_tiles, blend_dense */

@@ -30,6 +30,8 @@ enum { FXS_GLES_UPLOADS = 3, FXS_GLES_DOWNLOAD = FXS_GLES_UPLOADS, FXS_GLES_INST
 
 struct fxs_gles {
     fxs_gl gl;
+    fxs_gl_use_fn *use;            /* null: the caller's part */
+    void *use_argument;
     char renderer[128];
     int32_t shift;                 /* log2 of the width, and the greatest height, of the texture of records */
     int32_t most;                  /* pixels, width and height of a render target */
@@ -62,10 +64,17 @@ void fxs_gles_restore(const fxs_gl *gl, const fxs_gles_state *state);
 /* Sets what every draw wants: switches, masks, unpacking, and the textures of the tiles' shader at their units. */
 void fxs_gles_set(const fxs_gles *gles);
 
-/* Takes the errors that are pending. Returns 0 where there were none, else FXS_ERR_DEVICE. */
+/* Makes the context current. Returns 0 or FXS_ERR_DEVICE. */
+int fxs_gles_use(const fxs_gles *gles);
+
+/* Takes the errors that are pending. Returns 0 where there were none, else FXS_ERR_DEVICE, or FXS_ERR_MEMORY where the
+   first says so. */
 int fxs_gles_check(const fxs_gles *gles);
 
-/* Makes a target of the back end's own at least so large. Returns 0 or FXS_ERR_DEVICE. */
+/* The same for a call that failed, whether it left an error or not: never 0. */
+int fxs_gles_failure(const fxs_gles *gles);
+
+/* Makes a target of the back end's own at least so large. Errors: FXS_ERR_DEVICE, FXS_ERR_MEMORY. */
 int fxs_gles_make_target(fxs_gles *gles, int target, GLenum format, int32_t width, int32_t height);
 
 /* Binds a buffer, at least so large, and maps it for writing; what was in it is lost. Null where the device fails. */
@@ -76,7 +85,7 @@ void fxs_gles_start_timer(fxs_gles *gles);
 void fxs_gles_stop_timer(fxs_gles *gles);
 
 /* Reads the lower left corner of FXS_GLES_TARGET or FXS_GLES_BYTES, `width` x `height` pixels, as the run's pixels at
-   (x, y); those of its tiles only. Returns 0, FXS_ERR_DEVICE, or FXS_ERR_ARGUMENT where the run has no pixels. */
+   (x, y); those of its tiles only. Errors: FXS_ERR_DEVICE, FXS_ERR_MEMORY, and FXS_ERR_ARGUMENT where the run has none. */
 int fxs_gles_read(fxs_gles *gles, const fxs_tile_run *run, int target, int32_t x, int32_t y, int32_t width,
                   int32_t height);
 

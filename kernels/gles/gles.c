@@ -193,10 +193,22 @@ static int make_objects(fxs_gles *g, char *message)
     return 0;
 }
 
-int fxs_gles_init(fxs_gles *g, fxs_gl_load_fn *load, void *argument, char message[FXS_GLES_MESSAGE])
+int fxs_gles_use(const fxs_gles *g)
+{
+    return g->use && g->use(g->use_argument) ? FXS_ERR_DEVICE : 0;
+}
+
+int fxs_gles_init(fxs_gles *g, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *argument,
+                  char message[FXS_GLES_MESSAGE])
 {
     fxs_gles_state state;
     memset(g, 0, sizeof *g);
+    g->use = use;
+    g->use_argument = argument;
+    if (fxs_gles_use(g)) {
+        say(message, "the context cannot be made current", "");
+        return FXS_ERR_DEVICE;
+    }
     int error = load_functions(&g->gl, load, argument, message);
     if (!error)
         error = check_version(g, message);
@@ -209,10 +221,8 @@ int fxs_gles_init(fxs_gles *g, fxs_gl_load_fn *load, void *argument, char messag
     error = make_programs(g, message);
     if (!error)
         error = make_objects(g, message);
-    if (!error && fxs_gles_check(g)) {
+    if (!error && (error = fxs_gles_check(g)) != 0)
         say(message, "the device failed to make textures and buffers", "");
-        error = FXS_ERR_DEVICE;
-    }
     if (error)
         fxs_gles_free(g);
     fxs_gles_restore(&g->gl, &state);
@@ -223,6 +233,8 @@ void fxs_gles_free(fxs_gles *g)
 {
     const fxs_gl *gl = &g->gl;
     GLint current = 0;
+    if (fxs_gles_use(g))
+        return;                    /* its objects went with the context */
     gl->GetIntegerv(GL_CURRENT_PROGRAM, &current);
     for (int i = 0; i < FXS_GLES_PROGRAMS; i++) {
         if ((GLuint)current == g->programs[i].name)
@@ -241,10 +253,17 @@ void fxs_gles_free(fxs_gles *g)
 int fxs_gles_check(const fxs_gles *g)
 {
     int error = 0;
+    GLenum one;
     /* A context that is lost may say so for ever. */
-    for (int i = 0; i < 16 && g->gl.GetError() != GL_NO_ERROR; i++)
-        error = FXS_ERR_DEVICE;
+    for (int i = 0; i < 16 && (one = g->gl.GetError()) != GL_NO_ERROR; i++)
+        error = error ? error : one == GL_OUT_OF_MEMORY ? FXS_ERR_MEMORY : FXS_ERR_DEVICE;
     return error;
+}
+
+int fxs_gles_failure(const fxs_gles *g)
+{
+    const int error = fxs_gles_check(g);
+    return error ? error : FXS_ERR_DEVICE;
 }
 
 int fxs_gles_make_target(fxs_gles *g, int target, GLenum format, int32_t width, int32_t height)
@@ -258,8 +277,10 @@ int fxs_gles_make_target(fxs_gles *g, int target, GLenum format, int32_t width, 
     gl->RenderbufferStorage(GL_RENDERBUFFER, format, width, height);
     gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, g->framebuffers[target]);
     gl->FramebufferRenderbuffer(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, g->renderbuffers[target]);
-    if (gl->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE || fxs_gles_check(g))
-        return FXS_ERR_DEVICE;
+    const GLenum status = gl->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER);
+    const int error = status == GL_FRAMEBUFFER_COMPLETE ? fxs_gles_check(g) : fxs_gles_failure(g);
+    if (error)
+        return error;
     g->width[target] = width;
     g->height[target] = height;
     return 0;
@@ -305,7 +326,7 @@ void fxs_gles_stop_timer(fxs_gles *g)
 
 static void store(unsigned char *to, const unsigned char *rgba, enum fxs_format format)
 {
-    const uint16_t packed = fxs_rgb565(rgba[0], rgba[1], rgba[2]);
+    const uint16_t packed = fxs_little_16(fxs_rgb565(rgba[0], rgba[1], rgba[2]));
     if (format == FXS_FORMAT_RGB565)
         memcpy(to, &packed, sizeof packed);
     else
@@ -364,7 +385,7 @@ int fxs_gles_read(fxs_gles *g, const fxs_tile_run *run, int framebuffer, int32_t
     gl->ReadPixels(0, 0, width, height, format, wide ? GL_UNSIGNED_INT : GL_UNSIGNED_BYTE, 0);
     const unsigned char *read = gl->MapBufferRange(GL_PIXEL_PACK_BUFFER, 0, bytes, GL_MAP_READ_BIT);
     if (!read)
-        return FXS_ERR_DEVICE;
+        return fxs_gles_failure(g);
     copy_tiles(run, read, x, y, width, height, wide);
     return gl->UnmapBuffer(GL_PIXEL_PACK_BUFFER) ? fxs_gles_check(g) : FXS_ERR_DEVICE;
 }
@@ -385,6 +406,8 @@ int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_scene *sc
     drawing.config.draw = fxs_gles_draw;
     drawing.config.draw_argument = g;
     drawing.config.draw_unlisted = 0;
+    if (fxs_gles_use(g))
+        return FXS_ERR_DEVICE;
     fxs_gles_save(&g->gl, &state);
     fxs_gles_check(g);
     g->target = target;

@@ -1,9 +1,9 @@
 /* A back end for OpenGL ES 3.0: the core projects, shades, sorts and bins on the processor, a fragment shader blends
- * and resolves, with the same bytes. It runs in any current context of OpenGL ES 3.0, or of OpenGL 3.3 with
- * GL_ARB_ES3_compatibility; every call here wants that context current on its thread.
+ * and resolves, with the same bytes. It runs in any context of OpenGL ES 3.0, or of OpenGL 3.3 with
+ * GL_ARB_ES3_compatibility, on one thread at a time.
  *
  *     fxs_gles *gles = malloc(fxs_gles_bytes());
- *     if (fxs_gles_init(gles, load, argument, message)) ...
+ *     if (fxs_gles_init(gles, load, use, argument, message)) ...
  *     config.draw = fxs_gles_draw, config.draw_argument = gles;
  *     fxs_init(&context, &config), fxs_render(&context, ...); */
 #ifndef FXS_GLES_H
@@ -17,15 +17,21 @@ typedef struct fxs_gles fxs_gles;
 typedef void (*fxs_gl_function)(void);
 typedef fxs_gl_function fxs_gl_load_fn(void *argument, const char *name);
 
+/* Makes the back end's context current on the calling thread. Returns 0, or another value where it cannot. */
+typedef int fxs_gl_use_fn(void *argument);
+
 #define FXS_GLES_MESSAGE 512
 
 /* Bytes of a back end, for the caller to allocate (aligned as malloc does). */
 size_t fxs_gles_bytes(void);
 
 /* Loads the functions, compiles the shaders, makes buffers and textures. Leaves the context's state as it was, but for
-   a GL error that was pending. Returns 0, or FXS_ERR_UNSUPPORTED or FXS_ERR_DEVICE, one line why not in `message`, and
-   nothing left behind. */
-int fxs_gles_init(fxs_gles *gles, fxs_gl_load_fn *load, void *argument, char message[FXS_GLES_MESSAGE]);
+   a GL error that was pending. `use`: every call here makes the context current by it, so that several contexts may
+   take turns on a thread; null: the caller sees to it that the context is current at every call. `argument` is that of
+   both functions, which are kept. Returns 0, or FXS_ERR_UNSUPPORTED, FXS_ERR_DEVICE or FXS_ERR_MEMORY, one line why not
+   in `message`, and nothing left behind. */
+int fxs_gles_init(fxs_gles *gles, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *argument,
+                  char message[FXS_GLES_MESSAGE]);
 
 /* Deletes what was made. Not to be called where the context is gone: its objects went with it. */
 void fxs_gles_free(fxs_gles *gles);
@@ -34,12 +40,13 @@ void fxs_gles_free(fxs_gles *gles);
 const char *fxs_gles_renderer(const fxs_gles *gles);
 
 /* For fxs_config.draw, with the fxs_gles as argument, in a context that is the back end's own: GL state is not kept.
-   Errors: FXS_ERR_DEVICE, after which the back end is to be made anew; in another context where that one was lost. */
+   Errors: FXS_ERR_DEVICE, and FXS_ERR_MEMORY where the device has too little, after which the back end is to be made
+   anew; in another context where that one was lost. */
 fxs_draw_fn fxs_gles_draw;
 
 /* The same for a faster, inexact picture: a quad for each Gaussian, back to front, blended by the hardware in half
-   floats where it can, else in 10 or 8 bits. Wants fxs_config.draw_unlisted. Errors: FXS_ERR_DEVICE,
-   FXS_ERR_UNSUPPORTED (the picture is larger than a render target can be). */
+   floats where it can, else in 10 or 8 bits. Wants fxs_config.draw_unlisted. Errors: those, and FXS_ERR_UNSUPPORTED
+   (the picture is larger than a render target can be). */
 fxs_draw_fn fxs_gles_draw_quads;
 
 /* The time that the device took from the first upload to the last draw of the last frame, without reading back; 0
@@ -57,7 +64,7 @@ typedef struct fxs_gles_target {
 /* Renders a frame (arguments and errors as fxs_render, format RGBA8 or RGBA8_COVERAGE) into a target, in the caller's
    context. The GL state is left as it was, but for a GL error that was pending. Transform feedback must not be active;
    an occlusion query that is counts this draw too. `context` says how the stages before run; its draw is not used.
-   Errors also: FXS_ERR_UNSUPPORTED (another format), FXS_ERR_DEVICE. */
+   Errors also: FXS_ERR_UNSUPPORTED (another format), FXS_ERR_DEVICE, FXS_ERR_MEMORY (the device's). */
 int fxs_gles_render(fxs_gles *gles, const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera,
                     const fxs_options *options, void *memory, size_t memory_bytes, const fxs_gles_target *target,
                     fxs_stats *stats);

@@ -42,7 +42,7 @@ static int upload(fxs_gles *g, const fxs_tile_run *run)
     filling f = {run, 0};
     f.instances = fxs_gles_map(g, GL_ARRAY_BUFFER, FXS_GLES_INSTANCES, bytes);
     if (!f.instances)
-        return FXS_ERR_DEVICE;
+        return fxs_gles_failure(g);
     fxs_run(run->config, fill_part, &f, PARTS);
     return g->gl.UnmapBuffer(GL_ARRAY_BUFFER) ? 0 : FXS_ERR_DEVICE;
 }
@@ -78,9 +78,12 @@ int fxs_gles_draw_quads(void *argument, const fxs_tile_run *run)
         background[c] = opaque ? (GLfloat)o->background[c] / 255 : 0;
     if (width > g->most || height > g->most)
         return FXS_ERR_UNSUPPORTED;
+    int error = fxs_gles_use(g);
+    if (error)
+        return error;
     g->nanoseconds = 0;
     fxs_gles_set(g);
-    int error = fxs_gles_make_target(g, FXS_GLES_BYTES, GL_RGBA8, width, height);
+    error = fxs_gles_make_target(g, FXS_GLES_BYTES, GL_RGBA8, width, height);
     if (!error)
         error = fxs_gles_make_target(g, FXS_GLES_BLENDED, opaque || g->blended_format == GL_RGBA16F ?
                                      g->blended_format : GL_RGBA8, width, height);

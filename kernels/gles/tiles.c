@@ -64,7 +64,7 @@ static int begin_batch(batch *b, int32_t first)
     GLsizeiptr bytes = (GLsizeiptr)(lists * 8 + (size_t)b->capacity * RECORD);
     b->lists = fxs_gles_map(g, GL_PIXEL_UNPACK_BUFFER, (int)(g->turn++ % FXS_GLES_UPLOADS), bytes);
     if (!b->lists)
-        return FXS_ERR_DEVICE;
+        return fxs_gles_failure(g);
     b->records = b->lists + 2 * lists;
     b->count = 0;
     b->first = b->end = first;
@@ -295,8 +295,11 @@ int fxs_gles_draw(void *argument, const fxs_tile_run *run)
     const int32_t top = (int32_t)run->first_tile / v->tiles_x * FXS_TILE;
     const int32_t bottom = fxs_min(((int32_t)run->last_tile / v->tiles_x + 1) * FXS_TILE, v->height);
     const int32_t most = g->target ? FXS_MAX_SIZE : g->most;
-    int error = g->target ? 0 : fxs_gles_make_target(g, FXS_GLES_TARGET, GL_RGBA8UI, fxs_min(v->width, most),
-                                                     fxs_min(v->height, most));
+    int error = fxs_gles_use(g);
+    if (!error && !g->target)
+        error = fxs_gles_make_target(g, FXS_GLES_TARGET, GL_RGBA8UI, fxs_min(v->width, most), fxs_min(v->height, most));
+    if (error)
+        return error;
     g->nanoseconds = run->first_tile ? g->nanoseconds : 0;
     fxs_gles_set(g);
     for (int32_t y = top; y < bottom && !error; y += most)

@@ -26,7 +26,7 @@ static inline placed place(const fxs_view *view, const fxs_splat *splat, uint32_
     last = last > FXS_TILE - 1 ? FXS_TILE - 1 : last;
     placed p = {(int32_t)u, (int32_t)v, first * STEPS / FXS_TILE, ((last + 1) * STEPS - 1) / FXS_TILE,
                 fxs_limit_q11(splat->offset_q11, view->cut_q11)};
-    if (__builtin_expect(entry & FXS_ENTRY_FAR, 0))
+    if (__builtin_expect((entry & FXS_ENTRY_FAR) != 0, 0))
         p.u_q24 = p.v_q24 = FXS_FAR_Q24;
     return p;
 }

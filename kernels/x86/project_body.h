@@ -40,7 +40,7 @@ static inline mask project_axis(centre *c, int i, int64_t f_q12, int64_t c_q12)
 
 static inline vi log2_sigma_q16(const fxs_chunk_view *cv, vi code)
 {
-    return cv->chunk->scale_q16 - (vi)(((vu)(code * code * (int32_t)cv->chunk->scale_step_q24) + 128) >> 8);
+    return cv->scale_q16 - (vi)(((vu)(code * code * (int32_t)cv->scale_step_q24) + 128) >> 8);
 }
 
 /* f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent, mantissa in [0.5, 1). The smallest code is the largest
@@ -330,14 +330,15 @@ static inline void append(fxs_splat *splats, fxs_bounds *bounds, int32_t splat_r
     }
 }
 
-static inline uint32_t project(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
-                               fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
+static inline int32_t project(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
+                              fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
 {
     fxs_chunk_view cv;
     survivors s;
     uint32_t count = 0;
-    if (!fxs_chunk_view_init(&cv, view, &scene->chunks[chunk]))
-        return 0;
+    const int seen = fxs_chunk_view_init(&cv, view, scene, chunk);
+    if (seen <= 0)
+        return seen;
     s.count = 0;
     for (uint32_t i = 0; i < FXS_CHUNK; i += LANES)
         find_centres(&s, view, &cv, scene, fxs_rows(scene, chunk), i);
@@ -358,5 +359,5 @@ static inline uint32_t project(const fxs_view *view, const fxs_scene *scene, uin
         store_compressed(depths + count, load(&s.rows[DEPTH][at]), visible);
         count += (uint32_t)__builtin_popcount(bits(visible));
     }
-    return count;
+    return (int32_t)count;
 }

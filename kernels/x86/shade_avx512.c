@@ -4,5 +4,5 @@
 
 FXS_X86_SHADE(avx512)
 {
-    shade(view, scene, chunk, indices, count, splats);
+    return shade(view, scene, chunk, indices, count, splats);
 }

@@ -178,11 +178,9 @@ static inline void add_palette(vi sum_q16[3], const fxs_scene *scene, const unsi
 }
 
 /* The Gaussians first to first + LANES - 1; those of a bit in `wanted` at least. */
-static inline void colours(vi colour_q13[3], const fxs_view *view, const fxs_scene *scene, uint32_t chunk,
-                           uint32_t first, uint32_t wanted)
+static inline void colours(vi colour_q13[3], const fxs_view *view, const fxs_scene *scene, const fxs_chunk *header,
+                           const unsigned char *rows, uint32_t first, uint32_t wanted)
 {
-    const fxs_chunk *header = &scene->chunks[chunk];
-    const unsigned char *rows = fxs_rows(scene, chunk);
     vi colour = load_colours(scene, rows, first), sum_q16[3];
     for (int c = 0; c < 3; c++) {
         vi step = (colour >> 8 * c & 255) * (int32_t)header->colour_step_q20[c];
@@ -203,21 +201,26 @@ static inline void colours(vi colour_q13[3], const fxs_view *view, const fxs_sce
         colour_q13[c] = clamp((sum_q16[c] + 4) >> 3, all(0), all(32767));
 }
 
-static inline void shade(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
-                         uint32_t count, fxs_splat *splats)
+static inline int shade(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
+                        uint32_t count, fxs_splat *splats)
 {
+    const unsigned char *rows = fxs_rows(scene, chunk);
+    fxs_chunk header;
+    const int error = fxs_chunk_read(&header, scene, chunk);
+    if (error)
+        return error;
     for (uint32_t i = 0, end; i < count; i = end) {
         const uint32_t first = indices[i] & ~(LANES - 1u);
         uint32_t wanted = 0;
         for (end = i; end < count && indices[end] - first < LANES; end++)
             wanted |= 1u << (indices[end] - first);
         if (end - i == 1) {            /* a vector costs as much as one or two Gaussians in C */
-            fxs_shade_c(view, scene, chunk, indices + i, 1, splats + i);
+            fxs_shade_list(view, scene, &header, rows, indices + i, 1, splats + i);
             continue;
         }
         vi colour_q13[3];
         int32_t red_green[LANES], blue[LANES];
-        colours(colour_q13, view, scene, chunk, first % FXS_CHUNK, wanted);
+        colours(colour_q13, view, scene, &header, rows, first % FXS_CHUNK, wanted);
         store(red_green, colour_q13[0] | colour_q13[1] << 16);
         store(blue, colour_q13[2]);
         for (; i < end; i++) {
@@ -226,4 +229,5 @@ static inline void shade(const fxs_view *view, const fxs_scene *scene, uint32_t 
             splats[i].colour_q13[2] = (int16_t)blue[lane];
         }
     }
+    return 0;
 }

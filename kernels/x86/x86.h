@@ -4,9 +4,9 @@
 
 #include "../../src/stage.h"
 
-#define FXS_X86_PROJECT(isa) uint32_t fxs_project_##isa(const fxs_view *view, const fxs_scene *scene, \
+#define FXS_X86_PROJECT(isa) int32_t fxs_project_##isa(const fxs_view *view, const fxs_scene *scene, \
     uint32_t chunk, fxs_splat *splats, fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
-#define FXS_X86_SHADE(isa) void fxs_shade_##isa(const fxs_view *view, const fxs_scene *scene, \
+#define FXS_X86_SHADE(isa) int fxs_shade_##isa(const fxs_view *view, const fxs_scene *scene, \
     uint32_t chunk, const uint32_t *indices, uint32_t count, fxs_splat *splats)
 #define FXS_X86_BIN(isa) void fxs_bin_##isa(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, \
     uint32_t count, fxs_box *boxes)

@@ -42,10 +42,14 @@ static function *egl_function(const fxs_egl *e, const char *name)
 }
 #define CALL(type, name) ((PFN##type##PROC)egl_function(e, #name))
 
+/* EGL does nothing for a context that is current as far as it knows; Mesa's other libraries (OSMesa, GLX) put theirs
+   in the same place without its knowledge. */
 int fxs_egl_use(void *egl)
 {
     const fxs_egl *e = egl;
-    return CALL(EGLMAKECURRENT, eglMakeCurrent)(e->display, e->surface, e->surface, e->context) ? 0 : -1;
+    PFNEGLMAKECURRENTPROC make_current = CALL(EGLMAKECURRENT, eglMakeCurrent);
+    make_current(e->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    return make_current(e->display, e->surface, e->surface, e->context) ? 0 : -1;
 }
 
 static int make_surface(fxs_egl *e, EGLConfig config)

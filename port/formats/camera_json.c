@@ -145,7 +145,7 @@ static int read_root(fxs_view_list *list, const cJSON *root)
 
 int fxs_camera_json_parse(fxs_view_list *list, const fxs_text *json)
 {
-    cJSON *root = fxs_json_parse(json, list->message);
+    cJSON *root = fxs_json_parse(json, NULL, list->message);
     if (!root)
         return -1;
     int status = read_root(list, root);

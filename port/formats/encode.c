@@ -15,6 +15,12 @@ void fxs_ranges_clear(fxs_chunk_ranges *ranges)
     *ranges = (fxs_chunk_ranges){{none, none, none}, none, {none, none, none}, {0, 0, 0}};
 }
 
+/* x cut to low..high, towards 0: a file that changes between two passes may say anything, NaN among it, which is low. */
+static int64_t whole(double x, double low, double high)
+{
+    return (int64_t)(x > low ? x < high ? x : high : low);
+}
+
 static void widen(fxs_range *r, float x)
 {
     r->low = x < r->low ? x : r->low;
@@ -51,18 +57,18 @@ void fxs_ranges_take(fxs_chunk_ranges *r, const fxs_gaussian *g, int sh_degree)
 /* The smallest step, in units of 2^-q, with which `codes` + 1 codes reach from low over the whole range. */
 static uint32_t step_for(double reach, int codes, int q)
 {
-    return (uint32_t)fmin(ceil(ldexp(reach, q) / codes), UINT32_MAX);
+    return (uint32_t)whole(ceil(ldexp(reach, q) / codes), 0, UINT32_MAX);
 }
 
 static void find_colour_codes(fxs_chunk *chunk, int channel, const fxs_range *r, const fxs_grid *grid)
 {
     double low = grid->step > 0 ? floor((r->low - grid->low) / grid->step + 0.5) * grid->step + grid->low : 0;
     if (grid->step > 0 && r->high < low + 255.5 * grid->step) {
-        chunk->colour_q16[channel] = (int32_t)floor(ldexp(low, 16) + 0.5);
-        chunk->colour_step_q20[channel] = (uint32_t)floor(ldexp(grid->step, 20) + 0.5);
+        chunk->colour_q16[channel] = (int32_t)whole(floor(ldexp(low, 16) + 0.5), INT32_MIN, INT32_MAX);
+        chunk->colour_step_q20[channel] = (uint32_t)whole(floor(ldexp(grid->step, 20) + 0.5), 0, UINT32_MAX);
         return;
     }
-    chunk->colour_q16[channel] = (int32_t)floor(ldexp(r->low, 16));
+    chunk->colour_q16[channel] = (int32_t)whole(floor(ldexp(r->low, 16)), INT32_MIN, INT32_MAX);
     chunk->colour_step_q20[channel] = step_for(r->high - ldexp(chunk->colour_q16[channel], -16), 255, 20);
 }
 
@@ -80,12 +86,12 @@ void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *r, const fxs_sc
     memset(chunk, 0, sizeof *chunk);
     for (int i = 0; i < 3; i++)
         most = fmax(most, (double)r->position[i].high - r->position[i].low);
-    while (ldexp(most, 32 - (int)chunk->step_shift) / 65535 > 4294967294.0)
+    while (chunk->step_shift < 12 && ldexp(most, 32 - (int)chunk->step_shift) / 65535 > 4294967294.0)
         chunk->step_shift++;
-    chunk->scale_q16 = (int32_t)ceil(ldexp(r->scale.high, 16));
+    chunk->scale_q16 = (int32_t)whole(ceil(ldexp(r->scale.high, 16)), INT32_MIN, INT32_MAX);
     chunk->scale_step_q24 = step_for(ldexp(chunk->scale_q16, -16) - r->scale.low, 1023 * 1023, 24);
     for (int i = 0; i < 3; i++) {
-        chunk->origin_q32[i] = (int64_t)floor(ldexp(r->position[i].low, 32));
+        chunk->origin_q32[i] = whole(floor(ldexp(r->position[i].low, 32)), -0x1p60, 0x1p60);
         chunk->step_q32[i] = step_for(r->position[i].high - ldexp((double)chunk->origin_q32[i], -32), 65535,
                                       32 - (int)chunk->step_shift);
         find_colour_codes(chunk, i, &r->colour[i], &info->colour);
@@ -105,9 +111,9 @@ static void note(fxs_loss *loss, int which, double error)
 /* floor(x) in low..high. */
 static int floor_within(double x, int low, int high)
 {
-    x = x < low ? low : x > high ? high : x;
-    int whole = (int)x;
-    return whole - (whole > x);
+    const double held = x > low ? x < high ? x : high : low;
+    const int cut = (int)held;
+    return cut - (cut > held);
 }
 
 /* round((x - low) / step) in 0..codes */
@@ -190,7 +196,7 @@ static uint32_t encode_rotation(const fxs_encoder *e, const float rotation[4], u
 static uint32_t encode_colour(const fxs_gaussian *g, const fxs_chunk *chunk, fxs_loss *loss)
 {
     double opacity = 1 / (1 + exp(-g->opacity));
-    uint32_t word = (uint32_t)floor(opacity * 255 + 0.5) << 24;
+    uint32_t word = (uint32_t)floor_within(opacity * 255 + 0.5, 0, 255) << 24;
     note(loss, FXS_LOSS_OPACITY, (word >> 24) / 255.0 - opacity);
     for (int i = 0; i < 3; i++) {
         double low = chunk->colour_q16[i] * 0x1p-16, step = chunk->colour_step_q20[i] * 0x1p-20, x = base_colour(g, i);
@@ -207,7 +213,7 @@ static uint32_t encode_colour(const fxs_gaussian *g, const fxs_chunk *chunk, fxs
    within 2^-40 of a half, and adding 128.5 rounds nothing over it. */
 static int encode_coefficient(double x, double step)
 {
-    double most = 127 * step, held = x < -most ? -most : x > most ? most : x;
+    double most = 127 * step, held = x > -most ? x < most ? x : most : -most;
     return step > 0 ? (int)(held / step + 128.5) - 128 : 0;
 }
 

@@ -10,9 +10,11 @@
 #ifdef FXS_WITH_ZLIB
 #include <zlib.h>
 
-static uint32_t header_checksum(const fxs_packed_header *header)
+/* Of the header as it lies at `data`, but for its checksum. */
+static uint32_t header_checksum(const void *data)
 {
-    fxs_packed_header blank = *header;
+    fxs_packed_header blank;
+    memcpy(&blank, data, sizeof blank);
     blank.checksum = 0;
     return (uint32_t)crc32(0, (const unsigned char *)&blank, sizeof blank);
 }
@@ -22,9 +24,17 @@ static const unsigned char *rows_of(const fxs_scene *scene, uint32_t i)
     return scene->rows + (size_t)i * scene->chunk_bytes;
 }
 
+/* A chunk's header as it lies in the scene. */
+static fxs_chunk chunk_of(const fxs_scene *scene, uint32_t i)
+{
+    fxs_chunk chunk;
+    memcpy(&chunk, scene->chunks + (size_t)i * sizeof chunk, sizeof chunk);
+    return chunk;
+}
+
 static uint32_t chunk_checksum(const fxs_scene *scene, uint32_t i)
 {
-    fxs_chunk blank = scene->chunks[i];
+    fxs_chunk blank = chunk_of(scene, i);
     blank.checksum = 0;
     uLong crc = crc32(0, (const unsigned char *)&blank, sizeof blank);
     return (uint32_t)crc32(crc, rows_of(scene, i), scene->chunk_bytes);
@@ -45,12 +55,12 @@ static void write_scene(fxs_output *output, const void *data, const fxs_scene *s
 {
     fxs_packed_header header;
     memcpy(&header, data, sizeof header);
-    header.palette_checksum = palette_checksum(scene);
-    header.checksum = header_checksum(&header);
+    header.palette_checksum = fxs_little_32(palette_checksum(scene));
+    header.checksum = fxs_little_32(header_checksum(&header));
     int result = fxs_output_write(output, &header, sizeof header, message);
     for (uint32_t i = 0; i < scene->chunk_count && !result; i++) {
-        fxs_chunk chunk = scene->chunks[i];
-        chunk.checksum = chunk_checksum(scene, i);
+        fxs_chunk chunk = chunk_of(scene, i);
+        chunk.checksum = fxs_little_32(chunk_checksum(scene, i));
         result = fxs_output_write(output, &chunk, sizeof chunk, message);
     }
     if (!result && scene->palette)
@@ -74,23 +84,27 @@ int fxs_file_write(const char *path, const void *data, size_t bytes, fxs_message
 
 int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fxs_message *message)
 {
-    const fxs_packed_header *header = data;
+    fxs_packed_header header;
     fxs_scene scene;
-    if (bytes < sizeof *header || header->magic != FXS_PACKED_MAGIC)
+    if (bytes < sizeof header)
         return fxs_fail(message, "%s: not an .fxs file", path);
-    if (header->version != FXS_PACKED_VERSION)
-        return fxs_fail(message, "%s: .fxs of version %u, this program reads %u", path, header->version,
+    memcpy(&header, data, sizeof header);
+    fxs_packed_header_turn(&header);
+    if (header.magic != FXS_PACKED_MAGIC)
+        return fxs_fail(message, "%s: not an .fxs file", path);
+    if (header.version != FXS_PACKED_VERSION)
+        return fxs_fail(message, "%s: .fxs of version %u, this program reads %u", path, header.version,
                         FXS_PACKED_VERSION);
-    if (header->checksum != header_checksum(header))
+    if (header.checksum != header_checksum(data))
         return fxs_fail(message, "%s: the header is damaged: its checksum is wrong", path);
     if (fxs_scene_open(&scene, data, bytes))
         return fxs_fail(message, "%s: damaged or cut short: %zu bytes, expected %zu", path, bytes,
-                        fxs_scene_bytes(header->count, (int)(header->sh_degree & 3),
-                                        (enum fxs_profile)header->profile, header->palette_entries));
-    if (all && header->palette_checksum != palette_checksum(&scene))
+                        fxs_scene_bytes(header.count, (int)(header.sh_degree & 3),
+                                        (enum fxs_profile)header.profile, header.palette_entries));
+    if (all && header.palette_checksum != palette_checksum(&scene))
         return fxs_fail(message, "%s: the palette is damaged: its checksum is wrong", path);
     for (uint32_t i = 0; i < scene.chunk_count && all; i++)
-        if (scene.chunks[i].checksum != chunk_checksum(&scene, i))
+        if (fxs_little_32(chunk_of(&scene, i).checksum) != chunk_checksum(&scene, i))
             return fxs_fail(message, "%s: chunk %u of %u is damaged: its checksum is wrong", path, i,
                             scene.chunk_count);
     return 0;

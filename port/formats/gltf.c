@@ -38,6 +38,7 @@ typedef struct buffer {
     const fxs_scene_source *source;
     fxs_scene_source own;        /* *source where it is another file, or memory */
     uint8_t *memory;             /* of a data: URI */
+    uint64_t memory_size;        /* bytes held */
     uint64_t offset, size;
 } buffer;
 
@@ -65,6 +66,8 @@ enum { POSITION, ROTATION, SCALE, OPACITY, SH, ATTRIBUTES = SH + 16 };
 /* A primitive with Gaussians. */
 typedef struct splats {
     range spz;                   /* or, where its buffer is NULL, the attributes */
+    fxs_spz *opened;             /* once a part of it was entered */
+    int first;                   /* primitive with the same .spz; of attributes, itself */
     accessor attributes[ATTRIBUTES];
     uint32_t count;
     int sh_degree, antialiased;
@@ -96,8 +99,7 @@ typedef struct gltf {
     int part;                    /* being read */
     uint32_t next;               /* Gaussian of it */
     fxs_transform transform;     /* of it */
-    fxs_spz *spz;                /* of the primitive spz_splats */
-    int spz_splats;
+    fxs_spz *spz;                /* of it, or NULL */
     uint8_t bytes[BATCH * MAX_STRIDE];
 } gltf;
 
@@ -204,7 +206,8 @@ static int open_data(const gltf *g, buffer *b, int index, const char *uri)
     const char *comma = strchr(uri, ',');
     if (!comma || comma - uri < 7 || memcmp(comma - 7, ";base64", 7) != 0)
         return fail_item(g, "buffer", index, "a data: URI that is not base64");
-    b->memory = allocate(g, strlen(comma) / 4 * 3 + 3, 1);
+    b->memory_size = strlen(comma) / 4 * 3 + 3;
+    b->memory = fxs_hold(g->source, b->memory_size, g->message);
     if (!b->memory)
         return -1;
     int64_t size = decode_base64(comma + 1, b->memory);
@@ -212,6 +215,7 @@ static int open_data(const gltf *g, buffer *b, int index, const char *uri)
         return fail_item(g, "buffer", index, "a data: URI that is not base64");
     const fxs_scene_input input = fxs_memory_input(b->memory, (size_t)size);
     b->own.options = g->source->options;
+    b->own.import = g->source->import;
     return fxs_scene_source_open_input(&b->own, g->source->path, &input, g->message);
 }
 
@@ -475,6 +479,11 @@ static int fail_parts(const gltf *g)
     return fxs_fail(g->message, "%s: more than %d primitives with Gaussians", g->source->path, MAX_PARTS);
 }
 
+static int same_range(const range *a, const range *b)
+{
+    return a->buffer == b->buffer && a->offset == b->offset && a->size == b->size;
+}
+
 static int read_primitive(gltf *g, const cJSON *primitive)
 {
     const cJSON *extensions = member(primitive, "extensions"), *spz = find_spz(extensions);
@@ -492,6 +501,7 @@ static int read_primitive(gltf *g, const cJSON *primitive)
     g->splats = larger;
     splats *added = &g->splats[g->splats_count++];
     memset(added, 0, sizeof *added);
+    added->first = g->splats_count - 1;
     if (!spz)
         return read_accessors(g, member(primitive, "attributes"), added);
     int view_index = index_of(g, member(spz, "bufferView"), VIEWS);
@@ -501,6 +511,8 @@ static int read_primitive(gltf *g, const cJSON *primitive)
     if (use_view(g, view_index, &v))
         return -1;
     added->spz = v.bytes;
+    for (added->first = 0; !same_range(&g->splats[added->first].spz, &added->spz);)
+        added->first++;
     return 0;
 }
 
@@ -531,7 +543,7 @@ static int place_mesh(gltf *g, int index, double rows[3][4])
             return -1;
         g->parts = larger;
         part *added = &g->parts[g->parts_count++];
-        added->splats = i;
+        added->splats = g->splats[i].first;
         memcpy(added->rows, rows, sizeof added->rows);
     }
     return 0;
@@ -602,13 +614,21 @@ static int open_spz(gltf *g, int index)
     splats *s = &g->splats[index];
     const buffer *b = s->spz.buffer;
     fxs_scene_file_info info;
-    fxs_spz_close(g->spz);
-    if (fxs_spz_open(b->source, b->offset + s->spz.offset, s->spz.size, 1, &g->spz, &info, g->message))
+    if (fxs_spz_open(b->source, b->offset + s->spz.offset, s->spz.size, 1, &s->opened, &info, g->message))
         return -1;
-    g->spz_splats = index;
     s->count = (uint32_t)info.count;
     s->sh_degree = info.sh_degree;
     s->antialiased = info.antialiased;
+    return 0;
+}
+
+/* An fxs_import's drop: the last .spz that is decompressed, but for the one being read. So the first ones stay. */
+static int drop_spz(void *handle)
+{
+    gltf *g = handle;
+    for (int i = g->splats_count; i-- > 0;)
+        if (g->splats[i].opened && g->splats[i].opened != g->spz && fxs_spz_drop(g->splats[i].opened))
+            return 1;
     return 0;
 }
 
@@ -617,14 +637,17 @@ static int enter(gltf *g, int index)
 {
     g->part = g->parts_count;
     g->next = 0;
+    g->spz = NULL;
     if (index == g->parts_count)
         return 0;
     part *p = &g->parts[index];
+    splats *s = &g->splats[p->splats];
     if (fxs_transform_init(&g->transform, p->rows))
         return fail(g, "a node's transform has no inverse");
-    if (g->splats[p->splats].spz.buffer) {
-        if ((!g->spz || g->spz_splats != p->splats) && open_spz(g, p->splats))
+    if (s->spz.buffer) {
+        if (!s->opened && open_spz(g, p->splats))
             return -1;
+        g->spz = s->opened;
         fxs_spz_rewind(g->spz);
     }
     g->part = index;
@@ -713,8 +736,8 @@ static int read_json(gltf *g)
     fxs_text text;
     if (find_chunks(g, &offset, &size) || fxs_scene_source_load(g->source, offset, size, &text, g->message))
         return -1;
-    cJSON *root = fxs_json_parse(&text, g->message);
-    release(g, text.data);
+    cJSON *root = fxs_json_parse(&text, g->source, g->message);
+    fxs_text_let_go(g->source, &text);
     int result = root ? read_root(g, root) : -1;
     cJSON_Delete(root);
     return result;
@@ -734,6 +757,8 @@ static int gltf_open(void *handle, const fxs_scene_source *source, fxs_scene_fil
     gltf *g = handle;
     g->source = source;
     g->message = message;
+    source->import->drop = drop_spz;
+    source->import->reader = g;
     int result = read_json(g);
     free_json(g);
     return result ? -1 : describe(g, info);
@@ -772,10 +797,11 @@ static int gltf_rewind(void *handle, fxs_message *message)
 static void gltf_close(void *handle)
 {
     gltf *g = handle;
-    fxs_spz_close(g->spz);       /* before its source */
+    for (int i = 0; i < g->splats_count; i++)
+        fxs_spz_close(g->splats[i].opened);   /* before its source */
     for (int i = 0; i < MAX_BUFFERS; i++) {
         fxs_scene_source_close(&g->buffers[i].own);
-        release(g, g->buffers[i].memory);
+        fxs_let_go(g->source, g->buffers[i].memory, g->buffers[i].memory_size);
     }
     release(g, g->splats);
     release(g, g->parts);

@@ -2,6 +2,7 @@
 
 #include <ctype.h>
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,9 +12,43 @@
 
 #define MAX_SIZE 16384
 #define MAX_READ_PIXELS (1 << 26)
-#define MAX_PNG_BYTES (1 << 29)   /* stb_image_write counts in int and doubles its buffer */
+#define LEAST_ROOM (1 << 16)      /* for the data of any .png: they may be stored, or in many parts */
+#define MAX_PNG_BYTES (1 << 29)   /* stb_image_write counts in int */
+
+/* stb_image_write's own compression ends the program where memory does. */
+#if defined(FXS_WITH_STB) && defined(FXS_WITH_ZLIB)
+#define WRITES_PNG
+#include <zlib.h>
+
+static unsigned char *compress_rows(unsigned char *rows, int size, int *compressed, int level)
+{
+    uLongf room = compressBound((uLong)size);
+    unsigned char *out = malloc(room);
+    (void)level;   /* of stb_image_write's own */
+    if (!out || compress(out, &room, rows, (uLong)size) != Z_OK || room > INT_MAX - 64) {
+        free(out);
+        return NULL;
+    }
+    *compressed = (int)room;
+    return out;
+}
+#endif
 
 #ifdef FXS_WITH_STB
+/* What stb_image may have in one piece for the picture that this thread reads, and why it did not get that. */
+static __thread struct {
+    size_t most;
+    const char *fault;
+} decoding;
+
+static void *bounded_realloc(void *old, size_t size)
+{
+    void *made = size <= decoding.most ? realloc(old, size) : NULL;
+    if (!made)
+        decoding.fault = size <= decoding.most ? "out of memory" : "more data than a picture of its size has";
+    return made;
+}
+
 #if defined(__GNUC__)
 #pragma GCC diagnostic ignored "-Wunused-function"   /* gcc says it at the end of the file */
 #pragma GCC diagnostic push
@@ -25,11 +60,18 @@
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_PNG
 #define STBI_MAX_DIMENSIONS MAX_SIZE
+#define STBI_MALLOC(size) bounded_realloc(NULL, size)
+#define STBI_REALLOC(old, size) bounded_realloc(old, size)
+#define STBI_FREE(old) free(old)
 #include <stb/stb_image.h>
+#ifdef WRITES_PNG
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
 #define STBI_WRITE_NO_STDIO
+#define STBIW_ASSERT(condition) ((void)(condition))
+#define STBIW_ZLIB_COMPRESS compress_rows
 #include <stb/stb_image_write.h>
+#endif
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
 #endif
@@ -62,7 +104,7 @@ static int opaque(const uint8_t *rgba, size_t pixels)
     return 1;
 }
 
-#ifdef FXS_WITH_STB
+#ifdef WRITES_PNG
 static void write_bytes(void *file, void *data, int size)
 {
     fwrite(data, 1, (size_t)size, file);   /* ferror tells later */
@@ -112,10 +154,10 @@ int fxs_image_file_write(const char *path, const uint8_t *rgba, int width, int h
         return fxs_fail(message, "%s: unknown ending of an image; known are .png, .ppm and .raw", path);
     if (width < 1 || height < 1 || width > MAX_SIZE || height > MAX_SIZE)
         return fxs_fail(message, "%s: cannot write an image of %d x %d", path, width, height);
-#ifndef FXS_WITH_STB
+#ifndef WRITES_PNG
     if (format == PNG)
-        return fxs_fail(message, "%s: this program was built without stb, which .png needs; .ppm and .raw can be written",
-                        path);
+        return fxs_fail(message, "%s: this program was built without stb and zlib, which .png needs; .ppm and .raw can "
+                        "be written", path);
 #endif
     if (format == PNG && (int64_t)width * height * 4 > MAX_PNG_BYTES)
         return fxs_fail(message, "%s: %d x %d is too large for .png here; .ppm and .raw can hold it", path, width,
@@ -143,8 +185,15 @@ static const char *read_png(FILE *file, uint8_t **rgba, int *width, int *height)
         return "not a .png or .ppm";
     if (!readable_size(*width, *height))
         return too_large;
+    /* A row is its bytes and one more; stb_image doubles a room that does not do, as for interlaced pictures. */
+    const size_t pixel_bytes = stbi_is_16_bit_from_file(file) ? 8 : 4;
+    decoding.most = 2 * (pixel_bytes * (size_t)*width + 1) * (size_t)*height + LEAST_ROOM;
+    decoding.fault = NULL;
     *rgba = stbi_load_from_file(file, width, height, &channels, 4);
-    return *rgba ? NULL : stbi_failure_reason();
+    if (*rgba)
+        return NULL;
+    const char *reason = decoding.fault ? decoding.fault : stbi_failure_reason();
+    return reason ? reason : "damaged";   /* stb_image does not always say */
 }
 #else
 static const char *read_png(FILE *file, uint8_t **rgba, int *width, int *height)

@@ -3,37 +3,191 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
+#include <limits.h>
+#include <sched.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+#include "output.h"
+
+enum { LINKS_MOST = 40 };   /* as Linux has it */
+
+/* ---- Outputs under way ----------------------------------------------------------------------------------------- */
+
+static fxs_output *under_way;   /* the handler of signals reads it: only changed between enter and leave */
+static char taken;
+
+/* No signal comes to a thread in here, so that the handler may wait for it. */
+static void enter(sigset_t *before)
+{
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, before);
+    while (__atomic_test_and_set(&taken, __ATOMIC_ACQUIRE))
+        sched_yield();
+}
+
+static void leave(const sigset_t *before)
+{
+    __atomic_clear(&taken, __ATOMIC_RELEASE);
+    pthread_sigmask(SIG_SETMASK, before, NULL);
+}
+
+static void forget(fxs_output *output)
+{
+    sigset_t before;
+    enter(&before);
+    for (fxs_output **at = &under_way; *at; at = &(*at)->next)
+        if (*at == output) {
+            *at = output->next;
+            break;
+        }
+    leave(&before);
+}
+
+/* Never leaves, so that other threads wait, with a second signal too. This one comes again when this returns. */
+static void remove_and_end(int signal_number)
+{
+    while (__atomic_test_and_set(&taken, __ATOMIC_ACQUIRE))
+        continue;
+    for (const fxs_output *output = under_way; output; output = output->next)
+        unlink(output->temporary);
+    signal(signal_number, SIG_DFL);
+    raise(signal_number);
+}
+
+void fxs_output_remove_at_signals(void)
+{
+    static const int signals[] = {SIGHUP, SIGINT, SIGPIPE, SIGTERM, SIGXCPU, SIGXFSZ};
+    struct sigaction action, old;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = remove_and_end;
+    sigfillset(&action.sa_mask);
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
+        if (!sigaction(signals[i], NULL, &old) && old.sa_handler == SIG_DFL)
+            sigaction(signals[i], &action, NULL);
+}
+
+/* ---- Names ----------------------------------------------------------------------------------------------------- */
+
+static size_t folder_length(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? (size_t)(slash + 1 - path) : 0;
+}
+
+/* What the symbolic link `name` points at, or null and errno. */
+static char *read_link(const char *name)
+{
+    char text[PATH_MAX];
+    ssize_t length = readlink(name, text, sizeof text);
+    if (length < 0 || length == sizeof text) {
+        errno = length < 0 ? errno : ENAMETOOLONG;
+        return NULL;
+    }
+    size_t folder = text[0] == '/' ? 0 : folder_length(name);
+    char *target = malloc(folder + (size_t)length + 1);
+    if (target) {
+        memcpy(target, name, folder);
+        memcpy(target + folder, text, (size_t)length);
+        target[folder + (size_t)length] = 0;
+    }
+    return target;
+}
+
+/* `path` without symbolic links at its end, whether there is such a file or not; or null and errno. */
+static char *follow_links(const char *path)
+{
+    struct stat status;
+    char *name = strdup(path);
+    for (int i = 0; name && !lstat(name, &status) && S_ISLNK(status.st_mode); i++) {
+        char *next = i < LINKS_MOST ? read_link(name) : NULL;
+        int error = i < LINKS_MOST ? errno : ELOOP;
+        free(name);
+        name = next;
+        errno = error;
+    }
+    return name;
+}
+
+/* ---- Open ------------------------------------------------------------------------------------------------------ */
 
 static void free_names(fxs_output *output)
 {
     free(output->path);
+    free(output->target);
     free(output->temporary);
 }
 
-/* A new file in the folder of output->path, so that it can be renamed to that. */
-static FILE *create_beside(fxs_output *output)
+/* The file that `old` describes keeps its permissions; null: there is none. Returns a descriptor, or -1 and errno. */
+static int create(const char *name, const struct stat *old)
 {
-    const char *slash = strrchr(output->path, '/');
-    int folder = slash ? (int)(slash + 1 - output->path) : 0, descriptor = -1;
-    size_t room = (size_t)folder + 64;
+    const mode_t mode = old ? old->st_mode & 0777 : 0666;
+    int descriptor = open(name, O_WRONLY | O_CREAT | O_EXCL, mode);
+    if (descriptor >= 0 && old)
+        fchmod(descriptor, mode);   /* where that cannot be, they are fewer: those that umask leaves */
+    return descriptor;
+}
+
+/* A new file in the folder of output->target, so that it can be renamed to that. Returns a descriptor, or -1 and
+   errno. */
+static int create_beside(fxs_output *output, const struct stat *old)
+{
+    const size_t folder = folder_length(output->target), room = folder + 64;
+    int descriptor = -1;
+    sigset_t before;
     output->temporary = malloc(room);
     if (!output->temporary)
-        return NULL;
+        return -1;
+    enter(&before);
     for (int i = 0; i < 100 && descriptor < 0; i++) {
-        snprintf(output->temporary, room, "%.*s.fixsplat-%ld-%d.tmp", folder, output->path, (long)getpid(), i);
-        descriptor = open(output->temporary, O_WRONLY | O_CREAT | O_EXCL, 0666);
+        snprintf(output->temporary, room, "%.*s.fixsplat-%ld-%d.tmp", (int)folder, output->target, (long)getpid(), i);
+        descriptor = create(output->temporary, old);
         if (descriptor < 0 && errno != EEXIST)
             break;
     }
-    FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
-    if (!file && descriptor >= 0) {
-        close(descriptor);
-        remove(output->temporary);
+    if (descriptor >= 0) {
+        output->next = under_way;
+        under_way = output;
     }
-    return file;
+    leave(&before);
+    return descriptor;
+}
+
+/* By another name than a file's own: /dev/stdout would begin the file anew. */
+static int is_standard_output(const char *path, const struct stat *status)
+{
+    struct stat own, out;
+    return !lstat(path, &own) && S_ISLNK(own.st_mode) && !fstat(STDOUT_FILENO, &out) && out.st_dev == status->st_dev &&
+           out.st_ino == status->st_ino;
+}
+
+static int open_descriptor(fxs_output *output)
+{
+    struct stat status;
+    int exists = !stat(output->path, &status);
+    if (exists && is_standard_output(output->path, &status))
+        return dup(STDOUT_FILENO);
+    if (exists && S_ISDIR(status.st_mode)) {
+        errno = EISDIR;
+        return -1;
+    }
+    if (exists && !S_ISREG(status.st_mode))
+        return open(output->path, O_WRONLY | O_NOCTTY);
+    output->target = follow_links(output->path);
+    return output->target ? create_beside(output, exists ? &status : NULL) : -1;
+}
+
+/* Removes the temporary file, where there is one. */
+static void drop(fxs_output *output)
+{
+    if (!output->temporary)
+        return;
+    unlink(output->temporary);
+    forget(output);
 }
 
 static int fail(const fxs_output *output, fxs_message *message)
@@ -46,13 +200,20 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
     memset(output, 0, sizeof *output);
     output->left = count;
     output->path = strdup(path);
-    output->file = output->path ? create_beside(output) : NULL;
+    int descriptor = output->path ? open_descriptor(output) : -1;
+    output->file = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
     if (output->file)
         return 0;
     fxs_fail(message, "%s: cannot be written: %s", path, strerror(errno));
+    if (descriptor >= 0) {
+        close(descriptor);
+        drop(output);
+    }
     free_names(output);
     return -1;
 }
+
+/* ---- Write and close ------------------------------------------------------------------------------------------- */
 
 int fxs_output_expect(fxs_output *output, size_t n, fxs_message *message)
 {
@@ -74,21 +235,46 @@ int fxs_output_write(fxs_output *output, const void *bytes, size_t size, fxs_mes
     return fail(output, message);
 }
 
+/* Some file systems cannot be asked (EINVAL): they do what they can. */
+static int sync_file(FILE *file)
+{
+    return !fsync(fileno(file)) || errno == EINVAL || errno == EROFS ? 0 : -1;
+}
+
+/* The new name on the disk too; the file is complete under it, whatever comes of this. */
+static void sync_folder(fxs_output *output)
+{
+    const size_t folder = folder_length(output->target);
+    output->target[folder] = 0;
+    int descriptor = open(folder ? output->target : ".", O_RDONLY);
+    if (descriptor < 0)
+        return;
+    fsync(descriptor);
+    close(descriptor);
+}
+
 int fxs_output_close(fxs_output *output, fxs_message *message)
 {
     int result = 0;
-    if (ferror(output->file) && !output->error)
+    if ((fflush(output->file) || ferror(output->file)) && !output->error)
         output->error = errno ? errno : EIO;
+    int complete = !output->error && !output->left;
+    if (complete && output->temporary && sync_file(output->file))
+        output->error = errno;
     if (fclose(output->file) && !output->error)
         output->error = errno;
     if (!output->error && output->left)
         result = fxs_fail(message, "%s: %" PRIu64 " Gaussians fewer than announced", output->path, output->left);
-    else if (output->error || rename(output->temporary, output->path)) {
+    else if (output->error || (output->temporary && rename(output->temporary, output->target))) {
         output->error = output->error ? output->error : errno;
         result = fail(output, message);
     }
     if (result)
-        remove(output->temporary);
+        drop(output);
+    else if (output->temporary) {
+        forget(output);
+        sync_folder(output);
+    }
     free_names(output);
     return result;
 }

@@ -54,7 +54,7 @@ struct packer {
     fxs_palette *palette;            /* null without one */
     fxs_sh_vector *sample;           /* of every sample_step-th slot */
     uint32_t sample_count, sample_step;
-    fxs_packed_header *header;       /* of the packed scene, and its parts */
+    fxs_packed_header *header;       /* of the packed scene, and its parts; headers are turned last */
     fxs_chunk *chunks;
     unsigned char *rows;
 };
@@ -353,6 +353,13 @@ static int write_codes(packer *p)
     return 0;
 }
 
+static void turn_headers(packer *p)
+{
+    for (uint32_t i = 0; i < p->header->chunk_count; i++)
+        fxs_chunk_turn(&p->chunks[i]);
+    fxs_packed_header_turn(p->header);
+}
+
 /* ---- Import ---------------------------------------------------------------------------------------------------- */
 
 static void write_bounds(fxs_packed_header *header, const fxs_pack_report *report)
@@ -421,7 +428,12 @@ static int pack(packer *p, fxs_packed_scene *scene)
         return fxs_fail(p->message, "none of the %llu Gaussians can be drawn", (unsigned long long)p->report->read);
     if (find_inner_bounds(p) || find_slots(p) || allocate_scene(p, scene) || find_headers(p))
         return -1;
-    return (p->palette && find_palette(p)) || write_codes(p);
+    if ((p->palette && find_palette(p)) || write_codes(p))
+        return -1;
+    turn_headers(p);
+    fxs_scene whole;                 /* a pass may have read other numbers than the one before */
+    return fxs_scene_open(&whole, scene->data, scene->bytes) ? fxs_fail(p->message, "the file changed while it was read")
+                                                             : 0;
 }
 
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,

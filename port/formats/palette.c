@@ -267,7 +267,7 @@ static void quantise(fxs_palette *p)
         for (int d = 0; d < WIDTH; d++)
             for (uint32_t j = 0; j < p->entries; j++) {
                 double code = step > 0 ? floor(p->values[s][d][j] / step + 0.5) : 0;
-                code = code < -127 ? -127 : code > 127 ? 127 : code;
+                code = code > -127 ? code < 127 ? code : 127 : -127;   /* NaN: a file that changed */
                 p->codes[s][j][d] = (int8_t)code;
                 p->values[s][d][j] = (float)(code * step);
             }

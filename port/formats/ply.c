@@ -60,20 +60,16 @@ static double load_number(const uint8_t *bytes, int type, fxs_ply_encoding encod
     }
 }
 
-/* value * 10^exponent, rounded once for |exponent| <= 22, where the power is exact. */
+/* value * 10^exponent, rounded once for |exponent| <= 22, where the power is exact. A value is 0 or 1 to 1e19, so that
+   beyond +-400 it is 0 or infinite anyway. */
 static double scale_by_10(double value, int exponent)
 {
-    while (exponent != 0) {
-        int steps = exponent < 0 ? -exponent : exponent;
-        double power = 1;
-        if (steps > 22)
-            steps = 22;
-        for (int i = 0; i < steps; i++)
-            power *= 10;
-        value = exponent < 0 ? value / power : value * power;
-        exponent += exponent < 0 ? steps : -steps;
-    }
-    return value;
+    static const double powers[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14,
+                                    1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+    int steps = exponent < -400 || exponent > 400 ? 400 : exponent < 0 ? -exponent : exponent;
+    for (; steps > 22; steps -= 22)
+        value = exponent < 0 ? value / powers[22] : value * powers[22];
+    return exponent < 0 ? value / powers[steps] : value * powers[steps];
 }
 
 static int is_digit(int c)

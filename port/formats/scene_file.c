@@ -10,6 +10,7 @@ struct fxs_scene_file {
     fxs_scene_source source;
     const fxs_scene_format *format;
     void *reader;   /* the format's own, or NULL */
+    fxs_import import;
 };
 
 /* The first name in a JSON object, or NULL. */
@@ -93,6 +94,7 @@ static int open_reader(fxs_scene_file *file, fxs_scene_file_info *info, fxs_mess
     const fxs_scene_source *source = &file->source;
     const int level = source->options.level;
     char head[4096] = "";
+    file->import.file_bytes = source->input.size;
     size_t size = source->input.size < sizeof head - 1 ? (size_t)source->input.size : sizeof head - 1;
     if (fxs_scene_source_read(source, 0, head, size, message))
         return -1;
@@ -110,7 +112,8 @@ static int open_reader(fxs_scene_file *file, fxs_scene_file_info *info, fxs_mess
     if (level < 0 || level >= info->levels)
         return fxs_fail(message, "%s: no level %d: levels of detail in this scene: %d", source->path, level,
                         info->levels);
-    return 0;
+    file->import.is_open = 1;
+    return fxs_limit_gaussians(source, info->count, message);
 }
 
 /* Opens the input, or where that is null the file at a path. */
@@ -125,6 +128,7 @@ static int open_any(const char *path, const fxs_scene_input *input, const fxs_sc
     }
     if (options)
         f->source.options = *options;
+    f->source.import = &f->import;
     int result = input ? fxs_scene_source_open_input(&f->source, path, input, message)
                  : open_path(&f->source, path, message);
     if (result == 0 && open_reader(f, info, message) == 0)

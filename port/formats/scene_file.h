@@ -38,12 +38,22 @@ typedef struct fxs_scene_file_info {
 /* Called now and then with the work done, 0 to 1; a return other than 0 stops it, which is an error. */
 typedef int fxs_progress_fn(void *argument, double done);
 
-/* All 0: the finest level, malloc and free, no progress. */
+/* Where the options do not say another limit, a scene may have one Gaussian for each byte of its files (those that a
+   .gltf or .sog refers to included) and FXS_GAUSSIANS_ALWAYS more, FXS_GAUSSIANS_CEILING at most, and reading it may
+   take FXS_IMPORT_BYTES for each Gaussian of that limit, or of FXS_GAUSSIANS_ALWAYS where it is lower. Compressed
+   scenes that were captured have 12 bytes a Gaussian and more. */
+#define FXS_GAUSSIANS_ALWAYS 1000000u
+#define FXS_GAUSSIANS_CEILING 67108864u
+#define FXS_IMPORT_BYTES 96u
+
+/* All 0: the finest level, malloc and free, no progress, the limits above. */
 typedef struct fxs_scene_file_options {
     int level;                       /* of detail, 0 the finest */
     const fxs_allocator *allocator;  /* for all that a reader allocates itself; may be null, else outlives the file */
     fxs_progress_fn *progress;       /* of opening streamed SOG, and of the first read of .spz; may be null */
     void *progress_argument;
+    uint64_t max_gaussians;          /* a scene with more is an error; 0: see above */
+    uint64_t max_memory;             /* bytes that reading may take at a time, without the packed scene; 0: see above */
 } fxs_scene_file_options;
 
 /* The bytes of a file, by functions of the caller. */
@@ -68,7 +78,14 @@ struct fxs_scene_input {
    What a reader allocates: .ply, .ksplat and .splat at most 1 MiB; .spz from the first read on 65 bytes a Gaussian of
    SH degree 3 (92 of 4), and for that read the longest stream of version 4; .sog its images, and from the first read on
    4 bytes a pixel of each instead; .glb and .gltf 3 MiB, their JSON and base64, and as their .spz. What cJSON, libzip,
-   libwebp and zstd need themselves comes from malloc. */
+   libwebp and zstd need themselves comes from malloc; of that, cJSON's part is held against max_memory too.
+
+   What is decompressed is kept until the file is closed, so that no pass over it decompresses it again, and one .spz
+   that several nodes of a glTF place is there once. Where the .spz of a glTF or the files of a streamed SOG are more
+   than max_memory together, those that fit are kept, and the others are decompressed again in each pass.
+
+   A file that another refers to must lie in the folder of the one that was opened, or in a folder within: neither ".."
+   nor a symbolic link may lead out of it. A path must be that of a regular file, or of a folder as above. */
 int fxs_scene_file_open(const char *path, const fxs_scene_file_options *options, fxs_scene_file **file,
                         fxs_scene_file_info *info, fxs_message *message);
 

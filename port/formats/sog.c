@@ -17,8 +17,6 @@
 #include "zip_internal.h"
 
 enum {
-    MAX_INFLATION = 1032,   /* of deflate */
-    MAX_PER_BYTE = 256,     /* Gaussians to a byte of MEANS_LOW, which is close to noise and hardly packs */
     SLACK = 1 << 16,
     MAX_LEVELS = 1000,
     MAX_FILES = 1 << 16,
@@ -52,19 +50,28 @@ typedef struct range {
     size_t file, begin, end;
 } range;
 
-#define NO_FILE SIZE_MAX
+/* A file of streamed SOG. */
+typedef struct file_name {
+    const char *name;
+    size_t file;
+    uint64_t device, inode;   /* once it was opened by its path; else 0 */
+} file_name;
+
 #define TO_THE_LAST SIZE_MAX
 
 typedef struct sog_reader {
     const fxs_scene_source *source;
     int bundled;
     cJSON *files;         /* of streamed SOG: the names of its scenes */
-    size_t file_count;
+    file_name *names;     /* in the order of files; the file is the first with that name */
+    size_t file_count;    /* 1 where it is not streamed */
     range *ranges;        /* in the order of files */
     size_t range_count, range_capacity;
     size_t at, done;      /* the range being read, and how much of it was */
-    size_t file;          /* whose scene this is, or NO_FILE */
-    sog_scene scene;
+    sog_scene **scenes;   /* of each file: held, or NULL */
+    size_t *held;         /* the files whose scenes are, in the order in which they were loaded */
+    size_t held_count;
+    sog_scene *scene;     /* the one being loaded or read, or NULL */
 } sog_reader;
 
 static const cJSON *member(const cJSON *object, const char *name)
@@ -93,7 +100,6 @@ static double lerp(double a, double b, double t)
 typedef struct container {
     const fxs_scene_source *source;   /* meta.json or the zip */
     fxs_zip *zip;
-    size_t most;                      /* bytes of a file in it */
     fxs_message *message;
 } container;
 
@@ -113,6 +119,21 @@ static int check_name(const fxs_scene_source *source, const char *name, fxs_mess
                                                    "control characters", source->path);
 }
 
+/* The order of paths, in which "a/b", "a//b" and "./a/b" are the same. */
+static int compare_paths(const char *a, const char *b)
+{
+    for (;;) {
+        while (*a == '/' || (a[0] == '.' && a[1] == '/'))
+            a++;
+        while (*b == '/' || (b[0] == '.' && b[1] == '/'))
+            b++;
+        for (; *a && *a == *b && *a != '/'; a++)
+            b++;
+        if (*a != *b || !*a)
+            return (unsigned char)*a - (unsigned char)*b;
+    }
+}
+
 static int load_beside(const fxs_scene_source *source, const char *name, fxs_text *text, fxs_message *message)
 {
     fxs_scene_source beside;
@@ -127,7 +148,7 @@ static int load_file(const container *c, const char *name, fxs_text *text)
 {
     if (check_name(c->source, name, c->message) != 0)
         return -1;
-    return c->zip ? fxs_zip_load(c->zip, name, c->most, text, c->message)
+    return c->zip ? fxs_zip_load(c->zip, name, text, c->message)
                   : load_beside(c->source, name, text, c->message);
 }
 
@@ -243,8 +264,6 @@ static const char *check_image(sog_scene *s, int image)
         return "fewer pixels than Gaussians";
     if (pixels / 2 > s->count + SLACK)
         return "far more pixels than Gaussians";
-    if (image == MEANS_LOW && s->count > (uint64_t)file->size * MAX_PER_BYTE + SLACK)
-        return "too few bytes for that many Gaussians";
     return NULL;
 }
 
@@ -256,8 +275,19 @@ static int load_image(sog_scene *s, const container *c, int image, const char *n
     return fault ? fxs_fail(c->message, "%s: %s: %s", c->source->path, name, fault) : 0;
 }
 
+/* Each image has a file of its own: `names` has those of the images before it, or NULL. */
+static int load_named_image(sog_scene *s, const container *c, int image, const char *names[IMAGES], const char *name)
+{
+    for (int i = 0; i < image && name; i++)
+        if (names[i] && compare_paths(names[i], name) == 0)
+            return fxs_fail(c->message, "%s: %s: the file of two images", c->source->path, name);
+    names[image] = name;
+    return load_image(s, c, image, name);
+}
+
 static int load_images(sog_scene *s, const container *c, const cJSON *root)
 {
+    const char *loaded[IMAGES] = {NULL};
     for (size_t i = 0; i < sizeof properties / sizeof *properties; i++) {
         const cJSON *property = member(root, properties[i].name), *names = member(property, "files");
         if (properties[i].first == CENTROIDS && !property)
@@ -265,23 +295,27 @@ static int load_images(sog_scene *s, const container *c, const cJSON *root)
         if (cJSON_GetArraySize(names) < properties[i].count)
             return fxs_fail(c->message, "%s: too few \"files\" of \"%s\"", c->source->path, properties[i].name);
         for (int k = 0; k < properties[i].count; k++)
-            if (load_image(s, c, properties[i].first + k, cJSON_GetStringValue(cJSON_GetArrayItem(names, k))) != 0)
+            if (load_named_image(s, c, properties[i].first + k, loaded,
+                                 cJSON_GetStringValue(cJSON_GetArrayItem(names, k))) != 0)
                 return -1;
     }
     return 0;
 }
 
+static size_t image_bytes(const sog_scene *s, int image)
+{
+    return 4 * (size_t)s->widths[image] * (size_t)s->heights[image];
+}
+
 static int decode_image(sog_scene *s, int image, fxs_message *message)
 {
-    const fxs_allocator *allocator = s->source->options.allocator;
     const fxs_text *file = &s->files[image];
-    const int row = 4 * s->widths[image];
-    const size_t bytes = (size_t)row * (size_t)s->heights[image];
-    uint8_t *pixels = fxs_allocate(allocator, bytes, 1);
+    const size_t bytes = image_bytes(s, image);
+    uint8_t *pixels = fxs_hold(s->source, bytes, message);
     if (!pixels)
-        return fxs_fail(message, "%s: out of memory", s->source->path);
-    if (!WebPDecodeRGBAInto((const uint8_t *)file->data, file->size, pixels, bytes, row)) {
-        fxs_release(allocator, pixels);
+        return -1;
+    if (!WebPDecodeRGBAInto((const uint8_t *)file->data, file->size, pixels, bytes, 4 * s->widths[image])) {
+        fxs_let_go(s->source, pixels, bytes);
         return fxs_fail(message, "%s: an image cannot be decoded: damaged, or out of memory", s->source->path);
     }
     s->pixels[image] = pixels;
@@ -295,22 +329,9 @@ static int decode_images(sog_scene *s, fxs_message *message)
             continue;
         if (decode_image(s, i, message) != 0)
             return -1;
-        fxs_release(s->source->options.allocator, s->files[i].data);
-        s->files[i].data = NULL;
+        fxs_text_let_go(s->source, &s->files[i]);
     }
     return 0;
-}
-
-static void free_scene(sog_scene *s)
-{
-    if (!s->source)
-        return;
-    for (int i = 0; i < IMAGES; i++) {
-        fxs_release(s->source->options.allocator, s->files[i].data);
-        fxs_release(s->source->options.allocator, s->pixels[i]);
-    }
-    fxs_scene_source_close(&s->own);
-    memset(s, 0, sizeof *s);
 }
 
 static int load_meta(sog_scene *s, const container *c)
@@ -319,12 +340,16 @@ static int load_meta(sog_scene *s, const container *c)
     if ((c->zip ? load_file(c, "meta.json", &meta)
                 : fxs_scene_source_load(c->source, 0, c->source->input.size, &meta, c->message)) != 0)
         return -1;
-    cJSON *root = fxs_json_parse(&meta, c->message);
-    fxs_release(c->source->options.allocator, meta.data);
+    cJSON *root = fxs_json_parse(&meta, c->source, c->message);
+    fxs_text_let_go(c->source, &meta);
     if (!root)
         return -1;
     const char *fault = read_meta(s, root);
-    int status = fault ? fxs_fail(c->message, "%s: %s", c->source->path, fault) : load_images(s, c, root);
+    int status = fault ? fxs_fail(c->message, "%s: %s", c->source->path, fault) : 0;
+    if (status == 0 && c->zip)   /* all its bytes are known, those of files in a folder when they are loaded */
+        status = fxs_limit_gaussians(c->source, s->count, c->message);
+    if (status == 0)
+        status = load_images(s, c, root);
     cJSON_Delete(root);
     return status;
 }
@@ -422,6 +447,41 @@ static int compare_ranges(const void *a, const void *b)
     return (x->begin > y->begin) - (x->begin < y->begin);
 }
 
+static int compare_names(const void *a, const void *b)
+{
+    const file_name *x = a, *y = b;
+    int order = compare_paths(x->name, y->name);
+    return order ? order : (x->file > y->file) - (x->file < y->file);
+}
+
+/* Lists the names, and has each file that is named twice read once. */
+static int list_names(sog_reader *r, fxs_message *message)
+{
+    const cJSON *item;
+    size_t count = (size_t)cJSON_GetArraySize(r->files), i = 0;
+    file_name *sorted = fxs_allocate(r->source->options.allocator, count, sizeof *sorted);
+    r->names = fxs_allocate(r->source->options.allocator, count, sizeof *r->names);
+    if (!sorted || !r->names) {
+        fxs_release(r->source->options.allocator, sorted);
+        return fxs_fail(message, "%s: out of memory", r->source->path);
+    }
+    cJSON_ArrayForEach(item, r->files) {
+        const char *name = cJSON_GetStringValue(item);
+        sorted[i] = r->names[i] = (file_name){name ? name : "", i, 0, 0};
+        i++;
+    }
+    if (count > 0)
+        qsort(sorted, count, sizeof *sorted, compare_names);
+    for (i = 1; i < count; i++)
+        if (compare_paths(sorted[i - 1].name, sorted[i].name) == 0)
+            r->names[sorted[i].file].file = r->names[sorted[i - 1].file].file;
+    fxs_release(r->source->options.allocator, sorted);
+    r->file_count = count;
+    for (i = 0; i < r->range_count; i++)
+        r->ranges[i].file = r->names[r->ranges[i].file].file;
+    return 0;
+}
+
 /* lod-meta.json: one level of every leaf, file by file, and the environment. */
 static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs_message *message)
 {
@@ -440,54 +500,108 @@ static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs
     snprintf(level, sizeof level, "%d", r->source->options.level);
     if (add_leaves(r, member(root, "tree"), level, message) != 0)
         return -1;
+    const int has_environment = cJSON_IsString(member(root, "environment"));
+    if (has_environment)
+        cJSON_AddItemToArray(r->files, cJSON_DetachItemFromObjectCaseSensitive(root, "environment"));
+    if (list_names(r, message) != 0)
+        return -1;
     if (r->range_count > 0)
         qsort(r->ranges, r->range_count, sizeof *r->ranges, compare_ranges);
-    if (!cJSON_IsString(member(root, "environment")))
-        return 0;
-    cJSON_AddItemToArray(r->files, cJSON_DetachItemFromObjectCaseSensitive(root, "environment"));
-    return add_range(r, (range){r->file_count, 0, TO_THE_LAST}, message);
+    return has_environment ? add_range(r, (range){r->names[r->file_count - 1].file, 0, TO_THE_LAST}, message) : 0;
+}
+
+/* ---- Scenes, held as long as there is room ---------------------------------------------------------------------- */
+
+static void drop_scene(sog_reader *r, size_t at)
+{
+    sog_scene *s = r->scenes[r->held[at]];
+    r->scenes[r->held[at]] = NULL;
+    r->held_count--;
+    memmove(r->held + at, r->held + at + 1, (r->held_count - at) * sizeof *r->held);
+    for (int i = 0; i < IMAGES; i++) {
+        fxs_text_let_go(s->source, &s->files[i]);
+        fxs_let_go(s->source, s->pixels[i], image_bytes(s, i));
+    }
+    fxs_scene_source_close(&s->own);
+    fxs_let_go(r->source, s, sizeof *s);
+}
+
+/* An fxs_import's drop: the scene loaded last, but for the one in use. So the first ones stay. */
+static int drop_another(void *handle)
+{
+    sog_reader *r = handle;
+    for (size_t at = r->held_count; at-- > 0;)
+        if (r->scenes[r->held[at]] != r->scene) {
+            drop_scene(r, at);
+            return 1;
+        }
+    return 0;
 }
 
 /* Sets the source of a scene: what was opened, or for streamed SOG a file beside it. */
-static int open_scene(sog_reader *r, size_t file, fxs_message *message)
+static int open_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_message *message)
 {
-    sog_scene *s = &r->scene;
-    free_scene(s);
     s->source = r->files ? &s->own : r->source;
     if (!r->files)
         return 0;
-    const char *name = cJSON_GetStringValue(cJSON_GetArrayItem(r->files, (int)file));
+    const char *name = r->names[file].name;
     s->own.options = r->source->options;
+    s->own.import = r->source->import;
     return check_name(r->source, name, message) ? -1 : fxs_scene_source_open_beside(&s->own, r->source, name, message);
 }
 
-/* Loads a scene, its images not decoded yet. */
-static int load_scene(sog_reader *r, size_t file, fxs_message *message)
+/* Links can give one file many names. */
+static int check_identity(const sog_reader *r, const sog_scene *s, size_t file, fxs_message *message)
 {
-    uint64_t most = r->source->input.size * MAX_INFLATION;
-    if (open_scene(r, file, message) != 0)
+    for (size_t i = 0; i < r->file_count && s->own.inode; i++)
+        if (i != file && r->names[i].inode == s->own.inode && r->names[i].device == s->own.device)
+            return fxs_fail(message, "%s: the same file as %s", s->own.path, r->names[i].name);
+    r->names[file].device = s->own.device;
+    r->names[file].inode = s->own.inode;
+    return 0;
+}
+
+/* Loads a scene, its images not decoded yet. */
+static int load_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_message *message)
+{
+    if (open_scene(r, s, file, message) != 0 || (r->files && check_identity(r, s, file, message) != 0))
         return -1;
-    container c = {r->scene.source, NULL, most < FXS_TEXT_MAX ? (size_t)most : FXS_TEXT_MAX, message};
+    container c = {s->source, NULL, message};
     if (r->bundled && !(c.zip = fxs_zip_open(r->source, message)))
         return -1;
-    int status = load_meta(&r->scene, &c);
+    int status = load_meta(s, &c);
     fxs_zip_close(c.zip);
+    if (r->files)
+        fxs_scene_source_shut(&s->own);
     return status;
+}
+
+static int add_scene(sog_reader *r, size_t file, fxs_message *message)
+{
+    r->scene = NULL;
+    sog_scene *s = fxs_hold(r->source, sizeof *s, message);
+    if (!s)
+        return -1;
+    memset(s, 0, sizeof *s);
+    r->scene = r->scenes[file] = s;
+    r->held[r->held_count++] = file;
+    if (load_scene(r, s, file, message) == 0)
+        return 0;
+    r->scene = NULL;
+    drop_scene(r, r->held_count - 1);
+    return -1;
 }
 
 /* Makes the range's scene the reader's. Its file may have changed since it was last looked at. */
 static int open_range(sog_reader *r, range *of, fxs_message *message)
 {
-    if (r->file != of->file) {
-        r->file = NO_FILE;
-        if (load_scene(r, of->file, message) != 0)
-            return -1;
-        r->file = of->file;
-    }
+    if (!r->scenes[of->file] && add_scene(r, of->file, message) != 0)
+        return -1;
+    r->scene = r->scenes[of->file];
     if (of->end == TO_THE_LAST)
-        of->end = r->scene.count;
-    if (of->end > r->scene.count)
-        return fxs_fail(message, "%s: %zu Gaussians, but a leaf ends at %zu", r->scene.source->path, r->scene.count,
+        of->end = r->scene->count;
+    if (of->end > r->scene->count)
+        return fxs_fail(message, "%s: %zu Gaussians, but a leaf ends at %zu", r->scene->source->path, r->scene->count,
                         of->end);
     return 0;
 }
@@ -502,10 +616,12 @@ static int check_ranges(sog_reader *r, fxs_scene_file_info *info, fxs_message *m
             open_range(r, of, message) != 0)
             return -1;
         if (i > 0 && of[-1].file == of->file && of[-1].end > of->begin)
-            return fxs_fail(message, "%s: two leaves share Gaussian %zu", r->scene.source->path, of->begin);
+            return fxs_fail(message, "%s: two leaves share Gaussian %zu", r->scene->source->path, of->begin);
         info->count += of->end - of->begin;
-        info->antialiased |= r->scene.antialiased;
-        info->sh_degree = r->scene.sh_degree > info->sh_degree ? r->scene.sh_degree : info->sh_degree;
+        info->antialiased |= r->scene->antialiased;
+        info->sh_degree = r->scene->sh_degree > info->sh_degree ? r->scene->sh_degree : info->sh_degree;
+        if (fxs_limit_gaussians(r->source, info->count, message) != 0)
+            return -1;
     }
     return 0;
 }
@@ -521,8 +637,8 @@ static int read_source(sog_reader *r, fxs_scene_file_info *info, fxs_message *me
         return add_range(r, (range){0, 0, TO_THE_LAST}, message);
     if (fxs_scene_source_load(r->source, 0, r->source->input.size, &json, message) != 0)
         return -1;
-    cJSON *root = fxs_json_parse(&json, message);
-    fxs_release(r->source->options.allocator, json.data);
+    cJSON *root = fxs_json_parse(&json, r->source, message);
+    fxs_text_let_go(r->source, &json);
     if (!root)
         return -1;
     int status = member(root, "tree") ? read_index(r, root, info, message)
@@ -536,9 +652,18 @@ static int read_source(sog_reader *r, fxs_scene_file_info *info, fxs_message *me
 static int sog_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
     sog_reader *r = handle;
+    const fxs_allocator *allocator = source->options.allocator;
     r->source = source;
-    r->file = NO_FILE;
-    return read_source(r, info, message) != 0 ? -1 : check_ranges(r, info, message);
+    r->file_count = 1;
+    if (read_source(r, info, message) != 0)
+        return -1;
+    r->scenes = fxs_allocate_zeroed(allocator, r->file_count, sizeof *r->scenes);
+    r->held = fxs_allocate(allocator, r->file_count, sizeof *r->held);
+    if (!r->scenes || !r->held)
+        return fxs_fail(message, "%s: out of memory", source->path);
+    source->import->drop = drop_another;
+    source->import->reader = r;
+    return check_ranges(r, info, message);
 }
 
 static long sog_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
@@ -547,10 +672,10 @@ static long sog_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs
     size_t count = 0;
     while (count < capacity && r->at < r->range_count) {
         range *of = &r->ranges[r->at];
-        if (open_range(r, of, message) != 0 || decode_images(&r->scene, message) != 0)
+        if (open_range(r, of, message) != 0 || decode_images(r->scene, message) != 0)
             return -1;
         for (; count < capacity && r->done < of->end - of->begin; r->done++)
-            decode_gaussian(&r->scene, of->begin + r->done, &gaussians[count++]);
+            decode_gaussian(r->scene, of->begin + r->done, &gaussians[count++]);
         if (r->done == of->end - of->begin) {
             r->at++;
             r->done = 0;
@@ -570,9 +695,14 @@ static int sog_rewind(void *handle, fxs_message *message)
 static void sog_close(void *handle)
 {
     sog_reader *r = handle;
-    free_scene(&r->scene);
+    const fxs_allocator *allocator = r->source->options.allocator;
+    while (r->held_count > 0)
+        drop_scene(r, r->held_count - 1);
     cJSON_Delete(r->files);
-    fxs_release(r->source->options.allocator, r->ranges);
+    fxs_release(allocator, r->names);
+    fxs_release(allocator, r->scenes);
+    fxs_release(allocator, r->held);
+    fxs_release(allocator, r->ranges);
 }
 
 const fxs_scene_format fxs_scene_sog = {"sog", sizeof(sog_reader), sog_open, sog_read, sog_rewind, sog_close};

@@ -1,9 +1,15 @@
+#define _XOPEN_SOURCE 700   /* realpath */
+
 #include "source_internal.h"
 
 #include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 /* ---- Files ----------------------------------------------------------------------------------------------------- */
 
@@ -18,20 +24,30 @@ static void close_file(void *argument)
     fclose(argument);
 }
 
-/* Unbuffered: who reads little at a time has a buffer of his own. */
-static int open_file(fxs_scene_source *source, fxs_message *message)
+/* Unbuffered: who reads little at a time has a buffer of his own. `name` is the path to open, `flags` are added. */
+static int open_file(fxs_scene_source *source, const char *name, int flags, fxs_message *message)
 {
     const char *path = source->path;
     struct stat status;
-    if (stat(path, &status) != 0)
+    if (stat(name, &status) != 0)
         return fxs_fail(message, "%s: %s", path, strerror(errno));
-    if (!S_ISREG(status.st_mode))   /* before fopen, which waits for the writer of a pipe */
+    if (!S_ISREG(status.st_mode))   /* before it is opened: a device may do something then */
         return fxs_fail(message, "%s: not a regular file", path);
-    FILE *stream = fopen(path, "rb");
-    if (!stream)
-        return fxs_fail(message, "%s: %s", path, strerror(errno));
+    int descriptor = open(name, O_RDONLY | O_NONBLOCK | O_CLOEXEC | flags);   /* does not wait for a pipe's writer */
+    FILE *stream = descriptor < 0 ? NULL : fdopen(descriptor, "rb");
+    if (!stream) {
+        fxs_fail(message, "%s: %s", path, strerror(errno));
+        if (descriptor >= 0)
+            close(descriptor);
+        return -1;
+    }
     setvbuf(stream, NULL, _IONBF, 0);
-    source->input = (fxs_scene_input){(uint64_t)status.st_size, read_file, NULL, close_file, stream};
+    source->input = (fxs_scene_input){0, read_file, NULL, close_file, stream};
+    if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
+        return fxs_fail(message, "%s: not a regular file", path);
+    source->input.size = (uint64_t)status.st_size;
+    source->device = (uint64_t)status.st_dev;
+    source->inode = (uint64_t)status.st_ino;
     return 0;
 }
 
@@ -68,9 +84,47 @@ static size_t folder_length(const char *path)
     return slash ? (size_t)(slash + 1 - path) : 0;
 }
 
+/* What realpath says of the folder of a path; the caller frees it. NULL: an error. */
+static char *real_folder(const fxs_scene_source *source)
+{
+    const size_t length = folder_length(source->path);
+    char *folder = fxs_allocate(source->options.allocator, length + 1, 1);
+    if (!folder) {
+        errno = ENOMEM;
+        return NULL;
+    }
+    memcpy(folder, source->path, length);
+    folder[length] = '\0';
+    char *real = realpath(length > 0 ? folder : ".", NULL);
+    fxs_release(source->options.allocator, folder);
+    return real;
+}
+
+static int is_within(const char *folder, const char *path)
+{
+    const size_t length = strlen(folder);
+    return strncmp(path, folder, length) == 0 &&
+           (path[length] == '/' || path[length] == '\0' || folder[length - 1] == '/');
+}
+
+static int open_file_beside(fxs_scene_source *opened, const fxs_scene_source *first, fxs_message *message)
+{
+    char *folder = real_folder(first), *path = realpath(opened->path, NULL);
+    int result = -1;
+    if (!path || !folder)
+        fxs_fail(message, "%s: %s", opened->path, strerror(errno));
+    else if (!is_within(folder, path))
+        fxs_fail(message, "%s: leaves the folder of %s", opened->path, first->path);
+    else
+        result = open_file(opened, path, O_NOFOLLOW, message);
+    free(folder);
+    free(path);
+    return result;
+}
+
 int fxs_scene_source_open(fxs_scene_source *source, const char *path, fxs_message *message)
 {
-    return set_path(source, path, 0, path, message) ? -1 : open_file(source, message);
+    return set_path(source, path, 0, path, message) ? -1 : open_file(source, path, 0, message);
 }
 
 int fxs_scene_source_open_input(fxs_scene_source *source, const char *name, const fxs_scene_input *input,
@@ -80,17 +134,14 @@ int fxs_scene_source_open_input(fxs_scene_source *source, const char *name, cons
     return set_path(source, name, 0, name, message);
 }
 
-int fxs_scene_source_open_beside(fxs_scene_source *opened, const fxs_scene_source *source, const char *name,
-                                 fxs_message *message)
+static int open_beside(fxs_scene_source *opened, const fxs_scene_source *source, const char *name,
+                       fxs_message *message)
 {
-    const fxs_scene_source *first = source->first ? source->first : source;
-    memset(opened, 0, sizeof *opened);
-    opened->first = first;
-    opened->options = source->options;
+    const fxs_scene_source *first = opened->first;
     if (set_path(opened, source->path, folder_length(source->path), name, message))
         return -1;
     if (first->input.read == read_file)
-        return open_file(opened, message);
+        return open_file_beside(opened, first, message);
     if (!first->input.beside)
         return fxs_fail(message, "%s: needs the file %s beside it, but was not opened from a folder", source->path,
                         name);
@@ -100,10 +151,30 @@ int fxs_scene_source_open_beside(fxs_scene_source *opened, const fxs_scene_sourc
     return fxs_fail(message, "%s: cannot be opened", opened->path);
 }
 
-void fxs_scene_source_close(fxs_scene_source *source)
+int fxs_scene_source_open_beside(fxs_scene_source *opened, const fxs_scene_source *source, const char *name,
+                                 fxs_message *message)
+{
+    memset(opened, 0, sizeof *opened);
+    opened->first = source->first ? source->first : source;
+    opened->options = source->options;
+    opened->import = source->import;
+    if (open_beside(opened, source, name, message))
+        return -1;
+    if (opened->import && !opened->import->is_open)
+        opened->import->file_bytes += opened->input.size;
+    return 0;
+}
+
+void fxs_scene_source_shut(fxs_scene_source *source)
 {
     if (source->input.close)
         source->input.close(source->input.argument);
+    memset(&source->input, 0, sizeof source->input);
+}
+
+void fxs_scene_source_close(fxs_scene_source *source)
+{
+    fxs_scene_source_shut(source);
     fxs_release(source->options.allocator, source->path);
     memset(source, 0, sizeof *source);
 }
@@ -126,16 +197,21 @@ int fxs_scene_source_load(const fxs_scene_source *source, uint64_t offset, uint6
 {
     if (size > FXS_TEXT_MAX)
         return fxs_fail(message, "%s: larger than %zu MiB", source->path, FXS_TEXT_MAX >> 20);
-    char *data = fxs_allocate(source->options.allocator, (size_t)size + 1, 1);
+    char *data = fxs_hold(source, size + 1, message);
     if (!data)
-        return fxs_fail(message, "%s: out of memory", source->path);
-    if (fxs_scene_source_read(source, offset, data, (size_t)size, message)) {
-        fxs_release(source->options.allocator, data);
         return -1;
-    }
-    data[size] = 0;
     *text = (fxs_text){source->path, data, (size_t)size};
-    return 0;
+    data[size] = 0;
+    if (fxs_scene_source_read(source, offset, data, (size_t)size, message) == 0)
+        return 0;
+    fxs_text_let_go(source, text);
+    return -1;
+}
+
+void fxs_text_let_go(const fxs_scene_source *source, fxs_text *text)
+{
+    fxs_let_go(source, text->data, (uint64_t)text->size + 1);
+    text->data = NULL;
 }
 
 int fxs_scene_source_progress(const fxs_scene_source *source, double done, fxs_message *message)
@@ -144,4 +220,65 @@ int fxs_scene_source_progress(const fxs_scene_source *source, double done, fxs_m
     if (!options->progress || options->progress(options->progress_argument, done) == 0)
         return 0;
     return fxs_fail(message, "%s: stopped", source->path);
+}
+
+/* ---- Limits ---------------------------------------------------------------------------------------------------- */
+
+static uint64_t most_gaussians(const fxs_scene_source *source)
+{
+    if (source->options.max_gaussians > 0)
+        return source->options.max_gaussians;
+    uint64_t most = FXS_GAUSSIANS_ALWAYS + source->import->file_bytes;
+    return most < FXS_GAUSSIANS_CEILING ? most : FXS_GAUSSIANS_CEILING;
+}
+
+static uint64_t most_memory(const fxs_scene_source *source)
+{
+    if (source->options.max_memory > 0)
+        return source->options.max_memory;
+    uint64_t count = most_gaussians(source);
+    count = count > FXS_GAUSSIANS_ALWAYS ? count : FXS_GAUSSIANS_ALWAYS;
+    return count < UINT64_MAX / FXS_IMPORT_BYTES ? count * FXS_IMPORT_BYTES : UINT64_MAX;
+}
+
+int fxs_limit_gaussians(const fxs_scene_source *source, uint64_t count, fxs_message *message)
+{
+    if (!source->import || count <= most_gaussians(source))
+        return 0;
+    return fxs_fail(message, "%s: %" PRIu64 " Gaussians or more in %" PRIu64 " bytes of files, beyond the limit of %"
+                    PRIu64 "; --max-gaussians raises it (a program: max_gaussians)", source->path, count,
+                    source->import->file_bytes, most_gaussians(source));
+}
+
+int fxs_limit_memory(const fxs_scene_source *source, uint64_t bytes, fxs_message *message)
+{
+    const fxs_import *import = source->import;
+    if (!import)
+        return 0;
+    const uint64_t most = most_memory(source);
+    while (bytes > most || import->held > most - bytes)
+        if (bytes > most || !import->drop || !import->drop(import->reader))
+            return fxs_fail(message, "%s: reading it takes %" PRIu64 " bytes of memory or more, beyond the limit of %"
+                            PRIu64 "; --import-memory raises it (a program: max_memory)", source->path,
+                            bytes > UINT64_MAX - import->held ? bytes : import->held + bytes, most);
+    return 0;
+}
+
+void *fxs_hold(const fxs_scene_source *source, uint64_t bytes, fxs_message *message)
+{
+    if (fxs_limit_memory(source, bytes, message))
+        return NULL;
+    void *block = bytes <= SIZE_MAX ? fxs_allocate(source->options.allocator, (size_t)bytes, 1) : NULL;
+    if (!block)
+        fxs_fail(message, "%s: out of memory", source->path);
+    else if (source->import)
+        source->import->held += bytes;
+    return block;
+}
+
+void fxs_let_go(const fxs_scene_source *source, void *block, uint64_t bytes)
+{
+    if (block && source->import)
+        source->import->held -= bytes;
+    fxs_release(source->options.allocator, block);
 }

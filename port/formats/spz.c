@@ -43,6 +43,7 @@ struct fxs_spz {
     float flip[3], flip_rotation[3], flip_sh[15];   /* +-1, from the file's axes to those wanted */
     uint8_t stride[FXS_SPZ_ARRAYS];                 /* bytes a Gaussian */
     uint8_t *payload, *array[FXS_SPZ_ARRAYS];       /* NULL until the first read */
+    uint64_t payload_size;                          /* bytes held */
     uint32_t contents;                              /* of version 4: where the table of contents is */
     uint64_t compressed[FXS_SPZ_ARRAYS];            /* and what it says */
     uint32_t next;                                  /* Gaussian to read */
@@ -58,20 +59,6 @@ static int read_at(const fxs_spz *spz, uint64_t offset, void *out, size_t size)
     if (offset > spz->size || size > spz->size - offset)
         return fail(spz, "the file ends early");
     return fxs_scene_source_read(spz->source, spz->offset + offset, out, size, spz->message);
-}
-
-/* NULL: out of memory, and a message. */
-static void *allocate(const fxs_spz *spz, uint64_t bytes)
-{
-    void *block = bytes <= SIZE_MAX ? fxs_allocate(spz->source->options.allocator, (size_t)bytes, 1) : NULL;
-    if (!block)
-        fail(spz, "out of memory");
-    return block;
-}
-
-static void release(const fxs_spz *spz, void *block)
-{
-    fxs_release(spz->source->options.allocator, block);
 }
 
 /* ---- Header ---------------------------------------------------------------------------------------------------- */
@@ -114,7 +101,7 @@ static int parse_header(fxs_spz *spz, const uint8_t *header)
                         spz->fractional_bits, MAX_FRACTIONAL_BITS);
     if (spz->flags & LEVELS_OF_DETAIL)
         return fail(spz, "a tree of levels of detail (Spark) is not read");
-    if (spz->count > FXS_SPZ_MAX_COUNT || (uint64_t)spz->count * 9 > spz->size * 1024)
+    if (spz->count > FXS_SPZ_MAX_COUNT || (spz->version < 4 && (uint64_t)spz->count * 9 > spz->size * 1024))
         return fxs_fail(spz->message, "%s: the header tells of %u Gaussians, more than %llu bytes hold",
                         spz->source->path, spz->count, (unsigned long long)spz->size);
     fxs_spz_strides(spz->stride, spz->version, spz->sh_degree);
@@ -162,15 +149,16 @@ static int parse_extensions(fxs_spz *spz, const uint8_t *bytes, uint64_t size)
 
 static int read_extensions(fxs_spz *spz, uint64_t offset, uint64_t size)
 {
-    uint8_t *bytes = allocate(spz, size);
+    uint8_t *bytes = fxs_hold(spz->source, size, spz->message);
     int result = bytes && read_at(spz, offset, bytes, (size_t)size) == 0 ? parse_extensions(spz, bytes, size) : -1;
-    release(spz, bytes);
+    fxs_let_go(spz->source, bytes, size);
     return result;
 }
 
 static int allocate_payload(fxs_spz *spz, size_t extra)
 {
-    uint8_t *at = spz->payload = allocate(spz, payload_bytes(spz) + extra);
+    spz->payload_size = payload_bytes(spz) + extra;
+    uint8_t *at = spz->payload = fxs_hold(spz->source, spz->payload_size, spz->message);
     for (int i = 0; i < FXS_SPZ_ARRAYS && at; i++) {
         spz->array[i] = at;
         at += array_bytes(spz, i);
@@ -289,12 +277,12 @@ static void *allocate_for_zlib(void *spz, uInt count, uInt size)
 
 static void release_for_zlib(void *spz, void *block)
 {
-    release(spz, block);
+    fxs_release(((const fxs_spz *)spz)->source->options.allocator, block);
 }
 
 static int with_gzip(fxs_spz *spz, int (*use)(fxs_spz *, gzip *))
 {
-    gzip *g = allocate(spz, sizeof *g);
+    gzip *g = fxs_hold(spz->source, sizeof *g, spz->message);
     if (!g)
         return -1;
     memset(g, 0, sizeof *g);
@@ -304,7 +292,7 @@ static int with_gzip(fxs_spz *spz, int (*use)(fxs_spz *, gzip *))
     g->stream.opaque = spz;
     int result = inflateInit2(&g->stream, 16 + MAX_WBITS) == Z_OK ? use(spz, g) : fail(spz, "out of memory");
     inflateEnd(&g->stream);
-    release(spz, g);
+    fxs_let_go(spz->source, g, sizeof *g);
     return result;
 }
 
@@ -383,11 +371,11 @@ static int open_zstd(fxs_spz *spz)
 static int load_stream(fxs_spz *spz, int array, uint64_t offset)
 {
     const size_t size = (size_t)array_bytes(spz, array), compressed = (size_t)spz->compressed[array];
-    uint8_t *stream = allocate(spz, compressed);
+    uint8_t *stream = fxs_hold(spz->source, compressed, spz->message);
     int result = stream ? read_at(spz, offset, stream, compressed) : -1;
     if (result == 0 && ZSTD_decompress(spz->array[array], size, stream, compressed) != size)
         result = fail(spz, "a zstd stream is damaged, or of another size than the header asks for");
-    release(spz, stream);
+    fxs_let_go(spz->source, stream, compressed);
     return result;
 }
 
@@ -435,11 +423,17 @@ static int open_header(fxs_spz *spz)
 static int load(fxs_spz *spz)
 {
     int result = spz->is_gzip ? load_gzip(spz) : spz->version == 4 ? load_zstd(spz) : load_plain(spz);
-    if (result) {
-        release(spz, spz->payload);
-        spz->payload = NULL;
-    }
+    if (result)
+        fxs_spz_drop(spz);
     return result;
+}
+
+int fxs_spz_drop(fxs_spz *spz)
+{
+    int had = spz->payload != NULL;
+    fxs_let_go(spz->source, spz->payload, spz->payload_size);
+    spz->payload = NULL;
+    return had;
 }
 
 int fxs_spz_open(const fxs_scene_source *source, uint64_t offset, uint64_t size, int keep_axes, fxs_spz **spz,
@@ -453,7 +447,7 @@ int fxs_spz_open(const fxs_scene_source *source, uint64_t offset, uint64_t size,
     s->size = size;
     s->message = message;
     s->keep_axes = keep_axes;
-    if (open_header(s)) {
+    if (open_header(s) || fxs_limit_gaussians(source, s->count, message)) {
         fxs_spz_close(s);
         *spz = NULL;
         return -1;
@@ -471,8 +465,8 @@ void fxs_spz_close(fxs_spz *spz)
 {
     if (!spz)
         return;
-    release(spz, spz->payload);
-    release(spz, spz);
+    fxs_spz_drop(spz);
+    fxs_release(spz->source->options.allocator, spz);
 }
 
 /* ---- Gaussians ------------------------------------------------------------------------------------------------- */

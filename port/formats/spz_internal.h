@@ -26,9 +26,12 @@ typedef struct fxs_spz fxs_spz;
 int fxs_spz_open(const fxs_scene_source *source, uint64_t offset, uint64_t size, int keep_axes, fxs_spz **spz,
                  fxs_scene_file_info *info, fxs_message *message);
 
-/* The next `capacity` Gaussians or as many as are left. The first call decompresses and checks all of it. Returns their
-   number, or -1 and a message. */
+/* The next `capacity` Gaussians or as many as are left. The first call decompresses and checks all of it, and keeps
+   that until the .spz is closed or dropped. Returns their number, or -1 and a message. */
 long fxs_spz_read(fxs_spz *spz, fxs_gaussian *gaussians, size_t capacity, fxs_message *message);
+
+/* Lets go of what was decompressed, which the next read does again. Returns 0 where there is nothing. */
+int fxs_spz_drop(fxs_spz *spz);
 
 /* Back to the first. */
 void fxs_spz_rewind(fxs_spz *spz);

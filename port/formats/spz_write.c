@@ -228,39 +228,24 @@ static void write_gzip(fxs_spz_writer *w, fxs_message *message)
 #endif
 
 #ifdef FXS_WITH_ZSTD
-/* Adds the bytes that it wrote to *compressed. */
-static int compress_bytes(fxs_spz_writer *w, ZSTD_CStream *stream, const uint8_t *bytes, size_t size, int last,
-                          uint64_t *compressed, fxs_message *message)
+/* Compresses an array into the rest of `out`. Returns how many bytes that made. */
+static size_t write_frame(fxs_spz_writer *w, ZSTD_CStream *stream, const uint8_t *bytes, size_t size,
+                          ZSTD_outBuffer *out)
 {
-    uint8_t room[1 << 14];
-    ZSTD_inBuffer in = {bytes, size, 0};
-    size_t left;
-    do {
-        ZSTD_outBuffer out = {room, sizeof room, 0};
-        left = ZSTD_compressStream2(stream, &out, &in, last ? ZSTD_e_end : ZSTD_e_continue);
-        if (ZSTD_isError(left))
-            return w->output.error = ENOMEM;
-        if (fxs_output_write(&w->output, room, out.pos, message))
-            return -1;
-        *compressed += out.pos;
-    } while (last ? left > 0 : in.pos < in.size);
-    return 0;
-}
-
-/* Returns the compressed size. */
-static uint64_t write_frame(fxs_spz_writer *w, ZSTD_CStream *stream, const uint8_t *bytes, size_t size,
-                            fxs_message *message)
-{
-    uint64_t compressed = 0;
+    const size_t before = out->pos;
     ZSTD_CCtx_setParameter(stream, ZSTD_c_compressionLevel, ZSTD_LEVEL);
     ZSTD_CCtx_setPledgedSrcSize(stream, size);
-    for (size_t at = 0, piece; at < size; at += piece) {
-        piece = piece_of(size - at);
-        if (compress_bytes(w, stream, bytes + at, piece, at + piece == size, &compressed, message) ||
-            advance(w, piece))
-            break;
+    for (size_t at = 0; at < size && !w->output.error;) {
+        ZSTD_inBuffer in = {bytes + at, piece_of(size - at), 0};
+        const int last = at + in.size == size;
+        size_t left = ZSTD_compressStream2(stream, out, &in, last ? ZSTD_e_end : ZSTD_e_continue);
+        if (ZSTD_isError(left) || in.pos < in.size || (last && left))
+            w->output.error = ENOMEM;
+        else
+            advance(w, in.size);
+        at += in.size;
     }
-    return compressed;
+    return out->pos - before;
 }
 
 static void put_u64(uint8_t *to, uint64_t value)
@@ -269,30 +254,39 @@ static void put_u64(uint8_t *to, uint64_t value)
     put_u32(to + 4, (uint32_t)(value >> 32));
 }
 
-/* Header and table of contents are written once more when the sizes are known. */
-static void write_zstd(fxs_spz_writer *w, fxs_message *message)
+/* Compresses all arrays, with the header and their sizes before them in `head`. */
+static void write_arrays(fxs_spz_writer *w, ZSTD_CStream *stream, uint8_t *head, size_t head_size, ZSTD_outBuffer *out,
+                         fxs_message *message)
 {
-    uint8_t head[32 + 16 * FXS_SPZ_ARRAYS] = {0}, *entry = head + 32;
-    ZSTD_CStream *stream = ZSTD_createCStream();
-    make_header(w, head);
-    put_u32(head + 16, 32);
-    for (int i = 0; i < FXS_SPZ_ARRAYS; i++)
-        head[15] = (uint8_t)(head[15] + (w->count > 0 && w->stride[i] > 0));
-    const size_t head_size = 32 + 16 * (size_t)head[15];
-    if (!stream)
-        w->output.error = ENOMEM;
-    else
-        fxs_output_write(&w->output, head, head_size, message);
-    for (int i = 0; i < head[15] && !w->output.error; i++, entry += 16) {
+    uint8_t *entry = head + 32;
+    for (int i = 0; i < head[15]; i++, entry += 16) {
         size_t size = (size_t)w->count * w->stride[i];
-        put_u64(entry, write_frame(w, stream, w->array[i], size, message));
+        put_u64(entry, write_frame(w, stream, w->array[i], size, out));
         put_u64(entry + 8, size);
     }
+    if (!w->output.error && !fxs_output_write(&w->output, head, head_size, message))
+        fxs_output_write(&w->output, out->dst, out->pos, message);
+}
+
+/* The table of contents comes first, and a file need not be one that can be sought. */
+static void write_zstd(fxs_spz_writer *w, fxs_message *message)
+{
+    uint8_t head[32 + 16 * FXS_SPZ_ARRAYS] = {0};
+    ZSTD_outBuffer out = {NULL, 0, 0};
+    make_header(w, head);
+    put_u32(head + 16, 32);
+    for (int i = 0; i < FXS_SPZ_ARRAYS; i++) {
+        head[15] = (uint8_t)(head[15] + (w->count > 0 && w->stride[i] > 0));
+        out.size += ZSTD_compressBound((size_t)w->count * w->stride[i]);
+    }
+    ZSTD_CStream *stream = ZSTD_createCStream();
+    out.dst = malloc(out.size);
+    if (stream && out.dst)
+        write_arrays(w, stream, head, 32 + 16 * (size_t)head[15], &out, message);
+    else
+        w->output.error = ENOMEM;
     ZSTD_freeCStream(stream);
-    if (!w->output.error && fseeko(w->output.file, 0, SEEK_SET))
-        w->output.error = errno;
-    if (!w->output.error)
-        fxs_output_write(&w->output, head, head_size, message);
+    free(out.dst);
 }
 #else
 #define write_zstd(writer, message) ((void)0)

@@ -12,8 +12,8 @@
 typedef struct fxs_spz_writer fxs_spz_writer;
 
 /* Begins a file of exactly `count` Gaussians with SH up to `sh_degree`, 0 to 3. They are held in memory, 20 bytes each
-   and 3 for each SH coefficient, until the file is closed. Returns 0 and a writer that fxs_spz_writer_close frees, or
-   -1 and a message. */
+   and 3 for each SH coefficient, until the file is closed, which takes up to as much again for version 4. Returns 0 and
+   a writer that fxs_spz_writer_close frees, or -1 and a message. */
 int fxs_spz_writer_open(const char *path, int version, uint64_t count, int sh_degree, int antialiased,
                         fxs_spz_writer **writer, fxs_message *message);
 

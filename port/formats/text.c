@@ -20,7 +20,8 @@ int fxs_text_load(const char *path, fxs_text *text, fxs_message *message)
 
 #include <cjson/cJSON.h>
 
-#define MAX_VALUES ((size_t)8 << 20)   /* cJSON takes about 100 bytes for each */
+#define MAX_VALUES ((size_t)8 << 20)
+#define VALUE_BYTES 144                /* that cJSON takes for each, beside the letters of its strings */
 
 /* At least the number of values: each follows a comma or the bracket of its array or object. */
 static size_t count_separators(const fxs_text *json)
@@ -31,13 +32,16 @@ static size_t count_separators(const fxs_text *json)
     return count;
 }
 
-cJSON *fxs_json_parse(const fxs_text *json, fxs_message *message)
+cJSON *fxs_json_parse(const fxs_text *json, const fxs_scene_source *source, fxs_message *message)
 {
     const char *end = json->data;
-    if (count_separators(json) > MAX_VALUES) {
+    const size_t values = count_separators(json);
+    if (values > MAX_VALUES) {
         fxs_fail(message, "%s: more than %zu values", json->path, MAX_VALUES);
         return NULL;
     }
+    if (source && fxs_limit_memory(source, (uint64_t)values * VALUE_BYTES + json->size, message))
+        return NULL;
     cJSON *root = cJSON_ParseWithLengthOpts(json->data, json->size + 1, &end, 1);
     if (!root)
         fxs_fail(message, "%s: bad JSON at byte %td", json->path, end - json->data);

@@ -22,8 +22,10 @@ int fxs_text_load(const char *path, fxs_text *text, fxs_message *message);
 
 struct cJSON;
 
-/* Returns what cJSON_Delete frees, or NULL and a message. */
-struct cJSON *fxs_json_parse(const fxs_text *json, fxs_message *message);
+struct fxs_scene_source;
+
+/* Within the memory that the source (NULL: any) may take. Returns what cJSON_Delete frees, or NULL and a message. */
+struct cJSON *fxs_json_parse(const fxs_text *json, const struct fxs_scene_source *source, fxs_message *message);
 
 /* 1 where the array holds exactly these many numbers. */
 int fxs_json_numbers(const struct cJSON *array, double *out, int count);

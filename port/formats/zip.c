@@ -4,6 +4,8 @@
 
 #include <zip.h>
 
+enum { MAX_INFLATION = 1032 };   /* of deflate */
+
 struct fxs_zip {
     const fxs_scene_source *source;
     uint64_t offset;           /* of the next byte that libzip reads */
@@ -94,35 +96,46 @@ fxs_zip *fxs_zip_open(const fxs_scene_source *source, fxs_message *message)
     return zip;
 }
 
+static int check_entry(const fxs_zip *zip, const char *name, const zip_stat_t *entry, fxs_message *message)
+{
+    const zip_uint64_t needed = ZIP_STAT_SIZE | ZIP_STAT_COMP_METHOD;
+    const char *path = zip->source->path;
+    if ((entry->valid & needed) != needed ||
+        (entry->comp_method != ZIP_CM_STORE && entry->comp_method != ZIP_CM_DEFLATE))
+        return fxs_fail(message, "%s: %s: packed in an unknown way", path, name);
+    if (entry->size > FXS_TEXT_MAX || entry->size / MAX_INFLATION > zip->source->input.size)
+        return fxs_fail(message, "%s: %s claims %llu bytes, more than this file can hold", path, name,
+                        (unsigned long long)entry->size);
+    return 0;
+}
+
 /* The read past the last byte is what makes libzip compare the checksum. */
 static int read_entry(zip_file_t *file, char *data, size_t size)
 {
     return zip_fread(file, data, size) == (zip_int64_t)size && zip_fread(file, data + size, 1) == 0;
 }
 
-int fxs_zip_load(fxs_zip *zip, const char *name, size_t most, fxs_text *text, fxs_message *message)
+int fxs_zip_load(fxs_zip *zip, const char *name, fxs_text *text, fxs_message *message)
 {
-    const fxs_allocator *allocator = zip->source->options.allocator;
     const char *path = zip->source->path;
     zip_stat_t entry;
-    if (zip_stat(zip->archive, name, 0, &entry) != 0 || !(entry.valid & ZIP_STAT_SIZE))
+    if (zip_stat(zip->archive, name, 0, &entry) != 0)
         return fxs_fail(message, "%s: no %s in this zip", path, name);
-    if (entry.size > most)
-        return fxs_fail(message, "%s: %s claims %llu bytes, more than this file can hold", path, name,
-                        (unsigned long long)entry.size);
-    char *data = fxs_allocate(allocator, (size_t)entry.size + 1, 1);
-    zip_file_t *file = data ? zip_fopen_index(zip->archive, entry.index, 0) : NULL;
+    if (check_entry(zip, name, &entry, message))
+        return -1;
+    char *data = fxs_hold(zip->source, entry.size + 1, message);
+    if (!data)
+        return -1;
+    *text = (fxs_text){path, data, (size_t)entry.size};
+    data[entry.size] = 0;
+    zip_file_t *file = zip_fopen_index(zip->archive, entry.index, 0);
     int whole = file && read_entry(file, data, (size_t)entry.size) == 1;
     if (file)
         zip_fclose(file);
-    if (!whole) {
-        fxs_fail(message, "%s: %s: %s", path, name, data ? "damaged, or packed in an unknown way" : "out of memory");
-        fxs_release(allocator, data);
-        return -1;
-    }
-    data[entry.size] = 0;
-    *text = (fxs_text){path, data, (size_t)entry.size};
-    return 0;
+    if (whole)
+        return 0;
+    fxs_text_let_go(zip->source, text);
+    return fxs_fail(message, "%s: %s: damaged", path, name);
 }
 
 void fxs_zip_close(fxs_zip *zip)
@@ -143,9 +156,9 @@ fxs_zip *fxs_zip_open(const fxs_scene_source *source, fxs_message *message)
     return NULL;
 }
 
-int fxs_zip_load(fxs_zip *zip, const char *name, size_t most, fxs_text *text, fxs_message *message)
+int fxs_zip_load(fxs_zip *zip, const char *name, fxs_text *text, fxs_message *message)
 {
-    (void)zip, (void)most, (void)text;
+    (void)zip, (void)text;
     return fxs_fail(message, "%s: built without libzip", name);
 }
 

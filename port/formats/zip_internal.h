@@ -9,9 +9,9 @@ typedef struct fxs_zip fxs_zip;
 /* The source must outlive it. Returns NULL and a message where that is not a zip, or this was built without libzip. */
 fxs_zip *fxs_zip_open(const fxs_scene_source *source, fxs_message *message);
 
-/* Loads the entry of that name, of at most `most` bytes; text->data is for fxs_release, text->path the archive's.
-   Returns 0, or -1 and a message. */
-int fxs_zip_load(fxs_zip *zip, const char *name, size_t most, fxs_text *text, fxs_message *message);
+/* Loads the entry of that name, stored or deflated, for fxs_text_let_go; text->path is the archive's. Returns 0, or -1
+   and a message. */
+int fxs_zip_load(fxs_zip *zip, const char *name, fxs_text *text, fxs_message *message);
 
 /* NULL is allowed. */
 void fxs_zip_close(fxs_zip *zip);

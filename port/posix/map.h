@@ -3,12 +3,30 @@
 #define FXS_MAP_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 #include "../formats/message.h"
 
-/* Maps a regular file of at least 1 byte. Returns 0, or -1 and a message. */
-int fxs_map(const char *path, void **data, size_t *bytes, fxs_message *message);
+typedef struct fxs_mapping {
+    void *data;                    /* aligned to a page; null: nothing is mapped */
+    size_t bytes;
+    int descriptor;
+    int64_t modified[2];           /* the file's time when it was mapped: seconds, nanoseconds */
+} fxs_mapping;
 
-void fxs_unmap(void *data, size_t bytes);
+/* Maps a regular file of at least 1 byte. Returns 0, or -1 and a message. At most 64 files are mapped at once. */
+int fxs_map(fxs_mapping *mapping, const char *path, fxs_message *message);
+
+/* What is written to the file afterwards may show in the memory, and where the file is cut short, a read beyond its end
+   is a SIGBUS. So a program that renders from a mapping asks after each frame, before it uses the picture: returns 0, or
+   -1 and a message where the file has been written to or cut short since it was mapped. */
+int fxs_map_check(const fxs_mapping *mapping, const char *path, fxs_message *message);
+
+/* Installs a handler for SIGBUS where it is not installed yet: what a mapped file has lost reads as 0 from then on, on any thread, and
+   fxs_map_check says so. A SIGBUS anywhere else does what it did before. */
+void fxs_map_guard(void);
+
+/* Null data is allowed. */
+void fxs_unmap(fxs_mapping *mapping);
 
 #endif

@@ -1,50 +1,71 @@
+#ifdef __linux__
+#define _GNU_SOURCE                        /* sched_getaffinity */
+#include <sched.h>
+#endif
+
 #include "pool.h"
 
 #include <pthread.h>
 #include <stdlib.h>
 #include <unistd.h>
 
-struct fxs_pool {
-    pthread_mutex_t lock;
-    pthread_cond_t start, done;
-    uint32_t threads;                      /* beside the caller */
-    uint32_t round, busy;                  /* rounds started; threads still in this one */
-    int stop;
+/* The jobs of one call of fxs_pool_run, on its stack. */
+typedef struct batch {
     void (*job)(void *, uint32_t);
     void *argument;
     uint32_t jobs, next;                   /* next is taken atomically */
+    uint32_t helpers;                      /* the pool's threads at work on it */
+    struct batch *after;
+} batch;
+
+struct fxs_pool {
+    pthread_mutex_t lock;
+    pthread_cond_t start, done;
+    uint32_t threads;                      /* beside the callers */
+    int stop;
+    batch *first;                          /* those with jobs to give out, oldest first */
     pthread_t handles[64];
 };
 
-static void work(fxs_pool *pool)
+static void append(fxs_pool *pool, batch *b)
 {
-    for (;;) {
-        uint32_t i = __atomic_fetch_add(&pool->next, 1, __ATOMIC_RELAXED);
-        if (i >= pool->jobs)
-            return;
-        pool->job(pool->argument, i);
-    }
+    batch **end = &pool->first;
+    while (*end)
+        end = &(*end)->after;
+    *end = b;
+}
+
+/* Works at the batch until every job is given out, and takes it off the list. With the lock let go meanwhile. */
+static void work(fxs_pool *pool, batch *b)
+{
+    pthread_mutex_unlock(&pool->lock);
+    for (uint32_t i; (i = __atomic_fetch_add(&b->next, 1, __ATOMIC_RELAXED)) < b->jobs;)
+        b->job(b->argument, i);
+    pthread_mutex_lock(&pool->lock);
+    for (batch **at = &pool->first; *at; at = &(*at)->after)
+        if (*at == b) {
+            *at = b->after;
+            break;
+        }
 }
 
 static void *thread_main(void *argument)
 {
     fxs_pool *pool = argument;
-    uint32_t round = 0;
-    for (;;) {
-        pthread_mutex_lock(&pool->lock);
-        while (pool->round == round && !pool->stop)
+    pthread_mutex_lock(&pool->lock);
+    while (!pool->stop) {
+        batch *b = pool->first;
+        if (!b) {
             pthread_cond_wait(&pool->start, &pool->lock);
-        round = pool->round;
-        int stop = pool->stop;
-        pthread_mutex_unlock(&pool->lock);
-        if (stop)
-            return 0;
-        work(pool);
-        pthread_mutex_lock(&pool->lock);
-        if (--pool->busy == 0)
-            pthread_cond_signal(&pool->done);
-        pthread_mutex_unlock(&pool->lock);
+            continue;
+        }
+        b->helpers++;
+        work(pool, b);
+        if (--b->helpers == 0)
+            pthread_cond_broadcast(&pool->done);
     }
+    pthread_mutex_unlock(&pool->lock);
+    return 0;
 }
 
 fxs_pool *fxs_pool_create(uint32_t threads)
@@ -66,18 +87,12 @@ fxs_pool *fxs_pool_create(uint32_t threads)
 void fxs_pool_run(void *argument, void (*job)(void *, uint32_t), void *job_argument, uint32_t jobs)
 {
     fxs_pool *pool = argument;
+    batch b = {job, job_argument, jobs, 0, 0, 0};
     pthread_mutex_lock(&pool->lock);
-    pool->job = job;
-    pool->argument = job_argument;
-    pool->jobs = jobs;
-    pool->next = 0;
-    pool->busy = pool->threads;
-    pool->round++;
+    append(pool, &b);
     pthread_cond_broadcast(&pool->start);
-    pthread_mutex_unlock(&pool->lock);
-    work(pool);
-    pthread_mutex_lock(&pool->lock);
-    while (pool->busy)
+    work(pool, &b);
+    while (b.helpers)
         pthread_cond_wait(&pool->done, &pool->lock);
     pthread_mutex_unlock(&pool->lock);
 }
@@ -101,5 +116,10 @@ void fxs_pool_destroy(fxs_pool *pool)
 uint32_t fxs_processors(void)
 {
     long n = sysconf(_SC_NPROCESSORS_ONLN);
+#ifdef __linux__
+    cpu_set_t allowed;
+    if (!sched_getaffinity(0, sizeof allowed, &allowed))
+        n = CPU_COUNT(&allowed);
+#endif
     return n < 1 ? 1 : n > 64 ? 64 : (uint32_t)n;
 }

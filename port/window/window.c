@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <SDL2/SDL.h>
 
@@ -15,6 +16,25 @@ static int fail(fxs_message *message)
     return fxs_fail(message, "no window: %s", SDL_GetError());
 }
 
+/* Without a display SDL would fall back to drivers that show nothing. Wayland's library writes lines of its own where
+   it has no folder for its socket. A driver asked for by SDL_VIDEODRIVER is taken as it is. */
+static void choose_drivers(void)
+{
+    char list[256] = "";
+    const int wayland = SDL_getenv("XDG_RUNTIME_DIR") || SDL_getenv("WAYLAND_DISPLAY");
+    if (SDL_GetHint(SDL_HINT_VIDEODRIVER))
+        return;
+    for (int i = 0; i < SDL_GetNumVideoDrivers(); i++) {
+        const char *name = SDL_GetVideoDriver(i);
+        if (!strcmp(name, "offscreen") || !strcmp(name, "dummy") || !strcmp(name, "evdev") ||
+            (!wayland && !strcmp(name, "wayland")))
+            continue;
+        SDL_strlcat(list, *list ? "," : "", sizeof list);
+        SDL_strlcat(list, name, sizeof list);
+    }
+    SDL_SetHint(SDL_HINT_VIDEODRIVER, list);
+}
+
 int fxs_window_open(fxs_window **window, fxs_message *message)
 {
     /* Pictures are copied to the window without OpenGL, whose context a back end may need for itself. */
@@ -23,6 +43,7 @@ int fxs_window_open(fxs_window **window, fxs_message *message)
     *window = calloc(1, sizeof **window);
     if (!*window)
         return fxs_fail(message, "no window: out of memory");
+    choose_drivers();
     if (!SDL_InitSubSystem(SDL_INIT_VIDEO)) {
         (*window)->window = SDL_CreateWindow("fixsplat", SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, 1, 1,
                                              SDL_WINDOW_HIDDEN | SDL_WINDOW_RESIZABLE);

@@ -125,23 +125,22 @@ static fxs_file_view overview(const fxs_packed_header *header)
 static void rows_of_scene(char *argument)
 {
     char *path = strtok(argument, ":"), *cameras = strtok(NULL, ":"), label[200];
-    void *data;
-    size_t bytes;
+    fxs_mapping file;
     fxs_scene scene;
     fxs_message message;
     fxs_file_view *views = 0;
     fxs_cuda *single = 0, *batch = 0;
     const char *name = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
-    if (fxs_map(path, &data, &bytes, &message)) {
+    if (fxs_map(&file, path, &message)) {
         puts(message.text);
         return;
     }
-    if (fxs_scene_open(&scene, data, bytes) || fxs_cuda_create(&single, 0, 0, 1, &failure) ||
+    if (fxs_scene_open(&scene, file.data, file.bytes) || fxs_cuda_create(&single, 0, 0, 1, &failure) ||
         fxs_cuda_upload(single, &scene, &failure) || fxs_cuda_create(&batch, 0, 0, SLOTS, &failure) ||
         fxs_cuda_upload(batch, &scene, &failure))
         printf("%s: %s\n", path, failure.text);
     else if (!cameras)
-        rows_of_view(single, batch, name, overview(data), 1);
+        rows_of_view(single, batch, name, overview(file.data), 1);
     else if (fxs_camera_file_read(cameras, &views, &message) < 0)
         puts(message.text);
     for (char *n = views ? strtok(NULL, ",") : 0, *first = n; n; n = strtok(NULL, ",")) {
@@ -151,7 +150,7 @@ static void rows_of_scene(char *argument)
     free(views);
     fxs_cuda_destroy(single);
     fxs_cuda_destroy(batch);
-    fxs_unmap(data, bytes);
+    fxs_unmap(&file);
 }
 
 int main(int argc, char **argv)

@@ -45,8 +45,8 @@ static void expected_splats(expected *e, const fxs_scene *scene)
     e->keys = room(most * sizeof *e->keys);
     e->spare = room(most * sizeof *e->keys);
     for (uint32_t chunk = 0; chunk < scene->chunk_count; chunk++) {
-        uint32_t n = fxs_project_c(&e->view, scene, chunk, e->splats + e->count, e->bounds + e->count,
-                                   e->indices + e->count, e->depths + e->count);
+        uint32_t n = (uint32_t)fxs_project_c(&e->view, scene, chunk, e->splats + e->count, e->bounds + e->count,
+                                             e->indices + e->count, e->depths + e->count);
         fxs_shade_c(&e->view, scene, chunk, e->indices + e->count, n, e->splats + e->count);
         e->count += n;
     }
@@ -248,8 +248,7 @@ static void test_files(void)
     if (!file_count)
         SKIP("no .fxs file given");
     for (int i = 0; i < file_count; i++) {
-        void *data;
-        size_t bytes;
+        fxs_mapping file;
         fxs_scene scene;
         fxs_message message;
         const double up[3] = {0, -1, 0};
@@ -257,9 +256,10 @@ static void test_files(void)
         fxs_file_view view;
         fxs_camera camera;
         fxs_options options;
-        if (!CHECK(!fxs_map(files[i], &data, &bytes, &message)) || !CHECK(!fxs_scene_open(&scene, data, bytes)))
+        if (!CHECK(!fxs_map(&file, files[i], &message)) ||
+            !CHECK(!fxs_scene_open(&scene, file.data, file.bytes)))
             continue;
-        const fxs_packed_header *header = data;
+        const fxs_packed_header *header = file.data;
         for (int k = 0; k < 3; k++) {
             low[k] = (double)header->inner_low_q32[k] / 4294967296.0;
             high[k] = (double)header->inner_high_q32[k] / 4294967296.0;
@@ -273,7 +273,7 @@ static void test_files(void)
             if (!CHECK(frame_equal(&scene, &camera, &options)))
                 printf("  %s\n", files[i]);
         }
-        fxs_unmap(data, bytes);
+        fxs_unmap(&file);
     }
 }
 
@@ -353,7 +353,7 @@ static void test_memory(void)
     camera.width = 0;
     CHECK(fxs_cuda_upload(cuda, &scene, &failure) == 0);
     CHECK(fxs_cuda_render_host(cuda, &camera, &options, pixels, 0, 0, &failure) == FXS_ERR_SIZE);
-    CHECK(fxs_cuda_create(&small, 1000, 0, 1, &failure) == FXS_ERR_UNSUPPORTED);
+    CHECK(fxs_cuda_create(&small, 1000, 0, 1, &failure) == FXS_ERR_DEVICE);
     CHECK(fxs_cuda_create(&small, 0, 0, 17, &failure) == FXS_ERR_ARGUMENT);
     free(pixels);
     free(packed.data);
@@ -382,6 +382,8 @@ static void test_edges(void)
     CHECK(fxs_cuda_render(cuda, frames, 2, &options, 0, &failure) == FXS_ERR_SIZE);
     CHECK(fxs_cuda_finish(cuda, 0, &failure) == FXS_ERR_ARGUMENT);
     CHECK(frame_equal(&scene, &camera, &options));
+    frames[0].stride = -(camera.width * 4 - 4);    /* less than a row */
+    CHECK(fxs_cuda_render(cuda, frames, 1, &options, 0, &failure) == FXS_ERR_ARGUMENT);
     peek_device_free(device);
 
     /* In no more memory than one loading and frame take. */
@@ -396,8 +398,17 @@ static void test_edges(void)
     }
     free(pixels);
 
+    /* A header that changed after the scene was opened. */
+    pixels = room((size_t)camera.width * (size_t)camera.height * 4);
+    packed.chunks[scene.chunk_count / 2].step_shift = 63;
+    CHECK(!fxs_cuda_upload(cuda, &scene, &failure));
+    CHECK(fxs_cuda_render_host(cuda, &camera, &options, pixels, camera.width * 4, 0, &failure) == FXS_ERR_SCENE);
+    packed.chunks[scene.chunk_count / 2].step_shift = 0;
+    CHECK(!fxs_cuda_upload(cuda, &scene, &failure) && frame_equal(&scene, &camera, &options));
+    free(pixels);
+
     scene.chunk_count = scene.count = 0;
-    scene.rows = (const unsigned char *)scene.chunks;
+    scene.rows = scene.chunks;
     CHECK(!fxs_cuda_upload(cuda, &scene, &failure) && frame_equal(&scene, &camera, &options));
     free(packed.data);
 }

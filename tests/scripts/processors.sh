@@ -1,12 +1,13 @@
 #!/bin/sh
 # One picture everywhere: on every processor, two of them big-endian, the random frames of tests/test_random.c and the
-# .fxs files of tests/test_fxs_bytes.c; the golden images and the kernels under AArch64. By qemu-user, where this
-# processor does not run them itself.
+# .fxs files of tests/test_fxs_bytes.c; the golden images under AArch64, the kernels there and under i686. By
+# qemu-user, where this processor does not run them itself.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 . tests/scripts/lib/variants.sh
 arm=aarch64-linux-gnu-gcc
+i686=i686-linux-gnu-gcc
 golden="src/*.c tests/test_golden.c tools/backend.c tools/metrics.c tools/procedural.c port/formats/*.c"
 files="$PWD/tests/test_fxs_bytes.c $PWD/port/formats/fxs_file.c"
 others=$(ls "$PWD"/src/*.c "$PWD"/port/formats/*.c | grep -v '/fxs_file\.c$' | tr '\n' ' ')
@@ -45,13 +46,21 @@ aarch64() {
     fi
 }
 
+# By the Makefile, with the kernels of x86: without /usr/include, whose libraries are the host's.
+i686() {
+    alone="$i686 -nostdinc -isystem $($i686 -print-file-name=include) -isystem /usr/i686-linux-gnu/include"
+    variant i686-kernels "env -u MAKEFLAGS make -s B=%.made CC='$alone' CFLAGS=-O1 LDFLAGS=-static NVCC=none \
+        %.made/tests/test_kernels && cp %.made/tests/test_kernels %" $(sed 's/ .*//' "$work/i686.run")
+}
+
 processor x86-64 x86_64-linux-gnu-gcc qemu-x86_64
-processor i686 i686-linux-gnu-gcc qemu-i386
+processor i686 $i686 qemu-i386
 processor armv7 arm-linux-gnueabihf-gcc qemu-arm
 processor aarch64 $arm qemu-aarch64
 processor riscv64 riscv64-linux-gnu-gcc qemu-riscv64
 processor powerpc powerpc-linux-gnu-gcc qemu-ppc
 processor s390x s390x-linux-gnu-gcc qemu-s390x
+case $variants in *i686*) i686 ;; esac
 case $variants in *aarch64*) aarch64 ;; esac
 run_variants
 finish

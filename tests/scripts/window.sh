@@ -19,6 +19,18 @@ case $no_display in
 esac
 check "no display: status 1" [ $status = 1 ]
 check "no display: one line" [ "$no_display" = "fixsplat: no window: x11 not available" ]
+nothing=$(env -u DISPLAY -u WAYLAND_DISPLAY -u XDG_RUNTIME_DIR -u SDL_VIDEODRIVER timeout 10 \
+    "$B/fixsplat" view "$work/knot.ply" 2>&1)
+status=$?
+if [ -e /dev/dri/card0 ]; then
+    skip "no display: SDL's own choice of driver" "it may take the console here"
+else
+    check "no display: SDL's own choice of driver, status 1" [ $status = 1 ]
+    case $nothing in
+    'fixsplat: no window: x11,'*' not available') ok "no display: one line that says so" ;;
+    *) fail "no display: one line that says so" "$nothing" ;;
+    esac
+fi
 have Xvfb && have xdotool || { skip window "no Xvfb and xdotool here"; finish; exit; }
 
 # ---- A screen and the viewer on it -----------------------------------------------------------------------------------

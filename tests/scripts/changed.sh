@@ -1,0 +1,43 @@
+#!/bin/sh
+# A mapped .fxs file that is cut short or written to while it is rendered: one line and exit 1, with all the memory of a
+# frame and in bands. Frame after frame of a long bench is on its way when that happens.
+. tests/scripts/lib/check.sh
+fixsplat=${B:-build}/fixsplat
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+"$fixsplat" make-scene knot --count 60000 -o "$work/knot.ply" || exit 1
+if ! "$fixsplat" convert "$work/knot.ply" "$work/whole.fxs" 2>"$work/err"; then
+    skip "a changed .fxs" "$(cat "$work/err")"
+    finish
+    exit
+fi
+
+# ends NAME WORDS CHANGE OPTION...: after the shell command CHANGE on $fxs the bench ends with status 1 and the words.
+ends() {
+    name=$1 words=$2 change=$3 fxs=$work/scene.fxs
+    shift 3
+    cp "$work/whole.fxs" "$fxs"
+    "$fixsplat" bench "$fxs" --size 200x120 --frames 10000 "$@" >"$work/out" 2>"$work/err" &
+    sleep 0.7
+    eval "$change"
+    wait $!
+    status=$?
+    if [ $status = 1 ] && [ ! -s "$work/out" ] && [ "$(wc -l <"$work/err")" = 1 ] &&
+        grep -Eq "^fixsplat: .*($words)" "$work/err"; then
+        ok "$name"
+    else
+        fail "$name" "status $status: $(head -n 3 "$work/err")"
+    fi
+}
+
+short='truncate -s 200000 "$fxs"'
+noise='dd if=/dev/urandom of="$fxs" bs=65536 seek=3 count=40 conv=notrunc 2>/dev/null'
+for threads in 1 2; do
+    ends "cut short, threads $threads" "cut short while it was read|changed while" "$short" --threads $threads
+    ends "cut short in bands, threads $threads" "cut short while it was read|changed while" "$short" \
+        --threads $threads --max-memory 3M
+    ends "written to, threads $threads" "written to while it was read|changed while" "$noise" --threads $threads
+    ends "written to in bands, threads $threads" "written to while it was read|changed while" "$noise" \
+        --threads $threads --max-memory 3M
+done
+finish

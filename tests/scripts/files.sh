@@ -1,0 +1,131 @@
+#!/bin/sh
+# What the command does to files: outputs that are not plain new files, signals, what is on the disk when, full devices.
+. tests/scripts/lib/check.sh
+. tests/scripts/lib/command.sh
+
+# All begin in the same way, in several pieces.
+write="make-scene knot --count 2000 -o"
+"$fixsplat" $write knot.ply || exit 1
+convert="convert knot.ply"
+for ending in ply splat spz fxs; do "$fixsplat" $convert plain.$ending 2>logs/err || exit 1; done
+"$fixsplat" render knot.ply --size 64x48 -o plain.png || exit 1
+
+mode() { stat -c %a "$1" 2>/dev/null || stat -f %Lp "$1"; }
+left() { find . -name '.fixsplat-*'; }
+
+# ---- Permissions -----------------------------------------------------------------------------------------------------
+
+touch own.ply && chmod 600 own.ply
+succeeds "over a file of mode 600" $write own.ply
+check "over a file of mode 600: still 600" equal "$(mode own.ply)" 600
+check "over a file of mode 600: the bytes" cmp own.ply knot.ply
+chmod 666 own.ply
+(umask 077 && "$fixsplat" $write own.ply)
+check "over a file of mode 666, umask 077: still 666" equal "$(mode own.ply)" 666
+(umask 027 && "$fixsplat" $write new.ply)
+check "a new file: as umask has it" equal "$(mode new.ply)" 640
+
+# ---- Links, FIFOs and devices ----------------------------------------------------------------------------------------
+
+mkdir there
+echo old >there/target.ply
+ln -s there link
+ln -s there/target.ply one.ply
+ln -s one.ply two.ply
+ln -s link/new.ply dangling.ply
+ln -s nowhere/new.ply lost.ply
+ln -s loop.ply loop.ply
+succeeds "a link to a link" $write two.ply
+check "a link to a link: both stay" equal "$(readlink two.ply) $(readlink one.ply)" "one.ply there/target.ply"
+check "a link to a link: the file at its end" cmp there/target.ply knot.ply
+succeeds "a link to nothing" $write dangling.ply
+check "a link to nothing: stays" equal "$(readlink dangling.ply)" link/new.ply
+check "a link to nothing: its target is made" cmp there/new.ply knot.ply
+fails "a link into no folder" 1 "lost.ply: cannot be written: No such file" $write lost.ply
+fails "a link to itself" 1 "loop.ply: cannot be written: Too many" $write loop.ply
+
+# through NAME ARGUMENT...: what comes out of pipe.NAME is plain.NAME.
+through() {
+    ending=$1
+    shift
+    mkfifo pipe.$ending
+    ln pipe.$ending held.$ending
+    cat held.$ending >got &
+    run "$@" pipe.$ending
+    : <>held.$ending   # ends cat where nobody wrote
+    wait
+    check "a FIFO as .$ending: stays" [ -p pipe.$ending ]
+    check "a FIFO as .$ending: the bytes" cmp got plain.$ending
+}
+through ply $convert
+through splat $convert
+through spz $convert
+through fxs $convert
+through png render knot.ply --size 64x48 -o
+# By links: what would replace a device replaces one of those.
+ln -s /dev/stdout out.ply
+check "standard output, to a pipe" equal "$("$fixsplat" $write out.ply | cksum)" "$(cksum <knot.ply)"
+{ echo before && "$fixsplat" $write out.ply && echo after; } >mixed
+{ echo before && cat knot.ply && echo after; } >wanted
+check "standard output, to a file with more in it" cmp mixed wanted
+ln -s /dev/null null.png
+succeeds "a link to a device" render knot.ply --size 64x48 -o null.png
+check "a link to a device: stays" equal "$(readlink null.png)" /dev/null
+check "a device: stays" [ -c /dev/null ]
+
+# ---- Full devices ----------------------------------------------------------------------------------------------------
+
+if [ -c /dev/full ]; then
+    ln -s /dev/full full.ply
+    fails "a full device" 1 "full.ply: cannot be written: No space" $write full.ply
+    for arguments in --help --version --kernels 'render --help' 'view --help' 'bench --help' 'info --help' \
+        'convert --help' 'compare --help' 'make-scene --help' 'info --backends' 'info knot.ply' \
+        'render knot.ply --size 64x48 --hash' 'compare plain.png plain.png'; do
+        "$fixsplat" $arguments >/dev/full 2>logs/err
+        check "$arguments, into a full device" equal "$? $(cat logs/err)" "1 fixsplat: cannot write to standard output"
+    done
+else
+    skip "a full device" "no /dev/full here"
+fi
+
+# ---- Signals ---------------------------------------------------------------------------------------------------------
+
+# A FIFO would be kept and a small file be done too soon: these have seconds to go.
+for signal in 1 2 13 15; do
+    ended=$($helper signal $signal "$fixsplat" make-scene landscape --count 20000000 -o ended.ply)
+    check "signal $signal: ends the command" equal "$ended" "signal $signal"
+    check "signal $signal: nothing is left" equal "$(left; ls ended.ply 2>/dev/null)" ""
+    rm -f .fixsplat-*
+done
+(
+    trap '' TERM
+    "$fixsplat" make-scene landscape --count 300000 -o ignored.ply &
+    child=$!
+    while ! ls .fixsplat-* >/dev/null 2>&1 && kill -0 $child 2>/dev/null; do :; done
+    kill -TERM $child
+    wait $child
+    echo $? >logs/status
+)
+check "a signal that is ignored stays so" equal "$(cat logs/status) $(ls ignored.ply)" "0 ignored.ply"
+(
+    ulimit -f 100
+    "$fixsplat" make-scene landscape --count 20000000 -o ended.ply
+    :   # else the shell outside would say what ended the command
+) 2>logs/err
+check "SIGXFSZ: nothing is left" equal "$(left; ls ended.ply 2>/dev/null)" ""
+
+# ---- On the disk -----------------------------------------------------------------------------------------------------
+
+faults=$work/logs/faults.so
+if ${CC:-cc} -O1 -shared -fPIC -o $faults "$root/tests/scripts/lib/faults.c" -ldl 2>logs/err &&
+    FAULT_LOG=logs/calls LD_PRELOAD=$faults "$fixsplat" $write synced.ply 2>logs/err && [ -s logs/calls ]; then
+    check "the file, its name, then the folder" equal "$(grep -v allocations logs/calls | tr '\n' ,)" \
+        "fsync file,rename,fsync folder,"
+else
+    skip "what is on the disk when" "nothing can be preloaded here: $(head -n 1 logs/err)"
+fi
+
+check "no test has a name in /tmp that can be foreseen" equal \
+    "$(grep -rn --include='*.[ch]' '"/tmp/' "$root/tests" | grep -v XXXXXX)" ""
+check "no temporary file is left" equal "$(left)" ""
+finish

@@ -1,0 +1,42 @@
+# Sourced by the scripts that run the command, after check.sh: $fixsplat, a folder $work to be in, $scenes, $helper, and
+# what is expected of a run.
+fixsplat=$PWD/${B:-build}/fixsplat
+case $B in /*) fixsplat=$B/fixsplat ;; esac
+scenes=$(cd "${FXS_SCENES:-../shared/scenes}" 2>/dev/null && pwd)
+root=$PWD
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+mkdir logs
+helper=logs/helper
+${CC:-cc} -O1 -o $helper "$root/tests/scripts/lib/helper.c" || exit 1
+
+# Runs the command: $status, logs/out, logs/err.
+run() {
+    "$fixsplat" "$@" >logs/out 2>logs/err
+    status=$?
+}
+
+# succeeds NAME ARGUMENT...: exit 0, not a word on stderr.
+succeeds() {
+    name=$1
+    shift
+    run "$@"
+    if [ $status = 0 ] && [ ! -s logs/err ]; then ok "$name"; else fail "$name" "status $status: $(cat logs/err)"; fi
+}
+
+# fails NAME STATUS WORDS ARGUMENT...: that exit status, nothing on stdout, one line with those words (a regular
+# expression) on stderr.
+fails() {
+    name=$1 wanted=$2 words=$3
+    shift 3
+    run "$@"
+    if [ $status = "$wanted" ] && [ ! -s logs/out ] && [ "$(wc -l <logs/err)" = 1 ] && grep -q "^fixsplat: " logs/err &&
+        grep -Eq -- "$words" logs/err; then
+        ok "$name"
+    else
+        fail "$name" "status $status, stdout of $(wc -c <logs/out) bytes, stderr: $(cat logs/err)"
+    fi
+}
+
+equal() { [ "$1" = "$2" ] || { echo "$1 is not $2"; return 1; }; }

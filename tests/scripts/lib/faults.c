@@ -1,0 +1,108 @@
+/* To be preloaded. FAULT_AT=N: allocation N from the beginning of main gets no memory, and with FAULT_EVER=1 neither does
+   any after it. FAULT_LOG=FILE: the calls of fsync and rename are noted there, and at the end the allocations counted. */
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+void *__libc_malloc(size_t size);
+void *__libc_calloc(size_t count, size_t size);
+void *__libc_realloc(void *old, size_t size);
+void *__libc_memalign(size_t alignment, size_t size);
+
+static long calls, fails_at;
+static int fails_ever;
+
+static int fails(void)
+{
+    long call = __atomic_add_fetch(&calls, 1, __ATOMIC_RELAXED);
+    if (!fails_at || call < fails_at || (call > fails_at && !fails_ever))
+        return 0;
+    errno = ENOMEM;
+    return 1;
+}
+
+void *malloc(size_t size)
+{
+    return fails() ? NULL : __libc_malloc(size);
+}
+
+void *calloc(size_t count, size_t size)
+{
+    return fails() ? NULL : __libc_calloc(count, size);
+}
+
+void *realloc(void *old, size_t size)
+{
+    return fails() ? NULL : __libc_realloc(old, size);
+}
+
+int posix_memalign(void **out, size_t alignment, size_t size)
+{
+    if (fails())
+        return ENOMEM;
+    *out = __libc_memalign(alignment, size);
+    return *out ? 0 : ENOMEM;
+}
+
+typedef int main_function(int, char **, char **);
+static main_function *own_main;
+
+static int counted_main(int argc, char **argv, char **environment)
+{
+    const char *at = getenv("FAULT_AT"), *ever = getenv("FAULT_EVER");
+    fails_at = at ? atol(at) : 0;
+    fails_ever = ever && *ever;
+    calls = 0;
+    return own_main(argc, argv, environment);
+}
+
+/* The C library calls main, and before it what libraries do as they are loaded, which is not counted. */
+int __libc_start_main(main_function *program, int argc, char **argv, void (*init)(void), void (*fini)(void),
+                      void (*linker_fini)(void), void *stack_end)
+{
+    own_main = program;
+    return ((int (*)(main_function *, int, char **, void (*)(void), void (*)(void), void (*)(void), void *))
+            dlsym(RTLD_NEXT, "__libc_start_main"))(counted_main, argc, argv, init, fini, linker_fini, stack_end);
+}
+
+static void note(const char *format, ...)
+{
+    char text[64];
+    const char *path = getenv("FAULT_LOG");
+    int log = path ? open(path, O_WRONLY | O_CREAT | O_APPEND, 0666) : -1;
+    if (log < 0)
+        return;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    if (write(log, text, strlen(text)) < 0)
+        _exit(99);
+    close(log);
+}
+
+__attribute__((destructor)) static void end(void)
+{
+    note("%ld allocations\n", calls);
+}
+
+int fsync(int descriptor)
+{
+    struct stat status;
+    fstat(descriptor, &status);
+    note("fsync %s\n", S_ISDIR(status.st_mode) ? "folder" : "file");
+    return ((int (*)(int))dlsym(RTLD_NEXT, "fsync"))(descriptor);
+}
+
+int rename(const char *from, const char *to)
+{
+    note("rename\n");
+    return ((int (*)(const char *, const char *))dlsym(RTLD_NEXT, "rename"))(from, to);
+}

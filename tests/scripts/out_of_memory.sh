@@ -1,0 +1,84 @@
+#!/bin/sh
+# Each command with an allocation that gets no memory, or with none that does from there on: it does without and is
+# right, or ends with one line, status 1 and nothing left behind. Some sixteen of each command's allocations, spread over
+# all of them; EVERY=1 for each.
+. tests/scripts/lib/check.sh
+. tests/scripts/lib/command.sh
+
+faults=$work/logs/faults.so
+if ! ${CC:-cc} -O1 -shared -fPIC -o $faults "$root/tests/scripts/lib/faults.c" -ldl 2>logs/err ||
+    ! FAULT_LOG=logs/calls LD_PRELOAD=$faults "$fixsplat" --version >logs/out 2>logs/err || ! [ -s logs/calls ]; then
+    skip "out of memory" "nothing can be preloaded here: $(head -n 1 logs/err)"
+    finish
+    exit
+fi
+"$fixsplat" make-scene knot --count 300 -o knot.ply || exit 1
+"$fixsplat" convert knot.ply packed.fxs || exit 1
+"$fixsplat" render knot.ply --size 64x48 -o a.png || exit 1
+"$fixsplat" render knot.ply --size 64x48 --bg 010101 -o b.png || exit 1
+
+# What is wrong with the run that had no memory, of which `written` is right.
+wrong() {
+    case $status in
+    0) [ ! -e logs/right ] || cmp "$written" logs/right ;;
+    1) [ "$(wc -l <logs/err)" = 1 ] && grep '^fixsplat: ' logs/err >logs/line || cat logs/err
+        ls "$written" 2>/dev/null ;;
+    *) echo "status $status: $(cat logs/err)" ;;
+    esac
+    ls .fixsplat-* 2>/dev/null
+}
+
+# survives OUTPUT ARGUMENT...: OUTPUT is what the arguments write, - where that is nothing.
+survives() {
+    written=$1
+    shift
+    rm -f logs/right logs/calls logs/faults
+    FAULT_LOG=logs/calls LD_PRELOAD=$faults "$fixsplat" "$@" >logs/out 2>logs/err
+    [ ! -e "$written" ] || mv "$written" logs/right
+    count=$(sed -n 's/ allocations//p' logs/calls)
+    count=${count:-0}
+    step=${EVERY:-$((count / 8 + 1))}
+    for ever in '' 1; do
+        n=${ever:-2}
+        while [ $n -le $count ]; do
+            FAULT_AT=$n FAULT_EVER=$ever LD_PRELOAD=$faults "$fixsplat" "$@" >logs/out 2>logs/err
+            status=$?
+            why=$(wrong 2>&1)
+            [ -z "$why" ] || echo "allocation $n${ever:+ and on}: $why" >>logs/faults
+            rm -f "$written" .fixsplat-*
+            n=$((n + step))
+        done
+    done
+    if [ $count -gt 2 ] && [ ! -s logs/faults ]; then
+        ok "$* ($count allocations)"
+    else
+        fail "$*" "$count allocations, $(cat logs/faults)"
+    fi
+}
+
+survives o.ply make-scene knot --count 300 -o o.ply
+survives o.png render knot.ply --size 64x48 --threads 2 -o o.png
+survives o.ppm render packed.fxs --size 64x48 --stereo 0.1 -o o.ppm
+survives o.fxs convert knot.ply o.fxs
+survives o.fxs convert knot.ply o.fxs --profile small
+survives o.spz convert knot.ply o.spz
+survives o.spz convert knot.ply o.spz --spz-version 3
+survives o.splat convert knot.ply o.splat --sh-degree 0
+survives - info knot.ply
+survives - info packed.fxs --compare knot.ply --size 64x48 --views 2
+survives o.png compare a.png b.png --diff o.png
+survives - bench knot.ply --size 64x48 --threads 2
+
+# A picture larger than the memory there is.
+"$fixsplat" render knot.ply --size 2000x2000 -o large.png || exit 1
+if (ulimit -v 16000 && "$fixsplat" --version) >logs/out 2>&1; then
+    (
+        ulimit -v 16000
+        fails "compare, in 16 MB" 1 "large.png: out of memory$" compare large.png large.png
+        echo "passed=$passed failed=$failed" >logs/counts
+    )
+    . logs/counts
+else
+    skip "compare, in 16 MB" "the command does not begin in 16 MB"
+fi
+finish
