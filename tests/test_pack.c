@@ -4,6 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "../port/formats/encode.h"
 #include "../port/formats/order.h"
 #include "../port/formats/pack.h"
 #include "../port/formats/ply_write.h"
@@ -296,6 +297,34 @@ static void test_extremes(void)
 }
 
 /* ---- Gaussians left out ----------------------------------------------------------------------------------------- */
+
+/* The step of a degree is the smallest that reaches its largest coefficient with code 127, and at most what a packed
+   scene may have. */
+static void test_sh_steps_up_to_the_limit(void)
+{
+    static const uint32_t steps[] = {1, 4096, 32765, 32766, 32767};
+    fxs_scene_file_info info;
+    fxs_chunk_ranges ranges;
+    fxs_chunk chunk;
+    memset(&info, 0, sizeof info);
+    fxs_ranges_clear(&ranges);
+    make_gaussians(1);
+    fxs_ranges_take(&ranges, gaussians, 0);
+    for (size_t k = 0; k < sizeof steps / sizeof *steps; k++)
+        for (int degree = 0; degree < 3; degree++) {
+            const float most = (float)ldexp(127 * steps[k], -19);
+            ranges.sh[degree] = most;
+            fxs_encode_header(&chunk, &ranges, &info);
+            CHECK(chunk.sh_step_q19[degree] == steps[k]);
+            ranges.sh[degree] = nextafterf(most, 100);
+            fxs_encode_header(&chunk, &ranges, &info);
+            CHECK(chunk.sh_step_q19[degree] == (steps[k] < 32767 ? steps[k] + 1 : 32767));
+            ranges.sh[degree] = 1e6f;
+            fxs_encode_header(&chunk, &ranges, &info);
+            CHECK(chunk.sh_step_q19[degree] == 32767);
+            ranges.sh[degree] = 0;
+        }
+}
 
 static void test_dropped(void)
 {
@@ -779,6 +808,7 @@ int main(void)
     RUN(test_bounds);
     RUN(test_all_equal);
     RUN(test_extremes);
+    RUN(test_sh_steps_up_to_the_limit);
     RUN(test_dropped);
     RUN(test_faults_above_the_degree_do_not_matter);
     RUN(test_nothing_left);
