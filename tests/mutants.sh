@@ -1,6 +1,6 @@
 #!/bin/sh
-# Makes each change of tests/mutants.txt in a copy of the tree, one at a time, builds it and runs tests until one is red.
-# A change that none notices survives: it wants a test, or a line that says why it changes nothing.
+# Makes each change of tests/mutants.txt in a copy of the tree, one at a time, builds it and runs tests until one is
+# red. A change that none notices survives: it wants a test, or a line that says why it changes nothing.
 #
 #     sh tests/mutants.sh              all of them
 #     sh tests/mutants.sh src/bin.c    those whose line contains the text
@@ -72,8 +72,10 @@ measure() {
 # Replaces the fragment, which must stand in the file once; else prints how often it does.
 change() {
     FRAGMENT=$2 BY=$3 awk '
-        { for (at = 1; (i = index(substr($0, at), ENVIRON["FRAGMENT"])) > 0; at = where + 1) { where = at + i - 1; n++; line = NR; column = where }
-          text[NR] = $0 }
+        { text[NR] = $0
+          for (at = 1; (i = index(substr($0, at), ENVIRON["FRAGMENT"])) > 0; at = column + 1) {
+              column = at + i - 1; line = NR; n++
+          } }
         END { if (n != 1) { print n + 0 > "/dev/stderr"; exit 1 }
               for (i = 1; i <= NR; i++)
                   print i == line ? substr(text[i], 1, column - 1) ENVIRON["BY"] \

@@ -173,6 +173,9 @@ static void check_chunk_ranges(fxs_chunk *c)
     c->scale_q16 = -(32 << 16);
     GIVES(FXS_ERR_SCENE, c->scale_step_q24, 1);
     c->scale_q16 = 0;
+    c->scale_step_q24 = 1;
+    GIVES(FXS_ERR_SCENE, c->scale_q16, (32 << 16) + 1);
+    c->scale_step_q24 = 0;
     GIVES(FXS_ERR_SCENE, c->scale_step_q24, UINT32_MAX);
     for (int i = 0; i < 3; i++) {
         GIVES(0, c->origin_q32[i], far);

@@ -1099,6 +1099,42 @@ static void test_chunks_across_the_near_plane(void)
     CHECK(touching > 150 && behind > 80);
 }
 
+/* ---- The camera ------------------------------------------------------------------------------------------------- */
+
+static void check_slope(int32_t q23, double slope, double most)
+{
+    CHECK(fabs(ldexp(q23, -23) - fmax(-most, fmin(slope, most))) < ldexp(1, -22));
+}
+
+/* The slopes of a view, up to where they are cut. */
+static void test_view_slopes(void)
+{
+    const packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
+    int cut = 0;
+    for (int i = 0; i < 1000; i++) {
+        fxs_view v;
+        fxs_camera camera = make_camera(1 + below(2000), 1 + below(2000), 0);
+        camera.fx_q12 = (int32_t)exp2(uniform(12, 24));
+        camera.fy_q12 = (int32_t)exp2(uniform(12, 24));
+        CHECK(fxs_view_init(&v, &s.scene, &camera, &defaults) == 0);
+        double longest = 0;
+        for (int axis = 0; axis < 2; axis++) {
+            const double size = axis ? camera.height : camera.width, margin = floor(size * 614) / 4096;
+            const double f = focal_of(&camera, axis), c = ldexp(axis ? camera.cy_q12 : camera.cx_q12, -12);
+            check_slope(v.slope_low_q23[axis], -(c + margin) / f, 60);
+            check_slope(v.slope_high_q23[axis], (size - c + margin) / f, 60);
+            check_slope(v.edge_low_q23[axis], -(c + 18) / f, 64);
+            check_slope(v.edge_high_q23[axis], (size + 18 - c) / f, 64);
+            longest = fmax(longest, ldexp(fmax(-v.slope_low_q23[axis], v.slope_high_q23[axis]), -23));
+            cut += v.slope_high_q23[axis] == 60 << 23;
+        }
+        longest = sqrt(1 + fmax(1, longest) * fmax(1, longest));
+        CHECK(ldexp(1, v.jacobian_exponent) >= longest && ldexp(1, v.jacobian_exponent - 1) < longest);
+    }
+    CHECK(cut > 100 && cut < 1900);
+    free(s.data);
+}
+
 /* ---- Errors ----------------------------------------------------------------------------------------------------- */
 
 static struct {
@@ -1236,6 +1272,7 @@ int main(void)
     RUN(test_chunks_at_the_bound_of_their_reach);
     RUN(test_chunks_of_the_coarsest_units);
     RUN(test_chunks_across_the_near_plane);
+    RUN(test_view_slopes);
     RUN(test_render_refuses_cameras);
     RUN(test_render_refuses_arguments);
     RUN(test_init);

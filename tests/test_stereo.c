@@ -179,7 +179,7 @@ static struct {
     const fxs_bounds *bounds;
     const fxs_box *boxes;          /* of the last stretch that was binned, by now complete */
     uint32_t count;
-    uint32_t unseen, searched;     /* splats of an eye that does not see them; those of them that look for tiles again */
+    uint32_t unseen, searched;     /* splats that an eye does not see; those of them that would look for tiles again */
 } binned;
 
 static void look_at_boxes(void)
