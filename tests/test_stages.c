@@ -689,6 +689,34 @@ static void test_lists_of_large_pictures(void)
         check_lists(recipes[i % RECIPES], 900, 600, i / RECIPES ? &defaults : &squares, 12);
 }
 
+/* The square's edges on those of tiles, and a step of the centre to each side. */
+static void test_squares_at_tile_edges(void)
+{
+    static unsigned char listed[4096];
+    packed_scene s = make_scene(&ordinary, 1, 0, 0);
+    fxs_camera camera = make_camera(100, 70, 2);
+    int missed = 0, beyond = 0;
+    CHECK(fxs_view_init(&all.view, &s.scene, &camera, &squares) == 0);
+    memset(all.splats, 0, sizeof *all.splats);
+    memset(all.bounds, 0, sizeof *all.bounds);
+    for (int i = 0; i < 400; i++) {
+        fxs_bounds *b = all.bounds;
+        b->radius = (uint32_t)(1 + below(40));
+        const int sign = below(2) ? 1 : -1, tile = below(6);
+        b->cx_q14 = (tile << 18) + sign * ((int)b->radius << 14) + below(3) - 1;
+        b->cy_q14 = (below(4) << 18) + sign * ((int)b->radius << 14) + below(3) - 1;
+        list_splat(0, listed);
+        for (int y = 0; y < all.view.tiles_y; y++)
+            for (int x = 0; x < all.view.tiles_x; x++) {
+                const int inside = in_square(0, FXS_TILE * x, FXS_TILE * y);
+                missed += inside && listed[y * all.view.tiles_x + x] == NOT_LISTED;
+                beyond += !inside && listed[y * all.view.tiles_x + x] != NOT_LISTED;
+            }
+    }
+    CHECK(missed == 0 && beyond == 0);
+    free(s.data);
+}
+
 /* ---- frame ------------------------------------------------------------------------------------------------------ */
 
 static struct {
@@ -916,6 +944,29 @@ static void test_empty_scene_is_background(void)
     free(s.data);
 }
 
+/* With a clock that goes on by one at each look, stages that are looked at equally often take equally long. */
+static void test_times_are_shared_out(void)
+{
+    uint64_t ticks = 0;
+    const fxs_config config = {.clock = tick, .clock_argument = &ticks};
+    fxs_context context;
+    fxs_stats stats;
+    packed_scene s = make_scene(&ordinary, 256, 0, 0);
+    for (int tiles = 1; tiles <= 4; tiles++) {
+        fxs_camera camera = make_camera(FXS_TILE * tiles, FXS_TILE, 2);
+        fxs_init(&context, &config);
+        size_t size = fxs_frame_bytes(&context, &s.scene, camera.width, camera.height, 0);
+        unsigned char *memory = allocate(size, 0), *pixels = allocate((size_t)(camera.width * camera.height * 4), 0);
+        CHECK(fxs_render(&context, &s.scene, &camera, &defaults, memory, size, pixels, camera.width * 4, &stats) == 0);
+        const uint64_t *t = stats.nanoseconds;
+        CHECK(t[FXS_PROJECT] > 0 && t[FXS_PROJECT] == t[FXS_SHADE] && t[FXS_SHADE] < t[FXS_BIN]);
+        CHECK(t[FXS_BLEND] > 0 && t[FXS_BLEND] == t[FXS_RESOLVE]);
+        free(memory);
+        free(pixels);
+    }
+    free(s.data);
+}
+
 /* ---- Chunks beside the picture ----------------------------------------------------------------------------------- */
 
 /* How a Gaussian stands beside an edge of the picture: slope[i] is x/z or y/z of its centre. */
@@ -1099,6 +1150,24 @@ static void test_chunks_across_the_near_plane(void)
     CHECK(touching > 150 && behind > 80);
 }
 
+/* A Gaussian on the near plane is not drawn; one a unit in front of it is. Part of the chunk is farther. */
+static void test_near_plane_itself(void)
+{
+    packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
+    fxs_camera camera = {16, 16, 16 << 12, 16 << 12, 8 << 12, 8 << 12, {0}, {0}};
+    const beside b = {{0, 0}, 1, -6};
+    for (int i = 0; i < 9; i++)
+        camera.rotation_q30[i] = i % 4 ? 0 : 1 << 30;
+    place_sphere(&s, &camera, &b, 0);
+    s.chunks->step_q32[2] = 2;                               /* a unit of cv, as its shift is 1 */
+    ((uint16_t *)(void *)(s.rows + FXS_ROW_POSITION))[2 * FXS_CHUNK] = 0;
+    for (int ahead = -1; ahead <= 1; ahead++) {
+        s.chunks->origin_q32[2] = FXS_NEAR_Q32 + 2 * ahead;
+        CHECK(check_frame(&s.scene, &camera, FXS_CUTOFF_MAHALANOBIS).visible == (ahead > 0));
+    }
+    free(s.data);
+}
+
 /* ---- The camera ------------------------------------------------------------------------------------------------- */
 
 static void check_slope(int32_t q23, double slope, double most)
@@ -1272,6 +1341,9 @@ int main(void)
     RUN(test_chunks_at_the_bound_of_their_reach);
     RUN(test_chunks_of_the_coarsest_units);
     RUN(test_chunks_across_the_near_plane);
+    RUN(test_times_are_shared_out);
+    RUN(test_near_plane_itself);
+    RUN(test_squares_at_tile_edges);
     RUN(test_view_slopes);
     RUN(test_render_refuses_cameras);
     RUN(test_render_refuses_arguments);
