@@ -238,6 +238,43 @@ static void test_unseen_splats_are_not_looked_for(void)
         printf("  %u unseen, %u of them searched\n", binned.unseen, binned.searched);
 }
 
+/* One eye looks straight ahead, the other is turned about x or y, to either side: each has its own order. Without SH the
+   pictures are those of two frames. */
+static void test_eye_turned_to_any_side(void)
+{
+    fxs_context context;
+    fxs_init(&context, 0);
+    for (int i = 0; i < 32; i++) {
+        const int axis = i & 1, a = (axis + 1) % 3, b = (axis + 2) % 3, turned = i >> 1 & 1;
+        const int32_t c = (int32_t)((1 << 30) / 25 * 24), s = (i & 4 ? 1 : -1) * ((1 << 30) / 25 * 7);
+        fxs_scene scene;
+        fxs_camera cameras[2];
+        fxs_options options;
+        state = (uint64_t)i;
+        const packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 3000);
+        CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
+        random_pair(cameras, &options, ONE_PLACE);
+        options.sh_degree = 0;
+        for (int eye = 0; eye < 2; eye++) {
+            int32_t *r = cameras[eye].rotation_q30;
+            for (int k = 0; k < 9; k++)
+                r[k] = k % 4 ? 0 : 1 << 30;
+            if (eye == turned) {
+                r[4 * a] = r[4 * b] = c;
+                r[3 * a + b] = -s;
+                r[3 * b + a] = s;
+            }
+        }
+        pair p = pair_of(&scene, cameras, &options);
+        unsigned char *pixels = malloc(p.bytes), *alone = malloc(p.bytes);
+        render_alone(&p, &context, alone);
+        CHECK(!render(&p, &context, 0, bytes_of(&p, &context), pixels) && !memcmp(pixels, alone, p.bytes));
+        free(pixels);
+        free(alone);
+        free(packed.data);
+    }
+}
+
 static void test_arguments(void)
 {
     fxs_scene scene;
@@ -425,6 +462,7 @@ int main(void)
 {
     RUN(test_random_pairs);
     RUN(test_unseen_splats_are_not_looked_for);
+    RUN(test_eye_turned_to_any_side);
     RUN(test_arguments);
     RUN(test_procedural_scenes);
     RUN(test_captured_scene);
