@@ -4,6 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "../port/formats/byte_reader.h"
 #include "../port/formats/encode.h"
 #include "../port/formats/order.h"
 #include "../port/formats/pack.h"
@@ -324,6 +325,49 @@ static void test_sh_steps_up_to_the_limit(void)
             CHECK(chunk.sh_step_q19[degree] == 32767);
             ranges.sh[degree] = 0;
         }
+}
+
+/* What is left over from a palette is coded in odd numbers from -7 to 7, and each of them serves. */
+static void test_every_residual_code_serves(void)
+{
+    uint32_t uses[8] = {0}, all = 0;
+    make_gaussians(2000);
+    profile = FXS_PROFILE_COMPACT;
+    fxs_scene scene = pack(2000, 3);
+    profile = FXS_PROFILE_DEFAULT;
+    for (uint32_t i = 0; i < scene.count; i++) {
+        const unsigned char *record = rows_of(&scene, i) + FXS_ROW_SH + 20 * (i % FXS_CHUNK);
+        for (uint32_t bit = FXS_RESIDUAL_BIT; bit < FXS_RESIDUAL_BIT + 3 * 45; bit += 3, all++) {
+            const uint32_t next = bit / 8 + 1 < 20 ? record[bit / 8 + 1] : 0;
+            uses[(record[bit / 8] | next << 8) >> bit % 8 & 7]++;
+        }
+    }
+    CHECK(all == 2000 * 45);
+    for (int code = 0; code < 8; code++)
+        if (!CHECK(uses[code] > all / 50))
+            printf("  %u of code %d\n", uses[code], code);
+    fxs_packed_scene_free(&packed);
+}
+
+/* A skip up to the end of what is read in advance, to one byte beyond, and to the end of the file. */
+static void test_bytes_skipped(void)
+{
+    static uint8_t data[FXS_BYTE_READER_BUFFER + 1000];
+    static fxs_byte_reader reader;
+    fxs_scene_source source;
+    memset(&source, 0, sizeof source);
+    for (size_t i = 0; i < sizeof data; i++)
+        data[i] = (uint8_t)(i * 7 + i / 256);
+    source.input = fxs_memory_input(data, sizeof data);
+    for (size_t to = FXS_BYTE_READER_BUFFER - 2; to <= FXS_BYTE_READER_BUFFER + 2; to++) {
+        memset(&reader, 0, sizeof reader);
+        reader.source = &source;
+        CHECK(fxs_bytes_take(&reader, 1) && fxs_bytes_skip(&reader, to - 1) == 0 && fxs_bytes_tell(&reader) == to);
+        const uint8_t *byte = fxs_bytes_take(&reader, 1);
+        CHECK(byte && *byte == data[to]);
+        CHECK(fxs_bytes_skip(&reader, sizeof data - to - 1) == 0 && !fxs_bytes_take(&reader, 1));
+    }
+    CHECK(fxs_bytes_seek(&reader, 10) == 0 && fxs_bytes_skip(&reader, sizeof data - 9) == -1);
 }
 
 static void test_dropped(void)
@@ -809,6 +853,8 @@ int main(void)
     RUN(test_all_equal);
     RUN(test_extremes);
     RUN(test_sh_steps_up_to_the_limit);
+    RUN(test_every_residual_code_serves);
+    RUN(test_bytes_skipped);
     RUN(test_dropped);
     RUN(test_faults_above_the_degree_do_not_matter);
     RUN(test_nothing_left);
