@@ -31,7 +31,9 @@ tests_of() {
     src/pixel.h | src/fixed.h) echo random fixed stages kernels pixel scene golden ;;
     src/*) echo random stages scene stereo kernels bands golden ;;
     kernels/*) echo kernels random stereo golden bands ;;
+    */camera.c | */message.c) echo camera_file golden ;;
     */camera*) echo camera_file ;;
+    */byte_reader.c) echo pack splat ksplat ply compressed_ply spz scene_input ;;
     */image_file.c) echo image_file ;;
     */output.c) echo image_file ply splat spz fxs_file ;;
     */encode.c | */pack.c | */order.c | */palette.c) echo fxs_file pack scene_filter golden ;;

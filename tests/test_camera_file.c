@@ -549,6 +549,12 @@ static void without_cjson(void)
 
 #endif
 
+/* What is in a file cannot steer a terminal: not even from the first character on. */
+static void control_characters_in_messages(void)
+{
+    CHECK(fxs_fail(&message, "%s", "\033[1m\177 a\n") == -1 && !strcmp(message.text, "?[1m? a?"));
+}
+
 /* Each number of a view goes to its place in the camera. */
 static void camera_from_view(void)
 {
@@ -592,6 +598,7 @@ int main(void)
         return 1;
     }
     make_camera();
+    RUN(control_characters_in_messages);
     RUN(camera_from_view);
     RUN(view_of_a_box);
     RUN(colmap_bin);

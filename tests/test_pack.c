@@ -370,6 +370,25 @@ static void test_bytes_skipped(void)
     CHECK(fxs_bytes_seek(&reader, 10) == 0 && fxs_bytes_skip(&reader, sizeof data - 9) == -1);
 }
 
+/* As many Gaussians as the information says, though the file has more. */
+static void test_no_more_than_announced(void)
+{
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    make_gaussians(3000);
+    pack(1000, 1);
+    const fxs_packed_scene alone = packed;
+    CHECK(write_file(3000, 1, 0) && fxs_scene_file_open(path, NULL, &file, &info, &message) == 0);
+    info.count = 1000;
+    if (CHECK(fxs_pack(file, &info, &packed, &report, NULL, &message) == 0)) {
+        CHECK(packed.bytes == alone.bytes && !memcmp(packed.data, alone.data, alone.bytes));
+        fxs_packed_scene_free(&packed);
+    }
+    fxs_scene_file_close(file);
+    packed = alone;
+    fxs_packed_scene_free(&packed);
+}
+
 static void test_dropped(void)
 {
     make_gaussians(300);
@@ -855,6 +874,7 @@ int main(void)
     RUN(test_sh_steps_up_to_the_limit);
     RUN(test_every_residual_code_serves);
     RUN(test_bytes_skipped);
+    RUN(test_no_more_than_announced);
     RUN(test_dropped);
     RUN(test_faults_above_the_degree_do_not_matter);
     RUN(test_nothing_left);
