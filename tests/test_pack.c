@@ -258,6 +258,14 @@ static void test_bounds(void)
     pack(1000, 0);
     CHECK(report.high[0] == 500 && report.low[0] >= -8 && report.low[0] < -7.9);
     CHECK(report.inner_high[0] < 7.5 && report.inner_high[0] > 6.5 && report.inner_low[0] > -7.5);
+    fxs_packed_header header;
+    memcpy(&header, packed.data, sizeof header);
+    for (int i = 0; i < 3; i++) {
+        CHECK((double)header.low_q32[i] == floor(ldexp(report.low[i], 32)));
+        CHECK((double)header.high_q32[i] == ceil(ldexp(report.high[i], 32)));
+        CHECK((double)header.inner_low_q32[i] == floor(ldexp(report.inner_low[i], 32)));
+        CHECK((double)header.inner_high_q32[i] == ceil(ldexp(report.inner_high[i], 32)));
+    }
     fxs_packed_scene_free(&packed);
 }
 
