@@ -238,8 +238,8 @@ static void test_unseen_splats_are_not_looked_for(void)
         printf("  %u unseen, %u of them searched\n", binned.unseen, binned.searched);
 }
 
-/* One eye looks straight ahead, the other is turned about x or y, to either side: each has its own order. Without SH the
-   pictures are those of two frames. */
+/* One eye looks straight ahead, the other is turned about x or y, to either side: each has its own order. Without SH
+   the pictures are those of two frames. */
 static void test_eye_turned_to_any_side(void)
 {
     fxs_context context;
