@@ -171,6 +171,7 @@ count() {
 }
 bad=$(grep -Evc '^(caught|changes nothing|not built)' "$folder/report")
 echo "$(count .) changes: $(count caught) caught, $(count survived) survived," \
-     "$(count 'changes nothing') change nothing, $(count 'not built') not built here, $(count 'does not compile') do not compile," \
+     "$(count 'changes nothing') change nothing, $(count 'not built') not built here," \
+     "$(count 'does not compile') do not compile," \
      "$(grep -Ec '^(stands|no such)' "$folder/report") have lost their place; $(($(date +%s) - start)) s by $JOBS jobs"
 [ "$bad" = 0 ]
