@@ -95,17 +95,9 @@ static void check_limits(const fxs_context *context)
     check_pairs(least);
 }
 
-static void draw(int height)
+static void draw(void)
 {
     fxs_context context;
-    random_camera(&drawn.camera);
-    if (height) {
-        drawn.camera.height = height;
-        drawn.camera.cy_q12 = height * 2048;
-    }
-    fxs_options_default(&drawn.options);
-    drawn.options.cutoff = (enum fxs_cutoff)between(0, 1);
-    drawn.options.format = (enum fxs_format)between(0, 2);
     size_t pixel_bytes = drawn.options.format == FXS_FORMAT_RGB565 ? 2 : 4;
     drawn.bytes = (size_t)drawn.camera.width * (size_t)drawn.camera.height * pixel_bytes;
     fxs_init(&context, 0);
@@ -119,6 +111,19 @@ static void draw(int height)
     free(memory);
 }
 
+static void draw_random(int height)
+{
+    random_camera(&drawn.camera);
+    if (height) {
+        drawn.camera.height = height;
+        drawn.camera.cy_q12 = height * 2048;
+    }
+    fxs_options_default(&drawn.options);
+    drawn.options.cutoff = (enum fxs_cutoff)between(0, 1);
+    drawn.options.format = (enum fxs_format)between(0, 2);
+    draw();
+}
+
 /* A random view of up to `most` Gaussians, `height` pixels high (0: any), by each number of threads, by the plain and
    by the best versions of the stages. */
 static void check_case(uint64_t seed, int32_t most, int height)
@@ -126,7 +131,7 @@ static void check_case(uint64_t seed, int32_t most, int height)
     state = seed * 0x1234567u;
     const packed_scene packed = random_scene((enum fxs_profile)(seed % 3), most);
     CHECK(!fxs_scene_open(&drawn.scene, packed.data, packed.bytes));
-    draw(height);
+    draw_random(height);
     for (uint32_t threads = 1; threads <= 4; threads *= 2) {
         fxs_pool *pool = fxs_pool_create(threads);
         fxs_config config = {.run = fxs_pool_run, .pool = pool, .threads = threads};
@@ -170,10 +175,84 @@ static void test_same_bytes_of_larger_scenes(void)
     CHECK(banded > 10 && planned > 10);
 }
 
+/* ---- Splats whose tile rows are known ---------------------------------------------------------------------------- */
+
+enum { ROWS = 6 };
+
+/* A picture one tile wide and ROWS high. Chunk c has counts[c][r] Gaussians in tile row r. */
+static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS])
+{
+    packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, chunks * FXS_CHUNK, 0);
+    for (uint32_t c = 0; c < chunks; c++) {
+        uint16_t *codes = (uint16_t *)(void *)(packed_scene_rows(&s, c) + FXS_ROW_POSITION);
+        uint32_t *colours = (uint32_t *)(void *)(packed_scene_rows(&s, c) + FXS_ROW_COLOUR), at = 0;
+        fill_chunk(&s, c);
+        memset(colours, 0, 4 * FXS_CHUNK);
+        s.chunks[c].scale_q16 = -(12 << 16);
+        s.chunks[c].step_shift = s.chunks[c].scale_step_q24 = 0;
+        for (int i = 0; i < 3; i++) {
+            s.chunks[c].origin_q32[i] = i < 2 ? 0 : (int64_t)1 << 32;
+            s.chunks[c].step_q32[i] = i < 2 ? 1 << 26 : 0;             /* a pixel */
+        }
+        for (int row = 0; row < ROWS; row++)
+            for (int k = 0; k < counts[c][row]; k++, at++) {
+                codes[at] = (uint16_t)between(2, 13);
+                codes[FXS_CHUNK + at] = (uint16_t)(16 * row + 8);
+                colours[at] = ((uint32_t)next() & 0xffffff) | 60u << 24;
+            }
+        for (uint32_t i = 0; i < FXS_CHUNK; i++)                       /* no turn */
+            memcpy(packed_scene_rows(&s, c) + FXS_ROW_ROTATION + 4 * i, &(uint32_t){512u << 20 | 512u << 10 | 512u}, 4);
+    }
+    CHECK(!fxs_scene_open(&drawn.scene, s.data, s.bytes));
+    drawn.camera = (fxs_camera){16, 16 * ROWS, 64 << 12, 64 << 12, 0, 0, {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30},
+                                {0, 0, 0}};
+    fxs_options_default(&drawn.options);
+    draw();
+    return s;
+}
+
+/* Any number of splats is left from a block before its last chunk is projected whole. */
+static void test_blocks_of_any_number_of_splats(void)
+{
+    fxs_context context;
+    fxs_init(&context, 0);
+    state = 1;
+    for (int before = 0; before <= 16; before++)
+        for (int kept = 1; kept <= 3; kept++) {
+            const packed_scene s = place_in_rows(2, (const int[][ROWS]){{before}, {kept, FXS_CHUNK - kept}});
+            check_limits(&context);
+            free(s.data);
+        }
+}
+
+/* The least memory is that of the fullest tile row: the others do not add to it. */
+static void test_least_is_of_one_tile_row(void)
+{
+    size_t least[2];
+    fxs_context context;
+    fxs_init(&context, 0);
+    for (int others = 0; others < 2; others++) {
+        int counts[8][ROWS];
+        for (int c = 0; c < 8; c++)
+            for (int row = 0; row < ROWS; row++)
+                counts[c][row] = row == 2 ? 40 : 36 * others;
+        const packed_scene s = place_in_rows(8, (const int (*)[ROWS])counts);
+        fxs_frame_memory memory;
+        CHECK(fxs_frame_bytes(&context, &drawn.scene, drawn.camera.width, drawn.camera.height, &memory) > 0);
+        CHECK(drawn.stats.visible == (others ? 8 * (40 + 36 * (ROWS - 1)) : 8 * 40));
+        least[others] = least_of(&context, &memory);
+        check_limits(&context);
+        free(s.data);
+    }
+    CHECK(least[0] == least[1]);
+}
+
 int main(void)
 {
     RUN(test_same_bytes);
     RUN(test_same_bytes_of_tall_pictures);
     RUN(test_same_bytes_of_larger_scenes);
+    RUN(test_blocks_of_any_number_of_splats);
+    RUN(test_least_is_of_one_tile_row);
     return check_report();
 }

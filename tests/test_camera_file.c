@@ -1,4 +1,5 @@
 /* Camera files: one camera through every format, faults, truncations, real files. */
+#include "../port/formats/camera.h"
 #include "../port/formats/camera_file.h"
 
 #include <math.h>
@@ -548,6 +549,48 @@ static void without_cjson(void)
 
 #endif
 
+/* What is in a file cannot steer a terminal: not even from the first character on. */
+static void control_characters_in_messages(void)
+{
+    CHECK(fxs_fail(&message, "%s", "\033[1m\177 a\n") == -1 && !strcmp(message.text, "?[1m? a?"));
+}
+
+/* Each number of a view goes to its place in the camera. */
+static void camera_from_view(void)
+{
+    fxs_file_view view = {"", 640, 360, 501.25, 502.5, 303.75, 204.5, {0}, {7, -8.5, 9.25}};
+    const double rows[9] = {0, 0, 1, 1, 0, 0, 0, 1, 0};
+    fxs_camera camera;
+    memcpy(view.rotation, rows, sizeof rows);
+    CHECK(fxs_camera_from_view(&camera, &view, &message) == 0);
+    CHECK(camera.width == 640 && camera.height == 360);
+    CHECK(camera.fx_q12 == 501.25 * 4096 && camera.fy_q12 == 502.5 * 4096);
+    CHECK(camera.cx_q12 == 303.75 * 4096 && camera.cy_q12 == 204.5 * 4096);
+    for (int i = 0; i < 9; i++)
+        CHECK(camera.rotation_q30[i] == (rows[i] > 0 ? 1 << 30 : 0));
+    for (int i = 0; i < 3; i++)
+        CHECK(camera.position_q32[i] == (int64_t)(view.position[i] * 4294967296.0));
+}
+
+/* The middle of the box is in the middle of the picture, its corners are on the picture and in front. */
+static void view_of_a_box(void)
+{
+    const double low[3] = {1, 20, -300}, high[3] = {5, 24, -290}, up[3] = {0, -1, 0};
+    fxs_file_view view;
+    CHECK(fxs_view_frame_box(&view, low, high, up, 50, 640, 360, &message) == 0);
+    for (int corner = 0; corner <= 8; corner++) {
+        double p[3] = {0, 0, 0};
+        for (int i = 0; i < 3; i++) {
+            double at = corner == 8 ? (low[i] + high[i]) / 2 : corner >> i & 1 ? high[i] : low[i];
+            for (int k = 0; k < 3; k++)
+                p[k] += view.rotation[3 * k + i] * (at - view.position[i]);
+        }
+        const double x = view.fx * p[0] / p[2] + view.cx, y = view.fy * p[1] / p[2] + view.cy;
+        CHECK(p[2] > 0.2 && x >= 0 && x <= 640 && y >= 0 && y <= 360);
+        CHECK(corner < 8 || (fabs(x - 320) < 1e-6 && fabs(y - 180) < 1e-6));
+    }
+}
+
 int main(void)
 {
     if (!mkdtemp(folder)) {
@@ -555,6 +598,9 @@ int main(void)
         return 1;
     }
     make_camera();
+    RUN(control_characters_in_messages);
+    RUN(camera_from_view);
+    RUN(view_of_a_box);
     RUN(colmap_bin);
     RUN(colmap_txt);
     RUN(colmap_models);

@@ -122,6 +122,44 @@ static void test_many(void)
     fxs_unmap(&files[0]);
 }
 
+/* As in zlib and PNG (ISO 3309), bit by bit. */
+static uint32_t crc_32(uint32_t crc, const void *data, size_t bytes)
+{
+    const unsigned char *byte = data;
+    for (crc = ~crc; bytes > 0; bytes--, byte++) {
+        crc ^= *byte;
+        for (int bit = 0; bit < 8; bit++)
+            crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0);
+    }
+    return ~crc;
+}
+
+/* The checksums are those that docs/format.md says, so that other programs can read and write them. */
+static void test_checksums(void)
+{
+    fxs_message m;
+    void *data;
+    size_t bytes;
+    if (!CHECK(!fxs_file_write(fxs_path, packed.data, packed.bytes, &m) && !fxs_map(fxs_path, &data, &bytes, &m)))
+        return;
+    fxs_packed_header header;
+    memcpy(&header, data, sizeof header);
+    const uint32_t said = header.checksum;
+    header.checksum = 0;
+    CHECK(said == crc_32(0, &header, sizeof header));
+    const unsigned char *chunks = (const unsigned char *)data + sizeof header;
+    const unsigned char *rows = chunks + header.chunk_count * sizeof(fxs_chunk);
+    for (uint32_t i = 0; i < header.chunk_count; i++) {
+        fxs_chunk chunk;
+        memcpy(&chunk, chunks + i * sizeof chunk, sizeof chunk);
+        const uint32_t said_of_chunk = chunk.checksum;
+        chunk.checksum = 0;
+        CHECK(said_of_chunk == crc_32(crc_32(0, &chunk, sizeof chunk), rows + (size_t)i * header.chunk_bytes,
+                                      header.chunk_bytes));
+    }
+    fxs_unmap(data, bytes);
+}
+
 /* Every byte of the headers and a sample of the rest, one bit flipped. */
 static void test_damage(void)
 {
@@ -185,6 +223,7 @@ int main(void)
     RUN(test_without_zlib);
 #else
     RUN(test_round_trip);
+    RUN(test_checksums);
     RUN(test_damage);
     RUN(test_failures);
     RUN(test_changed);

@@ -170,6 +170,24 @@ static void defaults(void)
         CHECK(is_near((double)gaussians[0].sh[place_of(i)], code_of(0, 16 + i) % 256 / 85.0 - 1.5, 1e-6));
 }
 
+/* Bounds of the SH need not lie to both sides of 0. */
+static void bounds_to_one_side(void)
+{
+    static const float bounds[][2] = {{0.5f, 2.5f}, {-3, -1}};
+    for (int k = 0; k < 2; k++) {
+        uint32_t words[2];
+        memcpy(words, bounds[k], sizeof words);
+        make_file(2, 1);
+        put_u32_at(36, words[0]);
+        put_u32_at(40, words[1]);
+        put_file(size);
+        CHECK(read_file(gaussians, ROOM) == 0);
+        for (int i = 0; i < 9; i++)
+            CHECK(is_near((double)gaussians[0].sh[place_of(i)],
+                          (double)bounds[k][0] + code_of(0, 16 + i) % 256 / 127.5, 1e-6));
+    }
+}
+
 static void halves(void)
 {
     static const struct { int bits; double value; } cases[] = {
@@ -261,6 +279,7 @@ int main(void)
     RUN(every_level_and_degree);
     RUN(sizes);
     RUN(defaults);
+    RUN(bounds_to_one_side);
     RUN(halves);
     RUN(every_length);
     RUN(room_at_the_end);

@@ -4,6 +4,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "../port/formats/byte_reader.h"
+#include "../port/formats/encode.h"
 #include "../port/formats/order.h"
 #include "../port/formats/pack.h"
 #include "../port/formats/ply_write.h"
@@ -259,6 +261,14 @@ static void test_bounds(void)
     pack(1000, 0);
     CHECK(report.high[0] == 500 && report.low[0] >= -8 && report.low[0] < -7.9);
     CHECK(report.inner_high[0] < 7.5 && report.inner_high[0] > 6.5 && report.inner_low[0] > -7.5);
+    fxs_packed_header header;
+    memcpy(&header, packed.data, sizeof header);
+    for (int i = 0; i < 3; i++) {
+        CHECK((double)header.low_q32[i] == floor(ldexp(report.low[i], 32)));
+        CHECK((double)header.high_q32[i] == ceil(ldexp(report.high[i], 32)));
+        CHECK((double)header.inner_low_q32[i] == floor(ldexp(report.inner_low[i], 32)));
+        CHECK((double)header.inner_high_q32[i] == ceil(ldexp(report.inner_high[i], 32)));
+    }
     fxs_packed_scene_free(&packed);
 }
 
@@ -299,6 +309,96 @@ static void test_extremes(void)
 }
 
 /* ---- Gaussians left out ----------------------------------------------------------------------------------------- */
+
+/* The step of a degree is the smallest that reaches its largest coefficient with code 127, and at most what a packed
+   scene may have. */
+static void test_sh_steps_up_to_the_limit(void)
+{
+    static const uint32_t steps[] = {1, 4096, 32765, 32766, 32767};
+    fxs_scene_file_info info;
+    fxs_chunk_ranges ranges;
+    fxs_chunk chunk;
+    memset(&info, 0, sizeof info);
+    fxs_ranges_clear(&ranges);
+    make_gaussians(1);
+    fxs_ranges_take(&ranges, gaussians, 0);
+    for (size_t k = 0; k < sizeof steps / sizeof *steps; k++)
+        for (int degree = 0; degree < 3; degree++) {
+            const float most = (float)ldexp(127 * steps[k], -19);
+            ranges.sh[degree] = most;
+            fxs_encode_header(&chunk, &ranges, &info);
+            CHECK(chunk.sh_step_q19[degree] == steps[k]);
+            ranges.sh[degree] = nextafterf(most, 100);
+            fxs_encode_header(&chunk, &ranges, &info);
+            CHECK(chunk.sh_step_q19[degree] == (steps[k] < 32767 ? steps[k] + 1 : 32767));
+            ranges.sh[degree] = 1e6f;
+            fxs_encode_header(&chunk, &ranges, &info);
+            CHECK(chunk.sh_step_q19[degree] == 32767);
+            ranges.sh[degree] = 0;
+        }
+}
+
+/* What is left over from a palette is coded in odd numbers from -7 to 7, and each of them serves. */
+static void test_every_residual_code_serves(void)
+{
+    uint32_t uses[8] = {0}, all = 0;
+    make_gaussians(2000);
+    profile = FXS_PROFILE_COMPACT;
+    fxs_scene scene = pack(2000, 3);
+    profile = FXS_PROFILE_DEFAULT;
+    for (uint32_t i = 0; i < scene.count; i++) {
+        const unsigned char *record = rows_of(&scene, i) + FXS_ROW_SH + 20 * (i % FXS_CHUNK);
+        for (uint32_t bit = FXS_RESIDUAL_BIT; bit < FXS_RESIDUAL_BIT + 3 * 45; bit += 3, all++) {
+            const uint32_t next = bit / 8 + 1 < 20 ? record[bit / 8 + 1] : 0;
+            uses[(record[bit / 8] | next << 8) >> bit % 8 & 7]++;
+        }
+    }
+    CHECK(all == 2000 * 45);
+    for (int code = 0; code < 8; code++)
+        if (!CHECK(uses[code] > all / 50))
+            printf("  %u of code %d\n", uses[code], code);
+    fxs_packed_scene_free(&packed);
+}
+
+/* A skip up to the end of what is read in advance, to one byte beyond, and to the end of the file. */
+static void test_bytes_skipped(void)
+{
+    static uint8_t data[FXS_BYTE_READER_BUFFER + 1000];
+    static fxs_byte_reader reader;
+    fxs_scene_source source;
+    memset(&source, 0, sizeof source);
+    for (size_t i = 0; i < sizeof data; i++)
+        data[i] = (uint8_t)(i * 7 + i / 256);
+    source.input = fxs_memory_input(data, sizeof data);
+    for (size_t to = FXS_BYTE_READER_BUFFER - 2; to <= FXS_BYTE_READER_BUFFER + 2; to++) {
+        memset(&reader, 0, sizeof reader);
+        reader.source = &source;
+        CHECK(fxs_bytes_take(&reader, 1) && fxs_bytes_skip(&reader, to - 1) == 0 && fxs_bytes_tell(&reader) == to);
+        const uint8_t *byte = fxs_bytes_take(&reader, 1);
+        CHECK(byte && *byte == data[to]);
+        CHECK(fxs_bytes_skip(&reader, sizeof data - to - 1) == 0 && !fxs_bytes_take(&reader, 1));
+    }
+    CHECK(fxs_bytes_seek(&reader, 10) == 0 && fxs_bytes_skip(&reader, sizeof data - 9) == -1);
+}
+
+/* As many Gaussians as the information says, though the file has more. */
+static void test_no_more_than_announced(void)
+{
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    make_gaussians(3000);
+    pack(1000, 1);
+    const fxs_packed_scene alone = packed;
+    CHECK(write_file(3000, 1, 0) && fxs_scene_file_open(path, NULL, &file, &info, &message) == 0);
+    info.count = 1000;
+    if (CHECK(fxs_pack(file, &info, &packed, &report, NULL, &message) == 0)) {
+        CHECK(packed.bytes == alone.bytes && !memcmp(packed.data, alone.data, alone.bytes));
+        fxs_packed_scene_free(&packed);
+    }
+    fxs_scene_file_close(file);
+    packed = alone;
+    fxs_packed_scene_free(&packed);
+}
 
 static void test_dropped(void)
 {
@@ -835,6 +935,10 @@ int main(void)
     RUN(test_bounds);
     RUN(test_all_equal);
     RUN(test_extremes);
+    RUN(test_sh_steps_up_to_the_limit);
+    RUN(test_every_residual_code_serves);
+    RUN(test_bytes_skipped);
+    RUN(test_no_more_than_announced);
     RUN(test_dropped);
     RUN(test_faults_above_the_degree_do_not_matter);
     RUN(test_nothing_left);

@@ -165,8 +165,17 @@ static void check_chunk_ranges(fxs_chunk *c)
     GIVES(FXS_ERR_SCENE, c->scale_q16, (32 << 16) + 1);
     GIVES(FXS_ERR_SCENE, c->scale_q16, -(32 << 16) - 1);
     GIVES(FXS_ERR_SCENE, c->scale_q16, INT32_MIN);
-    GIVES(0, c->scale_step_q24, 500);
+    GIVES(0, c->scale_step_q24, 513);                       /* 2^21 2^8 / 1023^2 = 513.001 */
+    GIVES(FXS_ERR_SCENE, c->scale_step_q24, 514);
+    c->scale_q16 = 32 << 16;
+    GIVES(0, c->scale_step_q24, 1026);
     GIVES(FXS_ERR_SCENE, c->scale_step_q24, 1027);
+    c->scale_q16 = -(32 << 16);
+    GIVES(FXS_ERR_SCENE, c->scale_step_q24, 1);
+    c->scale_q16 = 0;
+    c->scale_step_q24 = 1;
+    GIVES(FXS_ERR_SCENE, c->scale_q16, (32 << 16) + 1);
+    c->scale_step_q24 = 0;
     GIVES(FXS_ERR_SCENE, c->scale_step_q24, UINT32_MAX);
     for (int i = 0; i < 3; i++) {
         GIVES(0, c->origin_q32[i], far);

@@ -254,10 +254,9 @@ static void sort_keys(void)
     }
 }
 
-static void project_all(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options)
+static void project_chunks(const fxs_scene *scene)
 {
     all.count = 0;
-    CHECK(fxs_view_init(&all.view, scene, camera, options) == 0);
     for (uint32_t c = 0; c < scene->chunk_count; c++) {
         uint32_t at = all.count;
         int32_t n = fxs_project_c(&all.view, scene, c, all.splats + at, all.bounds + at, all.indices + at,
@@ -266,6 +265,23 @@ static void project_all(const fxs_scene *scene, const fxs_camera *camera, const 
         all.count += (uint32_t)n;
     }
     sort_keys();
+}
+
+static void project_all(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options)
+{
+    CHECK(fxs_view_init(&all.view, scene, camera, options) == 0);
+    project_chunks(scene);
+}
+
+/* Every chunk is projected that reaches within 64 times its depth of the axis: beyond that no Gaussian is drawn. */
+static void project_all_chunks(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options)
+{
+    CHECK(fxs_view_init(&all.view, scene, camera, options) == 0);
+    for (int i = 0; i < 2; i++) {
+        all.view.edge_low_q23[i] = -64 * (1 << 23);
+        all.view.edge_high_q23[i] = 64 * (1 << 23);
+    }
+    project_chunks(scene);
 }
 
 static const fxs_options defaults = {FXS_CUTOFF_MAHALANOBIS, FXS_FORMAT_RGBA8, 3, {0, 0, 0}};
@@ -674,6 +690,34 @@ static void test_lists_of_large_pictures(void)
         check_lists(recipes[i % RECIPES], 900, 600, i / RECIPES ? &defaults : &squares, 12);
 }
 
+/* The square's edges on those of tiles, and a step of the centre to each side. */
+static void test_squares_at_tile_edges(void)
+{
+    static unsigned char listed[4096];
+    packed_scene s = make_scene(&ordinary, 1, 0, 0);
+    fxs_camera camera = make_camera(100, 70, 2);
+    int missed = 0, beyond = 0;
+    CHECK(fxs_view_init(&all.view, &s.scene, &camera, &squares) == 0);
+    memset(all.splats, 0, sizeof *all.splats);
+    memset(all.bounds, 0, sizeof *all.bounds);
+    for (int i = 0; i < 400; i++) {
+        fxs_bounds *b = all.bounds;
+        b->radius = (uint32_t)(1 + below(40));
+        const int sign = below(2) ? 1 : -1, tile = below(6);
+        b->cx_q14 = (tile << 18) + sign * ((int)b->radius << 14) + below(3) - 1;
+        b->cy_q14 = (below(4) << 18) + sign * ((int)b->radius << 14) + below(3) - 1;
+        list_splat(0, listed);
+        for (int y = 0; y < all.view.tiles_y; y++)
+            for (int x = 0; x < all.view.tiles_x; x++) {
+                const int inside = in_square(0, FXS_TILE * x, FXS_TILE * y);
+                missed += inside && listed[y * all.view.tiles_x + x] == NOT_LISTED;
+                beyond += !inside && listed[y * all.view.tiles_x + x] != NOT_LISTED;
+            }
+    }
+    CHECK(missed == 0 && beyond == 0);
+    free(s.data);
+}
+
 /* ---- frame ------------------------------------------------------------------------------------------------------ */
 
 static struct {
@@ -714,7 +758,7 @@ static void store(unsigned char *pixel, int i, const fxs_options *options)
     pixel[3] = options->format == FXS_FORMAT_RGBA8 ? 255 : (unsigned char)fxs_coverage_8bit(t);
 }
 
-/* The frame without tiles, lists or rows. */
+/* The frame without tiles, lists or rows; no chunk is left out because it lies beside the picture. */
 static void render_brute(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                          unsigned char *pixels, ptrdiff_t stride)
 {
@@ -722,7 +766,7 @@ static void render_brute(const fxs_scene *scene, const fxs_camera *camera, const
     memset(&brute, 0, sizeof brute);
     for (int i = 0; i < count; i++)
         brute.transmittance_q15[i] = FXS_CLEAR_Q15;
-    project_all(scene, camera, options);
+    project_all_chunks(scene, camera, options);
     for (uint32_t k = 0; k < all.count; k++)
         blend_splat(FXS_KEY_SLOT(all.keys[k]));
     for (int i = 0; i < count; i++)
@@ -901,6 +945,267 @@ static void test_empty_scene_is_background(void)
     free(s.data);
 }
 
+/* With a clock that goes on by one at each look, stages that are looked at equally often take equally long. */
+static void test_times_are_shared_out(void)
+{
+    uint64_t ticks = 0;
+    const fxs_config config = {.clock = tick, .clock_argument = &ticks};
+    fxs_context context;
+    fxs_stats stats;
+    packed_scene s = make_scene(&ordinary, 256, 0, 0);
+    for (int tiles = 1; tiles <= 4; tiles++) {
+        fxs_camera camera = make_camera(FXS_TILE * tiles, FXS_TILE, 2);
+        fxs_init(&context, &config);
+        size_t size = fxs_frame_bytes(&context, &s.scene, camera.width, camera.height, 0);
+        unsigned char *memory = allocate(size, 0), *pixels = allocate((size_t)(camera.width * camera.height * 4), 0);
+        CHECK(fxs_render(&context, &s.scene, &camera, &defaults, memory, size, pixels, camera.width * 4, &stats) == 0);
+        const uint64_t *t = stats.nanoseconds;
+        /* project has the layout of the memory as well, bin the lists. */
+        CHECK(t[FXS_SHADE] > 0 && t[FXS_PROJECT] == t[FXS_SHADE] + 1 && t[FXS_BIN] == t[FXS_SHADE] + 1);
+        CHECK(t[FXS_BLEND] > 0 && t[FXS_BLEND] == t[FXS_RESOLVE]);
+        free(memory);
+        free(pixels);
+    }
+    free(s.data);
+}
+
+/* ---- Chunks beside the picture ----------------------------------------------------------------------------------- */
+
+/* How a Gaussian stands beside an edge of the picture: slope[i] is x/z or y/z of its centre. */
+typedef struct beside {
+    double slope[2], depth, log2_sigma;
+} beside;
+
+static double focal_of(const fxs_camera *camera, int axis)
+{
+    return ldexp(axis ? camera->fy_q12 : camera->fx_q12, -12);
+}
+
+/* A picture that looks past its axis: pixel 0 is at this x/z or y/z. */
+static void aim(fxs_camera *camera, int axis, double focal, double slope)
+{
+    *(axis ? &camera->fy_q12 : &camera->fx_q12) = (int32_t)ldexp(focal, 12);
+    *(axis ? &camera->cy_q12 : &camera->cx_q12) = (int32_t)ldexp(-slope * focal, 12);
+}
+
+/* Pixels from the centre to where the distance is 3, for the sphere of 2^log2_sigma at this slope, which the Jacobian
+   cuts to the field of view plus 30 %. */
+static double reach_of(const fxs_view *view, const fxs_camera *camera, const beside *b, int axis)
+{
+    double low = ldexp(view->slope_low_q23[axis], -23), high = ldexp(view->slope_high_q23[axis], -23);
+    double slope = fmin(fmax(b->slope[axis], low), high);
+    double sigma = focal_of(camera, axis) * exp2(b->log2_sigma) / b->depth;
+    return 3 * sqrt(sigma * sigma * (1 + slope * slope) + 0.3);
+}
+
+/* Puts the centre `far` times the reach away from the first or last pixel of an axis. */
+static void step_out(beside *b, const fxs_view *view, const fxs_camera *camera, int axis, int last, double far)
+{
+    const double focal = focal_of(camera, axis), centre = ldexp(axis ? camera->cy_q12 : camera->cx_q12, -12);
+    const double edge = last ? (axis ? camera->height : camera->width) - 0.5 : 0.5;
+    for (int i = 0; i < 4; i++) {                /* the reach depends on the slope */
+        double reach = far * reach_of(view, camera, b, axis);
+        b->slope[axis] = (edge + (last ? reach : -reach) - centre) / focal;
+    }
+}
+
+/* One white and opaque sphere, in a corner of its chunk's box. */
+static void place_sphere(packed_scene *s, const fxs_camera *camera, const beside *b, double box)
+{
+    const fxs_file_view view = view_of(camera);
+    const double x[3] = {b->slope[0] * b->depth, b->slope[1] * b->depth, b->depth};
+    uint16_t *codes = (uint16_t *)(void *)(s->rows + FXS_ROW_POSITION);
+    fxs_chunk *chunk = s->chunks;
+    chunk->scale_q16 = (int32_t)floor(ldexp(b->log2_sigma, 16));
+    chunk->step_shift = box > 60000 ? 12 : 0;
+    for (int i = 0; i < 3; i++) {
+        double step = floor(ldexp(box / 65535, 32 - (int)chunk->step_shift)), p = view.position[i];
+        for (int k = 0; k < 3; k++)
+            p += view.rotation[3 * k + i] * x[k];
+        codes[i * FXS_CHUNK] = below(2) ? 65535 : 0;
+        chunk->step_q32[i] = (uint32_t)step;
+        chunk->origin_q32[i] = (int64_t)floor(ldexp(p, 32)) -
+                               (int64_t)codes[i * FXS_CHUNK] * ((int64_t)step << chunk->step_shift);
+        chunk->colour_q16[i] = 4 << 16;
+    }
+    *(uint32_t *)(void *)(s->rows + FXS_ROW_ROTATION) = 512u << 20 | 512u << 10 | 512u;
+    *(uint32_t *)(void *)(s->rows + FXS_ROW_COLOUR) = 255u << 24;
+    CHECK(fxs_scene_open(&s->scene, s->data, s->bytes) == 0);
+}
+
+static struct {
+    int touching, farthest;        /* frames with a pixel that counts; centre at more than 0.99 of the reach */
+} beside_tally;
+
+/* Draws it with each side and corner of the picture where it only just reaches, or does not. */
+static void check_beside(fxs_camera *camera, beside *b, const double box)
+{
+    fxs_view view;
+    packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
+    CHECK(fxs_view_init(&view, &s.scene, camera, &defaults) == 0);
+    for (int side = 0; side < 8; side++) {
+        const double far = 0.9 + 0.12 * (1 - pow(uniform(0, 1), 3));
+        const int axis = side & 1, corner = side >> 2;
+        int faults = check_faults;
+        for (int i = 0; i < 2; i++)
+            step_out(b, &view, camera, i, i == axis ? side >> 1 & 1 : below(2),
+                     i == axis ? far : corner ? uniform(0, 0.7) : uniform(-0.2, 0));
+        if (fabs(b->slope[0]) > 63.9 || fabs(b->slope[1]) > 63.9)
+            continue;
+        place_sphere(&s, camera, b, box);
+        fxs_stats stats = check_frame(&s.scene, camera, FXS_CUTOFF_MAHALANOBIS);
+        CHECK(stats.visible > 0 || brute.blended == 0);
+        beside_tally.touching += brute.blended > 0;
+        beside_tally.farthest += brute.blended > 0 && far > 0.99 && far < 1;
+        if (check_faults > faults)
+            printf("  side %d, %.4f of the reach, x/z %g, y/z %g, z %g, sigma 2^%g, box %g\n", side, far, b->slope[0],
+                   b->slope[1], b->depth, b->log2_sigma, box);
+    }
+    free(s.data);
+}
+
+/* A few tiny pictures over all angles, and Gaussians from a point to ones far larger than the picture. */
+static void test_chunks_beside_the_picture(void)
+{
+    memset(&beside_tally, 0, sizeof beside_tally);
+    for (int i = 0; i < 300; i++) {
+        fxs_camera camera = make_camera(1 + below(20), 1 + below(20), 0);
+        beside b = {{0, 0}, exp2(uniform(-2, 20)), 0};
+        double most = 0;
+        for (int axis = 0; axis < 2; axis++) {
+            double slope = i % 3 ? uniform(-1, 1) * exp2(uniform(-4, 5)) : 0;
+            double focal = exp2(uniform(3, 17)) / fmax(1, fabs(slope));
+            aim(&camera, axis, focal, slope);
+            most = fmax(most, focal / b.depth);
+        }
+        /* A quarter without a size: the dilation alone. The others up to 4096 pixels, which is far for some. */
+        b.log2_sigma = i % 4 ? uniform(-1, 12) - log2(most) : -31;
+        if (b.log2_sigma > -31.5 && b.log2_sigma < 31)
+            check_beside(&camera, &b, i % 2 ? 0 : b.depth * exp2(uniform(-8, 1)));
+    }
+    if (!CHECK(beside_tally.touching > 500) || !CHECK(beside_tally.farthest > 50))
+        printf("  %d touch the picture, %d at the end of their reach\n", beside_tally.touching, beside_tally.farthest);
+}
+
+/* Where the bound on a sphere's reach is tightest: x/z at the limit of the Jacobian, whose length is the power of two
+   that bounds it, the sphere on the far side, and so large that the picture's margin is nothing beside it. */
+static void test_chunks_at_the_bound_of_their_reach(void)
+{
+    memset(&beside_tally, 0, sizeof beside_tally);
+    for (int i = 0; i < 200; i++) {
+        const int exponent = 1 + i % 4, axis = i / 4 % 2;
+        const double slope = (i / 8 % 2 ? -1 : 1) * (sqrt(ldexp(1, 2 * exponent) - 1) - 0.01);
+        fxs_camera camera = make_camera(16, 16, 0);
+        beside b = {{0, 0}, exp2(uniform(-2, 10)), 0};
+        aim(&camera, axis, 16384 / fabs(slope), slope);
+        aim(&camera, !axis, 16384 / fabs(slope), 0);
+        b.log2_sigma = uniform(5, 11) - exponent - log2(focal_of(&camera, axis) / b.depth);
+        check_beside(&camera, &b, i % 2 ? 0 : b.depth / 256);
+    }
+    if (!CHECK(beside_tally.touching > 300) || !CHECK(beside_tally.farthest > 25))
+        printf("  %d touch the picture, %d at the end of their reach\n", beside_tally.touching, beside_tally.farthest);
+}
+
+/* Where a unit of the chunk's place is most pixels: the longest focal length across, 60 to the side the other way. */
+static void test_chunks_of_the_coarsest_units(void)
+{
+    memset(&beside_tally, 0, sizeof beside_tally);
+    for (int i = 0; i < 100; i++) {
+        fxs_camera camera = make_camera(16, 16, 0);
+        const int axis = i & 1;
+        beside b = {{0, 0}, exp2(uniform(2, 15)), 0};
+        for (int k = 0; k < 9; k++)                          /* no turn: the units follow the larger coordinate */
+            camera.rotation_q30[k] = k % 4 ? 0 : 1 << 30;
+        aim(&camera, axis, 524287, 0);
+        aim(&camera, !axis, 8000, i & 2 ? 60 : -60);
+        b.log2_sigma = (i & 4 ? -28 : -33) + log2(b.depth);  /* its reach 7 units or so, and less than one */
+        check_beside(&camera, &b, 0);
+    }
+    if (!CHECK(beside_tally.touching > 100) || !CHECK(beside_tally.farthest > 10))
+        printf("  %d touch the picture, %d at the end of their reach\n", beside_tally.touching, beside_tally.farthest);
+}
+
+/* Only the far corner of the chunk is in front of the near plane, by a hair or a little more; and a hair behind it. */
+static void test_chunks_across_the_near_plane(void)
+{
+    int touching = 0, behind = 0;
+    for (int i = 0; i < 300; i++) {
+        fxs_camera camera = make_camera(16, 16, 0);
+        const double hair = (i % 3 ? 1 : -1) * exp2(uniform(-24, -8));
+        const beside b = {{uniform(-0.3, 0.3), uniform(-0.3, 0.3)}, 0.2 + hair, -6};
+        packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
+        place_sphere(&s, &camera, &b, exp2(uniform(-8, 8)));
+        uint16_t *codes = (uint16_t *)(void *)(s.rows + FXS_ROW_POSITION);
+        for (int axis = 0; axis < 3; axis++) {               /* the corner that is farthest forward */
+            const int64_t width = (int64_t)s.chunks->step_q32[axis] * 65535;
+            const int forward = camera.rotation_q30[6 + axis] > 0;
+            s.chunks->origin_q32[axis] += codes[axis * FXS_CHUNK] ? width : 0;
+            codes[axis * FXS_CHUNK] = forward ? 65535 : 0;
+            s.chunks->origin_q32[axis] -= forward ? width : 0;
+        }
+        fxs_stats stats = check_frame(&s.scene, &camera, (enum fxs_cutoff)(i & 1));
+        CHECK(hair < 0 ? stats.visible == 0 : stats.visible == 1 || hair < 0x1p-20);
+        touching += brute.blended > 0;
+        behind += hair < 0 && stats.visible == 0;
+        free(s.data);
+    }
+    CHECK(touching > 150 && behind > 80);
+}
+
+/* A Gaussian on the near plane is not drawn; one a unit in front of it is. Part of the chunk is farther. */
+static void test_near_plane_itself(void)
+{
+    packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
+    fxs_camera camera = {16, 16, 16 << 12, 16 << 12, 8 << 12, 8 << 12, {0}, {0}};
+    const beside b = {{0, 0}, 1, -6};
+    for (int i = 0; i < 9; i++)
+        camera.rotation_q30[i] = i % 4 ? 0 : 1 << 30;
+    place_sphere(&s, &camera, &b, 0);
+    s.chunks->step_q32[2] = 2;                               /* a unit of cv, as its shift is 1 */
+    ((uint16_t *)(void *)(s.rows + FXS_ROW_POSITION))[2 * FXS_CHUNK] = 0;
+    for (int ahead = -1; ahead <= 1; ahead++) {
+        s.chunks->origin_q32[2] = FXS_NEAR_Q32 + 2 * ahead;
+        CHECK(check_frame(&s.scene, &camera, FXS_CUTOFF_MAHALANOBIS).visible == (ahead > 0));
+    }
+    free(s.data);
+}
+
+/* ---- The camera ------------------------------------------------------------------------------------------------- */
+
+static void check_slope(int32_t q23, double slope, double most)
+{
+    CHECK(fabs(ldexp(q23, -23) - fmax(-most, fmin(slope, most))) < ldexp(1, -22));
+}
+
+/* The slopes of a view, up to where they are cut. */
+static void test_view_slopes(void)
+{
+    const packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
+    int cut = 0;
+    for (int i = 0; i < 1000; i++) {
+        fxs_view v;
+        fxs_camera camera = make_camera(1 + below(2000), 1 + below(2000), 0);
+        camera.fx_q12 = (int32_t)exp2(uniform(12, 24));
+        camera.fy_q12 = (int32_t)exp2(uniform(12, 24));
+        CHECK(fxs_view_init(&v, &s.scene, &camera, &defaults) == 0);
+        double longest = 0;
+        for (int axis = 0; axis < 2; axis++) {
+            const double size = axis ? camera.height : camera.width, margin = floor(size * 614) / 4096;
+            const double f = focal_of(&camera, axis), c = ldexp(axis ? camera.cy_q12 : camera.cx_q12, -12);
+            check_slope(v.slope_low_q23[axis], -(c + margin) / f, 60);
+            check_slope(v.slope_high_q23[axis], (size - c + margin) / f, 60);
+            check_slope(v.edge_low_q23[axis], -(c + 18) / f, 64);
+            check_slope(v.edge_high_q23[axis], (size + 18 - c) / f, 64);
+            longest = fmax(longest, ldexp(fmax(-v.slope_low_q23[axis], v.slope_high_q23[axis]), -23));
+            cut += v.slope_high_q23[axis] == 60 << 23;
+        }
+        longest = sqrt(1 + fmax(1, longest) * fmax(1, longest));
+        CHECK(ldexp(1, v.jacobian_exponent) >= longest && ldexp(1, v.jacobian_exponent - 1) < longest);
+    }
+    CHECK(cut > 100 && cut < 1900);
+    free(s.data);
+}
+
 /* ---- Errors ----------------------------------------------------------------------------------------------------- */
 
 static struct {
@@ -1037,6 +1342,14 @@ int main(void)
     RUN(test_narrow_frame_equals_brute_force);
     RUN(test_frame_in_runs_equals_brute_force);
     RUN(test_empty_scene_is_background);
+    RUN(test_chunks_beside_the_picture);
+    RUN(test_chunks_at_the_bound_of_their_reach);
+    RUN(test_chunks_of_the_coarsest_units);
+    RUN(test_chunks_across_the_near_plane);
+    RUN(test_times_are_shared_out);
+    RUN(test_near_plane_itself);
+    RUN(test_squares_at_tile_edges);
+    RUN(test_view_slopes);
     RUN(test_render_refuses_cameras);
     RUN(test_render_refuses_arguments);
     RUN(test_init);

@@ -8,6 +8,7 @@
 #include "../port/formats/pack.h"
 #include "../port/formats/ply_write.h"
 #include "../port/posix/pool.h"
+#include "../src/stage.h"
 #include "../tools/metrics.h"
 #include "../tools/procedural.h"
 #include "random_scene.h"
@@ -170,6 +171,108 @@ static void test_random_pairs(void)
         sum = sum * 3 + check_case(i);
     printf("  %d random pairs: %016" PRIx64 "\n", CASES, sum);
     CHECK(sum == EXPECTED);
+}
+
+/* ---- What one eye does not see ----------------------------------------------------------------------------------- */
+
+static struct {
+    const fxs_bounds *bounds;
+    const fxs_box *boxes;          /* of the last stretch that was binned, by now complete */
+    uint32_t count;
+    uint32_t unseen, searched;     /* splats that an eye does not see; those of them that would look for tiles again */
+} binned;
+
+static void look_at_boxes(void)
+{
+    for (uint32_t i = 0; i < binned.count; i++) {
+        if (binned.bounds[i].cx_q14 != -FXS_CENTRE_LIMIT_Q14)
+            continue;
+        binned.unseen++;
+        binned.searched += binned.boxes[i].mask || binned.boxes[i].base != FXS_NOWHERE;
+    }
+    binned.count = 0;
+}
+
+static void bin_and_look(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count,
+                         fxs_box *boxes)
+{
+    look_at_boxes();
+    fxs_bin_c(view, splats, bounds, count, boxes);
+    binned.bounds = bounds;
+    binned.boxes = boxes;
+    binned.count = count;
+}
+
+static uint64_t look(void *ignored)
+{
+    (void)ignored;
+    look_at_boxes();
+    return 0;
+}
+
+/* Its box says so, and the lists pass over it: otherwise it would be looked for, with the same result, for each part of
+   the keys and each run. */
+static void test_unseen_splats_are_not_looked_for(void)
+{
+    const fxs_config config = {.clock = look};
+    fxs_context context;
+    fxs_camera cameras[2];
+    fxs_options options;
+    memset(&binned, 0, sizeof binned);
+    fxs_init(&context, &config);
+    context.kernels.bin = bin_and_look;
+    for (int i = 0; i < 2 * KINDS; i++) {
+        fxs_scene scene;
+        state = (uint64_t)i;
+        const packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 3000);
+        CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
+        random_pair(cameras, &options, i);
+        pair p = pair_of(&scene, cameras, &options);
+        unsigned char *pixels = malloc(p.bytes);
+        CHECK(!render(&p, &context, 0, bytes_of(&p, &context), pixels));
+        CHECK(binned.count == 0);
+        free(pixels);
+        free(packed.data);
+    }
+    if (!CHECK(binned.unseen > 300) || !CHECK(binned.searched == 0))
+        printf("  %u unseen, %u of them searched\n", binned.unseen, binned.searched);
+}
+
+/* One eye looks straight ahead, the other is turned about x or y, to either side: each has its own order. Without SH
+   the pictures are those of two frames. */
+static void test_eye_turned_to_any_side(void)
+{
+    fxs_context context;
+    fxs_init(&context, 0);
+    for (int i = 0; i < 32; i++) {
+        const int axis = i & 1, a = (axis + 1) % 3, b = (axis + 2) % 3, turned = i >> 1 & 1;
+        const int32_t c = (int32_t)((1 << 30) / 25 * 24), s = (i & 4 ? 1 : -1) * ((1 << 30) / 25 * 7);
+        fxs_scene scene;
+        fxs_camera cameras[2];
+        fxs_options options;
+        state = (uint64_t)i;
+        const packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 3000);
+        CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
+        random_pair(cameras, &options, ONE_PLACE);
+        options.sh_degree = 0;
+        for (int eye = 0; eye < 2; eye++) {
+            int32_t *r = cameras[eye].rotation_q30;
+            for (int k = 0; k < 9; k++)
+                r[k] = k % 4 ? 0 : 1 << 30;
+            if (eye == turned) {
+                r[4 * a] = r[4 * b] = c;
+                r[3 * a + b] = -s;
+                r[3 * b + a] = s;
+            }
+        }
+        pair p = pair_of(&scene, cameras, &options);
+        unsigned char *pixels = malloc(p.bytes), *alone = malloc(p.bytes);
+        render_alone(&p, &context, alone);
+        CHECK(!render(&p, &context, 0, bytes_of(&p, &context), pixels) && !memcmp(pixels, alone, p.bytes));
+        free(pixels);
+        free(alone);
+        free(packed.data);
+    }
 }
 
 static void test_arguments(void)
@@ -361,6 +464,8 @@ static void test_procedural_scenes(void)
 int main(void)
 {
     RUN(test_random_pairs);
+    RUN(test_unseen_splats_are_not_looked_for);
+    RUN(test_eye_turned_to_any_side);
     RUN(test_arguments);
     RUN(test_procedural_scenes);
     RUN(test_captured_scene);
