@@ -18,6 +18,21 @@ typedef struct packed_scene {
     fxs_scene scene;               /* open on it */
 } packed_scene;
 
+/* Between this processor's byte order and that of a packed scene. */
+static inline void packed_scene_turn(packed_scene *s, uint32_t chunk_count)
+{
+    for (uint32_t i = 0; i < chunk_count; i++)
+        fxs_chunk_turn(&s->chunks[i]);
+    fxs_packed_header_turn(s->header);
+}
+
+/* Once it is filled in: turns its headers, which are not to be read from here on, and opens it. */
+static inline int packed_scene_finish(packed_scene *s)
+{
+    packed_scene_turn(s, s->header->chunk_count);
+    return fxs_scene_open(&s->scene, s->data, s->bytes);
+}
+
 static inline packed_scene packed_scene_make(enum fxs_profile profile, int degree, uint32_t count, int antialiased)
 {
     packed_scene s;
@@ -41,16 +56,10 @@ static inline packed_scene packed_scene_make(enum fxs_profile profile, int degre
     s.chunks = (fxs_chunk *)(void *)(s.data + sizeof *s.header);
     s.rows = s.data + s.bytes - (size_t)s.header->chunk_count * s.header->chunk_bytes;
     s.palette = entries ? (int8_t *)(s.chunks + s.header->chunk_count) : 0;
+    if (packed_scene_finish(&s))
+        abort();
+    packed_scene_turn(&s, (count + FXS_CHUNK - 1) / FXS_CHUNK);
     return s;
-}
-
-/* Once it is filled in: turns its headers, which are not to be read from here on, and opens it. */
-static inline int packed_scene_finish(packed_scene *s)
-{
-    for (uint32_t i = 0, count = s->header->chunk_count; i < count; i++)
-        fxs_chunk_turn(&s->chunks[i]);
-    fxs_packed_header_turn(s->header);
-    return fxs_scene_open(&s->scene, s->data, s->bytes);
 }
 
 static inline unsigned char *packed_scene_rows(const packed_scene *s, uint32_t chunk)

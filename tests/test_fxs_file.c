@@ -138,16 +138,15 @@ static uint32_t crc_32(uint32_t crc, const void *data, size_t bytes)
 static void test_checksums(void)
 {
     fxs_message m;
-    void *data;
-    size_t bytes;
-    if (!CHECK(!fxs_file_write(fxs_path, packed.data, packed.bytes, &m) && !fxs_map(fxs_path, &data, &bytes, &m)))
+    fxs_mapping file;
+    if (!CHECK(!fxs_file_write(fxs_path, packed.data, packed.bytes, &m) && !fxs_map(&file, fxs_path, &m)))
         return;
     fxs_packed_header header;
-    memcpy(&header, data, sizeof header);
+    memcpy(&header, file.data, sizeof header);
     const uint32_t said = header.checksum;
     header.checksum = 0;
     CHECK(said == crc_32(0, &header, sizeof header));
-    const unsigned char *chunks = (const unsigned char *)data + sizeof header;
+    const unsigned char *chunks = (const unsigned char *)file.data + sizeof header;
     const unsigned char *rows = chunks + header.chunk_count * sizeof(fxs_chunk);
     for (uint32_t i = 0; i < header.chunk_count; i++) {
         fxs_chunk chunk;
@@ -157,7 +156,7 @@ static void test_checksums(void)
         CHECK(said_of_chunk == crc_32(crc_32(0, &chunk, sizeof chunk), rows + (size_t)i * header.chunk_bytes,
                                       header.chunk_bytes));
     }
-    fxs_unmap(data, bytes);
+    fxs_unmap(&file);
 }
 
 /* Every byte of the headers and a sample of the rest, one bit flipped. */
