@@ -172,6 +172,9 @@ golden-update: all $(B)/tests/test_golden ## write the golden images anew (and s
 fuzz: all ## fuzz readers and renderer, SECONDS=60 each, JOBS at once
 	B=$(B) sh tests/fuzz.sh $(or $(SECONDS),60)
 
+mutants: ## change the code in small ways and see that a test notices each (long)
+	sh tests/mutants.sh
+
 # ---- Measurements --------------------------------------------------------------------------------------------------
 
 bench: all $(B)/tests/test_quality ## measure and write the tables of docs/performance.md
@@ -186,4 +189,4 @@ clean: ## remove what was built
 help: ## this list
 	@awk -F ': |## ' '/^[a-z-]+:.*## / {printf "  make %-14s %s\n", $$1, $$NF}' Makefile
 
-.PHONY: all setup demo install test test-programs golden-update fuzz bench size clean help FORCE
+.PHONY: all setup demo install test test-programs golden-update fuzz mutants bench size clean help FORCE

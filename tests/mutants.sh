@@ -25,9 +25,10 @@ ulimit -v 8388608
 # The tests for a file, by what notices most in the least time.
 tests_of() {
     case $1 in
-    src/stereo.c) echo stereo ;;
+    src/stereo.c) echo stereo scribble ;;
     src/scene.c | src/packed.h) echo scene random pack fxs_file stages kernels bands ;;
-    src/bands.c) echo random bands stereo stages scene ;;
+    src/bands.c) echo random bands stereo stages scene scribble ;;
+    src/chunk.c | src/frame.c) echo random stages scene stereo kernels bands scribble golden ;;
     src/pixel.h | src/fixed.h) echo random fixed stages kernels pixel scene golden ;;
     src/*) echo random stages scene stereo kernels bands golden ;;
     kernels/*) echo kernels random stereo golden bands ;;
@@ -36,17 +37,19 @@ tests_of() {
     */byte_reader.c) echo pack splat ksplat ply compressed_ply spz scene_input ;;
     */image_file.c) echo image_file ;;
     */output.c) echo image_file ply splat spz fxs_file ;;
-    */encode.c | */pack.c | */order.c | */palette.c) echo fxs_file pack scene_filter golden ;;
-    */fxs_file.c) echo fxs_file scene_input ;;
+    */encode.c | */pack.c | */order.c | */palette.c) echo fxs_bytes fxs_file pack scene_filter golden ;;
+    */fxs_file.c) echo fxs_bytes fxs_file scene_input ;;
     */ply*) echo ply compressed_ply scene_input allocation pack ;;
     */compressed_ply.c) echo compressed_ply scene_input allocation ;;
-    */gltf.c) echo gltf scene_input allocation ;;
-    */sog.c | */zip.c) echo sog gltf scene_input allocation ;;
-    */spz*) echo spz gltf scene_input allocation ;;
+    */gltf.c) echo gltf bombs scene_input allocation ;;
+    */sog.c | */zip.c) echo sog gltf bombs scene_input allocation ;;
+    */spz*) echo spz gltf bombs scene_input allocation ;;
     */splat*) echo splat scene_input allocation ;;
     */ksplat.c) echo ksplat scene_input allocation ;;
     */scene_filter.c) echo scene_filter scene_input allocation ;;
-    *) echo splat ply gltf sog spz ksplat compressed_ply camera_file scene_filter scene_input allocation pack ;;
+    port/posix/pool.c) echo threads allocation ;;
+    port/posix/map.c) echo fxs_file ;;
+    *) echo bombs splat ply gltf sog spz ksplat compressed_ply camera_file scene_filter scene_input allocation pack ;;
     esac
 }
 
