@@ -28,7 +28,7 @@ $(call optional,SDL2/SDL.h,SDL,-lSDL2,WINDOW_LIBS)
 MACHINE := $(shell $(CC) -dumpmachine)
 KERNELS := $(wildcard kernels/*.c)
 KERNELS += $(if $(filter x86_64-% i386-% i486-% i586-% i686-%,$(MACHINE)),$(wildcard kernels/x86/*.c))
-KERNELS += $(if $(findstring aarch64,$(MACHINE)),$(wildcard kernels/arm/*.c))
+KERNELS += $(if $(filter aarch64-% arm64-%,$(MACHINE)),$(wildcard kernels/arm/*.c))
 # clang 14 crashes on the debug information of AVX-512 masks.
 CC_VERSION := $(shell $(CC) --version 2>&1)
 CLANG_14 := $(if $(findstring clang,$(CC_VERSION)),-g0)

@@ -17,7 +17,7 @@ unsigned fxs_cpu_detect(void)
         cpu |= FXS_CPU_AVX512;
     return cpu;
 }
-#elif defined(__aarch64__)
+#elif defined(__aarch64__) && !defined(__AARCH64EB__)
 #include "arm/arm.h"
 
 unsigned fxs_cpu_detect(void)
@@ -64,7 +64,7 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
         USE(FXS_BIN, bin, avx512);
         USE(FXS_BLEND, blend, avx512);
     }
-#elif defined(__aarch64__)
+#elif defined(__aarch64__) && !defined(__AARCH64EB__)
     if (cpu & FXS_CPU_NEON) {
         USE(FXS_PROJECT, project, neon);
         USE(FXS_SHADE, shade, neon);

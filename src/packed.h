@@ -107,6 +107,10 @@ static inline uint64_t fxs_little_64(uint64_t x)
     return x;
 }
 
+/* Every field is turned: of a header 8 words, 12 of 64 bits, 16 words; of a chunk's 3 of 64 bits and 26 words. */
+typedef char fxs_sizes_are_as_turned[sizeof(fxs_packed_header) == 4 * 8 + 8 * 12 + 4 * 16 &&
+                                     sizeof(fxs_chunk) == 8 * 3 + 4 * 26 ? 1 : -1];
+
 /* A header that was copied from a packed scene, to be read; or one that was filled in, to be copied there. */
 static inline void fxs_packed_header_turn(fxs_packed_header *header)
 {

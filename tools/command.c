@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "../port/formats/fxs_file.h"
+#include "../port/formats/output.h"
 #include "../port/posix/clock.h"
 #include "../src/packed.h"
 
@@ -95,6 +96,19 @@ int parse_colour(const char *text, uint8_t rgb[3])
     for (int i = 0; i < 3; i++)
         rgb[i] = (uint8_t)(value >> (16 - 8 * i));
     return 1;
+}
+
+/* What was printed has to have arrived, wherever the program ends. */
+static void check_printed(void)
+{
+    if (fflush(stdout) || ferror(stdout))
+        _exit(fail(EXIT_FAILED, "cannot write to standard output"));
+}
+
+void command_begin(void)
+{
+    fxs_output_remove_at_signals();
+    atexit(check_printed);
 }
 
 static int percent_shown = -1;   /* -1: no bar */

@@ -25,6 +25,9 @@ int command_convert(int argc, char **argv);
 int command_compare(int argc, char **argv);
 int command_make_scene(int argc, char **argv);
 
+/* For main to call first: signals remove what is half written, and what was printed has to have arrived. */
+void command_begin(void);
+
 /* Prints "fixsplat: ..." on stderr and returns the status. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))

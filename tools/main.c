@@ -1,9 +1,6 @@
 /* fixsplat: renders 3D Gaussian splatting scenes in fixed point. */
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-#include "../port/formats/output.h"
 #include "command.h"
 
 static const struct {
@@ -50,18 +47,10 @@ static int kernels(void)
     return EXIT_OK;
 }
 
-/* What was printed has to have arrived, wherever the program ends. */
-static void check_printed(void)
-{
-    if (fflush(stdout) || ferror(stdout))
-        _exit(fail(EXIT_FAILED, "cannot write to standard output"));
-}
-
 int main(int argc, char **argv)
 {
     const char *name = argc > 1 ? argv[1] : "";
-    fxs_output_remove_at_signals();
-    atexit(check_printed);
+    command_begin();
     if (!strcmp(name, "--help") || !strcmp(name, "-h") || !strcmp(name, "help")) {
         help();
         return EXIT_OK;

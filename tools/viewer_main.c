@@ -6,6 +6,7 @@ int main(int argc, char **argv)
 {
     window_options o;
     viewer v;
+    command_begin();
     int status = window_options_take(&o, argc, argv);
     if (!status)
         status = viewer_open(&v, &o.view, o.scene, o.screenshot);

@@ -16,7 +16,7 @@ void fxs_ranges_clear(fxs_chunk_ranges *ranges)
 }
 
 /* x cut to low..high, towards 0: a file that changes between two passes may say anything, NaN among it, which is low. */
-static int64_t whole(double x, double low, double high)
+static int64_t cut_to(double x, double low, double high)
 {
     return (int64_t)(x > low ? x < high ? x : high : low);
 }
@@ -57,18 +57,18 @@ void fxs_ranges_take(fxs_chunk_ranges *r, const fxs_gaussian *g, int sh_degree)
 /* The smallest step, in units of 2^-q, with which `codes` + 1 codes reach from low over the whole range. */
 static uint32_t step_for(double reach, int codes, int q)
 {
-    return (uint32_t)whole(ceil(ldexp(reach, q) / codes), 0, UINT32_MAX);
+    return (uint32_t)cut_to(ceil(ldexp(reach, q) / codes), 0, UINT32_MAX);
 }
 
 static void find_colour_codes(fxs_chunk *chunk, int channel, const fxs_range *r, const fxs_grid *grid)
 {
     double low = grid->step > 0 ? floor((r->low - grid->low) / grid->step + 0.5) * grid->step + grid->low : 0;
     if (grid->step > 0 && r->high < low + 255.5 * grid->step) {
-        chunk->colour_q16[channel] = (int32_t)whole(floor(ldexp(low, 16) + 0.5), INT32_MIN, INT32_MAX);
-        chunk->colour_step_q20[channel] = (uint32_t)whole(floor(ldexp(grid->step, 20) + 0.5), 0, UINT32_MAX);
+        chunk->colour_q16[channel] = (int32_t)cut_to(floor(ldexp(low, 16) + 0.5), INT32_MIN, INT32_MAX);
+        chunk->colour_step_q20[channel] = (uint32_t)cut_to(floor(ldexp(grid->step, 20) + 0.5), 0, UINT32_MAX);
         return;
     }
-    chunk->colour_q16[channel] = (int32_t)whole(floor(ldexp(r->low, 16)), INT32_MIN, INT32_MAX);
+    chunk->colour_q16[channel] = (int32_t)cut_to(floor(ldexp(r->low, 16)), INT32_MIN, INT32_MAX);
     chunk->colour_step_q20[channel] = step_for(r->high - ldexp(chunk->colour_q16[channel], -16), 255, 20);
 }
 
@@ -88,10 +88,10 @@ void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *r, const fxs_sc
         most = fmax(most, (double)r->position[i].high - r->position[i].low);
     while (chunk->step_shift < 12 && ldexp(most, 32 - (int)chunk->step_shift) / 65535 > 4294967294.0)
         chunk->step_shift++;
-    chunk->scale_q16 = (int32_t)whole(ceil(ldexp(r->scale.high, 16)), INT32_MIN, INT32_MAX);
+    chunk->scale_q16 = (int32_t)cut_to(ceil(ldexp(r->scale.high, 16)), INT32_MIN, INT32_MAX);
     chunk->scale_step_q24 = step_for(ldexp(chunk->scale_q16, -16) - r->scale.low, 1023 * 1023, 24);
     for (int i = 0; i < 3; i++) {
-        chunk->origin_q32[i] = whole(floor(ldexp(r->position[i].low, 32)), -0x1p60, 0x1p60);
+        chunk->origin_q32[i] = cut_to(floor(ldexp(r->position[i].low, 32)), -0x1p60, 0x1p60);
         chunk->step_q32[i] = step_for(r->position[i].high - ldexp((double)chunk->origin_q32[i], -32), 65535,
                                       32 - (int)chunk->step_shift);
         find_colour_codes(chunk, i, &r->colour[i], &info->colour);

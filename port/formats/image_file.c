@@ -2,10 +2,13 @@
 
 #include <ctype.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 #include <strings.h>
 
 #include "output_internal.h"
@@ -245,11 +248,29 @@ static const char *read_ppm(FILE *file, uint8_t **rgba, int *width, int *height)
     return NULL;
 }
 
+/* Of a FIFO it does not wait for the writer. */
+static FILE *open_regular(const char *path, fxs_message *message)
+{
+    struct stat status;
+    int descriptor = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "rb");
+    if (!file) {
+        fxs_fail(message, "%s: %s", path, strerror(errno));
+        if (descriptor >= 0)
+            close(descriptor);
+    } else if (fstat(descriptor, &status) || !S_ISREG(status.st_mode)) {
+        fxs_fail(message, "%s: %s", path, S_ISDIR(status.st_mode) ? strerror(EISDIR) : "not a regular file");
+        fclose(file);
+        file = NULL;
+    }
+    return file;
+}
+
 int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_message *message)
 {
-    FILE *file = fopen(path, "rb");
+    FILE *file = open_regular(path, message);
     if (!file)
-        return fxs_fail(message, "%s: %s", path, strerror(errno));
+        return -1;
     *rgba = NULL;
     int ppm = getc(file) == 'P';
     rewind(file);

@@ -48,7 +48,8 @@ static void forget(fxs_output *output)
     leave(&before);
 }
 
-/* Never leaves, so that other threads wait, with a second signal too. This one comes again when this returns. */
+/* Keeps `taken`: other threads, and handlers of further signals, wait until the process ends. The raised signal is
+   delivered when this handler returns. */
 static void remove_and_end(int signal_number)
 {
     while (__atomic_test_and_set(&taken, __ATOMIC_ACQUIRE))
@@ -256,6 +257,7 @@ static void sync_folder(fxs_output *output)
 int fxs_output_close(fxs_output *output, fxs_message *message)
 {
     int result = 0;
+    errno = 0;
     if ((fflush(output->file) || ferror(output->file)) && !output->error)
         output->error = errno ? errno : EIO;
     int complete = !output->error && !output->left;

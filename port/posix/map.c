@@ -9,75 +9,88 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* What the handler for SIGBUS looks through: a signal may come at any time, so there is no lock. */
+/* What the handler for SIGBUS looks through: a signal may come at any time, so there is no lock. All but `taken` are
+   read and written atomically. */
 enum { RANGES = 64 };
 static struct range {
-    uintptr_t start, end;          /* end 0: free; set last, cleared first */
-    int taken, lost;               /* lost: the handler put zeros there */
+    uintptr_t start, end;          /* end 0: nothing is mapped; set last, cleared first */
+    int lost;                      /* the handler put zeros there */
+    int taken;
 } ranges[RANGES];
 
-static struct sigaction before;
+static int guarded;
+static struct sigaction before;    /* written once, before the handler is there */
 
-static struct range *range_at(uintptr_t address)
+static uintptr_t load(const uintptr_t *number)
+{
+    return __atomic_load_n(number, __ATOMIC_ACQUIRE);
+}
+
+/* Returns a free slot, or RANGES. */
+static int take_range(void)
+{
+    int slot = 0;
+    while (slot < RANGES && __atomic_exchange_n(&ranges[slot].taken, 1, __ATOMIC_ACQUIRE))
+        slot++;
+    return slot;
+}
+
+static void free_range(int slot)
+{
+    __atomic_store_n(&ranges[slot].taken, 0, __ATOMIC_RELEASE);
+}
+
+static void note_range(const fxs_mapping *mapping)
+{
+    struct range *r = &ranges[mapping->slot];
+    __atomic_store_n(&r->lost, 0, __ATOMIC_RELAXED);
+    __atomic_store_n(&r->start, (uintptr_t)mapping->data, __ATOMIC_RELEASE);
+    __atomic_store_n(&r->end, (uintptr_t)mapping->data + mapping->bytes, __ATOMIC_RELEASE);
+}
+
+/* Zeros from the page of the fault to the end of its range. */
+static int fill_with_zeros(uintptr_t address)
 {
     for (struct range *r = ranges; r < ranges + RANGES; r++) {
-        const uintptr_t end = __atomic_load_n(&r->end, __ATOMIC_ACQUIRE);
-        if (address < end && address >= r->start)
-            return r;
+        const uintptr_t end = load(&r->end);
+        if (address >= end || address < load(&r->start))
+            continue;
+        const uintptr_t page = address - address % (uintptr_t)sysconf(_SC_PAGESIZE);
+        __atomic_store_n(&r->lost, 1, __ATOMIC_RELEASE);
+        return mmap((void *)page, end - page, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0) != MAP_FAILED;
     }
     return 0;
 }
 
-static void note_range(const fxs_mapping *mapping, struct range *r)
+/* Of a signal that is not about a mapping. */
+static void handle_as_before(int signal_number, siginfo_t *info, void *context)
 {
-    r->start = (uintptr_t)mapping->data;
-    r->lost = 0;
-    __atomic_store_n(&r->end, r->start + mapping->bytes, __ATOMIC_RELEASE);
-}
-
-static struct range *take_range(void)
-{
-    for (struct range *r = ranges; r < ranges + RANGES; r++)
-        if (!__atomic_exchange_n(&r->taken, 1, __ATOMIC_ACQUIRE))
-            return r;
-    return 0;
-}
-
-static void free_range(struct range *r)
-{
-    __atomic_store_n(&r->end, 0, __ATOMIC_RELEASE);
-    __atomic_store_n(&r->taken, 0, __ATOMIC_RELEASE);
-}
-
-/* Zeros from the page of the fault to the end of the range. */
-static int fill_with_zeros(uintptr_t address)
-{
-    struct range *r = range_at(address);
-    if (!r)
-        return 0;
-    const uintptr_t page = address - address % (uintptr_t)sysconf(_SC_PAGESIZE);
-    __atomic_store_n(&r->lost, 1, __ATOMIC_RELEASE);
-    return mmap((void *)page, r->end - page, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0) != MAP_FAILED;
+    if (before.sa_flags & SA_SIGINFO)
+        before.sa_sigaction(signal_number, info, context);
+    else if (before.sa_handler == SIG_DFL) {
+        signal(signal_number, SIG_DFL);
+        raise(signal_number);      /* delivered when this handler returns */
+    } else if (before.sa_handler != SIG_IGN)
+        before.sa_handler(signal_number);
 }
 
 static void handle(int signal_number, siginfo_t *info, void *context)
 {
-    const int error = errno, filled = fill_with_zeros((uintptr_t)info->si_addr);
-    (void)context;
-    if (!filled)                   /* the instruction runs again, and does what it did before */
-        sigaction(signal_number, &before, 0);
+    const int error = errno, fault = info->si_code > 0;   /* else a process sent it */
+    if (!fault || !fill_with_zeros((uintptr_t)info->si_addr))
+        handle_as_before(signal_number, info, context);
     errno = error;
 }
 
 void fxs_map_guard(void)
 {
     struct sigaction action;
-    if (!sigaction(SIGBUS, 0, &action) && action.sa_flags & SA_SIGINFO && action.sa_sigaction == handle)
+    if (__atomic_exchange_n(&guarded, 1, __ATOMIC_ACQ_REL) || sigaction(SIGBUS, 0, &before))
         return;
     memset(&action, 0, sizeof action);
     action.sa_sigaction = handle;
     action.sa_flags = SA_SIGINFO;
-    sigaction(SIGBUS, &action, &before);
+    sigaction(SIGBUS, &action, 0);
 }
 
 static int map_file(fxs_mapping *mapping, const char *path, fxs_message *message)
@@ -102,24 +115,23 @@ static int map_file(fxs_mapping *mapping, const char *path, fxs_message *message
 int fxs_map(fxs_mapping *mapping, const char *path, fxs_message *message)
 {
     memset(mapping, 0, sizeof *mapping);
-    struct range *r = take_range();
-    if (!r)
+    mapping->slot = take_range();
+    if (mapping->slot == RANGES)
         return fxs_fail(message, "%s: more than %d files are mapped", path, (int)RANGES);
     if (map_file(mapping, path, message)) {
         if (mapping->descriptor >= 0)
             close(mapping->descriptor);
-        free_range(r);
+        free_range(mapping->slot);
         return -1;
     }
-    note_range(mapping, r);
+    note_range(mapping);
     return 0;
 }
 
 int fxs_map_check(const fxs_mapping *mapping, const char *path, fxs_message *message)
 {
     struct stat status;
-    const struct range *r = range_at((uintptr_t)mapping->data);
-    if (!r || __atomic_load_n(&r->lost, __ATOMIC_ACQUIRE) || fstat(mapping->descriptor, &status) ||
+    if (__atomic_load_n(&ranges[mapping->slot].lost, __ATOMIC_ACQUIRE) || fstat(mapping->descriptor, &status) ||
         (uintmax_t)status.st_size < mapping->bytes)
         return fxs_fail(message, "%s: was cut short while it was read", path);
     if ((uintmax_t)status.st_size != mapping->bytes || status.st_mtim.tv_sec != mapping->modified[0] ||
@@ -130,11 +142,11 @@ int fxs_map_check(const fxs_mapping *mapping, const char *path, fxs_message *mes
 
 void fxs_unmap(fxs_mapping *mapping)
 {
-    struct range *r = mapping->data ? range_at((uintptr_t)mapping->data) : 0;
-    if (!r)
+    if (!mapping->data)
         return;
+    __atomic_store_n(&ranges[mapping->slot].end, 0, __ATOMIC_RELEASE);
     munmap(mapping->data, mapping->bytes);
     close(mapping->descriptor);
-    free_range(r);
+    free_range(mapping->slot);
     memset(mapping, 0, sizeof *mapping);
 }

@@ -6,6 +6,10 @@
 
 #include <SDL2/SDL.h>
 
+#ifndef SDL_HINT_VIDEODRIVER        /* before SDL 2.0.22 */
+#define SDL_HINT_VIDEODRIVER "SDL_VIDEODRIVER"
+#endif
+
 struct fxs_window {
     SDL_Window *window;
     char *dropped;

@@ -50,8 +50,8 @@ rm -f out.fxs
 "$fixsplat" convert knot.spz plain.fxs
 for command in 'convert knot.spz out.fxs' 'convert knot.spz out.splat' 'render knot.spz --hash' 'bench knot.spz' \
     'info knot.spz' 'info knot.ply --compare knot.spz --views 1 --size 16x16'; do
-    case $command in *--compare*) least=20000 file=knot.ply ;; *) least=20000 file=knot.spz ;; esac
-    refuses "$command: --max-gaussians" "$file: 20000 $gaussians" $command --max-gaussians $((least - 1))
+    case $command in *--compare*) file=knot.ply ;; *) file=knot.spz ;; esac
+    refuses "$command: --max-gaussians" "$file: 20000 $gaussians" $command --max-gaussians 19999
     case $command in *--compare*) file=knot.spz ;; esac
     refuses "$command: --import-memory" "$file: .* $memory" $command --import-memory 100K
 done
@@ -68,8 +68,8 @@ mkfifo pipe
 mkdir folder
 for scene in pipe /dev/null /dev/zero; do
     for command in 'render % --hash' 'convert % out.fxs' 'info %' 'bench %' 'info knot.ply --compare %' \
-        'render knot.ply --hash --cameras %'; do
-        refuses "$(echo "$command" | sed "s|%|$scene|")" "$scene: not a regular file" $(echo "$command" | sed "s|%|$scene|")
+        'render knot.ply --hash --cameras %' 'compare % %'; do
+        refuses "$(echo "$command" | sed "s|%|$scene|g")" "$scene: not a regular file" $(echo "$command" | sed "s|%|$scene|g")
     done
 done
 refuses "a folder" "folder/meta.json: No such file" render folder --hash

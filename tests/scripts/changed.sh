@@ -1,6 +1,7 @@
 #!/bin/sh
 # A mapped .fxs file that is cut short or written to while it is rendered: one line and exit 1, with all the memory of a
-# frame and in bands. Frame after frame of a long bench is on its way when that happens.
+# frame and in bands. Frame after frame of a long bench is on its way when that happens. A SIGBUS that a process sends ends
+# the program as ever.
 . tests/scripts/lib/check.sh
 fixsplat=${B:-build}/fixsplat
 work=$(mktemp -d) || exit 1
@@ -18,9 +19,13 @@ ends() {
     shift 3
     cp "$work/whole.fxs" "$fxs"
     "$fixsplat" bench "$fxs" --size 200x120 --frames 10000 "$@" >"$work/out" 2>"$work/err" &
-    sleep 0.7
+    process=$!
+    until grep -q scene.fxs /proc/$process/maps 2>/dev/null || ! kill -0 $process 2>/dev/null; do
+        sleep 0.1
+    done
+    sleep 0.3
     eval "$change"
-    wait $!
+    wait $process
     status=$?
     if [ $status = 1 ] && [ ! -s "$work/out" ] && [ "$(wc -l <"$work/err")" = 1 ] &&
         grep -Eq "^fixsplat: .*($words)" "$work/err"; then
@@ -33,11 +38,18 @@ ends() {
 short='truncate -s 200000 "$fxs"'
 noise='dd if=/dev/urandom of="$fxs" bs=65536 seek=3 count=40 conv=notrunc 2>/dev/null'
 for threads in 1 2; do
-    ends "cut short, threads $threads" "cut short while it was read|changed while" "$short" --threads $threads
-    ends "cut short in bands, threads $threads" "cut short while it was read|changed while" "$short" \
+    ends "cut short, threads $threads" "cut short while it was read|changed while|damaged" "$short" --threads $threads
+    ends "cut short in bands, threads $threads" "cut short while it was read|changed while|damaged" "$short" \
         --threads $threads --max-memory 3M
-    ends "written to, threads $threads" "written to while it was read|changed while" "$noise" --threads $threads
-    ends "written to in bands, threads $threads" "written to while it was read|changed while" "$noise" \
+    ends "written to, threads $threads" "written to while it was read|changed while|damaged" "$noise" --threads $threads
+    ends "written to in bands, threads $threads" "written to while it was read|changed while|damaged" "$noise" \
         --threads $threads --max-memory 3M
 done
+"$fixsplat" bench "$work/whole.fxs" --size 200x120 --frames 10000 >"$work/out" 2>"$work/err" &
+process=$!
+sleep 0.5
+kill -BUS $process
+wait $process 2>/dev/null
+status=$?
+if [ $status = 135 ]; then ok "a SIGBUS from outside"; else fail "a SIGBUS from outside" "status $status"; fi
 finish
