@@ -240,6 +240,67 @@ static void make_linked_sog_bomb(const char *name)
     write_streamed_sog(name, go_through_links);
 }
 
+/* Scenes of their own that name the same five images, of which one has a million bytes. */
+static void make_shared_images(const char *name)
+{
+    enum { SCENES = 63, EACH = 1000000 };
+    char file[32], *json = malloc(SCENES * 128), *to = json;
+    uint8_t *image = calloc(PADDED, 1);
+    if (!CHECK(json != NULL && image != NULL))
+        return;
+    mkdir(in_folder("shared"), 0700);
+    const size_t length = flat_webp(1000, 1000, image);
+    for (int i = 0; i < 5; i++) {
+        snprintf(file, sizeof file, "shared/%s", five_names[i]);
+        write_file(file, image, i ? length : PADDED);
+    }
+    to += sprintf(to, "{\"version\":1,\"lodLevels\":1,\"filenames\":[");
+    for (int i = 0; i < SCENES; i++) {
+        snprintf(file, sizeof file, "shared/%d.json", i);
+        put_meta(EACH, five_names);
+        write_file(file, bytes, size);
+        size = 0;
+        to += sprintf(to, "%s\"%d.json\"", i ? "," : "", i);
+    }
+    to += sprintf(to, "],\"tree\":{\"children\":[");
+    for (int i = 0; i < SCENES; i++)
+        to += sprintf(to, "%s{\"lods\":{\"0\":{\"file\":%d,\"offset\":0,\"count\":%d}}}", i ? "," : "", i, EACH);
+    to += sprintf(to, "]}}");
+    write_file(name, json, (size_t)(to - json));
+    free(json);
+    free(image);
+}
+
+/* A .gltf whose buffers are all the same file of a million bytes, an .spz at its begin. */
+static void make_shared_buffer(const char *name)
+{
+    uint8_t *spz = calloc(PADDED, 1);
+    if (!CHECK(spz != NULL))
+        return;
+    const size_t length = flat_spz(100000, 0, spz, PADDED);
+    write_file("same.bin", spz, PADDED);
+    free(spz);
+    put("{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[");
+    for (int i = 0; i < 640; i++)
+        put(i ? ",%d" : "%d", i);
+    put("]}],\"nodes\":[");
+    for (int i = 0; i < 640; i++)
+        put("%s{\"mesh\":%d}", i ? "," : "", i % 64);
+    put("],\"meshes\":[");
+    for (int i = 0; i < 64; i++)
+        put("%s{\"primitives\":[{\"extensions\":{\"KHR_gaussian_splatting_compression_spz\":{\"bufferView\":%d}}}]}",
+            i ? "," : "", i);
+    put("],\"bufferViews\":[");
+    for (int i = 0; i < 64; i++)
+        put("%s{\"buffer\":%d,\"byteLength\":%zu}", i ? "," : "", i, length);
+    put("],\"buffers\":[");
+    for (int i = 0; i < 64; i++)
+        put("%s{\"byteLength\":%d,\"uri\":\"same.bin\"}", i ? "," : "", (int)PADDED);
+    put("]}");
+    write_file(name, bytes, size);
+    size = 0;
+}
+
 /* Gzip at 1032 to 1, and more with what a Gaussian takes while it is packed. */
 static void make_inflating_spz(const char *name)
 {
@@ -280,6 +341,8 @@ static const struct bomb {
     {"json.sog", "bytes of memory or more, beyond the limit of 97", make_json_sog},
     {"lod-meta.json", "s/meta.json: two leaves share Gaussian 0", make_streamed_sog_bomb},
     {"links/lod-meta.json", "s/meta.json: the same file as ", make_linked_sog_bomb},
+    {"shared/lod-meta.json", " Gaussians or more in 1", make_shared_images},
+    {"same.gltf", " Gaussians or more in 1", make_shared_buffer},
     {"inflating.spz", "4000000 Gaussians or more in ", make_inflating_spz},
     {"instances.glb", "102400000 Gaussians or more in 17", make_instances_glb},
     {"exponents.ply", NULL, make_exponents_ply}

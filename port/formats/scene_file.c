@@ -94,7 +94,8 @@ static int open_reader(fxs_scene_file *file, fxs_scene_file_info *info, fxs_mess
     const fxs_scene_source *source = &file->source;
     const int level = source->options.level;
     char head[4096] = "";
-    file->import.file_bytes = source->input.size;
+    if (fxs_import_count(source, message))
+        return -1;
     size_t size = source->input.size < sizeof head - 1 ? (size_t)source->input.size : sizeof head - 1;
     if (fxs_scene_source_read(source, 0, head, size, message))
         return -1;
@@ -112,7 +113,6 @@ static int open_reader(fxs_scene_file *file, fxs_scene_file_info *info, fxs_mess
     if (level < 0 || level >= info->levels)
         return fxs_fail(message, "%s: no level %d: levels of detail in this scene: %d", source->path, level,
                         info->levels);
-    file->import.is_open = 1;
     return fxs_limit_gaussians(source, info->count, message);
 }
 
@@ -190,6 +190,7 @@ void fxs_scene_file_close(fxs_scene_file *file)
     if (file->reader && file->format->close)
         file->format->close(file->reader);
     fxs_release(allocator, file->reader);
+    fxs_release(allocator, file->import.files);
     fxs_scene_source_close(&file->source);
     fxs_release(allocator, file);
 }

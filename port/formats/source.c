@@ -78,6 +78,62 @@ static int set_path(fxs_scene_source *source, const char *path, size_t folder, c
     return 0;
 }
 
+/* ---- Which files there are ---- */
+
+static uint64_t hash(uint64_t so_far, const void *bytes, size_t size)   /* FNV-1a (Fowler, Noll, Vo) */
+{
+    for (const unsigned char *byte = bytes; size > 0; size--, byte++)
+        so_far = (so_far ^ *byte) * 0x100000001b3u;
+    return so_far;
+}
+
+static uint64_t key_of(const fxs_scene_source *source)
+{
+    const uint64_t number[2] = {source->device, source->inode}, none = 0xcbf29ce484222325u;
+    const uint64_t key = source->inode ? hash(none, number, sizeof number)
+                                       : hash(none, source->path, strlen(source->path));
+    return key + !key;
+}
+
+/* The place of a key, or a free one for it. */
+static uint64_t *place_of(uint64_t *files, size_t room, uint64_t key)
+{
+    size_t at = (size_t)key & (room - 1);
+    while (files[at] && files[at] != key)
+        at = (at + 1) & (room - 1);
+    return &files[at];
+}
+
+/* Twice the room, so that half of it is always free. */
+static int grow(fxs_import *import, const fxs_allocator *allocator)
+{
+    const size_t room = import->room ? 2 * import->room : 64;
+    uint64_t *files = fxs_allocate_zeroed(allocator, room, sizeof *files);
+    for (size_t i = 0; files && i < import->room; i++)
+        if (import->files[i])
+            *place_of(files, room, import->files[i]) = import->files[i];
+    if (!files)
+        return -1;
+    fxs_release(allocator, import->files);
+    import->files = files;
+    import->room = room;
+    return 0;
+}
+
+int fxs_import_count(const fxs_scene_source *source, fxs_message *message)
+{
+    fxs_import *import = source->import;
+    const uint64_t key = key_of(source);
+    if (import->room && *place_of(import->files, import->room, key))
+        return 0;
+    if (2 * import->file_count >= import->room && grow(import, source->options.allocator))
+        return fxs_fail(message, "%s: out of memory", source->path);
+    *place_of(import->files, import->room, key) = key;
+    import->file_count++;
+    import->file_bytes += source->input.size;
+    return 0;
+}
+
 static size_t folder_length(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -160,9 +216,7 @@ int fxs_scene_source_open_beside(fxs_scene_source *opened, const fxs_scene_sourc
     opened->import = source->import;
     if (open_beside(opened, source, name, message))
         return -1;
-    if (opened->import && !opened->import->is_open)
-        opened->import->file_bytes += opened->input.size;
-    return 0;
+    return opened->import ? fxs_import_count(opened, message) : 0;
 }
 
 void fxs_scene_source_shut(fxs_scene_source *source)

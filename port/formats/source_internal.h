@@ -7,8 +7,9 @@
 
 /* What the sources of one scene take together, to be held against the limits of the options. */
 typedef struct fxs_import {
-    uint64_t file_bytes;              /* of all its files, as far as they are known */
-    int is_open;                      /* they are all known: files opened again do not count again */
+    uint64_t file_bytes;              /* of all its files, as far as they are known; each counts once */
+    uint64_t *files;                  /* which they are: a hash table of `room` places, a power of two; 0: free */
+    size_t file_count, room;
     uint64_t held;                    /* bytes, by fxs_hold */
     int (*drop)(void *reader);        /* lets go of something that can be had again: 1, or 0 where there is nothing */
     void *reader;
@@ -34,6 +35,10 @@ int fxs_scene_source_open_input(fxs_scene_source *source, const char *name, cons
    through symbolic links, must stay in the folder of the first file. */
 int fxs_scene_source_open_beside(fxs_scene_source *opened, const fxs_scene_source *source, const char *name,
                                  fxs_message *message);
+
+/* Counts the bytes of a file, where it is not counted yet: by whatever name, it is known by its device and inode, or, from
+   functions, by its name. Returns 0, or -1 and a message. */
+int fxs_import_count(const fxs_scene_source *source, fxs_message *message);
 
 /* Bytes in memory; `data` is not copied. */
 fxs_scene_input fxs_memory_input(const void *data, size_t size);
