@@ -165,6 +165,26 @@ int fxs_scene_source_open_beside(fxs_scene_source *opened, const fxs_scene_sourc
     return 0;
 }
 
+int fxs_scene_source_is_beside(const fxs_scene_source *source, const char *name)
+{
+    const fxs_scene_source *first = source->first ? source->first : source;
+    fxs_scene_source beside = {.options = source->options};
+    fxs_message ignored;
+    struct stat status;
+    int is_there = 0;
+    if (set_path(&beside, source->path, folder_length(source->path), name, &ignored))
+        return 0;
+    if (first->input.read == read_file)
+        is_there = lstat(beside.path, &status) == 0;
+    else if (first->input.beside)
+        is_there = first->input.beside(first->input.argument, beside.path + folder_length(first->path),
+                                       &beside.input) == 0;
+    if (!is_there)
+        memset(&beside.input, 0, sizeof beside.input);
+    fxs_scene_source_close(&beside);
+    return is_there;
+}
+
 void fxs_scene_source_shut(fxs_scene_source *source)
 {
     if (source->input.close)

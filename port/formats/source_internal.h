@@ -35,6 +35,9 @@ int fxs_scene_source_open_input(fxs_scene_source *source, const char *name, cons
 int fxs_scene_source_open_beside(fxs_scene_source *opened, const fxs_scene_source *source, const char *name,
                                  fxs_message *message);
 
+/* 1 where there is such a file, which need not be one that can be opened. */
+int fxs_scene_source_is_beside(const fxs_scene_source *source, const char *name);
+
 /* Bytes in memory; `data` is not copied. */
 fxs_scene_input fxs_memory_input(const void *data, size_t size);
 
