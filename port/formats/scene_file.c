@@ -106,9 +106,12 @@ static int open_reader(fxs_scene_file *file, fxs_scene_file_info *info, fxs_mess
         return fxs_fail(message, "%s: out of memory", source->path);
     info->format = file->format->name;
     info->levels = 1;
+    info->stored_sh_degree = 0;
     info->colour = info->sh = (fxs_grid){0, 0};
     if (file->format->open(file->reader, source, info, message) != 0)
         return -1;
+    if (info->stored_sh_degree < info->sh_degree)
+        info->stored_sh_degree = info->sh_degree;
     if (level < 0 || level >= info->levels)
         return fxs_fail(message, "%s: no level %d: levels of detail in this scene: %d", source->path, level,
                         info->levels);

@@ -29,6 +29,7 @@ typedef struct fxs_scene_file_info {
     const char *format;   /* "ply", "compressed ply", "ksplat", "sog", "splat", "spz", "gltf"; static */
     uint64_t count;       /* Gaussians in the file */
     int sh_degree;        /* 0 to 3 */
+    int stored_sh_degree; /* the same, or 4 where the coefficients of degree 4 are left out */
     int antialiased;      /* 1: opacities were fitted with the dilation compensated */
     int levels;           /* of detail that can be opened; 1 but for streamed SOG */
     fxs_grid colour;      /* of 0.5 + 0.28209479177387814 dc */

@@ -8,7 +8,8 @@ typedef struct fxs_scene_format {
     const char *name;
     size_t reader_size;   /* bytes */
     /* Is given a reader that is all 0 and a source that outlives it. Returns 0 with *info filled in, but for its
-       format, and but for its levels where there is one; or -1 and a message. Either way, close is called. */
+       format, for its levels where there is one, and for its stored SH degree where that is its SH degree; or -1 and a
+       message. Either way, close is called. */
     int (*open)(void *reader, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message);
     long (*read)(void *reader, fxs_gaussian *gaussians, size_t capacity, fxs_message *message);
     int (*rewind)(void *reader, fxs_message *message);
