@@ -225,25 +225,6 @@ static int open_data(const gltf *g, buffer *b, int index, const char *uri)
     return fxs_scene_source_open_input(&b->own, g->source->path, &input, g->message);
 }
 
-static int hex_digit(int c)
-{
-    static const char digits[] = "0123456789abcdef0123456789ABCDEF";
-    const char *at = c ? strchr(digits, c) : NULL;
-    return at ? (int)(at - digits) % 16 : -1;
-}
-
-/* Undoes %XX. */
-static void decode_percent(char *text)
-{
-    char *out = text;
-    for (; *text; text++) {
-        int high = *text == '%' ? hex_digit(text[1]) : -1, low = high < 0 ? -1 : hex_digit(text[2]);
-        *out++ = low < 0 ? *text : (char)(high << 4 | low);
-        text += low < 0 ? 0 : 2;
-    }
-    *out = '\0';
-}
-
 /* Only a file beside this one: a scene from elsewhere may not choose other files to read. */
 static int open_beside(const gltf *g, buffer *b, int index, const char *uri)
 {
@@ -251,7 +232,7 @@ static int open_beside(const gltf *g, buffer *b, int index, const char *uri)
     if (!name)
         return -1;
     strcpy(name, uri);
-    decode_percent(name);
+    fxs_decode_percent(name);
     int result = *name && !strchr(name, '/') ? fxs_scene_source_open_beside(&b->own, g->source, name, g->message)
                  : fail_item(g, "buffer", index, "a URI that is not a file name in the same folder");
     release(g, name);

@@ -17,7 +17,10 @@ typedef struct fxs_scene_format {
 } fxs_scene_format;
 
 extern const fxs_scene_format fxs_scene_ply, fxs_scene_compressed_ply, fxs_scene_ksplat, fxs_scene_sog, fxs_scene_splat,
-                              fxs_scene_spz, fxs_scene_gltf;
+                              fxs_scene_spz, fxs_scene_gltf, fxs_scene_tileset;
+
+/* The format of a file, by its first bytes. NULL: none, or a message. */
+const fxs_scene_format *fxs_scene_format_of(const fxs_scene_source *source, fxs_message *message);
 
 /* Swaps the reader of an open file for another, and the format whose functions read from it */
 void fxs_scene_file_swap(fxs_scene_file *file, const fxs_scene_format **format, void **reader);

@@ -102,37 +102,6 @@ typedef struct container {
     fxs_message *message;
 } container;
 
-/* Stays in the folder, and can be shown in one line. */
-static int name_valid(const char *name)
-{
-    for (const char *c = name; *c; c++)
-        if ((unsigned char)*c < ' ')
-            return 0;
-    return *name && *name != '/' && strncmp(name, "../", 3) != 0 && !strstr(name, "/../");
-}
-
-/* Names in a zip are checked too. */
-static int check_name(const fxs_scene_source *source, const char *name, fxs_message *message)
-{
-    return name && name_valid(name) ? 0 : fxs_fail(message, "%s: a file name that is missing, leaves the folder or has "
-                                                   "control characters", source->path);
-}
-
-/* The order of paths, in which "a/b", "a//b" and "./a/b" are the same. */
-static int compare_paths(const char *a, const char *b)
-{
-    for (;;) {
-        while (*a == '/' || (a[0] == '.' && a[1] == '/'))
-            a++;
-        while (*b == '/' || (b[0] == '.' && b[1] == '/'))
-            b++;
-        for (; *a && *a == *b && *a != '/'; a++)
-            b++;
-        if (*a != *b || !*a)
-            return (unsigned char)*a - (unsigned char)*b;
-    }
-}
-
 static int load_beside(const fxs_scene_source *source, const char *name, fxs_text *text, fxs_message *message)
 {
     fxs_scene_source beside;
@@ -145,7 +114,7 @@ static int load_beside(const fxs_scene_source *source, const char *name, fxs_tex
 
 static int load_file(const container *c, const char *name, fxs_text *text)
 {
-    if (check_name(c->source, name, c->message) != 0)
+    if (fxs_check_name(c->source, name, c->message) != 0)
         return -1;
     return c->zip ? fxs_zip_load(c->zip, name, text, c->message)
                   : load_beside(c->source, name, text, c->message);
@@ -278,7 +247,7 @@ static int load_image(sog_scene *s, const container *c, int image, const char *n
 static int load_named_image(sog_scene *s, const container *c, int image, const char *names[IMAGES], const char *name)
 {
     for (int i = 0; i < image && name; i++)
-        if (names[i] && compare_paths(names[i], name) == 0)
+        if (names[i] && fxs_compare_names(names[i], name) == 0)
             return fxs_fail(c->message, "%s: %s: the file of two images", c->source->path, name);
     names[image] = name;
     return load_image(s, c, image, name);
@@ -483,7 +452,7 @@ static int compare_ranges(const void *a, const void *b)
 static int compare_names(const void *a, const void *b)
 {
     const file_name *x = a, *y = b;
-    int order = compare_paths(x->name, y->name);
+    int order = fxs_compare_names(x->name, y->name);
     return order ? order : (x->file > y->file) - (x->file < y->file);
 }
 
@@ -506,7 +475,7 @@ static int list_names(sog_reader *r, fxs_message *message)
     if (count > 0)
         qsort(sorted, count, sizeof *sorted, compare_names);
     for (i = 1; i < count; i++)
-        if (compare_paths(sorted[i - 1].name, sorted[i].name) == 0)
+        if (fxs_compare_names(sorted[i - 1].name, sorted[i].name) == 0)
             r->names[sorted[i].file].file = r->names[sorted[i - 1].file].file;
     fxs_release(r->source->options.allocator, sorted);
     r->file_count = count;
@@ -592,7 +561,7 @@ static int open_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_messag
     const char *name = r->names[file].name;
     s->own.options = r->source->options;
     s->own.import = r->source->import;
-    return check_name(r->source, name, message) ? -1 : fxs_scene_source_open_beside(&s->own, r->source, name, message);
+    return fxs_check_name(r->source, name, message) ? -1 : fxs_scene_source_open_beside(&s->own, r->source, name, message);
 }
 
 /* Links can give one file many names. */

@@ -35,6 +35,17 @@ int fxs_scene_source_open_input(fxs_scene_source *source, const char *name, cons
 int fxs_scene_source_open_beside(fxs_scene_source *opened, const fxs_scene_source *source, const char *name,
                                  fxs_message *message);
 
+/* ---- Names of files beside ---- */
+
+/* Whether a name (NULL: none) stays in the folder and can be shown in one line. Returns 0, or -1 and a message. */
+int fxs_check_name(const fxs_scene_source *source, const char *name, fxs_message *message);
+
+/* The order of names, in which "a/b", "a//b" and "./a/b" are the same. */
+int fxs_compare_names(const char *a, const char *b);
+
+/* Undoes %XX of a URI, in place. */
+void fxs_decode_percent(char *text);
+
 /* 1 where there is such a file, which need not be one that can be opened. */
 int fxs_scene_source_is_beside(const fxs_scene_source *source, const char *name);
 
