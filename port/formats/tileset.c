@@ -29,7 +29,7 @@ typedef struct matrix {
 /* A file that a tile names. */
 typedef struct content {
     char *name;                /* from the folder of the first tileset */
-    matrix rows;               /* from its own frame to the tileset's, z up */
+    matrix up, tile;           /* from its own frame to the tile's, and from there to the tileset's, z up */
     int nesting, is_tileset;
     uint64_t device, inode;    /* where it was opened by its path; else 0 */
     uint64_t count;
@@ -148,7 +148,8 @@ static int add_content(tileset *t, const index_file *from, const cJSON *item, co
     if (fxs_check_name(t->source, name + from->folder, t->message))
         return -1;
     c->nesting = from->nesting + 1;
-    c->rows = multiply(tile, &from->up);
+    c->tile = *tile;
+    c->up = from->up;
     return 1;
 }
 
@@ -291,7 +292,7 @@ static int list_content(tileset *t, size_t index, const fxs_scene_source *source
         return fail(t, source->path, "tilesets nested too deep");
     const char *slash = strrchr(c->name, '/');
     index_file from = {source->path, slash ? (size_t)(slash + 1 - c->name) : 0, c->name, c->nesting, identity};
-    const matrix above = c->rows;
+    const matrix above = c->tile;
     c->is_tileset = 1;
     return list_tiles(t, &from, source, &above);
 }
@@ -344,7 +345,8 @@ static int open_content(tileset *t, fxs_scene_file_info *info)
 {
     content *c = &t->contents[t->at];
     const uint64_t file_bytes = t->source->import->file_bytes;   /* this file's are among them */
-    matrix frame = multiply(&t->frame, &c->rows);
+    const matrix tile = multiply(&t->frame, &c->tile);
+    matrix frame = multiply(&tile, &c->up);
     if (fxs_scene_source_open_beside(&c->source, t->source, c->name, t->message)) {
         close_content(t, c);
         return -1;
