@@ -11,7 +11,7 @@ trap 'rm -rf "$work"' EXIT
 sources_of() {
     case $1 in
     fuzz_scene | fuzz_sog | fuzz_spz | fuzz_gltf)
-        set -- scene_file byte_reader ply_header ply compressed_ply ksplat sog splat spz gltf transform zip ;;
+        set -- scene_file byte_reader ply_header ply compressed_ply ksplat sog splat spz gltf tileset transform zip ;;
     fuzz_camera) set -- camera_file camera_json camera_colmap ;;
     esac
     printf 'port/formats/%s.c ' "$@" text source allocator message
@@ -145,7 +145,7 @@ sog() {
     for width in 0 0 0 0 0 277 0; do
         part "RIFF\36\0\0\0WEBPVP8L\21\0\0\0/\\$width\0\0\20\7P\344\42\27\271\375\201\210\350\177\0\0"
     done
-    part "$4"
+    part '' && part "$4"
 }
 
 seeds_of_sog() {
@@ -165,6 +165,22 @@ seeds_of_sog() {
 '!\0C\277\246\243\2\0\0\0\2\0\0\0\11\0\0\0\0\0\0\0\0\0\0\0\200\1\0\0\0\0meta.json'\
 'PK\5\6\0\0\0\0\1\0\1\0\067\0\0\0)\0\0\0\0\0'
     sog "$zip" '' '{"lodLevels":2,"filenames":["a.sog"],"tree":{"lods":{"1":{"file":0,"offset":0,"count":1}}}}' "$zip" >zip
+    {
+        part '' && part '' && part ''
+        attributes='"POSITION":0,"_ROTATION":1,"_SCALE":0,"COLOR_0":1'
+        accessor='{"bufferView":0,"componentType":5126,"count":1,"type":"VEC'
+        part '{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{'"$(
+            )"'"extensions":{"KHR_gaussian_splatting":{}},"attributes":{'"$attributes"'}}]}],"buffers":[{'"$(
+            )"'"byteLength":16,"uri":"data:;base64,AACAPwAAgD8AAIA/AACAPw=="}],"bufferViews":[{"buffer":0,'"$(
+            )"'"byteLength":16}],"accessors":['"$accessor"'3"},'"$accessor"'4"}]}'
+        part '{"asset":{"version":"1.0"},"geometricError":1,"root":{"content":{"url":"0"},"children":[]}}'
+        for name in 2 3 4 5 6; do
+            part ''
+        done
+        part '{"asset":{"version":"1.1"},"geometricError":1,"root":{"refine":"ADD","children":[{"refine":"REPLACE",'"$(
+            )"'"transform":[1,0,0,0,0,1,0,0,0,0,1,0,1e7,2,3,1],"contents":[{"uri":"%%31"}]}]}}'
+        part ''
+    } >tiles
 }
 
 # ---- Run -------------------------------------------------------------------------------------------------------------

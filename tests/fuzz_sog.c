@@ -1,6 +1,6 @@
 /* libFuzzer target: bytes as the files of a folder, each after its size of two bytes, for a .sog as a zip, as files and
-   streamed. The last file is there where it has bytes. What opens is read whole, rewound, and read again with the same
-   result. */
+   streamed, and for a tileset. The environment is there where it has bytes. What opens is read whole, rewound, and read
+   again with the same result. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,7 +8,8 @@
 
 static struct file { const char *name; const uint8_t *data; size_t size; } files[] = {
     {"a.sog", NULL, 0}, {"meta.json", NULL, 0}, {"lod-meta.json", NULL, 0}, {"0", NULL, 0}, {"1", NULL, 0},
-    {"2", NULL, 0}, {"3", NULL, 0}, {"4", NULL, 0}, {"5", NULL, 0}, {"6", NULL, 0}, {"environment.sog", NULL, 0}
+    {"2", NULL, 0}, {"3", NULL, 0}, {"4", NULL, 0}, {"5", NULL, 0}, {"6", NULL, 0}, {"tileset.json", NULL, 0},
+    {"environment.sog", NULL, 0}
 };
 
 enum { FILES = sizeof files / sizeof *files };
@@ -87,5 +88,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     read_scene("meta.json", 0);
     read_scene("lod-meta.json", 0);
     read_scene("lod-meta.json", 1);
+    read_scene("tileset.json", 0);
     return 0;
 }
