@@ -164,7 +164,8 @@ seeds_of_sog() {
     zip='PK\3\4\24\0\0\0\0\0\0\0!\0C\277\246\243\2\0\0\0\2\0\0\0\11\0\0\0meta.json{}PK\1\2\24\3\24\0\0\0\0\0\0\0'\
 '!\0C\277\246\243\2\0\0\0\2\0\0\0\11\0\0\0\0\0\0\0\0\0\0\0\200\1\0\0\0\0meta.json'\
 'PK\5\6\0\0\0\0\1\0\1\0\067\0\0\0)\0\0\0\0\0'
-    sog "$zip" '' '{"lodLevels":2,"filenames":["a.sog"],"tree":{"lods":{"1":{"file":0,"offset":0,"count":1}}}}' "$zip" >zip
+    run='{"file":0,"offset":0,"count":1}'
+    sog "$zip" '' '{"lodLevels":2,"filenames":["a.sog"],"tree":{"lods":{"1":'"$run"'}}}' "$zip" >zip
     {
         part '' && part '' && part ''
         attributes='"POSITION":0,"_ROTATION":1,"_SCALE":0,"COLOR_0":1'

@@ -360,7 +360,8 @@ static void extreme_values(void)
 static void log_scales(void)
 {
     static const struct { int type, normalized; double low, step; } types[] = {
-        {FLOAT, 0, -9, 0.03125}, {BYTE, 0, -9, 1}, {SHORT, 0, -9, 1}, {BYTE, 1, -1, 2 / 127.0}, {SHORT, 1, -1, 2 / 32767.0}
+        {FLOAT, 0, -9, 0.03125}, {BYTE, 0, -9, 1}, {SHORT, 0, -9, 1}, {BYTE, 1, -1, 2 / 127.0},
+        {SHORT, 1, -1, 2 / 32767.0}
     };
     for (int t = 0; t < 5; t++) {
         add_all(0);

@@ -253,8 +253,8 @@ static void transforms(void)
 {
     put_glb("1.glb", 1, 2);
     put_glb("2.glb", 2, 2);
-    put_tiles("tileset.json", "{" BOX MOVE(10, 20, 30) "\"refine\":\"ADD\"," CONTENT("1.glb") ",\"children\":[{" BOX TURN
-              CONTENT("2.glb") "}]}");
+    put_tiles("tileset.json", "{" BOX MOVE(10, 20, 30) "\"refine\":\"ADD\"," CONTENT("1.glb") ",\"children\":[{" BOX
+              TURN CONTENT("2.glb") "}]}");
     if (CHECK(read_scene("tileset.json") == 4)) {
         CHECK(is_at(&out[1], 10 + 5 - 2, 20 + 6 + 4, 30 + 7 + 0.5));
         CHECK(is_at(&out[3], 11, 21, 30.25));

@@ -1,7 +1,7 @@
-/* .glb and .gltf with KHR_gaussian_splatting (Khronos), plain or with an .spz in a bufferView. The Gaussians come in the
-   frame of a .ply, y down: x and y of glTF change their signs. A colorSpace of linear light is refused: its Gaussians
-   are blended before they are encoded, so that no colours of an sRGB scene are the same picture. Drafts of the extension
-   are read as well: SCALE as logarithms (February 2026), _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
+/* .glb and .gltf with KHR_gaussian_splatting (Khronos), plain or with an .spz in a bufferView. The Gaussians come in
+   the frame of a .ply, y down: x and y of glTF change their signs. A colorSpace of linear light is refused: such
+   Gaussians are blended before they are encoded, so that no colours blended in sRGB make the same picture. Drafts of the
+   extension are read too: SCALE as logarithms (February 2026), _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
 #include "scene_format.h"
 
 #ifdef FXS_WITH_CJSON

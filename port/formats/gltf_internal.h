@@ -4,8 +4,8 @@
 
 #include "scene_format.h"
 
-/* As fxs_scene_gltf opens, but with what is read in a frame of the caller's, to which these rows map the file's (x right,
-   y up, z back); a scene without Gaussians is none that fails; and another reader answers for the import's memory. */
+/* As fxs_scene_gltf opens, but: what is read comes in a frame to which these rows map the file's own (x right, y up, z
+   back); a scene without Gaussians is opened too; and another reader answers for the import's memory. */
 int fxs_gltf_open(void *reader, const fxs_scene_source *source, double frame[3][4], fxs_scene_file_info *info,
                   fxs_message *message);
 

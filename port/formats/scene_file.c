@@ -68,8 +68,8 @@ const fxs_scene_format *fxs_scene_format_of(const fxs_scene_source *source, fxs_
         return &fxs_scene_sog;
     if (fxs_is_splat(source))
         return &fxs_scene_splat;
-    fxs_fail(message, "%s: not a scene file of a known format (.ply, .spz, .glb, .gltf, .sog, .ksplat, tileset.json; or .splat: "
-             "whole records of 32 bytes, finite positions, scales of 0 or more)", source->path);
+    fxs_fail(message, "%s: not a scene file of a known format (.ply, .spz, .glb, .gltf, .sog, .ksplat, tileset.json; "
+             "or .splat: whole records of 32 bytes, finite positions, scales of 0 or more)", source->path);
     return NULL;
 }
 

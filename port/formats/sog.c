@@ -561,7 +561,9 @@ static int open_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_messag
     const char *name = r->names[file].name;
     s->own.options = r->source->options;
     s->own.import = r->source->import;
-    return fxs_check_name(r->source, name, message) ? -1 : fxs_scene_source_open_beside(&s->own, r->source, name, message);
+    if (fxs_check_name(r->source, name, message) != 0)
+        return -1;
+    return fxs_scene_source_open_beside(&s->own, r->source, name, message);
 }
 
 /* Links can give one file many names. */

@@ -1,6 +1,6 @@
-/* tileset.json: 3D Tiles 1.0 and 1.1 (OGC 18-053r2, 22-025r4) with explicit tiles, whose contents are .glb and .gltf files
-   or other tilesets. What is drawn is the finest: the contents of each tile that is refined by ADD, and those of a tile
-   that is refined by REPLACE where no tile below it has any. Bounding volumes and geometric errors are not looked at.
+/* tileset.json: 3D Tiles 1.0 and 1.1 (OGC 18-053r2, 22-025r4) with explicit tiles, whose contents are .glb and .gltf
+   files or other tilesets. What is drawn is the finest: the contents of each tile that is refined by ADD, and those of a
+   tile that is refined by REPLACE where no tile below it has any. Bounding volumes and errors are not looked at.
    A tileset is z up and its contents y up; the Gaussians come as those of a content alone do. A tileset on the globe is
    put into the frame of the first tile that lies there, as floats have half a metre left at the Earth's radius. */
 #include "scene_format.h"
@@ -325,7 +325,8 @@ static void close_content(tileset *t, content *c)
     fxs_scene_source_close(&c->source);
 }
 
-/* An fxs_import's drop: what was decompressed last, then the content that was opened last, but for what is being read. */
+/* An fxs_import's drop: something that was decompressed, then a content that is open, from the last on; but nothing that
+   is being read. */
 static int drop_another(void *handle)
 {
     tileset *t = handle;
