@@ -398,6 +398,35 @@ static void log_scales(void)
     }
 }
 
+/* Of two primitives, one has the SCALE 0 to 2, all of which could be linear, the other what shows that they are not. */
+static void log_scales_of_a_file(void)
+{
+    static char whole[MAX_TEXT];
+    double low[3 * COUNT], high[3 * COUNT];
+    for (int i = 0; i < 3 * COUNT; i++) {
+        low[i] = -1 - i % 3;
+        high[i] = i % 3;
+    }
+    add_all(0);
+    clear();
+    add("POSITION", 3, FLOAT, 0, 0, position);
+    add("ROTATION", 4, FLOAT, 0, 0, rotation);
+    add("SCALE", 3, FLOAT, 0, 0, high);
+    add("OPACITY", 1, FLOAT, 0, 0, opacity);
+    add_sh(0);
+    add("OTHER", 3, FLOAT, 0, 0, low);
+    write_json("{\"mesh\":0}", extension, "");
+    const char *first = strstr(json, "{\"mode\""), *end = strstr(json, "]}],\"accessors\"");
+    const char *at = strstr(json, ":SCALE\":2");
+    snprintf(whole, sizeof whole, "%.*s,%.*s:SCALE\":5%s", (int)(end - json), json, (int)(at - first), first,
+             at + strlen(":SCALE\":2"));
+    strcpy(json, whole);
+    expect_read(read_glb(), 2 * COUNT);
+    for (int i = 0; i < COUNT; i++)
+        CHECK(out[i].scale[0] + out[i].scale[1] + out[i].scale[2] == 3 &&
+              out[COUNT + i].scale[0] + out[COUNT + i].scale[1] + out[COUNT + i].scale[2] == -6);
+}
+
 /* The names and the colour of Cesium's draft of 2024. */
 static void draft_names(void)
 {
@@ -826,6 +855,7 @@ int main(void)
     RUN(every_type);
     RUN(extreme_values);
     RUN(log_scales);
+    RUN(log_scales_of_a_file);
     RUN(draft_names);
     RUN(colour_spaces);
     RUN(transforms);

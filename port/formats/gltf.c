@@ -429,23 +429,18 @@ static int read_attributes(gltf *g, const splats *s, fxs_gaussian *gaussians, si
     return 0;
 }
 
-/* Scales are linear and not below 0. In a draft they were logarithms, which signed integers are therefore; and floats
-   where a quarter of the Gaussians have one below 0, as nearly all logarithms of captured scenes are. */
-static int find_log_scales(gltf *g, splats *s)
+/* Counts the Gaussians with a scale below 0. */
+static int count_below(gltf *g, const accessor *a, uint64_t *below)
 {
-    const accessor *a = &s->attributes[SCALE];
-    uint32_t below = 0;
-    s->has_log_scales = a->type == BYTE || a->type == SHORT;
-    for (uint32_t at = 0; a->type == FLOAT && at < a->count; at += BATCH) {
+    for (uint32_t at = 0; at < a->count; at += BATCH) {
         const uint32_t count = a->count - at < BATCH ? a->count - at : BATCH;
         if (read_bytes(g, &a->bytes, (uint64_t)at * a->stride, g->bytes, (count - 1) * a->stride + a->size))
             return -1;
         for (uint32_t k = 0; k < count; k++) {
             const uint8_t *scale = g->bytes + k * a->stride;
-            below += fxs_load_float(scale) < 0 || fxs_load_float(scale + 4) < 0 || fxs_load_float(scale + 8) < 0;
+            *below += fxs_load_float(scale) < 0 || fxs_load_float(scale + 4) < 0 || fxs_load_float(scale + 8) < 0;
         }
     }
-    s->has_log_scales |= below > 0 && below >= (a->count + 3) / 4;
     return 0;
 }
 
@@ -720,13 +715,25 @@ static int enter(gltf *g, int index)
     return 0;
 }
 
-/* Of the primitives that are in the scene, whose number of Gaussians is known to be within the limit. */
-static int find_all_log_scales(gltf *g)
+/* Scales are linear and not below 0. In a draft they were logarithms, which signed integers are therefore; and the
+   file's floats, where a quarter of its Gaussians have one below 0, as nearly all logarithms of captured scenes are. The
+   number of Gaussians is known to be within the limit. */
+static int find_log_scales(gltf *g)
 {
+    uint64_t below = 0, count = 0;
     for (int i = 0; i < g->parts_count; i++) {
         splats *s = &g->splats[g->parts[i].splats];
-        if (!s->spz.buffer && !s->scales_known++ && find_log_scales(g, s))
+        const accessor *a = &s->attributes[SCALE];
+        if (s->spz.buffer || a->type != FLOAT || s->scales_known++)
+            continue;
+        count += a->count;
+        if (count_below(g, a, &below))
             return -1;
+    }
+    for (int i = 0; i < g->splats_count; i++) {
+        splats *s = &g->splats[i];
+        const int type = s->attributes[SCALE].type;
+        s->has_log_scales = type == BYTE || type == SHORT || (type == FLOAT && below > 0 && below >= (count + 3) / 4);
     }
     return 0;
 }
@@ -747,7 +754,7 @@ static int describe(gltf *g, fxs_scene_file_info *info)
     }
     if (info->count > MAX_COUNT)
         return fxs_fail(g->message, "%s: more than %d Gaussians", g->source->path, MAX_COUNT);
-    if (fxs_limit_gaussians(g->source, info->count, g->message) || find_all_log_scales(g))
+    if (fxs_limit_gaussians(g->source, info->count, g->message) || find_log_scales(g))
         return -1;
     return enter(g, 0);
 }
