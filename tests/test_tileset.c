@@ -471,6 +471,19 @@ static void changed_while_open(void)
     fxs_scene_file_close(file);
 }
 
+/* A small file that names very many others. */
+static void too_many_contents(void)
+{
+    static char tiles[1 << 19];
+    size_t at = (size_t)sprintf(tiles, "{\"asset\":{\"version\":\"1.0\"},\"geometricError\":1,\"root\":"
+                                "{\"contents\":[");
+    for (int i = 0; i <= 16384; i++)
+        at += (size_t)sprintf(tiles + at, "%s{\"uri\":\"%d\"}", i ? "," : "", i);
+    at += (size_t)sprintf(tiles + at, "]}}");
+    put_file("tileset.json", tiles, at);
+    check_fails("tileset.json: more than 16384 contents of tiles");
+}
+
 static int stop_at_once(void *argument, double done)
 {
     (void)argument;
@@ -505,6 +518,7 @@ static void run_tests(void)
     RUN(many_contents);
     RUN(bytes_count_once);
     RUN(changed_while_open);
+    RUN(too_many_contents);
     RUN(stopped);
     RUN(from_memory);
 }
