@@ -199,6 +199,24 @@ static inline void make_gltf(void)
     add_file("b1.bin");
 }
 
+/* Both of them, one in a tileset of its own. */
+static inline void make_tileset(void)
+{
+    put("{\"asset\":{\"version\":\"1.1\"},\"geometricError\":9,\"root\":{\"refine\":\"ADD\",\"content\":{\"uri\":"
+        "\"a.glb\"},\"children\":[{\"content\":{\"uri\":\"t/more.json\"}}]}}");
+    add_file("tileset.json");
+    put("{\"asset\":{\"version\":\"1.0\"},\"geometricError\":9,\"root\":{\"refine\":\"REPLACE\",\"transform\":"
+        "[0,2,0,0,-2,0,0,0,0,0,2,0,5,6,7,1],\"content\":{\"uri\":\"a%%2Egltf\"}}}");
+    add_file("t/more.json");
+    make_glb();
+    const int first = file_count;
+    make_gltf();
+    for (int i = first; i < file_count; i++) {
+        memmove(files[i].name + 2, files[i].name, sizeof files->name - 2);
+        memcpy(files[i].name, "t/", 2);
+    }
+}
+
 #endif
 
 /* ---- SOG ------------------------------------------------------------------------------------------------------- */
@@ -283,7 +301,7 @@ static const struct made_format { const char *name; void (*make)(void); int is_s
     {"spz", make_zstd_spz, 0},
 #endif
 #ifdef FXS_WITH_CJSON
-    {"gltf", make_glb, 0}, {"gltf", make_gltf, 1},
+    {"gltf", make_glb, 0}, {"gltf", make_gltf, 1}, {"tileset", make_tileset, 1},
 #endif
 #ifdef WITH_SOG
     {"sog", make_sog_folder, 1}, {"sog", make_streamed_sog, 1},

@@ -131,12 +131,13 @@ part() {
     rm part
 }
 
-# sog ZIP META INDEX: with images of one pixel, and a palette of one row
+# sog ZIP META INDEX ENVIRONMENT: with images of one pixel, and a palette of one row
 sog() {
     part "$1" && part "$2" && part "$3"
     for width in 0 0 0 0 0 277 0; do
         part "RIFF\36\0\0\0WEBPVP8L\21\0\0\0/\\$width\0\0\20\7P\344\42\27\271\375\201\210\350\177\0\0"
     done
+    part '' && part "$4"
 }
 
 seeds_of_sog() {
@@ -146,15 +147,33 @@ seeds_of_sog() {
     leaf='"lods":{"0":{"file":0,"offset":0,"count":1},"1":{"file":0,"offset":0,"count":0}}'
     sog '' "{$means,\"scales\":{$ends,\"files\":[\"2\"]},
         \"sh0\":{\"mins\":[1,2,3,4],\"maxs\":[2,3,4,5],\"files\":[\"4\"]},
-        \"shN\":{\"mins\":0,\"maxs\":1,\"files\":[\"5\",\"6\"]}}" '' >first
+        \"shN\":{\"mins\":0,\"maxs\":1,\"files\":[\"5\",\"6\"]}}" '' '' >first
     sog '' "{\"version\":2,\"count\":1,$means,\"scales\":{$codebook,\"files\":[\"2\"]},\"antialias\":true,
         \"sh0\":{$codebook,\"files\":[\"4\"]},
         \"shN\":{\"count\":9,\"bands\":1,$codebook,\"files\":[\"5\",\"6\"]}}" \
         "{\"version\":1,\"lodLevels\":2,\"environment\":\"meta.json\",\"filenames\":[\"meta.json\"],
-        \"tree\":{\"children\":[{$leaf},{}]}}" >second
-    sog 'PK\3\4\24\0\0\0\0\0\0\0!\0C\277\246\243\2\0\0\0\2\0\0\0\11\0\0\0meta.json{}PK\1\2\24\3\24\0\0\0\0\0\0\0'\
+        \"tree\":{\"children\":[{$leaf},{}]}}" '' >second
+    zip='PK\3\4\24\0\0\0\0\0\0\0!\0C\277\246\243\2\0\0\0\2\0\0\0\11\0\0\0meta.json{}PK\1\2\24\3\24\0\0\0\0\0\0\0'\
 '!\0C\277\246\243\2\0\0\0\2\0\0\0\11\0\0\0\0\0\0\0\0\0\0\0\200\1\0\0\0\0meta.json'\
-'PK\5\6\0\0\0\0\1\0\1\0\067\0\0\0)\0\0\0\0\0' '' '' >zip
+'PK\5\6\0\0\0\0\1\0\1\0\067\0\0\0)\0\0\0\0\0'
+    run='{"file":0,"offset":0,"count":1}'
+    sog "$zip" '' '{"lodLevels":2,"filenames":["a.sog"],"tree":{"lods":{"1":'"$run"'}}}' "$zip" >zip
+    {
+        part '' && part '' && part ''
+        attributes='"POSITION":0,"_ROTATION":1,"_SCALE":0,"COLOR_0":1'
+        accessor='{"bufferView":0,"componentType":5126,"count":1,"type":"VEC'
+        part '{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{'"$(
+            )"'"extensions":{"KHR_gaussian_splatting":{}},"attributes":{'"$attributes"'}}]}],"buffers":[{'"$(
+            )"'"byteLength":16,"uri":"data:;base64,AACAPwAAgD8AAIA/AACAPw=="}],"bufferViews":[{"buffer":0,'"$(
+            )"'"byteLength":16}],"accessors":['"$accessor"'3"},'"$accessor"'4"}]}'
+        part '{"asset":{"version":"1.0"},"geometricError":1,"root":{"content":{"url":"0"},"children":[]}}'
+        for name in 2 3 4 5 6; do
+            part ''
+        done
+        part '{"asset":{"version":"1.1"},"geometricError":1,"root":{"refine":"ADD","children":[{"refine":"REPLACE",'"$(
+            )"'"transform":[1,0,0,0,0,1,0,0,0,0,1,0,1e7,2,3,1],"contents":[{"uri":"%%31"}]}]}}'
+        part ''
+    } >tiles
 }
 
 # fxs FLAGS NAME...: the control bytes of tests/fuzz_frame.h, each flags and a few more, then the file NAME, if any

@@ -356,6 +356,138 @@ static void extreme_values(void)
     CHECK(!isfinite(out[0].scale[1]) && out[0].opacity == -20 && out[1].opacity == 20 && out[2].opacity == 20);
 }
 
+/* SCALE of drafts: logarithms as floats, and as signed integers; by their names of now and then. */
+static void log_scales(void)
+{
+    static const struct { int type, normalized; double low, step; } types[] = {
+        {FLOAT, 0, -9, 0.03125}, {BYTE, 0, -9, 1}, {SHORT, 0, -9, 1}, {BYTE, 1, -1, 2 / 127.0},
+        {SHORT, 1, -1, 2 / 32767.0}
+    };
+    for (int t = 0; t < 5; t++) {
+        add_all(0);
+        clear();
+        for (int i = 0; i < 3 * COUNT; i++) {
+            scale[i] = types[t].low + types[t].step * (i % 10);
+            scale[i] = types[t].normalized ? floor(scale[i] * (t == 3 ? 127 : 32767) + 0.5) / (t == 3 ? 127 : 32767)
+                       : scale[i];
+        }
+        add("POSITION", 3, FLOAT, 0, 0, position);
+        add("ROTATION", 4, FLOAT, 0, 0, rotation);
+        add("SCALE", 3, types[t].type, types[t].normalized, 1, scale);
+        add("OPACITY", 1, FLOAT, 0, 0, opacity);
+        add_sh(0);
+        write_json("{\"mesh\":0}", extension, "");
+        expect_read(read_glb(), COUNT);
+        for (int i = 0; i < 3 * COUNT; i++)
+            scale[i] = exp(scale[i]);
+        check_gaussians(out, identity, nowhere, identity, 1e-5);
+    }
+    for (int below = 1; below <= 2; below++) {   /* one of five below 0 is bad, two are logarithms */
+        add_all(0);
+        clear();
+        for (int i = 0; i < below; i++)
+            scale[3 * i] = -1;
+        add("POSITION", 3, FLOAT, 0, 0, position);
+        add("ROTATION", 4, FLOAT, 0, 0, rotation);
+        add("SCALE", 3, FLOAT, 0, 0, scale);
+        add("OPACITY", 1, FLOAT, 0, 0, opacity);
+        add_sh(0);
+        write_json("{\"mesh\":0}", extension, "");
+        expect_read(read_glb(), COUNT);
+        CHECK(isfinite(out[0].scale[0]) == (below == 2));
+    }
+}
+
+/* Of two primitives, one has the SCALE 0 to 2, all of which could be linear, the other what shows that they are not. */
+static void log_scales_of_a_file(void)
+{
+    static char whole[MAX_TEXT];
+    double low[3 * COUNT], high[3 * COUNT];
+    for (int i = 0; i < 3 * COUNT; i++) {
+        low[i] = -1 - i % 3;
+        high[i] = i % 3;
+    }
+    add_all(0);
+    clear();
+    add("POSITION", 3, FLOAT, 0, 0, position);
+    add("ROTATION", 4, FLOAT, 0, 0, rotation);
+    add("SCALE", 3, FLOAT, 0, 0, high);
+    add("OPACITY", 1, FLOAT, 0, 0, opacity);
+    add_sh(0);
+    add("OTHER", 3, FLOAT, 0, 0, low);
+    write_json("{\"mesh\":0}", extension, "");
+    const char *first = strstr(json, "{\"mode\""), *end = strstr(json, "]}],\"accessors\"");
+    const char *at = strstr(json, ":SCALE\":2");
+    snprintf(whole, sizeof whole, "%.*s,%.*s:SCALE\":5%s", (int)(end - json), json, (int)(at - first), first,
+             at + strlen(":SCALE\":2"));
+    strcpy(json, whole);
+    expect_read(read_glb(), 2 * COUNT);
+    for (int i = 0; i < COUNT; i++)
+        CHECK(out[i].scale[0] + out[i].scale[1] + out[i].scale[2] == 3 &&
+              out[COUNT + i].scale[0] + out[COUNT + i].scale[1] + out[COUNT + i].scale[2] == -6);
+}
+
+/* The names and the colour of Cesium's draft of 2024. */
+static void draft_names(void)
+{
+    static const struct { int type, normalized; double error; } colours[] = {
+        {UBYTE, 1, 0.51 / 255}, {USHORT, 1, 0.51 / 65535}, {FLOAT, 0, 1e-6}
+    };
+    double rgba[4 * COUNT];
+    for (int t = 0; t < 3; t++) {
+        char *at;
+        add_all(0);
+        clear();
+        for (int i = 0; i < COUNT; i++) {
+            for (int c = 0; c < 3; c++) {
+                rgba[4 * i + c] = 0.1 + 0.05 * i + 0.2 * c;
+                sh[0][3 * i + c] = 0;
+            }
+            rgba[4 * i + 3] = opacity[i];
+        }
+        add("POSITION", 3, FLOAT, 0, 0, position);
+        add("ROTATION", 4, FLOAT, 0, 0, rotation);
+        add("SCALE", 3, FLOAT, 0, 0, scale);
+        add("COLOR_0", 4, colours[t].type, colours[t].normalized, 0, rgba);
+        while ((at = strstr(attributes, "KHR_gaussian_splatting:"))) {
+            char *name = at + strlen("KHR_gaussian_splatting:");
+            *at = '_';
+            memmove(strncmp(name, "COLOR", 5) ? at + 1 : at, name, strlen(name) + 1);
+        }
+        write_json("{\"mesh\":0}", "\"KHR_gaussian_splatting\":{\"quantizedPositionScale\":1.0}", "");
+        expect_read(read_glb(), COUNT);
+        for (int i = 0; i < COUNT; i++)
+            for (int c = 0; c < 3; c++) {
+                CHECK(fabs(0.5 + 0.28209479177387814 * (double)out[i].dc[c] - rgba[4 * i + c]) < colours[t].error);
+                out[i].dc[c] = 0;
+            }
+        check_gaussians(out, identity, nowhere, identity, colours[t].error + 1e-6);
+        CHECK(info.sh_degree == 0 && info.stored_sh_degree == 0);
+        write_json("{\"mesh\":0}", "\"KHR_gaussian_splatting\":{\"quantizedPositionScale\":13.2}", "");
+        check_fails("a quantizedPositionScale (of a draft) is not read");
+    }
+}
+
+/* Only what is blended in sRGB is drawn; where nothing is said, as beside an .spz, it is. */
+static void colour_spaces(void)
+{
+    static const struct { const char *text; int fails; } cases[] = {
+        {"\"colorSpace\":\"srgb_rec709_display\"", 0}, {"\"kernel\":\"ellipse\"", 0},
+        {"\"colorSpace\":\"BT.709-srgb\"", 0}, {"\"colorSpace\":\"lin_rec709_display\"", 1},
+        {"\"colorSpace\":\"BT.709-linear\"", 1}, {"\"colorSpace\":\"linear\"", 1}, {"\"colorSpace\":\"\"", 1}
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[100];
+        snprintf(text, sizeof text, "\"KHR_gaussian_splatting\":{%s}", cases[i].text);
+        add_all(1);
+        write_json("{\"mesh\":0}", text, "");
+        if (cases[i].fails)
+            check_fails("\" is not drawn: Gaussians are blended in sRGB only");
+        else
+            expect_read(read_glb(), COUNT);
+    }
+}
+
 /* translation, rotation and scale of one node, times a parent's. */
 static void transforms(void)
 {
@@ -722,6 +854,10 @@ int main(void)
     RUN(every_degree);
     RUN(every_type);
     RUN(extreme_values);
+    RUN(log_scales);
+    RUN(log_scales_of_a_file);
+    RUN(draft_names);
+    RUN(colour_spaces);
     RUN(transforms);
     RUN(nested_nodes);
     RUN(mirrored);

@@ -20,12 +20,21 @@ static double value_of(const char *name, int row, int is_whole)
     return is_whole ? hash % 100 : (hash % 20000 - 10000.0) / 64 + 1.0 / 1024;
 }
 
+/* The bits of a half that is value exactly. */
+static uint32_t half_of(double value)
+{
+    int exponent = 0;
+    double fraction = frexp(fabs(value), &exponent);
+    uint32_t sign = value < 0 ? 0x8000 : 0;
+    return value == 0 ? 0 : sign + ((uint32_t)(exponent + 13) << 10) + (uint32_t)(2048 * fraction);
+}
+
 static void put_number(int encoding, const char *type, double value)
 {
     static const struct { const char *name; int size; } sizes[] = {
         {"char", 1}, {"int8", 1}, {"uchar", 1}, {"uint8", 1}, {"short", 2}, {"int16", 2}, {"ushort", 2}, {"uint16", 2},
         {"int", 4}, {"int32", 4}, {"uint", 4}, {"uint32", 4},
-        {"float", -4}, {"float32", -4}, {"double", -8}, {"float64", -8}
+        {"float", -4}, {"float32", -4}, {"double", -8}, {"float64", -8}, {"half", -2}, {"float16", -2}
     };
     int i = 0;
     if (encoding == ASCII) {
@@ -41,6 +50,8 @@ static void put_number(int encoding, const char *type, double value)
     memcpy(&bits, &value, 8);
     if (sizes[i].size == -4)
         bits = float_bits;
+    if (sizes[i].size == -2)
+        bits = half_of(value);
     if (sizes[i].size > 0)
         bits = (uint64_t)(int64_t)value;
     int count = abs(sizes[i].size);
@@ -130,6 +141,7 @@ static void check_file(int degree, int rest, int is_whole)
         printf("  %s\n", message.text);
         return;
     }
+    CHECK(info.stored_sh_degree == (rest == 72 ? 4 : degree));
     CHECK(info.count == ROWS && info.sh_degree == degree && strcmp(info.format, "ply") == 0);
     for (int row = 0; row < ROWS; row++) {
         expect_gaussian(&expected, row, rest, is_whole);
@@ -165,7 +177,8 @@ static void shuffled_properties(void)
 static void every_type(void)
 {
     static const char *const types[] = {"char", "int8", "uchar", "uint8", "short", "int16", "ushort", "uint16", "int",
-                                        "int32", "uint", "uint32", "float", "float32", "double", "float64"};
+                                        "int32", "uint", "uint32", "float", "float32", "double", "float64", "half",
+                                        "float16"};
     static char text[CORE][32];
     for (size_t type = 0; type < sizeof types / sizeof *types; type++)
         for (int encoding = ASCII; encoding <= BIG; encoding++) {
@@ -177,6 +190,62 @@ static void every_type(void)
             make_file(encoding, count, 1);
             check_file(1, 9, 1);
         }
+}
+
+/* Of each sign and exponent, ends and specials; of half and of ushort, which is the same where all fields have it. */
+static void halves(void)
+{
+    static const struct { uint16_t bits; double value; } cases[] = {
+        {0, 0}, {0x8000, 0}, {1, 1 / 16777216.0}, {0x83ff, -1023 / 16777216.0}, {0x0400, 1 / 16384.0},
+        {0x3c00, 1}, {0xbc00, -1}, {0x3c01, 1 + 1 / 1024.0}, {0x4248, 3.140625}, {0xd1e0, -47}, {0x7bff, 65504},
+        {0xfbff, -65504}, {0x7c00, INFINITY}, {0xfc00, -INFINITY}, {0x7e01, NAN}
+    };
+    static const char *const types[] = {"half", "float16", "ushort", "uint16"};
+    enum { CASES = sizeof cases / sizeof *cases };
+    fxs_gaussian gaussians[CASES + 1];
+    for (int type = 0; type < 4; type++)
+        for (int wide = 0; wide < 2; wide++)   /* positions as float */
+            for (int encoding = LITTLE; encoding <= BIG; encoding++) {
+                size = 0;
+                put("ply\nformat %s 1.0\nelement vertex %d\n", encodings[encoding], CASES);
+                for (int i = 0; i < CORE; i++)
+                    put("property %s %s\n", wide && i < 3 ? "float" : types[type], strchr(core[i], ' ') + 1);
+                put("end_header\n");
+                for (int row = 0; row < CASES; row++)
+                    for (int i = 0; i < CORE; i++)
+                        if (wide && i < 3)
+                            put_number(encoding, "float", row);
+                        else
+                            put_number(encoding, "ushort", cases[row].bits);
+                put_file(size);
+                if (!CHECK(read_file(gaussians, CASES + 1) == 0 && info.count == CASES))
+                    continue;
+                for (int row = 0; row < CASES; row++) {
+                    float want = (float)cases[row].value, got[2] = {gaussians[row].opacity, gaussians[row].position[1]};
+                    CHECK(isnan(want) ? isnan(got[0]) : want == got[0]);
+                    want = wide ? (float)row : want;
+                    CHECK(isnan(want) ? isnan(got[1]) : want == got[1]);
+                }
+            }
+}
+
+/* Files of 2D Gaussians have two scales. */
+static void flat_gaussians(void)
+{
+    fxs_gaussian gaussians[ROWS + 1], expected;
+    for (int encoding = ASCII; encoding <= BIG; encoding++) {
+        fill_properties(45);
+        properties[10] = "float other";   /* scale_2 */
+        make_file(encoding, CORE + 45, 0);
+        put_file(size);
+        if (!CHECK(read_file(gaussians, ROWS + 1) == 0 && info.count == ROWS && info.sh_degree == 3))
+            continue;
+        for (int row = 0; row < ROWS; row++) {
+            expect_gaussian(&expected, row, 45, 0);
+            expected.scale[2] = -20;
+            CHECK(memcmp(&gaussians[row], &expected, sizeof expected) == 0);
+        }
+    }
 }
 
 static void negative_and_large_integers(void)
@@ -521,9 +590,7 @@ static void missing_properties(void)
         properties[missing] = "float other";
         make_file(LITTLE, count, 0);
         snprintf(text, sizeof text, "element vertex has no property %s", name);
-        if (strcmp(name, "scale_2") == 0)
-            check_fails("no property scale_2: a file of 2D surfels");
-        else if (strcmp(name, "nx") != 0)
+        if (strcmp(name, "scale_2") != 0 && strcmp(name, "nx") != 0)
             check_fails(text);
     }
 }
@@ -618,6 +685,8 @@ int main(void)
     RUN(every_degree_in_every_encoding);
     RUN(shuffled_properties);
     RUN(every_type);
+    RUN(halves);
+    RUN(flat_gaussians);
     RUN(negative_and_large_integers);
     RUN(other_elements_and_lists);
     RUN(long_list);

@@ -456,7 +456,13 @@ static void tags(void)
     make(&plain);
     edit("{", "{\"model\":\"2dgs\",");
     put_folder("scene");
-    check_fails("scene", "meta.json: 2D surfels (model 2dgs), not 3D Gaussians");
+    CHECK(read_level("scene", 0, gaussians, COUNT + 1) == COUNT);   /* flat, whatever their third scales are */
+    for (int i = 0; i < COUNT; i++) {
+        fxs_gaussian expected;
+        expect(&plain, i, &expected);
+        expected.scale[2] = -20;
+        CHECK(same(&gaussians[i], &expected));
+    }
 }
 
 static void empty_scene(void)
@@ -665,18 +671,95 @@ static void streamed(void)
     all_same(&chunks[0], g, 5, 37);
     all_same(&chunks[1], g + 32, 0, 37);
     all_same(&chunks[3], g + 69, 0, COUNT);
-    CHECK(read_level("lod-meta.json", 1, g, 4 * COUNT) == 37 + COUNT && info.levels == 2);
-    all_same(&chunks[2], g, 0, 37);
-    all_same(&chunks[3], g + 37, 0, COUNT);
+    CHECK(read_level("lod-meta.json", 1, g, 4 * COUNT) == 12 + 37 + COUNT && info.levels == 2);
+    all_same(&chunks[1], g, 0, 12);   /* of a leaf that has no level 1 */
+    all_same(&chunks[2], g + 12, 0, 37);
+    all_same(&chunks[3], g + 49, 0, COUNT);
     check_level_fails("", 2, "no level 2: levels of detail in this scene: 2");
     check_level_fails("", -1, "no level -1: levels of detail in this scene: 2");
     check_level_fails("env", 1, "no level 1: levels of detail in this scene: 1");
     put_index("\"environment\":\"env/meta.json\"", "\"environment\":null");
     CHECK(read_level("", 0, g, 4 * COUNT) == 69 && info.sh_degree == 2);
     put_index("\"version\":1,", "");
-    CHECK(read_level("", 1, g, 4 * COUNT) == 37 + COUNT);
+    CHECK(read_level("", 1, g, 4 * COUNT) == 12 + 37 + COUNT);
     put_index("\"offset\":12,\"count\":25", "\"offset\":5,\"count\":0");
     CHECK(read_level("", 0, g, 4 * COUNT) == 32 + 12 + COUNT);
+}
+
+/* The levels of one leaf, and what is drawn of it at each level. */
+static void nearest_level(void)
+{
+    static const struct { const char *lods; int counts[5]; } cases[] = {
+        {"\"0\":1,\"4\":5", {1, 1, 1, 5, 5}},       /* 2 is as near to 0 as to 4: the finer */
+        {"\"4\":5,\"0\":1", {1, 1, 1, 5, 5}},
+        {"\"3\":4", {4, 4, 4, 4, 4}},
+        {"\"1\":2,\"2\":3", {2, 2, 3, 3, 3}},
+        {"\"0\":1,\"1\":0,\"2\":3", {1, 0, 3, 3, 3}},   /* it says that there is nothing at 1 */
+        {"", {0, 0, 0, 0, 0}}
+    };
+    fxs_gaussian g[COUNT];
+    put_streamed();
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        length = 0;
+        say("{\"lodLevels\":5,\"filenames\":[\"0_0/meta.json\"],\"tree\":{\"children\":[{\"lods\":{");
+        for (const char *c = cases[i].lods; *c; c++)
+            if (c[0] == ':')
+                say(":{\"file\":0,\"offset\":7,\"count\":%c}", *++c);
+            else
+                say("%c", *c);
+        say("}}]}}");
+        put("lod-meta.json", text, length);
+        for (int level = 0; level < 5; level++) {
+            CHECK(read_level("", level, g, COUNT) == cases[i].counts[level]);
+            all_same(&chunks[0], g, 7, 7 + cases[i].counts[level]);
+        }
+    }
+    /* A node with children is no leaf: nothing takes the place of what it does not have. */
+    length = 0;
+    say("{\"lodLevels\":2,\"filenames\":[\"0_0/meta.json\"],\"tree\":{\"lods\":{\"1\":{\"file\":0,\"offset\":0,"
+        "\"count\":5}},\"children\":[{\"lods\":{\"0\":{\"file\":0,\"offset\":5,\"count\":9}}}]}}");
+    put("lod-meta.json", text, length);
+    CHECK(read_level("", 0, g, COUNT) == 9 && all_same(&chunks[0], g, 5, 14));
+    remove(in_folder("lod-meta.json"));
+}
+
+/* An environment in a zip: named by the index, in a folder too, or only beside it. */
+static void environment(void)
+{
+    static const struct { const char *file, *member; } cases[] = {
+        {"environment.sog", "\"environment\":\"environment.sog\","}, {"environment.sog", "\"environment\":null,"},
+        {"environment.sog", ""}, {"env/sky.sog", "\"environment\":\"env/sky.sog\","}
+    };
+    fxs_gaussian g[4 * COUNT];
+    put_streamed();
+    put_index("\"environment\":\"env/meta.json\",", "");
+    CHECK(read_level("", 0, g, 4 * COUNT) == 69);
+    make(&chunks[3]);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        put_zip(cases[i].file, ZIP_CM_STORE);
+        put_index("\"environment\":\"env/meta.json\",", cases[i].member);
+        for (int level = 0; level < 2; level++) {
+            const long leaves = level ? 49 : 69;
+            if (!CHECK(read_level("", level, g, 4 * COUNT) == leaves + COUNT))
+                printf("  %s\n", message.text);
+            all_same(&chunks[3], g + leaves, 0, COUNT);
+        }
+        remove(in_folder(cases[i].file));
+    }
+    put_index("\"environment\":\"env/meta.json\",", "\"environment\":7,");
+    check_fails("", "lod-meta.json: an \"environment\" that is not a file name");
+    put_index("\"environment\":\"env/meta.json\",", "");
+    put("environment.sog", "", 0);
+    check_fails("", "environment.sog: the file ends early");
+    put("environment.sog", "PK\3\4", 4);
+    check_fails("", "environment.sog: cannot be read as a zip");
+    put("environment.sog", "{}", 2);
+    check_fails("", "environment.sog: not a SOG scene");
+    remove(in_folder("environment.sog"));
+    CHECK(symlink("/etc/passwd", in_folder("environment.sog")) == 0);
+    check_fails("", "environment.sog: leaves the folder");
+    remove(in_folder("environment.sog"));
+    remove(in_folder("lod-meta.json"));
 }
 
 static void faulty_index(void)
@@ -687,6 +770,9 @@ static void faulty_index(void)
         {"\"lodLevels\":2,", "\"lodLevels\":0,", "no valid \"lodLevels\""},
         {"\"lodLevels\":2,", "\"lodLevels\":1e9,", "no valid \"lodLevels\""},
         {"\"filenames\"", "\"names\"", "\"filenames\" is not an array"},
+        {"{\"0\":", "{\"x\":", "a leaf with \"lods\" that are not levels"},
+        {"{\"0\":", "{\"\":", "a leaf with \"lods\" that are not levels"},
+        {"{\"0\":", "{\"4294967296\":", "a leaf with \"lods\" that are not levels"},
         {"\"file\":1", "\"file\":3", "a leaf with no valid \"file\""},
         {"\"file\":1", "\"file\":-1", "a leaf with no valid \"file\""},
         {"\"file\":1,", "", "a leaf with no valid \"file\""},
@@ -802,6 +888,8 @@ static void run_tests(void)
     RUN(damaged_zip);
     RUN(faulty_zip);
     RUN(streamed);
+    RUN(nearest_level);
+    RUN(environment);
     RUN(faulty_index);
     RUN(changed_while_open);
     RUN(real_scene);

@@ -134,7 +134,8 @@ static void every_version_and_degree(void)
                     continue;
                 if (!reads(COUNT))
                     continue;
-                CHECK(info.sh_degree == (degree < 3 ? degree : 3) && !info.antialiased);
+                CHECK(info.sh_degree == (degree < 3 ? degree : 3) && info.stored_sh_degree == degree);
+                CHECK(!info.antialiased);
                 check_gaussians(to_rdf);
             }
 }

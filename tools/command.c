@@ -171,6 +171,9 @@ int open_scene(const char *path, const load_options *o, fxs_scene_file **file, f
     };
     if (fxs_scene_file_open(path, &options, file, info, &message))
         return fail(EXIT_FAILED, "%s", message.text);
+    if (info->stored_sh_degree > info->sh_degree)
+        fprintf(stderr, "fixsplat: %s: the SH of degree %d are left out: degree %d is the highest that is drawn\n",
+                path, info->stored_sh_degree, info->sh_degree);
     int status = o->filter ? filter_scene(*file, path, o->filter, info) : 0;
     if (status)
         fxs_scene_file_close(*file);
@@ -226,8 +229,8 @@ static int map(loaded_scene *loaded, const char *path)
     fxs_packed_header header;
     memcpy(&header, loaded->packed.data, sizeof header);
     fxs_packed_header_turn(&header);
-    loaded->info = (fxs_scene_file_info){"fxs", header.count, (int)header.sh_degree, loaded->scene.antialiased,
-                                        1, {0, 0}, {0, 0}};
+    loaded->info = (fxs_scene_file_info){"fxs", header.count, (int)header.sh_degree, (int)header.sh_degree,
+                                        loaded->scene.antialiased, 1, {0, 0}, {0, 0}};
     loaded->report.read = loaded->report.packed = header.count;
     for (int i = 0; i < 3; i++) {
         loaded->report.low[i] = ldexp((double)header.low_q32[i], -32);

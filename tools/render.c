@@ -8,8 +8,8 @@
 
 static const char help[] =
     "Usage: fixsplat render SCENE -o OUT [OPTION...]\n\n"
-    "Renders a scene (.fxs, .ply, .splat, .ksplat, .spz, .sog, .gltf, .glb) to OUT: .png, .ppm or .raw (RGBA bytes,\n"
-    "rows from the top).\n\n"
+    "Renders a scene (.fxs, .ply, .splat, .ksplat, .spz, .sog, .gltf, .glb, tileset.json) to OUT: .png, .ppm or\n"
+    ".raw (RGBA bytes, rows from the top).\n\n"
     "  -o, --output OUT    the picture; with --view all a name with one %%d, as out/%%04d.png\n"
     "  --alpha             alpha holds the coverage, colours premultiplied; else alpha is 255\n"
     "  --hash              print the FNV-1a 64 hash of the RGBA bytes\n"

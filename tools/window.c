@@ -27,7 +27,8 @@ const char viewer_keys[] =
 
 static const char help[] =
     "Usage: fixsplat view SCENE [OPTION...]\n\n"
-    "Shows a scene (.fxs, .ply, .splat, .ksplat, .spz, .sog, .gltf, .glb) in a window; opens files dropped on it.\n"
+    "Shows a scene (.fxs, .ply, .splat, .ksplat, .spz, .sog, .gltf, .glb, tileset.json) in a window; opens files\n"
+    "dropped on it.\n"
     "With --cameras, up is the mean of the views' up, unless --up says otherwise.\n\n"
     "  --screenshot OUT    the picture that key i writes: .png, .ppm or .raw (default: beside the scene,\n"
     "                      SCENE-001.png and on); the command that renders it again is printed\n"

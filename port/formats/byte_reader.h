@@ -2,6 +2,7 @@
 #ifndef FXS_BYTE_READER_H
 #define FXS_BYTE_READER_H
 
+#include <math.h>
 #include <string.h>
 
 #include "source_internal.h"
@@ -45,6 +46,16 @@ static inline uint16_t fxs_load_u16(const uint8_t *bytes)
 static inline uint32_t fxs_load_u32(const uint8_t *bytes)
 {
     return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
+}
+
+/* What the bits of an IEEE 754 binary16 mean. */
+static inline float fxs_half(uint32_t bits)
+{
+    const int exponent = bits >> 10 & 31, fraction = bits & 1023;
+    float value = exponent ? ldexpf((float)(1024 + fraction), exponent - 25) : ldexpf((float)fraction, -24);
+    if (exponent == 31)
+        value = fraction ? NAN : INFINITY;
+    return bits >> 15 & 1 ? -value : value;
 }
 
 static inline float fxs_load_float(const uint8_t *bytes)

@@ -28,7 +28,7 @@ typedef struct rows {
 
 typedef struct compressed_reader {
     fxs_ply_header header;
-    int sh_degree;
+    int sh_degree, stored_sh_degree;
     uint64_t read;                       /* Gaussians */
     float bounds[BOUNDS];                /* of the chunk that is read */
     rows chunk, vertex, sh;              /* sh.element is NULL for degree 0 */
@@ -91,6 +91,7 @@ static int add_sh(compressed_reader *reader, fxs_message *message)
     if (degree < 0)
         return -1;
     reader->sh_degree = degree < 3 ? degree : 3;
+    reader->stored_sh_degree = degree;
     for (int i = 0; i < 3 * reader->sh_degree * (reader->sh_degree + 2); i++)
         if (add_column(header, sh, rest[i], FXS_PLY_UCHAR, header->property_table[rest[i]].name, message) != 0)
             return -1;
@@ -165,6 +166,7 @@ static int compressed_open(void *handle, const fxs_scene_source *source, fxs_sce
         return -1;
     info->count = reader->vertex.element->count;
     info->sh_degree = reader->sh_degree;
+    info->stored_sh_degree = reader->stored_sh_degree;
     info->antialiased = reader->header.antialiased;
     return 0;
 }

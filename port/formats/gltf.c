@@ -1,6 +1,7 @@
-/* .glb and .gltf with KHR_gaussian_splatting (Khronos, release candidate), plain or with an .spz in a bufferView. The
-   Gaussians come in the frame of a .ply, y down: x and y of glTF change their signs. Colours are taken as stored: where
-   colorSpace says lin_rec709_display, they are blended and shown as if it said srgb_rec709_display. */
+/* .glb and .gltf with KHR_gaussian_splatting (Khronos), plain or with an .spz in a bufferView. The Gaussians come in
+   the frame of a .ply, y down: x and y of glTF change their signs. A colorSpace of linear light is refused: such
+   Gaussians are blended before they are encoded, so that no colours blended in sRGB make the same picture. Drafts of the
+   extension are read too: SCALE as logarithms (February 2026), _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
 #include "scene_format.h"
 
 #ifdef FXS_WITH_CJSON
@@ -8,8 +9,10 @@
 #include <cjson/cJSON.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 #include "byte_reader.h"
+#include "gltf_internal.h"
 #include "scene_codes.h"
 #include "spz_internal.h"
 #include "text_internal.h"
@@ -69,8 +72,10 @@ typedef struct splats {
     fxs_spz *opened;             /* once a part of it was entered */
     int first;                   /* primitive with the same .spz; of attributes, itself */
     accessor attributes[ATTRIBUTES];
+    int attribute_count;
     uint32_t count;
-    int sh_degree, antialiased;
+    int sh_degree, stored_sh_degree, antialiased;
+    int scales_known, has_log_scales;
 } splats;
 
 /* Its primitives with Gaussians, once it is read. */
@@ -87,6 +92,7 @@ typedef struct part {
 typedef struct gltf {
     const fxs_scene_source *source;
     fxs_message *message;        /* of the call */
+    double frame[3][4];          /* of what is read, from the file's */
     list lists[LISTS];           /* until the file is open; so are the next three */
     view *views;
     mesh *meshes;
@@ -219,25 +225,6 @@ static int open_data(const gltf *g, buffer *b, int index, const char *uri)
     return fxs_scene_source_open_input(&b->own, g->source->path, &input, g->message);
 }
 
-static int hex_digit(int c)
-{
-    static const char digits[] = "0123456789abcdef0123456789ABCDEF";
-    const char *at = c ? strchr(digits, c) : NULL;
-    return at ? (int)(at - digits) % 16 : -1;
-}
-
-/* Undoes %XX. */
-static void decode_percent(char *text)
-{
-    char *out = text;
-    for (; *text; text++) {
-        int high = *text == '%' ? hex_digit(text[1]) : -1, low = high < 0 ? -1 : hex_digit(text[2]);
-        *out++ = low < 0 ? *text : (char)(high << 4 | low);
-        text += low < 0 ? 0 : 2;
-    }
-    *out = '\0';
-}
-
 /* Only a file beside this one: a scene from elsewhere may not choose other files to read. */
 static int open_beside(const gltf *g, buffer *b, int index, const char *uri)
 {
@@ -245,7 +232,7 @@ static int open_beside(const gltf *g, buffer *b, int index, const char *uri)
     if (!name)
         return -1;
     strcpy(name, uri);
-    decode_percent(name);
+    fxs_decode_percent(name);
     int result = *name && !strchr(name, '/') ? fxs_scene_source_open_beside(&b->own, g->source, name, g->message)
                  : fail_item(g, "buffer", index, "a URI that is not a file name in the same folder");
     release(g, name);
@@ -318,6 +305,18 @@ static int use_view(const gltf *g, int index, view *out)
     return out->fault ? fail_item(g, "bufferView", index, out->fault) : 0;
 }
 
+/* The attribute of that name; in drafts, _SCALE for KHR_gaussian_splatting:SCALE. */
+static const cJSON *find_attribute(const cJSON *attributes, const char *name)
+{
+    const cJSON *found = member(attributes, name);
+    const char *colon = strchr(name, ':');
+    char draft[48];
+    if (found || !colon)
+        return found;
+    snprintf(draft, sizeof draft, "_%s", colon + 1);
+    return member(attributes, draft);
+}
+
 /* ---- Accessors ------------------------------------------------------------------------------------------------- */
 
 /* Types as bits: plain at 2 type, normalized at 2 type + 1. */
@@ -350,7 +349,7 @@ static int read_accessor(gltf *g, const cJSON *attributes, const char *name, int
 {
     static const char *const shapes[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
     static const uint8_t sizes[] = {1, 1, 2, 2, 0, 4, 4};
-    int index = index_of(g, member(attributes, name), ACCESSORS);
+    int index = index_of(g, find_attribute(attributes, name), ACCESSORS);
     if (index < 0)
         return fxs_fail(g->message, "%s: a primitive with Gaussians has no accessor for %s", g->source->path, name);
     const cJSON *item = g->lists[ACCESSORS].items[index];
@@ -372,9 +371,10 @@ static int read_accessor(gltf *g, const cJSON *attributes, const char *name, int
 static double component(const accessor *a, const uint8_t *bytes)
 {
     switch (a->type) {
-    case BYTE:   return fmax((int8_t)bytes[0] / 127.0, -1);
+    case BYTE:   return a->is_normalized ? fmax((int8_t)bytes[0] / 127.0, -1) : (int8_t)bytes[0];
     case UBYTE:  return bytes[0] / (a->is_normalized ? 255.0 : 1);
-    case SHORT:  return fmax((int16_t)fxs_load_u16(bytes) / 32767.0, -1);
+    case SHORT:
+        return a->is_normalized ? fmax((int16_t)fxs_load_u16(bytes) / 32767.0, -1) : (int16_t)fxs_load_u16(bytes);
     case USHORT: return fxs_load_u16(bytes) / (a->is_normalized ? 65535.0 : 1);
     default:     return fxs_load_float(bytes);
     }
@@ -386,9 +386,19 @@ static float logit(double opacity)
     return (float)fmin(fmax(log(opacity / (1 - opacity)), -20), 20);
 }
 
-static void store(fxs_gaussian *gaussian, int attribute, const double *v)
+/* COLOR_0, where OPACITY has four components. */
+static void store_colour(fxs_gaussian *gaussian, const double *rgba)
 {
-    if (attribute == OPACITY)
+    gaussian->opacity = logit(rgba[3]);
+    for (int i = 0; i < 3; i++)
+        gaussian->dc[i] = fxs_dc_of_colour(rgba[i]);
+}
+
+static void store(const splats *s, fxs_gaussian *gaussian, int attribute, const double *v)
+{
+    if (attribute == OPACITY && s->attributes[OPACITY].components == 4)
+        store_colour(gaussian, v);
+    else if (attribute == OPACITY)
         gaussian->opacity = logit(v[0]);
     if (attribute == ROTATION)
         for (int i = 0; i < 4; i++)
@@ -398,14 +408,14 @@ static void store(fxs_gaussian *gaussian, int attribute, const double *v)
     float *out = attribute == POSITION ? gaussian->position : attribute == SCALE ? gaussian->scale
                  : attribute == SH ? gaussian->dc : gaussian->sh + 3 * (attribute - SH - 1);
     for (int i = 0; i < 3; i++)
-        out[i] = attribute == SCALE ? fxs_log_scale(v[i]) : (float)v[i];
+        out[i] = attribute == SCALE && !s->has_log_scales ? fxs_log_scale(v[i]) : (float)v[i];
 }
 
 static int read_attributes(gltf *g, const splats *s, fxs_gaussian *gaussians, size_t count)
 {
     double values[4];
     memset(gaussians, 0, count * sizeof *gaussians);
-    for (int i = 0; i < SH + (s->sh_degree + 1) * (s->sh_degree + 1); i++) {
+    for (int i = 0; i < s->attribute_count; i++) {
         const accessor *a = &s->attributes[i];
         uint32_t step = a->size / a->components;
         if (read_bytes(g, &a->bytes, (uint64_t)g->next * a->stride, g->bytes, (count - 1) * a->stride + a->size))
@@ -413,7 +423,22 @@ static int read_attributes(gltf *g, const splats *s, fxs_gaussian *gaussians, si
         for (size_t k = 0; k < count; k++) {
             for (uint32_t c = 0; c < a->components; c++)
                 values[c] = component(a, g->bytes + k * a->stride + c * step);
-            store(&gaussians[k], i, values);
+            store(s, &gaussians[k], i, values);
+        }
+    }
+    return 0;
+}
+
+/* Counts the Gaussians with a scale below 0. */
+static int count_below(gltf *g, const accessor *a, uint64_t *below)
+{
+    for (uint32_t at = 0; at < a->count; at += BATCH) {
+        const uint32_t count = a->count - at < BATCH ? a->count - at : BATCH;
+        if (read_bytes(g, &a->bytes, (uint64_t)at * a->stride, g->bytes, (count - 1) * a->stride + a->size))
+            return -1;
+        for (uint32_t k = 0; k < count; k++) {
+            const uint8_t *scale = g->bytes + k * a->stride;
+            *below += fxs_load_float(scale) < 0 || fxs_load_float(scale + 4) < 0 || fxs_load_float(scale + 8) < 0;
         }
     }
     return 0;
@@ -426,7 +451,7 @@ static int read_sh(gltf *g, const cJSON *attributes, splats *s)
     char name[48];
     for (int degree = 0; degree <= 3; degree++) {
         snprintf(name, sizeof name, "KHR_gaussian_splatting:SH_DEGREE_%d_COEF_0", degree);
-        if (degree > 0 && !member(attributes, name))
+        if (degree > 0 && !find_attribute(attributes, name))
             break;
         s->sh_degree = degree;
         for (int k = 0; k <= 2 * degree; k++) {
@@ -435,25 +460,42 @@ static int read_sh(gltf *g, const cJSON *attributes, splats *s)
                 return -1;
         }
     }
+    s->attribute_count = SH + (s->sh_degree + 1) * (s->sh_degree + 1);
+    s->stored_sh_degree = s->sh_degree;
+    if (s->sh_degree == 3 && find_attribute(attributes, "KHR_gaussian_splatting:SH_DEGREE_4_COEF_0"))
+        s->stored_sh_degree = 4;
     return 0;
+}
+
+/* Opacity and SH, which a draft had as a colour of four components. */
+static int read_colours(gltf *g, const cJSON *attributes, splats *s)
+{
+    static const char opacity[] = "KHR_gaussian_splatting:OPACITY";
+    const unsigned types = PLAIN(FLOAT) | NORMALIZED(UBYTE) | NORMALIZED(USHORT);
+    if (member(attributes, "COLOR_0") && !find_attribute(attributes, opacity) &&
+        !find_attribute(attributes, "KHR_gaussian_splatting:SH_DEGREE_0_COEF_0")) {
+        s->attribute_count = SH;
+        return read_accessor(g, attributes, "COLOR_0", 4, types, &s->attributes[OPACITY]);
+    }
+    return read_accessor(g, attributes, opacity, 1, types, &s->attributes[OPACITY]) ? -1 : read_sh(g, attributes, s);
 }
 
 static int read_accessors(gltf *g, const cJSON *attributes, splats *s)
 {
-    static const struct { const char *name; int components; unsigned types; } core[SH] = {
+    static const struct { const char *name; int components; unsigned types; } core[OPACITY] = {
         {"POSITION", 3, PLAIN(FLOAT)},
         {"KHR_gaussian_splatting:ROTATION", 4, PLAIN(FLOAT) | NORMALIZED(BYTE) | NORMALIZED(SHORT)},
         {"KHR_gaussian_splatting:SCALE", 3, PLAIN(FLOAT) | PLAIN(UBYTE) | NORMALIZED(UBYTE) | PLAIN(USHORT) |
-                                            NORMALIZED(USHORT)},
-        {"KHR_gaussian_splatting:OPACITY", 1, PLAIN(FLOAT) | NORMALIZED(UBYTE) | NORMALIZED(USHORT)}
+                                            NORMALIZED(USHORT) | PLAIN(BYTE) | NORMALIZED(BYTE) | PLAIN(SHORT) |
+                                            NORMALIZED(SHORT)}
     };
-    for (int i = 0; i < SH; i++)
+    for (int i = 0; i < OPACITY; i++)
         if (read_accessor(g, attributes, core[i].name, core[i].components, core[i].types, &s->attributes[i]))
             return -1;
-    if (read_sh(g, attributes, s))
+    if (read_colours(g, attributes, s))
         return -1;
     s->count = s->attributes[POSITION].count;
-    for (int i = 0; i < SH + (s->sh_degree + 1) * (s->sh_degree + 1); i++)
+    for (int i = 0; i < s->attribute_count; i++)
         if (s->attributes[i].count != s->count)
             return fail(g, "the accessors of a primitive with Gaussians differ in count");
     return 0;
@@ -484,15 +526,33 @@ static int same_range(const range *a, const range *b)
     return a->buffer == b->buffer && a->offset == b->offset && a->size == b->size;
 }
 
+/* Whether the Gaussians are meant as they are drawn here. */
+static int check_splatting(const gltf *g, const cJSON *splatting)
+{
+    static const char *const spaces[] = {"srgb_rec709_display", "BT.709-sRGB", "BT.709"};   /* the last two in drafts */
+    const char *kernel = fxs_json_string(splatting, "kernel"), *space = fxs_json_string(splatting, "colorSpace");
+    const cJSON *position_scale = member(splatting, "quantizedPositionScale");
+    size_t known = 0;
+    if (kernel && strcmp(kernel, "ellipse") != 0)
+        return fxs_fail(g->message, "%s: kernel \"%.40s\" is not read", g->source->path, kernel);
+    while (space && known < 3 && strcasecmp(space, spaces[known]) != 0)
+        known++;
+    if (known == 3)
+        return fxs_fail(g->message, "%s: colorSpace \"%.40s\" is not drawn: Gaussians are blended in sRGB only",
+                        g->source->path, space);
+    if (position_scale && !(cJSON_IsNumber(position_scale) && position_scale->valuedouble == 1))
+        return fail(g, "a quantizedPositionScale (of a draft) is not read");
+    return 0;
+}
+
 static int read_primitive(gltf *g, const cJSON *primitive)
 {
     const cJSON *extensions = member(primitive, "extensions"), *spz = find_spz(extensions);
     const cJSON *splatting = member(extensions, "KHR_gaussian_splatting");
-    const char *kernel = fxs_json_string(splatting, "kernel");
     if (!spz && !splatting)
         return 0;
-    if (kernel && strcmp(kernel, "ellipse") != 0)
-        return fxs_fail(g->message, "%s: kernel \"%.40s\" is not read", g->source->path, kernel);
+    if (check_splatting(g, splatting))
+        return -1;
     if (g->splats_count == MAX_PARTS)
         return fail_parts(g);
     splats *larger = grow(g, g->splats, g->splats_count, sizeof *g->splats);
@@ -618,12 +678,13 @@ static int open_spz(gltf *g, int index)
         return -1;
     s->count = (uint32_t)info.count;
     s->sh_degree = info.sh_degree;
+    s->stored_sh_degree = info.stored_sh_degree;
     s->antialiased = info.antialiased;
     return 0;
 }
 
 /* An fxs_import's drop: the last .spz that is decompressed, but for the one being read. So the first ones stay. */
-static int drop_spz(void *handle)
+int fxs_gltf_drop(void *handle)
 {
     gltf *g = handle;
     for (int i = g->splats_count; i-- > 0;)
@@ -654,22 +715,47 @@ static int enter(gltf *g, int index)
     return 0;
 }
 
+/* Scales are linear and not below 0. In a draft they were logarithms, which signed integers are therefore; and the
+   file's floats, where a quarter of its Gaussians have one below 0, as nearly all logarithms of captured scenes are. The
+   number of Gaussians is known to be within the limit. */
+static int find_log_scales(gltf *g)
+{
+    uint64_t below = 0, count = 0;
+    for (int i = 0; i < g->parts_count; i++) {
+        splats *s = &g->splats[g->parts[i].splats];
+        const accessor *a = &s->attributes[SCALE];
+        if (s->spz.buffer || a->type != FLOAT || s->scales_known++)
+            continue;
+        count += a->count;
+        if (count_below(g, a, &below))
+            return -1;
+    }
+    for (int i = 0; i < g->splats_count; i++) {
+        splats *s = &g->splats[i];
+        const int type = s->attributes[SCALE].type;
+        s->has_log_scales = type == BYTE || type == SHORT || (type == FLOAT && below > 0 && below >= (count + 3) / 4);
+    }
+    return 0;
+}
+
 static int describe(gltf *g, fxs_scene_file_info *info)
 {
     info->count = 0;
-    info->sh_degree = info->antialiased = 0;
+    info->sh_degree = info->stored_sh_degree = info->antialiased = 0;
     for (int i = 0; i < g->parts_count; i++) {
         if (enter(g, i))
             return -1;
         const splats *s = &g->splats[g->parts[i].splats];
         info->count += s->count;
         info->sh_degree = s->sh_degree > info->sh_degree ? s->sh_degree : info->sh_degree;
+        if (s->stored_sh_degree > info->stored_sh_degree)
+            info->stored_sh_degree = s->stored_sh_degree;
         info->antialiased |= s->antialiased;
     }
-    if (g->parts_count == 0)
-        return fail(g, "no primitive with KHR_gaussian_splatting in the scene");
     if (info->count > MAX_COUNT)
         return fxs_fail(g->message, "%s: more than %d Gaussians", g->source->path, MAX_COUNT);
+    if (fxs_limit_gaussians(g->source, info->count, g->message) || find_log_scales(g))
+        return -1;
     return enter(g, 0);
 }
 
@@ -708,7 +794,6 @@ static int find_chunks(gltf *g, uint64_t *offset, uint64_t *size)
 static int read_root(gltf *g, const cJSON *root)
 {
     const char *version = fxs_json_string(member(root, "asset"), "version");
-    double frame[3][4] = {{-1, 0, 0, 0}, {0, -1, 0, 0}, {0, 0, 1, 0}};
     if (!version || strncmp(version, "2.", 2) != 0)
         return fail(g, "not glTF 2: no such version in \"asset\"");
     for (int i = 0; i < LISTS; i++)
@@ -725,7 +810,7 @@ static int read_root(gltf *g, const cJSON *root)
     const cJSON *node, *nodes = scene < 0 || scene > MAX_PARTS ? NULL
                                 : member(cJSON_GetArrayItem(member(root, "scenes"), (int)scene), "nodes");
     cJSON_ArrayForEach(node, nodes)
-        if (visit(g, node, frame, 0))
+        if (visit(g, node, g->frame, 0))
             return -1;
     return 0;
 }
@@ -752,16 +837,27 @@ static void free_json(gltf *g)
     release(g, g->visited);
 }
 
-static int gltf_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
+int fxs_gltf_open(void *handle, const fxs_scene_source *source, double frame[3][4], fxs_scene_file_info *info,
+                  fxs_message *message)
 {
     gltf *g = handle;
     g->source = source;
     g->message = message;
-    source->import->drop = drop_spz;
-    source->import->reader = g;
+    memcpy(g->frame, frame, sizeof g->frame);
     int result = read_json(g);
     free_json(g);
     return result ? -1 : describe(g, info);
+}
+
+static int gltf_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
+{
+    double frame[3][4] = {{-1, 0, 0, 0}, {0, -1, 0, 0}, {0, 0, 1, 0}};
+    gltf *g = handle;
+    source->import->drop = fxs_gltf_drop;
+    source->import->reader = g;
+    if (fxs_gltf_open(g, source, frame, info, message))
+        return -1;
+    return g->parts_count ? 0 : fail(g, "no primitive with KHR_gaussian_splatting in the scene");
 }
 
 static long gltf_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)

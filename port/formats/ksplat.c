@@ -147,18 +147,9 @@ static int ksplat_open(void *handle, const fxs_scene_source *source, fxs_scene_f
 
 /* Gaussians */
 
-static float load_half(const uint8_t *bytes)
-{
-    const int bits = fxs_load_u16(bytes), exponent = bits >> 10 & 31, fraction = bits & 1023;
-    double value = exponent == 0 ? ldexp(fraction, -24) : ldexp(1024 + fraction, exponent - 25);
-    if (exponent == 31)
-        value = fraction ? NAN : INFINITY;
-    return (float)(bits >> 15 ? -value : value);
-}
-
 static float load_real(const ksplat_reader *reader, const uint8_t *values, int i)
 {
-    return reader->level == 0 ? fxs_load_float(values + 4 * i) : load_half(values + 2 * i);
+    return reader->level == 0 ? fxs_load_float(values + 4 * i) : fxs_half(fxs_load_u16(values + 2 * i));
 }
 
 static float load_coefficient(const ksplat_reader *reader, const uint8_t *values, int i)

@@ -4,12 +4,13 @@
 #include <strings.h>
 
 #include "ply_header.h"
+#include "scene_codes.h"
 #include "scene_format.h"
 
 enum { MAX_NUMBER = 511 };   /* characters; the longest double printed with %f has 316 */
 
 /* A field is an index into the floats of fxs_gaussian. */
-enum { FIRST_REST = 14, SH_FLOATS = 45, NO_FIELD = -1 };
+enum { SCALE_2 = 5, FIRST_REST = 14, SH_FLOATS = 45, NO_FIELD = -1 };
 
 static const char *const field_names[FIRST_REST] = {
     "x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3", "opacity",
@@ -24,7 +25,8 @@ typedef struct column {
 typedef struct ply_reader {
     fxs_ply_header header;
     const fxs_ply_element *vertex;
-    int sh_degree;
+    int sh_degree, stored_sh_degree;
+    int is_flat;                         /* no scale_2: 2D Gaussians */
     int columns, all_float;
     uint64_t vertex_offset;              /* of the first vertex, bytes into the file */
     uint64_t vertices_read;
@@ -56,6 +58,7 @@ static double load_number(const uint8_t *bytes, int type, fxs_ply_encoding encod
     case FXS_PLY_INT:    return (int32_t)bits;
     case FXS_PLY_FLOAT:  memcpy(&single, &float_bits, sizeof single); return (double)single;
     case FXS_PLY_DOUBLE: memcpy(&real, &bits, sizeof real); return real;
+    case FXS_PLY_HALF:   return (double)fxs_half((uint32_t)bits);
     default:             return (double)bits;
     }
 }
@@ -257,16 +260,30 @@ static int skip_element(ply_reader *reader, const fxs_ply_element *rows, fxs_mes
 
 /* Header */
 
+/* Halves by another name, as some write them: where whole numbers from 0 on cannot be meant, as no field but the
+   position is of another type. In a text they are numbers of any kind anyway. */
+static void find_halves(ply_reader *reader)
+{
+    for (int i = reader->vertex->first; i < reader->vertex->end; i++)
+        if (reader->field_table[i] > 2 && reader->header.property_table[i].type != FXS_PLY_USHORT)
+            return;
+    for (int i = reader->vertex->first; i < reader->vertex->end; i++)
+        if (reader->field_table[i] != NO_FIELD && reader->header.property_table[i].type == FXS_PLY_USHORT)
+            reader->header.property_table[i].type = FXS_PLY_HALF;
+}
+
 static int map_fields(ply_reader *reader, fxs_message *message)
 {
     const fxs_ply_header *header = &reader->header;
     const char *path = reader->bytes.source->path;
     int rest[FXS_PLY_MAX_REST];
     memset(reader->field_table, NO_FIELD, sizeof reader->field_table);
-    if (fxs_ply_find(header, reader->vertex, "scale_1") >= 0 && fxs_ply_find(header, reader->vertex, "scale_2") < 0)
-        return fxs_fail(message, "%s: no property scale_2: a file of 2D surfels, not of 3D Gaussians", path);
     for (int i = 0; i < FIRST_REST; i++) {
         int index = fxs_ply_find(header, reader->vertex, field_names[i]);
+        if (index < 0 && i == SCALE_2) {
+            reader->is_flat = 1;
+            continue;
+        }
         if (index < 0)
             return fxs_fail(message, "%s: element vertex has no property %s", path, field_names[i]);
         reader->field_table[index] = (int8_t)i;
@@ -275,8 +292,10 @@ static int map_fields(ply_reader *reader, fxs_message *message)
     if (degree < 0)
         return -1;
     reader->sh_degree = degree < 3 ? degree : 3;
+    reader->stored_sh_degree = degree;
     for (int i = 0; i < 3 * reader->sh_degree * (reader->sh_degree + 2); i++)
         reader->field_table[rest[i]] = (int8_t)(FIRST_REST + i);
+    find_halves(reader);
     return 0;
 }
 
@@ -307,6 +326,7 @@ static int open_reader(ply_reader *reader, fxs_scene_file_info *info, fxs_messag
     reader->vertex_offset = fxs_bytes_tell(&reader->bytes);
     info->count = reader->vertex->count;
     info->sh_degree = reader->sh_degree;
+    info->stored_sh_degree = reader->stored_sh_degree;
     info->antialiased = reader->header.antialiased;
     return 0;
 }
@@ -329,6 +349,8 @@ static long ply_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs
     for (long i = 0; i < count; i++) {
         if (read(reader, vertex, (float *)&gaussians[i]) != 0)
             return fail_row(reader, vertex, reader->vertices_read, message);
+        if (reader->is_flat)
+            gaussians[i].scale[2] = FXS_FLAT_SCALE;
         reader->vertices_read++;
     }
     return count;

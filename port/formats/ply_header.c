@@ -13,7 +13,8 @@ enum {
 
 const fxs_ply_type fxs_ply_types[FXS_PLY_TYPES] = {
     {"char", "int8", 1}, {"uchar", "uint8", 1}, {"short", "int16", 2}, {"ushort", "uint16", 2},
-    {"int", "int32", 4}, {"uint", "uint32", 4}, {"float", "float32", 4}, {"double", "float64", 8}
+    {"int", "int32", 4}, {"uint", "uint32", 4}, {"float", "float32", 4}, {"double", "float64", 8},
+    {"half", "float16", 2}
 };
 
 typedef struct parser {

@@ -12,7 +12,7 @@ typedef enum fxs_ply_encoding {
 
 enum {
     FXS_PLY_CHAR, FXS_PLY_UCHAR, FXS_PLY_SHORT, FXS_PLY_USHORT, FXS_PLY_INT, FXS_PLY_UINT, FXS_PLY_FLOAT,
-    FXS_PLY_DOUBLE, FXS_PLY_TYPES
+    FXS_PLY_DOUBLE, FXS_PLY_HALF, FXS_PLY_TYPES
 };
 
 typedef struct fxs_ply_type {

@@ -4,10 +4,13 @@
 
 #include <math.h>
 
-/* ln of a standard deviation, from -20 on, where 0 goes; NaN below 0. */
+/* ln of the standard deviation of what has none, across a 2D Gaussian. */
+#define FXS_FLAT_SCALE (-20)
+
+/* ln of a standard deviation, from FXS_FLAT_SCALE on, where 0 goes; NaN below 0. */
 static inline float fxs_log_scale(double scale)
 {
-    return scale > 2.061153622438558e-9 ? (float)log(scale) : scale >= 0 ? -20 : NAN;
+    return scale > 2.061153622438558e-9 ? (float)log(scale) : scale >= 0 ? FXS_FLAT_SCALE : NAN;
 }
 
 /* Logit of the opacity code / 255, +-20 at the ends. */

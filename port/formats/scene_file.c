@@ -38,10 +38,19 @@ static int is_gltf(const char *name)
     return 0;
 }
 
-/* .splat has no magic number, so it comes last. NULL: none, or a message. */
-static const fxs_scene_format *format_of(const fxs_scene_source *source, const char *head, size_t size,
-                                         fxs_message *message)
+/* Whether a JSON object is a tileset, each tile of which has an error. That of a glTF may begin as it does. */
+static int is_tileset(const char *head, const char *name)
 {
+    return strstr(head, "\"geometricError\"") || strncmp(name, "root\"", 5) == 0;
+}
+
+/* .splat has no magic number, so it comes last. */
+const fxs_scene_format *fxs_scene_format_of(const fxs_scene_source *source, fxs_message *message)
+{
+    char head[4096] = "";
+    const size_t size = source->input.size < sizeof head - 1 ? (size_t)source->input.size : sizeof head - 1;
+    if (fxs_scene_source_read(source, 0, head, size, message))
+        return NULL;
     const char *name = first_name(head);
     if (size >= 3 && memcmp(head, "ply", 3) == 0) {
         int is_compressed = fxs_is_compressed_ply(source, message);
@@ -51,30 +60,33 @@ static const fxs_scene_format *format_of(const fxs_scene_source *source, const c
         return &fxs_scene_ksplat;
     if (memcmp(head, "NGSP", 4) == 0 || memcmp(head, "\x1f\x8b", 2) == 0)
         return &fxs_scene_spz;
+    if (name && is_tileset(head, name))
+        return &fxs_scene_tileset;
     if (memcmp(head, "glTF", 4) == 0 || (name && is_gltf(name)))
         return &fxs_scene_gltf;
     if (memcmp(head, "PK\3\4", 4) == 0 || name)
         return &fxs_scene_sog;
     if (fxs_is_splat(source))
         return &fxs_scene_splat;
-    fxs_fail(message, "%s: not a scene file of a known format (.ply, .spz, .glb, .gltf, .sog, .ksplat; or .splat: "
-             "whole records of 32 bytes, finite positions, scales of 0 or more)", source->path);
+    fxs_fail(message, "%s: not a scene file of a known format (.ply, .spz, .glb, .gltf, .sog, .ksplat, tileset.json; "
+             "or .splat: whole records of 32 bytes, finite positions, scales of 0 or more)", source->path);
     return NULL;
 }
 
 /* The path, or of a folder that of the index in it, for fxs_release; NULL when out of memory. */
 static char *path_of_file(const char *path, const fxs_allocator *allocator)
 {
+    static const char *const names[] = {"lod-meta.json", "tileset.json", "meta.json"};
     struct stat status;
     size_t room = strlen(path) + sizeof "/lod-meta.json";
     char *found = fxs_allocate(allocator, room, 1);
     if (!found)
         return NULL;
     snprintf(found, room, "%s", path);
-    if (stat(path, &status) == 0 && S_ISDIR(status.st_mode)) {
-        snprintf(found, room, "%s/lod-meta.json", path);
-        if (stat(found, &status) != 0)
-            snprintf(found, room, "%s/meta.json", path);
+    int is_found = stat(path, &status) != 0 || !S_ISDIR(status.st_mode);
+    for (int i = 0; i < 3 && !is_found; i++) {
+        snprintf(found, room, "%s/%s", path, names[i]);
+        is_found = stat(found, &status) == 0;
     }
     return found;
 }
@@ -93,13 +105,9 @@ static int open_reader(fxs_scene_file *file, fxs_scene_file_info *info, fxs_mess
 {
     const fxs_scene_source *source = &file->source;
     const int level = source->options.level;
-    char head[4096] = "";
     if (fxs_import_count(source, message))
         return -1;
-    size_t size = source->input.size < sizeof head - 1 ? (size_t)source->input.size : sizeof head - 1;
-    if (fxs_scene_source_read(source, 0, head, size, message))
-        return -1;
-    file->format = format_of(source, head, size, message);
+    file->format = fxs_scene_format_of(source, message);
     if (!file->format)
         return -1;
     file->reader = fxs_allocate_zeroed(source->options.allocator, 1, file->format->reader_size);
@@ -107,9 +115,12 @@ static int open_reader(fxs_scene_file *file, fxs_scene_file_info *info, fxs_mess
         return fxs_fail(message, "%s: out of memory", source->path);
     info->format = file->format->name;
     info->levels = 1;
+    info->stored_sh_degree = 0;
     info->colour = info->sh = (fxs_grid){0, 0};
     if (file->format->open(file->reader, source, info, message) != 0)
         return -1;
+    if (info->stored_sh_degree < info->sh_degree)
+        info->stored_sh_degree = info->sh_degree;
     if (level < 0 || level >= info->levels)
         return fxs_fail(message, "%s: no level %d: levels of detail in this scene: %d", source->path, level,
                         info->levels);

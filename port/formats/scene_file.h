@@ -26,11 +26,14 @@ typedef struct fxs_grid {
 } fxs_grid;
 
 typedef struct fxs_scene_file_info {
-    const char *format;   /* "ply", "compressed ply", "ksplat", "sog", "splat", "spz", "gltf"; static */
+    const char *format;   /* "ply", "compressed ply", "ksplat", "sog", "splat", "spz", "gltf", "tileset";
+                             static */
     uint64_t count;       /* Gaussians in the file */
     int sh_degree;        /* 0 to 3 */
+    int stored_sh_degree; /* the same, or 4 where the coefficients of degree 4 are left out */
     int antialiased;      /* 1: opacities were fitted with the dilation compensated */
-    int levels;           /* of detail that can be opened; 1 but for streamed SOG */
+    int levels;           /* of detail that can be opened; 1 but for streamed SOG. A leaf of that which lacks the level
+                             is read at the nearest that it has */
     fxs_grid colour;      /* of 0.5 + 0.28209479177387814 dc */
     fxs_grid sh;          /* of the coefficients above degree 0 */
 } fxs_scene_file_info;
@@ -69,23 +72,26 @@ struct fxs_scene_input {
     void *argument;
 };
 
-/* Opens a scene file, or a folder with the meta.json or lod-meta.json of a .sog; the format is told by its content.
-   Returns 0 and a handle that fxs_scene_file_close frees, or -1 and a message. `options` may be null.
+/* Opens a scene file, or a folder with the meta.json or lod-meta.json of a .sog or the tileset.json of 3D Tiles; the
+   format is told by its content. Returns 0 and a handle that fxs_scene_file_close frees, or -1 and a message. `options`
+   may be null. 2D Gaussians are read as 3D ones with a scale of e^-20 across; a glTF of linear light is refused.
 
    The header is checked whole, and the size of a binary body against it. Only headers are read, so that *info is known
    before anything large is allocated; but a .ply is read up to its vertices where it has lists or text before them, and
    .sog (each file of a level) as far as its images, which are kept compressed.
    What a reader allocates: .ply, .ksplat and .splat at most 1 MiB; .spz from the first read on 65 bytes a Gaussian of
    SH degree 3 (92 of 4), and for that read the longest stream of version 4; .sog its images, and from the first read on
-   4 bytes a pixel of each instead; .glb and .gltf 3 MiB, their JSON and base64, and as their .spz. What cJSON, libzip,
-   libwebp and zstd need themselves comes from malloc; of that, cJSON's part is held against max_memory too.
+   4 bytes a pixel of each instead; .glb and .gltf 3 MiB, their JSON and base64, and as their .spz; a tileset 512 bytes a
+   content, and as 33 of them. What cJSON, libzip, libwebp and zstd need themselves comes from malloc; of that, cJSON's
+   part is held against max_memory too.
 
    What is decompressed is kept until the file is closed, so that no pass over it decompresses it again, and one .spz
    that several nodes of a glTF place is there once. Where the .spz of a glTF or the files of a streamed SOG are more
-   than max_memory together, those that fit are kept, and the others are decompressed again in each pass.
+   than max_memory together, those that fit are kept, and the others are decompressed again in each pass. Of a tileset
+   32 contents stay open; the others are opened again in each pass.
 
    A file that another refers to must lie in the folder of the one that was opened, or in a folder within: neither ".."
-   nor a symbolic link may lead out of it. A path must be that of a regular file, or of a folder as above. */
+   nor a symbolic link may lead out of it. It may be the content of one tile only. A path must be that of a regular file, or of a folder as above. */
 int fxs_scene_file_open(const char *path, const fxs_scene_file_options *options, fxs_scene_file **file,
                         fxs_scene_file_info *info, fxs_message *message);
 

@@ -61,7 +61,6 @@ typedef struct file_name {
 
 typedef struct sog_reader {
     const fxs_scene_source *source;
-    int bundled;
     cJSON *files;         /* of streamed SOG: the names of its scenes */
     file_name *names;     /* in the order of files; the file is the first with that name */
     size_t file_count;    /* 1 where it is not streamed */
@@ -103,37 +102,6 @@ typedef struct container {
     fxs_message *message;
 } container;
 
-/* Stays in the folder, and can be shown in one line. */
-static int name_valid(const char *name)
-{
-    for (const char *c = name; *c; c++)
-        if ((unsigned char)*c < ' ')
-            return 0;
-    return *name && *name != '/' && strncmp(name, "../", 3) != 0 && !strstr(name, "/../");
-}
-
-/* Names in a zip are checked too. */
-static int check_name(const fxs_scene_source *source, const char *name, fxs_message *message)
-{
-    return name && name_valid(name) ? 0 : fxs_fail(message, "%s: a file name that is missing, leaves the folder or has "
-                                                   "control characters", source->path);
-}
-
-/* The order of paths, in which "a/b", "a//b" and "./a/b" are the same. */
-static int compare_paths(const char *a, const char *b)
-{
-    for (;;) {
-        while (*a == '/' || (a[0] == '.' && a[1] == '/'))
-            a++;
-        while (*b == '/' || (b[0] == '.' && b[1] == '/'))
-            b++;
-        for (; *a && *a == *b && *a != '/'; a++)
-            b++;
-        if (*a != *b || !*a)
-            return (unsigned char)*a - (unsigned char)*b;
-    }
-}
-
 static int load_beside(const fxs_scene_source *source, const char *name, fxs_text *text, fxs_message *message)
 {
     fxs_scene_source beside;
@@ -146,7 +114,7 @@ static int load_beside(const fxs_scene_source *source, const char *name, fxs_tex
 
 static int load_file(const container *c, const char *name, fxs_text *text)
 {
-    if (check_name(c->source, name, c->message) != 0)
+    if (fxs_check_name(c->source, name, c->message) != 0)
         return -1;
     return c->zip ? fxs_zip_load(c->zip, name, text, c->message)
                   : load_beside(c->source, name, text, c->message);
@@ -201,8 +169,6 @@ static const char *read_meta(sog_scene *s, const cJSON *root)
         return "not a SOG scene: no \"means\"";
     if (version && !(cJSON_IsNumber(version) && version->valuedouble == 2))
         return "a version that is not known: not 1 or 2";
-    if (model && strcmp(model, "2dgs") == 0)
-        return "2D surfels (model 2dgs), not 3D Gaussians";
     s->antialiased = cJSON_IsTrue(member(root, "antialias")) || (model && strcmp(model, "antialiased") == 0);
     if (!whole(version ? member(root, "count") : cJSON_GetArrayItem(member(means, "shape"), 0), INT32_MAX, &s->count))
         return version ? "no valid \"count\"" : "no valid \"shape\" of \"means\"";
@@ -210,6 +176,8 @@ static const char *read_meta(sog_scene *s, const cJSON *root)
         return "no valid \"mins\" and \"maxs\" of \"means\"";
     if (!read(member(root, "scales"), s->scale, 3))
         return "no valid values of \"scales\"";
+    for (int code = 0; code < 256 && model && strcmp(model, "2dgs") == 0; code++)
+        s->scale[2][code] = FXS_FLAT_SCALE;
     for (int code = 0; code < 256; code++)   /* version 1 has its own */
         s->colour[3][code] = fxs_logit_of_code(code);
     if (!read(member(root, "sh0"), s->colour, version ? 3 : 4))
@@ -279,7 +247,7 @@ static int load_image(sog_scene *s, const container *c, int image, const char *n
 static int load_named_image(sog_scene *s, const container *c, int image, const char *names[IMAGES], const char *name)
 {
     for (int i = 0; i < image && name; i++)
-        if (names[i] && compare_paths(names[i], name) == 0)
+        if (names[i] && fxs_compare_names(names[i], name) == 0)
             return fxs_fail(c->message, "%s: %s: the file of two images", c->source->path, name);
     names[image] = name;
     return load_image(s, c, image, name);
@@ -419,10 +387,44 @@ static int add_range(sog_reader *r, range added, fxs_message *message)
     return 0;
 }
 
-/* The ranges of the node's leaves at a level; a leaf without it has nothing there. */
-static int add_leaves(sog_reader *r, const cJSON *node, const char *level, fxs_message *message)
+/* A level from the name of a member; -1: it is not one. */
+static int level_of(const char *name)
 {
-    const cJSON *run = member(member(node, "lods"), level), *child;
+    int level = 0;
+    for (const char *c = name; *c; c++)
+        if (*c < '0' || *c > '9' || (level = 10 * level + (*c - '0')) > MAX_LEVELS)
+            return -1;
+    return *name ? level : -1;
+}
+
+/* What a node has of a level, or NULL. A leaf that has nothing of it is drawn at the nearest level that it has, the
+   finer of two. Returns 0, or -1 where the node's levels are not numbers. */
+static int find_run(const cJSON *node, int level, const cJSON **run)
+{
+    const int is_leaf = !cJSON_GetArraySize(member(node, "children"));
+    const cJSON *item;
+    int least = is_leaf ? 2 * MAX_LEVELS : 0;
+    *run = NULL;
+    cJSON_ArrayForEach(item, member(node, "lods")) {
+        const int given = item->string ? level_of(item->string) : -1;
+        if (given < 0)
+            return -1;
+        const int distance = given < level ? 2 * (level - given) - 1 : 2 * (given - level);
+        if (distance <= least) {
+            least = distance;
+            *run = item;
+        }
+    }
+    return 0;
+}
+
+/* The ranges of the node's leaves at a level. */
+static int add_leaves(sog_reader *r, const cJSON *node, int level, fxs_message *message)
+{
+    const cJSON *run, *child;
+    if (find_run(node, level, &run) != 0)
+        return fxs_fail(message, "%s: a leaf with \"lods\" that are not levels from 0 to %d", r->source->path,
+                        MAX_LEVELS);
     if (run) {
         range added;
         size_t count;
@@ -450,7 +452,7 @@ static int compare_ranges(const void *a, const void *b)
 static int compare_names(const void *a, const void *b)
 {
     const file_name *x = a, *y = b;
-    int order = compare_paths(x->name, y->name);
+    int order = fxs_compare_names(x->name, y->name);
     return order ? order : (x->file > y->file) - (x->file < y->file);
 }
 
@@ -473,7 +475,7 @@ static int list_names(sog_reader *r, fxs_message *message)
     if (count > 0)
         qsort(sorted, count, sizeof *sorted, compare_names);
     for (i = 1; i < count; i++)
-        if (compare_paths(sorted[i - 1].name, sorted[i].name) == 0)
+        if (fxs_compare_names(sorted[i - 1].name, sorted[i].name) == 0)
             r->names[sorted[i].file].file = r->names[sorted[i - 1].file].file;
     fxs_release(r->source->options.allocator, sorted);
     r->file_count = count;
@@ -482,11 +484,24 @@ static int list_names(sog_reader *r, fxs_message *message)
     return 0;
 }
 
+/* The environment is drawn at every level: a file that the index names, else one of this name beside it, as PlayCanvas
+   had it before the index could name one. 1 where there is one, which is the last of the files then. */
+static int add_environment(sog_reader *r, cJSON *root)
+{
+    static const char name[] = "environment.sog";
+    cJSON *named = cJSON_DetachItemFromObjectCaseSensitive(root, "environment");
+    if (!cJSON_IsString(named)) {
+        cJSON_Delete(named);
+        named = fxs_scene_source_is_beside(r->source, name) ? cJSON_CreateString(name) : NULL;
+    }
+    return named && cJSON_AddItemToArray(r->files, named);
+}
+
 /* lod-meta.json: one level of every leaf, file by file, and the environment. */
 static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs_message *message)
 {
     const cJSON *version = member(root, "version");
-    char level[16];
+    const cJSON *environment = member(root, "environment");
     size_t levels;
     if (version && !(cJSON_IsNumber(version) && version->valuedouble == 1))
         return fxs_fail(message, "%s: streamed SOG of a version that is not known: not 1", r->source->path);
@@ -497,12 +512,11 @@ static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs
     if (!cJSON_IsArray(r->files) || cJSON_GetArraySize(r->files) > MAX_FILES)
         return fxs_fail(message, "%s: \"filenames\" is not an array of up to %d", r->source->path, MAX_FILES);
     r->file_count = (size_t)cJSON_GetArraySize(r->files);
-    snprintf(level, sizeof level, "%d", r->source->options.level);
-    if (add_leaves(r, member(root, "tree"), level, message) != 0)
+    if (environment && !cJSON_IsString(environment) && !cJSON_IsNull(environment))
+        return fxs_fail(message, "%s: an \"environment\" that is not a file name", r->source->path);
+    if (add_leaves(r, member(root, "tree"), r->source->options.level, message) != 0)
         return -1;
-    const int has_environment = cJSON_IsString(member(root, "environment"));
-    if (has_environment)
-        cJSON_AddItemToArray(r->files, cJSON_DetachItemFromObjectCaseSensitive(root, "environment"));
+    const int has_environment = add_environment(r, root);
     if (list_names(r, message) != 0)
         return -1;
     if (r->range_count > 0)
@@ -547,12 +561,16 @@ static int open_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_messag
     const char *name = r->names[file].name;
     s->own.options = r->source->options;
     s->own.import = r->source->import;
-    return check_name(r->source, name, message) ? -1 : fxs_scene_source_open_beside(&s->own, r->source, name, message);
+    if (fxs_check_name(r->source, name, message) != 0)
+        return -1;
+    return fxs_scene_source_open_beside(&s->own, r->source, name, message);
 }
 
 /* Links can give one file many names. */
 static int check_identity(const sog_reader *r, const sog_scene *s, size_t file, fxs_message *message)
 {
+    if (r->names[file].inode == s->own.inode && r->names[file].device == s->own.device)
+        return 0;                  /* known since it was opened before, or without a number */
     for (size_t i = 0; i < r->file_count && s->own.inode; i++)
         if (i != file && r->names[i].inode == s->own.inode && r->names[i].device == s->own.device)
             return fxs_fail(message, "%s: the same file as %s", s->own.path, r->names[i].name);
@@ -561,13 +579,21 @@ static int check_identity(const sog_reader *r, const sog_scene *s, size_t file, 
     return 0;
 }
 
+/* 1 for a zip, 0 for a meta.json, or -1 and a message. */
+static int is_bundle(const fxs_scene_source *source, fxs_message *message)
+{
+    char first;
+    return fxs_scene_source_read(source, 0, &first, 1, message) != 0 ? -1 : first == 'P';
+}
+
 /* Loads a scene, its images not decoded yet. */
 static int load_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_message *message)
 {
     if (open_scene(r, s, file, message) != 0 || (r->files && check_identity(r, s, file, message) != 0))
         return -1;
     container c = {s->source, NULL, message};
-    if (r->bundled && !(c.zip = fxs_zip_open(r->source, message)))
+    const int bundled = is_bundle(s->source, message);
+    if (bundled < 0 || (bundled && !(c.zip = fxs_zip_open(s->source, message))))
         return -1;
     int status = load_meta(s, &c);
     fxs_zip_close(c.zip);
@@ -628,12 +654,11 @@ static int check_ranges(sog_reader *r, fxs_scene_file_info *info, fxs_message *m
 
 static int read_source(sog_reader *r, fxs_scene_file_info *info, fxs_message *message)
 {
-    char first;
     fxs_text json;
-    if (fxs_scene_source_read(r->source, 0, &first, 1, message) != 0)
+    const int bundled = is_bundle(r->source, message);
+    if (bundled < 0)
         return -1;
-    r->bundled = first == 'P';
-    if (r->bundled)
+    if (bundled)
         return add_range(r, (range){0, 0, TO_THE_LAST}, message);
     if (fxs_scene_source_load(r->source, 0, r->source->input.size, &json, message) != 0)
         return -1;

@@ -64,6 +64,57 @@ fxs_scene_input fxs_memory_input(const void *data, size_t size)
     return (fxs_scene_input){size, read_memory, NULL, NULL, (void *)data};
 }
 
+/* ---- Names of files beside -------------------------------------------------------------------------------------- */
+
+/* Stays in the folder, and can be shown in one line. */
+static int name_valid(const char *name)
+{
+    for (const char *c = name; *c; c++)
+        if ((unsigned char)*c < ' ')
+            return 0;
+    return *name && *name != '/' && strncmp(name, "../", 3) != 0 && !strstr(name, "/../");
+}
+
+int fxs_check_name(const fxs_scene_source *source, const char *name, fxs_message *message)
+{
+    if (name && name_valid(name))
+        return 0;
+    return fxs_fail(message, "%s: a file name that is missing, leaves the folder or has control characters",
+                    source->path);
+}
+
+int fxs_compare_names(const char *a, const char *b)
+{
+    for (;;) {
+        while (*a == '/' || (a[0] == '.' && a[1] == '/'))
+            a++;
+        while (*b == '/' || (b[0] == '.' && b[1] == '/'))
+            b++;
+        for (; *a && *a == *b && *a != '/'; a++)
+            b++;
+        if (*a != *b || !*a)
+            return (unsigned char)*a - (unsigned char)*b;
+    }
+}
+
+static int hex_digit(int c)
+{
+    static const char digits[] = "0123456789abcdef0123456789ABCDEF";
+    const char *at = c ? strchr(digits, c) : NULL;
+    return at ? (int)(at - digits) % 16 : -1;
+}
+
+void fxs_decode_percent(char *text)
+{
+    char *out = text;
+    for (; *text; text++) {
+        int high = *text == '%' ? hex_digit(text[1]) : -1, low = high < 0 ? -1 : hex_digit(text[2]);
+        *out++ = low < 0 ? *text : (char)(high << 4 | low);
+        text += low < 0 ? 0 : 2;
+    }
+    *out = '\0';
+}
+
 /* ---- Opening --------------------------------------------------------------------------------------------------- */
 
 /* Sets the path to a folder, the first `folder` characters of a path, and a name. */
@@ -217,6 +268,26 @@ int fxs_scene_source_open_beside(fxs_scene_source *opened, const fxs_scene_sourc
     if (open_beside(opened, source, name, message))
         return -1;
     return opened->import ? fxs_import_count(opened, message) : 0;
+}
+
+int fxs_scene_source_is_beside(const fxs_scene_source *source, const char *name)
+{
+    const fxs_scene_source *first = source->first ? source->first : source;
+    fxs_scene_source beside = {.options = source->options};
+    fxs_message ignored;
+    struct stat status;
+    int is_there = 0;
+    if (set_path(&beside, source->path, folder_length(source->path), name, &ignored))
+        return 0;
+    if (first->input.read == read_file)
+        is_there = lstat(beside.path, &status) == 0;
+    else if (first->input.beside)
+        is_there = first->input.beside(first->input.argument, beside.path + folder_length(first->path),
+                                       &beside.input) == 0;
+    if (!is_there)
+        memset(&beside.input, 0, sizeof beside.input);
+    fxs_scene_source_close(&beside);
+    return is_there;
 }
 
 void fxs_scene_source_shut(fxs_scene_source *source)

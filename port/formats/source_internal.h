@@ -40,6 +40,20 @@ int fxs_scene_source_open_beside(fxs_scene_source *opened, const fxs_scene_sourc
    functions, by its name. Returns 0, or -1 and a message. */
 int fxs_import_count(const fxs_scene_source *source, fxs_message *message);
 
+/* ---- Names of files beside ---- */
+
+/* Whether a name (NULL: none) stays in the folder and can be shown in one line. Returns 0, or -1 and a message. */
+int fxs_check_name(const fxs_scene_source *source, const char *name, fxs_message *message);
+
+/* The order of names, in which "a/b", "a//b" and "./a/b" are the same. */
+int fxs_compare_names(const char *a, const char *b);
+
+/* Undoes %XX of a URI, in place. */
+void fxs_decode_percent(char *text);
+
+/* 1 where there is such a file, which need not be one that can be opened. */
+int fxs_scene_source_is_beside(const fxs_scene_source *source, const char *name);
+
 /* Bytes in memory; `data` is not copied. */
 fxs_scene_input fxs_memory_input(const void *data, size_t size);
 

@@ -454,6 +454,7 @@ int fxs_spz_open(const fxs_scene_source *source, uint64_t offset, uint64_t size,
     }
     info->count = s->count;
     info->sh_degree = s->sh_degree < 3 ? s->sh_degree : 3;
+    info->stored_sh_degree = s->sh_degree;
     info->antialiased = s->flags & ANTIALIASED;
     info->colour.step = C0 / COLOUR_RANGE / 255;
     info->colour.low = 0.5 - C0 / COLOUR_RANGE / 2;
@@ -471,19 +472,10 @@ void fxs_spz_close(fxs_spz *spz)
 
 /* ---- Gaussians ------------------------------------------------------------------------------------------------- */
 
-static float half(uint32_t bits)
-{
-    int exponent = bits >> 10 & 31, sign = bits >> 15 ? -1 : 1;
-    float mantissa = (float)(bits & 1023);
-    if (exponent == 31)
-        return mantissa != 0 ? NAN : (float)sign * INFINITY;
-    return (float)sign * (exponent ? ldexpf(1024 + mantissa, exponent - 25) : ldexpf(mantissa, -24));
-}
-
 static float position(const fxs_spz *spz, const uint8_t *bytes)
 {
     if (spz->version == 1)
-        return half(fxs_load_u16(bytes));
+        return fxs_half(fxs_load_u16(bytes));
     int32_t value = bytes[0] | bytes[1] << 8 | bytes[2] << 16;
     return ldexpf((float)(value - (value >> 23 << 24)), -spz->fractional_bits);
 }

@@ -294,6 +294,23 @@ run render mixed.ply $near -o mixed.raw
 check "bad Gaussians are left out and counted" equal "$status $(cat logs/err)" "0 fixsplat: mixed.ply: left out 7 of 9 \
 Gaussians (3 not finite, 1 with a zero quaternion, 2 with a scale beyond +-20, 1 too far out)"
 check "bad Gaussians are not in the picture" equal "$($helper hash mixed.raw)" "$hash"
+{
+    ply_header 1 | sed '$d'
+    printf 'property float f_rest_%s\n' $(seq 0 71)
+    echo end_header
+    echo "$good $(seq -s ' ' 72)"
+} >degree4.ply
+run render degree4.ply $near -o degree4.raw
+check "SH of degree 4 are said to be left out" equal "$status $(cat logs/err)" \
+    "0 fixsplat: degree4.ply: the SH of degree 4 are left out: degree 3 is the highest that is drawn"
+{
+    ply_header 1 | sed '/scale_2/d'
+    echo '0 0 0 1 .5 .2 2 -1 -1.5 1 .3 .2 0'
+} >flat.ply
+ply flat3.ply '0 0 0 1 .5 .2 2 -1 -1.5 -20 1 .3 .2 0'
+run render flat.ply $near -o flat.raw
+check "2D Gaussians are flat" equal "$status $(cat logs/err)$($helper hash flat.raw)" "0 $(hash_of flat3.ply $near)"
+check "2D Gaussians are seen" differ "$(hash_of flat.ply $near)" "$(hash_of flat.ply $small $away)"
 ply bad.ply '0 0 0 1 .5 .2 2 -1 -1.5 -2 0 0 0 0' 'nan 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0'
 fails "render: no good Gaussian" 1 "bad.ply: none of the 2" render bad.ply --hash
 fails "info: no good Gaussian" 1 "bad.ply: none of the 2" info bad.ply

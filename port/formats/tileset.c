@@ -1,0 +1,496 @@
+/* tileset.json: 3D Tiles 1.0 and 1.1 (OGC 18-053r2, 22-025r4) with explicit tiles, whose contents are .glb and .gltf
+   files or other tilesets. What is drawn is the finest: the contents of each tile that is refined by ADD, and those of a
+   tile that is refined by REPLACE where no tile below it has any. Bounding volumes and errors are not looked at.
+   A tileset is z up and its contents y up; the Gaussians come as those of a content alone do. A tileset on the globe is
+   put into the frame of the first tile that lies there, as floats have half a metre left at the Earth's radius. */
+#include "scene_format.h"
+
+#ifdef FXS_WITH_CJSON
+
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <string.h>
+#include <strings.h>
+
+#include "gltf_internal.h"
+
+enum {
+    MAX_CONTENTS = 16384,
+    MAX_NESTING = 16,          /* of tilesets */
+    MOST_OPEN = 32             /* contents; others are opened again in each pass */
+};
+
+static const double GLOBE = 1e6;   /* a tile that is so far out lies on it */
+
+typedef struct matrix {
+    double m[3][4];            /* rows; the last would be 0 0 0 1 */
+} matrix;
+
+/* A file that a tile names. */
+typedef struct content {
+    char *name;                /* from the folder of the first tileset */
+    matrix up, tile;           /* from its own frame to the tile's, and from there to the tileset's, z up */
+    int nesting, is_tileset;
+    uint64_t device, inode;    /* where it was opened by its path; else 0 */
+    uint64_t count;
+    fxs_scene_source source;
+    void *reader;              /* while it is open, or NULL */
+} content;
+
+typedef struct tileset {
+    const fxs_scene_source *source;
+    fxs_message *message;      /* of the call */
+    content *contents;
+    size_t count, capacity;
+    int is_on_globe;
+    matrix globe;              /* of the first tile there */
+    matrix frame;              /* of what is read, from the tileset's */
+    size_t open;               /* contents */
+    size_t at;                 /* content being read */
+    int is_entered;            /* and rewound */
+} tileset;
+
+/* A tileset.json that is being listed. */
+typedef struct index_file {
+    const char *path;
+    size_t folder;             /* letters of the name that are its folder */
+    const char *name;
+    int nesting;
+    matrix up;                 /* from contents to tiles */
+} index_file;
+
+static int fail(const tileset *t, const char *path, const char *fault)
+{
+    return fxs_fail(t->message, "%s: %s", path, fault);
+}
+
+static const cJSON *member(const cJSON *object, const char *name)
+{
+    return cJSON_GetObjectItemCaseSensitive(object, name);
+}
+
+/* ---- Matrices -------------------------------------------------------------------------------------------------- */
+
+static const matrix identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+
+static matrix multiply(const matrix *a, const matrix *b)
+{
+    matrix out;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 4; j++)
+            out.m[i][j] = a->m[i][0] * b->m[0][j] + a->m[i][1] * b->m[1][j] + a->m[i][2] * b->m[2][j] +
+                          (j == 3 ? a->m[i][3] : 0);
+    return out;
+}
+
+/* Returns 0, or -1 where there is none. */
+static int invert(matrix *out, const matrix *of)
+{
+    const double (*m)[4] = (const double (*)[4])of->m;
+    double determinant = 0;
+    int is_finite = 1;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            const int a = (j + 1) % 3, b = (j + 2) % 3, c = (i + 1) % 3, d = (i + 2) % 3;
+            out->m[i][j] = m[a][c] * m[b][d] - m[a][d] * m[b][c];
+        }
+    for (int j = 0; j < 3; j++)
+        determinant += m[0][j] * out->m[j][0];
+    for (int i = 0; i < 3; i++) {
+        double *row = out->m[i];
+        for (int j = 0; j < 3; j++)
+            row[j] /= determinant;
+        row[3] = -(row[0] * m[0][3] + row[1] * m[1][3] + row[2] * m[2][3]);
+        is_finite &= isfinite(row[0]) && isfinite(row[1]) && isfinite(row[2]) && isfinite(row[3]);
+    }
+    return is_finite ? 0 : -1;
+}
+
+/* ---- Contents, as tilesets list them --------------------------------------------------------------------------- */
+
+/* Returns the new content, or NULL and a message. */
+static content *grow(tileset *t)
+{
+    if (t->count == MAX_CONTENTS) {
+        fxs_fail(t->message, "%s: more than %d contents of tiles", t->source->path, MAX_CONTENTS);
+        return NULL;
+    }
+    if (t->count == t->capacity) {
+        const size_t capacity = 2 * t->capacity + 16;
+        content *larger = fxs_enlarge(t->source->options.allocator, t->contents, t->count, capacity, sizeof *larger);
+        if (!larger) {
+            fail(t, t->source->path, "out of memory");
+            return NULL;
+        }
+        t->contents = larger;
+        t->capacity = capacity;
+    }
+    memset(&t->contents[t->count], 0, sizeof *t->contents);
+    return &t->contents[t->count++];
+}
+
+/* Returns 1, or -1 and a message. */
+static int add_content(tileset *t, const index_file *from, const cJSON *item, const matrix *tile)
+{
+    const char *uri = fxs_json_string(item, "uri");
+    uri = uri ? uri : fxs_json_string(item, "url");   /* as before 1.0 */
+    if (!uri)
+        return fail(t, from->path, "the content of a tile has no \"uri\"");
+    content *c = grow(t);
+    char *name = c ? fxs_allocate(t->source->options.allocator, from->folder + strlen(uri) + 1, 1) : NULL;
+    if (!name)
+        return c ? fail(t, from->path, "out of memory") : -1;
+    c->name = name;
+    if (from->folder > 0)
+        memcpy(name, from->name, from->folder);
+    strcpy(name + from->folder, uri);
+    fxs_decode_percent(name + from->folder);
+    if (fxs_check_name(t->source, name + from->folder, t->message))
+        return -1;
+    c->nesting = from->nesting + 1;
+    c->tile = *tile;
+    c->up = from->up;
+    return 1;
+}
+
+/* Of one tile: 1, 0 where it has none, or -1 and a message. */
+static int add_contents(tileset *t, const index_file *from, const cJSON *tile, const matrix *rows)
+{
+    const cJSON *extensions = member(tile, "extensions"), *more = member(extensions, "3DTILES_multiple_contents");
+    const cJSON *lists[] = {member(tile, "contents"), member(more, "contents"), member(more, "content")}, *item;
+    const cJSON *one = member(tile, "content");
+    int found = one ? add_content(t, from, one, rows) : 0;
+    for (int i = 0; i < 3 && found >= 0; i++) {
+        if (lists[i] && !cJSON_IsArray(lists[i]))
+            return fail(t, from->path, "the \"contents\" of a tile are not an array");
+        cJSON_ArrayForEach(item, lists[i])
+            if ((found = add_content(t, from, item, rows)) < 0)
+                break;
+    }
+    return found;
+}
+
+/* Column by column in the file. */
+static int read_transform(const tileset *t, const index_file *from, const cJSON *tile, matrix *out)
+{
+    double m[16];
+    *out = identity;
+    if (!member(tile, "transform"))
+        return 0;
+    if (!fxs_json_numbers(member(tile, "transform"), m, 16) || m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
+        return fail(t, from->path, "the \"transform\" of a tile is not 16 numbers with a last row of 0 0 0 1");
+    for (int i = 0; i < 12; i++)
+        out->m[i / 4][i % 4] = m[4 * (i % 4) + i / 4];
+    return 0;
+}
+
+/* Whether tiles are refined by REPLACE; absent, as above. Returns -1 and a message where it is neither. */
+static int read_refine(const tileset *t, const index_file *from, const cJSON *tile, int above)
+{
+    const char *refine = fxs_json_string(tile, "refine");
+    if (!member(tile, "refine"))
+        return above;
+    if (refine && (strcasecmp(refine, "ADD") == 0 || strcasecmp(refine, "REPLACE") == 0))
+        return strcasecmp(refine, "REPLACE") == 0;
+    return fail(t, from->path, "the \"refine\" of a tile is neither ADD nor REPLACE");
+}
+
+/* The contents that are drawn of a tile and what is below it: 1, 0 where there are none, or -1 and a message. cJSON
+   bounds the depth. */
+static int add_tile(tileset *t, const index_file *from, const cJSON *tile, const matrix *above, int replaces)
+{
+    const cJSON *children = member(tile, "children"), *child;
+    matrix own;
+    int found = 0;
+    if (!cJSON_IsObject(tile) || (children && !cJSON_IsArray(children)))
+        return fail(t, from->path, "a tile that is not an object, or \"children\" that are not an array");
+    if (member(tile, "implicitTiling") || member(member(tile, "extensions"), "3DTILES_implicit_tiling"))
+        return fail(t, from->path, "implicit tiling is not read");
+    replaces = read_refine(t, from, tile, replaces);
+    if (replaces < 0 || read_transform(t, from, tile, &own))
+        return -1;
+    const matrix rows = multiply(above, &own);
+    if (!t->is_on_globe && hypot(hypot(rows.m[0][3], rows.m[1][3]), rows.m[2][3]) > GLOBE) {
+        t->is_on_globe = 1;
+        t->globe = rows;
+    }
+    cJSON_ArrayForEach(child, children) {
+        const int below = add_tile(t, from, child, &rows, replaces);
+        if (below < 0)
+            return -1;
+        found |= below;
+    }
+    if (found && replaces)
+        return found;
+    const int here = add_contents(t, from, tile, &rows);
+    return here < 0 ? -1 : found | here;
+}
+
+/* Contents are y up where the asset does not say otherwise. */
+static int read_asset(const tileset *t, index_file *from, const cJSON *root)
+{
+    static const matrix from_y = {{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
+    const cJSON *asset = member(root, "asset");
+    const char *version = fxs_json_string(asset, "version"), *up = fxs_json_string(asset, "gltfUpAxis");
+    if (!version || (strncmp(version, "1.", 2) != 0 && strncmp(version, "0.", 2) != 0))
+        return fail(t, from->path, "not 3D Tiles 1: no such version in \"asset\"");
+    if (member(asset, "gltfUpAxis") && (!up || (strcasecmp(up, "Y") != 0 && strcasecmp(up, "Z") != 0)))
+        return fail(t, from->path, "a \"gltfUpAxis\" that is neither Y nor Z");
+    from->up = up && strcasecmp(up, "Z") == 0 ? identity : from_y;
+    return 0;
+}
+
+static int list_tiles(tileset *t, index_file *from, const fxs_scene_source *source, const matrix *above)
+{
+    fxs_text json;
+    if (fxs_scene_source_load(source, 0, source->input.size, &json, t->message))
+        return -1;
+    cJSON *root = fxs_json_parse(&json, source, t->message);
+    fxs_text_let_go(source, &json);
+    int result = root ? read_asset(t, from, root) : -1;
+    if (result == 0)
+        result = add_tile(t, from, member(root, "root"), above, 1);
+    cJSON_Delete(root);
+    return result < 0 ? -1 : 0;
+}
+
+/* ---- Files ----------------------------------------------------------------------------------------------------- */
+
+/* Each file is that of one content: else a small tileset would ask for much. Links can give one file many names. */
+static int check_identity(const tileset *t, size_t index, const fxs_scene_source *source)
+{
+    content *c = &t->contents[index];
+    int is_first = source->inode && source->inode == t->source->inode && source->device == t->source->device;
+    c->device = source->device;
+    c->inode = source->inode;
+    for (size_t i = 0; i < index && !is_first; i++) {
+        const content *other = &t->contents[i];
+        if (c->inode ? c->inode == other->inode && c->device == other->device
+            : fxs_compare_names(c->name, other->name) == 0)
+            return fxs_fail(t->message, "%s: the same file as the content %s", source->path, other->name);
+    }
+    return is_first ? fail(t, source->path, "a tileset that is its own content") : 0;
+}
+
+/* A tileset's own contents come at the end of the list. */
+static int list_content(tileset *t, size_t index, const fxs_scene_source *source)
+{
+    static const char *const others[] = {"b3dm", "i3dm", "pnts", "cmpt"};
+    content *c = &t->contents[index];
+    char magic[4] = "";
+    if (source->input.size >= 4 && fxs_scene_source_read(source, 0, magic, 4, t->message))
+        return -1;
+    for (int i = 0; i < 4; i++)
+        if (memcmp(magic, others[i], 4) == 0)
+            return fxs_fail(t->message, "%s: the content of a tile is %s, not glTF", source->path, others[i]);
+    const fxs_scene_format *format = fxs_scene_format_of(source, t->message);
+    if (!format || format == &fxs_scene_gltf)
+        return format ? 0 : -1;
+    if (format != &fxs_scene_tileset)
+        return fxs_fail(t->message, "%s: the content of a tile is %s, not glTF", source->path, format->name);
+    if (c->nesting > MAX_NESTING)
+        return fail(t, source->path, "tilesets nested too deep");
+    const char *slash = strrchr(c->name, '/');
+    index_file from = {source->path, slash ? (size_t)(slash + 1 - c->name) : 0, c->name, c->nesting, identity};
+    const matrix above = c->tile;
+    c->is_tileset = 1;
+    return list_tiles(t, &from, source, &above);
+}
+
+/* Looks at each content, and so at those that are added on the way. */
+static int list_all(tileset *t)
+{
+    index_file from = {t->source->path, 0, NULL, 0, identity};
+    int result = list_tiles(t, &from, t->source, &identity);
+    for (size_t i = 0; i < t->count && result == 0; i++) {
+        fxs_scene_source source;
+        result = fxs_scene_source_open_beside(&source, t->source, t->contents[i].name, t->message);
+        if (result == 0)
+            result = check_identity(t, i, &source) ? -1 : list_content(t, i, &source);
+        fxs_scene_source_close(&source);
+    }
+    return result;
+}
+
+/* ---- Contents that are open ------------------------------------------------------------------------------------ */
+
+static void close_content(tileset *t, content *c)
+{
+    if (c->reader) {
+        fxs_scene_gltf.close(c->reader);
+        t->open--;
+    }
+    fxs_let_go(t->source, c->reader, fxs_scene_gltf.reader_size);
+    c->reader = NULL;
+    fxs_scene_source_close(&c->source);
+}
+
+/* An fxs_import's drop: something that was decompressed, then a content that is open, from the last on; but nothing that
+   is being read. */
+static int drop_another(void *handle)
+{
+    tileset *t = handle;
+    for (size_t i = t->count; i-- > 0;)
+        if (t->contents[i].reader && fxs_gltf_drop(t->contents[i].reader))
+            return 1;
+    for (size_t i = t->count; i-- > 0;)
+        if (t->contents[i].reader && i != t->at) {
+            close_content(t, &t->contents[i]);
+            return 1;
+        }
+    return 0;
+}
+
+/* Opens the content that t->at says. */
+static int open_content(tileset *t, fxs_scene_file_info *info)
+{
+    content *c = &t->contents[t->at];
+    const matrix tile = multiply(&t->frame, &c->tile);
+    matrix frame = multiply(&tile, &c->up);
+    if (fxs_scene_source_open_beside(&c->source, t->source, c->name, t->message)) {
+        close_content(t, c);
+        return -1;
+    }
+    c->reader = fxs_hold(t->source, fxs_scene_gltf.reader_size, t->message);
+    if (!c->reader) {
+        close_content(t, c);
+        return -1;
+    }
+    memset(c->reader, 0, fxs_scene_gltf.reader_size);
+    t->open++;
+    if (fxs_gltf_open(c->reader, &c->source, frame.m, info, t->message) == 0)
+        return 0;
+    close_content(t, c);
+    return -1;
+}
+
+/* Goes on to the next content that has Gaussians. */
+static void leave_content(tileset *t)
+{
+    if (t->open > MOST_OPEN)
+        close_content(t, &t->contents[t->at]);
+    t->is_entered = 0;
+    do
+        t->at++;
+    while (t->at < t->count && t->contents[t->at].count == 0);
+}
+
+static int enter_content(tileset *t)
+{
+    content *c = &t->contents[t->at];
+    fxs_scene_file_info info = {.count = c->count};
+    if (!c->reader && open_content(t, &info))
+        return -1;
+    if (info.count != c->count)
+        return fail(t, c->source.path, "changed while it was open");
+    if (fxs_scene_gltf.rewind(c->reader, t->message))
+        return -1;
+    t->is_entered = 1;
+    return 0;
+}
+
+static int tileset_rewind(void *handle, fxs_message *message)
+{
+    tileset *t = handle;
+    (void)message;
+    t->at = (size_t)-1;
+    leave_content(t);
+    return 0;
+}
+
+/* ---- The format ------------------------------------------------------------------------------------------------ */
+
+static int describe_content(tileset *t, fxs_scene_file_info *info)
+{
+    fxs_scene_file_info own;
+    if (fxs_scene_source_progress(t->source, (double)t->at / (double)t->count, t->message) || open_content(t, &own))
+        return -1;
+    t->contents[t->at].count = own.count;
+    info->count += own.count;
+    info->sh_degree = own.sh_degree > info->sh_degree ? own.sh_degree : info->sh_degree;
+    if (own.stored_sh_degree > info->stored_sh_degree)
+        info->stored_sh_degree = own.stored_sh_degree;
+    info->antialiased |= own.antialiased;
+    if (own.count == 0 || t->open > MOST_OPEN)
+        close_content(t, &t->contents[t->at]);
+    if (info->count > INT32_MAX)
+        return fxs_fail(t->message, "%s: more than %d Gaussians", t->source->path, INT32_MAX);
+    return fxs_limit_gaussians(t->source, info->count, t->message);
+}
+
+static int describe(tileset *t, fxs_scene_file_info *info)
+{
+    static const matrix to_ply = {{{-1, 0, 0, 0}, {0, 0, -1, 0}, {0, -1, 0, 0}}};   /* z up to y down */
+    matrix back = identity;
+    if (t->is_on_globe && invert(&back, &t->globe))
+        return fail(t, t->source->path, "the transform of a tile has no inverse");
+    t->frame = multiply(&to_ply, &back);
+    info->count = 0;
+    info->sh_degree = info->stored_sh_degree = info->antialiased = 0;
+    for (t->at = 0; t->at < t->count; t->at++)
+        if (!t->contents[t->at].is_tileset && describe_content(t, info))
+            return -1;
+    if (info->count == 0)
+        return fail(t, t->source->path, "no Gaussians in the contents of its tiles");
+    return tileset_rewind(t, t->message);
+}
+
+static int tileset_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
+{
+    tileset *t = handle;
+    t->source = source;
+    t->message = message;
+    source->import->drop = drop_another;
+    source->import->reader = t;
+    return list_all(t) ? -1 : describe(t, info);
+}
+
+static long tileset_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
+{
+    tileset *t = handle;
+    size_t done = 0;
+    t->message = message;
+    while (done < capacity && t->at < t->count) {
+        if (!t->is_entered && enter_content(t))
+            return -1;
+        const long count = fxs_scene_gltf.read(t->contents[t->at].reader, gaussians + done, capacity - done, message);
+        if (count < 0)
+            return -1;
+        done += (size_t)count;
+        if (count == 0)
+            leave_content(t);
+    }
+    return (long)done;
+}
+
+static void tileset_close(void *handle)
+{
+    tileset *t = handle;
+    for (size_t i = 0; i < t->count; i++) {
+        close_content(t, &t->contents[i]);
+        fxs_release(t->source->options.allocator, t->contents[i].name);
+    }
+    fxs_release(t->source->options.allocator, t->contents);
+}
+
+#define READER_SIZE sizeof(tileset)
+
+#else
+
+static int tileset_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
+{
+    (void)handle;
+    (void)info;
+    return fxs_fail(message, "%s: cannot read 3D Tiles: built without cJSON", source->path);
+}
+
+#define READER_SIZE 0
+#define tileset_read NULL
+#define tileset_rewind NULL
+#define tileset_close NULL
+
+#endif
+
+const fxs_scene_format fxs_scene_tileset = {
+    "tileset", READER_SIZE, tileset_open, tileset_read, tileset_rewind, tileset_close
+};
