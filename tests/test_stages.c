@@ -158,7 +158,7 @@ static void random_rotation(double m[9])
 /* Looks at the scene's origin, more or less, from `distance`. */
 static fxs_camera make_camera(int width, int height, double distance)
 {
-    fxs_camera camera = {width, height, 0, 0, 0, 0, {0}, {0}};
+    fxs_camera camera = {width, height, 0, 0, 0, 0, {0}, {0}, 0};
     double rotation[9], focal = (width > height ? width : height) * uniform(0.5, 2);
     random_rotation(rotation);
     camera.fx_q12 = (int32_t)ldexp(focal, 12);
@@ -177,7 +177,8 @@ static fxs_camera make_camera(int width, int height, double distance)
 static fxs_file_view view_of(const fxs_camera *camera)
 {
     fxs_file_view view = {"", camera->width, camera->height, ldexp(camera->fx_q12, -12), ldexp(camera->fy_q12, -12),
-                          ldexp(camera->cx_q12, -12), ldexp(camera->cy_q12, -12), {0}, {0}};
+                          ldexp(camera->cx_q12, -12), ldexp(camera->cy_q12, -12), {0}, {0},
+                          ldexp((double)camera->near_q32, -32)};
     for (int i = 0; i < 9; i++)
         view.rotation[i] = ldexp(camera->rotation_q30[i], -30);
     for (int i = 0; i < 3; i++)

@@ -4,6 +4,8 @@
 #include <string.h>
 
 #define DEGREES 57.29577951308232
+#define NEAR_LEAST 0x1p-20
+#define NEAR_MOST 0x1p28
 
 static double dot(const double a[3], const double b[3])
 {
@@ -38,6 +40,7 @@ int fxs_view_look_at(fxs_file_view *view, const double eye[3], const double targ
     view->fx = view->fy = height / 2.0 / tan(fov / 2 / DEGREES);
     view->cx = width / 2.0;
     view->cy = height / 2.0;
+    view->near = 0;
     for (int i = 0; i < 3; i++) {
         view->position[i] = eye[i];
         forward[i] = target[i] - eye[i];
@@ -50,10 +53,26 @@ int fxs_view_look_at(fxs_file_view *view, const double eye[3], const double targ
     return 0;
 }
 
+/* Half the diagonal. */
+static double radius_of(const double low[3], const double high[3])
+{
+    double square = 0;
+    for (int i = 0; i < 3; i++)
+        square += (high[i] - low[i]) * (high[i] - low[i]) / 4;
+    return sqrt(square);
+}
+
+double fxs_near_of_box(const double low[3], const double high[3])
+{
+    const double near = radius_of(low, high) / 100;
+    return near > 0 ? fmax(fmin(near, 0.2), NEAR_LEAST) : 0.2;
+}
+
 int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double high[3], const double up[3], double fov,
                        int width, int height, fxs_message *message)
 {
-    double middle[3], eye[3], axis[3], back[3] = {0, 0, -1}, radius = 0;
+    double middle[3], eye[3], axis[3], back[3] = {0, 0, -1};
+    const double radius = radius_of(low, high), near = fxs_near_of_box(low, high);
     memcpy(axis, up, sizeof axis);
     if (!normalise(axis))
         return fxs_fail(message, "up is not a direction");
@@ -63,15 +82,15 @@ int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double hi
     for (int i = 0; i < 3; i++)
         back[i] -= along * axis[i];
     normalise(back);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++)
         middle[i] = (low[i] + high[i]) / 2;
-        radius += (high[i] - low[i]) * (high[i] - low[i]) / 4;
-    }
     double narrow = atan(tan(fov / 2 / DEGREES) * fmin(1, (double)width / height));
-    double distance = fmax(sqrt(radius) / sin(narrow), sqrt(radius) + 0.5);   /* clear of the near plane, 0.2 */
+    double distance = fmax(radius / sin(narrow), radius + 2.5 * near);   /* clear of the near plane */
     for (int i = 0; i < 3; i++)
         eye[i] = middle[i] + distance * (0.95 * back[i] + 0.31 * axis[i]);
-    return fxs_view_look_at(view, eye, middle, up, fov, width, height, message);
+    const int result = fxs_view_look_at(view, eye, middle, up, fov, width, height, message);
+    view->near = near;
+    return result;
 }
 
 void fxs_view_resize(fxs_file_view *view, int width, int height)
@@ -138,5 +157,8 @@ int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_mess
     for (int i = 0; i < 3; i++)
         if (!to_fixed(&camera->position_q32[i], view->position[i], 32, 134217728.0))
             return fxs_fail(message, "view %s: a position of %g is beyond 2^27 units", view->name, view->position[i]);
+    if (view->near != 0 && !(view->near >= NEAR_LEAST && view->near <= NEAR_MOST))
+        return fxs_fail(message, "view %s: a near plane at %g: expected 2^-20 to 2^28 units", view->name, view->near);
+    camera->near_q32 = (int64_t)floor(ldexp(view->near, 32) + 0.5);
     return 0;
 }
