@@ -214,6 +214,7 @@ static int views_around(subject *s, const double up[3])
             eye[i] = middle[i] + distance[v] * (back + side[v] * along * front.rotation[i]);
         }
         result = fxs_view_look_at(&s->views[v], eye, middle, up, 50, WIDTH, HEIGHT, &m);
+        s->views[v].near = front.near;
     }
     return result;
 }
