@@ -137,6 +137,33 @@ static void test_sizes_are_framed_alike(void)
     }
 }
 
+/* Every corner of the box is in the picture, one of them close to its edge, whatever the box and the picture. */
+static void test_boxes_are_framed_whole(void)
+{
+    static const double boxes[][3] = {{1, 1, 1}, {0.1, 9, 0.1}, {9, 0.1, 9}, {0.01, 0.01, 7}, {1e-5, 2e-5, 1e-5}, {5, 0, 0}};
+    static const double ups[][3] = {{0, -1, 0}, {0, 0, 1}, {1, 2, 3}}, middle[3] = {3, -2, 1};
+    for (int i = 0; i < 6 * 3 * 4; i++) {
+        const double *half = boxes[i % 6], *up = ups[i / 6 % 3];
+        double low[3], high[3], most = 0;
+        fxs_message m;
+        fxs_file_view view;
+        for (int k = 0; k < 3; k++) {
+            low[k] = middle[k] - half[k];
+            high[k] = middle[k] + half[k];
+        }
+        CHECK(!fxs_view_frame_box(&view, low, high, up, i / 18 % 2 ? 50 : 150, i / 36 ? 96 : 72, i / 36 ? 72 : 96, &m));
+        for (int corner = 0; corner < 8; corner++) {
+            double seen[3] = {0, 0, 0};
+            for (int k = 0; k < 3; k++)
+                for (int row = 0; row < 3; row++)
+                    seen[row] += view.rotation[3 * row + k] * ((corner >> k & 1 ? high[k] : low[k]) - view.position[k]);
+            CHECK(seen[2] > 2 * view.near);
+            most = fmax(most, fmax(fabs(seen[0]) * view.fx / view.width, fabs(seen[1]) * view.fy / view.height) / seen[2]);
+        }
+        CHECK(most < 0.5 && (most > 0.46 || i / 18 % 2 == 0));
+    }
+}
+
 static void test_range(void)
 {
     static const double origin[3] = {0, 0, 0}, ahead[3] = {0, 0, 1}, up[3] = {0, -1, 0};
@@ -161,6 +188,7 @@ int main(void)
 {
     RUN(test_sizes_are_approached_alike);
     RUN(test_sizes_are_framed_alike);
+    RUN(test_boxes_are_framed_whole);
     RUN(test_range);
     return check_report();
 }
