@@ -53,7 +53,8 @@ static void place(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *chu
     cv->scale_q16 = chunk->scale_q16;
     cv->scale_step_q24 = chunk->scale_step_q24;
     cv->shift = bits > 29 ? bits - 29 : 0;       /* so |offset| + reach < 2^29 an axis */
-    cv->near = (int32_t)((int64_t)FXS_NEAR_Q32 >> cv->shift);
+    const int64_t near = view->near_q32 >> cv->shift;
+    cv->near = (int32_t)(near < INT32_MAX ? near : INT32_MAX);
     for (int i = 0; i < 3; i++) {
         int64_t base_q30 = 0;
         for (int j = 0; j < 3; j++) {

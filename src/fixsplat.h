@@ -26,7 +26,8 @@ enum fxs_error {
     FXS_ERR_ARGUMENT = -1,      /* a null pointer, or an option outside its range */
     FXS_ERR_SCENE = -2,         /* not a packed scene, or one cut short, damaged or changed while it was rendered */
     FXS_ERR_VERSION = -3,       /* a packed scene of another version */
-    FXS_ERR_CAMERA = -4,        /* focal length not above 0, rotation not orthonormal, position beyond +-2^28 units */
+    FXS_ERR_CAMERA = -4,        /* focal length not above 0, rotation not orthonormal, position beyond +-2^28 units,
+                                   near plane out of range */
     FXS_ERR_SIZE = -5,          /* width or height outside 1..FXS_MAX_SIZE */
     FXS_ERR_MEMORY = -6,        /* too little memory: the working memory given (or not aligned to 64), or a device's */
     FXS_ERR_UNSUPPORTED = -7,   /* a stage that this build or machine does not have */
@@ -78,6 +79,7 @@ typedef struct fxs_camera {
     int32_t cx_q12, cy_q12;        /* principal point, pixels from the top left corner */
     int32_t rotation_q30[9];       /* world to camera, rows: the camera's x, y and z axes in the scene */
     int64_t position_q32[3];       /* the camera's centre, scene units, within +-2^28 */
+    int64_t near_q32;              /* depth of the near plane, scene units, 2^-20 to 2^28; 0: 0.2 */
 } fxs_camera;
 
 enum fxs_cutoff {
@@ -205,8 +207,8 @@ typedef struct fxs_stats {
     uint64_t frame_nanoseconds;
 } fxs_stats;
 
-/* Renders a frame. Not drawn are Gaussians whose centre is within 0.2 units of the camera's plane or behind it, more
-   than 89 degrees off the axis or 65536 pixels off the picture's corner, or whose sigma is over 65536 pixels.
+/* Renders a frame. Not drawn are Gaussians whose centre is not beyond the camera's near plane, more than 89 degrees off
+   the axis or 65536 pixels off the picture's corner, or whose sigma is over 65536 pixels.
    `memory`: `memory_bytes` bytes, aligned to 64, contents undefined before and after. fxs_frame_bytes are always
    enough; with less, FXS_ERR_MEMORY may be the answer, and stats->memory.least is what this view needs (at least that
    where memory_bytes is below the `least` of fxs_frame_bytes, else exactly, for this number of threads).

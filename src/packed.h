@@ -49,7 +49,7 @@ typedef struct fxs_packed_header {   /* 192 bytes */
     uint32_t flags;                  /* FXS_PACKED_ANTIALIASED */
     uint32_t checksum;               /* in a file: CRC-32 of the header with 0 here; in memory: 0 */
     int64_t low_q32[3], high_q32[3];               /* bounds of the centres; not read by the renderer */
-    int64_t inner_low_q32[3], inner_high_q32[3];   /* the same for the middle 90 % on each axis */
+    int64_t inner_low_q32[3], inner_high_q32[3];   /* of what is seen: docs/format.md */
     uint32_t profile;                /* enum fxs_profile */
     uint32_t palette_entries;        /* of each stage, 1 to 256; 0 without a palette */
     uint32_t palette_step_q19;       /* a coefficient of a palette is its number * step; at most 32767 */

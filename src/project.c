@@ -276,10 +276,11 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
     return view->square ? square(splat, bounds, view, &s) : clip(splat, bounds, view, &s, r_q12);
 }
 
-/* Depth in an order-keeping 32 bits: exponent in 6, mantissa in 26. z > 0.2, so the exponent is at least -3. */
+/* Depth in an order-keeping 32 bits: exponent in 6, mantissa in 26. z is 1 to 2^30 - 1 units of 2^(shift - 32), shift 0
+   to 33. */
 static uint32_t depth_key(const fxs_chunk_view *cv, const projected *centre)
 {
-    uint32_t exponent = (uint32_t)(cv->shift - centre->zeros - 1 + 4);
+    uint32_t exponent = (uint32_t)(cv->shift - centre->zeros - 1 + FXS_DEPTH_BIAS);
     return exponent << 26 | (((uint32_t)centre->z << centre->zeros) >> 5 & 0x3ffffff);
 }
 

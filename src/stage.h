@@ -27,7 +27,7 @@
 /* A camera made ready for a scene, once a frame. */
 typedef struct fxs_view {
     int32_t width, height, tiles_x, tiles_y;
-    int64_t position_q32[3];
+    int64_t position_q32[3], near_q32;
     int32_t rotation_q30[9];
     int64_t fx_q12, fy_q12, cx_q12, cy_q12;
     uint32_t focal_q32;            /* max(fx, fy) = focal * 2^focal_exponent, focal in [0.5, 1) */
@@ -51,15 +51,15 @@ typedef struct fxs_chunk_view {
     int64_t base_q16[3];
     int32_t m_q16[3][3];           /* below 2^29 */
     int shift;
-    int32_t near;                  /* the near plane's depth */
+    int32_t near;                  /* the near plane's depth, 0 to 2^31 - 1; only what is beyond it is drawn */
 } fxs_chunk_view;
 
 /* Constants of project. */
-#define FXS_NEAR_Q32 858993459                   /* 0.2 */
 #define FXS_DILATION_Q30 322122547u              /* 0.3 pixels^2 */
 #define FXS_DILATION_LEAST_Q30 64u               /* 2^-24: no needle is thinner than 1 in 4096, see docs/numbers.md */
 #define FXS_CENTRE_LIMIT_Q14 (1 << 30)           /* 65536 pixels */
 #define FXS_EXPONENT_MAX 16                      /* sigma up to 65536 pixels */
+#define FXS_DEPTH_BIAS 32                        /* floor(log2 z), -32 to 30, plus this fits in 6 bits */
 
 /* A projected Gaussian, as the blend stage reads it: 32 bytes. u = u0 + X ux + Y uy, v = v0 + Y vy for the pixel (X,
    Y), all modulo 2^32: right wherever |u|, |v| < 128, which holds in every tile that the ellipse touches. */

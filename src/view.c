@@ -4,6 +4,9 @@
 #include "stage.h"
 
 #define POSITION_LIMIT_Q32 ((int64_t)1 << 60)   /* 2^28 units */
+#define NEAR_LEAST_Q32 ((int64_t)1 << 12)       /* 2^-20 units */
+#define NEAR_MOST_Q32 ((int64_t)1 << 60)
+#define NEAR_DEFAULT_Q32 858993459              /* 0.2 */
 #define ONE_Q60 ((int64_t)1 << 60)
 
 static int64_t dot_q60(const int32_t a_q30[3], const int32_t b_q30[3])
@@ -41,7 +44,8 @@ static int check_camera(const fxs_camera *camera)
     for (int i = 0; i < 3; i++)
         if (camera->position_q32[i] < -POSITION_LIMIT_Q32 || camera->position_q32[i] > POSITION_LIMIT_Q32)
             return FXS_ERR_CAMERA;
-    return 0;
+    const int64_t near_q32 = camera->near_q32;
+    return !near_q32 || (near_q32 >= NEAR_LEAST_Q32 && near_q32 <= NEAR_MOST_Q32) ? 0 : FXS_ERR_CAMERA;
 }
 
 static int32_t cut_slope(int64_t slope_q23, int64_t most)
@@ -110,6 +114,7 @@ int fxs_view_init(fxs_view *view, const fxs_scene *scene, const fxs_camera *came
     view->tiles_y = (camera->height + FXS_TILE - 1) / FXS_TILE;
     memcpy(view->position_q32, camera->position_q32, sizeof view->position_q32);
     memcpy(view->rotation_q30, camera->rotation_q30, sizeof view->rotation_q30);
+    view->near_q32 = camera->near_q32 ? camera->near_q32 : NEAR_DEFAULT_Q32;
     view->fx_q12 = camera->fx_q12;
     view->fy_q12 = camera->fy_q12;
     view->cx_q12 = camera->cx_q12;

@@ -87,4 +87,10 @@ static void random_camera(fxs_camera *camera)
         camera->position_q32[i] = (int64_t)between(-4194304, 4194304) * 4096;
 }
 
+/* From 2^-20 to 8 units. */
+static inline void random_near(fxs_camera *camera)
+{
+    camera->near_q32 = (int64_t)between(4096, 8191) << between(0, 22);
+}
+
 #endif

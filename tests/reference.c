@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define NEAR_PLANE 0.2
+#define NEAR_DEFAULT 0.2
 #define DILATION 0.3             /* pixels^2 */
 #define ALPHA_MAX 0.99
 #define TRANSMITTANCE_MIN 1e-4
@@ -173,7 +173,7 @@ int reference_project(const fxs_gaussian *gaussian, const fxs_file_view *view, c
     for (int i = 0; i < 3; i++)
         offset[i] = gaussian->position[i] - view->position[i];
     double z = dot(forward, offset);
-    if (!gaussian_is_valid(gaussian) || !(z > NEAR_PLANE))
+    if (!gaussian_is_valid(gaussian) || !(z > (view->near > 0 ? view->near : NEAR_DEFAULT)))
         return 0;
 
     double slope_x = dot(right, offset) / z, slope_y = dot(down, offset) / z;

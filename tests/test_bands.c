@@ -205,7 +205,7 @@ static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS])
     }
     CHECK(!fxs_scene_open(&drawn.scene, s.data, s.bytes));
     drawn.camera = (fxs_camera){16, 16 * ROWS, 64 << 12, 64 << 12, 0, 0, {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30},
-                                {0, 0, 0}};
+                                {0, 0, 0}, 0};
     fxs_options_default(&drawn.options);
     draw();
     return s;

@@ -299,6 +299,7 @@ static void make_view(void)
     camera.cx_q12 = principal_point(camera.width);
     camera.cy_q12 = principal_point(camera.height);
     random_rotation(&camera);
+    camera.near_q32 = one_in(2) ? 0 : (int64_t)exp2(uniform(12, one_in(8) ? 60 : 36));
     place_camera(&camera, one_in(4) ? 0 : one_in(8) ? -1 : exp2(uniform(-4, one_in(4) ? 28 : 5)));
     CHECK(fxs_view_init(&view, &scene, &camera, &options) == 0);
     view.square = one_in(16);
@@ -596,7 +597,7 @@ static packed_scene bench_scene(enum fxs_profile profile)
 static void bench_init(workload *w, enum fxs_profile profile)
 {
     static const fxs_camera camera = {1280, 720, 1000 << 12, 1000 << 12, 640 << 12, 360 << 12,
-                                      {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, 0}};
+                                      {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, 0}, 0};
     fxs_options options;
     fxs_options_default(&options);
     state = 1;

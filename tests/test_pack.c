@@ -260,7 +260,7 @@ static void test_bounds(void)
     gaussians[3].position[0] = 500;
     pack(1000, 0);
     CHECK(report.high[0] == 500 && report.low[0] >= -8 && report.low[0] < -7.9);
-    CHECK(report.inner_high[0] < 7.5 && report.inner_high[0] > 6.5 && report.inner_low[0] > -7.5);
+    CHECK(report.inner_high[0] < 8.5 && report.inner_high[0] > 7.8 && report.inner_low[0] > -8.5);
     fxs_packed_header header;
     memcpy(&header, packed.data, sizeof header);
     for (int i = 0; i < 3; i++) {
@@ -269,6 +269,88 @@ static void test_bounds(void)
         CHECK((double)header.inner_low_q32[i] == floor(ldexp(report.inner_low[i], 32)));
         CHECK((double)header.inner_high_q32[i] == ceil(ldexp(report.inner_high[i], 32)));
     }
+    fxs_packed_scene_free(&packed);
+}
+
+/* `count` Gaussians of one size in a box. */
+static void fill_box(uint32_t first, uint32_t count, const double low[3], const double high[3], double size,
+                     double opacity)
+{
+    for (uint32_t i = first; i < first + count; i++) {
+        fxs_gaussian *g = &gaussians[i];
+        for (int k = 0; k < 3; k++) {
+            g->position[k] = uniform(low[k], high[k]);
+            g->scale[k] = (float)log(size);
+        }
+        g->opacity = (float)opacity;
+    }
+}
+
+static int inner_is(const double low[3], const double high[3], double tolerance)
+{
+    int same = 1;
+    for (int k = 0; k < 3; k++)
+        same &= fabs(report.inner_low[k] - low[k]) < tolerance && fabs(report.inner_high[k] - high[k]) < tolerance;
+    if (!same)
+        printf("  inner bounds %g %g %g to %g %g %g\n", report.inner_low[0], report.inner_low[1], report.inner_low[2],
+               report.inner_high[0], report.inner_high[1], report.inner_high[2]);
+    return same;
+}
+
+/* A head of 3 % and a plain pedestal of 1 % belong to it, floaters and what cannot be seen do not; in either order. */
+static void test_inner_bounds_hold_an_object(void)
+{
+    static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
+    static const double top[3] = {-0.3, -1.6, -0.3}, chin[3] = {0.3, -1, 0.3};
+    static const double floor_low[3] = {-1, 1, -1}, floor_high[3] = {1, 2.5, 1}, whole_low[3] = {-1, -1.6, -1};
+    static const double far_low[3] = {-90, -90, -90}, far_high[3] = {90, 90, 90}, hidden[3] = {5, 5, 5};
+    for (int reverse = 0; reverse < 2; reverse++) {
+        make_gaussians(20000);
+        fill_box(0, 18000, low, high, 0.01, 3);
+        fill_box(18000, 600, top, chin, 0.01, 3);
+        fill_box(18600, 200, floor_low, floor_high, 0.1, 3);
+        fill_box(18800, 40, far_low, far_high, 0.5, 0);
+        fill_box(18840, 1160, high, hidden, 0.3, -11);
+        for (uint32_t i = 0; i < 10000 && reverse; i++) {
+            const fxs_gaussian swapped = gaussians[i];
+            gaussians[i] = gaussians[19999 - i];
+            gaussians[19999 - i] = swapped;
+        }
+        pack(20000, 0);
+        CHECK(inner_is(whole_low, floor_high, 0.12));
+        fxs_packed_scene_free(&packed);
+    }
+}
+
+/* Surroundings that thin out over a hundred times the size do not make a dot of what is in their middle. */
+static void test_inner_bounds_in_surroundings(void)
+{
+    static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
+    make_gaussians(20000);
+    fill_box(0, 17000, low, high, 0.01, 3);
+    for (uint32_t i = 0; i < 3000; i++) {
+        const double out = exp2(7.0 * i / 3000), from[3] = {-out, -out, -out}, to[3] = {out, out, out};
+        fill_box(17000 + i, 1, from, to, 0.02 * out, 3);
+    }
+    pack(20000, 0);
+    for (int k = 0; k < 3; k++)
+        CHECK(report.inner_low[k] < -0.9 && report.inner_low[k] > -4 && report.inner_high[k] > 0.9 &&
+              report.inner_high[k] < 4);
+    fxs_packed_scene_free(&packed);
+}
+
+/* Where nothing is seen, or all is in one place, there is still a box. */
+static void test_inner_bounds_of_little(void)
+{
+    static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1}, one[3] = {3, 4, 5};
+    make_gaussians(1000);
+    fill_box(0, 1000, low, high, 0.01, -INFINITY);
+    pack(1000, 0);
+    CHECK(inner_is(low, high, 0.15));
+    fxs_packed_scene_free(&packed);
+    fill_box(0, 1, one, one, 0.01, 1);
+    pack(1, 0);
+    CHECK(inner_is(one, one, 0.021));
     fxs_packed_scene_free(&packed);
 }
 
@@ -933,6 +1015,9 @@ int main(void)
     RUN(test_counts);
     RUN(test_largest_errors);
     RUN(test_bounds);
+    RUN(test_inner_bounds_hold_an_object);
+    RUN(test_inner_bounds_in_surroundings);
+    RUN(test_inner_bounds_of_little);
     RUN(test_all_equal);
     RUN(test_extremes);
     RUN(test_sh_steps_up_to_the_limit);

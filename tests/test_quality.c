@@ -195,15 +195,19 @@ static int views_of_file(subject *s, const char *path)
     return count > 0 ? 0 : -1;
 }
 
-/* From in front, 25 degrees to either side, and close up. */
+/* From in front, as far as the sphere around the inner bounds takes, 25 degrees to either side, and close up. */
 static int views_around(subject *s, const double up[3])
 {
     fxs_message m;
     fxs_file_view front;
-    double middle[3];
+    double middle[3], radius = 0;
     int result = fxs_view_frame_box(&front, s->report.inner_low, s->report.inner_high, up, 50, WIDTH, HEIGHT, &m);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         middle[i] = (s->report.inner_low[i] + s->report.inner_high[i]) / 2;
+        radius = hypot(radius, (s->report.inner_high[i] - s->report.inner_low[i]) / 2);
+    }
+    for (int i = 0; i < 3; i++)
+        front.position[i] = middle[i] - radius / sin(acos(-1) * 25 / 180) * front.rotation[6 + i];
     for (int v = 0; v < VIEWS && !result; v++) {
         static const double side[VIEWS] = {0, 0.42, -0.42, 0.1}, distance[VIEWS] = {1, 0.91, 0.91, 0.5};
         double eye[3];

@@ -9,8 +9,10 @@
 #define EXPECTED 0x4271a9e7e1545376u
 #define EXPECTED_COMPACT 0x9f062d90477f7a7bu
 #define EXPECTED_SMALL 0xae81d75ac51d2098u
+#define EXPECTED_NEAR 0x43cd3dbbbf9f8df8u
 
-static uint64_t hash_case(enum fxs_profile profile, int which)
+/* near: with a random near plane; else with the default. */
+static uint64_t hash_case(enum fxs_profile profile, int which, int near)
 {
     state = (uint64_t)which * 0x1234567u;
     packed_scene packed = random_scene(profile, 3000);
@@ -18,6 +20,8 @@ static uint64_t hash_case(enum fxs_profile profile, int which)
     fxs_context context;
     fxs_options options;
     random_camera(&camera);
+    if (near)
+        random_near(&camera);
     fxs_init(&context, 0);
     fxs_options_default(&options);
     options.cutoff = between(0, 3) ? FXS_CUTOFF_MAHALANOBIS : FXS_CUTOFF_SQUARE;
@@ -39,38 +43,44 @@ static uint64_t hash_case(enum fxs_profile profile, int which)
     return hash;
 }
 
-static void check_profile(enum fxs_profile profile, uint64_t expected)
+static void check_profile(enum fxs_profile profile, int near, uint64_t expected)
 {
     uint64_t sum = 0;
     for (int i = 0; i < CASES; i++)
-        sum = sum * 3 + hash_case(profile, i);
+        sum = sum * 3 + hash_case(profile, i, near);
     printf("  %d random frames: %016" PRIx64 "\n", CASES, sum);
     CHECK(sum == expected);
 }
 
 static void test_default(void)
 {
-    check_profile(FXS_PROFILE_DEFAULT, EXPECTED);
+    check_profile(FXS_PROFILE_DEFAULT, 0, EXPECTED);
 }
 
 static void test_compact(void)
 {
-    check_profile(FXS_PROFILE_COMPACT, EXPECTED_COMPACT);
+    check_profile(FXS_PROFILE_COMPACT, 0, EXPECTED_COMPACT);
 }
 
 static void test_small(void)
 {
-    check_profile(FXS_PROFILE_SMALL, EXPECTED_SMALL);
+    check_profile(FXS_PROFILE_SMALL, 0, EXPECTED_SMALL);
+}
+
+static void test_near_planes(void)
+{
+    check_profile(FXS_PROFILE_DEFAULT, 1, EXPECTED_NEAR);
 }
 
 int main(int argc, char **argv)
 {
     if (argc > 1) {
-        printf("%016" PRIx64 "\n", hash_case(FXS_PROFILE_DEFAULT, atoi(argv[1])));
+        printf("%016" PRIx64 "\n", hash_case(FXS_PROFILE_DEFAULT, atoi(argv[1]), 0));
         return 0;
     }
     RUN(test_default);
     RUN(test_compact);
     RUN(test_small);
+    RUN(test_near_planes);
     return check_report();
 }

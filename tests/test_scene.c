@@ -327,6 +327,7 @@ static void random_camera(fxs_camera *camera)
     random_rotation(camera->rotation_q30);
     for (int i = 0; i < 3; i++)
         camera->position_q32[i] = any(60);
+    camera->near_q32 = 0;
 }
 
 /* Puts the camera into or close to the box of the first chunk, with an ordinary field of view. */

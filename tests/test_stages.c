@@ -158,7 +158,7 @@ static void random_rotation(double m[9])
 /* Looks at the scene's origin, more or less, from `distance`. */
 static fxs_camera make_camera(int width, int height, double distance)
 {
-    fxs_camera camera = {width, height, 0, 0, 0, 0, {0}, {0}};
+    fxs_camera camera = {width, height, 0, 0, 0, 0, {0}, {0}, 0};
     double rotation[9], focal = (width > height ? width : height) * uniform(0.5, 2);
     random_rotation(rotation);
     camera.fx_q12 = (int32_t)ldexp(focal, 12);
@@ -177,7 +177,8 @@ static fxs_camera make_camera(int width, int height, double distance)
 static fxs_file_view view_of(const fxs_camera *camera)
 {
     fxs_file_view view = {"", camera->width, camera->height, ldexp(camera->fx_q12, -12), ldexp(camera->fy_q12, -12),
-                          ldexp(camera->cx_q12, -12), ldexp(camera->cy_q12, -12), {0}, {0}};
+                          ldexp(camera->cx_q12, -12), ldexp(camera->cy_q12, -12), {0}, {0},
+                          ldexp((double)camera->near_q32, -32)};
     for (int i = 0; i < 9; i++)
         view.rotation[i] = ldexp(camera->rotation_q30[i], -30);
     for (int i = 0; i < 3; i++)
@@ -419,7 +420,8 @@ static int counts_somewhere(const struct reference_splat *r, const fxs_file_view
 }
 
 /* What is left out counts nowhere, and what is not is in front of the near plane and not too faint. What is larger than
-   2^FXS_EXPONENT_MAX pixels, seen under the worst Jacobian, is outside what project takes. */
+   2^FXS_EXPONENT_MAX pixels, seen under the worst Jacobian, or 64 times as far off the axis as away, is outside what
+   project takes. */
 static void check_culls(const packed_scene *s, const fxs_camera *camera)
 {
     fxs_file_view view = view_of(camera);
@@ -428,14 +430,16 @@ static void check_culls(const packed_scene *s, const fxs_camera *camera)
     int lost = 0, kept = 0;
     project_all(&s->scene, camera, &defaults);
     double most = ldexp(0.99, FXS_EXPONENT_MAX - all.view.jacobian_exponent);
+    const double near = camera->near_q32 ? view.near : 0.2, margin = fmin(1e-4, near / 8);
     for (uint32_t i = 0; i < s->scene.count; i++) {
         struct reference_splat r;
         fxs_gaussian g = decode(&s->scene, i);
         int visible = reference_project(&g, &view, &reference, &r);
         if (slot < all.count && all.indices[slot] == i) {
             slot++;
-            kept += !visible && (r.depth < 0.1999 || r.opacity < 0.95 / 255);
-        } else if (visible && r.depth > 0.2001 && size_of(&g, &view, r.depth) < most)
+            kept += !visible && (r.depth < near - margin || r.opacity < 0.95 / 255);
+        } else if (visible && r.depth > near + margin && size_of(&g, &view, r.depth) < most &&
+                   fabs(r.x - view.cx) < 63 * view.fx && fabs(r.y - view.cy) < 63 * view.fy)
             lost += counts_somewhere(&r, &view);
     }
     CHECK(slot == all.count && lost == 0 && kept == 0);
@@ -447,6 +451,24 @@ static void test_culls(void)
         int width = 1 + below(100), height = 1 + below(70);
         packed_scene s = make_scene(recipes[i % RECIPES], 256, 0, i % 4 == 3);
         fxs_camera camera = make_camera(width, height, uniform(0, 4));
+        check_culls(&s, &camera);
+        free(s.data);
+    }
+}
+
+/* From 2^-14 to 4 units. */
+static void random_near(fxs_camera *camera)
+{
+    camera->near_q32 = (int64_t)ldexp(1, 18 + below(16)) + (int64_t)below(1 << 18);
+}
+
+static void test_culls_at_near_planes(void)
+{
+    for (int i = 0; i < 240; i++) {
+        int width = 1 + below(100), height = 1 + below(70);
+        packed_scene s = make_scene(recipes[i % RECIPES], 256, 0, i % 4 == 3);
+        fxs_camera camera = make_camera(width, height, uniform(0, 2));
+        random_near(&camera);
         check_culls(&s, &camera);
         free(s.data);
     }
@@ -471,7 +493,8 @@ static void test_depth_order(void)
 {
     for (int i = 0; i < 60; i++) {
         packed_scene s = make_scene(recipes[i % RECIPES], 1000, 0, 0);
-        fxs_camera camera = make_camera(200, 150, uniform(0, 10));
+        fxs_camera camera = make_camera(200, 150, uniform(0, i % 2 ? 10 : 1));
+        camera.near_q32 = i % 2 ? 0 : 1 << 12;
         const double *forward, reach = recipes[i % RECIPES]->reach + 10;
         fxs_file_view view = view_of(&camera);
         double previous = 0;
@@ -923,6 +946,18 @@ static void test_narrow_frame_equals_brute_force(void)
     }
 }
 
+static void test_frame_at_near_planes_equals_brute_force(void)
+{
+    for (int i = 0; i < 8 * RECIPES; i++) {
+        packed_scene s = make_scene(recipes[i % RECIPES], 400, (uint32_t)below(4), below(2));
+        fxs_camera camera = make_camera(1 + below(100), 1 + below(70), uniform(0, 1));
+        random_near(&camera);
+        check_frame(&s.scene, &camera, FXS_CUTOFF_MAHALANOBIS);
+        check_frame(&s.scene, &camera, FXS_CUTOFF_SQUARE);
+        free(s.data);
+    }
+}
+
 /* More list entries than fit: the frame is rendered in runs of tiles. */
 static void test_frame_in_runs_equals_brute_force(void)
 {
@@ -1156,7 +1191,7 @@ static void test_chunks_across_the_near_plane(void)
 static void test_near_plane_itself(void)
 {
     packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
-    fxs_camera camera = {16, 16, 16 << 12, 16 << 12, 8 << 12, 8 << 12, {0}, {0}};
+    fxs_camera camera = {16, 16, 16 << 12, 16 << 12, 8 << 12, 8 << 12, {0}, {0}, 0};
     const beside b = {{0, 0}, 1, -6};
     for (int i = 0; i < 9; i++)
         camera.rotation_q30[i] = i % 4 ? 0 : 1 << 30;
@@ -1164,7 +1199,7 @@ static void test_near_plane_itself(void)
     s.chunks->step_q32[2] = 2;                               /* a unit of cv, as its shift is 1 */
     ((uint16_t *)(void *)(s.rows + FXS_ROW_POSITION))[2 * FXS_CHUNK] = 0;
     for (int ahead = -1; ahead <= 1; ahead++) {
-        s.chunks->origin_q32[2] = FXS_NEAR_Q32 + 2 * ahead;
+        s.chunks->origin_q32[2] = 858993459 + 2 * ahead;     /* 0.2 */
         CHECK(check_frame(&s.scene, &camera, FXS_CUTOFF_MAHALANOBIS).visible == (ahead > 0));
     }
     free(s.data);
@@ -1265,9 +1300,32 @@ static void test_render_refuses_cameras(void)
         REFUSES(FXS_ERR_CAMERA, camera->position_q32[i], ((int64_t)1 << 60) + 1);
         REFUSES(FXS_ERR_CAMERA, camera->position_q32[i], INT64_MIN);
     }
+    REFUSES(FXS_ERR_CAMERA, camera->near_q32, -1);
+    REFUSES(FXS_ERR_CAMERA, camera->near_q32, 1);
+    REFUSES(FXS_ERR_CAMERA, camera->near_q32, (1 << 12) - 1);
+    REFUSES(FXS_ERR_CAMERA, camera->near_q32, ((int64_t)1 << 60) + 1);
+    REFUSES(FXS_ERR_CAMERA, camera->near_q32, INT64_MIN);
     for (int i = 0; i < 3; i++)
         camera->rotation_q30[i] = -camera->rotation_q30[i];   /* a mirror */
     CHECK(render_good() == FXS_ERR_CAMERA && untouched(good.pixels, sizeof good.pixels));
+    free(good.scene.data);
+    free(good.memory);
+}
+
+/* 0 is 0.2; both ends of the range are taken, and at the far one nothing is left. */
+static void test_near_range(void)
+{
+    static const int64_t planes_q32[] = {0, 858993459, 1 << 12, (int64_t)1 << 60};
+    unsigned char pictures[4][sizeof good.pixels];
+    make_good();
+    for (int i = 0; i < 4; i++) {
+        good.camera.near_q32 = planes_q32[i];
+        CHECK(render_good() == 0);
+        memcpy(pictures[i], good.pixels, sizeof good.pixels);
+    }
+    CHECK(!memcmp(pictures[0], pictures[1], sizeof pictures[0]));
+    for (size_t i = 0; i < sizeof good.pixels; i++)
+        CHECK(pictures[3][i] == (i % 4 == 3 ? 255 : 0));
     free(good.scene.data);
     free(good.memory);
 }
@@ -1331,6 +1389,7 @@ int main(void)
     RUN(test_project_scattered);
     RUN(test_project_antialiased);
     RUN(test_culls);
+    RUN(test_culls_at_near_planes);
     RUN(test_padding_and_opacity_0_are_never_drawn);
     RUN(test_depth_order);
     RUN(test_shade_against_reference);
@@ -1340,6 +1399,7 @@ int main(void)
     RUN(test_lists_of_large_pictures);
     RUN(test_frame_equals_brute_force);
     RUN(test_narrow_frame_equals_brute_force);
+    RUN(test_frame_at_near_planes_equals_brute_force);
     RUN(test_frame_in_runs_equals_brute_force);
     RUN(test_empty_scene_is_background);
     RUN(test_chunks_beside_the_picture);
@@ -1351,6 +1411,7 @@ int main(void)
     RUN(test_squares_at_tile_edges);
     RUN(test_view_slopes);
     RUN(test_render_refuses_cameras);
+    RUN(test_near_range);
     RUN(test_render_refuses_arguments);
     RUN(test_init);
     RUN(test_words);

@@ -275,6 +275,30 @@ static void test_eye_turned_to_any_side(void)
     }
 }
 
+/* Each eye has the near plane of its own camera. */
+static void test_near_planes(void)
+{
+    fxs_scene scene;
+    fxs_camera cameras[2];
+    fxs_options options;
+    fxs_context context;
+    fxs_init(&context, 0);
+    for (int which = 0; which < 20; which++) {
+        state = (uint64_t)which * 0x2345671u;
+        const packed_scene packed = random_scene((enum fxs_profile)(which % 3), 3000);
+        CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
+        random_pair(cameras, &options, ONE_PLACE);
+        random_near(&cameras[0]);
+        cameras[1].near_q32 = which % 2 ? 3 * cameras[0].near_q32 : cameras[0].near_q32;
+        pair p = pair_of(&scene, cameras, &options);
+        unsigned char *alone = malloc(p.bytes);
+        const uint64_t entries = render_alone(&p, &context, alone);
+        check_pair(&p, &context, alone, entries, ONE_PLACE);
+        free(alone);
+        free(packed.data);
+    }
+}
+
 static void test_arguments(void)
 {
     fxs_scene scene;
@@ -466,6 +490,7 @@ int main(void)
     RUN(test_random_pairs);
     RUN(test_unseen_splats_are_not_looked_for);
     RUN(test_eye_turned_to_any_side);
+    RUN(test_near_planes);
     RUN(test_arguments);
     RUN(test_procedural_scenes);
     RUN(test_captured_scene);

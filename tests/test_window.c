@@ -433,6 +433,7 @@ static void test_views_of_a_file(void)
     if (start(&v, &options))
         return;
     CHECK(v.view_count == 3 && v.index == 1 && shows(&v, v.views[1], 80, 60));
+    CHECK(v.views[1].near == 0 && v.view.near > 0.02 && v.view.near < 0.2);   /* from the scene's size */
     CHECK(near(v.up[0], 0) && near(v.up[1], -0.8) && near(v.up[2], 0.6));
     key(&v, 'n');
     key(&v, 'n');
@@ -444,9 +445,10 @@ static void test_views_of_a_file(void)
     viewer_close(&v);
     memcpy(options.up, (double[3]){0, 0, 1}, sizeof options.up);
     options.has_up = 1;
+    options.near = 0.5;
     if (start(&v, &options))
         return;
-    CHECK(near(v.up[1], 0) && near(v.up[2], 1));
+    CHECK(near(v.up[1], 0) && near(v.up[2], 1) && v.view.near == 0.5);
     viewer_close(&v);
 }
 

@@ -110,6 +110,7 @@ typedef struct view_options {
     const char *cameras, *view;             /* camera file; number, name or "all" */
     int has_eye, has_look, has_up;
     double eye[3], look[3], up[3], fov;
+    double near;                            /* near plane, scene units; 0: as --help says */
     int width, height;                      /* 0: the camera's own size, or 1280x720 */
     double stereo;                          /* between the two eyes, scene units; 0: one picture */
     int stereo_exact;
@@ -123,8 +124,8 @@ typedef struct view_options {
 } view_options;
 
 /* Their entries for a getopt_long table, and the value that each returns there. */
-enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_SIZE, OPT_BG, OPT_CUTOFF, OPT_SH_DEGREE,
-       OPT_CPU, OPT_THREADS, OPT_MAX_MEMORY, OPT_BACKEND, OPT_DEVICE, OPT_LOD, OPT_PROFILE, OPT_STEREO,
+enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_NEAR, OPT_SIZE, OPT_BG, OPT_CUTOFF,
+       OPT_SH_DEGREE, OPT_CPU, OPT_THREADS, OPT_MAX_MEMORY, OPT_BACKEND, OPT_DEVICE, OPT_LOD, OPT_PROFILE, OPT_STEREO,
        OPT_STEREO_EXACT, OPT_MAX_GAUSSIANS, OPT_IMPORT_MEMORY, OPT_HELP, OPT_OWN };
 #define IMPORT_OPTIONS \
     {"max-gaussians", required_argument, 0, OPT_MAX_GAUSSIANS}, \
@@ -139,6 +140,7 @@ enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_SIZE
     {"cameras", required_argument, 0, OPT_CAMERAS}, {"view", required_argument, 0, OPT_VIEW}, \
     {"eye", required_argument, 0, OPT_EYE}, {"look", required_argument, 0, OPT_LOOK}, \
     {"up", required_argument, 0, OPT_UP}, {"fov", required_argument, 0, OPT_FOV}, \
+    {"near", required_argument, 0, OPT_NEAR}, \
     {"size", required_argument, 0, OPT_SIZE}, {"bg", required_argument, 0, OPT_BG}, \
     {"cutoff", required_argument, 0, OPT_CUTOFF}, {"sh-degree", required_argument, 0, OPT_SH_DEGREE}, \
     {"cpu", required_argument, 0, OPT_CPU}, {"threads", required_argument, 0, OPT_THREADS}, \

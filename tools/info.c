@@ -114,7 +114,7 @@ static void print_text(const findings *f)
     printf("profile       %s\n", profile_name(s->scene.profile));
     printf("bounds        %.6g %.6g %.6g to %.6g %.6g %.6g\n", r->low[0], r->low[1], r->low[2], r->high[0], r->high[1],
            r->high[2]);
-    printf("middle 90 %%   %.6g %.6g %.6g to %.6g %.6g %.6g\n", r->inner_low[0], r->inner_low[1], r->inner_low[2],
+    printf("seen          %.6g %.6g %.6g to %.6g %.6g %.6g\n", r->inner_low[0], r->inner_low[1], r->inner_low[2],
            r->inner_high[0], r->inner_high[1], r->inner_high[2]);
     printf("packed        %zu bytes, %.2f a Gaussian\n", s->packed.bytes,
            (double)s->packed.bytes / (double)r->packed);

@@ -16,6 +16,8 @@ const char view_options_help[] =
     "  --look X,Y,Z        point looked at (default: the middle of the scene)\n"
     "  --up X,Y,Z          up in the picture (default 0,-1,0: y points down; 0,0,1 for scenes with z up)\n"
     "  --fov DEG           vertical field of view, 1 to 170 (default 50)\n"
+    "  --near DEPTH        near plane: only what lies beyond is drawn, scene units, 2^-20 to 2^28 (default: 0.2 for\n"
+    "                      views of a file in render, bench and info; else 1/100 of the scene's radius, at most 0.2)\n"
     "  --size WxH          pixels (default: the view's own size, else 1280x720)\n"
     "  --stereo DISTANCE   two pictures side by side, of eyes so far apart (scene units, above 0) about the camera;\n"
     "                      order and colours are found once for both\n"
@@ -103,6 +105,12 @@ static int take_fov(double *fov, const char *value)
                ? 0 : fail(EXIT_USAGE, "--fov %s: expected 1 to 170 degrees", value);
 }
 
+static int take_near(double *near, const char *value)
+{
+    return parse_vector(value, 1, near) && *near >= 0x1p-20 && *near <= 0x1p28
+               ? 0 : fail(EXIT_USAGE, "--near %s: expected a depth from 2^-20 to 2^28", value);
+}
+
 static int take_stereo(double *distance, const char *value)
 {
     return parse_vector(value, 1, distance) && *distance > 0
@@ -120,6 +128,7 @@ int view_option(view_options *options, int which, const char *value)
     case OPT_LOOK: return take_vector("look", value, options->look, &options->has_look);
     case OPT_UP: return take_vector("up", value, options->up, &options->has_up);
     case OPT_FOV: return take_fov(&options->fov, value);
+    case OPT_NEAR: return take_near(&options->near, value);
     case OPT_SIZE:
         return parse_size(value, &options->width, &options->height)
                    ? 0 : fail(EXIT_USAGE, "--size %s: expected WxH, each 1 to %d", value, FXS_MAX_SIZE);
@@ -195,6 +204,7 @@ static long views_of_file(const view_options *options, fxs_file_view **views)
         fxs_camera camera;
         if (options->width)
             fxs_view_resize(&(*views)[i], options->width, options->height);
+        (*views)[i].near = options->near;
         if (fxs_camera_from_view(&camera, &(*views)[i], &message)) {
             free(*views);
             *views = 0;
@@ -223,6 +233,7 @@ long choose_views(const view_options *options, const fxs_pack_report *report, fx
         result = fxs_view_frame_box(*views, report->inner_low, report->inner_high, options->up, options->fov, width,
                                     height, &message);
     }
+    (*views)->near = options->near > 0 ? options->near : fxs_near_of_box(report->inner_low, report->inner_high);
     if (!result)
         return 1;
     free(*views);

@@ -39,6 +39,7 @@ static void show_view(viewer *v, long index)
     v->radius = fmax(sqrt(square), 1e-3);
     v->distance = ahead > 0.01 * v->radius ? ahead : v->radius;
     v->view = *view;
+    v->view.near = v->options.near > 0 ? v->options.near : fxs_near_of_box(report->inner_low, report->inner_high);
     v->index = index;
     v->changed = 1;
 }
@@ -201,7 +202,7 @@ static void print_command(const viewer *v, const fxs_file_view *view, const char
     }
     if (sized)
         printf(" --size %dx%d", view->width, view->height);
-    printf(" --lod %d --profile %s -o %s\n", v->options.load.lod, profile_name(v->options.load.profile), path);
+    printf(" --near %.17g --lod %d --profile %s -o %s\n", view->near, v->options.load.lod, profile_name(v->options.load.profile), path);
     fflush(stdout);
 }
 

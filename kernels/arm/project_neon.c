@@ -382,7 +382,7 @@ static inline int32x4_t offset_q11_of(const uint32_t *opacity)
 
 static inline uint32x4_t depth_key(const fxs_chunk_view *cv, const projected *centre)
 {
-    int32x4_t exponent = vsubq_s32(vdupq_n_s32(cv->shift - 1 + 4), centre->zeros);
+    int32x4_t exponent = vsubq_s32(vdupq_n_s32(cv->shift - 1 + FXS_DEPTH_BIAS), centre->zeros);
     uint32x4_t mantissa = vandq_u32(vshrq_n_u32(vshlq_u32(u32(centre->z), centre->zeros), 5), vdupq_n_u32(0x3ffffff));
     return vorrq_u32(vshlq_n_u32(u32(exponent), 26), mantissa);
 }

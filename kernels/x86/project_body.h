@@ -72,7 +72,7 @@ static inline mask on_picture(const fxs_view *view, const centre *c, vi exponent
 
 static inline vi depth_key(const fxs_chunk_view *cv, const centre *c)
 {
-    vu exponent = (vu)((cv->shift + 3) - c->zeros);
+    vu exponent = (vu)((cv->shift - 1 + FXS_DEPTH_BIAS) - c->zeros);
     return (vi)(exponent << 26 | (shift_left((vu)c->camera[2], c->zeros) >> 5 & 0x3ffffff));
 }
 

@@ -4,6 +4,8 @@
 #include <string.h>
 
 #define DEGREES 57.29577951308232
+#define NEAR_LEAST 0x1p-20
+#define NEAR_MOST 0x1p28
 
 static double dot(const double a[3], const double b[3])
 {
@@ -38,6 +40,7 @@ int fxs_view_look_at(fxs_file_view *view, const double eye[3], const double targ
     view->fx = view->fy = height / 2.0 / tan(fov / 2 / DEGREES);
     view->cx = width / 2.0;
     view->cy = height / 2.0;
+    view->near = 0;
     for (int i = 0; i < 3; i++) {
         view->position[i] = eye[i];
         forward[i] = target[i] - eye[i];
@@ -50,28 +53,62 @@ int fxs_view_look_at(fxs_file_view *view, const double eye[3], const double targ
     return 0;
 }
 
+/* Half the diagonal. */
+static double radius_of(const double low[3], const double high[3])
+{
+    double square = 0;
+    for (int i = 0; i < 3; i++)
+        square += (high[i] - low[i]) * (high[i] - low[i]) / 4;
+    return sqrt(square);
+}
+
+double fxs_near_of_box(const double low[3], const double high[3])
+{
+    const double near = radius_of(low, high) / 100;
+    return near > 0 ? fmax(fmin(near, 0.2), NEAR_LEAST) : 0.2;
+}
+
+/* How far from the middle of a box the camera has to be to see all its corners, within 95 % of the picture and beyond
+   `near`. */
+static double distance_for(const fxs_file_view *view, const double half[3], double near)
+{
+    const double tangent[2] = {0.95 * view->width / 2 / view->fx, 0.95 * view->height / 2 / view->fy};
+    double distance = 0;
+    for (int corner = 0; corner < 8; corner++) {
+        const double sides[3] = {corner & 1 ? half[0] : -half[0], corner & 2 ? half[1] : -half[1],
+                                 corner & 4 ? half[2] : -half[2]};
+        const double x = fabs(dot(view->rotation, sides)), y = fabs(dot(view->rotation + 3, sides));
+        const double depth = fmax(fmax(x / tangent[0], y / tangent[1]), near);
+        distance = fmax(distance, depth - dot(view->rotation + 6, sides));
+    }
+    return distance;
+}
+
 int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double high[3], const double up[3], double fov,
                        int width, int height, fxs_message *message)
 {
-    double middle[3], eye[3], axis[3], back[3] = {0, 0, -1}, radius = 0;
+    static const double origin[3] = {0, 0, 0};
+    double half[3], from[3], axis[3], back[3] = {0, 0, -1};
     memcpy(axis, up, sizeof axis);
     if (!normalise(axis))
         return fxs_fail(message, "up is not a direction");
     if (fabs(dot(axis, back)) > 0.9)
         memcpy(back, (double[3]){0, -1, 0}, sizeof back);
-    double along = dot(axis, back);
+    const double along = dot(axis, back);
     for (int i = 0; i < 3; i++)
         back[i] -= along * axis[i];
     normalise(back);
     for (int i = 0; i < 3; i++) {
-        middle[i] = (low[i] + high[i]) / 2;
-        radius += (high[i] - low[i]) * (high[i] - low[i]) / 4;
+        from[i] = 0.95 * back[i] + 0.31 * axis[i];
+        half[i] = (high[i] - low[i]) / 2;
     }
-    double narrow = atan(tan(fov / 2 / DEGREES) * fmin(1, (double)width / height));
-    double distance = fmax(sqrt(radius) / sin(narrow), sqrt(radius) + 0.5);   /* clear of the near plane, 0.2 */
+    if (fxs_view_look_at(view, from, origin, up, fov, width, height, message))
+        return -1;
+    view->near = fxs_near_of_box(low, high);
+    const double distance = distance_for(view, half, 2.5 * view->near);
     for (int i = 0; i < 3; i++)
-        eye[i] = middle[i] + distance * (0.95 * back[i] + 0.31 * axis[i]);
-    return fxs_view_look_at(view, eye, middle, up, fov, width, height, message);
+        view->position[i] = low[i] + half[i] - distance * view->rotation[6 + i];
+    return 0;
 }
 
 void fxs_view_resize(fxs_file_view *view, int width, int height)
@@ -138,5 +175,8 @@ int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_mess
     for (int i = 0; i < 3; i++)
         if (!to_fixed(&camera->position_q32[i], view->position[i], 32, 134217728.0))
             return fxs_fail(message, "view %s: a position of %g is beyond 2^27 units", view->name, view->position[i]);
+    if (view->near != 0 && !(view->near >= NEAR_LEAST && view->near <= NEAR_MOST))
+        return fxs_fail(message, "view %s: a near plane at %g: expected 2^-20 to 2^28 units", view->name, view->near);
+    camera->near_q32 = (int64_t)floor(ldexp(view->near, 32) + 0.5);
     return 0;
 }

@@ -6,13 +6,16 @@
 #include "camera_file.h"
 #include "message.h"
 
-/* A view of `width` x `height` pixels from `eye` towards `target`. `up`: any vector that points up in the picture.
-   `fov`: vertical field of view, degrees. Returns 0, or -1 and a message where the arguments leave no view. */
+/* A view of `width` x `height` pixels from `eye` towards `target`, its near plane the default. `up`: any vector that
+   points up in the picture. `fov`: vertical field of view, degrees. Returns 0, or -1 and a message where the arguments leave no view. */
 int fxs_view_look_at(fxs_file_view *view, const double eye[3], const double target[3], const double up[3], double fov,
                      int width, int height, fxs_message *message);
 
-/* A view that holds the box low..high (say, the inner bounds of fxs_pack_report) whole, from in front and a little
-   above. */
+/* The near plane for a scene in the box low..high: a hundredth of half its diagonal, at most 0.2. */
+double fxs_near_of_box(const double low[3], const double high[3]);
+
+/* A view that holds the box low..high (say, the inner bounds of fxs_pack_report) whole and no smaller than that takes,
+   from in front and a little above; its near plane is that of the box. */
 int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double high[3], const double up[3], double fov,
                        int width, int height, fxs_message *message);
 

@@ -13,6 +13,7 @@ typedef struct fxs_file_view {
     double fx, fy, cx, cy;   /* pixels */
     double rotation[9];      /* world to camera, rows: the camera's x, y and z axes in the scene */
     double position[3];      /* the camera's centre in the scene */
+    double near;             /* depth of the near plane, scene units; 0: the renderer's default, 0.2 */
 } fxs_file_view;
 
 /* Reads every view of a camera file, told by content: a cameras.json (an array), a transforms.json (an object with

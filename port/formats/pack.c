@@ -6,6 +6,7 @@
 
 #include "../../src/packed.h"
 #include "encode.h"
+#include "framing.h"
 #include "order.h"
 
 #define BATCH 4096                   /* Gaussians read at once */
@@ -48,6 +49,8 @@ struct packer {
     part_fn *work;
     int steps;                       /* three passes, and the palette's learning before the last */
     fxs_order_entry *entries;
+    fxs_seen *seen;                  /* of every seen_step-th Gaussian of the file */
+    uint64_t seen_step;
     uint32_t *slots;                 /* where Gaussian i of the file goes, or FXS_NO_SLOT */
     fxs_chunk_ranges *ranges;        /* of each chunk */
     fxs_encoder encoder;
@@ -155,8 +158,12 @@ static void take_position(packer *p, fxs_order_entry *entry, const fxs_gaussian 
 
 static void take_positions(packer *p, const batch *b, uint32_t part)
 {
-    for (long i = first_of(p, b, part), end = first_of(p, b, part + 1); i < end; i++)
-        take_position(p, &p->entries[b->first + (uint64_t)i], &b->gaussians[i], &p->findings[part]);
+    for (long i = first_of(p, b, part), end = first_of(p, b, part + 1); i < end; i++) {
+        const uint64_t index = b->first + (uint64_t)i;
+        take_position(p, &p->entries[index], &b->gaussians[i], &p->findings[part]);
+        if (index % p->seen_step == 0 && !isnan(p->entries[index].position[0]))
+            p->seen[index / p->seen_step] = fxs_seen_of(&b->gaussians[i]);
+    }
 }
 
 static int read_positions(packer *p)
@@ -199,7 +206,7 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Bounds of the middle 90 % as found on an evenly spaced sample. */
+/* Bounds of the middle 90 % as found on an evenly spaced sample: those that fxs_order takes. */
 static int find_inner_bounds(packer *p)
 {
     enum { MIDDLE = 65536 };
@@ -217,6 +224,20 @@ static int find_inner_bounds(packer *p)
         p->report->inner_high[axis] = n ? sample[n - 1 - n / 20] : p->report->high[axis];
     }
     fxs_release(p->options.allocator, sample);
+    return 0;
+}
+
+/* Puts the box of what is seen in the place of the middle 90 %. */
+static int find_seen_bounds(packer *p)
+{
+    const uint32_t count = (uint32_t)((p->info->count - 1) / p->seen_step + 1);
+    fxs_seen_place *places = fxs_allocate(p->options.allocator, 4 * (size_t)count, sizeof *places);
+    if (!places)
+        return fxs_fail(p->message, "out of memory");
+    fxs_seen_bounds(p->seen, count, places, p->report->inner_low, p->report->inner_high);
+    fxs_release(p->options.allocator, places);
+    fxs_release(p->options.allocator, p->seen);
+    p->seen = 0;
     return 0;
 }
 
@@ -420,13 +441,15 @@ static int pack(packer *p, fxs_packed_scene *scene)
     p->entries = fxs_allocate_zeroed(p->options.allocator, (size_t)p->info->count, sizeof *p->entries);
     p->batches = fxs_allocate(p->options.allocator, 2, sizeof *p->batches);
     p->findings = fxs_allocate_zeroed(p->options.allocator, p->parts, sizeof *p->findings);
-    if (!p->entries || !p->batches || !p->findings)
+    p->seen_step = (p->info->count - 1) / FXS_SEEN_MOST + 1;
+    p->seen = fxs_allocate_zeroed(p->options.allocator, FXS_SEEN_MOST, sizeof *p->seen);
+    if (!p->entries || !p->batches || !p->findings || !p->seen)
         return fxs_fail(p->message, "out of memory for %llu Gaussians", (unsigned long long)p->info->count);
     if (read_positions(p))
         return -1;
     if (p->report->packed == 0)
         return fxs_fail(p->message, "none of the %llu Gaussians can be drawn", (unsigned long long)p->report->read);
-    if (find_inner_bounds(p) || find_slots(p) || allocate_scene(p, scene) || find_headers(p))
+    if (find_inner_bounds(p) || find_slots(p) || find_seen_bounds(p) || allocate_scene(p, scene) || find_headers(p))
         return -1;
     if ((p->palette && find_palette(p)) || write_codes(p))
         return -1;
@@ -460,6 +483,7 @@ int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_s
     fxs_release(p.options.allocator, p.entries);
     fxs_release(p.options.allocator, p.batches);
     fxs_release(p.options.allocator, p.findings);
+    fxs_release(p.options.allocator, p.seen);
     fxs_release(p.options.allocator, p.slots);
     fxs_release(p.options.allocator, p.ranges);
     fxs_release(p.options.allocator, p.palette);

@@ -31,7 +31,7 @@ typedef struct fxs_pack_report {
     fxs_pack_dropped dropped;
     fxs_pack_error largest, rms;   /* rms: root mean square, of all numbers of an attribute */
     double low[3], high[3];   /* bounds of the centres */
-    double inner_low[3], inner_high[3];   /* the same for the middle 90 % of the centres on each axis */
+    double inner_low[3], inner_high[3];   /* of what is seen, to frame a scene: see docs/format.md */
 } fxs_pack_report;
 
 typedef struct fxs_packed_scene {
@@ -57,7 +57,7 @@ typedef struct fxs_pack_options {
 size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile);
 
 /* Reads an open scene file from its start, three times, and packs it: one job of a run reads while the others work.
-   `options` may be null. Needs 24 bytes a Gaussian before the packed scene is allocated, 5 beside it, and 2 MB; to learn
+   `options` may be null. Needs 24 bytes a Gaussian before the packed scene is allocated, 5 beside it, and 3 MB; to learn
    a palette, 20 MB. Returns 0, or -1 and a message; a scene without a drawable Gaussian is an error. */
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
              const fxs_pack_options *options, fxs_message *message);

@@ -192,6 +192,8 @@ static void check_random(enum fxs_profile profile)
         fxs_options options;
         random_camera(&camera);
         random_options(&options);
+        if (i % 3 == 1)
+            random_near(&camera);
         if (i % 4 == 0) {                        /* a larger picture: splats over more than 8x8 tiles */
             camera.width *= 10;
             camera.height *= 9;

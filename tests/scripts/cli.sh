@@ -92,7 +92,8 @@ for bad in 0x10 10x0 16385x1 1x16385 10 10x 10x10x10 -1x10 99999999999999999999x
     fails "--size $bad" 2 "--size $bad" render knot.ply --size $bad --hash
 done
 for bad in 'bg 12345' 'bg 12345g' 'cutoff round' 'sh-degree 4' 'sh-degree -1' 'threads 0' 'threads 65' 'cpu none' \
-    'backend none' 'eye 1,2' 'eye 1,2,nan' 'look 1,2,3,4' 'up x' 'fov 0' 'fov 171' 'fov nan' 'max-memory 0' \
+    'backend none' 'eye 1,2' 'eye 1,2,nan' 'look 1,2,3,4' 'up x' 'fov 0' 'fov 171' 'fov nan' 'near 0' 'near -1' \
+    'near nan' 'near 9e-7' 'near 3e8' 'near 1,2' 'max-memory 0' \
     'max-memory 1T' 'max-memory 1KB' 'max-memory -1' 'max-memory K' 'max-memory 99999999999G' \
     'max-memory 99999999999999999999999999' 'max-memory' 'stereo 0' 'stereo -1' 'stereo nan' 'stereo 1,2' \
     'device x' 'device 256' 'device 0,' 'device ,1' 'device 0;1' 'device 0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0' \
@@ -157,7 +158,7 @@ else
         render knot.ply $small --hash --backend cuda
 fi
 for other in '--bg ff0000' '--cutoff square' '--sh-degree 0' '--fov 40' '--up 0,0,1' '--eye 0,-2,-9' \
-    '--eye 0,-2,-9 --look 1,0,0' '--alpha'; do
+    '--eye 0,-2,-9 --look 1,0,0' '--alpha' '--near 13'; do
     check "$other changes the picture" differ "$(hash_of knot.ply $small $other)" "$hash"
 done
 
@@ -208,6 +209,8 @@ check "--view by name" equal "$(view three.json --view side)" "$(view three.json
 check "views differ" differ "$(view three.json --view 0)" "$(view three.json --view 1)"
 succeeds "--cameras" render knot.ply --cameras three.json -o view.ppm
 check "the size is the file's" equal "$(sed -n 2p view.ppm)" "64 48"
+check "--cameras: the near plane is 0.2" equal "$(view three.json --near 0.2)" "$(view three.json)"
+check "--cameras --near" differ "$(view three.json --near 9)" "$(view three.json)"
 check "--size scales the focal length" equal "$(view three.json --size 128x96)" "$(view double.json)"
 check "--size scales by the width" equal "$(view three.json --size 128x32)" "$(view wide.json)"
 mkdir views

@@ -1,0 +1,125 @@
+#include "framing.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define EDGE 0.002                   /* of the weight, left out at each end of an axis */
+#define CORE 0.05                    /* the same, of what is surely a part */
+#define SPREAD 1.5                   /* radius of the box over the core's from which on there is no outline */
+#define FAR_OUT 8                    /* distances of the half of the weight that is nearer: an outlier */
+
+fxs_seen fxs_seen_of(const fxs_gaussian *g)
+{
+    const double a = (double)g->scale[0], b = (double)g->scale[1], c = (double)g->scale[2];
+    const double largest = fmax(fmax(a, b), c), second = fmax(fmin(a, b), fmin(fmax(a, b), c));
+    return (fxs_seen){{g->position[0], g->position[1], g->position[2]}, (float)exp((largest + second) / 2),
+                      (float)(1 / (1 + exp(-(double)g->opacity)))};
+}
+
+static int compare_places(const void *a, const void *b)
+{
+    const float x = ((const fxs_seen_place *)a)->x, y = ((const fxs_seen_place *)b)->x;
+    return (x > y) - (x < y);
+}
+
+static void sort_axis(fxs_seen_place *places, const fxs_seen *seen, uint32_t count, int axis)
+{
+    for (uint32_t i = 0; i < count; i++)
+        places[i] = (fxs_seen_place){seen[i].position[axis], i};
+    qsort(places, count, sizeof *places, compare_places);
+}
+
+/* Where `share` of the weight has come, in ascending order; share above 0. */
+static double quantile(const fxs_seen_place *places, const fxs_seen *seen, uint32_t count, double share)
+{
+    double total = 0, sum = 0;
+    uint32_t i = 0;
+    for (uint32_t k = 0; k < count; k++)
+        total += (double)seen[places[k].index].weight;
+    for (; i + 1 < count; i++)
+        if ((sum += (double)seen[places[i].index].weight) >= share * total)
+            break;
+    return (double)places[i].x;
+}
+
+/* The box without `edge` of the weight at each end of each axis. Returns half its diagonal. */
+static double box_of(const fxs_seen_place *places, const fxs_seen *seen, uint32_t count, double edge, double low[3],
+                     double high[3])
+{
+    double square = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        low[axis] = quantile(places + (size_t)axis * count, seen, count, edge);
+        high[axis] = quantile(places + (size_t)axis * count, seen, count, 1 - edge);
+        square += (high[axis] - low[axis]) * (high[axis] - low[axis]) / 4;
+    }
+    return sqrt(square);
+}
+
+/* Sorts `places` by distance from the middle. Returns the distance of the half of the weight that is nearer. */
+static double middle_distance(fxs_seen_place *places, const fxs_seen *seen, uint32_t count, const double middle[3])
+{
+    for (uint32_t i = 0; i < count; i++) {
+        double square = 0;
+        for (int axis = 0; axis < 3; axis++)
+            square += pow((double)seen[i].position[axis] - middle[axis], 2);
+        places[i] = (fxs_seen_place){(float)sqrt(square), i};
+    }
+    qsort(places, count, sizeof *places, compare_places);
+    return quantile(places, seen, count, 0.5);
+}
+
+/* Weighs by size too: by the root of the area, as the plain parts of an object are of few large Gaussians, yet one
+   large floater must not outweigh a thousand small ones. Outliers weigh nothing. */
+static void weigh(fxs_seen *seen, const fxs_seen_place *distances, uint32_t count, double distance)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        fxs_seen *s = &seen[distances[i].index];
+        s->weight *= (double)distances[i].x > FAR_OUT * distance ? 0 : fminf(s->size, (float)distance / 2);
+    }
+}
+
+/* Of surroundings that thin out with the distance, each counts as the square of the angle it is seen under. */
+static void weigh_surroundings(fxs_seen *seen, const fxs_seen_place *distances, uint32_t count, double distance)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const double ratio = (double)distances[i].x / distance, square = 1 + ratio * ratio;
+        seen[distances[i].index].weight /= (float)(square * square);
+    }
+}
+
+static double size_quantile(fxs_seen_place *places, const fxs_seen *seen, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        places[i] = (fxs_seen_place){seen[i].size, i};
+    qsort(places, count, sizeof *places, compare_places);
+    return quantile(places, seen, count, 0.5);
+}
+
+void fxs_seen_bounds(fxs_seen *seen, uint32_t count, fxs_seen_place *places, double low[3], double high[3])
+{
+    fxs_seen_place *distances = places + 3 * (size_t)count;
+    double total = 0, middle[3], seen_low[3], seen_high[3];
+    for (uint32_t i = 0; i < count; i++)
+        total += (double)seen[i].weight;
+    if (!(total > 0))
+        return;
+    for (int axis = 0; axis < 3; axis++) {
+        sort_axis(places + (size_t)axis * count, seen, count, axis);
+        middle[axis] = quantile(places + (size_t)axis * count, seen, count, 0.5);
+    }
+    const double distance = middle_distance(distances, seen, count, middle);
+    int outline = 1;
+    if (distance > 0) {
+        weigh(seen, distances, count, distance);
+        const double core = box_of(places, seen, count, CORE, seen_low, seen_high);
+        outline = box_of(places, seen, count, EDGE, seen_low, seen_high) <= SPREAD * core;
+        if (!outline)
+            weigh_surroundings(seen, distances, count, distance);
+    }
+    box_of(places, seen, count, EDGE, seen_low, seen_high);
+    const double margin = outline ? 2 * size_quantile(distances, seen, count) : 0;
+    for (int axis = 0; axis < 3; axis++) {
+        low[axis] = outline ? seen_low[axis] - margin : fmin(low[axis], seen_low[axis]);
+        high[axis] = outline ? seen_high[axis] + margin : fmax(high[axis], seen_high[axis]);
+    }
+}
