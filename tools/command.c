@@ -117,13 +117,17 @@ void progress_end(void)
     percent_shown = -1;
 }
 
+/* The share of what is seen is told from 3 per mille on. */
 static void note_dropped(const char *path, const fxs_pack_dropped *d, uint64_t packed)
 {
-    uint64_t dropped = d->not_finite + d->rotation + d->scale + d->position;
+    const uint64_t dropped = d->not_finite + d->rotation;
+    const double share = fxs_dropped_share(d);
+    char weight[80] = "";
+    if (share >= 0.003)
+        snprintf(weight, sizeof weight, ", %.2g %% of the scene by opacity and area", 100 * share);
     if (dropped)
         fprintf(stderr, "fixsplat: %s: left out %" PRIu64 " of %" PRIu64 " Gaussians (%" PRIu64 " not finite, %" PRIu64
-                " with a zero quaternion, %" PRIu64 " with a scale beyond +-20, %" PRIu64 " too far out)\n", path,
-                dropped, dropped + packed, d->not_finite, d->rotation, d->scale, d->position);
+                " with a zero quaternion)%s\n", path, dropped, dropped + packed, d->not_finite, d->rotation, weight);
 }
 
 /* A message about a scene, which may or may not begin with its name. */
@@ -183,6 +187,9 @@ static int import(loaded_scene *loaded, const char *path, const load_options *o)
     if (result)
         return fail(EXIT_FAILED, "%s: %s", path, fxs_strerror(result));
     note_dropped(path, &loaded->report.dropped, loaded->report.packed);
+    if (loaded->report.brought_in)
+        fprintf(stderr, "fixsplat: %s: brought in %" PRIu64 " Gaussians from beyond 2^27 units, as they look from the "
+                "origin\n", path, loaded->report.brought_in);
     return 0;
 }
 

@@ -28,8 +28,10 @@ typedef struct batch {
 /* What the jobs of one part found, in all batches. */
 typedef struct findings {
     fxs_pack_dropped dropped;
+    uint64_t brought_in;
     fxs_loss loss;
     float low[3], high[3];
+    int changed;                     /* a centre is not where the pass before found it */
 } findings;
 
 typedef struct packer packer;
@@ -121,36 +123,56 @@ static int all_finite(const float *values, size_t count)
     return 1;
 }
 
+/* Opacity times the product of the two largest axes. What is not a number counts as opaque, or as thin. */
+static double weight_of(const fxs_gaussian *g)
+{
+    const float a = fxs_held_scale(g->scale[0]), b = fxs_held_scale(g->scale[1]), c = fxs_held_scale(g->scale[2]);
+    const float least = fminf(fminf(a, b), c);
+    return (double)expf(a + b + c - least) / (isnan(g->opacity) ? 1 : 1 + (double)expf(-g->opacity));
+}
+
 int fxs_drawable(const fxs_gaussian *g, int sh_degree, fxs_pack_dropped *dropped)
 {
-    float norm = 0;
-    if (!all_finite(g->position, 3) || !all_finite(g->scale, 3) || !all_finite(g->rotation, 4) ||
-        isnan(g->opacity) || !all_finite(g->dc, 3) || !all_finite(g->sh, 3 * (size_t)FXS_SH_COUNT(sh_degree)))
-        return dropped->not_finite++, 0;
-    for (int i = 0; i < 4; i++)
-        norm += fabsf(g->rotation[i]);
-    if (norm == 0 || !isfinite(norm))
-        return dropped->rotation++, 0;
-    for (int i = 0; i < 3; i++) {
-        if (fabsf(g->scale[i]) > 20)
-            return dropped->scale++, 0;
-        if (fabs(g->position[i]) > POSITION_LIMIT)
-            return dropped->position++, 0;
-    }
-    return 1;
+    const float *s = g->scale, *q = g->rotation;
+    const int finite = all_finite(g->position, 3) && s[0] < INFINITY && s[1] < INFINITY && s[2] < INFINITY &&
+                       all_finite(q, 4) && isfinite(g->opacity) && all_finite(g->dc, 3) &&
+                       all_finite(g->sh, 3 * (size_t)FXS_SH_COUNT(sh_degree));
+    const int turned = q[0] != 0 || q[1] != 0 || q[2] != 0 || q[3] != 0;
+    dropped->not_finite += !finite;
+    dropped->rotation += finite && !turned;
+    *(finite && turned ? &dropped->kept : &dropped->weight) += weight_of(g);
+    return finite && turned;
+}
+
+double fxs_dropped_share(const fxs_pack_dropped *dropped)
+{
+    return dropped->weight > 0 ? dropped->weight / (dropped->weight + dropped->kept) : 0;
+}
+
+/* What is packed of a drawable Gaussian. */
+static fxs_gaussian fitted(const fxs_gaussian *g)
+{
+    fxs_gaussian fit = *g;
+    fxs_bring_in(&fit, POSITION_LIMIT);
+    fxs_hold_scales(&fit);
+    return fit;
 }
 
 static void take_position(packer *p, fxs_order_entry *entry, const fxs_gaussian *g, findings *f)
 {
-    memcpy(entry->position, g->position, sizeof g->position);
+    int moved = 0;
     if (!fxs_drawable(g, p->info->sh_degree, &f->dropped)) {
         entry->position[0] = NAN;
         return;
     }
+    const fxs_gaussian fit = fitted(g);
+    memcpy(entry->position, fit.position, sizeof fit.position);
     for (int i = 0; i < 3; i++) {
-        f->low[i] = g->position[i] < f->low[i] ? g->position[i] : f->low[i];
-        f->high[i] = g->position[i] > f->high[i] ? g->position[i] : f->high[i];
+        f->low[i] = fit.position[i] < f->low[i] ? fit.position[i] : f->low[i];
+        f->high[i] = fit.position[i] > f->high[i] ? fit.position[i] : f->high[i];
+        moved |= fabs(g->position[i]) > POSITION_LIMIT;
     }
+    f->brought_in += (uint64_t)moved;
 }
 
 static void take_positions(packer *p, const batch *b, uint32_t part)
@@ -184,10 +206,11 @@ static int read_positions(packer *p)
         }
         dropped->not_finite += f->dropped.not_finite;
         dropped->rotation += f->dropped.rotation;
-        dropped->scale += f->dropped.scale;
-        dropped->position += f->dropped.position;
+        dropped->weight += f->dropped.weight;
+        dropped->kept += f->dropped.kept;
+        report->brought_in += f->brought_in;
     }
-    report->packed = report->read - dropped->not_finite - dropped->rotation - dropped->scale - dropped->position;
+    report->packed = report->read - dropped->not_finite - dropped->rotation;
     return 0;
 }
 
@@ -237,6 +260,19 @@ static int find_slots(packer *p)
 
 /* ---- Chunks ---------------------------------------------------------------------------------------------------- */
 
+static int fail_changed(const packer *p)
+{
+    return fxs_fail(p->message, "the file changed while it was read");
+}
+
+static int is_within(const fxs_chunk_ranges *ranges, const fxs_gaussian *g)
+{
+    for (int i = 0; i < 3; i++)
+        if (!(g->position[i] >= ranges->position[i].low && g->position[i] <= ranges->position[i].high))
+            return 0;
+    return 1;
+}
+
 /* A chunk is one part's, whatever the batch. */
 static void take_ranges(packer *p, const batch *b, uint32_t part)
 {
@@ -244,7 +280,8 @@ static void take_ranges(packer *p, const batch *b, uint32_t part)
         uint32_t slot = p->slots[b->first + (uint64_t)i], chunk = slot / FXS_CHUNK;
         if (slot == FXS_NO_SLOT || chunk % p->parts != part)
             continue;
-        fxs_ranges_take(&p->ranges[chunk], &b->gaussians[i], p->encoder.sh_degree);
+        const fxs_gaussian fit = fitted(&b->gaussians[i]);
+        fxs_ranges_take(&p->ranges[chunk], &fit, p->encoder.sh_degree);
         if (p->sample && slot % p->sample_step == 0)
             fxs_sh_vector_of(p->sample[slot / p->sample_step], &b->gaussians[i], p->encoder.sh_degree);
     }
@@ -259,8 +296,14 @@ static int find_headers(packer *p)
         fxs_ranges_clear(&p->ranges[i]);
     if (pass(p, 1, take_ranges))
         return -1;
-    for (uint32_t i = 0; i < p->header->chunk_count; i++)
+    for (uint32_t i = 0; i < p->header->chunk_count; i++) {
+        for (int k = 0; k < 3; k++) {
+            const fxs_range *r = &p->ranges[i].position[k];
+            if (!(r->low <= r->high && r->low >= p->report->low[k] && r->high <= p->report->high[k]))
+                return fail_changed(p);
+        }
         fxs_encode_header(&p->chunks[i], &p->ranges[i], p->info);
+    }
     return 0;
 }
 
@@ -309,7 +352,9 @@ static void encode_part(packer *p, const batch *b, uint32_t part)
         unsigned char record[FXS_RECORD_BYTES], *to = p->rows + (size_t)slot * bytes;
         PREFETCH(to);
         PREFETCH(to + bytes - 1);
-        fxs_encode(&p->encoder, &p->chunks[slot / FXS_CHUNK], &b->gaussians[i], record, &loss);
+        const fxs_gaussian fit = fitted(&b->gaussians[i]);
+        p->findings[part].changed |= !is_within(&p->ranges[slot / FXS_CHUNK], &fit);
+        fxs_encode(&p->encoder, &p->chunks[slot / FXS_CHUNK], &fit, record, &loss);
         memcpy(to, record, bytes);
     }
     p->findings[part].loss = loss;
@@ -350,6 +395,9 @@ static int write_codes(packer *p)
         return -1;
     p->options.run(p->options.pool, turn_part, p, p->parts);
     sum_losses(p);
+    for (uint32_t part = 0; part < p->parts; part++)
+        if (p->findings[part].changed)
+            return fail_changed(p);
     return 0;
 }
 
@@ -432,8 +480,7 @@ static int pack(packer *p, fxs_packed_scene *scene)
         return -1;
     turn_headers(p);
     fxs_scene whole;                 /* a pass may have read other numbers than the one before */
-    return fxs_scene_open(&whole, scene->data, scene->bytes) ? fxs_fail(p->message, "the file changed while it was read")
-                                                             : 0;
+    return fxs_scene_open(&whole, scene->data, scene->bytes) ? fail_changed(p) : 0;
 }
 
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
