@@ -57,6 +57,19 @@ static void ends_of_ranges(void)
         CHECK(g[0].scale[i] == -20 && g[1].scale[i] > 18 && g[1].scale[i] < 20 && g[2].scale[i] == -20);
 }
 
+/* Discs: no record has three scales above 0. */
+static void flat_scene(void)
+{
+    fxs_gaussian g[3];
+    make_file(3);
+    for (size_t row = 0; row < 3; row++)
+        put_float_at(RECORD * row + 12 + 4 * row, 0);
+    put_file(size);
+    CHECK(read_file(g, 3) == 0 && info.count == 3);
+    for (int row = 0; row < 3; row++)
+        CHECK(g[row].scale[row] == -20 && g[row].scale[(row + 1) % 3] > -1);
+}
+
 static void every_length(void)
 {
     fxs_gaussian g[3];
@@ -184,6 +197,7 @@ int main(void)
     make_written();
     RUN(values);
     RUN(ends_of_ranges);
+    RUN(flat_scene);
     RUN(every_length);
     RUN(implausible_records);
     RUN(wild_record_at_the_end);

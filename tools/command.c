@@ -124,7 +124,7 @@ static void note_dropped(const char *path, const fxs_pack_dropped *d, uint64_t p
     const double share = fxs_dropped_share(d);
     char weight[80] = "";
     if (share >= 0.003)
-        snprintf(weight, sizeof weight, ", %.2g %% of the scene by opacity and area", 100 * share);
+        snprintf(weight, sizeof weight, ", %.3g %% of the scene by opacity and area", 100 * share);
     if (dropped)
         fprintf(stderr, "fixsplat: %s: left out %" PRIu64 " of %" PRIu64 " Gaussians (%" PRIu64 " not finite, %" PRIu64
                 " with a zero quaternion)%s\n", path, dropped, dropped + packed, d->not_finite, d->rotation, weight);
@@ -157,10 +157,14 @@ int open_scene(const char *path, const load_options *o, fxs_scene_file **file, f
 {
     fxs_message message;
     const fxs_scene_file_options options = {
-        .level = o->lod, .max_gaussians = o->max_gaussians, .max_memory = o->import_memory
+        .level = o->lod, .axes = o->axes, .max_gaussians = o->max_gaussians, .max_memory = o->import_memory
     };
     if (fxs_scene_file_open(path, &options, file, info, &message))
         return fail(EXIT_FAILED, "%s", message.text);
+    if (o->axes && strcmp(info->format, "spz")) {
+        fxs_scene_file_close(*file);
+        return fail(EXIT_FAILED, "%s: --axes is for .spz", path);
+    }
     int status = o->filter ? filter_scene(*file, path, o->filter, info) : 0;
     if (status)
         fxs_scene_file_close(*file);
@@ -237,8 +241,12 @@ int take_max_memory(size_t *bytes, const char *value)
                ? 0 : fail(EXIT_USAGE, "--max-memory %s: expected bytes, or a number with K, M or G", value);
 }
 
-int take_import_limit(load_options *options, int which, const char *value)
+int take_import_option(load_options *options, int which, const char *value)
 {
+    if (which == OPT_AXES) {
+        options->axes = !strcmp(value, "rub") ? FXS_AXES_RUB : !strcmp(value, "rdf") ? FXS_AXES_RDF : FXS_AXES_OF_FILE;
+        return options->axes ? 0 : fail(EXIT_USAGE, "--axes %s: expected rub or rdf", value);
+    }
     if (which == OPT_IMPORT_MEMORY)
         return parse_bytes(value, &options->import_memory)
                    ? 0 : fail(EXIT_USAGE, "--import-memory %s: expected bytes, or a number with K, M or G", value);
@@ -277,7 +285,9 @@ int load_scene(loaded_scene *loaded, const char *path, const load_options *optio
     uint64_t start = fxs_clock(0);
     memset(loaded, 0, sizeof *loaded);
     loaded->path = path;
-    int status = is_packed(path) ? map(loaded, path) : import(loaded, path, options);
+    int status = !is_packed(path) ? import(loaded, path, options)
+                 : options->axes  ? fail(EXIT_FAILED, "%s: --axes is for .spz", path)
+                                  : map(loaded, path);
     loaded->load_nanoseconds = fxs_clock(0) - start;
     if (status)
         free_scene(loaded);

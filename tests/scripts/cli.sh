@@ -289,10 +289,17 @@ hash=$(hash_of good.ply $near)
 check "two Gaussians are seen" differ "$hash" "$(hash_of good.ply $small $away)"
 ply mixed.ply 'nan 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0' "$good" '0 0 0 1 inf .2 2 -1 -1.5 -2 1 0 0 0' \
     '0 0 0 1 .5 .2 nan -1 -1.5 -2 1 0 0 0' '0 0 0 1 .5 .2 2 -1 -1.5 -2 0 0 0 0' "$other" \
-    '0 0 0 1 .5 .2 2 25 -1.5 -2 1 0 0 0' '0 0 0 1 .5 .2 2 -1 -25 -2 1 0 0 0' '1e20 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0'
+    '0 0 0 1 .5 .2 -inf -1 -1.5 -2 1 0 0 0' '0 0 0 1 .5 .2 2 -1 inf -2 1 0 0 0' 'inf 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0'
 run render mixed.ply $near -o mixed.raw
 check "bad Gaussians are left out and counted" equal "$status $(cat logs/err)" "0 fixsplat: mixed.ply: left out 7 of 9 \
-Gaussians (3 not finite, 1 with a zero quaternion, 2 with a scale beyond +-20, 1 too far out)"
+Gaussians (6 not finite, 1 with a zero quaternion), 100 % of the scene by opacity and area"
+run info mixed.ply --json
+check "info --json: what is left out" says '"left_out": {"not_finite": 6, "zero_quaternion": 1, "share": 1}, "brought_in": 0'
+ply outer.ply "$good" '0 0 .1 1 .5 .2 2 -1 -inf -2 1 0 0 0' '3e9 0 0 1 .5 .2 2 25 25 -9 1 0 0 0'
+run render outer.ply $near -o outer.raw
+check "thin, large and far Gaussians are drawn" equal "$status $(cat logs/err)" \
+    "0 fixsplat: outer.ply: brought in 1 Gaussians from beyond 2^27 units, as they look from the origin"
+check "thin, large and far Gaussians are seen" differ "$($helper hash outer.raw)" "$(hash_of good.ply $near)"
 check "bad Gaussians are not in the picture" equal "$($helper hash mixed.raw)" "$hash"
 ply bad.ply '0 0 0 1 .5 .2 2 -1 -1.5 -2 0 0 0 0' 'nan 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0'
 fails "render: no good Gaussian" 1 "bad.ply: none of the 2" render bad.ply --hash
@@ -512,7 +519,7 @@ for out in ply splat spz fxs; do
     check "convert: left.$out is left whole" equal "$(cat left.$out)" precious
     run convert mixed.ply drawn.$out
     check "convert to .$out: bad Gaussians are left out and counted" says "mixed.ply: left out 7 of 9 \
-Gaussians (3 not finite, 1 with a zero quaternion, 2 with a scale beyond +-20, 1 too far out)"
+Gaussians (6 not finite, 1 with a zero quaternion), 100 % of the scene by opacity and area"
     check "convert to .$out: the others are there" gaussians drawn.$out 2 0
 done
 "$fixsplat" convert knot.ply part.ply --crop -9,-9,-9,0,9,9 --prune 0.3 --sh-degree 2 2>logs/err
@@ -521,8 +528,19 @@ check "convert: filtered and packed, or packed when filtered" equal "$(hash_of p
     "$(hash_of part.fxs $small)"
 check "convert: filtered is less" differ "$(hash_of part.ply $small)" "$(hash_of knot.ply $small --sh-degree 2)"
 run convert far.ply far.spz
-check "convert to .spz: says what is moved" says \
-    "far.spz: moved 2 Gaussians: an .spz cannot hold positions beyond +-2048"
+check "convert to .spz: bits for all positions" equal "$status $(cat logs/err)" "0 "
+ply farther.ply "$good" '2e4 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0' '1 1 0 9 .5 .2 2 -1 7 -2 1 0 0 0'
+run convert farther.ply farther.spz
+check "convert to .spz: says what is brought in" says \
+    "farther.spz: brought in 1 Gaussians from beyond 2048 units: an .spz has 24 bits for a position"
+check "convert to .spz: says what is clamped" says "farther.spz: clamped the colour of 1 Gaussians (dc beyond +-3.33), \
+the SH of 0 (beyond +-1), the scale of 1 (ln sigma not in -10 to 5.94)"
+run convert knot4.spz turned.ply --axes rdf
+check "convert --axes rdf" differ "$(hash_of turned.ply $small)" "$(hash_of knot4.spz $small)"
+check "render --axes rdf: as converted" equal "$(hash_of turned.ply $small)" "$(hash_of knot4.spz $small --axes rdf)"
+check "render --axes rub: as it is" equal "$(hash_of knot4.spz $small --axes rub)" "$(hash_of knot4.spz $small)"
+fails "--axes of a .ply" 1 "knot.ply: --axes is for .spz" render knot.ply --axes rub --hash
+fails "--axes of another way" 2 "--axes up: expected rub or rdf" info knot4.spz --axes up
 fails "convert: an ending that is none" 2 "x.glb: expected a name ending" convert knot.ply x.glb
 fails "convert: one file" 2 "two files" convert knot.ply
 fails "convert --profile to .ply" 2 "--profile is for .fxs" convert knot.ply x.ply --profile small
