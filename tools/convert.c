@@ -192,6 +192,12 @@ static int copy(const writer *w, fxs_scene_file *file, uint64_t count, fxs_messa
     return result;
 }
 
+static void note_clamped(const char *out, uint32_t count, const char *what)
+{
+    if (count)
+        fprintf(stderr, "fixsplat: %s: clamped %s, of %" PRIu32 " Gaussians\n", out, what, count);
+}
+
 /* What the format of OUT cannot say. */
 static void note_losses(const char *out, const fxs_scene_file_info *info, const fxs_spz_clamped *clamped)
 {
@@ -202,10 +208,9 @@ static void note_losses(const char *out, const fxs_scene_file_info *info, const 
     if (clamped->position)
         fprintf(stderr, "fixsplat: %s: brought in %" PRIu32 " Gaussians from beyond %g units: an .spz has 24 bits for a "
                 "position\n", out, clamped->position, clamped->reach);
-    if (clamped->dc || clamped->sh || clamped->scale)
-        fprintf(stderr, "fixsplat: %s: clamped the colour of %" PRIu32 " Gaussians (dc beyond +-3.33), the SH of %" PRIu32
-                " (beyond +-1), the scale of %" PRIu32 " (ln sigma not in -10 to 5.94)\n", out, clamped->dc, clamped->sh,
-                clamped->scale);
+    note_clamped(out, clamped->dc, "dc beyond +-3.33");
+    note_clamped(out, clamped->sh, "SH beyond +-1");
+    note_clamped(out, clamped->scale, "ln(sigma) outside -10 to 5.94");
 }
 
 static int stream(const convert_options *o)
