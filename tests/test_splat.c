@@ -155,14 +155,17 @@ static void written_and_read(void)
 /* Whatever fxs_pack draws can be read again. */
 static void written_extremes(void)
 {
-    fxs_gaussian got[2], wild[2] = {
+    fxs_gaussian got[3], wild[3] = {
         {.position = {1.34e8f, -1.34e8f, 0}, .scale = {20, 20, 20}, .rotation = {1e-30f, 0, 0, 0}, .opacity = INFINITY,
          .dc = {1e30f, -1e30f, 0}},
-        {.position = {0, -0.0f, 1e-40f}, .scale = {-20, -20, -20}, .rotation = {-1e10f, 0, 0, 0}, .opacity = -INFINITY}
+        {.position = {0, -0.0f, 1e-40f}, .scale = {-20, -20, -20}, .rotation = {-1e10f, 0, 0, 0}, .opacity = -INFINITY},
+        {.position = {3e38f, 3e38f, -1e38f}, .scale = {3e38f, -INFINITY, 80}, .rotation = {1, 0, 0, 0}}
     };
-    CHECK(write_file(wild, 2, 2) == 0);
-    if (!CHECK(read_file(got, 2) == 0))
+    CHECK(write_file(wild, 3, 3) == 0);
+    if (!CHECK(read_file(got, 3) == 0))
         return;
+    CHECK(got[2].position[0] == 134217728 && is_near((double)got[2].position[2], -134217728 / 3.0, 1e-6));
+    CHECK(got[2].scale[0] > 19.99f && got[2].scale[1] == -20);
     CHECK(got[0].opacity == 20 && got[1].opacity == -20 && got[0].rotation[0] > 0.99f && got[1].rotation[0] == -1);
     for (int i = 0; i < 3; i++) {
         CHECK(got[0].position[i] == wild[0].position[i] && is_near((double)got[0].scale[i], 20, 1e-4));

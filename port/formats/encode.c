@@ -13,15 +13,15 @@
 
 float fxs_held_scale(float scale)
 {
-    return fminf(fmaxf(scale, -SCALE_LIMIT), SCALE_LIMIT);
+    return scale > -SCALE_LIMIT ? scale < SCALE_LIMIT ? scale : SCALE_LIMIT : -SCALE_LIMIT;
 }
 
 /* One needle would stretch the range of a chunk, and with it the steps of the chunk's scales. */
 void fxs_hold_scales(fxs_gaussian *g)
 {
-    const float most = fmaxf(fmaxf(g->scale[0], g->scale[1]), g->scale[2]);
+    const float *s = g->scale, most = s[0] > s[1] ? s[0] : s[1], least = (s[2] > most ? s[2] : most) - THINNEST;
     for (int i = 0; i < 3; i++)
-        g->scale[i] = fxs_held_scale(fmaxf(g->scale[i], most - THINNEST));
+        g->scale[i] = fxs_held_scale(s[i] > least ? s[i] : least);
 }
 
 int fxs_bring_in(fxs_gaussian *g, double limit)

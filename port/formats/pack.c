@@ -35,7 +35,7 @@ typedef struct findings {
 } findings;
 
 typedef struct packer packer;
-typedef void part_fn(packer *p, const batch *b, uint32_t part);
+typedef void part_fn(packer *p, batch *b, uint32_t part);
 
 struct packer {
     fxs_scene_file *file;
@@ -82,7 +82,7 @@ static void read_batch(packer *p, batch *b, uint64_t first)
 static void read_or_work(void *argument, uint32_t job)
 {
     packer *p = argument;
-    const batch *b = &p->batches[p->ready];
+    batch *b = &p->batches[p->ready];
     if (job == 0)
         read_batch(p, &p->batches[!p->ready], b->first + (uint64_t)b->count);
     else
@@ -123,8 +123,8 @@ static int all_finite(const float *values, size_t count)
     return 1;
 }
 
-/* Opacity times the product of the two largest axes. What is not a number counts as opaque, or as thin. */
-static double weight_of(const fxs_gaussian *g)
+/* What is not a number counts as opaque, or as thin. */
+double fxs_weight(const fxs_gaussian *g)
 {
     const float a = fxs_held_scale(g->scale[0]), b = fxs_held_scale(g->scale[1]), c = fxs_held_scale(g->scale[2]);
     const float least = fminf(fminf(a, b), c);
@@ -138,10 +138,12 @@ int fxs_drawable(const fxs_gaussian *g, int sh_degree, fxs_pack_dropped *dropped
                        all_finite(q, 4) && isfinite(g->opacity) && all_finite(g->dc, 3) &&
                        all_finite(g->sh, 3 * (size_t)FXS_SH_COUNT(sh_degree));
     const int turned = q[0] != 0 || q[1] != 0 || q[2] != 0 || q[3] != 0;
+    if (finite && turned)
+        return 1;
     dropped->not_finite += !finite;
-    dropped->rotation += finite && !turned;
-    *(finite && turned ? &dropped->kept : &dropped->weight) += weight_of(g);
-    return finite && turned;
+    dropped->rotation += (uint64_t)finite;
+    dropped->weight += fxs_weight(g);
+    return 0;
 }
 
 double fxs_dropped_share(const fxs_pack_dropped *dropped)
@@ -149,33 +151,36 @@ double fxs_dropped_share(const fxs_pack_dropped *dropped)
     return dropped->weight > 0 ? dropped->weight / (dropped->weight + dropped->kept) : 0;
 }
 
-/* What is packed of a drawable Gaussian. */
-static fxs_gaussian fitted(const fxs_gaussian *g)
+static int is_far(const fxs_gaussian *g)
 {
-    fxs_gaussian fit = *g;
-    fxs_bring_in(&fit, POSITION_LIMIT);
-    fxs_hold_scales(&fit);
-    return fit;
+    return fabsf(g->position[0]) > (float)POSITION_LIMIT || fabsf(g->position[1]) > (float)POSITION_LIMIT ||
+           fabsf(g->position[2]) > (float)POSITION_LIMIT;
 }
 
-static void take_position(packer *p, fxs_order_entry *entry, const fxs_gaussian *g, findings *f)
+/* Makes a drawable Gaussian what is packed of it. In each pass, one part does so. */
+static const fxs_gaussian *fit(fxs_gaussian *g)
 {
-    int moved = 0;
+    fxs_bring_in(g, POSITION_LIMIT);
+    fxs_hold_scales(g);
+    return g;
+}
+
+static void take_position(packer *p, fxs_order_entry *entry, fxs_gaussian *g, findings *f)
+{
     if (!fxs_drawable(g, p->info->sh_degree, &f->dropped)) {
         entry->position[0] = NAN;
         return;
     }
-    const fxs_gaussian fit = fitted(g);
-    memcpy(entry->position, fit.position, sizeof fit.position);
+    f->brought_in += (uint64_t)is_far(g);
+    fit(g);
+    memcpy(entry->position, g->position, sizeof g->position);
     for (int i = 0; i < 3; i++) {
-        f->low[i] = fit.position[i] < f->low[i] ? fit.position[i] : f->low[i];
-        f->high[i] = fit.position[i] > f->high[i] ? fit.position[i] : f->high[i];
-        moved |= fabs(g->position[i]) > POSITION_LIMIT;
+        f->low[i] = g->position[i] < f->low[i] ? g->position[i] : f->low[i];
+        f->high[i] = g->position[i] > f->high[i] ? g->position[i] : f->high[i];
     }
-    f->brought_in += (uint64_t)moved;
 }
 
-static void take_positions(packer *p, const batch *b, uint32_t part)
+static void take_positions(packer *p, batch *b, uint32_t part)
 {
     for (long i = first_of(p, b, part), end = first_of(p, b, part + 1); i < end; i++)
         take_position(p, &p->entries[b->first + (uint64_t)i], &b->gaussians[i], &p->findings[part]);
@@ -207,7 +212,6 @@ static int read_positions(packer *p)
         dropped->not_finite += f->dropped.not_finite;
         dropped->rotation += f->dropped.rotation;
         dropped->weight += f->dropped.weight;
-        dropped->kept += f->dropped.kept;
         report->brought_in += f->brought_in;
     }
     report->packed = report->read - dropped->not_finite - dropped->rotation;
@@ -274,14 +278,15 @@ static int is_within(const fxs_chunk_ranges *ranges, const fxs_gaussian *g)
 }
 
 /* A chunk is one part's, whatever the batch. */
-static void take_ranges(packer *p, const batch *b, uint32_t part)
+static void take_ranges(packer *p, batch *b, uint32_t part)
 {
     for (long i = 0; i < b->count; i++) {
         uint32_t slot = p->slots[b->first + (uint64_t)i], chunk = slot / FXS_CHUNK;
         if (slot == FXS_NO_SLOT || chunk % p->parts != part)
             continue;
-        const fxs_gaussian fit = fitted(&b->gaussians[i]);
-        fxs_ranges_take(&p->ranges[chunk], &fit, p->encoder.sh_degree);
+        if (p->report->packed < p->report->read)
+            p->findings[part].dropped.kept += fxs_weight(&b->gaussians[i]);
+        fxs_ranges_take(&p->ranges[chunk], fit(&b->gaussians[i]), p->encoder.sh_degree);
         if (p->sample && slot % p->sample_step == 0)
             fxs_sh_vector_of(p->sample[slot / p->sample_step], &b->gaussians[i], p->encoder.sh_degree);
     }
@@ -296,6 +301,8 @@ static int find_headers(packer *p)
         fxs_ranges_clear(&p->ranges[i]);
     if (pass(p, 1, take_ranges))
         return -1;
+    for (const findings *f = p->findings; f < p->findings + p->parts; f++)
+        p->report->dropped.kept += f->dropped.kept;
     for (uint32_t i = 0; i < p->header->chunk_count; i++) {
         for (int k = 0; k < 3; k++) {
             const fxs_range *r = &p->ranges[i].position[k];
@@ -341,10 +348,11 @@ static int find_palette(packer *p)
 
 /* Neighbours in the file are not neighbours on the curve: rows, a cache line each, would be fetched for one byte. So
    the codes of a Gaussian are kept together until all are known. */
-static void encode_part(packer *p, const batch *b, uint32_t part)
+static void encode_part(packer *p, batch *b, uint32_t part)
 {
     const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK;
     fxs_loss loss = p->findings[part].loss;               /* a copy: parts share cache lines */
+    int changed = 0;
     for (long i = first_of(p, b, part), end = first_of(p, b, part + 1); i < end; i++) {
         uint32_t slot = p->slots[b->first + (uint64_t)i];
         if (slot == FXS_NO_SLOT)
@@ -352,12 +360,13 @@ static void encode_part(packer *p, const batch *b, uint32_t part)
         unsigned char record[FXS_RECORD_BYTES], *to = p->rows + (size_t)slot * bytes;
         PREFETCH(to);
         PREFETCH(to + bytes - 1);
-        const fxs_gaussian fit = fitted(&b->gaussians[i]);
-        p->findings[part].changed |= !is_within(&p->ranges[slot / FXS_CHUNK], &fit);
-        fxs_encode(&p->encoder, &p->chunks[slot / FXS_CHUNK], &fit, record, &loss);
+        const fxs_gaussian *g = fit(&b->gaussians[i]);
+        changed |= !is_within(&p->ranges[slot / FXS_CHUNK], g);
+        fxs_encode(&p->encoder, &p->chunks[slot / FXS_CHUNK], g, record, &loss);
         memcpy(to, record, bytes);
     }
     p->findings[part].loss = loss;
+    p->findings[part].changed |= changed;
 }
 
 /* Records to rows. */

@@ -13,7 +13,7 @@
 typedef struct fxs_pack_dropped {
     uint64_t not_finite;      /* a value is NaN or infinite; but ln(sigma) may be minus infinity */
     uint64_t rotation;        /* the quaternion is zero */
-    double weight, kept;      /* opacity * area, summed over those left out and over the others */
+    double weight, kept;      /* sums of fxs_weight: of those left out, and of the others */
 } fxs_pack_dropped;
 
 /* Differences between what was read and what the packed scene says. */
@@ -66,7 +66,11 @@ size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile)
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
              const fxs_pack_options *options, fxs_message *message);
 
-/* Whether fxs_pack takes a Gaussian with SH of this degree; where not, the reason is counted. */
+/* Opacity times area: the product of the two largest sigmas, each within e^-20 to e^20. */
+double fxs_weight(const fxs_gaussian *gaussian);
+
+/* Whether fxs_pack takes a Gaussian with SH of this degree; where not, the reason is counted, and its weight added. That
+   of those it takes is for the caller to add. */
 int fxs_drawable(const fxs_gaussian *gaussian, int sh_degree, fxs_pack_dropped *dropped);
 
 /* The share of the weight that was left out, 0 to 1. */
