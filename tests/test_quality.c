@@ -347,8 +347,8 @@ static double random_between(uint32_t *state, double low, double high)
     return low + (high - low) * (*state >> 8) / 16777216;
 }
 
-/* A disc without thickness, sigma 1e-9 or 0: of the sky, up to 72 wide and facing the middle, or of the ground. Each lies
-   far enough off for its width that it does not reach into views beside it. */
+/* A disc without thickness, sigma 1e-9 or 0: of the sky, up to 72 wide and facing the middle, or of the ground. Each
+   lies far enough off for its width that it does not reach into views beside it. */
 static void make_disc(uint32_t i, uint32_t *state, fxs_gaussian *g)
 {
     const int sky = i % 3 > 0;

@@ -442,7 +442,8 @@ static void written_and_read(void)
                 printf("  %s\n", message.text);
                 continue;
             }
-            CHECK(nothing_clamped() && info.count == COUNT && info.sh_degree == degree && info.antialiased == (degree == 1));
+            CHECK(nothing_clamped());
+            CHECK(info.count == COUNT && info.sh_degree == degree && info.antialiased == (degree == 1));
             for (int i = 0; i < COUNT; i++) {
                 const fxs_gaussian *a = &wanted[i], *b = &out[i];
                 CHECK(rotation_match(a, b) > 1 - 4e-6 && fabs(opacity_of(a) - opacity_of(b)) < 0.501 / 255);
@@ -533,17 +534,17 @@ static void written_extremes(void)
 /* A thin axis is no loss where the largest is e^9 of what is written, or more. */
 static void written_discs(void)
 {
-    static const float cases[COUNT][2] = {{4, -10}, {0, -10}, {-0.9f, -10}, {-1.2f, -10}, {-9, -10}, {-11, -10}, {5, -10}};
+    static const float largest[COUNT] = {4, 0, -0.9f, -1.2f, -9, -11, 5};
     fill_gaussians(0);
     for (int i = 0; i < COUNT; i++) {
-        wanted[i].scale[0] = wanted[i].scale[1] = cases[i][0];
+        wanted[i].scale[0] = wanted[i].scale[1] = largest[i];
         wanted[i].scale[2] = i % 2 ? -INFINITY : -20.7f;
     }
     if (write_file(3, 0) != 0 || !CHECK(read_file(out, COUNT + 1) == 0))
         SKIP(message.text);
     CHECK(clamped.scale == 3);
     for (int i = 0; i < COUNT; i++)
-        CHECK(fabs((double)out[i].scale[2] - cases[i][1]) < 0.501 / 16);
+        CHECK(out[i].scale[2] <= -10);
 }
 
 /* Axes that are asked for stand over what the file says. */
@@ -559,7 +560,9 @@ static void asked_axes(void)
             s.extensions_size = (size_t)(spz_put(spz_put(spz_put(record, 0xadbe0003, 4), 4, 4), system, 4) - record);
             open_options.axes = (enum fxs_axes)axes;
             if (make(PLAIN) && reads(COUNT))
-                check_gaussians(axes == FXS_AXES_RUB ? to_rdf : axes == FXS_AXES_RDF || system == 6 ? as_stored : other);
+                check_gaussians(axes == FXS_AXES_RUB                   ? to_rdf
+                                : axes == FXS_AXES_RDF || system == 6 ? as_stored
+                                                                      : other);
         }
     fill(3, 3);
     if (make(PLAIN) && reads(COUNT))

@@ -128,8 +128,8 @@ enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_SIZE
     {"axes", required_argument, 0, OPT_AXES}, {"max-gaussians", required_argument, 0, OPT_MAX_GAUSSIANS}, \
     {"import-memory", required_argument, 0, OPT_IMPORT_MEMORY}
 #define IMPORT_HELP \
-    "  --axes AXES         of an .spz: rub (right, up, back) or rdf (right, down, front: files of splat-transform 3);\n" \
-    "                      default: as the file says, without a word rub\n" \
+    "  --axes AXES         of an .spz: rub (right, up, back) or rdf (right, down, front: files of\n" \
+    "                      splat-transform 3); default: as the file says, without a word rub\n" \
     "  --max-gaussians N   refuse to import a scene of more Gaussians (default: 1000000 and one for each byte of\n" \
     "                      its files, 67108864 at most); each takes about 100 bytes while it is packed\n" \
     "  --import-memory BYTES\n" \

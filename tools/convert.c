@@ -206,8 +206,8 @@ static void note_losses(const char *out, const fxs_scene_file_info *info, const 
                 info->sh_degree ? " the SH above degree 0" : "", info->sh_degree && info->antialiased ? " and" : "",
                 info->antialiased ? " that the scene is anti-aliased" : "");
     if (clamped->position)
-        fprintf(stderr, "fixsplat: %s: brought in %" PRIu32 " Gaussians from beyond %g units: an .spz has 24 bits for a "
-                "position\n", out, clamped->position, clamped->reach);
+        fprintf(stderr, "fixsplat: %s: brought in %" PRIu32 " Gaussians from beyond %g units: an .spz has 24 bits "
+                "for a position\n", out, clamped->position, clamped->reach);
     note_clamped(out, clamped->dc, "dc beyond +-3.33");
     note_clamped(out, clamped->sh, "SH beyond +-1");
     note_clamped(out, clamped->scale, "ln(sigma) outside -10 to 5.94");

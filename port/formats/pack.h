@@ -69,8 +69,8 @@ int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_s
 /* Opacity times area: the product of the two largest sigmas, each within e^-20 to e^20. */
 double fxs_weight(const fxs_gaussian *gaussian);
 
-/* Whether fxs_pack takes a Gaussian with SH of this degree; where not, the reason is counted, and its weight added. That
-   of those it takes is for the caller to add. */
+/* Whether fxs_pack takes a Gaussian with SH of this degree; where not, the reason is counted and its weight added. The
+   weight of those it takes is for the caller to add. */
 int fxs_drawable(const fxs_gaussian *gaussian, int sh_degree, fxs_pack_dropped *dropped);
 
 /* The share of the weight that was left out, 0 to 1. */

@@ -28,7 +28,7 @@ struct fxs_spz_writer {
     fxs_output output;
     int version, sh_degree, antialiased;
     uint32_t count, next;
-    uint32_t fitting[MAX_BITS + 2];   /* Gaussians, by the most fractional bits, and 1: 0 is for those that none holds */
+    uint32_t fitting[MAX_BITS + 2];   /* Gaussians by the most fractional bits, plus 1; 0: none holds them */
     fxs_spz_clamped clamped;
     int fractional_bits;
     uint8_t stride[FXS_SPZ_ARRAYS];
@@ -152,7 +152,8 @@ static int bits_for(const float position[3])
     return bits;
 }
 
-/* All but what depends on the fractional bits. y and z change their signs: from right, down, front to right, up, back. */
+/* All but what depends on the fractional bits. y and z change their signs: from right, down, front to right, up,
+   back. */
 static void encode(fxs_spz_writer *w, const fxs_gaussian *g, size_t index)
 {
     uint8_t *at[FXS_SPZ_ARRAYS];

@@ -22,8 +22,8 @@ int fxs_spz_writer_open(const char *path, int version, uint64_t count, int sh_de
    where the reference writer keeps 5 or 4). Returns 0, or -1 and a message. */
 int fxs_spz_writer_put(fxs_spz_writer *writer, const fxs_gaussian *gaussians, size_t n, fxs_message *message);
 
-/* Gaussians of a file with something that it cannot hold, by a step or more; but an axis that is as good as flat is held
-   as one. */
+/* Gaussians of a file with something that it cannot hold, by a step or more; a Gaussian that is as good as flat
+   is held. */
 typedef struct fxs_spz_clamped {
     uint32_t position, scale, dc, sh;
     double reach;             /* of positions, on each axis; those beyond are brought to there, towards the origin */
