@@ -49,7 +49,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
 #endif
     fxs_scene_source source = {.input = fxs_memory_input(data, size), .path = path};
-    if (fxs_spz_open(&source, 0, size, kind >> 1 & 1, &spz, &info, &message) != 0) {
+    if (fxs_spz_open(&source, 0, size, kind >> 1 & 1 ? FXS_AXES_RDF : FXS_AXES_OF_FILE, &spz, &info, &message) != 0) {
         check_message(&message);
         return 0;
     }

@@ -31,7 +31,8 @@ static int finite_floats(const float *values, int count)
 static int gaussian_is_valid(const fxs_gaussian *g)
 {
     const float *q = g->rotation;
-    return finite_floats(g->position, 3) && finite_floats(g->scale, 3) && finite_floats(q, 4)
+    return finite_floats(g->position, 3) && g->scale[0] < INFINITY && g->scale[1] < INFINITY
+        && g->scale[2] < INFINITY && finite_floats(q, 4)
         && finite_floats(&g->opacity, 1) && finite_floats(g->dc, 3) && finite_floats(g->sh, 45)
         && (q[0] != 0 || q[1] != 0 || q[2] != 0 || q[3] != 0);
 }

@@ -19,6 +19,7 @@ static uint8_t bytes[MAX_FILE];
 static size_t size, file_size;
 static fxs_message message;
 static fxs_scene_file_info info;
+static fxs_scene_file_options open_options;
 
 static inline const char *scenes_folder(void)
 {
@@ -106,7 +107,7 @@ static inline int read_file(fxs_gaussian *gaussians, size_t capacity)
     fxs_scene_file *file;
     fxs_gaussian one;
     long count, total = 0;
-    if (fxs_scene_file_open_memory(path, bytes, file_size, NULL, &file, &info, &message) != 0) {
+    if (fxs_scene_file_open_memory(path, bytes, file_size, &open_options, &file, &info, &message) != 0) {
         CHECK(file == NULL);
         return -1;
     }

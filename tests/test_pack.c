@@ -1,4 +1,5 @@
 /* Import: scene files written here -> packed scenes. */
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -344,7 +345,7 @@ static void test_inner_bounds_of_little(void)
 {
     static const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1}, one[3] = {3, 4, 5};
     make_gaussians(1000);
-    fill_box(0, 1000, low, high, 0.01, -INFINITY);
+    fill_box(0, 1000, low, high, 0.01, -100);
     pack(1000, 0);
     CHECK(inner_is(low, high, 0.15));
     fxs_packed_scene_free(&packed);
@@ -381,8 +382,6 @@ static void test_extremes(void)
         gaussians[5].dc[i] = -1e30f;
         gaussians[6].sh[i] = 1e30f;
     }
-    gaussians[7].opacity = INFINITY;
-    gaussians[8].opacity = -INFINITY;
     for (int i = 0; i < 4; i++)
         gaussians[9].rotation[i] = 1e-30f;
     fxs_scene scene = pack(512, 3);
@@ -492,14 +491,110 @@ static void test_dropped(void)
     gaussians[50].dc[0] = INFINITY;
     gaussians[60].sh[44] = NAN;
     memset(gaussians[70].rotation, 0, sizeof gaussians[70].rotation);
-    gaussians[80].scale[0] = 20.5f;
-    gaussians[90].scale[1] = -20.5f;
-    gaussians[100].position[2] = 134217744;
+    gaussians[80].opacity = INFINITY;
+    gaussians[90].opacity = -INFINITY;
+    gaussians[100].position[2] = -INFINITY;
     fxs_scene scene = pack(300, 3);
     CHECK(report.read == 300 && report.packed == 290 && scene.count == 290);
-    CHECK(report.dropped.not_finite == 6 && report.dropped.rotation == 1);
-    CHECK(report.dropped.scale == 2 && report.dropped.position == 1);
+    CHECK(report.dropped.not_finite == 9 && report.dropped.rotation == 1 && report.brought_in == 0);
     CHECK(isfinite(report.largest.position) && isfinite(report.largest.sh) && report.high[2] <= 8);
+    fxs_packed_scene_free(&packed);
+}
+
+/* Opacity times the area of the two largest axes, whatever else is wrong. */
+static void test_share_of_what_is_dropped(void)
+{
+    make_gaussians(100);
+    for (int i = 0; i < 100; i++) {
+        gaussians[i].opacity = 0;
+        gaussians[i].scale[0] = gaussians[i].scale[1] = -3;
+        gaussians[i].scale[2] = -INFINITY;
+    }
+    gaussians[10].position[0] = NAN;
+    gaussians[10].scale[0] = gaussians[10].scale[2] = -3 + logf(11);    /* 121 of 99 + 121 */
+    gaussians[20].opacity = -INFINITY;                                  /* of no weight */
+    gaussians[30].dc[2] = NAN;                                          /* 1 */
+    pack(100, 0);
+    CHECK(report.packed == 97 && report.dropped.not_finite == 3);
+    CHECK(fabs(fxs_dropped_share(&report.dropped) - 122 / 219.0) < 1e-5);
+    fxs_packed_scene_free(&packed);
+    gaussians[30] = gaussians[31];
+    gaussians[10] = gaussians[31];
+    pack(100, 0);
+    CHECK(report.packed == 99 && report.dropped.weight <= 0 && fxs_dropped_share(&report.dropped) <= 0);
+    fxs_packed_scene_free(&packed);
+}
+
+/* ---- Gaussians that are hard to hold ---------------------------------------------------------------------------- */
+
+/* ln(sigma) of an axis as packed, of the Gaussian in the first slot. */
+static double packed_scale(const fxs_scene *scene, uint32_t axis)
+{
+    const fxs_chunk *chunk = chunk_of(scene, 0);
+    const uint32_t code = word_at(scene, 0, FXS_ROW_SCALE) >> 10 * axis & 1023;
+    return (ldexp(chunk->scale_q16, -16) - ldexp((double)code * code * chunk->scale_step_q24, -24)) * log(2);
+}
+
+/* Of one Gaussian: a thin axis is as thin as the codes of others allow, a large one as large as the format holds. */
+static void test_axes_are_held(void)
+{
+    static const float cases[][2][3] = {
+        {{4.28f, 4.28f, -20.7f}, {4.28f, 4.28f, -4.72f}}, {{4, -INFINITY, 2}, {4, -5, 2}},
+        {{25, 30, 3e38f}, {20, 20, 20}}, {{21, 3, 12.5f}, {20, 12, 12.5f}}, {{-3, -30, -11}, {-3, -12, -11}},
+        {{-15, -INFINITY, -30}, {-15, -20, -20}}, {{-INFINITY, -INFINITY, -INFINITY}, {-20, -20, -20}}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        make_gaussians(1);
+        memcpy(gaussians->scale, cases[i][0], sizeof gaussians->scale);
+        const fxs_scene scene = pack(1, 0);
+        CHECK(report.packed == 1 && report.dropped.not_finite == 0);
+        for (uint32_t k = 0; k < 3; k++)
+            CHECK(fabs(packed_scale(&scene, k) - (double)cases[i][1][k]) < 0.02);
+        CHECK(report.largest.scale < 0.02);
+        fxs_packed_scene_free(&packed);
+    }
+}
+
+/* Needles do not cost the others of their chunk their steps. */
+static void test_needles_in_a_chunk(void)
+{
+    double rms[2];
+    for (int needles = 0; needles < 2; needles++) {
+        make_gaussians(256);
+        for (int i = 0; i < 256; i++)
+            for (int k = 0; k < 3; k++)
+                gaussians[i].scale[k] = uniform(-6, -2);
+        for (int i = 0; i < 256 && needles; i += 8)
+            gaussians[i].scale[i / 8 % 3] = i % 16 ? -INFINITY : -18;
+        pack(256, 0);
+        rms[needles] = report.rms.scale;
+        fxs_packed_scene_free(&packed);
+    }
+    CHECK(rms[1] < 2.3 * rms[0]);
+}
+
+/* Seen from the origin, a Gaussian from beyond the range looks as it would there. */
+static void test_far_ones_are_brought_in(void)
+{
+    static const float axis[3] = {1, -0.5f, 0.25f};
+    make_gaussians(2);
+    for (int i = 0; i < 3; i++) {
+        gaussians[0].position[i] = 1.34e10f * axis[i];
+        gaussians[0].scale[i] = 12 - (float)i;
+        gaussians[1] = gaussians[0];
+    }
+    const fxs_scene scene = pack(2, 0);
+    CHECK(report.packed == 2 && report.brought_in == 2);
+    for (uint32_t k = 0; k < 3; k++) {
+        CHECK(fabs(position_of(&scene, 0, k) - 1.34e8 * (double)axis[k]) < 50);
+        CHECK(fabs(packed_scale(&scene, k) - (12 - (double)k - log(100))) < 0.01);
+    }
+    fxs_packed_scene_free(&packed);
+    gaussians[0].position[1] = -FLT_MAX;
+    gaussians[1].position[1] = 5;
+    for (int i = 0; i < 3; i++)
+        gaussians[1].rotation[i] = gaussians[1].rotation[3] = FLT_MAX;
+    pack(2, 0);
+    CHECK(report.packed == 2 && report.brought_in == 2 && fabs(report.low[1] + 1.34e8) < 50);
     fxs_packed_scene_free(&packed);
 }
 
@@ -816,13 +911,13 @@ static void test_threads_learning_a_palette(void)
 static void test_threads(void)
 {
     make_gaussians(MAX_COUNT);
+    for (size_t i = 0; i < MAX_COUNT; i += 1009)
+        memset(gaussians[i].rotation, 0, sizeof gaussians[i].rotation);
     for (size_t i = 0; i < MAX_COUNT; i += 977)
         gaussians[i].rotation[i % 4] = NAN;
-    for (size_t i = 0; i < MAX_COUNT; i += 1009)
-        gaussians[i].scale[0] = 21;
     CHECK(write_file(MAX_COUNT, 3, 0));
     check_threads(path);
-    CHECK(report.dropped.not_finite == 41 && report.dropped.scale == 39);
+    CHECK(report.dropped.not_finite == 41 && report.dropped.rotation == 39);
 }
 
 static void test_threads_on_real_scenes(void)
@@ -1025,6 +1120,10 @@ int main(void)
     RUN(test_bytes_skipped);
     RUN(test_no_more_than_announced);
     RUN(test_dropped);
+    RUN(test_share_of_what_is_dropped);
+    RUN(test_axes_are_held);
+    RUN(test_needles_in_a_chunk);
+    RUN(test_far_ones_are_brought_in);
     RUN(test_faults_above_the_degree_do_not_matter);
     RUN(test_nothing_left);
     RUN(test_empty_file);

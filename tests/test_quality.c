@@ -345,8 +345,66 @@ static void quality_of_procedural_scene(void)
     unlink(path);
 }
 
+static double random_between(uint32_t *state, double low, double high)
+{
+    *state = *state * 1664525 + 1013904223;
+    return low + (high - low) * (*state >> 8) / 16777216;
+}
+
+/* A disc without thickness, sigma 1e-9 or 0: of the sky, up to 72 wide and facing the middle, or of the ground. Each
+   lies far enough off for its width that it does not reach into views beside it. */
+static void make_disc(uint32_t i, uint32_t *state, fxs_gaussian *g)
+{
+    const int sky = i % 3 > 0;
+    const double far = sky ? random_between(state, 100, 360) : random_between(state, 6, 60);
+    const double sigma = far * (sky ? 0.2 : random_between(state, 0.02, 0.15));
+    double n[3] = {random_between(state, -1, 1), random_between(state, -1, 0.1), random_between(state, -1, 1)};
+    const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    memset(g, 0, sizeof *g);
+    for (int k = 0; k < 3; k++) {
+        n[k] /= length;
+        g->position[k] = (float)(k == 1 && !sky ? 2.5 : far * n[k]);
+        g->scale[k] = (float)log(sigma * random_between(state, 0.5, 1));
+        g->dc[k] = (float)(sky ? 0.4 + 0.5 * k - n[1] : random_between(state, -1, 0.5));
+        g->rotation[k + 1] = (float)(sky ? 0 : random_between(state, -0.02, 0.02));
+    }
+    g->opacity = (float)random_between(state, -1, 4);
+    g->scale[sky ? 2 : 1] = i % 2 ? -INFINITY : logf(1e-9f);
+    g->rotation[0] = (float)(sky ? 1 + n[2] : 1);
+    g->rotation[1] -= (float)(sky ? n[1] : 0);                 /* z is turned to n */
+    g->rotation[2] += (float)(sky ? n[0] : 0);
+}
+
+/* A knot under a sky and on a ground of discs. */
+static void quality_of_discs(void)
+{
+    static const double up[3] = {0, -1, 0};
+    enum { COUNT = 30000, EVERY = 60 };
+    char path[] = "/tmp/fixsplat-quality-XXXXXX";
+    fxs_message m;
+    fxs_ply_writer *writer;
+    const fxs_procedural_scene *scene = fxs_procedural_find("knot");
+    uint32_t state = 1;
+    int fd = mkstemp(path);
+    if (!CHECK(fd >= 0 && !fxs_ply_writer_open(path, COUNT, 0, 0, &writer, &m)))
+        return;
+    close(fd);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        fxs_gaussian g;
+        if (i % EVERY)
+            scene->gaussian(i, COUNT, 1, &g);
+        else
+            make_disc(i / EVERY, &state, &g);
+        fxs_ply_writer_put(writer, &g, 1, &m);
+    }
+    CHECK(!fxs_ply_writer_close(writer, &m));
+    check_scene(path, 0, up);
+    unlink(path);
+}
+
 int main(void)
 {
+    RUN(quality_of_discs);
     RUN(quality_of_procedural_scene);
     for (which = 0; which < sizeof shared / sizeof *shared; which++)
         RUN(quality_of_shared_scene);

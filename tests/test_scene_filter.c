@@ -162,8 +162,8 @@ static void make_undrawable(void)
     made[1].opacity = NAN;
     made[2].sh[2] = INFINITY;
     made[3].rotation[0] = 0;
-    made[4].scale[2] = -20.1f;
-    made[5].position[0] = 1.4e8f;
+    memset(made[4].rotation, 0, sizeof made[4].rotation);
+    made[5].opacity = INFINITY;
     made[6].position[0] = -INFINITY;
     CHECK(write_made(3));
 }
@@ -174,14 +174,13 @@ static void undrawable(void)
     check_left(any);
     filter.drawable = 1;
     check_left(is_drawable);
-    CHECK(report.dropped.not_finite == 4 && report.dropped.rotation == 1 && report.dropped.scale == 1 &&
-          report.dropped.position == 1);
+    CHECK(report.dropped.not_finite == 5 && report.dropped.rotation == 2);
     filter.sh_degree = 0;   /* the infinite SH is left out */
     CHECK(open_filtered() == 0 && info.count == COUNT - 6);
     fxs_scene_file_close(file);
 }
 
-/* Of 1 to 99, two have moved out; an opacity of NaN is not faint but not finite. */
+/* Of 1 to 99, one has moved out; opacities of NaN and infinity are not faint but not finite. */
 static void undrawable_in_a_box(void)
 {
     make_undrawable();
@@ -190,8 +189,8 @@ static void undrawable_in_a_box(void)
     filter.high[0] = 99;
     filter.opacity = 0.5;
     CHECK(open_filtered() == 0);
-    CHECK(report.outside == COUNT - 99 + 2 && report.dropped.not_finite == 1 && info.count == report.kept);
-    CHECK(report.kept + report.outside + report.faint + 1 == COUNT);
+    CHECK(report.outside == COUNT - 99 + 1 && report.dropped.not_finite == 2 && info.count == report.kept);
+    CHECK(report.kept + report.outside + report.faint + 2 == COUNT);
     fxs_scene_file_close(file);
 }
 

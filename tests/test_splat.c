@@ -57,6 +57,19 @@ static void ends_of_ranges(void)
         CHECK(g[0].scale[i] == -20 && g[1].scale[i] > 18 && g[1].scale[i] < 20 && g[2].scale[i] == -20);
 }
 
+/* Discs: no record has three scales above 0. */
+static void flat_scene(void)
+{
+    fxs_gaussian g[3];
+    make_file(3);
+    for (size_t row = 0; row < 3; row++)
+        put_float_at(RECORD * row + 12 + 4 * row, 0);
+    put_file(size);
+    CHECK(read_file(g, 3) == 0 && info.count == 3);
+    for (int row = 0; row < 3; row++)
+        CHECK(g[row].scale[row] == -20 && g[row].scale[(row + 1) % 3] > -1);
+}
+
 static void every_length(void)
 {
     fxs_gaussian g[3];
@@ -142,14 +155,17 @@ static void written_and_read(void)
 /* Whatever fxs_pack draws can be read again. */
 static void written_extremes(void)
 {
-    fxs_gaussian got[2], wild[2] = {
+    fxs_gaussian got[3], wild[3] = {
         {.position = {1.34e8f, -1.34e8f, 0}, .scale = {20, 20, 20}, .rotation = {1e-30f, 0, 0, 0}, .opacity = INFINITY,
          .dc = {1e30f, -1e30f, 0}},
-        {.position = {0, -0.0f, 1e-40f}, .scale = {-20, -20, -20}, .rotation = {-1e10f, 0, 0, 0}, .opacity = -INFINITY}
+        {.position = {0, -0.0f, 1e-40f}, .scale = {-20, -20, -20}, .rotation = {-1e10f, 0, 0, 0}, .opacity = -INFINITY},
+        {.position = {3e38f, 3e38f, -1e38f}, .scale = {3e38f, -INFINITY, 80}, .rotation = {1, 0, 0, 0}}
     };
-    CHECK(write_file(wild, 2, 2) == 0);
-    if (!CHECK(read_file(got, 2) == 0))
+    CHECK(write_file(wild, 3, 3) == 0);
+    if (!CHECK(read_file(got, 3) == 0))
         return;
+    CHECK(got[2].position[0] == 134217728 && is_near((double)got[2].position[2], -134217728 / 3.0, 1e-6));
+    CHECK(got[2].scale[0] > 19.99f && got[2].scale[1] == -20);
     CHECK(got[0].opacity == 20 && got[1].opacity == -20 && got[0].rotation[0] > 0.99f && got[1].rotation[0] == -1);
     for (int i = 0; i < 3; i++) {
         CHECK(got[0].position[i] == wild[0].position[i] && is_near((double)got[0].scale[i], 20, 1e-4));
@@ -184,6 +200,7 @@ int main(void)
     make_written();
     RUN(values);
     RUN(ends_of_ranges);
+    RUN(flat_scene);
     RUN(every_length);
     RUN(implausible_records);
     RUN(wild_record_at_the_end);

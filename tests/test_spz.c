@@ -407,17 +407,26 @@ static void fill_gaussians(int degree)
         }
 }
 
-static int write_file(int version, int degree, uint32_t clamped)
+static fxs_spz_clamped clamped;
+
+static int write_file(int version, int degree)
 {
     fxs_spz_writer *writer;
     if (fxs_spz_writer_open(written, version, COUNT, degree, degree == 1, &writer, &message) != 0)
         return -1;
     CHECK(fxs_spz_writer_put(writer, wanted, 3, &message) == 0);
     CHECK(fxs_spz_writer_put(writer, wanted + 3, COUNT - 3, &message) == 0);
-    CHECK(fxs_spz_writer_clamped(writer) == clamped);
+    clamped = fxs_spz_writer_finish(writer);
+    const fxs_spz_clamped again = fxs_spz_writer_finish(writer);
+    CHECK(memcmp(&clamped, &again, sizeof clamped) == 0);
     int result = fxs_spz_writer_close(writer, NULL, NULL, &message);
     take_written();
     return result;
+}
+
+static int nothing_clamped(void)
+{
+    return clamped.position == 0 && clamped.scale == 0 && clamped.dc == 0 && clamped.sh == 0;
 }
 
 /* To half a step of the format. */
@@ -426,7 +435,7 @@ static void written_and_read(void)
     for (int version = 3; version <= 4; version++)
         for (int degree = 0; degree <= 3; degree++) {
             fill_gaussians(degree);
-            if (write_file(version, degree, 0) != 0) {
+            if (write_file(version, degree) != 0) {
                 CHECK(strstr(message.text, "built without"));
                 continue;
             }
@@ -434,12 +443,13 @@ static void written_and_read(void)
                 printf("  %s\n", message.text);
                 continue;
             }
+            CHECK(nothing_clamped());
             CHECK(info.count == COUNT && info.sh_degree == degree && info.antialiased == (degree == 1));
             for (int i = 0; i < COUNT; i++) {
                 const fxs_gaussian *a = &wanted[i], *b = &out[i];
                 CHECK(rotation_match(a, b) > 1 - 4e-6 && fabs(opacity_of(a) - opacity_of(b)) < 0.501 / 255);
                 for (int k = 0; k < 3; k++) {
-                    CHECK(fabs((double)a->position[k] - b->position[k]) < 0.501 / 4096);
+                    CHECK(fabs((double)a->position[k] - b->position[k]) < 0.501 / (1 << 22));
                     CHECK(fabs((double)a->scale[k] - b->scale[k]) < 0.501 / 16);
                     CHECK(fabs((double)a->dc[k] - b->dc[k]) < 0.501 / 255 / 0.15);
                 }
@@ -457,28 +467,108 @@ static void read_and_written(void)
         if (!make(version == 3 ? PLAIN : ZSTD) || !reads(COUNT))
             continue;
         memcpy(wanted, out, sizeof wanted);
-        if (write_file(version, 3, 0) == 0 && CHECK(read_file(out, COUNT + 1) == 0))
+        if (write_file(version, 3) == 0 && CHECK(nothing_clamped()) && CHECK(read_file(out, COUNT + 1) == 0))
             for (int i = 0; i < COUNT; i++)
                 CHECK(is_same(&wanted[i], &out[i], 2e-3));
     }
 }
 
-/* y and z are stored with their signs changed. */
+/* As many as hold the largest coordinate, 24 at most; where that is less than 12, one in a hundred may be beyond. */
+static void chosen_bits(void)
+{
+    static const struct { float largest, second; int bits; uint32_t beyond; } cases[] = {
+        {0, 0, 24, 0}, {0.4f, 0.4f, 24, 0}, {0.6f, 0, 23, 0}, {-7.9f, 1, 20, 0}, {8, 1, 19, 0}, {-8, 8, 19, 0},
+        {2047, 3, 12, 0}, {2049, 3, 12, 1}, {20000, 3, 12, 1}, {-1e30f, 3, 12, 1}, {1e30f, -1e30f, 0, 2},
+        {20000, -15000, 9, 1}, {20000, 20000, 8, 0}, {5e6f, 5e6f, 0, 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        fill_gaussians(0);
+        for (int k = 0; k < COUNT; k++)
+            for (int axis = 0; axis < 3; axis++)
+                wanted[k].position[axis] = 0;
+        wanted[2].position[2] = cases[i].largest;
+        wanted[4].position[0] = cases[i].second;
+        if (write_file(4, 0) != 0)
+            SKIP(message.text);
+        CHECK(bytes[13] == cases[i].bits && clamped.position == cases[i].beyond);
+        CHECK(fabs(clamped.reach - ldexp(8388607, -cases[i].bits)) < 1e-9 && read_file(out, COUNT + 1) == 0);
+        if (clamped.position == 0)
+            CHECK(fabs((double)out[2].position[2] - cases[i].largest) <= ldexp(0.5, -cases[i].bits));
+    }
+}
+
+/* One of seven is brought in; the others keep their steps. */
+static void far_ones_are_brought_in(void)
+{
+    fill_gaussians(0);
+    for (int k = 0; k < 3; k++) {
+        wanted[3].position[k] = (float)(20480 >> k);
+        wanted[3].scale[k] = 7.5f - (float)k;
+    }
+    if (write_file(4, 0) != 0 || !CHECK(read_file(out, COUNT + 1) == 0))
+        SKIP(message.text);
+    CHECK(clamped.position == 1 && clamped.scale == 0);
+    for (int k = 0; k < 3; k++) {
+        CHECK(fabs((double)out[3].position[k] - (2048 >> k)) < 0.001);
+        CHECK(fabs((double)out[3].scale[k] - (7.5 - k - log(10))) < 0.501 / 16);
+        CHECK(fabs((double)out[1].position[k] - wanted[1].position[k]) < 0.501 / 4096);
+    }
+}
+
+/* y and z are stored with their signs changed. What is clamped by a step or more is counted, a Gaussian once. */
 static void written_extremes(void)
 {
+    const float far[COUNT] = {1e30f, -1e30f, 3, 1.5f, -0.999f, -3.4f, 0};
     fill_gaussians(1);
-    const float far[] = {1e30f, -1e30f, NAN, INFINITY, 2047.9999f, -2048, 0};
     for (int i = 0; i < COUNT; i++) {
-        wanted[i].position[1] = wanted[i].scale[0] = wanted[i].dc[0] = wanted[i].sh[4] = wanted[i].opacity = far[i];
+        wanted[i].scale[0] = wanted[i].scale[2] = wanted[i].dc[0] = wanted[i].dc[1] = wanted[i].sh[4] = far[i];
+        wanted[i].opacity = far[i];
         wanted[i].rotation[i % 4] = far[i];
     }
     memset(wanted[6].rotation, 0, sizeof wanted[6].rotation);
-    if (write_file(3, 1, 4) != 0 || !CHECK(read_file(out, COUNT + 1) == 0))
+    if (write_file(3, 1) != 0 || !CHECK(read_file(out, COUNT + 1) == 0))
         SKIP(message.text);
-    CHECK(out[0].position[1] == 2048 && out[1].position[1] == -8388607.0f / 4096);
-    CHECK(out[5].position[1] == -8388607.0f / 4096);
-    CHECK(out[0].scale[0] == 5.9375f && out[1].scale[0] == -10 && out[0].sh[4] == 1 && out[1].sh[4] == -127 / 128.0f);
+    CHECK(clamped.position == 0 && clamped.scale == 1 && clamped.dc == 3 && clamped.sh == 5);
+    CHECK(out[0].scale[0] == 5.9375f && out[1].scale[0] <= -10 && out[0].sh[4] == 1 && out[1].sh[4] == -127 / 128.0f);
     CHECK(out[6].rotation[0] == 1);
+}
+
+/* A thin axis is no loss where the largest is e^9 of what is written, or more. */
+static void written_discs(void)
+{
+    static const float largest[COUNT] = {4, 0, -0.9f, -1.2f, -9, -11, 5};
+    fill_gaussians(0);
+    for (int i = 0; i < COUNT; i++) {
+        wanted[i].scale[0] = wanted[i].scale[1] = largest[i];
+        wanted[i].scale[2] = i % 2 ? -INFINITY : -20.7f;
+    }
+    if (write_file(3, 0) != 0 || !CHECK(read_file(out, COUNT + 1) == 0))
+        SKIP(message.text);
+    CHECK(clamped.scale == 3);
+    for (int i = 0; i < COUNT; i++)
+        CHECK(out[i].scale[2] <= -10);
+}
+
+/* Axes that are asked for stand over what the file says. */
+static void asked_axes(void)
+{
+    uint8_t record[16];
+    for (uint32_t system = 3; system <= 6; system += 3)
+        for (int axes = FXS_AXES_OF_FILE; axes <= FXS_AXES_RDF; axes++) {
+            const double as_stored[3] = {1, 1, 1}, other[3] = {-1, -1, -1};   /* RDF; LUB */
+            fill(3, 3);
+            s.flags = 2;
+            s.extensions = record;
+            s.extensions_size = (size_t)(spz_put(spz_put(spz_put(record, 0xadbe0003, 4), 4, 4), system, 4) - record);
+            open_options.axes = (enum fxs_axes)axes;
+            if (make(PLAIN) && reads(COUNT))
+                check_gaussians(axes == FXS_AXES_RUB                   ? to_rdf
+                                : axes == FXS_AXES_RDF || system == 6 ? as_stored
+                                                                      : other);
+        }
+    fill(3, 3);
+    if (make(PLAIN) && reads(COUNT))
+        check_gaussians((const double[]){1, 1, 1});
+    open_options.axes = FXS_AXES_OF_FILE;
 }
 
 static void faulty_writes(void)
@@ -560,7 +650,11 @@ int main(void)
     RUN(zstd_bombs);
     RUN(written_and_read);
     RUN(read_and_written);
+    RUN(chosen_bits);
+    RUN(far_ones_are_brought_in);
     RUN(written_extremes);
+    RUN(written_discs);
+    RUN(asked_axes);
     RUN(faulty_writes);
     RUN(progress);
     RUN(real_scene);

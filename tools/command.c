@@ -131,13 +131,17 @@ void progress_end(void)
     percent_shown = -1;
 }
 
+/* The share of what is seen is told from 3 per mille on. */
 static void note_dropped(const char *path, const fxs_pack_dropped *d, uint64_t packed)
 {
-    uint64_t dropped = d->not_finite + d->rotation + d->scale + d->position;
+    const uint64_t dropped = d->not_finite + d->rotation;
+    const double share = fxs_dropped_share(d);
+    char weight[80] = "";
+    if (share >= 0.003)
+        snprintf(weight, sizeof weight, ", %.3g %% of the scene by opacity and area", 100 * share);
     if (dropped)
         fprintf(stderr, "fixsplat: %s: left out %" PRIu64 " of %" PRIu64 " Gaussians (%" PRIu64 " not finite, %" PRIu64
-                " with a zero quaternion, %" PRIu64 " with a scale beyond +-20, %" PRIu64 " too far out)\n", path,
-                dropped, dropped + packed, d->not_finite, d->rotation, d->scale, d->position);
+                " with a zero quaternion)%s\n", path, dropped, dropped + packed, d->not_finite, d->rotation, weight);
 }
 
 /* A message about a scene, which may or may not begin with its name. */
@@ -167,10 +171,14 @@ int open_scene(const char *path, const load_options *o, fxs_scene_file **file, f
 {
     fxs_message message;
     const fxs_scene_file_options options = {
-        .level = o->lod, .max_gaussians = o->max_gaussians, .max_memory = o->import_memory
+        .level = o->lod, .axes = o->axes, .max_gaussians = o->max_gaussians, .max_memory = o->import_memory
     };
     if (fxs_scene_file_open(path, &options, file, info, &message))
         return fail(EXIT_FAILED, "%s", message.text);
+    if (o->axes && strcmp(info->format, "spz")) {
+        fxs_scene_file_close(*file);
+        return fail(EXIT_FAILED, "%s: --axes is for .spz", path);
+    }
     if (info->stored_sh_degree > info->sh_degree)
         fprintf(stderr, "fixsplat: %s: the SH of degree %d are left out: degree %d is the highest that is drawn\n",
                 path, info->stored_sh_degree, info->sh_degree);
@@ -200,6 +208,9 @@ static int import(loaded_scene *loaded, const char *path, const load_options *o)
     if (result)
         return fail(EXIT_FAILED, "%s: %s", path, fxs_strerror(result));
     note_dropped(path, &loaded->report.dropped, loaded->report.packed);
+    if (loaded->report.brought_in)
+        fprintf(stderr, "fixsplat: %s: brought in %" PRIu64 " Gaussians from beyond 2^27 units, as they look from the "
+                "origin\n", path, loaded->report.brought_in);
     return 0;
 }
 
@@ -247,8 +258,12 @@ int take_max_memory(size_t *bytes, const char *value)
                ? 0 : fail(EXIT_USAGE, "--max-memory %s: expected bytes, or a number with K, M or G", value);
 }
 
-int take_import_limit(load_options *options, int which, const char *value)
+int take_import_option(load_options *options, int which, const char *value)
 {
+    if (which == OPT_AXES) {
+        options->axes = !strcmp(value, "rub") ? FXS_AXES_RUB : !strcmp(value, "rdf") ? FXS_AXES_RDF : FXS_AXES_OF_FILE;
+        return options->axes ? 0 : fail(EXIT_USAGE, "--axes %s: expected rub or rdf", value);
+    }
     if (which == OPT_IMPORT_MEMORY)
         return parse_bytes(value, &options->import_memory)
                    ? 0 : fail(EXIT_USAGE, "--import-memory %s: expected bytes, or a number with K, M or G", value);
@@ -287,7 +302,9 @@ int load_scene(loaded_scene *loaded, const char *path, const load_options *optio
     uint64_t start = fxs_clock(0);
     memset(loaded, 0, sizeof *loaded);
     loaded->path = path;
-    int status = is_packed(path) ? map(loaded, path) : import(loaded, path, options);
+    int status = !is_packed(path) ? import(loaded, path, options)
+                 : options->axes  ? fail(EXIT_FAILED, "%s: --axes is for .spz", path)
+                                  : map(loaded, path);
     loaded->load_nanoseconds = fxs_clock(0) - start;
     if (status)
         free_scene(loaded);

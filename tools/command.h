@@ -67,6 +67,7 @@ int is_packed(const char *path);
 /* All 0 is a default. */
 typedef struct load_options {
     int lod;                                /* level of detail, 0 the finest, of a file that has several */
+    enum fxs_axes axes;                     /* of an .spz */
     uint32_t threads;                       /* of the import; 0: one a processor */
     enum fxs_profile profile;               /* of what is not packed yet */
     const fxs_scene_filter *filter;         /* what to leave out, or null; an .fxs file is mapped whole */
@@ -85,7 +86,7 @@ int open_scene(const char *path, const load_options *options, fxs_scene_file **f
 int take_max_memory(size_t *bytes, const char *value);
 
 /* Takes the value of one of IMPORT_OPTIONS. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
-int take_import_limit(load_options *options, int which, const char *value);
+int take_import_option(load_options *options, int which, const char *value);
 
 /* Takes the value of --lod. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
 int take_lod(load_options *options, const char *value);
@@ -126,11 +127,13 @@ typedef struct view_options {
 /* Their entries for a getopt_long table, and the value that each returns there. */
 enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_NEAR, OPT_SIZE, OPT_BG, OPT_CUTOFF,
        OPT_SH_DEGREE, OPT_CPU, OPT_THREADS, OPT_MAX_MEMORY, OPT_BACKEND, OPT_DEVICE, OPT_LOD, OPT_PROFILE, OPT_STEREO,
-       OPT_STEREO_EXACT, OPT_MAX_GAUSSIANS, OPT_IMPORT_MEMORY, OPT_HELP, OPT_OWN };
+       OPT_STEREO_EXACT, OPT_MAX_GAUSSIANS, OPT_IMPORT_MEMORY, OPT_AXES, OPT_HELP, OPT_OWN };
 #define IMPORT_OPTIONS \
-    {"max-gaussians", required_argument, 0, OPT_MAX_GAUSSIANS}, \
+    {"axes", required_argument, 0, OPT_AXES}, {"max-gaussians", required_argument, 0, OPT_MAX_GAUSSIANS}, \
     {"import-memory", required_argument, 0, OPT_IMPORT_MEMORY}
 #define IMPORT_HELP \
+    "  --axes AXES         of an .spz: rub (right, up, back) or rdf (right, down, front: files of\n" \
+    "                      splat-transform 3); default: as the file says, without a word rub\n" \
     "  --max-gaussians N   refuse to import a scene of more Gaussians (default: 1000000 and one for each byte of\n" \
     "                      its files, 67108864 at most); each takes about 100 bytes while it is packed\n" \
     "  --import-memory BYTES\n" \

@@ -15,7 +15,7 @@ static const char help[] =
     "  .fxs    packed: opens at once and is rendered from the file as it lies\n"
     "  .ply    Inria's, floats\n"
     "  .splat  32 bytes a Gaussian: no SH above degree 0\n"
-    "  .spz    compressed: positions within +-2048 units in steps of 1/4096, the rest in 8 to 10 bits\n\n"
+    "  .spz    compressed: positions in 24 bits over the scene, the rest in 8 to 10\n\n"
     "What .fxs leaves out because it cannot be drawn, the others leave out too. An .fxs file is not converted back.\n\n"
     "  --crop MINX,MINY,MINZ,MAXX,MAXY,MAXZ\n"
     "                      keep the Gaussians with their centre in this box, edges included\n"
@@ -68,8 +68,9 @@ static int take_option(convert_options *o, int which, const char *value)
     o->filtered |= which == OPT_CROP || which == OPT_PRUNE || which == OPT_SH_DEGREE;
     switch (which) {
     case OPT_LOD: return take_lod(&o->load, value);
+    case OPT_AXES:
     case OPT_MAX_GAUSSIANS:
-    case OPT_IMPORT_MEMORY: return take_import_limit(&o->load, which, value);
+    case OPT_IMPORT_MEMORY: return take_import_option(&o->load, which, value);
     case OPT_PROFILE: o->profile_given = 1; return take_profile(&o->load, value);
     case OPT_CROP: return take_crop(&o->filter, value);
     case OPT_PRUNE:
@@ -191,16 +192,25 @@ static int copy(const writer *w, fxs_scene_file *file, uint64_t count, fxs_messa
     return result;
 }
 
+static void note_clamped(const char *out, uint32_t count, const char *what)
+{
+    if (count)
+        fprintf(stderr, "fixsplat: %s: clamped %s, of %" PRIu32 " Gaussians\n", out, what, count);
+}
+
 /* What the format of OUT cannot say. */
-static void note_losses(const char *out, const fxs_scene_file_info *info, uint32_t clamped)
+static void note_losses(const char *out, const fxs_scene_file_info *info, const fxs_spz_clamped *clamped)
 {
     if (ends_with(out, ".splat") && (info->sh_degree || info->antialiased))
         fprintf(stderr, "fixsplat: %s: a .splat cannot hold%s%s%s\n", out,
                 info->sh_degree ? " the SH above degree 0" : "", info->sh_degree && info->antialiased ? " and" : "",
                 info->antialiased ? " that the scene is anti-aliased" : "");
-    if (clamped)
-        fprintf(stderr, "fixsplat: %s: moved %" PRIu32 " Gaussians: an .spz cannot hold positions beyond +-2048\n", out,
-                clamped);
+    if (clamped->position)
+        fprintf(stderr, "fixsplat: %s: brought in %" PRIu32 " Gaussians from beyond %g units: an .spz has 24 bits "
+                "for a position\n", out, clamped->position, clamped->reach);
+    note_clamped(out, clamped->dc, "dc beyond +-3.33");
+    note_clamped(out, clamped->sh, "SH beyond +-1");
+    note_clamped(out, clamped->scale, "ln(sigma) outside -10 to 5.94");
 }
 
 static int stream(const convert_options *o)
@@ -218,13 +228,13 @@ static int stream(const convert_options *o)
     int result = open_writer(&w, o, &info, &message);
     if (!result) {
         result = copy(&w, file, info.count, &message);
-        uint32_t clamped = w.spz ? fxs_spz_writer_clamped(w.spz) : 0;
+        const fxs_spz_clamped clamped = w.spz ? fxs_spz_writer_finish(w.spz) : (fxs_spz_clamped){0};
         if (close_writer(&w, &closing) && !result) {
             message = closing;
             result = -1;
         }
         if (!result)
-            note_losses(o->out, &info, clamped);
+            note_losses(o->out, &info, &clamped);
     }
     fxs_scene_file_close(file);
     return result ? fail(EXIT_FAILED, "%s", message.text) : EXIT_OK;

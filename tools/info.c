@@ -66,6 +66,10 @@ static void print_json(const findings *f)
     printf("{\"format\": \"%s\", \"gaussians\": %" PRIu64 ", \"packed\": %" PRIu64 ", \"sh_degree\": %d, "
            "\"antialiased\": %s, ", s->info.format, r->read, r->packed, s->info.sh_degree,
            s->info.antialiased ? "true" : "false");
+    if (!s->mapping.data)
+        printf("\"left_out\": {\"not_finite\": %" PRIu64 ", \"zero_quaternion\": %" PRIu64 ", \"share\": %.3g}, "
+               "\"brought_in\": %" PRIu64 ", ", r->dropped.not_finite, r->dropped.rotation,
+               fxs_dropped_share(&r->dropped), r->brought_in);
     printf("\"bounds\": [[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]], ", r->low[0], r->low[1], r->low[2], r->high[0],
            r->high[1], r->high[2]);
     printf("\"profile\": \"%s\", ", profile_name(s->scene.profile));

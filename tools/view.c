@@ -146,8 +146,9 @@ int view_option(view_options *options, int which, const char *value)
     case OPT_BACKEND: options->backend = value; break;
     case OPT_DEVICE: return take_devices(options, value);
     case OPT_LOD: return take_lod(&options->load, value);
+    case OPT_AXES:
     case OPT_MAX_GAUSSIANS:
-    case OPT_IMPORT_MEMORY: return take_import_limit(&options->load, which, value);
+    case OPT_IMPORT_MEMORY: return take_import_option(&options->load, which, value);
     case OPT_PROFILE: return take_profile(&options->load, value);
     case OPT_MAX_MEMORY: return take_max_memory(&options->max_memory, value);
     case OPT_THREADS:

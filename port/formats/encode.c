@@ -6,6 +6,35 @@
 #define C0 0.28209479177387814
 #define DEGREES 57.29577951308232   /* a radian */
 #define LOG2_E 1.4426950408889634
+#define SCALE_LIMIT 20.0f           /* of |ln(sigma)| */
+#define THINNEST 9.0f               /* ln of the largest axis over the thinnest */
+
+/* ---- What a packed scene can hold ------------------------------------------------------------------------------ */
+
+float fxs_held_scale(float scale)
+{
+    return scale > -SCALE_LIMIT ? scale < SCALE_LIMIT ? scale : SCALE_LIMIT : -SCALE_LIMIT;
+}
+
+/* One needle would stretch the range of a chunk, and with it the steps of the chunk's scales. */
+void fxs_hold_scales(fxs_gaussian *g)
+{
+    const float *s = g->scale, most = s[0] > s[1] ? s[0] : s[1], least = (s[2] > most ? s[2] : most) - THINNEST;
+    for (int i = 0; i < 3; i++)
+        g->scale[i] = fxs_held_scale(s[i] > least ? s[i] : least);
+}
+
+int fxs_bring_in(fxs_gaussian *g, double limit)
+{
+    const double most = fmax(fmax(fabs(g->position[0]), fabs(g->position[1])), fabs(g->position[2]));
+    if (!(most > limit))
+        return 0;
+    for (int i = 0; i < 3; i++) {
+        g->position[i] = (float)(g->position[i] / most * limit);
+        g->scale[i] += (float)log(limit / most);
+    }
+    return 1;
+}
 
 /* ---- Ranges of each chunk -------------------------------------------------------------------------------------- */
 

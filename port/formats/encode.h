@@ -6,6 +6,16 @@
 #include "palette.h"
 #include "scene_file.h"
 
+/* ln(sigma) within +-20; NaN becomes -20. */
+float fxs_held_scale(float scale);
+
+/* Raises axes that are thinner than e^-9 of the largest to that, and cuts all to +-20. */
+void fxs_hold_scales(fxs_gaussian *gaussian);
+
+/* Brings a centre beyond +-limit on an axis to there, towards the origin, and the axes in proportion, so that it looks
+   the same from the origin. Returns 1 where it was beyond. */
+int fxs_bring_in(fxs_gaussian *gaussian, double limit);
+
 typedef struct fxs_range {
     float low, high;
 } fxs_range;

@@ -674,7 +674,7 @@ static int open_spz(gltf *g, int index)
     splats *s = &g->splats[index];
     const buffer *b = s->spz.buffer;
     fxs_scene_file_info info;
-    if (fxs_spz_open(b->source, b->offset + s->spz.offset, s->spz.size, 1, &s->opened, &info, g->message))
+    if (fxs_spz_open(b->source, b->offset + s->spz.offset, s->spz.size, FXS_AXES_RDF, &s->opened, &info, g->message))
         return -1;
     s->count = (uint32_t)info.count;
     s->sh_degree = info.sh_degree;

@@ -29,12 +29,14 @@ typedef struct batch {
 /* What the jobs of one part found, in all batches. */
 typedef struct findings {
     fxs_pack_dropped dropped;
+    uint64_t brought_in;
     fxs_loss loss;
     float low[3], high[3];
+    int changed;                     /* a centre is not where the pass before found it */
 } findings;
 
 typedef struct packer packer;
-typedef void part_fn(packer *p, const batch *b, uint32_t part);
+typedef void part_fn(packer *p, batch *b, uint32_t part);
 
 struct packer {
     fxs_scene_file *file;
@@ -83,7 +85,7 @@ static void read_batch(packer *p, batch *b, uint64_t first)
 static void read_or_work(void *argument, uint32_t job)
 {
     packer *p = argument;
-    const batch *b = &p->batches[p->ready];
+    batch *b = &p->batches[p->ready];
     if (job == 0)
         read_batch(p, &p->batches[!p->ready], b->first + (uint64_t)b->count);
     else
@@ -124,39 +126,64 @@ static int all_finite(const float *values, size_t count)
     return 1;
 }
 
-int fxs_drawable(const fxs_gaussian *g, int sh_degree, fxs_pack_dropped *dropped)
+/* What is not a number counts as opaque, or as thin. */
+double fxs_weight(const fxs_gaussian *g)
 {
-    float norm = 0;
-    if (!all_finite(g->position, 3) || !all_finite(g->scale, 3) || !all_finite(g->rotation, 4) ||
-        isnan(g->opacity) || !all_finite(g->dc, 3) || !all_finite(g->sh, 3 * (size_t)FXS_SH_COUNT(sh_degree)))
-        return dropped->not_finite++, 0;
-    for (int i = 0; i < 4; i++)
-        norm += fabsf(g->rotation[i]);
-    if (norm == 0 || !isfinite(norm))
-        return dropped->rotation++, 0;
-    for (int i = 0; i < 3; i++) {
-        if (fabsf(g->scale[i]) > 20)
-            return dropped->scale++, 0;
-        if (fabs(g->position[i]) > POSITION_LIMIT)
-            return dropped->position++, 0;
-    }
-    return 1;
+    const float a = fxs_held_scale(g->scale[0]), b = fxs_held_scale(g->scale[1]), c = fxs_held_scale(g->scale[2]);
+    const float least = fminf(fminf(a, b), c);
+    return (double)expf(a + b + c - least) / (isnan(g->opacity) ? 1 : 1 + (double)expf(-g->opacity));
 }
 
-static void take_position(packer *p, fxs_order_entry *entry, const fxs_gaussian *g, findings *f)
+int fxs_drawable(const fxs_gaussian *g, int sh_degree, fxs_pack_dropped *dropped)
 {
-    memcpy(entry->position, g->position, sizeof g->position);
+    const float *s = g->scale, *q = g->rotation;
+    const int finite = all_finite(g->position, 3) && s[0] < INFINITY && s[1] < INFINITY && s[2] < INFINITY &&
+                       all_finite(q, 4) && isfinite(g->opacity) && all_finite(g->dc, 3) &&
+                       all_finite(g->sh, 3 * (size_t)FXS_SH_COUNT(sh_degree));
+    const int turned = q[0] != 0 || q[1] != 0 || q[2] != 0 || q[3] != 0;
+    if (finite && turned)
+        return 1;
+    dropped->not_finite += !finite;
+    dropped->rotation += (uint64_t)finite;
+    dropped->weight += fxs_weight(g);
+    return 0;
+}
+
+double fxs_dropped_share(const fxs_pack_dropped *dropped)
+{
+    return dropped->weight > 0 ? dropped->weight / (dropped->weight + dropped->kept) : 0;
+}
+
+static int is_far(const fxs_gaussian *g)
+{
+    return fabsf(g->position[0]) > (float)POSITION_LIMIT || fabsf(g->position[1]) > (float)POSITION_LIMIT ||
+           fabsf(g->position[2]) > (float)POSITION_LIMIT;
+}
+
+/* Makes a drawable Gaussian what is packed of it. In each pass, one part does so. */
+static const fxs_gaussian *fit(fxs_gaussian *g)
+{
+    fxs_bring_in(g, POSITION_LIMIT);
+    fxs_hold_scales(g);
+    return g;
+}
+
+static void take_position(packer *p, fxs_order_entry *entry, fxs_gaussian *g, findings *f)
+{
     if (!fxs_drawable(g, p->info->sh_degree, &f->dropped)) {
         entry->position[0] = NAN;
         return;
     }
+    f->brought_in += (uint64_t)is_far(g);
+    fit(g);
+    memcpy(entry->position, g->position, sizeof g->position);
     for (int i = 0; i < 3; i++) {
         f->low[i] = g->position[i] < f->low[i] ? g->position[i] : f->low[i];
         f->high[i] = g->position[i] > f->high[i] ? g->position[i] : f->high[i];
     }
 }
 
-static void take_positions(packer *p, const batch *b, uint32_t part)
+static void take_positions(packer *p, batch *b, uint32_t part)
 {
     for (long i = first_of(p, b, part), end = first_of(p, b, part + 1); i < end; i++) {
         const uint64_t index = b->first + (uint64_t)i;
@@ -191,10 +218,10 @@ static int read_positions(packer *p)
         }
         dropped->not_finite += f->dropped.not_finite;
         dropped->rotation += f->dropped.rotation;
-        dropped->scale += f->dropped.scale;
-        dropped->position += f->dropped.position;
+        dropped->weight += f->dropped.weight;
+        report->brought_in += f->brought_in;
     }
-    report->packed = report->read - dropped->not_finite - dropped->rotation - dropped->scale - dropped->position;
+    report->packed = report->read - dropped->not_finite - dropped->rotation;
     return 0;
 }
 
@@ -258,14 +285,29 @@ static int find_slots(packer *p)
 
 /* ---- Chunks ---------------------------------------------------------------------------------------------------- */
 
+static int fail_changed(const packer *p)
+{
+    return fxs_fail(p->message, "the file changed while it was read");
+}
+
+static int is_within(const fxs_chunk_ranges *ranges, const fxs_gaussian *g)
+{
+    for (int i = 0; i < 3; i++)
+        if (!(g->position[i] >= ranges->position[i].low && g->position[i] <= ranges->position[i].high))
+            return 0;
+    return 1;
+}
+
 /* A chunk is one part's, whatever the batch. */
-static void take_ranges(packer *p, const batch *b, uint32_t part)
+static void take_ranges(packer *p, batch *b, uint32_t part)
 {
     for (long i = 0; i < b->count; i++) {
         uint32_t slot = p->slots[b->first + (uint64_t)i], chunk = slot / FXS_CHUNK;
         if (slot == FXS_NO_SLOT || chunk % p->parts != part)
             continue;
-        fxs_ranges_take(&p->ranges[chunk], &b->gaussians[i], p->encoder.sh_degree);
+        if (p->report->packed < p->report->read)
+            p->findings[part].dropped.kept += fxs_weight(&b->gaussians[i]);
+        fxs_ranges_take(&p->ranges[chunk], fit(&b->gaussians[i]), p->encoder.sh_degree);
         if (p->sample && slot % p->sample_step == 0)
             fxs_sh_vector_of(p->sample[slot / p->sample_step], &b->gaussians[i], p->encoder.sh_degree);
     }
@@ -280,8 +322,16 @@ static int find_headers(packer *p)
         fxs_ranges_clear(&p->ranges[i]);
     if (pass(p, 1, take_ranges))
         return -1;
-    for (uint32_t i = 0; i < p->header->chunk_count; i++)
+    for (const findings *f = p->findings; f < p->findings + p->parts; f++)
+        p->report->dropped.kept += f->dropped.kept;
+    for (uint32_t i = 0; i < p->header->chunk_count; i++) {
+        for (int k = 0; k < 3; k++) {
+            const fxs_range *r = &p->ranges[i].position[k];
+            if (!(r->low <= r->high && r->low >= p->report->low[k] && r->high <= p->report->high[k]))
+                return fail_changed(p);
+        }
         fxs_encode_header(&p->chunks[i], &p->ranges[i], p->info);
+    }
     return 0;
 }
 
@@ -319,10 +369,11 @@ static int find_palette(packer *p)
 
 /* Neighbours in the file are not neighbours on the curve: rows, a cache line each, would be fetched for one byte. So
    the codes of a Gaussian are kept together until all are known. */
-static void encode_part(packer *p, const batch *b, uint32_t part)
+static void encode_part(packer *p, batch *b, uint32_t part)
 {
     const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK;
     fxs_loss loss = p->findings[part].loss;               /* a copy: parts share cache lines */
+    int changed = 0;
     for (long i = first_of(p, b, part), end = first_of(p, b, part + 1); i < end; i++) {
         uint32_t slot = p->slots[b->first + (uint64_t)i];
         if (slot == FXS_NO_SLOT)
@@ -330,10 +381,13 @@ static void encode_part(packer *p, const batch *b, uint32_t part)
         unsigned char record[FXS_RECORD_BYTES], *to = p->rows + (size_t)slot * bytes;
         PREFETCH(to);
         PREFETCH(to + bytes - 1);
-        fxs_encode(&p->encoder, &p->chunks[slot / FXS_CHUNK], &b->gaussians[i], record, &loss);
+        const fxs_gaussian *g = fit(&b->gaussians[i]);
+        changed |= !is_within(&p->ranges[slot / FXS_CHUNK], g);
+        fxs_encode(&p->encoder, &p->chunks[slot / FXS_CHUNK], g, record, &loss);
         memcpy(to, record, bytes);
     }
     p->findings[part].loss = loss;
+    p->findings[part].changed |= changed;
 }
 
 /* Records to rows. */
@@ -371,6 +425,9 @@ static int write_codes(packer *p)
         return -1;
     p->options.run(p->options.pool, turn_part, p, p->parts);
     sum_losses(p);
+    for (uint32_t part = 0; part < p->parts; part++)
+        if (p->findings[part].changed)
+            return fail_changed(p);
     return 0;
 }
 
@@ -455,8 +512,7 @@ static int pack(packer *p, fxs_packed_scene *scene)
         return -1;
     turn_headers(p);
     fxs_scene whole;                 /* a pass may have read other numbers than the one before */
-    return fxs_scene_open(&whole, scene->data, scene->bytes) ? fxs_fail(p->message, "the file changed while it was read")
-                                                             : 0;
+    return fxs_scene_open(&whole, scene->data, scene->bytes) ? fail_changed(p) : 0;
 }
 
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,

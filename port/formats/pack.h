@@ -9,12 +9,11 @@
 #include "message.h"
 #include "scene_file.h"
 
-/* Gaussians that could not be drawn and were left out, by reason. */
+/* Gaussians that no rule can draw and that were left out, by reason; what they and the others weigh. */
 typedef struct fxs_pack_dropped {
-    uint64_t not_finite;      /* a value is NaN or infinite */
+    uint64_t not_finite;      /* a value is NaN or infinite; but ln(sigma) may be minus infinity */
     uint64_t rotation;        /* the quaternion is zero */
-    uint64_t scale;           /* ln(sigma) beyond +-20 */
-    uint64_t position;        /* beyond +-2^27 units */
+    double weight, kept;      /* sums of fxs_weight: of those left out, and of the others */
 } fxs_pack_dropped;
 
 /* Differences between what was read and what the packed scene says. */
@@ -29,6 +28,7 @@ typedef struct fxs_pack_error {
 typedef struct fxs_pack_report {
     uint64_t read, packed;
     fxs_pack_dropped dropped;
+    uint64_t brought_in;      /* packed from beyond +-2^27 units: see fxs_pack */
     fxs_pack_error largest, rms;   /* rms: root mean square, of all numbers of an attribute */
     double low[3], high[3];   /* bounds of the centres */
     double inner_low[3], inner_high[3];   /* of what is seen, to frame a scene: see docs/format.md */
@@ -58,12 +58,23 @@ size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile)
 
 /* Reads an open scene file from its start, three times, and packs it: one job of a run reads while the others work.
    `options` may be null. Needs 24 bytes a Gaussian before the packed scene is allocated, 5 beside it, and 3 MB; to learn
-   a palette, 20 MB. Returns 0, or -1 and a message; a scene without a drawable Gaussian is an error. */
+   a palette, 20 MB. Returns 0, or -1 and a message; a scene without a drawable Gaussian is an error.
+
+   What is finite is drawn. An axis thinner than e^-9 of the Gaussian's largest is packed as that, which a view does not
+   tell from less; ln(sigma) is cut to +-20. A centre beyond +-2^27 units is brought to there, towards the origin, and
+   the axes in proportion: from near the origin it looks the same. */
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
              const fxs_pack_options *options, fxs_message *message);
 
-/* Whether fxs_pack takes a Gaussian with SH of this degree; where not, the reason is counted. */
+/* Opacity times area: the product of the two largest sigmas, each within e^-20 to e^20. */
+double fxs_weight(const fxs_gaussian *gaussian);
+
+/* Whether fxs_pack takes a Gaussian with SH of this degree; where not, the reason is counted and its weight added. The
+   weight of those it takes is for the caller to add. */
 int fxs_drawable(const fxs_gaussian *gaussian, int sh_degree, fxs_pack_dropped *dropped);
+
+/* The share of the weight that was left out, 0 to 1. */
+double fxs_dropped_share(const fxs_pack_dropped *dropped);
 
 /* Frees what fxs_pack allocated. */
 void fxs_packed_scene_free(fxs_packed_scene *scene);

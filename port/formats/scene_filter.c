@@ -39,6 +39,7 @@ static int passes(filter_reader *r, fxs_gaussian *g)
     if (r->filter.drawable && !fxs_drawable(g, r->filter.sh_degree, &r->report.dropped))
         return 0;
     memset(g->sh + coefficients, 0, sizeof g->sh - (size_t)coefficients * sizeof *g->sh);
+    r->report.dropped.kept += r->filter.drawable ? fxs_weight(g) : 0;
     r->report.kept++;
     return 1;
 }

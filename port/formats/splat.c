@@ -16,9 +16,9 @@ typedef struct splat_reader {
 static int has_scale(const uint8_t *record)
 {
     for (int i = 0; i < 3; i++)
-        if (!(fxs_load_float(record + SCALE + 4 * i) >= smallest_scale))
-            return 0;
-    return 1;
+        if (fxs_load_float(record + SCALE + 4 * i) >= smallest_scale)
+            return 1;
+    return 0;
 }
 
 static int is_plausible(const uint8_t *record)

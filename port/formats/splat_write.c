@@ -4,12 +4,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "encode.h"
 #include "output_internal.h"
 
 enum { RECORD_SIZE = 32, SCALE = 12, COLOUR = 24, ROTATION = 28 };
 
 /* A reader may refuse more; exp(20) is a little above. */
-static const double largest_scale = 4.85e8;
+static const double largest_scale = 4.85e8, largest_position = 134217728;
 
 struct fxs_splat_writer {
     fxs_output output;
@@ -41,9 +42,12 @@ static unsigned char code(double x)
     return (unsigned char)fmin(fmax(floor(x + 0.5), 0), 255);
 }
 
-static void encode(const fxs_gaussian *g, unsigned char record[RECORD_SIZE])
+static void encode(const fxs_gaussian *gaussian, unsigned char record[RECORD_SIZE])
 {
     double norm = 0;
+    fxs_gaussian held = *gaussian;
+    const fxs_gaussian *g = &held;
+    fxs_bring_in(&held, largest_position);
     for (int i = 0; i < 4; i++)
         norm += (double)g->rotation[i] * g->rotation[i];
     for (int i = 0; i < 3; i++) {

@@ -15,7 +15,8 @@ typedef struct fxs_splat_writer fxs_splat_writer;
 int fxs_splat_writer_open(const char *path, uint64_t count, fxs_splat_writer **writer, fxs_message *message);
 
 /* Writes the next n Gaussians, all of them drawable (fxs_drawable). Colours and opacities are rounded to 1/255, colours
-   clamped to 0..1, rotations rounded to 1/128. Returns 0, or -1 and a message. */
+   clamped to 0..1, rotations rounded to 1/128; centres from beyond +-2^27 units are brought in, as fxs_pack does.
+   Returns 0, or -1 and a message. */
 int fxs_splat_writer_put(fxs_splat_writer *writer, const fxs_gaussian *gaussians, size_t n, fxs_message *message);
 
 /* Completes the file under its name and frees the writer; NULL is allowed. Returns 0; or -1 and a message where a write

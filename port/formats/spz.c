@@ -39,7 +39,8 @@ struct fxs_spz {
     fxs_message *message;                           /* of the call */
     uint32_t version, count;
     int sh_degree, fractional_bits, flags;
-    int keep_axes, is_gzip;
+    enum fxs_axes axes;
+    int is_gzip;
     float flip[3], flip_rotation[3], flip_sh[15];   /* +-1, from the file's axes to those wanted */
     uint8_t stride[FXS_SPZ_ARRAYS];                 /* bytes a Gaussian */
     uint8_t *payload, *array[FXS_SPZ_ARRAYS];       /* NULL until the first read */
@@ -111,7 +112,8 @@ static int parse_header(fxs_spz *spz, const uint8_t *header)
 /* Values above 8 have y and z exchanged, but which is which differs between versions of the reference library. */
 static int set_axes(fxs_spz *spz, uint32_t system)
 {
-    system = spz->keep_axes ? RDF : system ? system : RUB;
+    const uint32_t asked[] = {[FXS_AXES_OF_FILE] = system ? system : RUB, [FXS_AXES_RUB] = RUB, [FXS_AXES_RDF] = RDF};
+    system = asked[spz->axes];
     if (system > LAST_XYZ)
         return fxs_fail(spz->message, "%s: coordinate system %u, not 0 to %d", spz->source->path, system, LAST_XYZ);
     uint32_t flips = (system - 1) ^ (RDF - 1);
@@ -436,7 +438,7 @@ int fxs_spz_drop(fxs_spz *spz)
     return had;
 }
 
-int fxs_spz_open(const fxs_scene_source *source, uint64_t offset, uint64_t size, int keep_axes, fxs_spz **spz,
+int fxs_spz_open(const fxs_scene_source *source, uint64_t offset, uint64_t size, enum fxs_axes axes, fxs_spz **spz,
                  fxs_scene_file_info *info, fxs_message *message)
 {
     fxs_spz *s = *spz = fxs_allocate_zeroed(source->options.allocator, 1, sizeof *s);
@@ -446,7 +448,7 @@ int fxs_spz_open(const fxs_scene_source *source, uint64_t offset, uint64_t size,
     s->offset = offset;
     s->size = size;
     s->message = message;
-    s->keep_axes = keep_axes;
+    s->axes = axes;
     if (open_header(s) || fxs_limit_gaussians(source, s->count, message)) {
         fxs_spz_close(s);
         *spz = NULL;
@@ -554,7 +556,8 @@ typedef struct spz_reader {
 
 static int spz_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
-    return fxs_spz_open(source, 0, source->input.size, 0, &((spz_reader *)handle)->spz, info, message);
+    return fxs_spz_open(source, 0, source->input.size, source->options.axes, &((spz_reader *)handle)->spz, info,
+                        message);
 }
 
 static long spz_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "encode.h"
 #include "output_internal.h"
 #include "spz_internal.h"
 
@@ -16,13 +17,22 @@
 #include <zstd.h>
 #endif
 
-enum { FRACTIONAL_BITS = 12, ZSTD_LEVEL = 9, PIECE = 1 << 20 };
+enum { USUAL_BITS = 12, MAX_BITS = 24, ZSTD_LEVEL = 9, PIECE = 1 << 20 };
+enum { POSITION_MAX = (1 << 23) - 1 };   /* code */
+
+typedef struct placement {
+    float position[3], scale[3];
+} placement;
 
 struct fxs_spz_writer {
     fxs_output output;
     int version, sh_degree, antialiased;
-    uint32_t count, next, clamped;
+    uint32_t count, next;
+    uint32_t fitting[MAX_BITS + 2];   /* Gaussians by the most fractional bits, plus 1; 0: none holds them */
+    fxs_spz_clamped clamped;
+    int fractional_bits;
     uint8_t stride[FXS_SPZ_ARRAYS];
+    placement *placements;            /* until the bits are chosen; then null */
     uint8_t *payload, *array[FXS_SPZ_ARRAYS];
     size_t size, done;   /* bytes of the payload, and those compressed */
     fxs_progress_fn *progress;
@@ -66,9 +76,11 @@ int fxs_spz_writer_open(const char *path, int version, uint64_t count, int sh_de
     for (int i = 0; i < FXS_SPZ_ARRAYS; i++)
         made->size += (size_t)count * made->stride[i];
     made->payload = malloc(made->size + 1);
-    int opened = made->payload ? fxs_output_open(&made->output, path, count, message)
+    made->placements = malloc(((size_t)count + 1) * sizeof *made->placements);
+    int opened = made->payload && made->placements ? fxs_output_open(&made->output, path, count, message)
                                : fxs_fail(message, "%s: out of memory", path);
     if (opened) {
+        free(made->placements);
         free(made->payload);
         free(made);
         return -1;
@@ -114,32 +126,59 @@ static uint32_t code_rotation(const double q[4])
     return word;
 }
 
-/* Returns 1 where a position is beyond the format's. y and z change their signs: from right, down, front to right, up,
+static uint8_t code_byte(double x)
+{
+    return (uint8_t)code(x, 0, 255);
+}
+
+/* Of the codes of a byte, by a step or more. */
+static int is_beyond(double x)
+{
+    return !(x >= -1 && x <= 256);
+}
+
+static double scale_code(const fxs_gaussian *g, int axis)
+{
+    return (g->scale[axis] + 10.0) * 16;
+}
+
+/* The most fractional bits that hold the centre; -1: none. */
+static int bits_for(const float position[3])
+{
+    const double most = fmax(fmax(fabs(position[0]), fabs(position[1])), fabs(position[2]));
+    int bits = MAX_BITS;
+    while (bits >= 0 && !(ldexp(most, bits) <= POSITION_MAX))
+        bits--;
+    return bits;
+}
+
+/* All but what depends on the fractional bits. y and z change their signs: from right, down, front to right, up,
    back. */
-static int encode(const fxs_spz_writer *w, const fxs_gaussian *g, size_t index)
+static void encode(fxs_spz_writer *w, const fxs_gaussian *g, size_t index)
 {
     uint8_t *at[FXS_SPZ_ARRAYS];
     const double q[4] = {g->rotation[1], -g->rotation[2], -g->rotation[3], g->rotation[0]};
-    int beyond = 0;
+    int dc = 0, sh = 0;
     for (int i = 0; i < FXS_SPZ_ARRAYS; i++)
         at[i] = w->array[i] + index * w->stride[i];
+    memcpy(w->placements[index].position, g->position, sizeof g->position);
+    memcpy(w->placements[index].scale, g->scale, sizeof g->scale);
+    w->fitting[bits_for(g->position) + 1]++;
     for (int i = 0; i < 3; i++) {
-        double x = ldexp(i ? -g->position[i] : g->position[i], FRACTIONAL_BITS);
-        uint32_t bits = (uint32_t)code(x, -(1 << 23), (1 << 23) - 1);
-        beyond |= !(fabs(x) <= 1 << 23);
-        for (int k = 0; k < 3; k++)
-            at[FXS_SPZ_POSITION][3 * i + k] = (uint8_t)(bits >> 8 * k);
-        at[FXS_SPZ_COLOUR][i] = (uint8_t)code((0.15 * g->dc[i] + 0.5) * 255, 0, 255);
-        at[FXS_SPZ_SCALE][i] = (uint8_t)code((g->scale[i] + 10.0) * 16, 0, 255);
+        const double x = (0.15 * g->dc[i] + 0.5) * 255;
+        dc |= is_beyond(x);
+        at[FXS_SPZ_COLOUR][i] = code_byte(x);
     }
-    at[FXS_SPZ_ALPHA][0] = (uint8_t)code(255 / (1 + exp(-(double)g->opacity)), 0, 255);
+    at[FXS_SPZ_ALPHA][0] = code_byte(255 / (1 + exp(-(double)g->opacity)));
     put_u32(at[FXS_SPZ_ROTATION], code_rotation(q));
     for (int i = 0; i < w->stride[FXS_SPZ_SH]; i++) {
         int odd = fxs_spz_odd_in[i / 3] & 6;   /* in y, in z: a sign for each */
-        double x = odd == 2 || odd == 4 ? -g->sh[i] : g->sh[i];
-        at[FXS_SPZ_SH][i] = (uint8_t)code(128 * x + 128, 0, 255);
+        double x = 128 * (odd == 2 || odd == 4 ? -g->sh[i] : g->sh[i]) + 128;
+        sh |= is_beyond(x);
+        at[FXS_SPZ_SH][i] = code_byte(x);
     }
-    return beyond;
+    w->clamped.dc += (uint32_t)dc;
+    w->clamped.sh += (uint32_t)sh;
 }
 
 int fxs_spz_writer_put(fxs_spz_writer *writer, const fxs_gaussian *gaussians, size_t n, fxs_message *message)
@@ -147,12 +186,52 @@ int fxs_spz_writer_put(fxs_spz_writer *writer, const fxs_gaussian *gaussians, si
     if (fxs_output_expect(&writer->output, n, message))
         return -1;
     for (size_t i = 0; i < n; i++)
-        writer->clamped += (uint32_t)encode(writer, &gaussians[i], writer->next++);
+        encode(writer, &gaussians[i], writer->next++);
     return 0;
 }
 
-uint32_t fxs_spz_writer_clamped(const fxs_spz_writer *writer)
+static void choose_bits(fxs_spz_writer *w)
 {
+    uint32_t beyond = 0;
+    int bits = 0;
+    while (bits <= MAX_BITS && beyond + w->fitting[bits] <= (bits <= USUAL_BITS ? (w->next + 99) / 100 : 0))
+        beyond += w->fitting[bits++];
+    w->fractional_bits = bits > 0 ? bits - 1 : 0;
+}
+
+/* Positions and scales. */
+static void place(fxs_spz_writer *w, size_t index)
+{
+    uint8_t *position = w->array[FXS_SPZ_POSITION] + index * w->stride[FXS_SPZ_POSITION];
+    uint8_t *scale = w->array[FXS_SPZ_SCALE] + index * w->stride[FXS_SPZ_SCALE];
+    int clamped = 0;
+    fxs_gaussian g = {.opacity = 0}, held;
+    memcpy(g.position, w->placements[index].position, sizeof g.position);
+    memcpy(g.scale, w->placements[index].scale, sizeof g.scale);
+    w->clamped.position += (uint32_t)fxs_bring_in(&g, w->clamped.reach);
+    held = g;
+    fxs_hold_scales(&held);            /* what is too thin to be seen is no loss */
+    for (int i = 0; i < 3; i++) {
+        const double x = ldexp(i ? -g.position[i] : g.position[i], w->fractional_bits);
+        const uint32_t bits = (uint32_t)code(x, -POSITION_MAX, POSITION_MAX);
+        for (int k = 0; k < 3; k++)
+            position[3 * i + k] = (uint8_t)(bits >> 8 * k);
+        scale[i] = code_byte(scale_code(&g, i));
+        clamped |= is_beyond(scale_code(&held, i));
+    }
+    w->clamped.scale += (uint32_t)clamped;
+}
+
+fxs_spz_clamped fxs_spz_writer_finish(fxs_spz_writer *writer)
+{
+    if (writer->placements) {
+        choose_bits(writer);
+        writer->clamped.reach = ldexp(POSITION_MAX, -writer->fractional_bits);
+        for (size_t i = 0; i < writer->next; i++)
+            place(writer, i);
+        free(writer->placements);
+        writer->placements = NULL;
+    }
     return writer->clamped;
 }
 
@@ -165,7 +244,7 @@ static void make_header(const fxs_spz_writer *w, uint8_t header[16])
     put_u32(header + 4, (uint32_t)w->version);
     put_u32(header + 8, w->count);
     header[12] = (uint8_t)w->sh_degree;
-    header[13] = FRACTIONAL_BITS;
+    header[13] = (uint8_t)w->fractional_bits;
     header[14] = w->antialiased ? 1 : 0;
     header[15] = 0;
 }
@@ -296,6 +375,7 @@ int fxs_spz_writer_close(fxs_spz_writer *writer, fxs_progress_fn *progress, void
 {
     if (!writer)
         return 0;
+    fxs_spz_writer_finish(writer);
     writer->progress = progress;
     writer->argument = argument;
     int whole = writer->next == writer->count && !writer->output.error;

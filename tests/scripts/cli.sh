@@ -292,10 +292,18 @@ hash=$(hash_of good.ply $near)
 check "two Gaussians are seen" differ "$hash" "$(hash_of good.ply $small $away)"
 ply mixed.ply 'nan 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0' "$good" '0 0 0 1 inf .2 2 -1 -1.5 -2 1 0 0 0' \
     '0 0 0 1 .5 .2 nan -1 -1.5 -2 1 0 0 0' '0 0 0 1 .5 .2 2 -1 -1.5 -2 0 0 0 0' "$other" \
-    '0 0 0 1 .5 .2 2 25 -1.5 -2 1 0 0 0' '0 0 0 1 .5 .2 2 -1 -25 -2 1 0 0 0' '1e20 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0'
+    '0 0 0 1 .5 .2 -inf -1 -1.5 -2 1 0 0 0' '0 0 0 1 .5 .2 2 -1 inf -2 1 0 0 0' 'inf 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0'
 run render mixed.ply $near -o mixed.raw
 check "bad Gaussians are left out and counted" equal "$status $(cat logs/err)" "0 fixsplat: mixed.ply: left out 7 of 9 \
-Gaussians (3 not finite, 1 with a zero quaternion, 2 with a scale beyond +-20, 1 too far out)"
+Gaussians (6 not finite, 1 with a zero quaternion), 100 % of the scene by opacity and area"
+run info mixed.ply --json
+check "info --json: what is left out" grep -q \
+    '"left_out": {"not_finite": 6, "zero_quaternion": 1, "share": 1}, "brought_in": 0' logs/out
+ply outer.ply "$good" '0 0 .1 1 .5 .2 2 -1 -inf -2 1 0 0 0' '3e9 0 0 1 .5 .2 2 25 25 -9 1 0 0 0'
+run render outer.ply $near -o outer.raw
+check "thin, large and far Gaussians are drawn" equal "$status $(cat logs/err)" \
+    "0 fixsplat: outer.ply: brought in 1 Gaussians from beyond 2^27 units, as they look from the origin"
+check "thin, large and far Gaussians are seen" differ "$($helper hash outer.raw)" "$(hash_of good.ply $near)"
 check "bad Gaussians are not in the picture" equal "$($helper hash mixed.raw)" "$hash"
 {
     ply_header 1 | sed '$d'
@@ -321,7 +329,10 @@ fails "bench: no good Gaussian" 1 "bad.ply: none of the 2" bench bad.ply
 ply zero.ply
 fails "a scene of no Gaussians" 1 "zero.ply: " render zero.ply --hash
 ply clear.ply "$good" "$other" '0 0 0 1 .5 .2 -inf -1 -1.5 -2 1 0 0 0'
-check "an opacity of sigmoid(-inf) is 0" equal "$(hash_of clear.ply $near)" "$hash"
+run render clear.ply $near -o clear.raw
+check "an opacity of sigmoid(-inf) is 0" equal "$($helper hash clear.raw)" "$hash"
+check "an infinite opacity is counted, of no weight" equal "$(cat logs/err)" "fixsplat: clear.ply: left out 1 of 3 \
+Gaussians (1 not finite, 0 with a zero quaternion)"
 ply one.ply "$good"
 check "a scene of one Gaussian is framed" differ "$(hash_of one.ply $small)" "$(hash_of one.ply $small $away)"
 { ply_header 900 && yes "$good" | head -n 899 && echo "x $good"; } >x-row.ply
@@ -484,9 +495,11 @@ for profile in compact small; do
     check "$profile: one hash with --cpu c" equal "$(hash_of $profile.fxs $small --cpu c)" \
         "$(hash_of $profile.fxs $small --cpu all)"
 done
-succeeds "convert to .spz" convert knot.ply knot4.spz
+run convert knot.ply knot4.spz
+check "convert to .spz: says what is clamped" says "knot4.spz: clamped SH beyond +-1, of 6 Gaussians"
 check "convert to .spz: version 4" equal "$(head -c 5 knot4.spz | od -An -tx1)" " 4e 47 53 50 04"
-succeeds "convert to .spz 3" convert knot.ply knot3.spz --spz-version 3
+run convert knot.ply knot3.spz --spz-version 3
+check "convert to .spz 3: says what is clamped" says "knot3.spz: clamped SH beyond +-1, of 6 Gaussians"
 check "convert to .spz 3: gzip" equal "$(head -c 2 knot3.spz | od -An -tx1)" " 1f 8b"
 check "convert to .spz: 3 and 4 are the same scene" equal "$(hash_of knot3.spz $small)" "$(hash_of knot4.spz $small)"
 check "convert to .spz: PSNR" at_least "$(psnr_of knot4.spz knot.ply)" 46
@@ -532,7 +545,7 @@ for out in ply splat spz fxs; do
     check "convert: left.$out is left whole" equal "$(cat left.$out)" precious
     run convert mixed.ply drawn.$out
     check "convert to .$out: bad Gaussians are left out and counted" says "mixed.ply: left out 7 of 9 \
-Gaussians (3 not finite, 1 with a zero quaternion, 2 with a scale beyond +-20, 1 too far out)"
+Gaussians (6 not finite, 1 with a zero quaternion), 100 % of the scene by opacity and area"
     check "convert to .$out: the others are there" gaussians drawn.$out 2 0
 done
 "$fixsplat" convert knot.ply part.ply --crop -9,-9,-9,0,9,9 --prune 0.3 --sh-degree 2 2>logs/err
@@ -540,9 +553,18 @@ done
 check "convert: filtered and packed, or packed when filtered" equal "$(hash_of part.ply $small)" \
     "$(hash_of part.fxs $small)"
 check "convert: filtered is less" differ "$(hash_of part.ply $small)" "$(hash_of knot.ply $small --sh-degree 2)"
-run convert far.ply far.spz
-check "convert to .spz: says what is moved" says \
-    "far.spz: moved 2 Gaussians: an .spz cannot hold positions beyond +-2048"
+ply farther.ply "$good" '2e4 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0' '1 1 0 9 .5 .2 2 -1 7 -2 1 0 0 0'
+run convert farther.ply farther.spz
+check "convert to .spz: says what is brought in and clamped" equal "$status $(cat logs/err)" "0 \
+fixsplat: farther.spz: brought in 1 Gaussians from beyond 2048 units: an .spz has 24 bits for a position
+fixsplat: farther.spz: clamped dc beyond +-3.33, of 1 Gaussians
+fixsplat: farther.spz: clamped ln(sigma) outside -10 to 5.94, of 1 Gaussians"
+run convert knot4.spz turned.ply --axes rdf
+check "convert --axes rdf" differ "$(hash_of turned.ply $small)" "$(hash_of knot4.spz $small)"
+check "render --axes rdf" differ "$(hash_of knot4.spz $small --axes rdf)" "$(hash_of knot4.spz $small)"
+check "render --axes rub: as it is" equal "$(hash_of knot4.spz $small --axes rub)" "$(hash_of knot4.spz $small)"
+fails "--axes of a .ply" 1 "knot.ply: --axes is for .spz" render knot.ply --axes rub --hash
+fails "--axes of another way" 2 "--axes up: expected rub or rdf" info knot4.spz --axes up
 fails "convert: an ending that is none" 2 "x.glb: expected a name ending" convert knot.ply x.glb
 fails "convert: one file" 2 "two files" convert knot.ply
 fails "convert --profile to .ply" 2 "--profile is for .fxs" convert knot.ply x.ply --profile small
