@@ -1,8 +1,12 @@
 /* .fxs files: written, mapped and rendered as from memory; damage of every part is found; an existing file survives a
    failure. */
+#include <fcntl.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -106,6 +110,60 @@ static void test_changed(void)
     unlink(path);
 }
 
+/* Cut short and made as long again, with its old time: what was read in between is not what it was. */
+static void test_cut_and_grown(void)
+{
+    enum { PAGE = 4096, PAGES = 4 };
+    static const unsigned char bytes[PAGES * PAGE] = {1};
+    char path[96];
+    fxs_message m;
+    fxs_mapping file;
+    struct stat status;
+    snprintf(path, sizeof path, "%s/grown", folder);
+    FILE *out = fopen(path, "wb");
+    if (!CHECK(out && fwrite(bytes, 1, sizeof bytes, out) == sizeof bytes && !fclose(out) && !stat(path, &status) &&
+               !fxs_map(&file, path, &m)))
+        return;
+    const struct timespec times[2] = {status.st_atim, status.st_mtim};
+    CHECK(!truncate(path, PAGE) && ((const volatile unsigned char *)file.data)[PAGES * PAGE - 1] == 0);
+    CHECK(!truncate(path, PAGES * PAGE) && !utimensat(AT_FDCWD, path, times, 0));
+    CHECK(fxs_map_check(&file, path, &m) == -1 && strstr(m.text, "cut short"));
+    fxs_unmap(&file);
+    unlink(path);
+}
+
+/* A SIGBUS outside of what is mapped here, below it as above it, ends the process as ever. */
+static void test_other_faults(void)
+{
+    enum { PAGE = 4096 };
+    char path[96];
+    fxs_message m;
+    fxs_mapping file;
+    snprintf(path, sizeof path, "%s/other", folder);
+    FILE *out = fopen(path, "wb");
+    if (!CHECK(out && fputc(1, out) == 1 && !fclose(out)))
+        return;
+    for (int after = 0; after < 2; after++) {
+        int status = 0;
+        if (!after)
+            CHECK(!fxs_map(&file, fxs_path, &m));
+        int descriptor = open(path, O_RDONLY);
+        const volatile char *other = mmap(0, 2 * PAGE, PROT_READ, MAP_PRIVATE, descriptor, 0);
+        if (after)
+            CHECK(!fxs_map(&file, fxs_path, &m));
+        pid_t child = fork();
+        if (child == 0) {
+            alarm(10);                 /* in place of a loop without end */
+            _exit(other[PAGE]);        /* beyond the file's last page */
+        }
+        CHECK(child > 0 && waitpid(child, &status, 0) == child && WIFSIGNALED(status) && WTERMSIG(status) == SIGBUS);
+        munmap((void *)other, 2 * PAGE);
+        close(descriptor);
+        fxs_unmap(&file);
+    }
+    unlink(path);
+}
+
 /* More files than there is room for, and the room again afterwards. */
 static void test_many(void)
 {
@@ -203,7 +261,7 @@ static void test_failures(void)
 static void test_without_zlib(void)
 {
     fxs_message m;
-    (void)test_round_trip, (void)test_damage, (void)test_failures, (void)test_changed, (void)test_many;
+    (void)test_round_trip, (void)test_damage, (void)test_failures, (void)test_changed, (void)test_cut_and_grown, (void)test_other_faults, (void)test_many;
     CHECK(fxs_file_write(fxs_path, packed.data, packed.bytes, &m) == -1 && strstr(m.text, "zlib"));
     SKIP("built without zlib");
 }
@@ -226,6 +284,8 @@ int main(void)
     RUN(test_damage);
     RUN(test_failures);
     RUN(test_changed);
+    RUN(test_cut_and_grown);
+    RUN(test_other_faults);
     RUN(test_many);
 #endif
     fxs_packed_scene_free(&packed);

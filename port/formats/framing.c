@@ -12,8 +12,9 @@ fxs_seen fxs_seen_of(const fxs_gaussian *g)
 {
     const double a = (double)g->scale[0], b = (double)g->scale[1], c = (double)g->scale[2];
     const double largest = fmax(fmax(a, b), c), second = fmax(fmin(a, b), fmin(fmax(a, b), c));
+    const double opacity = 1 / (1 + exp(-(double)g->opacity));
     return (fxs_seen){{g->position[0], g->position[1], g->position[2]}, (float)exp((largest + second) / 2),
-                      (float)(1 / (1 + exp(-(double)g->opacity)))};
+                      opacity * 255 < 0.5 ? 0 : (float)opacity};   /* 0 in 8 bits is never drawn */
 }
 
 static int compare_places(const void *a, const void *b)
