@@ -30,6 +30,8 @@ static void scribble(uint32_t *seed)
 {
     const uint32_t what = scribble_random(seed);
     const size_t first = target.how & 1 ? 192 : 0, end = target.how & 2 ? target.headers : target.bytes;
+    if (end == first)                  /* a scene of no chunks */
+        return;
     const size_t at = first + scribble_random(seed) % (end - first);
     size_t count = (size_t)1 << (what >> 4) % 20;
     count = count < end - at ? count : end - at;

@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include "../port/formats/fxs_file.h"
-#include "../port/formats/output.h"
 #include "../port/posix/clock.h"
 #include "../src/packed.h"
 
@@ -105,9 +104,8 @@ static void check_printed(void)
         _exit(fail(EXIT_FAILED, "cannot write to standard output"));
 }
 
-void command_begin(void)
+void check_printed_at_exit(void)
 {
-    fxs_output_remove_at_signals();
     atexit(check_printed);
 }
 

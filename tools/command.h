@@ -25,8 +25,8 @@ int command_convert(int argc, char **argv);
 int command_compare(int argc, char **argv);
 int command_make_scene(int argc, char **argv);
 
-/* For main to call first: signals remove what is half written, and what was printed has to have arrived. */
-void command_begin(void);
+/* For main to call first: where what was printed does not arrive, the program says so and fails, wherever it ends. */
+void check_printed_at_exit(void);
 
 /* Prints "fixsplat: ..." on stderr and returns the status. */
 #if defined(__GNUC__)

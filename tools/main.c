@@ -1,6 +1,7 @@
 /* fixsplat: renders 3D Gaussian splatting scenes in fixed point. */
 #include <string.h>
 
+#include "../port/formats/output.h"
 #include "command.h"
 
 static const struct {
@@ -50,7 +51,8 @@ static int kernels(void)
 int main(int argc, char **argv)
 {
     const char *name = argc > 1 ? argv[1] : "";
-    command_begin();
+    fxs_output_remove_at_signals();
+    check_printed_at_exit();
     if (!strcmp(name, "--help") || !strcmp(name, "-h") || !strcmp(name, "help")) {
         help();
         return EXIT_OK;

@@ -1,4 +1,5 @@
 /* fixsplat-view: what `fixsplat view` runs, with the same words. */
+#include "../port/formats/output.h"
 #include "viewer.h"
 #include "window.h"
 
@@ -6,12 +7,13 @@ int main(int argc, char **argv)
 {
     window_options o;
     viewer v;
-    command_begin();
+    check_printed_at_exit();
     int status = window_options_take(&o, argc, argv);
     if (!status)
         status = viewer_open(&v, &o.view, o.scene, o.screenshot);
     if (status)
         return status;
+    fxs_output_remove_at_signals();   /* but for those that the window takes as a wish to close it */
     while (!v.quit)
         viewer_step(&v, -1);
     viewer_close(&v);

@@ -79,7 +79,9 @@ static double distance_for(const fxs_file_view *view, const double half[3], doub
                                  corner & 4 ? half[2] : -half[2]};
         const double x = fabs(dot(view->rotation, sides)), y = fabs(dot(view->rotation + 3, sides));
         const double depth = fmax(fmax(x / tangent[0], y / tangent[1]), near);
-        distance = fmax(distance, depth - dot(view->rotation + 6, sides));
+        const double needed = depth - dot(view->rotation + 6, sides);
+        if (needed > distance)               /* not fmax: gcc 12 for AArch64 crashes on it */
+            distance = needed;
     }
     return distance;
 }
