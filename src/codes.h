@@ -25,26 +25,33 @@ static inline uint16_t fxs_half_at(const unsigned char *row, uint32_t g)
     return fxs_little_16(half);
 }
 
-/* 12 bits to 16, and three of 8 to three of 10: the high bits again below. */
-static inline uint16_t fxs_spread_12(uint32_t code)
+/* 11 bits to 16: the high bits again below; so too the others. */
+static inline uint16_t fxs_spread_11(uint32_t code)
 {
-    return (uint16_t)(code << 4 | code >> 8);
+    return (uint16_t)(code << 5 | code >> 6);
 }
 
-static inline uint32_t fxs_spread_8(uint32_t x, uint32_t y, uint32_t z)
+/* Codes of 7, 7 and `bits` bits to three of 10. */
+static inline uint32_t fxs_spread_scale(uint32_t x, uint32_t y, uint32_t z, int bits)
 {
-    uint32_t word = x | y << 10 | z << 20;
-    return word << 2 | (word >> 6 & 0x00300c03);
+    return (x << 3 | x >> 4) | (y << 3 | y >> 4) << 10 | (z << (10 - bits) | z >> (2 * bits - 10)) << 20;
+}
+
+/* Codes of 7, 7 and 6 bits to three of 8. */
+static inline uint32_t fxs_spread_colour(uint32_t r, uint32_t g, uint32_t b)
+{
+    return (r << 1 | r >> 6) | (g << 1 | g >> 6) << 8 | (b << 2 | b >> 4) << 16;
 }
 
 static inline fxs_codes fxs_small_codes(const unsigned char *rows, uint32_t g)
 {
     const uint32_t a = fxs_word_at(rows + FXS_SMALL_A, g), b = fxs_word_at(rows + FXS_SMALL_B, g);
-    const uint32_t c = fxs_word_at(rows + FXS_SMALL_C, g), d = fxs_half_at(rows + FXS_SMALL_D, g);
-    fxs_codes codes = {{fxs_spread_12(a & 4095), fxs_spread_12(a >> 12 & 4095), fxs_spread_12(b & 4095)}, 0, 0, 0};
-    codes.rotation = fxs_spread_8(d >> 8, d & 255, c >> 24) | (b >> 12 & 3) << 30;
-    codes.scale = fxs_spread_8(c & 255, c >> 8 & 255, c >> 16 & 255);
-    codes.colour = b >> 16 | (uint32_t)rows[FXS_SMALL_E + g] << 16 | (a & 0xff000000u);
+    const uint32_t c = fxs_word_at(rows + FXS_SMALL_C, g), d = rows[FXS_SMALL_D + g];
+    fxs_codes codes = {{fxs_spread_11(a & 2047), fxs_spread_11(a >> 11 & 2047), fxs_spread_11(b & 2047)}, 0, 0, 0};
+    const uint32_t q1 = c >> 27 | (b >> 31) << 5 | (d >> 7) << 6;
+    codes.rotation = fxs_spread_scale(d & 127, q1, c >> 20 & 127, 7) | (a >> 22 & 3) << 30;
+    codes.scale = fxs_spread_scale(c & 127, c >> 7 & 127, c >> 14 & 63, 6);
+    codes.colour = fxs_spread_colour(b >> 11 & 127, b >> 18 & 127, b >> 25 & 63) | (a & 0xff000000u);
     return codes;
 }
 
@@ -67,15 +74,16 @@ static inline uint64_t fxs_residual(const unsigned char *record, int degree, int
     return fxs_little_64(word) >> (bit - 8 * first);
 }
 
-/* An entry of the palette: int8_t[3][16]. */
+/* The entry of the palette that a signed index names, whatever its sign: int8_t[3][16]. */
 static inline const int8_t *fxs_palette_entry(const fxs_scene *scene, uint32_t stage, uint32_t index)
 {
+    index &= FXS_PALETTE_NEGATIVE - 1;
     index = index < scene->palette_entries ? index : scene->palette_entries - 1;
     return scene->palette + (size_t)(stage * scene->palette_entries + index) * FXS_PALETTE_STRIDE;
 }
 
-/* The coefficients of a Gaussian in a profile with a palette: the sum of an entry of each stage, times the scene's step;
-   and (compact) odd numbers, -7 to 7, times the Gaussian's gain. */
+/* The coefficients of a Gaussian in a profile with a palette: the sum of the chunk's mean and of an entry of each stage,
+   times the scene's step; and (compact) odd numbers, -7 to 7, times the Gaussian's gain. */
 typedef struct fxs_sh_sums {
     int32_t palette[3], odd[3];    /* sum basis * number, Q15: at most 2^28 and 2^22 */
     int gain;                      /* (8 + bits 2..0) * 2^(bits 7..3) * 2^-32 */

@@ -43,8 +43,8 @@ const char *fxs_strerror(int error);
 
 enum fxs_profile {                 /* at SH degree 3, of a large scene: */
     FXS_PROFILE_DEFAULT = 0,       /* 63.5 bytes a Gaussian */
-    FXS_PROFILE_COMPACT = 1,       /* 38.6: SH by a palette and what is left of it in 3 bits */
-    FXS_PROFILE_SMALL = 2          /* 19.7: SH by a palette, the rest in 8 to 12 bits */
+    FXS_PROFILE_COMPACT = 1,       /* 39.6: SH by a palette and what is left of it in 3 bits */
+    FXS_PROFILE_SMALL = 2          /* 19.7: SH by a palette, the rest in 6 to 11 bits */
 };
 
 typedef struct fxs_scene {
@@ -59,7 +59,7 @@ typedef struct fxs_scene {
     int antialiased;                  /* 1: the opacity is compensated for the dilation */
 } fxs_scene;
 
-/* Bytes of a packed scene of `count` Gaussians with SH of degree `sh_degree`, and `palette_entries` (0 to 256) in each
+/* Bytes of a packed scene of `count` Gaussians with SH of degree `sh_degree`, and `palette_entries` (0 to 128) in each
    stage of its palette; 0 where any is out of range. */
 size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries);
 

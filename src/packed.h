@@ -3,7 +3,7 @@
  *
  *   fxs_packed_header                      192 bytes
  *   fxs_chunk[chunk_count]                 128 bytes each: how the codes of 256 Gaussians are read, and where they lie
- *   int8_t palette[stages][entries][48]    SH, 0 to 4 stages: red, green, blue of 16 (the last of them 0); then zeros
+ *   int8_t palette[stages][entries][48]    SH, 0 to 6 stages: red, green, blue of 16 (the last of them 0); then zeros
  *                                          up to a multiple of 64
  *   rows[chunk_count]                      chunk_bytes each, one of:
  *
@@ -16,16 +16,18 @@
  *       int8_t   sh[3 * K][256]            K = 0, 3, 8, 15 for degree 0..3; row 3 * k + channel
  *
  *   compact: as default, but for
- *       uint8_t  sh[256][8, 12 or 20]      degree 1, 2, 3: index in each of two palettes, gain, then 3 K codes of 3
- *                                          bits, two's complement, red first, from the low bits of each byte up
+ *       uint8_t  sh[256][8, 13 or 21]      degree 1, 2, 3: signed index in each of three palettes, gain, then 3 K codes
+ *                                          of 3 bits, two's complement, red first, from the low bits of each byte up
  *
  *   small: codes of fewer bits, spread to those of default by repeating their high bits below
- *       uint32_t a[256]                    x in bits 11..0, y in 23..12, opacity in 31..24
- *       uint32_t b[256]                    z in bits 11..0, largest component in 13..12, 0, r in 23..16, g in 31..24
- *       uint32_t c[256]                    scale codes of 8 bits: x, y, z; the first component of the rotation
- *       uint16_t d[256]                    the second and the third
- *       uint8_t  e[256]                    b
- *       uint8_t  sh[256][4]                degree 1 to 3: index in each of four palettes
+ *       uint32_t a[256]                    x in bits 10..0, y in 21..11, largest component in 23..22, opacity in 31..24
+ *       uint32_t b[256]                    z in bits 10..0, r in 17..11, g in 24..18, b in 30..25; bit 5 of q1
+ *       uint32_t c[256]                    scale codes: x in bits 6..0, y in 13..7, z, which is the least, in 19..14; q0,
+ *                                          the first component of the rotation, in 26..20; bits 4..0 of q1
+ *       uint8_t  d[256]                    q2 in bits 6..0; bit 6 of q1
+ *       uint8_t  sh[256][4 or 6]           degree 1, and 2 to 3: signed index in each of as many palettes
+ *
+ *   A signed index: the entry in bits 6..0; bit 7: its coefficients change sign.
  *
  * Rows are whole, so that 16, 32 or 64 neighbours load at once. The Gaussians lie along a Morton curve, so that a
  * chunk is small in space. The last chunk is padded with opacity 0. */
@@ -38,7 +40,7 @@
 
 #define FXS_CHUNK 256
 #define FXS_PACKED_MAGIC 0x31535846u      /* "FXS1" */
-#define FXS_PACKED_VERSION 2u
+#define FXS_PACKED_VERSION 3u
 #define FXS_PACKED_ANTIALIASED 1u
 
 typedef struct fxs_packed_header {   /* 192 bytes */
@@ -51,7 +53,7 @@ typedef struct fxs_packed_header {   /* 192 bytes */
     int64_t low_q32[3], high_q32[3];               /* bounds of the centres; not read by the renderer */
     int64_t inner_low_q32[3], inner_high_q32[3];   /* of what is seen: docs/format.md */
     uint32_t profile;                /* enum fxs_profile */
-    uint32_t palette_entries;        /* of each stage, 1 to 256; 0 without a palette */
+    uint32_t palette_entries;        /* of each stage, 1 to 128; 0 without a palette */
     uint32_t palette_step_q19;       /* a coefficient of a palette is its number * step; at most 32767 */
     uint32_t palette_checksum;       /* in a file: CRC-32 of the palette */
     uint32_t reserved[12];           /* 0 */
@@ -60,14 +62,15 @@ typedef struct fxs_packed_header {   /* 192 bytes */
 typedef struct fxs_chunk {           /* 128 bytes */
     int64_t origin_q32[3];           /* position = origin + (code * step << step_shift), within +-2^28 units */
     uint32_t step_q32[3];
-    uint32_t step_shift;             /* 0 to 12 */
     int32_t scale_q16;               /* log2(sigma) = scale - code^2 * scale_step, within +-32: large sigmas, which */
-    uint32_t scale_step_q24;         /* cover many pixels, get the fine steps; at most 1026 */
-    int32_t colour_q16[3];           /* 0.5 + C0 dc = colour + code * colour_step, within +-64 */
-    uint32_t colour_step_q20[3];
-    uint32_t sh_step_q19[3];         /* default: a coefficient of degree d is code * sh_step[d - 1]; at most 32767 */
+    int32_t colour_q16[3];           /* cover many pixels, get the fine steps */
+    uint32_t colour_step_q20[3];     /* 0.5 + C0 dc = colour + code * colour_step, within +-64 */
     uint32_t checksum;               /* in a file: CRC-32 of this header with 0 here, and of the chunk's rows */
-    uint32_t reserved[10];           /* 0 */
+    uint16_t sh_step_q19[3];         /* default: a coefficient of degree d is code * sh_step[d - 1]; at most 32767 */
+    uint16_t step_shift;             /* 0 to 12 */
+    uint16_t scale_step_q24;         /* at most 1026 */
+    uint16_t reserved;               /* 0 */
+    int8_t sh_mean[48];              /* compact and small: as an entry of a palette, added to each Gaussian's */
 } fxs_chunk;
 
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
@@ -107,9 +110,10 @@ static inline uint64_t fxs_little_64(uint64_t x)
     return x;
 }
 
-/* Every field is turned: of a header 8 words, 12 of 64 bits, 16 words; of a chunk's 3 of 64 bits and 26 words. */
+/* Every field is turned: of a header 8 words, 12 of 64 bits, 16 words; of a chunk's 3 of 64 bits, 11 words, 6 halves;
+   its last 48 fields are bytes. */
 typedef char fxs_sizes_are_as_turned[sizeof(fxs_packed_header) == 4 * 8 + 8 * 12 + 4 * 16 &&
-                                     sizeof(fxs_chunk) == 8 * 3 + 4 * 26 ? 1 : -1];
+                                     sizeof(fxs_chunk) == 8 * 3 + 4 * 11 + 2 * 6 + 48 ? 1 : -1];
 
 /* A header that was copied from a packed scene, to be read; or one that was filled in, to be copied there. */
 static inline void fxs_packed_header_turn(fxs_packed_header *header)
@@ -122,7 +126,8 @@ static inline void fxs_packed_header_turn(fxs_packed_header *header)
 static inline void fxs_chunk_turn(fxs_chunk *chunk)
 {
     fxs_little_endian(chunk, 0, 3, 8);
-    fxs_little_endian(chunk, offsetof(fxs_chunk, step_q32), 26, 4);
+    fxs_little_endian(chunk, offsetof(fxs_chunk, step_q32), 11, 4);
+    fxs_little_endian(chunk, offsetof(fxs_chunk, sh_step_q19), 6, 2);
 }
 
 /* SH coefficients a channel above degree 0: 0, 3, 8, 15. */
@@ -138,33 +143,37 @@ static inline void fxs_chunk_turn(fxs_chunk *chunk)
 #define FXS_SMALL_B (4u * FXS_CHUNK)
 #define FXS_SMALL_C (8u * FXS_CHUNK)
 #define FXS_SMALL_D (12u * FXS_CHUNK)
-#define FXS_SMALL_E (14u * FXS_CHUNK)
-#define FXS_SMALL_SH (15u * FXS_CHUNK)
+#define FXS_SMALL_SH (13u * FXS_CHUNK)
+
+/* Stages of the palette: the sum of one entry of each, its sign changed or not, and of the chunk's mean is a Gaussian's
+   SH, but for the residual of compact. */
+static inline uint32_t fxs_palette_stages(enum fxs_profile profile, int degree)
+{
+    return degree == 0 || profile == FXS_PROFILE_DEFAULT ? 0
+           : profile == FXS_PROFILE_COMPACT              ? 3
+           : degree == 1                                 ? 4
+                                                         : 6;
+}
+
+#define FXS_PALETTE_STAGES 6u                            /* at most */
+#define FXS_PALETTE_ENTRIES 128u                         /* of a stage, at most */
+#define FXS_PALETTE_STRIDE 48u                           /* bytes an entry */
+#define FXS_PALETTE_NEGATIVE 128u                        /* in an index: the entry's sign changes */
+#define FXS_GAIN_BYTE 3u                                 /* in an SH record of compact */
+#define FXS_RESIDUAL_BIT 32u                             /* where its codes begin */
 
 /* Bytes of SH a Gaussian in the rows. */
 static inline uint32_t fxs_sh_bytes(enum fxs_profile profile, int degree)
 {
-    const uint8_t compact[4] = {0, 8, 12, 20};
+    const uint8_t compact[4] = {0, 8, 13, 21};
     return profile == FXS_PROFILE_DEFAULT   ? 3u * (uint32_t)FXS_SH_COUNT(degree)
            : profile == FXS_PROFILE_COMPACT ? compact[degree]
-                                            : degree > 0 ? 4u : 0u;
+                                            : fxs_palette_stages(profile, degree);
 }
 
 static inline uint32_t fxs_chunk_bytes(enum fxs_profile profile, int degree)
 {
-    return (uint32_t)FXS_CHUNK * ((profile == FXS_PROFILE_SMALL ? 15u : 18u) + fxs_sh_bytes(profile, degree));
+    return (uint32_t)FXS_CHUNK * ((profile == FXS_PROFILE_SMALL ? 13u : 18u) + fxs_sh_bytes(profile, degree));
 }
-
-/* Stages of the palette: the sum of one entry of each is a Gaussian's SH, but for the residual of compact. */
-static inline uint32_t fxs_palette_stages(enum fxs_profile profile, int degree)
-{
-    return degree == 0 || profile == FXS_PROFILE_DEFAULT ? 0 : profile == FXS_PROFILE_COMPACT ? 2 : 4;
-}
-
-#define FXS_PALETTE_STAGES 4u                            /* at most */
-#define FXS_PALETTE_ENTRIES 256u                         /* of a stage, at most */
-#define FXS_PALETTE_STRIDE 48u                           /* bytes an entry */
-#define FXS_GAIN_BYTE 2u                                 /* in an SH record of compact */
-#define FXS_RESIDUAL_BIT 24u                             /* where its codes begin */
 
 #endif

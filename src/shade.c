@@ -56,23 +56,24 @@ static void basis(int32_t b[15], const int32_t d_q15[3], int degree)
 }
 
 /* One channel above degree 0, Q16: sum over degrees of step * sum basis * code. */
-static int32_t bands(const int8_t *codes, const int32_t b_q15[15], const uint32_t step_q19[3], int degree)
+static int32_t bands(const int8_t *codes, const int32_t b_q15[15], const uint16_t step_q19[3], int degree)
 {
     int32_t sum_q16 = 0;
     for (int d = 1; d <= 3 && d <= degree; d++) {
         int32_t band_q15 = 0;
         for (int k = FXS_SH_COUNT(d - 1); k < FXS_SH_COUNT(d); k++)
             band_q15 += b_q15[k] * codes[3 * k * FXS_CHUNK];
-        sum_q16 += (((band_q15 + 512) >> 10) * (int32_t)step_q19[d - 1] + 128) >> 8;
+        sum_q16 += (((band_q15 + 512) >> 10) * step_q19[d - 1] + 128) >> 8;
     }
     return sum_q16;
 }
 
-static void add_entry(fxs_sh_sums *s, const int8_t *entry, const int32_t b_q15[15])
+/* `sign` is 1 or -1. */
+static void add_entry(fxs_sh_sums *s, const int8_t *entry, int sign, const int32_t b_q15[15])
 {
     for (int c = 0; c < 3; c++)
         for (int k = 0; k < 15; k++)
-            s->palette[c] += b_q15[k] * entry[16 * c + k];
+            s->palette[c] += b_q15[k] * sign * entry[16 * c + k];
 }
 
 static void add_residual(fxs_sh_sums *s, const unsigned char *record, int degree, const int32_t b_q15[15])
@@ -85,11 +86,14 @@ static void add_residual(fxs_sh_sums *s, const unsigned char *record, int degree
     s->gain = record[FXS_GAIN_BYTE];
 }
 
-static fxs_sh_sums sum_of(const fxs_scene *scene, const unsigned char *record, const int32_t b_q15[15])
+static fxs_sh_sums sum_of(const fxs_scene *scene, const fxs_chunk *chunk, const unsigned char *record,
+                          const int32_t b_q15[15])
 {
     fxs_sh_sums s = {{0, 0, 0}, {0, 0, 0}, 0};
+    add_entry(&s, chunk->sh_mean, 1, b_q15);
     for (uint32_t stage = 0; stage < fxs_palette_stages(scene->profile, scene->sh_degree); stage++)
-        add_entry(&s, fxs_palette_entry(scene, stage, record[stage]), b_q15);
+        add_entry(&s, fxs_palette_entry(scene, stage, record[stage]), record[stage] & FXS_PALETTE_NEGATIVE ? -1 : 1,
+                  b_q15);
     if (scene->profile == FXS_PROFILE_COMPACT)
         add_residual(&s, record, scene->sh_degree, b_q15);
     return s;
@@ -116,7 +120,7 @@ static void directional(int32_t sum_q16[3], const fxs_view *view, const fxs_scen
     int32_t b_q15[15];
     basis_at(b_q15, view, chunk, position);
     if (scene->palette) {
-        const fxs_sh_sums s = sum_of(scene, fxs_sh_record(scene, rows, g), b_q15);
+        const fxs_sh_sums s = sum_of(scene, chunk, fxs_sh_record(scene, rows, g), b_q15);
         for (int c = 0; c < 3; c++)
             sum_q16[c] += fxs_sh_sum_q16(&s, scene, c);
         return;

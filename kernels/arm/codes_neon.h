@@ -26,34 +26,44 @@ static inline uint32x4_t field(uint32x4_t word, int shift, uint32_t mask)
     return vandq_u32(vshlq_u32(word, vdupq_n_s32(-shift)), vdupq_n_u32(mask));
 }
 
-/* 12 bits to 16 */
-static inline uint32x4_t spread_12(uint32x4_t code)
+/* fxs_spread_11 */
+static inline uint32x4_t spread_11(uint32x4_t code)
 {
-    return vorrq_u32(vshlq_n_u32(code, 4), vshrq_n_u32(code, 8));
+    return vorrq_u32(vshlq_n_u32(code, 5), vshrq_n_u32(code, 6));
 }
 
-/* Three codes of 8 bits to three of 10. */
-static inline uint32x4_t spread_8(uint32x4_t x, uint32x4_t y, uint32x4_t z)
+/* 7 bits to 10 */
+static inline uint32x4_t spread_7(uint32x4_t code)
 {
-    uint32x4_t word = vorrq_u32(vorrq_u32(x, vshlq_n_u32(y, 10)), vshlq_n_u32(z, 20));
-    return vorrq_u32(vshlq_n_u32(word, 2), field(word, 6, 0x00300c03));
+    return vorrq_u32(vshlq_n_u32(code, 3), vshrq_n_u32(code, 4));
+}
+
+static inline uint32x4_t join(uint32x4_t x, uint32x4_t y, int y_bit, uint32x4_t z, int z_bit)
+{
+    return vorrq_u32(vorrq_u32(x, vshlq_u32(y, vdupq_n_s32(y_bit))), vshlq_u32(z, vdupq_n_s32(z_bit)));
 }
 
 static inline codes_neon load_small(const unsigned char *rows, uint32_t i)
 {
     const uint32x4_t a = load_words(rows + FXS_SMALL_A, i), b = load_words(rows + FXS_SMALL_B, i);
-    const uint32x4_t c = load_words(rows + FXS_SMALL_C, i), d = load_halves(rows + FXS_SMALL_D, i);
+    const uint32x4_t c = load_words(rows + FXS_SMALL_C, i);
     uint32_t four;
-    memcpy(&four, rows + FXS_SMALL_E + i, sizeof four);
-    const uint16x4_t e = vget_low_u16(vmovl_u8(vcreate_u8(four)));
+    memcpy(&four, rows + FXS_SMALL_D + i, sizeof four);
+    const uint32x4_t d = vmovl_u16(vget_low_u16(vmovl_u8(vcreate_u8(four))));
     codes_neon codes;
-    codes.position[0] = spread_12(field(a, 0, 4095));
-    codes.position[1] = spread_12(field(a, 12, 4095));
-    codes.position[2] = spread_12(field(b, 0, 4095));
-    codes.rotation = spread_8(field(d, 8, 255), field(d, 0, 255), field(c, 24, 255));
-    codes.rotation = vorrq_u32(codes.rotation, vshlq_n_u32(field(b, 12, 3), 30));
-    codes.scale = spread_8(field(c, 0, 255), field(c, 8, 255), field(c, 16, 255));
-    codes.colour = vorrq_u32(field(b, 16, 65535), vshll_n_u16(e, 16));
+    codes.position[0] = spread_11(field(a, 0, 2047));
+    codes.position[1] = spread_11(field(a, 11, 2047));
+    codes.position[2] = spread_11(field(b, 0, 2047));
+    const uint32x4_t q1 = join(field(c, 27, 31), field(b, 31, 1), 5, field(d, 7, 1), 6);
+    codes.rotation = join(spread_7(field(d, 0, 127)), spread_7(q1), 10, spread_7(field(c, 20, 127)), 20);
+    codes.rotation = vorrq_u32(codes.rotation, vshlq_n_u32(field(a, 22, 3), 30));
+    const uint32x4_t thin = field(c, 14, 63), blue = field(b, 25, 63);
+    const uint32x4_t red = field(b, 11, 127), green = field(b, 18, 127);
+    codes.scale = join(spread_7(field(c, 0, 127)), spread_7(field(c, 7, 127)), 10,
+                       vorrq_u32(vshlq_n_u32(thin, 4), vshrq_n_u32(thin, 2)), 20);
+    codes.colour = join(vorrq_u32(vshlq_n_u32(red, 1), vshrq_n_u32(red, 6)),
+                        vorrq_u32(vshlq_n_u32(green, 1), vshrq_n_u32(green, 6)), 8,
+                        vorrq_u32(vshlq_n_u32(blue, 2), vshrq_n_u32(blue, 4)), 16);
     codes.colour = vorrq_u32(codes.colour, vandq_u32(a, vdupq_n_u32(0xff000000u)));
     return codes;
 }

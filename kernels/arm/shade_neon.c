@@ -115,7 +115,7 @@ static inline void add_band(sum_8 *sum_q16, sum_8 band_q15, int32_t step_q19)
 }
 
 /* Adds what is above degree 0. */
-static void add_bands(sum_8 sum_q16[3], const int8_t *codes, const int16x8_t b_q15[15], const uint32_t step_q19[3],
+static void add_bands(sum_8 sum_q16[3], const int8_t *codes, const int16x8_t b_q15[15], const uint16_t step_q19[3],
                       int degree)
 {
     for (int d = 1, k = 0; d <= degree; d++) {
@@ -125,9 +125,9 @@ static void add_bands(sum_8 sum_q16[3], const int8_t *codes, const int16x8_t b_q
             add_code(&g, b_q15[k], codes + FXS_CHUNK);
             add_code(&b, b_q15[k], codes + 2 * FXS_CHUNK);
         }
-        add_band(&sum_q16[0], r, (int32_t)step_q19[d - 1]);
-        add_band(&sum_q16[1], g, (int32_t)step_q19[d - 1]);
-        add_band(&sum_q16[2], b, (int32_t)step_q19[d - 1]);
+        add_band(&sum_q16[0], r, step_q19[d - 1]);
+        add_band(&sum_q16[1], g, step_q19[d - 1]);
+        add_band(&sum_q16[2], b, step_q19[d - 1]);
     }
 }
 
@@ -164,16 +164,19 @@ static inline int16x8_t odd_numbers(uint64_t codes, int first)
     return vsubq_s16(vshlq_n_s16(flipped, 1), vdupq_n_s16(7));
 }
 
-static fxs_sh_sums sum_of(const fxs_scene *scene, const unsigned char *record, const int16x8_t b_q15[2])
+static fxs_sh_sums sum_of(const fxs_scene *scene, const fxs_chunk *header, const unsigned char *record,
+                          const int16x8_t b_q15[2])
 {
     fxs_sh_sums s = {{0, 0, 0}, {0, 0, 0}, record[FXS_GAIN_BYTE]};
     const uint32_t stages = fxs_palette_stages(scene->profile, scene->sh_degree);
     for (int c = 0; c < 3; c++) {
-        int16x8_t low = vdupq_n_s16(0), high = low;
+        const int8x16_t mean = vld1q_s8(header->sh_mean + 16 * c);
+        int16x8_t low = vmovl_s8(vget_low_s8(mean)), high = vmovl_high_s8(mean);
         for (uint32_t stage = 0; stage < stages; stage++) {
-            int8x16_t entry = vld1q_s8(fxs_palette_entry(scene, stage, record[stage]) + 16 * c);
-            low = vaddw_s8(low, vget_low_s8(entry));
-            high = vaddw_high_s8(high, entry);
+            const int8x16_t entry = vld1q_s8(fxs_palette_entry(scene, stage, record[stage]) + 16 * c);
+            const int8x8_t sign = vdup_n_s8(record[stage] & FXS_PALETTE_NEGATIVE ? -1 : 1);
+            low = vmlal_s8(low, vget_low_s8(entry), sign);
+            high = vmlal_s8(high, vget_high_s8(entry), sign);
         }
         s.palette[c] = dot(b_q15, low, high);
         if (scene->profile != FXS_PROFILE_COMPACT)
@@ -185,8 +188,8 @@ static fxs_sh_sums sum_of(const fxs_scene *scene, const unsigned char *record, c
 }
 
 /* Adds what a palette says to the lanes that are wanted, one at a time: their entries lie far apart. */
-static void add_palette(sum_8 sum_q16[3], const fxs_scene *scene, const unsigned char *rows, uint32_t g,
-                        const int16x8_t b_q15[15], int degree, uint32_t wanted)
+static void add_palette(sum_8 sum_q16[3], const fxs_scene *scene, const fxs_chunk *header, const unsigned char *rows,
+                        uint32_t g, const int16x8_t b_q15[15], int degree, uint32_t wanted)
 {
     int16_t by_function[16][LANES] = {{0}}, by_gaussian[LANES][16];
     int32_t more_q16[3][LANES] = {{0}};
@@ -198,7 +201,7 @@ static void add_palette(sum_8 sum_q16[3], const fxs_scene *scene, const unsigned
         for (int k = 0; k < 16; k++)
             by_gaussian[lane][k] = by_function[k][lane];
         const int16x8_t b[2] = {vld1q_s16(by_gaussian[lane]), vld1q_s16(by_gaussian[lane] + 8)};
-        const fxs_sh_sums s = sum_of(scene, fxs_sh_record(scene, rows, g + lane), b);
+        const fxs_sh_sums s = sum_of(scene, header, fxs_sh_record(scene, rows, g + lane), b);
         for (int c = 0; c < 3; c++)
             more_q16[c][lane] = fxs_sh_sum_q16(&s, scene, c);
     }
@@ -222,7 +225,7 @@ static void shade_8(int16_t colour_q13[3][LANES], const fxs_view *view, const fx
         int16x8_t b_q15[15];
         basis_8(b_q15, view, header, codes);
         if (scene->palette)
-            add_palette(sum_q16, scene, rows, g, b_q15, view->sh_degree, wanted);
+            add_palette(sum_q16, scene, header, rows, g, b_q15, view->sh_degree, wanted);
         else
             add_bands(sum_q16, (const int8_t *)rows + FXS_ROW_SH + g, b_q15, header->sh_step_q19, view->sh_degree);
     }

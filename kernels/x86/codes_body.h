@@ -2,25 +2,25 @@
 #include "../../src/codes.h"
 #include "lanes.h"
 
-/* 12 bits to 16 */
-static inline vi spread_12(vi code)
+/* fxs_spread_11 */
+static inline vi spread_11(vi code)
 {
-    return code << 4 | code >> 8;
+    return code << 5 | code >> 6;
 }
 
-/* Three codes of 8 bits, in the low bits of each 10, to 10. */
-static inline vi spread_8(vi word)
+/* fxs_spread_scale; constant bits */
+static inline vi spread_scale(vi x, vi y, vi z, int bits)
 {
-    return word << 2 | (word >> 6 & 0x00300c03);
+    return (x << 3 | x >> 4) | (y << 3 | y >> 4) << 10 | (z << (10 - bits) | z >> (2 * bits - 10)) << 20;
 }
 
 static inline void load_positions(vi code[3], const fxs_scene *scene, const unsigned char *rows, uint32_t i)
 {
     if (scene->profile == FXS_PROFILE_SMALL) {
         vi a = load(rows + FXS_SMALL_A + 4 * i), b = load(rows + FXS_SMALL_B + 4 * i);
-        code[0] = spread_12(a & 4095);
-        code[1] = spread_12(a >> 12 & 4095);
-        code[2] = spread_12(b & 4095);
+        code[0] = spread_11(a & 2047);
+        code[1] = spread_11(a >> 11 & 2047);
+        code[2] = spread_11(b & 2047);
         return;
     }
     const uint16_t *position = (const uint16_t *)(const void *)(rows + FXS_ROW_POSITION) + i;
@@ -33,23 +33,23 @@ static inline vi load_scales(const fxs_scene *scene, const unsigned char *rows, 
     if (scene->profile != FXS_PROFILE_SMALL)
         return load(rows + FXS_ROW_SCALE + 4 * i);
     vi c = load(rows + FXS_SMALL_C + 4 * i);
-    return spread_8((c & 255) | (c & 0xff00) << 2 | (c & 0xff0000) << 4);
+    return spread_scale(c & 127, c >> 7 & 127, c >> 14 & 63, 6);
 }
 
 static inline vi load_rotations(const fxs_scene *scene, const unsigned char *rows, uint32_t i)
 {
     if (scene->profile != FXS_PROFILE_SMALL)
         return load(rows + FXS_ROW_ROTATION + 4 * i);
-    vi b = load(rows + FXS_SMALL_B + 4 * i), c = load(rows + FXS_SMALL_C + 4 * i);
-    vi d = load_u16((const uint16_t *)(const void *)(rows + FXS_SMALL_D) + i);
-    vi first = (vi)((vu)c >> 24);
-    return spread_8(d >> 8 | (d & 255) << 10 | first << 20) | (b >> 12) << 30;
+    vi a = load(rows + FXS_SMALL_A + 4 * i), b = load(rows + FXS_SMALL_B + 4 * i), c = load(rows + FXS_SMALL_C + 4 * i);
+    vi d = load_i8((const int8_t *)rows + FXS_SMALL_D + i) & 255;
+    vi q1 = (vi)((vu)c >> 27) | (vi)((vu)b >> 31) << 5 | (d >> 7) << 6;
+    return spread_scale(d & 127, q1, c >> 20 & 127, 7) | (a >> 22) << 30;
 }
 
 static inline vi load_colours(const fxs_scene *scene, const unsigned char *rows, uint32_t i)
 {
     if (scene->profile != FXS_PROFILE_SMALL)
         return load(rows + FXS_ROW_COLOUR + 4 * i);
-    vi red_green = (vi)((vu)load(rows + FXS_SMALL_B + 4 * i) >> 16);
-    return red_green | (load_i8((const int8_t *)rows + FXS_SMALL_E + i) & 255) << 16;
+    vi b = load(rows + FXS_SMALL_B + 4 * i), red = b >> 11 & 127, green = b >> 18 & 127, blue = b >> 25 & 63;
+    return (red << 1 | red >> 6) | (green << 1 | green >> 6) << 8 | (blue << 2 | blue >> 4) << 16;
 }

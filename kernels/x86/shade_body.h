@@ -71,14 +71,14 @@ static inline void basis(vi b[15], const vi d_q15[3], int degree)
 }
 
 /* One channel above degree 0. The basis fits 16 bits; above them it is 0 here. */
-static inline vi bands(const int8_t *codes, const vi b_q15[15], const uint32_t step_q19[3], int degree)
+static inline vi bands(const int8_t *codes, const vi b_q15[15], const uint16_t step_q19[3], int degree)
 {
     vi sum_q16 = all(0);
     for (int d = 1, k = 0; d <= degree; d++) {
         vi band_q15 = all(0);
         for (int end = FXS_SH_COUNT(d); k < end; k++)
             band_q15 += mul_16(load_i8(codes + 3 * k * FXS_CHUNK), b_q15[k]);
-        sum_q16 += (((band_q15 + 512) >> 10) * (int32_t)step_q19[d - 1] + 128) >> 8;
+        sum_q16 += (((band_q15 + 512) >> 10) * step_q19[d - 1] + 128) >> 8;
     }
     return sum_q16;
 }
@@ -134,15 +134,23 @@ static inline __m256i odd_numbers(uint64_t codes)
     return _mm256_or_si256(_mm256_add_epi16(x, x), _mm256_set1_epi16(1));
 }
 
-static inline fxs_sh_sums sum_of(const fxs_scene *scene, const unsigned char *record, __m256i b_q15)
+/* A channel of an entry of the palette. */
+static inline __m256i load_entry(const int8_t *entry, int channel)
+{
+    return _mm256_cvtepi8_epi16(_mm_loadu_si128((const __m128i *)(const void *)entry + channel));
+}
+
+static inline fxs_sh_sums sum_of(const fxs_scene *scene, const unsigned char *record, const __m256i mean[3],
+                                 __m256i b_q15)
 {
     fxs_sh_sums s;
     int32_t sums[4];
-    __m256i numbers[3] = {_mm256_setzero_si256(), _mm256_setzero_si256(), _mm256_setzero_si256()};
+    __m256i numbers[3] = {mean[0], mean[1], mean[2]};
     for (uint32_t stage = 0; stage < fxs_palette_stages(scene->profile, scene->sh_degree); stage++) {
-        const __m128i *entry = (const __m128i *)(const void *)fxs_palette_entry(scene, stage, record[stage]);
+        const int8_t *entry = fxs_palette_entry(scene, stage, record[stage]);
+        const __m256i sign = _mm256_set1_epi16(record[stage] & FXS_PALETTE_NEGATIVE ? -1 : 1);
         for (int c = 0; c < 3; c++)
-            numbers[c] = _mm256_add_epi16(numbers[c], _mm256_cvtepi8_epi16(_mm_loadu_si128(entry + c)));
+            numbers[c] = _mm256_add_epi16(numbers[c], _mm256_sign_epi16(load_entry(entry, c), sign));
     }
     sum_each(sums, _mm256_madd_epi16(numbers[0], b_q15), _mm256_madd_epi16(numbers[1], b_q15),
              _mm256_madd_epi16(numbers[2], b_q15));
@@ -160,16 +168,18 @@ static inline fxs_sh_sums sum_of(const fxs_scene *scene, const unsigned char *re
 }
 
 /* Adds what a palette says to the lanes that are wanted, one at a time: their entries lie far apart. */
-static inline void add_palette(vi sum_q16[3], const fxs_scene *scene, const unsigned char *rows, uint32_t first,
-                               const vi b_q15[16], uint32_t wanted)
+static inline void add_palette(vi sum_q16[3], const fxs_scene *scene, const fxs_chunk *header,
+                               const unsigned char *rows, uint32_t first, const vi b_q15[16], uint32_t wanted)
 {
+    const __m256i mean[3] = {load_entry(header->sh_mean, 0), load_entry(header->sh_mean, 1),
+                             load_entry(header->sh_mean, 2)};
     __m256i by_gaussian[LANES];
     int32_t more_q16[3][LANES] = {{0}};
     basis_by_gaussian(by_gaussian, b_q15);
     for (uint32_t lane = 0; lane < LANES; lane++) {
         if (!(wanted >> lane & 1))
             continue;
-        const fxs_sh_sums s = sum_of(scene, fxs_sh_record(scene, rows, first + lane), by_gaussian[lane]);
+        const fxs_sh_sums s = sum_of(scene, fxs_sh_record(scene, rows, first + lane), mean, by_gaussian[lane]);
         for (int c = 0; c < 3; c++)
             more_q16[c][lane] = fxs_sh_sum_q16(&s, scene, c);
     }
@@ -191,7 +201,7 @@ static inline void colours(vi colour_q13[3], const fxs_view *view, const fxs_sce
         load_positions(position, scene, rows, first);
         basis_at(b_q15, view, header, position);
         if (scene->palette)
-            add_palette(sum_q16, scene, rows, first, b_q15, wanted);
+            add_palette(sum_q16, scene, header, rows, first, b_q15, wanted);
         else
             for (int c = 0; c < 3; c++)
                 sum_q16[c] += bands((const int8_t *)rows + FXS_ROW_SH + first + c * FXS_CHUNK, b_q15,

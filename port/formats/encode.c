@@ -5,9 +5,15 @@
 
 #define C0 0.28209479177387814
 #define DEGREES 57.29577951308232   /* a radian */
-#define LOG2_E 1.4426950408889634
 #define SCALE_LIMIT 20.0f           /* of |ln(sigma)| */
 #define THINNEST 9.0f               /* ln of the largest axis over the thinnest */
+
+int fxs_floor_within(double x, int low, int high)
+{
+    const double held = x > low ? x < high ? x : high : low;
+    const int cut = (int)held;
+    return cut - (cut > held);
+}
 
 /* ---- What a packed scene can hold ------------------------------------------------------------------------------ */
 
@@ -59,7 +65,7 @@ static void widen(fxs_range *r, float x)
 /* log2(sigma) */
 static double log2_scale(const fxs_gaussian *g, int axis)
 {
-    return g->scale[axis] * LOG2_E;
+    return g->scale[axis] * FXS_LOG2_E;
 }
 
 static double base_colour(const fxs_gaussian *g, int channel)
@@ -118,13 +124,13 @@ void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *r, const fxs_sc
     while (chunk->step_shift < 12 && ldexp(most, 32 - (int)chunk->step_shift) / 65535 > 4294967294.0)
         chunk->step_shift++;
     chunk->scale_q16 = (int32_t)cut_to(ceil(ldexp(r->scale.high, 16)), INT32_MIN, INT32_MAX);
-    chunk->scale_step_q24 = step_for(ldexp(chunk->scale_q16, -16) - r->scale.low, 1023 * 1023, 24);
+    chunk->scale_step_q24 = (uint16_t)step_for(ldexp(chunk->scale_q16, -16) - r->scale.low, 1023 * 1023, 24);
     for (int i = 0; i < 3; i++) {
         chunk->origin_q32[i] = cut_to(floor(ldexp(r->position[i].low, 32)), -0x1p60, 0x1p60);
         chunk->step_q32[i] = step_for(r->position[i].high - ldexp((double)chunk->origin_q32[i], -32), 65535,
                                       32 - (int)chunk->step_shift);
         find_colour_codes(chunk, i, &r->colour[i], &info->colour);
-        chunk->sh_step_q19[i] = sh_step(r->sh[i], &info->sh);
+        chunk->sh_step_q19[i] = (uint16_t)sh_step(r->sh[i], &info->sh);
     }
 }
 
@@ -137,49 +143,43 @@ static void note(fxs_loss *loss, int which, double error)
     loss->squares[which] += error * error;
 }
 
-/* floor(x) in low..high. */
-static int floor_within(double x, int low, int high)
+/* What the renderer makes of a code of fewer bits than `wide`: its high bits again below. */
+static int spread(int code, int bits, int wide)
 {
-    const double held = x > low ? x < high ? x : high : low;
-    const int cut = (int)held;
-    return cut - (cut > held);
+    return bits == wide ? code : code << (wide - bits) | code >> (2 * bits - wide);
 }
 
-/* round((x - low) / step) in 0..codes */
-static uint32_t encode(double x, double low, double step, int codes)
+/* The nearest code of `bits` bits for low + code step, the code spread to `wide`. */
+static uint32_t encode(double x, double low, double step, int bits, int wide)
 {
-    return step > 0 ? (uint32_t)floor_within((x - low) / step + 0.5, 0, codes) : 0;
+    const int most = (1 << bits) - 1;
+    const double own = step * ((1 << wide) - 1) / most;
+    return step > 0 ? (uint32_t)fxs_floor_within((x - low) / own + 0.5, 0, most) : 0;
 }
 
-/* What the renderer makes of fewer bits: their high bits again below. */
-static int spread(const fxs_encoder *e, int code)
-{
-    return e->profile == FXS_PROFILE_SMALL ? code << 2 | code >> 6 : code;
-}
-
-/* Codes of 12 bits in small, 16 else. */
+/* Codes of 11 bits in small, 16 else. */
 static uint32_t encode_position(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g, int axis,
                                 fxs_loss *loss)
 {
-    const int small = e->profile == FXS_PROFILE_SMALL;
+    const int bits = e->profile == FXS_PROFILE_SMALL ? 11 : 16;
     double low = (double)chunk->origin_q32[axis] * 0x1p-32;
     double step = (double)((uint64_t)chunk->step_q32[axis] << chunk->step_shift) * 0x1p-32;
-    uint32_t code = encode(g->position[axis], low, small ? step * 65535 / 4095 : step, small ? 4095 : 65535);
-    note(loss, FXS_LOSS_POSITION, low + (small ? code << 4 | code >> 8 : code) * step - g->position[axis]);
+    uint32_t code = encode(g->position[axis], low, step, bits, 16);
+    note(loss, FXS_LOSS_POSITION, low + spread((int)code, bits, 16) * step - g->position[axis]);
     return code;
 }
 
-/* Nearest code with log2(sigma) = high - code^2 step; of 8 bits in small, 10 else. */
+/* Nearest code with log2(sigma) = high - code^2 step; of 7 bits in small, 6 for the last axis, 10 else. */
 static uint32_t encode_scale(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g, int axis,
                              fxs_loss *loss)
 {
-    const int small = e->profile == FXS_PROFILE_SMALL, most = small ? 255 : 1023;
+    const int bits = e->profile != FXS_PROFILE_SMALL ? 10 : axis < 2 ? 7 : 6, most = (1 << bits) - 1;
     double x = log2_scale(g, axis), high = chunk->scale_q16 * 0x1p-16, step = chunk->scale_step_q24 * 0x1p-24;
-    int code = step > 0 && x < high ? floor_within(sqrt((high - x) / step) * (small ? 255 / 1023.0 : 1), 0, most) : 0;
+    int code = step > 0 && x < high ? fxs_floor_within(sqrt((high - x) / step) * (most / 1023.0), 0, most) : 0;
     int next = code < most && step > 0 ? code + 1 : code;
-    double above = high - spread(e, code) * spread(e, code) * step - x;
-    double below = high - spread(e, next) * spread(e, next) * step - x;
-    note(loss, FXS_LOSS_SCALE, (fabs(below) < fabs(above) ? below : above) / LOG2_E);
+    double above = high - spread(code, bits, 10) * spread(code, bits, 10) * step - x;
+    double below = high - spread(next, bits, 10) * spread(next, bits, 10) * step - x;
+    note(loss, FXS_LOSS_SCALE, (fabs(below) < fabs(above) ? below : above) / FXS_LOG2_E);
     return (uint32_t)(fabs(below) < fabs(above) ? next : code);
 }
 
@@ -194,24 +194,24 @@ static void note_angle(fxs_loss *loss, double dot)
         *largest = fmax(*largest, 2 * acos(dot) * DEGREES);
 }
 
-/* Smallest three: the largest component is left out, the others are in +-1/sqrt(2), 10 bits each, 8 in small. Returns
+/* Smallest three: the largest component is left out, the others are in +-1/sqrt(2), 10 bits each, 7 in small. Returns
    which is the largest. */
-static uint32_t encode_rotation(const fxs_encoder *e, const float rotation[4], uint32_t codes[3], fxs_loss *loss)
+static uint32_t encode_rotation(const fxs_encoder *e, const double rotation[4], uint32_t codes[3], fxs_loss *loss)
 {
     double q[4], decoded[4], norm = 0, rest = 0, dot = 0;
-    const double half = e->profile == FXS_PROFILE_SMALL ? 127.5 : 511.5;
+    const int bits = e->profile == FXS_PROFILE_SMALL ? 7 : 10, most = (1 << bits) - 1;
     int largest = 0, n = 0;
     for (int i = 0; i < 4; i++) {
-        norm += (double)rotation[i] * rotation[i];
-        largest = fabsf(rotation[i]) > fabsf(rotation[largest]) ? i : largest;
+        norm += rotation[i] * rotation[i];
+        largest = fabs(rotation[i]) > fabs(rotation[largest]) ? i : largest;
     }
     norm = copysign(sqrt(norm), rotation[largest]);
     for (int i = 0; i < 4; i++) {
         q[i] = rotation[i] / norm;
         if (i == largest)
             continue;
-        int code = floor_within((q[i] * 1.4142135623730951 + 1) * half + 0.5, 0, (int)(2 * half));
-        decoded[i] = (spread(e, code) / 511.5 - 1) / 1.4142135623730951;
+        int code = fxs_floor_within((q[i] * 1.4142135623730951 + 1) * (most / 2.0) + 0.5, 0, most);
+        decoded[i] = (spread(code, bits, 10) / 511.5 - 1) / 1.4142135623730951;
         rest += decoded[i] * decoded[i];
         codes[n++] = (uint32_t)code;
     }
@@ -222,15 +222,39 @@ static uint32_t encode_rotation(const fxs_encoder *e, const float rotation[4], u
     return (uint32_t)largest;
 }
 
-static uint32_t encode_colour(const fxs_gaussian *g, const fxs_chunk *chunk, fxs_loss *loss)
+/* The same Gaussian with its thinnest axis last: a quarter turn about the axis that stays, q (1 + i) or q (1 + j), up to
+   a factor; that an axis changes its sign is not seen. */
+static void put_thinnest_last(fxs_gaussian *g, double rotation[4])
 {
-    double opacity = 1 / (1 + exp(-g->opacity));
-    uint32_t word = (uint32_t)floor_within(opacity * 255 + 0.5, 0, 255) << 24;
-    note(loss, FXS_LOSS_OPACITY, (word >> 24) / 255.0 - opacity);
+    const int thinnest = g->scale[0] < g->scale[1] ? 0 : 1;
+    const double w = rotation[0], x = rotation[1], y = rotation[2], z = rotation[3];
+    if (!(g->scale[thinnest] < g->scale[2]))
+        return;
+    const float last = g->scale[2];
+    g->scale[2] = g->scale[thinnest];
+    g->scale[thinnest] = last;
+    rotation[0] = thinnest ? w - x : w - y;
+    rotation[1] = thinnest ? x + w : x - z;
+    rotation[2] = thinnest ? y + z : y + w;
+    rotation[3] = thinnest ? z - y : z + x;
+}
+
+uint32_t fxs_opacity_code(const fxs_gaussian *g)
+{
+    return (uint32_t)fxs_floor_within(255 / (1 + exp(-g->opacity)) + 0.5, 0, 255);
+}
+
+/* Opacity in bits 31..24, a colour's code of 8 bits in each 8; in small of 7, 7 and 6 bits. */
+static uint32_t encode_colour(const fxs_encoder *e, const fxs_gaussian *g, const fxs_chunk *chunk, fxs_loss *loss)
+{
+    const int small = e->profile == FXS_PROFILE_SMALL;
+    uint32_t word = fxs_opacity_code(g) << 24;
+    note(loss, FXS_LOSS_OPACITY, (word >> 24) / 255.0 - 1 / (1 + exp(-g->opacity)));
     for (int i = 0; i < 3; i++) {
+        const int bits = !small ? 8 : i < 2 ? 7 : 6;
         double low = chunk->colour_q16[i] * 0x1p-16, step = chunk->colour_step_q20[i] * 0x1p-20, x = base_colour(g, i);
-        uint32_t code = encode(x, low, step, 255);
-        note(loss, FXS_LOSS_DC, (low + code * step - x) / C0);
+        uint32_t code = encode(x, low, step, bits, 8);
+        note(loss, FXS_LOSS_DC, (low + spread((int)code, bits, 8) * step - x) / C0);
         word |= code << 8 * i;
     }
     return word;
@@ -266,28 +290,20 @@ static void encode_bands(const fxs_encoder *e, const fxs_chunk *chunk, const fxs
     loss->squares[FXS_LOSS_SH] += sums[0] + sums[1] + sums[2];
 }
 
-void fxs_sh_vector_of(fxs_sh_vector vector, const fxs_gaussian *g, int sh_degree)
-{
-    memset(vector, 0, sizeof(fxs_sh_vector));
-    for (int k = 0; k < FXS_SH_COUNT(sh_degree); k++)
-        for (int c = 0; c < 3; c++)
-            vector[16 * c + k] = g->sh[3 * k + c];
-}
-
 /* (8 + bits 2..0) 2^(bits 7..3) 2^-32 */
 static double gain_of(int code)
 {
     return ldexp(8 + (code & 7), (code >> 3) - 32);
 }
 
-/* The odd number in -7..7 that times the gain is nearest to x. */
-static int nearest_odd(double x, double gain)
+/* The odd number in -7..7 that times the gain is nearest to x, given half of 1 / gain. */
+static int nearest_odd(double x, double half_inverse)
 {
-    return 2 * floor_within(x / gain / 2, -4, 3) + 1;
+    return 2 * fxs_floor_within(x * half_inverse, -4, 3) + 1;
 }
 
 /* The gain with the least sum of squares: down to an octave and a half below the one that clips nothing. */
-static int find_gain(const fxs_sh_vector rest, int count)
+static int find_gain(const double rest[FXS_PALETTE_STRIDE], int count)
 {
     double most = 0, least = INFINITY;
     int best = 0, first = 0;
@@ -299,7 +315,7 @@ static int find_gain(const fxs_sh_vector rest, int count)
         double gain = gain_of(code), sum = 0;
         for (int c = 0; c < 3; c++)
             for (int k = 0; k < count; k++) {
-                double error = nearest_odd(rest[16 * c + k], gain) * gain - rest[16 * c + k];
+                double error = nearest_odd(rest[16 * c + k], 0.5 / gain) * gain - rest[16 * c + k];
                 sum += error * error;
             }
         best = sum < least ? code : best;
@@ -308,38 +324,24 @@ static int find_gain(const fxs_sh_vector rest, int count)
     return best;
 }
 
-/* Of the profile compact: gain and codes of 3 bits. `rest` becomes what is left. */
-static void encode_rest(fxs_sh_vector rest, int count, unsigned char *record)
+void fxs_encode_rest(fxs_sh_vector rest, int count, int unit_exponent, unsigned char *record)
 {
-    const int code = find_gain(rest, count);
+    double values[FXS_PALETTE_STRIDE];
+    for (int i = 0; i < (int)FXS_PALETTE_STRIDE; i++)
+        values[i] = ldexp(rest[i], -unit_exponent);
+    const int code = find_gain(values, count);
     const double gain = gain_of(code);
     uint32_t bit = FXS_RESIDUAL_BIT;
     record[FXS_GAIN_BYTE] = (unsigned char)code;
     for (int c = 0; c < 3; c++)
         for (int k = 0; k < count; k++, bit += 3) {
-            int odd = nearest_odd(rest[16 * c + k], gain);
+            int odd = nearest_odd(values[16 * c + k], 0.5 / gain);
             uint32_t bits = (uint32_t)((odd - 1) / 2 & 7) << bit % 8;
             record[bit / 8] = (unsigned char)(record[bit / 8] | bits);
             if (bits >> 8)
                 record[bit / 8 + 1] = (unsigned char)(bits >> 8);
-            rest[16 * c + k] -= (float)(odd * gain);
+            rest[16 * c + k] = (int16_t)(rest[16 * c + k] - ldexp(odd * gain, unit_exponent));
         }
-}
-
-static void encode_by_palette(const fxs_encoder *e, const fxs_gaussian *g, unsigned char *record, fxs_loss *loss)
-{
-    const int count = FXS_SH_COUNT(e->sh_degree);
-    uint8_t indices[FXS_PALETTE_STAGES];
-    fxs_sh_vector rest;
-    fxs_sh_vector_of(rest, g, e->sh_degree);
-    fxs_palette_find(e->palette, rest, indices);
-    memset(record, 0, fxs_sh_bytes(e->profile, e->sh_degree));
-    memcpy(record, indices, e->palette->stages);
-    if (e->profile == FXS_PROFILE_COMPACT)
-        encode_rest(rest, count, record);
-    for (int c = 0; c < 3; c++)
-        for (int k = 0; k < count; k++)
-            note(loss, FXS_LOSS_SH, rest[16 * c + k]);
 }
 
 /* ---- Records --------------------------------------------------------------------------------------------------- */
@@ -351,31 +353,34 @@ static unsigned char *put(unsigned char *to, uint32_t value, int bytes)
     return to;
 }
 
-void fxs_encode(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g,
+void fxs_encode(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *gaussian,
                 unsigned char record[FXS_RECORD_BYTES], fxs_loss *loss)
 {
     uint32_t p[3], s[3], q[3];
+    fxs_gaussian g = *gaussian;
+    double rotation[4] = {g.rotation[0], g.rotation[1], g.rotation[2], g.rotation[3]};
+    if (e->profile == FXS_PROFILE_SMALL)
+        put_thinnest_last(&g, rotation);
     for (int i = 0; i < 3; i++) {
-        p[i] = encode_position(e, chunk, g, i, loss);
-        s[i] = encode_scale(e, chunk, g, i, loss);
+        p[i] = encode_position(e, chunk, &g, i, loss);
+        s[i] = encode_scale(e, chunk, &g, i, loss);
     }
-    const uint32_t largest = encode_rotation(e, g->rotation, q, loss), colour = encode_colour(g, chunk, loss);
+    const uint32_t largest = encode_rotation(e, rotation, q, loss), colour = encode_colour(e, &g, chunk, loss);
     if (e->profile == FXS_PROFILE_SMALL) {
-        record = put(record, p[0] | p[1] << 12 | (colour & 0xff000000u), 4);
-        record = put(record, p[2] | largest << 12 | colour << 16, 4);
-        record = put(record, s[0] | s[1] << 8 | s[2] << 16 | q[0] << 24, 4);
-        record = put(record, q[1] | q[2] << 8 | (colour & 0xff0000), 3);
-    } else {
-        for (int i = 0; i < 3; i++)
-            record = put(record, p[i], 2);
-        record = put(record, largest << 30 | q[0] << 20 | q[1] << 10 | q[2], 4);
-        record = put(record, s[0] | s[1] << 10 | s[2] << 20, 4);
-        record = put(record, colour, 4);
+        const uint32_t r = colour & 255, green = colour >> 8 & 255, b = colour >> 16 & 255;
+        record = put(record, p[0] | p[1] << 11 | largest << 22 | (colour & 0xff000000u), 4);
+        record = put(record, p[2] | r << 11 | green << 18 | b << 25 | (q[1] >> 5 & 1) << 31, 4);
+        record = put(record, s[0] | s[1] << 7 | s[2] << 14 | q[0] << 20 | (q[1] & 31) << 27, 4);
+        put(record, q[2] | (q[1] >> 6) << 7, 1);
+        return;
     }
-    if (e->palette)
-        encode_by_palette(e, g, record, loss);
-    else
-        encode_bands(e, chunk, g, record, loss);
+    for (int i = 0; i < 3; i++)
+        record = put(record, p[i], 2);
+    record = put(record, largest << 30 | q[0] << 20 | q[1] << 10 | q[2], 4);
+    record = put(record, s[0] | s[1] << 10 | s[2] << 20, 4);
+    record = put(record, colour, 4);
+    if (e->profile == FXS_PROFILE_DEFAULT)
+        encode_bands(e, chunk, &g, record, loss);
 }
 
 /* Bytes `first` to first + width - 1 of each record, side by side. */
@@ -390,12 +395,12 @@ static unsigned char *put_row(unsigned char *to, const unsigned char *records, u
 
 void fxs_encode_rows(const fxs_encoder *e, const unsigned char *records, unsigned char *rows)
 {
-    static const unsigned char small[] = {4, 4, 4, 2, 1, 0}, others[] = {2, 2, 2, 4, 4, 4, 0};
+    static const unsigned char small[] = {4, 4, 4, 1, 0}, others[] = {2, 2, 2, 4, 4, 4, 0};
     const uint32_t bytes = fxs_chunk_bytes(e->profile, e->sh_degree) / FXS_CHUNK;
     uint32_t first = 0;
     for (const unsigned char *width = e->profile == FXS_PROFILE_SMALL ? small : others; *width; first += *width++)
         rows = put_row(rows, records, bytes, first, *width);
-    const uint32_t width = e->palette ? bytes - first : 1;
+    const uint32_t width = e->profile == FXS_PROFILE_DEFAULT ? 1 : bytes - first;
     for (; first < bytes; first += width)
         rows = put_row(rows, records, bytes, first, width);
 }

@@ -6,6 +6,11 @@
 #include "palette.h"
 #include "scene_file.h"
 
+#define FXS_LOG2_E 1.4426950408889634
+
+/* floor(x) in low..high; NaN is low. */
+int fxs_floor_within(double x, int low, int high);
+
 /* ln(sigma) within +-20; NaN becomes -20. */
 float fxs_held_scale(float scale);
 
@@ -44,17 +49,21 @@ typedef struct fxs_loss {
 typedef struct fxs_encoder {
     enum fxs_profile profile;
     int sh_degree;
-    const fxs_palette *palette;      /* null without one */
 } fxs_encoder;
 
-/* The coefficients of a Gaussian in the order of a palette. */
-void fxs_sh_vector_of(fxs_sh_vector vector, const fxs_gaussian *gaussian, int sh_degree);
+/* round(255 opacity) */
+uint32_t fxs_opacity_code(const fxs_gaussian *gaussian);
 
 enum { FXS_RECORD_BYTES = 63 };      /* of the codes of one Gaussian, at most */
 
-/* Writes the codes of a Gaussian one after the other, in the order of the rows of its chunk, and notes what is lost. */
+/* Writes the codes of a Gaussian one after the other, in the order of the rows of its chunk, and notes what is lost. In
+   a profile with a palette not those of SH: fxs_palette_code_chunk does. */
 void fxs_encode(const fxs_encoder *encoder, const fxs_chunk *chunk, const fxs_gaussian *gaussian,
                 unsigned char record[FXS_RECORD_BYTES], fxs_loss *loss);
+
+/* Writes what is left of a Gaussian's SH into its record of profile compact: the gain and codes of 3 bits. `rest` becomes
+   what they leave. */
+void fxs_encode_rest(fxs_sh_vector rest, int count, int unit_exponent, unsigned char *record);
 
 /* Turns the records of a chunk, one after the other, into its rows. */
 void fxs_encode_rows(const fxs_encoder *encoder, const unsigned char *records, unsigned char *rows);

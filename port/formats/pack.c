@@ -10,8 +10,8 @@
 #include "order.h"
 
 #define BATCH 4096                   /* Gaussians read at once */
+#define SLICE 512                    /* chunks that are finished between two notes of progress */
 #define PARTS 16                     /* of a batch, however many the threads: sums come out the same */
-#define SAMPLE 65536                 /* Gaussians that a palette is learned from, at most */
 #define POSITION_LIMIT 134000000.0   /* just under 2^27 units */
 
 #if defined(__GNUC__)
@@ -49,7 +49,7 @@ struct packer {
     batch *batches;                  /* two: one is worked on while the other is filled */
     int ready;                       /* the one that is worked on */
     part_fn *work;
-    int steps;                       /* three passes, and the palette's learning before the last */
+    int steps;                       /* three passes, and the palette */
     fxs_order_entry *entries;
     fxs_seen *seen;                  /* of every seen_step-th Gaussian of the file */
     uint64_t seen_step;
@@ -57,8 +57,8 @@ struct packer {
     fxs_chunk_ranges *ranges;        /* of each chunk */
     fxs_encoder encoder;
     fxs_palette *palette;            /* null without one */
-    fxs_sh_vector *sample;           /* of every sample_step-th slot */
-    uint32_t sample_count, sample_step;
+    fxs_sh_item *items;              /* of each slot, where there is a palette */
+    uint32_t slice;                  /* of the chunks, in finish_part: see finish */
     fxs_packed_header *header;       /* of the packed scene, and its parts; headers are turned last */
     fxs_chunk *chunks;
     unsigned char *rows;
@@ -308,8 +308,6 @@ static void take_ranges(packer *p, batch *b, uint32_t part)
         if (p->report->packed < p->report->read)
             p->findings[part].dropped.kept += fxs_weight(&b->gaussians[i]);
         fxs_ranges_take(&p->ranges[chunk], fit(&b->gaussians[i]), p->encoder.sh_degree);
-        if (p->sample && slot % p->sample_step == 0)
-            fxs_sh_vector_of(p->sample[slot / p->sample_step], &b->gaussians[i], p->encoder.sh_degree);
     }
 }
 
@@ -337,33 +335,31 @@ static int find_headers(packer *p)
 
 static int allocate_palette(packer *p)
 {
-    p->sample_step = (p->header->count + SAMPLE - 1) / SAMPLE;
-    p->sample_count = (p->header->count + p->sample_step - 1) / p->sample_step;
-    p->sample = fxs_allocate(p->options.allocator, p->sample_count, sizeof *p->sample);
-    p->palette = fxs_allocate(p->options.allocator, 1, sizeof *p->palette);
-    p->encoder.palette = p->palette;
-    return p->sample && p->palette ? 0 : fxs_fail(p->message, "out of memory");
+    p->items = fxs_allocate_zeroed(p->options.allocator, p->header->count, sizeof *p->items);
+    p->palette = fxs_allocate_zeroed(p->options.allocator, 1, sizeof *p->palette);
+    if (!p->items || !p->palette)
+        return fxs_fail(p->message, "out of memory for %u Gaussians", p->header->count);
+    p->palette->profile = p->encoder.profile;
+    p->palette->sh_degree = p->encoder.sh_degree;
+    return 0;
 }
 
 static int note_learned(void *argument, double done)
 {
     const packer *p = argument;
-    return p->options.progress ? p->options.progress(p->options.argument, (2 + done) / p->steps) : 0;
+    return p->options.progress ? p->options.progress(p->options.argument, (3 + done / 4) / p->steps) : 0;
 }
 
 static int find_palette(packer *p)
 {
     fxs_packed_header *h = p->header;
-    unsigned char *to = (unsigned char *)(p->chunks + h->chunk_count);
-    const uint32_t stages = fxs_palette_stages(p->encoder.profile, p->encoder.sh_degree);
     fxs_pack_options options = p->options;
     options.progress = note_learned;
     options.argument = p;
-    if (fxs_palette_learn(p->palette, stages, h->palette_entries, p->sample, p->sample_count, &options, p->message))
+    if (fxs_palette_learn(p->palette, h->palette_entries, p->items, h->count, &options, p->message))
         return -1;
-    h->palette_step_q19 = p->palette->step_q19;
-    for (uint32_t stage = 0; stage < stages; stage++, to += h->palette_entries * FXS_PALETTE_STRIDE)
-        memcpy(to, p->palette->codes[stage], h->palette_entries * FXS_PALETTE_STRIDE);
+    h->palette_step_q19 = fxs_palette_step_q19(p->palette);
+    fxs_palette_write(p->palette, (int8_t *)(p->chunks + h->chunk_count));
     return 0;
 }
 
@@ -378,28 +374,57 @@ static void encode_part(packer *p, batch *b, uint32_t part)
         uint32_t slot = p->slots[b->first + (uint64_t)i];
         if (slot == FXS_NO_SLOT)
             continue;
-        unsigned char record[FXS_RECORD_BYTES], *to = p->rows + (size_t)slot * bytes;
+        unsigned char record[FXS_RECORD_BYTES] = {0}, *to = p->rows + (size_t)slot * bytes;
         PREFETCH(to);
         PREFETCH(to + bytes - 1);
         const fxs_gaussian *g = fit(&b->gaussians[i]);
         changed |= !is_within(&p->ranges[slot / FXS_CHUNK], g);
         fxs_encode(&p->encoder, &p->chunks[slot / FXS_CHUNK], g, record, &loss);
         memcpy(to, record, bytes);
+        if (p->items)
+            fxs_sh_item_set(&p->items[slot], g, p->encoder.sh_degree);
     }
     p->findings[part].loss = loss;
     p->findings[part].changed |= changed;
 }
 
-/* Records to rows. */
-static void turn_part(void *argument, uint32_t part)
+/* The SH of a chunk's records. */
+static void code_chunk(const packer *p, uint32_t chunk, unsigned char *records, fxs_loss *loss)
+{
+    const uint32_t first = chunk * FXS_CHUNK, left = p->header->count - first, bytes = p->header->chunk_bytes / FXS_CHUNK;
+    fxs_sh_loss sh = {loss->largest[FXS_LOSS_SH], loss->squares[FXS_LOSS_SH]};
+    fxs_palette_code_chunk(p->palette, p->items + first, left < FXS_CHUNK ? left : FXS_CHUNK, p->chunks[chunk].sh_mean,
+                           records + bytes - fxs_sh_bytes(p->encoder.profile, p->encoder.sh_degree), bytes, &sh);
+    loss->largest[FXS_LOSS_SH] = sh.largest;
+    loss->squares[FXS_LOSS_SH] = sh.squares;
+}
+
+/* Records to rows, in a slice of the chunks. */
+static void finish_part(void *argument, uint32_t part)
 {
     const packer *p = argument;
+    const uint32_t chunks = p->header->chunk_count;
     unsigned char records[FXS_CHUNK * FXS_RECORD_BYTES];
-    for (uint32_t chunk = part; chunk < p->header->chunk_count; chunk += p->parts) {
+    fxs_loss loss = p->findings[part].loss;
+    for (uint32_t chunk = p->slice * SLICE + part; chunk < chunks && chunk < (p->slice + 1) * SLICE; chunk += p->parts) {
         unsigned char *rows = p->rows + (size_t)chunk * p->header->chunk_bytes;
         memcpy(records, rows, p->header->chunk_bytes);
+        if (p->palette)
+            code_chunk(p, chunk, records, &loss);
         fxs_encode_rows(&p->encoder, records, rows);
     }
+    p->findings[part].loss = loss;
+}
+
+static int finish(packer *p)
+{
+    const double chunks = p->header->chunk_count;
+    for (p->slice = 0; p->slice * SLICE < p->header->chunk_count; p->slice++) {
+        p->options.run(p->options.pool, finish_part, p, p->parts);
+        if (p->palette && note_learned(p, 1 + 3 * fmin(1, (p->slice + 1.0) * SLICE / chunks)))
+            return fxs_fail(p->message, "import stopped");
+    }
+    return 0;
 }
 
 static void sum_losses(packer *p)
@@ -421,13 +446,14 @@ static void sum_losses(packer *p)
 
 static int write_codes(packer *p)
 {
-    if (pass(p, p->steps - 1, encode_part))
+    if (pass(p, 2, encode_part))
         return -1;
-    p->options.run(p->options.pool, turn_part, p, p->parts);
-    sum_losses(p);
     for (uint32_t part = 0; part < p->parts; part++)
         if (p->findings[part].changed)
             return fail_changed(p);
+    if ((p->palette && find_palette(p)) || finish(p))
+        return -1;
+    sum_losses(p);
     return 0;
 }
 
@@ -450,14 +476,9 @@ static void write_bounds(fxs_packed_header *header, const fxs_pack_report *repor
     }
 }
 
-static uint32_t palette_entries(uint64_t count, int sh_degree, enum fxs_profile profile)
-{
-    return fxs_palette_stages(profile, sh_degree) ? fxs_palette_entries_for(count) : 0;
-}
-
 size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile)
 {
-    const uint32_t entries = palette_entries(info->count, info->sh_degree, profile);
+    const uint32_t entries = fxs_palette_entries_for(info->count, profile, info->sh_degree);
     return info->count > FXS_MAX_COUNT ? 0
            : fxs_scene_bytes((uint32_t)info->count, info->sh_degree, profile, entries);
 }
@@ -466,7 +487,7 @@ static int allocate_scene(packer *p, fxs_packed_scene *scene)
 {
     const uint32_t count = (uint32_t)p->report->packed;
     const enum fxs_profile profile = p->encoder.profile;
-    const uint32_t entries = palette_entries(count, p->encoder.sh_degree, profile);
+    const uint32_t entries = fxs_palette_entries_for(count, profile, p->encoder.sh_degree);
     scene->bytes = fxs_scene_bytes(count, p->encoder.sh_degree, profile, entries);
     scene->allocator = p->options.allocator;
     scene->allocation = scene->bytes ? fxs_allocate_zeroed(p->options.allocator, 1, scene->bytes + 63) : 0;
@@ -508,7 +529,7 @@ static int pack(packer *p, fxs_packed_scene *scene)
         return fxs_fail(p->message, "none of the %llu Gaussians can be drawn", (unsigned long long)p->report->read);
     if (find_inner_bounds(p) || find_slots(p) || find_seen_bounds(p) || allocate_scene(p, scene) || find_headers(p))
         return -1;
-    if ((p->palette && find_palette(p)) || write_codes(p))
+    if (write_codes(p))
         return -1;
     turn_headers(p);
     fxs_scene whole;                 /* a pass may have read other numbers than the one before */
@@ -543,7 +564,7 @@ int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_s
     fxs_release(p.options.allocator, p.slots);
     fxs_release(p.options.allocator, p.ranges);
     fxs_release(p.options.allocator, p.palette);
-    fxs_release(p.options.allocator, p.sample);
+    fxs_release(p.options.allocator, p.items);
     if (result)
         fxs_packed_scene_free(scene);
     return result;

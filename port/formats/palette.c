@@ -3,131 +3,230 @@
 #include <math.h>
 #include <string.h>
 
+#include "encode.h"
+
 enum {
     ENTRIES = FXS_PALETTE_ENTRIES, WIDTH = FXS_PALETTE_STRIDE, STAGES = FXS_PALETTE_STAGES,
-    BEAM = 6,                      /* sums kept from stage to stage */
-    LLOYD_ROUNDS = 10, JOINT_ROUNDS = 3,
-    JOBS = 16
+    GROUPS = FXS_PALETTE_GROUPS, GROUP = ENTRIES / GROUPS,
+    MOST = 1270,                   /* units; sums of 7 vectors stay in 16 bits, their products in 32 */
+    BEAM = 4,                      /* sums kept from stage to stage */
+    TRIED = 3,                     /* groups of entries that are looked into */
+    SAMPLE = 16384,                /* Gaussians that a palette is learned from, about */
+    LLOYD_ROUNDS = 5, JOINT_ROUNDS = 2,
+    JOBS = 16,
+    WINDOW = 48                    /* Gaussians before one whose errors it makes good, at most */
 };
 
-/* 48 bytes a stage and entry are to cost at most 0.4 bytes a Gaussian in four stages. */
-uint32_t fxs_palette_entries_for(uint64_t count)
+/* 48 bytes a stage and entry are to cost at most 0.4 bytes a Gaussian. */
+uint32_t fxs_palette_entries_for(uint64_t count, enum fxs_profile profile, int sh_degree)
 {
-    uint64_t entries = count / 480;
+    const uint32_t stages = fxs_palette_stages(profile, sh_degree);
+    if (!stages)
+        return 0;
+    uint64_t entries = count / (120 * stages);
     return entries < 1 ? 1 : entries > ENTRIES ? ENTRIES : (uint32_t)entries;
 }
 
-/* ---- Distances ------------------------------------------------------------------------------------------------- */
+/* ---- Gaussians ------------------------------------------------------------------------------------------------- */
 
-/* out[j] = vector * entry j, for all of a stage. Each is summed in one order, however many are done at once. */
-static void multiply(float *restrict out, const float *values, const float *restrict vector)
+void fxs_sh_item_set(fxs_sh_item *item, const fxs_gaussian *g, int sh_degree)
 {
-    memset(out, 0, ENTRIES * sizeof *out);
-    for (int d = 0; d < WIDTH; d++) {
-        const float x = vector[d], *restrict row = values + d * ENTRIES;
-        for (int j = 0; j < ENTRIES; j++)
-            out[j] += x * row[j];
-    }
+    const int count = 3 * FXS_SH_COUNT(sh_degree);
+    const float *s = g->scale;
+    const float least = s[0] < s[1] ? s[0] < s[2] ? s[0] : s[2] : s[1] < s[2] ? s[1] : s[2];
+    float most = 0;
+    for (int i = 0; i < count; i++)
+        most = fabsf(g->sh[i]) > most ? fabsf(g->sh[i]) : most;
+    memset(item, 0, sizeof *item);
+    memcpy(item->position, g->position, sizeof item->position);
+    item->area = (int16_t)fxs_floor_within(8 * FXS_LOG2_E * ((double)s[0] + s[1] + s[2] - least) + 0.5, -1000, 1000);
+    item->opacity = (uint8_t)fxs_opacity_code(g);
+    item->step = most / 127;
+    for (int i = 0; i < count && item->step > 0; i++)
+        item->codes[i] = (int8_t)(fxs_floor_within((double)g->sh[i] / item->step + 0.5, -127, 127));
 }
 
-static void get_entry(fxs_sh_vector entry, const fxs_palette *p, uint32_t stage, uint32_t index)
+/* Coefficients in units, held within +-MOST. */
+static void vector_of(fxs_sh_vector vector, const fxs_sh_item *item, int unit_exponent)
 {
-    for (int d = 0; d < WIDTH; d++)
-        entry[d] = p->values[stage][d][index];
+    const double scale = ldexp(item->step, unit_exponent);
+    memset(vector, 0, sizeof(fxs_sh_vector));
+    for (int k = 0; k < 15; k++)
+        for (int c = 0; c < 3; c++)
+            vector[16 * c + k] = (int16_t)fxs_floor_within(item->codes[3 * k + c] * scale + 0.5, -MOST, MOST);
 }
 
-static void subtract(fxs_sh_vector vector, const fxs_palette *p, uint32_t stage, uint32_t index)
+/* Weighted by opacity. */
+static void find_mean(fxs_sh_vector mean, const fxs_sh_item *items, uint32_t count, int unit_exponent)
 {
-    for (int d = 0; d < WIDTH; d++)
-        vector[d] -= p->values[stage][d][index];
-}
-
-/* The squares and products of a stage, from its values. */
-static void prepare_stage(fxs_palette *p, uint32_t stage)
-{
-    for (uint32_t j = 0; j < ENTRIES; j++) {
-        float square = 0;
+    int32_t sums[WIDTH] = {0}, weight = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        fxs_sh_vector vector;
+        vector_of(vector, &items[i], unit_exponent);
         for (int d = 0; d < WIDTH; d++)
-            square += p->values[stage][d][j] * p->values[stage][d][j];
-        p->squares[stage][j] = j < p->entries ? square : INFINITY;
+            sums[d] += vector[d] * items[i].opacity;
+        weight += items[i].opacity;
     }
-    for (uint32_t s = 0; s < stage; s++)
-        for (uint32_t i = 0; i < p->entries; i++) {
-            fxs_sh_vector entry;
-            get_entry(entry, p, s, i);
-            multiply(p->products[stage][s][i], p->values[stage][0], entry);
-        }
+    for (int d = 0; d < WIDTH; d++)
+        mean[d] = (int16_t)(weight ? sums[d] / weight : 0);
+}
+
+static int16_t hold(int64_t x)
+{
+    return (int16_t)(x > -MOST ? x < MOST ? x : MOST : -MOST);
+}
+
+static void copy_held(fxs_sh_vector to, const fxs_sh_vector from, int sign)
+{
+    for (int d = 0; d < WIDTH; d++)
+        to[d] = hold(sign * from[d]);
+}
+
+static void subtract(fxs_sh_vector vector, const fxs_sh_vector from)
+{
+    for (int d = 0; d < WIDTH; d++)
+        vector[d] = (int16_t)(vector[d] - from[d]);
+}
+
+/* An entry by its signed index. */
+static void subtract_entry(fxs_sh_vector vector, const fxs_palette *p, uint32_t stage, uint32_t index)
+{
+    const int16_t *entry = p->vectors[stage][index % ENTRIES];
+    const int sign = index & FXS_PALETTE_NEGATIVE ? -1 : 1;
+    for (int d = 0; d < WIDTH; d++)
+        vector[d] = (int16_t)(vector[d] - sign * entry[d]);
 }
 
 /* ---- Finding --------------------------------------------------------------------------------------------------- */
 
-/* A sum of entries of the first stages; cost = |x - sum|^2 - |x|^2. */
-typedef struct candidate {
-    float cost;
-    uint8_t indices[STAGES];
-} candidate;
-
-/* Puts a candidate among the best, which are in order; of equal ones the first stays. Returns how many there are. */
-static uint32_t insert(candidate best[BEAM], uint32_t count, const candidate *from, uint32_t stage, uint32_t index,
-                       float cost)
+static int32_t dot(const int16_t *restrict a, const int16_t *restrict b)
 {
-    uint32_t at = count < BEAM ? count++ : BEAM - 1;
-    for (; at > 0 && best[at - 1].cost > cost; at--)
+    int32_t sum = 0;
+#if defined(__GNUC__)
+#pragma GCC unroll 6
+#endif
+    for (int d = 0; d < WIDTH; d++)
+        sum += a[d] * b[d];
+    return sum;
+}
+
+static int32_t absolute(int32_t x)
+{
+    return x < 0 ? -x : x;
+}
+
+static uint32_t groups_of(const fxs_palette *p)
+{
+    return (p->entries + GROUP - 1) / GROUP;
+}
+
+/* Puts an item among the best `most`, of which there are `count`, in order of cost; of equal ones the first stays.
+   Returns how many there are. */
+typedef struct ranked {
+    int32_t cost;
+    uint8_t from, index;           /* the sum that it extends; a group, or a signed index */
+} ranked;
+
+static uint32_t insert(ranked *best, uint32_t count, uint32_t most, ranked item)
+{
+    if (count == most && item.cost >= best[most - 1].cost)
+        return count;
+    uint32_t at = count < most ? count++ : most - 1;
+    for (; at > 0 && best[at - 1].cost > item.cost; at--)
         best[at] = best[at - 1];
-    best[at] = *from;
-    best[at].indices[stage] = (uint8_t)index;
-    best[at].cost = cost;
+    best[at] = item;
     return count;
 }
 
-static uint32_t extend(candidate best[BEAM], const candidate *from, uint32_t count, const fxs_palette *p,
-                       uint32_t stage, const fxs_sh_vector vector)
+/* A sum of signed entries of the first stages. */
+typedef struct candidate {
+    fxs_sh_vector left;            /* x - sum */
+    int32_t cost;                  /* |left|^2 - |x|^2 */
+    uint8_t indices[STAGES];
+} candidate;
+
+/* The entries of a group that extend a sum best: |left -+ entry|^2 = |left|^2 + |entry|^2 -+ 2 left entry. */
+static uint32_t try_group(ranked best[BEAM], uint32_t count, const fxs_palette *p, uint32_t stage, uint32_t group,
+                          const candidate *from, uint32_t which)
 {
-    float products[ENTRIES], costs[ENTRIES];
+    for (uint32_t j = group * GROUP; j < (group + 1) * GROUP && j < p->entries; j++) {
+        const int32_t product = dot(from->left, p->vectors[stage][j]);
+        const int32_t cost = from->cost + p->squares[stage][j] - 2 * absolute(product);
+        count = insert(best, count, BEAM,
+                       (ranked){cost, (uint8_t)which, (uint8_t)(j | (product < 0 ? FXS_PALETTE_NEGATIVE : 0))});
+    }
+    return count;
+}
+
+/* The groups whose middle is nearest. */
+static uint32_t find_groups(ranked best[TRIED], const fxs_palette *p, uint32_t stage, const fxs_sh_vector left)
+{
+    uint32_t count = 0;
+    for (uint32_t g = 0; g < groups_of(p); g++) {
+        const int32_t cost = p->group_squares[stage][g] - 2 * absolute(dot(left, p->groups[stage][g]));
+        count = insert(best, count, TRIED, (ranked){cost, 0, (uint8_t)g});
+    }
+    return count;
+}
+
+/* The best sums of one stage more. Returns their number. */
+static uint32_t extend(candidate to[BEAM], const candidate from[BEAM], uint32_t count, const fxs_palette *p,
+                       uint32_t stage)
+{
+    ranked best[BEAM], groups[TRIED];
     uint32_t kept = 0;
-    multiply(products, p->values[stage][0], vector);
-    for (uint32_t b = 0; b < count; b++) {
-        for (int j = 0; j < ENTRIES; j++)
-            costs[j] = from[b].cost + (p->squares[stage][j] - 2 * products[j]);
-        for (uint32_t s = 0; s < stage; s++) {
-            const float *restrict row = p->products[stage][s][from[b].indices[s]];
-            for (int j = 0; j < ENTRIES; j++)
-                costs[j] += 2 * row[j];
-        }
-        for (uint32_t j = 0; j < p->entries; j++)
-            if (kept < BEAM || costs[j] < best[BEAM - 1].cost)
-                kept = insert(best, kept, &from[b], stage, j, costs[j]);
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t tried = find_groups(groups, p, stage, from[i].left);
+        for (uint32_t g = 0; g < tried; g++)
+            kept = try_group(best, kept, p, stage, groups[g].index, &from[i], i);
+    }
+    for (uint32_t i = 0; i < kept; i++) {
+        to[i] = from[best[i].from];
+        to[i].cost = best[i].cost;
+        to[i].indices[stage] = best[i].index;
+        subtract_entry(to[i].left, p, stage, best[i].index);
     }
     return kept;
 }
 
-void fxs_palette_find(const fxs_palette *p, fxs_sh_vector vector, uint8_t indices[STAGES])
+/* Finds signed entries whose sum is near a vector, an index for each stage; the vector becomes what is left. */
+static void find(const fxs_palette *p, fxs_sh_vector vector, uint8_t indices[STAGES])
 {
-    candidate best[2][BEAM] = {{{0, {0}}}};
+    candidate sums[2][BEAM] = {{{{0}, 0, {0}}}};
     uint32_t count = 1;
+    memcpy(sums[0][0].left, vector, sizeof sums[0][0].left);
     for (uint32_t stage = 0; stage < p->stages; stage++)
-        count = extend(best[(stage + 1) & 1], best[stage & 1], count, p, stage, vector);
-    memcpy(indices, best[p->stages & 1][0].indices, STAGES);
-    for (uint32_t stage = 0; stage < p->stages; stage++)
-        subtract(vector, p, stage, indices[stage]);
+        count = extend(sums[(stage + 1) & 1], sums[stage & 1], count, p, stage);
+    memcpy(indices, sums[p->stages & 1][0].indices, STAGES);
+    memcpy(vector, sums[p->stages & 1][0].left, sizeof(fxs_sh_vector));
+}
+
+/* The squares of a stage, from its vectors. */
+static void prepare_stage(fxs_palette *p, uint32_t stage)
+{
+    for (uint32_t j = 0; j < p->entries; j++)
+        p->squares[stage][j] = dot(p->vectors[stage][j], p->vectors[stage][j]);
+    for (uint32_t g = 0; g < groups_of(p); g++)
+        p->group_squares[stage][g] = dot(p->groups[stage][g], p->groups[stage][g]);
 }
 
 /* ---- Learning -------------------------------------------------------------------------------------------------- */
 
 typedef struct learner {
     fxs_palette *palette;
-    fxs_sh_vector *vectors;
+    fxs_sh_vector *vectors;        /* of the sample; then what the stages so far leave of them */
     uint32_t count;
     uint8_t (*indices)[STAGES];    /* of each vector */
-    double (*sums)[WIDTH];         /* of the vectors of each entry */
-    uint32_t *counts;
+    int64_t (*sums)[WIDTH];        /* of the vectors of each entry */
+    int32_t *total;                /* their number */
     const fxs_pack_options *options;
     uint32_t rounds, stage;
+    int32_t most;                  /* of the sample's means, units */
 } learner;
 
 static int stopped(learner *l)
 {
-    const double all = (double)l->palette->stages * LLOYD_ROUNDS + JOINT_ROUNDS;
+    const double all = 2.0 * l->palette->stages * LLOYD_ROUNDS + JOINT_ROUNDS;
     return l->options->progress && l->options->progress(l->options->argument, l->rounds++ / all);
 }
 
@@ -141,84 +240,114 @@ static uint32_t first_of(const learner *l, uint32_t job)
     return (uint32_t)((uint64_t)l->count * job / JOBS);
 }
 
-static uint32_t nearest(const fxs_palette *p, uint32_t stage, const fxs_sh_vector vector)
+/* The signed index of the nearest of `count` vectors from `first` on. */
+static uint32_t nearest(const fxs_sh_vector *vectors, const int32_t *squares, uint32_t first, uint32_t count,
+                        const fxs_sh_vector vector)
 {
-    float costs[ENTRIES];
+    int32_t least = INT32_MAX;
     uint32_t best = 0;
-    multiply(costs, p->values[stage][0], vector);
-    for (int j = 0; j < ENTRIES; j++)
-        costs[j] = p->squares[stage][j] - 2 * costs[j];
-    for (uint32_t j = 1; j < p->entries; j++)
-        best = costs[j] < costs[best] ? j : best;
+    for (uint32_t j = first; j < first + count; j++) {
+        const int32_t product = dot(vector, vectors[j]), cost = squares[j] - 2 * absolute(product);
+        if (cost < least) {
+            least = cost;
+            best = j | (product < 0 ? FXS_PALETTE_NEGATIVE : 0);
+        }
+    }
     return best;
 }
 
-static void find_nearest(void *argument, uint32_t job)
+static void find_group(void *argument, uint32_t job)
 {
     const learner *l = argument;
+    const fxs_palette *p = l->palette;
     for (uint32_t i = first_of(l, job); i < first_of(l, job + 1); i++)
-        l->indices[i][l->stage] = (uint8_t)nearest(l->palette, l->stage, l->vectors[i]);
+        l->indices[i][l->stage] = (uint8_t)nearest(p->groups[l->stage], p->group_squares[l->stage], 0, groups_of(p),
+                                                   l->vectors[i]);
 }
 
-/* Vectors spread evenly over the sample. */
-static void begin_stage(learner *l, uint32_t stage)
+/* The nearest in the group of the entry that it had. */
+static void find_entry(void *argument, uint32_t job)
 {
-    fxs_palette *p = l->palette;
-    for (uint32_t j = 0; j < p->entries; j++)
-        for (int d = 0; d < WIDTH; d++)
-            p->values[stage][d][j] = l->vectors[(uint64_t)j * l->count / p->entries][d];
-    prepare_stage(p, stage);
+    const learner *l = argument;
+    const fxs_palette *p = l->palette;
+    for (uint32_t i = first_of(l, job); i < first_of(l, job + 1); i++) {
+        uint8_t *index = &l->indices[i][l->stage];
+        const uint32_t first = *index % ENTRIES / GROUP * GROUP, left = p->entries - first;
+        *index = (uint8_t)nearest(p->vectors[l->stage], p->squares[l->stage], first, left < GROUP ? left : GROUP,
+                                  l->vectors[i]);
+    }
 }
 
-static void add_to(learner *l, uint32_t index, const fxs_sh_vector vector)
+/* Adds a vector, times `sign`, to the sum of an entry. */
+static void add_to(learner *l, uint32_t entry, const fxs_sh_vector vector, int sign)
 {
     for (int d = 0; d < WIDTH; d++)
-        l->sums[index][d] += vector[d];
-    l->counts[index]++;
+        l->sums[entry][d] += sign * vector[d];
+    l->total[entry]++;
 }
 
-static void forget_sums(learner *l)
+/* Each of `count` vectors becomes `keep` times itself, 0 or 1, and the mean of what was added to it; one to which
+   nothing was added stays. */
+static void move(learner *l, fxs_sh_vector *vectors, uint32_t count, int keep)
 {
+    for (uint32_t j = 0; j < count; j++)
+        for (int d = 0; d < WIDTH && l->total[j]; d++)
+            vectors[j][d] = hold(keep * vectors[j][d] + l->sums[j][d] / l->total[j]);
     memset(l->sums, 0, l->palette->entries * sizeof *l->sums);
-    memset(l->counts, 0, l->palette->entries * sizeof *l->counts);
+    memset(l->total, 0, l->palette->entries * sizeof *l->total);
 }
 
-/* Each entry becomes the mean of its vectors; one that has none takes a vector. */
-static void move_entries(learner *l, uint32_t stage, uint32_t round)
+/* Rounds of k-means: `vectors` are the groups' middles or the entries of the stage. */
+static int learn_vectors(learner *l, fxs_sh_vector *vectors, uint32_t count, void (*find_all)(void *, uint32_t))
 {
-    fxs_palette *p = l->palette;
-    for (uint32_t j = 0; j < p->entries; j++) {
-        const float *spare = l->vectors[(j * 7919 + round * 104729u) % l->count];
-        for (int d = 0; d < WIDTH; d++)
-            p->values[stage][d][j] = l->counts[j] ? (float)(l->sums[j][d] / l->counts[j]) : spare[d];
-    }
-    forget_sums(l);
-    prepare_stage(p, stage);
-}
-
-/* k-means on what the stages before left; then the vectors are what this one leaves. */
-static int learn_stage(learner *l, uint32_t stage)
-{
-    l->stage = stage;
-    begin_stage(l, stage);
     for (uint32_t round = 0; round < LLOYD_ROUNDS; round++) {
         if (stopped(l))
             return -1;
-        run(l, find_nearest);
-        for (uint32_t i = 0; i < l->count; i++)
-            add_to(l, l->indices[i][stage], l->vectors[i]);
-        move_entries(l, stage, round);
+        prepare_stage(l->palette, l->stage);
+        run(l, find_all);
+        for (uint32_t i = 0; i < l->count; i++) {
+            const uint32_t index = l->indices[i][l->stage];
+            add_to(l, index % ENTRIES, l->vectors[i], index & FXS_PALETTE_NEGATIVE ? -1 : 1);
+        }
+        move(l, vectors, count, 0);
     }
-    run(l, find_nearest);
-    for (uint32_t i = 0; i < l->count; i++)
-        subtract(l->vectors[i], l->palette, stage, l->indices[i][stage]);
+    prepare_stage(l->palette, l->stage);
+    run(l, find_all);
     return 0;
 }
 
-static void add(fxs_sh_vector vector, const fxs_palette *p, uint32_t stage, uint32_t index)
+/* The entries of a group begin as vectors spread evenly over those of the group, which l->indices say. */
+static void begin_entries(learner *l)
 {
-    for (int d = 0; d < WIDTH; d++)
-        vector[d] += p->values[stage][d][index];
+    fxs_palette *p = l->palette;
+    uint32_t counts[GROUPS] = {0}, taken[GROUPS] = {0};
+    for (uint32_t i = 0; i < l->count; i++)
+        counts[l->indices[i][l->stage] % ENTRIES]++;
+    for (uint32_t i = 0; i < l->count; i++) {
+        const uint32_t index = l->indices[i][l->stage], group = index % ENTRIES, n = taken[group]++;
+        const uint32_t at = (uint32_t)((uint64_t)n * GROUP / counts[group]), j = group * GROUP + at;
+        l->indices[i][l->stage] = (uint8_t)(group * GROUP);
+        if (j < p->entries && (uint64_t)at * counts[group] / GROUP + (at > 0) == n)
+            copy_held(p->vectors[l->stage][j], l->vectors[i], index & FXS_PALETTE_NEGATIVE ? -1 : 1);
+    }
+}
+
+/* k-means on what the stages before left: of the groups, which begin as vectors spread evenly over the sample, then in
+   each. Then the vectors are what this stage leaves. */
+static int learn_stage(learner *l, uint32_t stage)
+{
+    fxs_palette *p = l->palette;
+    l->stage = stage;
+    for (uint32_t g = 0; g < groups_of(p); g++)
+        copy_held(p->groups[stage][g], l->vectors[(uint64_t)g * l->count / groups_of(p)], 1);
+    if (learn_vectors(l, p->groups[stage], groups_of(p), find_group))
+        return -1;
+    begin_entries(l);
+    if (learn_vectors(l, p->vectors[stage], p->entries, find_entry))
+        return -1;
+    for (uint32_t i = 0; i < l->count; i++)
+        subtract_entry(l->vectors[i], p, stage, l->indices[i][stage]);
+    return 0;
 }
 
 static void find_sums(void *argument, uint32_t job)
@@ -226,51 +355,49 @@ static void find_sums(void *argument, uint32_t job)
     const learner *l = argument;
     for (uint32_t i = first_of(l, job); i < first_of(l, job + 1); i++) {
         for (uint32_t s = 0; s < l->palette->stages; s++)
-            add(l->vectors[i], l->palette, s, l->indices[i][s]);
-        fxs_palette_find(l->palette, l->vectors[i], l->indices[i]);
+            subtract_entry(l->vectors[i], l->palette, s, l->indices[i][s] ^ FXS_PALETTE_NEGATIVE);
+        find(l->palette, l->vectors[i], l->indices[i]);
     }
 }
 
-/* All stages at once: the best sums are found anew, then each stage's entries move to the mean of what the others
-   leave. An entry that is in no sum stays. */
+/* All stages at once: the best sums are found anew, then each stage's entries move by the mean of what all leave. */
 static void learn_jointly(learner *l)
 {
     fxs_palette *p = l->palette;
     run(l, find_sums);
     for (uint32_t s = 0; s < p->stages; s++) {
         for (uint32_t i = 0; i < l->count; i++) {
-            add(l->vectors[i], p, s, l->indices[i][s]);
-            add_to(l, l->indices[i][s], l->vectors[i]);
+            const uint32_t index = l->indices[i][s];
+            add_to(l, index % ENTRIES, l->vectors[i], index & FXS_PALETTE_NEGATIVE ? -1 : 1);
+            subtract_entry(l->vectors[i], p, s, index ^ FXS_PALETTE_NEGATIVE);
         }
-        for (uint32_t j = 0; j < p->entries; j++)
-            for (int d = 0; d < WIDTH && l->counts[j]; d++)
-                p->values[s][d][j] = (float)(l->sums[j][d] / l->counts[j]);
-        forget_sums(l);
+        move(l, p->vectors[s], p->entries, 1);
         for (uint32_t i = 0; i < l->count; i++)
-            subtract(l->vectors[i], p, s, l->indices[i][s]);
+            subtract_entry(l->vectors[i], p, s, l->indices[i][s]);
     }
     for (uint32_t s = 0; s < p->stages; s++)
         prepare_stage(p, s);
 }
 
-/* To 8 bits, with one step for all. */
-static void quantise(fxs_palette *p)
+/* round(x / step), within 8 bits */
+static int32_t code_of(int32_t x, int32_t step)
 {
-    float most = 0;
+    const int32_t code = (2 * absolute(x) + step) / (2 * step), held = code < 127 ? code : 127;
+    return x < 0 ? -held : held;
+}
+
+/* To 8 bits, with one step for all and for the means of the chunks. */
+static void quantise(fxs_palette *p, int32_t most)
+{
     for (uint32_t s = 0; s < p->stages; s++)
-        for (int d = 0; d < WIDTH; d++)
-            for (uint32_t j = 0; j < p->entries; j++)
-                most = fmaxf(most, fabsf(p->values[s][d][j]));
-    p->step_q19 = (uint32_t)fmin(ceil(ldexp(most, 19) / 127), 32767);
-    double step = ldexp(p->step_q19, -19);
+        for (uint32_t j = 0; j < p->entries; j++)
+            for (int d = 0; d < WIDTH; d++)
+                most = absolute(p->vectors[s][j][d]) > most ? absolute(p->vectors[s][j][d]) : most;
+    p->step = most > 127 ? (most + 126) / 127 : 1;
     for (uint32_t s = 0; s < p->stages; s++) {
-        for (int d = 0; d < WIDTH; d++)
-            for (uint32_t j = 0; j < p->entries; j++) {
-                double code = step > 0 ? floor(p->values[s][d][j] / step + 0.5) : 0;
-                code = code > -127 ? code < 127 ? code : 127 : -127;   /* NaN: a file that changed */
-                p->codes[s][j][d] = (int8_t)code;
-                p->values[s][d][j] = (float)(code * step);
-            }
+        for (uint32_t j = 0; j < p->entries; j++)
+            for (int d = 0; d < WIDTH; d++)
+                p->vectors[s][j][d] = (int16_t)(code_of(p->vectors[s][j][d], p->step) * p->step);
         prepare_stage(p, s);
     }
 }
@@ -285,25 +412,182 @@ static int learn(learner *l)
             return -1;
         learn_jointly(l);
     }
-    quantise(l->palette);
+    quantise(l->palette, l->most);
     return 0;
 }
 
-int fxs_palette_learn(fxs_palette *palette, uint32_t stages, uint32_t entries, fxs_sh_vector *vectors, uint32_t count,
+/* The unit is such that MOST units are 12 times the root mean square of the coefficients, or the largest of them. */
+static void find_unit(fxs_palette *p, const fxs_sh_item *items, uint32_t count, uint32_t step)
+{
+    double squares = 0, numbers = 0, most = 0;
+    for (uint32_t i = 0; i < count; i += step) {
+        int32_t sum = 0;
+        for (int k = 0; k < 45; k++)
+            sum += items[i].codes[k] * items[i].codes[k];
+        squares += (double)sum * items[i].step * items[i].step;
+        numbers += 3 * FXS_SH_COUNT(p->sh_degree);
+        most = 127.0 * items[i].step > most ? 127.0 * items[i].step : most;
+    }
+    const double usual = 12 * sqrt(squares / numbers), limit = usual < most ? usual : most;
+    p->unit_exponent = 19;
+    while (p->unit_exponent > 8 && ldexp(MOST, -p->unit_exponent) < limit)
+        p->unit_exponent--;
+}
+
+/* Every step-th Gaussian, less the mean of its chunk. */
+static void take_sample(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step)
+{
+    for (uint32_t first = 0; first < count; first += FXS_CHUNK) {
+        const uint32_t end = count - first < FXS_CHUNK ? count : first + FXS_CHUNK;
+        fxs_sh_vector mean;
+        if ((first + step - 1) / step * step >= end)
+            continue;
+        find_mean(mean, items + first, end - first, l->palette->unit_exponent);
+        for (int d = 0; d < WIDTH; d++)
+            l->most = absolute(mean[d]) > l->most ? absolute(mean[d]) : l->most;
+        for (uint32_t i = (first + step - 1) / step * step; i < end; i += step, l->count++) {
+            vector_of(l->vectors[l->count], &items[i], l->palette->unit_exponent);
+            subtract(l->vectors[l->count], mean);
+        }
+    }
+}
+
+int fxs_palette_learn(fxs_palette *palette, uint32_t entries, const fxs_sh_item *items, uint32_t count,
                       const fxs_pack_options *options, fxs_message *message)
 {
     const fxs_allocator *allocator = options->allocator;
-    learner l = {palette, vectors, count, 0, 0, 0, options, 0, 0};
-    memset(palette, 0, sizeof *palette);
-    palette->stages = stages;
+    const uint32_t step = (count - 1) / SAMPLE + 1, sampled = (count - 1) / step + 1;
+    learner l = {.palette = palette, .options = options};
+    palette->stages = fxs_palette_stages(palette->profile, palette->sh_degree);
     palette->entries = entries;
-    l.indices = fxs_allocate_zeroed(allocator, count, sizeof *l.indices);
+    l.vectors = fxs_allocate(allocator, sampled, sizeof *l.vectors);
+    l.indices = fxs_allocate_zeroed(allocator, sampled, sizeof *l.indices);
     l.sums = fxs_allocate_zeroed(allocator, entries, sizeof *l.sums);
-    l.counts = fxs_allocate_zeroed(allocator, entries, sizeof *l.counts);
-    int result = !l.indices || !l.sums || !l.counts ? fxs_fail(message, "out of memory")
-                 : learn(&l)                        ? fxs_fail(message, "import stopped") : 0;
+    l.total = fxs_allocate_zeroed(allocator, entries, sizeof *l.total);
+    int result = 0;
+    if (!l.vectors || !l.indices || !l.sums || !l.total) {
+        result = fxs_fail(message, "out of memory");
+    } else {
+        find_unit(palette, items, count, step);
+        take_sample(&l, items, count, step);
+        result = learn(&l) ? fxs_fail(message, "import stopped") : 0;
+    }
+    fxs_release(allocator, l.vectors);
     fxs_release(allocator, l.indices);
     fxs_release(allocator, l.sums);
-    fxs_release(allocator, l.counts);
+    fxs_release(allocator, l.total);
     return result;
+}
+
+uint32_t fxs_palette_step_q19(const fxs_palette *p)
+{
+    return (uint32_t)p->step << (19 - p->unit_exponent);
+}
+
+void fxs_palette_write(const fxs_palette *p, int8_t *to)
+{
+    for (uint32_t s = 0; s < p->stages; s++)
+        for (uint32_t j = 0; j < p->entries; j++)
+            for (int d = 0; d < WIDTH; d++)
+                *to++ = (int8_t)(p->vectors[s][j][d] / p->step);
+}
+
+/* ---- Coding ---------------------------------------------------------------------------------------------------- */
+
+/* How much of what Gaussian `from` adds to the picture falls where `to` adds, over what `to` adds there itself: for
+   round Gaussians of areas a and b (sigma^2) at distance d the overlap is 2 a / (a + b) exp(-d^2 / (2 (a + b))); the
+   exponential here is (1 - t / 8)^4. Times 256. */
+static int32_t overlap_q8(const fxs_sh_item *from, double from_area, const fxs_sh_item *to, double to_area)
+{
+    double square = 0;
+    for (int k = 0; k < 3; k++) {
+        const double d = (double)from->position[k] - to->position[k];
+        square += d * d;
+    }
+    const double t = 1 - square / (8 * (from_area + to_area));
+    if (!(t > 0))
+        return 0;
+    const double overlap = 2 * from_area / (from_area + to_area) * (t * t) * (t * t) * from->opacity / to->opacity;
+    return (int32_t)(256 * (overlap < 4 ? overlap : 4));
+}
+
+/* 2^(area / 8) */
+static double area_of(const fxs_sh_item *item)
+{
+    static const double eighths[8] = {1, 1.0905077326652577, 1.189207115002721, 1.2968395546510096, 1.4142135623730951,
+                                      1.5422108254079408, 1.681792830507429, 1.8340080864093424};
+    return ldexp(eighths[item->area & 7], (item->area - (item->area & 7)) / 8);
+}
+
+/* What is coded of a chunk, and the areas of its Gaussians. */
+typedef struct coder {
+    const fxs_palette *palette;
+    const fxs_sh_item *items;
+    double areas[FXS_CHUNK];
+    fxs_sh_vector errors[FXS_CHUNK];   /* true less coded, units */
+} coder;
+
+/* Half the errors that fall where Gaussian i does, but no more than the vector is long. */
+static void add_errors(const coder *c, uint32_t i, fxs_sh_vector vector)
+{
+    int32_t sums_q8[WIDTH] = {0};
+    int16_t shift[WIDTH];
+    for (uint32_t j = i > WINDOW ? i - WINDOW : 0; j < i; j++) {
+        const int32_t q8 = c->items[j].opacity ? overlap_q8(&c->items[j], c->areas[j], &c->items[i], c->areas[i]) : 0;
+        for (int d = 0; d < WIDTH && q8 > 8; d++)
+            sums_q8[d] += q8 * c->errors[j][d];
+    }
+    for (int d = 0; d < WIDTH; d++)
+        shift[d] = hold(sums_q8[d] / 512);
+    const int32_t own = dot(vector, vector), other = dot(shift, shift);
+    const int32_t part_q8 = other > own ? (int32_t)(256 * sqrt((double)own / other)) : 256;
+    for (int d = 0; d < WIDTH; d++)
+        vector[d] = hold(vector[d] + shift[d] * part_q8 / 256);
+}
+
+static void note(fxs_sh_loss *loss, const fxs_sh_vector error, double unit)
+{
+    for (int d = 0; d < WIDTH; d++) {
+        const double e = absolute(error[d]) * unit;
+        loss->largest = e > loss->largest ? e : loss->largest;
+        loss->squares += e * e;
+    }
+}
+
+static void code_one(coder *c, uint32_t i, const fxs_sh_vector mean, unsigned char *record, fxs_sh_loss *loss)
+{
+    const fxs_palette *p = c->palette;
+    uint8_t indices[STAGES];
+    fxs_sh_vector wanted, left;
+    vector_of(wanted, &c->items[i], p->unit_exponent);
+    subtract(wanted, mean);
+    memcpy(left, wanted, sizeof left);
+    if (c->items[i].opacity)
+        add_errors(c, i, left);
+    memcpy(c->errors[i], wanted, sizeof wanted);
+    subtract(c->errors[i], left);
+    find(p, left, indices);
+    memset(record, 0, fxs_sh_bytes(p->profile, p->sh_degree));
+    memcpy(record, indices, p->stages);
+    if (p->profile == FXS_PROFILE_COMPACT)
+        fxs_encode_rest(left, FXS_SH_COUNT(p->sh_degree), p->unit_exponent, record);
+    for (int d = 0; d < WIDTH; d++)
+        c->errors[i][d] = (int16_t)(c->errors[i][d] + left[d]);
+    note(loss, c->errors[i], ldexp(1, -p->unit_exponent));
+}
+
+void fxs_palette_code_chunk(const fxs_palette *p, const fxs_sh_item *items, uint32_t count, int8_t mean[48],
+                            unsigned char *records, size_t stride, fxs_sh_loss *loss)
+{
+    coder c = {.palette = p, .items = items};
+    fxs_sh_vector middle;
+    find_mean(middle, items, count, p->unit_exponent);
+    for (int d = 0; d < WIDTH; d++) {
+        mean[d] = (int8_t)code_of(middle[d], p->step);
+        middle[d] = (int16_t)(mean[d] * p->step);
+    }
+    for (uint32_t i = 0; i < count; i++)
+        c.areas[i] = area_of(&items[i]);
+    for (uint32_t i = 0; i < count; i++)
+        code_one(&c, i, middle, records + i * stride, loss);
 }
