@@ -27,8 +27,8 @@
  *       uint8_t  e[256]                    b
  *       uint8_t  sh[256][4]                degree 1 to 3: index in each of four palettes
  *
- * Rows are whole, so that 16, 32 or 64 neighbours load at once. Chunks are the leaves of a k-d tree, in its order, small
- * in space where they are seen from near. The last chunk is padded with opacity 0. */
+ * Rows are whole, so that 16, 32 or 64 neighbours load at once. Chunks are the leaves of a k-d tree, in its order, and
+ * small in space where they are seen from near. The last chunk is padded with opacity 0. */
 #ifndef FXS_PACKED_H
 #define FXS_PACKED_H
 
