@@ -29,8 +29,8 @@
  *
  *   A signed index: the entry in bits 6..0; bit 7: its coefficients change sign.
  *
- * Rows are whole, so that 16, 32 or 64 neighbours load at once. The Gaussians lie along a Morton curve, so that a
- * chunk is small in space. The last chunk is padded with opacity 0. */
+ * Rows are whole, so that 16, 32 or 64 neighbours load at once. Chunks are the leaves of a k-d tree, in its order, and
+ * small in space where they are seen from near. The last chunk is padded with opacity 0. */
 #ifndef FXS_PACKED_H
 #define FXS_PACKED_H
 

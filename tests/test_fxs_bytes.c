@@ -133,21 +133,21 @@ static void check_file(enum fxs_profile profile, int count, int sh_degree, const
 
 static void test_default(void)
 {
-    static const uint64_t expected[3] = {0x9468524549c3bac4u, 0x10899089fdcf7e46u,
-                                         0x51492c6b20f8069eu};
+    static const uint64_t expected[3] = {0x4565bbf780d2c2a0u, 0x5fc4cd30f5e0277au,
+                                         0x63d063c11c6def15u};
     check_file(FXS_PROFILE_DEFAULT, 700, 3, expected);
 }
 
 static void test_compact(void)
 {
-    static const uint64_t expected[3] = {0x48a8709f4d0b3c92u, 0x40fa53618e88ba0au,
+    static const uint64_t expected[3] = {0x10474dfc25bd8d3cu, 0x40fa53618e88ba0au,
                                          0x642dcc17af7db416u};
     check_file(FXS_PROFILE_COMPACT, 40, 2, expected);
 }
 
 static void test_small(void)
 {
-    static const uint64_t expected[3] = {0xc52063a25fe20f1cu, 0x51d7e4436b39b7e6u,
+    static const uint64_t expected[3] = {0x53a6ad51f73f1522u, 0x51d7e4436b39b7e6u,
                                          0xeb6cd49454a30f4bu};
     check_file(FXS_PROFILE_SMALL, 40, 1, expected);
 }

@@ -938,36 +938,52 @@ static void test_threads_on_real_scenes(void)
     }
 }
 
-/* Sorted by code, then by index; each Gaussian once; those left out last. */
-static void check_order(uint32_t count, uint32_t threads)
+/* What the positions of a scene are like. */
+enum { EVEN, EQUAL, LINE, DOUBLING, GRID, KINDS };
+
+static float coordinate(int kind, uint32_t i, int axis)
+{
+    return kind == EQUAL      ? 3
+           : kind == LINE     ? (axis == 0 ? (float)i : 0)
+           : kind == DOUBLING ? ldexpf(uniform(-1, 1), (int)(i % 28))
+           : kind == GRID     ? floorf(uniform(-6, 6))
+           : i % 11 == 5      ? 134000000
+           : i % 13 == 5      ? -134000000
+                              : uniform(-6, 6);
+}
+
+static fxs_order_entry *order(uint32_t count, uint32_t threads, int kind)
 {
     static fxs_order_entry entries[MAX_COUNT];
-    static unsigned char left_out[MAX_COUNT], seen[MAX_COUNT];
     fxs_pool *pool = fxs_pool_create(threads);
-    fxs_pack_options options = {FXS_PROFILE_DEFAULT, fxs_pool_run, pool, threads, 0, 0, 0};
-    fxs_pack_report around = {.inner_low = {-4, -4, -4}, .inner_high = {4, 4, 4}};
+    const fxs_pack_options options = {FXS_PROFILE_DEFAULT, fxs_pool_run, pool, threads, 0, 0, 0};
     seed = count;
     for (uint32_t i = 0; i < count; i++) {
-        seen[i] = 0;
-        left_out[i] = i % 7 == 3;
-        for (int k = 0; k < 3; k++)   /* whole numbers: equal codes too; and the corners of the curve */
-            entries[i].position[k] = i % 11 == 5 ? 134000000 : i % 13 == 5 ? -134000000 : floorf(uniform(-6, 6));
-        if (left_out[i])
+        for (int k = 0; k < 3; k++)
+            entries[i].position[k] = coordinate(kind, i, k);
+        if (i % 7 == 3)
             entries[i].position[0] = NAN;
     }
-    CHECK(pool && fxs_order(entries, count, &around, &options) == 0);
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t index = entries[i].key.index;
-        CHECK(index < count && !seen[index]++);
-        if (i == 0 || index >= count)
-            continue;
-        uint32_t before = entries[i - 1].key.index;
-        uint64_t code = (uint64_t)entries[i].key.high << 32 | entries[i].key.low;
-        uint64_t code_before = (uint64_t)entries[i - 1].key.high << 32 | entries[i - 1].key.low;
-        CHECK(code_before < code || (code_before == code && before < index));
-        CHECK(left_out[before] <= left_out[index] && left_out[index] == (code == UINT64_MAX));
-    }
+    CHECK(pool && fxs_order(entries, count, &options) == 0);
     fxs_pool_destroy(pool);
+    return entries;
+}
+
+/* Each Gaussian once, those left out last, and the same for any number of threads. */
+static void check_order(uint32_t count, uint32_t threads, int kind)
+{
+    static unsigned char seen[MAX_COUNT];
+    static uint32_t indexes[MAX_COUNT];
+    const fxs_order_entry *entries = order(count, 1, kind);
+    memset(seen, 0, sizeof seen);
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t index = indexes[i] = entries[i].index;
+        CHECK(index < count && !seen[index]++);
+        CHECK(i == 0 || (indexes[i - 1] % 7 == 3) <= (index % 7 == 3));
+    }
+    entries = order(count, threads, kind);
+    for (uint32_t i = 0; i < count; i++)
+        CHECK(entries[i].index == indexes[i]);
 }
 
 static void test_order(void)
@@ -975,7 +991,41 @@ static void test_order(void)
     static const uint32_t counts[] = {1, 2, 3, 5, 100, 4099, MAX_COUNT};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         for (int k = 1; k < THREAD_COUNTS; k++)
-            check_order(counts[i], thread_counts[k]);
+            for (int kind = 0; kind < KINDS; kind++)
+                check_order(counts[i], thread_counts[k], kind);
+}
+
+static void run_in_turn(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
+{
+    (void)pool;
+    for (uint32_t i = 0; i < jobs; i++)
+        job(argument, i);
+}
+
+/* 200 of 10,184 lie anywhere up to 2^20 units away: 39 chunks of 40 are as if they did not. */
+static void test_strays_are_apart(void)
+{
+    enum { STRAYS = 200, COUNT = 39 * FXS_CHUNK + STRAYS };
+    static fxs_order_entry entries[COUNT];
+    static uint8_t is_stray[COUNT];
+    const fxs_pack_options options = {.run = run_in_turn, .threads = 1};
+    int wide = 0;
+    seed = 5;
+    for (uint32_t i = 0; i < COUNT; i++) {
+        is_stray[i] = i % 50 == 7 && i / 50 < STRAYS;
+        for (int k = 0; k < 3; k++)
+            entries[i].position[k] = uniform(-1, 1);
+        if (is_stray[i])
+            entries[i].position[i % 3] = ldexpf(i % 2 ? -1 : 1, 5 + (int)(i / 50 % 16));
+    }
+    CHECK(fxs_order(entries, COUNT, &options) == 0);
+    for (uint32_t first = 0; first < COUNT; first += FXS_CHUNK) {
+        int strays = 0;
+        for (uint32_t i = first; i < COUNT && i < first + FXS_CHUNK; i++)
+            strays += is_stray[entries[i].index];
+        wide += strays > 0;
+    }
+    CHECK(wide == 1);
 }
 
 /* Neighbours in a chunk are neighbours in space: 157 chunks of a cube of side 16 are 3 units wide at best. */
@@ -1136,6 +1186,7 @@ int main(void)
     RUN(test_threads);
     RUN(test_threads_on_real_scenes);
     RUN(test_order);
+    RUN(test_strays_are_apart);
     RUN(test_chunks_are_small);
     RUN(test_progress);
     RUN(test_reader_fails);

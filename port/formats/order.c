@@ -1,116 +1,472 @@
+/* A k-d tree from the top down. A run of Gaussians is cut across one of four coordinates, x, y, z or the distance from
+   the middle of the scene, where the boxes of both sides cost least. What a box costs is the square of the errors, in
+   pixels, of positions that are coded over it, summed for a viewer around the middle. Distances set apart what lies
+   far out on all sides: sky, surroundings, strays.
+
+   The order is the same on every processor: weights are whole numbers, and each sum, difference, product or quotient of
+   floats is rounded to a float by itself, which is the same where it is found in more bits. */
 #include "order.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
-/* Radix sort, least significant digit first: 6 digits of 11 bits hold the code's 63 and the bit of those left out. */
-enum { DIGIT_BITS = 11, DIGITS = 6, BUCKETS = 1 << DIGIT_BITS };
+#include "../../src/packed.h"
 
-typedef struct sorter {
-    fxs_order_entry *from, *to;
-    uint32_t count, parts;
-    int shift;                                  /* of the digit, bits */
-    uint32_t (*starts)[BUCKETS];                /* of each part; first the sizes */
-    const fxs_pack_report *report;
-} sorter;
+enum {
+    BINS = 32,                       /* of a histogram; the cuts that are tried are between them */
+    AXES = 3, DISTANCE = AXES, COORDINATES,
+    WHOLE_LEVELS = 4,                /* from the root, where histograms are of all Gaussians: no stray is missed */
+    SAMPLED = 4096,                  /* of a longer run below, about as many */
+    FREE_LEVELS = 40,                /* from the root; below, runs are cut in halves, to bound the depth */
+    DEPTH = FREE_LEVELS + 24,
+    SAMPLE = 16384,                  /* Gaussians that the middle is found from, at most */
+    JOBS = 128                       /* runs that are worked on at once, at most */
+};
 
-/* ---- Keys ------------------------------------------------------------------------------------------------------ */
+#define LEAST_WIDTH 1e-30f           /* what is narrower is not cut by its histogram */
+#define NARROW 0.25f                 /* nor is an axis of so little of the longest's width */
+#define WEIGHT_ONE 1073741824.0f     /* 2^30 */
 
-static uint64_t spread_bits(uint64_t x)
+typedef struct run {
+    uint32_t first, count;
+    int level;
+} run;
+
+typedef struct order {
+    fxs_order_entry *entries;
+    float middle[3];
+    float near_square;               /* of the distance from the middle that half of the Gaussians are within */
+    run runs[JOBS], halves[JOBS][2];
+    uint32_t run_count, large;       /* runs longer than `large` are cut before they are shared out */
+} order;
+
+typedef struct box {
+    float low[3], high[3];
+    uint64_t weight;
+    uint32_t count;
+} box;
+
+/* Where a run is cut: `first` Gaussians are before it. */
+typedef struct cut {
+    int coordinate;
+    uint32_t first;
+} cut;
+
+/* ---- Coordinates ------------------------------------------------------------------------------------------------- */
+
+static float sum_of(float x, float y)
 {
-    x = (x | x << 32) & 0x1f00000000ffff;
-    x = (x | x << 16) & 0x1f0000ff0000ff;
-    x = (x | x << 8) & 0x100f00f00f00f00f;
-    x = (x | x << 4) & 0x10c30c30c30c30c3;
-    return (x | x << 2) & 0x1249249249249249;
+    return (float)(x + y);
 }
 
-/* 21 bits an axis. Coordinates go through t / (1 + |t|), t = 0 in the middle of the scene, so that far outliers do
-   not coarsen it. */
-static uint64_t morton(const fxs_pack_report *report, const float position[3])
+static float difference(float x, float y)
 {
-    uint64_t code = 0;
-    for (int i = 0; i < 3; i++) {
-        double middle = (report->inner_low[i] + report->inner_high[i]) / 2;
-        double half = (report->inner_high[i] - report->inner_low[i]) / 2;
-        double t = (position[i] - middle) / (half > 1e-9 ? half : 1e-9);
-        code |= spread_bits((uint64_t)((t / (1 + fabs(t)) + 1) * 1048575.5)) << i;
+    return (float)(x - y);
+}
+
+static float product(float x, float y)
+{
+    return (float)(x * y);
+}
+
+static float length_square(float x, float y, float z)
+{
+    return sum_of(sum_of(product(x, x), product(y, y)), product(z, z));
+}
+
+static float distance_square(const order *o, const float position[3])
+{
+    return length_square(difference(position[0], o->middle[0]), difference(position[1], o->middle[1]),
+                         difference(position[2], o->middle[2]));
+}
+
+/* Unsigned numbers in the order of the floats. */
+static uint32_t ordered_bits(float x)
+{
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits >> 31 ? ~bits : bits | 0x80000000u;
+}
+
+/* A distance in octaves, as the bits of a float are; but not near the middle. */
+static float octaves(const order *o, float square)
+{
+    return (float)(int32_t)(ordered_bits(sum_of(square, o->near_square / 16)) >> 8);
+}
+
+static float coordinate_of(const order *o, const fxs_order_entry *e, int coordinate)
+{
+    return coordinate == DISTANCE ? distance_square(o, e->position) : e->position[coordinate];
+}
+
+/* No two are equal. */
+static uint64_t key_of(const order *o, const fxs_order_entry *e, int coordinate)
+{
+    return (uint64_t)ordered_bits(coordinate_of(o, e, coordinate)) << 32 | e->index;
+}
+
+/* ---- Selection --------------------------------------------------------------------------------------------------- */
+
+static int compare_keys(const void *a, const void *b)
+{
+    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* A key above some, taken from a sample, and a little beyond the k-th of `count` on the side of the more, so that these
+   are done with. */
+static uint64_t pivot_for(const order *o, const fxs_order_entry *e, uint32_t count, uint32_t k, int coordinate)
+{
+    enum { MOST = 64, LEAST = 5, MARGIN = 3 };
+    const uint32_t tried = count < 1024 ? LEAST : MOST, margin = tried / (MOST / MARGIN);
+    uint64_t keys[MOST];
+    for (uint32_t i = 0; i < tried; i++)
+        keys[i] = key_of(o, &e[(uint64_t)count * (2 * i + 1) / (2 * tried)], coordinate);
+    qsort(keys, tried, sizeof *keys, compare_keys);
+    uint32_t rank = (uint32_t)((uint64_t)k * tried / count);
+    rank = 2 * rank < tried ? rank + margin : rank - margin;
+    while (keys[rank] == keys[0])
+        rank++;
+    return keys[rank];
+}
+
+/* Moves those of lower key than the pivot to the front. Returns how many they are. */
+static uint32_t part(const order *o, fxs_order_entry *e, uint32_t count, int coordinate, uint64_t pivot)
+{
+    uint32_t below = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const fxs_order_entry moved = e[i];
+        e[i] = e[below];
+        e[below] = moved;
+        below += key_of(o, &moved, coordinate) < pivot;
     }
+    return below;
+}
+
+/* Brings the k Gaussians of lowest key to the front; 0 < k < r.count. Where some rounds do not do, the pivots of the
+   next halve the range of the keys, 2^64 at first. */
+static void select_first(const order *o, run r, int coordinate, uint32_t k)
+{
+    fxs_order_entry *e = o->entries + r.first;
+    uint32_t from = 0, to = r.count;             /* the border is in from..to */
+    uint64_t low = 0, high = UINT64_MAX;
+    for (int round = 0; from < k && k < to; round++) {
+        const uint64_t pivot = round < 16 ? pivot_for(o, e + from, to - from, k - from, coordinate)
+                                          : low + (high - low) / 2 + 1;
+        const uint32_t border = from + part(o, e + from, to - from, coordinate, pivot);
+        if (border <= k) {
+            from = border;
+            low = pivot;
+        } else {
+            to = border;
+            high = pivot - 1;
+        }
+    }
+}
+
+/* ---- Costs ------------------------------------------------------------------------------------------------------- */
+
+static void clear(box *b)
+{
+    for (int i = 0; i < 3; i++) {
+        b->low[i] = INFINITY;
+        b->high[i] = -INFINITY;
+    }
+    b->weight = 0;
+    b->count = 0;
+}
+
+static void widen(box *b, const float low[3], const float high[3])
+{
+    b->low[0] = low[0] < b->low[0] ? low[0] : b->low[0];
+    b->low[1] = low[1] < b->low[1] ? low[1] : b->low[1];
+    b->low[2] = low[2] < b->low[2] ? low[2] : b->low[2];
+    b->high[0] = high[0] > b->high[0] ? high[0] : b->high[0];
+    b->high[1] = high[1] > b->high[1] ? high[1] : b->high[1];
+    b->high[2] = high[2] > b->high[2] ? high[2] : b->high[2];
+}
+
+static void add(box *to, const box *b)
+{
+    widen(to, b->low, b->high);
+    to->weight += b->weight;
+    to->count += b->count;
+}
+
+static float cost_of(const box *b)
+{
+    return product(length_square(difference(b->high[0], b->low[0]), difference(b->high[1], b->low[1]),
+                                 difference(b->high[2], b->low[2])), (float)b->weight);
+}
+
+/* Of one seen from the nearer half: 2^30, then as the inverse square of the distance. */
+static uint64_t weight_of(const order *o, float distance)
+{
+    const float share = distance > o->near_square ? o->near_square / distance : 1;
+    return 1 + (uint64_t)(int64_t)(float)(share * WEIGHT_ONE);
+}
+
+typedef struct histogram {
+    uint32_t step;                   /* of every so many-th Gaussian */
+    float low[COORDINATES], width[COORDINATES];   /* width 0: not to be cut */
+    box bins[COORDINATES][BINS];
+} histogram;
+
+static void find_widths(histogram *h, const order *o, const fxs_order_entry *e, uint32_t count)
+{
+    float high[COORDINATES];
+    for (int i = 0; i < COORDINATES; i++) {
+        h->low[i] = INFINITY;
+        high[i] = -INFINITY;
+    }
+    for (uint32_t n = 0; n < count; n += h->step)
+        for (int i = 0; i < COORDINATES; i++) {
+            const float x = coordinate_of(o, &e[n], i);
+            h->low[i] = x < h->low[i] ? x : h->low[i];
+            high[i] = x > high[i] ? x : high[i];
+        }
+    h->low[DISTANCE] = octaves(o, h->low[DISTANCE]);
+    high[DISTANCE] = octaves(o, high[DISTANCE]);
+    for (int i = 0; i < COORDINATES; i++) {
+        h->width[i] = difference(high[i], h->low[i]);
+        h->width[i] = h->width[i] > LEAST_WIDTH ? h->width[i] : 0;
+    }
+}
+
+static int widest_axis(const histogram *h)
+{
+    int widest = 0;
+    for (int i = 1; i < AXES; i++)
+        widest = h->width[i] > h->width[widest] ? i : widest;
+    return widest;
+}
+
+static void fill_bins(histogram *h, const order *o, const fxs_order_entry *e, uint32_t count)
+{
+    float scale[COORDINATES];
+    for (int i = 0; i < COORDINATES; i++) {
+        scale[i] = h->width[i] > 0 ? BINS / h->width[i] : 0;
+        for (int bin = 0; bin < BINS; bin++)
+            clear(&h->bins[i][bin]);
+    }
+    for (uint32_t n = 0; n < count; n += h->step) {
+        const float *p = e[n].position, square = distance_square(o, p);
+        const float x[COORDINATES] = {p[0], p[1], p[2], octaves(o, square)};
+        const uint64_t weight = weight_of(o, square);
+        for (int i = 0; i < COORDINATES; i++) {
+            if (!(scale[i] > 0))
+                continue;
+            const int bin = (int)product(difference(x[i], h->low[i]), scale[i]);
+            box *b = &h->bins[i][bin < BINS ? bin : BINS - 1];
+            widen(b, p, p);
+            b->weight += weight;
+            b->count++;
+        }
+    }
+}
+
+/* The multiple of FXS_CHUNK that is nearest, of those that leave some on either side. */
+static uint32_t whole_chunks(uint32_t before, uint32_t count)
+{
+    const uint32_t most = (count - 1) / FXS_CHUNK, chunks = (before + FXS_CHUNK / 2) / FXS_CHUNK;
+    return (chunks < 1 ? 1 : chunks > most ? most : chunks) * FXS_CHUNK;
+}
+
+/* The first and the last bin are never empty. */
+static void try_cuts(const histogram *h, int coordinate, uint32_t count, cut *best, float *least)
+{
+    const box *bins = h->bins[coordinate];
+    box left, right[BINS];
+    clear(&left);
+    right[BINS - 1] = bins[BINS - 1];
+    for (int bin = BINS - 2; bin > 0; bin--) {
+        right[bin] = right[bin + 1];
+        add(&right[bin], &bins[bin]);
+    }
+    for (int bin = 1; bin < BINS; bin++) {
+        add(&left, &bins[bin - 1]);
+        const float cost = sum_of(cost_of(&left), cost_of(&right[bin]));
+        if (cost < *least) {
+            *least = cost;
+            *best = (cut){coordinate, whole_chunks(left.count * h->step, count)};
+        }
+    }
+}
+
+static cut find_cut(const order *o, run r)
+{
+    const fxs_order_entry *e = o->entries + r.first;
+    histogram h;
+    float least = INFINITY;
+    h.step = r.level < WHOLE_LEVELS ? 1 : r.count / SAMPLED + 1;
+    find_widths(&h, o, e, r.count);
+    const int widest = widest_axis(&h);
+    cut best = {widest, whole_chunks(r.count / 2, r.count)};
+    if (r.level >= FREE_LEVELS)
+        return best;
+    for (int i = 0; i < AXES; i++)
+        h.width[i] = h.width[i] < product(h.width[widest], NARROW) ? 0 : h.width[i];
+    fill_bins(&h, o, e, r.count);
+    for (int i = 0; i < COORDINATES; i++)
+        if (h.width[i] > 0)
+            try_cuts(&h, i, r.count, &best, &least);
+    return best;
+}
+
+/* ---- Tree -------------------------------------------------------------------------------------------------------- */
+
+static void cut_run(const order *o, run r, run to[2])
+{
+    const cut c = find_cut(o, r);
+    select_first(o, r, c.coordinate, c.first);
+    to[0] = (run){r.first, c.first, r.level + 1};
+    to[1] = (run){r.first + c.first, r.count - c.first, r.level + 1};
+}
+
+static uint32_t spread_bits(uint32_t x)
+{
+    x = (x | x << 8) & 0x100f;
+    x = (x | x << 4) & 0x10c3;
+    return (x | x << 2) & 0x1249;
+}
+
+/* 5 bits an axis. */
+static uint32_t morton(const box *b, float scale, const float position[3])
+{
+    uint32_t code = 0;
+    for (int i = 0; i < 3; i++)
+        code |= spread_bits((uint32_t)(int32_t)product(difference(position[i], b->low[i]), scale)) << i;
     return code;
 }
 
-static uint32_t first_of(const sorter *s, uint32_t part)
+/* Along a Morton curve in the cube of a leaf, then by index: neighbours there are neighbours in space. */
+static void sort_leaf(const order *o, run r)
 {
-    return (uint32_t)((uint64_t)s->count * part / s->parts);
-}
-
-static void make_keys(void *argument, uint32_t part)
-{
-    const sorter *s = argument;
-    for (uint32_t i = first_of(s, part); i < first_of(s, part + 1); i++) {
-        fxs_order_entry *e = &s->from[i];
-        uint64_t code = isnan(e->position[0]) ? UINT64_MAX : morton(s->report, e->position);
-        e->key.low = (uint32_t)code;
-        e->key.high = (uint32_t)(code >> 32);
-        e->key.index = i;
+    fxs_order_entry *e = o->entries + r.first;
+    uint64_t keys[FXS_CHUNK];
+    float width = LEAST_WIDTH;
+    box b;
+    clear(&b);
+    for (uint32_t i = 0; i < r.count; i++)
+        widen(&b, e[i].position, e[i].position);
+    for (int i = 0; i < 3; i++) {
+        const float found = difference(b.high[i], b.low[i]);
+        width = found > width ? found : width;
     }
+    for (uint32_t i = 0; i < r.count; i++)
+        keys[i] = (uint64_t)morton(&b, 31 / width, e[i].position) << 32 | e[i].index;
+    qsort(keys, r.count, sizeof *keys, compare_keys);
+    for (uint32_t i = 0; i < r.count; i++)
+        e[i].index = (uint32_t)keys[i];
 }
 
-/* ---- Sort ------------------------------------------------------------------------------------------------------ */
-
-static uint32_t digit(const sorter *s, const fxs_order_entry *e)
+static void order_run(const order *o, run r)
 {
-    return (uint32_t)(((uint64_t)e->key.high << 32 | e->key.low) >> s->shift) % BUCKETS;
-}
-
-static void count_part(void *argument, uint32_t part)
-{
-    const sorter *s = argument;
-    uint32_t *sizes = s->starts[part], end = first_of(s, part + 1);
-    for (uint32_t bucket = 0; bucket < BUCKETS; bucket++)
-        sizes[bucket] = 0;
-    for (uint32_t i = first_of(s, part); i < end; i++)
-        sizes[digit(s, &s->from[i])]++;
-}
-
-static void move_part(void *argument, uint32_t part)
-{
-    const sorter *s = argument;
-    uint32_t *next = s->starts[part], end = first_of(s, part + 1);
-    for (uint32_t i = first_of(s, part); i < end; i++)
-        s->to[next[digit(s, &s->from[i])]++] = s->from[i];
-}
-
-static void find_starts(const sorter *s)
-{
-    uint32_t start = 0;
-    for (uint32_t bucket = 0; bucket < BUCKETS; bucket++)
-        for (uint32_t part = 0; part < s->parts; part++) {
-            uint32_t size = s->starts[part][bucket];
-            s->starts[part][bucket] = start;
-            start += size;
+    run halves[2], later[DEPTH];
+    int waiting = 0;
+    for (;;) {
+        if (r.count > FXS_CHUNK) {
+            cut_run(o, r, halves);
+            r = halves[0];
+            later[waiting++] = halves[1];
+            continue;
         }
+        sort_leaf(o, r);
+        if (waiting == 0)
+            return;
+        r = later[--waiting];
+    }
 }
 
-int fxs_order(fxs_order_entry *entries, uint32_t count, const fxs_pack_report *report,
-              const fxs_pack_options *options)
+static void order_job(void *argument, uint32_t i)
 {
-    sorter s = {entries, fxs_allocate(options->allocator, count, sizeof *entries), count, options->threads, 0, 0, report};
-    fxs_order_entry *spare = s.to;
-    s.starts = fxs_allocate(options->allocator, s.parts, sizeof *s.starts);
-    int status = spare && s.starts ? 0 : -1;
-    if (status == 0)
-        options->run(options->pool, make_keys, &s, s.parts);
-    for (int i = 0; i < DIGITS && status == 0; i++) {   /* even in number: the last move ends in entries */
-        s.shift = i * DIGIT_BITS;
-        options->run(options->pool, count_part, &s, s.parts);
-        find_starts(&s);
-        options->run(options->pool, move_part, &s, s.parts);
-        fxs_order_entry *moved = s.to;
-        s.to = s.from;
-        s.from = moved;
+    const order *o = argument;
+    order_run(o, o->runs[i]);
+}
+
+static void cut_job(void *argument, uint32_t i)
+{
+    order *o = argument;
+    o->halves[i][0] = o->runs[i];
+    o->halves[i][1].count = 0;
+    if (o->runs[i].count > o->large)
+        cut_run(o, o->runs[i], o->halves[i]);
+}
+
+/* Cuts what is large once, side by side. Returns whether anything was. */
+static int cut_runs(order *o, const fxs_pack_options *options)
+{
+    const uint32_t before = o->run_count;
+    options->run(options->pool, cut_job, o, before);
+    o->run_count = 0;
+    for (uint32_t i = 0; i < before; i++)
+        for (int side = 0; side < 2; side++)
+            if (o->halves[i][side].count > 0)
+                o->runs[o->run_count++] = o->halves[i][side];
+    return o->run_count > before;
+}
+
+/* ---- Middle ------------------------------------------------------------------------------------------------------ */
+
+static int compare_floats(const void *a, const void *b)
+{
+    const float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+/* Medians of an evenly spaced sample. */
+static float median_coordinate(const order *o, uint32_t count, float *sample, int coordinate)
+{
+    const uint32_t step = (count - 1) / SAMPLE + 1;
+    size_t n = 0;
+    for (uint32_t i = 0; i < count; i += step)
+        sample[n++] = coordinate_of(o, &o->entries[i], coordinate);
+    qsort(sample, n, sizeof *sample, compare_floats);
+    return sample[n / 2];
+}
+
+static void find_middle(order *o, uint32_t count, float *sample)
+{
+    for (int i = 0; i < 3; i++)
+        o->middle[i] = median_coordinate(o, count, sample, i);
+    o->near_square = median_coordinate(o, count, sample, DISTANCE);
+    o->near_square = o->near_square > LEAST_WIDTH ? o->near_square : LEAST_WIDTH;
+}
+
+/* Numbers the entries. Returns how many are not left out. */
+static uint32_t number_entries(fxs_order_entry *entries, uint32_t count)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const fxs_order_entry e = {{entries[i].position[0], entries[i].position[1], entries[i].position[2]}, i};
+        if (!isnan(e.position[0])) {
+            entries[i] = entries[kept];
+            entries[kept++] = e;
+        } else {
+            entries[i] = e;
+        }
     }
-    fxs_release(options->allocator, s.starts);
-    fxs_release(options->allocator, spare);
+    return kept;
+}
+
+int fxs_order(fxs_order_entry *entries, uint32_t count, const fxs_pack_options *options)
+{
+    float *sample = fxs_allocate(options->allocator, SAMPLE, sizeof *sample);
+    order *o = fxs_allocate(options->allocator, 1, sizeof *o);
+    const int status = sample && o ? 0 : -1;
+    const uint32_t kept = number_entries(entries, count);
+    if (status == 0 && kept > 0) {
+        o->entries = entries;
+        find_middle(o, kept, sample);
+        o->runs[0] = (run){0, kept, 0};
+        o->run_count = 1;
+        o->large = kept / 64 > 16 * FXS_CHUNK ? kept / 64 : 16 * FXS_CHUNK;
+        while (o->run_count <= JOBS / 2 && cut_runs(o, options))
+            ;
+        options->run(options->pool, order_job, o, o->run_count);
+    }
+    fxs_release(options->allocator, o);
+    fxs_release(options->allocator, sample);
     return status;
 }

@@ -233,7 +233,7 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Bounds of the middle 90 % as found on an evenly spaced sample: those that fxs_order takes. */
+/* Bounds of the middle 90 %, as found on an evenly spaced sample. */
 static int find_inner_bounds(packer *p)
 {
     enum { MIDDLE = 65536 };
@@ -271,13 +271,13 @@ static int find_seen_bounds(packer *p)
 static int find_slots(packer *p)
 {
     uint32_t count = (uint32_t)p->info->count;
-    if (fxs_order(p->entries, count, p->report, &p->options))
+    if (fxs_order(p->entries, count, &p->options))
         return fxs_fail(p->message, "out of memory for %u Gaussians", count);
     p->slots = fxs_allocate(p->options.allocator, count, sizeof *p->slots);
     if (!p->slots)
         return fxs_fail(p->message, "out of memory for %u Gaussians", count);
     for (uint32_t i = 0; i < count; i++)
-        p->slots[p->entries[i].key.index] = i < p->report->packed ? i : FXS_NO_SLOT;
+        p->slots[p->entries[i].index] = i < p->report->packed ? i : FXS_NO_SLOT;
     fxs_release(p->options.allocator, p->entries);
     p->entries = 0;
     return 0;
@@ -363,7 +363,7 @@ static int find_palette(packer *p)
     return 0;
 }
 
-/* Neighbours in the file are not neighbours on the curve: rows, a cache line each, would be fetched for one byte. So
+/* Neighbours in the file are not neighbours in a chunk: rows, a cache line each, would be fetched for one byte. So
    the codes of a Gaussian are kept together until all are known. */
 static void encode_part(packer *p, batch *b, uint32_t part)
 {
