@@ -51,7 +51,7 @@ static void test_hashes(void)
         { "mirrors", UINT64_C(0x05D7957C7C753470) },
         { "discs", UINT64_C(0xAE4FF844F675597C) },
         { "haze", UINT64_C(0x13665269335DA9CB) },
-        { "site", UINT64_C(0xB65D0BE8BCE9A3BD) },
+        { "site", UINT64_C(0x0B2C9EF2D972B5AE) },
     };
     size_t count;
     fxs_procedural_list(&count);

@@ -1242,7 +1242,7 @@ static enum block site_block(double x, double z, double *dx, double *dz)
     double ox = x + SITE_X / 2 - bx * BLOCK_X, oz = z + SITE_Z / 2 - bz * BLOCK_Z;
     *dx = ox < BLOCK_X / 2 ? ox : BLOCK_X - ox;
     *dz = oz < BLOCK_Z / 2 ? oz : BLOCK_Z - oz;
-    return pick < 0.1 ? HOUSES : pick < 0.45 ? PARK : pick < 0.75 ? FIELD : WORKS;
+    return pick < 0.1 ? HOUSES : pick < 0.45 ? PARK : pick < 0.8 ? FIELD : WORKS;
 }
 
 /* How far a point is from the middle of the river, which is 9 to either side. */
@@ -1266,7 +1266,7 @@ static vec site_colour(double x, double z, uint64_t key)
         double furrow = sine(0.16 * (x * 0.9 + z * 0.35));
         ground = blend3(v3(0.66, 0.58, 0.30), v3(0.50, 0.50, 0.22), 0.5 + 0.5 * furrow);
     } else if (kind == WORKS) {
-        ground = times(v3(0.55, 0.54, 0.52), 1 + 0.1 * rough);
+        ground = times(v3(0.43, 0.42, 0.41), 1 + 0.1 * rough);
     }
     if (road < 5.5)
         ground = road < 3.6 ? v3(0.31, 0.31, 0.33) : v3(0.62, 0.60, 0.57);
@@ -1315,11 +1315,11 @@ static int site_house(uint64_t lot, uint64_t key, house *h)
     h->paint = blend3(v3(0.85, 0.80, 0.70), v3(0.78, 0.66, 0.56), draw(key, 7));
     h->tiles = tiles[(unsigned)(4 * draw(key, 8))];
     if (kind == WORKS) {
-        h->width = 15;
-        h->depth = 13;
-        h->roof = 0.4;
+        h->width = 13;
+        h->depth = 10;
+        h->roof = 1;
         h->wall = 4.5;
-        h->tiles = v3(0.56, 0.57, 0.60);
+        h->tiles = blend3(v3(0.34, 0.40, 0.47), v3(0.68, 0.66, 0.62), draw(key, 9));
     }
     return (kind == HOUSES || kind == WORKS) && site_river(x, z) > 22;
 }

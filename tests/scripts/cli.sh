@@ -575,12 +575,12 @@ fails "convert --spz-version to .ply" 2 "x.ply is no .spz" convert knot.ply x.pl
 succeeds "info --compare" info knot4.spz --compare knot.ply --views 3 --size 64x48
 check "info --compare: a line for each view" equal "$(grep -c ' degrees, .* 64x48 ' logs/out)" 3
 check "info --compare: middle, close and far" equal \
-    "$(sed -n 's/.* degrees, \([a-z]*\) .*/\1/p' logs/out | tr '\n' ' ')" "middle close far "
+    "$(sed -n 's/.* degrees, \([a-z]*\) .* 64x48 .*/\1/p' logs/out | tr '\n' ' ')" "middle close far "
 check "info --compare: the worst is the lowest of each" equal "$(awk '/^worst/ { print $2, $3 }' logs/out)" \
-    "$(awk '/ degrees, / { if (!p || $(NF - 2) < p) p = $(NF - 2); if (!s || $(NF - 1) < s) s = $(NF - 1) }
+    "$(awk '/ 64x48 / { if (!p || $(NF - 2) < p) p = $(NF - 2); if (!s || $(NF - 1) < s) s = $(NF - 1) }
         END { print p, s }' logs/out)"
 check "info --compare: the worst view" equal "$(awk '/^worst/ { print $5 }' logs/out)" \
-    "$(awk '/ degrees, / { if (!p || $(NF - 2) < p) { p = $(NF - 2); v = $1 } } END { print v }' logs/out)"
+    "$(awk '/ 64x48 / { if (!p || $(NF - 2) < p) { p = $(NF - 2); v = $1 } } END { print v }' logs/out)"
 succeeds "info --compare --json" info knot4.spz --compare knot.ply --size 64x48 --json
 check "info --compare --json: keys" keys logs/out compare.psnr compare.ssim compare.views \
     compare.worst_psnr compare.worst_ssim compare.worst_view largest_error.sh
