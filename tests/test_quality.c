@@ -228,26 +228,33 @@ static int views_of_file(subject *s, const char *path)
    the side. */
 static const char *const view_names[VIEWS] = {"close", "middle", "far", "side"};
 
+/* How to look at a scene. */
+typedef struct aspect {
+    double up[3];
+    double front;                          /* the way it faces: degrees about up from where fxs_view_frame_box stands */
+    double close;                          /* as the distances below; no nearer than that, the camera is inside */
+} aspect;
+
 /* At these parts of the distance from which the sphere around the inner bounds fills the picture, turned so far. */
-static int views_around(subject *s, const double up[3])
+static int views_around(subject *s, const aspect *a)
 {
-    static const double distance[VIEWS] = {0.28, 0.7, 1.6, 0.55}, turn[VIEWS] = {0, -0.4, 0.2, 1.1};
+    const double distance[VIEWS] = {a->close, 0.6, 1.2, 0.5}, turn[VIEWS] = {0, -23, 11, 63}, degree = acos(-1) / 180;
     fxs_message m;
     fxs_file_view front;
     double middle[3], radius = 0, filled;
-    if (fxs_view_frame_box(&front, s->report.inner_low, s->report.inner_high, up, 50, WIDTH, HEIGHT, &m))
+    if (fxs_view_frame_box(&front, s->report.inner_low, s->report.inner_high, a->up, 50, WIDTH, HEIGHT, &m))
         return -1;
     for (int i = 0; i < 3; i++) {
         middle[i] = (s->report.inner_low[i] + s->report.inner_high[i]) / 2;
         radius = hypot(radius, (s->report.inner_high[i] - s->report.inner_low[i]) / 2);
     }
-    filled = radius / sin(acos(-1) * 25 / 180);
+    filled = radius / sin(25 * degree);
     for (int v = 0; v < VIEWS; v++) {
         s->views[v] = front;
         strcpy(s->views[v].name, view_names[v]);
         for (int i = 0; i < 3; i++)
             s->views[v].position[i] = middle[i] - distance[v] * filled * front.rotation[6 + i];
-        fxs_view_orbit(&s->views[v], middle, up, turn[v]);
+        fxs_view_orbit(&s->views[v], middle, a->up, (a->front + turn[v]) * degree);
     }
     return 0;
 }
@@ -257,11 +264,11 @@ typedef struct stand {
     double eye[3], target[3];
 } stand;
 
-static int views_from(subject *s, const stand stands[VIEWS], const double up[3])
+static int views_from(subject *s, const stand stands[VIEWS], const aspect *a)
 {
     fxs_message m;
     for (int v = 0; v < VIEWS; v++) {
-        if (fxs_view_look_at(&s->views[v], stands[v].eye, stands[v].target, up, 50, WIDTH, HEIGHT, &m))
+        if (fxs_view_look_at(&s->views[v], stands[v].eye, stands[v].target, a->up, 50, WIDTH, HEIGHT, &m))
             return -1;
         strcpy(s->views[v].name, view_names[v]);
     }
@@ -365,11 +372,11 @@ static void check_floors(const char *name, subject *s)
 
 /* Views of the camera file, or from the stands, or, where both are null, around the scene. */
 static void check_scene(const char *name, const char *path, const char *cameras, const stand *stands,
-                        const double up[3])
+                        const aspect *a)
 {
     subject s;
     if (CHECK(!load(&s, path)) &&
-        CHECK(!(cameras ? views_of_file(&s, cameras) : stands ? views_from(&s, stands, up) : views_around(&s, up)))) {
+        CHECK(!(cameras ? views_of_file(&s, cameras) : stands ? views_from(&s, stands, a) : views_around(&s, a)))) {
         int rendered = 1;
         s.reference = (struct reference_options){.cutoff = REFERENCE_MAHALANOBIS, .sh_degree = 3,
                                                  .antialiased = s.info.antialiased};
@@ -389,18 +396,18 @@ static void check_scene(const char *name, const char *path, const char *cameras,
 static const struct {
     const char *name, *file;
     int cameras;                        /* cameras.json lies beside it */
-    double up[3];
+    aspect aspect;
 } shared[] = {
-    {"snowmiku", "snowmiku.ply", 1, {0, -1, 0}},
-    {"train-1000", "train-1000.ply", 1, {0, -1, 0}},
-    {"guitar", "guitar.ply", 0, {0, -1, 0}},
-    {"luma-seal", "luma-seal.ply", 0, {0, -1, 0}},
-    {"boatyard-tile3", "boatyard-tile3.ply", 0, {0, 0, 1}},
-    {"kitchen-marble", "kitchen-marble.ply", 0, {0, -1, 0}},
-    {"statue-st-peter", "st-peter.ply", 0, {0, -1, 0}},
-    {"donut", "donut.ply", 0, {0, 0, 1}},
-    {"fruit-drops", "fruit_drops_minimal.ply", 0, {0, -1, 0}},
-    {"skull", "skull.sog", 0, {0, -1, 0}},
+    {"snowmiku", "snowmiku.ply", 1, {{0, -1, 0}, 0, 0}},
+    {"train-1000", "train-1000.ply", 1, {{0, -1, 0}, 0, 0}},
+    {"guitar", "guitar.ply", 0, {{0, -1, 0}, 90, 0.22}},
+    {"luma-seal", "luma-seal.ply", 0, {{0, -1, 0}, 0, 0.28}},
+    {"boatyard-tile3", "boatyard-tile3.ply", 0, {{0, 0, 1}, 0, 0.28}},
+    {"kitchen-marble", "kitchen-marble.ply", 0, {{0, -1, 0}, 180, 0.28}},
+    {"statue-st-peter", "st-peter.ply", 0, {{0, -1, 0}, 180, 0.28}},
+    {"donut", "donut.ply", 0, {{0, 0, 1}, 0, 0.35}},
+    {"fruit-drops", "fruit_drops_minimal.ply", 0, {{0, -1, 0}, 180, 0.35}},
+    {"skull", "skull.sog", 0, {{0, -1, 0}, 180, 0.45}},
 };
 
 static size_t which;
@@ -414,7 +421,7 @@ static void quality_of_shared_scene(void)
     snprintf(cameras, sizeof cameras, "%s/%s/cameras.json", folder, name);
     if (access(scene, R_OK))
         SKIP("the scene is not here");
-    check_scene(name, scene, shared[which].cameras ? cameras : 0, 0, shared[which].up);
+    check_scene(name, scene, shared[which].cameras ? cameras : 0, 0, &shared[which].aspect);
 }
 
 /* Stands where the inner bounds are no help: they hold the ground and the sky too. The others are seen from around. */
@@ -452,7 +459,7 @@ static int write_made(const char *path, const fxs_procedural_scene *scene)
 
 static void quality_of_made_scene(void)
 {
-    static const double up[3] = {0, -1, 0};
+    static const aspect upright = {{0, -1, 0}, 0, 0.28};
     char path[] = "/tmp/fixsplat-quality-XXXXXX";
     const fxs_procedural_scene *scene = fxs_procedural_find(made[which].name);
     int fd = mkstemp(path);
@@ -460,7 +467,7 @@ static void quality_of_made_scene(void)
         return;
     close(fd);
     if (CHECK(scene && !write_made(path, scene)))
-        check_scene(scene->name, path, 0, made[which].has_stands ? made[which].stands : 0, up);
+        check_scene(scene->name, path, 0, made[which].has_stands ? made[which].stands : 0, &upright);
     unlink(path);
 }
 
