@@ -284,7 +284,8 @@ static int render_packed(const fxs_packed_scene *packed, const fxs_file_view *vi
     fxs_camera camera;
     fxs_context context;
     fxs_options options;
-    fxs_init(&context, 0);
+    const fxs_config config = {.run = fxs_pool_run, .pool = pool, .threads = fxs_processors()};
+    fxs_init(&context, &config);
     fxs_options_default(&options);
     if (fxs_scene_open(&scene, packed->data, packed->bytes) || fxs_camera_from_view(&camera, view, &m))
         return -1;
