@@ -1129,6 +1129,8 @@ static vec lay_on_house(const house *h, double face, double u, double v, double 
 
 /* ---- haze: a lighthouse behind thousands of Gaussians that are hardly there -------------------------------------- */
 
+/* Unlike fog, which is nothing but Gaussians up to twice as opaque, this has an object in it, and faint Gaussians whose
+   opacity is a few steps of 1/255: what a step loses of each adds up over hundreds. */
 #define SHORE_Y 1.6
 
 static const vec lamp = { 0, -3.05, 0 };
@@ -1205,7 +1207,7 @@ static void haze_veil(place *p, splat *s)
 {
     double r = 9.5 * sqrt(draw(p->key, 1)), turns = draw(p->key, 2), up = draw(p->key, 3), size = draw(p->key, 4);
     vec at = v3(r * cosine(turns), SHORE_Y - 8.5 * up * (0.4 + 0.6 * up), r * sine(turns)), to = sub(lamp, at);
-    double sigma = (0.20 + 0.42 * size * size) * clamp(sqrt(24000 / (double)p->count), 0, 3);
+    double sigma = (0.16 + 0.32 * size * size) * clamp(sqrt(24000 / (double)p->count), 0, 3);
     vec grey = blend3(v3(0.62, 0.68, 0.74), v3(0.80, 0.83, 0.86), up);
     vec colour = blend3(grey, v3(1.15, 0.92, 0.60), 0.9 / (1 + 1.1 * dot(to, to)));
     lay_round(s, at, sigma, 0.05 * power_of_half(draw(p->key, 5), 0, 3.64), colour);
