@@ -47,6 +47,11 @@ static void test_hashes(void)
         { "fog", UINT64_C(0x13AA6321D1ABF9A8) },
         { "layers", UINT64_C(0x91AF63BD405D9470) },
         { "cubes", UINT64_C(0xC3033D8233AE36B4) },
+        { "meadow", UINT64_C(0x69318AB039C7EB89) },
+        { "mirrors", UINT64_C(0x05D7957C7C753470) },
+        { "discs", UINT64_C(0xAE4FF844F675597C) },
+        { "haze", UINT64_C(0xCE0BEB6AEE71F848) },
+        { "site", UINT64_C(0x0B2C9EF2D972B5AE) },
     };
     size_t count;
     fxs_procedural_list(&count);
@@ -63,7 +68,8 @@ static void test_hashes(void)
     CHECK(!fxs_procedural_find("no such scene"));
 }
 
-static int plausible(const fxs_gaussian *g, int sh_degree)
+/* `extent`: how far out a centre may be, on each axis. */
+static int plausible(const fxs_gaussian *g, int sh_degree, float extent)
 {
     float values[FLOATS];
     memcpy(values, g, sizeof *g);
@@ -77,7 +83,7 @@ static int plausible(const fxs_gaussian *g, int sh_degree)
         if (bits_of(g->sh[k]) != 0)
             return 0;
     for (int k = 0; k < 3; k++)
-        if (fabsf(g->position[k]) > 100 || g->scale[k] < -16 || g->scale[k] > 3)
+        if (fabsf(g->position[k]) > extent || g->scale[k] < -20.8f || g->scale[k] > 4.4f)
             return 0;
     return fabs(norm - 1) < 1e-6 && fabsf(g->opacity) < 12;
 }
@@ -87,17 +93,37 @@ static void test_values(void)
     static const uint64_t counts[] = { 1, 2, 7, 1000, 123457, 10000000 };
     size_t scenes;
     const fxs_procedural_scene *scene = fxs_procedural_list(&scenes);
-    for (; scenes > 0; scenes--, scene++)
+    for (; scenes > 0; scenes--, scene++) {
+        float extent = strcmp(scene->name, "meadow") == 0 ? 20000 : strcmp(scene->name, "discs") == 0 ? 400
+                     : strcmp(scene->name, "site") == 0 ? 210 : 100;
         for (size_t k = 0; k < sizeof counts / sizeof counts[0]; k++) {
             uint64_t step = counts[k] / 2000 + 1, bad = 0;
             for (uint64_t i = 0; i < counts[k]; i += step) {
                 fxs_gaussian g;
                 scene->gaussian(i, counts[k], 7, &g);
-                bad += !plausible(&g, scene->sh_degree);
+                bad += !plausible(&g, scene->sh_degree, extent);
             }
             if (!CHECK(bad == 0))
                 printf("  %s, %llu Gaussians\n", scene->name, (unsigned long long)counts[k]);
         }
+    }
+}
+
+/* The scene of outliers and of discs without thickness has to have them. */
+static void test_meadow_has_outliers_and_discs(void)
+{
+    const fxs_procedural_scene *scene = fxs_procedural_find("meadow");
+    size_t far = 0, thin = 0, sky = 0;
+    for (uint64_t i = 0; i < scene->count; i++) {
+        fxs_gaussian g;
+        scene->gaussian(i, scene->count, 1, &g);
+        const float r = hypotf(hypotf(g.position[0], g.position[1]), g.position[2]);
+        far += r > 1000;
+        thin += g.scale[2] < -20;
+        sky += g.scale[2] < -20 && r > 100;
+    }
+    CHECK(far > scene->count / 200 && far < scene->count / 50);
+    CHECK(thin > scene->count / 20 && sky > scene->count / 100);
 }
 
 /* Renderers must keep the order of equal depths; this scene has to have them. */
@@ -245,6 +271,7 @@ int main(void)
     RUN(test_hashes);
     RUN(test_values);
     RUN(test_layers_have_ties);
+    RUN(test_meadow_has_outliers_and_discs);
     if (!mkdtemp(folder))
         return 1;
     RUN(test_ply_body);

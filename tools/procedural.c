@@ -82,6 +82,13 @@ static double logarithm(double x)
     return e * 0.69314718055994531 + 2 * s * sum;
 }
 
+/* 2^-(least + (most - least) t), a straight line between the powers of two. */
+static double power_of_half(double t, double least, double most)
+{
+    double exponent = blend(least, most, t), halvings = whole(exponent);
+    return ldexp(1 - 0.5 * (exponent - halvings), -(int)halvings);
+}
+
 /* ---- Randomness: hashes of counters ------------------------------------------------------------------------------ */
 
 /* The finaliser of SplitMix64 (Steele, Lea, Flood 2014). */
@@ -224,6 +231,17 @@ static void lay_round(splat *s, vec position, double sigma, double opacity, vec 
     lay_flat(s, position, v3(0, 0, 1), v3(1, 0, 0), sigma, opacity);
     s->sigma[2] = sigma;
     add_constant(s, colour);
+}
+
+/* A disc on a surface, turned and sized by its derivatives along u and v. */
+static void lay_surface(const place *p, vec (*surface)(double u, double v), double opacity, splat *s)
+{
+    const double step = 1.0 / 4096;
+    vec along = times(sub(surface(p->u + step, p->v), surface(p->u - step, p->v)), 0.5 / step);
+    vec around = times(sub(surface(p->u, p->v + step), surface(p->u, p->v - step)), 0.5 / step);
+    vec area = cross(along, around);
+    double sigma = 0.62 * sqrt(sqrt(dot(area, area)) / (double)p->count);
+    lay_flat(s, surface(p->u, p->v), normalise(area), along, sigma, opacity);
 }
 
 /* A random orientation. */
@@ -382,12 +400,7 @@ static void add_gloss(splat *s, vec normal, vec colour, double phase, double iri
 
 static void knot_rope(place *p, splat *s)
 {
-    const double step = 1.0 / 4096;
-    vec along = times(sub(knot_surface(p->u + step, p->v), knot_surface(p->u - step, p->v)), 0.5 / step);
-    vec around = times(sub(knot_surface(p->u, p->v + step), knot_surface(p->u, p->v - step)), 0.5 / step);
-    vec area = cross(along, around);
-    double sigma = 0.62 * sqrt(sqrt(dot(area, area)) / (double)p->count);
-    lay_flat(s, knot_surface(p->u, p->v), normalise(area), along, sigma, 0.96);
+    lay_surface(p, knot_surface, 0.96, s);
     add_gloss(s, s->axis[2], v3(0.42, 0.38, 0.46), p->u + 0.06 * sine(5 * p->v + 12 * p->u), 0.23);
 }
 
@@ -539,14 +552,21 @@ static void lay_ground(const place *p, double x, double z, double h, double sigm
     add_zonal(s, mirror(sun, normal), highlight, times(colour, 0.12 * direct));
 }
 
-/* Radius R (0.55 u + 0.45 u^2): an even spread of u and v thins out with the distance. */
-static void spread(const place *p, double from, double *x, double *z, double *sigma)
+/* A place on a ring or disc: the radius grows by linear u + square u^2 of the way from `from` to `to`, linear + square
+   = 1, so that an even spread of u and v thins out with the distance. */
+static void spread_over(const place *p, double from, double to, double linear, double square, double *x, double *z,
+                        double *sigma)
 {
-    double r = from + (LAND_RADIUS - from) * p->u * (0.55 + 0.45 * p->u);
-    double slope = (LAND_RADIUS - from) * (0.55 + 0.9 * p->u);
+    double r = from + (to - from) * p->u * (linear + square * p->u);
+    double slope = (to - from) * (linear + 2 * square * p->u);
     *x = r * cosine(p->v);
     *z = r * sine(p->v);
     *sigma = clamp(0.72 * sqrt(2 * PI * (r + 0.05) * slope / (double)p->count), 0, 4);
+}
+
+static void spread(const place *p, double from, double *x, double *z, double *sigma)
+{
+    spread_over(p, from, LAND_RADIUS, 0.55, 0.45, x, z, sigma);
 }
 
 static void landscape_ground(place *p, splat *s)
@@ -671,14 +691,693 @@ static void landscape(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *o
     finish(&s, out);
 }
 
-/* ---- Scenes that are hard on a renderer -------------------------------------------------------------------------- */
+/* ---- meadow: a tree in blossom, grass and flowers, hills, a sky of discs, and outliers as captures have them ----- */
 
-/* 2^-(least + (most - least) t), a straight line between the powers of two. */
-static double power_of_half(double t, double least, double most)
+#define MEADOW_RADIUS 90.0
+#define TREE_HEIGHT 1.5
+#define THIN 1e-9       /* sigma of discs without thickness */
+
+static const vec noon = { -0.48, -0.80, -0.36 };
+
+static double meadow_height(double x, double z)
 {
-    double exponent = blend(least, most, t), halvings = whole(exponent);
-    return ldexp(1 - 0.5 * (exponent - halvings), -(int)halvings);
+    double r = sqrt(x * x + z * z), near = 0.30 * plain_noise(x * 0.15, z * 0.15, 61);
+    double hill = 0.55 + 0.45 * plain_noise(x * 0.035, z * 0.035, 62);
+    return near * smoothstep(1, 9, r) + 9 * hill * smoothstep(24, 80, r);
 }
+
+/* The sun on a point of the meadow, less in the shadow of the tree. */
+static double meadow_sun(double x, double z)
+{
+    double dx = x - 0.6, dz = z - 0.45;
+    return blend(0.35, 1, smoothstep(0.5, 1.5, sqrt(dx * dx + dz * dz) + 0.2 * plain_noise(x * 3, z * 3, 63)));
+}
+
+static vec meadow_green(double x, double z, uint64_t key)
+{
+    double patch = plain_noise(x * 0.35, z * 0.35, 64) + 0.5 * plain_noise(x * 1.7, z * 1.7, 65);
+    vec green = blend3(v3(0.24, 0.40, 0.12), v3(0.58, 0.62, 0.22), clamp(0.5 + 0.4 * patch, 0, 1));
+    double r = sqrt(x * x + z * z);
+    green = times(green, (0.75 + 0.4 * draw(key, 1)) * meadow_sun(x, z));
+    return blend3(green, v3(0.62, 0.74, 0.80), 0.7 * smoothstep(15, 110, r));
+}
+
+/* SH as training leaves it: no coefficient is quite right, and the channels err mostly together. */
+static void add_error(splat *s, uint64_t key, double rms)
+{
+    for (unsigned k = 1; k < 16; k++) {
+        double all = draw(key, 100 + 5 * k) + draw(key, 101 + 5 * k) - 1;
+        vec each = v3(draw(key, 102 + 5 * k) - 0.5, draw(key, 103 + 5 * k) - 0.5, draw(key, 104 + 5 * k) - 0.5);
+        s->sh[k] = add(s->sh[k], times(add(v3(all, all, all), times(each, 0.6)), 2.25 * rms));
+    }
+}
+
+static void meadow_ground(place *p, splat *s)
+{
+    double x, z, sigma;
+    spread_over(p, 0, MEADOW_RADIUS, 0.06, 0.94, &x, &z, &sigma);
+    double h = meadow_height(x, z), step = 0.05 + 0.1 * sigma;
+    vec normal = normalise(v3((h - meadow_height(x + step, z)) / step, -1, (h - meadow_height(x, z + step)) / step));
+    lay_flat(s, v3(x, -h, z), normal, v3(1, 0, 0), sigma, 0.96);
+    s->sigma[0] *= 1 + draw(p->key, 2);
+    if (draw(p->key, 3) < 0.5)
+        s->sigma[2] = THIN;
+    vec soil = times(v3(0.30, 0.25, 0.16), meadow_sun(x, z));
+    double light = clamp(0.35 + 0.75 * dot(normal, noon), 0.3, 1.1);
+    vec green = meadow_green(x, z, p->key);
+    add_constant(s, times(blend3(soil, green, smoothstep(0, 10, sqrt(x * x + z * z)) * 0.5 + 0.4), light));
+    add_error(s, p->key, 0.03);
+}
+
+static void meadow_grass(place *p, splat *s)
+{
+    double x, z, sigma;
+    spread_over(p, 0, 14, 0.3, 0.7, &x, &z, &sigma);
+    vec lean = normalise(v3(0.9 * draw(p->key, 4) - 0.3, -1, 0.8 * draw(p->key, 5) - 0.4));
+    vec side = normalise(cross(lean, v3(draw(p->key, 6) - 0.5, 0, 1)));
+    double length = clamp(2.6 * sigma, 0, 0.12) * (0.6 + 0.8 * draw(p->key, 7));
+    double up = length + 0.12 * draw(p->key, 8) * draw(p->key, 8);
+    vec at = add(v3(x, -meadow_height(x, z), z), times(lean, up));
+    lay_flat(s, at, side, lean, 0.28 * sigma, 0.6 + 0.38 * draw(p->key, 9));
+    s->sigma[0] = length;
+    vec green = times(meadow_green(x, z, p->key), 0.55 + 4 * up);
+    add_constant(s, green);
+    add_zonal(s, times(noon, -1), highlight, times(green, 0.35));
+    add_zonal(s, side, rim, times(green, 0.12));
+    add_error(s, p->key, 0.035);
+}
+
+/* A flower is five petals about a middle. */
+static void meadow_flower(place *p, splat *s)
+{
+    static const vec petals[] = {
+        { 0.97, 0.96, 0.92 }, { 0.86, 0.14, 0.08 }, { 0.33, 0.38, 0.88 }, { 0.96, 0.80, 0.16 },
+    };
+    uint64_t key = key_of(p->seed, ~(p->index / 6) << 12);
+    unsigned petal = (unsigned)(p->index % 6);
+    double r = 0.5 + 9.5 * draw(key, 0) * (0.3 + 0.7 * draw(key, 0)), c = cosine(draw(key, 1)), z = sine(draw(key, 1));
+    vec facing = normalise(v3(0.9 * draw(key, 2) - 0.6, -0.8, 0.9 * draw(key, 3) - 0.7));
+    vec across = normalise(cross(facing, v3(1, 0, 0.2)));
+    vec out = add(times(across, cosine(petal / 5.0)), times(cross(facing, across), sine(petal / 5.0)));
+    double size = 0.024 * (0.7 + 0.6 * draw(key, 4)) * clamp(sqrt(12000 / (double)p->count), 0.2, 3);
+    vec head = v3(r * c, -meadow_height(r * c, r * z) - 0.16 - 0.16 * draw(key, 5), r * z);
+    double kind = 2 + 2 * plain_noise(r * c * 0.3, r * z * 0.3, 66) + 2 * (draw(key, 6) - 0.5);
+    vec colour = times(petals[(int)clamp(kind, 0, 3.9)], 0.85 + 0.2 * draw(p->key, 1));
+    if (petal == 5) {
+        lay_flat(s, add(head, times(facing, 0.3 * size)), facing, out, 0.45 * size, 0.97);
+        colour = v3(0.90, 0.66, 0.10);
+    } else {
+        lay_flat(s, add(head, times(out, size)), normalise(add(facing, times(out, -0.3))), out, 0.6 * size, 0.95);
+        s->sigma[1] *= 0.6;
+    }
+    colour = times(colour, meadow_sun(r * c, r * z));
+    add_constant(s, times(colour, 0.9));
+    add_zonal(s, times(noon, -1), highlight, times(colour, 0.15));
+    add_error(s, p->key, 0.03);
+}
+
+static vec tree_blob(unsigned k)
+{
+    uint64_t key = mix(k + 77);
+    double turns = k * 0.381966, out = k ? 0.30 + 0.32 * draw(key, 0) : 0;
+    double up = TREE_HEIGHT + (k ? 0.42 : 0.67) - 0.62 * (draw(key, 1) - 0.5);
+    return v3(out * cosine(turns), -up, out * sine(turns));
+}
+
+enum { TREE_BLOBS = 13 };
+
+static vec tree_trunk(double u, double v)
+{
+    double foot = (1 - u) * (1 - u) * (1 - u) * (1 - u);
+    double radius = 0.115 * (1 - 0.45 * u) * (1 + 0.10 * cosine(5 * v + 0.3 * u)) + 0.13 * foot;
+    return v3(0.10 * sine(0.55 * u) + radius * cosine(v), 0.05 - (TREE_HEIGHT + 0.05) * u,
+              0.06 * sine(0.8 * u) - radius * sine(v));
+}
+
+/* From the trunk's fork into blob k. */
+static void tree_branch(const place *p, splat *s)
+{
+    vec from = v3(0.09, 0.25 - TREE_HEIGHT, -0.02), to = sub(tree_blob((unsigned)(p->index % TREE_BLOBS)), from);
+    vec along = normalise(to), a = normalise(cross(along, v3(0.3, 0.1, 1))), b = cross(along, a);
+    vec normal = add(times(a, cosine(p->v)), times(b, sine(p->v)));
+    double radius = 0.055 * (1 - 0.75 * p->u);
+    vec at = add(add(from, times(to, p->u)), add(times(normal, radius), v3(0, 0.12 * p->u * (1 - p->u), 0)));
+    lay_flat(s, at, normal, along, 2.0 * radius / sqrt((double)(p->count / TREE_BLOBS / 12 + 1)), 0.95);
+    s->sigma[0] *= 2;
+}
+
+static void meadow_trunk(place *p, splat *s)
+{
+    if (p->index % 4 == 0)
+        tree_branch(p, s);
+    else
+        lay_surface(p, tree_trunk, 0.95, s);
+    vec normal = s->axis[2];
+    double bark = 0.75 + 0.35 * plain_noise(p->v * 40, p->u * 9, 67) + 0.2 * (draw(p->key, 1) - 0.5);
+    vec colour = times(v3(0.43, 0.33, 0.26), bark * (0.45 + 0.7 * clamp(dot(normal, noon), 0, 1)));
+    add_constant(s, colour);
+    add_error(s, p->key, 0.04);
+}
+
+static void meadow_crown(place *p, splat *s)
+{
+    vec centre = tree_blob((unsigned)(p->index % TREE_BLOBS)), crown = v3(0, -TREE_HEIGHT - 0.35, 0);
+    double y = 2 * draw(p->key, 1) - 1, r = sqrt(1 - y * y), radius = 0.34 * sqrt(0.45 + 0.55 * draw(p->key, 2));
+    vec out = v3(r * cosine(p->v), y, r * sine(p->v)), at = add(centre, times(out, radius));
+    double sigma = 0.95 / sqrt((double)p->count) * (1.2 + 0.8 * draw(p->key, 3));
+    lay_flat(s, at, v3(0, 0, 1), v3(1, 0, 0), sigma, 0.75 + 0.24 * draw(p->key, 4));
+    turn(s, p->key, 5);
+    s->sigma[1] *= 0.7;
+    vec up = normalise(sub(at, crown));
+    double light = clamp(0.62 + 0.30 * dot(up, noon) + 0.22 * dot(out, noon), 0.2, 1.2);
+    vec pink = blend3(v3(0.98, 0.70, 0.78), v3(1.0, 0.93, 0.95), draw(p->key, 8));
+    vec colour = draw(p->key, 9) < 0.72 ? pink : v3(0.42, 0.60, 0.20);
+    add_constant(s, times(colour, light));
+    add_zonal(s, times(noon, -1), highlight, times(colour, 0.2 * light));
+    add_error(s, p->key, 0.04);
+}
+
+static void meadow_woods(place *p, splat *s)
+{
+    enum { TREES = 90 };
+    uint64_t key = key_of(p->seed, ~(p->index % TREES) << 10);
+    double turns = draw(key, 0), far = 18 + 62 * draw(key, 1), x = far * cosine(turns), z = far * sine(turns);
+    double y = 2 * draw(p->key, 1) - 1, r = sqrt(1 - y * y), size = 1.2 + 1.6 * draw(key, 2);
+    vec out = v3(r * cosine(p->v), y, r * sine(p->v)), in = times(out, size * (0.6 + 0.4 * draw(p->key, 2)));
+    vec at = v3(x + in.x, 1.3 * in.y - 1.1 * size - meadow_height(x, z), z + in.z);
+    lay_flat(s, at, v3(0, 0, 1), v3(1, 0, 0), 3.0 * size / sqrt((double)p->count / TREES + 1), 0.93);
+    turn(s, p->key, 4);
+    vec green = blend3(v3(0.16, 0.30, 0.12), v3(0.40, 0.46, 0.16), draw(key, 3));
+    double light = (0.55 + 0.55 * clamp(dot(out, noon), -0.6, 1)) * (0.75 + 0.5 * draw(p->key, 8));
+    add_constant(s, blend3(times(green, light), v3(0.62, 0.74, 0.80), 0.75 * smoothstep(10, 100, far)));
+    add_error(s, p->key, 0.03);
+}
+
+static vec sky_colour(vec d)
+{
+    double up = clamp(-d.y, 0, 1), flat = 1 / (0.12 + up);
+    double x = d.x * flat, z = d.z * flat;
+    double cloud = plain_noise(x * 0.9, z * 0.9, 68) + 0.5 * plain_noise(x * 2.3, z * 2.3, 69);
+    vec blue = blend3(v3(0.78, 0.87, 0.94), v3(0.22, 0.46, 0.82), smoothstep(0, 0.7, up));
+    return blend3(blue, v3(0.97, 0.97, 0.98), smoothstep(0.1, 0.8, cloud) * smoothstep(0, 0.15, up));
+}
+
+/* A shell of discs that face the middle, at 100 to 400 units, sigma up to 72. */
+static void lay_sky(const place *p, splat *s)
+{
+    double y = 0.06 - 1.06 * p->u, r = sqrt(1 - y * y), far = 100 + 300 * draw(p->key, 1), wide = draw(p->key, 2);
+    vec d = v3(r * cosine(p->v), y, r * sine(p->v));
+    double even = sqrt(2 * PI / (double)p->count);
+    lay_flat(s, times(d, far), d, v3(draw(p->key, 3) - 0.5, 1e-3, draw(p->key, 4) - 0.5),
+             far * clamp(even * (0.8 + 3.5 * wide * wide), 0, 0.18), 0.5 + 0.48 * draw(p->key, 5));
+    s->sigma[1] *= 0.5 + 0.5 * draw(p->key, 6);
+    if (draw(p->key, 7) < 0.7)
+        s->sigma[2] = THIN;
+    add_constant(s, sky_colour(d));
+}
+
+static void meadow_sky(place *p, splat *s)
+{
+    lay_sky(p, s);
+    add_error(s, p->key, 0.025);
+}
+
+/* In any direction, from 5 to 20,000 units away, as many in each octave. */
+static void meadow_outlier(place *p, splat *s)
+{
+    double y = 2 * draw(p->key, 1) - 1, r = sqrt(1 - y * y), far = 20000 * power_of_half(draw(p->key, 2), 0, 12);
+    vec d = v3(r * cosine(draw(p->key, 3)), y, r * sine(draw(p->key, 3)));
+    double sigma = far * 0.004 * power_of_half(draw(p->key, 4), 0, 4);
+    vec colour = blend3(v3(0.55, 0.60, 0.58), v3(0.95, 0.96, 0.98), draw(p->key, 7));
+    lay_round(s, times(d, far), sigma, 0.02 + 0.5 * draw(p->key, 5) * draw(p->key, 6), colour);
+    s->sigma[1] *= 0.3;
+    turn(s, p->key, 8);
+    add_error(s, p->key, 0.08);
+}
+
+static void meadow(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
+{
+    static const unsigned ends[] = { 170, 560, 660, 700, 870, 950, 980, 1000 };
+    static void (*const lay[])(place *, splat *) = {
+        meadow_ground, meadow_grass, meadow_flower, meadow_trunk,
+        meadow_crown, meadow_woods, meadow_sky, meadow_outlier,
+    };
+    place p;
+    splat s;
+    lay[part_of(i, count, seed, ends, &p)](&p, &s);
+    finish(&s, out);
+}
+
+/* ---- mirrors: hammered gold, chrome and copper under three lamps ------------------------------------------------- */
+
+#define BENCH_Y 1.2
+
+static const double half_space[4] = { 0.5, 0.75, 0, -0.4375 };   /* 1 where x > 0 */
+
+/* What the metal shows: lamps, the ceiling over the floor, a lit wall. */
+static const struct lobe {
+    vec axis;
+    const double *shape;
+    vec colour;
+} room[] = {
+    { { 0, -1, 0 }, half_space, { 0.42, 0.46, 0.54 } },
+    { { -0.60, -0.64, -0.48 }, highlight, { 1.05, 0.98, 0.86 } },
+    { { 0.80, -0.36, -0.48 }, highlight, { 0.42, 0.60, 0.85 } },
+    { { 0.36, -0.48, 0.80 }, highlight, { 0.80, 0.52, 0.30 } },
+    { { -0.80, 0.36, 0.48 }, highlight, { 0.34, 0.16, 0.14 } },
+};
+
+/* A mirror's picture of the room: seen along d it is what lies along mirror(d), a reflection of the room's own SH. */
+static void add_room(splat *s, vec normal, vec metal)
+{
+    add_constant(s, tint(v3(0.20, 0.16, 0.13), metal));
+    for (size_t k = 0; k < sizeof room / sizeof room[0]; k++)
+        add_zonal(s, mirror(room[k].axis, normal), room[k].shape, tint(room[k].colour, metal));
+}
+
+/* Turns the normal of dents that a hammer left. */
+static vec hammered(vec normal, vec at, double depth)
+{
+    double dx, dz, ex, ez;
+    noise(6 * at.x + 2 * at.y, 6 * at.z + 4 * at.y, 71, &dx, &dz);
+    noise(5 * at.y - 3 * at.x, 5 * at.x + 4 * at.z, 72, &ex, &ez);
+    return normalise(add(normal, times(v3(dx - ez, ex, dz + ez), depth)));
+}
+
+static vec vase_surface(double u, double v)
+{
+    double body = smoothstep(0.02, 0.42, u) * (1 - smoothstep(0.42, 0.80, u));
+    double radius = 0.34 + 0.62 * body + 0.24 * smoothstep(0.84, 1, u) - 0.06 * smoothstep(0.02, 0.12, u);
+    radius *= 1 + 0.035 * cosine(9 * v + 2 * u) * body;
+    return v3(radius * cosine(v), BENCH_Y - 2.6 * u, -radius * sine(v));
+}
+
+static void mirrors_vase(place *p, splat *s)
+{
+    lay_surface(p, vase_surface, 0.97, s);
+    add_room(s, hammered(s->axis[2], s->position, 0.10), v3(1.00, 0.74, 0.30));
+    add_error(s, p->key, 0.05);
+}
+
+static const struct ball {
+    double x, z, radius;
+    vec metal;
+    double dents;
+} balls[] = {
+    { -1.75, -0.55, 0.55, { 0.92, 0.94, 0.97 }, 0 },
+    { 1.55, -1.00, 0.42, { 0.95, 0.58, 0.42 }, 0.05 },
+    { 0.45, -1.70, 0.27, { 0.92, 0.94, 0.97 }, 0 },
+    { -0.75, -1.75, 0.22, { 1.00, 0.74, 0.30 }, 0.12 },
+    { 1.30, 1.35, 0.60, { 0.70, 0.74, 0.80 }, 0.08 },
+};
+#define BALLS (sizeof balls / sizeof balls[0])
+
+static void mirrors_ball(place *p, splat *s)
+{
+    const struct ball *b = &balls[p->index % BALLS];
+    spread_evenly(p, p->index / BALLS, p->count / BALLS + 1);
+    double y = 2 * p->u - 1, r = sqrt(1 - y * y);
+    vec normal = v3(r * cosine(p->v), y, r * sine(p->v)), centre = v3(b->x, BENCH_Y - b->radius, b->z);
+    vec at = add(centre, times(normal, b->radius));
+    double sigma = 0.72 * b->radius * sqrt(4 * PI * (double)BALLS / (double)p->count);
+    lay_flat(s, at, normal, v3(normal.z + 1e-9, 0, -normal.x), sigma, 0.97);
+    add_room(s, hammered(normal, at, b->dents), b->metal);
+    add_error(s, p->key, 0.04);
+}
+
+/* A ring that stands behind the vase. */
+static vec ring_surface(double u, double v)
+{
+    double out = 1.05 + 0.17 * (1 + 0.08 * cosine(3 * v + 8 * u)) * cosine(v);
+    double deep = 0.17 * sine(v) + 0.12 * sine(2 * u);
+    return v3(-1.25 + out * cosine(u), BENCH_Y - 1.22 + out * sine(u), 1.15 + deep - 0.3 * out * cosine(u));
+}
+
+static void mirrors_ring(place *p, splat *s)
+{
+    lay_surface(p, ring_surface, 0.97, s);
+    add_room(s, s->axis[2], v3(0.93, 0.60, 0.46));
+    add_error(s, p->key, 0.05);
+}
+
+/* Lacquered wood, a chequer of squares. */
+static void mirrors_bench(place *p, splat *s)
+{
+    double r = 3.2 * sqrt(p->u), x = r * cosine(p->v), z = r * sine(p->v);
+    double across = x * 0.8 + z * 0.6, along = z * 0.8 - x * 0.6, square = whole(across * 1.6) + whole(along * 1.6);
+    double grain = plain_noise(across * 2, along * 19, 73);
+    int dark = square > 2 * whole(square / 2);
+    vec wood = dark ? v3(0.16, 0.10, 0.075) : v3(0.50, 0.34, 0.20);
+    lay_flat(s, v3(x, BENCH_Y, z), v3(0, -1, 0), v3(0.8, 0, 0.6), 0.72 * sqrt(PI * 3.2 * 3.2 / (double)p->count), 0.96);
+    double shade = smoothstep(0.2, 1.3, sqrt(x * x + z * z));
+    for (size_t k = 0; k < BALLS; k++) {
+        double dx = x - balls[k].x, dz = z - balls[k].z;
+        shade *= blend(0.4, 1, smoothstep(0.1, 1.2, sqrt(dx * dx + dz * dz) / balls[k].radius));
+    }
+    add_constant(s, times(wood, (0.85 + 0.2 * grain) * blend(0.35, 1, shade) * (1 - 0.5 * smoothstep(2.4, 3.3, r))));
+    add_room(s, v3(0, -1, 0), times(v3(0.16, 0.16, 0.17), shade));
+    add_error(s, p->key, 0.03);
+}
+
+static void mirrors(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
+{
+    static const unsigned ends[] = { 430, 590, 720, 1000 };
+    static void (*const lay[])(place *, splat *) = { mirrors_vase, mirrors_ball, mirrors_ring, mirrors_bench };
+    place p;
+    splat s;
+    lay[part_of(i, count, seed, ends, &p)](&p, &s);
+    finish(&s, out);
+}
+
+/* ---- discs: the knot on a square, all of whose flags and sky are discs without thickness ------------------------- */
+
+/* Flags in rings about the knot's stone. */
+static void discs_ground(place *p, splat *s)
+{
+    double x, z, sigma;
+    spread_over(p, 0, 60, 0.1, 0.9, &x, &z, &sigma);
+    double r = sqrt(x * x + z * z), ring = r / 1.5 - whole(r / 1.5);
+    vec flag = blend3(v3(0.58, 0.52, 0.47), v3(0.44, 0.45, 0.50), draw(p->key, 1));
+    flag = times(flag, 1 + 0.25 * plain_noise(x * 0.5, z * 0.5, 74));
+    flag = blend3(v3(0.22, 0.22, 0.25), flag, smoothstep(0, 0.25, ring < 0.5 ? ring : 1 - ring));
+    vec normal = normalise(v3(0.03 * (draw(p->key, 2) - 0.5), -1, 0.03 * (draw(p->key, 3) - 0.5)));
+    vec at = v3(x, TABLE_Y + TABLE_DEPTH + 0.07, z);
+    lay_flat(s, at, normal, v3(x + 1e-9, 0, z), 1.1 * sigma, 0.6 + 0.38 * draw(p->key, 4));
+    s->sigma[1] *= 0.5 + 0.5 * draw(p->key, 5);
+    s->sigma[2] = THIN;
+    flag = times(flag, blend(0.45, 1, smoothstep(3.5, 7, r)));
+    add_constant(s, blend3(flag, v3(0.93, 0.72, 0.55), 0.8 * smoothstep(12, 65, r)));
+}
+
+static void discs_sky(place *p, splat *s)
+{
+    lay_sky(p, s);
+    s->sigma[2] = THIN;
+    vec d = normalise(s->position);
+    double dusk = smoothstep(0.5, 0, -d.y) * (0.6 + 0.4 * dot(d, v3(0, 0, 1)));
+    s->sh[0] = blend3(s->sh[0], times(v3(1.0, 0.66, 0.42), 1 / SH_C0), clamp(dusk, 0, 1));
+}
+
+static void discs(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
+{
+    static const unsigned ends[] = { 130, 170, 1000 };
+    place p;
+    splat s;
+    int part = part_of(i, count, seed, ends, &p);
+    if (part == 2) {
+        knot(p.index, p.count, seed, out);
+        return;
+    }
+    (part ? discs_sky : discs_ground)(&p, &s);
+    finish(&s, out);
+}
+
+/* ---- A house of any size, for the scenes below ------------------------------------------------------------------- */
+
+typedef struct house {
+    vec at;                  /* of the middle of its floor */
+    double c, s;             /* its turn about y */
+    double width, depth, wall, roof;
+    vec paint, tiles;
+} house;
+
+static vec turned(const house *h, vec v) { return v3(h->c * v.x + h->s * v.z, v.y, h->c * v.z - h->s * v.x); }
+
+/* A point of the roof or of the walls by three numbers in 0..1; returns its colour. */
+static vec lay_on_house(const house *h, double face, double u, double v, double sigma, splat *s)
+{
+    double side = face < 0.5 ? -1 : 1, part = 2 * (face < 0.5 ? face : face - 0.5), w = h->width / 2, d = h->depth / 2;
+    vec at, normal, along = v3(0, 0, 1), colour = h->paint;
+    if (part < 0.5) {
+        at = v3(1.1 * side * w * (1 - v), -(h->wall + h->roof * (1.1 * v - 0.1)), 1.1 * d * (2 * u - 1));
+        normal = v3(side * h->roof, -w, 0);
+        colour = times(h->tiles, 0.85 + 0.3 * (8 * v - whole(8 * v)));
+    } else if (part < 0.75) {
+        at = v3(side * w, -h->wall * v, d * (2 * u - 1));
+        normal = v3(side, 0, 0);
+    } else {
+        at = v3(w * (2 * u - 1), -v * (h->wall + h->roof * (1 - fabs(2 * u - 1))), side * d);
+        normal = v3(0, 0, side);
+        along = v3(1, 0, 0);
+    }
+    double pane = 3 * u - whole(3 * u);
+    if (part >= 0.5 && pane > 0.33 && pane < 0.67 && v > 0.35 && v < 0.70)
+        colour = v3(0.13, 0.15, 0.19);
+    lay_flat(s, add(h->at, turned(h, at)), turned(h, normalise(normal)), turned(h, along), sigma, 0.96);
+    return colour;
+}
+
+/* ---- haze: a lighthouse behind thousands of Gaussians that are hardly there -------------------------------------- */
+
+/* Unlike fog, which is nothing but Gaussians up to twice as opaque, this has an object in it, and faint Gaussians whose
+   opacity is a few steps of 1/255: what a step loses of each adds up over hundreds. */
+#define SHORE_Y 1.6
+
+static const vec lamp = { 0, -3.05, 0 };
+
+static double shore_height(double x, double z)
+{
+    return 0.5 * smoothstep(6, 0.5, sqrt(x * x + z * z)) + 0.16 * plain_noise(x * 0.8, z * 0.8, 81) +
+        0.07 * plain_noise(x * 2.9, z * 2.9, 82);
+}
+
+/* The outline from the foot to the tip, radius and height. */
+static vec lighthouse(double u, double v)
+{
+    static const double outline[][2] = {
+        { 0.74, 0.0 }, { 0.60, 1.2 }, { 0.50, 2.5 }, { 0.46, 3.6 }, { 0.66, 3.72 },
+        { 0.66, 3.86 }, { 0.33, 3.87 }, { 0.33, 4.45 }, { 0.44, 4.47 }, { 0.02, 5.0 },
+    };
+    double at = 9 * clamp(u, 0, 0.9999), t = at - whole(at);
+    const double *a = outline[(int)at], *b = outline[(int)at + 1], radius = blend(a[0], b[0], t);
+    return v3(radius * cosine(v), SHORE_Y - 0.45 - blend(a[1], b[1], t), -radius * sine(v));
+}
+
+static vec lighthouse_colour(double u, double v, uint64_t key)
+{
+    double at = 9 * u, band = whole(3 * at), turns = 9 * v - whole(9 * v);
+    vec paint = band - 2 * whole(band / 2) > 0.5 ? v3(0.72, 0.16, 0.13) : v3(0.88, 0.86, 0.82);
+    if (at > 6 && at < 7)
+        return turns < 0.15 ? v3(0.12, 0.12, 0.13) : v3(1.25, 1.0, 0.62);
+    if (at > 3)
+        paint = at < 6 ? v3(0.30, 0.31, 0.33) : v3(0.35, 0.12, 0.11);
+    else if (fabs(3 * at - band - 0.5) < 0.22 && fabs(v - whole(v) - 0.75) < 0.025 && band > 0 && band < 8)
+        paint = v3(1.0, 0.78, 0.42);
+    return times(paint, 0.88 + 0.2 * draw(key, 1) + 0.06 * plain_noise(v * 30, u * 60, 83));
+}
+
+static void haze_tower(place *p, splat *s)
+{
+    lay_surface(p, lighthouse, 0.97, s);
+    vec n = s->axis[2];
+    double lit = 9 * p->u > 6 && 9 * p->u < 7 ? 1 : 0.62 + 0.25 * clamp(-n.x, -1, 1) - 0.15 * n.y;
+    add_constant(s, times(lighthouse_colour(p->u, p->v, p->key), lit));
+    add_zonal(s, n, rim, v3(0.05, 0.06, 0.07));
+}
+
+static void haze_house(place *p, splat *s)
+{
+    static const house keeper = {
+        { 1.75, SHORE_Y - 0.33, -0.25 }, 0.8, 0.6, 1.1, 1.5, 0.62, 0.5, { 0.82, 0.79, 0.72 }, { 0.42, 0.22, 0.18 },
+    };
+    vec colour = lay_on_house(&keeper, draw(p->key, 1), p->u, p->v, 3.2 / sqrt((double)p->count), s);
+    vec n = s->axis[2];
+    if (colour.z < 0.2 && colour.x < 0.2)
+        colour = v3(1.1, 0.8, 0.4);
+    add_constant(s, times(colour, 0.62 + 0.25 * clamp(-n.x, -1, 1) - 0.15 * n.y));
+    add_zonal(s, n, rim, v3(0.05, 0.06, 0.07));
+}
+
+static void haze_shore(place *p, splat *s)
+{
+    double x, z, sigma;
+    spread_over(p, 0, 11, 0.4, 0.6, &x, &z, &sigma);
+    double h = shore_height(x, z), step = 0.03;
+    vec normal = normalise(v3((h - shore_height(x + step, z)) / step, -1, (h - shore_height(x, z + step)) / step));
+    double rough = plain_noise(x * 1.3, z * 1.3, 84) + 0.5 * plain_noise(x * 5, z * 5, 85);
+    vec rock = blend3(v3(0.33, 0.31, 0.29), v3(0.46, 0.44, 0.40), draw(p->key, 1));
+    vec colour = blend3(rock, v3(0.26, 0.34, 0.16), smoothstep(-0.2, 0.5, rough));
+    lay_flat(s, v3(x, SHORE_Y - h, z), normal, v3(1, 0, 0), sigma, 0.96);
+    add_constant(s, times(colour, 0.65 - 0.3 * normal.y + 0.5 * clamp(-normal.x, 0, 1)));
+    add_zonal(s, normal, rim, v3(0.04, 0.04, 0.05));
+}
+
+/* Opacity 0.004 to 0.05, as many in each octave; thickest on the ground. */
+static void haze_veil(place *p, splat *s)
+{
+    double r = 9.5 * sqrt(draw(p->key, 1)), turns = draw(p->key, 2), up = draw(p->key, 3), size = draw(p->key, 4);
+    vec at = v3(r * cosine(turns), SHORE_Y - 8.5 * up * (0.4 + 0.6 * up), r * sine(turns)), to = sub(lamp, at);
+    double sigma = (0.16 + 0.32 * size * size) * clamp(sqrt(24000 / (double)p->count), 0, 3);
+    vec grey = blend3(v3(0.62, 0.68, 0.74), v3(0.80, 0.83, 0.86), up);
+    vec colour = blend3(grey, v3(1.15, 0.92, 0.60), 0.9 / (1 + 1.1 * dot(to, to)));
+    lay_round(s, at, sigma, 0.05 * power_of_half(draw(p->key, 5), 0, 3.64), colour);
+    s->sigma[0] *= 1.7;
+    s->sigma[1] *= 0.6;
+    turn(s, p->key, 6);
+    add_zonal(s, v3(0.8, 0.36, 0.48), highlight, v3(0.10, 0.09, 0.07));
+}
+
+static void lighthouse_haze(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
+{
+    static const unsigned ends[] = { 300, 380, 600, 1000 };
+    static void (*const lay[])(place *, splat *) = { haze_tower, haze_house, haze_shore, haze_veil };
+    place p;
+    splat s;
+    lay[part_of(i, count, seed, ends, &p)](&p, &s);
+    finish(&s, out);
+}
+
+/* ---- site: a town from the air, 400 x 300 units and 8 high ------------------------------------------------------- */
+
+#define SITE_X 400.0
+#define SITE_Z 300.0
+#define BLOCK_X 80.0     /* from road to road; four lots each way */
+#define BLOCK_Z 75.0
+
+enum block { HOUSES, PARK, FIELD, WORKS };
+
+/* The kind of the block at a point; *dx and *dz receive the distances from the nearest roads. */
+static enum block site_block(double x, double z, double *dx, double *dz)
+{
+    double bx = whole((x + SITE_X / 2) / BLOCK_X), bz = whole((z + SITE_Z / 2) / BLOCK_Z);
+    double pick = lattice(mix((uint64_t)(bx * 16 + bz + 501)));
+    double ox = x + SITE_X / 2 - bx * BLOCK_X, oz = z + SITE_Z / 2 - bz * BLOCK_Z;
+    *dx = ox < BLOCK_X / 2 ? ox : BLOCK_X - ox;
+    *dz = oz < BLOCK_Z / 2 ? oz : BLOCK_Z - oz;
+    return pick < 0.1 ? HOUSES : pick < 0.45 ? PARK : pick < 0.8 ? FIELD : WORKS;
+}
+
+/* How far a point is from the middle of the river, which is 9 to either side. */
+static double site_river(double x, double z)
+{
+    return fabs(z - 0.25 * x - 28 * sine(x / 310) - 14);
+}
+
+static double site_height(double x, double z)
+{
+    return 0.9 * plain_noise(x * 0.011, z * 0.011, 91) - 1.6 * smoothstep(13, 7, site_river(x, z));
+}
+
+static vec site_colour(double x, double z, uint64_t key)
+{
+    double dx, dz, rough = plain_noise(x * 0.09, z * 0.09, 92) + 0.5 * plain_noise(x * 0.4, z * 0.4, 93);
+    enum block kind = site_block(x, z, &dx, &dz);
+    double river = site_river(x, z), road = dx < dz ? dx : dz, along = dx < dz ? z : x;
+    vec grass = blend3(v3(0.28, 0.38, 0.16), v3(0.50, 0.50, 0.25), clamp(0.5 + 0.5 * rough, 0, 1)), ground = grass;
+    if (kind == FIELD) {
+        double furrow = sine(0.16 * (x * 0.9 + z * 0.35));
+        ground = blend3(v3(0.66, 0.58, 0.30), v3(0.50, 0.50, 0.22), 0.5 + 0.5 * furrow);
+    } else if (kind == WORKS) {
+        ground = times(v3(0.43, 0.42, 0.41), 1 + 0.1 * rough);
+    }
+    if (road < 5.5)
+        ground = road < 3.6 ? v3(0.31, 0.31, 0.33) : v3(0.62, 0.60, 0.57);
+    if (road < 0.35 && along / 6 - whole(along / 6) < 0.5)
+        ground = v3(0.92, 0.91, 0.86);
+    if (river < 11 && road > 4.5)
+        ground = river < 9 ? v3(0.20, 0.33, 0.38) : v3(0.60, 0.55, 0.42);
+    return times(ground, 0.88 + 0.22 * draw(key, 1));
+}
+
+static void add_site_light(splat *s, vec colour, uint64_t key)
+{
+    vec n = s->axis[2];
+    add_constant(s, times(colour, 0.42 + 0.68 * clamp(dot(n, noon), 0, 1)));
+    add_zonal(s, mirror(noon, n), highlight, times(colour, 0.08));
+    add_error(s, key, 0.02);
+}
+
+static void site_ground(place *p, splat *s)
+{
+    double x = SITE_X * (p->u - 0.5), z = SITE_Z * (p->v - 0.5);
+    double sigma = clamp(0.66 * sqrt(SITE_X * SITE_Z / (double)p->count), 0, 20);
+    double h = site_height(x, z);
+    vec normal = normalise(v3(h - site_height(x + 1, z), -1, h - site_height(x, z + 1)));
+    lay_flat(s, v3(x, -h, z), normal, v3(1, 0, 0), sigma, 0.97);
+    add_site_light(s, site_colour(x, z, p->key), p->key);
+}
+
+/* The house on a lot, lots counted along z first; a hall where the block is works. Returns 0 where the lot is empty. */
+static int site_house(uint64_t lot, uint64_t key, house *h)
+{
+    static const vec tiles[] = {
+        { 0.62, 0.28, 0.20 }, { 0.50, 0.24, 0.20 }, { 0.36, 0.36, 0.39 }, { 0.56, 0.42, 0.30 },
+    };
+    double x = BLOCK_X / 4 * ((double)(lot / 16) + 0.5) - SITE_X / 2, dx, dz;
+    double z = BLOCK_Z / 4 * ((double)(lot % 16) + 0.5) - SITE_Z / 2;
+    enum block kind = site_block(x, z, &dx, &dz);
+    x += (dx < BLOCK_X / 4 ? 1.5 : 0) + 2 * draw(key, 1) - 1;
+    h->at = v3(x, -site_height(x, z), z);
+    h->c = draw(key, 2) < 0.5;
+    h->s = 1 - h->c;
+    h->width = 8 + 2.5 * draw(key, 3);
+    h->depth = 8 + 4 * draw(key, 4);
+    h->wall = 2.6 + 1.2 * draw(key, 5);
+    h->roof = 1.8 + 1.4 * draw(key, 6);
+    h->paint = blend3(v3(0.85, 0.80, 0.70), v3(0.78, 0.66, 0.56), draw(key, 7));
+    h->tiles = tiles[(unsigned)(4 * draw(key, 8))];
+    if (kind == WORKS) {
+        h->width = 13;
+        h->depth = 10;
+        h->roof = 1;
+        h->wall = 4.5;
+        h->tiles = blend3(v3(0.34, 0.40, 0.47), v3(0.68, 0.66, 0.62), draw(key, 9));
+    }
+    return (kind == HOUSES || kind == WORKS) && site_river(x, z) > 22;
+}
+
+/* On the first lot that is built on, from one on. Some are, whatever the seed. */
+static void site_roof(place *p, splat *s)
+{
+    enum { LOTS = 320 };
+    uint64_t lot = p->index % LOTS;
+    house h;
+    while (!site_house(lot, key_of(p->seed, ~lot << 14), &h))
+        lot = (lot + 1) % LOTS;
+    double sigma = 0.62 * sqrt((h.width + 3 * h.wall) * h.depth * 2 * LOTS / (double)p->count);
+    vec colour = lay_on_house(&h, draw(p->key, 1), draw(p->key, 2), draw(p->key, 3), clamp(sigma, 0, 3), s);
+    add_site_light(s, times(colour, 0.92 + 0.16 * draw(p->key, 4)), p->key);
+}
+
+/* Where a tree stands: of many places the first that is neither road, river, field nor house. */
+static vec site_tree_foot(uint64_t key)
+{
+    double x = 0, z = 0, dx, dz;
+    for (unsigned k = 0; k < 40; k++) {
+        x = SITE_X * (draw(key, 2 * k) - 0.5);
+        z = SITE_Z * (draw(key, 2 * k + 1) - 0.5);
+        enum block kind = site_block(x, z, &dx, &dz);
+        int fence = fabs(dx - BLOCK_X / 4) < 2 || (dx > 7 && dx < 9);
+        if (dx > 7 && dz > 7 && site_river(x, z) > 13 && (kind == PARK || (kind == HOUSES && fence)))
+            break;
+    }
+    return v3(x, -site_height(x, z), z);
+}
+
+static void site_tree(place *p, splat *s)
+{
+    uint64_t trees = p->count / 40 + 1 < 800 ? p->count / 40 + 1 : 800;
+    uint64_t key = key_of(p->seed, ~(p->index % trees) << 18);
+    double size = 2.0 + 1.6 * draw(key, 90), y = 2 * draw(p->key, 1) - 1, r = sqrt(1 - y * y);
+    vec out = v3(r * cosine(p->v), y, r * sine(p->v)), in = times(out, size * (0.65 + 0.35 * draw(p->key, 2)));
+    vec at = add(site_tree_foot(key), v3(in.x, 0.75 * in.y - 0.95 * size, in.z));
+    lay_flat(s, at, out, v3(0.6, 0.1, 0.8), 1.9 * size / sqrt((double)(p->count / trees + 1)), 0.92);
+    s->sigma[2] = 0.4 * s->sigma[0];
+    vec green = blend3(v3(0.15, 0.28, 0.10), v3(0.38, 0.42, 0.14), draw(key, 91));
+    add_site_light(s, times(green, 0.7 + 0.6 * draw(p->key, 3)), p->key);
+}
+
+static void site(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
+{
+    static const unsigned ends[] = { 480, 780, 1000 };
+    static void (*const lay[])(place *, splat *) = { site_ground, site_roof, site_tree };
+    place p;
+    splat s;
+    lay[part_of(i, count, seed, ends, &p)](&p, &s);
+    finish(&s, out);
+}
+
+/* ---- Scenes that are hard on a renderer -------------------------------------------------------------------------- */
 
 /* The lattice side with side^power >= count. */
 static uint64_t lattice_side(uint64_t count, int power)
@@ -771,6 +1470,11 @@ static const fxs_procedural_scene scenes[] = {
     { "fog", "large Gaussians, nearly transparent, hundreds over every pixel", 2, 5000, fog },
     { "layers", "opaque cards full of equal depths and positions", 0, 10000, layers },
     { "cubes", "a lattice of balls, from far below a pixel to huge", 0, 4096, cubes },
+    { "meadow", "a tree among flowers, hills and a sky of discs, with outliers to 20,000 units", 3, 120000, meadow },
+    { "mirrors", "gold, chrome and copper: colours that turn with the view", 3, 100000, mirrors },
+    { "discs", "the knot under a sky and on a ground of discs without thickness", 3, 40000, discs },
+    { "haze", "a lighthouse behind thousands of Gaussians of opacity 0.004 to 0.05", 3, 60000, lighthouse_haze },
+    { "site", "a town from the air, 400 x 300 units and 8 high", 3, 150000, site },
 };
 
 const fxs_procedural_scene *fxs_procedural_list(size_t *count)

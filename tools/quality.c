@@ -26,28 +26,44 @@ static int measure_view(quality_view *out, renderer *r, const loaded_scene *cons
     return status;
 }
 
-/* View i of q->count: one of the file, or the only one, turned about the middle of the scene. */
+/* View i of q->count: one of the file, or the only one, turned about the middle of the scene, nearer to it or farther
+   off. */
 static fxs_file_view choose(quality *q, long i, const fxs_file_view *views, long given, const view_options *options,
                             const fxs_pack_report *report)
 {
+    static const struct {
+        const char *name;
+        double factor;
+    } distances[] = {{"middle", 1}, {"close", 0.35}, {"far", 2}};
     double middle[3];
     q->views[i].index = options->cameras ? i * given / q->count : i;
     if (options->cameras)
         return views[q->views[i].index];
     fxs_file_view turned = views[0];
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 3; k++) {
         middle[k] = (report->inner_low[k] + report->inner_high[k]) / 2;
+        turned.position[k] = middle[k] + distances[i % 3].factor * (turned.position[k] - middle[k]);
+    }
     fxs_view_orbit(&turned, middle, options->up, 6.283185307179586 * (double)i / (double)q->count);
-    snprintf(turned.name, sizeof turned.name, "%.0f degrees", 360.0 * (double)i / (double)q->count);
+    snprintf(turned.name, sizeof turned.name, "%.0f degrees, %s", 360.0 * (double)i / (double)q->count,
+             distances[i % 3].name);
     return turned;
 }
 
-static void find_means(quality *q)
+static void find_means_and_worst(quality *q)
 {
     long different = 0;
     q->psnr = q->ssim = 0;
+    q->worst_psnr = INFINITY;
+    q->worst_ssim = 1;
     for (long i = 0; i < q->count; i++) {
         const struct fxs_metrics *m = &q->views[i].metrics;
+        if (m->psnr < q->worst_psnr) {
+            q->worst_psnr = m->psnr;
+            q->worst_view = i;
+        }
+        if (m->ssim < q->worst_ssim)
+            q->worst_ssim = m->ssim;
         q->ssim += m->ssim / (double)q->count;
         if (!isinf(m->psnr)) {
             q->psnr += m->psnr;
@@ -91,7 +107,7 @@ int quality_measure(quality *q, const loaded_scene *scene, const loaded_scene *o
     if (status)
         quality_free(q);
     else
-        find_means(q);
+        find_means_and_worst(q);
     return status;
 }
 
@@ -105,6 +121,8 @@ void quality_print_text(const quality *q)
                fxs_metrics_psnr(psnr, v->metrics.psnr, "equal"), v->metrics.ssim, v->metrics.largest);
     }
     printf("mean %38s %9s  %.6f\n", "", fxs_metrics_psnr(psnr, q->psnr, "equal"), q->ssim);
+    printf("worst %37s %9s  %.6f   view %ld\n", "", fxs_metrics_psnr(psnr, q->worst_psnr, "equal"), q->worst_ssim,
+           q->views[q->worst_view].index);
 }
 
 void quality_print_json(const quality *q)
@@ -117,7 +135,9 @@ void quality_print_json(const quality *q)
                i ? ", " : "", v->index, v->width, v->height, fxs_metrics_psnr(psnr, v->metrics.psnr, "null"),
                v->metrics.ssim, v->metrics.largest);
     }
-    printf("], \"psnr\": %s, \"ssim\": %.6f}", fxs_metrics_psnr(psnr, q->psnr, "null"), q->ssim);
+    printf("], \"psnr\": %s, \"ssim\": %.6f, ", fxs_metrics_psnr(psnr, q->psnr, "null"), q->ssim);
+    printf("\"worst_psnr\": %s, \"worst_ssim\": %.6f, \"worst_view\": %ld}",
+           fxs_metrics_psnr(psnr, q->worst_psnr, "null"), q->worst_ssim, q->views[q->worst_view].index);
 }
 
 void quality_free(quality *q)

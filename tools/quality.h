@@ -16,11 +16,14 @@ typedef struct quality {
     quality_view *views;
     long count;
     double psnr, ssim;              /* means over the views; psnr over those that differ, infinity where none does */
+    double worst_psnr, worst_ssim;  /* the lowest of any view, of each by itself */
+    long worst_view;                /* in `views`: the first with worst_psnr */
 } quality;
 
-/* Renders both from up to `wanted` views: evenly spaced ones of the camera file in the options, else around the middle
-   of the original; of the size in the options. Returns 0 and what quality_free frees, or prints why not and returns
-   EXIT_FAILED. */
+/* Renders both from up to `wanted` views of the size in the options: evenly spaced ones of the camera file there, else
+   evenly turned about the middle of the original and in turn at middle distance (as render frames the scene), close
+   (0.35 of that, where the scene is larger than the picture) and far (twice that). Returns 0 and what quality_free
+   frees, or prints why not and returns EXIT_FAILED. */
 int quality_measure(quality *q, const loaded_scene *scene, const loaded_scene *original, const view_options *options,
                     long wanted);
 

@@ -573,15 +573,25 @@ fails "convert --spz-version to .ply" 2 "x.ply is no .spz" convert knot.ply x.pl
 # ---- info --compare --------------------------------------------------------------------------------------------------
 
 succeeds "info --compare" info knot4.spz --compare knot.ply --views 3 --size 64x48
-check "info --compare: a line for each view" equal "$(grep -c ' degrees .* 64x48 ' logs/out)" 3
+check "info --compare: a line for each view" equal "$(grep -c ' degrees, .* 64x48 ' logs/out)" 3
+check "info --compare: middle, close and far" equal \
+    "$(sed -n 's/.* degrees, \([a-z]*\) .* 64x48 .*/\1/p' logs/out | tr '\n' ' ')" "middle close far "
+check "info --compare: the worst is the lowest of each" equal "$(awk '/^worst/ { print $2, $3 }' logs/out)" \
+    "$(awk '/ 64x48 / { if (!p || $(NF - 2) < p) p = $(NF - 2); if (!s || $(NF - 1) < s) s = $(NF - 1) }
+        END { print p, s }' logs/out)"
+check "info --compare: the worst view" equal "$(awk '/^worst/ { print $5 }' logs/out)" \
+    "$(awk '/ 64x48 / { if (!p || $(NF - 2) < p) { p = $(NF - 2); v = $1 } } END { print v }' logs/out)"
 succeeds "info --compare --json" info knot4.spz --compare knot.ply --size 64x48 --json
-check "info --compare --json: keys" keys logs/out compare.psnr compare.ssim compare.views largest_error.sh
+check "info --compare --json: keys" keys logs/out compare.psnr compare.ssim compare.views \
+    compare.worst_psnr compare.worst_ssim compare.worst_view largest_error.sh
 check "info --compare: 8 views" equal "$(grep -o '"largest": ' logs/out | wc -l | tr -d ' ')" 8
 succeeds "info --compare --cameras" info knot4.spz --compare knot.ply --cameras three.json --views 2 --json
 check "info --compare --cameras: evenly spaced" grep -Eq \
     '("view": [01], "width": 64, "height": 48, [^}]*}.*){2}' logs/out
 run info knot.ply --compare knot.ply --cameras three.json --views 9 --json
-check "info --compare: equal" grep -q '"view": 2, .*"largest": 0}\], "psnr": null, "ssim": 1.000000}, ' logs/out
+check "info --compare: equal" grep -q '"view": 2, .*"largest": 0}\], "psnr": null, "ssim": 1.000000, ' logs/out
+check "info --compare: the worst of equal views" grep -q \
+    '"worst_psnr": null, "worst_ssim": 1.000000, "worst_view": 0}, ' logs/out
 "$fixsplat" render knot4.spz --cameras three.json --view 0 -o knot4.png
 "$fixsplat" render knot.ply --cameras three.json --view 0 -o knot1.png
 run info knot4.spz --compare knot.ply --cameras three.json --views 1 --json
