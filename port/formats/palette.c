@@ -9,8 +9,9 @@ enum {
     ENTRIES = FXS_PALETTE_ENTRIES, WIDTH = FXS_PALETTE_STRIDE, STAGES = FXS_PALETTE_STAGES,
     GROUPS = FXS_PALETTE_GROUPS, GROUP = ENTRIES / GROUPS,
     MOST = 1270,                   /* units; sums of 7 vectors stay in 16 bits, their products in 32 */
-    BEAM = 4,                      /* sums kept from stage to stage */
-    TRIED = 3,                     /* groups of entries that are looked into */
+    BEAM = 2,                      /* sums kept from stage to stage */
+    TRIED = 2,                     /* groups of entries that are looked into */
+    NEVER = 1 << 30,               /* a cost that no entry has */
     SAMPLE = 16384,                /* Gaussians that a palette is learned from, about */
     LLOYD_ROUNDS = 5, JOINT_ROUNDS = 2,
     JOBS = 16,
@@ -46,34 +47,34 @@ void fxs_sh_item_set(fxs_sh_item *item, const fxs_gaussian *g, int sh_degree)
         item->codes[i] = (int8_t)(fxs_floor_within((double)g->sh[i] / item->step + 0.5, -127, 127));
 }
 
-/* Coefficients in units, held within +-MOST. */
+static int16_t hold(int64_t x)
+{
+    return (int16_t)(x > -MOST ? x < MOST ? x : MOST : -MOST);
+}
+
+/* Coefficients in units. A step that would make every code too large is cut to one that does. */
 static void vector_of(fxs_sh_vector vector, const fxs_sh_item *item, int unit_exponent)
 {
-    const double scale = ldexp(item->step, unit_exponent);
+    const int32_t step_q12 = (int32_t)fmin(ldexp(item->step, unit_exponent + 12), MOST << 12);
     memset(vector, 0, sizeof(fxs_sh_vector));
     for (int k = 0; k < 15; k++)
         for (int c = 0; c < 3; c++)
-            vector[16 * c + k] = (int16_t)fxs_floor_within(item->codes[3 * k + c] * scale + 0.5, -MOST, MOST);
+            vector[16 * c + k] = hold((item->codes[3 * k + c] * step_q12 + 2048) >> 12);
 }
 
-/* Weighted by opacity. */
-static void find_mean(fxs_sh_vector mean, const fxs_sh_item *items, uint32_t count, int unit_exponent)
+/* Of a chunk, weighted by opacity. */
+static void find_mean(fxs_sh_vector mean, const fxs_palette *p, const fxs_sh_item *items, uint32_t count)
 {
     int32_t sums[WIDTH] = {0}, weight = 0;
-    for (uint32_t i = 0; i < count; i++) {
+    for (uint32_t i = 0; i < count && p->centred; i++) {
         fxs_sh_vector vector;
-        vector_of(vector, &items[i], unit_exponent);
+        vector_of(vector, &items[i], p->unit_exponent);
         for (int d = 0; d < WIDTH; d++)
             sums[d] += vector[d] * items[i].opacity;
         weight += items[i].opacity;
     }
     for (int d = 0; d < WIDTH; d++)
         mean[d] = (int16_t)(weight ? sums[d] / weight : 0);
-}
-
-static int16_t hold(int64_t x)
-{
-    return (int16_t)(x > -MOST ? x < MOST ? x : MOST : -MOST);
 }
 
 static void copy_held(fxs_sh_vector to, const fxs_sh_vector from, int sign)
@@ -120,24 +121,6 @@ static uint32_t groups_of(const fxs_palette *p)
     return (p->entries + GROUP - 1) / GROUP;
 }
 
-/* Puts an item among the best `most`, of which there are `count`, in order of cost; of equal ones the first stays.
-   Returns how many there are. */
-typedef struct ranked {
-    int32_t cost;
-    uint8_t from, index;           /* the sum that it extends; a group, or a signed index */
-} ranked;
-
-static uint32_t insert(ranked *best, uint32_t count, uint32_t most, ranked item)
-{
-    if (count == most && item.cost >= best[most - 1].cost)
-        return count;
-    uint32_t at = count < most ? count++ : most - 1;
-    for (; at > 0 && best[at - 1].cost > item.cost; at--)
-        best[at] = best[at - 1];
-    best[at] = item;
-    return count;
-}
-
 /* A sum of signed entries of the first stages. */
 typedef struct candidate {
     fxs_sh_vector left;            /* x - sum */
@@ -145,48 +128,65 @@ typedef struct candidate {
     uint8_t indices[STAGES];
 } candidate;
 
-/* The entries of a group that extend a sum best: |left -+ entry|^2 = |left|^2 + |entry|^2 -+ 2 left entry. */
-static uint32_t try_group(ranked best[BEAM], uint32_t count, const fxs_palette *p, uint32_t stage, uint32_t group,
-                          const candidate *from, uint32_t which)
+/* The place of the least of `count` costs, which is then no longer the least. Without branches on costs: nobody could
+   foretell them. */
+static uint32_t take_least(int32_t *costs, uint32_t count, int32_t *cost)
 {
-    for (uint32_t j = group * GROUP; j < (group + 1) * GROUP && j < p->entries; j++) {
-        const int32_t product = dot(from->left, p->vectors[stage][j]);
-        const int32_t cost = from->cost + p->squares[stage][j] - 2 * absolute(product);
-        count = insert(best, count, BEAM,
-                       (ranked){cost, (uint8_t)which, (uint8_t)(j | (product < 0 ? FXS_PALETTE_NEGATIVE : 0))});
+    int32_t least = costs[0];
+    uint32_t best = 0;
+    for (uint32_t i = 1; i < count; i++) {
+        best = costs[i] < least ? i : best;
+        least = costs[i] < least ? costs[i] : least;
     }
-    return count;
+    *cost = least;
+    costs[best] = INT32_MAX;
+    return best;
 }
 
-/* The groups whose middle is nearest. */
-static uint32_t find_groups(ranked best[TRIED], const fxs_palette *p, uint32_t stage, const fxs_sh_vector left)
+/* |left -+ vector|^2 - |left|^2 = |vector|^2 -+ 2 left vector, of `count` vectors and the better sign of each. */
+static void find_costs(int32_t *restrict costs, const fxs_sh_vector left, const fxs_sh_vector *vectors,
+                       const int32_t *squares, uint32_t count)
 {
-    uint32_t count = 0;
-    for (uint32_t g = 0; g < groups_of(p); g++) {
-        const int32_t cost = p->group_squares[stage][g] - 2 * absolute(dot(left, p->groups[stage][g]));
-        count = insert(best, count, TRIED, (ranked){cost, 0, (uint8_t)g});
+    for (uint32_t j = 0; j < count; j++)
+        costs[j] = squares[j] - 2 * absolute(dot(left, vectors[j]));
+}
+
+/* What the entries of the groups that are nearest to what is left of a sum would make of its cost. */
+static void try_groups(int32_t costs[TRIED * GROUP], uint32_t groups[TRIED], const candidate *from, const fxs_palette *p,
+                       uint32_t stage)
+{
+    int32_t all[GROUPS], cost;
+    const uint32_t count = groups_of(p);
+    find_costs(all, from->left, p->groups[stage], p->group_squares[stage], count);
+    for (uint32_t g = 0; g < TRIED; g++) {
+        groups[g] = take_least(all, count, &cost);
+        find_costs(costs + g * GROUP, from->left, p->vectors[stage] + groups[g] * GROUP,
+                   p->squares[stage] + groups[g] * GROUP, GROUP);
     }
-    return count;
+    for (uint32_t i = 0; i < TRIED * GROUP; i++)
+        costs[i] += from->cost;
 }
 
 /* The best sums of one stage more. Returns their number. */
 static uint32_t extend(candidate to[BEAM], const candidate from[BEAM], uint32_t count, const fxs_palette *p,
                        uint32_t stage)
 {
-    ranked best[BEAM], groups[TRIED];
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        const uint32_t tried = find_groups(groups, p, stage, from[i].left);
-        for (uint32_t g = 0; g < tried; g++)
-            kept = try_group(best, kept, p, stage, groups[g].index, &from[i], i);
+    int32_t costs[BEAM * TRIED * GROUP];
+    uint32_t groups[BEAM * TRIED];
+    for (uint32_t i = 0; i < count; i++)
+        try_groups(costs + i * TRIED * GROUP, groups + i * TRIED, &from[i], p, stage);
+    for (uint32_t i = 0; i < BEAM; i++) {
+        int32_t cost;
+        const uint32_t best = take_least(costs, count * TRIED * GROUP, &cost);
+        const candidate *parent = &from[best / (TRIED * GROUP)];
+        const uint32_t j = groups[best / GROUP] * GROUP + best % GROUP;
+        const uint32_t index = j | (dot(parent->left, p->vectors[stage][j]) < 0 ? FXS_PALETTE_NEGATIVE : 0);
+        to[i] = *parent;
+        to[i].cost = cost;
+        to[i].indices[stage] = (uint8_t)index;
+        subtract_entry(to[i].left, p, stage, index);
     }
-    for (uint32_t i = 0; i < kept; i++) {
-        to[i] = from[best[i].from];
-        to[i].cost = best[i].cost;
-        to[i].indices[stage] = best[i].index;
-        subtract_entry(to[i].left, p, stage, best[i].index);
-    }
-    return kept;
+    return BEAM;
 }
 
 /* Finds signed entries whose sum is near a vector, an index for each stage; the vector becomes what is left. */
@@ -201,11 +201,11 @@ static void find(const fxs_palette *p, fxs_sh_vector vector, uint8_t indices[STA
     memcpy(vector, sums[p->stages & 1][0].left, sizeof(fxs_sh_vector));
 }
 
-/* The squares of a stage, from its vectors. */
+/* The squares of a stage, from its vectors. There are no entries beyond the last. */
 static void prepare_stage(fxs_palette *p, uint32_t stage)
 {
-    for (uint32_t j = 0; j < p->entries; j++)
-        p->squares[stage][j] = dot(p->vectors[stage][j], p->vectors[stage][j]);
+    for (uint32_t j = 0; j < ENTRIES; j++)
+        p->squares[stage][j] = j < p->entries ? dot(p->vectors[stage][j], p->vectors[stage][j]) : NEVER;
     for (uint32_t g = 0; g < groups_of(p); g++)
         p->group_squares[stage][g] = dot(p->groups[stage][g], p->groups[stage][g]);
 }
@@ -226,7 +226,7 @@ typedef struct learner {
 
 static int stopped(learner *l)
 {
-    const double all = 2.0 * l->palette->stages * LLOYD_ROUNDS + JOINT_ROUNDS;
+    const double all = 2.0 * (l->palette->stages + 4) * LLOYD_ROUNDS + JOINT_ROUNDS;
     return l->options->progress && l->options->progress(l->options->argument, l->rounds++ / all);
 }
 
@@ -402,20 +402,6 @@ static void quantise(fxs_palette *p, int32_t most)
     }
 }
 
-static int learn(learner *l)
-{
-    for (uint32_t stage = 0; stage < l->palette->stages; stage++)
-        if (learn_stage(l, stage))
-            return -1;
-    for (int round = 0; round < JOINT_ROUNDS; round++) {
-        if (stopped(l))
-            return -1;
-        learn_jointly(l);
-    }
-    quantise(l->palette, l->most);
-    return 0;
-}
-
 /* The unit is such that MOST units are 12 times the root mean square of the coefficients, or the largest of them. */
 static void find_unit(fxs_palette *p, const fxs_sh_item *items, uint32_t count, uint32_t step)
 {
@@ -437,12 +423,14 @@ static void find_unit(fxs_palette *p, const fxs_sh_item *items, uint32_t count, 
 /* Every step-th Gaussian, less the mean of its chunk. */
 static void take_sample(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step)
 {
+    l->count = 0;
+    l->most = 0;
     for (uint32_t first = 0; first < count; first += FXS_CHUNK) {
         const uint32_t end = count - first < FXS_CHUNK ? count : first + FXS_CHUNK;
         fxs_sh_vector mean;
         if ((first + step - 1) / step * step >= end)
             continue;
-        find_mean(mean, items + first, end - first, l->palette->unit_exponent);
+        find_mean(mean, l->palette, items + first, end - first);
         for (int d = 0; d < WIDTH; d++)
             l->most = absolute(mean[d]) > l->most ? absolute(mean[d]) : l->most;
         for (uint32_t i = (first + step - 1) / step * step; i < end; i += step, l->count++) {
@@ -450,6 +438,40 @@ static void take_sample(learner *l, const fxs_sh_item *items, uint32_t count, ui
             subtract(l->vectors[l->count], mean);
         }
     }
+}
+
+/* What the first stages leave of a part of the sample. */
+static double try_sample(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step, int centred)
+{
+    double sum = 0;
+    l->palette->centred = centred;
+    take_sample(l, items, count, step);
+    for (uint32_t stage = 0; stage < 2; stage++)
+        if (learn_stage(l, stage))
+            return -1;
+    for (uint32_t i = 0; i < l->count; i++)
+        sum += dot(l->vectors[i], l->vectors[i]);
+    return sum;
+}
+
+/* Where the coefficients follow from few things (the normal of a mirror), the means of chunks would only blur that. */
+static int learn(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step)
+{
+    const double plain = try_sample(l, items, count, 4 * step, 0), centred = try_sample(l, items, count, 4 * step, 1);
+    if (plain < 0 || centred < 0)
+        return -1;
+    l->palette->centred = centred < plain;
+    take_sample(l, items, count, step);
+    for (uint32_t stage = 0; stage < l->palette->stages; stage++)
+        if (learn_stage(l, stage))
+            return -1;
+    for (int round = 0; round < JOINT_ROUNDS; round++) {
+        if (stopped(l))
+            return -1;
+        learn_jointly(l);
+    }
+    quantise(l->palette, l->most);
+    return 0;
 }
 
 int fxs_palette_learn(fxs_palette *palette, uint32_t entries, const fxs_sh_item *items, uint32_t count,
@@ -469,8 +491,7 @@ int fxs_palette_learn(fxs_palette *palette, uint32_t entries, const fxs_sh_item 
         result = fxs_fail(message, "out of memory");
     } else {
         find_unit(palette, items, count, step);
-        take_sample(&l, items, count, step);
-        result = learn(&l) ? fxs_fail(message, "import stopped") : 0;
+        result = learn(&l, items, count, step) ? fxs_fail(message, "import stopped") : 0;
     }
     fxs_release(allocator, l.vectors);
     fxs_release(allocator, l.indices);
@@ -504,10 +525,10 @@ static int32_t overlap_q8(const fxs_sh_item *from, double from_area, const fxs_s
         const double d = (double)from->position[k] - to->position[k];
         square += d * d;
     }
-    const double t = 1 - square / (8 * (from_area + to_area));
-    if (!(t > 0))
+    const double both = from_area + to_area;
+    if (!(square < 8 * both))
         return 0;
-    const double overlap = 2 * from_area / (from_area + to_area) * (t * t) * (t * t) * from->opacity / to->opacity;
+    const double t = 1 - square / (8 * both), overlap = 2 * from_area / both * (t * t) * (t * t) * from->opacity / to->opacity;
     return (int32_t)(256 * (overlap < 4 ? overlap : 4));
 }
 
@@ -581,7 +602,7 @@ void fxs_palette_code_chunk(const fxs_palette *p, const fxs_sh_item *items, uint
 {
     coder c = {.palette = p, .items = items};
     fxs_sh_vector middle;
-    find_mean(middle, items, count, p->unit_exponent);
+    find_mean(middle, p, items, count);
     for (int d = 0; d < WIDTH; d++) {
         mean[d] = (int8_t)code_of(middle[d], p->step);
         middle[d] = (int16_t)(mean[d] * p->step);

@@ -32,6 +32,7 @@ typedef struct fxs_palette {
     int sh_degree;
     uint32_t stages, entries;          /* entries of each stage */
     int unit_exponent;                 /* a unit is 2^-unit_exponent */
+    int centred;                       /* entries are of what is left of the chunks' means; else the means are 0 */
     int32_t step;                      /* of the packed palette, units; 1 to 10 */
     fxs_sh_vector vectors[FXS_PALETTE_STAGES][FXS_PALETTE_ENTRIES];
     int32_t squares[FXS_PALETTE_STAGES][FXS_PALETTE_ENTRIES];   /* |entry|^2 */
