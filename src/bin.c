@@ -67,6 +67,8 @@ static int64_t larger(int64_t a, int64_t b)
 /* The tiles of a tile row that the ellipse touches. */
 static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
 {
+    if (e->bounds->half_width_q8 == FXS_EVERYWHERE_Q8)
+        return e->columns;
     int64_t top_q12 = v_at_row(e, row * FXS_TILE), bottom_q12 = v_at_row(e, row * FXS_TILE + FXS_TILE - 1);
     if (top_q12 > e->r_q12 + 2 || bottom_q12 < -e->r_q12 - 2)
         return (span){0, -1};
