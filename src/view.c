@@ -73,12 +73,12 @@ static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *lo
 }
 
 /* The least exponent with which 3.5 (2^exponent + 1) pixels reach the picture from a centre 64 times as far off the axis
-   as away, or 65536 pixels from the first pixel; at least 10. */
+   as away, or 65536 pixels from the first pixel; at least 7, and a 16th of the picture. */
 static int32_t veil_exponent(const fxs_camera *camera)
 {
     const int64_t f_q12[2] = {camera->fx_q12, camera->fy_q12}, c_q12[2] = {camera->cx_q12, camera->cy_q12};
     const int64_t size_q12[2] = {(int64_t)camera->width << 12, (int64_t)camera->height << 12};
-    int32_t exponent = 10;
+    int32_t exponent = 7;
     int64_t room_q12 = (int64_t)65536 << 12;
     for (int i = 0; i < 2; i++) {
         const int64_t room[3] = {64 * f_q12[i] - c_q12[i], 64 * f_q12[i] + c_q12[i] - size_q12[i],
@@ -86,7 +86,8 @@ static int32_t veil_exponent(const fxs_camera *camera)
         for (int k = 0; k < 3; k++)
             room_q12 = room[k] < room_q12 ? room[k] : room_q12;
     }
-    while ((((int64_t)7 << exponent) + 7) * 2048 < room_q12)
+    while ((((int64_t)7 << exponent) + 7) * 2048 < room_q12 || camera->width > 16 << exponent ||
+           camera->height > 16 << exponent)
         exponent++;
     return exponent;
 }

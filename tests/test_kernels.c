@@ -320,7 +320,7 @@ static int has_veil(const fxs_bounds *bounds, uint32_t count)
 /* Halves every sigma. Returns 0 where they are at their least. */
 static int shrink(fxs_chunk *c)
 {
-    if (c->scale_q16 < -31 << 16)
+    if (c->scale_q16 < -(31 << 16))
         return 0;
     c->scale_q16 -= 1 << 16;
     const uint32_t most = (uint32_t)((c->scale_q16 + (32 << 16)) * (int64_t)256 / (1023 * 1023));
