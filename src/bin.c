@@ -64,8 +64,8 @@ static int64_t larger(int64_t a, int64_t b)
     return a > b ? a : b;
 }
 
-/* The tiles of a tile row that the ellipse touches. Of a veil, all: it has no centre to know v by, and 2^-8 of its reach
-   is 16384 pixels. */
+/* The tiles of a tile row that the ellipse touches. Of a veil, all: it has no centre to know v by, and 2^-8 of its
+   reach is 16384 pixels. */
 static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
 {
     int64_t top_q12 = v_at_row(e, row * FXS_TILE), bottom_q12 = v_at_row(e, row * FXS_TILE + FXS_TILE - 1);

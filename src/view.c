@@ -72,8 +72,8 @@ static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *lo
     *high_q23 = cut_slope(high, most);
 }
 
-/* The least exponent with which 3.5 (2^exponent + 1) pixels reach the picture from a centre 64 times as far off the axis
-   as away, or 65536 pixels from the first pixel; at least 7, and a 16th of the picture. */
+/* The least exponent with which 3.5 (2^exponent + 1) pixels reach the picture from a centre 64 times as far off the
+   axis as away, or 65536 pixels from the first pixel; at least 7, and a 16th of the picture. */
 static int32_t veil_exponent(const fxs_camera *camera)
 {
     const int64_t f_q12[2] = {camera->fx_q12, camera->fy_q12}, c_q12[2] = {camera->cx_q12, camera->cy_q12};

@@ -373,8 +373,8 @@ static double veil_error(const fxs_splat *s, const struct reference_splat *r, in
     return fabs(alpha_of(exp(-ldexp(s->offset_q11, -12)), u * u + v * v) - alpha_of(r->opacity, level));
 }
 
-/* Whether it is so narrow that the rounding of its long axis shows, or that it may be kept wider: 1 in 64, a 10th of the
-   picture. */
+/* Whether it is so narrow that the rounding of its long axis shows, or that it may be kept wider: 1 in 64, a 10th of
+   the picture. */
 static int is_narrow(const struct reference_splat *r, const fxs_view *view)
 {
     const double mid = (r->a + r->c) / 2, spread = sqrt((r->a - r->c) * (r->a - r->c) / 4 + r->b * r->b);
@@ -481,8 +481,8 @@ static int counts_somewhere(const struct reference_splat *r, const fxs_file_view
     return 0;
 }
 
-/* What is left out counts nowhere, and what is not is in front of the near plane and not too faint. In pictures of a few
-   pixels, what is 64 times as far off the axis as away is outside what project takes. */
+/* What is left out counts nowhere, and what is not is in front of the near plane and not too faint. In pictures of a
+   few pixels, what is 64 times as far off the axis as away is outside what project takes. */
 static void check_culls(const packed_scene *s, const fxs_camera *camera)
 {
     fxs_file_view view = view_of(camera);

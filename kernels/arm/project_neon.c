@@ -1,6 +1,6 @@
 /* project: four neighbours of a chunk at once; those left after culling are appended one by one. The functions are
- * those of src/project.c; a lane that is culled goes on with values that mean nothing and is dropped at the end. A chunk
- * with a veil is left to C, as they are rare, and so is the square cut-off, which is there to be measured. */
+ * those of src/project.c; a lane that is culled goes on with values that mean nothing and is dropped at the end. A
+ * chunk with a veil is left to C, as they are rare, and so is the square cut-off, which is there to be measured. */
 #include "arm.h"
 #include "codes_neon.h"
 #include "fixed_neon.h"
