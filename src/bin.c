@@ -64,11 +64,12 @@ static int64_t larger(int64_t a, int64_t b)
     return a > b ? a : b;
 }
 
-/* The tiles of a tile row that the ellipse touches. */
+/* The tiles of a tile row that the ellipse touches. Of a veil, all: it has no centre to know v by, and 2^-8 of its
+   reach is 16384 pixels. */
 static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
 {
     int64_t top_q12 = v_at_row(e, row * FXS_TILE), bottom_q12 = v_at_row(e, row * FXS_TILE + FXS_TILE - 1);
-    if (top_q12 > e->r_q12 + 2 || bottom_q12 < -e->r_q12 - 2)
+    if ((top_q12 > e->r_q12 + 2 || bottom_q12 < -e->r_q12 - 2) && e->bounds->half_width_q8 != FXS_EVERYWHERE_Q8)
         return (span){0, -1};
     int32_t top = cut_to(e->r_q12, top_q12), bottom = cut_to(e->r_q12, bottom_q12 + 1);   /* rounded outwards */
     int64_t x_top_q8 = (int64_t)e->bounds->shear_q8 * top >> 12, half_top_q8 = half_width_q8(e, top);

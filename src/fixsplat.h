@@ -207,8 +207,7 @@ typedef struct fxs_stats {
     uint64_t frame_nanoseconds;
 } fxs_stats;
 
-/* Renders a frame. Not drawn are Gaussians whose centre is not beyond the camera's near plane, more than 89 degrees off
-   the axis or 65536 pixels off the picture's corner, or whose sigma is over 65536 pixels.
+/* Renders a frame. Not drawn are Gaussians whose centre is not beyond the camera's near plane.
    `memory`: `memory_bytes` bytes, aligned to 64, contents undefined before and after. fxs_frame_bytes are always
    enough; with less, FXS_ERR_MEMORY may be the answer, and stats->memory.least is what this view needs (at least that
    where memory_bytes is below the `least` of fxs_frame_bytes, else exactly, for this number of threads).

@@ -9,11 +9,12 @@
 
 /* What is known of a Gaussian once its centre is projected. */
 typedef struct projected {
-    int32_t z;
+    int32_t camera[3];             /* x, y, z in units of the chunk's view */
     int zeros;                     /* of z */
     uint32_t inverse_q30;          /* 2^62 / (z << zeros) */
-    int32_t slope_q23[2];          /* x/z, y/z */
-    int32_t position_q14[2];       /* pixels, 0 at the centre of the first pixel */
+    int32_t slope_q23[2];          /* x/z, y/z, cut to +-64 */
+    int32_t position_q14[2];       /* pixels, 0 at the centre of the first pixel; not where it is out of range */
+    int out_of_range;              /* too far off the axis or the picture */
 } projected;
 
 /* Sigma' / 4^E, Q30: [[a, b], [b, c]], and its determinant with and without the dilation, Q60. */
@@ -24,26 +25,29 @@ typedef struct covariance {
     int exponent;                  /* E */
 } covariance;
 
-/* Returns 0 behind the near plane, or where the centre is too far off the axis or the picture. */
+/* Returns 0 behind the near plane. */
 static int project_centre(projected *out, const fxs_view *view, const fxs_chunk_view *cv, const uint16_t code[3])
 {
-    int32_t camera[3];
+    const int64_t slope_most_q23 = (int64_t)64 << 23;
     for (int i = 0; i < 3; i++)
-        camera[i] = (int32_t)((cv->base_q16[i] + (int64_t)cv->m_q16[i][0] * code[0] +
-                               (int64_t)cv->m_q16[i][1] * code[1] + (int64_t)cv->m_q16[i][2] * code[2]) >> 16);
-    out->z = camera[2];
-    if (out->z <= cv->near)
+        out->camera[i] = (int32_t)((cv->base_q16[i] + (int64_t)cv->m_q16[i][0] * code[0] +
+                                    (int64_t)cv->m_q16[i][1] * code[1] + (int64_t)cv->m_q16[i][2] * code[2]) >> 16);
+    const int32_t z = out->camera[2];
+    if (z <= cv->near)
         return 0;
-    out->zeros = fxs_clz32((uint32_t)out->z);
-    out->inverse_q30 = fxs_reciprocal((uint32_t)out->z << out->zeros);
+    out->zeros = fxs_clz32((uint32_t)z);
+    out->inverse_q30 = fxs_reciprocal((uint32_t)z << out->zeros);
+    out->out_of_range = 0;
     const int64_t f_q12[2] = {view->fx_q12, view->fy_q12}, c_q12[2] = {view->cx_q12, view->cy_q12};
     for (int i = 0; i < 2; i++) {
-        if (camera[i] >= (int64_t)out->z * 64 || -camera[i] >= (int64_t)out->z * 64)
-            return 0;
-        int64_t slope = fxs_round_shift((int64_t)camera[i] * out->inverse_q30, 39 - out->zeros);
+        const int32_t x = out->camera[i];
+        int64_t slope = fxs_round_shift((int64_t)x * out->inverse_q30, 39 - out->zeros);
+        const int off_axis = x >= (int64_t)z * 64 || -x >= (int64_t)z * 64;
+        if (off_axis)
+            slope = x < 0 ? -slope_most_q23 : slope_most_q23;
         int64_t position = fxs_round_shift(f_q12[i] * slope, 21) + c_q12[i] * 4 - (1 << 13);
-        if (position >= FXS_CENTRE_LIMIT_Q14 || position <= -FXS_CENTRE_LIMIT_Q14)
-            return 0;
+        if (off_axis || position >= FXS_CENTRE_LIMIT_Q14 || position <= -FXS_CENTRE_LIMIT_Q14)
+            out->out_of_range = 1;
         out->slope_q23[i] = (int32_t)slope;
         out->position_q14[i] = (int32_t)position;
     }
@@ -126,13 +130,14 @@ static int32_t dot_q15(const int32_t a_q15[3], const int32_t b_q15[3])
 
 /* det(T T^T) = |t0 x t1|^2 and det(Sigma') = det(T T^T) + 0.3 (A + C) + 0.09 for undilated A, C: sums of positive
    terms, nothing cancels. Entries of T are at most 1, so every product of two is at most 2^30. */
-static void covariance_of(covariance *out, int32_t t_q15[2][3], int exponent)
+static void covariance_of(covariance *out, int32_t t_q15[2][3], int exponent, uint32_t least_dilation_q30)
 {
     const int32_t *p = t_q15[0], *q = t_q15[1];
     uint32_t a = (uint32_t)(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
     uint32_t c = (uint32_t)(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
     int64_t minor[3] = {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
-    uint32_t dilation = exponent < 12 ? FXS_DILATION_Q30 >> 2 * exponent : FXS_DILATION_LEAST_Q30;
+    uint32_t dilation = exponent < 15 ? FXS_DILATION_Q30 >> 2 * exponent : 0;
+    dilation = dilation > least_dilation_q30 ? dilation : least_dilation_q30;
     out->b_q30 = p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
     out->det_undilated_q60 = (uint64_t)(minor[0] * minor[0] + minor[1] * minor[1] + minor[2] * minor[2]);
     out->det_q60 = out->det_undilated_q60 + (uint64_t)dilation * ((uint64_t)a + c + dilation);
@@ -227,6 +232,74 @@ static int square(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, co
            x - radius_q14 < (int64_t)view->tiles_x << 18 && y - radius_q14 < (int64_t)view->tiles_y << 18;
 }
 
+/* ---- Veils: what is too large for a bounding box, or too far off. They are listed in every tile. ---------------- */
+
+/* Of a veil, so that u and v stay within +-128 on all of the picture: no sigma below 1/120 of its diagonal. */
+static uint32_t veil_dilation_q30(const fxs_view *view, int exponent)
+{
+    const uint64_t x = (uint64_t)view->tiles_x * FXS_TILE, y = (uint64_t)view->tiles_y * FXS_TILE;
+    const uint64_t dilation = exponent > 31 ? 0 : (((x * x + y * y) << 30) / 14400 >> 2 * exponent) + 1;
+    return dilation > FXS_DILATION_LEAST_Q30 ? (uint32_t)dilation : FXS_DILATION_LEAST_Q30;
+}
+
+static int64_t cut_to_16_q26(int64_t x)
+{
+    const int64_t most = (int64_t)16 << 26;
+    return x < -most ? -most : x > most ? most : x;
+}
+
+/* x * 2^-shift, cut; shift above -32. */
+static int64_t shift_and_cut(int64_t x, int shift)
+{
+    return shift < 0 ? cut_to_16_q26(cut_to_16_q26(x) * ((int64_t)1 << -shift))
+                     : cut_to_16_q26(x >> (shift < 62 ? shift : 62));
+}
+
+/* From the middle of the tiles to the centre, in 2^exponent pixels, Q26, cut to +-16. */
+static int64_t from_middle_q26(const projected *centre, int i, int64_t f_q12, int64_t c_q12, int32_t tiles,
+                               int exponent)
+{
+    const int64_t slope = (int64_t)centre->camera[i] * centre->inverse_q30 >> 34;   /* x/z 2^(28 - zeros) */
+    const int64_t middle_q12 = ((int64_t)tiles << 15) + (1 << 11);
+    return cut_to_16_q26(shift_and_cut(f_q12 * slope, 14 + exponent - centre->zeros) +
+                         shift_and_cut((c_q12 - middle_q12) * (1 << 14), exponent));
+}
+
+static int64_t magnitude_of(int64_t x)
+{
+    return x < 0 ? -x : x;
+}
+
+/* As whiten does, from the middle of the tiles. Returns 0 where no pixel is within r of the centre. */
+static int veil(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const covariance *s,
+                const projected *centre, uint32_t r_q12)
+{
+    const int shift = (s->exponent < 60 ? s->exponent : 60) - 6;
+    const int64_t half_x = view->tiles_x * (FXS_TILE / 2), half_y = view->tiles_y * (FXS_TILE / 2);
+    const root c = root_of(s->c_q30, 30), d = root_of(s->det_q60, 60);
+    const int64_t inverse_q29 = (int64_t)((uint64_t)c.inverse_q30 * d.inverse_q30 >> 31);
+    const int64_t ratio_q30 = (int64_t)((uint64_t)fxs_mulhi(c.m, c.inverse_q30) * d.inverse_q30 >> 30);
+    const int64_t ux_q18 = fxs_round_shift(ratio_q30 * 4, 14 - c.half + d.half);   /* a 2^exponent pixels */
+    const int64_t uy_q18 = -fxs_round_shift(s->b_q30 * inverse_q29, 41 + c.half + d.half);
+    const int64_t vy_q18 = fxs_round_shift(c.inverse_q30, 12 + c.half);
+    const int64_t x_q26 = from_middle_q26(centre, 0, view->fx_q12, view->cx_q12, view->tiles_x, s->exponent);
+    const int64_t y_q26 = from_middle_q26(centre, 1, view->fy_q12, view->cy_q12, view->tiles_y, s->exponent);
+    const int64_t u_q24 = -(x_q26 * ux_q18 + y_q26 * uy_q18) >> 20, v_q24 = -(y_q26 * vy_q18) >> 20;
+    splat->ux_q24 = (int32_t)fxs_round_shift(ux_q18, shift);
+    splat->uy_q24 = (int32_t)fxs_round_shift(uy_q18, shift);
+    splat->vy_q24 = (int32_t)fxs_round_shift(vy_q18, shift);
+    splat->u0_q24 = (uint32_t)(u_q24 - half_x * splat->ux_q24 - half_y * splat->uy_q24) + (1 << 10);
+    splat->v0_q24 = (uint32_t)(v_q24 - half_y * splat->vy_q24) + (1 << 10);
+    splat->first_row = 0;
+    splat->last_row = (uint16_t)(view->height - 1);
+    *bounds = (fxs_bounds){0, 0, 0, 0, FXS_EVERYWHERE_Q8, view->square ? 1u << 17 : 0};
+    const int64_t r_q24 = ((int64_t)r_q12 + 1) * 4096;
+    return magnitude_of(u_q24) <= r_q24 + half_x * splat->ux_q24 + half_y * magnitude_of(splat->uy_q24) &&
+           magnitude_of(v_q24) <= r_q24 + half_y * splat->vy_q24;
+}
+
+/* ---------------------------------------------------------------------------------------------------------------- */
+
 /* Size, shape and opacity, once the centre is known. Returns 0 for a Gaussian that touches no pixel. */
 static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const fxs_chunk_view *cv,
                          const projected *centre, uint32_t scale_word, uint32_t rotation_word)
@@ -239,7 +312,8 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
     }
     int size_exponent;
     uint32_t size_q32 = screen_size(view, cv, centre, most, &size_exponent);
-    if (size_exponent > FXS_EXPONENT_MAX || off_picture(view, centre, size_exponent))
+    const int is_veil = size_exponent > FXS_EXPONENT_MAX || centre->out_of_range;
+    if (is_veil ? size_exponent < view->veil_exponent : off_picture(view, centre, size_exponent))
         return 0;
     int exponent = size_exponent > 0 ? size_exponent : 0;
     jacobian(j_q15, view, centre);
@@ -256,7 +330,7 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
         t_q15[1][i] = fxs_mul_q15(dot_q15(j_q15[1], column), k_q15);
     }
     covariance s;
-    covariance_of(&s, t_q15, exponent);
+    covariance_of(&s, t_q15, exponent, is_veil ? veil_dilation_q30(view, exponent) : FXS_DILATION_LEAST_Q30);
 
     int32_t offset_q11 = splat->offset_q11;
     if (view->antialiased) {       /* opacity *= sqrt(det undilated / det), so -2 ln gains ln(det / det undilated) */
@@ -272,6 +346,8 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
     if (view->square)
         r2_q11 = (uint32_t)(FXS_FAINT_Q11 - offset_q11);
     uint32_t r_q12 = fxs_sqrt((r2_q11 + 1) << 13) + 1;
+    if (is_veil)
+        return veil(splat, bounds, view, &s, centre, r_q12);
     whiten(splat, bounds, &s, centre, r_q12);
     return view->square ? square(splat, bounds, view, &s) : clip(splat, bounds, view, &s, r_q12);
 }
@@ -281,7 +357,7 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
 static uint32_t depth_key(const fxs_chunk_view *cv, const projected *centre)
 {
     uint32_t exponent = (uint32_t)(cv->shift - centre->zeros - 1 + FXS_DEPTH_BIAS);
-    return exponent << 26 | (((uint32_t)centre->z << centre->zeros) >> 5 & 0x3ffffff);
+    return exponent << 26 | (((uint32_t)centre->camera[2] << centre->zeros) >> 5 & 0x3ffffff);
 }
 
 /* Returns 0 for a Gaussian that touches no pixel. offset_of_code_q11: fxs_offset_of_code_q11, where this runs. */

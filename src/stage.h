@@ -34,6 +34,7 @@ typedef struct fxs_view {
     int32_t focal_exponent;
     int32_t slope_low_q23[2], slope_high_q23[2];   /* x/z and y/z are cut to these in the Jacobian */
     int32_t edge_low_q23[2], edge_high_q23[2];     /* x/z and y/z at the picture's edges, 18 pixels out, cut to +-64 */
+    int32_t veil_exponent;         /* a Gaussian with its centre out of range is seen from this size exponent on */
     int32_t jacobian_exponent;     /* 2^that >= length of a row (1, 0, -x/z) of the Jacobian, times z / f */
     int32_t row_q15[2][3];         /* first and second row of f'/f * rotation * 2^-jacobian_exponent */
     int32_t forward_q15[2][3];     /* f'/f * third row of the rotation */
@@ -58,7 +59,8 @@ typedef struct fxs_chunk_view {
 #define FXS_DILATION_Q30 322122547u              /* 0.3 pixels^2 */
 #define FXS_DILATION_LEAST_Q30 64u               /* 2^-24: no needle is thinner than 1 in 4096, see docs/numbers.md */
 #define FXS_CENTRE_LIMIT_Q14 (1 << 30)           /* 65536 pixels */
-#define FXS_EXPONENT_MAX 16                      /* sigma up to 65536 pixels */
+#define FXS_EXPONENT_MAX 16                      /* sigma up to 65536 pixels; what is larger is a veil */
+#define FXS_EVERYWHERE_Q8 (1 << 30)              /* half_width_q8 of a veil: it is listed in every tile */
 #define FXS_DEPTH_BIAS 32                        /* floor(log2 z), -32 to 30, plus this fits in 6 bits */
 
 /* A projected Gaussian, as the blend stage reads it: 32 bytes. u = u0 + X ux + Y uy, v = v0 + Y vy for the pixel (X,

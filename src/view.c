@@ -72,6 +72,26 @@ static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *lo
     *high_q23 = cut_slope(high, most);
 }
 
+/* The least exponent with which 3.5 (2^exponent + 1) pixels reach the picture from a centre 64 times as far off the
+   axis as away, or 65536 pixels from the first pixel; at least 7, and a 16th of the picture. */
+static int32_t veil_exponent(const fxs_camera *camera)
+{
+    const int64_t f_q12[2] = {camera->fx_q12, camera->fy_q12}, c_q12[2] = {camera->cx_q12, camera->cy_q12};
+    const int64_t size_q12[2] = {(int64_t)camera->width << 12, (int64_t)camera->height << 12};
+    int32_t exponent = 7;
+    int64_t room_q12 = (int64_t)65536 << 12;
+    for (int i = 0; i < 2; i++) {
+        const int64_t room[3] = {64 * f_q12[i] - c_q12[i], 64 * f_q12[i] + c_q12[i] - size_q12[i],
+                                 ((int64_t)65536 << 12) - size_q12[i]};
+        for (int k = 0; k < 3; k++)
+            room_q12 = room[k] < room_q12 ? room[k] : room_q12;
+    }
+    while ((((int64_t)7 << exponent) + 7) * 2048 < room_q12 || camera->width > 16 << exponent ||
+           camera->height > 16 << exponent)
+        exponent++;
+    return exponent;
+}
+
 /* ceil(log2(sqrt(1 + max(slope)^2))) */
 static int32_t jacobian_exponent(const fxs_view *view)
 {
@@ -123,6 +143,7 @@ int fxs_view_init(fxs_view *view, const fxs_scene *scene, const fxs_camera *came
     slope_limits(camera->height, camera->fy_q12, camera->cy_q12, &view->slope_low_q23[1], &view->slope_high_q23[1]);
     edge_slopes(camera->width, camera->fx_q12, camera->cx_q12, &view->edge_low_q23[0], &view->edge_high_q23[0]);
     edge_slopes(camera->height, camera->fy_q12, camera->cy_q12, &view->edge_low_q23[1], &view->edge_high_q23[1]);
+    view->veil_exponent = veil_exponent(camera);
     view->jacobian_exponent = jacobian_exponent(view);
     jacobian_rows(view, camera);
     view->square = options->cutoff == FXS_CUTOFF_SQUARE;

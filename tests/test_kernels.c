@@ -309,9 +309,30 @@ static void make_view(void)
 
 static uint64_t visible_total;         /* to see that the cases are worth something */
 
+static int has_veil(const fxs_bounds *bounds, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        if (bounds[i].half_width_q8 == FXS_EVERYWHERE_Q8)
+            return 1;
+    return 0;
+}
+
+/* Halves every sigma. Returns 0 where they are at their least. */
+static int shrink(fxs_chunk *c)
+{
+    if (c->scale_q16 < -(31 << 16))
+        return 0;
+    c->scale_q16 -= 1 << 16;
+    const uint32_t most = (uint32_t)((c->scale_q16 + (32 << 16)) * (int64_t)256 / (1023 * 1023));
+    c->scale_step_q24 = c->scale_step_q24 < most ? c->scale_step_q24 : most;
+    return 1;
+}
+
+/* A chunk with a veil is left to C: in most cases sigmas are halved until there is none. */
 static void project_case(void)
 {
     const size_t skew = 4 * below(4);
+    const int veils = one_in(8);
     uint32_t count[2];
     make_scene();
     make_view();
@@ -319,9 +340,11 @@ static void project_case(void)
     output *bounds = output_new(FXS_CHUNK * sizeof(fxs_bounds), skew);
     output *indices = output_new(FXS_CHUNK * sizeof(uint32_t), skew);
     output *depths = output_new(FXS_CHUNK * sizeof(uint32_t), skew);
-    for (int i = 0; i < 2; i++)
-        count[i] = (uint32_t)(i ? fast.project : fxs_project_c)(
-            &view, &scene, 0, at(splats, i, skew), at(bounds, i, skew), at(indices, i, skew), at(depths, i, skew));
+    do
+        for (int i = 0; i < 2; i++)
+            count[i] = (uint32_t)(i ? fast.project : fxs_project_c)(
+                &view, &scene, 0, at(splats, i, skew), at(bounds, i, skew), at(indices, i, skew), at(depths, i, skew));
+    while (!veils && has_veil(at(bounds, 0, skew), count[0]) && shrink(chunk_of()));
     fxs_splat *a = at(splats, 0, skew), *b = at(splats, 1, skew);
     for (uint32_t i = 0; i < count[0]; i++) {    /* colours are not project's */
         memset(a[i].colour_q13, 0, sizeof a[i].colour_q13);

@@ -70,6 +70,21 @@ static void flat_scene(void)
         CHECK(g[row].scale[row] == -20 && g[row].scale[(row + 1) % 3] > -1);
 }
 
+/* R S S R' has no sign. */
+static void scales_below_0(void)
+{
+    fxs_gaussian g[2][3];
+    for (int below = 0; below < 2; below++) {
+        make_file(3);
+        for (size_t row = 0; row < 3; row++)
+            put_float_at(RECORD * row + 12 + 4 * row, below ? -0.25f : 0.25f);
+        put_float_at(RECORD + 12, below ? -0.0f : 0);
+        put_file(size);
+        CHECK(read_file(g[below], 3) == 0);
+    }
+    CHECK(!memcmp(g[0], g[1], sizeof g[0]) && is_near((double)g[0][0].scale[0], log(0.25), 1e-6));
+}
+
 static void every_length(void)
 {
     fxs_gaussian g[3];
@@ -91,11 +106,8 @@ static void implausible_records(void)
         for (size_t field = 0; field < 6; field++) {
             make_file(3);
             put_float_at(2 * RECORD + 4 * field, wrong[i]);
-            check_fails(".splat: whole records of 32 bytes, finite positions, scales of 0 or more");
+            check_fails(".splat: whole records of 32 bytes, finite positions and scales");
         }
-    make_file(3);
-    put_float_at(RECORD + 16, -0.1f);
-    check_fails("not a scene file of a known format");
     size = 1024;
     memset(bytes, 0, size);
     check_fails("not a scene file of a known format");
@@ -110,7 +122,7 @@ static void wild_record_at_the_end(void)
     fxs_gaussian g[ROWS];
     make_file(ROWS);
     put_float_at((ROWS - 1) * RECORD, NAN);
-    put_float_at((ROWS - 1) * RECORD + 12, -1);
+    put_float_at((ROWS - 1) * RECORD + 12, NAN);
     put_file(size);
     CHECK(read_file(g, ROWS) == 0 && info.count == ROWS);
     CHECK(isnan(g[ROWS - 1].position[0]) && isnan(g[ROWS - 1].scale[0]));
@@ -201,6 +213,7 @@ int main(void)
     RUN(values);
     RUN(ends_of_ranges);
     RUN(flat_scene);
+    RUN(scales_below_0);
     RUN(every_length);
     RUN(implausible_records);
     RUN(wild_record_at_the_end);

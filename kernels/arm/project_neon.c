@@ -1,6 +1,6 @@
 /* project: four neighbours of a chunk at once; those left after culling are appended one by one. The functions are
- * those of src/project.c; a lane that is culled goes on with values that mean nothing and is dropped at the end. The
- * square cut-off is there to be measured: C does it. */
+ * those of src/project.c; a lane that is culled goes on with values that mean nothing and is dropped at the end. A
+ * chunk with a veil is left to C, as they are rare, and so is the square cut-off, which is there to be measured. */
 #include "arm.h"
 #include "codes_neon.h"
 #include "fixed_neon.h"
@@ -11,6 +11,7 @@ typedef struct projected {
     int32x4_t z, zeros;
     uint32x4_t inverse_q30;
     int32x4_t slope_q23[2], position_q14[2];
+    uint32x4_t in_range;           /* not too far off the axis and the picture */
 } projected;
 
 typedef struct covariance {
@@ -26,6 +27,7 @@ typedef struct shapes {
     int32_t ux_q24[LANES], uy_q24[LANES], vy_q24[LANES], offset_q11[LANES], first_row[LANES], last_row[LANES];
     int32_t cx_q14[LANES], cy_q14[LANES], shear_q8[LANES];
     uint32_t breadth_q8[LANES], half_width_q8[LANES];
+    int has_veil;                  /* then nothing else is said */
 } shapes;
 
 static inline int32x4_t camera_coordinate(const fxs_chunk_view *cv, int axis, const int32x4_t code[3])
@@ -39,8 +41,8 @@ static inline int32x4_t camera_coordinate(const fxs_chunk_view *cv, int axis, co
     return vshrn_high_n_s64(vshrn_n_s64(low, 16), high, 16);
 }
 
-/* Pixels from slope * f + c. Clears the lanes of *alive that are 65536 pixels away. */
-static inline int32x4_t pixel_q14(int32x4_t slope_q23, int64_t f_q12, int64_t c_q12, uint32x4_t *alive)
+/* Pixels from slope * f + c. Clears the lanes of *in_range that are 65536 pixels away. */
+static inline int32x4_t pixel_q14(int32x4_t slope_q23, int64_t f_q12, int64_t c_q12, uint32x4_t *in_range)
 {
     const int64x2_t c_q14 = vdupq_n_s64(c_q12 * 4 - (1 << 13)), limit = vdupq_n_s64(FXS_CENTRE_LIMIT_Q14);
     int64x2_t low = vrshrq_n_s64(vmull_n_s32(vget_low_s32(slope_q23), (int32_t)f_q12), 21);
@@ -48,11 +50,11 @@ static inline int32x4_t pixel_q14(int32x4_t slope_q23, int64_t f_q12, int64_t c_
     low = vaddq_s64(low, c_q14);
     high = vaddq_s64(high, c_q14);
     uint32x2_t near = vmovn_u64(vcltq_s64(vabsq_s64(low), limit));
-    *alive = vandq_u32(*alive, vcombine_u32(near, vmovn_u64(vcltq_s64(vabsq_s64(high), limit))));
+    *in_range = vandq_u32(*in_range, vcombine_u32(near, vmovn_u64(vcltq_s64(vabsq_s64(high), limit))));
     return vcombine_s32(vmovn_s64(low), vmovn_s64(high));
 }
 
-/* Returns the lanes in front of the near plane and not too far off the axis and the picture. */
+/* Returns the lanes in front of the near plane. */
 static inline uint32x4_t project_centre(projected *out, const fxs_view *view, const fxs_chunk_view *cv,
                                         const uint32x4_t position[3])
 {
@@ -61,14 +63,15 @@ static inline uint32x4_t project_centre(projected *out, const fxs_view *view, co
     out->zeros = vclzq_s32(out->z);
     out->inverse_q30 = reciprocal(vshlq_u32(u32(out->z), out->zeros));
     const int64_t f_q12[2] = {view->fx_q12, view->fy_q12}, c_q12[2] = {view->cx_q12, view->cy_q12};
-    uint32x4_t alive = vcgtq_s32(out->z, vdupq_n_s32(cv->near));
+    out->in_range = vdupq_n_u32(~0u);
     for (int i = 0; i < 2; i++) {
         int32x4_t camera = camera_coordinate(cv, i, code);
-        alive = vandq_u32(alive, vcltq_s32(vshrq_n_s32(vabsq_s32(camera), 6), out->z));     /* |camera| < 64 z */
+        uint32x4_t near_axis = vcltq_s32(vshrq_n_s32(vabsq_s32(camera), 6), out->z);   /* |camera| < 64 z */
+        out->in_range = vandq_u32(out->in_range, near_axis);
         out->slope_q23[i] = mul_round_shift(camera, s32(out->inverse_q30), vsubq_s32(vdupq_n_s32(39), out->zeros));
-        out->position_q14[i] = pixel_q14(out->slope_q23[i], f_q12[i], c_q12[i], &alive);
+        out->position_q14[i] = pixel_q14(out->slope_q23[i], f_q12[i], c_q12[i], &out->in_range);
     }
-    return alive;
+    return vcgtq_s32(out->z, vdupq_n_s32(cv->near));
 }
 
 static inline void jacobian(int32x4_t j_q15[2][3], const fxs_view *view, const projected *centre)
@@ -343,8 +346,10 @@ static inline uint32x4_t project_shape(shapes *out, const fxs_view *view, const 
     int32x4_t most = sigmas(log2_q16, cv, scale_word);
     uint32x4_t size_q32 = screen_size(view, cv, centre, most, &size_exponent);
     int32x4_t exponent = vmaxq_s32(size_exponent, vdupq_n_s32(0));
-    alive = vandq_u32(alive, vcleq_s32(exponent, vdupq_n_s32(FXS_EXPONENT_MAX)));
-    alive = vbicq_u32(alive, off_picture(view, centre, exponent));
+    uint32x4_t veils = vcgeq_s32(size_exponent, vdupq_n_s32(view->veil_exponent));
+    veils = vorrq_u32(vbicq_u32(veils, centre->in_range), vcgtq_s32(exponent, vdupq_n_s32(FXS_EXPONENT_MAX)));
+    out->has_veil = any(vandq_u32(alive, veils));
+    alive = vbicq_u32(vandq_u32(alive, centre->in_range), off_picture(view, centre, exponent));
     if (!any(alive))
         return alive;
     jacobian(j_q15, view, centre);
@@ -427,6 +432,8 @@ int32_t fxs_project_neon(const fxs_view *view, const fxs_scene *scene, uint32_t 
             continue;
         vst1q_u32(opacity, vshrq_n_u32(codes.colour, 24));
         alive = project_shape(&s, view, &cv, &centre, codes.scale, codes.rotation, offset_q11_of(opacity), alive);
+        if (s.has_veil)
+            return fxs_project_c(view, scene, chunk, splats, bounds, indices, depths);
         if (!any(alive))
             continue;
         vst1q_u32(touches, alive);

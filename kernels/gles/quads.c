@@ -23,10 +23,12 @@ static void fill_part(void *argument, uint32_t part)
         const uint32_t slot = FXS_KEY_SLOT(run->keys[run->visible - 1 - i]);
         const fxs_splat *s = &run->splats[slot];
         const fxs_bounds *b = &run->bounds[slot];
+        const int veil = b->half_width_q8 == FXS_EVERYWHERE_Q8;      /* u and v of the first pixel, for the centre */
         const uint32_t words[INSTANCE / 4] = {
-            (uint32_t)b->cx_q14, (uint32_t)b->cy_q14, (uint32_t)s->ux_q24, (uint32_t)s->uy_q24,
-            (uint32_t)s->vy_q24, s->offset_q11 | (uint32_t)s->colour_q13[0] << 16,
-            (uint32_t)s->colour_q13[1] | (uint32_t)s->colour_q13[2] << 16, 0};
+            veil ? s->u0_q24 : (uint32_t)b->cx_q14, veil ? s->v0_q24 : (uint32_t)b->cy_q14,
+            (uint32_t)s->ux_q24, (uint32_t)s->uy_q24, (uint32_t)s->vy_q24,
+            s->offset_q11 | (uint32_t)s->colour_q13[0] << 16,
+            (uint32_t)s->colour_q13[1] | (uint32_t)s->colour_q13[2] << 16, (uint32_t)veil};
         if (i + AHEAD < end) {
             const uint32_t next = FXS_KEY_SLOT(run->keys[run->visible - 1 - i - AHEAD]);
             FXS_PREFETCH(&run->splats[next]);

@@ -1,6 +1,6 @@
 /* project, LANES Gaussians at a time: src/project.c with the same numbers in the same order, in two passes over a
  * chunk. The first finds the centres and drops what is behind the camera or off the picture; the second shapes what is
- * left, without gaps. Include lanes_avx2.h or lanes_avx512.h first. */
+ * left, without gaps. A chunk with a veil is left to C: they are rare. Include lanes_avx2.h or lanes_avx512.h first. */
 #include "codes_body.h"
 
 /* What the second pass needs of a Gaussian. */
@@ -64,7 +64,7 @@ static inline mask on_picture(const fxs_view *view, const centre *c, vi exponent
 {
     vi size = (vi)shift_left((vu)all(1), clamp(exponent, all(0), all(15)));
     vi radius_q14 = least((14 << 12) * (size + 1), all(FXS_CENTRE_LIMIT_Q14));
-    return greater(all(FXS_EXPONENT_MAX + 1), exponent) & greater(c->position_q14[0], -radius_q14 - 1) &
+    return greater(c->position_q14[0], -radius_q14 - 1) &
            greater(c->position_q14[1], -radius_q14 - 1) &
            greater(radius_q14 + ((view->tiles_x << 18) + 1), c->position_q14[0]) &
            greater(radius_q14 + ((view->tiles_y << 18) + 1), c->position_q14[1]);
@@ -76,8 +76,8 @@ static inline vi depth_key(const fxs_chunk_view *cv, const centre *c)
     return (vi)(exponent << 26 | (shift_left((vu)c->camera[2], c->zeros) >> 5 & 0x3ffffff));
 }
 
-/* The centres of the Gaussians i to i + LANES - 1. */
-static inline void find_centres(survivors *s, const fxs_view *view, const fxs_chunk_view *cv,
+/* The centres of the Gaussians i to i + LANES - 1. Returns 0 where one is a veil. */
+static inline int find_centres(survivors *s, const fxs_view *view, const fxs_chunk_view *cv,
                                 const fxs_scene *scene, const unsigned char *rows, uint32_t i)
 {
     vi code[3], opacity = (vi)((vu)load(rows + (scene->profile == FXS_PROFILE_SMALL ? FXS_SMALL_A : FXS_ROW_COLOUR) +
@@ -87,18 +87,20 @@ static inline void find_centres(survivors *s, const fxs_view *view, const fxs_ch
     c.camera[2] = camera_axis(cv, 2, code);
     mask alive = greater(c.camera[2], all(cv->near)) & greater(opacity, all(0));
     if (!bits(alive))
-        return;
+        return 1;
     c.camera[0] = camera_axis(cv, 0, code);
     c.camera[1] = camera_axis(cv, 1, code);
     c.zeros = clz((vu)c.camera[2]);
     c.inverse_q30 = (vi)reciprocal(shift_left((vu)c.camera[2], c.zeros));
-    alive &= project_axis(&c, 0, view->fx_q12, view->cx_q12);
-    alive &= project_axis(&c, 1, view->fy_q12, view->cy_q12);
+    mask in_range = project_axis(&c, 0, view->fx_q12, view->cx_q12) & project_axis(&c, 1, view->fy_q12, view->cy_q12);
     value[SCALE] = load_scales(scene, rows, i);
     value[SIZE] = (vi)screen_size(view, cv, &c, value[SCALE], &value[EXPONENT]);
-    alive &= on_picture(view, &c, value[EXPONENT]);
+    if (bits(alive & greater(value[EXPONENT], all(FXS_EXPONENT_MAX))) ||
+        bits(alive & ~in_range & greater(value[EXPONENT], all(view->veil_exponent - 1))))
+        return 0;
+    alive &= in_range & on_picture(view, &c, value[EXPONENT]);
     if (!bits(alive))
-        return;
+        return 1;
     value[INDEX] = load(lane_numbers) + (int32_t)i;
     value[DEPTH] = depth_key(cv, &c);
     value[SLOPE_X] = c.slope_q23[0];
@@ -110,6 +112,7 @@ static inline void find_centres(survivors *s, const fxs_view *view, const fxs_ch
     for (int row = 0; row < ROWS; row++)
         store_compressed(&s->rows[row][s->count], value[row], alive);
     s->count += (uint32_t)__builtin_popcount(bits(alive));
+    return 1;
 }
 
 /* ---- Second pass ----------------------------------------------------------------------------------------------- */
@@ -341,7 +344,8 @@ static inline int32_t project(const fxs_view *view, const fxs_scene *scene, uint
         return seen;
     s.count = 0;
     for (uint32_t i = 0; i < FXS_CHUNK; i += LANES)
-        find_centres(&s, view, &cv, scene, fxs_rows(scene, chunk), i);
+        if (!find_centres(&s, view, &cv, scene, fxs_rows(scene, chunk), i))
+            return fxs_project_c(view, scene, chunk, splats, bounds, indices, depths);
     for (uint32_t i = 0; i < s.count; i++)
         s.rows[OPACITY][i] = fxs_offset_of_code_q11[s.rows[OPACITY][i]];
     for (int row = 0; row < ROWS; row++)

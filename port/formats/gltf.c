@@ -715,7 +715,7 @@ static int enter(gltf *g, int index)
     return 0;
 }
 
-/* Scales are linear and not below 0. In a draft they were logarithms, which signed integers are therefore; and the
+/* Scales are linear, few of them below 0. In a draft they were logarithms, which signed integers are therefore; and the
    file's floats, where a quarter of its Gaussians have one below 0, as nearly all logarithms of captured scenes are. The
    number of Gaussians is known to be within the limit. */
 static int find_log_scales(gltf *g)

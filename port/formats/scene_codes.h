@@ -7,10 +7,11 @@
 /* ln of the standard deviation of what has none, across a 2D Gaussian. */
 #define FXS_FLAT_SCALE (-20)
 
-/* ln of a standard deviation, from FXS_FLAT_SCALE on, where 0 goes; NaN below 0. */
+/* ln of a standard deviation, from FXS_FLAT_SCALE on, where 0 goes. One below 0 has the covariance of its magnitude. */
 static inline float fxs_log_scale(double scale)
 {
-    return scale > 2.061153622438558e-9 ? (float)log(scale) : scale >= 0 ? FXS_FLAT_SCALE : NAN;
+    const double size = fabs(scale);
+    return size > 2.061153622438558e-9 ? (float)log(size) : size >= 0 ? FXS_FLAT_SCALE : NAN;
 }
 
 /* Logit of the opacity code / 255, +-20 at the ends. */

@@ -69,7 +69,7 @@ const fxs_scene_format *fxs_scene_format_of(const fxs_scene_source *source, fxs_
     if (fxs_is_splat(source))
         return &fxs_scene_splat;
     fxs_fail(message, "%s: not a scene file of a known format (.ply, .spz, .glb, .gltf, .sog, .ksplat, tileset.json; "
-             "or .splat: whole records of 32 bytes, finite positions, scales of 0 or more)", source->path);
+             "or .splat: whole records of 32 bytes, finite positions and scales)", source->path);
     return NULL;
 }
 

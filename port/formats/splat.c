@@ -16,7 +16,7 @@ typedef struct splat_reader {
 static int has_scale(const uint8_t *record)
 {
     for (int i = 0; i < 3; i++)
-        if (fxs_load_float(record + SCALE + 4 * i) >= smallest_scale)
+        if (fabsf(fxs_load_float(record + SCALE + 4 * i)) >= smallest_scale)
             return 1;
     return 0;
 }
@@ -25,7 +25,7 @@ static int is_plausible(const uint8_t *record)
 {
     for (int i = 0; i < 3; i++) {
         float position = fxs_load_float(record + 4 * i), scale = fxs_load_float(record + SCALE + 4 * i);
-        if (!(fabsf(position) <= largest_position && scale >= 0 && scale <= largest_scale))
+        if (!(fabsf(position) <= largest_position && fabsf(scale) <= largest_scale))
             return 0;
     }
     return 1;
