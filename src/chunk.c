@@ -4,7 +4,7 @@
 #include "memory.h"
 #include "stage.h"
 
-const uint16_t fxs_offset_of_code_q11[256] = {
+const uint16_t fxs_offset_of_code_q11[FXS_OPACITY_LAWS][256] = {
 #include "opacity.inc"
 };
 
@@ -16,7 +16,7 @@ static int within(int64_t x, int64_t limit)
 static int in_range(const fxs_chunk *chunk)
 {
     int64_t scale = chunk->scale_q16, scale_reach = (int64_t)chunk->scale_step_q24 * (1023 * 1023) >> 8;
-    if (chunk->step_shift > 12)
+    if (chunk->step_shift > 12 || chunk->opacity_law >= FXS_OPACITY_LAWS)
         return 0;
     int valid = within(scale, 32 << 16) && within(scale - scale_reach, 32 << 16);
     for (int i = 0; i < 3; i++) {
@@ -52,6 +52,7 @@ static void place(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *chu
     int bits = most ? 64 - fxs_clz64(most) : 0;
     cv->scale_q16 = chunk->scale_q16;
     cv->scale_step_q24 = chunk->scale_step_q24;
+    cv->opacity_law = chunk->opacity_law;
     cv->shift = bits > 29 ? bits - 29 : 0;       /* so |offset| + reach < 2^29 an axis */
     const int64_t near = view->near_q32 >> cv->shift;
     cv->near = (int32_t)(near < INT32_MAX ? near : INT32_MAX);

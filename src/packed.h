@@ -59,6 +59,10 @@ typedef struct fxs_packed_header {   /* 192 bytes */
     uint32_t reserved[12];           /* 0 */
 } fxs_packed_header;
 
+/* Law 0: the opacity of code c is c / 255. Laws 1 to 3: 1/255 + (4^(1 - law) - 1/255) ((c - 1) / 254)^2, so that chunks
+   of fog have fine steps; but for code 0, which is 0. */
+#define FXS_OPACITY_LAWS 4u
+
 typedef struct fxs_chunk {           /* 128 bytes */
     int64_t origin_q32[3];           /* position = origin + (code * step << step_shift), within +-2^28 units */
     uint32_t step_q32[3];
@@ -69,7 +73,7 @@ typedef struct fxs_chunk {           /* 128 bytes */
     uint16_t sh_step_q19[3];         /* default: a coefficient of degree d is code * sh_step[d - 1]; at most 32767 */
     uint16_t step_shift;             /* 0 to 12 */
     uint16_t scale_step_q24;         /* at most 1026 */
-    uint16_t reserved;               /* 0 */
+    uint16_t opacity_law;            /* how codes of opacity are read: 0 to 3 */
     int8_t sh_mean[48];              /* compact and small: as an entry of a palette, added to each Gaussian's */
 } fxs_chunk;
 

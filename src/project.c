@@ -360,15 +360,15 @@ static uint32_t depth_key(const fxs_chunk_view *cv, const projected *centre)
     return exponent << 26 | (((uint32_t)centre->camera[2] << centre->zeros) >> 5 & 0x3ffffff);
 }
 
-/* Returns 0 for a Gaussian that touches no pixel. offset_of_code_q11: fxs_offset_of_code_q11, where this runs. */
+/* Returns 0 for a Gaussian that touches no pixel. offsets_q11: fxs_offset_of_code_q11, where this runs. */
 static int project_one(fxs_splat *splat, fxs_bounds *bounds, uint32_t *depth, const fxs_view *view,
-                       const fxs_chunk_view *cv, const fxs_codes *codes, const uint16_t *offset_of_code_q11)
+                       const fxs_chunk_view *cv, const fxs_codes *codes, const uint16_t offsets_q11[][256])
 {
     projected centre;
     uint32_t opacity = codes->colour >> 24;
     if (!opacity || !project_centre(&centre, view, cv, codes->position))
         return 0;
-    splat->offset_q11 = offset_of_code_q11[opacity];
+    splat->offset_q11 = offsets_q11[cv->opacity_law][opacity];
     *depth = depth_key(cv, &centre);
     return project_shape(splat, bounds, view, cv, &centre, codes->scale, codes->rotation);
 }

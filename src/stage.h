@@ -48,7 +48,7 @@ typedef struct fxs_view {
 typedef struct fxs_chunk_view {
     uint32_t chunk;
     int32_t scale_q16;             /* of its header */
-    uint32_t scale_step_q24;
+    uint32_t scale_step_q24, opacity_law;
     int64_t base_q16[3];
     int32_t m_q16[3][3];           /* below 2^29 */
     int shift;
@@ -205,7 +205,7 @@ void fxs_shade_list(const fxs_view *view, const fxs_scene *scene, const fxs_chun
                     const uint32_t *indices, uint32_t count, fxs_splat *splats);
 
 /* -2 ln(code / 255), Q11; code 0 is never drawn. */
-extern const uint16_t fxs_offset_of_code_q11[256];
+extern const uint16_t fxs_offset_of_code_q11[FXS_OPACITY_LAWS][256];
 
 /* Sorts keys by depth, ties by slot (they arrive in the order of their slots), in `parts` jobs. `spare` has room for
    as many, `histograms` for `parts`. Returns where the result is: keys or spare. */

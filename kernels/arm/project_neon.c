@@ -377,11 +377,11 @@ static inline uint32x4_t project_shape(shapes *out, const fxs_view *view, const 
 }
 
 /* -2 ln(opacity) */
-static inline int32x4_t offset_q11_of(const uint32_t *opacity)
+static inline int32x4_t offset_q11_of(const fxs_chunk_view *cv, const uint32_t *opacity)
 {
     int32_t offset_q11[LANES];
     for (uint32_t lane = 0; lane < LANES; lane++)
-        offset_q11[lane] = fxs_offset_of_code_q11[opacity[lane]];
+        offset_q11[lane] = fxs_offset_of_code_q11[cv->opacity_law][opacity[lane]];
     return vld1q_s32(offset_q11);
 }
 
@@ -431,7 +431,7 @@ int32_t fxs_project_neon(const fxs_view *view, const fxs_scene *scene, uint32_t 
         if (!any(alive))
             continue;
         vst1q_u32(opacity, vshrq_n_u32(codes.colour, 24));
-        alive = project_shape(&s, view, &cv, &centre, codes.scale, codes.rotation, offset_q11_of(opacity), alive);
+        alive = project_shape(&s, view, &cv, &centre, codes.scale, codes.rotation, offset_q11_of(&cv, opacity), alive);
         if (s.has_veil)
             return fxs_project_c(view, scene, chunk, splats, bounds, indices, depths);
         if (!any(alive))

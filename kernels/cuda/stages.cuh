@@ -25,7 +25,7 @@ namespace {
 
 namespace {
 
-__device__ const uint16_t offset_of_code_q11[256] = {
+__device__ const uint16_t offset_of_code_q11[FXS_OPACITY_LAWS][256] = {
 #include "../../src/opacity.inc"
 };
 

@@ -347,7 +347,7 @@ static inline int32_t project(const fxs_view *view, const fxs_scene *scene, uint
         if (!find_centres(&s, view, &cv, scene, fxs_rows(scene, chunk), i))
             return fxs_project_c(view, scene, chunk, splats, bounds, indices, depths);
     for (uint32_t i = 0; i < s.count; i++)
-        s.rows[OPACITY][i] = fxs_offset_of_code_q11[s.rows[OPACITY][i]];
+        s.rows[OPACITY][i] = fxs_offset_of_code_q11[cv.opacity_law][s.rows[OPACITY][i]];
     for (int row = 0; row < ROWS; row++)
         store(&s.rows[row][s.count], all(0));
     for (uint32_t at = 0; at < s.count; at += LANES) {

@@ -47,7 +47,7 @@ int fxs_bring_in(fxs_gaussian *g, double limit)
 void fxs_ranges_clear(fxs_chunk_ranges *ranges)
 {
     const fxs_range none = {INFINITY, -INFINITY};
-    *ranges = (fxs_chunk_ranges){{none, none, none}, none, {none, none, none}, {0, 0, 0}};
+    *ranges = (fxs_chunk_ranges){{none, none, none}, none, {none, none, none}, {0, 0, 0}, {0, 0, 0, 0}};
 }
 
 /* x cut to low..high, towards 0: a file that changes between two passes may say anything, NaN among it, which is low. */
@@ -74,6 +74,39 @@ static double base_colour(const fxs_gaussian *g, int channel)
     return colour < -60 ? -60 : colour > 60 ? 60 : colour;
 }
 
+double fxs_opacity(const fxs_gaussian *g)
+{
+    return 1 / (1 + exp(-g->opacity));
+}
+
+/* 1/255 + (4^(1 - law) - 1/255) ((code - 1) / 254)^2 */
+static double opacity_of(int code, uint32_t law)
+{
+    const double part = (code - 1) / 254.0, top = ldexp(1, 2 - 2 * (int)law);
+    return law == 0 ? code / 255.0 : code == 0 ? 0 : 1 / 255.0 + (top - 1 / 255.0) * (part * part);
+}
+
+/* The nearest code; what never reaches 1/255 is not drawn. */
+static int encode_opacity(double opacity, uint32_t law)
+{
+    if (law == 0)
+        return fxs_floor_within(opacity * 255 + 0.5, 0, 255);
+    if (!(opacity >= 1 / 255.0))
+        return 0;
+    const double part = (opacity - 1 / 255.0) / (ldexp(1, 2 - 2 * (int)law) - 1 / 255.0);
+    const int code = fxs_floor_within(sqrt(part) * 254 + 1, 1, 255), next = code < 255 ? code + 1 : code;
+    return fabs(opacity_of(next, law) - opacity) < fabs(opacity_of(code, law) - opacity) ? next : code;
+}
+
+/* The fainter a Gaussian, the more of its like lie over each other: errors count by square over opacity. */
+static void weigh_opacity(fxs_chunk_ranges *r, double opacity)
+{
+    for (uint32_t law = 0; law < FXS_OPACITY_LAWS && opacity >= 1 / 255.0; law++) {
+        const double error = opacity_of(encode_opacity(opacity, law), law) - opacity;
+        r->opacity_harm[law] += (float)(error * error / opacity);
+    }
+}
+
 void fxs_ranges_take(fxs_chunk_ranges *r, const fxs_gaussian *g, int sh_degree)
 {
     for (int i = 0; i < 3; i++) {
@@ -81,6 +114,7 @@ void fxs_ranges_take(fxs_chunk_ranges *r, const fxs_gaussian *g, int sh_degree)
         widen(&r->scale, (float)log2_scale(g, i));
         widen(&r->colour[i], (float)base_colour(g, i));
     }
+    weigh_opacity(r, fxs_opacity(g));
     for (int degree = 1; degree <= sh_degree; degree++) {
         float most = r->sh[degree - 1];
         for (int i = 3 * FXS_SH_COUNT(degree - 1); i < 3 * FXS_SH_COUNT(degree); i++)
@@ -125,6 +159,9 @@ void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *r, const fxs_sc
         chunk->step_shift++;
     chunk->scale_q16 = (int32_t)cut_to(ceil(ldexp(r->scale.high, 16)), INT32_MIN, INT32_MAX);
     chunk->scale_step_q24 = (uint16_t)step_for(ldexp(chunk->scale_q16, -16) - r->scale.low, 1023 * 1023, 24);
+    for (uint32_t law = 1; law < FXS_OPACITY_LAWS; law++)
+        if (r->opacity_harm[law] < r->opacity_harm[chunk->opacity_law])
+            chunk->opacity_law = (uint16_t)law;
     for (int i = 0; i < 3; i++) {
         chunk->origin_q32[i] = cut_to(floor(ldexp(r->position[i].low, 32)), -0x1p60, 0x1p60);
         chunk->step_q32[i] = step_for(r->position[i].high - ldexp((double)chunk->origin_q32[i], -32), 65535,
@@ -239,17 +276,14 @@ static void put_thinnest_last(fxs_gaussian *g, double rotation[4])
     rotation[3] = thinnest ? z - y : z + x;
 }
 
-uint32_t fxs_opacity_code(const fxs_gaussian *g)
-{
-    return (uint32_t)fxs_floor_within(255 / (1 + exp(-g->opacity)) + 0.5, 0, 255);
-}
-
 /* Opacity in bits 31..24, a colour's code of 8 bits in each 8; in small of 7, 7 and 6 bits. */
 static uint32_t encode_colour(const fxs_encoder *e, const fxs_gaussian *g, const fxs_chunk *chunk, fxs_loss *loss)
 {
     const int small = e->profile == FXS_PROFILE_SMALL;
-    uint32_t word = fxs_opacity_code(g) << 24;
-    note(loss, FXS_LOSS_OPACITY, (word >> 24) / 255.0 - 1 / (1 + exp(-g->opacity)));
+    const double opacity = fxs_opacity(g);
+    const int opacity_code = encode_opacity(opacity, chunk->opacity_law);
+    uint32_t word = (uint32_t)opacity_code << 24;
+    note(loss, FXS_LOSS_OPACITY, opacity_of(opacity_code, chunk->opacity_law) - opacity);
     for (int i = 0; i < 3; i++) {
         const int bits = !small ? 8 : i < 2 ? 7 : 6;
         double low = chunk->colour_q16[i] * 0x1p-16, step = chunk->colour_step_q20[i] * 0x1p-20, x = base_colour(g, i);

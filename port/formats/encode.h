@@ -29,6 +29,7 @@ typedef struct fxs_range {
 typedef struct fxs_chunk_ranges {
     fxs_range position[3], scale, colour[3];
     float sh[3];                     /* largest coefficient of each degree */
+    float opacity_harm[FXS_OPACITY_LAWS];   /* what rounding under each law would do to the picture */
 } fxs_chunk_ranges;
 
 void fxs_ranges_clear(fxs_chunk_ranges *ranges);
@@ -51,8 +52,8 @@ typedef struct fxs_encoder {
     int sh_degree;
 } fxs_encoder;
 
-/* round(255 opacity) */
-uint32_t fxs_opacity_code(const fxs_gaussian *gaussian);
+/* 1 / (1 + exp(-logit)) */
+double fxs_opacity(const fxs_gaussian *gaussian);
 
 enum { FXS_RECORD_BYTES = 63 };      /* of the codes of one Gaussian, at most */
 
