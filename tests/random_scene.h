@@ -41,11 +41,16 @@ static void fill_chunk(const packed_scene *s, uint32_t c)
         chunk->step_q32[i] = step_q32 >> between(8, 20);
         chunk->colour_q16[i] = between(-20000, 60000);
         chunk->colour_step_q20[i] = (uint32_t)between(0, 8000);
-        chunk->sh_step_q19[i] = (uint32_t)between(0, 2000);
+        chunk->sh_step_q19[i] = (uint16_t)between(0, 2000);
     }
     chunk->scale_q16 = between(-393216, 65536);
-    chunk->scale_step_q24 = (uint32_t)between(0, 200);
+    chunk->scale_step_q24 = (uint16_t)between(0, 200);
     fill_words(packed_scene_rows(s, c), s->header->chunk_bytes);
+    if (s->header->profile == FXS_PROFILE_DEFAULT)
+        return;
+    chunk->opacity_law = (uint16_t)between(0, FXS_OPACITY_LAWS - 1);
+    for (size_t i = 0; i < sizeof chunk->sh_mean; i++)
+        chunk->sh_mean[i] = (int8_t)between(-128, 127);
 }
 
 /* Up to `most` Gaussians. Free its data. */

@@ -133,22 +133,22 @@ static void check_file(enum fxs_profile profile, int count, int sh_degree, const
 
 static void test_default(void)
 {
-    static const uint64_t expected[3] = {0x4565bbf780d2c2a0u, 0x5fc4cd30f5e0277au,
-                                         0x63d063c11c6def15u};
+    static const uint64_t expected[3] = {0xffc7257560da35c2u, 0x13eb7dc5874effb3u,
+                                         0xaff355b8c982dafdu};
     check_file(FXS_PROFILE_DEFAULT, 700, 3, expected);
 }
 
 static void test_compact(void)
 {
-    static const uint64_t expected[3] = {0x10474dfc25bd8d3cu, 0x40fa53618e88ba0au,
-                                         0x642dcc17af7db416u};
+    static const uint64_t expected[3] = {0x87284511ba96f537u, 0xb47de4b3887e854fu,
+                                         0xc262bddc108f64a3u};
     check_file(FXS_PROFILE_COMPACT, 40, 2, expected);
 }
 
 static void test_small(void)
 {
-    static const uint64_t expected[3] = {0x53a6ad51f73f1522u, 0x51d7e4436b39b7e6u,
-                                         0xeb6cd49454a30f4bu};
+    static const uint64_t expected[3] = {0x99e5b43f850ff674u, 0x404691c7f5f27a8bu,
+                                         0xd1cddeb819ab3038u};
     check_file(FXS_PROFILE_SMALL, 40, 1, expected);
 }
 

@@ -188,17 +188,20 @@ static void fill_other(unsigned char *rows, uint32_t bytes)
 static void wild_header(fxs_chunk *c)
 {
     const int64_t far = (int64_t)1 << 60;
-    c->step_shift = below(13);
+    c->step_shift = (uint16_t)below(13);
+    c->opacity_law = (uint16_t)below(FXS_OPACITY_LAWS);
+    for (size_t i = 0; i < sizeof c->sh_mean; i++)
+        c->sh_mean[i] = (int8_t)next();
     c->scale_q16 = (int32_t)(one_in(4) ? 32 << 16 : any_size(32 << 16));
     int64_t reach = (c->scale_q16 + (32 << 16)) * (int64_t)256 / (1023 * 1023);
-    c->scale_step_q24 = (uint32_t)(one_in(4) ? reach : (int64_t)between(0, reach));
+    c->scale_step_q24 = (uint16_t)(one_in(4) ? reach : (int64_t)between(0, reach));
     for (int i = 0; i < 3; i++) {
         c->step_q32[i] = one_in(8) ? UINT32_MAX : (uint32_t)next() >> below(32);
         int64_t span = (int64_t)c->step_q32[i] * 65535 << c->step_shift;
         c->origin_q32[i] = one_in(8) ? -far : one_in(8) ? far - span : any_size(far - span);
         c->colour_q16[i] = (int32_t)any_size(64 << 16);
         c->colour_step_q20[i] = (uint32_t)between(0, ((64 << 16) - c->colour_q16[i]) * (int64_t)16 / 255);
-        c->sh_step_q19[i] = one_in(4) ? 32767 : below(32768);
+        c->sh_step_q19[i] = (uint16_t)(one_in(4) ? 32767 : below(32768));
     }
 }
 
@@ -324,7 +327,7 @@ static int shrink(fxs_chunk *c)
         return 0;
     c->scale_q16 -= 1 << 16;
     const uint32_t most = (uint32_t)((c->scale_q16 + (32 << 16)) * (int64_t)256 / (1023 * 1023));
-    c->scale_step_q24 = c->scale_step_q24 < most ? c->scale_step_q24 : most;
+    c->scale_step_q24 = c->scale_step_q24 < most ? c->scale_step_q24 : (uint16_t)most;
     return 1;
 }
 

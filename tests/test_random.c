@@ -7,8 +7,8 @@
 
 #define CASES 300
 #define EXPECTED 0x4271a9e7e1545376u
-#define EXPECTED_COMPACT 0x9f062d90477f7a7bu
-#define EXPECTED_SMALL 0xae81d75ac51d2098u
+#define EXPECTED_COMPACT 0x2f591171f5e73047u
+#define EXPECTED_SMALL 0x9d092ef7761c9857u
 #define EXPECTED_NEAR 0xfd82acde1bc259edu
 
 /* near: with a random near plane; else with the default. */

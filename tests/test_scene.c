@@ -159,7 +159,10 @@ static void check_chunk_ranges(fxs_chunk *c)
     const int64_t far = (int64_t)1 << 60;
     GIVES(0, c->step_shift, 12);
     GIVES(FXS_ERR_SCENE, c->step_shift, 13);
-    GIVES(FXS_ERR_SCENE, c->step_shift, UINT32_MAX);
+    GIVES(FXS_ERR_SCENE, c->step_shift, UINT16_MAX);
+    GIVES(0, c->opacity_law, 3);
+    GIVES(FXS_ERR_SCENE, c->opacity_law, 4);
+    GIVES(FXS_ERR_SCENE, c->opacity_law, UINT16_MAX);
     GIVES(0, c->scale_q16, 32 << 16);
     GIVES(0, c->scale_q16, -(32 << 16));
     GIVES(FXS_ERR_SCENE, c->scale_q16, (32 << 16) + 1);
@@ -176,7 +179,7 @@ static void check_chunk_ranges(fxs_chunk *c)
     c->scale_step_q24 = 1;
     GIVES(FXS_ERR_SCENE, c->scale_q16, (32 << 16) + 1);
     c->scale_step_q24 = 0;
-    GIVES(FXS_ERR_SCENE, c->scale_step_q24, UINT32_MAX);
+    GIVES(FXS_ERR_SCENE, c->scale_step_q24, UINT16_MAX);
     for (int i = 0; i < 3; i++) {
         GIVES(0, c->origin_q32[i], far);
         GIVES(0, c->origin_q32[i], -far);
@@ -192,7 +195,7 @@ static void check_chunk_ranges(fxs_chunk *c)
         GIVES(FXS_ERR_SCENE, c->colour_step_q20[i], UINT32_MAX);
         GIVES(0, c->sh_step_q19[i], 32767);
         GIVES(FXS_ERR_SCENE, c->sh_step_q19[i], 32768);
-        GIVES(FXS_ERR_SCENE, c->sh_step_q19[i], UINT32_MAX);
+        GIVES(FXS_ERR_SCENE, c->sh_step_q19[i], UINT16_MAX);
         c->step_shift = 12;
         GIVES(0, c->step_q32[i], UINT32_MAX);
         c->origin_q32[i] = (int64_t)1 << 50;
@@ -220,15 +223,15 @@ static void test_scene_bytes(void)
     CHECK(fxs_scene_bytes(257, 0, d, 0) == 2 * fxs_scene_bytes(1, 0, d, 0) - sizeof(fxs_packed_header));
     CHECK(fxs_scene_bytes(256, 3, d, 0) == 192 + 128 + 256 * 63);
     CHECK(fxs_scene_bytes(256, 0, compact, 0) == 192 + 128 + 256 * 18);
-    CHECK(fxs_scene_bytes(256, 1, compact, 4) == 192 + 128 + 2 * 4 * 48 + 256 * 26);
-    CHECK(fxs_scene_bytes(256, 2, compact, 4) == 192 + 128 + 2 * 4 * 48 + 256 * 30);
-    CHECK(fxs_scene_bytes(256, 3, compact, 256) == 192 + 128 + 2 * 256 * 48 + 256 * 38);
-    CHECK(fxs_scene_bytes(256, 0, small, 0) == 192 + 128 + 256 * 15);
-    CHECK(fxs_scene_bytes(512, 1, small, 1) == 192 + 2 * 128 + 4 * 48 + 2 * 256 * 19);
+    CHECK(fxs_scene_bytes(256, 1, compact, 4) == 192 + 128 + 576 + 256 * 26);
+    CHECK(fxs_scene_bytes(256, 2, compact, 4) == 192 + 128 + 576 + 256 * 31);
+    CHECK(fxs_scene_bytes(256, 3, compact, 128) == 192 + 128 + 3 * 128 * 48 + 256 * 39);
+    CHECK(fxs_scene_bytes(256, 0, small, 0) == 192 + 128 + 256 * 13);
+    CHECK(fxs_scene_bytes(512, 1, small, 1) == 192 + 2 * 128 + 4 * 48 + 2 * 256 * 17);
     CHECK(fxs_scene_bytes(1, -1, d, 0) == 0 && fxs_scene_bytes(1, 4, d, 0) == 0);
     CHECK(fxs_scene_bytes(FXS_MAX_COUNT + 1, 0, d, 0) == 0 && fxs_scene_bytes(UINT32_MAX, 3, d, 0) == 0);
     CHECK(fxs_scene_bytes(1, 3, d, 1) == 0 && fxs_scene_bytes(1, 3, small, 0) == 0);
-    CHECK(fxs_scene_bytes(1, 3, small, 257) == 0 && fxs_scene_bytes(1, 0, small, 1) == 0);
+    CHECK(fxs_scene_bytes(1, 3, small, 129) == 0 && fxs_scene_bytes(1, 0, small, 1) == 0);
     CHECK(fxs_scene_bytes(1, 3, (enum fxs_profile)3, 0) == 0 && fxs_scene_bytes(1, 3, (enum fxs_profile)3, 1) == 0);
     CHECK(sizeof(size_t) < 8 ||
           fxs_scene_bytes(FXS_MAX_COUNT, 3, d, 0) == 192 + (size_t)(1 << 22) * (128 + 256 * 63));
@@ -277,15 +280,15 @@ static void random_chunk(fxs_chunk *chunk)
 {
     do {
         memset(chunk, 0, sizeof *chunk);
-        chunk->step_shift = bits() % 13;
+        chunk->step_shift = (uint16_t)(bits() % 13);
         chunk->scale_q16 = (int32_t)any(21);
-        chunk->scale_step_q24 = any_unsigned(10);
+        chunk->scale_step_q24 = (uint16_t)any_unsigned(10);
         for (int i = 0; i < 3; i++) {
             chunk->origin_q32[i] = any(60);
             chunk->step_q32[i] = any_unsigned(32);
             chunk->colour_q16[i] = (int32_t)any(22);
             chunk->colour_step_q20[i] = any_unsigned(19);
-            chunk->sh_step_q19[i] = any_unsigned(15);
+            chunk->sh_step_q19[i] = (uint16_t)any_unsigned(15);
         }
     } while (open_scene() != 0);
 }

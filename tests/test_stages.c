@@ -99,10 +99,11 @@ static void fill_header(fxs_chunk *chunk, const recipe *r)
         chunk->step_q32[i] = (uint32_t)ldexp(2 * r->reach / 65535, 32);
         chunk->colour_q16[i] = (int32_t)ldexp(uniform(-0.3, 0.1), 16);
         chunk->colour_step_q20[i] = (uint32_t)ldexp(uniform(0.5, 1.5) / 255, 20);
-        chunk->sh_step_q19[i] = (uint32_t)ldexp(uniform(0, 0.5) / 127, 19);
+        chunk->sh_step_q19[i] = (uint16_t)ldexp(uniform(0, 0.5) / 127, 19);
     }
     chunk->scale_q16 = (int32_t)ldexp(r->sigma_high, 16);
-    chunk->scale_step_q24 = (uint32_t)ldexp((r->sigma_high - r->sigma_low) / (1023 * 1023), 24);
+    chunk->opacity_law = (uint16_t)(chunk->colour_q16[0] & 3);
+    chunk->scale_step_q24 = (uint16_t)ldexp((r->sigma_high - r->sigma_low) / (1023 * 1023), 24);
 }
 
 static void fill_rows(unsigned char *rows, const recipe *r, uint32_t chunk_bytes, uint32_t used)
@@ -225,7 +226,9 @@ static fxs_gaussian decode(const fxs_scene *scene, uint32_t index)
                            (colour >> 8 * i & 255) * ldexp(chunk->colour_step_q20[i], -20)) / 0.28209479177387814);
     }
     decode_rotation(g.rotation, rotation);
-    double opacity = (colour >> 24) / 255.0;
+    const double part = ((colour >> 24) - 1.0) / 254, top = ldexp(1, 2 - 2 * header.opacity_law);
+    double opacity = header.opacity_law && colour >> 24 ? 1 / 255.0 + (top - 1 / 255.0) * part * part
+                                                        : (colour >> 24) / 255.0;
     g.opacity = (float)fmax(-50, fmin(50, log(opacity / (1 - opacity))));
     for (int k = 0; k < FXS_SH_COUNT(scene->sh_degree); k++)
         for (int c = 0; c < 3; c++)

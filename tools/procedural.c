@@ -1472,7 +1472,7 @@ static const fxs_procedural_scene scenes[] = {
     { "cubes", "a lattice of balls, from far below a pixel to huge", 0, 4096, cubes },
     { "meadow", "a tree among flowers, hills and a sky of discs, with outliers to 20,000 units", 3, 120000, meadow },
     { "mirrors", "gold, chrome and copper: colours that turn with the view", 3, 100000, mirrors },
-    { "discs", "the knot under a sky and on a ground of discs without thickness", 3, 40000, discs },
+    { "discs", "the knot under a sky and on a ground of discs without thickness", 3, 100000, discs },
     { "haze", "a lighthouse behind thousands of Gaussians of opacity 0.004 to 0.05", 3, 60000, lighthouse_haze },
     { "site", "a town from the air, 400 x 300 units and 8 high", 3, 150000, site },
 };

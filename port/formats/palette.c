@@ -10,7 +10,7 @@ enum {
     GROUPS = FXS_PALETTE_GROUPS, GROUP = ENTRIES / GROUPS,
     MOST = 1270,                   /* units; sums of 7 vectors stay in 16 bits, their products in 32 */
     BEAM = 2,                      /* sums kept from stage to stage */
-    TRIED = 2,                     /* groups of entries that are looked into */
+    TRIED = 3,                     /* groups of entries that are looked into */
     NEVER = 1 << 30,               /* a cost that no entry has */
     SAMPLE = 16384,                /* Gaussians that a palette is learned from, about */
     LLOYD_ROUNDS = 5, JOINT_ROUNDS = 2,
@@ -18,13 +18,18 @@ enum {
     WINDOW = 48                    /* Gaussians before one whose errors it makes good, at most */
 };
 
-/* 48 bytes a stage and entry are to cost at most 0.4 bytes a Gaussian. */
+/* As many as leave a Gaussian 40 bytes in all, 20 in small. Small scenes, whose last chunk is much of them, get a tenth
+   of a byte a Gaussian all the same. */
 uint32_t fxs_palette_entries_for(uint64_t count, enum fxs_profile profile, int sh_degree)
 {
-    const uint32_t stages = fxs_palette_stages(profile, sh_degree);
+    const uint32_t stages = fxs_palette_stages(profile, sh_degree), stage_bytes = stages * FXS_PALETTE_STRIDE;
     if (!stages)
         return 0;
-    uint64_t entries = count / (120 * stages);
+    const uint64_t chunks = (count + FXS_CHUNK - 1) / FXS_CHUNK, limit = count * (profile == FXS_PROFILE_SMALL ? 20 : 40);
+    const uint64_t others = sizeof(fxs_packed_header) + 64 +
+                            chunks * (sizeof(fxs_chunk) + fxs_chunk_bytes(profile, sh_degree));
+    const uint64_t left = limit > others ? limit - others : 0;
+    const uint64_t entries = (left > count / 10 ? left : count / 10) / stage_bytes;
     return entries < 1 ? 1 : entries > ENTRIES ? ENTRIES : (uint32_t)entries;
 }
 
