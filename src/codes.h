@@ -85,7 +85,7 @@ static inline const int8_t *fxs_palette_entry(const fxs_scene *scene, uint32_t s
 /* The coefficients of a Gaussian in a profile with a palette: the sum of the chunk's mean and of an entry of each stage,
    times the scene's step; and (compact) odd numbers, -7 to 7, times the Gaussian's gain. */
 typedef struct fxs_sh_sums {
-    int32_t palette[3], odd[3];    /* sum basis * number, Q15: at most 2^28 and 2^22 */
+    int32_t palette[3], odd[3];    /* sum basis * number, Q15: at most 2^29 and 2^22 */
     int gain;                      /* (8 + bits 2..0) * 2^(bits 7..3) * 2^-32 */
 } fxs_sh_sums;
 

@@ -44,7 +44,7 @@ const char *fxs_strerror(int error);
 enum fxs_profile {                 /* at SH degree 3, of a large scene: */
     FXS_PROFILE_DEFAULT = 0,       /* 63.5 bytes a Gaussian */
     FXS_PROFILE_COMPACT = 1,       /* 39.6: SH by a palette and what is left of it in 3 bits */
-    FXS_PROFILE_SMALL = 2          /* 19.7: SH by a palette, the rest in 6 to 11 bits */
+    FXS_PROFILE_SMALL = 2          /* 19.6: SH by a palette, the rest in 6 to 11 bits */
 };
 
 typedef struct fxs_scene {
