@@ -993,6 +993,7 @@ static fxs_order_entry *order(uint32_t count, uint32_t threads, int kind)
     for (uint32_t i = 0; i < count; i++) {
         for (int k = 0; k < 3; k++)
             entries[i].position[k] = coordinate(kind, i, k);
+        entries[i].index = 0;
         if (i % 7 == 3)
             entries[i].position[0] = NAN;
     }
@@ -1032,6 +1033,30 @@ static void run_in_turn(void *pool, void (*job)(void *argument, uint32_t i), voi
     (void)pool;
     for (uint32_t i = 0; i < jobs; i++)
         job(argument, i);
+}
+
+/* Every third is to be among its like: those come after the chunks that the others need. */
+static void test_likes_are_together(void)
+{
+    enum { COUNT = 1000, OTHERS = 666 };
+    static fxs_order_entry entries[COUNT];
+    const fxs_pack_options options = {.run = run_in_turn, .threads = 1};
+    for (int all = 0; all < 3; all++) {            /* none, a third, all */
+        uint32_t seen[2] = {0, 0};
+        seed = 6;
+        for (uint32_t i = 0; i < COUNT; i++) {
+            for (int k = 0; k < 3; k++)
+                entries[i].position[k] = uniform(-1, 1);
+            entries[i].index = all == 2 || (all == 1 && i % 3 == 0);
+        }
+        CHECK(fxs_order(entries, COUNT, &options) == 0);
+        for (uint32_t i = 0; i < COUNT; i++) {
+            CHECK(entries[i].index < COUNT);
+            seen[i >= 3 * FXS_CHUNK] += entries[i].index % 3 != 0;
+        }
+        CHECK(all != 1 || (seen[0] == OTHERS && seen[1] == 0));
+        CHECK(all == 1 || seen[1] > 100);
+    }
 }
 
 /* 200 of 10,184 lie anywhere up to 2^20 units away: 39 chunks of 40 are as if they did not. */
@@ -1218,6 +1243,7 @@ int main(void)
     RUN(test_threads);
     RUN(test_threads_on_real_scenes);
     RUN(test_order);
+    RUN(test_likes_are_together);
     RUN(test_strays_are_apart);
     RUN(test_chunks_are_small);
     RUN(test_progress);

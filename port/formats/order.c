@@ -24,6 +24,7 @@ enum {
     JOBS = 128                       /* runs that are worked on at once, at most */
 };
 
+#define AMONG_ITS_LIKE (1u << 31)     /* in an index; a scene has at most 2^30 Gaussians */
 #define LEAST_WIDTH 1e-30f           /* what is narrower is not cut by its histogram */
 #define NARROW 0.25f                 /* nor is an axis of so little of the longest's width */
 #define WEIGHT_ONE 1073741824.0f     /* 2^30 */
@@ -439,7 +440,8 @@ static uint32_t number_entries(fxs_order_entry *entries, uint32_t count)
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < count; i++) {
-        const fxs_order_entry e = {{entries[i].position[0], entries[i].position[1], entries[i].position[2]}, i};
+        const fxs_order_entry e = {{entries[i].position[0], entries[i].position[1], entries[i].position[2]},
+                                   i | entries[i].index * AMONG_ITS_LIKE};
         if (!isnan(e.position[0])) {
             entries[i] = entries[kept];
             entries[kept++] = e;
@@ -448,6 +450,21 @@ static uint32_t number_entries(fxs_order_entry *entries, uint32_t count)
         }
     }
     return kept;
+}
+
+/* Puts those that are to be among their like last of `count`. Returns how many chunks the others need. */
+static uint32_t part_by_likeness(fxs_order_entry *entries, uint32_t count)
+{
+    uint32_t others = 0;
+    for (uint32_t i = 0; i < count; i++)
+        if (!(entries[i].index & AMONG_ITS_LIKE)) {
+            const fxs_order_entry e = entries[i];
+            entries[i] = entries[others];
+            entries[others++] = e;
+        }
+    for (uint32_t i = 0; i < count; i++)
+        entries[i].index &= AMONG_ITS_LIKE - 1;
+    return (others + FXS_CHUNK - 1) / FXS_CHUNK;
 }
 
 int fxs_order(fxs_order_entry *entries, uint32_t count, const fxs_pack_options *options)
@@ -459,8 +476,13 @@ int fxs_order(fxs_order_entry *entries, uint32_t count, const fxs_pack_options *
     if (status == 0 && kept > 0) {
         o->entries = entries;
         find_middle(o, kept, sample);
-        o->runs[0] = (run){0, kept, 0};
-        o->run_count = 1;
+        const uint64_t others = (uint64_t)part_by_likeness(entries, kept) * FXS_CHUNK;
+        const uint32_t first = others < kept ? (uint32_t)others : kept;
+        o->runs[0] = (run){0, first, 0};
+        o->runs[1] = (run){first, kept - first, 0};
+        o->run_count = first == 0 || first == kept ? 1 : 2;
+        if (first == 0)
+            o->runs[0] = o->runs[1];
         o->large = kept / 64 > 16 * FXS_CHUNK ? kept / 64 : 16 * FXS_CHUNK;
         while (o->run_count <= JOBS / 2 && cut_runs(o, options))
             ;

@@ -13,6 +13,8 @@
 #define SLICE 512                    /* chunks that are finished between two notes of progress */
 #define PARTS 16                     /* of a batch, however many the threads: sums come out the same */
 #define POSITION_LIMIT 134000000.0   /* just under 2^27 units */
+#define FAINT_LOGIT (-2.708f)        /* opacity 1/16 */
+#define FOG 0.1                      /* of the weight of what is drawn; captured scenes without fog have 0.03 at most */
 
 #if defined(__GNUC__)
 #define PREFETCH(address) __builtin_prefetch(address, 1)
@@ -30,6 +32,7 @@ typedef struct batch {
 typedef struct findings {
     fxs_pack_dropped dropped;
     uint64_t brought_in;
+    double faint, others;            /* weights */
     fxs_loss loss;
     float low[3], high[3];
     int changed;                     /* a centre is not where the pass before found it */
@@ -177,6 +180,8 @@ static void take_position(packer *p, fxs_order_entry *entry, fxs_gaussian *g, fi
     f->brought_in += (uint64_t)is_far(g);
     fit(g);
     memcpy(entry->position, g->position, sizeof g->position);
+    entry->index = g->opacity < FAINT_LOGIT;
+    *(entry->index ? &f->faint : &f->others) += fxs_weight(g);
     for (int i = 0; i < 3; i++) {
         f->low[i] = g->position[i] < f->low[i] ? g->position[i] : f->low[i];
         f->high[i] = g->position[i] > f->high[i] ? g->position[i] : f->high[i];
@@ -268,9 +273,23 @@ static int find_seen_bounds(packer *p)
     return 0;
 }
 
+/* Where much of what is seen is fog, it has chunks of its own, so that its opacities have fine steps. Elsewhere near ones
+   are more alike than faint ones. */
+static void part_fog(packer *p)
+{
+    double faint = 0, others = 0;
+    for (const findings *f = p->findings; f < p->findings + p->parts; f++) {
+        faint += f->faint;
+        others += f->others;
+    }
+    for (uint64_t i = 0; i < p->info->count && faint < FOG * (faint + others); i++)
+        p->entries[i].index = 0;
+}
+
 static int find_slots(packer *p)
 {
     uint32_t count = (uint32_t)p->info->count;
+    part_fog(p);
     if (fxs_order(p->entries, count, &p->options))
         return fxs_fail(p->message, "out of memory for %u Gaussians", count);
     p->slots = fxs_allocate(p->options.allocator, count, sizeof *p->slots);
