@@ -482,8 +482,16 @@ succeeds "convert to .fxs" convert knot.ply knot.fxs
 check "convert to .fxs: the same picture" equal "$(hash_of knot.fxs $small)" "$(hash_of knot.ply $small)"
 check "convert to .fxs: equal to its original" equal "$(psnr_of knot.fxs knot.ply)" equal
 "$fixsplat" make-scene knot --count 60000 -o many.ply
+"$fixsplat" make-scene landscape --count 20000 -o land.ply
 for profile in compact small; do
-    succeeds "convert to .fxs, $profile" convert knot.ply $profile.fxs --profile $profile
+    succeeds "convert to .fxs, $profile: nothing to say of a scene that it holds" \
+        convert land.ply land.fxs --profile $profile
+    "$fixsplat" convert knot.ply $profile.fxs --profile $profile 2>logs/err
+    status=$?
+    check "convert to .fxs, $profile: a scene that it does not hold is said" grep -Eqx "fixsplat: $profile.fxs: profile \
+$profile loses more of this scene than of most: a view [0-9]+ degrees, [a-z]+ is [0-9.]+ dB from the profile default, \
+where [0-9]+ is usual; profile (compact|default) loses less" logs/err
+    check "convert to .fxs, $profile" equal $status 0
     check "convert to .fxs, $profile: less" [ "$(wc -c <$profile.fxs)" -lt "$(wc -c <knot.fxs)" ]
     "$fixsplat" convert many.ply many.fxs --profile $profile
     floor=50
