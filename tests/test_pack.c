@@ -15,6 +15,7 @@
 #include "../src/fixsplat.h"
 #include "../src/packed.h"
 #include "../src/stage.h"
+#include "../tools/procedural.h"
 #include "check.h"
 
 enum { MAX_COUNT = 40000 };
@@ -861,6 +862,158 @@ static void test_few_bits_are_kept(void)
     fxs_packed_scene_free(&packed);
 }
 
+/* ---- Laws of opacity, palettes ------------------------------------------------------------------------------------ */
+
+static void set_opacity(fxs_gaussian *g, double opacity)
+{
+    g->opacity = (float)log(opacity / (1 - opacity));
+}
+
+static uint32_t opacity_code(const fxs_scene *scene, uint32_t i)
+{
+    return word_at(scene, i, FXS_ROW_COLOUR) >> 24;
+}
+
+/* Opacities up to the top of a law get that law and its steps; what never reaches 1/255 is not drawn. */
+static void test_faint_chunks_get_fine_steps(void)
+{
+    for (uint32_t law = 1; law < FXS_OPACITY_LAWS; law++) {
+        const double least = 1 / 255.0, top = ldexp(1, 2 - 2 * (int)law), range = 0.99 * top - least;
+        uint32_t unseen = 0;
+        make_gaussians(256);
+        for (int i = 0; i < 256; i++)
+            set_opacity(&gaussians[i], i < 9 ? 0.0039 : least + range * pow((i - 8) / 247.0, 2));
+        const fxs_scene scene = pack(256, 0);
+        CHECK(chunk_of(&scene, 0)->opacity_law == law);
+        for (uint32_t i = 0; i < 256; i++)
+            unseen += opacity_code(&scene, i) == 0;
+        CHECK(unseen == 9 && report.rms.opacity < 0.002 * top + 0.001);
+        CHECK(report.largest.opacity > 0.0038 && report.largest.opacity < fmax(0.00391, 1.01 * top / 254));
+        fxs_packed_scene_free(&packed);
+    }
+}
+
+/* An error counts by its square over the opacity: half of the chunk being opaque, it is the faint half that decides. */
+static void test_faint_half_decides_on_the_law(void)
+{
+    make_gaussians(256);
+    for (int i = 0; i < 256; i++)
+        set_opacity(&gaussians[i], i % 2 ? uniform(0.018, 0.022) : uniform(0.85, 0.95));
+    const fxs_scene scene = pack(256, 0);
+    CHECK(chunk_of(&scene, 0)->opacity_law == 1);
+    fxs_packed_scene_free(&packed);
+}
+
+/* As many entries as keep a scene within its bytes a Gaussian, or within a tenth of a byte. */
+static void check_entries(uint32_t count, enum fxs_profile which, int degree)
+{
+    const uint64_t limit = (uint64_t)count * (which == FXS_PROFILE_SMALL ? 20 : 40);
+    const uint32_t entries = fxs_palette_entries_for(count, which, degree);
+    const uint32_t tenth = count / 10 / (48 * fxs_palette_stages(which, degree));
+    const uint32_t floored = tenth < 1 ? 1 : tenth > 128 ? 128 : tenth;
+    if (!CHECK(entries >= 1 && entries <= 128) ||
+        !CHECK(entries == floored || fxs_scene_bytes(count, degree, which, entries) <= limit) ||
+        !CHECK(entries >= floored) ||
+        !CHECK(entries == 128 || fxs_scene_bytes(count, degree, which, entries + 1) + 128 > limit))
+        printf("  %u entries for %u, profile %d, degree %d\n", entries, count, which, degree);
+}
+
+static void test_entries_of_a_palette(void)
+{
+    for (int which = 1; which < 3; which++) {
+        CHECK(fxs_palette_entries_for(1000000, (enum fxs_profile)which, 0) == 0);
+        for (int degree = 1; degree <= 3; degree++) {
+            CHECK(fxs_palette_entries_for(1, (enum fxs_profile)which, degree) == 1);
+            CHECK(fxs_palette_entries_for(1000000, (enum fxs_profile)which, degree) == 128);
+            for (uint32_t count = 1; count < 2000000; count += count / 10 + 1)
+                check_entries(count, (enum fxs_profile)which, degree);
+        }
+    }
+    CHECK(fxs_palette_entries_for(1000000, FXS_PROFILE_DEFAULT, 3) == 0);
+}
+
+/* Root mean square of what small (or compact) loses of SH; `s` stays open. */
+static double sh_loss(fxs_scene *s, size_t count, enum fxs_profile which)
+{
+    profile = which;
+    *s = pack(count, 3);
+    profile = FXS_PROFILE_DEFAULT;
+    return report.rms.sh;
+}
+
+static void check_sh_loss(const char *what, size_t count, enum fxs_profile which, double most)
+{
+    fxs_scene s;
+    const double loss = sh_loss(&s, count, which);
+    if (!CHECK(loss < most))
+        printf("  %s, profile %d: %.5f\n", what, which, loss);
+    fxs_packed_scene_free(&packed);
+}
+
+/* Clusters, a chunk each, each with SH of its own, and more of them than entries: their means hold them. */
+static void test_means_of_chunks(void)
+{
+    enum { CLUSTERS = 32, COUNT = CLUSTERS * FXS_CHUNK };
+    float own[45];
+    make_gaussians(COUNT);
+    for (int i = 0; i < COUNT; i++) {
+        for (int k = 0; k < 45; k++) {
+            own[k] = i % FXS_CHUNK ? own[k] : uniform(-0.4, 0.4);
+            gaussians[i].sh[k] = own[k] + uniform(-0.01, 0.01);
+        }
+        for (int k = 0; k < 3; k++)
+            gaussians[i].position[k] = uniform(-0.1, 0.1) + (float)(4 * (i / FXS_CHUNK >> 2 * k & 3));
+    }
+    check_sh_loss("means", COUNT, FXS_PROFILE_SMALL, 0.0052);
+    check_sh_loss("means", COUNT, FXS_PROFILE_COMPACT, 0.0021);
+}
+
+/* A scene whose coefficients follow from few things. */
+static void test_palettes_are_good(void)
+{
+    enum { COUNT = 20000 };
+    const fxs_procedural_scene *knot = fxs_procedural_find("knot");
+    for (uint64_t i = 0; i < COUNT; i++)
+        knot->gaussian(i, COUNT, 1, &gaussians[i]);
+    check_sh_loss("knot", COUNT, FXS_PROFILE_SMALL, 0.0446);
+    check_sh_loss("knot", COUNT, FXS_PROFILE_COMPACT, 0.0130);
+    for (int k = 0; k < 45; k++)
+        gaussians[77].sh[k] = 0.3f;
+    for (int k = 0; k < 45; k++)
+        gaussians[4321].sh[k] = k % 2 ? 30 : -30;
+    check_sh_loss("a wild one", COUNT, FXS_PROFILE_SMALL, 0.0482);
+}
+
+/* In one place, errors of SH cancel: their sum is as one of them. */
+static void test_errors_of_sh_cancel(void)
+{
+    fxs_scene s;
+    double sums[45] = {0}, square = 0;
+    make_gaussians(256);
+    for (int i = 0; i < 256; i++) {
+        for (int k = 0; k < 3; k++) {
+            gaussians[i].position[k] = uniform(-0.001, 0.001);
+            gaussians[i].scale[k] = -2;
+        }
+        gaussians[i].opacity = 1;
+    }
+    const double loss = sh_loss(&s, 256, FXS_PROFILE_SMALL);
+    profile = FXS_PROFILE_SMALL;
+    for (uint32_t i = 0; i < 256; i++) {
+        const decoded d = decode(&s, i);
+        for (int k = 0; k < 45; k++)
+            sums[k] += d.sh[k];
+    }
+    profile = FXS_PROFILE_DEFAULT;
+    for (int k = 0; k < 45; k++) {
+        for (uint32_t i = 0; i < 256; i++)
+            sums[k] -= (double)gaussians[i].sh[k];
+        square += sums[k] * sums[k] / 45;
+    }
+    CHECK(sqrt(square) < 2 * loss);
+    fxs_packed_scene_free(&packed);
+}
+
 /* ---- Memory ----------------------------------------------------------------------------------------------------- */
 
 static int live, allocations, failing;      /* blocks; the allocation that fails, counted from 0 */
@@ -1213,6 +1366,12 @@ int main(void)
     RUN(test_same_bytes_twice);
     RUN(test_loss_of_each_profile);
     RUN(test_few_bits_are_kept);
+    RUN(test_faint_chunks_get_fine_steps);
+    RUN(test_faint_half_decides_on_the_law);
+    RUN(test_entries_of_a_palette);
+    RUN(test_means_of_chunks);
+    RUN(test_palettes_are_good);
+    RUN(test_errors_of_sh_cancel);
     RUN(test_every_allocation_fails);
     RUN(test_threads_learning_a_palette);
     RUN(test_threads);
