@@ -483,7 +483,10 @@ check "convert to .fxs: the same picture" equal "$(hash_of knot.fxs $small)" "$(
 check "convert to .fxs: equal to its original" equal "$(psnr_of knot.fxs knot.ply)" equal
 "$fixsplat" make-scene knot --count 60000 -o many.ply
 for profile in compact small; do
-    succeeds "convert to .fxs, $profile" convert knot.ply $profile.fxs --profile $profile
+    run convert knot.ply $profile.fxs --profile $profile
+    check "convert to .fxs, $profile" equal "$status $(wc -l <logs/err)" "0 1"
+    check "convert to .fxs, $profile: says that views of so few Gaussians lose much" grep -Eq \
+        "^fixsplat: $profile.fxs: profile $profile loses more .* a view [0-9]+ degrees, [a-z]+ is [0-9]+\.[0-9] dB" logs/err
     check "convert to .fxs, $profile: less" [ "$(wc -c <$profile.fxs)" -lt "$(wc -c <knot.fxs)" ]
     "$fixsplat" convert many.ply many.fxs --profile $profile
     floor=50
