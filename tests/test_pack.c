@@ -1251,6 +1251,49 @@ static void test_strays_are_apart(void)
     CHECK(wide == 1);
 }
 
+/* 256 far ones among 40,000, none of them one of an even sample: a chunk of their own. */
+static void test_no_stray_is_missed(void)
+{
+    enum { COUNT = 156 * FXS_CHUNK };
+    static fxs_order_entry entries[COUNT];
+    const fxs_pack_options options = {.run = run_in_turn, .threads = 1};
+    uint32_t strays = 0, before = 0;
+    seed = 6;
+    for (uint32_t i = 0; i < COUNT; i++)
+        for (int k = 0; k < 3; k++)
+            entries[i].position[k] = uniform(-1, 1) * (i % 10 == 5 && i < 10 * FXS_CHUNK ? 1000 : 1);
+    CHECK(fxs_order(entries, COUNT, &options) == 0);
+    for (uint32_t at = 0; at < COUNT; at++) {
+        const uint32_t i = entries[at].index;
+        const int is_stray = i % 10 == 5 && i < 10 * FXS_CHUNK;
+        CHECK(!is_stray || strays == 0 || at == before + 1);
+        CHECK(!is_stray || strays > 0 || at % FXS_CHUNK == 0);
+        before = is_stray ? at : before;
+        strays += (uint32_t)is_stray;
+    }
+    CHECK(strays == FXS_CHUNK);
+}
+
+/* Clusters of 1 to 5 chunks in 5 columns of 4: none shares a chunk with another. */
+static void test_clusters_are_apart(void)
+{
+    enum { CLUSTERS = 20, COUNT = 60 * FXS_CHUNK };
+    static fxs_order_entry entries[COUNT];
+    static uint8_t cluster[COUNT];
+    const fxs_pack_options options = {.run = run_in_turn, .threads = 1};
+    uint32_t n = 0;
+    seed = 7;
+    for (uint32_t c = 0; c < CLUSTERS; c++)
+        for (uint32_t end = n + (1 + 2 * c % 5) * FXS_CHUNK; n < end; n++)
+            for (int k = 0; k < 3; k++) {
+                entries[n].position[k] = uniform(-1, 1) + 100 * (float)(k == 0 ? c / 4 : k == 1 ? c % 4 : 0);
+                cluster[n] = (uint8_t)c;
+            }
+    CHECK(n % FXS_CHUNK == 0 && fxs_order(entries, n, &options) == 0);
+    for (uint32_t i = 1; i < n; i++)
+        CHECK(i % FXS_CHUNK == 0 || cluster[entries[i].index] == cluster[entries[i - 1].index]);
+}
+
 /* Neighbours in a chunk are neighbours in space: 157 chunks of a cube of side 16 are 3 units wide at best. */
 static void test_chunks_are_small(void)
 {
@@ -1417,6 +1460,8 @@ int main(void)
     RUN(test_threads_on_real_scenes);
     RUN(test_order);
     RUN(test_strays_are_apart);
+    RUN(test_no_stray_is_missed);
+    RUN(test_clusters_are_apart);
     RUN(test_chunks_are_small);
     RUN(test_progress);
     RUN(test_reader_fails);
