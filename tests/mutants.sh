@@ -30,6 +30,7 @@ tests_of() {
     src/bands.c) echo random bands stereo stages scene scribble ;;
     src/chunk.c | src/frame.c) echo random stages scene stereo kernels bands scribble golden ;;
     src/pixel.h | src/fixed.h) echo random fixed stages kernels pixel scene golden ;;
+    src/opacity.inc) echo pack random stages kernels ;;
     src/*) echo random stages scene stereo kernels bands golden ;;
     kernels/*) echo kernels random stereo golden bands ;;
     */camera.c | */message.c) echo camera_file golden ;;

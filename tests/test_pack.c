@@ -15,6 +15,7 @@
 #include "../src/fixsplat.h"
 #include "../src/packed.h"
 #include "../src/stage.h"
+#include "../tools/procedural.h"
 #include "check.h"
 
 enum { MAX_COUNT = 40000 };
@@ -861,6 +862,196 @@ static void test_few_bits_are_kept(void)
     fxs_packed_scene_free(&packed);
 }
 
+/* ---- Laws of opacity, palettes ---------------------------------------------------------------------------------- */
+
+static void set_opacity(fxs_gaussian *g, double opacity)
+{
+    g->opacity = (float)log(opacity / (1 - opacity));
+}
+
+static uint32_t opacity_code(const fxs_scene *scene, uint32_t i)
+{
+    return word_at(scene, i, FXS_ROW_COLOUR) >> 24;
+}
+
+/* Opacities up to the top of a law get that law and its steps; what never reaches 1/255 is not drawn. */
+static void test_faint_chunks_get_fine_steps(void)
+{
+    for (uint32_t law = 1; law < FXS_OPACITY_LAWS; law++) {
+        const double least = 1 / 255.0, top = ldexp(1, 2 - 2 * (int)law), range = 0.99 * top - least;
+        uint32_t unseen = 0;
+        make_gaussians(256);
+        for (int i = 0; i < 256; i++)
+            set_opacity(&gaussians[i], i < 9 ? 0.0039 : least + range * pow((i - 8) / 247.0, 2));
+        const fxs_scene scene = pack(256, 0);
+        CHECK(chunk_of(&scene, 0)->opacity_law == law);
+        for (uint32_t i = 0; i < 256; i++)
+            unseen += opacity_code(&scene, i) == 0;
+        CHECK(unseen == 9 && report.rms.opacity < 0.002 * top + 0.001);
+        CHECK(report.largest.opacity > 0.0038 && report.largest.opacity < fmax(0.00391, 1.01 * top / 254));
+        fxs_packed_scene_free(&packed);
+    }
+}
+
+/* An error counts by its square over the opacity: half of the chunk being opaque, it is the faint half that decides. */
+static void test_faint_half_decides_on_the_law(void)
+{
+    make_gaussians(256);
+    for (int i = 0; i < 256; i++)
+        set_opacity(&gaussians[i], i % 2 ? uniform(0.018, 0.022) : uniform(0.85, 0.95));
+    const fxs_scene scene = pack(256, 0);
+    CHECK(chunk_of(&scene, 0)->opacity_law == 1);
+    fxs_packed_scene_free(&packed);
+}
+
+/* The table that the renderer has of the laws. */
+static void test_offsets_of_codes(void)
+{
+    for (uint32_t law = 0; law < FXS_OPACITY_LAWS; law++)
+        for (uint32_t code = 0; code < 256; code++) {
+            const double offset = -2 * log(opacity_of(code, law)) * 2048;
+            CHECK(code == 0 ? fxs_offset_of_code_q11[law][code] == 65535
+                            : fabs(fxs_offset_of_code_q11[law][code] - offset) < 0.5001);
+        }
+}
+
+/* As many entries as keep a scene within its bytes a Gaussian, or within a tenth of a byte. */
+static void check_entries(uint32_t count, enum fxs_profile which, int degree)
+{
+    const uint64_t limit = (uint64_t)count * (which == FXS_PROFILE_SMALL ? 20 : 40);
+    const uint32_t entries = fxs_palette_entries_for(count, which, degree);
+    const uint32_t tenth = count / 10 / (48 * fxs_palette_stages(which, degree));
+    const uint32_t floored = tenth < 1 ? 1 : tenth > 128 ? 128 : tenth;
+    if (!CHECK(entries >= 1 && entries <= 128) ||
+        !CHECK(entries == floored || fxs_scene_bytes(count, degree, which, entries) <= limit) ||
+        !CHECK(entries >= floored) ||
+        !CHECK(entries == 128 || fxs_scene_bytes(count, degree, which, entries + 1) + 128 > limit))
+        printf("  %u entries for %u, profile %d, degree %d\n", entries, count, which, degree);
+}
+
+static void test_entries_of_a_palette(void)
+{
+    for (int which = 1; which < 3; which++) {
+        CHECK(fxs_palette_entries_for(1000000, (enum fxs_profile)which, 0) == 0);
+        for (int degree = 1; degree <= 3; degree++) {
+            CHECK(fxs_palette_entries_for(1, (enum fxs_profile)which, degree) == 1);
+            CHECK(fxs_palette_entries_for(1000000, (enum fxs_profile)which, degree) == 128);
+            for (uint32_t count = 1; count < 2000000; count += count / 10 + 1)
+                check_entries(count, (enum fxs_profile)which, degree);
+        }
+    }
+    CHECK(fxs_palette_entries_for(1000000, FXS_PROFILE_DEFAULT, 3) == 0);
+}
+
+/* Root mean square of what a profile loses of SH; the scene stays open. */
+static double sh_loss(fxs_scene *s, size_t count, int degree, enum fxs_profile which)
+{
+    profile = which;
+    *s = pack(count, degree);
+    profile = FXS_PROFILE_DEFAULT;
+    return report.rms.sh;
+}
+
+static void check_sh_loss(const char *what, size_t count, int degree, enum fxs_profile which, double most)
+{
+    fxs_scene s;
+    const double loss = sh_loss(&s, count, degree, which);
+    if (!CHECK(loss < most))
+        printf("  %s, profile %d, degree %d, %u entries: %.5f\n", what, which, degree, s.palette_entries, loss);
+    fxs_packed_scene_free(&packed);
+}
+
+/* Clusters, a chunk each, each with SH of its own, and more of them than entries: their means hold them. */
+static void test_means_of_chunks(void)
+{
+    enum { CLUSTERS = 32, COUNT = CLUSTERS * FXS_CHUNK };
+    float own[45];
+    make_gaussians(COUNT);
+    for (int i = 0; i < COUNT; i++) {
+        for (int k = 0; k < 45; k++) {
+            own[k] = i % FXS_CHUNK ? own[k] : uniform(-0.4, 0.4);
+            gaussians[i].sh[k] = own[k] + uniform(-0.01, 0.01);
+        }
+        for (int k = 0; k < 3; k++)
+            gaussians[i].position[k] = uniform(-0.1, 0.1) + (float)(4 * (i / FXS_CHUNK >> 2 * k & 3));
+    }
+    check_sh_loss("means", COUNT, 3, FXS_PROFILE_SMALL, 0.0052);
+    check_sh_loss("means", COUNT, 3, FXS_PROFILE_COMPACT, 0.0021);
+}
+
+/* A scene whose coefficients follow from few things. */
+static void test_palettes_are_good(void)
+{
+    enum { COUNT = 20000 };
+    const fxs_procedural_scene *knot = fxs_procedural_find("knot");
+    for (uint64_t i = 0; i < COUNT; i++)
+        knot->gaussian(i, COUNT, 1, &gaussians[i]);
+    check_sh_loss("knot", COUNT, 3, FXS_PROFILE_SMALL, 0.0446);
+    check_sh_loss("knot", COUNT, 3, FXS_PROFILE_COMPACT, 0.0130);
+    check_sh_loss("knot", COUNT, 2, FXS_PROFILE_COMPACT, 0.0060);
+    check_sh_loss("knot", COUNT, 1, FXS_PROFILE_SMALL, 0.0150);
+    for (int k = 0; k < 45; k++)
+        gaussians[77].sh[k] = 0.3f;
+    for (int k = 0; k < 45; k++)
+        gaussians[4321].sh[k] = k % 2 ? 3 : -3;
+    check_sh_loss("a wild one", COUNT, 3, FXS_PROFILE_SMALL, 0.0456);
+}
+
+enum { ALIKE, SIZES, OPACITIES, FLAT, MIXTURES };
+
+/* Whether a Gaussian of a mixture is one of those that matter to the picture. */
+static int matters(int mixture, double scale, double opacity)
+{
+    return mixture == SIZES ? scale > -4 : mixture == OPACITIES ? opacity > 0.5 : 1;
+}
+
+/* Of a chunk from slot `first` on: the sum of the errors of those that matter, squared. */
+static double cancelled(const fxs_scene *s, uint32_t first, size_t count, int mixture)
+{
+    double sums[9] = {0}, square = 0;
+    for (uint32_t i = first; i < first + FXS_CHUNK; i++) {
+        const decoded d = decode(s, i);
+        const fxs_gaussian *g = source_at(d.position, count);
+        for (int k = 0; k < 9 && matters(mixture, d.scale[0], d.opacity); k++)
+            sums[k] += d.sh[k] - (double)g->sh[k];
+    }
+    for (int k = 0; k < 9; k++)
+        square += sums[k] * sums[k] / 9;
+    return square;
+}
+
+/* In one place, errors of SH cancel where they matter: the sum of a chunk's is as a few of them, not as 11 or 16. */
+static void check_cancelling(int mixture, double most)
+{
+    enum { COUNT = 8 * FXS_CHUNK };
+    fxs_scene s;
+    double square = 0;
+    make_gaussians(COUNT);
+    for (int i = 0; i < COUNT; i++) {
+        const int odd = i % 2;
+        for (int k = 0; k < 3; k++) {
+            gaussians[i].position[k] = uniform(-0.001, 0.001);
+            gaussians[i].scale[k] = mixture == SIZES && odd ? -6 : mixture == FLAT && odd && k == 1 ? -8 : -2;
+        }
+        set_opacity(&gaussians[i], mixture == OPACITIES && odd ? 0.03 : 0.9);
+    }
+    const double loss = sh_loss(&s, COUNT, 1, FXS_PROFILE_SMALL);
+    profile = FXS_PROFILE_SMALL;
+    for (uint32_t first = 0; first < COUNT; first += FXS_CHUNK)
+        square += cancelled(&s, first, COUNT, mixture) / 8;
+    profile = FXS_PROFILE_DEFAULT;
+    if (!CHECK(sqrt(square) < most * loss))
+        printf("  mixture %d: %.2f times one, %.4f\n", mixture, sqrt(square) / loss, loss);
+    fxs_packed_scene_free(&packed);
+}
+
+static void test_errors_of_sh_cancel(void)
+{
+    static const double most[MIXTURES] = {2, 1.3, 1.1, 2};
+    for (int mixture = 0; mixture < MIXTURES; mixture++)
+        check_cancelling(mixture, most[mixture]);
+}
+
 /* ---- Memory ----------------------------------------------------------------------------------------------------- */
 
 static int live, allocations, failing;      /* blocks; the allocation that fails, counted from 0 */
@@ -1085,6 +1276,49 @@ static void test_strays_are_apart(void)
     CHECK(wide == 1);
 }
 
+/* 256 far ones among 40,000, none of them one of an even sample: a chunk of their own. */
+static void test_no_stray_is_missed(void)
+{
+    enum { COUNT = 156 * FXS_CHUNK };
+    static fxs_order_entry entries[COUNT];
+    const fxs_pack_options options = {.run = run_in_turn, .threads = 1};
+    uint32_t strays = 0, before = 0;
+    seed = 6;
+    for (uint32_t i = 0; i < COUNT; i++)
+        for (int k = 0; k < 3; k++)
+            entries[i].position[k] = uniform(-1, 1) * (i % 10 == 5 && i < 10 * FXS_CHUNK ? 1000 : 1);
+    CHECK(fxs_order(entries, COUNT, &options) == 0);
+    for (uint32_t at = 0; at < COUNT; at++) {
+        const uint32_t i = entries[at].index;
+        const int is_stray = i % 10 == 5 && i < 10 * FXS_CHUNK;
+        CHECK(!is_stray || strays == 0 || at == before + 1);
+        CHECK(!is_stray || strays > 0 || at % FXS_CHUNK == 0);
+        before = is_stray ? at : before;
+        strays += (uint32_t)is_stray;
+    }
+    CHECK(strays == FXS_CHUNK);
+}
+
+/* Clusters of 1 to 5 chunks in 5 columns of 4: none shares a chunk with another. */
+static void test_clusters_are_apart(void)
+{
+    enum { CLUSTERS = 20, COUNT = 60 * FXS_CHUNK };
+    static fxs_order_entry entries[COUNT];
+    static uint8_t cluster[COUNT];
+    const fxs_pack_options options = {.run = run_in_turn, .threads = 1};
+    uint32_t n = 0;
+    seed = 7;
+    for (uint32_t c = 0; c < CLUSTERS; c++)
+        for (uint32_t end = n + (1 + 2 * c % 5) * FXS_CHUNK; n < end; n++)
+            for (int k = 0; k < 3; k++) {
+                entries[n].position[k] = uniform(-1, 1) + 100 * (float)(k == 0 ? c / 4 : k == 1 ? c % 4 : 0);
+                cluster[n] = (uint8_t)c;
+            }
+    CHECK(n % FXS_CHUNK == 0 && fxs_order(entries, n, &options) == 0);
+    for (uint32_t i = 1; i < n; i++)
+        CHECK(i % FXS_CHUNK == 0 || cluster[entries[i].index] == cluster[entries[i - 1].index]);
+}
+
 /* Neighbours in a chunk are neighbours in space: 157 chunks of a cube of side 16 are 3 units wide at best. */
 static void test_chunks_are_small(void)
 {
@@ -1238,6 +1472,13 @@ int main(void)
     RUN(test_same_bytes_twice);
     RUN(test_loss_of_each_profile);
     RUN(test_few_bits_are_kept);
+    RUN(test_faint_chunks_get_fine_steps);
+    RUN(test_faint_half_decides_on_the_law);
+    RUN(test_offsets_of_codes);
+    RUN(test_entries_of_a_palette);
+    RUN(test_means_of_chunks);
+    RUN(test_palettes_are_good);
+    RUN(test_errors_of_sh_cancel);
     RUN(test_every_allocation_fails);
     RUN(test_threads_learning_a_palette);
     RUN(test_threads);
@@ -1245,6 +1486,8 @@ int main(void)
     RUN(test_order);
     RUN(test_likes_are_together);
     RUN(test_strays_are_apart);
+    RUN(test_no_stray_is_missed);
+    RUN(test_clusters_are_apart);
     RUN(test_chunks_are_small);
     RUN(test_progress);
     RUN(test_reader_fails);

@@ -410,7 +410,8 @@ static void encode_part(packer *p, batch *b, uint32_t part)
 /* The SH of a chunk's records. */
 static void code_chunk(const packer *p, uint32_t chunk, unsigned char *records, fxs_loss *loss)
 {
-    const uint32_t first = chunk * FXS_CHUNK, left = p->header->count - first, bytes = p->header->chunk_bytes / FXS_CHUNK;
+    const uint32_t first = chunk * FXS_CHUNK, left = p->header->count - first;
+    const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK;
     fxs_sh_loss sh = {loss->largest[FXS_LOSS_SH], loss->squares[FXS_LOSS_SH]};
     fxs_palette_code_chunk(p->palette, p->items + first, left < FXS_CHUNK ? left : FXS_CHUNK, p->chunks[chunk].sh_mean,
                            records + bytes - fxs_sh_bytes(p->encoder.profile, p->encoder.sh_degree), bytes, &sh);

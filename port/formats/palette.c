@@ -25,7 +25,8 @@ uint32_t fxs_palette_entries_for(uint64_t count, enum fxs_profile profile, int s
     const uint32_t stages = fxs_palette_stages(profile, sh_degree), stage_bytes = stages * FXS_PALETTE_STRIDE;
     if (!stages)
         return 0;
-    const uint64_t chunks = (count + FXS_CHUNK - 1) / FXS_CHUNK, limit = count * (profile == FXS_PROFILE_SMALL ? 20 : 40);
+    const uint64_t chunks = (count + FXS_CHUNK - 1) / FXS_CHUNK;
+    const uint64_t limit = count * (profile == FXS_PROFILE_SMALL ? 20 : 40);
     const uint64_t others = sizeof(fxs_packed_header) + 64 +
                             chunks * (sizeof(fxs_chunk) + fxs_chunk_bytes(profile, sh_degree));
     const uint64_t left = limit > others ? limit - others : 0;
@@ -533,7 +534,8 @@ static int32_t overlap_q8(const fxs_sh_item *from, double from_area, const fxs_s
     const double both = from_area + to_area;
     if (!(square < 8 * both))
         return 0;
-    const double t = 1 - square / (8 * both), overlap = 2 * from_area / both * (t * t) * (t * t) * from->opacity / to->opacity;
+    const double t = 1 - square / (8 * both), tail = (t * t) * (t * t);
+    const double overlap = 2 * from_area / both * tail * from->opacity / to->opacity;
     return (int32_t)(256 * (overlap < 4 ? overlap : 4));
 }
 
@@ -571,13 +573,16 @@ static void add_errors(const coder *c, uint32_t i, fxs_sh_vector vector)
         vector[d] = hold(vector[d] + shift[d] * part_q8 / 256);
 }
 
-static void note(fxs_sh_loss *loss, const fxs_sh_vector error, double unit)
+/* What `coded`, in units, differs from what was read. */
+static void note(fxs_sh_loss *loss, const fxs_palette *p, const fxs_sh_item *item, const fxs_sh_vector coded)
 {
-    for (int d = 0; d < WIDTH; d++) {
-        const double e = absolute(error[d]) * unit;
-        loss->largest = e > loss->largest ? e : loss->largest;
-        loss->squares += e * e;
-    }
+    const double unit = ldexp(1, -p->unit_exponent);
+    for (int k = 0; k < FXS_SH_COUNT(p->sh_degree); k++)
+        for (int c = 0; c < 3; c++) {
+            const double e = fabs((double)item->codes[3 * k + c] * item->step - coded[16 * c + k] * unit);
+            loss->largest = e > loss->largest ? e : loss->largest;
+            loss->squares += e * e;
+        }
 }
 
 static void code_one(coder *c, uint32_t i, const fxs_sh_vector mean, unsigned char *record, fxs_sh_loss *loss)
@@ -597,9 +602,11 @@ static void code_one(coder *c, uint32_t i, const fxs_sh_vector mean, unsigned ch
     memcpy(record, indices, p->stages);
     if (p->profile == FXS_PROFILE_COMPACT)
         fxs_encode_rest(left, FXS_SH_COUNT(p->sh_degree), p->unit_exponent, record);
-    for (int d = 0; d < WIDTH; d++)
+    for (int d = 0; d < WIDTH; d++) {
         c->errors[i][d] = (int16_t)(c->errors[i][d] + left[d]);
-    note(loss, c->errors[i], ldexp(1, -p->unit_exponent));
+        wanted[d] = (int16_t)(wanted[d] + mean[d] - c->errors[i][d]);
+    }
+    note(loss, p, &c->items[i], wanted);
 }
 
 void fxs_palette_code_chunk(const fxs_palette *p, const fxs_sh_item *items, uint32_t count, int8_t mean[48],
