@@ -659,7 +659,6 @@ static void test_same_bytes_twice(void)
 
 /* ---- Profiles --------------------------------------------------------------------------------------------------- */
 
-/* What docs/format.md says of an 8-bit code that stands for one of 10 bits. */
 /* A code of fewer bits with its high bits again below. */
 static uint32_t widen(uint32_t code, int bits, int wide)
 {
@@ -835,6 +834,18 @@ static void test_loss_of_each_profile(void)
             profile = (enum fxs_profile)i;
             check_loss(1500, degree);
         }
+    profile = FXS_PROFILE_DEFAULT;
+}
+
+/* One Gaussian's SH is beyond what the units of a palette reach, among many that are not: said is what is lost of it. */
+static void test_loss_of_huge_sh(void)
+{
+    make_gaussians(1500);
+    gaussians[700].sh[20] = 1000;
+    for (int i = 1; i < 3; i++) {
+        profile = (enum fxs_profile)i;
+        check_loss(1500, 3);
+    }
     profile = FXS_PROFILE_DEFAULT;
 }
 
@@ -1106,6 +1117,11 @@ static void test_progress(void)
     CHECK(write_file(MAX_COUNT, 0, 0));
     for (int i = 0; i < THREAD_COUNTS; i++)
         check_progress(thread_counts[i]);
+    make_gaussians(600);
+    CHECK(write_file(600, 1, 0));
+    profile = FXS_PROFILE_SMALL;
+    check_progress(0);
+    profile = FXS_PROFILE_DEFAULT;
 }
 
 /* A row in the middle that cannot be read. */
@@ -1212,6 +1228,7 @@ int main(void)
     RUN(test_flags);
     RUN(test_same_bytes_twice);
     RUN(test_loss_of_each_profile);
+    RUN(test_loss_of_huge_sh);
     RUN(test_few_bits_are_kept);
     RUN(test_every_allocation_fails);
     RUN(test_threads_learning_a_palette);

@@ -462,8 +462,9 @@ static double try_sample(learner *l, const fxs_sh_item *items, uint32_t count, u
 /* Where the coefficients follow from few things (the normal of a mirror), the means of chunks would only blur that. */
 static int learn(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step)
 {
-    const double plain = try_sample(l, items, count, 4 * step, 0), centred = try_sample(l, items, count, 4 * step, 1);
-    if (plain < 0 || centred < 0)
+    const double plain = try_sample(l, items, count, 4 * step, 0);
+    const double centred = plain < 0 ? -1 : try_sample(l, items, count, 4 * step, 1);
+    if (centred < 0)
         return -1;
     l->palette->centred = centred < plain;
     take_sample(l, items, count, step);
@@ -571,13 +572,17 @@ static void add_errors(const coder *c, uint32_t i, fxs_sh_vector vector)
         vector[d] = hold(vector[d] + shift[d] * part_q8 / 256);
 }
 
-static void note(fxs_sh_loss *loss, const fxs_sh_vector error, double unit)
+/* Coded is, in units, what was wanted and the mean, less the error; a coefficient may be larger than all units. */
+static void note(fxs_sh_loss *loss, const fxs_sh_item *item, const fxs_sh_vector wanted, const fxs_sh_vector mean,
+                 const fxs_sh_vector error, double unit)
 {
-    for (int d = 0; d < WIDTH; d++) {
-        const double e = absolute(error[d]) * unit;
-        loss->largest = e > loss->largest ? e : loss->largest;
-        loss->squares += e * e;
-    }
+    for (int k = 0; k < 15; k++)
+        for (int c = 0; c < 3; c++) {
+            const int d = 16 * c + k;
+            const double e = fabs(item->codes[3 * k + c] * (double)item->step - (wanted[d] + mean[d] - error[d]) * unit);
+            loss->largest = e > loss->largest ? e : loss->largest;
+            loss->squares += e * e;
+        }
 }
 
 static void code_one(coder *c, uint32_t i, const fxs_sh_vector mean, unsigned char *record, fxs_sh_loss *loss)
@@ -599,7 +604,7 @@ static void code_one(coder *c, uint32_t i, const fxs_sh_vector mean, unsigned ch
         fxs_encode_rest(left, FXS_SH_COUNT(p->sh_degree), p->unit_exponent, record);
     for (int d = 0; d < WIDTH; d++)
         c->errors[i][d] = (int16_t)(c->errors[i][d] + left[d]);
-    note(loss, c->errors[i], ldexp(1, -p->unit_exponent));
+    note(loss, &c->items[i], wanted, mean, c->errors[i], ldexp(1, -p->unit_exponent));
 }
 
 void fxs_palette_code_chunk(const fxs_palette *p, const fxs_sh_item *items, uint32_t count, int8_t mean[48],
