@@ -138,14 +138,15 @@ static void check_views(const loaded_scene *loaded, const convert_options *o, co
     const int small = loaded->scene.profile == FXS_PROFILE_SMALL;
     const double promised = small ? 36 : 46;
     loaded_scene original;
-    load_options again = *load;
+    load_options plain = *load;
     view_options options;
     quality q;
-    again.profile = FXS_PROFILE_DEFAULT;
+    plain.profile = FXS_PROFILE_DEFAULT;
+    plain.again = 1;
     view_options_default(&options);
     options.width = WIDTH;
     options.height = HEIGHT;
-    int status = load_scene(&original, o->in, &again);
+    int status = load_scene(&original, o->in, &plain);
     if (!status) {
         status = quality_measure(&q, loaded, &original, &options, AROUND);
         free_scene(&original);
