@@ -473,7 +473,7 @@ static void test_bytes_skipped(void)
 /* As many Gaussians as the information says, though the file has more. */
 static void test_no_more_than_announced(void)
 {
-    fxs_scene_file *file;
+    fxs_scene_file *file = NULL;
     fxs_scene_file_info info;
     make_gaussians(3000);
     pack(1000, 1);
