@@ -152,6 +152,17 @@ static void test_small(void)
     check_file(FXS_PROFILE_SMALL, 40, 1, expected);
 }
 
+/* So many that their palettes are full: fewer have one entry a stage, where nothing is searched. */
+static void test_full_palettes(void)
+{
+    static const uint64_t compact[3] = {0x70369cb7779747d3u, 0x05c5c4c9382c2f81u,
+                                        0x798e6dd8ac638684u};
+    static const uint64_t small[3] = {0x864eeeb4e088e5abu, 0xd3d95a212b2f3865u,
+                                      0x4bc6a7de080ff30eu};
+    check_file(FXS_PROFILE_COMPACT, 12000, 1, compact);
+    check_file(FXS_PROFILE_SMALL, 12000, 1, small);
+}
+
 static void without_zlib(void)
 {
     SKIP("built without zlib, which .fxs files need");
@@ -168,8 +179,9 @@ int main(void)
     RUN(test_default);
     RUN(test_compact);
     RUN(test_small);
+    RUN(test_full_palettes);
 #else
-    (void)test_default, (void)test_compact, (void)test_small;
+    (void)test_default, (void)test_compact, (void)test_small, (void)test_full_palettes;
     RUN(without_zlib);
 #endif
     unlink(ply_path);
