@@ -535,7 +535,7 @@ static int32_t overlap_q8(const fxs_sh_item *from, double from_area, const fxs_s
     if (!(square < 8 * both))
         return 0;
     const double t = 1 - square / (8 * both), overlap = 2 * from_area / both * (t * t) * (t * t) * from->opacity / to->opacity;
-    return (int32_t)(256 * (overlap < 4 ? overlap : 4));
+    return (int32_t)(256 * (overlap < 4 ? overlap : 4) + 0x1p-20);   /* 4/3 times 3 is 4, in however many bits */
 }
 
 /* 2^(area / 8) */
