@@ -204,7 +204,7 @@ FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, cons
 void fxs_shade_list(const fxs_view *view, const fxs_scene *scene, const fxs_chunk *header, const unsigned char *rows,
                     const uint32_t *indices, uint32_t count, fxs_splat *splats);
 
-/* -2 ln(code / 255), Q11; code 0 is never drawn. */
+/* -2 ln(opacity of a code) under each law (packed.h), Q11; code 0 is never drawn. */
 extern const uint16_t fxs_offset_of_code_q11[FXS_OPACITY_LAWS][256];
 
 /* Sorts keys by depth, ties by slot (they arrive in the order of their slots), in `parts` jobs. `spare` has room for

@@ -152,6 +152,17 @@ static void test_small(void)
     check_file(FXS_PROFILE_SMALL, 40, 1, expected);
 }
 
+/* So many that their palettes are full: fewer have one entry a stage, where nothing is searched. */
+static void test_full_palettes(void)
+{
+    static const uint64_t compact[3] = {0x8999b95005e524a1u, 0x0438039efeb0bf03u,
+                                        0x5d8a29e6d073d747u};
+    static const uint64_t small[3] = {0xaab4dc5b3f8ee643u, 0x65ec5bdfcfd545a6u,
+                                      0x05f517e482fc91e6u};
+    check_file(FXS_PROFILE_COMPACT, 12000, 1, compact);
+    check_file(FXS_PROFILE_SMALL, 12000, 1, small);
+}
+
 static void without_zlib(void)
 {
     SKIP("built without zlib, which .fxs files need");
@@ -168,8 +179,9 @@ int main(void)
     RUN(test_default);
     RUN(test_compact);
     RUN(test_small);
+    RUN(test_full_palettes);
 #else
-    (void)test_default, (void)test_compact, (void)test_small;
+    (void)test_default, (void)test_compact, (void)test_small, (void)test_full_palettes;
     RUN(without_zlib);
 #endif
     unlink(ply_path);

@@ -474,7 +474,7 @@ static void test_bytes_skipped(void)
 /* As many Gaussians as the information says, though the file has more. */
 static void test_no_more_than_announced(void)
 {
-    fxs_scene_file *file;
+    fxs_scene_file *file = NULL;
     fxs_scene_file_info info;
     make_gaussians(3000);
     pack(1000, 1);
@@ -660,7 +660,6 @@ static void test_same_bytes_twice(void)
 
 /* ---- Profiles --------------------------------------------------------------------------------------------------- */
 
-/* What docs/format.md says of an 8-bit code that stands for one of 10 bits. */
 /* A code of fewer bits with its high bits again below. */
 static uint32_t widen(uint32_t code, int bits, int wide)
 {
@@ -836,6 +835,18 @@ static void test_loss_of_each_profile(void)
             profile = (enum fxs_profile)i;
             check_loss(1500, degree);
         }
+    profile = FXS_PROFILE_DEFAULT;
+}
+
+/* One Gaussian's SH is beyond what the units of a palette reach, among many that are not: said is what is lost of it. */
+static void test_loss_of_huge_sh(void)
+{
+    make_gaussians(1500);
+    gaussians[700].sh[20] = 1000;
+    for (int i = 1; i < 3; i++) {
+        profile = (enum fxs_profile)i;
+        check_loss(1500, 3);
+    }
     profile = FXS_PROFILE_DEFAULT;
 }
 
@@ -1047,7 +1058,7 @@ static void check_cancelling(int mixture, double most)
 
 static void test_errors_of_sh_cancel(void)
 {
-    static const double most[MIXTURES] = {2, 1.3, 1.1, 2};
+    static const double most[MIXTURES] = {2, 1.5, 1.1, 2};
     for (int mixture = 0; mixture < MIXTURES; mixture++)
         check_cancelling(mixture, most[mixture]);
 }
@@ -1121,12 +1132,12 @@ static void check_threads(const char *name)
 
 static void test_threads_learning_a_palette(void)
 {
-    make_gaussians(3000);
-    CHECK(write_file(3000, 2, 0));
+    make_gaussians(MAX_COUNT);         /* fewer have palettes of one entry a stage */
+    CHECK(write_file(MAX_COUNT, 2, 0));
     for (int i = 1; i < 3; i++) {
         profile = (enum fxs_profile)i;
         check_threads(path);
-        CHECK(report.packed == 3000 && report.rms.sh > 0);
+        CHECK(report.packed == MAX_COUNT && report.rms.sh > 0);
     }
     profile = FXS_PROFILE_DEFAULT;
 }
@@ -1365,6 +1376,11 @@ static void test_progress(void)
     CHECK(write_file(MAX_COUNT, 0, 0));
     for (int i = 0; i < THREAD_COUNTS; i++)
         check_progress(thread_counts[i]);
+    make_gaussians(600);
+    CHECK(write_file(600, 1, 0));
+    profile = FXS_PROFILE_SMALL;
+    check_progress(0);
+    profile = FXS_PROFILE_DEFAULT;
 }
 
 /* A row in the middle that cannot be read. */
@@ -1471,6 +1487,7 @@ int main(void)
     RUN(test_flags);
     RUN(test_same_bytes_twice);
     RUN(test_loss_of_each_profile);
+    RUN(test_loss_of_huge_sh);
     RUN(test_few_bits_are_kept);
     RUN(test_faint_chunks_get_fine_steps);
     RUN(test_faint_half_decides_on_the_law);

@@ -148,16 +148,17 @@ static int fail_scene(const char *path, const fxs_message *message)
     return fail(EXIT_FAILED, strncmp(message->text, path, strlen(path)) ? "%s: %s" : "%.0s%s", path, message->text);
 }
 
-static int filter_scene(fxs_scene_file *file, const char *path, const fxs_scene_filter *filter,
-                        fxs_scene_file_info *info)
+static int filter_scene(fxs_scene_file *file, const char *path, const load_options *o, fxs_scene_file_info *info)
 {
     fxs_message message;
     fxs_scene_filter_report r;
     char label[] = "counting";
-    int result = fxs_scene_file_filter(file, filter, info, &r, progress_bar, label, &message);
+    int result = fxs_scene_file_filter(file, o->filter, info, &r, progress_bar, label, &message);
     progress_end();
     if (result)
         return fail_scene(path, &message);
+    if (o->again)
+        return 0;
     if (r.outside || r.faint)
         fprintf(stderr, "fixsplat: %s: kept %" PRIu64 " of %" PRIu64 " Gaussians (%" PRIu64 " outside the box, %" PRIu64
                 " too faint)\n", path, r.read - r.outside - r.faint, r.read, r.outside, r.faint);
@@ -177,10 +178,10 @@ int open_scene(const char *path, const load_options *o, fxs_scene_file **file, f
         fxs_scene_file_close(*file);
         return fail(EXIT_FAILED, "%s: --axes is for .spz", path);
     }
-    if (info->stored_sh_degree > info->sh_degree)
+    if (info->stored_sh_degree > info->sh_degree && !o->again)
         fprintf(stderr, "fixsplat: %s: the SH of degree %d are left out: degree %d is the highest that is drawn\n",
                 path, info->stored_sh_degree, info->sh_degree);
-    int status = o->filter ? filter_scene(*file, path, o->filter, info) : 0;
+    int status = o->filter ? filter_scene(*file, path, o, info) : 0;
     if (status)
         fxs_scene_file_close(*file);
     return status;
@@ -205,6 +206,8 @@ static int import(loaded_scene *loaded, const char *path, const load_options *o)
     result = fxs_scene_open(&loaded->scene, loaded->packed.data, loaded->packed.bytes);
     if (result)
         return fail(EXIT_FAILED, "%s: %s", path, fxs_strerror(result));
+    if (o->again)
+        return 0;
     note_dropped(path, &loaded->report.dropped, loaded->report.packed);
     if (loaded->report.brought_in)
         fprintf(stderr, "fixsplat: %s: brought in %" PRIu64 " Gaussians from beyond 2^27 units, as they look from the "

@@ -73,6 +73,7 @@ typedef struct load_options {
     const fxs_scene_filter *filter;         /* what to leave out, or null; an .fxs file is mapped whole */
     uint64_t max_gaussians;                 /* in a file that is imported, and the memory that reading it may take: */
     size_t import_memory;                   /* as in fxs_scene_file_options */
+    int again;                              /* what is left out or changed has been said */
 } load_options;
 
 /* Returns 0, or prints why not and returns EXIT_FAILED. */

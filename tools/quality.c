@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define FARTHEST 134000000.0        /* a camera may be within 2^27 units */
+
 static int measure_view(quality_view *out, renderer *r, const loaded_scene *const scenes[2], const fxs_file_view *view,
                         const fxs_options *options)
 {
@@ -45,6 +47,8 @@ static fxs_file_view choose(quality *q, long i, const fxs_file_view *views, long
         turned.position[k] = middle[k] + distances[i % 3].factor * (turned.position[k] - middle[k]);
     }
     fxs_view_orbit(&turned, middle, options->up, 6.283185307179586 * (double)i / (double)q->count);
+    for (int k = 0; k < 3; k++)
+        turned.position[k] = fmin(fmax(turned.position[k], -FARTHEST), FARTHEST);
     snprintf(turned.name, sizeof turned.name, "%.0f degrees, %s", 360.0 * (double)i / (double)q->count,
              distances[i % 3].name);
     return turned;

@@ -527,7 +527,6 @@ static int allocate_scene(packer *p, fxs_packed_scene *scene)
     write_bounds(p->header, p->report);
     p->chunks = (fxs_chunk *)(void *)(p->header + 1);
     p->rows = (unsigned char *)scene->data + scene->bytes - (size_t)p->header->chunk_count * p->header->chunk_bytes;
-    p->steps = entries ? 4 : 3;
     return entries ? allocate_palette(p) : 0;
 }
 
@@ -569,9 +568,9 @@ int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_s
     p.message = message;
     if (options)
         p.options = *options;
-    p.steps = 3;
     p.encoder.profile = p.options.profile;
     p.encoder.sh_degree = info->sh_degree;
+    p.steps = fxs_palette_stages(p.options.profile, info->sh_degree) ? 4 : 3;
     if (!p.options.run)
         p.options.run = run_here;
     p.options.threads += p.options.threads == 0;

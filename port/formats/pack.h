@@ -57,8 +57,9 @@ typedef struct fxs_pack_options {
 size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile);
 
 /* Reads an open scene file from its start, three times, and packs it: one job of a run reads while the others work.
-   `options` may be null. Needs 20 bytes a Gaussian before the packed scene is allocated, 5 beside it, and 3 MB;
-   with a palette 64 bytes a Gaussian and 3 MB more. Returns 0, or -1 and a message; a scene without a drawable Gaussian is an error.
+   `options` may be null. Needs 20 bytes a Gaussian before the packed scene is allocated, 5 beside it, and 3 MB; where
+   there is a palette, 69 beside it, and 6 MB. Returns 0, or -1 and a message; a scene without a drawable Gaussian is an
+   error.
 
    What is finite is drawn. An axis thinner than e^-9 of the Gaussian's largest is packed as that, which a view does not
    tell from less; ln(sigma) is cut to +-20. A centre beyond +-2^27 units is brought to there, towards the origin, and

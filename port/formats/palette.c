@@ -333,7 +333,7 @@ static void begin_entries(learner *l)
         const uint32_t index = l->indices[i][l->stage], group = index % ENTRIES, n = taken[group]++;
         const uint32_t at = (uint32_t)((uint64_t)n * GROUP / counts[group]), j = group * GROUP + at;
         l->indices[i][l->stage] = (uint8_t)(group * GROUP);
-        if (j < p->entries && (uint64_t)at * counts[group] / GROUP + (at > 0) == n)
+        if (j < p->entries && ((uint64_t)at * counts[group] + GROUP - 1) / GROUP == n)
             copy_held(p->vectors[l->stage][j], l->vectors[i], index & FXS_PALETTE_NEGATIVE ? -1 : 1);
     }
 }
@@ -463,8 +463,9 @@ static double try_sample(learner *l, const fxs_sh_item *items, uint32_t count, u
 /* Where the coefficients follow from few things (the normal of a mirror), the means of chunks would only blur that. */
 static int learn(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step)
 {
-    const double plain = try_sample(l, items, count, 4 * step, 0), centred = try_sample(l, items, count, 4 * step, 1);
-    if (plain < 0 || centred < 0)
+    const double plain = try_sample(l, items, count, 4 * step, 0);
+    const double centred = plain < 0 ? -1 : try_sample(l, items, count, 4 * step, 1);
+    if (centred < 0)
         return -1;
     l->palette->centred = centred < plain;
     take_sample(l, items, count, step);
@@ -536,7 +537,7 @@ static int32_t overlap_q8(const fxs_sh_item *from, double from_area, const fxs_s
         return 0;
     const double t = 1 - square / (8 * both), tail = (t * t) * (t * t);
     const double overlap = 2 * from_area / both * tail * from->opacity / to->opacity;
-    return (int32_t)(256 * (overlap < 4 ? overlap : 4));
+    return (int32_t)(256 * (overlap < 4 ? overlap : 4) + 0x1p-20);   /* 4/3 times 3 is 4, in however many bits */
 }
 
 /* 2^(area / 8) */

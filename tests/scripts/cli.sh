@@ -508,6 +508,26 @@ loses more of .*: a view $(worst_of $profile.fxs) dB from the profile default, w
     check "$profile: one hash with --cpu c" equal "$(hash_of $profile.fxs $small --cpu c)" \
         "$(hash_of $profile.fxs $small --cpu all)"
 done
+# 300 Gaussians with SH by chance, from beyond 2^27 units on two axes: some views would be from beyond them too
+{
+    ply_header 300 | sed '$d'
+    printf 'property float f_rest_%s\n' 0 1 2 3 4 5 6 7 8
+    echo end_header
+    awk 'function by_chance() { return (seed = (seed * 16807 + 11) % 2147483647) / 1073741824 - 1 }
+        BEGIN {
+            for (seed = 1; i < 300; i++) {
+                printf "%g %g 0 1 .5 .2 4 17 17 17 1 0 0 0", i % 2 ? 1.4e8 : -1.4e8, (i % 4 > 1) ? 1.4e8 : -1.4e8
+                for (k = 0; k < 9; k++)
+                    printf " %g", 2 * by_chance()
+                print ""
+            }
+        }'
+} >chance.ply
+run convert chance.ply chance.fxs --profile small
+check "convert to .fxs, small: says what is lost, all of it once" equal "$status $(sed 's/a view .*/a view/' logs/err)" \
+    "0 fixsplat: chance.ply: brought in 300 Gaussians from beyond 2^27 units, as they look from the origin
+fixsplat: chance.fxs: profile small loses more of this scene than of most: a view"
+check "convert to .fxs, small: all of it, whatever it loses" [ "$("$fixsplat" info chance.fxs | grep -c small)" = 1 ]
 run convert knot.ply knot4.spz
 check "convert to .spz: says what is clamped" says "knot4.spz: clamped SH beyond +-1, of 6 Gaussians"
 check "convert to .spz: version 4" equal "$(head -c 5 knot4.spz | od -An -tx1)" " 4e 47 53 50 04"
