@@ -18,8 +18,8 @@ enum {
     WINDOW = 48                    /* Gaussians before one whose errors it makes good, at most */
 };
 
-/* As many as leave a Gaussian 40 bytes in all, 20 in small. Small scenes, whose last chunk is much of them, get a tenth
-   of a byte a Gaussian all the same. */
+/* As many as leave a Gaussian 40 bytes in all, 20 in small. Where the last chunk leaves too little, a tenth of a byte a
+   Gaussian all the same; and 0.4 in scenes of less than 10,000, whose bytes matter less than their pictures. */
 uint32_t fxs_palette_entries_for(uint64_t count, enum fxs_profile profile, int sh_degree)
 {
     const uint32_t stages = fxs_palette_stages(profile, sh_degree), stage_bytes = stages * FXS_PALETTE_STRIDE;
@@ -29,8 +29,8 @@ uint32_t fxs_palette_entries_for(uint64_t count, enum fxs_profile profile, int s
     const uint64_t limit = count * (profile == FXS_PROFILE_SMALL ? 20 : 40);
     const uint64_t others = sizeof(fxs_packed_header) + 64 +
                             chunks * (sizeof(fxs_chunk) + fxs_chunk_bytes(profile, sh_degree));
-    const uint64_t left = limit > others ? limit - others : 0;
-    const uint64_t entries = (left > count / 10 ? left : count / 10) / stage_bytes;
+    const uint64_t left = limit > others ? limit - others : 0, least = count < 10000 ? 2 * count / 5 : count / 10;
+    const uint64_t entries = (left > least ? left : least) / stage_bytes;
     return entries < 1 ? 1 : entries > ENTRIES ? ENTRIES : (uint32_t)entries;
 }
 
