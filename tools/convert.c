@@ -23,7 +23,7 @@ static const char help[] =
     "  --prune ALPHA       keep those of this opacity or more, 0 to 1\n"
     "  --sh-degree D       keep SH up to this degree, 0 to 3\n"
     "  --profile P         of .fxs, bytes a Gaussian at SH degree 3, and loss against floats on a captured scene:\n"
-    "                      default 63.5 (56.9 dB), compact 39.6 (53.9 dB), small 19.6 (44.6 dB). Where SH lose much,\n"
+    "                      default 63.5 (56.9 dB), compact 39.6 (53.9 dB), small 19.6 (44.4 dB). Where SH lose much,\n"
     "                      views are compared with default, and one that loses more than it should is said\n"
     "  --spz-version V     3 (gzip) or 4 (zstd, the default), for .spz\n"
     "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
