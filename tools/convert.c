@@ -1,5 +1,6 @@
 /* fixsplat convert */
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -128,8 +129,12 @@ static int take_options(convert_options *o, int argc, char **argv)
 
 /* ---- .fxs ------------------------------------------------------------------------------------------------------ */
 
-/* SH that a profile rounds by this much, root mean square, may be seen: pictures are compared then. */
-#define SH_LOSS_TO_CHECK 0.02
+/* SH that are rounded by this much, root mean square, may cost a view what the profile promises: pictures are compared
+   then. */
+static double loss_to_check(enum fxs_profile profile)
+{
+    return profile == FXS_PROFILE_DEFAULT ? INFINITY : profile == FXS_PROFILE_COMPACT ? 0.01 : 0.02;
+}
 
 /* Says so where a view of a packed scene is farther from the same scene in the profile default than its profile
    promises, from around the scene, small; or why that is not known. */
@@ -172,7 +177,7 @@ static int to_fxs(const convert_options *o)
     if (load_scene(&loaded, o->in, &load))
         return EXIT_FAILED;
     int result = fxs_file_write(o->out, loaded.packed.data, loaded.packed.bytes, &message);
-    if (!result && loaded.scene.profile != FXS_PROFILE_DEFAULT && loaded.report.rms.sh > SH_LOSS_TO_CHECK)
+    if (!result && loaded.report.rms.sh > loss_to_check(loaded.scene.profile))
         check_views(&loaded, o, &load);
     free_scene(&loaded);
     return result ? fail(EXIT_FAILED, "%s", message.text) : EXIT_OK;
