@@ -2,36 +2,12 @@
 #include "../port/formats/scene_file.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include "check.h"
+#include "folder.h"
 
-static char folder[] = "/tmp/test_sog_XXXXXX";
 static fxs_message message;
 static fxs_scene_file_info info;
-
-static const char *in_folder(const char *name)
-{
-    static char path[2][512];
-    static int turn;
-    turn = !turn;
-    snprintf(path[turn], sizeof path[turn], "%s/%s", folder, name);
-    return path[turn];
-}
-
-static void put(const char *name, const void *data, size_t size)
-{
-    FILE *stream = fopen(in_folder(name), "wb");
-    if (!CHECK(stream != NULL))
-        return;
-    CHECK(fwrite(data, 1, size, stream) == size);
-    CHECK(fclose(stream) == 0);
-}
 
 /* Reads at most `capacity` Gaussians, a few at a time, twice. Returns their number, or -1 and the message. */
 static long read_level(const char *name, int level, fxs_gaussian *gaussians, long capacity)
@@ -155,17 +131,6 @@ static void add_image(const made_scene *m, int image, int width, int height)
     WebPMemoryWriterClear(&out);
 }
 
-static char text[1 << 16];
-static size_t length;
-
-static void say(const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    length += (size_t)vsnprintf(text + length, sizeof text - length, format, arguments);
-    va_end(arguments);
-}
-
 static const double position_mins[3] = {-3.25, -0.5, 0.125}, position_maxs[3] = {2.5, 4.75, 6};
 
 static double codebook(int values, int code)
@@ -255,7 +220,7 @@ static void put_folder(const char *name)
     mkdir(in_folder(name), 0700);
     for (int i = 0; i < file_count; i++) {
         snprintf(path, sizeof path, "%s/%s", name, files[i].name);
-        put(path, files[i].data, files[i].size);
+        put_file(path, files[i].data, files[i].size);
     }
 }
 
@@ -413,7 +378,7 @@ static void zip_with_data_descriptors(void)
     }
     for (int i = 0; i < 4; i++)
         out[at + 16 + (size_t)i] = (uint8_t)(directory >> 8 * i);
-    put("a.sog", out, end);
+    put_file("a.sog", out, end);
     check_scene("a.sog", &plain);
 }
 
@@ -540,17 +505,17 @@ static void faulty_images(void)
     make(&plain);
     put_folder("scene");
     for (size_t size = 0; size < files[QUATS].size; size++) {
-        put("scene/quats.webp", files[QUATS].data, size);
+        put_file("scene/quats.webp", files[QUATS].data, size);
         CHECK(read_level("scene", 0, gaussians, COUNT + 1) == -1);
     }
     CHECK(strstr(message.text, "an image cannot be decoded") != NULL);
     size_t size = WebPEncodeRGBA(rgba, COUNT, 1, 4 * COUNT, 50, &data);
-    put("scene/quats.webp", data, size);
+    put_file("scene/quats.webp", data, size);
     WebPFree(data);
     check_fails("scene", "quats.webp: not a lossless WebP");
     put_folder("scene");
     encode(rgba, COUNT, 1, &out);
-    put("scene/centroids.webp", out.mem, out.size);
+    put_file("scene/centroids.webp", out.mem, out.size);
     WebPMemoryWriterClear(&out);
     check_fails("scene", "centroids.webp: not as wide as a palette");
 }
@@ -566,15 +531,15 @@ static void absurd_sizes(void)
     make(&plain);
     put_folder("scene");
     encode(rgba, SIDE, SIDE, &out);
-    put("scene/low.webp", out.mem, out.size);
+    put_file("scene/low.webp", out.mem, out.size);
     check_fails("scene", "low.webp: far more pixels than Gaussians");
     edit("\"count\":37", "\"count\":2000000");
-    put("scene/meta.json", files[file_count - 1].data, files[file_count - 1].size);
+    put_file("scene/meta.json", files[file_count - 1].data, files[file_count - 1].size);
     for (int image = LOW; image < IMAGES; image++) {
         char name[32];
         snprintf(name, sizeof name, "scene/%s", image_names[image]);
         if (image != CENTROIDS)
-            put(name, out.mem, out.size);
+            put_file(name, out.mem, out.size);
     }
     check_fails("scene", "scene/meta.json: 2000000 Gaussians or more in ");
     WebPMemoryWriterClear(&out);
@@ -590,7 +555,7 @@ static void truncated_zip(void)
     put_zip("a.sog", ZIP_CM_DEFLATE);
     size_t size = get("a.sog", zip_bytes, sizeof zip_bytes);
     for (size_t cut = 0; cut < size; cut++) {
-        put("a.sog", zip_bytes, cut);
+        put_file("a.sog", zip_bytes, cut);
         CHECK(read_level("a.sog", 0, gaussians, COUNT + 1) == -1);
         CHECK(strstr(message.text, cut < 4 ? "not a scene file of a known format" : "cannot be read as a zip") != NULL);
     }
@@ -605,7 +570,7 @@ static void damaged_zip(void)
     size_t size = get("a.sog", zip_bytes, sizeof zip_bytes);
     for (size_t i = 2; i < size; i++) {
         zip_bytes[i] ^= 0x55;
-        put("a.sog", zip_bytes, size);
+        put_file("a.sog", zip_bytes, size);
         long count = read_level("a.sog", 0, gaussians, COUNT + 1);
         CHECK(count == -1 || (count == COUNT && all_same(&(made_scene){2, 0, 3}, gaussians, 0, COUNT)));
         zip_bytes[i] ^= 0x55;
@@ -626,7 +591,7 @@ static void faulty_zip(void)
     size_t size = get("a.sog", zip_bytes, sizeof zip_bytes), at = size - 22;
     at = zip_bytes[at + 16] | (size_t)zip_bytes[at + 17] << 8 | (size_t)zip_bytes[at + 18] << 16;
     zip_bytes[at + 23] = zip_bytes[at + 27] = 0x70;   /* both sizes of the first entry */
-    put("a.sog", zip_bytes, size);
+    put_file("a.sog", zip_bytes, size);
     check_fails("a.sog", "more than this file can hold");
 }
 
@@ -650,7 +615,7 @@ static void put_index(const char *old, const char *new)
     length = 0;
     if (CHECK(found != NULL))
         say("%.*s%s%s", (int)(found - index_text), index_text, new, found + strlen(old));
-    put("lod-meta.json", text, length);
+    put_file("lod-meta.json", text, length);
 }
 
 static void put_streamed(void)
@@ -708,7 +673,7 @@ static void nearest_level(void)
             else
                 say("%c", *c);
         say("}}]}}");
-        put("lod-meta.json", text, length);
+        put_file("lod-meta.json", text, length);
         for (int level = 0; level < 5; level++) {
             CHECK(read_level("", level, g, COUNT) == cases[i].counts[level]);
             all_same(&chunks[0], g, 7, 7 + cases[i].counts[level]);
@@ -718,7 +683,7 @@ static void nearest_level(void)
     length = 0;
     say("{\"lodLevels\":2,\"filenames\":[\"0_0/meta.json\"],\"tree\":{\"lods\":{\"1\":{\"file\":0,\"offset\":0,"
         "\"count\":5}},\"children\":[{\"lods\":{\"0\":{\"file\":0,\"offset\":5,\"count\":9}}}]}}");
-    put("lod-meta.json", text, length);
+    put_file("lod-meta.json", text, length);
     CHECK(read_level("", 0, g, COUNT) == 9 && all_same(&chunks[0], g, 5, 14));
     remove(in_folder("lod-meta.json"));
 }
@@ -749,11 +714,11 @@ static void environment(void)
     put_index("\"environment\":\"env/meta.json\",", "\"environment\":7,");
     check_fails("", "lod-meta.json: an \"environment\" that is not a file name");
     put_index("\"environment\":\"env/meta.json\",", "");
-    put("environment.sog", "", 0);
+    put_file("environment.sog", "", 0);
     check_fails("", "environment.sog: the file ends early");
-    put("environment.sog", "PK\3\4", 4);
+    put_file("environment.sog", "PK\3\4", 4);
     check_fails("", "environment.sog: cannot be read as a zip");
-    put("environment.sog", "{}", 2);
+    put_file("environment.sog", "{}", 2);
     check_fails("", "environment.sog: not a SOG scene");
     remove(in_folder("environment.sog"));
     CHECK(symlink("/etc/passwd", in_folder("environment.sog")) == 0);
@@ -796,10 +761,10 @@ static void faulty_index(void)
     say("{\"lodLevels\":1,\"filenames\":[],\"tree\":");
     for (int i = 0; i < 5000; i++)
         say("{\"children\":[");
-    put("lod-meta.json", text, length);
+    put_file("lod-meta.json", text, length);
     check_fails("lod-meta.json", "bad JSON");
     for (size_t cut = 2; cut < sizeof index_text - 1; cut++) {
-        put("lod-meta.json", index_text, cut);
+        put_file("lod-meta.json", index_text, cut);
         check_fails("lod-meta.json", "bad JSON");
     }
     remove(in_folder("lod-meta.json"));
@@ -900,7 +865,7 @@ static void run_tests(void)
 
 static void built_without(void)
 {
-    put("a.sog", "PK\3\4", 4);
+    put_file("a.sog", "PK\3\4", 4);
     check_fails("a.sog", "built without lib");
 }
 
@@ -913,12 +878,5 @@ static void run_tests(void)
 
 int main(void)
 {
-    char command[64];
-    if (!mkdtemp(folder)) {
-        perror(folder);
-        return 1;
-    }
-    run_tests();
-    snprintf(command, sizeof command, "rm -r %s", folder);
-    return system(command) != 0 || check_report();
+    return in_a_folder(run_tests);
 }

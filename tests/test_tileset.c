@@ -1,52 +1,18 @@
 /* Reads of tilesets made here: refinement, transforms, nesting, the globe; faulty ones; limits of the import. */
 #include <math.h>
-#include <stdarg.h>
-#include <stdlib.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "../port/formats/scene_file.h"
-#include "check.h"
 #include "spz_bytes.h"
+#include "folder.h"
 
-static char folder[] = "/tmp/test_tileset_XXXXXX";
 static fxs_message message;
 static fxs_scene_file_info info;
-
-static const char *in_folder(const char *name)
-{
-    static char path[2][512];
-    static int turn;
-    turn = !turn;
-    snprintf(path[turn], sizeof path[turn], "%s/%s", folder, name);
-    return path[turn];
-}
-
-static void put_file(const char *name, const void *data, size_t size)
-{
-    FILE *stream = fopen(in_folder(name), "wb");
-    if (!CHECK(stream != NULL))
-        return;
-    CHECK(fwrite(data, 1, size, stream) == size);
-    CHECK(fclose(stream) == 0);
-}
 
 #ifdef FXS_WITH_CJSON
 
 enum { MOST = 400, TILES = 100 };
 
 static fxs_gaussian out[MOST];
-static char text[1 << 16];
-static size_t length;
-
-static void say(const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    length += (size_t)vsnprintf(text + length, sizeof text - length, format, arguments);
-    va_end(arguments);
-}
-
 /* ---- Making files ---------------------------------------------------------------------------------------------- */
 
 static uint8_t glb[1 << 16];
@@ -543,12 +509,5 @@ static void run_tests(void)
 
 int main(void)
 {
-    char command[64];
-    if (!mkdtemp(folder)) {
-        perror(folder);
-        return 1;
-    }
-    run_tests();
-    snprintf(command, sizeof command, "rm -r %s", folder);
-    return system(command) != 0 || check_report();
+    return in_a_folder(run_tests);
 }
