@@ -16,7 +16,7 @@ static char folder[] = "/tmp/fixsplat-test-XXXXXX";
 /* One of the last two that were asked for. */
 static inline const char *in_folder(const char *name)
 {
-    static char path[2][512];
+    static char path[2][1024];
     static int turn;
     turn = !turn;
     snprintf(path[turn], sizeof path[turn], "%s/%s", folder, name);

@@ -177,11 +177,12 @@ static void take_position(packer *p, fxs_order_entry *entry, fxs_gaussian *g, fi
         entry->position[0] = NAN;
         return;
     }
+    const double weight = fxs_weight(g);
     f->brought_in += (uint64_t)is_far(g);
     fit(g);
     memcpy(entry->position, g->position, sizeof g->position);
     entry->index = g->opacity < FAINT_LOGIT;
-    *(entry->index ? &f->faint : &f->others) += fxs_weight(g);
+    *(entry->index ? &f->faint : &f->others) += weight;
     for (int i = 0; i < 3; i++) {
         f->low[i] = g->position[i] < f->low[i] ? g->position[i] : f->low[i];
         f->high[i] = g->position[i] > f->high[i] ? g->position[i] : f->high[i];
@@ -224,6 +225,7 @@ static int read_positions(packer *p)
         dropped->not_finite += f->dropped.not_finite;
         dropped->rotation += f->dropped.rotation;
         dropped->weight += f->dropped.weight;
+        dropped->kept += f->faint + f->others;
         report->brought_in += f->brought_in;
     }
     report->packed = report->read - dropped->not_finite - dropped->rotation;
@@ -277,12 +279,10 @@ static int find_seen_bounds(packer *p)
    are more alike than faint ones. */
 static void part_fog(packer *p)
 {
-    double faint = 0, others = 0;
-    for (const findings *f = p->findings; f < p->findings + p->parts; f++) {
+    double faint = 0;
+    for (const findings *f = p->findings; f < p->findings + p->parts; f++)
         faint += f->faint;
-        others += f->others;
-    }
-    for (uint64_t i = 0; i < p->info->count && faint < FOG * (faint + others); i++)
+    for (uint64_t i = 0; i < p->info->count && faint < FOG * p->report->dropped.kept; i++)
         p->entries[i].index = 0;
 }
 
@@ -324,8 +324,6 @@ static void take_ranges(packer *p, batch *b, uint32_t part)
         uint32_t slot = p->slots[b->first + (uint64_t)i], chunk = slot / FXS_CHUNK;
         if (slot == FXS_NO_SLOT || chunk % p->parts != part)
             continue;
-        if (p->report->packed < p->report->read)
-            p->findings[part].dropped.kept += fxs_weight(&b->gaussians[i]);
         fxs_ranges_take(&p->ranges[chunk], fit(&b->gaussians[i]), p->encoder.sh_degree);
     }
 }
@@ -339,8 +337,6 @@ static int find_headers(packer *p)
         fxs_ranges_clear(&p->ranges[i]);
     if (pass(p, 1, take_ranges))
         return -1;
-    for (const findings *f = p->findings; f < p->findings + p->parts; f++)
-        p->report->dropped.kept += f->dropped.kept;
     for (uint32_t i = 0; i < p->header->chunk_count; i++) {
         for (int k = 0; k < 3; k++) {
             const fxs_range *r = &p->ranges[i].position[k];
