@@ -55,7 +55,7 @@ $(info no $(NVCC): built without the CUDA back end)
 endif
 
 CORE := $(wildcard src/*.c) $(KERNELS)
-PORT := $(wildcard port/formats/*.c port/posix/*.c)
+PORT := $(wildcard port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c port/posix/*.c)
 PORT += $(if $(findstring WITH_EGL,$(FEATURES)),$(wildcard port/egl/*.c))
 PORT += $(if $(findstring WITH_OSMESA,$(FEATURES)),$(wildcard port/osmesa/*.c))
 WINDOW := $(if $(WINDOW_LIBS),$(wildcard port/window/*.c) tools/viewer.c)
@@ -124,9 +124,9 @@ demo: ## make a procedural scene and render it to demo.png
 	@echo "demo.png: 200,000 Gaussians with view-dependent colour of degree 3, from demo.ply"
 
 PUBLIC := src/fixsplat.h src/packed.h kernels/kernels.h kernels/cuda/cuda.h kernels/gles/gles.h port/egl/egl.h \
-          port/osmesa/osmesa.h $(wildcard port/posix/*.h) $(addprefix port/formats/,\
-          allocator.h camera.h camera_file.h fxs_file.h image_file.h message.h output.h pack.h ply_write.h \
-          scene_file.h scene_filter.h splat_write.h spz_write.h)
+          port/osmesa/osmesa.h $(wildcard port/posix/*.h) port/files/allocator.h port/files/message.h port/files/output.h \
+          $(addprefix port/scene/,scene_file.h scene_filter.h fxs_file.h ply_write.h splat_write.h spz_write.h) \
+          port/camera/camera.h port/camera/camera_file.h port/image/image_file.h port/import/pack.h
 
 install: all ## install to $(DESTDIR)$(PREFIX): command, library, headers, pkg-config file
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig

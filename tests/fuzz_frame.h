@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "../kernels/kernels.h"
-#include "../port/formats/fxs_file.h"
+#include "../port/scene/fxs_file.h"
 #include "random_scene.h"
 
 enum {

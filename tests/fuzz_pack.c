@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/formats/pack.h"
+#include "../port/import/pack.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

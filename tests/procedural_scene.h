@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "../port/formats/pack.h"
-#include "../port/formats/ply_write.h"
+#include "../port/import/pack.h"
+#include "../port/scene/ply_write.h"
 #include "../tools/procedural.h"
 
 /* *report may be null. Returns 0, or -1 and why not; *packed is for fxs_packed_scene_free. */

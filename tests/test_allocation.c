@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/formats/camera.h"
+#include "../port/camera/camera.h"
 #include "../port/posix/pool.h"
 #include "../src/fixsplat.h"
 #include "packed_scene.h"

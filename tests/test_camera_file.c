@@ -1,6 +1,6 @@
 /* Camera files: one camera through every format, faults, truncations, real files. */
-#include "../port/formats/camera.h"
-#include "../port/formats/camera_file.h"
+#include "../port/camera/camera.h"
+#include "../port/camera/camera_file.h"
 
 #include <math.h>
 #include <stdarg.h>

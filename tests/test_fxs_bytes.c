@@ -5,9 +5,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../port/formats/fxs_file.h"
-#include "../port/formats/pack.h"
-#include "../port/formats/ply_write.h"
+#include "../port/scene/fxs_file.h"
+#include "../port/import/pack.h"
+#include "../port/scene/ply_write.h"
 #include "../src/fixsplat.h"
 #include "check.h"
 

@@ -10,9 +10,9 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "../port/formats/fxs_file.h"
-#include "../port/formats/pack.h"
-#include "../port/formats/ply_write.h"
+#include "../port/scene/fxs_file.h"
+#include "../port/import/pack.h"
+#include "../port/scene/ply_write.h"
 #include "../port/posix/map.h"
 #include "../src/fixsplat.h"
 #include "../src/packed.h"

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "../port/formats/camera.h"
+#include "../port/camera/camera.h"
 #include "../tools/metrics.h"
 #include "check.h"
 #include "packed_scene.h"

@@ -5,8 +5,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "../port/formats/camera.h"
-#include "../port/formats/image_file.h"
+#include "../port/camera/camera.h"
+#include "../port/image/image_file.h"
 #ifdef FXS_WITH_CUDA
 #include "../kernels/cuda/cuda.h"
 #endif

@@ -1,5 +1,5 @@
 /* Image files: round trips, failures that leave the old file whole. Metrics: values worked out by hand. */
-#include "../port/formats/image_file.h"
+#include "../port/image/image_file.h"
 
 #include <dirent.h>
 #include <math.h>

@@ -4,9 +4,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../port/formats/camera.h"
-#include "../port/formats/pack.h"
-#include "../port/formats/ply_write.h"
+#include "../port/camera/camera.h"
+#include "../port/import/pack.h"
+#include "../port/scene/ply_write.h"
 #include "../tools/metrics.h"
 #include "../tools/procedural.h"
 #include "check.h"

@@ -5,12 +5,12 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../port/formats/byte_reader.h"
-#include "../port/formats/encode.h"
-#include "../port/formats/order.h"
-#include "../port/formats/pack.h"
-#include "../port/formats/ply_write.h"
-#include "../port/formats/spz_write.h"
+#include "../port/files/byte_reader.h"
+#include "../port/import/encode.h"
+#include "../port/import/order.h"
+#include "../port/import/pack.h"
+#include "../port/scene/ply_write.h"
+#include "../port/scene/spz_write.h"
 #include "../port/posix/pool.h"
 #include "../src/fixsplat.h"
 #include "../src/packed.h"

@@ -1,4 +1,4 @@
-#include "../port/formats/ply_write.h"
+#include "../port/scene/ply_write.h"
 #include "../tools/procedural.h"
 #include "check.h"
 

@@ -4,9 +4,9 @@
 #include <math.h>
 #include <unistd.h>
 
-#include "../port/formats/camera.h"
-#include "../port/formats/pack.h"
-#include "../port/formats/ply_write.h"
+#include "../port/camera/camera.h"
+#include "../port/import/pack.h"
+#include "../port/scene/ply_write.h"
 #include "../port/posix/pool.h"
 #include "../src/stage.h"
 #include "../tools/metrics.h"

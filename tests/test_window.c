@@ -1,5 +1,5 @@
 /* Camera motion, the overlay, and the viewer with events pushed to SDL, on its driver without a screen. */
-#include "../port/formats/camera.h"
+#include "../port/camera/camera.h"
 #include "../port/window/motion.h"
 #include "../port/window/overlay.h"
 #include "check.h"
@@ -234,7 +234,7 @@ static void test_graph_shows_the_times(void)
 #ifdef FXS_WITH_SDL
 #include <SDL2/SDL.h>
 
-#include "../port/formats/image_file.h"
+#include "../port/image/image_file.h"
 #include "../tools/viewer.h"
 
 static char folder[] = "/tmp/fixsplat-window-XXXXXX";

@@ -2,7 +2,7 @@
 #ifndef BACKEND_H
 #define BACKEND_H
 
-#include "../port/formats/message.h"
+#include "../port/files/message.h"
 #include "../src/fixsplat.h"
 
 typedef struct backend backend;

@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "../port/formats/fxs_file.h"
+#include "../port/scene/fxs_file.h"
 #include "../port/posix/clock.h"
 #include "../src/packed.h"
 

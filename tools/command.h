@@ -6,9 +6,9 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "../port/formats/camera.h"
-#include "../port/formats/pack.h"
-#include "../port/formats/scene_filter.h"
+#include "../port/camera/camera.h"
+#include "../port/import/pack.h"
+#include "../port/scene/scene_filter.h"
 #include "../port/posix/map.h"
 #include "../port/posix/pool.h"
 #include "../src/fixsplat.h"

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "../port/formats/image_file.h"
+#include "../port/image/image_file.h"
 #include "command.h"
 #include "metrics.h"
 

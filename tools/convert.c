@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/formats/fxs_file.h"
-#include "../port/formats/ply_write.h"
-#include "../port/formats/splat_write.h"
-#include "../port/formats/spz_write.h"
+#include "../port/scene/fxs_file.h"
+#include "../port/scene/ply_write.h"
+#include "../port/scene/splat_write.h"
+#include "../port/scene/spz_write.h"
 #include "command.h"
 #include "quality.h"
 

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/formats/fxs_file.h"
+#include "../port/scene/fxs_file.h"
 #include "quality.h"
 
 static const char help[] =

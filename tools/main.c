@@ -1,7 +1,7 @@
 /* fixsplat: renders 3D Gaussian splatting scenes in fixed point. */
 #include <string.h>
 
-#include "../port/formats/output.h"
+#include "../port/files/output.h"
 #include "command.h"
 
 static const struct {

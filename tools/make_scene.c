@@ -2,7 +2,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 
-#include "../port/formats/ply_write.h"
+#include "../port/scene/ply_write.h"
 #include "command.h"
 #include "procedural.h"
 

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/formats/image_file.h"
+#include "../port/image/image_file.h"
 #include "command.h"
 
 static const char help[] =

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../port/formats/image_file.h"
+#include "../port/image/image_file.h"
 #include "../port/posix/clock.h"
 #include "../port/window/motion.h"
 #include "window.h"

@@ -1,5 +1,5 @@
 /* fixsplat-view: what `fixsplat view` runs, with the same words. */
-#include "../port/formats/output.h"
+#include "../port/files/output.h"
 #include "viewer.h"
 #include "window.h"
 

@@ -4,7 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../port/formats/image_file.h"
+#include "../port/image/image_file.h"
 #include "window.h"
 
 const char viewer_keys[] =

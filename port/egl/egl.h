@@ -3,7 +3,7 @@
 #ifndef FXS_EGL_H
 #define FXS_EGL_H
 
-#include "../formats/message.h"
+#include "../files/message.h"
 
 /* Makes a context, the first that can be had, and makes it current on this thread. Returns 0, or -1 and why not. */
 int fxs_egl_open(void **egl, fxs_message *message);

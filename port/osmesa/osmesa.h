@@ -3,7 +3,7 @@
 #ifndef FXS_OSMESA_H
 #define FXS_OSMESA_H
 
-#include "../formats/message.h"
+#include "../files/message.h"
 
 /* Makes a context and makes it current on this thread. Returns 0, or -1 and why not. */
 int fxs_osmesa_open(void **osmesa, fxs_message *message);

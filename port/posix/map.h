@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../formats/message.h"
+#include "../files/message.h"
 
 typedef struct fxs_mapping {
     void *data;                    /* aligned to a page; null: nothing is mapped */

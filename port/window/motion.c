@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "../formats/camera.h"
+#include "../camera/camera.h"
 
 #define POLE 0.02   /* radians left between the view and up */
 

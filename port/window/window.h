@@ -2,7 +2,7 @@
 #ifndef FXS_WINDOW_H
 #define FXS_WINDOW_H
 
-#include "../formats/message.h"
+#include "../files/message.h"
 #include "overlay.h"
 
 typedef struct fxs_window fxs_window;

@@ -8,7 +8,7 @@
 cd "$(dirname "$0")/../.." || exit 1
 public='src/fixsplat\.h|src/packed\.h|kernels/kernels\.h|kernels/(gles/gles|cuda/cuda)\.h'
 isa='[a-z]*mmintrin\.h|cpuid\.h|arm_(neon|mve|acle)\.h|sys/auxv\.h|wasm_simd128\.h'
-internal='port/formats/([a-z_]*_internal|scene_format)\.h'
+internal='port/[a-z]*/([a-z_]*_internal|scene_format)\.h'
 faults=
 
 files() {

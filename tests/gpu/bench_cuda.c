@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../port/formats/camera.h"
+#include "../../port/camera/camera.h"
 #include "../../port/posix/map.h"
 #include "../../src/packed.h"
 #include "peek.h"

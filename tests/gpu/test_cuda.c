@@ -2,7 +2,7 @@
  * `test_cuda [--quick] [FILE.fxs...]`; --quick: few random scenes, for the sanitizers. */
 #include <inttypes.h>
 
-#include "../../port/formats/camera.h"
+#include "../../port/camera/camera.h"
 #include "../../port/posix/map.h"
 #include "../../src/stage.h"
 #include "../random_scene.h"

@@ -1,0 +1,69 @@
+/* Buffered bytes of a scene file, from any offset on. Several readers may share a file. */
+#ifndef FXS_BYTE_READER_H
+#define FXS_BYTE_READER_H
+
+#include <math.h>
+#include <string.h>
+
+#include "../scene/source_internal.h"
+
+enum { FXS_BYTE_READER_BUFFER = 1 << 17 };
+
+typedef struct fxs_byte_reader {
+    const fxs_scene_source *source;
+    const char *fault;          /* what stopped a read or a seek */
+    uint64_t offset;            /* of the buffer's end, bytes into the file */
+    size_t begin, end;          /* unread bytes of the buffer */
+    uint8_t buffer[FXS_BYTE_READER_BUFFER];
+} fxs_byte_reader;
+
+/* The next `size` bytes, at most FXS_BYTE_READER_BUFFER, valid until the next call; NULL where there are no more. */
+const uint8_t *fxs_bytes_take(fxs_byte_reader *reader, size_t size);
+
+/* 0, or -1 where the file has no such offset. */
+int fxs_bytes_seek(fxs_byte_reader *reader, uint64_t offset);
+int fxs_bytes_skip(fxs_byte_reader *reader, uint64_t size);
+
+/* Sets the fault and returns -1. */
+int fxs_bytes_fail(fxs_byte_reader *reader, const char *fault);
+
+/* Tells the fault and the row, from 0, that it stopped, and returns -1. */
+int fxs_bytes_fail_row(const fxs_byte_reader *reader, const char *rows, uint64_t row, uint64_t count,
+                       fxs_message *message);
+
+static inline uint64_t fxs_bytes_tell(const fxs_byte_reader *reader)
+{
+    return reader->offset - (reader->end - reader->begin);
+}
+
+/* ---- Little-endian values ---- */
+
+static inline uint16_t fxs_load_u16(const uint8_t *bytes)
+{
+    return (uint16_t)(bytes[0] | bytes[1] << 8);
+}
+
+static inline uint32_t fxs_load_u32(const uint8_t *bytes)
+{
+    return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
+}
+
+/* What the bits of an IEEE 754 binary16 mean. */
+static inline float fxs_half(uint32_t bits)
+{
+    const int exponent = bits >> 10 & 31, fraction = bits & 1023;
+    float value = exponent ? ldexpf((float)(1024 + fraction), exponent - 25) : ldexpf((float)fraction, -24);
+    if (exponent == 31)
+        value = fraction ? NAN : INFINITY;
+    return bits >> 15 & 1 ? -value : value;
+}
+
+static inline float fxs_load_float(const uint8_t *bytes)
+{
+    uint32_t bits = fxs_load_u32(bytes);
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+#endif

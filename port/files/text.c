@@ -1,0 +1,69 @@
+#include "text_internal.h"
+
+#include <string.h>
+
+#include "../scene/source_internal.h"
+
+int fxs_text_load(const char *path, fxs_text *text, fxs_message *message)
+{
+    fxs_scene_source source;
+    memset(&source, 0, sizeof source);
+    int result = fxs_scene_source_open(&source, path, message);
+    if (result == 0)
+        result = fxs_scene_source_load(&source, 0, source.input.size, text, message);
+    text->path = path;
+    fxs_scene_source_close(&source);
+    return result;
+}
+
+#ifdef FXS_WITH_CJSON
+
+#include <cjson/cJSON.h>
+
+#define MAX_VALUES ((size_t)8 << 20)
+#define VALUE_BYTES 144                /* that cJSON takes for each, beside the letters of its strings */
+
+/* At least the number of values: each follows a comma or the bracket of its array or object. */
+static size_t count_separators(const fxs_text *json)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < json->size; i++)
+        count += json->data[i] == ',' || json->data[i] == '[' || json->data[i] == '{';
+    return count;
+}
+
+cJSON *fxs_json_parse(const fxs_text *json, const fxs_scene_source *source, fxs_message *message)
+{
+    const char *end = json->data;
+    const size_t values = count_separators(json);
+    if (values > MAX_VALUES) {
+        fxs_fail(message, "%s: more than %zu values", json->path, MAX_VALUES);
+        return NULL;
+    }
+    if (source && fxs_limit_memory(source, (uint64_t)values * VALUE_BYTES + json->size, message))
+        return NULL;
+    cJSON *root = cJSON_ParseWithLengthOpts(json->data, json->size + 1, &end, 1);
+    if (!root)
+        fxs_fail(message, "%s: bad JSON at byte %td", json->path, end - json->data);
+    return root;
+}
+
+int fxs_json_numbers(const cJSON *array, double *out, int count)
+{
+    const cJSON *item;
+    if (!cJSON_IsArray(array) || cJSON_GetArraySize(array) != count)
+        return 0;
+    cJSON_ArrayForEach(item, array) {
+        if (!cJSON_IsNumber(item))
+            return 0;
+        *out++ = item->valuedouble;
+    }
+    return 1;
+}
+
+const char *fxs_json_string(const cJSON *object, const char *name)
+{
+    return cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(object, name));
+}
+
+#endif

@@ -1,0 +1,72 @@
+/* Gaussians -> the codes of a chunk (src/packed.h). The only place where attributes are quantised. */
+#ifndef FXS_ENCODE_H
+#define FXS_ENCODE_H
+
+#include "../../src/packed.h"
+#include "palette.h"
+#include "../scene/scene_file.h"
+
+#define FXS_LOG2_E 1.4426950408889634
+
+/* floor(x) in low..high; NaN is low. */
+int fxs_floor_within(double x, int low, int high);
+
+/* ln(sigma) within +-20; NaN becomes -20. */
+float fxs_held_scale(float scale);
+
+/* Raises axes that are thinner than e^-9 of the largest to that, and cuts all to +-20. */
+void fxs_hold_scales(fxs_gaussian *gaussian);
+
+/* Brings a centre beyond +-limit on an axis to there, towards the origin, and the axes in proportion, so that it looks
+   the same from the origin. Returns 1 where it was beyond. */
+int fxs_bring_in(fxs_gaussian *gaussian, double limit);
+
+typedef struct fxs_range {
+    float low, high;
+} fxs_range;
+
+/* Of the attributes of a chunk's Gaussians, before its header can be written. */
+typedef struct fxs_chunk_ranges {
+    fxs_range position[3], scale, colour[3];
+    float sh[3];                     /* largest coefficient of each degree */
+    float opacity_harm[FXS_OPACITY_LAWS];   /* what rounding under each law would do to the picture */
+} fxs_chunk_ranges;
+
+void fxs_ranges_clear(fxs_chunk_ranges *ranges);
+void fxs_ranges_take(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, int sh_degree);
+
+/* Writes a chunk's header. Where the file's numbers are in few bits and a chunk's range allows it, codes are those of
+   the file. */
+void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *ranges, const fxs_scene_file_info *info);
+
+enum { FXS_LOSS_POSITION, FXS_LOSS_SCALE, FXS_LOSS_ROTATION, FXS_LOSS_OPACITY, FXS_LOSS_DC, FXS_LOSS_SH, FXS_LOSSES };
+
+/* Differences between what was read and what the codes say: of each number, but of a rotation its angle. */
+typedef struct fxs_loss {
+    double largest[FXS_LOSSES], squares[FXS_LOSSES];
+} fxs_loss;
+
+/* How a scene is coded. */
+typedef struct fxs_encoder {
+    enum fxs_profile profile;
+    int sh_degree;
+} fxs_encoder;
+
+/* 1 / (1 + exp(-logit)) */
+double fxs_opacity(const fxs_gaussian *gaussian);
+
+enum { FXS_RECORD_BYTES = 63 };      /* of the codes of one Gaussian, at most */
+
+/* Writes the codes of a Gaussian one after the other, in the order of the rows of its chunk, and notes what is lost. In
+   a profile with a palette not those of SH: fxs_palette_code_chunk does. */
+void fxs_encode(const fxs_encoder *encoder, const fxs_chunk *chunk, const fxs_gaussian *gaussian,
+                unsigned char record[FXS_RECORD_BYTES], fxs_loss *loss);
+
+/* Writes what is left of a Gaussian's SH into its record of profile compact: the gain and codes of 3 bits. `rest` becomes
+   what they leave. */
+void fxs_encode_rest(fxs_sh_vector rest, int count, int unit_exponent, unsigned char *record);
+
+/* Turns the records of a chunk, one after the other, into its rows. */
+void fxs_encode_rows(const fxs_encoder *encoder, const unsigned char *records, unsigned char *rows);
+
+#endif

@@ -1,0 +1,125 @@
+#include "fxs_file.h"
+
+#include <stdint.h>
+#include <string.h>
+
+#include "../../src/fixsplat.h"
+#include "../../src/packed.h"
+#include "../files/output_internal.h"
+
+#ifdef FXS_WITH_ZLIB
+#include <zlib.h>
+
+/* Of the header as it lies at `data`, but for its checksum. */
+static uint32_t header_checksum(const void *data)
+{
+    fxs_packed_header blank;
+    memcpy(&blank, data, sizeof blank);
+    blank.checksum = 0;
+    return (uint32_t)crc32(0, (const unsigned char *)&blank, sizeof blank);
+}
+
+static const unsigned char *rows_of(const fxs_scene *scene, uint32_t i)
+{
+    return scene->rows + (size_t)i * scene->chunk_bytes;
+}
+
+/* A chunk's header as it lies in the scene. */
+static fxs_chunk chunk_of(const fxs_scene *scene, uint32_t i)
+{
+    fxs_chunk chunk;
+    memcpy(&chunk, scene->chunks + (size_t)i * sizeof chunk, sizeof chunk);
+    return chunk;
+}
+
+static uint32_t chunk_checksum(const fxs_scene *scene, uint32_t i)
+{
+    fxs_chunk blank = chunk_of(scene, i);
+    blank.checksum = 0;
+    uLong crc = crc32(0, (const unsigned char *)&blank, sizeof blank);
+    return (uint32_t)crc32(crc, rows_of(scene, i), scene->chunk_bytes);
+}
+
+static size_t palette_bytes(const fxs_scene *scene)
+{
+    return scene->palette ? (size_t)(scene->rows - (const unsigned char *)scene->palette) : 0;
+}
+
+static uint32_t palette_checksum(const fxs_scene *scene)
+{
+    return (uint32_t)crc32(0, (const unsigned char *)scene->palette, (uInt)palette_bytes(scene));
+}
+
+/* Errors stay in the output. */
+static void write_scene(fxs_output *output, const void *data, const fxs_scene *scene, fxs_message *message)
+{
+    fxs_packed_header header;
+    memcpy(&header, data, sizeof header);
+    header.palette_checksum = fxs_little_32(palette_checksum(scene));
+    header.checksum = fxs_little_32(header_checksum(&header));
+    int result = fxs_output_write(output, &header, sizeof header, message);
+    for (uint32_t i = 0; i < scene->chunk_count && !result; i++) {
+        fxs_chunk chunk = chunk_of(scene, i);
+        chunk.checksum = fxs_little_32(chunk_checksum(scene, i));
+        result = fxs_output_write(output, &chunk, sizeof chunk, message);
+    }
+    if (!result && scene->palette)
+        result = fxs_output_write(output, scene->palette, palette_bytes(scene), message);
+    if (!result)
+        fxs_output_write(output, scene->rows, (size_t)scene->chunk_count * scene->chunk_bytes, message);
+}
+
+int fxs_file_write(const char *path, const void *data, size_t bytes, fxs_message *message)
+{
+    fxs_scene scene;
+    fxs_output output;
+    int error = fxs_scene_open(&scene, data, bytes);
+    if (error)
+        return fxs_fail(message, "%s: %s", path, fxs_strerror(error));
+    if (fxs_output_open(&output, path, 0, message))
+        return -1;
+    write_scene(&output, data, &scene, message);
+    return fxs_output_close(&output, message);
+}
+
+int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fxs_message *message)
+{
+    fxs_packed_header header;
+    fxs_scene scene;
+    if (bytes < sizeof header)
+        return fxs_fail(message, "%s: not an .fxs file", path);
+    memcpy(&header, data, sizeof header);
+    fxs_packed_header_turn(&header);
+    if (header.magic != FXS_PACKED_MAGIC)
+        return fxs_fail(message, "%s: not an .fxs file", path);
+    if (header.version != FXS_PACKED_VERSION)
+        return fxs_fail(message, "%s: .fxs of version %u, this program reads %u; convert its source again", path, header.version,
+                        FXS_PACKED_VERSION);
+    if (header.checksum != header_checksum(data))
+        return fxs_fail(message, "%s: the header is damaged: its checksum is wrong", path);
+    if (fxs_scene_open(&scene, data, bytes))
+        return fxs_fail(message, "%s: damaged or cut short: %zu bytes, expected %zu", path, bytes,
+                        fxs_scene_bytes(header.count, (int)(header.sh_degree & 3),
+                                        (enum fxs_profile)header.profile, header.palette_entries));
+    if (all && header.palette_checksum != palette_checksum(&scene))
+        return fxs_fail(message, "%s: the palette is damaged: its checksum is wrong", path);
+    for (uint32_t i = 0; i < scene.chunk_count && all; i++)
+        if (fxs_little_32(chunk_of(&scene, i).checksum) != chunk_checksum(&scene, i))
+            return fxs_fail(message, "%s: chunk %u of %u is damaged: its checksum is wrong", path, i,
+                            scene.chunk_count);
+    return 0;
+}
+#else
+int fxs_file_write(const char *path, const void *data, size_t bytes, fxs_message *message)
+{
+    (void)data;
+    (void)bytes;
+    return fxs_fail(message, "%s: this program was built without zlib, which .fxs needs", path);
+}
+
+int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fxs_message *message)
+{
+    (void)all;
+    return fxs_file_write(path, data, bytes, message);
+}
+#endif

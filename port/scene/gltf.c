@@ -1,0 +1,924 @@
+/* .glb and .gltf with KHR_gaussian_splatting (Khronos), plain or with an .spz in a bufferView. The Gaussians come in
+   the frame of a .ply, y down: x and y of glTF change their signs. A colorSpace of linear light is refused: such
+   Gaussians are blended before they are encoded, so that no colours blended in sRGB make the same picture. Drafts of the
+   extension are read too: SCALE as logarithms (February 2026), _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
+#include "scene_format.h"
+
+#ifdef FXS_WITH_CJSON
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#include "../files/byte_reader.h"
+#include "gltf_internal.h"
+#include "scene_codes.h"
+#include "spz_internal.h"
+#include "../files/text_internal.h"
+#include "transform_internal.h"
+
+enum {
+    MAX_DEPTH = 64,              /* of nodes */
+    MAX_BUFFERS = 64,
+    MAX_MEMBERS = 1024,          /* of an item of a list: each look-up goes through them */
+    MAX_PARTS = 1024,            /* primitives times their nodes */
+    MAX_COUNT = 2147483647,      /* Gaussians in all */
+    BATCH = 256,                 /* Gaussians read at a time */
+    MAX_STRIDE = 252             /* bytes */
+};
+
+/* An array of the file. */
+typedef struct list {
+    const cJSON **items;
+    int count;
+} list;
+
+enum { NODES, MESHES, ACCESSORS, VIEWS, BUFFERS, LISTS };
+static const char *const list_names[LISTS] = {"nodes", "meshes", "accessors", "bufferViews", "buffers"};
+
+typedef struct buffer {
+    const fxs_scene_source *source;
+    fxs_scene_source own;        /* *source where it is another file, or memory */
+    uint8_t *memory;             /* of a data: URI */
+    uint64_t memory_size;        /* bytes held */
+    uint64_t offset, size;
+} buffer;
+
+typedef struct range {
+    const buffer *buffer;
+    uint64_t offset, size;
+} range;
+
+typedef struct view {
+    range bytes;
+    int64_t stride;              /* 0: none is given */
+    const char *fault;           /* or NULL; told when it is used */
+} view;
+
+enum { BYTE, UBYTE, SHORT, USHORT, FLOAT = 6 };   /* componentType - 5120 */
+
+typedef struct accessor {
+    range bytes;
+    uint32_t count, stride, size;
+    uint8_t type, is_normalized, components;
+} accessor;
+
+enum { POSITION, ROTATION, SCALE, OPACITY, SH, ATTRIBUTES = SH + 16 };
+
+/* A primitive with Gaussians. */
+typedef struct splats {
+    range spz;                   /* or, where its buffer is NULL, the attributes */
+    fxs_spz *opened;             /* once a part of it was entered */
+    int first;                   /* primitive with the same .spz; of attributes, itself */
+    accessor attributes[ATTRIBUTES];
+    int attribute_count;
+    uint32_t count;
+    int sh_degree, stored_sh_degree, antialiased;
+    int scales_known, has_log_scales;
+} splats;
+
+/* Its primitives with Gaussians, once it is read. */
+typedef struct mesh {
+    int is_read, first, end;
+} mesh;
+
+/* A primitive as placed by a node. */
+typedef struct part {
+    int splats;
+    double rows[3][4];
+} part;
+
+typedef struct gltf {
+    const fxs_scene_source *source;
+    fxs_message *message;        /* of the call */
+    double frame[3][4];          /* of what is read, from the file's */
+    list lists[LISTS];           /* until the file is open; so are the next three */
+    view *views;
+    mesh *meshes;
+    uint8_t *visited;            /* nodes */
+    uint64_t bin_offset, bin_size;
+    buffer buffers[MAX_BUFFERS];
+    splats *splats;
+    part *parts;
+    int splats_count, parts_count;
+    int part;                    /* being read */
+    uint32_t next;               /* Gaussian of it */
+    fxs_transform transform;     /* of it */
+    fxs_spz *spz;                /* of it, or NULL */
+    uint8_t bytes[BATCH * MAX_STRIDE];
+} gltf;
+
+static int fail(const gltf *g, const char *fault)
+{
+    return fxs_fail(g->message, "%s: %s", g->source->path, fault);
+}
+
+static void *allocate(const gltf *g, size_t count, size_t size)
+{
+    void *block = fxs_allocate_zeroed(g->source->options.allocator, count, size);
+    if (!block)
+        fail(g, "out of memory");
+    return block;
+}
+
+static void release(const gltf *g, void *block)
+{
+    fxs_release(g->source->options.allocator, block);
+}
+
+static int fail_item(const gltf *g, const char *item, int index, const char *fault)
+{
+    return fxs_fail(g->message, "%s: %s %d: %s", g->source->path, item, index, fault);
+}
+
+/* ---- JSON ------------------------------------------------------------------------------------------------------ */
+
+static const cJSON *member(const cJSON *object, const char *name)
+{
+    return cJSON_GetObjectItemCaseSensitive(object, name);
+}
+
+/* A whole number from 0 to 2^53 - 1; `absent` for NULL, -1 for anything else. */
+static int64_t whole(const cJSON *item, int64_t absent)
+{
+    if (!item)
+        return absent;
+    double value = cJSON_IsNumber(item) ? item->valuedouble : -1;
+    return value >= 0 && value < 9007199254740992.0 && value == (double)(int64_t)value ? (int64_t)value : -1;
+}
+
+/* The index of something that exists, or -1. */
+static int index_of(const gltf *g, const cJSON *item, int which)
+{
+    int64_t index = whole(item, -1);
+    return index < g->lists[which].count ? (int)index : -1;
+}
+
+static int make_list(gltf *g, const cJSON *root, int which)
+{
+    const cJSON *array = member(root, list_names[which]), *item;
+    list *made = &g->lists[which];
+    made->items = allocate(g, (size_t)cJSON_GetArraySize(array), sizeof *made->items);
+    if (!made->items)
+        return -1;
+    cJSON_ArrayForEach(item, array) {
+        if (cJSON_GetArraySize(item) > MAX_MEMBERS)
+            return fail_item(g, list_names[which], made->count, "too many members");
+        made->items[made->count++] = item;
+    }
+    return 0;
+}
+
+/* The array with room for one more item, or NULL and a message. */
+static void *grow(const gltf *g, void *items, int count, size_t size)
+{
+    if (count & (count - 1))     /* it has the size of a power of two */
+        return items;
+    void *larger = fxs_enlarge(g->source->options.allocator, items, (size_t)count, count ? 2 * (size_t)count : 1, size);
+    if (!larger)
+        fail(g, "out of memory");
+    return larger;
+}
+
+/* ---- Buffers --------------------------------------------------------------------------------------------------- */
+
+static int base64_digit(int c)
+{
+    return c >= 'A' && c <= 'Z' ? c - 'A' : c >= 'a' && c <= 'z' ? c - 'a' + 26 : c >= '0' && c <= '9' ? c - '0' + 52
+           : c == '+' ? 62 : c == '/' ? 63 : -1;
+}
+
+/* Returns the number of bytes, or -1. */
+static int64_t decode_base64(const char *text, uint8_t *out)
+{
+    const uint8_t *start = out;
+    uint32_t bits = 0;
+    int count = 0;
+    for (; *text && *text != '='; text++) {
+        int digit = base64_digit(*text);
+        if (digit < 0)
+            return -1;
+        bits = bits << 6 | (uint32_t)digit;
+        count += 6;
+        if (count >= 8)
+            *out++ = (uint8_t)(bits >> (count -= 8));
+    }
+    return out - start;
+}
+
+static int open_data(const gltf *g, buffer *b, int index, const char *uri)
+{
+    const char *comma = strchr(uri, ',');
+    if (!comma || comma - uri < 7 || memcmp(comma - 7, ";base64", 7) != 0)
+        return fail_item(g, "buffer", index, "a data: URI that is not base64");
+    b->memory_size = strlen(comma) / 4 * 3 + 3;
+    b->memory = fxs_hold(g->source, b->memory_size, g->message);
+    if (!b->memory)
+        return -1;
+    int64_t size = decode_base64(comma + 1, b->memory);
+    if (size < 0)
+        return fail_item(g, "buffer", index, "a data: URI that is not base64");
+    const fxs_scene_input input = fxs_memory_input(b->memory, (size_t)size);
+    b->own.options = g->source->options;
+    b->own.import = g->source->import;
+    return fxs_scene_source_open_input(&b->own, g->source->path, &input, g->message);
+}
+
+/* Only a file beside this one: a scene from elsewhere may not choose other files to read. */
+static int open_beside(const gltf *g, buffer *b, int index, const char *uri)
+{
+    char *name = allocate(g, strlen(uri) + 1, 1);
+    if (!name)
+        return -1;
+    strcpy(name, uri);
+    fxs_decode_percent(name);
+    int result = *name && !strchr(name, '/') ? fxs_scene_source_open_beside(&b->own, g->source, name, g->message)
+                 : fail_item(g, "buffer", index, "a URI that is not a file name in the same folder");
+    release(g, name);
+    return result;
+}
+
+/* A buffer that has no bytes here (the fallback of a compressed one) is left empty. */
+static int open_buffer(gltf *g, int index)
+{
+    const cJSON *item = g->lists[BUFFERS].items[index];
+    const char *uri = fxs_json_string(item, "uri");
+    int64_t size = whole(member(item, "byteLength"), -1);
+    buffer *b = &g->buffers[index];
+    if (size < 1)
+        return fail_item(g, "buffer", index, "no byteLength above 0");
+    if (!uri && index > 0)
+        return 0;
+    if (!uri) {
+        b->source = g->source;
+        b->offset = g->bin_offset;
+        b->size = g->bin_size;
+    } else {
+        if ((strncmp(uri, "data:", 5) == 0 ? open_data : open_beside)(g, b, index, uri))
+            return -1;
+        b->source = &b->own;
+        b->size = b->own.input.size;
+    }
+    if (b->size < (uint64_t)size)
+        return fxs_fail(g->message, "%s: buffer %d has %llu bytes, not %lld", g->source->path, index,
+                        (unsigned long long)b->size, (long long)size);
+    b->size = (uint64_t)size;
+    return 0;
+}
+
+static int open_buffers(gltf *g)
+{
+    if (g->lists[BUFFERS].count > MAX_BUFFERS)
+        return fxs_fail(g->message, "%s: more than %d buffers", g->source->path, MAX_BUFFERS);
+    for (int i = 0; i < g->lists[BUFFERS].count; i++)
+        if (open_buffer(g, i))
+            return -1;
+    return 0;
+}
+
+static int read_bytes(const gltf *g, const range *from, uint64_t offset, void *out, size_t size)
+{
+    const buffer *b = from->buffer;
+    return fxs_scene_source_read(b->source, b->offset + from->offset + offset, out, size, g->message);
+}
+
+static view parse_view(const gltf *g, const cJSON *item)
+{
+    const cJSON *extensions = member(item, "extensions");
+    int index = index_of(g, member(item, "buffer"), BUFFERS);
+    int64_t offset = whole(member(item, "byteOffset"), 0), size = whole(member(item, "byteLength"), -1);
+    view v = {{index < 0 ? NULL : &g->buffers[index], (uint64_t)offset, (uint64_t)size},
+              whole(member(item, "byteStride"), 0), NULL};
+    if (member(extensions, "EXT_meshopt_compression") || member(extensions, "KHR_meshopt_compression"))
+        v.fault = "meshopt compression is not read";
+    else if (index < 0 || offset < 0 || size < 0)
+        v.fault = "no valid buffer, byteOffset and byteLength";
+    else if (v.bytes.size > v.bytes.buffer->size || v.bytes.offset > v.bytes.buffer->size - v.bytes.size)
+        v.fault = "not within its buffer";
+    return v;
+}
+
+static int use_view(const gltf *g, int index, view *out)
+{
+    *out = g->views[index];
+    return out->fault ? fail_item(g, "bufferView", index, out->fault) : 0;
+}
+
+/* The attribute of that name; in drafts, _SCALE for KHR_gaussian_splatting:SCALE. */
+static const cJSON *find_attribute(const cJSON *attributes, const char *name)
+{
+    const cJSON *found = member(attributes, name);
+    const char *colon = strchr(name, ':');
+    char draft[48];
+    if (found || !colon)
+        return found;
+    snprintf(draft, sizeof draft, "_%s", colon + 1);
+    return member(attributes, draft);
+}
+
+/* ---- Accessors ------------------------------------------------------------------------------------------------- */
+
+/* Types as bits: plain at 2 type, normalized at 2 type + 1. */
+#define PLAIN(type) (1u << 2 * (type))
+#define NORMALIZED(type) (2u << 2 * (type))
+
+static int read_layout(gltf *g, int index, const cJSON *item, accessor *a)
+{
+    int view_index = index_of(g, member(item, "bufferView"), VIEWS);
+    view v;
+    if (view_index < 0)
+        return fail_item(g, "accessor", index, "no valid bufferView");
+    if (use_view(g, view_index, &v))
+        return -1;
+    int64_t offset = whole(member(item, "byteOffset"), 0), count = whole(member(item, "count"), -1);
+    int64_t stride = v.stride ? v.stride : a->size;
+    if (count < 1 || count > MAX_COUNT || stride < a->size || stride > MAX_STRIDE)
+        return fail_item(g, "accessor", index, "no valid count or byteStride");
+    uint64_t needed = (uint64_t)(count - 1) * (uint64_t)stride + a->size;
+    if (offset < 0 || needed > v.bytes.size || (uint64_t)offset > v.bytes.size - needed)
+        return fail_item(g, "accessor", index, "not within its bufferView");
+    a->bytes = (range){v.bytes.buffer, v.bytes.offset + (uint64_t)offset, needed};
+    a->count = (uint32_t)count;
+    a->stride = (uint32_t)stride;
+    return 0;
+}
+
+static int read_accessor(gltf *g, const cJSON *attributes, const char *name, int components, unsigned types,
+                         accessor *a)
+{
+    static const char *const shapes[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
+    static const uint8_t sizes[] = {1, 1, 2, 2, 0, 4, 4};
+    int index = index_of(g, find_attribute(attributes, name), ACCESSORS);
+    if (index < 0)
+        return fxs_fail(g->message, "%s: a primitive with Gaussians has no accessor for %s", g->source->path, name);
+    const cJSON *item = g->lists[ACCESSORS].items[index];
+    const char *shape = fxs_json_string(item, "type");
+    int64_t type = whole(member(item, "componentType"), -1) - 5120;
+    int is_normalized = cJSON_IsTrue(member(item, "normalized"));
+    if (type < 0 || type > FLOAT || !(types >> (2 * type + is_normalized) & 1) || !shape ||
+        strcmp(shape, shapes[components]) != 0)
+        return fxs_fail(g->message, "%s: accessor %d: not of a type that %s may have", g->source->path, index, name);
+    if (member(item, "sparse"))
+        return fail_item(g, "accessor", index, "sparse accessors are not read");
+    a->type = (uint8_t)type;
+    a->is_normalized = (uint8_t)is_normalized;
+    a->components = (uint8_t)components;
+    a->size = (uint32_t)(sizes[type] * components);
+    return read_layout(g, index, item, a);
+}
+
+static double component(const accessor *a, const uint8_t *bytes)
+{
+    switch (a->type) {
+    case BYTE:   return a->is_normalized ? fmax((int8_t)bytes[0] / 127.0, -1) : (int8_t)bytes[0];
+    case UBYTE:  return bytes[0] / (a->is_normalized ? 255.0 : 1);
+    case SHORT:
+        return a->is_normalized ? fmax((int16_t)fxs_load_u16(bytes) / 32767.0, -1) : (int16_t)fxs_load_u16(bytes);
+    case USHORT: return fxs_load_u16(bytes) / (a->is_normalized ? 65535.0 : 1);
+    default:     return fxs_load_float(bytes);
+    }
+}
+
+static float logit(double opacity)
+{
+    opacity = opacity < 0 ? 0 : opacity > 1 ? 1 : opacity;
+    return (float)fmin(fmax(log(opacity / (1 - opacity)), -20), 20);
+}
+
+/* COLOR_0, where OPACITY has four components. */
+static void store_colour(fxs_gaussian *gaussian, const double *rgba)
+{
+    gaussian->opacity = logit(rgba[3]);
+    for (int i = 0; i < 3; i++)
+        gaussian->dc[i] = fxs_dc_of_colour(rgba[i]);
+}
+
+static void store(const splats *s, fxs_gaussian *gaussian, int attribute, const double *v)
+{
+    if (attribute == OPACITY && s->attributes[OPACITY].components == 4)
+        store_colour(gaussian, v);
+    else if (attribute == OPACITY)
+        gaussian->opacity = logit(v[0]);
+    if (attribute == ROTATION)
+        for (int i = 0; i < 4; i++)
+            gaussian->rotation[i] = (float)v[(i + 3) % 4];   /* x y z w in the file */
+    if (attribute == ROTATION || attribute == OPACITY)
+        return;
+    float *out = attribute == POSITION ? gaussian->position : attribute == SCALE ? gaussian->scale
+                 : attribute == SH ? gaussian->dc : gaussian->sh + 3 * (attribute - SH - 1);
+    for (int i = 0; i < 3; i++)
+        out[i] = attribute == SCALE && !s->has_log_scales ? fxs_log_scale(v[i]) : (float)v[i];
+}
+
+static int read_attributes(gltf *g, const splats *s, fxs_gaussian *gaussians, size_t count)
+{
+    double values[4];
+    memset(gaussians, 0, count * sizeof *gaussians);
+    for (int i = 0; i < s->attribute_count; i++) {
+        const accessor *a = &s->attributes[i];
+        uint32_t step = a->size / a->components;
+        if (read_bytes(g, &a->bytes, (uint64_t)g->next * a->stride, g->bytes, (count - 1) * a->stride + a->size))
+            return -1;
+        for (size_t k = 0; k < count; k++) {
+            for (uint32_t c = 0; c < a->components; c++)
+                values[c] = component(a, g->bytes + k * a->stride + c * step);
+            store(s, &gaussians[k], i, values);
+        }
+    }
+    return 0;
+}
+
+/* Counts the Gaussians with a scale below 0. */
+static int count_below(gltf *g, const accessor *a, uint64_t *below)
+{
+    for (uint32_t at = 0; at < a->count; at += BATCH) {
+        const uint32_t count = a->count - at < BATCH ? a->count - at : BATCH;
+        if (read_bytes(g, &a->bytes, (uint64_t)at * a->stride, g->bytes, (count - 1) * a->stride + a->size))
+            return -1;
+        for (uint32_t k = 0; k < count; k++) {
+            const uint8_t *scale = g->bytes + k * a->stride;
+            *below += fxs_load_float(scale) < 0 || fxs_load_float(scale + 4) < 0 || fxs_load_float(scale + 8) < 0;
+        }
+    }
+    return 0;
+}
+
+/* ---- Primitives and nodes -------------------------------------------------------------------------------------- */
+
+static int read_sh(gltf *g, const cJSON *attributes, splats *s)
+{
+    char name[48];
+    for (int degree = 0; degree <= 3; degree++) {
+        snprintf(name, sizeof name, "KHR_gaussian_splatting:SH_DEGREE_%d_COEF_0", degree);
+        if (degree > 0 && !find_attribute(attributes, name))
+            break;
+        s->sh_degree = degree;
+        for (int k = 0; k <= 2 * degree; k++) {
+            snprintf(name, sizeof name, "KHR_gaussian_splatting:SH_DEGREE_%d_COEF_%d", degree, k);
+            if (read_accessor(g, attributes, name, 3, PLAIN(FLOAT), &s->attributes[SH + degree * degree + k]))
+                return -1;
+        }
+    }
+    s->attribute_count = SH + (s->sh_degree + 1) * (s->sh_degree + 1);
+    s->stored_sh_degree = s->sh_degree;
+    if (s->sh_degree == 3 && find_attribute(attributes, "KHR_gaussian_splatting:SH_DEGREE_4_COEF_0"))
+        s->stored_sh_degree = 4;
+    return 0;
+}
+
+/* Opacity and SH, which a draft had as a colour of four components. */
+static int read_colours(gltf *g, const cJSON *attributes, splats *s)
+{
+    static const char opacity[] = "KHR_gaussian_splatting:OPACITY";
+    const unsigned types = PLAIN(FLOAT) | NORMALIZED(UBYTE) | NORMALIZED(USHORT);
+    if (member(attributes, "COLOR_0") && !find_attribute(attributes, opacity) &&
+        !find_attribute(attributes, "KHR_gaussian_splatting:SH_DEGREE_0_COEF_0")) {
+        s->attribute_count = SH;
+        return read_accessor(g, attributes, "COLOR_0", 4, types, &s->attributes[OPACITY]);
+    }
+    return read_accessor(g, attributes, opacity, 1, types, &s->attributes[OPACITY]) ? -1 : read_sh(g, attributes, s);
+}
+
+static int read_accessors(gltf *g, const cJSON *attributes, splats *s)
+{
+    static const struct { const char *name; int components; unsigned types; } core[OPACITY] = {
+        {"POSITION", 3, PLAIN(FLOAT)},
+        {"KHR_gaussian_splatting:ROTATION", 4, PLAIN(FLOAT) | NORMALIZED(BYTE) | NORMALIZED(SHORT)},
+        {"KHR_gaussian_splatting:SCALE", 3, PLAIN(FLOAT) | PLAIN(UBYTE) | NORMALIZED(UBYTE) | PLAIN(USHORT) |
+                                            NORMALIZED(USHORT) | PLAIN(BYTE) | NORMALIZED(BYTE) | PLAIN(SHORT) |
+                                            NORMALIZED(SHORT)}
+    };
+    for (int i = 0; i < OPACITY; i++)
+        if (read_accessor(g, attributes, core[i].name, core[i].components, core[i].types, &s->attributes[i]))
+            return -1;
+    if (read_colours(g, attributes, s))
+        return -1;
+    s->count = s->attributes[POSITION].count;
+    for (int i = 0; i < s->attribute_count; i++)
+        if (s->attributes[i].count != s->count)
+            return fail(g, "the accessors of a primitive with Gaussians differ in count");
+    return 0;
+}
+
+/* The drafts of a compression by .spz, in or beside the extension. */
+static const cJSON *find_spz(const cJSON *extensions)
+{
+    static const char *const names[] = {
+        "KHR_gaussian_splatting_compression_spz_2", "KHR_gaussian_splatting_compression_spz",
+        "KHR_spz_gaussian_splats_compression"
+    };
+    const cJSON *inner = member(member(extensions, "KHR_gaussian_splatting"), "extensions"), *found = NULL;
+    for (int i = 0; i < 3 && !found; i++) {
+        found = member(inner, names[i]);
+        found = found ? found : member(extensions, names[i]);
+    }
+    return found;
+}
+
+static int fail_parts(const gltf *g)
+{
+    return fxs_fail(g->message, "%s: more than %d primitives with Gaussians", g->source->path, MAX_PARTS);
+}
+
+static int same_range(const range *a, const range *b)
+{
+    return a->buffer == b->buffer && a->offset == b->offset && a->size == b->size;
+}
+
+/* Whether the Gaussians are meant as they are drawn here. */
+static int check_splatting(const gltf *g, const cJSON *splatting)
+{
+    static const char *const spaces[] = {"srgb_rec709_display", "BT.709-sRGB", "BT.709"};   /* the last two in drafts */
+    const char *kernel = fxs_json_string(splatting, "kernel"), *space = fxs_json_string(splatting, "colorSpace");
+    const cJSON *position_scale = member(splatting, "quantizedPositionScale");
+    size_t known = 0;
+    if (kernel && strcmp(kernel, "ellipse") != 0)
+        return fxs_fail(g->message, "%s: kernel \"%.40s\" is not read", g->source->path, kernel);
+    while (space && known < 3 && strcasecmp(space, spaces[known]) != 0)
+        known++;
+    if (known == 3)
+        return fxs_fail(g->message, "%s: colorSpace \"%.40s\" is not drawn: Gaussians are blended in sRGB only",
+                        g->source->path, space);
+    if (position_scale && !(cJSON_IsNumber(position_scale) && position_scale->valuedouble == 1))
+        return fail(g, "a quantizedPositionScale (of a draft) is not read");
+    return 0;
+}
+
+static int read_primitive(gltf *g, const cJSON *primitive)
+{
+    const cJSON *extensions = member(primitive, "extensions"), *spz = find_spz(extensions);
+    const cJSON *splatting = member(extensions, "KHR_gaussian_splatting");
+    if (!spz && !splatting)
+        return 0;
+    if (check_splatting(g, splatting))
+        return -1;
+    if (g->splats_count == MAX_PARTS)
+        return fail_parts(g);
+    splats *larger = grow(g, g->splats, g->splats_count, sizeof *g->splats);
+    if (!larger)
+        return -1;
+    g->splats = larger;
+    splats *added = &g->splats[g->splats_count++];
+    memset(added, 0, sizeof *added);
+    added->first = g->splats_count - 1;
+    if (!spz)
+        return read_accessors(g, member(primitive, "attributes"), added);
+    int view_index = index_of(g, member(spz, "bufferView"), VIEWS);
+    view v;
+    if (view_index < 0)
+        return fail(g, "an .spz without a valid bufferView");
+    if (use_view(g, view_index, &v))
+        return -1;
+    added->spz = v.bytes;
+    for (added->first = 0; !same_range(&g->splats[added->first].spz, &added->spz);)
+        added->first++;
+    return 0;
+}
+
+static int read_mesh(gltf *g, int index)
+{
+    mesh *m = &g->meshes[index];
+    const cJSON *primitive;
+    if (m->is_read)
+        return 0;
+    m->is_read = 1;
+    m->first = g->splats_count;
+    cJSON_ArrayForEach(primitive, member(g->lists[MESHES].items[index], "primitives"))
+        if (read_primitive(g, primitive))
+            return -1;
+    m->end = g->splats_count;
+    return 0;
+}
+
+static int place_mesh(gltf *g, int index, double rows[3][4])
+{
+    if (read_mesh(g, index))
+        return -1;
+    for (int i = g->meshes[index].first; i < g->meshes[index].end; i++) {
+        if (g->parts_count == MAX_PARTS)
+            return fail_parts(g);
+        part *larger = grow(g, g->parts, g->parts_count, sizeof *g->parts);
+        if (!larger)
+            return -1;
+        g->parts = larger;
+        part *added = &g->parts[g->parts_count++];
+        added->splats = g->splats[i].first;
+        memcpy(added->rows, rows, sizeof added->rows);
+    }
+    return 0;
+}
+
+/* 1 where there is no such member, or exactly these many numbers. */
+static int take_numbers(const cJSON *object, const char *name, double *out, int count)
+{
+    const cJSON *item = member(object, name);
+    return !item || fxs_json_numbers(item, out, count);
+}
+
+/* Column by column, as glTF has it. */
+static int local_matrix(const gltf *g, int index, double m[16])
+{
+    const cJSON *node = g->lists[NODES].items[index];
+    double t[3] = {0, 0, 0}, q[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
+    memset(m, 0, 16 * sizeof *m);
+    if (member(node, "matrix")) {
+        if (!take_numbers(node, "matrix", m, 16) || m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
+            return fail_item(g, "node", index, "not a matrix of 16 numbers with a last row of 0 0 0 1");
+        return 0;
+    }
+    if (!take_numbers(node, "translation", t, 3) || !take_numbers(node, "rotation", q, 4) ||
+        !take_numbers(node, "scale", s, 3))
+        return fail_item(g, "node", index, "not 3 numbers in translation or scale, or 4 in rotation");
+    const double x = q[0], y = q[1], z = q[2], w = q[3], k = 2 / (x * x + y * y + z * z + w * w);
+    const double made[16] = {
+        s[0] * (1 - k * (y * y + z * z)), s[0] * k * (x * y + w * z), s[0] * k * (x * z - w * y), 0,
+        s[1] * k * (x * y - w * z), s[1] * (1 - k * (x * x + z * z)), s[1] * k * (y * z + w * x), 0,
+        s[2] * k * (x * z + w * y), s[2] * k * (y * z - w * x), s[2] * (1 - k * (x * x + y * y)), 0,
+        t[0], t[1], t[2], 1};
+    memcpy(m, made, sizeof made);
+    return 0;
+}
+
+static int visit(gltf *g, const cJSON *item, double parent[3][4], int depth)
+{
+    int index = index_of(g, item, NODES);
+    double m[16], rows[3][4];
+    const cJSON *child;
+    if (index < 0)
+        return fail(g, "a node that does not exist");
+    if (depth > MAX_DEPTH || g->visited[index]++)
+        return fail_item(g, "node", index, depth > MAX_DEPTH ? "nested too deep" : "reached twice");
+    if (local_matrix(g, index, m))
+        return -1;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 4; j++)
+            rows[i][j] = parent[i][0] * m[4 * j] + parent[i][1] * m[4 * j + 1] + parent[i][2] * m[4 * j + 2] +
+                         parent[i][3] * m[4 * j + 3];
+    const cJSON *node = g->lists[NODES].items[index], *mesh_item = member(node, "mesh");
+    int mesh_index = index_of(g, mesh_item, MESHES);
+    if (mesh_item && mesh_index < 0)
+        return fail_item(g, "node", index, "a mesh that does not exist");
+    if (mesh_item && place_mesh(g, mesh_index, rows))
+        return -1;
+    cJSON_ArrayForEach(child, member(node, "children"))
+        if (visit(g, child, rows, depth + 1))
+            return -1;
+    return 0;
+}
+
+/* ---- Parts ----------------------------------------------------------------------------------------------------- */
+
+static int open_spz(gltf *g, int index)
+{
+    splats *s = &g->splats[index];
+    const buffer *b = s->spz.buffer;
+    fxs_scene_file_info info;
+    if (fxs_spz_open(b->source, b->offset + s->spz.offset, s->spz.size, FXS_AXES_RDF, &s->opened, &info, g->message))
+        return -1;
+    s->count = (uint32_t)info.count;
+    s->sh_degree = info.sh_degree;
+    s->stored_sh_degree = info.stored_sh_degree;
+    s->antialiased = info.antialiased;
+    return 0;
+}
+
+/* An fxs_import's drop: the last .spz that is decompressed, but for the one being read. So the first ones stay. */
+int fxs_gltf_drop(void *handle)
+{
+    gltf *g = handle;
+    for (int i = g->splats_count; i-- > 0;)
+        if (g->splats[i].opened && g->splats[i].opened != g->spz && fxs_spz_drop(g->splats[i].opened))
+            return 1;
+    return 0;
+}
+
+/* Makes a part the one that is read; g->parts_count is the end. */
+static int enter(gltf *g, int index)
+{
+    g->part = g->parts_count;
+    g->next = 0;
+    g->spz = NULL;
+    if (index == g->parts_count)
+        return 0;
+    part *p = &g->parts[index];
+    splats *s = &g->splats[p->splats];
+    if (fxs_transform_init(&g->transform, p->rows))
+        return fail(g, "a node's transform has no inverse");
+    if (s->spz.buffer) {
+        if (!s->opened && open_spz(g, p->splats))
+            return -1;
+        g->spz = s->opened;
+        fxs_spz_rewind(g->spz);
+    }
+    g->part = index;
+    return 0;
+}
+
+/* Scales are linear, few of them below 0. In a draft they were logarithms, which signed integers are therefore; and the
+   file's floats, where a quarter of its Gaussians have one below 0, as nearly all logarithms of captured scenes are. The
+   number of Gaussians is known to be within the limit. */
+static int find_log_scales(gltf *g)
+{
+    uint64_t below = 0, count = 0;
+    for (int i = 0; i < g->parts_count; i++) {
+        splats *s = &g->splats[g->parts[i].splats];
+        const accessor *a = &s->attributes[SCALE];
+        if (s->spz.buffer || a->type != FLOAT || s->scales_known++)
+            continue;
+        count += a->count;
+        if (count_below(g, a, &below))
+            return -1;
+    }
+    for (int i = 0; i < g->splats_count; i++) {
+        splats *s = &g->splats[i];
+        const int type = s->attributes[SCALE].type;
+        s->has_log_scales = type == BYTE || type == SHORT || (type == FLOAT && below > 0 && below >= (count + 3) / 4);
+    }
+    return 0;
+}
+
+static int describe(gltf *g, fxs_scene_file_info *info)
+{
+    info->count = 0;
+    info->sh_degree = info->stored_sh_degree = info->antialiased = 0;
+    for (int i = 0; i < g->parts_count; i++) {
+        if (enter(g, i))
+            return -1;
+        const splats *s = &g->splats[g->parts[i].splats];
+        info->count += s->count;
+        info->sh_degree = s->sh_degree > info->sh_degree ? s->sh_degree : info->sh_degree;
+        if (s->stored_sh_degree > info->stored_sh_degree)
+            info->stored_sh_degree = s->stored_sh_degree;
+        info->antialiased |= s->antialiased;
+    }
+    if (info->count > MAX_COUNT)
+        return fxs_fail(g->message, "%s: more than %d Gaussians", g->source->path, MAX_COUNT);
+    if (fxs_limit_gaussians(g->source, info->count, g->message) || find_log_scales(g))
+        return -1;
+    return enter(g, 0);
+}
+
+/* ---- Opening --------------------------------------------------------------------------------------------------- */
+
+/* Where the JSON is; notes where the binary chunk is. */
+static int find_chunks(gltf *g, uint64_t *offset, uint64_t *size)
+{
+    uint8_t h[20], chunk[8];
+    *offset = 0;
+    *size = g->source->input.size;
+    if (*size < sizeof h)
+        return fail(g, "the file ends early");
+    if (fxs_scene_source_read(g->source, 0, h, sizeof h, g->message))
+        return -1;
+    if (memcmp(h, "glTF", 4) != 0)
+        return 0;
+    const uint64_t length = fxs_load_u32(h + 8), json = fxs_load_u32(h + 12);
+    if (fxs_load_u32(h + 4) != 2)
+        return fxs_fail(g->message, "%s: glTF version %u, not 2", g->source->path, fxs_load_u32(h + 4));
+    if (length > *size || length < sizeof h || json > length - sizeof h)
+        return fail(g, "the file ends early");
+    if (memcmp(h + 16, "JSON", 4) != 0)
+        return fail(g, "the first chunk is not JSON");
+    *offset = sizeof h;
+    *size = json;
+    g->bin_offset = sizeof h + json + sizeof chunk;
+    if (length < g->bin_offset)
+        return 0;
+    if (fxs_scene_source_read(g->source, sizeof h + json, chunk, sizeof chunk, g->message))
+        return -1;
+    g->bin_size = memcmp(chunk + 4, "BIN", 4) == 0 ? fxs_load_u32(chunk) : 0;
+    return g->bin_size > length - g->bin_offset ? fail(g, "the file ends early") : 0;
+}
+
+static int read_root(gltf *g, const cJSON *root)
+{
+    const char *version = fxs_json_string(member(root, "asset"), "version");
+    if (!version || strncmp(version, "2.", 2) != 0)
+        return fail(g, "not glTF 2: no such version in \"asset\"");
+    for (int i = 0; i < LISTS; i++)
+        if (make_list(g, root, i))
+            return -1;
+    g->meshes = allocate(g, (size_t)g->lists[MESHES].count, sizeof *g->meshes);
+    g->visited = allocate(g, (size_t)g->lists[NODES].count, 1);
+    g->views = allocate(g, (size_t)g->lists[VIEWS].count, sizeof *g->views);
+    if (!g->meshes || !g->visited || !g->views || open_buffers(g))
+        return -1;
+    for (int i = 0; i < g->lists[VIEWS].count; i++)
+        g->views[i] = parse_view(g, g->lists[VIEWS].items[i]);
+    int64_t scene = whole(member(root, "scene"), 0);
+    const cJSON *node, *nodes = scene < 0 || scene > MAX_PARTS ? NULL
+                                : member(cJSON_GetArrayItem(member(root, "scenes"), (int)scene), "nodes");
+    cJSON_ArrayForEach(node, nodes)
+        if (visit(g, node, g->frame, 0))
+            return -1;
+    return 0;
+}
+
+static int read_json(gltf *g)
+{
+    uint64_t offset, size;
+    fxs_text text;
+    if (find_chunks(g, &offset, &size) || fxs_scene_source_load(g->source, offset, size, &text, g->message))
+        return -1;
+    cJSON *root = fxs_json_parse(&text, g->source, g->message);
+    fxs_text_let_go(g->source, &text);
+    int result = root ? read_root(g, root) : -1;
+    cJSON_Delete(root);
+    return result;
+}
+
+static void free_json(gltf *g)
+{
+    for (int i = 0; i < LISTS; i++)
+        release(g, g->lists[i].items);
+    release(g, g->views);
+    release(g, g->meshes);
+    release(g, g->visited);
+}
+
+int fxs_gltf_open(void *handle, const fxs_scene_source *source, double frame[3][4], fxs_scene_file_info *info,
+                  fxs_message *message)
+{
+    gltf *g = handle;
+    g->source = source;
+    g->message = message;
+    memcpy(g->frame, frame, sizeof g->frame);
+    int result = read_json(g);
+    free_json(g);
+    return result ? -1 : describe(g, info);
+}
+
+static int gltf_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
+{
+    double frame[3][4] = {{-1, 0, 0, 0}, {0, -1, 0, 0}, {0, 0, 1, 0}};
+    gltf *g = handle;
+    source->import->drop = fxs_gltf_drop;
+    source->import->reader = g;
+    if (fxs_gltf_open(g, source, frame, info, message))
+        return -1;
+    return g->parts_count ? 0 : fail(g, "no primitive with KHR_gaussian_splatting in the scene");
+}
+
+static long gltf_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
+{
+    gltf *g = handle;
+    size_t done = 0;
+    g->message = message;
+    while (done < capacity && g->part < g->parts_count) {
+        const splats *s = &g->splats[g->parts[g->part].splats];
+        size_t left = s->count - g->next, count = capacity - done;
+        count = count < left ? count : left;
+        count = count < BATCH ? count : BATCH;
+        if (s->spz.buffer ? fxs_spz_read(g->spz, gaussians + done, count, message) < 0
+                          : count > 0 && read_attributes(g, s, gaussians + done, count))
+            return -1;
+        for (size_t i = 0; i < count; i++)
+            fxs_transform_apply(&g->transform, &gaussians[done + i], s->sh_degree);
+        done += count;
+        g->next += (uint32_t)count;
+        if (g->next == s->count && enter(g, g->part + 1))
+            return -1;
+    }
+    return (long)done;
+}
+
+static int gltf_rewind(void *handle, fxs_message *message)
+{
+    gltf *g = handle;
+    g->message = message;
+    return enter(g, 0);
+}
+
+static void gltf_close(void *handle)
+{
+    gltf *g = handle;
+    for (int i = 0; i < g->splats_count; i++)
+        fxs_spz_close(g->splats[i].opened);   /* before its source */
+    for (int i = 0; i < MAX_BUFFERS; i++) {
+        fxs_scene_source_close(&g->buffers[i].own);
+        fxs_let_go(g->source, g->buffers[i].memory, g->buffers[i].memory_size);
+    }
+    release(g, g->splats);
+    release(g, g->parts);
+}
+
+#define READER_SIZE sizeof(gltf)
+
+#else
+
+static int gltf_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
+{
+    (void)handle;
+    (void)info;
+    return fxs_fail(message, "%s: cannot read glTF: built without cJSON", source->path);
+}
+
+#define READER_SIZE 0
+#define gltf_read NULL
+#define gltf_rewind NULL
+#define gltf_close NULL
+
+#endif
+
+const fxs_scene_format fxs_scene_gltf = {"gltf", READER_SIZE, gltf_open, gltf_read, gltf_rewind, gltf_close};

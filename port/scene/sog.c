@@ -1,0 +1,745 @@
+/* .sog versions 1 and 2, as a zip or as files in a folder, and streamed SOG: PlayCanvas, "The SOG Format" and "The
+   Streamed SOG Format". Where those and PlayCanvas's own code differ (order of a quaternion, logarithms of scales,
+   width of a palette of degree 1), as the code has it. */
+#include "scene_format.h"
+
+#if defined(FXS_WITH_WEBP) && defined(FXS_WITH_CJSON)
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cjson/cJSON.h>
+#include <webp/decode.h>
+
+#include "scene_codes.h"
+#include "../files/zip_internal.h"
+
+enum {
+    SLACK = 1 << 16,
+    MAX_LEVELS = 1000,
+    MAX_FILES = 1 << 16,
+    PALETTE_ROW = 64        /* entries */
+};
+
+enum { MEANS_LOW, MEANS_HIGH, SCALES, QUATS, SH0, CENTROIDS, LABELS, IMAGES };
+
+static const struct { const char *name; int first, count; } properties[] = {
+    {"means", MEANS_LOW, 2}, {"scales", SCALES, 1}, {"quats", QUATS, 1}, {"sh0", SH0, 1}, {"shN", CENTROIDS, 2}
+};
+
+/* What the codes of a channel mean. */
+typedef float table[256];
+
+typedef struct sog_scene {
+    const fxs_scene_source *source;   /* meta.json or the zip */
+    fxs_scene_source own;      /* *source where it is not what was opened */
+    size_t count;
+    int sh_degree, antialiased;
+    size_t palette;            /* entries */
+    double mins[3], maxs[3];   /* of sign(x) ln(1 + |x|) */
+    table scale[3], colour[4], sh;
+    fxs_text files[IMAGES];    /* the images until they are decoded */
+    int widths[IMAGES], heights[IMAGES];   /* pixels */
+    uint8_t *pixels[IMAGES];   /* RGBA; Gaussian i is pixel i, whatever the width */
+} sog_scene;
+
+/* Gaussians [begin, end) of a file. */
+typedef struct range {
+    size_t file, begin, end;
+} range;
+
+/* A file of streamed SOG. */
+typedef struct file_name {
+    const char *name;
+    size_t file;
+    uint64_t device, inode;   /* once it was opened by its path; else 0 */
+} file_name;
+
+#define TO_THE_LAST SIZE_MAX
+
+typedef struct sog_reader {
+    const fxs_scene_source *source;
+    cJSON *files;         /* of streamed SOG: the names of its scenes */
+    file_name *names;     /* in the order of files; the file is the first with that name */
+    size_t file_count;    /* 1 where it is not streamed */
+    range *ranges;        /* in the order of files */
+    size_t range_count, range_capacity;
+    size_t at, done;      /* the range being read, and how much of it was */
+    sog_scene **scenes;   /* of each file: held, or NULL */
+    size_t *held;         /* the files whose scenes are, in the order in which they were loaded */
+    size_t held_count;
+    sog_scene *scene;     /* the one being loaded or read, or NULL */
+} sog_reader;
+
+static const cJSON *member(const cJSON *object, const char *name)
+{
+    return cJSON_GetObjectItemCaseSensitive(object, name);
+}
+
+/* 1 where the item is a whole number from 0 to `most`. */
+static int whole(const cJSON *item, size_t most, size_t *out)
+{
+    double value = cJSON_IsNumber(item) ? item->valuedouble : -1;
+    if (!(value >= 0 && value <= (double)most && value == floor(value)))
+        return 0;
+    *out = (size_t)value;
+    return 1;
+}
+
+static double lerp(double a, double b, double t)
+{
+    return a * (1 - t) + b * t;
+}
+
+/* ---- Files ----------------------------------------------------------------------------------------------------- */
+
+/* Where the files of a scene are: in the zip, or where that is NULL, beside meta.json. */
+typedef struct container {
+    const fxs_scene_source *source;   /* meta.json or the zip */
+    fxs_zip *zip;
+    fxs_message *message;
+} container;
+
+static int load_beside(const fxs_scene_source *source, const char *name, fxs_text *text, fxs_message *message)
+{
+    fxs_scene_source beside;
+    int status = fxs_scene_source_open_beside(&beside, source, name, message);
+    if (status == 0)
+        status = fxs_scene_source_load(&beside, 0, beside.input.size, text, message);
+    fxs_scene_source_close(&beside);
+    return status;
+}
+
+static int load_file(const container *c, const char *name, fxs_text *text)
+{
+    if (fxs_check_name(c->source, name, c->message) != 0)
+        return -1;
+    return c->zip ? fxs_zip_load(c->zip, name, text, c->message)
+                  : load_beside(c->source, name, text, c->message);
+}
+
+/* ---- meta.json ------------------------------------------------------------------------------------------------- */
+
+/* Version 2: 256 values, the same for all tables. Old writers left the first null. */
+static int read_codebook(const cJSON *property, table *tables, int count)
+{
+    const cJSON *codebook = member(property, "codebook"), *value;
+    float *next = tables[0];
+    if (!cJSON_IsArray(codebook) || cJSON_GetArraySize(codebook) != 256)
+        return 0;
+    cJSON_ArrayForEach(value, codebook) {
+        if (!cJSON_IsNumber(value) && !(value == codebook->child && cJSON_IsNull(value)))
+            return 0;
+        *next++ = (float)value->valuedouble;
+    }
+    if (cJSON_IsNull(codebook->child))
+        tables[0][0] = tables[0][1] + (tables[0][1] - tables[0][255]) / 255;
+    for (int i = 1; i < count; i++)
+        memcpy(tables[i], tables[0], sizeof(table));
+    return 1;
+}
+
+/* Version 1: the ends of each table; of a single one without an array. */
+static int read_bounds(const cJSON *property, table *tables, int count)
+{
+    const cJSON *low = member(property, "mins"), *high = member(property, "maxs");
+    double mins[4], maxs[4];
+    if (count == 1 && cJSON_IsNumber(low) && cJSON_IsNumber(high)) {
+        mins[0] = low->valuedouble;
+        maxs[0] = high->valuedouble;
+    } else if (!fxs_json_numbers(low, mins, count) || !fxs_json_numbers(high, maxs, count)) {
+        return 0;
+    }
+    for (int i = 0; i < count; i++)
+        for (int code = 0; code < 256; code++)
+            tables[i][code] = (float)lerp(mins[i], maxs[i], code / 255.0);
+    return 1;
+}
+
+/* Returns NULL or the fault. */
+static const char *read_meta(sog_scene *s, const cJSON *root)
+{
+    const cJSON *version = member(root, "version"), *means = member(root, "means"), *shn = member(root, "shN");
+    const char *model = fxs_json_string(root, "model");
+    int (*read)(const cJSON *, table *, int) = version ? read_codebook : read_bounds;
+    size_t degree = 0;
+    if (!means)
+        return "not a SOG scene: no \"means\"";
+    if (version && !(cJSON_IsNumber(version) && version->valuedouble == 2))
+        return "a version that is not known: not 1 or 2";
+    s->antialiased = cJSON_IsTrue(member(root, "antialias")) || (model && strcmp(model, "antialiased") == 0);
+    if (!whole(version ? member(root, "count") : cJSON_GetArrayItem(member(means, "shape"), 0), INT32_MAX, &s->count))
+        return version ? "no valid \"count\"" : "no valid \"shape\" of \"means\"";
+    if (!fxs_json_numbers(member(means, "mins"), s->mins, 3) || !fxs_json_numbers(member(means, "maxs"), s->maxs, 3))
+        return "no valid \"mins\" and \"maxs\" of \"means\"";
+    if (!read(member(root, "scales"), s->scale, 3))
+        return "no valid values of \"scales\"";
+    for (int code = 0; code < 256 && model && strcmp(model, "2dgs") == 0; code++)
+        s->scale[2][code] = FXS_FLAT_SCALE;
+    for (int code = 0; code < 256; code++)   /* version 1 has its own */
+        s->colour[3][code] = fxs_logit_of_code(code);
+    if (!read(member(root, "sh0"), s->colour, version ? 3 : 4))
+        return "no valid values of \"sh0\"";
+    if (shn && !read(shn, &s->sh, 1))
+        return "no valid values of \"shN\"";
+    if (shn && version && !(whole(member(shn, "bands"), 3, &degree) && degree > 0))
+        return "no valid \"bands\" of \"shN\"";
+    if (shn && version && !whole(member(shn, "count"), 65536, &s->palette))
+        return "no valid \"count\" of \"shN\"";
+    s->sh_degree = (int)degree;
+    return NULL;
+}
+
+/* ---- Images ---------------------------------------------------------------------------------------------------- */
+
+static int coefficients(int degree)
+{
+    return degree * (degree + 2);
+}
+
+/* The width of the palette gives the degree in version 1, and must agree with it in version 2, which counts entries. */
+static const char *check_palette(sog_scene *s, int width, size_t pixels)
+{
+    int degree = s->sh_degree ? s->sh_degree : 1;
+    while (!s->sh_degree && degree < 3 && width != PALETTE_ROW * coefficients(degree))
+        degree++;
+    if (width != PALETTE_ROW * coefficients(degree))
+        return "not as wide as a palette of its degree";
+    size_t room = pixels / (size_t)coefficients(degree);
+    if (room < s->palette)
+        return "not as high as a palette of its count";
+    if (!s->sh_degree)
+        s->palette = room;
+    s->sh_degree = degree;
+    return NULL;
+}
+
+static const char *check_image(sog_scene *s, int image)
+{
+    const fxs_text *file = &s->files[image];
+    WebPBitstreamFeatures features;
+    if (WebPGetFeatures((const uint8_t *)file->data, file->size, &features) != VP8_STATUS_OK ||
+        features.has_animation || features.format != 2)
+        return "not a lossless WebP";
+    size_t pixels = (size_t)features.width * (size_t)features.height;
+    s->widths[image] = features.width;
+    s->heights[image] = features.height;
+    if (image == CENTROIDS)
+        return check_palette(s, features.width, pixels);
+    if (pixels < s->count)
+        return "fewer pixels than Gaussians";
+    if (pixels / 2 > s->count + SLACK)
+        return "far more pixels than Gaussians";
+    return NULL;
+}
+
+static int load_image(sog_scene *s, const container *c, int image, const char *name)
+{
+    if (load_file(c, name, &s->files[image]) != 0)
+        return -1;
+    const char *fault = check_image(s, image);
+    return fault ? fxs_fail(c->message, "%s: %s: %s", c->source->path, name, fault) : 0;
+}
+
+/* Each image has a file of its own: `names` has those of the images before it, or NULL. */
+static int load_named_image(sog_scene *s, const container *c, int image, const char *names[IMAGES], const char *name)
+{
+    for (int i = 0; i < image && name; i++)
+        if (names[i] && fxs_compare_names(names[i], name) == 0)
+            return fxs_fail(c->message, "%s: %s: the file of two images", c->source->path, name);
+    names[image] = name;
+    return load_image(s, c, image, name);
+}
+
+static int load_images(sog_scene *s, const container *c, const cJSON *root)
+{
+    const char *loaded[IMAGES] = {NULL};
+    for (size_t i = 0; i < sizeof properties / sizeof *properties; i++) {
+        const cJSON *property = member(root, properties[i].name), *names = member(property, "files");
+        if (properties[i].first == CENTROIDS && !property)
+            continue;
+        if (cJSON_GetArraySize(names) < properties[i].count)
+            return fxs_fail(c->message, "%s: too few \"files\" of \"%s\"", c->source->path, properties[i].name);
+        for (int k = 0; k < properties[i].count; k++)
+            if (load_named_image(s, c, properties[i].first + k, loaded,
+                                 cJSON_GetStringValue(cJSON_GetArrayItem(names, k))) != 0)
+                return -1;
+    }
+    return 0;
+}
+
+static size_t image_bytes(const sog_scene *s, int image)
+{
+    return 4 * (size_t)s->widths[image] * (size_t)s->heights[image];
+}
+
+static int decode_image(sog_scene *s, int image, fxs_message *message)
+{
+    const fxs_text *file = &s->files[image];
+    const size_t bytes = image_bytes(s, image);
+    uint8_t *pixels = fxs_hold(s->source, bytes, message);
+    if (!pixels)
+        return -1;
+    if (!WebPDecodeRGBAInto((const uint8_t *)file->data, file->size, pixels, bytes, 4 * s->widths[image])) {
+        fxs_let_go(s->source, pixels, bytes);
+        return fxs_fail(message, "%s: an image cannot be decoded: damaged, or out of memory", s->source->path);
+    }
+    s->pixels[image] = pixels;
+    return 0;
+}
+
+static int decode_images(sog_scene *s, fxs_message *message)
+{
+    for (int i = 0; i < IMAGES; i++) {
+        if (!s->files[i].data)
+            continue;
+        if (decode_image(s, i, message) != 0)
+            return -1;
+        fxs_text_let_go(s->source, &s->files[i]);
+    }
+    return 0;
+}
+
+static int load_meta(sog_scene *s, const container *c)
+{
+    fxs_text meta;
+    if ((c->zip ? load_file(c, "meta.json", &meta)
+                : fxs_scene_source_load(c->source, 0, c->source->input.size, &meta, c->message)) != 0)
+        return -1;
+    cJSON *root = fxs_json_parse(&meta, c->source, c->message);
+    fxs_text_let_go(c->source, &meta);
+    if (!root)
+        return -1;
+    const char *fault = read_meta(s, root);
+    int status = fault ? fxs_fail(c->message, "%s: %s", c->source->path, fault) : 0;
+    if (status == 0 && c->zip)   /* all its bytes are known, those of files in a folder when they are loaded */
+        status = fxs_limit_gaussians(c->source, s->count, c->message);
+    if (status == 0)
+        status = load_images(s, c, root);
+    cJSON_Delete(root);
+    return status;
+}
+
+/* ---- Gaussians ------------------------------------------------------------------------------------------------- */
+
+/* Smallest three: alpha names the component of w, x, y, z that is left out, the others are in +-1/sqrt(2). */
+static void decode_rotation(const uint8_t *code, float rotation[4])
+{
+    double sum = 0;
+    int omitted = code[3] - 252;
+    for (int i = 0; i < 4; i++)
+        rotation[i] = i == 0;
+    if (omitted < 0)
+        return;
+    for (int i = 0; i < 4; i++) {
+        if (i == omitted)
+            continue;
+        double value = (*code++ / 255.0 - 0.5) * 1.4142135623730951;
+        rotation[i] = (float)value;
+        sum += value * value;
+    }
+    rotation[omitted] = (float)sqrt(fmax(0, 1 - sum));
+}
+
+static void decode_sh(const sog_scene *s, size_t index, float *sh)
+{
+    const uint8_t *code = s->pixels[LABELS] + 4 * index;
+    size_t label = code[0] | (size_t)code[1] << 8, count = (size_t)coefficients(s->sh_degree);
+    if (label >= s->palette)   /* 0, as PlayCanvas's own reader has it */
+        return;
+    for (size_t k = 0; k < count; k++)
+        for (size_t c = 0; c < 3; c++)
+            sh[3 * k + c] = s->sh[s->pixels[CENTROIDS][4 * (label * count + k) + c]];
+}
+
+static void decode_gaussian(const sog_scene *s, size_t index, fxs_gaussian *g)
+{
+    const uint8_t *low = s->pixels[MEANS_LOW] + 4 * index, *high = s->pixels[MEANS_HIGH] + 4 * index;
+    const uint8_t *scale = s->pixels[SCALES] + 4 * index, *colour = s->pixels[SH0] + 4 * index;
+    memset(g, 0, sizeof *g);
+    for (int i = 0; i < 3; i++) {
+        double n = lerp(s->mins[i], s->maxs[i], (high[i] << 8 | low[i]) / 65535.0);
+        g->position[i] = (float)copysign(expm1(fabs(n)), n);
+        g->scale[i] = s->scale[i][scale[i]];
+        g->dc[i] = s->colour[i][colour[i]];
+    }
+    g->opacity = s->colour[3][colour[3]];
+    decode_rotation(s->pixels[QUATS] + 4 * index, g->rotation);
+    if (s->sh_degree)
+        decode_sh(s, index, g->sh);
+}
+
+/* ---- Ranges of files ------------------------------------------------------------------------------------------- */
+
+static int add_range(sog_reader *r, range added, fxs_message *message)
+{
+    if (r->range_count == r->range_capacity) {
+        size_t capacity = 2 * r->range_capacity + 16;
+        range *ranges = fxs_enlarge(r->source->options.allocator, r->ranges, r->range_count, capacity, sizeof *ranges);
+        if (!ranges)
+            return fxs_fail(message, "%s: out of memory", r->source->path);
+        r->ranges = ranges;
+        r->range_capacity = capacity;
+    }
+    r->ranges[r->range_count++] = added;
+    return 0;
+}
+
+/* A level from the name of a member; -1: it is not one. */
+static int level_of(const char *name)
+{
+    int level = 0;
+    for (const char *c = name; *c; c++)
+        if (*c < '0' || *c > '9' || (level = 10 * level + (*c - '0')) > MAX_LEVELS)
+            return -1;
+    return *name ? level : -1;
+}
+
+/* What a node has of a level, or NULL. A leaf that has nothing of it is drawn at the nearest level that it has, the
+   finer of two. Returns 0, or -1 where the node's levels are not numbers. */
+static int find_run(const cJSON *node, int level, const cJSON **run)
+{
+    const int is_leaf = !cJSON_GetArraySize(member(node, "children"));
+    const cJSON *item;
+    int least = is_leaf ? 2 * MAX_LEVELS : 0;
+    *run = NULL;
+    cJSON_ArrayForEach(item, member(node, "lods")) {
+        const int given = item->string ? level_of(item->string) : -1;
+        if (given < 0)
+            return -1;
+        const int distance = given < level ? 2 * (level - given) - 1 : 2 * (given - level);
+        if (distance <= least) {
+            least = distance;
+            *run = item;
+        }
+    }
+    return 0;
+}
+
+/* The ranges of the node's leaves at a level. */
+static int add_leaves(sog_reader *r, const cJSON *node, int level, fxs_message *message)
+{
+    const cJSON *run, *child;
+    if (find_run(node, level, &run) != 0)
+        return fxs_fail(message, "%s: a leaf with \"lods\" that are not levels from 0 to %d", r->source->path,
+                        MAX_LEVELS);
+    if (run) {
+        range added;
+        size_t count;
+        if (!whole(member(run, "file"), r->file_count, &added.file) || added.file == r->file_count ||
+            !whole(member(run, "offset"), INT32_MAX, &added.begin) || !whole(member(run, "count"), INT32_MAX, &count))
+            return fxs_fail(message, "%s: a leaf with no valid \"file\", \"offset\" and \"count\"", r->source->path);
+        added.end = added.begin + count;
+        if (count > 0 && add_range(r, added, message) != 0)
+            return -1;
+    }
+    cJSON_ArrayForEach(child, member(node, "children"))
+        if (add_leaves(r, child, level, message) != 0)
+            return -1;
+    return 0;
+}
+
+static int compare_ranges(const void *a, const void *b)
+{
+    const range *x = a, *y = b;
+    if (x->file != y->file)
+        return x->file < y->file ? -1 : 1;
+    return (x->begin > y->begin) - (x->begin < y->begin);
+}
+
+static int compare_names(const void *a, const void *b)
+{
+    const file_name *x = a, *y = b;
+    int order = fxs_compare_names(x->name, y->name);
+    return order ? order : (x->file > y->file) - (x->file < y->file);
+}
+
+/* Lists the names, and has each file that is named twice read once. */
+static int list_names(sog_reader *r, fxs_message *message)
+{
+    const cJSON *item;
+    size_t count = (size_t)cJSON_GetArraySize(r->files), i = 0;
+    file_name *sorted = fxs_allocate(r->source->options.allocator, count, sizeof *sorted);
+    r->names = fxs_allocate(r->source->options.allocator, count, sizeof *r->names);
+    if (!sorted || !r->names) {
+        fxs_release(r->source->options.allocator, sorted);
+        return fxs_fail(message, "%s: out of memory", r->source->path);
+    }
+    cJSON_ArrayForEach(item, r->files) {
+        const char *name = cJSON_GetStringValue(item);
+        sorted[i] = r->names[i] = (file_name){name ? name : "", i, 0, 0};
+        i++;
+    }
+    if (count > 0)
+        qsort(sorted, count, sizeof *sorted, compare_names);
+    for (i = 1; i < count; i++)
+        if (fxs_compare_names(sorted[i - 1].name, sorted[i].name) == 0)
+            r->names[sorted[i].file].file = r->names[sorted[i - 1].file].file;
+    fxs_release(r->source->options.allocator, sorted);
+    r->file_count = count;
+    for (i = 0; i < r->range_count; i++)
+        r->ranges[i].file = r->names[r->ranges[i].file].file;
+    return 0;
+}
+
+/* The environment is drawn at every level: a file that the index names, else one of this name beside it, as PlayCanvas
+   had it before the index could name one. 1 where there is one, which is the last of the files then. */
+static int add_environment(sog_reader *r, cJSON *root)
+{
+    static const char name[] = "environment.sog";
+    cJSON *named = cJSON_DetachItemFromObjectCaseSensitive(root, "environment");
+    if (!cJSON_IsString(named)) {
+        cJSON_Delete(named);
+        named = fxs_scene_source_is_beside(r->source, name) ? cJSON_CreateString(name) : NULL;
+    }
+    return named && cJSON_AddItemToArray(r->files, named);
+}
+
+/* lod-meta.json: one level of every leaf, file by file, and the environment. */
+static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs_message *message)
+{
+    const cJSON *version = member(root, "version");
+    const cJSON *environment = member(root, "environment");
+    size_t levels;
+    if (version && !(cJSON_IsNumber(version) && version->valuedouble == 1))
+        return fxs_fail(message, "%s: streamed SOG of a version that is not known: not 1", r->source->path);
+    if (!whole(member(root, "lodLevels"), MAX_LEVELS, &levels) || levels == 0)
+        return fxs_fail(message, "%s: no valid \"lodLevels\"", r->source->path);
+    info->levels = (int)levels;
+    r->files = cJSON_DetachItemFromObjectCaseSensitive(root, "filenames");
+    if (!cJSON_IsArray(r->files) || cJSON_GetArraySize(r->files) > MAX_FILES)
+        return fxs_fail(message, "%s: \"filenames\" is not an array of up to %d", r->source->path, MAX_FILES);
+    r->file_count = (size_t)cJSON_GetArraySize(r->files);
+    if (environment && !cJSON_IsString(environment) && !cJSON_IsNull(environment))
+        return fxs_fail(message, "%s: an \"environment\" that is not a file name", r->source->path);
+    if (add_leaves(r, member(root, "tree"), r->source->options.level, message) != 0)
+        return -1;
+    const int has_environment = add_environment(r, root);
+    if (list_names(r, message) != 0)
+        return -1;
+    if (r->range_count > 0)
+        qsort(r->ranges, r->range_count, sizeof *r->ranges, compare_ranges);
+    return has_environment ? add_range(r, (range){r->names[r->file_count - 1].file, 0, TO_THE_LAST}, message) : 0;
+}
+
+/* ---- Scenes, held as long as there is room ---------------------------------------------------------------------- */
+
+static void drop_scene(sog_reader *r, size_t at)
+{
+    sog_scene *s = r->scenes[r->held[at]];
+    r->scenes[r->held[at]] = NULL;
+    r->held_count--;
+    memmove(r->held + at, r->held + at + 1, (r->held_count - at) * sizeof *r->held);
+    for (int i = 0; i < IMAGES; i++) {
+        fxs_text_let_go(s->source, &s->files[i]);
+        fxs_let_go(s->source, s->pixels[i], image_bytes(s, i));
+    }
+    fxs_scene_source_close(&s->own);
+    fxs_let_go(r->source, s, sizeof *s);
+}
+
+/* An fxs_import's drop: the scene loaded last, but for the one in use. So the first ones stay. */
+static int drop_another(void *handle)
+{
+    sog_reader *r = handle;
+    for (size_t at = r->held_count; at-- > 0;)
+        if (r->scenes[r->held[at]] != r->scene) {
+            drop_scene(r, at);
+            return 1;
+        }
+    return 0;
+}
+
+/* Sets the source of a scene: what was opened, or for streamed SOG a file beside it. */
+static int open_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_message *message)
+{
+    s->source = r->files ? &s->own : r->source;
+    if (!r->files)
+        return 0;
+    const char *name = r->names[file].name;
+    s->own.options = r->source->options;
+    s->own.import = r->source->import;
+    if (fxs_check_name(r->source, name, message) != 0)
+        return -1;
+    return fxs_scene_source_open_beside(&s->own, r->source, name, message);
+}
+
+/* Links can give one file many names. */
+static int check_identity(const sog_reader *r, const sog_scene *s, size_t file, fxs_message *message)
+{
+    if (r->names[file].inode == s->own.inode && r->names[file].device == s->own.device)
+        return 0;                  /* known since it was opened before, or without a number */
+    for (size_t i = 0; i < r->file_count && s->own.inode; i++)
+        if (i != file && r->names[i].inode == s->own.inode && r->names[i].device == s->own.device)
+            return fxs_fail(message, "%s: the same file as %s", s->own.path, r->names[i].name);
+    r->names[file].device = s->own.device;
+    r->names[file].inode = s->own.inode;
+    return 0;
+}
+
+/* 1 for a zip, 0 for a meta.json, or -1 and a message. */
+static int is_bundle(const fxs_scene_source *source, fxs_message *message)
+{
+    char first;
+    return fxs_scene_source_read(source, 0, &first, 1, message) != 0 ? -1 : first == 'P';
+}
+
+/* Loads a scene, its images not decoded yet. */
+static int load_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_message *message)
+{
+    if (open_scene(r, s, file, message) != 0 || (r->files && check_identity(r, s, file, message) != 0))
+        return -1;
+    container c = {s->source, NULL, message};
+    const int bundled = is_bundle(s->source, message);
+    if (bundled < 0 || (bundled && !(c.zip = fxs_zip_open(s->source, message))))
+        return -1;
+    int status = load_meta(s, &c);
+    fxs_zip_close(c.zip);
+    if (r->files)
+        fxs_scene_source_shut(&s->own);
+    return status;
+}
+
+static int add_scene(sog_reader *r, size_t file, fxs_message *message)
+{
+    r->scene = NULL;
+    sog_scene *s = fxs_hold(r->source, sizeof *s, message);
+    if (!s)
+        return -1;
+    memset(s, 0, sizeof *s);
+    r->scene = r->scenes[file] = s;
+    r->held[r->held_count++] = file;
+    if (load_scene(r, s, file, message) == 0)
+        return 0;
+    r->scene = NULL;
+    drop_scene(r, r->held_count - 1);
+    return -1;
+}
+
+/* Makes the range's scene the reader's. Its file may have changed since it was last looked at. */
+static int open_range(sog_reader *r, range *of, fxs_message *message)
+{
+    if (!r->scenes[of->file] && add_scene(r, of->file, message) != 0)
+        return -1;
+    r->scene = r->scenes[of->file];
+    if (of->end == TO_THE_LAST)
+        of->end = r->scene->count;
+    if (of->end > r->scene->count)
+        return fxs_fail(message, "%s: %zu Gaussians, but a leaf ends at %zu", r->scene->source->path, r->scene->count,
+                        of->end);
+    return 0;
+}
+
+static int check_ranges(sog_reader *r, fxs_scene_file_info *info, fxs_message *message)
+{
+    info->count = 0;
+    info->sh_degree = info->antialiased = 0;
+    for (size_t i = 0; i < r->range_count; i++) {
+        range *of = &r->ranges[i];
+        if (fxs_scene_source_progress(r->source, (double)i / (double)r->range_count, message) != 0 ||
+            open_range(r, of, message) != 0)
+            return -1;
+        if (i > 0 && of[-1].file == of->file && of[-1].end > of->begin)
+            return fxs_fail(message, "%s: two leaves share Gaussian %zu", r->scene->source->path, of->begin);
+        info->count += of->end - of->begin;
+        info->antialiased |= r->scene->antialiased;
+        info->sh_degree = r->scene->sh_degree > info->sh_degree ? r->scene->sh_degree : info->sh_degree;
+        if (fxs_limit_gaussians(r->source, info->count, message) != 0)
+            return -1;
+    }
+    return 0;
+}
+
+static int read_source(sog_reader *r, fxs_scene_file_info *info, fxs_message *message)
+{
+    fxs_text json;
+    const int bundled = is_bundle(r->source, message);
+    if (bundled < 0)
+        return -1;
+    if (bundled)
+        return add_range(r, (range){0, 0, TO_THE_LAST}, message);
+    if (fxs_scene_source_load(r->source, 0, r->source->input.size, &json, message) != 0)
+        return -1;
+    cJSON *root = fxs_json_parse(&json, r->source, message);
+    fxs_text_let_go(r->source, &json);
+    if (!root)
+        return -1;
+    int status = member(root, "tree") ? read_index(r, root, info, message)
+                                      : add_range(r, (range){0, 0, TO_THE_LAST}, message);
+    cJSON_Delete(root);
+    return status;
+}
+
+/* ---- The format ------------------------------------------------------------------------------------------------ */
+
+static int sog_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
+{
+    sog_reader *r = handle;
+    const fxs_allocator *allocator = source->options.allocator;
+    r->source = source;
+    r->file_count = 1;
+    if (read_source(r, info, message) != 0)
+        return -1;
+    r->scenes = fxs_allocate_zeroed(allocator, r->file_count, sizeof *r->scenes);
+    r->held = fxs_allocate(allocator, r->file_count, sizeof *r->held);
+    if (!r->scenes || !r->held)
+        return fxs_fail(message, "%s: out of memory", source->path);
+    source->import->drop = drop_another;
+    source->import->reader = r;
+    return check_ranges(r, info, message);
+}
+
+static long sog_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
+{
+    sog_reader *r = handle;
+    size_t count = 0;
+    while (count < capacity && r->at < r->range_count) {
+        range *of = &r->ranges[r->at];
+        if (open_range(r, of, message) != 0 || decode_images(r->scene, message) != 0)
+            return -1;
+        for (; count < capacity && r->done < of->end - of->begin; r->done++)
+            decode_gaussian(r->scene, of->begin + r->done, &gaussians[count++]);
+        if (r->done == of->end - of->begin) {
+            r->at++;
+            r->done = 0;
+        }
+    }
+    return (long)count;
+}
+
+static int sog_rewind(void *handle, fxs_message *message)
+{
+    sog_reader *r = handle;
+    (void)message;
+    r->at = r->done = 0;
+    return 0;
+}
+
+static void sog_close(void *handle)
+{
+    sog_reader *r = handle;
+    const fxs_allocator *allocator = r->source->options.allocator;
+    while (r->held_count > 0)
+        drop_scene(r, r->held_count - 1);
+    cJSON_Delete(r->files);
+    fxs_release(allocator, r->names);
+    fxs_release(allocator, r->scenes);
+    fxs_release(allocator, r->held);
+    fxs_release(allocator, r->ranges);
+}
+
+const fxs_scene_format fxs_scene_sog = {"sog", sizeof(sog_reader), sog_open, sog_read, sog_rewind, sog_close};
+
+#else
+
+static int sog_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
+{
+    (void)handle, (void)info;
+    return fxs_fail(message, "%s: cannot read .sog: built without libwebp or cJSON", source->path);
+}
+
+const fxs_scene_format fxs_scene_sog = {"sog", 0, sog_open, NULL, NULL, NULL};
+
+#endif

@@ -1,0 +1,390 @@
+#include "spz_write.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../import/encode.h"
+#include "../files/output_internal.h"
+#include "spz_internal.h"
+
+#ifdef FXS_WITH_ZLIB
+#define ZLIB_CONST
+#include <zlib.h>
+#endif
+#ifdef FXS_WITH_ZSTD
+#include <zstd.h>
+#endif
+
+enum { USUAL_BITS = 12, MAX_BITS = 24, ZSTD_LEVEL = 9, PIECE = 1 << 20 };
+enum { POSITION_MAX = (1 << 23) - 1 };   /* code */
+
+typedef struct placement {
+    float position[3], scale[3];
+} placement;
+
+struct fxs_spz_writer {
+    fxs_output output;
+    int version, sh_degree, antialiased;
+    uint32_t count, next;
+    uint32_t fitting[MAX_BITS + 2];   /* Gaussians by the most fractional bits, plus 1; 0: none holds them */
+    fxs_spz_clamped clamped;
+    int fractional_bits;
+    uint8_t stride[FXS_SPZ_ARRAYS];
+    placement *placements;            /* until the bits are chosen; then null */
+    uint8_t *payload, *array[FXS_SPZ_ARRAYS];
+    size_t size, done;   /* bytes of the payload, and those compressed */
+    fxs_progress_fn *progress;
+    void *argument;
+};
+
+static int is_built_in(int version)
+{
+#ifdef FXS_WITH_ZLIB
+    if (version == 3)
+        return 1;
+#endif
+#ifdef FXS_WITH_ZSTD
+    if (version == 4)
+        return 1;
+#endif
+    return version != 3 && version != 4;
+}
+
+int fxs_spz_writer_open(const char *path, int version, uint64_t count, int sh_degree, int antialiased,
+                        fxs_spz_writer **writer, fxs_message *message)
+{
+    *writer = NULL;
+    if (version != 3 && version != 4)
+        return fxs_fail(message, "%s: .spz version %d is not written, only 3 and 4", path, version);
+    if (!is_built_in(version))
+        return fxs_fail(message, "%s: cannot write .spz version %d: built without %s", path, version,
+                        version == 3 ? "zlib" : "zstd");
+    if (sh_degree < 0 || sh_degree > 3)
+        return fxs_fail(message, "%s: SH degree %d, not 0 to 3", path, sh_degree);
+    if (count > FXS_SPZ_MAX_COUNT)
+        return fxs_fail(message, "%s: more than %d Gaussians", path, FXS_SPZ_MAX_COUNT);
+    fxs_spz_writer *made = calloc(1, sizeof *made);
+    if (!made)
+        return fxs_fail(message, "%s: out of memory", path);
+    made->version = version;
+    made->sh_degree = sh_degree;
+    made->antialiased = antialiased;
+    made->count = (uint32_t)count;
+    fxs_spz_strides(made->stride, (uint32_t)version, sh_degree);
+    for (int i = 0; i < FXS_SPZ_ARRAYS; i++)
+        made->size += (size_t)count * made->stride[i];
+    made->payload = malloc(made->size + 1);
+    made->placements = malloc(((size_t)count + 1) * sizeof *made->placements);
+    int opened = made->payload && made->placements ? fxs_output_open(&made->output, path, count, message)
+                               : fxs_fail(message, "%s: out of memory", path);
+    if (opened) {
+        free(made->placements);
+        free(made->payload);
+        free(made);
+        return -1;
+    }
+    made->array[0] = made->payload;
+    for (int i = 1; i < FXS_SPZ_ARRAYS; i++)
+        made->array[i] = made->array[i - 1] + (size_t)count * made->stride[i - 1];
+    *writer = made;
+    return 0;
+}
+
+/* ---- Codes ----------------------------------------------------------------------------------------------------- */
+
+/* The nearest whole number from low to high; low for NaN. */
+static int32_t code(double x, int32_t low, int32_t high)
+{
+    x = floor(x + 0.5);
+    return x > low ? x < high ? (int32_t)x : high : low;
+}
+
+static void put_u32(uint8_t *to, uint32_t value)
+{
+    for (int i = 0; i < 4; i++)
+        to[i] = (uint8_t)(value >> 8 * i);
+}
+
+/* x, y, z, w; the largest is left out and made positive. */
+static uint32_t code_rotation(const double q[4])
+{
+    double norm = 0;
+    int largest = 3;
+    for (int i = 0; i < 4; i++) {
+        norm += q[i] * q[i];
+        largest = fabs(q[i]) > fabs(q[largest]) ? i : largest;
+    }
+    uint32_t word = (uint32_t)largest;
+    double scale = 511 * 1.4142135623730951 / sqrt(norm);
+    for (int i = 0; i < 4; i++)
+        if (i != largest) {
+            uint32_t negative = (q[i] < 0) != (q[largest] < 0);
+            word = word << 10 | negative << 9 | (uint32_t)code(fabs(q[i]) * scale, 0, 511);
+        }
+    return word;
+}
+
+static uint8_t code_byte(double x)
+{
+    return (uint8_t)code(x, 0, 255);
+}
+
+/* Of the codes of a byte, by a step or more. */
+static int is_beyond(double x)
+{
+    return !(x >= -1 && x <= 256);
+}
+
+static double scale_code(const fxs_gaussian *g, int axis)
+{
+    return (g->scale[axis] + 10.0) * 16;
+}
+
+/* The most fractional bits that hold the centre; -1: none. */
+static int bits_for(const float position[3])
+{
+    const double most = fmax(fmax(fabs(position[0]), fabs(position[1])), fabs(position[2]));
+    int bits = MAX_BITS;
+    while (bits >= 0 && !(ldexp(most, bits) <= POSITION_MAX))
+        bits--;
+    return bits;
+}
+
+/* All but what depends on the fractional bits. y and z change their signs: from right, down, front to right, up,
+   back. */
+static void encode(fxs_spz_writer *w, const fxs_gaussian *g, size_t index)
+{
+    uint8_t *at[FXS_SPZ_ARRAYS];
+    const double q[4] = {g->rotation[1], -g->rotation[2], -g->rotation[3], g->rotation[0]};
+    int dc = 0, sh = 0;
+    for (int i = 0; i < FXS_SPZ_ARRAYS; i++)
+        at[i] = w->array[i] + index * w->stride[i];
+    memcpy(w->placements[index].position, g->position, sizeof g->position);
+    memcpy(w->placements[index].scale, g->scale, sizeof g->scale);
+    w->fitting[bits_for(g->position) + 1]++;
+    for (int i = 0; i < 3; i++) {
+        const double x = (0.15 * g->dc[i] + 0.5) * 255;
+        dc |= is_beyond(x);
+        at[FXS_SPZ_COLOUR][i] = code_byte(x);
+    }
+    at[FXS_SPZ_ALPHA][0] = code_byte(255 / (1 + exp(-(double)g->opacity)));
+    put_u32(at[FXS_SPZ_ROTATION], code_rotation(q));
+    for (int i = 0; i < w->stride[FXS_SPZ_SH]; i++) {
+        int odd = fxs_spz_odd_in[i / 3] & 6;   /* in y, in z: a sign for each */
+        double x = 128 * (odd == 2 || odd == 4 ? -g->sh[i] : g->sh[i]) + 128;
+        sh |= is_beyond(x);
+        at[FXS_SPZ_SH][i] = code_byte(x);
+    }
+    w->clamped.dc += (uint32_t)dc;
+    w->clamped.sh += (uint32_t)sh;
+}
+
+int fxs_spz_writer_put(fxs_spz_writer *writer, const fxs_gaussian *gaussians, size_t n, fxs_message *message)
+{
+    if (fxs_output_expect(&writer->output, n, message))
+        return -1;
+    for (size_t i = 0; i < n; i++)
+        encode(writer, &gaussians[i], writer->next++);
+    return 0;
+}
+
+static void choose_bits(fxs_spz_writer *w)
+{
+    uint32_t beyond = 0;
+    int bits = 0;
+    while (bits <= MAX_BITS && beyond + w->fitting[bits] <= (bits <= USUAL_BITS ? (w->next + 99) / 100 : 0))
+        beyond += w->fitting[bits++];
+    w->fractional_bits = bits > 0 ? bits - 1 : 0;
+}
+
+/* Positions and scales. */
+static void place(fxs_spz_writer *w, size_t index)
+{
+    uint8_t *position = w->array[FXS_SPZ_POSITION] + index * w->stride[FXS_SPZ_POSITION];
+    uint8_t *scale = w->array[FXS_SPZ_SCALE] + index * w->stride[FXS_SPZ_SCALE];
+    int clamped = 0;
+    fxs_gaussian g = {.opacity = 0}, held;
+    memcpy(g.position, w->placements[index].position, sizeof g.position);
+    memcpy(g.scale, w->placements[index].scale, sizeof g.scale);
+    w->clamped.position += (uint32_t)fxs_bring_in(&g, w->clamped.reach);
+    held = g;
+    fxs_hold_scales(&held);            /* what is too thin to be seen is no loss */
+    for (int i = 0; i < 3; i++) {
+        const double x = ldexp(i ? -g.position[i] : g.position[i], w->fractional_bits);
+        const uint32_t bits = (uint32_t)code(x, -POSITION_MAX, POSITION_MAX);
+        for (int k = 0; k < 3; k++)
+            position[3 * i + k] = (uint8_t)(bits >> 8 * k);
+        scale[i] = code_byte(scale_code(&g, i));
+        clamped |= is_beyond(scale_code(&held, i));
+    }
+    w->clamped.scale += (uint32_t)clamped;
+}
+
+fxs_spz_clamped fxs_spz_writer_finish(fxs_spz_writer *writer)
+{
+    if (writer->placements) {
+        choose_bits(writer);
+        writer->clamped.reach = ldexp(POSITION_MAX, -writer->fractional_bits);
+        for (size_t i = 0; i < writer->next; i++)
+            place(writer, i);
+        free(writer->placements);
+        writer->placements = NULL;
+    }
+    return writer->clamped;
+}
+
+/* ---- The file -------------------------------------------------------------------------------------------------- */
+
+#if defined(FXS_WITH_ZLIB) || defined(FXS_WITH_ZSTD)
+static void make_header(const fxs_spz_writer *w, uint8_t header[16])
+{
+    put_u32(header, FXS_SPZ_MAGIC);
+    put_u32(header + 4, (uint32_t)w->version);
+    put_u32(header + 8, w->count);
+    header[12] = (uint8_t)w->sh_degree;
+    header[13] = (uint8_t)w->fractional_bits;
+    header[14] = w->antialiased ? 1 : 0;
+    header[15] = 0;
+}
+
+/* Notes what was compressed; returns other than 0 where that is to stop. */
+static int advance(fxs_spz_writer *w, size_t bytes)
+{
+    w->done += bytes;
+    if (w->progress && w->progress(w->argument, (double)w->done / (double)w->size))
+        w->output.error = ECANCELED;
+    return w->output.error;
+}
+
+static size_t piece_of(size_t left)
+{
+    return left < PIECE ? left : PIECE;
+}
+#endif
+
+/* Both writers leave errors in the output. */
+
+#ifdef FXS_WITH_ZLIB
+static int deflate_bytes(fxs_spz_writer *w, z_stream *stream, const uint8_t *bytes, size_t size, int flush,
+                         fxs_message *message)
+{
+    uint8_t out[1 << 14];
+    stream->next_in = bytes;
+    stream->avail_in = (uInt)size;
+    do {
+        stream->next_out = out;
+        stream->avail_out = sizeof out;
+        deflate(stream, flush);   /* cannot fail: there is always room */
+        if (fxs_output_write(&w->output, out, sizeof out - stream->avail_out, message))
+            return -1;
+    } while (stream->avail_out == 0);
+    return 0;
+}
+
+static void write_gzip(fxs_spz_writer *w, fxs_message *message)
+{
+    z_stream stream;
+    uint8_t header[16];
+    memset(&stream, 0, sizeof stream);
+    make_header(w, header);
+    if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY) != Z_OK) {
+        w->output.error = ENOMEM;
+        return;
+    }
+    int stop = deflate_bytes(w, &stream, header, sizeof header, Z_NO_FLUSH, message);
+    while (!stop && w->done < w->size) {
+        size_t size = piece_of(w->size - w->done);
+        stop = deflate_bytes(w, &stream, w->payload + w->done, size, Z_NO_FLUSH, message) || advance(w, size);
+    }
+    if (!stop)
+        deflate_bytes(w, &stream, header, 0, Z_FINISH, message);
+    deflateEnd(&stream);
+}
+#else
+#define write_gzip(writer, message) ((void)0)
+#endif
+
+#ifdef FXS_WITH_ZSTD
+/* Compresses an array into the rest of `out`. Returns how many bytes that made. */
+static size_t write_frame(fxs_spz_writer *w, ZSTD_CStream *stream, const uint8_t *bytes, size_t size,
+                          ZSTD_outBuffer *out)
+{
+    const size_t before = out->pos;
+    ZSTD_CCtx_setParameter(stream, ZSTD_c_compressionLevel, ZSTD_LEVEL);
+    ZSTD_CCtx_setPledgedSrcSize(stream, size);
+    for (size_t at = 0; at < size && !w->output.error;) {
+        ZSTD_inBuffer in = {bytes + at, piece_of(size - at), 0};
+        const int last = at + in.size == size;
+        size_t left = ZSTD_compressStream2(stream, out, &in, last ? ZSTD_e_end : ZSTD_e_continue);
+        if (ZSTD_isError(left) || in.pos < in.size || (last && left))
+            w->output.error = ENOMEM;
+        else
+            advance(w, in.size);
+        at += in.size;
+    }
+    return out->pos - before;
+}
+
+static void put_u64(uint8_t *to, uint64_t value)
+{
+    put_u32(to, (uint32_t)value);
+    put_u32(to + 4, (uint32_t)(value >> 32));
+}
+
+/* Compresses all arrays, with the header and their sizes before them in `head`. */
+static void write_arrays(fxs_spz_writer *w, ZSTD_CStream *stream, uint8_t *head, size_t head_size, ZSTD_outBuffer *out,
+                         fxs_message *message)
+{
+    uint8_t *entry = head + 32;
+    for (int i = 0; i < head[15]; i++, entry += 16) {
+        size_t size = (size_t)w->count * w->stride[i];
+        put_u64(entry, write_frame(w, stream, w->array[i], size, out));
+        put_u64(entry + 8, size);
+    }
+    if (!w->output.error && !fxs_output_write(&w->output, head, head_size, message))
+        fxs_output_write(&w->output, out->dst, out->pos, message);
+}
+
+/* The table of contents comes first, and a file need not be one that can be sought. */
+static void write_zstd(fxs_spz_writer *w, fxs_message *message)
+{
+    uint8_t head[32 + 16 * FXS_SPZ_ARRAYS] = {0};
+    ZSTD_outBuffer out = {NULL, 0, 0};
+    make_header(w, head);
+    put_u32(head + 16, 32);
+    for (int i = 0; i < FXS_SPZ_ARRAYS; i++) {
+        head[15] = (uint8_t)(head[15] + (w->count > 0 && w->stride[i] > 0));
+        out.size += ZSTD_compressBound((size_t)w->count * w->stride[i]);
+    }
+    ZSTD_CStream *stream = ZSTD_createCStream();
+    out.dst = malloc(out.size);
+    if (stream && out.dst)
+        write_arrays(w, stream, head, 32 + 16 * (size_t)head[15], &out, message);
+    else
+        w->output.error = ENOMEM;
+    ZSTD_freeCStream(stream);
+    free(out.dst);
+}
+#else
+#define write_zstd(writer, message) ((void)0)
+#endif
+
+int fxs_spz_writer_close(fxs_spz_writer *writer, fxs_progress_fn *progress, void *argument, fxs_message *message)
+{
+    if (!writer)
+        return 0;
+    fxs_spz_writer_finish(writer);
+    writer->progress = progress;
+    writer->argument = argument;
+    int whole = writer->next == writer->count && !writer->output.error;
+    if (whole && writer->version == 3)
+        write_gzip(writer, message);
+    if (whole && writer->version == 4)
+        write_zstd(writer, message);
+    int result = fxs_output_close(&writer->output, message);
+    free(writer->payload);
+    free(writer);
+    return result;
+}
