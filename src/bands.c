@@ -6,7 +6,8 @@
 
 #define JOBS 8u                    /* blocks a thread where bands are planned, at most */
 #define ENTRIES 4u                 /* a slot: what lists usually take */
-#define SLOT_BYTES (sizeof(fxs_splat) + sizeof(fxs_bounds) + sizeof(fxs_box) + sizeof(uint32_t) + 2 * sizeof(fxs_key))
+#define EYE_BYTES (sizeof(fxs_splat) + sizeof(fxs_bounds) + sizeof(fxs_box) + sizeof(uint32_t))
+#define SLOT_BYTES (sizeof(uint32_t) + 2 * sizeof(fxs_key))   /* and EYE_BYTES for each eye */
 
 /* ---- Memory ---------------------------------------------------------------------------------------------------- */
 
@@ -38,10 +39,10 @@ static void lay_out_frame(fxs_frame *f, int planned)
 {
     arena m = {f->memory, 0};
     const fxs_config *config = &f->context->config;
-    uint32_t chunks = f->scene->chunk_count, tiles_y = (uint32_t)f->view.tiles_y;
+    const uint32_t chunks = f->chunk_count, tiles_y = (uint32_t)f->eye->view.tiles_y;
     f->planned = planned;
     f->parts = config->run && config->threads > 1 ? config->threads : 1;
-    f->tiles = (uint32_t)f->view.tiles_x * tiles_y;
+    f->tiles = (uint32_t)f->eye->view.tiles_x * tiles_y;
     f->block_chunks = FXS_BLOCK;
     while (planned && chunks > JOBS * f->parts * (uint64_t)f->block_chunks)
         f->block_chunks *= 2;
@@ -53,6 +54,8 @@ static void lay_out_frame(fxs_frame *f, int planned)
     f->row_counts = cut(&m, planned ? (uint64_t)f->blocks * (tiles_y + 1) * sizeof *f->row_counts : 0);
     f->chunk_rows = cut(&m, planned ? (uint64_t)chunks * sizeof *f->chunk_rows : 0);
     f->histograms = cut(&m, f->parts * sizeof *f->histograms);
+    for (uint32_t eye = 0; eye < f->eye_count; eye++)
+        f->eye[eye].objects = cut(&m, f->object_count * sizeof *f->eye->objects);
     uint64_t tiles_at = m.used;
     f->tile_counts = cut(&m, f->tiles * sizeof *f->tile_counts);
     f->next = cut(&m, (uint64_t)f->parts * f->tiles * sizeof *f->next);
@@ -67,12 +70,15 @@ static uint64_t lay_out_band(fxs_frame *f, uint64_t slots)
 {
     arena m = {f->memory ? f->memory + f->fixed_bytes : 0, f->fixed_bytes};
     slots = to_multiple_of_16(slots);
-    f->splats = cut(&m, slots * sizeof *f->splats);
-    f->bounds = cut(&m, slots * sizeof *f->bounds);
-    f->boxes = cut(&m, slots * sizeof *f->boxes);
+    for (fxs_eye *eye = f->eye; eye < f->eye + f->eye_count; eye++) {
+        eye->splats = cut(&m, slots * sizeof *eye->splats);
+        eye->bounds = cut(&m, slots * sizeof *eye->bounds);
+        eye->boxes = cut(&m, slots * sizeof *eye->boxes);
+        eye->depths = cut(&m, slots * sizeof *eye->depths);
+    }
     f->indices = cut(&m, slots * sizeof *f->indices);
     f->keys = cut(&m, slots * sizeof *f->keys);
-    f->spare_keys = cut(&m, slots * sizeof *f->spare_keys);
+    f->unsorted = cut(&m, slots * sizeof *f->unsorted);
     uint64_t wanted = ENTRIES * slots + 64 * (uint64_t)f->tiles, rest = (f->memory_bytes - m.used) / sizeof *f->entries;
     wanted = wanted < UINT32_MAX ? wanted : UINT32_MAX;
     f->entry_capacity = (uint32_t)(wanted < rest ? wanted : rest) / 16 * 16;
@@ -88,14 +94,15 @@ static uint64_t lay_out_band(fxs_frame *f, uint64_t slots)
 
 static uint64_t bytes_for(const fxs_frame *f, uint64_t slots, uint64_t entries_a_slot)
 {
-    return f->fixed_bytes + to_multiple_of_16(slots) * (SLOT_BYTES + entries_a_slot * sizeof *f->entries);
+    return f->fixed_bytes +
+           to_multiple_of_16(slots) * (SLOT_BYTES + f->eye_count * EYE_BYTES + entries_a_slot * sizeof *f->entries);
 }
 
 /* The least memory for every Gaussian, and for a plan, of a frame that is laid out for it. With one entry a slot a tile
    always fits, as its list is never longer. */
 static uint64_t bytes_for_all(const fxs_frame *f)
 {
-    return bytes_for(f, (uint64_t)f->scene->chunk_count * FXS_CHUNK, 1);
+    return bytes_for(f, (uint64_t)f->chunk_count * FXS_CHUNK, 1);
 }
 
 static uint64_t bytes_for_plan(const fxs_frame *f)
@@ -108,68 +115,47 @@ static uint64_t smaller(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
-size_t fxs_frame_bytes(const fxs_context *context, const fxs_scene *scene, int32_t width, int32_t height,
-                       fxs_frame_memory *memory)
+uint64_t fxs_frame_measure(fxs_frame *f)
 {
-    fxs_frame f = {0};
-    if (!context || !scene || width < 1 || height < 1 || width > FXS_MAX_SIZE || height > FXS_MAX_SIZE)
-        return 0;
-    f.context = context;
-    f.scene = scene;
-    f.memory_bytes = UINT64_MAX;
-    f.view.tiles_x = (width + FXS_TILE - 1) / FXS_TILE;
-    f.view.tiles_y = (height + FXS_TILE - 1) / FXS_TILE;
-    lay_out_frame(&f, 1);
-    uint64_t plan = bytes_for_plan(&f);
-    lay_out_frame(&f, 0);
-    if (lay_out_band(&f, (uint64_t)scene->chunk_count * FXS_CHUNK) > SIZE_MAX)
-        return 0;
-    f.stats.memory.least = (size_t)smaller(plan, bytes_for_all(&f));
-    if (memory)
-        *memory = f.stats.memory;
-    return f.stats.memory.total;
+    f->memory_bytes = UINT64_MAX;
+    lay_out_frame(f, 1);
+    const uint64_t plan = bytes_for_plan(f);
+    lay_out_frame(f, 0);
+    const uint64_t all = lay_out_band(f, (uint64_t)f->chunk_count * FXS_CHUNK);
+    f->stats.memory.least = (size_t)smaller(smaller(plan, bytes_for_all(f)), SIZE_MAX);
+    return all;
 }
 
 /* ---- Bands ----------------------------------------------------------------------------------------------------- */
 
 static fxs_row_counts *row_counts_of(const fxs_frame *f, uint32_t block)
 {
-    return f->row_counts + (size_t)block * (uint32_t)(f->view.tiles_y + 1);
+    return f->row_counts + (size_t)block * (uint32_t)(f->eye->view.tiles_y + 1);
 }
 
-static int32_t project(fxs_frame *f, uint32_t chunk, uint32_t slot)
+void fxs_band_count(fxs_frame *f, uint32_t block, uint32_t chunk, uint32_t first, uint32_t count)
 {
-    return f->context->kernels.project(&f->view, f->scene, chunk, f->splats + slot, f->bounds + slot,
-                                       f->indices + slot, (uint32_t *)f->spare_keys + slot);
-}
-
-/* Counts the splats of a block by tile row. One chunk's slots are enough for that. */
-static void plan_block(void *argument, uint32_t block)
-{
-    fxs_frame *f = argument;
+    const fxs_eye *eye = f->eye;
     fxs_row_counts *counts = row_counts_of(f, block);
-    const uint32_t rows = (uint32_t)f->view.tiles_y, first_slot = block * FXS_CHUNK;
-    memset(counts, 0, (rows + 1) * sizeof *counts);
-    f->block_counts[block] = FXS_BLOCK_FAILED;
-    for (uint32_t c = fxs_block_start(f, block); c < fxs_block_start(f, block + 1); c++) {
-        fxs_span touched = {f->view.tiles_y, -1};
-        int32_t count = project(f, c, first_slot);
-        if (count < 0)
-            return;
-        for (uint32_t slot = first_slot; slot < first_slot + (uint32_t)count; slot++) {
-            fxs_span span = fxs_bin_rows(&f->view, &f->splats[slot], &f->bounds[slot]);
-            counts[span.first + 1].started++;
-            counts[span.last + 1].ended++;
-            touched.first = fxs_min(touched.first, span.first);
-            touched.last = -fxs_min(-touched.last, -span.last);
-        }
-        f->chunk_rows[c] = touched;
+    fxs_span touched = {eye->view.tiles_y, -1};
+    for (uint32_t slot = first; slot < first + count; slot++) {
+        fxs_span span = fxs_bin_rows(&eye->view, &eye->splats[slot], &eye->bounds[slot]);
+        counts[span.first + 1].started++;
+        counts[span.last + 1].ended++;
+        touched.first = fxs_min(touched.first, span.first);
+        touched.last = -fxs_min(-touched.last, -span.last);
     }
-    for (uint32_t row = 0; row < rows; row++) {
+    f->chunk_rows[chunk] = touched;
+}
+
+/* Splats that start, or end, on a row become those of all rows above. */
+static void sum_rows(fxs_frame *f, uint32_t block)
+{
+    fxs_row_counts *counts = row_counts_of(f, block);
+    for (int32_t row = 0; row < f->eye->view.tiles_y; row++) {
         counts[row + 1].started += counts[row].started;
         counts[row + 1].ended += counts[row].ended;
     }
-    f->block_counts[block] = counts[rows].started;
 }
 
 /* Slots for what of a block touches tile rows first_row to end_row - 1, and for projecting one chunk more. */
@@ -194,15 +180,39 @@ static uint64_t band_bytes(const fxs_frame *f, int32_t first_row, int32_t end_ro
 static int plan(fxs_frame *f, uint64_t *most)
 {
     lay_out_band(f, (uint64_t)f->blocks * FXS_CHUNK);
-    int error = fxs_frame_blocks(f, plan_block);
+    for (uint32_t block = 0; block < f->blocks; block++) {
+        f->block_slots[block] = block * FXS_CHUNK;
+        memset(row_counts_of(f, block), 0, (uint32_t)(f->eye->view.tiles_y + 1) * sizeof *f->row_counts);
+    }
+    f->planning = 1;
+    int error = fxs_frame_blocks(f);
+    f->planning = 0;
     if (error)
         return error;
-    for (uint32_t block = 0; block < f->blocks; block++)
+    for (uint32_t block = 0; block < f->blocks; block++) {
+        sum_rows(f, block);
         f->stats.visible += f->block_counts[block];
+    }
     *most = 0;
-    for (int32_t row = 0; row < f->view.tiles_y; row++) {
+    for (int32_t row = 0; row < f->eye->view.tiles_y; row++) {
         uint64_t bytes = band_bytes(f, row, row + 1, 1);
         *most = bytes > *most ? bytes : *most;
+    }
+    return 0;
+}
+
+/* Each object as each eye sees it. */
+static int place_objects(fxs_frame *f)
+{
+    uint32_t first_chunk = 0;
+    for (uint32_t i = 0; i < f->object_count; i++) {
+        for (fxs_eye *eye = f->eye; eye < f->eye + f->eye_count; eye++) {
+            const int error = fxs_object_view_init(&eye->objects[i], &eye->view, &eye->camera, &f->objects[i]);
+            if (error)
+                return error;
+            eye->objects[i].first_chunk = first_chunk;
+        }
+        first_chunk += f->objects[i].scene->chunk_count;
     }
     return 0;
 }
@@ -212,10 +222,14 @@ int fxs_bands_init(fxs_frame *f)
     lay_out_frame(f, 0);
     uint64_t all = bytes_for_all(f);
     if (f->memory_bytes >= all)
-        return 0;
+        return place_objects(f);
     lay_out_frame(f, 1);
     uint64_t least = bytes_for_plan(f);
-    int error = f->memory_bytes >= least ? plan(f, &least) : 0;
+    int error = 0;
+    if (f->memory_bytes >= least) {
+        error = place_objects(f);
+        error = error ? error : plan(f, &least);
+    }
     if (error)
         return error;
     f->stats.memory.least = (size_t)smaller(smaller(least, all), SIZE_MAX);
@@ -226,8 +240,8 @@ void fxs_band_next(fxs_frame *f)
 {
     uint32_t slots = 0;
     f->first_row = f->end_row;
-    f->end_row = f->planned ? f->first_row + 1 : f->view.tiles_y;
-    while (f->end_row < f->view.tiles_y && band_bytes(f, f->first_row, f->end_row + 1, ENTRIES) <= f->memory_bytes)
+    f->end_row = f->planned ? f->first_row + 1 : f->eye->view.tiles_y;
+    while (f->end_row < f->eye->view.tiles_y && band_bytes(f, f->first_row, f->end_row + 1, ENTRIES) <= f->memory_bytes)
         f->end_row++;
     for (uint32_t block = 0; block < f->blocks; block++) {
         f->block_slots[block] = slots;
@@ -238,31 +252,33 @@ void fxs_band_next(fxs_frame *f)
     f->stats.bands++;
 }
 
-/* Moves the splats that touch the band together. */
-static int32_t keep(fxs_frame *f, uint32_t first_slot, int32_t count)
+/* All of them, or those of the band. */
+static int is_whole(const fxs_frame *f, uint32_t chunk)
 {
-    uint32_t *depths = (uint32_t *)f->spare_keys, to = first_slot;
-    for (uint32_t slot = first_slot; slot < first_slot + (uint32_t)count; slot++) {
-        fxs_span rows = fxs_bin_rows(&f->view, &f->splats[slot], &f->bounds[slot]);
-        if (rows.last < f->first_row || rows.first >= f->end_row)
-            continue;
-        f->splats[to] = f->splats[slot];
-        f->bounds[to] = f->bounds[slot];
-        f->indices[to] = f->indices[slot];
-        depths[to++] = depths[slot];
-    }
-    return (int32_t)(to - first_slot);
+    return !f->planned || f->planning ||
+           (f->chunk_rows[chunk].first >= f->first_row && f->chunk_rows[chunk].last < f->end_row);
 }
 
-int32_t fxs_band_project(fxs_frame *f, uint32_t chunk, uint32_t slot, uint32_t end_slot)
+int fxs_band_has_chunk(const fxs_frame *f, uint32_t chunk)
 {
-    if (end_slot - slot < FXS_CHUNK)
-        return FXS_ERR_SCENE;
-    if (!f->planned)
-        return project(f, chunk, slot);
-    fxs_span rows = f->chunk_rows[chunk];
-    if (rows.last < f->first_row || rows.first >= f->end_row)
-        return 0;
-    int32_t count = project(f, chunk, slot);
-    return count < 0 || (rows.first >= f->first_row && rows.last < f->end_row) ? count : keep(f, slot, count);
+    return !f->planned || f->planning ||
+           (f->chunk_rows[chunk].last >= f->first_row && f->chunk_rows[chunk].first < f->end_row);
+}
+
+uint32_t fxs_band_keep(fxs_frame *f, uint32_t chunk, uint32_t first_slot, uint32_t count)
+{
+    const fxs_eye *eye = f->eye;
+    uint32_t to = first_slot;
+    if (is_whole(f, chunk))
+        return count;
+    for (uint32_t slot = first_slot; slot < first_slot + count; slot++) {
+        fxs_span rows = fxs_bin_rows(&eye->view, &eye->splats[slot], &eye->bounds[slot]);
+        if (rows.last < f->first_row || rows.first >= f->end_row)
+            continue;
+        eye->splats[to] = eye->splats[slot];
+        eye->bounds[to] = eye->bounds[slot];
+        f->indices[to] = f->indices[slot];
+        eye->depths[to++] = eye->depths[slot];
+    }
+    return to - first_slot;
 }

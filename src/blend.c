@@ -1,7 +1,7 @@
 /* blend: the splats of a tile, near to far, over its 256 pixels. The math of one pixel is in pixel.h; here are the
    loops and the early stop. */
+#include "frame.h"
 #include "memory.h"
-#include "stage.h"
 
 /* A splat at a tile: coordinates at the tile's first pixel, and the rows it can touch. */
 typedef struct placed {
@@ -21,17 +21,38 @@ static placed place(const fxs_view *view, const fxs_splat *splat, uint32_t entry
     return p;
 }
 
-static void clear(fxs_tile *tile)
+void fxs_tile_clear(fxs_tile *tile)
 {
     memset(tile->sum_q13, 0, sizeof tile->sum_q13);
     for (int i = 0; i < FXS_TILE_PIXELS; i++)
         tile->transmittance_q15[i] = FXS_CLEAR_Q15;
 }
 
-/* One splat over one row. Returns how many pixels it closed. */
-static int blend_row(fxs_tile *tile, int row, const fxs_splat *splat, const placed *p, uint64_t *evaluated,
-                     uint64_t *blended)
+/* What is done with the pixels that a splat is blended into. */
+typedef struct blending {
+    fxs_tile *tile;
+    fxs_trace *trace;              /* or null */
+    int place;                     /* of the splat's entry */
+    int depth_q15;                 /* its code */
+    uint64_t evaluated, blended;
+} blending;
+
+static void trace_pixel(const blending *b, int i, int transmittance_q15, int weight_q15)
 {
+    fxs_trace *trace = b->trace;
+    trace->depth_q15[i] = (int16_t)(trace->depth_q15[i] + fxs_mul_q15(weight_q15, b->depth_q15));
+    if (weight_q15 && transmittance_q15 >= FXS_HALF_Q15)
+        trace->median[i] = (int16_t)b->place;
+    if (weight_q15 > trace->weight_q15[i]) {
+        trace->weight_q15[i] = (int16_t)weight_q15;
+        trace->largest[i] = (int16_t)b->place;
+    }
+}
+
+/* One splat over one row. Returns how many pixels it closed. */
+static int blend_row(blending *b, int row, const fxs_splat *splat, const placed *p)
+{
+    fxs_tile *tile = b->tile;
     int closed = 0, first = row * FXS_TILE;
     uint32_t v_q24 = (uint32_t)p->v_q24 + (uint32_t)row * (uint32_t)splat->vy_q24;
     uint32_t u_q24 = (uint32_t)p->u_q24 + (uint32_t)row * (uint32_t)splat->uy_q24;
@@ -40,31 +61,48 @@ static int blend_row(fxs_tile *tile, int row, const fxs_splat *splat, const plac
         int transmittance = tile->transmittance_q15[i];
         if (transmittance < FXS_CLOSED_Q15)
             continue;
-        ++*evaluated;
+        b->evaluated++;
         int level = fxs_level_q11(fxs_coordinate_q13((int32_t)u_q24), level_of_row);
-        if (level > p->limit_q11)
+        if (level > p->limit_q11 || (b->trace && b->place >= b->trace->end[i]))
             continue;
-        ++*blended;
+        b->blended++;
         int weight = fxs_weight_q15(fxs_alpha_q15(level), transmittance);
         tile->transmittance_q15[i] = (int16_t)(transmittance - weight);
         closed += transmittance - weight < FXS_CLOSED_Q15;
         for (int c = 0; c < 3; c++)
             tile->sum_q13[c][i] = (int16_t)fxs_accumulate_q13(tile->sum_q13[c][i], weight, splat->colour_q13[c]);
+        if (b->trace)
+            trace_pixel(b, i, transmittance, weight);
     }
     return closed;
+}
+
+/* depths_q15: null without a trace. Returns how many pixels are open. */
+static int blend_list(blending *b, const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats,
+                      const uint32_t *entries, const int16_t *depths_q15, uint32_t count)
+{
+    int open = 0;
+    for (int i = 0; i < FXS_TILE_PIXELS; i++)
+        open += b->tile->transmittance_q15[i] >= FXS_CLOSED_Q15;
+    for (uint32_t i = 0; i < count && open > 0; i++) {
+        const fxs_splat *splat = &splats[entries[i] & ~FXS_ENTRY_FAR];
+        placed p = place(view, splat, entries[i], x, y);
+        b->place = (int)i;
+        b->depth_q15 = depths_q15 ? depths_q15[i] : 0;
+        for (int row = p.first_row; row <= p.last_row; row++)
+            open -= blend_row(b, row, splat, &p);
+    }
+    return open;
 }
 
 void fxs_blend_count(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
                      uint32_t count, fxs_tile *tile, uint64_t *evaluated, uint64_t *blended)
 {
-    int open = FXS_TILE_PIXELS;
-    clear(tile);
-    for (uint32_t i = 0; i < count && open > 0; i++) {
-        const fxs_splat *splat = &splats[entries[i] & ~FXS_ENTRY_FAR];
-        placed p = place(view, splat, entries[i], x, y);
-        for (int row = p.first_row; row <= p.last_row; row++)
-            open -= blend_row(tile, row, splat, &p, evaluated, blended);
-    }
+    blending b = {.tile = tile};
+    fxs_tile_clear(tile);
+    blend_list(&b, view, x, y, splats, entries, 0, count);
+    *evaluated += b.evaluated;
+    *blended += b.blended;
 }
 
 void fxs_blend_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
@@ -72,4 +110,11 @@ void fxs_blend_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *sp
 {
     uint64_t evaluated = 0, blended = 0;
     fxs_blend_count(view, x, y, splats, entries, count, tile, &evaluated, &blended);
+}
+
+int fxs_trace_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
+                const int16_t *depths_q15, uint32_t count, fxs_tile *tile, fxs_trace *trace)
+{
+    blending b = {.tile = tile, .trace = trace};
+    return blend_list(&b, view, x, y, splats, entries, depths_q15, count) > 0;
 }

@@ -1,8 +1,9 @@
 /* The part of project that is done once a chunk: where it lies for this camera, and whether anything of it can be
    seen. */
+#include "chunk.h"
+
 #include "fixed.h"
 #include "memory.h"
-#include "stage.h"
 
 const uint16_t fxs_offset_of_code_q11[FXS_OPACITY_LAWS][256] = {
 #include "opacity.inc"
@@ -54,6 +55,7 @@ static void place(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *chu
     cv->scale_step_q24 = chunk->scale_step_q24;
     cv->opacity_law = chunk->opacity_law;
     cv->shift = bits > 29 ? bits - 29 : 0;       /* so |offset| + reach < 2^29 an axis */
+    cv->plane_zeros = fxs_clamp(cv->shift - view->plane_exponent - 1, -23, 37);
     const int64_t near = view->near_q32 >> cv->shift;
     cv->near = (int32_t)(near < INT32_MAX ? near : INT32_MAX);
     for (int i = 0; i < 3; i++) {
@@ -80,12 +82,19 @@ static int64_t reach_across(const fxs_chunk_view *cv, const fxs_view *view)
     return whole < 0 ? 4 : ((int64_t)fxs_exp2_q15((-log2_q16 & 65535) >> 1) << whole >> 15) * 7 / 2 + 4;
 }
 
-/* The largest value of sign * (axis i) - slope * z in the chunk's box, slope in Q23. */
-static int64_t farthest(const fxs_chunk_view *cv, int i, int sign, int64_t slope_q23)
+/* The largest value of sign * (axis i) - slope * depth in the chunk's box, slope in Q23. The depth is z, or that of the
+   plane of an orthographic view, 2^(31 - plane_zeros) units. */
+static int64_t farthest(const fxs_chunk_view *cv, const fxs_view *view, int i, int sign, int64_t slope_q23)
 {
-    int64_t sum = sign * (cv->base_q16[i] >> 16) - (slope_q23 * (cv->base_q16[2] >> 16) >> 23) + 2;
+    const int shift = 31 - 23 - cv->plane_zeros;
+    int64_t across = slope_q23 * (cv->base_q16[2] >> 16) >> 23, slope_of_z_q23 = slope_q23;
+    if (view->orthographic) {
+        across = shift < 0 ? slope_q23 >> -shift : slope_q23 * ((int64_t)1 << shift);
+        slope_of_z_q23 = 0;
+    }
+    int64_t sum = sign * (cv->base_q16[i] >> 16) - across + 2;
     for (int j = 0; j < 3; j++) {
-        int64_t m_q16 = sign * (int64_t)cv->m_q16[i][j] - (slope_q23 * cv->m_q16[2][j] >> 23);
+        int64_t m_q16 = sign * (int64_t)cv->m_q16[i][j] - (slope_of_z_q23 * cv->m_q16[2][j] >> 23);
         sum += m_q16 > 0 ? (m_q16 * 65535 >> 16) + 1 : 0;
     }
     return sum;
@@ -108,8 +117,8 @@ FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, cons
         return 1;
     int64_t reach = reach_across(cv, view);
     for (int i = 0; i < 2; i++)                  /* x + reach < edge_low z: left of the picture; and so on */
-        if (farthest(cv, i, 1, view->edge_low_q23[i]) + reach < 0 ||
-            farthest(cv, i, -1, -(int64_t)view->edge_high_q23[i]) + reach < 0)
+        if (farthest(cv, view, i, 1, view->edge_low_q23[i]) + reach < 0 ||
+            farthest(cv, view, i, -1, -(int64_t)view->edge_high_q23[i]) + reach < 0)
             return 0;
     return 1;
 }

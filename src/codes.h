@@ -2,8 +2,8 @@
 #ifndef FXS_CODES_H
 #define FXS_CODES_H
 
+#include "chunk.h"
 #include "memory.h"
-#include "stage.h"
 
 /* As in the rows of the default profile. */
 typedef struct fxs_codes {

@@ -1,11 +1,15 @@
-#include "fixsplat.h"
-
+#include "frame.h"
 #include "memory.h"
-#include "stage.h"
 
 const fxs_kernels fxs_kernels_c = {
-    {"c", "c", "c", "c", "c", "c"}, fxs_project_c, fxs_shade_c, fxs_bin_c, fxs_blend_c, fxs_resolve_c,
+    {"c", "c", "c", "c", "c", "c"}, fxs_project_c, fxs_shade_c, fxs_bin_c, fxs_blend_c,
+    fxs_trace_c, fxs_resolve_c,
 };
+
+int fxs_version(void)
+{
+    return FXS_VERSION_NUMBER;
+}
 
 const char *fxs_strerror(int error)
 {
@@ -19,6 +23,9 @@ const char *fxs_strerror(int error)
         "too little memory: the working memory given (or it is not aligned to 64 bytes), or the device's",
         "not supported by this build or machine",
         "the back end's device is missing, failed or was lost",
+        "an object's rotation, scale or another of its fields is out of range, or there are too many",
+        "a target is missing, not aligned, too narrow for its stride, or overlaps another",
+        "a file is missing, cannot be read or written, or is not what it should be",
     };
     int count = (int)(sizeof words / sizeof *words);
     return error <= 0 && error > -count ? words[-error] : "unknown error";
@@ -30,7 +37,7 @@ const char *fxs_stage_name(enum fxs_stage stage)
     return (unsigned)stage < FXS_STAGES ? names[stage] : "unknown";
 }
 
-void fxs_options_default(fxs_options *options)
+void fxs_options_init(fxs_options *options)
 {
     memset(options, 0, sizeof *options);
     options->sh_degree = 3;

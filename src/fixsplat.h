@@ -1,13 +1,17 @@
 /* fixsplat: renders 3D Gaussian splatting scenes in fixed point.
  *
- * The picture is a pure function of (packed scene, camera, options): the same bytes on every machine. The library
- * allocates nothing, opens nothing, keeps no global state; every buffer belongs to the caller. Functions return 0 (or
- * a count) on success and a negative FXS_ERR_* otherwise; fxs_strerror gives the words. A context may be used by
- * several threads at once, each with memory and pixels of its own, where its `run` may be called by several (as that
- * of port/posix/pool.h may) and its `draw` is null: a back end is one thread's at a time.
+ * A picture is a pure function of (objects, camera, options): the same bytes on every machine. The library allocates
+ * nothing, opens nothing and keeps no global state. Every buffer belongs to the caller. Functions return 0 (or a count)
+ * on success and a negative FXS_ERR_* otherwise; fxs_strerror gives the words.
  *
- * Conventions: scene units are the file's. Camera axes: x right, y down, z forward; pixel centres at +0.5. `_qN` in a
- * name says that the integer is the real value times 2^N. */
+ * Threads: scenes, objects, cameras, options and a context are only read, so any number of threads may share them.
+ * Frames may be rendered at the same time by one context where each has memory and targets of its own and the
+ * context's `run` may be called by several threads (fxs_pool_run of the port may). A context whose `draw` is a back end
+ * renders one frame at a time.
+ *
+ * Conventions: units are those of the scene's file, or the world's where there are objects. Camera axes: x right, y
+ * down, z forward; pixel centres at +0.5. `_qN` in a name says that the integer is the real value times 2^N. A struct
+ * with an init function may grow: fill it by that function first, then set what you need. */
 #ifndef FXS_FIXSPLAT_H
 #define FXS_FIXSPLAT_H
 
@@ -18,9 +22,19 @@
 extern "C" {
 #endif
 
-#define FXS_VERSION "0.1.0"
+#define FXS_VERSION_MAJOR 0
+#define FXS_VERSION_MINOR 2
+#define FXS_VERSION_PATCH 0
+#define FXS_VERSION "0.2.0"
+#define FXS_VERSION_NUMBER (FXS_VERSION_MAJOR * 10000 + FXS_VERSION_MINOR * 100 + FXS_VERSION_PATCH)
+
+/* FXS_VERSION_NUMBER of the library that is linked. Programs built with the same major and minor number go with it. */
+int fxs_version(void);
+
 #define FXS_MAX_SIZE 16384           /* pixels, width and height of a picture */
-#define FXS_MAX_COUNT (1u << 30)     /* Gaussians in a scene */
+#define FXS_MAX_COUNT (1u << 30)     /* Gaussians in a scene, and in all objects of a frame (in whole chunks of 256) */
+#define FXS_MAX_OBJECTS 65536u       /* in a frame */
+#define FXS_MAX_CROPS 8u             /* of an object */
 
 enum fxs_error {
     FXS_ERR_ARGUMENT = -1,      /* a null pointer, or an option outside its range */
@@ -30,16 +44,27 @@ enum fxs_error {
                                    near plane out of range */
     FXS_ERR_SIZE = -5,          /* width or height outside 1..FXS_MAX_SIZE */
     FXS_ERR_MEMORY = -6,        /* too little memory: the working memory given (or not aligned to 64), or a device's */
-    FXS_ERR_UNSUPPORTED = -7,   /* a stage that this build or machine does not have */
-    FXS_ERR_DEVICE = -8         /* a back end's device is missing, failed or was lost */
+    FXS_ERR_UNSUPPORTED = -7,   /* something that this build, machine or back end does not have */
+    FXS_ERR_DEVICE = -8,        /* a back end's device is missing, failed or was lost */
+    FXS_ERR_OBJECT = -9,        /* an object's rotation, scale or another of its fields is out of range, or there are
+                                   too many */
+    FXS_ERR_TARGET = -10,       /* a target that is missing, not aligned, too narrow for its stride, or overlaps
+                                   another */
+    FXS_ERR_FILE = -11          /* a file that is missing, cannot be read or written, or is not what it should be */
 };
 
 /* The words for an error code: one line, static, never null. */
 const char *fxs_strerror(int error);
 
+/* Why a call failed, for people: functions outside the core fill it in beside their error code. */
+typedef struct fxs_message {
+    char text[512];                /* one line */
+    uint64_t bytes_needed;         /* with FXS_ERR_MEMORY, where it is known: the memory that would do; else 0 */
+} fxs_message;
+
 /* ---- Scene ----------------------------------------------------------------------------------------------------- */
 
-/* A packed scene (src/packed.h has its layout), as seen by the renderer: it points into the caller's bytes. */
+/* A packed scene (packed.h has its layout), as seen by the renderer: it points into the caller's bytes. */
 
 enum fxs_profile {                 /* at SH degree 3, of a large scene: */
     FXS_PROFILE_DEFAULT = 0,       /* 63.5 bytes a Gaussian */
@@ -67,41 +92,119 @@ size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, 
    `data` must stay in place and unchanged as long as the scene is used; nothing is copied. Where its bytes change all
    the same (another program writes to a mapped file), a frame is FXS_ERR_SCENE or of some bytes of before and some of
    after, but nothing is read or written beyond the caller's memory. Memory that goes away (a mapped file is cut short:
-   SIGBUS) is for the caller to prevent, or to catch as port/posix/map.h does.
+   SIGBUS) is for the caller to prevent, or to catch as map.h does.
    Errors: FXS_ERR_ARGUMENT, FXS_ERR_SCENE, FXS_ERR_VERSION. */
 int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes);
 
+/* ---- Objects --------------------------------------------------------------------------------------------------- */
+
+/* A box in the object's own space: low <= x, y, z <= high, for the centres of Gaussians. */
+typedef struct fxs_crop {
+    int64_t low_q32[3], high_q32[3];   /* the object's units */
+    int outside;                   /* 0: keeps what is inside. 1: leaves out what is inside */
+} fxs_crop;
+
+/* A packed scene placed in the world: world = translation + scale * rotation * position. SH turn with it. A Gaussian is
+   drawn where it lies in one of the boxes that keep, or there is none of these, and in none of those that leave out. */
+typedef struct fxs_object {
+    const fxs_scene *scene;        /* may be shared by any number of objects */
+    int32_t rotation_q30[9];       /* object to world, by rows */
+    int64_t translation_q32[3];    /* world units, within +-2^28 */
+    int64_t scale_q32;             /* 2^-16 to 2^16 */
+    uint32_t opacity_q16;          /* factor, 0 to 1 */
+    uint32_t tint_q13[3];          /* factor of red, green, blue, 0 to 4 */
+    int visible;                   /* 0: not drawn */
+    uint32_t id;                   /* the caller's, for id targets and fxs_pick */
+    const fxs_crop *crops;         /* null where there are none */
+    uint32_t crop_count;           /* 0 to FXS_MAX_CROPS */
+} fxs_object;
+
+/* The scene as it is, at the origin of the world: visible, id 0, no crop. */
+void fxs_object_init(fxs_object *object, const fxs_scene *scene);
+
 /* ---- Camera and options ---------------------------------------------------------------------------------------- */
+
+enum fxs_projection {
+    FXS_PERSPECTIVE = 0,
+    FXS_ORTHOGRAPHIC = 1           /* parallel rays along z: fx, fy are pixels a unit */
+};
 
 typedef struct fxs_camera {
     int32_t width, height;         /* pixels, 1 to FXS_MAX_SIZE */
     int32_t fx_q12, fy_q12;        /* focal lengths, pixels; above 0 */
     int32_t cx_q12, cy_q12;        /* principal point, pixels from the top left corner */
-    int32_t rotation_q30[9];       /* world to camera, rows: the camera's x, y and z axes in the scene */
-    int64_t position_q32[3];       /* the camera's centre, scene units, within +-2^28 */
-    int64_t near_q32;              /* depth of the near plane, scene units, 2^-20 to 2^28; 0: 0.2 */
+    int32_t rotation_q30[9];       /* world to camera, rows: the camera's x, y and z axes in the world */
+    int64_t position_q32[3];       /* the camera's centre, world units, within +-2^28 */
+    int64_t near_q32;              /* depth of the near plane, world units, 2^-20 to 2^28; 0: 0.2 */
+    enum fxs_projection projection;
 } fxs_camera;
+
+/* A camera at the origin that looks along z, with a field of view of 90 degrees across the width. */
+void fxs_camera_init(fxs_camera *camera, int32_t width, int32_t height);
 
 enum fxs_cutoff {
     FXS_CUTOFF_MAHALANOBIS = 0,    /* a Gaussian touches a pixel where its Mahalanobis distance is at most 3 */
     FXS_CUTOFF_SQUARE = 1          /* as in Kerbl et al. 2023: 16x16 tiles touched by a square of side 6 sigma_max */
 };
 
-enum fxs_format {
-    FXS_FORMAT_RGBA8 = 0,          /* 4 bytes a pixel: r, g, b, 255 */
-    FXS_FORMAT_RGBA8_COVERAGE = 1, /* 4 bytes a pixel: r, g, b times coverage, coverage; no background */
-    FXS_FORMAT_RGB565 = 2          /* 2 bytes a pixel, the low one first: r in bits 15..11, g 10..5, b 4..0 */
-};
-
 typedef struct fxs_options {
     enum fxs_cutoff cutoff;
-    enum fxs_format format;
     int sh_degree;                 /* highest degree evaluated, 0 to 3; the scene's own where that is lower */
     uint8_t background[3];         /* r g b */
 } fxs_options;
 
-/* Mahalanobis cut-off, RGBA8, SH degree 3, black background. */
-void fxs_options_default(fxs_options *options);
+/* Mahalanobis cut-off, SH degree 3, black background. */
+void fxs_options_init(fxs_options *options);
+
+/* ---- Targets --------------------------------------------------------------------------------------------------- */
+
+enum fxs_format {
+    FXS_FORMAT_RGBA8 = 0,          /* 4 bytes a pixel: r, g, b, 255 */
+    FXS_FORMAT_RGBA8_COVERAGE = 1, /* 4 bytes a pixel: r, g, b times coverage, coverage; no background */
+    FXS_FORMAT_RGB565 = 2,         /* 2 bytes a pixel, the low one first: r in bits 15..11, g 10..5, b 4..0 */
+    FXS_FORMAT_RGBA16_COVERAGE = 3 /* 4 uint16_t a pixel: as RGBA8_COVERAGE, times 65535 */
+};
+
+/* A picture of the caller's, as large as the camera's: rows of pixels, `stride` bytes from row to row, at least those
+   of a row (negative: bottom up; pixels is the top left one). Both are multiples of the size of the pixel's numbers. */
+typedef struct fxs_image {
+    void *pixels;                  /* null: not asked for */
+    ptrdiff_t stride;
+} fxs_image;
+
+/* What is seen at a pixel: 8 bytes of an id target. Both are FXS_NOTHING where no Gaussian adds anything. */
+typedef struct fxs_id {
+    uint32_t object;               /* the object's id */
+    uint32_t gaussian;             /* its place in the packed scene */
+} fxs_id;
+
+#define FXS_NOTHING UINT32_MAX
+
+/* What a frame writes, any set of these, in one pass. The rest costs nothing.
+ *
+ * Depths are distances along the camera's z axis, in the world's units, as uint32_t times 2^depth_bits (16, where that
+ * is 0): with 16, 0 to 65,535 units in steps of 15 millionths. What is farther has 2^32 - 2; a pixel without a depth
+ * has FXS_NOTHING, 2^32 - 1. The depth of a Gaussian is that of its centre.
+ *   mean     of the Gaussians at the pixel, weighted by what each contributes. Haze before a wall draws it forward by
+ *            the haze's share. A pixel that nothing contributes to has no depth.
+ *   median   of the Gaussian at which half of the light is taken (the transmittance falls below 1/2). Haze that takes
+ *            less than half before the wall does not show. A pixel that lets half of the light through has no depth. */
+typedef struct fxs_targets {
+    fxs_image colour;
+    enum fxs_format format;        /* of colour */
+    fxs_image coverage;            /* uint8_t: 255 times the light that the Gaussians take */
+    fxs_image mean_depth;          /* uint32_t */
+    fxs_image median_depth;        /* uint32_t */
+    fxs_image id;                  /* fxs_id: of the largest contribution, the nearer of equal ones */
+    int depth_bits;                /* 1 to 28, or 0 for 16; of the two depths and of the occluder */
+
+    /* Read, for what the caller has drawn itself. */
+    fxs_image occluder;            /* uint32_t: depths; a Gaussian that is farther adds nothing at that pixel */
+    fxs_image backdrop;            /* RGBA8, alpha not read: in place of the background; may be the colour target */
+} fxs_targets;
+
+/* No targets, format RGBA8. */
+void fxs_targets_init(fxs_targets *targets);
 
 /* ---- Context --------------------------------------------------------------------------------------------------- */
 
@@ -111,15 +214,15 @@ typedef void fxs_run_fn(void *pool, void (*job)(void *argument, uint32_t i), voi
 /* A clock in nanoseconds that never runs backwards. */
 typedef uint64_t fxs_clock_fn(void *clock);
 
-/* A back end: draws a run of tiles (src/stage.h) in place of blend and resolve, on the thread that called fxs_render.
-   Returns 0 or an FXS_ERR_*, which ends the frame and is returned by fxs_render. */
+/* Draws a run of tiles (stage.h) in place of blend and resolve, on the thread that called fxs_render. Returns 0 or an
+   FXS_ERR_*, which ends the frame and is returned by fxs_render. */
 struct fxs_tile_run;
 typedef int fxs_draw_fn(void *argument, const struct fxs_tile_run *run);
 
 typedef struct fxs_config {
     fxs_run_fn *run;               /* null: one thread, the caller's */
     void *pool;                    /* first argument of run */
-    uint32_t threads;              /* threads that run uses, 1 to 64; 0: 1. A hint: the picture does not depend on it */
+    uint32_t threads;              /* threads that run uses, 1 to 64; 0: 1. The picture does not depend on it */
     fxs_clock_fn *clock;           /* null: stage times are reported as 0 */
     void *clock_argument;
     fxs_draw_fn *draw;             /* null: the kernels' blend and resolve */
@@ -133,13 +236,14 @@ enum fxs_stage { FXS_PROJECT, FXS_SHADE, FXS_SORT, FXS_BIN, FXS_BLEND, FXS_RESOL
 /* The name of a stage: "project", "shade", ... */
 const char *fxs_stage_name(enum fxs_stage stage);
 
-/* The function of each stage, on one chunk or one tile: src/stage.h says what they are given. fxs_init fills in the
+/* The function of each stage, on one chunk or one tile: stage.h says what they are given. fxs_init fills in the
    plain C versions; a faster one with the same results may take the place of any. */
 struct fxs_view;
 struct fxs_splat;
 struct fxs_bounds;
 struct fxs_box;
 struct fxs_tile;
+struct fxs_trace;
 
 typedef struct fxs_kernels {
     const char *name[FXS_STAGES];  /* version of each stage: "c", "avx2", ... */
@@ -162,9 +266,15 @@ typedef struct fxs_kernels {
     void (*blend)(const struct fxs_view *view, int32_t x, int32_t y, const struct fxs_splat *splats,
                   const uint32_t *entries, uint32_t count, struct fxs_tile *tile);
 
-    /* Writes `columns` x `rows` pixels of a tile. */
-    void (*resolve)(const fxs_options *options, const struct fxs_tile *tile, int32_t columns, int32_t rows,
-                    unsigned char *pixels, ptrdiff_t stride);
+    /* blend over a part of a list, which goes on from the tile's state and keeps track of what depths and ids are made
+       from. depths_q15: a code for the depth of each entry. Returns whether a pixel is still open. */
+    int (*trace)(const struct fxs_view *view, int32_t x, int32_t y, const struct fxs_splat *splats,
+                 const uint32_t *entries, const int16_t *depths_q15, uint32_t count, struct fxs_tile *tile,
+                 struct fxs_trace *trace);
+
+    /* Writes `columns` x `rows` pixels of a tile, over the background of the options. */
+    void (*resolve)(const fxs_options *options, enum fxs_format format, const struct fxs_tile *tile, int32_t columns,
+                    int32_t rows, unsigned char *pixels, ptrdiff_t stride);
 } fxs_kernels;
 
 typedef struct fxs_context {
@@ -179,7 +289,7 @@ int fxs_init(fxs_context *context, const fxs_config *config);
 
 /* Where the working memory of a frame goes, in bytes. */
 typedef struct fxs_frame_memory {
-    size_t splats;                 /* projected Gaussians: 68 bytes each */
+    size_t splats;                 /* projected Gaussians: 72 bytes each; 500 an object */
     size_t keys;                   /* sort keys, twice: 16 bytes a Gaussian; 8 KiB a thread */
     size_t tiles;                  /* of 16x16 pixels: 20 bytes each, and 4 for each thread */
     size_t entries;                /* tile lists, 4 bytes an entry */
@@ -187,17 +297,18 @@ typedef struct fxs_frame_memory {
     size_t least;                  /* with less there is no frame */
 } fxs_frame_memory;
 
-/* The working memory with which a frame of this size is rendered at once, whatever the view: `total`, of a splat for
-   every Gaussian. From `least` on (some 200 KB a thread, 8 bytes a chunk, and the tiles), less memory will do where
-   the view allows it: the frame is rendered in bands of tile rows, whose splats fit, after a first projection that
-   plans them. Each band takes 88 bytes for each Gaussian that touches it. The bytes of the picture are the same.
+/* The working memory with which a frame of this size is rendered at once, whatever the view, the targets and where the
+   objects are: `total`, of a splat for every Gaussian of every object. From `least` on (some 200 KB a thread, 8 bytes a
+   chunk, the objects and the tiles), less memory will do where the view allows it: the frame is rendered in bands of
+   tile rows, whose splats fit, after a first projection that plans them. Each band takes 92 bytes for each Gaussian
+   that touches it. The bytes of the picture are the same.
    *memory may be null. Returns total; 0 where an argument is out of range, or the memory more than a size_t can
    count. */
-size_t fxs_frame_bytes(const fxs_context *context, const fxs_scene *scene, int32_t width, int32_t height,
-                       fxs_frame_memory *memory);
+size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
+                       int32_t height, fxs_frame_memory *memory);
 
 typedef struct fxs_stats {
-    uint32_t gaussians;            /* in the scene */
+    uint32_t gaussians;            /* in all objects */
     uint32_t visible;              /* left after culling */
     uint64_t entries;              /* tile list entries */
     uint32_t bands;                /* bands of tile rows the frame was rendered in; 1 where all splats fitted */
@@ -207,44 +318,62 @@ typedef struct fxs_stats {
     uint64_t frame_nanoseconds;
 } fxs_stats;
 
-/* Renders a frame. Not drawn are Gaussians whose centre is not beyond the camera's near plane.
+/* Renders a frame of `count` objects, 0 to FXS_MAX_OBJECTS: one order by depth over all of them, ties by object, then
+   by Gaussian. One object as fxs_object_init leaves it is the scene itself. Not drawn are Gaussians whose centre is not
+   beyond the camera's near plane.
    `memory`: `memory_bytes` bytes, aligned to 64, contents undefined before and after. fxs_frame_bytes are always
    enough; with less, FXS_ERR_MEMORY may be the answer, and stats->memory.least is what this view needs (at least that
    where memory_bytes is below the `least` of fxs_frame_bytes, else exactly, for this number of threads).
-   `pixels`: height rows of width pixels (options->format), `stride` bytes from row to row, at least those of a row
-   (negative: bottom up); only the pixels are written. With a back end they are passed on to it, and may be null where
-   it needs none. *stats may be null. Errors: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA, FXS_ERR_SIZE, FXS_ERR_MEMORY; nothing is
-   written to `pixels` then. FXS_ERR_SCENE and those of a back end; a part of the pixels may be written then. */
-int fxs_render(const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
-               void *memory, size_t memory_bytes, void *pixels, ptrdiff_t stride, fxs_stats *stats);
+   `targets`: at least one; with a back end they are passed on to it, and may be null where it needs none. Only pixels
+   are written. *stats may be null. Errors: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA, FXS_ERR_SIZE, FXS_ERR_OBJECT (also where
+   the camera is more than 2^28 of the object's units away from its origin), FXS_ERR_TARGET, FXS_ERR_MEMORY; nothing is
+   written to the targets then. FXS_ERR_SCENE and those of a back end; a part of the pixels may be written then. */
+int fxs_render(const fxs_context *context, const fxs_object *objects, uint32_t count, const fxs_camera *camera,
+               const fxs_options *options, const fxs_targets *targets, void *memory, size_t memory_bytes,
+               fxs_stats *stats);
 
 /* Counts, after fxs_render and with the same arguments, what its blend stage did: pairs of pixel and Gaussian
    evaluated (the pixel still open, of a whole tile also beyond the picture's edge, the Gaussian in its tile's list
    and on its row) and blended (within the cut-off and at least 1/255). Renders the frame once more with the plain C
-   stages, one thread. Errors as fxs_render. */
-int fxs_count_pairs(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options, void *memory,
-                    size_t memory_bytes, uint64_t *evaluated, uint64_t *blended);
+   stages, one thread, without an occluder. Errors as fxs_render. */
+int fxs_count_pairs(const fxs_object *objects, uint32_t count, const fxs_camera *camera, const fxs_options *options,
+                    void *memory, size_t memory_bytes, uint64_t *evaluated, uint64_t *blended);
+
+/* What a pixel shows. */
+typedef struct fxs_pick_result {
+    uint32_t object;               /* its place in `objects` */
+    uint32_t gaussian;             /* the one that contributes most: its place in the packed scene */
+    uint32_t id;                   /* the object's */
+    int64_t depth_q32;             /* of the Gaussian's centre, along the camera's z axis */
+    int64_t position_q32[3];       /* in the world, on the pixel's ray, at that depth */
+} fxs_pick_result;
+
+/* Finds out what fxs_render shows at pixel (x, y): its id target holds the same. Of `targets`, which may be null, the
+   occluder and depth_bits are read. Projects the whole frame, blends one tile. Returns 1, 0 where no Gaussian contributes, or an error as fxs_render. */
+int fxs_pick(const fxs_context *context, const fxs_object *objects, uint32_t count, const fxs_camera *camera,
+             const fxs_options *options, const fxs_targets *targets, int32_t x, int32_t y, void *memory,
+             size_t memory_bytes, fxs_pick_result *result);
 
 /* ---- Stereo ---------------------------------------------------------------------------------------------------- */
 
-/* The working memory of two eyes with pictures of this size: that of fxs_frame_bytes, and 68 bytes for every Gaussian.
-   0 where an argument is out of range, or the memory more than a size_t can count. */
-size_t fxs_stereo_bytes(const fxs_context *context, const fxs_scene *scene, int32_t width, int32_t height);
+/* The working memory of two eyes with pictures of this size: that of fxs_frame_bytes, 72 bytes for every Gaussian and
+   500 for every object. 0 where an argument is out of range, or the memory more than a size_t can count. */
+size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
+                        int32_t height);
 
-/* Renders a frame for each of two eyes, left and right, whose pictures are of one size. Each has the geometry of its
-   own camera. Their colours are found once, as seen from the point between them; so is the order, where their z axes
-   are parallel and neither eye is ahead of the other (within 2^-14): elsewhere each is sorted by itself. The bytes are
-   the same on every machine. Where both cameras are equal they are those of fxs_render; with eyes 2 % of the distance
-   to the scene apart, each picture is within 54 dB (PSNR) of it on the scenes measured (the tests hold 50). `exact` not
-   0: each eye has the very bytes of fxs_render, in the time of two frames.
+/* Renders a frame for each of two eyes, left and right, whose pictures are of one size and projection. Each has the
+   geometry of its own camera. Their colours are found once, as seen from the point between them; so is the order, where
+   their z axes are parallel and neither eye is ahead of the other (within 2^-14): elsewhere each is sorted by itself.
+   The bytes are the same on every machine. Where both cameras are equal they are those of fxs_render; with eyes 2 % of
+   the distance to the scene apart, each picture is within 54 dB (PSNR) of it on the scenes measured (the tests hold
+   50). `exact` not 0: each eye has the very bytes of fxs_render, in the time of two frames.
    `memory`: `memory_bytes` bytes, aligned to 64, at least fxs_stereo_bytes; with less, FXS_ERR_MEMORY, and
-   stats->memory.least is what it takes. `pixels`: the two pictures, as for fxs_render, both with this stride (side by
-   side in one image: pixels[1] = pixels[0] + half a row). *stats, which may be null, is of both eyes together;
-   `visible` counts what either sees once, or with `exact` once for each eye. Errors as fxs_render, and FXS_ERR_SIZE
-   where the pictures differ in size; nothing is written to `pixels` then. */
-int fxs_render_stereo(const fxs_context *context, const fxs_scene *scene, const fxs_camera cameras[2],
-                      const fxs_options *options, int exact, void *memory, size_t memory_bytes, void *const pixels[2],
-                      ptrdiff_t stride, fxs_stats *stats);
+   stats->memory.least is what it takes. `targets`: of the two eyes, as for fxs_render. *stats, which may be null, is of
+   both eyes together; `visible` counts what either sees once, or with `exact` once for each eye. Errors as fxs_render,
+   and FXS_ERR_SIZE where the pictures differ in size; nothing is written to the targets then. */
+int fxs_render_stereo(const fxs_context *context, const fxs_object *objects, uint32_t count,
+                      const fxs_camera cameras[2], const fxs_options *options, const fxs_targets targets[2], int exact,
+                      void *memory, size_t memory_bytes, fxs_stats *stats);
 
 #ifdef __cplusplus
 }

@@ -14,56 +14,123 @@ void fxs_run(const fxs_config *config, void (*job)(void *, uint32_t), void *argu
 
 /* ---- Stages ---------------------------------------------------------------------------------------------------- */
 
+uint32_t fxs_object_of(const fxs_frame *f, uint32_t chunk)
+{
+    uint32_t low = 0, high = f->object_count;
+    while (high - low > 1) {
+        const uint32_t middle = (low + high) / 2;
+        if (f->eye->objects[middle].first_chunk <= chunk)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* A chunk of an object, to the slots from `slot` on; what a band does not need is dropped. Returns how many are taken, or
+   FXS_ERR_SCENE: also where there is no room for 256 before end_slot, as there are more splats than were planned for. */
+static int32_t project_chunk(fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t slot, uint32_t end_slot)
+{
+    fxs_eye *eye = f->eye;
+    const fxs_object_view *object = &eye->objects[number];
+    uint32_t *indices = f->indices + slot;
+    if (end_slot - slot < FXS_CHUNK)
+        return FXS_ERR_SCENE;
+    if (!fxs_band_has_chunk(f, chunk))
+        return 0;
+    int32_t count = f->eye_count > 1
+                        ? fxs_stereo_project(f, number, chunk - object->first_chunk, slot)
+                        : fxs_object_project(object, &f->context->kernels, chunk - object->first_chunk,
+                                             eye->splats + slot, eye->bounds + slot, indices, eye->depths + slot);
+    for (int32_t i = 0; i < count && object->first_chunk; i++)
+        indices[i] += object->first_chunk * FXS_CHUNK;
+    return count < 0 ? count : (int32_t)fxs_band_keep(f, chunk, slot, (uint32_t)count);
+}
+
+/* shade; both eyes have the first one's colours. */
+static int shade_chunk(fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t slot, uint32_t count)
+{
+    const fxs_object_view *object = &f->eye->objects[number];
+    const int error = fxs_object_shade(object, &f->context->kernels, chunk - object->first_chunk, f->indices + slot,
+                                       count, f->eye->splats + slot);
+    for (uint32_t i = slot; i < slot + count && f->eye_count > 1; i++)
+        memcpy(f->eyes[1].splats[i].colour_q13, f->eyes[0].splats[i].colour_q13, sizeof f->eyes[0].splats->colour_q13);
+    return error;
+}
+
+static void bin_chunks(fxs_frame *f, uint32_t slot, uint32_t count)
+{
+    for (fxs_eye *eye = f->eye; eye < f->eye + f->eye_count; eye++) {
+        f->context->kernels.bin(&eye->view, eye->splats + slot, eye->bounds + slot, count, eye->boxes + slot);
+        if (f->eye_count > 1)
+            fxs_stereo_hide(eye->bounds + slot, count, eye->boxes + slot);
+    }
+}
+
 /* What of the first stages needs no other block, for up to FXS_BLOCK chunks, while their splats are in the cache.
    Their splats in the band lie from `slot` on, before end_slot. Returns their number or FXS_ERR_SCENE. */
 static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32_t slot, uint32_t end_slot,
                               uint64_t *times)
 {
-    const fxs_kernels *kernels = &f->context->kernels;
-    uint32_t starts[FXS_BLOCK + 1] = {slot};
+    uint32_t starts[FXS_BLOCK + 1] = {slot}, objects[FXS_BLOCK];
     uint64_t start = fxs_now(f);
     for (uint32_t i = 0; i < end - first; i++) {
-        int32_t count = fxs_band_project(f, first + i, starts[i], end_slot);
+        objects[i] = fxs_object_of(f, first + i);
+        int32_t count = project_chunk(f, objects[i], first + i, starts[i], end_slot);
         if (count < 0)
             return count;
         starts[i + 1] = starts[i] + (uint32_t)count;
     }
     uint64_t projected = fxs_now(f);
     for (uint32_t i = 0; i < end - first; i++) {
-        int error = kernels->shade(&f->view, f->scene, first + i, f->indices + starts[i], starts[i + 1] - starts[i],
-                                   f->splats + starts[i]);
+        int error = shade_chunk(f, objects[i], first + i, starts[i], starts[i + 1] - starts[i]);
         if (error)
             return error;
     }
     uint64_t shaded = fxs_now(f);
-    uint32_t count = starts[end - first] - slot;
-    kernels->bin(&f->view, f->splats + slot, f->bounds + slot, count, f->boxes + slot);
+    bin_chunks(f, slot, starts[end - first] - slot);
     times[0] += projected - start;
     times[1] += shaded - projected;
     times[2] += fxs_now(f) - shaded;
-    return (int32_t)count;
+    return (int32_t)(starts[end - first] - slot);
+}
+
+/* Counts the splats of a block by tile row; one chunk's slots are enough for that. Returns their number or
+   FXS_ERR_SCENE. */
+static int32_t plan_chunks(fxs_frame *f, uint32_t block, uint32_t first, uint32_t end, uint32_t slot)
+{
+    uint32_t all = 0;
+    for (uint32_t chunk = first; chunk < end; chunk++) {
+        const int32_t count = project_chunk(f, fxs_object_of(f, chunk), chunk, slot, slot + FXS_CHUNK);
+        if (count < 0)
+            return count;
+        fxs_band_count(f, block, chunk, slot, (uint32_t)count);
+        all += (uint32_t)count;
+    }
+    return (int32_t)all;
 }
 
 static void prepare_block(void *argument, uint32_t block)
 {
     fxs_frame *f = argument;
-    uint32_t first = fxs_block_start(f, block), end = fxs_block_start(f, block + 1), slot = f->block_slots[block];
+    uint32_t end = fxs_block_start(f, block + 1), slot = f->block_slots[block], taken = 0;
     uint64_t *times = f->block_times + 3 * (size_t)block;
     memset(times, 0, 3 * sizeof *times);
     f->block_counts[block] = FXS_BLOCK_FAILED;
-    for (; first < end; first += FXS_BLOCK) {
-        int32_t count = prepare_chunks(f, first, first + FXS_BLOCK < end ? first + FXS_BLOCK : end, slot,
-                                       f->block_slots[block + 1], times);
+    for (uint32_t first = fxs_block_start(f, block); first < end; first += FXS_BLOCK) {
+        const uint32_t last = end - first < FXS_BLOCK ? end : first + FXS_BLOCK;
+        int32_t count = f->planning ? plan_chunks(f, block, first, last, slot)
+                                    : prepare_chunks(f, first, last, slot + taken, f->block_slots[block + 1], times);
         if (count < 0)
             return;
-        slot += (uint32_t)count;
+        taken += (uint32_t)count;
     }
-    f->block_counts[block] = slot - f->block_slots[block];
+    f->block_counts[block] = taken;
 }
 
-int fxs_frame_blocks(fxs_frame *f, void (*job)(void *frame, uint32_t block))
+int fxs_frame_blocks(fxs_frame *f)
 {
-    fxs_frame_run(f, job, f->blocks);
+    fxs_frame_run(f, prepare_block, f->blocks);
     for (uint32_t block = 0; block < f->blocks; block++)
         if (f->block_counts[block] == FXS_BLOCK_FAILED)
             return FXS_ERR_SCENE;
@@ -74,7 +141,7 @@ int fxs_frame_blocks(fxs_frame *f, void (*job)(void *frame, uint32_t block))
 static void gather_part(void *argument, uint32_t part)
 {
     fxs_frame *f = argument;
-    const uint32_t *depths = (const uint32_t *)f->spare_keys;
+    const uint32_t *depths = f->eye->depths;
     uint32_t first = fxs_part(f->blocks, f->parts, part), end = fxs_part(f->blocks, f->parts, part + 1), at = 0;
     for (uint32_t block = 0; block < first; block++)
         at += f->block_counts[block];
@@ -92,23 +159,17 @@ void fxs_frame_sort(fxs_frame *f)
     for (uint32_t block = 0; block < f->blocks; block++)
         f->count += f->block_counts[block];
     fxs_frame_run(f, gather_part, f->parts);
-    fxs_key *sorted = fxs_sort(&f->context->config, f->keys, f->spare_keys, f->count, f->histograms, f->parts);
-    f->spare_keys = sorted == f->keys ? f->spare_keys : f->keys;
+    fxs_key *sorted = fxs_sort(&f->context->config, f->keys, f->unsorted, f->count, f->histograms, f->parts);
+    f->unsorted = sorted == f->keys ? f->unsorted : f->keys;
     f->keys = sorted;
+    f->sorted_boxes = (fxs_box *)f->unsorted;
     f->stats.nanoseconds[FXS_SORT] += fxs_now(f) - start;
 }
 
-/* Tiles of the picture above a tile row. */
-static uint32_t tiles_above(const fxs_frame *f, int32_t row)
-{
-    return (uint32_t)(row * f->view.tiles_x);
-}
-
-/* A part of the sorted keys. Their boxes take the place of the spare keys. */
 static fxs_sorted sorted_part(const fxs_frame *f, uint32_t part)
 {
     uint32_t first = fxs_part(f->count, f->parts, part), end = fxs_part(f->count, f->parts, part + 1);
-    return (fxs_sorted){f->keys + first, (fxs_box *)f->spare_keys + first, end - first};
+    return (fxs_sorted){f->keys + first, f->sorted_boxes + first, end - first};
 }
 
 static void count_part(void *argument, uint32_t part)
@@ -117,7 +178,7 @@ static void count_part(void *argument, uint32_t part)
     fxs_sorted sorted = sorted_part(f, part);
     uint32_t *counts = f->next + (size_t)part * f->tiles;
     memset(counts, 0, f->tiles * sizeof *counts);
-    fxs_bin_count(&f->view, f->splats, f->bounds, f->boxes, &sorted, counts);
+    fxs_bin_count(&f->eye->view, f->eye->splats, f->eye->bounds, f->eye->boxes, &sorted, counts);
 }
 
 static void bin_all(fxs_frame *f)
@@ -127,7 +188,7 @@ static void bin_all(fxs_frame *f)
     for (uint32_t part = 0; part < f->parts; part++)
         for (uint32_t tile = 0; tile < f->tiles; tile++)
             f->tile_counts[tile] += f->next[(size_t)part * f->tiles + tile];
-    for (uint32_t tile = tiles_above(f, f->first_row); tile < tiles_above(f, f->end_row); tile++)
+    for (uint32_t tile = fxs_tiles_above(f, f->first_row); tile < fxs_tiles_above(f, f->end_row); tile++)
         f->stats.entries += f->tile_counts[tile];
 }
 
@@ -135,7 +196,7 @@ static void fill_part(void *argument, uint32_t part)
 {
     fxs_frame *f = argument;
     fxs_sorted sorted = sorted_part(f, part);
-    fxs_bin_fill(&f->view, f->splats, f->bounds, &sorted, f->first_tile, f->last_tile,
+    fxs_bin_fill(&f->eye->view, f->eye->splats, f->eye->bounds, &sorted, f->first_tile, f->last_tile,
                  f->next + (size_t)part * f->tiles, f->entries);
 }
 
@@ -144,7 +205,7 @@ static void fill_part(void *argument, uint32_t part)
 static void bin_run(fxs_frame *f)
 {
     uint32_t used = 0, tile = f->first_tile;
-    for (; tile < tiles_above(f, f->end_row) && f->tile_counts[tile] <= f->entry_capacity - used; tile++)
+    for (; tile < fxs_tiles_above(f, f->end_row) && f->tile_counts[tile] <= f->entry_capacity - used; tile++)
         for (uint32_t part = 0; part < f->parts; part++) {
             uint32_t *next = &f->next[(size_t)part * f->tiles + tile], count = *next;
             *next = used;
@@ -155,25 +216,28 @@ static void bin_run(fxs_frame *f)
     f->stats.runs++;
 }
 
-/* The last part's entries end the list. */
-static const uint32_t *list_of(const fxs_frame *f, uint32_t tile)
+/* The first pixel of a tile. */
+static void tile_place(const fxs_frame *f, uint32_t tile, int32_t *x, int32_t *y)
 {
-    return f->entries + f->next[(size_t)(f->parts - 1) * f->tiles + tile] - f->tile_counts[tile];
+    *x = (int32_t)tile % f->eye->view.tiles_x * FXS_TILE;
+    *y = (int32_t)tile / f->eye->view.tiles_x * FXS_TILE;
 }
 
 static void blend_tile(void *argument, uint32_t job)
 {
     fxs_frame *f = argument;
     fxs_tile pixels;
-    uint32_t tile = f->first_tile + job;
-    int32_t x = (int32_t)tile % f->view.tiles_x * FXS_TILE, y = (int32_t)tile / f->view.tiles_x * FXS_TILE;
-    ptrdiff_t pixel_bytes = fxs_pixel_bytes(f->options);
+    const uint32_t tile = f->first_tile + job;
+    int32_t x, y;
+    tile_place(f, tile, &x, &y);
     uint64_t start = fxs_now(f);
-    f->context->kernels.blend(&f->view, x, y, f->splats, list_of(f, tile), f->tile_counts[tile], &pixels);
+    if (fxs_targets_traced(f->eye->targets))
+        fxs_trace_tile(f, tile, x, y, &pixels, 0);
+    else
+        f->context->kernels.blend(&f->eye->view, x, y, f->eye->splats, fxs_list_of(f, tile), f->tile_counts[tile],
+                                  &pixels);
     uint64_t blended = fxs_now(f);
-    f->context->kernels.resolve(f->options, &pixels, fxs_min(FXS_TILE, f->view.width - x),
-                                 fxs_min(FXS_TILE, f->view.height - y), f->pixels + y * f->stride + x * pixel_bytes,
-                                 f->stride);
+    fxs_resolve_targets(f, &pixels, x, y);
     f->tile_times[2 * tile] = blended - start;
     f->tile_times[2 * tile + 1] = fxs_now(f) - blended;
 }
@@ -183,11 +247,12 @@ static int draw_run(fxs_frame *f)
 {
     const uint64_t start = fxs_now(f);
     const fxs_config *config = &f->context->config;
+    const fxs_eye *eye = f->eye;
     int listed = !config->draw_unlisted;
     const fxs_tile_run r = {
-        config, &f->view, f->options, f->splats, f->bounds, f->keys, f->count,
+        config, &eye->view, f->options, eye->splats, eye->bounds, eye->depths, f->keys, f->count,
         listed ? f->entries : 0, listed ? f->next + (size_t)(f->parts - 1) * f->tiles : 0,
-        listed ? f->tile_counts : 0, f->first_tile, f->last_tile, f->pixels, f->stride};
+        listed ? f->tile_counts : 0, f->first_tile, f->last_tile, eye->targets};
     const int error = config->draw(config->draw_argument, &r);
     f->stats.nanoseconds[FXS_BLEND] += fxs_now(f) - start;
     return error;
@@ -208,39 +273,99 @@ static void share_time(fxs_frame *f, uint64_t wall, const uint64_t *times, uint3
 
 /* ---- Frame ----------------------------------------------------------------------------------------------------- */
 
-static int check(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options, const void *memory)
+/* Counts the chunks of the objects, and checks what needs no camera. */
+static int take_objects(fxs_frame *f, const fxs_object *objects, uint32_t count)
 {
-    if (!scene || !camera || !options || !memory || options->sh_degree < 0 || options->sh_degree > 3 ||
-        (options->cutoff != FXS_CUTOFF_MAHALANOBIS && options->cutoff != FXS_CUTOFF_SQUARE) ||
-        (options->format != FXS_FORMAT_RGBA8 && options->format != FXS_FORMAT_RGBA8_COVERAGE &&
-         options->format != FXS_FORMAT_RGB565))
-        return FXS_ERR_ARGUMENT;
-    return 0;
+    uint64_t chunks = 0, gaussians = 0;
+    int error = count > FXS_MAX_OBJECTS ? FXS_ERR_OBJECT : 0;
+    f->objects = objects;
+    f->object_count = count;
+    for (uint32_t i = 0; i < count && !error; i++) {
+        error = fxs_object_check(&objects[i]);
+        chunks += error ? 0 : objects[i].scene->chunk_count;
+        gaussians += error ? 0 : objects[i].scene->count;
+    }
+    if (!error && chunks > FXS_MAX_COUNT / FXS_CHUNK)
+        error = FXS_ERR_OBJECT;
+    f->chunk_count = (uint32_t)chunks;
+    f->stats.gaussians = (uint32_t)gaussians;
+    return error;
 }
 
-int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera,
-                   const fxs_options *options, void *memory, size_t memory_bytes)
+static int check(const fxs_context *context, const fxs_object *objects, uint32_t count, const fxs_camera *camera,
+                 const fxs_options *options, const void *memory)
 {
-    int error = check(scene, camera, options, memory);
+    return !context || (!objects && count) || !camera || !options || !memory || options->sh_degree < 0 ||
+           options->sh_degree > 3 ||
+           (options->cutoff != FXS_CUTOFF_MAHALANOBIS && options->cutoff != FXS_CUTOFF_SQUARE)
+               ? FXS_ERR_ARGUMENT : 0;
+}
+
+static int eye_init(fxs_eye *eye, const fxs_camera *camera, const fxs_options *options, const fxs_targets *targets)
+{
+    eye->camera = *camera;
+    eye->targets = targets;
+    const int error = fxs_view_init(&eye->view, camera, options);
+    return error || !targets ? error : fxs_targets_check(targets, camera->width, camera->height);
+}
+
+int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_object *objects, uint32_t count,
+                   const fxs_camera *camera, const fxs_options *options, const fxs_targets *targets, void *memory,
+                   size_t memory_bytes)
+{
     memset(f, 0, sizeof *f);
-    if (!error)
-        error = fxs_view_init(&f->view, scene, camera, options);
+    int error = check(context, objects, count, camera, options, memory);
+    error = error ? error : take_objects(f, objects, count);
+    error = error ? error : eye_init(&f->eyes[0], camera, options, targets);
     if (error)
         return error;
     f->context = context;
-    f->scene = scene;
     f->options = options;
-    f->stats.gaussians = scene->count;
     f->memory = memory;
     f->memory_bytes = memory_bytes;
+    f->eye = f->eyes;
+    f->eye_count = 1;
+    f->tile_job = context->config.draw ? 0 : blend_tile;
     return (uintptr_t)memory % 64 ? FXS_ERR_MEMORY : 0;
 }
 
-int fxs_frame_prepare(fxs_frame *f, void (*prepare_job)(void *frame, uint32_t block))
+int fxs_frame_add_eye(fxs_frame *f, const fxs_camera *camera, const fxs_targets *targets)
+{
+    f->eye_count = 2;
+    return eye_init(&f->eyes[1], camera, f->options, targets);
+}
+
+size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
+                       int32_t height, fxs_frame_memory *memory)
+{
+    return fxs_measure(context, objects, count, width, height, 1, memory);
+}
+
+size_t fxs_measure(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
+                   int32_t height, uint32_t eyes, fxs_frame_memory *memory)
+{
+    fxs_frame f;
+    memset(&f, 0, sizeof f);
+    if (!context || (!objects && count) || width < 1 || height < 1 || width > FXS_MAX_SIZE || height > FXS_MAX_SIZE ||
+        take_objects(&f, objects, count))
+        return 0;
+    f.context = context;
+    f.eye = f.eyes;
+    f.eye_count = eyes;
+    f.eyes[0].view.tiles_x = (width + FXS_TILE - 1) / FXS_TILE;
+    f.eyes[0].view.tiles_y = (height + FXS_TILE - 1) / FXS_TILE;
+    if (fxs_frame_measure(&f) > SIZE_MAX)
+        return 0;
+    if (memory)
+        *memory = f.stats.memory;
+    return f.stats.memory.total;
+}
+
+int fxs_frame_prepare(fxs_frame *f)
 {
     static const enum fxs_stage stages[] = {FXS_PROJECT, FXS_SHADE, FXS_BIN};
     uint64_t start = fxs_now(f);
-    int error = fxs_frame_blocks(f, prepare_job);
+    int error = fxs_frame_blocks(f);
     if (error)
         return error;
     share_time(f, fxs_now(f) - start, f->block_times, f->blocks, 3, stages);
@@ -249,33 +374,31 @@ int fxs_frame_prepare(fxs_frame *f, void (*prepare_job)(void *frame, uint32_t bl
     return 0;
 }
 
-static void blend_run(fxs_frame *f, void (*tile_job)(void *, uint32_t))
+static void blend_run(fxs_frame *f)
 {
     static const enum fxs_stage stages[] = {FXS_BLEND, FXS_RESOLVE};
     uint64_t start = fxs_now(f);
     uint32_t jobs = f->last_tile - f->first_tile + 1;
-    fxs_frame_run(f, tile_job, jobs);
+    fxs_frame_run(f, f->tile_job, jobs);
     share_time(f, fxs_now(f) - start, f->tile_times + 2 * (size_t)f->first_tile, jobs, 2, stages);
 }
 
-/* Lists the band's splats by tile, and has the tiles blended by a job each, or, where that is null, by the back end.
-   Returns 0 or the back end's error. */
-static int draw(fxs_frame *f, void (*tile_job)(void *, uint32_t))
+int fxs_frame_draw(fxs_frame *f)
 {
-    const int listed = tile_job || !f->context->config.draw_unlisted;
-    const uint32_t end_tile = tiles_above(f, f->end_row);
+    const int listed = f->tile_job || !f->context->config.draw_unlisted;
+    const uint32_t end_tile = fxs_tiles_above(f, f->end_row);
     int error = 0;
     uint64_t start = fxs_now(f);
     if (listed)
         bin_all(f);
-    for (f->first_tile = tiles_above(f, f->first_row); f->first_tile < end_tile && !error;
+    for (f->first_tile = fxs_tiles_above(f, f->first_row); f->first_tile < end_tile && !error;
          f->first_tile = f->last_tile + 1) {
         f->last_tile = end_tile - 1;
         if (listed)
             bin_run(f);
         f->stats.nanoseconds[FXS_BIN] += fxs_now(f) - start;
-        if (tile_job)
-            blend_run(f, tile_job);
+        if (f->tile_job)
+            blend_run(f);
         else
             error = draw_run(f);
         start = fxs_now(f);
@@ -283,53 +406,34 @@ static int draw(fxs_frame *f, void (*tile_job)(void *, uint32_t))
     return error;
 }
 
-static int render(fxs_frame *f, void (*tile_job)(void *, uint32_t))
+int fxs_frame_render(fxs_frame *f)
 {
     uint64_t start = fxs_now(f);
     int error = fxs_bands_init(f);
     f->end_row = 0;
     f->stats.nanoseconds[FXS_PROJECT] += fxs_now(f) - start;
-    while (!error && f->end_row < f->view.tiles_y) {
+    while (!error && f->end_row < f->eye->view.tiles_y) {
         fxs_band_next(f);
-        if (!tile_job && f->context->config.draw_unlisted && f->end_row < f->view.tiles_y)
+        if (!f->tile_job && f->context->config.draw_unlisted && f->end_row < f->eye->view.tiles_y)
             return FXS_ERR_UNSUPPORTED;    /* it draws whole frames */
-        error = fxs_frame_prepare(f, prepare_block);
+        error = fxs_frame_prepare(f);
         if (!error)
-            error = draw(f, tile_job);
+            error = fxs_frame_draw(f);
     }
     f->stats.frame_nanoseconds += fxs_now(f) - start;
     return error;
 }
 
-/* Null: the back end draws. */
-static void (*tile_job_of(const fxs_frame *f))(void *, uint32_t)
-{
-    return f->context->config.draw ? 0 : blend_tile;
-}
-
-int fxs_frame_draw(fxs_frame *f)
-{
-    return draw(f, tile_job_of(f));
-}
-
-int fxs_frame_render(fxs_frame *f)
-{
-    return render(f, tile_job_of(f));
-}
-
-int fxs_render(const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
-               void *memory, size_t memory_bytes, void *pixels, ptrdiff_t stride, fxs_stats *stats)
+int fxs_render(const fxs_context *context, const fxs_object *objects, uint32_t count, const fxs_camera *camera,
+               const fxs_options *options, const fxs_targets *targets, void *memory, size_t memory_bytes,
+               fxs_stats *stats)
 {
     fxs_frame f;
-    if (!context || (!pixels && !context->config.draw))
-        return FXS_ERR_ARGUMENT;
-    int error = fxs_frame_init(&f, context, scene, camera, options, memory, memory_bytes);
-    if (!error && pixels && !fxs_stride_valid(camera, options, stride))
-        error = FXS_ERR_ARGUMENT;
+    int error = fxs_frame_init(&f, context, objects, count, camera, options, targets, memory, memory_bytes);
+    if (!error && f.tile_job && (!targets || !fxs_targets_any(targets)))
+        error = FXS_ERR_TARGET;
     if (error)
         return error;
-    f.pixels = pixels;
-    f.stride = stride;
     error = fxs_frame_render(&f);
     if (stats)
         *stats = f.stats;
@@ -340,25 +444,27 @@ static void count_tile(void *argument, uint32_t job)
 {
     fxs_frame *f = argument;
     fxs_tile pixels;
-    uint32_t tile = f->first_tile + job;
-    int32_t x = (int32_t)tile % f->view.tiles_x * FXS_TILE, y = (int32_t)tile / f->view.tiles_x * FXS_TILE;
+    const uint32_t tile = f->first_tile + job;
+    int32_t x, y;
+    tile_place(f, tile, &x, &y);
     f->tile_times[2 * tile] = f->tile_times[2 * tile + 1] = 0;
-    fxs_blend_count(&f->view, x, y, f->splats, list_of(f, tile), f->tile_counts[tile], &pixels, &f->evaluated,
-                    &f->blended);
+    fxs_blend_count(&f->eye->view, x, y, f->eye->splats, fxs_list_of(f, tile), f->tile_counts[tile], &pixels,
+                    &f->evaluated, &f->blended);
 }
 
-int fxs_count_pairs(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options, void *memory,
-                    size_t memory_bytes, uint64_t *evaluated, uint64_t *blended)
+int fxs_count_pairs(const fxs_object *objects, uint32_t count, const fxs_camera *camera, const fxs_options *options,
+                    void *memory, size_t memory_bytes, uint64_t *evaluated, uint64_t *blended)
 {
     fxs_frame f;
     fxs_context context;
     fxs_init(&context, 0);
     if (!evaluated || !blended)
         return FXS_ERR_ARGUMENT;
-    int error = fxs_frame_init(&f, &context, scene, camera, options, memory, memory_bytes);
+    int error = fxs_frame_init(&f, &context, objects, count, camera, options, 0, memory, memory_bytes);
     if (error)
         return error;
-    error = render(&f, count_tile);
+    f.tile_job = count_tile;
+    error = fxs_frame_render(&f);
     *evaluated = f.evaluated;
     *blended = f.blended;
     return error;

@@ -1,30 +1,53 @@
-/* A frame while it is rendered: what frame.c, bands.c and stereo.c share. */
+/* A frame while it is rendered: what frame.c, bands.c, stereo.c and pick.c share. */
 #ifndef FXS_FRAME_H
 #define FXS_FRAME_H
 
-#include "stage.h"
+#include "object.h"
 
 #define FXS_BLOCK 16u              /* chunks that are projected, shaded and binned in one go */
 #define FXS_BLOCK_FAILED UINT32_MAX   /* the scene was damaged or changed */
+#define FXS_SORT_BUCKETS 2048
+
+/* Tile columns or rows, first to last; none where first > last. */
+typedef struct fxs_span {
+    int32_t first, last;
+} fxs_span;
 
 /* Splats of a block whose first, or last, tile row is above a given one. */
 typedef struct fxs_row_counts {
     uint32_t started, ended;
 } fxs_row_counts;
 
+/* A picture of the frame: the camera, its splats and where they are drawn. Two eyes share the other memory. */
+typedef struct fxs_eye {
+    fxs_view view;                         /* of the world */
+    fxs_camera camera;
+    fxs_object_view *objects;              /* as this camera sees them */
+    fxs_splat *splats;                     /* by slot: those of a block lie together, in the order of the objects */
+    fxs_bounds *bounds;
+    fxs_box *boxes;
+    uint32_t *depths;                      /* depth keys */
+    const fxs_targets *targets;
+} fxs_eye;
+
 typedef struct fxs_frame {
     const fxs_context *context;
-    const fxs_scene *scene;
+    const fxs_object *objects;
     const fxs_options *options;
-    fxs_view view;
+    uint32_t object_count, chunk_count;    /* chunks of all objects */
     fxs_stats stats;
     unsigned char *memory;
     uint64_t memory_bytes;
+
+    fxs_eye eyes[2];
+    uint32_t eye_count;                    /* that are prepared together, in the same slots */
+    fxs_eye *eye;                          /* the one that is sorted and drawn */
 
     uint32_t tiles;
     uint32_t parts;                        /* jobs that share the sort and the lists: one a thread */
     uint32_t blocks, block_chunks;         /* jobs that share the first stages, and the chunks of each */
     int planned;                           /* the memory does not hold every Gaussian: there may be several bands */
+    int planning;                          /* blocks only count their splats by tile row */
 
     /* Cut from the memory once, fixed_bytes long. */
     uint64_t fixed_bytes;
@@ -38,19 +61,16 @@ typedef struct fxs_frame {
     uint32_t *next;                        /* a row of tiles for each part of the keys: entries, then where they go */
     uint64_t *tile_times;                  /* nanoseconds of blend and resolve */
 
-    /* The band of tile rows, and what is cut from the rest of the memory for it. */
+    /* The band of tile rows, and what is cut from the rest of the memory for it, beside the eyes' splats. */
     int32_t first_row, end_row;
     uint32_t count;                        /* splats that touch it */
-    fxs_splat *splats;                     /* by slot: those of a block lie together, in the order of the scene */
-    fxs_bounds *bounds;
-    fxs_box *boxes;
-    uint32_t *indices;                     /* in the scene */
-    fxs_key *keys, *spare_keys;            /* the depths lie in spare_keys until the sort */
+    uint32_t *indices;                     /* by slot: in all objects' chunks */
+    fxs_key *keys, *unsorted;              /* two arrays that the sort moves keys between; keys: where they end */
+    fxs_box *sorted_boxes;                 /* in the order of the keys: over `unsorted`, which is done with then */
     uint32_t *entries, entry_capacity;
 
     uint32_t first_tile, last_tile;        /* of the run being blended */
-    unsigned char *pixels;
-    ptrdiff_t stride;
+    void (*tile_job)(void *frame, uint32_t job);   /* blends a tile of the run; null: the back end draws the run */
     uint64_t evaluated, blended;           /* fxs_count_pairs only */
 } fxs_frame;
 
@@ -69,38 +89,146 @@ static inline uint64_t fxs_now(const fxs_frame *f)
 static inline uint32_t fxs_block_start(const fxs_frame *f, uint32_t block)
 {
     uint64_t chunk = (uint64_t)block * f->block_chunks;
-    return chunk < f->scene->chunk_count ? (uint32_t)chunk : f->scene->chunk_count;
+    return chunk < f->chunk_count ? (uint32_t)chunk : f->chunk_count;
 }
 
-/* Cuts up the memory; where it does not hold every Gaussian of the scene, finds out how many splats each tile row has.
-   Returns 0, FXS_ERR_MEMORY where they do not fit either (stats.memory.least has what would do), or FXS_ERR_SCENE. */
+/* Tiles of the picture above a tile row. */
+static inline uint32_t fxs_tiles_above(const fxs_frame *f, int32_t row)
+{
+    return (uint32_t)(row * f->eye->view.tiles_x);
+}
+
+/* A tile's list: tile_counts[tile] entries. The last part's entries end it. */
+static inline const uint32_t *fxs_list_of(const fxs_frame *f, uint32_t tile)
+{
+    return f->entries + f->next[(size_t)(f->parts - 1) * f->tiles + tile] - f->tile_counts[tile];
+}
+
+/* The object that a chunk of all objects is of. */
+uint32_t fxs_object_of(const fxs_frame *f, uint32_t chunk);
+
+/* ---- frame.c ----------------------------------------------------------------------------------------------------- */
+
+/* Checks the arguments, then the memory. Targets may be null. Returns 0 or an FXS_ERR_*. */
+int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_object *objects, uint32_t count,
+                   const fxs_camera *camera, const fxs_options *options, const fxs_targets *targets, void *memory,
+                   size_t memory_bytes);
+
+/* A second camera and its targets. Errors as fxs_frame_init. */
+int fxs_frame_add_eye(fxs_frame *f, const fxs_camera *camera, const fxs_targets *targets);
+
+/* Runs a job for each block, which sets its block_counts: projects, shades and boxes its splats, or, while planning,
+   counts them. Returns 0, or FXS_ERR_SCENE where one failed. */
+int fxs_frame_blocks(fxs_frame *f);
+
+/* The band's splats, for each eye, and their order for the first. Returns 0 or FXS_ERR_SCENE. */
+int fxs_frame_prepare(fxs_frame *f);
+
+/* Sorts the keys of f->eye. */
+void fxs_frame_sort(fxs_frame *f);
+
+/* Lists the splats of f->eye by tile, and blends the band into its targets. Returns 0 or a back end's error. */
+int fxs_frame_draw(fxs_frame *f);
+
+/* Bytes of a frame of one eye or two; 0 where an argument is out of range. *memory may be null. */
+size_t fxs_measure(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
+                   int32_t height, uint32_t eyes, fxs_frame_memory *memory);
+
+/* The whole frame of f->eye, from its memory to its pixels. Returns 0, FXS_ERR_MEMORY, FXS_ERR_SCENE, FXS_ERR_OBJECT or
+   a back end's error. */
+int fxs_frame_render(fxs_frame *f);
+
+/* ---- bands.c ----------------------------------------------------------------------------------------------------- */
+
+/* Bytes of a frame with f->eye_count eyes, or more than SIZE_MAX; fills in stats.memory. */
+uint64_t fxs_frame_measure(fxs_frame *f);
+
+/* Cuts up the memory and places the objects; where it does not hold every Gaussian, finds out how many splats each tile
+   row has. Returns 0, FXS_ERR_MEMORY where they do not fit either (stats.memory.least has what would do),
+   FXS_ERR_OBJECT or FXS_ERR_SCENE. */
 int fxs_bands_init(fxs_frame *f);
 
 /* Goes on to the next band: as many tile rows from end_row on as fit in the memory. */
 void fxs_band_next(fxs_frame *f);
 
-/* Projects a chunk to the slots from `slot` on, and keeps what touches the band. Returns how many, or FXS_ERR_SCENE:
-   also where there is no room for 256 before end_slot, as there are more splats than were counted for the plan. */
-int32_t fxs_band_project(fxs_frame *f, uint32_t chunk, uint32_t slot, uint32_t end_slot);
+/* Counts the splats of a chunk, at `slot`, by tile row, for the plan. */
+void fxs_band_count(fxs_frame *f, uint32_t block, uint32_t chunk, uint32_t slot, uint32_t count);
 
-/* Checks the arguments, then the memory. Returns 0 or an FXS_ERR_*. */
-int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera,
-                   const fxs_options *options, void *memory, size_t memory_bytes);
+/* Whether splats of a chunk may touch the band. */
+int fxs_band_has_chunk(const fxs_frame *f, uint32_t chunk);
 
-/* Runs a job for each block, which sets its block_counts. Returns 0, or FXS_ERR_SCENE where one failed. */
-int fxs_frame_blocks(fxs_frame *f, void (*job)(void *frame, uint32_t block));
+/* Moves those of `count` splats from `slot` on that touch the band together. Returns how many they are. */
+uint32_t fxs_band_keep(fxs_frame *f, uint32_t chunk, uint32_t slot, uint32_t count);
 
-/* The band's splats, sorted: runs a job that projects, shades and boxes each block, then the sort. Returns 0 or
-   FXS_ERR_SCENE. */
-int fxs_frame_prepare(fxs_frame *f, void (*prepare_job)(void *frame, uint32_t block));
+/* ---- stereo.c ---------------------------------------------------------------------------------------------------- */
 
-/* The sort alone: of the depths in spare_keys. */
-void fxs_frame_sort(fxs_frame *f);
+/* Projects a chunk for both eyes, from `slot` on. What either sees has the same slot in both; what one does not see has
+   the other's depth. Returns how many slots are taken, at most 256, or FXS_ERR_SCENE. */
+int32_t fxs_stereo_project(fxs_frame *f, uint32_t object, uint32_t chunk, uint32_t slot);
 
-/* Lists them by tile, and blends the band into f->pixels. Returns 0 or a back end's error. */
-int fxs_frame_draw(fxs_frame *f);
+/* After bin: lists what an eye does not see nowhere. */
+void fxs_stereo_hide(const fxs_bounds *bounds, uint32_t count, fxs_box *boxes);
 
-/* The whole frame, from its memory to its pixels. Returns 0, FXS_ERR_MEMORY, FXS_ERR_SCENE or a back end's error. */
-int fxs_frame_render(fxs_frame *f);
+/* ---- sort.c, bin.c, trace.c -------------------------------------------------------------------------------------- */
+
+/* Sorts keys by depth, ties by slot (they arrive in the order of their slots), in `parts` jobs. `spare` has room for
+   as many, `histograms` for `parts`. Returns where the result is: keys or spare. */
+fxs_key *fxs_sort(const fxs_config *config, fxs_key *keys, fxs_key *spare, uint32_t count,
+                  uint32_t (*histograms)[FXS_SORT_BUCKETS], uint32_t parts);
+
+/* A stretch of sorted keys, and the boxes of their slots in the same order. */
+typedef struct fxs_sorted {
+    const fxs_key *keys;
+    fxs_box *boxes;
+    uint32_t count;
+} fxs_sorted;
+
+/* The tile rows in which a splat may be listed. */
+FXS_STAGE fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds);
+
+/* Fetches the boxes of a stretch from `boxes` (by slot) and adds 1 to counts[tile] for every tile that each is in. */
+void fxs_bin_count(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_box *boxes,
+                   const fxs_sorted *sorted, uint32_t *counts);
+
+/* Lists a stretch in tiles first_tile to last_tile: for each key in order, and each such tile that it is in,
+   entries[next[tile]++] = slot. */
+void fxs_bin_fill(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_sorted *sorted,
+                  uint32_t first_tile, uint32_t last_tile, uint32_t *next, uint32_t *entries);
+
+/* All 1 - T = 0. */
+void fxs_tile_clear(fxs_tile *tile);
+
+/* Blends tile `tile`, at pixel (x, y), by `trace`, and writes its depths and ids. slots, of 256, or null: what contributes
+   most to each pixel; FXS_NOTHING where nothing does. */
+void fxs_trace_tile(const fxs_frame *f, uint32_t tile, int32_t x, int32_t y, fxs_tile *pixels, uint32_t *slots);
+
+/* ---- targets.c, resolve.c ---------------------------------------------------------------------------------------- */
+
+/* Checks the targets there are, for pictures of this size. Returns 0 or FXS_ERR_TARGET. */
+int fxs_targets_check(const fxs_targets *targets, int32_t width, int32_t height);
+
+/* Whether there is one to write. */
+int fxs_targets_any(const fxs_targets *targets);
+
+/* Whether they need `trace` in place of `blend`. */
+int fxs_targets_traced(const fxs_targets *targets);
+
+/* Writes the pixels of a tile at (x, y) to the other targets of f->eye. */
+void fxs_resolve_targets(const fxs_frame *f, const fxs_tile *tile, int32_t x, int32_t y);
+
+/* fxs_resolve_c, over a picture of RGBA8. */
+void fxs_resolve_over(enum fxs_format format, const fxs_tile *tile, int32_t columns, int32_t rows,
+                      const unsigned char *backdrop, ptrdiff_t backdrop_stride, unsigned char *pixels,
+                      ptrdiff_t stride);
+
+static inline unsigned char *fxs_image_at(const fxs_image *image, int32_t x, int32_t y, int pixel_bytes)
+{
+    return (unsigned char *)image->pixels + y * image->stride + (ptrdiff_t)x * pixel_bytes;
+}
+
+static inline int fxs_depth_bits(const fxs_targets *targets)
+{
+    return targets->depth_bits ? targets->depth_bits : 16;
+}
 
 #endif

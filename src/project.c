@@ -3,16 +3,15 @@
  * relative to its own size, 2^E pixels. */
 #include "codes.h"
 #include "fixed.h"
-#include "stage.h"
 
 #define TENTH_Q60 (((uint64_t)1 << 60) / 10)
 
 /* What is known of a Gaussian once its centre is projected. */
 typedef struct projected {
     int32_t camera[3];             /* x, y, z in units of the chunk's view */
-    int zeros;                     /* of z */
-    uint32_t inverse_q30;          /* 2^62 / (z << zeros) */
-    int32_t slope_q23[2];          /* x/z, y/z, cut to +-64 */
+    int zeros;                     /* of the depth that it is projected by: z, or 2^plane_exponent units */
+    uint32_t inverse_q30;          /* 2^62 / (depth << zeros) */
+    int32_t slope_q23[2];          /* x/depth, y/depth, cut to +-64 */
     int32_t position_q14[2];       /* pixels, 0 at the centre of the first pixel; not where it is out of range */
     int out_of_range;              /* too far off the axis or the picture */
 } projected;
@@ -35,14 +34,15 @@ static int project_centre(projected *out, const fxs_view *view, const fxs_chunk_
     const int32_t z = out->camera[2];
     if (z <= cv->near)
         return 0;
-    out->zeros = fxs_clz32((uint32_t)z);
-    out->inverse_q30 = fxs_reciprocal((uint32_t)z << out->zeros);
+    out->zeros = view->orthographic ? cv->plane_zeros : fxs_clz32((uint32_t)z);
+    out->inverse_q30 = view->orthographic ? 1u << 31 : fxs_reciprocal((uint32_t)z << out->zeros);
     out->out_of_range = 0;
     const int64_t f_q12[2] = {view->fx_q12, view->fy_q12}, c_q12[2] = {view->cx_q12, view->cy_q12};
     for (int i = 0; i < 2; i++) {
         const int32_t x = out->camera[i];
         int64_t slope = fxs_round_shift((int64_t)x * out->inverse_q30, 39 - out->zeros);
-        const int off_axis = x >= (int64_t)z * 64 || -x >= (int64_t)z * 64;
+        const int off_axis = view->orthographic ? slope >= slope_most_q23 || -slope >= slope_most_q23
+                                                : x >= (int64_t)z * 64 || -x >= (int64_t)z * 64;
         if (off_axis)
             slope = x < 0 ? -slope_most_q23 : slope_most_q23;
         int64_t position = fxs_round_shift(f_q12[i] * slope, 21) + c_q12[i] * 4 - (1 << 13);
@@ -356,8 +356,9 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
    to 33. */
 static uint32_t depth_key(const fxs_chunk_view *cv, const projected *centre)
 {
-    uint32_t exponent = (uint32_t)(cv->shift - centre->zeros - 1 + FXS_DEPTH_BIAS);
-    return exponent << 26 | (((uint32_t)centre->camera[2] << centre->zeros) >> 5 & 0x3ffffff);
+    const uint32_t z = (uint32_t)centre->camera[2];
+    const int zeros = fxs_clz32(z);
+    return (uint32_t)(cv->shift - zeros - 1 + FXS_DEPTH_BIAS) << 26 | ((z << zeros) >> 5 & 0x3ffffff);
 }
 
 /* Returns 0 for a Gaussian that touches no pixel. offsets_q11: fxs_offset_of_code_q11, where this runs. */

@@ -1,6 +1,6 @@
 /* resolve: sums and transmittance of a tile, over the background, as pixels. */
+#include "frame.h"
 #include "memory.h"
-#include "stage.h"
 
 static void store(unsigned char *pixel, enum fxs_format format, const int rgb[3], int transmittance_q15)
 {
@@ -14,18 +14,60 @@ static void store(unsigned char *pixel, enum fxs_format format, const int rgb[3]
     pixel[3] = format == FXS_FORMAT_RGBA8 ? 255 : (unsigned char)fxs_coverage_8bit(transmittance_q15);
 }
 
-void fxs_resolve_c(const fxs_options *options, const fxs_tile *tile, int32_t columns, int32_t rows,
-                   unsigned char *pixels, ptrdiff_t stride)
+/* FXS_FORMAT_RGBA16_COVERAGE: min(65535, round(65535 c)) */
+static void store_wide(unsigned char *pixel, const int sum_q13[3], int transmittance_q15)
 {
-    const int bytes = fxs_pixel_bytes(options);
-    int background_q13[3], rgb[3];
+    uint16_t rgba[4];
     for (int c = 0; c < 3; c++)
-        background_q13[c] = fxs_background_q13(options, c);
+        rgba[c] = (uint16_t)fxs_min((sum_q13[c] * 65535 + 4096) >> 13, 65535);   /* sum at most 32767: below 2^31 */
+    rgba[3] = (uint16_t)(((FXS_CLEAR_Q15 - transmittance_q15) * 65535 + 16384) >> 15);
+    memcpy(pixel, rgba, sizeof rgba);
+}
+
+/* One pixel over a background. */
+static void resolve_pixel(unsigned char *pixel, enum fxs_format format, const int sum_q13[3], int transmittance_q15,
+                          const int background_q13[3])
+{
+    int rgb[3];
+    if (format == FXS_FORMAT_RGBA16_COVERAGE) {
+        store_wide(pixel, sum_q13, transmittance_q15);
+        return;
+    }
+    for (int c = 0; c < 3; c++)
+        rgb[c] = fxs_resolve_8bit(sum_q13[c], transmittance_q15, background_q13[c]);
+    store(pixel, format, rgb, transmittance_q15);
+}
+
+/* Pixel i of a tile. */
+static void resolve_tile_pixel(unsigned char *pixel, enum fxs_format format, const fxs_tile *tile, int i,
+                               const int background_q13[3])
+{
+    const int sum_q13[3] = {tile->sum_q13[0][i], tile->sum_q13[1][i], tile->sum_q13[2][i]};
+    resolve_pixel(pixel, format, sum_q13, tile->transmittance_q15[i], background_q13);
+}
+
+void fxs_resolve_c(const fxs_options *options, enum fxs_format format, const fxs_tile *tile, int32_t columns,
+                   int32_t rows, unsigned char *pixels, ptrdiff_t stride)
+{
+    const int bytes = fxs_pixel_bytes(format), clear = fxs_is_premultiplied(format);
+    int background_q13[3];
+    for (int c = 0; c < 3; c++)
+        background_q13[c] = clear ? 0 : fxs_background_q13(options->background[c]);
+    for (int32_t y = 0; y < rows; y++)
+        for (int32_t x = 0; x < columns; x++)
+            resolve_tile_pixel(pixels + y * stride + x * bytes, format, tile, y * FXS_TILE + x, background_q13);
+}
+
+void fxs_resolve_over(enum fxs_format format, const fxs_tile *tile, int32_t columns, int32_t rows,
+                      const unsigned char *backdrop, ptrdiff_t backdrop_stride, unsigned char *pixels,
+                      ptrdiff_t stride)
+{
+    const int bytes = fxs_pixel_bytes(format);
     for (int32_t y = 0; y < rows; y++)
         for (int32_t x = 0; x < columns; x++) {
-            int i = y * FXS_TILE + x;
+            int background_q13[3];
             for (int c = 0; c < 3; c++)
-                rgb[c] = fxs_resolve_8bit(tile->sum_q13[c][i], tile->transmittance_q15[i], background_q13[c]);
-            store(pixels + y * stride + x * bytes, options->format, rgb, tile->transmittance_q15[i]);
+                background_q13[c] = fxs_background_q13(backdrop[y * backdrop_stride + 4 * x + c]);
+            resolve_tile_pixel(pixels + y * stride + x * bytes, format, tile, y * FXS_TILE + x, background_q13);
         }
 }

@@ -1,6 +1,5 @@
+#include "chunk.h"
 #include "memory.h"
-#include "packed.h"
-#include "stage.h"
 
 /* Where the parts of a packed scene begin, and its bytes. */
 typedef struct layout {

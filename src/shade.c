@@ -2,7 +2,6 @@
  * as in Kerbl et al. 2023 (code) and KHR_gaussian_splatting, "Calculating color". */
 #include "codes.h"
 #include "fixed.h"
-#include "stage.h"
 
 /* A constant of the basis, Q15. */
 #define Q15(x_millionths) ((int32_t)(((int64_t)(x_millionths) * 32768 + 500000) / 1000000))
@@ -106,7 +105,7 @@ static void basis_at(int32_t b_q15[15], const fxs_view *view, const fxs_chunk *c
     int32_t d_q15[3];
     for (int k = 0; k < 3; k++) {
         int64_t reach = (int64_t)chunk->step_q32[k] * position[k] << chunk->step_shift;
-        offset_q32[k] = chunk->origin_q32[k] - view->position_q32[k] + reach;
+        offset_q32[k] = chunk->origin_q32[k] - view->eye_q32[k] + reach;
     }
     direction(d_q15, offset_q32);
     memset(b_q15, 0, 15 * sizeof *b_q15);

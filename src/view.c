@@ -1,21 +1,22 @@
-/* The camera, once a frame: everything of the projection that does not depend on the Gaussian. */
+/* The camera, once a frame and object: everything of the projection that does not depend on the Gaussian. */
+#include "object.h"
+
 #include "fixed.h"
 #include "memory.h"
-#include "stage.h"
 
 #define POSITION_LIMIT_Q32 ((int64_t)1 << 60)   /* 2^28 units */
 #define NEAR_LEAST_Q32 ((int64_t)1 << 12)       /* 2^-20 units */
 #define NEAR_MOST_Q32 ((int64_t)1 << 60)
 #define NEAR_DEFAULT_Q32 858993459              /* 0.2 */
 #define ONE_Q60 ((int64_t)1 << 60)
+#define ONE_Q30 ((int64_t)1 << 30)
 
 static int64_t dot_q60(const int32_t a_q30[3], const int32_t b_q30[3])
 {
     return (int64_t)a_q30[0] * b_q30[0] + (int64_t)a_q30[1] * b_q30[1] + (int64_t)a_q30[2] * b_q30[2];
 }
 
-/* Rows of length 1 and at right angles, within 2^-10, and right-handed: row0 x row1 = row2. */
-static int is_rotation(const int32_t m_q30[9])
+int fxs_is_rotation(const int32_t m_q30[9])
 {
     const int64_t tolerance = ONE_Q60 >> 10;
     for (int i = 0; i < 9; i++)
@@ -39,7 +40,8 @@ static int check_camera(const fxs_camera *camera)
 {
     if (camera->width < 1 || camera->height < 1 || camera->width > FXS_MAX_SIZE || camera->height > FXS_MAX_SIZE)
         return FXS_ERR_SIZE;
-    if (camera->fx_q12 <= 0 || camera->fy_q12 <= 0 || !is_rotation(camera->rotation_q30))
+    if (camera->fx_q12 <= 0 || camera->fy_q12 <= 0 || !fxs_is_rotation(camera->rotation_q30) ||
+        (camera->projection != FXS_PERSPECTIVE && camera->projection != FXS_ORTHOGRAPHIC))
         return FXS_ERR_CAMERA;
     for (int i = 0; i < 3; i++)
         if (camera->position_q32[i] < -POSITION_LIMIT_Q32 || camera->position_q32[i] > POSITION_LIMIT_Q32)
@@ -74,10 +76,10 @@ static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *lo
 
 /* The least exponent with which 3.5 (2^exponent + 1) pixels reach the picture from a centre 64 times as far off the
    axis as away, or 65536 pixels from the first pixel; at least 7, and a 16th of the picture. */
-static int32_t veil_exponent(const fxs_camera *camera)
+static int32_t veil_exponent(const fxs_view *view)
 {
-    const int64_t f_q12[2] = {camera->fx_q12, camera->fy_q12}, c_q12[2] = {camera->cx_q12, camera->cy_q12};
-    const int64_t size_q12[2] = {(int64_t)camera->width << 12, (int64_t)camera->height << 12};
+    const int64_t f_q12[2] = {view->fx_q12, view->fy_q12}, c_q12[2] = {view->cx_q12, view->cy_q12};
+    const int64_t size_q12[2] = {(int64_t)view->width << 12, (int64_t)view->height << 12};
     int32_t exponent = 7;
     int64_t room_q12 = (int64_t)65536 << 12;
     for (int i = 0; i < 2; i++) {
@@ -86,8 +88,8 @@ static int32_t veil_exponent(const fxs_camera *camera)
         for (int k = 0; k < 3; k++)
             room_q12 = room[k] < room_q12 ? room[k] : room_q12;
     }
-    while ((((int64_t)7 << exponent) + 7) * 2048 < room_q12 || camera->width > 16 << exponent ||
-           camera->height > 16 << exponent)
+    while ((((int64_t)7 << exponent) + 7) * 2048 < room_q12 || view->width > 16 << exponent ||
+           view->height > 16 << exponent)
         exponent++;
     return exponent;
 }
@@ -107,27 +109,70 @@ static int32_t jacobian_exponent(const fxs_view *view)
     return exponent;
 }
 
-static void jacobian_rows(fxs_view *view, const fxs_camera *camera)
+static void jacobian_rows(fxs_view *view)
 {
-    int64_t focal_q12[2] = {camera->fx_q12, camera->fy_q12};
+    const int64_t focal_q12[2] = {view->fx_q12, view->fy_q12};
     uint32_t focal = (uint32_t)(focal_q12[0] > focal_q12[1] ? focal_q12[0] : focal_q12[1]);
     int zeros = fxs_clz32(focal);
     view->focal_q32 = focal << zeros;
     view->focal_exponent = 20 - zeros;
     for (int i = 0; i < 2; i++)
         for (int k = 0; k < 3; k++) {
-            int64_t row = camera->rotation_q30[3 * i + k] * focal_q12[i] / focal;
-            int64_t forward = camera->rotation_q30[6 + k] * focal_q12[i] / focal;
+            int64_t row = view->rotation_q30[3 * i + k] * focal_q12[i] / focal;
+            int64_t forward = view->rotation_q30[6 + k] * focal_q12[i] / focal;
             view->row_q15[i][k] = (int32_t)fxs_round_shift(row, 15 + view->jacobian_exponent);
             view->forward_q15[i][k] = (int32_t)fxs_round_shift(forward, 15);
         }
 }
 
-int fxs_view_init(fxs_view *view, const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options)
+/* What follows from the focal lengths, the position and the rotation. */
+static void derive(fxs_view *view)
+{
+    const int32_t size[2] = {view->width, view->height};
+    const int64_t f_q12[2] = {view->fx_q12, view->fy_q12}, c_q12[2] = {view->cx_q12, view->cy_q12};
+    for (int i = 0; i < 2; i++) {
+        slope_limits(size[i], f_q12[i], c_q12[i], &view->slope_low_q23[i], &view->slope_high_q23[i]);
+        edge_slopes(size[i], f_q12[i], c_q12[i], &view->edge_low_q23[i], &view->edge_high_q23[i]);
+        if (view->orthographic)                  /* the Jacobian does not depend on where the centre is */
+            view->slope_low_q23[i] = view->slope_high_q23[i] = 0;
+    }
+    view->veil_exponent = veil_exponent(view);
+    view->jacobian_exponent = jacobian_exponent(view);
+    jacobian_rows(view);
+    for (int i = 0; i < 3; i++)                  /* parallel rays come from 2^28 units behind the picture */
+        view->eye_q32[i] = view->position_q32[i] - (view->orthographic ? view->rotation_q30[6 + i] * ONE_Q30 : 0);
+}
+
+/* Of an orthographic camera fx and fy are pixels a unit: f / z with z = 2^plane_exponent units, chosen so that f is one
+   to two widths, or heights, of the picture. */
+static void choose_plane(fxs_view *view, const fxs_camera *camera, fxs_scale s)
+{
+    const uint64_t f_q12[2] = {(uint64_t)camera->fx_q12 * s.mantissa, (uint64_t)camera->fy_q12 * s.mantissa};
+    const uint64_t most = (uint64_t)(view->width > view->height ? view->width : view->height) << 13;
+    int shift = 0;
+    while ((f_q12[0] > f_q12[1] ? f_q12[0] : f_q12[1]) >> shift >= most)
+        shift++;
+    view->fx_q12 = (int64_t)(f_q12[0] >> shift) + !(f_q12[0] >> shift);
+    view->fy_q12 = (int64_t)(f_q12[1] >> shift) + !(f_q12[1] >> shift);
+    view->plane_exponent = 31 - s.exponent - shift;
+}
+
+void fxs_camera_init(fxs_camera *camera, int32_t width, int32_t height)
+{
+    memset(camera, 0, sizeof *camera);
+    camera->width = width;
+    camera->height = height;
+    camera->fx_q12 = camera->fy_q12 = camera->cx_q12 = width * 2048;
+    camera->cy_q12 = height * 2048;
+    camera->rotation_q30[0] = camera->rotation_q30[4] = camera->rotation_q30[8] = 1 << 30;
+}
+
+int fxs_view_init(fxs_view *view, const fxs_camera *camera, const fxs_options *options)
 {
     int error = check_camera(camera);
     if (error)
         return error;
+    memset(view, 0, sizeof *view);
     view->width = camera->width;
     view->height = camera->height;
     view->tiles_x = (camera->width + FXS_TILE - 1) / FXS_TILE;
@@ -139,16 +184,81 @@ int fxs_view_init(fxs_view *view, const fxs_scene *scene, const fxs_camera *came
     view->fy_q12 = camera->fy_q12;
     view->cx_q12 = camera->cx_q12;
     view->cy_q12 = camera->cy_q12;
-    slope_limits(camera->width, camera->fx_q12, camera->cx_q12, &view->slope_low_q23[0], &view->slope_high_q23[0]);
-    slope_limits(camera->height, camera->fy_q12, camera->cy_q12, &view->slope_low_q23[1], &view->slope_high_q23[1]);
-    edge_slopes(camera->width, camera->fx_q12, camera->cx_q12, &view->edge_low_q23[0], &view->edge_high_q23[0]);
-    edge_slopes(camera->height, camera->fy_q12, camera->cy_q12, &view->edge_low_q23[1], &view->edge_high_q23[1]);
-    view->veil_exponent = veil_exponent(camera);
-    view->jacobian_exponent = jacobian_exponent(view);
-    jacobian_rows(view, camera);
+    view->orthographic = camera->projection == FXS_ORTHOGRAPHIC;
+    if (view->orthographic)
+        choose_plane(view, camera, fxs_scale_of(FXS_ONE_Q32));
     view->square = options->cutoff == FXS_CUTOFF_SQUARE;
     view->cut_q11 = view->square ? FXS_LEVEL_MAX_Q11 : FXS_CUT_Q11;
-    view->sh_degree = options->sh_degree < scene->sh_degree ? options->sh_degree : scene->sh_degree;
-    view->antialiased = scene->antialiased;
+    view->sh_degree = options->sh_degree;
+    derive(view);
+    return 0;
+}
+
+/* ---- In the space of an object ----------------------------------------------------------------------------------- */
+
+/* x 2^32 / divisor, rounded down, of x at least 0; cut to 2^62. divisor in 2^16..2^48. */
+static int64_t divide_q32(uint64_t x, uint64_t divisor)
+{
+    uint64_t quotient = x / divisor, rest = x % divisor;
+    for (int i = 0; i < 32; i++) {
+        if (quotient >> 61)
+            return (int64_t)1 << 62;
+        rest *= 2;
+        quotient = quotient * 2 + (rest >= divisor);
+        rest -= rest >= divisor ? divisor : 0;
+    }
+    return (int64_t)quotient;
+}
+
+int64_t fxs_turned_back(const int32_t m_q30[9], const int64_t v[3], int i)
+{
+    int64_t high = 0, low = 0;
+    for (int k = 0; k < 3; k++) {                /* in two parts: 2^61 times 2^30 */
+        high += m_q30[3 * k + i] * (v[k] >> 31);
+        low += m_q30[3 * k + i] * (v[k] & INT32_MAX);
+    }
+    return high * 2 + fxs_round_shift(low, 30);
+}
+
+/* R^T (P - T) / s. Returns 0 where that is too far out. */
+static int position_in_object(int64_t out_q32[3], const int64_t position_q32[3], const fxs_object *object)
+{
+    int64_t apart_q32[3];
+    for (int i = 0; i < 3; i++)
+        apart_q32[i] = position_q32[i] - object->translation_q32[i];
+    for (int i = 0; i < 3; i++) {
+        const int64_t turned = fxs_turned_back(object->rotation_q30, apart_q32, i);
+        const int64_t length = divide_q32((uint64_t)(turned < 0 ? -turned : turned), (uint64_t)object->scale_q32);
+        if (length > POSITION_LIMIT_Q32)
+            return 0;
+        out_q32[i] = turned < 0 ? -length : length;
+    }
+    return 1;
+}
+
+/* W R: as near to a rotation as W and R are. */
+static void turn(int32_t out_q30[9], const int32_t w_q30[9], const int32_t r_q30[9])
+{
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            int64_t sum_q60 = 0;
+            for (int j = 0; j < 3; j++)
+                sum_q60 += (int64_t)w_q30[3 * i + j] * r_q30[3 * j + k];
+            out_q30[3 * i + k] = (int32_t)fxs_round_shift(sum_q60, 30);
+        }
+}
+
+int fxs_view_of_object(fxs_view *view, const fxs_view *world, const fxs_camera *camera, const fxs_object *object)
+{
+    *view = *world;
+    turn(view->rotation_q30, world->rotation_q30, object->rotation_q30);
+    if (!position_in_object(view->position_q32, world->position_q32, object))
+        return FXS_ERR_OBJECT;
+    view->near_q32 = divide_q32((uint64_t)world->near_q32, (uint64_t)object->scale_q32);
+    if (view->orthographic)
+        choose_plane(view, camera, fxs_scale_of(object->scale_q32));
+    view->sh_degree = world->sh_degree < object->scene->sh_degree ? world->sh_degree : object->scene->sh_degree;
+    view->antialiased = object->scene->antialiased;
+    derive(view);
     return 0;
 }

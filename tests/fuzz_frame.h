@@ -113,7 +113,7 @@ static void fuzz_camera(fxs_camera *camera, const uint8_t *control)
 
 static void fuzz_options(fuzz_frame *f, const uint8_t *control)
 {
-    fxs_options_default(&f->options);
+    fxs_options_init(&f->options);
     f->options.cutoff = (enum fxs_cutoff)(control[0] & 1);
     f->options.format = (enum fxs_format)(control[0] / 2 % 3);
     f->options.sh_degree = control[0] / 8 % 4;

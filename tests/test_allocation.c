@@ -91,7 +91,7 @@ static void render_frames(uint32_t threads)
 #ifdef FXS_WITH_KERNELS
     fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
 #endif
-    fxs_options_default(&options);
+    fxs_options_init(&options);
     CHECK(pool && pixels && !fxs_scene_open(&scene, packed.data, packed.bytes) &&
           !fxs_view_look_at(&view, eye, middle, up, 50, WIDTH, HEIGHT, &m));
     size_t bytes = fxs_frame_bytes(&context, &scene, WIDTH, HEIGHT, 0);

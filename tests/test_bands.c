@@ -118,7 +118,7 @@ static void draw_random(int height)
         drawn.camera.height = height;
         drawn.camera.cy_q12 = height * 2048;
     }
-    fxs_options_default(&drawn.options);
+    fxs_options_init(&drawn.options);
     drawn.options.cutoff = (enum fxs_cutoff)between(0, 1);
     drawn.options.format = (enum fxs_format)between(0, 2);
     draw();
@@ -206,7 +206,7 @@ static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS])
     CHECK(!fxs_scene_open(&drawn.scene, s.data, s.bytes));
     drawn.camera = (fxs_camera){16, 16 * ROWS, 64 << 12, 64 << 12, 0, 0, {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30},
                                 {0, 0, 0}, 0};
-    fxs_options_default(&drawn.options);
+    fxs_options_init(&drawn.options);
     draw();
     return s;
 }

@@ -104,7 +104,7 @@ static uint64_t draw(const fxs_scene *scene, enum fxs_format format)
     fxs_context context;
     fxs_options options;
     fxs_init(&context, 0);
-    fxs_options_default(&options);
+    fxs_options_init(&options);
     options.format = format;
     size_t bytes = fxs_frame_bytes(&context, scene, WIDTH, HEIGHT, 0);
     void *memory = check_aligned(bytes);

@@ -130,7 +130,7 @@ static int make_subject(subject *s, const char *name, uint64_t count, int width,
     static const double eye[3] = {0.9, -2.6, -12.8}, look[3] = {0, 0.4, 0}, up[3] = {0, -1, 0};
     fxs_message m = {"no camera"};
     fxs_file_view view;
-    fxs_options_default(&s->options);
+    fxs_options_init(&s->options);
     s->options.background[0] = 17;
     s->options.background[2] = 200;
     const int made = !procedural_scene_make(name, count, 0, &s->packed, 0, &m) &&
@@ -319,7 +319,7 @@ static void long_list(void)
     real_DrawArrays = (PFNGLDRAWARRAYSPROC)port->load(context, "glDrawArrays");
     fake(0, "glDrawArrays", (fxs_gl_function)count_DrawArrays);
     OPEN_OR_SKIP(gles);
-    fxs_options_default(&s.options);
+    fxs_options_init(&s.options);
     draws = 0;
     same_laid_out(&s, gles, 16 * 4, 0, &stats);
     CHECK(stats.entries >= 80000 && draws == (stats.entries + 32767) / 32768);
@@ -359,7 +359,7 @@ static int load_subject(subject *s, const char *folder, const char *name, const 
     fxs_pack_report report;
     fxs_file_view view;
     snprintf(path, sizeof path, "%s/%s", folder, name);
-    fxs_options_default(&s->options);
+    fxs_options_init(&s->options);
     if (fxs_scene_file_open(path, 0, &file, &info, &m))
         return 0;
     int error = fxs_pack(file, &info, &s->packed, &report, 0, &m);

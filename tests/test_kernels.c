@@ -292,7 +292,7 @@ static void make_view(void)
 {
     fxs_options options;
     fxs_camera camera;
-    fxs_options_default(&options);
+    fxs_options_init(&options);
     options.sh_degree = (int)below(4);
     camera.width = 1 + (int32_t)below(one_in(4) ? FXS_MAX_SIZE : 2000);
     camera.height = 1 + (int32_t)below(one_in(4) ? FXS_MAX_SIZE : 1200);
@@ -478,7 +478,7 @@ static void resolve_case(void)
 {
     fxs_tile tile;
     fxs_options options;
-    fxs_options_default(&options);
+    fxs_options_init(&options);
     for (int c = 0; c < 3; c++)
         options.background[c] = (uint8_t)extreme(0, 255);
     for (int size = 0; size < FXS_TILE_PIXELS * 3; size++) {
@@ -625,7 +625,7 @@ static void bench_init(workload *w, enum fxs_profile profile)
     static const fxs_camera camera = {1280, 720, 1000 << 12, 1000 << 12, 640 << 12, 360 << 12,
                                       {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, 0}, 0};
     fxs_options options;
-    fxs_options_default(&options);
+    fxs_options_init(&options);
     state = 1;
     w->packed = bench_scene(profile);
     CHECK(fxs_scene_open(&w->scene, w->packed.data, w->packed.bytes) == 0);

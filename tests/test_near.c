@@ -57,7 +57,7 @@ static int render(const fxs_file_view *view, uint8_t *rgba)
     fxs_context context;
     fxs_options options;
     fxs_init(&context, 0);
-    fxs_options_default(&options);
+    fxs_options_init(&options);
     if (fxs_scene_open(&scene, packed.data, packed.bytes) || fxs_camera_from_view(&camera, view, &m))
         return -1;
     const size_t bytes = fxs_frame_bytes(&context, &scene, WIDTH, HEIGHT, 0);

@@ -129,7 +129,7 @@ static void pixel_stage(const subject *s, const fxs_file_view *file_view, const 
     fxs_bin_fill(&view, list.splats, list.bounds, &stretch, 0, TILES - 1, ends, entries);
     free(stretch.boxes);
     fxs_options options;
-    fxs_options_default(&options);
+    fxs_options_init(&options);
     for (int t = 0; t < TILES; t++) {
         fxs_tile tile;
         int x = t % view.tiles_x * FXS_TILE, y = t / view.tiles_x * FXS_TILE;
@@ -286,7 +286,7 @@ static int render_packed(const fxs_packed_scene *packed, const fxs_file_view *vi
     fxs_options options;
     const fxs_config config = {.run = fxs_pool_run, .pool = pool, .threads = fxs_processors()};
     fxs_init(&context, &config);
-    fxs_options_default(&options);
+    fxs_options_init(&options);
     if (fxs_scene_open(&scene, packed->data, packed->bytes) || fxs_camera_from_view(&camera, view, &m))
         return -1;
     size_t bytes = fxs_frame_bytes(&context, &scene, WIDTH, HEIGHT, 0);

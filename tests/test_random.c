@@ -23,7 +23,7 @@ static uint64_t hash_case(enum fxs_profile profile, int which, int near)
     if (near)
         random_near(&camera);
     fxs_init(&context, 0);
-    fxs_options_default(&options);
+    fxs_options_init(&options);
     options.cutoff = between(0, 3) ? FXS_CUTOFF_MAHALANOBIS : FXS_CUTOFF_SQUARE;
     options.format = (enum fxs_format)between(0, 1);
     options.background[0] = (uint8_t)between(0, 255);

@@ -265,7 +265,7 @@ static int make_scene(enum fxs_profile profile, uint64_t seed)
     memcpy(drawn.data, packed.data, packed.bytes);
     free(packed.data);
     random_camera(&drawn.camera);
-    fxs_options_default(&drawn.options);
+    fxs_options_init(&drawn.options);
     drawn.options.cutoff = (enum fxs_cutoff)between(0, 1);
     if (!CHECK(!fxs_scene_open(&drawn.scene, drawn.data, drawn.size)))
         exit(1);

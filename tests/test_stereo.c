@@ -93,7 +93,7 @@ static void random_pair(fxs_camera cameras[2], fxs_options *options, int which)
     for (int i = 0; i < 3 && which % KINDS > ONE_PLACE; i++)
         cameras[1].position_q32[i] += which % KINDS == APART ? (int64_t)between(-65536, 65536) * 4096
                                                              : (int64_t)cameras[0].rotation_q30[i] * distance_q16 >> 14;
-    fxs_options_default(options);
+    fxs_options_init(options);
     options->cutoff = (enum fxs_cutoff)(which / 3 % 2);
     options->format = (enum fxs_format)between(0, 2);
     options->sh_degree = which % 4;
@@ -379,7 +379,7 @@ static double worse_psnr(const fxs_scene *scene, const fxs_camera cameras[2])
 #ifdef FXS_WITH_KERNELS
     fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
 #endif
-    fxs_options_default(&options);
+    fxs_options_init(&options);
     pair p = pair_of(scene, cameras, &options);
     unsigned char *shared = malloc(p.bytes), *alone = malloc(p.bytes);
     CHECK(!render(&p, &context, 0, bytes_of(&p, &context), shared));

@@ -50,7 +50,7 @@ static void make_frames(void)
         f->packed = random_scene((enum fxs_profile)(i % 3), 20000);
         CHECK(!fxs_scene_open(&f->scene, f->packed.data, f->packed.bytes));
         random_camera(&f->camera);
-        fxs_options_default(&f->options);
+        fxs_options_init(&f->options);
         CHECK(draw(&alone, f, 1));
     }
 }

@@ -117,6 +117,7 @@ typedef struct view_options {
     double stereo;                          /* between the two eyes, scene units; 0: one picture */
     int stereo_exact;
     fxs_options render;
+    enum fxs_format format;
     const char *cpu, *backend;
     int devices[DEVICES_MOST];              /* of --backend cuda; the first device_count, 0: all there are */
     int device_count;
@@ -186,6 +187,7 @@ typedef struct renderer {
     size_t max_memory;                      /* max_memory, stereo, stereo_exact: as in view_options */
     double stereo;
     int stereo_exact;
+    enum fxs_format format;
     uint8_t *pixels;                        /* RGBA; of two eyes side by side, the left one left */
     int width, height;                      /* of the pixels */
 } renderer;

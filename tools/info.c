@@ -203,7 +203,9 @@ static int find(findings *f, const info_options *o)
     const fxs_config config = {.run = fxs_pool_run, .threads = fxs_processors()};   /* only asked for sizes */
     f->limit = o->view.max_memory;
     fxs_init(&context, &config);
-    fxs_frame_bytes(&context, &f->scene.scene, f->width, f->height, &f->memory);
+    fxs_object object;
+    fxs_object_init(&object, &f->scene.scene);
+    fxs_frame_bytes(&context, &object, 1, f->width, f->height, &f->memory);
     return o->original ? compare(f, o) : 0;
 }
 

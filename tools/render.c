@@ -40,7 +40,7 @@ static int take_options(render_options *o, int argc, char **argv)
     for (int c; (c = getopt_long(argc, argv, "o:", table, 0)) != -1;)
         switch (c) {
         case 'o': o->output = optarg; break;
-        case OPT_ALPHA: o->view.render.format = FXS_FORMAT_RGBA8_COVERAGE; break;
+        case OPT_ALPHA: o->view.format = FXS_FORMAT_RGBA8_COVERAGE; break;
         case OPT_HASH: o->hash = 1; break;
         case OPT_STATS: o->stats = 1; break;
         case OPT_HELP: printf(help, view_options_help); exit(EXIT_OK);
@@ -93,7 +93,9 @@ static int print_stats(renderer *r, const render_options *o, const loaded_scene 
     const fxs_frame_memory *memory = &stats->memory;
     uint64_t evaluated = 0, blended = 0;
     fxs_camera_from_view(&camera, view, &message);
-    int error = fxs_count_pairs(&loaded->scene, &camera, &o->view.render, r->memory, r->memory_bytes, &evaluated,
+    fxs_object object;
+    fxs_object_init(&object, &loaded->scene);
+    int error = fxs_count_pairs(&object, 1, &camera, &o->view.render, r->memory, r->memory_bytes, &evaluated,
                                 &blended);
     if (error)
         return fail(EXIT_FAILED, "%s", fxs_strerror(error));

@@ -45,7 +45,7 @@ const char view_options_help[] =
 void view_options_default(view_options *options)
 {
     memset(options, 0, sizeof *options);
-    fxs_options_default(&options->render);
+    fxs_options_init(&options->render);
     options->up[1] = -1;
     options->fov = 50;
     options->cpu = "all";
@@ -296,6 +296,7 @@ int renderer_init(renderer *r, const view_options *options)
     r->max_memory = options->max_memory;
     r->stereo = options->stereo;
     r->stereo_exact = options->stereo_exact;
+    r->format = options->format;
     fxs_config config = {.threads = options->threads, .clock = fxs_clock};
     if (!cuda && backend_open(&r->backend, options->backend, &config, &message))
         return fail(EXIT_FAILED, "--backend %s: %s", options->backend, message.text);
@@ -324,10 +325,10 @@ void renderer_free(renderer *r)
     free(r->pixels);
 }
 
-static int make_room(renderer *r, const fxs_scene *scene, int width, int height)
+static int make_room(renderer *r, const fxs_object *object, int width, int height)
 {
-    size_t bytes = r->stereo > 0 ? fxs_stereo_bytes(&r->context, scene, width, height)
-                                 : fxs_frame_bytes(&r->context, scene, width, height, 0);
+    size_t bytes = r->stereo > 0 ? fxs_stereo_bytes(&r->context, object, 1, width, height)
+                                 : fxs_frame_bytes(&r->context, object, 1, width, height, 0);
     bytes = !r->cuda && r->max_memory && r->max_memory < bytes ? r->max_memory : bytes;
     r->width = r->stereo > 0 ? 2 * width : width;
     r->height = height;
@@ -361,18 +362,25 @@ static int draw(renderer *r, const loaded_scene *loaded, const fxs_file_view *vi
                 fxs_stats *stats)
 {
     fxs_camera cameras[2];
+    fxs_object object;
+    fxs_object_init(&object, &loaded->scene);
     if (camera_beside(&cameras[0], view, -r->stereo / 2) || camera_beside(&cameras[1], view, r->stereo / 2) ||
-        make_room(r, &loaded->scene, view->width, view->height))
+        make_room(r, &object, view->width, view->height))
         return EXIT_FAILED;
     ptrdiff_t stride = (ptrdiff_t)r->width * 4;
-    void *const eyes[2] = {r->pixels, r->pixels + stride / 2};
+    fxs_targets eyes[2];
+    fxs_targets_init(&eyes[0]);
+    eyes[0].format = r->format;
+    eyes[1] = eyes[0];
+    eyes[0].colour = (fxs_image){r->pixels, stride};
+    eyes[1].colour = (fxs_image){r->pixels + stride / 2, stride};
     if (r->cuda)
-        return cuda_render(r, loaded, &cameras[0], options, eyes[0], stride, stats) ||
-               (r->stereo > 0 && cuda_render(r, loaded, &cameras[1], options, eyes[1], stride, stats)) ? EXIT_FAILED : 0;
-    int error = r->stereo > 0 ? fxs_render_stereo(&r->context, &loaded->scene, cameras, options, r->stereo_exact,
-                                                  r->memory, r->memory_bytes, eyes, stride, stats)
-                              : fxs_render(&r->context, &loaded->scene, cameras, options, r->memory, r->memory_bytes,
-                                           r->pixels, stride, stats);
+        return cuda_render(r, loaded, &cameras[0], options, eyes[0].colour.pixels, stride, stats) ||
+               (r->stereo > 0 && cuda_render(r, loaded, &cameras[1], options, eyes[1].colour.pixels, stride, stats)) ? EXIT_FAILED : 0;
+    int error = r->stereo > 0 ? fxs_render_stereo(&r->context, &object, 1, cameras, options, eyes, r->stereo_exact,
+                                                  r->memory, r->memory_bytes, stats)
+                              : fxs_render(&r->context, &object, 1, cameras, options, eyes, r->memory,
+                                           r->memory_bytes, stats);
     if (error == FXS_ERR_MEMORY && stats->memory.least > r->memory_bytes)
         return fail(EXIT_FAILED, "view %s: a frame of %dx%d does not fit in --max-memory %zu: it needs at least %zu "
                     "bytes", view->name, view->width, view->height, r->max_memory, stats->memory.least);

@@ -2,7 +2,7 @@
 #ifndef FXS_ARM_H
 #define FXS_ARM_H
 
-#include "../../src/stage.h"
+#include "../../src/chunk.h"
 
 int32_t fxs_project_neon(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
                          fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
@@ -12,7 +12,7 @@ void fxs_bin_neon(const fxs_view *view, const fxs_splat *splats, const fxs_bound
                   fxs_box *boxes);
 void fxs_blend_neon(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
                     uint32_t count, fxs_tile *tile);
-void fxs_resolve_neon(const fxs_options *options, const fxs_tile *tile, int32_t columns, int32_t rows,
-                      unsigned char *pixels, ptrdiff_t stride);
+void fxs_resolve_neon(const fxs_options *options, enum fxs_format format, const fxs_tile *tile, int32_t columns,
+                      int32_t rows, unsigned char *pixels, ptrdiff_t stride);
 
 #endif

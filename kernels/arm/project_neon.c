@@ -413,7 +413,7 @@ static inline void store(fxs_splat *splat, fxs_bounds *bounds, const shapes *s, 
 int32_t fxs_project_neon(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
                          fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
 {
-    if (view->square)
+    if (view->square || view->orthographic)
         return fxs_project_c(view, scene, chunk, splats, bounds, indices, depths);
     const unsigned char *rows = fxs_rows(scene, chunk);
     fxs_chunk_view cv;

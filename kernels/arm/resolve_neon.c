@@ -29,18 +29,18 @@ static inline void resolve_row(uint8_t rgba[4 * FXS_TILE], const fxs_tile *tile,
     vst4q_u8(rgba, out);
 }
 
-void fxs_resolve_neon(const fxs_options *options, const fxs_tile *tile, int32_t columns, int32_t rows,
-                      unsigned char *pixels, ptrdiff_t stride)
+void fxs_resolve_neon(const fxs_options *options, enum fxs_format format, const fxs_tile *tile, int32_t columns,
+                      int32_t rows, unsigned char *pixels, ptrdiff_t stride)
 {
-    if (options->format == FXS_FORMAT_RGB565) {
-        fxs_resolve_c(options, tile, columns, rows, pixels, stride);
+    const int coverage = format == FXS_FORMAT_RGBA8_COVERAGE;
+    if (format != FXS_FORMAT_RGBA8 && !coverage) {
+        fxs_resolve_c(options, format, tile, columns, rows, pixels, stride);
         return;
     }
-    const int coverage = options->format == FXS_FORMAT_RGBA8_COVERAGE;
     const uint8x16_t least_alpha = vdupq_n_u8(coverage ? 0 : 255);
     int16x8_t background_q13[3];
     for (int c = 0; c < 3; c++)
-        background_q13[c] = vdupq_n_s16((int16_t)fxs_background_q13(options, c));
+        background_q13[c] = vdupq_n_s16((int16_t)(coverage ? 0 : fxs_background_q13(options->background[c])));
     for (int32_t y = 0; y < rows; y++, pixels += stride) {
         uint8_t edge[4 * FXS_TILE];
         resolve_row(columns == FXS_TILE ? pixels : edge, tile, y * FXS_TILE, background_q13, least_alpha);

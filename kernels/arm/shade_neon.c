@@ -22,7 +22,7 @@ static inline int32x4_t quarter(int32x4_t x)
 static inline int64x2_t offset_q32(const fxs_view *view, const fxs_chunk *header, int axis, uint32x2_t code)
 {
     uint64x2_t step_q32 = vshlq_u64(vmull_n_u32(code, header->step_q32[axis]), vdupq_n_s64(header->step_shift));
-    return vaddq_s64(vdupq_n_s64(header->origin_q32[axis] - view->position_q32[axis]), vreinterpretq_s64_u64(step_q32));
+    return vaddq_s64(vdupq_n_s64(header->origin_q32[axis] - view->eye_q32[axis]), vreinterpretq_s64_u64(step_q32));
 }
 
 /* Unit vectors from the camera to four Gaussians. */

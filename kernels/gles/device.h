@@ -2,6 +2,7 @@
 #ifndef FXS_GLES_DEVICE_H
 #define FXS_GLES_DEVICE_H
 
+#include "../../src/packed.h"
 #include "../../src/stage.h"
 #include "gl.h"
 #include "gles.h"
@@ -63,6 +64,15 @@ void fxs_gles_restore(const fxs_gl *gl, const fxs_gles_state *state);
 
 /* Sets what every draw wants: switches, masks, unpacking, and the textures of the tiles' shader at their units. */
 void fxs_gles_set(const fxs_gles *gles);
+
+/* Of the pixels that a run is drawn to. */
+static inline enum fxs_format fxs_gles_format(const fxs_gles *gles, const fxs_tile_run *run)
+{
+    return gles->target ? gles->target->format : run->targets->format;
+}
+
+/* Whether the run asks for what this back end has. Returns 0, FXS_ERR_TARGET or FXS_ERR_UNSUPPORTED. */
+int fxs_gles_has(const fxs_gles *gles, const fxs_tile_run *run);
 
 /* Makes the context current. Returns 0 or FXS_ERR_DEVICE. */
 int fxs_gles_use(const fxs_gles *gles);

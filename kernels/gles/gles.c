@@ -356,15 +356,28 @@ static void copy_tiles(const fxs_tile_run *run, const unsigned char *from, int32
                        int32_t height, int wide)
 {
     const int32_t across = run->view->tiles_x, first = (int32_t)run->first_tile;
-    const enum fxs_format format = run->options->format;
+    const enum fxs_format format = run->targets->format;
+    const fxs_image *colour = &run->targets->colour;
     for (int32_t line = y; line < y + height; line++, from += (wide ? 16 : 4) * (ptrdiff_t)width) {
         const int32_t row = line / FXS_TILE;
         const int32_t left = row == first / across ? first % across * FXS_TILE : 0;
         const int32_t begin = left > x ? left : x, end = x + width;
         if (begin < end)
-            copy_row(run->pixels + line * run->stride + begin * (format == FXS_FORMAT_RGB565 ? 2 : 4),
+            copy_row((unsigned char *)colour->pixels + line * colour->stride + begin * (format == FXS_FORMAT_RGB565 ? 2 : 4),
                      from + (wide ? 16 : 4) * (ptrdiff_t)(begin - x), end - begin, wide, format);
     }
+}
+
+int fxs_gles_has(const fxs_gles *g, const fxs_tile_run *run)
+{
+    const fxs_targets *t = run->targets;
+    if (g->target)
+        return 0;
+    if (!t || !t->colour.pixels)
+        return FXS_ERR_TARGET;
+    return t->format == FXS_FORMAT_RGBA16_COVERAGE || t->coverage.pixels || t->mean_depth.pixels ||
+                   t->median_depth.pixels || t->id.pixels || t->occluder.pixels || t->backdrop.pixels
+               ? FXS_ERR_UNSUPPORTED : 0;
 }
 
 int fxs_gles_read(fxs_gles *g, const fxs_tile_run *run, int framebuffer, int32_t x, int32_t y, int32_t width,
@@ -373,8 +386,6 @@ int fxs_gles_read(fxs_gles *g, const fxs_tile_run *run, int framebuffer, int32_t
     const fxs_gl *gl = &g->gl;
     const GLenum format = framebuffer == FXS_GLES_TARGET ? GL_RGBA_INTEGER : GL_RGBA;
     GLint has_format = 0, has_type = 0;
-    if (!run->pixels)
-        return FXS_ERR_ARGUMENT;
     gl->BindFramebuffer(GL_READ_FRAMEBUFFER, g->framebuffers[framebuffer]);
     gl->GetIntegerv(GL_IMPLEMENTATION_COLOR_READ_FORMAT, &has_format);
     gl->GetIntegerv(GL_IMPLEMENTATION_COLOR_READ_TYPE, &has_type);
@@ -392,14 +403,14 @@ int fxs_gles_read(fxs_gles *g, const fxs_tile_run *run, int framebuffer, int32_t
 
 /* ---- Into the caller's target ------------------------------------------------------------------------------------ */
 
-int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera,
-                    const fxs_options *options, void *memory, size_t memory_bytes, const fxs_gles_target *target,
-                    fxs_stats *stats)
+int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_object *objects, uint32_t count,
+                    const fxs_camera *camera, const fxs_options *options, const fxs_gles_target *target, void *memory,
+                    size_t memory_bytes, fxs_stats *stats)
 {
     fxs_gles_state state;
     if (!g || !context || !camera || !options || !target)
         return FXS_ERR_ARGUMENT;
-    if (options->format == FXS_FORMAT_RGB565 || camera->width > FXS_TILE << g->shift ||
+    if ((target->format != FXS_FORMAT_RGBA8 && target->format != FXS_FORMAT_RGBA8_COVERAGE) || camera->width > FXS_TILE << g->shift ||
         camera->height > FXS_TILE << g->shift)
         return FXS_ERR_UNSUPPORTED;
     fxs_context drawing = *context;
@@ -411,7 +422,7 @@ int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_scene *sc
     fxs_gles_save(&g->gl, &state);
     fxs_gles_check(g);
     g->target = target;
-    int error = fxs_render(&drawing, scene, camera, options, memory, memory_bytes, 0, 0, stats);
+    int error = fxs_render(&drawing, objects, count, camera, options, 0, memory, memory_bytes, stats);
     g->target = 0;
     fxs_gles_restore(&g->gl, &state);
     return error;

@@ -58,15 +58,15 @@ uint64_t fxs_gles_nanoseconds(const fxs_gles *gles);
 typedef struct fxs_gles_target {
     uint32_t framebuffer;          /* its name */
     int32_t x, y;                  /* of the picture's lower left corner */
+    enum fxs_format format;        /* RGBA8 or RGBA8_COVERAGE */
     int top_down;                  /* 1: the picture's first row is the lowest one, as a texture is filled by rows */
 } fxs_gles_target;
 
-/* Renders a frame (arguments and errors as fxs_render, format RGBA8 or RGBA8_COVERAGE) into a target, in the caller's
-   context. The GL state is left as it was, but for a GL error that was pending. Transform feedback must not be active;
+/* Renders a frame (arguments and errors as fxs_render) into a target, in the caller's context. The GL state is left as it was, but for a GL error that was pending. Transform feedback must not be active;
    an occlusion query that is counts this draw too. `context` says how the stages before run; its draw is not used.
    Errors also: FXS_ERR_UNSUPPORTED (another format), FXS_ERR_DEVICE, FXS_ERR_MEMORY (the device's). */
-int fxs_gles_render(fxs_gles *gles, const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera,
-                    const fxs_options *options, void *memory, size_t memory_bytes, const fxs_gles_target *target,
-                    fxs_stats *stats);
+int fxs_gles_render(fxs_gles *gles, const fxs_context *context, const fxs_object *objects, uint32_t count,
+                    const fxs_camera *camera, const fxs_options *options, const fxs_gles_target *target, void *memory,
+                    size_t memory_bytes, fxs_stats *stats);
 
 #endif

@@ -74,13 +74,16 @@ int fxs_gles_draw_quads(void *argument, const fxs_tile_run *run)
     const fxs_gl *gl = &g->gl;
     const fxs_options *o = run->options;
     const int32_t width = run->view->width, height = run->view->height;
-    const int opaque = o->format != FXS_FORMAT_RGBA8_COVERAGE;
+    int error = fxs_gles_has(g, run);
+    if (error)
+        return error;
+    const int opaque = !fxs_is_premultiplied(run->targets->format);
     GLfloat background[4] = {0, 0, 0, (GLfloat)opaque};
     for (int c = 0; c < 3; c++)
         background[c] = opaque ? (GLfloat)o->background[c] / 255 : 0;
     if (width > g->most || height > g->most)
         return FXS_ERR_UNSUPPORTED;
-    int error = fxs_gles_use(g);
+    error = fxs_gles_use(g);
     if (error)
         return error;
     g->nanoseconds = 0;

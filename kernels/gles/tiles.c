@@ -177,7 +177,8 @@ static void draw(const batch *b, const surface *s, int carried)
     const fxs_gles *g = b->gles;
     const fxs_gl *gl = &g->gl;
     const fxs_gles_program *p = &g->programs[s->program];
-    const fxs_options *o = b->run->options;
+    const uint8_t *background = b->run->options->background;
+    const int clear = fxs_is_premultiplied(fxs_gles_format(b->gles, b->run));
     gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, s->framebuffer);
     gl->Viewport(s->x, s->y, s->width, s->height);
     gl->Scissor(s->x, s->y + s->first_line, s->width, s->lines);
@@ -185,8 +186,8 @@ static void draw(const batch *b, const surface *s, int carried)
     /* gl_FragCoord counts from the framebuffer's corner. */
     gl->Uniform4i(p->place, s->pixel_x - s->x, s->pixel_y - s->row_step * s->y, s->row_step, carried);
     gl->Uniform4i(p->source, b->window->first_column, b->window->first_row, g->shift, b->run->view->cut_q11);
-    gl->Uniform4i(p->background, fxs_background_q13(o, 0), fxs_background_q13(o, 1), fxs_background_q13(o, 2),
-                  o->format == FXS_FORMAT_RGBA8_COVERAGE);
+    gl->Uniform4i(p->background, clear ? 0 : fxs_background_q13(background[0]),
+                  clear ? 0 : fxs_background_q13(background[1]), clear ? 0 : fxs_background_q13(background[2]), clear);
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
@@ -295,7 +296,8 @@ int fxs_gles_draw(void *argument, const fxs_tile_run *run)
     const int32_t top = (int32_t)run->first_tile / v->tiles_x * FXS_TILE;
     const int32_t bottom = fxs_min(((int32_t)run->last_tile / v->tiles_x + 1) * FXS_TILE, v->height);
     const int32_t most = g->target ? FXS_MAX_SIZE : g->most;
-    int error = fxs_gles_use(g);
+    int error = fxs_gles_has(g, run);
+    error = error ? error : fxs_gles_use(g);
     if (!error && !g->target)
         error = fxs_gles_make_target(g, FXS_GLES_TARGET, GL_RGBA8UI, fxs_min(v->width, most), fxs_min(v->height, most));
     if (error)

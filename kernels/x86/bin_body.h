@@ -1,7 +1,7 @@
 /* bin, LANES splats at a time: src/bin.c with the same numbers, in 32 bits. First come the boxes, and the masks of
  * those that lie whole on one tile row; other splats that fit in a box wait in lists, until they fill a vector for the
  * row by row pass. Include lanes_avx2.h or lanes_avx512.h first. */
-#include "../../src/stage.h"
+#include "../../src/chunk.h"
 #include "lanes.h"
 
 /* 256 pixels. Up to it the row by row pass needs no more than 31 bits: breadth r and |shear| r are at most sqrt(A) r,

@@ -4,6 +4,7 @@
 
 FXS_X86_PROJECT(avx2)
 {
-    return view->square ? fxs_project_c(view, scene, chunk, splats, bounds, indices, depths)
-                        : project(view, scene, chunk, splats, bounds, indices, depths);
+    return view->square || view->orthographic
+               ? fxs_project_c(view, scene, chunk, splats, bounds, indices, depths)
+               : project(view, scene, chunk, splats, bounds, indices, depths);
 }

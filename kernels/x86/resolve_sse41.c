@@ -25,17 +25,17 @@ static inline void eight(unsigned char *to, const fxs_tile *tile, int i, const i
     _mm_storeu_si128((__m128i *)(void *)(to + 16), _mm_unpackhi_epi16(rg, ba));
 }
 
-void fxs_resolve_sse41(const fxs_options *options, const fxs_tile *tile, int32_t columns, int32_t rows,
-                       unsigned char *pixels, ptrdiff_t stride)
+void fxs_resolve_sse41(const fxs_options *options, enum fxs_format format, const fxs_tile *tile, int32_t columns,
+                       int32_t rows, unsigned char *pixels, ptrdiff_t stride)
 {
-    const int coverage = options->format == FXS_FORMAT_RGBA8_COVERAGE;
+    const int coverage = format == FXS_FORMAT_RGBA8_COVERAGE;
     int16_t background_q13[3];
-    if (options->format == FXS_FORMAT_RGB565) {
-        fxs_resolve_c(options, tile, columns, rows, pixels, stride);
+    if (format != FXS_FORMAT_RGBA8 && !coverage) {
+        fxs_resolve_c(options, format, tile, columns, rows, pixels, stride);
         return;
     }
     for (int c = 0; c < 3; c++)
-        background_q13[c] = (int16_t)fxs_background_q13(options, c);
+        background_q13[c] = (int16_t)(coverage ? 0 : fxs_background_q13(options->background[c]));
     for (int32_t y = 0; y < rows; y++) {
         unsigned char row[4 * FXS_TILE], *to = columns == FXS_TILE ? pixels + y * stride : row;
         eight(to, tile, y * FXS_TILE, background_q13, coverage);

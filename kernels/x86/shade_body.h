@@ -10,7 +10,7 @@ static inline wide offset_q32(const fxs_view *view, const fxs_chunk *chunk, int 
     wide x = mul_wide_u((vu)position, (vu)all((int32_t)chunk->step_q32[axis]));
     x.even <<= chunk->step_shift;
     x.odd <<= chunk->step_shift;
-    return offset_wide(x, chunk->origin_q32[axis] - view->position_q32[axis]);
+    return offset_wide(x, chunk->origin_q32[axis] - view->eye_q32[axis]);
 }
 
 static inline void direction(vi d_q15[3], const wide offset_q32[3])

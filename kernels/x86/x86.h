@@ -2,7 +2,7 @@
 #ifndef FXS_X86_H
 #define FXS_X86_H
 
-#include "../../src/stage.h"
+#include "../../src/chunk.h"
 
 #define FXS_X86_PROJECT(isa) int32_t fxs_project_##isa(const fxs_view *view, const fxs_scene *scene, \
     uint32_t chunk, fxs_splat *splats, fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
@@ -12,8 +12,8 @@
     uint32_t count, fxs_box *boxes)
 #define FXS_X86_BLEND(isa) void fxs_blend_##isa(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, \
     const uint32_t *entries, uint32_t count, fxs_tile *tile)
-#define FXS_X86_RESOLVE(isa) void fxs_resolve_##isa(const fxs_options *options, const fxs_tile *tile, int32_t columns, \
-    int32_t rows, unsigned char *pixels, ptrdiff_t stride)
+#define FXS_X86_RESOLVE(isa) void fxs_resolve_##isa(const fxs_options *options, enum fxs_format format, \
+    const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels, ptrdiff_t stride)
 
 FXS_X86_PROJECT(avx2);
 FXS_X86_PROJECT(avx512);

@@ -41,6 +41,7 @@ int fxs_view_look_at(fxs_file_view *view, const double eye[3], const double targ
     view->cx = width / 2.0;
     view->cy = height / 2.0;
     view->near = 0;
+    view->projection = FXS_PERSPECTIVE;
     for (int i = 0; i < 3; i++) {
         view->position[i] = eye[i];
         forward[i] = target[i] - eye[i];
@@ -159,8 +160,8 @@ int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_mess
 {
     const double pixels[4] = {view->fx, view->fy, view->cx, view->cy};
     int64_t fixed[4], r;
-    camera->width = view->width;
-    camera->height = view->height;
+    fxs_camera_init(camera, view->width, view->height);
+    camera->projection = view->projection;
     for (int i = 0; i < 4; i++)
         if (!to_fixed(&fixed[i], pixels[i], 12, 524287) || (i < 2 && fixed[i] < 1))
             return fxs_fail(message, "view %s: a %s of %g pixels is out of range", view->name,

@@ -4,16 +4,17 @@
 
 #include <stddef.h>
 
-#include "../files/message.h"
+#include "../../src/fixsplat.h"
 
 /* One view. Camera axes: x right, y down, z forward; pixel centres at +0.5. */
 typedef struct fxs_file_view {
     char name[128];          /* image name, cut to fit */
     int width, height;       /* pixels, 1 to 16384 */
-    double fx, fy, cx, cy;   /* pixels */
+    double fx, fy, cx, cy;   /* pixels; of an orthographic view fx and fy are pixels a unit */
     double rotation[9];      /* world to camera, rows: the camera's x, y and z axes in the scene */
     double position[3];      /* the camera's centre in the scene */
     double near;             /* depth of the near plane, scene units; 0: the renderer's default, 0.2 */
+    enum fxs_projection projection;   /* perspective, in every camera file */
 } fxs_file_view;
 
 /* Reads every view of a camera file, told by content: a cameras.json (an array), a transforms.json (an object with

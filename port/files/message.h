@@ -2,9 +2,7 @@
 #ifndef FXS_MESSAGE_H
 #define FXS_MESSAGE_H
 
-typedef struct fxs_message {
-    char text[512];   /* zero-terminated, no newline; names the file and the fault */
-} fxs_message;
+#include "../../src/fixsplat.h"
 
 /* Writes a printf-formatted text, cut to fit, and returns -1, so that a reader can `return fxs_fail(...)`. */
 #if defined(__GNUC__)

@@ -94,7 +94,7 @@ static void rows_of_view(fxs_cuda *single, fxs_cuda *batch, const char *name, fx
     fxs_message message;
     fxs_camera camera;
     fxs_options options;
-    fxs_options_default(&options);
+    fxs_options_init(&options);
     fxs_view_resize(&view, 1920, 1080);
     fxs_camera_from_view(&camera, &view, &message);
     row(single, batch, name, &camera, &options);

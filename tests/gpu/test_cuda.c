@@ -174,7 +174,7 @@ static int frame_equal(const fxs_scene *scene, const fxs_camera *camera, const f
 
 static void random_options(fxs_options *options)
 {
-    fxs_options_default(options);
+    fxs_options_init(options);
     options->cutoff = between(0, 3) ? FXS_CUTOFF_MAHALANOBIS : FXS_CUTOFF_SQUARE;
     options->format = (enum fxs_format)between(0, 2);
     options->sh_degree = between(0, 3);
@@ -268,7 +268,7 @@ static void test_files(void)
         }
         fxs_view_frame_box(&view, low, high, up, 50, 1280, 720, &message);
         fxs_camera_from_view(&camera, &view, &message);
-        fxs_options_default(&options);
+        fxs_options_init(&options);
         CHECK(!fxs_cuda_upload(cuda, &scene, &failure));
         for (int cutoff = 0; cutoff < 2; cutoff++) {
             options.cutoff = (enum fxs_cutoff)cutoff;
@@ -294,7 +294,7 @@ static void check_batch(uint8_t *memory)
     state = 5;
     packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 20000);
     fxs_scene_open(&scene, packed.data, packed.bytes);
-    fxs_options_default(&options);
+    fxs_options_init(&options);
     CHECK(memory && !fxs_cuda_upload(batch, &scene, &failure));
     for (int i = 0; i < FRAMES; i++) {
         random_camera(&frames[i].camera);
@@ -336,7 +336,7 @@ static void test_memory(void)
     packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 3000);
     uint8_t *pixels = room(100 * 80 * 4);
     random_camera(&camera);
-    fxs_options_default(&options);
+    fxs_options_init(&options);
     fxs_scene_open(&scene, packed.data, packed.bytes);
     uint64_t needed = 1000;
     for (int tries = 0; tries < 8; tries++) {
@@ -368,7 +368,7 @@ static void test_edges(void)
     fxs_scene scene;
     fxs_camera camera;
     fxs_options options;
-    fxs_options_default(&options);
+    fxs_options_init(&options);
     state = 3;
     random_camera(&camera);
     packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 3000);

@@ -1,0 +1,62 @@
+/* A chunk of a packed scene, for the stages that read it: project and shade. */
+#ifndef FXS_CHUNK_H
+#define FXS_CHUNK_H
+
+#include "packed.h"
+#include "stage.h"
+
+/* Before functions of a stage that other files call; the CUDA back end compiles their text for the device as well. */
+#ifndef FXS_STAGE
+#define FXS_STAGE
+#endif
+
+/* Constants of project. */
+#define FXS_DILATION_Q30 322122547u              /* 0.3 pixels^2 */
+#define FXS_DILATION_LEAST_Q30 64u               /* 2^-24: no needle is thinner than 1 in 4096, see docs/numbers.md */
+#define FXS_EXPONENT_MAX 16                      /* sigma up to 65536 pixels; what is larger is a veil */
+#define FXS_DEPTH_BIAS 32                        /* floor(log2 z), -32 to 30, plus this fits in 6 bits */
+
+/* Where a chunk lies for a camera: camera coordinates = (base + m code) * 2^-16, in units of 2^(shift - 32), each
+   below 2^30. */
+typedef struct fxs_chunk_view {
+    uint32_t chunk;
+    int32_t scale_q16;             /* of its header */
+    uint32_t scale_step_q24, opacity_law;
+    int64_t base_q16[3];
+    int32_t m_q16[3][3];           /* below 2^29 */
+    int shift;
+    int32_t plane_zeros;           /* leading zeros of an orthographic view's plane, in these units; -23 to 37 */
+    int32_t near;                  /* the near plane's depth, 0 to 2^31 - 1; only what is beyond it is drawn */
+} fxs_chunk_view;
+
+/* Of a packed scene. */
+static inline const unsigned char *fxs_aligned(const unsigned char *bytes)
+{
+#if defined(__CUDA_ARCH__)
+    bytes = (const unsigned char *)__builtin_assume_aligned(bytes, 64);   /* else nvcc reads single bytes */
+#endif
+    return bytes;
+}
+
+/* The rows of a chunk, aligned to 64. */
+static inline const unsigned char *fxs_rows(const fxs_scene *scene, uint32_t chunk)
+{
+    return fxs_aligned(scene->rows + (size_t)chunk * scene->chunk_bytes);
+}
+
+/* -2 ln(opacity of a code) under each law (packed.h), Q11; code 0 is never drawn. */
+extern const uint16_t fxs_offset_of_code_q11[FXS_OPACITY_LAWS][256];
+
+/* Copies a chunk's header and checks its ranges, on which project and shade rely: the scene's bytes may have changed
+   since it was opened. Returns 0 or FXS_ERR_SCENE. */
+FXS_STAGE int fxs_chunk_read(fxs_chunk *header, const fxs_scene *scene, uint32_t chunk);
+
+/* Reads and places a chunk. Returns 1, or 0 where nothing of it can be seen (behind the near plane, or beside the
+   picture by more than its largest Gaussian reaches), or FXS_ERR_SCENE. */
+FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_scene *scene, uint32_t chunk);
+
+/* fxs_shade_c with a header that was read and the chunk's rows. */
+void fxs_shade_list(const fxs_view *view, const fxs_scene *scene, const fxs_chunk *header, const unsigned char *rows,
+                    const uint32_t *indices, uint32_t count, fxs_splat *splats);
+
+#endif

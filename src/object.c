@@ -1,0 +1,180 @@
+/* An object is rendered by a camera in its own space, so the stages see a view and a scene as ever. What is left is done
+ * here, splat by splat: depths become the world's, crop boxes, opacity and tint apply. */
+#include "object.h"
+
+#include "codes.h"
+#include "memory.h"
+
+#define SCALE_LEAST_Q32 (FXS_ONE_Q32 >> 16)
+#define SCALE_MOST_Q32 (FXS_ONE_Q32 << 16)
+#define TRANSLATION_MOST_Q32 ((int64_t)1 << 60)
+#define ONE_Q16 65536u
+#define ONE_Q13 8192u
+#define TINT_MOST_Q13 (4u * ONE_Q13)
+
+void fxs_object_init(fxs_object *object, const fxs_scene *scene)
+{
+    memset(object, 0, sizeof *object);
+    object->scene = scene;
+    object->rotation_q30[0] = object->rotation_q30[4] = object->rotation_q30[8] = 1 << 30;
+    object->scale_q32 = FXS_ONE_Q32;
+    object->opacity_q16 = ONE_Q16;
+    object->tint_q13[0] = object->tint_q13[1] = object->tint_q13[2] = ONE_Q13;
+    object->visible = 1;
+}
+
+static int check_crop(const fxs_crop *crop)
+{
+    for (int i = 0; i < 3; i++)
+        if (crop->low_q32[i] > crop->high_q32[i])
+            return FXS_ERR_OBJECT;
+    return 0;
+}
+
+int fxs_object_check(const fxs_object *object)
+{
+    if (!object->scene || (object->crop_count && !object->crops))
+        return FXS_ERR_ARGUMENT;
+    if (!fxs_is_rotation(object->rotation_q30) || object->scale_q32 < SCALE_LEAST_Q32 ||
+        object->scale_q32 > SCALE_MOST_Q32 || object->opacity_q16 > ONE_Q16 || object->crop_count > FXS_MAX_CROPS)
+        return FXS_ERR_OBJECT;
+    int error = 0;
+    for (int i = 0; i < 3; i++)
+        if (object->translation_q32[i] < -TRANSLATION_MOST_Q32 || object->translation_q32[i] > TRANSLATION_MOST_Q32 ||
+            object->tint_q13[i] > TINT_MOST_Q13)
+            error = FXS_ERR_OBJECT;
+    for (uint32_t i = 0; i < object->crop_count && !error; i++)
+        error = check_crop(&object->crops[i]);
+    return error;
+}
+
+fxs_scale fxs_scale_of(int64_t scale_q32)
+{
+    const int zeros = fxs_clz64((uint64_t)scale_q32);
+    return (fxs_scale){(uint32_t)((uint64_t)scale_q32 << zeros >> 32), 31 - zeros};
+}
+
+/* -2 ln(opacity) = 32 ln 2 - 2 ln 2 log2(opacity_q16); 0 for 1. */
+static int32_t offset_of_q11(uint32_t opacity_q16)
+{
+    const int64_t below_q16 = ((int64_t)16 << 16) - fxs_log2_q16(opacity_q16);
+    return opacity_q16 == ONE_Q16 ? 0 : (int32_t)((below_q16 * 45426 * 2 + (1 << 20)) >> 21);   /* ln 2 = 45426 2^-16 */
+}
+
+int fxs_object_view_init(fxs_object_view *out, const fxs_view *world, const fxs_camera *camera,
+                         const fxs_object *object)
+{
+    memset(out, 0, sizeof *out);
+    out->scene = *object->scene;
+    out->id = object->id;
+    out->visible = object->visible && object->opacity_q16;
+    out->scale = fxs_scale_of(object->scale_q32);
+    out->offset_q11 = object->opacity_q16 ? offset_of_q11(object->opacity_q16) : 0;
+    out->crops = object->crops;
+    out->crop_count = object->crop_count;
+    out->plain = object->scale_q32 == FXS_ONE_Q32 && !out->offset_q11 && !object->crop_count;
+    for (uint32_t i = 0; i < object->crop_count; i++)
+        out->keep_count += !object->crops[i].outside;
+    for (int c = 0; c < 3; c++)
+        out->tint_q13[c] = (int32_t)object->tint_q13[c];
+    return fxs_view_of_object(&out->view, world, camera, object);
+}
+
+/* ---- What an object changes --------------------------------------------------------------------------------------- */
+
+/* A depth key times the scale. What leaves the range of keys has the least or the largest. */
+static uint32_t scale_depth(uint32_t key, fxs_scale scale)
+{
+    const uint32_t product = fxs_mulhi((1u << 26 | (key & 0x3ffffff)) << 5, scale.mantissa);
+    const int zeros = fxs_clz32(product), exponent = (int)(key >> 26) + scale.exponent + 1 - zeros;
+    return exponent < 0 ? 0 : exponent > 63 ? UINT32_MAX
+           : (uint32_t)exponent << 26 | ((product << zeros) >> 5 & 0x3ffffff);
+}
+
+/* Whether low to high lies in a box, all of it or any of it. */
+static int lies_in(const int64_t low_q32[3], const int64_t high_q32[3], const fxs_crop *crop, int any)
+{
+    for (int i = 0; i < 3; i++) {
+        const int64_t *first = any ? high_q32 : low_q32, *last = any ? low_q32 : high_q32;
+        if (first[i] < crop->low_q32[i] || last[i] > crop->high_q32[i])
+            return 0;
+    }
+    return 1;
+}
+
+/* Whether some of low to high may be drawn; of a point, whether it is. */
+static int within_crops(const fxs_object_view *object, const int64_t low_q32[3], const int64_t high_q32[3])
+{
+    int kept = !object->keep_count;
+    for (uint32_t i = 0; i < object->crop_count; i++) {
+        const fxs_crop *crop = &object->crops[i];
+        if (crop->outside && lies_in(low_q32, high_q32, crop, 0))
+            return 0;
+        kept |= !crop->outside && lies_in(low_q32, high_q32, crop, 1);
+    }
+    return kept;
+}
+
+FXS_STAGE int fxs_object_has_chunk(const fxs_object_view *object, const fxs_chunk *header)
+{
+    int64_t high_q32[3];
+    for (int i = 0; i < 3; i++)
+        high_q32[i] = header->origin_q32[i] + ((int64_t)header->step_q32[i] * 65535 << header->step_shift);
+    return !object->crop_count || within_crops(object, header->origin_q32, high_q32);
+}
+
+FXS_STAGE int fxs_object_change(const fxs_object_view *object, const fxs_chunk *header, const uint16_t position[3],
+                                fxs_splat *splat, uint32_t *depth)
+{
+    int64_t centre_q32[3];
+    for (int i = 0; i < 3; i++)
+        centre_q32[i] = header->origin_q32[i] + ((int64_t)header->step_q32[i] * position[i] << header->step_shift);
+    const int32_t offset_q11 = splat->offset_q11 + object->offset_q11;
+    if ((object->crop_count && !within_crops(object, centre_q32, centre_q32)) || offset_q11 > FXS_FAINT_Q11)
+        return 0;
+    splat->offset_q11 = (uint16_t)offset_q11;
+    *depth = scale_depth(*depth, object->scale);
+    return 1;
+}
+
+FXS_STAGE void fxs_object_tint(const fxs_object_view *object, fxs_splat *splat)
+{
+    for (int c = 0; c < 3; c++)
+        splat->colour_q13[c] = (int16_t)fxs_min((splat->colour_q13[c] * object->tint_q13[c] + 4096) >> 13, 32767);
+}
+
+int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *kernels, uint32_t chunk,
+                           fxs_splat *splats, fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
+{
+    fxs_chunk header;
+    int32_t kept = 0;
+    if (!object->visible)
+        return 0;
+    if (object->plain)
+        return kernels->project(&object->view, &object->scene, chunk, splats, bounds, indices, depths);
+    const int error = fxs_chunk_read(&header, &object->scene, chunk);
+    if (error || !fxs_object_has_chunk(object, &header))
+        return error;
+    const int32_t count = kernels->project(&object->view, &object->scene, chunk, splats, bounds, indices, depths);
+    const unsigned char *rows = fxs_rows(&object->scene, chunk);
+    for (int32_t i = 0; i < count; i++) {
+        const fxs_codes codes = fxs_codes_of(&object->scene, rows, indices[i] % FXS_CHUNK);
+        splats[kept] = splats[i];
+        bounds[kept] = bounds[i];
+        indices[kept] = indices[i];
+        depths[kept] = depths[i];
+        kept += fxs_object_change(object, &header, codes.position, &splats[kept], &depths[kept]);
+    }
+    return count < 0 ? count : kept;
+}
+
+int fxs_object_shade(const fxs_object_view *object, const fxs_kernels *kernels, uint32_t chunk,
+                     const uint32_t *indices, uint32_t count, fxs_splat *splats)
+{
+    const int error = kernels->shade(&object->view, &object->scene, chunk, indices, count, splats);
+    const int tinted = object->tint_q13[0] != (int)ONE_Q13 || object->tint_q13[1] != (int)ONE_Q13 ||
+                       object->tint_q13[2] != (int)ONE_Q13;
+    for (uint32_t i = 0; i < count && tinted && !error; i++)
+        fxs_object_tint(object, &splats[i]);
+    return error;
+}

@@ -1,0 +1,69 @@
+/* An object of a frame: the camera in its space, and what it changes of its Gaussians. */
+#ifndef FXS_OBJECT_H
+#define FXS_OBJECT_H
+
+#include "chunk.h"
+
+#define FXS_ONE_Q32 ((int64_t)1 << 32)
+
+/* mantissa * 2^(exponent - 31), mantissa in [2^31, 2^32) */
+typedef struct fxs_scale {
+    uint32_t mantissa;
+    int32_t exponent;
+} fxs_scale;
+
+typedef struct fxs_object_view {
+    fxs_view view;                 /* the camera, in the object's space */
+    fxs_scene scene;
+    uint32_t first_chunk;          /* of the chunks of all objects */
+    uint32_t id;
+    int visible;
+    int plain;                     /* 1: scale, opacity and tint are 1, and nothing is cropped */
+    fxs_scale scale;               /* of its depths in the world's */
+    int32_t offset_q11;            /* -2 ln(opacity), up to FXS_FAINT_Q11 */
+    int32_t tint_q13[3];
+    const fxs_crop *crops;         /* the caller's */
+    uint32_t crop_count, keep_count;   /* keep_count of these keep what is inside */
+} fxs_object_view;
+
+/* Rows of length 1 and at right angles, within 2^-10, and right-handed: row0 x row1 = row2. */
+int fxs_is_rotation(const int32_t m_q30[9]);
+
+/* Row i of the transpose of m times v; |v| below 2^61. */
+int64_t fxs_turned_back(const int32_t m_q30[9], const int64_t v[3], int i);
+
+/* scale_q32 above 0. */
+fxs_scale fxs_scale_of(int64_t scale_q32);
+
+/* Checks an object, but for where it is: 0 or FXS_ERR_ARGUMENT, FXS_ERR_OBJECT. */
+int fxs_object_check(const fxs_object *object);
+
+/* The camera in the world. Returns 0 or FXS_ERR_CAMERA, FXS_ERR_SIZE. */
+int fxs_view_init(fxs_view *view, const fxs_camera *camera, const fxs_options *options);
+
+/* The same camera in the space of an object that was checked. Returns 0, or FXS_ERR_OBJECT where it is too far away. */
+int fxs_view_of_object(fxs_view *view, const fxs_view *world, const fxs_camera *camera, const fxs_object *object);
+
+/* All of an object that was checked, but for first_chunk. Errors as fxs_view_of_object. */
+int fxs_object_view_init(fxs_object_view *out, const fxs_view *world, const fxs_camera *camera,
+                         const fxs_object *object);
+
+/* What the object changes of a projected Gaussian with these position codes. Returns 0 where it is not drawn. */
+FXS_STAGE int fxs_object_change(const fxs_object_view *object, const fxs_chunk *header, const uint16_t position[3],
+                                fxs_splat *splat, uint32_t *depth);
+
+/* What it changes of its colour. */
+FXS_STAGE void fxs_object_tint(const fxs_object_view *object, fxs_splat *splat);
+
+/* A chunk's header was read: returns 0 where none of its Gaussians is within the crop boxes. */
+FXS_STAGE int fxs_object_has_chunk(const fxs_object_view *object, const fxs_chunk *header);
+
+/* The project stage, on a chunk of the object, counted from its own first one; `indices` are in the object's scene. */
+int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *kernels, uint32_t chunk,
+                           fxs_splat *splats, fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
+
+/* The shade stage. */
+int fxs_object_shade(const fxs_object_view *object, const fxs_kernels *kernels, uint32_t chunk,
+                     const uint32_t *indices, uint32_t count, fxs_splat *splats);
+
+#endif

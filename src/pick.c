@@ -1,0 +1,88 @@
+/* What a pixel shows: a frame of which one tile is blended. */
+#include "frame.h"
+#include "memory.h"
+
+#define SLOPE_MOST_Q23 ((int64_t)4096 << 23)
+#define POSITION_MOST_Q32 ((int64_t)1 << 60)
+
+typedef struct pick {
+    fxs_frame frame;               /* first, as jobs are given it */
+    fxs_targets targets;
+    int32_t x, y;
+    uint32_t tile, slot;
+} pick;
+
+static void pick_tile(void *argument, uint32_t job)
+{
+    pick *p = argument;
+    const fxs_frame *f = &p->frame;
+    const int32_t x = p->x / FXS_TILE * FXS_TILE, y = p->y / FXS_TILE * FXS_TILE;
+    uint32_t slots[FXS_TILE_PIXELS];
+    fxs_tile pixels;
+    if (f->first_tile + job != p->tile)
+        return;
+    fxs_trace_tile(f, p->tile, x, y, &pixels, slots);
+    p->slot = slots[(p->y - y) * FXS_TILE + p->x - x];
+}
+
+static int64_t cut(int64_t x, int64_t most)
+{
+    return x < -most ? -most : x > most ? most : x;
+}
+
+/* mantissa 2^(exponent - 58) as Q32, of a mantissa below 2^62; cut */
+static int64_t scaled_q32(int64_t mantissa, int exponent)
+{
+    const int shift = exponent - 26;
+    if (shift < 0)
+        return mantissa >> fxs_min(-shift, 62);
+    return cut(cut(mantissa, POSITION_MOST_Q32 >> fxs_min(shift, 60)) * ((int64_t)1 << fxs_min(shift, 60)),
+               POSITION_MOST_Q32);
+}
+
+/* From the camera's centre across to the pixel's ray, at a depth: x = (X + 1/2 - cx) / f, times z in perspective. */
+static int64_t across_q32(const fxs_camera *camera, int32_t pixel, int32_t c_q12, int32_t f_q12, uint32_t key)
+{
+    const int64_t offset_q12 = ((int64_t)pixel << 12) + 2048 - c_q12;
+    if (camera->projection == FXS_ORTHOGRAPHIC)
+        return cut(offset_q12 * ((int64_t)1 << 28) / f_q12, POSITION_MOST_Q32 >> 4) * 16;
+    const int64_t slope_q23 = cut(offset_q12 * (1 << 23) / f_q12, SLOPE_MOST_Q23);
+    return scaled_q32((slope_q23 * (1 << 26 | (key & 0x3ffffff))) >> 23, (int)(key >> 26));
+}
+
+static void fill_in(const pick *p, const fxs_camera *camera, fxs_pick_result *result)
+{
+    const fxs_frame *f = &p->frame;
+    const uint32_t key = f->eye->depths[p->slot], index = f->indices[p->slot];
+    result->object = fxs_object_of(f, index / FXS_CHUNK);
+    result->gaussian = index - f->eye->objects[result->object].first_chunk * FXS_CHUNK;
+    result->id = f->eye->objects[result->object].id;
+    result->depth_q32 = scaled_q32(1 << 26 | (key & 0x3ffffff), (int)(key >> 26));
+    const int64_t offset_q32[3] = {across_q32(camera, p->x, camera->cx_q12, camera->fx_q12, key),
+                                   across_q32(camera, p->y, camera->cy_q12, camera->fy_q12, key), result->depth_q32};
+    for (int i = 0; i < 3; i++)
+        result->position_q32[i] = camera->position_q32[i] + fxs_turned_back(camera->rotation_q30, offset_q32, i);
+}
+
+int fxs_pick(const fxs_context *context, const fxs_object *objects, uint32_t count, const fxs_camera *camera,
+             const fxs_options *options, const fxs_targets *targets, int32_t x, int32_t y, void *memory,
+             size_t memory_bytes, fxs_pick_result *result)
+{
+    pick p = {.x = x, .y = y, .slot = FXS_NOTHING};
+    if (!camera || !result || x < 0 || y < 0 || x >= camera->width || y >= camera->height)
+        return FXS_ERR_ARGUMENT;
+    if (targets) {
+        p.targets.occluder = targets->occluder;
+        p.targets.depth_bits = targets->depth_bits;
+    }
+    int error = fxs_frame_init(&p.frame, context, objects, count, camera, options, &p.targets, memory, memory_bytes);
+    if (error)
+        return error;
+    p.frame.tile_job = pick_tile;
+    p.tile = (uint32_t)(y / FXS_TILE * p.frame.eye->view.tiles_x + x / FXS_TILE);
+    error = fxs_frame_render(&p.frame);
+    if (error || p.slot == FXS_NOTHING)
+        return error;
+    fill_in(&p, camera, result);
+    return 1;
+}
