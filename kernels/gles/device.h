@@ -14,8 +14,10 @@
 #define FXS_GLES_LOOP 32768u
 
 enum { FXS_GLES_STATE, FXS_GLES_INTEGER, FXS_GLES_NORMALISED, FXS_GLES_QUADS, FXS_GLES_PROGRAMS };
-/* Textures of the tiles' shader by unit; two of tile size take turns as the last and the next state. */
-enum { FXS_GLES_LISTS, FXS_GLES_RECORDS, FXS_GLES_CARRIED, FXS_GLES_UNITS,
+/* Textures of the tiles' shader by unit; two of tile size take turns as the last and the next state. DEPTHS has the
+   records' depth keys; OCCLUDER, BUFFER (a depth buffer of GL) and BACKDROP are the caller's or made from his. */
+enum { FXS_GLES_LISTS, FXS_GLES_RECORDS, FXS_GLES_DEPTHS, FXS_GLES_OCCLUDER, FXS_GLES_BUFFER, FXS_GLES_BACKDROP,
+       FXS_GLES_CARRIED, FXS_GLES_UNITS,
        FXS_GLES_NEXT = FXS_GLES_UNITS, FXS_GLES_TEXTURES };
 /* Framebuffers: of integers; of the quads, blended and then as bytes; of the two states. */
 enum { FXS_GLES_TARGET, FXS_GLES_BLENDED, FXS_GLES_BYTES, FXS_GLES_TARGETS,
@@ -23,7 +25,7 @@ enum { FXS_GLES_TARGET, FXS_GLES_BLENDED, FXS_GLES_BYTES, FXS_GLES_TARGETS,
 
 typedef struct fxs_gles_program {
     GLuint name;
-    GLint place, source, background, size;      /* uniforms */
+    GLint place, source, background, mesh, planes, size;   /* uniforms */
 } fxs_gles_program;
 
 /* Buffers of the ring of uploads; the one that is read back; the quads' instances. */
@@ -45,7 +47,8 @@ struct fxs_gles {
     GLsizeiptr buffer_bytes[FXS_GLES_BUFFERS];
     unsigned turn;                 /* of the uploads */
     int32_t columns, rows;         /* of the texture of lists */
-    int32_t record_rows;           /* of that of records */
+    int32_t record_rows, depth_rows;            /* of those of records and of their depths */
+    int32_t occluder[2], backdrop[2];           /* width and height of these */
     int32_t width[FXS_GLES_TARGETS], height[FXS_GLES_TARGETS];
     GLenum format[FXS_GLES_TARGETS];
     const fxs_gles_target *target; /* the caller's, during fxs_gles_render */

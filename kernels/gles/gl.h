@@ -28,7 +28,7 @@
     F(ISENABLED, IsEnabled) F(LINKPROGRAM, LinkProgram) F(MAPBUFFERRANGE, MapBufferRange) \
     F(PIXELSTOREI, PixelStorei) F(READPIXELS, ReadPixels) F(RENDERBUFFERSTORAGE, RenderbufferStorage) \
     F(SCISSOR, Scissor) F(SHADERSOURCE, ShaderSource) F(TEXIMAGE2D, TexImage2D) F(TEXPARAMETERI, TexParameteri) \
-    F(TEXSUBIMAGE2D, TexSubImage2D) F(UNIFORM1I, Uniform1i) F(UNIFORM2I, Uniform2i) F(UNIFORM4I, Uniform4i) \
+    F(TEXSUBIMAGE2D, TexSubImage2D) F(UNIFORM1I, Uniform1i) F(UNIFORM2F, Uniform2f) F(UNIFORM4I, Uniform4i) \
     F(UNMAPBUFFER, UnmapBuffer) F(USEPROGRAM, UseProgram) F(VERTEXATTRIBDIVISOR, VertexAttribDivisor) \
     F(VERTEXATTRIBIPOINTER, VertexAttribIPointer) F(VIEWPORT, Viewport)
 

@@ -123,7 +123,7 @@ static int compile(const fxs_gl *gl, GLuint program, GLenum kind, const char *de
 static int make_program(fxs_gles *g, int which, const char *define, const char *vertex, const char *fragment,
                         char *message)
 {
-    static const char *const units[] = {"lists", "records", "carried"};
+    static const char *const units[] = {"lists", "records", "depths", "occluder", "depth_buffer", "backdrop", "carried"};
     const fxs_gl *gl = &g->gl;
     char log[FXS_GLES_MESSAGE] = "";
     GLint done = 0;
@@ -145,6 +145,8 @@ static int make_program(fxs_gles *g, int which, const char *define, const char *
     p->place = gl->GetUniformLocation(p->name, "place");
     p->source = gl->GetUniformLocation(p->name, "source");
     p->background = gl->GetUniformLocation(p->name, "background");
+    p->mesh = gl->GetUniformLocation(p->name, "mesh");
+    p->planes = gl->GetUniformLocation(p->name, "planes");
     p->size = gl->GetUniformLocation(p->name, "size");
     gl->UseProgram(p->name);
     for (int i = 0; i < FXS_GLES_UNITS; i++)
@@ -376,7 +378,7 @@ int fxs_gles_has(const fxs_gles *g, const fxs_tile_run *run)
     if (!t || !t->colour.pixels)
         return FXS_ERR_TARGET;
     return t->format == FXS_FORMAT_RGBA16_COVERAGE || t->coverage.pixels || t->mean_depth.pixels ||
-                   t->median_depth.pixels || t->id.pixels || t->occluder.pixels || t->backdrop.pixels
+                   t->median_depth.pixels || t->id.pixels
                ? FXS_ERR_UNSUPPORTED : 0;
 }
 
@@ -410,6 +412,10 @@ int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_object *o
     fxs_gles_state state;
     if (!g || !context || !camera || !options || !target)
         return FXS_ERR_ARGUMENT;
+    if (target->depth_bits < 0 || target->depth_bits > 28 || (target->occluder && target->depth_buffer) ||
+        (target->backdrop && target->format != FXS_FORMAT_RGBA8) ||
+        (target->depth_buffer && !(target->near_plane > 0 && target->far_plane > target->near_plane)))
+        return FXS_ERR_TARGET;
     if ((target->format != FXS_FORMAT_RGBA8 && target->format != FXS_FORMAT_RGBA8_COVERAGE) || camera->width > FXS_TILE << g->shift ||
         camera->height > FXS_TILE << g->shift)
         return FXS_ERR_UNSUPPORTED;

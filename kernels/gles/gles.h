@@ -60,6 +60,15 @@ typedef struct fxs_gles_target {
     int32_t x, y;                  /* of the picture's lower left corner */
     enum fxs_format format;        /* RGBA8 or RGBA8_COVERAGE */
     int top_down;                  /* 1: the picture's first row is the lowest one, as a texture is filled by rows */
+
+    /* What the caller has drawn: names of textures as large as the picture, with its lowest row first as it is in the
+       framebuffer, or 0. No filter but GL_NEAREST. */
+    uint32_t occluder;             /* GL_R32UI, as the occluder of fxs_targets: the same bytes everywhere */
+    int depth_bits;                /* of that, or of what depth_buffer is turned to; 0: 16 */
+    uint32_t depth_buffer;         /* in place of occluder: GL_DEPTH_COMPONENT of a perspective with these planes, depth
+                                      0 at the near one. Turned to depths in floats, so the last bits are the device's */
+    float near_plane, far_plane;   /* world units */
+    uint32_t backdrop;             /* GL_RGBA8: in place of the background; not the framebuffer's own texture */
 } fxs_gles_target;
 
 /* Renders a frame (arguments and errors as fxs_render) into a target, in the caller's context. The GL state is left as it was, but for a GL error that was pending. Transform feedback must not be active;

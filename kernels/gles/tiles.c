@@ -18,7 +18,7 @@ typedef struct batch {
     fxs_gles *gles;
     const fxs_tile_run *run;
     const window *window;
-    uint32_t *lists, *records;
+    uint32_t *lists, *records, *depths;         /* depths: null without an occluder */
     uint32_t count, capacity;      /* records */
     int32_t first, end;            /* tiles, by number in the window */
     uint32_t starts[FXS_MAX_SIZE / FXS_TILE];   /* first record of each row of tiles, from that of `first` on */
@@ -37,6 +37,11 @@ static void make_texture(const fxs_gles *g, int unit, GLint format, GLenum layou
     g->gl.TexImage2D(GL_TEXTURE_2D, 0, format, width, height, 0, layout, GL_UNSIGNED_INT, 0);
 }
 
+static int has_occluder(const fxs_gles *g, const fxs_tile_run *run)
+{
+    return g->target ? g->target->occluder || g->target->depth_buffer : run->targets->occluder.pixels != 0;
+}
+
 /* Textures large enough for a run, where that can be. */
 static void make_room(fxs_gles *g, const fxs_tile_run *run, const window *w)
 {
@@ -53,6 +58,9 @@ static void make_room(fxs_gles *g, const fxs_tile_run *run, const window *w)
     }
     if (rows > g->record_rows)
         make_texture(g, FXS_GLES_RECORDS, GL_RGBA32UI, GL_RGBA_INTEGER, 1 << g->shift, g->record_rows = rows);
+    if (has_occluder(g, run) && (g->record_rows + 1) / 2 > g->depth_rows)
+        make_texture(g, FXS_GLES_DEPTHS, GL_R32UI, GL_RED_INTEGER, 1 << g->shift,
+                     g->depth_rows = (g->record_rows + 1) / 2);
 }
 
 /* Buffers take turns, so that none is waited for. (Making their storage anew for each batch takes 20 ms for 50 MB.) */
@@ -61,11 +69,13 @@ static int begin_batch(batch *b, int32_t first)
     fxs_gles *g = b->gles;
     size_t lists = (size_t)b->window->columns * (size_t)b->window->rows;
     b->capacity = (uint32_t)g->record_rows << (g->shift - 1);
-    GLsizeiptr bytes = (GLsizeiptr)(lists * 8 + (size_t)b->capacity * RECORD);
+    const int occluded = has_occluder(g, b->run);
+    GLsizeiptr bytes = (GLsizeiptr)(lists * 8 + (size_t)b->capacity * (occluded ? RECORD + 4u : RECORD));
     b->lists = fxs_gles_map(g, GL_PIXEL_UNPACK_BUFFER, (int)(g->turn++ % FXS_GLES_UPLOADS), bytes);
     if (!b->lists)
         return fxs_gles_failure(g);
     b->records = b->lists + 2 * lists;
+    b->depths = occluded ? b->records + RECORD / 4 * (size_t)b->capacity : 0;
     b->count = 0;
     b->first = b->end = first;
     return 0;
@@ -88,6 +98,9 @@ static int end_batch(batch *b)
     fxs_gles_start_timer(g);
     upload(g, FXS_GLES_LISTS, row, columns, rows, GL_RG_INTEGER, (size_t)(row * columns) * 8);
     upload(g, FXS_GLES_RECORDS, 0, 1 << g->shift, record_rows, GL_RGBA_INTEGER, (size_t)(b->records - b->lists) * 4);
+    if (b->depths)
+        upload(g, FXS_GLES_DEPTHS, 0, 1 << g->shift, (record_rows + 1) / 2, GL_RED_INTEGER,
+               (size_t)(b->depths - b->lists) * 4);
     return 0;
 }
 
@@ -113,6 +126,8 @@ static void put_records(const batch *b, uint32_t at, const uint32_t *entries, ui
             FXS_PREFETCH(&splats[entries[i + AHEAD] & ~FXS_ENTRY_FAR]);
         put_record(b->records + RECORD / 4 * (size_t)(at + i),
                    entries[i] & FXS_ENTRY_FAR ? &nothing : &splats[entries[i]]);
+        if (b->depths)
+            b->depths[at + i] = b->run->depths[entries[i] & ~FXS_ENTRY_FAR];
     }
 }
 
@@ -172,6 +187,25 @@ typedef struct surface {
     int32_t first_line, lines;     /* of the viewport, that the draw covers */
 } surface;
 
+/* Where the caller's pictures are: his textures lie as his framebuffer does, those that were uploaded as the window. */
+static void set_mesh(const batch *b, const fxs_gles_program *p)
+{
+    enum { OCCLUDER = 256, BUFFER = 512, BACKDROP = 1024 };
+    const fxs_gles_target *t = b->gles->target;
+    const fxs_targets *targets = b->run->targets;
+    const fxs_gl *gl = &b->gles->gl;
+    if (!t) {
+        gl->Uniform4i(p->mesh, -b->window->x, -b->window->y, 1,
+                      (targets->depth_bits ? targets->depth_bits : 16) + (targets->occluder.pixels ? OCCLUDER : 0) +
+                          (targets->backdrop.pixels ? BACKDROP : 0));
+        return;
+    }
+    gl->Uniform4i(p->mesh, 0, t->top_down ? 0 : b->run->view->height - 1, t->top_down ? 1 : -1,
+                  (t->depth_bits ? t->depth_bits : 16) + (t->occluder ? OCCLUDER : 0) +
+                      (t->depth_buffer ? BUFFER : 0) + (t->backdrop ? BACKDROP : 0));
+    gl->Uniform2f(p->planes, t->near_plane, t->far_plane);
+}
+
 static void draw(const batch *b, const surface *s, int carried)
 {
     const fxs_gles *g = b->gles;
@@ -188,6 +222,7 @@ static void draw(const batch *b, const surface *s, int carried)
     gl->Uniform4i(p->source, b->window->first_column, b->window->first_row, g->shift, b->run->view->cut_q11);
     gl->Uniform4i(p->background, clear ? 0 : fxs_background_q13(background[0]),
                   clear ? 0 : fxs_background_q13(background[1]), clear ? 0 : fxs_background_q13(background[2]), clear);
+    set_mesh(b, p);
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
@@ -271,11 +306,50 @@ static int draw_batch(batch *b)
     return error;
 }
 
+/* Uploads a window of a picture of 4 bytes a pixel. */
+static void put_image(fxs_gles *g, int unit, int32_t size[2], const fxs_image *image, const window *w)
+{
+    const int is_depth = unit == FXS_GLES_OCCLUDER;
+    const GLenum layout = is_depth ? GL_RED_INTEGER : GL_RGBA, type = is_depth ? GL_UNSIGNED_INT : GL_UNSIGNED_BYTE;
+    g->gl.ActiveTexture(GL_TEXTURE0 + (GLenum)unit);
+    g->gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    if (w->width > size[0] || w->height > size[1]) {
+        size[0] = w->width > size[0] ? w->width : size[0];
+        size[1] = w->height > size[1] ? w->height : size[1];
+        g->gl.TexImage2D(GL_TEXTURE_2D, 0, is_depth ? GL_R32UI : GL_RGBA8, size[0], size[1], 0, layout, type, 0);
+    }
+    for (int32_t y = 0; y < w->height; y++)
+        g->gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, y, w->width, 1, layout, type,
+                            (const unsigned char *)image->pixels + (w->y + y) * image->stride + 4 * (ptrdiff_t)w->x);
+}
+
+static void bind_texture(const fxs_gles *g, int unit, GLuint texture)
+{
+    g->gl.ActiveTexture(GL_TEXTURE0 + (GLenum)unit);
+    g->gl.BindTexture(GL_TEXTURE_2D, texture ? texture : g->textures[unit]);
+}
+
+/* Has the caller's pictures at their units. */
+static void put_mesh(fxs_gles *g, const fxs_tile_run *run, const window *w)
+{
+    if (g->target) {
+        bind_texture(g, FXS_GLES_OCCLUDER, g->target->occluder);
+        bind_texture(g, FXS_GLES_BUFFER, g->target->depth_buffer);
+        bind_texture(g, FXS_GLES_BACKDROP, g->target->backdrop);
+        return;
+    }
+    if (run->targets->occluder.pixels)
+        put_image(g, FXS_GLES_OCCLUDER, g->occluder, &run->targets->occluder, w);
+    if (run->targets->backdrop.pixels)
+        put_image(g, FXS_GLES_BACKDROP, g->backdrop, &run->targets->backdrop, w);
+}
+
 static int draw_window(fxs_gles *g, const fxs_tile_run *run, const window *w)
 {
-    batch b = {g, run, w, 0, 0, 0, 0, 0, 0, {0}};
+    batch b = {.gles = g, .run = run, .window = w};
     int error = 0;
     make_room(g, run, w);
+    put_mesh(g, run, w);
     while (b.end < w->columns * w->rows && !error) {
         uint32_t tile = tile_of(&b, b.end);
         error = in_run(&b, tile) && run->counts[tile] > longest(g) ? draw_parts(&b) : draw_batch(&b);

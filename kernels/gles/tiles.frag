@@ -5,6 +5,13 @@ uniform highp isampler2D carried;    // of a tile whose list is in parts: T, r, 
 uniform ivec4 place;                 // pixel of the fragment (0, 0); rows go by; 1: goes on from `carried`
 uniform ivec4 source;                // first tile of `lists`; log2 of the width of `records`; cut-off
 uniform ivec4 background;            // r, g, b; 1: alpha is the coverage
+uniform highp usampler2D depths;     // of each record: its depth key
+uniform highp usampler2D occluder;   // depths, as in fxs_targets
+uniform highp sampler2D depth_buffer;        // in place of that
+uniform highp sampler2D backdrop;
+uniform ivec4 mesh;                  // texel of these three for pixel (0, 0); rows go by; depth_bits, and which there are:
+const int OCCLUDER = 256, BUFFER = 512, BACKDROP = 1024;
+uniform vec2 planes;                 // near, far of depth_buffer
 
 #if defined STATE
 out ivec4 result;
@@ -45,11 +52,45 @@ void blend(int record, ivec2 pixel, inout ivec4 state)
                   fxs_accumulate_q13(state.z, weight, low(b.w)), fxs_accumulate_q13(state.w, weight, high(b.w)));
 }
 
-uvec4 resolve(ivec4 state)
+// As fxs_depth_key.
+uint depth_key(uint depth, int bits)
+{
+    if (depth == 0u || depth == 0xffffffffu)
+        return depth;
+    int zeros = 0;
+    for (int step = 16; step > 0; step /= 2)
+        if (depth >> (32 - step) == 0u) {
+            depth <<= step;
+            zeros += step;
+        }
+    return uint(63 - zeros - bits) << 26 | (depth >> 5 & 0x3ffffffu);
+}
+
+// Entries with a larger depth key are hidden.
+uint limit_at(ivec2 texel)
+{
+    int bits = mesh.w & 255;
+    if ((mesh.w & OCCLUDER) != 0)
+        return depth_key(texelFetch(occluder, texel, 0).x, bits);
+    if ((mesh.w & BUFFER) == 0)
+        return 0xffffffffu;
+    float depth = texelFetch(depth_buffer, texel, 0).x;
+    float z = planes.x * planes.y / (planes.y - depth * (planes.y - planes.x)) * float(1 << bits);
+    return depth >= 1.0 || z >= 4294967040.0 ? 0xffffffffu : depth_key(uint(z), bits);
+}
+
+ivec3 background_at(ivec2 texel)
+{
+    if ((mesh.w & BACKDROP) == 0)
+        return background.rgb;
+    return (ivec3(texelFetch(backdrop, texel, 0).rgb * 255.0 + 0.5) * 8192 + 127) / 255;
+}
+
+uvec4 resolve(ivec4 state, ivec3 under)
 {
     int alpha = background.a == 1 ? fxs_coverage_8bit(state.x) : 255;
-    return uvec4(fxs_resolve_8bit(state.y, state.x, background.r), fxs_resolve_8bit(state.z, state.x, background.g),
-                 fxs_resolve_8bit(state.w, state.x, background.b), alpha);
+    return uvec4(fxs_resolve_8bit(state.y, state.x, under.r), fxs_resolve_8bit(state.z, state.x, under.g),
+                 fxs_resolve_8bit(state.w, state.x, under.b), alpha);
 }
 
 void main()
@@ -60,13 +101,18 @@ void main()
     if (list.x > list.y)
         discard;
     ivec4 state = place.w == 1 ? texelFetch(carried, pixel & 15, 0) : ivec4(FXS_CLEAR_Q15, 0, 0, 0);
-    for (uint i = list.x; i < list.y && state.x >= FXS_CLOSED_Q15; i++)
+    ivec2 mesh_texel = ivec2(mesh.x + pixel.x, mesh.y + mesh.z * pixel.y);
+    uint limit = limit_at(mesh_texel);
+    for (uint i = list.x; i < list.y && state.x >= FXS_CLOSED_Q15; i++) {
+        if (limit != 0xffffffffu && texelFetch(depths, texel(int(i)), 0).x > limit)
+            break;
         blend(int(i), pixel, state);
+    }
 #if defined STATE
     result = state;
 #elif defined INTEGER
-    result = resolve(state);
+    result = resolve(state, background_at(mesh_texel));
 #else
-    result = (vec4(resolve(state)) + 0.25) / 255.0;   // the same byte, rounded down or to the nearest
+    result = (vec4(resolve(state, background_at(mesh_texel))) + 0.25) / 255.0;   // the same byte, rounded down or to the nearest
 #endif
 }
