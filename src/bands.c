@@ -176,64 +176,37 @@ static uint64_t band_bytes(const fxs_frame *f, int32_t first_row, int32_t end_ro
     return bytes_for(f, slots, entries_a_slot);
 }
 
-/* Finds the memory that the fullest tile row takes. Returns 0 or FXS_ERR_SCENE. */
-static int plan(fxs_frame *f, uint64_t *most)
+void fxs_bands_begin_plan(fxs_frame *f)
 {
     lay_out_band(f, (uint64_t)f->blocks * FXS_CHUNK);
     for (uint32_t block = 0; block < f->blocks; block++) {
         f->block_slots[block] = block * FXS_CHUNK;
         memset(row_counts_of(f, block), 0, (uint32_t)(f->eye->view.tiles_y + 1) * sizeof *f->row_counts);
     }
-    f->planning = 1;
-    int error = fxs_frame_blocks(f);
-    f->planning = 0;
-    if (error)
-        return error;
+}
+
+uint64_t fxs_bands_end_plan(fxs_frame *f)
+{
+    uint64_t most = 0;
     for (uint32_t block = 0; block < f->blocks; block++) {
         sum_rows(f, block);
         f->stats.visible += f->block_counts[block];
     }
-    *most = 0;
     for (int32_t row = 0; row < f->eye->view.tiles_y; row++) {
-        uint64_t bytes = band_bytes(f, row, row + 1, 1);
-        *most = bytes > *most ? bytes : *most;
+        const uint64_t bytes = band_bytes(f, row, row + 1, 1);
+        most = bytes > most ? bytes : most;
     }
-    return 0;
+    return smaller(most, f->bytes_for_all);
 }
 
-/* Each object as each eye sees it. */
-static int place_objects(fxs_frame *f)
-{
-    uint32_t first_chunk = 0;
-    for (uint32_t i = 0; i < f->object_count; i++) {
-        for (fxs_eye *eye = f->eye; eye < f->eye + f->eye_count; eye++) {
-            const int error = fxs_object_view_init(&eye->objects[i], &eye->view, &eye->camera, &f->objects[i]);
-            if (error)
-                return error;
-            eye->objects[i].first_chunk = first_chunk;
-        }
-        first_chunk += f->objects[i].scene->chunk_count;
-    }
-    return 0;
-}
-
-int fxs_bands_init(fxs_frame *f)
+uint64_t fxs_bands_init(fxs_frame *f)
 {
     lay_out_frame(f, 0);
-    uint64_t all = bytes_for_all(f);
-    if (f->memory_bytes >= all)
-        return place_objects(f);
+    f->bytes_for_all = bytes_for_all(f);
+    if (f->memory_bytes >= f->bytes_for_all)
+        return f->bytes_for_all;
     lay_out_frame(f, 1);
-    uint64_t least = bytes_for_plan(f);
-    int error = 0;
-    if (f->memory_bytes >= least) {
-        error = place_objects(f);
-        error = error ? error : plan(f, &least);
-    }
-    if (error)
-        return error;
-    f->stats.memory.least = (size_t)smaller(smaller(least, all), SIZE_MAX);
-    return f->memory_bytes < least ? FXS_ERR_MEMORY : 0;
+    return smaller(bytes_for_plan(f), f->bytes_for_all);
 }
 
 void fxs_band_next(fxs_frame *f)

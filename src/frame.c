@@ -2,30 +2,7 @@
 #include "frame.h"
 #include "memory.h"
 
-void fxs_run(const fxs_config *config, void (*job)(void *, uint32_t), void *argument, uint32_t jobs)
-{
-    if (config->run && jobs > 1) {
-        config->run(config->pool, job, argument, jobs);
-        return;
-    }
-    for (uint32_t i = 0; i < jobs; i++)
-        job(argument, i);
-}
-
 /* ---- Stages ---------------------------------------------------------------------------------------------------- */
-
-uint32_t fxs_object_of(const fxs_frame *f, uint32_t chunk)
-{
-    uint32_t low = 0, high = f->object_count;
-    while (high - low > 1) {
-        const uint32_t middle = (low + high) / 2;
-        if (f->eye->objects[middle].first_chunk <= chunk)
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
-}
 
 /* A chunk of an object, to the slots from `slot` on; what a band does not need is dropped. Returns how many are taken, or
    FXS_ERR_SCENE: also where there is no room for 256 before end_slot, as there are more splats than were planned for. */
@@ -39,7 +16,7 @@ static int32_t project_chunk(fxs_frame *f, uint32_t number, uint32_t chunk, uint
     if (!fxs_band_has_chunk(f, chunk))
         return 0;
     int32_t count = f->eye_count > 1
-                        ? fxs_stereo_project(f, number, chunk - object->first_chunk, slot)
+                        ? fxs_eyes_project(f, number, chunk - object->first_chunk, slot)
                         : fxs_object_project(object, &f->context->kernels, chunk - object->first_chunk,
                                              eye->splats + slot, eye->bounds + slot, indices, eye->depths + slot);
     for (int32_t i = 0; i < count && object->first_chunk; i++)
@@ -63,7 +40,7 @@ static void bin_chunks(fxs_frame *f, uint32_t slot, uint32_t count)
     for (fxs_eye *eye = f->eye; eye < f->eye + f->eye_count; eye++) {
         f->context->kernels.bin(&eye->view, eye->splats + slot, eye->bounds + slot, count, eye->boxes + slot);
         if (f->eye_count > 1)
-            fxs_stereo_hide(eye->bounds + slot, count, eye->boxes + slot);
+            fxs_eyes_hide(eye->bounds + slot, count, eye->boxes + slot);
     }
 }
 
@@ -75,7 +52,7 @@ static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32
     uint32_t starts[FXS_BLOCK + 1] = {slot}, objects[FXS_BLOCK];
     uint64_t start = fxs_now(f);
     for (uint32_t i = 0; i < end - first; i++) {
-        objects[i] = fxs_object_of(f, first + i);
+        objects[i] = fxs_object_of(f->eye->objects, f->object_count, first + i);
         int32_t count = project_chunk(f, objects[i], first + i, starts[i], end_slot);
         if (count < 0)
             return count;
@@ -101,7 +78,7 @@ static int32_t plan_chunks(fxs_frame *f, uint32_t block, uint32_t first, uint32_
 {
     uint32_t all = 0;
     for (uint32_t chunk = first; chunk < end; chunk++) {
-        const int32_t count = project_chunk(f, fxs_object_of(f, chunk), chunk, slot, slot + FXS_CHUNK);
+        const int32_t count = project_chunk(f, fxs_object_of(f->eye->objects, f->object_count, chunk), chunk, slot, slot + FXS_CHUNK);
         if (count < 0)
             return count;
         fxs_band_count(f, block, chunk, slot, (uint32_t)count);
@@ -128,7 +105,8 @@ static void prepare_block(void *argument, uint32_t block)
     f->block_counts[block] = taken;
 }
 
-int fxs_frame_blocks(fxs_frame *f)
+/* Returns 0, or FXS_ERR_SCENE where a block failed. */
+static int run_blocks(fxs_frame *f)
 {
     fxs_frame_run(f, prepare_block, f->blocks);
     for (uint32_t block = 0; block < f->blocks; block++)
@@ -361,11 +339,49 @@ size_t fxs_measure(const fxs_context *context, const fxs_object *objects, uint32
     return f.stats.memory.total;
 }
 
+/* Each object as each eye sees it. */
+static int place_objects(fxs_frame *f)
+{
+    uint32_t first_chunk = 0;
+    for (uint32_t i = 0; i < f->object_count; i++) {
+        for (fxs_eye *eye = f->eye; eye < f->eye + f->eye_count; eye++) {
+            const int error = fxs_object_view_init(&eye->objects[i], &eye->view, &eye->camera, &f->objects[i]);
+            if (error)
+                return error;
+            eye->objects[i].first_chunk = first_chunk;
+        }
+        first_chunk += f->objects[i].scene->chunk_count;
+    }
+    return 0;
+}
+
+/* Counts the splats of each tile row. *least: the memory that the frame takes. Returns 0 or FXS_ERR_SCENE. */
+static int plan(fxs_frame *f, uint64_t *least)
+{
+    fxs_bands_begin_plan(f);
+    f->planning = 1;
+    const int error = run_blocks(f);
+    f->planning = 0;
+    *least = error ? *least : fxs_bands_end_plan(f);
+    return error;
+}
+
+int fxs_frame_begin(fxs_frame *f)
+{
+    uint64_t least = fxs_bands_init(f);
+    int error = f->memory_bytes < least ? 0 : place_objects(f);
+    if (!error && f->planned && f->memory_bytes >= least)
+        error = plan(f, &least);
+    if (f->planned)
+        f->stats.memory.least = least < SIZE_MAX ? (size_t)least : SIZE_MAX;
+    return error ? error : f->memory_bytes < least ? FXS_ERR_MEMORY : 0;
+}
+
 int fxs_frame_prepare(fxs_frame *f)
 {
     static const enum fxs_stage stages[] = {FXS_PROJECT, FXS_SHADE, FXS_BIN};
     uint64_t start = fxs_now(f);
-    int error = fxs_frame_blocks(f);
+    int error = run_blocks(f);
     if (error)
         return error;
     share_time(f, fxs_now(f) - start, f->block_times, f->blocks, 3, stages);
@@ -409,7 +425,7 @@ int fxs_frame_draw(fxs_frame *f)
 int fxs_frame_render(fxs_frame *f)
 {
     uint64_t start = fxs_now(f);
-    int error = fxs_bands_init(f);
+    int error = fxs_frame_begin(f);
     f->end_row = 0;
     f->stats.nanoseconds[FXS_PROJECT] += fxs_now(f) - start;
     while (!error && f->end_row < f->eye->view.tiles_y) {

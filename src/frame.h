@@ -50,7 +50,7 @@ typedef struct fxs_frame {
     int planning;                          /* blocks only count their splats by tile row */
 
     /* Cut from the memory once, fixed_bytes long. */
-    uint64_t fixed_bytes;
+    uint64_t fixed_bytes, bytes_for_all;   /* bytes_for_all: of a frame at once */
     uint32_t *block_slots;                 /* first slot of each block, and the end of the last one's */
     uint32_t *block_counts;                /* its splats, or FXS_BLOCK_FAILED */
     uint64_t *block_times;                 /* nanoseconds of project, shade and bin */
@@ -104,9 +104,6 @@ static inline const uint32_t *fxs_list_of(const fxs_frame *f, uint32_t tile)
     return f->entries + f->next[(size_t)(f->parts - 1) * f->tiles + tile] - f->tile_counts[tile];
 }
 
-/* The object that a chunk of all objects is of. */
-uint32_t fxs_object_of(const fxs_frame *f, uint32_t chunk);
-
 /* ---- frame.c ----------------------------------------------------------------------------------------------------- */
 
 /* Checks the arguments, then the memory. Targets may be null. Returns 0 or an FXS_ERR_*. */
@@ -117,9 +114,10 @@ int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_object *o
 /* A second camera and its targets. Errors as fxs_frame_init. */
 int fxs_frame_add_eye(fxs_frame *f, const fxs_camera *camera, const fxs_targets *targets);
 
-/* Runs a job for each block, which sets its block_counts: projects, shades and boxes its splats, or, while planning,
-   counts them. Returns 0, or FXS_ERR_SCENE where one failed. */
-int fxs_frame_blocks(fxs_frame *f);
+/* Cuts up the memory and places the objects; where it does not hold every Gaussian, finds out how many splats each tile
+   row has. Returns 0, FXS_ERR_MEMORY where they do not fit either (stats.memory.least has what would do),
+   FXS_ERR_OBJECT or FXS_ERR_SCENE. */
+int fxs_frame_begin(fxs_frame *f);
 
 /* The band's splats, for each eye, and their order for the first. Returns 0 or FXS_ERR_SCENE. */
 int fxs_frame_prepare(fxs_frame *f);
@@ -143,10 +141,14 @@ int fxs_frame_render(fxs_frame *f);
 /* Bytes of a frame with f->eye_count eyes, or more than SIZE_MAX; fills in stats.memory. */
 uint64_t fxs_frame_measure(fxs_frame *f);
 
-/* Cuts up the memory and places the objects; where it does not hold every Gaussian, finds out how many splats each tile
-   row has. Returns 0, FXS_ERR_MEMORY where they do not fit either (stats.memory.least has what would do),
-   FXS_ERR_OBJECT or FXS_ERR_SCENE. */
-int fxs_bands_init(fxs_frame *f);
+/* Cuts up the memory for the frame, and sets `planned` where it does not hold every Gaussian. Returns the bytes without
+   which that cannot be. */
+uint64_t fxs_bands_init(fxs_frame *f);
+
+/* Around a run of the blocks that counts the splats of each tile row. The end returns the bytes that the fullest tile row
+   takes. */
+void fxs_bands_begin_plan(fxs_frame *f);
+uint64_t fxs_bands_end_plan(fxs_frame *f);
 
 /* Goes on to the next band: as many tile rows from end_row on as fit in the memory. */
 void fxs_band_next(fxs_frame *f);
@@ -160,14 +162,14 @@ int fxs_band_has_chunk(const fxs_frame *f, uint32_t chunk);
 /* Moves those of `count` splats from `slot` on that touch the band together. Returns how many they are. */
 uint32_t fxs_band_keep(fxs_frame *f, uint32_t chunk, uint32_t slot, uint32_t count);
 
-/* ---- stereo.c ---------------------------------------------------------------------------------------------------- */
+/* ---- eyes.c ------------------------------------------------------------------------------------------------------ */
 
 /* Projects a chunk for both eyes, from `slot` on. What either sees has the same slot in both; what one does not see has
    the other's depth. Returns how many slots are taken, at most 256, or FXS_ERR_SCENE. */
-int32_t fxs_stereo_project(fxs_frame *f, uint32_t object, uint32_t chunk, uint32_t slot);
+int32_t fxs_eyes_project(fxs_frame *f, uint32_t object, uint32_t chunk, uint32_t slot);
 
 /* After bin: lists what an eye does not see nowhere. */
-void fxs_stereo_hide(const fxs_bounds *bounds, uint32_t count, fxs_box *boxes);
+void fxs_eyes_hide(const fxs_bounds *bounds, uint32_t count, fxs_box *boxes);
 
 /* ---- sort.c, bin.c, trace.c -------------------------------------------------------------------------------------- */
 

@@ -80,6 +80,19 @@ int fxs_object_view_init(fxs_object_view *out, const fxs_view *world, const fxs_
     return fxs_view_of_object(&out->view, world, camera, object);
 }
 
+uint32_t fxs_object_of(const fxs_object_view *objects, uint32_t count, uint32_t chunk)
+{
+    uint32_t low = 0, high = count;
+    while (high - low > 1) {
+        const uint32_t middle = (low + high) / 2;
+        if (objects[middle].first_chunk <= chunk)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
 /* ---- What an object changes --------------------------------------------------------------------------------------- */
 
 /* A depth key times the scale. What leaves the range of keys has the least or the largest. */

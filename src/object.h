@@ -48,6 +48,9 @@ int fxs_view_of_object(fxs_view *view, const fxs_view *world, const fxs_camera *
 int fxs_object_view_init(fxs_object_view *out, const fxs_view *world, const fxs_camera *camera,
                          const fxs_object *object);
 
+/* The object that a chunk of all objects is of. */
+uint32_t fxs_object_of(const fxs_object_view *objects, uint32_t count, uint32_t chunk);
+
 /* What the object changes of a projected Gaussian with these position codes. Returns 0 where it is not drawn. */
 FXS_STAGE int fxs_object_change(const fxs_object_view *object, const fxs_chunk *header, const uint16_t position[3],
                                 fxs_splat *splat, uint32_t *depth);

@@ -173,7 +173,15 @@ void fxs_blend_count(const fxs_view *view, int32_t x, int32_t y, const fxs_splat
                      uint32_t count, fxs_tile *tile, uint64_t *evaluated, uint64_t *blended);
 
 /* Runs job(argument, i) for i in 0..jobs-1 as the configuration says. */
-void fxs_run(const fxs_config *config, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs);
+static inline void fxs_run(const fxs_config *config, void (*job)(void *argument, uint32_t i), void *argument,
+                           uint32_t jobs)
+{
+    if (config->run && jobs > 1)
+        config->run(config->pool, job, argument, jobs);
+    else
+        for (uint32_t i = 0; i < jobs; i++)
+            job(argument, i);
+}
 
 /* Part `i` of `parts` of `count` things: from fxs_part(count, parts, i) to fxs_part(count, parts, i + 1). */
 static inline uint32_t fxs_part(uint32_t count, uint32_t parts, uint32_t i)

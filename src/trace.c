@@ -130,7 +130,7 @@ static fxs_id id_of(const fxs_frame *f, uint32_t slot)
     if (slot == FXS_NOTHING)
         return (fxs_id){FXS_NOTHING, FXS_NOTHING};
     const uint32_t index = f->indices[slot];
-    const fxs_object_view *object = &f->eye->objects[fxs_object_of(f, index / FXS_CHUNK)];
+    const fxs_object_view *object = &f->eye->objects[fxs_object_of(f->eye->objects, f->object_count, index / FXS_CHUNK)];
     return (fxs_id){object->id, index - object->first_chunk * FXS_CHUNK};
 }
 
