@@ -72,14 +72,14 @@ static void reset_trace(tracer *t)
         t->trace.end[i] = end_of(t, t->limits[i]);
 }
 
-/* weight * 2^octave * (1 + code), in units of the target; depths beyond its range have the least beyond. */
+/* weight * 2^octave * (1 + code), in units of the target. Depths beyond its range have the least beyond; those below
+   2^-GUARD of a unit count as 0. Sums are exact, so it does not matter where parts end. */
 static void add_depths(tracer *t, const fxs_tile *tile)
 {
     const int shift = fxs_min((int)t->octave - 32 + t->bits, 32) + GUARD;
-    for (int i = 0; i < FXS_TILE_PIXELS; i++) {
+    for (int i = 0; i < FXS_TILE_PIXELS && shift >= 0; i++) {
         const int weight_q15 = t->before_q15[i] - tile->transmittance_q15[i];
-        const uint64_t sum_q15 = (uint64_t)(weight_q15 + t->trace.depth_q15[i]);
-        t->sum_q23[i] += shift >= 0 ? sum_q15 << shift : sum_q15 >> fxs_min(-shift, 31);
+        t->sum_q23[i] += (uint64_t)(weight_q15 + t->trace.depth_q15[i]) << shift;
     }
 }
 
