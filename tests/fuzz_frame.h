@@ -9,6 +9,7 @@
 
 #include "../kernels/kernels.h"
 #include "../port/scene/fxs_file.h"
+#include "one_scene.h"
 #include "random_scene.h"
 
 enum {
@@ -25,6 +26,7 @@ typedef struct fuzz_frame {
     fxs_scene scene;
     fxs_camera cameras[2];
     fxs_options options;
+    enum fxs_format format;
     int exact;
     fxs_context levels[FUZZ_LEVELS];   /* plain C first, then each that this processor has */
     int level_count;
@@ -115,11 +117,11 @@ static void fuzz_options(fuzz_frame *f, const uint8_t *control)
 {
     fxs_options_init(&f->options);
     f->options.cutoff = (enum fxs_cutoff)(control[0] & 1);
-    f->options.format = (enum fxs_format)(control[0] / 2 % 3);
+    f->format = (enum fxs_format)(control[0] / 2 % 3);
     f->options.sh_degree = control[0] / 8 % 4;
     f->exact = control[0] >> 5 & 1;
     memcpy(f->options.background, control + 1, sizeof f->options.background);
-    f->row = (size_t)f->cameras[0].width * (f->options.format == FXS_FORMAT_RGB565 ? 2 : 4);
+    f->row = (size_t)f->cameras[0].width * (size_t)fxs_pixel_bytes(f->format);
 }
 
 static void fuzz_levels(fuzz_frame *f)
@@ -160,8 +162,8 @@ static size_t fuzz_least(const fuzz_frame *f, const fxs_context *context, fxs_fr
 {
     fxs_stats stats;
     unsigned char *pixels = fuzz_room(1, f->row * (size_t)f->cameras[0].height);
-    const int error = !fxs_frame_bytes(context, &f->scene, f->cameras[0].width, f->cameras[0].height, memory) ||
-                      fxs_render(context, &f->scene, &f->cameras[0], &f->options, fuzz_room(0, memory->least),
+    const int error = !one_frame_bytes(context, &f->scene, f->cameras[0].width, f->cameras[0].height, memory) ||
+                      one_render(context, &f->scene, &f->cameras[0], &f->options, f->format, fuzz_room(0, memory->least),
                                  memory->least, pixels, (ptrdiff_t)f->row, &stats) != FXS_ERR_MEMORY;
     return error ? memory->least : stats.memory.least;
 }

@@ -26,7 +26,7 @@ static unsigned char *picture(const fuzz_frame *f, int eye)
 static void render(const fuzz_frame *f, const fxs_context *context, size_t bytes, result *r)
 {
     unsigned char *pixels = picture(f, 0);
-    r->error = fxs_render(context, &f->scene, &f->cameras[0], &f->options, fuzz_room(0, bytes), bytes, pixels,
+    r->error = one_render(context, &f->scene, &f->cameras[0], &f->options, f->format, fuzz_room(0, bytes), bytes, pixels,
                           (ptrdiff_t)f->row, NULL);
     memcpy(r->pixels[0], pixels, picture_bytes(f));
 }
@@ -34,8 +34,8 @@ static void render(const fuzz_frame *f, const fxs_context *context, size_t bytes
 static void render_stereo(const fuzz_frame *f, const fxs_context *context, size_t bytes, result *r)
 {
     unsigned char *left = picture(f, 0), *right = picture(f, 1);
-    r->error = fxs_render_stereo(context, &f->scene, f->cameras, &f->options, f->exact, fuzz_room(0, bytes), bytes,
-                                 (void *const[2]){left, right}, (ptrdiff_t)f->row, NULL);
+    r->error = one_render_stereo(context, &f->scene, f->cameras, &f->options, f->format, f->exact, fuzz_room(0, bytes),
+                                 bytes, (void *const[2]){left, right}, (ptrdiff_t)f->row, NULL);
     memcpy(r->pixels[0], left, picture_bytes(f));
     memcpy(r->pixels[1], right, picture_bytes(f));
 }
@@ -51,7 +51,7 @@ static void compare(const fuzz_frame *f, const result *a, const result *b, int e
 
 static void count(const fuzz_frame *f, size_t bytes, const result *expected, uint64_t pairs[2])
 {
-    if (fxs_count_pairs(&f->scene, &f->cameras[0], &f->options, fuzz_room(0, bytes), bytes, &pairs[0], &pairs[1]) !=
+    if (one_count_pairs(&f->scene, &f->cameras[0], &f->options, fuzz_room(0, bytes), bytes, &pairs[0], &pairs[1]) !=
         expected->error)
         abort();
 }
@@ -67,8 +67,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         return 0;
     }
     const fxs_camera *camera = &f.cameras[0];
-    const size_t all = fxs_frame_bytes(&f.levels[0], &f.scene, camera->width, camera->height, &memory);
-    const size_t both = fxs_stereo_bytes(&f.levels[0], &f.scene, camera->width, camera->height);
+    const size_t all = one_frame_bytes(&f.levels[0], &f.scene, camera->width, camera->height, &memory);
+    const size_t both = one_stereo_bytes(&f.levels[0], &f.scene, camera->width, camera->height);
     if (all && both <= FUZZ_ROOM && picture_bytes(&f) <= sizeof first.pixels[0]) {
         const size_t least = fuzz_least(&f, &f.levels[0], &memory);
         render(&f, &f.levels[0], all, &first);

@@ -100,13 +100,13 @@ static void render(const fuzz_frame *f, const fxs_context *context, size_t least
     for (int eye = 0; eye < 2; eye++)
         pixels[eye] = fuzz_room(1 + eye, f->row * (size_t)camera->height);
     for (int i = 0; i < 4; i++)
-        check(fxs_render(context, &f->scene, camera, &f->options, fuzz_room(0, sizes[i]), sizes[i], pixels[0],
+        check(one_render(context, &f->scene, camera, &f->options, f->format, fuzz_room(0, sizes[i]), sizes[i], pixels[0],
                          (ptrdiff_t)f->row, NULL));
-    check(fxs_count_pairs(&f->scene, camera, &f->options, fuzz_room(0, least), least, &pairs[0], &pairs[1]));
-    const size_t both = fxs_stereo_bytes(context, &f->scene, camera->width, camera->height);
+    check(one_count_pairs(&f->scene, camera, &f->options, fuzz_room(0, least), least, &pairs[0], &pairs[1]));
+    const size_t both = one_stereo_bytes(context, &f->scene, camera->width, camera->height);
     if (both <= FUZZ_ROOM)
-        check(fxs_render_stereo(context, &f->scene, f->cameras, &f->options, f->exact, fuzz_room(0, both), both,
-                                (void *const[2]){pixels[0], pixels[1]}, (ptrdiff_t)f->row, NULL));
+        check(one_render_stereo(context, &f->scene, f->cameras, &f->options, f->format, f->exact, fuzz_room(0, both),
+                                both, (void *const[2]){pixels[0], pixels[1]}, (ptrdiff_t)f->row, NULL));
 }
 
 /* A scene of the same layout: the chunks lie where others did, and of some only the first few Gaussians are seen, as
@@ -158,7 +158,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     fxs_frame_memory memory;
     if (fuzz_frame_make(&f, data, size)) {
         const fxs_camera *camera = &f.cameras[0];
-        const size_t all = fxs_frame_bytes(&f.levels[0], &f.scene, camera->width, camera->height, &memory);
+        const size_t all = one_frame_bytes(&f.levels[0], &f.scene, camera->width, camera->height, &memory);
         if (all && all <= FUZZ_ROOM && f.row * (size_t)camera->height <= FUZZ_ROOM)
             render_scribbled(&f, fuzz_least(&f, &f.levels[0], &memory), all);
     }

@@ -4,7 +4,7 @@
 
 #include "../port/camera/camera.h"
 #include "../port/posix/pool.h"
-#include "../src/fixsplat.h"
+#include "one_scene.h"
 #include "packed_scene.h"
 #ifdef FXS_WITH_KERNELS
 #include "../kernels/kernels.h"
@@ -94,7 +94,7 @@ static void render_frames(uint32_t threads)
     fxs_options_init(&options);
     CHECK(pool && pixels && !fxs_scene_open(&scene, packed.data, packed.bytes) &&
           !fxs_view_look_at(&view, eye, middle, up, 50, WIDTH, HEIGHT, &m));
-    size_t bytes = fxs_frame_bytes(&context, &scene, WIDTH, HEIGHT, 0);
+    size_t bytes = one_frame_bytes(&context, &scene, WIDTH, HEIGHT, 0);
     void *memory = check_aligned(bytes);
     int before = allocations;
     uint32_t visible = 0, bands = 0;
@@ -103,7 +103,8 @@ static void render_frames(uint32_t threads)
         fxs_stats stats;
         fxs_view_orbit(&view, middle, up, 0.2);
         CHECK(!fxs_camera_from_view(&camera, &view, &m) &&
-              !fxs_render(&context, &scene, &camera, &options, memory, i % 2 ? bytes : bytes / 2, pixels, WIDTH * 4, &stats));
+              !one_render(&context, &scene, &camera, &options, FXS_FORMAT_RGBA8, memory, i % 2 ? bytes : bytes / 2, pixels,
+                          WIDTH * 4, &stats));
         visible += stats.visible;
         bands += stats.bands;
     }

@@ -1,6 +1,7 @@
 /* Frames in less memory than fxs_frame_bytes: the same bytes down to the least that a view needs, on any number of
  * threads; one byte less is refused with nothing written. */
 #include "../port/posix/pool.h"
+#include "one_scene.h"
 #include "random_scene.h"
 #ifdef FXS_WITH_KERNELS
 #include "../kernels/kernels.h"
@@ -13,6 +14,7 @@ static struct {
     fxs_scene scene;
     fxs_camera camera;
     fxs_options options;
+    enum fxs_format format;
     fxs_stats stats;
     uint64_t evaluated, blended;
     size_t bytes;                          /* of the picture */
@@ -34,7 +36,7 @@ static int render(const fxs_context *context, size_t bytes, fxs_stats *stats)
     unsigned char *memory = check_aligned(bytes + GUARD_BYTES);
     memset(memory, GUARD, bytes + GUARD_BYTES);
     memset(drawn.pixels, GUARD, drawn.bytes);
-    int error = fxs_render(context, &drawn.scene, &drawn.camera, &drawn.options, memory, bytes, drawn.pixels,
+    int error = one_render(context, &drawn.scene, &drawn.camera, &drawn.options, drawn.format, memory, bytes, drawn.pixels,
                            (ptrdiff_t)(drawn.bytes / (size_t)drawn.camera.height), stats);
     CHECK(untouched(memory + bytes, GUARD_BYTES));
     free(memory);
@@ -45,7 +47,7 @@ static void check_pairs(size_t bytes)
 {
     uint64_t evaluated, blended;
     void *memory = check_aligned(bytes);
-    CHECK(!fxs_count_pairs(&drawn.scene, &drawn.camera, &drawn.options, memory, bytes, &evaluated, &blended) &&
+    CHECK(!one_count_pairs(&drawn.scene, &drawn.camera, &drawn.options, memory, bytes, &evaluated, &blended) &&
           evaluated == drawn.evaluated && blended == drawn.blended);
     free(memory);
 }
@@ -82,7 +84,7 @@ static size_t least_of(const fxs_context *context, const fxs_frame_memory *memor
 static void check_limits(const fxs_context *context)
 {
     fxs_frame_memory memory;
-    size_t total = fxs_frame_bytes(context, &drawn.scene, drawn.camera.width, drawn.camera.height, &memory);
+    size_t total = one_frame_bytes(context, &drawn.scene, drawn.camera.width, drawn.camera.height, &memory);
     size_t least = least_of(context, &memory);
     check_refused(context, 0, memory.least);
     check_refused(context, memory.least - 1, memory.least);
@@ -98,14 +100,14 @@ static void check_limits(const fxs_context *context)
 static void draw(void)
 {
     fxs_context context;
-    size_t pixel_bytes = drawn.options.format == FXS_FORMAT_RGB565 ? 2 : 4;
+    size_t pixel_bytes = drawn.format == FXS_FORMAT_RGB565 ? 2 : 4;
     drawn.bytes = (size_t)drawn.camera.width * (size_t)drawn.camera.height * pixel_bytes;
     fxs_init(&context, 0);
-    size_t bytes = fxs_frame_bytes(&context, &drawn.scene, drawn.camera.width, drawn.camera.height, 0);
+    size_t bytes = one_frame_bytes(&context, &drawn.scene, drawn.camera.width, drawn.camera.height, 0);
     void *memory = check_aligned(bytes);
-    CHECK(!fxs_render(&context, &drawn.scene, &drawn.camera, &drawn.options, memory, bytes, drawn.expected,
+    CHECK(!one_render(&context, &drawn.scene, &drawn.camera, &drawn.options, drawn.format, memory, bytes, drawn.expected,
                       (ptrdiff_t)drawn.camera.width * (ptrdiff_t)pixel_bytes, &drawn.stats));
-    CHECK(!fxs_count_pairs(&drawn.scene, &drawn.camera, &drawn.options, memory, bytes, &drawn.evaluated,
+    CHECK(!one_count_pairs(&drawn.scene, &drawn.camera, &drawn.options, memory, bytes, &drawn.evaluated,
                            &drawn.blended));
     CHECK(drawn.stats.bands == 1 && drawn.stats.memory.least == 0 && drawn.stats.memory.total == bytes);
     free(memory);
@@ -120,7 +122,7 @@ static void draw_random(int height)
     }
     fxs_options_init(&drawn.options);
     drawn.options.cutoff = (enum fxs_cutoff)between(0, 1);
-    drawn.options.format = (enum fxs_format)between(0, 2);
+    drawn.format = (enum fxs_format)between(0, 2);
     draw();
 }
 
@@ -205,8 +207,9 @@ static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS])
     }
     CHECK(!fxs_scene_open(&drawn.scene, s.data, s.bytes));
     drawn.camera = (fxs_camera){16, 16 * ROWS, 64 << 12, 64 << 12, 0, 0, {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30},
-                                {0, 0, 0}, 0};
+                                {0, 0, 0}, 0, FXS_PERSPECTIVE};
     fxs_options_init(&drawn.options);
+    drawn.format = FXS_FORMAT_RGBA8;
     draw();
     return s;
 }
@@ -238,7 +241,7 @@ static void test_least_is_of_one_tile_row(void)
                 counts[c][row] = row == 2 ? 40 : 36 * others;
         const packed_scene s = place_in_rows(8, (const int (*)[ROWS])counts);
         fxs_frame_memory memory;
-        CHECK(fxs_frame_bytes(&context, &drawn.scene, drawn.camera.width, drawn.camera.height, &memory) > 0);
+        CHECK(one_frame_bytes(&context, &drawn.scene, drawn.camera.width, drawn.camera.height, &memory) > 0);
         CHECK(drawn.stats.visible == (others ? 8 * (40 + 36 * (ROWS - 1)) : 8 * 40));
         least[others] = least_of(&context, &memory);
         check_limits(&context);

@@ -10,6 +10,7 @@
 #include "../port/scene/ply_write.h"
 #include "../src/fixsplat.h"
 #include "check.h"
+#include "one_scene.h"
 
 enum { WIDTH = 72, HEIGHT = 50 };
 
@@ -99,16 +100,15 @@ static uint64_t draw(const fxs_scene *scene, enum fxs_format format)
 {
     static unsigned char pixels[WIDTH * HEIGHT * 4];
     const fxs_camera camera = {WIDTH, HEIGHT, WIDTH << 12, WIDTH << 12, WIDTH << 11, HEIGHT << 11,
-                               {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, -((int64_t)12 << 32)}, 0};
+                               {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, -((int64_t)12 << 32)}, 0, FXS_PERSPECTIVE};
     const int pixel_bytes = format == FXS_FORMAT_RGB565 ? 2 : 4;
     fxs_context context;
     fxs_options options;
     fxs_init(&context, 0);
     fxs_options_init(&options);
-    options.format = format;
-    size_t bytes = fxs_frame_bytes(&context, scene, WIDTH, HEIGHT, 0);
+    size_t bytes = one_frame_bytes(&context, scene, WIDTH, HEIGHT, 0);
     void *memory = check_aligned(bytes);
-    CHECK(!fxs_render(&context, scene, &camera, &options, memory, bytes, pixels, WIDTH * pixel_bytes, 0));
+    CHECK(!one_render(&context, scene, &camera, &options, format, memory, bytes, pixels, WIDTH * pixel_bytes, 0));
     free(memory);
     return hash(0xcbf29ce484222325u, pixels, (size_t)(WIDTH * HEIGHT * pixel_bytes));
 }

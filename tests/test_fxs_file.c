@@ -18,6 +18,7 @@
 #include "../src/packed.h"
 #include "../tools/procedural.h"
 #include "check.h"
+#include "one_scene.h"
 
 enum { COUNT = 1000, SIZE = 48 };
 
@@ -53,14 +54,14 @@ static void draw(const void *data, size_t bytes, uint8_t *rgba)
     fxs_context context;
     fxs_options options;
     fxs_camera camera = {SIZE, SIZE, SIZE << 12, SIZE << 12, SIZE << 11, SIZE << 11,
-                         {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, -((int64_t)14 << 32)}, 0};
+                         {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, -((int64_t)14 << 32)}, 0, FXS_PERSPECTIVE};
     fxs_init(&context, 0);
     fxs_options_init(&options);
     if (!CHECK(!fxs_scene_open(&scene, data, bytes)))
         return;
-    size_t need = fxs_frame_bytes(&context, &scene, SIZE, SIZE, 0);
+    size_t need = one_frame_bytes(&context, &scene, SIZE, SIZE, 0);
     void *memory = check_aligned(need);
-    CHECK(!fxs_render(&context, &scene, &camera, &options, memory, need, rgba, SIZE * 4, 0));
+    CHECK(!one_render(&context, &scene, &camera, &options, FXS_FORMAT_RGBA8, memory, need, rgba, SIZE * 4, 0));
     free(memory);
 }
 

@@ -7,6 +7,7 @@
 #include "../port/camera/camera.h"
 #include "../tools/metrics.h"
 #include "check.h"
+#include "one_scene.h"
 #include "packed_scene.h"
 #include "procedural_scene.h"
 #ifdef FXS_WITH_GLES
@@ -123,14 +124,16 @@ typedef struct subject {
     fxs_scene scene;
     fxs_camera camera;
     fxs_options options;
+    enum fxs_format format;
 } subject;
 
 static int make_subject(subject *s, const char *name, uint64_t count, int width, int height)
 {
     static const double eye[3] = {0.9, -2.6, -12.8}, look[3] = {0, 0.4, 0}, up[3] = {0, -1, 0};
-    fxs_message m = {"no camera"};
+    fxs_message m = {.text = "no camera"};
     fxs_file_view view;
     fxs_options_init(&s->options);
+    s->format = FXS_FORMAT_RGBA8;
     s->options.background[0] = 17;
     s->options.background[2] = 200;
     const int made = !procedural_scene_make(name, count, 0, &s->packed, 0, &m) &&
@@ -158,10 +161,12 @@ static int render(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const fxs
     fxs_config config = {.run = run_backwards, .threads = 3, .draw = draw, .draw_argument = gles,
                          .draw_unlisted = draw == fxs_gles_draw_quads};
     fxs_init(&c, &config);
-    size_t bytes = fxs_frame_bytes(&c, &s->scene, s->camera.width, s->camera.height, 0);
+    size_t bytes = one_frame_bytes(&c, &s->scene, s->camera.width, s->camera.height, 0);
     void *memory = check_aligned(bytes);
-    int error = target ? fxs_gles_render(gles, &c, &s->scene, &s->camera, &s->options, memory, bytes, target, stats)
-                       : fxs_render(&c, &s->scene, &s->camera, &s->options, memory, bytes, pixels, stride, stats);
+    const fxs_object object = one_object(&s->scene);
+    int error = target ? fxs_gles_render(gles, &c, &object, 1, &s->camera, &s->options, target, memory, bytes, stats)
+                       : one_render(&c, &s->scene, &s->camera, &s->options, s->format, memory, bytes, pixels, stride,
+                                    stats);
     free(memory);
     return error;
 }
@@ -228,12 +233,12 @@ static void formats(void)
     const ptrdiff_t row = 77 * 4;
     for (int format = FXS_FORMAT_RGBA8; format <= FXS_FORMAT_RGB565; format++)
         for (int cutoff = FXS_CUTOFF_MAHALANOBIS; cutoff <= FXS_CUTOFF_SQUARE; cutoff++) {
-            s.options.format = (enum fxs_format)format;
+            s.format = (enum fxs_format)format;
             s.options.cutoff = (enum fxs_cutoff)cutoff;
             same_laid_out(&s, gles, row, 0, 0);
             same_laid_out(&s, gles, -row, row * 49, 0);
         }
-    s.options.format = FXS_FORMAT_RGB565;
+    s.format = FXS_FORMAT_RGB565;
     same_laid_out(&s, gles, 77 * 2, 0, 0);
     fxs_packed_scene_free(&s.packed);
     close_gles(gles);
@@ -323,7 +328,7 @@ static void long_list(void)
     draws = 0;
     same_laid_out(&s, gles, 16 * 4, 0, &stats);
     CHECK(stats.entries >= 80000 && draws == (stats.entries + 32767) / 32768);
-    s.options.format = FXS_FORMAT_RGBA8_COVERAGE;
+    s.format = FXS_FORMAT_RGBA8_COVERAGE;
     uint8_t *pixels = new_picture(&s);
     CHECK(!render(&s, 0, 0, 0, pixels, 16 * 4, 0));
     for (int i = 0; i < 16 * 16; i++)
@@ -342,7 +347,7 @@ static void words_read(void)
     if (!make_subject(&s, "knot", 5000, 50, 40))
         return;
     same(&s, gles);
-    s.options.format = FXS_FORMAT_RGB565;
+    s.format = FXS_FORMAT_RGB565;
     same_laid_out(&s, gles, 50 * 2, 0, 0);
     fxs_packed_scene_free(&s.packed);
     close_gles(gles);
@@ -353,13 +358,14 @@ static void words_read(void)
 static int load_subject(subject *s, const char *folder, const char *name, const double up[3])
 {
     char path[512];
-    fxs_message m = {""};
+    fxs_message m = {.text = ""};
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_pack_report report;
     fxs_file_view view;
     snprintf(path, sizeof path, "%s/%s", folder, name);
     fxs_options_init(&s->options);
+    s->format = FXS_FORMAT_RGBA8;
     if (fxs_scene_file_open(path, 0, &file, &info, &m))
         return 0;
     int error = fxs_pack(file, &info, &s->packed, &report, 0, &m);
@@ -422,7 +428,7 @@ static void quads(void)
             subject s;
             if (!make_subject(&s, names[i], 4000, 201, 133))
                 return;
-            s.options.format = (enum fxs_format)format;
+            s.format = (enum fxs_format)format;
             double psnr = psnr_of_quads(&s, gles);
             printf("  %s: %.1f dB\n", names[i], psnr);
             CHECK(psnr >= 40);
@@ -587,9 +593,9 @@ static void target(void)
         return;
     uint8_t *expected = new_picture(&s);
     for (int i = 0; i < 4; i++) {
-        const fxs_gles_target t = {c.framebuffers[0], 13, 7, i % 2};
         state before, after;
-        s.options.format = i / 2 ? FXS_FORMAT_RGBA8_COVERAGE : FXS_FORMAT_RGBA8;
+        s.format = i / 2 ? FXS_FORMAT_RGBA8_COVERAGE : FXS_FORMAT_RGBA8;
+        const fxs_gles_target t = {c.framebuffers[0], 13, 7, s.format, i % 2};
         CHECK(!render(&s, 0, 0, 0, expected, 111 * 4, 0));
         settle();
         GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, c.framebuffers[0]);
@@ -602,8 +608,7 @@ static void target(void)
         settle();
         CHECK(in_target(&s, &t, expected));
     }
-    const fxs_gles_target t = {c.framebuffers[0], 0, 0, 0};
-    s.options.format = FXS_FORMAT_RGB565;
+    const fxs_gles_target t = {c.framebuffers[0], 0, 0, FXS_FORMAT_RGB565, 0};
     CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
     free(expected);
     fxs_packed_scene_free(&s.packed);
@@ -847,7 +852,7 @@ static void contexts_in_turn(void)
     for (int i = 0; i < 4; i++) {
         static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
         const int other = (i + 2) % 4;
-        const fxs_gles_target t = {turns[i].caller.framebuffers[0], 13, 7, i % 2};
+        const fxs_gles_target t = {turns[i].caller.framebuffers[0], 13, 7, FXS_FORMAT_RGBA8, i % 2};
         port = &ports[i / 2];
         context = turns[i].context;
         port->use(context);

@@ -14,7 +14,7 @@
 #endif
 
 #include "../kernels/kernels.h"
-#include "../src/stage.h"
+#include "one_scene.h"
 #include "packed_scene.h"
 
 #define CASES 2000
@@ -294,8 +294,8 @@ static void make_view(void)
     fxs_camera camera;
     fxs_options_init(&options);
     options.sh_degree = (int)below(4);
-    camera.width = 1 + (int32_t)below(one_in(4) ? FXS_MAX_SIZE : 2000);
-    camera.height = 1 + (int32_t)below(one_in(4) ? FXS_MAX_SIZE : 1200);
+    const int32_t width = 1 + (int32_t)below(one_in(4) ? FXS_MAX_SIZE : 2000);
+    fxs_camera_init(&camera, width, 1 + (int32_t)below(one_in(4) ? FXS_MAX_SIZE : 1200));
     double focal = one_in(2) ? uniform(0.5, 2) * camera.width : exp2(uniform(-11, 18.9));
     camera.fx_q12 = (int32_t)(focal * 4096) + 1;
     camera.fy_q12 = one_in(4) ? INT32_MAX : one_in(2) ? camera.fx_q12 : 1 + (int32_t)(focal * uniform(0.3, 1) * 4096);
@@ -304,7 +304,7 @@ static void make_view(void)
     random_rotation(&camera);
     camera.near_q32 = one_in(2) ? 0 : (int64_t)exp2(uniform(12, one_in(8) ? 60 : 36));
     place_camera(&camera, one_in(4) ? 0 : one_in(8) ? -1 : exp2(uniform(-4, one_in(4) ? 28 : 5)));
-    CHECK(fxs_view_init(&view, &scene, &camera, &options) == 0);
+    CHECK(one_view_init(&view, &scene, &camera, &options) == 0);
     view.square = one_in(16);
 }
 
@@ -486,11 +486,11 @@ static void resolve_case(void)
         const ptrdiff_t pitch = 4 * FXS_TILE + (ptrdiff_t)below(MAX_STRIDE - 4 * FXS_TILE);
         const ptrdiff_t stride = one_in(4) ? -pitch : pitch;
         const size_t skew = below(32), first = stride < 0 ? (size_t)(rows - 1) * (size_t)pitch : 0;
-        options.format = (enum fxs_format)(size / FXS_TILE_PIXELS);
+        const enum fxs_format format = (enum fxs_format)(size / FXS_TILE_PIXELS);
         make_tile(&tile);
         output *pixels = output_new((size_t)rows * (size_t)pitch, skew);
-        fxs_resolve_c(&options, &tile, columns, rows, (unsigned char *)at(pixels, 0, skew) + first, stride);
-        fast.resolve(&options, &tile, columns, rows, (unsigned char *)at(pixels, 1, skew) + first, stride);
+        fxs_resolve_c(&options, format, &tile, columns, rows, (unsigned char *)at(pixels, 0, skew) + first, stride);
+        fast.resolve(&options, format, &tile, columns, rows, (unsigned char *)at(pixels, 1, skew) + first, stride);
         CHECK(same(pixels));
         outputs_free();
     }
@@ -623,13 +623,13 @@ static packed_scene bench_scene(enum fxs_profile profile)
 static void bench_init(workload *w, enum fxs_profile profile)
 {
     static const fxs_camera camera = {1280, 720, 1000 << 12, 1000 << 12, 640 << 12, 360 << 12,
-                                      {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, 0}, 0};
+                                      {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, 0}, 0, FXS_PERSPECTIVE};
     fxs_options options;
     fxs_options_init(&options);
     state = 1;
     w->packed = bench_scene(profile);
     CHECK(fxs_scene_open(&w->scene, w->packed.data, w->packed.bytes) == 0);
-    CHECK(fxs_view_init(&w->view, &w->scene, &camera, &options) == 0);
+    CHECK(one_view_init(&w->view, &w->scene, &camera, &options) == 0);
     for (uint32_t i = 0; i < MAX_SPLATS; i++) {
         make_splat(&w->tile_splats[i], 0, 0, 1);
         w->entries[i] = i;
@@ -670,7 +670,7 @@ static void bench_blend(workload *w, const fxs_kernels *k)
 static void bench_resolve(workload *w, const fxs_kernels *k)
 {
     static const fxs_options options;
-    k->resolve(&options, &w->tile, FXS_TILE, FXS_TILE, w->pixels, 4 * FXS_TILE);
+    k->resolve(&options, FXS_FORMAT_RGBA8, &w->tile, FXS_TILE, FXS_TILE, w->pixels, 4 * FXS_TILE);
 }
 
 /* Least of all runs, for one of `units`. */

@@ -10,6 +10,7 @@
 #include "../tools/metrics.h"
 #include "../tools/procedural.h"
 #include "check.h"
+#include "one_scene.h"
 #include "reference.h"
 
 enum { COUNT = 20000, WIDTH = 96, HEIGHT = 72, PIXELS = WIDTH * HEIGHT };
@@ -60,9 +61,9 @@ static int render(const fxs_file_view *view, uint8_t *rgba)
     fxs_options_init(&options);
     if (fxs_scene_open(&scene, packed.data, packed.bytes) || fxs_camera_from_view(&camera, view, &m))
         return -1;
-    const size_t bytes = fxs_frame_bytes(&context, &scene, WIDTH, HEIGHT, 0);
+    const size_t bytes = one_frame_bytes(&context, &scene, WIDTH, HEIGHT, 0);
     void *memory = check_aligned(bytes);
-    const int error = fxs_render(&context, &scene, &camera, &options, memory, bytes, rgba, WIDTH * 4, 0);
+    const int error = one_render(&context, &scene, &camera, &options, FXS_FORMAT_RGBA8, memory, bytes, rgba, WIDTH * 4, 0);
     free(memory);
     return error;
 }

@@ -14,7 +14,7 @@
 #include "../port/posix/pool.h"
 #include "../src/fixsplat.h"
 #include "../src/packed.h"
-#include "../src/stage.h"
+#include "../src/chunk.h"
 #include "../tools/procedural.h"
 #include "check.h"
 

@@ -14,10 +14,11 @@
 #include "../port/scene/ply_write.h"
 #include "../port/scene/spz_write.h"
 #include "../port/posix/pool.h"
-#include "../src/stage.h"
+#include "../src/frame.h"
 #include "../tools/metrics.h"
 #include "../tools/procedural.h"
 #include "check.h"
+#include "one_scene.h"
 #include "reference.h"
 
 #define PIXEL_FLOOR 57.0
@@ -134,7 +135,7 @@ static void pixel_stage(const subject *s, const fxs_file_view *file_view, const 
         fxs_tile tile;
         int x = t % view.tiles_x * FXS_TILE, y = t / view.tiles_x * FXS_TILE;
         fxs_blend_c(&view, x, y, list.splats, entries + ends[t] - counts[t], counts[t], &tile);
-        fxs_resolve_c(&options, &tile, FXS_TILE, FXS_TILE, actual + (y * WIDTH + x) * 4, WIDTH * 4);
+        fxs_resolve_c(&options, FXS_FORMAT_RGBA8, &tile, FXS_TILE, FXS_TILE, actual + (y * WIDTH + x) * 4, WIDTH * 4);
     }
     free(entries);
     free(list.splats);
@@ -289,9 +290,9 @@ static int render_packed(const fxs_packed_scene *packed, const fxs_file_view *vi
     fxs_options_init(&options);
     if (fxs_scene_open(&scene, packed->data, packed->bytes) || fxs_camera_from_view(&camera, view, &m))
         return -1;
-    size_t bytes = fxs_frame_bytes(&context, &scene, WIDTH, HEIGHT, 0);
+    size_t bytes = one_frame_bytes(&context, &scene, WIDTH, HEIGHT, 0);
     void *memory = check_aligned(bytes);
-    int error = fxs_render(&context, &scene, &camera, &options, memory, bytes, actual, WIDTH * 4, 0);
+    int error = one_render(&context, &scene, &camera, &options, FXS_FORMAT_RGBA8, memory, bytes, actual, WIDTH * 4, 0);
     free(memory);
     return error;
 }

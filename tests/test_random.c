@@ -3,6 +3,7 @@
  * default profile alone. Needs src/ only. */
 #include <inttypes.h>
 
+#include "one_scene.h"
 #include "random_scene.h"
 
 #define CASES 300
@@ -25,13 +26,13 @@ static uint64_t hash_case(enum fxs_profile profile, int which, int near)
     fxs_init(&context, 0);
     fxs_options_init(&options);
     options.cutoff = between(0, 3) ? FXS_CUTOFF_MAHALANOBIS : FXS_CUTOFF_SQUARE;
-    options.format = (enum fxs_format)between(0, 1);
+    const enum fxs_format format = (enum fxs_format)between(0, 1);
     options.background[0] = (uint8_t)between(0, 255);
-    size_t bytes = fxs_frame_bytes(&context, &packed.scene, camera.width, camera.height, 0);
+    size_t bytes = one_frame_bytes(&context, &packed.scene, camera.width, camera.height, 0);
     size_t pixels = (size_t)camera.width * (size_t)camera.height * 4;
     void *memory = check_aligned(bytes);
     uint8_t *rgba = malloc(pixels);
-    if (!CHECK(memory && rgba && !fxs_render(&context, &packed.scene, &camera, &options, memory, bytes, rgba,
+    if (!CHECK(memory && rgba && !one_render(&context, &packed.scene, &camera, &options, format, memory, bytes, rgba,
                                              (ptrdiff_t)camera.width * 4, 0)))
         exit(1);
     uint64_t hash = 0xcbf29ce484222325u;

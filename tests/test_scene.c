@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../src/fixsplat.h"
+#include "one_scene.h"
 #include "packed_scene.h"
 
 static uint64_t seed = 88172645463325252u;   /* xorshift64: Marsaglia 2003 */
@@ -243,17 +243,17 @@ static void test_frame_bytes(void)
     fxs_frame_memory m;
     make_scene();
     CHECK(open_scene() == 0 && fxs_init(&context, 0) == 0);
-    size_t total = fxs_frame_bytes(&context, &s.scene, 100, 70, &m);
+    size_t total = one_frame_bytes(&context, &s.scene, 100, 70, &m);
     CHECK(total > 0 && total == m.total && total == m.splats + m.keys + m.tiles + m.entries && total % 64 == 0);
     CHECK(m.least > 0 && m.least <= total);
-    CHECK(fxs_frame_bytes(&context, &s.scene, 100, 70, 0) == total);
-    CHECK(fxs_frame_bytes(&context, &s.scene, 1, 1, 0) > 0);
-    CHECK(fxs_frame_bytes(&context, &s.scene, FXS_MAX_SIZE, FXS_MAX_SIZE, 0) > total);
-    CHECK(fxs_frame_bytes(0, &s.scene, 100, 70, 0) == 0 && fxs_frame_bytes(&context, 0, 100, 70, 0) == 0);
-    CHECK(fxs_frame_bytes(&context, &s.scene, 0, 70, 0) == 0 && fxs_frame_bytes(&context, &s.scene, 100, 0, 0) == 0);
-    CHECK(fxs_frame_bytes(&context, &s.scene, -1, 70, 0) == 0);
-    CHECK(fxs_frame_bytes(&context, &s.scene, FXS_MAX_SIZE + 1, 70, 0) == 0);
-    CHECK(fxs_frame_bytes(&context, &s.scene, 100, INT32_MAX, 0) == 0);
+    CHECK(one_frame_bytes(&context, &s.scene, 100, 70, 0) == total);
+    CHECK(one_frame_bytes(&context, &s.scene, 1, 1, 0) > 0);
+    CHECK(one_frame_bytes(&context, &s.scene, FXS_MAX_SIZE, FXS_MAX_SIZE, 0) > total);
+    CHECK(one_frame_bytes(0, &s.scene, 100, 70, 0) == 0 && one_frame_bytes(&context, 0, 100, 70, 0) == 0);
+    CHECK(one_frame_bytes(&context, &s.scene, 0, 70, 0) == 0 && one_frame_bytes(&context, &s.scene, 100, 0, 0) == 0);
+    CHECK(one_frame_bytes(&context, &s.scene, -1, 70, 0) == 0);
+    CHECK(one_frame_bytes(&context, &s.scene, FXS_MAX_SIZE + 1, 70, 0) == 0);
+    CHECK(one_frame_bytes(&context, &s.scene, 100, INT32_MAX, 0) == 0);
     free(s.bytes);
 }
 
@@ -360,19 +360,19 @@ static uint32_t render_random(const fxs_context *context)
     fxs_camera camera;
     fxs_stats stats = {0};
     const uint32_t choice = bits();
-    fxs_options options = {(enum fxs_cutoff)(choice & 1), FXS_FORMAT_RGBA8, (int)(choice >> 30), {0}};
+    fxs_options options = {(enum fxs_cutoff)(choice & 1), (int)(choice >> 30), {0}};
     unsigned char pixels[40 * 40 * 4], in_bands[40 * 40 * 4];
     fxs_frame_memory sizes;
     random_camera(&camera);
     if (bits() % 8)
         move_close(&camera);
-    size_t size = fxs_frame_bytes(context, &s.scene, camera.width, camera.height, &sizes);
+    size_t size = one_frame_bytes(context, &s.scene, camera.width, camera.height, &sizes);
     void *memory = allocate(size);
-    CHECK(fxs_render(context, &s.scene, &camera, &options, memory, size, pixels, 160, &stats) == 0);
+    CHECK(one_render(context, &s.scene, &camera, &options, FXS_FORMAT_RGBA8, memory, size, pixels, 160, &stats) == 0);
     free(memory);
     size = sizes.least + (size - sizes.least) / 4;
     memory = allocate(size);
-    int error = fxs_render(context, &s.scene, &camera, &options, memory, size, in_bands, 160, 0);
+    int error = one_render(context, &s.scene, &camera, &options, FXS_FORMAT_RGBA8, memory, size, in_bands, 160, 0);
     CHECK(error == FXS_ERR_MEMORY || (!error && same_rows(pixels, in_bands, camera.width, camera.height)));
     free(memory);
     return stats.visible;

@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "one_scene.h"
 #include "random_scene.h"
 #ifdef FXS_WITH_KERNELS
 #include "../kernels/kernels.h"
@@ -138,15 +139,15 @@ static size_t memory_for(const fxs_context *context, enum call call)
 {
     fxs_frame_memory memory;
     fxs_stats stats;
-    const size_t all = fxs_frame_bytes(context, &drawn.scene, drawn.camera.width, drawn.camera.height, &memory);
+    const size_t all = one_frame_bytes(context, &drawn.scene, drawn.camera.width, drawn.camera.height, &memory);
     if (call == WHOLE)
         return to_multiple_of_64(all);
     if (call == STEREO || call == EXACT)
-        return to_multiple_of_64(fxs_stereo_bytes(context, &drawn.scene, drawn.camera.width, drawn.camera.height));
+        return to_multiple_of_64(one_stereo_bytes(context, &drawn.scene, drawn.camera.width, drawn.camera.height));
     bytes room = make_room(to_multiple_of_64(memory.least)), pixels = make_room(1 << 16);
     memcpy(drawn.data, drawn.faint, drawn.size);
-    const int error = fxs_render(context, &drawn.scene, &drawn.camera, &drawn.options, room.data, memory.least,
-                                 pixels.data, 4 * (ptrdiff_t)drawn.camera.width, &stats);
+    const int error = one_render(context, &drawn.scene, &drawn.camera, &drawn.options, FXS_FORMAT_RGBA8, room.data,
+                                 memory.least, pixels.data, 4 * (ptrdiff_t)drawn.camera.width, &stats);
     CHECK(free_room(room) + free_room(pixels) == 2);
     const size_t least = error == FXS_ERR_MEMORY ? stats.memory.least : memory.least;
     return to_multiple_of_64(call == HALF ? (least + all) / 2 : least);
@@ -167,13 +168,13 @@ static uint64_t render(const fxs_context *context, enum call call, size_t size)
     cameras[1].position_q32[0] += INT64_C(1) << 28;
     start_watch(drawn.faint);
     if (call == PAIRS)
-        error = fxs_count_pairs(&drawn.scene, &drawn.camera, &drawn.options, room.data, size, &pairs[0], &pairs[1]);
+        error = one_count_pairs(&drawn.scene, &drawn.camera, &drawn.options, room.data, size, &pairs[0], &pairs[1]);
     else if (call == STEREO || call == EXACT)
-        error = fxs_render_stereo(context, &drawn.scene, cameras, &drawn.options, call == EXACT, room.data, size,
-                                  (void *const[2]){left.data, right.data}, stride, NULL);
+        error = one_render_stereo(context, &drawn.scene, cameras, &drawn.options, FXS_FORMAT_RGBA8, call == EXACT, room.data,
+                                  size, (void *const[2]){left.data, right.data}, stride, NULL);
     else
-        error = fxs_render(context, &drawn.scene, &drawn.camera, &drawn.options, room.data, size, left.data, stride,
-                           NULL);
+        error = one_render(context, &drawn.scene, &drawn.camera, &drawn.options, FXS_FORMAT_RGBA8, room.data, size, left.data,
+                           stride, NULL);
     const uint64_t touches = end_watch();
     CHECK(error == 0 || error == FXS_ERR_SCENE || ((call <= HALF || call == PAIRS) && error == FXS_ERR_MEMORY));
     CHECK(free_room(room) && free_room(left) && free_room(right));
@@ -225,9 +226,9 @@ static uint32_t visible(const unsigned char *scene)
     fxs_stats stats;
     fxs_init(&context, NULL);
     memcpy(drawn.data, scene, drawn.size);
-    const size_t size = fxs_frame_bytes(&context, &drawn.scene, drawn.camera.width, drawn.camera.height, NULL);
+    const size_t size = one_frame_bytes(&context, &drawn.scene, drawn.camera.width, drawn.camera.height, NULL);
     void *memory = check_aligned(size), *pixels = check_aligned(1 << 16);
-    CHECK(!fxs_render(&context, &drawn.scene, &drawn.camera, &drawn.options, memory, size, pixels,
+    CHECK(!one_render(&context, &drawn.scene, &drawn.camera, &drawn.options, FXS_FORMAT_RGBA8, memory, size, pixels,
                       4 * (ptrdiff_t)drawn.camera.width, &stats));
     free(memory);
     free(pixels);

@@ -4,7 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../src/stage.h"
+#include "../src/frame.h"
+#include "one_scene.h"
 #include "packed_scene.h"
 #include "reference.h"
 
@@ -159,7 +160,7 @@ static void random_rotation(double m[9])
 /* Looks at the scene's origin, more or less, from `distance`. */
 static fxs_camera make_camera(int width, int height, double distance)
 {
-    fxs_camera camera = {width, height, 0, 0, 0, 0, {0}, {0}, 0};
+    fxs_camera camera = {width, height, 0, 0, 0, 0, {0}, {0}, 0, FXS_PERSPECTIVE};
     double rotation[9], focal = (width > height ? width : height) * uniform(0.5, 2);
     random_rotation(rotation);
     camera.fx_q12 = (int32_t)ldexp(focal, 12);
@@ -179,7 +180,7 @@ static fxs_file_view view_of(const fxs_camera *camera)
 {
     fxs_file_view view = {"", camera->width, camera->height, ldexp(camera->fx_q12, -12), ldexp(camera->fy_q12, -12),
                           ldexp(camera->cx_q12, -12), ldexp(camera->cy_q12, -12), {0}, {0},
-                          ldexp((double)camera->near_q32, -32)};
+                          ldexp((double)camera->near_q32, -32), camera->projection};
     for (int i = 0; i < 9; i++)
         view.rotation[i] = ldexp(camera->rotation_q30[i], -30);
     for (int i = 0; i < 3; i++)
@@ -273,14 +274,14 @@ static void project_chunks(const fxs_scene *scene)
 
 static void project_all(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options)
 {
-    CHECK(fxs_view_init(&all.view, scene, camera, options) == 0);
+    CHECK(one_view_init(&all.view, scene, camera, options) == 0);
     project_chunks(scene);
 }
 
 /* Every chunk is projected that reaches within 255 times its depth of the axis. */
 static void project_all_chunks(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options)
 {
-    CHECK(fxs_view_init(&all.view, scene, camera, options) == 0);
+    CHECK(one_view_init(&all.view, scene, camera, options) == 0);
     for (int i = 0; i < 2; i++) {
         all.view.edge_low_q23[i] = -255 * (1 << 23);
         all.view.edge_high_q23[i] = 255 * (1 << 23);
@@ -288,8 +289,8 @@ static void project_all_chunks(const fxs_scene *scene, const fxs_camera *camera,
     project_chunks(scene);
 }
 
-static const fxs_options defaults = {FXS_CUTOFF_MAHALANOBIS, FXS_FORMAT_RGBA8, 3, {0, 0, 0}};
-static const fxs_options squares = {FXS_CUTOFF_SQUARE, FXS_FORMAT_RGBA8, 3, {0, 0, 0}};
+static const fxs_options defaults = {FXS_CUTOFF_MAHALANOBIS, 3, {0, 0, 0}};
+static const fxs_options squares = {FXS_CUTOFF_SQUARE, 3, {0, 0, 0}};
 
 static struct reference_options reference_of(const fxs_options *options, const fxs_scene *scene)
 {
@@ -784,7 +785,7 @@ static void test_squares_at_tile_edges(void)
     packed_scene s = make_scene(&ordinary, 1, 0, 0);
     fxs_camera camera = make_camera(100, 70, 2);
     int missed = 0, beyond = 0;
-    CHECK(fxs_view_init(&all.view, &s.scene, &camera, &squares) == 0);
+    CHECK(one_view_init(&all.view, &s.scene, &camera, &squares) == 0);
     memset(all.splats, 0, sizeof *all.splats);
     memset(all.bounds, 0, sizeof *all.bounds);
     for (int i = 0; i < 400; i++) {
@@ -827,14 +828,14 @@ static void blend_splat(uint32_t slot)
         }
 }
 
-static void store(unsigned char *pixel, int i, const fxs_options *options)
+static void store(unsigned char *pixel, int i, const fxs_options *options, enum fxs_format format)
 {
     int rgb[3], t = brute.transmittance_q15[i];
     for (int c = 0; c < 3; c++) {
-        int background = options->format == FXS_FORMAT_RGBA8_COVERAGE ? 0 : options->background[c];
+        int background = format == FXS_FORMAT_RGBA8_COVERAGE ? 0 : options->background[c];
         rgb[c] = fxs_resolve_8bit(brute.sum_q13[c][i], t, (background * 8192 + 127) / 255);
     }
-    if (options->format == FXS_FORMAT_RGB565) {
+    if (format == FXS_FORMAT_RGB565) {
         double r = floor(rgb[0] * 31 / 255.0 + 0.5), g = floor(rgb[1] * 63 / 255.0 + 0.5);
         uint16_t packed = (uint16_t)(r * 2048 + g * 32 + floor(rgb[2] * 31 / 255.0 + 0.5));
         memcpy(pixel, &packed, 2);
@@ -842,14 +843,14 @@ static void store(unsigned char *pixel, int i, const fxs_options *options)
     }
     for (int c = 0; c < 3; c++)
         pixel[c] = (unsigned char)rgb[c];
-    pixel[3] = options->format == FXS_FORMAT_RGBA8 ? 255 : (unsigned char)fxs_coverage_8bit(t);
+    pixel[3] = format == FXS_FORMAT_RGBA8 ? 255 : (unsigned char)fxs_coverage_8bit(t);
 }
 
 /* The frame without tiles, lists or rows; no chunk is left out because it lies beside the picture. */
 static void render_brute(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
-                         unsigned char *pixels, ptrdiff_t stride)
+                         enum fxs_format format, unsigned char *pixels, ptrdiff_t stride)
 {
-    const int bytes = options->format == FXS_FORMAT_RGB565 ? 2 : 4, count = camera->width * camera->height;
+    const int bytes = format == FXS_FORMAT_RGB565 ? 2 : 4, count = camera->width * camera->height;
     memset(&brute, 0, sizeof brute);
     for (int i = 0; i < count; i++)
         brute.transmittance_q15[i] = FXS_CLEAR_Q15;
@@ -857,7 +858,7 @@ static void render_brute(const fxs_scene *scene, const fxs_camera *camera, const
     for (uint32_t k = 0; k < all.count; k++)
         blend_splat(FXS_KEY_SLOT(all.keys[k]));
     for (int i = 0; i < count; i++)
-        store(pixels + i / camera->width * stride + i % camera->width * bytes, i, options);
+        store(pixels + i / camera->width * stride + i % camera->width * bytes, i, options, format);
 }
 
 static uint64_t tick(void *ticks)
@@ -876,14 +877,17 @@ static int untouched(const unsigned char *bytes, size_t count)
 static int draw_tiles(void *argument, const fxs_tile_run *run)
 {
     const fxs_view *view = run->view;
-    const int bytes = run->options->format == FXS_FORMAT_RGB565 ? 2 : 4;
+    const fxs_image *colour = &run->targets->colour;
+    const enum fxs_format format = run->targets->format;
+    const int bytes = format == FXS_FORMAT_RGB565 ? 2 : 4;
     ++*(int *)argument;
     for (uint32_t t = run->first_tile; t <= run->last_tile; t++) {
         int x = (int)t % view->tiles_x * FXS_TILE, y = (int)t / view->tiles_x * FXS_TILE;
         fxs_tile tile;
         fxs_blend_c(view, x, y, run->splats, run->entries + run->ends[t] - run->counts[t], run->counts[t], &tile);
-        fxs_resolve_c(run->options, &tile, fxs_min(FXS_TILE, view->width - x), fxs_min(FXS_TILE, view->height - y),
-                      run->pixels + y * run->stride + x * bytes, run->stride);
+        fxs_resolve_c(run->options, format, &tile, fxs_min(FXS_TILE, view->width - x),
+                      fxs_min(FXS_TILE, view->height - y),
+                      (unsigned char *)colour->pixels + y * colour->stride + x * bytes, colour->stride);
     }
     return 0;
 }
@@ -892,7 +896,7 @@ static int draw_tiles(void *argument, const fxs_tile_run *run)
 static int draw_keys(void *argument, const fxs_tile_run *run)
 {
     uint32_t *ordered = argument;
-    CHECK(!run->entries && !run->ends && !run->counts && run->first_tile == 0 && !run->pixels);
+    CHECK(!run->entries && !run->ends && !run->counts && run->first_tile == 0 && !run->targets);
     CHECK(run->last_tile == (uint32_t)(run->view->tiles_x * run->view->tiles_y) - 1);
     for (uint32_t i = 0; i < run->visible; i++)
         *ordered += i == 0 || run->keys[i - 1] < run->keys[i];
@@ -906,8 +910,9 @@ static int draw_nothing(void *argument, const fxs_tile_run *run)
 }
 
 /* The same bytes by a back end, once a run; one without lists; one that fails. */
-static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options, void *memory,
-                            size_t size, const unsigned char *expected, size_t bytes, size_t first, ptrdiff_t stride)
+static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
+                            enum fxs_format format, void *memory, size_t size, const unsigned char *expected,
+                            size_t bytes, size_t first, ptrdiff_t stride)
 {
     int calls = 0;
     uint32_t ordered = 0;
@@ -917,19 +922,22 @@ static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, co
     fxs_init(&context, 0);
     context.config.draw = draw_tiles;
     context.config.draw_argument = &calls;
-    CHECK(fxs_render(&context, scene, camera, options, memory, size, pixels + first, stride, &stats) == 0);
+    CHECK(one_render(&context, scene, camera, options, format, memory, size, pixels + first, stride, &stats) == 0);
     CHECK(memcmp(pixels, expected, bytes) == 0 && calls == (int)stats.runs);
     context.config.draw = draw_nothing;
-    CHECK(fxs_render(&context, scene, camera, options, memory, size, pixels, stride, 0) == FXS_ERR_DEVICE);
+    CHECK(one_render(&context, scene, camera, options, format, memory, size, pixels + first, stride, 0) ==
+          FXS_ERR_DEVICE);
     context.config = (fxs_config){.draw = draw_keys, .draw_argument = &ordered, .draw_unlisted = 1};
-    CHECK(fxs_render(&context, scene, camera, options, memory, size, 0, 0, &stats) == 0);
+    const fxs_object object = one_object(scene);
+    CHECK(fxs_render(&context, &object, 1, camera, options, 0, memory, size, &stats) == 0);
     CHECK(ordered == stats.visible && stats.visible == all.count);
     free(pixels);
 }
 
 /* fxs_render in memory of the size it asks for: all of `expected`, padding included, must come out. */
 static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
-                             const unsigned char *expected, size_t bytes, size_t first, ptrdiff_t stride)
+                             enum fxs_format format, const unsigned char *expected, size_t bytes, size_t first,
+                             ptrdiff_t stride)
 {
     int pools = 0;
     uint64_t ticks = 0;
@@ -938,19 +946,19 @@ static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, c
     fxs_context context;
     fxs_stats stats;
     CHECK(fxs_init(&context, below(2) ? &config : 0) == 0);
-    size_t size = fxs_frame_bytes(&context, scene, camera->width, camera->height, 0);
+    size_t size = one_frame_bytes(&context, scene, camera->width, camera->height, 0);
     unsigned char *memory = allocate(size + GUARD_BYTES, GUARD), *pixels = allocate(bytes, GUARD);
-    CHECK(fxs_render(&context, scene, camera, options, memory, size, pixels + first, stride, &stats) == 0);
+    CHECK(one_render(&context, scene, camera, options, format, memory, size, pixels + first, stride, &stats) == 0);
     CHECK(memcmp(pixels, expected, bytes) == 0);
     CHECK(untouched(memory + size, GUARD_BYTES));
     CHECK(stats.gaussians == scene->count && stats.visible == all.count && stats.runs >= 1);
     CHECK(!context.config.run || (pools > 0 && stats.frame_nanoseconds > 0));
     uint64_t evaluated = 0, blended = 0;
-    CHECK(fxs_count_pairs(scene, camera, options, memory, size, &evaluated, &blended) == 0);
+    CHECK(one_count_pairs(scene, camera, options, memory, size, &evaluated, &blended) == 0);
     /* Tiles are counted whole. */
     CHECK(camera->width % FXS_TILE ? blended >= brute.blended : blended == brute.blended);
     CHECK(evaluated >= blended);
-    check_back_ends(scene, camera, options, memory, size, expected, bytes, first, stride);
+    check_back_ends(scene, camera, options, format, memory, size, expected, bytes, first, stride);
     free(memory);
     free(pixels);
     return stats;
@@ -959,19 +967,20 @@ static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, c
 /* Random format, background, direction of rows and padding between them. */
 static fxs_stats check_frame(const fxs_scene *scene, const fxs_camera *camera, enum fxs_cutoff cutoff)
 {
-    fxs_options options = {cutoff, (enum fxs_format)below(3), 0, {0, 0, 0}};
+    const enum fxs_format format = (enum fxs_format)below(3);
+    fxs_options options = {cutoff, 0, {0, 0, 0}};
     options.sh_degree = below(4);
     for (int c = 0; c < 3; c++)
         options.background[c] = (uint8_t)bits();
-    ptrdiff_t row = camera->width * (options.format == FXS_FORMAT_RGB565 ? 2 : 4), stride = row + below(9);
+    ptrdiff_t row = camera->width * (format == FXS_FORMAT_RGB565 ? 2 : 4), stride = row + below(9);
     size_t bytes = (size_t)stride * (size_t)camera->height + GUARD_BYTES, first = 0;
     if (below(2)) {
         first = (size_t)stride * (size_t)(camera->height - 1);
         stride = -stride;
     }
     unsigned char *expected = allocate(bytes, GUARD);
-    render_brute(scene, camera, &options, expected + first, stride);
-    fxs_stats stats = check_bytes(scene, camera, &options, expected, bytes, first, stride);
+    render_brute(scene, camera, &options, format, expected + first, stride);
+    fxs_stats stats = check_bytes(scene, camera, &options, format, expected, bytes, first, stride);
     free(expected);
     return stats;
 }
@@ -1055,9 +1064,10 @@ static void test_times_are_shared_out(void)
     for (int tiles = 1; tiles <= 4; tiles++) {
         fxs_camera camera = make_camera(FXS_TILE * tiles, FXS_TILE, 2);
         fxs_init(&context, &config);
-        size_t size = fxs_frame_bytes(&context, &s.scene, camera.width, camera.height, 0);
+        size_t size = one_frame_bytes(&context, &s.scene, camera.width, camera.height, 0);
         unsigned char *memory = allocate(size, 0), *pixels = allocate((size_t)(camera.width * camera.height * 4), 0);
-        CHECK(fxs_render(&context, &s.scene, &camera, &defaults, memory, size, pixels, camera.width * 4, &stats) == 0);
+        CHECK(one_render(&context, &s.scene, &camera, &defaults, FXS_FORMAT_RGBA8, memory, size, pixels,
+                         camera.width * 4, &stats) == 0);
         const uint64_t *t = stats.nanoseconds;
         /* project has the layout of the memory as well, bin the lists. */
         CHECK(t[FXS_SHADE] > 0 && t[FXS_PROJECT] == t[FXS_SHADE] + 1 && t[FXS_BIN] == t[FXS_SHADE] + 1);
@@ -1141,7 +1151,7 @@ static void check_beside(fxs_camera *camera, beside *b, const double box)
 {
     fxs_view view;
     packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
-    CHECK(fxs_view_init(&view, &s.scene, camera, &defaults) == 0);
+    CHECK(one_view_init(&view, &s.scene, camera, &defaults) == 0);
     for (int side = 0; side < 8; side++) {
         const double far = 0.9 + 0.12 * (1 - pow(uniform(0, 1), 3));
         const int axis = side & 1, corner = side >> 2;
@@ -1256,7 +1266,7 @@ static void test_chunks_across_the_near_plane(void)
 static void test_near_plane_itself(void)
 {
     packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
-    fxs_camera camera = {16, 16, 16 << 12, 16 << 12, 8 << 12, 8 << 12, {0}, {0}, 0};
+    fxs_camera camera = {16, 16, 16 << 12, 16 << 12, 8 << 12, 8 << 12, {0}, {0}, 0, FXS_PERSPECTIVE};
     const beside b = {{0, 0}, 1, -6};
     for (int i = 0; i < 9; i++)
         camera.rotation_q30[i] = i % 4 ? 0 : 1 << 30;
@@ -1287,7 +1297,7 @@ static void test_view_slopes(void)
         fxs_camera camera = make_camera(1 + below(2000), 1 + below(2000), 0);
         camera.fx_q12 = (int32_t)exp2(uniform(12, 24));
         camera.fy_q12 = (int32_t)exp2(uniform(12, 24));
-        CHECK(fxs_view_init(&v, &s.scene, &camera, &defaults) == 0);
+        CHECK(one_view_init(&v, &s.scene, &camera, &defaults) == 0);
         double longest = 0;
         for (int axis = 0; axis < 2; axis++) {
             const double size = axis ? camera.height : camera.width, margin = floor(size * 614) / 4096;
@@ -1313,14 +1323,15 @@ static struct {
     packed_scene scene;
     fxs_camera camera;
     fxs_options options;
+    enum fxs_format format;
     unsigned char *memory, pixels[20 * 10 * 4];
     size_t bytes, least;
 } good;
 
 static int render_good(void)
 {
-    return fxs_render(&good.context, &good.scene.scene, &good.camera, &good.options, good.memory, good.bytes,
-                      good.pixels, 80, 0);
+    return one_render(&good.context, &good.scene.scene, &good.camera, &good.options, good.format, good.memory,
+                      good.bytes, good.pixels, 80, 0);
 }
 
 /* Renders, expects the error and untouched pixels, and puts the value back. */
@@ -1337,9 +1348,10 @@ static void make_good(void)
     good.scene = make_scene(&ordinary, 10, 0, 0);
     good.camera = make_camera(20, 10, 2);
     good.options = defaults;
+    good.format = FXS_FORMAT_RGBA8;
     fxs_init(&good.context, 0);
     fxs_frame_memory memory;
-    good.bytes = fxs_frame_bytes(&good.context, &good.scene.scene, 20, 10, &memory);
+    good.bytes = one_frame_bytes(&good.context, &good.scene.scene, 20, 10, &memory);
     good.least = memory.least;
     good.memory = allocate(good.bytes + 64, 0);
     memset(good.pixels, GUARD, sizeof good.pixels);
@@ -1402,7 +1414,8 @@ static void test_render_refuses_arguments(void)
     REFUSES(FXS_ERR_ARGUMENT, good.options.sh_degree, -1);
     REFUSES(FXS_ERR_ARGUMENT, good.options.sh_degree, 4);
     REFUSES(FXS_ERR_ARGUMENT, good.options.cutoff, (enum fxs_cutoff)2);
-    REFUSES(FXS_ERR_ARGUMENT, good.options.format, (enum fxs_format)3);
+    REFUSES(FXS_ERR_TARGET, good.format, (enum fxs_format)4);
+    REFUSES(FXS_ERR_TARGET, good.format, (enum fxs_format)-1);
     REFUSES(FXS_ERR_ARGUMENT, good.memory, 0);
     REFUSES(FXS_ERR_MEMORY, good.memory, good.memory + 32);
     REFUSES(FXS_ERR_MEMORY, good.bytes, good.least - 1);
@@ -1413,16 +1426,17 @@ static void test_render_refuses_arguments(void)
     const fxs_options *options = &good.options;
     void *memory = good.memory, *pixels = good.pixels;
     uint64_t pairs;
-    CHECK(fxs_render(0, s, camera, options, memory, good.bytes, pixels, 80, 0) == FXS_ERR_ARGUMENT);
-    CHECK(fxs_render(context, 0, camera, options, memory, good.bytes, pixels, 80, 0) == FXS_ERR_ARGUMENT);
-    CHECK(fxs_render(context, s, 0, options, memory, good.bytes, pixels, 80, 0) == FXS_ERR_ARGUMENT);
-    CHECK(fxs_render(context, s, camera, 0, memory, good.bytes, pixels, 80, 0) == FXS_ERR_ARGUMENT);
-    CHECK(fxs_render(context, s, camera, options, memory, good.bytes, 0, 80, 0) == FXS_ERR_ARGUMENT);
+    const enum fxs_format rgba = FXS_FORMAT_RGBA8;
+    CHECK(one_render(0, s, camera, options, rgba, memory, good.bytes, pixels, 80, 0) == FXS_ERR_ARGUMENT);
+    CHECK(one_render(context, 0, camera, options, rgba, memory, good.bytes, pixels, 80, 0) == FXS_ERR_ARGUMENT);
+    CHECK(one_render(context, s, 0, options, rgba, memory, good.bytes, pixels, 80, 0) == FXS_ERR_ARGUMENT);
+    CHECK(one_render(context, s, camera, 0, rgba, memory, good.bytes, pixels, 80, 0) == FXS_ERR_ARGUMENT);
+    CHECK(one_render(context, s, camera, options, rgba, memory, good.bytes, 0, 80, 0) == FXS_ERR_TARGET);
     for (ptrdiff_t stride = -79; stride < 80; stride++)
-        CHECK(fxs_render(context, s, camera, options, memory, good.bytes, pixels, stride, 0) == FXS_ERR_ARGUMENT);
+        CHECK(one_render(context, s, camera, options, rgba, memory, good.bytes, pixels, stride, 0) == FXS_ERR_TARGET);
     CHECK(untouched(good.pixels, sizeof good.pixels));
-    CHECK(fxs_count_pairs(s, camera, options, memory, good.bytes, 0, &pairs) == FXS_ERR_ARGUMENT);
-    CHECK(fxs_count_pairs(s, camera, options, memory, good.bytes, &pairs, 0) == FXS_ERR_ARGUMENT);
+    CHECK(one_count_pairs(s, camera, options, memory, good.bytes, 0, &pairs) == FXS_ERR_ARGUMENT);
+    CHECK(one_count_pairs(s, camera, options, memory, good.bytes, &pairs, 0) == FXS_ERR_ARGUMENT);
     CHECK(render_good() == 0 && !untouched(good.pixels, sizeof good.pixels));
     free(good.scene.data);
     free(good.memory);
@@ -1439,10 +1453,10 @@ static void test_init(void)
 
 static void test_words(void)
 {
-    for (int error = 0; error >= FXS_ERR_DEVICE; error--)
+    for (int error = 0; error >= FXS_ERR_FILE; error--)
         for (int other = 0; other > error; other--)
             CHECK(strcmp(fxs_strerror(error), fxs_strerror(other)) != 0);
-    CHECK(!strcmp(fxs_strerror(1), fxs_strerror(FXS_ERR_DEVICE - 1)) && fxs_strerror(INT32_MIN));
+    CHECK(!strcmp(fxs_strerror(1), fxs_strerror(FXS_ERR_FILE - 1)) && fxs_strerror(INT32_MIN));
     CHECK(!strcmp(fxs_stage_name(FXS_PROJECT), "project") && !strcmp(fxs_stage_name(FXS_RESOLVE), "resolve"));
     CHECK(fxs_stage_name(FXS_STAGES) && fxs_stage_name((enum fxs_stage)-1));
 }

@@ -8,9 +8,9 @@
 #include "../port/import/pack.h"
 #include "../port/scene/ply_write.h"
 #include "../port/posix/pool.h"
-#include "../src/stage.h"
 #include "../tools/metrics.h"
 #include "../tools/procedural.h"
+#include "one_scene.h"
 #include "random_scene.h"
 #ifdef FXS_WITH_KERNELS
 #include "../kernels/kernels.h"
@@ -24,15 +24,17 @@ typedef struct pair {
     fxs_scene scene;
     fxs_camera cameras[2];
     fxs_options options;
+    enum fxs_format format;
     ptrdiff_t stride;              /* of the two pictures side by side */
     size_t bytes;                  /* of both */
     fxs_stats stats;
 } pair;
 
-static pair pair_of(const fxs_scene *scene, const fxs_camera cameras[2], const fxs_options *options)
+static pair pair_of(const fxs_scene *scene, const fxs_camera cameras[2], const fxs_options *options,
+                    enum fxs_format format)
 {
-    pair p = {*scene, {cameras[0], cameras[1]}, *options, 0, 0, {0}};
-    p.stride = 2 * (ptrdiff_t)cameras[0].width * (options->format == FXS_FORMAT_RGB565 ? 2 : 4);
+    pair p = {*scene, {cameras[0], cameras[1]}, *options, format, 0, 0, {0}};
+    p.stride = 2 * (ptrdiff_t)cameras[0].width * fxs_pixel_bytes(format);
     p.bytes = (size_t)p.stride * (size_t)cameras[0].height;
     return p;
 }
@@ -51,8 +53,8 @@ static int render(pair *p, const fxs_context *context, int exact, size_t memory_
     void *const eyes[2] = {pixels, pixels + p->stride / 2};
     memset(memory, GUARD, memory_bytes + GUARD_BYTES);
     memset(pixels, GUARD, p->bytes);
-    int error = fxs_render_stereo(context, &p->scene, p->cameras, &p->options, exact, memory, memory_bytes, eyes,
-                                  p->stride, &p->stats);
+    int error = one_render_stereo(context, &p->scene, p->cameras, &p->options, p->format, exact, memory, memory_bytes,
+                                  eyes, p->stride, &p->stats);
     CHECK(untouched(memory + memory_bytes, GUARD_BYTES));
     free(memory);
     return error;
@@ -60,17 +62,17 @@ static int render(pair *p, const fxs_context *context, int exact, size_t memory_
 
 static size_t bytes_of(const pair *p, const fxs_context *context)
 {
-    return fxs_stereo_bytes(context, &p->scene, p->cameras[0].width, p->cameras[0].height);
+    return one_stereo_bytes(context, &p->scene, p->cameras[0].width, p->cameras[0].height);
 }
 
 /* Two frames, by fxs_render. Returns their list entries. */
 static uint64_t render_alone(const pair *p, const fxs_context *context, unsigned char *pixels)
 {
-    size_t bytes = fxs_frame_bytes(context, &p->scene, p->cameras[0].width, p->cameras[0].height, 0);
+    size_t bytes = one_frame_bytes(context, &p->scene, p->cameras[0].width, p->cameras[0].height, 0);
     void *memory = check_aligned(bytes);
     fxs_stats stats[2];
     for (int eye = 0; eye < 2; eye++)
-        CHECK(!fxs_render(context, &p->scene, &p->cameras[eye], &p->options, memory, bytes,
+        CHECK(!one_render(context, &p->scene, &p->cameras[eye], &p->options, p->format, memory, bytes,
                           pixels + eye * p->stride / 2, p->stride, &stats[eye]));
     free(memory);
     return stats[0].entries + stats[1].entries;
@@ -81,7 +83,8 @@ static uint64_t render_alone(const pair *p, const fxs_context *context, unsigned
 /* Eyes by the case: that look elsewhere, at one place, side by side (twice), apart in any direction. */
 enum { ELSEWHERE, ONE_PLACE, APART = 4, KINDS };
 
-static void random_pair(fxs_camera cameras[2], fxs_options *options, int which)
+/* Returns the format. */
+static enum fxs_format random_pair(fxs_camera cameras[2], fxs_options *options, int which)
 {
     random_camera(&cameras[0]);
     random_camera(&cameras[1]);
@@ -95,8 +98,8 @@ static void random_pair(fxs_camera cameras[2], fxs_options *options, int which)
                                                              : (int64_t)cameras[0].rotation_q30[i] * distance_q16 >> 14;
     fxs_options_init(options);
     options->cutoff = (enum fxs_cutoff)(which / 3 % 2);
-    options->format = (enum fxs_format)between(0, 2);
     options->sh_degree = which % 4;
+    return (enum fxs_format)between(0, 2);
 }
 
 /* Where order and colours are those of two frames: the eyes do not share them, or they are equal. */
@@ -144,8 +147,8 @@ static uint64_t check_case(int which)
     state = (uint64_t)which * 0x7654321u;
     const packed_scene packed = random_scene((enum fxs_profile)(which % 3), which % 10 ? 3000 : 20000);
     CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
-    random_pair(cameras, &options, which);
-    pair p = pair_of(&scene, cameras, &options);
+    const enum fxs_format format = random_pair(cameras, &options, which);
+    pair p = pair_of(&scene, cameras, &options, format);
     unsigned char *alone = malloc(p.bytes);
     fxs_init(&context, 0);
     uint64_t entries = render_alone(&p, &context, alone), hash = check_pair(&p, &context, alone, entries, which);
@@ -226,8 +229,8 @@ static void test_unseen_splats_are_not_looked_for(void)
         state = (uint64_t)i;
         const packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 3000);
         CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
-        random_pair(cameras, &options, i);
-        pair p = pair_of(&scene, cameras, &options);
+        const enum fxs_format format = random_pair(cameras, &options, i);
+        pair p = pair_of(&scene, cameras, &options, format);
         unsigned char *pixels = malloc(p.bytes);
         CHECK(!render(&p, &context, 0, bytes_of(&p, &context), pixels));
         CHECK(binned.count == 0);
@@ -253,7 +256,7 @@ static void test_eye_turned_to_any_side(void)
         state = (uint64_t)i;
         const packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 3000);
         CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
-        random_pair(cameras, &options, ONE_PLACE);
+        const enum fxs_format format = random_pair(cameras, &options, ONE_PLACE);
         options.sh_degree = 0;
         for (int eye = 0; eye < 2; eye++) {
             int32_t *r = cameras[eye].rotation_q30;
@@ -265,7 +268,7 @@ static void test_eye_turned_to_any_side(void)
                 r[3 * b + a] = s;
             }
         }
-        pair p = pair_of(&scene, cameras, &options);
+        pair p = pair_of(&scene, cameras, &options, format);
         unsigned char *pixels = malloc(p.bytes), *alone = malloc(p.bytes);
         render_alone(&p, &context, alone);
         CHECK(!render(&p, &context, 0, bytes_of(&p, &context), pixels) && !memcmp(pixels, alone, p.bytes));
@@ -287,10 +290,10 @@ static void test_near_planes(void)
         state = (uint64_t)which * 0x2345671u;
         const packed_scene packed = random_scene((enum fxs_profile)(which % 3), 3000);
         CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
-        random_pair(cameras, &options, ONE_PLACE);
+        const enum fxs_format format = random_pair(cameras, &options, ONE_PLACE);
         random_near(&cameras[0]);
         cameras[1].near_q32 = which % 2 ? 3 * cameras[0].near_q32 : cameras[0].near_q32;
-        pair p = pair_of(&scene, cameras, &options);
+        pair p = pair_of(&scene, cameras, &options, format);
         unsigned char *alone = malloc(p.bytes);
         const uint64_t entries = render_alone(&p, &context, alone);
         check_pair(&p, &context, alone, entries, ONE_PLACE);
@@ -308,13 +311,13 @@ static void test_arguments(void)
     state = 1;
     const packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 500);
     CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
-    random_pair(cameras, &options, 2);
+    const enum fxs_format format = random_pair(cameras, &options, 2);
     fxs_init(&context, 0);
-    pair p = pair_of(&scene, cameras, &options), other = p;
+    pair p = pair_of(&scene, cameras, &options, format), other = p;
     unsigned char *pixels = malloc(p.bytes);
     size_t bytes = bytes_of(&p, &context);
-    CHECK(bytes > fxs_frame_bytes(&context, &scene, cameras[0].width, cameras[0].height, 0));
-    CHECK(!fxs_stereo_bytes(&context, &scene, 0, 1) && !fxs_stereo_bytes(&context, 0, 1, 1));
+    CHECK(bytes > one_frame_bytes(&context, &scene, cameras[0].width, cameras[0].height, 0));
+    CHECK(!one_stereo_bytes(&context, &scene, 0, 1) && !one_stereo_bytes(&context, 0, 1, 1));
     for (int eye = 0; eye < 2; eye++)
         for (int exact = 0; exact < 2; exact++) {
             other = p;
@@ -325,14 +328,14 @@ static void test_arguments(void)
             CHECK(render(&other, &context, exact, bytes, pixels) == FXS_ERR_CAMERA && untouched(pixels, p.bytes));
             void *eyes[2] = {pixels, pixels};
             eyes[eye] = 0;
-            CHECK(fxs_render_stereo(&context, &scene, cameras, &options, exact, pixels, bytes, eyes, p.stride, 0) ==
-                  FXS_ERR_ARGUMENT);
+            CHECK(one_render_stereo(&context, &scene, cameras, &options, format, exact, pixels, bytes, eyes, p.stride,
+                                    0) == FXS_ERR_TARGET);
             other = p;
-            other.stride = cameras[0].width * (options.format == FXS_FORMAT_RGB565 ? 2 : 4) - 1;
-            CHECK(render(&other, &context, exact, bytes, pixels) == FXS_ERR_ARGUMENT && untouched(pixels, p.bytes));
+            other.stride = cameras[0].width * fxs_pixel_bytes(format) - 1;
+            CHECK(render(&other, &context, exact, bytes, pixels) == FXS_ERR_TARGET && untouched(pixels, p.bytes));
         }
-    CHECK(fxs_render_stereo(&context, &scene, 0, &options, 0, pixels, bytes, (void *[]){pixels, pixels}, p.stride, 0) ==
-          FXS_ERR_ARGUMENT);
+    CHECK(one_render_stereo(&context, &scene, 0, &options, format, 0, pixels, bytes, (void *[]){pixels, pixels},
+                            p.stride, 0) == FXS_ERR_ARGUMENT);
     free(pixels);
     free(packed.data);
 }
@@ -380,7 +383,7 @@ static double worse_psnr(const fxs_scene *scene, const fxs_camera cameras[2])
     fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
 #endif
     fxs_options_init(&options);
-    pair p = pair_of(scene, cameras, &options);
+    pair p = pair_of(scene, cameras, &options, FXS_FORMAT_RGBA8);
     unsigned char *shared = malloc(p.bytes), *alone = malloc(p.bytes);
     CHECK(!render(&p, &context, 0, bytes_of(&p, &context), shared));
     CHECK(!render(&p, &context, 1, bytes_of(&p, &context), alone));

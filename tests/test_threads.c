@@ -11,6 +11,7 @@
 #include "../kernels/kernels.h"
 #include "../port/posix/pool.h"
 #include "check.h"
+#include "one_scene.h"
 #include "random_scene.h"
 
 enum { CALLERS = 4, FRAMES = 12, ROUNDS = 5, SIDE = 128, LIMIT_SECONDS = 100 };
@@ -30,9 +31,10 @@ static fxs_context shared;
 static int draw(const fxs_context *context, frame *f, int fill)
 {
     unsigned char *pixels = fill ? f->expected : calloc(1, sizeof f->expected);
-    const size_t bytes = fxs_frame_bytes(context, &f->scene, f->camera.width, f->camera.height, 0);
+    const size_t bytes = one_frame_bytes(context, &f->scene, f->camera.width, f->camera.height, 0);
     void *memory = check_aligned(bytes);
-    const int error = fxs_render(context, &f->scene, &f->camera, &f->options, memory, bytes, pixels, 4 * SIDE, 0);
+    const int error = one_render(context, &f->scene, &f->camera, &f->options, FXS_FORMAT_RGBA8, memory, bytes, pixels,
+                                 4 * SIDE, 0);
     const int equal = !error && !memcmp(pixels, f->expected, sizeof f->expected);
     free(memory);
     if (!fill)

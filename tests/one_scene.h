@@ -1,0 +1,72 @@
+/* Frames of one scene, as it lies, into one picture: what most tests draw. */
+#ifndef ONE_SCENE_H
+#define ONE_SCENE_H
+
+#include "../src/object.h"
+
+static inline fxs_object one_object(const fxs_scene *scene)
+{
+    fxs_object object;
+    fxs_object_init(&object, scene);
+    return object;
+}
+
+static inline fxs_targets one_target(enum fxs_format format, void *pixels, ptrdiff_t stride)
+{
+    fxs_targets targets;
+    fxs_targets_init(&targets);
+    targets.format = format;
+    targets.colour = (fxs_image){pixels, stride};
+    return targets;
+}
+
+static inline size_t one_frame_bytes(const fxs_context *context, const fxs_scene *scene, int32_t width, int32_t height,
+                                     fxs_frame_memory *memory)
+{
+    const fxs_object object = one_object(scene);
+    return fxs_frame_bytes(context, &object, 1, width, height, memory);
+}
+
+static inline size_t one_stereo_bytes(const fxs_context *context, const fxs_scene *scene, int32_t width, int32_t height)
+{
+    const fxs_object object = one_object(scene);
+    return fxs_stereo_bytes(context, &object, 1, width, height);
+}
+
+static inline int one_render(const fxs_context *context, const fxs_scene *scene, const fxs_camera *camera,
+                             const fxs_options *options, enum fxs_format format, void *memory, size_t memory_bytes,
+                             void *pixels, ptrdiff_t stride, fxs_stats *stats)
+{
+    const fxs_object object = one_object(scene);
+    const fxs_targets targets = one_target(format, pixels, stride);
+    return fxs_render(context, &object, 1, camera, options, &targets, memory, memory_bytes, stats);
+}
+
+static inline int one_count_pairs(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
+                                  void *memory, size_t memory_bytes, uint64_t *evaluated, uint64_t *blended)
+{
+    const fxs_object object = one_object(scene);
+    return fxs_count_pairs(&object, 1, camera, options, memory, memory_bytes, evaluated, blended);
+}
+
+/* Both pictures have this stride. */
+static inline int one_render_stereo(const fxs_context *context, const fxs_scene *scene, const fxs_camera cameras[2],
+                                    const fxs_options *options, enum fxs_format format, int exact, void *memory,
+                                    size_t memory_bytes, void *const pixels[2], ptrdiff_t stride, fxs_stats *stats)
+{
+    const fxs_object object = one_object(scene);
+    const fxs_targets targets[2] = {one_target(format, pixels[0], stride), one_target(format, pixels[1], stride)};
+    return fxs_render_stereo(context, &object, 1, cameras, options, targets, exact, memory, memory_bytes, stats);
+}
+
+/* The camera as the stages of the scene's chunks are given it. */
+static inline int one_view_init(fxs_view *view, const fxs_scene *scene, const fxs_camera *camera,
+                                const fxs_options *options)
+{
+    fxs_view world;
+    const fxs_object object = one_object(scene);
+    const int error = fxs_view_init(&world, camera, options);
+    return error ? error : fxs_view_of_object(view, &world, camera, &object);
+}
+
+#endif
