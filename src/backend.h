@@ -1,6 +1,6 @@
 /* A back end: one way to render frames, which a program chooses by name. The processor is one, a GPU another; one that
  * is written elsewhere fills in this table and is used like them. Not stable: it may change with every version.
- * port/backend/backends.h lists those of the library. */
+ * backends.h (of the port) lists those of the library. */
 #ifndef FXS_BACKEND_H
 #define FXS_BACKEND_H
 
@@ -22,7 +22,7 @@ enum fxs_backend_can {
 /* All 0 is a default. */
 typedef struct fxs_backend_options {
     int device;                    /* one of those that it lists */
-    uint64_t max_memory;           /* bytes, of the processor's working memory or the device's; 0: as much as it takes */
+    uint64_t max_memory;           /* bytes, of working memory or the device's; 0: as much as it takes */
     uint32_t threads;              /* of the processor, 1 to 64; 0: one for each processor */
     unsigned without_cpu;          /* instruction sets not to be used: FXS_CPU_* of kernels.h */
 } fxs_backend_options;

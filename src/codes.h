@@ -82,8 +82,8 @@ static inline const int8_t *fxs_palette_entry(const fxs_scene *scene, uint32_t s
     return scene->palette + (size_t)(stage * scene->palette_entries + index) * FXS_PALETTE_STRIDE;
 }
 
-/* The coefficients of a Gaussian in a profile with a palette: the sum of the chunk's mean and of an entry of each stage,
-   times the scene's step; and (compact) odd numbers, -7 to 7, times the Gaussian's gain. */
+/* The coefficients of a Gaussian in a profile with a palette: the sum of the chunk's mean and of an entry of each
+   stage, times the scene's step; and (compact) odd numbers, -7 to 7, times the Gaussian's gain. */
 typedef struct fxs_sh_sums {
     int32_t palette[3], odd[3];    /* sum basis * number, Q15: at most 2^29 and 2^22 */
     int gain;                      /* (8 + bits 2..0) * 2^(bits 7..3) * 2^-32 */

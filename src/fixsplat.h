@@ -349,7 +349,8 @@ typedef struct fxs_pick_result {
 } fxs_pick_result;
 
 /* Finds out what fxs_render shows at pixel (x, y): its id target holds the same. Of `targets`, which may be null, the
-   occluder and depth_bits are read. Projects the whole frame, blends one tile. Returns 1, 0 where no Gaussian contributes, or an error as fxs_render. */
+   occluder and depth_bits are read. Projects the whole frame, blends one tile. Returns 1, 0 where no Gaussian
+   contributes, or an error as fxs_render. */
 int fxs_pick(const fxs_context *context, const fxs_object *objects, uint32_t count, const fxs_camera *camera,
              const fxs_options *options, const fxs_targets *targets, int32_t x, int32_t y, void *memory,
              size_t memory_bytes, fxs_pick_result *result);

@@ -4,8 +4,9 @@
 
 /* ---- Stages ---------------------------------------------------------------------------------------------------- */
 
-/* A chunk of an object, to the slots from `slot` on; what a band does not need is dropped. Returns how many are taken, or
-   FXS_ERR_SCENE: also where there is no room for 256 before end_slot, as there are more splats than were planned for. */
+/* A chunk of an object, to the slots from `slot` on; what a band does not need is dropped. Returns how many are taken,
+   or FXS_ERR_SCENE: also where there is no room for 256 before end_slot, as there are more splats than were planned
+   for. */
 static int32_t project_chunk(fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t slot, uint32_t end_slot)
 {
     fxs_eye *eye = f->eye;
@@ -52,7 +53,7 @@ static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32
     uint32_t starts[FXS_BLOCK + 1] = {slot}, objects[FXS_BLOCK];
     uint64_t start = fxs_now(f);
     for (uint32_t i = 0; i < end - first; i++) {
-        objects[i] = fxs_object_of(f->eye->objects, f->object_count, first + i);
+        objects[i] = fxs_frame_object(f, first + i);
         int32_t count = project_chunk(f, objects[i], first + i, starts[i], end_slot);
         if (count < 0)
             return count;
@@ -78,7 +79,7 @@ static int32_t plan_chunks(fxs_frame *f, uint32_t block, uint32_t first, uint32_
 {
     uint32_t all = 0;
     for (uint32_t chunk = first; chunk < end; chunk++) {
-        const int32_t count = project_chunk(f, fxs_object_of(f->eye->objects, f->object_count, chunk), chunk, slot, slot + FXS_CHUNK);
+        const int32_t count = project_chunk(f, fxs_frame_object(f, chunk), chunk, slot, slot + FXS_CHUNK);
         if (count < 0)
             return count;
         fxs_band_count(f, block, chunk, slot, (uint32_t)count);
@@ -445,9 +446,9 @@ int fxs_render(const fxs_context *context, const fxs_object *objects, uint32_t c
                fxs_stats *stats)
 {
     fxs_frame f;
-    int error = fxs_frame_init(&f, context, objects, count, camera, options, targets, memory, memory_bytes);
-    if (!error && f.tile_job && (!targets || !fxs_targets_any(targets)))
-        error = FXS_ERR_TARGET;
+    int error = fxs_targets_missing(context, targets);
+    if (!error)
+        error = fxs_frame_init(&f, context, objects, count, camera, options, targets, memory, memory_bytes);
     if (error)
         return error;
     error = fxs_frame_render(&f);

@@ -92,6 +92,12 @@ static inline uint32_t fxs_block_start(const fxs_frame *f, uint32_t block)
     return chunk < f->chunk_count ? (uint32_t)chunk : f->chunk_count;
 }
 
+/* The object that a chunk of all objects is of. */
+static inline uint32_t fxs_frame_object(const fxs_frame *f, uint32_t chunk)
+{
+    return fxs_object_of(f->eye->objects, f->object_count, chunk);
+}
+
 /* Tiles of the picture above a tile row. */
 static inline uint32_t fxs_tiles_above(const fxs_frame *f, int32_t row)
 {
@@ -145,8 +151,8 @@ uint64_t fxs_frame_measure(fxs_frame *f);
    which that cannot be. */
 uint64_t fxs_bands_init(fxs_frame *f);
 
-/* Around a run of the blocks that counts the splats of each tile row. The end returns the bytes that the fullest tile row
-   takes. */
+/* Before and after the blocks that count the splats of each tile row. The end returns the bytes that the fullest tile
+   row takes. */
 void fxs_bands_begin_plan(fxs_frame *f);
 uint64_t fxs_bands_end_plan(fxs_frame *f);
 
@@ -200,8 +206,8 @@ void fxs_bin_fill(const fxs_view *view, const fxs_splat *splats, const fxs_bound
 /* All 1 - T = 0. */
 void fxs_tile_clear(fxs_tile *tile);
 
-/* Blends tile `tile`, at pixel (x, y), by `trace`, and writes its depths and ids. slots, of 256, or null: what contributes
-   most to each pixel; FXS_NOTHING where nothing does. */
+/* Blends tile `tile`, at pixel (x, y), by `trace`, and writes its depths and ids. slots, of 256, or null: what
+   contributes most to each pixel; FXS_NOTHING where nothing does. */
 void fxs_trace_tile(const fxs_frame *f, uint32_t tile, int32_t x, int32_t y, fxs_tile *pixels, uint32_t *slots);
 
 /* ---- targets.c, resolve.c ---------------------------------------------------------------------------------------- */
@@ -209,8 +215,8 @@ void fxs_trace_tile(const fxs_frame *f, uint32_t tile, int32_t x, int32_t y, fxs
 /* Checks the targets there are, for pictures of this size. Returns 0 or FXS_ERR_TARGET. */
 int fxs_targets_check(const fxs_targets *targets, int32_t width, int32_t height);
 
-/* Whether there is one to write. */
-int fxs_targets_any(const fxs_targets *targets);
+/* FXS_ERR_TARGET where there is none to write and no back end that may write elsewhere; else 0. */
+int fxs_targets_missing(const fxs_context *context, const fxs_targets *targets);
 
 /* Whether they need `trace` in place of `blend`. */
 int fxs_targets_traced(const fxs_targets *targets);

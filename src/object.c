@@ -1,5 +1,5 @@
-/* An object is rendered by a camera in its own space, so the stages see a view and a scene as ever. What is left is done
- * here, splat by splat: depths become the world's, crop boxes, opacity and tint apply. */
+/* An object is rendered by a camera in its own space, so the stages see a view and a scene as ever. What is left is
+ * done here, splat by splat: depths become the world's, crop boxes, opacity and tint apply. */
 #include "object.h"
 
 #include "codes.h"
@@ -93,7 +93,7 @@ uint32_t fxs_object_of(const fxs_object_view *objects, uint32_t count, uint32_t 
     return low;
 }
 
-/* ---- What an object changes --------------------------------------------------------------------------------------- */
+/* ---- What an object changes -------------------------------------------------------------------------------------- */
 
 /* A depth key times the scale. What leaves the range of keys has the least or the largest. */
 static uint32_t scale_depth(uint32_t key, fxs_scale scale)

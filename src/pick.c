@@ -54,7 +54,7 @@ static void fill_in(const pick *p, const fxs_camera *camera, fxs_pick_result *re
 {
     const fxs_frame *f = &p->frame;
     const uint32_t key = f->eye->depths[p->slot], index = f->indices[p->slot];
-    result->object = fxs_object_of(f->eye->objects, f->object_count, index / FXS_CHUNK);
+    result->object = fxs_frame_object(f, index / FXS_CHUNK);
     result->gaussian = index - f->eye->objects[result->object].first_chunk * FXS_CHUNK;
     result->id = f->eye->objects[result->object].id;
     result->depth_q32 = scaled_q32(1 << 26 | (key & 0x3ffffff), (int)(key >> 26));

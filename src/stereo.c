@@ -72,7 +72,10 @@ int fxs_render_stereo(const fxs_context *context, const fxs_object *objects, uin
     fxs_frame f;
     if (!cameras || !targets)
         return FXS_ERR_ARGUMENT;
-    int error = fxs_frame_init(&f, context, objects, count, &cameras[0], options, &targets[0], memory, memory_bytes);
+    int error = fxs_targets_missing(context, &targets[0]);
+    error = error ? error : fxs_targets_missing(context, &targets[1]);
+    if (!error)
+        error = fxs_frame_init(&f, context, objects, count, &cameras[0], options, &targets[0], memory, memory_bytes);
     if (!error)
         error = fxs_frame_add_eye(&f, &cameras[1], &targets[1]);
     if (error)
@@ -80,8 +83,6 @@ int fxs_render_stereo(const fxs_context *context, const fxs_object *objects, uin
     if (cameras[0].width != cameras[1].width || cameras[0].height != cameras[1].height ||
         cameras[0].projection != cameras[1].projection)
         return FXS_ERR_SIZE;
-    if (f.tile_job && (!fxs_targets_any(&targets[0]) || !fxs_targets_any(&targets[1])))
-        return FXS_ERR_TARGET;
     f.stats.memory.least = fxs_stereo_bytes(context, objects, count, cameras[0].width, cameras[0].height);
     error = f.stats.memory.least && memory_bytes >= f.stats.memory.least ? 0 : FXS_ERR_MEMORY;
     if (!error) {

@@ -9,7 +9,7 @@ void fxs_targets_init(fxs_targets *targets)
     memset(targets, 0, sizeof *targets);
 }
 
-/* ---- Checks ------------------------------------------------------------------------------------------------------- */
+/* ---- Checks ------------------------------------------------------------------------------------------------------ */
 
 /* An image, its bytes a pixel and the alignment of its numbers. */
 typedef struct part {
@@ -74,9 +74,12 @@ int fxs_targets_check(const fxs_targets *t, int32_t width, int32_t height)
     return 0;
 }
 
-int fxs_targets_any(const fxs_targets *t)
+int fxs_targets_missing(const fxs_context *context, const fxs_targets *t)
 {
-    return t->colour.pixels || t->coverage.pixels || t->mean_depth.pixels || t->median_depth.pixels || t->id.pixels;
+    return !context || context->config.draw ? 0
+           : !t || !(t->colour.pixels || t->coverage.pixels || t->mean_depth.pixels || t->median_depth.pixels ||
+                     t->id.pixels)
+               ? FXS_ERR_TARGET : 0;
 }
 
 int fxs_targets_traced(const fxs_targets *t)
@@ -84,7 +87,7 @@ int fxs_targets_traced(const fxs_targets *t)
     return t && (t->mean_depth.pixels || t->median_depth.pixels || t->id.pixels || t->occluder.pixels);
 }
 
-/* ---- Pixels ------------------------------------------------------------------------------------------------------- */
+/* ---- Pixels ------------------------------------------------------------------------------------------------------ */
 
 static void resolve_coverage(const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels,
                              ptrdiff_t stride)

@@ -28,7 +28,7 @@ static uint32_t slot_of(uint32_t entry)
     return entry & ~FXS_ENTRY_FAR;
 }
 
-/* ---- A part of the list ------------------------------------------------------------------------------------------- */
+/* ---- A part of the list ------------------------------------------------------------------------------------------ */
 
 static void begin_part(tracer *t)
 {
@@ -100,7 +100,7 @@ static int end_part(tracer *t, const fxs_tile *tile)
     return open;
 }
 
-/* ---- Targets ------------------------------------------------------------------------------------------------------ */
+/* ---- Targets ----------------------------------------------------------------------------------------------------- */
 
 static void read_limits(tracer *t, int32_t x, int32_t y, int32_t columns, int32_t rows)
 {
@@ -130,7 +130,7 @@ static fxs_id id_of(const fxs_frame *f, uint32_t slot)
     if (slot == FXS_NOTHING)
         return (fxs_id){FXS_NOTHING, FXS_NOTHING};
     const uint32_t index = f->indices[slot];
-    const fxs_object_view *object = &f->eye->objects[fxs_object_of(f->eye->objects, f->object_count, index / FXS_CHUNK)];
+    const fxs_object_view *object = &f->eye->objects[fxs_frame_object(f, index / FXS_CHUNK)];
     return (fxs_id){object->id, index - object->first_chunk * FXS_CHUNK};
 }
 

@@ -437,6 +437,91 @@ static void quads(void)
     close_gles(gles);
 }
 
+/* ---- Meshes between ---------------------------------------------------------------------------------------------- */
+
+/* What the caller has drawn: a slanted plane through the subject, with a hole, over a gradient; rows from the top. */
+typedef struct mesh {
+    uint32_t *depths;
+    uint8_t *colours;
+} mesh;
+
+static mesh make_mesh(const subject *s)
+{
+    const int width = s->camera.width, height = s->camera.height;
+    mesh m = {malloc((size_t)width * (size_t)height * 4), malloc((size_t)width * (size_t)height * 4)};
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++) {
+            const int i = y * width + x;
+            const double z = 9.0 + 8.0 * x / width - 3.0 * y / height;
+            m.depths[i] = (x / 8 + y / 8) % 5 ? (uint32_t)(z * 65536) : x % 16 ? FXS_NOTHING : 0;
+            m.colours[4 * i] = (uint8_t)(x * 3);
+            m.colours[4 * i + 1] = (uint8_t)(y * 5);
+            m.colours[4 * i + 2] = (uint8_t)(x + y);
+            m.colours[4 * i + 3] = (uint8_t)(x * y);
+        }
+    return m;
+}
+
+static void free_mesh(mesh m)
+{
+    free(m.depths);
+    free(m.colours);
+}
+
+/* The subject behind and before the mesh; `draw` null: by the processor. */
+static int render_mesh(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const mesh *m, int bottom_up,
+                       size_t memory_bytes, uint8_t *pixels)
+{
+    const ptrdiff_t stride = 4 * (ptrdiff_t)s->camera.width, last = (s->camera.height - 1) * stride;
+    fxs_context c;
+    fxs_config config = {.draw = draw, .draw_argument = gles};
+    const fxs_object object = one_object(&s->scene);
+    fxs_targets t = one_target(s->format, pixels, stride);
+    fxs_init(&c, &config);
+    t.occluder = (fxs_image){m->depths, stride};
+    if (bottom_up)
+        t.occluder = (fxs_image){(uint8_t *)m->depths + last, -stride};
+    if (s->format != FXS_FORMAT_RGBA8_COVERAGE)
+        t.backdrop = (fxs_image){m->colours, stride};
+    size_t bytes = one_frame_bytes(&c, &s->scene, s->camera.width, s->camera.height, 0);
+    bytes = memory_bytes && memory_bytes < bytes ? memory_bytes : bytes;
+    void *memory = check_aligned(bytes);
+    const int error = fxs_render(&c, &object, 1, &s->camera, &s->options, &t, memory, bytes, 0);
+    free(memory);
+    return error;
+}
+
+/* Occluder and backdrop give the bytes of the processor: in every format, in windows, bands and parts of lists. */
+static void meshes(void)
+{
+    subject s;
+    for (int small = 0; small < 2; small++) {
+        fake_limits(small ? 64 : 0, 0);
+        OPEN_OR_SKIP(gles);
+        if (!make_subject(&s, "knot", 6000, 133, 90))
+            return;
+        uint8_t *expected = new_picture(&s), *actual = new_picture(&s), *plain = new_picture(&s);
+        const mesh m = make_mesh(&s);
+        for (int i = 0; i < 6; i++) {
+            s.format = (enum fxs_format)(i % 3);
+            memset(expected, 0, picture_bytes(&s));
+            memset(actual, 0, picture_bytes(&s));
+            CHECK(!render_mesh(&s, 0, 0, &m, i / 3, 0, expected));
+            CHECK(!render_mesh(&s, fxs_gles_draw, gles, &m, i / 3, i % 2 ? 700000 : 0, actual));
+            CHECK(!memcmp(expected, actual, picture_bytes(&s)));
+        }
+        s.format = FXS_FORMAT_RGBA8;
+        CHECK(!render(&s, 0, 0, 0, plain, 4 * s.camera.width, 0));
+        CHECK(memcmp(expected, plain, picture_bytes(&s)));
+        free(expected);
+        free(actual);
+        free(plain);
+        free_mesh(m);
+        fxs_packed_scene_free(&s.packed);
+        close_gles(gles);
+    }
+}
+
 /* ---- Into the caller's target ------------------------------------------------------------------------------------ */
 
 #define GL(type, name) ((PFNGL##type##PROC)port->load(context, "gl" #name))
@@ -500,7 +585,7 @@ static GLuint make_program(void)
 enum { WIDE = 140, HIGH = 100 };           /* of the caller's texture */
 
 typedef struct caller {
-    GLuint texture, framebuffers[2], program, vertex_array, buffers[2], samplers[5], textures[5], renderbuffer;
+    GLuint texture, framebuffers[2], program, vertex_array, buffers[2], samplers[8], textures[8], renderbuffer;
 } caller;
 
 /* Everything other than it is in a new context. */
@@ -524,7 +609,7 @@ static void upset(caller *c)
     GL(PIXELSTOREI, PixelStorei)(GL_UNPACK_ROW_LENGTH, 7);
     GL(PIXELSTOREI, PixelStorei)(GL_UNPACK_SKIP_PIXELS, 2);
     GL(PIXELSTOREI, PixelStorei)(GL_UNPACK_SKIP_ROWS, 1);
-    for (GLuint i = 0; i < 5; i++) {
+    for (GLuint i = 0; i < 8; i++) {
         GL(ACTIVETEXTURE, ActiveTexture)(GL_TEXTURE0 + i);
         GL(BINDTEXTURE, BindTexture)(GL_TEXTURE_2D, c->textures[i]);
         GL(BINDSAMPLER, BindSampler)(i, c->samplers[i]);
@@ -549,8 +634,8 @@ static caller make_caller(void)
 {
     caller c;
     GL(GENTEXTURES, GenTextures)(1, &c.texture);
-    GL(GENTEXTURES, GenTextures)(5, c.textures);
-    GL(GENSAMPLERS, GenSamplers)(5, c.samplers);
+    GL(GENTEXTURES, GenTextures)(8, c.textures);
+    GL(GENSAMPLERS, GenSamplers)(8, c.samplers);
     GL(GENBUFFERS, GenBuffers)(2, c.buffers);
     GL(GENRENDERBUFFERS, GenRenderbuffers)(1, &c.renderbuffer);
     GL(GENVERTEXARRAYS, GenVertexArrays)(1, &c.vertex_array);
@@ -563,12 +648,12 @@ static caller make_caller(void)
     return c;
 }
 
-/* The picture in the caller's texture, and nothing beside it. */
-static int in_target(const subject *s, const fxs_gles_target *t, const uint8_t *expected)
+/* Pixels of the caller's texture that are not those of the picture, or of what was beside it. */
+static int differing_pixels(const subject *s, const fxs_gles_target *t, const uint8_t *expected)
 {
     const int width = s->camera.width, height = s->camera.height;
     uint8_t *pixels = malloc(WIDE * HIGH * 4);
-    int same_pixels = 1;
+    int differing = 0;
     GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_READ_FRAMEBUFFER, t->framebuffer);
     GL(READPIXELS, ReadPixels)(0, 0, WIDE, HIGH, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
     for (int y = 0; y < HIGH; y++)
@@ -576,11 +661,16 @@ static int in_target(const subject *s, const fxs_gles_target *t, const uint8_t *
             static const uint8_t beside[4] = {51, 102, 153, 204};
             const int column = x - t->x, line = t->top_down ? y - t->y : t->y + height - 1 - y;
             const int inside = column >= 0 && column < width && line >= 0 && line < height;
-            same_pixels &= !memcmp(pixels + 4 * (y * WIDE + x),
-                                   inside ? expected + 4 * (line * width + column) : beside, 4);
+            differing += memcmp(pixels + 4 * (y * WIDE + x),
+                                inside ? expected + 4 * (line * width + column) : beside, 4) != 0;
         }
     free(pixels);
-    return same_pixels;
+    return differing;
+}
+
+static int in_target(const subject *s, const fxs_gles_target *t, const uint8_t *expected)
+{
+    return !differing_pixels(s, t, expected);
 }
 
 static void target(void)
@@ -595,7 +685,8 @@ static void target(void)
     for (int i = 0; i < 4; i++) {
         state before, after;
         s.format = i / 2 ? FXS_FORMAT_RGBA8_COVERAGE : FXS_FORMAT_RGBA8;
-        const fxs_gles_target t = {c.framebuffers[0], 13, 7, s.format, i % 2};
+        const fxs_gles_target t = {
+            .framebuffer = c.framebuffers[0], .x = 13, .y = 7, .format = s.format, .top_down = i % 2};
         CHECK(!render(&s, 0, 0, 0, expected, 111 * 4, 0));
         settle();
         GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, c.framebuffers[0]);
@@ -608,9 +699,93 @@ static void target(void)
         settle();
         CHECK(in_target(&s, &t, expected));
     }
-    const fxs_gles_target t = {c.framebuffers[0], 0, 0, FXS_FORMAT_RGB565, 0};
+    const fxs_gles_target t = {.framebuffer = c.framebuffers[0], .format = FXS_FORMAT_RGB565};
     CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
     free(expected);
+    fxs_packed_scene_free(&s.packed);
+    close_gles(gles);
+}
+
+/* A texture of the caller's with these rows, of 4 bytes a pixel, in the order of the framebuffer's. */
+static GLuint make_texture(const subject *s, const void *pixels, int top_down, GLint format, GLenum layout, GLenum type)
+{
+    const int width = s->camera.width, height = s->camera.height;
+    GLuint texture;
+    GL(GENTEXTURES, GenTextures)(1, &texture);
+    GL(ACTIVETEXTURE, ActiveTexture)(GL_TEXTURE0);
+    GL(BINDTEXTURE, BindTexture)(GL_TEXTURE_2D, texture);
+    GL(TEXPARAMETERI, TexParameteri)(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    GL(TEXPARAMETERI, TexParameteri)(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    GL(TEXIMAGE2D, TexImage2D)(GL_TEXTURE_2D, 0, format, width, height, 0, layout, type, 0);
+    for (int y = 0; y < height; y++)
+        GL(TEXSUBIMAGE2D, TexSubImage2D)(GL_TEXTURE_2D, 0, 0, top_down ? y : height - 1 - y, width, 1, layout, type,
+                                         (const uint8_t *)pixels + 4 * (size_t)(y * width));
+    return texture;
+}
+
+/* From the caller's textures: a depth in words gives the bytes of the processor; a depth buffer all but a few. */
+static void target_meshes(void)
+{
+    static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
+    const float near_plane = 0.5f, far_plane = 100;
+    subject s;
+    OPEN_OR_SKIP(gles);
+    caller c = make_caller();
+    if (!make_subject(&s, "knot", 9000, 111, 83))
+        return;
+    uint8_t *expected = new_picture(&s);
+    const mesh m = make_mesh(&s);
+    const int pixels = s.camera.width * s.camera.height;
+    float *buffer = malloc((size_t)pixels * sizeof *buffer);
+    for (int i = 0; i < pixels; i++) {
+        const double z = m.depths[i] / 65536.0;
+        const double depth = far_plane / (far_plane - near_plane) * (1 - near_plane / z);
+        buffer[i] = m.depths[i] == FXS_NOTHING ? 1 : z < near_plane ? 0 : (float)depth;
+    }
+    CHECK(!render_mesh(&s, 0, 0, &m, 0, 0, expected));
+    for (int i = 0; i < 4; i++) {
+        const int top_down = i % 2, by_buffer = i / 2;
+        state before, after;
+        settle();
+        fxs_gles_target t;
+        fxs_gles_target_init(&t);
+        t.framebuffer = c.framebuffers[0];
+        t.x = 13;
+        t.y = 7;
+        t.top_down = top_down;
+        t.near_plane = near_plane;
+        t.far_plane = far_plane;
+        if (by_buffer)
+            t.depth_buffer = make_texture(&s, buffer, top_down, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT);
+        else
+            t.occluder = make_texture(&s, m.depths, top_down, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT);
+        t.backdrop = make_texture(&s, m.colours, top_down, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE);
+        GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, c.framebuffers[0]);
+        GL(CLEARBUFFERFV, ClearBufferfv)(GL_COLOR, 0, beside);
+        upset(&c);
+        dump(&before);
+        CHECK(!render(&s, 0, gles, &t, 0, 0, 0));
+        dump(&after);
+        CHECK(!memcmp(&before, &after, sizeof before));
+        settle();
+        if (by_buffer)
+            CHECK(differing_pixels(&s, &t, expected) <= pixels / 200);
+        else
+            CHECK(in_target(&s, &t, expected));
+        GL(DELETETEXTURES, DeleteTextures)(1, by_buffer ? &t.depth_buffer : &t.occluder);
+        GL(DELETETEXTURES, DeleteTextures)(1, &t.backdrop);
+    }
+    fxs_gles_target t = {
+        .framebuffer = c.framebuffers[0], .occluder = 1, .depth_buffer = 2, .near_plane = 1, .far_plane = 2};
+    CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_TARGET);
+    t.occluder = 0;
+    t.far_plane = 1;
+    CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_TARGET);
+    t = (fxs_gles_target){.framebuffer = c.framebuffers[0], .backdrop = 1, .format = FXS_FORMAT_RGBA8_COVERAGE};
+    CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_TARGET);
+    free(buffer);
+    free(expected);
+    free_mesh(m);
     fxs_packed_scene_free(&s.packed);
     close_gles(gles);
 }
@@ -852,7 +1027,7 @@ static void contexts_in_turn(void)
     for (int i = 0; i < 4; i++) {
         static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
         const int other = (i + 2) % 4;
-        const fxs_gles_target t = {turns[i].caller.framebuffers[0], 13, 7, FXS_FORMAT_RGBA8, i % 2};
+        const fxs_gles_target t = {.framebuffer = turns[i].caller.framebuffers[0], .x = 13, .y = 7, .top_down = i % 2};
         port = &ports[i / 2];
         context = turns[i].context;
         port->use(context);
@@ -905,7 +1080,9 @@ int main(void)
         RUN(words_read);
         RUN(real_scenes);
         RUN(quads);
+        RUN(meshes);
         RUN(target);
+        RUN(target_meshes);
         RUN(init_keeps_state);
         RUN(missing_functions);
         RUN(unfit_contexts);

@@ -98,7 +98,7 @@ void fxs_gles_start_timer(fxs_gles *gles);
 void fxs_gles_stop_timer(fxs_gles *gles);
 
 /* Reads the lower left corner of FXS_GLES_TARGET or FXS_GLES_BYTES, `width` x `height` pixels, as the run's pixels at
-   (x, y); those of its tiles only. Errors: FXS_ERR_DEVICE, FXS_ERR_MEMORY, and FXS_ERR_ARGUMENT where the run has none. */
+   (x, y); those of its tiles only. Errors: FXS_ERR_DEVICE, FXS_ERR_MEMORY. */
 int fxs_gles_read(fxs_gles *gles, const fxs_tile_run *run, int target, int32_t x, int32_t y, int32_t width,
                   int32_t height);
 

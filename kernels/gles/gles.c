@@ -123,7 +123,8 @@ static int compile(const fxs_gl *gl, GLuint program, GLenum kind, const char *de
 static int make_program(fxs_gles *g, int which, const char *define, const char *vertex, const char *fragment,
                         char *message)
 {
-    static const char *const units[] = {"lists", "records", "depths", "occluder", "depth_buffer", "backdrop", "carried"};
+    static const char *const units[] = {"lists",        "records",  "depths", "occluder",
+                                        "depth_buffer", "backdrop", "carried"};
     const fxs_gl *gl = &g->gl;
     char log[FXS_GLES_MESSAGE] = "";
     GLint done = 0;
@@ -365,7 +366,7 @@ static void copy_tiles(const fxs_tile_run *run, const unsigned char *from, int32
         const int32_t left = row == first / across ? first % across * FXS_TILE : 0;
         const int32_t begin = left > x ? left : x, end = x + width;
         if (begin < end)
-            copy_row((unsigned char *)colour->pixels + line * colour->stride + begin * (format == FXS_FORMAT_RGB565 ? 2 : 4),
+            copy_row((unsigned char *)colour->pixels + line * colour->stride + begin * fxs_pixel_bytes(format),
                      from + (wide ? 16 : 4) * (ptrdiff_t)(begin - x), end - begin, wide, format);
     }
 }
@@ -405,6 +406,11 @@ int fxs_gles_read(fxs_gles *g, const fxs_tile_run *run, int framebuffer, int32_t
 
 /* ---- Into the caller's target ------------------------------------------------------------------------------------ */
 
+void fxs_gles_target_init(fxs_gles_target *target)
+{
+    memset(target, 0, sizeof *target);
+}
+
 int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_object *objects, uint32_t count,
                     const fxs_camera *camera, const fxs_options *options, const fxs_gles_target *target, void *memory,
                     size_t memory_bytes, fxs_stats *stats)
@@ -416,8 +422,8 @@ int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_object *o
         (target->backdrop && target->format != FXS_FORMAT_RGBA8) ||
         (target->depth_buffer && !(target->near_plane > 0 && target->far_plane > target->near_plane)))
         return FXS_ERR_TARGET;
-    if ((target->format != FXS_FORMAT_RGBA8 && target->format != FXS_FORMAT_RGBA8_COVERAGE) || camera->width > FXS_TILE << g->shift ||
-        camera->height > FXS_TILE << g->shift)
+    if ((target->format != FXS_FORMAT_RGBA8 && target->format != FXS_FORMAT_RGBA8_COVERAGE) ||
+        camera->width > FXS_TILE << g->shift || camera->height > FXS_TILE << g->shift)
         return FXS_ERR_UNSUPPORTED;
     fxs_context drawing = *context;
     drawing.config.draw = fxs_gles_draw;

@@ -66,14 +66,20 @@ typedef struct fxs_gles_target {
     uint32_t occluder;             /* GL_R32UI, as the occluder of fxs_targets: the same bytes everywhere */
     int depth_bits;                /* of that, or of what depth_buffer is turned to; 0: 16 */
     uint32_t depth_buffer;         /* in place of occluder: GL_DEPTH_COMPONENT of a perspective with these planes, depth
-                                      0 at the near one. Turned to depths in floats, so the last bits are the device's */
+                                      0 at the near one. Made depths in floats: the last bits are the device's */
     float near_plane, far_plane;   /* world units */
     uint32_t backdrop;             /* GL_RGBA8: in place of the background; not the framebuffer's own texture */
 } fxs_gles_target;
 
-/* Renders a frame (arguments and errors as fxs_render) into a target, in the caller's context. The GL state is left as it was, but for a GL error that was pending. Transform feedback must not be active;
-   an occlusion query that is counts this draw too. `context` says how the stages before run; its draw is not used.
-   Errors also: FXS_ERR_UNSUPPORTED (another format), FXS_ERR_DEVICE, FXS_ERR_MEMORY (the device's). */
+/* The context's own framebuffer at its corner, RGBA8, rows from the top; nothing else. */
+void fxs_gles_target_init(fxs_gles_target *target);
+
+/* Renders a frame (arguments and errors as fxs_render) into a target, in the caller's context. The GL state is left as
+   it was, but for a GL error that was pending. Transform feedback must not be active. An occlusion query that is active
+   counts this draw too. `context` says how the stages before run; its draw is not used. Errors also: FXS_ERR_TARGET
+   (both an occluder and a depth buffer, planes or depth_bits out of range, a backdrop with RGBA8_COVERAGE),
+   FXS_ERR_UNSUPPORTED (another format, or a picture larger than the device's textures), FXS_ERR_DEVICE, FXS_ERR_MEMORY
+   (the device's). */
 int fxs_gles_render(fxs_gles *gles, const fxs_context *context, const fxs_object *objects, uint32_t count,
                     const fxs_camera *camera, const fxs_options *options, const fxs_gles_target *target, void *memory,
                     size_t memory_bytes, fxs_stats *stats);

@@ -70,7 +70,8 @@ static int begin_batch(batch *b, int32_t first)
     size_t lists = (size_t)b->window->columns * (size_t)b->window->rows;
     b->capacity = (uint32_t)g->record_rows << (g->shift - 1);
     const int occluded = has_occluder(g, b->run);
-    GLsizeiptr bytes = (GLsizeiptr)(lists * 8 + (size_t)b->capacity * (occluded ? RECORD + 4u : RECORD));
+    const size_t depths = occluded ? (size_t)((g->record_rows + 1) / 2) << g->shift : 0;    /* whole rows */
+    GLsizeiptr bytes = (GLsizeiptr)(lists * 8 + (size_t)b->capacity * RECORD + depths * 4);
     b->lists = fxs_gles_map(g, GL_PIXEL_UNPACK_BUFFER, (int)(g->turn++ % FXS_GLES_UPLOADS), bytes);
     if (!b->lists)
         return fxs_gles_failure(g);
