@@ -163,8 +163,9 @@ static size_t fuzz_least(const fuzz_frame *f, const fxs_context *context, fxs_fr
     fxs_stats stats;
     unsigned char *pixels = fuzz_room(1, f->row * (size_t)f->cameras[0].height);
     const int error = !one_frame_bytes(context, &f->scene, f->cameras[0].width, f->cameras[0].height, memory) ||
-                      one_render(context, &f->scene, &f->cameras[0], &f->options, f->format, fuzz_room(0, memory->least),
-                                 memory->least, pixels, (ptrdiff_t)f->row, &stats) != FXS_ERR_MEMORY;
+                      one_render(context, &f->scene, &f->cameras[0], &f->options, f->format,
+                                 fuzz_room(0, memory->least), memory->least, pixels, (ptrdiff_t)f->row,
+                                 &stats) != FXS_ERR_MEMORY;
     return error ? memory->least : stats.memory.least;
 }
 

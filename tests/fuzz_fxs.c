@@ -26,8 +26,8 @@ static unsigned char *picture(const fuzz_frame *f, int eye)
 static void render(const fuzz_frame *f, const fxs_context *context, size_t bytes, result *r)
 {
     unsigned char *pixels = picture(f, 0);
-    r->error = one_render(context, &f->scene, &f->cameras[0], &f->options, f->format, fuzz_room(0, bytes), bytes, pixels,
-                          (ptrdiff_t)f->row, NULL);
+    r->error = one_render(context, &f->scene, &f->cameras[0], &f->options, f->format, fuzz_room(0, bytes), bytes,
+                          pixels, (ptrdiff_t)f->row, NULL);
     memcpy(r->pixels[0], pixels, picture_bytes(f));
 }
 

@@ -100,8 +100,8 @@ static void render(const fuzz_frame *f, const fxs_context *context, size_t least
     for (int eye = 0; eye < 2; eye++)
         pixels[eye] = fuzz_room(1 + eye, f->row * (size_t)camera->height);
     for (int i = 0; i < 4; i++)
-        check(one_render(context, &f->scene, camera, &f->options, f->format, fuzz_room(0, sizes[i]), sizes[i], pixels[0],
-                         (ptrdiff_t)f->row, NULL));
+        check(one_render(context, &f->scene, camera, &f->options, f->format, fuzz_room(0, sizes[i]), sizes[i],
+                         pixels[0], (ptrdiff_t)f->row, NULL));
     check(one_count_pairs(&f->scene, camera, &f->options, fuzz_room(0, least), least, &pairs[0], &pairs[1]));
     const size_t both = one_stereo_bytes(context, &f->scene, camera->width, camera->height);
     if (both <= FUZZ_ROOM)

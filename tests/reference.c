@@ -52,6 +52,13 @@ static void rotation_matrix(const float *rotation, double m[3][3])
     m[2][0] = 2 * (x * z - w * y), m[2][1] = 2 * (y * z + w * x), m[2][2] = 1 - 2 * (x * x + y * y);
 }
 
+/* Of an orthographic camera: focal axis. */
+static void parallel_row(double focal, const double *axis, double row[3])
+{
+    for (int i = 0; i < 3; i++)
+        row[i] = focal * axis[i];
+}
+
 /* One row of J W, with J the derivative of focal * x / z + centre: focal/z (axis - slope * forward). The slope x/z is
    clamped to the image widened by 30 % of half its size on each side, as the linear approximation blows up beyond. */
 static void jacobian_row(double focal, double centre, int size, double slope, double z, const double *axis,
@@ -63,16 +70,33 @@ static void jacobian_row(double focal, double centre, int size, double slope, do
         row[i] = focal / z * (axis[i] - clamped * forward[i]);
 }
 
-/* Sigma' = J W R S (J W R S)^T, with J W given as two rows. */
-static void project_covariance(const fxs_gaussian *g, double jw[2][3], struct reference_splat *out)
+/* v turned by a matrix of rows, or back by its transpose. */
+static void turn(const double m[9], const double v[3], double out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = dot(m + 3 * i, v);
+}
+
+static void turn_back(const double m[9], const double v[3], double out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = m[i] * v[0] + m[3 + i] * v[1] + m[6 + i] * v[2];
+}
+
+/* Sigma' = J W O R S (J W O R S)^T, with J W given as two rows and O the object's rotation and scale. */
+static void project_covariance(const fxs_gaussian *g, const struct reference_object *object, double jw[2][3],
+                               struct reference_splat *out)
 {
     double rotation[3][3], m[2][3];
     rotation_matrix(g->rotation, rotation);
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < 2; i++) {
+        double row[3];
+        turn_back(object->rotation, jw[i], row);
         for (int j = 0; j < 3; j++) {
             double column[3] = { rotation[0][j], rotation[1][j], rotation[2][j] };
-            m[i][j] = dot(jw[i], column) * exp(g->scale[j]);
+            m[i][j] = dot(row, column) * exp(g->scale[j]) * object->scale;
         }
+    }
     out->a = dot(m[0], m[0]);
     out->b = dot(m[0], m[1]);
     out->c = dot(m[1], m[1]);
@@ -104,19 +128,21 @@ static void sh_basis(const double *d, double basis[15])
     basis[14] = -0.5900435899266435 * x * (xx - 3 * yy);
 }
 
-/* max(0, 0.5 + SH) in the direction from the camera to the Gaussian. */
-static void shade(const fxs_gaussian *g, const double *from_camera, int degree, double colour[3])
+/* max(0, 0.5 + SH) tint in the direction from the camera to the Gaussian, as its object sees it. */
+static void shade(const fxs_gaussian *g, const struct reference_object *object, const double *from_camera, int degree,
+                  double colour[3])
 {
     double basis[15], direction[3], length = sqrt(dot(from_camera, from_camera));
     int terms = degree > 3 ? 15 : degree > 0 ? (degree + 1) * (degree + 1) - 1 : 0;
+    turn_back(object->rotation, from_camera, direction);
     for (int i = 0; i < 3; i++)
-        direction[i] = from_camera[i] / length;
+        direction[i] /= length;
     sh_basis(direction, basis);
     for (int channel = 0; channel < 3; channel++) {
         double sum = 0.5 + 0.28209479177387814 * g->dc[channel];
         for (int k = 0; k < terms; k++)
             sum += basis[k] * g->sh[3 * k + channel];
-        colour[channel] = sum > 0 ? sum : 0;
+        colour[channel] = sum > 0 ? sum * object->tint[channel] : 0;
     }
 }
 
@@ -166,39 +192,63 @@ static void pixel_box(const struct reference_splat *s, int width, int height, en
     *rows = pixel_span(s->y, s->c, s->radius, height, limit, cutoff);
 }
 
-int reference_project(const fxs_gaussian *gaussian, const fxs_file_view *view, const struct reference_options *options,
-                      struct reference_splat *out)
+/* Centre and Jacobian. Returns 0 where the centre is not beyond the near plane. */
+static int project_centre(const double offset[3], const fxs_file_view *view, double jw[2][3],
+                          struct reference_splat *out)
 {
     const double *right = view->rotation, *down = right + 3, *forward = right + 6;
-    double offset[3], jw[2][3];
-    for (int i = 0; i < 3; i++)
-        offset[i] = gaussian->position[i] - view->position[i];
-    double z = dot(forward, offset);
-    if (!gaussian_is_valid(gaussian) || !(z > (view->near > 0 ? view->near : NEAR_DEFAULT)))
+    double z = dot(forward, offset), x = dot(right, offset), y = dot(down, offset);
+    if (!(z > (view->near > 0 ? view->near : NEAR_DEFAULT)))
         return 0;
-
-    double slope_x = dot(right, offset) / z, slope_y = dot(down, offset) / z;
-    out->x = view->fx * slope_x + view->cx;
-    out->y = view->fy * slope_y + view->cy;
     out->depth = z;
-    jacobian_row(view->fx, view->cx, view->width, slope_x, z, right, forward, jw[0]);
-    jacobian_row(view->fy, view->cy, view->height, slope_y, z, down, forward, jw[1]);
-    project_covariance(gaussian, jw, out);
+    if (view->projection == FXS_ORTHOGRAPHIC) {
+        out->x = view->fx * x + view->cx;
+        out->y = view->fy * y + view->cy;
+        parallel_row(view->fx, right, jw[0]);
+        parallel_row(view->fy, down, jw[1]);
+        return 1;
+    }
+    out->x = view->fx * (x / z) + view->cx;
+    out->y = view->fy * (y / z) + view->cy;
+    jacobian_row(view->fx, view->cx, view->width, x / z, z, right, forward, jw[0]);
+    jacobian_row(view->fy, view->cy, view->height, y / z, z, down, forward, jw[1]);
+    return 1;
+}
+
+int reference_project_object(const fxs_gaussian *gaussian, const struct reference_object *object,
+                             const fxs_file_view *view, const struct reference_options *options,
+                             struct reference_splat *out)
+{
+    double offset[3], jw[2][3], position[3] = { gaussian->position[0], gaussian->position[1], gaussian->position[2] };
+    turn(object->rotation, position, offset);
+    for (int i = 0; i < 3; i++)
+        offset[i] = object->translation[i] + object->scale * offset[i] - view->position[i];
+    if (!gaussian_is_valid(gaussian) || !project_centre(offset, view, jw, out))
+        return 0;
+    project_covariance(gaussian, object, jw, out);
     double sharp_determinant = determinant(out);
     out->a += DILATION;
     out->c += DILATION;
     if (!isfinite(out->a) || !isfinite(out->c) || !(determinant(out) > 0))
         return 0;
 
-    out->opacity = 1 / (1 + exp(-gaussian->opacity));
+    out->opacity = object->opacity / (1 + exp(-gaussian->opacity));
     if (options->antialiased)
         out->opacity *= sqrt(fmax(0, sharp_determinant / determinant(out)));
     out->radius = square_radius(out);
-    shade(gaussian, offset, options->sh_degree, out->colour);
+    shade(gaussian, object, view->projection == FXS_ORTHOGRAPHIC ? view->rotation + 6 : offset, options->sh_degree,
+          out->colour);
 
     struct span columns, rows;
     pixel_box(out, view->width, view->height, options->cutoff, &columns, &rows);
     return columns.first < columns.end && rows.first < rows.end;
+}
+
+int reference_project(const fxs_gaussian *gaussian, const fxs_file_view *view, const struct reference_options *options,
+                      struct reference_splat *out)
+{
+    static const struct reference_object as_it_lies = { { 1, 0, 0, 0, 1, 0, 0, 0, 1 }, { 0, 0, 0 }, 1, 1, { 1, 1, 1 } };
+    return reference_project_object(gaussian, &as_it_lies, view, options, out);
 }
 
 static void add_colour(double *pixel, double weight, const double *colour)
@@ -207,37 +257,65 @@ static void add_colour(double *pixel, double weight, const double *colour)
         pixel[channel] += weight * colour[channel];
 }
 
-/* A pixel that stops takes its background at once; from then on its transmittance is 0. */
-static void blend_pixel(const struct reference_splat *s, double alpha, const double *background, double *transmittance,
-                        double *pixel)
+/* A picture while it is blended. */
+struct canvas {
+    int width, height;
+    const struct reference_options *options;
+    const struct reference_splat *splats;
+    double *transmittance, *rgb;
+    struct reference_trace *trace;   /* or null */
+};
+
+static void trace_pixel(const struct canvas *canvas, const struct reference_splat *s, size_t i, double before,
+                        double after)
 {
-    double next = *transmittance * (1 - alpha);
-    if (next < TRANSMITTANCE_MIN) {
-        add_colour(pixel, *transmittance, background);
-        *transmittance = 0;
+    struct reference_trace *t = canvas->trace;
+    const size_t number = (size_t)(s - canvas->splats);
+    const double weight = before - after, most = t->most[i];
+    t->mean[i] += weight * s->depth;
+    t->weight[i] += weight;
+    if (before >= 0.5 && after < 0.5)
+        t->median[i] = number;
+    t->median_margin[i] = fmin(t->median_margin[i], fabs(after - 0.5));
+    const double second = fmax(most * (1 - t->largest_margin[i]), fmin(weight, most));
+    if (weight > most) {
+        t->largest[i] = number;
+        t->most[i] = weight;
+    }
+    t->largest_margin[i] = 1 - second / t->most[i];
+}
+
+/* A pixel that stops takes its background at once; from then on its transmittance is 0. */
+static void blend_pixel(const struct canvas *canvas, const struct reference_splat *s, double alpha, size_t i)
+{
+    double before = canvas->transmittance[i], after = before * (1 - alpha);
+    if (canvas->trace && canvas->trace->occluder && s->depth > canvas->trace->occluder[i])
+        return;
+    if (after < TRANSMITTANCE_MIN) {
+        add_colour(&canvas->rgb[3 * i], before, canvas->options->background);
+        canvas->transmittance[i] = 0;
     } else {
-        add_colour(pixel, *transmittance * alpha, s->colour);
-        *transmittance = next;
+        add_colour(&canvas->rgb[3 * i], before * alpha, s->colour);
+        canvas->transmittance[i] = after;
+        if (canvas->trace)
+            trace_pixel(canvas, s, i, before, after);
     }
 }
 
-static void blend_splat(const struct reference_splat *s, int width, int height, const struct reference_options *options,
-                        double *transmittance, double *rgb)
+static void blend_splat(const struct canvas *canvas, const struct reference_splat *s)
 {
-    double det = determinant(s), limit = distance_limit(s, options->cutoff);
+    double det = determinant(s), limit = distance_limit(s, canvas->options->cutoff);
     double xx = s->c / det, xy = -2 * s->b / det, yy = s->a / det;   /* d2 = xx dx^2 + xy dx dy + yy dy^2 */
     struct span columns, rows;
-    pixel_box(s, width, height, options->cutoff, &columns, &rows);
+    pixel_box(s, canvas->width, canvas->height, canvas->options->cutoff, &columns, &rows);
     for (int row = rows.first; row < rows.end; row++) {
         double dy = row + 0.5 - s->y;
         for (int column = columns.first; column < columns.end; column++) {
             double dx = column + 0.5 - s->x;
             double d2 = (xx * dx + xy * dy) * dx + yy * dy * dy;
-            size_t i = (size_t)row * (size_t)width + (size_t)column;
-            if (d2 <= limit && transmittance[i] > 0) {
-                double alpha = fmin(ALPHA_MAX, s->opacity * exp(-d2 / 2));
-                blend_pixel(s, alpha, options->background, &transmittance[i], &rgb[3 * i]);
-            }
+            size_t i = (size_t)row * (size_t)canvas->width + (size_t)column;
+            if (d2 <= limit && canvas->transmittance[i] > 0)
+                blend_pixel(canvas, s, fmin(ALPHA_MAX, s->opacity * exp(-d2 / 2)), i);
         }
     }
 }
@@ -252,29 +330,78 @@ static int compare_depth(const void *left, const void *right)
     return (l > r) - (l < r);
 }
 
-int reference_render_splats(const struct reference_splat *splats, size_t count, int width, int height,
-                            const struct reference_options *options, double *rgb)
+int reference_trace_init(struct reference_trace *trace, int width, int height)
+{
+    const size_t pixels = (size_t)width * (size_t)height;
+    *trace = (struct reference_trace){ 0, calloc(pixels, sizeof(double)), calloc(pixels, sizeof(double)),
+                                       calloc(pixels, sizeof(size_t)), calloc(pixels, sizeof(double)),
+                                       calloc(pixels, sizeof(size_t)), calloc(pixels, sizeof(double)),
+                                       calloc(pixels, sizeof(double)) };
+    return trace->mean && trace->weight && trace->median && trace->median_margin && trace->largest &&
+           trace->most && trace->largest_margin ? 0 : -1;
+}
+
+void reference_trace_free(struct reference_trace *trace)
+{
+    free(trace->mean);
+    free(trace->weight);
+    free(trace->median);
+    free(trace->median_margin);
+    free(trace->largest);
+    free(trace->most);
+    free(trace->largest_margin);
+}
+
+/* Until trace_end, mean holds the sum of weight * depth. */
+static void trace_start(struct reference_trace *t, size_t pixels)
+{
+    for (size_t i = 0; i < pixels; i++) {
+        t->mean[i] = t->weight[i] = t->most[i] = 0;
+        t->median[i] = t->largest[i] = REFERENCE_NONE;
+        t->median_margin[i] = 0.5;
+        t->largest_margin[i] = 1;
+    }
+}
+
+static void trace_end(struct reference_trace *t, size_t pixels)
+{
+    for (size_t i = 0; i < pixels; i++)
+        t->mean[i] = t->weight[i] > 0 ? t->mean[i] / t->weight[i] : INFINITY;
+}
+
+int reference_trace_splats(const struct reference_splat *splats, size_t count, int width, int height,
+                           const struct reference_options *options, struct reference_trace *trace, double *rgb)
 {
     size_t pixels = (size_t)width * (size_t)height;
-    double *transmittance = calloc(pixels + 1, sizeof *transmittance);
     const struct reference_splat **order = calloc(count + 1, sizeof *order);   /* + 1: an empty list is no failure */
-    int status = transmittance && order ? 0 : -1;
+    struct canvas canvas = { width, height, options, splats, calloc(pixels + 1, sizeof(double)), rgb, trace };
+    int status = canvas.transmittance && order ? 0 : -1;
     if (status == 0) {
         for (size_t i = 0; i < count; i++)
             order[i] = &splats[i];
         qsort(order, count, sizeof *order, compare_depth);
         for (size_t i = 0; i < pixels; i++) {
-            transmittance[i] = 1;
+            canvas.transmittance[i] = 1;
             rgb[3 * i] = rgb[3 * i + 1] = rgb[3 * i + 2] = 0;
         }
+        if (trace)
+            trace_start(trace, pixels);
         for (size_t i = 0; i < count; i++)
-            blend_splat(order[i], width, height, options, transmittance, rgb);
+            blend_splat(&canvas, order[i]);
         for (size_t i = 0; i < pixels; i++)
-            add_colour(&rgb[3 * i], transmittance[i], options->background);
+            add_colour(&rgb[3 * i], canvas.transmittance[i], options->background);
+        if (trace)
+            trace_end(trace, pixels);
     }
     free(order);
-    free(transmittance);
+    free(canvas.transmittance);
     return status;
+}
+
+int reference_render_splats(const struct reference_splat *splats, size_t count, int width, int height,
+                            const struct reference_options *options, double *rgb)
+{
+    return reference_trace_splats(splats, count, width, height, options, 0, rgb);
 }
 
 int reference_render(const fxs_gaussian *gaussians, size_t count, const fxs_file_view *view,

@@ -32,10 +32,22 @@ struct reference_splat {
     int radius;          /* ceil(3 sigma_max), pixels; used by REFERENCE_SQUARE only */
 };
 
+/* How Gaussians stand in the world: world = translation + scale * rotation * position, and SH turn with them. */
+struct reference_object {
+    double rotation[9];  /* rows; orthonormal */
+    double translation[3], scale;
+    double opacity, tint[3];   /* factors */
+};
+
 /* Returns 1, or 0 where the Gaussian is culled: not finite, no rotation, not beyond the near plane, or its bounding box
    holds no pixel at which it reaches alpha 1/255. */
 int reference_project(const fxs_gaussian *gaussian, const fxs_file_view *view, const struct reference_options *options,
                       struct reference_splat *out);
+
+/* The same of a Gaussian of an object. */
+int reference_project_object(const fxs_gaussian *gaussian, const struct reference_object *object,
+                             const fxs_file_view *view, const struct reference_options *options,
+                             struct reference_splat *out);
 
 /* Renders to width * height * 3 doubles, rows from the top, not clamped. Returns 0, or -1 when out of memory. */
 int reference_render(const fxs_gaussian *gaussians, size_t count, const fxs_file_view *view,
@@ -44,6 +56,28 @@ int reference_render(const fxs_gaussian *gaussians, size_t count, const fxs_file
 /* The same from projected Gaussians, in any order: front to back by depth, ties by index. */
 int reference_render_splats(const struct reference_splat *splats, size_t count, int width, int height,
                             const struct reference_options *options, double *rgb);
+
+#define REFERENCE_NONE ((size_t)-1)
+
+/* What is seen at each pixel beside its colour. Splats are named by their place in the list; REFERENCE_NONE: none. */
+struct reference_trace {
+    const double *occluder;    /* depths; what is farther adds nothing. May be null */
+    double *mean;              /* sum of weight * depth / sum of weights; infinite where no splat has one */
+    double *weight;            /* sum of weights */
+    size_t *median;            /* at which the transmittance falls below 1/2 */
+    double *median_margin;     /* how near to 1/2 the transmittance was after any splat, at least */
+    size_t *largest;           /* of the largest weight, the first of equal ones */
+    double *most;              /* that weight */
+    double *largest_margin;    /* how much smaller the next weight is, as a part of it */
+};
+
+/* Room for a picture, but for the occluder, which is null. Returns 0, or -1 when out of memory. */
+int reference_trace_init(struct reference_trace *trace, int width, int height);
+void reference_trace_free(struct reference_trace *trace);
+
+/* reference_render_splats that fills in *trace. */
+int reference_trace_splats(const struct reference_splat *splats, size_t count, int width, int height,
+                           const struct reference_options *options, struct reference_trace *trace, double *rgb);
 
 /* Clamps to 0..1 and rounds to the nearest of 0..255; alpha 255. */
 void reference_to_rgba8(const double *rgb, int width, int height, uint8_t *rgba);

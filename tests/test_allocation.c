@@ -103,8 +103,8 @@ static void render_frames(uint32_t threads)
         fxs_stats stats;
         fxs_view_orbit(&view, middle, up, 0.2);
         CHECK(!fxs_camera_from_view(&camera, &view, &m) &&
-              !one_render(&context, &scene, &camera, &options, FXS_FORMAT_RGBA8, memory, i % 2 ? bytes : bytes / 2, pixels,
-                          WIDTH * 4, &stats));
+              !one_render(&context, &scene, &camera, &options, FXS_FORMAT_RGBA8, memory, i % 2 ? bytes : bytes / 2,
+                          pixels, WIDTH * 4, &stats));
         visible += stats.visible;
         bands += stats.bands;
     }

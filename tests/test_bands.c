@@ -36,8 +36,8 @@ static int render(const fxs_context *context, size_t bytes, fxs_stats *stats)
     unsigned char *memory = check_aligned(bytes + GUARD_BYTES);
     memset(memory, GUARD, bytes + GUARD_BYTES);
     memset(drawn.pixels, GUARD, drawn.bytes);
-    int error = one_render(context, &drawn.scene, &drawn.camera, &drawn.options, drawn.format, memory, bytes, drawn.pixels,
-                           (ptrdiff_t)(drawn.bytes / (size_t)drawn.camera.height), stats);
+    int error = one_render(context, &drawn.scene, &drawn.camera, &drawn.options, drawn.format, memory, bytes,
+                           drawn.pixels, (ptrdiff_t)(drawn.bytes / (size_t)drawn.camera.height), stats);
     CHECK(untouched(memory + bytes, GUARD_BYTES));
     free(memory);
     return error;
@@ -105,8 +105,8 @@ static void draw(void)
     fxs_init(&context, 0);
     size_t bytes = one_frame_bytes(&context, &drawn.scene, drawn.camera.width, drawn.camera.height, 0);
     void *memory = check_aligned(bytes);
-    CHECK(!one_render(&context, &drawn.scene, &drawn.camera, &drawn.options, drawn.format, memory, bytes, drawn.expected,
-                      (ptrdiff_t)drawn.camera.width * (ptrdiff_t)pixel_bytes, &drawn.stats));
+    CHECK(!one_render(&context, &drawn.scene, &drawn.camera, &drawn.options, drawn.format, memory, bytes,
+                      drawn.expected, (ptrdiff_t)drawn.camera.width * (ptrdiff_t)pixel_bytes, &drawn.stats));
     CHECK(!one_count_pairs(&drawn.scene, &drawn.camera, &drawn.options, memory, bytes, &drawn.evaluated,
                            &drawn.blended));
     CHECK(drawn.stats.bands == 1 && drawn.stats.memory.least == 0 && drawn.stats.memory.total == bytes);

@@ -63,7 +63,8 @@ static int render(const fxs_file_view *view, uint8_t *rgba)
         return -1;
     const size_t bytes = one_frame_bytes(&context, &scene, WIDTH, HEIGHT, 0);
     void *memory = check_aligned(bytes);
-    const int error = one_render(&context, &scene, &camera, &options, FXS_FORMAT_RGBA8, memory, bytes, rgba, WIDTH * 4, 0);
+    const int error = one_render(&context, &scene, &camera, &options, FXS_FORMAT_RGBA8, memory, bytes, rgba,
+                                 WIDTH * 4, 0);
     free(memory);
     return error;
 }

@@ -170,11 +170,11 @@ static uint64_t render(const fxs_context *context, enum call call, size_t size)
     if (call == PAIRS)
         error = one_count_pairs(&drawn.scene, &drawn.camera, &drawn.options, room.data, size, &pairs[0], &pairs[1]);
     else if (call == STEREO || call == EXACT)
-        error = one_render_stereo(context, &drawn.scene, cameras, &drawn.options, FXS_FORMAT_RGBA8, call == EXACT, room.data,
-                                  size, (void *const[2]){left.data, right.data}, stride, NULL);
+        error = one_render_stereo(context, &drawn.scene, cameras, &drawn.options, FXS_FORMAT_RGBA8, call == EXACT,
+                                  room.data, size, (void *const[2]){left.data, right.data}, stride, NULL);
     else
-        error = one_render(context, &drawn.scene, &drawn.camera, &drawn.options, FXS_FORMAT_RGBA8, room.data, size, left.data,
-                           stride, NULL);
+        error = one_render(context, &drawn.scene, &drawn.camera, &drawn.options, FXS_FORMAT_RGBA8, room.data, size,
+                           left.data, stride, NULL);
     const uint64_t touches = end_watch();
     CHECK(error == 0 || error == FXS_ERR_SCENE || ((call <= HALF || call == PAIRS) && error == FXS_ERR_MEMORY));
     CHECK(free_room(room) && free_room(left) && free_room(right));

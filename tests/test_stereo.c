@@ -314,7 +314,7 @@ static void test_arguments(void)
     const enum fxs_format format = random_pair(cameras, &options, 2);
     fxs_init(&context, 0);
     pair p = pair_of(&scene, cameras, &options, format), other = p;
-    unsigned char *pixels = malloc(p.bytes);
+    unsigned char *pixels = check_aligned(p.bytes);
     size_t bytes = bytes_of(&p, &context);
     CHECK(bytes > one_frame_bytes(&context, &scene, cameras[0].width, cameras[0].height, 0));
     CHECK(!one_stereo_bytes(&context, &scene, 0, 1) && !one_stereo_bytes(&context, 0, 1, 1));
