@@ -1,7 +1,17 @@
 #include "kernels.h"
+#include "lanes/stages.h"
 
 #if defined(__x86_64__) || defined(__i386__)
-#include "x86/x86.h"
+FXS_PROJECT(avx2);
+FXS_PROJECT(avx512);
+FXS_SHADE(avx2);
+FXS_SHADE(avx512);
+FXS_BIN(avx2);
+FXS_BIN(avx512);
+FXS_BLEND(sse41);
+FXS_BLEND(avx2);
+FXS_BLEND(avx512);
+FXS_RESOLVE(sse41);
 
 unsigned fxs_cpu_detect(void)
 {
@@ -18,7 +28,11 @@ unsigned fxs_cpu_detect(void)
     return cpu;
 }
 #elif defined(__aarch64__) && !defined(__AARCH64EB__)
-#include "arm/arm.h"
+FXS_PROJECT(neon);
+FXS_SHADE(neon);
+FXS_BIN(neon);
+FXS_BLEND(neon);
+FXS_RESOLVE(neon);
 
 unsigned fxs_cpu_detect(void)
 {

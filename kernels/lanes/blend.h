@@ -1,0 +1,170 @@
+/* blend, 2 * LANES pixels at a time: a step is one such vector, in the order of the tile's pixels. Steps of a row or
+ * two are taken one after the other. Of shorter ones (LANES 4) those are left out that are closed, or on a row that the
+ * ellipse does not reach, or have no pixel in its reach. An entry has to touch a row of the tile. */
+#include "stages.h"
+
+#define STEPS (FXS_TILE_PIXELS / (2 * LANES))
+#define SKIPS (LANES < 8)
+#define AHEAD (SKIPS ? 2 : 14)     /* entries: a splat is fetched that much before it is blended */
+
+/* The pixels of a step, as pack_q13() leaves them. */
+typedef struct pixels {
+    vh transmittance_q15, red_q13, green_q13, blue_q13;
+} pixels;
+
+/* A splat at a tile. */
+typedef struct placed {
+    uint32_t u_q24, v_q24;
+    int first_row, last_row;
+    vh limit_q11, red_q13, green_q13, blue_q13;
+} placed;
+
+static inline placed place(const fxs_view *view, const fxs_splat *splat, uint32_t entry, int32_t x, int32_t y)
+{
+    placed p = {splat->u0_q24 + (uint32_t)x * (uint32_t)splat->ux_q24 + (uint32_t)y * (uint32_t)splat->uy_q24,
+                splat->v0_q24 + (uint32_t)y * (uint32_t)splat->vy_q24, splat->first_row - y, splat->last_row - y,
+                all_h(fxs_limit_q11(splat->offset_q11, view->cut_q11)), all_h(splat->colour_q13[0]),
+                all_h(splat->colour_q13[1]), all_h(splat->colour_q13[2])};
+    p.first_row = p.first_row < 0 ? 0 : p.first_row;
+    p.last_row = fxs_min(p.last_row, FXS_TILE - 1);
+    if (__builtin_expect((entry & FXS_ENTRY_FAR) != 0, 0))
+        p.u_q24 = p.v_q24 = FXS_FAR_Q24;
+    return p;
+}
+
+#if LANES < FXS_TILE
+/* v^2 + offset of the 16 rows. */
+typedef struct row_levels {
+    int16_t of_row[FXS_TILE] __attribute__((aligned(32)));
+} row_levels;
+
+/* Those of 2 * LANES rows. */
+static inline vh some_levels(uint32_t v_q24, uint32_t vy_q24, uint16_t offset_q11)
+{
+    const vh v_q13 = pack_q13(ramp(v_q24, vy_q24), ramp(v_q24 + LANES * vy_q24, vy_q24));
+    return add_level(mul_h(v_q13, v_q13), all_h(offset_q11));
+}
+
+/* The lanes of a step. */
+static inline vh row_level(const row_levels *levels, int step)
+{
+    return all_h(levels->of_row[step * 2 * LANES / FXS_TILE]);
+}
+#endif
+
+/* exp(-level / 2), cut at 0.99: fxs_alpha_q15 */
+static inline vh alpha_of(vh level)
+{
+    vh p = mul_add_h(all_h(-4236), level, all_h(16016));
+    p = mul_add_h(p, level, all_h(-32730));
+    p = mul_add_h(p, level, all_h(32767));
+    p = mul_h(p, p);
+    p = mul_h(p, p);
+    p = mul_h(p, p);
+    return least_h(p, all_h(FXS_ALPHA_MAX_Q15));
+}
+
+/* Blends the pixels of a step that count. */
+static inline void blend_step(pixels *at, const placed *p, vh level, mask_h counted)
+{
+    const vh t = at->transmittance_q15, weight = mul_h(where(counted, alpha_of(level)), t);
+    at->transmittance_q15 = t - weight;
+    at->red_q13 = mul_add_cut_h(weight, p->red_q13, at->red_q13);
+    at->green_q13 = mul_add_cut_h(weight, p->green_q13, at->green_q13);
+    at->blue_q13 = mul_add_cut_h(weight, p->blue_q13, at->blue_q13);
+}
+
+#if SKIPS
+/* v^2 + offset of the 16 rows. Returns the rows within the limit, a bit each in ROW_BITS. */
+static inline uint64_t rows_reached(row_levels *levels, const placed *p, const fxs_splat *splat)
+{
+    const uint32_t vy = (uint32_t)splat->vy_q24;
+    const vh upper = some_levels(p->v_q24, vy, splat->offset_q11);
+    const vh lower = some_levels(p->v_q24 + 8 * vy, vy, splat->offset_q11);
+    store_h(levels->of_row, upper);
+    store_h(levels->of_row + 8, lower);
+    return row_bits(within(upper, p->limit_q11), within(lower, p->limit_q11)) & ALL_ROWS << ROW_BITS * p->first_row &
+           ALL_ROWS >> ROW_BITS * (FXS_TILE - 1 - p->last_row);
+}
+
+/* Returns 0 where no pixel of the step counts. */
+static inline int blend_half(pixels *at, const placed *p, vu first_q24, vu second_q24, vh row_level_q11)
+{
+    const vh u_q13 = pack_q13(first_q24, second_q24), level = add_level(mul_h(u_q13, u_q13), row_level_q11);
+    const mask_h counted = within(level, p->limit_q11) & open_of(at->transmittance_q15);
+    if (!any_h(counted))
+        return 0;
+    blend_step(at, p, level, counted);
+    return 1;
+}
+
+/* Blends a splat over the rows in `open`, and takes out of it those that are found closed. */
+static inline void blend_splat(pixels tile[STEPS], uint64_t *open, const placed *p, const fxs_splat *splat)
+{
+    row_levels levels;
+    uint64_t rows = p->first_row > p->last_row ? 0 : *open & rows_reached(&levels, p, splat);
+    const uint32_t ux = (uint32_t)splat->ux_q24, uy = (uint32_t)splat->uy_q24;
+    const vu a = ramp(p->u_q24, ux), b = a + LANES * ux, c = b + LANES * ux, d = c + LANES * ux;
+    for (; rows; rows &= rows - 1) {
+        const int row = __builtin_ctzll(rows) / ROW_BITS;
+        pixels *at = tile + 2 * row;
+        const vh level = row_level(&levels, 2 * row);
+        const vu down = (vu)all((int32_t)((uint32_t)row * uy));
+        const int left = blend_half(at, p, a + down, b + down, level);
+        const int right = blend_half(at + 1, p, c + down, d + down, level);
+        if (!(left | right) && !any_h(open_of(at->transmittance_q15) | open_of(at[1].transmittance_q15)))
+            *open &= ~(rows & (0 - rows));
+    }
+}
+#else
+#if LANES < FXS_TILE
+static inline row_levels row_levels_of(uint32_t v_q24, uint32_t vy_q24, uint16_t offset_q11)
+{
+    row_levels levels;
+    store_in_order(levels.of_row, some_levels(v_q24, vy_q24, offset_q11));
+    return levels;
+}
+#endif
+
+#define ALL_ROWS (~(uint64_t)0 >> (64 - STEPS))
+
+/* Blends a splat over its rows, and takes the steps out of `open` that are found closed. */
+static inline void blend_splat(pixels tile[STEPS], uint64_t *open, const placed *p, const fxs_splat *splat)
+{
+    const int first = p->first_row * STEPS / FXS_TILE, last = ((p->last_row + 1) * STEPS - 1) / FXS_TILE;
+    const uint32_t ux = (uint32_t)splat->ux_q24, uy = (uint32_t)splat->uy_q24, rows = FXS_TILE / STEPS;
+    const row_levels levels = row_levels_of(p->v_q24, (uint32_t)splat->vy_q24, splat->offset_q11);
+    vu a = ramp(p->u_q24 + (uint32_t)first * rows * uy, ux), b = a + (LANES < FXS_TILE ? LANES * ux : uy);
+    const vu down = (vu)all((int32_t)(rows * uy));
+    for (int step = first; step <= last; step++, a += down, b += down) {
+        const vh u_q13 = pack_q13(a, b), level = add_level(mul_h(u_q13, u_q13), row_level(&levels, step));
+        const mask_h open_here = open_of(tile[step].transmittance_q15);
+        if (any_h(open_here))
+            blend_step(tile + step, p, level, within(level, p->limit_q11) & open_here);
+        else
+            *open &= ~((uint64_t)1 << step);
+    }
+}
+#endif
+
+FXS_BLEND(ISA)
+{
+    pixels steps[STEPS];
+    uint64_t open = ALL_ROWS;
+    for (int s = 0; s < STEPS; s++)
+        steps[s] = (pixels){all_h(FXS_CLEAR_Q15), all_h(0), all_h(0), all_h(0)};
+    for (uint32_t i = 0; i < count && open; i++) {
+        if (i + AHEAD < count)
+            __builtin_prefetch(&splats[entries[i + AHEAD] & ~FXS_ENTRY_FAR]);
+        const fxs_splat *splat = &splats[entries[i] & ~FXS_ENTRY_FAR];
+        const placed p = place(view, splat, entries[i], x, y);
+        blend_splat(steps, &open, &p, splat);
+    }
+    for (int s = 0; s < STEPS; s++) {
+        const int at = s * 2 * LANES;
+        store_in_order(tile->transmittance_q15 + at, steps[s].transmittance_q15);
+        store_in_order(tile->sum_q13[0] + at, steps[s].red_q13);
+        store_in_order(tile->sum_q13[1] + at, steps[s].green_q13);
+        store_in_order(tile->sum_q13[2] + at, steps[s].blue_q13);
+    }
+}
