@@ -1,7 +1,20 @@
 #include "kernels.h"
+#include "lanes/stages.h"
 
 #if defined(__x86_64__) || defined(__i386__)
-#include "x86/x86.h"
+FXS_PROJECT(avx2);
+FXS_PROJECT(avx512);
+FXS_SHADE(avx2);
+FXS_SHADE(avx512);
+FXS_BIN(avx2);
+FXS_BIN(avx512);
+FXS_BLEND(sse41);
+FXS_TRACE(sse41);
+FXS_BLEND(avx2);
+FXS_TRACE(avx2);
+FXS_BLEND(avx512);
+FXS_TRACE(avx512);
+FXS_RESOLVE(sse41);
 
 unsigned fxs_cpu_detect(void)
 {
@@ -18,7 +31,12 @@ unsigned fxs_cpu_detect(void)
     return cpu;
 }
 #elif defined(__aarch64__) && !defined(__AARCH64EB__)
-#include "arm/arm.h"
+FXS_PROJECT(neon);
+FXS_SHADE(neon);
+FXS_BIN(neon);
+FXS_BLEND(neon);
+FXS_TRACE(neon);
+FXS_RESOLVE(neon);
 
 unsigned fxs_cpu_detect(void)
 {
@@ -50,6 +68,7 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
 #if defined(__x86_64__) || defined(__i386__)
     if (cpu & FXS_CPU_SSE41) {
         USE(FXS_BLEND, blend, sse41);
+        kernels->trace = fxs_trace_sse41;
         USE(FXS_RESOLVE, resolve, sse41);
     }
     if (cpu & FXS_CPU_AVX2) {
@@ -57,12 +76,14 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
         USE(FXS_SHADE, shade, avx2);
         USE(FXS_BIN, bin, avx2);
         USE(FXS_BLEND, blend, avx2);
+        kernels->trace = fxs_trace_avx2;
     }
     if (cpu & FXS_CPU_AVX512) {
         USE(FXS_PROJECT, project, avx512);
         USE(FXS_SHADE, shade, avx512);
         USE(FXS_BIN, bin, avx512);
         USE(FXS_BLEND, blend, avx512);
+        kernels->trace = fxs_trace_avx512;
     }
 #elif defined(__aarch64__) && !defined(__AARCH64EB__)
     if (cpu & FXS_CPU_NEON) {
@@ -70,6 +91,7 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
         USE(FXS_SHADE, shade, neon);
         USE(FXS_BIN, bin, neon);
         USE(FXS_BLEND, blend, neon);
+        kernels->trace = fxs_trace_neon;
         USE(FXS_RESOLVE, resolve, neon);
     }
 #else

@@ -40,13 +40,19 @@ typedef struct blending {
 static void trace_pixel(const blending *b, int i, int transmittance_q15, int weight_q15)
 {
     fxs_trace *trace = b->trace;
-    trace->depth_q15[i] = (int16_t)(trace->depth_q15[i] + fxs_mul_q15(weight_q15, b->depth_q15));
-    if (weight_q15 && transmittance_q15 >= FXS_HALF_Q15)
+    if (trace->which & FXS_TRACE_MEAN)
+        trace->depth_q15[i] = (int16_t)(trace->depth_q15[i] + fxs_mul_q15(weight_q15, b->depth_q15));
+    if (trace->which & FXS_TRACE_MEDIAN && weight_q15 && transmittance_q15 >= FXS_HALF_Q15)
         trace->median[i] = (int16_t)b->place;
-    if (weight_q15 > trace->weight_q15[i]) {
+    if (trace->which & FXS_TRACE_ID && weight_q15 > trace->weight_q15[i]) {
         trace->weight_q15[i] = (int16_t)weight_q15;
         trace->largest[i] = (int16_t)b->place;
     }
+}
+
+static int is_hidden(const blending *b, int i)
+{
+    return b->trace && b->trace->which & FXS_TRACE_END && b->place >= b->trace->end[i];
 }
 
 /* One splat over one row. Returns how many pixels it closed. */
@@ -63,7 +69,7 @@ static int blend_row(blending *b, int row, const fxs_splat *splat, const placed 
             continue;
         b->evaluated++;
         int level = fxs_level_q11(fxs_coordinate_q13((int32_t)u_q24), level_of_row);
-        if (level > p->limit_q11 || (b->trace && b->place >= b->trace->end[i]))
+        if (level > p->limit_q11 || is_hidden(b, i))
             continue;
         b->blended++;
         int weight = fxs_weight_q15(fxs_alpha_q15(level), transmittance);
@@ -77,9 +83,9 @@ static int blend_row(blending *b, int row, const fxs_splat *splat, const placed 
     return closed;
 }
 
-/* depths_q15: null without a trace. Returns how many pixels are open. */
-static int blend_list(blending *b, const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats,
-                      const uint32_t *entries, const int16_t *depths_q15, uint32_t count)
+/* depths_q15: null without a trace. */
+static void blend_list(blending *b, const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats,
+                       const uint32_t *entries, const int16_t *depths_q15, uint32_t count)
 {
     int open = 0;
     for (int i = 0; i < FXS_TILE_PIXELS; i++)
@@ -92,7 +98,6 @@ static int blend_list(blending *b, const fxs_view *view, int32_t x, int32_t y, c
         for (int row = p.first_row; row <= p.last_row; row++)
             open -= blend_row(b, row, splat, &p);
     }
-    return open;
 }
 
 void fxs_blend_count(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
@@ -112,9 +117,9 @@ void fxs_blend_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *sp
     fxs_blend_count(view, x, y, splats, entries, count, tile, &evaluated, &blended);
 }
 
-int fxs_trace_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
-                const int16_t *depths_q15, uint32_t count, fxs_tile *tile, fxs_trace *trace)
+void fxs_trace_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
+                 const int16_t *depths_q15, uint32_t count, fxs_tile *tile, fxs_trace *trace)
 {
     blending b = {.tile = tile, .trace = trace};
-    return blend_list(&b, view, x, y, splats, entries, depths_q15, count) > 0;
+    blend_list(&b, view, x, y, splats, entries, depths_q15, count);
 }

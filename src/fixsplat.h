@@ -267,8 +267,8 @@ typedef struct fxs_kernels {
                   const uint32_t *entries, uint32_t count, struct fxs_tile *tile);
 
     /* blend over a part of a list, which goes on from the tile's state and keeps track of what depths and ids are made
-       from. depths_q15: a code for the depth of each entry. Returns whether a pixel is still open. */
-    int (*trace)(const struct fxs_view *view, int32_t x, int32_t y, const struct fxs_splat *splats,
+       from. depths_q15: a code for the depth of each entry. */
+    void (*trace)(const struct fxs_view *view, int32_t x, int32_t y, const struct fxs_splat *splats,
                  const uint32_t *entries, const int16_t *depths_q15, uint32_t count, struct fxs_tile *tile,
                  struct fxs_trace *trace);
 

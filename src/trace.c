@@ -5,6 +5,7 @@
 #include "memory.h"
 
 #define PART 512u                  /* entries, at most */
+#define AHEAD 16                   /* entries */
 #define GUARD 8                    /* bits of the depth sums below a unit of the target */
 
 typedef struct tracer {
@@ -34,9 +35,11 @@ static void begin_part(tracer *t)
 {
     const uint32_t *depths = t->f->eye->depths;
     const uint32_t most = t->count - t->first < PART ? t->count - t->first : PART;
-    const int one_octave = t->targets->mean_depth.pixels != 0;
+    const int one_octave = t->trace.which & FXS_TRACE_MEAN;
     uint32_t n = 0;
     for (; n < most; n++) {
+        if (n + AHEAD < most)
+            FXS_PREFETCH(&depths[slot_of(t->list[t->first + n + AHEAD])]);
         const uint32_t key = depths[slot_of(t->list[t->first + n])];
         t->octave = n ? t->octave : key >> 26;
         if (one_octave && key >> 26 != t->octave)
@@ -65,10 +68,13 @@ static int16_t end_of(const tracer *t, uint32_t limit)
 
 static void reset_trace(tracer *t)
 {
-    memset(t->trace.depth_q15, 0, sizeof t->trace.depth_q15);
-    memset(t->trace.median, 0xff, sizeof t->trace.median);
-    memset(t->trace.largest, 0xff, sizeof t->trace.largest);
-    for (int i = 0; i < FXS_TILE_PIXELS && t->targets->occluder.pixels; i++)
+    if (t->trace.which & FXS_TRACE_MEAN)
+        memset(t->trace.depth_q15, 0, sizeof t->trace.depth_q15);
+    if (t->trace.which & FXS_TRACE_MEDIAN)
+        memset(t->trace.median, 0xff, sizeof t->trace.median);
+    if (t->trace.which & FXS_TRACE_ID)
+        memset(t->trace.largest, 0xff, sizeof t->trace.largest);
+    for (int i = 0; i < FXS_TILE_PIXELS && t->trace.which & FXS_TRACE_END; i++)
         t->trace.end[i] = end_of(t, t->limits[i]);
 }
 
@@ -83,20 +89,27 @@ static void add_depths(tracer *t, const fxs_tile *tile)
     }
 }
 
+/* Places in the part become slots. */
+static void note_slots(const tracer *t, const int16_t places[FXS_TILE_PIXELS], uint32_t slots[FXS_TILE_PIXELS])
+{
+    const uint32_t *part = t->list + t->first;
+    for (int i = 0; i < FXS_TILE_PIXELS; i++)
+        slots[i] = places[i] < 0 ? slots[i] : slot_of(part[places[i]]);
+}
+
 /* Returns whether a pixel takes more. */
 static int end_part(tracer *t, const fxs_tile *tile)
 {
-    const uint32_t *part = t->list + t->first, last = t->keys[t->end - t->first - 1];
+    const uint32_t last = t->keys[t->end - t->first - 1];
     int open = 0;
-    if (t->targets->mean_depth.pixels)
+    if (t->trace.which & FXS_TRACE_MEAN)
         add_depths(t, tile);
-    for (int i = 0; i < FXS_TILE_PIXELS; i++) {
-        if (t->trace.median[i] >= 0)
-            t->median[i] = slot_of(part[t->trace.median[i]]);
-        if (t->trace.largest[i] >= 0)
-            t->largest[i] = slot_of(part[t->trace.largest[i]]);
-        open |= tile->transmittance_q15[i] >= FXS_CLOSED_Q15 && t->limits[i] >= last;
-    }
+    if (t->trace.which & FXS_TRACE_MEDIAN)
+        note_slots(t, t->trace.median, t->median);
+    if (t->trace.which & FXS_TRACE_ID)
+        note_slots(t, t->trace.largest, t->largest);
+    for (int i = 0; i < FXS_TILE_PIXELS; i++)
+        open |= (tile->transmittance_q15[i] >= FXS_CLOSED_Q15) & (t->limits[i] >= last);
     return open;
 }
 
@@ -106,8 +119,6 @@ static void read_limits(tracer *t, int32_t x, int32_t y, int32_t columns, int32_
 {
     const fxs_image *occluder = &t->targets->occluder;
     memset(t->limits, 0xff, sizeof t->limits);
-    for (int i = 0; i < FXS_TILE_PIXELS; i++)
-        t->trace.end[i] = INT16_MAX;
     for (int32_t row = 0; row < rows && occluder->pixels; row++) {
         const uint32_t *depths = (const uint32_t *)(const void *)fxs_image_at(occluder, x, y + row, 4);
         for (int32_t column = 0; column < columns; column++)
@@ -125,26 +136,44 @@ static uint32_t mean_of(const tracer *t, int i, int transmittance_q15)
     return mean < FXS_NOTHING ? (uint32_t)mean : FXS_NOTHING - 1;
 }
 
-static fxs_id id_of(const fxs_frame *f, uint32_t slot)
+/* Of a slot or none. *object: of the pixel before, as a guess. */
+static fxs_id id_of(const fxs_frame *f, uint32_t slot, const fxs_object_view **object)
 {
     if (slot == FXS_NOTHING)
         return (fxs_id){FXS_NOTHING, FXS_NOTHING};
     const uint32_t index = f->indices[slot];
-    const fxs_object_view *object = &f->eye->objects[fxs_frame_object(f, index / FXS_CHUNK)];
-    return (fxs_id){object->id, index - object->first_chunk * FXS_CHUNK};
+    if (index / FXS_CHUNK - (*object)->first_chunk >= (*object)->scene.chunk_count)
+        *object = &f->eye->objects[fxs_frame_object(f, index / FXS_CHUNK)];
+    return (fxs_id){(*object)->id, index - (*object)->first_chunk * FXS_CHUNK};
 }
 
-static void write_pixel(const tracer *t, const fxs_tile *tile, int32_t x, int32_t y, int i)
+static void write_row(const tracer *t, const fxs_tile *tile, int32_t x, int32_t y, int32_t columns, int first)
 {
     const fxs_targets *targets = t->targets;
-    const int transmittance_q15 = tile->transmittance_q15[i];
-    if (targets->mean_depth.pixels)
-        *(uint32_t *)(void *)fxs_image_at(&targets->mean_depth, x, y, 4) = mean_of(t, i, transmittance_q15);
-    if (targets->median_depth.pixels)
-        *(uint32_t *)(void *)fxs_image_at(&targets->median_depth, x, y, 4) =
-            transmittance_q15 < FXS_HALF_Q15 ? fxs_depth_of_key(t->f->eye->depths[t->median[i]], t->bits) : FXS_NOTHING;
-    if (targets->id.pixels)
-        *(fxs_id *)(void *)fxs_image_at(&targets->id, x, y, 8) = id_of(t->f, t->largest[i]);
+    const int16_t *transmittance_q15 = tile->transmittance_q15 + first;
+    if (targets->mean_depth.pixels) {
+        uint32_t *means = (uint32_t *)(void *)fxs_image_at(&targets->mean_depth, x, y, 4);
+        for (int32_t i = 0; i < columns; i++)
+            means[i] = mean_of(t, first + i, transmittance_q15[i]);
+    }
+    if (targets->median_depth.pixels) {
+        uint32_t *medians = (uint32_t *)(void *)fxs_image_at(&targets->median_depth, x, y, 4);
+        for (int32_t i = 0; i < columns; i++)
+            medians[i] = transmittance_q15[i] >= FXS_HALF_Q15
+                             ? FXS_NOTHING : fxs_depth_of_key(t->f->eye->depths[t->median[first + i]], t->bits);
+    }
+    if (targets->id.pixels) {
+        fxs_id *ids = (fxs_id *)(void *)fxs_image_at(&targets->id, x, y, 8);
+        const fxs_object_view *object = t->f->eye->objects;
+        for (int32_t i = 0; i < columns; i++)
+            ids[i] = id_of(t->f, t->largest[first + i], &object);
+    }
+}
+
+static unsigned which_of(const fxs_targets *targets, const uint32_t *slots)
+{
+    return (targets->mean_depth.pixels ? FXS_TRACE_MEAN : 0u) | (targets->median_depth.pixels ? FXS_TRACE_MEDIAN : 0u) |
+           (targets->id.pixels || slots ? FXS_TRACE_ID : 0u) | (targets->occluder.pixels ? FXS_TRACE_END : 0u);
 }
 
 void fxs_trace_tile(const fxs_frame *f, uint32_t tile, int32_t x, int32_t y, fxs_tile *pixels, uint32_t *slots)
@@ -156,6 +185,7 @@ void fxs_trace_tile(const fxs_frame *f, uint32_t tile, int32_t x, int32_t y, fxs
     t.f = f;
     t.targets = f->eye->targets;
     t.bits = fxs_depth_bits(t.targets);
+    t.trace.which = which_of(t.targets, slots);
     t.list = fxs_list_of(f, tile);
     t.count = f->tile_counts[tile];
     fxs_tile_clear(pixels);
@@ -168,13 +198,12 @@ void fxs_trace_tile(const fxs_frame *f, uint32_t tile, int32_t x, int32_t y, fxs
         begin_part(&t);
         reset_trace(&t);
         memcpy(t.before_q15, pixels->transmittance_q15, sizeof t.before_q15);
-        open = f->context->kernels.trace(view, x, y, f->eye->splats, t.list + t.first, t.codes_q15, t.end - t.first,
-                                         pixels, &t.trace);
-        open &= end_part(&t, pixels);
+        f->context->kernels.trace(view, x, y, f->eye->splats, t.list + t.first, t.codes_q15, t.end - t.first, pixels,
+                                  &t.trace);
+        open = end_part(&t, pixels);
     }
     for (int32_t row = 0; row < rows; row++)
-        for (int32_t column = 0; column < columns; column++)
-            write_pixel(&t, pixels, x + column, y + row, row * FXS_TILE + column);
+        write_row(&t, pixels, x, y + row, columns, row * FXS_TILE);
     if (slots)
         memcpy(slots, t.largest, sizeof t.largest);
 }

@@ -1,26 +1,15 @@
-/* 16 lanes of 32 bits in AVX-512 (F, BW, DQ, VL, CD): what + - * & | and constant shifts of a vector do not say. */
+/* 16 lanes of 32 bits in AVX-512 (F, BW, DQ, VL, CD). */
 #ifndef FXS_LANES_AVX512_H
 #define FXS_LANES_AVX512_H
 
-#include <immintrin.h>
-#include <stdint.h>
-
+#define ISA avx512
 #define LANES 16
+#define V __m512i
+#define MM(name) _mm512_##name
+#include "../../src/stage.h"
+#include "common.h"
 
-typedef int32_t vi __attribute__((vector_size(64)));
-typedef uint32_t vu __attribute__((vector_size(64)));
-typedef uint64_t vw __attribute__((vector_size(64)));
 typedef __mmask16 mask;
-
-static inline vi all(int32_t x)
-{
-    return (vi)_mm512_set1_epi32(x);
-}
-
-static inline vi load(const void *from)
-{
-    return (vi)_mm512_loadu_si512(from);
-}
 
 static inline vi load_u16(const uint16_t *from)
 {
@@ -42,25 +31,6 @@ static inline __m512i every_fourth(const int32_t *from, int stride, const int32_
     return _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1);
 }
 
-/* The four words at from + stride * at[lane], of each lane. Quicker than gathers, and constant offsets fold. */
-static inline __attribute__((always_inline)) void load_fours(vi words[4], const int32_t *from, int stride,
-                                                             const int32_t at[LANES])
-{
-    __m512i x = every_fourth(from, stride, at), y = every_fourth(from, stride, at + 1);
-    __m512i z = every_fourth(from, stride, at + 2), w = every_fourth(from, stride, at + 3);
-    __m512i xy = _mm512_unpacklo_epi32(x, y), zw = _mm512_unpacklo_epi32(z, w);
-    words[0] = (vi)_mm512_unpacklo_epi64(xy, zw);
-    words[1] = (vi)_mm512_unpackhi_epi64(xy, zw);
-    xy = _mm512_unpackhi_epi32(x, y), zw = _mm512_unpackhi_epi32(z, w);
-    words[2] = (vi)_mm512_unpacklo_epi64(xy, zw);
-    words[3] = (vi)_mm512_unpackhi_epi64(xy, zw);
-}
-
-static inline void store(void *to, vi x)
-{
-    _mm512_storeu_si512(to, (__m512i)x);
-}
-
 /* a[0], b[0], a[1], b[1], ... */
 static inline void store_pairs(void *to, vi a, vi b)
 {
@@ -74,6 +44,11 @@ static inline void store_pairs(void *to, vi a, vi b)
 static inline void store_compressed(void *to, vi x, mask which)
 {
     _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(which, (__m512i)x));
+}
+
+static inline int any(mask which)
+{
+    return which != 0;
 }
 
 static inline unsigned bits(mask which)
@@ -96,60 +71,10 @@ static inline vi choose(mask which, vi a, vi b)
     return (vi)_mm512_mask_mov_epi32((__m512i)b, which, (__m512i)a);
 }
 
-static inline vi least(vi a, vi b)
-{
-    return (vi)_mm512_min_epi32((__m512i)a, (__m512i)b);
-}
-
-static inline vi most(vi a, vi b)
-{
-    return (vi)_mm512_max_epi32((__m512i)a, (__m512i)b);
-}
-
-/* Shifts by lane: 0 where the shift is not in 0..31. */
-static inline vu shift_left(vu x, vi shift)
-{
-    return (vu)_mm512_sllv_epi32((__m512i)x, (__m512i)shift);
-}
-
-static inline vu shift_right(vu x, vi shift)
-{
-    return (vu)_mm512_srlv_epi32((__m512i)x, (__m512i)shift);
-}
-
 /* Leading zeros; 32 for 0. */
 static inline vi clz(vu x)
 {
     return (vi)_mm512_lzcnt_epi32((__m512i)x);
-}
-
-/* Low 16 bits of a, signed, times b, which fits 16 bits too and has 0 above them. */
-static inline vi mul_16(vi a, vi b)
-{
-    return (vi)_mm512_madd_epi16((__m512i)a, (__m512i)b);
-}
-
-/* 64-bit numbers: those of the even lanes, and those of the odd ones. */
-typedef struct wide {
-    vw even, odd;
-} wide;
-
-static inline wide mul_wide(vi a, vi b)
-{
-    return (wide){(vw)_mm512_mul_epi32((__m512i)a, (__m512i)b),
-                  (vw)_mm512_mul_epi32((__m512i)((vw)a >> 32), (__m512i)((vw)b >> 32))};
-}
-
-static inline wide mul_wide_u(vu a, vu b)
-{
-    return (wide){(vw)_mm512_mul_epu32((__m512i)a, (__m512i)b),
-                  (vw)_mm512_mul_epu32((__m512i)((vw)a >> 32), (__m512i)((vw)b >> 32))};
-}
-
-/* Products of the low halves. */
-static inline vw mul_low(vw a, vw b)
-{
-    return (vw)_mm512_mul_epu32((__m512i)a, (__m512i)b);
 }
 
 /* Even lanes of a, odd lanes of b. */
@@ -166,6 +91,77 @@ static inline vw shift_right_64(vw x, vw shift)
 static inline vw magnitude_64(vw x)
 {
     return (vw)_mm512_abs_epi64((__m512i)x);
+}
+
+#include "avx.h"
+
+/* ---- Pixels: packing leaves two rows in turns of four, r0 x 0..3, r1 x 0..3, r0 x 4..7, ... ---------------------- */
+
+typedef __mmask32 mask_h;
+
+/* The pixels that take more. */
+static inline mask_h open_of(vh transmittance_q15)
+{
+    return _mm512_cmpgt_epi16_mask((__m512i)transmittance_q15, _mm512_set1_epi16(FXS_CLOSED_Q15 - 1));
+}
+
+static inline mask_h within(vh level, vh limit)
+{
+    return _mm512_cmple_epu16_mask((__m512i)level, (__m512i)limit);
+}
+
+static inline int any_h(mask_h which)
+{
+    return which != 0;
+}
+
+/* x, or 0 */
+static inline vh where(mask_h which, vh x)
+{
+    return (vh)_mm512_maskz_mov_epi16(which, (__m512i)x);
+}
+
+static inline mask_h greater_h(vh a, vh b)
+{
+    return _mm512_cmpgt_epi16_mask((__m512i)a, (__m512i)b);
+}
+
+/* a, or b */
+static inline vh choose_h(mask_h which, vh a, vh b)
+{
+    return (vh)_mm512_mask_mov_epi16((__m512i)b, which, (__m512i)a);
+}
+
+/* From the order of pixels to that of pack_q13, and back. */
+static inline vh load_in_order(const int16_t *from)
+{
+    return (vh)_mm512_permutexvar_epi64(_mm512_set_epi64(7, 3, 6, 2, 5, 1, 4, 0), (__m512i)load_h(from));
+}
+
+static inline void store_in_order(int16_t *to, vh x)
+{
+    store_h(to, (vh)_mm512_permutexvar_epi64(_mm512_set_epi64(7, 5, 3, 1, 6, 4, 2, 0), (__m512i)x));
+}
+
+/* v^2 + offset of the 16 rows. */
+typedef struct row_levels {
+    vh of_row;                     /* in the low half */
+} row_levels;
+
+static inline row_levels row_levels_of(uint32_t v_q24, uint32_t vy_q24, uint16_t offset_q11)
+{
+    const __m256i v_q13 = _mm512_cvtsepi32_epi16(_mm512_srai_epi32((__m512i)ramp(v_q24, vy_q24), 11));
+    const __m256i square_q11 = _mm256_mulhrs_epi16(v_q13, v_q13);
+    const __m256i level_q11 = _mm256_adds_epu16(square_q11, _mm256_set1_epi16((int16_t)offset_q11));
+    return (row_levels){(vh)_mm512_castsi256_si512(level_q11)};
+}
+
+/* Those of rows 2 step and 2 step + 1, four times each, in turns. */
+static inline vh row_level(const row_levels *levels, int step)
+{
+    const __m512i turns = _mm512_maskz_mov_epi64(0xaa, _mm512_set1_epi64(0x0001000100010001));
+    const __m512i which = _mm512_add_epi16(_mm512_set1_epi16((int16_t)(2 * step)), turns);
+    return (vh)_mm512_permutexvar_epi16(which, (__m512i)levels->of_row);
 }
 
 #endif

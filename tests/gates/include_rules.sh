@@ -1,7 +1,8 @@
 #!/bin/sh
 # Who may include whom:
 #   src      -> src; <stdint.h>, <stddef.h>, and <string.h> in memory.h alone
-#   kernels  -> src, kernels; one instruction set never another; intrinsics headers, and GPU headers in cuda and gles
+#   kernels  -> src, kernels; an instruction set kernels/lanes, which includes src alone, and never another; intrinsics
+#               headers (not in lanes), and GPU headers in cuda and gles
 #   port     -> port, the public headers of src and kernels
 #   tools    -> tools, the public headers of src, kernels and port
 # and src and kernels neither allocate nor print.
@@ -24,7 +25,8 @@ resolve() {
 quoted() {
     case $1 in
     src/*) allowed='src/.*' ;;
-    kernels/*/*) allowed="src/.*|$(dirname "$1")/.*|kernels/[^/]*" ;;
+    kernels/lanes/*) allowed='src/.*|kernels/lanes/.*' ;;
+    kernels/*/*) allowed="src/.*|$(dirname "$1")/.*|kernels/lanes/.*|kernels/[^/]*" ;;
     kernels/*) allowed='src/.*|kernels/.*' ;;
     port/*) allowed="port/.*|$public" ;;
     tools/*) allowed="tools/.*|port/.*|$public" ;;
@@ -39,6 +41,7 @@ angled() {
     src/memory.h) allowed='string\.h' ;;
     src/*) allowed='std(int|def)\.h' ;;
     kernels/cuda/* | kernels/gles/*) return 0 ;;
+    kernels/lanes/*) allowed='std(int|def)\.h' ;;
     kernels/*) allowed="std(int|def)\.h|$isa" ;;
     port/*) return 0 ;;
     tools/*) ! printf '%s\n' "$2" | grep -Eq '^(cuda|GL|EGL)'; return ;;

@@ -1,6 +1,7 @@
-/* src/codes.h, LANES Gaussians at a time. Include lanes_avx2.h or lanes_avx512.h first. */
+/* src/codes.h, LANES Gaussians at a time. */
 #include "../../src/codes.h"
 #include "lanes.h"
+#include "stages.h"
 
 /* fxs_spread_11 */
 static inline vi spread_11(vi code)

@@ -1,7 +1,8 @@
 /* project, LANES Gaussians at a time: src/project.c with the same numbers in the same order, in two passes over a
  * chunk. The first finds the centres and drops what is behind the camera or off the picture; the second shapes what is
- * left, without gaps. A chunk with a veil is left to C: they are rare. Include lanes_avx2.h or lanes_avx512.h first. */
-#include "codes_body.h"
+ * left, without gaps. A chunk with a veil is left to C, as they are rare, and so is the square cut-off, which is there
+ * to be measured. */
+#include "codes.h"
 
 /* What the second pass needs of a Gaussian. */
 enum row { INDEX, DEPTH, SLOPE_X, SLOPE_Y, POSITION_X, POSITION_Y, SIZE, EXPONENT, SCALE, ROTATION, OPACITY, ROWS };
@@ -35,7 +36,7 @@ static inline mask project_axis(centre *c, int i, int64_t f_q12, int64_t c_q12)
     vu raised_q14 = narrow(raised_q35, 21);
     c->position_q14[i] = (vi)(raised_q14 - (uint32_t)up);
     return greater(z, x >> 6) & greater(z, -x >> 6) & greater(all(INT32_MAX), (vi)raised_q14) &
-           equal((vi)(narrow(raised_q35, 32) >> 21 | raised_q14 >> 31), all(0));
+           equal((vi)(high_half(raised_q35) >> 21 | raised_q14 >> 31), all(0));
 }
 
 static inline vi log2_sigma_q16(const fxs_chunk_view *cv, vi code)
@@ -86,7 +87,7 @@ static inline int find_centres(survivors *s, const fxs_view *view, const fxs_chu
     load_positions(code, scene, rows, i);
     c.camera[2] = camera_axis(cv, 2, code);
     mask alive = greater(c.camera[2], all(cv->near)) & greater(opacity, all(0));
-    if (!bits(alive))
+    if (!any(alive))
         return 1;
     c.camera[0] = camera_axis(cv, 0, code);
     c.camera[1] = camera_axis(cv, 1, code);
@@ -95,11 +96,11 @@ static inline int find_centres(survivors *s, const fxs_view *view, const fxs_chu
     mask in_range = project_axis(&c, 0, view->fx_q12, view->cx_q12) & project_axis(&c, 1, view->fy_q12, view->cy_q12);
     value[SCALE] = load_scales(scene, rows, i);
     value[SIZE] = (vi)screen_size(view, cv, &c, value[SCALE], &value[EXPONENT]);
-    if (bits(alive & greater(value[EXPONENT], all(FXS_EXPONENT_MAX))) ||
-        bits(alive & ~in_range & greater(value[EXPONENT], all(view->veil_exponent - 1))))
+    if (any(alive & greater(value[EXPONENT], all(FXS_EXPONENT_MAX))) ||
+        any(alive & ~in_range & greater(value[EXPONENT], all(view->veil_exponent - 1))))
         return 0;
     alive &= in_range & on_picture(view, &c, value[EXPONENT]);
-    if (!bits(alive))
+    if (!any(alive))
         return 1;
     value[INDEX] = load(lane_numbers) + (int32_t)i;
     value[DEPTH] = depth_key(cv, &c);
@@ -109,9 +110,10 @@ static inline int find_centres(survivors *s, const fxs_view *view, const fxs_chu
     value[POSITION_Y] = c.position_q14[1];
     value[ROTATION] = load_rotations(scene, rows, i);
     value[OPACITY] = opacity;
+    const uint32_t at = s->count;
     for (int row = 0; row < ROWS; row++)
-        store_compressed(&s->rows[row][s->count], value[row], alive);
-    s->count += (uint32_t)__builtin_popcount(bits(alive));
+        store_compressed(&s->rows[row][at], value[row], alive);
+    s->count = at + (uint32_t)__builtin_popcount(bits(alive));
     return 1;
 }
 
@@ -130,7 +132,7 @@ static inline void jacobian(vi j_q15[3], const fxs_view *view, int i, vi slope_q
 static inline vi component(vi word, int shift)
 {
     vi code = (vi)((vu)word >> shift) & 1023;
-    return ((2 * code - 1023) * 23194 + 512) >> 10;
+    return round_shift((2 * code - 1023) * 23194, 10);
 }
 
 /* w, x, y, z from the smallest three a, b, c, where those are not longer than 1. */
@@ -145,29 +147,24 @@ static inline mask quaternion(vi q_q15[4], vi word)
     return greater(rest_q30, all(-1));
 }
 
-static inline vi half_product(vi product)
-{
-    return (product + (1 << 13)) >> 14;
-}
-
 /* Columns of the rotation matrix. */
 static inline void rotation(vi r_q15[3][3], const vi q[4])
 {
     const vi w = q[0], x = q[1], y = q[2], z = q[3];
-    r_q15[0][0] = 32768 - half_product(y * y + z * z);
-    r_q15[1][0] = half_product(x * y - w * z);
-    r_q15[2][0] = half_product(x * z + w * y);
-    r_q15[0][1] = half_product(x * y + w * z);
-    r_q15[1][1] = 32768 - half_product(x * x + z * z);
-    r_q15[2][1] = half_product(y * z - w * x);
-    r_q15[0][2] = half_product(x * z - w * y);
-    r_q15[1][2] = half_product(y * z + w * x);
-    r_q15[2][2] = 32768 - half_product(x * x + y * y);
+    r_q15[0][0] = 32768 - round_shift(y * y + z * z, 14);
+    r_q15[1][0] = round_shift(x * y - w * z, 14);
+    r_q15[2][0] = round_shift(x * z + w * y, 14);
+    r_q15[0][1] = round_shift(x * y + w * z, 14);
+    r_q15[1][1] = 32768 - round_shift(x * x + z * z, 14);
+    r_q15[2][1] = round_shift(y * z - w * x, 14);
+    r_q15[0][2] = round_shift(x * z - w * y, 14);
+    r_q15[1][2] = round_shift(y * z + w * x, 14);
+    r_q15[2][2] = 32768 - round_shift(x * x + y * y, 14);
 }
 
 static inline vi dot_q15(const vi a_q15[3], const vi b_q15[3])
 {
-    return (a_q15[0] * b_q15[0] + a_q15[1] * b_q15[1] + a_q15[2] * b_q15[2] + 16384) >> 15;
+    return round_shift(a_q15[0] * b_q15[0] + a_q15[1] * b_q15[1] + a_q15[2] * b_q15[2], 15);
 }
 
 /* sigma_i over the size on the screen: 2^-below * size, Q15. */
@@ -234,9 +231,8 @@ static inline mantissa mantissa_of(vu x_q30)
 
 static inline mantissa mantissa_of_wide(wide x_q60)
 {
-    vu high = narrow(x_q60, 32), low = narrow(x_q60, 0);
-    vi zeros = clz_64(high, low) & ~1;
-    vu m = mantissa_64(high, low, zeros);
+    vi zeros = clz_wide(x_q60) & ~1;
+    vu m = top_half(x_q60, zeros);
     return (mantissa){m, rsqrt(m), 2 - (zeros >> 1)};
 }
 
@@ -250,8 +246,8 @@ static inline vi reach_q8(const mantissa *x, vi exponent, vu r_q12)
 /* Adds what the dilation took from the opacity: ln(det / det undilated). */
 static inline mask compensate(vi *offset_q11, const covariance *s)
 {
-    vu high = narrow(s->det_undilated_q60, 32), low = narrow(s->det_undilated_q60, 0);
-    vi log2 = log2_q16(narrow(s->det_q60, 32), narrow(s->det_q60, 0)) - log2_q16(high, low);
+    vu high = high_half(s->det_undilated_q60), low = low_half(s->det_undilated_q60);
+    vi log2 = log2_q16(s->det_q60) - log2_q16(s->det_undilated_q60);
     *offset_q11 += (vi)narrow(offset_wide(mul_wide(log2, all(45426)), 1 << 20), 21);
     return greater(all(FXS_FAINT_Q11 + 1), *offset_q11) & ~equal((vi)(high | low), all(0));
 }
@@ -316,29 +312,29 @@ static inline mask shape(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view
 }
 
 /* Appends the structures of the lanes in `which`. Every lane is written, and overwritten by the next if not wanted. */
-static inline void append(fxs_splat *splats, fxs_bounds *bounds, int32_t splat_rows[WORDS][LANES],
-                          int32_t bounds_rows[WORDS][LANES], unsigned which)
+static inline void append(fxs_splat *splats, fxs_bounds *bounds, const vi splat[WORDS], const vi bound[WORDS],
+                          unsigned which)
 {
     for (int lane = 0; lane < LANES; lane += 4) {
-        __m256i splat[4], bound[4];
-        transpose(splat, splat_rows, lane);
-        transpose(bound, bounds_rows, lane);
+        octet of_splat[4], of_bound[4];
+        transpose(of_splat, splat, lane);
+        transpose(of_bound, bound, lane);
         for (int i = 0; i < 4; i++) {
-            _mm256_storeu_si256((__m256i *)(void *)splats, splat[i]);
-            _mm_storeu_si128((__m128i *)(void *)bounds, _mm256_castsi256_si128(bound[i]));
-            _mm_storel_epi64((__m128i *)(void *)&bounds->half_width_q8, _mm256_extracti128_si256(bound[i], 1));
+            store_8(splats, of_splat[i]);
+            store_6(bounds, of_bound[i]);
             splats += which >> (lane + i) & 1;
             bounds += which >> (lane + i) & 1;
         }
     }
 }
 
-static inline int32_t project(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
-                              fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
+FXS_PROJECT(ISA)
 {
     fxs_chunk_view cv;
     survivors s;
     uint32_t count = 0;
+    if (view->square || view->orthographic)
+        return fxs_project_c(view, scene, chunk, splats, bounds, indices, depths);
     const int seen = fxs_chunk_view_init(&cv, view, scene, chunk);
     if (seen <= 0)
         return seen;
@@ -351,14 +347,9 @@ static inline int32_t project(const fxs_view *view, const fxs_scene *scene, uint
     for (int row = 0; row < ROWS; row++)
         store(&s.rows[row][s.count], all(0));
     for (uint32_t at = 0; at < s.count; at += LANES) {
-        int32_t splat_rows[WORDS][LANES], bounds_rows[WORDS][LANES];
         vi splat[WORDS], bound[WORDS] = {{0}};
-        mask visible = shape(splat, bound, view, &cv, &s, at);
-        for (int i = 0; i < WORDS; i++) {
-            store(splat_rows[i], splat[i]);
-            store(bounds_rows[i], bound[i]);
-        }
-        append(splats + count, bounds + count, splat_rows, bounds_rows, bits(visible));
+        const mask visible = shape(splat, bound, view, &cv, &s, at);
+        append(splats + count, bounds + count, splat, bound, bits(visible));
         store_compressed(indices + count, load(&s.rows[INDEX][at]) + (int32_t)(chunk * FXS_CHUNK), visible);
         store_compressed(depths + count, load(&s.rows[DEPTH][at]), visible);
         count += (uint32_t)__builtin_popcount(bits(visible));

@@ -1,8 +1,8 @@
 /* bin, LANES splats at a time: src/bin.c with the same numbers, in 32 bits. First come the boxes, and the masks of
  * those that lie whole on one tile row; other splats that fit in a box wait in lists, until they fill a vector for the
- * row by row pass. Include lanes_avx2.h or lanes_avx512.h first. */
-#include "../../src/chunk.h"
+ * row by row pass. */
 #include "lanes.h"
+#include "stages.h"
 
 /* 256 pixels. Up to it the row by row pass needs no more than 31 bits: breadth r and |shear| r are at most sqrt(A) r,
    less than 4096 half_width (Q20) <= 2^28; breadth (sqrt(r^2 - v^2) + 1) is 1 part in 91 more, as r >= 91 (Q12); the
@@ -76,7 +76,7 @@ static inline ellipse ellipse_of(const job *j, const int32_t index[LANES])
 static inline vi half_width_q8(const ellipse *e, vi v_q12)
 {
     vi square_q24 = e->r_q12 * e->r_q12 - v_q12 * v_q12;
-    if (!bits(greater(square_q24, all(0))))      /* often so above the ellipse and below it, and the root is slow */
+    if (!any(greater(square_q24, all(0))))      /* often so above the ellipse and below it, and the root is slow */
         return e->breadth_q8 >> 12;
     return e->breadth_q8 * ((vi)root((vu)square_q24) + 1) >> 12;
 }
@@ -109,7 +109,7 @@ static void fill_masks(const job *j, const list *l, uint32_t count)
     int32_t masks[LANES];
     vi tiles = all(0);
     ellipse e = ellipse_of(j, l->index);
-    for (int row = 0; bits(greater(e.more_rows, all(row - 1))); row++) {
+    for (int row = 0; any(greater(e.more_rows, all(row - 1))); row++) {
         tiles |= choose(greater(e.more_rows, all(row - 1)), tiles_of_row(&e, j->view), all(0)) << 4 * row;
         e.v_q24 += FXS_TILE * e.vy_q24;
     }
@@ -154,7 +154,7 @@ static inline void find_boxes(const job *j, list lists[4], uint32_t i)
     vi list_number = choose(at_edge, all(0), more_rows);
     for (int k = 0; k < 4; k++) {
         mask which = fits & ~whole & ~large & equal(list_number, all(k));
-        if (bits(which))
+        if (any(which))
             append(j, &lists[k], index, which);
     }
     for (unsigned left = bits(fits & ~whole & large); left; left &= left - 1) {
@@ -164,8 +164,7 @@ static inline void find_boxes(const job *j, list lists[4], uint32_t i)
 }
 
 /* The last vector overlaps the one before where count is no multiple of LANES. */
-static inline void bin(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count,
-                       fxs_box *boxes)
+FXS_BIN(ISA)
 {
     const job j = {view, splats, bounds, boxes};
     list lists[4];

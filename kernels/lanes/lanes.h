@@ -1,0 +1,46 @@
+/* src/fixed.h, LANES numbers at a time. Include an instruction set's operations first, as lanes_avx2.h. */
+#ifndef FXS_LANES_H
+#define FXS_LANES_H
+
+static inline vu mulhi(vu a, vu b)
+{
+    return high_half(mul_wide_u(a, b));
+}
+
+static inline vi mul_q15(vi a, vi b)
+{
+    return round_shift(a * b, 15);
+}
+
+static inline vi clamp(vi x, vi low, vi high)
+{
+    return least(most(x, low), high);
+}
+
+static inline vu root(vu x)
+{
+    vi shift = clz(x) & ~1;
+    vu m = shift_left(x, shift);
+    return shift_right(mulhi(m, rsqrt(m)), 14 + (shift >> 1));
+}
+
+static inline vi exp2_q15(vi f_q15)
+{
+    vi p = round_shift(256 * f_q15, 15);
+    p = mul_q15(p - 1820, f_q15);
+    p = mul_q15(p + 7904, f_q15);
+    p = mul_q15(p - 22724, f_q15);
+    return 32768 + p;
+}
+
+static inline vi log2_q16(wide x)
+{
+    vi n = clz_wide(x), t_q15 = (vi)(top_half(x, n) >> 16) & 32767;
+    vi q = mul_q15(all(-2776), t_q15);
+    q = mul_q15(q + 6897, t_q15);
+    q = mul_q15(q - 9697, t_q15);
+    q = mul_q15(q + 14605, 32768 - t_q15);
+    return (63 - n) * 65536 + 2 * round_shift((32768 + q) * (t_q15 >> 1), 14);
+}
+
+#endif

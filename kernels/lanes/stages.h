@@ -1,0 +1,25 @@
+/* The versions of the stages by their names, as fxs_blend_avx2: FXS_BLEND(avx2) stands before a body or a semicolon.
+   Each does what src/stage.h says of the C version. */
+#ifndef FXS_STAGES_H
+#define FXS_STAGES_H
+
+#include "../../src/chunk.h"
+
+#define FXS_JOIN(stage, isa) fxs_##stage##_##isa
+#define FXS_STAGE_OF(stage, isa) FXS_JOIN(stage, isa)
+
+#define FXS_PROJECT(isa) int32_t FXS_STAGE_OF(project, isa)(const fxs_view *view, const fxs_scene *scene, \
+    uint32_t chunk, fxs_splat *splats, fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
+#define FXS_SHADE(isa) int FXS_STAGE_OF(shade, isa)(const fxs_view *view, const fxs_scene *scene, \
+    uint32_t chunk, const uint32_t *indices, uint32_t count, fxs_splat *splats)
+#define FXS_BIN(isa) void FXS_STAGE_OF(bin, isa)(const fxs_view *view, const fxs_splat *splats, \
+    const fxs_bounds *bounds, uint32_t count, fxs_box *boxes)
+#define FXS_BLEND(isa) void FXS_STAGE_OF(blend, isa)(const fxs_view *view, int32_t x, int32_t y, \
+    const fxs_splat *splats, const uint32_t *entries, uint32_t count, fxs_tile *tile)
+#define FXS_TRACE(isa) void FXS_STAGE_OF(trace, isa)(const fxs_view *view, int32_t x, int32_t y, \
+    const fxs_splat *splats, const uint32_t *entries, const int16_t *depths_q15, uint32_t count, fxs_tile *tile, \
+    fxs_trace *trace)
+#define FXS_RESOLVE(isa) void FXS_STAGE_OF(resolve, isa)(const fxs_options *options, enum fxs_format format, \
+    const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels, ptrdiff_t stride)
+
+#endif

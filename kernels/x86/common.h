@@ -1,0 +1,68 @@
+/* Operations that are one instruction at every width. V: the vector as intrinsics name it; MM(name): the intrinsic. */
+#ifndef FXS_X86_COMMON_H
+#define FXS_X86_COMMON_H
+
+#include <immintrin.h>
+
+#include "../lanes/vectors.h"
+
+static inline vi all(int32_t x)
+{
+    return (vi)MM(set1_epi32)(x);
+}
+
+static inline vi least(vi a, vi b)
+{
+    return (vi)MM(min_epi32)((V)a, (V)b);
+}
+
+static inline vi most(vi a, vi b)
+{
+    return (vi)MM(max_epi32)((V)a, (V)b);
+}
+
+/* ---- Numbers of 16 bits ---------------------------------------------------------------------------------------- */
+
+static inline vh all_h(int x)
+{
+    return (vh)MM(set1_epi16)((int16_t)x);
+}
+
+/* fxs_mul_q15, but for -32768 squared, which is -32768. */
+static inline vh mul_h(vh a, vh b)
+{
+    return (vh)MM(mulhrs_epi16)((V)a, (V)b);
+}
+
+/* a b + c, where that fits. */
+static inline vh mul_add_h(vh a, vh b, vh c)
+{
+    return mul_h(a, b) + c;
+}
+
+/* a b + c, cut to 16 bits. */
+static inline vh mul_add_cut_h(vh a, vh b, vh c)
+{
+    return (vh)MM(adds_epi16)((V)c, (V)mul_h(a, b));
+}
+
+static inline vh least_h(vh a, vh b)
+{
+    return (vh)MM(min_epi16)((V)a, (V)b);
+}
+
+/* Levels are unsigned here. Where the C code cuts a coordinate to -32767, with the square 32766, a vector has -32768,
+   with the square 32768; and a level is cut to 65535, not 32767. All of these are above every limit, so such a pixel
+   takes nothing either way. */
+static inline vh add_level(vh a, vh b)
+{
+    return (vh)MM(adds_epu16)((V)a, (V)b);
+}
+
+/* a >> 11 and b >> 11, cut to 16 bits: four of a, four of b and so on, where a vector is longer than that. */
+static inline vh pack_q13(vu a_q24, vu b_q24)
+{
+    return (vh)MM(packs_epi32)((V)((vi)a_q24 >> 11), (V)((vi)b_q24 >> 11));
+}
+
+#endif
