@@ -387,11 +387,6 @@ static inline mask_h within(vh level, vh limit)
     return (mask_h)vcleq_s16((int16x8_t)level, (int16x8_t)limit);
 }
 
-static inline int any_h(mask_h which)
-{
-    return vget_lane_u64(vreinterpret_u64_u8(vmovn_u16((uint16x8_t)which)), 0) != 0;
-}
-
 /* x, or 0 */
 static inline vh where(mask_h which, vh x)
 {
@@ -419,21 +414,20 @@ static inline void store_in_order(int16_t *to, vh x)
     store_h(to, x);
 }
 
-/* Of 16 rows, the lowest of four bits each. */
-#define ROW_BITS 4
-#define ALL_ROWS 0x1111111111111111u
+/* LANE_BITS each, those of a first. */
+#define LANE_BITS 4
 
-static inline uint64_t row_bits(mask_h upper, mask_h lower)
+static inline uint64_t bits_of(mask_h a, mask_h b)
 {
-    const uint8x16_t bytes = vuzp1q_u8((uint8x16_t)upper, (uint8x16_t)lower);
+    const uint8x16_t bytes = vuzp1q_u8((uint8x16_t)a, (uint8x16_t)b);
     return vget_lane_u64(vreinterpret_u64_u8(vshrn_n_u16((uint16x8_t)bytes, 4)), 0);
 }
 
-/* r, g, b, a of 8 pixels, cut to 255. */
-static inline void store_pixels(unsigned char *to, const vh c[4])
+/* 8 pixels, cut to 255. */
+static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
-    const uint8x8x4_t rgba = {{vqmovun_s16((int16x8_t)c[0]), vqmovun_s16((int16x8_t)c[1]),
-                               vqmovun_s16((int16x8_t)c[2]), vqmovun_s16((int16x8_t)c[3])}};
+    const uint8x8x4_t rgba = {{vqmovun_s16((int16x8_t)r), vqmovun_s16((int16x8_t)g), vqmovun_s16((int16x8_t)b),
+                               vqmovun_s16((int16x8_t)a)}};
     vst4_u8(to, rgba);
 }
 

@@ -105,7 +105,10 @@ static inline void blend_step(pixels *at, kept *k, const placed *p, vh level, ma
 }
 
 #if SKIPS
-/* v^2 + offset of the 16 rows. Returns the rows within the limit, a bit each in ROW_BITS. */
+/* In bits_of(): the lowest bit of each of 16 rows. */
+#define ALL_ROWS ((~(uint64_t)0 >> (64 - FXS_TILE * LANE_BITS)) / ((1 << LANE_BITS) - 1))
+
+/* v^2 + offset of the 16 rows. Returns the rows within the limit. */
 static inline uint64_t rows_reached(row_levels *levels, const placed *p, const fxs_splat *splat)
 {
     const uint32_t vy = (uint32_t)splat->vy_q24;
@@ -113,18 +116,30 @@ static inline uint64_t rows_reached(row_levels *levels, const placed *p, const f
     const vh lower = some_levels(p->v_q24 + 8 * vy, vy, splat->offset_q11);
     store_h(levels->of_row, upper);
     store_h(levels->of_row + 8, lower);
-    return row_bits(within(upper, p->limit_q11), within(lower, p->limit_q11)) & ALL_ROWS << ROW_BITS * p->first_row &
-           ALL_ROWS >> ROW_BITS * (FXS_TILE - 1 - p->last_row);
+    return bits_of(within(upper, p->limit_q11), within(lower, p->limit_q11)) & ALL_ROWS << LANE_BITS * p->first_row &
+           ALL_ROWS >> LANE_BITS * (FXS_TILE - 1 - p->last_row);
 }
 
-/* Returns 0 where no pixel of the step counts. */
-static inline int blend_half(pixels *at, kept *k, const placed *p, vu first_q24, vu second_q24, vh row_level_q11)
+static inline vh level_of(vu first_q24, vu second_q24, vh row_level_q11)
 {
-    const vh u_q13 = pack_q13(first_q24, second_q24), level = add_level(mul_h(u_q13, u_q13), row_level_q11);
-    const mask_h counted = within(level, p->limit_q11) & open_of(at->transmittance_q15);
-    if (!any_h(counted))
-        return 0;
-    blend_step(at, k, p, level, counted);
+    const vh u_q13 = pack_q13(first_q24, second_q24);
+    return add_level(mul_h(u_q13, u_q13), row_level_q11);
+}
+
+/* Blends a row, of which a to d are the coordinates. Returns 0 where it is found closed. */
+static inline int blend_row(pixels at[2], kept *k, const placed *p, vu a_q24, vu b_q24, vu c_q24, vu d_q24,
+                            vh row_level_q11)
+{
+    const vh left = level_of(a_q24, b_q24, row_level_q11), right = level_of(c_q24, d_q24, row_level_q11);
+    const mask_h open_left = open_of(at[0].transmittance_q15), open_right = open_of(at[1].transmittance_q15);
+    const mask_h on_left = within(left, p->limit_q11) & open_left, on_right = within(right, p->limit_q11) & open_right;
+    const uint64_t counted = bits_of(on_left, on_right);
+    if (!counted)
+        return bits_of(open_left, open_right) != 0;
+    if (counted & (((uint64_t)1 << 8 * LANE_BITS) - 1))
+        blend_step(at, k, p, left, on_left);
+    if (counted >> 8 * LANE_BITS)
+        blend_step(at + 1, k ? k + 1 : 0, p, right, on_right);
     return 1;
 }
 
@@ -136,14 +151,10 @@ ALWAYS_INLINE void blend_splat(pixels tile[STEPS], kept *k, uint64_t *open, cons
     const uint32_t ux = (uint32_t)splat->ux_q24, uy = (uint32_t)splat->uy_q24;
     const vu a = ramp(p->u_q24, ux), b = a + LANES * ux, c = b + LANES * ux, d = c + LANES * ux;
     for (; rows; rows &= rows - 1) {
-        const int row = __builtin_ctzll(rows) / ROW_BITS;
-        pixels *at = tile + 2 * row;
-        const vh level = row_level(&levels, 2 * row);
+        const int row = __builtin_ctzll(rows) / LANE_BITS;
         const vu down = (vu)all((int32_t)((uint32_t)row * uy));
-        kept *row_kept = k ? k + 2 * row : 0;
-        const int left = blend_half(at, row_kept, p, a + down, b + down, level);
-        const int right = blend_half(at + 1, row_kept ? row_kept + 1 : 0, p, c + down, d + down, level);
-        if (!(left | right) && !any_h(open_of(at->transmittance_q15) | open_of(at[1].transmittance_q15)))
+        if (!blend_row(tile + 2 * row, k ? k + 2 * row : 0, p, a + down, b + down, c + down, d + down,
+                       row_level(&levels, 2 * row)))
             *open &= ~(rows & (0 - rows));
     }
 }

@@ -2,15 +2,19 @@
 #include "../../src/memory.h"
 #include "stages.h"
 
+static inline vh colour_8bit(const int16_t *sum_q13, vh transmittance_q15, vh background_q13)
+{
+    return mul_h(mul_add_cut_h(transmittance_q15, background_q13, load_h(sum_q13)), all_h(4 * 255));
+}
+
 static inline void resolve_pixels(unsigned char *to, const fxs_tile *tile, int i, const vh background_q13[3],
                                   int coverage)
 {
     const vh t = load_h(tile->transmittance_q15 + i);
-    vh c[4];
-    for (int k = 0; k < 3; k++)
-        c[k] = mul_h(mul_add_cut_h(t, background_q13[k], load_h(tile->sum_q13[k] + i)), all_h(4 * 255));
-    c[3] = coverage ? mul_h(all_h(FXS_CLEAR_Q15) - t, all_h(255)) : all_h(255);
-    store_pixels(to, c);
+    const vh alpha = coverage ? mul_h(all_h(FXS_CLEAR_Q15) - t, all_h(255)) : all_h(255);
+    store_pixels(to, colour_8bit(tile->sum_q13[0] + i, t, background_q13[0]),
+                 colour_8bit(tile->sum_q13[1] + i, t, background_q13[1]),
+                 colour_8bit(tile->sum_q13[2] + i, t, background_q13[2]), alpha);
 }
 
 FXS_RESOLVE(ISA)

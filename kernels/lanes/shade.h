@@ -151,9 +151,11 @@ static inline void add_palette(vi sum_q16[3][PARTS], const fxs_scene *scene, con
             sum_q16[c][part] += load(more_q16[c] + part * LANES);
 }
 
-/* The Gaussians first to first + GROUP - 1; those of a bit in `wanted` at least. */
-static inline void colours(int32_t red_green[GROUP], int32_t blue[GROUP], const fxs_view *view, const fxs_scene *scene,
-                           const fxs_chunk *header, const unsigned char *rows, uint32_t first, uint32_t wanted)
+/* The Gaussians first to first + GROUP - 1; those of a bit in `wanted` at least. Not inlined: its constants would be
+   saved and loaded around each call of C. */
+static __attribute__((noinline)) void colours(int32_t red_green[GROUP], int32_t blue[GROUP], const fxs_view *view,
+                                              const fxs_scene *scene, const fxs_chunk *header,
+                                              const unsigned char *rows, uint32_t first, uint32_t wanted)
 {
     vi sum_q16[3][PARTS], b_q15[PARTS][16];
     for (uint32_t part = 0; part < PARTS; part++) {

@@ -22,11 +22,6 @@ static inline mask_h within(vh level, vh limit)
     return (mask_h)_mm_cmpeq_epi16(_mm_min_epu16((__m128i)level, (__m128i)limit), (__m128i)level);
 }
 
-static inline int any_h(mask_h which)
-{
-    return !_mm_testz_si128((__m128i)which, (__m128i)which);
-}
-
 /* x, or 0 */
 static inline vh where(mask_h which, vh x)
 {
@@ -54,20 +49,18 @@ static inline void store_in_order(int16_t *to, vh x)
     store_h(to, x);
 }
 
-/* Of 16 rows, a bit each. */
-#define ROW_BITS 1
-#define ALL_ROWS (uint64_t)0xffff
+/* LANE_BITS each, those of a first. */
+#define LANE_BITS 1
 
-static inline uint64_t row_bits(mask_h upper, mask_h lower)
+static inline uint64_t bits_of(mask_h a, mask_h b)
 {
-    return (uint64_t)_mm_movemask_epi8(_mm_packs_epi16((__m128i)upper, (__m128i)lower));
+    return (uint64_t)_mm_movemask_epi8(_mm_packs_epi16((__m128i)a, (__m128i)b));
 }
 
-/* r, g, b, a of 8 pixels, cut to 255. */
-static inline void store_pixels(unsigned char *to, const vh c[4])
+/* 8 pixels, cut to 255. */
+static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
-    const __m128i rb = _mm_packus_epi16((__m128i)c[0], (__m128i)c[2]);
-    const __m128i ga = _mm_packus_epi16((__m128i)c[1], (__m128i)c[3]);
+    const __m128i rb = _mm_packus_epi16((__m128i)r, (__m128i)b), ga = _mm_packus_epi16((__m128i)g, (__m128i)a);
     const __m128i rg = _mm_unpacklo_epi8(rb, ga), ba = _mm_unpackhi_epi8(rb, ga);
     _mm_storeu_si128((__m128i *)(void *)to, _mm_unpacklo_epi16(rg, ba));
     _mm_storeu_si128((__m128i *)(void *)to + 1, _mm_unpackhi_epi16(rg, ba));
