@@ -471,7 +471,7 @@ int fxs_order(fxs_order_entry *entries, uint32_t count, const fxs_pack_options *
 {
     float *sample = fxs_allocate(options->allocator, SAMPLE, sizeof *sample);
     order *o = fxs_allocate(options->allocator, 1, sizeof *o);
-    const int status = sample && o ? 0 : -1;
+    const int status = sample && o ? 0 : FXS_ERR_MEMORY;
     const uint32_t kept = number_entries(entries, count);
     if (status == 0 && kept > 0) {
         o->entries = entries;
