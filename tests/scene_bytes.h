@@ -126,7 +126,7 @@ static inline void check_cut_fails(size_t length, const char *text)
 {
     static fxs_gaussian gaussians[1024];
     put_file(length);
-    CHECK(read_file(gaussians, 1024) == FXS_ERR_FILE);
+    CHECK(read_file(gaussians, 1024) == (strstr(text, "built without") ? FXS_ERR_UNSUPPORTED : FXS_ERR_FILE));
     if (!CHECK(strncmp(message.text, path, strlen(path)) == 0) || !CHECK(strstr(message.text, text) != NULL))
         printf("  said: %s\n  not:  %s\n", message.text, text);
 }
