@@ -52,8 +52,8 @@ int fxs_view_look_at(fxs_file_view *view, const double eye[3], const double targ
     int forward_ok = normalise(forward);
     cross(right, forward, up);
     if (!forward_ok || !normalise(right))
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "the camera looks nowhere: eye and target are one point, or up is "
-                           "along the view");
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "the camera looks nowhere: eye and target are one point, or up "
+                           "is along the view");
     cross(down, forward, right);
     return 0;
 }
@@ -183,8 +183,8 @@ int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_mess
             return fxs_fail_as(FXS_ERR_CAMERA, message, "view %s: a position of %g is beyond 2^27 units", view->name,
                                view->position[i]);
     if (view->near != 0 && !(view->near >= NEAR_LEAST && view->near <= NEAR_MOST))
-        return fxs_fail_as(FXS_ERR_CAMERA, message, "view %s: a near plane at %g: expected 2^-20 to 2^28 units", view->name,
-                           view->near);
+        return fxs_fail_as(FXS_ERR_CAMERA, message, "view %s: a near plane at %g: expected 2^-20 to 2^28 units",
+                           view->name, view->near);
     camera->near_q32 = (int64_t)floor(ldexp(view->near, 32) + 0.5);
     return 0;
 }

@@ -169,8 +169,8 @@ int fxs_image_file_write(const char *path, const uint8_t *rgba, int width, int h
                            "needs; .ppm and .raw can be written", path);
 #endif
     if (format == PNG && (int64_t)width * height * 4 > MAX_PNG_BYTES)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: %d x %d is too large for .png here; .ppm and .raw can hold it",
-                           path, width, height);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: %d x %d is too large for .png here; .ppm and .raw can hold "
+                           "it", path, width, height);
     fxs_output output;
     FXS_TRY(fxs_output_open(&output, path, 0, message));
     errno = 0;

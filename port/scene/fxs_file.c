@@ -92,8 +92,8 @@ int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fx
     if (header.magic != FXS_PACKED_MAGIC)
         return fxs_fail(message, "%s: not an .fxs file", path);
     if (header.version != FXS_PACKED_VERSION)
-        return fxs_fail_as(FXS_ERR_VERSION, message, "%s: .fxs of version %u, this program reads %u; convert its source "
-                           "again", path, header.version, FXS_PACKED_VERSION);
+        return fxs_fail_as(FXS_ERR_VERSION, message, "%s: .fxs of version %u, this program reads %u; convert its "
+                           "source again", path, header.version, FXS_PACKED_VERSION);
     if (header.checksum != header_checksum(data))
         return fxs_fail(message, "%s: the header is damaged: its checksum is wrong", path);
     if (fxs_scene_open(&scene, data, bytes))

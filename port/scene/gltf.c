@@ -1,7 +1,7 @@
 /* .glb and .gltf with KHR_gaussian_splatting (Khronos), plain or with an .spz in a bufferView. The Gaussians come in
    the frame of a .ply, y down: x and y of glTF change their signs. A colorSpace of linear light is refused: such
-   Gaussians are blended before they are encoded, so that no colours blended in sRGB make the same picture. Drafts of the
-   extension are read too: SCALE as logarithms (February 2026), _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
+   Gaussians are blended before they are encoded, so that no colours blended in sRGB make the same picture. Drafts of
+   the extension are read too: SCALE as logarithms (February 2026), _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
 #include "scene_format.h"
 
 #ifdef FXS_WITH_CJSON
@@ -50,11 +50,11 @@ typedef struct range {
     uint64_t offset, size;
 } range;
 
-typedef struct view {
+typedef struct buffer_view {
     range bytes;
     int64_t stride;              /* 0: none is given */
     const char *fault;           /* or NULL; told when it is used */
-} view;
+} buffer_view;
 
 enum { BYTE, UBYTE, SHORT, USHORT, FLOAT = 6 };   /* componentType - 5120 */
 
@@ -94,7 +94,7 @@ typedef struct gltf {
     fxs_message *message;        /* of the call */
     double frame[3][4];          /* of what is read, from the file's */
     list lists[LISTS];           /* until the file is open; so are the next three */
-    view *views;
+    buffer_view *views;
     mesh *meshes;
     uint8_t *visited;            /* nodes */
     uint64_t bin_offset, bin_size;
@@ -282,12 +282,12 @@ static int read_bytes(const gltf *g, const range *from, uint64_t offset, void *o
     return fxs_scene_source_read(b->source, b->offset + from->offset + offset, out, size, g->message);
 }
 
-static view parse_view(const gltf *g, const cJSON *item)
+static buffer_view parse_buffer_view(const gltf *g, const cJSON *item)
 {
     const cJSON *extensions = member(item, "extensions");
     int index = index_of(g, member(item, "buffer"), BUFFERS);
     int64_t offset = whole(member(item, "byteOffset"), 0), size = whole(member(item, "byteLength"), -1);
-    view v = {{index < 0 ? NULL : &g->buffers[index], (uint64_t)offset, (uint64_t)size},
+    buffer_view v = {{index < 0 ? NULL : &g->buffers[index], (uint64_t)offset, (uint64_t)size},
               whole(member(item, "byteStride"), 0), NULL};
     if (member(extensions, "EXT_meshopt_compression") || member(extensions, "KHR_meshopt_compression"))
         v.fault = "meshopt compression is not read";
@@ -298,7 +298,7 @@ static view parse_view(const gltf *g, const cJSON *item)
     return v;
 }
 
-static int use_view(const gltf *g, int index, view *out)
+static int use_buffer_view(const gltf *g, int index, buffer_view *out)
 {
     *out = g->views[index];
     return out->fault ? fail_item(g, "bufferView", index, out->fault) : 0;
@@ -325,10 +325,10 @@ static const cJSON *find_attribute(const cJSON *attributes, const char *name)
 static int read_layout(gltf *g, int index, const cJSON *item, accessor *a)
 {
     int view_index = index_of(g, member(item, "bufferView"), VIEWS);
-    view v;
+    buffer_view v;
     if (view_index < 0)
         return fail_item(g, "accessor", index, "no valid bufferView");
-    FXS_TRY(use_view(g, view_index, &v));
+    FXS_TRY(use_buffer_view(g, view_index, &v));
     int64_t offset = whole(member(item, "byteOffset"), 0), count = whole(member(item, "count"), -1);
     int64_t stride = v.stride ? v.stride : a->size;
     if (count < 1 || count > MAX_COUNT || stride < a->size || stride > MAX_STRIDE)
@@ -558,10 +558,10 @@ static int read_primitive(gltf *g, const cJSON *primitive)
     if (!spz)
         return read_accessors(g, member(primitive, "attributes"), added);
     int view_index = index_of(g, member(spz, "bufferView"), VIEWS);
-    view v;
+    buffer_view v;
     if (view_index < 0)
         return fail(g, "an .spz without a valid bufferView");
-    FXS_TRY(use_view(g, view_index, &v));
+    FXS_TRY(use_buffer_view(g, view_index, &v));
     added->spz = v.bytes;
     for (added->first = 0; !same_range(&g->splats[added->first].spz, &added->spz);)
         added->first++;
@@ -703,9 +703,9 @@ static int enter(gltf *g, int index)
     return 0;
 }
 
-/* Scales are linear, few of them below 0. In a draft they were logarithms, which signed integers are therefore; and the
-   file's floats, where a quarter of its Gaussians have one below 0, as nearly all logarithms of captured scenes are. The
-   number of Gaussians is known to be within the limit. */
+/* Scales are linear, few of them below 0. In a draft they were logarithms, which signed integers are therefore; and
+   the file's floats, where a quarter of its Gaussians have one below 0, as nearly all logarithms of captured scenes
+   are. The number of Gaussians is known to be within the limit. */
 static int find_log_scales(gltf *g)
 {
     uint64_t below = 0, count = 0;
@@ -789,7 +789,7 @@ static int read_root(gltf *g, const cJSON *root)
         return FXS_ERR_MEMORY;
     FXS_TRY(open_buffers(g));
     for (int i = 0; i < g->lists[VIEWS].count; i++)
-        g->views[i] = parse_view(g, g->lists[VIEWS].items[i]);
+        g->views[i] = parse_buffer_view(g, g->lists[VIEWS].items[i]);
     int64_t scene = whole(member(root, "scene"), 0);
     const cJSON *node, *nodes = scene < 0 || scene > MAX_PARTS ? NULL
                                 : member(cJSON_GetArrayItem(member(root, "scenes"), (int)scene), "nodes");

@@ -77,7 +77,9 @@ static void filter_close(void *handle)
     fxs_release(r->allocator, r->reader);
 }
 
-static const fxs_scene_format filtered = {"filtered", sizeof(filter_reader), NULL, filter_read, filter_rewind, filter_close};
+static const fxs_scene_format filtered = {
+    "filtered", sizeof(filter_reader), NULL, filter_read, filter_rewind, filter_close
+};
 
 /* Reads all, so that the report is that of the whole file. */
 static int count(fxs_scene_file *file, const filter_reader *r, uint64_t total, fxs_progress_fn *progress,

@@ -394,12 +394,12 @@ static int level_of(const char *name)
 
 /* What a node has of a level, or NULL. A leaf that has nothing of it is drawn at the nearest level that it has, the
    finer of two. Returns 0, or -1 where the node's levels are not numbers. */
-static int find_run(const cJSON *node, int level, const cJSON **run)
+static int find_level(const cJSON *node, int level, const cJSON **found)
 {
     const int is_leaf = !cJSON_GetArraySize(member(node, "children"));
     const cJSON *item;
     int least = is_leaf ? 2 * MAX_LEVELS : 0;
-    *run = NULL;
+    *found = NULL;
     cJSON_ArrayForEach(item, member(node, "lods")) {
         const int given = item->string ? level_of(item->string) : -1;
         if (given < 0)
@@ -407,7 +407,7 @@ static int find_run(const cJSON *node, int level, const cJSON **run)
         const int distance = given < level ? 2 * (level - given) - 1 : 2 * (given - level);
         if (distance <= least) {
             least = distance;
-            *run = item;
+            *found = item;
         }
     }
     return 0;
@@ -416,15 +416,16 @@ static int find_run(const cJSON *node, int level, const cJSON **run)
 /* The ranges of the node's leaves at a level. */
 static int add_leaves(sog_reader *r, const cJSON *node, int level, fxs_message *message)
 {
-    const cJSON *run, *child;
-    if (find_run(node, level, &run) != 0)
+    const cJSON *found, *child;
+    if (find_level(node, level, &found) != 0)
         return fxs_fail(message, "%s: a leaf with \"lods\" that are not levels from 0 to %d", r->source->path,
                         MAX_LEVELS);
-    if (run) {
+    if (found) {
         range added;
         size_t count;
-        if (!whole(member(run, "file"), r->file_count, &added.file) || added.file == r->file_count ||
-            !whole(member(run, "offset"), INT32_MAX, &added.begin) || !whole(member(run, "count"), INT32_MAX, &count))
+        if (!whole(member(found, "file"), r->file_count, &added.file) || added.file == r->file_count ||
+            !whole(member(found, "offset"), INT32_MAX, &added.begin) ||
+            !whole(member(found, "count"), INT32_MAX, &count))
             return fxs_fail(message, "%s: a leaf with no valid \"file\", \"offset\" and \"count\"", r->source->path);
         added.end = added.begin + count;
         if (count > 0)

@@ -146,8 +146,8 @@ static uint64_t key_of(const fxs_scene_source *source)
     return key + !key;
 }
 
-/* The place of a key, or a free one for it. */
-static uint64_t *place_of(uint64_t *files, size_t room, uint64_t key)
+/* The slot of a key, or a free one for it. */
+static uint64_t *slot_of(uint64_t *files, size_t room, uint64_t key)
 {
     size_t at = (size_t)key & (room - 1);
     while (files[at] && files[at] != key)
@@ -162,7 +162,7 @@ static int grow(fxs_import *import, const fxs_allocator *allocator)
     uint64_t *files = fxs_allocate_zeroed(allocator, room, sizeof *files);
     for (size_t i = 0; files && i < import->room; i++)
         if (import->files[i])
-            *place_of(files, room, import->files[i]) = import->files[i];
+            *slot_of(files, room, import->files[i]) = import->files[i];
     if (!files)
         return -1;
     fxs_release(allocator, import->files);
@@ -175,11 +175,11 @@ int fxs_import_count(const fxs_scene_source *source, fxs_message *message)
 {
     fxs_import *import = source->import;
     const uint64_t key = key_of(source);
-    if (import->room && *place_of(import->files, import->room, key))
+    if (import->room && *slot_of(import->files, import->room, key))
         return 0;
     if (2 * import->file_count >= import->room && grow(import, source->options.allocator))
         return fxs_fail_memory(message, source->path, 0);
-    *place_of(import->files, import->room, key) = key;
+    *slot_of(import->files, import->room, key) = key;
     import->file_count++;
     import->file_bytes += source->input.size;
     return 0;

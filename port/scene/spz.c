@@ -317,7 +317,8 @@ static int load_gzip(fxs_spz *spz)
 
 static int open_gzip(fxs_spz *spz)
 {
-    return fxs_fail_as(FXS_ERR_UNSUPPORTED, spz->message, "%s: cannot read gzip: built without zlib", spz->source->path);
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, spz->message, "%s: cannot read gzip: built without zlib",
+                       spz->source->path);
 }
 
 #define load_gzip open_gzip

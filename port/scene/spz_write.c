@@ -57,7 +57,8 @@ int fxs_spz_writer_open(const char *path, int version, uint64_t count, int sh_de
 {
     *writer = NULL;
     if (version != 3 && version != 4)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: .spz version %d is not written, only 3 and 4", path, version);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: .spz version %d is not written, only 3 and 4", path,
+                           version);
     if (!is_built_in(version))
         return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot write .spz version %d: built without %s", path,
                            version, version == 3 ? "zlib" : "zstd");
