@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "../port/files/message.h"
 #include "../port/import/pack.h"
 #include "../port/scene/ply_write.h"
 #include "../tools/procedural.h"

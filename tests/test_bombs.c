@@ -378,9 +378,10 @@ static int import(const char *name, fxs_message *said)
     fxs_scene_file *file;
     fxs_packed_scene packed;
     fxs_pack_report report;
-    if (fxs_scene_file_open(in_folder(name), NULL, &file, &info, said))
-        return -1;
-    int result = fxs_pack(file, &info, &packed, &report, NULL, said);
+    int result = fxs_scene_file_open(in_folder(name), NULL, &file, &info, said);
+    if (result)
+        return result;
+    result = fxs_pack(file, &info, &packed, &report, NULL, said);
     fxs_scene_file_close(file);
     if (result == 0)
         fxs_packed_scene_free(&packed);
@@ -414,7 +415,8 @@ static void import_measured(const struct bomb *b)
                            1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
     printf("  %-19s %7ld KiB %6.2f s  %s\n", b->name, usage.ru_maxrss, seconds, answer.said.text);
     CHECK(!MEASURED || (usage.ru_maxrss <= MOST_KIB && seconds <= MOST_SECONDS));
-    CHECK(b->line ? answer.result == -1 && strstr(answer.said.text, b->line) : answer.result == 0);
+    const int refused = answer.result == FXS_ERR_FILE || answer.result == FXS_ERR_MEMORY;
+    CHECK(b->line ? refused && strstr(answer.said.text, b->line) : answer.result == 0);
 }
 
 static void every_bomb_ends(void)
@@ -433,10 +435,10 @@ static int open_limited(const char *name, uint64_t max_gaussians, uint64_t max_m
     fxs_gaussian one;
     const fxs_scene_file_options options = {.max_gaussians = max_gaussians, .max_memory = max_memory};
     int result = fxs_scene_file_open(in_folder(name), &options, &file, &info, &message);
-    if (result == 0 && fxs_scene_file_read(file, &one, 1, &message) != 1)
-        result = -1;
+    if (result == 0)
+        result = (int)fxs_scene_file_read(file, &one, 1, &message);
     fxs_scene_file_close(file);
-    return result;
+    return result < 0 ? result : 0;
 }
 
 static int says(const char *words)
@@ -460,14 +462,15 @@ static void small_ones_pass(void)
 static void limits_are_exact(void)
 {
     CHECK(open_limited("honest.spz", 1000000, 0) == 0);
-    CHECK(open_limited("honest.spz", 999999, 0) == -1 && says("1000000 Gaussians or more in ") &&
+    CHECK(open_limited("honest.spz", 999999, 0) == FXS_ERR_FILE && says("1000000 Gaussians or more in ") &&
           says("beyond the limit of 999999; --max-gaussians raises it"));
     CHECK(open_limited("honest.spz", 0, 65000000 + (1 << 18)) == 0);
-    CHECK(open_limited("honest.spz", 0, 65000000) == -1 && says("beyond the limit of 65000000; --import-memory raises"));
+    CHECK(open_limited("honest.spz", 0, 65000000) == FXS_ERR_MEMORY && message.bytes_needed > 65000000 &&
+          says("beyond the limit of 65000000; --import-memory raises"));
     CHECK(open_limited("honest.sog", 1000000, 20000000 + (1 << 18)) == 0);
-    CHECK(open_limited("honest.sog", 0, 19999999) == -1 && says("--import-memory raises it"));
+    CHECK(open_limited("honest.sog", 0, 19999999) == FXS_ERR_MEMORY && says("--import-memory raises it"));
     CHECK(open_limited("inflating.spz", 4000000, 0) == 0);
-    CHECK(open_limited("exponents.ply", 17999, 0) == -1 && says("18000 Gaussians or more in "));
+    CHECK(open_limited("exponents.ply", 17999, 0) == FXS_ERR_FILE && says("18000 Gaussians or more in "));
 }
 
 /* ---- Once ------------------------------------------------------------------------------------------------------ */
@@ -573,7 +576,7 @@ static void one_file_for_two_images(void)
     const size_t length = flat_webp(10, 10, image);
     put_meta(100, names);
     write_sog("two.sog", 5, image, length);
-    CHECK(open_limited("two.sog", 0, 0) == -1 && says("./a: the file of two images"));
+    CHECK(open_limited("two.sog", 0, 0) == FXS_ERR_FILE && says("./a: the file of two images"));
 }
 
 static int run_tests(int argc, char **argv)

@@ -105,7 +105,7 @@ static void test_changed(void)
         out = fopen(path, "r+b");
         CHECK(out && fputc(8, out) == 8 && !fclose(out) && (!cut || !truncate(path, PAGE)));
         CHECK(data[0] == 8 && data[PAGES * PAGE - 1] == (cut ? 0 : 7));
-        CHECK(fxs_map_check(&file, path, &m) == -1 && strstr(m.text, cut ? "cut short" : "written to") &&
+        CHECK(fxs_map_check(&file, path, &m) == FXS_ERR_FILE && strstr(m.text, cut ? "cut short" : "written to") &&
               strstr(m.text, path));
         fxs_unmap(&file);
     }
@@ -129,7 +129,7 @@ static void test_cut_and_grown(void)
     const struct timespec times[2] = {status.st_atim, status.st_mtim};
     CHECK(!truncate(path, PAGE) && ((const volatile unsigned char *)file.data)[PAGES * PAGE - 1] == 0);
     CHECK(!truncate(path, PAGES * PAGE) && !utimensat(AT_FDCWD, path, times, 0));
-    CHECK(fxs_map_check(&file, path, &m) == -1 && strstr(m.text, "cut short"));
+    CHECK(fxs_map_check(&file, path, &m) == FXS_ERR_FILE && strstr(m.text, "cut short"));
     fxs_unmap(&file);
     unlink(path);
 }
@@ -249,13 +249,13 @@ static void test_failures(void)
     fxs_message m;
     fxs_mapping file;
     struct stat before, after;
-    CHECK(fxs_file_write(fxs_path, packed.data, packed.bytes - 1, &m) == -1);
+    CHECK(fxs_file_write(fxs_path, packed.data, packed.bytes - 1, &m) == FXS_ERR_SCENE);
     stat(fxs_path, &before);
     snprintf(path, sizeof path, "%s/none/a.fxs", folder);
-    CHECK(fxs_file_write(path, packed.data, packed.bytes, &m) == -1 && strstr(m.text, path));
-    CHECK(fxs_file_write(folder, packed.data, packed.bytes, &m) == -1 && strstr(m.text, folder));
+    CHECK(fxs_file_write(path, packed.data, packed.bytes, &m) == FXS_ERR_FILE && strstr(m.text, path));
+    CHECK(fxs_file_write(folder, packed.data, packed.bytes, &m) == FXS_ERR_FILE && strstr(m.text, folder));
     CHECK(!stat(fxs_path, &after) && before.st_ino == after.st_ino && before.st_size == after.st_size);
-    CHECK(fxs_map(&file, path, &m) == -1 && fxs_map(&file, folder, &m) == -1 && !file.data);
+    CHECK(fxs_map(&file, path, &m) == FXS_ERR_FILE && fxs_map(&file, folder, &m) == FXS_ERR_FILE && !file.data);
 }
 
 #ifndef FXS_WITH_ZLIB
@@ -263,7 +263,7 @@ static void test_without_zlib(void)
 {
     fxs_message m;
     (void)test_round_trip, (void)test_damage, (void)test_failures, (void)test_changed, (void)test_cut_and_grown, (void)test_other_faults, (void)test_many;
-    CHECK(fxs_file_write(fxs_path, packed.data, packed.bytes, &m) == -1 && strstr(m.text, "zlib"));
+    CHECK(fxs_file_write(fxs_path, packed.data, packed.bytes, &m) == FXS_ERR_UNSUPPORTED && strstr(m.text, "zlib"));
     SKIP("built without zlib");
 }
 #endif

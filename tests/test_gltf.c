@@ -173,15 +173,16 @@ static long read_scene(const char *name, int step)
     fxs_scene_file *file;
     long total = 0, got = 0;
     snprintf(full, sizeof full, "%s/%s", folder, name);
-    if (fxs_scene_file_open(full, NULL, &file, &info, &message) != 0)
-        return -1;
+    const int error = fxs_scene_file_open(full, NULL, &file, &info, &message);
+    if (error)
+        return error;
     CHECK(strcmp(info.format, "gltf") == 0);
     fxs_scene_file_read(file, out, 2, &message);
     CHECK(fxs_scene_file_rewind(file, &message) == 0);
     while (total + step <= 4 * COUNT && (got = fxs_scene_file_read(file, out + total, (size_t)step, &message)) > 0)
         total += got;
     fxs_scene_file_close(file);
-    return got < 0 ? -1 : total;
+    return got < 0 ? got : total;
 }
 
 static long read_glb(void)
@@ -193,7 +194,7 @@ static long read_glb(void)
 
 static void expect_fault(long result, const char *text)
 {
-    if (!CHECK(result == -1) || !CHECK(strstr(message.text, text) && strstr(message.text, folder)))
+    if (!CHECK(result == FXS_ERR_FILE) || !CHECK(strstr(message.text, text) && strstr(message.text, folder)))
         printf("  got \"%s\", wanted \"%s\"\n", message.text, text);
 }
 
@@ -752,17 +753,17 @@ static void truncated(void)
     make_glb();
     for (size_t length = 0; length < file_size; length++) {
         put_named("a.glb", file_bytes, length);
-        CHECK(read_scene("a.glb", 3) == -1);
+        CHECK(read_scene("a.glb", 3) == FXS_ERR_FILE);
     }
     put_named("a.bin", bin, bin_size);
     write_json("{\"mesh\":0}", extension, "\"uri\":\"a.bin\",");
     for (size_t length = 0; length < strlen(json); length++) {
         put_named("a.gltf", json, length);
-        CHECK(read_scene("a.gltf", 3) == -1);
+        CHECK(read_scene("a.gltf", 3) == FXS_ERR_FILE);
     }
     for (size_t length = 0; length < bin_size; length += 7) {
         put_named("a.bin", bin, length);
-        CHECK(read_scene("a.gltf", 3) == -1);
+        CHECK(read_scene("a.gltf", 3) == FXS_ERR_FILE);
     }
 }
 

@@ -62,7 +62,7 @@ static int write_image(const char *name)
 {
     memset(&message, 0, sizeof message);
     int status = fxs_image_file_write(in_folder(name), image, WIDTH, HEIGHT, &message);
-    CHECK(status == 0 || (status == -1 && message.text[0] != 0));
+    CHECK(status == 0 || (status < 0 && message.text[0] != 0));
     return status;
 }
 
@@ -110,18 +110,19 @@ static void endings(void)
 {
     CHECK(fxs_image_file_known("a.png") && fxs_image_file_known("b/c.d.ppm") && fxs_image_file_known("x.raw"));
     CHECK(!fxs_image_file_known("a.jpg") && !fxs_image_file_known("png") && !fxs_image_file_known("a.png/b"));
-    CHECK(write_image("a.jpg") == -1 && strstr(message.text, "a.jpg") && strstr(message.text, ".png, .ppm and .raw"));
-    CHECK(fxs_image_file_write(in_folder("a.png"), image, 0, 5, &message) == -1);
-    CHECK(fxs_image_file_write(in_folder("a.png"), image, 16384, 16384, &message) == -1);
+    CHECK(write_image("a.jpg") == FXS_ERR_ARGUMENT && strstr(message.text, "a.jpg") &&
+          strstr(message.text, ".png, .ppm and .raw"));
+    CHECK(fxs_image_file_write(in_folder("a.png"), image, 0, 5, &message) == FXS_ERR_ARGUMENT);
+    CHECK(fxs_image_file_write(in_folder("a.png"), image, 16384, 16384, &message) == FXS_ERR_ARGUMENT);
     CHECK(files_in_folder() == 0);
 }
 
 static void bad_targets(void)
 {
     make_image(1);
-    CHECK(write_image("missing/a.png") == -1 && strstr(message.text, "No such file"));
+    CHECK(write_image("missing/a.png") == FXS_ERR_FILE && strstr(message.text, "No such file"));
     CHECK(!mkdir(in_folder("d.png"), 0777));
-    CHECK(write_image("d.png") == -1 && strstr(message.text, "directory"));
+    CHECK(write_image("d.png") == FXS_ERR_FILE && strstr(message.text, "directory"));
     CHECK(files_in_folder() == 1);
     rmdir(in_folder("d.png"));
 }
@@ -133,7 +134,7 @@ static void unwritable_folder(void)
     make_image(1);
     CHECK(!write_image("a.png"));
     CHECK(!chmod(folder, 0500));
-    CHECK(write_image("a.png") == -1 && strstr(message.text, "ermission"));
+    CHECK(write_image("a.png") == FXS_ERR_FILE && strstr(message.text, "ermission"));
     CHECK(!chmod(folder, 0700));
     check_read("a.png", 1);
     remove(in_folder("a.png"));
@@ -157,7 +158,7 @@ static void full_disk(void)
         memset(image, 255, sizeof image);
         for (int j = 0; j < 4 * PIXELS; j++)
             image[j] = random_byte();
-        CHECK(write_image(names[i]) == -1 && strstr(message.text, "too large"));
+        CHECK(write_image(names[i]) == FXS_ERR_FILE && strstr(message.text, "too large"));
         CHECK(!setrlimit(RLIMIT_FSIZE, &old));
         CHECK(!stat(in_folder(names[i]), &after) && before.st_ino == after.st_ino && before.st_size == after.st_size);
         CHECK(files_in_folder() == 1);
@@ -171,7 +172,7 @@ static void check_unreadable(const char *name, const char *words)
     uint8_t *rgba;
     int width, height;
     memset(&message, 0, sizeof message);
-    if (!CHECK(fxs_image_file_read(in_folder(name), &rgba, &width, &height, &message) == -1 &&
+    if (!CHECK(fxs_image_file_read(in_folder(name), &rgba, &width, &height, &message) == FXS_ERR_FILE &&
                strstr(message.text, words) && strstr(message.text, name)))
         printf("  %s: \"%s\"\n", name, message.text);
 }

@@ -177,7 +177,7 @@ static void test_range(void)
     CHECK(!fxs_camera_from_view(&camera, &view, &m) && camera.near_q32 == 0);
     for (int i = 0; i < 5; i++) {
         view.near = bad[i];
-        CHECK(fxs_camera_from_view(&camera, &view, &m) == -1 && strstr(m.text, "near plane"));
+        CHECK(fxs_camera_from_view(&camera, &view, &m) == FXS_ERR_CAMERA && strstr(m.text, "near plane"));
     }
     for (int i = 0; i < 3; i++) {
         view.near = good[i];

@@ -468,7 +468,7 @@ static void test_bytes_skipped(void)
         CHECK(byte && *byte == data[to]);
         CHECK(fxs_bytes_skip(&reader, sizeof data - to - 1) == 0 && !fxs_bytes_take(&reader, 1));
     }
-    CHECK(fxs_bytes_seek(&reader, 10) == 0 && fxs_bytes_skip(&reader, sizeof data - 9) == -1);
+    CHECK(fxs_bytes_seek(&reader, 10) == 0 && fxs_bytes_skip(&reader, sizeof data - 9) == FXS_ERR_FILE);
 }
 
 /* As many Gaussians as the information says, though the file has more. */
@@ -621,16 +621,17 @@ static void test_nothing_left(void)
     make_gaussians(5);
     for (int i = 0; i < 5; i++)
         gaussians[i].position[0] = NAN;
-    CHECK(write_file(5, 0, 0) && pack_file(0, 0) == -1 && message.text[0] && !packed.data && !packed.allocation);
+    CHECK(write_file(5, 0, 0) && pack_file(0, 0) == FXS_ERR_FILE && message.text[0] && !packed.data &&
+          !packed.allocation);
     CHECK(report.dropped.not_finite == 5);
 }
 
 static void test_empty_file(void)
 {
-    CHECK(!write_file(0, 0, 0) || (pack_file(0, 0) == -1 && message.text[0]));
+    CHECK(!write_file(0, 0, 0) || (pack_file(0, 0) == FXS_ERR_FILE && message.text[0]));
     FILE *stream = fopen(path, "wb");
     CHECK(stream && fclose(stream) == 0);
-    CHECK(pack_file(0, 0) == -1 && message.text[0]);
+    CHECK(pack_file(0, 0) == FXS_ERR_FILE && message.text[0]);
 }
 
 /* ---- The rest --------------------------------------------------------------------------------------------------- */
@@ -1365,7 +1366,7 @@ static void check_progress(uint32_t threads)
     fxs_packed_scene_free(&packed);
     for (int stop = 1; stop <= all.count; stop++) {
         struct calls calls = {0, stop, 1, 0};
-        CHECK(pack_with(path, threads, count_call, &calls) == -1 && calls.count == stop);
+        CHECK(pack_with(path, threads, count_call, &calls) == FXS_ERR_FILE && calls.count == stop);
         CHECK(!packed.data && !packed.allocation && !strcmp(message.text, "import stopped"));
     }
 }
@@ -1399,7 +1400,7 @@ static void test_reader_fails(void)
         fprintf(stream, "%d 2 3 -4 -4 -4 1 0 0 0 2 0 0 %s\n", i, i == 6000 ? "dog" : "0");
     CHECK(fclose(stream) == 0);
     for (int i = 0; i < THREAD_COUNTS; i++) {
-        CHECK(pack_with(path, thread_counts[i], 0, 0) == -1 && !packed.data && !packed.allocation);
+        CHECK(pack_with(path, thread_counts[i], 0, 0) == FXS_ERR_FILE && !packed.data && !packed.allocation);
         CHECK(strstr(message.text, path) && strstr(message.text, "6001 of 9000"));
     }
 }

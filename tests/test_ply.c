@@ -404,13 +404,14 @@ static void ascii_numbers(void)
     snprintf(text, sizeof text, "%f", -1e300);
     CHECK(read_ascii_x(text, &x) == 0 && x == -INFINITY);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-        if (!CHECK(read_ascii_x(bad[i], &x) == -1 && strstr(message.text, ": vertex 1 of 1: a value is not a number")))
+        if (!CHECK(read_ascii_x(bad[i], &x) == FXS_ERR_FILE &&
+                   strstr(message.text, ": vertex 1 of 1: a value is not a number")))
             printf("  %s\n", bad[i]);
     memset(text, '1', 700);
     text[700] = '\0';
-    CHECK(read_ascii_x(text, &x) == -1 && strstr(message.text, "a value is too long"));
-    CHECK(read_ascii_x("1 2", &x) == -1 && strstr(message.text, "too many values"));
-    CHECK(read_ascii_x("1\n", &x) == -1 && strstr(message.text, "too few values"));
+    CHECK(read_ascii_x(text, &x) == FXS_ERR_FILE && strstr(message.text, "a value is too long"));
+    CHECK(read_ascii_x("1 2", &x) == FXS_ERR_FILE && strstr(message.text, "too many values"));
+    CHECK(read_ascii_x("1\n", &x) == FXS_ERR_FILE && strstr(message.text, "too few values"));
 }
 
 /* Random floats printed with 9 digits come back bit for bit. */
@@ -458,7 +459,7 @@ static void truncated_binary(void)
     size_t header = (size_t)(strstr((char *)bytes, "end_header\n") - (char *)bytes) + 11;
     for (size_t length = 0; length < size; length++) {
         put_file(length);
-        CHECK(read_file(gaussians, ROWS) == -1);
+        CHECK(read_file(gaussians, ROWS) == FXS_ERR_FILE);
         snprintf(text, sizeof text, "at least %zu bytes, the file has %zu", size, length);
         CHECK(strstr(message.text, length < 3 ? "not a scene file" : length < header ? "no end_header" : text) != NULL);
     }
@@ -478,7 +479,7 @@ static void truncated_lists(void)
         CHECK(read_file(gaussians, ROWS) == 0);
         for (size_t length = 0; length < size - 3; length++) {
             put_file(length);
-            CHECK(read_file(gaussians, ROWS) == -1);
+            CHECK(read_file(gaussians, ROWS) == FXS_ERR_FILE);
         }
     }
 }
@@ -494,7 +495,7 @@ static void truncated_ascii(void)
     for (size_t length = 0; length < size; length++) {
         put_file(length);
         int status = read_file(gaussians, ROWS);
-        CHECK(length > last ? status == 0 || bytes[length - 1] == '-' : status == -1);
+        CHECK(length > last ? status == 0 || bytes[length - 1] == '-' : status == FXS_ERR_FILE);
         CHECK(length > last || strstr(message.text, "vertex 3 of 3: the file ends early") || length < last - 1
               || !printf("  %s\n", message.text));
     }
@@ -634,18 +635,19 @@ static void one_level(void)
     CHECK(fxs_scene_file_open_memory(path, bytes, size, &options, &file, &info, &message) == 0 && info.levels == 1);
     fxs_scene_file_close(file);
     options.level = 1;
-    CHECK(fxs_scene_file_open_memory(path, bytes, size, &options, &file, &info, &message) == -1 && file == NULL);
+    CHECK(fxs_scene_file_open_memory(path, bytes, size, &options, &file, &info, &message) == FXS_ERR_ARGUMENT &&
+          file == NULL);
     CHECK(strstr(message.text, ": no level 1: levels of detail in this scene: 1") != NULL);
 }
 
 static void not_files(void)
 {
     fxs_scene_file *file;
-    CHECK(fxs_scene_file_open("/dev/null", NULL, &file, &info, &message) == -1 && file == NULL);
+    CHECK(fxs_scene_file_open("/dev/null", NULL, &file, &info, &message) == FXS_ERR_FILE && file == NULL);
     CHECK(strcmp(message.text, "/dev/null: not a regular file") == 0);
-    CHECK(fxs_scene_file_open("/dev", NULL, &file, &info, &message) == -1 && file == NULL);
+    CHECK(fxs_scene_file_open("/dev", NULL, &file, &info, &message) == FXS_ERR_FILE && file == NULL);
     CHECK(strncmp(message.text, "/dev/meta.json: ", 16) == 0);
-    CHECK(fxs_scene_file_open("no/such/file", NULL, &file, &info, &message) == -1 && file == NULL);
+    CHECK(fxs_scene_file_open("no/such/file", NULL, &file, &info, &message) == FXS_ERR_FILE && file == NULL);
     CHECK(strncmp(message.text, "no/such/file: ", 14) == 0);
     fxs_scene_file_close(NULL);
 }

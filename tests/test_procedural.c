@@ -163,8 +163,9 @@ static int write_scene(const char *path, const fxs_procedural_scene *scene, uint
                        fxs_message *message)
 {
     fxs_ply_writer *writer;
-    if (fxs_ply_writer_open(path, announced, scene->sh_degree, 0, &writer, message))
-        return -1;
+    const int error = fxs_ply_writer_open(path, announced, scene->sh_degree, 0, &writer, message);
+    if (error)
+        return error;
     for (uint64_t i = 0; i < written; i++) {
         fxs_gaussian g;
         scene->gaussian(i, written, 1, &g);
@@ -251,18 +252,21 @@ static void test_ply_failures(void)
     const struct rlimit small = { 20000, RLIM_INFINITY }, unlimited = { RLIM_INFINITY, RLIM_INFINITY };
     CHECK(write_scene(in_folder("kept.ply"), scene, 5, 5, &message) == 0);
     CHECK(stat(in_folder("kept.ply"), &before) == 0);
-    CHECK(write_scene(in_folder("kept.ply"), scene, 6, 5, &message) == -1 && strstr(message.text, "1 Gaussians fewer"));
-    CHECK(write_scene(in_folder("kept.ply"), scene, 4, 5, &message) == -1);
+    CHECK(write_scene(in_folder("kept.ply"), scene, 6, 5, &message) == FXS_ERR_ARGUMENT &&
+          strstr(message.text, "1 Gaussians fewer"));
+    CHECK(write_scene(in_folder("kept.ply"), scene, 4, 5, &message) == FXS_ERR_FILE);
     signal(SIGXFSZ, SIG_IGN);
     setrlimit(RLIMIT_FSIZE, &small);
-    CHECK(write_scene(in_folder("kept.ply"), scene, 4000, 4000, &message) == -1 && strstr(message.text, "kept.ply"));
+    CHECK(write_scene(in_folder("kept.ply"), scene, 4000, 4000, &message) == FXS_ERR_FILE &&
+          strstr(message.text, "kept.ply"));
     setrlimit(RLIMIT_FSIZE, &unlimited);
     CHECK(stat(in_folder("kept.ply"), &after) == 0 && after.st_size == before.st_size);
     CHECK(!exists("kept.ply.tmp"));
-    CHECK(write_scene(in_folder("none/a.ply"), scene, 5, 5, &message) == -1 && strstr(message.text, "none/a.ply"));
+    CHECK(write_scene(in_folder("none/a.ply"), scene, 5, 5, &message) == FXS_ERR_FILE &&
+          strstr(message.text, "none/a.ply"));
     CHECK(mkdir(in_folder("folder"), 0700) == 0);
-    CHECK(write_scene(in_folder("folder"), scene, 5, 5, &message) == -1 && !exists("folder.tmp"));
-    CHECK(fxs_ply_writer_open(in_folder("a.ply"), 1, 4, 0, &writer, &message) == -1 && !writer);
+    CHECK(write_scene(in_folder("folder"), scene, 5, 5, &message) == FXS_ERR_FILE && !exists("folder.tmp"));
+    CHECK(fxs_ply_writer_open(in_folder("a.ply"), 1, 4, 0, &writer, &message) == FXS_ERR_ARGUMENT && !writer);
     CHECK(fxs_ply_writer_close(NULL, &message) == 0);
 }
 

@@ -143,7 +143,7 @@ static void sh_degrees(void)
         fxs_scene_file_close(file);
     }
     for (filter.sh_degree = -1; filter.sh_degree <= 4; filter.sh_degree += 5)
-        CHECK(open_filtered() == -1 && strstr(message.text, "not 0 to 3"));
+        CHECK(open_filtered() == FXS_ERR_ARGUMENT && strstr(message.text, "not 0 to 3"));
     CHECK(write_made(1));
     filter.sh_degree = 2;
     CHECK(open_filtered() == 0 && info.sh_degree == 1);
@@ -198,13 +198,13 @@ static void nothing_left(void)
 {
     make();
     filter.low[0] = 2 * COUNT;
-    CHECK(open_filtered() == -1 && strstr(message.text, "none of the 1000 Gaussians is left"));
+    CHECK(open_filtered() == FXS_ERR_FILE && strstr(message.text, "none of the 1000 Gaussians is left"));
     for (int i = 0; i < COUNT; i++)
         made[i].scale[0] = NAN;
     CHECK(write_made(3));
     fxs_scene_filter_default(&filter);
     filter.drawable = 1;
-    CHECK(open_filtered() == -1 && strstr(message.text, "none of the 1000 Gaussians can be drawn"));
+    CHECK(open_filtered() == FXS_ERR_FILE && strstr(message.text, "none of the 1000 Gaussians can be drawn"));
 }
 
 /* The scene packed through a filter and that of a file with only what is left are the same bytes. */
@@ -252,7 +252,7 @@ static void progress(void)
     filter.high[0] = 10;
     if (!CHECK(fxs_scene_file_open_memory(path, bytes, file_size, NULL, &file, &info, &message) == 0))
         return;
-    CHECK(fxs_scene_file_filter(file, &filter, &info, &report, stop_at_half, &last, &message) == -1);
+    CHECK(fxs_scene_file_filter(file, &filter, &info, &report, stop_at_half, &last, &message) == FXS_ERR_FILE);
     CHECK(last >= 0.5);
     fxs_scene_file_close(file);
 }
@@ -270,7 +270,7 @@ static void damaged(void)
         put("%s 0 0 0 0 0 0 0 0 0 1 0 0 0\n", i == 500 ? "x" : "1");
     put_file(size);
     fxs_scene_filter_default(&filter);
-    CHECK(open_filtered() == -1 && strncmp(message.text, path, strlen(path)) == 0);
+    CHECK(open_filtered() == FXS_ERR_FILE && strncmp(message.text, path, strlen(path)) == 0);
 }
 
 int main(void)

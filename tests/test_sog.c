@@ -16,9 +16,10 @@ static long read_level(const char *name, int level, fxs_gaussian *gaussians, lon
     const fxs_scene_file_options options = {.level = level};
     long total[2] = {0, 0}, count = 0;
     memset(&info, 0, sizeof info);
-    if (fxs_scene_file_open(in_folder(name), &options, &file, &info, &message) != 0) {
+    const int error = fxs_scene_file_open(in_folder(name), &options, &file, &info, &message);
+    if (error) {
         CHECK(file == NULL && strncmp(message.text, folder, strlen(folder)) == 0 && !strchr(message.text, '\n'));
-        return -1;
+        return error;
     }
     for (int pass = 0; pass < 2 && count >= 0; pass++) {
         while ((count = fxs_scene_file_read(file, gaussians + total[pass], (size_t)(capacity - total[pass] < 10
@@ -28,7 +29,7 @@ static long read_level(const char *name, int level, fxs_gaussian *gaussians, lon
     }
     fxs_scene_file_close(file);
     if (count < 0)
-        return -1;
+        return count;
     CHECK(total[0] == total[1] && total[0] == (long)info.count && strcmp(info.format, "sog") == 0);
     return total[0];
 }
@@ -36,7 +37,8 @@ static long read_level(const char *name, int level, fxs_gaussian *gaussians, lon
 static void check_level_fails(const char *name, int level, const char *words)
 {
     static fxs_gaussian gaussians[1000];
-    if (!CHECK(read_level(name, level, gaussians, 1000) == -1 && strstr(message.text, words)))
+    const int error = level ? FXS_ERR_ARGUMENT : strstr(words, "built without") ? FXS_ERR_UNSUPPORTED : FXS_ERR_FILE;
+    if (!CHECK(read_level(name, level, gaussians, 1000) == error && strstr(message.text, words)))
         printf("  said: %s\n  not:  %s\n", message.text, words);
 }
 
@@ -506,7 +508,7 @@ static void faulty_images(void)
     put_folder("scene");
     for (size_t size = 0; size < files[QUATS].size; size++) {
         put_file("scene/quats.webp", files[QUATS].data, size);
-        CHECK(read_level("scene", 0, gaussians, COUNT + 1) == -1);
+        CHECK(read_level("scene", 0, gaussians, COUNT + 1) == FXS_ERR_FILE);
     }
     CHECK(strstr(message.text, "an image cannot be decoded") != NULL);
     size_t size = WebPEncodeRGBA(rgba, COUNT, 1, 4 * COUNT, 50, &data);
@@ -556,7 +558,7 @@ static void truncated_zip(void)
     size_t size = get("a.sog", zip_bytes, sizeof zip_bytes);
     for (size_t cut = 0; cut < size; cut++) {
         put_file("a.sog", zip_bytes, cut);
-        CHECK(read_level("a.sog", 0, gaussians, COUNT + 1) == -1);
+        CHECK(read_level("a.sog", 0, gaussians, COUNT + 1) == FXS_ERR_FILE);
         CHECK(strstr(message.text, cut < 4 ? "not a scene file of a known format" : "cannot be read as a zip") != NULL);
     }
 }
@@ -572,7 +574,7 @@ static void damaged_zip(void)
         zip_bytes[i] ^= 0x55;
         put_file("a.sog", zip_bytes, size);
         long count = read_level("a.sog", 0, gaussians, COUNT + 1);
-        CHECK(count == -1 || (count == COUNT && all_same(&(made_scene){2, 0, 3}, gaussians, 0, COUNT)));
+        CHECK(count == FXS_ERR_FILE || (count == COUNT && all_same(&(made_scene){2, 0, 3}, gaussians, 0, COUNT)));
         zip_bytes[i] ^= 0x55;
     }
 }
@@ -795,7 +797,7 @@ static void changed_while_open(void)
     make(&chunks[1]);
     edit("\"count\":37", "\"count\":20");
     put_folder("0_1");
-    CHECK(fxs_scene_file_read(file, gaussians, 4 * COUNT, &message) == -1);
+    CHECK(fxs_scene_file_read(file, gaussians, 4 * COUNT, &message) == FXS_ERR_FILE);
     CHECK(strstr(message.text, "0_1/meta.json: 20 Gaussians, but a leaf ends at 37") != NULL);
     CHECK(fxs_scene_file_rewind(file, &message) == 0);
     CHECK(fxs_scene_file_read(file, gaussians, 32, &message) == 32 && all_same(&chunks[0], gaussians, 5, 37));

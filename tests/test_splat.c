@@ -133,10 +133,11 @@ static void wild_record_at_the_end(void)
 static int write_file(const fxs_gaussian *gaussians, uint64_t announced, size_t count)
 {
     fxs_splat_writer *writer;
-    if (fxs_splat_writer_open(written, announced, &writer, &message))
-        return -1;
+    int result = fxs_splat_writer_open(written, announced, &writer, &message);
+    if (result)
+        return result;
     fxs_splat_writer_put(writer, gaussians, count, &message);
-    int result = fxs_splat_writer_close(writer, &message);
+    result = fxs_splat_writer_close(writer, &message);
     take_written();
     return result;
 }
@@ -192,10 +193,10 @@ static void faulty_writes(void)
     fxs_gaussian kept[3];
     fxs_splat_writer *writer;
     CHECK(write_file((fxs_gaussian[3]){g[0], g[0], g[0]}, 3, 3) == 0);
-    CHECK(write_file(g, 2, 1) == -1 && strstr(message.text, "1 Gaussians fewer than announced"));
-    CHECK(write_file(g, 1, 2) == -1 && strncmp(message.text, written, strlen(written)) == 0);
+    CHECK(write_file(g, 2, 1) == FXS_ERR_ARGUMENT && strstr(message.text, "1 Gaussians fewer than announced"));
+    CHECK(write_file(g, 1, 2) == FXS_ERR_FILE && strncmp(message.text, written, strlen(written)) == 0);
     CHECK(read_file(kept, 3) == 0 && info.count == 3);
-    CHECK(fxs_splat_writer_open("no/such/folder/a.splat", 1, &writer, &message) == -1 && !writer);
+    CHECK(fxs_splat_writer_open("no/such/folder/a.splat", 1, &writer, &message) == FXS_ERR_FILE && !writer);
     CHECK(strstr(message.text, "no/such/folder/a.splat: cannot be written: No such file"));
     CHECK(fxs_splat_writer_close(NULL, &message) == 0);
 }

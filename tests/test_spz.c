@@ -412,14 +412,15 @@ static fxs_spz_clamped clamped;
 static int write_file(int version, int degree)
 {
     fxs_spz_writer *writer;
-    if (fxs_spz_writer_open(written, version, COUNT, degree, degree == 1, &writer, &message) != 0)
-        return -1;
+    int result = fxs_spz_writer_open(written, version, COUNT, degree, degree == 1, &writer, &message);
+    if (result)
+        return result;
     CHECK(fxs_spz_writer_put(writer, wanted, 3, &message) == 0);
     CHECK(fxs_spz_writer_put(writer, wanted + 3, COUNT - 3, &message) == 0);
     clamped = fxs_spz_writer_finish(writer);
     const fxs_spz_clamped again = fxs_spz_writer_finish(writer);
     CHECK(memcmp(&clamped, &again, sizeof clamped) == 0);
-    int result = fxs_spz_writer_close(writer, NULL, NULL, &message);
+    result = fxs_spz_writer_close(writer, NULL, NULL, &message);
     take_written();
     return result;
 }
@@ -574,20 +575,24 @@ static void asked_axes(void)
 static void faulty_writes(void)
 {
     fxs_spz_writer *writer;
-    CHECK(fxs_spz_writer_open(written, 2, 1, 0, 0, &writer, &message) == -1 && strstr(message.text, "version 2"));
-    CHECK(fxs_spz_writer_open(written, 5, 1, 0, 0, &writer, &message) == -1 && strstr(message.text, "version 5"));
+    CHECK(fxs_spz_writer_open(written, 2, 1, 0, 0, &writer, &message) == FXS_ERR_ARGUMENT &&
+          strstr(message.text, "version 2"));
+    CHECK(fxs_spz_writer_open(written, 5, 1, 0, 0, &writer, &message) == FXS_ERR_ARGUMENT &&
+          strstr(message.text, "version 5"));
     CHECK(fxs_spz_writer_close(NULL, NULL, NULL, &message) == 0);
     if (fxs_spz_writer_open(written, 3, 1, 0, 0, &writer, &message) != 0)
         SKIP(message.text);
-    CHECK(fxs_spz_writer_close(writer, NULL, NULL, &message) == -1);
+    CHECK(fxs_spz_writer_close(writer, NULL, NULL, &message) == FXS_ERR_ARGUMENT);
     CHECK(strstr(message.text, "1 Gaussians fewer than announced"));
     CHECK(fxs_spz_writer_open(written, 3, 1, 0, 0, &writer, &message) == 0);
-    CHECK(fxs_spz_writer_put(writer, wanted, 2, &message) == -1);
+    CHECK(fxs_spz_writer_put(writer, wanted, 2, &message) == FXS_ERR_ARGUMENT);
     CHECK(strstr(message.text, "more Gaussians than announced"));
-    CHECK(fxs_spz_writer_close(writer, NULL, NULL, &message) == -1);
-    CHECK(fxs_spz_writer_open(written, 3, 1, 4, 0, &writer, &message) == -1 && strstr(message.text, "SH degree 4"));
-    CHECK(fxs_spz_writer_open(written, 3, UINT64_MAX, 0, 0, &writer, &message) == -1 && strstr(message.text, "more than"));
-    CHECK(fxs_spz_writer_open("no/such/folder/a.spz", 3, 0, 0, 0, &writer, &message) == -1);
+    CHECK(fxs_spz_writer_close(writer, NULL, NULL, &message) == FXS_ERR_FILE);
+    CHECK(fxs_spz_writer_open(written, 3, 1, 4, 0, &writer, &message) == FXS_ERR_ARGUMENT &&
+          strstr(message.text, "SH degree 4"));
+    CHECK(fxs_spz_writer_open(written, 3, UINT64_MAX, 0, 0, &writer, &message) == FXS_ERR_ARGUMENT &&
+          strstr(message.text, "more than"));
+    CHECK(fxs_spz_writer_open("no/such/folder/a.spz", 3, 0, 0, 0, &writer, &message) == FXS_ERR_FILE);
     CHECK(strstr(message.text, "No such file"));
 }
 
@@ -619,7 +624,7 @@ static void progress(void)
         for (int i = 0; i < MANY; i++)
             fxs_spz_writer_put(writer, &wanted[i % COUNT], 1, &message);
         int result = fxs_spz_writer_close(writer, note_progress, &h, &message);
-        CHECK(k % 2 ? result == -1 && h.done >= 0.5 && h.done < 0.9 : result == 0 && h.done == 1);
+        CHECK(k % 2 ? result == FXS_ERR_FILE && h.done >= 0.5 && h.done < 0.9 : result == 0 && h.done == 1);
         if (k % 2)
             CHECK(strncmp(message.text, written, strlen(written)) == 0);
         else

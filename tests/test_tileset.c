@@ -94,9 +94,10 @@ static long read_step(const char *name, const fxs_scene_file_options *options, s
     static fxs_gaussian again[MOST];
     fxs_scene_file *file;
     long total[2] = {0, 0}, count = 0;
-    if (fxs_scene_file_open(in_folder(name), options, &file, &info, &message) != 0) {
+    const int error = fxs_scene_file_open(in_folder(name), options, &file, &info, &message);
+    if (error) {
         CHECK(file == NULL && strncmp(message.text, folder, strlen(folder)) == 0 && !strchr(message.text, '\n'));
-        return -1;
+        return error;
     }
     CHECK(strcmp(info.format, "tileset") == 0 && info.levels == 1);
     for (int pass = 0; pass < 2 && count >= 0; pass++) {
@@ -107,7 +108,7 @@ static long read_step(const char *name, const fxs_scene_file_options *options, s
     }
     fxs_scene_file_close(file);
     if (count < 0)
-        return -1;
+        return count;
     CHECK(total[0] == total[1] && total[0] == (long)info.count);
     CHECK(memcmp(out, again, (size_t)total[0] * sizeof *out) == 0);
     return total[0];
@@ -121,7 +122,7 @@ static long read_scene(const char *name)
 static void check_fails(const char *words)
 {
     message.text[0] = 0;
-    if (!CHECK(read_scene("tileset.json") == -1 && strstr(message.text, words)))
+    if (!CHECK(read_scene("tileset.json") == FXS_ERR_FILE && strstr(message.text, words)))
         printf("  said: %s\n  not:  %s\n", message.text, words);
 }
 
@@ -351,12 +352,12 @@ static void truncations(void)
     memcpy(whole, glb, size);
     for (size_t cut = 0; cut < sizeof good - 1; cut++) {
         put_file("tileset.json", good, cut);
-        CHECK(read_scene("tileset.json") == -1);
+        CHECK(read_scene("tileset.json") == FXS_ERR_FILE);
     }
     put_file("tileset.json", good, sizeof good - 1);
     for (size_t cut = 0; cut < size; cut++) {
         put_file("2.glb", whole, cut);
-        CHECK(read_scene("tileset.json") == -1);
+        CHECK(read_scene("tileset.json") == FXS_ERR_FILE);
     }
 }
 
@@ -404,10 +405,11 @@ static void many_contents(void)
         for (int k = 0; k < 1 + tile % 5; k++, i++)
             CHECK(is_at(&out[i], tile, 1, 0.25 * k));
     CHECK(read_step("tileset.json", &(fxs_scene_file_options){.max_gaussians = (uint64_t)count}, 50) == count);
-    CHECK(read_step("tileset.json", &(fxs_scene_file_options){.max_gaussians = (uint64_t)count - 1}, 50) == -1);
+    const fxs_scene_file_options fewer = {.max_gaussians = (uint64_t)count - 1};
+    CHECK(read_step("tileset.json", &fewer, 50) == FXS_ERR_FILE);
     CHECK(strstr(message.text, "300 Gaussians or more in ") != NULL);
     CHECK(read_step("tileset.json", &(fxs_scene_file_options){.max_memory = 400000}, 50) == count);
-    CHECK(read_step("tileset.json", &(fxs_scene_file_options){.max_memory = 4000}, 50) == -1);
+    CHECK(read_step("tileset.json", &(fxs_scene_file_options){.max_memory = 4000}, 50) == FXS_ERR_MEMORY);
     CHECK(strstr(message.text, "bytes of memory or more") != NULL);
 }
 
@@ -420,7 +422,7 @@ static void bytes_count_once(void)
     put_tiles("tileset.json", "{" CONTENT("1.glb") "}");
     stat(in_folder("tileset.json"), &status);
     snprintf(words, sizeof words, "2 Gaussians or more in %zu bytes", (size_t)status.st_size + glb_size);
-    CHECK(read_step("tileset.json", &(fxs_scene_file_options){.max_gaussians = 1}, 1) == -1);
+    CHECK(read_step("tileset.json", &(fxs_scene_file_options){.max_gaussians = 1}, 1) == FXS_ERR_FILE);
     if (!CHECK(strstr(message.text, words) != NULL))
         printf("  %s, not %s\n", message.text, words);
 }
@@ -432,7 +434,7 @@ static void changed_while_open(void)
     if (!CHECK(fxs_scene_file_open(in_folder("tileset.json"), NULL, &file, &info, &message) == 0))
         return;
     put_glb("many90.glb", 1, 3);
-    CHECK(fxs_scene_file_read(file, out, MOST, &message) == -1);
+    CHECK(fxs_scene_file_read(file, out, MOST, &message) == FXS_ERR_FILE);
     CHECK(strstr(message.text, "many90.glb: changed while it was open") != NULL);
     fxs_scene_file_close(file);
 }
@@ -459,14 +461,14 @@ static int stop_at_once(void *argument, double done)
 static void stopped(void)
 {
     put_many();
-    CHECK(read_step("tileset.json", &(fxs_scene_file_options){.progress = stop_at_once}, 1) == -1);
+    CHECK(read_step("tileset.json", &(fxs_scene_file_options){.progress = stop_at_once}, 1) == FXS_ERR_FILE);
     CHECK(strstr(message.text, "tileset.json: stopped") != NULL);
 }
 
 static void from_memory(void)
 {
     fxs_scene_file *file;
-    CHECK(fxs_scene_file_open_memory("a.json", good, sizeof good - 1, NULL, &file, &info, &message) == -1);
+    CHECK(fxs_scene_file_open_memory("a.json", good, sizeof good - 1, NULL, &file, &info, &message) == FXS_ERR_FILE);
     CHECK(strstr(message.text, "a.json: needs the file 2.glb beside it") != NULL);
 }
 
@@ -496,7 +498,7 @@ static void built_without(void)
     fxs_scene_file *file;
     const char tiles[] = "{\"asset\":{\"version\":\"1.1\"},\"geometricError\":0,\"root\":{}}";
     put_file("tileset.json", tiles, sizeof tiles - 1);
-    CHECK(fxs_scene_file_open(in_folder("tileset.json"), NULL, &file, &info, &message) == -1);
+    CHECK(fxs_scene_file_open(in_folder("tileset.json"), NULL, &file, &info, &message) == FXS_ERR_UNSUPPORTED);
     CHECK(strstr(message.text, "cannot read 3D Tiles: built without cJSON") != NULL);
 }
 

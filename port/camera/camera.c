@@ -3,6 +3,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "../files/message.h"
+#include "../files/try_internal.h"
+
 #define DEGREES 57.29577951308232
 #define NEAR_LEAST 0x1p-20
 #define NEAR_MOST 0x1p28
@@ -33,7 +36,7 @@ int fxs_view_look_at(fxs_file_view *view, const double eye[3], const double targ
 {
     double *right = view->rotation, *down = view->rotation + 3, *forward = view->rotation + 6;
     if (!(fov >= 1 && fov <= 170))
-        return fxs_fail(message, "a field of view of %g degrees: expected 1 to 170", fov);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a field of view of %g degrees: expected 1 to 170", fov);
     strcpy(view->name, "look-at");
     view->width = width;
     view->height = height;
@@ -49,7 +52,8 @@ int fxs_view_look_at(fxs_file_view *view, const double eye[3], const double targ
     int forward_ok = normalise(forward);
     cross(right, forward, up);
     if (!forward_ok || !normalise(right))
-        return fxs_fail(message, "the camera looks nowhere: eye and target are one point, or up is along the view");
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "the camera looks nowhere: eye and target are one point, or up "
+                           "is along the view");
     cross(down, forward, right);
     return 0;
 }
@@ -94,7 +98,7 @@ int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double hi
     double half[3], from[3], axis[3], back[3] = {0, 0, -1};
     memcpy(axis, up, sizeof axis);
     if (!normalise(axis))
-        return fxs_fail(message, "up is not a direction");
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "up is not a direction");
     if (fabs(dot(axis, back)) > 0.9)
         memcpy(back, (double[3]){0, -1, 0}, sizeof back);
     const double along = dot(axis, back);
@@ -105,8 +109,7 @@ int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double hi
         from[i] = 0.95 * back[i] + 0.31 * axis[i];
         half[i] = (high[i] - low[i]) / 2;
     }
-    if (fxs_view_look_at(view, from, origin, up, fov, width, height, message))
-        return -1;
+    FXS_TRY(fxs_view_look_at(view, from, origin, up, fov, width, height, message));
     view->near = fxs_near_of_box(low, high);
     const double distance = distance_for(view, half, 2.5 * view->near);
     for (int i = 0; i < 3; i++)
@@ -164,22 +167,24 @@ int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_mess
     camera->projection = view->projection;
     for (int i = 0; i < 4; i++)
         if (!to_fixed(&fixed[i], pixels[i], 12, 524287) || (i < 2 && fixed[i] < 1))
-            return fxs_fail(message, "view %s: a %s of %g pixels is out of range", view->name,
-                            i < 2 ? "focal length" : "principal point", pixels[i]);
+            return fxs_fail_as(FXS_ERR_CAMERA, message, "view %s: a %s of %g pixels is out of range", view->name,
+                               i < 2 ? "focal length" : "principal point", pixels[i]);
     camera->fx_q12 = (int32_t)fixed[0];
     camera->fy_q12 = (int32_t)fixed[1];
     camera->cx_q12 = (int32_t)fixed[2];
     camera->cy_q12 = (int32_t)fixed[3];
     for (int i = 0; i < 9; i++) {
         if (!to_fixed(&r, view->rotation[i], 30, 1.001))
-            return fxs_fail(message, "view %s: its rotation is not a rotation", view->name);
+            return fxs_fail_as(FXS_ERR_CAMERA, message, "view %s: its rotation is not a rotation", view->name);
         camera->rotation_q30[i] = (int32_t)r;
     }
     for (int i = 0; i < 3; i++)
         if (!to_fixed(&camera->position_q32[i], view->position[i], 32, 134217728.0))
-            return fxs_fail(message, "view %s: a position of %g is beyond 2^27 units", view->name, view->position[i]);
+            return fxs_fail_as(FXS_ERR_CAMERA, message, "view %s: a position of %g is beyond 2^27 units", view->name,
+                               view->position[i]);
     if (view->near != 0 && !(view->near >= NEAR_LEAST && view->near <= NEAR_MOST))
-        return fxs_fail(message, "view %s: a near plane at %g: expected 2^-20 to 2^28 units", view->name, view->near);
+        return fxs_fail_as(FXS_ERR_CAMERA, message, "view %s: a near plane at %g: expected 2^-20 to 2^28 units",
+                           view->name, view->near);
     camera->near_q32 = (int64_t)floor(ldexp(view->near, 32) + 0.5);
     return 0;
 }

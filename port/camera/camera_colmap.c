@@ -47,7 +47,7 @@ static int add_camera(camera_list *list, size_t model, double id, const double s
         size_t capacity = 2 * list->capacity + 16;
         camera *cameras = realloc(list->cameras, capacity * sizeof *cameras);
         if (!cameras)
-            return fxs_fail(message, "%s: out of memory", list->path);
+            return fxs_fail_memory(message, list->path, capacity * sizeof *cameras);
         list->cameras = cameras;
         list->capacity = capacity;
     }
@@ -85,18 +85,17 @@ static int quaternion_rows(const double q[4], double r[9])
 static int add_image(fxs_view_list *list, const camera_list *cameras, const char *name, const double pose[7],
                      double camera_id)
 {
-    fxs_file_view *view = fxs_view_add(list, name);
-    if (!view)
-        return -1;
+    fxs_file_view *view;
+    FXS_TRY(fxs_view_list_add(list, name, &view));
     const camera key = {.id = camera_id};
     const camera *found = cameras->count ?
         bsearch(&key, cameras->cameras, cameras->count, sizeof key, compare_ids) : NULL;
     if (!found)
-        return fxs_view_fault(list, "its camera is not in the cameras file");
+        return fxs_view_list_fault(list, "its camera is not in the cameras file");
     double *r = view->rotation;
     const double *t = pose + 4;
     if (!quaternion_rows(pose, r))
-        return fxs_view_fault(list, "its quaternion is zero or not finite");
+        return fxs_view_list_fault(list, "its quaternion is zero or not finite");
     /* centre = -R^T t */
     for (int i = 0; i < 3; i++)
         view->position[i] = -(r[i] * t[0] + r[3 + i] * t[1] + r[6 + i] * t[2]);
@@ -104,7 +103,7 @@ static int add_image(fxs_view_list *list, const camera_list *cameras, const char
     view->fy = found->fy;
     view->cx = found->cx;
     view->cy = found->cy;
-    return fxs_view_finish(list, found->width, found->height);
+    return fxs_view_list_finish(list, found->width, found->height);
 }
 
 /* Binary, little-endian */
@@ -156,8 +155,7 @@ static int read_cameras_bin(camera_list *list, const fxs_text *text, fxs_message
         take_doubles(&in, params, in.short_of ? 0 : models[model].params);
         if (in.short_of)
             break;
-        if (add_camera(list, model, id, size, params, message))
-            return -1;
+        FXS_TRY(add_camera(list, model, id, size, params, message));
     }
     return in.short_of ? fxs_fail(message, "%s: cut short", list->path) : 0;
 }
@@ -180,8 +178,7 @@ static int read_images_bin(fxs_view_list *list, const camera_list *cameras, cons
             return fxs_fail(list->message, "%s: cut short", list->path);
         in.at += points * 24;
         in.left -= points * 24;
-        if (add_image(list, cameras, (const char *)name, pose, camera_id))
-            return -1;
+        FXS_TRY(add_image(list, cameras, (const char *)name, pose, camera_id));
     }
     return in.short_of ? fxs_fail(list->message, "%s: cut short", list->path) : 0;
 }
@@ -247,8 +244,7 @@ static int read_cameras_txt(camera_list *list, const fxs_text *text, fxs_message
         if (!read_numbers(&line, size, 2) || !read_numbers(&line, params, models[model].params) || *next_word(&line))
             return fxs_fail(message, "%s: camera %.0f: not a size and %d parameters", list->path, id,
                             models[model].params);
-        if (add_camera(list, model, id, size, params, message))
-            return -1;
+        FXS_TRY(add_camera(list, model, id, size, params, message));
     }
     return 0;
 }
@@ -264,8 +260,7 @@ static int read_images_txt(fxs_view_list *list, const camera_list *cameras, cons
             name = next_word(&line);
         if (!name || !*name)
             return fxs_fail(list->message, "%s: image %zu: not nine numbers and a name", list->path, list->count);
-        if (add_image(list, cameras, name, values + 1, values[8]))
-            return -1;
+        FXS_TRY(add_image(list, cameras, name, values + 1, values[8]));
         next_line(&rest);
     }
     return 0;

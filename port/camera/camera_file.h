@@ -1,27 +1,38 @@
-/* Camera files: Inria cameras.json, COLMAP sparse models (.bin and .txt), nerfstudio or Blender transforms.json. */
+/* Camera files: Inria's cameras.json, COLMAP's sparse models (.bin and .txt), transforms.json of nerfstudio and
+   Blender. */
 #ifndef FXS_CAMERA_FILE_H
 #define FXS_CAMERA_FILE_H
 
-#include <stddef.h>
-
 #include "../../src/fixsplat.h"
 
-/* One view. Camera axes: x right, y down, z forward; pixel centres at +0.5. */
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* One camera, in doubles, as a file has it. Its axes: x right, y down, z forward; pixel centres at +0.5. */
 typedef struct fxs_file_view {
     char name[128];          /* image name, cut to fit */
-    int width, height;       /* pixels, 1 to 16384 */
-    double fx, fy, cx, cy;   /* pixels; of an orthographic view fx and fy are pixels a unit */
+    int width, height;       /* pixels, 1 to FXS_MAX_SIZE */
+    double fx, fy, cx, cy;   /* pixels; of an orthographic camera fx and fy are pixels a unit */
     double rotation[9];      /* world to camera, rows: the camera's x, y and z axes in the scene */
-    double position[3];      /* the camera's centre in the scene */
+    double position[3];      /* the camera's centre, scene units */
     double near;             /* depth of the near plane, scene units; 0: the renderer's default, 0.2 */
     enum fxs_projection projection;   /* perspective, in every camera file */
 } fxs_file_view;
 
-/* Reads every view of a camera file, told by content: a cameras.json (an array), a transforms.json (an object with
-   "frames"), or a COLMAP model, named by its folder or by its images.bin or images.txt. COLMAP views come in order of
-   their image name. Returns the number of views, at least 1, with *views allocated by malloc and owned by the caller;
-   or -1 and a message, naming the view where one is at fault (focal length not above 0, rotation not orthonormal
-   within 1e-3, not finite, size out of range, distorting camera model). */
+/* Reads every camera of a file. Its content tells which kind it is: a cameras.json (an array), a transforms.json (an
+   object with "frames"), or a COLMAP model, named by its folder or by its images.bin or images.txt. Those of COLMAP
+   come in order of their image name.
+
+   Returns their number, at least 1, with *views allocated by malloc, which the caller frees; or an error and a
+   message, which names the camera at fault. Errors: FXS_ERR_FILE where a file is missing, damaged, or has a camera
+   that cannot be used (a focal length that is not above 0, a rotation that is not orthonormal within 1e-3, a number
+   that is not finite, a size out of range, a model that distorts); FXS_ERR_UNSUPPORTED for .json where this was built
+   without cJSON; FXS_ERR_MEMORY. Several threads may read files at the same time. */
 long fxs_camera_file_read(const char *path, fxs_file_view **views, fxs_message *message);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -15,16 +15,17 @@ typedef struct fxs_view_list {
     size_t count, capacity;
 } fxs_view_list;
 
-/* Appends a zeroed view with a name, its index where NULL. Returns it, or NULL and a message. */
-fxs_file_view *fxs_view_add(fxs_view_list *list, const char *name);
+/* Appends a view that is all 0 but for its name: its index, where `name` is NULL. Returns 0 and the view, which stays
+   in place until the next is added, or an error and a message. */
+int fxs_view_list_add(fxs_view_list *list, const char *name, fxs_file_view **view);
 
-/* Writes a message about the view that was added last and returns -1. */
-int fxs_view_fault(const fxs_view_list *list, const char *fault);
+/* Writes a message about the view that was added last and returns FXS_ERR_FILE. */
+int fxs_view_list_fault(const fxs_view_list *list, const char *fault);
 
-/* Checks the view that was added last and makes its rotation orthonormal. */
-int fxs_view_finish(fxs_view_list *list, double width, double height);
+/* Gives the view that was added last its size, checks it whole, and brings its rotation to the nearest one. */
+int fxs_view_list_finish(fxs_view_list *list, double width, double height);
 
-/* Both return 0, or -1 and a message. The COLMAP texts may be changed. */
+/* The readers. Both return 0, or an error and a message. The COLMAP texts may be changed. */
 int fxs_camera_json_parse(fxs_view_list *list, const fxs_text *json);
 int fxs_camera_colmap_parse(fxs_view_list *list, int binary, const fxs_text *cameras, const fxs_text *images);
 

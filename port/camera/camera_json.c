@@ -32,14 +32,13 @@ static int matrix(const cJSON *array, double *out, int size)
 /* rotation holds the camera's axes as columns: camera to world. */
 static int read_inria_view(fxs_view_list *list, const cJSON *item)
 {
-    fxs_file_view *view = fxs_view_add(list, fxs_json_string(item, "img_name"));
     double width = number(item, "width", 0), height = number(item, "height", 0), r[9];
-    if (!view)
-        return -1;
+    fxs_file_view *view;
+    FXS_TRY(fxs_view_list_add(list, fxs_json_string(item, "img_name"), &view));
     if (!fxs_json_numbers(cJSON_GetObjectItemCaseSensitive(item, "position"), view->position, 3))
-        return fxs_view_fault(list, "\"position\" is not three numbers");
+        return fxs_view_list_fault(list, "\"position\" is not three numbers");
     if (!matrix(cJSON_GetObjectItemCaseSensitive(item, "rotation"), r, 3))
-        return fxs_view_fault(list, "\"rotation\" is not three rows of three numbers");
+        return fxs_view_list_fault(list, "\"rotation\" is not three rows of three numbers");
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             view->rotation[3 * i + j] = r[3 * j + i];
@@ -47,7 +46,7 @@ static int read_inria_view(fxs_view_list *list, const cJSON *item)
     view->fy = number(item, "fy", 0);
     view->cx = width / 2;
     view->cy = height / 2;
-    return fxs_view_finish(list, width, height);
+    return fxs_view_list_finish(list, width, height);
 }
 
 /* As in the file, NAN where absent. */
@@ -78,17 +77,16 @@ static double focal_length(double length, double angle, double size)
 /* A frame's own intrinsics go before those of the file. */
 static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics *file)
 {
-    fxs_file_view *view = fxs_view_add(list, fxs_json_string(frame, "file_path"));
+    fxs_file_view *view;
     intrinsics own = read_intrinsics(frame);
     double m[16], width = first(own.w, file->w), height = first(own.h, file->h);
-    if (!view)
-        return -1;
+    FXS_TRY(fxs_view_list_add(list, fxs_json_string(frame, "file_path"), &view));
     if (isnan(width) && isnan(height))
         width = height = 800;   /* Blender's synthetic scenes do not say it */
     if (!matrix(cJSON_GetObjectItemCaseSensitive(frame, "transform_matrix"), m, 4))
-        return fxs_view_fault(list, "\"transform_matrix\" is not four rows of four numbers");
+        return fxs_view_list_fault(list, "\"transform_matrix\" is not four rows of four numbers");
     if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1)
-        return fxs_view_fault(list, "the last row of \"transform_matrix\" is not 0 0 0 1");
+        return fxs_view_list_fault(list, "the last row of \"transform_matrix\" is not 0 0 0 1");
     /* camera to world with y up and z back: the columns are x, -y, -z and the centre */
     for (int i = 0; i < 3; i++) {
         view->rotation[i] = m[4 * i];
@@ -103,7 +101,7 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
     view->fy = first(view->fy, view->fx);
     view->cx = first(first(own.cx, file->cx), width / 2);
     view->cy = first(first(own.cy, file->cy), height / 2);
-    return fxs_view_finish(list, width, height);
+    return fxs_view_list_finish(list, width, height);
 }
 
 /* The models whose pinhole part is close to the truth. Small distortions k1 to k4, p1 and p2 are ignored: nerfstudio
@@ -125,8 +123,7 @@ static int read_transforms(fxs_view_list *list, const cJSON *root, const cJSON *
         return fxs_fail(list->message, "%s: camera_model is not a perspective one; undistort the images", list->path);
     const cJSON *frame;
     cJSON_ArrayForEach(frame, frames)
-        if (read_frame(list, frame, &file))
-            return -1;
+        FXS_TRY(read_frame(list, frame, &file));
     return 0;
 }
 
@@ -138,16 +135,14 @@ static int read_root(fxs_view_list *list, const cJSON *root)
     if (!cJSON_IsArray(root))
         return fxs_fail(list->message, "%s: neither an array of cameras nor an object with \"frames\"", list->path);
     cJSON_ArrayForEach(item, root)
-        if (read_inria_view(list, item))
-            return -1;
+        FXS_TRY(read_inria_view(list, item));
     return 0;
 }
 
 int fxs_camera_json_parse(fxs_view_list *list, const fxs_text *json)
 {
-    cJSON *root = fxs_json_parse(json, NULL, list->message);
-    if (!root)
-        return -1;
+    cJSON *root;
+    FXS_TRY(fxs_json_parse(json, NULL, &root, list->message));
     int status = read_root(list, root);
     cJSON_Delete(root);
     return status;
@@ -157,7 +152,8 @@ int fxs_camera_json_parse(fxs_view_list *list, const fxs_text *json)
 
 int fxs_camera_json_parse(fxs_view_list *list, const fxs_text *json)
 {
-    return fxs_fail(list->message, "%s: cannot read JSON cameras: built without cJSON", json->path);
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, list->message, "%s: cannot read JSON cameras: built without cJSON",
+                       json->path);
 }
 
 #endif

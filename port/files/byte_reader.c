@@ -3,7 +3,7 @@
 int fxs_bytes_fail(fxs_byte_reader *reader, const char *fault)
 {
     reader->fault = fault;
-    return -1;
+    return FXS_ERR_FILE;
 }
 
 int fxs_bytes_fail_row(const fxs_byte_reader *reader, const char *rows, uint64_t row, uint64_t count,

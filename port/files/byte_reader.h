@@ -20,14 +20,14 @@ typedef struct fxs_byte_reader {
 /* The next `size` bytes, at most FXS_BYTE_READER_BUFFER, valid until the next call; NULL where there are no more. */
 const uint8_t *fxs_bytes_take(fxs_byte_reader *reader, size_t size);
 
-/* 0, or -1 where the file has no such offset. */
+/* 0, or FXS_ERR_FILE where the file has no such offset. */
 int fxs_bytes_seek(fxs_byte_reader *reader, uint64_t offset);
 int fxs_bytes_skip(fxs_byte_reader *reader, uint64_t size);
 
-/* Sets the fault and returns -1. */
+/* Sets the fault and returns FXS_ERR_FILE. */
 int fxs_bytes_fail(fxs_byte_reader *reader, const char *fault);
 
-/* Tells the fault and the row, from 0, that it stopped, and returns -1. */
+/* Tells the fault and the row, from 0, that it stopped, and returns FXS_ERR_FILE. */
 int fxs_bytes_fail_row(const fxs_byte_reader *reader, const char *rows, uint64_t row, uint64_t count,
                        fxs_message *message);
 

@@ -1,15 +1,44 @@
 #include "message.h"
 
+#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
+
+static void write_text(fxs_message *message, const char *format, va_list arguments)
+{
+    vsnprintf(message->text, sizeof message->text, format, arguments);
+    for (char *c = message->text; *c; c++)   /* what a file says may be in it */
+        *c = (unsigned char)*c < ' ' || *c == 127 ? '?' : *c;
+    message->bytes_needed = 0;
+}
 
 int fxs_fail(fxs_message *message, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(message->text, sizeof message->text, format, arguments);
+    write_text(message, format, arguments);
     va_end(arguments);
-    for (char *c = message->text; *c; c++)   /* what a file says may be in it */
-        *c = (unsigned char)*c < ' ' || *c == 127 ? '?' : *c;
-    return -1;
+    return FXS_ERR_FILE;
+}
+
+int fxs_fail_as(int error, fxs_message *message, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    write_text(message, format, arguments);
+    va_end(arguments);
+    return error;
+}
+
+int fxs_fail_memory(fxs_message *message, const char *path, uint64_t bytes)
+{
+    fxs_fail_as(FXS_ERR_MEMORY, message, "%s%sout of memory", path ? path : "", path ? ": " : "");
+    message->bytes_needed = bytes;
+    return FXS_ERR_MEMORY;
+}
+
+int fxs_fail_errno(fxs_message *message, const char *path, int number)
+{
+    return fxs_fail_as(number == ENOMEM ? FXS_ERR_MEMORY : FXS_ERR_FILE, message, "%s: %s", path, strerror(number));
 }

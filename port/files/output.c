@@ -191,9 +191,10 @@ static void drop(fxs_output *output)
     forget(output);
 }
 
-static int fail(const fxs_output *output, fxs_message *message)
+static int fail(const char *path, int error, fxs_message *message)
 {
-    return fxs_fail(message, "%s: cannot be written: %s", output->path, strerror(output->error));
+    return fxs_fail_as(error == ENOMEM ? FXS_ERR_MEMORY : FXS_ERR_FILE, message, "%s: cannot be written: %s", path,
+                       strerror(error));
 }
 
 int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_message *message)
@@ -205,13 +206,13 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
     output->file = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
     if (output->file)
         return 0;
-    fxs_fail(message, "%s: cannot be written: %s", path, strerror(errno));
+    const int error = fail(path, errno, message);
     if (descriptor >= 0) {
         close(descriptor);
         drop(output);
     }
     free_names(output);
-    return -1;
+    return error;
 }
 
 /* ---- Write and close ------------------------------------------------------------------------------------------- */
@@ -223,7 +224,7 @@ int fxs_output_expect(fxs_output *output, size_t n, fxs_message *message)
         return 0;
     }
     output->error = EINVAL;
-    return fxs_fail(message, "%s: more Gaussians than announced", output->path);
+    return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: more Gaussians than announced", output->path);
 }
 
 int fxs_output_write(fxs_output *output, const void *bytes, size_t size, fxs_message *message)
@@ -233,7 +234,7 @@ int fxs_output_write(fxs_output *output, const void *bytes, size_t size, fxs_mes
         return 0;
     if (!output->error)
         output->error = errno ? errno : EIO;
-    return fail(output, message);
+    return fail(output->path, output->error, message);
 }
 
 /* Some file systems cannot be asked (EINVAL): they do what they can. */
@@ -266,10 +267,11 @@ int fxs_output_close(fxs_output *output, fxs_message *message)
     if (fclose(output->file) && !output->error)
         output->error = errno;
     if (!output->error && output->left)
-        result = fxs_fail(message, "%s: %" PRIu64 " Gaussians fewer than announced", output->path, output->left);
+        result = fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: %" PRIu64 " Gaussians fewer than announced", output->path,
+                             output->left);
     else if (output->error || (output->temporary && rename(output->temporary, output->target))) {
         output->error = output->error ? output->error : errno;
-        result = fail(output, message);
+        result = fail(output->path, output->error, message);
     }
     if (result)
         drop(output);

@@ -7,6 +7,7 @@
 #include <stdio.h>
 
 #include "message.h"
+#include "try_internal.h"
 
 typedef struct fxs_output {
     FILE *file;                /* cannot be sought */
@@ -17,18 +18,19 @@ typedef struct fxs_output {
     int error;                 /* errno of the first failure, or 0; the user may set it */
 } fxs_output;
 
-/* Begins a file as output.h says, for `count` Gaussians (0 where it holds something else). Returns 0, or -1 and a
-   message, with nothing to close. */
+/* Begins a file as output.h says, for `count` Gaussians (0 where it holds something else). Returns 0, or an error
+   and a message, with nothing to close. */
 int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_message *message);
 
-/* Before n Gaussians are written: returns 0, or -1 and a message where these are more than announced. */
+/* Before n Gaussians are written: returns 0, or FXS_ERR_ARGUMENT and a message where these are more than
+   announced. */
 int fxs_output_expect(fxs_output *output, size_t n, fxs_message *message);
 
-/* Returns 0, or -1 and a message. To write to output->file directly is as good. */
+/* Returns 0, or an error and a message. To write to output->file directly is as good. */
 int fxs_output_write(fxs_output *output, const void *bytes, size_t size, fxs_message *message);
 
-/* Gives the file its name, where it is complete and on the disk. Returns 0, or -1 and a message: then nothing is left
-   behind, and an earlier file of that name is as it was. */
+/* Gives the file its name, where it is complete and on the disk. Returns 0, or an error and a message: then nothing is
+   left behind, and an earlier file of that name is as it was. */
 int fxs_output_close(fxs_output *output, fxs_message *message);
 
 #endif

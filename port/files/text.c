@@ -32,20 +32,17 @@ static size_t count_separators(const fxs_text *json)
     return count;
 }
 
-cJSON *fxs_json_parse(const fxs_text *json, const fxs_scene_source *source, fxs_message *message)
+int fxs_json_parse(const fxs_text *json, const fxs_scene_source *source, cJSON **root, fxs_message *message)
 {
     const char *end = json->data;
     const size_t values = count_separators(json);
-    if (values > MAX_VALUES) {
-        fxs_fail(message, "%s: more than %zu values", json->path, MAX_VALUES);
-        return NULL;
-    }
-    if (source && fxs_limit_memory(source, (uint64_t)values * VALUE_BYTES + json->size, message))
-        return NULL;
-    cJSON *root = cJSON_ParseWithLengthOpts(json->data, json->size + 1, &end, 1);
-    if (!root)
-        fxs_fail(message, "%s: bad JSON at byte %td", json->path, end - json->data);
-    return root;
+    *root = NULL;
+    if (values > MAX_VALUES)
+        return fxs_fail(message, "%s: more than %zu values", json->path, MAX_VALUES);
+    if (source)
+        FXS_TRY(fxs_limit_memory(source, (uint64_t)values * VALUE_BYTES + json->size, message));
+    *root = cJSON_ParseWithLengthOpts(json->data, json->size + 1, &end, 1);
+    return *root ? 0 : fxs_fail(message, "%s: bad JSON at byte %td", json->path, end - json->data);
 }
 
 int fxs_json_numbers(const cJSON *array, double *out, int count)

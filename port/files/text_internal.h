@@ -5,6 +5,7 @@
 #include <stddef.h>
 
 #include "message.h"
+#include "try_internal.h"
 
 #define FXS_TEXT_MAX ((size_t)1 << 30)
 
@@ -15,7 +16,7 @@ typedef struct fxs_text {
     size_t size;        /* without the zero */
 } fxs_text;
 
-/* Loads a regular file; the caller frees text->data. Returns 0, or -1 and a message. */
+/* Loads a regular file; the caller frees text->data. Returns 0, or an error and a message. */
 int fxs_text_load(const char *path, fxs_text *text, fxs_message *message);
 
 /* ---- With cJSON (FXS_WITH_CJSON) ---- */
@@ -24,8 +25,10 @@ struct cJSON;
 
 struct fxs_scene_source;
 
-/* Within the memory that the source (NULL: any) may take. Returns what cJSON_Delete frees, or NULL and a message. */
-struct cJSON *fxs_json_parse(const fxs_text *json, const struct fxs_scene_source *source, fxs_message *message);
+/* Within the memory that the source (NULL: any) may take. Returns 0, or an error and a message. *root is what
+   cJSON_Delete frees, or null after an error. */
+int fxs_json_parse(const fxs_text *json, const struct fxs_scene_source *source, struct cJSON **root,
+                   fxs_message *message);
 
 /* 1 where the array holds exactly these many numbers. */
 int fxs_json_numbers(const struct cJSON *array, double *out, int count);

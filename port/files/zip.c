@@ -66,34 +66,34 @@ static zip_int64_t call_source(void *argument, void *data, zip_uint64_t size, zi
 
 /* ---- Archives -------------------------------------------------------------------------------------------------- */
 
-/* Returns 0, or -1 and *error. */
-static int open_archive(fxs_zip *zip, zip_error_t *error)
+static int open_archive(fxs_zip *zip, zip_error_t *error, fxs_message *message)
 {
     zip_source_t *source = zip_source_function_create(call_source, zip, error);
     zip->archive = source ? zip_open_from_source(source, ZIP_RDONLY, error) : NULL;
     if (source && !zip->archive)
         zip_source_free(source);
-    return zip->archive ? 0 : -1;
+    if (zip->archive)
+        return 0;
+    return fxs_fail_as(zip_error_code_zip(error) == ZIP_ER_MEMORY ? FXS_ERR_MEMORY : FXS_ERR_FILE, message,
+                       "%s: cannot be read as a zip: %s", zip->source->path, zip_error_strerror(error));
 }
 
-fxs_zip *fxs_zip_open(const fxs_scene_source *source, fxs_message *message)
+int fxs_zip_open(const fxs_scene_source *source, fxs_zip **opened, fxs_message *message)
 {
     zip_error_t error;
-    fxs_zip *zip = fxs_allocate_zeroed(source->options.allocator, 1, sizeof *zip);
-    if (!zip) {
-        fxs_fail(message, "%s: out of memory", source->path);
-        return NULL;
-    }
+    fxs_zip *zip = *opened = fxs_allocate_zeroed(source->options.allocator, 1, sizeof *zip);
+    if (!zip)
+        return fxs_fail_memory(message, source->path, sizeof *zip);
     zip->source = source;
     zip_error_init(&zip->error);
     zip_error_init(&error);
-    if (open_archive(zip, &error)) {
-        fxs_fail(message, "%s: cannot be read as a zip: %s", source->path, zip_error_strerror(&error));
+    const int result = open_archive(zip, &error, message);
+    if (result) {
         fxs_zip_close(zip);
-        zip = NULL;
+        *opened = NULL;
     }
     zip_error_fini(&error);
-    return zip;
+    return result;
 }
 
 static int check_entry(const fxs_zip *zip, const char *name, const zip_stat_t *entry, fxs_message *message)
@@ -121,11 +121,10 @@ int fxs_zip_load(fxs_zip *zip, const char *name, fxs_text *text, fxs_message *me
     zip_stat_t entry;
     if (zip_stat(zip->archive, name, 0, &entry) != 0)
         return fxs_fail(message, "%s: no %s in this zip", path, name);
-    if (check_entry(zip, name, &entry, message))
-        return -1;
+    FXS_TRY(check_entry(zip, name, &entry, message));
     char *data = fxs_hold(zip->source, entry.size + 1, message);
     if (!data)
-        return -1;
+        return FXS_ERR_MEMORY;
     *text = (fxs_text){path, data, (size_t)entry.size};
     data[entry.size] = 0;
     zip_file_t *file = zip_fopen_index(zip->archive, entry.index, 0);
@@ -150,16 +149,16 @@ void fxs_zip_close(fxs_zip *zip)
 
 #else
 
-fxs_zip *fxs_zip_open(const fxs_scene_source *source, fxs_message *message)
+int fxs_zip_open(const fxs_scene_source *source, fxs_zip **opened, fxs_message *message)
 {
-    fxs_fail(message, "%s: cannot read a zip: built without libzip", source->path);
-    return NULL;
+    *opened = NULL;
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot read a zip: built without libzip", source->path);
 }
 
 int fxs_zip_load(fxs_zip *zip, const char *name, fxs_text *text, fxs_message *message)
 {
     (void)zip, (void)text;
-    return fxs_fail(message, "%s: built without libzip", name);
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: built without libzip", name);
 }
 
 void fxs_zip_close(fxs_zip *zip)

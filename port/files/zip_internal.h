@@ -6,11 +6,13 @@
 
 typedef struct fxs_zip fxs_zip;
 
-/* The source must outlive it. Returns NULL and a message where that is not a zip, or this was built without libzip. */
-fxs_zip *fxs_zip_open(const fxs_scene_source *source, fxs_message *message);
+/* Returns 0 and an archive that fxs_zip_close frees, or an error and a message: FXS_ERR_FILE where the source, which
+   must outlive the archive, is not a zip, FXS_ERR_UNSUPPORTED where this was built without libzip. *zip is null then.
+   */
+int fxs_zip_open(const fxs_scene_source *source, fxs_zip **zip, fxs_message *message);
 
-/* Loads the entry of that name, stored or deflated, for fxs_text_let_go; text->path is the archive's. Returns 0, or -1
-   and a message. */
+/* Loads the entry of that name, stored or deflated, for fxs_text_let_go; text->path is the archive's. Returns 0, or an
+   error and a message. */
 int fxs_zip_load(fxs_zip *zip, const char *name, fxs_text *text, fxs_message *message);
 
 /* NULL is allowed. */

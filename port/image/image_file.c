@@ -37,6 +37,10 @@ static unsigned char *compress_rows(unsigned char *rows, int size, int *compress
 }
 #endif
 
+/* Faults of a picture that are not the file's. */
+static const char out_of_memory[] = "out of memory";
+static const char no_png[] = "not a .ppm; this program was built without stb, which .png needs";
+
 #ifdef FXS_WITH_STB
 /* What stb_image may have in one piece for the picture that this thread reads, and why it did not get that. */
 static __thread struct {
@@ -48,7 +52,7 @@ static void *bounded_realloc(void *old, size_t size)
 {
     void *made = size <= decoding.most ? realloc(old, size) : NULL;
     if (!made)
-        decoding.fault = size <= decoding.most ? "out of memory" : "more data than a picture of its size has";
+        decoding.fault = size <= decoding.most ? out_of_memory : "more data than a picture of its size has";
     return made;
 }
 
@@ -115,18 +119,19 @@ static void write_bytes(void *file, void *data, int size)
 
 static int write_png(FILE *file, int channels, const uint8_t *pixels, int width, int height)
 {
-    return stbi_write_png_to_func(write_bytes, file, width, height, channels, pixels, channels * width) ? 0 : -1;
+    return stbi_write_png_to_func(write_bytes, file, width, height, channels, pixels, channels * width) ? 0
+           : FXS_ERR_MEMORY;
 }
 #else
 /* Refused before it comes to this. */
 static int write_png(FILE *file, int channels, const uint8_t *pixels, int width, int height)
 {
     (void)file, (void)channels, (void)pixels, (void)width, (void)height;
-    return -1;
+    return FXS_ERR_UNSUPPORTED;
 }
 #endif
 
-/* Writes the pixels, in which the caller looks for errors of the stream; -1 when out of memory. */
+/* Writes the pixels, in which the caller looks for errors of the stream. Returns 0 or FXS_ERR_MEMORY. */
 static int write_pixels(FILE *file, int format, const uint8_t *rgba, int width, int height)
 {
     size_t pixels = (size_t)width * (size_t)height;
@@ -138,7 +143,7 @@ static int write_pixels(FILE *file, int format, const uint8_t *rgba, int width, 
         return write_png(file, 4, rgba, width, height);
     uint8_t *rgb = malloc(3 * pixels);
     if (!rgb)
-        return -1;
+        return FXS_ERR_MEMORY;
     for (size_t i = 0; i < pixels; i++)
         memcpy(rgb + 3 * i, rgba + 4 * i, 3);
     int result = 0;
@@ -154,20 +159,20 @@ int fxs_image_file_write(const char *path, const uint8_t *rgba, int width, int h
 {
     int format = format_of(path);
     if (format == UNKNOWN)
-        return fxs_fail(message, "%s: unknown ending of an image; known are .png, .ppm and .raw", path);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: unknown ending of an image; known are .png, .ppm and .raw",
+                           path);
     if (width < 1 || height < 1 || width > MAX_SIZE || height > MAX_SIZE)
-        return fxs_fail(message, "%s: cannot write an image of %d x %d", path, width, height);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: cannot write an image of %d x %d", path, width, height);
 #ifndef WRITES_PNG
     if (format == PNG)
-        return fxs_fail(message, "%s: this program was built without stb and zlib, which .png needs; .ppm and .raw can "
-                        "be written", path);
+        return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: this program was built without stb and zlib, which .png "
+                           "needs; .ppm and .raw can be written", path);
 #endif
     if (format == PNG && (int64_t)width * height * 4 > MAX_PNG_BYTES)
-        return fxs_fail(message, "%s: %d x %d is too large for .png here; .ppm and .raw can hold it", path, width,
-                        height);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: %d x %d is too large for .png here; .ppm and .raw can hold "
+                           "it", path, width, height);
     fxs_output output;
-    if (fxs_output_open(&output, path, 0, message))
-        return -1;
+    FXS_TRY(fxs_output_open(&output, path, 0, message));
     errno = 0;
     if (write_pixels(output.file, format, rgba, width, height))
         output.error = ENOMEM;
@@ -202,7 +207,7 @@ static const char *read_png(FILE *file, uint8_t **rgba, int *width, int *height)
 static const char *read_png(FILE *file, uint8_t **rgba, int *width, int *height)
 {
     (void)file, (void)rgba, (void)width, (void)height;
-    return "not a .ppm; this program was built without stb, which .png needs";
+    return no_png;
 }
 #endif
 
@@ -237,7 +242,7 @@ static const char *read_ppm(FILE *file, uint8_t **rgba, int *width, int *height)
     size_t pixels = (size_t)*width * (size_t)*height;
     *rgba = malloc(4 * pixels);
     if (!*rgba)
-        return "out of memory";
+        return out_of_memory;
     uint8_t *rgb = *rgba + pixels;   /* spread from the end of the room to the front */
     if (fread(rgb, 3, pixels, file) != pixels)
         return "cut short";
@@ -249,37 +254,42 @@ static const char *read_ppm(FILE *file, uint8_t **rgba, int *width, int *height)
 }
 
 /* Of a FIFO it does not wait for the writer. */
-static FILE *open_regular(const char *path, fxs_message *message)
+static int open_regular(const char *path, FILE **file, fxs_message *message)
 {
     struct stat status;
-    int descriptor = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "rb");
-    if (!file) {
-        fxs_fail(message, "%s: %s", path, strerror(errno));
+    int descriptor = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC), result = 0;
+    *file = descriptor < 0 ? NULL : fdopen(descriptor, "rb");
+    if (!*file) {
+        result = fxs_fail_errno(message, path, errno);
         if (descriptor >= 0)
             close(descriptor);
     } else if (fstat(descriptor, &status) || !S_ISREG(status.st_mode)) {
-        fxs_fail(message, "%s: %s", path, S_ISDIR(status.st_mode) ? strerror(EISDIR) : "not a regular file");
-        fclose(file);
-        file = NULL;
+        result = fxs_fail(message, "%s: %s", path, S_ISDIR(status.st_mode) ? strerror(EISDIR) : "not a regular file");
+        fclose(*file);
     }
-    return file;
+    return result;
+}
+
+static int fail_read(const char *path, const char *fault, fxs_message *message)
+{
+    const int error = fault == out_of_memory ? FXS_ERR_MEMORY : fault == no_png ? FXS_ERR_UNSUPPORTED : FXS_ERR_FILE;
+    return fxs_fail_as(error, message, "%s: %s", path, fault);
 }
 
 int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_message *message)
 {
-    FILE *file = open_regular(path, message);
-    if (!file)
-        return -1;
+    FILE *file;
+    int result = 0;
     *rgba = NULL;
+    FXS_TRY(open_regular(path, &file, message));
     int ppm = getc(file) == 'P';
     rewind(file);
     const char *fault = ppm ? read_ppm(file, rgba, width, height) : read_png(file, rgba, width, height);
     if (fault) {
-        fxs_fail(message, "%s: %s", path, ferror(file) ? strerror(errno) : fault);
+        result = ferror(file) ? fxs_fail_errno(message, path, errno) : fail_read(path, fault, message);
         free(*rgba);
         *rgba = NULL;
     }
     fclose(file);
-    return fault ? -1 : 0;
+    return result;
 }

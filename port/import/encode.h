@@ -62,8 +62,8 @@ enum { FXS_RECORD_BYTES = 63 };      /* of the codes of one Gaussian, at most */
 void fxs_encode(const fxs_encoder *encoder, const fxs_chunk *chunk, const fxs_gaussian *gaussian,
                 unsigned char record[FXS_RECORD_BYTES], fxs_loss *loss);
 
-/* Writes what is left of a Gaussian's SH into its record of profile compact: the gain and codes of 3 bits. `rest` becomes
-   what they leave. */
+/* Writes what is left of a Gaussian's SH into its record of profile compact: the gain and codes of 3 bits. `rest`
+   becomes what they leave. */
 void fxs_encode_rest(fxs_sh_vector rest, int count, int unit_exponent, unsigned char *record);
 
 /* Turns the records of a chunk, one after the other, into its rows. */

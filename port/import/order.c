@@ -1,7 +1,7 @@
-/* A k-d tree from the top down. A run of Gaussians is cut across one of four coordinates, x, y, z or the distance from
-   the middle of the scene, where the boxes of both sides cost least. What a box costs is the square of the errors, in
-   pixels, of positions that are coded over it, summed for a viewer around the middle. Distances set apart what lies
-   far out on all sides: sky, surroundings, strays.
+/* A k-d tree from the top down. A stretch of Gaussians is cut across one of four coordinates, x, y, z or the distance
+   from the middle of the scene, where the boxes of both sides cost least. What a box costs is the square of the
+   errors, in pixels, of positions that are coded over it, summed for a viewer around the middle. Distances set apart
+   what lies far out on all sides: sky, surroundings, strays.
 
    The order is the same on every processor: weights are whole numbers, and each sum, difference, product or quotient of
    floats is rounded to a float by itself, which is the same where it is found in more bits. */
@@ -17,11 +17,11 @@ enum {
     BINS = 32,                       /* of a histogram; the cuts that are tried are between them */
     AXES = 3, DISTANCE = AXES, COORDINATES,
     WHOLE_LEVELS = 4,                /* from the root, where histograms are of all Gaussians: no stray is missed */
-    SAMPLED = 4096,                  /* of a longer run below, about as many */
-    FREE_LEVELS = 40,                /* from the root; below, runs are cut in halves, to bound the depth */
+    SAMPLED = 4096,                  /* of a longer stretch below, about as many */
+    FREE_LEVELS = 40,                /* from the root; below, stretches are cut in halves, to bound the depth */
     DEPTH = FREE_LEVELS + 24,
     SAMPLE = 16384,                  /* Gaussians that the middle is found from, at most */
-    JOBS = 128                       /* runs that are worked on at once, at most */
+    JOBS = 128                       /* stretches that are worked on at once, at most */
 };
 
 #define AMONG_ITS_LIKE (1u << 31)     /* in an index; a scene has at most 2^30 Gaussians */
@@ -29,17 +29,17 @@ enum {
 #define NARROW 0.25f                 /* nor is an axis of so little of the longest's width */
 #define WEIGHT_ONE 1073741824.0f     /* 2^30 */
 
-typedef struct run {
+typedef struct stretch {
     uint32_t first, count;
     int level;
-} run;
+} stretch;
 
 typedef struct order {
     fxs_order_entry *entries;
     float middle[3];
     float near_square;               /* of the distance from the middle that half of the Gaussians are within */
-    run runs[JOBS], halves[JOBS][2];
-    uint32_t run_count, large;       /* runs longer than `large` are cut before they are shared out */
+    stretch stretches[JOBS], halves[JOBS][2];
+    uint32_t stretch_count, large;   /* stretches longer than `large` are cut before they are shared out */
 } order;
 
 typedef struct box {
@@ -48,7 +48,7 @@ typedef struct box {
     uint32_t count;
 } box;
 
-/* Where a run is cut: `first` Gaussians are before it. */
+/* Where a stretch is cut: `first` Gaussians are before it. */
 typedef struct cut {
     int coordinate;
     uint32_t first;
@@ -147,7 +147,7 @@ static uint32_t part(const order *o, fxs_order_entry *e, uint32_t count, int coo
 
 /* Brings the k Gaussians of lowest key to the front; 0 < k < r.count. Where some rounds do not do, the pivots of the
    next halve the range of the keys, 2^64 at first. */
-static void select_first(const order *o, run r, int coordinate, uint32_t k)
+static void select_first(const order *o, stretch r, int coordinate, uint32_t k)
 {
     fxs_order_entry *e = o->entries + r.first;
     uint32_t from = 0, to = r.count;             /* the border is in from..to */
@@ -295,7 +295,7 @@ static void try_cuts(const histogram *h, int coordinate, uint32_t count, cut *be
     }
 }
 
-static cut find_cut(const order *o, run r)
+static cut find_cut(const order *o, stretch r)
 {
     const fxs_order_entry *e = o->entries + r.first;
     histogram h;
@@ -317,12 +317,12 @@ static cut find_cut(const order *o, run r)
 
 /* ---- Tree -------------------------------------------------------------------------------------------------------- */
 
-static void cut_run(const order *o, run r, run to[2])
+static void cut_stretch(const order *o, stretch r, stretch to[2])
 {
     const cut c = find_cut(o, r);
     select_first(o, r, c.coordinate, c.first);
-    to[0] = (run){r.first, c.first, r.level + 1};
-    to[1] = (run){r.first + c.first, r.count - c.first, r.level + 1};
+    to[0] = (stretch){r.first, c.first, r.level + 1};
+    to[1] = (stretch){r.first + c.first, r.count - c.first, r.level + 1};
 }
 
 static uint32_t spread_bits(uint32_t x)
@@ -342,7 +342,7 @@ static uint32_t morton(const box *b, float scale, const float position[3])
 }
 
 /* Along a Morton curve in the cube of a leaf, then by index: neighbours there are neighbours in space. */
-static void sort_leaf(const order *o, run r)
+static void sort_leaf(const order *o, stretch r)
 {
     fxs_order_entry *e = o->entries + r.first;
     uint64_t keys[FXS_CHUNK];
@@ -362,13 +362,13 @@ static void sort_leaf(const order *o, run r)
         e[i].index = (uint32_t)keys[i];
 }
 
-static void order_run(const order *o, run r)
+static void order_stretch(const order *o, stretch r)
 {
-    run halves[2], later[DEPTH];
+    stretch halves[2], later[DEPTH];
     int waiting = 0;
     for (;;) {
         if (r.count > FXS_CHUNK) {
-            cut_run(o, r, halves);
+            cut_stretch(o, r, halves);
             r = halves[0];
             later[waiting++] = halves[1];
             continue;
@@ -383,29 +383,29 @@ static void order_run(const order *o, run r)
 static void order_job(void *argument, uint32_t i)
 {
     const order *o = argument;
-    order_run(o, o->runs[i]);
+    order_stretch(o, o->stretches[i]);
 }
 
 static void cut_job(void *argument, uint32_t i)
 {
     order *o = argument;
-    o->halves[i][0] = o->runs[i];
+    o->halves[i][0] = o->stretches[i];
     o->halves[i][1].count = 0;
-    if (o->runs[i].count > o->large)
-        cut_run(o, o->runs[i], o->halves[i]);
+    if (o->stretches[i].count > o->large)
+        cut_stretch(o, o->stretches[i], o->halves[i]);
 }
 
 /* Cuts what is large once, side by side. Returns whether anything was. */
-static int cut_runs(order *o, const fxs_pack_options *options)
+static int cut_stretches(order *o, const fxs_pack_options *options)
 {
-    const uint32_t before = o->run_count;
+    const uint32_t before = o->stretch_count;
     options->run(options->pool, cut_job, o, before);
-    o->run_count = 0;
+    o->stretch_count = 0;
     for (uint32_t i = 0; i < before; i++)
         for (int side = 0; side < 2; side++)
             if (o->halves[i][side].count > 0)
-                o->runs[o->run_count++] = o->halves[i][side];
-    return o->run_count > before;
+                o->stretches[o->stretch_count++] = o->halves[i][side];
+    return o->stretch_count > before;
 }
 
 /* ---- Middle ------------------------------------------------------------------------------------------------------ */
@@ -471,22 +471,22 @@ int fxs_order(fxs_order_entry *entries, uint32_t count, const fxs_pack_options *
 {
     float *sample = fxs_allocate(options->allocator, SAMPLE, sizeof *sample);
     order *o = fxs_allocate(options->allocator, 1, sizeof *o);
-    const int status = sample && o ? 0 : -1;
+    const int status = sample && o ? 0 : FXS_ERR_MEMORY;
     const uint32_t kept = number_entries(entries, count);
     if (status == 0 && kept > 0) {
         o->entries = entries;
         find_middle(o, kept, sample);
         const uint64_t others = (uint64_t)part_by_likeness(entries, kept) * FXS_CHUNK;
         const uint32_t first = others < kept ? (uint32_t)others : kept;
-        o->runs[0] = (run){0, first, 0};
-        o->runs[1] = (run){first, kept - first, 0};
-        o->run_count = first == 0 || first == kept ? 1 : 2;
+        o->stretches[0] = (stretch){0, first, 0};
+        o->stretches[1] = (stretch){first, kept - first, 0};
+        o->stretch_count = first == 0 || first == kept ? 1 : 2;
         if (first == 0)
-            o->runs[0] = o->runs[1];
+            o->stretches[0] = o->stretches[1];
         o->large = kept / 64 > 16 * FXS_CHUNK ? kept / 64 : 16 * FXS_CHUNK;
-        while (o->run_count <= JOBS / 2 && cut_runs(o, options))
+        while (o->stretch_count <= JOBS / 2 && cut_stretches(o, options))
             ;
-        options->run(options->pool, order_job, o, o->run_count);
+        options->run(options->pool, order_job, o, o->stretch_count);
     }
     fxs_release(options->allocator, o);
     fxs_release(options->allocator, sample);

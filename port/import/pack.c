@@ -5,6 +5,8 @@
 #include <string.h>
 
 #include "../../src/packed.h"
+#include "../files/message.h"
+#include "../files/try_internal.h"
 #include "encode.h"
 #include "framing.h"
 #include "order.h"
@@ -25,7 +27,7 @@
 typedef struct batch {
     fxs_gaussian gaussians[BATCH];
     uint64_t first;                  /* index in the file */
-    long count;                      /* 0: the end; -1: not read, with a message */
+    long count;                      /* 0: the end; negative: an error, with a message */
 } batch;
 
 /* What the jobs of one part found, in all batches. */
@@ -67,6 +69,11 @@ struct packer {
     unsigned char *rows;
 };
 
+static int fail_memory(const packer *p, uint64_t count)
+{
+    return fxs_fail_as(FXS_ERR_MEMORY, p->message, "out of memory for %llu Gaussians", (unsigned long long)count);
+}
+
 /* ---- Passes over the file -------------------------------------------------------------------------------------- */
 
 static void run_here(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
@@ -102,8 +109,7 @@ static int pass(packer *p, int which, part_fn *work)
     p->ready = 0;
     b->first = 0;
     b->count = 0;
-    if (fxs_scene_file_rewind(p->file, p->message))
-        return -1;
+    FXS_TRY(fxs_scene_file_rewind(p->file, p->message));
     do {
         p->options.run(p->options.pool, read_or_work, p, 1 + p->parts);
         p->ready = !p->ready;
@@ -208,8 +214,7 @@ static int read_positions(packer *p)
             p->findings[part].low[i] = INFINITY;
             p->findings[part].high[i] = -INFINITY;
         }
-    if (pass(p, 0, take_positions))
-        return -1;
+    FXS_TRY(pass(p, 0, take_positions));
     report->read = p->batches[p->ready].first;
     for (uint64_t i = report->read; i < p->info->count; i++)
         p->entries[i].position[0] = NAN;
@@ -247,7 +252,7 @@ static int find_inner_bounds(packer *p)
     uint64_t count = p->info->count, step = count / MIDDLE + 1;
     float *sample = fxs_allocate(p->options.allocator, MIDDLE, sizeof *sample);
     if (!sample)
-        return fxs_fail(p->message, "out of memory");
+        return fxs_fail_memory(p->message, NULL, 0);
     for (int axis = 0; axis < 3; axis++) {
         size_t n = 0;
         for (uint64_t i = 0; i < count; i += step)
@@ -267,7 +272,7 @@ static int find_seen_bounds(packer *p)
     const uint32_t count = (uint32_t)((p->info->count - 1) / p->seen_step + 1);
     fxs_seen_place *places = fxs_allocate(p->options.allocator, 4 * (size_t)count, sizeof *places);
     if (!places)
-        return fxs_fail(p->message, "out of memory");
+        return fxs_fail_memory(p->message, NULL, 0);
     fxs_seen_bounds(p->seen, count, places, p->report->inner_low, p->report->inner_high);
     fxs_release(p->options.allocator, places);
     fxs_release(p->options.allocator, p->seen);
@@ -291,10 +296,10 @@ static int find_slots(packer *p)
     uint32_t count = (uint32_t)p->info->count;
     part_fog(p);
     if (fxs_order(p->entries, count, &p->options))
-        return fxs_fail(p->message, "out of memory for %u Gaussians", count);
+        return fail_memory(p, count);
     p->slots = fxs_allocate(p->options.allocator, count, sizeof *p->slots);
     if (!p->slots)
-        return fxs_fail(p->message, "out of memory for %u Gaussians", count);
+        return fail_memory(p, count);
     for (uint32_t i = 0; i < count; i++)
         p->slots[p->entries[i].index] = i < p->report->packed ? i : FXS_NO_SLOT;
     fxs_release(p->options.allocator, p->entries);
@@ -332,11 +337,10 @@ static int find_headers(packer *p)
 {
     p->ranges = fxs_allocate(p->options.allocator, p->header->chunk_count, sizeof *p->ranges);
     if (!p->ranges)
-        return fxs_fail(p->message, "out of memory");
+        return fxs_fail_memory(p->message, NULL, 0);
     for (uint32_t i = 0; i < p->header->chunk_count; i++)
         fxs_ranges_clear(&p->ranges[i]);
-    if (pass(p, 1, take_ranges))
-        return -1;
+    FXS_TRY(pass(p, 1, take_ranges));
     for (uint32_t i = 0; i < p->header->chunk_count; i++) {
         for (int k = 0; k < 3; k++) {
             const fxs_range *r = &p->ranges[i].position[k];
@@ -353,7 +357,7 @@ static int allocate_palette(packer *p)
     p->items = fxs_allocate_zeroed(p->options.allocator, p->header->count, sizeof *p->items);
     p->palette = fxs_allocate_zeroed(p->options.allocator, 1, sizeof *p->palette);
     if (!p->items || !p->palette)
-        return fxs_fail(p->message, "out of memory for %u Gaussians", p->header->count);
+        return fail_memory(p, p->header->count);
     p->palette->profile = p->encoder.profile;
     p->palette->sh_degree = p->encoder.sh_degree;
     return 0;
@@ -371,8 +375,7 @@ static int find_palette(packer *p)
     fxs_pack_options options = p->options;
     options.progress = note_learned;
     options.argument = p;
-    if (fxs_palette_learn(p->palette, h->palette_entries, p->items, h->count, &options, p->message))
-        return -1;
+    FXS_TRY(fxs_palette_learn(p->palette, h->palette_entries, p->items, h->count, &options, p->message));
     h->palette_step_q19 = fxs_palette_step_q19(p->palette);
     fxs_palette_write(p->palette, (int8_t *)(p->chunks + h->chunk_count));
     return 0;
@@ -462,13 +465,13 @@ static void sum_losses(packer *p)
 
 static int write_codes(packer *p)
 {
-    if (pass(p, 2, encode_part))
-        return -1;
+    FXS_TRY(pass(p, 2, encode_part));
     for (uint32_t part = 0; part < p->parts; part++)
         if (p->findings[part].changed)
             return fail_changed(p);
-    if ((p->palette && find_palette(p)) || finish(p))
-        return -1;
+    if (p->palette)
+        FXS_TRY(find_palette(p));
+    FXS_TRY(finish(p));
     sum_losses(p);
     return 0;
 }
@@ -507,8 +510,11 @@ static int allocate_scene(packer *p, fxs_packed_scene *scene)
     scene->bytes = fxs_scene_bytes(count, p->encoder.sh_degree, profile, entries);
     scene->allocator = p->options.allocator;
     scene->allocation = scene->bytes ? fxs_allocate_zeroed(p->options.allocator, 1, scene->bytes + 63) : 0;
-    if (!scene->allocation)
-        return fxs_fail(p->message, "out of memory: %zu bytes for the packed scene", scene->bytes);
+    if (!scene->allocation) {
+        fxs_fail(p->message, "out of memory: %zu bytes for the packed scene", scene->bytes);
+        p->message->bytes_needed = scene->bytes + 63;
+        return FXS_ERR_MEMORY;
+    }
     scene->data = (void *)(((uintptr_t)scene->allocation + 63) / 64 * 64);
     p->header = scene->data;
     p->header->magic = FXS_PACKED_MAGIC;
@@ -528,6 +534,9 @@ static int allocate_scene(packer *p, fxs_packed_scene *scene)
 
 static int pack(packer *p, fxs_packed_scene *scene)
 {
+    if (p->encoder.profile > FXS_PROFILE_SMALL || p->encoder.sh_degree < 0 || p->encoder.sh_degree > 3)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, p->message, "profile %d, SH degree %d: expected 0 to 2, 0 to 3",
+                           (int)p->encoder.profile, p->encoder.sh_degree);
     if (p->info->count == 0 || p->info->count > FXS_MAX_COUNT)
         return fxs_fail(p->message, "%llu Gaussians: expected 1 to %u", (unsigned long long)p->info->count,
                         FXS_MAX_COUNT);
@@ -537,15 +546,16 @@ static int pack(packer *p, fxs_packed_scene *scene)
     p->seen_step = (p->info->count - 1) / FXS_SEEN_MOST + 1;
     p->seen = fxs_allocate_zeroed(p->options.allocator, FXS_SEEN_MOST, sizeof *p->seen);
     if (!p->entries || !p->batches || !p->findings || !p->seen)
-        return fxs_fail(p->message, "out of memory for %llu Gaussians", (unsigned long long)p->info->count);
-    if (read_positions(p))
-        return -1;
+        return fail_memory(p, p->info->count);
+    FXS_TRY(read_positions(p));
     if (p->report->packed == 0)
         return fxs_fail(p->message, "none of the %llu Gaussians can be drawn", (unsigned long long)p->report->read);
-    if (find_inner_bounds(p) || find_slots(p) || find_seen_bounds(p) || allocate_scene(p, scene) || find_headers(p))
-        return -1;
-    if (write_codes(p))
-        return -1;
+    FXS_TRY(find_inner_bounds(p));
+    FXS_TRY(find_slots(p));
+    FXS_TRY(find_seen_bounds(p));
+    FXS_TRY(allocate_scene(p, scene));
+    FXS_TRY(find_headers(p));
+    FXS_TRY(write_codes(p));
     turn_headers(p);
     fxs_scene whole;                 /* a pass may have read other numbers than the one before */
     return fxs_scene_open(&whole, scene->data, scene->bytes) ? fail_changed(p) : 0;
@@ -571,7 +581,7 @@ int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_s
         p.options.run = run_here;
     p.options.threads += p.options.threads == 0;
     p.parts = PARTS;
-    int result = pack(&p, scene) ? -1 : 0;
+    const int result = pack(&p, scene);
     fxs_release(p.options.allocator, p.entries);
     fxs_release(p.options.allocator, p.batches);
     fxs_release(p.options.allocator, p.findings);

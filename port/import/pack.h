@@ -1,4 +1,7 @@
-/* Import: a scene file -> a packed scene (src/packed.h). */
+/* Import: a scene file -> a packed scene (src/packed.h).
+ *
+ * A program that has Gaussians of its own opens them with fxs_scene_file_open_gaussians. Scenes may be packed at the
+ * same time by several threads, each from a file of its own. */
 #ifndef FXS_PACK_H
 #define FXS_PACK_H
 
@@ -6,8 +9,12 @@
 #include <stdint.h>
 
 #include "../../src/fixsplat.h"
-#include "../files/message.h"
+#include "../files/allocator.h"
 #include "../scene/scene_file.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /* Gaussians that no rule can draw and that were left out, by reason; what they and the others weigh. */
 typedef struct fxs_pack_dropped {
@@ -47,23 +54,28 @@ typedef struct fxs_pack_options {
     fxs_run_fn *run;          /* null: one thread, the caller's */
     void *pool;               /* first argument of run */
     uint32_t threads;         /* threads that run uses, 1 to 64; 0: 1. The packed scene does not depend on it */
-    fxs_progress_fn *progress;   /* may be null; called on the caller's thread */
+    fxs_progress_fn *progress;   /* may be null; called on the thread that called fxs_pack */
     void *argument;           /* first argument of progress */
     const fxs_allocator *allocator;   /* for all memory but that of the file's reader; may be null, else outlives it */
 } fxs_pack_options;
 
-/* Bytes of the packed scene of a file where none of its Gaussians is left out, to be known before it is read. 0: more
-   than can be packed. */
+/* The bytes of a file's packed scene where none of its Gaussians is left out. It is known before they are read. 0:
+   there are more than can be packed. */
 size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile);
 
-/* Reads an open scene file from its start, three times, and packs it: one job of a run reads while the others work.
-   `options` may be null. Needs 20 bytes a Gaussian before the packed scene is allocated, 5 beside it, and 3 MB; where
-   there is a palette, 69 beside it, and 6 MB. Returns 0, or -1 and a message; a scene without a drawable Gaussian is an
-   error.
+/* Reads an open scene file from its start, three times, and packs it. `info` is what was filled in when the file was
+   opened, or what a filter made of it. `options` may be null. One job reads, on any of the pool's threads, while the
+   others work. Before the packed scene is allocated this takes 20 bytes a Gaussian, and beside it 5 bytes a Gaussian
+   and 3 MB; where there is a palette, 69 bytes a Gaussian and 6 MB.
 
-   What is finite is drawn. An axis thinner than e^-9 of the Gaussian's largest is packed as that, which a view does not
-   tell from less; ln(sigma) is cut to +-20. A centre beyond +-2^27 units is brought to there, towards the origin, and
-   the axes in proportion: from near the origin it looks the same. */
+   What is finite is packed so that it can be drawn. An axis thinner than e^-9 of the Gaussian's largest becomes that,
+   which no camera tells from less, and ln(sigma) is cut to +-20. A centre beyond +-2^27 units is brought to there,
+   towards the origin, and the axes in proportion: from near the origin it looks the same.
+
+   Returns 0 and a scene that fxs_packed_scene_free frees, or an error and a message, with a scene that is all 0.
+   Errors: those of fxs_scene_file_read; FXS_ERR_FILE where the file has no Gaussian that can be drawn or more than
+   FXS_MAX_COUNT, where it changed from one reading to the next, or where `progress` stopped it; FXS_ERR_ARGUMENT (the
+   profile, the SH degree); FXS_ERR_MEMORY. */
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
              const fxs_pack_options *options, fxs_message *message);
 
@@ -77,7 +89,11 @@ int fxs_drawable(const fxs_gaussian *gaussian, int sh_degree, fxs_pack_dropped *
 /* The share of the weight that was left out, 0 to 1. */
 double fxs_dropped_share(const fxs_pack_dropped *dropped);
 
-/* Frees what fxs_pack allocated. */
+/* Frees what fxs_pack allocated, and sets the scene to 0. A scene that is all 0 is allowed. */
 void fxs_packed_scene_free(fxs_packed_scene *scene);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -495,7 +495,7 @@ int fxs_palette_learn(fxs_palette *palette, uint32_t entries, const fxs_sh_item 
     l.total = fxs_allocate_zeroed(allocator, entries, sizeof *l.total);
     int result = 0;
     if (!l.vectors || !l.indices || !l.sums || !l.total) {
-        result = fxs_fail(message, "out of memory");
+        result = fxs_fail_memory(message, NULL, 0);
     } else {
         find_unit(palette, items, count, step);
         result = learn(&l, items, count, step) ? fxs_fail(message, "import stopped") : 0;

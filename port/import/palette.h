@@ -1,6 +1,6 @@
-/* SH as the sum of a chunk's mean and one signed entry of each of several palettes: residual vector quantisation (Juang
- * and Gray 1982), each palette learned by k-means (Lloyd 1982) on what the ones before it leave. In integers, so that it
- * is the same on every machine. */
+/* SH as the sum of a chunk's mean and one signed entry of each of several palettes: residual vector quantisation
+ * (Juang and Gray 1982), each palette learned by k-means (Lloyd 1982) on what the ones before it leave. In integers,
+ * so that it is the same on every machine. */
 #ifndef FXS_PALETTE_H
 #define FXS_PALETTE_H
 
@@ -43,9 +43,9 @@ typedef struct fxs_palette {
 /* Entries of a stage that are worth their bytes in a scene of `count` Gaussians. */
 uint32_t fxs_palette_entries_for(uint64_t count, enum fxs_profile profile, int sh_degree);
 
-/* Learns the palette of a scene from its Gaussians, those of a chunk together; `entries` is what fxs_palette_entries_for
-   said. options->run is not null; options->progress is given 0 to 1. Returns 0, or -1 and a message: out of memory, or
-   stopped. */
+/* Learns the palette of a scene from its Gaussians, those of a chunk together; `entries` is what
+   fxs_palette_entries_for said. options->run is not null; options->progress is given 0 to 1. Returns 0, or an error
+   and a message: out of memory, or stopped. */
 int fxs_palette_learn(fxs_palette *palette, uint32_t entries, const fxs_sh_item *items, uint32_t count,
                       const fxs_pack_options *options, fxs_message *message);
 
@@ -60,8 +60,8 @@ typedef struct fxs_sh_loss {
     double largest, squares;
 } fxs_sh_loss;
 
-/* Finds the SH of a chunk of `count` Gaussians: its mean, and the record of each (src/packed.h), `stride` bytes from one
-   to the next. What a Gaussian's code is off is made good by those that overlap it and come later. */
+/* Finds the SH of a chunk of `count` Gaussians: its mean, and the record of each (src/packed.h), `stride` bytes from
+   one to the next. What a Gaussian's code is off is made good by those that overlap it and come later. */
 void fxs_palette_code_chunk(const fxs_palette *palette, const fxs_sh_item *items, uint32_t count, int8_t mean[48],
                             unsigned char *records, size_t stride, fxs_sh_loss *loss);
 

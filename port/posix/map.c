@@ -118,14 +118,15 @@ int fxs_map(fxs_mapping *mapping, const char *path, fxs_message *message)
     mapping->slot = take_range();
     if (mapping->slot == RANGES)
         return fxs_fail(message, "%s: more than %d files are mapped", path, (int)RANGES);
-    if (map_file(mapping, path, message)) {
-        if (mapping->descriptor >= 0)
-            close(mapping->descriptor);
-        free_range(mapping->slot);
-        return -1;
+    const int error = map_file(mapping, path, message);
+    if (!error) {
+        note_range(mapping);
+        return 0;
     }
-    note_range(mapping);
-    return 0;
+    if (mapping->descriptor >= 0)
+        close(mapping->descriptor);
+    free_range(mapping->slot);
+    return error;
 }
 
 int fxs_map_check(const fxs_mapping *mapping, const char *path, fxs_message *message)

@@ -42,7 +42,7 @@ int fxs_is_compressed_ply(const fxs_scene_source *source, fxs_message *message)
     fxs_message ignored;
     start = fxs_allocate_zeroed(source->options.allocator, 1, sizeof *start);
     if (!start)
-        return fxs_fail(message, "%s: out of memory", source->path);
+        return fxs_fail_memory(message, source->path, sizeof *start);
     const fxs_ply_header *header = &start->header;
     start->bytes.source = source;
     int is_compressed = fxs_ply_read_header(&start->header, &start->bytes, &ignored) == 0
@@ -65,8 +65,7 @@ static int add_columns(const fxs_ply_header *header, rows *r, const char *const 
                        fxs_message *message)
 {
     for (int i = 0; i < count; i++)
-        if (add_column(header, r, fxs_ply_find(header, r->element, names[i]), type, names[i], message) != 0)
-            return -1;
+        FXS_TRY(add_column(header, r, fxs_ply_find(header, r->element, names[i]), type, names[i], message));
     return 0;
 }
 
@@ -89,12 +88,11 @@ static int add_sh(compressed_reader *reader, fxs_message *message)
         return 0;
     int degree = fxs_ply_find_rest(header, sh->element, rest, sh->bytes.source->path, message);
     if (degree < 0)
-        return -1;
+        return degree;
     reader->sh_degree = degree < 3 ? degree : 3;
     reader->stored_sh_degree = degree;
     for (int i = 0; i < 3 * reader->sh_degree * (reader->sh_degree + 2); i++)
-        if (add_column(header, sh, rest[i], FXS_PLY_UCHAR, header->property_table[rest[i]].name, message) != 0)
-            return -1;
+        FXS_TRY(add_column(header, sh, rest[i], FXS_PLY_UCHAR, header->property_table[rest[i]].name, message));
     return 0;
 }
 
@@ -139,17 +137,17 @@ static int open_reader(compressed_reader *reader, const char *path, fxs_message 
 {
     fxs_ply_header *header = &reader->header;
     fxs_byte_reader *bytes = &reader->vertex.bytes;
-    if (fxs_ply_read_header(header, bytes, message) != 0)
-        return -1;
+    FXS_TRY(fxs_ply_read_header(header, bytes, message));
     reader->chunk.element = fxs_ply_find_element(header, "chunk");
     reader->vertex.element = fxs_ply_find_element(header, "vertex");
     reader->sh.element = fxs_ply_find_element(header, "sh");
     if (header->encoding != FXS_PLY_LITTLE_ENDIAN)
         return fxs_fail(message, "%s: a compressed .ply that is not binary_little_endian", path);
-    if (check_elements(reader, path, message) != 0 || add_bounds(reader, message) != 0
-        || add_columns(header, &reader->vertex, word_names, WORDS, FXS_PLY_UINT, message) != 0
-        || add_sh(reader, message) != 0 || fxs_ply_check_size(header, bytes, message) != 0)
-        return -1;
+    FXS_TRY(check_elements(reader, path, message));
+    FXS_TRY(add_bounds(reader, message));
+    FXS_TRY(add_columns(header, &reader->vertex, word_names, WORDS, FXS_PLY_UINT, message));
+    FXS_TRY(add_sh(reader, message));
+    FXS_TRY(fxs_ply_check_size(header, bytes, message));
     uint64_t body = fxs_bytes_tell(bytes);
     find_start(header, body, &reader->chunk);
     find_start(header, body, &reader->vertex);
@@ -162,8 +160,7 @@ static int compressed_open(void *handle, const fxs_scene_source *source, fxs_sce
 {
     compressed_reader *reader = handle;
     reader->chunk.bytes.source = reader->vertex.bytes.source = reader->sh.bytes.source = source;
-    if (open_reader(reader, source->path, message) != 0)
-        return -1;
+    FXS_TRY(open_reader(reader, source->path, message));
     info->count = reader->vertex.element->count;
     info->sh_degree = reader->sh_degree;
     info->stored_sh_degree = reader->stored_sh_degree;
@@ -235,16 +232,16 @@ static int read_gaussian(compressed_reader *reader, fxs_gaussian *gaussian, fxs_
     const uint8_t *row;
     if (reader->read % CHUNK == 0) {
         if (!(row = next_row(&reader->chunk, reader->read / CHUNK, message)))
-            return -1;
+            return FXS_ERR_FILE;
         for (int i = 0; i < reader->chunk.columns; i++)
             reader->bounds[i] = fxs_load_float(row + reader->chunk.column[i]);
     }
     if (!(row = next_row(&reader->vertex, reader->read, message)))
-        return -1;
+        return FXS_ERR_FILE;
     decode_words(reader, row, gaussian);
     if (reader->sh_degree > 0) {
         if (!(row = next_row(&reader->sh, reader->read, message)))
-            return -1;
+            return FXS_ERR_FILE;
         for (int i = 0; i < reader->sh.columns; i++)
             gaussian->sh[i] = decode_coefficient(row[reader->sh.column[i]]);
     }
@@ -259,8 +256,7 @@ static long compressed_read(void *handle, fxs_gaussian *gaussians, size_t capaci
     long count = (long)(capacity < left ? capacity : left);
     memset(gaussians, 0, (size_t)count * sizeof *gaussians);
     for (long i = 0; i < count; i++)
-        if (read_gaussian(reader, &gaussians[i], message) != 0)
-            return -1;
+        FXS_TRY(read_gaussian(reader, &gaussians[i], message));
     return count;
 }
 

@@ -75,9 +75,8 @@ int fxs_file_write(const char *path, const void *data, size_t bytes, fxs_message
     fxs_output output;
     int error = fxs_scene_open(&scene, data, bytes);
     if (error)
-        return fxs_fail(message, "%s: %s", path, fxs_strerror(error));
-    if (fxs_output_open(&output, path, 0, message))
-        return -1;
+        return fxs_fail_as(error, message, "%s: %s", path, fxs_strerror(error));
+    FXS_TRY(fxs_output_open(&output, path, 0, message));
     write_scene(&output, data, &scene, message);
     return fxs_output_close(&output, message);
 }
@@ -93,8 +92,8 @@ int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fx
     if (header.magic != FXS_PACKED_MAGIC)
         return fxs_fail(message, "%s: not an .fxs file", path);
     if (header.version != FXS_PACKED_VERSION)
-        return fxs_fail(message, "%s: .fxs of version %u, this program reads %u; convert its source again", path, header.version,
-                        FXS_PACKED_VERSION);
+        return fxs_fail_as(FXS_ERR_VERSION, message, "%s: .fxs of version %u, this program reads %u; convert its "
+                           "source again", path, header.version, FXS_PACKED_VERSION);
     if (header.checksum != header_checksum(data))
         return fxs_fail(message, "%s: the header is damaged: its checksum is wrong", path);
     if (fxs_scene_open(&scene, data, bytes))
@@ -114,7 +113,7 @@ int fxs_file_write(const char *path, const void *data, size_t bytes, fxs_message
 {
     (void)data;
     (void)bytes;
-    return fxs_fail(message, "%s: this program was built without zlib, which .fxs needs", path);
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: this program was built without zlib, which .fxs needs", path);
 }
 
 int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fxs_message *message)

@@ -1,17 +1,30 @@
-/* .fxs: a packed scene (src/packed.h) in a file, checksums filled in. It is rendered from a read-only mapping as it
-   is. Needs zlib for the checksums. */
+/* .fxs: a packed scene (src/packed.h) in a file, with its checksums filled in.
+ *
+ * The renderer reads such a file from a read-only mapping as it is. These functions need zlib for the checksums; built
+ * without it, both are FXS_ERR_UNSUPPORTED. They only read the scene, so several threads may share it. */
 #ifndef FXS_FXS_FILE_H
 #define FXS_FXS_FILE_H
 
 #include <stddef.h>
 
-#include "../files/message.h"
+#include "../../src/fixsplat.h"
 
-/* Writes a packed scene that fxs_scene_open accepts, under a temporary name first. Returns 0, or -1 and a message. */
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Writes the packed scene of `bytes` bytes at `data` (aligned to 64) to a file, as output.h says: after an error, a
+   file that was there is as it was. Returns 0, or an error and a message: that of fxs_scene_open where this is no
+   packed scene, FXS_ERR_FILE, FXS_ERR_MEMORY. */
 int fxs_file_write(const char *path, const void *data, size_t bytes, fxs_message *message);
 
-/* Checks a mapped file of `bytes` bytes: its header's checksum and size; with `all`, every chunk's checksum too,
-   which reads the whole file. `path` is for the message. Returns 0, or -1 and a message. */
+/* Checks a file of `bytes` bytes that was mapped or read to `data` (aligned to 64): its size and the checksum of its
+   header, and with `all` those of all chunks too, which reads the whole file. `path` is for the message. Returns 0, or
+   an error and a message: FXS_ERR_FILE where it is damaged, FXS_ERR_VERSION where it is of another version. */
 int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fxs_message *message);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

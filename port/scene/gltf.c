@@ -1,7 +1,7 @@
 /* .glb and .gltf with KHR_gaussian_splatting (Khronos), plain or with an .spz in a bufferView. The Gaussians come in
    the frame of a .ply, y down: x and y of glTF change their signs. A colorSpace of linear light is refused: such
-   Gaussians are blended before they are encoded, so that no colours blended in sRGB make the same picture. Drafts of the
-   extension are read too: SCALE as logarithms (February 2026), _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
+   Gaussians are blended before they are encoded, so that no colours blended in sRGB make the same picture. Drafts of
+   the extension are read too: SCALE as logarithms (February 2026), _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
 #include "scene_format.h"
 
 #ifdef FXS_WITH_CJSON
@@ -50,11 +50,11 @@ typedef struct range {
     uint64_t offset, size;
 } range;
 
-typedef struct view {
+typedef struct buffer_view {
     range bytes;
     int64_t stride;              /* 0: none is given */
     const char *fault;           /* or NULL; told when it is used */
-} view;
+} buffer_view;
 
 enum { BYTE, UBYTE, SHORT, USHORT, FLOAT = 6 };   /* componentType - 5120 */
 
@@ -94,7 +94,7 @@ typedef struct gltf {
     fxs_message *message;        /* of the call */
     double frame[3][4];          /* of what is read, from the file's */
     list lists[LISTS];           /* until the file is open; so are the next three */
-    view *views;
+    buffer_view *views;
     mesh *meshes;
     uint8_t *visited;            /* nodes */
     uint64_t bin_offset, bin_size;
@@ -114,11 +114,12 @@ static int fail(const gltf *g, const char *fault)
     return fxs_fail(g->message, "%s: %s", g->source->path, fault);
 }
 
+/* All 0; or NULL, and a message for FXS_ERR_MEMORY. */
 static void *allocate(const gltf *g, size_t count, size_t size)
 {
     void *block = fxs_allocate_zeroed(g->source->options.allocator, count, size);
     if (!block)
-        fail(g, "out of memory");
+        fxs_fail_memory(g->message, g->source->path, (uint64_t)count * size);
     return block;
 }
 
@@ -161,7 +162,7 @@ static int make_list(gltf *g, const cJSON *root, int which)
     list *made = &g->lists[which];
     made->items = allocate(g, (size_t)cJSON_GetArraySize(array), sizeof *made->items);
     if (!made->items)
-        return -1;
+        return FXS_ERR_MEMORY;
     cJSON_ArrayForEach(item, array) {
         if (cJSON_GetArraySize(item) > MAX_MEMBERS)
             return fail_item(g, list_names[which], made->count, "too many members");
@@ -170,14 +171,14 @@ static int make_list(gltf *g, const cJSON *root, int which)
     return 0;
 }
 
-/* The array with room for one more item, or NULL and a message. */
+/* The array with room for one more item, or NULL, as above. */
 static void *grow(const gltf *g, void *items, int count, size_t size)
 {
     if (count & (count - 1))     /* it has the size of a power of two */
         return items;
     void *larger = fxs_enlarge(g->source->options.allocator, items, (size_t)count, count ? 2 * (size_t)count : 1, size);
     if (!larger)
-        fail(g, "out of memory");
+        fxs_fail_memory(g->message, g->source->path, 2 * (uint64_t)count * size);
     return larger;
 }
 
@@ -215,7 +216,7 @@ static int open_data(const gltf *g, buffer *b, int index, const char *uri)
     b->memory_size = strlen(comma) / 4 * 3 + 3;
     b->memory = fxs_hold(g->source, b->memory_size, g->message);
     if (!b->memory)
-        return -1;
+        return FXS_ERR_MEMORY;
     int64_t size = decode_base64(comma + 1, b->memory);
     if (size < 0)
         return fail_item(g, "buffer", index, "a data: URI that is not base64");
@@ -230,7 +231,7 @@ static int open_beside(const gltf *g, buffer *b, int index, const char *uri)
 {
     char *name = allocate(g, strlen(uri) + 1, 1);
     if (!name)
-        return -1;
+        return FXS_ERR_MEMORY;
     strcpy(name, uri);
     fxs_decode_percent(name);
     int result = *name && !strchr(name, '/') ? fxs_scene_source_open_beside(&b->own, g->source, name, g->message)
@@ -255,8 +256,7 @@ static int open_buffer(gltf *g, int index)
         b->offset = g->bin_offset;
         b->size = g->bin_size;
     } else {
-        if ((strncmp(uri, "data:", 5) == 0 ? open_data : open_beside)(g, b, index, uri))
-            return -1;
+        FXS_TRY((strncmp(uri, "data:", 5) == 0 ? open_data : open_beside)(g, b, index, uri));
         b->source = &b->own;
         b->size = b->own.input.size;
     }
@@ -272,8 +272,7 @@ static int open_buffers(gltf *g)
     if (g->lists[BUFFERS].count > MAX_BUFFERS)
         return fxs_fail(g->message, "%s: more than %d buffers", g->source->path, MAX_BUFFERS);
     for (int i = 0; i < g->lists[BUFFERS].count; i++)
-        if (open_buffer(g, i))
-            return -1;
+        FXS_TRY(open_buffer(g, i));
     return 0;
 }
 
@@ -283,12 +282,12 @@ static int read_bytes(const gltf *g, const range *from, uint64_t offset, void *o
     return fxs_scene_source_read(b->source, b->offset + from->offset + offset, out, size, g->message);
 }
 
-static view parse_view(const gltf *g, const cJSON *item)
+static buffer_view parse_buffer_view(const gltf *g, const cJSON *item)
 {
     const cJSON *extensions = member(item, "extensions");
     int index = index_of(g, member(item, "buffer"), BUFFERS);
     int64_t offset = whole(member(item, "byteOffset"), 0), size = whole(member(item, "byteLength"), -1);
-    view v = {{index < 0 ? NULL : &g->buffers[index], (uint64_t)offset, (uint64_t)size},
+    buffer_view v = {{index < 0 ? NULL : &g->buffers[index], (uint64_t)offset, (uint64_t)size},
               whole(member(item, "byteStride"), 0), NULL};
     if (member(extensions, "EXT_meshopt_compression") || member(extensions, "KHR_meshopt_compression"))
         v.fault = "meshopt compression is not read";
@@ -299,7 +298,7 @@ static view parse_view(const gltf *g, const cJSON *item)
     return v;
 }
 
-static int use_view(const gltf *g, int index, view *out)
+static int use_buffer_view(const gltf *g, int index, buffer_view *out)
 {
     *out = g->views[index];
     return out->fault ? fail_item(g, "bufferView", index, out->fault) : 0;
@@ -326,11 +325,10 @@ static const cJSON *find_attribute(const cJSON *attributes, const char *name)
 static int read_layout(gltf *g, int index, const cJSON *item, accessor *a)
 {
     int view_index = index_of(g, member(item, "bufferView"), VIEWS);
-    view v;
+    buffer_view v;
     if (view_index < 0)
         return fail_item(g, "accessor", index, "no valid bufferView");
-    if (use_view(g, view_index, &v))
-        return -1;
+    FXS_TRY(use_buffer_view(g, view_index, &v));
     int64_t offset = whole(member(item, "byteOffset"), 0), count = whole(member(item, "count"), -1);
     int64_t stride = v.stride ? v.stride : a->size;
     if (count < 1 || count > MAX_COUNT || stride < a->size || stride > MAX_STRIDE)
@@ -418,8 +416,7 @@ static int read_attributes(gltf *g, const splats *s, fxs_gaussian *gaussians, si
     for (int i = 0; i < s->attribute_count; i++) {
         const accessor *a = &s->attributes[i];
         uint32_t step = a->size / a->components;
-        if (read_bytes(g, &a->bytes, (uint64_t)g->next * a->stride, g->bytes, (count - 1) * a->stride + a->size))
-            return -1;
+        FXS_TRY(read_bytes(g, &a->bytes, (uint64_t)g->next * a->stride, g->bytes, (count - 1) * a->stride + a->size));
         for (size_t k = 0; k < count; k++) {
             for (uint32_t c = 0; c < a->components; c++)
                 values[c] = component(a, g->bytes + k * a->stride + c * step);
@@ -434,8 +431,7 @@ static int count_below(gltf *g, const accessor *a, uint64_t *below)
 {
     for (uint32_t at = 0; at < a->count; at += BATCH) {
         const uint32_t count = a->count - at < BATCH ? a->count - at : BATCH;
-        if (read_bytes(g, &a->bytes, (uint64_t)at * a->stride, g->bytes, (count - 1) * a->stride + a->size))
-            return -1;
+        FXS_TRY(read_bytes(g, &a->bytes, (uint64_t)at * a->stride, g->bytes, (count - 1) * a->stride + a->size));
         for (uint32_t k = 0; k < count; k++) {
             const uint8_t *scale = g->bytes + k * a->stride;
             *below += fxs_load_float(scale) < 0 || fxs_load_float(scale + 4) < 0 || fxs_load_float(scale + 8) < 0;
@@ -456,8 +452,7 @@ static int read_sh(gltf *g, const cJSON *attributes, splats *s)
         s->sh_degree = degree;
         for (int k = 0; k <= 2 * degree; k++) {
             snprintf(name, sizeof name, "KHR_gaussian_splatting:SH_DEGREE_%d_COEF_%d", degree, k);
-            if (read_accessor(g, attributes, name, 3, PLAIN(FLOAT), &s->attributes[SH + degree * degree + k]))
-                return -1;
+            FXS_TRY(read_accessor(g, attributes, name, 3, PLAIN(FLOAT), &s->attributes[SH + degree * degree + k]));
         }
     }
     s->attribute_count = SH + (s->sh_degree + 1) * (s->sh_degree + 1);
@@ -477,7 +472,8 @@ static int read_colours(gltf *g, const cJSON *attributes, splats *s)
         s->attribute_count = SH;
         return read_accessor(g, attributes, "COLOR_0", 4, types, &s->attributes[OPACITY]);
     }
-    return read_accessor(g, attributes, opacity, 1, types, &s->attributes[OPACITY]) ? -1 : read_sh(g, attributes, s);
+    FXS_TRY(read_accessor(g, attributes, opacity, 1, types, &s->attributes[OPACITY]));
+    return read_sh(g, attributes, s);
 }
 
 static int read_accessors(gltf *g, const cJSON *attributes, splats *s)
@@ -490,10 +486,8 @@ static int read_accessors(gltf *g, const cJSON *attributes, splats *s)
                                             NORMALIZED(SHORT)}
     };
     for (int i = 0; i < OPACITY; i++)
-        if (read_accessor(g, attributes, core[i].name, core[i].components, core[i].types, &s->attributes[i]))
-            return -1;
-    if (read_colours(g, attributes, s))
-        return -1;
+        FXS_TRY(read_accessor(g, attributes, core[i].name, core[i].components, core[i].types, &s->attributes[i]));
+    FXS_TRY(read_colours(g, attributes, s));
     s->count = s->attributes[POSITION].count;
     for (int i = 0; i < s->attribute_count; i++)
         if (s->attributes[i].count != s->count)
@@ -551,13 +545,12 @@ static int read_primitive(gltf *g, const cJSON *primitive)
     const cJSON *splatting = member(extensions, "KHR_gaussian_splatting");
     if (!spz && !splatting)
         return 0;
-    if (check_splatting(g, splatting))
-        return -1;
+    FXS_TRY(check_splatting(g, splatting));
     if (g->splats_count == MAX_PARTS)
         return fail_parts(g);
     splats *larger = grow(g, g->splats, g->splats_count, sizeof *g->splats);
     if (!larger)
-        return -1;
+        return FXS_ERR_MEMORY;
     g->splats = larger;
     splats *added = &g->splats[g->splats_count++];
     memset(added, 0, sizeof *added);
@@ -565,11 +558,10 @@ static int read_primitive(gltf *g, const cJSON *primitive)
     if (!spz)
         return read_accessors(g, member(primitive, "attributes"), added);
     int view_index = index_of(g, member(spz, "bufferView"), VIEWS);
-    view v;
+    buffer_view v;
     if (view_index < 0)
         return fail(g, "an .spz without a valid bufferView");
-    if (use_view(g, view_index, &v))
-        return -1;
+    FXS_TRY(use_buffer_view(g, view_index, &v));
     added->spz = v.bytes;
     for (added->first = 0; !same_range(&g->splats[added->first].spz, &added->spz);)
         added->first++;
@@ -585,22 +577,20 @@ static int read_mesh(gltf *g, int index)
     m->is_read = 1;
     m->first = g->splats_count;
     cJSON_ArrayForEach(primitive, member(g->lists[MESHES].items[index], "primitives"))
-        if (read_primitive(g, primitive))
-            return -1;
+        FXS_TRY(read_primitive(g, primitive));
     m->end = g->splats_count;
     return 0;
 }
 
 static int place_mesh(gltf *g, int index, double rows[3][4])
 {
-    if (read_mesh(g, index))
-        return -1;
+    FXS_TRY(read_mesh(g, index));
     for (int i = g->meshes[index].first; i < g->meshes[index].end; i++) {
         if (g->parts_count == MAX_PARTS)
             return fail_parts(g);
         part *larger = grow(g, g->parts, g->parts_count, sizeof *g->parts);
         if (!larger)
-            return -1;
+            return FXS_ERR_MEMORY;
         g->parts = larger;
         part *added = &g->parts[g->parts_count++];
         added->splats = g->splats[i].first;
@@ -649,8 +639,7 @@ static int visit(gltf *g, const cJSON *item, double parent[3][4], int depth)
         return fail(g, "a node that does not exist");
     if (depth > MAX_DEPTH || g->visited[index]++)
         return fail_item(g, "node", index, depth > MAX_DEPTH ? "nested too deep" : "reached twice");
-    if (local_matrix(g, index, m))
-        return -1;
+    FXS_TRY(local_matrix(g, index, m));
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 4; j++)
             rows[i][j] = parent[i][0] * m[4 * j] + parent[i][1] * m[4 * j + 1] + parent[i][2] * m[4 * j + 2] +
@@ -659,11 +648,10 @@ static int visit(gltf *g, const cJSON *item, double parent[3][4], int depth)
     int mesh_index = index_of(g, mesh_item, MESHES);
     if (mesh_item && mesh_index < 0)
         return fail_item(g, "node", index, "a mesh that does not exist");
-    if (mesh_item && place_mesh(g, mesh_index, rows))
-        return -1;
+    if (mesh_item)
+        FXS_TRY(place_mesh(g, mesh_index, rows));
     cJSON_ArrayForEach(child, member(node, "children"))
-        if (visit(g, child, rows, depth + 1))
-            return -1;
+        FXS_TRY(visit(g, child, rows, depth + 1));
     return 0;
 }
 
@@ -674,8 +662,8 @@ static int open_spz(gltf *g, int index)
     splats *s = &g->splats[index];
     const buffer *b = s->spz.buffer;
     fxs_scene_file_info info;
-    if (fxs_spz_open(b->source, b->offset + s->spz.offset, s->spz.size, FXS_AXES_RDF, &s->opened, &info, g->message))
-        return -1;
+    FXS_TRY(fxs_spz_open(b->source, b->offset + s->spz.offset, s->spz.size, FXS_AXES_RDF, &s->opened, &info,
+                         g->message));
     s->count = (uint32_t)info.count;
     s->sh_degree = info.sh_degree;
     s->stored_sh_degree = info.stored_sh_degree;
@@ -706,8 +694,8 @@ static int enter(gltf *g, int index)
     if (fxs_transform_init(&g->transform, p->rows))
         return fail(g, "a node's transform has no inverse");
     if (s->spz.buffer) {
-        if (!s->opened && open_spz(g, p->splats))
-            return -1;
+        if (!s->opened)
+            FXS_TRY(open_spz(g, p->splats));
         g->spz = s->opened;
         fxs_spz_rewind(g->spz);
     }
@@ -715,9 +703,9 @@ static int enter(gltf *g, int index)
     return 0;
 }
 
-/* Scales are linear, few of them below 0. In a draft they were logarithms, which signed integers are therefore; and the
-   file's floats, where a quarter of its Gaussians have one below 0, as nearly all logarithms of captured scenes are. The
-   number of Gaussians is known to be within the limit. */
+/* Scales are linear, few of them below 0. In a draft they were logarithms, which signed integers are therefore; and
+   the file's floats, where a quarter of its Gaussians have one below 0, as nearly all logarithms of captured scenes
+   are. The number of Gaussians is known to be within the limit. */
 static int find_log_scales(gltf *g)
 {
     uint64_t below = 0, count = 0;
@@ -727,8 +715,7 @@ static int find_log_scales(gltf *g)
         if (s->spz.buffer || a->type != FLOAT || s->scales_known++)
             continue;
         count += a->count;
-        if (count_below(g, a, &below))
-            return -1;
+        FXS_TRY(count_below(g, a, &below));
     }
     for (int i = 0; i < g->splats_count; i++) {
         splats *s = &g->splats[i];
@@ -743,8 +730,7 @@ static int describe(gltf *g, fxs_scene_file_info *info)
     info->count = 0;
     info->sh_degree = info->stored_sh_degree = info->antialiased = 0;
     for (int i = 0; i < g->parts_count; i++) {
-        if (enter(g, i))
-            return -1;
+        FXS_TRY(enter(g, i));
         const splats *s = &g->splats[g->parts[i].splats];
         info->count += s->count;
         info->sh_degree = s->sh_degree > info->sh_degree ? s->sh_degree : info->sh_degree;
@@ -754,8 +740,8 @@ static int describe(gltf *g, fxs_scene_file_info *info)
     }
     if (info->count > MAX_COUNT)
         return fxs_fail(g->message, "%s: more than %d Gaussians", g->source->path, MAX_COUNT);
-    if (fxs_limit_gaussians(g->source, info->count, g->message) || find_log_scales(g))
-        return -1;
+    FXS_TRY(fxs_limit_gaussians(g->source, info->count, g->message));
+    FXS_TRY(find_log_scales(g));
     return enter(g, 0);
 }
 
@@ -769,8 +755,7 @@ static int find_chunks(gltf *g, uint64_t *offset, uint64_t *size)
     *size = g->source->input.size;
     if (*size < sizeof h)
         return fail(g, "the file ends early");
-    if (fxs_scene_source_read(g->source, 0, h, sizeof h, g->message))
-        return -1;
+    FXS_TRY(fxs_scene_source_read(g->source, 0, h, sizeof h, g->message));
     if (memcmp(h, "glTF", 4) != 0)
         return 0;
     const uint64_t length = fxs_load_u32(h + 8), json = fxs_load_u32(h + 12);
@@ -785,8 +770,7 @@ static int find_chunks(gltf *g, uint64_t *offset, uint64_t *size)
     g->bin_offset = sizeof h + json + sizeof chunk;
     if (length < g->bin_offset)
         return 0;
-    if (fxs_scene_source_read(g->source, sizeof h + json, chunk, sizeof chunk, g->message))
-        return -1;
+    FXS_TRY(fxs_scene_source_read(g->source, sizeof h + json, chunk, sizeof chunk, g->message));
     g->bin_size = memcmp(chunk + 4, "BIN", 4) == 0 ? fxs_load_u32(chunk) : 0;
     return g->bin_size > length - g->bin_offset ? fail(g, "the file ends early") : 0;
 }
@@ -797,21 +781,20 @@ static int read_root(gltf *g, const cJSON *root)
     if (!version || strncmp(version, "2.", 2) != 0)
         return fail(g, "not glTF 2: no such version in \"asset\"");
     for (int i = 0; i < LISTS; i++)
-        if (make_list(g, root, i))
-            return -1;
+        FXS_TRY(make_list(g, root, i));
     g->meshes = allocate(g, (size_t)g->lists[MESHES].count, sizeof *g->meshes);
     g->visited = allocate(g, (size_t)g->lists[NODES].count, 1);
     g->views = allocate(g, (size_t)g->lists[VIEWS].count, sizeof *g->views);
-    if (!g->meshes || !g->visited || !g->views || open_buffers(g))
-        return -1;
+    if (!g->meshes || !g->visited || !g->views)
+        return FXS_ERR_MEMORY;
+    FXS_TRY(open_buffers(g));
     for (int i = 0; i < g->lists[VIEWS].count; i++)
-        g->views[i] = parse_view(g, g->lists[VIEWS].items[i]);
+        g->views[i] = parse_buffer_view(g, g->lists[VIEWS].items[i]);
     int64_t scene = whole(member(root, "scene"), 0);
     const cJSON *node, *nodes = scene < 0 || scene > MAX_PARTS ? NULL
                                 : member(cJSON_GetArrayItem(member(root, "scenes"), (int)scene), "nodes");
     cJSON_ArrayForEach(node, nodes)
-        if (visit(g, node, g->frame, 0))
-            return -1;
+        FXS_TRY(visit(g, node, g->frame, 0));
     return 0;
 }
 
@@ -819,11 +802,13 @@ static int read_json(gltf *g)
 {
     uint64_t offset, size;
     fxs_text text;
-    if (find_chunks(g, &offset, &size) || fxs_scene_source_load(g->source, offset, size, &text, g->message))
-        return -1;
-    cJSON *root = fxs_json_parse(&text, g->source, g->message);
+    FXS_TRY(find_chunks(g, &offset, &size));
+    FXS_TRY(fxs_scene_source_load(g->source, offset, size, &text, g->message));
+    cJSON *root;
+    int result = fxs_json_parse(&text, g->source, &root, g->message);
     fxs_text_let_go(g->source, &text);
-    int result = root ? read_root(g, root) : -1;
+    if (result == 0)
+        result = read_root(g, root);
     cJSON_Delete(root);
     return result;
 }
@@ -846,7 +831,7 @@ int fxs_gltf_open(void *handle, const fxs_scene_source *source, double frame[3][
     memcpy(g->frame, frame, sizeof g->frame);
     int result = read_json(g);
     free_json(g);
-    return result ? -1 : describe(g, info);
+    return result ? result : describe(g, info);
 }
 
 static int gltf_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
@@ -855,8 +840,7 @@ static int gltf_open(void *handle, const fxs_scene_source *source, fxs_scene_fil
     gltf *g = handle;
     source->import->drop = fxs_gltf_drop;
     source->import->reader = g;
-    if (fxs_gltf_open(g, source, frame, info, message))
-        return -1;
+    FXS_TRY(fxs_gltf_open(g, source, frame, info, message));
     return g->parts_count ? 0 : fail(g, "no primitive with KHR_gaussian_splatting in the scene");
 }
 
@@ -870,15 +854,16 @@ static long gltf_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fx
         size_t left = s->count - g->next, count = capacity - done;
         count = count < left ? count : left;
         count = count < BATCH ? count : BATCH;
-        if (s->spz.buffer ? fxs_spz_read(g->spz, gaussians + done, count, message) < 0
-                          : count > 0 && read_attributes(g, s, gaussians + done, count))
-            return -1;
+        if (s->spz.buffer)
+            FXS_TRY((int)fxs_spz_read(g->spz, gaussians + done, count, message));
+        else if (count > 0)
+            FXS_TRY(read_attributes(g, s, gaussians + done, count));
         for (size_t i = 0; i < count; i++)
             fxs_transform_apply(&g->transform, &gaussians[done + i], s->sh_degree);
         done += count;
         g->next += (uint32_t)count;
-        if (g->next == s->count && enter(g, g->part + 1))
-            return -1;
+        if (g->next == s->count)
+            FXS_TRY(enter(g, g->part + 1));
     }
     return (long)done;
 }
@@ -911,7 +896,7 @@ static int gltf_open(void *handle, const fxs_scene_source *source, fxs_scene_fil
 {
     (void)handle;
     (void)info;
-    return fxs_fail(message, "%s: cannot read glTF: built without cJSON", source->path);
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot read glTF: built without cJSON", source->path);
 }
 
 #define READER_SIZE 0

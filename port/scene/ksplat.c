@@ -132,11 +132,9 @@ static int ksplat_open(void *handle, const fxs_scene_source *source, fxs_scene_f
     reader->headers.source = reader->lengths.source = reader->centres.source = reader->rows.source = source;
     info->sh_degree = info->antialiased = 0;
     info->colour.step = 1 / 255.0;
-    if (read_header(reader, message) != 0)
-        return -1;
+    FXS_TRY(read_header(reader, message));
     while (reader->sections_begun < reader->sections) {
-        if (begin_section(reader, message) != 0)
-            return -1;
+        FXS_TRY(begin_section(reader, message));
         reader->count += reader->section.count;
         if (reader->section.count > 0 && reader->section.sh_degree > info->sh_degree)
             info->sh_degree = reader->section.sh_degree;
@@ -191,11 +189,9 @@ static int begin_bucket(ksplat_reader *reader, fxs_message *message)
 static int advance(ksplat_reader *reader, fxs_message *message)
 {
     while (reader->section_read == reader->section.count)
-        if (begin_section(reader, message) != 0)
-            return -1;
+        FXS_TRY(begin_section(reader, message));
     while (reader->level > 0 && reader->bucket_left == 0)
-        if (begin_bucket(reader, message) != 0)
-            return -1;
+        FXS_TRY(begin_bucket(reader, message));
     return 0;
 }
 
@@ -234,8 +230,7 @@ static long ksplat_read(void *handle, fxs_gaussian *gaussians, size_t capacity, 
     long count = (long)(capacity < left ? capacity : left);
     memset(gaussians, 0, (size_t)count * sizeof *gaussians);
     for (long i = 0; i < count; i++) {
-        if (advance(reader, message) != 0)
-            return -1;
+        FXS_TRY(advance(reader, message));
         const uint8_t *row = fxs_bytes_take(&reader->rows, reader->section.row_size);
         if (!row)
             return fail_gaussian(reader, &reader->rows, message);

@@ -153,7 +153,7 @@ static int read_ascii_number(ply_reader *reader, double *value)
         reader->bytes.begin--;
     text[length] = '\0';
     if (length == 0)
-        return byte == EOF ? -1 : fxs_bytes_fail(&reader->bytes, "too few values");
+        return byte == EOF ? FXS_ERR_FILE : fxs_bytes_fail(&reader->bytes, "too few values");
     return parse_number(text, value) == text + length ? 0 : fxs_bytes_fail(&reader->bytes, "a value is not a number");
 }
 
@@ -163,7 +163,7 @@ static int read_number(ply_reader *reader, int type, double *value)
         return read_ascii_number(reader, value);
     const uint8_t *bytes = fxs_bytes_take(&reader->bytes, fxs_ply_types[type].size);
     if (!bytes)
-        return -1;
+        return FXS_ERR_FILE;
     *value = load_number(bytes, type, reader->header.encoding);
     return 0;
 }
@@ -171,15 +171,13 @@ static int read_number(ply_reader *reader, int type, double *value)
 static int skip_list(ply_reader *reader, const fxs_ply_property *list)
 {
     double length, value;
-    if (read_number(reader, list->count_type, &length) != 0)
-        return -1;
+    FXS_TRY(read_number(reader, list->count_type, &length));
     if (!(length >= 0 && length <= UINT32_MAX))
         return fxs_bytes_fail(&reader->bytes, "a list has no valid length");
     if (reader->header.encoding != FXS_PLY_ASCII)
         return fxs_bytes_skip(&reader->bytes, (uint64_t)length * fxs_ply_types[list->type].size);
     for (uint32_t i = (uint32_t)length; i > 0; i--)
-        if (read_ascii_number(reader, &value) != 0)
-            return -1;
+        FXS_TRY(read_ascii_number(reader, &value));
     return 0;
 }
 
@@ -210,8 +208,7 @@ static int read_row(ply_reader *reader, const fxs_ply_element *rows, float *fiel
     for (int i = rows->first; i < rows->end; i++) {
         const fxs_ply_property *p = &reader->header.property_table[i];
         double value;
-        if ((p->is_list ? skip_list(reader, p) : read_number(reader, p->type, &value)) != 0)
-            return -1;
+        FXS_TRY(p->is_list ? skip_list(reader, p) : read_number(reader, p->type, &value));
         if (reader->field_table[i] != NO_FIELD)
             fields[reader->field_table[i]] = (float)value;
     }
@@ -223,7 +220,7 @@ static int read_fixed_row(ply_reader *reader, const fxs_ply_element *rows, float
 {
     const uint8_t *row = fxs_bytes_take(&reader->bytes, rows->row_size);
     if (!row)
-        return -1;
+        return FXS_ERR_FILE;
     const column *columns = reader->column_table, *end = columns + reader->columns;
     if (reader->all_float)
         for (const column *c = columns; c < end; c++)
@@ -290,7 +287,7 @@ static int map_fields(ply_reader *reader, fxs_message *message)
     }
     int degree = fxs_ply_find_rest(header, reader->vertex, rest, path, message);
     if (degree < 0)
-        return -1;
+        return degree;
     reader->sh_degree = degree < 3 ? degree : 3;
     reader->stored_sh_degree = degree;
     for (int i = 0; i < 3 * reader->sh_degree * (reader->sh_degree + 2); i++)
@@ -314,15 +311,13 @@ static void list_columns(ply_reader *reader)
 
 static int open_reader(ply_reader *reader, fxs_scene_file_info *info, fxs_message *message)
 {
-    if (fxs_ply_read_header(&reader->header, &reader->bytes, message) != 0)
-        return -1;
+    FXS_TRY(fxs_ply_read_header(&reader->header, &reader->bytes, message));
     reader->vertex = fxs_ply_find_element(&reader->header, "vertex");
-    if (map_fields(reader, message) != 0 || fxs_ply_check_size(&reader->header, &reader->bytes, message) != 0)
-        return -1;
+    FXS_TRY(map_fields(reader, message));
+    FXS_TRY(fxs_ply_check_size(&reader->header, &reader->bytes, message));
     list_columns(reader);
     for (const fxs_ply_element *e = reader->header.element_table; e < reader->vertex; e++)
-        if (skip_element(reader, e, message) != 0)
-            return -1;
+        FXS_TRY(skip_element(reader, e, message));
     reader->vertex_offset = fxs_bytes_tell(&reader->bytes);
     info->count = reader->vertex->count;
     info->sh_degree = reader->sh_degree;

@@ -107,9 +107,9 @@ static int parse_property(parser *p, char **words, int is_list)
         return fail_line(p, "more than 1024 properties, at", name);
     fxs_ply_element *owner = &header->element_table[header->elements - 1];
     fxs_ply_property *added = &header->property_table[header->properties];
-    if (parse_type(p, words[is_list ? 3 : 1], &added->type) != 0
-        || (is_list && parse_type(p, words[2], &added->count_type) != 0))
-        return -1;
+    FXS_TRY(parse_type(p, words[is_list ? 3 : 1], &added->type));
+    if (is_list)
+        FXS_TRY(parse_type(p, words[2], &added->count_type));
     if (is_list && added->count_type >= FXS_PLY_FLOAT)
         return fail_line(p, "a list length that is not of an integer type:", name);
     if (!is_list && fxs_ply_find(header, owner, name) >= 0)
@@ -167,7 +167,7 @@ int fxs_ply_read_header(fxs_ply_header *header, fxs_byte_reader *bytes, fxs_mess
         if ((status = read_line(&p, line)) == 0)
             status = parse_line(&p, line);
     if (status < 0)
-        return -1;
+        return status;
     if (header->encoding == FXS_PLY_NONE)
         return fxs_fail(message, "%s: the header has no format line", p.path);
     if (!fxs_ply_find_element(header, "vertex"))

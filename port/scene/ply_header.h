@@ -45,10 +45,10 @@ typedef struct fxs_ply_header {
     fxs_ply_property property_table[FXS_PLY_MAX_PROPERTIES];
 } fxs_ply_header;
 
-/* Reads a header, all 0 so far, to its end. Returns 0, or -1 and a message. */
+/* Reads a header, all 0 so far, to its end. Returns 0, or an error and a message. */
 int fxs_ply_read_header(fxs_ply_header *header, fxs_byte_reader *bytes, fxs_message *message);
 
-/* Checks the file's size against the counts of the header just read. Returns 0, or -1 and a message. */
+/* Checks the file's size against the counts of the header just read. Returns 0, or an error and a message. */
 int fxs_ply_check_size(const fxs_ply_header *header, const fxs_byte_reader *bytes, fxs_message *message);
 
 /* NULL: none. */
@@ -58,7 +58,7 @@ const fxs_ply_element *fxs_ply_find_element(const fxs_ply_header *header, const 
 int fxs_ply_find(const fxs_ply_header *header, const fxs_ply_element *element, const char *name);
 
 /* Finds SH coefficients, f_rest_*, which are channel-major in a file. Returns their degree, 0 to 4, with the index of
-   coefficient k of a channel in rest[3 * k + channel], or -1 and a message that starts with `path`. */
+   coefficient k of a channel in rest[3 * k + channel], or an error and a message that starts with `path`. */
 int fxs_ply_find_rest(const fxs_ply_header *header, const fxs_ply_element *element, int rest[FXS_PLY_MAX_REST],
                       const char *path, fxs_message *message);
 

@@ -31,13 +31,14 @@ int fxs_ply_writer_open(const char *path, uint64_t count, int sh_degree, int ant
 {
     *writer = NULL;
     if (sh_degree < 0 || sh_degree > 3)
-        return fxs_fail(message, "%s: SH degree %d, not 0 to 3", path, sh_degree);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: SH degree %d, not 0 to 3", path, sh_degree);
     fxs_ply_writer *made = calloc(1, sizeof *made);
     if (!made)
-        return fxs_fail(message, "%s: out of memory", path);
-    if (fxs_output_open(&made->output, path, count, message)) {
+        return fxs_fail_memory(message, path, sizeof *made);
+    const int error = fxs_output_open(&made->output, path, count, message);
+    if (error) {
         free(made);
-        return -1;
+        return error;
     }
     made->coefficients = (size_t)((sh_degree + 1) * (sh_degree + 1) - 1);
     write_header(made->output.file, count, made->coefficients, antialiased);
@@ -74,12 +75,10 @@ static size_t encode(const fxs_gaussian *g, size_t coefficients, unsigned char *
 int fxs_ply_writer_put(fxs_ply_writer *writer, const fxs_gaussian *gaussians, size_t n, fxs_message *message)
 {
     unsigned char row[MAX_PROPERTIES * 4];
-    if (fxs_output_expect(&writer->output, n, message))
-        return -1;
+    FXS_TRY(fxs_output_expect(&writer->output, n, message));
     for (size_t i = 0; i < n; i++) {
         size_t bytes = encode(&gaussians[i], writer->coefficients, row);
-        if (fxs_output_write(&writer->output, row, bytes, message))
-            return -1;
+        FXS_TRY(fxs_output_write(&writer->output, row, bytes, message));
     }
     return 0;
 }

@@ -45,17 +45,9 @@ static int is_tileset(const char *head, const char *name)
 }
 
 /* .splat has no magic number, so it comes last. */
-const fxs_scene_format *fxs_scene_format_of(const fxs_scene_source *source, fxs_message *message)
+static const fxs_scene_format *format_of(const fxs_scene_source *source, const char *head, size_t size)
 {
-    char head[4096] = "";
-    const size_t size = source->input.size < sizeof head - 1 ? (size_t)source->input.size : sizeof head - 1;
-    if (fxs_scene_source_read(source, 0, head, size, message))
-        return NULL;
     const char *name = first_name(head);
-    if (size >= 3 && memcmp(head, "ply", 3) == 0) {
-        int is_compressed = fxs_is_compressed_ply(source, message);
-        return is_compressed < 0 ? NULL : is_compressed ? &fxs_scene_compressed_ply : &fxs_scene_ply;
-    }
     if (size >= 4 && head[0] == 0 && head[1] != 0 && head[2] == 0 && head[3] == 0)
         return &fxs_scene_ksplat;
     if (memcmp(head, "NGSP", 4) == 0 || memcmp(head, "\x1f\x8b", 2) == 0)
@@ -66,11 +58,23 @@ const fxs_scene_format *fxs_scene_format_of(const fxs_scene_source *source, fxs_
         return &fxs_scene_gltf;
     if (memcmp(head, "PK\3\4", 4) == 0 || name)
         return &fxs_scene_sog;
-    if (fxs_is_splat(source))
-        return &fxs_scene_splat;
-    fxs_fail(message, "%s: not a scene file of a known format (.ply, .spz, .glb, .gltf, .sog, .ksplat, tileset.json; "
-             "or .splat: whole records of 32 bytes, finite positions and scales)", source->path);
-    return NULL;
+    return fxs_is_splat(source) ? &fxs_scene_splat : NULL;
+}
+
+int fxs_scene_format_of(const fxs_scene_source *source, const fxs_scene_format **format, fxs_message *message)
+{
+    char head[4096] = "";
+    const size_t size = source->input.size < sizeof head - 1 ? (size_t)source->input.size : sizeof head - 1;
+    FXS_TRY(fxs_scene_source_read(source, 0, head, size, message));
+    if (size >= 3 && memcmp(head, "ply", 3) == 0) {
+        const int is_compressed = fxs_is_compressed_ply(source, message);
+        *format = is_compressed ? &fxs_scene_compressed_ply : &fxs_scene_ply;
+        return is_compressed < 0 ? is_compressed : 0;
+    }
+    *format = format_of(source, head, size);
+    return *format ? 0 : fxs_fail(message, "%s: not a scene file of a known format (.ply, .spz, .glb, .gltf, .sog, "
+                                  ".ksplat, tileset.json; or .splat: whole records of 32 bytes, finite positions and "
+                                  "scales)", source->path);
 }
 
 /* The path, or of a folder that of the index in it, for fxs_release; NULL when out of memory. */
@@ -95,7 +99,7 @@ static int open_path(fxs_scene_source *source, const char *path, fxs_message *me
 {
     char *found = path_of_file(path, source->options.allocator);
     if (!found)
-        return fxs_fail(message, "%s: out of memory", path);
+        return fxs_fail_memory(message, path, 0);
     int result = fxs_scene_source_open(source, found, message);
     fxs_release(source->options.allocator, found);
     return result;
@@ -105,67 +109,81 @@ static int open_reader(fxs_scene_file *file, fxs_scene_file_info *info, fxs_mess
 {
     const fxs_scene_source *source = &file->source;
     const int level = source->options.level;
-    if (fxs_import_count(source, message))
-        return -1;
-    file->format = fxs_scene_format_of(source, message);
+    FXS_TRY(fxs_import_count(source, message));
     if (!file->format)
-        return -1;
+        FXS_TRY(fxs_scene_format_of(source, &file->format, message));
     file->reader = fxs_allocate_zeroed(source->options.allocator, 1, file->format->reader_size);
     if (!file->reader)
-        return fxs_fail(message, "%s: out of memory", source->path);
+        return fxs_fail_memory(message, source->path, file->format->reader_size);
     info->format = file->format->name;
     info->levels = 1;
     info->stored_sh_degree = 0;
     info->colour = info->sh = (fxs_grid){0, 0};
-    if (file->format->open(file->reader, source, info, message) != 0)
-        return -1;
+    FXS_TRY(file->format->open(file->reader, source, info, message));
     if (info->stored_sh_degree < info->sh_degree)
         info->stored_sh_degree = info->sh_degree;
     if (level < 0 || level >= info->levels)
-        return fxs_fail(message, "%s: no level %d: levels of detail in this scene: %d", source->path, level,
-                        info->levels);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: no level %d: levels of detail in this scene: %d",
+                           source->path, level, info->levels);
     return fxs_limit_gaussians(source, info->count, message);
 }
 
-/* Opens the input, or where that is null the file at a path. */
-static int open_any(const char *path, const fxs_scene_input *input, const fxs_scene_file_options *options,
-                    fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message)
+/* Opens the input, or where that is null the file at a path. `format` may be null: told by the content. */
+static int open_any(const char *path, const fxs_scene_input *input, const fxs_scene_format *format,
+                    const fxs_scene_file_options *options, fxs_scene_file **file, fxs_scene_file_info *info,
+                    fxs_message *message)
 {
     fxs_scene_file *f = *file = fxs_allocate_zeroed(options ? options->allocator : NULL, 1, sizeof *f);
     if (!f) {
         if (input && input->close)
             input->close(input->argument);
-        return fxs_fail(message, "%s: out of memory", path);
+        return fxs_fail_memory(message, path, sizeof *f);
     }
     if (options)
         f->source.options = *options;
     f->source.import = &f->import;
+    f->format = format;
     int result = input ? fxs_scene_source_open_input(&f->source, path, input, message)
                  : open_path(&f->source, path, message);
-    if (result == 0 && open_reader(f, info, message) == 0)
-        return 0;
-    fxs_scene_file_close(f);
-    *file = NULL;
-    return -1;
+    if (result == 0)
+        result = open_reader(f, info, message);
+    if (result) {
+        fxs_scene_file_close(f);
+        *file = NULL;
+    }
+    return result;
 }
 
 int fxs_scene_file_open(const char *path, const fxs_scene_file_options *options, fxs_scene_file **file,
                         fxs_scene_file_info *info, fxs_message *message)
 {
-    return open_any(path, NULL, options, file, info, message);
+    return open_any(path, NULL, NULL, options, file, info, message);
 }
 
 int fxs_scene_file_open_memory(const char *name, const void *data, size_t size, const fxs_scene_file_options *options,
                                fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message)
 {
     const fxs_scene_input input = fxs_memory_input(data, size);
-    return open_any(name, &input, options, file, info, message);
+    return open_any(name, &input, NULL, options, file, info, message);
 }
 
 int fxs_scene_file_open_input(const char *name, const fxs_scene_input *input, const fxs_scene_file_options *options,
                               fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message)
 {
-    return open_any(name, input, options, file, info, message);
+    return open_any(name, input, NULL, options, file, info, message);
+}
+
+int fxs_scene_file_open_gaussians(const char *name, const fxs_gaussian_source *gaussians,
+                                  const fxs_scene_file_options *options, fxs_scene_file **file,
+                                  fxs_scene_file_info *info, fxs_message *message)
+{
+    const fxs_scene_input input = {.argument = (void *)gaussians};
+    fxs_scene_file_options own = {.max_gaussians = 0};
+    if (options)
+        own = *options;
+    if (own.max_gaussians == 0)
+        own.max_gaussians = FXS_MAX_COUNT;
+    return open_any(name, &input, &fxs_scene_gaussians, &own, file, info, message);
 }
 
 long fxs_scene_file_read(fxs_scene_file *file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)

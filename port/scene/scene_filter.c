@@ -77,7 +77,9 @@ static void filter_close(void *handle)
     fxs_release(r->allocator, r->reader);
 }
 
-static const fxs_scene_format filtered = {"filtered", sizeof(filter_reader), NULL, filter_read, filter_rewind, filter_close};
+static const fxs_scene_format filtered = {
+    "filtered", sizeof(filter_reader), NULL, filter_read, filter_rewind, filter_close
+};
 
 /* Reads all, so that the report is that of the whole file. */
 static int count(fxs_scene_file *file, const filter_reader *r, uint64_t total, fxs_progress_fn *progress,
@@ -87,7 +89,7 @@ static int count(fxs_scene_file *file, const filter_reader *r, uint64_t total, f
     fxs_gaussian batch[BATCH];
     for (long n; (n = fxs_scene_file_read(file, batch, BATCH, message)) != 0;) {
         if (n < 0)
-            return -1;
+            return (int)n;
         if (progress && progress(argument, (double)r->report.read / (double)total))
             return fxs_fail(message, "stopped");
     }
@@ -99,18 +101,18 @@ int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, 
                           fxs_message *message)
 {
     if (filter->sh_degree < 0 || filter->sh_degree > 3)
-        return fxs_fail(message, "SH degree %d, not 0 to 3", filter->sh_degree);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "SH degree %d, not 0 to 3", filter->sh_degree);
     const fxs_allocator *allocator = fxs_scene_file_allocator(file);
     filter_reader *r = fxs_allocate_zeroed(allocator, 1, sizeof *r);
     if (!r)
-        return fxs_fail(message, "out of memory");
+        return fxs_fail_memory(message, NULL, sizeof *r);
     r->allocator = allocator;
     r->filter = *filter;
     r->format = &filtered;
     r->reader = r;
     fxs_scene_file_swap(file, &r->format, &r->reader);
-    if (fxs_scene_file_rewind(file, message) || count(file, r, info->count, progress, argument, message))
-        return -1;
+    FXS_TRY(fxs_scene_file_rewind(file, message));
+    FXS_TRY(count(file, r, info->count, progress, argument, message));
     *report = r->report;
     info->count = report->kept;
     info->sh_degree = info->sh_degree < filter->sh_degree ? info->sh_degree : filter->sh_degree;

@@ -114,8 +114,7 @@ static int load_beside(const fxs_scene_source *source, const char *name, fxs_tex
 
 static int load_file(const container *c, const char *name, fxs_text *text)
 {
-    if (fxs_check_name(c->source, name, c->message) != 0)
-        return -1;
+    FXS_TRY(fxs_check_name(c->source, name, c->message));
     return c->zip ? fxs_zip_load(c->zip, name, text, c->message)
                   : load_beside(c->source, name, text, c->message);
 }
@@ -237,8 +236,7 @@ static const char *check_image(sog_scene *s, int image)
 
 static int load_image(sog_scene *s, const container *c, int image, const char *name)
 {
-    if (load_file(c, name, &s->files[image]) != 0)
-        return -1;
+    FXS_TRY(load_file(c, name, &s->files[image]));
     const char *fault = check_image(s, image);
     return fault ? fxs_fail(c->message, "%s: %s: %s", c->source->path, name, fault) : 0;
 }
@@ -263,9 +261,8 @@ static int load_images(sog_scene *s, const container *c, const cJSON *root)
         if (cJSON_GetArraySize(names) < properties[i].count)
             return fxs_fail(c->message, "%s: too few \"files\" of \"%s\"", c->source->path, properties[i].name);
         for (int k = 0; k < properties[i].count; k++)
-            if (load_named_image(s, c, properties[i].first + k, loaded,
-                                 cJSON_GetStringValue(cJSON_GetArrayItem(names, k))) != 0)
-                return -1;
+            FXS_TRY(load_named_image(s, c, properties[i].first + k, loaded,
+                                     cJSON_GetStringValue(cJSON_GetArrayItem(names, k))));
     }
     return 0;
 }
@@ -281,7 +278,7 @@ static int decode_image(sog_scene *s, int image, fxs_message *message)
     const size_t bytes = image_bytes(s, image);
     uint8_t *pixels = fxs_hold(s->source, bytes, message);
     if (!pixels)
-        return -1;
+        return FXS_ERR_MEMORY;
     if (!WebPDecodeRGBAInto((const uint8_t *)file->data, file->size, pixels, bytes, 4 * s->widths[image])) {
         fxs_let_go(s->source, pixels, bytes);
         return fxs_fail(message, "%s: an image cannot be decoded: damaged, or out of memory", s->source->path);
@@ -295,8 +292,7 @@ static int decode_images(sog_scene *s, fxs_message *message)
     for (int i = 0; i < IMAGES; i++) {
         if (!s->files[i].data)
             continue;
-        if (decode_image(s, i, message) != 0)
-            return -1;
+        FXS_TRY(decode_image(s, i, message));
         fxs_text_let_go(s->source, &s->files[i]);
     }
     return 0;
@@ -305,15 +301,14 @@ static int decode_images(sog_scene *s, fxs_message *message)
 static int load_meta(sog_scene *s, const container *c)
 {
     fxs_text meta;
-    if ((c->zip ? load_file(c, "meta.json", &meta)
-                : fxs_scene_source_load(c->source, 0, c->source->input.size, &meta, c->message)) != 0)
-        return -1;
-    cJSON *root = fxs_json_parse(&meta, c->source, c->message);
+    FXS_TRY(c->zip ? load_file(c, "meta.json", &meta)
+                   : fxs_scene_source_load(c->source, 0, c->source->input.size, &meta, c->message));
+    cJSON *root;
+    int status = fxs_json_parse(&meta, c->source, &root, c->message);
     fxs_text_let_go(c->source, &meta);
-    if (!root)
-        return -1;
-    const char *fault = read_meta(s, root);
-    int status = fault ? fxs_fail(c->message, "%s: %s", c->source->path, fault) : 0;
+    const char *fault = root ? read_meta(s, root) : NULL;
+    if (fault)
+        status = fxs_fail(c->message, "%s: %s", c->source->path, fault);
     if (status == 0 && c->zip)   /* all its bytes are known, those of files in a folder when they are loaded */
         status = fxs_limit_gaussians(c->source, s->count, c->message);
     if (status == 0)
@@ -379,7 +374,7 @@ static int add_range(sog_reader *r, range added, fxs_message *message)
         size_t capacity = 2 * r->range_capacity + 16;
         range *ranges = fxs_enlarge(r->source->options.allocator, r->ranges, r->range_count, capacity, sizeof *ranges);
         if (!ranges)
-            return fxs_fail(message, "%s: out of memory", r->source->path);
+            return fxs_fail_memory(message, r->source->path, capacity * sizeof *ranges);
         r->ranges = ranges;
         r->range_capacity = capacity;
     }
@@ -399,12 +394,12 @@ static int level_of(const char *name)
 
 /* What a node has of a level, or NULL. A leaf that has nothing of it is drawn at the nearest level that it has, the
    finer of two. Returns 0, or -1 where the node's levels are not numbers. */
-static int find_run(const cJSON *node, int level, const cJSON **run)
+static int find_level(const cJSON *node, int level, const cJSON **found)
 {
     const int is_leaf = !cJSON_GetArraySize(member(node, "children"));
     const cJSON *item;
     int least = is_leaf ? 2 * MAX_LEVELS : 0;
-    *run = NULL;
+    *found = NULL;
     cJSON_ArrayForEach(item, member(node, "lods")) {
         const int given = item->string ? level_of(item->string) : -1;
         if (given < 0)
@@ -412,7 +407,7 @@ static int find_run(const cJSON *node, int level, const cJSON **run)
         const int distance = given < level ? 2 * (level - given) - 1 : 2 * (given - level);
         if (distance <= least) {
             least = distance;
-            *run = item;
+            *found = item;
         }
     }
     return 0;
@@ -421,23 +416,23 @@ static int find_run(const cJSON *node, int level, const cJSON **run)
 /* The ranges of the node's leaves at a level. */
 static int add_leaves(sog_reader *r, const cJSON *node, int level, fxs_message *message)
 {
-    const cJSON *run, *child;
-    if (find_run(node, level, &run) != 0)
+    const cJSON *found, *child;
+    if (find_level(node, level, &found) != 0)
         return fxs_fail(message, "%s: a leaf with \"lods\" that are not levels from 0 to %d", r->source->path,
                         MAX_LEVELS);
-    if (run) {
+    if (found) {
         range added;
         size_t count;
-        if (!whole(member(run, "file"), r->file_count, &added.file) || added.file == r->file_count ||
-            !whole(member(run, "offset"), INT32_MAX, &added.begin) || !whole(member(run, "count"), INT32_MAX, &count))
+        if (!whole(member(found, "file"), r->file_count, &added.file) || added.file == r->file_count ||
+            !whole(member(found, "offset"), INT32_MAX, &added.begin) ||
+            !whole(member(found, "count"), INT32_MAX, &count))
             return fxs_fail(message, "%s: a leaf with no valid \"file\", \"offset\" and \"count\"", r->source->path);
         added.end = added.begin + count;
-        if (count > 0 && add_range(r, added, message) != 0)
-            return -1;
+        if (count > 0)
+            FXS_TRY(add_range(r, added, message));
     }
     cJSON_ArrayForEach(child, member(node, "children"))
-        if (add_leaves(r, child, level, message) != 0)
-            return -1;
+        FXS_TRY(add_leaves(r, child, level, message));
     return 0;
 }
 
@@ -465,7 +460,7 @@ static int list_names(sog_reader *r, fxs_message *message)
     r->names = fxs_allocate(r->source->options.allocator, count, sizeof *r->names);
     if (!sorted || !r->names) {
         fxs_release(r->source->options.allocator, sorted);
-        return fxs_fail(message, "%s: out of memory", r->source->path);
+        return fxs_fail_memory(message, r->source->path, count * sizeof *sorted);
     }
     cJSON_ArrayForEach(item, r->files) {
         const char *name = cJSON_GetStringValue(item);
@@ -514,11 +509,9 @@ static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs
     r->file_count = (size_t)cJSON_GetArraySize(r->files);
     if (environment && !cJSON_IsString(environment) && !cJSON_IsNull(environment))
         return fxs_fail(message, "%s: an \"environment\" that is not a file name", r->source->path);
-    if (add_leaves(r, member(root, "tree"), r->source->options.level, message) != 0)
-        return -1;
+    FXS_TRY(add_leaves(r, member(root, "tree"), r->source->options.level, message));
     const int has_environment = add_environment(r, root);
-    if (list_names(r, message) != 0)
-        return -1;
+    FXS_TRY(list_names(r, message));
     if (r->range_count > 0)
         qsort(r->ranges, r->range_count, sizeof *r->ranges, compare_ranges);
     return has_environment ? add_range(r, (range){r->names[r->file_count - 1].file, 0, TO_THE_LAST}, message) : 0;
@@ -561,8 +554,7 @@ static int open_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_messag
     const char *name = r->names[file].name;
     s->own.options = r->source->options;
     s->own.import = r->source->import;
-    if (fxs_check_name(r->source, name, message) != 0)
-        return -1;
+    FXS_TRY(fxs_check_name(r->source, name, message));
     return fxs_scene_source_open_beside(&s->own, r->source, name, message);
 }
 
@@ -579,22 +571,25 @@ static int check_identity(const sog_reader *r, const sog_scene *s, size_t file, 
     return 0;
 }
 
-/* 1 for a zip, 0 for a meta.json, or -1 and a message. */
+/* 1 for a zip, 0 for a meta.json, or an error and a message. */
 static int is_bundle(const fxs_scene_source *source, fxs_message *message)
 {
     char first;
-    return fxs_scene_source_read(source, 0, &first, 1, message) != 0 ? -1 : first == 'P';
+    FXS_TRY(fxs_scene_source_read(source, 0, &first, 1, message));
+    return first == 'P';
 }
 
 /* Loads a scene, its images not decoded yet. */
 static int load_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_message *message)
 {
-    if (open_scene(r, s, file, message) != 0 || (r->files && check_identity(r, s, file, message) != 0))
-        return -1;
+    FXS_TRY(open_scene(r, s, file, message));
+    if (r->files)
+        FXS_TRY(check_identity(r, s, file, message));
     container c = {s->source, NULL, message};
     const int bundled = is_bundle(s->source, message);
-    if (bundled < 0 || (bundled && !(c.zip = fxs_zip_open(s->source, message))))
-        return -1;
+    FXS_TRY(bundled);
+    if (bundled)
+        FXS_TRY(fxs_zip_open(s->source, &c.zip, message));
     int status = load_meta(s, &c);
     fxs_zip_close(c.zip);
     if (r->files)
@@ -607,22 +602,23 @@ static int add_scene(sog_reader *r, size_t file, fxs_message *message)
     r->scene = NULL;
     sog_scene *s = fxs_hold(r->source, sizeof *s, message);
     if (!s)
-        return -1;
+        return FXS_ERR_MEMORY;
     memset(s, 0, sizeof *s);
     r->scene = r->scenes[file] = s;
     r->held[r->held_count++] = file;
-    if (load_scene(r, s, file, message) == 0)
-        return 0;
-    r->scene = NULL;
-    drop_scene(r, r->held_count - 1);
-    return -1;
+    const int result = load_scene(r, s, file, message);
+    if (result) {
+        r->scene = NULL;
+        drop_scene(r, r->held_count - 1);
+    }
+    return result;
 }
 
 /* Makes the range's scene the reader's. Its file may have changed since it was last looked at. */
 static int open_range(sog_reader *r, range *of, fxs_message *message)
 {
-    if (!r->scenes[of->file] && add_scene(r, of->file, message) != 0)
-        return -1;
+    if (!r->scenes[of->file])
+        FXS_TRY(add_scene(r, of->file, message));
     r->scene = r->scenes[of->file];
     if (of->end == TO_THE_LAST)
         of->end = r->scene->count;
@@ -638,16 +634,14 @@ static int check_ranges(sog_reader *r, fxs_scene_file_info *info, fxs_message *m
     info->sh_degree = info->antialiased = 0;
     for (size_t i = 0; i < r->range_count; i++) {
         range *of = &r->ranges[i];
-        if (fxs_scene_source_progress(r->source, (double)i / (double)r->range_count, message) != 0 ||
-            open_range(r, of, message) != 0)
-            return -1;
+        FXS_TRY(fxs_scene_source_progress(r->source, (double)i / (double)r->range_count, message));
+        FXS_TRY(open_range(r, of, message));
         if (i > 0 && of[-1].file == of->file && of[-1].end > of->begin)
             return fxs_fail(message, "%s: two leaves share Gaussian %zu", r->scene->source->path, of->begin);
         info->count += of->end - of->begin;
         info->antialiased |= r->scene->antialiased;
         info->sh_degree = r->scene->sh_degree > info->sh_degree ? r->scene->sh_degree : info->sh_degree;
-        if (fxs_limit_gaussians(r->source, info->count, message) != 0)
-            return -1;
+        FXS_TRY(fxs_limit_gaussians(r->source, info->count, message));
     }
     return 0;
 }
@@ -656,17 +650,15 @@ static int read_source(sog_reader *r, fxs_scene_file_info *info, fxs_message *me
 {
     fxs_text json;
     const int bundled = is_bundle(r->source, message);
-    if (bundled < 0)
-        return -1;
+    FXS_TRY(bundled);
     if (bundled)
         return add_range(r, (range){0, 0, TO_THE_LAST}, message);
-    if (fxs_scene_source_load(r->source, 0, r->source->input.size, &json, message) != 0)
-        return -1;
-    cJSON *root = fxs_json_parse(&json, r->source, message);
+    FXS_TRY(fxs_scene_source_load(r->source, 0, r->source->input.size, &json, message));
+    cJSON *root;
+    int status = fxs_json_parse(&json, r->source, &root, message);
     fxs_text_let_go(r->source, &json);
-    if (!root)
-        return -1;
-    int status = member(root, "tree") ? read_index(r, root, info, message)
+    if (status == 0)
+        status = member(root, "tree") ? read_index(r, root, info, message)
                                       : add_range(r, (range){0, 0, TO_THE_LAST}, message);
     cJSON_Delete(root);
     return status;
@@ -680,12 +672,11 @@ static int sog_open(void *handle, const fxs_scene_source *source, fxs_scene_file
     const fxs_allocator *allocator = source->options.allocator;
     r->source = source;
     r->file_count = 1;
-    if (read_source(r, info, message) != 0)
-        return -1;
+    FXS_TRY(read_source(r, info, message));
     r->scenes = fxs_allocate_zeroed(allocator, r->file_count, sizeof *r->scenes);
     r->held = fxs_allocate(allocator, r->file_count, sizeof *r->held);
     if (!r->scenes || !r->held)
-        return fxs_fail(message, "%s: out of memory", source->path);
+        return fxs_fail_memory(message, source->path, r->file_count * sizeof *r->scenes);
     source->import->drop = drop_another;
     source->import->reader = r;
     return check_ranges(r, info, message);
@@ -697,8 +688,8 @@ static long sog_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs
     size_t count = 0;
     while (count < capacity && r->at < r->range_count) {
         range *of = &r->ranges[r->at];
-        if (open_range(r, of, message) != 0 || decode_images(r->scene, message) != 0)
-            return -1;
+        FXS_TRY(open_range(r, of, message));
+        FXS_TRY(decode_images(r->scene, message));
         for (; count < capacity && r->done < of->end - of->begin; r->done++)
             decode_gaussian(r->scene, of->begin + r->done, &gaussians[count++]);
         if (r->done == of->end - of->begin) {
@@ -737,7 +728,8 @@ const fxs_scene_format fxs_scene_sog = {"sog", sizeof(sog_reader), sog_open, sog
 static int sog_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
     (void)handle, (void)info;
-    return fxs_fail(message, "%s: cannot read .sog: built without libwebp or cJSON", source->path);
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot read .sog: built without libwebp or cJSON",
+                       source->path);
 }
 
 const fxs_scene_format fxs_scene_sog = {"sog", 0, sog_open, NULL, NULL, NULL};

@@ -30,16 +30,16 @@ static int open_file(fxs_scene_source *source, const char *name, int flags, fxs_
     const char *path = source->path;
     struct stat status;
     if (stat(name, &status) != 0)
-        return fxs_fail(message, "%s: %s", path, strerror(errno));
+        return fxs_fail_errno(message, path, errno);
     if (!S_ISREG(status.st_mode))   /* before it is opened: a device may do something then */
         return fxs_fail(message, "%s: not a regular file", path);
     int descriptor = open(name, O_RDONLY | O_NONBLOCK | O_CLOEXEC | flags);   /* does not wait for a pipe's writer */
     FILE *stream = descriptor < 0 ? NULL : fdopen(descriptor, "rb");
     if (!stream) {
-        fxs_fail(message, "%s: %s", path, strerror(errno));
+        const int error = fxs_fail_errno(message, path, errno);
         if (descriptor >= 0)
             close(descriptor);
-        return -1;
+        return error;
     }
     setvbuf(stream, NULL, _IONBF, 0);
     source->input = (fxs_scene_input){0, read_file, NULL, close_file, stream};
@@ -123,7 +123,7 @@ static int set_path(fxs_scene_source *source, const char *path, size_t folder, c
     size_t length = strlen(name);
     source->path = fxs_allocate(source->options.allocator, folder + length + 1, 1);
     if (!source->path)
-        return fxs_fail(message, "%s: out of memory", path);
+        return fxs_fail_memory(message, path, folder + length + 1);
     memcpy(source->path, path, folder);
     memcpy(source->path + folder, name, length + 1);
     return 0;
@@ -146,8 +146,8 @@ static uint64_t key_of(const fxs_scene_source *source)
     return key + !key;
 }
 
-/* The place of a key, or a free one for it. */
-static uint64_t *place_of(uint64_t *files, size_t room, uint64_t key)
+/* The slot of a key, or a free one for it. */
+static uint64_t *slot_of(uint64_t *files, size_t room, uint64_t key)
 {
     size_t at = (size_t)key & (room - 1);
     while (files[at] && files[at] != key)
@@ -162,7 +162,7 @@ static int grow(fxs_import *import, const fxs_allocator *allocator)
     uint64_t *files = fxs_allocate_zeroed(allocator, room, sizeof *files);
     for (size_t i = 0; files && i < import->room; i++)
         if (import->files[i])
-            *place_of(files, room, import->files[i]) = import->files[i];
+            *slot_of(files, room, import->files[i]) = import->files[i];
     if (!files)
         return -1;
     fxs_release(allocator, import->files);
@@ -175,11 +175,11 @@ int fxs_import_count(const fxs_scene_source *source, fxs_message *message)
 {
     fxs_import *import = source->import;
     const uint64_t key = key_of(source);
-    if (import->room && *place_of(import->files, import->room, key))
+    if (import->room && *slot_of(import->files, import->room, key))
         return 0;
     if (2 * import->file_count >= import->room && grow(import, source->options.allocator))
-        return fxs_fail(message, "%s: out of memory", source->path);
-    *place_of(import->files, import->room, key) = key;
+        return fxs_fail_memory(message, source->path, 0);
+    *slot_of(import->files, import->room, key) = key;
     import->file_count++;
     import->file_bytes += source->input.size;
     return 0;
@@ -217,11 +217,11 @@ static int is_within(const char *folder, const char *path)
 static int open_file_beside(fxs_scene_source *opened, const fxs_scene_source *first, fxs_message *message)
 {
     char *folder = real_folder(first), *path = realpath(opened->path, NULL);
-    int result = -1;
+    int result;
     if (!path || !folder)
-        fxs_fail(message, "%s: %s", opened->path, strerror(errno));
+        result = fxs_fail_errno(message, opened->path, errno);
     else if (!is_within(folder, path))
-        fxs_fail(message, "%s: leaves the folder of %s", opened->path, first->path);
+        result = fxs_fail(message, "%s: leaves the folder of %s", opened->path, first->path);
     else
         result = open_file(opened, path, O_NOFOLLOW, message);
     free(folder);
@@ -231,7 +231,8 @@ static int open_file_beside(fxs_scene_source *opened, const fxs_scene_source *fi
 
 int fxs_scene_source_open(fxs_scene_source *source, const char *path, fxs_message *message)
 {
-    return set_path(source, path, 0, path, message) ? -1 : open_file(source, path, 0, message);
+    FXS_TRY(set_path(source, path, 0, path, message));
+    return open_file(source, path, 0, message);
 }
 
 int fxs_scene_source_open_input(fxs_scene_source *source, const char *name, const fxs_scene_input *input,
@@ -245,8 +246,7 @@ static int open_beside(fxs_scene_source *opened, const fxs_scene_source *source,
                        fxs_message *message)
 {
     const fxs_scene_source *first = opened->first;
-    if (set_path(opened, source->path, folder_length(source->path), name, message))
-        return -1;
+    FXS_TRY(set_path(opened, source->path, folder_length(source->path), name, message));
     if (first->input.read == read_file)
         return open_file_beside(opened, first, message);
     if (!first->input.beside)
@@ -265,8 +265,7 @@ int fxs_scene_source_open_beside(fxs_scene_source *opened, const fxs_scene_sourc
     opened->first = source->first ? source->first : source;
     opened->options = source->options;
     opened->import = source->import;
-    if (open_beside(opened, source, name, message))
-        return -1;
+    FXS_TRY(open_beside(opened, source, name, message));
     return opened->import ? fxs_import_count(opened, message) : 0;
 }
 
@@ -324,13 +323,13 @@ int fxs_scene_source_load(const fxs_scene_source *source, uint64_t offset, uint6
         return fxs_fail(message, "%s: larger than %zu MiB", source->path, FXS_TEXT_MAX >> 20);
     char *data = fxs_hold(source, size + 1, message);
     if (!data)
-        return -1;
+        return FXS_ERR_MEMORY;
     *text = (fxs_text){source->path, data, (size_t)size};
     data[size] = 0;
-    if (fxs_scene_source_read(source, offset, data, (size_t)size, message) == 0)
-        return 0;
-    fxs_text_let_go(source, text);
-    return -1;
+    const int result = fxs_scene_source_read(source, offset, data, (size_t)size, message);
+    if (result)
+        fxs_text_let_go(source, text);
+    return result;
 }
 
 void fxs_text_let_go(const fxs_scene_source *source, fxs_text *text)
@@ -382,10 +381,13 @@ int fxs_limit_memory(const fxs_scene_source *source, uint64_t bytes, fxs_message
         return 0;
     const uint64_t most = most_memory(source);
     while (bytes > most || import->held > most - bytes)
-        if (bytes > most || !import->drop || !import->drop(import->reader))
-            return fxs_fail(message, "%s: reading it takes %" PRIu64 " bytes of memory or more, beyond the limit of %"
-                            PRIu64 "; --import-memory raises it (a program: max_memory)", source->path,
-                            bytes > UINT64_MAX - import->held ? bytes : import->held + bytes, most);
+        if (bytes > most || !import->drop || !import->drop(import->reader)) {
+            const uint64_t needed = bytes > UINT64_MAX - import->held ? bytes : import->held + bytes;
+            fxs_fail(message, "%s: reading it takes %" PRIu64 " bytes of memory or more, beyond the limit of %" PRIu64
+                     "; --import-memory raises it (a program: max_memory)", source->path, needed, most);
+            message->bytes_needed = needed;
+            return FXS_ERR_MEMORY;
+        }
     return 0;
 }
 
@@ -395,7 +397,7 @@ void *fxs_hold(const fxs_scene_source *source, uint64_t bytes, fxs_message *mess
         return NULL;
     void *block = bytes <= SIZE_MAX ? fxs_allocate(source->options.allocator, (size_t)bytes, 1) : NULL;
     if (!block)
-        fxs_fail(message, "%s: out of memory", source->path);
+        fxs_fail_memory(message, source->path, bytes);
     else if (source->import)
         source->import->held += bytes;
     return block;

@@ -25,7 +25,7 @@ struct fxs_scene_source {
     uint64_t device, inode;           /* of a file that was opened by its path; else 0 */
 };
 
-/* These open a source whose options are set and the rest is 0. Each returns 0, or -1 and a message; close it also
+/* These open a source whose options are set and the rest is 0. Each returns 0, or an error and a message; close it also
    then. A path must be that of a regular file. */
 int fxs_scene_source_open(fxs_scene_source *source, const char *path, fxs_message *message);
 int fxs_scene_source_open_input(fxs_scene_source *source, const char *name, const fxs_scene_input *input,
@@ -36,13 +36,14 @@ int fxs_scene_source_open_input(fxs_scene_source *source, const char *name, cons
 int fxs_scene_source_open_beside(fxs_scene_source *opened, const fxs_scene_source *source, const char *name,
                                  fxs_message *message);
 
-/* Counts the bytes of a file, where it is not counted yet: by whatever name, it is known by its device and inode, or, from
-   functions, by its name. Returns 0, or -1 and a message. */
+/* Counts the bytes of a file, where it is not counted yet: by whatever name, it is known by its device and inode, or,
+   from functions, by its name. Returns 0, or an error and a message. */
 int fxs_import_count(const fxs_scene_source *source, fxs_message *message);
 
 /* ---- Names of files beside ---- */
 
-/* Whether a name (NULL: none) stays in the folder and can be shown in one line. Returns 0, or -1 and a message. */
+/* Whether a name (NULL: none) stays in the folder and can be shown in one line. Returns 0, or an error and a
+   message. */
 int fxs_check_name(const fxs_scene_source *source, const char *name, fxs_message *message);
 
 /* The order of names, in which "a/b", "a//b" and "./a/b" are the same. */
@@ -57,16 +58,16 @@ int fxs_scene_source_is_beside(const fxs_scene_source *source, const char *name)
 /* Bytes in memory; `data` is not copied. */
 fxs_scene_input fxs_memory_input(const void *data, size_t size);
 
-/* Reads the bytes at an offset, all of them. Returns 0, or -1 and a message. */
+/* Reads the bytes at an offset, all of them. Returns 0, or an error and a message. */
 int fxs_scene_source_read(const fxs_scene_source *source, uint64_t offset, void *out, size_t size,
                           fxs_message *message);
 
-/* Loads the bytes at an offset, at most FXS_TEXT_MAX, for fxs_text_let_go. Returns 0, or -1 and a message. */
+/* Loads the bytes at an offset, at most FXS_TEXT_MAX, for fxs_text_let_go. Returns 0, or an error and a message. */
 int fxs_scene_source_load(const fxs_scene_source *source, uint64_t offset, uint64_t size, fxs_text *text,
                           fxs_message *message);
 void fxs_text_let_go(const fxs_scene_source *source, fxs_text *text);
 
-/* Tells the progress, 0 to 1. Returns 0, or -1 and a message where the caller wants to stop. */
+/* Tells the progress, 0 to 1. Returns 0, or an error and a message where the caller wants to stop. */
 int fxs_scene_source_progress(const fxs_scene_source *source, double done, fxs_message *message);
 
 /* Closes the file; the path stays. */
@@ -76,13 +77,16 @@ void fxs_scene_source_close(fxs_scene_source *source);
 
 /* ---- Limits ---- */
 
-/* Whether the scene may have so many Gaussians. Returns 0, or -1 and a message that says how to raise the limit. */
+/* Whether the scene may have so many Gaussians. Returns 0, or an error and a message that says how to raise the
+   limit. */
 int fxs_limit_gaussians(const fxs_scene_source *source, uint64_t count, fxs_message *message);
 
-/* Whether so many more bytes may be held, for which others may have to go. Returns 0, or -1 and a message as above. */
+/* Whether so many more bytes may be held, for which others may have to go. Returns 0, or FXS_ERR_MEMORY and a message
+   as above. */
 int fxs_limit_memory(const fxs_scene_source *source, uint64_t bytes, fxs_message *message);
 
-/* A block that counts as held until it is let go; NULL and a message where it may not be, or there is no memory. */
+/* A block that counts as held until it is let go. NULL, and a message for FXS_ERR_MEMORY, where it may not be, or there
+   is no memory. */
 void *fxs_hold(const fxs_scene_source *source, uint64_t bytes, fxs_message *message);
 void fxs_let_go(const fxs_scene_source *source, void *block, uint64_t bytes);
 

@@ -20,12 +20,13 @@ int fxs_splat_writer_open(const char *path, uint64_t count, fxs_splat_writer **w
 {
     *writer = calloc(1, sizeof **writer);
     if (!*writer)
-        return fxs_fail(message, "%s: out of memory", path);
-    if (fxs_output_open(&(*writer)->output, path, count, message) == 0)
-        return 0;
-    free(*writer);
-    *writer = NULL;
-    return -1;
+        return fxs_fail_memory(message, path, sizeof **writer);
+    const int error = fxs_output_open(&(*writer)->output, path, count, message);
+    if (error) {
+        free(*writer);
+        *writer = NULL;
+    }
+    return error;
 }
 
 static void put_float(unsigned char *to, float value)

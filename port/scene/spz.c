@@ -152,7 +152,9 @@ static int parse_extensions(fxs_spz *spz, const uint8_t *bytes, uint64_t size)
 static int read_extensions(fxs_spz *spz, uint64_t offset, uint64_t size)
 {
     uint8_t *bytes = fxs_hold(spz->source, size, spz->message);
-    int result = bytes && read_at(spz, offset, bytes, (size_t)size) == 0 ? parse_extensions(spz, bytes, size) : -1;
+    int result = bytes ? read_at(spz, offset, bytes, (size_t)size) : FXS_ERR_MEMORY;
+    if (result == 0)
+        result = parse_extensions(spz, bytes, size);
     fxs_let_go(spz->source, bytes, size);
     return result;
 }
@@ -165,7 +167,7 @@ static int allocate_payload(fxs_spz *spz, size_t extra)
         spz->array[i] = at;
         at += array_bytes(spz, i);
     }
-    return at ? 0 : -1;
+    return at ? 0 : FXS_ERR_MEMORY;
 }
 
 /* ---- Versions 1 to 3: one stream, gzip or plain ---------------------------------------------------------------- */
@@ -182,8 +184,8 @@ static int check_payload(const fxs_spz *spz, uint64_t size)
 static int load_plain(fxs_spz *spz)
 {
     uint64_t wanted = payload_bytes(spz), end = HEADER_SIZE + wanted;
-    if (read_extensions(spz, end, spz->size - end) || allocate_payload(spz, 0))
-        return -1;
+    FXS_TRY(read_extensions(spz, end, spz->size - end));
+    FXS_TRY(allocate_payload(spz, 0));
     return read_at(spz, HEADER_SIZE, spz->payload, (size_t)wanted);
 }
 
@@ -201,53 +203,53 @@ static int refill(gzip *g)
     const fxs_spz *spz = g->spz;
     uint64_t left = spz->size - g->next;
     size_t size = left < sizeof g->bytes ? (size_t)left : sizeof g->bytes;
-    if (fxs_scene_source_progress(spz->source, (double)g->next / (double)spz->size, spz->message) ||
-        read_at(spz, g->next, g->bytes, size))
-        return -1;
+    FXS_TRY(fxs_scene_source_progress(spz->source, (double)g->next / (double)spz->size, spz->message));
+    FXS_TRY(read_at(spz, g->next, g->bytes, size));
     g->next += size;
     g->stream.next_in = g->bytes;
     g->stream.avail_in = (uInt)size;
     return 0;
 }
 
-/* Inflates up to `size` bytes, in pieces that zlib can count. Returns zlib's last status; Z_ERRNO with a message. */
-static int inflate_some(gzip *g, uint8_t *out, size_t size, size_t *got)
+/* Inflates up to `size` bytes, in pieces that zlib can count, with zlib's last status. */
+static int inflate_some(gzip *g, int *status, uint8_t *out, size_t size, size_t *got)
 {
     const size_t piece = 1u << 30;
-    int status = Z_OK;
+    *status = Z_OK;
     *got = 0;
-    while (*got < size && status == Z_OK) {
+    while (*got < size && *status == Z_OK) {
         size_t room = size - *got;
-        if (g->stream.avail_in == 0 && refill(g))
-            return Z_ERRNO;
+        if (g->stream.avail_in == 0)
+            FXS_TRY(refill(g));
         g->stream.avail_out = (uInt)(room = room < piece ? room : piece);
         g->stream.next_out = out + *got;
-        status = inflate(&g->stream, Z_NO_FLUSH);
+        *status = inflate(&g->stream, Z_NO_FLUSH);
         *got += room - g->stream.avail_out;
     }
-    return status;
+    return 0;
 }
 
 static int fail_inflate(const fxs_spz *spz, int status)
 {
-    if (status == Z_ERRNO)
-        return -1;
+    if (status == Z_MEM_ERROR)
+        return fxs_fail_memory(spz->message, spz->source->path, 0);
     return fail(spz, status == Z_BUF_ERROR || status == Z_STREAM_END ? "the gzip stream ends early"
-                     : status == Z_MEM_ERROR ? "out of memory" : "the gzip stream is damaged");
+                     : "the gzip stream is damaged");
 }
 
 static int inflate_start(const fxs_spz *spz, gzip *g, uint8_t header[HEADER_SIZE])
 {
     size_t got;
-    int status = inflate_some(g, header, HEADER_SIZE, &got);
+    int status;
+    FXS_TRY(inflate_some(g, &status, header, HEADER_SIZE, &got));
     return got < HEADER_SIZE || status == Z_MEM_ERROR ? fail_inflate(spz, status) : 0;
 }
 
 static int inflate_header(fxs_spz *spz, gzip *g)
 {
     uint8_t header[HEADER_SIZE];
-    if (inflate_start(spz, g, header) || parse_header(spz, header))
-        return -1;
+    FXS_TRY(inflate_start(spz, g, header));
+    FXS_TRY(parse_header(spz, header));
     if (spz->version == 4)
         return fail(spz, "version 4 within gzip");
     uint64_t wanted = payload_bytes(spz);
@@ -262,14 +264,16 @@ static int inflate_payload(fxs_spz *spz, gzip *g)
     uint8_t header[HEADER_SIZE];
     size_t extra = (spz->flags & HAS_EXTENSIONS ? MAX_EXTENSIONS : 0) + 1, got;   /* one more than there may be */
     uint64_t wanted = payload_bytes(spz);
-    if (inflate_start(spz, g, header) || allocate_payload(spz, extra))
-        return -1;
-    int status = inflate_some(g, spz->payload, (size_t)wanted + extra, &got);
+    FXS_TRY(inflate_start(spz, g, header));
+    FXS_TRY(allocate_payload(spz, extra));
+    int status;
+    FXS_TRY(inflate_some(g, &status, spz->payload, (size_t)wanted + extra, &got));
     if (got == wanted + extra)
         return fail(spz, "the gzip stream has more bytes than the header asks for");
     if (status != Z_STREAM_END)
         return fail_inflate(spz, status);
-    return check_payload(spz, got) ? -1 : parse_extensions(spz, spz->payload + wanted, got - wanted);
+    FXS_TRY(check_payload(spz, got));
+    return parse_extensions(spz, spz->payload + wanted, got - wanted);
 }
 
 static void *allocate_for_zlib(void *spz, uInt count, uInt size)
@@ -286,13 +290,14 @@ static int with_gzip(fxs_spz *spz, int (*use)(fxs_spz *, gzip *))
 {
     gzip *g = fxs_hold(spz->source, sizeof *g, spz->message);
     if (!g)
-        return -1;
+        return FXS_ERR_MEMORY;
     memset(g, 0, sizeof *g);
     g->spz = spz;
     g->stream.zalloc = allocate_for_zlib;
     g->stream.zfree = release_for_zlib;
     g->stream.opaque = spz;
-    int result = inflateInit2(&g->stream, 16 + MAX_WBITS) == Z_OK ? use(spz, g) : fail(spz, "out of memory");
+    int result = inflateInit2(&g->stream, 16 + MAX_WBITS) == Z_OK ? use(spz, g)
+                 : fxs_fail_memory(spz->message, spz->source->path, 0);
     inflateEnd(&g->stream);
     fxs_let_go(spz->source, g, sizeof *g);
     return result;
@@ -312,7 +317,8 @@ static int load_gzip(fxs_spz *spz)
 
 static int open_gzip(fxs_spz *spz)
 {
-    return fail(spz, "cannot read gzip: built without zlib");
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, spz->message, "%s: cannot read gzip: built without zlib",
+                       spz->source->path);
 }
 
 #define load_gzip open_gzip
@@ -358,15 +364,13 @@ static int open_zstd(fxs_spz *spz)
 {
     uint8_t header[HEADER_SIZE_4], entries[16 * FXS_SPZ_ARRAYS];
     const size_t bytes = contents_bytes(spz);
-    if (read_at(spz, 0, header, sizeof header))
-        return -1;
+    FXS_TRY(read_at(spz, 0, header, sizeof header));
     spz->contents = fxs_load_u32(header + 16);
     if (header[15] != bytes / 16)
         return fxs_fail(spz->message, "%s: %d streams, not %zu", spz->source->path, header[15], bytes / 16);
     if (spz->contents < HEADER_SIZE_4 || spz->contents > spz->size || spz->size - spz->contents < bytes)
         return fail(spz, "the table of contents is not within the file");
-    if (read_at(spz, spz->contents, entries, bytes))
-        return -1;
+    FXS_TRY(read_at(spz, spz->contents, entries, bytes));
     return parse_contents(spz, entries, spz->size - spz->contents - bytes);
 }
 
@@ -374,7 +378,7 @@ static int load_stream(fxs_spz *spz, int array, uint64_t offset)
 {
     const size_t size = (size_t)array_bytes(spz, array), compressed = (size_t)spz->compressed[array];
     uint8_t *stream = fxs_hold(spz->source, compressed, spz->message);
-    int result = stream ? read_at(spz, offset, stream, compressed) : -1;
+    int result = stream ? read_at(spz, offset, stream, compressed) : FXS_ERR_MEMORY;
     if (result == 0 && ZSTD_decompress(spz->array[array], size, stream, compressed) != size)
         result = fail(spz, "a zstd stream is damaged, or of another size than the header asks for");
     fxs_let_go(spz->source, stream, compressed);
@@ -385,12 +389,12 @@ static int load_zstd(fxs_spz *spz)
 {
     uint64_t extensions = spz->flags & HAS_EXTENSIONS ? spz->contents - HEADER_SIZE_4 : 0;
     uint64_t offset = spz->contents + contents_bytes(spz);
-    if (read_extensions(spz, HEADER_SIZE_4, extensions) || allocate_payload(spz, 0))
-        return -1;
+    FXS_TRY(read_extensions(spz, HEADER_SIZE_4, extensions));
+    FXS_TRY(allocate_payload(spz, 0));
     for (int i = 0; i < FXS_SPZ_ARRAYS; i++) {
-        if (fxs_scene_source_progress(spz->source, (double)offset / (double)spz->size, spz->message) ||
-            (array_bytes(spz, i) > 0 && load_stream(spz, i, offset)))
-            return -1;
+        FXS_TRY(fxs_scene_source_progress(spz->source, (double)offset / (double)spz->size, spz->message));
+        if (array_bytes(spz, i) > 0)
+            FXS_TRY(load_stream(spz, i, offset));
         offset += spz->compressed[i];
     }
     return 0;
@@ -400,7 +404,8 @@ static int load_zstd(fxs_spz *spz)
 
 static int open_zstd(fxs_spz *spz)
 {
-    return fail(spz, "cannot read .spz version 4: built without zstd");
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, spz->message, "%s: cannot read .spz version 4: built without zstd",
+                       spz->source->path);
 }
 
 #define load_zstd open_zstd
@@ -412,13 +417,12 @@ static int open_zstd(fxs_spz *spz)
 static int open_header(fxs_spz *spz)
 {
     uint8_t header[HEADER_SIZE];
-    if (read_at(spz, 0, header, 2))
-        return -1;
+    FXS_TRY(read_at(spz, 0, header, 2));
     spz->is_gzip = header[0] == 0x1f && header[1] == 0x8b;
     if (spz->is_gzip)
         return open_gzip(spz);
-    if (read_at(spz, 0, header, sizeof header) || parse_header(spz, header))
-        return -1;
+    FXS_TRY(read_at(spz, 0, header, sizeof header));
+    FXS_TRY(parse_header(spz, header));
     return spz->version == 4 ? open_zstd(spz) : check_payload(spz, spz->size - HEADER_SIZE);
 }
 
@@ -443,16 +447,19 @@ int fxs_spz_open(const fxs_scene_source *source, uint64_t offset, uint64_t size,
 {
     fxs_spz *s = *spz = fxs_allocate_zeroed(source->options.allocator, 1, sizeof *s);
     if (!s)
-        return fxs_fail(message, "%s: out of memory", source->path);
+        return fxs_fail_memory(message, source->path, sizeof *s);
     s->source = source;
     s->offset = offset;
     s->size = size;
     s->message = message;
     s->axes = axes;
-    if (open_header(s) || fxs_limit_gaussians(source, s->count, message)) {
+    int error = open_header(s);
+    if (!error)
+        error = fxs_limit_gaussians(source, s->count, message);
+    if (error) {
         fxs_spz_close(s);
         *spz = NULL;
-        return -1;
+        return error;
     }
     info->count = s->count;
     info->sh_degree = s->sh_degree < 3 ? s->sh_degree : 3;
@@ -536,8 +543,8 @@ long fxs_spz_read(fxs_spz *spz, fxs_gaussian *gaussians, size_t capacity, fxs_me
 {
     size_t left = spz->count - spz->next, count = capacity < left ? capacity : left;
     spz->message = message;
-    if (!spz->payload && load(spz))
-        return -1;
+    if (!spz->payload)
+        FXS_TRY(load(spz));
     for (size_t i = 0; i < count; i++)
         decode(spz, spz->next++, &gaussians[i]);
     return (long)count;

@@ -22,12 +22,12 @@ typedef struct fxs_spz fxs_spz;
 
 /* Reads and checks the header of an .spz at an offset of a source, which outlives it. The Gaussians are in the axes of
    a .ply (right, down, front); with FXS_AXES_RDF they are as stored. Returns 0 and what fxs_spz_close frees, and *info
-   but for its format; or -1 and a message. */
+   but for its format; or an error and a message. */
 int fxs_spz_open(const fxs_scene_source *source, uint64_t offset, uint64_t size, enum fxs_axes axes, fxs_spz **spz,
                  fxs_scene_file_info *info, fxs_message *message);
 
 /* The next `capacity` Gaussians or as many as are left. The first call decompresses and checks all of it, and keeps
-   that until the .spz is closed or dropped. Returns their number, or -1 and a message. */
+   that until the .spz is closed or dropped. Returns their number, or an error and a message. */
 long fxs_spz_read(fxs_spz *spz, fxs_gaussian *gaussians, size_t capacity, fxs_message *message);
 
 /* Lets go of what was decompressed, which the next read does again. Returns 0 where there is nothing. */

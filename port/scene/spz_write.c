@@ -57,17 +57,18 @@ int fxs_spz_writer_open(const char *path, int version, uint64_t count, int sh_de
 {
     *writer = NULL;
     if (version != 3 && version != 4)
-        return fxs_fail(message, "%s: .spz version %d is not written, only 3 and 4", path, version);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: .spz version %d is not written, only 3 and 4", path,
+                           version);
     if (!is_built_in(version))
-        return fxs_fail(message, "%s: cannot write .spz version %d: built without %s", path, version,
-                        version == 3 ? "zlib" : "zstd");
+        return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot write .spz version %d: built without %s", path,
+                           version, version == 3 ? "zlib" : "zstd");
     if (sh_degree < 0 || sh_degree > 3)
-        return fxs_fail(message, "%s: SH degree %d, not 0 to 3", path, sh_degree);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: SH degree %d, not 0 to 3", path, sh_degree);
     if (count > FXS_SPZ_MAX_COUNT)
-        return fxs_fail(message, "%s: more than %d Gaussians", path, FXS_SPZ_MAX_COUNT);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: more than %d Gaussians", path, FXS_SPZ_MAX_COUNT);
     fxs_spz_writer *made = calloc(1, sizeof *made);
     if (!made)
-        return fxs_fail(message, "%s: out of memory", path);
+        return fxs_fail_memory(message, path, sizeof *made);
     made->version = version;
     made->sh_degree = sh_degree;
     made->antialiased = antialiased;
@@ -77,13 +78,13 @@ int fxs_spz_writer_open(const char *path, int version, uint64_t count, int sh_de
         made->size += (size_t)count * made->stride[i];
     made->payload = malloc(made->size + 1);
     made->placements = malloc(((size_t)count + 1) * sizeof *made->placements);
-    int opened = made->payload && made->placements ? fxs_output_open(&made->output, path, count, message)
-                               : fxs_fail(message, "%s: out of memory", path);
-    if (opened) {
+    const int error = made->payload && made->placements ? fxs_output_open(&made->output, path, count, message)
+                      : fxs_fail_memory(message, path, made->size + count * sizeof *made->placements);
+    if (error) {
         free(made->placements);
         free(made->payload);
         free(made);
-        return -1;
+        return error;
     }
     made->array[0] = made->payload;
     for (int i = 1; i < FXS_SPZ_ARRAYS; i++)
@@ -183,8 +184,7 @@ static void encode(fxs_spz_writer *w, const fxs_gaussian *g, size_t index)
 
 int fxs_spz_writer_put(fxs_spz_writer *writer, const fxs_gaussian *gaussians, size_t n, fxs_message *message)
 {
-    if (fxs_output_expect(&writer->output, n, message))
-        return -1;
+    FXS_TRY(fxs_output_expect(&writer->output, n, message));
     for (size_t i = 0; i < n; i++)
         encode(writer, &gaussians[i], writer->next++);
     return 0;
@@ -277,8 +277,7 @@ static int deflate_bytes(fxs_spz_writer *w, z_stream *stream, const uint8_t *byt
         stream->next_out = out;
         stream->avail_out = sizeof out;
         deflate(stream, flush);   /* cannot fail: there is always room */
-        if (fxs_output_write(&w->output, out, sizeof out - stream->avail_out, message))
-            return -1;
+        FXS_TRY(fxs_output_write(&w->output, out, sizeof out - stream->avail_out, message));
     } while (stream->avail_out == 0);
     return 0;
 }

@@ -108,52 +108,46 @@ static int invert(matrix *out, const matrix *of)
 
 /* ---- Contents, as tilesets list them --------------------------------------------------------------------------- */
 
-/* Returns the new content, or NULL and a message. */
-static content *grow(tileset *t)
+/* Makes room for another content. */
+static int grow(tileset *t)
 {
-    if (t->count == MAX_CONTENTS) {
-        fxs_fail(t->message, "%s: more than %d contents of tiles", t->source->path, MAX_CONTENTS);
-        return NULL;
-    }
+    if (t->count == MAX_CONTENTS)
+        return fxs_fail(t->message, "%s: more than %d contents of tiles", t->source->path, MAX_CONTENTS);
     if (t->count == t->capacity) {
         const size_t capacity = 2 * t->capacity + 16;
         content *larger = fxs_enlarge(t->source->options.allocator, t->contents, t->count, capacity, sizeof *larger);
-        if (!larger) {
-            fail(t, t->source->path, "out of memory");
-            return NULL;
-        }
+        if (!larger)
+            return fxs_fail_memory(t->message, t->source->path, capacity * sizeof *larger);
         t->contents = larger;
         t->capacity = capacity;
     }
-    memset(&t->contents[t->count], 0, sizeof *t->contents);
-    return &t->contents[t->count++];
+    return 0;
 }
 
-/* Returns 1, or -1 and a message. */
+/* Returns 1, or an error and a message. */
 static int add_content(tileset *t, const index_file *from, const cJSON *item, const matrix *tile)
 {
     const char *uri = fxs_json_string(item, "uri");
     uri = uri ? uri : fxs_json_string(item, "url");   /* as before 1.0 */
     if (!uri)
         return fail(t, from->path, "the content of a tile has no \"uri\"");
-    content *c = grow(t);
-    char *name = c ? fxs_allocate(t->source->options.allocator, from->folder + strlen(uri) + 1, 1) : NULL;
+    FXS_TRY(grow(t));
+    content *c = memset(&t->contents[t->count++], 0, sizeof *c);
+    char *name = c->name = fxs_allocate(t->source->options.allocator, from->folder + strlen(uri) + 1, 1);
     if (!name)
-        return c ? fail(t, from->path, "out of memory") : -1;
-    c->name = name;
+        return fxs_fail_memory(t->message, from->path, from->folder + strlen(uri) + 1);
     if (from->folder > 0)
         memcpy(name, from->name, from->folder);
     strcpy(name + from->folder, uri);
     fxs_decode_percent(name + from->folder);
-    if (fxs_check_name(t->source, name + from->folder, t->message))
-        return -1;
+    FXS_TRY(fxs_check_name(t->source, name + from->folder, t->message));
     c->nesting = from->nesting + 1;
     c->tile = *tile;
     c->up = from->up;
     return 1;
 }
 
-/* Of one tile: 1, 0 where it has none, or -1 and a message. */
+/* Of one tile: 1, 0 where it has none, or an error and a message. */
 static int add_contents(tileset *t, const index_file *from, const cJSON *tile, const matrix *rows)
 {
     const cJSON *extensions = member(tile, "extensions"), *more = member(extensions, "3DTILES_multiple_contents");
@@ -184,7 +178,7 @@ static int read_transform(const tileset *t, const index_file *from, const cJSON 
     return 0;
 }
 
-/* Whether tiles are refined by REPLACE; absent, as above. Returns -1 and a message where it is neither. */
+/* Whether tiles are refined by REPLACE; absent, as above. Returns an error and a message where it is neither. */
 static int read_refine(const tileset *t, const index_file *from, const cJSON *tile, int above)
 {
     const char *refine = fxs_json_string(tile, "refine");
@@ -195,8 +189,8 @@ static int read_refine(const tileset *t, const index_file *from, const cJSON *ti
     return fail(t, from->path, "the \"refine\" of a tile is neither ADD nor REPLACE");
 }
 
-/* The contents that are drawn of a tile and what is below it: 1, 0 where there are none, or -1 and a message. cJSON
-   bounds the depth. */
+/* The contents that are drawn of a tile and what is below it: 1, 0 where there are none, or an error and a message.
+   cJSON bounds the depth. */
 static int add_tile(tileset *t, const index_file *from, const cJSON *tile, const matrix *above, int replaces)
 {
     const cJSON *children = member(tile, "children"), *child;
@@ -207,8 +201,8 @@ static int add_tile(tileset *t, const index_file *from, const cJSON *tile, const
     if (member(tile, "implicitTiling") || member(member(tile, "extensions"), "3DTILES_implicit_tiling"))
         return fail(t, from->path, "implicit tiling is not read");
     replaces = read_refine(t, from, tile, replaces);
-    if (replaces < 0 || read_transform(t, from, tile, &own))
-        return -1;
+    FXS_TRY(replaces);
+    FXS_TRY(read_transform(t, from, tile, &own));
     const matrix rows = multiply(above, &own);
     if (!t->is_on_globe && hypot(hypot(rows.m[0][3], rows.m[1][3]), rows.m[2][3]) > GLOBE) {
         t->is_on_globe = 1;
@@ -216,14 +210,13 @@ static int add_tile(tileset *t, const index_file *from, const cJSON *tile, const
     }
     cJSON_ArrayForEach(child, children) {
         const int below = add_tile(t, from, child, &rows, replaces);
-        if (below < 0)
-            return -1;
+        FXS_TRY(below);
         found |= below;
     }
     if (found && replaces)
         return found;
     const int here = add_contents(t, from, tile, &rows);
-    return here < 0 ? -1 : found | here;
+    return here < 0 ? here : found | here;
 }
 
 /* Contents are y up where the asset does not say otherwise. */
@@ -243,15 +236,16 @@ static int read_asset(const tileset *t, index_file *from, const cJSON *root)
 static int list_tiles(tileset *t, index_file *from, const fxs_scene_source *source, const matrix *above)
 {
     fxs_text json;
-    if (fxs_scene_source_load(source, 0, source->input.size, &json, t->message))
-        return -1;
-    cJSON *root = fxs_json_parse(&json, source, t->message);
+    FXS_TRY(fxs_scene_source_load(source, 0, source->input.size, &json, t->message));
+    cJSON *root;
+    int result = fxs_json_parse(&json, source, &root, t->message);
     fxs_text_let_go(source, &json);
-    int result = root ? read_asset(t, from, root) : -1;
+    if (result == 0)
+        result = read_asset(t, from, root);
     if (result == 0)
         result = add_tile(t, from, member(root, "root"), above, 1);
     cJSON_Delete(root);
-    return result < 0 ? -1 : 0;
+    return result < 0 ? result : 0;
 }
 
 /* ---- Files ----------------------------------------------------------------------------------------------------- */
@@ -278,14 +272,15 @@ static int list_content(tileset *t, size_t index, const fxs_scene_source *source
     static const char *const others[] = {"b3dm", "i3dm", "pnts", "cmpt"};
     content *c = &t->contents[index];
     char magic[4] = "";
-    if (source->input.size >= 4 && fxs_scene_source_read(source, 0, magic, 4, t->message))
-        return -1;
+    if (source->input.size >= 4)
+        FXS_TRY(fxs_scene_source_read(source, 0, magic, 4, t->message));
     for (int i = 0; i < 4; i++)
         if (memcmp(magic, others[i], 4) == 0)
             return fxs_fail(t->message, "%s: the content of a tile is %s, not glTF", source->path, others[i]);
-    const fxs_scene_format *format = fxs_scene_format_of(source, t->message);
-    if (!format || format == &fxs_scene_gltf)
-        return format ? 0 : -1;
+    const fxs_scene_format *format;
+    FXS_TRY(fxs_scene_format_of(source, &format, t->message));
+    if (format == &fxs_scene_gltf)
+        return 0;
     if (format != &fxs_scene_tileset)
         return fxs_fail(t->message, "%s: the content of a tile is %s, not glTF", source->path, format->name);
     if (c->nesting > MAX_NESTING)
@@ -306,7 +301,9 @@ static int list_all(tileset *t)
         fxs_scene_source source;
         result = fxs_scene_source_open_beside(&source, t->source, t->contents[i].name, t->message);
         if (result == 0)
-            result = check_identity(t, i, &source) ? -1 : list_content(t, i, &source);
+            result = check_identity(t, i, &source);
+        if (result == 0)
+            result = list_content(t, i, &source);
         fxs_scene_source_close(&source);
     }
     return result;
@@ -341,27 +338,27 @@ static int drop_another(void *handle)
     return 0;
 }
 
+static int open_reader(tileset *t, content *c, fxs_scene_file_info *info)
+{
+    const matrix tile = multiply(&t->frame, &c->tile);
+    matrix frame = multiply(&tile, &c->up);
+    FXS_TRY(fxs_scene_source_open_beside(&c->source, t->source, c->name, t->message));
+    c->reader = fxs_hold(t->source, fxs_scene_gltf.reader_size, t->message);
+    if (!c->reader)
+        return FXS_ERR_MEMORY;
+    memset(c->reader, 0, fxs_scene_gltf.reader_size);
+    t->open++;
+    return fxs_gltf_open(c->reader, &c->source, frame.m, info, t->message);
+}
+
 /* Opens the content that t->at says. */
 static int open_content(tileset *t, fxs_scene_file_info *info)
 {
     content *c = &t->contents[t->at];
-    const matrix tile = multiply(&t->frame, &c->tile);
-    matrix frame = multiply(&tile, &c->up);
-    if (fxs_scene_source_open_beside(&c->source, t->source, c->name, t->message)) {
+    const int result = open_reader(t, c, info);
+    if (result)
         close_content(t, c);
-        return -1;
-    }
-    c->reader = fxs_hold(t->source, fxs_scene_gltf.reader_size, t->message);
-    if (!c->reader) {
-        close_content(t, c);
-        return -1;
-    }
-    memset(c->reader, 0, fxs_scene_gltf.reader_size);
-    t->open++;
-    if (fxs_gltf_open(c->reader, &c->source, frame.m, info, t->message) == 0)
-        return 0;
-    close_content(t, c);
-    return -1;
+    return result;
 }
 
 /* Goes on to the next content that has Gaussians. */
@@ -379,12 +376,11 @@ static int enter_content(tileset *t)
 {
     content *c = &t->contents[t->at];
     fxs_scene_file_info info = {.count = c->count};
-    if (!c->reader && open_content(t, &info))
-        return -1;
+    if (!c->reader)
+        FXS_TRY(open_content(t, &info));
     if (info.count != c->count)
         return fail(t, c->source.path, "changed while it was open");
-    if (fxs_scene_gltf.rewind(c->reader, t->message))
-        return -1;
+    FXS_TRY(fxs_scene_gltf.rewind(c->reader, t->message));
     t->is_entered = 1;
     return 0;
 }
@@ -403,8 +399,8 @@ static int tileset_rewind(void *handle, fxs_message *message)
 static int describe_content(tileset *t, fxs_scene_file_info *info)
 {
     fxs_scene_file_info own;
-    if (fxs_scene_source_progress(t->source, (double)t->at / (double)t->count, t->message) || open_content(t, &own))
-        return -1;
+    FXS_TRY(fxs_scene_source_progress(t->source, (double)t->at / (double)t->count, t->message));
+    FXS_TRY(open_content(t, &own));
     t->contents[t->at].count = own.count;
     info->count += own.count;
     info->sh_degree = own.sh_degree > info->sh_degree ? own.sh_degree : info->sh_degree;
@@ -428,8 +424,8 @@ static int describe(tileset *t, fxs_scene_file_info *info)
     info->count = 0;
     info->sh_degree = info->stored_sh_degree = info->antialiased = 0;
     for (t->at = 0; t->at < t->count; t->at++)
-        if (!t->contents[t->at].is_tileset && describe_content(t, info))
-            return -1;
+        if (!t->contents[t->at].is_tileset)
+            FXS_TRY(describe_content(t, info));
     if (info->count == 0)
         return fail(t, t->source->path, "no Gaussians in the contents of its tiles");
     return tileset_rewind(t, t->message);
@@ -442,7 +438,8 @@ static int tileset_open(void *handle, const fxs_scene_source *source, fxs_scene_
     t->message = message;
     source->import->drop = drop_another;
     source->import->reader = t;
-    return list_all(t) ? -1 : describe(t, info);
+    FXS_TRY(list_all(t));
+    return describe(t, info);
 }
 
 static long tileset_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
@@ -451,11 +448,11 @@ static long tileset_read(void *handle, fxs_gaussian *gaussians, size_t capacity,
     size_t done = 0;
     t->message = message;
     while (done < capacity && t->at < t->count) {
-        if (!t->is_entered && enter_content(t))
-            return -1;
+        if (!t->is_entered)
+            FXS_TRY(enter_content(t));
         const long count = fxs_scene_gltf.read(t->contents[t->at].reader, gaussians + done, capacity - done, message);
         if (count < 0)
-            return -1;
+            return count;
         done += (size_t)count;
         if (count == 0)
             leave_content(t);
@@ -481,7 +478,7 @@ static int tileset_open(void *handle, const fxs_scene_source *source, fxs_scene_
 {
     (void)handle;
     (void)info;
-    return fxs_fail(message, "%s: cannot read 3D Tiles: built without cJSON", source->path);
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot read 3D Tiles: built without cJSON", source->path);
 }
 
 #define READER_SIZE 0

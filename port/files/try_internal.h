@@ -1,0 +1,12 @@
+/* Ends a function with the error of a call, where that has one (a negative FXS_ERR_*). */
+#ifndef FXS_TRY_INTERNAL_H
+#define FXS_TRY_INTERNAL_H
+
+#define FXS_TRY(call) \
+    do { \
+        const int fxs_error = (call); \
+        if (fxs_error < 0) \
+            return fxs_error; \
+    } while (0)
+
+#endif
