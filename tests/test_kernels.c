@@ -303,6 +303,8 @@ static void make_view(void)
     camera.cy_q12 = principal_point(camera.height);
     random_rotation(&camera);
     camera.near_q32 = one_in(2) ? 0 : (int64_t)exp2(uniform(12, one_in(8) ? 60 : 36));
+    if (one_in(4))
+        camera.projection = FXS_ORTHOGRAPHIC;
     place_camera(&camera, one_in(4) ? 0 : one_in(8) ? -1 : exp2(uniform(-4, one_in(4) ? 28 : 5)));
     CHECK(one_view_init(&view, &scene, &camera, &options) == 0);
     view.square = one_in(16);
@@ -413,6 +415,8 @@ static void bin_case(void)
 
 /* ---- blend, resolve -------------------------------------------------------------------------------------------- */
 
+static uint64_t traced_total;          /* entries */
+
 static int32_t extreme(int32_t low, int32_t high)
 {
     return one_in(16) ? low : one_in(16) ? high : (int32_t)between(low, high);
@@ -441,11 +445,12 @@ static void make_splat(fxs_splat *s, int32_t x, int32_t y, int faint)
     s->last_row = (uint16_t)fmin(last, TILE_COLUMNS * FXS_TILE - 1);
 }
 
-static void blend_case(void)
+static fxs_splat tile_splats[MAX_SPLATS];
+static uint32_t tile_entries[MAX_ENTRIES];
+
+/* A list for the tile at (x, y). Returns its length. */
+static uint32_t make_list(int32_t x, int32_t y)
 {
-    static fxs_splat splats[MAX_SPLATS];
-    static uint32_t entries[MAX_ENTRIES];
-    const int32_t x = (int32_t)below(TILE_COLUMNS) * FXS_TILE, y = (int32_t)below(TILE_COLUMNS) * FXS_TILE;
     const uint32_t count = one_in(16) ? 0 : one_in(4) ? below(MAX_ENTRIES) : below(40);
     const int faint = one_in(2), far = one_in(4);
     memset(&view, 0, sizeof view);
@@ -454,13 +459,71 @@ static void blend_case(void)
     view.square = far;
     view.cut_q11 = view.square ? FXS_LEVEL_MAX_Q11 : FXS_CUT_Q11;
     for (uint32_t i = 0; i < MAX_SPLATS; i++)
-        make_splat(&splats[i], x, y, faint);
+        make_splat(&tile_splats[i], x, y, faint);
     for (uint32_t i = 0; i < count; i++)
-        entries[i] = below(MAX_SPLATS) | (far && one_in(4) ? FXS_ENTRY_FAR : 0);
+        tile_entries[i] = below(MAX_SPLATS) | (far && one_in(4) ? FXS_ENTRY_FAR : 0);
+    return count;
+}
+
+static void blend_case(void)
+{
+    const int32_t x = (int32_t)below(TILE_COLUMNS) * FXS_TILE, y = (int32_t)below(TILE_COLUMNS) * FXS_TILE;
+    const uint32_t count = make_list(x, y);
     output *tile = output_new(sizeof(fxs_tile), 0);
-    fxs_blend_c(&view, x, y, splats, entries, count, at(tile, 0, 0));
-    fast.blend(&view, x, y, splats, entries, count, at(tile, 1, 0));
+    fxs_blend_c(&view, x, y, tile_splats, tile_entries, count, at(tile, 0, 0));
+    fast.blend(&view, x, y, tile_splats, tile_entries, count, at(tile, 1, 0));
     CHECK(same(tile));
+}
+
+/* A tile that was begun: T from closed to clear, sums and weights that such a pixel may have. */
+static void begin_tile(fxs_tile *tile, fxs_trace *trace)
+{
+    const int begun = !one_in(3);
+    memset(tile, 0, sizeof *tile);
+    for (int i = 0; i < FXS_TILE_PIXELS; i++) {
+        const int t = !begun || one_in(8) ? FXS_CLEAR_Q15 : one_in(8) ? (int)below(2 * FXS_CLOSED_Q15)
+                      : one_in(4) ? FXS_HALF_Q15 + (int)between(-3, 3) : (int)below(FXS_CLEAR_Q15 + 1);
+        tile->transmittance_q15[i] = (int16_t)t;
+        trace->weight_q15[i] = (int16_t)below((uint32_t)(FXS_CLEAR_Q15 - t) + 1);
+        for (int c = 0; c < 3 && begun; c++)
+            tile->sum_q13[c][i] = (int16_t)extreme(0, 32767);
+    }
+}
+
+/* What the frame sets before each part of a list: no depth, no place, and how much of the part each pixel takes. */
+static void begin_part(fxs_trace *trace, uint32_t count)
+{
+    const int occluded = one_in(2);
+    memset(trace->depth_q15, 0, sizeof trace->depth_q15);
+    memset(trace->median, 0xff, sizeof trace->median);
+    memset(trace->largest, 0xff, sizeof trace->largest);
+    for (int i = 0; i < FXS_TILE_PIXELS; i++)
+        trace->end[i] = (int16_t)(!occluded || one_in(4) ? INT16_MAX : one_in(8) ? 0 : (int)below(count + 2));
+}
+
+/* One to three parts of up to 512 entries, that go on from each other. */
+static void trace_case(void)
+{
+    static int16_t depths_q15[MAX_ENTRIES];
+    const int32_t x = (int32_t)below(TILE_COLUMNS) * FXS_TILE, y = (int32_t)below(TILE_COLUMNS) * FXS_TILE;
+    const uint32_t all = make_list(x, y);
+    output *tile = output_new(sizeof(fxs_tile), 0), *trace = output_new(sizeof(fxs_trace), 0);
+    begin_tile(at(tile, 0, 0), at(trace, 0, 0));
+    for (uint32_t first = 0, part = 0; part < 3 && first <= all; part++) {
+        const uint32_t left = all - first, most = left < 512 ? left : 512, count = one_in(2) ? most : below(most + 1);
+        begin_part(at(trace, 0, 0), count);
+        memcpy(at(tile, 1, 0), at(tile, 0, 0), sizeof(fxs_tile));
+        memcpy(at(trace, 1, 0), at(trace, 0, 0), sizeof(fxs_trace));
+        for (uint32_t i = 0; i < count; i++)
+            depths_q15[i] = (int16_t)extreme(0, 32767);
+        const int open = fxs_trace_c(&view, x, y, tile_splats, tile_entries + first, depths_q15, count, at(tile, 0, 0),
+                                     at(trace, 0, 0));
+        CHECK((fast.trace(&view, x, y, tile_splats, tile_entries + first, depths_q15, count, at(tile, 1, 0),
+                          at(trace, 1, 0)) != 0) == open);
+        CHECK(same(tile) && same(trace));
+        traced_total += count;
+        first += count;
+    }
 }
 
 static void make_tile(fxs_tile *tile)
@@ -473,7 +536,7 @@ static void make_tile(fxs_tile *tile)
     }
 }
 
-/* Every size of a tile, three formats. */
+/* Every size of a tile, each format. */
 static void resolve_case(void)
 {
     fxs_tile tile;
@@ -481,12 +544,13 @@ static void resolve_case(void)
     fxs_options_init(&options);
     for (int c = 0; c < 3; c++)
         options.background[c] = (uint8_t)extreme(0, 255);
-    for (int size = 0; size < FXS_TILE_PIXELS * 3; size++) {
+    for (int size = 0; size < FXS_TILE_PIXELS * 4; size++) {
         const int32_t columns = size % FXS_TILE + 1, rows = size / FXS_TILE % FXS_TILE + 1;
-        const ptrdiff_t pitch = 4 * FXS_TILE + (ptrdiff_t)below(MAX_STRIDE - 4 * FXS_TILE);
-        const ptrdiff_t stride = one_in(4) ? -pitch : pitch;
-        const size_t skew = below(32), first = stride < 0 ? (size_t)(rows - 1) * (size_t)pitch : 0;
         const enum fxs_format format = (enum fxs_format)(size / FXS_TILE_PIXELS);
+        const uint32_t wide = format == FXS_FORMAT_RGBA16_COVERAGE ? 2 : 1;   /* bytes of its numbers */
+        const ptrdiff_t pitch = (ptrdiff_t)((4 * FXS_TILE + below(MAX_STRIDE - 4 * FXS_TILE)) * wide);
+        const ptrdiff_t stride = one_in(4) ? -pitch : pitch;
+        const size_t skew = below(32) * wide, first = stride < 0 ? (size_t)(rows - 1) * (size_t)pitch : 0;
         make_tile(&tile);
         output *pixels = output_new((size_t)rows * (size_t)pitch, skew);
         fxs_resolve_c(&options, format, &tile, columns, rows, (unsigned char *)at(pixels, 0, skew) + first, stride);
@@ -538,6 +602,14 @@ static void blend(void)
     run_cases(blend_case, 2);
 }
 
+static void trace(void)
+{
+    traced_total = 0;
+    run_cases(trace_case, 2);
+    if (!check_faults && first_seed != last_seed)
+        CHECK(traced_total > 50 * (last_seed - first_seed));
+}
+
 static void resolve(void)
 {
     run_cases(resolve_case, 100);
@@ -556,6 +628,8 @@ static void test_version(size_t i)
         RUN(bin);
     if (fast.blend != fxs_blend_c)
         RUN(blend);
+    if (fast.trace != fxs_trace_c)
+        RUN(trace);
     if (fast.resolve != fxs_resolve_c)
         RUN(resolve);
 }

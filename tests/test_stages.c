@@ -8,6 +8,7 @@
 #include "in_doubles.h"
 #include "one_scene.h"
 #include "packed_scene.h"
+#include "splat_level.h"
 
 enum { MAX_COUNT = 1024, MAX_SIDE = 2000, GUARD = 0xa5, GUARD_BYTES = 64 };
 
@@ -584,28 +585,9 @@ static void test_sort(void)
 
 /* ---- bin: what the lists miss ----------------------------------------------------------------------------------- */
 
-/* u or v of a pixel before it was cut to 32 bits: near `about`, with the same low bits. */
-static int64_t unwrap_q24(uint32_t low_bits, int64_t about_q24)
-{
-    return about_q24 + (int32_t)(low_bits - (uint32_t)about_q24);
-}
-
-static int coordinate(int64_t q24)
-{
-    return fxs_coordinate_q13((int)(q24 < INT32_MIN ? INT32_MIN : q24 > INT32_MAX ? INT32_MAX : q24));
-}
-
-/* The level of a splat at a pixel, whatever the distance. */
 static int level_at(uint32_t slot, int x, int y)
 {
-    const fxs_splat *s = &all.splats[slot];
-    int64_t dx_q14 = ((int64_t)x << 14) - all.bounds[slot].cx_q14;
-    int64_t dy_q14 = ((int64_t)y << 14) - all.bounds[slot].cy_q14;
-    uint32_t u = s->u0_q24 + (uint32_t)x * (uint32_t)s->ux_q24 + (uint32_t)y * (uint32_t)s->uy_q24;
-    uint32_t v = s->v0_q24 + (uint32_t)y * (uint32_t)s->vy_q24;
-    int64_t u_q24 = unwrap_q24(u, (dx_q14 * s->ux_q24 + dy_q14 * s->uy_q24) >> 14);
-    int64_t v_q24 = unwrap_q24(v, dy_q14 * s->vy_q24 >> 14);
-    return fxs_level_q11(coordinate(u_q24), fxs_row_level_q11(coordinate(v_q24), s->offset_q11));
+    return splat_level(&all.splats[slot], &all.bounds[slot], x, y);
 }
 
 static int limit_of(uint32_t slot)
@@ -613,14 +595,9 @@ static int limit_of(uint32_t slot)
     return fxs_limit_q11(all.splats[slot].offset_q11, all.view.cut_q11);
 }
 
-/* The pixel's tile is in the square of Kerbl et al.: floor((c - r) / 16) to floor((c + r + 15) / 16), exclusive. */
 static int in_square(uint32_t slot, int x, int y)
 {
-    const fxs_bounds *b = &all.bounds[slot];
-    double cx = ldexp(b->cx_q14, -14), cy = ldexp(b->cy_q14, -14), radius = b->radius;
-    int tile_x = x / FXS_TILE, tile_y = y / FXS_TILE;
-    return tile_x >= floor((cx - radius) / 16) && tile_x < floor((cx + radius + 15) / 16) &&
-           tile_y >= floor((cy - radius) / 16) && tile_y < floor((cy + radius + 15) / 16);
+    return splat_has_tile(&all.bounds[slot], x, y);
 }
 
 enum listed { NOT_LISTED, FAR, NEAR };
