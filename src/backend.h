@@ -67,6 +67,11 @@ typedef struct fxs_backend {
 
     /* Waits for what is under way and gives everything back; null is allowed. */
     void (*close)(void *self);
+
+    /* What the first eye shows at pixel (x, y): as fxs_pick, and of the targets only what that reads. Null where it
+       cannot; the processor can. */
+    int (*pick)(void *self, const fxs_request *request, int32_t x, int32_t y, fxs_pick_result *result,
+                fxs_message *why);
 } fxs_backend;
 
 #ifdef __cplusplus

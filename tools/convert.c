@@ -8,7 +8,6 @@
 #include "../port/scene/ply_write.h"
 #include "../port/scene/splat_write.h"
 #include "../port/scene/spz_write.h"
-#include "command.h"
 #include "quality.h"
 
 static const char help[] =
@@ -138,30 +137,30 @@ static double loss_to_check(enum fxs_profile profile)
 
 /* Says so where a view of a packed scene is farther from the same scene in the profile default than its profile
    promises, from around the scene, small; or why that is not known. */
-static void check_views(const loaded_scene *loaded, const convert_options *o, const load_options *load)
+static void check_views(const world *packed, const convert_options *o, const load_options *load)
 {
     enum { WIDTH = 480, HEIGHT = 320, AROUND = 6 };
-    const int small = loaded->scene.profile == FXS_PROFILE_SMALL;
+    const int small = packed->scenes[0].scene.profile == FXS_PROFILE_SMALL;
     const double promised = small ? 36 : 46;
-    loaded_scene original;
+    world original;
     load_options plain = *load;
-    view_options options;
+    frame_options options;
     quality q;
     plain.profile = FXS_PROFILE_DEFAULT;
     plain.again = 1;
-    view_options_default(&options);
+    frame_options_default(&options);
     options.width = WIDTH;
     options.height = HEIGHT;
-    int status = load_scene(&original, o->in, &plain);
+    int status = world_open_file(&original, o->in, &plain);
     if (!status) {
-        status = quality_measure(&q, loaded, &original, &options, AROUND);
-        free_scene(&original);
+        status = quality_measure(&q, packed, &original, &options, AROUND);
+        world_close(&original);
     }
     if (status)
         fprintf(stderr, "fixsplat: %s: not compared with the profile default\n", o->out);
     else if (q.worst_psnr < promised)
         fprintf(stderr, "fixsplat: %s: profile %s loses more of this scene than of most: a view %s is %.1f dB from the "
-                "profile default, where %.0f is usual; %s\n", o->out, profile_name(loaded->scene.profile),
+                "profile default, where %.0f is usual; %s\n", o->out, profile_name(packed->scenes[0].scene.profile),
                 q.views[q.worst_view].name, q.worst_psnr, promised,
                 small ? "profile compact loses less" : "profile default loses less");
     if (!status)
@@ -170,16 +169,17 @@ static void check_views(const loaded_scene *loaded, const convert_options *o, co
 
 static int to_fxs(const convert_options *o)
 {
-    loaded_scene loaded;
+    world w;
     fxs_message message;
     load_options load = o->load;
     load.filter = o->filtered ? &o->filter : 0;
-    if (load_scene(&loaded, o->in, &load))
+    if (world_open_file(&w, o->in, &load))
         return EXIT_FAILED;
-    int result = fxs_file_write(o->out, loaded.packed.data, loaded.packed.bytes, &message);
-    if (!result && loaded.report.rms.sh > loss_to_check(loaded.scene.profile))
-        check_views(&loaded, o, &load);
-    free_scene(&loaded);
+    const loaded_scene *loaded = &w.scenes[0];
+    int result = fxs_file_write(o->out, loaded->packed.data, loaded->packed.bytes, &message);
+    if (!result && loaded->report.rms.sh > loss_to_check(loaded->scene.profile))
+        check_views(&w, o, &load);
+    world_close(&w);
     return result ? fail(EXIT_FAILED, "%s", message.text) : EXIT_OK;
 }
 

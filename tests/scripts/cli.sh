@@ -69,16 +69,19 @@ cameras wide.json "$(inria_camera front 0 128 32 120)"
 
 fails "no command" 2 "no command"
 fails "unknown command" 2 "'paint'" paint
-fails "no scene" 2 "render takes one scene" render
-fails "two scenes" 2 "render takes one scene" render knot.ply knot.ply $small --hash
+for command in render view bench info; do
+    fails "$command: no scene" 2 "$command takes a scene file, or several" $command --lod 0
+done
 fails "no output" 2 "where to" render knot.ply
 succeeds "version" --version
 succeeds "help" --help
 
 # The options of each command stand in its table for getopt_long.
 for command in render view bench info convert compare make-scene; do
-    source=$root/tools/$(echo $command | sed -e 's/^view$/window/' -e 's/-/_/').c
-    grep -q VIEW_OPTIONS "$source" && source="$source $root/tools/command.h"
+    source=$root/tools/$(echo $command | sed -e 's/-/_/').c
+    grep -q FRAME_OPTIONS "$source" && source="$source $root/tools/options.h"
+    grep -Eq '(IMPORT|FRAME)_OPTIONS' "$source" && source="$source $root/tools/scene.h"
+    grep -Eq '(WORLD|FRAME)_OPTIONS' "$source" && source="$source $root/tools/world.h"
     succeeds "$command --help" $command --help
     check "$command --help has examples" grep -q '^Examples:' logs/out
     for option in $(sed -n 's/{"/\n{"/gp' $source | sed -n 's/^{"\([a-z-]*\)", \(no\|required\)_argument.*/\1/p'); do
