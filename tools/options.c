@@ -281,7 +281,7 @@ static int make_level(fxs_file_view *view, const frame_options *options, fxs_mes
     return 0;
 }
 
-/* What the options change of a view, and whether it can be rendered then. */
+/* What the options change of a view; of a file's, whether it can be rendered then. */
 static int finish_view(const frame_options *options, fxs_file_view *view, fxs_message *message)
 {
     fxs_camera camera;
@@ -293,7 +293,7 @@ static int finish_view(const frame_options *options, fxs_file_view *view, fxs_me
     }
     if (options->panorama && (!options->cameras || options->has_up) && make_level(view, options, message))
         return -1;
-    return fxs_camera_from_view(&camera, view, message);
+    return options->cameras ? fxs_camera_from_view(&camera, view, message) : 0;
 }
 
 long choose_views(const frame_options *options, const world *w, fxs_file_view **views)
