@@ -153,7 +153,7 @@ static void print_error_text(const char *name, const fxs_pack_error *e)
            e->position, e->scale, e->rotation, e->opacity, e->dc, e->sh);
 }
 
-/* What a frame can be with --max-memory: beyond the least, a band takes 88 bytes a splat. */
+/* What a frame can be with --max-memory: beyond the least, a band takes 92 bytes a splat. */
 static void print_limit(const fxs_frame_memory *m, size_t limit)
 {
     if (limit < m->least)
@@ -162,7 +162,7 @@ static void print_limit(const fxs_frame_memory *m, size_t limit)
         printf("--max-memory  %zu bytes: enough for any view\n", limit);
     else
         printf("--max-memory  %zu bytes: enough for views with at most %zu Gaussians in a row of tiles (16 pixels)\n",
-               limit, (limit - m->least) / 88 / 16 * 16);
+               limit, (limit - m->least) / 92 / 16 * 16);
 }
 
 static void print_scene_text(const loaded_scene *s)

@@ -30,7 +30,7 @@ static int fail_scene(const char *path, const fxs_message *message)
     return fail(EXIT_FAILED, strncmp(message->text, path, strlen(path)) ? "%s: %s" : "%.0s%s", path, message->text);
 }
 
-static int filter_scene(fxs_scene_file *file, const char *path, const load_options *o, fxs_scene_file_info *info)
+static int filter(fxs_scene_file *file, const char *path, const load_options *o, fxs_scene_file_info *info)
 {
     fxs_message message;
     fxs_scene_filter_report r;
@@ -48,7 +48,15 @@ static int filter_scene(fxs_scene_file *file, const char *path, const load_optio
     return 0;
 }
 
-int open_scene(const char *path, const load_options *o, fxs_scene_file **file, fxs_scene_file_info *info)
+int filter_scene(const char *path, const load_options *o, fxs_scene_file *file, fxs_scene_file_info *info)
+{
+    const int status = o->filter ? filter(file, path, o, info) : 0;
+    if (status)
+        fxs_scene_file_close(file);
+    return status;
+}
+
+int open_unfiltered(const char *path, const load_options *o, fxs_scene_file **file, fxs_scene_file_info *info)
 {
     fxs_message message;
     const fxs_scene_file_options options = {
@@ -63,19 +71,18 @@ int open_scene(const char *path, const load_options *o, fxs_scene_file **file, f
     if (info->stored_sh_degree > info->sh_degree && !o->again)
         fprintf(stderr, "fixsplat: %s: the SH of degree %d are left out: degree %d is the highest that is drawn\n",
                 path, info->stored_sh_degree, info->sh_degree);
-    int status = o->filter ? filter_scene(*file, path, o, info) : 0;
-    if (status)
-        fxs_scene_file_close(*file);
-    return status;
+    return 0;
 }
 
-static int import(loaded_scene *loaded, const char *path, const load_options *o)
+int open_scene(const char *path, const load_options *o, fxs_scene_file **file, fxs_scene_file_info *info)
+{
+    return open_unfiltered(path, o, file, info) ? EXIT_FAILED : filter_scene(path, o, *file, info);
+}
+
+int pack_scene(loaded_scene *loaded, const char *path, const load_options *o, fxs_scene_file *file)
 {
     fxs_message message;
-    fxs_scene_file *file;
     char label[] = "packing";
-    if (open_scene(path, o, &file, &loaded->info))
-        return EXIT_FAILED;
     const uint32_t threads = o->threads ? o->threads : fxs_processors();
     fxs_pool *pool = fxs_pool_create(threads);
     const fxs_pack_options options = {o->profile, pool ? fxs_pool_run : 0, pool, threads, progress_bar, label, 0};
@@ -107,6 +114,12 @@ int is_packed(const char *path)
     if (file)
         fclose(file);
     return got == 1 && fxs_little_32(magic) == FXS_PACKED_MAGIC;
+}
+
+static int import(loaded_scene *loaded, const char *path, const load_options *o)
+{
+    fxs_scene_file *file;
+    return open_scene(path, o, &file, &loaded->info) ? EXIT_FAILED : pack_scene(loaded, path, o, file);
 }
 
 static int map(loaded_scene *loaded, const char *path)

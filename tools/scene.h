@@ -32,12 +32,19 @@ typedef struct load_options {
     int again;                              /* what is left out or changed has been said */
 } load_options;
 
-/* Returns 0, or prints why not and returns EXIT_FAILED. */
+/* Returns 0, or prints why not and returns EXIT_FAILED, with nothing to free. */
 int load_scene(loaded_scene *loaded, const char *path, const load_options *options);
 
 /* Opens a scene file to be read in floats, and says on stderr what the filter (or null) leaves out. Returns 0 and a
    file for fxs_scene_file_close, or prints why not and returns EXIT_FAILED. */
 int open_scene(const char *path, const load_options *options, fxs_scene_file **file, fxs_scene_file_info *info);
+
+/* The two steps of that: without the filter; and the filter, which closes the file where it fails. */
+int open_unfiltered(const char *path, const load_options *options, fxs_scene_file **file, fxs_scene_file_info *info);
+int filter_scene(const char *path, const load_options *options, fxs_scene_file *file, fxs_scene_file_info *info);
+
+/* Packs and closes a file that open_scene opened; loaded->info is its. Returns as load_scene. */
+int pack_scene(loaded_scene *loaded, const char *path, const load_options *options, fxs_scene_file *file);
 
 /* Entries of a getopt_long table for what an import may take, and their help. */
 #define IMPORT_OPTIONS \

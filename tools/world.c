@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../port/world/merge.h"
+
 /* ---- Options ----------------------------------------------------------------------------------------------------- */
 
 int take_world_option(world_options *o, int which, const char *value)
@@ -171,27 +173,33 @@ static int place_objects(world *w)
     return 0;
 }
 
-static int load_scenes(world *w, const load_options *load)
+/* Room for what is placed. */
+static int make_room(world *w)
 {
     w->count = w->placed.count;
     w->scenes = calloc(w->placed.file_count, sizeof *w->scenes);
     w->objects = malloc(w->count * sizeof *w->objects);
     w->crops = malloc((size_t)w->count * FXS_MAX_CROPS * sizeof *w->crops);
-    if (!w->scenes || !w->objects || !w->crops)
-        return fail(EXIT_FAILED, "out of memory");
-    for (uint32_t i = 0; i < w->placed.file_count; i++) {
-        if (load_scene(&w->scenes[i], w->placed.files[i], load))
-            return EXIT_FAILED;
+    return w->scenes && w->objects && w->crops ? 0 : fail(EXIT_FAILED, "out of memory");
+}
+
+static int load_scenes(world *w, const load_options *load)
+{
+    int status = make_room(w);
+    for (uint32_t i = 0; i < w->placed.file_count && !status; i++) {
+        status = load_scene(&w->scenes[i], w->placed.files[i], load);
         w->load_nanoseconds += w->scenes[i].load_nanoseconds;
     }
-    return place_objects(w);
+    return status ? status : place_objects(w);
 }
 
 int world_open(world *w, const world_options *options, const load_options *load)
 {
     memset(w, 0, sizeof *w);
     int status = place_scenes(&w->placed, options);
-    if (!status && (status = load_scenes(w, load)) != 0)
+    if (!status)
+        status = load_scenes(w, load);
+    if (status)
         world_close(w);
     return status;
 }
@@ -202,6 +210,68 @@ int world_open_file(world *w, const char *path, const load_options *load)
     const world_options options = {.scenes = scenes, .scene_count = 1};
     return world_open(w, &options, load);
 }
+
+/* ---- Merging ----------------------------------------------------------------------------------------------------- */
+
+static int merge(const fxs_world *placed, const char *name, const load_options *load, fxs_scene_file **files,
+                 fxs_scene_file_info *infos, fxs_scene_file **file, fxs_scene_file_info *info)
+{
+    fxs_message message;
+    for (uint32_t i = 0; i < placed->file_count; i++) {
+        if (!open_unfiltered(placed->files[i], load, &files[i], &infos[i]))
+            continue;
+        while (i > 0)
+            fxs_scene_file_close(files[--i]);
+        return EXIT_FAILED;
+    }
+    if (fxs_world_merge(placed, files, infos, file, info, &message))
+        return fail(EXIT_FAILED, "%s", message.text);
+    return filter_scene(name, load, *file, info);
+}
+
+/* One file that stays as it is. */
+static int is_plain(const fxs_world *placed)
+{
+    return placed->count == 1 && fxs_placement_is_plain(placed->objects) && placed->objects->visible &&
+           !placed->objects->crop_count;
+}
+
+int open_merged(const fxs_world *placed, const char *name, const load_options *load, fxs_scene_file **file,
+                fxs_scene_file_info *info)
+{
+    if (is_plain(placed))
+        return open_scene(placed->files[0], load, file, info);
+    fxs_scene_file **files = calloc(placed->file_count, sizeof *files);
+    fxs_scene_file_info *infos = calloc(placed->file_count, sizeof *infos);
+    const int status = files && infos ? merge(placed, name, load, files, infos, file, info)
+                                      : fail(EXIT_FAILED, "out of memory");
+    free(files);
+    free(infos);
+    return status;
+}
+
+int world_open_merged(world *w, const fxs_world *placed, const char *name, const load_options *load)
+{
+    fxs_message message;
+    fxs_placement as_it_is;
+    fxs_scene_file *file;
+    uint32_t number;
+    memset(w, 0, sizeof *w);
+    fxs_placement_init(&as_it_is, 0, 0);
+    int status = fxs_world_add_file(&w->placed, name, &number, &message) || fxs_world_add(&w->placed, &as_it_is, &message)
+                     ? fail(EXIT_FAILED, "%s", message.text) : make_room(w);
+    if (!status)
+        status = open_merged(placed, name, load, &file, &w->scenes[0].info);
+    if (!status)
+        status = pack_scene(&w->scenes[0], w->placed.files[0], load, file);
+    if (!status)
+        status = place_objects(w);
+    if (status)
+        world_close(w);
+    return status;
+}
+
+/* ---- The rest ---------------------------------------------------------------------------------------------------- */
 
 int world_check(const world *w)
 {

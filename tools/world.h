@@ -55,6 +55,14 @@ int world_open(world *w, const world_options *options, const load_options *load)
 /* Loads one scene, as it is. */
 int world_open_file(world *w, const char *path, const load_options *load);
 
+/* Opens the files of a world as one, to be read in floats, each object as it is placed; for fxs_scene_file_close.
+   `name` is that of the whole, for messages. Returns 0, or prints why not and returns EXIT_FAILED. */
+int open_merged(const fxs_world *placed, const char *name, const load_options *load, fxs_scene_file **file,
+                fxs_scene_file_info *info);
+
+/* Loads that as one scene. */
+int world_open_merged(world *w, const fxs_world *placed, const char *name, const load_options *load);
+
 /* The world's box of an object. Returns 0 where its crops leave nothing. */
 int world_box(const world *w, uint32_t object, double low[3], double high[3]);
 
