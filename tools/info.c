@@ -126,11 +126,11 @@ static void print_json(const findings *f)
     if (is_one(w))
         print_scene_json(&w->scenes[0]);
     for (uint32_t i = 0; i < w->placed.file_count && !is_one(w); i++) {
-        printf(i ? ", {\"file\": " : "\"scenes\": [{\"file\": ");
-        print_json_string(w->placed.files[i]);
-        printf(", ");
+        printf(i ? ", {" : "\"scenes\": [{");
         print_scene_json(&w->scenes[i]);
-        printf("\"count\": %" PRIu32 "}", w->scenes[i].scene.count);
+        printf("\"file\": ");
+        print_json_string(w->placed.files[i]);
+        printf("}");
     }
     for (uint32_t i = 0; i < w->count && !is_one(w); i++) {
         printf(i ? "" : "], \"objects\": [");
