@@ -38,6 +38,7 @@ typedef struct fxs_request {
     int exact;                     /* of two eyes */
 } fxs_request;
 
+/* The functions return 0 or an FXS_ERR_*. `why`, which is not null, is filled in where it is an error. */
 typedef struct fxs_backend {
     const char *name;              /* as --backend takes it */
     const char *does;              /* in a few words */

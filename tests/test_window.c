@@ -109,6 +109,22 @@ static void test_zoom_keeps_the_pivot(void)
     CHECK(near(pixel[0], view.cx) && near(pixel[1], view.cy));
 }
 
+static void test_parallel_rays(void)
+{
+    fxs_file_view view = a_view(), before;
+    double distance = 4;
+    view.projection = FXS_ORTHOGRAPHIC;
+    view.fx = view.fy = 100;
+    before = view;
+    fxs_motion_pan(&view, distance, 50, 0);                      /* half a unit */
+    for (int i = 0; i < 3; i++)
+        CHECK(near(view.position[i], before.position[i] - 0.5 * view.rotation[i]));
+    before = view;
+    fxs_motion_zoom(&view, &distance, 0.5);
+    CHECK(near(view.fx, 200) && near(view.fy, 200) && distance == 4);
+    CHECK(!memcmp(view.position, before.position, sizeof view.position));
+}
+
 static void test_fly_along_the_axes(void)
 {
     fxs_file_view view = a_view();
@@ -462,6 +478,25 @@ static void test_views_of_a_file(void)
     viewer_close(&v);
 }
 
+static void test_objects(void)
+{
+    viewer v;
+    frame_options options = small_options();
+    char *scenes[] = {knot, cubes};
+    options.world = (world_options){.scenes = scenes, .scene_count = 2, .places = {"1:30,0,0"}, .place_count = 1};
+    options.ortho = 8;
+    if (!CHECK(!viewer_open(&v, &options, 0)))
+        return;
+    CHECK(v.world.count == 2 && v.world.high[0] > 25 && v.view.projection == FXS_ORTHOGRAPHIC);
+    CHECK(shows(&v, v.views[0], 64, 48));
+    wheel(&v, 2);
+    viewer_step(&v, -1);
+    CHECK(v.view.fx > v.views[0].fx && shows(&v, v.view, 64, 48));
+    drop(&v, cubes);
+    CHECK(v.world.count == 1 && v.options.world.scene_count == 1 && !v.options.world.place_count);
+    viewer_close(&v);
+}
+
 static void test_resized_window(void)
 {
     viewer v;
@@ -552,6 +587,7 @@ int main(void)
     RUN(test_look_turns_in_place);
     RUN(test_pan_follows_the_pointer);
     RUN(test_zoom_keeps_the_pivot);
+    RUN(test_parallel_rays);
     RUN(test_fly_along_the_axes);
     RUN(test_rotations_stay_rotations);
     RUN(test_rectangles_are_clipped);
@@ -568,6 +604,7 @@ int main(void)
     RUN(test_zoom_stays_in_range);
     RUN(test_dropped_files);
     RUN(test_views_of_a_file);
+    RUN(test_objects);
     RUN(test_resized_window);
     RUN(test_screenshot);
     RUN(test_failures_to_open);

@@ -21,7 +21,7 @@ const char frame_options_help[] =
     "  --ortho UNITS       parallel rays, a picture so many scene units high, in place of --fov\n"
     "  --near DEPTH        near plane: only what lies beyond is drawn, scene units, 2^-20 to 2^28 (default: 0.2 for\n"
     "                      views of a file in render, bench and info; else 1/100 of the scene's radius, at most 0.2)\n"
-    "  --size WxH          pixels (default: the view's own size, else 1280x720)\n"
+    "  --size WxH          pixels (default: the view's own size, else 1280x720; of a panorama 2048x1024)\n"
     "  --stereo DISTANCE   two pictures side by side, of eyes so far apart (scene units, above 0) about the camera;\n"
     "                      order and colours are found once for both\n"
     "  --stereo-exact      each eye as its camera alone would be rendered\n"
@@ -210,6 +210,17 @@ long find_view(const frame_options *options, const fxs_file_view *views, long co
     return fail(-1, "%s: no view '%s' (there are %ld, from 0 on)", options->cameras, wanted, count);
 }
 
+/* Where the view has no size of its own. */
+static int width_of(const frame_options *options)
+{
+    return options->width ? options->width : options->panorama ? 2048 : 1280;
+}
+
+static int height_of(const frame_options *options)
+{
+    return options->height ? options->height : options->panorama ? 1024 : 720;
+}
+
 static long views_of_file(const frame_options *options, fxs_file_view **views)
 {
     fxs_message message;
@@ -227,8 +238,8 @@ static long views_of_file(const frame_options *options, fxs_file_view **views)
         count = 1;
     }
     for (long i = 0; i < count; i++)
-        if (options->width)
-            fxs_view_resize(&(*views)[i], options->width, options->height);
+        if (options->width || options->panorama)
+            fxs_view_resize(&(*views)[i], width_of(options), height_of(options));
     return count;
 }
 
@@ -244,8 +255,7 @@ static void find_target(const frame_options *options, const double middle[3], co
 /* Without a camera file. */
 static int make_view(const frame_options *options, const world *w, fxs_file_view *view, fxs_message *message)
 {
-    const int width = options->width ? options->width : options->panorama ? 2048 : 1280;
-    const int height = options->height ? options->height : options->panorama ? 1024 : 720;
+    const int width = width_of(options), height = height_of(options);
     double middle[3], target[3];
     int result;
     for (int i = 0; i < 3; i++)

@@ -849,6 +849,8 @@ check "--panorama: one hash with --cpu c" equal "$(hash_of knot.ply --panorama -
 succeeds "--panorama: two pixels" render knot.ply --panorama --size 2x1 --hash
 mkdir around
 succeeds "--panorama --view all" render knot.ply --cameras three.json --view all --panorama --size 64x32 -o around/%d.png
+succeeds "--panorama of a file's view" render knot.ply --cameras three.json --panorama -o around.ppm
+check "--panorama of a file's view: 2048x1024" equal "$(sed -n 2p around.ppm)" "2048 1024"
 succeeds "--panorama --alpha" render knot.ply --panorama --size 64x32 --alpha -o around.raw
 fails "--panorama --size 64x48" 2 "twice as wide" render knot.ply --panorama $small --hash
 for bad in stereo\ 0.1 ortho\ 3; do
