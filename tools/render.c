@@ -324,8 +324,9 @@ static void join_rows(void *argument, uint32_t job)
                       first + PANORAMA_ROWS < height ? first + PANORAMA_ROWS : height);
 }
 
-static int draw_panorama(shared_views *s, int device, const fxs_file_view *view, picture *out)
+static int draw_panorama(shared_views *s, int device, long number, picture *out)
 {
+    const fxs_file_view *view = &s->views[number];
     panorama p = {.out = out};
     const size_t bytes = (size_t)view->width * (size_t)view->height * 4;
     for (int i = 0; i < FXS_PANORAMA_FACES; i++) {
@@ -334,6 +335,8 @@ static int draw_panorama(shared_views *s, int device, const fxs_file_view *view,
         if (renderer_render(&s->renderers[device], s->world, &face, &s->o->frame.render, &s->faces[device][i], 0))
             return EXIT_FAILED;
         p.faces[i] = s->faces[device][i].pixels;
+        if (device == 0)
+            progress_bar("rendering", ((double)number + (i + 1) / (FXS_PANORAMA_FACES + 1.0)) / (double)s->all);
     }
     if (out->pixel_room < bytes) {
         free(out->pixels);
@@ -354,7 +357,7 @@ static void draw_views(void *argument, uint32_t device)
     for (long i = (long)device; i < s->round; i += s->devices) {
         drawn_view *d = &s->drawn[i];
         const fxs_file_view *view = &s->views[s->first + i];
-        d->status = s->o->frame.panorama ? draw_panorama(s, (int)device, view, &d->picture)
+        d->status = s->o->frame.panorama ? draw_panorama(s, (int)device, s->first + i, &d->picture)
                                          : renderer_render(&s->renderers[device], s->world, view, &s->o->frame.render,
                                                            &d->picture, &d->stats);
         if (d->status)
@@ -405,7 +408,7 @@ static int report_view(shared_views *s, long i)
     const fxs_file_view *view = &s->views[s->first + i];
     if (!d->status && d->unwritten)
         return fail(EXIT_FAILED, "%s", d->why.text);
-    if (!d->status && (o->hash || o->depth))
+    if (!d->status && (o->hash || o->depth || o->frame.panorama))
         progress_end();
     if (!d->status && o->hash)
         printf("%016" PRIx64 "\n", d->hash);

@@ -36,7 +36,7 @@ objects() { set -- "$work/scene.ply" --place 0:0,0,0 --place 0:3,1,-2,1,2,3,4,1.
         cksum <"$work/depth.pfm" && cksum <"$work/ids.raw" &&
         "$B/fixsplat" render "$@" --size 200x100 --panorama --hash; }
 picture=$expected expected=$(objects --cpu c --threads 1)
-for how in '--threads 2' '--threads 7' '--threads 3 --max-memory 3500K' '--cpu sse41' '--cpu avx2' '--cpu avx512' \
+for how in '--threads 2' '--threads 7' '--threads 3 --max-memory 4800K' '--cpu sse41' '--cpu avx2' '--cpu avx512' \
     '--cpu neon'; do
     if [ "${how#--cpu}" = "$how" ] || objects $how >/dev/null 2>&1; then
         same "objects, $how" objects $how
