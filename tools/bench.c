@@ -145,8 +145,9 @@ static void print_json(const spread columns[COLUMNS], const renderer *r, const b
     printf("{\"gaussians\": %" PRIu32 ", \"width\": %d, \"height\": %d, \"threads\": %" PRIu32 ", \"cpu\": \"%s\", "
            "\"cutoff\": \"%s\", \"backend\": \"%s\", \"frames\": %d, \"frame_ms\": %.3f, \"frame_ms_min\": %.3f, "
            "\"frame_ms_max\": %.3f, \"device_ms\": %.3f, \"load_ms\": %.3f, \"stages\": {",
-           w->gaussians, view->width, view->height, o->frame.threads, o->frame.cpu, cutoff_name(o), r->backend->name, o->frames, columns[FRAME].median,
-           columns[FRAME].least, columns[FRAME].most, columns[DEVICE].median, (double)w->load_nanoseconds * 1e-6);
+           w->gaussians, view->width, view->height, o->frame.threads, o->frame.cpu, cutoff_name(o), r->backend->name,
+           o->frames, columns[FRAME].median, columns[FRAME].least, columns[FRAME].most, columns[DEVICE].median,
+           (double)w->load_nanoseconds * 1e-6);
     for (int s = 0; s < FXS_STAGES; s++)
         printf("%s\"%s\": %.3f", s ? ", " : "", column_name(s), columns[s].median);
     puts("}}");

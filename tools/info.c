@@ -104,8 +104,8 @@ static void print_object_json(const world *w, uint32_t i)
     double low[3], high[3];
     printf("%s{\"file\": ", i ? ", " : "");
     print_json_string(w->placed.files[p->file]);
-    printf(", \"id\": %" PRIu32 ", \"visible\": %s, \"scale\": %.9g, \"bounds\": ", p->id, p->visible ? "true" : "false",
-           p->scale);
+    printf(", \"id\": %" PRIu32 ", \"visible\": %s, \"scale\": %.9g, \"bounds\": ", p->id,
+           p->visible ? "true" : "false", p->scale);
     if (world_box(w, i, low, high)) {
         printf("[");
         print_vector_json(low);
@@ -244,11 +244,13 @@ static int take_options(info_options *o, int argc, char **argv)
 {
     static const struct option table[] = {{"compare", required_argument, 0, OPT_COMPARE},
                                           {"cameras", required_argument, 0, OPT_CAMERAS},
-                                          {"views", required_argument, 0, OPT_VIEWS}, {"backends", no_argument, 0, OPT_BACKENDS},
+                                          {"views", required_argument, 0, OPT_VIEWS},
+                                          {"backends", no_argument, 0, OPT_BACKENDS},
                                           {"size", required_argument, 0, OPT_SIZE},
                                           {"max-memory", required_argument, 0, OPT_MAX_MEMORY},
                                           {"lod", required_argument, 0, OPT_LOD}, IMPORT_OPTIONS,
-                                          WORLD_OPTIONS, {"profile", required_argument, 0, OPT_PROFILE}, {"json", no_argument, 0, OPT_JSON},
+                                          WORLD_OPTIONS, {"profile", required_argument, 0, OPT_PROFILE},
+                                          {"json", no_argument, 0, OPT_JSON},
                                           {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
     memset(o, 0, sizeof *o);
     frame_options_default(&o->frame);

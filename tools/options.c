@@ -37,11 +37,11 @@ const char frame_options_help[] =
     "                      scene included\n"
     "  --cpu LIST          instruction sets that may be used: all (default), c for none, or names out of\n"
     "                      sse41,avx2,avx512,neon\n"
-    "  --backend NAME      what renders: cpu; gles (OpenGL ES 3.0 by EGL) or osmesa in place of blend and resolve; cuda:\n"
-    "                      the same bytes. gles-quads: inexact, blended by the device. auto (default): cpu. See\n"
+    "  --backend NAME      what renders: cpu; gles (OpenGL ES 3.0 by EGL) or osmesa in place of blend and resolve;\n"
+    "                      cuda: the same bytes. gles-quads: inexact, blended by the device. auto (default): cpu. See\n"
     "                      fixsplat info --backends\n"
-    "  --device LIST       GPUs of --backend cuda: numbers from 0 on with commas, or all (default 0); render --view all\n"
-    "                      shares the views out among them, other commands take the first\n"
+    "  --device LIST       GPUs of --backend cuda: numbers from 0 on with commas, or all (default 0); render --view\n"
+    "                      all shares the views out among them, other commands take the first\n"
     "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
     "  --profile P         how a scene that is not an .fxs file is packed: default, compact or small\n"
     IMPORT_HELP
@@ -312,9 +312,11 @@ long choose_views(const frame_options *options, const world *w, fxs_file_view **
     long count = options->cameras ? views_of_file(options, views) : 1;
     if (count < 0)
         return -1;
-    if (!options->cameras)
+    int result = 0;
+    if (!options->cameras) {
         *views = malloc(sizeof **views);
-    int result = !*views ? fxs_fail(&message, "out of memory") : options->cameras ? 0 : make_view(options, w, *views, &message);
+        result = *views ? make_view(options, w, *views, &message) : fxs_fail(&message, "out of memory");
+    }
     for (long i = 0; i < count && !result; i++)
         result = finish_view(options, &(*views)[i], &message);
     if (!result)

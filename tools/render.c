@@ -20,9 +20,9 @@ static const char help[] =
     "                      units, infinity where there is none)\n"
     "  --depth-kind KIND   median (default): of the Gaussian at which half of the light is taken; mean: of all that\n"
     "                      contribute, weighted by that\n"
-    "  --depth-range UNITS the depth that is 65535 in the .png (default: the largest in the picture, which is printed)\n"
-    "  --ids OUT           what contributes most: .png (a colour for each Gaussian; of several objects a hue for each)\n"
-    "                      or .raw (object id and Gaussian, 4 bytes each, little-endian, 2^32 - 1 where there is none)\n"
+    "  --depth-range UNITS the depth that is 65535 in the .png (default: the largest in the picture, it is printed)\n"
+    "  --ids OUT           what contributes most: .png (a colour for each Gaussian; of several objects a hue for\n"
+    "                      each) or .raw (object id and Gaussian, 4 bytes each, little-endian; 2^32 - 1: nothing)\n"
     "  --pick X,Y          print what the picture shows at a pixel: object, file, Gaussian, depth, position\n"
     "  --panorama          all around the camera, equirectangular, twice as wide as high; without a camera from the\n"
     "                      middle of the scene; level, but for the views of a file without --up\n"
@@ -49,8 +49,8 @@ typedef struct render_options {
     int hash, stats, json;
 } render_options;
 
-enum { OPT_ALPHA = OPT_OWN, OPT_HASH, OPT_STATS, OPT_JSON, OPT_DEPTH, OPT_DEPTH_KIND, OPT_DEPTH_RANGE, OPT_IDS, OPT_PICK,
-       OPT_PANORAMA };
+enum { OPT_ALPHA = OPT_OWN, OPT_HASH, OPT_STATS, OPT_JSON, OPT_DEPTH, OPT_DEPTH_KIND, OPT_DEPTH_RANGE, OPT_IDS,
+       OPT_PICK, OPT_PANORAMA };
 
 /* ---- Options ----------------------------------------------------------------------------------------------------- */
 
@@ -267,16 +267,18 @@ static int print_pick(renderer *r, const render_options *o, const world *w, cons
         printf(o->json ? "{\"x\": %d, \"y\": %d, \"object\": null}\n" : "%d,%d: nothing\n", x, y);
         return 0;
     }
-    printf(o->json ? "{\"x\": %d, \"y\": %d, \"object\": %" PRIu32 ", \"file\": " : "%d,%d: object %" PRIu32 ", ", x, y,
-           p.object);
     const char *file = w->scenes[w->placed.objects[p.object].file].path;
-    if (o->json)
+    const double depth = units(p.depth_q32), position[3] = {units(p.position_q32[0]), units(p.position_q32[1]),
+                                                            units(p.position_q32[2])};
+    if (o->json) {
+        printf("{\"x\": %d, \"y\": %d, \"object\": %" PRIu32 ", \"file\": ", x, y, p.object);
         print_json_string(file);
-    else
-        printf("%s", file);
-    printf(o->json ? ", \"gaussian\": %" PRIu32 ", \"id\": %" PRIu32 ", \"depth\": %.9g, \"position\": [%.9g, %.9g, %.9g]}\n"
-                   : ", Gaussian %" PRIu32 ", id %" PRIu32 ", depth %.6g, position %.6g %.6g %.6g\n", p.gaussian, p.id,
-           units(p.depth_q32), units(p.position_q32[0]), units(p.position_q32[1]), units(p.position_q32[2]));
+        printf(", \"gaussian\": %" PRIu32 ", \"id\": %" PRIu32 ", \"depth\": %.9g, \"position\": [%.9g, %.9g, %.9g]}\n",
+               p.gaussian, p.id, depth, position[0], position[1], position[2]);
+    } else {
+        printf("%d,%d: object %" PRIu32 ", %s, Gaussian %" PRIu32 ", id %" PRIu32 ", depth %.6g, position %.6g %.6g "
+               "%.6g\n", x, y, p.object, file, p.gaussian, p.id, depth, position[0], position[1], position[2]);
+    }
     return 0;
 }
 

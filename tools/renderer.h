@@ -28,8 +28,9 @@ typedef struct renderer {
     int draws;                              /* DRAW_*; depths of one kind */
 } renderer;
 
-/* Opens the back end that the options name, on the first of the devices that they name. `format` and `draws` may be set then. Returns 0, or
-   prints why not and returns EXIT_FAILED or EXIT_USAGE (an unknown --cpu or --backend), with nothing to close. */
+/* Opens the back end that the options name, on the first of their devices. `format` and `draws` may be set then.
+   Returns 0, or prints why not and returns EXIT_FAILED or EXIT_USAGE (an unknown --cpu or --backend), with nothing to
+   close. */
 int renderer_open(renderer *r, const frame_options *options);
 void renderer_close(renderer *r);
 

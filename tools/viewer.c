@@ -218,7 +218,8 @@ static void print_command(const viewer *v, const fxs_file_view *view, const char
         printf(" --ortho %.17g", view->height / view->fy);
     if (sized)
         printf(" --size %dx%d", view->width, view->height);
-    printf(" --near %.17g --lod %d --profile %s -o %s\n", view->near, v->options.load.lod, profile_name(v->options.load.profile), path);
+    printf(" --near %.17g --lod %d --profile %s -o %s\n", view->near, v->options.load.lod,
+           profile_name(v->options.load.profile), path);
     fflush(stdout);
 }
 

@@ -1,5 +1,6 @@
 #include "world.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -79,7 +80,7 @@ static int add_scene(fxs_world *placed, const world_options *o, int number)
             continue;
         fxs_placement_init(&p, file, placed->count);
         if (!parse_placement(colon + 1, &p))
-            return fail(EXIT_USAGE, "--place %s: expected three, seven or eight numbers X,Y,Z[,QW,QX,QY,QZ[,S]]", place);
+            return fail(EXIT_USAGE, "--place %s: expected 3, 7 or 8 numbers X,Y,Z[,QW,QX,QY,QZ[,S]]", place);
         if (fxs_object_place(&checked, 0, &p, 0, &message))
             return fail(EXIT_USAGE, "--place %s: %s", place, message.text);
         error = fxs_world_add(placed, &p, &message);
@@ -165,7 +166,7 @@ static int place_objects(world *w)
         gaussians += scene->scene.count;
     }
     if (gaussians > FXS_MAX_COUNT)
-        return fail(EXIT_FAILED, "%llu Gaussians in all objects: at most %u can be drawn", (unsigned long long)gaussians,
+        return fail(EXIT_FAILED, "%" PRIu64 " Gaussians in all objects: at most %u can be drawn", gaussians,
                     FXS_MAX_COUNT);
     w->gaussians = (uint32_t)gaussians;
     if (!find_bounds(w, 1))
@@ -258,8 +259,9 @@ int world_open_merged(world *w, const fxs_world *placed, const char *name, const
     uint32_t number;
     memset(w, 0, sizeof *w);
     fxs_placement_init(&as_it_is, 0, 0);
-    int status = fxs_world_add_file(&w->placed, name, &number, &message) || fxs_world_add(&w->placed, &as_it_is, &message)
-                     ? fail(EXIT_FAILED, "%s", message.text) : make_room(w);
+    const int error = fxs_world_add_file(&w->placed, name, &number, &message) ||
+                      fxs_world_add(&w->placed, &as_it_is, &message);
+    int status = error ? fail(EXIT_FAILED, "%s", message.text) : make_room(w);
     if (!status)
         status = open_merged(placed, name, load, &file, &w->scenes[0].info);
     if (!status)

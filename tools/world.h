@@ -21,12 +21,13 @@ typedef struct world_options {
 #define WORLD_HELP \
     "  --place SCENE:X,Y,Z[,QW,QX,QY,QZ[,S]]\n" \
     "                      put a scene, named as it was given or by its number from 0 on, at X,Y,Z, turned by a\n" \
-    "                      quaternion and S times as large; may be given again, also for the same scene: it is there\n" \
-    "                      once more. A scene that is not placed is as in its file\n" \
+    "                      quaternion and S times as large. Given again for the same scene, it is there once more.\n" \
+    "                      A scene that is not placed is as in its file\n" \
     "  --scene FILE.json   the scenes, and how they are placed, from a file: {\"objects\": [{\"file\": \"a.fxs\",\n" \
-    "                      \"translation\": [x, y, z], \"rotation\": [w, x, y, z], \"scale\": s, \"opacity\": 0 to 1,\n" \
+    "                      \"translation\": [x, y, z], \"rotation\": [w, x, y, z], \"scale\": s, \"opacity\": o,\n" \
     "                      \"tint\": [r, g, b], \"visible\": true, \"id\": n, \"crops\": [{\"low\": [x, y, z],\n" \
-    "                      \"high\": [x, y, z], \"keep\": \"inside\" or \"outside\"}]}]}; only \"file\" has to be there\n"
+    "                      \"high\": [x, y, z], \"keep\": \"inside\"}]}]}; all but \"file\" may be left out,\n" \
+    "                      \"keep\" may be \"outside\" too\n"
 
 /* Takes the value of one of WORLD_OPTIONS. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
 int take_world_option(world_options *options, int which, const char *value);

@@ -46,7 +46,7 @@ static int write_file(const char *path, const void *bytes, size_t size, fxs_mess
     return 0;
 }
 
-/* ---- Depth as .png ------------------------------------------------------------------------------------------------ */
+/* ---- Depth as .png ----------------------------------------------------------------------------------------------- */
 
 double fxs_depths_farthest(const fxs_depths *d)
 {
@@ -134,7 +134,7 @@ static int write_png(const char *path, const fxs_depths *d, double range, fxs_me
 }
 #endif
 
-/* ---- Numbers ------------------------------------------------------------------------------------------------------ */
+/* ---- Numbers ----------------------------------------------------------------------------------------------------- */
 
 static unsigned char *put_little_32(unsigned char *out, uint32_t value)
 {
@@ -173,7 +173,7 @@ int fxs_depth_file_write(const char *path, const fxs_depths *depths, double rang
     return write_png(path, depths, range, message);
 }
 
-/* ---- Ids ---------------------------------------------------------------------------------------------------------- */
+/* ---- Ids --------------------------------------------------------------------------------------------------------- */
 
 static uint32_t scramble(uint32_t x)
 {

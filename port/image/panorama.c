@@ -43,7 +43,7 @@ void fxs_panorama_face(const fxs_file_view *view, int number, int width, fxs_fil
     }
 }
 
-/* ---- Directions --------------------------------------------------------------------------------------------------- */
+/* ---- Directions -------------------------------------------------------------------------------------------------- */
 
 static int64_t times_q30(int64_t a, int64_t b)
 {
@@ -74,7 +74,7 @@ static int64_t cos_q30(uint32_t turns_q32)
     return sin_q30(turns_q32 + 0x40000000u);
 }
 
-/* ---- Samples ------------------------------------------------------------------------------------------------------ */
+/* ---- Samples ----------------------------------------------------------------------------------------------------- */
 
 /* Sums of what the faces have for a pixel. */
 typedef struct samples {
@@ -104,7 +104,7 @@ static int64_t component(const int64_t d[3], int axis)
 static void sample(uint8_t *rgba, const int64_t d_q30[3], const face *f, uint8_t *const faces[FXS_PANORAMA_FACES])
 {
     const int64_t reach_q16 = 65536 + 131072 * (int64_t)(f->margin - 1) / f->side;   /* the outermost sample, tangent */
-    const int64_t middle_q8 = (int64_t)f->size * 128 - 128;
+    const int64_t middle_q8 = (int64_t)f->size * 128 - 128, focal_q8 = (int64_t)f->side * 128;
     samples s;
     memset(&s, 0, sizeof s);
     for (int i = 0; i < FXS_PANORAMA_FACES; i++) {
@@ -115,8 +115,7 @@ static void sample(uint8_t *rgba, const int64_t d_q30[3], const face *f, uint8_t
             continue;
         const int64_t weight = reach_q16 - outer * 65536 / ahead;
         if (weight > 0)
-            add_sample(&s, f, faces[i], middle_q8 + x * (128 * f->side) / ahead, middle_q8 + y * (128 * f->side) / ahead,
-                       weight);
+            add_sample(&s, f, faces[i], middle_q8 + x * focal_q8 / ahead, middle_q8 + y * focal_q8 / ahead, weight);
     }
     for (int c = 0; c < 4; c++)
         rgba[c] = (uint8_t)((s.sums[c] + s.weight * 32768) / (s.weight * 65536));

@@ -19,8 +19,8 @@ int fxs_panorama_face_size(int width);
    view's. */
 void fxs_panorama_face(const fxs_file_view *view, int face, int width, fxs_file_view *out);
 
-/* Writes rows first to end - 1 of a panorama of width x height pixels; the view's z axis is in its middle, its y axis at
-   the lower edge. All are RGBA without gaps; `faces`: pictures of fxs_panorama_face. */
+/* Writes rows first to end - 1 of a panorama of width x height pixels; the view's z axis is in its middle, its y axis
+   at the lower edge. All are RGBA without gaps; `faces`: pictures of fxs_panorama_face. */
 void fxs_panorama_rows(uint8_t *rgba, int width, int height, uint8_t *const faces[FXS_PANORAMA_FACES], int first,
                        int end);
 

@@ -28,7 +28,7 @@ typedef struct merge_reader {
     int sh_degree;
 } merge_reader;
 
-/* ---- Gaussians ---------------------------------------------------------------------------------------------------- */
+/* ---- Gaussians --------------------------------------------------------------------------------------------------- */
 
 static int is_in(const fxs_world_crop *crop, const float position[3])
 {
@@ -106,7 +106,7 @@ static void change(const part *p, fxs_gaussian *g, int sh_degree)
         tint(p->placement.tint, g);
 }
 
-/* ---- The reader --------------------------------------------------------------------------------------------------- */
+/* ---- The reader -------------------------------------------------------------------------------------------------- */
 
 static long read_file(merge_reader *r, uint32_t file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
 {
@@ -162,7 +162,7 @@ static void merge_close(void *handle)
 static const fxs_scene_format merged_format = {"several", sizeof(merge_reader), NULL, merge_read, merge_rewind,
                                                merge_close};
 
-/* ---- Merging ------------------------------------------------------------------------------------------------------ */
+/* ---- Merging ----------------------------------------------------------------------------------------------------- */
 
 static void close_all(fxs_scene_file **files, uint32_t count)
 {

@@ -92,7 +92,8 @@ static int take_crops(const reader *r, const cJSON *list, fxs_placement *p)
             break;
         if (p->crop_count == FXS_MAX_CROPS)
             return wrong(r, "more than 8 crops");
-        error = cJSON_IsObject(crop) ? take_crop(r, crop, &p->crops[p->crop_count++]) : wrong(r, "a crop is not an object");
+        error = cJSON_IsObject(crop) ? take_crop(r, crop, &p->crops[p->crop_count++])
+                                     : wrong(r, "a crop is not an object");
     }
     return error;
 }
@@ -136,8 +137,8 @@ static int take_item(const reader *r, const cJSON *item, fxs_placement *p)
     for (size_t i = 0; i < sizeof takers / sizeof *takers; i++)
         if (!strcmp(item->string, takers[i].name))
             return takers[i].take(r, item, p);
-    fxs_fail(r->message, "%s: object %u: \"%.64s\" is not known; there are file, translation, rotation, scale, opacity, "
-             "tint, visible, id and crops", r->path, r->world->count, item->string);
+    fxs_fail(r->message, "%s: object %u: \"%.64s\" is not known; there are file, translation, rotation, scale, "
+             "opacity, tint, visible, id and crops", r->path, r->world->count, item->string);
     return FXS_ERR_FILE;
 }
 

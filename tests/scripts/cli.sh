@@ -147,7 +147,8 @@ for cpu in all c sse41 avx2 avx512 neon sse41,avx2; do
     fi
 done
 for memory in 300000 400K 1M 3G; do
-    check "one hash with --max-memory $memory" equal "$(hash_of knot.ply $small --threads 2 --max-memory $memory)" "$hash"
+    check "one hash with --max-memory $memory" equal \
+        "$(hash_of knot.ply $small --threads 2 --max-memory $memory)" "$hash"
 done
 check "one hash with --max-memory, square" equal \
     "$(hash_of knot.ply $small --cutoff square --threads 2 --max-memory 300000)" \
@@ -429,7 +430,8 @@ check "--stats: keys" keys logs/out gaussians visible entries bands runs pairs_e
     $(printf 'stages_ms.%s ' $stages) $(printf 'bytes.%s ' scene splats keys tiles entries frame)
 check "--stats: Gaussians" grep -q '"gaussians": 2000,' logs/out
 succeeds "info" info knot.ply
-for said in '1K: 1024 bytes: too little' '1M: 1048576 bytes: enough for views with' '1G: 1073741824 bytes: enough for any'; do
+for said in '1K: 1024 bytes: too little' '1M: 1048576 bytes: enough for views with' \
+    '1G: 1073741824 bytes: enough for any'; do
     succeeds "info --max-memory ${said%%:*}" info knot.ply --max-memory ${said%%:*}
     check "info --max-memory ${said%%:*}: says" grep -q -- "^--max-memory *${said#*: }" logs/out
 done
@@ -791,8 +793,8 @@ END
 fi
 succeeds "convert: two scenes" convert knot.ply cubes.ply two.ply --place 1:3,0,0
 check "convert: two scenes: all of them" grep -q '^element vertex 2500' two.ply
-for bad in '0' '0:' '0:1,2' '0:1,2,3,4' '0:1,2,3,1,0,0' '0:1,2,3,1,0,0,0,1,1' '0:1,2,nan' '0:x,y,z' 'none:1,2,3' '2:1,2,3' \
-    ':1,2,3' '0:1,2,3,0,0,0,0' '0:1,2,3,1,0,0,0,0' '0:1,2,3,1,0,0,0,-1' '0:1,2,1e9'; do
+for bad in '0' '0:' '0:1,2' '0:1,2,3,4' '0:1,2,3,1,0,0' '0:1,2,3,1,0,0,0,1,1' '0:1,2,nan' '0:x,y,z' 'none:1,2,3' \
+    '2:1,2,3' ':1,2,3' '0:1,2,3,0,0,0,0' '0:1,2,3,1,0,0,0,0' '0:1,2,3,1,0,0,0,-1' '0:1,2,1e9'; do
     fails "--place $bad" 2 "--place $bad: " render knot.ply cubes.ply --place $bad --hash
 done
 
@@ -819,8 +821,8 @@ check "--ids .raw: its bytes" equal "$(($(wc -c <ids.raw)))" $((64 * 48 * 8))
 succeeds "--ids .png" render knot.ply $small --ids ids.png --depth depth.png --depth-range 9 -o knot.png --hash
 check "--ids: the picture is the same" equal "$(cat logs/out)" "$hash_small"
 succeeds "--pick" render knot.ply cubes.ply $front --pick 32,24
-check "--pick: a line" grep -Eq '^32,24: object [01], (knot|cubes).ply, Gaussian [0-9]+, id [01], depth [0-9.]+, position ' \
-    logs/out
+check "--pick: a line" grep -Eq \
+    '^32,24: object [01], (knot|cubes).ply, Gaussian [0-9]+, id [01], depth [0-9.]+, position ' logs/out
 succeeds "--pick --json" render knot.ply $front --pick 32,24 --json
 check "--pick --json: keys" keys logs/out x y object file gaussian id depth position
 "$fixsplat" render knot.ply $front --ids ids.raw
@@ -830,12 +832,13 @@ succeeds "--pick of nothing" render knot.ply $small $away --pick 0,0
 check "--pick of nothing: said" equal "$(cat logs/out)" "0,0: nothing"
 fails "--pick beyond the picture" 1 "--pick 64,0: the picture is 64x48" render knot.ply $small --pick 64,0
 mkdir all
-succeeds "--view all: depths and ids" render knot.ply --cameras three.json --view all --depth all/d%d.pfm --ids all/i%d.png \
-    --pick 30,20
+succeeds "--view all: depths and ids" render knot.ply --cameras three.json --view all --depth all/d%d.pfm \
+    --ids all/i%d.png --pick 30,20
 check "--view all: depths and ids: the files" equal "$(ls all | tr '\n' ' ')" \
     "d0.pfm d1.pfm d2.pfm i0.png i1.png i2.png "
 check "--view all: --pick: a line for each" equal "$(($(wc -l <logs/out)))" 3
-fails "--view all: one name for depths" 2 "x.pfm: for 3 views" render knot.ply --cameras three.json --view all --depth x.pfm
+fails "--view all: one name for depths" 2 "x.pfm: for 3 views" \
+    render knot.ply --cameras three.json --view all --depth x.pfm
 succeeds "--stereo --depth" render knot.ply $small --stereo 0.1 --depth eyes.pfm --ids eyes.png
 check "--stereo --depth: both eyes" equal "$(sed -n 2p eyes.pfm)" "128 48"
 succeeds "--ortho" render knot.ply $small --ortho 9 -o ortho.ppm
@@ -848,7 +851,8 @@ check "--panorama: one hash with --cpu c" equal "$(hash_of knot.ply --panorama -
     "$(hash_of knot.ply --panorama --size 128x64 --cpu c --threads 1)"
 succeeds "--panorama: two pixels" render knot.ply --panorama --size 2x1 --hash
 mkdir around
-succeeds "--panorama --view all" render knot.ply --cameras three.json --view all --panorama --size 64x32 -o around/%d.png
+succeeds "--panorama --view all" render knot.ply --cameras three.json --view all --panorama --size 64x32 \
+    -o around/%d.png
 succeeds "--panorama of a file's view" render knot.ply --cameras three.json --panorama -o around.ppm
 check "--panorama of a file's view: 2048x1024" equal "$(sed -n 2p around.ppm)" "2048 1024"
 succeeds "--panorama --alpha" render knot.ply --panorama --size 64x32 --alpha -o around.raw
@@ -859,9 +863,10 @@ done
 for bad in 'depth x.pfm' 'ids x.png' 'pick 1,1' stats; do
     fails "--panorama --$bad" 2 "--panorama" render knot.ply --panorama --$bad
 done
-for bad in 'depth x.jpg' 'depth x' 'ids x.ppm' 'ids x' 'depth-kind both' 'depth-kind mean' 'depth-range 0' 'depth-range -1' \
-    'depth-range x' 'depth-range 3' 'pick 1' 'pick 1,' 'pick ,1' 'pick -1,1' 'pick 1,1,1' 'pick x,y' 'pick 99999,1' 'ortho 0' \
-    'ortho -1' 'ortho x' 'json' 'depth x.pfm --backend gles' 'ids x.png --backend cuda' 'pick 1,1 --stereo 0.1'; do
+for bad in 'depth x.jpg' 'depth x' 'ids x.ppm' 'ids x' 'depth-kind both' 'depth-kind mean' 'depth-range 0' \
+    'depth-range -1' 'depth-range x' 'depth-range 3' 'pick 1' 'pick 1,' 'pick ,1' 'pick -1,1' 'pick 1,1,1' 'pick x,y' \
+    'pick 99999,1' 'ortho 0' 'ortho -1' 'ortho x' 'json' 'depth x.pfm --backend gles' \
+    'ids x.png --backend gles-quads' 'pick 1,1 --stereo 0.1'; do
     fails "--$bad" 2 "" render knot.ply $small --hash --$bad
 done
 fails "--depth into no folder" 1 "none/x.pfm: cannot be written" render knot.ply $small --depth none/x.pfm

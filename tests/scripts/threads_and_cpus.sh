@@ -1,6 +1,6 @@
 #!/bin/sh
-# One hash for 1 to 16 threads, in more and less memory, for every instruction set, on processors that lack the newer ones (qemu-x86_64: a wrong choice is an illegal
-# instruction there), and no finding by ThreadSanitizer and Valgrind.
+# One hash for 1 to 16 threads, in more and less memory, for every instruction set, on processors that lack the newer
+# ones (qemu-x86_64: a wrong choice is an illegal instruction there), and no finding by ThreadSanitizer and Valgrind.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -60,7 +60,8 @@ else
     skip "older processors" "no qemu-x86_64 here"
 fi
 
-if echo 'int main(void) { return 0; }' | clang -fsanitize=thread -x c - -o "$work/links" 2>/dev/null && "$work/links"; then
+if echo 'int main(void) { return 0; }' | clang -fsanitize=thread -x c - -o "$work/links" 2>/dev/null &&
+    "$work/links"; then
     if make -s B="$work/tsan" CC=clang CFLAGS='-O1 -fsanitize=thread' "$work/tsan/fixsplat" \
         "$work/tsan/tests/test_threads" >"$work/log" 2>&1; then
         check "ThreadSanitizer, several callers of one context" env TSAN_OPTIONS=halt_on_error=1 \

@@ -158,7 +158,8 @@ if open "$B/fixsplat"; then
 fi
 if ! have valgrind; then
     skip Valgrind "not here"
-elif open valgrind -q --trace-children=yes --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite "$B/fixsplat"; then
+elif open valgrind -q --trace-children=yes --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite \
+    "$B/fixsplat"; then
     xdotool key g h n c v      # not b: Mesa keeps some hundred bytes
     shot checked
     close xdotool key Escape
