@@ -55,13 +55,14 @@ $(info no $(NVCC): built without the CUDA back end)
 endif
 
 CORE := $(wildcard src/*.c) $(KERNELS)
-PORT := $(wildcard port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c port/posix/*.c)
+PORT := $(wildcard port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c port/posix/*.c \
+                   port/backend/*.c port/world/*.c)
 PORT += $(if $(findstring WITH_EGL,$(FEATURES)),$(wildcard port/egl/*.c))
 PORT += $(if $(findstring WITH_OSMESA,$(FEATURES)),$(wildcard port/osmesa/*.c))
 WINDOW := $(if $(WINDOW_LIBS),$(wildcard port/window/*.c) tools/viewer.c)
 TOOL := $(filter-out tools/viewer%,$(wildcard tools/*.c))
 PROGRAMS := $(B)/fixsplat $(if $(WINDOW),$(B)/fixsplat-view)
-TOOL_SHARED := tools/backend.c tools/metrics.c tools/procedural.c
+TOOL_SHARED := tools/metrics.c tools/procedural.c
 objects = $(patsubst %.cu,$(B)/%.o,$(patsubst %.c,$(B)/%.o,$(1)))
 
 all: $(PROGRAMS) $(B)/libfixsplat.a
@@ -123,7 +124,7 @@ demo: ## make a procedural scene and render it to demo.png
 	$(B)/fixsplat render demo.ply --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --fov 36 --bg 11131b -o demo.png --stats
 	@echo "demo.png: 200,000 Gaussians with view-dependent colour of degree 3, from demo.ply"
 
-PUBLIC := src/fixsplat.h src/packed.h kernels/kernels.h kernels/cuda/cuda.h kernels/gles/gles.h port/egl/egl.h \
+PUBLIC := src/fixsplat.h src/packed.h src/backend.h port/backend/backends.h kernels/kernels.h kernels/cuda/cuda.h kernels/gles/gles.h port/egl/egl.h \
           port/osmesa/osmesa.h $(wildcard port/posix/*.h) port/files/allocator.h port/files/message.h port/files/output.h \
           $(addprefix port/scene/,scene_file.h scene_filter.h fxs_file.h ply_write.h splat_write.h spz_write.h) \
           port/camera/camera.h port/camera/camera_file.h port/image/image_file.h port/import/pack.h

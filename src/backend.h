@@ -38,6 +38,7 @@ typedef struct fxs_request {
     int exact;                     /* of two eyes */
 } fxs_request;
 
+/* The functions return 0 or an FXS_ERR_*. `why`, which is not null, is filled in where it is an error. */
 typedef struct fxs_backend {
     const char *name;              /* as --backend takes it */
     const char *does;              /* in a few words */
@@ -67,6 +68,11 @@ typedef struct fxs_backend {
 
     /* Waits for what is under way and gives everything back; null is allowed. */
     void (*close)(void *self);
+
+    /* What the first eye shows at pixel (x, y): as fxs_pick, and of the targets only what that reads. Null where it
+       cannot; the processor can. */
+    int (*pick)(void *self, const fxs_request *request, int32_t x, int32_t y, fxs_pick_result *result,
+                fxs_message *why);
 } fxs_backend;
 
 #ifdef __cplusplus

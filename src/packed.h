@@ -22,7 +22,7 @@
  *   small: codes of fewer bits, spread to those of default by repeating their high bits below
  *       uint32_t a[256]                    x in bits 10..0, y in 21..11, largest component in 23..22, opacity in 31..24
  *       uint32_t b[256]                    z in bits 10..0, r in 17..11, g in 24..18, b in 30..25; bit 5 of q1
- *       uint32_t c[256]                    scale codes: x in bits 6..0, y in 13..7, z, the least of them, in 19..14; q0,
+ *       uint32_t c[256]                    scale codes: x in bits 6..0, y in 13..7, the least, z, in 19..14; q0,
  *                                          the first component of the rotation, in 26..20; bits 4..0 of q1
  *       uint8_t  d[256]                    q2 in bits 6..0; bit 6 of q1
  *       uint8_t  sh[256][4 or 6]           degree 1, and 2 to 3: signed index in each of as many palettes

@@ -9,7 +9,8 @@ typedef struct pick {
     fxs_frame frame;               /* first, as jobs are given it */
     fxs_targets targets;
     int32_t x, y;
-    uint32_t tile, slot;
+    uint32_t tile;
+    uint32_t key, index;           /* depth and place of what was found: of the tile's band, whose slots go */
 } pick;
 
 static void pick_tile(void *argument, uint32_t job)
@@ -22,7 +23,11 @@ static void pick_tile(void *argument, uint32_t job)
     if (f->first_tile + job != p->tile)
         return;
     fxs_trace_tile(f, p->tile, x, y, &pixels, slots);
-    p->slot = slots[(p->y - y) * FXS_TILE + p->x - x];
+    const uint32_t slot = slots[(p->y - y) * FXS_TILE + p->x - x];
+    if (slot != FXS_NOTHING) {
+        p->key = f->eye->depths[slot];
+        p->index = f->indices[slot];
+    }
 }
 
 static int64_t cut(int64_t x, int64_t most)
@@ -53,7 +58,7 @@ static int64_t across_q32(const fxs_camera *camera, int32_t pixel, int32_t c_q12
 static void fill_in(const pick *p, const fxs_camera *camera, fxs_pick_result *result)
 {
     const fxs_frame *f = &p->frame;
-    const uint32_t key = f->eye->depths[p->slot], index = f->indices[p->slot];
+    const uint32_t key = p->key, index = p->index;
     result->object = fxs_frame_object(f, index / FXS_CHUNK);
     result->gaussian = index - f->eye->objects[result->object].first_chunk * FXS_CHUNK;
     result->id = f->eye->objects[result->object].id;
@@ -68,7 +73,7 @@ int fxs_pick(const fxs_context *context, const fxs_object *objects, uint32_t cou
              const fxs_options *options, const fxs_targets *targets, int32_t x, int32_t y, void *memory,
              size_t memory_bytes, fxs_pick_result *result)
 {
-    pick p = {.x = x, .y = y, .slot = FXS_NOTHING};
+    pick p = {.x = x, .y = y, .index = FXS_NOTHING};
     if (!camera || !result || x < 0 || y < 0 || x >= camera->width || y >= camera->height)
         return FXS_ERR_ARGUMENT;
     if (targets) {
@@ -81,7 +86,7 @@ int fxs_pick(const fxs_context *context, const fxs_object *objects, uint32_t cou
     p.frame.tile_job = pick_tile;
     p.tile = (uint32_t)(y / FXS_TILE * p.frame.eye->view.tiles_x + x / FXS_TILE);
     error = fxs_frame_render(&p.frame);
-    if (error || p.slot == FXS_NOTHING)
+    if (error || p.index == FXS_NOTHING)
         return error;
     fill_in(&p, camera, result);
     return 1;

@@ -109,6 +109,22 @@ static void test_zoom_keeps_the_pivot(void)
     CHECK(near(pixel[0], view.cx) && near(pixel[1], view.cy));
 }
 
+static void test_parallel_rays(void)
+{
+    fxs_file_view view = a_view(), before;
+    double distance = 4;
+    view.projection = FXS_ORTHOGRAPHIC;
+    view.fx = view.fy = 100;
+    before = view;
+    fxs_motion_pan(&view, distance, 50, 0);                      /* half a unit */
+    for (int i = 0; i < 3; i++)
+        CHECK(near(view.position[i], before.position[i] - 0.5 * view.rotation[i]));
+    before = view;
+    fxs_motion_zoom(&view, &distance, 0.5);
+    CHECK(near(view.fx, 200) && near(view.fy, 200) && distance == 4);
+    CHECK(!memcmp(view.position, before.position, sizeof view.position));
+}
+
 static void test_fly_along_the_axes(void)
 {
     fxs_file_view view = a_view();
@@ -258,19 +274,28 @@ static void write_text(char *path, const char *name, const char *text)
     }
 }
 
-static view_options small_options(void)
+static frame_options small_options(void)
 {
-    view_options options;
-    view_options_default(&options);
+    frame_options options;
+    frame_options_default(&options);
     options.threads = 1;
     options.width = 64;
     options.height = 48;
     return options;
 }
 
-static int start(viewer *v, const view_options *options)
+static int open_file(viewer *v, const frame_options *options, const char *path, const char *screenshot)
 {
-    int status = viewer_open(v, options, knot, shot);
+    static char *scene;
+    frame_options all = *options;
+    scene = (char *)path;
+    all.world = (world_options){.scenes = &scene, .scene_count = 1};
+    return viewer_open(v, &all, screenshot);
+}
+
+static int start(viewer *v, const frame_options *options)
+{
+    int status = open_file(v, options, knot, shot);
     if (CHECK(!status))
         viewer_step(v, 10);
     return status;
@@ -319,21 +344,22 @@ static void drop(viewer *v, const char *path)
 static int shows(const viewer *v, fxs_file_view view, int width, int height)
 {
     renderer r;
-    fxs_stats stats;
+    picture expected = {.pixels = 0};
     const fxs_options *options = &v->options.render;
     if (view.width != width || view.height != height)
         fxs_view_resize(&view, width, height);
-    int same = !renderer_init(&r, &v->options) && !renderer_render(&r, &v->scene, &view, options, &stats) &&
-               r.width == v->renderer.width && r.height == v->renderer.height &&
-               !memcmp(r.pixels, v->renderer.pixels, (size_t)width * (size_t)height * 4);
-    renderer_free(&r);
+    int same = !renderer_open(&r, &v->options) && !renderer_render(&r, &v->world, &view, options, &expected, 0) &&
+               expected.width == v->picture.width && expected.height == v->picture.height &&
+               !memcmp(expected.pixels, v->picture.pixels, (size_t)width * (size_t)height * 4);
+    renderer_close(&r);
+    picture_free(&expected);
     return same;
 }
 
 static void test_keys(void)
 {
     viewer v;
-    const view_options options = small_options();
+    const frame_options options = small_options();
     if (start(&v, &options))
         return;
     CHECK(shows(&v, v.views[0], 64, 48));
@@ -346,7 +372,7 @@ static void test_keys(void)
     CHECK(v.graph && v.help && shows(&v, v.views[0], 64, 48));
     key(&v, 'v');
     CHECK(v.divisor == 4);
-    for (int i = 0; i < 3 && (i == 0 || strcmp(v.options.backend, "cpu")); i++) {   /* the back ends here, in turn */
+    for (int i = 0; i < 5 && (i == 0 || strcmp(v.options.backend, "cpu")); i++) {   /* the back ends here, in turn */
         key(&v, 'b');
         CHECK(shows(&v, v.views[0], 64, 48));
     }
@@ -365,7 +391,7 @@ static void test_keys(void)
 static void test_motion_is_coarse_then_full(void)
 {
     viewer v;
-    const view_options options = small_options();
+    const frame_options options = small_options();
     if (start(&v, &options))
         return;
     double distance = v.distance;
@@ -391,7 +417,7 @@ static void test_zoom_stays_in_range(void)
     viewer v;
     fxs_camera camera;
     fxs_message message;
-    const view_options options = small_options();
+    const frame_options options = small_options();
     if (start(&v, &options))
         return;
     for (int i = 0; i < 20; i++) {
@@ -409,24 +435,24 @@ static void test_dropped_files(void)
 {
     viewer v;
     char missing[80];
-    const view_options options = small_options();
+    const frame_options options = small_options();
     snprintf(missing, sizeof missing, "%s/none.ply", folder);
     if (start(&v, &options))
         return;
-    uint32_t count = v.scene.scene.count;
+    uint32_t count = v.world.gaussians;
     drop(&v, junk);
-    CHECK(strstr(v.note, junk) && !strcmp(v.path, knot) && v.scene.scene.count == count);
+    CHECK(strstr(v.note, junk) && !strcmp(v.path, knot) && v.world.gaussians == count);
     drop(&v, missing);
     CHECK(strstr(v.note, missing) && !strcmp(v.path, knot) && shows(&v, v.views[0], 64, 48));
     drop(&v, cubes);
-    CHECK(!strcmp(v.path, cubes) && v.scene.scene.count == 300 && shows(&v, v.views[0], 64, 48));
+    CHECK(!strcmp(v.path, cubes) && v.world.gaussians == 300 && shows(&v, v.views[0], 64, 48));
     viewer_close(&v);
 }
 
 static void test_views_of_a_file(void)
 {
     viewer v;
-    view_options options = small_options();
+    frame_options options = small_options();
     options.cameras = cameras;
     options.view = "second";
     options.width = options.height = 0;
@@ -452,10 +478,29 @@ static void test_views_of_a_file(void)
     viewer_close(&v);
 }
 
+static void test_objects(void)
+{
+    viewer v;
+    frame_options options = small_options();
+    char *scenes[] = {knot, cubes};
+    options.world = (world_options){.scenes = scenes, .scene_count = 2, .places = {"1:30,0,0"}, .place_count = 1};
+    options.ortho = 8;
+    if (!CHECK(!viewer_open(&v, &options, 0)))
+        return;
+    CHECK(v.world.count == 2 && v.world.high[0] > 25 && v.view.projection == FXS_ORTHOGRAPHIC);
+    CHECK(shows(&v, v.views[0], 64, 48));
+    wheel(&v, 2);
+    viewer_step(&v, -1);
+    CHECK(v.view.fx > v.views[0].fx && shows(&v, v.view, 64, 48));
+    drop(&v, cubes);
+    CHECK(v.world.count == 1 && v.options.world.scene_count == 1 && !v.options.world.place_count);
+    viewer_close(&v);
+}
+
 static void test_resized_window(void)
 {
     viewer v;
-    const view_options options = small_options();
+    const frame_options options = small_options();
     if (start(&v, &options))
         return;
     SDL_SetWindowSize(SDL_GetWindowFromID(1), 101, 33);
@@ -464,7 +509,7 @@ static void test_resized_window(void)
     SDL_SetWindowSize(SDL_GetWindowFromID(1), 1, 1);
     viewer_step(&v, 10);
     wheel(&v, 1);
-    CHECK(v.renderer.width == 1 && v.renderer.height == 1);
+    CHECK(v.picture.width == 1 && v.picture.height == 1);
     viewer_close(&v);
 }
 
@@ -474,14 +519,14 @@ static void test_screenshot(void)
     uint8_t *rgba = 0;
     int width, height;
     fxs_message message;
-    const view_options options = small_options();
+    const frame_options options = small_options();
     if (start(&v, &options))
         return;
     drag(&v, SDL_BUTTON_LMASK, 9, 4);
     key(&v, 'i');
     CHECK(strstr(v.note, shot) && !v.coarse);
     if (CHECK(!fxs_image_file_read(shot, &rgba, &width, &height, &message)) && CHECK(width == 64 && height == 48))
-        CHECK(shows(&v, v.view, 64, 48) && !memcmp(rgba, v.renderer.pixels, 64 * 48 * 4));
+        CHECK(shows(&v, v.view, 64, 48) && !memcmp(rgba, v.picture.pixels, 64 * 48 * 4));
     free(rgba);
     v.screenshot = "/none/shot.ppm";
     key(&v, 'i');
@@ -500,19 +545,19 @@ static void test_screenshot(void)
 static void test_failures_to_open(void)
 {
     viewer v;
-    view_options options = small_options();
-    CHECK(viewer_open(&v, &options, junk, 0) == EXIT_FAILED);
+    frame_options options = small_options();
+    CHECK(open_file(&v, &options, junk, 0) == EXIT_FAILED);
     options.cameras = junk;
-    CHECK(viewer_open(&v, &options, knot, 0) == EXIT_FAILED);
+    CHECK(open_file(&v, &options, knot, 0) == EXIT_FAILED);
     options.cameras = cameras;
     options.view = "fourth";
-    CHECK(viewer_open(&v, &options, knot, 0) == EXIT_FAILED);
+    CHECK(open_file(&v, &options, knot, 0) == EXIT_FAILED);
     options = small_options();
     options.max_memory = 1;
-    CHECK(viewer_open(&v, &options, knot, 0) == EXIT_FAILED);
+    CHECK(open_file(&v, &options, knot, 0) == EXIT_FAILED);
     setenv("SDL_VIDEODRIVER", "none", 1);
     options = small_options();
-    CHECK(viewer_open(&v, &options, knot, 0) == EXIT_FAILED);
+    CHECK(open_file(&v, &options, knot, 0) == EXIT_FAILED);
     setenv("SDL_VIDEODRIVER", "dummy", 1);
 }
 
@@ -542,6 +587,7 @@ int main(void)
     RUN(test_look_turns_in_place);
     RUN(test_pan_follows_the_pointer);
     RUN(test_zoom_keeps_the_pivot);
+    RUN(test_parallel_rays);
     RUN(test_fly_along_the_axes);
     RUN(test_rotations_stay_rotations);
     RUN(test_rectangles_are_clipped);
@@ -558,6 +604,7 @@ int main(void)
     RUN(test_zoom_stays_in_range);
     RUN(test_dropped_files);
     RUN(test_views_of_a_file);
+    RUN(test_objects);
     RUN(test_resized_window);
     RUN(test_screenshot);
     RUN(test_failures_to_open);

@@ -3,10 +3,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "command.h"
+#include "renderer.h"
 
 static const char help[] =
-    "Usage: fixsplat bench SCENE [OPTION...]\n\n"
+    "Usage: fixsplat bench SCENE... [OPTION...]\n\n"
     "Renders one view again and again and prints the median milliseconds of each stage; of a back end\n"
     "with a timer also those of its device.\n\n"
     "  --path N            fly once around the scene in N frames, 2 to 10000, and print minimum, median and maximum\n"
@@ -19,8 +19,7 @@ static const char help[] =
     "  fixsplat bench scene.ply --path 120\n";
 
 typedef struct bench_options {
-    view_options view;
-    const char *scene;
+    frame_options frame;
     int frames, path, json;
 } bench_options;
 
@@ -31,12 +30,12 @@ enum { FRAME = FXS_STAGES, DEVICE, COLUMNS };
 
 static int take_options(bench_options *o, int argc, char **argv)
 {
-    static const struct option table[] = {VIEW_OPTIONS, {"frames", required_argument, 0, OPT_FRAMES},
+    static const struct option table[] = {FRAME_OPTIONS, {"frames", required_argument, 0, OPT_FRAMES},
                                           {"path", required_argument, 0, OPT_PATH},
                                           {"json", no_argument, 0, OPT_JSON}, {0, 0, 0, 0}};
     uint64_t frames = 10, path = 0;
     memset(o, 0, sizeof *o);
-    view_options_default(&o->view);
+    frame_options_default(&o->frame);
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;)
         switch (c) {
@@ -49,18 +48,17 @@ static int take_options(bench_options *o, int argc, char **argv)
                 return fail(EXIT_USAGE, "--path %s: expected 2 to 10000", optarg);
             break;
         case OPT_JSON: o->json = 1; break;
-        case OPT_HELP: printf(help, view_options_help); exit(EXIT_OK);
+        case OPT_HELP: printf(help, frame_options_help); exit(EXIT_OK);
         case '?': return wrong_option(argv);
         default:
-            if (view_option(&o->view, c, optarg))
+            if (frame_option(&o->frame, c, optarg))
                 return EXIT_USAGE;
         }
-    if (optind != argc - 1)
-        return fail(EXIT_USAGE, "bench takes one scene file; see: fixsplat bench --help");
-    o->scene = argv[optind];
+    if (take_scenes(&o->frame.world, "bench", argc - optind, argv + optind))
+        return EXIT_USAGE;
     o->path = (int)path;
     o->frames = path ? o->path : (int)frames;
-    return view_options_check(&o->view);
+    return frame_options_check(&o->frame);
 }
 
 static int compare_doubles(const void *a, const void *b)
@@ -80,18 +78,18 @@ static spread spread_of(double *values, int count)
 }
 
 /* The view of frame i: the one given, or a step of a circle around the middle of the scene. */
-static fxs_file_view view_of_frame(const bench_options *o, const loaded_scene *loaded, const fxs_file_view *view, int i)
+static fxs_file_view view_of_frame(const bench_options *o, const world *w, const fxs_file_view *view, int i)
 {
     fxs_file_view turned = *view;
     double middle[3];
     for (int k = 0; k < 3; k++)
-        middle[k] = (loaded->report.inner_low[k] + loaded->report.inner_high[k]) / 2;
+        middle[k] = (w->inner_low[k] + w->inner_high[k]) / 2;
     if (o->path)
-        fxs_view_orbit(&turned, middle, o->view.up, 6.283185307179586 * i / o->path);
+        fxs_view_orbit(&turned, middle, o->frame.up, 6.283185307179586 * i / o->path);
     return turned;
 }
 
-static int measure(spread columns[COLUMNS], renderer *r, const bench_options *o, const loaded_scene *loaded,
+static int measure(spread columns[COLUMNS], renderer *r, const bench_options *o, const world *w,
                    const fxs_file_view *view)
 {
     enum { WARM_UP = 2 };
@@ -99,20 +97,22 @@ static int measure(spread columns[COLUMNS], renderer *r, const bench_options *o,
     double *times = malloc((size_t)frames * COLUMNS * sizeof *times);
     if (!times)
         return fail(EXIT_FAILED, "out of memory");
+    picture pixels = {.pixels = 0};
     for (int i = -WARM_UP; i < frames && !status; i++) {
         fxs_stats stats;
-        fxs_file_view turned = view_of_frame(o, loaded, view, i);
-        status = renderer_render(r, loaded, &turned, &o->view.render, &stats);
+        fxs_file_view turned = view_of_frame(o, w, view, i);
+        status = renderer_render(r, w, &turned, &o->frame.render, &pixels, &stats);
         for (int s = 0; s < FXS_STAGES && i >= 0; s++)
             times[s * frames + i] = (double)stats.nanoseconds[s] * 1e-6;
         if (i >= 0) {
             times[FRAME * frames + i] = (double)stats.frame_nanoseconds * 1e-6;
-            times[DEVICE * frames + i] = (double)backend_nanoseconds(r->backend) * 1e-6;
+            times[DEVICE * frames + i] = (double)r->backend->nanoseconds(r->self) * 1e-6;
         }
     }
     for (int s = 0; s < COLUMNS && !status; s++)
         columns[s] = spread_of(times + s * frames, frames);
     free(times);
+    picture_free(&pixels);
     return status;
 }
 
@@ -123,31 +123,31 @@ static const char *column_name(int column)
 
 static const char *cutoff_name(const bench_options *o)
 {
-    return o->view.render.cutoff == FXS_CUTOFF_SQUARE ? "square" : "mahalanobis";
+    return o->frame.render.cutoff == FXS_CUTOFF_SQUARE ? "square" : "mahalanobis";
 }
 
 static void print_text(const spread columns[COLUMNS], const renderer *r, const bench_options *o,
-                       const loaded_scene *loaded, const fxs_file_view *view)
+                       const world *w, const fxs_file_view *view)
 {
     printf("%" PRIu32 " Gaussians, %dx%d, %" PRIu32 " threads, cut-off %s, %d frames%s; milliseconds\n",
-           loaded->scene.count, view->width, view->height, o->view.threads, cutoff_name(o), o->frames,
+           w->gaussians, view->width, view->height, o->frame.threads, cutoff_name(o), o->frames,
            o->path ? " around the scene" : "");
     printf("           %9s %9s %9s   share  version\n", "minimum", "median", "maximum");
     for (int s = 0; s < (columns[DEVICE].most > 0 ? COLUMNS : DEVICE); s++)
         printf("  %-8s %9.3f %9.3f %9.3f  %5.1f%%  %s\n", column_name(s), columns[s].least, columns[s].median,
                columns[s].most, 100 * columns[s].median / columns[FRAME].median,
-               s < FXS_STAGES ? r->context.kernels.name[s] : "");
+               s < FXS_STAGES ? r->backend->version(r->self, (enum fxs_stage)s) : "");
 }
 
-static void print_json(const spread columns[COLUMNS], const bench_options *o, const loaded_scene *loaded,
+static void print_json(const spread columns[COLUMNS], const renderer *r, const bench_options *o, const world *w,
                        const fxs_file_view *view)
 {
     printf("{\"gaussians\": %" PRIu32 ", \"width\": %d, \"height\": %d, \"threads\": %" PRIu32 ", \"cpu\": \"%s\", "
            "\"cutoff\": \"%s\", \"backend\": \"%s\", \"frames\": %d, \"frame_ms\": %.3f, \"frame_ms_min\": %.3f, "
            "\"frame_ms_max\": %.3f, \"device_ms\": %.3f, \"load_ms\": %.3f, \"stages\": {",
-           loaded->scene.count, view->width, view->height, o->view.threads, o->view.cpu, cutoff_name(o),
-           strcmp(o->view.backend, "auto") ? o->view.backend : "cpu", o->frames, columns[FRAME].median,
-           columns[FRAME].least, columns[FRAME].most, columns[DEVICE].median, (double)loaded->load_nanoseconds * 1e-6);
+           w->gaussians, view->width, view->height, o->frame.threads, o->frame.cpu, cutoff_name(o), r->backend->name,
+           o->frames, columns[FRAME].median, columns[FRAME].least, columns[FRAME].most, columns[DEVICE].median,
+           (double)w->load_nanoseconds * 1e-6);
     for (int s = 0; s < FXS_STAGES; s++)
         printf("%s\"%s\": %.3f", s ? ", " : "", column_name(s), columns[s].median);
     puts("}}");
@@ -157,25 +157,23 @@ int command_bench(int argc, char **argv)
 {
     bench_options o;
     renderer r;
-    loaded_scene loaded;
+    world w;
     fxs_file_view *views = 0;
     spread columns[COLUMNS];
     int status = take_options(&o, argc, argv);
     if (status)
         return status;
-    if (o.view.view && !strcmp(o.view.view, "all"))
+    if (o.frame.view && !strcmp(o.frame.view, "all"))
         return fail(EXIT_USAGE, "bench takes one view, not all");
-    status = renderer_init(&r, &o.view);
-    if (!status && !(status = load_scene(&loaded, o.scene, &o.view.load))) {
-        status = choose_views(&o.view, &loaded.report, &views) < 0
-                     ? EXIT_FAILED : measure(columns, &r, &o, &loaded, views);
-        if (!status && o.json)
-            print_json(columns, &o, &loaded, views);
-        else if (!status)
-            print_text(columns, &r, &o, &loaded, views);
+    status = renderer_open(&r, &o.frame);
+    if (!status && !(status = world_open(&w, &o.frame.world, &o.frame.load))) {
+        status = choose_views(&o.frame, &w, &views) < 0 ? EXIT_FAILED : measure(columns, &r, &o, &w, views);
+        if (!status)
+            (o.json ? print_json : print_text)(columns, &r, &o, &w, views);
         free(views);
-        free_scene(&loaded);
+        renderer_close(&r);
+        world_close(&w);
     }
-    renderer_free(&r);
+    renderer_close(&r);
     return status;
 }

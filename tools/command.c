@@ -1,17 +1,11 @@
 #include "command.h"
 
 #include <errno.h>
-#include <inttypes.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
-
-#include "../port/scene/fxs_file.h"
-#include "../port/posix/clock.h"
-#include "../src/packed.h"
 
 int fail(int status, const char *format, ...)
 {
@@ -97,6 +91,16 @@ int parse_colour(const char *text, uint8_t rgb[3])
     return 1;
 }
 
+void print_json_string(const char *text)
+{
+    putchar('"');
+    for (; *text; text++) {
+        const unsigned char c = (unsigned char)*text;
+        printf(c < ' ' ? "\\u%04x" : c == '"' || c == '\\' ? "\\%c" : "%c", c);
+    }
+    putchar('"');
+}
+
 /* What was printed has to have arrived, wherever the program ends. */
 static void check_printed(void)
 {
@@ -127,203 +131,4 @@ void progress_end(void)
     if (percent_shown >= 0)
         fputs("\r\033[K", stderr);
     percent_shown = -1;
-}
-
-/* The share of what is seen is told from 3 per mille on. */
-static void note_dropped(const char *path, const fxs_pack_dropped *d, uint64_t packed)
-{
-    const uint64_t dropped = d->not_finite + d->rotation;
-    const double share = fxs_dropped_share(d);
-    char weight[80] = "";
-    if (share >= 0.003)
-        snprintf(weight, sizeof weight, ", %.3g %% of the scene by opacity and area", 100 * share);
-    if (dropped)
-        fprintf(stderr, "fixsplat: %s: left out %" PRIu64 " of %" PRIu64 " Gaussians (%" PRIu64 " not finite, %" PRIu64
-                " with a zero quaternion)%s\n", path, dropped, dropped + packed, d->not_finite, d->rotation, weight);
-}
-
-/* A message about a scene, which may or may not begin with its name. */
-static int fail_scene(const char *path, const fxs_message *message)
-{
-    return fail(EXIT_FAILED, strncmp(message->text, path, strlen(path)) ? "%s: %s" : "%.0s%s", path, message->text);
-}
-
-static int filter_scene(fxs_scene_file *file, const char *path, const load_options *o, fxs_scene_file_info *info)
-{
-    fxs_message message;
-    fxs_scene_filter_report r;
-    char label[] = "counting";
-    int result = fxs_scene_file_filter(file, o->filter, info, &r, progress_bar, label, &message);
-    progress_end();
-    if (result)
-        return fail_scene(path, &message);
-    if (o->again)
-        return 0;
-    if (r.outside || r.faint)
-        fprintf(stderr, "fixsplat: %s: kept %" PRIu64 " of %" PRIu64 " Gaussians (%" PRIu64 " outside the box, %" PRIu64
-                " too faint)\n", path, r.read - r.outside - r.faint, r.read, r.outside, r.faint);
-    note_dropped(path, &r.dropped, r.kept);
-    return 0;
-}
-
-int open_scene(const char *path, const load_options *o, fxs_scene_file **file, fxs_scene_file_info *info)
-{
-    fxs_message message;
-    const fxs_scene_file_options options = {
-        .level = o->lod, .axes = o->axes, .max_gaussians = o->max_gaussians, .max_memory = o->import_memory
-    };
-    if (fxs_scene_file_open(path, &options, file, info, &message))
-        return fail(EXIT_FAILED, "%s", message.text);
-    if (o->axes && strcmp(info->format, "spz")) {
-        fxs_scene_file_close(*file);
-        return fail(EXIT_FAILED, "%s: --axes is for .spz", path);
-    }
-    if (info->stored_sh_degree > info->sh_degree && !o->again)
-        fprintf(stderr, "fixsplat: %s: the SH of degree %d are left out: degree %d is the highest that is drawn\n",
-                path, info->stored_sh_degree, info->sh_degree);
-    int status = o->filter ? filter_scene(*file, path, o, info) : 0;
-    if (status)
-        fxs_scene_file_close(*file);
-    return status;
-}
-
-static int import(loaded_scene *loaded, const char *path, const load_options *o)
-{
-    fxs_message message;
-    fxs_scene_file *file;
-    char label[] = "packing";
-    if (open_scene(path, o, &file, &loaded->info))
-        return EXIT_FAILED;
-    const uint32_t threads = o->threads ? o->threads : fxs_processors();
-    fxs_pool *pool = fxs_pool_create(threads);
-    const fxs_pack_options options = {o->profile, pool ? fxs_pool_run : 0, pool, threads, progress_bar, label, 0};
-    int result = fxs_pack(file, &loaded->info, &loaded->packed, &loaded->report, &options, &message);
-    fxs_pool_destroy(pool);
-    fxs_scene_file_close(file);
-    progress_end();
-    if (result)
-        return fail_scene(path, &message);
-    result = fxs_scene_open(&loaded->scene, loaded->packed.data, loaded->packed.bytes);
-    if (result)
-        return fail(EXIT_FAILED, "%s: %s", path, fxs_strerror(result));
-    if (o->again)
-        return 0;
-    note_dropped(path, &loaded->report.dropped, loaded->report.packed);
-    if (loaded->report.brought_in)
-        fprintf(stderr, "fixsplat: %s: brought in %" PRIu64 " Gaussians from beyond 2^27 units, as they look from the "
-                "origin\n", path, loaded->report.brought_in);
-    return 0;
-}
-
-/* By the four bytes with which an .fxs file begins. Only a regular file is opened: a pipe would wait for its writer. */
-int is_packed(const char *path)
-{
-    uint32_t magic = 0;
-    struct stat information;
-    FILE *file = stat(path, &information) == 0 && S_ISREG(information.st_mode) ? fopen(path, "rb") : 0;
-    size_t got = file ? fread(&magic, sizeof magic, 1, file) : 0;
-    if (file)
-        fclose(file);
-    return got == 1 && fxs_little_32(magic) == FXS_PACKED_MAGIC;
-}
-
-static int map(loaded_scene *loaded, const char *path)
-{
-    fxs_message message;
-    fxs_map_guard();
-    if (fxs_map(&loaded->mapping, path, &message))
-        return fail(EXIT_FAILED, "%s", message.text);
-    loaded->packed.data = loaded->mapping.data;
-    loaded->packed.bytes = loaded->mapping.bytes;
-    if (fxs_file_check(path, loaded->packed.data, loaded->packed.bytes, 0, &message))
-        return fail(EXIT_FAILED, "%s", message.text);
-    fxs_scene_open(&loaded->scene, loaded->packed.data, loaded->packed.bytes);
-    fxs_packed_header header;
-    memcpy(&header, loaded->packed.data, sizeof header);
-    fxs_packed_header_turn(&header);
-    loaded->info = (fxs_scene_file_info){"fxs", header.count, (int)header.sh_degree, (int)header.sh_degree,
-                                        loaded->scene.antialiased, 1, {0, 0}, {0, 0}};
-    loaded->report.read = loaded->report.packed = header.count;
-    for (int i = 0; i < 3; i++) {
-        loaded->report.low[i] = ldexp((double)header.low_q32[i], -32);
-        loaded->report.high[i] = ldexp((double)header.high_q32[i], -32);
-        loaded->report.inner_low[i] = ldexp((double)header.inner_low_q32[i], -32);
-        loaded->report.inner_high[i] = ldexp((double)header.inner_high_q32[i], -32);
-    }
-    return 0;
-}
-
-int take_max_memory(size_t *bytes, const char *value)
-{
-    return parse_bytes(value, bytes)
-               ? 0 : fail(EXIT_USAGE, "--max-memory %s: expected bytes, or a number with K, M or G", value);
-}
-
-int take_import_option(load_options *options, int which, const char *value)
-{
-    if (which == OPT_AXES) {
-        options->axes = !strcmp(value, "rub") ? FXS_AXES_RUB : !strcmp(value, "rdf") ? FXS_AXES_RDF : FXS_AXES_OF_FILE;
-        return options->axes ? 0 : fail(EXIT_USAGE, "--axes %s: expected rub or rdf", value);
-    }
-    if (which == OPT_IMPORT_MEMORY)
-        return parse_bytes(value, &options->import_memory)
-                   ? 0 : fail(EXIT_USAGE, "--import-memory %s: expected bytes, or a number with K, M or G", value);
-    return parse_count(value, 1, UINT64_MAX, &options->max_gaussians)
-               ? 0 : fail(EXIT_USAGE, "--max-gaussians %s: expected a whole number from 1 on", value);
-}
-
-static const char *const profiles[] = {"default", "compact", "small"};
-
-const char *profile_name(enum fxs_profile profile)
-{
-    return profiles[profile];
-}
-
-int take_profile(load_options *options, const char *value)
-{
-    for (int i = 0; i < 3; i++)
-        if (!strcmp(value, profiles[i])) {
-            options->profile = (enum fxs_profile)i;
-            return 0;
-        }
-    return fail(EXIT_USAGE, "--profile %s: expected default, compact or small", value);
-}
-
-int take_lod(load_options *options, const char *value)
-{
-    uint64_t number;
-    if (!parse_count(value, 0, 1000, &number))
-        return fail(EXIT_USAGE, "--lod %s: expected 0 to 1000", value);
-    options->lod = (int)number;
-    return 0;
-}
-
-int load_scene(loaded_scene *loaded, const char *path, const load_options *options)
-{
-    uint64_t start = fxs_clock(0);
-    memset(loaded, 0, sizeof *loaded);
-    loaded->path = path;
-    int status = !is_packed(path) ? import(loaded, path, options)
-                 : options->axes  ? fail(EXIT_FAILED, "%s: --axes is for .spz", path)
-                                  : map(loaded, path);
-    loaded->load_nanoseconds = fxs_clock(0) - start;
-    if (status)
-        free_scene(loaded);
-    return status;
-}
-
-int check_scene(const loaded_scene *loaded)
-{
-    fxs_message message;
-    if (loaded->mapping.data && fxs_map_check(&loaded->mapping, loaded->path, &message))
-        return fail(EXIT_FAILED, "%s", message.text);
-    return 0;
-}
-
-void free_scene(loaded_scene *loaded)
-{
-    if (loaded->mapping.data)
-        fxs_unmap(&loaded->mapping);
-    else
-        fxs_packed_scene_free(&loaded->packed);
 }

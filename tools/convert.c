@@ -8,12 +8,11 @@
 #include "../port/scene/ply_write.h"
 #include "../port/scene/splat_write.h"
 #include "../port/scene/spz_write.h"
-#include "command.h"
 #include "quality.h"
 
 static const char help[] =
-    "Usage: fixsplat convert IN OUT [OPTION...]\n\n"
-    "Writes a scene file as another, by the ending of OUT:\n\n"
+    "Usage: fixsplat convert IN... OUT [OPTION...]\n\n"
+    "Writes a scene file, or several as they are placed, as another, by the ending of OUT:\n\n"
     "  .fxs    packed: opens at once and is rendered from the file as it lies\n"
     "  .ply    Inria's, floats\n"
     "  .splat  32 bytes a Gaussian: no SH above degree 0\n"
@@ -28,6 +27,7 @@ static const char help[] =
     "                      views are compared with default, and one that loses more than it should is said\n"
     "  --spz-version V     3 (gzip) or 4 (zstd, the default), for .spz\n"
     "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
+    WORLD_HELP
     IMPORT_HELP
     "  --help              this text\n\n"
     "Examples:\n"
@@ -35,10 +35,14 @@ static const char help[] =
     "  fixsplat render scene.fxs -o scene.png\n"
     "  fixsplat convert scene.ply phone.fxs --profile compact\n"
     "  fixsplat convert scene.ply small.spz --prune 0.02 --sh-degree 1\n"
-    "  fixsplat convert scene.spz table.ply --crop -1,-1,-1,1,0.5,1\n";
+    "  fixsplat convert scene.spz table.ply --crop -1,-1,-1,1,0.5,1\n"
+    "  fixsplat convert room.ply chair.spz both.fxs --place chair.spz:1,0,2\n"
+    "  fixsplat convert --scene world.json all.fxs\n";
 
 typedef struct convert_options {
-    const char *in, *out;
+    const char *in, *out;                   /* in: what is placed, by the name of the one file or of its list */
+    world_options world;
+    fxs_world placed;
     fxs_scene_filter filter;
     int filtered;                           /* an option asks for the filter */
     load_options load;
@@ -74,6 +78,8 @@ static int take_option(convert_options *o, int which, const char *value)
     case OPT_AXES:
     case OPT_MAX_GAUSSIANS:
     case OPT_IMPORT_MEMORY: return take_import_option(&o->load, which, value);
+    case OPT_SCENE:
+    case OPT_PLACE: return take_world_option(&o->world, which, value);
     case OPT_PROFILE: o->profile_given = 1; return take_profile(&o->load, value);
     case OPT_CROP: return take_crop(&o->filter, value);
     case OPT_PRUNE:
@@ -101,7 +107,7 @@ static int take_options(convert_options *o, int argc, char **argv)
                                           {"sh-degree", required_argument, 0, OPT_SH_DEGREE},
                                           {"spz-version", required_argument, 0, OPT_SPZ_VERSION},
                                           {"lod", required_argument, 0, OPT_LOD}, IMPORT_OPTIONS,
-                                          {"profile", required_argument, 0, OPT_PROFILE},
+                                          WORLD_OPTIONS, {"profile", required_argument, 0, OPT_PROFILE},
                                           {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
     memset(o, 0, sizeof *o);
     fxs_scene_filter_default(&o->filter);
@@ -116,10 +122,12 @@ static int take_options(convert_options *o, int argc, char **argv)
         if (take_option(o, c, optarg))
             return EXIT_USAGE;
     }
-    if (optind != argc - 2)
-        return fail(EXIT_USAGE, "convert takes two files, IN and OUT; see: fixsplat convert --help");
-    o->in = argv[optind];
-    o->out = argv[optind + 1];
+    if (optind > argc - (o->world.file ? 1 : 2))
+        return fail(EXIT_USAGE, "convert takes two files or more, IN and OUT; see: fixsplat convert --help");
+    if (take_scenes(&o->world, "convert", argc - 1 - optind, argv + optind))
+        return EXIT_USAGE;
+    o->in = o->world.file ? o->world.file : argv[optind];
+    o->out = argv[argc - 1];
     if (o->profile_given && !ends_with(o->out, ".fxs"))
         return fail(EXIT_USAGE, "--profile is for .fxs");
     if (o->spz_version && !ends_with(o->out, ".spz"))
@@ -138,30 +146,30 @@ static double loss_to_check(enum fxs_profile profile)
 
 /* Says so where a view of a packed scene is farther from the same scene in the profile default than its profile
    promises, from around the scene, small; or why that is not known. */
-static void check_views(const loaded_scene *loaded, const convert_options *o, const load_options *load)
+static void check_views(const world *packed, const convert_options *o, const load_options *load)
 {
     enum { WIDTH = 480, HEIGHT = 320, AROUND = 6 };
-    const int small = loaded->scene.profile == FXS_PROFILE_SMALL;
+    const int small = packed->scenes[0].scene.profile == FXS_PROFILE_SMALL;
     const double promised = small ? 36 : 46;
-    loaded_scene original;
+    world original;
     load_options plain = *load;
-    view_options options;
+    frame_options options;
     quality q;
     plain.profile = FXS_PROFILE_DEFAULT;
     plain.again = 1;
-    view_options_default(&options);
+    frame_options_default(&options);
     options.width = WIDTH;
     options.height = HEIGHT;
-    int status = load_scene(&original, o->in, &plain);
+    int status = world_open_merged(&original, &o->placed, o->in, &plain);
     if (!status) {
-        status = quality_measure(&q, loaded, &original, &options, AROUND);
-        free_scene(&original);
+        status = quality_measure(&q, packed, &original, &options, AROUND);
+        world_close(&original);
     }
     if (status)
         fprintf(stderr, "fixsplat: %s: not compared with the profile default\n", o->out);
     else if (q.worst_psnr < promised)
         fprintf(stderr, "fixsplat: %s: profile %s loses more of this scene than of most: a view %s is %.1f dB from the "
-                "profile default, where %.0f is usual; %s\n", o->out, profile_name(loaded->scene.profile),
+                "profile default, where %.0f is usual; %s\n", o->out, profile_name(packed->scenes[0].scene.profile),
                 q.views[q.worst_view].name, q.worst_psnr, promised,
                 small ? "profile compact loses less" : "profile default loses less");
     if (!status)
@@ -170,16 +178,17 @@ static void check_views(const loaded_scene *loaded, const convert_options *o, co
 
 static int to_fxs(const convert_options *o)
 {
-    loaded_scene loaded;
+    world w;
     fxs_message message;
     load_options load = o->load;
     load.filter = o->filtered ? &o->filter : 0;
-    if (load_scene(&loaded, o->in, &load))
+    if (world_open_merged(&w, &o->placed, o->in, &load))
         return EXIT_FAILED;
-    int result = fxs_file_write(o->out, loaded.packed.data, loaded.packed.bytes, &message);
-    if (!result && loaded.report.rms.sh > loss_to_check(loaded.scene.profile))
-        check_views(&loaded, o, &load);
-    free_scene(&loaded);
+    const loaded_scene *loaded = &w.scenes[0];
+    int result = fxs_file_write(o->out, loaded->packed.data, loaded->packed.bytes, &message);
+    if (!result && loaded->report.rms.sh > loss_to_check(loaded->scene.profile))
+        check_views(&w, o, &load);
+    world_close(&w);
     return result ? fail(EXIT_FAILED, "%s", message.text) : EXIT_OK;
 }
 
@@ -267,7 +276,7 @@ static int stream(const convert_options *o)
     load_options load = o->load;
     filter.drawable = 1;
     load.filter = &filter;
-    if (open_scene(o->in, &load, &file, &info))
+    if (open_merged(&o->placed, o->in, &load, &file, &info))
         return EXIT_FAILED;
     int result = open_writer(&w, o, &info, &message);
     if (!result) {
@@ -284,16 +293,31 @@ static int stream(const convert_options *o)
     return result ? fail(EXIT_FAILED, "%s", message.text) : EXIT_OK;
 }
 
+/* No file of a world may be packed. */
+static int check_inputs(const fxs_world *placed)
+{
+    for (uint32_t i = 0; i < placed->file_count; i++)
+        if (is_packed(placed->files[i]))
+            return fail(EXIT_FAILED, "%s: an .fxs file is not converted; convert the scene that it was made from",
+                        placed->files[i]);
+    return 0;
+}
+
 int command_convert(int argc, char **argv)
 {
-    convert_options o;
+    static convert_options o;
     int status = take_options(&o, argc, argv);
     if (status)
         return status;
     int packed = ends_with(o.out, ".fxs");
     if (!packed && !ends_with(o.out, ".ply") && !ends_with(o.out, ".splat") && !ends_with(o.out, ".spz"))
         return fail(EXIT_USAGE, "%s: expected a name ending in .fxs, .ply, .splat or .spz", o.out);
-    if (is_packed(o.in))
-        return fail(EXIT_FAILED, "%s: an .fxs file is not converted; convert the scene that it was made from", o.in);
-    return packed ? to_fxs(&o) : stream(&o);
+    status = place_scenes(&o.placed, &o.world);
+    if (status)
+        return status;
+    status = check_inputs(&o.placed);
+    if (!status)
+        status = packed ? to_fxs(&o) : stream(&o);
+    fxs_world_free(&o.placed);
+    return status;
 }

@@ -3,15 +3,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../port/backend/backends.h"
+#include "../port/posix/pool.h"
 #include "../port/scene/fxs_file.h"
 #include "quality.h"
 
 static const char help[] =
-    "Usage: fixsplat info SCENE [OPTION...]\n"
+    "Usage: fixsplat info SCENE... [OPTION...]\n"
     "       fixsplat info --backends\n\n"
     "Prints the number of Gaussians, SH degree and bounds of a scene, its bytes a Gaussian once packed, the largest\n"
     "difference that packing made to each attribute (of an .fxs file, which is packed already, every checksum is\n"
-    "verified instead), and the memory that a frame needs: for any view, and the least.\n\n"
+    "verified instead), and the memory that a frame needs: for any view, and the least. Of several scenes, or placed\n"
+    "ones, the objects too, with their boxes in the world.\n\n"
     "  --compare ORIGINAL  render SCENE and the scene that it was made from, and print PSNR and SSIM of each view,\n"
     "                      their means (that of PSNR without views that are equal), the worst of each, and the view\n"
     "                      of the worst PSNR. The original is packed as convert does without options: what that\n"
@@ -24,6 +27,7 @@ static const char help[] =
     "  --max-memory BYTES  (also as 64K, 3M, 2G) what render and bench can do with so much\n"
     "  --profile P         how a scene that is not an .fxs file is packed: default, compact or small\n"
     "  --lod LEVEL         level of detail of SCENE, where it is a streamed .sog, 0 the finest (default 0)\n"
+    WORLD_HELP
     IMPORT_HELP
     "  --json              print a JSON object: of --compare a list of views, psnr and ssim (means), worst_psnr,\n"
     "                      worst_ssim and worst_view (a PSNR is null where the pictures are equal)\n"
@@ -32,11 +36,12 @@ static const char help[] =
     "Examples:\n"
     "  fixsplat info scene.ply\n"
     "  fixsplat info scene.ply --size 1920x1080 --json\n"
+    "  fixsplat info room.fxs chair.spz --place chair.spz:1,0,2\n"
     "  fixsplat info scene.spz --compare scene.ply --cameras cameras.json --views 4\n";
 
 typedef struct info_options {
-    view_options view;                      /* cameras, size and lod are used */
-    const char *scene, *original;
+    frame_options frame;                    /* scenes, cameras, size and lod are used */
+    const char *original;
     uint64_t views;                         /* 0: none given */
     int json;
 } info_options;
@@ -45,13 +50,19 @@ enum { OPT_JSON = OPT_OWN, OPT_COMPARE, OPT_VIEWS, OPT_BACKENDS };
 
 /* What is known of a scene. */
 typedef struct findings {
-    loaded_scene scene;
+    world world;
     int width, height;
     fxs_frame_memory memory;
     size_t limit;                           /* --max-memory; 0: none */
     int compared;
     quality quality;
 } findings;
+
+/* A scene as it is, not placed. */
+static int is_one(const world *w)
+{
+    return w->count == 1 && fxs_placement_is_plain(w->placed.objects) && !w->placed.objects->crop_count;
+}
 
 /* ---- Printing -------------------------------------------------------------------------------------------------- */
 
@@ -61,12 +72,10 @@ static void print_error_json(const char *name, const fxs_pack_error *e)
            "\"sh\": %.3g}, ", name, e->position, e->scale, e->rotation, e->opacity, e->dc, e->sh);
 }
 
-static void print_json(const findings *f)
+static void print_scene_json(const loaded_scene *s)
 {
-    const loaded_scene *s = &f->scene;
     const fxs_pack_report *r = &s->report;
-    const fxs_frame_memory *m = &f->memory;
-    printf("{\"format\": \"%s\", \"gaussians\": %" PRIu64 ", \"packed\": %" PRIu64 ", \"sh_degree\": %d, "
+    printf("\"format\": \"%s\", \"gaussians\": %" PRIu64 ", \"packed\": %" PRIu64 ", \"sh_degree\": %d, "
            "\"antialiased\": %s, ", s->info.format, r->read, r->packed, s->info.sh_degree,
            s->info.antialiased ? "true" : "false");
     if (!s->mapping.data)
@@ -82,6 +91,52 @@ static void print_json(const findings *f)
         print_error_json("largest_error", &r->largest);
         print_error_json("rms_error", &r->rms);
     }
+}
+
+static void print_vector_json(const double v[3])
+{
+    printf("[%.9g, %.9g, %.9g]", v[0], v[1], v[2]);
+}
+
+static void print_object_json(const world *w, uint32_t i)
+{
+    const fxs_placement *p = &w->placed.objects[i];
+    double low[3], high[3];
+    printf("%s{\"file\": ", i ? ", " : "");
+    print_json_string(w->placed.files[p->file]);
+    printf(", \"id\": %" PRIu32 ", \"visible\": %s, \"scale\": %.9g, \"bounds\": ", p->id,
+           p->visible ? "true" : "false", p->scale);
+    if (world_box(w, i, low, high)) {
+        printf("[");
+        print_vector_json(low);
+        printf(", ");
+        print_vector_json(high);
+        printf("]}");
+    } else {
+        printf("null}");
+    }
+}
+
+/* Of one scene as it is, its own; of more, a list of scenes and one of objects. */
+static void print_json(const findings *f)
+{
+    const world *w = &f->world;
+    const fxs_frame_memory *m = &f->memory;
+    printf("{");
+    if (is_one(w))
+        print_scene_json(&w->scenes[0]);
+    for (uint32_t i = 0; i < w->placed.file_count && !is_one(w); i++) {
+        printf(i ? ", {" : "\"scenes\": [{");
+        print_scene_json(&w->scenes[i]);
+        printf("\"file\": ");
+        print_json_string(w->placed.files[i]);
+        printf("}");
+    }
+    for (uint32_t i = 0; i < w->count && !is_one(w); i++) {
+        printf(i ? "" : "], \"objects\": [");
+        print_object_json(w, i);
+    }
+    printf(is_one(w) ? "" : "], ");
     if (f->compared) {
         printf("\"compare\": ");
         quality_print_json(&f->quality);
@@ -98,7 +153,7 @@ static void print_error_text(const char *name, const fxs_pack_error *e)
            e->position, e->scale, e->rotation, e->opacity, e->dc, e->sh);
 }
 
-/* What a frame can be with --max-memory: beyond the least, a band takes 88 bytes a splat. */
+/* What a frame can be with --max-memory: beyond the least, a band takes 92 bytes a splat. */
 static void print_limit(const fxs_frame_memory *m, size_t limit)
 {
     if (limit < m->least)
@@ -107,14 +162,12 @@ static void print_limit(const fxs_frame_memory *m, size_t limit)
         printf("--max-memory  %zu bytes: enough for any view\n", limit);
     else
         printf("--max-memory  %zu bytes: enough for views with at most %zu Gaussians in a row of tiles (16 pixels)\n",
-               limit, (limit - m->least) / 88 / 16 * 16);
+               limit, (limit - m->least) / 92 / 16 * 16);
 }
 
-static void print_text(const findings *f)
+static void print_scene_text(const loaded_scene *s)
 {
-    const loaded_scene *s = &f->scene;
     const fxs_pack_report *r = &s->report;
-    const fxs_frame_memory *m = &f->memory;
     printf("format        %s%s\n", s->info.format, s->info.antialiased ? ", anti-aliased" : "");
     printf("Gaussians     %" PRIu64 ", %" PRIu64 " of them drawable\n", r->read, r->packed);
     printf("SH degree     %d\n", s->info.sh_degree);
@@ -129,6 +182,33 @@ static void print_text(const findings *f)
         print_error_text("largest error", &r->largest);
         print_error_text("rms error", &r->rms);
     }
+}
+
+static void print_object_text(const world *w, uint32_t i)
+{
+    const fxs_placement *p = &w->placed.objects[i];
+    double l[3], h[3];
+    printf("object %-6" PRIu32 " %s, id %" PRIu32 "%s", i, w->placed.files[p->file], p->id,
+           p->visible ? "" : ", not visible");
+    if (world_box(w, i, l, h))
+        printf(": %.6g %.6g %.6g to %.6g %.6g %.6g\n", l[0], l[1], l[2], h[0], h[1], h[2]);
+    else
+        printf(": cropped away\n");
+}
+
+static void print_text(const findings *f)
+{
+    const world *w = &f->world;
+    const fxs_frame_memory *m = &f->memory;
+    for (uint32_t i = 0; i < w->placed.file_count; i++) {
+        if (!is_one(w))
+            printf("file          %s\n", w->placed.files[i]);
+        print_scene_text(&w->scenes[i]);
+        if (!is_one(w))
+            puts("");
+    }
+    for (uint32_t i = 0; i < w->count && !is_one(w); i++)
+        print_object_text(w, i);
     printf("frame         %dx%d needs %zu bytes: splats %zu, keys %zu, tiles %zu, entries %zu; in bands %zu or more\n",
            f->width, f->height, m->total, m->splats, m->keys, m->tiles, m->entries, m->least);
     if (f->limit)
@@ -139,20 +219,41 @@ static void print_text(const findings *f)
     }
 }
 
+/* A line for each device, or why there is none. */
+static void print_backends(void)
+{
+    const fxs_backend *b;
+    for (int i = 0; (b = fxs_backend_at(i)) != 0; i++) {
+        char name[256];
+        fxs_message why;
+        int device = 0;
+        for (; !b->device(device, name, sizeof name, &why); device++) {
+            printf("%-11s here: %s", b->name, name);
+            if (b->can & FXS_CAN_DEVICES)
+                printf(", --device %d", device);
+            printf(" (%s)\n", b->does);
+        }
+        if (!device)
+            printf("%-11s not here: %s (%s)\n", b->name, why.text, b->does);
+    }
+}
+
 /* ---- The command ----------------------------------------------------------------------------------------------- */
 
 static int take_options(info_options *o, int argc, char **argv)
 {
     static const struct option table[] = {{"compare", required_argument, 0, OPT_COMPARE},
                                           {"cameras", required_argument, 0, OPT_CAMERAS},
-                                          {"views", required_argument, 0, OPT_VIEWS}, {"backends", no_argument, 0, OPT_BACKENDS},
+                                          {"views", required_argument, 0, OPT_VIEWS},
+                                          {"backends", no_argument, 0, OPT_BACKENDS},
                                           {"size", required_argument, 0, OPT_SIZE},
                                           {"max-memory", required_argument, 0, OPT_MAX_MEMORY},
                                           {"lod", required_argument, 0, OPT_LOD}, IMPORT_OPTIONS,
-                                          {"profile", required_argument, 0, OPT_PROFILE}, {"json", no_argument, 0, OPT_JSON},
+                                          WORLD_OPTIONS, {"profile", required_argument, 0, OPT_PROFILE},
+                                          {"json", no_argument, 0, OPT_JSON},
                                           {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
     memset(o, 0, sizeof *o);
-    view_options_default(&o->view);
+    frame_options_default(&o->frame);
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;)
         switch (c) {
@@ -162,65 +263,74 @@ static int take_options(info_options *o, int argc, char **argv)
                 return fail(EXIT_USAGE, "--views %s: expected 1 to 1000", optarg);
             break;
         case OPT_JSON: o->json = 1; break;
-        case OPT_BACKENDS: backend_list(); cuda_list(); exit(EXIT_OK);
+        case OPT_BACKENDS: print_backends(); exit(EXIT_OK);
         case OPT_HELP: fputs(help, stdout); exit(EXIT_OK);
         case '?': return wrong_option(argv);
         default:
-            if (view_option(&o->view, c, optarg))
+            if (frame_option(&o->frame, c, optarg))
                 return EXIT_USAGE;
         }
-    if (optind != argc - 1)
-        return fail(EXIT_USAGE, "info takes one scene file; see: fixsplat info --help");
-    if (!o->original && (o->view.cameras || o->views))
+    if (take_scenes(&o->frame.world, "info", argc - optind, argv + optind))
+        return EXIT_USAGE;
+    if (!o->original && (o->frame.cameras || o->views))
         return fail(EXIT_USAGE, "--cameras and --views need --compare");
-    o->scene = argv[optind];
     return 0;
 }
 
 static int compare(findings *f, const info_options *o)
 {
-    loaded_scene original;
-    const load_options *load = &o->view.load;
-    int status = load_scene(&original, o->original, &(load_options){.max_gaussians = load->max_gaussians,
-                                                                    .import_memory = load->import_memory});
+    world original;
+    const load_options *load = &o->frame.load;
+    if (f->world.count > 1)
+        return fail(EXIT_USAGE, "--compare takes one scene");
+    int status = world_open_file(&original, o->original, &(load_options){.max_gaussians = load->max_gaussians,
+                                                                          .import_memory = load->import_memory});
     if (status)
         return status;
-    status = quality_measure(&f->quality, &f->scene, &original, &o->view, o->views ? (long)o->views : 8);
+    status = quality_measure(&f->quality, &f->world, &original, &o->frame, o->views ? (long)o->views : 8);
     f->compared = !status;
-    free_scene(&original);
+    world_close(&original);
     return status;
+}
+
+/* Of .fxs files, every checksum. */
+static int check_files(const world *w)
+{
+    fxs_message message;
+    for (uint32_t i = 0; i < w->placed.file_count; i++) {
+        const loaded_scene *s = &w->scenes[i];
+        if (s->mapping.data && fxs_file_check(s->path, s->packed.data, s->packed.bytes, 1, &message))
+            return fail(EXIT_FAILED, "%s", message.text);
+    }
+    return 0;
 }
 
 static int find(findings *f, const info_options *o)
 {
-    fxs_message message;
     fxs_context context;
-    const fxs_packed_scene *packed = &f->scene.packed;
-    if (f->scene.mapping.data && fxs_file_check(o->scene, packed->data, packed->bytes, 1, &message))
-        return fail(EXIT_FAILED, "%s", message.text);
-    f->width = o->view.width ? o->view.width : 1280;
-    f->height = o->view.height ? o->view.height : 720;
+    if (check_files(&f->world))
+        return EXIT_FAILED;
+    f->width = o->frame.width ? o->frame.width : 1280;
+    f->height = o->frame.height ? o->frame.height : 720;
     const fxs_config config = {.run = fxs_pool_run, .threads = fxs_processors()};   /* only asked for sizes */
-    f->limit = o->view.max_memory;
+    f->limit = o->frame.max_memory;
     fxs_init(&context, &config);
-    fxs_object object;
-    fxs_object_init(&object, &f->scene.scene);
-    fxs_frame_bytes(&context, &object, 1, f->width, f->height, &f->memory);
+    fxs_frame_bytes(&context, f->world.objects, f->world.count, f->width, f->height, &f->memory);
     return o->original ? compare(f, o) : 0;
 }
 
 int command_info(int argc, char **argv)
 {
-    info_options o;
+    static info_options o;
     findings f = {.compared = 0};
     int status = take_options(&o, argc, argv);
-    if (!status && !(status = load_scene(&f.scene, o.scene, &o.view.load))) {
+    if (!status && !(status = world_open(&f.world, &o.frame.world, &o.frame.load))) {
         status = find(&f, &o);
         if (!status)
             (o.json ? print_json : print_text)(&f);
         if (f.compared)
             quality_free(&f.quality);
-        free_scene(&f.scene);
+        world_close(&f.world);
     }
     return status;
 }

@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "../port/files/output.h"
-#include "command.h"
+#include "renderer.h"
 
 static const struct {
     const char *name, *does;
@@ -36,15 +36,15 @@ static void help(void)
 
 static int kernels(void)
 {
-    view_options options;
+    frame_options options;
     renderer r;
-    view_options_default(&options);
+    frame_options_default(&options);
     options.threads = 1;
-    if (renderer_init(&r, &options))
+    if (renderer_open(&r, &options))
         return EXIT_FAILED;
     for (int i = 0; i < FXS_STAGES; i++)
-        printf("%-8s %s\n", fxs_stage_name((enum fxs_stage)i), r.context.kernels.name[i]);
-    renderer_free(&r);
+        printf("%-8s %s\n", fxs_stage_name((enum fxs_stage)i), r.backend->version(r.self, (enum fxs_stage)i));
+    renderer_close(&r);
     return EXIT_OK;
 }
 

@@ -6,22 +6,20 @@
 
 #define FARTHEST 134000000.0        /* a camera may be within 2^27 units */
 
-static int measure_view(quality_view *out, renderer *r, const loaded_scene *const scenes[2], const fxs_file_view *view,
-                        const fxs_options *options)
+/* Of a scene and its original, to be compared. */
+typedef struct pair {
+    const world *worlds[2];
+    picture pictures[2];
+} pair;
+
+static int measure_view(quality_view *out, renderer *r, pair *p, const fxs_file_view *view, const fxs_options *options)
 {
-    fxs_stats stats;
-    size_t bytes = (size_t)view->width * (size_t)view->height * 4;
-    uint8_t *original = 0;
-    int status = renderer_render(r, scenes[1], view, options, &stats);
-    if (!status && !(original = malloc(bytes)))
+    int status = 0;
+    for (int i = 0; i < 2 && !status; i++)
+        status = renderer_render(r, p->worlds[i], view, options, &p->pictures[i], 0);
+    if (!status && fxs_metrics_compare(p->pictures[0].pixels, p->pictures[1].pixels, view->width, view->height,
+                                       &out->metrics))
         status = fail(EXIT_FAILED, "out of memory");
-    if (!status) {
-        memcpy(original, r->pixels, bytes);
-        status = renderer_render(r, scenes[0], view, options, &stats);
-    }
-    if (!status && fxs_metrics_compare(r->pixels, original, view->width, view->height, &out->metrics))
-        status = fail(EXIT_FAILED, "out of memory");
-    free(original);
     memcpy(out->name, view->name, sizeof out->name);
     out->width = view->width;
     out->height = view->height;
@@ -30,8 +28,8 @@ static int measure_view(quality_view *out, renderer *r, const loaded_scene *cons
 
 /* View i of q->count: one of the file, or the only one, turned about the middle of the scene, nearer to it or farther
    off. */
-static fxs_file_view choose(quality *q, long i, const fxs_file_view *views, long given, const view_options *options,
-                            const fxs_pack_report *report)
+static fxs_file_view choose(quality *q, long i, const fxs_file_view *views, long given, const frame_options *options,
+                            const world *original)
 {
     static const struct {
         const char *name;
@@ -43,7 +41,7 @@ static fxs_file_view choose(quality *q, long i, const fxs_file_view *views, long
         return views[q->views[i].index];
     fxs_file_view turned = views[0];
     for (int k = 0; k < 3; k++) {
-        middle[k] = (report->inner_low[k] + report->inner_high[k]) / 2;
+        middle[k] = (original->inner_low[k] + original->inner_high[k]) / 2;
         turned.position[k] = middle[k] + distances[i % 3].factor * (turned.position[k] - middle[k]);
     }
     fxs_view_orbit(&turned, middle, options->up, 6.283185307179586 * (double)i / (double)q->count);
@@ -77,36 +75,36 @@ static void find_means_and_worst(quality *q)
     q->psnr = different ? q->psnr / (double)different : INFINITY;
 }
 
-static int measure(quality *q, const loaded_scene *const scenes[2], const fxs_file_view *views, long given,
-                   const view_options *options)
+static int measure(quality *q, pair *p, const fxs_file_view *views, long given, const frame_options *options)
 {
     renderer r;
     char label[] = "comparing";
-    int status = renderer_init(&r, options);
+    int status = renderer_open(&r, options);
     for (long i = 0; i < q->count && !status; i++) {
-        fxs_file_view view = choose(q, i, views, given, options, &scenes[1]->report);
+        fxs_file_view view = choose(q, i, views, given, options, p->worlds[1]);
         progress_bar(label, (double)i / (double)q->count);
-        status = measure_view(&q->views[i], &r, scenes, &view, &options->render);
+        status = measure_view(&q->views[i], &r, p, &view, &options->render);
     }
     progress_end();
-    renderer_free(&r);
+    renderer_close(&r);
+    picture_free(&p->pictures[0]);
+    picture_free(&p->pictures[1]);
     return status;
 }
 
-int quality_measure(quality *q, const loaded_scene *scene, const loaded_scene *original, const view_options *options,
-                    long wanted)
+int quality_measure(quality *q, const world *scene, const world *original, const frame_options *options, long wanted)
 {
-    const loaded_scene *const scenes[2] = {scene, original};
-    view_options all = *options;
+    pair p = {.worlds = {scene, original}};
+    frame_options all = *options;
     fxs_file_view *views = 0;
     all.view = "all";
     memset(q, 0, sizeof *q);
-    long given = choose_views(&all, &original->report, &views);
+    long given = choose_views(&all, original, &views);
     if (given < 0)
         return EXIT_FAILED;
     q->count = options->cameras && given < wanted ? given : wanted;
     q->views = calloc((size_t)q->count, sizeof *q->views);
-    int status = q->views ? measure(q, scenes, views, given, options) : fail(EXIT_FAILED, "out of memory");
+    int status = q->views ? measure(q, &p, views, given, options) : fail(EXIT_FAILED, "out of memory");
     free(views);
     if (status)
         quality_free(q);

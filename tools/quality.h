@@ -2,8 +2,8 @@
 #ifndef QUALITY_H
 #define QUALITY_H
 
-#include "command.h"
 #include "metrics.h"
+#include "renderer.h"
 
 typedef struct quality_view {
     char name[128];
@@ -24,8 +24,7 @@ typedef struct quality {
    evenly turned about the middle of the original and in turn at middle distance (as render frames the scene), close
    (0.35 of that, where the scene is larger than the picture) and far (twice that). Returns 0 and what quality_free
    frees, or prints why not and returns EXIT_FAILED. */
-int quality_measure(quality *q, const loaded_scene *scene, const loaded_scene *original, const view_options *options,
-                    long wanted);
+int quality_measure(quality *q, const world *scene, const world *original, const frame_options *options, long wanted);
 
 void quality_print_text(const quality *q);
 void quality_print_json(const quality *q);   /* an object, without a newline */

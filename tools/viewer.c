@@ -5,17 +5,13 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "../port/backend/backends.h"
 #include "../port/image/image_file.h"
 #include "../port/posix/clock.h"
 #include "../port/window/motion.h"
-#include "window.h"
+#include "view.h"
 
 enum { OVERLAY_WIDTH = 480, OVERLAY_HEIGHT = 440, STILL_MS = 150, FRAME_MS = 16 };
-
-/* The names that --backend takes: each renders into the same RGBA buffer. One that is not here is passed over. */
-static const char *const backends[] = {"cpu", "gles", "gles-quads"};
-
-enum { BACKENDS = sizeof backends / sizeof *backends };
 
 static const char *cutoff_name(enum fxs_cutoff cutoff)
 {
@@ -27,19 +23,19 @@ static const char *cutoff_name(enum fxs_cutoff cutoff)
 /* Shows a view as it came. The pivot is the point looked at, or the one ahead that is nearest to the scene's middle. */
 static void show_view(viewer *v, long index)
 {
-    const fxs_pack_report *report = &v->scene.report;
+    const double *low = v->world.inner_low, *high = v->world.inner_high;
     const fxs_file_view *view = &v->views[index];
     double ahead = 0, square = 0;
     for (int i = 0; i < 3; i++) {
-        double half = (report->inner_high[i] - report->inner_low[i]) / 2;
-        double target = v->options.has_look ? v->options.look[i] : report->inner_low[i] + half;
+        double half = (high[i] - low[i]) / 2;
+        double target = v->options.has_look ? v->options.look[i] : low[i] + half;
         square += half * half;
         ahead += (target - view->position[i]) * view->rotation[6 + i];
     }
     v->radius = fmax(sqrt(square), 1e-3);
     v->distance = ahead > 0.01 * v->radius ? ahead : v->radius;
     v->view = *view;
-    v->view.near = v->options.near > 0 ? v->options.near : fxs_near_of_box(report->inner_low, report->inner_high);
+    v->view.near = v->options.near > 0 ? v->options.near : fxs_near_of_box(low, high);
     v->index = index;
     v->changed = 1;
 }
@@ -55,35 +51,40 @@ static void find_up(viewer *v)
     memcpy(v->up, of_views ? mean : v->options.up, sizeof v->up);
 }
 
-/* Puts another scene and its views in the place of those there are, which stay where that fails. */
-static int take_scene(viewer *v, const char *path, const view_options *options)
+/* Puts other scenes and their views in the place of those there are, which stay where that fails. `path`, or null: a
+   file in place of those that the options name. */
+static int take_scenes_of(viewer *v, const char *path, const frame_options *options)
 {
-    loaded_scene loaded;
+    world w;
     fxs_file_view *views = 0;
-    view_options all = *options;
+    frame_options all = *options;
     all.view = "all";
-    char *copy = strdup(path);
+    const char *name = path ? path : options->world.file ? options->world.file : options->world.scenes[0];
+    char *copy = strdup(name);
     if (!copy)
-        return fail(EXIT_FAILED, "%s: out of memory", path);
-    if (load_scene(&loaded, path, &options->load)) {
+        return fail(EXIT_FAILED, "%s: out of memory", name);
+    if (path ? world_open_file(&w, path, &options->load) : world_open(&w, &options->world, &options->load)) {
         free(copy);
         return EXIT_FAILED;
     }
-    long count = choose_views(&all, &loaded.report, &views), index = count < 0 ? -1 : find_view(options, views, count);
+    long count = choose_views(&all, &w, &views), index = count < 0 ? -1 : find_view(options, views, count);
     if (index < 0) {
-        free_scene(&loaded);
+        world_close(&w);
         free(views);
         free(copy);
         return EXIT_FAILED;
     }
-    free_scene(&v->scene);
+    renderer_forget(&v->renderer, &v->world);
+    world_close(&v->world);
     free(v->views);
     free(v->path);
-    v->scene = loaded;
+    v->world = w;
     v->views = views;
     v->view_count = count;
     v->path = copy;
     v->options = *options;
+    if (path)
+        v->options.world = (world_options){.scenes = &v->path, .scene_count = 1};
     find_up(v);
     show_view(v, index);
     return 0;
@@ -91,10 +92,10 @@ static int take_scene(viewer *v, const char *path, const view_options *options)
 
 static void drop(viewer *v, const char *path)
 {
-    view_options options = v->options;
+    frame_options options = v->options;
     options.cameras = options.view = 0;
     options.has_eye = options.has_look = 0;
-    if (take_scene(v, path, &options)) {
+    if (take_scenes_of(v, path, &options)) {
         snprintf(v->note, sizeof v->note, "cannot open %.128s: see the terminal", path);
         v->changed = 1;
     }
@@ -118,7 +119,7 @@ static fxs_file_view fit_view(const viewer *v, int divisor)
 static int render(viewer *v, const fxs_file_view *view)
 {
     fxs_stats stats;
-    if (renderer_render(&v->renderer, &v->scene, view, &v->options.render, &stats))
+    if (renderer_render(&v->renderer, &v->world, view, &v->options.render, &v->picture, &stats))
         return EXIT_FAILED;
     fxs_frame_times_add(&v->times, &stats);
     return 0;
@@ -160,8 +161,8 @@ static int draw(viewer *v)
     int status = render(v, &view);
     if (status)
         snprintf(v->note, sizeof v->note, "not rendered: see the terminal");
-    const fxs_picture picture = {v->renderer.pixels, view.width, view.height};
-    if (!status && fxs_window_show(v->window, &picture, draw_overlay(v), &message))
+    const fxs_picture shown = {v->picture.pixels, view.width, view.height};
+    if (!status && fxs_window_show(v->window, &shown, draw_overlay(v), &message))
         status = fail(EXIT_FAILED, "%s", message.text);
     draw_title(v);
     return status;
@@ -181,6 +182,16 @@ static void name_beside(const viewer *v, char *path, size_t size)
     }
 }
 
+static void print_scenes(const world_options *o)
+{
+    if (o->file)
+        printf(" --scene %s", o->file);
+    for (int i = 0; i < o->scene_count; i++)
+        printf(" %s", o->scenes[i]);
+    for (int i = 0; i < o->place_count; i++)
+        printf(" --place %s", o->places[i]);
+}
+
 /* The command that renders the picture again, to the byte where pixels are square and the axis in the middle. */
 static void print_command(const viewer *v, const fxs_file_view *view, const char *path)
 {
@@ -188,21 +199,27 @@ static void print_command(const viewer *v, const fxs_file_view *view, const char
     const fxs_file_view *start = &v->views[v->index];
     const double *e = view->position, *down = view->rotation + 3, *ahead = view->rotation + 6, d = v->distance;
     int sized = v->options.width || view->width != start->width || view->height != start->height;
-    printf("fixsplat render %s --cutoff %s --sh-degree %d --bg %02x%02x%02x", v->path, cutoff_name(render->cutoff),
-           render->sh_degree, render->background[0], render->background[1], render->background[2]);
+    printf("fixsplat render");
+    print_scenes(&v->options.world);
+    printf(" --cutoff %s --sh-degree %d --bg %02x%02x%02x", cutoff_name(render->cutoff), render->sh_degree,
+           render->background[0], render->background[1], render->background[2]);
     if (v->options.cameras && !memcmp(e, start->position, sizeof view->position) &&
         !memcmp(view->rotation, start->rotation, sizeof view->rotation))
         printf(" --cameras %s --view %ld", v->options.cameras, v->index);
     else {
         printf(" --eye %.17g,%.17g,%.17g --look %.17g,%.17g,%.17g", e[0], e[1], e[2], e[0] + d * ahead[0],
                e[1] + d * ahead[1], e[2] + d * ahead[2]);
-        printf(" --up %.17g,%.17g,%.17g --fov %.17g", -down[0], -down[1], -down[2],
-               2 * atan(view->height / 2.0 / view->fy) * 180 / acos(-1));
+        printf(" --up %.17g,%.17g,%.17g", -down[0], -down[1], -down[2]);
+        if (view->projection == FXS_PERSPECTIVE)
+            printf(" --fov %.17g", 2 * atan(view->height / 2.0 / view->fy) * 180 / acos(-1));
         sized = 1;
     }
+    if (view->projection == FXS_ORTHOGRAPHIC)
+        printf(" --ortho %.17g", view->height / view->fy);
     if (sized)
         printf(" --size %dx%d", view->width, view->height);
-    printf(" --near %.17g --lod %d --profile %s -o %s\n", view->near, v->options.load.lod, profile_name(v->options.load.profile), path);
+    printf(" --near %.17g --lod %d --profile %s -o %s\n", view->near, v->options.load.lod,
+           profile_name(v->options.load.profile), path);
     fflush(stdout);
 }
 
@@ -218,7 +235,7 @@ static void screenshot(viewer *v, int key)
         name_beside(v, path, sizeof path);
     if (render(v, &view))
         snprintf(v->note, sizeof v->note, "no screenshot: see the terminal");
-    else if (fxs_image_file_write(path, v->renderer.pixels, view.width, view.height, &message)) {
+    else if (fxs_image_file_write(path, v->picture.pixels, view.width, view.height, &message)) {
         fail(0, "%s", message.text);
         snprintf(v->note, sizeof v->note, "%.200s", message.text);
     } else {
@@ -256,16 +273,17 @@ static void choose_degree(viewer *v, int key)
 static void next_backend(viewer *v, int key)
 {
     (void)key;
-    int now = 0;
-    while (now < BACKENDS && strcmp(backends[now], v->options.backend))
+    int now = 0, count = 0;
+    while (fxs_backend_at(count))
+        count++;
+    while (fxs_backend_at(now) != v->renderer.backend)
         now++;
-    for (int i = 1; i <= BACKENDS; i++) {
+    for (int i = 1; i <= count; i++) {
         renderer other;
-        view_options options = v->options;
-        options.backend = backends[(now + i) % BACKENDS];
-        int status = renderer_init(&other, &options);
-        renderer_free(status ? &other : &v->renderer);
-        if (!status) {
+        frame_options options = v->options;
+        options.backend = fxs_backend_at((now + i) % count)->name;
+        if (!renderer_open(&other, &options)) {
+            renderer_close(&v->renderer);
             v->renderer = other;
             v->options.backend = options.backend;
             return;
@@ -381,7 +399,7 @@ void viewer_step(viewer *v, int milliseconds)
         draw(v);
 }
 
-int viewer_open(viewer *v, const view_options *options, const char *path, const char *screenshot_path)
+int viewer_open(viewer *v, const frame_options *options, const char *screenshot_path)
 {
     fxs_message message;
     memset(v, 0, sizeof *v);
@@ -389,10 +407,10 @@ int viewer_open(viewer *v, const view_options *options, const char *path, const 
     v->divisor = 2;
     v->speed = 0.5;
     v->overlay = (fxs_picture){malloc(OVERLAY_WIDTH * OVERLAY_HEIGHT * 4), OVERLAY_WIDTH, OVERLAY_HEIGHT};
-    int status = v->overlay.rgba ? renderer_init(&v->renderer, options) : fail(EXIT_FAILED, "out of memory");
+    int status = v->overlay.rgba ? renderer_open(&v->renderer, options) : fail(EXIT_FAILED, "out of memory");
     if (!status && fxs_window_open(&v->window, &message))
         status = fail(EXIT_FAILED, "%s", message.text);
-    status = status ? status : take_scene(v, path, options);
+    status = status ? status : take_scenes_of(v, 0, options);
     if (!status) {
         fxs_window_resize(v->window, v->view.width, v->view.height);
         status = draw(v);
@@ -406,8 +424,9 @@ void viewer_close(viewer *v)
 {
     if (v->window)
         fxs_window_close(v->window);
-    renderer_free(&v->renderer);
-    free_scene(&v->scene);
+    renderer_close(&v->renderer);
+    world_close(&v->world);
+    picture_free(&v->picture);
     free(v->views);
     free(v->path);
     free(v->overlay.rgba);

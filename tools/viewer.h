@@ -3,16 +3,18 @@
 #define VIEWER_H
 
 #include "../port/window/window.h"
-#include "command.h"
+#include "renderer.h"
 
 typedef struct viewer {
-    view_options options;                   /* as given; a dropped scene takes the camera out, keys change the rest */
+    frame_options options;                  /* as given; a dropped scene takes the camera out, keys change the rest */
     const char *screenshot;                 /* where to, or null: beside the scene */
     fxs_window *window;
     renderer renderer;
 
-    char *path;
-    loaded_scene scene;
+    picture picture;                        /* the last frame */
+
+    char *path;                             /* of the scene, or of the file that says which there are */
+    world world;
     fxs_file_view *views;                   /* of the camera file, or the one to start from */
     long view_count, index;                 /* the view that was moved away from */
 
@@ -32,14 +34,13 @@ typedef struct viewer {
     char note[256];                         /* shown in the title; empty: none */
 } viewer;
 
-/* Opens a scene in a window. `options`, `path` and `screenshot` (or null) as on the command line. Returns 0 and a
-   viewer for viewer_close, or prints why not and returns the exit status. */
-int viewer_open(viewer *v, const view_options *options, const char *path, const char *screenshot);
+/* Opens scenes in a window. `options` and `screenshot` (or null) as on the command line. Returns 0 and a viewer for
+   viewer_close, or prints why not and returns the exit status. The viewer stays where it is in between. */
+int viewer_open(viewer *v, const frame_options *options, const char *screenshot);
 void viewer_close(viewer *v);
 
 /* Waits up to so many milliseconds (negative: for ever) for something to do, and does it. v->quit is set at the
    end. */
 void viewer_step(viewer *v, int milliseconds);
-
 
 #endif

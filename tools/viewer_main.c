@@ -1,16 +1,16 @@
 /* fixsplat-view: what `fixsplat view` runs, with the same words. */
 #include "../port/files/output.h"
 #include "viewer.h"
-#include "window.h"
+#include "view.h"
 
 int main(int argc, char **argv)
 {
-    window_options o;
+    view_options o;
     viewer v;
     check_printed_at_exit();
-    int status = window_options_take(&o, argc, argv);
+    int status = view_options_take(&o, argc, argv);
     if (!status)
-        status = viewer_open(&v, &o.view, o.scene, o.screenshot);
+        status = viewer_open(&v, &o.frame, o.screenshot);
     if (status)
         return status;
     fxs_output_remove_at_signals();   /* but for those that the window takes as a wish to close it */

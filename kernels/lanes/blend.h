@@ -1,5 +1,5 @@
-/* blend and trace, 2 * LANES pixels at a time: a step is one such vector, in the order of the tile's pixels. Steps of a row or
- * two are taken one after the other. Of shorter ones (LANES 4) those are left out that are closed, or on a row that the
+/* blend and trace, 2 * LANES pixels at a time: a step is one such vector, in the order of the tile's pixels. Steps of a
+ * row or two are taken one after the other. Of shorter ones (LANES 4) those are left out that are closed, or on a row that the
  * ellipse does not reach, or have no pixel in its reach. An entry has to touch a row of the tile. */
 #include "stages.h"
 

@@ -46,11 +46,17 @@ void fxs_motion_fly(fxs_file_view *view, double right, double down, double forwa
 
 void fxs_motion_pan(fxs_file_view *view, double distance, double right, double down)
 {
-    fxs_motion_fly(view, -right * distance / view->fx, -down * distance / view->fy, 0);
+    const double depth = view->projection == FXS_ORTHOGRAPHIC ? 1 : distance;
+    fxs_motion_fly(view, -right * depth / view->fx, -down * depth / view->fy, 0);
 }
 
 void fxs_motion_zoom(fxs_file_view *view, double *distance, double factor)
 {
+    if (view->projection == FXS_ORTHOGRAPHIC) {
+        view->fx /= factor;
+        view->fy /= factor;
+        return;
+    }
     fxs_motion_fly(view, 0, 0, *distance * (1 - factor));
     *distance *= factor;
 }

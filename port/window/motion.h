@@ -18,7 +18,7 @@ void fxs_motion_fly(fxs_file_view *view, double right, double down, double forwa
 /* Moves the camera so that the pivot shifts by so many of the view's pixels. */
 void fxs_motion_pan(fxs_file_view *view, double distance, double right, double down);
 
-/* Makes the distance `factor` times as long; the pivot stays. */
+/* Makes the distance `factor` times as long; the pivot stays. Of an orthographic view, what a pixel shows instead. */
 void fxs_motion_zoom(fxs_file_view *view, double *distance, double factor);
 
 #endif

@@ -69,16 +69,19 @@ cameras wide.json "$(inria_camera front 0 128 32 120)"
 
 fails "no command" 2 "no command"
 fails "unknown command" 2 "'paint'" paint
-fails "no scene" 2 "render takes one scene" render
-fails "two scenes" 2 "render takes one scene" render knot.ply knot.ply $small --hash
+for command in render view bench info; do
+    fails "$command: no scene" 2 "$command takes a scene file, or several" $command --lod 0
+done
 fails "no output" 2 "where to" render knot.ply
 succeeds "version" --version
 succeeds "help" --help
 
 # The options of each command stand in its table for getopt_long.
 for command in render view bench info convert compare make-scene; do
-    source=$root/tools/$(echo $command | sed -e 's/^view$/window/' -e 's/-/_/').c
-    grep -q VIEW_OPTIONS "$source" && source="$source $root/tools/command.h"
+    source=$root/tools/$(echo $command | sed -e 's/-/_/').c
+    grep -q FRAME_OPTIONS "$source" && source="$source $root/tools/options.h"
+    grep -Eq '(IMPORT|FRAME)_OPTIONS' $source && source="$source $root/tools/scene.h"
+    grep -Eq '(WORLD|FRAME)_OPTIONS' $source && source="$source $root/tools/world.h"
     succeeds "$command --help" $command --help
     check "$command --help has examples" grep -q '^Examples:' logs/out
     for option in $(sed -n 's/{"/\n{"/gp' $source | sed -n 's/^{"\([a-z-]*\)", \(no\|required\)_argument.*/\1/p'); do
@@ -144,7 +147,8 @@ for cpu in all c sse41 avx2 avx512 neon sse41,avx2; do
     fi
 done
 for memory in 300000 400K 1M 3G; do
-    check "one hash with --max-memory $memory" equal "$(hash_of knot.ply $small --threads 2 --max-memory $memory)" "$hash"
+    check "one hash with --max-memory $memory" equal \
+        "$(hash_of knot.ply $small --threads 2 --max-memory $memory)" "$hash"
 done
 check "one hash with --max-memory, square" equal \
     "$(hash_of knot.ply $small --cutoff square --threads 2 --max-memory 300000)" \
@@ -426,7 +430,8 @@ check "--stats: keys" keys logs/out gaussians visible entries bands runs pairs_e
     $(printf 'stages_ms.%s ' $stages) $(printf 'bytes.%s ' scene splats keys tiles entries frame)
 check "--stats: Gaussians" grep -q '"gaussians": 2000,' logs/out
 succeeds "info" info knot.ply
-for said in '1K: 1024 bytes: too little' '1M: 1048576 bytes: enough for views with' '1G: 1073741824 bytes: enough for any'; do
+for said in '1K: 1024 bytes: too little' '1M: 1048576 bytes: enough for views with' \
+    '1G: 1073741824 bytes: enough for any'; do
     succeeds "info --max-memory ${said%%:*}" info knot.ply --max-memory ${said%%:*}
     check "info --max-memory ${said%%:*}: says" grep -q -- "^--max-memory *${said#*: }" logs/out
 done
@@ -657,6 +662,215 @@ fails "make-scene of no such name" 2 "'castle'" make-scene castle -o a.ply
 fails "make-scene without -o" 2 "-o OUT" make-scene knot
 
 check "no temporary file is left" equal "$(find . -name '*.tmp*')" ""
+
+# ---- Several scenes --------------------------------------------------------------------------------------------------
+
+"$fixsplat" make-scene cubes --count 500 -o cubes.ply
+mkdir folder
+cp cubes.ply folder/inner.ply
+front='--size 64x48 --eye 0,-2,-12 --look 0,0,0'
+both=$(hash_of knot.ply cubes.ply $front --place cubes.ply:3,0.5,-1,0.6,0,0.8,0,1.5)
+check "two scenes: both are seen" differ "$both" "$(hash_of knot.ply $front)"
+check "two scenes: by number" equal "$(hash_of knot.ply cubes.ply $front --place 1:3,0.5,-1,0.6,0,0.8,0,1.5)" "$both"
+check "two scenes: a quaternion of any length" equal \
+    "$(hash_of knot.ply cubes.ply $front --place 1:3,0.5,-1,3,0,4,0,1.5)" "$both"
+check "two scenes: the place shows" differ "$(hash_of knot.ply cubes.ply $front)" "$both"
+check "a scene placed where it is" equal "$(hash_of knot.ply $small --place 0:0,0,0,1,0,0,0,1)" "$hash_small"
+check "a scene moved, and the camera with it" equal \
+    "$(hash_of knot.ply --size 64x48 --eye 1,-4,-9 --look 1,-2,3 --place knot.ply:1,-2,3)" \
+    "$(hash_of knot.ply --size 64x48 --eye 0,-2,-12 --look 0,0,0)"
+check "a scene placed twice, or given twice" equal "$(hash_of cubes.ply $front --place 0:3,0,0 --place 0:-3,0,0)" \
+    "$(hash_of cubes.ply ./cubes.ply $front --place 0:3,0,0 --place 1:-3,0,0)"
+for how in '--cpu c' '--threads 1' '--threads 7' '--max-memory 400K'; do
+    check "two scenes: one hash with $how" equal \
+        "$(hash_of knot.ply cubes.ply $front --place 1:3,0.5,-1,0.6,0,0.8,0,1.5 $how)" "$both"
+done
+succeeds "two scenes: framed" render knot.ply cubes.ply --place 1:50,0,0 $small -o two.png
+check "two scenes: farther away" differ "$(hash_of knot.ply cubes.ply --place 1:50,0,0 $small)" \
+    "$(hash_of knot.ply cubes.ply $small)"
+succeeds "two scenes: bench" bench knot.ply cubes.ply $small --json
+check "two scenes: bench counts both" grep -q '"gaussians": 2500, ' logs/out
+succeeds "two scenes: info" info knot.ply cubes.ply --place 1:50,0,0
+check "two scenes: info has their boxes" grep -q '^object 1 *cubes.ply, id 1: 4[0-9]' logs/out
+succeeds "two scenes: info --json" info knot.ply cubes.ply --place 1:50,0,0 --json
+check "two scenes: info --json: keys" keys logs/out scenes objects frame.bytes
+succeeds "two scenes: --stats" render knot.ply cubes.ply $small --stats
+
+# json FILE OBJECTS: a world.
+json() { echo "{\"objects\": [$2]}" >"$1"; }
+if "$fixsplat" render --scene cut.json --hash 2>&1 | grep -q 'built without'; then
+    skip "--scene" "no cJSON"
+else
+    json world.json '{"file": "knot.ply"},
+        {"file": "cubes.ply", "translation": [3, 0.5, -1], "rotation": [0.6, 0, 0.8, 0], "scale": 1.5}'
+    check "--scene" equal "$(hash_of --scene world.json $front)" "$both"
+    json folder/world.json '{"file": "../knot.ply"},
+        {"file": "inner.ply", "translation": [3, 0.5, -1], "rotation": [6, 0, 8, 0], "scale": 1.5, "id": 7,
+        "visible": true, "opacity": 1, "tint": [1, 1, 1], "crops": []}, {"file": "inner.ply", "visible": false}'
+    check "--scene: paths beside it" equal "$(hash_of --scene folder/world.json $front)" "$both"
+    check "--scene: from within its folder" equal "$(cd folder && hash_of --scene world.json $front)" "$both"
+    for change in '"opacity": 0.5' '"tint": [2, 0.5, 1]' '"visible": false' \
+        '"crops": [{"low": [-9, -9, -9], "high": [0, 9, 9], "keep": "inside"}]' \
+        '"crops": [{"low": [-9, -9, -9], "high": [0, 9, 9], "keep": "outside"}]'; do
+        json changed.json "{\"file\": \"knot.ply\", $change}, {\"file\": \"cubes.ply\"}"
+        check "--scene: $change" differ "$(hash_of --scene changed.json $front)" "$(hash_of knot.ply cubes.ply $front)"
+    done
+    while read -r words change; do
+        json bad.json "{\"file\": \"knot.ply\"}, {$change}"
+        fails "--scene: $change" 1 "^fixsplat: bad.json: object 1: .*$words" render --scene bad.json --hash
+    done <<'END'
+file "scale": 1
+file "file": 3
+file "file": ""
+known "file": "knot.ply", "colour": 1
+translation "file": "knot.ply", "translation": [1, 2]
+translation "file": "knot.ply", "translation": [1, 2, 1e9]
+translation "file": "knot.ply", "translation": [1, 2, 1e999]
+rotation "file": "knot.ply", "rotation": [0, 0, 0, 0]
+rotation "file": "knot.ply", "rotation": [1, 0, 0]
+rotation "file": "knot.ply", "rotation": "none"
+scale "file": "knot.ply", "scale": 0
+scale "file": "knot.ply", "scale": -1
+scale "file": "knot.ply", "scale": "1"
+scale "file": "knot.ply", "scale": 65537
+opacity "file": "knot.ply", "opacity": 1.5
+opacity "file": "knot.ply", "opacity": [1]
+tint "file": "knot.ply", "tint": [1, 2, 5]
+tint "file": "knot.ply", "tint": [1, -2, 1]
+visible "file": "knot.ply", "visible": 1
+id "file": "knot.ply", "id": -1
+id "file": "knot.ply", "id": 1.5
+id "file": "knot.ply", "id": 4294967295
+crops "file": "knot.ply", "crops": {}
+crop "file": "knot.ply", "crops": [1]
+crop "file": "knot.ply", "crops": [{"low": [0, 0, 0], "high": [1, 1, 1]}]
+crop "file": "knot.ply", "crops": [{"low": [0, 0], "high": [1, 1, 1], "keep": "inside"}]
+crop "file": "knot.ply", "crops": [{"low": [0, 0, 0], "high": [1, 1, 1], "keep": "both"}]
+crop "file": "knot.ply", "crops": [{"low": [0, 0, 0], "high": [1, 1, 1], "keep": "inside", "not": true}]
+crops "file": "knot.ply", "crops": [{"low": [0, 0, 2], "high": [1, 1, 1], "keep": "inside"}]
+END
+    box='{"low": [0, 0, 0], "high": [1, 1, 1], "keep": "outside"}'
+    json bad.json "{\"file\": \"knot.ply\", \"crops\": [$box, $box, $box, $box, $box, $box, $box, $box, $box]}"
+    fails "--scene: nine crops" 1 "object 0: more than 8 crops" render --scene bad.json --hash
+    for text in '[]' '{}' '{"objects": {}}' '{"objects": []}' '{"objects": [], "more": 1}' '{"objects": [1]}' \
+        '{"objects": [{"file": "knot.ply"}]' 'x' ''; do
+        echo "$text" >bad.json
+        fails "--scene: $text" 1 "^fixsplat: bad.json: " render --scene bad.json --hash
+    done
+    json bad.json '{"file": "none.ply"}'
+    fails "--scene: a file that is missing" 1 "none.ply: No such file" render --scene bad.json --hash
+    fails "--scene that is missing" 1 "none.json: No such file" render --scene none.json --hash
+    fails "--scene and a scene" 2 "--scene says" render knot.ply --scene world.json --hash
+    fails "--scene and --place" 2 "--scene says" render --scene world.json --place 0:1,2,3 --hash
+    succeeds "--scene: info" info --scene world.json --json
+    check "--scene: info --json: keys" keys logs/out scenes objects
+    succeeds "--scene: bench" bench --scene world.json $small
+    json baked.json '{"file": "cubes.ply", "tint": [0.5, 2, 1], "opacity": 0.7, "rotation": [0.6, 0, 0.8, 0],
+        "crops": [{"low": [-9, -9, -9], "high": [0, 9, 9], "keep": "outside"}]},
+        {"file": "knot.ply", "translation": [2, 0, 0], "rotation": [1, 1, 0, 0], "scale": 0.5}, {"file": "knot.ply"},
+        {"file": "knot.ply", "visible": false}'
+    for out in ply fxs; do
+        succeeds "convert --scene to .$out" convert --scene baked.json baked.$out
+    done
+    run convert --scene baked.json baked.spz
+    check "convert --scene to .spz" [ $status = 0 ]
+    "$fixsplat" render --scene baked.json --size 320x240 --eye 0,-2,-12 --look 0,0,0 -o objects.ppm
+    for out in ply fxs; do
+        "$fixsplat" render baked.$out --size 320x240 --eye 0,-2,-12 --look 0,0,0 -o baked.ppm
+        check "convert --scene to .$out: PSNR against the objects" at_least \
+            "$("$fixsplat" compare baked.ppm objects.ppm | sed 's/PSNR \([0-9.]*\).*/\1/')" 54
+    done
+    json none.json '{"file": "knot.ply", "visible": false}'
+    fails "convert: nothing is visible" 1 "none of the objects is visible" convert --scene none.json x.ply
+    json none.json '{"file": "knot.ply", "crops": [{"low": [90, 90, 90], "high": [91, 91, 91], "keep": "inside"}]}'
+    fails "convert: cropped away" 1 "the crops leave none" convert --scene none.json x.ply
+    succeeds "render: cropped away" render --scene none.json $small --hash
+    json packed.json '{"file": "knot.fxs"}, {"file": "knot.ply"}'
+    cp knot.ply knot.fxs && "$fixsplat" convert knot.ply knot.fxs
+    fails "convert: of packed scenes" 1 "knot.fxs: an .fxs file is not converted" convert --scene packed.json x.ply
+    check "--scene: packed and not" differ "$(hash_of --scene packed.json $small)" "$hash_small"
+    rm -f none.json
+fi
+succeeds "convert: two scenes" convert knot.ply cubes.ply two.ply --place 1:3,0,0
+check "convert: two scenes: all of them" grep -q '^element vertex 2500' two.ply
+for bad in '0' '0:' '0:1,2' '0:1,2,3,4' '0:1,2,3,1,0,0' '0:1,2,3,1,0,0,0,1,1' '0:1,2,nan' '0:x,y,z' 'none:1,2,3' \
+    '2:1,2,3' ':1,2,3' '0:1,2,3,0,0,0,0' '0:1,2,3,1,0,0,0,0' '0:1,2,3,1,0,0,0,-1' '0:1,2,1e9'; do
+    fails "--place $bad" 2 "--place $bad: " render knot.ply cubes.ply --place $bad --hash
+done
+
+# ---- Depths, ids, picks, other cameras -------------------------------------------------------------------------------
+
+succeeds "--depth .pfm" render knot.ply $small --depth depth.pfm
+check "--depth .pfm: header" equal "$(head -n 3 depth.pfm | tr '\n' ' ')" "Pf 64 48 -1.0 "
+check "--depth .pfm: its bytes" equal "$(($(wc -c <depth.pfm)))" $((14 + 64 * 48 * 4))
+succeeds "--depth .png" render knot.ply $small --depth depth.png
+check "--depth .png: the scale is printed" grep -Eq '^depth.png: 65535 is a depth of [0-9.]+$' logs/out
+check "--depth .png: 16 bits grey" equal "$(od -An -tu1 -j16 -N10 depth.png | tr -s ' ')" " 0 0 0 64 0 0 0 48 16 0"
+succeeds "--depth-range" render knot.ply $small --depth ranged.png --depth-range 30
+check "--depth-range: nothing to print" [ ! -s logs/out ]
+check "--depth-range: another scale" differ "$(cksum <ranged.png)" "$(cksum <depth.png)"
+succeeds "--depth-kind mean" render knot.ply $small --depth mean.pfm --depth-kind mean
+check "--depth-kind mean is another" differ "$(cksum <mean.pfm)" "$(cksum <depth.pfm)"
+for how in '--cpu c' '--threads 5' '--max-memory 400K'; do
+    "$fixsplat" render knot.ply $small --depth other.pfm --ids other.raw $how
+    "$fixsplat" render knot.ply $small --ids ids.raw
+    check "depths with $how" cmp other.pfm depth.pfm
+    check "ids with $how" cmp other.raw ids.raw
+done
+check "--ids .raw: its bytes" equal "$(($(wc -c <ids.raw)))" $((64 * 48 * 8))
+succeeds "--ids .png" render knot.ply $small --ids ids.png --depth depth.png --depth-range 9 -o knot.png --hash
+check "--ids: the picture is the same" equal "$(cat logs/out)" "$hash_small"
+succeeds "--pick" render knot.ply cubes.ply $front --pick 32,24
+check "--pick: a line" grep -Eq \
+    '^32,24: object [01], (knot|cubes).ply, Gaussian [0-9]+, id [01], depth [0-9.]+, position ' logs/out
+succeeds "--pick --json" render knot.ply $front --pick 32,24 --json
+check "--pick --json: keys" keys logs/out x y object file gaussian id depth position
+"$fixsplat" render knot.ply $front --ids ids.raw
+check "--pick: as --ids" equal "$(sed 's/.*"gaussian": \([0-9]*\),.*/\1/' logs/out)" \
+    "$(od -An -tu4 -j$((8 * (24 * 64 + 32) + 4)) -N4 ids.raw | tr -d ' ')"
+succeeds "--pick of nothing" render knot.ply $small $away --pick 0,0
+check "--pick of nothing: said" equal "$(cat logs/out)" "0,0: nothing"
+fails "--pick beyond the picture" 1 "--pick 64,0: the picture is 64x48" render knot.ply $small --pick 64,0
+mkdir all
+succeeds "--view all: depths and ids" render knot.ply --cameras three.json --view all --depth all/d%d.pfm \
+    --ids all/i%d.png --pick 30,20
+check "--view all: depths and ids: the files" equal "$(ls all | tr '\n' ' ')" \
+    "d0.pfm d1.pfm d2.pfm i0.png i1.png i2.png "
+check "--view all: --pick: a line for each" equal "$(($(wc -l <logs/out)))" 3
+fails "--view all: one name for depths" 2 "x.pfm: for 3 views" \
+    render knot.ply --cameras three.json --view all --depth x.pfm
+succeeds "--stereo --depth" render knot.ply $small --stereo 0.1 --depth eyes.pfm --ids eyes.png
+check "--stereo --depth: both eyes" equal "$(sed -n 2p eyes.pfm)" "128 48"
+succeeds "--ortho" render knot.ply $small --ortho 9 -o ortho.ppm
+check "--ortho is no perspective" differ "$(hash_of knot.ply $small --ortho 9)" "$hash_small"
+check "--ortho: distance does not matter" equal \
+    "$(hash_of cubes.ply $small --eye 0,0,-20 --look 0,0,0 --ortho 9 --sh-degree 0)" \
+    "$(hash_of cubes.ply $small --eye 0,0,-40 --look 0,0,0 --ortho 9 --sh-degree 0)"
+succeeds "--panorama" render knot.ply --panorama --size 128x64 -o around.ppm
+check "--panorama: one hash with --cpu c" equal "$(hash_of knot.ply --panorama --size 128x64)" \
+    "$(hash_of knot.ply --panorama --size 128x64 --cpu c --threads 1)"
+succeeds "--panorama: two pixels" render knot.ply --panorama --size 2x1 --hash
+mkdir around
+succeeds "--panorama --view all" render knot.ply --cameras three.json --view all --panorama --size 64x32 \
+    -o around/%d.png
+succeeds "--panorama of a file's view" render knot.ply --cameras three.json --panorama -o around.ppm
+check "--panorama of a file's view: 2048x1024" equal "$(sed -n 2p around.ppm)" "2048 1024"
+succeeds "--panorama --alpha" render knot.ply --panorama --size 64x32 --alpha -o around.raw
+fails "--panorama --size 64x48" 2 "twice as wide" render knot.ply --panorama $small --hash
+for bad in stereo\ 0.1 ortho\ 3; do
+    fails "--panorama --$bad" 2 "--panorama" render knot.ply --panorama --hash --$bad
+done
+for bad in 'depth x.pfm' 'ids x.png' 'pick 1,1' stats; do
+    fails "--panorama --$bad" 2 "--panorama" render knot.ply --panorama --$bad
+done
+for bad in 'depth x.jpg' 'depth x' 'ids x.ppm' 'ids x' 'depth-kind both' 'depth-kind mean' 'depth-range 0' \
+    'depth-range -1' 'depth-range x' 'depth-range 3' 'pick 1' 'pick 1,' 'pick ,1' 'pick -1,1' 'pick 1,1,1' 'pick x,y' \
+    'pick 99999,1' 'ortho 0' 'ortho -1' 'ortho x' 'json' 'depth x.pfm --backend gles' \
+    'ids x.png --backend gles-quads' 'pick 1,1 --stereo 0.1'; do
+    fails "--$bad" 2 "" render knot.ply $small --hash --$bad
+done
+fails "--depth into no folder" 1 "none/x.pfm: cannot be written" render knot.ply $small --depth none/x.pfm
+fails "--ids into no folder" 1 "none/x.raw: cannot be written" render knot.ply $small --ids none/x.raw
 
 # ---- Real scenes -----------------------------------------------------------------------------------------------------
 

@@ -1,6 +1,6 @@
 #!/bin/sh
-# One hash for 1 to 16 threads, in more and less memory, for every instruction set, on processors that lack the newer ones (qemu-x86_64: a wrong choice is an illegal
-# instruction there), and no finding by ThreadSanitizer and Valgrind.
+# One hash for 1 to 16 threads, in more and less memory, for every instruction set, on processors that lack the newer
+# ones (qemu-x86_64: a wrong choice is an illegal instruction there), and no finding by ThreadSanitizer and Valgrind.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -29,6 +29,23 @@ for cpu in c sse41 avx2 avx512 neon sse41,avx2 avx2,avx512; do
     fi
 done
 
+# The same for several objects, with depths and ids, and for a panorama.
+objects() { set -- "$work/scene.ply" --place 0:0,0,0 --place 0:3,1,-2,1,2,3,4,1.5 --place 0:0,0,1 \
+    --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --fov 36 --size 201x103 "$@"
+    "$B/fixsplat" render "$@" --hash --depth "$work/depth.pfm" --ids "$work/ids.raw" --pick 100,50 &&
+        cksum <"$work/depth.pfm" && cksum <"$work/ids.raw" &&
+        "$B/fixsplat" render "$@" --size 200x100 --panorama --hash; }
+picture=$expected expected=$(objects --cpu c --threads 1)
+for how in '--threads 2' '--threads 7' '--threads 3 --max-memory 4800K' '--cpu sse41' '--cpu avx2' '--cpu avx512' \
+    '--cpu neon'; do
+    if [ "${how#--cpu}" = "$how" ] || objects $how >/dev/null 2>&1; then
+        same "objects, $how" objects $how
+    else
+        skip "objects, $how" "not on this processor"
+    fi
+done
+expected=$picture
+
 if have qemu-x86_64 && [ "$(uname -m)" = x86_64 ]; then
     for model in qemu64:c core2duo:c Penryn:sse41 Nehalem:sse41 Haswell:avx2; do
         chosen=$(qemu-x86_64 -cpu ${model%:*} "$B/fixsplat" --kernels 2>/dev/null | sed -n 's/^blend *//p')
@@ -43,7 +60,8 @@ else
     skip "older processors" "no qemu-x86_64 here"
 fi
 
-if echo 'int main(void) { return 0; }' | clang -fsanitize=thread -x c - -o "$work/links" 2>/dev/null && "$work/links"; then
+if echo 'int main(void) { return 0; }' | clang -fsanitize=thread -x c - -o "$work/links" 2>/dev/null &&
+    "$work/links"; then
     if make -s B="$work/tsan" CC=clang CFLAGS='-O1 -fsanitize=thread' "$work/tsan/fixsplat" \
         "$work/tsan/tests/test_threads" >"$work/log" 2>&1; then
         check "ThreadSanitizer, several callers of one context" env TSAN_OPTIONS=halt_on_error=1 \

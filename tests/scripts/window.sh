@@ -56,9 +56,10 @@ until_ 100 lines "$work/display" 1 || { fail "virtual screen" "$(cat "$work/serv
 DISPLAY=:$(cat "$work/display") SDL_VIDEODRIVER=x11 DBUS_SESSION_BUS_ADDRESS=disabled:
 export DISPLAY SDL_VIDEODRIVER DBUS_SESSION_BUS_ADDRESS
 
-# open COMMAND...: the viewer, in the background; its window has the focus.
+# open COMMAND...: the viewer with the knot and $others, in the background; its window has the focus.
+others=
 open() {
-    "$@" view "$work/knot.ply" --screenshot "$work/shot.png" --cameras "$work/cameras.json" \
+    "$@" view "$work/knot.ply" $others --screenshot "$work/shot.png" --cameras "$work/cameras.json" \
         >"$work/out" 2>"$work/errors" &
     viewer=$!
     shots=0
@@ -139,13 +140,26 @@ if open "$B/fixsplat"; then
     check "escape: status 0" [ $status = 0 ]
     check "not a word on stderr" [ ! -s "$work/errors" ]
 fi
+"$B/fixsplat" make-scene cubes --count 300 -o "$work/cubes.ply"
+others="$work/cubes.ply --place 1:3,0,-2,1,1,0,0,0.5 --place 1:-3,0,0 --ortho 12"
+if open "$B/fixsplat"; then
+    shot objects
+    same objects $others $cameras
+    xdotool click 4
+    shot nearer
+    same_again nearer
+    check "parallel rays: the wheel shows" differ objects nearer
+    close xdotool key Escape
+fi
+others=
 if open "$B/fixsplat"; then
     close kill $viewer
     check "a signal: status 0" [ $status = 0 ]
 fi
 if ! have valgrind; then
     skip Valgrind "not here"
-elif open valgrind -q --trace-children=yes --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite "$B/fixsplat"; then
+elif open valgrind -q --trace-children=yes --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite \
+    "$B/fixsplat"; then
     xdotool key g h n c v      # not b: Mesa keeps some hundred bytes
     shot checked
     close xdotool key Escape

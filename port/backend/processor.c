@@ -1,0 +1,111 @@
+#include "processor_internal.h"
+
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../posix/clock.h"
+#ifdef FXS_WITH_KERNELS
+#include "../../kernels/kernels.h"
+#endif
+
+int fxs_refuse(int error, uint64_t bytes_needed, fxs_message *why, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(why->text, sizeof why->text, format, arguments);
+    va_end(arguments);
+    why->bytes_needed = bytes_needed;
+    return error;
+}
+
+int fxs_processor_open(fxs_processor *p, const fxs_backend_options *options, const fxs_config *drawing,
+                       fxs_message *why)
+{
+    const uint32_t threads = options->threads ? options->threads : fxs_processors();
+    fxs_config config = *drawing;
+    memset(p, 0, sizeof *p);
+    if (threads > 64)
+        return fxs_refuse(FXS_ERR_ARGUMENT, 0, why, "%" PRIu32 " threads: expected 1 to 64", threads);
+    p->max_memory = options->max_memory < SIZE_MAX ? (size_t)options->max_memory : SIZE_MAX;
+    config.threads = threads;
+    config.clock = fxs_clock;
+    if (threads > 1) {
+        p->pool = fxs_pool_create(threads);
+        if (!p->pool)
+            return fxs_refuse(FXS_ERR_MEMORY, 0, why, "cannot start %" PRIu32 " threads", threads);
+        config.run = fxs_pool_run;
+        config.pool = p->pool;
+    }
+    const int error = fxs_init(&p->context, &config);
+    if (error) {
+        fxs_processor_close(p);
+        return fxs_refuse(error, 0, why, "%s", fxs_strerror(error));
+    }
+#ifdef FXS_WITH_KERNELS
+    fxs_kernels_choose(&p->context.kernels, fxs_cpu_detect() & ~options->without_cpu);
+#endif
+    return 0;
+}
+
+/* Memory of `bytes` bytes, or of max_memory where that is less. */
+static int make_room(fxs_processor *p, size_t bytes, const fxs_camera *camera, fxs_message *why)
+{
+    if (p->max_memory && p->max_memory < bytes)
+        bytes = p->max_memory;
+    if (bytes <= p->memory_bytes)
+        return 0;
+    free(p->allocation);
+    p->allocation = bytes < SIZE_MAX - 63 ? malloc(bytes + 63) : 0;
+    p->memory = (void *)(((uintptr_t)p->allocation + 63) / 64 * 64);
+    p->memory_bytes = p->allocation ? bytes : 0;
+    return p->allocation ? 0 : fxs_refuse(FXS_ERR_MEMORY, bytes, why, "out of memory: a frame of %" PRId32 "x%" PRId32
+                                          " needs %zu bytes", camera->width, camera->height, bytes);
+}
+
+static int fail_frame(const fxs_processor *p, int error, const fxs_stats *stats, fxs_message *why)
+{
+    if (error == FXS_ERR_MEMORY && stats->memory.least > p->memory_bytes)
+        return fxs_refuse(error, stats->memory.least, why, "%zu bytes of memory are too few, it takes %zu",
+                          p->memory_bytes, stats->memory.least);
+    return fxs_refuse(error, 0, why, "%s", fxs_strerror(error));
+}
+
+int fxs_processor_render(fxs_processor *p, const fxs_request *q, fxs_stats *stats, fxs_message *why)
+{
+    fxs_stats own;
+    const int32_t width = q->cameras->width, height = q->cameras->height;
+    if (q->eyes != 1 && q->eyes != 2)
+        return fxs_refuse(FXS_ERR_ARGUMENT, 0, why, "%" PRIu32 " eyes: expected 1 or 2", q->eyes);
+    stats = stats ? stats : &own;
+    memset(stats, 0, sizeof *stats);
+    /* 0 where an argument is out of range: rendering says which. */
+    const size_t bytes = q->eyes == 2 ? fxs_stereo_bytes(&p->context, q->objects, q->count, width, height)
+                                      : fxs_frame_bytes(&p->context, q->objects, q->count, width, height, 0);
+    if (make_room(p, bytes, q->cameras, why))
+        return FXS_ERR_MEMORY;
+    const int error = q->eyes == 2 ? fxs_render_stereo(&p->context, q->objects, q->count, q->cameras, q->options,
+                                                       q->targets, q->exact, p->memory, p->memory_bytes, stats)
+                                   : fxs_render(&p->context, q->objects, q->count, q->cameras, q->options, q->targets,
+                                                p->memory, p->memory_bytes, stats);
+    return error ? fail_frame(p, error, stats, why) : 0;
+}
+
+int fxs_processor_pick(fxs_processor *p, const fxs_request *q, int32_t x, int32_t y, fxs_pick_result *result,
+                       fxs_message *why)
+{
+    const size_t bytes = fxs_frame_bytes(&p->context, q->objects, q->count, q->cameras->width, q->cameras->height, 0);
+    if (make_room(p, bytes, q->cameras, why))
+        return FXS_ERR_MEMORY;
+    const int found = fxs_pick(&p->context, q->objects, q->count, q->cameras, q->options, q->targets, x, y, p->memory,
+                               p->memory_bytes, result);
+    return found < 0 ? fxs_refuse(found, 0, why, "%s", fxs_strerror(found)) : found;
+}
+
+void fxs_processor_close(fxs_processor *p)
+{
+    fxs_pool_destroy(p->pool);
+    free(p->allocation);
+}

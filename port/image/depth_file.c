@@ -1,0 +1,241 @@
+#include "depth_file.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "../files/output_internal.h"
+#include "image_file.h"
+#ifdef FXS_WITH_ZLIB
+#include <zlib.h>
+#endif
+
+static int ends_with(const char *path, const char *ending)
+{
+    const char *dot = strrchr(path, '.');
+    return dot && !strcasecmp(dot, ending);
+}
+
+int fxs_depth_file_known(const char *path)
+{
+    return ends_with(path, ".png") || ends_with(path, ".pfm");
+}
+
+int fxs_id_file_known(const char *path)
+{
+    return ends_with(path, ".png") || ends_with(path, ".raw");
+}
+
+static int fail_file(int error, const char *path, const char *why, fxs_message *message)
+{
+    fxs_fail(message, "%s: %s", path, why);
+    return error;
+}
+
+/* Writes all of a file. */
+static int write_file(const char *path, const void *bytes, size_t size, fxs_message *message)
+{
+    fxs_output output;
+    if (fxs_output_open(&output, path, 0, message))
+        return FXS_ERR_FILE;
+    const int failed = fxs_output_write(&output, bytes, size, message);
+    fxs_message closing;
+    if (fxs_output_close(&output, failed ? &closing : message) || failed)
+        return FXS_ERR_FILE;
+    return 0;
+}
+
+/* ---- Depth as .png ----------------------------------------------------------------------------------------------- */
+
+double fxs_depths_farthest(const fxs_depths *d)
+{
+    uint32_t farthest = 0;
+    const size_t count = (size_t)d->width * (size_t)d->height;
+    for (size_t i = 0; i < count; i++)
+        if (d->pixels[i] != FXS_NOTHING && d->pixels[i] > farthest)
+            farthest = d->pixels[i];
+    return ldexp(farthest, -d->depth_bits);
+}
+
+#ifdef FXS_WITH_ZLIB
+static unsigned char *put_32(unsigned char *out, uint32_t value)
+{
+    for (int i = 0; i < 4; i++)
+        *out++ = (unsigned char)(value >> (24 - 8 * i));
+    return out;
+}
+
+/* Puts a chunk's length before its data, which are there at out + 8, and its checksum behind them. */
+static unsigned char *put_chunk(unsigned char *out, const char *type, uint32_t length)
+{
+    put_32(out, length);
+    memcpy(out + 4, type, 4);
+    return put_32(out + 8 + length, (uint32_t)crc32(0, out + 4, length + 4));
+}
+
+/* 1 to 65535 up to the range; 0: no depth */
+static unsigned grey(uint32_t depth, uint64_t range)
+{
+    const uint64_t value = ((uint64_t)depth * 65535 + range / 2) / range;
+    return depth == FXS_NOTHING ? 0 : value < 1 ? 1 : value < 65535 ? (unsigned)value : 65535;
+}
+
+/* Rows of big-endian numbers, each after a 2: it is written as the difference from the row above. */
+static unsigned char *filter_rows(const fxs_depths *d, uint64_t range)
+{
+    const size_t row = 2 * (size_t)d->width + 1;
+    unsigned char *rows = malloc(row * (size_t)d->height), *out = rows;
+    for (int y = 0; y < d->height && rows; y++) {
+        const uint32_t *line = d->pixels + (size_t)y * (size_t)d->width;
+        *out++ = 2;
+        for (int x = 0; x < d->width; x++) {
+            const unsigned value = grey(line[x], range), above = y ? grey(line[x - d->width], range) : 0;
+            *out++ = (unsigned char)((value >> 8) - (above >> 8));
+            *out++ = (unsigned char)(value - above);
+        }
+    }
+    return rows;
+}
+
+static int write_png(const char *path, const fxs_depths *d, double range, fxs_message *message)
+{
+    static const unsigned char signature[8] = {137, 'P', 'N', 'G', 13, 10, 26, 10};
+    static const unsigned char form[5] = {16, 0, 0, 0, 0};   /* bits, grey, deflate, filtered, not interlaced */
+    const uLong size = (2 * (uLong)d->width + 1) * (uLong)d->height;
+    uLongf compressed = compressBound(size);
+    const double whole = floor(ldexp(range, d->depth_bits) + 0.5);
+    unsigned char *rows = filter_rows(d, whole < 1 ? 1 : whole < 0x1p62 ? (uint64_t)whole : (uint64_t)1 << 62);
+    unsigned char *png = malloc(compressed + 64);
+    int error = FXS_ERR_MEMORY;
+    if (rows && png) {
+        unsigned char *out = png;
+        memcpy(out, signature, sizeof signature);
+        out += sizeof signature;
+        put_32(put_32(out + 8, (uint32_t)d->width), (uint32_t)d->height);
+        memcpy(out + 16, form, sizeof form);
+        out = put_chunk(out, "IHDR", 13);
+        if (compress(out + 8, &compressed, rows, size) == Z_OK) {
+            out = put_chunk(out, "IDAT", (uint32_t)compressed);
+            out = put_chunk(out, "IEND", 0);
+            error = write_file(path, png, (size_t)(out - png), message);
+        }
+    }
+    free(rows);
+    free(png);
+    return error == FXS_ERR_MEMORY ? fail_file(error, path, "out of memory", message) : error;
+}
+#else
+static int write_png(const char *path, const fxs_depths *d, double range, fxs_message *message)
+{
+    (void)d, (void)range;
+    return fail_file(FXS_ERR_UNSUPPORTED, path, "this program was built without zlib, which .png needs; .pfm can be "
+                     "written", message);
+}
+#endif
+
+/* ---- Numbers ----------------------------------------------------------------------------------------------------- */
+
+static unsigned char *put_little_32(unsigned char *out, uint32_t value)
+{
+    for (int i = 0; i < 4; i++)
+        *out++ = (unsigned char)(value >> 8 * i);
+    return out;
+}
+
+static int write_pfm(const char *path, const fxs_depths *d, fxs_message *message)
+{
+    unsigned char *bytes = malloc(64 + 4 * (size_t)d->width * (size_t)d->height);
+    if (!bytes)
+        return fail_file(FXS_ERR_MEMORY, path, "out of memory", message);
+    unsigned char *out = bytes + sprintf((char *)bytes, "Pf\n%d %d\n-1.0\n", d->width, d->height);
+    for (int y = d->height - 1; y >= 0; y--)
+        for (int x = 0; x < d->width; x++) {
+            const uint32_t depth = d->pixels[(size_t)y * (size_t)d->width + (size_t)x];
+            const float value = depth == FXS_NOTHING ? INFINITY : (float)ldexp(depth, -d->depth_bits);
+            uint32_t code;
+            memcpy(&code, &value, sizeof code);
+            out = put_little_32(out, code);
+        }
+    const int error = write_file(path, bytes, (size_t)(out - bytes), message);
+    free(bytes);
+    return error;
+}
+
+int fxs_depth_file_write(const char *path, const fxs_depths *depths, double range, fxs_message *message)
+{
+    if (ends_with(path, ".pfm"))
+        return write_pfm(path, depths, message);
+    if (!ends_with(path, ".png"))
+        return fail_file(FXS_ERR_ARGUMENT, path, "unknown ending of a depth picture; known are .png and .pfm", message);
+    if (!(range > 0))
+        return fail_file(FXS_ERR_ARGUMENT, path, "the range of depths is not above 0", message);
+    return write_png(path, depths, range, message);
+}
+
+/* ---- Ids --------------------------------------------------------------------------------------------------------- */
+
+static uint32_t scramble(uint32_t x)
+{
+    x = (x ^ x >> 16) * 0x45d9f3bu;
+    x = (x ^ x >> 16) * 0x45d9f3bu;
+    return x ^ x >> 16;
+}
+
+/* A hue of 1536 steps, brought towards white by 0 to 255, then towards black. */
+static void colour_of(uint8_t rgb[3], uint32_t hue, uint32_t white, uint32_t value)
+{
+    for (uint32_t c = 0; c < 3; c++) {
+        const uint32_t at = (hue + 512 * c) % 1536;
+        const uint32_t full = at < 256 ? at : at < 768 ? 255 : at < 1024 ? 1023 - at : 0;
+        rgb[c] = (uint8_t)((full * (255 - white) + 255 * white) * value / (255 * 255));
+    }
+}
+
+static void paint(uint8_t rgba[4], const fxs_id *id, int by_object)
+{
+    const uint32_t mixed = scramble(id->gaussian);
+    rgba[0] = rgba[1] = rgba[2] = 0;
+    rgba[3] = 255;
+    if (id->gaussian == FXS_NOTHING)
+        return;
+    if (by_object)                           /* hues apart by the golden section of the circle */
+        colour_of(rgba, (uint32_t)((uint64_t)(id->object * 0x9e3779b9u) * 1536 >> 32), 40, 120 + mixed % 136);
+    else
+        colour_of(rgba, mixed % 1536, mixed >> 12 & 127, 128 + (mixed >> 20 & 127));
+}
+
+static int write_colours(const char *path, const fxs_id *ids, int width, int height, int by_object,
+                         fxs_message *message)
+{
+    const size_t count = (size_t)width * (size_t)height;
+    uint8_t *rgba = malloc(4 * count);
+    if (!rgba)
+        return fail_file(FXS_ERR_MEMORY, path, "out of memory", message);
+    for (size_t i = 0; i < count; i++)
+        paint(rgba + 4 * i, &ids[i], by_object);
+    const int failed = fxs_image_file_write(path, rgba, width, height, message);
+    free(rgba);
+    return failed ? FXS_ERR_FILE : 0;
+}
+
+static int write_numbers(const char *path, const fxs_id *ids, size_t count, fxs_message *message)
+{
+    unsigned char *bytes = malloc(8 * count), *out = bytes;
+    if (!bytes)
+        return fail_file(FXS_ERR_MEMORY, path, "out of memory", message);
+    for (size_t i = 0; i < count; i++)
+        out = put_little_32(put_little_32(out, ids[i].object), ids[i].gaussian);
+    const int error = write_file(path, bytes, 8 * count, message);
+    free(bytes);
+    return error;
+}
+
+int fxs_id_file_write(const char *path, const fxs_id *ids, int width, int height, int by_object, fxs_message *message)
+{
+    if (ends_with(path, ".raw"))
+        return write_numbers(path, ids, (size_t)width * (size_t)height, message);
+    if (!ends_with(path, ".png"))
+        return fail_file(FXS_ERR_ARGUMENT, path, "unknown ending of an id picture; known are .png and .raw", message);
+    return write_colours(path, ids, width, height, by_object, message);
+}

@@ -1,0 +1,138 @@
+#include "panorama.h"
+
+#include <string.h>
+
+#define ONE_Q30 ((int64_t)1 << 30)
+#define HALF_PI_Q30 1686629713
+
+/* A face, by pixels: `side` across 90 degrees, and the margin on each of its four sides. */
+typedef struct face {
+    int side, margin, size;
+} face;
+
+/* The side is even, so that the focal length and the middle are whole. Half the panorama's width: its pixels then are
+   1 to 2 of the face's, which a bilinear sample covers. */
+static face face_of(int width)
+{
+    const int side = (width / 2 + 3) / 4 * 4, margin = side / 16 + 2;
+    return (face){side, margin, side + 2 * margin};
+}
+
+int fxs_panorama_face_size(int width)
+{
+    return face_of(width).size;
+}
+
+/* The faces' axes right, down and forward, as those of the view: 1 is x, -3 is back along z. */
+static const signed char axes[FXS_PANORAMA_FACES][3] = {
+    {1, 2, 3}, {-3, 2, 1}, {-1, 2, -3}, {3, 2, -1}, {1, 3, -2}, {1, -3, 2}
+};
+
+void fxs_panorama_face(const fxs_file_view *view, int number, int width, fxs_file_view *out)
+{
+    const face f = face_of(width);
+    *out = *view;
+    out->width = out->height = f.size;
+    out->fx = out->fy = f.side / 2;
+    out->cx = out->cy = f.size / 2;
+    out->projection = FXS_PERSPECTIVE;
+    for (int i = 0; i < 3; i++) {
+        const int axis = axes[number][i], row = (axis < 0 ? -axis : axis) - 1;
+        for (int k = 0; k < 3; k++)
+            out->rotation[3 * i + k] = axis < 0 ? -view->rotation[3 * row + k] : view->rotation[3 * row + k];
+    }
+}
+
+/* ---- Directions -------------------------------------------------------------------------------------------------- */
+
+static int64_t times_q30(int64_t a, int64_t b)
+{
+    return (a * b) >> 30;
+}
+
+/* sin of 0 to a quarter turn, as its series to x^13; off by less than 2^-28 */
+static int64_t sin_of_quarter_q30(int64_t part_q30)
+{
+    static const int divisors[] = {156, 110, 72, 42, 20, 6};
+    const int64_t x = times_q30(part_q30, HALF_PI_Q30), square = times_q30(x, x);
+    int64_t sum = ONE_Q30;
+    for (int i = 0; i < 6; i++)
+        sum = ONE_Q30 - times_q30(square, sum) / divisors[i];
+    return times_q30(x, sum);
+}
+
+/* sin of an angle in turns */
+static int64_t sin_q30(uint32_t turns_q32)
+{
+    const int64_t part = turns_q32 & 0x3fffffff;
+    const int64_t s = sin_of_quarter_q30(turns_q32 >> 30 & 1 ? ONE_Q30 - part : part);
+    return turns_q32 >> 31 ? -s : s;
+}
+
+static int64_t cos_q30(uint32_t turns_q32)
+{
+    return sin_q30(turns_q32 + 0x40000000u);
+}
+
+/* ---- Samples ----------------------------------------------------------------------------------------------------- */
+
+/* Sums of what the faces have for a pixel. */
+typedef struct samples {
+    int64_t sums[4], weight;
+} samples;
+
+/* Adds `weight` times the four pixels about (x, y), the picture's coordinates of pixel centres. */
+static void add_sample(samples *s, const face *f, const uint8_t *rgba, int64_t x_q8, int64_t y_q8, int64_t weight)
+{
+    const int64_t most_q8 = (int64_t)(f->size - 1) * 256 - 1;
+    x_q8 = x_q8 < 0 ? 0 : x_q8 > most_q8 ? most_q8 : x_q8;
+    y_q8 = y_q8 < 0 ? 0 : y_q8 > most_q8 ? most_q8 : y_q8;
+    const int64_t right = x_q8 & 255, below = y_q8 & 255;
+    const uint8_t *a = rgba + 4 * ((y_q8 >> 8) * f->size + (x_q8 >> 8)), *b = a + 4 * f->size;
+    for (int c = 0; c < 4; c++)
+        s->sums[c] += weight * ((256 - below) * ((256 - right) * a[c] + right * a[c + 4]) +
+                                below * ((256 - right) * b[c] + right * b[c + 4]));
+    s->weight += weight;
+}
+
+static int64_t component(const int64_t d[3], int axis)
+{
+    return axis < 0 ? -d[-axis - 1] : d[axis - 1];
+}
+
+/* The pixel in direction d: each face that has it counts by how far inside it lies, so that no seam shows. */
+static void sample(uint8_t *rgba, const int64_t d_q30[3], const face *f, uint8_t *const faces[FXS_PANORAMA_FACES])
+{
+    const int64_t reach_q16 = 65536 + 131072 * (int64_t)(f->margin - 1) / f->side;   /* the outermost sample, tangent */
+    const int64_t middle_q8 = (int64_t)f->size * 128 - 128, focal_q8 = (int64_t)f->side * 128;
+    samples s;
+    memset(&s, 0, sizeof s);
+    for (int i = 0; i < FXS_PANORAMA_FACES; i++) {
+        const int64_t ahead = component(d_q30, axes[i][2]);
+        const int64_t x = component(d_q30, axes[i][0]), y = component(d_q30, axes[i][1]);
+        const int64_t across = x < 0 ? -x : x, down = y < 0 ? -y : y, outer = across > down ? across : down;
+        if (ahead <= 0 || outer >= 2 * ahead)
+            continue;
+        const int64_t weight = reach_q16 - outer * 65536 / ahead;
+        if (weight > 0)
+            add_sample(&s, f, faces[i], middle_q8 + x * focal_q8 / ahead, middle_q8 + y * focal_q8 / ahead, weight);
+    }
+    for (int c = 0; c < 4; c++)
+        rgba[c] = (uint8_t)((s.sums[c] + s.weight * 32768) / (s.weight * 65536));
+}
+
+void fxs_panorama_rows(uint8_t *rgba, int width, int height, uint8_t *const faces[FXS_PANORAMA_FACES], int first,
+                       int end)
+{
+    const face f = face_of(width);
+    for (int y = first; y < end; y++) {
+        const uint32_t up_q32 = 0x40000000u - (uint32_t)((((uint64_t)y * 2 + 1) << 30) / (uint32_t)height);
+        const int64_t level_q30 = cos_q30(up_q32);
+        for (int x = 0; x < width; x++) {
+            const uint32_t right_q32 = (uint32_t)((((uint64_t)x * 2 + 1) << 31) / (uint32_t)width) + 0x80000000u;
+            const int64_t d[3] = {times_q30(level_q30, sin_q30(right_q32)), -sin_q30(up_q32),
+                                  times_q30(level_q30, cos_q30(right_q32))};
+            sample(rgba + 4 * ((size_t)y * (size_t)width + (size_t)x), d, &f, faces);
+        }
+    }
+}

@@ -1,0 +1,282 @@
+#include "merge.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "../scene/scene_format.h"
+#include "../scene/transform_internal.h"
+
+#define SH_0 0.28209479177387814
+
+/* How an object changes the Gaussians of its file. */
+typedef struct part {
+    fxs_placement placement;
+    double rows[3][4];
+    fxs_transform turn;            /* for the SH */
+    double log_scale;
+    int is_moved, is_turned, is_tinted;
+} part;
+
+typedef struct merge_reader {
+    const fxs_scene_format *format;   /* of file 0, whose handle is that of the whole */
+    void *reader;
+    const fxs_allocator *allocator;
+    fxs_scene_file **files;           /* the others; null: not there */
+    uint32_t file_count;
+    part *parts;
+    uint32_t count, at;               /* parts, and the one that is read */
+    int sh_degree;
+} merge_reader;
+
+/* ---- Gaussians --------------------------------------------------------------------------------------------------- */
+
+static int is_in(const fxs_world_crop *crop, const float position[3])
+{
+    for (int i = 0; i < 3; i++)
+        if (!(position[i] >= crop->low[i] && position[i] <= crop->high[i]))
+            return 0;
+    return 1;
+}
+
+static int is_kept(const fxs_placement *p, const float position[3])
+{
+    int keeping = 0, kept = 0;
+    for (uint32_t c = 0; c < p->crop_count; c++) {
+        const int inside = is_in(&p->crops[c], position);
+        if (p->crops[c].outside && inside)
+            return 0;
+        keeping |= !p->crops[c].outside;
+        kept |= !p->crops[c].outside && inside;
+    }
+    return kept || !keeping;
+}
+
+/* a b, quaternions w, x, y, z */
+static void multiply(float out[4], const double a[4], const float b[4])
+{
+    const double w = b[0], x = b[1], y = b[2], z = b[3];
+    out[0] = (float)(a[0] * w - a[1] * x - a[2] * y - a[3] * z);
+    out[1] = (float)(a[0] * x + a[1] * w + a[2] * z - a[3] * y);
+    out[2] = (float)(a[0] * y - a[1] * z + a[2] * w + a[3] * x);
+    out[3] = (float)(a[0] * z + a[1] * y - a[2] * x + a[3] * w);
+}
+
+static void turn(const part *p, fxs_gaussian *g, int sh_degree)
+{
+    static const fxs_gaussian upright = {.rotation = {1, 0, 0, 0}};
+    fxs_gaussian turned = upright;
+    memcpy(turned.sh, g->sh, sizeof g->sh);
+    fxs_transform_apply(&p->turn, &turned, sh_degree);
+    memcpy(g->sh, turned.sh, sizeof g->sh);
+    float rotation[4];
+    multiply(rotation, p->placement.rotation, g->rotation);
+    memcpy(g->rotation, rotation, sizeof rotation);
+}
+
+static void move(const part *p, fxs_gaussian *g)
+{
+    const double x = g->position[0], y = g->position[1], z = g->position[2];
+    for (int i = 0; i < 3; i++) {
+        g->position[i] = (float)(p->rows[i][0] * x + p->rows[i][1] * y + p->rows[i][2] * z + p->rows[i][3]);
+        g->scale[i] = (float)(g->scale[i] + p->log_scale);
+    }
+}
+
+/* colour = 1/2 + SH_0 dc + SH, times the tint */
+static void tint(const double factor[3], fxs_gaussian *g)
+{
+    for (int c = 0; c < 3; c++) {
+        g->dc[c] = (float)((factor[c] * (0.5 + SH_0 * g->dc[c]) - 0.5) / SH_0);
+        for (int k = 0; k < 15; k++)
+            g->sh[3 * k + c] = (float)(factor[c] * g->sh[3 * k + c]);
+    }
+}
+
+static void change(const part *p, fxs_gaussian *g, int sh_degree)
+{
+    if (p->is_turned)
+        turn(p, g, sh_degree);
+    if (p->is_moved)
+        move(p, g);
+    if (p->placement.opacity < 1) {
+        const double opacity = p->placement.opacity / (1 + exp(-(double)g->opacity));
+        g->opacity = (float)log(opacity / (1 - opacity));
+    }
+    if (p->is_tinted)
+        tint(p->placement.tint, g);
+}
+
+/* ---- The reader -------------------------------------------------------------------------------------------------- */
+
+static long read_file(merge_reader *r, uint32_t file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
+{
+    return file ? fxs_scene_file_read(r->files[file], gaussians, capacity, message)
+                : r->format->read(r->reader, gaussians, capacity, message);
+}
+
+static int rewind_file(merge_reader *r, uint32_t file, fxs_message *message)
+{
+    return file ? fxs_scene_file_rewind(r->files[file], message) : r->format->rewind(r->reader, message);
+}
+
+static long merge_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
+{
+    merge_reader *r = handle;
+    size_t kept = 0;
+    while (kept < capacity && r->at < r->count) {
+        const part *p = &r->parts[r->at];
+        fxs_gaussian *next = gaussians + kept;
+        const long n = read_file(r, p->placement.file, next, capacity - kept, message);
+        if (n < 0)
+            return n;
+        for (long i = 0; i < n; i++)
+            if (is_kept(&p->placement, next[i].position)) {
+                gaussians[kept] = next[i];
+                change(p, &gaussians[kept++], r->sh_degree);
+            }
+        if (n == 0 && ++r->at < r->count && rewind_file(r, r->parts[r->at].placement.file, message))
+            return -1;
+    }
+    return (long)kept;
+}
+
+static int merge_rewind(void *handle, fxs_message *message)
+{
+    merge_reader *r = handle;
+    r->at = 0;
+    return rewind_file(r, r->parts[0].placement.file, message);
+}
+
+static void merge_close(void *handle)
+{
+    merge_reader *r = handle;
+    for (uint32_t i = 1; i < r->file_count && r->files; i++)
+        fxs_scene_file_close(r->files[i]);
+    fxs_release(r->allocator, r->files);
+    fxs_release(r->allocator, r->parts);
+    if (r->format->close)
+        r->format->close(r->reader);
+    fxs_release(r->allocator, r->reader);
+}
+
+static const fxs_scene_format merged_format = {"several", sizeof(merge_reader), NULL, merge_read, merge_rewind,
+                                               merge_close};
+
+/* ---- Merging ----------------------------------------------------------------------------------------------------- */
+
+static void close_all(fxs_scene_file **files, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        fxs_scene_file_close(files[i]);
+}
+
+static void part_init(part *p, const fxs_placement *placement)
+{
+    const double *q = placement->rotation, *t = placement->translation, *tints = placement->tint;
+    p->placement = *placement;
+    fxs_placement_matrix(placement, p->rows);
+    fxs_transform_init(&p->turn, p->rows);
+    p->log_scale = placement->scale == 1 ? 0 : log(placement->scale);
+    int scale;                     /* that of the longest component, so that squares stay in range */
+    double square = 0, most = 0;
+    for (int i = 0; i < 4; i++)
+        most = fabs(q[i]) > most ? fabs(q[i]) : most;
+    frexp(most, &scale);
+    for (int i = 0; i < 4; i++)
+        square += ldexp(q[i], -scale) * ldexp(q[i], -scale);
+    for (int i = 0; i < 4; i++)
+        p->placement.rotation[i] = ldexp(q[i], -scale) / sqrt(square);
+    p->is_turned = q[1] != 0 || q[2] != 0 || q[3] != 0;
+    p->is_moved = p->is_turned || placement->scale != 1 || t[0] != 0 || t[1] != 0 || t[2] != 0;
+    p->is_tinted = tints[0] != 1 || tints[1] != 1 || tints[2] != 1;
+}
+
+/* Lists what is visible, and sums it up. Returns 0, or an error. */
+static int list_parts(merge_reader *r, const fxs_world *world, const fxs_scene_file_info *infos,
+                      fxs_scene_file_info *info, fxs_message *message)
+{
+    r->sh_degree = info->sh_degree = 0;
+    info->count = 0;
+    for (uint32_t i = 0; i < world->count; i++) {
+        const fxs_placement *p = &world->objects[i];
+        const fxs_scene_file_info *own = &infos[p->file];
+        if (!p->visible || p->opacity <= 0)
+            continue;
+        if (own->antialiased != infos[world->objects[0].file].antialiased) {
+            fxs_fail(message, "%s: of it and others, one is anti-aliased and one is not: a file says one or the other",
+                     world->files[p->file]);
+            return FXS_ERR_UNSUPPORTED;
+        }
+        part_init(&r->parts[r->count++], p);
+        info->count += own->count;
+        info->sh_degree = own->sh_degree > info->sh_degree ? own->sh_degree : info->sh_degree;
+    }
+    r->sh_degree = info->sh_degree;
+    info->antialiased = infos[world->objects[0].file].antialiased;
+    if (r->count)
+        return 0;
+    fxs_fail(message, "none of the objects is visible");
+    return FXS_ERR_OBJECT;
+}
+
+/* How many the crops leave. */
+static int count_kept(fxs_scene_file *file, const merge_reader *r, fxs_scene_file_info *info, fxs_message *message)
+{
+    enum { BATCH = 256 };
+    fxs_gaussian batch[BATCH];
+    int cropped = 0;
+    for (uint32_t i = 0; i < r->count; i++)
+        cropped |= r->parts[i].placement.crop_count != 0;
+    if (fxs_scene_file_rewind(file, message))
+        return FXS_ERR_FILE;
+    if (!cropped)
+        return 0;
+    info->count = 0;
+    for (long n; (n = fxs_scene_file_read(file, batch, BATCH, message)) != 0; info->count += (uint64_t)n)
+        if (n < 0)
+            return FXS_ERR_FILE;
+    if (!info->count) {
+        fxs_fail(message, "the crops leave none of the Gaussians");
+        return FXS_ERR_OBJECT;
+    }
+    return fxs_scene_file_rewind(file, message) ? FXS_ERR_FILE : 0;
+}
+
+int fxs_world_merge(const fxs_world *world, fxs_scene_file **files, const fxs_scene_file_info *infos,
+                    fxs_scene_file **merged, fxs_scene_file_info *info, fxs_message *message)
+{
+    const fxs_allocator *allocator = fxs_scene_file_allocator(files[0]);
+    merge_reader *r = fxs_allocate_zeroed(allocator, 1, sizeof *r);
+    *merged = NULL;
+    *info = (fxs_scene_file_info){.format = merged_format.name, .levels = 1};
+    if (!r) {
+        close_all(files, world->file_count);
+        fxs_fail(message, "out of memory");
+        return FXS_ERR_MEMORY;
+    }
+    r->allocator = allocator;
+    r->format = &merged_format;
+    r->reader = r;
+    fxs_scene_file_swap(files[0], &r->format, &r->reader);
+    r->files = fxs_allocate_zeroed(allocator, world->file_count, sizeof(fxs_scene_file *));
+    r->parts = fxs_allocate_zeroed(allocator, world->count, sizeof *r->parts);
+    int error = FXS_ERR_MEMORY;
+    if (r->files) {
+        memcpy(r->files, files, world->file_count * sizeof(fxs_scene_file *));
+        r->file_count = world->file_count;
+    } else {
+        close_all(files + 1, world->file_count - 1);
+    }
+    if (r->files && r->parts)
+        error = list_parts(r, world, infos, info, message);
+    else
+        fxs_fail(message, "out of memory");
+    if (!error)
+        error = count_kept(files[0], r, info, message);
+    info->stored_sh_degree = info->sh_degree;
+    if (error)
+        fxs_scene_file_close(files[0]);
+    else
+        *merged = files[0];
+    return error;
+}

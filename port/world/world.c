@@ -1,0 +1,239 @@
+#include "world.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FARTHEST 0x1p28
+#define SCALE_LEAST 0x1p-16
+#define SCALE_MOST 0x1p16
+#define CROP_MOST 0x1p30           /* centres lie nearer: what is beyond is cut to it */
+
+void fxs_placement_init(fxs_placement *p, uint32_t file, uint32_t id)
+{
+    memset(p, 0, sizeof *p);
+    p->file = file;
+    p->rotation[0] = p->scale = p->opacity = p->tint[0] = p->tint[1] = p->tint[2] = 1;
+    p->visible = 1;
+    p->id = id;
+}
+
+int fxs_placement_is_plain(const fxs_placement *p)
+{
+    const double *q = p->rotation, *t = p->translation;
+    return q[1] == 0 && q[2] == 0 && q[3] == 0 && t[0] == 0 && t[1] == 0 && t[2] == 0 && p->scale == 1 &&
+           p->opacity == 1 && p->tint[0] == 1 && p->tint[1] == 1 && p->tint[2] == 1;
+}
+
+/* ---- Lists ------------------------------------------------------------------------------------------------------- */
+
+static int no_memory(fxs_message *message)
+{
+    fxs_fail(message, "out of memory");
+    return FXS_ERR_MEMORY;
+}
+
+int fxs_world_add_file(fxs_world *world, const char *path, uint32_t *file, fxs_message *message)
+{
+    for (*file = 0; *file < world->file_count; ++*file)
+        if (!strcmp(world->files[*file], path))
+            return 0;
+    char **files = realloc(world->files, (world->file_count + 1) * sizeof *files);
+    if (!files)
+        return no_memory(message);
+    world->files = files;
+    const size_t length = strlen(path) + 1;
+    files[*file] = malloc(length);
+    if (!files[*file])
+        return no_memory(message);
+    memcpy(files[*file], path, length);
+    world->file_count++;
+    return 0;
+}
+
+int fxs_world_add(fxs_world *world, const fxs_placement *placement, fxs_message *message)
+{
+    if (world->count == FXS_MAX_OBJECTS) {
+        fxs_fail(message, "more than %u objects", FXS_MAX_OBJECTS);
+        return FXS_ERR_OBJECT;
+    }
+    if (world->count == world->room) {
+        const uint32_t room = world->room ? 2 * world->room : 8;
+        fxs_placement *objects = realloc(world->objects, room * sizeof *objects);
+        if (!objects)
+            return no_memory(message);
+        world->objects = objects;
+        world->room = room;
+    }
+    world->objects[world->count++] = *placement;
+    return 0;
+}
+
+void fxs_world_free(fxs_world *world)
+{
+    for (uint32_t i = 0; i < world->file_count; i++)
+        free(world->files[i]);
+    free(world->files);
+    free(world->objects);
+    memset(world, 0, sizeof *world);
+}
+
+/* ---- Objects ----------------------------------------------------------------------------------------------------- */
+
+static int out_of_range(fxs_message *message, const char *what, const char *expected)
+{
+    fxs_fail(message, "%s: expected %s", what, expected);
+    return FXS_ERR_OBJECT;
+}
+
+static int is_between(double x, double low, double high)
+{
+    return x >= low && x <= high;
+}
+
+/* The square of its length can be divided by. */
+static int is_quaternion(const double q[4])
+{
+    double most = 0;
+    for (int i = 0; i < 4; i++) {
+        if (!isfinite(q[i]))
+            return 0;
+        if (fabs(q[i]) > most)
+            most = fabs(q[i]);
+    }
+    return is_between(most, 1e-100, 1e100);
+}
+
+static int check(const fxs_placement *p, fxs_message *message)
+{
+    for (int i = 0; i < 3; i++) {
+        if (!(fabs(p->translation[i]) < FARTHEST))
+            return out_of_range(message, "translation", "within 2^28 units");
+        if (!is_between(p->tint[i], 0, 4))
+            return out_of_range(message, "tint", "0 to 4");
+    }
+    if (!is_quaternion(p->rotation))
+        return out_of_range(message, "rotation", "a quaternion w, x, y, z that is not 0");
+    if (!is_between(p->scale, SCALE_LEAST, SCALE_MOST))
+        return out_of_range(message, "scale", "above 0: 2^-16 to 2^16");
+    if (!is_between(p->opacity, 0, 1))
+        return out_of_range(message, "opacity", "0 to 1");
+    if (p->id == FXS_NOTHING)
+        return out_of_range(message, "id", "0 to 4294967294");
+    if (p->crop_count > FXS_MAX_CROPS)
+        return out_of_range(message, "crops", "at most 8");
+    for (uint32_t c = 0; c < p->crop_count; c++)
+        for (int i = 0; i < 3; i++)
+            if (!(p->crops[c].low[i] <= p->crops[c].high[i]))
+                return out_of_range(message, "crops", "low at most high");
+    return 0;
+}
+
+static int64_t to_fixed(double x, int q)
+{
+    return (int64_t)floor(ldexp(x, q) + 0.5);
+}
+
+static void rotation_of(double r[3][3], const double quaternion[4])
+{
+    double most = 0, q[4], square = 0;
+    for (int i = 0; i < 4; i++)
+        if (fabs(quaternion[i]) > most)
+            most = fabs(quaternion[i]);
+    for (int i = 0; i < 4; i++) {
+        q[i] = quaternion[i] / most;
+        square += q[i] * q[i];
+    }
+    const double w = q[0], x = q[1], y = q[2], z = q[3], s = 2 / square;
+    const double made[3][3] = {{1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)},
+                               {s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x)},
+                               {s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y)}};
+    memcpy(r, made, sizeof made);
+}
+
+static int64_t crop_side(double x)
+{
+    return to_fixed(x < -CROP_MOST ? -CROP_MOST : x > CROP_MOST ? CROP_MOST : x, 32);
+}
+
+int fxs_object_place(fxs_object *object, const fxs_scene *scene, const fxs_placement *p, fxs_crop *crops,
+                     fxs_message *message)
+{
+    double r[3][3];
+    const int error = check(p, message);
+    if (error)
+        return error;
+    fxs_object_init(object, scene);
+    rotation_of(r, p->rotation);
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++)
+            object->rotation_q30[3 * i + j] = (int32_t)to_fixed(r[i][j], 30);
+        object->translation_q32[i] = to_fixed(p->translation[i], 32);
+        object->tint_q13[i] = (uint32_t)to_fixed(p->tint[i], 13);
+    }
+    object->scale_q32 = to_fixed(p->scale, 32);
+    object->opacity_q16 = (uint32_t)to_fixed(p->opacity, 16);
+    object->visible = p->visible;
+    object->id = p->id;
+    object->crop_count = p->crop_count;
+    object->crops = p->crop_count ? crops : 0;
+    for (uint32_t c = 0; c < p->crop_count; c++) {
+        for (int i = 0; i < 3; i++) {
+            crops[c].low_q32[i] = crop_side(p->crops[c].low[i]);
+            crops[c].high_q32[i] = crop_side(p->crops[c].high[i]);
+        }
+        crops[c].outside = p->crops[c].outside;
+    }
+    return 0;
+}
+
+void fxs_placement_matrix(const fxs_placement *p, double rows[3][4])
+{
+    double r[3][3];
+    rotation_of(r, p->rotation);
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++)
+            rows[i][j] = p->scale * r[i][j];
+        rows[i][3] = p->translation[i];
+    }
+}
+
+/* What is left of a box within the boxes that keep, all of them together. */
+static int crop_box(const fxs_placement *p, double low[3], double high[3])
+{
+    double kept_low[3] = {INFINITY, INFINITY, INFINITY}, kept_high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    int keeping = 0;
+    for (uint32_t c = 0; c < p->crop_count; c++) {
+        keeping |= !p->crops[c].outside;
+        for (int i = 0; i < 3 && !p->crops[c].outside; i++) {
+            kept_low[i] = p->crops[c].low[i] < kept_low[i] ? p->crops[c].low[i] : kept_low[i];
+            kept_high[i] = p->crops[c].high[i] > kept_high[i] ? p->crops[c].high[i] : kept_high[i];
+        }
+    }
+    for (int i = 0; i < 3 && keeping; i++) {
+        low[i] = kept_low[i] > low[i] ? kept_low[i] : low[i];
+        high[i] = kept_high[i] < high[i] ? kept_high[i] : high[i];
+        if (low[i] > high[i])
+            return 0;
+    }
+    return 1;
+}
+
+int fxs_placement_box(const fxs_placement *p, const double low[3], const double high[3], double world_low[3],
+                      double world_high[3])
+{
+    double rows[3][4], l[3], h[3];
+    memcpy(l, low, sizeof l);
+    memcpy(h, high, sizeof h);
+    if (!crop_box(p, l, h))
+        return 0;
+    fxs_placement_matrix(p, rows);
+    for (int i = 0; i < 3; i++)
+        for (int corner = 0; corner < 8; corner++) {
+            const double x = rows[i][0] * (corner & 1 ? h[0] : l[0]) + rows[i][1] * (corner & 2 ? h[1] : l[1]) +
+                             rows[i][2] * (corner & 4 ? h[2] : l[2]) + rows[i][3];
+            world_low[i] = !corner || x < world_low[i] ? x : world_low[i];
+            world_high[i] = !corner || x > world_high[i] ? x : world_high[i];
+        }
+    return 1;
+}

@@ -1,0 +1,78 @@
+/* Scene files placed in one world, in doubles, and how they become the renderer's objects. */
+#ifndef FXS_WORLD_H
+#define FXS_WORLD_H
+
+#include "../files/message.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A box in the file's own units. */
+typedef struct fxs_world_crop {
+    double low[3], high[3];
+    int outside;                   /* 0: keeps what is inside. 1: leaves it out */
+} fxs_world_crop;
+
+/* A file in the world: world = translation + scale * rotation * position. */
+typedef struct fxs_placement {
+    uint32_t file;                 /* its place in fxs_world.files */
+    double translation[3];         /* world units, within +-2^28 */
+    double rotation[4];            /* quaternion w, x, y, z, of any length but 0 */
+    double scale;                  /* 2^-16 to 2^16 */
+    double opacity;                /* factor, 0 to 1 */
+    double tint[3];                /* factor of red, green, blue, 0 to 4 */
+    int visible;
+    uint32_t id;                   /* 0 to 2^32 - 2 */
+    uint32_t crop_count;
+    fxs_world_crop crops[FXS_MAX_CROPS];
+} fxs_placement;
+
+/* All 0: nothing yet. */
+typedef struct fxs_world {
+    char **files;                  /* paths, each there once */
+    fxs_placement *objects;
+    uint32_t file_count, count, room;
+} fxs_world;
+
+/* The file as it is: at the origin, visible. */
+void fxs_placement_init(fxs_placement *placement, uint32_t file, uint32_t id);
+
+/* Whether it leaves the Gaussians as they are; crops are not looked at. */
+int fxs_placement_is_plain(const fxs_placement *placement);
+
+/* Adds a path, or finds it where it is there already: *file is its place. Adds an object, a copy. Return 0, or an
+   FXS_ERR_* and a message. */
+int fxs_world_add_file(fxs_world *world, const char *path, uint32_t *file, fxs_message *message);
+int fxs_world_add(fxs_world *world, const fxs_placement *placement, fxs_message *message);
+
+/* Reads a world from JSON:
+ *
+ *     {"objects": [{"file": "a.fxs", "translation": [x, y, z], "rotation": [w, x, y, z], "scale": s, "opacity": o,
+ *                   "tint": [r, g, b], "visible": true, "id": n,
+ *                   "crops": [{"low": [x, y, z], "high": [x, y, z], "keep": "inside"}]}]}
+ *
+ * Only "file" has to be there; its path is relative to the JSON file's folder. "keep" is "inside" or "outside". Without
+ * an id, it is the object's place in the list. Returns 0 and what fxs_world_free frees, or an FXS_ERR_* and a message
+ * that names the object: FXS_ERR_FILE, FXS_ERR_OBJECT, FXS_ERR_MEMORY, FXS_ERR_UNSUPPORTED (built without cJSON). */
+int fxs_world_read(fxs_world *world, const char *path, fxs_message *message);
+
+void fxs_world_free(fxs_world *world);
+
+/* Checks a placement and rounds it to an object of the renderer. `crops` takes the object's boxes, as many as it has.
+   Returns 0, or FXS_ERR_OBJECT and what is out of range. */
+int fxs_object_place(fxs_object *object, const fxs_scene *scene, const fxs_placement *placement, fxs_crop *crops,
+                     fxs_message *message);
+
+/* The rows of scale * rotation, and the translation; the placement is one that fxs_object_place takes. */
+void fxs_placement_matrix(const fxs_placement *placement, double rows[3][4]);
+
+/* The world's box around that part of the file's box that the crops keep. Returns 0 where they keep nothing of it. */
+int fxs_placement_box(const fxs_placement *placement, const double low[3], const double high[3], double world_low[3],
+                      double world_high[3]);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

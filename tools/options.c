@@ -1,0 +1,402 @@
+#include "options.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../port/backend/backends.h"
+#include "../port/posix/pool.h"
+#ifdef FXS_WITH_KERNELS
+#include "../kernels/kernels.h"
+#endif
+
+const char frame_options_help[] =
+    "Camera (without one, the scene is framed whole):\n"
+    "  --cameras FILE      cameras.json, transforms.json or a COLMAP model (folder, images.bin or images.txt)\n"
+    "  --view N|NAME|all   a view of that file: its number from 0, its image name, or all (default 0)\n"
+    "  --eye X,Y,Z         camera centre\n"
+    "  --look X,Y,Z        point looked at (default: the middle of the scene)\n"
+    "  --up X,Y,Z          up in the picture (default 0,-1,0: y points down; 0,0,1 for scenes with z up)\n"
+    "  --fov DEG           vertical field of view, 1 to 170 (default 50)\n"
+    "  --ortho UNITS       parallel rays, a picture so many scene units high, in place of --fov\n"
+    "  --near DEPTH        near plane: only what lies beyond is drawn, scene units, 2^-20 to 2^28 (default: 0.2 for\n"
+    "                      views of a file in render, bench and info; else 1/100 of the scene's radius, at most 0.2)\n"
+    "  --size WxH          pixels (default: the view's own size, else 1280x720; of a panorama 2048x1024)\n"
+    "  --stereo DISTANCE   two pictures side by side, of eyes so far apart (scene units, above 0) about the camera;\n"
+    "                      order and colours are found once for both\n"
+    "  --stereo-exact      each eye as its camera alone would be rendered\n"
+    "Scenes:\n"
+    WORLD_HELP
+    "Rendering:\n"
+    "  --bg RRGGBB         background (default 000000)\n"
+    "  --cutoff NAME       mahalanobis (default) or square\n"
+    "  --sh-degree D       highest SH degree used, 0 to 3 (default 3)\n"
+    "  --threads N         threads, 1 to 64 (default: one a processor); the picture does not depend on it\n"
+    "  --max-memory BYTES  working memory of a frame, also as 64K, 3M, 2G: rendered in bands where it does not hold\n"
+    "                      every Gaussian; the picture does not depend on it. With --backend cuda: device memory,\n"
+    "                      scene included\n"
+    "  --cpu LIST          instruction sets that may be used: all (default), c for none, or names out of\n"
+    "                      sse41,avx2,avx512,neon\n"
+    "  --backend NAME      what renders: cpu; gles (OpenGL ES 3.0 by EGL) or osmesa in place of blend and resolve;\n"
+    "                      cuda: the same bytes. gles-quads: inexact, blended by the device. auto (default): cpu. See\n"
+    "                      fixsplat info --backends\n"
+    "  --device LIST       GPUs of --backend cuda: numbers from 0 on with commas, or all (default 0); render --view\n"
+    "                      all shares the views out among them, other commands take the first\n"
+    "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
+    "  --profile P         how a scene that is not an .fxs file is packed: default, compact or small\n"
+    IMPORT_HELP
+    "  --help              this text\n";
+
+void frame_options_default(frame_options *options)
+{
+    memset(options, 0, sizeof *options);
+    fxs_options_init(&options->render);
+    options->up[1] = -1;
+    options->fov = 50;
+    options->cpu = "all";
+    options->backend = "auto";
+    options->threads = fxs_processors();
+    options->device_count = 1;
+}
+
+int take_max_memory(size_t *bytes, const char *value)
+{
+    return parse_bytes(value, bytes)
+               ? 0 : fail(EXIT_USAGE, "--max-memory %s: expected bytes, or a number with K, M or G", value);
+}
+
+static int take_number(const char *name, const char *value, uint64_t low, uint64_t high, uint64_t *out)
+{
+    if (parse_count(value, low, high, out))
+        return 0;
+    return fail(EXIT_USAGE, "--%s %s: expected a whole number from %llu to %llu", name, value, (unsigned long long)low,
+                (unsigned long long)high);
+}
+
+static int take_vector(const char *name, const char *value, double out[3], int *has)
+{
+    *has = parse_vector(value, 3, out);
+    return *has ? 0 : fail(EXIT_USAGE, "--%s %s: expected three numbers X,Y,Z", name, value);
+}
+
+static int take_devices(frame_options *options, const char *value)
+{
+    const char *at = value;
+    options->device_count = 0;
+    while (strcmp(value, "all")) {
+        char *end;
+        const long number = strtol(at, &end, 10);
+        if (*at < '0' || *at > '9' || number > 255 || options->device_count == DEVICES_MOST || (*end && *end != ','))
+            return fail(EXIT_USAGE, "--device %s: expected all, or up to %d numbers from 0 to 255 with commas", value,
+                        DEVICES_MOST);
+        options->devices[options->device_count++] = (int)number;
+        if (!*end)
+            break;
+        at = end + 1;
+    }
+    return 0;
+}
+
+static int take_cutoff(fxs_options *options, const char *value)
+{
+    if (!strcmp(value, "mahalanobis"))
+        options->cutoff = FXS_CUTOFF_MAHALANOBIS;
+    else if (!strcmp(value, "square"))
+        options->cutoff = FXS_CUTOFF_SQUARE;
+    else
+        return fail(EXIT_USAGE, "--cutoff %s: expected mahalanobis or square", value);
+    return 0;
+}
+
+static int take_fov(double *fov, const char *value)
+{
+    char *end;
+    *fov = strtod(value, &end);
+    return end != value && !*end && *fov >= 1 && *fov <= 170
+               ? 0 : fail(EXIT_USAGE, "--fov %s: expected 1 to 170 degrees", value);
+}
+
+static int take_ortho(double *units, const char *value)
+{
+    return parse_vector(value, 1, units) && *units > 0
+               ? 0 : fail(EXIT_USAGE, "--ortho %s: expected a height in scene units, above 0", value);
+}
+
+static int take_near(double *near, const char *value)
+{
+    return parse_vector(value, 1, near) && *near >= 0x1p-20 && *near <= 0x1p28
+               ? 0 : fail(EXIT_USAGE, "--near %s: expected a depth from 2^-20 to 2^28", value);
+}
+
+static int take_stereo(double *distance, const char *value)
+{
+    return parse_vector(value, 1, distance) && *distance > 0
+               ? 0 : fail(EXIT_USAGE, "--stereo %s: expected a distance above 0", value);
+}
+
+int frame_option(frame_options *options, int which, const char *value)
+{
+    uint64_t number = 0;
+    int status = 0;
+    switch (which) {
+    case OPT_CAMERAS: options->cameras = value; break;
+    case OPT_VIEW: options->view = value; break;
+    case OPT_EYE: return take_vector("eye", value, options->eye, &options->has_eye);
+    case OPT_LOOK: return take_vector("look", value, options->look, &options->has_look);
+    case OPT_UP: return take_vector("up", value, options->up, &options->has_up);
+    case OPT_FOV: return take_fov(&options->fov, value);
+    case OPT_ORTHO: return take_ortho(&options->ortho, value);
+    case OPT_NEAR: return take_near(&options->near, value);
+    case OPT_SIZE:
+        return parse_size(value, &options->width, &options->height)
+                   ? 0 : fail(EXIT_USAGE, "--size %s: expected WxH, each 1 to %d", value, FXS_MAX_SIZE);
+    case OPT_STEREO: return take_stereo(&options->stereo, value);
+    case OPT_STEREO_EXACT: options->stereo_exact = 1; break;
+    case OPT_BG:
+        return parse_colour(value, options->render.background)
+                   ? 0 : fail(EXIT_USAGE, "--bg %s: expected six hex digits RRGGBB", value);
+    case OPT_CUTOFF: return take_cutoff(&options->render, value);
+    case OPT_SH_DEGREE:
+        status = take_number("sh-degree", value, 0, 3, &number);
+        options->render.sh_degree = (int)number;
+        return status;
+    case OPT_CPU: options->cpu = value; break;
+    case OPT_BACKEND: options->backend = value; break;
+    case OPT_DEVICE: return take_devices(options, value);
+    case OPT_LOD: return take_lod(&options->load, value);
+    case OPT_AXES:
+    case OPT_MAX_GAUSSIANS:
+    case OPT_IMPORT_MEMORY: return take_import_option(&options->load, which, value);
+    case OPT_SCENE:
+    case OPT_PLACE: return take_world_option(&options->world, which, value);
+    case OPT_PROFILE: return take_profile(&options->load, value);
+    case OPT_MAX_MEMORY: return take_max_memory(&options->max_memory, value);
+    case OPT_THREADS:
+        status = take_number("threads", value, 1, 64, &number);
+        options->threads = options->load.threads = (uint32_t)number;
+        return status;
+    default: return EXIT_USAGE;
+    }
+    return 0;
+}
+
+int frame_options_check(const frame_options *options)
+{
+    if (options->view && !options->cameras)
+        return fail(EXIT_USAGE, "--view needs --cameras");
+    if (options->cameras && (options->has_eye || options->has_look))
+        return fail(EXIT_USAGE, "--cameras and --eye or --look: give one camera");
+    if (options->stereo_exact && options->stereo <= 0)
+        return fail(EXIT_USAGE, "--stereo-exact needs --stereo");
+    if (options->panorama && (options->stereo > 0 || options->ortho > 0))
+        return fail(EXIT_USAGE, "--panorama looks all around: no --stereo, no --ortho");
+    if (options->panorama && options->width != 2 * options->height)
+        return fail(EXIT_USAGE, "--panorama is twice as wide as high: --size %dx%d is not", options->width,
+                    options->height);
+    if (options->has_look && !options->has_eye)
+        return fail(EXIT_USAGE, "--look needs --eye");
+    return 0;
+}
+
+long find_view(const frame_options *options, const fxs_file_view *views, long count)
+{
+    const char *wanted = options->view ? options->view : "0";
+    uint64_t number;
+    for (long i = 0; i < count; i++)
+        if (!strcmp(views[i].name, wanted))
+            return i;
+    if (parse_count(wanted, 0, (uint64_t)count - 1, &number))
+        return (long)number;
+    return fail(-1, "%s: no view '%s' (there are %ld, from 0 on)", options->cameras, wanted, count);
+}
+
+/* Where the view has no size of its own. */
+static int width_of(const frame_options *options)
+{
+    return options->width ? options->width : options->panorama ? 2048 : 1280;
+}
+
+static int height_of(const frame_options *options)
+{
+    return options->height ? options->height : options->panorama ? 1024 : 720;
+}
+
+static long views_of_file(const frame_options *options, fxs_file_view **views)
+{
+    fxs_message message;
+    long count = fxs_camera_file_read(options->cameras, views, &message);
+    if (count < 0)
+        return fail(-1, "%s", message.text);
+    if (!options->view || strcmp(options->view, "all")) {
+        long index = find_view(options, *views, count);
+        if (index < 0) {
+            free(*views);
+            *views = 0;
+            return -1;
+        }
+        (*views)[0] = (*views)[index];
+        count = 1;
+    }
+    for (long i = 0; i < count; i++)
+        if (options->width || options->panorama)
+            fxs_view_resize(&(*views)[i], width_of(options), height_of(options));
+    return count;
+}
+
+/* The camera's look-at point, where none is given: the middle of the scene; of a panorama ahead, level. */
+static void find_target(const frame_options *options, const double middle[3], const double eye[3], double target[3])
+{
+    const double *up = options->up;
+    const int across = fabs(up[2]) > fabs(up[1]) ? 1 : 2;   /* an axis that is not up */
+    for (int i = 0; i < 3; i++)
+        target[i] = options->has_look ? options->look[i] : options->panorama ? eye[i] + (i == across) : middle[i];
+}
+
+/* Without a camera file. */
+static int make_view(const frame_options *options, const world *w, fxs_file_view *view, fxs_message *message)
+{
+    const int width = width_of(options), height = height_of(options);
+    double middle[3], target[3];
+    int result;
+    for (int i = 0; i < 3; i++)
+        middle[i] = (w->inner_low[i] + w->inner_high[i]) / 2;
+    if (options->has_eye || options->panorama) {
+        const double *eye = options->has_eye ? options->eye : middle;
+        find_target(options, middle, eye, target);
+        result = fxs_view_look_at(view, eye, target, options->up, options->fov, width, height, message);
+    } else {
+        result = fxs_view_frame_box(view, w->inner_low, w->inner_high, options->up, options->fov, width, height,
+                                    message);
+    }
+    view->near = fxs_near_of_box(w->inner_low, w->inner_high);
+    return result;
+}
+
+/* Turns a panorama's view until its y axis is down, its heading as it was. */
+static int make_level(fxs_file_view *view, const frame_options *options, fxs_message *message)
+{
+    const double *forward = view->rotation + 6, *up = options->up, *eye = view->position;
+    const fxs_file_view old = *view;
+    double square = 0, along = 0, target[3];
+    for (int i = 0; i < 3; i++) {
+        square += up[i] * up[i];
+        along += up[i] * forward[i];
+    }
+    for (int i = 0; i < 3; i++)
+        target[i] = eye[i] + forward[i] - (square > 0 ? along / square * up[i] : 0);
+    if (fxs_view_look_at(view, old.position, target, up, 90, old.width, old.height, message))
+        return -1;
+    memcpy(view->name, old.name, sizeof view->name);
+    view->near = old.near;
+    return 0;
+}
+
+/* What the options change of a view; of a file's, whether it can be rendered then. */
+static int finish_view(const frame_options *options, fxs_file_view *view, fxs_message *message)
+{
+    fxs_camera camera;
+    if (options->near > 0)
+        view->near = options->near;
+    if (options->ortho > 0) {
+        view->projection = FXS_ORTHOGRAPHIC;
+        view->fx = view->fy = view->height / options->ortho;
+    }
+    if (options->panorama && (!options->cameras || options->has_up) && make_level(view, options, message))
+        return -1;
+    return options->cameras ? fxs_camera_from_view(&camera, view, message) : 0;
+}
+
+long choose_views(const frame_options *options, const world *w, fxs_file_view **views)
+{
+    fxs_message message;
+    long count = options->cameras ? views_of_file(options, views) : 1;
+    if (count < 0)
+        return -1;
+    int result = 0;
+    if (!options->cameras) {
+        *views = malloc(sizeof **views);
+        result = *views ? make_view(options, w, *views, &message) : fxs_fail(&message, "out of memory");
+    }
+    for (long i = 0; i < count && !result; i++)
+        result = finish_view(options, &(*views)[i], &message);
+    if (!result)
+        return count;
+    free(*views);
+    *views = 0;
+    return options->cameras ? fail(-1, "%s: %s", options->cameras, message.text) : fail(-1, "%s", message.text);
+}
+
+#ifdef FXS_WITH_KERNELS
+/* The flag of a name in a list, up to its comma; 0 for "c", ~0 for "all"; -1 for anything else. */
+static long cpu_flag(const char *name, size_t length)
+{
+    if (length == 1 && *name == 'c')
+        return 0;
+    if (length == 3 && !strncmp(name, "all", 3))
+        return 0xffff;
+    for (unsigned flag = 1; fxs_cpu_name(flag); flag *= 2)
+        if (strlen(fxs_cpu_name(flag)) == length && !strncmp(name, fxs_cpu_name(flag), length))
+            return (long)flag;
+    return -1;
+}
+
+/* The instruction sets that --cpu does not name. */
+static int choose_cpu(const char *list, unsigned *without)
+{
+    unsigned allowed = 0;
+    for (const char *name = list;;) {
+        size_t length = strcspn(name, ",");
+        long flag = cpu_flag(name, length);
+        if (flag < 0)
+            return fail(EXIT_USAGE, "--cpu %s: expected all, c, or names out of sse41, avx2, avx512, neon", list);
+        if (flag != 0xffff && ((unsigned)flag & ~fxs_cpu_detect()))
+            return fail(EXIT_USAGE, "--cpu %s: this processor has no %.*s", list, (int)length, name);
+        allowed |= (unsigned)flag;
+        if (!name[length])
+            break;
+        name += length + 1;
+    }
+    *without = ~allowed;
+    return 0;
+}
+#else
+static int choose_cpu(const char *list, unsigned *without)
+{
+    *without = 0;
+    if (!strcmp(list, "all") || !strcmp(list, "c"))
+        return 0;
+    return fail(EXIT_USAGE, "--cpu %s: this build has the plain C versions only; expected all or c", list);
+}
+#endif
+
+int choose_backend(const frame_options *options, int device, const fxs_backend **backend, fxs_backend_options *how)
+{
+    *backend = fxs_backend_find(options->backend);
+    if (!*backend)
+        return fail(EXIT_USAGE, "--backend %s: expected auto or one of those that fixsplat info --backends lists",
+                    options->backend);
+    if (options->stereo > 0 && !options->stereo_exact && !((*backend)->can & FXS_CAN_SHARE_EYES))
+        return fail(EXIT_USAGE, "--backend %s: --stereo needs --stereo-exact", options->backend);
+    *how = (fxs_backend_options){.device = device, .max_memory = options->max_memory, .threads = options->threads};
+    return choose_cpu(options->cpu, &how->without_cpu);
+}
+
+int choose_devices(const frame_options *options, int devices[DEVICES_MOST])
+{
+    const fxs_backend *backend = fxs_backend_find(options->backend);
+    char name[256];
+    fxs_message why;
+    int count = options->device_count;
+    devices[0] = 0;
+    if (!backend || !(backend->can & FXS_CAN_DEVICES))
+        return 1;
+    for (int i = 0; i < count; i++)
+        devices[i] = options->devices[i];
+    if (count)
+        return count;
+    while (count < DEVICES_MOST && !backend->device(count, name, sizeof name, &why)) {
+        devices[count] = count;
+        count++;
+    }
+    return count ? count : 1;
+}

@@ -1,0 +1,173 @@
+#include "renderer.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../port/backend/backends.h"
+
+void picture_free(picture *p)
+{
+    free(p->pixels);
+    free(p->depths);
+    free(p->ids);
+    memset(p, 0, sizeof *p);
+}
+
+/* ---- Opening ----------------------------------------------------------------------------------------------------- */
+
+int renderer_open(renderer *r, const frame_options *options)
+{
+    fxs_backend_options how;
+    fxs_message why;
+    memset(r, 0, sizeof *r);
+    r->stereo = options->stereo;
+    r->stereo_exact = options->stereo_exact;
+    r->max_memory = options->max_memory;
+    int devices[DEVICES_MOST];
+    choose_devices(options, devices);
+    int status = choose_backend(options, devices[0], &r->backend, &how);
+    if (!status && r->backend->open(&r->self, &how, &why))
+        status = fail(EXIT_FAILED, "--backend %s: %s", options->backend, why.text);
+    return status;
+}
+
+void renderer_close(renderer *r)
+{
+    if (r->self)
+        r->backend->close(r->self);
+    r->self = 0;
+}
+
+void renderer_forget(renderer *r, const world *w)
+{
+    for (uint32_t i = 0; i < w->placed.file_count && r->self; i++)
+        r->backend->forget(r->self, &w->scenes[i].scene);
+}
+
+/* ---- Pictures ---------------------------------------------------------------------------------------------------- */
+
+static int grow(void **memory, size_t *room, size_t bytes)
+{
+    if (bytes <= *room)
+        return 1;
+    free(*memory);
+    *memory = malloc(bytes);
+    *room = *memory ? bytes : 0;
+    return *memory != 0;
+}
+
+static int make_room(const renderer *r, picture *out, int width, int height)
+{
+    const size_t pixels = (size_t)width * (size_t)height;
+    const int depths = r->draws & (DRAW_MEAN_DEPTH | DRAW_MEDIAN_DEPTH), ids = r->draws & DRAW_IDS;
+    void *memory[3] = {out->pixels, out->depths, out->ids};
+    const int enough = grow(&memory[0], &out->pixel_room, pixels * 4) &&
+                       (!depths || grow(&memory[1], &out->depth_room, pixels * sizeof *out->depths)) &&
+                       (!ids || grow(&memory[2], &out->id_room, pixels * sizeof *out->ids));
+    out->pixels = memory[0];
+    out->depths = memory[1];
+    out->ids = memory[2];
+    out->width = width;
+    out->height = height;
+    return enough ? 0 : fail(EXIT_FAILED, "out of memory: a picture of %dx%d", width, height);
+}
+
+/* As many bits as hold every depth of the world from this camera, up to 28. */
+static int choose_depth_bits(const world *w, const fxs_file_view *view)
+{
+    double farthest = 1;
+    int exponent;
+    for (int corner = 0; corner < 8; corner++) {
+        double depth = 0;
+        for (int i = 0; i < 3; i++)
+            depth += view->rotation[6 + i] * ((corner >> i & 1 ? w->high[i] : w->low[i]) - view->position[i]);
+        farthest = depth > farthest ? depth : farthest;
+    }
+    frexp(2 * farthest, &exponent);
+    return exponent < 4 ? 28 : exponent < 31 ? 32 - exponent : 1;
+}
+
+/* The targets of an eye: the whole picture, or its half. */
+static void aim(const renderer *r, const picture *out, int eye, fxs_targets *targets)
+{
+    const ptrdiff_t width = out->width, first = eye ? width / 2 : 0;
+    const fxs_image depths = {r->draws & (DRAW_MEAN_DEPTH | DRAW_MEDIAN_DEPTH) ? out->depths + first : 0, 4 * width};
+    fxs_targets_init(targets);
+    targets->format = r->format;
+    targets->depth_bits = out->depth_bits;
+    targets->colour = (fxs_image){out->pixels + 4 * first, 4 * width};
+    if (r->draws & DRAW_MEAN_DEPTH)
+        targets->mean_depth = depths;
+    if (r->draws & DRAW_MEDIAN_DEPTH)
+        targets->median_depth = depths;
+    if (r->draws & DRAW_IDS)
+        targets->id = (fxs_image){out->ids + first, (ptrdiff_t)sizeof *out->ids * width};
+}
+
+/* ---- Rendering --------------------------------------------------------------------------------------------------- */
+
+/* The view from `offset` units to the right of its centre. */
+static int camera_beside(fxs_camera *camera, const fxs_file_view *view, double offset)
+{
+    fxs_message message;
+    fxs_file_view beside = *view;
+    for (int i = 0; i < 3; i++)
+        beside.position[i] += offset * view->rotation[i];
+    return fxs_camera_from_view(camera, &beside, &message) ? fail(EXIT_FAILED, "%s", message.text) : 0;
+}
+
+static int fail_frame(const renderer *r, const fxs_file_view *view, int error, const fxs_message *why)
+{
+    if (error == FXS_ERR_MEMORY && why->bytes_needed && r->max_memory)
+        return fail(EXIT_FAILED, "view %s: a frame of %dx%d does not fit in --max-memory %zu: it needs at least "
+                    "%" PRIu64 " bytes", view->name, view->width, view->height, r->max_memory, why->bytes_needed);
+    return fail(EXIT_FAILED, "view %s: %s", view->name, why->text);
+}
+
+int renderer_render(renderer *r, const world *w, const fxs_file_view *view, const fxs_options *options, picture *out,
+                    fxs_stats *stats)
+{
+    const int eyes = r->stereo > 0 ? 2 : 1;
+    fxs_camera cameras[2];
+    fxs_targets targets[2];
+    fxs_message why;
+    if (camera_beside(&cameras[0], view, -r->stereo / 2) || camera_beside(&cameras[1], view, r->stereo / 2) ||
+        make_room(r, out, eyes * view->width, view->height))
+        return EXIT_FAILED;
+    out->depth_bits = choose_depth_bits(w, view);
+    for (int eye = 0; eye < eyes; eye++)
+        aim(r, out, eye, &targets[eye]);
+    const fxs_request request = {.objects = w->objects, .count = w->count, .options = options,
+                                 .eyes = (uint32_t)eyes, .cameras = cameras, .targets = targets,
+                                 .exact = r->stereo_exact};
+    const int error = r->backend->render(r->self, &request, stats, &why);
+    return error ? fail_frame(r, view, error, &why) : world_check(w);
+}
+
+/* By another back end, where the renderer's cannot. */
+static int pick_elsewhere(const fxs_request *request, int x, int y, fxs_pick_result *result, fxs_message *why)
+{
+    static const fxs_backend_options how;
+    const fxs_backend *cpu = fxs_backend_find("cpu");
+    void *self;
+    int found = cpu->open(&self, &how, why);
+    found = found ? found : cpu->pick(self, request, x, y, result, why);
+    cpu->close(self);
+    return found;
+}
+
+int renderer_pick(renderer *r, const world *w, const fxs_file_view *view, const fxs_options *options, int x, int y,
+                  fxs_pick_result *result)
+{
+    fxs_camera camera;
+    fxs_message why;
+    if (camera_beside(&camera, view, 0))
+        return -1;
+    const fxs_request request = {.objects = w->objects, .count = w->count, .options = options, .eyes = 1,
+                                 .cameras = &camera};
+    const int found = r->backend->pick ? r->backend->pick(r->self, &request, x, y, result, &why)
+                                       : pick_elsewhere(&request, x, y, result, &why);
+    return found < 0 ? fail(-1, "--pick: %s", why.text) : world_check(w) ? -1 : found;
+}

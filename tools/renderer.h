@@ -1,0 +1,49 @@
+/* Draws what the options ask for: a back end that is open, and the pictures that it fills in. */
+#ifndef RENDERER_H
+#define RENDERER_H
+
+#include "options.h"
+
+/* What is drawn beside colour. */
+enum { DRAW_MEAN_DEPTH = 1, DRAW_MEDIAN_DEPTH = 2, DRAW_IDS = 4 };
+
+/* What was drawn; of two eyes side by side, the left one left. All 0: nothing yet. */
+typedef struct picture {
+    uint8_t *pixels;                        /* RGBA */
+    uint32_t *depths;                       /* times 2^depth_bits, as fxs_targets has them */
+    fxs_id *ids;
+    size_t pixel_room, depth_room, id_room; /* bytes */
+    int width, height, depth_bits;
+} picture;
+
+void picture_free(picture *p);
+
+typedef struct renderer {
+    const fxs_backend *backend;
+    void *self;                             /* the back end's; null: not open */
+    double stereo;                          /* as in frame_options */
+    int stereo_exact;
+    size_t max_memory;
+    enum fxs_format format;
+    int draws;                              /* DRAW_*; depths of one kind */
+} renderer;
+
+/* Opens the back end that the options name, on the first of their devices. `format` and `draws` may be set then.
+   Returns 0, or prints why not and returns EXIT_FAILED or EXIT_USAGE (an unknown --cpu or --backend), with nothing to
+   close. */
+int renderer_open(renderer *r, const frame_options *options);
+void renderer_close(renderer *r);
+
+/* Before the scenes of a world are closed, where the renderer goes on. */
+void renderer_forget(renderer *r, const world *w);
+
+/* Renders into *out, making room where the size has changed. *stats may be null. Returns 0, or prints why not and
+   returns EXIT_FAILED. */
+int renderer_render(renderer *r, const world *w, const fxs_file_view *view, const fxs_options *options, picture *out,
+                    fxs_stats *stats);
+
+/* What the view shows at a pixel: 1, 0 where that is nothing, or -1 where it prints why not. */
+int renderer_pick(renderer *r, const world *w, const fxs_file_view *view, const fxs_options *options, int x, int y,
+                  fxs_pick_result *result);
+
+#endif

@@ -1,0 +1,80 @@
+/* A scene file of the command: imported and packed, or mapped. */
+#ifndef SCENE_H
+#define SCENE_H
+
+#include "../port/import/pack.h"
+#include "../port/posix/map.h"
+#include "../port/scene/scene_filter.h"
+#include "command.h"
+
+typedef struct loaded_scene {
+    fxs_scene_file_info info;
+    fxs_packed_scene packed;
+    fxs_pack_report report;                 /* of an .fxs file: counts and bounds only */
+    fxs_scene scene;
+    const char *path;
+    fxs_mapping mapping;                    /* what `packed` is of an .fxs file */
+    uint64_t load_nanoseconds;
+} loaded_scene;
+
+/* Whether a file begins as an .fxs file does. */
+int is_packed(const char *path);
+
+/* All 0 is a default. */
+typedef struct load_options {
+    int lod;                                /* level of detail, 0 the finest, of a file that has several */
+    enum fxs_axes axes;                     /* of an .spz */
+    uint32_t threads;                       /* of the import; 0: one a processor */
+    enum fxs_profile profile;               /* of what is not packed yet */
+    const fxs_scene_filter *filter;         /* what to leave out, or null; an .fxs file is mapped whole */
+    uint64_t max_gaussians;                 /* in a file that is imported, and the memory that reading it may take: */
+    size_t import_memory;                   /* as in fxs_scene_file_options */
+    int again;                              /* what is left out or changed has been said */
+} load_options;
+
+/* Returns 0, or prints why not and returns EXIT_FAILED, with nothing to free. */
+int load_scene(loaded_scene *loaded, const char *path, const load_options *options);
+
+/* Opens a scene file to be read in floats, and says on stderr what the filter (or null) leaves out. Returns 0 and a
+   file for fxs_scene_file_close, or prints why not and returns EXIT_FAILED. */
+int open_scene(const char *path, const load_options *options, fxs_scene_file **file, fxs_scene_file_info *info);
+
+/* The two steps of that: without the filter; and the filter, which closes the file where it fails. */
+int open_unfiltered(const char *path, const load_options *options, fxs_scene_file **file, fxs_scene_file_info *info);
+int filter_scene(const char *path, const load_options *options, fxs_scene_file *file, fxs_scene_file_info *info);
+
+/* Packs and closes a file that open_scene opened; loaded->info is its. Returns as load_scene. */
+int pack_scene(loaded_scene *loaded, const char *path, const load_options *options, fxs_scene_file *file);
+
+/* Entries of a getopt_long table for what an import may take, and their help. */
+#define IMPORT_OPTIONS \
+    {"axes", required_argument, 0, OPT_AXES}, {"max-gaussians", required_argument, 0, OPT_MAX_GAUSSIANS}, \
+    {"import-memory", required_argument, 0, OPT_IMPORT_MEMORY}
+#define IMPORT_HELP \
+    "  --axes AXES         of an .spz: rub (right, up, back) or rdf (right, down, front: files of\n" \
+    "                      splat-transform 3); default: as the file says, without a word rub\n" \
+    "  --max-gaussians N   refuse to import a scene of more Gaussians (default: 1000000 and one for each byte of\n" \
+    "                      its files, 67108864 at most); each takes about 100 bytes while it is packed\n" \
+    "  --import-memory BYTES\n" \
+    "                      refuse to import a scene that takes more memory to read and decompress, also as 64K,\n" \
+    "                      3M, 2G (default: 96 bytes for each Gaussian of that limit, for 1000000 at least)\n"
+
+/* Takes the value of one of IMPORT_OPTIONS. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
+int take_import_option(load_options *options, int which, const char *value);
+
+/* Takes the value of --lod. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
+int take_lod(load_options *options, const char *value);
+
+/* Takes the value of --profile. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
+int take_profile(load_options *options, const char *value);
+
+/* "default", "compact" or "small". */
+const char *profile_name(enum fxs_profile profile);
+
+/* Whether the scene is still what was loaded: an .fxs file may be written to. Returns 0, or prints that it is not and
+   returns EXIT_FAILED. */
+int check_scene(const loaded_scene *loaded);
+
+void free_scene(loaded_scene *loaded);
+
+#endif

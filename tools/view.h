@@ -1,0 +1,18 @@
+/* The options of `fixsplat view`. */
+#ifndef VIEW_H
+#define VIEW_H
+
+#include "options.h"
+
+typedef struct view_options {
+    frame_options frame;
+    const char *screenshot;
+} view_options;
+
+/* Returns 0, or prints what is wrong and returns EXIT_USAGE; after --help the program ends. */
+int view_options_take(view_options *options, int argc, char **argv);
+
+/* The keys, a line each. */
+extern const char viewer_keys[];
+
+#endif

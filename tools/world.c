@@ -1,0 +1,295 @@
+#include "world.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../port/world/merge.h"
+
+/* ---- Options ----------------------------------------------------------------------------------------------------- */
+
+int take_world_option(world_options *o, int which, const char *value)
+{
+    if (which == OPT_SCENE) {
+        o->file = value;
+        return 0;
+    }
+    if (o->place_count == PLACES_MOST)
+        return fail(EXIT_USAGE, "--place %s: more than %d; --scene takes any number", value, PLACES_MOST);
+    if (!strrchr(value, ':'))
+        return fail(EXIT_USAGE, "--place %s: expected SCENE:X,Y,Z[,QW,QX,QY,QZ[,S]]", value);
+    o->places[o->place_count++] = value;
+    return 0;
+}
+
+int take_scenes(world_options *o, const char *command, int count, char *const *scenes)
+{
+    o->scenes = scenes;
+    o->scene_count = count;
+    if (o->file && (count || o->place_count))
+        return fail(EXIT_USAGE, "--scene says which scenes there are and where: give no %s",
+                    count ? "others" : "--place");
+    if (!o->file && !count)
+        return fail(EXIT_USAGE, "%s takes a scene file, or several; see: fixsplat %s --help", command, command);
+    return 0;
+}
+
+/* The number of the scene that --place names, up to its colon; -1: none. */
+static int find_scene(const world_options *o, const char *place, size_t length)
+{
+    char name[16];
+    uint64_t number;
+    for (int i = 0; i < o->scene_count; i++)
+        if (strlen(o->scenes[i]) == length && !strncmp(o->scenes[i], place, length))
+            return i;
+    if (!length || length >= sizeof name)
+        return -1;
+    memcpy(name, place, length);
+    name[length] = 0;
+    return parse_count(name, 0, (uint64_t)o->scene_count - 1, &number) ? (int)number : -1;
+}
+
+/* The numbers of --place behind the colon. */
+static int parse_placement(const char *text, fxs_placement *p)
+{
+    double numbers[8];
+    int count = 1;
+    for (const char *comma = text; (comma = strchr(comma, ',')) != 0; comma++)
+        count++;
+    if ((count != 3 && count != 7 && count != 8) || !parse_vector(text, count, numbers))
+        return 0;
+    memcpy(p->translation, numbers, sizeof p->translation);
+    if (count > 3)
+        memcpy(p->rotation, numbers + 3, sizeof p->rotation);
+    if (count > 7)
+        p->scale = numbers[7];
+    return 1;
+}
+
+/* Adds scene `number` as the options place it, or as it is. */
+static int add_scene(fxs_world *placed, const world_options *o, int number)
+{
+    fxs_message message;
+    fxs_placement p;
+    fxs_object checked;
+    uint32_t file;
+    int times = 0, error = fxs_world_add_file(placed, o->scenes[number], &file, &message);
+    for (int i = 0; i < o->place_count && !error; i++) {
+        const char *place = o->places[i], *colon = strrchr(place, ':');
+        if (find_scene(o, place, (size_t)(colon - place)) != number)
+            continue;
+        fxs_placement_init(&p, file, placed->count);
+        if (!parse_placement(colon + 1, &p))
+            return fail(EXIT_USAGE, "--place %s: expected 3, 7 or 8 numbers X,Y,Z[,QW,QX,QY,QZ[,S]]", place);
+        if (fxs_object_place(&checked, 0, &p, 0, &message))
+            return fail(EXIT_USAGE, "--place %s: %s", place, message.text);
+        error = fxs_world_add(placed, &p, &message);
+        times++;
+    }
+    if (!error && !times) {
+        fxs_placement_init(&p, file, placed->count);
+        error = fxs_world_add(placed, &p, &message);
+    }
+    return error ? fail(EXIT_FAILED, "%s: %s", o->scenes[number], message.text) : 0;
+}
+
+static int check_places(const world_options *o)
+{
+    for (int i = 0; i < o->place_count; i++) {
+        const char *place = o->places[i];
+        const size_t length = (size_t)(strrchr(place, ':') - place);
+        if (find_scene(o, place, length) < 0)
+            return fail(EXIT_USAGE, "--place %s: no scene %.*s is given", place, (int)length, place);
+    }
+    return 0;
+}
+
+int place_scenes(fxs_world *placed, const world_options *o)
+{
+    fxs_message message;
+    memset(placed, 0, sizeof *placed);
+    if (o->file)
+        return fxs_world_read(placed, o->file, &message) ? fail(EXIT_FAILED, "%s", message.text) : 0;
+    int status = check_places(o);
+    for (int i = 0; i < o->scene_count && !status; i++)
+        status = add_scene(placed, o, i);
+    if (status)
+        fxs_world_free(placed);
+    return status;
+}
+
+/* ---- Scenes ------------------------------------------------------------------------------------------------------ */
+
+int world_box(const world *w, uint32_t object, double low[3], double high[3])
+{
+    const fxs_placement *p = &w->placed.objects[object];
+    const fxs_pack_report *report = &w->scenes[p->file].report;
+    return fxs_placement_box(p, report->low, report->high, low, high);
+}
+
+static void add_box(double low[3], double high[3], const double l[3], const double h[3], int first)
+{
+    for (int i = 0; i < 3; i++) {
+        low[i] = first || l[i] < low[i] ? l[i] : low[i];
+        high[i] = first || h[i] > high[i] ? h[i] : high[i];
+    }
+}
+
+/* The boxes of the objects that are visible, or of all of them where none is. */
+static int find_bounds(world *w, int visible_only)
+{
+    int found = 0;
+    for (uint32_t i = 0; i < w->count; i++) {
+        const fxs_placement *p = &w->placed.objects[i];
+        const fxs_pack_report *report = &w->scenes[p->file].report;
+        double low[3], high[3];
+        if ((visible_only && !p->visible) || !world_box(w, i, low, high))
+            continue;
+        add_box(w->low, w->high, low, high, !found);
+        if (!fxs_placement_box(p, report->inner_low, report->inner_high, low, high))
+            world_box(w, i, low, high);
+        add_box(w->inner_low, w->inner_high, low, high, !found);
+        found = 1;
+    }
+    return found;
+}
+
+static int place_objects(world *w)
+{
+    fxs_message message;
+    uint64_t gaussians = 0;
+    for (uint32_t i = 0; i < w->count; i++) {
+        const fxs_placement *p = &w->placed.objects[i];
+        const loaded_scene *scene = &w->scenes[p->file];
+        if (fxs_object_place(&w->objects[i], &scene->scene, p, w->crops + i * FXS_MAX_CROPS, &message))
+            return fail(EXIT_FAILED, "%s: %s", scene->path, message.text);
+        gaussians += scene->scene.count;
+    }
+    if (gaussians > FXS_MAX_COUNT)
+        return fail(EXIT_FAILED, "%" PRIu64 " Gaussians in all objects: at most %u can be drawn", gaussians,
+                    FXS_MAX_COUNT);
+    w->gaussians = (uint32_t)gaussians;
+    if (!find_bounds(w, 1))
+        find_bounds(w, 0);
+    return 0;
+}
+
+/* Room for what is placed. */
+static int make_room(world *w)
+{
+    w->count = w->placed.count;
+    w->scenes = calloc(w->placed.file_count, sizeof *w->scenes);
+    w->objects = malloc(w->count * sizeof *w->objects);
+    w->crops = malloc((size_t)w->count * FXS_MAX_CROPS * sizeof *w->crops);
+    return w->scenes && w->objects && w->crops ? 0 : fail(EXIT_FAILED, "out of memory");
+}
+
+static int load_scenes(world *w, const load_options *load)
+{
+    int status = make_room(w);
+    for (uint32_t i = 0; i < w->placed.file_count && !status; i++) {
+        status = load_scene(&w->scenes[i], w->placed.files[i], load);
+        w->load_nanoseconds += w->scenes[i].load_nanoseconds;
+    }
+    return status ? status : place_objects(w);
+}
+
+int world_open(world *w, const world_options *options, const load_options *load)
+{
+    memset(w, 0, sizeof *w);
+    int status = place_scenes(&w->placed, options);
+    if (!status)
+        status = load_scenes(w, load);
+    if (status)
+        world_close(w);
+    return status;
+}
+
+int world_open_file(world *w, const char *path, const load_options *load)
+{
+    char *const scenes[] = {(char *)path};
+    const world_options options = {.scenes = scenes, .scene_count = 1};
+    return world_open(w, &options, load);
+}
+
+/* ---- Merging ----------------------------------------------------------------------------------------------------- */
+
+static int merge(const fxs_world *placed, const char *name, const load_options *load, fxs_scene_file **files,
+                 fxs_scene_file_info *infos, fxs_scene_file **file, fxs_scene_file_info *info)
+{
+    fxs_message message;
+    for (uint32_t i = 0; i < placed->file_count; i++) {
+        if (!open_unfiltered(placed->files[i], load, &files[i], &infos[i]))
+            continue;
+        while (i > 0)
+            fxs_scene_file_close(files[--i]);
+        return EXIT_FAILED;
+    }
+    if (fxs_world_merge(placed, files, infos, file, info, &message))
+        return fail(EXIT_FAILED, "%s", message.text);
+    return filter_scene(name, load, *file, info);
+}
+
+/* One file that stays as it is. */
+static int is_plain(const fxs_world *placed)
+{
+    return placed->count == 1 && fxs_placement_is_plain(placed->objects) && placed->objects->visible &&
+           !placed->objects->crop_count;
+}
+
+int open_merged(const fxs_world *placed, const char *name, const load_options *load, fxs_scene_file **file,
+                fxs_scene_file_info *info)
+{
+    if (is_plain(placed))
+        return open_scene(placed->files[0], load, file, info);
+    fxs_scene_file **files = calloc(placed->file_count, sizeof *files);
+    fxs_scene_file_info *infos = calloc(placed->file_count, sizeof *infos);
+    const int status = files && infos ? merge(placed, name, load, files, infos, file, info)
+                                      : fail(EXIT_FAILED, "out of memory");
+    free(files);
+    free(infos);
+    return status;
+}
+
+int world_open_merged(world *w, const fxs_world *placed, const char *name, const load_options *load)
+{
+    fxs_message message;
+    fxs_placement as_it_is;
+    fxs_scene_file *file;
+    uint32_t number;
+    memset(w, 0, sizeof *w);
+    fxs_placement_init(&as_it_is, 0, 0);
+    const int error = fxs_world_add_file(&w->placed, name, &number, &message) ||
+                      fxs_world_add(&w->placed, &as_it_is, &message);
+    int status = error ? fail(EXIT_FAILED, "%s", message.text) : make_room(w);
+    if (!status)
+        status = open_merged(placed, name, load, &file, &w->scenes[0].info);
+    if (!status)
+        status = pack_scene(&w->scenes[0], w->placed.files[0], load, file);
+    if (!status)
+        status = place_objects(w);
+    if (status)
+        world_close(w);
+    return status;
+}
+
+/* ---- The rest ---------------------------------------------------------------------------------------------------- */
+
+int world_check(const world *w)
+{
+    for (uint32_t i = 0; i < w->placed.file_count; i++)
+        if (check_scene(&w->scenes[i]))
+            return EXIT_FAILED;
+    return 0;
+}
+
+void world_close(world *w)
+{
+    for (uint32_t i = 0; i < w->placed.file_count && w->scenes; i++)
+        free_scene(&w->scenes[i]);
+    fxs_world_free(&w->placed);
+    free(w->scenes);
+    free(w->objects);
+    free(w->crops);
+    memset(w, 0, sizeof *w);
+}

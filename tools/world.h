@@ -1,0 +1,76 @@
+/* What a command shows: scenes, each loaded once, and the objects that they are placed as. */
+#ifndef WORLD_H
+#define WORLD_H
+
+#include "../port/world/world.h"
+#include "scene.h"
+
+#define PLACES_MOST 1024
+
+/* All 0: nothing asked for. */
+typedef struct world_options {
+    const char *file;                       /* of --scene */
+    char *const *scenes;                    /* files as given */
+    int scene_count;
+    const char *places[PLACES_MOST];        /* values of --place */
+    int place_count;
+} world_options;
+
+#define WORLD_OPTIONS \
+    {"scene", required_argument, 0, OPT_SCENE}, {"place", required_argument, 0, OPT_PLACE}
+#define WORLD_HELP \
+    "  --place SCENE:X,Y,Z[,QW,QX,QY,QZ[,S]]\n" \
+    "                      put a scene, named as it was given or by its number from 0 on, at X,Y,Z, turned by a\n" \
+    "                      quaternion and S times as large. Given again for the same scene, it is there once more.\n" \
+    "                      A scene that is not placed is as in its file\n" \
+    "  --scene FILE.json   the scenes, and how they are placed, from a file: {\"objects\": [{\"file\": \"a.fxs\",\n" \
+    "                      \"translation\": [x, y, z], \"rotation\": [w, x, y, z], \"scale\": s, \"opacity\": o,\n" \
+    "                      \"tint\": [r, g, b], \"visible\": true, \"id\": n, \"crops\": [{\"low\": [x, y, z],\n" \
+    "                      \"high\": [x, y, z], \"keep\": \"inside\"}]}]}; all but \"file\" may be left out,\n" \
+    "                      \"keep\" may be \"outside\" too\n"
+
+/* Takes the value of one of WORLD_OPTIONS. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
+int take_world_option(world_options *options, int which, const char *value);
+
+/* Takes the files that are given. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
+int take_scenes(world_options *options, const char *command, int count, char *const *scenes);
+
+/* What the options ask for, before a scene is opened; fxs_world_free frees it. Returns 0, or prints why not and
+   returns the exit status. */
+int place_scenes(fxs_world *placed, const world_options *options);
+
+typedef struct world {
+    fxs_world placed;                       /* files and placements */
+    loaded_scene *scenes;                   /* of each file */
+    fxs_object *objects;
+    fxs_crop *crops;                        /* of the objects */
+    uint32_t count, gaussians;              /* objects, and Gaussians in all of them, as packed */
+    double low[3], high[3];                 /* bounds of what is visible: of the centres, */
+    double inner_low[3], inner_high[3];     /* and of what is seen, to frame it */
+    uint64_t load_nanoseconds;
+} world;
+
+/* Loads the scenes. Returns 0, or prints why not and returns the exit status, with nothing to close. */
+int world_open(world *w, const world_options *options, const load_options *load);
+
+/* Loads one scene, as it is. */
+int world_open_file(world *w, const char *path, const load_options *load);
+
+/* Opens the files of a world as one, to be read in floats, each object as it is placed; for fxs_scene_file_close.
+   `name` is that of the whole, for messages. Returns 0, or prints why not and returns EXIT_FAILED. */
+int open_merged(const fxs_world *placed, const char *name, const load_options *load, fxs_scene_file **file,
+                fxs_scene_file_info *info);
+
+/* Loads that as one scene. */
+int world_open_merged(world *w, const fxs_world *placed, const char *name, const load_options *load);
+
+/* The world's box of an object. Returns 0 where its crops leave nothing. */
+int world_box(const world *w, uint32_t object, double low[3], double high[3]);
+
+/* Whether the scenes are still what was loaded. Returns 0, or prints that one is not and returns EXIT_FAILED. */
+int world_check(const world *w);
+
+/* Null scenes are allowed: it was not opened. */
+void world_close(world *w);
+
+#endif
