@@ -55,7 +55,8 @@ $(info no $(NVCC): built without the CUDA back end)
 endif
 
 CORE := $(wildcard src/*.c) $(KERNELS)
-PORT := $(wildcard port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c port/posix/*.c)
+PORT := $(wildcard port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c port/posix/*.c \
+                   port/backend/*.c)
 PORT += $(if $(findstring WITH_EGL,$(FEATURES)),$(wildcard port/egl/*.c))
 PORT += $(if $(findstring WITH_OSMESA,$(FEATURES)),$(wildcard port/osmesa/*.c))
 WINDOW := $(if $(WINDOW_LIBS),$(wildcard port/window/*.c) tools/viewer.c)

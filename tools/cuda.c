@@ -8,21 +8,21 @@
 #ifdef FXS_WITH_CUDA
 #include "../kernels/cuda/cuda.h"
 
-static int fail_cuda(const renderer *r, const fxs_cuda_failure *failure)
+static int fail_cuda(const renderer *r, const fxs_message *why)
 {
-    if (failure->bytes_needed && r->max_memory)
-        return fail(EXIT_FAILED, "--backend cuda: %s: %" PRIu64 " bytes needed, --max-memory is %zu", failure->text,
-                    failure->bytes_needed, r->max_memory);
-    if (failure->bytes_needed)
-        return fail(EXIT_FAILED, "--backend cuda: %s: %" PRIu64 " bytes needed", failure->text, failure->bytes_needed);
-    return fail(EXIT_FAILED, "--backend cuda: %s", failure->text);
+    if (why->bytes_needed && r->max_memory)
+        return fail(EXIT_FAILED, "--backend cuda: %s: %" PRIu64 " bytes needed, --max-memory is %zu", why->text,
+                    why->bytes_needed, r->max_memory);
+    if (why->bytes_needed)
+        return fail(EXIT_FAILED, "--backend cuda: %s: %" PRIu64 " bytes needed", why->text, why->bytes_needed);
+    return fail(EXIT_FAILED, "--backend cuda: %s", why->text);
 }
 
 int cuda_open(renderer *r, int device)
 {
-    fxs_cuda_failure failure;
-    if (fxs_cuda_create(&r->cuda, device, r->max_memory, 1, &failure))
-        return fail_cuda(r, &failure);
+    fxs_message why;
+    if (fxs_cuda_create(&r->cuda, device, r->max_memory, 1, &why))
+        return fail_cuda(r, &why);
     fxs_cuda_time(r->cuda, 1);
     for (int i = 0; i < FXS_STAGES; i++)
         r->context.kernels.name[i] = "cuda";
@@ -45,7 +45,7 @@ static void fill_stats(fxs_stats *out, const fxs_cuda_stats *stats, uint32_t gau
     out->memory.splats = (size_t)stats->memory.splats;
     out->memory.tiles = (size_t)stats->memory.tiles;
     out->memory.entries = (size_t)stats->memory.entries;
-    out->memory.total = (size_t)(stats->memory.total - stats->memory.scene);
+    out->memory.total = (size_t)(stats->memory.total - stats->memory.scenes);
     out->nanoseconds[FXS_PROJECT] = (uint64_t)(stats->milliseconds[FXS_CUDA_PROJECT] * 1e6f);
     out->nanoseconds[FXS_BIN] = (uint64_t)(stats->milliseconds[FXS_CUDA_BIN] * 1e6f);
     out->nanoseconds[FXS_BLEND] = (uint64_t)(stats->milliseconds[FXS_CUDA_BLEND] * 1e6f);
@@ -55,15 +55,17 @@ static void fill_stats(fxs_stats *out, const fxs_cuda_stats *stats, uint32_t gau
 int cuda_render(renderer *r, const loaded_scene *loaded, const fxs_camera *camera, const fxs_options *options,
                 uint8_t *pixels, ptrdiff_t stride, fxs_stats *stats)
 {
-    fxs_cuda_failure failure;
+    fxs_message why;
     fxs_cuda_stats cuda_stats;
-    int error = r->on_device == loaded ? 0 : fxs_cuda_upload(r->cuda, &loaded->scene, &failure);
-    r->on_device = error ? 0 : loaded;
+    fxs_object object;
+    fxs_cuda_frame frame = {*camera, &object, 1, {.colour = {pixels, stride}}};
+    fxs_object_init(&object, &loaded->scene);
+    int error = fxs_cuda_upload(r->cuda, &loaded->scene, &why);
     uint64_t start = fxs_clock(0);
     if (!error)
-        error = fxs_cuda_render_host(r->cuda, camera, options, pixels, stride, &cuda_stats, &failure);
+        error = fxs_cuda_render_host(r->cuda, &frame, 1, options, &cuda_stats, &why);
     if (error)
-        return fail_cuda(r, &failure);
+        return fail_cuda(r, &why);
     if (stats)
         fill_stats(stats, &cuda_stats, loaded->scene.count, fxs_clock(0) - start);
     return 0;
@@ -77,12 +79,12 @@ static int devices_here(void)
 void cuda_list(void)
 {
     char name[256];
-    fxs_cuda_failure failure;
+    fxs_message why;
     int device = 0;
-    for (; device < fxs_cuda_devices() && !fxs_cuda_name(device, name, sizeof name, &failure); device++)
+    for (; device < fxs_cuda_devices() && !fxs_cuda_name(device, name, sizeof name, &why); device++)
         printf("%-11s here: %s, --device %d (whole frames on a GPU, the same bytes)\n", "cuda", name, device);
-    if (device == 0 && fxs_cuda_name(0, name, sizeof name, &failure))
-        printf("%-11s not here: %s (whole frames on a GPU, the same bytes)\n", "cuda", failure.text);
+    if (device == 0 && fxs_cuda_name(0, name, sizeof name, &why))
+        printf("%-11s not here: %s (whole frames on a GPU, the same bytes)\n", "cuda", why.text);
 }
 
 #else
