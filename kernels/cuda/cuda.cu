@@ -180,13 +180,7 @@ int make_room(fxs_cuda *cuda, uint32_t count, int error, fxs_message *why)
     error = fetch_scenes(&cuda->scenes, &cuda->memory, error, cuda->slots[0].stream, why);
     for (uint32_t i = 0; i < slots_of(cuda, count) && !error; i++)
         error = reserve_slot(cuda, &cuda->slots[i], &sizes[i], why);
-    if (error)
-        return error;
-    const frame *last = &cuda->frames[count - 1];
-    slot_sizes of_last;
-    const slot none = {};
-    slot_buffers(&none, last, &of_last);
-    return reserve_host(&cuda->staged, last->staged + of_last.objects, why);
+    return error;
 }
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------- */
@@ -259,7 +253,7 @@ int take_frame(frame *f, const fxs_cuda_frame *from, const fxs_options *options,
     return error ? failed(why, error, fxs_strerror(error)) : 0;
 }
 
-/* Takes all frames, one's objects behind the other's. */
+/* Takes all frames; finds their scenes, and room for their objects, one's behind the other's. */
 int take_frames(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fxs_message *why)
 {
     int error = 0;
@@ -278,7 +272,7 @@ int take_frames(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fx
         f->staged = staged;
         staged += sizes.objects;
     }
-    return error;
+    return error ? error : reserve_host(&cuda->staged, staged, why);
 }
 
 bool is_plain(const fxs_object_view *object)
