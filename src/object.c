@@ -185,7 +185,7 @@ int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *ker
 int fxs_object_shade(const fxs_object_view *object, const fxs_kernels *kernels, uint32_t chunk,
                      const uint32_t *indices, uint32_t count, fxs_splat *splats)
 {
-    const int error = kernels->shade(&object->view, &object->scene, chunk, indices, count, splats);
+    const int error = count ? kernels->shade(&object->view, &object->scene, chunk, indices, count, splats) : 0;
     const int tinted = object->tint_q13[0] != (int)ONE_Q13 || object->tint_q13[1] != (int)ONE_Q13 ||
                        object->tint_q13[2] != (int)ONE_Q13;
     for (uint32_t i = 0; i < count && tinted && !error; i++)
