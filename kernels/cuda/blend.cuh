@@ -270,7 +270,8 @@ struct target {
     int background_q13[3], depth_bits;
 };
 
-__device__ inline void store_colour(const target *t, const pixel *p, int32_t x, int32_t y)
+/* A function by itself, so that it takes no registers from the loops. */
+__device__ __noinline__ void store_colour(const target *t, pixel p, int32_t x, int32_t y)
 {
     union {
         unsigned char bytes[8];
@@ -280,7 +281,7 @@ __device__ inline void store_colour(const target *t, const pixel *p, int32_t x, 
     const fxs_targets *images = &t->images;
     int sum[3], background_q13[3];
     for (int c = 0; c < 3; c++) {
-        sum[c] = fxs_min(p->sum[c], 32767);
+        sum[c] = fxs_min(p.sum[c], 32767);
         background_q13[c] = t->background_q13[c];
     }
     if (images->backdrop.pixels) {
@@ -288,7 +289,7 @@ __device__ inline void store_colour(const target *t, const pixel *p, int32_t x, 
         for (int c = 0; c < 3; c++)
             background_q13[c] = fxs_background_q13((int)(rgba >> 8 * c & 255));
     }
-    resolve_pixel(packed.bytes, images->format, sum, p->transmittance, background_q13);
+    resolve_pixel(packed.bytes, images->format, sum, p.transmittance, background_q13);
     unsigned char *pixel = fxs_image_at(&images->colour, x, y, fxs_pixel_bytes(images->format));
     if (images->format == FXS_FORMAT_RGB565)
         *(uint16_t *)pixel = packed.half;
@@ -302,7 +303,7 @@ __device__ inline void store_pixel(const target *t, const frame_buffers *, const
 {
     const fxs_image *coverage = &t->images.coverage;
     if (t->images.colour.pixels)
-        store_colour(t, p, x, y);
+        store_colour(t, *p, x, y);
     if (coverage->pixels)
         *fxs_image_at(coverage, x, y, 1) = (unsigned char)fxs_coverage_8bit(p->transmittance);
 }
