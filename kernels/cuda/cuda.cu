@@ -68,7 +68,7 @@ uint32_t slots_of(const fxs_cuda *cuda, uint32_t frames)
     return frames < cuda->slot_count ? frames : cuda->slot_count;
 }
 
-/* ---- Memory ------------------------------------------------------------------------------------------------------- */
+/* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
 template <class T>
 T *cut(unsigned char **memory, uint64_t count)
@@ -183,7 +183,7 @@ int make_room(fxs_cuda *cuda, uint32_t count, int error, fxs_message *why)
     return error;
 }
 
-/* ---- Frames ------------------------------------------------------------------------------------------------------- */
+/* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
 int options_valid(const fxs_options *o)
 {
@@ -442,7 +442,7 @@ int render_again(fxs_cuda *cuda, uint32_t i, fxs_message *why)
     return error;
 }
 
-/* ---- The renderer ------------------------------------------------------------------------------------------------- */
+/* ---- The renderer ------------------------------------------------------------------------------------------------ */
 
 int slot_init(slot *s, fxs_message *why)
 {
@@ -538,7 +538,7 @@ void stats_of(const fxs_cuda *cuda, fxs_cuda_stats *stats)
         }
 }
 
-/* ---- Targets in host memory --------------------------------------------------------------------------------------- */
+/* ---- Targets in host memory -------------------------------------------------------------------------------------- */
 
 /* Gives the targets of frames places in `memory`, rows close to each other. Returns the bytes of all. */
 uint64_t place_targets(fxs_cuda_frame *frames, uint32_t count, void *memory)
