@@ -207,6 +207,16 @@ void planes_of(fxs_targets *t, plane planes[PLANES])
     memcpy(planes, all, sizeof all);
 }
 
+bool writes_any(fxs_targets targets)
+{
+    plane planes[PLANES];
+    planes_of(&targets, planes);
+    for (const plane &p : planes)
+        if (p.image->pixels && !p.read)
+            return true;
+    return false;
+}
+
 /* Whether the device's words for pixels can be used. */
 bool are_aligned(fxs_targets targets)
 {
@@ -246,7 +256,7 @@ int take_frame(frame *f, const fxs_cuda_frame *from, const fxs_options *options,
     int error = count_objects(f, from->objects, from->count);
     error = error ? error : fxs_view_init(&f->view, &from->camera, options);
     error = error ? error : fxs_targets_check(&from->targets, f->view.width, f->view.height);
-    if (!error && !fxs_targets_any(&from->targets))
+    if (!error && !writes_any(from->targets))
         error = FXS_ERR_TARGET;
     f->targets = from->targets;
     f->tiles = (uint32_t)(f->view.tiles_x * f->view.tiles_y);
