@@ -48,7 +48,7 @@ int fxs_object_check(const fxs_object *object)
     return error;
 }
 
-fxs_scale fxs_scale_of(int64_t scale_q32)
+FXS_STAGE fxs_scale fxs_scale_of(int64_t scale_q32)
 {
     const int zeros = fxs_clz64((uint64_t)scale_q32);
     return (fxs_scale){(uint32_t)((uint64_t)scale_q32 << zeros >> 32), 31 - zeros};
@@ -80,7 +80,7 @@ int fxs_object_view_init(fxs_object_view *out, const fxs_view *world, const fxs_
     return fxs_view_of_object(&out->view, world, camera, object);
 }
 
-uint32_t fxs_object_of(const fxs_object_view *objects, uint32_t count, uint32_t chunk)
+FXS_STAGE uint32_t fxs_object_of(const fxs_object_view *objects, uint32_t count, uint32_t chunk)
 {
     uint32_t low = 0, high = count;
     while (high - low > 1) {
@@ -156,6 +156,7 @@ FXS_STAGE void fxs_object_tint(const fxs_object_view *object, fxs_splat *splat)
         splat->colour_q13[c] = (int16_t)fxs_min((splat->colour_q13[c] * object->tint_q13[c] + 4096) >> 13, 32767);
 }
 
+#ifndef __CUDACC__                 /* the device has no table of kernels */
 int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *kernels, uint32_t chunk,
                            fxs_splat *splats, fxs_bounds *bounds, uint32_t *indices, uint32_t *depths)
 {
@@ -184,10 +185,11 @@ int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *ker
 int fxs_object_shade(const fxs_object_view *object, const fxs_kernels *kernels, uint32_t chunk,
                      const uint32_t *indices, uint32_t count, fxs_splat *splats)
 {
-    const int error = kernels->shade(&object->view, &object->scene, chunk, indices, count, splats);
+    const int error = count ? kernels->shade(&object->view, &object->scene, chunk, indices, count, splats) : 0;
     const int tinted = object->tint_q13[0] != (int)ONE_Q13 || object->tint_q13[1] != (int)ONE_Q13 ||
                        object->tint_q13[2] != (int)ONE_Q13;
     for (uint32_t i = 0; i < count && tinted && !error; i++)
         fxs_object_tint(object, &splats[i]);
     return error;
 }
+#endif

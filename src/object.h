@@ -27,13 +27,13 @@ typedef struct fxs_object_view {
 } fxs_object_view;
 
 /* Rows of length 1 and at right angles, within 2^-10, and right-handed: row0 x row1 = row2. */
-int fxs_is_rotation(const int32_t m_q30[9]);
+FXS_STAGE int fxs_is_rotation(const int32_t m_q30[9]);
 
 /* Row i of the transpose of m times v; |v| below 2^61. */
-int64_t fxs_turned_back(const int32_t m_q30[9], const int64_t v[3], int i);
+FXS_STAGE int64_t fxs_turned_back(const int32_t m_q30[9], const int64_t v[3], int i);
 
 /* scale_q32 above 0. */
-fxs_scale fxs_scale_of(int64_t scale_q32);
+FXS_STAGE fxs_scale fxs_scale_of(int64_t scale_q32);
 
 /* Checks an object, but for where it is: 0 or FXS_ERR_ARGUMENT, FXS_ERR_OBJECT. */
 int fxs_object_check(const fxs_object *object);
@@ -49,7 +49,7 @@ int fxs_object_view_init(fxs_object_view *out, const fxs_view *world, const fxs_
                          const fxs_object *object);
 
 /* The object that a chunk of all objects is of. */
-uint32_t fxs_object_of(const fxs_object_view *objects, uint32_t count, uint32_t chunk);
+FXS_STAGE uint32_t fxs_object_of(const fxs_object_view *objects, uint32_t count, uint32_t chunk);
 
 /* What the object changes of a projected Gaussian with these position codes. Returns 0 where it is not drawn. */
 FXS_STAGE int fxs_object_change(const fxs_object_view *object, const fxs_chunk *header, const uint16_t position[3],

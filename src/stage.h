@@ -154,6 +154,32 @@ static inline uint32_t fxs_depth_of_key(uint32_t key, int bits)
     return shift > 5 ? FXS_NOTHING - 1 : shift >= 0 ? mantissa << shift : shift > -32 ? mantissa >> -shift : 0;
 }
 
+/* The mean depth of a pixel is made from sums with FXS_DEPTH_GUARD bits below a unit of the target. A Gaussian at
+   2^octave (1 + code), of weight w, adds w + fxs_mul_q15(w, code) times 2^shift: the same whatever is summed first. */
+#define FXS_DEPTH_GUARD 8
+
+/* How far behind its octave a key is, 0 to 1. */
+static inline int fxs_depth_code_q15(uint32_t key)
+{
+    return fxs_min((int)(((key & 0x3ffffff) + 1024) >> 11), 32767);
+}
+
+/* A sum of Gaussians in one octave, that of `key`, in units of the target. Depths beyond its range have the least
+   beyond; those below 2^-FXS_DEPTH_GUARD units count as 0. */
+static inline uint64_t fxs_depth_sum(uint32_t sum_q15, uint32_t key, int bits)
+{
+    const int shift = fxs_min((int)(key >> 26) - 32 + bits, 32) + FXS_DEPTH_GUARD;
+    return shift < 0 ? 0 : (uint64_t)sum_q15 << shift;
+}
+
+/* sum of weight * depth / sum of weight, rounded */
+static inline uint32_t fxs_mean_depth(uint64_t sum, int transmittance_q15)
+{
+    const uint64_t weight = (uint64_t)(FXS_CLEAR_Q15 - transmittance_q15) << FXS_DEPTH_GUARD;
+    const uint64_t mean = weight ? (sum + weight / 2) / weight : FXS_NOTHING;
+    return !weight || mean < FXS_NOTHING ? (uint32_t)mean : FXS_NOTHING - 1;
+}
+
 /* ---- The C versions -------------------------------------------------------------------------------------------- */
 
 /* The table of all of these. */

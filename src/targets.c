@@ -97,6 +97,7 @@ static void resolve_coverage(const fxs_tile *tile, int32_t columns, int32_t rows
             pixels[y * stride + x] = (unsigned char)fxs_coverage_8bit(tile->transmittance_q15[y * FXS_TILE + x]);
 }
 
+#ifndef __CUDACC__                 /* the device has no table of kernels */
 void fxs_resolve_targets(const fxs_frame *f, const fxs_tile *tile, int32_t x, int32_t y)
 {
     const fxs_targets *t = f->eye->targets;
@@ -111,3 +112,4 @@ void fxs_resolve_targets(const fxs_frame *f, const fxs_tile *tile, int32_t x, in
     if (t->coverage.pixels)
         resolve_coverage(tile, columns, rows, fxs_image_at(&t->coverage, x, y, 1), t->coverage.stride);
 }
+#endif

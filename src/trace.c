@@ -6,7 +6,6 @@
 
 #define PART 512u                  /* entries, at most */
 #define AHEAD 16                   /* entries */
-#define GUARD 8                    /* bits of the depth sums below a unit of the target */
 
 typedef struct tracer {
     const fxs_frame *f;
@@ -14,13 +13,13 @@ typedef struct tracer {
     const uint32_t *list;
     uint32_t count;
     int bits;                      /* of the depths of the targets and the occluder */
-    uint32_t first, end, octave;   /* the part of the list; log2 of its depths, as in their keys */
+    uint32_t first, end;           /* the part of the list */
     fxs_trace trace;
     int16_t before_q15[FXS_TILE_PIXELS];   /* T before the part */
     int16_t codes_q15[PART];       /* depth / 2^octave - 1 */
     uint32_t keys[PART];
     uint32_t limits[FXS_TILE_PIXELS];      /* depth keys: what is farther is hidden */
-    uint64_t sum_q23[FXS_TILE_PIXELS];     /* sum of weight * depth, in units of the target */
+    uint64_t sums[FXS_TILE_PIXELS];        /* fxs_depth_sum */
     uint32_t median[FXS_TILE_PIXELS], largest[FXS_TILE_PIXELS];   /* slots */
 } tracer;
 
@@ -41,11 +40,10 @@ static void begin_part(tracer *t)
         if (n + AHEAD < most)
             FXS_PREFETCH(&depths[slot_of(t->list[t->first + n + AHEAD])]);
         const uint32_t key = depths[slot_of(t->list[t->first + n])];
-        t->octave = n ? t->octave : key >> 26;
-        if (one_octave && key >> 26 != t->octave)
+        if (one_octave && n && key >> 26 != t->keys[0] >> 26)
             break;
         t->keys[n] = key;
-        t->codes_q15[n] = (int16_t)fxs_min((int)(((key & 0x3ffffff) + 1024) >> 11), 32767);
+        t->codes_q15[n] = (int16_t)fxs_depth_code_q15(key);
     }
     t->end = t->first + n;
 }
@@ -78,14 +76,11 @@ static void reset_trace(tracer *t)
         t->trace.end[i] = end_of(t, t->limits[i]);
 }
 
-/* weight * 2^octave * (1 + code), in units of the target. Depths beyond its range have the least beyond; those below
-   2^-GUARD of a unit count as 0. Sums are exact, so it does not matter where parts end. */
 static void add_depths(tracer *t, const fxs_tile *tile)
 {
-    const int shift = fxs_min((int)t->octave - 32 + t->bits, 32) + GUARD;
-    for (int i = 0; i < FXS_TILE_PIXELS && shift >= 0; i++) {
+    for (int i = 0; i < FXS_TILE_PIXELS; i++) {
         const int weight_q15 = t->before_q15[i] - tile->transmittance_q15[i];
-        t->sum_q23[i] += (uint64_t)(weight_q15 + t->trace.depth_q15[i]) << shift;
+        t->sums[i] += fxs_depth_sum((uint32_t)(weight_q15 + t->trace.depth_q15[i]), t->keys[0], t->bits);
     }
 }
 
@@ -126,16 +121,6 @@ static void read_limits(tracer *t, int32_t x, int32_t y, int32_t columns, int32_
     }
 }
 
-/* sum of weight * depth / sum of weight, rounded */
-static uint32_t mean_of(const tracer *t, int i, int transmittance_q15)
-{
-    const uint64_t weight_q15 = (uint64_t)(FXS_CLEAR_Q15 - transmittance_q15);
-    if (!weight_q15)
-        return FXS_NOTHING;
-    const uint64_t mean = (t->sum_q23[i] + (weight_q15 << (GUARD - 1))) / (weight_q15 << GUARD);
-    return mean < FXS_NOTHING ? (uint32_t)mean : FXS_NOTHING - 1;
-}
-
 /* Of a slot or none. *object: of the pixel before, as a guess. */
 static fxs_id id_of(const fxs_frame *f, uint32_t slot, const fxs_object_view **object)
 {
@@ -154,7 +139,7 @@ static void write_row(const tracer *t, const fxs_tile *tile, int32_t x, int32_t 
     if (targets->mean_depth.pixels) {
         uint32_t *means = (uint32_t *)(void *)fxs_image_at(&targets->mean_depth, x, y, 4);
         for (int32_t i = 0; i < columns; i++)
-            means[i] = mean_of(t, first + i, transmittance_q15[i]);
+            means[i] = fxs_mean_depth(t->sums[first + i], transmittance_q15[i]);
     }
     if (targets->median_depth.pixels) {
         uint32_t *medians = (uint32_t *)(void *)fxs_image_at(&targets->median_depth, x, y, 4);
@@ -190,7 +175,7 @@ void fxs_trace_tile(const fxs_frame *f, uint32_t tile, int32_t x, int32_t y, fxs
     t.count = f->tile_counts[tile];
     fxs_tile_clear(pixels);
     read_limits(&t, x, y, columns, rows);
-    memset(t.sum_q23, 0, sizeof t.sum_q23);
+    memset(t.sums, 0, sizeof t.sums);
     memset(t.median, 0xff, sizeof t.median);
     memset(t.largest, 0xff, sizeof t.largest);
     memset(t.trace.weight_q15, 0, sizeof t.trace.weight_q15);

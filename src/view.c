@@ -16,7 +16,7 @@ static int64_t dot_q60(const int32_t a_q30[3], const int32_t b_q30[3])
     return (int64_t)a_q30[0] * b_q30[0] + (int64_t)a_q30[1] * b_q30[1] + (int64_t)a_q30[2] * b_q30[2];
 }
 
-int fxs_is_rotation(const int32_t m_q30[9])
+FXS_STAGE int fxs_is_rotation(const int32_t m_q30[9])
 {
     const int64_t tolerance = ONE_Q60 >> 10;
     for (int i = 0; i < 9; i++)
@@ -210,7 +210,7 @@ static int64_t divide_q32(uint64_t x, uint64_t divisor)
     return (int64_t)quotient;
 }
 
-int64_t fxs_turned_back(const int32_t m_q30[9], const int64_t v[3], int i)
+FXS_STAGE int64_t fxs_turned_back(const int32_t m_q30[9], const int64_t v[3], int i)
 {
     int64_t high = 0, low = 0;
     for (int k = 0; k < 3; k++) {                /* in two parts: 2^61 times 2^30 */

@@ -62,15 +62,13 @@ static const golden *current;
 static const char *backend_name;
 
 #ifdef FXS_WITH_CUDA
-static int draw_cuda(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options, uint8_t *pixels)
+static int draw_cuda(const fxs_scene *scene, const fxs_camera *camera, const golden *g, uint8_t *pixels)
 {
     fxs_cuda *cuda;
-    fxs_cuda_failure failure;
-    int error = fxs_cuda_create(&cuda, 0, 0, 1, &failure);
-    if (error)
-        return error;
-    error = fxs_cuda_upload(cuda, scene, &failure);
-    error = error ? error : fxs_cuda_render_host(cuda, camera, options, pixels, camera->width * 4, 0, &failure);
+    const fxs_object object = one_object(scene);
+    const fxs_cuda_frame frame = {*camera, &object, 1, one_target(g->format, pixels, (ptrdiff_t)camera->width * 4)};
+    int error = fxs_cuda_create(&cuda, 0, 0, 1, 0);
+    error = error ? error : fxs_cuda_render_host(cuda, &frame, 1, &g->options, 0, 0);
     fxs_cuda_destroy(cuda);
     return error;
 }
@@ -80,9 +78,9 @@ static int has_cuda(void)
     return fxs_cuda_devices() > 0;
 }
 #else
-static int draw_cuda(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options, uint8_t *pixels)
+static int draw_cuda(const fxs_scene *scene, const fxs_camera *camera, const golden *g, uint8_t *pixels)
 {
-    (void)scene, (void)camera, (void)options, (void)pixels;
+    (void)scene, (void)camera, (void)g, (void)pixels;
     return FXS_ERR_UNSUPPORTED;
 }
 
@@ -97,7 +95,7 @@ static int draw(const fxs_scene *scene, const fxs_camera *camera, const golden *
 {
     fxs_context context;
     if (!strcmp(backend_name, "cuda"))
-        return draw_cuda(scene, camera, &g->options, pixels);
+        return draw_cuda(scene, camera, g, pixels);
     fxs_init(&context, config);
     size_t bytes = one_frame_bytes(&context, scene, camera->width, camera->height, 0);
     void *memory = check_aligned(bytes);

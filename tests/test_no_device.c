@@ -1,23 +1,30 @@
-/* What the CUDA back end answers where no device is to be seen, whether there is a driver or not. */
+/* What the CUDA back end answers where no device is to be seen, whether there is a driver or not, or none was built. */
 #include <stdlib.h>
 #include <string.h>
 
+#include "../src/backend.h"
 #include "check.h"
 #ifdef FXS_WITH_CUDA
 #include "../kernels/cuda/cuda.h"
+#endif
 
+extern const fxs_backend fxs_backend_cuda;
+
+#ifdef FXS_WITH_CUDA
 static void no_device(void)
 {
-    fxs_cuda *cuda = 0;
-    fxs_cuda_failure failure = {0, 1};
+    fxs_cuda *cuda;
+    fxs_message why = {"", 1};
     char name[32];
     CHECK(!setenv("CUDA_VISIBLE_DEVICES", "", 1));
     CHECK(fxs_cuda_devices() == 0);
-    CHECK(fxs_cuda_create(&cuda, 0, 0, 1, &failure) == FXS_ERR_DEVICE && !cuda);
-    CHECK(!strncmp(failure.text, "no NVIDIA ", 10) && strstr(failure.text, "found") && !failure.bytes_needed);
-    failure.text = 0;
-    CHECK(fxs_cuda_name(0, name, sizeof name, &failure) == FXS_ERR_DEVICE && failure.text);
-    CHECK(fxs_cuda_create(&cuda, 0, 0, 17, &failure) == FXS_ERR_ARGUMENT);
+    CHECK(fxs_cuda_create(&cuda, 0, 0, 1, &why) == FXS_ERR_DEVICE && !cuda);
+    CHECK(!strncmp(why.text, "no NVIDIA ", 10) && strstr(why.text, "found") && !why.bytes_needed);
+    why.text[0] = 0;
+    CHECK(fxs_cuda_name(0, name, sizeof name, &why) == FXS_ERR_DEVICE && why.text[0]);
+    CHECK(fxs_cuda_create(&cuda, 0, 0, 17, &why) == FXS_ERR_ARGUMENT && !cuda);
+    CHECK(fxs_cuda_create(&cuda, 0, 0, 1, 0) == FXS_ERR_DEVICE);
+    fxs_cuda_destroy(0);
 }
 #else
 static void no_device(void)
@@ -26,8 +33,29 @@ static void no_device(void)
 }
 #endif
 
+/* The table is there either way, and says why it cannot be used. */
+static void table(void)
+{
+#ifdef FXS_WITH_CUDA
+    const int expected = FXS_ERR_DEVICE;
+#else
+    const int expected = FXS_ERR_UNSUPPORTED;
+#endif
+    const fxs_backend *b = &fxs_backend_cuda;
+    const fxs_backend_options options = {0};
+    fxs_message why = {"", 1};
+    char name[32];
+    void *self = &why;
+    CHECK(!strcmp(b->name, "cuda") && b->can & FXS_CAN_EXACT);
+    CHECK(b->open(&self, &options, &why) == expected && !self && why.text[0] && !why.bytes_needed);
+    why.text[0] = 0;
+    CHECK(b->device(0, name, sizeof name, &why) == expected && why.text[0]);
+    b->close(0);
+}
+
 int main(void)
 {
     RUN(no_device);
+    RUN(table);
     return check_report();
 }

@@ -7,7 +7,9 @@
  * coordinate_q13 2^-7,
  *     fma(c, c, 2^23 + 2 row_level + 1), rounded down, = 2^23 + floor(2 (coordinate_q13^2 2^-15 + 1/2 + row_level))
  * where that is below 2^24, and no less than 2^24 elsewhere; a limit is at most 2^23 + 45395. Coordinates are not cut
- * to +-4: beyond that the level is over every limit either way. */
+ * to +-4: beyond that the level is over every limit either way.
+ *
+ * Where a frame has depths, ids or an occluder, its pixels are traced_pixels; every list is blended here then. */
 #ifndef FXS_CUDA_BLEND_CUH
 #define FXS_CUDA_BLEND_CUH
 
@@ -15,7 +17,7 @@
 
 namespace {
 
-const uint32_t GROUPS_MOST = 6, GROUP_THREADS = 128;
+const uint32_t GROUP_THREADS = 128;
 typedef group<GROUP_THREADS> tile_group;
 typedef group_keys<1024> tile_keys;
 const int REGION = 8;                      /* pixels of a warp, across and down */
@@ -35,7 +37,49 @@ struct alignas(16) queued_splat {
     uint32_t red_green, blue;
 };
 
-struct group_shared {
+/* The same splat, as a traced_pixel takes it. */
+struct queued_trace {
+    uint32_t key, index;                   /* of its depth; in all objects */
+};
+
+struct pixel {
+    int transmittance, sum[3];
+};
+
+struct traced_pixel : pixel {
+    uint32_t limit;                        /* depth key: what is farther is hidden */
+    bool hidden;                           /* all that follows is */
+    int weight;                            /* the largest */
+    uint32_t largest, median;              /* its index; a depth key */
+    uint64_t depths;                       /* fxs_depth_sum */
+};
+
+/* Groups of a block, at most: with more, pixels do not fit in registers. */
+template <class Pixel>
+constexpr uint32_t groups_most = 6;
+template <>
+constexpr uint32_t groups_most<traced_pixel> = 5;
+
+template <class Pixel>
+struct trace_queues {
+    __device__ queued_trace *trace_queue(uint32_t)
+    {
+        return nullptr;
+    }
+};
+
+template <>
+struct trace_queues<traced_pixel> {
+    queued_trace traces[GROUP_THREADS / WARP][WARP];
+
+    __device__ queued_trace *trace_queue(uint32_t warp)
+    {
+        return traces[warp];
+    }
+};
+
+template <class Pixel>
+struct group_shared : trace_queues<Pixel> {
     tile_keys keys;
     union {
         queued_splat queues[GROUP_THREADS / WARP][WARP];
@@ -44,19 +88,17 @@ struct group_shared {
     uint32_t turn;
 };
 
+template <class Pixel>
 struct blend_shared {
     uint16_t alpha_q15[FXS_FAINT_Q11 + 1]; /* fxs_alpha_q15 */
-    group_shared groups[1];                /* as many as the block has */
+    group_shared<Pixel> groups[1];         /* as many as the block has */
 };
 
-inline size_t blend_bytes(uint32_t groups)
+template <class Pixel>
+size_t blend_bytes(uint32_t groups)
 {
-    return sizeof(blend_shared) + (groups - 1) * sizeof(group_shared);
+    return sizeof(blend_shared<Pixel>) + (groups - 1) * sizeof(group_shared<Pixel>);
 }
-
-struct pixel {
-    int transmittance, sum[3];
-};
 
 /* coordinate_q13 2^-7, not cut: added to the mantissa of 1.5 2^16, whose unit is 2^-7. */
 __device__ inline float coordinate_q6(uint32_t coordinate_q24)
@@ -83,12 +125,13 @@ __device__ inline int level_bits(queued_row row, uint32_t across_q24)
     return __float_as_int(__fmaf_rd(u, u, row.level));
 }
 
-__device__ inline void blend_pixel(pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t across_q24,
-                                   const queued_splat *s)
+/* Blends a splat whose level may be up to `limit`. Returns its weight. */
+__device__ inline int blend_pixel(pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t across_q24,
+                                  const queued_splat *s, int limit)
 {
     const int level = level_bits(row, across_q24);
     int alpha = 0;
-    if (level <= s->limit && p->transmittance >= FXS_CLOSED_Q15)
+    if (level <= limit && p->transmittance >= FXS_CLOSED_Q15)
         alpha = alpha_q15[(level & 0xffff) >> 1];
     const int weight = fxs_weight_q15(alpha, p->transmittance);
     p->transmittance -= weight;
@@ -96,6 +139,29 @@ __device__ inline void blend_pixel(pixel *p, const uint16_t *alpha_q15, queued_r
     p->sum[0] += fxs_mul_q15(weight, (int)(s->red_green & 0xffff));
     p->sum[1] += fxs_mul_q15(weight, (int)(s->red_green >> 16));
     p->sum[2] += fxs_mul_q15(weight, (int)s->blue);
+    return weight;
+}
+
+__device__ inline void blend_queued(pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t across_q24,
+                                    const queued_splat *s, const queued_trace *, int)
+{
+    blend_pixel(p, alpha_q15, row, across_q24, s, s->limit);
+}
+
+/* The same, and what src/trace.c keeps. */
+__device__ inline void blend_queued(traced_pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t across_q24,
+                                    const queued_splat *s, const queued_trace *trace, int depth_bits)
+{
+    const uint32_t key = trace->key;
+    const int before = p->transmittance;
+    const int weight = blend_pixel(p, alpha_q15, row, across_q24, s, key <= p->limit ? s->limit : 0);
+    if (!weight)
+        return;
+    const int behind_q15 = fxs_mul_q15(weight, fxs_depth_code_q15(key));
+    p->depths += fxs_depth_sum((uint32_t)(weight + behind_q15), key, depth_bits);
+    p->median = before >= FXS_HALF_Q15 ? key : p->median;
+    p->largest = weight > p->weight ? trace->index : p->largest;
+    p->weight = weight > p->weight ? weight : p->weight;
 }
 
 /* Puts a splat at the region at (x, y), but for its colour. Returns whether it can touch a pixel there. u grows along a
@@ -120,9 +186,11 @@ __device__ inline bool place_splat(queued_splat *q, const fxs_splat *s, const fx
     return touched;
 }
 
-/* Tests one splat a lane, and queues those that can touch the region. Returns how many. */
-__device__ inline uint32_t queue_splats(queued_splat queue[WARP], const fxs_splat *splats, const fxs_view *view,
-                                        uint32_t entry, bool listed, int32_t x, int32_t y)
+/* Tests one splat a lane, and queues those that can touch the region; traces: null where they are not. Returns how
+   many. */
+__device__ inline uint32_t queue_splats(queued_splat queue[WARP], queued_trace *traces, const fxs_splat *splats,
+                                        const fxs_view *view, uint32_t entry, uint32_t key, bool listed, int32_t x,
+                                        int32_t y)
 {
     queued_splat q;
     bool touched = false;
@@ -133,62 +201,152 @@ __device__ inline uint32_t queue_splats(queued_splat queue[WARP], const fxs_spla
         q.blue = (uint32_t)s.colour_q13[2];
     }
     const unsigned lanes = __ballot_sync(ALL_LANES, touched);
+    const uint32_t place = (uint32_t)__popc(lanes & ((1u << lane_index()) - 1));
     if (touched)
-        queue[__popc(lanes & ((1u << lane_index()) - 1))] = q;
+        queue[place] = q;
+    if (traces && touched)
+        traces[place] = {key, entry};
     __syncwarp();
     return (uint32_t)__popc(lanes);
 }
 
-__device__ inline bool is_open(const pixel p[2])
+__device__ inline bool takes_more(const pixel *p)
 {
-    return p[0].transmittance >= FXS_CLOSED_Q15 || p[1].transmittance >= FXS_CLOSED_Q15;
+    return p->transmittance >= FXS_CLOSED_Q15;
+}
+
+__device__ inline bool takes_more(const traced_pixel *p)
+{
+    return p->transmittance >= FXS_CLOSED_Q15 && !p->hidden;
+}
+
+template <class Pixel>
+__device__ inline bool is_open(const Pixel p[2])
+{
+    return takes_more(&p[0]) || takes_more(&p[1]);
+}
+
+/* The depth of a lane's entry. What follows the first lane's is as far, or farther. */
+__device__ inline uint32_t key_of(pixel *, const uint32_t *, uint32_t, bool)
+{
+    return 0;
+}
+
+__device__ inline uint32_t key_of(traced_pixel p[2], const uint32_t *depths, uint32_t entry, bool listed)
+{
+    const uint32_t key = listed ? depths[entry & ~FXS_ENTRY_FAR] : 0, first = __shfl_sync(ALL_LANES, key, 0);
+    for (int i = 0; i < 2; i++)
+        p[i].hidden = first > p[i].limit;
+    return key;
 }
 
 /* Blends sorted keys over the region at (x, y). */
-__device__ inline void blend_keys(pixel p[2], const tile_keys *keys, uint32_t count, queued_splat queue[WARP],
-                                  const uint16_t *alpha_q15, const fxs_splat *splats, const fxs_view *view, int32_t x,
-                                  int32_t y)
+template <class Pixel>
+__device__ inline void blend_keys(Pixel p[2], const tile_keys *keys, uint32_t count, queued_splat queue[WARP],
+                                  queued_trace *traces, const uint16_t *alpha_q15, const frame_buffers *f,
+                                  const fxs_view *view, int depth_bits, int32_t x, int32_t y)
 {
     const uint32_t lane = lane_index();
     for (uint32_t first = 0; first < count && __any_sync(ALL_LANES, is_open(p)); first += WARP) {
         const bool listed = first + lane < count;
         const uint32_t entry = listed ? keys->entries[first + lane] : 0;
-        const uint32_t queued = queue_splats(queue, splats, view, entry, listed, x, y);
+        const uint32_t key = key_of(p, f->depths, entry, listed);
+        const uint32_t queued = queue_splats(queue, traces, f->splats, view, entry, key, listed, x, y);
 #pragma unroll 4
         for (uint32_t i = 0; i < queued; i++) {
             const queued_splat *s = &queue[i];
             const queued_row upper = s->rows[lane / REGION][0], lower = s->rows[lane / REGION][1];
             const uint32_t across = lane % REGION * s->ux_q24;
-            blend_pixel(&p[0], alpha_q15, upper, across, s);
-            blend_pixel(&p[1], alpha_q15, lower, across, s);
+            blend_queued(&p[0], alpha_q15, upper, across, s, traces + i, depth_bits);
+            blend_queued(&p[1], alpha_q15, lower, across, s, traces + i, depth_bits);
         }
         __syncwarp();
     }
 }
 
+/* What a frame writes. */
 struct target {
-    unsigned char *pixels;
-    ptrdiff_t stride;
-    int background_q13[3];
-    enum fxs_format format;
+    fxs_targets images;                    /* each aligned to its pixels */
+    int background_q13[3], depth_bits;
 };
 
-__device__ inline void store_pixel(const target *t, const pixel *p, int32_t x, int32_t y)
+/* A function by itself, so that it takes no registers from the loops. */
+__device__ __noinline__ void store_colour(const target *t, pixel p, int32_t x, int32_t y)
 {
     union {
-        unsigned char bytes[4];
-        uint32_t word;
+        unsigned char bytes[8];
+        uint32_t words[2];
         uint16_t half;
     } packed;
-    int rgb[3];
-    for (int c = 0; c < 3; c++)
-        rgb[c] = fxs_resolve_8bit(fxs_min(p->sum[c], 32767), p->transmittance, t->background_q13[c]);
-    store(packed.bytes, t->format, rgb, p->transmittance);
-    unsigned char *row = t->pixels + y * t->stride;
-    if (t->format == FXS_FORMAT_RGB565)
-        ((uint16_t *)row)[x] = packed.half;
+    const fxs_targets *images = &t->images;
+    int sum[3], background_q13[3];
+    for (int c = 0; c < 3; c++) {
+        sum[c] = fxs_min(p.sum[c], 32767);
+        background_q13[c] = t->background_q13[c];
+    }
+    if (images->backdrop.pixels) {
+        const uint32_t rgba = *(const uint32_t *)fxs_image_at(&images->backdrop, x, y, 4);
+        for (int c = 0; c < 3; c++)
+            background_q13[c] = fxs_background_q13((int)(rgba >> 8 * c & 255));
+    }
+    resolve_pixel(packed.bytes, images->format, sum, p.transmittance, background_q13);
+    unsigned char *pixel = fxs_image_at(&images->colour, x, y, fxs_pixel_bytes(images->format));
+    if (images->format == FXS_FORMAT_RGB565)
+        *(uint16_t *)pixel = packed.half;
+    else if (images->format == FXS_FORMAT_RGBA16_COVERAGE)
+        *(uint2 *)pixel = make_uint2(packed.words[0], packed.words[1]);
     else
-        ((uint32_t *)row)[x] = packed.word;
+        *(uint32_t *)pixel = packed.words[0];
+}
+
+__device__ inline void store_pixel(const target *t, const frame_buffers *, const pixel *p, int32_t x, int32_t y)
+{
+    const fxs_image *coverage = &t->images.coverage;
+    if (t->images.colour.pixels)
+        store_colour(t, *p, x, y);
+    if (coverage->pixels)
+        *fxs_image_at(coverage, x, y, 1) = (unsigned char)fxs_coverage_8bit(p->transmittance);
+}
+
+/* The id of a Gaussian, from its index in all objects. */
+__device__ inline uint2 id_of(const frame_buffers *f, uint32_t index)
+{
+    if (index == FXS_NOTHING)
+        return make_uint2(FXS_NOTHING, FXS_NOTHING);
+    const fxs_object_view *object = &f->objects[fxs_object_of(f->objects, f->object_count, index / FXS_CHUNK)];
+    return make_uint2(object->id, index - object->first_chunk * FXS_CHUNK);
+}
+
+__device__ inline void store_pixel(const target *t, const frame_buffers *f, const traced_pixel *p, int32_t x,
+                                   int32_t y)
+{
+    const fxs_targets *images = &t->images;
+    store_pixel(t, f, static_cast<const pixel *>(p), x, y);
+    if (images->mean_depth.pixels)
+        *(uint32_t *)fxs_image_at(&images->mean_depth, x, y, 4) = fxs_mean_depth(p->depths, p->transmittance);
+    if (images->median_depth.pixels)
+        *(uint32_t *)fxs_image_at(&images->median_depth, x, y, 4) =
+            p->transmittance < FXS_HALF_Q15 ? fxs_depth_of_key(p->median, t->depth_bits) : FXS_NOTHING;
+    if (images->id.pixels)
+        *(uint2 *)fxs_image_at(&images->id, x, y, 8) = id_of(f, p->largest);
+}
+
+__device__ inline void clear_pixel(pixel *p, const target *, int32_t, int32_t, bool inside)
+{
+    *p = {inside ? FXS_CLEAR_Q15 : 0, {0, 0, 0}};
+}
+
+__device__ inline void clear_pixel(traced_pixel *p, const target *t, int32_t x, int32_t y, bool inside)
+{
+    const fxs_image *occluder = &t->images.occluder;
+    clear_pixel(static_cast<pixel *>(p), t, x, y, inside);
+    p->limit = UINT32_MAX;
+    if (inside && occluder->pixels)
+        p->limit = fxs_depth_key(*(const uint32_t *)fxs_image_at(occluder, x, y, 4), t->depth_bits);
+    p->hidden = false;
+    p->weight = 0;
+    p->largest = p->median = FXS_NOTHING;
+    p->depths = 0;
 }
 
 /* The order of the tiles, long lists first, in a warp: the lane has the turns from start to end, for the tiles of
@@ -216,10 +374,12 @@ __device__ inline turn_of_tile tile_of_turn(const frame_buffers *f, const turns 
 }
 
 /* Sorts and blends a tile's list, over the region at (x, y) of each warp. */
-__device__ void blend_list(pixel p[2], group_shared *own, const uint16_t *alpha_q15, const frame_buffers *f,
-                           const fxs_view *view, const tile_group *g, uint32_t tile, int32_t x, int32_t y)
+template <class Pixel>
+__device__ void blend_list(Pixel p[2], group_shared<Pixel> *own, const uint16_t *alpha_q15, const frame_buffers *f,
+                           const fxs_view *view, int depth_bits, const tile_group *g, uint32_t tile, int32_t x,
+                           int32_t y)
 {
-    const uint32_t all = f->counts[tile];
+    const uint32_t all = f->counts[tile], warp = g->thread / WARP;
     const uint64_t *list = f->entries + (f->next[tile] - all);
     key_range r = {0, 0};
     if (all > tile_keys::room)
@@ -233,7 +393,8 @@ __device__ void blend_list(pixel p[2], group_shared *own, const uint16_t *alpha_
                 own->keys.keys[i] = list[i];
         g->sync();
         sort_keys(&own->keys, own->bins, count, g);
-        blend_keys(p, &own->keys, count, own->queues[g->thread / WARP], alpha_q15, f->splats, view, x, y);
+        blend_keys(p, &own->keys, count, own->queues[warp], own->trace_queue(warp), alpha_q15, f, view, depth_bits, x,
+                   y);
         done += count;
         if (!g->any(is_open(p)))
             break;
@@ -241,15 +402,16 @@ __device__ void blend_list(pixel p[2], group_shared *own, const uint16_t *alpha_
 }
 
 /* The groups of all blocks take the tiles as they come. */
-__global__ void __launch_bounds__(GROUPS_MOST * GROUP_THREADS, 1)
+template <class Pixel>
+__global__ void __launch_bounds__(groups_most<Pixel> * GROUP_THREADS, 1)
 blend_tiles(const __grid_constant__ fxs_view view, const __grid_constant__ frame_buffers f,
             const __grid_constant__ target t)
 {
     extern __shared__ __align__(16) unsigned char memory[];
-    blend_shared *shared = (blend_shared *)memory;
+    blend_shared<Pixel> *shared = (blend_shared<Pixel> *)memory;
     const tile_group g = {threadIdx.x / GROUP_THREADS, threadIdx.x % GROUP_THREADS};
     const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y), lane = lane_index(), part = g.thread / WARP;
-    group_shared *own = &shared->groups[g.number];
+    group_shared<Pixel> *own = &shared->groups[g.number];
     if (!fits(&f))
         return;
     for (uint32_t level = threadIdx.x; level <= FXS_FAINT_Q11; level += blockDim.x)
@@ -269,13 +431,13 @@ blend_tiles(const __grid_constant__ fxs_view view, const __grid_constant__ frame
         const int32_t x = (int32_t)(tile % (uint32_t)view.tiles_x * FXS_TILE + part % 2 * REGION);
         const int32_t y = (int32_t)(tile / (uint32_t)view.tiles_x * FXS_TILE + part / 2 * REGION);
         const int32_t px = x + (int32_t)lane % REGION, py = y + (int32_t)lane / REGION;
-        pixel p[2];
+        Pixel p[2];
         for (int i = 0; i < 2; i++)
-            p[i] = {px < view.width && py + i * REGION / 2 < view.height ? FXS_CLEAR_Q15 : 0, {0, 0, 0}};
-        blend_list(p, own, shared->alpha_q15, &f, &view, &g, tile, x, y);
+            clear_pixel(&p[i], &t, px, py + i * REGION / 2, px < view.width && py + i * REGION / 2 < view.height);
+        blend_list(p, own, shared->alpha_q15, &f, &view, t.depth_bits, &g, tile, x, y);
         for (int i = 0; i < 2; i++)
             if (px < view.width && py + i * REGION / 2 < view.height)
-                store_pixel(&t, &p[i], px, py + i * REGION / 2);
+                store_pixel(&t, &f, &p[i], px, py + i * REGION / 2);
         g.sync();
     }
 }

@@ -1,10 +1,9 @@
-/* The host's side: device memory, and the kernels of a frame in order. */
-#include <cuda_runtime.h>
-
+/* The kernels of a frame in order, for several frames at a time. */
 #include "blend.cuh"
 #include "cuda.h"
 #include "dense.cuh"
 #include "lists.cuh"
+#include "memory.cuh"
 
 namespace {
 
@@ -12,16 +11,26 @@ const uint32_t SLOTS = 16;
 const uint32_t DENSE_MAGNITUDE = 11;
 const uint64_t ENTRIES_MAX = 0xffffffffu;  /* `next` counts in 32 bits */
 
-struct block {                     /* of device memory */
-    void *data;
-    uint64_t bytes;
-};
-
 /* What a frame needs while it is under way. */
 struct slot {
     cudaStream_t stream, side;     /* side: of blend_dense */
     cudaEvent_t done, listed, dense_done, stages[FXS_CUDA_STAGES + 1];
-    block splats, larges, tiles, entries;   /* cut up by slot_buffers */
+    block objects;                 /* fxs_object_view[], then the crop boxes that they point to */
+    block splats, tiles, larges, entries;   /* cut up by slot_buffers */
+};
+
+/* Bytes of a slot's blocks. */
+struct slot_sizes {
+    uint64_t objects, splats, tiles, larges, entries;
+};
+
+struct frame {
+    fxs_view view;                 /* of the world; plain: of the object */
+    fxs_scene scene;               /* plain: with the device's pointers */
+    fxs_targets targets;
+    uint32_t object_count, crop_count, chunks, gaussians, tiles;
+    uint64_t staged;               /* where its objects wait for the copy to the slot */
+    bool plain;                    /* one object, which changes nothing of its Gaussians */
 };
 
 }
@@ -29,87 +38,37 @@ struct slot {
 struct fxs_cuda {                  /* in pinned host memory, for the sake of `status` */
     int device, timed;
     int dense;                     /* blend_dense is used */
-    uint32_t processors, groups, slot_count;   /* groups: of a block of blend_tiles */
-    uint64_t max_memory, bytes;    /* allowed, and taken */
-    fxs_scene scene;               /* its pointers are the device's; rows null: none */
-    block scene_data, pixels;
+    uint32_t processors, slot_count;
+    uint32_t groups, traced_groups;         /* of a block of blend_tiles */
+    budget memory;
+    scene_table scenes;
+    host_block staged;             /* the objects of the frames under way */
+    block pixels;
     slot slots[SLOTS];
     cudaEvent_t ready;
     uint64_t capacity, large_capacity;      /* of a slot's entries and large splats, from its next frame on */
 
     fxs_options options;           /* of the frames under way */
-    fxs_cuda_frame frames[FXS_CUDA_BATCH];
+    frame frames[FXS_CUDA_BATCH];
     frame_buffers buffers[FXS_CUDA_BATCH];
     frame_status status[FXS_CUDA_BATCH];
     uint32_t frame_count;
+    fxs_cuda_frame device_frames[FXS_CUDA_BATCH];   /* of fxs_cuda_render_host */
 };
 
 namespace {
 
-int failed(fxs_cuda_failure *failure, int error, const char *text, uint64_t bytes_needed = 0)
+uint64_t larger_of(uint64_t a, uint64_t b)
 {
-    if (failure)
-        *failure = {text, bytes_needed};
-    return error;
+    return a > b ? a : b;
 }
 
-const char *words(cudaError_t error)
+uint32_t slots_of(const fxs_cuda *cuda, uint32_t frames)
 {
-    int driver = 0;
-    if (error == cudaErrorNoDevice)
-        return "no NVIDIA GPU was found";
-    if (error == cudaErrorInsufficientDriver && !cudaDriverGetVersion(&driver) && !driver)
-        return "no NVIDIA driver or GPU was found";
-    return cudaGetErrorString(error);
+    return frames < cuda->slot_count ? frames : cuda->slot_count;
 }
 
-/* The first of two errors of the runtime, as one of ours. */
-int check(fxs_cuda_failure *failure, cudaError_t error, cudaError_t second = cudaSuccess)
-{
-    error = error ? error : second;
-    if (!error)
-        return 0;
-    cudaGetLastError();            /* forgotten, for the sake of other users */
-    return failed(failure, error == cudaErrorMemoryAllocation ? FXS_ERR_MEMORY : FXS_ERR_DEVICE, words(error));
-}
-
-/* As long as it lives, the renderer's device is the thread's. */
-struct on_device {
-    int device, before = 0;
-    explicit on_device(int device_) : device(device_)
-    {
-        cudaGetDevice(&before);
-        if (before != device)
-            cudaSetDevice(device);
-    }
-    ~on_device()
-    {
-        if (before != device && cudaSetDevice(before))
-            cudaGetLastError();
-    }
-};
-
-/* Makes a block of at least `bytes` bytes, contents undefined; 0 gives it back. Frames that use the old one are waited
-   for, by cudaFree. */
-int reserve(fxs_cuda *cuda, block *b, uint64_t bytes, fxs_cuda_failure *failure)
-{
-    if (bytes && bytes <= b->bytes)
-        return 0;
-    cudaFree(b->data);
-    cuda->bytes -= b->bytes;
-    *b = {0, 0};
-    if (!bytes)
-        return 0;
-    const uint64_t needed = cuda->bytes + bytes;
-    if (cuda->max_memory && needed > cuda->max_memory)
-        return failed(failure, FXS_ERR_MEMORY, "the device memory allowed is too small", needed);
-    const int error = check(failure, cudaMalloc(&b->data, bytes));
-    if (error)
-        return error == FXS_ERR_MEMORY ? failed(failure, error, "the device is out of memory", needed) : error;
-    b->bytes = bytes;
-    cuda->bytes += bytes;
-    return 0;
-}
+/* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
 template <class T>
 T *cut(unsigned char **memory, uint64_t count)
@@ -119,62 +78,256 @@ T *cut(unsigned char **memory, uint64_t count)
     return part;
 }
 
-/* Cuts up a slot's memory for a scene and a picture; returns what it takes of each block. Blocks may be null. */
-frame_buffers slot_buffers(const slot *s, uint32_t chunks, uint32_t tiles, uint64_t *splat_bytes, uint64_t *tile_bytes)
+/* Cuts up a slot's memory for a frame; *sizes is what it takes of the first three blocks. Blocks may be null. */
+frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
 {
     frame_buffers f;
     unsigned char *splats = (unsigned char *)s->splats.data, *of_tiles = (unsigned char *)s->tiles.data;
-    const uint64_t gaussians = (uint64_t)chunks * FXS_CHUNK;
-    f.chunk_views = cut<fxs_chunk_view>(&splats, chunks);
+    unsigned char *objects = (unsigned char *)s->objects.data;
+    const uint64_t gaussians = (uint64_t)of->chunks * FXS_CHUNK;
+    f.objects = (const fxs_object_view *)objects;
+    f.object_count = of->object_count;
+    f.chunk_views = cut<fxs_chunk_view>(&splats, of->chunks);
+    f.chunk_objects = cut<uint32_t>(&splats, of->chunks);
     f.splats = cut<fxs_splat>(&splats, gaussians);
     f.split_entries = f.boxes = cut<uint64_t>(&splats, gaussians);
     f.depths = cut<uint32_t>(&splats, gaussians);
     f.split_capacity = (uint64_t)(splats - (unsigned char *)f.boxes) / sizeof *f.split_entries;
     f.status = cut<frame_status>(&of_tiles, 1);
-    f.counts = cut<uint32_t>(&of_tiles, tiles);
-    f.next = cut<uint32_t>(&of_tiles, tiles);
-    f.classes = cut<uint32_t>(&of_tiles, 32 * (uint64_t)tiles);
+    f.counts = cut<uint32_t>(&of_tiles, of->tiles);
+    f.next = cut<uint32_t>(&of_tiles, of->tiles);
+    f.classes = cut<uint32_t>(&of_tiles, 32 * (uint64_t)of->tiles);
     f.entries = (uint64_t *)s->entries.data;
     f.capacity = s->entries.bytes / sizeof *f.entries;
     f.larges = (large_splat *)s->larges.data;
     f.large_capacity = (uint32_t)(s->larges.bytes / sizeof *f.larges);
-    *splat_bytes = (uint64_t)(splats - (unsigned char *)s->splats.data);
-    *tile_bytes = (uint64_t)(of_tiles - (unsigned char *)s->tiles.data);
+    sizes->objects = of->object_count * sizeof(fxs_object_view) + of->crop_count * sizeof(fxs_crop);
+    sizes->splats = (uint64_t)(splats - (unsigned char *)s->splats.data);
+    sizes->tiles = (uint64_t)(of_tiles - (unsigned char *)s->tiles.data);
     return f;
 }
 
-/* What a slot takes for a scene, but for the tiles. */
-uint64_t slot_bytes(const fxs_cuda *cuda, uint32_t chunks)
+int reserve_slot(fxs_cuda *cuda, slot *s, const slot_sizes *sizes, fxs_message *why)
 {
-    const slot none = {};
-    uint64_t splat_bytes, tile_bytes;
-    slot_buffers(&none, chunks, 0, &splat_bytes, &tile_bytes);
-    return splat_bytes + cuda->large_capacity * sizeof(large_splat) + cuda->capacity * sizeof(uint64_t);
+    budget *taken = &cuda->memory;
+    int error = reserve(taken, &s->objects, larger_of(s->objects.bytes, sizes->objects), why);
+    error = error ? error : reserve(taken, &s->splats, larger_of(s->splats.bytes, sizes->splats), why);
+    error = error ? error : reserve(taken, &s->tiles, larger_of(s->tiles.bytes, sizes->tiles), why);
+    error = error ? error : reserve(taken, &s->larges, sizes->larges, why);
+    return error ? error : reserve(taken, &s->entries, sizes->entries, why);
 }
 
-int prepare_slot(fxs_cuda *cuda, slot *s, uint32_t tiles, frame_buffers *buffers, fxs_cuda_failure *failure)
+void free_slot(fxs_cuda *cuda, slot *s)
 {
-    uint64_t splat_bytes, tile_bytes;
-    slot_buffers(s, cuda->scene.chunk_count, tiles, &splat_bytes, &tile_bytes);
-    int error = reserve(cuda, &s->splats, splat_bytes, failure);
-    error = error ? error : reserve(cuda, &s->tiles, tile_bytes, failure);
-    error = error ? error : reserve(cuda, &s->larges, cuda->large_capacity * sizeof(large_splat), failure);
-    error = error ? error : reserve(cuda, &s->entries, cuda->capacity * sizeof(uint64_t), failure);
-    if (!error)
-        *buffers = slot_buffers(s, cuda->scene.chunk_count, tiles, &splat_bytes, &tile_bytes);
+    block *const blocks[] = {&s->objects, &s->splats, &s->tiles, &s->larges, &s->entries};
+    for (block *b : blocks)
+        reserve(&cuda->memory, b, 0, nullptr);
+}
+
+/* Gives the memory of frames back; none are under way. */
+void free_slots(fxs_cuda *cuda)
+{
+    for (uint32_t i = 0; i < cuda->slot_count; i++)
+        free_slot(cuda, &cuda->slots[i]);
+    cuda->capacity = cuda->large_capacity = 0;
+}
+
+uint64_t missing(const block *b, uint64_t bytes)
+{
+    return bytes > b->bytes ? bytes - b->bytes : 0;
+}
+
+/* What the frames take of each slot. Returns the device memory with that and the scenes that are wanted. */
+uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
+{
+    const slot none = {};
+    uint64_t needed = cuda->memory.bytes + cuda->scenes.bytes_wanted;
+    memset(sizes, 0, SLOTS * sizeof *sizes);
+    for (uint32_t i = 0; i < count; i++) {
+        const frame *f = &cuda->frames[i];
+        slot_sizes *s = &sizes[i % cuda->slot_count], of_frame;
+        slot_buffers(&none, f, &of_frame);
+        s->objects = larger_of(s->objects, of_frame.objects);
+        s->splats = larger_of(s->splats, of_frame.splats);
+        s->tiles = larger_of(s->tiles, of_frame.tiles);
+        cuda->capacity = larger_of(cuda->capacity, 2 * (uint64_t)f->gaussians + 65536);
+        cuda->large_capacity = larger_of(cuda->large_capacity, f->gaussians / 16 + 4096);
+    }
+    for (uint32_t i = 0; i < slots_of(cuda, count); i++) {
+        const slot *s = &cuda->slots[i];
+        sizes[i].larges = cuda->large_capacity * sizeof(large_splat);
+        sizes[i].entries = cuda->capacity * sizeof(uint64_t);
+        needed += missing(&s->objects, sizes[i].objects) + missing(&s->splats, sizes[i].splats) +
+                  missing(&s->tiles, sizes[i].tiles) + missing(&s->larges, sizes[i].larges) +
+                  missing(&s->entries, sizes[i].entries);
+    }
+    return needed;
+}
+
+/* The scenes and all memory of the frames. What earlier frames took is given back where it is in the way. */
+int make_room(fxs_cuda *cuda, uint32_t count, int error, fxs_message *why)
+{
+    slot_sizes sizes[SLOTS];
+    const budget *memory = &cuda->memory;
+    if (!error) {
+        uint64_t needed = size_slots(cuda, count, sizes);
+        if (memory->most && needed > memory->most) {
+            free_slots(cuda);
+            needed = size_slots(cuda, count, sizes);
+        }
+        error = too_large(memory, needed, why);
+    }
+    error = fetch_scenes(&cuda->scenes, &cuda->memory, error, cuda->slots[0].stream, why);
+    for (uint32_t i = 0; i < slots_of(cuda, count) && !error; i++)
+        error = reserve_slot(cuda, &cuda->slots[i], &sizes[i], why);
     return error;
 }
 
-uint64_t larger_of(uint64_t a, uint64_t b)
+/* ---- Frames ------------------------------------------------------------------------------------------------------ */
+
+int options_valid(const fxs_options *o)
 {
-    return a > b ? a : b;
+    return o->sh_degree >= 0 && o->sh_degree <= 3 && (unsigned)o->cutoff <= FXS_CUTOFF_SQUARE;
 }
 
-target target_of(const fxs_cuda_frame *frame, const fxs_options *options)
+/* The images of targets. */
+struct plane {
+    fxs_image *image;
+    size_t pixel_bytes;
+    bool read;
+};
+
+enum { PLANES = 7 };
+
+void planes_of(fxs_targets *t, plane planes[PLANES])
 {
-    target t = {(unsigned char *)frame->pixels, frame->stride, {0, 0, 0}, options->format};
-    for (int c = 0; c < 3 && options->format != FXS_FORMAT_RGBA8_COVERAGE; c++)
-        t.background_q13[c] = (options->background[c] * 8192 + 127) / 255;
+    const plane all[PLANES] = {{&t->colour, (size_t)fxs_pixel_bytes(t->format), false}, {&t->coverage, 1, false},
+                               {&t->mean_depth, 4, false}, {&t->median_depth, 4, false}, {&t->id, 8, false},
+                               {&t->occluder, 4, true}, {&t->backdrop, 4, true}};
+    memcpy(planes, all, sizeof all);
+}
+
+bool writes_any(fxs_targets targets)
+{
+    plane planes[PLANES];
+    planes_of(&targets, planes);
+    for (const plane &p : planes)
+        if (p.image->pixels && !p.read)
+            return true;
+    return false;
+}
+
+/* Whether the device's words for pixels can be used. */
+bool are_aligned(fxs_targets targets)
+{
+    plane planes[PLANES];
+    planes_of(&targets, planes);
+    for (const plane &p : planes)
+        if (p.image->pixels && ((uintptr_t)p.image->pixels | (uintptr_t)p.image->stride) % p.pixel_bytes)
+            return false;
+    return true;
+}
+
+/* Counts what is in the objects. */
+int count_objects(frame *f, const fxs_object *objects, uint32_t count)
+{
+    uint64_t chunks = 0, gaussians = 0;
+    int error = !objects && count ? FXS_ERR_ARGUMENT : count > FXS_MAX_OBJECTS ? FXS_ERR_OBJECT : 0;
+    for (uint32_t i = 0; i < count && !error; i++) {
+        error = fxs_object_check(&objects[i]);
+        if (error)
+            return error;
+        chunks += objects[i].scene->chunk_count;
+        gaussians += objects[i].scene->count;
+        f->crop_count += objects[i].crop_count;
+    }
+    if (!error && chunks > FXS_MAX_COUNT / FXS_CHUNK)
+        error = FXS_ERR_OBJECT;
+    f->object_count = count;
+    f->chunks = (uint32_t)chunks;
+    f->gaussians = (uint32_t)gaussians;
+    return error;
+}
+
+/* Checks a frame as fxs_render does, and what is needed of it later, but for its objects. */
+int take_frame(frame *f, const fxs_cuda_frame *from, const fxs_options *options, fxs_message *why)
+{
+    *f = {};
+    int error = count_objects(f, from->objects, from->count);
+    error = error ? error : fxs_view_init(&f->view, &from->camera, options);
+    error = error ? error : fxs_targets_check(&from->targets, f->view.width, f->view.height);
+    if (!error && !writes_any(from->targets))
+        error = FXS_ERR_TARGET;
+    f->targets = from->targets;
+    f->tiles = (uint32_t)(f->view.tiles_x * f->view.tiles_y);
+    return error ? failed(why, error, fxs_strerror(error)) : 0;
+}
+
+/* Takes all frames; finds their scenes, and room for their objects, one's behind the other's. */
+int take_frames(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fxs_message *why)
+{
+    int error = 0;
+    uint64_t staged = 0;
+    for (uint32_t i = 0; i < count && !error; i++) {
+        frame *f = &cuda->frames[i];
+        slot_sizes sizes;
+        const slot none = {};
+        error = take_frame(f, &frames[i], &cuda->options, why);
+        if (!error && !are_aligned(f->targets))
+            error = failed(why, FXS_ERR_TARGET, "a target is not aligned to its pixels");
+        for (uint32_t k = 0; k < f->object_count && !error; k++)
+            if (frames[i].objects[k].visible)
+                error = want_scene(&cuda->scenes, &cuda->memory, frames[i].objects[k].scene, why);
+        slot_buffers(&none, f, &sizes);
+        f->staged = staged;
+        staged += sizes.objects;
+    }
+    return error ? error : reserve_host(&cuda->staged, staged, why);
+}
+
+bool is_plain(const fxs_object_view *object)
+{
+    const int32_t one_q13 = 1 << 13, *tint_q13 = object->tint_q13;
+    return object->visible && object->plain && tint_q13[0] == one_q13 && tint_q13[1] == one_q13 &&
+           tint_q13[2] == one_q13;
+}
+
+/* The objects of frame i as the kernels see them, where they wait for the copy. */
+int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_message *why)
+{
+    frame *f = &cuda->frames[i];
+    const slot *s = &cuda->slots[i % cuda->slot_count];
+    fxs_object_view *views = (fxs_object_view *)((unsigned char *)cuda->staged.data + f->staged);
+    fxs_crop *crops = (fxs_crop *)(views + f->object_count);
+    const fxs_crop *crops_there = (const fxs_crop *)((const fxs_object_view *)s->objects.data + f->object_count);
+    uint32_t chunks = 0;
+    for (uint32_t k = 0; k < f->object_count; k++) {
+        const fxs_object *object = &from->objects[k];
+        const int error = fxs_object_view_init(&views[k], &f->view, &from->camera, object);
+        if (error)
+            return failed(why, error, fxs_strerror(error));
+        if (object->visible)
+            views[k].scene = find_scene(&cuda->scenes, object->scene)->there;
+        views[k].first_chunk = chunks;
+        views[k].crops = crops_there;
+        for (uint32_t n = 0; n < object->crop_count; n++)
+            *crops++ = object->crops[n];
+        crops_there += object->crop_count;
+        chunks += object->scene->chunk_count;
+    }
+    f->plain = f->object_count == 1 && is_plain(views);
+    if (f->plain) {
+        f->view = views->view;
+        f->scene = views->scene;
+    }
+    return 0;
+}
+
+target target_of(const frame *f, const fxs_options *options)
+{
+    target t = {f->targets, {0, 0, 0}, fxs_depth_bits(&f->targets)};
+    for (int c = 0; c < 3 && !fxs_is_premultiplied(t.images.format); c++)
+        t.background_q13[c] = fxs_background_q13(options->background[c]);
     return t;
 }
 
@@ -184,53 +337,71 @@ void mark(const fxs_cuda *cuda, const slot *s, int stage)
         cudaEventRecord(s->stages[stage], s->stream);
 }
 
-/* The kernels of frame i, in its slot. */
-int start_frame(fxs_cuda *cuda, uint32_t i, fxs_cuda_failure *failure)
+template <bool Many>
+void project(const frame *of, const frame_buffers &f, cudaStream_t stream)
 {
-    slot *s = &cuda->slots[i % cuda->slot_count];
-    const uint32_t chunks = cuda->scene.chunk_count;
-    fxs_view view;
-    frame_buffers f;
-    int error = fxs_view_init(&view, &cuda->scene, &cuda->frames[i].camera, &cuda->options);
-    if (error)
-        return failed(failure, error, "the camera is out of range");
-    const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y);
-    error = prepare_slot(cuda, s, tiles, &f, failure);
-    if (error)
-        return error;
-    f.dense_magnitude = cuda->dense ? DENSE_MAGNITUDE : WARP;   /* WARP: none */
-    const uint64_t cleared = (uint64_t)((unsigned char *)(f.counts + tiles) - (unsigned char *)f.status);
-    cudaMemsetAsync(f.status, 0, cleared, s->stream);
-    mark(cuda, s, 0);
-    if (chunks) {
-        place_chunks<<<(chunks + 63) / 64, 64, 0, s->stream>>>(view, cuda->scene, f);
-        project_chunk<<<chunks, FXS_CHUNK, 0, s->stream>>>(view, cuda->scene, f);
+    place_chunks<Many><<<(of->chunks + 63) / 64, 64, 0, stream>>>(of->view, of->scene, f, of->chunks);
+    project_chunk<Many><<<of->chunks, FXS_CHUNK, 0, stream>>>(of->view, of->scene, f);
+}
+
+/* sort, blend and resolve. */
+void blend(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const frame_buffers &f, const target &t)
+{
+    const bool dense = f.dense_magnitude < WARP;
+    if (fxs_targets_traced(&t.images)) {
+        blend_tiles<traced_pixel><<<cuda->processors, cuda->traced_groups * GROUP_THREADS,
+                                    blend_bytes<traced_pixel>(cuda->traced_groups), s->stream>>>(view, f, t);
+        return;
     }
-    mark(cuda, s, 1);
-    place_lists<<<(uint32_t)view.tiles_y, WARP, 0, s->stream>>>(f, (uint32_t)view.tiles_x, tiles);
-    if (chunks)
-        fill_lists<<<LARGE_BLOCKS + chunks, FXS_CHUNK, 0, s->stream>>>(view, cuda->scene, f);
-    mark(cuda, s, 2);
-    const target t = target_of(&cuda->frames[i], &cuda->options);
-    if (cuda->dense) {
+    if (dense) {
         cudaEventRecord(s->listed, s->stream);
         cudaStreamWaitEvent(s->side, s->listed, 0);
         blend_dense<<<cuda->processors * DENSE_BLOCKS, DENSE_THREADS, sizeof(dense_shared), s->side>>>(view, f, t);
         cudaEventRecord(s->dense_done, s->side);
     }
-    blend_tiles<<<cuda->processors, cuda->groups * GROUP_THREADS, blend_bytes(cuda->groups), s->stream>>>(view, f, t);
-    if (cuda->dense)
+    blend_tiles<pixel><<<cuda->processors, cuda->groups * GROUP_THREADS, blend_bytes<pixel>(cuda->groups),
+                         s->stream>>>(view, f, t);
+    if (dense)
         cudaStreamWaitEvent(s->stream, s->dense_done, 0);
-    mark(cuda, s, 3);
-    cuda->buffers[i] = f;
-    return check(failure, cudaMemcpyAsync(&cuda->status[i], f.status, sizeof *f.status, cudaMemcpyDeviceToHost,
-                                          s->stream), cudaGetLastError());
 }
 
-int wait(fxs_cuda *cuda, fxs_cuda_failure *failure)
+/* The kernels of frame i, in its slot. */
+int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
+{
+    const slot *s = &cuda->slots[i % cuda->slot_count];
+    const frame *of = &cuda->frames[i];
+    const fxs_view &view = of->view;
+    slot_sizes sizes;
+    frame_buffers f = slot_buffers(s, of, &sizes);
+    const bool traced = fxs_targets_traced(&of->targets);
+    f.dense_magnitude = cuda->dense && !traced ? DENSE_MAGNITUDE : WARP;   /* WARP: none */
+    const uint64_t cleared = (uint64_t)((unsigned char *)(f.counts + of->tiles) - (unsigned char *)f.status);
+    cudaMemsetAsync(f.status, 0, cleared, s->stream);
+    mark(cuda, s, 0);
+    if (sizes.objects && (!of->plain || traced))
+        cudaMemcpyAsync(s->objects.data, (unsigned char *)cuda->staged.data + of->staged, sizes.objects,
+                        cudaMemcpyHostToDevice, s->stream);
+    if (of->chunks && of->plain)
+        project<false>(of, f, s->stream);
+    else if (of->chunks)
+        project<true>(of, f, s->stream);
+    mark(cuda, s, 1);
+    place_lists<<<(uint32_t)view.tiles_y, WARP, 0, s->stream>>>(f, (uint32_t)view.tiles_x, of->tiles);
+    if (of->chunks)
+        fill_lists<<<LARGE_BLOCKS + of->chunks, FXS_CHUNK, 0, s->stream>>>(view, f);
+    mark(cuda, s, 2);
+    blend(cuda, s, view, f, target_of(of, &cuda->options));
+    mark(cuda, s, 3);
+    cuda->buffers[i] = f;
+    const int error = check(why, cudaGetLastError());
+    return error ? error : check(why, cudaMemcpyAsync(&cuda->status[i], f.status, sizeof *f.status,
+                                                      cudaMemcpyDeviceToHost, s->stream));
+}
+
+int wait(fxs_cuda *cuda, fxs_message *why)
 {
     for (uint32_t i = 0; i < cuda->slot_count; i++) {
-        const int error = check(failure, cudaStreamSynchronize(cuda->slots[i].stream));
+        const int error = check(why, cudaStreamSynchronize(cuda->slots[i].stream));
         if (error)
             return error;
     }
@@ -241,19 +412,12 @@ int wait(fxs_cuda *cuda, fxs_cuda_failure *failure)
 int end_frames(fxs_cuda *cuda, int error)
 {
     if (error)
-        wait(cuda, 0);
+        wait(cuda, nullptr);
     cuda->frame_count = 0;
     return error;
 }
 
-int frame_valid(const fxs_cuda_frame *frame, const fxs_options *options)
-{
-    const uintptr_t pixel_bytes = (uintptr_t)fxs_pixel_bytes(options);
-    return frame->pixels && ((uintptr_t)frame->pixels | (uintptr_t)frame->stride) % pixel_bytes == 0 &&
-           fxs_stride_valid(&frame->camera, options, frame->stride);
-}
-
-int frame_fitted(const fxs_cuda *cuda, uint32_t i)
+bool frame_fitted(const fxs_cuda *cuda, uint32_t i)
 {
     const frame_status *needed = &cuda->status[i];
     const frame_buffers *had = &cuda->buffers[i];
@@ -261,23 +425,26 @@ int frame_fitted(const fxs_cuda *cuda, uint32_t i)
 }
 
 /* Renders frame i in as much memory as it needed, with some to spare where there is as much. */
-int render_again(fxs_cuda *cuda, uint32_t i, fxs_cuda_failure *failure)
+int render_again(fxs_cuda *cuda, uint32_t i, fxs_message *why)
 {
     const uint64_t capacity = cuda->capacity, large_capacity = cuda->large_capacity;
     const uint64_t entries = cuda->status[i].entries, larges = cuda->status[i].larges;
     if (entries > ENTRIES_MAX)
-        return failed(failure, FXS_ERR_MEMORY, "a frame has more than 2^32 tile list entries",
+        return failed(why, FXS_ERR_MEMORY, "a frame has more than 2^32 tile list entries",
                       entries * sizeof(uint64_t));
     int error = FXS_ERR_MEMORY;
     for (int spare = 1; spare >= 0 && error == FXS_ERR_MEMORY; spare--) {
         cuda->capacity = larger_of(capacity, entries + (spare ? entries / 8 : 0));
         cuda->capacity = cuda->capacity < ENTRIES_MAX ? cuda->capacity : ENTRIES_MAX;
         cuda->large_capacity = larger_of(large_capacity, larges + (spare ? larges / 8 : 0));
-        error = start_frame(cuda, i, failure);
+        const slot_sizes sizes = {0, 0, 0, cuda->large_capacity * sizeof(large_splat),
+                                  cuda->capacity * sizeof(uint64_t)};
+        error = reserve_slot(cuda, &cuda->slots[i % cuda->slot_count], &sizes, why);
     }
-    error = error ? error : wait(cuda, failure);
+    error = error ? error : start_frame(cuda, i, why);
+    error = error ? error : wait(cuda, why);
     if (!error && !frame_fitted(cuda, i))
-        error = failed(failure, FXS_ERR_MEMORY, "a frame does not fit in 32-bit counts");
+        error = failed(why, FXS_ERR_MEMORY, "a frame does not fit in 32-bit counts");
     if (error) {                   /* the next frame may be smaller */
         cuda->capacity = capacity;
         cuda->large_capacity = large_capacity;
@@ -285,13 +452,9 @@ int render_again(fxs_cuda *cuda, uint32_t i, fxs_cuda_failure *failure)
     return error;
 }
 
-int options_valid(const fxs_options *o)
-{
-    return o->sh_degree >= 0 && o->sh_degree <= 3 && (unsigned)o->cutoff <= FXS_CUTOFF_SQUARE &&
-           (unsigned)o->format <= FXS_FORMAT_RGB565;
-}
+/* ---- The renderer ------------------------------------------------------------------------------------------------ */
 
-int slot_init(slot *s, fxs_cuda_failure *failure)
+int slot_init(slot *s, fxs_message *why)
 {
     cudaError_t error = cudaStreamCreateWithFlags(&s->stream, cudaStreamNonBlocking);
     error = error ? error : cudaStreamCreateWithFlags(&s->side, cudaStreamNonBlocking);
@@ -300,20 +463,11 @@ int slot_init(slot *s, fxs_cuda_failure *failure)
         error = cudaEventCreateWithFlags(events[i], cudaEventDisableTiming);
     for (int i = 0; i <= FXS_CUDA_STAGES && !error; i++)
         error = cudaEventCreate(&s->stages[i]);
-    return check(failure, error);
+    return check(why, error);
 }
 
-void free_blocks(fxs_cuda *cuda, slot *s)
+void slot_close(slot *s)
 {
-    reserve(cuda, &s->splats, 0, 0);
-    reserve(cuda, &s->larges, 0, 0);
-    reserve(cuda, &s->tiles, 0, 0);
-    reserve(cuda, &s->entries, 0, 0);
-}
-
-void slot_free(fxs_cuda *cuda, slot *s)
-{
-    free_blocks(cuda, s);
     if (s->stream)
         cudaStreamDestroy(s->stream);
     if (s->side)
@@ -327,53 +481,127 @@ void slot_free(fxs_cuda *cuda, slot *s)
             cudaEventDestroy(s->stages[i]);
 }
 
-/* Fits the blocks to the shared memory that one can have: 227 KiB on an H100 or H200, 163 on an A100, 99 on others,
-   where blend_tiles takes all lists. */
-int fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_cuda_failure *failure)
+/* Fits a block of blend_tiles to the shared memory that one can have; *groups: of the block. */
+template <class Pixel>
+int fit_groups(uint32_t *groups, size_t shared_most, fxs_message *why)
 {
     const cudaFuncAttribute size = cudaFuncAttributeMaxDynamicSharedMemorySize;
-    if (shared_most < blend_bytes(1))
-        return failed(failure, FXS_ERR_UNSUPPORTED, "the device has too little shared memory");
-    cuda->groups = (uint32_t)((shared_most - blend_bytes(1)) / sizeof(group_shared)) + 1;
-    cuda->groups = cuda->groups < GROUPS_MOST ? cuda->groups : GROUPS_MOST;
+    if (shared_most < blend_bytes<Pixel>(1))
+        return failed(why, FXS_ERR_UNSUPPORTED, "the device has too little shared memory");
+    *groups = (uint32_t)((shared_most - blend_bytes<Pixel>(1)) / sizeof(group_shared<Pixel>)) + 1;
+    *groups = *groups < groups_most<Pixel> ? *groups : groups_most<Pixel>;
+    return check(why, cudaFuncSetAttribute(blend_tiles<Pixel>, size, (int)blend_bytes<Pixel>(*groups)));
+}
+
+/* 227 KiB on an H100 or H200, 163 on an A100, 99 on others, where blend_tiles takes all lists. */
+int fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_message *why)
+{
+    int error = fit_groups<pixel>(&cuda->groups, shared_most, why);
+    error = error ? error : fit_groups<traced_pixel>(&cuda->traced_groups, shared_most, why);
     cuda->dense = sizeof(dense_shared) <= shared_most;
-    int error = check(failure, cudaFuncSetAttribute(blend_tiles, size, (int)blend_bytes(cuda->groups)));
     if (!error && cuda->dense)
-        error = check(failure, cudaFuncSetAttribute(blend_dense, size, (int)sizeof(dense_shared)));
+        error = check(why, cudaFuncSetAttribute(blend_dense, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                                (int)sizeof(dense_shared)));
     return error;
 }
 
-int renderer_init(fxs_cuda *cuda, fxs_cuda_failure *failure)
+int renderer_init(fxs_cuda *cuda, fxs_message *why)
 {
     int processors = 0, shared_most = 0;
-    int error = check(failure, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, cuda->device),
+    int error = check(why, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, cuda->device),
                       cudaDeviceGetAttribute(&shared_most, cudaDevAttrMaxSharedMemoryPerBlockOptin, cuda->device));
-    error = error ? error : fit_blocks(cuda, (size_t)shared_most, failure);
-    error = error ? error : check(failure, cudaEventCreateWithFlags(&cuda->ready, cudaEventDisableTiming));
+    error = error ? error : fit_blocks(cuda, (size_t)shared_most, why);
+    error = error ? error : check(why, cudaEventCreateWithFlags(&cuda->ready, cudaEventDisableTiming));
     for (uint32_t i = 0; i < cuda->slot_count && !error; i++)
-        error = slot_init(&cuda->slots[i], failure);
+        error = slot_init(&cuda->slots[i], why);
     cuda->processors = (uint32_t)processors;
     return error;
 }
 
 fxs_cuda_memory memory_of(const fxs_cuda *cuda)
 {
-    fxs_cuda_memory m = {cuda->scene_data.bytes, 0, 0, 0, cuda->pixels.bytes, cuda->bytes};
+    fxs_cuda_memory m = {0, 0, 0, 0, cuda->pixels.bytes, cuda->memory.bytes};
+    for (uint32_t i = 0; i < cuda->scenes.count; i++)
+        m.scenes += copies_of(&cuda->scenes)[i].data.bytes;
     for (uint32_t i = 0; i < cuda->slot_count; i++) {
-        m.splats += cuda->slots[i].splats.bytes + cuda->slots[i].larges.bytes;
-        m.tiles += cuda->slots[i].tiles.bytes;
-        m.entries += cuda->slots[i].entries.bytes;
+        const slot *s = &cuda->slots[i];
+        m.splats += s->objects.bytes + s->splats.bytes + s->larges.bytes;
+        m.tiles += s->tiles.bytes;
+        m.entries += s->entries.bytes;
     }
     return m;
 }
 
 void stats_of(const fxs_cuda *cuda, fxs_cuda_stats *stats)
 {
-    const frame_status *last = &cuda->status[cuda->frame_count - 1];
-    const slot *s = &cuda->slots[(cuda->frame_count - 1) % cuda->slot_count];
-    *stats = {last->visible, last->entries, {0}, memory_of(cuda)};
-    for (int i = 0; i < FXS_CUDA_STAGES && cuda->timed; i++)
-        cudaEventElapsedTime(&stats->milliseconds[i], s->stages[i], s->stages[i + 1]);
+    *stats = {0, 0, 0, {0}, memory_of(cuda)};
+    for (uint32_t i = 0; i < cuda->frame_count; i++) {
+        stats->gaussians += cuda->frames[i].gaussians;
+        stats->visible += cuda->status[i].visible;
+        stats->entries += cuda->status[i].entries;
+    }
+    for (uint32_t i = 0; i < slots_of(cuda, cuda->frame_count) && cuda->timed; i++)
+        for (int k = 0; k < FXS_CUDA_STAGES; k++) {
+            float milliseconds = 0;
+            cudaEventElapsedTime(&milliseconds, cuda->slots[i].stages[k], cuda->slots[i].stages[k + 1]);
+            stats->milliseconds[k] += milliseconds;
+        }
+}
+
+/* ---- Targets in host memory -------------------------------------------------------------------------------------- */
+
+/* Gives the targets of frames places in `memory`, rows close to each other. Returns the bytes of all. */
+uint64_t place_targets(fxs_cuda_frame *frames, uint32_t count, void *memory)
+{
+    unsigned char *at = (unsigned char *)memory;
+    for (uint32_t i = 0; i < count; i++) {
+        plane planes[PLANES];
+        planes_of(&frames[i].targets, planes);
+        for (const plane &p : planes)
+            if (p.image->pixels) {
+                p.image->stride = (ptrdiff_t)(p.pixel_bytes * (size_t)frames[i].camera.width);
+                p.image->pixels = cut<unsigned char>(&at, (size_t)p.image->stride * (size_t)frames[i].camera.height);
+            }
+    }
+    return (uint64_t)(at - (unsigned char *)memory);
+}
+
+int copy_image(const fxs_image *to, const fxs_image *from, size_t row, size_t height, fxs_message *why)
+{
+    unsigned char *out = (unsigned char *)to->pixels, *in = (unsigned char *)from->pixels;
+    int error = 0;
+    if (to->stride >= (ptrdiff_t)row && from->stride >= (ptrdiff_t)row)
+        return check(why, cudaMemcpy2D(out, (size_t)to->stride, in, (size_t)from->stride, row, height,
+                                       cudaMemcpyDefault));
+    for (size_t y = 0; y < height && !error; y++)
+        error = check(why, cudaMemcpy(out + (ptrdiff_t)y * to->stride, in + (ptrdiff_t)y * from->stride, row,
+                                      cudaMemcpyDefault));
+    return error;
+}
+
+/* Copies what is read of the targets to the device, or what was written from there. */
+int copy_targets(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, bool read, fxs_message *why)
+{
+    int error = 0;
+    for (uint32_t i = 0; i < count && !error; i++) {
+        fxs_targets here = frames[i].targets;
+        plane of_host[PLANES], of_device[PLANES];
+        planes_of(&here, of_host);
+        planes_of(&cuda->device_frames[i].targets, of_device);
+        for (int k = 0; k < PLANES && !error; k++) {
+            const fxs_image *to = read ? of_device[k].image : of_host[k].image;
+            const fxs_image *from = read ? of_host[k].image : of_device[k].image;
+            if (of_host[k].read == read && to->pixels)
+                error = copy_image(to, from, of_host[k].pixel_bytes * (size_t)frames[i].camera.width,
+                                   (size_t)frames[i].camera.height, why);
+        }
+    }
+    return error;
+}
+
+bool arguments_valid(const fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options)
+{
+    return cuda && frames && options && count >= 1 && count <= FXS_CUDA_BATCH && options_valid(options);
 }
 
 }
@@ -381,42 +609,41 @@ void stats_of(const fxs_cuda *cuda, fxs_cuda_stats *stats)
 int fxs_cuda_devices(void)
 {
     int count = 0;
-    return check(0, cudaGetDeviceCount(&count)) ? 0 : count;
+    return check(nullptr, cudaGetDeviceCount(&count)) ? 0 : count;
 }
 
-int fxs_cuda_name(int device, char *name, size_t size, fxs_cuda_failure *failure)
+int fxs_cuda_name(int device, char *name, size_t size, fxs_message *why)
 {
     cudaDeviceProp properties;
-    int count = 0, error = check(failure, cudaGetDeviceCount(&count));
+    int count = 0, error = check(why, cudaGetDeviceCount(&count));
     if (!error && (device < 0 || device >= count))
-        return failed(failure, FXS_ERR_DEVICE, "no such CUDA device");
-    error = error ? error : check(failure, cudaGetDeviceProperties(&properties, device));
-    if (error || !size)
-        return error;
-    const size_t length = strlen(properties.name), kept = length < size ? length : size - 1;
-    memcpy(name, properties.name, kept);
-    name[kept] = 0;
-    return 0;
+        return failed(why, FXS_ERR_DEVICE, "no such CUDA device");
+    error = error ? error : check(why, cudaGetDeviceProperties(&properties, device));
+    if (!error && size)
+        copy_text(name, size, properties.name);
+    return error;
 }
 
-int fxs_cuda_create(fxs_cuda **out, int device, uint64_t max_memory, uint32_t slots, fxs_cuda_failure *failure)
+int fxs_cuda_create(fxs_cuda **out, int device, uint64_t max_memory, uint32_t slots, fxs_message *why)
 {
     char name[1];
     void *memory;
+    if (out)
+        *out = nullptr;
     if (!out || slots < 1 || slots > SLOTS)
-        return failed(failure, FXS_ERR_ARGUMENT, "slots: expected 1 to 16");
-    int error = fxs_cuda_name(device, name, sizeof name, failure);
+        return failed(why, FXS_ERR_ARGUMENT, "slots: expected 1 to 16");
+    int error = fxs_cuda_name(device, name, sizeof name, why);
     if (error)
         return error;
     on_device scope(device);
-    error = check(failure, cudaHostAlloc(&memory, sizeof(fxs_cuda), cudaHostAllocDefault));
+    error = check(why, cudaHostAlloc(&memory, sizeof(fxs_cuda), cudaHostAllocDefault));
     if (error)
         return error;
     fxs_cuda *cuda = (fxs_cuda *)memset(memory, 0, sizeof(fxs_cuda));
     cuda->device = device;
-    cuda->max_memory = max_memory;
+    cuda->memory.most = max_memory;
     cuda->slot_count = slots;
-    error = renderer_init(cuda, failure);
+    error = renderer_init(cuda, why);
     if (error)
         fxs_cuda_destroy(cuda);
     else
@@ -429,45 +656,37 @@ void fxs_cuda_destroy(fxs_cuda *cuda)
     if (!cuda)
         return;
     on_device scope(cuda->device);
-    wait(cuda, 0);
+    wait(cuda, nullptr);
+    free_slots(cuda);
     for (uint32_t i = 0; i < cuda->slot_count; i++)
-        slot_free(cuda, &cuda->slots[i]);
-    reserve(cuda, &cuda->scene_data, 0, 0);
-    reserve(cuda, &cuda->pixels, 0, 0);
+        slot_close(&cuda->slots[i]);
+    while (cuda->scenes.count)
+        drop_scene(&cuda->scenes, &cuda->memory, copies_of(&cuda->scenes)->key);
+    reserve(&cuda->memory, &cuda->pixels, 0, nullptr);
+    cudaFreeHost(cuda->scenes.memory.data);
+    cudaFreeHost(cuda->staged.data);
     if (cuda->ready)
         cudaEventDestroy(cuda->ready);
     cudaFreeHost(cuda);
 }
 
-int fxs_cuda_upload(fxs_cuda *cuda, const fxs_scene *scene, fxs_cuda_failure *failure)
+int fxs_cuda_upload(fxs_cuda *cuda, const fxs_scene *scene, fxs_message *why)
 {
     if (!cuda || !scene)
-        return failed(failure, FXS_ERR_ARGUMENT, "an argument is null");
+        return failed(why, FXS_ERR_ARGUMENT, "an argument is null");
     on_device scope(cuda->device);
-    const unsigned char *start = scene->chunks;
-    const uint64_t bytes = (uint64_t)(scene->rows - start) + (uint64_t)scene->chunk_count * scene->chunk_bytes;
-    cuda->scene = {};
-    reserve(cuda, &cuda->scene_data, 0, 0);
-    for (uint32_t i = 0; i < cuda->slot_count; i++)
-        free_blocks(cuda, &cuda->slots[i]);
-    cuda->capacity = 2 * (uint64_t)scene->count + 65536;
-    cuda->large_capacity = scene->count / 16 + 4096;
-    const uint64_t needed = cuda->bytes + bytes + cuda->slot_count * slot_bytes(cuda, scene->chunk_count);
-    if (cuda->max_memory && needed > cuda->max_memory)
-        return failed(failure, FXS_ERR_MEMORY, "the device memory allowed is too small", needed);
-    const cudaStream_t stream = cuda->slots[0].stream;
-    int error = reserve(cuda, &cuda->scene_data, bytes + !bytes, failure);
-    error = error ? error : check(failure, cudaMemcpyAsync(cuda->scene_data.data, start, bytes, cudaMemcpyHostToDevice,
-                                                           stream));
-    error = error ? error : check(failure, cudaStreamSynchronize(stream));
-    if (error)
-        return error;
-    unsigned char *copy = (unsigned char *)cuda->scene_data.data;
-    cuda->scene = *scene;
-    cuda->scene.chunks = copy;
-    cuda->scene.rows = copy + (scene->rows - start);
-    cuda->scene.palette = scene->palette ? (const int8_t *)copy + (scene->palette - (const int8_t *)start) : 0;
-    return 0;
+    const int error = want_scene(&cuda->scenes, &cuda->memory, scene, why);
+    return make_room(cuda, 0, error, why);
+}
+
+void fxs_cuda_forget(fxs_cuda *cuda, const fxs_scene *scene)
+{
+    if (!cuda)
+        return;
+    on_device scope(cuda->device);
+    drop_scene(&cuda->scenes, &cuda->memory, scene);
+    if (!cuda->scenes.count)
+        free_slots(cuda);
 }
 
 void fxs_cuda_time(fxs_cuda *cuda, int on)
@@ -476,69 +695,72 @@ void fxs_cuda_time(fxs_cuda *cuda, int on)
 }
 
 int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
-                    void *stream, fxs_cuda_failure *failure)
+                    void *stream, fxs_message *why)
 {
-    if (!cuda || !frames || !options || !cuda->scene.rows || count < 1 || count > FXS_CUDA_BATCH ||
-        !options_valid(options))
-        return failed(failure, FXS_ERR_ARGUMENT, "an argument is null or out of range");
-    for (uint32_t i = 0; i < count; i++)
-        if (!frame_valid(&frames[i], options))
-            return failed(failure, FXS_ERR_ARGUMENT, "pixels are null or not aligned to a pixel, or rows overlap");
+    if (!arguments_valid(cuda, frames, count, options))
+        return failed(why, FXS_ERR_ARGUMENT, "an argument is null or out of range");
     on_device scope(cuda->device);
     cudaGetLastError();            /* not ours */
     cuda->options = *options;
-    cuda->frame_count = count;
-    memcpy(cuda->frames, frames, count * sizeof *frames);
-    int error = check(failure, cudaEventRecord(cuda->ready, (cudaStream_t)stream));
-    const uint32_t used = count < cuda->slot_count ? count : cuda->slot_count;
-    for (uint32_t i = 0; i < used && !error; i++)
-        error = check(failure, cudaStreamWaitEvent(cuda->slots[i].stream, cuda->ready, 0));
+    int error = take_frames(cuda, frames, count, why);
+    error = make_room(cuda, count, error, why);
     for (uint32_t i = 0; i < count && !error; i++)
-        error = start_frame(cuda, i, failure);
+        error = stage_objects(cuda, i, &frames[i], why);
+    if (error)
+        return error;
+    cuda->frame_count = count;
+    const uint32_t used = slots_of(cuda, count);
+    error = check(why, cudaEventRecord(cuda->ready, (cudaStream_t)stream));
     for (uint32_t i = 0; i < used && !error; i++)
-        if (!(error = check(failure, cudaEventRecord(cuda->slots[i].done, cuda->slots[i].stream))))
-            error = check(failure, cudaStreamWaitEvent((cudaStream_t)stream, cuda->slots[i].done, 0));
+        error = check(why, cudaStreamWaitEvent(cuda->slots[i].stream, cuda->ready, 0));
+    for (uint32_t i = 0; i < count && !error; i++)
+        error = start_frame(cuda, i, why);
+    for (uint32_t i = 0; i < used && !error; i++)
+        if (!(error = check(why, cudaEventRecord(cuda->slots[i].done, cuda->slots[i].stream))))
+            error = check(why, cudaStreamWaitEvent((cudaStream_t)stream, cuda->slots[i].done, 0));
     return error ? end_frames(cuda, error) : 0;
 }
 
-int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_cuda_failure *failure)
+int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_message *why)
 {
     if (!cuda || !cuda->frame_count)
-        return failed(failure, FXS_ERR_ARGUMENT, "no frame is under way");
+        return failed(why, FXS_ERR_ARGUMENT, "no frame is under way");
     on_device scope(cuda->device);
     cudaGetLastError();            /* not ours */
-    int error = wait(cuda, failure);
+    int error = wait(cuda, why);
     for (uint32_t i = 0; i < cuda->frame_count && !error; i++)
         if (cuda->status[i].damaged)
-            error = failed(failure, FXS_ERR_SCENE, fxs_strerror(FXS_ERR_SCENE));
+            error = failed(why, FXS_ERR_SCENE, fxs_strerror(FXS_ERR_SCENE));
         else if (!frame_fitted(cuda, i))
-            error = render_again(cuda, i, failure);
+            error = render_again(cuda, i, why);
     if (!error && stats)
         stats_of(cuda, stats);
     return end_frames(cuda, error);
 }
 
-int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_camera *camera, const fxs_options *options, void *pixels,
-                         ptrdiff_t stride, fxs_cuda_stats *stats, fxs_cuda_failure *failure)
+int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
+                         fxs_cuda_stats *stats, fxs_message *why)
 {
-    if (!cuda || !camera || !options || !pixels || !fxs_stride_valid(camera, options, stride))
-        return failed(failure, FXS_ERR_ARGUMENT, "an argument is null, or rows overlap");
-    if (camera->width < 1 || camera->height < 1 || camera->width > FXS_MAX_SIZE || camera->height > FXS_MAX_SIZE)
-        return failed(failure, FXS_ERR_SIZE, "the width or height is outside 1 to 16384");
+    if (!arguments_valid(cuda, frames, count, options))
+        return failed(why, FXS_ERR_ARGUMENT, "an argument is null or out of range");
     on_device scope(cuda->device);
-    const size_t row = (size_t)camera->width * (size_t)fxs_pixel_bytes(options);
-    const size_t height = (size_t)camera->height;
-    int error = reserve(cuda, &cuda->pixels, row * height, failure);
-    const fxs_cuda_frame frame = {*camera, cuda->pixels.data, (ptrdiff_t)row};
-    error = error ? error : fxs_cuda_render(cuda, &frame, 1, options, 0, failure);
-    error = error ? error : fxs_cuda_finish(cuda, stats, failure);
+    cudaGetLastError();            /* not ours */
+    int error = 0;
+    for (uint32_t i = 0; i < count && !error; i++) {
+        frame checked;
+        error = take_frame(&checked, &frames[i], options, why);
+        cuda->device_frames[i] = frames[i];
+    }
     if (error)
         return error;
-    if (stride >= 0)
-        return check(failure, cudaMemcpy2D(pixels, (size_t)stride, frame.pixels, row, row, height,
-                                           cudaMemcpyDeviceToHost));
-    for (size_t y = 0; y < height && !error; y++)
-        error = check(failure, cudaMemcpy((unsigned char *)pixels + (ptrdiff_t)y * stride,
-                                          (unsigned char *)frame.pixels + y * row, row, cudaMemcpyDeviceToHost));
-    return error;
+    error = reserve(&cuda->memory, &cuda->pixels, place_targets(cuda->device_frames, count, nullptr), why);
+    if (error)
+        return error;
+    for (uint32_t i = 0; i < count; i++)
+        cuda->device_frames[i].targets = frames[i].targets;
+    place_targets(cuda->device_frames, count, cuda->pixels.data);
+    error = copy_targets(cuda, frames, count, true, why);
+    error = error ? error : fxs_cuda_render(cuda, cuda->device_frames, count, options, nullptr, why);
+    error = error ? error : fxs_cuda_finish(cuda, stats, why);
+    return error ? error : copy_targets(cuda, frames, count, false, why);
 }

@@ -446,7 +446,7 @@ __global__ void __launch_bounds__(DENSE_THREADS, DENSE_BLOCKS) blend_dense(const
         g.sync();
         blend_dense_tile(shared, &f, &at, tile, &g);
         if (inside)
-            store_pixel(&t, &shared->pixels[g.thread], px, py);
+            store_pixel(&t, &f, &shared->pixels[g.thread], px, py);
         g.sync();
     }
 }

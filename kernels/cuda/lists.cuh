@@ -1,4 +1,5 @@
-/* project, shade and bin: from the packed scene to a list of splats for each tile, in no order yet. */
+/* project, shade and bin: from packed scenes to a list of splats for each tile, in no order yet. A frame of one object
+ * that is plain has its view and scene in the kernels' parameters; of many, objects are in device memory. */
 #ifndef FXS_CUDA_LISTS_CUH
 #define FXS_CUDA_LISTS_CUH
 
@@ -24,19 +25,43 @@ __device__ inline void add_at(uint32_t *counters, uint32_t i, uint32_t by, bool 
     }
 }
 
+/* fxs_chunk_view_init, and whether crop boxes leave anything of the chunk. */
+__device__ inline int place_in_object(fxs_chunk_view *cv, const fxs_object_view *object, uint32_t chunk)
+{
+    fxs_chunk header;
+    if (!object->visible)
+        return 0;
+    const int seen = fxs_chunk_view_init(cv, &object->view, &object->scene, chunk);
+    if (seen <= 0 || !object->crop_count)
+        return seen;
+    const int error = fxs_chunk_read(&header, &object->scene, chunk);
+    return error ? error : fxs_object_has_chunk(object, &header);
+}
+
 /* A thread a chunk: where it lies, if anything of it can be seen; or that its header is damaged. */
+template <bool Many>
 __global__ void place_chunks(const __grid_constant__ fxs_view view, const __grid_constant__ fxs_scene scene,
-                             const __grid_constant__ frame_buffers f)
+                             const __grid_constant__ frame_buffers f, uint32_t chunks)
 {
     const uint32_t chunk = blockIdx.x * blockDim.x + threadIdx.x;
     fxs_chunk_view cv;
-    const int seen = chunk < scene.chunk_count ? fxs_chunk_view_init(&cv, &view, &scene, chunk) : 0;
+    uint32_t object = 0;
+    int seen = 0;
+    if (Many && chunk < chunks) {
+        object = fxs_object_of(f.objects, f.object_count, chunk);
+        seen = place_in_object(&cv, &f.objects[object], chunk - f.objects[object].first_chunk);
+        cv.chunk = chunk;
+    } else if (chunk < chunks) {
+        seen = fxs_chunk_view_init(&cv, &view, &scene, chunk);
+    }
     const bool visible = seen > 0;
     if (seen < 0)
         f.status->damaged = 1;
     const uint32_t place = take_place(&f.status->chunks, 0, visible);
     if (visible)
         f.chunk_views[place] = cv;
+    if (Many && visible)
+        f.chunk_objects[place] = object;
 }
 
 /* A splat's tiles: bit BOX_COLUMNS r + c stands for tile `base` + r tiles_x + c. Below 2^20 tiles. */
@@ -181,31 +206,41 @@ __device__ void list_splats(block_splats *b, const frame_buffers *f, const fxs_v
 }
 
 /* A block a chunk that can be seen: its splats and colours, and list_splats. */
+template <bool Many>
 __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_constant__ fxs_view view,
-                                                              const __grid_constant__ fxs_scene scene,
+                                                              const __grid_constant__ fxs_scene only_scene,
                                                               const __grid_constant__ frame_buffers f)
 {
     __shared__ block_splats b;
     if (blockIdx.x >= f.status->chunks)
         return;
     const fxs_chunk_view *cv = &f.chunk_views[blockIdx.x];
-    const uint32_t chunk = cv->chunk, g = threadIdx.x, index = chunk * FXS_CHUNK + g;
+    const fxs_object_view *object = Many ? &f.objects[f.chunk_objects[blockIdx.x]] : nullptr;
+    const fxs_view *camera = Many ? &object->view : &view;
+    const fxs_scene *scene = Many ? &object->scene : &only_scene;
+    const uint32_t chunk = cv->chunk - (Many ? object->first_chunk : 0), g = threadIdx.x;
+    const uint32_t index = cv->chunk * FXS_CHUNK + g;
+    const fxs_chunk *header = (const fxs_chunk *)scene->chunks + chunk;
     const unsigned char *rows = (const unsigned char *)__builtin_assume_aligned(b.rows, 64);
-    const uint32_t early = scene.chunk_bytes < FXS_ROW_SH ? scene.chunk_bytes : FXS_ROW_SH;
-    fetch_rows(&b, fxs_rows(&scene, chunk), 0, early);
-    fetch_rows(&b, fxs_rows(&scene, chunk), early, scene.chunk_bytes);
+    const uint32_t early = scene->chunk_bytes < FXS_ROW_SH ? scene->chunk_bytes : FXS_ROW_SH;
+    fetch_rows(&b, fxs_rows(scene, chunk), 0, early);
+    fetch_rows(&b, fxs_rows(scene, chunk), early, scene->chunk_bytes);
     __pipeline_wait_prior(1);
     __syncthreads();
-    const fxs_codes codes = fxs_codes_of(&scene, rows, g);
+    const fxs_codes codes = fxs_codes_of(scene, rows, g);
     fxs_splat splat;
     fxs_bounds bounds;
     uint32_t depth;
-    const bool visible = project_one(&splat, &bounds, &depth, &view, cv, &codes, offset_of_code_q11);
+    bool visible = project_one(&splat, &bounds, &depth, camera, cv, &codes, offset_of_code_q11);
+    if (Many && visible && !object->plain)
+        visible = fxs_object_change(object, header, codes.position, &splat, &depth);
     __pipeline_wait_prior(0);
     __syncthreads();
     ellipse e;
     if (visible) {
-        shade_one(&splat, &view, &scene, (const fxs_chunk *)scene.chunks + chunk, rows, g);
+        shade_one(&splat, camera, scene, header, rows, g);
+        if (Many)
+            fxs_object_tint(object, &splat);
         f.splats[index] = splat;
         f.depths[index] = depth;
         e = ellipse_of(&view, &splat, &bounds);
@@ -267,7 +302,6 @@ __device__ void fill_large(const fxs_view *view, const frame_buffers *f, const l
 
 /* The entries. The first LARGE_BLOCKS blocks are for large splats, then a block for each chunk that can be seen. */
 __global__ void __launch_bounds__(FXS_CHUNK) fill_lists(const __grid_constant__ fxs_view view,
-                                                        const __grid_constant__ fxs_scene scene,
                                                         const __grid_constant__ frame_buffers f)
 {
     const uint32_t warps = LARGE_BLOCKS * FXS_CHUNK / WARP;

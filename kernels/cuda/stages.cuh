@@ -15,11 +15,13 @@ namespace {
 #include "../../src/fixed.h"
 #include "../../src/stage.h"
 #include "../../src/view.c"
+#include "../../src/object.c"
 #include "../../src/chunk.c"
 #include "../../src/project.c"
 #include "../../src/shade.c"
 #include "../../src/bin.c"
 #include "../../src/resolve.c"
+#include "../../src/targets.c"
 }
 #undef static
 
@@ -50,8 +52,11 @@ struct frame_status {
 /* What the kernels of a frame share; device memory. */
 struct frame_buffers {
     frame_status *status;
-    fxs_chunk_view *chunk_views;   /* of the chunks that can be seen, status->chunks of them */
-    fxs_splat *splats;             /* by index in the scene, like the next two; written where visible */
+    const fxs_object_view *objects;   /* their pointers are the device's; not there for one that is plain */
+    uint32_t object_count;
+    uint32_t *chunk_objects;       /* of the chunks that can be seen, status->chunks of them: the object */
+    fxs_chunk_view *chunk_views;   /* and where they lie; `chunk` counts those of all objects */
+    fxs_splat *splats;             /* by index in all objects, like the next two; written where visible */
     uint64_t *boxes;               /* the tiles it is listed in: see box_of; of chunks that can be seen */
     uint32_t *depths;
     large_splat *larges;           /* boxes 0 */

@@ -188,10 +188,11 @@ static int take_root(const reader *r, const cJSON *root)
 static int read_text(fxs_world *world, const fxs_text *text, fxs_message *message)
 {
     const reader r = {world, text->path, message};
-    cJSON *root = fxs_json_parse(text, NULL, message);
-    if (!root)
-        return FXS_ERR_FILE;
-    const int error = take_root(&r, root);
+    cJSON *root;
+    int error = fxs_json_parse(text, NULL, &root, message);
+    if (error)
+        return error;
+    error = take_root(&r, root);
     cJSON_Delete(root);
     if (error)
         fxs_world_free(world);

@@ -1,7 +1,8 @@
 /* Times frames of 1920x1080 on the GPU by CUDA events and prints one table: single ones by stages and whole, then of a
- * batch, into device memory and into pinned host memory. Each argument: FILE.fxs, for an overview of the scene, or
- * FILE.fxs:CAMERAS:N,N,... for views of a camera file. Medians, milliseconds; one row of every scene is for the square
- * cut-off, one for a smaller picture. */
+ * batch, into device memory and into pinned host memory. Each argument: FILE.fxs, for an overview of the scene;
+ * FILE.fxs:CAMERAS:N,N,... for views of a camera file; or FILE.fxs@N for N objects of it on a square. Medians,
+ * milliseconds; one row of every scene is for the square cut-off, one for a smaller picture, one with median depth and
+ * id, one with mean depth too. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,10 +13,18 @@
 #include "../../src/packed.h"
 #include "peek.h"
 
-enum { WARM_UP = 5, REPEATS = 31, BATCH = 16, SLOTS = 4 };
+enum { WARM_UP = 5, REPEATS = 31, BATCH = 16, SLOTS = 4, OBJECTS = 400, TRACE = 16 };   /* bytes a pixel */
 
-static fxs_cuda_failure failure;
-static unsigned char *pixels[BATCH], *pinned[BATCH];
+static fxs_message failure;
+static unsigned char *pixels[BATCH], *pinned[BATCH], *traces[BATCH];
+static fxs_object objects[OBJECTS];
+static uint32_t object_count;
+
+/* What a row is of, beside the camera. */
+typedef struct kind {
+    enum fxs_cutoff cutoff;
+    int ids, means;                /* median depth and id; and mean depth */
+} kind;
 
 static int compare_floats(const void *a, const void *b)
 {
@@ -29,15 +38,38 @@ static float median(float *values, int count)
     return values[count / 2];
 }
 
-static float time_frames(fxs_cuda *cuda, const fxs_camera *camera, const fxs_options *options,
-                         unsigned char *const into[], uint32_t count)
+static fxs_options options_of(const kind *k)
 {
+    fxs_options options;
+    fxs_options_init(&options);
+    options.cutoff = k->cutoff;
+    return options;
+}
+
+/* Frame i of a batch, whose pictures are in the arrays. */
+static fxs_cuda_frame frame_of(const fxs_camera *camera, const kind *k, unsigned char *const into[], uint32_t i)
+{
+    fxs_cuda_frame frame = {*camera, objects, object_count, {.colour = {into[i], (ptrdiff_t)camera->width * 4}}};
+    const size_t plane = (size_t)camera->width * (size_t)camera->height * 4;
+    if (k->ids) {
+        frame.targets.id = (fxs_image){traces[i], (ptrdiff_t)camera->width * 8};
+        frame.targets.median_depth = (fxs_image){traces[i] + 2 * plane, (ptrdiff_t)camera->width * 4};
+    }
+    if (k->means)
+        frame.targets.mean_depth = (fxs_image){traces[i] + 3 * plane, (ptrdiff_t)camera->width * 4};
+    return frame;
+}
+
+static float time_frames(fxs_cuda *cuda, const fxs_camera *camera, const kind *k, unsigned char *const into[],
+                         uint32_t count)
+{
+    const fxs_options options = options_of(k);
     fxs_cuda_frame frames[BATCH];
     float times[REPEATS];
     for (uint32_t i = 0; i < count; i++)
-        frames[i] = (fxs_cuda_frame){*camera, into[i], (ptrdiff_t)camera->width * 4};
+        frames[i] = frame_of(camera, k, into, i);
     for (int i = -WARM_UP; i < REPEATS; i++) {
-        float t = peek_time(cuda, frames, count, options, &failure);
+        float t = peek_time(cuda, frames, count, &options, &failure);
         if (t < 0)
             return -1;
         times[i < 0 ? 0 : i] = t;
@@ -46,15 +78,16 @@ static float time_frames(fxs_cuda *cuda, const fxs_camera *camera, const fxs_opt
 }
 
 /* Medians of the stages, with events between them. */
-static fxs_cuda_stats time_stages(fxs_cuda *cuda, const fxs_camera *camera, const fxs_options *options)
+static fxs_cuda_stats time_stages(fxs_cuda *cuda, const fxs_camera *camera, const kind *k)
 {
+    const fxs_options options = options_of(k);
     float times[FXS_CUDA_STAGES][REPEATS];
     fxs_cuda_stats stats;
-    const fxs_cuda_frame frame = {*camera, pixels[0], (ptrdiff_t)camera->width * 4};
+    const fxs_cuda_frame frame = frame_of(camera, k, pixels, 0);
     memset(&stats, 0, sizeof stats);
     fxs_cuda_time(cuda, 1);
     for (int i = 0; i < REPEATS; i++) {
-        if (fxs_cuda_render(cuda, &frame, 1, options, 0, &failure) || fxs_cuda_finish(cuda, &stats, &failure))
+        if (fxs_cuda_render(cuda, &frame, 1, &options, 0, &failure) || fxs_cuda_finish(cuda, &stats, &failure))
             break;
         for (int s = 0; s < FXS_CUDA_STAGES; s++)
             times[s][i] = stats.milliseconds[s];
@@ -65,19 +98,19 @@ static fxs_cuda_stats time_stages(fxs_cuda *cuda, const fxs_camera *camera, cons
     return stats;
 }
 
-static void row(fxs_cuda *single, fxs_cuda *batch, const char *name, const fxs_camera *camera,
-                const fxs_options *options)
+static void row(fxs_cuda *single, fxs_cuda *batch, const char *name, const fxs_camera *camera, const kind *k)
 {
-    const float frame = time_frames(single, camera, options, pixels, 1);
-    const fxs_cuda_stats s = time_stages(single, camera, options);
-    const float of_batch = batch ? time_frames(batch, camera, options, pixels, BATCH) : -1;
-    const float to_host = batch ? time_frames(batch, camera, options, pinned, BATCH) : -1;
+    const float frame = time_frames(single, camera, k, pixels, 1);
+    const fxs_cuda_stats s = time_stages(single, camera, k);
+    const float of_batch = batch ? time_frames(batch, camera, k, pixels, BATCH) : -1;
+    const float to_host = batch ? time_frames(batch, camera, k, pinned, BATCH) : -1;
     if (frame < 0) {
         printf("| %s | %s |\n", name, failure.text);
         return;
     }
-    printf("| %s, %dx%d%s | %" PRIu32 " | %" PRIu64, name, camera->width, camera->height,
-           options->cutoff == FXS_CUTOFF_SQUARE ? ", square" : "", s.visible, s.entries);
+    printf("| %s, %dx%d%s%s%s | %" PRIu32 " | %" PRIu64, name, camera->width, camera->height,
+           k->cutoff == FXS_CUTOFF_SQUARE ? ", square" : "", k->ids ? ", median depth, id" : "",
+           k->means ? ", mean depth" : "", s.visible, s.entries);
     for (int i = 0; i < FXS_CUDA_STAGES; i++)
         printf(" | %.3f", (double)s.milliseconds[i]);
     printf(" | %.3f | ", (double)frame);
@@ -91,24 +124,25 @@ static void row(fxs_cuda *single, fxs_cuda *batch, const char *name, const fxs_c
 
 static void rows_of_view(fxs_cuda *single, fxs_cuda *batch, const char *name, fxs_file_view view, int more)
 {
+    static const kind colour = {FXS_CUTOFF_MAHALANOBIS, 0, 0}, square = {FXS_CUTOFF_SQUARE, 0, 0};
+    static const kind ids = {FXS_CUTOFF_MAHALANOBIS, 1, 0}, means = {FXS_CUTOFF_MAHALANOBIS, 1, 1};
     fxs_message message;
     fxs_camera camera;
-    fxs_options options;
-    fxs_options_init(&options);
     fxs_view_resize(&view, 1920, 1080);
     fxs_camera_from_view(&camera, &view, &message);
-    row(single, batch, name, &camera, &options);
+    row(single, batch, name, &camera, &colour);
     if (!more)
         return;
-    options.cutoff = FXS_CUTOFF_SQUARE;
-    row(single, 0, name, &camera, &options);
-    options.cutoff = FXS_CUTOFF_MAHALANOBIS;
+    row(single, 0, name, &camera, &square);
+    row(single, 0, name, &camera, &ids);
+    row(single, 0, name, &camera, &means);
     fxs_view_resize(&view, 640, 360);
     fxs_camera_from_view(&camera, &view, &message);
-    row(single, batch, name, &camera, &options);
+    row(single, batch, name, &camera, &colour);
 }
 
-static fxs_file_view overview(const fxs_packed_header *header)
+/* The scene's box; with `aside`, of as many side by side along x and z. */
+static fxs_file_view overview(const fxs_packed_header *header, uint32_t aside)
 {
     const double up[3] = {0, -1, 0};
     double low[3], high[3];
@@ -117,32 +151,57 @@ static fxs_file_view overview(const fxs_packed_header *header)
     for (int k = 0; k < 3; k++) {
         low[k] = (double)header->inner_low_q32[k] / 4294967296.0;
         high[k] = (double)header->inner_high_q32[k] / 4294967296.0;
+        high[k] += k == 1 ? 0 : (high[k] - low[k]) * (aside - 1);
     }
     fxs_view_frame_box(&view, low, high, up, 50, 1920, 1080, &message);
     return view;
 }
 
+/* `count` objects of the scene on a square. Returns its side. */
+static uint32_t place(const fxs_scene *scene, const fxs_packed_header *header, uint32_t count)
+{
+    uint32_t side = 1;
+    while (side * side < count)
+        side++;
+    for (uint32_t i = 0; i < count; i++) {
+        const int64_t column = i % side, line = i / side;
+        fxs_object_init(&objects[i], scene);
+        objects[i].id = i;
+        objects[i].translation_q32[0] = column * (header->inner_high_q32[0] - header->inner_low_q32[0]);
+        objects[i].translation_q32[2] = line * (header->inner_high_q32[2] - header->inner_low_q32[2]);
+    }
+    object_count = count;
+    return side;
+}
+
 static void rows_of_scene(char *argument)
 {
-    char *path = strtok(argument, ":"), *cameras = strtok(NULL, ":"), label[200];
+    char *path = strtok(argument, ":"), *cameras = strtok(NULL, ":"), *times = strchr(path, '@'), label[200];
     fxs_mapping file;
     fxs_scene scene;
     fxs_message message;
     fxs_file_view *views = 0;
     fxs_cuda *single = 0, *batch = 0;
     const char *name = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
-    if (fxs_map(&file, path, &message)) {
-        puts(message.text);
+    if (times)
+        *times++ = 0;
+    const int count = times ? atoi(times) : 1;
+    if (count < 1 || count > OBJECTS || fxs_map(&file, path, &message)) {
+        puts(count < 1 || count > OBJECTS ? "FILE@N: expected 1 to 400" : message.text);
         return;
     }
+    snprintf(label, sizeof label, "%s%s%s", times ? times : "", times ? " objects of " : "", name);
     if (fxs_scene_open(&scene, file.data, file.bytes) || fxs_cuda_create(&single, 0, 0, 1, &failure) ||
         fxs_cuda_upload(single, &scene, &failure) || fxs_cuda_create(&batch, 0, 0, SLOTS, &failure) ||
-        fxs_cuda_upload(batch, &scene, &failure))
+        fxs_cuda_upload(batch, &scene, &failure)) {
         printf("%s: %s\n", path, failure.text);
-    else if (!cameras)
-        rows_of_view(single, batch, name, overview(file.data), 1);
-    else if (fxs_camera_file_read(cameras, &views, &message) < 0)
-        puts(message.text);
+    } else {
+        const uint32_t side = place(&scene, file.data, (uint32_t)count);
+        if (!cameras)
+            rows_of_view(single, batch, label, overview(file.data, side), 1);
+        else if (fxs_camera_file_read(cameras, &views, &message) < 0)
+            puts(message.text);
+    }
     for (char *n = views ? strtok(NULL, ",") : 0, *first = n; n; n = strtok(NULL, ",")) {
         snprintf(label, sizeof label, "%s view %s", name, n);
         rows_of_view(single, batch, label, views[atoi(n)], n == first);
@@ -155,8 +214,10 @@ static void rows_of_scene(char *argument)
 
 int main(int argc, char **argv)
 {
+    const size_t area = 1920 * 1080;
     for (int i = 0; i < BATCH; i++)
-        if (!(pixels[i] = peek_device_memory(1920 * 1080 * 4)) || !(pinned[i] = peek_pinned_memory(1920 * 1080 * 4)))
+        if (!(pixels[i] = peek_device_memory(area * 4)) || !(pinned[i] = peek_pinned_memory(area * 4)) ||
+            !(traces[i] = peek_device_memory(area * TRACE)))
             return puts("no CUDA device, or no memory"), 1;
     printf("| scene | visible | entries | project | bin | blend | frame | of %d, each | to the host | MB |\n"
            "|---|---|---|---|---|---|---|---|---|---|\n", BATCH);

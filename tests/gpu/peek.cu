@@ -16,15 +16,13 @@ int download(U **out, const T *from, uint64_t count)
 
 }
 
-int peek(fxs_cuda *cuda, uint32_t tiles, peeked *out)
+int peek(fxs_cuda *cuda, peeked *out)
 {
-    const slot *s = &cuda->slots[0];
-    const uint32_t gaussians = cuda->scene.chunk_count * FXS_CHUNK;
-    uint64_t splat_bytes, tile_bytes;
-    const frame_buffers f = slot_buffers(s, cuda->scene.chunk_count, tiles, &splat_bytes, &tile_bytes);
-    return download(&out->splats, f.splats, gaussians) ||
-           download(&out->counts, f.counts, tiles) || download(&out->ends, f.next, tiles) ||
-           download(&out->entries, f.entries, cuda->status[0].entries);
+    const frame_buffers *f = &cuda->buffers[0];
+    const frame *of = &cuda->frames[0];
+    return download(&out->splats, f->splats, (uint64_t)of->chunks * FXS_CHUNK) ||
+           download(&out->counts, f->counts, of->tiles) || download(&out->ends, f->next, of->tiles) ||
+           download(&out->entries, f->entries, cuda->status[0].entries);
 }
 
 void peek_free(peeked *p)
@@ -72,9 +70,9 @@ long peek_levels(void)
     return error ? -1 : (long)count;
 }
 
-int peek_fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_cuda_failure *failure)
+int peek_fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_message *why)
 {
-    return fit_blocks(cuda, shared_most, failure);
+    return fit_blocks(cuda, shared_most, why);
 }
 
 void *peek_device_memory(size_t bytes)
@@ -99,23 +97,22 @@ void peek_pinned_free(void *memory)
     cudaFreeHost(memory);
 }
 
-void *peek_host_copy(const void *memory, size_t bytes)
+int peek_copy(void *to, const void *from, size_t bytes)
 {
-    void *copy;
-    return download(&copy, (const unsigned char *)memory, bytes) ? 0 : copy;
+    return cudaMemcpy(to, from, bytes, cudaMemcpyDefault) != cudaSuccess;
 }
 
 float peek_time(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
-                fxs_cuda_failure *failure)
+                fxs_message *why)
 {
     cudaEvent_t start, end;
     float milliseconds = -1;
     cudaEventCreate(&start);
     cudaEventCreate(&end);
     cudaEventRecord(start, 0);
-    int error = fxs_cuda_render(cuda, frames, count, options, 0, failure);
+    int error = fxs_cuda_render(cuda, frames, count, options, 0, why);
     cudaEventRecord(end, 0);
-    error = error ? error : fxs_cuda_finish(cuda, 0, failure);
+    error = error ? error : fxs_cuda_finish(cuda, 0, why);
     if (!error && !cudaEventSynchronize(end))
         cudaEventElapsedTime(&milliseconds, start, end);
     cudaEventDestroy(start);

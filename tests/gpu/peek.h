@@ -16,24 +16,25 @@ typedef struct peeked {
 } peeked;
 
 /* Returns 0 where they could be copied. */
-int peek(fxs_cuda *cuda, uint32_t tiles, peeked *out);
+int peek(fxs_cuda *cuda, peeked *out);
 void peek_free(peeked *p);
 
 /* How many of the levels computed in float registers differ from pixel.h's; -1 where the device failed. */
 long peek_levels(void);
 
 /* As if a block could have only so much shared memory. Returns 0 where that is enough. */
-int peek_fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_cuda_failure *failure);
+int peek_fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_message *why);
 
 void *peek_device_memory(size_t bytes);
 void peek_device_free(void *memory);
 void *peek_pinned_memory(size_t bytes);
 void peek_pinned_free(void *memory);
-void *peek_host_copy(const void *memory, size_t bytes);   /* for free; null where that fails */
+/* From and to any memory. Returns 0 where that worked. */
+int peek_copy(void *to, const void *from, size_t bytes);
 
 /* Milliseconds of frames on the device, by its own clock; below 0 where they failed. */
 float peek_time(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
-                fxs_cuda_failure *failure);
+                fxs_message *why);
 
 #ifdef __cplusplus
 }

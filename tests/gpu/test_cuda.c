@@ -1,20 +1,218 @@
-/* The CUDA back end against the C stages, buffer by buffer: splats by index, the lists of the tiles (with depths), pixels.
- * `test_cuda [--quick] [FILE.fxs...]`; --quick: few random scenes, for the sanitizers. */
+/* The CUDA back end against the processor: splats by index, the lists of the tiles (with depths), every target.
+ * `test_cuda [--quick] [FILE.fxs...]`; --quick: few random frames, for the sanitizers. */
 #include <inttypes.h>
 
 #include "../../port/camera/camera.h"
 #include "../../port/posix/map.h"
-#include "../../src/stage.h"
+#include "../../src/backend.h"
+#include "../../src/frame.h"
 #include "../random_scene.h"
 #include "peek.h"
 
+extern const fxs_backend fxs_backend_cuda;
+
 static fxs_cuda *cuda;
-static fxs_cuda_failure failure;
-static int cases = 200;
+static fxs_message why;
+static int quick;
 static char **files;
 static int file_count;
 
-/* The C stages' answers for a frame. */
+/* So many cases, or a few. */
+static int cases(int count)
+{
+    return quick ? 3 : count;
+}
+
+static void *room(size_t bytes)
+{
+    void *memory = calloc(1, bytes + 1);
+    if (!memory)
+        abort();
+    return memory;
+}
+
+/* ---- What is drawn ----------------------------------------------------------------------------------------------- */
+
+enum { SCENES = 3, OBJECTS = 100, CROPS = 3 };
+
+typedef struct world {
+    packed_scene packed[SCENES];
+    fxs_scene scenes[SCENES];
+    fxs_object objects[OBJECTS];
+    fxs_crop crops[OBJECTS][CROPS];
+    uint32_t count;
+} world;
+
+static void world_free(world *w)
+{
+    for (int i = 0; i < SCENES; i++) {
+        fxs_cuda_forget(cuda, &w->scenes[i]);
+        free(w->packed[i].data);
+    }
+}
+
+static void random_crop(fxs_crop *crop)
+{
+    for (int i = 0; i < 3; i++) {
+        crop->low_q32[i] = (int64_t)between(-4194304, 1048576) * 4096;
+        crop->high_q32[i] = crop->low_q32[i] + (int64_t)between(0, 6291456) * 4096;
+    }
+    crop->outside = between(0, 1);
+}
+
+static void random_object(fxs_object *object, fxs_crop crops[CROPS])
+{
+    fxs_camera turned;
+    random_camera(&turned);
+    memcpy(object->rotation_q30, turned.rotation_q30, sizeof object->rotation_q30);
+    for (int i = 0; i < 3; i++) {
+        object->translation_q32[i] = (int64_t)between(-2097152, 2097152) * 4096;
+        object->tint_q13[i] = between(0, 2) ? 8192 : (uint32_t)between(0, 4 * 8192);
+    }
+    object->scale_q32 = between(0, 2) ? (int64_t)1 << 32 : (int64_t)between(1 << 14, 1 << 18) << 16;
+    object->opacity_q16 = between(0, 2) ? 65536 : (uint32_t)between(0, 65536);
+    object->visible = between(0, 7) > 0;
+    object->id = (uint32_t)between(0, 1000000);
+    object->crop_count = between(0, 2) ? 0 : (uint32_t)between(1, CROPS);
+    object->crops = crops;
+    for (uint32_t i = 0; i < object->crop_count; i++)
+        random_crop(&crops[i]);
+}
+
+/* Scenes of all profiles, `most` Gaussians each, and objects of them. */
+static void random_world(world *w, uint32_t count, int32_t most)
+{
+    for (int i = 0; i < SCENES; i++) {
+        w->packed[i] = random_scene((enum fxs_profile)i, most);
+        fxs_scene_open(&w->scenes[i], w->packed[i].data, w->packed[i].bytes);
+    }
+    w->count = count;
+    for (uint32_t i = 0; i < count; i++) {
+        fxs_object_init(&w->objects[i], &w->scenes[between(0, SCENES - 1)]);
+        random_object(&w->objects[i], w->crops[i]);
+    }
+}
+
+static void random_options(fxs_options *options)
+{
+    fxs_options_init(options);
+    options->cutoff = between(0, 3) ? FXS_CUTOFF_MAHALANOBIS : FXS_CUTOFF_SQUARE;
+    options->sh_degree = between(0, 3);
+    for (int c = 0; c < 3; c++)
+        options->background[c] = (uint8_t)between(0, 255);
+}
+
+/* The same view in a larger picture: splats over more than 8x8 tiles. */
+static void enlarge(fxs_camera *camera, int32_t times)
+{
+    camera->width *= times;
+    camera->height *= times;
+    camera->fx_q12 *= times;
+    camera->fy_q12 *= times;
+    camera->cx_q12 *= times;
+    camera->cy_q12 *= times;
+}
+
+static void random_view(fxs_camera *camera, int i)
+{
+    random_camera(camera);
+    if (i % 3 == 1)
+        random_near(camera);
+    if (i % 5 == 2) {
+        camera->projection = FXS_ORTHOGRAPHIC;
+        camera->fx_q12 = between(1 << 12, 40 << 12);
+        camera->fy_q12 = camera->fx_q12 + between(0, 4096);
+    }
+    if (i % 4 == 0)
+        enlarge(camera, quick ? 3 : 9);
+}
+
+/* ---- Targets ----------------------------------------------------------------------------------------------------- */
+
+enum { COLOUR = 1, COVERAGE = 2, MEAN = 4, MEDIAN = 8, ID = 16, OCCLUDER = 32, BACKDROP = 64, PLANES = 7 };
+
+/* Targets one behind the other in memory of their own, and what lies between their rows. */
+typedef struct pictures {
+    fxs_targets targets;
+    size_t bytes;
+    uint8_t *memory;
+} pictures;
+
+static void images_of(fxs_targets *t, fxs_image *images[PLANES])
+{
+    fxs_image *const all[PLANES] = {&t->colour, &t->coverage, &t->mean_depth, &t->median_depth,
+                                    &t->id, &t->occluder, &t->backdrop};
+    memcpy(images, all, sizeof all);
+}
+
+/* Of the images in `which`; strides are wider than rows, or bottom up. */
+static void lay_out(pictures *p, const fxs_camera *camera, unsigned which, enum fxs_format format, int depth_bits)
+{
+    const size_t pixel_bytes[PLANES] = {(size_t)fxs_pixel_bytes(format), 1, 4, 4, 8, 4, 4};
+    size_t offsets[PLANES];
+    fxs_image *images[PLANES];
+    fxs_targets_init(&p->targets);
+    p->targets.format = format;
+    p->targets.depth_bits = depth_bits;
+    p->bytes = 0;
+    images_of(&p->targets, images);
+    for (int i = 0; i < PLANES; i++) {
+        offsets[i] = p->bytes;
+        images[i]->stride = (ptrdiff_t)pixel_bytes[i] * (camera->width + between(0, 5));
+        if (which >> i & 1)
+            p->bytes += ((size_t)images[i]->stride * (size_t)camera->height + 63) / 64 * 64;
+    }
+    p->memory = room(p->bytes);
+    for (int i = 0; i < PLANES; i++) {
+        if (!(which >> i & 1))
+            continue;
+        images[i]->pixels = p->memory + offsets[i];
+        if (between(0, 3) == 0) {
+            images[i]->pixels = p->memory + offsets[i] + images[i]->stride * (camera->height - 1);
+            images[i]->stride = -images[i]->stride;
+        }
+    }
+}
+
+/* A backdrop of any pixels; depths around those of random scenes, some of them none or 0. */
+static void fill_in(pictures *p, const fxs_camera *camera)
+{
+    for (size_t i = 0; i < p->bytes; i++)
+        p->memory[i] = (uint8_t)next();
+    for (int32_t y = 0; y < camera->height && p->targets.occluder.pixels; y++) {
+        uint32_t *row = (uint32_t *)(void *)fxs_image_at(&p->targets.occluder, 0, y, 4);
+        for (int32_t x = 0; x < camera->width; x++) {
+            const int bits = fxs_depth_bits(&p->targets), kind = between(0, 9);
+            const int64_t depth_q20 = between(1 << 19, 8 << 20);
+            row[x] = kind == 0 ? FXS_NOTHING : kind == 1 ? 0
+                     : (uint32_t)((depth_q20 << 8) >> (28 - bits));
+        }
+    }
+}
+
+/* The same pictures, in other memory. */
+static void move_to(pictures *to, const pictures *from, uint8_t *memory)
+{
+    fxs_image *images[PLANES];
+    *to = *from;
+    to->memory = memory;
+    images_of(&to->targets, images);
+    for (int i = 0; i < PLANES; i++)
+        if (images[i]->pixels)
+            images[i]->pixels = memory + ((uint8_t *)images[i]->pixels - from->memory);
+}
+
+/* Two of the same. */
+static void twice(pictures p[2], const fxs_camera *camera, unsigned which, enum fxs_format format, int depth_bits)
+{
+    lay_out(&p[0], camera, which, format, depth_bits);
+    fill_in(&p[0], camera);
+    move_to(&p[1], &p[0], room(p[0].bytes));
+    memcpy(p[1].memory, p[0].memory, p[0].bytes);
+}
+
+/* ---- The C stages' answers for a frame --------------------------------------------------------------------------- */
+
 typedef struct expected {
     fxs_view view;
     uint32_t count, tiles;
@@ -25,17 +223,23 @@ typedef struct expected {
     fxs_key *keys, *spare;
 } expected;
 
-static void *room(size_t bytes)
+static void expected_chunk(expected *e, const fxs_object_view *object, uint32_t chunk)
 {
-    void *memory = calloc(1, bytes + 1);
-    if (!memory)
+    uint32_t *indices = e->indices + e->count;
+    const int32_t n = fxs_object_project(object, &fxs_kernels_c, chunk, e->splats + e->count, e->bounds + e->count,
+                                         indices, e->depths + e->count);
+    if (n < 0 || fxs_object_shade(object, &fxs_kernels_c, chunk, indices, (uint32_t)n, e->splats + e->count))
         abort();
-    return memory;
+    for (int32_t i = 0; i < n; i++)
+        indices[i] += object->first_chunk * FXS_CHUNK;
+    e->count += (uint32_t)n;
 }
 
-static void expected_splats(expected *e, const fxs_scene *scene)
+static int expected_splats(expected *e, const fxs_cuda_frame *frame)
 {
-    size_t most = (size_t)scene->chunk_count * FXS_CHUNK;
+    size_t most = 0;
+    for (uint32_t i = 0; i < frame->count; i++)
+        most += (size_t)frame->objects[i].scene->chunk_count * FXS_CHUNK;
     e->splats = room(most * sizeof *e->splats);
     e->bounds = room(most * sizeof *e->bounds);
     e->boxes = room(most * sizeof *e->boxes);
@@ -44,13 +248,19 @@ static void expected_splats(expected *e, const fxs_scene *scene)
     e->depths = room(most * 4);
     e->keys = room(most * sizeof *e->keys);
     e->spare = room(most * sizeof *e->keys);
-    for (uint32_t chunk = 0; chunk < scene->chunk_count; chunk++) {
-        uint32_t n = (uint32_t)fxs_project_c(&e->view, scene, chunk, e->splats + e->count, e->bounds + e->count,
-                                             e->indices + e->count, e->depths + e->count);
-        fxs_shade_c(&e->view, scene, chunk, e->indices + e->count, n, e->splats + e->count);
-        e->count += n;
+    uint32_t first_chunk = 0;
+    for (uint32_t i = 0; i < frame->count; i++) {
+        fxs_object_view object;
+        const uint32_t chunks = frame->objects[i].scene->chunk_count;
+        if (fxs_object_view_init(&object, &e->view, &frame->camera, &frame->objects[i]))
+            return 0;
+        object.first_chunk = first_chunk;
+        for (uint32_t chunk = 0; chunk < chunks; chunk++)
+            expected_chunk(e, &object, chunk);
+        first_chunk += chunks;
     }
     fxs_bin_c(&e->view, e->splats, e->bounds, e->count, e->boxes);
+    return 1;
 }
 
 static void expected_lists(expected *e)
@@ -119,18 +329,17 @@ static int buffers_equal(const expected *e, const peeked *p)
     return 1;
 }
 
-static int stages_equal(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
-                        const fxs_cuda_stats *stats)
+/* The buffers of the last frame, which was in slot 0. */
+static int stages_equal(const fxs_cuda_frame *frame, const fxs_options *options, const fxs_cuda_stats *stats)
 {
     expected e;
     peeked p;
     memset(&e, 0, sizeof e);
     memset(&p, 0, sizeof p);
-    if (fxs_view_init(&e.view, scene, camera, options))
+    if (fxs_view_init(&e.view, &frame->camera, options) || !expected_splats(&e, frame))
         return 0;
-    expected_splats(&e, scene);
     expected_lists(&e);
-    int equal = stats->visible == e.count && !peek(cuda, e.tiles, &p) && buffers_equal(&e, &p);
+    int equal = stats->visible == e.count && !peek(cuda, &p) && buffers_equal(&e, &p);
     if (stats->visible != e.count)
         printf("  %" PRIu32 " visible, %" PRIu32 " expected\n", stats->visible, e.count);
     peek_free(&p);
@@ -138,72 +347,80 @@ static int stages_equal(const fxs_scene *scene, const fxs_camera *camera, const 
     return equal;
 }
 
-static uint8_t *render_c(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options, size_t bytes)
+/* ---- Frames ------------------------------------------------------------------------------------------------------ */
+
+static void render_c(const fxs_cuda_frame *frame, const fxs_options *options, const fxs_targets *targets)
 {
     fxs_context context;
+    const fxs_camera *camera = &frame->camera;
     fxs_init(&context, 0);
-    size_t memory_bytes = fxs_frame_bytes(&context, scene, camera->width, camera->height, 0);
-    void *memory = check_aligned(memory_bytes);
-    uint8_t *pixels = room(bytes);
-    if (!memory || fxs_render(&context, scene, camera, options, memory, memory_bytes, pixels,
-                              (ptrdiff_t)(bytes / (size_t)camera->height), 0))
+    const size_t bytes = fxs_frame_bytes(&context, frame->objects, frame->count, camera->width, camera->height, 0);
+    void *memory = check_aligned(bytes);
+    if (!memory || fxs_render(&context, frame->objects, frame->count, camera, options, targets, memory, bytes, 0))
         abort();
     free(memory);
-    return pixels;
 }
 
-/* One frame both ways; the scene is uploaded. */
-static int frame_equal(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options)
+/* Names the images that differ. */
+static int pictures_equal(pictures p[2], const fxs_camera *camera)
 {
-    const size_t row = (size_t)camera->width * (options->format == FXS_FORMAT_RGB565 ? 2 : 4);
-    const size_t bytes = row * (size_t)camera->height;
-    uint8_t *wanted = render_c(scene, camera, options, bytes), *pixels = room(bytes);
+    static const char *const names[PLANES] = {"colour", "coverage", "mean", "median", "id", "occluder", "backdrop"};
+    fxs_image *images[2][PLANES];
+    const int pixel_bytes[PLANES] = {fxs_pixel_bytes(p->targets.format), 1, 4, 4, 8, 4, 4};
+    if (!memcmp(p[0].memory, p[1].memory, p->bytes))
+        return 1;
+    images_of(&p[0].targets, images[0]);
+    images_of(&p[1].targets, images[1]);
+    for (int i = 0; i < PLANES; i++)
+        for (int32_t y = 0; y < camera->height && images[0][i]->pixels; y++)
+            for (int32_t x = 0; x < camera->width; x++)
+                if (memcmp(fxs_image_at(images[0][i], x, y, pixel_bytes[i]),
+                           fxs_image_at(images[1][i], x, y, pixel_bytes[i]), (size_t)pixel_bytes[i])) {
+                    printf("  %s differs at %d, %d\n", names[i], (int)x, (int)y);
+                    return 0;
+                }
+    puts("  what lies between rows was written");
+    return 0;
+}
+
+/* One frame both ways, with these targets, and its buffers. */
+static int frame_equal(const fxs_object *objects, uint32_t count, const fxs_camera *camera, const fxs_options *options,
+                       unsigned which, enum fxs_format format, int depth_bits)
+{
+    pictures p[2];
     fxs_cuda_stats stats;
-    int equal = !fxs_cuda_render_host(cuda, camera, options, pixels, (ptrdiff_t)row, &stats, &failure);
+    twice(p, camera, which, format, depth_bits);
+    fxs_cuda_frame frame = {*camera, objects, count, p[1].targets};
+    render_c(&frame, options, &p[0].targets);
+    int equal = !fxs_cuda_render_host(cuda, &frame, 1, options, &stats, &why);
     if (!equal)
-        printf("  %s\n", failure.text);
-    equal = equal && stages_equal(scene, camera, options, &stats);
-    if (equal && memcmp(wanted, pixels, bytes)) {
-        printf("  pixels differ\n");
-        equal = 0;
-    }
-    free(wanted);
-    free(pixels);
+        printf("  %s\n", why.text);
+    equal = equal && stages_equal(&frame, options, &stats) && pictures_equal(p, camera);
+    free(p[0].memory);
+    free(p[1].memory);
     return equal;
 }
 
-static void random_options(fxs_options *options)
+static int scene_equal(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options)
 {
-    fxs_options_init(options);
-    options->cutoff = between(0, 3) ? FXS_CUTOFF_MAHALANOBIS : FXS_CUTOFF_SQUARE;
-    options->format = (enum fxs_format)between(0, 2);
-    options->sh_degree = between(0, 3);
-    for (int c = 0; c < 3; c++)
-        options->background[c] = (uint8_t)between(0, 255);
+    fxs_object object;
+    fxs_object_init(&object, scene);
+    return frame_equal(&object, 1, camera, options, COLOUR, (enum fxs_format)between(0, 3), 0);
 }
 
-static void check_random(enum fxs_profile profile)
+static void check_random(enum fxs_profile profile, int count)
 {
-    for (int i = 0; i < cases; i++) {
+    for (int i = 0; i < count; i++) {
         state = (uint64_t)i * 0x1234567u + 99;
-        packed_scene packed = random_scene(profile, i % 8 == 3 ? 60000 : 3000);
+        packed_scene packed = random_scene(profile, i % 8 == 1 ? (quick ? 15000 : 60000) : 3000);
         fxs_scene scene;
         fxs_camera camera;
         fxs_options options;
-        random_camera(&camera);
+        random_view(&camera, i);
         random_options(&options);
-        if (i % 3 == 1)
-            random_near(&camera);
-        if (i % 4 == 0) {                        /* a larger picture: splats over more than 8x8 tiles */
-            camera.width *= 10;
-            camera.height *= 9;
-            camera.fx_q12 *= 10;
-            camera.fy_q12 *= 10;
-            camera.cx_q12 *= 10;
-            camera.cy_q12 *= 10;
-        }
         fxs_scene_open(&scene, packed.data, packed.bytes);
-        int good = CHECK(!fxs_cuda_upload(cuda, &scene, &failure)) && CHECK(frame_equal(&scene, &camera, &options));
+        const int good = CHECK(scene_equal(&scene, &camera, &options));
+        fxs_cuda_forget(cuda, &scene);
         free(packed.data);
         if (!good) {
             printf("  case %d\n", i);
@@ -214,26 +431,91 @@ static void check_random(enum fxs_profile profile)
 
 static void test_default(void)
 {
-    check_random(FXS_PROFILE_DEFAULT);
+    check_random(FXS_PROFILE_DEFAULT, cases(80));
 }
 
 static void test_compact(void)
 {
-    check_random(FXS_PROFILE_COMPACT);
+    check_random(FXS_PROFILE_COMPACT, cases(40));
 }
 
 static void test_small(void)
 {
-    check_random(FXS_PROFILE_SMALL);
+    check_random(FXS_PROFILE_SMALL, cases(40));
+}
+
+/* Random objects, with random targets in every second case. */
+static void check_objects(int count, uint32_t most_objects, int32_t most_gaussians)
+{
+    for (int i = 0; i < count; i++) {
+        world w;
+        fxs_camera camera;
+        fxs_options options;
+        state = (uint64_t)i * 0x7654321u + most_objects;
+        const uint32_t objects = most_objects == OBJECTS ? OBJECTS : (uint32_t)between(0, (int32_t)most_objects);
+        random_world(&w, objects, most_gaussians);
+        random_view(&camera, i);
+        random_options(&options);
+        const unsigned which = i % 2 ? (unsigned)between(1, 31) | (between(0, 1) ? OCCLUDER : 0) : COLOUR;
+        const enum fxs_format format = (enum fxs_format)between(0, 3);
+        const int good = CHECK(frame_equal(w.objects, w.count, &camera, &options, which, format, between(0, 28)));
+        world_free(&w);
+        if (!good) {
+            printf("  case %d\n", i);
+            return;
+        }
+    }
+}
+
+static void test_objects(void)
+{
+    check_objects(cases(120), 5, 2000);
+}
+
+static void test_hundred_objects(void)
+{
+    check_objects(quick ? 1 : 8, OBJECTS, quick ? 600 : 3000);
+}
+
+/* Every target alone, then any of them together, with occluders, backdrops and long lists. */
+static void test_targets(void)
+{
+    for (int i = 0; i < cases(100); i++) {
+        fxs_object object;
+        fxs_scene scene;
+        fxs_camera camera;
+        fxs_options options;
+        state = (uint64_t)i * 0x1020304u + 5;
+        packed_scene packed = random_scene((enum fxs_profile)between(0, 2), i % 4 == 3 && !quick ? 60000 : 4000);
+        fxs_scene_open(&scene, packed.data, packed.bytes);
+        fxs_object_init(&object, &scene);
+        object.id = (uint32_t)next();
+        random_view(&camera, i);
+        random_options(&options);
+        const enum fxs_format format = (enum fxs_format)(i % 4);
+        unsigned which = i < 5 ? 1u << i : (unsigned)between(1, 31);
+        which |= quick && i == 2 ? MEAN | MEDIAN | ID | OCCLUDER : 0;
+        which |= i >= 5 && between(0, 1) ? OCCLUDER : 0;
+        which |= between(0, 1) && !fxs_is_premultiplied(format) ? BACKDROP : 0;
+        const int good = CHECK(frame_equal(&object, 1, &camera, &options, which, format, i % 3 ? between(1, 28) : 0));
+        fxs_cuda_forget(cuda, &scene);
+        free(packed.data);
+        if (!good) {
+            printf("  case %d\n", i);
+            return;
+        }
+    }
 }
 
 /* As on GPUs with 99 KiB of shared memory a block: fewer tiles at a time, and no blend_dense. */
 static void test_small_blocks(void)
 {
     fxs_cuda *const whole = cuda;
-    if (CHECK(!fxs_cuda_create(&cuda, 0, 0, 1, &failure)) && CHECK(!peek_fit_blocks(cuda, 99 << 10, &failure)))
-        check_random(FXS_PROFILE_DEFAULT);
-    CHECK(peek_fit_blocks(cuda, 48 << 10, &failure) == FXS_ERR_UNSUPPORTED);
+    if (CHECK(!fxs_cuda_create(&cuda, 0, 0, 1, &why)) && CHECK(!peek_fit_blocks(cuda, 99 << 10, &why))) {
+        check_random(FXS_PROFILE_DEFAULT, cases(20));
+        check_objects(cases(10), 4, 20000);
+    }
+    CHECK(peek_fit_blocks(cuda, 48 << 10, &why) == FXS_ERR_UNSUPPORTED);
     fxs_cuda_destroy(cuda);
     cuda = whole;
 }
@@ -245,6 +527,19 @@ static void test_levels(void)
         printf("  %ld levels\n", wrong);
 }
 
+static void overview(fxs_camera *camera, const fxs_packed_header *header)
+{
+    const double up[3] = {0, -1, 0};
+    double low[3], high[3];
+    fxs_file_view view;
+    for (int k = 0; k < 3; k++) {
+        low[k] = (double)header->inner_low_q32[k] / 4294967296.0;
+        high[k] = (double)header->inner_high_q32[k] / 4294967296.0;
+    }
+    fxs_view_frame_box(&view, low, high, up, 50, 1280, 720, &why);
+    fxs_camera_from_view(camera, &view, &why);
+}
+
 static void test_files(void)
 {
     if (!file_count)
@@ -252,77 +547,139 @@ static void test_files(void)
     for (int i = 0; i < file_count; i++) {
         fxs_mapping file;
         fxs_scene scene;
-        fxs_message message;
-        const double up[3] = {0, -1, 0};
-        double low[3], high[3];
-        fxs_file_view view;
         fxs_camera camera;
         fxs_options options;
-        if (!CHECK(!fxs_map(&file, files[i], &message)) ||
-            !CHECK(!fxs_scene_open(&scene, file.data, file.bytes)))
+        fxs_object objects[2];
+        if (!CHECK(!fxs_map(&file, files[i], &why)) || !CHECK(!fxs_scene_open(&scene, file.data, file.bytes)))
             continue;
-        const fxs_packed_header *header = file.data;
-        for (int k = 0; k < 3; k++) {
-            low[k] = (double)header->inner_low_q32[k] / 4294967296.0;
-            high[k] = (double)header->inner_high_q32[k] / 4294967296.0;
-        }
-        fxs_view_frame_box(&view, low, high, up, 50, 1280, 720, &message);
-        fxs_camera_from_view(&camera, &view, &message);
+        overview(&camera, file.data);
         fxs_options_init(&options);
-        CHECK(!fxs_cuda_upload(cuda, &scene, &failure));
-        for (int cutoff = 0; cutoff < 2; cutoff++) {
-            options.cutoff = (enum fxs_cutoff)cutoff;
-            if (!CHECK(frame_equal(&scene, &camera, &options)))
-                printf("  %s\n", files[i]);
-        }
+        fxs_object_init(&objects[0], &scene);
+        objects[1] = objects[0];
+        objects[1].translation_q32[0] = (int64_t)1 << 31;
+        objects[1].opacity_q16 = 40000;
+        int good = CHECK(scene_equal(&scene, &camera, &options));
+        good &= CHECK(frame_equal(objects, 1, &camera, &options, COLOUR | MEAN | MEDIAN | ID, FXS_FORMAT_RGBA8, 0));
+        good &= CHECK(frame_equal(objects, 2, &camera, &options, COLOUR | ID | OCCLUDER, FXS_FORMAT_RGBA8, 0));
+        options.cutoff = FXS_CUTOFF_SQUARE;
+        good &= CHECK(scene_equal(&scene, &camera, &options));
+        if (!good)
+            printf("  %s\n", files[i]);
+        fxs_cuda_forget(cuda, &scene);
         fxs_unmap(&file);
     }
 }
 
-enum { BATCH_FRAMES = 7 };
+/* ---- Batches ----------------------------------------------------------------------------------------------------- */
 
-/* Several frames in several slots, straight to device or pinned host memory, one of them into too small lists. */
+enum { BATCH_FRAMES = 7, BATCH_BYTES = 1 << 25 };
+
+/* Frames of different objects and targets in several slots, straight to device or pinned host memory; some of their
+   lists do not fit at first. */
 static void check_batch(uint8_t *memory)
 {
-    enum { FRAMES = BATCH_FRAMES, SLOTS = 3 };
+    enum { SLOTS = 3 };
     fxs_cuda *batch;
-    fxs_cuda_frame frames[FRAMES];
+    fxs_cuda_frame frames[BATCH_FRAMES];
+    pictures wanted[BATCH_FRAMES], there[BATCH_FRAMES];
     fxs_options options;
-    fxs_scene scene;
-    if (!CHECK(!fxs_cuda_create(&batch, 0, 0, SLOTS, &failure)))
-        return;
+    world w;
     state = 5;
-    packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 20000);
-    fxs_scene_open(&scene, packed.data, packed.bytes);
+    random_world(&w, 4, quick ? 2000 : 8000);
     fxs_options_init(&options);
-    CHECK(memory && !fxs_cuda_upload(batch, &scene, &failure));
-    for (int i = 0; i < FRAMES; i++) {
-        random_camera(&frames[i].camera);
-        frames[i].camera.width = 512 + 256 * i;
-        frames[i].camera.height = 1024;
-        frames[i].pixels = memory + ((size_t)i << 24);
-        frames[i].stride = frames[i].camera.width * 4;
+    if (!CHECK(memory && !fxs_cuda_create(&batch, 0, 0, SLOTS, &why)))
+        return;
+    for (uint32_t i = 0; i < BATCH_FRAMES; i++) {
+        fxs_camera *camera = &frames[i].camera;
+        const unsigned which = COLOUR | (i % 3 == 1 ? MEAN | MEDIAN | ID | OCCLUDER : i % 2 ? COVERAGE : BACKDROP);
+        random_camera(camera);
+        camera->width = (quick ? 60 : 250) * (int32_t)(i + 2);
+        camera->height = quick ? 200 : 900;
+        lay_out(&wanted[i], camera, which, i % 2 ? FXS_FORMAT_RGBA16_COVERAGE : FXS_FORMAT_RGBA8, 0);
+        fill_in(&wanted[i], camera);
+        CHECK(wanted[i].bytes <= BATCH_BYTES);
+        move_to(&there[i], &wanted[i], memory + (size_t)i * BATCH_BYTES);
+        CHECK(!peek_copy(there[i].memory, wanted[i].memory, wanted[i].bytes));
+        frames[i].objects = w.objects + i % 4;
+        frames[i].count = 4 - i % 4;
+        frames[i].targets = there[i].targets;
     }
-    CHECK(!fxs_cuda_render(batch, frames, FRAMES, &options, 0, &failure) && !fxs_cuda_finish(batch, 0, &failure));
-    for (int i = 0; i < FRAMES; i++) {
-        const size_t bytes = (size_t)frames[i].stride * 1024;
-        uint8_t *wanted = render_c(&scene, &frames[i].camera, &options, bytes);
-        uint8_t *got = peek_host_copy(frames[i].pixels, bytes);
-        CHECK(got && !memcmp(wanted, got, bytes));
-        free(wanted);
-        free(got);
+    CHECK(!fxs_cuda_render(batch, frames, BATCH_FRAMES, &options, 0, &why) && !fxs_cuda_finish(batch, 0, &why));
+    for (int i = 0; i < BATCH_FRAMES; i++) {
+        pictures both[2];
+        render_c(&frames[i], &options, &wanted[i].targets);
+        both[0] = wanted[i];
+        move_to(&both[1], &wanted[i], room(wanted[i].bytes));
+        CHECK(!peek_copy(both[1].memory, there[i].memory, wanted[i].bytes));
+        CHECK(pictures_equal(both, &frames[i].camera));
+        free(both[1].memory);
+        free(wanted[i].memory);
     }
-    free(packed.data);
     fxs_cuda_destroy(batch);
+    world_free(&w);
 }
 
 static void test_batch(void)
 {
-    uint8_t *device = peek_device_memory(BATCH_FRAMES << 24), *pinned = peek_pinned_memory(BATCH_FRAMES << 24);
+    uint8_t *device = peek_device_memory((size_t)BATCH_FRAMES * BATCH_BYTES);
+    uint8_t *pinned = peek_pinned_memory((size_t)BATCH_FRAMES * BATCH_BYTES);
     check_batch(device);
     check_batch(pinned);
     peek_device_free(device);
     peek_pinned_free(pinned);
+}
+
+/* ---- Scenes, memory and errors ----------------------------------------------------------------------------------- */
+
+/* One frame of a scene, to be thrown away. */
+static int draw(fxs_cuda *by, const fxs_scene *scene, const fxs_camera *camera, fxs_cuda_stats *stats)
+{
+    fxs_object object;
+    fxs_options options;
+    uint8_t *pixels = room((size_t)camera->width * (size_t)camera->height * 4);
+    const fxs_cuda_frame frame = {*camera, &object, 1, {.colour = {pixels, camera->width * 4}}};
+    fxs_object_init(&object, scene);
+    fxs_options_init(&options);
+    const int error = fxs_cuda_render_host(by, &frame, 1, &options, stats, &why);
+    free(pixels);
+    return error;
+}
+
+/* A scene is copied once, until it is forgotten or its fxs_scene is another. */
+static void test_scenes(void)
+{
+    fxs_cuda *other;
+    world w;
+    fxs_cuda_stats stats = {0};
+    fxs_camera camera;
+    fxs_options options;
+    state = 21;
+    random_world(&w, 0, 3000);
+    random_camera(&camera);
+    fxs_options_init(&options);
+    CHECK(!fxs_cuda_create(&other, 0, 0, 2, &why));
+    fxs_cuda_forget(other, &w.scenes[0]);
+    for (int times = 0; times < 2; times++)
+        for (int i = 0; i < SCENES; i++)
+            CHECK(!fxs_cuda_upload(other, &w.scenes[i], &why) && !draw(other, &w.scenes[i], &camera, &stats));
+    uint64_t bytes = 0;
+    for (int i = 0; i < SCENES; i++)
+        bytes += (uint64_t)(w.scenes[i].rows - w.scenes[i].chunks) +
+                 (uint64_t)w.scenes[i].chunk_count * w.scenes[i].chunk_bytes;
+    CHECK(stats.memory.scenes == bytes);
+    fxs_cuda_forget(other, &w.scenes[0]);
+    CHECK(!draw(other, &w.scenes[1], &camera, &stats) && stats.memory.scenes < bytes);
+    fxs_cuda_destroy(other);
+
+    /* Bytes that change are seen once they were forgotten, another fxs_scene at once. */
+    CHECK(scene_equal(&w.scenes[0], &camera, &options));
+    for (uint32_t c = 0; c < w.scenes[0].chunk_count; c++)
+        w.packed[0].chunks[c].colour_q16[0] ^= 0x3fff;
+    fxs_cuda_forget(cuda, &w.scenes[0]);
+    CHECK(scene_equal(&w.scenes[0], &camera, &options));
+    w.scenes[0] = w.scenes[1];
+    CHECK(scene_equal(&w.scenes[0], &camera, &options) && scene_equal(&w.scenes[1], &camera, &options));
+    world_free(&w);
 }
 
 /* Too little device memory is refused by name of what is needed, and what fits then still renders. */
@@ -331,98 +688,197 @@ static void test_memory(void)
     fxs_cuda *small;
     fxs_scene scene;
     fxs_camera camera;
-    fxs_options options;
+    fxs_cuda_stats stats = {0};
     state = 11;
     packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 3000);
-    uint8_t *pixels = room(100 * 80 * 4);
     random_camera(&camera);
-    fxs_options_init(&options);
     fxs_scene_open(&scene, packed.data, packed.bytes);
     uint64_t needed = 1000;
     for (int tries = 0; tries < 8; tries++) {
-        if (!CHECK(!fxs_cuda_create(&small, 0, needed, 1, &failure)))
+        if (!CHECK(!fxs_cuda_create(&small, 0, needed, 1, &why)))
             break;
-        int error = fxs_cuda_upload(small, &scene, &failure);
-        error = error ? error : fxs_cuda_render_host(small, &camera, &options, pixels, camera.width * 4, 0, &failure);
+        const int error = draw(small, &scene, &camera, &stats);
         fxs_cuda_destroy(small);
         if (!error)
             break;
-        if (!CHECK(error == FXS_ERR_MEMORY && failure.bytes_needed > needed))
+        if (!CHECK(error == FXS_ERR_MEMORY && why.bytes_needed > needed))
             break;
-        needed = failure.bytes_needed;
+        needed = why.bytes_needed;
     }
-    CHECK(needed > 1000 && needed < 8000000);
-    camera.width = 0;
-    CHECK(fxs_cuda_upload(cuda, &scene, &failure) == 0);
-    CHECK(fxs_cuda_render_host(cuda, &camera, &options, pixels, 0, 0, &failure) == FXS_ERR_SIZE);
-    CHECK(fxs_cuda_create(&small, 1000, 0, 1, &failure) == FXS_ERR_DEVICE);
-    CHECK(fxs_cuda_create(&small, 0, 0, 17, &failure) == FXS_ERR_ARGUMENT);
-    free(pixels);
+    CHECK(needed > 1000 && needed < 8000000 && stats.memory.total && stats.memory.total <= needed);
+
+    /* In no more memory than one frame takes: again, and after forgetting. */
+    CHECK(!fxs_cuda_create(&small, 0, stats.memory.total, 1, &why));
+    for (int i = 0; i < 3; i++) {
+        CHECK(!draw(small, &scene, &camera, &stats));
+        if (i)
+            fxs_cuda_forget(small, &scene);
+    }
+    fxs_cuda_destroy(small);
     free(packed.data);
 }
 
-/* A scene of no Gaussians is background; a frame that fails leaves none under way; a scene can be loaded again. */
-static void test_edges(void)
+static int render_error(const fxs_cuda_frame *frames, uint32_t count)
 {
-    fxs_cuda *small;
-    fxs_scene scene;
-    fxs_camera camera;
     fxs_options options;
     fxs_options_init(&options);
+    const int error = fxs_cuda_render(cuda, frames, count, &options, 0, &why);
+    CHECK(fxs_cuda_finish(cuda, 0, &why) == FXS_ERR_ARGUMENT);
+    return error;
+}
+
+/* What fxs_render refuses is refused, and leaves no frame under way. */
+static void test_errors(void)
+{
+    fxs_cuda *none;
+    fxs_scene scene;
+    fxs_object object;
+    fxs_camera camera;
+    fxs_options options;
     state = 3;
+    fxs_options_init(&options);
     random_camera(&camera);
     packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 3000);
     fxs_scene_open(&scene, packed.data, packed.bytes);
-    CHECK(!fxs_cuda_upload(cuda, &scene, &failure));
-    fxs_cuda_frame frames[2] = {{camera, 0, camera.width * 4}, {camera, 0, camera.width * 4}};
-    CHECK(fxs_cuda_render(cuda, frames, 1, &options, 0, &failure) == FXS_ERR_ARGUMENT);
+    fxs_object_init(&object, &scene);
     uint8_t *device = peek_device_memory((size_t)camera.width * (size_t)camera.height * 4 + 4);
-    frames[0].pixels = device + 1;
-    CHECK(fxs_cuda_render(cuda, frames, 1, &options, 0, &failure) == FXS_ERR_ARGUMENT);
-    frames[0].pixels = frames[1].pixels = device;
+    const fxs_cuda_frame good = {camera, &object, 1, {.colour = {device, camera.width * 4}}};
+    fxs_cuda_frame frames[2] = {good, good};
+    frames[0].targets.colour.pixels = 0;
+    CHECK(render_error(frames, 1) == FXS_ERR_TARGET);
+    frames[0].targets.colour.pixels = device + 1;
+    CHECK(render_error(frames, 1) == FXS_ERR_TARGET);
+    frames[0].targets.colour = (fxs_image){device, 4 - camera.width * 4};   /* less than a row */
+    CHECK(camera.height == 1 || render_error(frames, 1) == FXS_ERR_TARGET);
+    frames[0] = good;
+    frames[0].targets.id = good.targets.colour;                             /* overlap */
+    CHECK(render_error(frames, 1) == FXS_ERR_TARGET);
+    frames[0] = good;
     frames[1].camera.width = 0;
-    CHECK(fxs_cuda_render(cuda, frames, 2, &options, 0, &failure) == FXS_ERR_SIZE);
-    CHECK(fxs_cuda_finish(cuda, 0, &failure) == FXS_ERR_ARGUMENT);
-    CHECK(frame_equal(&scene, &camera, &options));
-    frames[0].stride = -(camera.width * 4 - 4);    /* less than a row */
-    CHECK(fxs_cuda_render(cuda, frames, 1, &options, 0, &failure) == FXS_ERR_ARGUMENT);
+    CHECK(render_error(frames, 2) == FXS_ERR_SIZE);
+    frames[1] = good;
+    frames[1].camera.fx_q12 = 0;
+    CHECK(render_error(frames, 2) == FXS_ERR_CAMERA);
+    CHECK(render_error(frames, 0) == FXS_ERR_ARGUMENT && render_error(0, 1) == FXS_ERR_ARGUMENT);
+    object.rotation_q30[0] = 0;
+    CHECK(render_error(&good, 1) == FXS_ERR_OBJECT);
+    fxs_object_init(&object, &scene);
+    object.scale_q32 = 1 << 16;
+    object.translation_q32[0] = (int64_t)1 << 50;                           /* too far in the object's units */
+    CHECK(render_error(&good, 1) == FXS_ERR_OBJECT);
+    object.scene = 0;
+    CHECK(render_error(&good, 1) == FXS_ERR_ARGUMENT);
+    fxs_object_init(&object, &scene);
     peek_device_free(device);
+    CHECK(fxs_cuda_create(&none, 1000, 0, 1, &why) == FXS_ERR_DEVICE && !none);
+    CHECK(fxs_cuda_create(&none, 0, 0, 17, &why) == FXS_ERR_ARGUMENT && !none);
+    CHECK(scene_equal(&scene, &camera, &options));
 
-    /* In no more memory than one loading and frame take. */
-    fxs_cuda_stats stats = {0};
-    uint8_t *pixels = room((size_t)camera.width * (size_t)camera.height * 4);
-    for (int limited = 0; limited < 2; limited++) {
-        CHECK(!fxs_cuda_create(&small, 0, stats.memory.total, 1, &failure));
-        for (int i = 0; i <= 2 * limited; i++)
-            CHECK(!fxs_cuda_upload(small, &scene, &failure) &&
-                  !fxs_cuda_render_host(small, &camera, &options, pixels, camera.width * 4, &stats, &failure));
-        fxs_cuda_destroy(small);
-    }
-    free(pixels);
-
-    /* A header that changed after the scene was opened. */
-    pixels = room((size_t)camera.width * (size_t)camera.height * 4);
+    /* A header that changed after the scene was opened: of an object that is drawn. */
     packed.chunks[scene.chunk_count / 2].step_shift = 63;
-    CHECK(!fxs_cuda_upload(cuda, &scene, &failure));
-    CHECK(fxs_cuda_render_host(cuda, &camera, &options, pixels, camera.width * 4, 0, &failure) == FXS_ERR_SCENE);
+    fxs_cuda_forget(cuda, &scene);
+    CHECK(draw(cuda, &scene, &camera, 0) == FXS_ERR_SCENE);
+    object.visible = 0;
+    CHECK(frame_equal(&object, 1, &camera, &options, COLOUR | ID, FXS_FORMAT_RGBA8, 0));
     packed.chunks[scene.chunk_count / 2].step_shift = 0;
-    CHECK(!fxs_cuda_upload(cuda, &scene, &failure) && frame_equal(&scene, &camera, &options));
-    free(pixels);
+    fxs_cuda_forget(cuda, &scene);
+    CHECK(scene_equal(&scene, &camera, &options));
 
+    /* Nothing to draw is background. */
+    CHECK(frame_equal(0, 0, &camera, &options, COLOUR | COVERAGE | MEAN | MEDIAN | ID, FXS_FORMAT_RGBA8, 0));
     scene.chunk_count = scene.count = 0;
     scene.rows = scene.chunks;
-    CHECK(!fxs_cuda_upload(cuda, &scene, &failure) && frame_equal(&scene, &camera, &options));
+    CHECK(scene_equal(&scene, &camera, &options));
+    fxs_cuda_forget(cuda, &scene);
     free(packed.data);
+}
+
+/* The backdrop may be the colour target. */
+static void test_in_place(void)
+{
+    fxs_scene scene;
+    fxs_object object;
+    fxs_camera camera;
+    fxs_options options;
+    pictures p[2];
+    state = 8;
+    packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 3000);
+    fxs_scene_open(&scene, packed.data, packed.bytes);
+    fxs_object_init(&object, &scene);
+    random_camera(&camera);
+    fxs_options_init(&options);
+    twice(p, &camera, COLOUR | ID, FXS_FORMAT_RGBA8, 0);
+    p[0].targets.backdrop = p[0].targets.colour;
+    p[1].targets.backdrop = p[1].targets.colour;
+    const fxs_cuda_frame frame = {camera, &object, 1, p[1].targets};
+    render_c(&frame, &options, &p[0].targets);
+    CHECK(!fxs_cuda_render_host(cuda, &frame, 1, &options, 0, &why) && pictures_equal(p, &camera));
+    fxs_cuda_forget(cuda, &scene);
+    free(p[0].memory);
+    free(p[1].memory);
+    free(packed.data);
+}
+
+/* By the table of src/backend.h: one eye, then two. */
+static void test_table(void)
+{
+    const fxs_backend *b = &fxs_backend_cuda;
+    const fxs_backend_options settings = {0};
+    void *self;
+    char name[64];
+    world w;
+    fxs_camera cameras[2];
+    fxs_options options;
+    fxs_targets targets[2];
+    pictures p[2][2];
+    fxs_stats stats;
+    state = 31;
+    random_world(&w, 3, 2000);
+    random_camera(&cameras[0]);
+    cameras[1] = cameras[0];
+    cameras[1].position_q32[0] += (int64_t)1 << 27;
+    fxs_options_init(&options);
+    if (!CHECK(!b->device(0, name, sizeof name, &why) && name[0] && !b->open(&self, &settings, &why)))
+        return;
+    for (int eye = 0; eye < 2; eye++) {
+        twice(p[eye], &cameras[0], COLOUR | MEDIAN, FXS_FORMAT_RGBA8, 0);
+        const fxs_cuda_frame frame = {cameras[eye], w.objects, w.count, p[eye][0].targets};
+        render_c(&frame, &options, &p[eye][0].targets);
+        targets[eye] = p[eye][1].targets;
+    }
+    fxs_request request = {w.objects, w.count, &options, 2, cameras, targets, 0};
+    CHECK(b->render(self, &request, &stats, &why) == FXS_ERR_UNSUPPORTED);
+    request.exact = 1;
+    CHECK(!b->render(self, &request, &stats, &why) && stats.frame_nanoseconds && b->nanoseconds(self));
+    for (int eye = 0; eye < 2; eye++)
+        CHECK(pictures_equal(p[eye], &cameras[0]));
+    for (int i = 0; i < 2; i++)
+        memset(p[0][i].memory, 0, p[0][i].bytes);
+    const fxs_cuda_frame left = {cameras[0], w.objects, w.count, p[0][0].targets};
+    render_c(&left, &options, &p[0][0].targets);
+    request.eyes = 1;
+    CHECK(!b->render(self, &request, 0, &why) && pictures_equal(p[0], &cameras[0]));
+    request.eyes = 2;
+    cameras[1].width++;
+    CHECK(b->render(self, &request, 0, &why) == FXS_ERR_SIZE);
+    for (int i = 0; i < SCENES; i++)
+        b->forget(self, &w.scenes[i]);
+    b->close(self);
+    b->close(0);
+    for (int eye = 0; eye < 2; eye++) {
+        free(p[eye][0].memory);
+        free(p[eye][1].memory);
+    }
+    world_free(&w);
 }
 
 int main(int argc, char **argv)
 {
-    int quick = argc > 1 && !strcmp(argv[1], "--quick");
-    cases = quick ? 6 : cases;
+    quick = argc > 1 && !strcmp(argv[1], "--quick");
     files = argv + 1 + quick;
     file_count = argc - 1 - quick;
-    if (fxs_cuda_create(&cuda, 0, 0, 1, &failure)) {
-        printf("no CUDA device: %s\n", failure.text);
+    if (fxs_cuda_create(&cuda, 0, 0, 1, &why)) {
+        printf("no CUDA device: %s\n", why.text);
         return 1;
     }
     if (!quick)
@@ -430,10 +886,16 @@ int main(int argc, char **argv)
     RUN(test_default);
     RUN(test_compact);
     RUN(test_small);
+    RUN(test_objects);
+    RUN(test_hundred_objects);
+    RUN(test_targets);
     RUN(test_small_blocks);
     RUN(test_batch);
+    RUN(test_scenes);
     RUN(test_memory);
-    RUN(test_edges);
+    RUN(test_errors);
+    RUN(test_in_place);
+    RUN(test_table);
     RUN(test_files);
     fxs_cuda_destroy(cuda);
     return check_report();
