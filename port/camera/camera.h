@@ -6,6 +6,10 @@
 #include "camera_file.h"
 #include "../files/message.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* A view of `width` x `height` pixels from `eye` towards `target`, its near plane the default. `up`: any vector that
    points up in the picture. `fov`: vertical field of view, degrees. Returns 0, or -1 and a message where the arguments leave no view. */
 int fxs_view_look_at(fxs_file_view *view, const double eye[3], const double target[3], const double up[3], double fov,
@@ -27,5 +31,9 @@ void fxs_view_orbit(fxs_file_view *view, const double middle[3], const double ax
 
 /* Rounds a view to the renderer's camera. Returns 0, or -1 and a message where it is out of the renderer's range. */
 int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_message *message);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -6,6 +6,10 @@
 
 #include "../files/message.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* One view. Camera axes: x right, y down, z forward; pixel centres at +0.5. */
 typedef struct fxs_file_view {
     char name[128];          /* image name, cut to fit */
@@ -22,5 +26,9 @@ typedef struct fxs_file_view {
    or -1 and a message, naming the view where one is at fault (focal length not above 0, rotation not orthonormal
    within 1e-3, not finite, size out of range, distorting camera model). */
 long fxs_camera_file_read(const char *path, fxs_file_view **views, fxs_message *message);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

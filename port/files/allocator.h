@@ -4,6 +4,10 @@
 
 #include <stddef.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct fxs_allocator {
     void *(*allocate)(void *argument, size_t bytes);   /* at least 1 byte, aligned as by malloc; NULL: there is none */
     void (*release)(void *argument, void *block);      /* a block of allocate's, not NULL */
@@ -21,5 +25,9 @@ void *fxs_enlarge(const fxs_allocator *allocator, void *block, size_t old_count,
 
 /* NULL is allowed. */
 void fxs_release(const fxs_allocator *allocator, void *block);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -2,6 +2,10 @@
 #ifndef FXS_MESSAGE_H
 #define FXS_MESSAGE_H
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct fxs_message {
     char text[512];   /* zero-terminated, no newline; names the file and the fault */
 } fxs_message;
@@ -11,5 +15,9 @@ typedef struct fxs_message {
 __attribute__((format(printf, 2, 3)))
 #endif
 int fxs_fail(fxs_message *message, const char *format, ...);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

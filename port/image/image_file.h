@@ -6,6 +6,10 @@
 
 #include "../files/message.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Writes width * height * 4 bytes as .png (stb_image_write and zlib; RGB where every alpha byte is 255), .ppm (P6,
    alpha dropped) or .raw (the bytes as they are), told by the name's ending. Written to a temporary name beside `path`
    and renamed (output.h), so that a failure leaves an existing file whole. Allocates up to 10 bytes a pixel for .png, 3
@@ -19,5 +23,9 @@ int fxs_image_file_known(const char *path);
    the bytes that RGBA of its stated size and depth has, and 64 KiB; with more it is refused. Returns 0 with *rgba
    allocated by malloc and owned by the caller, or -1 and a message. */
 int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_message *message);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

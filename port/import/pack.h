@@ -9,6 +9,10 @@
 #include "../files/message.h"
 #include "../scene/scene_file.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Gaussians that no rule can draw and that were left out, by reason; what they and the others weigh. */
 typedef struct fxs_pack_dropped {
     uint64_t not_finite;      /* a value is NaN or infinite; but ln(sigma) may be minus infinity */
@@ -79,5 +83,9 @@ double fxs_dropped_share(const fxs_pack_dropped *dropped);
 
 /* Frees what fxs_pack allocated. */
 void fxs_packed_scene_free(fxs_packed_scene *scene);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -8,6 +8,10 @@
 #include "../files/message.h"
 #include "scene_file.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct fxs_ply_writer fxs_ply_writer;
 
 /* Begins a file of exactly `count` Gaussians with SH up to `sh_degree`, 0 to 3; antialiased 1 says so in a comment.
@@ -22,5 +26,9 @@ int fxs_ply_writer_put(fxs_ply_writer *writer, const fxs_gaussian *gaussians, si
 /* Completes the file under its name and frees the writer; NULL is allowed. Returns 0; or -1 and a message where a write
    failed or Gaussians are missing: then nothing is left behind, and an earlier file of that name is as it was. */
 int fxs_ply_writer_close(fxs_ply_writer *writer, fxs_message *message);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

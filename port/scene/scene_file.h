@@ -8,6 +8,10 @@
 #include "../files/allocator.h"
 #include "../files/message.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* One Gaussian as an Inria .ply means it, before any quantisation. */
 typedef struct fxs_gaussian {
     float position[3];   /* scene units */
@@ -118,5 +122,9 @@ int fxs_scene_file_rewind(fxs_scene_file *file, fxs_message *message);
 
 /* Frees the handle; NULL is allowed. */
 void fxs_scene_file_close(fxs_scene_file *file);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -8,6 +8,10 @@
 #include "../import/pack.h"
 #include "scene_file.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct fxs_scene_filter {
     double low[3], high[3];   /* centres kept, scene units; -INFINITY to INFINITY: all */
     double opacity;           /* the least kept, 0 to 1 */
@@ -30,5 +34,9 @@ void fxs_scene_filter_default(fxs_scene_filter *filter);
 int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, fxs_scene_file_info *info,
                           fxs_scene_filter_report *report, fxs_progress_fn *progress, void *argument,
                           fxs_message *message);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

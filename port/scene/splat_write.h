@@ -8,6 +8,10 @@
 #include "../files/message.h"
 #include "scene_file.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct fxs_splat_writer fxs_splat_writer;
 
 /* Begins a file of exactly `count` Gaussians; until it is complete it is beside `path`, under a temporary name. Returns
@@ -22,5 +26,9 @@ int fxs_splat_writer_put(fxs_splat_writer *writer, const fxs_gaussian *gaussians
 /* Completes the file under its name and frees the writer; NULL is allowed. Returns 0; or -1 and a message where a write
    failed or Gaussians are missing: then nothing is left behind, and an earlier file of that name is as it was. */
 int fxs_splat_writer_close(fxs_splat_writer *writer, fxs_message *message);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

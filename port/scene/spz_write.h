@@ -9,6 +9,10 @@
 #include "../import/pack.h"
 #include "scene_file.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct fxs_spz_writer fxs_spz_writer;
 
 /* Begins a file of exactly `count` Gaussians with SH up to `sh_degree`, 0 to 3. They are held in memory, 44 bytes each
@@ -38,5 +42,9 @@ fxs_spz_clamped fxs_spz_writer_finish(fxs_spz_writer *writer);
    be null. Returns 0; or -1 and a message where that failed or Gaussians are missing: then nothing is left behind, and
    an earlier file of that name is as it was. */
 int fxs_spz_writer_close(fxs_spz_writer *writer, fxs_progress_fn *progress, void *argument, fxs_message *message);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif
