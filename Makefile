@@ -132,8 +132,7 @@ $(B)/commands/link: COMMAND := $(CC) $(CC_VERSION) $(CFLAGS) $(LDFLAGS) $(LIBS) 
                               $(CORE) $(DEVICES) $(PORT)
 $(B)/commands/%: FORCE
 	@mkdir -p $(@D)
-	@printf '%s\n' $(call quoted,$(COMMAND)) >$@.new
-	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
+	@printf '%s\n' $(call quoted,$(COMMAND)) | cmp -s - $@ || printf '%s\n' $(call quoted,$(COMMAND)) >$@
 
 # An object depends on the optional libraries that its source and headers ask for: those are added to its .d.
 features = grep -ohs 'FXS_WITH_[A-Z0-9]*' $$(sed 's/^[^ ]*://; s/[\\:]//g' $(@:.o=.d)) | sort -u | \
@@ -147,6 +146,12 @@ $(B)/%.o: %.c $(B)/commands/compile
 $(B)/%.o: %.cu $(B)/commands/nvcc
 	@mkdir -p $(@D)
 	$(call say,NVCC,$<)$(NVCC) $(NVCC_FLAGS) -MMD -MP -c -o $@ $<
+
+# These are there only with their library, and do not ask.
+$(call objects,$(wildcard port/window/*.c)): $(B)/with/SDL
+$(call objects,$(wildcard kernels/gles/*.c)): $(B)/with/GLES
+$(call objects,$(wildcard port/egl/*.c)): $(B)/with/EGL
+$(call objects,$(wildcard port/osmesa/*.c)): $(B)/with/OSMESA
 
 # The shaders' texts, and src/pixel.h that they are built around, as arrays of characters.
 SHADERS := src/pixel.h $(wildcard kernels/gles/*.vert kernels/gles/*.frag)
@@ -227,7 +232,7 @@ $(B)/tests/test_window: $(call objects,tests/test_window.c port/window/motion.c 
                         $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a $(B)/commands/link
 	$(call link,$(LIBS_SDL))
 
-test: all $(addprefix $(B)/tests/,$(NEEDED)) ## run every test, JOBS at once; T=name: what is called so or has it in its name
+test: all $(addprefix $(B)/tests/,$(NEEDED)) ## run all tests, JOBS at once; T=name: those with that in their names
 	@FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(PROCESSORS)) sh tests/run.sh $(RUN)
 
 test-programs: $(addprefix $(B)/tests/,$(TESTS)) ## build the test programs
@@ -258,8 +263,8 @@ size: all ## code size of each part
 clean: ## remove what was built
 	rm -rf $(B) demo.ply demo.png
 
-.PHONY: all demo install uninstall headers core-headers test test-programs cuda-tests golden-update fuzz mutants bench size
-.PHONY: clean FORCE
+.PHONY: all demo install uninstall headers core-headers test test-programs cuda-tests golden-update fuzz mutants bench
+.PHONY: size clean FORCE
 endif
 
 help: ## this list

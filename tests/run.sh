@@ -5,10 +5,11 @@
 B=${B:-build}
 results=$B/tests/results
 
-# What takes long, the longest first: the others fill the gaps.
-long='processors.sh fuzz.sh test_quality threads_and_cpus.sh matrix.sh test_pack cli.sh test_gles'
+# What takes long, the longest first: the others fill the gaps. What waits for a window comes alone, at the end.
+long='test_quality processors.sh fuzz.sh threads_and_cpus.sh cli.sh test_pack test_gles build.sh matrix.sh'
+alone='window.sh'
 
-# run_one NAME: its output and "passed failed skipped seconds name", in the folder of results.
+# run_one NAME: its output and "passed failed skipped seconds processor-seconds name", in the folder of results.
 run_one() {
     log=$results/$1.log
     start=$(date +%s)
@@ -30,7 +31,9 @@ run_one() {
     else
         case $status in 0) counts='1 0 0' ;; 77) counts='0 0 1' ;; *) counts='0 1 0' ;; esac
     fi
-    echo "$counts $seconds $1" >"$results/$1"
+    times >"$results/$1.times"
+    echo "$counts $seconds $(awk 'END { gsub(/[ms]/, " "); print int($1 * 60 + $2 + $3 * 60 + $4 + 0.5) }' \
+        "$results/$1.times") $1" >"$results/$1.result"
     until mkdir "$results/lock" 2>/dev/null; do sleep 0.1; done
     echo "== $1"
     cat "$log"
@@ -38,7 +41,7 @@ run_one() {
 }
 
 if [ "$1" = --one ]; then
-    run_one "$2"
+    [ -z "$2" ] || run_one "$2"
     exit 0
 fi
 
@@ -48,9 +51,18 @@ export MAKEFLAGS
 unset MAKELEVEL
 rm -rf "$results"
 mkdir -p "$results" || exit 1
-for name in $long "$@"; do
-    case " $* " in *" $name "*) echo "$name" ;; esac
-done | awk '!seen[$0]++' | xargs -P "${JOBS:-1}" -n 1 sh tests/run.sh --one
+
+# chosen NAME...: those of them that are to be run, once each.
+chosen() {
+    for name in "$@"; do
+        case " $wanted " in *" $name "*) echo "$name" ;; esac
+    done | awk '!seen[$0]++'
+}
+wanted=$*
+chosen $long "$@" | grep -Fvx "$(printf '%s\n' $alone)" | xargs -P "${JOBS:-1}" -n 1 sh tests/run.sh --one
+for name in $(chosen $alone); do
+    run_one "$name"
+done
 
 cd "$results" || exit 1
 # section TITLE: the lines that come in, where there are any, and the title above them.
@@ -58,7 +70,7 @@ section() { awk -v title="== $1" 'NR == 1 { print title } { print }'; }
 awk '/^  skipped: / { why = ": " substr($0, 12); next }
     /^skip / { print FILENAME " " substr($0, 6) why; why = "" }' *.log | sed 's/\.log / /' | section skipped
 grep '^FAIL' *.log /dev/null | sed 's/\.log:FAIL / /' | section failed
-cat $(ls | grep -v '\.log$') >all
-sort -k 4rn all | awk '{ print $4, $5 }' | head -n 10 | section "slowest, seconds"
+cat *.result >all
+sort -k 4rn all | awk 'NR <= 10 { printf "%4d (%d) %s\n", $4, $5, $6 }' | section "slowest, seconds (of a processor)"
 awk '{ passed += $1; failed += $2; skipped += $3 }
     END { printf "%d passed, %d failed, %d skipped\n", passed, failed, skipped; exit failed != 0 }' all

@@ -38,11 +38,8 @@ key() {
     done | xargs ls -Lld --full-time "$0" $nvcc /var/lib/dpkg/status
     ls kernels/*.c kernels/cuda
 }
-key >"$build/probe.key.new" 2>/dev/null
-if [ -e "$build/probe.mk" ] && cmp -s "$build/probe.key.new" "$build/probe.key"; then
-    rm "$build/probe.key.new"
-    exit
-fi
+state=$(key 2>/dev/null)
+[ -e "$build/probe.mk" ] && printf '%s\n' "$state" | cmp -s - "$build/probe.key" && exit
 
 # found NAME HEADERS YES: keeps BUILD/with/NAME where it says so already.
 found() {
@@ -87,6 +84,7 @@ probe() {
     echo "CC_VERSION := $(eval "$CC --version" 2>/dev/null | tr -d '\n' | tr '#$' '  ')"
     echo "AR_OF_CC := $(eval "$CC -print-prog-name=ar" 2>/dev/null)"
 }
+rm -f "$build/probe.key"
 probe 2>/dev/null >"$build/probe.mk"
 rm -f "$source" "$object" "$object.map" "$object.d"
-mv "$build/probe.key.new" "$build/probe.key"
+printf '%s\n' "$state" >"$build/probe.key"
