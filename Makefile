@@ -1,93 +1,158 @@
 # fixsplat. `make help` lists the targets.
-VERSION := 0.1.0
 CC ?= cc
 CFLAGS ?= -O2 -g
+NVCC ?= nvcc
 PREFIX ?= /usr/local
+LIBDIR ?= $(PREFIX)/lib
 SCENES ?= ../shared/scenes
 B := build
+VERSION := $(shell sed -n 's/^.define FXS_VERSION "\(.*\)"$$/\1/p' src/fixsplat.h)
+
+# Public headers, by name below include/fixsplat: of libfixsplat-core.a, and of libfixsplat beside them.
+CORE_HEADERS := $(addprefix src/,fixsplat.h packed.h backend.h stage.h pixel.h fixed.h) kernels/kernels.h
+HEADERS := $(CORE_HEADERS) kernels/cuda/cuda.h kernels/gles/gles.h port/egl/egl.h port/osmesa/osmesa.h \
+           $(addprefix port/posix/,clock.h map.h pool.h) $(addprefix port/files/,allocator.h message.h output.h) \
+           $(addprefix port/scene/,scene_file.h scene_filter.h fxs_file.h ply_write.h splat_write.h spz_write.h) \
+           port/camera/camera.h port/camera/camera_file.h port/image/image_file.h port/import/pack.h \
+           port/world/world.h port/backend/backends.h
+
+PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libzstd-dev libegl-dev libgles-dev \
+            libsdl2-dev
+TEST_PACKAGES := clang libclang-rt-14-dev cmake pkg-config glslang-tools qemu-user gcc-aarch64-linux-gnu \
+                 libc6-dev-arm64-cross gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind libosmesa6-dev libosmesa6 \
+                 libegl1 libgles2 libegl-mesa0 libgl1-mesa-dri xvfb xdotool gcc-s390x-linux-gnu \
+                 libc6-dev-s390x-cross gcc-powerpc-linux-gnu libc6-dev-powerpc-cross gcc-arm-linux-gnueabihf \
+                 libc6-dev-armhf-cross gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-i686-linux-gnu \
+                 libc6-dev-i386-cross g++
+GOALS := $(or $(MAKECMDGOALS),all)
+
+# As many jobs as processors, unless told by -j.
+PROCESSORS := $(shell nproc 2>/dev/null || getconf _NPROCESSORS_ONLN)
+ifeq ($(MAKELEVEL)$(filter -j%,$(MAKEFLAGS)),0)
+MAKEFLAGS += -j$(PROCESSORS)
+endif
+
+all: ## the command and the libraries (the default)
+
+ifneq ($(filter setup,$(GOALS)),)
+# ---- Setup ---------------------------------------------------------------------------------------------------------
+
+setup: ## install the Debian packages that are missing (those for the tests too, before `test`)
+	@sh tools/setup.sh $(PACKAGES) $(if $(filter test,$(GOALS)),$(TEST_PACKAGES))
+
+# What else is asked for, by a make that finds what was installed.
+REST := $(filter-out setup,$(GOALS))
+$(REST): rest ;
+rest: setup
+	@$(if $(REST),$(MAKE) --no-print-directory $(REST),:)
+.PHONY: setup rest $(REST)
+else
+# ---- What is here ----------------------------------------------------------------------------------------------------
+
+# Compiler, kernels for its processors and optional libraries, as of the last change of any (tools/probe.sh). Without a
+# library, its feature answers with a clear message.
+ifneq ($(filter-out clean help headers core-headers uninstall,$(GOALS)),)
+quoted = '$(subst ','\'',$(1))'
+$(shell CC=$(call quoted,$(CC)) CPPFLAGS=$(call quoted,$(CPPFLAGS)) CFLAGS=$(call quoted,$(CFLAGS)) \
+    LDFLAGS=$(call quoted,$(LDFLAGS)) NVCC=$(call quoted,$(NVCC)) sh tools/probe.sh $(B) >&2)
+include $(B)/probe.mk
+ifeq ($(filter CUDA,$(FOUND)),)
+$(info built without the CUDA back end: no $(NVCC) for this compiler's machine)
+endif
+endif
+ifeq ($(origin AR),default)
+AR := $(or $(AR_OF_CC),ar)
+endif
 
 # No contraction of a * b + c: procedural scenes and imports are the same everywhere.
 FLAGS = -std=c99 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off \
-        -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(FEATURES) $(CFLAGS) $(CPPFLAGS)
-LIBS = -lm -lpthread
+        -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(FOUND:%=-DFXS_WITH_%) $(CFLAGS) $(CPPFLAGS)
+# One set of objects for the static and the shared libraries.
+PIC := $(if $(SHARED),-fPIC -fno-semantic-interposition)
+NVCC_FLAGS = -O3 -std=c++17 -diag-suppress 177 -gencode arch=compute_90,code=sm_90 \
+             -gencode arch=compute_80,code=compute_80 \
+             -Xcompiler -fno-exceptions,-fno-rtti,-fno-threadsafe-statics,-fPIC
+LIBS := $(foreach name,CJSON ZIP WEBP ZLIB ZSTD GLES CUDA,$(LIBS_$(name))) -lm -lpthread
 
-# Optional libraries: without one, its feature answers with a clear message.
-# optional(header, feature, libraries, variable that they go to)
-hash := \#
-optional = $(if $(shell printf '$(hash)include <$(1)>\n' | $(CC) $(CPPFLAGS) -E -x c - >/dev/null 2>&1 && echo yes),\
-           $(eval FEATURES += -DFXS_WITH_$(2))$(eval $(or $(4),LIBS) += $(3)))
-$(call optional,cjson/cJSON.h,CJSON,-lcjson)
-$(call optional,zlib.h,ZLIB,-lz)
-$(call optional,zstd.h,ZSTD,-lzstd)
-$(call optional,webp/decode.h,WEBP,-lwebp)
-$(call optional,zip.h,ZIP,-lzip)
-$(call optional,stb/stb_image_write.h,STB,)
-$(call optional,SDL2/SDL.h,SDL,-lSDL2,WINDOW_LIBS)
-
-# Faster versions of the stages, by processor; src/ alone is complete.
-MACHINE := $(shell $(CC) -dumpmachine)
-KERNELS := $(wildcard kernels/*.c)
-KERNELS += $(if $(filter x86_64-% i386-% i486-% i586-% i686-%,$(MACHINE)),$(wildcard kernels/x86/*.c))
-KERNELS += $(if $(filter aarch64-% arm64-%,$(MACHINE)),$(wildcard kernels/arm/*.c))
-# clang 14 crashes on the debug information of AVX-512 masks.
-CC_VERSION := $(shell $(CC) --version 2>&1)
+# Faster versions of the stages carry their instruction set in their name. clang 14 crashes on the debug information of
+# AVX-512 masks.
 CLANG_14 := $(if $(findstring clang,$(CC_VERSION)),-g0)
 isa = $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
       -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi $(CLANG_14))))
-FEATURES += $(if $(KERNELS),-DFXS_WITH_KERNELS)
-# The OpenGL ES back end wants headers only; the libraries are found at run time.
-$(call optional,GLES3/gl3.h,GLES,-ldl)
-KERNELS += $(if $(findstring WITH_GLES,$(FEATURES)),$(wildcard kernels/gles/*.c))
-$(if $(findstring WITH_GLES,$(FEATURES)),$(call optional,EGL/egl.h,EGL,)$(call optional,GL/osmesa.h,OSMESA,))
 
-# The CUDA back end, where there is a compiler for it: machine code for sm_90, PTX for other GPUs from sm_80 on.
-NVCC ?= nvcc
-NVCC_PATH := $(shell command -v $(NVCC) 2>/dev/null)
-NVCC_FLAGS = -O3 -std=c++17 -diag-suppress 177 -gencode arch=compute_90,code=sm_90 \
-             -gencode arch=compute_80,code=compute_80 -Xcompiler -fno-exceptions,-fno-rtti,-fno-threadsafe-statics
-ifneq ($(NVCC_PATH),)
-CUDA := kernels/cuda/cuda.cu
-FEATURES += -DFXS_WITH_CUDA
-NVCC_VERSION := $(shell $(NVCC) --version)
-LIBS += $(shell $(NVCC) --dryrun -x cu /dev/null 2>&1 | sed -n 's/.*LIBRARIES=//p') -lcudart_static -ldl -lrt
-else ifneq ($(filter-out clean help,$(or $(MAKECMDGOALS),all)),)
-$(info no $(NVCC): built without the CUDA back end)
-endif
-
-CORE := $(wildcard src/*.c) $(KERNELS)
-PORT := $(wildcard port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c port/posix/*.c \
-                   port/backend/*.c port/world/*.c)
-PORT += $(if $(findstring WITH_EGL,$(FEATURES)),$(wildcard port/egl/*.c))
-PORT += $(if $(findstring WITH_OSMESA,$(FEATURES)),$(wildcard port/osmesa/*.c))
-WINDOW := $(if $(WINDOW_LIBS),$(wildcard port/window/*.c) tools/viewer.c)
+with = $(if $(filter $(1),$(FOUND)),$(wildcard $(2)))
+CORE := $(wildcard src/*.c kernels/*.c) $(if $(KERNEL_FOLDER),$(wildcard kernels/$(KERNEL_FOLDER)/*.c))
+DEVICES := $(call with,GLES,kernels/gles/*.c) $(call with,CUDA,kernels/cuda/cuda.cu)
+PORT := $(wildcard $(addprefix port/,$(addsuffix /*.c,files scene camera image import posix world backend)))
+PORT += $(if $(filter GLES,$(FOUND)),$(call with,EGL,port/egl/*.c) $(call with,OSMESA,port/osmesa/*.c))
+WINDOW := $(if $(call with,SDL,port/window/*.c),$(wildcard port/window/*.c) tools/viewer.c)
 TOOL := $(filter-out tools/viewer%,$(wildcard tools/*.c))
-PROGRAMS := $(B)/fixsplat $(if $(WINDOW),$(B)/fixsplat-view)
 TOOL_SHARED := tools/metrics.c tools/procedural.c
 objects = $(patsubst %.cu,$(B)/%.o,$(patsubst %.c,$(B)/%.o,$(1)))
 
-all: $(PROGRAMS) $(B)/libfixsplat.a
+PROGRAMS := $(B)/fixsplat $(if $(WINDOW),$(B)/fixsplat-view)
+ARCHIVES := $(B)/libfixsplat-core.a $(B)/libfixsplat.a
+SONAME := libfixsplat.so.$(basename $(VERSION))
+SHARED_LIBRARY := $(if $(SHARED),$(B)/libfixsplat.so.$(VERSION))
+FLAT_HEADERS := $(addprefix $(B)/include/fixsplat/,$(notdir $(HEADERS)))
 
-$(B)/libfixsplat.a: $(call objects,$(CORE) $(PORT) $(CUDA))
-	@rm -f $@
-	$(AR) rcs $@ $^
+# ---- Build -----------------------------------------------------------------------------------------------------------
 
-$(B)/fixsplat: $(call objects,$(TOOL)) $(B)/libfixsplat.a
-	$(CC) $(FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS)
+# One line a file; V=1: the whole command.
+ifeq ($(V),)
+say = @$(if $(findstring s,$(firstword -$(MAKEFLAGS))),,printf '  %-4s %s\n' $(1) $(2) &&)
+endif
 
-$(B)/fixsplat-view: $(call objects,tools/viewer_main.c $(WINDOW) $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a
-	$(CC) $(FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS) $(WINDOW_LIBS)
+all: $(PROGRAMS) $(ARCHIVES) $(SHARED_LIBRARY) $(FLAT_HEADERS)
 
-# Compilers, flags and libraries found: what is built with others is built again.
-STATE := $(CC) $(CC_VERSION) $(FLAGS) $(LDFLAGS) $(LIBS) $(WINDOW_LIBS) $(NVCC_PATH) $(NVCC_VERSION) $(NVCC_FLAGS)
-quote := '
-$(B)/state: FORCE
+$(B)/libfixsplat-core.a: $(call objects,$(CORE))
+$(B)/libfixsplat.a: $(call objects,$(CORE) $(DEVICES) $(PORT))
+$(ARCHIVES): $(B)/commands/link
+	$(call say,AR,$@)rm -f $@ && $(AR) rcs $@ $(filter %.o,$^)
+
+link = $(call say,LD,$@)$(CC) $(FLAGS) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) $(1) $(LIBS)
+
+# It shows the functions that public headers declare, and nothing else.
+SHARED_FLAGS := -shared -Wl,-soname,$(SONAME) -Wl,--version-script=$(B)/exports
+$(SHARED_LIBRARY): $(call objects,$(CORE) $(DEVICES) $(PORT)) $(B)/exports $(B)/commands/link
+	$(call link,$(SHARED_FLAGS))
+$(B)/exports: $(HEADERS) Makefile
+	@{ echo '{ global:'; grep -oh 'fxs_[a-z0-9_]*[(;]' $(HEADERS) | sort -u | tr '(' ';'; echo 'local: *; };'; } >$@
+
+$(B)/fixsplat: $(call objects,$(TOOL)) $(B)/libfixsplat.a $(B)/commands/link
+	$(call link)
+
+$(B)/fixsplat-view: $(call objects,tools/viewer_main.c $(WINDOW) $(filter-out tools/main.c,$(TOOL))) \
+                    $(B)/libfixsplat.a $(B)/commands/link
+	$(call link,$(LIBS_SDL))
+
+# What commands are made of: what was built by another is built again.
+$(B)/commands/compile: COMMAND := $(CC) $(CC_VERSION) $(filter-out -DFXS_WITH_%,$(FLAGS)) $(PIC)
+$(B)/commands/nvcc: COMMAND := $(NVCC) $(NVCC_VERSION) $(NVCC_FLAGS)
+$(B)/commands/link: COMMAND := $(CC) $(CC_VERSION) $(CFLAGS) $(LDFLAGS) $(LIBS) $(LIBS_SDL) $(AR) \
+                              $(CORE) $(DEVICES) $(PORT)
+$(B)/commands/%: FORCE
 	@mkdir -p $(@D)
-	@printf '%s\n' '$(subst $(quote),$(quote)\$(quote)$(quote),$(STATE))' >$@.new
-	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
+	@printf '%s\n' $(call quoted,$(COMMAND)) | cmp -s - $@ || printf '%s\n' $(call quoted,$(COMMAND)) >$@
 
-$(B)/%.o: %.c $(B)/state
+# An object depends on the optional libraries that its source and headers ask for: those are added to its .d.
+features = grep -ohs 'FXS_WITH_[A-Z0-9]*' $$(sed 's/^[^ ]*://; s/[\\:]//g' $(@:.o=.d)) | sort -u | \
+           sed 's|FXS_WITH_|$@: $(B)/with/|' >>$(@:.o=.d)
+
+$(B)/%.o: %.c $(B)/commands/compile
 	@mkdir -p $(@D)
-	$(CC) $(FLAGS) $(call isa,$*) -MMD -MP -c -o $@ $<
+	$(call say,CC,$<)$(CC) $(FLAGS) $(if $(filter tools/% tests/%,$*),,$(PIC)) $(call isa,$*) -MMD -MP -c -o $@ $<
+	@$(features)
+
+$(B)/%.o: %.cu $(B)/commands/nvcc
+	@mkdir -p $(@D)
+	$(call say,NVCC,$<)$(NVCC) $(NVCC_FLAGS) -MMD -MP -c -o $@ $<
+
+# These are there only with their library, and do not ask.
+$(call objects,$(wildcard port/window/*.c)): $(B)/with/SDL
+$(call objects,$(wildcard kernels/gles/*.c)): $(B)/with/GLES
+$(call objects,$(wildcard port/egl/*.c)): $(B)/with/EGL
+$(call objects,$(wildcard port/osmesa/*.c)): $(B)/with/OSMESA
 
 # The shaders' texts, and src/pixel.h that they are built around, as arrays of characters.
 SHADERS := src/pixel.h $(wildcard kernels/gles/*.vert kernels/gles/*.frag)
@@ -98,74 +163,86 @@ $(B)/kernels/gles/shaders.h: $(SHADERS)
 $(B)/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h
 $(B)/kernels/gles/gles.o: CPPFLAGS += -I$(B)/kernels/gles
 
-$(B)/%.o: %.cu $(B)/state
+# Side by side in one folder: "../../src/fixsplat.h" is "fixsplat.h" there.
+$(FLAT_HEADERS): $(HEADERS)
 	@mkdir -p $(@D)
-	$(NVCC) $(NVCC_FLAGS) -MMD -MP -c -o $@ $<
+	@sed 's|^\(#include "\).*/|\1|' $(filter %/$(@F),$(HEADERS)) >$@
 
--include $(shell find $(B) -name '*.d' 2>/dev/null)
+$(B)/with/%: ;
+-include $(wildcard $(addprefix $(B)/,$(addsuffix /*.d,src kernels kernels/* port/* tools tests tests/gpu)))
+.SUFFIXES:
+.DELETE_ON_ERROR:
+.PRECIOUS: $(B)/tests/%.o
 
-# ---- Setup, demo, install ------------------------------------------------------------------------------------------
-
-PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libzstd-dev libegl-dev libgles-dev \
-            libsdl2-dev
-TEST_PACKAGES := clang libclang-rt-14-dev glslang-tools qemu-user gcc-aarch64-linux-gnu libc6-dev-arm64-cross \
-                 gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind libosmesa6-dev libosmesa6 libegl1 libgles2 \
-                 libegl-mesa0 libgl1-mesa-dri xvfb xdotool gcc-s390x-linux-gnu libc6-dev-s390x-cross \
-                 gcc-powerpc-linux-gnu libc6-dev-powerpc-cross gcc-arm-linux-gnueabihf libc6-dev-armhf-cross \
-                 gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-i686-linux-gnu libc6-dev-i386-cross
-WANTED = $(PACKAGES) $(if $(filter test,$(MAKECMDGOALS)),$(TEST_PACKAGES))
-
-setup: ## install the Debian packages that are missing (those for the tests too, before `test`)
-	@sh tools/setup.sh $(WANTED)
-
-demo: ## make a procedural scene and render it to demo.png
-	@$(MAKE) --no-print-directory all
+demo: all ## make a procedural scene and render it to demo.png
 	$(B)/fixsplat make-scene knot --count 200000 -o demo.ply
 	$(B)/fixsplat render demo.ply --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --fov 36 --bg 11131b -o demo.png --stats
 	@echo "demo.png: 200,000 Gaussians with view-dependent colour of degree 3, from demo.ply"
 
-PUBLIC := src/fixsplat.h src/packed.h src/backend.h port/backend/backends.h kernels/kernels.h kernels/cuda/cuda.h kernels/gles/gles.h port/egl/egl.h \
-          port/osmesa/osmesa.h $(wildcard port/posix/*.h) port/files/allocator.h port/files/message.h port/files/output.h \
-          $(addprefix port/scene/,scene_file.h scene_filter.h fxs_file.h ply_write.h splat_write.h spz_write.h) \
-          port/camera/camera.h port/camera/camera_file.h port/image/image_file.h port/import/pack.h
+# ---- Install ---------------------------------------------------------------------------------------------------------
 
-install: all ## install to $(DESTDIR)$(PREFIX): command, library, headers, pkg-config file
-	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/pkgconfig
+SONAME_LINKS := $(SONAME) libfixsplat.so
+PC_FILES := fixsplat.pc fixsplat-core.pc
+CMAKE_FILES := fixsplat-config.cmake fixsplat-config-version.cmake
+INCLUDE := $(PREFIX)/include/fixsplat
+CMAKE := $(LIBDIR)/cmake/fixsplat
+fill = sed -e 's|@PREFIX@|$(PREFIX)|g' -e 's|@LIBDIR@|$(LIBDIR)|g' -e 's|@SONAME_VERSION@|$(basename $(VERSION))|g' \
+           -e 's|@VERSION@|$(VERSION)|g' -e 's|@LIBS@|$(LIBS)|g' tools/package/$$f.in >$(DESTDIR)$(1)/$$f && \
+       chmod 644 $(DESTDIR)$(1)/$$f || exit 1
+
+install: all ## install command, libraries, headers, pkg-config and CMake files to DESTDIR and PREFIX (/usr/local)
+	install -d $(addprefix $(DESTDIR),$(PREFIX)/bin $(LIBDIR)/pkgconfig $(CMAKE) $(INCLUDE))
 	install $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin/
-	install -m 644 $(B)/libfixsplat.a $(DESTDIR)$(PREFIX)/lib/
-	for f in $(PUBLIC); do \
-	    install -D -m 644 $$f $(DESTDIR)$(PREFIX)/include/fixsplat/$$f || exit 1; done
-	printf 'prefix=%s\nName: fixsplat\nDescription: 3D Gaussian splatting in fixed point\nVersion: %s\nCflags: %s\nLibs: %s\n' \
-	    '$(PREFIX)' '$(VERSION)' '-I$${prefix}/include/fixsplat' '-L$${prefix}/lib -lfixsplat $(LIBS)' \
-	    > $(DESTDIR)$(PREFIX)/lib/pkgconfig/fixsplat.pc
+	install -m 644 $(ARCHIVES) $(SHARED_LIBRARY) $(DESTDIR)$(LIBDIR)/
+	$(if $(SHARED),for f in $(SONAME_LINKS); do ln -sf libfixsplat.so.$(VERSION) $(DESTDIR)$(LIBDIR)/$$f || exit 1; done)
+	install -m 644 $(FLAT_HEADERS) $(DESTDIR)$(INCLUDE)/
+	@for f in $(PC_FILES); do $(call fill,$(LIBDIR)/pkgconfig); done
+	@for f in $(CMAKE_FILES); do $(call fill,$(CMAKE)); done
+
+uninstall: ## remove what install put there
+	rm -f $(addprefix $(DESTDIR)$(PREFIX)/bin/,fixsplat fixsplat-view) \
+	    $(addprefix $(DESTDIR)$(LIBDIR)/,libfixsplat-core.a libfixsplat.a libfixsplat.so.$(VERSION) $(SONAME_LINKS)) \
+	    $(addprefix $(DESTDIR)$(LIBDIR)/pkgconfig/,$(PC_FILES)) $(addprefix $(DESTDIR)$(CMAKE)/,$(CMAKE_FILES)) \
+	    $(addprefix $(DESTDIR)$(INCLUDE)/,$(notdir $(HEADERS)))
+	for f in $(DESTDIR)$(CMAKE) $(DESTDIR)$(INCLUDE); do [ ! -d $$f ] || rmdir $$f || exit 1; done
+
+headers: ## list the public headers
+	@printf '%s\n' $(HEADERS)
+
+core-headers: ## list those that libfixsplat-core.a comes with
+	@printf '%s\n' $(CORE_HEADERS)
 
 # ---- Tests ---------------------------------------------------------------------------------------------------------
 
-TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(wildcard tests/test_*.c))
+TESTS := $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
+SCRIPTS := $(notdir $(wildcard tests/scripts/*.sh))
+GATES := $(notdir $(wildcard tests/gates/*.sh))
 
-$(B)/tests/test_%: $(B)/tests/test_%.o $(B)/tests/reference.o $(call objects,$(TOOL_SHARED)) $(B)/libfixsplat.a
-	$(CC) $(FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS)
+# T=name: what is called so, with test_ before or .sh behind or not; else what has that in its name.
+EVERY := $(TESTS) $(SCRIPTS) $(GATES)
+containing = $(strip $(foreach name,$(EVERY),$(if $(findstring $(1),$(name)),$(name))))
+called = $(or $(filter $(1) test_$(1) $(1).sh,$(EVERY)),$(call containing,$(1)),$(error no test is called $(1)))
+RUN := $(if $(T),$(sort $(foreach name,$(T),$(call called,$(name)))),$(EVERY))
+NEEDED := $(filter $(TESTS),$(RUN)) $(if $(filter bombs.sh,$(RUN)),test_bombs)
+
+$(B)/tests/test_%: $(B)/tests/test_%.o $(B)/tests/reference.o $(call objects,$(TOOL_SHARED)) $(B)/libfixsplat.a \
+                   $(B)/commands/link
+	$(call link)
 
 $(B)/tests/test_window: $(call objects,tests/test_window.c port/window/motion.c port/window/overlay.c $(WINDOW) \
-                        $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a
-	$(CC) $(FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS) $(WINDOW_LIBS)
+                        $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a $(B)/commands/link
+	$(call link,$(LIBS_SDL))
 
-.PRECIOUS: $(B)/tests/%.o
+test: all $(addprefix $(B)/tests/,$(NEEDED)) ## run all tests, JOBS at once; T=name: those with that in their names
+	@FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(PROCESSORS)) sh tests/run.sh $(RUN)
 
-test: ## run every test
-	@$(MAKE) --no-print-directory all $(TESTS)
-	@FXS_SCENES=$(SCENES) B=$(B) sh tests/run.sh
-
-# What setup installs is found by the makes that these run.
-demo test: $(filter setup,$(MAKECMDGOALS))
-
-test-programs: $(TESTS)
+test-programs: $(addprefix $(B)/tests/,$(TESTS)) ## build the test programs
 
 # Needs a GPU: see tests/gpu/cuda.sh.
-$(B)/tests/gpu/%: $(B)/tests/gpu/%.o $(B)/tests/gpu/peek.o $(B)/libfixsplat.a
-	$(CC) $(FLAGS) $(LDFLAGS) -o $@ $^ $(LIBS)
+$(B)/tests/gpu/%: $(B)/tests/gpu/%.o $(B)/tests/gpu/peek.o $(B)/libfixsplat.a $(B)/commands/link
+	$(call link)
 
-cuda-tests: $(B)/tests/gpu/test_cuda $(B)/tests/gpu/bench_cuda
+cuda-tests: $(B)/tests/gpu/test_cuda $(B)/tests/gpu/bench_cuda ## build what tests/gpu/cuda.sh runs on a GPU
 
 golden-update: all $(B)/tests/test_golden ## write the golden images anew (and say why in the commit)
 	$(B)/tests/test_golden --update
@@ -187,7 +264,12 @@ size: all ## code size of each part
 clean: ## remove what was built
 	rm -rf $(B) demo.ply demo.png
 
-help: ## this list
-	@awk -F ': |## ' '/^[a-z-]+:.*## / {printf "  make %-14s %s\n", $$1, $$NF}' Makefile
+.PHONY: all demo install uninstall headers core-headers test test-programs cuda-tests golden-update fuzz mutants bench
+.PHONY: size clean FORCE
+endif
 
-.PHONY: all setup demo install test test-programs golden-update fuzz mutants bench size clean help FORCE
+help: ## this list
+	@sed -n 's/^\([a-z-]*\):.*## /\1 /p' Makefile | \
+	    awk '{ name = $$1; $$1 = ""; printf "  make %-14s%s\n", name, $$0 }'
+	@echo 'V=1 prints whole commands. CC, AR, CFLAGS, CPPFLAGS, LDFLAGS, NVCC (none: without CUDA), LIBDIR: as usual.'
+.PHONY: help

@@ -4,6 +4,10 @@
 
 #include "../src/fixsplat.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum fxs_cpu {
     FXS_CPU_SSE41 = 1,
     FXS_CPU_AVX2 = 2,
@@ -19,5 +23,9 @@ const char *fxs_cpu_name(unsigned flag);
 
 /* Overwrites the stages of *kernels that have a version for one of the instruction sets in `cpu`, the best last. */
 void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

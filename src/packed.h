@@ -38,6 +38,10 @@
 
 #include "fixsplat.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define FXS_CHUNK 256
 #define FXS_PACKED_MAGIC 0x31535846u      /* "FXS1" */
 #define FXS_PACKED_VERSION 3u
@@ -179,5 +183,9 @@ static inline uint32_t fxs_chunk_bytes(enum fxs_profile profile, int degree)
 {
     return (uint32_t)FXS_CHUNK * ((profile == FXS_PROFILE_SMALL ? 13u : 18u) + fxs_sh_bytes(profile, degree));
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

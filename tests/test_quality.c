@@ -9,6 +9,9 @@
 #include <time.h>
 #include <unistd.h>
 
+#ifdef FXS_WITH_KERNELS
+#include "../kernels/kernels.h"
+#endif
 #include "../port/camera/camera.h"
 #include "../port/import/pack.h"
 #include "../port/scene/ply_write.h"
@@ -287,6 +290,9 @@ static int render_packed(const fxs_packed_scene *packed, const fxs_file_view *vi
     fxs_options options;
     const fxs_config config = {.run = fxs_pool_run, .pool = pool, .threads = fxs_processors()};
     fxs_init(&context, &config);
+#ifdef FXS_WITH_KERNELS
+    fxs_kernels_choose(&context.kernels, fxs_cpu_detect());   /* the same bytes, sooner */
+#endif
     fxs_options_init(&options);
     if (fxs_scene_open(&scene, packed->data, packed->bytes) || fxs_camera_from_view(&camera, view, &m))
         return -1;

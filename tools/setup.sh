@@ -1,8 +1,9 @@
 #!/bin/sh
 # Installs the Debian packages named that are not there yet; asks for root by sudo where needed.
+installed=$(dpkg-query -W -f='${Status} ${Package} \n' "$@" 2>/dev/null | sed -n 's/^[a-z]* ok installed//p')
 missing=
 for package in "$@"; do
-    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing="$missing $package"
+    case $installed in *" $package "*) ;; *) missing="$missing $package" ;; esac
 done
 [ -z "$missing" ] && { echo "setup: nothing is missing"; exit 0; }
 command -v apt-get >/dev/null || { echo "setup: no apt-get here; install by hand:$missing" >&2; exit 1; }

@@ -5,6 +5,10 @@
 
 #include "../files/message.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Makes a context, the first that can be had, and makes it current on this thread. Returns 0, or -1 and why not. */
 int fxs_egl_open(void **egl, fxs_message *message);
 
@@ -16,5 +20,9 @@ int fxs_egl_use(void *egl);
 
 /* Ends the context; null is allowed. The display is the process's and stays: there may be other contexts on it. */
 void fxs_egl_close(void *egl);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -5,6 +5,10 @@
 
 #include "../files/message.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Makes a context and makes it current on this thread. Returns 0, or -1 and why not. */
 int fxs_osmesa_open(void **osmesa, fxs_message *message);
 
@@ -16,5 +20,9 @@ int fxs_osmesa_use(void *osmesa);
 
 /* Ends the context; null is allowed. */
 void fxs_osmesa_close(void *osmesa);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -4,6 +4,14 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 uint64_t fxs_clock(void *unused);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

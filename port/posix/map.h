@@ -7,6 +7,10 @@
 
 #include "../files/message.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct fxs_mapping {
     void *data;                    /* aligned to a page; null: nothing is mapped */
     size_t bytes;
@@ -30,5 +34,9 @@ void fxs_map_guard(void);
 
 /* Null data is allowed. */
 void fxs_unmap(fxs_mapping *mapping);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -4,6 +4,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct fxs_pool fxs_pool;
 
 /* Starts threads - 1 threads, the caller of fxs_pool_run is the last; threads in 1..64. Null where they cannot be
@@ -19,5 +23,9 @@ void fxs_pool_destroy(fxs_pool *pool);
 
 /* Processors that the calling thread may run on, by its affinity mask on Linux; 1 to 64. */
 uint32_t fxs_processors(void);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

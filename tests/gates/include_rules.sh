@@ -7,7 +7,7 @@
 #   tools    -> tools, the public headers of src, kernels and port
 # and src and kernels neither allocate nor print.
 cd "$(dirname "$0")/../.." || exit 1
-public='src/fixsplat\.h|src/packed\.h|kernels/kernels\.h|kernels/(gles/gles|cuda/cuda)\.h'
+public=$(MAKEFLAGS='' make -s headers | grep -E '^(src|kernels)/' | sed 's/\./\\./' | paste -sd '|')
 isa='[a-z]*mmintrin\.h|cpuid\.h|arm_(neon|mve|acle)\.h|sys/auxv\.h|wasm_simd128\.h'
 internal='port/[a-z]*/([a-z_]*_internal|scene_format)\.h'
 faults=

@@ -1,48 +1,119 @@
 #!/bin/sh
-# A build after a change of compiler, flags or libraries found; setup beside another apt-get.
+# A build after a change of compiler, flags or libraries found; what the Makefile chooses; setup beside another apt-get.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
-object=$work/build/tools/backend.o
+mkdir "$work/include"
 
-# A compiler that does not find the header named in HIDDEN.
+# A compiler that finds neither the header nor the library of which the file `hidden` has a word. That file's folder is
+# one that is searched for headers, so what comes and goes in it is noticed.
 cat >"$work/cc" <<'END'
 #!/bin/sh
-case " $* " in
-*' -E '*) cat >"$0.probe"; [ "$HIDDEN" ] && grep -q "$HIDDEN" "$0.probe" && exit 1; exec cc "$@" <"$0.probe" ;;
-esac
+if word=$(cat "${0%/*}/include/hidden" 2>/dev/null); then
+    for argument in "$@"; do
+        case $argument in
+        "$word") exit 1 ;;
+        */probe.c) grep -q -e "$word" "$argument" && exit 1 ;;
+        esac
+    done
+fi
 exec cc "$@"
 END
 chmod +x "$work/cc"
 
-# build HIDDEN OPTION...: the object that the back ends are in. Prints whether it was made anew.
-build() {
-    HIDDEN=$1
-    export HIDDEN
-    shift
-    env -u MAKEFLAGS make B="$work/build" CC="$work/cc" NVCC=none "$@" "$object" >"$work/log" 2>&1 || cat "$work/log"
-    if grep -q -- '-c -o' "$work/log"; then echo anew; else echo kept; fi
+hide() {
+    rm -f "$work/include/hidden"
+    [ -z "$1" ] || echo "$1" >"$work/include/hidden"
 }
+
+make_() { env -u MAKEFLAGS -u MAKELEVEL make --no-print-directory NVCC=none "$@" 2>&1; }
+
+# Three objects: the first asks for OSMesa, the second for zstd, the third for nothing. Prints what is made anew.
+build() {
+    make_ -j1 B="$work/build" CC="$work/cc" CPPFLAGS="-I$work/include" "$@" "$work/build/tools/backend.o" \
+        "$work/build/port/scene/spz.o" "$work/build/src/frame.o" >"$work/log" || cat "$work/log"
+    sed -n 's/^  CC *//p' "$work/log" | tr '\n' ' '
+}
+every='tools/backend.c port/scene/spz.c src/frame.c '
 
 # is NAME EXPECTED SAID
 is() { if [ "$2" = "$3" ]; then ok "$1"; else fail "$1" "$3"; fi; }
+uses() { grep -q "$2" "$work/build/$1"; }
+lacks() { ! uses "$@"; }
 
-is "first: built" anew "$(build osmesa.h)"
-is "the same again: kept" kept "$(build osmesa.h)"
+hide osmesa
+is "first: built" "$every" "$(build)"
+is "the same again: kept" "" "$(build)"
 if echo '#include <GL/osmesa.h>' | cc -E -x c - >/dev/null 2>&1; then
-    is "a library found: built anew" anew "$(build '')"
-    check "a library found: used" grep -q fxs_osmesa_open "$object"
-    is "a library gone: built anew" anew "$(build osmesa.h)"
+    hide
+    is "a library found: what asks for it is built anew" "tools/backend.c " "$(build)"
+    check "a library found: used" uses tools/backend.o fxs_osmesa_open
+    hide osmesa
+    is "a library gone: what asks for it is built anew" "tools/backend.c " "$(build)"
+    check "a library gone: not used" lacks tools/backend.o fxs_osmesa_open
 else
     skip "a library found" "no GL/osmesa.h here"
 fi
-is "other flags: built anew" anew "$(build osmesa.h CFLAGS=-O1)"
-is "other flags again: kept" kept "$(build osmesa.h CFLAGS=-O1)"
-is "flags with quotes: built anew" anew "$(build osmesa.h CFLAGS="-DWORDS='\"it is\"'")"
-is "flags with quotes again: kept" kept "$(build osmesa.h CFLAGS="-DWORDS='\"it is\"'")"
-echo '# other' >>"$work/cc"
+if echo '#include <zstd.h>' | cc -E -x c - >/dev/null 2>&1; then
+    hide
+    build >/dev/null
+    hide -lzstd
+    is "headers without their library" "port/scene/spz.c " "$(build)"
+    check "headers without their library: not used" lacks port/scene/spz.o ZSTD_decompress
+    echo '#define OTHER' | cat - $(echo '#include <zstd.h>' | cc -M -x c - | tr -d ':\\' | tr ' ' '\n' | grep /zstd.h) \
+        >"$work/include/zstd.h"
+    hide
+    build >/dev/null
+    check "headers with their library: used" uses port/scene/spz.o ZSTD_decompress
+    echo '#define MORE' >>"$work/include/zstd.h"
+    touch "$work/include/other.h"
+    is "other headers of a library: what asks for it is built anew" "port/scene/spz.c " "$(build)"
+else
+    skip "headers without their library" "no zstd.h here"
+fi
+is "other flags: built anew" "$every" "$(build CFLAGS=-O1)"
+is "other flags again: kept" "" "$(build CFLAGS=-O1)"
+is "flags with quotes: built anew" "$every" "$(build CFLAGS="-DWORDS='\"it is\"'")"
+is "flags with quotes again: kept" "" "$(build CFLAGS="-DWORDS='\"it is\"'")"
+check "flags with quotes: libraries are found" grep -q KERNELS "$work/build/probe.mk"
 sed -i 's/^exec cc "$@"$/case $1 in --version) echo other ;; *) exec cc "$@" ;; esac/' "$work/cc"
-is "another version of the compiler: built anew" anew "$(build osmesa.h CFLAGS="-DWORDS='\"it is\"'")"
+is "another version of the compiler: built anew" "$every" "$(build CFLAGS="-DWORDS='\"it is\"'")"
+is "another version of the compiler again: kept" "" "$(build CFLAGS="-DWORDS='\"it is\"'")"
+check "one line a file" equal "$(rm "$work/build/src/frame.o"; build CFLAGS=-O1 V= | grep -c frame)" 1
+rm "$work/build/src/frame.o"
+build CFLAGS=-O1 V=1 >/dev/null
+check "V=1: whole commands" grep -q -- "-c -o $work/build/src/frame.o src/frame.c" "$work/log"
+
+# ---- What is chosen --------------------------------------------------------------------------------------------------
+
+# chosen COMPILER: the folder of kernels and the archiver, by what would be done.
+chosen() {
+    make_ -n V=1 B="$work/chosen" CC="$1" $2 "$work/chosen/libfixsplat-core.a" >"$work/log"
+    folders=$(sed -n 's|.* kernels/\([a-z0-9]*\)/[a-z_0-9]*\.c$|\1|p' "$work/log" | sort -u | tr '\n' ' ')
+    echo "$folders:$(sed -n 's/.*&& \(.*\) rcs .*/\1/p' "$work/log")"
+}
+if have aarch64-linux-gnu-gcc; then
+    is "aarch64-linux-gnu-gcc" "arm :aarch64" "$(chosen aarch64-linux-gnu-gcc | sed 's/:.*aarch64.*ar$/:aarch64/')"
+    is "AR of the user's" "arm :some-ar" "$(chosen aarch64-linux-gnu-gcc AR=some-ar)"
+else
+    skip "aarch64-linux-gnu-gcc" "not here"
+fi
+for target in i586-linux-gnu:x86 arm64-apple-macos:arm aarch64_be-linux-gnu: wasm32:; do
+    if clang --target=${target%:*} -E -x c /dev/null >/dev/null 2>&1; then
+        said=$(chosen "clang --target=${target%:*}")
+        is "kernels for ${target%:*}" "${target#*:}" "$(echo ${said%%:*})"
+    else
+        skip "kernels for ${target%:*}" "no clang here that knows it"
+    fi
+done
+
+# tests NAME: what `make test T=NAME` would run.
+tests() { make_ -n B="$work/chosen" test T="$1" | sed -n 's/.* tests\/run\.sh *//p'; }
+is "T: a test by its name" test_scene "$(tests test_scene)"
+is "T: without test_" test_scene "$(tests scene)"
+is "T: a script" build.sh "$(tests build)"
+is "T: a gate and a test, by a part" "include_rules.sh test_fxs_bytes" "$(tests 'fxs_by include')"
+is "T: no such test" 1 "$(make_ -n B="$work/chosen" test T=nothing | grep -c 'no test is called nothing')"
 
 # ---- Setup beside another apt-get ------------------------------------------------------------------------------------
 

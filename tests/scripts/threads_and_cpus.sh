@@ -62,7 +62,7 @@ fi
 
 if echo 'int main(void) { return 0; }' | clang -fsanitize=thread -x c - -o "$work/links" 2>/dev/null &&
     "$work/links"; then
-    if make -s B="$work/tsan" CC=clang CFLAGS='-O1 -fsanitize=thread' "$work/tsan/fixsplat" \
+    if make -s B="$work/tsan" CC=clang NVCC=none CFLAGS='-O1 -fsanitize=thread' "$work/tsan/fixsplat" \
         "$work/tsan/tests/test_threads" >"$work/log" 2>&1; then
         check "ThreadSanitizer, several callers of one context" env TSAN_OPTIONS=halt_on_error=1 \
             "$work/tsan/tests/test_threads"

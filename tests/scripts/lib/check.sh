@@ -12,6 +12,7 @@ check() {
     if why=$("$@" 2>&1); then ok "$name"; else fail "$name" "${why:-not so: $*}"; fi
 }
 
+equal() { [ "$1" = "$2" ] || { echo "$1 is not $2"; return 1; }; }
 have() { command -v "$1" >/dev/null 2>&1; }
 
 finish() {

@@ -38,5 +38,3 @@ fails() {
         fail "$name" "status $status, stdout of $(wc -c <logs/out) bytes, stderr: $(cat logs/err)"
     fi
 }
-
-equal() { [ "$1" = "$2" ] || { echo "$1 is not $2"; return 1; }; }

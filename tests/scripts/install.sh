@@ -1,0 +1,161 @@
+#!/bin/sh
+# What `make install` puts where, and programs outside the tree that see nothing but that: in C99, in C++17 and by
+# CMake, with the core alone and with everything, static and shared. tests/outside/picture.h has what they draw.
+. tests/scripts/lib/check.sh
+B=${B:-build}
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+prefix=$work/prefix
+library=$prefix/lib
+include=$prefix/include/fixsplat
+version=$(sed -n 's/^#define FXS_VERSION "\(.*\)"/\1/p' src/fixsplat.h)
+CC=${CC:-cc}
+strict='-Wall -Wextra -Wpedantic -Werror'
+
+# The make of the build that is tested.
+make_() { make -s --no-print-directory B="$B" PREFIX="$prefix" "$@" >"$work/log" 2>&1; }
+files() { (cd "$1" && find . ! -type d | sort | tr '\n' ' '); }
+
+check "make install" make_ install
+[ -d "$include" ] || { cat "$work/log"; finish; exit 1; }
+headers=$(make -s --no-print-directory headers | sed 's|.*/||' | sort)
+shared=$(ls "$library" | grep 'so\.')
+
+# ---- What is there ---------------------------------------------------------------------------------------------------
+
+check "under include, one folder" equal "$(ls "$prefix/include")" fixsplat
+check "in it, the public headers" equal "$(ls "$include" | sort)" "$headers"
+check "no two of one name" equal "$(echo "$headers" | uniq -d)" ""
+check "none says where it was" equal "$(grep -l '^ *# *include *"[^"]*/' "$include"/*)" ""
+check "the command runs" "$prefix/bin/fixsplat" --version
+check "modes" equal "$(find "$prefix" -type f ! -perm 644 | sort | tr '\n' ' ')" \
+    "$(find "$prefix/bin" -type f -perm 755 | sort | tr '\n' ' ')"
+
+# each COMPILER LANGUAGE STANDARD: a program of each header alone.
+mkdir "$work/alone"
+for header in $headers; do
+    echo "#include <fixsplat/$header>" >"$work/alone/${header%.h}.c"
+done
+each() {
+    if echo 'int main(void) { return 0; }' | "$1" -x "$2" -std="$3" -fsyntax-only - 2>/dev/null; then
+        check "each header alone: $1 -std=$3" "$1" -x "$2" -std="$3" -fsyntax-only $strict -I"$prefix/include" \
+            "$work/alone"/*.c
+    else
+        skip "each header alone: $1 -std=$3" "no $1 here"
+    fi
+}
+each gcc c c99
+each gcc c c11
+each g++ c++ c++17
+each clang c c99
+each clang c c11
+each clang++ c++ c++17
+
+# What the core needs and does not have itself: of the C library four functions, and what compilers call by themselves.
+needs() {
+    nm "$1" | awk 'NF == 2 && $1 == "U" { need[$2] } NF == 3 { has[$3] }
+        END { for (name in need) if (!(name in has)) print name }' |
+        grep -Evx 'mem(cpy|set|move|cmp)|_GLOBAL_OFFSET_TABLE_|__[a-z]*[dst]i[34]|__cpu_(model|indicator_init)' |
+        grep -vx __stack_chk_fail
+}
+check "the core depends on nothing" equal "$(needs "$library/libfixsplat-core.a")" ""
+if [ "$shared" ]; then
+    check "the shared library's names" equal "$(ls "$library" | grep '\.so' | tr '\n' ' ')" \
+        "libfixsplat.so libfixsplat.so.${version%.*} libfixsplat.so.$version "
+    check "its SONAME" equal "$(readelf -d "$library/libfixsplat.so" | sed -n 's/.*SONAME.*\[\(.*\)\]/\1/p')" \
+        "libfixsplat.so.${version%.*}"
+    check "it shows names with fxs_ alone" equal \
+        "$(nm -D --defined-only "$library/libfixsplat.so" | awk '{ print $3 }' | grep -v '^fxs_')" ""
+    nm -D --defined-only "$library/libfixsplat.so" | awk '{ print $3 }' | sort >"$work/shown"
+    nm -g "$library/libfixsplat.a" 2>/dev/null | awk 'NF == 3 && $2 == "T" { print $3 }' | sort -u >"$work/defined"
+    cat "$include"/* | grep -o 'fxs_[a-z0-9_]*[(;]' | tr -d '(;' | sort -u |
+        comm -12 - "$work/defined" >"$work/declared"
+    check "all that headers declare, and no more" cmp "$work/declared" "$work/shown"
+else
+    skip "the shared library" "not built with this compiler"
+fi
+
+# ---- Programs --------------------------------------------------------------------------------------------------------
+
+outside=$work/outside
+cp -r tests/outside "$outside"
+"$prefix/bin/fixsplat" make-scene cubes -o "$work/cubes.ply" || exit 1
+
+# An installation without the shared library, for what is to be linked with the static one.
+mkdir "$work/static"
+cp "$library"/*.a "$work/static"
+
+sum=
+# draws NAME COMMAND...: it prints the sum of the picture, the same as the others.
+draws() {
+    name=$1
+    shift
+    said=$(LD_LIBRARY_PATH=$library "$@" 2>&1) || { fail "$name" "status $?: $said"; return; }
+    sum=${sum:-$said}
+    if [ "$said" = "$sum" ]; then ok "$name"; else fail "$name" "$said, the first is $sum"; fi
+}
+
+# The core's headers alone, for a program with the core alone.
+mkdir -p "$work/core/fixsplat"
+for header in $(make -s --no-print-directory core-headers); do
+    cp "$include/${header##*/}" "$work/core/fixsplat"
+done
+
+# flags OPTION... PACKAGE: as pkg-config has them.
+flags() { PKG_CONFIG_PATH=$library/pkgconfig pkg-config "$@"; }
+
+# program NAME SOURCE LANGUAGE FLAGS: built as $work/program.
+program() {
+    case $3 in c99) set -- "$@" "$CC -x c -std=c99" ;; *) set -- "$@" "${CXX:-c++} -x c++ -std=c++17" ;; esac
+    check "$1: built" $5 $strict "$outside/$2.c" -x none -o "$work/program" $4
+}
+
+if have pkg-config; then
+    for language in c99 c++17; do
+        if [ $language != c99 ] && ! have "${CXX:-c++}"; then
+            skip $language "no ${CXX:-c++} here"
+            continue
+        fi
+        static=$(flags --cflags --libs --define-variable=libdir="$work/static" --static fixsplat)
+        program "$language, everything, static" all $language "$static" &&
+            draws "$language, everything, static: draws" "$work/program" "$work/cubes.ply" "$work/cubes.packed"
+        if [ "$shared" ]; then
+            program "$language, everything, shared" all $language "$(flags --cflags --libs fixsplat)" &&
+                draws "$language, everything, shared: draws" "$work/program" "$work/cubes.ply" "$work/cubes.packed"
+        fi
+        program "$language, core" core $language "-I$work/core $(flags --libs fixsplat-core)" &&
+            draws "$language, core: draws" "$work/program" "$work/cubes.packed"
+    done
+    check "pkg-config: the version" equal "$(flags --modversion fixsplat)" "$version"
+    check "pkg-config: the core's headers" equal "$(flags --cflags fixsplat-core | tr -d ' ')" "-I$prefix/include"
+else
+    skip "programs by pkg-config" "no pkg-config here"
+fi
+
+if have cmake; then
+    check "CMake: built" sh -c 'cmake -S "$0" -B "$0/build" -DCMAKE_PREFIX_PATH="$1" -DCMAKE_C_COMPILER="$2" &&
+        cmake --build "$0/build"' "$outside" "$prefix" "${CC%% *}"
+    for target in fixsplat static; do
+        draws "CMake, $target: draws" "$outside/build/with-$target" "$work/cubes.ply" "$work/cubes.packed"
+    done
+    draws "CMake, core: draws" "$outside/build/with-core" "$work/cubes.packed"
+else
+    skip "a CMake program" "no cmake here"
+fi
+
+# ---- Uninstall -------------------------------------------------------------------------------------------------------
+
+check "DESTDIR: installed" make_ install PREFIX=/opt/fixsplat DESTDIR="$work/root"
+check "DESTDIR: the same files" equal "$(files "$work/root/opt/fixsplat")" "$(files "$prefix")"
+check "DESTDIR: nothing beside" equal "$(ls "$work/root") $(ls "$work/root/opt")" "opt fixsplat"
+check "DESTDIR: no word of it in the files" equal \
+    "$(grep -rl "$work" "$work/root/opt/fixsplat/lib/pkgconfig" "$work/root/opt/fixsplat/lib/cmake")" ""
+check "DESTDIR: uninstalled" make_ uninstall PREFIX=/opt/fixsplat DESTDIR="$work/root"
+check "DESTDIR: nothing is left" equal "$(files "$work/root")" ""
+
+touch "$prefix/lib/other" "$prefix/include/other.h"
+check "make uninstall" make_ uninstall
+check "what others put there is left, and nothing else" equal "$(files "$prefix")" "./include/other.h ./lib/other "
+check "nor a folder of its own" equal "$(find "$prefix" -name 'fixsplat*')" ""
+check "make uninstall, where nothing is installed" make_ uninstall
+finish

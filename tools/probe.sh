@@ -1,0 +1,90 @@
+#!/bin/sh
+# tools/probe.sh BUILD: what the compiler $CC makes programs for, and which optional libraries it compiles and links
+# with, as BUILD/probe.mk for the Makefile. BUILD/with/NAME changes when that library comes, goes or has other headers.
+# Probed anew where the compiler, its flags, the installed packages or the folders that it searches are not those of
+# last time. From the environment: CC CPPFLAGS CFLAGS LDFLAGS NVCC.
+build=${1:?build folder}
+mkdir -p "$build/with" "$build/tests" || exit 1
+
+libraries='CJSON cjson/cJSON.h -lcjson
+ZIP zip.h -lzip
+ZLIB zlib.h -lz
+ZSTD zstd.h -lzstd
+WEBP webp/decode.h -lwebp
+STB stb/stb_image_write.h
+SDL SDL2/SDL.h -lSDL2
+GLES GLES3/gl3.h -ldl
+EGL EGL/egl.h
+OSMESA GL/osmesa.h'
+
+# compile ARGUMENT...: by a shell of its own, as a recipe of make does, since flags may hold quotes.
+compile() { eval "$CC $CPPFLAGS $CFLAGS" '"$@"'; }
+link() { eval "$CC $CPPFLAGS $CFLAGS $LDFLAGS" '"$@"'; }
+search_folders() {
+    compile -v -E -x c /dev/null 2>&1 | sed -n '/^#include </,/^End/s/^ //p'
+    link -print-search-dirs | sed -n 's/^libraries: =//p' | tr : '\n'
+    printf '%s\n' $CFLAGS $LDFLAGS | sed -n 's/^-L//p'
+    printf '%s\n' /usr/local/lib
+}
+nvcc=$(command -v "$NVCC")
+
+key() {
+    printf '%s\n' "$CC" "$CPPFLAGS" "$CFLAGS" "$LDFLAGS" "$CPATH" "$C_INCLUDE_PATH" "$LIBRARY_PATH"
+    eval "$CC --version"
+    parts=$(echo "$libraries" | sed -n 's|^[A-Z]* \(.*\)/.*|\1|p' | sort -u)
+    search_folders | while read -r folder; do
+        printf '%s\n' "$folder"
+        for part in $parts; do printf '%s\n' "$folder/$part"; done
+    done | xargs ls -Lld --full-time "$0" $nvcc /var/lib/dpkg/status
+    ls kernels/*.c kernels/cuda
+}
+state=$(key 2>/dev/null)
+[ -e "$build/probe.mk" ] && printf '%s\n' "$state" | cmp -s - "$build/probe.key" && exit
+
+# found NAME HEADERS YES: keeps BUILD/with/NAME where it says so already.
+found() {
+    [ "$3" ] && echo "FOUND += $1" && set -- "$1" "$(cat $2 </dev/null 2>/dev/null | cksum)"
+    echo "$2" | cmp -s - "$build/with/$1" || echo "$2" >"$build/with/$1"
+}
+
+source=$build/probe.c
+object=$build/probe.out
+probe() {
+    echo "$libraries" | while read -r name header flags; do
+        printf '%s\n' "#include <$header>" 'int main(int argc, char **argv) { return argc && argv ? 0 : 1; }' >"$source"
+        if link "$source" -O0 -g0 -o "$object" -MD -MF "$object.d" $flags 2>/dev/null; then
+            found $name "$(tr -d '\\\n' <"$object.d" | sed 's/^[^:]*://')" yes
+            echo "LIBS_$name := $flags"
+        else
+            found $name
+        fi
+    done
+    found KERNELS '' "$(ls kernels/*.c 2>/dev/null)"
+    echo 'int main(void) { return 0; }' >"$source"
+
+    # As kernels/kernels.c asks.
+    printf '%s\n' '#if defined(__x86_64__) || defined(__i386__)' folder_x86 \
+        '#elif defined(__aarch64__) && !defined(__AARCH64EB__)' folder_arm '#endif' |
+        compile -E -P -x c - | sed -n 's/^folder_/KERNEL_FOLDER := /p'
+
+    # Machine code for another processor than CC's does not link.
+    cuda=$([ "$nvcc" ] && "$nvcc" --dryrun -x cu /dev/null 2>&1 | sed -n 's/"//g; s/.*LIBRARIES= *//p')
+    cuda="$cuda -lcudart_static -lpthread -ldl -lrt"
+    if [ "$nvcc" ] && [ -d kernels/cuda ] && eval "link '$source' -o '$object' $cuda" 2>/dev/null; then
+        found CUDA '' yes
+        echo "LIBS_CUDA := $cuda"
+        echo "NVCC_VERSION := $("$nvcc" --version | tr -d '\n')"
+    else
+        found CUDA
+    fi
+
+    echo '{ global: main; local: *; };' >"$object.map"
+    link -shared -fPIC -Wl,-soname,probe -Wl,--version-script="$object.map" "$source" -o "$object" 2>/dev/null &&
+        echo 'SHARED := yes'
+    echo "CC_VERSION := $(eval "$CC --version" 2>/dev/null | tr -d '\n' | tr '#$' '  ')"
+    echo "AR_OF_CC := $(eval "$CC -print-prog-name=ar" 2>/dev/null)"
+}
+rm -f "$build/probe.key"
+probe 2>/dev/null >"$build/probe.mk"
+rm -f "$source" "$object" "$object.map" "$object.d"
+printf '%s\n' "$state" >"$build/probe.key"
