@@ -5,12 +5,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "../port/backend/backends.h"
 #include "../port/camera/camera.h"
 #include "../port/image/image_file.h"
-#ifdef FXS_WITH_CUDA
-#include "../kernels/cuda/cuda.h"
-#endif
-#include "../tools/backend.h"
 #include "../tools/metrics.h"
 #include "check.h"
 #include "one_scene.h"
@@ -59,53 +56,19 @@ static const golden cases[] = {
 
 static int updating;
 static const golden *current;
-static const char *backend_name;
+static const fxs_backend *backend;
 
-#ifdef FXS_WITH_CUDA
-static int draw_cuda(const fxs_scene *scene, const fxs_camera *camera, const golden *g, uint8_t *pixels)
+/* The processor draws with the plain C versions. */
+static int draw(const fxs_scene *scene, const fxs_camera *camera, const golden *g, void *self, uint8_t *pixels,
+                fxs_message *m)
 {
-    fxs_cuda *cuda;
     const fxs_object object = one_object(scene);
-    const fxs_cuda_frame frame = {*camera, &object, 1, one_target(g->format, pixels, (ptrdiff_t)camera->width * 4)};
-    int error = fxs_cuda_create(&cuda, 0, 0, 1, 0);
-    error = error ? error : fxs_cuda_render_host(cuda, &frame, 1, &g->options, 0, 0);
-    fxs_cuda_destroy(cuda);
-    return error;
+    const fxs_targets targets = one_target(g->format, pixels, (ptrdiff_t)camera->width * 4);
+    const fxs_request request = {&object, 1, &g->options, 1, camera, &targets, 0};
+    return backend->render(self, &request, 0, m);
 }
 
-static int has_cuda(void)
-{
-    return fxs_cuda_devices() > 0;
-}
-#else
-static int draw_cuda(const fxs_scene *scene, const fxs_camera *camera, const golden *g, uint8_t *pixels)
-{
-    (void)scene, (void)camera, (void)g, (void)pixels;
-    return FXS_ERR_UNSUPPORTED;
-}
-
-static int has_cuda(void)
-{
-    return 0;
-}
-#endif
-
-static int draw(const fxs_scene *scene, const fxs_camera *camera, const golden *g, const fxs_config *config,
-                uint8_t *pixels)
-{
-    fxs_context context;
-    if (!strcmp(backend_name, "cuda"))
-        return draw_cuda(scene, camera, g, pixels);
-    fxs_init(&context, config);
-    size_t bytes = one_frame_bytes(&context, scene, camera->width, camera->height, 0);
-    void *memory = check_aligned(bytes);
-    int error = memory ? one_render(&context, scene, camera, &g->options, g->format, memory, bytes, pixels,
-                                    (ptrdiff_t)camera->width * 4, 0) : FXS_ERR_MEMORY;
-    free(memory);
-    return error;
-}
-
-static uint8_t *render(const golden *g, const fxs_config *config, fxs_message *m)
+static uint8_t *render(const golden *g, void *self, fxs_message *m)
 {
     static const double up[3] = {0, -1, 0};
     fxs_packed_scene packed;
@@ -117,7 +80,7 @@ static uint8_t *render(const golden *g, const fxs_config *config, fxs_message *m
     fxs_scene_open(&scene, packed.data, packed.bytes);
     uint8_t *pixels = malloc((size_t)g->width * (size_t)g->height * 4);
     int error = !pixels || fxs_view_look_at(&view, g->eye, g->look, up, g->fov, g->width, g->height, m) ||
-                fxs_camera_from_view(&camera, &view, m) || draw(&scene, &camera, g, config, pixels);
+                fxs_camera_from_view(&camera, &view, m) || draw(&scene, &camera, g, self, pixels, m);
     fxs_packed_scene_free(&packed);
     if (!error)
         return pixels;
@@ -165,47 +128,45 @@ static void golden_image(void)
 {
     char path[128];
     fxs_message m = {.text = "render failed"};
-    fxs_config config = {.run = 0};
-    backend *b = 0;
-    if (!strcmp(backend_name, "cuda")) {
-        if (!has_cuda())
-            SKIP("no CUDA device");
-    } else if (backend_open(&b, backend_name, &config, &m)) {
+    const fxs_backend_options options = {.threads = 1, .without_cpu = ~0u};
+    void *self;
+    if (backend->open(&self, &options, &m))
         SKIP(m.text);
-    }
-    uint8_t *actual = render(current, &config, &m);
+    uint8_t *actual = render(current, self, &m);
     snprintf(path, sizeof path, "tests/golden/%s.png", current->name);
     if (!CHECK(actual != 0))
         puts(m.text);
-    else if (updating && !strcmp(backend_name, "cpu"))
+    else if (updating && backend == fxs_backend_at(0))
         CHECK(!fxs_image_file_write(path, actual, current->width, current->height, &m));
     else
         compare(current, actual, path);
     free(actual);
-    backend_close(b);
+    backend->close(self);
 }
 
-static void by_backend(const char *name)
+static void by_backend(const fxs_backend *one)
 {
-    backend_name = name;
+    char device[256];
+    fxs_message m;
+    backend = one;
+    if (backend->device(0, device, sizeof device, &m)) {
+        printf("%s: %s\nskip %s\n", backend->name, m.text, backend->name);
+        check_skipped++;
+        return;
+    }
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         current = &cases[i];
-        printf("%s, %s: ", current->name, backend_name);
+        printf("%s, %s: ", current->name, backend->name);
         RUN(golden_image);
     }
 }
 
 int main(int argc, char **argv)
 {
+    const char *only = argc > 1 && !strcmp(argv[1], "--cuda") ? "cuda" : 0;
     updating = argc > 1 && !strcmp(argv[1], "--update");
-    if (argc > 1 && !strcmp(argv[1], "--cuda")) {
-        by_backend("cuda");
-        return check_report();
-    }
-    by_backend("cpu");
-    by_backend("gles");
-    by_backend("osmesa");
-    if (has_cuda())
-        by_backend("cuda");
+    for (int i = 0; fxs_backend_at(i); i++)
+        if (fxs_backend_at(i)->can & FXS_CAN_EXACT && (!only || !strcmp(fxs_backend_at(i)->name, only)))
+            by_backend(fxs_backend_at(i));
     return check_report();
 }

@@ -30,11 +30,11 @@ make_() { env -u MAKEFLAGS -u MAKELEVEL make --no-print-directory NVCC=none "$@"
 
 # Three objects: the first asks for OSMesa, the second for zstd, the third for nothing. Prints what is made anew.
 build() {
-    make_ -j1 B="$work/build" CC="$work/cc" CPPFLAGS="-I$work/include" "$@" "$work/build/tools/backend.o" \
+    make_ -j1 B="$work/build" CC="$work/cc" CPPFLAGS="-I$work/include" "$@" "$work/build/port/backend/gles.o" \
         "$work/build/port/scene/spz.o" "$work/build/src/frame.o" >"$work/log" || cat "$work/log"
     sed -n 's/^  CC *//p' "$work/log" | tr '\n' ' '
 }
-every='tools/backend.c port/scene/spz.c src/frame.c '
+every='port/backend/gles.c port/scene/spz.c src/frame.c '
 
 # is NAME EXPECTED SAID
 is() { if [ "$2" = "$3" ]; then ok "$1"; else fail "$1" "$3"; fi; }
@@ -46,11 +46,11 @@ is "first: built" "$every" "$(build)"
 is "the same again: kept" "" "$(build)"
 if echo '#include <GL/osmesa.h>' | cc -E -x c - >/dev/null 2>&1; then
     hide
-    is "a library found: what asks for it is built anew" "tools/backend.c " "$(build)"
-    check "a library found: used" uses tools/backend.o fxs_osmesa_open
+    is "a library found: what asks for it is built anew" "port/backend/gles.c " "$(build)"
+    check "a library found: used" uses port/backend/gles.o fxs_osmesa_open
     hide osmesa
-    is "a library gone: what asks for it is built anew" "tools/backend.c " "$(build)"
-    check "a library gone: not used" lacks tools/backend.o fxs_osmesa_open
+    is "a library gone: what asks for it is built anew" "port/backend/gles.c " "$(build)"
+    check "a library gone: not used" lacks port/backend/gles.o fxs_osmesa_open
 else
     skip "a library found" "no GL/osmesa.h here"
 fi

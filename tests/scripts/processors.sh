@@ -8,7 +8,7 @@ trap 'rm -rf "$work"' EXIT
 . tests/scripts/lib/variants.sh
 arm=aarch64-linux-gnu-gcc
 i686=i686-linux-gnu-gcc
-golden="src/*.c tests/test_golden.c tools/backend.c tools/metrics.c tools/procedural.c port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c"
+golden="src/*.c tests/test_golden.c tools/metrics.c tools/procedural.c port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c port/backend/*.c port/posix/*.c"
 files="$PWD/tests/test_fxs_bytes.c $PWD/port/scene/fxs_file.c"
 others=$(ls "$PWD"/src/*.c "$PWD"/port/files/*.c "$PWD"/port/scene/*.c "$PWD"/port/camera/*.c "$PWD"/port/image/*.c "$PWD"/port/import/*.c | grep -v '/fxs_file\.c$' | tr '\n' ' ')
 
