@@ -1,5 +1,5 @@
-/* What the targets that render share: a packed scene, cameras and options from the bytes of an input, and memory with
-   guard zones, in which any access ends the program. */
+/* What the targets that render share: a packed scene in several objects, cameras, options and targets from the bytes of
+   an input, and memory with guard zones, in which any access ends the program. */
 #ifndef FUZZ_FRAME_H
 #define FUZZ_FRAME_H
 
@@ -17,6 +17,10 @@ enum {
     FUZZ_ROOM = 4 << 20,
     FUZZ_CONTROL = 20,             /* bytes at the start of an input */
     FUZZ_EDIT = 6,                 /* bytes of an edit of a scene that is made here */
+    FUZZ_OBJECTS = 3,
+    FUZZ_IMAGES = 5,               /* that are written */
+    FUZZ_OCCLUDER = 3,             /* its zone */
+    FUZZ_ZONES = 4,
     FUZZ_LEVELS = 5
 };
 
@@ -27,20 +31,25 @@ typedef struct fuzz_frame {
     fxs_camera cameras[2];
     fxs_options options;
     enum fxs_format format;
+    fxs_object objects[FUZZ_OBJECTS];
+    fxs_crop crops[FUZZ_OBJECTS][2];
+    uint32_t count;                /* of objects */
+    unsigned images;               /* bits: which targets */
+    int depth_bits, occluded, upside_down, wrong_stride;
     int exact;
     fxs_context levels[FUZZ_LEVELS];   /* plain C first, then each that this processor has */
     int level_count;
     uint32_t scribble;             /* for fuzz_scribble.c */
-    size_t row;                    /* bytes of a row of pixels */
+    size_t picture;                /* bytes of all targets of an eye */
 } fuzz_frame;
 
-/* A zone of its own for each use: memory, the left and the right picture. */
-static _Alignas(64) unsigned char fuzz_zones[3][FUZZ_GUARD + FUZZ_ROOM + FUZZ_GUARD];
+/* A zone of its own for each use: memory, the left and the right picture, the occluder. */
+static _Alignas(64) unsigned char fuzz_zones[FUZZ_ZONES][FUZZ_GUARD + FUZZ_ROOM + FUZZ_GUARD];
 
 /* The room of a zone, of which these many bytes may be touched from here on. Null where it is too small. */
 static unsigned char *fuzz_room(int zone, size_t bytes)
 {
-    static size_t open[3] = {FUZZ_ROOM, FUZZ_ROOM, FUZZ_ROOM};
+    static size_t open[FUZZ_ZONES] = {FUZZ_ROOM, FUZZ_ROOM, FUZZ_ROOM, FUZZ_ROOM};
     unsigned char *room = fuzz_zones[zone] + FUZZ_GUARD;
     if (bytes > FUZZ_ROOM)
         return NULL;
@@ -117,11 +126,115 @@ static void fuzz_options(fuzz_frame *f, const uint8_t *control)
 {
     fxs_options_init(&f->options);
     f->options.cutoff = (enum fxs_cutoff)(control[0] & 1);
-    f->format = (enum fxs_format)(control[0] / 2 % 3);
+    f->format = (enum fxs_format)(control[0] / 2 % 4);
     f->options.sh_degree = control[0] / 8 % 4;
     f->exact = control[0] >> 5 & 1;
     memcpy(f->options.background, control + 1, sizeof f->options.background);
-    f->row = (size_t)f->cameras[0].width * (size_t)fxs_pixel_bytes(f->format);
+}
+
+/* Some of an object's fields anything, others in range. */
+static void fuzz_wild_object(fxs_object *object)
+{
+    switch (next() % 12) {
+    case 0: object->rotation_q30[next() % 9] = (int32_t)next(); break;
+    case 1: object->scale_q32 = (int64_t)next(); break;
+    case 2: object->translation_q32[next() % 3] = (int64_t)(next() >> next() % 40); break;
+    case 3: object->opacity_q16 = (uint32_t)next() >> next() % 32; break;
+    case 4: object->tint_q13[next() % 3] = (uint32_t)next() >> next() % 32; break;
+    case 5: object->crop_count = (uint32_t)next() >> next() % 32; break;
+    case 6: object->crops = NULL; break;
+    case 7: object->scene = NULL; break;
+    }
+    if (object->crop_count > 2)                /* more than there are must be refused by their number */
+        object->crop_count += FXS_MAX_CROPS;
+}
+
+static void fuzz_crop(fxs_crop *crop)
+{
+    for (int i = 0; i < 3; i++) {
+        const int64_t a = (int64_t)(next() << 32 >> next() % 40), b = (int64_t)(next() << 32 >> next() % 40);
+        crop->low_q32[i] = a < b || next() % 64 == 0 ? a : b;
+        crop->high_q32[i] = a < b ? b : a;
+    }
+    crop->outside = (int)(next() % 2);
+}
+
+static void fuzz_object(const fuzz_frame *f, fxs_object *object, fxs_crop crops[2], int wild)
+{
+    fxs_camera turned;
+    fxs_object_init(object, &f->scene);
+    object->id = (uint32_t)next();
+    fuzz_crop(&crops[0]);
+    fuzz_crop(&crops[1]);
+    object->crops = crops;
+    if (next() % 2) {
+        random_camera(&turned);
+        memcpy(object->rotation_q30, turned.rotation_q30, sizeof object->rotation_q30);
+        memcpy(object->translation_q32, turned.position_q32, sizeof object->translation_q32);
+        object->scale_q32 = INT64_C(1) << (16 + next() % 33);
+        object->opacity_q16 = (uint32_t)between(0, 65536);
+        object->tint_q13[next() % 3] = (uint32_t)between(0, 32768);
+        object->crop_count = (uint32_t)(next() % 3);
+        object->visible = next() % 8 != 0;
+    }
+    if (wild)
+        fuzz_wild_object(object);
+}
+
+static void fuzz_world(fuzz_frame *f, unsigned control)
+{
+    f->count = control / 2 % (FUZZ_OBJECTS + 1);
+    if (f->count == 1 && !(control & 8))
+        fxs_object_init(&f->objects[0], &f->scene);
+    else
+        for (uint32_t i = 0; i < f->count; i++)
+            fuzz_object(f, &f->objects[i], f->crops[i], control & 16 && next() % 2);
+    if (control & 32)
+        f->cameras[0].projection = f->cameras[1].projection = FXS_ORTHOGRAPHIC;
+}
+
+/* ---- Targets ----------------------------------------------------------------------------------------------------- */
+
+static void fuzz_images(fuzz_frame *f, unsigned control)
+{
+    const int pixel_bytes[FUZZ_IMAGES] = {fxs_pixel_bytes(f->format), 1, 4, 4, 8};
+    const size_t pixels = (size_t)f->cameras[0].width * (size_t)f->cameras[0].height;
+    f->images = control & 64 ? 1u << next() % FUZZ_IMAGES | (unsigned)next() % 32 : 1;
+    f->depth_bits = next() % 8 ? (int)(next() % 29) : (int)next();
+    f->occluded = control >> 7 & 1;
+    f->upside_down = (int)(next() % 32);
+    f->wrong_stride = next() % 16 ? -1 : (int)(next() % FUZZ_IMAGES);
+    f->picture = 0;
+    for (int i = 0; i < FUZZ_IMAGES; i++)
+        f->picture += f->images >> i & 1 ? (pixels * (size_t)pixel_bytes[i] + 7) / 8 * 8 : 0;
+    uint32_t *depths = (uint32_t *)(void *)fuzz_room(FUZZ_OCCLUDER, pixels * 4);
+    for (size_t i = 0; i < pixels; i++)
+        depths[i] = next() % 4 ? (uint32_t)next() >> next() % 32 : FXS_NOTHING;
+}
+
+/* The targets of an eye, one after the other in its zone, all pixels of one value, so that one that is left out is the
+   same in every version. */
+static fxs_targets fuzz_targets(const fuzz_frame *f, int eye)
+{
+    fxs_targets t;
+    fxs_targets_init(&t);
+    t.format = f->format;
+    t.depth_bits = f->depth_bits;
+    fxs_image *const images[FUZZ_IMAGES] = {&t.colour, &t.coverage, &t.mean_depth, &t.median_depth, &t.id};
+    const int pixel_bytes[FUZZ_IMAGES] = {fxs_pixel_bytes(f->format), 1, 4, 4, 8};
+    const ptrdiff_t width = f->cameras[0].width, height = f->cameras[0].height;
+    unsigned char *at = memset(fuzz_room(1 + eye, f->picture), 0x5a, f->picture);
+    for (int i = 0; i < FUZZ_IMAGES; i++) {
+        const ptrdiff_t row = width * pixel_bytes[i];
+        if (!(f->images >> i & 1))
+            continue;
+        *images[i] = f->upside_down >> i & 1 ? (fxs_image){at + (height - 1) * row, -row} : (fxs_image){at, row};
+        images[i]->stride -= i == f->wrong_stride && row > 1 ? images[i]->stride / 2 : 0;
+        at += (row * height + 7) / 8 * 8;
+    }
+    if (f->occluded)
+        t.occluder = (fxs_image){fuzz_zones[FUZZ_OCCLUDER] + FUZZ_GUARD, width * 4};
+    return t;
 }
 
 static void fuzz_levels(fuzz_frame *f)
@@ -153,20 +266,43 @@ static int fuzz_frame_make(fuzz_frame *f, const uint8_t *input, size_t size)
     f->cameras[1].position_q32[0] += input[5] & 2 ? INT64_C(1) << (input[5] >> 2) % 40 : 0;
     fuzz_options(f, input + 10);
     f->scribble = input[14] | (input[15] & 1u) << 8;
+    fuzz_world(f, input[15]);
+    fuzz_images(f, input[15]);
     fuzz_levels(f);
     return 1;
 }
 
-/* The least memory that fxs_render says it needs for this view, or 0 where it answers with an error. */
+static int fuzz_render(const fuzz_frame *f, const fxs_context *context, size_t bytes, fxs_stats *stats)
+{
+    const fxs_targets targets = fuzz_targets(f, 0);
+    return fxs_render(context, f->objects, f->count, &f->cameras[0], &f->options, &targets, fuzz_room(0, bytes), bytes,
+                      stats);
+}
+
+static int fuzz_render_stereo(const fuzz_frame *f, const fxs_context *context, size_t bytes)
+{
+    const fxs_targets targets[2] = {fuzz_targets(f, 0), fuzz_targets(f, 1)};
+    return fxs_render_stereo(context, f->objects, f->count, f->cameras, &f->options, targets, f->exact,
+                             fuzz_room(0, bytes), bytes, NULL);
+}
+
+static size_t fuzz_frame_bytes(const fuzz_frame *f, fxs_frame_memory *memory)
+{
+    return fxs_frame_bytes(&f->levels[0], f->objects, f->count, f->cameras[0].width, f->cameras[0].height, memory);
+}
+
+static size_t fuzz_stereo_bytes(const fuzz_frame *f)
+{
+    return fxs_stereo_bytes(&f->levels[0], f->objects, f->count, f->cameras[0].width, f->cameras[0].height);
+}
+
+/* The least memory that fxs_render says it needs for this view; where it answers with an error, for any. */
 static size_t fuzz_least(const fuzz_frame *f, const fxs_context *context, fxs_frame_memory *memory)
 {
     fxs_stats stats;
-    unsigned char *pixels = fuzz_room(1, f->row * (size_t)f->cameras[0].height);
-    const int error = !one_frame_bytes(context, &f->scene, f->cameras[0].width, f->cameras[0].height, memory) ||
-                      one_render(context, &f->scene, &f->cameras[0], &f->options, f->format,
-                                 fuzz_room(0, memory->least), memory->least, pixels, (ptrdiff_t)f->row,
-                                 &stats) != FXS_ERR_MEMORY;
-    return error ? memory->least : stats.memory.least;
+    const int refused = fuzz_frame_bytes(f, memory) &&
+                        fuzz_render(f, context, memory->least, &stats) == FXS_ERR_MEMORY;
+    return refused ? stats.memory.least : memory->least;
 }
 
 #endif

@@ -1,5 +1,6 @@
-/* libFuzzer target: a packed scene, damaged or not, rendered in all its memory and in the least, for one eye and two,
-   and its pairs counted; every version of the stages that this processor has against plain C, byte for byte. */
+/* libFuzzer target: a packed scene, damaged or not, rendered in several objects, in all its memory and in the least,
+   for one eye and two, picked from and its pairs counted; every version of the stages that this processor has against
+   plain C, byte for byte. */
 #include "fuzz_frame.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -7,37 +8,20 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 /* What one version of the stages makes of a frame. */
 typedef struct result {
     int error;
-    unsigned char pixels[2][FUZZ_ROOM / 64];
+    unsigned char pixels[2][FUZZ_ROOM / 16];
 } result;
-
-static size_t picture_bytes(const fuzz_frame *f)
-{
-    return f->row * (size_t)f->cameras[0].height;
-}
-
-/* All pixels of one value, so that one that is left out is the same in every version. */
-static unsigned char *picture(const fuzz_frame *f, int eye)
-{
-    unsigned char *pixels = fuzz_room(1 + eye, picture_bytes(f));
-    memset(pixels, 0x5a, picture_bytes(f));
-    return pixels;
-}
 
 static void render(const fuzz_frame *f, const fxs_context *context, size_t bytes, result *r)
 {
-    unsigned char *pixels = picture(f, 0);
-    r->error = one_render(context, &f->scene, &f->cameras[0], &f->options, f->format, fuzz_room(0, bytes), bytes,
-                          pixels, (ptrdiff_t)f->row, NULL);
-    memcpy(r->pixels[0], pixels, picture_bytes(f));
+    r->error = fuzz_render(f, context, bytes, NULL);
+    memcpy(r->pixels[0], fuzz_room(1, f->picture), f->picture);
 }
 
 static void render_stereo(const fuzz_frame *f, const fxs_context *context, size_t bytes, result *r)
 {
-    unsigned char *left = picture(f, 0), *right = picture(f, 1);
-    r->error = one_render_stereo(context, &f->scene, f->cameras, &f->options, f->format, f->exact, fuzz_room(0, bytes),
-                                 bytes, (void *const[2]){left, right}, (ptrdiff_t)f->row, NULL);
-    memcpy(r->pixels[0], left, picture_bytes(f));
-    memcpy(r->pixels[1], right, picture_bytes(f));
+    r->error = fuzz_render_stereo(f, context, bytes);
+    memcpy(r->pixels[0], fuzz_room(1, f->picture), f->picture);
+    memcpy(r->pixels[1], fuzz_room(2, f->picture), f->picture);
 }
 
 static void compare(const fuzz_frame *f, const result *a, const result *b, int eyes)
@@ -45,15 +29,41 @@ static void compare(const fuzz_frame *f, const result *a, const result *b, int e
     if (a->error != b->error)
         abort();
     for (int eye = 0; eye < eyes; eye++)
-        if (memcmp(a->pixels[eye], b->pixels[eye], picture_bytes(f)) != 0)
+        if (memcmp(a->pixels[eye], b->pixels[eye], f->picture) != 0)
             abort();
 }
 
 static void count(const fuzz_frame *f, size_t bytes, const result *expected, uint64_t pairs[2])
 {
-    if (one_count_pairs(&f->scene, &f->cameras[0], &f->options, fuzz_room(0, bytes), bytes, &pairs[0], &pairs[1]) !=
-        expected->error)
+    const int error = fxs_count_pairs(f->objects, f->count, &f->cameras[0], &f->options, fuzz_room(0, bytes), bytes,
+                                      &pairs[0], &pairs[1]);
+    if (error != expected->error)
         abort();
+}
+
+/* What is picked at some pixels is what an id target holds. */
+static void pick(const fuzz_frame *f, size_t bytes)
+{
+    fxs_targets targets = fuzz_targets(f, 0);
+    fxs_pick_result picked;
+    const int32_t width = f->cameras[0].width, height = f->cameras[0].height;
+    fxs_id *ids = (fxs_id *)(void *)fuzz_room(1, (size_t)width * (size_t)height * sizeof *ids);
+    const fxs_image occluder = targets.occluder;
+    fxs_targets_init(&targets);
+    targets.occluder = occluder;
+    targets.depth_bits = f->depth_bits;
+    targets.id = (fxs_image){ids, width * (ptrdiff_t)sizeof *ids};
+    const int error = fxs_render(&f->levels[0], f->objects, f->count, &f->cameras[0], &f->options, &targets,
+                                 fuzz_room(0, bytes), bytes, NULL);
+    for (int i = 0; i < 4; i++) {
+        const int32_t x = between(0, width - 1), y = between(0, height - 1);
+        const int found = fxs_pick(&f->levels[0], f->objects, f->count, &f->cameras[0], &f->options, &targets, x, y,
+                                   fuzz_room(0, bytes), bytes, &picked);
+        if (error ? found != error : found != (ids[y * width + x].gaussian != FXS_NOTHING))
+            abort();
+        if (found == 1 && (picked.id != ids[y * width + x].object || picked.gaussian != ids[y * width + x].gaussian))
+            abort();
+    }
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
@@ -66,10 +76,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         free(f.data);
         return 0;
     }
-    const fxs_camera *camera = &f.cameras[0];
-    const size_t all = one_frame_bytes(&f.levels[0], &f.scene, camera->width, camera->height, &memory);
-    const size_t both = one_stereo_bytes(&f.levels[0], &f.scene, camera->width, camera->height);
-    if (all && both <= FUZZ_ROOM && picture_bytes(&f) <= sizeof first.pixels[0]) {
+    const size_t all = fuzz_frame_bytes(&f, &memory), both = fuzz_stereo_bytes(&f);
+    if (!all && fuzz_render(&f, &f.levels[0], FUZZ_ROOM, NULL) >= 0)
+        abort();
+    if (all && both <= FUZZ_ROOM && f.picture <= sizeof first.pixels[0]) {
         const size_t least = fuzz_least(&f, &f.levels[0], &memory);
         render(&f, &f.levels[0], all, &first);
         render_stereo(&f, &f.levels[0], both, &first_pair);
@@ -81,10 +91,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             render_stereo(&f, &f.levels[level], both, &other_pair);
             compare(&f, &first_pair, &other_pair, 2);
         }
-        count(&f, all, &first, pairs);
-        count(&f, least, &first, pairs_in_bands);
+        if (first.error != FXS_ERR_TARGET) {       /* it has none */
+            count(&f, all, &first, pairs);
+            count(&f, least, &first, pairs_in_bands);
+        }
         if (memcmp(pairs, pairs_in_bands, sizeof pairs) != 0)
             abort();
+        pick(&f, all);
     }
     free(f.data);
     return 0;

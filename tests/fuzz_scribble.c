@@ -87,7 +87,8 @@ static void stop_scribbling(void)
 
 static void check(int error)
 {
-    if (error && error != FXS_ERR_SCENE && error != FXS_ERR_MEMORY && error != FXS_ERR_CAMERA && error != FXS_ERR_SIZE)
+    if (error < 0 && error != FXS_ERR_SCENE && error != FXS_ERR_MEMORY && error != FXS_ERR_CAMERA &&
+        error != FXS_ERR_SIZE && error != FXS_ERR_OBJECT && error != FXS_ERR_TARGET)
         abort();
 }
 
@@ -95,18 +96,16 @@ static void render(const fuzz_frame *f, const fxs_context *context, size_t least
 {
     const fxs_camera *camera = &f->cameras[0];
     const size_t sizes[] = {least, least + (all - least) / 4, least + (all - least) / 2, all};
-    unsigned char *pixels[2];
+    const size_t both = fuzz_stereo_bytes(f);
+    fxs_pick_result picked;
     uint64_t pairs[2];
-    for (int eye = 0; eye < 2; eye++)
-        pixels[eye] = fuzz_room(1 + eye, f->row * (size_t)camera->height);
     for (int i = 0; i < 4; i++)
-        check(one_render(context, &f->scene, camera, &f->options, f->format, fuzz_room(0, sizes[i]), sizes[i],
-                         pixels[0], (ptrdiff_t)f->row, NULL));
-    check(one_count_pairs(&f->scene, camera, &f->options, fuzz_room(0, least), least, &pairs[0], &pairs[1]));
-    const size_t both = one_stereo_bytes(context, &f->scene, camera->width, camera->height);
+        check(fuzz_render(f, context, sizes[i], NULL));
+    check(fxs_count_pairs(f->objects, f->count, camera, &f->options, fuzz_room(0, least), least, &pairs[0], &pairs[1]));
+    check(fxs_pick(context, f->objects, f->count, camera, &f->options, NULL, camera->width / 2, camera->height / 2,
+                   fuzz_room(0, least), least, &picked));
     if (both <= FUZZ_ROOM)
-        check(one_render_stereo(context, &f->scene, f->cameras, &f->options, f->format, f->exact, fuzz_room(0, both),
-                                both, (void *const[2]){pixels[0], pixels[1]}, (ptrdiff_t)f->row, NULL));
+        check(fuzz_render_stereo(f, context, both));
 }
 
 /* A scene of the same layout: the chunks lie where others did, and of some only the first few Gaussians are seen, as
@@ -157,9 +156,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     static fuzz_frame f;
     fxs_frame_memory memory;
     if (fuzz_frame_make(&f, data, size)) {
-        const fxs_camera *camera = &f.cameras[0];
-        const size_t all = one_frame_bytes(&f.levels[0], &f.scene, camera->width, camera->height, &memory);
-        if (all && all <= FUZZ_ROOM && f.row * (size_t)camera->height <= FUZZ_ROOM)
+        const size_t all = fuzz_frame_bytes(&f, &memory);
+        if (all && all <= FUZZ_ROOM && f.picture <= FUZZ_ROOM)
             render_scribbled(&f, fuzz_least(&f, &f.levels[0], &memory), all);
     }
     free(f.data);

@@ -31,7 +31,8 @@ tests_of() {
     src/chunk.c | src/frame.c) echo random stages scene stereo kernels bands scribble golden ;;
     src/pixel.h | src/fixed.h) echo random fixed stages kernels pixel scene golden ;;
     src/opacity.inc) echo pack random stages kernels ;;
-    src/*) echo random stages scene stereo kernels bands golden ;;
+    src/object.c | src/trace.c | src/targets.c | src/pick.c) echo targets objects stages ;;
+    src/*) echo random stages scene stereo kernels bands golden targets objects ;;
     kernels/*) echo kernels random stereo golden bands ;;
     */camera.c | */message.c) echo camera_file golden ;;
     */camera*) echo camera_file ;;

@@ -480,6 +480,7 @@ static void begin_tile(fxs_tile *tile, fxs_trace *trace)
 {
     const int begun = !one_in(3);
     memset(tile, 0, sizeof *tile);
+    trace->which = below(16);
     for (int i = 0; i < FXS_TILE_PIXELS; i++) {
         const int t = !begun || one_in(8) ? FXS_CLEAR_Q15 : one_in(8) ? (int)below(2 * FXS_CLOSED_Q15)
                       : one_in(4) ? FXS_HALF_Q15 + (int)between(-3, 3) : (int)below(FXS_CLEAR_Q15 + 1);
@@ -516,10 +517,9 @@ static void trace_case(void)
         memcpy(at(trace, 1, 0), at(trace, 0, 0), sizeof(fxs_trace));
         for (uint32_t i = 0; i < count; i++)
             depths_q15[i] = (int16_t)extreme(0, 32767);
-        const int open = fxs_trace_c(&view, x, y, tile_splats, tile_entries + first, depths_q15, count, at(tile, 0, 0),
-                                     at(trace, 0, 0));
-        CHECK((fast.trace(&view, x, y, tile_splats, tile_entries + first, depths_q15, count, at(tile, 1, 0),
-                          at(trace, 1, 0)) != 0) == open);
+        fxs_trace_c(&view, x, y, tile_splats, tile_entries + first, depths_q15, count, at(tile, 0, 0),
+                    at(trace, 0, 0));
+        fast.trace(&view, x, y, tile_splats, tile_entries + first, depths_q15, count, at(tile, 1, 0), at(trace, 1, 0));
         CHECK(same(tile) && same(trace));
         traced_total += count;
         first += count;

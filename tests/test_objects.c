@@ -599,6 +599,26 @@ static void test_count_pairs(void)
     }
 }
 
+/* Colours times the tint, to the nearest, at most 32767. */
+static void test_tint_is_rounded(void)
+{
+    fxs_object_view object;
+    memset(&object, 0, sizeof object);
+    state = 25;
+    for (int i = 0; i < 20000; i++) {
+        fxs_splat splat;
+        const int colour = between(0, 32767), tint = i % 2 ? between(0, 32768) : between(0, 9000);
+        for (int c = 0; c < 3; c++) {
+            splat.colour_q13[c] = (int16_t)colour;
+            object.tint_q13[c] = c == i % 3 ? tint : 8192;
+        }
+        fxs_object_tint(&object, &splat);
+        for (int c = 0; c < 3; c++)
+            CHECK(splat.colour_q13[c] ==
+                  (c == i % 3 ? (int)fmin(32767, floor(colour * (double)tint / 8192 + 0.5)) : colour));
+    }
+}
+
 /* ---- Errors ------------------------------------------------------------------------------------------------------ */
 
 static struct {
@@ -773,6 +793,7 @@ int main(void)
     RUN(test_threads_and_versions);
     RUN(test_stereo);
     RUN(test_count_pairs);
+    RUN(test_tint_is_rounded);
     RUN(test_bad_objects);
     RUN(test_too_many_objects);
     RUN(test_no_objects);
