@@ -25,7 +25,7 @@ ulimit -v 8388608
 # The tests for a file, by what notices most in the least time.
 tests_of() {
     case $1 in
-    src/stereo.c) echo stereo scribble ;;
+    src/stereo.c | src/eyes.c) echo stereo scribble ;;
     src/scene.c | src/packed.h) echo scene random pack fxs_file stages kernels bands ;;
     src/bands.c) echo random bands stereo stages scene scribble ;;
     src/chunk.c | src/frame.c) echo random stages scene stereo kernels bands scribble golden ;;

@@ -11,6 +11,7 @@
 #define EXPECTED_COMPACT 0x2f591171f5e73047u
 #define EXPECTED_SMALL 0x9d092ef7761c9857u
 #define EXPECTED_NEAR 0xfd82acde1bc259edu
+#define EXPECTED_WORLDS 0xe3660beae7bf9981u
 
 /* near: with a random near plane; else with the default. */
 static uint64_t hash_case(enum fxs_profile profile, int which, int near)
@@ -73,6 +74,115 @@ static void test_near_planes(void)
     check_profile(FXS_PROFILE_DEFAULT, 1, EXPECTED_NEAR);
 }
 
+/* ---- Worlds: several objects, every target, an occluder and a backdrop ------------------------------------------ */
+
+enum { OBJECTS = 8, MOST_PIXELS = 100 * 80 };
+
+/* As tests fold numbers, on processors of either byte order. */
+static void fold(uint64_t *hash, const void *pixels, size_t count, size_t size)
+{
+    for (size_t i = 0; i < count; i++) {
+        uint32_t word = 0;
+        uint16_t half;
+        const unsigned char *at = (const unsigned char *)pixels + i * size;
+        if (size == 4)
+            memcpy(&word, at, 4);
+        else if (size == 2)
+            memcpy(&half, at, 2), word = half;
+        else
+            word = *at;
+        *hash = (*hash ^ word) * 0x100000001b3u;
+    }
+}
+
+static void random_object(fxs_object *object, const fxs_scene *scene, fxs_crop crops[2])
+{
+    fxs_camera turned;
+    fxs_object_init(object, scene);
+    random_camera(&turned);
+    memcpy(object->rotation_q30, turned.rotation_q30, sizeof object->rotation_q30);
+    object->scale_q32 = between(0, 2) ? (int64_t)between(1 << 22, 1 << 26) << 8 : object->scale_q32;
+    object->opacity_q16 = (uint32_t)(between(0, 2) ? 65536 : between(0, 65536));
+    object->visible = between(0, 9) != 0;
+    object->id = (uint32_t)between(0, 1 << 20);
+    object->crops = crops;
+    object->crop_count = (uint32_t)(between(0, 1) ? 0 : between(1, 2));
+    for (int i = 0; i < 3; i++) {
+        object->translation_q32[i] = (int64_t)between(-524288, 524288) * 4096;
+        object->tint_q13[i] = (uint32_t)(between(0, 1) ? 8192 : between(0, 32768));
+        for (int k = 0; k < 2; k++) {
+            crops[k].low_q32[i] = (int64_t)between(-4194304, 0) * 4096;
+            crops[k].high_q32[i] = (int64_t)between(0, 4194304) * 4096;
+            crops[k].outside = k;
+        }
+    }
+}
+
+static uint64_t hash_world(int which)
+{
+    static uint8_t colour[MOST_PIXELS * 8], coverage[MOST_PIXELS], backdrop[MOST_PIXELS * 4];
+    static uint32_t mean[MOST_PIXELS], median[MOST_PIXELS], occluder[MOST_PIXELS];
+    static fxs_id ids[MOST_PIXELS];
+    state = (uint64_t)which * 0x7654321u;
+    packed_scene scenes[OBJECTS];
+    fxs_object objects[OBJECTS];
+    fxs_crop crops[OBJECTS][2];
+    fxs_camera camera;
+    fxs_context context;
+    fxs_options options;
+    fxs_targets targets;
+    for (int i = 0; i < OBJECTS; i++) {
+        scenes[i] = random_scene((enum fxs_profile)between(0, 2), 700);
+        random_object(&objects[i], &scenes[i].scene, crops[i]);
+    }
+    random_camera(&camera);
+    camera.projection = between(0, 3) ? FXS_PERSPECTIVE : FXS_ORTHOGRAPHIC;
+    fxs_init(&context, 0);
+    fxs_options_init(&options);
+    fxs_targets_init(&targets);
+    targets.format = (enum fxs_format)between(0, 3);
+    targets.depth_bits = between(0, 28);
+    const ptrdiff_t row = camera.width;
+    const size_t pixels = (size_t)camera.width * (size_t)camera.height;
+    for (size_t i = 0; i < pixels; i++) {
+        occluder[i] = between(0, 3) ? FXS_NOTHING : (uint32_t)between(0, INT32_MAX) >> between(0, 16);
+        for (int c = 0; c < 4; c++)
+            backdrop[4 * i + (size_t)c] = (uint8_t)between(0, 255);
+    }
+    targets.colour = (fxs_image){colour, row * (targets.format == FXS_FORMAT_RGBA16_COVERAGE ? 8 : 4)};
+    targets.coverage = (fxs_image){coverage, row};
+    targets.mean_depth = (fxs_image){mean, row * 4};
+    targets.median_depth = (fxs_image){median, row * 4};
+    targets.id = (fxs_image){ids, row * 8};
+    targets.occluder = (fxs_image){between(0, 1) ? occluder : 0, row * 4};
+    if (targets.format == FXS_FORMAT_RGBA8 || targets.format == FXS_FORMAT_RGB565)
+        targets.backdrop = (fxs_image){between(0, 1) ? backdrop : 0, row * 4};
+    memset(colour, 0, sizeof colour);
+    size_t bytes = fxs_frame_bytes(&context, objects, OBJECTS, camera.width, camera.height, 0);
+    void *memory = check_aligned(bytes);
+    if (!CHECK(memory && !fxs_render(&context, objects, OBJECTS, &camera, &options, &targets, memory, bytes, 0)))
+        exit(1);
+    uint64_t hash = 0xcbf29ce484222325u;
+    fold(&hash, colour, pixels * 4, targets.format == FXS_FORMAT_RGBA16_COVERAGE ? 2 : 1);
+    fold(&hash, coverage, pixels, 1);
+    fold(&hash, mean, pixels, 4);
+    fold(&hash, median, pixels, 4);
+    fold(&hash, ids, pixels * 2, 4);
+    free(memory);
+    for (int i = 0; i < OBJECTS; i++)
+        free(scenes[i].data);
+    return hash;
+}
+
+static void test_worlds(void)
+{
+    uint64_t sum = 0;
+    for (int i = 0; i < CASES; i++)
+        sum = sum * 3 + hash_world(i);
+    printf("  %d random worlds: %016" PRIx64 "\n", CASES, sum);
+    CHECK(sum == EXPECTED_WORLDS);
+}
+
 int main(int argc, char **argv)
 {
     if (argc > 1) {
@@ -83,5 +193,6 @@ int main(int argc, char **argv)
     RUN(test_compact);
     RUN(test_small);
     RUN(test_near_planes);
+    RUN(test_worlds);
     return check_report();
 }
