@@ -21,7 +21,8 @@ const fxs_backend *fxs_backend_at(int index);
 /* By name: cpu, auto (the same), gles, gles-quads, osmesa, cuda. Null where there is none of that name. */
 const fxs_backend *fxs_backend_find(const char *name);
 
-extern const fxs_backend fxs_backend_cpu, fxs_backend_gles, fxs_backend_gles_quads, fxs_backend_osmesa;
+extern const fxs_backend fxs_backend_cpu, fxs_backend_gles, fxs_backend_gles_quads, fxs_backend_osmesa,
+                         fxs_backend_cuda;
 
 #ifdef __cplusplus
 }

@@ -2,14 +2,12 @@
  * `test_cuda [--quick] [FILE.fxs...]`; --quick: few random frames, for the sanitizers. */
 #include <inttypes.h>
 
+#include "../../port/backend/backends.h"
 #include "../../port/camera/camera.h"
 #include "../../port/posix/map.h"
-#include "../../src/backend.h"
 #include "../../src/frame.h"
 #include "../random_scene.h"
 #include "peek.h"
-
-extern const fxs_backend fxs_backend_cuda;
 
 static fxs_cuda *cuda;
 static fxs_message why;
