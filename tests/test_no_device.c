@@ -2,13 +2,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../src/backend.h"
+#include "../port/backend/backends.h"
 #include "check.h"
 #ifdef FXS_WITH_CUDA
 #include "../kernels/cuda/cuda.h"
 #endif
-
-extern const fxs_backend fxs_backend_cuda;
 
 #ifdef FXS_WITH_CUDA
 static void no_device(void)

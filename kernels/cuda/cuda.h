@@ -20,7 +20,7 @@ typedef struct fxs_cuda fxs_cuda;
 /* Device memory of a renderer, bytes. */
 typedef struct fxs_cuda_memory {
     uint64_t scenes;               /* the packed scenes as they are */
-    uint64_t splats;               /* for each slot: 46 bytes a Gaussian, 84 a chunk, 500 an object */
+    uint64_t splats;               /* for each slot: 46 bytes a Gaussian, 84 a chunk, 376 an object */
     uint64_t tiles;                /* for each slot: 136 bytes a tile */
     uint64_t entries;              /* for each slot: 8 bytes a tile list entry there is room for */
     uint64_t pixels;               /* of fxs_cuda_render_host */

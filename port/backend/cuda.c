@@ -2,20 +2,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../src/backend.h"
+#include "../files/message.h"
 #include "../posix/clock.h"
+#include "backends.h"
 #ifdef FXS_WITH_CUDA
 #include "../../kernels/cuda/cuda.h"
 #endif
-
-static int fail(fxs_message *why, int error, const char *text)
-{
-    if (why) {
-        strcpy(why->text, text);
-        why->bytes_needed = 0;
-    }
-    return error;
-}
 
 #ifdef FXS_WITH_CUDA
 
@@ -36,7 +28,7 @@ static int open_device(void **self, const fxs_backend_options *options, fxs_mess
     *self = 0;
     cuda_backend *b = calloc(1, sizeof *b);
     if (!b)
-        return fail(why, FXS_ERR_MEMORY, fxs_strerror(FXS_ERR_MEMORY));
+        return fxs_fail_memory(why, 0, sizeof *b);
     const int error = fxs_cuda_create(&b->cuda, options->device, options->max_memory, EYES, why);
     if (error) {
         free(b);
@@ -73,14 +65,14 @@ static void fill_stats(fxs_stats *out, const fxs_cuda_stats *stats, uint32_t eye
 static int check_request(const fxs_request *r, fxs_message *why)
 {
     if (r->eyes < 1 || r->eyes > EYES || !r->cameras || !r->targets)
-        return fail(why, FXS_ERR_ARGUMENT, "one or two eyes, with a camera and targets each");
+        return fxs_fail_as(FXS_ERR_ARGUMENT, why, "one or two eyes, with a camera and targets each");
     if (r->eyes == 1)
         return 0;
     if (!r->exact)
-        return fail(why, FXS_ERR_UNSUPPORTED, "the CUDA back end renders each eye by itself: exact only");
+        return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "the CUDA back end renders each eye by itself: exact only");
     if (r->cameras[0].width != r->cameras[1].width || r->cameras[0].height != r->cameras[1].height ||
         r->cameras[0].projection != r->cameras[1].projection)
-        return fail(why, FXS_ERR_SIZE, "the pictures of two eyes differ in size or projection");
+        return fxs_fail_as(FXS_ERR_SIZE, why, "the pictures of two eyes differ in size or projection");
     return 0;
 }
 
@@ -125,25 +117,28 @@ static void close_device(void *self)
 
 #else
 
-static const char absent[] = "built without nvcc";
+static int absent(fxs_message *why)
+{
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "this build is without nvcc, the compiler of the CUDA toolkit");
+}
 
 static int device_name(int device, char *name, size_t size, fxs_message *why)
 {
     (void)device, (void)name, (void)size;
-    return fail(why, FXS_ERR_UNSUPPORTED, absent);
+    return absent(why);
 }
 
 static int open_device(void **self, const fxs_backend_options *options, fxs_message *why)
 {
     (void)options;
     *self = 0;
-    return fail(why, FXS_ERR_UNSUPPORTED, absent);
+    return absent(why);
 }
 
 static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_message *why)
 {
     (void)self, (void)request, (void)stats;
-    return fail(why, FXS_ERR_UNSUPPORTED, absent);
+    return absent(why);
 }
 
 static void forget(void *self, const fxs_scene *scene)
@@ -171,6 +166,8 @@ static const char *version(const void *self, enum fxs_stage stage)
 }
 
 const fxs_backend fxs_backend_cuda = {
-    "cuda", "whole frames on a GPU, the same bytes", FXS_CAN_EXACT | FXS_CAN_TRACE | FXS_CAN_COMPOSE | FXS_CAN_DEVICES,
-    device_name, open_device, render, forget, version, nanoseconds, close_device, 0,
+    .name = "cuda", .does = "whole frames on a GPU, the same bytes",
+    .can = FXS_CAN_EXACT | FXS_CAN_TRACE | FXS_CAN_COMPOSE | FXS_CAN_DEVICES,
+    .device = device_name, .open = open_device, .render = render, .forget = forget, .version = version,
+    .nanoseconds = nanoseconds, .close = close_device
 };
