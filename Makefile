@@ -117,7 +117,7 @@ SHARED_FLAGS := -shared -Wl,-soname,$(SONAME) -Wl,--version-script=$(B)/exports
 $(SHARED_LIBRARY): $(call objects,$(CORE) $(DEVICES) $(PORT)) $(B)/exports $(B)/commands/link
 	$(call link,$(SHARED_FLAGS))
 $(B)/exports: $(HEADERS) Makefile
-	@{ echo '{ global:'; grep -oh 'fxs_[a-z0-9_]*[(;]' $(HEADERS) | sort -u | tr '(' ';'; echo 'local: *; };'; } >$@
+	@{ echo '{ global:'; grep -oh 'fxs_[a-z0-9_]*[(;,]' $(HEADERS) | tr '(,' ';;' | sort -u; echo 'local: *; };'; } >$@
 
 $(B)/fixsplat: $(call objects,$(TOOL)) $(B)/libfixsplat.a $(B)/commands/link
 	$(call link)

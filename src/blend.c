@@ -83,18 +83,18 @@ static int blend_row(blending *b, int row, const fxs_splat *splat, const placed 
     return closed;
 }
 
-/* depths_q15: null without a trace. */
+/* depths_q15: read for FXS_TRACE_MEAN only. */
 static void blend_list(blending *b, const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats,
-                       const uint32_t *entries, const int16_t *depths_q15, uint32_t count)
+                       const uint32_t *entries, const int16_t *depths_q15, uint32_t first, uint32_t end)
 {
     int open = 0;
     for (int i = 0; i < FXS_TILE_PIXELS; i++)
         open += b->tile->transmittance_q15[i] >= FXS_CLOSED_Q15;
-    for (uint32_t i = 0; i < count && open > 0; i++) {
+    for (uint32_t i = first; i < end && open > 0; i++) {
         const fxs_splat *splat = &splats[entries[i] & ~FXS_ENTRY_FAR];
         placed p = place(view, splat, entries[i], x, y);
         b->place = (int)i;
-        b->depth_q15 = depths_q15 ? depths_q15[i] : 0;
+        b->depth_q15 = b->trace && b->trace->which & FXS_TRACE_MEAN ? depths_q15[i - first] : 0;
         for (int row = p.first_row; row <= p.last_row; row++)
             open -= blend_row(b, row, splat, &p);
     }
@@ -105,7 +105,7 @@ void fxs_blend_count(const fxs_view *view, int32_t x, int32_t y, const fxs_splat
 {
     blending b = {.tile = tile};
     fxs_tile_clear(tile);
-    blend_list(&b, view, x, y, splats, entries, 0, count);
+    blend_list(&b, view, x, y, splats, entries, 0, 0, count);
     *evaluated += b.evaluated;
     *blended += b.blended;
 }
@@ -118,8 +118,8 @@ void fxs_blend_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *sp
 }
 
 void fxs_trace_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
-                 const int16_t *depths_q15, uint32_t count, fxs_tile *tile, fxs_trace *trace)
+                 const int16_t *depths_q15, uint32_t first, uint32_t end, fxs_tile *tile, fxs_trace *trace)
 {
     blending b = {.tile = tile, .trace = trace};
-    blend_list(&b, view, x, y, splats, entries, depths_q15, count);
+    blend_list(&b, view, x, y, splats, entries, depths_q15, first, end);
 }

@@ -266,11 +266,12 @@ typedef struct fxs_kernels {
     void (*blend)(const struct fxs_view *view, int32_t x, int32_t y, const struct fxs_splat *splats,
                   const uint32_t *entries, uint32_t count, struct fxs_tile *tile);
 
-    /* blend over a part of a list, which goes on from the tile's state and keeps track of what depths and ids are made
-       from. depths_q15: a code for the depth of each entry. */
+    /* blend over a part of a list, from entry `first` to before `end`, which is at most 32767. It goes on from the
+       tile's state and keeps track of what depths and ids are made from. depths_q15: a code for the depth of each
+       entry of the part, where a mean depth is wanted; else it may be null. */
     void (*trace)(const struct fxs_view *view, int32_t x, int32_t y, const struct fxs_splat *splats,
-                 const uint32_t *entries, const int16_t *depths_q15, uint32_t count, struct fxs_tile *tile,
-                 struct fxs_trace *trace);
+                  const uint32_t *entries, const int16_t *depths_q15, uint32_t first, uint32_t end,
+                  struct fxs_tile *tile, struct fxs_trace *trace);
 
     /* Writes `columns` x `rows` pixels of a tile, over the background of the options. */
     void (*resolve)(const fxs_options *options, enum fxs_format format, const struct fxs_tile *tile, int32_t columns,

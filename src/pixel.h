@@ -1,12 +1,16 @@
 /* What one Gaussian does to one pixel. Compiled as C99, CUDA C and GLSL ES 3.00, so: one integer type of 32 bits, no
- * division, no pointers, every intermediate under 2^31. Define FXS_FN (C: `static inline`, GLSL: nothing) before
- * including it.
+ * division, no pointers, every intermediate under 2^31. FXS_FN stands before its functions: `static inline`, where it is
+ * not defined before (GLSL: as nothing).
  *
  * A splat comes in whitened coordinates (u, v): distance^2 = u^2 + v^2, v constant on a row. Its opacity is folded in
  * as offset = -2 ln(opacity), so that level = distance^2 + offset = -2 ln(alpha), and one limit on the level, min(9 +
  * offset, 2 ln 255), is the Mahalanobis cut-off and the 1/255 cut-off together. */
 #ifndef FXS_PIXEL_H
 #define FXS_PIXEL_H
+
+#ifndef FXS_FN
+#define FXS_FN static inline
+#endif
 
 #define FXS_CUT_Q11 18432          /* 9: the square of the Mahalanobis distance 3 */
 #define FXS_FAINT_Q11 22697        /* 2 ln 255 */

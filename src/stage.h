@@ -7,9 +7,11 @@
 
 #include "fixed.h"
 #include "fixsplat.h"
-
-#define FXS_FN static inline
 #include "pixel.h"
+
+#if defined(__cplusplus) && !defined(__CUDACC__)   /* the CUDA back end has copies of its own */
+extern "C" {
+#endif
 
 #define FXS_TILE 16
 #define FXS_TILE_PIXELS (FXS_TILE * FXS_TILE)
@@ -83,8 +85,8 @@ typedef struct fxs_tile {
     int16_t sum_q13[3][FXS_TILE_PIXELS];
 } fxs_tile;
 
-/* What `trace` keeps of a tile's pixels over a part of its list: of these arrays those that `which` names. Places are
-   those of entries in that part. */
+/* What `trace` keeps of a tile's pixels: of these arrays those that `which` names. Places are those of entries in the
+   list that it is given. */
 enum { FXS_TRACE_MEAN = 1, FXS_TRACE_MEDIAN = 2, FXS_TRACE_ID = 4, FXS_TRACE_END = 8 };
 
 typedef struct fxs_trace {
@@ -92,7 +94,7 @@ typedef struct fxs_trace {
     int16_t depth_q15[FXS_TILE_PIXELS];     /* MEAN: sum of weight * depths_q15, at most 32767 */
     int16_t median[FXS_TILE_PIXELS];        /* MEDIAN: the last that found T at 1/2 or above and took some */
     int16_t weight_q15[FXS_TILE_PIXELS];    /* ID: the largest so far, of all parts */
-    int16_t largest[FXS_TILE_PIXELS];       /* ID: the first with that weight; -1: not in this part */
+    int16_t largest[FXS_TILE_PIXELS];       /* ID: the first with that weight */
     int16_t end[FXS_TILE_PIXELS];           /* END, read: the pixel takes none from this one on */
 } fxs_trace;
 
@@ -194,7 +196,7 @@ void fxs_bin_c(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *
 void fxs_blend_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
                  uint32_t count, fxs_tile *tile);
 void fxs_trace_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
-                 const int16_t *depths_q15, uint32_t count, fxs_tile *tile, fxs_trace *trace);
+                 const int16_t *depths_q15, uint32_t first, uint32_t end, fxs_tile *tile, fxs_trace *trace);
 void fxs_resolve_c(const fxs_options *options, enum fxs_format format, const fxs_tile *tile, int32_t columns,
                    int32_t rows, unsigned char *pixels, ptrdiff_t stride);
 
@@ -218,5 +220,9 @@ static inline uint32_t fxs_part(uint32_t count, uint32_t parts, uint32_t i)
 {
     return (uint32_t)((uint64_t)count * i / parts);
 }
+
+#if defined(__cplusplus) && !defined(__CUDACC__)
+}
+#endif
 
 #endif

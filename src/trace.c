@@ -1,19 +1,19 @@
 /* trace: blend, for targets of depth and id and with an occluder. A tile's list is blended part by part. Within a part
- * depths are in one octave, so that a code of 15 bits holds them; between parts, what was kept of the pixels is
- * added up. */
+ * depths are in one octave, so that a code of 15 bits holds them; between parts they are added up. */
 #include "frame.h"
 #include "memory.h"
 
+#define STRETCH 32767u             /* entries of a list that 16 bits tell apart; at most */
 #define PART 512u                  /* entries, at most */
 #define AHEAD 16                   /* entries */
 
 typedef struct tracer {
     const fxs_frame *f;
     const fxs_targets *targets;
-    const uint32_t *list;
-    uint32_t count;
     int bits;                      /* of the depths of the targets and the occluder */
-    uint32_t first, end;           /* the part of the list */
+    const uint32_t *list;          /* a stretch of the tile's list, */
+    uint32_t count;                /* and its length */
+    uint32_t first, end;           /* a part of that */
     fxs_trace trace;
     int16_t before_q15[FXS_TILE_PIXELS];   /* T before the part */
     int16_t codes_q15[PART];       /* depth / 2^octave - 1 */
@@ -30,12 +30,14 @@ static uint32_t slot_of(uint32_t entry)
 
 /* ---- A part of the list ------------------------------------------------------------------------------------------ */
 
+/* Without depths to compare or to sum, a part is the stretch. */
 static void begin_part(tracer *t)
 {
     const uint32_t *depths = t->f->eye->depths;
-    const uint32_t most = t->count - t->first < PART ? t->count - t->first : PART;
     const int one_octave = t->trace.which & FXS_TRACE_MEAN;
-    uint32_t n = 0;
+    const int needs_keys = t->trace.which & (FXS_TRACE_MEAN | FXS_TRACE_END);
+    const uint32_t rest = t->count - t->first, most = needs_keys && rest > PART ? PART : rest;
+    uint32_t n = needs_keys ? 0 : most;
     for (; n < most; n++) {
         if (n + AHEAD < most)
             FXS_PREFETCH(&depths[slot_of(t->list[t->first + n + AHEAD])]);
@@ -48,7 +50,7 @@ static void begin_part(tracer *t)
     t->end = t->first + n;
 }
 
-/* How many of the part's entries are no farther than a limit. */
+/* The first of the part's entries that is farther than a limit. */
 static int16_t end_of(const tracer *t, uint32_t limit)
 {
     uint32_t low = 0, high = t->end - t->first;
@@ -61,17 +63,15 @@ static int16_t end_of(const tracer *t, uint32_t limit)
         else
             high = middle;
     }
-    return (int16_t)low;
+    return (int16_t)(t->first + low);
 }
 
-static void reset_trace(tracer *t)
+static void reset_part(tracer *t, const fxs_tile *tile)
 {
-    if (t->trace.which & FXS_TRACE_MEAN)
+    if (t->trace.which & FXS_TRACE_MEAN) {
         memset(t->trace.depth_q15, 0, sizeof t->trace.depth_q15);
-    if (t->trace.which & FXS_TRACE_MEDIAN)
-        memset(t->trace.median, 0xff, sizeof t->trace.median);
-    if (t->trace.which & FXS_TRACE_ID)
-        memset(t->trace.largest, 0xff, sizeof t->trace.largest);
+        memcpy(t->before_q15, tile->transmittance_q15, sizeof t->before_q15);
+    }
     for (int i = 0; i < FXS_TILE_PIXELS && t->trace.which & FXS_TRACE_END; i++)
         t->trace.end[i] = end_of(t, t->limits[i]);
 }
@@ -84,27 +84,43 @@ static void add_depths(tracer *t, const fxs_tile *tile)
     }
 }
 
-/* Places in the part become slots. */
+/* Places in the stretch become slots. */
 static void note_slots(const tracer *t, const int16_t places[FXS_TILE_PIXELS], uint32_t slots[FXS_TILE_PIXELS])
 {
-    const uint32_t *part = t->list + t->first;
     for (int i = 0; i < FXS_TILE_PIXELS; i++)
-        slots[i] = places[i] < 0 ? slots[i] : slot_of(part[places[i]]);
+        slots[i] = places[i] < 0 ? slots[i] : slot_of(t->list[places[i]]);
 }
 
 /* Returns whether a pixel takes more. */
 static int end_part(tracer *t, const fxs_tile *tile)
 {
-    const uint32_t last = t->keys[t->end - t->first - 1];
     int open = 0;
     if (t->trace.which & FXS_TRACE_MEAN)
         add_depths(t, tile);
+    const uint32_t last = t->trace.which & FXS_TRACE_END ? t->keys[t->end - t->first - 1] : 0;
+    for (int i = 0; i < FXS_TILE_PIXELS; i++)
+        open |= (tile->transmittance_q15[i] >= FXS_CLOSED_Q15) & (t->limits[i] >= last);
+    return open;
+}
+
+/* Blends a stretch. Returns whether a pixel takes more. */
+static int trace_stretch(tracer *t, int32_t x, int32_t y, fxs_tile *tile)
+{
+    const fxs_eye *eye = t->f->eye;
+    int open = 1;
+    memset(t->trace.median, 0xff, sizeof t->trace.median);
+    memset(t->trace.largest, 0xff, sizeof t->trace.largest);
+    for (t->first = 0; t->first < t->count && open; t->first = t->end) {
+        begin_part(t);
+        reset_part(t, tile);
+        t->f->context->kernels.trace(&eye->view, x, y, eye->splats, t->list, t->codes_q15, t->first, t->end, tile,
+                                     &t->trace);
+        open = end_part(t, tile);
+    }
     if (t->trace.which & FXS_TRACE_MEDIAN)
         note_slots(t, t->trace.median, t->median);
     if (t->trace.which & FXS_TRACE_ID)
         note_slots(t, t->trace.largest, t->largest);
-    for (int i = 0; i < FXS_TILE_PIXELS; i++)
-        open |= (tile->transmittance_q15[i] >= FXS_CLOSED_Q15) & (t->limits[i] >= last);
     return open;
 }
 
@@ -171,21 +187,16 @@ void fxs_trace_tile(const fxs_frame *f, uint32_t tile, int32_t x, int32_t y, fxs
     t.targets = f->eye->targets;
     t.bits = fxs_depth_bits(t.targets);
     t.trace.which = which_of(t.targets, slots);
-    t.list = fxs_list_of(f, tile);
-    t.count = f->tile_counts[tile];
     fxs_tile_clear(pixels);
     read_limits(&t, x, y, columns, rows);
     memset(t.sums, 0, sizeof t.sums);
     memset(t.median, 0xff, sizeof t.median);
     memset(t.largest, 0xff, sizeof t.largest);
     memset(t.trace.weight_q15, 0, sizeof t.trace.weight_q15);
-    for (t.first = 0; t.first < t.count && open; t.first = t.end) {
-        begin_part(&t);
-        reset_trace(&t);
-        memcpy(t.before_q15, pixels->transmittance_q15, sizeof t.before_q15);
-        f->context->kernels.trace(view, x, y, f->eye->splats, t.list + t.first, t.codes_q15, t.end - t.first, pixels,
-                                  &t.trace);
-        open = end_part(&t, pixels);
+    for (uint32_t done = 0; done < f->tile_counts[tile] && open; done += t.count) {
+        t.list = fxs_list_of(f, tile) + done;
+        t.count = f->tile_counts[tile] - done < STRETCH ? f->tile_counts[tile] - done : STRETCH;
+        open = trace_stretch(&t, x, y, pixels);
     }
     for (int32_t row = 0; row < rows; row++)
         write_row(&t, pixels, x, y + row, columns, row * FXS_TILE);

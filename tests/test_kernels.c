@@ -517,9 +517,10 @@ static void trace_case(void)
         memcpy(at(trace, 1, 0), at(trace, 0, 0), sizeof(fxs_trace));
         for (uint32_t i = 0; i < count; i++)
             depths_q15[i] = (int16_t)extreme(0, 32767);
-        fxs_trace_c(&view, x, y, tile_splats, tile_entries + first, depths_q15, count, at(tile, 0, 0),
+        fxs_trace_c(&view, x, y, tile_splats, tile_entries, depths_q15, first, first + count, at(tile, 0, 0),
                     at(trace, 0, 0));
-        fast.trace(&view, x, y, tile_splats, tile_entries + first, depths_q15, count, at(tile, 1, 0), at(trace, 1, 0));
+        fast.trace(&view, x, y, tile_splats, tile_entries, depths_q15, first, first + count, at(tile, 1, 0),
+                   at(trace, 1, 0));
         CHECK(same(tile) && same(trace));
         traced_total += count;
         first += count;

@@ -11,6 +11,10 @@
 
 #include "../../src/fixsplat.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct fxs_gles fxs_gles;
 
 /* Finds a function of OpenGL ES by its name, "glDrawArrays"; null where there is none. As eglGetProcAddress. */
@@ -83,5 +87,9 @@ void fxs_gles_target_init(fxs_gles_target *target);
 int fxs_gles_render(fxs_gles *gles, const fxs_context *context, const fxs_object *objects, uint32_t count,
                     const fxs_camera *camera, const fxs_options *options, const fxs_gles_target *target, void *memory,
                     size_t memory_bytes, fxs_stats *stats);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,6 +1,6 @@
 /* blend and trace, 2 * LANES pixels at a time: a step is one such vector, in the order of the tile's pixels. Steps of a
- * row or two are taken one after the other. Of shorter ones (LANES 4) those are left out that are closed, or on a row that the
- * ellipse does not reach, or have no pixel in its reach. An entry has to touch a row of the tile. */
+ * row or two are taken one after the other. Of shorter ones (LANES 4) those are left out that are closed, or on a row
+ * that the ellipse does not reach, or have no pixel in its reach. An entry has to touch a row of the tile. */
 #include "stages.h"
 
 #define STEPS (FXS_TILE_PIXELS / (2 * LANES))
@@ -193,17 +193,17 @@ ALWAYS_INLINE void blend_splat(pixels tile[STEPS], kept *k, uint64_t *open, cons
 /* Blends a list; depths_q15: null without a trace. */
 ALWAYS_INLINE void blend_list(pixels steps[STEPS], kept *k, const fxs_view *view, int32_t x, int32_t y,
                               const fxs_splat *splats, const uint32_t *entries, const int16_t *depths_q15,
-                              unsigned which, uint32_t count)
+                              unsigned which, uint32_t first, uint32_t end)
 {
     uint64_t open = ALL_ROWS;
-    for (uint32_t i = 0; i < count && open; i++) {
-        if (i + AHEAD < count)
+    for (uint32_t i = first; i < end && open; i++) {
+        if (i + AHEAD < end)
             __builtin_prefetch(&splats[entries[i + AHEAD] & ~FXS_ENTRY_FAR]);
         const fxs_splat *splat = &splats[entries[i] & ~FXS_ENTRY_FAR];
         placed p = place(view, splat, entries[i], x, y);
         if (k) {
             p.place = all_h((int)i);
-            p.depth_q15 = all_h(depths_q15[i]);
+            p.depth_q15 = all_h(which & FXS_TRACE_MEAN ? depths_q15[i - first] : 0);
             p.which = which;
         }
         blend_splat(steps, k, &open, &p, splat);
@@ -226,7 +226,7 @@ FXS_BLEND(ISA)
     pixels steps[STEPS];
     for (int s = 0; s < STEPS; s++)
         steps[s] = (pixels){all_h(FXS_CLEAR_Q15), all_h(0), all_h(0), all_h(0)};
-    blend_list(steps, 0, view, x, y, splats, entries, 0, 0, count);
+    blend_list(steps, 0, view, x, y, splats, entries, 0, 0, 0, count);
     store_tile(tile, steps);
 }
 
@@ -242,7 +242,7 @@ FXS_TRACE(ISA)
                       load_in_order(trace->weight_q15 + at), load_in_order(trace->largest + at),
                       load_in_order(trace->end + at)};
     }
-    blend_list(steps, k, view, x, y, splats, entries, depths_q15, trace->which, count);
+    blend_list(steps, k, view, x, y, splats, entries, depths_q15, trace->which, first, end);
     store_tile(tile, steps);
     for (int s = 0; s < STEPS; s++) {
         const int at = s * 2 * LANES;

@@ -17,8 +17,8 @@
 #define FXS_BLEND(isa) void FXS_STAGE_OF(blend, isa)(const fxs_view *view, int32_t x, int32_t y, \
     const fxs_splat *splats, const uint32_t *entries, uint32_t count, fxs_tile *tile)
 #define FXS_TRACE(isa) void FXS_STAGE_OF(trace, isa)(const fxs_view *view, int32_t x, int32_t y, \
-    const fxs_splat *splats, const uint32_t *entries, const int16_t *depths_q15, uint32_t count, fxs_tile *tile, \
-    fxs_trace *trace)
+    const fxs_splat *splats, const uint32_t *entries, const int16_t *depths_q15, uint32_t first, uint32_t end, \
+    fxs_tile *tile, fxs_trace *trace)
 #define FXS_RESOLVE(isa) void FXS_STAGE_OF(resolve, isa)(const fxs_options *options, enum fxs_format format, \
     const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels, ptrdiff_t stride)
 

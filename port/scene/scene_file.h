@@ -18,10 +18,6 @@
 extern "C" {
 #endif
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* One Gaussian as an Inria .ply means it, before any quantisation. */
 typedef struct fxs_gaussian {
     float position[3];   /* scene units */

@@ -77,7 +77,7 @@ for view in "$@"; do
 done
 
 say "out of memory"
-"$B/fixsplat" render "$work/knot-1M.fxs" --hash --backend cuda --max-memory 64M 2>&1 | grep "bytes needed" ||
+"$B/fixsplat" render "$work/knot-1M.fxs" --hash --backend cuda --max-memory 64M 2>&1 | grep "needs at least" ||
     failed="$failed max-memory"
 
 say "times"

@@ -19,18 +19,25 @@ static void *aligned(size_t bytes)
 static int picture(const fxs_scene *scene)
 {
     static unsigned char pixels[WIDTH * HEIGHT * 4];
-    const int one = 1 << 30;
-    fxs_camera camera = {WIDTH, HEIGHT, 150 << 12, 150 << 12, 80 << 12, 60 << 12, {one, 0, 0, 0, one, 0, 0, 0, one},
-                         {0, 0, -((int64_t)10 << 32)}, 0};
+    fxs_camera camera;
     fxs_context context;
     fxs_options options;
-    if (fxs_init(&context, 0))
+    fxs_camera_init(&camera, WIDTH, HEIGHT);
+    camera.fx_q12 = camera.fy_q12 = 150 << 12;
+    camera.position_q32[2] = -((int64_t)10 << 32);
+    if (fxs_version() != FXS_VERSION_NUMBER || fxs_init(&context, 0))
         return 1;
     fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
-    fxs_options_default(&options);
-    const size_t bytes = fxs_frame_bytes(&context, scene, WIDTH, HEIGHT, 0);
+    fxs_options_init(&options);
+    fxs_object object;
+    fxs_targets targets;
+    fxs_object_init(&object, scene);
+    fxs_targets_init(&targets);
+    targets.colour.pixels = pixels;
+    targets.colour.stride = WIDTH * 4;
+    const size_t bytes = fxs_frame_bytes(&context, &object, 1, WIDTH, HEIGHT, 0);
     void *memory = aligned(bytes);
-    if (!memory || fxs_render(&context, scene, &camera, &options, memory, bytes, pixels, WIDTH * 4, 0))
+    if (!memory || fxs_render(&context, &object, 1, &camera, &options, &targets, memory, bytes, 0))
         return 1;
 
     uint32_t sum = 2166136261u, lit = 0;

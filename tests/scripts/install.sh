@@ -67,8 +67,8 @@ if [ "$shared" ]; then
     check "it shows names with fxs_ alone" equal \
         "$(nm -D --defined-only "$library/libfixsplat.so" | awk '{ print $3 }' | grep -v '^fxs_')" ""
     nm -D --defined-only "$library/libfixsplat.so" | awk '{ print $3 }' | sort >"$work/shown"
-    nm -g "$library/libfixsplat.a" 2>/dev/null | awk 'NF == 3 && $2 == "T" { print $3 }' | sort -u >"$work/defined"
-    cat "$include"/* | grep -o 'fxs_[a-z0-9_]*[(;]' | tr -d '(;' | sort -u |
+    nm -g "$library/libfixsplat.a" 2>/dev/null | awk 'NF == 3 && $2 ~ /[TRDB]/ { print $3 }' | sort -u >"$work/defined"
+    cat "$include"/* | grep -o 'fxs_[a-z0-9_]*[(;,]' | tr -d '(;,' | sort -u |
         comm -12 - "$work/defined" >"$work/declared"
     check "all that headers declare, and no more" cmp "$work/declared" "$work/shown"
 else
