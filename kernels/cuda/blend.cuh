@@ -268,9 +268,20 @@ __device__ inline void blend_keys(Pixel p[2], const tile_keys *keys, uint32_t co
 struct target {
     fxs_targets images;                    /* each aligned to its pixels */
     int background_q13[3], depth_bits;
+    int plain;                             /* the colour is for store_bytes */
 };
 
-/* A function by itself, so that it takes no registers from the loops. */
+/* RGBA8 or RGBA8_COVERAGE over one background. */
+__device__ inline void store_bytes(const target *t, const pixel *p, int32_t x, int32_t y)
+{
+    uint32_t word = t->images.format == FXS_FORMAT_RGBA8 ? 255u << 24
+                                                         : (uint32_t)fxs_coverage_8bit(p->transmittance) << 24;
+    for (int c = 0; c < 3; c++)
+        word |= (uint32_t)fxs_resolve_8bit(fxs_min(p->sum[c], 32767), p->transmittance, t->background_q13[c]) << 8 * c;
+    *(uint32_t *)fxs_image_at(&t->images.colour, x, y, 4) = word;
+}
+
+/* Any format. A function by itself, so that it takes no registers from the loops. */
 __device__ __noinline__ void store_colour(const target *t, pixel p, int32_t x, int32_t y)
 {
     union {
@@ -302,7 +313,9 @@ __device__ __noinline__ void store_colour(const target *t, pixel p, int32_t x, i
 __device__ inline void store_pixel(const target *t, const frame_buffers *, const pixel *p, int32_t x, int32_t y)
 {
     const fxs_image *coverage = &t->images.coverage;
-    if (t->images.colour.pixels)
+    if (t->plain)
+        store_bytes(t, p, x, y);
+    else if (t->images.colour.pixels)
         store_colour(t, *p, x, y);
     if (coverage->pixels)
         *fxs_image_at(coverage, x, y, 1) = (unsigned char)fxs_coverage_8bit(p->transmittance);

@@ -325,7 +325,9 @@ int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_me
 
 target target_of(const frame *f, const fxs_options *options)
 {
-    target t = {f->targets, {0, 0, 0}, fxs_depth_bits(&f->targets)};
+    target t = {f->targets, {0, 0, 0}, fxs_depth_bits(&f->targets), 0};
+    t.plain = t.images.colour.pixels && !t.images.backdrop.pixels &&
+              (t.images.format == FXS_FORMAT_RGBA8 || t.images.format == FXS_FORMAT_RGBA8_COVERAGE);
     for (int c = 0; c < 3 && !fxs_is_premultiplied(t.images.format); c++)
         t.background_q13[c] = fxs_background_q13(options->background[c]);
     return t;
