@@ -11,27 +11,41 @@ static const char help[] =
     "with a timer also those of its device.\n\n"
     "  --path N            fly once around the scene in N frames, 2 to 10000, and print minimum, median and maximum\n"
     "  --frames N          frames measured after a warm-up of two, 10 to 10000 (default 10)\n"
+    "  --draw KIND         beside colour draw mean-depth, median-depth or ids; may be given for each\n"
     "  --json              print a JSON object\n"
     "%s\n"
     "Examples:\n"
     "  fixsplat bench scene.ply --cameras cameras.json --view 8 --size 1280x720\n"
     "  fixsplat bench scene.ply --threads 1 --cutoff square --json\n"
+    "  fixsplat bench scene.ply --draw median-depth --draw ids\n"
     "  fixsplat bench scene.ply --path 120\n";
 
 typedef struct bench_options {
     frame_options frame;
     int frames, path, json;
+    int draws;                              /* DRAW_* */
 } bench_options;
 
-enum { OPT_FRAMES = OPT_OWN, OPT_PATH, OPT_JSON };
+enum { OPT_FRAMES = OPT_OWN, OPT_PATH, OPT_DRAW, OPT_JSON };
 
 /* Columns of the times: the stages, the whole frame, and of that the device of a back end. */
 enum { FRAME = FXS_STAGES, DEVICE, COLUMNS };
+
+static int take_draw(bench_options *o, const char *kind)
+{
+    const int draw = !strcmp(kind, "mean-depth") ? DRAW_MEAN_DEPTH : !strcmp(kind, "median-depth") ? DRAW_MEDIAN_DEPTH
+                     : !strcmp(kind, "ids") ? DRAW_IDS : 0;
+    const int depths = DRAW_MEAN_DEPTH | DRAW_MEDIAN_DEPTH;
+    o->draws |= draw;
+    return !draw ? fail(EXIT_USAGE, "--draw %s: expected mean-depth, median-depth or ids", kind)
+           : (o->draws & depths) == depths ? fail(EXIT_USAGE, "--draw: give one kind of depth") : 0;
+}
 
 static int take_options(bench_options *o, int argc, char **argv)
 {
     static const struct option table[] = {FRAME_OPTIONS, {"frames", required_argument, 0, OPT_FRAMES},
                                           {"path", required_argument, 0, OPT_PATH},
+                                          {"draw", required_argument, 0, OPT_DRAW},
                                           {"json", no_argument, 0, OPT_JSON}, {0, 0, 0, 0}};
     uint64_t frames = 10, path = 0;
     memset(o, 0, sizeof *o);
@@ -46,6 +60,10 @@ static int take_options(bench_options *o, int argc, char **argv)
         case OPT_PATH:
             if (!parse_count(optarg, 2, 10000, &path))
                 return fail(EXIT_USAGE, "--path %s: expected 2 to 10000", optarg);
+            break;
+        case OPT_DRAW:
+            if (take_draw(o, optarg))
+                return EXIT_USAGE;
             break;
         case OPT_JSON: o->json = 1; break;
         case OPT_HELP: printf(help, frame_options_help); exit(EXIT_OK);
@@ -166,6 +184,7 @@ int command_bench(int argc, char **argv)
     if (o.frame.view && !strcmp(o.frame.view, "all"))
         return fail(EXIT_USAGE, "bench takes one view, not all");
     status = renderer_open(&r, &o.frame);
+    r.draws = o.draws;
     if (!status && !(status = world_open(&w, &o.frame.world, &o.frame.load))) {
         status = choose_views(&o.frame, &w, &views) < 0 ? EXIT_FAILED : measure(columns, &r, &o, &w, views);
         if (!status)

@@ -265,6 +265,9 @@ fails "scene missing" 1 "none.ply: No such file" render none.ply --hash
 fails "scene a folder" 1 "views/meta.json: No such file" render views --hash
 fails "scene a picture" 1 "knot.png: not a scene" render knot.png --hash
 fails "info: scene missing" 1 "none.ply: No such file" info none.ply
+succeeds "bench --draw" bench knot.ply $small --draw median-depth --draw ids
+fails "bench --draw what is not" 2 "--draw colour: expected mean-depth, median-depth or ids" bench knot.ply $small --draw colour
+fails "bench --draw two depths" 2 "give one kind" bench knot.ply $small --draw mean-depth --draw median-depth
 fails "bench: scene missing" 1 "none.ply: No such file" bench none.ply
 : >empty.ply
 fails "scene empty" 1 "empty.ply: " render empty.ply --hash
