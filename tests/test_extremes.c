@@ -10,8 +10,8 @@ static fxs_context plain;          /* C, one thread */
 static fxs_options options;
 static uint32_t pixels[2][MOST * MOST];
 
-/* Opaque and faint Gaussians of all shapes, with sigmas of 1/20 to 1 unit, in a cube of 4 units. */
-static packed_scene cloud(uint32_t count)
+/* Opaque and faint Gaussians of all shapes, with sigmas of 1/20 to 1 times 2^log2 units, in a cube of 4 units. */
+static packed_scene cloud(uint32_t count, int log2)
 {
     packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, count, 0);
     for (uint32_t c = 0; c < s.header->chunk_count; c++) {
@@ -22,6 +22,7 @@ static packed_scene cloud(uint32_t count)
             chunk->colour_q16[i] = 20000;
             chunk->colour_step_q20[i] = 4000;
         }
+        chunk->scale_q16 = log2 * 65536;
         chunk->scale_step_q24 = 70;
         fill_words(packed_scene_rows(&s, c), s.header->chunk_bytes);
     }
@@ -48,6 +49,17 @@ static int draw(const fxs_context *context, const fxs_object *object, const fxs_
     return error;
 }
 
+/* The largest difference of a channel. */
+static int apart(const uint32_t *a, const uint32_t *b)
+{
+    int most = 0;
+    for (int c = 0; c < 24; c += 8) {
+        const int difference = abs((int)(*a >> c & 255) - (int)(*b >> c & 255));
+        most = difference > most ? difference : most;
+    }
+    return most;
+}
+
 /* ---- Objects ----------------------------------------------------------------------------------------------------- */
 
 static void bin_everywhere(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count,
@@ -70,7 +82,7 @@ static void test_faint_objects_are_listed_whole(void)
     camera.fx_q12 = camera.fy_q12 = 250 << 12;
     for (state = 1; state < 6;) {
         const uint64_t seed = state;
-        packed_scene s = cloud(200);
+        packed_scene s = cloud(200, 0);
         fxs_object object = one_object(&s.scene);
         for (object.opacity_q16 = 16384; object.opacity_q16 > 600; object.opacity_q16 /= 2)
             CHECK(!draw(&plain, &object, &camera, pixels[0]) && !draw(&everywhere, &object, &camera, pixels[1]) &&
@@ -78,6 +90,30 @@ static void test_faint_objects_are_listed_whole(void)
         free(s.data);
         state = seed + 1;
     }
+}
+
+/* ---- Cameras ----------------------------------------------------------------------------------------------------- */
+
+/* A pixel of an orthographic picture, by a principal point far beside it, is that picture's. */
+static void test_pixel_of_an_orthographic_picture(void)
+{
+    fxs_camera camera = camera_at(MOST, -8 * ONE);
+    state = 3;
+    packed_scene s = cloud(700, -3);
+    const fxs_object object = one_object(&s.scene);
+    camera.projection = FXS_ORTHOGRAPHIC;
+    camera.fx_q12 = camera.fy_q12 = 80 << 12;
+    CHECK(!draw(&plain, &object, &camera, pixels[0]));
+    for (int32_t x = 0; x < MOST; x += 36) {
+        const int32_t y = MOST - 1 - x;
+        fxs_camera beside = camera;
+        uint32_t pixel;
+        beside.width = beside.height = 1;
+        beside.cx_q12 -= x << 12;
+        beside.cy_q12 -= y << 12;
+        CHECK(!draw(&plain, &object, &beside, &pixel) && apart(&pixel, &pixels[0][y * MOST + x]) <= 3);
+    }
+    free(s.data);
 }
 
 /* ---- Wild frames ------------------------------------------------------------------------------------------------- */
@@ -265,6 +301,7 @@ int main(void)
     fxs_init(&plain, 0);
     fxs_options_init(&options);
     RUN(test_faint_objects_are_listed_whole);
+    RUN(test_pixel_of_an_orthographic_picture);
     RUN(test_wild_frames);
     return check_report();
 }
