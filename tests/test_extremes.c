@@ -116,6 +116,45 @@ static void test_pixel_of_an_orthographic_picture(void)
     free(s.data);
 }
 
+static void test_camera_of_any_size(void)
+{
+    static const int32_t sizes[] = {INT32_MIN, -1, 0, FXS_MAX_SIZE + 1, INT32_MAX};
+    const packed_scene s = cloud(1, 0);
+    const fxs_object object = one_object(&s.scene);
+    const fxs_targets targets = one_target(FXS_FORMAT_RGBA8, pixels[0], 4 * MOST);
+    fxs_camera camera;
+    for (int i = 0; i < 5; i++) {
+        fxs_camera_init(&camera, sizes[i], sizes[i]);
+        CHECK(fxs_render(&plain, &object, 1, &camera, &options, &targets, pixels[1], 0, 0) == FXS_ERR_SIZE);
+    }
+    free(s.data);
+}
+
+/* ---- Targets ----------------------------------------------------------------------------------------------------- */
+
+static int render_to(ptrdiff_t stride, void *top, int32_t height)
+{
+    fxs_targets targets;
+    fxs_camera camera;
+    static unsigned char memory[1 << 16] __attribute__((aligned(64)));
+    fxs_camera_init(&camera, 8, height);
+    fxs_targets_init(&targets);
+    targets.colour = (fxs_image){pixels[0], 32};
+    targets.coverage = (fxs_image){top, stride};
+    return fxs_render(&plain, 0, 0, &camera, &options, &targets, memory, sizeof memory, 0);
+}
+
+/* ---- Two eyes ---------------------------------------------------------------------------------------------------- */
+
+static int draw_pair(const fxs_object *object, const fxs_camera cameras[2], const fxs_targets targets[2], int exact)
+{
+    const size_t bytes = fxs_stereo_bytes(&plain, object, 1, cameras[0].width, cameras[0].height);
+    void *memory = check_aligned(bytes);
+    const int error = fxs_render_stereo(&plain, object, 1, cameras, &options, targets, exact, memory, bytes, 0);
+    free(memory);
+    return error;
+}
+
 /* ---- Wild frames ------------------------------------------------------------------------------------------------- */
 
 enum { WILD_OBJECTS = 6, WILD_SIZE = 100 };
@@ -302,6 +341,7 @@ int main(void)
     fxs_options_init(&options);
     RUN(test_faint_objects_are_listed_whole);
     RUN(test_pixel_of_an_orthographic_picture);
+    RUN(test_camera_of_any_size);
     RUN(test_wild_frames);
     return check_report();
 }
