@@ -144,6 +144,18 @@ static int render_to(ptrdiff_t stride, void *top, int32_t height)
     return fxs_render(&plain, 0, 0, &camera, &options, &targets, memory, sizeof memory, 0);
 }
 
+static void test_strides_beyond_all_memory(void)
+{
+    const ptrdiff_t most = (PTRDIFF_MAX - 8) / 20;
+    static const ptrdiff_t ends[] = {PTRDIFF_MAX, PTRDIFF_MIN};
+    unsigned char *last = (unsigned char *)(uintptr_t)(UINTPTR_MAX - 80), *first = (unsigned char *)(uintptr_t)80;
+    for (int i = 0; i < 2; i++)
+        CHECK(render_to(ends[i], pixels[1], 1) == FXS_ERR_TARGET && render_to(ends[i], pixels[1], 20) == FXS_ERR_TARGET);
+    CHECK(render_to(most + 1, first, 20) == FXS_ERR_TARGET && render_to(-most - 1, last, 20) == FXS_ERR_TARGET);
+    CHECK(render_to(8, last, 20) == FXS_ERR_TARGET && render_to(-8, first, 20) == FXS_ERR_TARGET);
+    CHECK(!render_to(8, pixels[1], 20) && !render_to(-8, pixels[1] + MOST, 20));
+}
+
 /* ---- Two eyes ---------------------------------------------------------------------------------------------------- */
 
 static int draw_pair(const fxs_object *object, const fxs_camera cameras[2], const fxs_targets targets[2], int exact)
@@ -153,6 +165,28 @@ static int draw_pair(const fxs_object *object, const fxs_camera cameras[2], cons
     const int error = fxs_render_stereo(&plain, object, 1, cameras, &options, targets, exact, memory, bytes, 0);
     free(memory);
     return error;
+}
+
+static void test_targets_of_both_eyes(void)
+{
+    const packed_scene s = cloud(9, 0);
+    const fxs_object object = one_object(&s.scene);
+    const fxs_camera cameras[2] = {camera_at(32, -8 * ONE), camera_at(32, -8 * ONE)};
+    fxs_targets targets[2] = {one_target(FXS_FORMAT_RGBA8, pixels[0], 256),
+                              one_target(FXS_FORMAT_RGBA8, pixels[0] + 32, 256)};
+    for (int exact = 0; exact < 2; exact++) {
+        CHECK(!draw_pair(&object, cameras, targets, exact));       /* side by side */
+        targets[1].colour.pixels = pixels[0] + 31;
+        CHECK(draw_pair(&object, cameras, targets, exact) == FXS_ERR_TARGET);
+        targets[1].colour.pixels = pixels[0] + 32;
+        targets[0].occluder = targets[1].occluder = (fxs_image){pixels[1], 128};
+        CHECK(!draw_pair(&object, cameras, targets, exact));
+        targets[0].mean_depth = (fxs_image){pixels[1] + 4096, 128};
+        targets[1].occluder = targets[0].mean_depth;
+        CHECK(draw_pair(&object, cameras, targets, exact) == FXS_ERR_TARGET);
+        targets[0].mean_depth.pixels = targets[0].occluder.pixels = targets[1].occluder.pixels = 0;
+    }
+    free(s.data);
 }
 
 /* ---- Wild frames ------------------------------------------------------------------------------------------------- */
@@ -342,6 +376,8 @@ int main(void)
     RUN(test_faint_objects_are_listed_whole);
     RUN(test_pixel_of_an_orthographic_picture);
     RUN(test_camera_of_any_size);
+    RUN(test_strides_beyond_all_memory);
+    RUN(test_targets_of_both_eyes);
     RUN(test_wild_frames);
     return check_report();
 }
