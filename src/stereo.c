@@ -57,10 +57,12 @@ static int render_shared(fxs_frame *f)
     return fxs_frame_draw(f);
 }
 
+/* Begins with both, so that nothing is written where an object is too far from the second. */
 static int render_exact(fxs_frame *f)
 {
+    int error = fxs_frame_begin(f);
     f->eye_count = 1;
-    int error = fxs_frame_render(f);
+    error = error ? error : fxs_frame_render(f);
     f->eye = &f->eyes[1];
     return error ? error : fxs_frame_render(f);
 }

@@ -167,6 +167,24 @@ static int draw_pair(const fxs_object *object, const fxs_camera cameras[2], cons
     return error;
 }
 
+/* Nothing is written, of the first eye neither. */
+static void test_object_too_far_from_one_eye(void)
+{
+    const packed_scene s = cloud(9, 0);
+    fxs_object object = one_object(&s.scene);
+    const fxs_targets targets[2] = {one_target(FXS_FORMAT_RGBA8, pixels[0], 128),
+                                    one_target(FXS_FORMAT_RGBA8, pixels[1], 128)};
+    object.scale_q32 = 65536;
+    for (int i = 0; i < 4; i++) {
+        const fxs_camera cameras[2] = {camera_at(32, (i & 1 ? -5000 : -1) * ONE), camera_at(32, (i & 1 ? -1 : -5000) * ONE)};
+        memset(pixels, 0xa5, sizeof pixels);
+        CHECK(draw_pair(&object, cameras, targets, i / 2) == FXS_ERR_OBJECT);
+        for (int k = 0; k < 32 * 32; k++)
+            CHECK(pixels[0][k] == 0xa5a5a5a5 && pixels[1][k] == 0xa5a5a5a5);
+    }
+    free(s.data);
+}
+
 static void test_targets_of_both_eyes(void)
 {
     const packed_scene s = cloud(9, 0);
@@ -377,6 +395,7 @@ int main(void)
     RUN(test_pixel_of_an_orthographic_picture);
     RUN(test_camera_of_any_size);
     RUN(test_strides_beyond_all_memory);
+    RUN(test_object_too_far_from_one_eye);
     RUN(test_targets_of_both_eyes);
     RUN(test_wild_frames);
     return check_report();
