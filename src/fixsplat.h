@@ -370,8 +370,8 @@ size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *objects, u
    the distance to the scene apart, each picture is within 54 dB (PSNR) of it on the scenes measured (the tests hold
    50). `exact` not 0: each eye has the very bytes of fxs_render, in the time of two frames.
    `memory`: `memory_bytes` bytes, aligned to 64, at least fxs_stereo_bytes; with less, FXS_ERR_MEMORY, and
-   stats->memory.least is what it takes. `targets`: of the two eyes, as for fxs_render. *stats, which may be null, is of
-   both eyes together; `visible` counts what either sees once, or with `exact` once for each eye. Errors as fxs_render,
+   stats->memory.least is what it takes. `targets`: of the two eyes, as for fxs_render; what is written for one does not
+   overlap what the other has. *stats, which may be null, is of both eyes together; `visible` counts what either sees once, or with `exact` once for each eye. Errors as fxs_render,
    and FXS_ERR_SIZE where the pictures differ in size; nothing is written to the targets then. */
 int fxs_render_stereo(const fxs_context *context, const fxs_object *objects, uint32_t count,
                       const fxs_camera cameras[2], const fxs_options *options, const fxs_targets targets[2], int exact,

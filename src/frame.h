@@ -215,6 +215,9 @@ void fxs_trace_tile(const fxs_frame *f, uint32_t tile, int32_t x, int32_t y, fxs
 /* Checks the targets there are, for pictures of this size. Returns 0 or FXS_ERR_TARGET. */
 int fxs_targets_check(const fxs_targets *targets, int32_t width, int32_t height);
 
+/* Whether checked targets of two pictures of this size overlap where one of them is written to. */
+int fxs_targets_collide(const fxs_targets *a, const fxs_targets *b, int32_t width, int32_t height);
+
 /* FXS_ERR_TARGET where there is none to write and no back end that may write elsewhere; else 0. */
 int fxs_targets_missing(const fxs_context *context, const fxs_targets *targets);
 

@@ -1,5 +1,5 @@
 /* An object is rendered by a camera in its own space, so the stages see a view and a scene as ever. What is left is
- * done here, splat by splat: depths become the world's, crop boxes, opacity and tint apply. */
+ * done here, splat by splat: depths become the world's, crop boxes and tint apply. */
 #include "object.h"
 
 #include "codes.h"
@@ -54,11 +54,13 @@ FXS_STAGE fxs_scale fxs_scale_of(int64_t scale_q32)
     return (fxs_scale){(uint32_t)((uint64_t)scale_q32 << zeros >> 32), 31 - zeros};
 }
 
-/* -2 ln(opacity) = 32 ln 2 - 2 ln 2 log2(opacity_q16); 0 for 1. */
+/* -2 ln(opacity) = 32 ln 2 - 2 ln 2 log2(opacity_q16); 0 for 1. Cut to what leaves nothing to be drawn. */
 static int32_t offset_of_q11(uint32_t opacity_q16)
 {
+    if (opacity_q16 == ONE_Q16 || !opacity_q16)
+        return 0;
     const int64_t below_q16 = ((int64_t)16 << 16) - fxs_log2_q16(opacity_q16);
-    return opacity_q16 == ONE_Q16 ? 0 : (int32_t)((below_q16 * 45426 * 2 + (1 << 20)) >> 21);   /* ln 2 = 45426 2^-16 */
+    return fxs_min((int)((below_q16 * 45426 * 2 + (1 << 20)) >> 21), FXS_FAINT_Q11 + 1);   /* ln 2 = 45426 2^-16 */
 }
 
 int fxs_object_view_init(fxs_object_view *out, const fxs_view *world, const fxs_camera *camera,
@@ -69,15 +71,16 @@ int fxs_object_view_init(fxs_object_view *out, const fxs_view *world, const fxs_
     out->id = object->id;
     out->visible = object->visible && object->opacity_q16;
     out->scale = fxs_scale_of(object->scale_q32);
-    out->offset_q11 = object->opacity_q16 ? offset_of_q11(object->opacity_q16) : 0;
     out->crops = object->crops;
     out->crop_count = object->crop_count;
-    out->plain = object->scale_q32 == FXS_ONE_Q32 && !out->offset_q11 && !object->crop_count;
+    out->plain = object->scale_q32 == FXS_ONE_Q32 && !object->crop_count;
     for (uint32_t i = 0; i < object->crop_count; i++)
         out->keep_count += !object->crops[i].outside;
     for (int c = 0; c < 3; c++)
         out->tint_q13[c] = (int32_t)object->tint_q13[c];
-    return fxs_view_of_object(&out->view, world, camera, object);
+    const int error = fxs_view_of_object(&out->view, world, camera, object);
+    out->view.offset_q11 = offset_of_q11(object->opacity_q16);
+    return error;
 }
 
 FXS_STAGE uint32_t fxs_object_of(const fxs_object_view *objects, uint32_t count, uint32_t chunk)
@@ -137,15 +140,13 @@ FXS_STAGE int fxs_object_has_chunk(const fxs_object_view *object, const fxs_chun
 }
 
 FXS_STAGE int fxs_object_change(const fxs_object_view *object, const fxs_chunk *header, const uint16_t position[3],
-                                fxs_splat *splat, uint32_t *depth)
+                                uint32_t *depth)
 {
     int64_t centre_q32[3];
     for (int i = 0; i < 3; i++)
         centre_q32[i] = header->origin_q32[i] + ((int64_t)header->step_q32[i] * position[i] << header->step_shift);
-    const int32_t offset_q11 = splat->offset_q11 + object->offset_q11;
-    if ((object->crop_count && !within_crops(object, centre_q32, centre_q32)) || offset_q11 > FXS_FAINT_Q11)
+    if (object->crop_count && !within_crops(object, centre_q32, centre_q32))
         return 0;
-    splat->offset_q11 = (uint16_t)offset_q11;
     *depth = scale_depth(*depth, object->scale);
     return 1;
 }
@@ -177,7 +178,7 @@ int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *ker
         bounds[kept] = bounds[i];
         indices[kept] = indices[i];
         depths[kept] = depths[i];
-        kept += fxs_object_change(object, &header, codes.position, &splats[kept], &depths[kept]);
+        kept += fxs_object_change(object, &header, codes.position, &depths[kept]);
     }
     return count < 0 ? count : kept;
 }

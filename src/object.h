@@ -18,9 +18,8 @@ typedef struct fxs_object_view {
     uint32_t first_chunk;          /* of the chunks of all objects */
     uint32_t id;
     int visible;
-    int plain;                     /* 1: scale, opacity and tint are 1, and nothing is cropped */
+    int plain;                     /* 1: the scale is 1, and nothing is cropped */
     fxs_scale scale;               /* of its depths in the world's */
-    int32_t offset_q11;            /* -2 ln(opacity), up to FXS_FAINT_Q11 */
     int32_t tint_q13[3];
     const fxs_crop *crops;         /* the caller's */
     uint32_t crop_count, keep_count;   /* keep_count of these keep what is inside */
@@ -53,7 +52,7 @@ FXS_STAGE uint32_t fxs_object_of(const fxs_object_view *objects, uint32_t count,
 
 /* What the object changes of a projected Gaussian with these position codes. Returns 0 where it is not drawn. */
 FXS_STAGE int fxs_object_change(const fxs_object_view *object, const fxs_chunk *header, const uint16_t position[3],
-                                fxs_splat *splat, uint32_t *depth);
+                                uint32_t *depth);
 
 /* What it changes of its colour. */
 FXS_STAGE void fxs_object_tint(const fxs_object_view *object, fxs_splat *splat);

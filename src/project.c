@@ -369,7 +369,7 @@ static int project_one(fxs_splat *splat, fxs_bounds *bounds, uint32_t *depth, co
     uint32_t opacity = codes->colour >> 24;
     if (!opacity || !project_centre(&centre, view, cv, codes->position))
         return 0;
-    splat->offset_q11 = offsets_q11[cv->opacity_law][opacity];
+    splat->offset_q11 = (uint16_t)(offsets_q11[cv->opacity_law][opacity] + view->offset_q11);
     *depth = depth_key(cv, &centre);
     return project_shape(splat, bounds, view, cv, &centre, codes->scale, codes->rotation);
 }

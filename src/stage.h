@@ -37,6 +37,7 @@ typedef struct fxs_view {
     int32_t row_q15[2][3];         /* first and second row of f'/f * rotation * 2^-jacobian_exponent */
     int32_t forward_q15[2][3];     /* f'/f * third row of the rotation */
     int32_t cut_q11;               /* for fxs_limit_q11 */
+    int32_t offset_q11;            /* of an object: -2 ln(opacity factor), at most FXS_FAINT_Q11 + 1 */
     int sh_degree, antialiased;    /* of an object's scene */
     int square;                    /* the square cut-off */
     int orthographic;              /* 1: all is projected as if z were 2^plane_exponent */

@@ -57,10 +57,12 @@ static int render_shared(fxs_frame *f)
     return fxs_frame_draw(f);
 }
 
+/* Begins with both, so that nothing is written where an object is too far from the second. */
 static int render_exact(fxs_frame *f)
 {
+    int error = fxs_frame_begin(f);
     f->eye_count = 1;
-    int error = fxs_frame_render(f);
+    error = error ? error : fxs_frame_render(f);
     f->eye = &f->eyes[1];
     return error ? error : fxs_frame_render(f);
 }
@@ -83,6 +85,8 @@ int fxs_render_stereo(const fxs_context *context, const fxs_object *objects, uin
     if (cameras[0].width != cameras[1].width || cameras[0].height != cameras[1].height ||
         cameras[0].projection != cameras[1].projection)
         return FXS_ERR_SIZE;
+    if (fxs_targets_collide(&targets[0], &targets[1], cameras[0].width, cameras[0].height))
+        return FXS_ERR_TARGET;
     f.stats.memory.least = fxs_stereo_bytes(context, objects, count, cameras[0].width, cameras[0].height);
     error = f.stats.memory.least && memory_bytes >= f.stats.memory.least ? 0 : FXS_ERR_MEMORY;
     if (!error) {

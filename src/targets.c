@@ -17,33 +17,59 @@ typedef struct part {
     int bytes, alignment, written;
 } part;
 
+static void parts_of(part parts[IMAGES], const fxs_targets *t)
+{
+    const part all[IMAGES] = {
+        {&t->colour, fxs_pixel_bytes(t->format), t->format == FXS_FORMAT_RGBA16_COVERAGE ? 2 : 1, 1},
+        {&t->coverage, 1, 1, 1}, {&t->mean_depth, 4, 4, 1}, {&t->median_depth, 4, 4, 1}, {&t->id, 8, 4, 1},
+        {&t->occluder, 4, 4, 0}, {&t->backdrop, 4, 1, 0}};
+    memcpy(parts, all, sizeof all);
+}
+
+/* From its first byte to the end of its last. */
+typedef struct extent {
+    uintptr_t low, high;
+} extent;
+
+static extent extent_of(const part *p, int32_t width, int32_t height)
+{
+    const ptrdiff_t below = (height - 1) * p->image->stride;
+    const uintptr_t top = (uintptr_t)p->image->pixels, row = (uintptr_t)width * (unsigned)p->bytes;
+    return (extent){top + (uintptr_t)(below < 0 ? below : 0), top + (uintptr_t)(below < 0 ? 0 : below) + row};
+}
+
 static int is_valid(const part *p, int32_t width, int32_t height)
 {
-    const ptrdiff_t row = (ptrdiff_t)width * p->bytes, stride = p->image->stride;
-    return (uintptr_t)p->image->pixels % (unsigned)p->alignment == 0 && stride % p->alignment == 0 &&
-           (height <= 1 || stride >= row || stride <= -row);
+    const ptrdiff_t row = (ptrdiff_t)width * p->bytes, stride = p->image->stride, most = (PTRDIFF_MAX - row) / height;
+    const uintptr_t top = (uintptr_t)p->image->pixels;
+    if (top % (unsigned)p->alignment || stride % p->alignment || stride > most || stride < -most ||
+        (height > 1 && stride < row && stride > -row))
+        return 0;
+    const extent e = extent_of(p, width, height);      /* turned over where it runs beyond all addresses */
+    return e.low <= top && top < e.high;
 }
 
 /* Whether two images share a byte. Rows of one stride may interlace, as those of two eyes side by side do. */
 static int overlap(const part *a, const part *b, int32_t width, int32_t height)
 {
-    const part *parts[2] = {a, b};
-    uintptr_t low[2], high[2];
-    for (int i = 0; i < 2; i++) {
-        const ptrdiff_t stride = parts[i]->image->stride, below = (height - 1) * stride;
-        low[i] = (uintptr_t)parts[i]->image->pixels + (uintptr_t)(stride < 0 ? below : 0);
-        high[i] = low[i] + (uintptr_t)(stride < 0 ? -below : below) + (uintptr_t)(width * (ptrdiff_t)parts[i]->bytes);
-    }
-    if (high[0] <= low[1] || high[1] <= low[0])
+    const extent extents[2] = {extent_of(a, width, height), extent_of(b, width, height)};
+    if (extents[0].high <= extents[1].low || extents[1].high <= extents[0].low)
         return 0;
     const ptrdiff_t strides[2] = {a->image->stride, b->image->stride};
     const uintptr_t stride = (uintptr_t)(strides[0] < 0 ? -strides[0] : strides[0]);
     if ((strides[0] != strides[1] && strides[0] != -strides[1]) || !stride)
         return 1;
-    const int first = low[1] < low[0];                 /* the one that starts lower */
-    const uintptr_t ahead = (low[!first] - low[first]) % stride;
+    const part *parts[2] = {a, b};
+    const int first = extents[1].low < extents[0].low;     /* the one that starts lower */
+    const uintptr_t ahead = (extents[!first].low - extents[first].low) % stride;
     return ahead < (uintptr_t)(width * (ptrdiff_t)parts[first]->bytes) ||
            ahead + (uintptr_t)(width * (ptrdiff_t)parts[!first]->bytes) > stride;
+}
+
+/* Whether one is written to where the other is. */
+static int collide(const part *a, const part *b, int32_t width, int32_t height)
+{
+    return a->image->pixels && b->image->pixels && (a->written || b->written) && overlap(a, b, width, height);
 }
 
 static int is_in_place(const fxs_targets *t)
@@ -57,21 +83,29 @@ int fxs_targets_check(const fxs_targets *t, int32_t width, int32_t height)
     if ((unsigned)t->format > FXS_FORMAT_RGBA16_COVERAGE || t->depth_bits < 0 || t->depth_bits > 28 ||
         (t->backdrop.pixels && fxs_is_premultiplied(t->format)))
         return FXS_ERR_TARGET;
-    const part parts[IMAGES] = {
-        {&t->colour, fxs_pixel_bytes(t->format), t->format == FXS_FORMAT_RGBA16_COVERAGE ? 2 : 1, 1},
-        {&t->coverage, 1, 1, 1}, {&t->mean_depth, 4, 4, 1}, {&t->median_depth, 4, 4, 1}, {&t->id, 8, 4, 1},
-        {&t->occluder, 4, 4, 0}, {&t->backdrop, 4, 1, 0}};
+    part parts[IMAGES];
+    parts_of(parts, t);
     for (int i = 0; i < IMAGES; i++) {
-        if (!parts[i].image->pixels)
-            continue;
-        if (!is_valid(&parts[i], width, height))
+        if (parts[i].image->pixels && !is_valid(&parts[i], width, height))
             return FXS_ERR_TARGET;
         for (int k = 0; k < i; k++)
-            if (parts[k].image->pixels && parts[k].written && overlap(&parts[k], &parts[i], width, height) &&
+            if (collide(&parts[k], &parts[i], width, height) &&
                 !(parts[i].image == &t->backdrop && k == 0 && is_in_place(t)))
                 return FXS_ERR_TARGET;
     }
     return 0;
+}
+
+int fxs_targets_collide(const fxs_targets *a, const fxs_targets *b, int32_t width, int32_t height)
+{
+    part of_a[IMAGES], of_b[IMAGES];
+    int any = 0;
+    parts_of(of_a, a);
+    parts_of(of_b, b);
+    for (int i = 0; i < IMAGES; i++)
+        for (int k = 0; k < IMAGES; k++)
+            any |= collide(&of_a[i], &of_b[k], width, height);
+    return any;
 }
 
 int fxs_targets_missing(const fxs_context *context, const fxs_targets *t)

@@ -143,17 +143,25 @@ static void derive(fxs_view *view)
         view->eye_q32[i] = view->position_q32[i] - (view->orthographic ? view->rotation_q30[6 + i] * ONE_Q30 : 0);
 }
 
-/* Of an orthographic camera fx and fy are pixels a unit: f / z with z = 2^plane_exponent units, chosen so that f is one
-   to two widths, or heights, of the picture. */
+/* Two widths, or heights, of a picture; or a 16th of what it reaches from the principal point, where that is more. */
+static uint64_t plane_focal_q12(int64_t size, int64_t c_q12)
+{
+    const int64_t after_q12 = (size << 12) - c_q12, reach_q12 = after_q12 > c_q12 ? after_q12 : c_q12;
+    return (uint64_t)(reach_q12 >> 4 > size << 13 ? reach_q12 >> 4 : size << 13);
+}
+
+/* Of an orthographic camera fx and fy are pixels a unit: f / z with z = 2^plane_exponent units, chosen so that f is
+   half of plane_focal to all of it on one axis, and not less on the other: then slopes on the picture are at most 32. */
 static void choose_plane(fxs_view *view, const fxs_camera *camera, fxs_scale s)
 {
-    const uint64_t f_q12[2] = {(uint64_t)camera->fx_q12 * s.mantissa, (uint64_t)camera->fy_q12 * s.mantissa};
-    const uint64_t most = (uint64_t)(view->width > view->height ? view->width : view->height) << 13;
+    const uint64_t x_q12 = (uint64_t)camera->fx_q12 * s.mantissa, y_q12 = (uint64_t)camera->fy_q12 * s.mantissa;
+    const uint64_t most_x_q12 = plane_focal_q12(view->width, view->cx_q12);
+    const uint64_t most_y_q12 = plane_focal_q12(view->height, view->cy_q12);
     int shift = 0;
-    while ((f_q12[0] > f_q12[1] ? f_q12[0] : f_q12[1]) >> shift >= most)
+    while ((x_q12 >> shift >= most_x_q12 && y_q12 >> shift >= most_y_q12) || (x_q12 | y_q12) >> shift > INT32_MAX)
         shift++;
-    view->fx_q12 = (int64_t)(f_q12[0] >> shift) + !(f_q12[0] >> shift);
-    view->fy_q12 = (int64_t)(f_q12[1] >> shift) + !(f_q12[1] >> shift);
+    view->fx_q12 = (int64_t)(x_q12 >> shift) + !(x_q12 >> shift);
+    view->fy_q12 = (int64_t)(y_q12 >> shift) + !(y_q12 >> shift);
     view->plane_exponent = 31 - s.exponent - shift;
 }
 
@@ -162,8 +170,8 @@ void fxs_camera_init(fxs_camera *camera, int32_t width, int32_t height)
     memset(camera, 0, sizeof *camera);
     camera->width = width;
     camera->height = height;
-    camera->fx_q12 = camera->fy_q12 = camera->cx_q12 = width * 2048;
-    camera->cy_q12 = height * 2048;
+    camera->fx_q12 = camera->fy_q12 = camera->cx_q12 = (int32_t)((uint32_t)width * 2048);   /* of any width */
+    camera->cy_q12 = (int32_t)((uint32_t)height * 2048);
     camera->rotation_q30[0] = camera->rotation_q30[4] = camera->rotation_q30[8] = 1 << 30;
 }
 

@@ -249,7 +249,7 @@ static inline mask compensate(vi *offset_q11, const covariance *s)
     vu high = high_half(s->det_undilated_q60), low = low_half(s->det_undilated_q60);
     vi log2 = log2_q16(s->det_q60) - log2_q16(s->det_undilated_q60);
     *offset_q11 += (vi)narrow(offset_wide(mul_wide(log2, all(45426)), 1 << 20), 21);
-    return greater(all(FXS_FAINT_Q11 + 1), *offset_q11) & ~equal((vi)(high | low), all(0));
+    return ~equal((vi)(high | low), all(0));
 }
 
 /* The words of fxs_splat, and of fxs_bounds. */
@@ -298,6 +298,7 @@ static inline mask shape(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view
     covariance_of(&cov, t_q15, most(load(&s->rows[EXPONENT][at]), all(0)));
     if (view->antialiased)
         alive &= compensate(&offset_q11, &cov);
+    alive &= greater(all(FXS_FAINT_Q11 + 1), offset_q11);
     vi r2_q11 = least(all(FXS_CUT_Q11), FXS_FAINT_Q11 - offset_q11);
     vu r_q12 = root((vu)(r2_q11 + 1) << 13) + 1;
     const mantissa a = mantissa_of(cov.a_q30), c = mantissa_of(cov.c_q30);
@@ -343,7 +344,7 @@ FXS_PROJECT(ISA)
         if (!find_centres(&s, view, &cv, scene, fxs_rows(scene, chunk), i))
             return fxs_project_c(view, scene, chunk, splats, bounds, indices, depths);
     for (uint32_t i = 0; i < s.count; i++)
-        s.rows[OPACITY][i] = fxs_offset_of_code_q11[cv.opacity_law][s.rows[OPACITY][i]];
+        s.rows[OPACITY][i] = fxs_offset_of_code_q11[cv.opacity_law][s.rows[OPACITY][i]] + view->offset_q11;
     for (int row = 0; row < ROWS; row++)
         store(&s.rows[row][s.count], all(0));
     for (uint32_t at = 0; at < s.count; at += LANES) {
