@@ -1,8 +1,8 @@
 /* Where a frame's memory goes, and its bands. Where the memory does not hold a splat for every Gaussian, the frame is
  * rendered in bands of tile rows. A first projection only counts the splats of each tile row, so that the bands are
  * known, and the least memory that would do, before a pixel is written. */
-#include "frame.h"
 #include "memory.h"
+#include "parts.h"
 
 #define JOBS 8u                    /* blocks a thread where bands are planned, at most */
 #define ENTRIES 4u                 /* a slot: what lists usually take */

@@ -3,8 +3,8 @@
  * margin of 1/8 pixel and 1/256 of the size makes up for rounding, so a list never misses a pixel that passes the
  * test in pixel.h. */
 #include "fixed.h"
-#include "frame.h"
 #include "memory.h"
+#include "parts.h"
 
 #define AHEAD 16                   /* keys */
 

@@ -1,7 +1,7 @@
 /* blend: the splats of a tile, near to far, over its 256 pixels. The math of one pixel is in pixel.h; here are the
    loops and the early stop. */
-#include "frame.h"
 #include "memory.h"
+#include "parts.h"
 
 /* A splat at a tile: coordinates at the tile's first pixel, and the rows it can touch. */
 typedef struct placed {

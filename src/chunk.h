@@ -5,11 +5,6 @@
 #include "packed.h"
 #include "stage.h"
 
-/* Before functions of a stage that other files call; the CUDA back end compiles their text for the device as well. */
-#ifndef FXS_STAGE
-#define FXS_STAGE
-#endif
-
 /* Constants of project. */
 #define FXS_DILATION_Q30 322122547u              /* 0.3 pixels^2 */
 #define FXS_DILATION_LEAST_Q30 64u               /* 2^-24: no needle is thinner than 1 in 4096, see docs/numbers.md */

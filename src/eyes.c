@@ -1,5 +1,5 @@
 /* The slots of a chunk that two eyes see: what either sees has the same slot in both eyes' splats. */
-#include "frame.h"
+#include "parts.h"
 
 static uint32_t union_count(const uint32_t *a, uint32_t a_count, const uint32_t *b, uint32_t b_count)
 {

@@ -38,6 +38,22 @@ static inline int fxs_ctz32(uint32_t x)
     return 31 - fxs_clz32(x & -x);
 }
 
+#define FXS_ONE_Q32 ((int64_t)1 << 32)
+
+/* mantissa * 2^(exponent - 31), mantissa in [2^31, 2^32) */
+typedef struct fxs_scale {
+    uint32_t mantissa;
+    int32_t exponent;
+} fxs_scale;
+
+/* scale_q32 above 0. */
+static inline fxs_scale fxs_scale_of(int64_t scale_q32)
+{
+    const int zeros = fxs_clz64((uint64_t)scale_q32);
+    const fxs_scale scale = {(uint32_t)((uint64_t)scale_q32 << zeros >> 32), 31 - zeros};
+    return scale;
+}
+
 /* High half of a product. */
 static inline uint32_t fxs_mulhi(uint32_t a, uint32_t b)
 {

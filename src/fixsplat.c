@@ -1,5 +1,5 @@
-#include "frame.h"
 #include "memory.h"
+#include "stage.h"
 
 const fxs_kernels fxs_kernels_c = {
     {"c", "c", "c", "c", "c", "c"}, fxs_project_c, fxs_shade_c, fxs_bin_c, fxs_blend_c,

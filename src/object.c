@@ -3,6 +3,7 @@
 #include "object.h"
 
 #include "codes.h"
+#include "fixed.h"
 #include "memory.h"
 
 #define SCALE_LEAST_Q32 (FXS_ONE_Q32 >> 16)
@@ -46,12 +47,6 @@ int fxs_object_check(const fxs_object *object)
     for (uint32_t i = 0; i < object->crop_count && !error; i++)
         error = check_crop(&object->crops[i]);
     return error;
-}
-
-FXS_STAGE fxs_scale fxs_scale_of(int64_t scale_q32)
-{
-    const int zeros = fxs_clz64((uint64_t)scale_q32);
-    return (fxs_scale){(uint32_t)((uint64_t)scale_q32 << zeros >> 32), 31 - zeros};
 }
 
 /* -2 ln(opacity) = 32 ln 2 - 2 ln 2 log2(opacity_q16); 0 for 1. Cut to what leaves nothing to be drawn. */

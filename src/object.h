@@ -3,14 +3,7 @@
 #define FXS_OBJECT_H
 
 #include "chunk.h"
-
-#define FXS_ONE_Q32 ((int64_t)1 << 32)
-
-/* mantissa * 2^(exponent - 31), mantissa in [2^31, 2^32) */
-typedef struct fxs_scale {
-    uint32_t mantissa;
-    int32_t exponent;
-} fxs_scale;
+#include "view.h"
 
 typedef struct fxs_object_view {
     fxs_view view;                 /* the camera, in the object's space */
@@ -25,23 +18,8 @@ typedef struct fxs_object_view {
     uint32_t crop_count, keep_count;   /* keep_count of these keep what is inside */
 } fxs_object_view;
 
-/* Rows of length 1 and at right angles, within 2^-10, and right-handed: row0 x row1 = row2. */
-FXS_STAGE int fxs_is_rotation(const int32_t m_q30[9]);
-
-/* Row i of the transpose of m times v; |v| below 2^61. */
-FXS_STAGE int64_t fxs_turned_back(const int32_t m_q30[9], const int64_t v[3], int i);
-
-/* scale_q32 above 0. */
-FXS_STAGE fxs_scale fxs_scale_of(int64_t scale_q32);
-
 /* Checks an object, but for where it is: 0 or FXS_ERR_ARGUMENT, FXS_ERR_OBJECT. */
 int fxs_object_check(const fxs_object *object);
-
-/* The camera in the world. Returns 0 or FXS_ERR_CAMERA, FXS_ERR_SIZE. */
-int fxs_view_init(fxs_view *view, const fxs_camera *camera, const fxs_options *options);
-
-/* The same camera in the space of an object that was checked. Returns 0, or FXS_ERR_OBJECT where it is too far away. */
-int fxs_view_of_object(fxs_view *view, const fxs_view *world, const fxs_camera *camera, const fxs_object *object);
 
 /* All of an object that was checked, but for first_chunk. Errors as fxs_view_of_object. */
 int fxs_object_view_init(fxs_object_view *out, const fxs_view *world, const fxs_camera *camera,

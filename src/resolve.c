@@ -1,6 +1,6 @@
 /* resolve: sums and transmittance of a tile, over the background, as pixels. */
-#include "frame.h"
 #include "memory.h"
+#include "parts.h"
 
 static void store(unsigned char *pixel, enum fxs_format format, const int rgb[3], int transmittance_q15)
 {

@@ -1,8 +1,8 @@
 /* sort: least significant digit first, three digits of 11, 11 and 10 bits of the depth. Stable, so equal depths keep
  * the order of their slots. Each job has a part of the keys; a digit's places go to the jobs in order, so the result
  * does not depend on their number. */
-#include "frame.h"
 #include "memory.h"
+#include "parts.h"
 
 typedef struct sorter {
     const fxs_key *from;

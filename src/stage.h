@@ -13,6 +13,11 @@
 extern "C" {
 #endif
 
+/* Before functions of a stage that other files call; the CUDA back end compiles their text for the device as well. */
+#ifndef FXS_STAGE
+#define FXS_STAGE
+#endif
+
 #define FXS_TILE 16
 #define FXS_TILE_PIXELS (FXS_TILE * FXS_TILE)
 

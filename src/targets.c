@@ -1,6 +1,6 @@
 /* What a frame writes: checks, and the pixels of a tile in each target but depths and ids. */
-#include "frame.h"
 #include "memory.h"
+#include "parts.h"
 
 #define IMAGES 7
 

@@ -1,7 +1,7 @@
 /* trace: blend, for targets of depth and id and with an occluder. A tile's list is blended part by part. Within a part
  * depths are in one octave, so that a code of 15 bits holds them; between parts they are added up. */
-#include "frame.h"
 #include "memory.h"
+#include "parts.h"
 
 #define STRETCH 32767u             /* entries of a list that 16 bits tell apart; at most */
 #define PART 512u                  /* entries, at most */

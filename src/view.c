@@ -1,5 +1,5 @@
 /* The camera, once a frame and object: everything of the projection that does not depend on the Gaussian. */
-#include "object.h"
+#include "view.h"
 
 #include "fixed.h"
 #include "memory.h"

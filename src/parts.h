@@ -1,0 +1,213 @@
+/* A frame while it is rendered, and the parts that frame.c is made of. */
+#ifndef FXS_PARTS_H
+#define FXS_PARTS_H
+
+#include "object.h"
+
+#define FXS_BLOCK 16u              /* chunks that are projected, shaded and binned in one go */
+#define FXS_BLOCK_FAILED UINT32_MAX   /* the scene was damaged or changed */
+#define FXS_SORT_BUCKETS 2048
+
+/* Tile columns or rows, first to last; none where first > last. */
+typedef struct fxs_span {
+    int32_t first, last;
+} fxs_span;
+
+/* Splats of a block whose first, or last, tile row is above a given one. */
+typedef struct fxs_row_counts {
+    uint32_t started, ended;
+} fxs_row_counts;
+
+/* A picture of the frame: the camera, its splats and where they are drawn. Two eyes share the other memory. */
+typedef struct fxs_eye {
+    fxs_view view;                         /* of the world */
+    fxs_camera camera;
+    fxs_object_view *objects;              /* as this camera sees them */
+    fxs_splat *splats;                     /* by slot: those of a block lie together, in the order of the objects */
+    fxs_bounds *bounds;
+    fxs_box *boxes;
+    uint32_t *depths;                      /* depth keys */
+    const fxs_targets *targets;
+} fxs_eye;
+
+typedef struct fxs_frame {
+    const fxs_context *context;
+    const fxs_object *objects;
+    const fxs_options *options;
+    uint32_t object_count, chunk_count;    /* chunks of all objects */
+    fxs_stats stats;
+    unsigned char *memory;
+    uint64_t memory_bytes;
+
+    fxs_eye eyes[2];
+    uint32_t eye_count;                    /* that are prepared together, in the same slots */
+    fxs_eye *eye;                          /* the one that is sorted and drawn */
+
+    uint32_t tiles;
+    uint32_t parts;                        /* jobs that share the sort and the lists: one a thread */
+    uint32_t blocks, block_chunks;         /* jobs that share the first stages, and the chunks of each */
+    int planned;                           /* the memory does not hold every Gaussian: there may be several bands */
+    int planning;                          /* blocks only count their splats by tile row */
+
+    /* Cut from the memory once, fixed_bytes long. */
+    uint64_t fixed_bytes, bytes_for_all;   /* bytes_for_all: of a frame at once */
+    uint32_t *block_slots;                 /* first slot of each block, and the end of the last one's */
+    uint32_t *block_counts;                /* its splats, or FXS_BLOCK_FAILED */
+    uint64_t *block_times;                 /* nanoseconds of project, shade and bin */
+    fxs_row_counts *row_counts;            /* planned only: tiles_y + 1 for each block */
+    fxs_span *chunk_rows;                  /* planned only: tile rows that the splats of each chunk touch */
+    uint32_t (*histograms)[FXS_SORT_BUCKETS];   /* of each part */
+    uint32_t *tile_counts;                 /* length of each tile's list */
+    uint32_t *next;                        /* a row of tiles for each part of the keys: entries, then where they go */
+    uint64_t *tile_times;                  /* nanoseconds of blend and resolve */
+
+    /* The band of tile rows, and what is cut from the rest of the memory for it, beside the eyes' splats. */
+    int32_t first_row, end_row;
+    uint32_t count;                        /* splats that touch it */
+    uint32_t *indices;                     /* by slot: in all objects' chunks */
+    fxs_key *keys, *unsorted;              /* two arrays that the sort moves keys between; keys: where they end */
+    fxs_box *sorted_boxes;                 /* in the order of the keys: over `unsorted`, which is done with then */
+    uint32_t *entries, entry_capacity;
+
+    uint32_t first_tile, last_tile;        /* of the run being blended */
+    void (*tile_job)(void *frame, uint32_t job);   /* blends a tile of the run; null: the back end draws the run */
+    uint64_t evaluated, blended;           /* fxs_count_pairs only */
+} fxs_frame;
+
+static inline void fxs_frame_run(const fxs_frame *f, void (*job)(void *, uint32_t), uint32_t jobs)
+{
+    fxs_run(&f->context->config, job, (void *)f, jobs);
+}
+
+static inline uint64_t fxs_now(const fxs_frame *f)
+{
+    const fxs_config *config = &f->context->config;
+    return config->clock ? config->clock(config->clock_argument) : 0;
+}
+
+/* The chunks of a block: from fxs_block_start(f, block) to fxs_block_start(f, block + 1). */
+static inline uint32_t fxs_block_start(const fxs_frame *f, uint32_t block)
+{
+    uint64_t chunk = (uint64_t)block * f->block_chunks;
+    return chunk < f->chunk_count ? (uint32_t)chunk : f->chunk_count;
+}
+
+/* The object that a chunk of all objects is of. */
+static inline uint32_t fxs_frame_object(const fxs_frame *f, uint32_t chunk)
+{
+    return fxs_object_of(f->eye->objects, f->object_count, chunk);
+}
+
+/* Tiles of the picture above a tile row. */
+static inline uint32_t fxs_tiles_above(const fxs_frame *f, int32_t row)
+{
+    return (uint32_t)(row * f->eye->view.tiles_x);
+}
+
+/* A tile's list: tile_counts[tile] entries. The last part's entries end it. */
+static inline const uint32_t *fxs_list_of(const fxs_frame *f, uint32_t tile)
+{
+    return f->entries + f->next[(size_t)(f->parts - 1) * f->tiles + tile] - f->tile_counts[tile];
+}
+
+/* ---- bands.c ----------------------------------------------------------------------------------------------------- */
+
+/* Bytes of a frame with f->eye_count eyes, or more than SIZE_MAX; fills in stats.memory. */
+uint64_t fxs_frame_measure(fxs_frame *f);
+
+/* Cuts up the memory for the frame, and sets `planned` where it does not hold every Gaussian. Returns the bytes without
+   which that cannot be. */
+uint64_t fxs_bands_init(fxs_frame *f);
+
+/* Before and after the blocks that count the splats of each tile row. The end returns the bytes that the fullest tile
+   row takes. */
+void fxs_bands_begin_plan(fxs_frame *f);
+uint64_t fxs_bands_end_plan(fxs_frame *f);
+
+/* Goes on to the next band: as many tile rows from end_row on as fit in the memory. */
+void fxs_band_next(fxs_frame *f);
+
+/* Counts the splats of a chunk, at `slot`, by tile row, for the plan. */
+void fxs_band_count(fxs_frame *f, uint32_t block, uint32_t chunk, uint32_t slot, uint32_t count);
+
+/* Whether splats of a chunk may touch the band. */
+int fxs_band_has_chunk(const fxs_frame *f, uint32_t chunk);
+
+/* Moves those of `count` splats from `slot` on that touch the band together. Returns how many they are. */
+uint32_t fxs_band_keep(fxs_frame *f, uint32_t chunk, uint32_t slot, uint32_t count);
+
+/* ---- eyes.c ------------------------------------------------------------------------------------------------------ */
+
+/* Projects a chunk for both eyes, from `slot` on. What either sees has the same slot in both; what one does not see has
+   the other's depth. Returns how many slots are taken, at most 256, or FXS_ERR_SCENE. */
+int32_t fxs_eyes_project(fxs_frame *f, uint32_t object, uint32_t chunk, uint32_t slot);
+
+/* After bin: lists what an eye does not see nowhere. */
+void fxs_eyes_hide(const fxs_bounds *bounds, uint32_t count, fxs_box *boxes);
+
+/* ---- sort.c, bin.c, trace.c -------------------------------------------------------------------------------------- */
+
+/* Sorts keys by depth, ties by slot (they arrive in the order of their slots), in `parts` jobs. `spare` has room for
+   as many, `histograms` for `parts`. Returns where the result is: keys or spare. */
+fxs_key *fxs_sort(const fxs_config *config, fxs_key *keys, fxs_key *spare, uint32_t count,
+                  uint32_t (*histograms)[FXS_SORT_BUCKETS], uint32_t parts);
+
+/* A stretch of sorted keys, and the boxes of their slots in the same order. */
+typedef struct fxs_sorted {
+    const fxs_key *keys;
+    fxs_box *boxes;
+    uint32_t count;
+} fxs_sorted;
+
+/* The tile rows in which a splat may be listed. */
+FXS_STAGE fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds);
+
+/* Fetches the boxes of a stretch from `boxes` (by slot) and adds 1 to counts[tile] for every tile that each is in. */
+void fxs_bin_count(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_box *boxes,
+                   const fxs_sorted *sorted, uint32_t *counts);
+
+/* Lists a stretch in tiles first_tile to last_tile: for each key in order, and each such tile that it is in,
+   entries[next[tile]++] = slot. */
+void fxs_bin_fill(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_sorted *sorted,
+                  uint32_t first_tile, uint32_t last_tile, uint32_t *next, uint32_t *entries);
+
+/* All 1 - T = 0. */
+void fxs_tile_clear(fxs_tile *tile);
+
+/* Blends tile `tile`, at pixel (x, y), by `trace`, and writes its depths and ids. slots, of 256, or null: what
+   contributes most to each pixel; FXS_NOTHING where nothing does. */
+void fxs_trace_tile(const fxs_frame *f, uint32_t tile, int32_t x, int32_t y, fxs_tile *pixels, uint32_t *slots);
+
+/* ---- targets.c, resolve.c ---------------------------------------------------------------------------------------- */
+
+/* Checks the targets there are, for pictures of this size. Returns 0 or FXS_ERR_TARGET. */
+int fxs_targets_check(const fxs_targets *targets, int32_t width, int32_t height);
+
+/* Whether checked targets of two pictures of this size overlap where one of them is written to. */
+int fxs_targets_collide(const fxs_targets *a, const fxs_targets *b, int32_t width, int32_t height);
+
+/* FXS_ERR_TARGET where there is none to write and no back end that may write elsewhere; else 0. */
+int fxs_targets_missing(const fxs_context *context, const fxs_targets *targets);
+
+/* Whether they need `trace` in place of `blend`. */
+int fxs_targets_traced(const fxs_targets *targets);
+
+/* Writes the pixels of a tile at (x, y) to the other targets of f->eye. */
+void fxs_resolve_targets(const fxs_frame *f, const fxs_tile *tile, int32_t x, int32_t y);
+
+/* fxs_resolve_c, over a picture of RGBA8. */
+void fxs_resolve_over(enum fxs_format format, const fxs_tile *tile, int32_t columns, int32_t rows,
+                      const unsigned char *backdrop, ptrdiff_t backdrop_stride, unsigned char *pixels,
+                      ptrdiff_t stride);
+
+static inline unsigned char *fxs_image_at(const fxs_image *image, int32_t x, int32_t y, int pixel_bytes)
+{
+    return (unsigned char *)image->pixels + y * image->stride + (ptrdiff_t)x * pixel_bytes;
+}
+
+static inline int fxs_depth_bits(const fxs_targets *targets)
+{
+    return targets->depth_bits ? targets->depth_bits : 16;
+}
+
+#endif
