@@ -10,15 +10,16 @@ static fxs_context plain;          /* C, one thread */
 static fxs_options options;
 static uint32_t pixels[2][MOST * MOST];
 
-/* Opaque and faint Gaussians of all shapes, with sigmas of 1/20 to 1 times 2^log2 units, in a cube of 4 units. */
-static packed_scene cloud(uint32_t count, int log2)
+/* Opaque and faint Gaussians of all shapes, with sigmas of 1/20 to 1 times 2^log2 units, in a box of 4 x 4 x 4 / 2^thin
+   units. */
+static packed_scene cloud(uint32_t count, int log2, int thin)
 {
     packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, count, 0);
     for (uint32_t c = 0; c < s.header->chunk_count; c++) {
         fxs_chunk *chunk = &s.chunks[c];
         for (int i = 0; i < 3; i++) {
             chunk->origin_q32[i] = -2 * ONE;
-            chunk->step_q32[i] = 4 * 65536;
+            chunk->step_q32[i] = i < 2 ? 262144 : 262144u >> thin;
             chunk->colour_q16[i] = 20000;
             chunk->colour_step_q20[i] = 4000;
         }
@@ -82,7 +83,7 @@ static void test_faint_objects_are_listed_whole(void)
     camera.fx_q12 = camera.fy_q12 = 250 << 12;
     for (state = 1; state < 6;) {
         const uint64_t seed = state;
-        packed_scene s = cloud(200, 0);
+        packed_scene s = cloud(200, 0, 0);
         fxs_object object = one_object(&s.scene);
         for (object.opacity_q16 = 16384; object.opacity_q16 > 600; object.opacity_q16 /= 2)
             CHECK(!draw(&plain, &object, &camera, pixels[0]) && !draw(&everywhere, &object, &camera, pixels[1]) &&
@@ -99,7 +100,7 @@ static void test_pixel_of_an_orthographic_picture(void)
 {
     fxs_camera camera = camera_at(MOST, -8 * ONE);
     state = 3;
-    packed_scene s = cloud(700, -3);
+    packed_scene s = cloud(700, -3, 0);
     const fxs_object object = one_object(&s.scene);
     camera.projection = FXS_ORTHOGRAPHIC;
     camera.fx_q12 = camera.fy_q12 = 80 << 12;
@@ -119,7 +120,7 @@ static void test_pixel_of_an_orthographic_picture(void)
 static void test_camera_of_any_size(void)
 {
     static const int32_t sizes[] = {INT32_MIN, -1, 0, FXS_MAX_SIZE + 1, INT32_MAX};
-    const packed_scene s = cloud(1, 0);
+    const packed_scene s = cloud(1, 0, 0);
     const fxs_object object = one_object(&s.scene);
     const fxs_targets targets = one_target(FXS_FORMAT_RGBA8, pixels[0], 4 * MOST);
     fxs_camera camera;
@@ -150,7 +151,8 @@ static void test_strides_beyond_all_memory(void)
     static const ptrdiff_t ends[] = {PTRDIFF_MAX, PTRDIFF_MIN};
     unsigned char *last = (unsigned char *)(uintptr_t)(UINTPTR_MAX - 80), *first = (unsigned char *)(uintptr_t)80;
     for (int i = 0; i < 2; i++)
-        CHECK(render_to(ends[i], pixels[1], 1) == FXS_ERR_TARGET && render_to(ends[i], pixels[1], 20) == FXS_ERR_TARGET);
+        for (int32_t height = 1; height < 40; height += 19)
+            CHECK(render_to(ends[i], pixels[1], height) == FXS_ERR_TARGET);
     CHECK(render_to(most + 1, first, 20) == FXS_ERR_TARGET && render_to(-most - 1, last, 20) == FXS_ERR_TARGET);
     CHECK(render_to(8, last, 20) == FXS_ERR_TARGET && render_to(-8, first, 20) == FXS_ERR_TARGET);
     CHECK(!render_to(8, pixels[1], 20) && !render_to(-8, pixels[1] + MOST, 20));
@@ -170,13 +172,14 @@ static int draw_pair(const fxs_object *object, const fxs_camera cameras[2], cons
 /* Nothing is written, of the first eye neither. */
 static void test_object_too_far_from_one_eye(void)
 {
-    const packed_scene s = cloud(9, 0);
+    const packed_scene s = cloud(9, 0, 0);
     fxs_object object = one_object(&s.scene);
     const fxs_targets targets[2] = {one_target(FXS_FORMAT_RGBA8, pixels[0], 128),
                                     one_target(FXS_FORMAT_RGBA8, pixels[1], 128)};
     object.scale_q32 = 65536;
     for (int i = 0; i < 4; i++) {
-        const fxs_camera cameras[2] = {camera_at(32, (i & 1 ? -5000 : -1) * ONE), camera_at(32, (i & 1 ? -1 : -5000) * ONE)};
+        const fxs_camera far = camera_at(32, -5000 * ONE), near = camera_at(32, -ONE);
+        const fxs_camera cameras[2] = {i & 1 ? far : near, i & 1 ? near : far};
         memset(pixels, 0xa5, sizeof pixels);
         CHECK(draw_pair(&object, cameras, targets, i / 2) == FXS_ERR_OBJECT);
         for (int k = 0; k < 32 * 32; k++)
@@ -187,7 +190,7 @@ static void test_object_too_far_from_one_eye(void)
 
 static void test_targets_of_both_eyes(void)
 {
-    const packed_scene s = cloud(9, 0);
+    const packed_scene s = cloud(9, 0, 0);
     const fxs_object object = one_object(&s.scene);
     const fxs_camera cameras[2] = {camera_at(32, -8 * ONE), camera_at(32, -8 * ONE)};
     fxs_targets targets[2] = {one_target(FXS_FORMAT_RGBA8, pixels[0], 256),
@@ -204,6 +207,36 @@ static void test_targets_of_both_eyes(void)
         CHECK(draw_pair(&object, cameras, targets, exact) == FXS_ERR_TARGET);
         targets[0].mean_depth.pixels = targets[0].occluder.pixels = targets[1].occluder.pixels = 0;
     }
+    free(s.data);
+}
+
+/* Eyes that measure depth alike share their order, in which the second eye's depths only nearly ascend. */
+static void test_occluder_of_the_second_eye(void)
+{
+    enum { SIZE = 128 };
+    static uint32_t occluder[SIZE * SIZE], medians[2][SIZE * SIZE];
+    state = 11;
+    const packed_scene s = cloud(4000, -1, 14);
+    const fxs_object object = one_object(&s.scene);
+    fxs_camera cameras[2] = {camera_at(SIZE, -4 * ONE), camera_at(SIZE, -4 * ONE)};
+    fxs_targets targets[2] = {one_target(FXS_FORMAT_RGBA8, pixels[0], 4 * SIZE),
+                              one_target(FXS_FORMAT_RGBA8, pixels[1], 4 * SIZE)};
+    cameras[1].position_q32[0] = ONE / 16;
+    cameras[1].rotation_q30[2] = -(1 << 15);           /* turned by 2^-15 */
+    cameras[1].rotation_q30[6] = 1 << 15;
+    for (int i = 0; i < 2; i++) {
+        targets[i].depth_bits = 28;
+        targets[i].median_depth = (fxs_image){medians[i], 4 * SIZE};
+    }
+    CHECK(!draw_pair(&object, cameras, targets, 0));
+    for (int i = 0; i < SIZE * SIZE; i++)
+        occluder[i] = medians[1][i] == FXS_NOTHING ? FXS_NOTHING : medians[1][i] - 1;
+    targets[1].occluder = (fxs_image){occluder, 4 * SIZE};
+    CHECK(!draw_pair(&object, cameras, targets, 0));
+    int behind = 0;
+    for (int i = 0; i < SIZE * SIZE; i++)
+        behind += medians[1][i] != FXS_NOTHING && medians[1][i] > occluder[i];
+    CHECK(!behind);
     free(s.data);
 }
 
@@ -397,6 +430,7 @@ int main(void)
     RUN(test_strides_beyond_all_memory);
     RUN(test_object_too_far_from_one_eye);
     RUN(test_targets_of_both_eyes);
+    RUN(test_occluder_of_the_second_eye);
     RUN(test_wild_frames);
     return check_report();
 }
