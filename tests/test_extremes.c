@@ -93,6 +93,40 @@ static void test_faint_objects_are_listed_whole(void)
     }
 }
 
+/* What lies behind tens of thousands of Gaussians of its tile, which touch other pixels, is found all the same. */
+static void test_end_of_a_long_list(void)
+{
+    enum { SIZE = 16, CORNER = 5 };
+    static fxs_id ids[SIZE * SIZE];
+    static uint32_t medians[SIZE * SIZE];
+    state = 17;
+    const packed_scene many = cloud(70000, -3, 0), wall = cloud(200, 3, 14);
+    fxs_object objects[2] = {one_object(&many.scene), one_object(&wall.scene)};
+    const fxs_camera camera = camera_at(SIZE, -8 * ONE);
+    fxs_targets targets = one_target(FXS_FORMAT_RGBA8, pixels[0], 4 * SIZE);
+    fxs_stats stats;
+    objects[0].scale_q32 = ONE >> 10;                  /* all of it in one corner */
+    objects[0].translation_q32[0] = objects[0].translation_q32[1] = -7 * ONE;
+    objects[0].id = 1;
+    objects[1].id = 2;
+    objects[1].translation_q32[2] = 4 * ONE;           /* behind, 10 units away */
+    targets.id = (fxs_image){ids, 8 * SIZE};
+    targets.median_depth = (fxs_image){medians, 4 * SIZE};
+    const size_t bytes = fxs_frame_bytes(&plain, objects, 2, SIZE, SIZE, 0);
+    void *memory = check_aligned(bytes);
+    for (int last = 0; last < 2; last++) {             /* by versions */
+        fxs_context context = plain;
+        fxs_kernels_choose(&context.kernels, last ? ~0u : 0);
+        CHECK(!fxs_render(&context, objects, 2, &camera, &options, &targets, memory, bytes, &stats));
+        CHECK(stats.entries > 40000 && ids[SIZE + 1].object == 1);
+        for (int i = CORNER * SIZE + CORNER; i < SIZE * SIZE; i++)
+            CHECK(i % SIZE < CORNER || (ids[i].object == 2 && medians[i] / 65536 == 10));
+    }
+    free(memory);
+    free(many.data);
+    free(wall.data);
+}
+
 /* ---- Cameras ----------------------------------------------------------------------------------------------------- */
 
 /* A pixel of an orthographic picture, by a principal point far beside it, is that picture's. */
@@ -484,6 +518,7 @@ int main(void)
     fxs_init(&plain, 0);
     fxs_options_init(&options);
     RUN(test_faint_objects_are_listed_whole);
+    RUN(test_end_of_a_long_list);
     RUN(test_pixel_of_an_orthographic_picture);
     RUN(test_camera_of_any_size);
     RUN(test_strides_beyond_all_memory);
