@@ -24,7 +24,7 @@ const char *fxs_strerror(int error)
         "not supported by this build or machine",
         "the back end's device is missing, failed or was lost",
         "an object's rotation, scale or another of its fields is out of range, or there are too many",
-        "a target is missing, not aligned, too narrow for its stride, or overlaps another",
+        "a target is missing or not aligned, its rows are longer than its stride, or it overlaps another",
         "a file is missing, cannot be read or written, or is not what it should be",
     };
     int count = (int)(sizeof words / sizeof *words);

@@ -48,8 +48,8 @@ enum fxs_error {
     FXS_ERR_DEVICE = -8,        /* a back end's device is missing, failed or was lost */
     FXS_ERR_OBJECT = -9,        /* an object's rotation, scale or another of its fields is out of range, or there are
                                    too many */
-    FXS_ERR_TARGET = -10,       /* a target that is missing, not aligned, too narrow for its stride, or overlaps
-                                   another */
+    FXS_ERR_TARGET = -10,       /* a target that is missing or not aligned, whose rows are longer than its stride, that
+                                   overlaps another, or that the format does not allow */
     FXS_ERR_FILE = -11          /* a file that is missing, cannot be read or written, or is not what it should be */
 };
 
@@ -98,7 +98,8 @@ int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes);
 
 /* ---- Objects --------------------------------------------------------------------------------------------------- */
 
-/* A box in the object's own space: low <= x, y, z <= high, for the centres of Gaussians. */
+/* A box in the object's own space: low <= x, y, z <= high, for the centres of Gaussians. A low above its high is
+   FXS_ERR_OBJECT. */
 typedef struct fxs_crop {
     int64_t low_q32[3], high_q32[3];   /* the object's units */
     int outside;                   /* 0: keeps what is inside. 1: leaves out what is inside */
@@ -175,7 +176,8 @@ typedef struct fxs_image {
 /* What is seen at a pixel: 8 bytes of an id target. Both are FXS_NOTHING where no Gaussian adds anything. */
 typedef struct fxs_id {
     uint32_t object;               /* the object's id */
-    uint32_t gaussian;             /* its place in the packed scene */
+    uint32_t gaussian;             /* its place in the packed scene; not below the scene's count only where a damaged
+                                      one has padding (packed.h) that is not clear */
 } fxs_id;
 
 #define FXS_NOTHING UINT32_MAX
@@ -200,7 +202,8 @@ typedef struct fxs_targets {
 
     /* Read, for what the caller has drawn itself. */
     fxs_image occluder;            /* uint32_t: depths; a Gaussian that is farther adds nothing at that pixel */
-    fxs_image backdrop;            /* RGBA8, alpha not read: in place of the background; may be the colour target */
+    fxs_image backdrop;            /* RGBA8, alpha not read: in place of the background, so not with the formats of
+                                      coverage; may be the colour target, where that is RGBA8 */
 } fxs_targets;
 
 /* No targets, format RGBA8. */
@@ -290,7 +293,7 @@ int fxs_init(fxs_context *context, const fxs_config *config);
 
 /* Where the working memory of a frame goes, in bytes. */
 typedef struct fxs_frame_memory {
-    size_t splats;                 /* projected Gaussians: 72 bytes each; 500 an object */
+    size_t splats;                 /* projected Gaussians: 72 bytes each; 384 an object */
     size_t keys;                   /* sort keys, twice: 16 bytes a Gaussian; 8 KiB a thread */
     size_t tiles;                  /* of 16x16 pixels: 20 bytes each, and 4 for each thread */
     size_t entries;                /* tile lists, 4 bytes an entry */
@@ -345,8 +348,8 @@ typedef struct fxs_pick_result {
     uint32_t object;               /* its place in `objects` */
     uint32_t gaussian;             /* the one that contributes most: its place in the packed scene */
     uint32_t id;                   /* the object's */
-    int64_t depth_q32;             /* of the Gaussian's centre, along the camera's z axis */
-    int64_t position_q32[3];       /* in the world, on the pixel's ray, at that depth */
+    int64_t depth_q32;             /* of the Gaussian's centre, along the camera's z axis; cut to 2^28 units */
+    int64_t position_q32[3];       /* in the world, on the pixel's ray, at that depth; across the axis cut to +-2^28 */
 } fxs_pick_result;
 
 /* Finds out what fxs_render shows at pixel (x, y): its id target holds the same. Of `targets`, which may be null, the
@@ -359,20 +362,22 @@ int fxs_pick(const fxs_context *context, const fxs_object *objects, uint32_t cou
 /* ---- Stereo ---------------------------------------------------------------------------------------------------- */
 
 /* The working memory of two eyes with pictures of this size: that of fxs_frame_bytes, 72 bytes for every Gaussian and
-   500 for every object. 0 where an argument is out of range, or the memory more than a size_t can count. */
+   384 for every object. 0 where an argument is out of range, or the memory more than a size_t can count. */
 size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
                         int32_t height);
 
 /* Renders a frame for each of two eyes, left and right, whose pictures are of one size and projection. Each has the
    geometry of its own camera. Their colours are found once, as seen from the point between them; so is the order, where
-   their z axes are parallel and neither eye is ahead of the other (within 2^-14): elsewhere each is sorted by itself.
-   The bytes are the same on every machine. Where both cameras are equal they are those of fxs_render; with eyes 2 % of
-   the distance to the scene apart, each picture is within 54 dB (PSNR) of it on the scenes measured (the tests hold
-   50). `exact` not 0: each eye has the very bytes of fxs_render, in the time of two frames.
+   their z axes are parallel, neither eye is ahead of the other (within 2^-14) and the right one has no occluder:
+   elsewhere each is sorted by itself. The bytes are the same on every machine. Where both cameras are equal they are
+   those of fxs_render; with eyes 2 % of the distance to the scene apart, each picture is within 54 dB (PSNR) of it on
+   the scenes measured (the tests hold 50). `exact` not 0: each eye has the very bytes of fxs_render, in the time of two
+   frames.
    `memory`: `memory_bytes` bytes, aligned to 64, at least fxs_stereo_bytes; with less, FXS_ERR_MEMORY, and
    stats->memory.least is what it takes. `targets`: of the two eyes, as for fxs_render; what is written for one does not
-   overlap what the other has. *stats, which may be null, is of both eyes together; `visible` counts what either sees once, or with `exact` once for each eye. Errors as fxs_render,
-   and FXS_ERR_SIZE where the pictures differ in size; nothing is written to the targets then. */
+   overlap what the other has. *stats, which may be null, is of both eyes together; `visible` counts what either sees
+   once, or with `exact` once for each eye. Errors as fxs_render, and FXS_ERR_SIZE where the pictures differ in size or
+   projection; nothing is written to the targets then. */
 int fxs_render_stereo(const fxs_context *context, const fxs_object *objects, uint32_t count,
                       const fxs_camera cameras[2], const fxs_options *options, const fxs_targets targets[2], int exact,
                       void *memory, size_t memory_bytes, fxs_stats *stats);

@@ -52,7 +52,7 @@ static int render_shared(fxs_frame *f)
     if (error)
         return error;
     f->eye = &f->eyes[1];
-    if (!same_depth(&f->eyes[0].view, &f->eyes[1].view))
+    if (!same_depth(&f->eyes[0].view, &f->eyes[1].view) || f->eye->targets->occluder.pixels)   /* cuts at a depth */
         fxs_frame_sort(f);
     return fxs_frame_draw(f);
 }

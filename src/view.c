@@ -151,7 +151,7 @@ static uint64_t plane_focal_q12(int64_t size, int64_t c_q12)
 }
 
 /* Of an orthographic camera fx and fy are pixels a unit: f / z with z = 2^plane_exponent units, chosen so that f is
-   half of plane_focal to all of it on one axis, and not less on the other: then slopes on the picture are at most 32. */
+   half of plane_focal to all of it on one axis, and not less on the other: slopes on the picture are at most 32. */
 static void choose_plane(fxs_view *view, const fxs_camera *camera, fxs_scale s)
 {
     const uint64_t x_q12 = (uint64_t)camera->fx_q12 * s.mantissa, y_q12 = (uint64_t)camera->fy_q12 * s.mantissa;

@@ -10,15 +10,16 @@ static fxs_context plain;          /* C, one thread */
 static fxs_options options;
 static uint32_t pixels[2][MOST * MOST];
 
-/* Opaque and faint Gaussians of all shapes, with sigmas of 1/20 to 1 times 2^log2 units, in a cube of 4 units. */
-static packed_scene cloud(uint32_t count, int log2)
+/* Opaque and faint Gaussians of all shapes, with sigmas of 1/20 to 1 times 2^log2 units, in a box of 4 x 4 x 4 / 2^thin
+   units. */
+static packed_scene cloud(uint32_t count, int log2, int thin)
 {
     packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, count, 0);
     for (uint32_t c = 0; c < s.header->chunk_count; c++) {
         fxs_chunk *chunk = &s.chunks[c];
         for (int i = 0; i < 3; i++) {
             chunk->origin_q32[i] = -2 * ONE;
-            chunk->step_q32[i] = 4 * 65536;
+            chunk->step_q32[i] = i < 2 ? 262144 : 262144u >> thin;
             chunk->colour_q16[i] = 20000;
             chunk->colour_step_q20[i] = 4000;
         }
@@ -82,7 +83,7 @@ static void test_faint_objects_are_listed_whole(void)
     camera.fx_q12 = camera.fy_q12 = 250 << 12;
     for (state = 1; state < 6;) {
         const uint64_t seed = state;
-        packed_scene s = cloud(200, 0);
+        packed_scene s = cloud(200, 0, 0);
         fxs_object object = one_object(&s.scene);
         for (object.opacity_q16 = 16384; object.opacity_q16 > 600; object.opacity_q16 /= 2)
             CHECK(!draw(&plain, &object, &camera, pixels[0]) && !draw(&everywhere, &object, &camera, pixels[1]) &&
@@ -92,6 +93,40 @@ static void test_faint_objects_are_listed_whole(void)
     }
 }
 
+/* What lies behind tens of thousands of Gaussians of its tile, which touch other pixels, is found all the same. */
+static void test_end_of_a_long_list(void)
+{
+    enum { SIZE = 16, CORNER = 5 };
+    static fxs_id ids[SIZE * SIZE];
+    static uint32_t medians[SIZE * SIZE];
+    state = 17;
+    const packed_scene many = cloud(70000, -3, 0), wall = cloud(200, 3, 14);
+    fxs_object objects[2] = {one_object(&many.scene), one_object(&wall.scene)};
+    const fxs_camera camera = camera_at(SIZE, -8 * ONE);
+    fxs_targets targets = one_target(FXS_FORMAT_RGBA8, pixels[0], 4 * SIZE);
+    fxs_stats stats;
+    objects[0].scale_q32 = ONE >> 10;                  /* all of it in one corner */
+    objects[0].translation_q32[0] = objects[0].translation_q32[1] = -7 * ONE;
+    objects[0].id = 1;
+    objects[1].id = 2;
+    objects[1].translation_q32[2] = 4 * ONE;           /* behind, 10 units away */
+    targets.id = (fxs_image){ids, 8 * SIZE};
+    targets.median_depth = (fxs_image){medians, 4 * SIZE};
+    const size_t bytes = fxs_frame_bytes(&plain, objects, 2, SIZE, SIZE, 0);
+    void *memory = check_aligned(bytes);
+    for (int last = 0; last < 2; last++) {             /* by versions */
+        fxs_context context = plain;
+        fxs_kernels_choose(&context.kernels, last ? ~0u : 0);
+        CHECK(!fxs_render(&context, objects, 2, &camera, &options, &targets, memory, bytes, &stats));
+        CHECK(stats.entries > 40000 && ids[SIZE + 1].object == 1);
+        for (int i = CORNER * SIZE + CORNER; i < SIZE * SIZE; i++)
+            CHECK(i % SIZE < CORNER || (ids[i].object == 2 && medians[i] / 65536 == 10));
+    }
+    free(memory);
+    free(many.data);
+    free(wall.data);
+}
+
 /* ---- Cameras ----------------------------------------------------------------------------------------------------- */
 
 /* A pixel of an orthographic picture, by a principal point far beside it, is that picture's. */
@@ -99,7 +134,7 @@ static void test_pixel_of_an_orthographic_picture(void)
 {
     fxs_camera camera = camera_at(MOST, -8 * ONE);
     state = 3;
-    packed_scene s = cloud(700, -3);
+    packed_scene s = cloud(700, -3, 0);
     const fxs_object object = one_object(&s.scene);
     camera.projection = FXS_ORTHOGRAPHIC;
     camera.fx_q12 = camera.fy_q12 = 80 << 12;
@@ -119,7 +154,7 @@ static void test_pixel_of_an_orthographic_picture(void)
 static void test_camera_of_any_size(void)
 {
     static const int32_t sizes[] = {INT32_MIN, -1, 0, FXS_MAX_SIZE + 1, INT32_MAX};
-    const packed_scene s = cloud(1, 0);
+    const packed_scene s = cloud(1, 0, 0);
     const fxs_object object = one_object(&s.scene);
     const fxs_targets targets = one_target(FXS_FORMAT_RGBA8, pixels[0], 4 * MOST);
     fxs_camera camera;
@@ -150,7 +185,8 @@ static void test_strides_beyond_all_memory(void)
     static const ptrdiff_t ends[] = {PTRDIFF_MAX, PTRDIFF_MIN};
     unsigned char *last = (unsigned char *)(uintptr_t)(UINTPTR_MAX - 80), *first = (unsigned char *)(uintptr_t)80;
     for (int i = 0; i < 2; i++)
-        CHECK(render_to(ends[i], pixels[1], 1) == FXS_ERR_TARGET && render_to(ends[i], pixels[1], 20) == FXS_ERR_TARGET);
+        for (int32_t height = 1; height < 40; height += 19)
+            CHECK(render_to(ends[i], pixels[1], height) == FXS_ERR_TARGET);
     CHECK(render_to(most + 1, first, 20) == FXS_ERR_TARGET && render_to(-most - 1, last, 20) == FXS_ERR_TARGET);
     CHECK(render_to(8, last, 20) == FXS_ERR_TARGET && render_to(-8, first, 20) == FXS_ERR_TARGET);
     CHECK(!render_to(8, pixels[1], 20) && !render_to(-8, pixels[1] + MOST, 20));
@@ -170,13 +206,14 @@ static int draw_pair(const fxs_object *object, const fxs_camera cameras[2], cons
 /* Nothing is written, of the first eye neither. */
 static void test_object_too_far_from_one_eye(void)
 {
-    const packed_scene s = cloud(9, 0);
+    const packed_scene s = cloud(9, 0, 0);
     fxs_object object = one_object(&s.scene);
     const fxs_targets targets[2] = {one_target(FXS_FORMAT_RGBA8, pixels[0], 128),
                                     one_target(FXS_FORMAT_RGBA8, pixels[1], 128)};
     object.scale_q32 = 65536;
     for (int i = 0; i < 4; i++) {
-        const fxs_camera cameras[2] = {camera_at(32, (i & 1 ? -5000 : -1) * ONE), camera_at(32, (i & 1 ? -1 : -5000) * ONE)};
+        const fxs_camera far = camera_at(32, -5000 * ONE), near = camera_at(32, -ONE);
+        const fxs_camera cameras[2] = {i & 1 ? far : near, i & 1 ? near : far};
         memset(pixels, 0xa5, sizeof pixels);
         CHECK(draw_pair(&object, cameras, targets, i / 2) == FXS_ERR_OBJECT);
         for (int k = 0; k < 32 * 32; k++)
@@ -187,7 +224,7 @@ static void test_object_too_far_from_one_eye(void)
 
 static void test_targets_of_both_eyes(void)
 {
-    const packed_scene s = cloud(9, 0);
+    const packed_scene s = cloud(9, 0, 0);
     const fxs_object object = one_object(&s.scene);
     const fxs_camera cameras[2] = {camera_at(32, -8 * ONE), camera_at(32, -8 * ONE)};
     fxs_targets targets[2] = {one_target(FXS_FORMAT_RGBA8, pixels[0], 256),
@@ -207,6 +244,36 @@ static void test_targets_of_both_eyes(void)
     free(s.data);
 }
 
+/* Eyes that measure depth alike share their order, in which the second eye's depths only nearly ascend. */
+static void test_occluder_of_the_second_eye(void)
+{
+    enum { SIZE = 128 };
+    static uint32_t occluder[SIZE * SIZE], medians[2][SIZE * SIZE];
+    state = 11;
+    const packed_scene s = cloud(4000, -1, 14);
+    const fxs_object object = one_object(&s.scene);
+    fxs_camera cameras[2] = {camera_at(SIZE, -4 * ONE), camera_at(SIZE, -4 * ONE)};
+    fxs_targets targets[2] = {one_target(FXS_FORMAT_RGBA8, pixels[0], 4 * SIZE),
+                              one_target(FXS_FORMAT_RGBA8, pixels[1], 4 * SIZE)};
+    cameras[1].position_q32[0] = ONE / 16;
+    cameras[1].rotation_q30[2] = -(1 << 15);           /* turned by 2^-15 */
+    cameras[1].rotation_q30[6] = 1 << 15;
+    for (int i = 0; i < 2; i++) {
+        targets[i].depth_bits = 28;
+        targets[i].median_depth = (fxs_image){medians[i], 4 * SIZE};
+    }
+    CHECK(!draw_pair(&object, cameras, targets, 0));
+    for (int i = 0; i < SIZE * SIZE; i++)
+        occluder[i] = medians[1][i] == FXS_NOTHING ? FXS_NOTHING : medians[1][i] - 1;
+    targets[1].occluder = (fxs_image){occluder, 4 * SIZE};
+    CHECK(!draw_pair(&object, cameras, targets, 0));
+    int behind = 0;
+    for (int i = 0; i < SIZE * SIZE; i++)
+        behind += medians[1][i] != FXS_NOTHING && medians[1][i] > occluder[i];
+    CHECK(!behind);
+    free(s.data);
+}
+
 /* ---- Wild frames ------------------------------------------------------------------------------------------------- */
 
 enum { WILD_OBJECTS = 6, WILD_SIZE = 100 };
@@ -223,6 +290,20 @@ static int64_t wild_above(int64_t least, int bits)
 {
     const int64_t x = wild(bits);
     return x < 0 ? (-x < least ? least : -x) : x < least ? least : x;
+}
+
+/* Moves and stretches a chunk as far as it may be. */
+static void stretch_chunk(packed_scene *s)
+{
+    const uint32_t chunk_count = s->scene.chunk_count;
+    packed_scene_turn(s, chunk_count);                 /* there */
+    fxs_chunk *chunk = &s->chunks[between(0, (int32_t)chunk_count - 1)];
+    chunk->origin_q32[between(0, 2)] = wild(59);
+    chunk->step_shift = (uint16_t)between(0, 10);
+    chunk->step_q32[between(0, 2)] = (uint32_t)next() >> between(0, 31);
+    chunk->scale_q16 = between(-19 * 65536, 32 * 65536);
+    packed_scene_turn(s, chunk_count);                 /* and back */
+    CHECK(!fxs_scene_open(&s->scene, s->data, s->bytes));
 }
 
 static void wild_object(fxs_object *object, const packed_scene *s, fxs_crop crops[2])
@@ -294,13 +375,15 @@ typedef struct wild_frame {
     fxs_options options;
     unsigned which;
     uint32_t occluder[WILD_SIZE * WILD_SIZE];
-    unsigned char bytes[2][WILD_SIZE * WILD_SIZE * 40];
+    unsigned char bytes[4][WILD_SIZE * WILD_SIZE * 40];    /* of two eyes, twice */
 } wild_frame;
 
 static void make_wild_frame(wild_frame *w)
 {
     for (int i = 0; i < 2; i++)
         w->scenes[i] = random_scene((enum fxs_profile)between(0, 2), 700);
+    if (!between(0, 2))
+        stretch_chunk(&w->scenes[0]);
     w->count = (uint32_t)between(0, WILD_OBJECTS);
     for (uint32_t i = 0; i < w->count; i++)
         wild_object(&w->objects[i], &w->scenes[between(0, 1)], w->crops[i]);
@@ -354,6 +437,46 @@ static void check_wild_pick(wild_frame *w)
     free(memory);
 }
 
+static int draw_wild_pair(const fxs_context *context, wild_frame *w, const fxs_camera cameras[2],
+                          unsigned char bytes[2][WILD_SIZE * WILD_SIZE * 40], int exact)
+{
+    fxs_targets targets[2];
+    const size_t memory_bytes = fxs_stereo_bytes(context, w->objects, w->count, w->camera.width, w->camera.height);
+    void *memory = check_aligned(memory_bytes);
+    for (int i = 0; i < 2; i++) {
+        memset(bytes[i], 0xa5, sizeof bytes[i]);
+        wild_targets(&targets[i], bytes[i], w->occluder, &w->camera, w->which, i);
+    }
+    const int error = fxs_render_stereo(context, w->objects, w->count, cameras, &w->options, targets, exact, memory,
+                                        memory_bytes, 0);
+    free(memory);
+    return error;
+}
+
+/* Two exact eyes are two frames; two eyes are the same by every version. */
+static int check_wild_pair(wild_frame *w, const fxs_context *fast)
+{
+    const fxs_camera first = w->camera;
+    fxs_camera cameras[2] = {first, first};
+    if (between(0, 1))
+        wild_camera(&cameras[1]);
+    cameras[1].width = first.width;
+    cameras[1].height = first.height;
+    cameras[1].projection = first.projection;
+    if (between(0, 1))
+        cameras[1].position_q32[between(0, 2)] += between(-ONE / 256, ONE / 256);
+    const int error = draw_wild_pair(fast, w, cameras, w->bytes, 1);
+    for (int i = 0; i < 2 && !error; i++) {
+        w->camera = cameras[i];
+        if (!CHECK(!draw_wild(&plain, w, 2, i, 0) && !memcmp(w->bytes[2], w->bytes[i], sizeof w->bytes[i])))
+            return 0;
+    }
+    w->camera = first;
+    return CHECK(draw_wild_pair(fast, w, cameras, w->bytes, 0) == error) &&
+           CHECK(draw_wild_pair(&plain, w, cameras, w->bytes + 2, 0) == error) &&
+           CHECK(error || !memcmp(w->bytes, w->bytes + 2, 2 * sizeof *w->bytes));
+}
+
 static int check_wild_frame(wild_frame *w)
 {
     static const unsigned cpus[] = {FXS_CPU_SSE41, FXS_CPU_SSE41 | FXS_CPU_AVX2,
@@ -369,6 +492,9 @@ static int check_wild_frame(wild_frame *w)
     }
     if (!error)
         check_wild_pick(w);
+    fxs_context fast = plain;
+    fxs_kernels_choose(&fast.kernels, ~0u);
+    same &= check_wild_pair(w, &fast);
     free(w->scenes[0].data);
     free(w->scenes[1].data);
     return same;
@@ -392,11 +518,13 @@ int main(void)
     fxs_init(&plain, 0);
     fxs_options_init(&options);
     RUN(test_faint_objects_are_listed_whole);
+    RUN(test_end_of_a_long_list);
     RUN(test_pixel_of_an_orthographic_picture);
     RUN(test_camera_of_any_size);
     RUN(test_strides_beyond_all_memory);
     RUN(test_object_too_far_from_one_eye);
     RUN(test_targets_of_both_eyes);
+    RUN(test_occluder_of_the_second_eye);
     RUN(test_wild_frames);
     return check_report();
 }
