@@ -127,7 +127,8 @@ void fxs_object_init(fxs_object *object, const fxs_scene *scene);
 
 enum fxs_projection {
     FXS_PERSPECTIVE = 0,
-    FXS_ORTHOGRAPHIC = 1           /* parallel rays along z: fx, fy are pixels a unit */
+    FXS_ORTHOGRAPHIC = 1           /* parallel rays along z: fx, fy are pixels a unit. As in perspective, positions are
+                                      exact to 2^-29 of the distance from the camera, so it should not be far above */
 };
 
 typedef struct fxs_camera {

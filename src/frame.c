@@ -446,6 +446,8 @@ int fxs_render(const fxs_context *context, const fxs_object *objects, uint32_t c
                fxs_stats *stats)
 {
     fxs_frame f;
+    if (stats)
+        memset(stats, 0, sizeof *stats);
     int error = fxs_targets_missing(context, targets);
     if (!error)
         error = fxs_frame_init(&f, context, objects, count, camera, options, targets, memory, memory_bytes);

@@ -727,7 +727,7 @@ static GLuint make_texture(const subject *s, const void *pixels, int top_down, G
 static void target_meshes(void)
 {
     static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
-    const float near_plane = 0.5f, far_plane = 100;
+    const float near_plane = 0.5f;
     subject s;
     OPEN_OR_SKIP(gles);
     caller c = make_caller();
@@ -737,14 +737,16 @@ static void target_meshes(void)
     const mesh m = make_mesh(&s);
     const int pixels = s.camera.width * s.camera.height;
     float *buffer = malloc((size_t)pixels * sizeof *buffer);
-    for (int i = 0; i < pixels; i++) {
-        const double z = m.depths[i] / 65536.0;
-        const double depth = far_plane / (far_plane - near_plane) * (1 - near_plane / z);
-        buffer[i] = m.depths[i] == FXS_NOTHING ? 1 : z < near_plane ? 0 : (float)depth;
-    }
     CHECK(!render_mesh(&s, 0, 0, &m, 0, 0, expected));
-    for (int i = 0; i < 4; i++) {
-        const int top_down = i % 2, by_buffer = i / 2;
+    for (int i = 0; i < 8; i++) {
+        const int top_down = i % 2, by_buffer = i / 2, reversed = by_buffer == 2;
+        const float far_plane = by_buffer == 3 ? INFINITY : 100;
+        for (int k = 0; k < pixels; k++) {
+            const double z = m.depths[k] / 65536.0, inverse_far = 1 / (double)far_plane, inverse_near = 1 / near_plane;
+            const double depth = (inverse_near - 1 / z) / (inverse_near - inverse_far);
+            buffer[k] = m.depths[k] == FXS_NOTHING ? 1 : z < near_plane ? 0 : (float)depth;
+            buffer[k] = reversed ? 1 - buffer[k] : buffer[k];
+        }
         state before, after;
         settle();
         fxs_gles_target t;
@@ -753,8 +755,8 @@ static void target_meshes(void)
         t.x = 13;
         t.y = 7;
         t.top_down = top_down;
-        t.near_plane = near_plane;
-        t.far_plane = far_plane;
+        t.plane_0 = reversed ? far_plane : near_plane;
+        t.plane_1 = reversed ? near_plane : far_plane;
         if (by_buffer)
             t.depth_buffer = make_texture(&s, buffer, top_down, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT);
         else
@@ -776,10 +778,10 @@ static void target_meshes(void)
         GL(DELETETEXTURES, DeleteTextures)(1, &t.backdrop);
     }
     fxs_gles_target t = {
-        .framebuffer = c.framebuffers[0], .occluder = 1, .depth_buffer = 2, .near_plane = 1, .far_plane = 2};
+        .framebuffer = c.framebuffers[0], .occluder = 1, .depth_buffer = 2, .plane_0 = 1, .plane_1 = 2};
     CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_TARGET);
     t.occluder = 0;
-    t.far_plane = 1;
+    t.plane_1 = 1;
     CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_TARGET);
     t = (fxs_gles_target){.framebuffer = c.framebuffers[0], .backdrop = 1, .format = FXS_FORMAT_RGBA8_COVERAGE};
     CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_TARGET);

@@ -73,7 +73,7 @@ void fxs_cuda_forget(fxs_cuda *cuda, const fxs_scene *scene);
 /* Whether stage times are taken: that puts an event between the stages. */
 void fxs_cuda_time(fxs_cuda *cuda, int on);
 
-/* Starts 1 to FXS_CUDA_BATCH frames behind the work of `stream` (a cudaStream_t; null: the default one), and lets the
+/* Starts 1 to FXS_CUDA_BATCH frames, whose targets must not overlap, behind the work of `stream` (a cudaStream_t; null: the default one), and lets the
    stream wait for them. The pixels are there once fxs_cuda_finish has returned 0, which must come before the next call
    of any other function. Errors as fxs_render's, and FXS_ERR_DEVICE: no frame is under way then. */
 int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,

@@ -69,9 +69,10 @@ typedef struct fxs_gles_target {
        framebuffer, or 0. No filter but GL_NEAREST. */
     uint32_t occluder;             /* GL_R32UI, as the occluder of fxs_targets: the same bytes everywhere */
     int depth_bits;                /* of that, or of what depth_buffer is turned to; 0: 16 */
-    uint32_t depth_buffer;         /* in place of occluder: GL_DEPTH_COMPONENT of a perspective with these planes, depth
-                                      0 at the near one. Made depths in floats: the last bits are the device's */
-    float near_plane, far_plane;   /* world units */
+    uint32_t depth_buffer;         /* in place of occluder: GL_DEPTH_COMPONENT of a perspective. Made depths in floats, so
+                                      the last bits are the device's */
+    float plane_0, plane_1;        /* distances of what has 0 and 1 in it, world units; either way round, and the farther
+                                      one, which hides nothing, may be infinite */
     uint32_t backdrop;             /* GL_RGBA8: in place of the background; not the framebuffer's own texture */
 } fxs_gles_target;
 

@@ -204,7 +204,7 @@ static void set_mesh(const batch *b, const fxs_gles_program *p)
     gl->Uniform4i(p->mesh, 0, t->top_down ? 0 : b->run->view->height - 1, t->top_down ? 1 : -1,
                   (t->depth_bits ? t->depth_bits : 16) + (t->occluder ? OCCLUDER : 0) +
                       (t->depth_buffer ? BUFFER : 0) + (t->backdrop ? BACKDROP : 0));
-    gl->Uniform2f(p->planes, t->near_plane, t->far_plane);
+    gl->Uniform2f(p->planes, 1 / t->plane_0, 1 / t->plane_1);
 }
 
 static void draw(const batch *b, const surface *s, int carried)

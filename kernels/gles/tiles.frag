@@ -11,7 +11,7 @@ uniform highp sampler2D depth_buffer;        // in place of that
 uniform highp sampler2D backdrop;
 uniform ivec4 mesh;                  // texel of these three for pixel (0, 0); rows go by; depth_bits, and which there are:
 const int OCCLUDER = 256, BUFFER = 512, BACKDROP = 1024;
-uniform vec2 planes;                 // near, far of depth_buffer
+uniform vec2 planes;                 // 1 / distance of what has depth 0, 1 in depth_buffer
 
 #if defined STATE
 out ivec4 result;
@@ -75,8 +75,8 @@ uint limit_at(ivec2 texel)
     if ((mesh.w & BUFFER) == 0)
         return 0xffffffffu;
     float depth = texelFetch(depth_buffer, texel, 0).x;
-    float z = planes.x * planes.y / (planes.y - depth * (planes.y - planes.x)) * float(1 << bits);
-    return depth >= 1.0 || z >= 4294967040.0 ? 0xffffffffu : depth_key(uint(z), bits);
+    float inverse = mix(planes.x, planes.y, depth), z = float(1 << bits) / inverse;
+    return inverse <= min(planes.x, planes.y) || z >= 4294967040.0 ? 0xffffffffu : depth_key(uint(z), bits);
 }
 
 ivec3 background_at(ivec2 texel)
