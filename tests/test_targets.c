@@ -843,8 +843,10 @@ static void test_interlaced_targets(void)
                       (size_t)width * 4));
         CHECK(!memcmp(both + y * width * 8 + width * 4, picture_rgba(&p) + y * width * 4, (size_t)width * 4));
     }
-    t.colour.pixels = both + 4 * width - 4;
-    CHECK(draw(&s, &t) == FXS_ERR_TARGET);
+    for (int side = -4; side <= 4; side += 8) {      /* into the row before, or the row after */
+        t.colour.pixels = both + 4 * width + side;
+        CHECK(draw(&s, &t) == FXS_ERR_TARGET);
+    }
     free(both);
     picture_free(&p);
     free_scenario(&s);
