@@ -363,7 +363,7 @@ static void test_hidden_objects(void)
         if (i % 3 == 0)
             hidden->visible = 0;
         else if (i % 3 == 1)
-            hidden->opacity_q16 = 0;
+            hidden->opacity_q16 = (uint32_t)i / 3 % 2;
         else {
             hidden->crops = &none;
             hidden->crop_count = 1;
