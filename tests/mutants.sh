@@ -33,6 +33,7 @@ tests_of() {
     src/opacity.inc) echo pack random stages kernels ;;
     src/object.c | src/trace.c | src/targets.c | src/pick.c) echo targets objects stages ;;
     src/*) echo random stages scene stereo kernels bands golden targets objects ;;
+    kernels/gles/*) echo gles ;;
     kernels/*) echo kernels random stereo golden bands ;;
     */camera.c | */message.c) echo camera_file golden ;;
     */camera*) echo camera_file ;;
@@ -49,6 +50,7 @@ tests_of() {
     */splat*) echo splat scene_input allocation ;;
     */ksplat.c) echo ksplat scene_input allocation ;;
     */scene_filter.c) echo scene_filter scene_input allocation ;;
+    port/backend/processor.c | port/world/* | tools/*) echo cli.sh ;;
     port/posix/pool.c) echo threads allocation ;;
     port/posix/map.c) echo fxs_file ;;
     *) echo bombs splat ply gltf sog spz ksplat compressed_ply camera_file scene_filter scene_input allocation pack ;;
@@ -59,14 +61,25 @@ build() {
     make -s -f Makefile -f "$folder/keep.mk" CFLAGS=-O1 NVCC=none "$@"
 }
 
+# What make builds for a test: a program of its own, or the command for a script.
+built_for() {
+    case $1 in
+    *.sh) echo build/fixsplat ;;
+    *) echo "build/tests/test_$1" ;;
+    esac
+}
+
 objects() {
-    find build/src build/kernels build/port -name '*.o' | sort | xargs cat | cksum
+    find build/src build/kernels build/port build/tools -name '*.o' | sort | xargs cat | cksum
 }
 
 # Runs a test of the tree that this is in. Its time without a change, and ten seconds, are its limit.
 run_test() {
     limit=$(($(cat "$folder/time.$1" 2>/dev/null || echo 90) * 4 + 10))
-    timeout "$limit" "build/tests/test_$1" >test.log 2>&1
+    case $1 in
+    *.sh) timeout "$limit" sh "tests/scripts/$1" >test.log 2>&1 ;;
+    *) timeout "$limit" "build/tests/test_$1" >test.log 2>&1 ;;
+    esac
 }
 
 # Times a test without a change; one that is red then already is left out.
@@ -75,7 +88,7 @@ measure() {
     if run_test "$1"; then
         echo $(($(date +%s) - start + 1)) >"$folder/time.$1"
     else
-        echo "test_$1 is red without a change, and left out:"
+        echo "$1 is red without a change, and left out:"
         tail -n 5 test.log
     fi
 }
@@ -95,12 +108,12 @@ change() {
 
 # What becomes of the change that is in the tree: a word, and the test that noticed.
 judge() {
-    build build/libfixsplat.a >build.log 2>&1 || { echo "does not compile"; return; }
+    build build/libfixsplat.a build/fixsplat >build.log 2>&1 || { echo "does not compile"; return; }
     [ "$(objects)" != "$(cat "$folder/objects")" ] || { echo "not built"; return; }
     for test in $(tests_of "$1"); do
         [ -f "$folder/time.$test" ] || continue
-        build "build/tests/test_$test" >build.log 2>&1 || { echo "does not compile"; return; }
-        run_test "$test" || { echo "caught by test_$test"; return; }
+        build "$(built_for "$test")" >build.log 2>&1 || { echo "does not compile"; return; }
+        run_test "$test" || { echo "caught by $test"; return; }
     done
     echo survived
 }
@@ -152,7 +165,7 @@ mkdir -p "$folder/tree" "$folder/taken"
 tar cf - Makefile src kernels port tools tests | tar xf - -C "$folder/tree" || exit 1
 
 cd "$folder/tree" || exit 1
-build -j"$JOBS" build/libfixsplat.a $(printf 'build/tests/test_%s ' $wanted) >build.log 2>&1 ||
+build -j"$JOBS" build/libfixsplat.a build/fixsplat $(for test in $wanted; do built_for "$test"; done) >build.log 2>&1 ||
     { cat build.log; exit 1; }
 objects >"$folder/objects"
 for test in $wanted; do

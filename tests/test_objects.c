@@ -363,7 +363,7 @@ static void test_hidden_objects(void)
         if (i % 3 == 0)
             hidden->visible = 0;
         else if (i % 3 == 1)
-            hidden->opacity_q16 = 0;
+            hidden->opacity_q16 = (uint32_t)i / 3 % 2;
         else {
             hidden->crops = &none;
             hidden->crop_count = 1;
@@ -619,6 +619,28 @@ static void test_tint_is_rounded(void)
     }
 }
 
+/* Depths by any scale: to two units of the last place, and cut where they leave the range of keys. */
+static void test_depths_are_scaled(void)
+{
+    static const uint16_t position[3];
+    const fxs_chunk header = {0};
+    long cut[2] = {0, 0};
+    state = 26;
+    for (int i = 0; i < 20000; i++) {
+        const int64_t scale_q32 = (int64_t)exp2(32 + between(-16000, 16000) / 1000.0);
+        const fxs_object_view object = {.scale = fxs_scale_of(scale_q32)};
+        const uint32_t key = (uint32_t)next();
+        uint32_t scaled = key;
+        int exponent;
+        CHECK(fxs_object_change(&object, &header, position, &scaled));
+        const double mantissa = frexp(ldexp((double)scale_q32, -32) * (1u << 26 | (key & 0x3ffffff)), &exponent);
+        const double octave = exponent - 27 + (int)(key >> 26), expected = ldexp(octave + 2 * mantissa - 1, 26);
+        CHECK(fabs(scaled - fmin(fmax(expected, 0), UINT32_MAX)) <= 2);
+        cut[expected > 0] += expected < 0 || expected > UINT32_MAX;
+    }
+    CHECK(cut[0] > 500 && cut[1] > 500);
+}
+
 /* ---- Errors ------------------------------------------------------------------------------------------------------ */
 
 static struct {
@@ -794,6 +816,7 @@ int main(void)
     RUN(test_stereo);
     RUN(test_count_pairs);
     RUN(test_tint_is_rounded);
+    RUN(test_depths_are_scaled);
     RUN(test_bad_objects);
     RUN(test_too_many_objects);
     RUN(test_no_objects);

@@ -616,6 +616,45 @@ static fxs_image *image_of(fxs_targets *t, int i)
     return images[i];
 }
 
+/* More at the occluder's depth than one part of a tile's list holds: all of it is seen, and from one depth less none. */
+static void test_many_at_the_limit(void)
+{
+    enum { SIZE = 16, BITS = 26 };
+    packed_scene flat = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 4096, 0);
+    for (uint32_t c = 0; c < flat.header->chunk_count; c++) {
+        fxs_chunk *chunk = &flat.chunks[c];
+        for (int i = 0; i < 2; i++) {
+            chunk->origin_q32[i] = -(INT64_C(1) << 32);
+            chunk->step_q32[i] = 2 * 65536;
+        }
+        chunk->scale_q16 = -3 * 65536;
+        fill_words(packed_scene_rows(&flat, c), flat.header->chunk_bytes);
+    }
+    CHECK(!packed_scene_finish(&flat));
+    scenario s = {.count = 1, .objects = {one_object(&flat.scene)}};
+    s.objects[0].opacity_q16 = 65536 / 100;
+    fxs_camera_init(&s.camera, SIZE, SIZE);
+    s.camera.fx_q12 = s.camera.fy_q12 = 2 * SIZE << 12;
+    s.camera.position_q32[2] = -(INT64_C(4) << 32);
+    fxs_options_init(&s.options);
+    collect(s.objects, 1, &s.camera, &s.options);
+    CHECK(all.count > 1024 && all.keys[all.order[0]] == all.keys[all.order[all.count - 1]]);
+    uint32_t depths[SIZE * SIZE];
+    picture p = picture_new(SIZE, SIZE, FXS_FORMAT_RGBA8), q = picture_new(SIZE, SIZE, FXS_FORMAT_RGBA8);
+    p.targets.depth_bits = q.targets.depth_bits = BITS;
+    CHECK(!draw(&s, &p.targets));
+    q.targets.occluder = (fxs_image){depths, SIZE * 4};
+    for (uint32_t nearer = 0; nearer < 2; nearer++) {
+        for (int i = 0; i < SIZE * SIZE; i++)
+            depths[i] = fxs_depth_of_key(all.keys[0], BITS) - nearer;
+        CHECK(!draw(&s, &q.targets));
+        CHECK(nearer ? picture_mean(&q, 100) == FXS_NOTHING : !memcmp(p.block, q.block, p.bytes));
+    }
+    picture_free(&p);
+    picture_free(&q);
+    free(flat.data);
+}
+
 /* Any of them alone or together are the bytes of all. */
 static void test_every_subset(void)
 {
@@ -843,8 +882,10 @@ static void test_interlaced_targets(void)
                       (size_t)width * 4));
         CHECK(!memcmp(both + y * width * 8 + width * 4, picture_rgba(&p) + y * width * 4, (size_t)width * 4));
     }
-    t.colour.pixels = both + 4 * width - 4;
-    CHECK(draw(&s, &t) == FXS_ERR_TARGET);
+    for (int side = -4; side <= 4; side += 8) {      /* into the row before, or the row after */
+        t.colour.pixels = both + 4 * width + side;
+        CHECK(draw(&s, &t) == FXS_ERR_TARGET);
+    }
     free(both);
     picture_free(&p);
     free_scenario(&s);
@@ -1064,6 +1105,7 @@ int main(void)
     RUN(test_wall_through_knot);
     RUN(test_wall_through_captured);
     RUN(test_empty_and_full_occluders);
+    RUN(test_many_at_the_limit);
     RUN(test_every_subset);
     RUN(test_formats_against_each_other);
     RUN(test_backdrops);
