@@ -4,15 +4,15 @@
 #include "parts.h"
 
 /* A splat at a tile: coordinates at the tile's first pixel, and the rows it can touch. */
-typedef struct placed {
+typedef struct at_tile {
     int32_t u_q24, v_q24, first_row, last_row, limit_q11;
-} placed;
+} at_tile;
 
-static placed place(const fxs_view *view, const fxs_splat *splat, uint32_t entry, int32_t x, int32_t y)
+static at_tile at_tile_of(const fxs_view *view, const fxs_splat *splat, uint32_t entry, int32_t x, int32_t y)
 {
     uint32_t u = splat->u0_q24 + (uint32_t)x * (uint32_t)splat->ux_q24 + (uint32_t)y * (uint32_t)splat->uy_q24;
     uint32_t v = splat->v0_q24 + (uint32_t)y * (uint32_t)splat->vy_q24;
-    placed p;
+    at_tile p;
     p.u_q24 = entry & FXS_ENTRY_FAR ? FXS_FAR_Q24 : (int32_t)u;
     p.v_q24 = entry & FXS_ENTRY_FAR ? FXS_FAR_Q24 : (int32_t)v;
     p.first_row = splat->first_row > y ? splat->first_row - y : 0;
@@ -32,7 +32,7 @@ void fxs_tile_clear(fxs_tile *tile)
 typedef struct blending {
     fxs_tile *tile;
     fxs_trace *trace;              /* or null */
-    int place;                     /* of the splat's entry */
+    int number;                     /* of the splat's entry */
     int depth_q15;                 /* its code */
     uint64_t evaluated, blended;
 } blending;
@@ -43,20 +43,20 @@ static void trace_pixel(const blending *b, int i, int transmittance_q15, int wei
     if (trace->which & FXS_TRACE_MEAN)
         trace->depth_q15[i] = (int16_t)(trace->depth_q15[i] + fxs_mul_q15(weight_q15, b->depth_q15));
     if (trace->which & FXS_TRACE_MEDIAN && weight_q15 && transmittance_q15 >= FXS_HALF_Q15)
-        trace->median[i] = (int16_t)b->place;
+        trace->median[i] = (int16_t)b->number;
     if (trace->which & FXS_TRACE_ID && weight_q15 > trace->weight_q15[i]) {
         trace->weight_q15[i] = (int16_t)weight_q15;
-        trace->largest[i] = (int16_t)b->place;
+        trace->largest[i] = (int16_t)b->number;
     }
 }
 
 static int is_hidden(const blending *b, int i)
 {
-    return b->trace && b->trace->which & FXS_TRACE_END && b->place >= b->trace->end[i];
+    return b->trace && b->trace->which & FXS_TRACE_END && b->number >= b->trace->end[i];
 }
 
 /* One splat over one row. Returns how many pixels it closed. */
-static int blend_row(blending *b, int row, const fxs_splat *splat, const placed *p)
+static int blend_row(blending *b, int row, const fxs_splat *splat, const at_tile *p)
 {
     fxs_tile *tile = b->tile;
     int closed = 0, first = row * FXS_TILE;
@@ -92,8 +92,8 @@ static void blend_list(blending *b, const fxs_view *view, int32_t x, int32_t y, 
         open += b->tile->transmittance_q15[i] >= FXS_CLOSED_Q15;
     for (uint32_t i = first; i < end && open > 0; i++) {
         const fxs_splat *splat = &splats[entries[i] & ~FXS_ENTRY_FAR];
-        placed p = place(view, splat, entries[i], x, y);
-        b->place = (int)i;
+        at_tile p = at_tile_of(view, splat, entries[i], x, y);
+        b->number = (int)i;
         b->depth_q15 = b->trace && b->trace->which & FXS_TRACE_MEAN ? depths_q15[i - first] : 0;
         for (int row = p.first_row; row <= p.last_row; row++)
             open -= blend_row(b, row, splat, &p);

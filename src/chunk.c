@@ -42,7 +42,7 @@ static uint64_t magnitude(int64_t x)
     return (uint64_t)(x < 0 ? -x : x);
 }
 
-static void place(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *chunk)
+static void locate(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *chunk)
 {
     int64_t offset[3];
     uint64_t most = 0;
@@ -107,7 +107,7 @@ FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, cons
     if (error)
         return error;
     cv->chunk = chunk;
-    place(cv, view, &header);
+    locate(cv, view, &header);
     int64_t z_q16 = cv->base_q16[2];
     for (int j = 0; j < 3; j++)
         z_q16 += cv->m_q16[2][j] > 0 ? (int64_t)cv->m_q16[2][j] * 65535 : 0;

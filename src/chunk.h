@@ -46,7 +46,7 @@ extern const uint16_t fxs_offset_of_code_q11[FXS_OPACITY_LAWS][256];
    since it was opened. Returns 0 or FXS_ERR_SCENE. */
 FXS_STAGE int fxs_chunk_read(fxs_chunk *header, const fxs_scene *scene, uint32_t chunk);
 
-/* Reads and places a chunk. Returns 1, or 0 where nothing of it can be seen (behind the near plane, or beside the
+/* Reads a chunk and finds where it lies. Returns 1, or 0 where nothing of it can be seen (behind the near plane, or beside the
    picture by more than its largest Gaussian reaches), or FXS_ERR_SCENE. */
 FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_scene *scene, uint32_t chunk);
 

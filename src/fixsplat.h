@@ -177,7 +177,7 @@ typedef struct fxs_image {
 /* What is seen at a pixel: 8 bytes of an id target. Both are FXS_NOTHING where no Gaussian adds anything. */
 typedef struct fxs_id {
     uint32_t object;               /* the object's id */
-    uint32_t gaussian;             /* its place in the packed scene; not below the scene's count only where a damaged
+    uint32_t gaussian;             /* its number in the packed scene; not below the scene's count only where a damaged
                                       one has padding (packed.h) that is not clear */
 } fxs_id;
 
@@ -346,8 +346,8 @@ int fxs_count_pairs(const fxs_object *objects, uint32_t count, const fxs_camera 
 
 /* What a pixel shows. */
 typedef struct fxs_pick_result {
-    uint32_t object;               /* its place in `objects` */
-    uint32_t gaussian;             /* the one that contributes most: its place in the packed scene */
+    uint32_t object;               /* its index in `objects` */
+    uint32_t gaussian;             /* the one that contributes most: its number in the packed scene */
     uint32_t id;                   /* the object's */
     int64_t depth_q32;             /* of the Gaussian's centre, along the camera's z axis; cut to 2^28 units */
     int64_t position_q32[3];       /* in the world, on the pixel's ray, at that depth; across the axis cut to +-2^28 */

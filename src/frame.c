@@ -196,7 +196,7 @@ static void bin_run(fxs_frame *f)
 }
 
 /* The first pixel of a tile. */
-static void tile_place(const fxs_frame *f, uint32_t tile, int32_t *x, int32_t *y)
+static void tile_origin(const fxs_frame *f, uint32_t tile, int32_t *x, int32_t *y)
 {
     *x = (int32_t)tile % f->eye->view.tiles_x * FXS_TILE;
     *y = (int32_t)tile / f->eye->view.tiles_x * FXS_TILE;
@@ -208,7 +208,7 @@ static void blend_tile(void *argument, uint32_t job)
     fxs_tile pixels;
     const uint32_t tile = f->first_tile + job;
     int32_t x, y;
-    tile_place(f, tile, &x, &y);
+    tile_origin(f, tile, &x, &y);
     uint64_t start = fxs_now(f);
     if (fxs_targets_traced(f->eye->targets))
         fxs_trace_tile(f, tile, x, y, &pixels, 0);
@@ -465,7 +465,7 @@ static void count_tile(void *argument, uint32_t job)
     fxs_tile pixels;
     const uint32_t tile = f->first_tile + job;
     int32_t x, y;
-    tile_place(f, tile, &x, &y);
+    tile_origin(f, tile, &x, &y);
     f->tile_times[2 * tile] = f->tile_times[2 * tile + 1] = 0;
     fxs_blend_count(&f->eye->view, x, y, f->eye->splats, fxs_list_of(f, tile), f->tile_counts[tile], &pixels,
                     &f->evaluated, &f->blended);

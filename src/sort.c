@@ -1,5 +1,5 @@
 /* sort: least significant digit first, three digits of 11, 11 and 10 bits of the depth. Stable, so equal depths keep
- * the order of their slots. Each job has a part of the keys; a digit's places go to the jobs in order, so the result
+ * the order of their slots. Each job has a part of the keys; a digit's slots go to the jobs in order, so the result
  * does not depend on their number. */
 #include "memory.h"
 #include "parts.h"

@@ -84,11 +84,11 @@ static void add_depths(tracer *t, const fxs_tile *tile)
     }
 }
 
-/* Places in the stretch become slots. */
-static void note_slots(const tracer *t, const int16_t places[FXS_TILE_PIXELS], uint32_t slots[FXS_TILE_PIXELS])
+/* Numbers of entries become slots. */
+static void note_slots(const tracer *t, const int16_t numbers[FXS_TILE_PIXELS], uint32_t slots[FXS_TILE_PIXELS])
 {
     for (int i = 0; i < FXS_TILE_PIXELS; i++)
-        slots[i] = places[i] < 0 ? slots[i] : slot_of(t->list[places[i]]);
+        slots[i] = numbers[i] < 0 ? slots[i] : slot_of(t->list[numbers[i]]);
 }
 
 /* Returns whether a pixel takes more. */

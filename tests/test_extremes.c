@@ -438,7 +438,7 @@ static void check_wild_pick(wild_frame *w)
 }
 
 static int draw_wild_pair(const fxs_context *context, wild_frame *w, const fxs_camera cameras[2],
-                          unsigned char bytes[2][WILD_SIZE * WILD_SIZE * 40], int exact)
+                          unsigned char (*bytes)[WILD_SIZE * WILD_SIZE * 40], int exact)
 {
     fxs_targets targets[2];
     const size_t memory_bytes = fxs_stereo_bytes(context, w->objects, w->count, w->camera.width, w->camera.height);

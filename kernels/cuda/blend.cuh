@@ -166,7 +166,7 @@ __device__ inline void blend_queued(traced_pixel *p, const uint16_t *alpha_q15, 
 
 /* Puts a splat at the region at (x, y), but for its colour. Returns whether it can touch a pixel there. u grows along a
    row, so the least |u| is at an end, or 0 between them. */
-__device__ inline bool place_splat(queued_splat *q, const fxs_splat *s, const fxs_view *view, int32_t x, int32_t y)
+__device__ inline bool splat_at(queued_splat *q, const fxs_splat *s, const fxs_view *view, int32_t x, int32_t y)
 {
     uint32_t u = s->u0_q24 + (uint32_t)x * (uint32_t)s->ux_q24 + (uint32_t)y * (uint32_t)s->uy_q24;
     uint32_t v = s->v0_q24 + (uint32_t)y * (uint32_t)s->vy_q24;
@@ -196,7 +196,7 @@ __device__ inline uint32_t queue_splats(queued_splat queue[WARP], queued_trace *
     bool touched = false;
     if (listed && !(entry & FXS_ENTRY_FAR)) {
         const fxs_splat s = splats[entry];
-        touched = place_splat(&q, &s, view, x, y);
+        touched = splat_at(&q, &s, view, x, y);
         q.red_green = (uint32_t)s.colour_q13[0] | (uint32_t)s.colour_q13[1] << 16;
         q.blue = (uint32_t)s.colour_q13[2];
     }

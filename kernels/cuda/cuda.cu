@@ -342,7 +342,7 @@ void mark(const fxs_cuda *cuda, const slot *s, int stage)
 template <bool Many>
 void project(const frame *of, const frame_buffers &f, cudaStream_t stream)
 {
-    place_chunks<Many><<<(of->chunks + 63) / 64, 64, 0, stream>>>(of->view, of->scene, f, of->chunks);
+    locate_chunks<Many><<<(of->chunks + 63) / 64, 64, 0, stream>>>(of->view, of->scene, f, of->chunks);
     project_chunk<Many><<<of->chunks, FXS_CHUNK, 0, stream>>>(of->view, of->scene, f);
 }
 
@@ -388,7 +388,7 @@ int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
     else if (of->chunks)
         project<true>(of, f, s->stream);
     mark(cuda, s, 1);
-    place_lists<<<(uint32_t)view.tiles_y, WARP, 0, s->stream>>>(f, (uint32_t)view.tiles_x, of->tiles);
+    start_lists<<<(uint32_t)view.tiles_y, WARP, 0, s->stream>>>(f, (uint32_t)view.tiles_x, of->tiles);
     if (of->chunks)
         fill_lists<<<LARGE_BLOCKS + of->chunks, FXS_CHUNK, 0, s->stream>>>(view, f);
     mark(cuda, s, 2);

@@ -312,7 +312,7 @@ __device__ uint32_t collect(dense_shared *shared, const dense_tile *t, const uin
                             const dense_group *g)
 {
     visit_open(shared, t, list, count, g, [&](uint64_t key, bool kept) {
-        const uint32_t place = take_place(&shared->collected, 0, kept);
+        const uint32_t place = take_number(&shared->collected, 0, kept);
         if (kept)
             shared->keys.keys[place] = key;
     });
@@ -324,7 +324,7 @@ __device__ uint32_t drop_closed(dense_shared *shared, const dense_tile *t, uint6
                                 const dense_group *g)
 {
     visit_open(shared, t, list, count, g, [&](uint64_t key, bool kept) {
-        const uint32_t place = take_place(&shared->collected, 0, kept);
+        const uint32_t place = take_number(&shared->collected, 0, kept);
         g->sync();                         /* what is written over has been read */
         if (kept)
             list[place] = key;

@@ -40,7 +40,7 @@ __device__ inline int place_in_object(fxs_chunk_view *cv, const fxs_object_view 
 
 /* A thread a chunk: where it lies, if anything of it can be seen; or that its header is damaged. */
 template <bool Many>
-__global__ void place_chunks(const __grid_constant__ fxs_view view, const __grid_constant__ fxs_scene scene,
+__global__ void locate_chunks(const __grid_constant__ fxs_view view, const __grid_constant__ fxs_scene scene,
                              const __grid_constant__ frame_buffers f, uint32_t chunks)
 {
     const uint32_t chunk = blockIdx.x * blockDim.x + threadIdx.x;
@@ -57,7 +57,7 @@ __global__ void place_chunks(const __grid_constant__ fxs_view view, const __grid
     const bool visible = seen > 0;
     if (seen < 0)
         f.status->damaged = 1;
-    const uint32_t place = take_place(&f.status->chunks, 0, visible);
+    const uint32_t place = take_number(&f.status->chunks, 0, visible);
     if (visible)
         f.chunk_views[place] = cv;
     if (Many && visible)
@@ -132,7 +132,7 @@ __device__ bool is_whole(const ellipse *e, const fxs_view *view)
            e->splat->last_row < view->height - 1 && e->columns.last - e->columns.first < 4;
 }
 
-/* Adds 1 to counts where a splat's tiles begin on a tile row, takes it where they have ended; place_lists sums up. */
+/* Adds 1 to counts where a splat's tiles begin on a tile row, takes it where they have ended; start_lists sums up. */
 __device__ void count_tiles(const frame_buffers *f, const fxs_view *view, int32_t row, span s)
 {
     const bool listed = s.first <= s.last;
@@ -252,7 +252,7 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
 }
 
 /* A warp a tile row: the lengths of its lists, where they start, and their places among those of their magnitude. */
-__global__ void place_lists(const __grid_constant__ frame_buffers f, uint32_t tiles_x, uint32_t tiles)
+__global__ void start_lists(const __grid_constant__ frame_buffers f, uint32_t tiles_x, uint32_t tiles)
 {
     uint32_t carry = 0;
     for (uint32_t first = 0; first < tiles_x; first += WARP) {
@@ -266,7 +266,7 @@ __global__ void place_lists(const __grid_constant__ frame_buffers f, uint32_t ti
         if (lane_index() == WARP - 1 && sum)
             start = atomicAdd((unsigned long long *)&f.status->entries, (unsigned long long)sum);
         start = __shfl_sync(ALL_LANES, start, WARP - 1);
-        const uint32_t place = take_place(f.status->classes, magnitude, inside);
+        const uint32_t place = take_number(f.status->classes, magnitude, inside);
         if (count)
             atomicAdd(&f.status->class_entries[magnitude], count);
         if (inside) {
@@ -322,7 +322,7 @@ __global__ void __launch_bounds__(FXS_CHUNK) fill_lists(const __grid_constant__ 
                               bit % BOX_COLUMNS;
         const uint32_t key_depth = __shfl_sync(ALL_LANES, depth, lane);
         const uint32_t key_index = index - lane_index() + (uint32_t)lane;
-        const uint32_t place = take_place(f.next, tile, active);
+        const uint32_t place = take_number(f.next, tile, active);
         if (active)
             f.entries[place] = FXS_KEY(key_depth, key_index);
     });

@@ -95,7 +95,7 @@ __device__ inline T warp_sum(T x)
 }
 
 /* Takes a place at counters[i] for each lane with `active`; lanes that share a counter share one atomic. */
-__device__ inline uint32_t take_place(uint32_t *counters, uint32_t i, bool active)
+__device__ inline uint32_t take_number(uint32_t *counters, uint32_t i, bool active)
 {
     const unsigned lanes = __ballot_sync(ALL_LANES, active), lane = lane_index();
     uint32_t place = 0;

@@ -19,17 +19,17 @@ typedef struct kept {
 } kept;
 
 /* A splat at a tile. */
-typedef struct placed {
+typedef struct at_tile {
     uint32_t u_q24, v_q24;
     int first_row, last_row;
     vh limit_q11, red_q13, green_q13, blue_q13;
-    vh place, depth_q15;           /* trace: of its entry, */
+    vh number, depth_q15;           /* trace: of its entry, */
     unsigned which;                /* and what is kept */
-} placed;
+} at_tile;
 
-static inline placed place(const fxs_view *view, const fxs_splat *splat, uint32_t entry, int32_t x, int32_t y)
+static inline at_tile at_tile_of(const fxs_view *view, const fxs_splat *splat, uint32_t entry, int32_t x, int32_t y)
 {
-    placed p = {splat->u0_q24 + (uint32_t)x * (uint32_t)splat->ux_q24 + (uint32_t)y * (uint32_t)splat->uy_q24,
+    at_tile p = {splat->u0_q24 + (uint32_t)x * (uint32_t)splat->ux_q24 + (uint32_t)y * (uint32_t)splat->uy_q24,
                 splat->v0_q24 + (uint32_t)y * (uint32_t)splat->vy_q24, splat->first_row - y, splat->last_row - y,
                 all_h(fxs_limit_q11(splat->offset_q11, view->cut_q11)), all_h(splat->colour_q13[0]),
                 all_h(splat->colour_q13[1]), all_h(splat->colour_q13[2]), all_h(0), all_h(0), 0};
@@ -73,29 +73,29 @@ static inline vh alpha_of(vh level)
 }
 
 /* Keeps track of a step; t: before the splat. */
-static inline void trace_step(kept *k, const placed *p, vh weight_q15, vh t_q15)
+static inline void trace_step(kept *k, const at_tile *p, vh weight_q15, vh t_q15)
 {
     if (p->which & FXS_TRACE_MEAN)
         k->depth_q15 = mul_add_h(weight_q15, p->depth_q15, k->depth_q15);
     if (p->which & FXS_TRACE_MEDIAN) {
         const vh above_half = where(greater_h(t_q15, all_h(FXS_HALF_Q15 - 1)), weight_q15);
-        k->median = choose_h(greater_h(above_half, all_h(0)), p->place, k->median);
+        k->median = choose_h(greater_h(above_half, all_h(0)), p->number, k->median);
     }
     if (p->which & FXS_TRACE_ID) {
         const mask_h larger = greater_h(weight_q15, k->weight_q15);
         k->weight_q15 = choose_h(larger, weight_q15, k->weight_q15);
-        k->largest = choose_h(larger, p->place, k->largest);
+        k->largest = choose_h(larger, p->number, k->largest);
     }
 }
 
 /* Blends the pixels of a step that count. k: null without a trace, here and below. */
-static inline void blend_step(pixels *at, kept *k, const placed *p, vh level, mask_h counted)
+static inline void blend_step(pixels *at, kept *k, const at_tile *p, vh level, mask_h counted)
 {
     const vh t = at->transmittance_q15;
     vh weight = mul_h(where(counted, alpha_of(level)), t);
     if (k) {
         if (p->which & FXS_TRACE_END)
-            weight = where(greater_h(k->end, p->place), weight);
+            weight = where(greater_h(k->end, p->number), weight);
         trace_step(k, p, weight, t);
     }
     at->transmittance_q15 = t - weight;
@@ -109,7 +109,7 @@ static inline void blend_step(pixels *at, kept *k, const placed *p, vh level, ma
 #define ALL_ROWS ((~(uint64_t)0 >> (64 - FXS_TILE * LANE_BITS)) / ((1 << LANE_BITS) - 1))
 
 /* v^2 + offset of the 16 rows. Returns the rows within the limit. */
-static inline uint64_t rows_reached(row_levels *levels, const placed *p, const fxs_splat *splat)
+static inline uint64_t rows_reached(row_levels *levels, const at_tile *p, const fxs_splat *splat)
 {
     const uint32_t vy = (uint32_t)splat->vy_q24;
     const vh upper = some_levels(p->v_q24, vy, splat->offset_q11);
@@ -127,7 +127,7 @@ static inline vh level_of(vu first_q24, vu second_q24, vh row_level_q11)
 }
 
 /* Blends a row, of which a to d are the coordinates. Returns 0 where it is found closed. */
-static inline int blend_row(pixels at[2], kept *k, const placed *p, vu a_q24, vu b_q24, vu c_q24, vu d_q24,
+static inline int blend_row(pixels at[2], kept *k, const at_tile *p, vu a_q24, vu b_q24, vu c_q24, vu d_q24,
                             vh row_level_q11)
 {
     const vh left = level_of(a_q24, b_q24, row_level_q11), right = level_of(c_q24, d_q24, row_level_q11);
@@ -144,7 +144,7 @@ static inline int blend_row(pixels at[2], kept *k, const placed *p, vu a_q24, vu
 }
 
 /* Blends a splat over the rows in `open`, and takes out of it those that are found closed. */
-ALWAYS_INLINE void blend_splat(pixels tile[STEPS], kept *k, uint64_t *open, const placed *p, const fxs_splat *splat)
+ALWAYS_INLINE void blend_splat(pixels tile[STEPS], kept *k, uint64_t *open, const at_tile *p, const fxs_splat *splat)
 {
     row_levels levels;
     uint64_t rows = p->first_row > p->last_row ? 0 : *open & rows_reached(&levels, p, splat);
@@ -171,7 +171,7 @@ static inline row_levels row_levels_of(uint32_t v_q24, uint32_t vy_q24, uint16_t
 #define ALL_ROWS (~(uint64_t)0 >> (64 - STEPS))
 
 /* Blends a splat over its rows, and takes the steps out of `open` that are found closed. */
-ALWAYS_INLINE void blend_splat(pixels tile[STEPS], kept *k, uint64_t *open, const placed *p, const fxs_splat *splat)
+ALWAYS_INLINE void blend_splat(pixels tile[STEPS], kept *k, uint64_t *open, const at_tile *p, const fxs_splat *splat)
 {
     const int first = p->first_row * STEPS / FXS_TILE, last = ((p->last_row + 1) * STEPS - 1) / FXS_TILE;
     const uint32_t ux = (uint32_t)splat->ux_q24, uy = (uint32_t)splat->uy_q24, rows = FXS_TILE / STEPS;
@@ -200,9 +200,9 @@ ALWAYS_INLINE void blend_list(pixels steps[STEPS], kept *k, const fxs_view *view
         if (i + AHEAD < end)
             __builtin_prefetch(&splats[entries[i + AHEAD] & ~FXS_ENTRY_FAR]);
         const fxs_splat *splat = &splats[entries[i] & ~FXS_ENTRY_FAR];
-        placed p = place(view, splat, entries[i], x, y);
+        at_tile p = at_tile_of(view, splat, entries[i], x, y);
         if (k) {
-            p.place = all_h((int)i);
+            p.number = all_h((int)i);
             p.depth_q15 = all_h(which & FXS_TRACE_MEAN ? depths_q15[i - first] : 0);
             p.which = which;
         }
