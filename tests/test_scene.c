@@ -321,6 +321,7 @@ static void random_rotation(int32_t m_q30[9])
 
 static void random_camera(fxs_camera *camera)
 {
+    memset(camera, 0, sizeof *camera);
     camera->width = (int32_t)(1 + bits() % 40);
     camera->height = (int32_t)(1 + bits() % 40);
     camera->fx_q12 = (int32_t)(1 + any_unsigned(31) % INT32_MAX);
@@ -330,7 +331,6 @@ static void random_camera(fxs_camera *camera)
     random_rotation(camera->rotation_q30);
     for (int i = 0; i < 3; i++)
         camera->position_q32[i] = any(60);
-    camera->near_q32 = 0;
 }
 
 /* Puts the camera into or close to the box of the first chunk, with an ordinary field of view. */

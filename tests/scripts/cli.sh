@@ -230,6 +230,9 @@ done
 echo "[${views%,}]" >seventy.json
 succeeds "--view all, more than a round" render knot.ply --cameras seventy.json --view all --hash
 check "--view all, more than a round: in order" equal "$(sed -n 70p logs/out)" "$(view seventy.json --view 69)"
+cameras growing.json "$(inria_camera small 0 16 12 15)" "$(inria_camera large 0 640 480 600)"
+"$fixsplat" make-scene knot --count 20 -o few.ply
+succeeds "--view all, a small picture and a large one" render few.ply --cameras growing.json --view all --hash
 fails "--view all into no folder" 1 "none/0000.raw" render knot.ply --cameras three.json --view all -o none/%04d.raw
 succeeds "--view all --hash" render knot.ply --cameras three.json --view all --hash
 check "--view all --hash: three lines" equal "$(($(wc -l <logs/out)))" 3
@@ -718,6 +721,17 @@ else
         json changed.json "{\"file\": \"knot.ply\", $change}, {\"file\": \"cubes.ply\"}"
         check "--scene: $change" differ "$(hash_of --scene changed.json $front)" "$(hash_of knot.ply cubes.ply $front)"
     done
+    json cropped.json '{"file": "cubes.ply", "rotation": [2, 0, 0, 1],
+        "crops": [{"low": [-1, -2, -3], "high": [1.5, 2.5, 3.5], "keep": "inside"}]}'
+    succeeds "--scene: info of a cropped object" info --scene cropped.json
+    check "--scene: the box of what is left" grep -q ': -2.6 -2 -3 to 2.5 2.7 3.5$' logs/out
+    json around.json '{"file": "knot.ply",
+        "crops": [{"low": [-1e99, -1e99, -1e99], "high": [1e99, 1e99, 1e99], "keep": "inside"}]}'
+    check "--scene: a crop around all" equal "$(hash_of --scene around.json $front)" "$(hash_of knot.ply $front)"
+    ply solid.ply '0 0 0 1 1 1 9 3 3 3 1 0 0 0'
+    json half.json '{"file": "solid.ply", "opacity": 0.5}'
+    "$fixsplat" render --scene half.json --size 1x1 --eye 0,0,-9 --look 0,0,0 --alpha -o half.raw
+    check "--scene: half of an opacity" equal "$(od -An -tu1 -j3 half.raw | tr -d ' ')" 128
     while read -r words change; do
         json bad.json "{\"file\": \"knot.ply\"}, {$change}"
         fails "--scene: $change" 1 "^fixsplat: bad.json: object 1: .*$words" render --scene bad.json --hash
@@ -770,7 +784,8 @@ END
     succeeds "--scene: bench" bench --scene world.json $small
     json baked.json '{"file": "cubes.ply", "tint": [0.5, 2, 1], "opacity": 0.7, "rotation": [0.6, 0, 0.8, 0],
         "crops": [{"low": [-9, -9, -9], "high": [0, 9, 9], "keep": "outside"}]},
-        {"file": "knot.ply", "translation": [2, 0, 0], "rotation": [1, 1, 0, 0], "scale": 0.5}, {"file": "knot.ply"},
+        {"file": "knot.ply", "translation": [2, 0, 0], "rotation": [1, 1, 0, 0], "scale": 0.5, "tint": [1, 0.3, 1.5]},
+        {"file": "knot.ply"},
         {"file": "knot.ply", "visible": false}'
     for out in ply fxs; do
         succeeds "convert --scene to .$out" convert --scene baked.json baked.$out
@@ -795,7 +810,11 @@ END
     rm -f none.json
 fi
 succeeds "convert: two scenes" convert knot.ply cubes.ply two.ply --place 1:3,0,0
-check "convert: two scenes: all of them" grep -q '^element vertex 2500' two.ply
+check "convert: two scenes: all of them" gaussians two.ply 2500 3
+cp knot4.spz smoothed.spz
+printf '\001' | dd of=smoothed.spz bs=1 seek=14 conv=notrunc 2>logs/err
+fails "convert: one of two anti-aliased" 1 "knot.ply: of it and others, one is anti-aliased" \
+    convert smoothed.spz knot.ply two.ply
 for bad in '0' '0:' '0:1,2' '0:1,2,3,4' '0:1,2,3,1,0,0' '0:1,2,3,1,0,0,0,1,1' '0:1,2,nan' '0:x,y,z' 'none:1,2,3' \
     '2:1,2,3' ':1,2,3' '0:1,2,3,0,0,0,0' '0:1,2,3,1,0,0,0,0' '0:1,2,3,1,0,0,0,-1' '0:1,2,1e9'; do
     fails "--place $bad" 2 "--place $bad: " render knot.ply cubes.ply --place $bad --hash
@@ -806,6 +825,10 @@ done
 succeeds "--depth .pfm" render knot.ply $small --depth depth.pfm
 check "--depth .pfm: header" equal "$(head -n 3 depth.pfm | tr '\n' ' ')" "Pf 64 48 -1.0 "
 check "--depth .pfm: its bytes" equal "$(($(wc -c <depth.pfm)))" $((14 + 64 * 48 * 4))
+ply far.ply '9 0 5 1 1 1 9 -1 -1 -1 1 0 0 0' '0 0 -60 1 1 1 9 3 3 3 1 0 0 0'
+succeeds "--depth of what lies far along -z" render far.ply --size 1x1 --eye 0,0,10 --look 0,0,0 --depth far.pfm
+check "--depth of what lies far along -z: how far" equal \
+    "$(tail -c 4 far.pfm | od -An -tf4 | awk '{ printf "%.2f", $1 }')" 70.00
 succeeds "--depth .png" render knot.ply $small --depth depth.png
 check "--depth .png: the scale is printed" grep -Eq '^depth.png: 65535 is a depth of [0-9.]+$' logs/out
 check "--depth .png: 16 bits grey" equal "$(od -An -tu1 -j16 -N10 depth.png | tr -s ' ')" " 0 0 0 64 0 0 0 48 16 0"
