@@ -55,7 +55,8 @@ static void locate(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *ch
     cv->scale_step_q24 = chunk->scale_step_q24;
     cv->opacity_law = chunk->opacity_law;
     cv->shift = bits > 29 ? bits - 29 : 0;       /* so |offset| + reach < 2^29 an axis */
-    cv->plane_zeros = fxs_clamp(cv->shift - view->plane_exponent - 1, -23, 37);
+    cv->plane_zeros = fxs_clamp(cv->shift - view->plane_exponent, -22, 38);
+    cv->plane_side = cv->plane_zeros > 7 ? 1 << (38 - cv->plane_zeros) : INT32_MAX;
     const int64_t near = view->near_q32 >> cv->shift;
     cv->near = (int32_t)(near < INT32_MAX ? near : INT32_MAX);
     for (int i = 0; i < 3; i++) {
@@ -83,10 +84,10 @@ static int64_t reach_across(const fxs_chunk_view *cv, const fxs_view *view)
 }
 
 /* The largest value of sign * (axis i) - slope * depth in the chunk's box, slope in Q23. The depth is z, or that of the
-   plane of an orthographic view, 2^(31 - plane_zeros) units. */
+   plane of an orthographic view, 2^(32 - plane_zeros) units. */
 static int64_t farthest(const fxs_chunk_view *cv, const fxs_view *view, int i, int sign, int64_t slope_q23)
 {
-    const int shift = 31 - 23 - cv->plane_zeros;
+    const int shift = 32 - 23 - cv->plane_zeros;
     int64_t across = slope_q23 * (cv->base_q16[2] >> 16) >> 23, slope_of_z_q23 = slope_q23;
     if (view->orthographic) {
         across = shift < 0 ? slope_q23 >> -shift : slope_q23 * ((int64_t)1 << shift);

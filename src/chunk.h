@@ -20,7 +20,8 @@ typedef struct fxs_chunk_view {
     int64_t base_q16[3];
     int32_t m_q16[3][3];           /* below 2^29 */
     int shift;
-    int32_t plane_zeros;           /* leading zeros of an orthographic view's plane, in these units; -23 to 37 */
+    int32_t plane_zeros;           /* an orthographic view's plane lies at 2^(32 - plane_zeros) units; -22 to 38 */
+    int32_t plane_side;            /* 64 times that, cut to 2^31 - 1: x and y from there on are off the axis */
     int32_t near;                  /* the near plane's depth, 0 to 2^31 - 1; only what is beyond it is drawn */
 } fxs_chunk_view;
 

@@ -9,7 +9,7 @@
 /* What is known of a Gaussian once its centre is projected. */
 typedef struct projected {
     int32_t camera[3];             /* x, y, z in units of the chunk's view */
-    int zeros;                     /* of the depth that it is projected by: z, or 2^plane_exponent units */
+    int zeros;                     /* of the depth that it is projected by, z; or plane_zeros */
     uint32_t inverse_q30;          /* 2^62 / (depth << zeros) */
     int32_t slope_q23[2];          /* x/depth, y/depth, cut to +-64 */
     int32_t position_q14[2];       /* pixels, 0 at the centre of the first pixel; not where it is out of range */
@@ -27,7 +27,6 @@ typedef struct covariance {
 /* Returns 0 behind the near plane. */
 static int project_centre(projected *out, const fxs_view *view, const fxs_chunk_view *cv, const uint16_t code[3])
 {
-    const int64_t slope_most_q23 = (int64_t)64 << 23;
     for (int i = 0; i < 3; i++)
         out->camera[i] = (int32_t)((cv->base_q16[i] + (int64_t)cv->m_q16[i][0] * code[0] +
                                     (int64_t)cv->m_q16[i][1] * code[1] + (int64_t)cv->m_q16[i][2] * code[2]) >> 16);
@@ -35,16 +34,16 @@ static int project_centre(projected *out, const fxs_view *view, const fxs_chunk_
     if (z <= cv->near)
         return 0;
     out->zeros = view->orthographic ? cv->plane_zeros : fxs_clz32((uint32_t)z);
-    out->inverse_q30 = view->orthographic ? 1u << 31 : fxs_reciprocal((uint32_t)z << out->zeros);
+    out->inverse_q30 = view->orthographic ? 1u << 30 : fxs_reciprocal((uint32_t)z << out->zeros);
     out->out_of_range = 0;
+    const int64_t side = view->orthographic ? cv->plane_side : (int64_t)z * 64;
     const int64_t f_q12[2] = {view->fx_q12, view->fy_q12}, c_q12[2] = {view->cx_q12, view->cy_q12};
     for (int i = 0; i < 2; i++) {
         const int32_t x = out->camera[i];
+        const int off_axis = x >= side || -x >= side;
         int64_t slope = fxs_round_shift((int64_t)x * out->inverse_q30, 39 - out->zeros);
-        const int off_axis = view->orthographic ? slope >= slope_most_q23 || -slope >= slope_most_q23
-                                                : x >= (int64_t)z * 64 || -x >= (int64_t)z * 64;
         if (off_axis)
-            slope = x < 0 ? -slope_most_q23 : slope_most_q23;
+            slope = x < 0 ? -((int64_t)64 << 23) : (int64_t)64 << 23;
         int64_t position = fxs_round_shift(f_q12[i] * slope, 21) + c_q12[i] * 4 - (1 << 13);
         if (off_axis || position >= FXS_CENTRE_LIMIT_Q14 || position <= -FXS_CENTRE_LIMIT_Q14)
             out->out_of_range = 1;

@@ -14,6 +14,7 @@
 #endif
 
 #include "../kernels/kernels.h"
+#include "../src/chunk.h"
 #include "one_scene.h"
 #include "packed_scene.h"
 
@@ -288,6 +289,48 @@ static int32_t principal_point(int32_t size)
     return one_in(4) ? (int32_t)next() : one_in(8) ? off - limit : one_in(8) ? off + limit : size * 2048;
 }
 
+static void set_scale(fxs_chunk *c, int32_t scale_q16)
+{
+    const uint32_t most = (uint32_t)((scale_q16 + (32 << 16)) * (int64_t)256 / (1023 * 1023));
+    c->scale_q16 = scale_q16;
+    c->scale_step_q24 = c->scale_step_q24 < most ? c->scale_step_q24 : (uint16_t)most;
+}
+
+/* Parallel rays: the chunk is from a 16th of the picture to 4096 times as wide. */
+static void zoom_to_chunk(fxs_camera *camera)
+{
+    const fxs_chunk *c = chunk_of();
+    const double width = ((double)c->step_q32[0] * 65535 * (double)(1u << c->step_shift) + 1) * 0x1p-32;
+    const double focal_q12 = camera->width / width * exp2(uniform(-4, 12)) * 4096;
+    camera->fx_q12 = camera->fy_q12 = (int32_t)fmax(1, fmin(INT32_MAX, focal_q12));
+}
+
+/* Parallel rays, any zoom, from very near to very far: all centres in one place on the axis. */
+static void zoom_to_point(fxs_camera *camera)
+{
+    const int64_t distance = (int64_t)1 << (one_in(4) ? 13 : one_in(2) ? 60 : 13 + below(48));
+    point_header(chunk_of());
+    if (one_in(2))                               /* large Gaussians reach it from off the axis */
+        camera->width = camera->height = 1 + (int32_t)below(8);
+    fxs_camera_init(camera, camera->width, camera->height);
+    camera->fx_q12 = one_in(4) ? 1 : one_in(4) ? INT32_MAX : (int32_t)exp2(uniform(0, 31));
+    camera->fy_q12 = camera->fx_q12;
+    camera->position_q32[2] = -distance;
+    camera->near_q32 = 1 << 12;
+}
+
+/* By 64 times the depth of the plane that all is projected by, or a unit of the chunk view beside that; the largest
+   sigma is a quarter of that to twice that. */
+static void move_off_axis(void)
+{
+    fxs_chunk_view cv;
+    fxs_chunk_view_init(&cv, &view, &scene, 0);
+    const int64_t side = between(-1, 1) * cv.plane_side + between(-1, 1);
+    view.position_q32[below(2)] += cv.shift < 30 ? side * ((int64_t)1 << cv.shift) : 0;
+    const int32_t sigma = view.plane_exponent + 4 + (int32_t)below(4);
+    set_scale(chunk_of(), (sigma < 32 ? sigma : 32) * 65536);
+}
+
 static void make_view(void)
 {
     fxs_options options;
@@ -303,16 +346,32 @@ static void make_view(void)
     camera.cy_q12 = principal_point(camera.height);
     random_rotation(&camera);
     camera.near_q32 = one_in(2) ? 0 : (int64_t)exp2(uniform(12, one_in(8) ? 60 : 36));
-    if (one_in(4))
-        camera.projection = FXS_ORTHOGRAPHIC;
     place_camera(&camera, one_in(4) ? 0 : one_in(8) ? -1 : exp2(uniform(-4, one_in(4) ? 28 : 5)));
+    const int parallel = one_in(3), kind = (int)below(3);
+    if (parallel && kind == 1)
+        zoom_to_chunk(&camera);
+    if (parallel && kind == 2)
+        zoom_to_point(&camera);
+    camera.projection = parallel ? FXS_ORTHOGRAPHIC : FXS_PERSPECTIVE;
     CHECK(one_view_init(&view, &scene, &camera, &options) == 0);
+    if (parallel && kind == 2 && one_in(2))
+        move_off_axis();
     view.square = one_in(16);
 }
 
 /* ---- project, shade -------------------------------------------------------------------------------------------- */
 
-static uint64_t visible_total;         /* to see that the cases are worth something */
+/* To see that the cases are worth something. */
+static uint64_t visible_total;
+static uint64_t zooms;                 /* a bit for each plane_zeros, from -22 to 38, that showed something */
+
+static void count_visible(uint32_t count, int veils)
+{
+    fxs_chunk_view cv;
+    visible_total += count;
+    if (count && !veils && view.orthographic && !view.square && fxs_chunk_view_init(&cv, &view, &scene, 0) == 1)
+        zooms |= (uint64_t)1 << (cv.plane_zeros + 22);
+}
 
 static int has_veil(const fxs_bounds *bounds, uint32_t count)
 {
@@ -327,9 +386,7 @@ static int shrink(fxs_chunk *c)
 {
     if (c->scale_q16 < -(31 << 16))
         return 0;
-    c->scale_q16 -= 1 << 16;
-    const uint32_t most = (uint32_t)((c->scale_q16 + (32 << 16)) * (int64_t)256 / (1023 * 1023));
-    c->scale_step_q24 = c->scale_step_q24 < most ? c->scale_step_q24 : (uint16_t)most;
+    set_scale(c, c->scale_q16 - (1 << 16));
     return 1;
 }
 
@@ -359,17 +416,17 @@ static uint32_t project_both(output *const to[4], size_t skew)
 static void project_case(void)
 {
     const size_t skew = 4 * below(4);
-    const int veils = one_in(8);
     output *to[4];
     uint32_t count;
     make_scene();
     make_view();
+    const int veils = one_in(view.orthographic ? 2 : 8);
     for (int i = 0; i < 4; i++)
         to[i] = output_new(FXS_CHUNK * projected_bytes[i], skew);
     do
         count = project_both(to, skew);
     while (!veils && has_veil(at(to[1], 0, skew), count) && shrink(chunk_of()));
-    visible_total += count;
+    count_visible(count, has_veil(at(to[1], 0, skew), count));
 }
 
 static void shade_case(void)
@@ -586,10 +643,12 @@ static void run_cases(void (*one)(void), uint64_t share)
 
 static void project(void)
 {
-    visible_total = 0;
+    visible_total = zooms = 0;
     run_cases(project_case, 1);
     if (!check_faults && first_seed != last_seed)
         CHECK(visible_total > 10 * (last_seed - first_seed));
+    if (!check_faults && first_seed != last_seed)
+        CHECK(zooms & 1 && zooms >> 60 & 1 && __builtin_popcountll(zooms) > 48);
 }
 
 static void shade(void)

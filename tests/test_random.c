@@ -11,7 +11,7 @@
 #define EXPECTED_COMPACT 0x2f591171f5e73047u
 #define EXPECTED_SMALL 0x9d092ef7761c9857u
 #define EXPECTED_NEAR 0xfd82acde1bc259edu
-#define EXPECTED_WORLDS 0x7b8d18ad5570fb78u
+#define EXPECTED_WORLDS 0xd27adb238419a359u
 
 /* near: with a random near plane; else with the default. */
 static uint64_t hash_case(enum fxs_profile profile, int which, int near)

@@ -13,7 +13,8 @@ typedef struct survivors {
 } survivors;
 
 typedef struct centre {
-    vi camera[3], zeros, inverse_q30, slope_q23[2], position_q14[2];
+    vi camera[3];                  /* x and y of an orthographic view are cut to +-plane_side: slopes to +-64 */
+    vi zeros_of_z, zeros, inverse_q30, slope_q23[2], position_q14[2];
 } centre;
 
 static inline vi camera_axis(const fxs_chunk_view *cv, int i, const vi code[3])
@@ -24,18 +25,35 @@ static inline vi camera_axis(const fxs_chunk_view *cv, int i, const vi code[3])
     return (vi)narrow(offset_wide(x, cv->base_q16[i]), 16);
 }
 
-/* Slope and position on one axis. The position is taken 2^30 - 1 up, which makes -2^30 < position < 2^30 the same as
-   0 <= that < 2^31 - 1, and all that is above bit 30 has to be 0. */
+/* The depth that it is projected by. Returns what is not off the axis. */
+static inline mask project_depth(centre *c, const fxs_view *view, const fxs_chunk_view *cv)
+{
+    vi *x = &c->camera[0], *y = &c->camera[1], z = c->camera[2];
+    c->zeros_of_z = clz((vu)z);
+    if (view->orthographic) {
+        const vi side = all(cv->plane_side);
+        c->zeros = all(cv->plane_zeros);
+        c->inverse_q30 = all(1 << 30);
+        *x = clamp(*x, -side, side);
+        *y = clamp(*y, -side, side);
+        return greater(side, *x) & greater(side, -*x) & greater(side, *y) & greater(side, -*y);
+    }
+    c->zeros = c->zeros_of_z;
+    c->inverse_q30 = (vi)reciprocal(shift_left((vu)z, c->zeros));
+    return greater(z, *x >> 6) & greater(z, -*x >> 6) & greater(z, *y >> 6) & greater(z, -*y >> 6);
+}
+
+/* Slope and position on one axis. Returns what is not too far off the picture. The position is taken 2^30 - 1 up, which
+   makes -2^30 < position < 2^30 the same as 0 <= that < 2^31 - 1, and all that is above bit 30 has to be 0. */
 static inline mask project_axis(centre *c, int i, int64_t f_q12, int64_t c_q12)
 {
     const int64_t up = FXS_CENTRE_LIMIT_Q14 - 1;
-    vi x = c->camera[i], z = c->camera[2];
-    c->slope_q23[i] = scale_down_wide(mul_wide(x, c->inverse_q30), 39 - c->zeros);
+    c->slope_q23[i] = scale_down_wide(mul_wide(c->camera[i], c->inverse_q30), 39 - c->zeros);
     wide raised_q35 = offset_wide(mul_wide(c->slope_q23[i], all((int32_t)f_q12)),
                                   (c_q12 * 4 - (1 << 13) + up) * (1 << 21) + (1 << 20));
     vu raised_q14 = narrow(raised_q35, 21);
     c->position_q14[i] = (vi)(raised_q14 - (uint32_t)up);
-    return greater(z, x >> 6) & greater(z, -x >> 6) & greater(all(INT32_MAX), (vi)raised_q14) &
+    return greater(all(INT32_MAX), (vi)raised_q14) &
            equal((vi)(high_half(raised_q35) >> 21 | raised_q14 >> 31), all(0));
 }
 
@@ -73,8 +91,8 @@ static inline mask on_picture(const fxs_view *view, const centre *c, vi exponent
 
 static inline vi depth_key(const fxs_chunk_view *cv, const centre *c)
 {
-    vu exponent = (vu)((cv->shift - 1 + FXS_DEPTH_BIAS) - c->zeros);
-    return (vi)(exponent << 26 | (shift_left((vu)c->camera[2], c->zeros) >> 5 & 0x3ffffff));
+    vu exponent = (vu)((cv->shift - 1 + FXS_DEPTH_BIAS) - c->zeros_of_z);
+    return (vi)(exponent << 26 | (shift_left((vu)c->camera[2], c->zeros_of_z) >> 5 & 0x3ffffff));
 }
 
 /* The centres of the Gaussians i to i + LANES - 1. Returns 0 where one is a veil. */
@@ -91,9 +109,8 @@ static inline int find_centres(survivors *s, const fxs_view *view, const fxs_chu
         return 1;
     c.camera[0] = camera_axis(cv, 0, code);
     c.camera[1] = camera_axis(cv, 1, code);
-    c.zeros = clz((vu)c.camera[2]);
-    c.inverse_q30 = (vi)reciprocal(shift_left((vu)c.camera[2], c.zeros));
-    mask in_range = project_axis(&c, 0, view->fx_q12, view->cx_q12) & project_axis(&c, 1, view->fy_q12, view->cy_q12);
+    mask in_range = project_depth(&c, view, cv) & project_axis(&c, 0, view->fx_q12, view->cx_q12);
+    in_range &= project_axis(&c, 1, view->fy_q12, view->cy_q12);
     value[SCALE] = load_scales(scene, rows, i);
     value[SIZE] = (vi)screen_size(view, cv, &c, value[SCALE], &value[EXPONENT]);
     if (any(alive & greater(value[EXPONENT], all(FXS_EXPONENT_MAX))) ||
@@ -334,7 +351,7 @@ FXS_PROJECT(ISA)
     fxs_chunk_view cv;
     survivors s;
     uint32_t count = 0;
-    if (view->square || view->orthographic)
+    if (view->square)
         return fxs_project_c(view, scene, chunk, splats, bounds, indices, depths);
     const int seen = fxs_chunk_view_init(&cv, view, scene, chunk);
     if (seen <= 0)
