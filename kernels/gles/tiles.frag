@@ -79,6 +79,19 @@ uint limit_at(ivec2 texel)
     return inverse <= min(planes.x, planes.y) || z >= 4294967040.0 ? 0xffffffffu : depth_key(uint(z), bits);
 }
 
+// Of a list, whose depths ascend: the first record that is hidden, or its end.
+uint first_hidden(uvec2 list, uint limit)
+{
+    while (list.x < list.y) {
+        uint middle = (list.x + list.y) / 2u;
+        if (texelFetch(depths, texel(int(middle)), 0).x > limit)
+            list.y = middle;
+        else
+            list.x = middle + 1u;
+    }
+    return list.y;
+}
+
 ivec3 background_at(ivec2 texel)
 {
     if ((mesh.w & BACKDROP) == 0)
@@ -103,11 +116,10 @@ void main()
     ivec4 state = place.w == 1 ? texelFetch(carried, pixel & 15, 0) : ivec4(FXS_CLEAR_Q15, 0, 0, 0);
     ivec2 mesh_texel = ivec2(mesh.x + pixel.x, mesh.y + mesh.z * pixel.y);
     uint limit = limit_at(mesh_texel);
-    for (uint i = list.x; i < list.y && state.x >= FXS_CLOSED_Q15; i++) {
-        if (limit != 0xffffffffu && texelFetch(depths, texel(int(i)), 0).x > limit)
-            break;
+    if (limit != 0xffffffffu)
+        list.y = first_hidden(list, limit);
+    for (uint i = list.x; i < list.y && state.x >= FXS_CLOSED_Q15; i++)
         blend(int(i), pixel, state);
-    }
 #if defined STATE
     result = state;
 #elif defined INTEGER
