@@ -173,7 +173,7 @@ $(B)/with/%: ;
 -include $(wildcard $(addprefix $(B)/,$(addsuffix /*.d,src kernels kernels/* port/* tools tests tests/gpu)))
 .SUFFIXES:
 .DELETE_ON_ERROR:
-.PRECIOUS: $(B)/tests/%.o
+.PRECIOUS: $(B)/%.o
 
 demo: all ## make a procedural scene and render it to demo.png
 	$(B)/fixsplat make-scene knot --count 200000 -o demo.ply
