@@ -98,4 +98,19 @@ static inline void random_near(fxs_camera *camera)
     camera->near_q32 = (int64_t)between(4096, 8191) << between(0, 22);
 }
 
+/* A camera of either projection, and options. */
+static inline void random_view(fxs_camera *camera, fxs_options *options)
+{
+    random_camera(camera);
+    fxs_options_init(options);
+    options->cutoff = (enum fxs_cutoff)(between(0, 3) == 0);
+    options->sh_degree = between(0, 3);
+    for (int c = 0; c < 3; c++)
+        options->background[c] = (uint8_t)between(0, 255);
+    if (between(0, 3) == 0) {
+        camera->projection = FXS_ORTHOGRAPHIC;
+        camera->fx_q12 = camera->fy_q12 = between(2 << 12, 40 << 12);
+    }
+}
+
 #endif

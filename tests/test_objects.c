@@ -238,20 +238,6 @@ static int same_pictures(const picture *a, const picture *b)
     return a->bytes == b->bytes && !memcmp(a->block, b->block, a->bytes);
 }
 
-static void random_view(fxs_camera *camera, fxs_options *options)
-{
-    random_camera(camera);
-    fxs_options_init(options);
-    options->cutoff = (enum fxs_cutoff)(between(0, 3) == 0);
-    options->sh_degree = between(0, 3);
-    for (int c = 0; c < 3; c++)
-        options->background[c] = (uint8_t)between(0, 255);
-    if (between(0, 3) == 0) {
-        camera->projection = FXS_ORTHOGRAPHIC;
-        camera->fx_q12 = camera->fy_q12 = between(2 << 12, 40 << 12);
-    }
-}
-
 /* Signed permutations that are rotations. */
 static const int turns[][9] = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, -1, 0, 1, 0, 0, 0, 0, 1}, {0, 0, 1, 1, 0, 0, 0, 1, 0},
                                {-1, 0, 0, 0, 0, 1, 0, 1, 0}, {0, 1, 0, 0, 0, -1, -1, 0, 0}};

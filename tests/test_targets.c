@@ -212,20 +212,6 @@ static void check_pixels(const picture *p, const fxs_options *options, int step)
     free(row);
 }
 
-static void random_view(fxs_camera *camera, fxs_options *options)
-{
-    random_camera(camera);
-    fxs_options_init(options);
-    options->cutoff = (enum fxs_cutoff)(between(0, 3) == 0);
-    options->sh_degree = between(0, 3);
-    for (int c = 0; c < 3; c++)
-        options->background[c] = (uint8_t)between(0, 255);
-    if (between(0, 3) == 0) {
-        camera->projection = FXS_ORTHOGRAPHIC;
-        camera->fx_q12 = camera->fy_q12 = between(2 << 12, 40 << 12);
-    }
-}
-
 /* Two or three objects of random scenes. */
 typedef struct scenario {
     packed_scene scenes[3];
