@@ -365,6 +365,11 @@ static inline vh least_h(vh a, vh b)
     return (vh)vminq_s16((int16x8_t)a, (int16x8_t)b);
 }
 
+static inline vh most_h(vh a, vh b)
+{
+    return (vh)vmaxq_s16((int16x8_t)a, (int16x8_t)b);
+}
+
 static inline vh add_level(vh a, vh b)
 {
     return (vh)vqaddq_s16((int16x8_t)a, (int16x8_t)b);
@@ -404,23 +409,33 @@ static inline vh choose_h(mask_h which, vh a, vh b)
     return (vh)vbslq_s16((uint16x8_t)which, (int16x8_t)a, (int16x8_t)b);
 }
 
-static inline vh load_in_order(const int16_t *from)
+static inline int any_h(mask_h which)
 {
-    return load_h(from);
+    return vmaxvq_u16((uint16x8_t)which) != 0;
 }
 
-static inline void store_in_order(int16_t *to, vh x)
+/* A bit a lane. */
+static inline uint32_t bits_h(mask_h which)
 {
-    store_h(to, x);
+    const uint16x8_t lanes = {1, 2, 4, 8, 16, 32, 64, 128};
+    return vaddvq_u16(vandq_u16((uint16x8_t)which, lanes));
 }
 
-/* LANE_BITS each, those of a first. */
-#define LANE_BITS 4
-
-static inline uint64_t bits_of(mask_h a, mask_h b)
+/* x times 0 to 3 */
+static inline vu pattern_of(uint32_t x, uint32_t y)
 {
-    const uint8x16_t bytes = vuzp1q_u8((uint8x16_t)a, (uint8x16_t)b);
-    return vget_lane_u64(vreinterpret_u64_u8(vshrn_n_u16((uint16x8_t)bytes, 4)), 0);
+    (void)y;
+    return ramp(0, x);
+}
+
+static inline void order_levels(vh levels_q11[FXS_TILE])
+{
+    (void)levels_q11;
+}
+
+static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
+{
+    return all_h(((const int16_t *)levels_q11)[entry]);
 }
 
 /* 8 pixels, cut to 255. */

@@ -1,64 +1,172 @@
-/* blend and trace, 2 * LANES pixels at a time: a step is one such vector, in the order of the tile's pixels. Steps of a
- * row or two are taken one after the other. Of shorter ones (LANES 4) those are left out that are closed, or on a row
- * that the ellipse does not reach, or have no pixel in its reach. An entry has to touch a row of the tile. */
+/* blend and trace. A tile is cut into patches of 2 * LANES pixels: 8 columns, and ROWS rows. The entries of a list are
+ * taken in groups of as many. First it is found which of a group reach which patches: in vectors whose lanes are
+ * splats. Then each patch is blended with those that reach it: in vectors whose lanes are pixels. */
+#include "../../src/memory.h"
 #include "stages.h"
 
-#define STEPS (FXS_TILE_PIXELS / (2 * LANES))
-#define SKIPS (LANES < 8)
+#define GROUP (2 * LANES)
+#define ROWS (LANES / 4)
+#define PATCHES (FXS_TILE_PIXELS / GROUP)      /* in the order of their rows, two to a row */
+#define AHEAD 32                   /* entries: a splat is fetched that much before it is set out */
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
-#define AHEAD (SKIPS ? 2 : 14)     /* entries: a splat is fetched that much before it is blended */
 
-/* The pixels of a step, as pack_q13() leaves them. */
+/* The pixels of a patch, row by row. */
 typedef struct pixels {
     vh transmittance_q15, red_q13, green_q13, blue_q13;
 } pixels;
 
-/* What trace keeps of them beside: a step of each array of fxs_trace. */
+/* What trace keeps of them beside: a patch of each array of fxs_trace. */
 typedef struct kept {
     vh depth_q15, median, weight_q15, largest, end;
 } kept;
 
-/* A splat at a tile. */
-typedef struct at_tile {
-    uint32_t u_q24, v_q24;
-    int first_row, last_row;
-    vh limit_q11, red_q13, green_q13, blue_q13;
-    vh number, depth_q15;           /* trace: of its entry, */
-    unsigned which;                /* and what is kept */
-} at_tile;
+/* The splats of a group at a tile. They lie in two vectors as pack_q13 makes one of them: by their place, which is that
+   of entry 8 i + 4 j + k in lane 4 i + k of vector j. Numbers of 16 bits stand in both halves of a word, which is spread
+   faster. */
+typedef struct group {
+    vu u_q24[PATCHES][2];          /* at a patch's first pixel */
+    vu ux_q24[2], uy_q24[2], four_q24[2];      /* four: 4 ux */
+    vu limit_q11[2], red_q13[2], green_q13[2], blue_q13[2];
+    vu pattern_q24[GROUP];         /* by entry: u at a patch's first four columns, less that at its first pixel */
+    vh levels_q11[FXS_TILE];       /* v^2 + offset of the rows, where spread_levels finds them */
+    uint32_t reached[PATCHES];     /* which entries may have a pixel within their limit there */
+} group;
 
-static inline at_tile at_tile_of(const fxs_view *view, const fxs_splat *splat, uint32_t entry, int32_t x, int32_t y)
+/* What is needed of them only until it is found which patches they reach. */
+typedef struct outline {
+    vu u_q24[2], v_q24[2], vy_q24[2];          /* u, v: at the first pixel of a row */
+    vu u_low_q24[2], u_high_q24[2];            /* how far u goes within a patch */
+    vh offset_q11, limit_q11;
+} outline;
+
+static inline uint32_t place_of(uint32_t entry)
 {
-    at_tile p = {splat->u0_q24 + (uint32_t)x * (uint32_t)splat->ux_q24 + (uint32_t)y * (uint32_t)splat->uy_q24,
-                splat->v0_q24 + (uint32_t)y * (uint32_t)splat->vy_q24, splat->first_row - y, splat->last_row - y,
-                all_h(fxs_limit_q11(splat->offset_q11, view->cut_q11)), all_h(splat->colour_q13[0]),
-                all_h(splat->colour_q13[1]), all_h(splat->colour_q13[2]), all_h(0), all_h(0), 0};
-    p.first_row = p.first_row < 0 ? 0 : p.first_row;
-    p.last_row = fxs_min(p.last_row, FXS_TILE - 1);
-    if (__builtin_expect((entry & FXS_ENTRY_FAR) != 0, 0))
-        p.u_q24 = p.v_q24 = FXS_FAR_Q24;
-    return p;
+    return (entry >> 2 & 1) * LANES + (entry >> 3) * 4 + (entry & 3);
 }
 
-#if LANES < FXS_TILE
-/* v^2 + offset of the 16 rows. */
-typedef struct row_levels {
-    int16_t of_row[FXS_TILE] __attribute__((aligned(32)));
-} row_levels;
-
-/* Those of 2 * LANES rows. */
-static inline vh some_levels(uint32_t v_q24, uint32_t vy_q24, uint16_t offset_q11)
+static inline uint32_t word_of(const vu words[2], uint32_t place)
 {
-    const vh v_q13 = pack_q13(ramp(v_q24, vy_q24), ramp(v_q24 + LANES * vy_q24, vy_q24));
-    return add_level(mul_h(v_q13, v_q13), all_h(offset_q11));
+    return ((const uint32_t *)words)[place];
 }
 
-/* The lanes of a step. */
-static inline vh row_level(const row_levels *levels, int step)
+static inline vu spread(const vu words[2], uint32_t place)
 {
-    return all_h(levels->of_row[step * 2 * LANES / FXS_TILE]);
+    return (vu)all((int32_t)word_of(words, place));
 }
-#endif
+
+static inline vu twice(vi x)
+{
+    return (vu)(x & 65535) * 0x10001;
+}
+
+/* ---- Which patches a group reaches ------------------------------------------------------------------------------- */
+
+/* The slots of the next entries by place; past the end, the first again. Returns which entries there are that touch
+   something. */
+static inline uint32_t take_entries(int32_t at[2][LANES], const uint32_t *entries, uint32_t left, int square)
+{
+    uint32_t few[GROUP], which = ~0u >> (32 - (left < GROUP ? left : GROUP));
+    for (uint32_t i = 0; i < GROUP && left < GROUP; i++)
+        few[i] = entries[i < left ? i : 0];
+    entries = left < GROUP ? few : entries;
+    for (uint32_t i = 0; i < GROUP && square; i++)
+        which &= ~(entries[i] >> 31 << i);
+    for (uint32_t i = 0; i < GROUP; i += 4)
+        memcpy(at[0] + place_of(i), entries + i, 4 * sizeof *entries);
+    for (int j = 0; j < 2; j++)
+        store(at[j], load(at[j]) & (int32_t)~FXS_ENTRY_FAR);
+    return which;
+}
+
+/* Fills in vector j, at the tile of pixel (x, y). Returns offset. */
+static inline vu load_places(group *g, outline *o, int j, const fxs_view *view, const fxs_splat *splats,
+                             const int32_t at[LANES], int32_t x, int32_t y)
+{
+    vi words[4], more[4];
+    load_fours(words, (const int32_t *)(const void *)&splats->u0_q24, (int)sizeof *splats / 4, at);
+    load_fours(more, (const int32_t *)(const void *)&splats->vy_q24, (int)sizeof *splats / 4, at);
+    const vu ux = (vu)words[2], uy = (vu)words[3], vy = (vu)more[0], offset_q11 = (vu)(more[1] & 65535);
+    const vi across = (vi)(7 * ux), down = (ROWS - 1) * (vi)uy;
+    o->u_q24[j] = (vu)words[0] + (uint32_t)x * ux + (uint32_t)y * uy;
+    o->v_q24[j] = (vu)words[1] + (uint32_t)y * vy;
+    o->vy_q24[j] = vy;
+    o->u_low_q24[j] = (vu)(least(across, all(0)) + least(down, all(0)));
+    o->u_high_q24[j] = (vu)(most(across, all(0)) + most(down, all(0)));
+    g->ux_q24[j] = ux;
+    g->uy_q24[j] = uy;
+    g->four_q24[j] = 4 * ux;
+    g->limit_q11[j] = twice(least((vi)offset_q11 + view->cut_q11, all(FXS_FAINT_Q11)));
+    g->red_q13[j] = twice((vi)((vu)more[1] >> 16));
+    g->green_q13[j] = twice(more[2]);
+    g->blue_q13[j] = twice((vi)((vu)more[2] >> 16));
+    return offset_q11;
+}
+
+/* The least size of a coordinate between two that it has: that of one of them, or 0. */
+static inline vh nearest(vh low, vh high)
+{
+    return most_h(most_h(low, ~high), all_h(0));
+}
+
+/* The least level of a row or more: v is largest or least at the first or the last. */
+static inline vh level_of_rows(const outline *o, uint32_t rows)
+{
+    const vh first = pack_q13(o->v_q24[0], o->v_q24[1]);
+    const vh last = pack_q13(o->v_q24[0] + (rows - 1) * o->vy_q24[0], o->v_q24[1] + (rows - 1) * o->vy_q24[1]);
+    const vh v_q13 = rows == 1 ? first : nearest(least_h(first, last), most_h(first, last));
+    return add_level(mul_h(v_q13, v_q13), o->offset_q11);
+}
+
+/* Which entries may have a pixel within the limit in a patch whose rows have this level at least. */
+static inline uint32_t reach(const outline *o, const vu u_q24[2], vh level_q11)
+{
+    const vh low = pack_q13(u_q24[0] + o->u_low_q24[0], u_q24[1] + o->u_low_q24[1]);
+    const vh high = pack_q13(u_q24[0] + o->u_high_q24[0], u_q24[1] + o->u_high_q24[1]);
+    const vh u_q13 = nearest(low, high);
+    return bits_h(within(add_level(mul_h(u_q13, u_q13), level_q11), o->limit_q11));
+}
+
+/* The two patches of the next rows, and the levels of these. */
+static inline void set_out_rows(group *g, outline *o, int patch)
+{
+    const vh least_q11 = level_of_rows(o, ROWS);
+    for (int j = 0; j < 2; j++) {
+        g->u_q24[patch][j] = o->u_q24[j];
+        g->u_q24[patch + 1][j] = o->u_q24[j] + 8 * g->ux_q24[j];
+        o->u_q24[j] += ROWS * g->uy_q24[j];
+    }
+    g->reached[patch] = reach(o, g->u_q24[patch], least_q11);
+    g->reached[patch + 1] = reach(o, g->u_q24[patch + 1], least_q11);
+    for (int row = 0; row < ROWS; row++) {
+        g->levels_q11[patch / 2 * ROWS + row] = level_of_rows(o, 1);
+        for (int j = 0; j < 2; j++)
+            o->v_q24[j] += o->vy_q24[j];
+    }
+}
+
+static inline void set_out(group *g, const fxs_view *view, const fxs_splat *splats, const uint32_t *entries,
+                           uint32_t left, int32_t x, int32_t y)
+{
+    outline o;
+    int32_t at[2][LANES];
+    uint32_t which = take_entries(at, entries, left, view->square), some = 0;
+    const vu first = load_places(g, &o, 0, view, splats, at[0], x, y);
+    const vu second = load_places(g, &o, 1, view, splats, at[1], x, y);
+    o.offset_q11 = pack_q13(first << 11, second << 11);
+    o.limit_q11 = least_h(o.offset_q11 + all_h(view->cut_q11), all_h(FXS_FAINT_Q11));
+    for (int patch = 0; patch < PATCHES; patch += 2) {
+        set_out_rows(g, &o, patch);
+        some |= g->reached[patch] &= which;
+        some |= g->reached[patch + 1] &= which;
+    }
+    order_levels(g->levels_q11);
+    for (; some; some &= some - 1) {
+        const uint32_t entry = (uint32_t)__builtin_ctz(some), place = place_of(entry);
+        g->pattern_q24[entry] = pattern_of(word_of(g->ux_q24, place), word_of(g->uy_q24, place));
+    }
+}
+
+/* ---- Blending a patch -------------------------------------------------------------------------------------------- */
 
 /* exp(-level / 2), cut at 0.99: fxs_alpha_q15 */
 static inline vh alpha_of(vh level)
@@ -72,183 +180,147 @@ static inline vh alpha_of(vh level)
     return least_h(p, all_h(FXS_ALPHA_MAX_Q15));
 }
 
-/* Keeps track of a step; t: before the splat. */
-static inline void trace_step(kept *k, const at_tile *p, vh weight_q15, vh t_q15)
+/* Keeps track of a patch; t: before the entry. */
+static inline void trace_entry(kept *k, unsigned which, int entry, int depth_q15, vh weight_q15, vh t_q15)
 {
-    if (p->which & FXS_TRACE_MEAN)
-        k->depth_q15 = mul_add_h(weight_q15, p->depth_q15, k->depth_q15);
-    if (p->which & FXS_TRACE_MEDIAN) {
+    const vh number = all_h(entry);
+    if (which & FXS_TRACE_MEAN)
+        k->depth_q15 = mul_add_h(weight_q15, all_h(depth_q15), k->depth_q15);
+    if (which & FXS_TRACE_MEDIAN) {
         const vh above_half = where(greater_h(t_q15, all_h(FXS_HALF_Q15 - 1)), weight_q15);
-        k->median = choose_h(greater_h(above_half, all_h(0)), p->number, k->median);
+        k->median = choose_h(greater_h(above_half, all_h(0)), number, k->median);
     }
-    if (p->which & FXS_TRACE_ID) {
+    if (which & FXS_TRACE_ID) {
         const mask_h larger = greater_h(weight_q15, k->weight_q15);
         k->weight_q15 = choose_h(larger, weight_q15, k->weight_q15);
-        k->largest = choose_h(larger, p->number, k->largest);
+        k->largest = choose_h(larger, number, k->largest);
     }
 }
 
-/* Blends the pixels of a step that count. k: null without a trace, here and below. */
-static inline void blend_step(pixels *at, kept *k, const at_tile *p, vh level, mask_h counted)
+/* An entry and what a trace keeps of it; k: null without a trace, here and below. */
+ALWAYS_INLINE void blend_entry(pixels *at, kept *k, unsigned which, const group *g, int patch, uint32_t entry,
+                               int number, int depth_q15)
 {
-    const vh t = at->transmittance_q15;
-    vh weight = mul_h(where(counted, alpha_of(level)), t);
+    const uint32_t place = place_of(entry);
+    const vu left = g->pattern_q24[entry] + spread(g->u_q24[patch], place), right = left + spread(g->four_q24, place);
+    const vh u_q13 = pack_q13(left, right), t = at->transmittance_q15;
+    const vh level = add_level(mul_h(u_q13, u_q13), spread_levels(g->levels_q11 + patch / 2 * ROWS, entry));
+    const mask_h counted = within(level, (vh)spread(g->limit_q11, place));
+    vh weight = mul_h(where(counted, alpha_of(level)), where(open_of(t), t));
     if (k) {
-        if (p->which & FXS_TRACE_END)
-            weight = where(greater_h(k->end, p->number), weight);
-        trace_step(k, p, weight, t);
+        if (which & FXS_TRACE_END)
+            weight = where(greater_h(k->end, all_h(number)), weight);
+        trace_entry(k, which, number, depth_q15, weight, t);
     }
     at->transmittance_q15 = t - weight;
-    at->red_q13 = mul_add_cut_h(weight, p->red_q13, at->red_q13);
-    at->green_q13 = mul_add_cut_h(weight, p->green_q13, at->green_q13);
-    at->blue_q13 = mul_add_cut_h(weight, p->blue_q13, at->blue_q13);
+    at->red_q13 = mul_add_cut_h(weight, (vh)spread(g->red_q13, place), at->red_q13);
+    at->green_q13 = mul_add_cut_h(weight, (vh)spread(g->green_q13, place), at->green_q13);
+    at->blue_q13 = mul_add_cut_h(weight, (vh)spread(g->blue_q13, place), at->blue_q13);
 }
 
-#if SKIPS
-/* In bits_of(): the lowest bit of each of 16 rows. */
-#define ALL_ROWS ((~(uint64_t)0 >> (64 - FXS_TILE * LANE_BITS)) / ((1 << LANE_BITS) - 1))
-
-/* v^2 + offset of the 16 rows. Returns the rows within the limit. */
-static inline uint64_t rows_reached(row_levels *levels, const at_tile *p, const fxs_splat *splat)
+/* Blends a group from entry `number` on into a patch that some reach. Returns whether it is still open. */
+ALWAYS_INLINE int blend_patch(pixels *at, kept *k, unsigned which, const group *g, int patch, uint32_t number,
+                              const int16_t *depths_q15)
 {
-    const uint32_t vy = (uint32_t)splat->vy_q24;
-    const vh upper = some_levels(p->v_q24, vy, splat->offset_q11);
-    const vh lower = some_levels(p->v_q24 + 8 * vy, vy, splat->offset_q11);
-    store_h(levels->of_row, upper);
-    store_h(levels->of_row + 8, lower);
-    return bits_of(within(upper, p->limit_q11), within(lower, p->limit_q11)) & ALL_ROWS << LANE_BITS * p->first_row &
-           ALL_ROWS >> LANE_BITS * (FXS_TILE - 1 - p->last_row);
-}
-
-static inline vh level_of(vu first_q24, vu second_q24, vh row_level_q11)
-{
-    const vh u_q13 = pack_q13(first_q24, second_q24);
-    return add_level(mul_h(u_q13, u_q13), row_level_q11);
-}
-
-/* Blends a row, of which a to d are the coordinates. Returns 0 where it is found closed. */
-static inline int blend_row(pixels at[2], kept *k, const at_tile *p, vu a_q24, vu b_q24, vu c_q24, vu d_q24,
-                            vh row_level_q11)
-{
-    const vh left = level_of(a_q24, b_q24, row_level_q11), right = level_of(c_q24, d_q24, row_level_q11);
-    const mask_h open_left = open_of(at[0].transmittance_q15), open_right = open_of(at[1].transmittance_q15);
-    const mask_h on_left = within(left, p->limit_q11) & open_left, on_right = within(right, p->limit_q11) & open_right;
-    const uint64_t counted = bits_of(on_left, on_right);
-    if (!counted)
-        return bits_of(open_left, open_right) != 0;
-    if (counted & (((uint64_t)1 << 8 * LANE_BITS) - 1))
-        blend_step(at, k, p, left, on_left);
-    if (counted >> 8 * LANE_BITS)
-        blend_step(at + 1, k ? k + 1 : 0, p, right, on_right);
-    return 1;
-}
-
-/* Blends a splat over the rows in `open`, and takes out of it those that are found closed. */
-ALWAYS_INLINE void blend_splat(pixels tile[STEPS], kept *k, uint64_t *open, const at_tile *p, const fxs_splat *splat)
-{
-    row_levels levels;
-    uint64_t rows = p->first_row > p->last_row ? 0 : *open & rows_reached(&levels, p, splat);
-    const uint32_t ux = (uint32_t)splat->ux_q24, uy = (uint32_t)splat->uy_q24;
-    const vu a = ramp(p->u_q24, ux), b = a + LANES * ux, c = b + LANES * ux, d = c + LANES * ux;
-    for (; rows; rows &= rows - 1) {
-        const int row = __builtin_ctzll(rows) / LANE_BITS;
-        const vu down = (vu)all((int32_t)((uint32_t)row * uy));
-        if (!blend_row(tile + 2 * row, k ? k + 2 * row : 0, p, a + down, b + down, c + down, d + down,
-                       row_level(&levels, 2 * row)))
-            *open &= ~(rows & (0 - rows));
+    pixels p = *at;                /* in registers */
+    kept own;
+    if (k)
+        own = *k;
+    for (uint32_t reached = g->reached[patch]; reached; reached &= reached - 1) {
+        const uint32_t entry = (uint32_t)__builtin_ctz(reached);
+        blend_entry(&p, k ? &own : 0, which, g, patch, entry, (int)(number + entry),
+                    k && which & FXS_TRACE_MEAN ? depths_q15[entry] : 0);
     }
+    *at = p;
+    if (k)
+        *k = own;
+    return any_h(open_of(p.transmittance_q15));
 }
-#else
-#if LANES < FXS_TILE
-static inline row_levels row_levels_of(uint32_t v_q24, uint32_t vy_q24, uint16_t offset_q11)
-{
-    row_levels levels;
-    store_in_order(levels.of_row, some_levels(v_q24, vy_q24, offset_q11));
-    return levels;
-}
-#endif
-
-#define ALL_ROWS (~(uint64_t)0 >> (64 - STEPS))
-
-/* Blends a splat over its rows, and takes the steps out of `open` that are found closed. */
-ALWAYS_INLINE void blend_splat(pixels tile[STEPS], kept *k, uint64_t *open, const at_tile *p, const fxs_splat *splat)
-{
-    const int first = p->first_row * STEPS / FXS_TILE, last = ((p->last_row + 1) * STEPS - 1) / FXS_TILE;
-    const uint32_t ux = (uint32_t)splat->ux_q24, uy = (uint32_t)splat->uy_q24, rows = FXS_TILE / STEPS;
-    const row_levels levels = row_levels_of(p->v_q24, (uint32_t)splat->vy_q24, splat->offset_q11);
-    vu a = ramp(p->u_q24 + (uint32_t)first * rows * uy, ux), b = a + (LANES < FXS_TILE ? LANES * ux : uy);
-    const vu down = (vu)all((int32_t)(rows * uy));
-    for (int step = first; step <= last; step++, a += down, b += down) {
-        const vh u_q13 = pack_q13(a, b), level = add_level(mul_h(u_q13, u_q13), row_level(&levels, step));
-        const mask_h open_here = open_of(tile[step].transmittance_q15);
-        const mask_h counted = within(level, p->limit_q11) & open_here;
-        if (!any_h(open_here))
-            *open &= ~((uint64_t)1 << step);
-        else if (!k || any_h(counted))           /* without k, it is faster not to ask */
-            blend_step(tile + step, k ? k + step : 0, p, level, counted);
-    }
-}
-#endif
 
 /* Blends a list; depths_q15: null without a trace. */
-ALWAYS_INLINE void blend_list(pixels steps[STEPS], kept *k, const fxs_view *view, int32_t x, int32_t y,
+ALWAYS_INLINE void blend_list(pixels patches[PATCHES], kept *k, const fxs_view *view, int32_t x, int32_t y,
                               const fxs_splat *splats, const uint32_t *entries, const int16_t *depths_q15,
                               unsigned which, uint32_t first, uint32_t end)
 {
-    uint64_t open = ALL_ROWS;
-    for (uint32_t i = first; i < end && open; i++) {
-        if (i + AHEAD < end)
-            __builtin_prefetch(&splats[entries[i + AHEAD] & ~FXS_ENTRY_FAR]);
-        const fxs_splat *splat = &splats[entries[i] & ~FXS_ENTRY_FAR];
-        at_tile p = at_tile_of(view, splat, entries[i], x, y);
-        if (k) {
-            p.number = all_h((int)i);
-            p.depth_q15 = all_h(which & FXS_TRACE_MEAN ? depths_q15[i - first] : 0);
-            p.which = which;
+    group g;
+    uint32_t open = 0;
+    for (int patch = 0; patch < PATCHES; patch++)
+        open |= (uint32_t)any_h(open_of(patches[patch].transmittance_q15)) << patch;
+    for (uint32_t i = first; i < end && open; i += GROUP) {
+        set_out(&g, view, splats, entries + i, end - i, x, y);
+        for (uint32_t j = i + AHEAD; j < end && j < i + AHEAD + GROUP; j++)
+            __builtin_prefetch(&splats[entries[j] & ~FXS_ENTRY_FAR]);
+        for (uint32_t rest = open; rest; rest &= rest - 1) {
+            const int patch = __builtin_ctz(rest);
+            if (g.reached[patch] && !blend_patch(patches + patch, k ? k + patch : 0, which, &g, patch, i,
+                                                 depths_q15 ? depths_q15 + (i - first) : 0))
+                open &= ~(1u << patch);
         }
-        blend_splat(steps, k, &open, &p, splat);
     }
 }
 
-static inline void store_tile(fxs_tile *tile, const pixels steps[STEPS])
+/* ---- Tiles ------------------------------------------------------------------------------------------------------- */
+
+/* Where a patch is in the arrays of a tile. */
+static inline int start_of(int patch)
 {
-    for (int s = 0; s < STEPS; s++) {
-        const int at = s * 2 * LANES;
-        store_in_order(tile->transmittance_q15 + at, steps[s].transmittance_q15);
-        store_in_order(tile->sum_q13[0] + at, steps[s].red_q13);
-        store_in_order(tile->sum_q13[1] + at, steps[s].green_q13);
-        store_in_order(tile->sum_q13[2] + at, steps[s].blue_q13);
+    return patch / 2 * ROWS * FXS_TILE + patch % 2 * 8;
+}
+
+static inline vh load_rows(const int16_t *from)
+{
+    int16_t rows[ROWS][8];
+    for (int i = 0; i < ROWS; i++)
+        memcpy(rows[i], from + i * FXS_TILE, sizeof rows[i]);
+    return load_h(rows[0]);
+}
+
+static inline void store_rows(int16_t *to, vh x)
+{
+    int16_t rows[ROWS][8];
+    store_h(rows[0], x);
+    for (int i = 0; i < ROWS; i++)
+        memcpy(to + i * FXS_TILE, rows[i], sizeof rows[i]);
+}
+
+static inline void store_tile(fxs_tile *tile, const pixels patches[PATCHES])
+{
+    for (int i = 0; i < PATCHES; i++) {
+        const int at = start_of(i);
+        store_rows(tile->transmittance_q15 + at, patches[i].transmittance_q15);
+        store_rows(tile->sum_q13[0] + at, patches[i].red_q13);
+        store_rows(tile->sum_q13[1] + at, patches[i].green_q13);
+        store_rows(tile->sum_q13[2] + at, patches[i].blue_q13);
     }
 }
 
 FXS_BLEND(ISA)
 {
-    pixels steps[STEPS];
-    for (int s = 0; s < STEPS; s++)
-        steps[s] = (pixels){all_h(FXS_CLEAR_Q15), all_h(0), all_h(0), all_h(0)};
-    blend_list(steps, 0, view, x, y, splats, entries, 0, 0, 0, count);
-    store_tile(tile, steps);
+    pixels patches[PATCHES];
+    for (int i = 0; i < PATCHES; i++)
+        patches[i] = (pixels){all_h(FXS_CLEAR_Q15), all_h(0), all_h(0), all_h(0)};
+    blend_list(patches, 0, view, x, y, splats, entries, 0, 0, 0, count);
+    store_tile(tile, patches);
 }
 
 FXS_TRACE(ISA)
 {
-    pixels steps[STEPS];
-    kept k[STEPS];
-    for (int s = 0; s < STEPS; s++) {
-        const int at = s * 2 * LANES;
-        steps[s] = (pixels){load_in_order(tile->transmittance_q15 + at), load_in_order(tile->sum_q13[0] + at),
-                            load_in_order(tile->sum_q13[1] + at), load_in_order(tile->sum_q13[2] + at)};
-        k[s] = (kept){load_in_order(trace->depth_q15 + at), load_in_order(trace->median + at),
-                      load_in_order(trace->weight_q15 + at), load_in_order(trace->largest + at),
-                      load_in_order(trace->end + at)};
+    pixels patches[PATCHES];
+    kept k[PATCHES];
+    for (int i = 0; i < PATCHES; i++) {
+        const int at = start_of(i);
+        patches[i] = (pixels){load_rows(tile->transmittance_q15 + at), load_rows(tile->sum_q13[0] + at),
+                              load_rows(tile->sum_q13[1] + at), load_rows(tile->sum_q13[2] + at)};
+        k[i] = (kept){load_rows(trace->depth_q15 + at), load_rows(trace->median + at),
+                      load_rows(trace->weight_q15 + at), load_rows(trace->largest + at), load_rows(trace->end + at)};
     }
-    blend_list(steps, k, view, x, y, splats, entries, depths_q15, trace->which, first, end);
-    store_tile(tile, steps);
-    for (int s = 0; s < STEPS; s++) {
-        const int at = s * 2 * LANES;
-        store_in_order(trace->depth_q15 + at, k[s].depth_q15);
-        store_in_order(trace->median + at, k[s].median);
-        store_in_order(trace->weight_q15 + at, k[s].weight_q15);
-        store_in_order(trace->largest + at, k[s].largest);
+    blend_list(patches, k, view, x, y, splats, entries, depths_q15, trace->which, first, end);
+    store_tile(tile, patches);
+    for (int i = 0; i < PATCHES; i++) {
+        const int at = start_of(i);
+        store_rows(trace->depth_q15 + at, k[i].depth_q15);
+        store_rows(trace->median + at, k[i].median);
+        store_rows(trace->weight_q15 + at, k[i].weight_q15);
+        store_rows(trace->largest + at, k[i].largest);
     }
 }

@@ -51,6 +51,11 @@ static inline vh least_h(vh a, vh b)
     return (vh)MM(min_epi16)((V)a, (V)b);
 }
 
+static inline vh most_h(vh a, vh b)
+{
+    return (vh)MM(max_epi16)((V)a, (V)b);
+}
+
 /* Levels are unsigned here. Where the C code cuts a coordinate to -32767, with the square 32766, a vector has -32768,
    with the square 32768; and a level is cut to 65535, not 32767. All of these are above every limit, so such a pixel
    takes nothing either way. */

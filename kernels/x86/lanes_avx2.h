@@ -117,7 +117,7 @@ static inline vw magnitude_64(vw x)
 
 #include "avx.h"
 
-/* ---- Pixels: packing leaves a row in the order 0..3, 8..11, 4..7, 12..15 ----------------------------------------- */
+/* ---- Pixels ------------------------------------------------------------------------------------------------------ */
 
 typedef vh mask_h;                 /* -1 or 0 */
 
@@ -154,15 +154,37 @@ static inline vh choose_h(mask_h which, vh a, vh b)
     return (vh)_mm256_blendv_epi8((__m256i)b, (__m256i)a, (__m256i)which);
 }
 
-/* From the order of pixels to that of pack_q13, and back. */
-static inline vh load_in_order(const int16_t *from)
+/* A bit a lane. */
+static inline uint32_t bits_h(mask_h which)
 {
-    return (vh)_mm256_permute4x64_epi64((__m256i)load_h(from), 0xd8);
+    const __m256i bytes = _mm256_packs_epi16((__m256i)which, (__m256i)which);
+    const uint32_t bits = (uint32_t)_mm256_movemask_epi8(bytes);
+    return (bits & 0xff) | (bits >> 8 & 0xff00);
 }
 
-static inline void store_in_order(int16_t *to, vh x)
+/* x times 0 to 3, and y more in the last four lanes. */
+static inline vu pattern_of(uint32_t x, uint32_t y)
 {
-    store_h(to, (vh)_mm256_permute4x64_epi64((__m256i)x, 0xd8));
+    return x * (vu)_mm256_setr_epi32(0, 1, 2, 3, 0, 1, 2, 3) + y * (vu)_mm256_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1);
+}
+
+/* Brings two rows of an entry together. */
+static inline void order_levels(vh levels_q11[FXS_TILE])
+{
+    for (int row = 0; row < FXS_TILE; row += 2) {
+        const __m256i upper = (__m256i)levels_q11[row], lower = (__m256i)levels_q11[row + 1];
+        levels_q11[row] = (vh)_mm256_unpacklo_epi16(upper, lower);
+        levels_q11[row + 1] = (vh)_mm256_unpackhi_epi16(upper, lower);
+    }
+}
+
+/* Of ordered levels from a patch's rows on: an entry's first in lanes 0 to 7, the next in lanes 8 to 15. */
+static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
+{
+    const __m256i words = _mm256_setr_epi64x(0x0100010001000100, 0x0100010001000100, 0x0302030203020302,
+                                             0x0302030203020302);
+    const int32_t *pairs = (const int32_t *)(levels_q11 + (entry >> 2 & 1)) + (entry >> 3) * 4 + (entry & 3);
+    return (vh)_mm256_shuffle_epi8(_mm256_set1_epi32(*pairs), words);
 }
 
 #endif

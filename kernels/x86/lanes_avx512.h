@@ -95,7 +95,7 @@ static inline vw magnitude_64(vw x)
 
 #include "avx.h"
 
-/* ---- Pixels: packing leaves two rows in turns of four, r0 x 0..3, r1 x 0..3, r0 x 4..7, ... ---------------------- */
+/* ---- Pixels ------------------------------------------------------------------------------------------------------ */
 
 typedef __mmask32 mask_h;
 
@@ -132,36 +132,41 @@ static inline vh choose_h(mask_h which, vh a, vh b)
     return (vh)_mm512_mask_mov_epi16((__m512i)b, which, (__m512i)a);
 }
 
-/* From the order of pixels to that of pack_q13, and back. */
-static inline vh load_in_order(const int16_t *from)
+/* A bit a lane. */
+static inline uint32_t bits_h(mask_h which)
 {
-    return (vh)_mm512_permutexvar_epi64(_mm512_set_epi64(7, 3, 6, 2, 5, 1, 4, 0), (__m512i)load_h(from));
+    return which;
 }
 
-static inline void store_in_order(int16_t *to, vh x)
+/* x times 0 to 3, and one y more every four lanes. */
+static inline vu pattern_of(uint32_t x, uint32_t y)
 {
-    store_h(to, (vh)_mm512_permutexvar_epi64(_mm512_set_epi64(7, 5, 3, 1, 6, 4, 2, 0), (__m512i)x));
+    return x * (vu)_mm512_setr_epi32(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3) +
+           y * (vu)_mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
 }
 
-/* v^2 + offset of the 16 rows. */
-typedef struct row_levels {
-    vh of_row;                     /* in the low half */
-} row_levels;
-
-static inline row_levels row_levels_of(uint32_t v_q24, uint32_t vy_q24, uint16_t offset_q11)
+/* Brings four rows of an entry together. */
+static inline void order_levels(vh levels_q11[FXS_TILE])
 {
-    const __m256i v_q13 = _mm512_cvtsepi32_epi16(_mm512_srai_epi32((__m512i)ramp(v_q24, vy_q24), 11));
-    const __m256i square_q11 = _mm256_mulhrs_epi16(v_q13, v_q13);
-    const __m256i level_q11 = _mm256_adds_epu16(square_q11, _mm256_set1_epi16((int16_t)offset_q11));
-    return (row_levels){(vh)_mm512_castsi256_si512(level_q11)};
+    for (int row = 0; row < FXS_TILE; row += 4) {
+        __m512i *four = (__m512i *)(levels_q11 + row);
+        const __m512i a = _mm512_unpacklo_epi16(four[0], four[1]), b = _mm512_unpacklo_epi16(four[2], four[3]);
+        const __m512i c = _mm512_unpackhi_epi16(four[0], four[1]), d = _mm512_unpackhi_epi16(four[2], four[3]);
+        four[0] = _mm512_unpacklo_epi32(a, b);
+        four[1] = _mm512_unpackhi_epi32(a, b);
+        four[2] = _mm512_unpacklo_epi32(c, d);
+        four[3] = _mm512_unpackhi_epi32(c, d);
+    }
 }
 
-/* Those of rows 2 step and 2 step + 1, four times each, in turns. */
-static inline vh row_level(const row_levels *levels, int step)
+/* Of ordered levels from a patch's rows on: an entry's first in lanes 0 to 7, the next in lanes 8 to 15, ... */
+static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
 {
-    const __m512i turns = _mm512_maskz_mov_epi64(0xaa, _mm512_set1_epi64(0x0001000100010001));
-    const __m512i which = _mm512_add_epi16(_mm512_set1_epi16((int16_t)(2 * step)), turns);
-    return (vh)_mm512_permutexvar_epi16(which, (__m512i)levels->of_row);
+    const __m512i words = _mm512_setr_epi64(0x0100010001000100, 0x0100010001000100, 0x0302030203020302,
+                                            0x0302030203020302, 0x0504050405040504, 0x0504050405040504,
+                                            0x0706070607060706, 0x0706070607060706);
+    const int64_t *fours = (const int64_t *)(levels_q11 + (entry >> 1 & 3)) + (entry >> 3) * 2 + (entry & 1);
+    return (vh)_mm512_shuffle_epi8(_mm512_set1_epi64(*fours), words);
 }
 
 #endif

@@ -9,6 +9,20 @@
 #include "../../src/stage.h"
 #include "common.h"
 
+/* The four words at from + stride * at[lane], of each lane. */
+static inline void load_fours(vi words[4], const int32_t *from, int stride, const int32_t at[LANES])
+{
+    __m128i in[4];
+    for (int i = 0; i < 4; i++)
+        in[i] = _mm_loadu_si128((const __m128i *)(const void *)(from + stride * at[i]));
+    const __m128i a = _mm_unpacklo_epi32(in[0], in[1]), b = _mm_unpacklo_epi32(in[2], in[3]);
+    const __m128i c = _mm_unpackhi_epi32(in[0], in[1]), d = _mm_unpackhi_epi32(in[2], in[3]);
+    words[0] = (vi)_mm_unpacklo_epi64(a, b);
+    words[1] = (vi)_mm_unpackhi_epi64(a, b);
+    words[2] = (vi)_mm_unpacklo_epi64(c, d);
+    words[3] = (vi)_mm_unpackhi_epi64(c, d);
+}
+
 typedef vh mask_h;                 /* -1 or 0 */
 
 /* The pixels that take more. */
@@ -39,22 +53,32 @@ static inline vh choose_h(mask_h which, vh a, vh b)
     return (vh)_mm_blendv_epi8((__m128i)b, (__m128i)a, (__m128i)which);
 }
 
-static inline vh load_in_order(const int16_t *from)
+static inline int any_h(mask_h which)
 {
-    return load_h(from);
+    return !_mm_testz_si128((__m128i)which, (__m128i)which);
 }
 
-static inline void store_in_order(int16_t *to, vh x)
+/* A bit a lane. */
+static inline uint32_t bits_h(mask_h which)
 {
-    store_h(to, x);
+    return (uint32_t)_mm_movemask_epi8(_mm_packs_epi16((__m128i)which, _mm_setzero_si128()));
 }
 
-/* LANE_BITS each, those of a first. */
-#define LANE_BITS 1
-
-static inline uint64_t bits_of(mask_h a, mask_h b)
+/* x times 0 to 3 */
+static inline vu pattern_of(uint32_t x, uint32_t y)
 {
-    return (uint64_t)_mm_movemask_epi8(_mm_packs_epi16((__m128i)a, (__m128i)b));
+    (void)y;
+    return ramp(0, x);
+}
+
+static inline void order_levels(vh levels_q11[FXS_TILE])
+{
+    (void)levels_q11;
+}
+
+static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
+{
+    return all_h(((const int16_t *)levels_q11)[entry]);
 }
 
 /* 8 pixels, cut to 255. */
