@@ -5,9 +5,10 @@
 #include "parts.h"
 
 #define JOBS 8u                    /* blocks a thread where bands are planned, at most */
-#define ENTRIES 4u                 /* a slot: what lists usually take */
+#define KEYS 2u                    /* a slot: what lists usually take */
 #define EYE_BYTES (sizeof(fxs_splat) + sizeof(fxs_bounds) + sizeof(fxs_box) + sizeof(uint32_t))
-#define SLOT_BYTES (sizeof(uint32_t) + 2 * sizeof(fxs_key))   /* and EYE_BYTES for each eye */
+#define SLOT_BYTES sizeof(uint32_t)            /* and EYE_BYTES for each eye */
+#define LIST_BYTES (2 * sizeof(fxs_key))       /* a key, and room to sort it */
 
 /* ---- Memory ---------------------------------------------------------------------------------------------------- */
 
@@ -43,6 +44,7 @@ static void lay_out_frame(fxs_frame *f, int planned)
     f->planned = planned;
     f->parts = config->run && config->threads > 1 ? config->threads : 1;
     f->tiles = (uint32_t)f->eye->view.tiles_x * tiles_y;
+    f->macros = fxs_macros(f->eye->view.tiles_x) * fxs_macros(f->eye->view.tiles_y);
     f->block_chunks = FXS_BLOCK;
     while (planned && chunks > JOBS * f->parts * (uint64_t)f->block_chunks)
         f->block_chunks *= 2;
@@ -58,14 +60,16 @@ static void lay_out_frame(fxs_frame *f, int planned)
         f->eye[eye].objects = cut(&m, f->object_count * sizeof *f->eye->objects);
     uint64_t tiles_at = m.used;
     f->tile_counts = cut(&m, f->tiles * sizeof *f->tile_counts);
-    f->next = cut(&m, (uint64_t)f->parts * f->tiles * sizeof *f->next);
-    f->tile_times = cut(&m, (uint64_t)f->tiles * 2 * sizeof *f->tile_times);
+    f->tile_ends = cut(&m, config->draw && !config->draw_unlisted ? f->tiles * sizeof *f->tile_ends : 0);
+    f->lengths = cut(&m, f->macros * sizeof *f->lengths);
+    f->next = cut(&m, (uint64_t)f->parts * f->macros * sizeof *f->next);
+    f->macro_times = cut(&m, (uint64_t)f->macros * 4 * sizeof *f->macro_times);
     f->stats.memory.tiles = (size_t)(m.used - tiles_at);
     f->fixed_bytes = m.used;
 }
 
-/* What lasts for a band. The entries take the rest of the memory, up to ENTRIES a slot and 64 a tile. Returns the bytes
-   of all, which may be more than a size_t holds. */
+/* What lasts for a band. The lists take the rest of the memory, up to KEYS a slot and 16 a tile. Returns the bytes of
+   all, which may be more than a size_t holds. */
 static uint64_t lay_out_band(fxs_frame *f, uint64_t slots)
 {
     arena m = {f->memory ? f->memory + f->fixed_bytes : 0, f->fixed_bytes};
@@ -77,29 +81,29 @@ static uint64_t lay_out_band(fxs_frame *f, uint64_t slots)
         eye->depths = cut(&m, slots * sizeof *eye->depths);
     }
     f->indices = cut(&m, slots * sizeof *f->indices);
-    f->keys = cut(&m, slots * sizeof *f->keys);
-    f->unsorted = cut(&m, slots * sizeof *f->unsorted);
-    uint64_t wanted = ENTRIES * slots + 64 * (uint64_t)f->tiles, rest = (f->memory_bytes - m.used) / sizeof *f->entries;
+    uint64_t wanted = KEYS * slots + 16 * (uint64_t)f->tiles, rest = (f->memory_bytes - m.used) / LIST_BYTES;
     wanted = wanted < UINT32_MAX ? wanted : UINT32_MAX;
-    f->entry_capacity = (uint32_t)(wanted < rest ? wanted : rest) / 16 * 16;
-    f->entries = cut(&m, f->entry_capacity * (uint64_t)sizeof *f->entries);
+    f->key_capacity = (uint32_t)(wanted < rest ? wanted : rest) / 16 * 16;
+    f->keys = cut(&m, f->key_capacity * (uint64_t)sizeof *f->keys);
+    f->spare = cut(&m, f->key_capacity * (uint64_t)sizeof *f->spare);
 
     fxs_frame_memory *sizes = &f->stats.memory;
-    sizes->keys = (size_t)slots * 2 * sizeof *f->keys + f->parts * sizeof *f->histograms;
-    sizes->entries = f->entry_capacity * sizeof *f->entries;
+    sizes->entries = f->key_capacity * sizeof *f->keys;
+    sizes->keys = f->key_capacity * sizeof *f->spare + f->parts * sizeof *f->histograms;
     sizes->total = (size_t)m.used;
     sizes->splats = sizes->total - sizes->keys - sizes->tiles - sizes->entries;
     return m.used;
 }
 
-static uint64_t bytes_for(const fxs_frame *f, uint64_t slots, uint64_t entries_a_slot)
+static uint64_t bytes_for(const fxs_frame *f, uint64_t slots, uint64_t keys_a_slot)
 {
-    return f->fixed_bytes +
-           to_multiple_of_16(slots) * (SLOT_BYTES + f->eye_count * EYE_BYTES + entries_a_slot * sizeof *f->entries);
+    return slots > FXS_MAX_SLOTS ? UINT64_MAX
+           : f->fixed_bytes +
+             to_multiple_of_16(slots) * (SLOT_BYTES + f->eye_count * EYE_BYTES + keys_a_slot * LIST_BYTES);
 }
 
-/* The least memory for every Gaussian, and for a plan, of a frame that is laid out for it. With one entry a slot a tile
-   always fits, as its list is never longer. */
+/* The least memory for every Gaussian, and for a plan, of a frame that is laid out for it. With one key a slot a macro
+   tile always fits, as its list is never longer. */
 static uint64_t bytes_for_all(const fxs_frame *f)
 {
     return bytes_for(f, (uint64_t)f->chunk_count * FXS_CHUNK, 1);
@@ -168,12 +172,12 @@ static uint32_t block_slots(const fxs_frame *f, uint32_t block, int32_t first_ro
     return (uint32_t)smaller(most, counts[end_row].started - counts[first_row].ended + FXS_CHUNK);
 }
 
-static uint64_t band_bytes(const fxs_frame *f, int32_t first_row, int32_t end_row, uint64_t entries_a_slot)
+static uint64_t band_bytes(const fxs_frame *f, int32_t first_row, int32_t end_row, uint64_t keys_a_slot)
 {
     uint64_t slots = 0;
     for (uint32_t block = 0; block < f->blocks; block++)
         slots += block_slots(f, block, first_row, end_row);
-    return bytes_for(f, slots, entries_a_slot);
+    return bytes_for(f, slots, keys_a_slot);
 }
 
 void fxs_bands_begin_plan(fxs_frame *f)
@@ -214,7 +218,7 @@ void fxs_band_next(fxs_frame *f)
     uint32_t slots = 0;
     f->first_row = f->end_row;
     f->end_row = f->planned ? f->first_row + 1 : f->eye->view.tiles_y;
-    while (f->end_row < f->eye->view.tiles_y && band_bytes(f, f->first_row, f->end_row + 1, ENTRIES) <= f->memory_bytes)
+    while (f->end_row < f->eye->view.tiles_y && band_bytes(f, f->first_row, f->end_row + 1, KEYS) <= f->memory_bytes)
         f->end_row++;
     for (uint32_t block = 0; block < f->blocks; block++) {
         f->block_slots[block] = slots;

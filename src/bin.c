@@ -6,8 +6,6 @@
 #include "memory.h"
 #include "parts.h"
 
-#define AHEAD 16                   /* keys */
-
 typedef fxs_span span;
 
 typedef struct ellipse {
@@ -115,98 +113,143 @@ static span span_of(const ellipse *e, const fxs_view *view, int32_t row)
                         : ellipse_span(e, view, row);
 }
 
+/* Bits of the six tiles of a row in a box go to the three macro tiles. */
+static uint64_t spread_row(uint32_t tiles, int32_t row)
+{
+    return (uint64_t)((tiles & 3) | (tiles & 12) << 2 | (tiles & 48) << 4) << (row / 2 * 12 + row % 2 * 2);
+}
+
+/* The tiles of a span, from column `from` on; at most 31. */
+static uint32_t tiles_of(span s, int32_t from)
+{
+    return s.first > s.last ? 0 : (2u << (s.last - from)) - (1u << (s.first - from));
+}
+
+static fxs_box box_of(const fxs_view *view, ellipse *e)
+{
+    const int32_t row = e->rows.first & ~1, column = e->columns.first & ~1;
+    const uint32_t macro = (uint32_t)row / FXS_MACRO * fxs_macros(view->tiles_x) + (uint32_t)column / FXS_MACRO;
+    uint64_t mask = 0;
+    if (view->square)
+        return FXS_LARGE;
+    if (e->columns.first > e->columns.last)
+        return FXS_NOWHERE;
+    if (e->columns.last - column >= FXS_BOX_TILES || e->rows.last - row >= FXS_BOX_TILES)
+        return FXS_LARGE;
+    if (e->rows.first == e->rows.last && e->splat->first_row > 0 && e->splat->last_row < view->height - 1) {
+        /* All of it on one tile row: it touches every column of its box. */
+        mask = spread_row(tiles_of(e->columns, column), e->rows.first - row);
+    } else {
+        add_radius(e, view);
+        for (int32_t r = e->rows.first; r <= e->rows.last; r++)
+            mask |= spread_row(tiles_of(ellipse_span(e, view, r), column), r - row);
+    }
+    return mask ? (fxs_box){mask | (uint64_t)macro << FXS_BOX_BITS} : FXS_NOWHERE;
+}
+
 void fxs_bin_c(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count, fxs_box *boxes)
 {
     for (uint32_t i = 0; i < count; i++) {
         ellipse e = ellipse_of(view, &splats[i], &bounds[i]);
-        boxes[i] = (fxs_box){(uint32_t)(e.rows.first * view->tiles_x + e.columns.first), 0};
-        if (view->square || e.columns.first > e.columns.last || e.columns.last - e.columns.first > 3 ||
-            e.rows.last - e.rows.first > 3)
-            continue;
-        /* All of it on one tile row: it touches every column of its box. */
-        int whole = splats[i].first_row > 0 && splats[i].last_row < view->height - 1;
-        if (whole && e.rows.first == e.rows.last) {
-            boxes[i].mask = (2u << (e.columns.last - e.columns.first)) - 1;
-            continue;
+        boxes[i] = box_of(view, &e);
+    }
+}
+
+/* ---- Lists ----------------------------------------------------------------------------------------------------- */
+
+/* Lists a splat in a macro tile: counts it, and where there are keys, writes one. */
+static inline void put(const fxs_lister *l, fxs_key *keys, uint32_t macro, uint32_t mask, uint32_t slot)
+{
+    if (macro - l->first_macro > l->last_macro - l->first_macro)
+        return;
+    const uint32_t at = l->next[macro]++;
+    if (keys)
+        keys[at] = FXS_LISTED(l->depths[slot], mask, slot);
+}
+
+static inline void list_box(const fxs_lister *l, fxs_key *keys, uint32_t slot)
+{
+    static const uint8_t rows[9] = {0, 0, 0, 1, 1, 1, 2, 2, 2}, columns[9] = {0, 1, 2, 0, 1, 2, 0, 1, 2};
+    const uint64_t box = l->boxes[slot].bits;
+    const uint32_t macros_x = fxs_macros(l->view->tiles_x), macro = (uint32_t)(box >> FXS_BOX_BITS);
+    for (uint64_t mask = box & (((uint64_t)1 << FXS_BOX_BITS) - 1); mask;) {
+        const uint32_t i = (uint32_t)fxs_ctz64(mask) / 4, here = (uint32_t)(mask >> 4 * i) & 15;
+        put(l, keys, macro + rows[i] * macros_x + columns[i], here, slot);
+        mask &= ~((uint64_t)15 << 4 * i);
+    }
+}
+
+/* The tiles of a span in columns 2 c and 2 c + 1. */
+static uint32_t pair_of(span s, int32_t c)
+{
+    return (uint32_t)(s.first <= 2 * c && 2 * c <= s.last) | (uint32_t)(s.first <= 2 * c + 1 && 2 * c + 1 <= s.last) << 1;
+}
+
+/* A splat whose tiles do not fit in a box. */
+static inline void list_large(const fxs_lister *l, fxs_key *keys, uint32_t slot)
+{
+    const fxs_view *view = l->view;
+    const int32_t macros_x = (int32_t)fxs_macros(view->tiles_x);
+    ellipse e = ellipse_of(view, &l->splats[slot], &l->bounds[slot]);
+    const span rows = rows_of(&e, view);
+    add_radius(&e, view);
+    int32_t row = (int32_t)larger(rows.first / FXS_MACRO, l->first_macro / (uint32_t)macros_x);
+    const int32_t last = fxs_min(rows.last / FXS_MACRO, (int32_t)(l->last_macro / (uint32_t)macros_x));
+    for (; row <= last; row++) {
+        span s[FXS_MACRO], touched = {view->tiles_x, -1};
+        for (int32_t i = 0; i < FXS_MACRO; i++) {
+            const int32_t r = FXS_MACRO * row + i;
+            s[i] = r < rows.first || r > rows.last ? (span){0, -1} : span_of(&e, view, r);
+            if (s[i].first <= s[i].last)
+                touched = (span){fxs_min(touched.first, s[i].first), (int32_t)larger(touched.last, s[i].last)};
         }
-        add_radius(&e, view);
-        for (int32_t row = e.rows.first; row <= e.rows.last; row++) {
-            span s = ellipse_span(&e, view, row);
-            if (s.first <= s.last)
-                boxes[i].mask |= ((2u << (s.last - e.columns.first)) - (1u << (s.first - e.columns.first)))
-                                 << 4 * (row - e.rows.first);
+        for (int32_t c = touched.first / FXS_MACRO; c <= touched.last / FXS_MACRO && touched.last >= 0; c++) {
+            const uint32_t mask = pair_of(s[0], c) | pair_of(s[1], c) << 2;
+            if (mask)
+                put(l, keys, (uint32_t)(row * macros_x + c), mask, slot);
         }
     }
 }
 
-static uint32_t tile_of_bit(const fxs_view *view, fxs_box box, uint32_t mask)
+static inline void list(const fxs_lister *l, fxs_key *keys, uint32_t first, uint32_t count)
 {
-    uint32_t bit = (uint32_t)fxs_ctz32(mask);
-    return box.base + bit / 4 * (uint32_t)view->tiles_x + bit % 4;
+    for (uint32_t slot = first; slot < first + count; slot++)
+        if (l->boxes[slot].bits == FXS_LARGE.bits)
+            list_large(l, keys, slot);
+        else
+            list_box(l, keys, slot);
 }
 
-static void count_large(const fxs_view *view, const ellipse *e, uint32_t *counts)
+void fxs_bin_count(const fxs_lister *l, uint32_t first, uint32_t count)
 {
-    span rows = rows_of(e, view);
-    for (int32_t row = rows.first; row <= rows.last; row++) {
-        span s = span_of(e, view, row);
-        for (int32_t column = s.first; column <= s.last; column++)
-            counts[row * view->tiles_x + column]++;
-    }
+    list(l, 0, first, count);
 }
 
-void fxs_bin_count(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_box *boxes,
-                   const fxs_sorted *sorted, uint32_t *counts)
+void fxs_bin_fill(const fxs_lister *l, uint32_t first, uint32_t count, fxs_key *keys)
 {
-    for (uint32_t i = 0; i < sorted->count; i++) {
-        uint32_t slot = FXS_KEY_SLOT(sorted->keys[i]);
-        if (i + AHEAD < sorted->count)             /* slots are in no order here */
-            FXS_PREFETCH(&boxes[FXS_KEY_SLOT(sorted->keys[i + AHEAD])]);
-        fxs_box box = sorted->boxes[i] = boxes[slot];
-        if (!box.mask && box.base != FXS_NOWHERE) {
-            ellipse e = ellipse_of(view, &splats[slot], &bounds[slot]);
-            add_radius(&e, view);
-            count_large(view, &e, counts);
-        }
-        for (; box.mask; box.mask &= box.mask - 1)
-            counts[tile_of_bit(view, box, box.mask)]++;
-    }
+    list(l, keys, first, count);
 }
 
-/* Lists a splat whose tiles do not fit in a box. */
-static void fill_large(const fxs_view *view, const ellipse *e, uint32_t slot, uint32_t first_tile, uint32_t last_tile,
-                       uint32_t *next, uint32_t *entries)
+static int touches(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds, uint32_t tile)
 {
-    span rows = rows_of(e, view);
-    int32_t first_row = (int32_t)first_tile / view->tiles_x, last_row = (int32_t)last_tile / view->tiles_x;
-    first_row = rows.first > first_row ? rows.first : first_row;
-    last_row = rows.last < last_row ? rows.last : last_row;
-    for (int32_t row = first_row; row <= last_row; row++) {
-        span s = span_of(e, view, row), touched = view->square ? ellipse_span(e, view, row) : s;
-        for (int32_t column = s.first; column <= s.last; column++) {
-            uint32_t tile = (uint32_t)(row * view->tiles_x + column);
-            uint32_t far = column < touched.first || column > touched.last ? FXS_ENTRY_FAR : 0;
-            if (tile - first_tile <= last_tile - first_tile)
-                entries[next[tile]++] = slot | far;
-        }
-    }
+    const int32_t row = (int32_t)tile / view->tiles_x, column = (int32_t)tile % view->tiles_x;
+    ellipse e = ellipse_of(view, splat, bounds);
+    add_radius(&e, view);
+    const span s = ellipse_span(&e, view, row);
+    return column >= s.first && column <= s.last;
 }
 
-void fxs_bin_fill(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_sorted *sorted,
-                  uint32_t first_tile, uint32_t last_tile, uint32_t *next, uint32_t *entries)
+uint32_t fxs_tile_list(const fxs_lister *l, const fxs_key *keys, uint32_t length, uint32_t tile, uint32_t *entries,
+                       uint32_t most)
 {
-    for (uint32_t i = 0; i < sorted->count; i++) {
-        uint32_t slot = FXS_KEY_SLOT(sorted->keys[i]);
-        fxs_box box = sorted->boxes[i];
-        if (!box.mask && box.base != FXS_NOWHERE) {
-            ellipse e = ellipse_of(view, &splats[slot], &bounds[slot]);
-            add_radius(&e, view);
-            fill_large(view, &e, slot, first_tile, last_tile, next, entries);
-        }
-        for (; box.mask; box.mask &= box.mask - 1) {
-            uint32_t tile = tile_of_bit(view, box, box.mask);
-            if (tile - first_tile <= last_tile - first_tile)
-                entries[next[tile]++] = slot;
-        }
+    const uint32_t tiles_x = (uint32_t)l->view->tiles_x;
+    const uint32_t bit = FXS_SLOT_BITS + tile / tiles_x % FXS_MACRO * 2 + tile % tiles_x % FXS_MACRO;
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < length && count < most; i++) {    /* without a branch, as it is hard to foresee */
+        entries[count] = FXS_KEY_SLOT(keys[i]);
+        count += (uint32_t)keys[i] >> bit & 1;
     }
+    for (uint32_t i = 0; i < count && l->view->square; i++)
+        entries[i] |= touches(l->view, &l->splats[entries[i]], &l->bounds[entries[i]], tile) ? 0 : FXS_ENTRY_FAR;
+    return count;
 }

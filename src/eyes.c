@@ -59,5 +59,5 @@ void fxs_eyes_hide(const fxs_bounds *bounds, uint32_t count, fxs_box *boxes)
 {
     for (uint32_t i = 0; i < count; i++)
         if (bounds[i].cx_q14 == UNSEEN_Q14)
-            boxes[i].base = FXS_NOWHERE;
+            boxes[i] = FXS_NOWHERE;
 }

@@ -38,6 +38,11 @@ static inline int fxs_ctz32(uint32_t x)
     return 31 - fxs_clz32(x & -x);
 }
 
+static inline int fxs_ctz64(uint64_t x)
+{
+    return 63 - fxs_clz64(x & -x);
+}
+
 #define FXS_ONE_Q32 ((int64_t)1 << 32)
 
 /* mantissa * 2^(exponent - 31), mantissa in [2^31, 2^32) */

@@ -295,9 +295,9 @@ int fxs_init(fxs_context *context, const fxs_config *config);
 /* Where the working memory of a frame goes, in bytes. */
 typedef struct fxs_frame_memory {
     size_t splats;                 /* projected Gaussians: 72 bytes each; 384 an object */
-    size_t keys;                   /* sort keys, twice: 16 bytes a Gaussian; 8 KiB a thread */
-    size_t tiles;                  /* of 16x16 pixels: 20 bytes each, and 4 for each thread */
-    size_t entries;                /* tile lists, 4 bytes an entry */
+    size_t tiles;                  /* of 16x16 pixels: 13 bytes each, and 1 for each thread */
+    size_t entries;                /* lists of macro tiles of 2x2 tiles, 8 bytes an entry */
+    size_t keys;                   /* room to sort them, as much; 8 KiB a thread */
     size_t total;                  /* the four above */
     size_t least;                  /* with less there is no frame */
 } fxs_frame_memory;
@@ -305,7 +305,7 @@ typedef struct fxs_frame_memory {
 /* The working memory with which a frame of this size is rendered at once, whatever the view, the targets and where the
    objects are: `total`, of a splat for every Gaussian of every object. From `least` on (some 200 KB a thread, 8 bytes a
    chunk, the objects and the tiles), less memory will do where the view allows it: the frame is rendered in bands of
-   tile rows, whose splats fit, after a first projection that plans them. Each band takes 92 bytes for each Gaussian
+   tile rows, whose splats fit, after a first projection that plans them. Each band takes 88 bytes for each Gaussian
    that touches it. The bytes of the picture are the same.
    *memory may be null. Returns total; 0 where an argument is out of range, or the memory more than a size_t can
    count. */

@@ -116,124 +116,243 @@ static int run_blocks(fxs_frame *f)
     return 0;
 }
 
+/* ---- Lists ----------------------------------------------------------------------------------------------------- */
+
 /* Where a block's keys start: after those of the blocks before it. */
 static void gather_part(void *argument, uint32_t part)
 {
     fxs_frame *f = argument;
-    const uint32_t *depths = f->eye->depths;
     uint32_t first = fxs_part(f->blocks, f->parts, part), end = fxs_part(f->blocks, f->parts, part + 1), at = 0;
     for (uint32_t block = 0; block < first; block++)
         at += f->block_counts[block];
     for (uint32_t block = first; block < end; block++)
         for (uint32_t i = 0; i < f->block_counts[block]; i++) {
             uint32_t slot = f->block_slots[block] + i;
-            f->keys[at++] = FXS_KEY(depths[slot], slot);
+            f->keys[at++] = FXS_KEY(f->depths[slot], slot);
         }
 }
 
-void fxs_frame_sort(fxs_frame *f)
+/* The keys of all that is visible, in order. */
+static const fxs_key *sort_all(fxs_frame *f)
 {
-    uint64_t start = fxs_now(f);
-    f->count = 0;
-    for (uint32_t block = 0; block < f->blocks; block++)
-        f->count += f->block_counts[block];
+    const uint64_t start = fxs_now(f);
     fxs_frame_run(f, gather_part, f->parts);
-    fxs_key *sorted = fxs_sort(&f->context->config, f->keys, f->unsorted, f->count, f->histograms, f->parts);
-    f->unsorted = sorted == f->keys ? f->unsorted : f->keys;
-    f->keys = sorted;
-    f->sorted_boxes = (fxs_box *)f->unsorted;
+    const fxs_key *sorted = fxs_sort(&f->context->config, f->keys, f->spare, f->count, f->histograms, f->parts);
     f->stats.nanoseconds[FXS_SORT] += fxs_now(f) - start;
+    return sorted;
 }
 
-static fxs_sorted sorted_part(const fxs_frame *f, uint32_t part)
+static fxs_lister lister_of(const fxs_frame *f, uint32_t part)
 {
-    uint32_t first = fxs_part(f->count, f->parts, part), end = fxs_part(f->count, f->parts, part + 1);
-    return (fxs_sorted){f->keys + first, f->sorted_boxes + first, end - first};
+    const fxs_eye *eye = f->eye;
+    return (fxs_lister){&eye->view,     eye->splats,   eye->bounds, eye->boxes, f->depths,
+                        f->first_macro, f->last_macro, f->next + (size_t)part * f->macros};
+}
+
+/* Lists the blocks of a part; keys: null to count only. */
+static void list_part(fxs_frame *f, uint32_t part, fxs_key *keys)
+{
+    const fxs_lister l = lister_of(f, part);
+    const uint32_t end = fxs_part(f->blocks, f->parts, part + 1);
+    for (uint32_t block = fxs_part(f->blocks, f->parts, part); block < end; block++)
+        if (keys)
+            fxs_bin_fill(&l, f->block_slots[block], f->block_counts[block], keys);
+        else
+            fxs_bin_count(&l, f->block_slots[block], f->block_counts[block]);
 }
 
 static void count_part(void *argument, uint32_t part)
 {
     fxs_frame *f = argument;
-    fxs_sorted sorted = sorted_part(f, part);
-    uint32_t *counts = f->next + (size_t)part * f->tiles;
-    memset(counts, 0, f->tiles * sizeof *counts);
-    fxs_bin_count(&f->eye->view, f->eye->splats, f->eye->bounds, f->eye->boxes, &sorted, counts);
-}
-
-static void bin_all(fxs_frame *f)
-{
-    fxs_frame_run(f, count_part, f->parts);
-    memset(f->tile_counts, 0, f->tiles * sizeof *f->tile_counts);
-    for (uint32_t part = 0; part < f->parts; part++)
-        for (uint32_t tile = 0; tile < f->tiles; tile++)
-            f->tile_counts[tile] += f->next[(size_t)part * f->tiles + tile];
-    for (uint32_t tile = fxs_tiles_above(f, f->first_row); tile < fxs_tiles_above(f, f->end_row); tile++)
-        f->stats.entries += f->tile_counts[tile];
+    memset(f->next + (size_t)part * f->macros, 0, f->macros * sizeof *f->next);
+    list_part(f, part, 0);
 }
 
 static void fill_part(void *argument, uint32_t part)
 {
     fxs_frame *f = argument;
-    fxs_sorted sorted = sorted_part(f, part);
-    fxs_bin_fill(&f->eye->view, f->eye->splats, f->eye->bounds, &sorted, f->first_tile, f->last_tile,
-                 f->next + (size_t)part * f->tiles, f->entries);
+    list_part(f, part, f->keys);
 }
 
-/* Lists as many tiles of the band as fit in `entries`, from first_tile on. A list is never longer than the number of
-   slots, so one always fits. In a tile's list the parts follow each other, so it is in the order of the keys. */
-static void bin_run(fxs_frame *f)
+/* The macro tiles of the band, and how long their lists are. */
+static void count_lists(fxs_frame *f)
 {
-    uint32_t used = 0, tile = f->first_tile;
-    for (; tile < fxs_tiles_above(f, f->end_row) && f->tile_counts[tile] <= f->entry_capacity - used; tile++)
+    const uint32_t across = fxs_macros(f->eye->view.tiles_x);
+    f->first_macro = (uint32_t)f->first_row / FXS_MACRO * across;
+    f->last_macro = fxs_macros(f->end_row) * across - 1;
+    fxs_frame_run(f, count_part, f->parts);
+    memset(f->tile_counts, 0, f->tiles * sizeof *f->tile_counts);
+    memset(f->lengths, 0, f->macros * sizeof *f->lengths);
+    for (uint32_t part = 0; part < f->parts; part++)
+        for (uint32_t macro = 0; macro < f->macros; macro++)
+            f->lengths[macro] += f->next[(size_t)part * f->macros + macro];
+}
+
+/* Lists as many macro tiles, from first_macro to before `end`, as fit in `keys`. A list is never longer than the number
+   of slots, so one always fits. For a back end they are whole rows, or of one row. In a list the parts follow each other,
+   so it is in the order of the slots. */
+static void fill_lists(fxs_frame *f, uint32_t end)
+{
+    const uint32_t across = fxs_macros(f->eye->view.tiles_x), row_end = (f->first_macro / across + 1) * across;
+    uint32_t used = 0, macro = f->first_macro;
+    for (; macro < end && f->lengths[macro] <= f->key_capacity - used; macro++)
         for (uint32_t part = 0; part < f->parts; part++) {
-            uint32_t *next = &f->next[(size_t)part * f->tiles + tile], count = *next;
+            uint32_t *next = &f->next[(size_t)part * f->macros + macro], count = *next;
             *next = used;
             used += count;
         }
-    f->last_tile = tile - 1;
+    if (!f->draw_tile)
+        macro = f->first_macro % across || macro < row_end ? (macro < row_end ? macro : row_end) : macro / across * across;
+    f->last_macro = macro - 1;
     fxs_frame_run(f, fill_part, f->parts);
     f->stats.runs++;
 }
 
-/* The first pixel of a tile. */
-static void tile_origin(const fxs_frame *f, uint32_t tile, int32_t *x, int32_t *y)
+/* Where the list of a macro tile ends in `keys`: behind the last part's. */
+static const uint32_t *ends_of_lists(const fxs_frame *f)
 {
-    *x = (int32_t)tile % f->eye->view.tiles_x * FXS_TILE;
-    *y = (int32_t)tile / f->eye->view.tiles_x * FXS_TILE;
+    return f->next + (size_t)(f->parts - 1) * f->macros;
 }
 
-static void blend_tile(void *argument, uint32_t job)
+/* The list of a macro tile, sorted. *room: as much, for lists of tiles. */
+static const fxs_key *sort_macro(const fxs_frame *f, uint32_t macro, uint32_t **room)
 {
-    fxs_frame *f = argument;
+    const uint32_t length = f->lengths[macro], at = ends_of_lists(f)[macro] - length;
+    fxs_key *keys = f->keys + at, *spare = f->spare + at, *sorted = fxs_sort_list(keys, spare, length);
+    *room = (uint32_t *)(void *)(sorted == keys ? spare : keys);
+    return sorted;
+}
+
+/* Tile i of a macro tile. Returns 0 where it is not in the band. */
+static int tile_of(const fxs_frame *f, uint32_t macro, int32_t i, uint32_t *tile)
+{
+    const int32_t across = (int32_t)fxs_macros(f->eye->view.tiles_x);
+    const int32_t row = (int32_t)macro / across * FXS_MACRO + i / FXS_MACRO;
+    const int32_t column = (int32_t)macro % across * FXS_MACRO + i % FXS_MACRO;
+    *tile = fxs_tiles_above(f, row) + (uint32_t)column;
+    return row >= f->first_row && row < f->end_row && column < f->eye->view.tiles_x;
+}
+
+/* ---- Drawing --------------------------------------------------------------------------------------------------- */
+
+enum { SORTED, LISTED, BLENDED, RESOLVED, TIMES };
+
+static void blend_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, uint64_t *times)
+{
     fxs_tile pixels;
-    const uint32_t tile = f->first_tile + job;
     int32_t x, y;
-    tile_origin(f, tile, &x, &y);
+    fxs_tile_origin(f, tile, &x, &y);
     uint64_t start = fxs_now(f);
     if (fxs_targets_traced(f->eye->targets))
-        fxs_trace_tile(f, tile, x, y, &pixels, 0);
+        fxs_trace_tile(f, list, x, y, &pixels, 0);
     else
-        f->context->kernels.blend(&f->eye->view, x, y, f->eye->splats, fxs_list_of(f, tile), f->tile_counts[tile],
-                                  &pixels);
+        f->context->kernels.blend(&f->eye->view, x, y, f->eye->splats, list->entries, list->count, &pixels);
     uint64_t blended = fxs_now(f);
     fxs_resolve_targets(f, &pixels, x, y);
-    f->tile_times[2 * tile] = blended - start;
-    f->tile_times[2 * tile + 1] = fxs_now(f) - blended;
+    times[BLENDED] += blended - start;
+    times[RESOLVED] += fxs_now(f) - blended;
 }
 
-/* Has the back end draw the run. */
-static int draw_run(fxs_frame *f)
+static void draw_macro(void *argument, uint32_t job)
 {
-    const uint64_t start = fxs_now(f);
+    fxs_frame *f = argument;
+    const fxs_lister l = lister_of(f, 0);
+    const uint32_t macro = f->first_macro + job;
+    uint32_t *entries, tile;
+    uint64_t *times = f->macro_times + TIMES * (size_t)macro, start = fxs_now(f);
+    memset(times, 0, TIMES * sizeof *times);
+    const fxs_key *keys = sort_macro(f, macro, &entries);
+    times[SORTED] = fxs_now(f) - start;
+    for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
+        if (tile_of(f, macro, i, &tile) && (f->only_tile == FXS_NOTHING || f->only_tile == tile)) {
+            start = fxs_now(f);
+            f->tile_counts[tile] = fxs_tile_list(&l, keys, f->lengths[macro], tile, entries, UINT32_MAX);
+            times[LISTED] += fxs_now(f) - start;
+            f->draw_tile(f, tile, &(fxs_list){entries, f->tile_counts[tile]}, times);
+        }
+}
+
+/* Has lists sorted, and the lengths of those of the tiles, for a back end. */
+static void order_macro(void *argument, uint32_t job)
+{
+    fxs_frame *f = argument;
+    const uint32_t macro = f->first_macro + job, length = f->lengths[macro];
+    uint32_t *room, tile;
+    fxs_key *list = f->keys + ends_of_lists(f)[macro] - length;
+    const fxs_key *sorted = sort_macro(f, macro, &room);
+    if (sorted != list)
+        memcpy(list, sorted, length * sizeof *list);
+    for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
+        if (tile_of(f, macro, i, &tile))
+            for (uint32_t k = 0; k < length; k++)
+                f->tile_counts[tile] += (uint32_t)list[k] >> (FXS_SLOT_BITS + i) & 1;
+}
+
+/* The lists of those tiles of a macro tile that are in the back end's run. */
+static void list_macro(void *argument, uint32_t job)
+{
+    fxs_frame *f = argument;
+    const fxs_lister l = lister_of(f, 0);
+    const uint32_t macro = f->first_macro + job, length = f->lengths[macro];
+    const fxs_key *list = f->keys + ends_of_lists(f)[macro] - length;
+    uint32_t *entries = (uint32_t *)(void *)f->spare, tile;
+    for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
+        if (tile_of(f, macro, i, &tile) && tile >= f->first_tile && tile <= f->last_tile)
+            fxs_tile_list(&l, list, length, tile, entries + f->tile_ends[tile] - f->tile_counts[tile],
+                          f->tile_counts[tile]);
+}
+
+/* Has the back end draw a run of tiles, or all that is visible. */
+static int draw_run(fxs_frame *f, const fxs_key *visible)
+{
     const fxs_config *config = &f->context->config;
     const fxs_eye *eye = f->eye;
-    int listed = !config->draw_unlisted;
-    const fxs_tile_run r = {
-        config, &eye->view, f->options, eye->splats, eye->bounds, eye->depths, f->keys, f->count,
-        listed ? f->entries : 0, listed ? f->next + (size_t)(f->parts - 1) * f->tiles : 0,
-        listed ? f->tile_counts : 0, f->first_tile, f->last_tile, eye->targets};
+    const uint64_t start = fxs_now(f);
+    const fxs_tile_run r = {config, &eye->view, f->options, eye->splats, eye->bounds, eye->depths, visible, f->count,
+                            visible ? 0 : (const uint32_t *)(const void *)f->spare, visible ? 0 : f->tile_ends,
+                            visible ? 0 : f->tile_counts, f->first_tile, f->last_tile, eye->targets};
     const int error = config->draw(config->draw_argument, &r);
     f->stats.nanoseconds[FXS_BLEND] += fxs_now(f) - start;
+    return error;
+}
+
+/* Draws tiles first to last, as many at once as fit in `spare`: one always does. */
+static int draw_tiles(fxs_frame *f, uint32_t first, uint32_t last)
+{
+    int error = 0;
+    for (f->first_tile = first; f->first_tile <= last && !error; f->first_tile = f->last_tile + 1) {
+        const uint64_t start = fxs_now(f), room = 2 * (uint64_t)f->key_capacity;
+        uint64_t used = 0;
+        uint32_t tile = f->first_tile;
+        for (; tile <= last && used + f->tile_counts[tile] <= room; tile++) {
+            used += f->tile_counts[tile];
+            f->tile_ends[tile] = (uint32_t)used;
+        }
+        f->last_tile = tile - 1;
+        fxs_frame_run(f, list_macro, f->last_macro - f->first_macro + 1);
+        f->stats.nanoseconds[FXS_BIN] += fxs_now(f) - start;
+        error = draw_run(f, 0);
+    }
+    return error;
+}
+
+/* Has the back end draw the macro tiles whose lists there are. */
+static int draw_lists(fxs_frame *f)
+{
+    const uint64_t start = fxs_now(f);
+    const int32_t across = (int32_t)fxs_macros(f->eye->view.tiles_x), tiles_x = f->eye->view.tiles_x;
+    const int32_t first = (int32_t)f->first_macro % across * FXS_MACRO;
+    const int32_t last = fxs_min(((int32_t)f->last_macro % across + 1) * FXS_MACRO, tiles_x) - 1;
+    const int32_t row = (int32_t)f->first_macro / across * FXS_MACRO;
+    const int32_t first_row = row > f->first_row ? row : f->first_row;
+    const int32_t end_row = fxs_min(((int32_t)f->last_macro / across + 1) * FXS_MACRO, f->end_row);
+    int error = 0;
+    fxs_frame_run(f, order_macro, f->last_macro - f->first_macro + 1);
+    f->stats.nanoseconds[FXS_SORT] += fxs_now(f) - start;
+    if (last - first + 1 == tiles_x)
+        return draw_tiles(f, fxs_tiles_above(f, first_row), fxs_tiles_above(f, end_row) - 1);
+    for (int32_t r = first_row; r < end_row && !error; r++)
+        error = draw_tiles(f, fxs_tiles_above(f, r) + (uint32_t)first, fxs_tiles_above(f, r) + (uint32_t)last);
     return error;
 }
 
@@ -241,7 +360,7 @@ static int draw_run(fxs_frame *f)
 static void share_time(fxs_frame *f, uint64_t wall, const uint64_t *times, uint32_t jobs, uint32_t columns,
                        const enum fxs_stage *stages)
 {
-    uint64_t sums[3] = {0, 0, 0}, total = 0;
+    uint64_t sums[TIMES] = {0}, total = 0;
     for (uint32_t i = 0; i < jobs * columns; i++) {
         sums[i % columns] += times[i];
         total += times[i];
@@ -304,7 +423,8 @@ int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_object *o
     f->memory_bytes = memory_bytes;
     f->eye = f->eyes;
     f->eye_count = 1;
-    f->tile_job = context->config.draw ? 0 : blend_tile;
+    f->draw_tile = context->config.draw ? 0 : blend_tile;
+    f->only_tile = FXS_NOTHING;
     return (uintptr_t)memory % 64 ? FXS_ERR_MEMORY : 0;
 }
 
@@ -383,44 +503,52 @@ int fxs_frame_prepare(fxs_frame *f)
     static const enum fxs_stage stages[] = {FXS_PROJECT, FXS_SHADE, FXS_BIN};
     uint64_t start = fxs_now(f);
     int error = run_blocks(f);
+    f->depths = f->eye->depths;
     if (error)
         return error;
     share_time(f, fxs_now(f) - start, f->block_times, f->blocks, 3, stages);
-    fxs_frame_sort(f);
+    f->count = 0;
+    for (uint32_t block = 0; block < f->blocks; block++)
+        f->count += f->block_counts[block];
     f->stats.visible += f->planned ? 0 : f->count;
     return 0;
 }
 
-static void blend_run(fxs_frame *f)
+static void draw_macros(fxs_frame *f)
 {
-    static const enum fxs_stage stages[] = {FXS_BLEND, FXS_RESOLVE};
+    static const enum fxs_stage stages[TIMES] = {FXS_SORT, FXS_BIN, FXS_BLEND, FXS_RESOLVE};
+    const uint64_t start = fxs_now(f);
+    const uint32_t jobs = f->last_macro - f->first_macro + 1;
+    fxs_frame_run(f, draw_macro, jobs);
+    share_time(f, fxs_now(f) - start, f->macro_times + TIMES * (size_t)f->first_macro, jobs, TIMES, stages);
+}
+
+static int draw_listed(fxs_frame *f)
+{
     uint64_t start = fxs_now(f);
-    uint32_t jobs = f->last_tile - f->first_tile + 1;
-    fxs_frame_run(f, f->tile_job, jobs);
-    share_time(f, fxs_now(f) - start, f->tile_times + 2 * (size_t)f->first_tile, jobs, 2, stages);
+    int error = 0;
+    count_lists(f);
+    for (uint32_t end = f->last_macro + 1; f->first_macro < end && !error; f->first_macro = f->last_macro + 1) {
+        fill_lists(f, end);
+        f->stats.nanoseconds[FXS_BIN] += fxs_now(f) - start;
+        if (f->draw_tile)
+            draw_macros(f);
+        else
+            error = draw_lists(f);
+        start = fxs_now(f);
+    }
+    for (uint32_t tile = fxs_tiles_above(f, f->first_row); tile < fxs_tiles_above(f, f->end_row); tile++)
+        f->stats.entries += f->tile_counts[tile];
+    return error;
 }
 
 int fxs_frame_draw(fxs_frame *f)
 {
-    const int listed = f->tile_job || !f->context->config.draw_unlisted;
-    const uint32_t end_tile = fxs_tiles_above(f, f->end_row);
-    int error = 0;
-    uint64_t start = fxs_now(f);
-    if (listed)
-        bin_all(f);
-    for (f->first_tile = fxs_tiles_above(f, f->first_row); f->first_tile < end_tile && !error;
-         f->first_tile = f->last_tile + 1) {
-        f->last_tile = end_tile - 1;
-        if (listed)
-            bin_run(f);
-        f->stats.nanoseconds[FXS_BIN] += fxs_now(f) - start;
-        if (f->tile_job)
-            blend_run(f);
-        else
-            error = draw_run(f);
-        start = fxs_now(f);
-    }
-    return error;
+    if (f->draw_tile || !f->context->config.draw_unlisted)
+        return draw_listed(f);
+    f->first_tile = 0;
+    f->last_tile = f->tiles - 1;
+    return draw_run(f, sort_all(f));
 }
 
 int fxs_frame_render(fxs_frame *f)
@@ -431,7 +559,7 @@ int fxs_frame_render(fxs_frame *f)
     f->stats.nanoseconds[FXS_PROJECT] += fxs_now(f) - start;
     while (!error && f->end_row < f->eye->view.tiles_y) {
         fxs_band_next(f);
-        if (!f->tile_job && f->context->config.draw_unlisted && f->end_row < f->eye->view.tiles_y)
+        if (!f->draw_tile && f->context->config.draw_unlisted && f->end_row < f->eye->view.tiles_y)
             return FXS_ERR_UNSUPPORTED;    /* it draws whole frames */
         error = fxs_frame_prepare(f);
         if (!error)
@@ -459,16 +587,14 @@ int fxs_render(const fxs_context *context, const fxs_object *objects, uint32_t c
     return error;
 }
 
-static void count_tile(void *argument, uint32_t job)
+static void count_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, uint64_t *times)
 {
-    fxs_frame *f = argument;
     fxs_tile pixels;
-    const uint32_t tile = f->first_tile + job;
     int32_t x, y;
-    tile_origin(f, tile, &x, &y);
-    f->tile_times[2 * tile] = f->tile_times[2 * tile + 1] = 0;
-    fxs_blend_count(&f->eye->view, x, y, f->eye->splats, fxs_list_of(f, tile), f->tile_counts[tile], &pixels,
-                    &f->evaluated, &f->blended);
+    (void)times;
+    fxs_tile_origin(f, tile, &x, &y);
+    fxs_blend_count(&f->eye->view, x, y, f->eye->splats, list->entries, list->count, &pixels, &f->evaluated,
+                    &f->blended);
 }
 
 int fxs_count_pairs(const fxs_object *objects, uint32_t count, const fxs_camera *camera, const fxs_options *options,
@@ -482,7 +608,7 @@ int fxs_count_pairs(const fxs_object *objects, uint32_t count, const fxs_camera 
     int error = fxs_frame_init(&f, &context, objects, count, camera, options, 0, memory, memory_bytes);
     if (error)
         return error;
-    f.tile_job = count_tile;
+    f.draw_tile = count_tile;
     error = fxs_frame_render(&f);
     *evaluated = f.evaluated;
     *blended = f.blended;

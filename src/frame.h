@@ -17,13 +17,10 @@ int fxs_frame_add_eye(fxs_frame *f, const fxs_camera *camera, const fxs_targets 
    FXS_ERR_OBJECT or FXS_ERR_SCENE. */
 int fxs_frame_begin(fxs_frame *f);
 
-/* The band's splats, for each eye, and their order for the first. Returns 0 or FXS_ERR_SCENE. */
+/* The band's splats, for each eye. Returns 0 or FXS_ERR_SCENE. */
 int fxs_frame_prepare(fxs_frame *f);
 
-/* Sorts the keys of f->eye. */
-void fxs_frame_sort(fxs_frame *f);
-
-/* Lists the splats of f->eye by tile, and blends the band into its targets. Returns 0 or a back end's error. */
+/* Lists the splats of f->eye, by f->depths, and draws the band into its targets. Returns 0 or a back end's error. */
 int fxs_frame_draw(fxs_frame *f);
 
 /* Bytes of a frame of one eye or two; 0 where an argument is out of range. *memory may be null. */

@@ -18,6 +18,12 @@ typedef struct fxs_row_counts {
     uint32_t started, ended;
 } fxs_row_counts;
 
+/* A tile's list, near to far. */
+typedef struct fxs_list {
+    const uint32_t *entries;
+    uint32_t count;
+} fxs_list;
+
 /* A picture of the frame: the camera, its splats and where they are drawn. Two eyes share the other memory. */
 typedef struct fxs_eye {
     fxs_view view;                         /* of the world */
@@ -41,10 +47,11 @@ typedef struct fxs_frame {
 
     fxs_eye eyes[2];
     uint32_t eye_count;                    /* that are prepared together, in the same slots */
-    fxs_eye *eye;                          /* the one that is sorted and drawn */
+    fxs_eye *eye;                          /* the one that is drawn, */
+    const uint32_t *depths;                /* and those by which it is sorted */
 
-    uint32_t tiles;
-    uint32_t parts;                        /* jobs that share the sort and the lists: one a thread */
+    uint32_t tiles, macros;
+    uint32_t parts;                        /* jobs that share the lists: one a thread */
     uint32_t blocks, block_chunks;         /* jobs that share the first stages, and the chunks of each */
     int planned;                           /* the memory does not hold every Gaussian: there may be several bands */
     int planning;                          /* blocks only count their splats by tile row */
@@ -57,20 +64,22 @@ typedef struct fxs_frame {
     fxs_row_counts *row_counts;            /* planned only: tiles_y + 1 for each block */
     fxs_span *chunk_rows;                  /* planned only: tile rows that the splats of each chunk touch */
     uint32_t (*histograms)[FXS_SORT_BUCKETS];   /* of each part */
-    uint32_t *tile_counts;                 /* length of each tile's list */
-    uint32_t *next;                        /* a row of tiles for each part of the keys: entries, then where they go */
-    uint64_t *tile_times;                  /* nanoseconds of blend and resolve */
+    uint32_t *tile_counts, *tile_ends;     /* length of each tile's list, and for back ends where it ends */
+    uint32_t *lengths;                     /* of each macro tile's list */
+    uint32_t *next;                        /* a row of macro tiles for each part: keys, then where they go */
+    uint64_t *macro_times;                 /* nanoseconds of sort, bin, blend and resolve */
 
     /* The band of tile rows, and what is cut from the rest of the memory for it, beside the eyes' splats. */
     int32_t first_row, end_row;
     uint32_t count;                        /* splats that touch it */
     uint32_t *indices;                     /* by slot: in all objects' chunks */
-    fxs_key *keys, *unsorted;              /* two arrays that the sort moves keys between; keys: where they end */
-    fxs_box *sorted_boxes;                 /* in the order of the keys: over `unsorted`, which is done with then */
-    uint32_t *entries, entry_capacity;
+    fxs_key *keys, *spare;                 /* the lists, and as much room, to sort them and for the lists of tiles */
+    uint32_t key_capacity;                 /* of each */
 
-    uint32_t first_tile, last_tile;        /* of the run being blended */
-    void (*tile_job)(void *frame, uint32_t job);   /* blends a tile of the run; null: the back end draws the run */
+    uint32_t first_macro, last_macro;      /* whose lists there are */
+    uint32_t first_tile, last_tile;        /* of a back end's run */
+    uint32_t only_tile;                    /* fxs_pick draws one; else FXS_NOTHING */
+    void (*draw_tile)(struct fxs_frame *f, uint32_t tile, const fxs_list *list, uint64_t *times);   /* null: a back end draws */
     uint64_t evaluated, blended;           /* fxs_count_pairs only */
 } fxs_frame;
 
@@ -104,10 +113,11 @@ static inline uint32_t fxs_tiles_above(const fxs_frame *f, int32_t row)
     return (uint32_t)(row * f->eye->view.tiles_x);
 }
 
-/* A tile's list: tile_counts[tile] entries. The last part's entries end it. */
-static inline const uint32_t *fxs_list_of(const fxs_frame *f, uint32_t tile)
+/* The first pixel of a tile. */
+static inline void fxs_tile_origin(const fxs_frame *f, uint32_t tile, int32_t *x, int32_t *y)
 {
-    return f->entries + f->next[(size_t)(f->parts - 1) * f->tiles + tile] - f->tile_counts[tile];
+    *x = (int32_t)tile % f->eye->view.tiles_x * FXS_TILE;
+    *y = (int32_t)tile / f->eye->view.tiles_x * FXS_TILE;
 }
 
 /* ---- bands.c ----------------------------------------------------------------------------------------------------- */
@@ -152,31 +162,40 @@ void fxs_eyes_hide(const fxs_bounds *bounds, uint32_t count, fxs_box *boxes);
 fxs_key *fxs_sort(const fxs_config *config, fxs_key *keys, fxs_key *spare, uint32_t count,
                   uint32_t (*histograms)[FXS_SORT_BUCKETS], uint32_t parts);
 
-/* A stretch of sorted keys, and the boxes of their slots in the same order. */
-typedef struct fxs_sorted {
-    const fxs_key *keys;
-    fxs_box *boxes;
-    uint32_t count;
-} fxs_sorted;
+/* fxs_sort by one job. */
+fxs_key *fxs_sort_list(fxs_key *keys, fxs_key *spare, uint32_t count);
 
 /* The tile rows in which a splat may be listed. */
 FXS_STAGE fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds);
 
-/* Fetches the boxes of a stretch from `boxes` (by slot) and adds 1 to counts[tile] for every tile that each is in. */
-void fxs_bin_count(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_box *boxes,
-                   const fxs_sorted *sorted, uint32_t *counts);
+/* What makes lists, of the macro tiles first_macro to last_macro. The rest by slot, next by macro tile. */
+typedef struct fxs_lister {
+    const fxs_view *view;
+    const fxs_splat *splats;
+    const fxs_bounds *bounds;
+    const fxs_box *boxes;
+    const uint32_t *depths;        /* by which lists are sorted */
+    uint32_t first_macro, last_macro;
+    uint32_t *next;
+} fxs_lister;
 
-/* Lists a stretch in tiles first_tile to last_tile: for each key in order, and each such tile that it is in,
-   entries[next[tile]++] = slot. */
-void fxs_bin_fill(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, const fxs_sorted *sorted,
-                  uint32_t first_tile, uint32_t last_tile, uint32_t *next, uint32_t *entries);
+/* Adds 1 to next[macro] for every macro tile that a slot from `first` on is listed in. */
+void fxs_bin_count(const fxs_lister *l, uint32_t first, uint32_t count);
+
+/* The same, and keys[next[macro]] is its key before. */
+void fxs_bin_fill(const fxs_lister *l, uint32_t first, uint32_t count, fxs_key *keys);
+
+/* The list of a tile, near to far, from the `length` keys of its macro tile: slots, and with the square cut-off
+   FXS_ENTRY_FAR; `most` at most, and no more is written. Returns how many. */
+uint32_t fxs_tile_list(const fxs_lister *l, const fxs_key *keys, uint32_t length, uint32_t tile, uint32_t *entries,
+                       uint32_t most);
 
 /* All 1 - T = 0. */
 void fxs_tile_clear(fxs_tile *tile);
 
-/* Blends tile `tile`, at pixel (x, y), by `trace`, and writes its depths and ids. slots, of 256, or null: what
+/* Blends the list of the tile at pixel (x, y) by `trace`, and writes its depths and ids. slots, of 256, or null: what
    contributes most to each pixel; FXS_NOTHING where nothing does. */
-void fxs_trace_tile(const fxs_frame *f, uint32_t tile, int32_t x, int32_t y, fxs_tile *pixels, uint32_t *slots);
+void fxs_trace_tile(const fxs_frame *f, const fxs_list *list, int32_t x, int32_t y, fxs_tile *pixels, uint32_t *slots);
 
 /* ---- targets.c, resolve.c ---------------------------------------------------------------------------------------- */
 

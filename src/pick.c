@@ -6,23 +6,20 @@
 #define POSITION_MOST_Q32 ((int64_t)1 << 60)
 
 typedef struct pick {
-    fxs_frame frame;               /* first, as jobs are given it */
+    fxs_frame frame;               /* first, as pick_tile is given it */
     fxs_targets targets;
     int32_t x, y;
-    uint32_t tile;
     uint32_t key, index;           /* depth and place of what was found: of the tile's band, whose slots go */
 } pick;
 
-static void pick_tile(void *argument, uint32_t job)
+static void pick_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, uint64_t *times)
 {
-    pick *p = argument;
-    const fxs_frame *f = &p->frame;
+    pick *p = (pick *)(void *)f;
     const int32_t x = p->x / FXS_TILE * FXS_TILE, y = p->y / FXS_TILE * FXS_TILE;
     uint32_t slots[FXS_TILE_PIXELS];
     fxs_tile pixels;
-    if (f->first_tile + job != p->tile)
-        return;
-    fxs_trace_tile(f, p->tile, x, y, &pixels, slots);
+    (void)tile, (void)times;
+    fxs_trace_tile(f, list, x, y, &pixels, slots);
     const uint32_t slot = slots[(p->y - y) * FXS_TILE + p->x - x];
     if (slot != FXS_NOTHING) {
         p->key = f->eye->depths[slot];
@@ -83,8 +80,8 @@ int fxs_pick(const fxs_context *context, const fxs_object *objects, uint32_t cou
     int error = fxs_frame_init(&p.frame, context, objects, count, camera, options, &p.targets, memory, memory_bytes);
     if (error)
         return error;
-    p.frame.tile_job = pick_tile;
-    p.tile = (uint32_t)(y / FXS_TILE * p.frame.eye->view.tiles_x + x / FXS_TILE);
+    p.frame.draw_tile = pick_tile;
+    p.frame.only_tile = (uint32_t)(y / FXS_TILE * p.frame.eye->view.tiles_x + x / FXS_TILE);
     error = fxs_frame_render(&p.frame);
     if (error || p.index == FXS_NOTHING)
         return error;

@@ -71,19 +71,32 @@ typedef struct fxs_bounds {
 #define FXS_CENTRE_LIMIT_Q14 (1 << 30)           /* 65536 pixels */
 #define FXS_EVERYWHERE_Q8 (1 << 30)              /* half_width_q8 of a veil: it is listed in every tile */
 
-/* The tiles that a splat is listed in, where they fit in 4x4: bit 4 r + c of the mask stands for tile `base` + r
-   tiles_x + c. Mask 0: they do not fit, and are found again from the bounds when the lists are made; but there are none
-   where `base` is FXS_NOWHERE. */
-#define FXS_NOWHERE UINT32_MAX
-typedef struct fxs_box {
-    uint32_t base;
-    uint32_t mask;
-} fxs_box;
+/* Lists are made for macro tiles of 2x2 tiles. Bit 2 r + c of a mask stands for the tile in row r and column c of one. */
+#define FXS_MACRO 2
 
-/* What a sort moves: depth above, slot below. */
+static inline uint32_t fxs_macros(int32_t tiles)
+{
+    return (uint32_t)(tiles + FXS_MACRO - 1) / FXS_MACRO;
+}
+
+/* The tiles that a splat is listed in, where they fit in 3x3 macro tiles: bits 4 (3 r + c) to 4 (3 r + c) + 3 are the
+   mask of the one in row r and column c; the bits from 36 on number the one in row 0 and column 0 in the picture. */
+typedef struct fxs_box {
+    uint64_t bits;
+} fxs_box;
+#define FXS_BOX_BITS 36
+#define FXS_BOX_LOW_BITS 24        /* rows 0 and 1 */
+#define FXS_BOX_TILES 6            /* a side */
+#define FXS_NOWHERE ((fxs_box){0})     /* there are none */
+#define FXS_LARGE ((fxs_box){(uint64_t)1 << 63})   /* they do not fit, and are found again from the bounds when lists are made */
+
+/* What a sort moves: depth above, slot below, and in a list the mask of a macro tile between. */
 typedef uint64_t fxs_key;
+#define FXS_SLOT_BITS 28
+#define FXS_MAX_SLOTS (1u << FXS_SLOT_BITS)
 #define FXS_KEY(depth, slot) ((fxs_key)(depth) << 32 | (slot))
-#define FXS_KEY_SLOT(key) ((uint32_t)(key))
+#define FXS_LISTED(depth, mask, slot) (FXS_KEY(depth, slot) | (fxs_key)(mask) << FXS_SLOT_BITS)
+#define FXS_KEY_SLOT(key) ((uint32_t)(key) & (FXS_MAX_SLOTS - 1))
 
 /* The pixels of one tile, while it is blended. */
 typedef struct fxs_tile {
@@ -106,8 +119,9 @@ typedef struct fxs_trace {
 
 #define FXS_HALF_Q15 16384         /* transmittance */
 
-/* A run of tiles, first to last, ready to be drawn by a back end. Tile t's list is counts[t] entries that end before
-   entries[ends[t]]. A back end without lists draws all tiles; entries, ends and counts are null then. */
+/* A run of tiles, first to last, ready to be drawn by a back end: of one tile row, or of whole tile rows but for the first
+   tiles and the last. Tile t's list is counts[t] entries that end before entries[ends[t]]. A back end without lists draws
+   all tiles; entries, ends and counts are null then, and keys are those of all that is visible. */
 typedef struct fxs_tile_run {
     const fxs_config *config;
     const fxs_view *view;          /* of the world */
@@ -115,7 +129,7 @@ typedef struct fxs_tile_run {
     const fxs_splat *splats;       /* by slot */
     const fxs_bounds *bounds;
     const uint32_t *depths;        /* depth keys by slot: fxs_depth_key */
-    const fxs_key *keys;           /* of the visible splats, near to far */
+    const fxs_key *keys;           /* near to far; null with lists */
     uint32_t visible;
     const uint32_t *entries, *ends, *counts;
     uint32_t first_tile, last_tile;

@@ -53,7 +53,7 @@ static int render_shared(fxs_frame *f)
         return error;
     f->eye = &f->eyes[1];
     if (!same_depth(&f->eyes[0].view, &f->eyes[1].view) || f->eye->targets->occluder.pixels)   /* cuts at a depth */
-        fxs_frame_sort(f);
+        f->depths = f->eye->depths;
     return fxs_frame_draw(f);
 }
 

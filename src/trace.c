@@ -177,7 +177,7 @@ static unsigned which_of(const fxs_targets *targets, const uint32_t *slots)
            (targets->id.pixels || slots ? FXS_TRACE_ID : 0u) | (targets->occluder.pixels ? FXS_TRACE_END : 0u);
 }
 
-void fxs_trace_tile(const fxs_frame *f, uint32_t tile, int32_t x, int32_t y, fxs_tile *pixels, uint32_t *slots)
+void fxs_trace_tile(const fxs_frame *f, const fxs_list *list, int32_t x, int32_t y, fxs_tile *pixels, uint32_t *slots)
 {
     tracer t;
     const fxs_view *view = &f->eye->view;
@@ -193,9 +193,9 @@ void fxs_trace_tile(const fxs_frame *f, uint32_t tile, int32_t x, int32_t y, fxs
     memset(t.median, 0xff, sizeof t.median);
     memset(t.largest, 0xff, sizeof t.largest);
     memset(t.trace.weight_q15, 0, sizeof t.trace.weight_q15);
-    for (uint32_t done = 0; done < f->tile_counts[tile] && open; done += t.count) {
-        t.list = fxs_list_of(f, tile) + done;
-        t.count = f->tile_counts[tile] - done < STRETCH ? f->tile_counts[tile] - done : STRETCH;
+    for (uint32_t done = 0; done < list->count && open; done += t.count) {
+        t.list = list->entries + done;
+        t.count = list->count - done < STRETCH ? list->count - done : STRETCH;
         open = trace_stretch(&t, x, y, pixels);
     }
     for (int32_t row = 0; row < rows; row++)

@@ -43,8 +43,23 @@ static inline mask columns_between(vi *first, vi *last, const fxs_view *view, vi
 typedef struct ellipse {
     vi v_q24, vy_q24;              /* v on the first pixel row of a tile row, and from row to row */
     vi cx_q8, breadth_q8, shear_q8, reach_q8, margin_q8, r_q12, tangent;
-    vi first_column, more_rows;    /* of the box; tile rows after the first */
+    vi first_column;               /* of the box */
+    vi first_row, more_rows;       /* tile rows */
 } ellipse;
+
+/* Bits of the six tiles of a row in a box go to the three macro tiles. */
+static inline vi spread_row(vi tiles)
+{
+    return (tiles & 3) | (tiles & 12) << 2 | (tiles & 48) << 4;
+}
+
+/* Boxes whose mask is low | high << FXS_BOX_LOW_BITS, at a tile; FXS_NOWHERE in the lanes of `none`. */
+static inline void store_boxes(fxs_box *boxes, const fxs_view *view, vi low, vi high, vi row, vi column, mask none)
+{
+    const vi macro = (row >> 1) * (int32_t)fxs_macros(view->tiles_x) + (column >> 1);
+    store_pairs(boxes, choose(none, all(0), low | high << FXS_BOX_LOW_BITS),
+                choose(none, all(0), high >> (32 - FXS_BOX_LOW_BITS) | macro << (FXS_BOX_BITS - 32)));
+}
 
 /* v = ((y << 14) - cy) vy >> 26 = ((-cy vy >> 14) + y vy) >> 12, of which 32 bits are enough: the tile rows of a box
    are less than 16 pixels off the ellipse, so |v| < 4 + 16 vy < 128. */
@@ -68,7 +83,9 @@ static inline ellipse ellipse_of(const job *j, const int32_t index[LANES])
     vi widest = e.shear_q8 * e.r_q12;            /* over 4096, towards 0 */
     e.tangent = ((widest + (widest >> 31 & 4095)) >> 12) * e.r_q12;
     columns_between(&e.first_column, &last, j->view, e.cx_q8 - e.reach_q8, e.cx_q8 + e.reach_q8);
-    e.more_rows = (vi)(((vu)splat[CLIP] >> 20) - (first_row >> 4));
+    e.first_column &= ~1;
+    e.first_row = (vi)(first_row >> 4);
+    e.more_rows = (vi)((vu)splat[CLIP] >> 20) - e.first_row;
     return e;
 }
 
@@ -103,19 +120,23 @@ static inline vi tiles_of_row(const ellipse *e, const fxs_view *view)
     return choose(none, all(0), (vi)tiles);
 }
 
-/* The masks of the first `count` splats of a list, at most LANES; the index has LANES of them. */
-static void fill_masks(const job *j, const list *l, uint32_t count)
+/* The boxes of the first `count` splats of a list, at most LANES; the index has LANES of them. */
+static void fill_boxes(const job *j, const list *l, uint32_t count)
 {
-    int32_t masks[LANES];
-    vi tiles = all(0);
+    fxs_box boxes[LANES];
+    vi low = all(0), high = all(0);
     ellipse e = ellipse_of(j, l->index);
-    for (int row = 0; any(greater(e.more_rows, all(row - 1))); row++) {
-        tiles |= choose(greater(e.more_rows, all(row - 1)), tiles_of_row(&e, j->view), all(0)) << 4 * row;
+    for (int k = 0; any(greater(e.more_rows, all(k - 1))); k++) {
+        const vi row = (e.first_row & 1) + k, at = (row >> 1) * 12 + (row & 1) * 2;
+        const vu tiles = (vu)choose(greater(e.more_rows, all(k - 1)), spread_row(tiles_of_row(&e, j->view)), all(0));
+        low |= (vi)shift_left(tiles, at);
+        high |= (vi)shift_left(tiles, at - FXS_BOX_LOW_BITS);
         e.v_q24 += FXS_TILE * e.vy_q24;
     }
-    store(masks, tiles);
+    low &= (1 << FXS_BOX_LOW_BITS) - 1;
+    store_boxes(boxes, j->view, low, high, e.first_row, e.first_column, equal(low | high, all(0)));
     for (uint32_t i = 0; i < count; i++)
-        j->boxes[l->index[i]].mask = (uint32_t)masks[i];
+        j->boxes[l->index[i]] = boxes[i];
 }
 
 /* ---- Boxes ----------------------------------------------------------------------------------------------------- */
@@ -127,13 +148,13 @@ static inline void append(const job *j, list *l, vi index, mask which)
     l->count += (uint32_t)__builtin_popcount(bits(which));
     if (l->count < LANES)
         return;
-    fill_masks(j, l, LANES);
+    fill_boxes(j, l, LANES);
     l->count -= LANES;
     store(l->index, load(l->index + LANES));
 }
 
 /* The boxes of the splats i to i + LANES - 1. */
-static inline void find_boxes(const job *j, list lists[4], uint32_t i)
+static inline void find_boxes(const job *j, list lists[FXS_BOX_TILES], uint32_t i)
 {
     vi splat[4], centre[4], shape[4], first, last;
     LOAD_FOURS(splat, j->splats + i, vy_q24, lane_numbers);
@@ -141,22 +162,27 @@ static inline void find_boxes(const job *j, list lists[4], uint32_t i)
     LOAD_FOURS(shape, j->bounds + i, breadth_q8, lane_numbers);
     const vi cx_q8 = centre[CX] >> 6, reach_q8 = shape[HALF_WIDTH], index = load(lane_numbers) + (int32_t)i;
     const vi first_row = splat[CLIP] & 65535, last_row = (vi)((vu)splat[CLIP] >> 16);
-    const vi more_rows = (last_row >> 4) - (first_row >> 4);
+    const vi first_tile_row = first_row >> 4, last_tile_row = last_row >> 4, row = first_tile_row & 1;
     mask none = columns_between(&first, &last, j->view, cx_q8 - reach_q8, cx_q8 + reach_q8);
-    mask fits = greater(all(4), more_rows) & greater(all(4), last - first) & ~none;
-    mask whole = fits & equal(more_rows, all(0)) & greater(first_row, all(0)) &
+    const vi column = first & ~1;
+    mask fits = greater(all(FXS_BOX_TILES), last_tile_row - first_tile_row + row) &
+                greater(all(FXS_BOX_TILES), last - column) & ~none;
+    mask whole = fits & equal(first_tile_row, last_tile_row) & greater(first_row, all(0)) &
                  greater(all(j->view->height - 1), last_row);
-    vi base = (first_row >> 4) * j->view->tiles_x + choose(none, all(0), first);
-    store_pairs(j->boxes + i, base, choose(whole, (vi)shift_left((vu)all(2), last - first) - 1, all(0)));
+    /* Those on one tile row, those that are large or nowhere, and for now the others. */
+    const vu on_row = shift_left((vu)all(2), last - column) - shift_left((vu)all(1), first - column);
+    store_boxes(j->boxes + i, j->view, choose(whole, spread_row((vi)on_row) << 2 * row, all(0)), all(0), first_tile_row, column, none);
     mask large = greater(reach_q8, all(HALF_WIDTH_LIMIT_Q8));
     /* A list for each number of rows; in list 0 those that may reach the top or the bottom of their tile rows. */
     mask at_edge = equal(first_row & 15, all(0)) | equal(last_row & 15, all(15));
-    vi list_number = choose(at_edge, all(0), more_rows);
-    for (int k = 0; k < 4; k++) {
+    vi list_number = choose(at_edge, all(0), last_tile_row - first_tile_row);
+    for (int k = 0; k < FXS_BOX_TILES; k++) {
         mask which = fits & ~whole & ~large & equal(list_number, all(k));
         if (any(which))
             append(j, &lists[k], index, which);
     }
+    for (unsigned left = bits(~none & ~fits); left; left &= left - 1)
+        j->boxes[i + (uint32_t)__builtin_ctz(left)] = FXS_LARGE;
     for (unsigned left = bits(fits & ~whole & large); left; left &= left - 1) {
         uint32_t k = i + (uint32_t)__builtin_ctz(left);
         fxs_bin_c(j->view, j->splats + k, j->bounds + k, 1, j->boxes + k);
@@ -167,18 +193,18 @@ static inline void find_boxes(const job *j, list lists[4], uint32_t i)
 FXS_BIN(ISA)
 {
     const job j = {view, splats, bounds, boxes};
-    list lists[4];
+    list lists[FXS_BOX_TILES];
     if (view->square || count < LANES) {
         fxs_bin_c(view, splats, bounds, count, boxes);
         return;
     }
-    for (int k = 0; k < 4; k++)
+    for (int k = 0; k < FXS_BOX_TILES; k++)
         lists[k].count = 0;
     for (uint32_t i = 0; i < count; i += LANES)
         find_boxes(&j, lists, i + LANES <= count ? i : count - LANES);
-    for (int k = 0; k < 4; k++)
+    for (int k = 0; k < FXS_BOX_TILES; k++)
         if (lists[k].count) {
             store(lists[k].index + lists[k].count, all(lists[k].index[0]));
-            fill_masks(&j, &lists[k], lists[k].count);
+            fill_boxes(&j, &lists[k], lists[k].count);
         }
 }
