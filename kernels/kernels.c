@@ -7,7 +7,9 @@ FXS_PROJECT(avx512);
 FXS_SHADE(avx2);
 FXS_SHADE(avx512);
 FXS_BIN(avx2);
+FXS_SPANS(avx2);
 FXS_BIN(avx512);
+FXS_SPANS(avx512);
 FXS_BLEND(sse41);
 FXS_TRACE(sse41);
 FXS_BLEND(avx2);
@@ -34,6 +36,7 @@ unsigned fxs_cpu_detect(void)
 FXS_PROJECT(neon);
 FXS_SHADE(neon);
 FXS_BIN(neon);
+FXS_SPANS(neon);
 FXS_BLEND(neon);
 FXS_TRACE(neon);
 FXS_RESOLVE(neon);
@@ -75,6 +78,7 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
         USE(FXS_PROJECT, project, avx2);
         USE(FXS_SHADE, shade, avx2);
         USE(FXS_BIN, bin, avx2);
+        kernels->spans = fxs_spans_avx2;
         USE(FXS_BLEND, blend, avx2);
         kernels->trace = fxs_trace_avx2;
     }
@@ -82,6 +86,7 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
         USE(FXS_PROJECT, project, avx512);
         USE(FXS_SHADE, shade, avx512);
         USE(FXS_BIN, bin, avx512);
+        kernels->spans = fxs_spans_avx512;
         USE(FXS_BLEND, blend, avx512);
         kernels->trace = fxs_trace_avx512;
     }
@@ -90,6 +95,7 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
         USE(FXS_PROJECT, project, neon);
         USE(FXS_SHADE, shade, neon);
         USE(FXS_BIN, bin, neon);
+        kernels->spans = fxs_spans_neon;
         USE(FXS_BLEND, blend, neon);
         kernels->trace = fxs_trace_neon;
         USE(FXS_RESOLVE, resolve, neon);

@@ -6,6 +6,8 @@
 #include "memory.h"
 #include "parts.h"
 
+#define SPANS 32                   /* tile rows */
+
 typedef fxs_span span;
 
 typedef struct ellipse {
@@ -102,11 +104,6 @@ FXS_STAGE fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, co
                         : (span){splat->first_row / FXS_TILE, splat->last_row / FXS_TILE};
 }
 
-static span rows_of(const ellipse *e, const fxs_view *view)
-{
-    return fxs_bin_rows(view, e->splat, e->bounds);
-}
-
 static span span_of(const ellipse *e, const fxs_view *view, int32_t row)
 {
     return view->square ? square_span(e->bounds->cx_q14, e->bounds->radius, view->tiles_x)
@@ -155,27 +152,35 @@ void fxs_bin_c(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *
     }
 }
 
+void fxs_spans_c(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds, int32_t row, int32_t rows,
+                 span *spans)
+{
+    ellipse e = ellipse_of(view, splat, bounds);
+    add_radius(&e, view);
+    for (int32_t i = 0; i < rows; i++)
+        spans[i] = span_of(&e, view, row + i);
+}
+
 /* ---- Lists ----------------------------------------------------------------------------------------------------- */
 
 /* Lists a splat in a macro tile: counts it, and where there are keys, writes one. */
-static inline void put(const fxs_lister *l, fxs_key *keys, uint32_t macro, uint32_t mask, uint32_t slot)
+static inline void put(const fxs_lister *l, fxs_key *keys, uint32_t macro, uint32_t mask, fxs_key key)
 {
     if (macro - l->first_macro > l->last_macro - l->first_macro)
         return;
     const uint32_t at = l->next[macro]++;
     if (keys)
-        keys[at] = FXS_LISTED(l->depths[slot], mask, slot);
+        keys[at] = key | (fxs_key)mask << FXS_SLOT_BITS;
 }
 
-static inline void list_box(const fxs_lister *l, fxs_key *keys, uint32_t slot)
+static inline void list_box(const fxs_lister *l, fxs_key *keys, uint32_t slot, uint32_t across)
 {
-    static const uint8_t rows[9] = {0, 0, 0, 1, 1, 1, 2, 2, 2}, columns[9] = {0, 1, 2, 0, 1, 2, 0, 1, 2};
     const uint64_t box = l->boxes[slot].bits;
-    const uint32_t macros_x = fxs_macros(l->view->tiles_x), macro = (uint32_t)(box >> FXS_BOX_BITS);
-    for (uint64_t mask = box & (((uint64_t)1 << FXS_BOX_BITS) - 1); mask;) {
-        const uint32_t i = (uint32_t)fxs_ctz64(mask) / 4, here = (uint32_t)(mask >> 4 * i) & 15;
-        put(l, keys, macro + rows[i] * macros_x + columns[i], here, slot);
-        mask &= ~((uint64_t)15 << 4 * i);
+    const uint32_t macro = (uint32_t)(box >> FXS_BOX_BITS);
+    for (uint64_t rest = box & (((uint64_t)1 << FXS_BOX_BITS) - 1); rest;) {
+        const uint32_t i = (uint32_t)fxs_ctz64(rest) / 4;
+        put(l, keys, macro + i / 3 * across + i % 3, (uint32_t)(rest >> 4 * i) & 15, FXS_KEY(l->depths[slot], slot));
+        rest &= ~((uint64_t)15 << 4 * i);
     }
 }
 
@@ -186,38 +191,37 @@ static uint32_t pair_of(span s, int32_t c)
 }
 
 /* A splat whose tiles do not fit in a box. */
-static inline void list_large(const fxs_lister *l, fxs_key *keys, uint32_t slot)
+static void list_large(const fxs_lister *l, fxs_key *keys, uint32_t slot, uint32_t across)
 {
     const fxs_view *view = l->view;
-    const int32_t macros_x = (int32_t)fxs_macros(view->tiles_x);
-    ellipse e = ellipse_of(view, &l->splats[slot], &l->bounds[slot]);
-    const span rows = rows_of(&e, view);
-    add_radius(&e, view);
-    int32_t row = (int32_t)larger(rows.first / FXS_MACRO, l->first_macro / (uint32_t)macros_x);
-    const int32_t last = fxs_min(rows.last / FXS_MACRO, (int32_t)(l->last_macro / (uint32_t)macros_x));
-    for (; row <= last; row++) {
-        span s[FXS_MACRO], touched = {view->tiles_x, -1};
-        for (int32_t i = 0; i < FXS_MACRO; i++) {
-            const int32_t r = FXS_MACRO * row + i;
-            s[i] = r < rows.first || r > rows.last ? (span){0, -1} : span_of(&e, view, r);
-            if (s[i].first <= s[i].last)
-                touched = (span){fxs_min(touched.first, s[i].first), (int32_t)larger(touched.last, s[i].last)};
-        }
-        for (int32_t c = touched.first / FXS_MACRO; c <= touched.last / FXS_MACRO && touched.last >= 0; c++) {
-            const uint32_t mask = pair_of(s[0], c) | pair_of(s[1], c) << 2;
-            if (mask)
-                put(l, keys, (uint32_t)(row * macros_x + c), mask, slot);
+    const fxs_key key = FXS_KEY(l->depths[slot], slot);
+    const span rows = fxs_bin_rows(view, &l->splats[slot], &l->bounds[slot]);
+    const int32_t first = (int32_t)larger(rows.first, l->first_macro / across * FXS_MACRO);
+    const int32_t last = fxs_min(rows.last, (int32_t)(l->last_macro / across * FXS_MACRO + FXS_MACRO - 1));
+    span s[SPANS + FXS_SPANS_MORE + 1];
+    for (int32_t row = first & ~1; row <= last; row += SPANS) {
+        const int32_t from = row < first ? first : row, end = fxs_min(row + SPANS, last + 1);
+        l->spans(view, &l->splats[slot], &l->bounds[slot], from, end - from, s + (from - row));
+        s[end - row] = (span){0, -1};
+        s[0] = from > row ? (span){0, -1} : s[0];
+        for (int32_t r = row; r < end; r += FXS_MACRO) {
+            const span a = s[r - row], b = s[r - row + 1];
+            const int32_t left = a.first > a.last || (b.first <= b.last && b.first < a.first) ? b.first : a.first;
+            const int32_t right = a.last > b.last ? a.last : b.last;
+            for (int32_t c = left / FXS_MACRO; c <= right / FXS_MACRO && right >= 0; c++)
+                put(l, keys, (uint32_t)r / FXS_MACRO * across + (uint32_t)c, pair_of(a, c) | pair_of(b, c) << 2, key);
         }
     }
 }
 
 static inline void list(const fxs_lister *l, fxs_key *keys, uint32_t first, uint32_t count)
 {
+    const uint32_t across = fxs_macros(l->view->tiles_x);
     for (uint32_t slot = first; slot < first + count; slot++)
         if (l->boxes[slot].bits == FXS_LARGE.bits)
-            list_large(l, keys, slot);
+            list_large(l, keys, slot, across);
         else
-            list_box(l, keys, slot);
+            list_box(l, keys, slot, across);
 }
 
 void fxs_bin_count(const fxs_lister *l, uint32_t first, uint32_t count)

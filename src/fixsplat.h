@@ -248,6 +248,7 @@ struct fxs_bounds;
 struct fxs_box;
 struct fxs_tile;
 struct fxs_trace;
+struct fxs_span;
 
 typedef struct fxs_kernels {
     const char *name[FXS_STAGES];  /* version of each stage: "c", "avx2", ... */
@@ -265,6 +266,11 @@ typedef struct fxs_kernels {
     /* Finds the tiles of `count` splats. */
     void (*bin)(const struct fxs_view *view, const struct fxs_splat *splats, const struct fxs_bounds *bounds,
                 uint32_t count, struct fxs_box *boxes);
+
+    /* The tile columns of a splat on tile rows `row` to row + rows - 1, which are rows of its bounding box. There is room for 15
+       more. */
+    void (*spans)(const struct fxs_view *view, const struct fxs_splat *splat, const struct fxs_bounds *bounds,
+                  int32_t row, int32_t rows, struct fxs_span *spans);
 
     /* Blends a list of splats, near to far, into a tile at pixel (x, y). */
     void (*blend)(const struct fxs_view *view, int32_t x, int32_t y, const struct fxs_splat *splats,

@@ -145,7 +145,7 @@ static const fxs_key *sort_all(fxs_frame *f)
 static fxs_lister lister_of(const fxs_frame *f, uint32_t part)
 {
     const fxs_eye *eye = f->eye;
-    return (fxs_lister){&eye->view,     eye->splats,   eye->bounds, eye->boxes, f->depths,
+    return (fxs_lister){&eye->view, eye->splats, eye->bounds, eye->boxes, f->depths, f->context->kernels.spans,
                         f->first_macro, f->last_macro, f->next + (size_t)part * f->macros};
 }
 
@@ -208,19 +208,17 @@ static void fill_lists(fxs_frame *f, uint32_t end)
     f->stats.runs++;
 }
 
-/* Where the list of a macro tile ends in `keys`: behind the last part's. */
-static const uint32_t *ends_of_lists(const fxs_frame *f)
+/* Where the list of a macro tile begins, in `keys` and in `spare`. */
+static size_t start_of_list(const fxs_frame *f, uint32_t macro)
 {
-    return f->next + (size_t)(f->parts - 1) * f->macros;
+    return f->next[(size_t)(f->parts - 1) * f->macros + macro] - f->lengths[macro];
 }
 
-/* The list of a macro tile, sorted. *room: as much, for lists of tiles. */
-static const fxs_key *sort_macro(const fxs_frame *f, uint32_t macro, uint32_t **room)
+static const fxs_key *sort_macro(const fxs_frame *f, uint32_t macro)
 {
-    const uint32_t length = f->lengths[macro], at = ends_of_lists(f)[macro] - length;
-    fxs_key *keys = f->keys + at, *spare = f->spare + at, *sorted = fxs_sort_list(keys, spare, length);
-    *room = (uint32_t *)(void *)(sorted == keys ? spare : keys);
-    return sorted;
+    const size_t at = start_of_list(f, macro);
+    fxs_sort_list(f->keys + at, f->spare + at, f->lengths[macro]);
+    return f->keys + at;
 }
 
 /* Tile i of a macro tile. Returns 0 where it is not in the band. */
@@ -258,10 +256,10 @@ static void draw_macro(void *argument, uint32_t job)
     fxs_frame *f = argument;
     const fxs_lister l = lister_of(f, 0);
     const uint32_t macro = f->first_macro + job;
-    uint32_t *entries, tile;
+    uint32_t *entries = (uint32_t *)(void *)(f->spare + start_of_list(f, macro)), tile;
     uint64_t *times = f->macro_times + TIMES * (size_t)macro, start = fxs_now(f);
     memset(times, 0, TIMES * sizeof *times);
-    const fxs_key *keys = sort_macro(f, macro, &entries);
+    const fxs_key *keys = sort_macro(f, macro);
     times[SORTED] = fxs_now(f) - start;
     for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
         if (tile_of(f, macro, i, &tile) && (f->only_tile == FXS_NOTHING || f->only_tile == tile)) {
@@ -277,11 +275,8 @@ static void order_macro(void *argument, uint32_t job)
 {
     fxs_frame *f = argument;
     const uint32_t macro = f->first_macro + job, length = f->lengths[macro];
-    uint32_t *room, tile;
-    fxs_key *list = f->keys + ends_of_lists(f)[macro] - length;
-    const fxs_key *sorted = sort_macro(f, macro, &room);
-    if (sorted != list)
-        memcpy(list, sorted, length * sizeof *list);
+    const fxs_key *list = sort_macro(f, macro);
+    uint32_t tile;
     for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
         if (tile_of(f, macro, i, &tile))
             for (uint32_t k = 0; k < length; k++)
@@ -294,7 +289,7 @@ static void list_macro(void *argument, uint32_t job)
     fxs_frame *f = argument;
     const fxs_lister l = lister_of(f, 0);
     const uint32_t macro = f->first_macro + job, length = f->lengths[macro];
-    const fxs_key *list = f->keys + ends_of_lists(f)[macro] - length;
+    const fxs_key *list = f->keys + start_of_list(f, macro);
     uint32_t *entries = (uint32_t *)(void *)f->spare, tile;
     for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
         if (tile_of(f, macro, i, &tile) && tile >= f->first_tile && tile <= f->last_tile)

@@ -8,11 +8,6 @@
 #define FXS_BLOCK_FAILED UINT32_MAX   /* the scene was damaged or changed */
 #define FXS_SORT_BUCKETS 2048
 
-/* Tile columns or rows, first to last; none where first > last. */
-typedef struct fxs_span {
-    int32_t first, last;
-} fxs_span;
-
 /* Splats of a block whose first, or last, tile row is above a given one. */
 typedef struct fxs_row_counts {
     uint32_t started, ended;
@@ -162,8 +157,8 @@ void fxs_eyes_hide(const fxs_bounds *bounds, uint32_t count, fxs_box *boxes);
 fxs_key *fxs_sort(const fxs_config *config, fxs_key *keys, fxs_key *spare, uint32_t count,
                   uint32_t (*histograms)[FXS_SORT_BUCKETS], uint32_t parts);
 
-/* fxs_sort by one job. */
-fxs_key *fxs_sort_list(fxs_key *keys, fxs_key *spare, uint32_t count);
+/* Sorts keys as fxs_sort does, in one job, and leaves them where they are. */
+void fxs_sort_list(fxs_key *keys, fxs_key *spare, uint32_t count);
 
 /* The tile rows in which a splat may be listed. */
 FXS_STAGE fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds);
@@ -175,6 +170,8 @@ typedef struct fxs_lister {
     const fxs_bounds *bounds;
     const fxs_box *boxes;
     const uint32_t *depths;        /* by which lists are sorted */
+    void (*spans)(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds, int32_t row, int32_t rows,
+                  fxs_span *spans);    /* as in fxs_kernels */
     uint32_t first_macro, last_macro;
     uint32_t *next;
 } fxs_lister;

@@ -5,10 +5,10 @@
 #include "memory.h"
 #include "parts.h"
 
-#define FEW 24u                    /* keys, which are sorted by insertion */
-#define MANY 3000u                 /* keys, for which digits are as long as they can be */
-#define SHORT_DIGIT 8
-#define LONG_DIGIT 11              /* FXS_SORT_BUCKETS */
+#define FEW 24u                    /* keys, which are sorted by insertion alone */
+#define MANY 1500u                 /* keys, for which digits are longer */
+#define MOVES 4u                   /* a key, by insertion, at most */
+#define DIGIT 11                   /* bits: FXS_SORT_BUCKETS */
 
 typedef struct digit {
     int shift;
@@ -78,7 +78,7 @@ fxs_key *fxs_sort(const fxs_config *config, fxs_key *keys, fxs_key *spare, uint3
                   uint32_t (*histograms)[FXS_SORT_BUCKETS], uint32_t parts)
 {
     sorter s = {keys, spare, count, parts, {32, FXS_SORT_BUCKETS}, histograms};
-    for (; s.digit.shift < 64; s.digit.shift += LONG_DIGIT) {
+    for (; s.digit.shift < 64; s.digit.shift += DIGIT) {
         fxs_run(config, count_part, &s, parts);
         if (find_starts(&s))
             continue;
@@ -92,42 +92,64 @@ fxs_key *fxs_sort(const fxs_config *config, fxs_key *keys, fxs_key *spare, uint3
 
 /* ---- A list ------------------------------------------------------------------------------------------------------ */
 
-static void insert_each(fxs_key *keys, uint32_t count)
+/* Keys that are almost in order. Returns 0, in some order that is stable, where they are found not to be. */
+static int insert_each(fxs_key *keys, uint32_t count)
 {
+    uint64_t left = MOVES * (uint64_t)count;
     for (uint32_t i = 1; i < count; i++) {
         const fxs_key key = keys[i];
         uint32_t at = i;
         for (; at > 0 && keys[at - 1] >> 32 > key >> 32; at--)
             keys[at] = keys[at - 1];
         keys[at] = key;
+        if (i - at > left)
+            return 0;
+        left -= i - at;
     }
+    return 1;
 }
 
-fxs_key *fxs_sort_list(fxs_key *keys, fxs_key *spare, uint32_t count)
+/* By two digits, the lower of them from bit `shift` of the depth less `least` on. */
+static void sort_by_two(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t least, int shift, int bits)
 {
-    uint32_t next[FXS_SORT_BUCKETS], differ = 0;
-    if (count <= FEW) {
-        insert_each(keys, count);
-        return keys;
+    uint32_t next[2][FXS_SORT_BUCKETS];
+    const uint32_t buckets = 1u << bits;
+    memset(next[0], 0, buckets * sizeof **next);
+    memset(next[1], 0, buckets * sizeof **next);
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t depth = ((uint32_t)(keys[i] >> 32) - least) >> shift;
+        next[0][depth & (buckets - 1)]++;
+        next[1][depth >> bits & (buckets - 1)]++;
     }
-    for (uint32_t i = 0; i < count; i++)
-        differ |= (uint32_t)((keys[i] ^ keys[0]) >> 32);
-    if (!differ)
-        return keys;
-    const int low = fxs_ctz32(differ), bits = 32 - fxs_clz32(differ) - low;
-    const int longest = count < MANY ? SHORT_DIGIT : LONG_DIGIT, digits = (bits + longest - 1) / longest;
-    digit d = {32 + low, 1u << (bits + digits - 1) / digits};
-    for (int i = 0; i < digits; i++, d.shift += (bits + digits - 1) / digits) {
-        count_keys(keys, count, d, next);
-        for (uint32_t bucket = 0, start = 0; bucket < d.buckets; bucket++) {
-            const uint32_t size = next[bucket];
-            next[bucket] = start;
-            start += size;
+    for (int d = 0; d < 2; d++) {
+        for (uint32_t bucket = 0, start = 0, size; bucket < buckets; bucket++, start += size) {
+            size = next[d][bucket];
+            next[d][bucket] = start;
         }
-        move_keys(keys, count, d, next, spare);
+        for (uint32_t i = 0; i < count; i++)
+            spare[next[d][((uint32_t)(keys[i] >> 32) - least) >> (shift + d * bits) & (buckets - 1)]++] = keys[i];
         fxs_key *moved = spare;
         spare = keys;
         keys = moved;
     }
-    return keys;
+}
+
+/* The top digits of the range of depths put nearly all of them in order; insertion does the rest. Where it has too much
+   to do, as many lie within a small part of the range, the digits below are sorted first. */
+void fxs_sort_list(fxs_key *keys, fxs_key *spare, uint32_t count)
+{
+    uint32_t least = UINT32_MAX, most = 0;
+    if (count <= FEW && insert_each(keys, count))
+        return;
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t depth = (uint32_t)(keys[i] >> 32);
+        least = depth < least ? depth : least;
+        most = depth > most ? depth : most;
+    }
+    const int range = 32 - fxs_clz32((most - least) | 1), bits = count < MANY ? 8 : 11;
+    sort_by_two(keys, spare, count, least, range > 2 * bits ? range - 2 * bits : 0, bits);
+    if (insert_each(keys, count))
+        return;
+    sort_by_two(keys, spare, count, least, 0, 8);
+    sort_by_two(keys, spare, count, least, 16, 8);
 }

@@ -71,6 +71,13 @@ typedef struct fxs_bounds {
 #define FXS_CENTRE_LIMIT_Q14 (1 << 30)           /* 65536 pixels */
 #define FXS_EVERYWHERE_Q8 (1 << 30)              /* half_width_q8 of a veil: it is listed in every tile */
 
+/* Tile columns or rows, first to last; none where first > last. */
+typedef struct fxs_span {
+    int32_t first, last;
+} fxs_span;
+
+#define FXS_SPANS_MORE 15          /* that the versions of `spans` may write beyond those asked for */
+
 /* Lists are made for macro tiles of 2x2 tiles. Bit 2 r + c of a mask stands for the tile in row r and column c of one. */
 #define FXS_MACRO 2
 
@@ -213,6 +220,8 @@ int fxs_shade_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, co
                 fxs_splat *splats);
 void fxs_bin_c(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count,
                fxs_box *boxes);
+void fxs_spans_c(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds, int32_t row, int32_t rows,
+                 fxs_span *spans);
 void fxs_blend_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
                  uint32_t count, fxs_tile *tile);
 void fxs_trace_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,

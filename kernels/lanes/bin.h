@@ -61,6 +61,16 @@ static inline void store_boxes(fxs_box *boxes, const fxs_view *view, vi low, vi 
                 choose(none, all(0), high >> (32 - FXS_BOX_LOW_BITS) | macro << (FXS_BOX_BITS - 32)));
 }
 
+/* What follows from the others. */
+static inline void set_radius(ellipse *e, const fxs_view *view, vi offset_q11)
+{
+    const vi limit_q11 = least(offset_q11 + view->cut_q11, all(FXS_FAINT_Q11));
+    e->margin_q8 = (e->reach_q8 >> 8) + 32;
+    e->r_q12 = (vi)root((vu)(limit_q11 - offset_q11 + 1) << 13) + 1;
+    const vi widest = e->shear_q8 * e->r_q12;    /* over 4096, towards 0 */
+    e->tangent = ((widest + (widest >> 31 & 4095)) >> 12) * e->r_q12;
+}
+
 /* v = ((y << 14) - cy) vy >> 26 = ((-cy vy >> 14) + y vy) >> 12, of which 32 bits are enough: the tile rows of a box
    are less than 16 pixels off the ellipse, so |v| < 4 + 16 vy < 128. */
 static inline ellipse ellipse_of(const job *j, const int32_t index[LANES])
@@ -69,7 +79,6 @@ static inline ellipse ellipse_of(const job *j, const int32_t index[LANES])
     LOAD_FOURS(splat, j->splats, vy_q24, index);
     LOAD_FOURS(centre, j->bounds, cx_q14, index);
     LOAD_FOURS(shape, j->bounds, breadth_q8, index);
-    const vi offset_q11 = splat[OFFSET] & 65535, limit_q11 = least(offset_q11 + j->view->cut_q11, all(FXS_FAINT_Q11));
     const vu first_row = (vu)splat[CLIP] & 65535 & ~15u;
     ellipse e;
     e.vy_q24 = splat[VY];
@@ -78,10 +87,7 @@ static inline ellipse ellipse_of(const job *j, const int32_t index[LANES])
     e.breadth_q8 = shape[BREADTH];
     e.shear_q8 = shape[SHEAR];
     e.reach_q8 = shape[HALF_WIDTH];
-    e.margin_q8 = (e.reach_q8 >> 8) + 32;
-    e.r_q12 = (vi)root((vu)(limit_q11 - offset_q11 + 1) << 13) + 1;
-    vi widest = e.shear_q8 * e.r_q12;            /* over 4096, towards 0 */
-    e.tangent = ((widest + (widest >> 31 & 4095)) >> 12) * e.r_q12;
+    set_radius(&e, j->view, splat[OFFSET] & 65535);
     columns_between(&e.first_column, &last, j->view, e.cx_q8 - e.reach_q8, e.cx_q8 + e.reach_q8);
     e.first_column &= ~1;
     e.first_row = (vi)(first_row >> 4);
@@ -98,8 +104,8 @@ static inline vi half_width_q8(const ellipse *e, vi v_q12)
     return e->breadth_q8 * ((vi)root((vu)square_q24) + 1) >> 12;
 }
 
-/* The tiles of a tile row that the ellipse touches, bit 0 for the first column of the box. */
-static inline vi tiles_of_row(const ellipse *e, const fxs_view *view)
+/* The tile columns that the ellipse touches on a tile row. Returns the lanes where there are none. */
+static inline mask span_of_row(const ellipse *e, const fxs_view *view, vi *first, vi *last)
 {
     const vi r = e->r_q12, reach = e->reach_q8;
     const vi top_q12 = e->v_q24 >> 12, bottom_q12 = (e->v_q24 + (FXS_TILE - 1) * e->vy_q24) >> 12;
@@ -109,13 +115,20 @@ static inline vi tiles_of_row(const ellipse *e, const fxs_view *view)
     vi left_q8 = most(half_top_q8 - x_top_q8, half_bottom_q8 - x_bottom_q8);
     vi right_q8 = most(half_top_q8 + x_top_q8, half_bottom_q8 + x_bottom_q8);
     /* Is a widest point on this tile row? */
-    vi low = top * reach, high = bottom * reach, first, last;
+    vi low = top * reach, high = bottom * reach;
     left_q8 = choose(greater(low, -e->tangent) | greater(-e->tangent, high), left_q8, reach);
     right_q8 = choose(greater(low, e->tangent) | greater(e->tangent, high), right_q8, reach);
     left_q8 = least(left_q8 + e->margin_q8, reach);
     right_q8 = least(right_q8 + e->margin_q8, reach);
-    mask none = columns_between(&first, &last, view, e->cx_q8 - left_q8, e->cx_q8 + right_q8) |
-                greater(top_q12, r + 2) | greater(-r - 2, bottom_q12);
+    return columns_between(first, last, view, e->cx_q8 - left_q8, e->cx_q8 + right_q8) | greater(top_q12, r + 2) |
+           greater(-r - 2, bottom_q12);
+}
+
+/* The same, bit 0 for the first column of the box. */
+static inline vi tiles_of_row(const ellipse *e, const fxs_view *view)
+{
+    vi first, last;
+    const mask none = span_of_row(e, view, &first, &last);
     vu tiles = shift_left((vu)all(2), last - e->first_column) - shift_left((vu)all(1), first - e->first_column);
     return choose(none, all(0), (vi)tiles);
 }
@@ -207,4 +220,25 @@ FXS_BIN(ISA)
             store(lists[k].index + lists[k].count, all(lists[k].index[0]));
             fill_boxes(&j, &lists[k], lists[k].count);
         }
+}
+
+/* Lanes are rows of one splat. */
+FXS_SPANS(ISA)
+{
+    if (view->square || bounds->half_width_q8 > HALF_WIDTH_LIMIT_Q8) {
+        fxs_spans_c(view, splat, bounds, row, rows, spans);
+        return;
+    }
+    const uint32_t vy_q24 = (uint32_t)splat->vy_q24, step_q24 = FXS_TILE * vy_q24;
+    const uint32_t v_q24 = (uint32_t)(-(int64_t)bounds->cy_q14 * splat->vy_q24 >> 14) + (uint32_t)row * step_q24;
+    ellipse e = {.vy_q24 = all(splat->vy_q24), .cx_q8 = all(bounds->cx_q14 >> 6),
+                 .breadth_q8 = all((int32_t)bounds->breadth_q8), .shear_q8 = all(bounds->shear_q8),
+                 .reach_q8 = all((int32_t)bounds->half_width_q8), .v_q24 = (vi)ramp(v_q24, step_q24)};
+    set_radius(&e, view, all(splat->offset_q11));
+    for (int32_t i = 0; i < rows; i += LANES) {
+        vi first, last;
+        const mask none = span_of_row(&e, view, &first, &last);
+        store_pairs(spans + i, choose(none, all(0), first), choose(none, all(-1), last));
+        e.v_q24 += (vi)all((int32_t)(LANES * step_q24));
+    }
 }

@@ -14,6 +14,8 @@
     uint32_t chunk, const uint32_t *indices, uint32_t count, fxs_splat *splats)
 #define FXS_BIN(isa) void FXS_STAGE_OF(bin, isa)(const fxs_view *view, const fxs_splat *splats, \
     const fxs_bounds *bounds, uint32_t count, fxs_box *boxes)
+#define FXS_SPANS(isa) void FXS_STAGE_OF(spans, isa)(const fxs_view *view, const fxs_splat *splat, \
+    const fxs_bounds *bounds, int32_t row, int32_t rows, fxs_span *spans)
 #define FXS_BLEND(isa) void FXS_STAGE_OF(blend, isa)(const fxs_view *view, int32_t x, int32_t y, \
     const fxs_splat *splats, const uint32_t *entries, uint32_t count, fxs_tile *tile)
 #define FXS_TRACE(isa) void FXS_STAGE_OF(trace, isa)(const fxs_view *view, int32_t x, int32_t y, \
