@@ -163,24 +163,29 @@ void fxs_spans_c(const fxs_view *view, const fxs_splat *splat, const fxs_bounds 
 
 /* ---- Lists ----------------------------------------------------------------------------------------------------- */
 
-/* Lists a splat in a macro tile: counts it, and where there are keys, writes one. */
-static inline void put(const fxs_lister *l, fxs_key *keys, uint32_t macro, uint32_t mask, fxs_key key)
+/* A note of a count: the macro tile above, the rest as in a key. */
+#define NOTE(macro, mask, slot) FXS_LISTED(macro, mask, slot)
+
+/* Lists a splat in a macro tile: writes a key, or without keys counts it and takes a note, where there is room. */
+static inline void put(fxs_lister *l, fxs_key *keys, uint32_t macro, uint32_t mask, uint32_t slot)
 {
     if (macro - l->first_macro > l->last_macro - l->first_macro)
         return;
     const uint32_t at = l->next[macro]++;
     if (keys)
-        keys[at] = key | (fxs_key)mask << FXS_SLOT_BITS;
+        keys[at] = FXS_LISTED(l->depths[slot], mask, slot);
+    else if (l->noted++ < l->room)
+        l->notes[l->noted - 1] = NOTE(macro, mask, slot);
 }
 
-static inline void list_box(const fxs_lister *l, fxs_key *keys, uint32_t slot, uint32_t across)
+static inline void list_box(fxs_lister *l, fxs_key *keys, uint32_t slot, const uint32_t offsets[9])
 {
     const uint64_t box = l->boxes[slot].bits;
     const uint32_t macro = (uint32_t)(box >> FXS_BOX_BITS);
     for (uint64_t rest = box & (((uint64_t)1 << FXS_BOX_BITS) - 1); rest;) {
-        const uint32_t i = (uint32_t)fxs_ctz64(rest) / 4;
-        put(l, keys, macro + i / 3 * across + i % 3, (uint32_t)(rest >> 4 * i) & 15, FXS_KEY(l->depths[slot], slot));
-        rest &= ~((uint64_t)15 << 4 * i);
+        const int at = fxs_ctz64(rest) & ~3;
+        put(l, keys, macro + offsets[at / 4], (uint32_t)(rest >> at) & 15, slot);
+        rest &= ~((uint64_t)15 << at);
     }
 }
 
@@ -191,10 +196,9 @@ static uint32_t pair_of(span s, int32_t c)
 }
 
 /* A splat whose tiles do not fit in a box. */
-static void list_large(const fxs_lister *l, fxs_key *keys, uint32_t slot, uint32_t across)
+static void list_large(fxs_lister *l, fxs_key *keys, uint32_t slot, uint32_t across)
 {
     const fxs_view *view = l->view;
-    const fxs_key key = FXS_KEY(l->depths[slot], slot);
     const span rows = fxs_bin_rows(view, &l->splats[slot], &l->bounds[slot]);
     const int32_t first = (int32_t)larger(rows.first, l->first_macro / across * FXS_MACRO);
     const int32_t last = fxs_min(rows.last, (int32_t)(l->last_macro / across * FXS_MACRO + FXS_MACRO - 1));
@@ -209,29 +213,41 @@ static void list_large(const fxs_lister *l, fxs_key *keys, uint32_t slot, uint32
             const int32_t left = a.first > a.last || (b.first <= b.last && b.first < a.first) ? b.first : a.first;
             const int32_t right = a.last > b.last ? a.last : b.last;
             for (int32_t c = left / FXS_MACRO; c <= right / FXS_MACRO && right >= 0; c++)
-                put(l, keys, (uint32_t)r / FXS_MACRO * across + (uint32_t)c, pair_of(a, c) | pair_of(b, c) << 2, key);
+                put(l, keys, (uint32_t)r / FXS_MACRO * across + (uint32_t)c, pair_of(a, c) | pair_of(b, c) << 2, slot);
         }
     }
 }
 
-static inline void list(const fxs_lister *l, fxs_key *keys, uint32_t first, uint32_t count)
+static inline void list(fxs_lister *l, fxs_key *keys, uint32_t first, uint32_t count)
 {
     const uint32_t across = fxs_macros(l->view->tiles_x);
+    uint32_t offsets[9];
+    for (uint32_t i = 0; i < 9; i++)
+        offsets[i] = i / 3 * across + i % 3;
     for (uint32_t slot = first; slot < first + count; slot++)
         if (l->boxes[slot].bits == FXS_LARGE.bits)
             list_large(l, keys, slot, across);
         else
-            list_box(l, keys, slot, across);
+            list_box(l, keys, slot, offsets);
 }
 
-void fxs_bin_count(const fxs_lister *l, uint32_t first, uint32_t count)
+void fxs_bin_count(fxs_lister *l, uint32_t first, uint32_t count)
 {
     list(l, 0, first, count);
 }
 
-void fxs_bin_fill(const fxs_lister *l, uint32_t first, uint32_t count, fxs_key *keys)
+void fxs_bin_fill(fxs_lister *l, uint32_t first, uint32_t count, fxs_key *keys)
 {
     list(l, keys, first, count);
+}
+
+void fxs_bin_fill_noted(fxs_lister *l, fxs_key *keys)
+{
+    for (uint32_t i = 0; i < l->noted; i++) {
+        const uint64_t note = l->notes[i];
+        const fxs_key key = FXS_KEY(l->depths[FXS_KEY_SLOT(note)], (uint32_t)note);
+        keys[l->next[note >> 32]++] = key;
+    }
 }
 
 static int touches(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds, uint32_t tile)

@@ -40,7 +40,7 @@ static inline int fxs_ctz32(uint32_t x)
 
 static inline int fxs_ctz64(uint64_t x)
 {
-    return 63 - fxs_clz64(x & -x);
+    return (uint32_t)x ? fxs_ctz32((uint32_t)x) : 32 + fxs_ctz32((uint32_t)(x >> 32));
 }
 
 #define FXS_ONE_Q32 ((int64_t)1 << 32)

@@ -142,36 +142,42 @@ static const fxs_key *sort_all(fxs_frame *f)
     return sorted;
 }
 
+/* A part's row of `next`: a number for each macro tile, and that of its notes. */
+static uint32_t *next_of(const fxs_frame *f, uint32_t part)
+{
+    return f->next + (size_t)part * (f->macros + 1);
+}
+
+/* Notes lie in `spare`, where lists are sorted later. */
 static fxs_lister lister_of(const fxs_frame *f, uint32_t part)
 {
     const fxs_eye *eye = f->eye;
+    const uint32_t room = f->key_capacity / f->parts;
     return (fxs_lister){&eye->view, eye->splats, eye->bounds, eye->boxes, f->depths, f->context->kernels.spans,
-                        f->first_macro, f->last_macro, f->next + (size_t)part * f->macros};
-}
-
-/* Lists the blocks of a part; keys: null to count only. */
-static void list_part(fxs_frame *f, uint32_t part, fxs_key *keys)
-{
-    const fxs_lister l = lister_of(f, part);
-    const uint32_t end = fxs_part(f->blocks, f->parts, part + 1);
-    for (uint32_t block = fxs_part(f->blocks, f->parts, part); block < end; block++)
-        if (keys)
-            fxs_bin_fill(&l, f->block_slots[block], f->block_counts[block], keys);
-        else
-            fxs_bin_count(&l, f->block_slots[block], f->block_counts[block]);
+                        f->first_macro, f->last_macro, next_of(f, part), f->spare + (size_t)part * room, room,
+                        next_of(f, part)[f->macros]};
 }
 
 static void count_part(void *argument, uint32_t part)
 {
     fxs_frame *f = argument;
-    memset(f->next + (size_t)part * f->macros, 0, f->macros * sizeof *f->next);
-    list_part(f, part, 0);
+    const uint32_t end = fxs_part(f->blocks, f->parts, part + 1);
+    memset(next_of(f, part), 0, (f->macros + 1) * sizeof *f->next);
+    fxs_lister l = lister_of(f, part);
+    for (uint32_t block = fxs_part(f->blocks, f->parts, part); block < end; block++)
+        fxs_bin_count(&l, f->block_slots[block], f->block_counts[block]);
+    next_of(f, part)[f->macros] = l.noted;
 }
 
 static void fill_part(void *argument, uint32_t part)
 {
     fxs_frame *f = argument;
-    list_part(f, part, f->keys);
+    const uint32_t end = fxs_part(f->blocks, f->parts, part + 1);
+    fxs_lister l = lister_of(f, part);
+    if (f->noted)
+        fxs_bin_fill_noted(&l, f->keys);
+    for (uint32_t block = fxs_part(f->blocks, f->parts, part); block < end && !f->noted; block++)
+        fxs_bin_fill(&l, f->block_slots[block], f->block_counts[block], f->keys);
 }
 
 /* The macro tiles of the band, and how long their lists are. */
@@ -183,9 +189,13 @@ static void count_lists(fxs_frame *f)
     fxs_frame_run(f, count_part, f->parts);
     memset(f->tile_counts, 0, f->tiles * sizeof *f->tile_counts);
     memset(f->lengths, 0, f->macros * sizeof *f->lengths);
-    for (uint32_t part = 0; part < f->parts; part++)
+    f->noted = 1;
+    for (uint32_t part = 0; part < f->parts; part++) {
+        const uint32_t *next = next_of(f, part);
+        f->noted &= next[f->macros] <= f->key_capacity / f->parts;
         for (uint32_t macro = 0; macro < f->macros; macro++)
-            f->lengths[macro] += f->next[(size_t)part * f->macros + macro];
+            f->lengths[macro] += next[macro];
+    }
 }
 
 /* Lists as many macro tiles, from first_macro to before `end`, as fit in `keys`. A list is never longer than the number
@@ -197,21 +207,23 @@ static void fill_lists(fxs_frame *f, uint32_t end)
     uint32_t used = 0, macro = f->first_macro;
     for (; macro < end && f->lengths[macro] <= f->key_capacity - used; macro++)
         for (uint32_t part = 0; part < f->parts; part++) {
-            uint32_t *next = &f->next[(size_t)part * f->macros + macro], count = *next;
+            uint32_t *next = &next_of(f, part)[macro], count = *next;
             *next = used;
             used += count;
         }
     if (!f->draw_tile)
         macro = f->first_macro % across || macro < row_end ? (macro < row_end ? macro : row_end) : macro / across * across;
+    f->noted &= macro == end;
     f->last_macro = macro - 1;
     fxs_frame_run(f, fill_part, f->parts);
+    f->noted = 0;
     f->stats.runs++;
 }
 
 /* Where the list of a macro tile begins, in `keys` and in `spare`. */
 static size_t start_of_list(const fxs_frame *f, uint32_t macro)
 {
-    return f->next[(size_t)(f->parts - 1) * f->macros + macro] - f->lengths[macro];
+    return next_of(f, f->parts - 1)[macro] - f->lengths[macro];
 }
 
 static const fxs_key *sort_macro(const fxs_frame *f, uint32_t macro)

@@ -46,6 +46,7 @@ typedef struct fxs_frame {
     const uint32_t *depths;                /* and those by which it is sorted */
 
     uint32_t tiles, macros;
+    int noted;                             /* the notes of counting the lists are all there */
     uint32_t parts;                        /* jobs that share the lists: one a thread */
     uint32_t blocks, block_chunks;         /* jobs that share the first stages, and the chunks of each */
     int planned;                           /* the memory does not hold every Gaussian: there may be several bands */
@@ -61,7 +62,7 @@ typedef struct fxs_frame {
     uint32_t (*histograms)[FXS_SORT_BUCKETS];   /* of each part */
     uint32_t *tile_counts, *tile_ends;     /* length of each tile's list, and for back ends where it ends */
     uint32_t *lengths;                     /* of each macro tile's list */
-    uint32_t *next;                        /* a row of macro tiles for each part: keys, then where they go */
+    uint32_t *next;                        /* a row of macro tiles for each part: keys, then where they go; and notes */
     uint64_t *macro_times;                 /* nanoseconds of sort, bin, blend and resolve */
 
     /* The band of tile rows, and what is cut from the rest of the memory for it, beside the eyes' splats. */
@@ -174,13 +175,18 @@ typedef struct fxs_lister {
                   fxs_span *spans);    /* as in fxs_kernels */
     uint32_t first_macro, last_macro;
     uint32_t *next;
+    uint64_t *notes;               /* by count for fill; `noted` of them, but `room` at most are written */
+    uint32_t room, noted;
 } fxs_lister;
 
-/* Adds 1 to next[macro] for every macro tile that a slot from `first` on is listed in. */
-void fxs_bin_count(const fxs_lister *l, uint32_t first, uint32_t count);
+/* Adds 1 to next[macro] for every macro tile that a slot from `first` on is listed in, and takes notes. */
+void fxs_bin_count(fxs_lister *l, uint32_t first, uint32_t count);
 
-/* The same, and keys[next[macro]] is its key before. */
-void fxs_bin_fill(const fxs_lister *l, uint32_t first, uint32_t count, fxs_key *keys);
+/* The same without notes, and keys[next[macro]] is its key before. */
+void fxs_bin_fill(fxs_lister *l, uint32_t first, uint32_t count, fxs_key *keys);
+
+/* The same for all that was noted. */
+void fxs_bin_fill_noted(fxs_lister *l, fxs_key *keys);
 
 /* The list of a tile, near to far, from the `length` keys of its macro tile: slots, and with the square cut-off
    FXS_ENTRY_FAR; `most` at most, and no more is written. Returns how many. */
