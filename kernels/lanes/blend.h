@@ -205,8 +205,8 @@ ALWAYS_INLINE void blend_entry(pixels *at, kept *k, unsigned which, const group 
     const vu left = g->pattern_q24[entry] + spread(g->u_q24[patch], place), right = left + spread(g->four_q24, place);
     const vh u_q13 = pack_q13(left, right), t = at->transmittance_q15;
     const vh level = add_level(mul_h(u_q13, u_q13), spread_levels(g->levels_q11 + patch / 2 * ROWS, entry));
-    const mask_h counted = within(level, (vh)spread(g->limit_q11, place));
-    vh weight = mul_h(where(counted, alpha_of(level)), where(open_of(t), t));
+    const mask_h counted = within(level, (vh)spread(g->limit_q11, place)) & open_of(t);
+    vh weight = where(counted, mul_h(alpha_of(level), t));
     if (k) {
         if (which & FXS_TRACE_END)
             weight = where(greater_h(k->end, all_h(number)), weight);
