@@ -247,39 +247,50 @@ static int tile_of(const fxs_frame *f, uint32_t macro, int32_t i, uint32_t *tile
 
 enum { SORTED, LISTED, BLENDED, RESOLVED, TIMES };
 
-static void blend_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, uint64_t *times)
+/* Adds the time since the last lap to `which` of the macro tile's times. */
+static void lap(const fxs_frame *f, fxs_laps *laps, int which)
+{
+    const uint64_t now = fxs_now(f);
+    laps->times[which] += now - laps->start;
+    laps->start = now;
+}
+
+static void blend_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)
 {
     fxs_tile pixels;
     int32_t x, y;
     fxs_tile_origin(f, tile, &x, &y);
-    uint64_t start = fxs_now(f);
     if (fxs_targets_traced(f->eye->targets))
         fxs_trace_tile(f, list, x, y, &pixels, 0);
-    else
+    else if (list->count)
         f->context->kernels.blend(&f->eye->view, x, y, f->eye->splats, list->entries, list->count, &pixels);
-    uint64_t blended = fxs_now(f);
+    else
+        fxs_tile_clear(&pixels);
+    if (list->count)
+        lap(f, laps, BLENDED);
     fxs_resolve_targets(f, &pixels, x, y);
-    times[BLENDED] += blended - start;
-    times[RESOLVED] += fxs_now(f) - blended;
 }
 
 static void draw_macro(void *argument, uint32_t job)
 {
     fxs_frame *f = argument;
     const fxs_lister l = lister_of(f, 0);
-    const uint32_t macro = f->first_macro + job;
+    const uint32_t macro = f->first_macro + job, length = f->lengths[macro];
     uint32_t *entries = (uint32_t *)(void *)(f->spare + start_of_list(f, macro)), tile;
-    uint64_t *times = f->macro_times + TIMES * (size_t)macro, start = fxs_now(f);
-    memset(times, 0, TIMES * sizeof *times);
+    fxs_laps laps = {fxs_now(f), f->macro_times + TIMES * (size_t)macro};
     const fxs_key *keys = sort_macro(f, macro);
-    times[SORTED] = fxs_now(f) - start;
+    memset(laps.times, 0, TIMES * sizeof *laps.times);
+    lap(f, &laps, SORTED);
     for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
         if (tile_of(f, macro, i, &tile) && (f->only_tile == FXS_NOTHING || f->only_tile == tile)) {
-            start = fxs_now(f);
-            f->tile_counts[tile] = fxs_tile_list(&l, keys, f->lengths[macro], tile, entries, UINT32_MAX);
-            times[LISTED] += fxs_now(f) - start;
-            f->draw_tile(f, tile, &(fxs_list){entries, f->tile_counts[tile]}, times);
+            f->tile_counts[tile] = fxs_tile_list(&l, keys, length, tile, entries, UINT32_MAX);
+            if (length)
+                lap(f, &laps, LISTED);
+            f->draw_tile(f, tile, &(fxs_list){entries, f->tile_counts[tile]}, &laps);
+            if (length)
+                lap(f, &laps, RESOLVED);
         }
+    lap(f, &laps, RESOLVED);
 }
 
 /* Has lists sorted, and the lengths of those of the tiles, for a back end. */
@@ -594,11 +605,11 @@ int fxs_render(const fxs_context *context, const fxs_object *objects, uint32_t c
     return error;
 }
 
-static void count_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, uint64_t *times)
+static void count_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)
 {
     fxs_tile pixels;
     int32_t x, y;
-    (void)times;
+    (void)laps;
     fxs_tile_origin(f, tile, &x, &y);
     fxs_blend_count(&f->eye->view, x, y, f->eye->splats, list->entries, list->count, &pixels, &f->evaluated,
                     &f->blended);

@@ -19,6 +19,11 @@ typedef struct fxs_list {
     uint32_t count;
 } fxs_list;
 
+/* Where the time of drawing a macro tile goes. */
+typedef struct fxs_laps {
+    uint64_t start, *times;
+} fxs_laps;
+
 /* A picture of the frame: the camera, its splats and where they are drawn. Two eyes share the other memory. */
 typedef struct fxs_eye {
     fxs_view view;                         /* of the world */
@@ -75,7 +80,8 @@ typedef struct fxs_frame {
     uint32_t first_macro, last_macro;      /* whose lists there are */
     uint32_t first_tile, last_tile;        /* of a back end's run */
     uint32_t only_tile;                    /* fxs_pick draws one; else FXS_NOTHING */
-    void (*draw_tile)(struct fxs_frame *f, uint32_t tile, const fxs_list *list, uint64_t *times);   /* null: a back end draws */
+    void (*draw_tile)(struct fxs_frame *f, uint32_t tile, const fxs_list *list,
+                      fxs_laps *laps);     /* null: the back end draws */
     uint64_t evaluated, blended;           /* fxs_count_pairs only */
 } fxs_frame;
 

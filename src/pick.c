@@ -12,13 +12,13 @@ typedef struct pick {
     uint32_t key, index;           /* depth and place of what was found: of the tile's band, whose slots go */
 } pick;
 
-static void pick_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, uint64_t *times)
+static void pick_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)
 {
     pick *p = (pick *)(void *)f;
     const int32_t x = p->x / FXS_TILE * FXS_TILE, y = p->y / FXS_TILE * FXS_TILE;
     uint32_t slots[FXS_TILE_PIXELS];
     fxs_tile pixels;
-    (void)tile, (void)times;
+    (void)tile, (void)laps;
     fxs_trace_tile(f, list, x, y, &pixels, slots);
     const uint32_t slot = slots[(p->y - y) * FXS_TILE + p->x - x];
     if (slot != FXS_NOTHING) {
