@@ -60,7 +60,7 @@ static void lay_out_frame(fxs_frame *f, int planned)
         f->eye[eye].objects = cut(&m, f->object_count * sizeof *f->eye->objects);
     uint64_t tiles_at = m.used;
     f->tile_counts = cut(&m, f->tiles * sizeof *f->tile_counts);
-    f->tile_ends = cut(&m, config->draw && !config->draw_unlisted ? f->tiles * sizeof *f->tile_ends : 0);
+    f->tile_ends = cut(&m, f->tiles * sizeof *f->tile_ends);
     f->lengths = cut(&m, f->macros * sizeof *f->lengths);
     f->next = cut(&m, (uint64_t)f->parts * (f->macros + 1) * sizeof *f->next);
     f->macro_times = cut(&m, (uint64_t)f->macros * 4 * sizeof *f->macro_times);

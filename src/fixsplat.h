@@ -301,7 +301,7 @@ int fxs_init(fxs_context *context, const fxs_config *config);
 /* Where the working memory of a frame goes, in bytes. */
 typedef struct fxs_frame_memory {
     size_t splats;                 /* projected Gaussians: 72 bytes each; 384 an object */
-    size_t tiles;                  /* of 16x16 pixels: 13 bytes each, and 1 for each thread */
+    size_t tiles;                  /* of 16x16 pixels: 17 bytes each, and 1 for each thread */
     size_t entries;                /* lists of macro tiles of 2x2 tiles, 8 bytes an entry */
     size_t keys;                   /* room to sort them, as much; 8 KiB a thread */
     size_t total;                  /* the four above */

@@ -205,19 +205,21 @@ static void fill_lists(fxs_frame *f, uint32_t end)
 {
     const uint32_t across = fxs_macros(f->eye->view.tiles_x), row_end = (f->first_macro / across + 1) * across;
     uint32_t used = 0, macro = f->first_macro;
-    for (; macro < end && f->lengths[macro] <= f->key_capacity - used; macro++)
+    for (uint32_t room = f->key_capacity; macro < end && f->lengths[macro] <= room; macro++)
+        room -= f->lengths[macro];
+    if (!f->draw_tile)
+        macro = f->first_macro % across || macro < row_end ? (macro < row_end ? macro : row_end)
+                                                           : macro / across * across;
+    f->noted &= macro == end;
+    f->last_macro = macro - 1;
+    for (macro = f->first_macro; macro <= f->last_macro; macro++)
         for (uint32_t part = 0; part < f->parts; part++) {
             uint32_t *next = &next_of(f, part)[macro], count = *next;
             *next = used;
             used += count;
         }
-    if (!f->draw_tile)
-        macro = f->first_macro % across || macro < row_end ? (macro < row_end ? macro : row_end) : macro / across * across;
-    f->noted &= macro == end;
-    f->last_macro = macro - 1;
     fxs_frame_run(f, fill_part, f->parts);
     f->noted = 0;
-    f->stats.runs++;
 }
 
 /* Where the list of a macro tile begins, in `keys` and in `spare`. */
@@ -291,7 +293,8 @@ static void draw_macro(void *argument, uint32_t job)
             if (length)
                 lap(f, &laps, RESOLVED);
         }
-    lap(f, &laps, RESOLVED);
+    if (!length)                   /* fewer looks at the clock, which take a while */
+        lap(f, &laps, RESOLVED);
 }
 
 /* Has lists sorted, and the lengths of those of the tiles, for a back end. */
@@ -351,6 +354,7 @@ static int draw_tiles(fxs_frame *f, uint32_t first, uint32_t last)
         fxs_frame_run(f, list_macro, f->last_macro - f->first_macro + 1);
         f->stats.nanoseconds[FXS_BIN] += fxs_now(f) - start;
         error = draw_run(f, 0);
+        f->stats.runs++;
     }
     return error;
 }
@@ -540,6 +544,7 @@ static void draw_macros(fxs_frame *f)
     const uint64_t start = fxs_now(f);
     const uint32_t jobs = f->last_macro - f->first_macro + 1;
     fxs_frame_run(f, draw_macro, jobs);
+    f->stats.runs++;
     share_time(f, fxs_now(f) - start, f->macro_times + TIMES * (size_t)f->first_macro, jobs, TIMES, stages);
 }
 

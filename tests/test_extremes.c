@@ -70,7 +70,7 @@ static void bin_everywhere(const fxs_view *view, const fxs_splat *splats, const 
     (void)splats;
     for (uint32_t i = 0; i < count; i++) {
         ((fxs_bounds *)(uintptr_t)&bounds[i])->half_width_q8 = FXS_EVERYWHERE_Q8;
-        boxes[i] = (fxs_box){0, 0};
+        boxes[i] = FXS_LARGE;
     }
 }
 

@@ -23,6 +23,7 @@
 #include "check.h"
 #include "one_scene.h"
 #include "reference.h"
+#include "tile_lists.h"
 
 #define PIXEL_FLOOR 57.0
 enum { PROFILES = 3, SPZ = 3, FORMS = 4, LARGE = 10000 };   /* from so many Gaussians on, the bytes are checked */
@@ -64,7 +65,7 @@ typedef struct splat_list {
     fxs_splat *splats;
     fxs_bounds *bounds;
     fxs_box *boxes;
-    fxs_key *keys, *spare;
+    uint32_t *depths;
     uint32_t count;
 } splat_list;
 
@@ -98,15 +99,13 @@ static int to_fixed(fxs_splat *s, fxs_bounds *b, const struct reference_splat *r
 static splat_list project_in_doubles(const subject *s, const fxs_file_view *view, const struct reference_options *o)
 {
     splat_list list = {calloc(s->count, sizeof *list.splats), calloc(s->count, sizeof *list.bounds),
-                       calloc(s->count, sizeof *list.boxes), calloc(s->count, sizeof *list.keys),
-                       calloc(s->count, sizeof *list.spare), 0};
+                       calloc(s->count, sizeof *list.boxes), calloc(s->count, sizeof *list.depths), 0};
     for (size_t i = 0; i < s->count; i++) {
         struct reference_splat r;
         if (!reference_project(&s->gaussians[i], view, o, &r) || r.opacity * 255 < 1 ||
             !to_fixed(&list.splats[list.count], &list.bounds[list.count], &r))
             continue;
-        list.keys[list.count] = FXS_KEY((uint32_t)fmin(4e9, ldexp(r.depth, 20)), list.count);
-        list.count++;
+        list.depths[list.count++] = (uint32_t)fmin(4e9, ldexp(r.depth, 20));
     }
     return list;
 }
@@ -117,35 +116,21 @@ static void pixel_stage(const subject *s, const fxs_file_view *file_view, const 
     fxs_view view = {.width = WIDTH, .height = HEIGHT, .tiles_x = WIDTH / FXS_TILE, .tiles_y = HEIGHT / FXS_TILE,
                      .cut_q11 = FXS_CUT_Q11};
     enum { TILES = WIDTH / FXS_TILE * (HEIGHT / FXS_TILE) };
-    static uint32_t counts[TILES], ends[TILES], histogram[1][FXS_SORT_BUCKETS];
-    const fxs_config one_thread = {.threads = 1};
-    fxs_key *sorted = fxs_sort(&one_thread, list.keys, list.spare, list.count, histogram, 1);
-    memset(counts, 0, sizeof counts);
-    fxs_sorted stretch = {sorted, malloc((list.count + 1) * sizeof(fxs_box)), list.count};
     fxs_bin_c(&view, list.splats, list.bounds, list.count, list.boxes);
-    fxs_bin_count(&view, list.splats, list.bounds, list.boxes, &stretch, counts);
-    uint32_t total = 0;
-    for (int t = 0; t < TILES; t++) {
-        ends[t] = total;
-        total += counts[t];
-    }
-    uint32_t *entries = malloc(((size_t)total + 1) * sizeof *entries);
-    fxs_bin_fill(&view, list.splats, list.bounds, &stretch, 0, TILES - 1, ends, entries);
-    free(stretch.boxes);
+    tile_lists lists = tile_lists_new(&view, list.splats, list.bounds, list.boxes, list.depths, list.count);
     fxs_options options;
     fxs_options_init(&options);
     for (int t = 0; t < TILES; t++) {
         fxs_tile tile;
         int x = t % view.tiles_x * FXS_TILE, y = t / view.tiles_x * FXS_TILE;
-        fxs_blend_c(&view, x, y, list.splats, entries + ends[t] - counts[t], counts[t], &tile);
+        fxs_blend_c(&view, x, y, list.splats, lists.entries + lists.ends[t] - lists.counts[t], lists.counts[t], &tile);
         fxs_resolve_c(&options, FXS_FORMAT_RGBA8, &tile, FXS_TILE, FXS_TILE, actual + (y * WIDTH + x) * 4, WIDTH * 4);
     }
-    free(entries);
+    tile_lists_free(&lists);
     free(list.splats);
     free(list.bounds);
     free(list.boxes);
-    free(list.keys);
-    free(list.spare);
+    free(list.depths);
 }
 
 /* ---- Scenes and views -------------------------------------------------------------------------------------------- */

@@ -9,6 +9,7 @@
 #include "one_scene.h"
 #include "packed_scene.h"
 #include "splat_level.h"
+#include "tile_lists.h"
 
 enum { MAX_COUNT = 1024, MAX_SIDE = 2000, GUARD = 0xa5, GUARD_BYTES = 64 };
 
@@ -563,15 +564,18 @@ static int compare_keys(const void *a, const void *b)
 /* Slots arrive in order, so a stable sort by depth is a sort by the whole key. `mask`: bits of the depth in use. */
 static void check_sort(uint32_t count, uint32_t mask, uint32_t parts)
 {
-    static fxs_key keys[5000], spare[5000], expected[5000];
+    static fxs_key keys[5000], spare[5000], unsorted[5000], expected[5000];
     static uint32_t histograms[64][FXS_SORT_BUCKETS];
     const fxs_config config = {.run = run_backwards, .threads = parts};
     for (uint32_t i = 0; i < count; i++)
-        keys[i] = expected[i] = FXS_KEY(bits() & mask, i);
+        keys[i] = unsorted[i] = expected[i] = FXS_KEY(bits() & mask, i);
     qsort(expected, count, sizeof *expected, compare_keys);
     fxs_key *sorted = fxs_sort(&config, keys, spare, count, histograms, parts);
     CHECK(sorted == keys || sorted == spare);
     CHECK(memcmp(sorted, expected, count * sizeof *expected) == 0);
+    memcpy(keys, unsorted, sizeof keys);
+    fxs_sort_list(keys, spare, count);
+    CHECK(memcmp(keys, expected, count * sizeof *expected) == 0);
 }
 
 static void test_sort(void)
@@ -605,23 +609,18 @@ enum listed { NOT_LISTED, FAR, NEAR };
 /* The tiles that one splat is listed in. */
 static void list_splat(uint32_t slot, unsigned char *listed)
 {
-    static uint32_t counts[4096], ends[4096], entries[4096];
     const fxs_splat *splat = &all.splats[slot];
     const fxs_bounds *bounds = &all.bounds[slot];
-    const fxs_key key = FXS_KEY(0, 0);
-    const uint32_t tiles = (uint32_t)(all.view.tiles_x * all.view.tiles_y);
-    fxs_box box, same_box;
-    const fxs_sorted stretch = {&key, &same_box, 1};
-    memset(counts, 0, sizeof counts);
+    const uint32_t tiles = (uint32_t)(all.view.tiles_x * all.view.tiles_y), depth = 0;
+    fxs_box box;
     fxs_bin_c(&all.view, splat, bounds, 1, &box);
-    fxs_bin_count(&all.view, splat, bounds, &box, &stretch, counts);
-    for (uint32_t tile = 0; tile < tiles; tile++)
-        ends[tile] = tile;
-    fxs_bin_fill(&all.view, splat, bounds, &stretch, 0, tiles - 1, ends, entries);
+    tile_lists lists = tile_lists_new(&all.view, splat, bounds, &box, &depth, 1);
     for (uint32_t tile = 0; tile < tiles; tile++) {
-        CHECK(ends[tile] - tile == counts[tile] && counts[tile] <= 1);
-        listed[tile] = counts[tile] == 0 ? NOT_LISTED : entries[tile] & FXS_ENTRY_FAR ? FAR : NEAR;
+        const uint32_t count = lists.counts[tile], last = lists.ends[tile] - 1;
+        CHECK(count <= 1);
+        listed[tile] = count == 0 ? NOT_LISTED : lists.entries[last] & FXS_ENTRY_FAR ? FAR : NEAR;
     }
+    tile_lists_free(&lists);
 }
 
 static struct {
@@ -982,9 +981,9 @@ static void test_times_are_shared_out(void)
         CHECK(one_render(&context, &s.scene, &camera, &defaults, FXS_FORMAT_RGBA8, memory, size, pixels,
                          camera.width * 4, &stats) == 0);
         const uint64_t *t = stats.nanoseconds;
-        /* project has the layout of the memory as well, bin the lists. */
-        CHECK(t[FXS_SHADE] > 0 && t[FXS_PROJECT] == t[FXS_SHADE] + 1 && t[FXS_BIN] == t[FXS_SHADE] + 1);
-        CHECK(t[FXS_BLEND] > 0 && t[FXS_BLEND] == t[FXS_RESOLVE]);
+        /* project has the layout of the memory as well, bin the lists of macro tiles and those of tiles. */
+        CHECK(t[FXS_SHADE] > 0 && t[FXS_PROJECT] == t[FXS_SHADE] + 1 && t[FXS_BIN] == t[FXS_SHADE] + 1 + t[FXS_BLEND]);
+        CHECK(t[FXS_BLEND] > 0 && t[FXS_BLEND] == t[FXS_RESOLVE] && t[FXS_SORT] > 0 && t[FXS_SORT] <= t[FXS_BLEND]);
         free(memory);
         free(pixels);
     }

@@ -191,7 +191,7 @@ static void look_at_boxes(void)
         if (binned.bounds[i].cx_q14 != -FXS_CENTRE_LIMIT_Q14)
             continue;
         binned.unseen++;
-        binned.searched += binned.boxes[i].mask || binned.boxes[i].base != FXS_NOWHERE;
+        binned.searched += binned.boxes[i].bits != FXS_NOWHERE.bits;
     }
     binned.count = 0;
 }
