@@ -8,8 +8,12 @@ FXS_SHADE(avx2);
 FXS_SHADE(avx512);
 FXS_BIN(avx2);
 FXS_SPANS(avx2);
+FXS_NOTE(avx2);
+FXS_LIST(avx2);
 FXS_BIN(avx512);
 FXS_SPANS(avx512);
+FXS_NOTE(avx512);
+FXS_LIST(avx512);
 FXS_BLEND(sse41);
 FXS_TRACE(sse41);
 FXS_BLEND(avx2);
@@ -37,6 +41,8 @@ FXS_PROJECT(neon);
 FXS_SHADE(neon);
 FXS_BIN(neon);
 FXS_SPANS(neon);
+FXS_NOTE(neon);
+FXS_LIST(neon);
 FXS_BLEND(neon);
 FXS_TRACE(neon);
 FXS_RESOLVE(neon);
@@ -65,6 +71,8 @@ const char *fxs_cpu_name(unsigned flag)
 
 #define USE(stage, function, isa) kernels->function = fxs_##function##_##isa, kernels->name[stage] = #isa
 
+#define USE_LISTS(isa) kernels->spans = fxs_spans_##isa, kernels->note = fxs_note_##isa, kernels->list = fxs_list_##isa
+
 void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
 {
     cpu &= fxs_cpu_detect();
@@ -78,7 +86,7 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
         USE(FXS_PROJECT, project, avx2);
         USE(FXS_SHADE, shade, avx2);
         USE(FXS_BIN, bin, avx2);
-        kernels->spans = fxs_spans_avx2;
+        USE_LISTS(avx2);
         USE(FXS_BLEND, blend, avx2);
         kernels->trace = fxs_trace_avx2;
     }
@@ -86,7 +94,7 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
         USE(FXS_PROJECT, project, avx512);
         USE(FXS_SHADE, shade, avx512);
         USE(FXS_BIN, bin, avx512);
-        kernels->spans = fxs_spans_avx512;
+        USE_LISTS(avx512);
         USE(FXS_BLEND, blend, avx512);
         kernels->trace = fxs_trace_avx512;
     }
@@ -95,7 +103,7 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
         USE(FXS_PROJECT, project, neon);
         USE(FXS_SHADE, shade, neon);
         USE(FXS_BIN, bin, neon);
-        kernels->spans = fxs_spans_neon;
+        USE_LISTS(neon);
         USE(FXS_BLEND, blend, neon);
         kernels->trace = fxs_trace_neon;
         USE(FXS_RESOLVE, resolve, neon);

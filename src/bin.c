@@ -7,6 +7,7 @@
 #include "parts.h"
 
 #define SPANS 32                   /* tile rows */
+#define SOME 64u                   /* slots that are noted at once */
 
 typedef fxs_span span;
 
@@ -163,30 +164,33 @@ void fxs_spans_c(const fxs_view *view, const fxs_splat *splat, const fxs_bounds 
 
 /* ---- Lists ----------------------------------------------------------------------------------------------------- */
 
-/* A note of a count: the macro tile above, the rest as in a key. */
-#define NOTE(macro, mask, slot) FXS_LISTED(macro, mask, slot)
-
 /* Lists a splat in a macro tile: writes a key, or without keys counts it and takes a note, where there is room. */
-static inline void put(fxs_lister *l, fxs_key *keys, uint32_t macro, uint32_t mask, uint32_t slot)
+static inline void put(fxs_lister *l, fxs_key *keys, uint32_t macro, uint32_t listed)
 {
     if (macro - l->first_macro > l->last_macro - l->first_macro)
         return;
     const uint32_t at = l->next[macro]++;
     if (keys)
-        keys[at] = FXS_LISTED(l->depths[slot], mask, slot);
+        keys[at] = FXS_KEY(l->depths[FXS_LISTED_SLOT(listed)], listed);
     else if (l->noted++ < l->room)
-        l->notes[l->noted - 1] = NOTE(macro, mask, slot);
+        l->notes[l->noted - 1] = FXS_KEY(macro, listed);
 }
 
-static inline void list_box(fxs_lister *l, fxs_key *keys, uint32_t slot, const uint32_t offsets[9])
+uint32_t fxs_note_c(const fxs_view *view, const fxs_box *boxes, uint32_t first, uint32_t count, uint32_t *macros,
+                    uint32_t *listed)
 {
-    const uint64_t box = l->boxes[slot].bits;
-    const uint32_t macro = (uint32_t)(box >> FXS_BOX_BITS);
-    for (uint64_t rest = box & (((uint64_t)1 << FXS_BOX_BITS) - 1); rest;) {
-        const int at = fxs_ctz64(rest) & ~3;
-        put(l, keys, macro + offsets[at / 4], (uint32_t)(rest >> at) & 15, slot);
-        rest &= ~((uint64_t)15 << at);
+    const uint32_t across = fxs_macros(view->tiles_x);
+    uint32_t noted = 0;
+    for (uint32_t slot = first; slot < first + count; slot++) {
+        const uint64_t box = boxes[slot].bits;
+        for (uint64_t rest = box & (((uint64_t)1 << FXS_BOX_BITS) - 1); rest; noted++) {
+            const int at = fxs_ctz64(rest) & ~3;
+            macros[noted] = (uint32_t)(box >> FXS_BOX_BITS) + (uint32_t)at / 12 * across + (uint32_t)at / 4 % 3;
+            listed[noted] = FXS_LISTED(slot, rest >> at & 15);
+            rest &= ~((uint64_t)15 << at);
+        }
     }
+    return noted;
 }
 
 /* The tiles of a span in columns 2 c and 2 c + 1. */
@@ -213,22 +217,25 @@ static void list_large(fxs_lister *l, fxs_key *keys, uint32_t slot, uint32_t acr
             const int32_t left = a.first > a.last || (b.first <= b.last && b.first < a.first) ? b.first : a.first;
             const int32_t right = a.last > b.last ? a.last : b.last;
             for (int32_t c = left / FXS_MACRO; c <= right / FXS_MACRO && right >= 0; c++)
-                put(l, keys, (uint32_t)r / FXS_MACRO * across + (uint32_t)c, pair_of(a, c) | pair_of(b, c) << 2, slot);
+                put(l, keys, (uint32_t)r / FXS_MACRO * across + (uint32_t)c,
+                    FXS_LISTED(slot, pair_of(a, c) | pair_of(b, c) << 2));
         }
     }
 }
 
 static inline void list(fxs_lister *l, fxs_key *keys, uint32_t first, uint32_t count)
 {
-    const uint32_t across = fxs_macros(l->view->tiles_x);
-    uint32_t offsets[9];
-    for (uint32_t i = 0; i < 9; i++)
-        offsets[i] = i / 3 * across + i % 3;
-    for (uint32_t slot = first; slot < first + count; slot++)
-        if (l->boxes[slot].bits == FXS_LARGE.bits)
-            list_large(l, keys, slot, across);
-        else
-            list_box(l, keys, slot, offsets);
+    const uint32_t across = fxs_macros(l->view->tiles_x), end = first + count;
+    uint32_t macros[9 * SOME + FXS_NOTES_MORE], listed[9 * SOME + FXS_NOTES_MORE];
+    for (uint32_t slot = first; slot < end; slot += SOME) {
+        const uint32_t some = end - slot < SOME ? end - slot : SOME;
+        const uint32_t noted = l->note(l->view, l->boxes, slot, some, macros, listed);
+        for (uint32_t i = 0; i < noted; i++)
+            put(l, keys, macros[i], listed[i]);
+        for (uint32_t i = slot; i < slot + some; i++)
+            if (l->boxes[i].bits == FXS_LARGE.bits)
+                list_large(l, keys, i, across);
+    }
 }
 
 void fxs_bin_count(fxs_lister *l, uint32_t first, uint32_t count)
@@ -244,9 +251,8 @@ void fxs_bin_fill(fxs_lister *l, uint32_t first, uint32_t count, fxs_key *keys)
 void fxs_bin_fill_noted(fxs_lister *l, fxs_key *keys)
 {
     for (uint32_t i = 0; i < l->noted; i++) {
-        const uint64_t note = l->notes[i];
-        const fxs_key key = FXS_KEY(l->depths[FXS_KEY_SLOT(note)], (uint32_t)note);
-        keys[l->next[note >> 32]++] = key;
+        const uint32_t macro = (uint32_t)(l->notes[i] >> 32), listed = (uint32_t)l->notes[i];
+        keys[l->next[macro]++] = FXS_KEY(l->depths[FXS_LISTED_SLOT(listed)], listed);
     }
 }
 
@@ -259,17 +265,18 @@ static int touches(const fxs_view *view, const fxs_splat *splat, const fxs_bound
     return column >= s.first && column <= s.last;
 }
 
-uint32_t fxs_tile_list(const fxs_lister *l, const fxs_key *keys, uint32_t length, uint32_t tile, uint32_t *entries,
-                       uint32_t most)
+uint32_t fxs_list_c(const fxs_key *keys, uint32_t count, uint32_t tile, uint32_t *entries)
 {
-    const uint32_t tiles_x = (uint32_t)l->view->tiles_x;
-    const uint32_t bit = FXS_SLOT_BITS + tile / tiles_x % FXS_MACRO * 2 + tile % tiles_x % FXS_MACRO;
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < length && count < most; i++) {    /* without a branch, as it is hard to foresee */
-        entries[count] = FXS_KEY_SLOT(keys[i]);
-        count += (uint32_t)keys[i] >> bit & 1;
+    uint32_t listed = 0;
+    for (uint32_t i = 0; i < count; i++) {         /* without a branch, as it is hard to foresee */
+        entries[listed] = FXS_LISTED_SLOT(keys[i]);
+        listed += (uint32_t)keys[i] >> tile & 1;
     }
-    for (uint32_t i = 0; i < count && l->view->square; i++)
+    return listed;
+}
+
+void fxs_mark_far(const fxs_lister *l, uint32_t tile, uint32_t *entries, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
         entries[i] |= touches(l->view, &l->splats[entries[i]], &l->bounds[entries[i]], tile) ? 0 : FXS_ENTRY_FAR;
-    return count;
 }

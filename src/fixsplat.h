@@ -272,6 +272,15 @@ typedef struct fxs_kernels {
     void (*spans)(const struct fxs_view *view, const struct fxs_splat *splat, const struct fxs_bounds *bounds,
                   int32_t row, int32_t rows, struct fxs_span *spans);
 
+    /* For slots `first` to first + count - 1 each macro tile that they are listed in by their boxes (by slot), and
+       slot << 4 | mask of its tiles; 9 a slot at most, and room for 15 more. Returns how many, in any order. */
+    uint32_t (*note)(const struct fxs_view *view, const struct fxs_box *boxes, uint32_t first, uint32_t count,
+                     uint32_t *macros, uint32_t *listed);
+
+    /* Slots of those of `count` keys of a macro tile that are listed in its tile 0 to 3; room for `count`. Returns how
+       many. */
+    uint32_t (*list)(const uint64_t *keys, uint32_t count, uint32_t tile, uint32_t *entries);
+
     /* Blends a list of splats, near to far, into a tile at pixel (x, y). */
     void (*blend)(const struct fxs_view *view, int32_t x, int32_t y, const struct fxs_splat *splats,
                   const uint32_t *entries, uint32_t count, struct fxs_tile *tile);

@@ -154,8 +154,8 @@ static fxs_lister lister_of(const fxs_frame *f, uint32_t part)
     const fxs_eye *eye = f->eye;
     const uint32_t room = f->key_capacity / f->parts;
     return (fxs_lister){&eye->view, eye->splats, eye->bounds, eye->boxes, f->depths, f->context->kernels.spans,
-                        f->first_macro, f->last_macro, next_of(f, part), f->spare + (size_t)part * room, room,
-                        next_of(f, part)[f->macros]};
+                        f->context->kernels.note, f->first_macro, f->last_macro, next_of(f, part),
+                        f->spare + (size_t)part * room, room, next_of(f, part)[f->macros]};
 }
 
 static void count_part(void *argument, uint32_t part)
@@ -286,7 +286,9 @@ static void draw_macro(void *argument, uint32_t job)
     lap(f, &laps, SORTED);
     for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
         if (tile_of(f, macro, i, &tile) && (f->only_tile == FXS_NOTHING || f->only_tile == tile)) {
-            f->tile_counts[tile] = fxs_tile_list(&l, keys, length, tile, entries, UINT32_MAX);
+            f->tile_counts[tile] = f->context->kernels.list(keys, length, (uint32_t)i, entries);
+            if (l.view->square)
+                fxs_mark_far(&l, tile, entries, f->tile_counts[tile]);
             if (length)
                 lap(f, &laps, LISTED);
             f->draw_tile(f, tile, &(fxs_list){entries, f->tile_counts[tile]}, &laps);
@@ -307,21 +309,27 @@ static void order_macro(void *argument, uint32_t job)
     for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
         if (tile_of(f, macro, i, &tile))
             for (uint32_t k = 0; k < length; k++)
-                f->tile_counts[tile] += (uint32_t)list[k] >> (FXS_SLOT_BITS + i) & 1;
+                f->tile_counts[tile] += (uint32_t)list[k] >> i & 1;
 }
 
-/* The lists of those tiles of a macro tile that are in the back end's run. */
+/* The lists of those tiles of a macro tile that are in the back end's run. No more is written, as other jobs do. */
 static void list_macro(void *argument, uint32_t job)
 {
     fxs_frame *f = argument;
     const fxs_lister l = lister_of(f, 0);
     const uint32_t macro = f->first_macro + job, length = f->lengths[macro];
-    const fxs_key *list = f->keys + start_of_list(f, macro);
-    uint32_t *entries = (uint32_t *)(void *)f->spare, tile;
-    for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
-        if (tile_of(f, macro, i, &tile) && tile >= f->first_tile && tile <= f->last_tile)
-            fxs_tile_list(&l, list, length, tile, entries + f->tile_ends[tile] - f->tile_counts[tile],
-                          f->tile_counts[tile]);
+    const fxs_key *keys = f->keys + start_of_list(f, macro);
+    uint32_t tile;
+    for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++) {
+        if (!tile_of(f, macro, i, &tile) || tile < f->first_tile || tile > f->last_tile)
+            continue;
+        uint32_t *first = (uint32_t *)(void *)f->spare + f->tile_ends[tile] - f->tile_counts[tile], *to = first;
+        for (uint32_t k = 0; k < length; k++)
+            if ((uint32_t)keys[k] >> i & 1)
+                *to++ = FXS_LISTED_SLOT(keys[k]);
+        if (l.view->square)
+            fxs_mark_far(&l, tile, first, f->tile_counts[tile]);
+    }
 }
 
 /* Has the back end draw a run of tiles, or all that is visible. */

@@ -165,7 +165,7 @@ void fxs_eyes_hide(const fxs_bounds *bounds, uint32_t count, fxs_box *boxes);
 fxs_key *fxs_sort(const fxs_config *config, fxs_key *keys, fxs_key *spare, uint32_t count,
                   uint32_t (*histograms)[FXS_SORT_BUCKETS], uint32_t parts);
 
-/* Sorts keys as fxs_sort does, in one job, and leaves them where they are. */
+/* Sorts whole keys in one job, and leaves them where they are. Quick where they arrive almost in the order of slots. */
 void fxs_sort_list(fxs_key *keys, fxs_key *spare, uint32_t count);
 
 /* The tile rows in which a splat may be listed. */
@@ -179,7 +179,9 @@ typedef struct fxs_lister {
     const fxs_box *boxes;
     const uint32_t *depths;        /* by which lists are sorted */
     void (*spans)(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds, int32_t row, int32_t rows,
-                  fxs_span *spans);    /* as in fxs_kernels */
+                  fxs_span *spans);    /* as in fxs_kernels, */
+    uint32_t (*note)(const fxs_view *view, const fxs_box *boxes, uint32_t first, uint32_t count, uint32_t *macros,
+                     uint32_t *listed);  /* this too */
     uint32_t first_macro, last_macro;
     uint32_t *next;
     uint64_t *notes;               /* by count for fill; `noted` of them, but `room` at most are written */
@@ -195,10 +197,8 @@ void fxs_bin_fill(fxs_lister *l, uint32_t first, uint32_t count, fxs_key *keys);
 /* The same for all that was noted. */
 void fxs_bin_fill_noted(fxs_lister *l, fxs_key *keys);
 
-/* The list of a tile, near to far, from the `length` keys of its macro tile: slots, and with the square cut-off
-   FXS_ENTRY_FAR; `most` at most, and no more is written. Returns how many. */
-uint32_t fxs_tile_list(const fxs_lister *l, const fxs_key *keys, uint32_t length, uint32_t tile, uint32_t *entries,
-                       uint32_t most);
+/* With the square cut-off: sets FXS_ENTRY_FAR in those of a tile's list whose ellipse does not touch it. */
+void fxs_mark_far(const fxs_lister *l, uint32_t tile, uint32_t *entries, uint32_t count);
 
 /* All 1 - T = 0. */
 void fxs_tile_clear(fxs_tile *tile);

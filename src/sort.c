@@ -1,6 +1,6 @@
-/* sort: least significant digit first, of the bits of the depth that differ. Stable, so equal depths keep the order of
- * their slots. A list is sorted by one job; all that is visible, for a back end without lists, by several: each has a
- * part of the keys, and a digit's places go to the jobs in order, so the result does not depend on their number. */
+/* sort: by depth, equal depths by slot; least significant digit first. A list is sorted by one job; all that is visible,
+ * for a back end without lists, by several: each has a part of the keys, and a digit's places go to the jobs in order,
+ * so the result does not depend on their number. */
 #include "fixed.h"
 #include "memory.h"
 #include "parts.h"
@@ -92,14 +92,13 @@ fxs_key *fxs_sort(const fxs_config *config, fxs_key *keys, fxs_key *spare, uint3
 
 /* ---- A list ------------------------------------------------------------------------------------------------------ */
 
-/* Keys that are almost in order. Returns 0, in some order that is stable, where they are found not to be. */
-static int insert_each(fxs_key *keys, uint32_t count)
+/* Keys that are almost in order, with `left` moves at most. Returns 0, in some order, where they do not do. */
+static int insert_each(fxs_key *keys, uint32_t count, uint64_t left)
 {
-    uint64_t left = MOVES * (uint64_t)count;
     for (uint32_t i = 1; i < count; i++) {
         const fxs_key key = keys[i];
         uint32_t at = i;
-        for (; at > 0 && keys[at - 1] >> 32 > key >> 32; at--)
+        for (; at > 0 && keys[at - 1] > key; at--)
             keys[at] = keys[at - 1];
         keys[at] = key;
         if (i - at > left)
@@ -139,7 +138,7 @@ static void sort_by_two(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t 
 void fxs_sort_list(fxs_key *keys, fxs_key *spare, uint32_t count)
 {
     uint32_t least = UINT32_MAX, most = 0;
-    if (count <= FEW && insert_each(keys, count))
+    if (count <= FEW && insert_each(keys, count, UINT64_MAX))
         return;
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t depth = (uint32_t)(keys[i] >> 32);
@@ -148,8 +147,9 @@ void fxs_sort_list(fxs_key *keys, fxs_key *spare, uint32_t count)
     }
     const int range = 32 - fxs_clz32((most - least) | 1), bits = count < MANY ? 8 : 11;
     sort_by_two(keys, spare, count, least, range > 2 * bits ? range - 2 * bits : 0, bits);
-    if (insert_each(keys, count))
+    if (insert_each(keys, count, MOVES * (uint64_t)count))
         return;
     sort_by_two(keys, spare, count, least, 0, 8);
     sort_by_two(keys, spare, count, least, 16, 8);
+    insert_each(keys, count, UINT64_MAX);      /* those of one depth by their slots, near which they lie */
 }

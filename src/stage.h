@@ -76,7 +76,8 @@ typedef struct fxs_span {
     int32_t first, last;
 } fxs_span;
 
-#define FXS_SPANS_MORE 15          /* that the versions of `spans` may write beyond those asked for */
+#define FXS_SPANS_MORE 15          /* that the versions of `spans` may write beyond those asked for, */
+#define FXS_NOTES_MORE 15          /* and those of `note` */
 
 /* Lists are made for macro tiles of 2x2 tiles. Bit 2 r + c of a mask stands for the tile in row r and column c of one. */
 #define FXS_MACRO 2
@@ -97,13 +98,15 @@ typedef struct fxs_box {
 #define FXS_NOWHERE ((fxs_box){0})     /* there are none */
 #define FXS_LARGE ((fxs_box){(uint64_t)1 << 63})   /* they do not fit, and are found again from the bounds when lists are made */
 
-/* What a sort moves: depth above, slot below, and in a list the mask of a macro tile between. */
+/* What a sort moves: depth above, slot below. */
 typedef uint64_t fxs_key;
-#define FXS_SLOT_BITS 28
-#define FXS_MAX_SLOTS (1u << FXS_SLOT_BITS)
 #define FXS_KEY(depth, slot) ((fxs_key)(depth) << 32 | (slot))
-#define FXS_LISTED(depth, mask, slot) (FXS_KEY(depth, slot) | (fxs_key)(mask) << FXS_SLOT_BITS)
-#define FXS_KEY_SLOT(key) ((uint32_t)(key) & (FXS_MAX_SLOTS - 1))
+#define FXS_KEY_SLOT(key) ((uint32_t)(key))
+
+/* A key of a macro tile's list: the mask below the slot. */
+#define FXS_MAX_SLOTS (1u << 28)
+#define FXS_LISTED(slot, mask) ((uint32_t)(slot) << 4 | (uint32_t)(mask))
+#define FXS_LISTED_SLOT(key) ((uint32_t)(key) >> 4)
 
 /* The pixels of one tile, while it is blended. */
 typedef struct fxs_tile {
@@ -222,6 +225,9 @@ void fxs_bin_c(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *
                fxs_box *boxes);
 void fxs_spans_c(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds, int32_t row, int32_t rows,
                  fxs_span *spans);
+uint32_t fxs_note_c(const fxs_view *view, const fxs_box *boxes, uint32_t first, uint32_t count, uint32_t *macros,
+                    uint32_t *listed);
+uint32_t fxs_list_c(const fxs_key *keys, uint32_t count, uint32_t tile, uint32_t *entries);
 void fxs_blend_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
                  uint32_t count, fxs_tile *tile);
 void fxs_trace_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,

@@ -19,7 +19,7 @@ static tile_lists tile_lists_new(const fxs_view *view, const fxs_splat *splats, 
     const uint32_t macros = across * fxs_macros(view->tiles_y);
     uint32_t *next = calloc(macros, sizeof *next), *lengths = calloc(macros, sizeof *lengths), total = 0;
     fxs_lister l = {.view = view, .splats = splats, .bounds = bounds, .boxes = boxes, .depths = depths,
-                    .spans = fxs_spans_c, .last_macro = macros - 1, .next = lengths};
+                    .spans = fxs_spans_c, .note = fxs_note_c, .last_macro = macros - 1, .next = lengths};
     fxs_bin_count(&l, 0, count);
     for (uint32_t macro = 0; macro < macros; total += lengths[macro++])
         next[macro] = total;
@@ -33,8 +33,10 @@ static tile_lists tile_lists_new(const fxs_view *view, const fxs_splat *splats, 
     for (uint32_t tile = 0; tile < tiles; tile++) {
         const uint32_t column = tile % (uint32_t)view->tiles_x, row = tile / (uint32_t)view->tiles_x;
         const uint32_t macro = row / FXS_MACRO * across + column / FXS_MACRO;
-        lists.counts[tile] = fxs_tile_list(&l, keys + next[macro] - lengths[macro], lengths[macro], tile,
-                                           lists.entries + total, UINT32_MAX);
+        lists.counts[tile] = fxs_list_c(keys + next[macro] - lengths[macro], lengths[macro],
+                                        row % FXS_MACRO * 2 + column % FXS_MACRO, lists.entries + total);
+        if (view->square)
+            fxs_mark_far(&l, tile, lists.entries + total, lists.counts[tile]);
         lists.ends[tile] = total += lists.counts[tile];
     }
     free(next);

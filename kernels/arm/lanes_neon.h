@@ -69,6 +69,14 @@ static inline unsigned bits(mask which)
     return vaddvq_u32(vandq_u32((uint32x4_t)which, (uint32x4_t){1, 2, 4, 8}));
 }
 
+/* a[0], b[0], a[1], b[1], ... */
+static inline void load_pairs(const void *from, vi *a, vi *b)
+{
+    const int32x4x2_t pairs = vld2q_s32(from);
+    *a = (vi)pairs.val[0];
+    *b = (vi)pairs.val[1];
+}
+
 /* Stores the lanes of `which`, in order, without gaps; the rest of a vector behind them is overwritten. */
 static inline void store_compressed(void *to, vi x, mask which)
 {

@@ -242,3 +242,57 @@ FXS_SPANS(ISA)
         e.v_q24 += (vi)all((int32_t)(LANES * step_q24));
     }
 }
+
+/* ---- Lists ----------------------------------------------------------------------------------------------------- */
+
+typedef struct notes {
+    uint32_t *macros, *listed, count;
+} notes;
+
+static inline void note_macro(notes *n, vi macro, vi slot, vi tiles)
+{
+    const mask which = greater(tiles, all(0));
+    if (!any(which))
+        return;
+    store_compressed(n->macros + n->count, macro, which);
+    store_compressed(n->listed + n->count, slot << 4 | tiles, which);
+    n->count += (uint32_t)__builtin_popcount(bits(which));
+}
+
+static inline void note_boxes(notes *n, const fxs_box *boxes, uint32_t first, int32_t across)
+{
+    vi low, high;
+    load_pairs(boxes, &low, &high);
+    const vi macro = (vi)((vu)high >> (FXS_BOX_BITS - 32)), slot = load(lane_numbers) + (int32_t)first;
+    for (int32_t i = 0; i < 8; i++)
+        note_macro(n, macro + (i / 3 * across + i % 3), slot, low >> 4 * i & 15);
+    note_macro(n, macro + (2 * across + 2), slot, high & 15);
+}
+
+FXS_NOTE(ISA)
+{
+    notes n = {macros, listed, 0};
+    const int32_t across = (int32_t)fxs_macros(view->tiles_x);
+    const uint32_t end = first + count, rest = count % LANES;
+    fxs_box last[LANES] = {FXS_NOWHERE};
+    for (uint32_t slot = first; slot + LANES <= end; slot += LANES)
+        note_boxes(&n, boxes + slot, slot, across);
+    for (uint32_t i = 0; i < rest; i++)
+        last[i] = boxes[end - rest + i];
+    if (rest)
+        note_boxes(&n, last, end - rest, across);
+    return n.count;
+}
+
+FXS_LIST(ISA)
+{
+    uint32_t listed = 0, i = 0;
+    for (; i + LANES <= count; i += LANES) {
+        vi words, depths;
+        load_pairs(keys + i, &words, &depths);
+        const mask which = ~equal(words & (1 << tile), all(0));
+        store_compressed(entries + listed, (vi)((vu)words >> 4), which);
+        listed += (uint32_t)__builtin_popcount(bits(which));
+    }
+    return listed + fxs_list_c(keys + i, count - i, tile, entries + listed);
+}

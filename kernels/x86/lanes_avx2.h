@@ -48,6 +48,14 @@ static inline unsigned bits(mask which)
     return (unsigned)_mm_movemask_epi8(_mm_packs_epi16(words, _mm_setzero_si128()));
 }
 
+/* a[0], b[0], a[1], b[1], ... */
+static inline void load_pairs(const void *from, vi *a, vi *b)
+{
+    const __m256 low = (__m256)load(from), high = (__m256)load((const __m256i *)from + 1);
+    *a = (vi)_mm256_permute4x64_epi64((__m256i)_mm256_shuffle_ps(low, high, 0x88), 0xd8);
+    *b = (vi)_mm256_permute4x64_epi64((__m256i)_mm256_shuffle_ps(low, high, 0xdd), 0xd8);
+}
+
 /* Stores the lanes of `which`, in order, without gaps; the rest of a vector behind them is overwritten. */
 static inline void store_compressed(void *to, vi x, mask which)
 {

@@ -40,6 +40,15 @@ static inline void store_pairs(void *to, vi a, vi b)
     _mm512_storeu_si512((__m512i *)to + 1, _mm512_permutex2var_epi32((__m512i)a, high, (__m512i)b));
 }
 
+/* a[0], b[0], a[1], b[1], ... */
+static inline void load_pairs(const void *from, vi *a, vi *b)
+{
+    const __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+    const __m512i low = _mm512_loadu_si512(from), high = _mm512_loadu_si512((const __m512i *)from + 1);
+    *a = (vi)_mm512_permutex2var_epi32(low, even, high);
+    *b = (vi)_mm512_permutex2var_epi32(low, _mm512_add_epi32(even, _mm512_set1_epi32(1)), high);
+}
+
 /* Stores the lanes of `which`, in order, without gaps; the rest of a vector behind them is overwritten. */
 static inline void store_compressed(void *to, vi x, mask which)
 {
