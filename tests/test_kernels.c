@@ -457,6 +457,52 @@ static int rows_of(fxs_box box)
     return rows;
 }
 
+static int compare_words(const void *a, const void *b)
+{
+    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* The notes of some boxes are the same, in any order. */
+static void check_notes(const fxs_box *boxes, uint32_t count)
+{
+    static uint32_t macros[9 * FXS_CHUNK + FXS_NOTES_MORE], listed[9 * FXS_CHUNK + FXS_NOTES_MORE];
+    static uint64_t notes[2][9 * FXS_CHUNK];
+    const uint32_t first = below(count), some = below(count - first + 1);
+    uint32_t noted[2];
+    for (int which = 0; which < 2; which++) {
+        noted[which] = (which ? fast.note : fxs_note_c)(&view, boxes, first, some, macros, listed);
+        for (uint32_t i = 0; i < noted[which]; i++)
+            notes[which][i] = (uint64_t)macros[i] << 32 | listed[i];
+        qsort(notes[which], noted[which], sizeof **notes, compare_words);
+    }
+    CHECK(noted[0] == noted[1] && !memcmp(notes[0], notes[1], noted[0] * sizeof **notes));
+}
+
+/* A splat's columns on its tile rows, and on a part of them. */
+static void check_spans(const fxs_splat *splat, const fxs_bounds *bounds)
+{
+    fxs_span spans[2][64 + FXS_SPANS_MORE];
+    const int32_t first = splat->first_row / FXS_TILE, rows = splat->last_row / FXS_TILE - first + 1;
+    const int32_t skipped = (int32_t)below((uint32_t)rows), some = fxs_min(rows - skipped, 64);
+    fxs_spans_c(&view, splat, bounds, first + skipped, some, spans[0]);
+    fast.spans(&view, splat, bounds, first + skipped, some, spans[1]);
+    CHECK(!memcmp(spans[0], spans[1], (size_t)some * sizeof **spans));
+}
+
+/* The slots of a tile of a macro tile. */
+static void list_case(void)
+{
+    const uint32_t count = below(200), tile = below(4), usual = below(16);
+    fxs_key keys[200];
+    output *entries = output_new(count * sizeof(uint32_t), 4);
+    for (uint32_t i = 0; i < count; i++)
+        keys[i] = FXS_KEY(next(), FXS_LISTED(below(FXS_MAX_SLOTS), one_in(2) ? usual : below(16)));
+    const uint32_t listed = fxs_list_c(keys, count, tile, at(entries, 0, 4));
+    CHECK(fast.list(keys, count, tile, at(entries, 1, 4)) == listed && guards_whole(entries, 4));
+    CHECK(!memcmp(at(entries, 0, 4), at(entries, 1, 4), listed * sizeof(uint32_t)));
+}
+
 /* The splats of a chunk, each at several places; every third time on a picture of a few tiles, which cuts the large
    ones to a box. */
 static void bin_case(void)
@@ -473,12 +519,15 @@ static void bin_case(void)
         view.tiles_y = (view.height + FXS_TILE - 1) / FXS_TILE;
     }
     const uint32_t count = (uint32_t)fxs_project_c(&view, &scene, 0, splats, bounds, indices, depths);
-    output *boxes = output_new(count * sizeof(fxs_box), 4);
-    const fxs_box *box = at(boxes, 0, 4);
+    output *boxes = output_new(count * sizeof(fxs_box), 8);
+    const fxs_box *box = at(boxes, 0, 8);
     for (int place = 0; place < 32; place++) {
-        fxs_bin_c(&view, splats, bounds, count, at(boxes, 0, 4));
-        fast.bin(&view, splats, bounds, count, at(boxes, 1, 4));
+        fxs_bin_c(&view, splats, bounds, count, at(boxes, 0, 8));
+        fast.bin(&view, splats, bounds, count, at(boxes, 1, 8));
         CHECK(same(boxes));
+        check_notes(box, count);
+        for (uint32_t i = below(8); i < count; i += 8)
+            check_spans(&splats[i], &bounds[i]);
         for (uint32_t i = 0; i < count; i++) {
             rows_total += rows_of(box[i]) > 1;
             bounds[i].cx_q14 += (int32_t)between(-(1 << 17), 1 << 17);
@@ -673,6 +722,11 @@ static void bin(void)
         CHECK(rows_total > 20 * (last_seed - first_seed));
 }
 
+static void list(void)
+{
+    run_cases(list_case, 2);
+}
+
 static void blend(void)
 {
     run_cases(blend_case, 2);
@@ -702,6 +756,8 @@ static void test_version(size_t i)
         RUN(shade);
     if (fast.bin != fxs_bin_c)
         RUN(bin);
+    if (fast.list != fxs_list_c)
+        RUN(list);
     if (fast.blend != fxs_blend_c)
         RUN(blend);
     if (fast.trace != fxs_trace_c)
