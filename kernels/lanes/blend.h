@@ -153,7 +153,7 @@ static inline void set_out(group *g, const fxs_view *view, const fxs_splat *spla
     const vu first = load_places(g, &o, 0, view, splats, at[0], x, y);
     const vu second = load_places(g, &o, 1, view, splats, at[1], x, y);
     o.offset_q11 = pack_q13(first << 11, second << 11);
-    o.limit_q11 = least_h(o.offset_q11 + all_h(view->cut_q11), all_h(FXS_FAINT_Q11));
+    o.limit_q11 = pack_q13(g->limit_q11[0] << 16 >> 5, g->limit_q11[1] << 16 >> 5);
     for (int patch = 0; patch < PATCHES; patch += 2) {
         set_out_rows(g, &o, patch);
         some |= g->reached[patch] &= which;
