@@ -392,8 +392,8 @@ size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *objects, u
    `memory`: `memory_bytes` bytes, aligned to 64, at least fxs_stereo_bytes; with less, FXS_ERR_MEMORY, and
    stats->memory.least is what it takes. `targets`: of the two eyes, as for fxs_render; what is written for one does not
    overlap what the other has. *stats, which may be null, is of both eyes together; `visible` counts what either sees
-   once, or with `exact` once for each eye. Errors as fxs_render, and FXS_ERR_SIZE where the pictures differ in size or
-   projection; nothing is written to the targets then. */
+   once, or with `exact` once for each eye. Errors as fxs_render, FXS_ERR_OBJECT beyond 2^28 Gaussians (in whole chunks),
+   and FXS_ERR_SIZE where the pictures differ in size or projection; nothing is written to the targets then. */
 int fxs_render_stereo(const fxs_context *context, const fxs_object *objects, uint32_t count,
                       const fxs_camera cameras[2], const fxs_options *options, const fxs_targets targets[2], int exact,
                       void *memory, size_t memory_bytes, fxs_stats *stats);

@@ -85,6 +85,8 @@ int fxs_render_stereo(const fxs_context *context, const fxs_object *objects, uin
     if (cameras[0].width != cameras[1].width || cameras[0].height != cameras[1].height ||
         cameras[0].projection != cameras[1].projection)
         return FXS_ERR_SIZE;
+    if ((uint64_t)f.chunk_count * FXS_CHUNK > FXS_MAX_SLOTS)   /* there are no bands */
+        return FXS_ERR_OBJECT;
     if (fxs_targets_collide(&targets[0], &targets[1], cameras[0].width, cameras[0].height))
         return FXS_ERR_TARGET;
     f.stats.memory.least = fxs_stereo_bytes(context, objects, count, cameras[0].width, cameras[0].height);

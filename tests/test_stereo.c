@@ -340,6 +340,40 @@ static void test_arguments(void)
     free(packed.data);
 }
 
+/* More slots than a band may have: one eye goes without a word, two have no bands. */
+static void test_too_many_slots(void)
+{
+    static fxs_object objects[FXS_MAX_OBJECTS];
+    fxs_scene scene;
+    fxs_camera cameras[2];
+    fxs_options options;
+    fxs_context context;
+    fxs_frame_memory memory;
+    fxs_stats stats;
+    fxs_targets targets[2];
+    state = 3;
+    const packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 4200);
+    CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
+    random_pair(cameras, &options, 2);
+    fxs_init(&context, 0);
+    for (int i = 0; i < FXS_MAX_OBJECTS; i++)
+        objects[i] = one_object(&scene);
+    unsigned char *pixels = check_aligned(2 * 256 * 256 * 4);
+    for (int eye = 0; eye < 2; eye++) {
+        cameras[eye].width = cameras[eye].height = 256;
+        targets[eye] = one_target(FXS_FORMAT_RGBA8, pixels + eye * 256 * 256 * 4, 256 * 4);
+    }
+    CHECK(fxs_frame_bytes(&context, objects, FXS_MAX_OBJECTS, 256, 256, &memory) > 0 && memory.least < memory.total);
+    CHECK(fxs_render(&context, objects, FXS_MAX_OBJECTS, cameras, &options, targets, pixels, 4096, &stats) ==
+          FXS_ERR_MEMORY && stats.memory.least < memory.total);
+    CHECK(fxs_render_stereo(&context, objects, FXS_MAX_OBJECTS, cameras, &options, targets, 0, pixels, 4096, 0) ==
+          FXS_ERR_OBJECT);
+    CHECK(fxs_render_stereo(&context, objects, FXS_MAX_OBJECTS - 4096, cameras, &options, targets, 0, pixels, 4096, 0) ==
+          FXS_ERR_MEMORY);
+    free(pixels);
+    free(packed.data);
+}
+
 /* ---- The difference to each eye alone ---------------------------------------------------------------------------- */
 
 enum { WIDTH = 640, HEIGHT = 360 };
@@ -495,6 +529,7 @@ int main(void)
     RUN(test_eye_turned_to_any_side);
     RUN(test_near_planes);
     RUN(test_arguments);
+    RUN(test_too_many_slots);
     RUN(test_procedural_scenes);
     RUN(test_captured_scene);
     return check_report();
