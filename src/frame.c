@@ -1,4 +1,5 @@
 /* A frame: project, shade, sort, bin, blend, resolve. */
+#include "chunk.h"
 #include "frame.h"
 #include "memory.h"
 
@@ -45,6 +46,16 @@ static void bin_chunks(fxs_frame *f, uint32_t slot, uint32_t count)
     }
 }
 
+/* Begins to fetch a chunk's rows from byte `from` to before `end`, of as many as there are. */
+static void fetch_rows(const fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t from, uint32_t end)
+{
+    const fxs_object_view *object = &f->eye->objects[number];
+    const unsigned char *rows = fxs_rows(&object->scene, chunk - object->first_chunk);
+    for (; from < end && from < object->scene.chunk_bytes; from += 64)
+        FXS_PREFETCH(rows + from);
+    (void)rows;
+}
+
 /* What of the first stages needs no other block, for up to FXS_BLOCK chunks, while their splats are in the cache.
    Their splats in the band lie from `slot` on, before end_slot. Returns their number or FXS_ERR_SCENE. */
 static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32_t slot, uint32_t end_slot,
@@ -53,7 +64,11 @@ static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32
     uint32_t starts[FXS_BLOCK + 1] = {slot}, objects[FXS_BLOCK];
     uint64_t start = fxs_now(f);
     for (uint32_t i = 0; i < end - first; i++) {
-        objects[i] = fxs_frame_object(f, first + i);
+        objects[i] = i ? objects[i] : fxs_frame_object(f, first);
+        if (first + i + 1 < end) {
+            objects[i + 1] = fxs_frame_object(f, first + i + 1);
+            fetch_rows(f, objects[i + 1], first + i + 1, 0, FXS_ROW_SH);
+        }
         int32_t count = project_chunk(f, objects[i], first + i, starts[i], end_slot);
         if (count < 0)
             return count;
@@ -61,6 +76,8 @@ static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32
     }
     uint64_t projected = fxs_now(f);
     for (uint32_t i = 0; i < end - first; i++) {
+        if (first + i + 1 < end && starts[i + 2] > starts[i + 1])
+            fetch_rows(f, objects[i + 1], first + i + 1, FXS_ROW_SH, UINT32_MAX);
         int error = shade_chunk(f, objects[i], first + i, starts[i], starts[i + 1] - starts[i]);
         if (error)
             return error;

@@ -356,7 +356,7 @@ static void test_too_many_slots(void)
     CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
     random_pair(cameras, &options, 2);
     fxs_init(&context, 0);
-    for (int i = 0; i < FXS_MAX_OBJECTS; i++)
+    for (uint32_t i = 0; i < FXS_MAX_OBJECTS; i++)
         objects[i] = one_object(&scene);
     unsigned char *pixels = check_aligned(2 * 256 * 256 * 4);
     for (int eye = 0; eye < 2; eye++) {
