@@ -7,6 +7,7 @@
 
 #define FEW 24u                    /* keys, which are sorted by insertion alone */
 #define MANY 1500u                 /* keys, for which digits are longer */
+#define HUGE 32768u                /* keys that are more than a cache holds */
 #define MOVES 4u                   /* a key, by insertion, at most */
 #define DIGIT 11                   /* bits: FXS_SORT_BUCKETS */
 
@@ -133,6 +134,24 @@ static void sort_by_two(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t 
     }
 }
 
+/* By the top digit of `range` bits, then each bucket by itself, which fits in a cache. */
+static void sort_by_top(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t least, int range)
+{
+    uint32_t next[257] = {0};
+    const int shift = range > 8 ? range - 8 : 0;
+    for (uint32_t i = 0; i < count; i++)
+        next[(((uint32_t)(keys[i] >> 32) - least) >> shift) + 1]++;
+    for (int bucket = 0; bucket < 256; bucket++)
+        next[bucket + 1] += next[bucket];
+    for (uint32_t i = 0; i < count; i++)
+        spare[next[((uint32_t)(keys[i] >> 32) - least) >> shift]++] = keys[i];
+    for (uint32_t bucket = 0, start = 0; bucket < 256; start = next[bucket++]) {
+        const uint32_t size = next[bucket] - start;
+        fxs_sort_list(spare + start, keys + start, size);
+        memcpy(keys + start, spare + start, size * sizeof *keys);
+    }
+}
+
 /* The top digits of the range of depths put nearly all of them in order; insertion does the rest. Where it has too much
    to do, as many lie within a small part of the range, the digits below are sorted first. */
 void fxs_sort_list(fxs_key *keys, fxs_key *spare, uint32_t count)
@@ -146,6 +165,10 @@ void fxs_sort_list(fxs_key *keys, fxs_key *spare, uint32_t count)
         most = depth > most ? depth : most;
     }
     const int range = 32 - fxs_clz32((most - least) | 1), bits = count < MANY ? 8 : 11;
+    if (count > HUGE && most > least) {
+        sort_by_top(keys, spare, count, least, range);
+        return;
+    }
     sort_by_two(keys, spare, count, least, range > 2 * bits ? range - 2 * bits : 0, bits);
     if (insert_each(keys, count, MOVES * (uint64_t)count))
         return;

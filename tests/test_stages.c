@@ -564,7 +564,8 @@ static int compare_keys(const void *a, const void *b)
 /* Slots arrive in order, so a stable sort by depth is a sort by the whole key. `mask`: bits of the depth in use. */
 static void check_sort(uint32_t count, uint32_t mask, uint32_t parts)
 {
-    static fxs_key keys[5000], spare[5000], unsorted[5000], expected[5000];
+    enum { MOST = 70000 };
+    static fxs_key keys[MOST], spare[MOST], unsorted[MOST], expected[MOST];
     static uint32_t histograms[64][FXS_SORT_BUCKETS];
     const fxs_config config = {.run = run_backwards, .threads = parts};
     for (uint32_t i = 0; i < count; i++)
@@ -580,7 +581,7 @@ static void check_sort(uint32_t count, uint32_t mask, uint32_t parts)
 
 static void test_sort(void)
 {
-    static const uint32_t counts[] = {0, 1, 2, 3, 100, 5000}, parts[] = {1, 2, 7, 64};
+    static const uint32_t counts[] = {0, 1, 2, 3, 100, 5000, 70000}, parts[] = {1, 2, 7, 64};
     static const uint32_t masks[] = {0, 1, 0x7ff, 0x3ff800, 0xffc00000, 0x80000001, 0x00400400, 0xf, UINT32_MAX};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         for (size_t k = 0; k < sizeof masks / sizeof *masks; k++)
