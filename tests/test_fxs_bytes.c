@@ -101,7 +101,7 @@ static uint64_t draw(const fxs_scene *scene, enum fxs_format format)
     static unsigned char pixels[WIDTH * HEIGHT * 4];
     const fxs_camera camera = {WIDTH, HEIGHT, WIDTH << 12, WIDTH << 12, WIDTH << 11, HEIGHT << 11,
                                {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, -((int64_t)12 << 32)}, 0,
-                               FXS_PERSPECTIVE};
+                               FXS_PERSPECTIVE, 0, 0, 0, 0};
     const int pixel_bytes = format == FXS_FORMAT_RGB565 ? 2 : 4;
     fxs_context context;
     fxs_options options;

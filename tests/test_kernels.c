@@ -764,7 +764,8 @@ static packed_scene bench_scene(enum fxs_profile profile)
 static void bench_init(workload *w, enum fxs_profile profile)
 {
     static const fxs_camera camera = {1280, 720, 1000 << 12, 1000 << 12, 640 << 12, 360 << 12,
-                                      {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, 0}, 0, FXS_PERSPECTIVE};
+                                      {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, 0}, 0, FXS_PERSPECTIVE,
+                                      0, 0, 0, 0};
     fxs_options options;
     fxs_options_init(&options);
     state = 1;

@@ -107,12 +107,15 @@ static void drop(viewer *v, const char *path)
 static fxs_file_view fit_view(const viewer *v, int divisor)
 {
     fxs_file_view view = v->view;
+    fxs_message message;
     int width, height;
     fxs_window_size(v->window, &width, &height);
     width = width > divisor ? width / divisor : 1;
     height = height > divisor ? height / divisor : 1;
     if (width != view.width || height != view.height)
         fxs_view_resize(&view, width, height);
+    if (v->options.has_tangents)
+        fxs_view_set_tangents(&view, v->options.tangents, &message);
     return view;
 }
 
@@ -158,6 +161,7 @@ static int draw(viewer *v)
     v->coarse = v->moving && v->divisor > 1;
     v->changed = v->moving = 0;
     const fxs_file_view view = fit_view(v, v->coarse ? v->divisor : 1);
+    v->renderer.divisor = v->coarse ? v->divisor : 1;
     int status = render(v, &view);
     if (status)
         snprintf(v->note, sizeof v->note, "not rendered: see the terminal");
@@ -192,6 +196,15 @@ static void print_scenes(const world_options *o)
         printf(" --place %s", o->places[i]);
 }
 
+static void print_foveation(const viewer *v)
+{
+    const foveate_options *o = &v->options.foveate;
+    if (o->on)
+        printf(" --foveate");
+    for (int i = 0; i < o->given; i++)
+        printf("%c%.17g", i ? ',' : '=', o->numbers[i]);
+}
+
 /* The command that renders the picture again, to the byte where pixels are square and the axis in the middle. */
 static void print_command(const viewer *v, const fxs_file_view *view, const char *path)
 {
@@ -210,7 +223,10 @@ static void print_command(const viewer *v, const fxs_file_view *view, const char
         printf(" --eye %.17g,%.17g,%.17g --look %.17g,%.17g,%.17g", e[0], e[1], e[2], e[0] + d * ahead[0],
                e[1] + d * ahead[1], e[2] + d * ahead[2]);
         printf(" --up %.17g,%.17g,%.17g", -down[0], -down[1], -down[2]);
-        if (view->projection == FXS_PERSPECTIVE)
+        if (v->options.has_tangents)
+            printf(" --tangents %.17g,%.17g,%.17g,%.17g", v->options.tangents[0], v->options.tangents[1],
+                   v->options.tangents[2], v->options.tangents[3]);
+        else if (view->projection == FXS_PERSPECTIVE)
             printf(" --fov %.17g", 2 * atan(view->height / 2.0 / view->fy) * 180 / acos(-1));
         sized = 1;
     }
@@ -218,6 +234,7 @@ static void print_command(const viewer *v, const fxs_file_view *view, const char
         printf(" --ortho %.17g", view->height / view->fy);
     if (sized)
         printf(" --size %dx%d", view->width, view->height);
+    print_foveation(v);
     printf(" --near %.17g --lod %d --profile %s -o %s\n", view->near, v->options.load.lod,
            profile_name(v->options.load.profile), path);
     fflush(stdout);
@@ -229,6 +246,7 @@ static void screenshot(viewer *v, int key)
     char path[4096];
     fxs_message message;
     const fxs_file_view view = fit_view(v, 1);
+    v->renderer.divisor = 1;
     if (v->screenshot)
         snprintf(path, sizeof path, "%s", v->screenshot);
     else
