@@ -64,7 +64,8 @@ static void check_windows(const fxs_scene *scene, const fxs_camera *camera, cons
     const int32_t step = options->cutoff == FXS_CUTOFF_SQUARE ? 16 : 1;
     render(scene, camera, options, whole, 4 * camera->width);
     for (int i = 0; i < count; i++) {
-        const int32_t x = between(0, camera->width - 1) / step * step, y = between(0, camera->height - 1) / step * step;
+        const int32_t x = between(0, camera->width - 1) / step * step;
+        const int32_t y = between(0, camera->height - 1) / step * step;
         const fxs_camera window = window_of(camera, x, y, between(1, camera->width - x),
                                             between(1, camera->height - y));
         CHECK(!differences(scene, camera, options, whole, &window));
@@ -152,6 +153,86 @@ static void test_what_windows_are_for(void)
     fxs_packed_scene_free(&packed);
 }
 
+/* ---- Hidden parts ------------------------------------------------------------------------------------------------ */
+
+static fxs_stats render_counted(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
+                                uint8_t *pixels)
+{
+    fxs_context context;
+    fxs_stats stats;
+    fxs_init(&context, 0);
+    const size_t bytes = one_frame_bytes(&context, scene, camera->width, camera->height, 0);
+    void *memory = check_aligned(bytes);
+    CHECK(!one_render(&context, scene, camera, options, FXS_FORMAT_RGBA8, memory, bytes, pixels, 4 * camera->width,
+                      &stats));
+    free(memory);
+    return stats;
+}
+
+/* What a hidden part leaves out shows nowhere else. Returns how many Gaussians are drawn with it; *all: without. */
+static uint32_t check_hidden(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
+                             uint32_t *all)
+{
+    const size_t bytes = 4 * (size_t)camera->width * (size_t)camera->height;
+    uint8_t *pixels[2] = {malloc(bytes), malloc(bytes)};
+    fxs_camera whole = *camera;
+    whole.hidden_width = 0;
+    *all = render_counted(scene, &whole, options, pixels[0]).visible;
+    const uint32_t visible = render_counted(scene, camera, options, pixels[1]).visible;
+    for (int32_t y = 0; y < camera->height; y++)
+        for (int32_t x = 0; x < camera->width; x++) {
+            const size_t at = 4 * ((size_t)y * (size_t)camera->width + (size_t)x);
+            const int hidden = x >= camera->hidden_x && x < camera->hidden_x + camera->hidden_width &&
+                               y >= camera->hidden_y && y < camera->hidden_y + camera->hidden_height;
+            CHECK(hidden || !memcmp(pixels[0] + at, pixels[1] + at, 4));
+        }
+    free(pixels[0]);
+    free(pixels[1]);
+    return visible;
+}
+
+static void random_hidden(fxs_camera *camera)
+{
+    camera->hidden_x = between(0, camera->width);
+    camera->hidden_y = between(0, camera->height);
+    camera->hidden_width = between(0, camera->width - camera->hidden_x);
+    camera->hidden_height = between(0, camera->height - camera->hidden_y);
+}
+
+static void test_hidden_parts(void)
+{
+    fxs_packed_scene knot;
+    fxs_scene scene;
+    fxs_options options;
+    uint32_t drawn = 0, of = 0, all;
+    for (int i = 0; i < 120 && !check_faults; i++) {
+        fxs_camera camera;
+        state = (uint64_t)i * 0x2233445u;
+        const packed_scene packed = random_scene((enum fxs_profile)(i % 3), 3000);
+        CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
+        random_view(&camera, &options);
+        random_hidden(&camera);
+        drawn += check_hidden(&scene, &camera, &options, &all);
+        of += all;
+        free(packed.data);
+    }
+    CHECK(drawn < of);
+    if (!make_scene("knot", &knot, &scene))
+        return;
+    fxs_options_init(&options);
+    fxs_camera camera = headset_camera(headset[0], 172, 184, 0);
+    for (int i = 0; i < 20; i++) {               /* whole chunks too */
+        random_hidden(&camera);
+        check_hidden(&scene, &camera, &options, &all);
+    }
+    camera.hidden_x = camera.hidden_y = 0;
+    camera.hidden_width = camera.width;
+    camera.hidden_height = camera.height;
+    drawn = check_hidden(&scene, &camera, &options, &all);
+    CHECK(drawn < all / 50);                     /* some across the picture's edges */
+    fxs_packed_scene_free(&knot);
+}
+
 static void test_window_errors(void)
 {
     const int32_t bad[][4] = {{9, 10, 0, 0}, {10, 9, 0, 0}, {20, 20, -1, 0}, {20, 20, 0, -1}, {20, 20, 11, 0},
@@ -171,6 +252,18 @@ static void test_window_errors(void)
         camera.whole_width = camera.whole_height = FXS_MAX_SIZE;
         camera.whole_x = camera.whole_y = FXS_MAX_SIZE - 10;
         CHECK(!fxs_view_init(&view, &camera, &options));
+    }
+    const int32_t hidden[][4] = {{-1, 0, 1, 1}, {0, -1, 1, 1}, {0, 0, -1, 1}, {0, 0, 1, -1}, {0, 0, 11, 1},
+                                 {0, 0, 1, 11}, {5, 0, 6, 1}, {0, 5, 1, 6}, {11, 0, 0, 0}, {INT32_MAX, 0, 1, 1},
+                                 {1, 0, INT32_MAX, 1}, {INT32_MIN, 0, INT32_MIN, 0}};
+    for (size_t i = 0; i < sizeof hidden / sizeof *hidden; i++) {
+        fxs_camera camera;
+        fxs_camera_init(&camera, 10, 10);
+        camera.hidden_x = hidden[i][0];
+        camera.hidden_y = hidden[i][1];
+        camera.hidden_width = hidden[i][2];
+        camera.hidden_height = hidden[i][3];
+        CHECK(fxs_view_init(&view, &camera, &options) == FXS_ERR_SIZE);
     }
 }
 
@@ -457,6 +550,56 @@ static void test_back_ends(void)
     fxs_packed_scene_free(&packed);
 }
 
+/* The processor, with nothing hidden. */
+static int render_all(void *self, const fxs_request *q, fxs_stats *stats, fxs_message *why)
+{
+    fxs_camera cameras[2];
+    fxs_request all = *q;
+    for (uint32_t eye = 0; eye < q->eyes; eye++) {
+        cameras[eye] = q->cameras[eye];
+        cameras[eye].hidden_width = 0;
+    }
+    all.cameras = cameras;
+    return fxs_backend_cpu.render(self, &all, stats, why);
+}
+
+/* What a ring leaves out because a finer one hides it is not missed, wherever the gaze is. */
+static void test_nothing_is_missed(void)
+{
+    const fxs_backend all = {.name = "all", .render = render_all, .nanoseconds = no_time};
+    fxs_packed_scene packed;
+    fxs_scene scene;
+    fxs_foveation f;
+    fxs_foveated out;
+    fxs_message why;
+    void *self;
+    uint64_t drawn = 0, of = 0;
+    if (!make_scene("knot", &packed, &scene) || !CHECK(!fxs_backend_cpu.open(&self, &one_thread, &why)))
+        return;
+    state = 5;
+    for (int i = 0; i < 60 && !check_faults; i++) {
+        eyes e = eyes_of(&scene, between(30, 160), between(30, 160));
+        const fxs_request q = request_of(&e);
+        random_foveation(&f, e.cameras->width, e.cameras->height);
+        const size_t bytes = fxs_foveation_bytes(&f, e.cameras, 2);
+        uint8_t *memory = malloc(bytes), *expected = malloc(e.bytes);
+        CHECK(!fxs_foveate(&all, self, &q, &f, memory, bytes, 0, 0, &out, &why));
+        of += out.stats.visible;
+        memcpy(expected, e.pixels, e.bytes);
+        memset(e.pixels, GUARD, e.bytes);
+        CHECK(!fxs_foveate(&fxs_backend_cpu, self, &q, &f, memory, bytes, 0, 0, &out, &why));
+        drawn += out.stats.visible;
+        CHECK(!memcmp(e.pixels, expected, e.bytes));
+        free(memory);
+        free(expected);
+        free(e.pixels);
+    }
+    printf("  %.2f of the Gaussians are drawn\n", (double)drawn / (double)of);
+    CHECK(drawn < of);
+    fxs_backend_cpu.close(self);
+    fxs_packed_scene_free(&packed);
+}
+
 /* ---- Errors ------------------------------------------------------------------------------------------------------ */
 
 static uint8_t error_pixels[2 * 64 * 48 * 4];
@@ -553,10 +696,12 @@ int main(void)
     RUN(test_windows_of_random_scenes);
     RUN(test_windows_of_wide_pictures);
     RUN(test_what_windows_are_for);
+    RUN(test_hidden_parts);
     RUN(test_window_errors);
     RUN(test_putting_together);
     RUN(test_cameras_of_rings);
     RUN(test_back_ends);
+    RUN(test_nothing_is_missed);
     RUN(test_errors);
     RUN(test_tangents);
     return check_report();

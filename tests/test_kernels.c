@@ -331,6 +331,19 @@ static void move_off_axis(void)
     set_scale(chunk_of(), (sigma < 32 ? sigma : 32) * 65536);
 }
 
+/* A part of the picture, from nothing to all. */
+static void hide_some(fxs_camera *camera)
+{
+    camera->hidden_x = one_in(4) ? 0 : (int32_t)below((uint32_t)camera->width);
+    camera->hidden_y = one_in(4) ? 0 : (int32_t)below((uint32_t)camera->height);
+    camera->hidden_width = camera->width - camera->hidden_x;
+    camera->hidden_height = camera->height - camera->hidden_y;
+    if (one_in(2))
+        camera->hidden_width = (int32_t)below((uint32_t)camera->hidden_width + 1);
+    if (one_in(2))
+        camera->hidden_height = (int32_t)below((uint32_t)camera->hidden_height + 1);
+}
+
 static void make_view(void)
 {
     fxs_options options;
@@ -353,6 +366,8 @@ static void make_view(void)
     if (parallel && kind == 2)
         zoom_to_point(&camera);
     camera.projection = parallel ? FXS_ORTHOGRAPHIC : FXS_PERSPECTIVE;
+    if (one_in(3))
+        hide_some(&camera);
     CHECK(one_view_init(&view, &scene, &camera, &options) == 0);
     if (parallel && kind == 2 && one_in(2))
         move_off_axis();
@@ -763,9 +778,9 @@ static packed_scene bench_scene(enum fxs_profile profile)
 
 static void bench_init(workload *w, enum fxs_profile profile)
 {
-    static const fxs_camera camera = {1280, 720, 1000 << 12, 1000 << 12, 640 << 12, 360 << 12,
-                                      {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, 0}, 0, FXS_PERSPECTIVE,
-                                      0, 0, 0, 0};
+    static const fxs_camera camera = {.width = 1280, .height = 720, .fx_q12 = 1000 << 12, .fy_q12 = 1000 << 12,
+                                      .cx_q12 = 640 << 12, .cy_q12 = 360 << 12,
+                                      .rotation_q30 = {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}};
     fxs_options options;
     fxs_options_init(&options);
     state = 1;

@@ -10,8 +10,8 @@
 static const char help[] =
     "Usage: fixsplat bench SCENE... [OPTION...]\n\n"
     "Renders one view again and again and prints the median milliseconds of each stage; of a back end\n"
-    "with a timer also those of its device. With --foveate also pixels, milliseconds and PSNR of each ring, against the\n"
-    "picture without.\n\n"
+    "with a timer also those of its device. With --foveate also pixels, milliseconds and PSNR of each ring,\n"
+    "against the picture without.\n\n"
     "  --path N            fly once around the scene in N frames, 2 to 10000, and print minimum, median and maximum\n"
     "  --frames N          frames measured after a warm-up of two, 10 to 10000 (default 10)\n"
     "  --draw KIND         beside colour draw mean-depth, median-depth or ids; may be given for each\n"

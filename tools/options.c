@@ -28,9 +28,9 @@ const char camera_options_help[] =
     "                      order and colours are found once for both\n"
     "  --stereo-exact      each eye as its camera alone would be rendered\n"
     "  --foveate[=X,Y[,R1,R2[,BAND]]]\n"
-    "                      full rate R1 pixels about the gaze X,Y (of two eyes in the left picture; the other looks the\n"
-    "                      same way), half rate as far as R2, a quarter beyond; edges faded over BAND pixels (default:\n"
-    "                      straight ahead, 1/5 and 2/5 of the shorter side, 1/4 of R1)\n"
+    "                      full rate R1 pixels about the gaze X,Y (of two eyes in the left picture; the other looks\n"
+    "                      the same way), half rate as far as R2, a quarter beyond; edges faded over BAND pixels\n"
+    "                      (default: straight ahead, 1/5 and 2/5 of the shorter side, 1/4 of R1)\n"
     "Scenes:\n"
     WORLD_HELP;
 

@@ -299,9 +299,12 @@ static inline mask clip(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view,
     bounds[HALF_WIDTH] = half_width_q8;
     vi first = (cy_q8 - half_height_q8 + 255) >> 8, last = (cy_q8 + half_height_q8) >> 8;
     splat[CLIP] = most(first, all(0)) | least(last, all(view->height - 1)) << 16;
+    const mask hidden = greater(cx_q8 - half_width_q8, all(view->hidden[0] * 256 - 1)) &
+                        greater(all((view->hidden_end[0] - 1) * 256 + 1), cx_q8 + half_width_q8) &
+                        greater(first, all(view->hidden[1] - 1)) & greater(all(view->hidden_end[1]), last);
     return greater(cx_q8 + half_width_q8, all(-1)) &
            greater(half_width_q8 + (((view->width - 1) << 8) + 1), cx_q8) & greater(last, all(-1)) &
-           greater(all(view->height), first) & greater(last + 1, first);
+           greater(all(view->height), first) & greater(last + 1, first) & ~hidden;
 }
 
 /* The survivors `at` to at + LANES - 1. */

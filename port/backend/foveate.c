@@ -11,18 +11,24 @@ enum { TILE = 16, ROWS = 16 /* of a job */, OPAQUE = 256 };
 /* Four channels of 8 bits in lanes of 16. */
 #define LANES UINT64_C(0x0001000100010001)
 
+/* Of the picture: x and y. */
+typedef struct rectangle {
+    int32_t first[2], end[2];
+} rectangle;
+
 /* A picture of an eye at one rate, and where it lies in the whole one. */
 typedef struct layer {
     const uint8_t *pixels;         /* RGBA without gaps */
     int32_t width, height, rate;
     int32_t x, y, end_x, end_y;    /* of the whole picture's pixels */
     int32_t fade[4];               /* pixels over which it fades at its left, top, right and lower edge */
+    rectangle inside;              /* where it does not: nothing of coarser ones shows */
 } layer;
 
 typedef struct composition {
     layer layers[2][FXS_RINGS];    /* of each eye, fine to coarse */
     uint32_t count;
-    int32_t width, height;
+    int32_t height;
     const fxs_targets *targets;
     uint32_t jobs_of_eye;
 } composition;
@@ -43,6 +49,11 @@ void fxs_foveation_init(fxs_foveation *foveation, const fxs_camera *cameras, uin
     foveation->band = fifth / 4;
 }
 
+static inline int32_t least(int32_t a, int32_t b)
+{
+    return a < b ? a : b;
+}
+
 static int32_t rounded_up(int32_t x, int32_t step)
 {
     return (x + step - 1) / step * step;
@@ -57,8 +68,7 @@ static int32_t side_at(int32_t side, int32_t rate)
 /* The length of a window of a side of the picture, and where it begins, in its own pixels. */
 static int32_t window_length(int32_t side, int32_t rate, int32_t radius)
 {
-    const int32_t most = side_at(side, rate), wanted = rounded_up(2 * radius / rate, TILE);
-    return wanted < most ? wanted : most;
+    return least(rounded_up(2 * radius / rate, TILE), side_at(side, rate));
 }
 
 static int32_t window_start(int32_t side, int32_t rate, int32_t length, int32_t gaze)
@@ -88,6 +98,19 @@ static uint32_t find_rings(fxs_ring rings[FXS_RINGS], const fxs_foveation *f, co
     return count;
 }
 
+static rectangle inside_of(const fxs_ring *r, int eye, int32_t band, const fxs_camera *camera)
+{
+    const int32_t start[2] = {r->x[eye], r->y[eye]}, length[2] = {r->width * r->rate, r->height * r->rate};
+    const int32_t edge[2] = {camera->width, camera->height};
+    rectangle inside;
+    for (int i = 0; i < 2; i++) {
+        const int32_t end = start[i] + length[i];
+        inside.first[i] = start[i] + (start[i] > 0 ? band : 0);
+        inside.end[i] = end < edge[i] ? end - band : edge[i];
+    }
+    return inside;
+}
+
 static size_t pixels_of(const fxs_ring *r)
 {
     return (size_t)r->width * (size_t)r->height;
@@ -112,17 +135,44 @@ static fxs_camera camera_of(const fxs_camera *camera, const fxs_ring *r, int eye
     c.whole_height = side_at(window ? camera->whole_height : camera->height, rate);
     c.whole_x = (window ? camera->whole_x / rate : 0) + x;
     c.whole_y = (window ? camera->whole_y / rate : 0) + y;
+    c.hidden_x = c.hidden_y = c.hidden_width = c.hidden_height = 0;
     return c;
 }
 
+/* Hides from the camera of a ring what the finer one covers, but for its pixels that are enlarged beside that. */
+static void hide(fxs_camera *c, const fxs_ring *r, int eye, const rectangle *covered, const fxs_camera *whole)
+{
+    const int32_t start[2] = {r->x[eye], r->y[eye]}, size[2] = {c->width, c->height};
+    const int32_t edge[2] = {whole->width, whole->height};
+    int32_t from[2], length[2];
+    for (int i = 0; i < 2; i++) {
+        const int32_t first = covered->first[i], end = covered->end[i];
+        const int32_t till = end < edge[i] ? least((end - start[i]) / r->rate - 1, size[i]) : size[i];
+        from[i] = first > 0 ? (first - start[i]) / r->rate + 2 : 0;
+        from[i] = from[i] > 0 ? from[i] : 0;
+        length[i] = till - from[i];
+    }
+    if (length[0] <= 0 || length[1] <= 0)
+        return;
+    c->hidden_x = from[0];
+    c->hidden_y = from[1];
+    c->hidden_width = length[0];
+    c->hidden_height = length[1];
+}
+
+/* `finer`: the ring before it, null for the first. */
 static int render_ring(const fxs_backend *backend, void *self, const fxs_request *request, fxs_ring *r,
-                       uint8_t *pixels, fxs_message *why)
+                       const fxs_ring *finer, int32_t band, uint8_t *pixels, fxs_message *why)
 {
     fxs_camera cameras[2];
     fxs_targets targets[2];
     fxs_request own = *request;
     for (uint32_t eye = 0; eye < request->eyes; eye++) {
         cameras[eye] = camera_of(&request->cameras[eye], r, (int)eye);
+        if (finer) {
+            const rectangle covered = inside_of(finer, (int)eye, band, request->cameras);
+            hide(&cameras[eye], r, (int)eye, &covered, request->cameras);
+        }
         fxs_targets_init(&targets[eye]);
         targets[eye].format = request->targets[eye].format;
         targets[eye].colour = (fxs_image){pixels + 4 * eye * pixels_of(r), 4 * (ptrdiff_t)r->width};
@@ -211,11 +261,6 @@ static inline int32_t ramp(int32_t inside, int32_t fade)
     return inside < fade ? ((2 * inside + 1) * OPAQUE + fade) / (2 * fade) : OPAQUE;
 }
 
-static inline int32_t least(int32_t a, int32_t b)
-{
-    return a < b ? a : b;
-}
-
 /* Puts the pixels first to end - 1 of a row of a layer over what is there; where `fading` is 0, in its place. Sums of
    lanes, also what they grow by from pixel to pixel, are right modulo 2^64. */
 static inline void draw_pixels(const layer *l, const blended_row *row, int32_t rate, int fading, int32_t opacity,
@@ -267,10 +312,10 @@ static void draw_row(const layer *l, const layer *finer, int32_t y, uint8_t *to)
     const blended_row row = row_at(l, y);
     const int32_t opacity = least(ramp(y - l->y, l->fade[1]), ramp(l->end_y - 1 - y, l->fade[3]));
     int32_t hidden = l->end_x, hidden_end = l->end_x;
-    if (finer && y >= finer->y + finer->fade[1] && y < finer->end_y - finer->fade[3] &&
-        finer->x + finer->fade[0] < finer->end_x - finer->fade[2]) {
-        hidden = finer->x + finer->fade[0];
-        hidden_end = finer->end_x - finer->fade[2];
+    if (finer && y >= finer->inside.first[1] && y < finer->inside.end[1] &&
+        finer->inside.first[0] < finer->inside.end[0]) {
+        hidden = finer->inside.first[0];
+        hidden_end = finer->inside.end[0];
     }
     draw_span(l, &row, opacity, l->x, least(hidden, l->end_x), to);
     if (hidden_end < l->end_x)
@@ -290,15 +335,16 @@ static void draw_rows(void *argument, uint32_t job)
     }
 }
 
-static layer layer_of(const fxs_ring *r, int eye, const uint8_t *pixels, int32_t band, int32_t width, int32_t height)
+static layer layer_of(const fxs_ring *r, int eye, const uint8_t *pixels, int32_t band, const fxs_camera *camera)
 {
-    layer l = {pixels, r->width, r->height, r->rate, r->x[eye], r->y[eye], 0, 0, {0, 0, 0, 0}};
-    l.end_x = least(l.x + r->width * r->rate, width);
-    l.end_y = least(l.y + r->height * r->rate, height);
-    l.fade[0] = l.x > 0 ? band : 0;
-    l.fade[1] = l.y > 0 ? band : 0;
-    l.fade[2] = l.end_x < width ? band : 0;
-    l.fade[3] = l.end_y < height ? band : 0;
+    const rectangle inside = inside_of(r, eye, band, camera);
+    layer l = {pixels, r->width, r->height, r->rate, r->x[eye], r->y[eye], 0, 0, {0, 0, 0, 0}, inside};
+    l.end_x = least(l.x + r->width * r->rate, camera->width);
+    l.end_y = least(l.y + r->height * r->rate, camera->height);
+    l.fade[0] = inside.first[0] - l.x;
+    l.fade[1] = inside.first[1] - l.y;
+    l.fade[2] = l.end_x - inside.end[0];
+    l.fade[3] = l.end_y - inside.end[1];
     return l;
 }
 
@@ -351,8 +397,8 @@ static int check(const fxs_request *q, const fxs_foveation *f, fxs_message *why)
     if (!f || q->eyes < 1 || q->eyes > 2 || !q->cameras || !q->targets)
         return fxs_fail_as(FXS_ERR_ARGUMENT, why, "one or two eyes, with a camera and targets each, and a foveation");
     if (!in_range(f))
-        return fxs_fail_as(FXS_ERR_ARGUMENT, why, "foveation: radii of %ld and %ld pixels, a band of %ld: expected 1 to "
-                           "%d, the second larger, and a band of at most the first", (long)f->radius[0],
+        return fxs_fail_as(FXS_ERR_ARGUMENT, why, "foveation: radii of %ld and %ld pixels, a band of %ld: expected 1 "
+                           "to %d, the second larger, and a band of at most the first", (long)f->radius[0],
                            (long)f->radius[1], (long)f->band, FXS_MAX_SIZE);
     for (uint32_t eye = 0; eye < q->eyes; eye++) {
         const fxs_camera *camera = &q->cameras[eye];
@@ -368,11 +414,10 @@ static int check(const fxs_request *q, const fxs_foveation *f, fxs_message *why)
 static void compose(const fxs_request *q, const fxs_foveation *f, const fxs_foveated *all, const uint8_t *pixels,
                     fxs_run_fn *run, void *pool)
 {
-    composition c = {.count = all->count, .width = q->cameras->width, .height = q->cameras->height,
-                     .targets = q->targets};
+    composition c = {.count = all->count, .height = q->cameras->height, .targets = q->targets};
     for (uint32_t i = 0; i < all->count; i++)
         for (uint32_t eye = 0; eye < q->eyes; eye++, pixels += 4 * pixels_of(&all->rings[i]))
-            c.layers[eye][i] = layer_of(&all->rings[i], (int)eye, pixels, f->band, c.width, c.height);
+            c.layers[eye][i] = layer_of(&all->rings[i], (int)eye, pixels, f->band, q->cameras);
     c.jobs_of_eye = (uint32_t)side_at(c.height, ROWS);
     if (run)
         run(pool, draw_rows, &c, c.jobs_of_eye * q->eyes);
@@ -396,7 +441,7 @@ int fxs_foveate(const fxs_backend *backend, void *self, const fxs_request *reque
         return fxs_fail_memory(why, 0, bytes);
     for (uint32_t i = 0; i < all->count; i++) {
         fxs_ring *r = &all->rings[i];
-        error = render_ring(backend, self, request, r, pixels, why);
+        error = render_ring(backend, self, request, r, i ? r - 1 : 0, foveation->band, pixels, why);
         if (error)
             return error;
         add_stats(all, r);

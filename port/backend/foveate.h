@@ -5,7 +5,8 @@
  * A window is a square of twice its radius about the gaze, in whole tiles of 16x16 of its own pixels, moved into the
  * picture where the gaze is near an edge. Pixels of half and quarter rate lie centred on their 2x2 and 4x4 pixels and
  * are enlarged bilinearly, in integers. In a band along its edges, inside, a window fades into the coarser one; not
- * where it ends with the picture. */
+ * where it ends with the picture. Gaussians that are seen only where a finer ring hides a coarser one are left out of
+ * that. */
 #ifndef FXS_FOVEATE_H
 #define FXS_FOVEATE_H
 
@@ -23,8 +24,8 @@ typedef struct fxs_foveation {
     int32_t band;                  /* pixels, 0 to radius[0] */
 } fxs_foveation;
 
-/* Straight ahead (the principal point, which is the middle but for asymmetric fields of view), a fifth and two fifths of
-   the picture's shorter side, a band of a quarter of the first: a quarter of the pixels at 1280x720. */
+/* Straight ahead (the principal point, which is the middle but for asymmetric fields of view), a fifth and two fifths
+   of the picture's shorter side, a band of a quarter of the first: a quarter of the pixels at 1280x720. */
 void fxs_foveation_init(fxs_foveation *foveation, const fxs_camera *cameras, uint32_t eyes);
 
 /* What was rendered for one rate. */

@@ -84,7 +84,8 @@ for command in render view bench info convert compare make-scene; do
     grep -Eq '(WORLD|FRAME)_OPTIONS' $source && source="$source $root/tools/world.h"
     succeeds "$command --help" $command --help
     check "$command --help has examples" grep -q '^Examples:' logs/out
-    for option in $(sed -n 's/{"/\n{"/gp' $source | sed -n 's/^{"\([a-z-]*\)", \(no\|required\|optional\)_argument.*/\1/p'); do
+    for option in $(sed -n 's/{"/\n{"/gp' $source |
+                    sed -n 's/^{"\([a-z-]*\)", \(no\|required\|optional\)_argument.*/\1/p'); do
         [ "$option" = help ] || check "$command --help names --$option" grep -q -- "--$option" logs/out
     done
     fails "$command: unknown option" 2 "" $command --no-such-option
@@ -230,7 +231,9 @@ succeeds "bench --foveate" bench knot.ply --size 160x120 --foveate
 check "bench --foveate: the full rate is exact" grep -q '^  rate 1/1 .* equal$' logs/out
 check "bench --foveate: three rings" equal "$(($(grep -c '^  rate 1/' logs/out)))" 3
 succeeds "bench --foveate --json" bench knot.ply --size 160x120 --foveate --stereo 0.1 --json
-check "bench --foveate --json: rings" grep -q '"rings": \[{"rate": 1, "rendered": 4608, "shown": [0-9]*, "ms": [0-9.]*, "psnr": null}, {"rate": 2, .*"psnr": [0-9.]*}\]}$' logs/out
+check "bench --foveate --json: rings" grep -q \
+    '"rings": \[{"rate": 1, "rendered": 4608, "shown": [0-9]*, "ms": [0-9.]*, "psnr": null}, {.*"psnr": [0-9.]*}\]}$' \
+    logs/out
 succeeds "16384x1" render knot.ply --size 16384x1 -o long.png
 succeeds "1x16384" render knot.ply --size 1x16384 -o tall.png
 succeeds "--eye inside a Gaussian" render knot.ply $small --eye 0,0.9,0 --hash
