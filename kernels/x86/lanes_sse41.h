@@ -277,4 +277,17 @@ static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
     _mm_storeu_si128((__m128i *)(void *)to + 1, _mm_unpackhi_epi16(rg, ba));
 }
 
+/* 8 pixels of 16 bits a channel. */
+static inline void store_wide_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
+{
+    const __m128i rg_low = _mm_unpacklo_epi16((__m128i)r, (__m128i)g);
+    const __m128i rg_high = _mm_unpackhi_epi16((__m128i)r, (__m128i)g);
+    const __m128i ba_low = _mm_unpacklo_epi16((__m128i)b, (__m128i)a);
+    const __m128i ba_high = _mm_unpackhi_epi16((__m128i)b, (__m128i)a);
+    _mm_storeu_si128((__m128i *)(void *)to, _mm_unpacklo_epi32(rg_low, ba_low));
+    _mm_storeu_si128((__m128i *)(void *)to + 1, _mm_unpackhi_epi32(rg_low, ba_low));
+    _mm_storeu_si128((__m128i *)(void *)to + 2, _mm_unpacklo_epi32(rg_high, ba_high));
+    _mm_storeu_si128((__m128i *)(void *)to + 3, _mm_unpackhi_epi32(rg_high, ba_high));
+}
+
 #endif
