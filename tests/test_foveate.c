@@ -104,7 +104,7 @@ static fxs_camera headset_camera(const double tangents[4], int32_t width, int32_
     const double eye[3] = {0.9 + beside, -2.6, -9}, look[3] = {beside, 0.42, 0}, up[3] = {0, -1, 0};
     fxs_message m;
     fxs_file_view view;
-    fxs_camera camera;
+    fxs_camera camera = {.width = 0};
     CHECK(!fxs_view_look_at(&view, eye, look, up, 50, width, height, &m));
     CHECK(!fxs_view_set_tangents(&view, tangents, &m) && !fxs_camera_from_view(&camera, &view, &m));
     return camera;
@@ -337,7 +337,7 @@ static int share(const fxs_ring *r, const fxs_foveation *f, int eye, int x, int 
         return 0;
     for (int i = 0; i < 4; i++)
         if (inside[i] < f->band) {
-            const int ramp = (int)floor((2 * inside[i] + 1) * 256.0 / (2 * f->band) + 0.5);
+            const int ramp = (int)floor((inside[i] + 0.5) * floor(256 * 32768.0 / f->band) / 32768);
             least = ramp < least ? ramp : least;
         }
     return least;

@@ -21,6 +21,7 @@ typedef struct layer {
     const uint8_t *pixels;         /* RGBA without gaps */
     int32_t width, height, rate;
     int32_t x, y, end_x, end_y;    /* of the whole picture's pixels */
+    int32_t slope_q15;             /* OPAQUE over the pixels of the band */
     int32_t fade[4];               /* pixels over which it fades at its left, top, right and lower edge */
     rectangle inside;              /* where it does not: nothing of coarser ones shows */
 } layer;
@@ -255,10 +256,10 @@ static inline uint64_t column_at(const layer *l, const blended_row *row, int32_t
     return load(row->above + at) * (2 * (uint64_t)l->rate - row->weight) + load(row->below + at) * row->weight;
 }
 
-/* How much of a layer shows a distance of pixels inside an edge, of OPAQUE. */
-static inline int32_t ramp(int32_t inside, int32_t fade)
+/* How much of a layer shows a distance of pixels inside an edge, of OPAQUE: (inside + 1/2) / fade. */
+static inline int32_t ramp(const layer *l, int32_t inside, int edge)
 {
-    return inside < fade ? ((2 * inside + 1) * OPAQUE + fade) / (2 * fade) : OPAQUE;
+    return inside < l->fade[edge] ? ((2 * inside + 1) * l->slope_q15) >> 16 : OPAQUE;
 }
 
 /* Puts the pixels first to end - 1 of a row of a layer over what is there; where `fading` is 0, in its place. Sums of
@@ -280,8 +281,7 @@ static inline void draw_pixels(const layer *l, const blended_row *row, int32_t r
             uint8_t *at = to + 4 * (ptrdiff_t)x;
             uint64_t pixel = over(sum, shift);
             if (fading) {
-                const int32_t shown = least(opacity, least(ramp(x - l->x, l->fade[0]),
-                                                           ramp(l->end_x - 1 - x, l->fade[2])));
+                const int32_t shown = least(opacity, least(ramp(l, x - l->x, 0), ramp(l, l->end_x - 1 - x, 2)));
                 pixel = over(pixel * (uint64_t)shown + load(at) * (uint64_t)(OPAQUE - shown) + (LANES << 7), 8);
             }
             store(at, pixel);
@@ -310,7 +310,7 @@ static void draw_row(const layer *l, const layer *finer, int32_t y, uint8_t *to)
     if (y < l->y || y >= l->end_y)
         return;
     const blended_row row = row_at(l, y);
-    const int32_t opacity = least(ramp(y - l->y, l->fade[1]), ramp(l->end_y - 1 - y, l->fade[3]));
+    const int32_t opacity = least(ramp(l, y - l->y, 1), ramp(l, l->end_y - 1 - y, 3));
     int32_t hidden = l->end_x, hidden_end = l->end_x;
     if (finer && y >= finer->inside.first[1] && y < finer->inside.end[1] &&
         finer->inside.first[0] < finer->inside.end[0]) {
@@ -338,7 +338,8 @@ static void draw_rows(void *argument, uint32_t job)
 static layer layer_of(const fxs_ring *r, int eye, const uint8_t *pixels, int32_t band, const fxs_camera *camera)
 {
     const rectangle inside = inside_of(r, eye, band, camera);
-    layer l = {pixels, r->width, r->height, r->rate, r->x[eye], r->y[eye], 0, 0, {0, 0, 0, 0}, inside};
+    layer l = {pixels, r->width, r->height, r->rate, r->x[eye], r->y[eye], 0, 0, 0, {0, 0, 0, 0}, inside};
+    l.slope_q15 = band ? (OPAQUE << 15) / band : 0;
     l.end_x = least(l.x + r->width * r->rate, camera->width);
     l.end_y = least(l.y + r->height * r->rate, camera->height);
     l.fade[0] = inside.first[0] - l.x;
