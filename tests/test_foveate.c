@@ -653,6 +653,14 @@ static void test_errors(void)
         CHECK(attempt(&r, &q, &f) == FXS_ERR_SIZE);
     }
     cameras[1].width = 64;
+    const int32_t near_least = INT32_MIN + (FXS_MAX_SIZE << 12) - 1;
+    int32_t *const centres[] = {&cameras[1].cx_q12, &cameras[1].cy_q12};
+    for (int i = 0; i < 2; i++) {
+        const int32_t was = *centres[i];
+        *centres[i] = near_least;
+        CHECK(attempt(&r, &q, &f) == FXS_ERR_CAMERA);
+        *centres[i] = was;
+    }
     const fxs_image image = {error_pixels, 512};
     fxs_image *const others[] = {&targets[1].coverage, &targets[1].mean_depth, &targets[1].median_depth,
                                  &targets[1].id, &targets[1].occluder, &targets[1].backdrop};

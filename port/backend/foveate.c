@@ -8,6 +8,9 @@
 
 enum { TILE = 16, ROWS = 16 /* of a job */, OPAQUE = 256 };
 
+/* Less than this, and that of a window may be below INT32_MIN. */
+#define FAR_Q12 (INT32_MIN + (FXS_MAX_SIZE << 12))
+
 /* Four channels of 8 bits in lanes of 16. */
 #define LANES UINT64_C(0x0001000100010001)
 
@@ -405,6 +408,8 @@ static int check(const fxs_request *q, const fxs_foveation *f, fxs_message *why)
         const fxs_camera *camera = &q->cameras[eye];
         if (!has_size(camera) || camera->width != q->cameras->width || camera->height != q->cameras->height)
             return fxs_fail_as(FXS_ERR_SIZE, why, "%s", fxs_strerror(FXS_ERR_SIZE));
+        if (camera->cx_q12 < FAR_Q12 || camera->cy_q12 < FAR_Q12)
+            return fxs_fail_as(FXS_ERR_CAMERA, why, "a principal point so far out that no window has one");
         const int error = check_target(&q->targets[eye], camera, why);
         if (error)
             return error;

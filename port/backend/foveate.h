@@ -52,8 +52,8 @@ size_t fxs_foveation_bytes(const fxs_foveation *foveation, const fxs_camera *cam
    size.
    `memory`: `memory_bytes` bytes, aligned to 4, at least fxs_foveation_bytes. `run` and `pool` as in fxs_config: for
    the putting together; null: this thread does. *out may be null. Errors: FXS_ERR_ARGUMENT, FXS_ERR_SIZE,
-   FXS_ERR_TARGET (rows longer than their stride), FXS_ERR_MEMORY, FXS_ERR_UNSUPPORTED, and those of the back end;
-   nothing is written to the targets then. */
+   FXS_ERR_CAMERA, FXS_ERR_TARGET (rows longer than their stride), FXS_ERR_MEMORY, FXS_ERR_UNSUPPORTED, and those of
+   the back end; nothing is written to the targets then. */
 int fxs_foveate(const fxs_backend *backend, void *self, const fxs_request *request, const fxs_foveation *foveation,
                 void *memory, size_t memory_bytes, fxs_run_fn *run, void *pool, fxs_foveated *out, fxs_message *why);
 
