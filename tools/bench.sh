@@ -299,6 +299,7 @@ foveated() {
     printf 'Milliseconds, medians of three turns; pixels rendered, of those of the picture and of each ring in thousands; PSNR in what the ring shows.\n\n'
     printf '| back end, view | whole | foveated | ratio | rendered | full | ms | PSNR | half | ms | PSNR | quarter | ms | PSNR |\n'
     printf '|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n'
+    landscape 1000000
     for backend in ${FOVEATED:-cpu gles}; do
         for size in 1280x720 $([ "$backend" = gles ] || echo 2064x2208); do
             for view in 8 40; do
@@ -307,6 +308,8 @@ foveated() {
             done
             foveated_row kitchen-marble "$backend" "$size" "$SCENES/kitchen-marble/kitchen-marble.ply"
             foveated_row statue "$backend" "$size" "$SCENES/statue-st-peter/st-peter.ply"
+            foveated_row 'landscape of a million, from the shore' "$backend" "$size" "$work/1000000.ply" \
+                --eye 4.6,-1.9,-12.7 --look 0,-2.2,0 --fov 52
         done
     done
 }
