@@ -350,7 +350,7 @@ static int shows(const viewer *v, fxs_file_view view, int width, int height)
         fxs_view_resize(&view, width, height);
     int same = !renderer_open(&r, &v->options) && !renderer_render(&r, &v->world, &view, options, &expected, 0) &&
                expected.width == v->picture.width && expected.height == v->picture.height &&
-               !memcmp(expected.pixels, v->picture.pixels, (size_t)width * (size_t)height * 4);
+               !memcmp(expected.pixels, v->picture.pixels, (size_t)expected.width * (size_t)height * 4);
     renderer_close(&r);
     picture_free(&expected);
     return same;
@@ -542,6 +542,26 @@ static void test_screenshot(void)
     viewer_close(&v);
 }
 
+/* Side by side: each half of the window is an eye, and so of the screenshot. */
+static void test_two_eyes(void)
+{
+    viewer v;
+    uint8_t *rgba = 0;
+    int width, height;
+    fxs_message m;
+    frame_options options = small_options();
+    options.stereo = 0.5;
+    if (start(&v, &options))
+        return;
+    fxs_window_size(v.window, &width, &height);
+    CHECK(width == 128 && height == 48 && v.picture.width == 128 && shows(&v, v.views[0], 64, 48));
+    key(&v, 'i');
+    if (CHECK(!fxs_image_file_read(shot, &rgba, &width, &height, &m)) && CHECK(width == 128 && height == 48))
+        CHECK(!memcmp(rgba, v.picture.pixels, 128 * 48 * 4));
+    free(rgba);
+    viewer_close(&v);
+}
+
 /* Foveated, of an asymmetric field of view: in motion the gaze and the radii are those of the smaller picture. */
 static void test_foveated(void)
 {
@@ -637,6 +657,7 @@ int main(void)
     RUN(test_objects);
     RUN(test_resized_window);
     RUN(test_screenshot);
+    RUN(test_two_eyes);
     RUN(test_foveated);
     RUN(test_failures_to_open);
     remove(shot), remove(knot), remove(cubes), remove(junk), remove(cameras), remove(folder);
