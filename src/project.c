@@ -208,8 +208,8 @@ static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, cons
     if (cx_q8 + half_width_q8 < 0 || cx_q8 - half_width_q8 > (int64_t)(view->width - 1) << 8 || last < 0 ||
         first >= view->height || first > last)
         return 0;
-    if (cx_q8 - half_width_q8 >= (int64_t)view->hidden[0] << 8 && first >= view->hidden[1] &&
-        cx_q8 + half_width_q8 <= (int64_t)(view->hidden_end[0] - 1) << 8 && last < view->hidden_end[1])
+    if (cx_q8 - half_width_q8 >= view->hidden[0] * 256 && first >= view->hidden[1] &&
+        cx_q8 + half_width_q8 <= (view->hidden_end[0] - 1) * 256 && last < view->hidden_end[1])
         return 0;
     splat->first_row = (uint16_t)(first < 0 ? 0 : first);
     splat->last_row = (uint16_t)(last >= view->height ? view->height - 1 : last);

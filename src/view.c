@@ -93,8 +93,8 @@ static void edge_slopes(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *low
 static void hidden_slopes(fxs_view *view, int i, int64_t f_q12, int64_t c_q12)
 {
     const int64_t most = (int64_t)64 << 23;
-    const int64_t low = ((((int64_t)view->hidden[i] + 4) << 12) - c_q12) * (1 << 23) / f_q12;
-    const int64_t high = ((((int64_t)view->hidden_end[i] - 4) << 12) - c_q12) * (1 << 23) / f_q12;
+    const int64_t low = (((int64_t)view->hidden[i] + 4) * 4096 - c_q12) * (1 << 23) / f_q12;
+    const int64_t high = (((int64_t)view->hidden_end[i] - 4) * 4096 - c_q12) * (1 << 23) / f_q12;
     const int none = low >= high || low > most || high < -most;
     view->hidden_low_q23[i] = none ? (int32_t)most : cut_slope(low, most);
     view->hidden_high_q23[i] = none ? (int32_t)-most : cut_slope(high, most);
