@@ -2,10 +2,16 @@
 #include "lanes/stages.h"
 
 #if defined(__x86_64__) || defined(__i386__)
+FXS_PROJECT(sse41);
 FXS_PROJECT(avx2);
 FXS_PROJECT(avx512);
+FXS_SHADE(sse41);
 FXS_SHADE(avx2);
 FXS_SHADE(avx512);
+FXS_BIN(sse41);
+FXS_SPANS(sse41);
+FXS_NOTE(sse41);
+FXS_LIST(sse41);
 FXS_BIN(avx2);
 FXS_SPANS(avx2);
 FXS_NOTE(avx2);
@@ -78,6 +84,10 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
     cpu &= fxs_cpu_detect();
 #if defined(__x86_64__) || defined(__i386__)
     if (cpu & FXS_CPU_SSE41) {
+        USE(FXS_PROJECT, project, sse41);
+        USE(FXS_SHADE, shade, sse41);
+        USE(FXS_BIN, bin, sse41);
+        USE_LISTS(sse41);
         USE(FXS_BLEND, blend, sse41);
         kernels->trace = fxs_trace_sse41;
         USE(FXS_RESOLVE, resolve, sse41);

@@ -42,7 +42,8 @@ enum fxs_error {
     FXS_ERR_VERSION = -3,       /* a packed scene of another version */
     FXS_ERR_CAMERA = -4,        /* focal length not above 0, rotation not orthonormal, position beyond +-2^28 units,
                                    near plane out of range */
-    FXS_ERR_SIZE = -5,          /* width or height outside 1..FXS_MAX_SIZE */
+    FXS_ERR_SIZE = -5,          /* width or height outside 1..FXS_MAX_SIZE; a window or a hidden part
+                                   outside its picture */
     FXS_ERR_MEMORY = -6,        /* too little memory: the working memory given (or not aligned to 64), or a device's */
     FXS_ERR_UNSUPPORTED = -7,   /* something that this build, machine or back end does not have */
     FXS_ERR_DEVICE = -8,        /* a back end's device is missing, failed or was lost */
@@ -139,6 +140,12 @@ typedef struct fxs_camera {
     int64_t position_q32[3];       /* the camera's centre, world units, within +-2^28 */
     int64_t near_q32;              /* depth of the near plane, world units, 2^-20 to 2^28; 0: 0.2 */
     enum fxs_projection projection;
+    int32_t whole_width, whole_height;   /* 0, or: the picture is a window of one of this size. Its pixels are the */
+    int32_t whole_x, whole_y;            /* same then as there; its first one is (whole_x, whole_y) of that picture.
+                                            Gaussians of more than 65536 pixels, or with a centre so far out, may
+                                            differ in the last bit, and so does FXS_CUTOFF_SQUARE off its tiles */
+    int32_t hidden_x, hidden_y;          /* a part of the picture whose pixels may be left without some Gaussians: */
+    int32_t hidden_width, hidden_height; /* what touches no others is not drawn, or is. 0: none */
 } fxs_camera;
 
 /* A camera at the origin that looks along z, with a field of view of 90 degrees across the width. */

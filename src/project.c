@@ -197,7 +197,7 @@ static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, co
 }
 
 /* Rows and columns that the ellipse of radius r can touch, with a margin of 1/8 pixel and 1/256 of the size.
-   Returns 0 where it misses the picture. */
+   Returns 0 where it misses the picture, or all of it is hidden. */
 static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const covariance *s, uint32_t r_q12)
 {
     int64_t half_height_q8 = (int64_t)((uint64_t)sqrt_q8(root_of(s->c_q30, 30), s->exponent) * r_q12 >> 12);
@@ -207,6 +207,9 @@ static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, cons
     int64_t first = (cy_q8 - half_height_q8 + 255) >> 8, last = (cy_q8 + half_height_q8) >> 8;
     if (cx_q8 + half_width_q8 < 0 || cx_q8 - half_width_q8 > (int64_t)(view->width - 1) << 8 || last < 0 ||
         first >= view->height || first > last)
+        return 0;
+    if (cx_q8 - half_width_q8 >= view->hidden[0] * 256 && first >= view->hidden[1] &&
+        cx_q8 + half_width_q8 <= (view->hidden_end[0] - 1) * 256 && last < view->hidden_end[1])
         return 0;
     splat->first_row = (uint16_t)(first < 0 ? 0 : first);
     splat->last_row = (uint16_t)(last >= view->height ? view->height - 1 : last);

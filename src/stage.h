@@ -37,6 +37,8 @@ typedef struct fxs_view {
     int32_t focal_exponent;
     int32_t slope_low_q23[2], slope_high_q23[2];   /* x/z and y/z are cut to these in the Jacobian */
     int32_t edge_low_q23[2], edge_high_q23[2];     /* x/z and y/z at the picture's edges, 18 pixels out, cut to +-64 */
+    int32_t hidden_low_q23[2], hidden_high_q23[2]; /* at the edges of the camera's hidden part, 4 pixels in */
+    int32_t hidden[2], hidden_end[2];              /* its pixels, x and y, from the first to before the end */
     int32_t veil_exponent;         /* a Gaussian with its centre out of range is seen from this size exponent on */
     int32_t jacobian_exponent;     /* 2^that >= length of a row (1, 0, -x/z) of the Jacobian, times z / f */
     int32_t row_q15[2][3];         /* first and second row of f'/f * rotation * 2^-jacobian_exponent */

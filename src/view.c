@@ -36,9 +36,36 @@ FXS_STAGE int fxs_is_rotation(const int32_t m_q30[9])
     return handed > 0;
 }
 
+static int is_window(const fxs_camera *camera)
+{
+    return camera->whole_width || camera->whole_height;
+}
+
+/* A window lies in its picture. */
+static int check_window(const fxs_camera *camera)
+{
+    const int32_t whole[2] = {camera->whole_width, camera->whole_height}, own[2] = {camera->width, camera->height};
+    const int32_t first[2] = {camera->whole_x, camera->whole_y};
+    for (int i = 0; i < 2; i++)
+        if (whole[i] < own[i] || whole[i] > FXS_MAX_SIZE || first[i] < 0 || first[i] > whole[i] - own[i])
+            return FXS_ERR_SIZE;
+    return 0;
+}
+
+static int check_hidden(const fxs_camera *camera)
+{
+    const int32_t own[2] = {camera->width, camera->height}, first[2] = {camera->hidden_x, camera->hidden_y};
+    const int32_t length[2] = {camera->hidden_width, camera->hidden_height};
+    for (int i = 0; i < 2; i++)
+        if (first[i] < 0 || first[i] > own[i] || length[i] < 0 || length[i] > own[i] - first[i])
+            return FXS_ERR_SIZE;
+    return 0;
+}
+
 static int check_camera(const fxs_camera *camera)
 {
-    if (camera->width < 1 || camera->height < 1 || camera->width > FXS_MAX_SIZE || camera->height > FXS_MAX_SIZE)
+    if (camera->width < 1 || camera->height < 1 || camera->width > FXS_MAX_SIZE || camera->height > FXS_MAX_SIZE ||
+        (is_window(camera) && check_window(camera)) || check_hidden(camera))
         return FXS_ERR_SIZE;
     if (camera->fx_q12 <= 0 || camera->fy_q12 <= 0 || !fxs_is_rotation(camera->rotation_q30) ||
         (camera->projection != FXS_PERSPECTIVE && camera->projection != FXS_ORTHOGRAPHIC))
@@ -62,6 +89,17 @@ static void edge_slopes(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *low
     *high_q23 = cut_slope((((size + 18) << 12) - c_q12) * (1 << 23) / f_q12, (int64_t)64 << 23);
 }
 
+/* The edges of the hidden part, twice the reach of the dilation in; the wrong way round where nothing is hidden. */
+static void hidden_slopes(fxs_view *view, int i, int64_t f_q12, int64_t c_q12)
+{
+    const int64_t most = (int64_t)64 << 23;
+    const int64_t low = (((int64_t)view->hidden[i] + 4) * 4096 - c_q12) * (1 << 23) / f_q12;
+    const int64_t high = (((int64_t)view->hidden_end[i] - 4) * 4096 - c_q12) * (1 << 23) / f_q12;
+    const int none = low >= high || low > most || high < -most;
+    view->hidden_low_q23[i] = none ? (int32_t)most : cut_slope(low, most);
+    view->hidden_high_q23[i] = none ? (int32_t)-most : cut_slope(high, most);
+}
+
 /* The field of view plus 30 % (Kerbl et al. 2023, code; for any principal point as in gsplat), as slopes x/z:
    -c / f - 0.3 size / (2 f) and (size - c) / f + 0.3 size / (2 f). Cut to +-60. */
 static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *low_q23, int32_t *high_q23)
@@ -76,20 +114,20 @@ static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *lo
 
 /* The least exponent with which 3.5 (2^exponent + 1) pixels reach the picture from a centre 64 times as far off the
    axis as away, or 65536 pixels from the first pixel; at least 7, and a 16th of the picture. */
-static int32_t veil_exponent(const fxs_view *view)
+static int32_t veil_exponent(const fxs_view *view, const int64_t size[2], const int64_t c_q12[2])
 {
-    const int64_t f_q12[2] = {view->fx_q12, view->fy_q12}, c_q12[2] = {view->cx_q12, view->cy_q12};
-    const int64_t size_q12[2] = {(int64_t)view->width << 12, (int64_t)view->height << 12};
+    const int64_t f_q12[2] = {view->fx_q12, view->fy_q12};
     int32_t exponent = 7;
     int64_t room_q12 = (int64_t)65536 << 12;
     for (int i = 0; i < 2; i++) {
-        const int64_t room[3] = {64 * f_q12[i] - c_q12[i], 64 * f_q12[i] + c_q12[i] - size_q12[i],
-                                 ((int64_t)65536 << 12) - size_q12[i]};
+        const int64_t size_q12 = size[i] << 12;
+        const int64_t room[3] = {64 * f_q12[i] - c_q12[i], 64 * f_q12[i] + c_q12[i] - size_q12,
+                                 ((int64_t)65536 << 12) - size_q12};
         for (int k = 0; k < 3; k++)
             room_q12 = room[k] < room_q12 ? room[k] : room_q12;
     }
-    while ((((int64_t)7 << exponent) + 7) * 2048 < room_q12 || view->width > 16 << exponent ||
-           view->height > 16 << exponent)
+    while ((((int64_t)7 << exponent) + 7) * 2048 < room_q12 || size[0] > 16 << exponent ||
+           size[1] > 16 << exponent)
         exponent++;
     return exponent;
 }
@@ -125,18 +163,32 @@ static void jacobian_rows(fxs_view *view)
         }
 }
 
-/* What follows from the focal lengths, the position and the rotation. */
-static void derive(fxs_view *view)
+/* The picture that the camera's is a window of, or its own: width and height, and its principal point. */
+static void find_whole(const fxs_camera *camera, int64_t size[2], int64_t c_q12[2])
+{
+    const int window = is_window(camera);
+    size[0] = window ? camera->whole_width : camera->width;
+    size[1] = window ? camera->whole_height : camera->height;
+    c_q12[0] = camera->cx_q12 + (window ? (int64_t)camera->whole_x << 12 : 0);
+    c_q12[1] = camera->cy_q12 + (window ? (int64_t)camera->whole_y << 12 : 0);
+}
+
+/* What follows from the focal lengths, the position and the rotation. Only the edges are a window's own: they leave out
+   what cannot touch it. */
+static void derive(fxs_view *view, const fxs_camera *camera)
 {
     const int32_t size[2] = {view->width, view->height};
     const int64_t f_q12[2] = {view->fx_q12, view->fy_q12}, c_q12[2] = {view->cx_q12, view->cy_q12};
+    int64_t whole[2], whole_c_q12[2];
+    find_whole(camera, whole, whole_c_q12);
     for (int i = 0; i < 2; i++) {
-        slope_limits(size[i], f_q12[i], c_q12[i], &view->slope_low_q23[i], &view->slope_high_q23[i]);
+        slope_limits(whole[i], f_q12[i], whole_c_q12[i], &view->slope_low_q23[i], &view->slope_high_q23[i]);
         edge_slopes(size[i], f_q12[i], c_q12[i], &view->edge_low_q23[i], &view->edge_high_q23[i]);
+        hidden_slopes(view, i, f_q12[i], c_q12[i]);
         if (view->orthographic)                  /* the Jacobian does not depend on where the centre is */
             view->slope_low_q23[i] = view->slope_high_q23[i] = 0;
     }
-    view->veil_exponent = veil_exponent(view);
+    view->veil_exponent = veil_exponent(view, whole, whole_c_q12);
     view->jacobian_exponent = jacobian_exponent(view);
     jacobian_rows(view);
     for (int i = 0; i < 3; i++)                  /* parallel rays come from 2^28 units behind the picture */
@@ -155,8 +207,9 @@ static uint64_t plane_focal_q12(int64_t size, int64_t c_q12)
 static void choose_plane(fxs_view *view, const fxs_camera *camera, fxs_scale s)
 {
     const uint64_t x_q12 = (uint64_t)camera->fx_q12 * s.mantissa, y_q12 = (uint64_t)camera->fy_q12 * s.mantissa;
-    const uint64_t most_x_q12 = plane_focal_q12(view->width, view->cx_q12);
-    const uint64_t most_y_q12 = plane_focal_q12(view->height, view->cy_q12);
+    int64_t whole[2], c_q12[2];
+    find_whole(camera, whole, c_q12);
+    const uint64_t most_x_q12 = plane_focal_q12(whole[0], c_q12[0]), most_y_q12 = plane_focal_q12(whole[1], c_q12[1]);
     int shift = 0;
     while ((x_q12 >> shift >= most_x_q12 && y_q12 >> shift >= most_y_q12) || (x_q12 | y_q12) >> shift > INT32_MAX)
         shift++;
@@ -192,13 +245,17 @@ int fxs_view_init(fxs_view *view, const fxs_camera *camera, const fxs_options *o
     view->fy_q12 = camera->fy_q12;
     view->cx_q12 = camera->cx_q12;
     view->cy_q12 = camera->cy_q12;
+    view->hidden[0] = camera->hidden_x;
+    view->hidden[1] = camera->hidden_y;
+    view->hidden_end[0] = camera->hidden_x + camera->hidden_width;
+    view->hidden_end[1] = camera->hidden_y + camera->hidden_height;
     view->orthographic = camera->projection == FXS_ORTHOGRAPHIC;
     if (view->orthographic)
         choose_plane(view, camera, fxs_scale_of(FXS_ONE_Q32));
     view->square = options->cutoff == FXS_CUTOFF_SQUARE;
     view->cut_q11 = view->square ? FXS_LEVEL_MAX_Q11 : FXS_CUT_Q11;
     view->sh_degree = options->sh_degree;
-    derive(view);
+    derive(view, camera);
     return 0;
 }
 
@@ -267,6 +324,6 @@ int fxs_view_of_object(fxs_view *view, const fxs_view *world, const fxs_camera *
         choose_plane(view, camera, fxs_scale_of(object->scale_q32));
     view->sh_degree = world->sh_degree < object->scene->sh_degree ? world->sh_degree : object->scene->sh_degree;
     view->antialiased = object->scene->antialiased;
-    derive(view);
+    derive(view, camera);
     return 0;
 }

@@ -28,13 +28,14 @@ tests_of() {
     src/stereo.c | src/eyes.c) echo stereo scribble ;;
     src/scene.c | src/packed.h) echo scene random pack fxs_file stages kernels bands ;;
     src/bands.c) echo random bands stereo stages scene scribble ;;
-    src/chunk.c | src/frame.c) echo random stages scene stereo kernels bands scribble golden ;;
+    src/chunk.c | src/frame.c) echo random stages scene stereo kernels bands scribble golden foveate ;;
     src/pixel.h | src/fixed.h) echo random fixed stages kernels pixel scene golden ;;
     src/opacity.inc) echo pack random stages kernels ;;
     src/object.c | src/trace.c | src/targets.c | src/pick.c) echo targets objects stages ;;
-    src/*) echo random stages scene stereo kernels bands golden targets objects ;;
+    src/*) echo random stages scene stereo kernels bands golden targets objects foveate ;;
+    port/backend/foveate.c) echo foveate ;;
     kernels/gles/*) echo gles ;;
-    kernels/*) echo kernels random stereo golden bands ;;
+    kernels/*) echo kernels foveate random stereo golden bands ;;
     */camera.c | */message.c) echo camera_file golden ;;
     */camera*) echo camera_file ;;
     */byte_reader.c) echo pack splat ksplat ply compressed_ply spz scene_input ;;

@@ -99,9 +99,10 @@ static uint64_t hash(uint64_t value, const void *bytes, size_t count)
 static uint64_t draw(const fxs_scene *scene, enum fxs_format format)
 {
     static unsigned char pixels[WIDTH * HEIGHT * 4];
-    const fxs_camera camera = {WIDTH, HEIGHT, WIDTH << 12, WIDTH << 12, WIDTH << 11, HEIGHT << 11,
-                               {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, -((int64_t)12 << 32)}, 0,
-                               FXS_PERSPECTIVE};
+    const fxs_camera camera = {.width = WIDTH, .height = HEIGHT, .fx_q12 = WIDTH << 12, .fy_q12 = WIDTH << 12,
+                               .cx_q12 = WIDTH << 11, .cy_q12 = HEIGHT << 11,
+                               .rotation_q30 = {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30},
+                               .position_q32 = {0, 0, -((int64_t)12 << 32)}};
     const int pixel_bytes = format == FXS_FORMAT_RGB565 ? 2 : 4;
     fxs_context context;
     fxs_options options;

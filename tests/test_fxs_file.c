@@ -53,9 +53,10 @@ static void draw(const void *data, size_t bytes, uint8_t *rgba)
     fxs_scene scene;
     fxs_context context;
     fxs_options options;
-    fxs_camera camera = {SIZE, SIZE, SIZE << 12, SIZE << 12, SIZE << 11, SIZE << 11,
-                         {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, -((int64_t)14 << 32)}, 0,
-                         FXS_PERSPECTIVE};
+    fxs_camera camera = {.width = SIZE, .height = SIZE, .fx_q12 = SIZE << 12, .fy_q12 = SIZE << 12,
+                         .cx_q12 = SIZE << 11, .cy_q12 = SIZE << 11,
+                         .rotation_q30 = {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30},
+                         .position_q32 = {0, 0, -((int64_t)14 << 32)}};
     fxs_init(&context, 0);
     fxs_options_init(&options);
     if (!CHECK(!fxs_scene_open(&scene, data, bytes)))

@@ -331,6 +331,19 @@ static void move_off_axis(void)
     set_scale(chunk_of(), (sigma < 32 ? sigma : 32) * 65536);
 }
 
+/* A part of the picture, from nothing to all. */
+static void hide_some(fxs_camera *camera)
+{
+    camera->hidden_x = one_in(4) ? 0 : (int32_t)below((uint32_t)camera->width);
+    camera->hidden_y = one_in(4) ? 0 : (int32_t)below((uint32_t)camera->height);
+    camera->hidden_width = camera->width - camera->hidden_x;
+    camera->hidden_height = camera->height - camera->hidden_y;
+    if (one_in(2))
+        camera->hidden_width = (int32_t)below((uint32_t)camera->hidden_width + 1);
+    if (one_in(2))
+        camera->hidden_height = (int32_t)below((uint32_t)camera->hidden_height + 1);
+}
+
 static void make_view(void)
 {
     fxs_options options;
@@ -353,6 +366,8 @@ static void make_view(void)
     if (parallel && kind == 2)
         zoom_to_point(&camera);
     camera.projection = parallel ? FXS_ORTHOGRAPHIC : FXS_PERSPECTIVE;
+    if (one_in(3))
+        hide_some(&camera);
     CHECK(one_view_init(&view, &scene, &camera, &options) == 0);
     if (parallel && kind == 2 && one_in(2))
         move_off_axis();
@@ -683,6 +698,30 @@ static void resolve_case(void)
     }
 }
 
+/* Every sum and every transmittance, each format. */
+static void resolve_every_number(void)
+{
+    fxs_tile tile;
+    fxs_options options;
+    fxs_options_init(&options);
+    for (int first = 0; first < 32768; first += FXS_TILE_PIXELS)
+        for (int i = 0; i < 8; i++) {
+            const enum fxs_format format = (enum fxs_format)(i / 2);
+            const ptrdiff_t stride = FXS_TILE * fxs_pixel_bytes(format);
+            memset(options.background, i % 2 ? 255 : 0, sizeof options.background);
+            for (int k = 0; k < FXS_TILE_PIXELS; k++) {
+                tile.transmittance_q15[k] = (int16_t)(32767 - first - k);
+                for (int c = 0; c < 3; c++)
+                    tile.sum_q13[c][k] = (int16_t)(first + k);
+            }
+            output *pixels = output_new((size_t)(FXS_TILE * stride), 0);
+            fxs_resolve_c(&options, format, &tile, FXS_TILE, FXS_TILE, at(pixels, 0, 0), stride);
+            fast.resolve(&options, format, &tile, FXS_TILE, FXS_TILE, at(pixels, 1, 0), stride);
+            CHECK(same(pixels));
+            outputs_free();
+        }
+}
+
 /* ---- Tests ----------------------------------------------------------------------------------------------------- */
 
 /* Runs every seed until one fails. */
@@ -743,6 +782,7 @@ static void trace(void)
 static void resolve(void)
 {
     run_cases(resolve_case, 100);
+    resolve_every_number();
 }
 
 static void test_version(size_t i)
@@ -793,7 +833,7 @@ typedef struct workload {
     fxs_splat tile_splats[MAX_SPLATS];
     uint32_t entries[MAX_SPLATS];
     fxs_tile tile;
-    unsigned char pixels[FXS_TILE_PIXELS * 4];
+    uint64_t pixels[FXS_TILE_PIXELS];
 } workload;
 
 static workload *bench_load;
@@ -828,8 +868,9 @@ static packed_scene bench_scene(enum fxs_profile profile)
 
 static void bench_init(workload *w, enum fxs_profile profile)
 {
-    static const fxs_camera camera = {1280, 720, 1000 << 12, 1000 << 12, 640 << 12, 360 << 12,
-                                      {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}, {0, 0, 0}, 0, FXS_PERSPECTIVE};
+    static const fxs_camera camera = {.width = 1280, .height = 720, .fx_q12 = 1000 << 12, .fy_q12 = 1000 << 12,
+                                      .cx_q12 = 640 << 12, .cy_q12 = 360 << 12,
+                                      .rotation_q30 = {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}};
     fxs_options options;
     fxs_options_init(&options);
     state = 1;
@@ -873,10 +914,26 @@ static void bench_blend(workload *w, const fxs_kernels *k)
     k->blend(&w->view, 0, 0, w->tile_splats, w->entries, MAX_SPLATS, &w->tile);
 }
 
-static void bench_resolve(workload *w, const fxs_kernels *k)
+static void resolve_as(enum fxs_format format, workload *w, const fxs_kernels *k)
 {
     static const fxs_options options;
-    k->resolve(&options, FXS_FORMAT_RGBA8, &w->tile, FXS_TILE, FXS_TILE, w->pixels, 4 * FXS_TILE);
+    k->resolve(&options, format, &w->tile, FXS_TILE, FXS_TILE, (unsigned char *)w->pixels,
+               fxs_pixel_bytes(format) * FXS_TILE);
+}
+
+static void bench_resolve(workload *w, const fxs_kernels *k)
+{
+    resolve_as(FXS_FORMAT_RGBA8, w, k);
+}
+
+static void bench_rgb565(workload *w, const fxs_kernels *k)
+{
+    resolve_as(FXS_FORMAT_RGB565, w, k);
+}
+
+static void bench_rgba16(workload *w, const fxs_kernels *k)
+{
+    resolve_as(FXS_FORMAT_RGBA16_COVERAGE, w, k);
 }
 
 /* Least of all runs, for one of `units`. */
@@ -900,7 +957,9 @@ static void bench_version(const char *name, const fxs_kernels *k)
     printf(" %9.1f", measure(bench_shade, k, w->visible));
     printf(" %9.1f", measure(bench_sparse, k, BENCH_CHUNKS * FXS_CHUNK / 16));
     printf(" %9.1f", measure(bench_blend, k, MAX_SPLATS));
-    printf(" %9.2f\n", measure(bench_resolve, k, FXS_TILE_PIXELS));
+    printf(" %9.2f", measure(bench_resolve, k, FXS_TILE_PIXELS));
+    printf(" %9.2f", measure(bench_rgb565, k, FXS_TILE_PIXELS));
+    printf(" %9.2f\n", measure(bench_rgba16, k, FXS_TILE_PIXELS));
 }
 
 static void bench(const char *label, enum fxs_profile profile)
@@ -909,9 +968,10 @@ static void bench(const char *label, enum fxs_profile profile)
     bench_load = calloc(1, sizeof *bench_load);
     bench_init(bench_load, profile);
     bench_project(bench_load, &kernels);
-    printf("%s: %s a Gaussian (project, shade of all, sparse: of 1 in 16), a tile entry (blend), a pixel (resolve);\n"
-           "%u of %u Gaussians visible\n", label, TICK, bench_load->visible, BENCH_CHUNKS * FXS_CHUNK);
-    printf("%-8s %9s %9s %9s %9s %9s\n", "", "project", "shade", "sparse", "blend", "resolve");
+    printf("%s: %s a Gaussian (project, shade of all, sparse: of 1 in 16), a tile entry (blend), a pixel (resolve,\n"
+           "also as RGB565 and RGBA16); %u of %u Gaussians visible\n", label, TICK, bench_load->visible,
+           BENCH_CHUNKS * FXS_CHUNK);
+    printf("%-8s %9s %9s %9s %9s %9s %9s %9s\n", "", "project", "shade", "sparse", "blend", "resolve", "565", "16");
     bench_version("c", &kernels);
     for (size_t i = 0; i < VERSIONS; i++)
         if (fxs_cpu_detect() & versions[i].cpu) {

@@ -162,7 +162,7 @@ static void random_rotation(double m[9])
 /* Looks at the scene's origin, more or less, from `distance`. */
 static fxs_camera make_camera(int width, int height, double distance)
 {
-    fxs_camera camera = {width, height, 0, 0, 0, 0, {0}, {0}, 0, FXS_PERSPECTIVE};
+    fxs_camera camera = {.width = width, .height = height};
     double rotation[9], focal = (width > height ? width : height) * uniform(0.5, 2);
     random_rotation(rotation);
     camera.fx_q12 = (int32_t)ldexp(focal, 12);
@@ -1179,7 +1179,8 @@ static void test_chunks_across_the_near_plane(void)
 static void test_near_plane_itself(void)
 {
     packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
-    fxs_camera camera = {16, 16, 16 << 12, 16 << 12, 8 << 12, 8 << 12, {0}, {0}, 0, FXS_PERSPECTIVE};
+    fxs_camera camera = {.width = 16, .height = 16, .fx_q12 = 16 << 12, .fy_q12 = 16 << 12, .cx_q12 = 8 << 12,
+                         .cy_q12 = 8 << 12};
     const beside b = {{0, 0}, 1, -6};
     for (int i = 0; i < 9; i++)
         camera.rotation_q30[i] = i % 4 ? 0 : 1 << 30;

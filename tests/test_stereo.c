@@ -278,6 +278,31 @@ static void test_eye_turned_to_any_side(void)
     }
 }
 
+/* Eyes with fields of view of their own: principal points and focal lengths apart. */
+static void test_eyes_with_other_principal_points(void)
+{
+    fxs_scene scene;
+    fxs_camera cameras[2];
+    fxs_options options;
+    fxs_context context;
+    fxs_init(&context, 0);
+    for (int which = 0; which < 20; which++) {
+        state = (uint64_t)which * 0x3456781u;
+        const packed_scene packed = random_scene((enum fxs_profile)(which % 3), 3000);
+        CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
+        const enum fxs_format format = random_pair(cameras, &options, ONE_PLACE);
+        cameras[1].cx_q12 += between(-200000, 200000);
+        cameras[1].cy_q12 += between(-200000, 200000);
+        cameras[1].fx_q12 += between(0, 40000);
+        pair p = pair_of(&scene, cameras, &options, format);
+        unsigned char *alone = malloc(p.bytes);
+        const uint64_t entries = render_alone(&p, &context, alone);
+        check_pair(&p, &context, alone, entries, ONE_PLACE);
+        free(alone);
+        free(packed.data);
+    }
+}
+
 /* Each eye has the near plane of its own camera. */
 static void test_near_planes(void)
 {
@@ -432,6 +457,24 @@ static double worse_psnr(const fxs_scene *scene, const fxs_camera cameras[2])
     return worse;
 }
 
+/* The eyes of a headset: the left one sees farther to the left, the right one to the right. */
+static void check_headset(const fxs_scene *scene, const fxs_file_view *view, const fxs_pack_report *report)
+{
+    static const double tangents[][4] = {{-1.38, 1.19, 1.0, -1.2}, {-1.19, 1.38, 1.0, -1.2}};
+    fxs_message m;
+    fxs_camera cameras[2];
+    for (int eye = 0; eye < 2; eye++) {
+        fxs_file_view wide = *view;
+        fxs_camera both[2];
+        CHECK(!fxs_view_set_tangents(&wide, tangents[eye], &m) && !eyes_of(both, &wide, report, 0));
+        cameras[eye] = both[eye];
+    }
+    CHECK(cameras[0].cx_q12 - cameras[1].cx_q12 > 40 << 12);
+    const double psnr = worse_psnr(scene, cameras);
+    printf("  %s, a headset: %.1f dB\n", view->name, psnr);
+    CHECK(psnr >= FLOOR);
+}
+
 static void check_view(const fxs_packed_scene *packed, const fxs_pack_report *report, const fxs_file_view *view)
 {
     static const double turns[] = {0, 1, -5};
@@ -445,6 +488,7 @@ static void check_view(const fxs_packed_scene *packed, const fxs_pack_report *re
         printf("  %s, turned %g degrees: %.1f dB\n", view->name, turns[i], psnr);
         CHECK(psnr >= FLOOR);
     }
+    check_headset(&scene, view, report);
 }
 
 static int pack(const char *path, fxs_packed_scene *packed, fxs_pack_report *report)
@@ -527,6 +571,7 @@ int main(void)
     RUN(test_random_pairs);
     RUN(test_unseen_splats_are_not_looked_for);
     RUN(test_eye_turned_to_any_side);
+    RUN(test_eyes_with_other_principal_points);
     RUN(test_near_planes);
     RUN(test_arguments);
     RUN(test_too_many_slots);

@@ -350,7 +350,7 @@ static int shows(const viewer *v, fxs_file_view view, int width, int height)
         fxs_view_resize(&view, width, height);
     int same = !renderer_open(&r, &v->options) && !renderer_render(&r, &v->world, &view, options, &expected, 0) &&
                expected.width == v->picture.width && expected.height == v->picture.height &&
-               !memcmp(expected.pixels, v->picture.pixels, (size_t)width * (size_t)height * 4);
+               !memcmp(expected.pixels, v->picture.pixels, (size_t)expected.width * (size_t)height * 4);
     renderer_close(&r);
     picture_free(&expected);
     return same;
@@ -542,6 +542,56 @@ static void test_screenshot(void)
     viewer_close(&v);
 }
 
+/* Side by side: each half of the window is an eye, and so of the screenshot. */
+static void test_two_eyes(void)
+{
+    viewer v;
+    uint8_t *rgba = 0;
+    int width, height;
+    fxs_message m;
+    frame_options options = small_options();
+    options.stereo = 0.5;
+    if (start(&v, &options))
+        return;
+    fxs_window_size(v.window, &width, &height);
+    CHECK(width == 128 && height == 48 && v.picture.width == 128 && shows(&v, v.views[0], 64, 48));
+    key(&v, 'i');
+    if (CHECK(!fxs_image_file_read(shot, &rgba, &width, &height, &m)) && CHECK(width == 128 && height == 48))
+        CHECK(!memcmp(rgba, v.picture.pixels, 128 * 48 * 4));
+    free(rgba);
+    viewer_close(&v);
+}
+
+/* Foveated, of an asymmetric field of view: in motion the gaze and the radii are those of the smaller picture. */
+static void test_foveated(void)
+{
+    const double tangents[4] = {-1.38, 1.19, 1.0, -1.2}, gaze[5] = {40, 20, 6, 12, 2};
+    viewer v;
+    fxs_message m;
+    frame_options options = small_options();
+    options.has_tangents = 1;
+    memcpy(options.tangents, tangents, sizeof tangents);
+    options.foveate = (foveate_options){.on = 1, .given = 5};
+    memcpy(options.foveate.numbers, gaze, sizeof gaze);
+    if (start(&v, &options))
+        return;
+    const fxs_ring *r = v.renderer.foveated.rings;
+    CHECK(v.renderer.foveated.count == 3 && r->x[0] == 32 && r->y[0] == 12 && shows(&v, v.views[0], 64, 48));
+    wheel(&v, 2);
+    fxs_file_view coarse = v.view;
+    coarse.width = 32;
+    coarse.height = 24;
+    CHECK(!fxs_view_set_tangents(&coarse, tangents, &m));
+    CHECK(v.coarse && v.renderer.foveation.radius[0] == 3 && v.renderer.foveation.gaze[0][0] == 20);
+    v.options.foveate.numbers[0] = 20, v.options.foveate.numbers[1] = 10;
+    v.options.foveate.numbers[2] = 3, v.options.foveate.numbers[3] = 6, v.options.foveate.numbers[4] = 1;
+    CHECK(shows(&v, coarse, 32, 24));
+    viewer_step(&v, -1);
+    memcpy(v.options.foveate.numbers, gaze, sizeof gaze);
+    CHECK(!v.coarse && shows(&v, v.view, 64, 48));
+    viewer_close(&v);
+}
+
 static void test_failures_to_open(void)
 {
     viewer v;
@@ -607,6 +657,8 @@ int main(void)
     RUN(test_objects);
     RUN(test_resized_window);
     RUN(test_screenshot);
+    RUN(test_two_eyes);
+    RUN(test_foveated);
     RUN(test_failures_to_open);
     remove(shot), remove(knot), remove(cubes), remove(junk), remove(cameras), remove(folder);
 #else

@@ -1,19 +1,22 @@
 /* fixsplat bench */
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "metrics.h"
 #include "renderer.h"
 
 static const char help[] =
     "Usage: fixsplat bench SCENE... [OPTION...]\n\n"
     "Renders one view again and again and prints the median milliseconds of each stage; of a back end\n"
-    "with a timer also those of its device.\n\n"
+    "with a timer also those of its device. With --foveate also pixels, milliseconds and PSNR of each ring,\n"
+    "against the picture without.\n\n"
     "  --path N            fly once around the scene in N frames, 2 to 10000, and print minimum, median and maximum\n"
     "  --frames N          frames measured after a warm-up of two, 10 to 10000 (default 10)\n"
     "  --draw KIND         beside colour draw mean-depth, median-depth or ids; may be given for each\n"
     "  --json              print a JSON object\n"
-    "%s\n"
+    "%s%s\n"
     "Examples:\n"
     "  fixsplat bench scene.ply --cameras cameras.json --view 8 --size 1280x720\n"
     "  fixsplat bench scene.ply --threads 1 --cutoff square --json\n"
@@ -28,8 +31,15 @@ typedef struct bench_options {
 
 enum { OPT_FRAMES = OPT_OWN, OPT_PATH, OPT_DRAW, OPT_JSON };
 
-/* Columns of the times: the stages, the whole frame, and of that the device of a back end. */
-enum { FRAME = FXS_STAGES, DEVICE, COLUMNS };
+/* Columns of the times: the stages, the whole frame, of that the device of a back end, and foveated the rings and what
+   puts them together. */
+enum { FRAME = FXS_STAGES, DEVICE, RING, COMPOSE = RING + FXS_RINGS, COLUMNS };
+
+/* What a ring of a foveated picture shows, of both eyes. */
+typedef struct ring_picture {
+    uint64_t shaded, shown;                 /* pixels */
+    double psnr;                            /* of those shown */
+} ring_picture;
 
 static int take_draw(bench_options *o, const char *kind)
 {
@@ -66,7 +76,7 @@ static int take_options(bench_options *o, int argc, char **argv)
                 return EXIT_USAGE;
             break;
         case OPT_JSON: o->json = 1; break;
-        case OPT_HELP: printf(help, frame_options_help); exit(EXIT_OK);
+        case OPT_HELP: printf(help, camera_options_help, frame_options_help); exit(EXIT_OK);
         case '?': return wrong_option(argv);
         default:
             if (frame_option(&o->frame, c, optarg))
@@ -74,6 +84,8 @@ static int take_options(bench_options *o, int argc, char **argv)
         }
     if (take_scenes(&o->frame.world, "bench", argc - optind, argv + optind))
         return EXIT_USAGE;
+    if (o->draws && o->frame.foveate.on)
+        return fail(EXIT_USAGE, "--foveate is of colours: no --draw");
     o->path = (int)path;
     o->frames = path ? o->path : (int)frames;
     return frame_options_check(&o->frame);
@@ -107,6 +119,15 @@ static fxs_file_view view_of_frame(const bench_options *o, const world *w, const
     return turned;
 }
 
+/* Of a frame of picture `r->foveated`, into column `i` of `frames`. */
+static void take_ring_times(const renderer *r, double *times, int frames, int i)
+{
+    const fxs_foveated *f = &r->foveated;
+    for (uint32_t k = 0; k < FXS_RINGS; k++)
+        times[(RING + (int)k) * frames + i] = k < f->count ? (double)f->rings[k].stats.frame_nanoseconds * 1e-6 : 0;
+    times[COMPOSE * frames + i] = (double)f->compose_nanoseconds * 1e-6;
+}
+
 static int measure(spread columns[COLUMNS], renderer *r, const bench_options *o, const world *w,
                    const fxs_file_view *view)
 {
@@ -124,13 +145,76 @@ static int measure(spread columns[COLUMNS], renderer *r, const bench_options *o,
             times[s * frames + i] = (double)stats.nanoseconds[s] * 1e-6;
         if (i >= 0) {
             times[FRAME * frames + i] = (double)stats.frame_nanoseconds * 1e-6;
-            times[DEVICE * frames + i] = (double)r->backend->nanoseconds(r->self) * 1e-6;
+            times[DEVICE * frames + i] = (double)(r->foveate.on ? r->foveated.device_nanoseconds
+                                                                : r->backend->nanoseconds(r->self)) * 1e-6;
+            take_ring_times(r, times, frames, i);
         }
     }
     for (int s = 0; s < COLUMNS && !status; s++)
         columns[s] = spread_of(times + s * frames, frames);
     free(times);
     picture_free(&pixels);
+    return status;
+}
+
+/* Whether a pixel lies on one side of the picture in a window and not in its bands. */
+static int is_inside(int at, int first, int length, int whole, int band)
+{
+    return at >= first + (first > 0 ? band : 0) && at < first + length - (first + length < whole ? band : 0);
+}
+
+/* The finest ring that is all that a pixel of an eye shows; in a band the coarser one. */
+static uint32_t ring_at(const renderer *r, int eye, int x, int y, int width, int height)
+{
+    const fxs_foveated *f = &r->foveated;
+    uint32_t k = 0;
+    for (; k + 1 < f->count; k++) {
+        const fxs_ring *ring = &f->rings[k];
+        if (is_inside(x, ring->x[eye], ring->width * ring->rate, width, r->foveation.band) &&
+            is_inside(y, ring->y[eye], ring->height * ring->rate, height, r->foveation.band))
+            break;
+    }
+    return k;
+}
+
+static void compare_rings(ring_picture rings[FXS_RINGS], const renderer *r, const picture *a, const picture *b,
+                          int eyes)
+{
+    const fxs_foveated *f = &r->foveated;
+    const int width = a->width / eyes;
+    uint64_t squares[FXS_RINGS] = {0};
+    for (int y = 0; y < a->height; y++)
+        for (int x = 0; x < a->width; x++) {
+            const int eye = x / width;
+            const uint32_t k = ring_at(r, eye, x - eye * width, y, width, a->height);
+            const size_t at = 4 * ((size_t)y * (size_t)a->width + (size_t)x);
+            rings[k].shown++;
+            for (size_t c = at; c < at + 3; c++)
+                squares[k] += (uint64_t)((a->pixels[c] - b->pixels[c]) * (a->pixels[c] - b->pixels[c]));
+        }
+    for (uint32_t k = 0; k < f->count; k++) {
+        rings[k].shaded = (uint64_t)f->rings[k].width * (uint64_t)f->rings[k].height * (uint64_t)eyes;
+        rings[k].psnr = squares[k] ? 10 * log10(255.0 * 255.0 * 3 * (double)rings[k].shown / (double)squares[k])
+                                   : INFINITY;
+    }
+}
+
+/* The view once foveated and once whole. */
+static int measure_rings(ring_picture rings[FXS_RINGS], renderer *r, const bench_options *o, const world *w,
+                         const fxs_file_view *view)
+{
+    picture foveated = {.pixels = 0}, whole = {.pixels = 0};
+    memset(rings, 0, FXS_RINGS * sizeof *rings);
+    int status = r->foveate.on ? renderer_render(r, w, view, &o->frame.render, &foveated, 0) : 0;
+    if (!status && r->foveate.on) {
+        r->foveate.on = 0;
+        status = renderer_render(r, w, view, &o->frame.render, &whole, 0);
+        r->foveate.on = 1;
+        if (!status)
+            compare_rings(rings, r, &foveated, &whole, r->stereo > 0 ? 2 : 1);
+    }
+    picture_free(&foveated);
+    picture_free(&whole);
     return status;
 }
 
@@ -144,21 +228,44 @@ static const char *cutoff_name(const bench_options *o)
     return o->frame.render.cutoff == FXS_CUTOFF_SQUARE ? "square" : "mahalanobis";
 }
 
-static void print_text(const spread columns[COLUMNS], const renderer *r, const bench_options *o,
-                       const world *w, const fxs_file_view *view)
+static void print_rings(const spread columns[COLUMNS], const ring_picture rings[FXS_RINGS], const renderer *r)
+{
+    char psnr[32];
+    printf("  %-12s %12s %12s %9s   PSNR\n", "ring", "rendered", "shown", "median");
+    for (uint32_t k = 0; k < r->foveated.count; k++)
+        printf("  rate 1/%-5d %12" PRIu64 " %12" PRIu64 " %9.3f   %s\n", r->foveated.rings[k].rate, rings[k].shaded,
+               rings[k].shown, columns[RING + k].median, fxs_metrics_psnr(psnr, rings[k].psnr, "equal"));
+    printf("  %-38s %9.3f\n", "put together", columns[COMPOSE].median);
+}
+
+static void print_text(const spread columns[COLUMNS], const ring_picture rings[FXS_RINGS], const renderer *r,
+                       const bench_options *o, const world *w, const fxs_file_view *view)
 {
     printf("%" PRIu32 " Gaussians, %dx%d, %" PRIu32 " threads, cut-off %s, %d frames%s; milliseconds\n",
            w->gaussians, view->width, view->height, o->frame.threads, cutoff_name(o), o->frames,
            o->path ? " around the scene" : "");
     printf("           %9s %9s %9s   share  version\n", "minimum", "median", "maximum");
-    for (int s = 0; s < (columns[DEVICE].most > 0 ? COLUMNS : DEVICE); s++)
+    for (int s = 0; s < (columns[DEVICE].most > 0 ? DEVICE + 1 : DEVICE); s++)
         printf("  %-8s %9.3f %9.3f %9.3f  %5.1f%%  %s\n", column_name(s), columns[s].least, columns[s].median,
                columns[s].most, 100 * columns[s].median / columns[FRAME].median,
                s < FXS_STAGES ? r->backend->version(r->self, (enum fxs_stage)s) : "");
+    if (r->foveate.on)
+        print_rings(columns, rings, r);
 }
 
-static void print_json(const spread columns[COLUMNS], const renderer *r, const bench_options *o, const world *w,
-                       const fxs_file_view *view)
+static void print_json_rings(const spread columns[COLUMNS], const ring_picture rings[FXS_RINGS], const renderer *r)
+{
+    char psnr[32];
+    printf(", \"compose_ms\": %.3f, \"rings\": [", columns[COMPOSE].median);
+    for (uint32_t k = 0; k < r->foveated.count; k++)
+        printf("%s{\"rate\": %d, \"rendered\": %" PRIu64 ", \"shown\": %" PRIu64 ", \"ms\": %.3f, \"psnr\": %s}",
+               k ? ", " : "", r->foveated.rings[k].rate, rings[k].shaded, rings[k].shown, columns[RING + k].median,
+               fxs_metrics_psnr(psnr, rings[k].psnr, "null"));
+    printf("]");
+}
+
+static void print_json(const spread columns[COLUMNS], const ring_picture rings[FXS_RINGS], const renderer *r,
+                       const bench_options *o, const world *w, const fxs_file_view *view)
 {
     printf("{\"gaussians\": %" PRIu32 ", \"width\": %d, \"height\": %d, \"threads\": %" PRIu32 ", \"cpu\": \"%s\", "
            "\"cutoff\": \"%s\", \"backend\": \"%s\", \"frames\": %d, \"frame_ms\": %.3f, \"frame_ms_min\": %.3f, "
@@ -168,7 +275,10 @@ static void print_json(const spread columns[COLUMNS], const renderer *r, const b
            (double)w->load_nanoseconds * 1e-6);
     for (int s = 0; s < FXS_STAGES; s++)
         printf("%s\"%s\": %.3f", s ? ", " : "", column_name(s), columns[s].median);
-    puts("}}");
+    printf("}");
+    if (r->foveate.on)
+        print_json_rings(columns, rings, r);
+    puts("}");
 }
 
 int command_bench(int argc, char **argv)
@@ -178,6 +288,7 @@ int command_bench(int argc, char **argv)
     world w;
     fxs_file_view *views = 0;
     spread columns[COLUMNS];
+    ring_picture rings[FXS_RINGS];
     int status = take_options(&o, argc, argv);
     if (status)
         return status;
@@ -187,8 +298,9 @@ int command_bench(int argc, char **argv)
     r.draws = o.draws;
     if (!status && !(status = world_open(&w, &o.frame.world, &o.frame.load))) {
         status = choose_views(&o.frame, &w, &views) < 0 ? EXIT_FAILED : measure(columns, &r, &o, &w, views);
+        status = status ? status : measure_rings(rings, &r, &o, &w, views);
         if (!status)
-            (o.json ? print_json : print_text)(columns, &r, &o, &w, views);
+            (o.json ? print_json : print_text)(columns, rings, &r, &o, &w, views);
         free(views);
         renderer_close(&r);
         world_close(&w);

@@ -1,6 +1,6 @@
 #!/bin/sh
-# bench.sh [PART...]: measures and writes the parts of docs/performance.md (between their marker lines): tables, sizes, limits, stereo;
-# without PART, all.
+# bench.sh [PART...]: measures and writes the parts of docs/performance.md (between their marker lines): tables, sizes, limits, stereo,
+# foveated; without PART, all. FOVEATED: the back ends of that part (cpu gles).
 # B: build folder; SCENES: folder of real scenes.
 # Medians of 10 frames or more, from `fixsplat bench --json`; rows of one table are from one run.
 set -eu
@@ -274,6 +274,46 @@ stereo() {
     fi
 }
 
+# One row: the whole picture and the foveated one in turns, medians; then pixels, milliseconds and PSNR of each ring.
+foveated_row() {
+    name=$1 backend=$2 size=$3
+    shift 3
+    rm -f "$work"/turn-*
+    for turn in 1 2 3; do
+        "$B/fixsplat" bench --json "$@" --backend "$backend" --size "$size" | field frame_ms >>"$work/turn-whole"
+        "$B/fixsplat" bench --json "$@" --backend "$backend" --size "$size" --foveate >"$work/turn-json-$turn"
+        field frame_ms <"$work/turn-json-$turn" >>"$work/turn-foveated"
+    done
+    printf '| %s, %s, %s ' "$backend" "$name" "$size"
+    sed 's/.*"rings": //; s/{/\n/g' "$work/turn-json-2" | tr -d '",}]' |
+        awk -v whole="$(sort -n "$work/turn-whole" | sed -n 2p)" -v size="$size" \
+            -v both="$(sort -n "$work/turn-foveated" | sed -n 2p)" '
+            /^rate/ { pixels += $4; rings = rings sprintf("| %d | %s | %s ", $4 / 1000, $8,
+                                                         $10 == "null" ? "equal" : sprintf("%.1f", $10)) }
+            END { split(size, side, "x")
+                  printf "| %.1f | %.1f | %.2f | %.2f %s|\n", whole, both, both / whole,
+                         pixels / (side[1] * side[2]), rings }'
+}
+
+foveated() {
+    printf 'Milliseconds, medians of three turns; pixels rendered, of those of the picture and of each ring in thousands; PSNR in what the ring shows.\n\n'
+    printf '| back end, view | whole | foveated | ratio | rendered | full | ms | PSNR | half | ms | PSNR | quarter | ms | PSNR |\n'
+    printf '|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n'
+    landscape 1000000
+    for backend in ${FOVEATED:-cpu gles}; do
+        for size in 1280x720 $([ "$backend" = gles ] || echo 2064x2208); do
+            for view in 8 40; do
+                foveated_row "snowmiku, view $view" "$backend" "$size" "$SCENES/snowmiku/snowmiku.ply" \
+                    --cameras "$SCENES/snowmiku/cameras.json" --view $view
+            done
+            foveated_row kitchen-marble "$backend" "$size" "$SCENES/kitchen-marble/kitchen-marble.ply"
+            foveated_row statue "$backend" "$size" "$SCENES/statue-st-peter/st-peter.ply"
+            foveated_row 'landscape of a million, from the shore' "$backend" "$size" "$work/1000000.ply" \
+                --eye 4.6,-1.9,-12.7 --look 0,-2.2,0 --fov 52
+        done
+    done
+}
+
 tables() {
     growth
     echo
@@ -284,7 +324,7 @@ tables() {
     cutoffs
 }
 
-for part in ${*:-tables gles sizes limits stereo}; do
+for part in ${*:-tables gles sizes limits stereo foveated}; do
     {
         printf 'Measured %s on %s (%s processors), %s.\n\n' "$(date -u +%Y-%m-%d)" \
             "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)" "$(getconf _NPROCESSORS_ONLN)" \

@@ -34,8 +34,8 @@ int wrong_option(char **argv);
 /* What getopt_long returns for the options that several commands take; a command's own follow. */
 enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_ORTHO, OPT_NEAR, OPT_SIZE, OPT_BG,
        OPT_CUTOFF, OPT_SH_DEGREE, OPT_CPU, OPT_THREADS, OPT_MAX_MEMORY, OPT_BACKEND, OPT_DEVICE, OPT_LOD,
-       OPT_PROFILE, OPT_STEREO, OPT_STEREO_EXACT, OPT_MAX_GAUSSIANS, OPT_IMPORT_MEMORY, OPT_AXES, OPT_SCENE,
-       OPT_PLACE, OPT_HELP, OPT_OWN };
+       OPT_PROFILE, OPT_STEREO, OPT_STEREO_EXACT, OPT_TANGENTS, OPT_FOVEATE, OPT_MAX_GAUSSIANS, OPT_IMPORT_MEMORY,
+       OPT_AXES, OPT_SCENE, OPT_PLACE, OPT_HELP, OPT_OWN };
 
 /* Whole numbers and lists of numbers, checked; they return 0 where the text is anything else. */
 int parse_count(const char *text, uint64_t low, uint64_t high, uint64_t *out);

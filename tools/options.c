@@ -10,7 +10,7 @@
 #include "../kernels/kernels.h"
 #endif
 
-const char frame_options_help[] =
+const char camera_options_help[] =
     "Camera (without one, the scene is framed whole):\n"
     "  --cameras FILE      cameras.json, transforms.json or a COLMAP model (folder, images.bin or images.txt)\n"
     "  --view N|NAME|all   a view of that file: its number from 0, its image name, or all (default 0)\n"
@@ -18,6 +18,8 @@ const char frame_options_help[] =
     "  --look X,Y,Z        point looked at (default: the middle of the scene)\n"
     "  --up X,Y,Z          up in the picture (default 0,-1,0: y points down; 0,0,1 for scenes with z up)\n"
     "  --fov DEG           vertical field of view, 1 to 170 (default 50)\n"
+    "  --tangents L,R,U,D  field of view as a headset states it, tangents to the left (negative), right, up and down\n"
+    "                      (negative), in place of --fov; with --stereo of the left eye, the right one is its mirror\n"
     "  --ortho UNITS       parallel rays, a picture so many scene units high, in place of --fov\n"
     "  --near DEPTH        near plane: only what lies beyond is drawn, scene units, 2^-20 to 2^28 (default: 0.2 for\n"
     "                      views of a file in render, bench and info; else 1/100 of the scene's radius, at most 0.2)\n"
@@ -25,8 +27,14 @@ const char frame_options_help[] =
     "  --stereo DISTANCE   two pictures side by side, of eyes so far apart (scene units, above 0) about the camera;\n"
     "                      order and colours are found once for both\n"
     "  --stereo-exact      each eye as its camera alone would be rendered\n"
+    "  --foveate[=X,Y[,R1,R2[,BAND]]]\n"
+    "                      full rate R1 pixels about the gaze X,Y (of two eyes in the left picture; the other looks\n"
+    "                      the same way), half rate as far as R2, a quarter beyond; edges faded over BAND pixels\n"
+    "                      (default: straight ahead, 1/5 and 2/5 of the shorter side, 1/4 of R1)\n"
     "Scenes:\n"
-    WORLD_HELP
+    WORLD_HELP;
+
+const char frame_options_help[] =
     "Rendering:\n"
     "  --bg RRGGBB         background (default 000000)\n"
     "  --cutoff NAME       mahalanobis (default) or square\n"
@@ -134,6 +142,22 @@ static int take_stereo(double *distance, const char *value)
                ? 0 : fail(EXIT_USAGE, "--stereo %s: expected a distance above 0", value);
 }
 
+static int take_foveate(foveate_options *foveate, const char *value)
+{
+    static const int counts[] = {2, 4, 5};
+    double *n = foveate->numbers;
+    foveate->on = 1;
+    foveate->given = 0;
+    for (int i = 0; i < 3 && value && !foveate->given; i++)
+        foveate->given = parse_vector(value, counts[i], n) ? counts[i] : 0;
+    const int given = foveate->given;
+    const int right = !value || (given && fabs(n[0]) <= FXS_MAX_SIZE && fabs(n[1]) <= FXS_MAX_SIZE &&
+                                 (given < 4 || (n[2] >= 1 && n[3] >= n[2] + 1 && n[3] <= FXS_MAX_SIZE)) &&
+                                 (given < 5 || (n[4] >= 0 && n[4] <= n[2])));
+    return right ? 0 : fail(EXIT_USAGE, "--foveate=%s: expected X,Y or X,Y,R1,R2 or X,Y,R1,R2,BAND, pixels: R1 from 1, "
+                            "R2 larger, BAND at most R1", value);
+}
+
 int frame_option(frame_options *options, int which, const char *value)
 {
     uint64_t number = 0;
@@ -145,6 +169,11 @@ int frame_option(frame_options *options, int which, const char *value)
     case OPT_LOOK: return take_vector("look", value, options->look, &options->has_look);
     case OPT_UP: return take_vector("up", value, options->up, &options->has_up);
     case OPT_FOV: return take_fov(&options->fov, value);
+    case OPT_TANGENTS:
+        options->has_tangents = parse_vector(value, 4, options->tangents);
+        return options->has_tangents ? 0 : fail(EXIT_USAGE, "--tangents %s: expected four numbers LEFT,RIGHT,UP,DOWN",
+                                                value);
+    case OPT_FOVEATE: return take_foveate(&options->foveate, value);
     case OPT_ORTHO: return take_ortho(&options->ortho, value);
     case OPT_NEAR: return take_near(&options->near, value);
     case OPT_SIZE:
@@ -188,8 +217,11 @@ int frame_options_check(const frame_options *options)
         return fail(EXIT_USAGE, "--cameras and --eye or --look: give one camera");
     if (options->stereo_exact && options->stereo <= 0)
         return fail(EXIT_USAGE, "--stereo-exact needs --stereo");
-    if (options->panorama && (options->stereo > 0 || options->ortho > 0))
-        return fail(EXIT_USAGE, "--panorama looks all around: no --stereo, no --ortho");
+    if (options->panorama && (options->stereo > 0 || options->ortho > 0 || options->has_tangents ||
+                              options->foveate.on))
+        return fail(EXIT_USAGE, "--panorama looks all around: no --stereo, --ortho, --tangents, --foveate");
+    if (options->has_tangents && options->ortho > 0)
+        return fail(EXIT_USAGE, "--tangents and --ortho: give one");
     if (options->panorama && options->width != 2 * options->height)
         return fail(EXIT_USAGE, "--panorama is twice as wide as high: --size %dx%d is not", options->width,
                     options->height);
@@ -301,6 +333,8 @@ static int finish_view(const frame_options *options, fxs_file_view *view, fxs_me
         view->projection = FXS_ORTHOGRAPHIC;
         view->fx = view->fy = view->height / options->ortho;
     }
+    if (options->has_tangents && fxs_view_set_tangents(view, options->tangents, message))
+        return -1;
     if (options->panorama && (!options->cameras || options->has_up) && make_level(view, options, message))
         return -1;
     return options->cameras ? fxs_camera_from_view(&camera, view, message) : 0;

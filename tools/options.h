@@ -8,6 +8,12 @@
 
 #define DEVICES_MOST 16
 
+typedef struct foveate_options {
+    int on;
+    int given;                              /* 0, or of the numbers those that are: 2, 4 or 5 */
+    double numbers[5];                      /* gaze x, y; radii of full and half rate; band; pixels */
+} foveate_options;
+
 typedef struct frame_options {
     const char *cameras, *view;             /* camera file; number, name or "all" */
     int has_eye, has_look, has_up;
@@ -16,8 +22,11 @@ typedef struct frame_options {
     double near;                            /* near plane, scene units; 0: as --help says */
     int panorama;                           /* the camera is in the scene's middle where none is given, and level */
     int width, height;                      /* 0: the camera's own size, or 1280x720, or 2048x1024 of a panorama */
+    int has_tangents;
+    double tangents[4];                     /* left, right, up, down; of two eyes those of the left one */
     double stereo;                          /* between the two eyes, scene units; 0: one picture */
     int stereo_exact;
+    foveate_options foveate;
     fxs_options render;
     const char *cpu, *backend;
     int devices[DEVICES_MOST];              /* the first device_count, 0: all that there are */
@@ -41,9 +50,10 @@ typedef struct frame_options {
     {"backend", required_argument, 0, OPT_BACKEND}, {"device", required_argument, 0, OPT_DEVICE}, \
     {"lod", required_argument, 0, OPT_LOD}, IMPORT_OPTIONS, WORLD_OPTIONS, \
     {"profile", required_argument, 0, OPT_PROFILE}, {"stereo", required_argument, 0, OPT_STEREO}, \
-    {"stereo-exact", no_argument, 0, OPT_STEREO_EXACT}, \
+    {"stereo-exact", no_argument, 0, OPT_STEREO_EXACT}, {"tangents", required_argument, 0, OPT_TANGENTS}, \
+    {"foveate", optional_argument, 0, OPT_FOVEATE}, \
     {"help", no_argument, 0, OPT_HELP}
-extern const char frame_options_help[];
+extern const char camera_options_help[], frame_options_help[];
 
 void frame_options_default(frame_options *options);
 

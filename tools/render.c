@@ -29,7 +29,7 @@ static const char help[] =
     "  --hash              print the FNV-1a 64 hash of the RGBA bytes\n"
     "  --stats             print a JSON object: counts, milliseconds of each stage, bytes of each buffer\n"
     "  --json              print what --pick finds as a JSON object\n"
-    "%s\n"
+    "%s%s\n"
     "Examples:\n"
     "  fixsplat render scene.ply -o scene.png\n"
     "  fixsplat render scene.ply --cameras cameras.json --view 8 --size 1280x720 -o view8.png\n"
@@ -37,6 +37,7 @@ static const char help[] =
     "  fixsplat render scene.ply --eye 0,-1,-4 --look 0,0,0 --fov 40 --bg ffffff -o white.png --hash\n"
     "  fixsplat render room.fxs chair.spz --place chair.spz:1,0,2 --place chair.spz:-1,0,2,0,0,1,0 -o room.png\n"
     "  fixsplat render scene.ply --ortho 4 --size 1000x1000 -o plan.png --ids ids.png\n"
+    "  fixsplat render scene.ply --stereo 0.063 --tangents -1.38,1.19,1.0,-1.2 --size 2064x2208 --foveate -o eyes.png\n"
     "  fixsplat render scene.ply --panorama --size 4096x2048 -o around.png\n";
 
 typedef struct render_options {
@@ -126,6 +127,8 @@ static int check_outputs(render_options *o)
     if (o->frame.stereo > 0 && (o->stats || o->has_pick))
         return fail(EXIT_USAGE, "%s is of one picture, not of --stereo%s", o->stats ? "--stats" : "--pick",
                     o->stats ? "; see: fixsplat bench --stereo" : "");
+    if (o->frame.foveate.on && (o->draws || o->stats))
+        return fail(EXIT_USAGE, "--foveate is of colours: no --depth, --ids, --stats; see: fixsplat bench --foveate");
     if (o->json && !o->has_pick)
         return fail(EXIT_USAGE, "--json is for --pick");
     if (o->draws && backend && !(backend->can & FXS_CAN_TRACE))
@@ -149,7 +152,7 @@ static int take_options(render_options *o, int argc, char **argv)
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, "o:", table, 0)) != -1;) {
         if (c == OPT_HELP) {
-            printf(help, frame_options_help);
+            printf(help, camera_options_help, frame_options_help);
             exit(EXIT_OK);
         }
         if (c == '?')

@@ -24,12 +24,18 @@ int renderer_open(renderer *r, const frame_options *options)
     memset(r, 0, sizeof *r);
     r->stereo = options->stereo;
     r->stereo_exact = options->stereo_exact;
+    r->mirrored = options->has_tangents;
+    r->foveate = options->foveate;
     r->max_memory = options->max_memory;
     int devices[DEVICES_MOST];
     choose_devices(options, devices);
     int status = choose_backend(options, devices[0], &r->backend, &how);
     if (!status && r->backend->open(&r->self, &how, &why))
         status = fail(EXIT_FAILED, "--backend %s: %s", options->backend, why.text);
+    if (!status && r->foveate.on && options->threads > 1 && !(r->pool = fxs_pool_create(options->threads))) {
+        renderer_close(r);
+        status = fail(EXIT_FAILED, "cannot start %" PRIu32 " threads", options->threads);
+    }
     return status;
 }
 
@@ -38,6 +44,11 @@ void renderer_close(renderer *r)
     if (r->self)
         r->backend->close(r->self);
     r->self = 0;
+    fxs_pool_destroy(r->pool);
+    r->pool = 0;
+    free(r->rings);
+    r->rings = 0;
+    r->ring_room = 0;
 }
 
 void renderer_forget(renderer *r, const world *w)
@@ -108,13 +119,15 @@ static void aim(const renderer *r, const picture *out, int eye, fxs_targets *tar
 
 /* ---- Rendering --------------------------------------------------------------------------------------------------- */
 
-/* The view from `offset` units to the right of its centre. */
-static int camera_beside(fxs_camera *camera, const fxs_file_view *view, double offset)
+/* The view from `offset` units to the right of its centre; with its field of view turned over, or not. */
+static int camera_beside(fxs_camera *camera, const fxs_file_view *view, double offset, int mirrored)
 {
     fxs_message message;
     fxs_file_view beside = *view;
     for (int i = 0; i < 3; i++)
         beside.position[i] += offset * view->rotation[i];
+    if (mirrored)
+        beside.cx = view->width - view->cx;
     return fxs_camera_from_view(camera, &beside, &message) ? fail(EXIT_FAILED, "%s", message.text) : 0;
 }
 
@@ -126,6 +139,39 @@ static int fail_frame(const renderer *r, const fxs_file_view *view, int error, c
     return fail(EXIT_FAILED, "view %s: %s", view->name, why->text);
 }
 
+static fxs_foveation foveation_of(const renderer *r, const fxs_camera *cameras, uint32_t eyes)
+{
+    const foveate_options *o = &r->foveate;
+    const double scale = r->divisor > 1 ? 1.0 / r->divisor : 1;
+    fxs_foveation f;
+    fxs_foveation_init(&f, cameras, eyes);
+    for (uint32_t eye = 0; eye < eyes && o->given; eye++) {
+        f.gaze[eye][0] = (int32_t)(o->numbers[0] * scale) + ((cameras[eye].cx_q12 - cameras->cx_q12) >> 12);
+        f.gaze[eye][1] = (int32_t)(o->numbers[1] * scale) + ((cameras[eye].cy_q12 - cameras->cy_q12) >> 12);
+    }
+    if (o->given >= 4) {
+        f.radius[0] = (int32_t)fmax(o->numbers[2] * scale, 1);
+        f.radius[1] = (int32_t)fmax(o->numbers[3] * scale, f.radius[0] + 1);
+        f.band = (int32_t)(o->given == 5 ? fmin(o->numbers[4] * scale, f.radius[0]) : f.radius[0] / 4);
+    }
+    return f;
+}
+
+static int render_foveated(renderer *r, const fxs_request *request, fxs_stats *stats, fxs_message *why)
+{
+    r->foveation = foveation_of(r, request->cameras, request->eyes);
+    const size_t bytes = fxs_foveation_bytes(&r->foveation, request->cameras, request->eyes);
+    if (!grow(&r->rings, &r->ring_room, bytes)) {
+        snprintf(why->text, sizeof why->text, "out of memory");
+        return FXS_ERR_MEMORY;
+    }
+    const int error = fxs_foveate(r->backend, r->self, request, &r->foveation, r->rings, r->ring_room,
+                                  r->pool ? fxs_pool_run : 0, r->pool, &r->foveated, why);
+    if (stats)
+        *stats = r->foveated.stats;
+    return error;
+}
+
 int renderer_render(renderer *r, const world *w, const fxs_file_view *view, const fxs_options *options, picture *out,
                     fxs_stats *stats)
 {
@@ -133,7 +179,8 @@ int renderer_render(renderer *r, const world *w, const fxs_file_view *view, cons
     fxs_camera cameras[2];
     fxs_targets targets[2];
     fxs_message why;
-    if (camera_beside(&cameras[0], view, -r->stereo / 2) || camera_beside(&cameras[1], view, r->stereo / 2) ||
+    if (camera_beside(&cameras[0], view, -r->stereo / 2, 0) ||
+        camera_beside(&cameras[1], view, r->stereo / 2, r->mirrored) ||
         make_room(r, out, eyes * view->width, view->height))
         return EXIT_FAILED;
     out->depth_bits = choose_depth_bits(w, view);
@@ -142,7 +189,8 @@ int renderer_render(renderer *r, const world *w, const fxs_file_view *view, cons
     const fxs_request request = {.objects = w->objects, .count = w->count, .options = options,
                                  .eyes = (uint32_t)eyes, .cameras = cameras, .targets = targets,
                                  .exact = r->stereo_exact};
-    const int error = r->backend->render(r->self, &request, stats, &why);
+    const int error = r->foveate.on ? render_foveated(r, &request, stats, &why)
+                                    : r->backend->render(r->self, &request, stats, &why);
     return error ? fail_frame(r, view, error, &why) : world_check(w);
 }
 
@@ -163,7 +211,7 @@ int renderer_pick(renderer *r, const world *w, const fxs_file_view *view, const 
 {
     fxs_camera camera;
     fxs_message why;
-    if (camera_beside(&camera, view, 0))
+    if (camera_beside(&camera, view, 0, 0))
         return -1;
     const fxs_request request = {.objects = w->objects, .count = w->count, .options = options, .eyes = 1,
                                  .cameras = &camera};

@@ -2,6 +2,8 @@
 #ifndef RENDERER_H
 #define RENDERER_H
 
+#include "../port/backend/foveate.h"
+#include "../port/posix/pool.h"
 #include "options.h"
 
 /* What is drawn beside colour. */
@@ -26,6 +28,14 @@ typedef struct renderer {
     size_t max_memory;
     enum fxs_format format;
     int draws;                              /* DRAW_*; depths of one kind */
+    int mirrored;                           /* the right eye's field of view is the left one's mirror */
+    foveate_options foveate;
+    int divisor;                            /* its numbers are of a picture so many times as large; 0: 1 */
+    void *rings;                            /* of foveated pictures */
+    size_t ring_room;                       /* bytes */
+    fxs_pool *pool;                         /* that put them together */
+    fxs_foveation foveation;                /* of the last picture */
+    fxs_foveated foveated;
 } renderer;
 
 /* Opens the back end that the options name, on the first of their devices. `format` and `draws` may be set then.

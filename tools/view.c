@@ -32,7 +32,7 @@ static const char help[] =
     "With --cameras, up is the mean of the views' up, unless --up says otherwise.\n\n"
     "  --screenshot OUT    the picture that key i writes: .png, .ppm or .raw (default: beside the scene,\n"
     "                      SCENE-001.png and on); the command that renders it again is printed\n"
-    "%s\n"
+    "%s%s\n"
     "Keys:\n"
     "%s\n"
     "Examples:\n"
@@ -52,7 +52,7 @@ int view_options_take(view_options *o, int argc, char **argv)
     for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;)
         switch (c) {
         case OPT_SCREENSHOT: o->screenshot = optarg; break;
-        case OPT_HELP: printf(help, frame_options_help, viewer_keys); exit(EXIT_OK);
+        case OPT_HELP: printf(help, camera_options_help, frame_options_help, viewer_keys); exit(EXIT_OK);
         case '?': return wrong_option(argv);
         default:
             if (frame_option(&o->frame, c, optarg))

@@ -103,16 +103,26 @@ static void drop(viewer *v, const char *path)
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
-/* The view on show at the window's size, or a fraction of it. */
+/* Side by side in the window. */
+static int eyes_of(const viewer *v)
+{
+    return v->options.stereo > 0 ? 2 : 1;
+}
+
+/* The view on show at the window's size, or a fraction of it; of two eyes, one of them. */
 static fxs_file_view fit_view(const viewer *v, int divisor)
 {
     fxs_file_view view = v->view;
+    fxs_message message;
     int width, height;
     fxs_window_size(v->window, &width, &height);
+    width /= eyes_of(v);
     width = width > divisor ? width / divisor : 1;
     height = height > divisor ? height / divisor : 1;
     if (width != view.width || height != view.height)
         fxs_view_resize(&view, width, height);
+    if (v->options.has_tangents)
+        fxs_view_set_tangents(&view, v->options.tangents, &message);
     return view;
 }
 
@@ -158,10 +168,11 @@ static int draw(viewer *v)
     v->coarse = v->moving && v->divisor > 1;
     v->changed = v->moving = 0;
     const fxs_file_view view = fit_view(v, v->coarse ? v->divisor : 1);
+    v->renderer.divisor = v->coarse ? v->divisor : 1;
     int status = render(v, &view);
     if (status)
         snprintf(v->note, sizeof v->note, "not rendered: see the terminal");
-    const fxs_picture shown = {v->picture.pixels, view.width, view.height};
+    const fxs_picture shown = {v->picture.pixels, v->picture.width, v->picture.height};
     if (!status && fxs_window_show(v->window, &shown, draw_overlay(v), &message))
         status = fail(EXIT_FAILED, "%s", message.text);
     draw_title(v);
@@ -192,6 +203,17 @@ static void print_scenes(const world_options *o)
         printf(" --place %s", o->places[i]);
 }
 
+static void print_eyes(const viewer *v)
+{
+    const foveate_options *o = &v->options.foveate;
+    if (v->options.stereo > 0)
+        printf(" --stereo %.17g%s", v->options.stereo, v->options.stereo_exact ? " --stereo-exact" : "");
+    if (o->on)
+        printf(" --foveate");
+    for (int i = 0; i < o->given; i++)
+        printf("%c%.17g", i ? ',' : '=', o->numbers[i]);
+}
+
 /* The command that renders the picture again, to the byte where pixels are square and the axis in the middle. */
 static void print_command(const viewer *v, const fxs_file_view *view, const char *path)
 {
@@ -210,7 +232,10 @@ static void print_command(const viewer *v, const fxs_file_view *view, const char
         printf(" --eye %.17g,%.17g,%.17g --look %.17g,%.17g,%.17g", e[0], e[1], e[2], e[0] + d * ahead[0],
                e[1] + d * ahead[1], e[2] + d * ahead[2]);
         printf(" --up %.17g,%.17g,%.17g", -down[0], -down[1], -down[2]);
-        if (view->projection == FXS_PERSPECTIVE)
+        if (v->options.has_tangents)
+            printf(" --tangents %.17g,%.17g,%.17g,%.17g", v->options.tangents[0], v->options.tangents[1],
+                   v->options.tangents[2], v->options.tangents[3]);
+        else if (view->projection == FXS_PERSPECTIVE)
             printf(" --fov %.17g", 2 * atan(view->height / 2.0 / view->fy) * 180 / acos(-1));
         sized = 1;
     }
@@ -218,6 +243,7 @@ static void print_command(const viewer *v, const fxs_file_view *view, const char
         printf(" --ortho %.17g", view->height / view->fy);
     if (sized)
         printf(" --size %dx%d", view->width, view->height);
+    print_eyes(v);
     printf(" --near %.17g --lod %d --profile %s -o %s\n", view->near, v->options.load.lod,
            profile_name(v->options.load.profile), path);
     fflush(stdout);
@@ -229,13 +255,15 @@ static void screenshot(viewer *v, int key)
     char path[4096];
     fxs_message message;
     const fxs_file_view view = fit_view(v, 1);
+    v->renderer.divisor = 1;
     if (v->screenshot)
         snprintf(path, sizeof path, "%s", v->screenshot);
     else
         name_beside(v, path, sizeof path);
     if (render(v, &view))
         snprintf(v->note, sizeof v->note, "no screenshot: see the terminal");
-    else if (fxs_image_file_write(path, v->picture.pixels, view.width, view.height, &message)) {
+    else if (fxs_image_file_write(path, v->picture.pixels, v->picture.width, v->picture.height,
+                                  &message)) {
         fail(0, "%s", message.text);
         snprintf(v->note, sizeof v->note, "%.200s", message.text);
     } else {
@@ -332,7 +360,7 @@ static void point(viewer *v, const fxs_window_event *event)
 {
     int width, height, look = fxs_window_holds(' ');
     fxs_window_size(v->window, &width, &height);
-    double turn = acos(-1) / height, pixels = (double)v->view.width / width;
+    double turn = acos(-1) / height, pixels = (double)v->view.width * eyes_of(v) / width;
     if (look)
         fxs_motion_look(&v->view, v->up, event->dx * pixels / v->view.fx, event->dy * pixels / v->view.fy);
     else if (event->left)
@@ -412,7 +440,7 @@ int viewer_open(viewer *v, const frame_options *options, const char *screenshot_
         status = fail(EXIT_FAILED, "%s", message.text);
     status = status ? status : take_scenes_of(v, 0, options);
     if (!status) {
-        fxs_window_resize(v->window, v->view.width, v->view.height);
+        fxs_window_resize(v->window, v->view.width * eyes_of(v), v->view.height);
         status = draw(v);
     }
     if (status)

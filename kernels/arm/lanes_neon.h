@@ -454,4 +454,11 @@ static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
     vst4_u8(to, rgba);
 }
 
+/* 8 pixels of 16 bits a channel. */
+static inline void store_wide_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
+{
+    const uint16x8x4_t rgba = {{(uint16x8_t)r, (uint16x8_t)g, (uint16x8_t)b, (uint16x8_t)a}};
+    vst4q_u16((uint16_t *)(void *)to, rgba);
+}
+
 #endif

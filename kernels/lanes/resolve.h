@@ -7,8 +7,8 @@ static inline vh colour_8bit(const int16_t *sum_q13, vh transmittance_q15, vh ba
     return mul_h(mul_add_cut_h(transmittance_q15, background_q13, load_h(sum_q13)), all_h(4 * 255));
 }
 
-static inline void resolve_pixels(unsigned char *to, const fxs_tile *tile, int i, const vh background_q13[3],
-                                  int coverage)
+static inline void resolve_rgba8(unsigned char *to, const fxs_tile *tile, int i, const vh background_q13[3],
+                                 int coverage)
 {
     const vh t = load_h(tile->transmittance_q15 + i);
     const vh alpha = coverage ? mul_h(all_h(FXS_CLEAR_Q15) - t, all_h(255)) : all_h(255);
@@ -17,21 +17,59 @@ static inline void resolve_pixels(unsigned char *to, const fxs_tile *tile, int i
                  colour_8bit(tile->sum_q13[2] + i, t, background_q13[2]), alpha);
 }
 
+/* (most c + 127) / 255 of c cut to 255: n / 255 is (n + 1 + (n >> 8)) >> 8 for n below 65535. */
+static inline vh of_255(vh colour, int most)
+{
+    const vh n = least_h(colour, all_h(255)) * all_h(most) + all_h(127);
+    return (n + 1 + (n >> 8)) >> 8;
+}
+
+static inline void resolve_rgb565(unsigned char *to, const fxs_tile *tile, int i, const vh background_q13[3])
+{
+    const vh t = load_h(tile->transmittance_q15 + i);
+    const vh r = of_255(colour_8bit(tile->sum_q13[0] + i, t, background_q13[0]), 31);
+    const vh g = of_255(colour_8bit(tile->sum_q13[1] + i, t, background_q13[1]), 63);
+    const vh b = of_255(colour_8bit(tile->sum_q13[2] + i, t, background_q13[2]), 31);
+    store(to, (vi)(r << 11 | g << 5 | b));
+}
+
+/* min((65535 c + 2^12) >> 13, 65535) = 8 c + ((2^12 - c) >> 13), modulo 2^16, of c cut to 8192: that gives 65535. */
+static inline vh colour_16bit(const int16_t *sum_q13)
+{
+    const vh c = least_h(load_h(sum_q13), all_h(8192));
+    return (c << 3) + ((4096 - c) >> 13);
+}
+
+static inline void resolve_rgba16(unsigned char *to, const fxs_tile *tile, int i)
+{
+    const vh taken = all_h(FXS_CLEAR_Q15) - load_h(tile->transmittance_q15 + i);
+    const vh alpha = (taken << 1) + ((16384 - taken) >> 15);   /* (65535 taken + 2^14) >> 15 */
+    store_wide_pixels(to, colour_16bit(tile->sum_q13[0] + i), colour_16bit(tile->sum_q13[1] + i),
+                      colour_16bit(tile->sum_q13[2] + i), alpha);
+}
+
+/* A row of a tile. */
+static inline void resolve_row(unsigned char *to, enum fxs_format format, const fxs_tile *tile, int first,
+                               const vh background_q13[3])
+{
+    for (int x = 0; x < FXS_TILE; x += 2 * LANES)
+        if (format == FXS_FORMAT_RGB565)
+            resolve_rgb565(to + 2 * x, tile, first + x, background_q13);
+        else if (format == FXS_FORMAT_RGBA16_COVERAGE)
+            resolve_rgba16(to + 8 * x, tile, first + x);
+        else
+            resolve_rgba8(to + 4 * x, tile, first + x, background_q13, format == FXS_FORMAT_RGBA8_COVERAGE);
+}
+
 FXS_RESOLVE(ISA)
 {
-    const int coverage = format == FXS_FORMAT_RGBA8_COVERAGE;
     vh background_q13[3];
-    if (format != FXS_FORMAT_RGBA8 && !coverage) {
-        fxs_resolve_c(options, format, tile, columns, rows, pixels, stride);
-        return;
-    }
     for (int c = 0; c < 3; c++)
-        background_q13[c] = all_h(coverage ? 0 : fxs_background_q13(options->background[c]));
+        background_q13[c] = all_h(fxs_is_premultiplied(format) ? 0 : fxs_background_q13(options->background[c]));
     for (int32_t y = 0; y < rows; y++) {
-        unsigned char row[4 * FXS_TILE], *to = columns == FXS_TILE ? pixels + y * stride : row;
-        for (int x = 0; x < FXS_TILE; x += 2 * LANES)
-            resolve_pixels(to + 4 * x, tile, y * FXS_TILE + x, background_q13, coverage);
+        unsigned char row[8 * FXS_TILE], *to = columns == FXS_TILE ? pixels + y * stride : row;
+        resolve_row(to, format, tile, y * FXS_TILE, background_q13);
         if (to == row)
-            memcpy(pixels + y * stride, row, (size_t)columns * 4);
+            memcpy(pixels + y * stride, row, (size_t)columns * (size_t)fxs_pixel_bytes(format));
     }
 }

@@ -1,4 +1,4 @@
-/* 8 numbers of 16 bits in SSE4.1: what blend and resolve need. */
+/* 4 lanes of 32 bits in SSE4.1. */
 #ifndef FXS_LANES_SSE41_H
 #define FXS_LANES_SSE41_H
 
@@ -6,22 +6,227 @@
 #define LANES 4
 #define V __m128i
 #define MM(name) _mm_##name
+#include "../../src/memory.h"
 #include "../../src/stage.h"
 #include "common.h"
 
-/* The four words at from + stride * at[lane], of each lane. */
-static inline void load_fours(vi words[4], const int32_t *from, int stride, const int32_t at[LANES])
+typedef vi mask;                   /* -1 or 0 */
+
+static inline vi load_u16(const uint16_t *from)
 {
-    __m128i in[4];
-    for (int i = 0; i < 4; i++)
-        in[i] = _mm_loadu_si128((const __m128i *)(const void *)(from + stride * at[i]));
-    const __m128i a = _mm_unpacklo_epi32(in[0], in[1]), b = _mm_unpacklo_epi32(in[2], in[3]);
-    const __m128i c = _mm_unpackhi_epi32(in[0], in[1]), d = _mm_unpackhi_epi32(in[2], in[3]);
-    words[0] = (vi)_mm_unpacklo_epi64(a, b);
-    words[1] = (vi)_mm_unpackhi_epi64(a, b);
-    words[2] = (vi)_mm_unpacklo_epi64(c, d);
-    words[3] = (vi)_mm_unpackhi_epi64(c, d);
+    return (vi)_mm_cvtepu16_epi32(_mm_loadl_epi64((const __m128i *)(const void *)from));
 }
+
+static inline vi load_i8(const int8_t *from)
+{
+    int32_t four;
+    memcpy(&four, from, sizeof four);
+    return (vi)_mm_cvtepi8_epi32(_mm_cvtsi32_si128(four));
+}
+
+/* The four words at from + stride * at[0]. */
+static inline __m128i every_fourth(const int32_t *from, int stride, const int32_t *at)
+{
+    return (__m128i)load(from + stride * at[0]);
+}
+
+/* a[0], b[0], a[1], b[1], ... */
+static inline void store_pairs(void *to, vi a, vi b)
+{
+    store(to, (vi)_mm_unpacklo_epi32((__m128i)a, (__m128i)b));
+    store((int32_t *)to + 4, (vi)_mm_unpackhi_epi32((__m128i)a, (__m128i)b));
+}
+
+/* a[0], b[0], a[1], b[1], ... */
+static inline void load_pairs(const void *from, vi *a, vi *b)
+{
+    const __m128 low = (__m128)load(from), high = (__m128)load((const int32_t *)from + 4);
+    *a = (vi)_mm_shuffle_ps(low, high, 0x88);
+    *b = (vi)_mm_shuffle_ps(low, high, 0xdd);
+}
+
+static inline int any(mask which)
+{
+    return !_mm_testz_si128((__m128i)which, (__m128i)which);
+}
+
+static inline unsigned bits(mask which)
+{
+    return (unsigned)_mm_movemask_ps((__m128)which);
+}
+
+/* Stores the lanes of `which`, in order, without gaps; the rest of a vector behind them is overwritten. */
+static inline void store_compressed(void *to, vi x, mask which)
+{
+    const __m128i order = _mm_load_si128((const __m128i *)(const void *)compress_order[bits(which)]);
+    store(to, (vi)_mm_shuffle_epi8((__m128i)x, order));
+}
+
+static inline mask equal(vi a, vi b)
+{
+    return (mask)_mm_cmpeq_epi32((__m128i)a, (__m128i)b);
+}
+
+static inline mask greater(vi a, vi b)
+{
+    return (mask)_mm_cmpgt_epi32((__m128i)a, (__m128i)b);
+}
+
+static inline vi choose(mask which, vi a, vi b)
+{
+    return (vi)_mm_blendv_epi8((__m128i)b, (__m128i)a, (__m128i)which);
+}
+
+/* Leading zeros; 32 for 0. They are in the exponent of the number as a float, which no rounding carries up: the 8th bit
+   below the highest is taken out. From 2^31 on the float is negative. */
+static inline vi clz(vu x)
+{
+    const __m128i kept = _mm_andnot_si128((__m128i)(x >> 8), (__m128i)x);
+    const vu exponent = (vu)_mm_castps_si128(_mm_cvtepi32_ps(kept)) >> 23;
+    return least(most((vi)(158 - exponent), all(0)), all(32));
+}
+
+/* Even lanes of a, odd lanes of b. */
+static inline vu interleave(vw a, vw b)
+{
+    return (vu)_mm_blend_epi16((__m128i)a, (__m128i)b, 0xcc);
+}
+
+static inline vw sign_64(vw x)
+{
+    return (vw)_mm_shuffle_epi32(_mm_srai_epi32((__m128i)x, 31), 0xf5);
+}
+
+static inline vw shift_right_64(vw x, vw shift)
+{
+    const vw sign = sign_64(x);
+    const __m128i y = (__m128i)(x ^ sign);
+    const __m128i high = _mm_srl_epi64(y, _mm_unpackhi_epi64((__m128i)shift, (__m128i)shift));
+    return (vw)_mm_blend_epi16(_mm_srl_epi64(y, (__m128i)shift), high, 0xf0) ^ sign;
+}
+
+static inline vw magnitude_64(vw x)
+{
+    const vw sign = sign_64(x);
+    return (x ^ sign) - sign;
+}
+
+/* Shifts by lane: 0 where the shift is not in 0..31. To the left it is a product with 2^shift, which a float has in its
+   exponent; 2^31 is too large for an int, and becomes that. */
+static inline vu shift_left(vu x, vi shift)
+{
+    const __m128i power = _mm_cvttps_epi32(_mm_castsi128_ps((__m128i)((shift << 23) + (127 << 23))));
+    const mask in_range = (mask)_mm_cmpeq_epi32(_mm_min_epu32((__m128i)shift, _mm_set1_epi32(31)), (__m128i)shift);
+    return (vu)_mm_mullo_epi32((__m128i)x, _mm_and_si128(power, (__m128i)in_range));
+}
+
+/* A shift by one number for all lanes, four times: a number of 64 bits, of which 32 and more leave nothing. */
+static inline vu shift_right(vu x, vi shift)
+{
+    const __m128i zero = _mm_setzero_si128(), low = _mm_unpacklo_epi32((__m128i)shift, zero);
+    const __m128i high = _mm_unpackhi_epi32((__m128i)shift, zero);
+    const __m128i a = _mm_srl_epi32((__m128i)x, low), b = _mm_srl_epi32((__m128i)x, _mm_unpackhi_epi64(low, low));
+    const __m128i c = _mm_srl_epi32((__m128i)x, high), d = _mm_srl_epi32((__m128i)x, _mm_unpackhi_epi64(high, high));
+    return (vu)_mm_blend_epi16(_mm_blend_epi16(a, b, 0x0c), _mm_blend_epi16(c, d, 0xc0), 0xf0);
+}
+
+#include "wide.h"
+
+/* ---- One Gaussian ---------------------------------------------------------------------------------------------- */
+
+/* 8 words, or 16 numbers of 16 bits. */
+typedef struct octet {
+    __m128i low, high;
+} octet;
+
+static inline void store_8(void *to, octet x)
+{
+    _mm_storeu_si128(to, x.low);
+    _mm_storeu_si128((__m128i *)to + 1, x.high);
+}
+
+static inline void store_6(void *to, octet x)
+{
+    _mm_storeu_si128(to, x.low);
+    _mm_storel_epi64((__m128i *)to + 1, x.high);
+}
+
+/* 4 words of each of 4 vectors, to 4 vectors of a word of each. */
+static inline void transpose_4(__m128i out[4], const vi rows[4])
+{
+    const __m128i a = _mm_unpacklo_epi32((__m128i)rows[0], (__m128i)rows[1]);
+    const __m128i b = _mm_unpacklo_epi32((__m128i)rows[2], (__m128i)rows[3]);
+    const __m128i c = _mm_unpackhi_epi32((__m128i)rows[0], (__m128i)rows[1]);
+    const __m128i d = _mm_unpackhi_epi32((__m128i)rows[2], (__m128i)rows[3]);
+    out[0] = _mm_unpacklo_epi64(a, b);
+    out[1] = _mm_unpackhi_epi64(a, b);
+    out[2] = _mm_unpacklo_epi64(c, d);
+    out[3] = _mm_unpackhi_epi64(c, d);
+}
+
+/* What 8 rows have in lanes first to first + 3. */
+static inline void transpose(octet out[4], const vi rows[8], int first)
+{
+    __m128i low[4], high[4];
+    (void)first;                   /* 0 */
+    transpose_4(low, rows);
+    transpose_4(high, rows + 4);
+    for (int i = 0; i < 4; i++)
+        out[i] = (octet){low[i], high[i]};
+}
+
+static inline octet load_16(const int8_t *from)
+{
+    const __m128i x = (__m128i)load(from);
+    return (octet){_mm_cvtepi8_epi16(x), _mm_cvtepi8_epi16(_mm_srli_si128(x, 8))};
+}
+
+/* x + from, or x - from */
+static inline octet add_16(octet x, const int8_t *from, int negative)
+{
+    const __m128i sign = _mm_set1_epi16(negative ? -1 : 1);
+    const octet entry = load_16(from);
+    return (octet){_mm_add_epi16(x.low, _mm_sign_epi16(entry.low, sign)),
+                   _mm_add_epi16(x.high, _mm_sign_epi16(entry.high, sign))};
+}
+
+/* x[0] y[0] + x[1] y[1] + ..., in four parts */
+static inline __m128i products(octet x, octet y)
+{
+    return _mm_add_epi32(_mm_madd_epi16(x.low, y.low), _mm_madd_epi16(x.high, y.high));
+}
+
+/* sum[i] = x[i][0] y[0] + x[i][1] y[1] + ... */
+static inline void dot_16(int32_t sum[3], const octet x[3], octet y)
+{
+    int32_t sums[4];
+    const __m128i third = products(x[2], y), pairs = _mm_hadd_epi32(products(x[0], y), products(x[1], y));
+    store(sums, (vi)_mm_hadd_epi32(pairs, _mm_hadd_epi32(third, third)));
+    for (int i = 0; i < 3; i++)
+        sum[i] = sums[i];
+}
+
+/* 15 codes of 3 bits each from the low end of `codes` as odd numbers -7 to 7: each in a window of 16 bits that is moved
+   up until it is on top. */
+static inline octet odd_numbers(uint64_t codes)
+{
+#define WINDOW(k) (char)(3 * (k) / 8), (char)(3 * (k) / 8 + 1)
+#define UP(k) (short)(1 << (13 - 3 * (k) % 8))
+    const __m128i word = _mm_set1_epi64x((int64_t)codes), one = _mm_set1_epi16(1);
+    const __m128i low = _mm_setr_epi8(WINDOW(0), WINDOW(1), WINDOW(2), WINDOW(3), WINDOW(4), WINDOW(5), WINDOW(6),
+                                      WINDOW(7));
+    const __m128i high = _mm_setr_epi8(WINDOW(8), WINDOW(9), WINDOW(10), WINDOW(11), WINDOW(12), WINDOW(13),
+                                       WINDOW(14), -1, -1);
+    const __m128i low_up = _mm_setr_epi16(UP(0), UP(1), UP(2), UP(3), UP(4), UP(5), UP(6), UP(7));
+    const __m128i high_up = _mm_setr_epi16(UP(8), UP(9), UP(10), UP(11), UP(12), UP(13), UP(14), 0);
+#undef WINDOW
+#undef UP
+    const __m128i a = _mm_srai_epi16(_mm_mullo_epi16(_mm_shuffle_epi8(word, low), low_up), 13);
+    const __m128i b = _mm_srai_epi16(_mm_mullo_epi16(_mm_shuffle_epi8(word, high), high_up), 13);
+    return (octet){_mm_or_si128(_mm_add_epi16(a, a), one), _mm_or_si128(_mm_add_epi16(b, b), one)};
+}
+
+/* ---- Pixels ---------------------------------------------------------------------------------------------------- */
 
 typedef vh mask_h;                 /* -1 or 0 */
 
@@ -88,6 +293,19 @@ static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
     const __m128i rg = _mm_unpacklo_epi8(rb, ga), ba = _mm_unpackhi_epi8(rb, ga);
     _mm_storeu_si128((__m128i *)(void *)to, _mm_unpacklo_epi16(rg, ba));
     _mm_storeu_si128((__m128i *)(void *)to + 1, _mm_unpackhi_epi16(rg, ba));
+}
+
+/* 8 pixels of 16 bits a channel. */
+static inline void store_wide_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
+{
+    const __m128i rg_low = _mm_unpacklo_epi16((__m128i)r, (__m128i)g);
+    const __m128i rg_high = _mm_unpackhi_epi16((__m128i)r, (__m128i)g);
+    const __m128i ba_low = _mm_unpacklo_epi16((__m128i)b, (__m128i)a);
+    const __m128i ba_high = _mm_unpackhi_epi16((__m128i)b, (__m128i)a);
+    _mm_storeu_si128((__m128i *)(void *)to, _mm_unpacklo_epi32(rg_low, ba_low));
+    _mm_storeu_si128((__m128i *)(void *)to + 1, _mm_unpackhi_epi32(rg_low, ba_low));
+    _mm_storeu_si128((__m128i *)(void *)to + 2, _mm_unpacklo_epi32(rg_high, ba_high));
+    _mm_storeu_si128((__m128i *)(void *)to + 3, _mm_unpackhi_epi32(rg_high, ba_high));
 }
 
 #endif

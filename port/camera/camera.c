@@ -128,6 +128,20 @@ void fxs_view_resize(fxs_file_view *view, int width, int height)
     view->height = height;
 }
 
+int fxs_view_set_tangents(fxs_file_view *view, const double tangents[4], fxs_message *message)
+{
+    const double left = tangents[0], right = tangents[1], up = tangents[2], down = tangents[3];
+    if (!(left >= -64 && left < right && right <= 64 && down >= -64 && down < up && up <= 64))
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "tangents %g, %g, %g, %g: expected left < right and down < up, "
+                           "within +-64", left, right, up, down);
+    view->projection = FXS_PERSPECTIVE;
+    view->fx = view->width / (right - left);
+    view->fy = view->height / (up - down);
+    view->cx = -left * view->fx;
+    view->cy = up * view->fy;
+    return 0;
+}
+
 /* Rodrigues' formula; axis of length 1. */
 static void turn(double out[3], const double v[3], const double axis[3], double angle)
 {

@@ -29,6 +29,11 @@ int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double hi
    centre. */
 void fxs_view_resize(fxs_file_view *view, int width, int height);
 
+/* Gives a camera a field of view by the tangents of its sides, as headsets state them: left, right, up, down, with left
+   < right and down < up; left and down are negative but for a picture beside the axis. Pixels need not be square then.
+   Returns 0, or FXS_ERR_ARGUMENT and a message where they are not so, or not within +-64. */
+int fxs_view_set_tangents(fxs_file_view *view, const double tangents[4], fxs_message *message);
+
 /* Turns the camera about an axis through `middle` by an angle in radians, as if the scene were turned the other way. */
 void fxs_view_orbit(fxs_file_view *view, const double middle[3], const double axis[3], double angle);
 

@@ -84,7 +84,8 @@ for command in render view bench info convert compare make-scene; do
     grep -Eq '(WORLD|FRAME)_OPTIONS' $source && source="$source $root/tools/world.h"
     succeeds "$command --help" $command --help
     check "$command --help has examples" grep -q '^Examples:' logs/out
-    for option in $(sed -n 's/{"/\n{"/gp' $source | sed -n 's/^{"\([a-z-]*\)", \(no\|required\)_argument.*/\1/p'); do
+    for option in $(sed -n 's/{"/\n{"/gp' $source |
+                    sed -n 's/^{"\([a-z-]*\)", \(no\|required\|optional\)_argument.*/\1/p'); do
         [ "$option" = help ] || check "$command --help names --$option" grep -q -- "--$option" logs/out
     done
     fails "$command: unknown option" 2 "" $command --no-such-option
@@ -100,7 +101,8 @@ for bad in 'bg 12345' 'bg 12345g' 'cutoff round' 'sh-degree 4' 'sh-degree -1' 't
     'max-memory 1T' 'max-memory 1KB' 'max-memory -1' 'max-memory K' 'max-memory 99999999999G' \
     'max-memory 99999999999999999999999999' 'max-memory' 'stereo 0' 'stereo -1' 'stereo nan' 'stereo 1,2' \
     'device x' 'device 256' 'device 0,' 'device ,1' 'device 0;1' 'device 0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0' \
-    'stereo-exact' 'stereo 0.1 --stats' 'stereo 0.1 --backend cuda'; do
+    'stereo-exact' 'stereo 0.1 --stats' 'stereo 0.1 --backend cuda' 'tangents 1,2,3' 'tangents x' \
+    'tangents -1,1,1,-1 --ortho 3' 'foveate --stats' 'foveate --depth x.pfm' 'foveate --ids x.raw'; do
     fails "--$bad" 2 "--${bad%% *}" render knot.ply $small --hash --$bad
 done
 for bad in 'crop 0,0,0,1,1' 'crop 0,0,0,1,1,1,1' 'crop 0,0,0,1,1,-1' 'crop nan,0,0,1,1,1' 'crop x' \
@@ -201,6 +203,37 @@ check "--stereo-exact: the left half" equal "$(halves exact.raw 1)" "$(od -An -v
 check "--stereo-exact: the right half" equal "$(halves exact.raw 0)" "$(od -An -v -tx1 -w256 right.raw)"
 fails "--stereo: too little memory" 1 "it needs at least [0-9]* bytes$" render knot.ply $small --stereo 0.5 \
     --max-memory 300K --hash
+# The right eye's tangents are the left one's mirror.
+"$fixsplat" render knot.ply $small $eyes --stereo 0.5 --stereo-exact --tangents -1.38,1.19,1.0,-1.2 -o exact.raw
+"$fixsplat" render knot.ply $small --eye -0.25,-2,-9 --look -0.25,-2,0 --tangents -1.38,1.19,1.0,-1.2 -o left.raw
+"$fixsplat" render knot.ply $small --eye 0.25,-2,-9 --look 0.25,-2,0 --tangents -1.19,1.38,1.0,-1.2 -o right.raw
+check "--tangents: the left eye" equal "$(halves exact.raw 1)" "$(od -An -v -tx1 -w256 left.raw)"
+check "--tangents: the right eye" equal "$(halves exact.raw 0)" "$(od -An -v -tx1 -w256 right.raw)"
+fails "--tangents: the wrong way round" 1 "expected left < right and down < up" render knot.ply $small \
+    --tangents 1,-1,1,-1 --hash
+
+# Foveated: the picture but for its outer rings; one hash.
+fovea='--size 160x120 --foveate=20,100,10,30,4'
+succeeds "--foveate" render knot.ply $small --foveate -o fovea.png
+check "--foveate: full rate as far as the edges" equal "$(hash_of knot.ply $small --foveate=30,20,40,60)" "$hash_small"
+check "--foveate: coarser rings" differ "$(hash_of knot.ply --size 160x120)" "$(hash_of knot.ply $fovea)"
+check "--foveate: one hash with --cpu c" equal "$(hash_of knot.ply $fovea)" \
+    "$(hash_of knot.ply $fovea --cpu c --threads 1)"
+check "--foveate: a band of a quarter" equal "$(hash_of knot.ply --size 160x120 --foveate=20,100,16,40)" \
+    "$(hash_of knot.ply --size 160x120 --foveate=20,100,16,40,4)"
+succeeds "--foveate --stereo" render knot.ply $small --stereo 0.1 --foveate --alpha -o fovea.png
+succeeds "--foveate --pick" render knot.ply $small --foveate --pick 32,24
+for bad in x 1 1,2,3 1,2,0,4 1,2,4,4 1,2,4,20000 1,2,4,8,-1 1,2,4,8,5 1,2,4,8,2,1 nan,0 99999,0 ''; do
+    fails "--foveate=$bad" 2 "--foveate=$bad: expected X,Y or" render knot.ply $small --hash "--foveate=$bad"
+done
+fails "bench --foveate --draw" 2 "--foveate is of colours" bench knot.ply $small --foveate --draw ids
+succeeds "bench --foveate" bench knot.ply --size 160x120 --foveate
+check "bench --foveate: the full rate is exact" grep -q '^  rate 1/1 .* equal$' logs/out
+check "bench --foveate: three rings" equal "$(($(grep -c '^  rate 1/' logs/out)))" 3
+succeeds "bench --foveate --json" bench knot.ply --size 160x120 --foveate --stereo 0.1 --json
+check "bench --foveate --json: rings" grep -q \
+    '"rings": \[{"rate": 1, "rendered": 4608, "shown": [0-9]*, "ms": [0-9.]*, "psnr": null}, {.*"psnr": [0-9.]*}\]}$' \
+    logs/out
 succeeds "16384x1" render knot.ply --size 16384x1 -o long.png
 succeeds "1x16384" render knot.ply --size 1x16384 -o tall.png
 succeeds "--eye inside a Gaussian" render knot.ply $small --eye 0,0.9,0 --hash
@@ -883,7 +916,7 @@ succeeds "--panorama of a file's view" render knot.ply --cameras three.json --pa
 check "--panorama of a file's view: 2048x1024" equal "$(sed -n 2p around.ppm)" "2048 1024"
 succeeds "--panorama --alpha" render knot.ply --panorama --size 64x32 --alpha -o around.raw
 fails "--panorama --size 64x48" 2 "twice as wide" render knot.ply --panorama $small --hash
-for bad in stereo\ 0.1 ortho\ 3; do
+for bad in stereo\ 0.1 ortho\ 3 tangents\ -1,1,1,-1 foveate; do
     fails "--panorama --$bad" 2 "--panorama" render knot.ply --panorama --hash --$bad
 done
 for bad in 'depth x.pfm' 'ids x.png' 'pick 1,1' stats; do

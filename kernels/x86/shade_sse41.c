@@ -1,0 +1,2 @@
+#include "lanes_sse41.h"
+#include "../lanes/shade.h"
