@@ -431,8 +431,6 @@ int fxs_frame_render(fxs_frame *f)
     f->stats.nanoseconds[FXS_PROJECT] += fxs_now(f) - start;
     while (!error && f->end_row < f->eye->view.tiles_y) {
         fxs_band_next(f);
-        if (!f->tile_job && f->context->config.draw_unlisted && f->end_row < f->eye->view.tiles_y)
-            return FXS_ERR_UNSUPPORTED;    /* it draws whole frames */
         error = fxs_frame_prepare(f);
         if (!error)
             error = fxs_frame_draw(f);

@@ -107,7 +107,8 @@ typedef struct fxs_trace {
 #define FXS_HALF_Q15 16384         /* transmittance */
 
 /* A run of tiles, first to last, ready to be drawn by a back end. Tile t's list is counts[t] entries that end before
-   entries[ends[t]]. A back end without lists draws all tiles; entries, ends and counts are null then. */
+   entries[ends[t]]. Without lists (draw_unlisted) entries, ends and counts
+   are null. */
 typedef struct fxs_tile_run {
     const fxs_config *config;
     const fxs_view *view;          /* of the world */

@@ -1,17 +1,12 @@
-// blend and resolve of one pixel, after src/pixel.h.
+// blend and resolve of one pixel, after src/pixel.h; FETCHED: resolve alone.
 uniform highp usampler2D lists;      // of each tile: first record, the one after the last; (1, 0): not in this draw
 uniform highp usampler2D records;    // two texels a splat: u0, ux, uy, first and last row; v0, vy, offset and r, g and b
-uniform highp isampler2D carried;    // of a tile whose list is in parts: T, r, g, b after the last part
+uniform highp isampler2D carried;    // T, r, g, b: of a tile whose list is in parts, after the last part; FETCHED: of all
 uniform ivec4 place;                 // pixel of the fragment (0, 0); rows go by; 1: goes on from `carried`
-uniform ivec4 source;                // first tile of `lists`; log2 of the width of `records`; cut-off
+uniform ivec4 source;                // first tile of `lists`, FETCHED: first pixel of `carried`; log2 of the width of `records`; cut-off
 uniform ivec4 background;            // r, g, b; 1: alpha is the coverage
 uniform highp usampler2D depths;     // of each record: its depth key
-uniform highp usampler2D occluder;   // depths, as in fxs_targets
-uniform highp sampler2D depth_buffer;        // in place of that
 uniform highp sampler2D backdrop;
-uniform ivec4 mesh;                  // texel of these three for pixel (0, 0); rows go by; depth_bits, and which there are:
-const int OCCLUDER = 256, BUFFER = 512, BACKDROP = 1024;
-uniform vec2 planes;                 // 1 / distance of what has depth 0, 1 in depth_buffer
 
 #if defined STATE
 out ivec4 result;
@@ -52,33 +47,6 @@ void blend(int record, ivec2 pixel, inout ivec4 state)
                   fxs_accumulate_q13(state.z, weight, low(b.w)), fxs_accumulate_q13(state.w, weight, high(b.w)));
 }
 
-// As fxs_depth_key.
-uint depth_key(uint depth, int bits)
-{
-    if (depth == 0u || depth == 0xffffffffu)
-        return depth;
-    int zeros = 0;
-    for (int step = 16; step > 0; step /= 2)
-        if (depth >> (32 - step) == 0u) {
-            depth <<= step;
-            zeros += step;
-        }
-    return uint(63 - zeros - bits) << 26 | (depth >> 5 & 0x3ffffffu);
-}
-
-// Entries with a larger depth key are hidden.
-uint limit_at(ivec2 texel)
-{
-    int bits = mesh.w & 255;
-    if ((mesh.w & OCCLUDER) != 0)
-        return depth_key(texelFetch(occluder, texel, 0).x, bits);
-    if ((mesh.w & BUFFER) == 0)
-        return 0xffffffffu;
-    float depth = texelFetch(depth_buffer, texel, 0).x;
-    float inverse = mix(planes.x, planes.y, depth), z = float(1 << bits) / inverse;
-    return inverse <= min(planes.x, planes.y) || z >= 4294967040.0 ? 0xffffffffu : depth_key(uint(z), bits);
-}
-
 // Of a list, whose depths ascend: the first record that is hidden, or its end.
 uint first_hidden(uvec2 list, uint limit)
 {
@@ -106,25 +74,34 @@ uvec4 resolve(ivec4 state, ivec3 under)
                  fxs_resolve_8bit(state.w, state.x, under.b), alpha);
 }
 
-void main()
+ivec4 state_of(ivec2 pixel)
 {
-    ivec2 fragment = ivec2(gl_FragCoord.xy);
-    ivec2 pixel = place.xy + ivec2(fragment.x, place.z * fragment.y);
+#if defined FETCHED
+    return texelFetch(carried, pixel - source.xy, 0);
+#else
     uvec2 list = texelFetch(lists, (pixel >> 4) - source.xy, 0).xy;
     if (list.x > list.y)
         discard;
     ivec4 state = place.w == 1 ? texelFetch(carried, pixel & 15, 0) : ivec4(FXS_CLEAR_Q15, 0, 0, 0);
-    ivec2 mesh_texel = ivec2(mesh.x + pixel.x, mesh.y + mesh.z * pixel.y);
-    uint limit = limit_at(mesh_texel);
+    uint limit = limit_at(mesh_texel(pixel));
     if (limit != 0xffffffffu)
         list.y = first_hidden(list, limit);
     for (uint i = list.x; i < list.y && state.x >= FXS_CLOSED_Q15; i++)
         blend(int(i), pixel, state);
+    return state;
+#endif
+}
+
+void main()
+{
+    ivec2 fragment = ivec2(gl_FragCoord.xy);
+    ivec2 pixel = place.xy + ivec2(fragment.x, place.z * fragment.y);
+    ivec4 state = state_of(pixel);
 #if defined STATE
     result = state;
 #elif defined INTEGER
-    result = resolve(state, background_at(mesh_texel));
+    result = resolve(state, background_at(mesh_texel(pixel)));
 #else
-    result = (vec4(resolve(state, background_at(mesh_texel))) + 0.25) / 255.0;   // the same byte, rounded down or to the nearest
+    result = (vec4(resolve(state, background_at(mesh_texel(pixel)))) + 0.25) / 255.0;   // the same byte, rounded down or to the nearest
 #endif
 }
