@@ -16,10 +16,10 @@ layout(location = 0) inout ivec4 state;      // T, r, g, b
 void main()
 {
     ivec2 fragment = ivec2(gl_FragCoord.xy);
-    int u = fxs_coordinate_q13(line.x + fragment.x * line.y + fragment.y * line.z);
-    int v = fxs_coordinate_q13(line.w + fragment.y * look.x);
-    int level = fxs_product_q15(abs(u), abs(u)) + fxs_product_q15(abs(v), abs(v)) + (look.y & 32767);
-    if (level > look.w || state.x < FXS_CLOSED_Q15)
+    int u = fxs_distance_q13(line.x + fragment.x * line.y + fragment.y * line.z);
+    int v = fxs_distance_q13(line.w + fragment.y * look.x);
+    int level = fxs_product_q15(u, u) + fxs_product_q15(v, v) + (look.y & 32767);
+    if ((u | v) > 32767 || level > look.w || state.x < FXS_CLOSED_Q15)
         discard;
 #ifdef LIMITED
     ivec2 pixel = place.xy + fragment;

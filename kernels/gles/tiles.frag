@@ -16,9 +16,9 @@ out uvec4 result;
 out vec4 result;
 #endif
 
-ivec2 texel(int i)
+ivec2 texel(int i, int shift)
 {
-    return ivec2(i & ((1 << source.z) - 1), i >> source.z);
+    return ivec2(i & ((1 << shift) - 1), i >> shift);
 }
 
 int low(uint word)
@@ -31,20 +31,22 @@ int high(uint word)
     return int(word >> 16);
 }
 
-void blend(int record, ivec2 pixel, inout ivec4 state)
+// `shift` and `cut` are source.zw: Mesa on a processor fetches a uniform anew for each round of a loop.
+void blend(int record, ivec2 pixel, int shift, int cut, inout ivec4 state)
 {
-    uvec4 a = texelFetch(records, texel(2 * record), 0);
-    int u = fxs_coordinate_q13(int(a.x + uint(pixel.x) * a.y + uint(pixel.y) * a.z));
-    if (pixel.y < low(a.w) || pixel.y > high(a.w) || fxs_mul_q15(u, u) > source.w)
+    uvec4 a = texelFetch(records, texel(2 * record, shift), 0);
+    int u = fxs_distance_q13(int(a.x + uint(pixel.x) * a.y + uint(pixel.y) * a.z));
+    if (pixel.y < low(a.w) || pixel.y > high(a.w) || u > 32767 || fxs_product_q15(u, u) > cut)
         return;
-    uvec4 b = texelFetch(records, texel(2 * record + 1), 0);
-    int v = fxs_coordinate_q13(int(b.x + uint(pixel.y) * b.y));
-    int level = fxs_level_q11(u, fxs_row_level_q11(v, low(b.z)));
-    if (level > fxs_limit_q11(low(b.z), source.w))
+    uvec4 b = texelFetch(records, texel(2 * record + 1, shift), 0);
+    int v = fxs_distance_q13(int(b.x + uint(pixel.y) * b.y));
+    int level = fxs_product_q15(u, u) + fxs_product_q15(v, v) + low(b.z);
+    if (v > 32767 || level > fxs_limit_q11(low(b.z), cut))
         return;
-    int weight = fxs_weight_q15(fxs_alpha_q15(level), state.x);
-    state = ivec4(state.x - weight, fxs_accumulate_q13(state.y, weight, high(b.z)),
-                  fxs_accumulate_q13(state.z, weight, low(b.w)), fxs_accumulate_q13(state.w, weight, high(b.w)));
+    int weight = fxs_product_q15(fxs_exp_q15(level), state.x);
+    state = ivec4(state.x - weight, fxs_min(state.y + fxs_product_q15(weight, high(b.z)), 32767),
+                  fxs_min(state.z + fxs_product_q15(weight, low(b.w)), 32767),
+                  fxs_min(state.w + fxs_product_q15(weight, high(b.w)), 32767));
 }
 
 // Of a list, whose depths ascend: the first record that is hidden, or its end.
@@ -52,7 +54,7 @@ uint first_hidden(uvec2 list, uint limit)
 {
     while (list.x < list.y) {
         uint middle = (list.x + list.y) / 2u;
-        if (texelFetch(depths, texel(int(middle)), 0).x > limit)
+        if (texelFetch(depths, texel(int(middle), source.z), 0).x > limit)
             list.y = middle;
         else
             list.x = middle + 1u;
@@ -86,8 +88,9 @@ ivec4 state_of(ivec2 pixel)
     uint limit = limit_at(mesh_texel(pixel));
     if (limit != 0xffffffffu)
         list.y = first_hidden(list, limit);
+    int shift = source.z, cut = source.w;
     for (uint i = list.x; i < list.y && state.x >= FXS_CLOSED_Q15; i++)
-        blend(int(i), pixel, state);
+        blend(int(i), pixel, shift, cut, state);
     return state;
 #endif
 }
