@@ -105,14 +105,22 @@ static int check_limits(fxs_gles *g, char *message)
 static const char version[] = "#version 300 es\n", fetching[] = "#extension GL_EXT_shader_framebuffer_fetch : enable\n";
 static const char prelude[] = "precision highp int;\nprecision highp float;\n#define FXS_FN\n";
 
-static int compile(const fxs_gl *gl, GLuint program, GLenum kind, const char *define, const char *text, char *message)
+/* Mesa on a processor has products of 16 bits for factors that it knows to be so small; a GPU would only mask. */
+static const char *factor_of(const fxs_gles *g)
 {
+    return strncmp(g->renderer, "llvmpipe", 8) ? "#define FACTOR(x) (x)\n" : "#define FACTOR(x) ((x) & 32767)\n";
+}
+
+static int compile(const fxs_gles *g, GLuint program, GLenum kind, const char *define, const char *text, char *message)
+{
+    const fxs_gl *gl = &g->gl;
     char log[FXS_GLES_MESSAGE] = "";
     const int is_fragment = kind == GL_FRAGMENT_SHADER;
     const char *parts[] = {version,
                            is_fragment ? fetching : "",
                            prelude,
                            define,
+                           factor_of(g),
                            is_fragment ? pixel_h : "",
                            is_fragment ? weight_frag : "",
                            is_fragment ? mesh_frag : "",
@@ -139,9 +147,9 @@ static int make_program(fxs_gles *g, int which, const char *define, const char *
     GLint done = 0;
     fxs_gles_program *p = &g->programs[which];
     p->name = gl->CreateProgram();
-    int error = compile(gl, p->name, GL_VERTEX_SHADER, define, vertex, message);
+    int error = compile(g, p->name, GL_VERTEX_SHADER, define, vertex, message);
     if (!error)
-        error = compile(gl, p->name, GL_FRAGMENT_SHADER, define, fragment, message);
+        error = compile(g, p->name, GL_FRAGMENT_SHADER, define, fragment, message);
     if (error)
         return error;
     gl->BindAttribLocation(p->name, 0, "shape");

@@ -31,14 +31,22 @@ int high(uint word)
     return int(word >> 16);
 }
 
-// `shift` and `cut` are source.zw: Mesa on a processor fetches a uniform anew for each round of a loop.
-void blend(int record, ivec2 pixel, int shift, int cut, inout ivec4 state)
+struct record {
+    uvec4 a, b;
+};
+
+record record_at(int i, int shift)
 {
-    uvec4 a = texelFetch(records, texel(2 * record, shift), 0);
+    return record(texelFetch(records, texel(2 * i, shift), 0), texelFetch(records, texel(2 * i + 1, shift), 0));
+}
+
+// `shift` and `cut` are source.zw: Mesa on a processor fetches a uniform anew for each round of a loop.
+void blend(record r, ivec2 pixel, int cut, inout ivec4 state)
+{
+    uvec4 a = r.a, b = r.b;
     int u = fxs_distance_q13(int(a.x + uint(pixel.x) * a.y + uint(pixel.y) * a.z));
     if (pixel.y < low(a.w) || pixel.y > high(a.w) || u > 32767 || fxs_product_q15(u, u) > cut)
         return;
-    uvec4 b = texelFetch(records, texel(2 * record + 1, shift), 0);
     int v = fxs_distance_q13(int(b.x + uint(pixel.y) * b.y));
     int level = fxs_product_q15(u, u) + fxs_product_q15(v, v) + low(b.z);
     if (v > 32767 || level > fxs_limit_q11(low(b.z), cut))
@@ -89,8 +97,12 @@ ivec4 state_of(ivec2 pixel)
     if (limit != 0xffffffffu)
         list.y = first_hidden(list, limit);
     int shift = source.z, cut = source.w;
-    for (uint i = list.x; i < list.y && state.x >= FXS_CLOSED_Q15; i++)
-        blend(int(i), pixel, shift, cut, state);
+    record r = record_at(int(list.x), shift);
+    for (uint i = list.x; i < list.y && state.x >= FXS_CLOSED_Q15; i++) {
+        record next = record_at(int(i) + 1, shift);      // while it is fetched, this one is blended
+        blend(r, pixel, cut, state);
+        r = next;
+    }
     return state;
 #endif
 }
