@@ -26,7 +26,9 @@ static int FACTOR(int x)
     return x;
 }
 
+#define min fxs_min
 #include "../kernels/gles/weight.frag"
+#undef min
 #endif
 #ifdef FXS_WITH_EGL
 #include "../port/egl/egl.h"

@@ -28,7 +28,7 @@ void main()
 #endif
     int weight = fxs_product_q15(fxs_exp_q15(level), state.x);
     ivec3 colour = ivec3(look.y >> 16, look.z & 32767, look.z >> 16);
-    state = ivec4(state.x - weight, fxs_min(state.y + fxs_product_q15(weight, colour.x), 32767),
-                  fxs_min(state.z + fxs_product_q15(weight, colour.y), 32767),
-                  fxs_min(state.w + fxs_product_q15(weight, colour.z), 32767));
+    state = ivec4(state.x - weight, min(state.y + fxs_product_q15(weight, colour.x), 32767),
+                  min(state.z + fxs_product_q15(weight, colour.y), 32767),
+                  min(state.w + fxs_product_q15(weight, colour.z), 32767));
 }

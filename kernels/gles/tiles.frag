@@ -52,9 +52,9 @@ void blend(record r, ivec2 pixel, int cut, inout ivec4 state)
     if (v > 32767 || level > fxs_limit_q11(low(b.z), cut))
         return;
     int weight = fxs_product_q15(fxs_exp_q15(level), state.x);
-    state = ivec4(state.x - weight, fxs_min(state.y + fxs_product_q15(weight, high(b.z)), 32767),
-                  fxs_min(state.z + fxs_product_q15(weight, low(b.w)), 32767),
-                  fxs_min(state.w + fxs_product_q15(weight, high(b.w)), 32767));
+    state = ivec4(state.x - weight, min(state.y + fxs_product_q15(weight, high(b.z)), 32767),
+                  min(state.z + fxs_product_q15(weight, low(b.w)), 32767),
+                  min(state.w + fxs_product_q15(weight, high(b.w)), 32767));
 }
 
 // Of a list, whose depths ascend: the first record that is hidden, or its end.

@@ -14,12 +14,11 @@ FXS_FN int fxs_exp_q15(int level_q11)
     p = fxs_product_q15(p, p);
     p = fxs_product_q15(p, p);
     p = fxs_product_q15(p, p);
-    return fxs_min(FACTOR(p), FXS_ALPHA_MAX_Q15);
+    return min(FACTOR(p), FXS_ALPHA_MAX_Q15);
 }
 
 // u or v without its sign, not cut: beyond 32767, which is 4, no splat reaches. (fxs_coordinate_q13 cuts it there.)
 FXS_FN int fxs_distance_q13(int coordinate_q24)
 {
-    int c = coordinate_q24 >> 11;
-    return c < 0 ? -c : c;
+    return abs(coordinate_q24 >> 11);
 }

@@ -214,8 +214,11 @@ static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_
     if (b->kind->way != FASTER)
         return error;
     if (way == FETCH && is_of_device(error)) {
-        snprintf(b->lost, sizeof b->lost, "framebuffer fetch failed: %.200s", why->text);
-        return render_by(b, LISTS, request, stats, why);
+        const fxs_message failure = *why;
+        error = render_by(b, LISTS, request, stats, why);
+        if (!error)
+            snprintf(b->lost, sizeof b->lost, "framebuffer fetch failed: %.200s", failure.text);
+        return error;
     }
     if (!error && b->frames < MEASURED) {
         b->times[way] = stats->frame_nanoseconds;
