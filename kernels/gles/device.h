@@ -21,7 +21,7 @@ enum { FXS_GLES_STATE, FXS_GLES_INTEGER, FXS_GLES_NORMALISED, FXS_GLES_QUADS, FX
 enum { FXS_GLES_LISTS, FXS_GLES_RECORDS, FXS_GLES_DEPTHS, FXS_GLES_OCCLUDER, FXS_GLES_BUFFER, FXS_GLES_BACKDROP,
        FXS_GLES_CARRIED, FXS_GLES_UNITS,
        FXS_GLES_NEXT = FXS_GLES_UNITS, FXS_GLES_WHOLE, FXS_GLES_TEXTURES };
-/* Framebuffers: of integers; of the quads, blended and then as bytes; of the two states of a tile, and of a window's. */
+/* Framebuffers: of integers; of the quads, blended and then as bytes; of the two states of a tile, of a window's. */
 enum { FXS_GLES_TARGET, FXS_GLES_BLENDED, FXS_GLES_BYTES, FXS_GLES_TARGETS,
        FXS_GLES_FIRST_STATE = FXS_GLES_TARGETS, FXS_GLES_SECOND_STATE, FXS_GLES_WHOLE_STATE, FXS_GLES_FRAMEBUFFERS };
 

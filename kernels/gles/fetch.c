@@ -75,7 +75,7 @@ static drawn drawn_of(const batch *b, uint32_t slot)
     }
     if (is_veil(bounds))
         d = (drawn){2, VEIL, d.columns, d.rows};
-    else if (s->vy_q24 > 0 && overlaps(x_q8 - half_q8, x_q8 + half_q8, w->x, w->width) &&   /* 0: not of this eye */
+    else if (overlaps(x_q8 - half_q8, x_q8 + half_q8, w->x, w->width) &&
              overlaps((int64_t)s->first_row * 256, (int64_t)s->last_row * 256, w->y, w->height)) {
         const int large = half_q8 >= LARGE * 256 && s->last_row - s->first_row >= 2 * LARGE;
         d.count = large ? 2 : 1;

@@ -23,7 +23,8 @@ void main()
         discard;
 #ifdef LIMITED
     ivec2 pixel = place.xy + fragment;
-    if (outside(pixel.x >> 4, limits.x) || outside(pixel.y >> 4, limits.y) || uint(limits.z) > limit_at(mesh_texel(pixel)))
+    if (outside(pixel.x >> 4, limits.x) || outside(pixel.y >> 4, limits.y) ||
+        uint(limits.z) > limit_at(mesh_texel(pixel)))
         discard;
 #endif
     int weight = fxs_product_q15(fxs_exp_q15(level), state.x);

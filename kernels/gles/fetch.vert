@@ -1,6 +1,7 @@
 // A corner of what a splat is drawn as: a triangle about its ellipse, of a large one two that make the tightest
 // rectangle, of a veil two that make the window. A record is one triangle.
-uniform highp usampler2D records;    // three texels: u0, ux, uy, v0; vy, offset and r, g and b, columns; cx, cy, shape and rows, depth
+// Three texels: u0, ux, uy, v0; vy, offset and r, g and b, columns; cx, cy, shape and rows, depth key.
+uniform highp usampler2D records;
 uniform ivec4 size;                  // the window's width and height; cut-off (Q11); log2 of the width of `records`
 uniform ivec4 place;                 // the window's first pixel; how many windows wide and high the viewport is
 flat out ivec4 line;                 // u at the window's first pixel, ux, uy, v there (Q24)

@@ -195,8 +195,8 @@ static void make_fetch_programs(fxs_gles *g)
     if (!error)
         error = make_program(g, FXS_GLES_LIMITED, "#define LIMITED\n", fetch_vert, fetch_frag, g->no_fetch);
     if (!error)
-        error = make_program(g, FXS_GLES_RESOLVED_INTEGER, "#define INTEGER\n#define FETCHED\n", screen_vert, tiles_frag,
-                             g->no_fetch);
+        error = make_program(g, FXS_GLES_RESOLVED_INTEGER, "#define INTEGER\n#define FETCHED\n", screen_vert,
+                             tiles_frag, g->no_fetch);
     if (!error)
         make_program(g, FXS_GLES_RESOLVED_NORMALISED, "#define FETCHED\n", screen_vert, tiles_frag, g->no_fetch);
 }

@@ -1,7 +1,8 @@
 // What hides splats at a pixel: as a depth key.
 uniform highp usampler2D occluder;   // depths, as in fxs_targets
 uniform highp sampler2D depth_buffer;        // in place of that
-uniform ivec4 mesh;                  // texel of these two, and of backdrop, for pixel (0, 0); rows go by; depth_bits, and which there are:
+// Texel of these two, and of backdrop, for pixel (0, 0); rows go by; depth_bits, and which there are.
+uniform ivec4 mesh;
 const int OCCLUDER = 256, BUFFER = 512, BACKDROP = 1024;
 uniform vec2 planes;                 // 1 / distance of what has depth 0, 1 in depth_buffer
 

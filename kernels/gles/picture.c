@@ -73,7 +73,8 @@ void fxs_gles_make_records(fxs_gles *g, uint64_t texels)
     g->gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32UI, 1 << g->shift, rows, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, 0);
 }
 
-void fxs_gles_upload(const fxs_gles *g, int unit, int32_t y, int32_t width, int32_t height, GLenum layout, size_t offset)
+void fxs_gles_upload(const fxs_gles *g, int unit, int32_t y, int32_t width, int32_t height, GLenum layout,
+                     size_t offset)
 {
     g->gl.ActiveTexture(GL_TEXTURE0 + (GLenum)unit);
     if (height)

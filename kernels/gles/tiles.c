@@ -90,7 +90,8 @@ static int end_batch(batch *b)
         return FXS_ERR_DEVICE;
     fxs_gles_start_timer(g);
     fxs_gles_upload(g, FXS_GLES_LISTS, row, columns, rows, GL_RG_INTEGER, (size_t)(row * columns) * 8);
-    fxs_gles_upload(g, FXS_GLES_RECORDS, 0, 1 << g->shift, record_rows, GL_RGBA_INTEGER, (size_t)(b->records - b->lists) * 4);
+    fxs_gles_upload(g, FXS_GLES_RECORDS, 0, 1 << g->shift, record_rows, GL_RGBA_INTEGER,
+                    (size_t)(b->records - b->lists) * 4);
     if (b->depths)
         fxs_gles_upload(g, FXS_GLES_DEPTHS, 0, 1 << g->shift, (record_rows + 1) / 2, GL_RED_INTEGER,
                (size_t)(b->depths - b->lists) * 4);
@@ -211,9 +212,9 @@ static int draw_parts(batch *b)
         fxs_gles_surface s = surface_of(b);
         int turn = (int)(done / most % 2);
         if (done + part < l.count)
-            s = (fxs_gles_surface){g->framebuffers[FXS_GLES_FIRST_STATE + turn], FXS_GLES_STATE, 0, 0, FXS_TILE, FXS_TILE,
-                          (int32_t)t % run->view->tiles_x * FXS_TILE, (int32_t)t / run->view->tiles_x * FXS_TILE, 1,
-                          0, FXS_TILE};
+            s = (fxs_gles_surface){g->framebuffers[FXS_GLES_FIRST_STATE + turn], FXS_GLES_STATE, 0, 0, FXS_TILE,
+                                   FXS_TILE, (int32_t)t % run->view->tiles_x * FXS_TILE,
+                                   (int32_t)t / run->view->tiles_x * FXS_TILE, 1, 0, FXS_TILE};
         g->gl.ActiveTexture(GL_TEXTURE0 + FXS_GLES_CARRIED);
         g->gl.BindTexture(GL_TEXTURE_2D, g->textures[turn ? FXS_GLES_CARRIED : FXS_GLES_NEXT]);
         draw(b, &s, carried);

@@ -1,9 +1,11 @@
 // blend and resolve of one pixel, after src/pixel.h; FETCHED: resolve alone.
 uniform highp usampler2D lists;      // of each tile: first record, the one after the last; (1, 0): not in this draw
-uniform highp usampler2D records;    // two texels a splat: u0, ux, uy, first and last row; v0, vy, offset and r, g and b
-uniform highp isampler2D carried;    // T, r, g, b: of a tile whose list is in parts, after the last part; FETCHED: of all
+// Two texels a splat: u0, ux, uy, first and last row; v0, vy, offset and r, g and b.
+uniform highp usampler2D records;
+uniform highp isampler2D carried;    // T, r, g, b: of a tile whose list is in parts, after the last; FETCHED: of all
 uniform ivec4 place;                 // pixel of the fragment (0, 0); rows go by; 1: goes on from `carried`
-uniform ivec4 source;                // first tile of `lists`, FETCHED: first pixel of `carried`; log2 of the width of `records`; cut-off
+// First tile of `lists`, FETCHED: first pixel of `carried`; log2 of the width of `records`; cut-off.
+uniform ivec4 source;
 uniform ivec4 background;            // r, g, b; 1: alpha is the coverage
 uniform highp usampler2D depths;     // of each record: its depth key
 uniform highp sampler2D backdrop;
@@ -117,6 +119,7 @@ void main()
 #elif defined INTEGER
     result = resolve(state, background_at(mesh_texel(pixel)));
 #else
-    result = (vec4(resolve(state, background_at(mesh_texel(pixel)))) + 0.25) / 255.0;   // the same byte, rounded down or to the nearest
+    // the same byte, rounded down or to the nearest
+    result = (vec4(resolve(state, background_at(mesh_texel(pixel)))) + 0.25) / 255.0;
 #endif
 }
