@@ -238,8 +238,7 @@ typedef struct fxs_config {
     void *clock_argument;
     fxs_draw_fn *draw;             /* null: the kernels' blend and resolve */
     void *draw_argument;
-    int draw_unlisted;             /* 1: draw needs no tile lists, and is called once a frame: a frame that memory
-                                      cuts into bands is FXS_ERR_UNSUPPORTED */
+    int draw_unlisted;             /* 1: draw needs no tile lists, and is called once for each band of a frame */
 } fxs_config;
 
 enum fxs_stage { FXS_PROJECT, FXS_SHADE, FXS_SORT, FXS_BIN, FXS_BLEND, FXS_RESOLVE, FXS_STAGES };

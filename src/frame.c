@@ -596,8 +596,8 @@ int fxs_frame_draw(fxs_frame *f)
 {
     if (f->draw_tile || !f->context->config.draw_unlisted)
         return draw_listed(f);
-    f->first_tile = 0;
-    f->last_tile = f->tiles - 1;
+    f->first_tile = fxs_tiles_above(f, f->first_row);
+    f->last_tile = fxs_tiles_above(f, f->end_row) - 1;
     return draw_run(f, sort_all(f));
 }
 
@@ -609,8 +609,6 @@ int fxs_frame_render(fxs_frame *f)
     f->stats.nanoseconds[FXS_PROJECT] += fxs_now(f) - start;
     while (!error && f->end_row < f->eye->view.tiles_y) {
         fxs_band_next(f);
-        if (!f->draw_tile && f->context->config.draw_unlisted && f->end_row < f->eye->view.tiles_y)
-            return FXS_ERR_UNSUPPORTED;    /* it draws whole frames */
         error = fxs_frame_prepare(f);
         if (!error)
             error = fxs_frame_draw(f);

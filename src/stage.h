@@ -132,8 +132,8 @@ typedef struct fxs_trace {
 #define FXS_HALF_Q15 16384         /* transmittance */
 
 /* A run of tiles, first to last, ready to be drawn by a back end: of one tile row, or of whole tile rows but for the first
-   tiles and the last. Tile t's list is counts[t] entries that end before entries[ends[t]]. A back end without lists draws
-   all tiles; entries, ends and counts are null then, and keys are those of all that is visible. */
+   tiles and the last. Tile t's list is counts[t] entries that end before entries[ends[t]]. Without lists
+   (draw_unlisted) entries, ends and counts are null, and keys are those of all that touches the tiles. */
 typedef struct fxs_tile_run {
     const fxs_config *config;
     const fxs_view *view;          /* of the world */

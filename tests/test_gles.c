@@ -14,6 +14,21 @@
 #include <GLES3/gl3.h>
 
 #include "../kernels/gles/gles.h"
+#include "../src/pixel.h"
+
+
+/* What weight.frag may say of its factors. */
+static int wrong_factors;
+
+static int FACTOR(int x)
+{
+    wrong_factors += x < 0 || x > 32767;
+    return x;
+}
+
+#define min fxs_min
+#include "../kernels/gles/weight.frag"
+#undef min
 #endif
 #ifdef FXS_WITH_EGL
 #include "../port/egl/egl.h"
@@ -159,7 +174,7 @@ static int render(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const fxs
 {
     fxs_context c;
     fxs_config config = {.run = run_backwards, .threads = 3, .draw = draw, .draw_argument = gles,
-                         .draw_unlisted = draw == fxs_gles_draw_quads};
+                         .draw_unlisted = draw && draw != fxs_gles_draw};
     fxs_init(&c, &config);
     size_t bytes = one_frame_bytes(&c, &s->scene, s->camera.width, s->camera.height, 0);
     void *memory = check_aligned(bytes);
@@ -184,15 +199,26 @@ static uint8_t *new_picture(const subject *s)
     return pixels;
 }
 
-/* The back end's picture, with `stride` and from `first` on, is the processor's. */
+/* The exact ways that this context has: by lists, and where it can by fetch. */
+static fxs_draw_fn *const exact[] = {fxs_gles_draw, fxs_gles_draw_fetch};
+
+static int exact_ways(const fxs_gles *gles)
+{
+    return fxs_gles_no_fetch(gles) ? 1 : 2;
+}
+
+/* The back end's pictures, with `stride` and from `first` on, are the processor's. stats: by lists. */
 static int same_laid_out(const subject *s, fxs_gles *gles, ptrdiff_t stride, ptrdiff_t first, fxs_stats *stats)
 {
-    uint8_t *expected = new_picture(s), *actual = new_picture(s);
-    int same = CHECK(!render(s, 0, 0, 0, expected + first, stride, 0)) &&
-               CHECK(!render(s, fxs_gles_draw, gles, 0, actual + first, stride, stats)) &&
-               CHECK(!memcmp(expected, actual, picture_bytes(s)));
+    uint8_t *expected = new_picture(s);
+    int same = CHECK(!render(s, 0, 0, 0, expected + first, stride, 0));
+    for (int way = exact_ways(gles) - 1; way >= 0; way--) {
+        uint8_t *actual = new_picture(s);
+        same &= CHECK(!render(s, exact[way], gles, 0, actual + first, stride, stats)) &&
+                CHECK(!memcmp(expected, actual, picture_bytes(s)));
+        free(actual);
+    }
     free(expected);
-    free(actual);
     return same;
 }
 
@@ -325,11 +351,12 @@ static void long_list(void)
     fake(0, "glDrawArrays", (fxs_gl_function)count_DrawArrays);
     OPEN_OR_SKIP(gles);
     fxs_options_init(&s.options);
-    draws = 0;
-    same_laid_out(&s, gles, 16 * 4, 0, &stats);
-    CHECK(stats.entries >= 80000 && draws == (stats.entries + 32767) / 32768);
+    same_laid_out(&s, gles, 16 * 4, 0, 0);
     s.format = FXS_FORMAT_RGBA8_COVERAGE;
     uint8_t *pixels = new_picture(&s);
+    draws = 0;
+    CHECK(!render(&s, fxs_gles_draw, gles, 0, pixels, 16 * 4, &stats));
+    CHECK(stats.entries >= 80000 && draws == (stats.entries + 32767) / 32768);
     CHECK(!render(&s, 0, 0, 0, pixels, 16 * 4, 0));
     for (int i = 0; i < 16 * 16; i++)
         CHECK(pixels[4 * i + 3] < 255);
@@ -378,12 +405,12 @@ static int load_subject(subject *s, const char *folder, const char *name, const 
 static double psnr_of_quads(const subject *s, fxs_gles *gles)
 {
     struct fxs_metrics metrics = {.psnr = 0};
-    uint8_t *exact = new_picture(s), *quads = new_picture(s);
+    uint8_t *reference = new_picture(s), *quads = new_picture(s);
     const ptrdiff_t row = (ptrdiff_t)s->camera.width * 4;
-    CHECK(!render(s, 0, 0, 0, exact, row, 0));
+    CHECK(!render(s, 0, 0, 0, reference, row, 0));
     CHECK(!render(s, fxs_gles_draw_quads, gles, 0, quads, row, 0));
-    CHECK(!fxs_metrics_compare(exact, quads, s->camera.width, s->camera.height, &metrics));
-    free(exact);
+    CHECK(!fxs_metrics_compare(reference, quads, s->camera.width, s->camera.height, &metrics));
+    free(reference);
     free(quads);
     return metrics.psnr;
 }
@@ -407,9 +434,9 @@ static void real_scenes(void)
         subject s;
         if (!load_subject(&s, folder ? folder : "../shared/scenes", scenes[i].name, scenes[i].up))
             continue;
-        int exact = same(&s, gles);
+        int is_same = same(&s, gles);
         double psnr = psnr_of_quads(&s, gles);
-        printf("  %s: %s, quads at %.1f dB\n", scenes[i].name, exact ? "the same bytes" : "differs", psnr);
+        printf("  %s: %s, quads at %.1f dB\n", scenes[i].name, is_same ? "the same bytes" : "differs", psnr);
         CHECK(psnr >= 40);
         fxs_packed_scene_free(&s.packed);
         seen++;
@@ -434,6 +461,115 @@ static void quads(void)
             CHECK(psnr >= 40);
             fxs_packed_scene_free(&s.packed);
         }
+    close_gles(gles);
+}
+
+/* ---- By framebuffer fetch ---------------------------------------------------------------------------------------- */
+
+/* The shaders' versions of what pixel.h says, wherever it can count. */
+static void products(void)
+{
+    int differing = 0;
+    for (int level = 0; level <= FXS_FAINT_Q11; level++)
+        differing += fxs_exp_q15(level) != fxs_alpha_q15(level);
+    for (int a = 0; a <= 32767; a++)
+        for (int b = a & 63; b <= 32767; b += 64)
+            differing += fxs_product_q15(a, b) != fxs_mul_q15(a, b);
+    for (int c = -32767; c <= 32767; c++) {
+        const int q24 = c * 2048 + (c & 2047), far = (c < 0 ? -1 : 1) * (1 << 26) + q24;
+        const int u = fxs_distance_q13(q24), v = fxs_coordinate_q13(q24);
+        differing += u > 32767 || fxs_product_q15(u, u) != fxs_mul_q15(v, v);
+        differing += fxs_distance_q13(far) <= 32767;
+    }
+    CHECK(!differing && !wrong_factors);
+}
+
+static PFNGLGETSTRINGIPROC real_GetStringi;
+
+static const GLubyte *GL_APIENTRY hiding_GetStringi(GLenum name, GLuint i)
+{
+    const GLubyte *one = real_GetStringi(name, i);
+    return one && !strcmp((const char *)one, "GL_EXT_shader_framebuffer_fetch") ? 0 : one;
+}
+
+static PFNGLSHADERSOURCEPROC real_ShaderSource;
+
+/* A driver that lists the extension but does not know its word. */
+static void GL_APIENTRY unknowing_ShaderSource(GLuint shader, GLsizei count, const GLchar *const *parts, const GLint *n)
+{
+    static const GLchar *const broken = "#version 300 es\nvoid main() { nonsense(); }\n";
+    int asks = 0;
+    for (GLsizei i = 0; i < count; i++)
+        asks |= strstr(parts[i], "inout ivec4 state;") != 0;
+    real_ShaderSource(shader, asks ? 1 : count, asks ? &broken : parts, n);
+}
+
+/* Without the extension there are lists, and the reason is said. */
+static void fetch_hidden(void)
+{
+    subject s;
+    real_GetStringi = (PFNGLGETSTRINGIPROC)port->load(context, "glGetStringi");
+    real_ShaderSource = (PFNGLSHADERSOURCEPROC)port->load(context, "glShaderSource");
+    if (!make_subject(&s, "knot", 2000, 50, 40))
+        return;
+    uint8_t *pixels = new_picture(&s);
+    int error;
+    fxs_gles *plain = open_gles(&error);
+    const int unknowns = plain ? exact_ways(plain) : 0;
+    close_gles(plain);
+    for (int unknown = 0; unknown < unknowns; unknown++) {
+        fake(0, unknown ? "glShaderSource" : "glGetStringi",
+             unknown ? (fxs_gl_function)unknowing_ShaderSource : (fxs_gl_function)hiding_GetStringi);
+        fxs_gles *gles = open_gles(&error);
+        if (!CHECK(gles != 0))
+            return;
+        const fxs_gles_target t = {.fetch = 1};
+        const char *why = fxs_gles_no_fetch(gles);
+        CHECK(why && strstr(why, unknown ? "nonsense" : "no GL_EXT_shader_framebuffer_fetch"));
+        CHECK(exact_ways(gles) == 1 && same(&s, gles));
+        CHECK(render(&s, fxs_gles_draw_fetch, gles, 0, pixels, 50 * 4, 0) == FXS_ERR_UNSUPPORTED);
+        CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
+        close_gles(gles);
+    }
+    free(pixels);
+    fxs_packed_scene_free(&s.packed);
+}
+
+/* Two eyes of which one does not see all that the other does: the processor's bytes. */
+static void fetch_eyes(void)
+{
+    subject s;
+    OPEN_OR_SKIP(gles);
+    if (!make_subject(&s, "knot", 6000, 60, 45))
+        return;
+    s.camera.position_q32[0] += INT64_C(3) << 32;
+    fxs_camera cameras[2] = {s.camera, s.camera};
+    cameras[1].position_q32[0] -= INT64_C(6) << 32;
+    const fxs_object object = one_object(&s.scene);
+    uint8_t *pictures[2][2];
+    for (int way = 0; way < exact_ways(gles); way++) {
+        for (int drawn = 0; drawn < 2; drawn++) {
+            fxs_context c;
+            const fxs_config config = {.draw = drawn ? exact[way] : 0, .draw_argument = gles,
+                                       .draw_unlisted = drawn && way};
+            fxs_targets targets[2];
+            fxs_init(&c, &config);
+            const size_t bytes = fxs_stereo_bytes(&c, &object, 1, s.camera.width, s.camera.height);
+            void *memory = check_aligned(bytes);
+            for (int eye = 0; eye < 2; eye++) {
+                pictures[drawn][eye] = new_picture(&s);
+                targets[eye] = one_target(FXS_FORMAT_RGBA8, pictures[drawn][eye], 60 * 4);
+            }
+            CHECK(!fxs_render_stereo(&c, &object, 1, cameras, &s.options, targets, 0, memory, bytes, 0));
+            free(memory);
+        }
+        for (int eye = 0; eye < 2; eye++) {
+            CHECK(!memcmp(pictures[0][eye], pictures[1][eye], picture_bytes(&s)));
+            free(pictures[0][eye]);
+            free(pictures[1][eye]);
+        }
+    }
+    fxs_packed_scene_free(&s.packed);
     close_gles(gles);
 }
 
@@ -474,7 +610,7 @@ static int render_mesh(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, cons
 {
     const ptrdiff_t stride = 4 * (ptrdiff_t)s->camera.width, last = (s->camera.height - 1) * stride;
     fxs_context c;
-    fxs_config config = {.draw = draw, .draw_argument = gles};
+    fxs_config config = {.draw = draw, .draw_argument = gles, .draw_unlisted = draw && draw != fxs_gles_draw};
     const fxs_object object = one_object(&s->scene);
     fxs_targets t = one_target(s->format, pixels, stride);
     fxs_init(&c, &config);
@@ -504,11 +640,14 @@ static void meshes(void)
         const mesh m = make_mesh(&s);
         for (int i = 0; i < 6; i++) {
             s.format = (enum fxs_format)(i % 3);
+            s.options.cutoff = i == 4 ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
             memset(expected, 0, picture_bytes(&s));
-            memset(actual, 0, picture_bytes(&s));
             CHECK(!render_mesh(&s, 0, 0, &m, i / 3, 0, expected));
-            CHECK(!render_mesh(&s, fxs_gles_draw, gles, &m, i / 3, i % 2 ? 700000 : 0, actual));
-            CHECK(!memcmp(expected, actual, picture_bytes(&s)));
+            for (int way = 0; way < exact_ways(gles); way++) {
+                memset(actual, 0, picture_bytes(&s));
+                CHECK(!render_mesh(&s, exact[way], gles, &m, i / 3, i % 2 ? 700000 : 0, actual));
+                CHECK(!memcmp(expected, actual, picture_bytes(&s)));
+            }
         }
         s.format = FXS_FORMAT_RGBA8;
         CHECK(!render(&s, 0, 0, 0, plain, 4 * s.camera.width, 0));
@@ -673,20 +812,22 @@ static int in_target(const subject *s, const fxs_gles_target *t, const uint8_t *
     return !differing_pixels(s, t, expected);
 }
 
-static void target(void)
+/* small: in windows, as far as it is drawn on a framebuffer of the back end's own. */
+static void target_by(int small)
 {
     static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
     subject s;
+    fake_limits(small, 0);
     OPEN_OR_SKIP(gles);
     caller c = make_caller();
     if (!make_subject(&s, "knot", 9000, 111, 83))
         return;
     uint8_t *expected = new_picture(&s);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4 * exact_ways(gles); i++) {
         state before, after;
-        s.format = i / 2 ? FXS_FORMAT_RGBA8_COVERAGE : FXS_FORMAT_RGBA8;
-        const fxs_gles_target t = {
-            .framebuffer = c.framebuffers[0], .x = 13, .y = 7, .format = s.format, .top_down = i % 2};
+        s.format = i / 2 % 2 ? FXS_FORMAT_RGBA8_COVERAGE : FXS_FORMAT_RGBA8;
+        const fxs_gles_target t = {.framebuffer = c.framebuffers[0], .x = 13, .y = 7, .format = s.format,
+                                   .top_down = i % 2, .fetch = i / 4};
         CHECK(!render(&s, 0, 0, 0, expected, 111 * 4, 0));
         settle();
         GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, c.framebuffers[0]);
@@ -704,6 +845,16 @@ static void target(void)
     free(expected);
     fxs_packed_scene_free(&s.packed);
     close_gles(gles);
+}
+
+static void target(void)
+{
+    target_by(0);
+}
+
+static void target_in_windows(void)
+{
+    target_by(64);
 }
 
 /* A texture of the caller's with these rows, of 4 bytes a pixel, in the order of the framebuffer's. */
@@ -738,8 +889,8 @@ static void target_meshes(void)
     const int pixels = s.camera.width * s.camera.height;
     float *buffer = malloc((size_t)pixels * sizeof *buffer);
     CHECK(!render_mesh(&s, 0, 0, &m, 0, 0, expected));
-    for (int i = 0; i < 8; i++) {
-        const int top_down = i % 2, by_buffer = i / 2, reversed = by_buffer == 2;
+    for (int i = 0; i < 8 * exact_ways(gles); i++) {
+        const int top_down = i % 2, by_buffer = i / 2 % 4, reversed = by_buffer == 2;
         const float far_plane = by_buffer == 3 ? INFINITY : 100;
         for (int k = 0; k < pixels; k++) {
             const double z = m.depths[k] / 65536.0, inverse_far = 1 / (double)far_plane, inverse_near = 1 / near_plane;
@@ -755,6 +906,7 @@ static void target_meshes(void)
         t.x = 13;
         t.y = 7;
         t.top_down = top_down;
+        t.fetch = i / 8;
         t.plane_0 = reversed ? far_plane : near_plane;
         t.plane_1 = reversed ? near_plane : far_plane;
         if (by_buffer)
@@ -835,8 +987,6 @@ static void missing_functions(void)
         fxs_gles_free(gles);
     free(gles);
 }
-
-static PFNGLSHADERSOURCEPROC real_ShaderSource;
 
 static void GL_APIENTRY broken_ShaderSource(GLuint shader, GLsizei count, const GLchar *const *parts, const GLint *n)
 {
@@ -944,6 +1094,9 @@ static void loses(const subject *s, const char *name, fxs_gl_function function, 
         error = render(s, fxs_gles_draw, gles, 0, pixels, (ptrdiff_t)s->camera.width * 4, 0);
         CHECK(!error || error == expected);
         good_calls = n;
+        int fetch_error = render(s, exact[exact_ways(gles) - 1], gles, 0, pixels, (ptrdiff_t)s->camera.width * 4, 0);
+        CHECK(!fetch_error || fetch_error == expected);
+        good_calls = n;
         int quads_error = render(s, fxs_gles_draw_quads, gles, 0, pixels, (ptrdiff_t)s->camera.width * 4, 0);
         CHECK(!quads_error || quads_error == expected);
         close_gles(gles);
@@ -983,10 +1136,12 @@ static void full_device(void)
     if (!make_subject(&s, "knot", 2000, 64, 48))
         return;
     uint8_t *pixels = new_picture(&s);
-    CHECK(!render(&s, fxs_gles_draw, gles, 0, pixels, 64 * 4, 0));
+    for (int way = 0; way < exact_ways(gles); way++)
+        CHECK(!render(&s, exact[way], gles, 0, pixels, 64 * 4, 0));
     CHECK(!render(&s, fxs_gles_draw_quads, gles, 0, pixels, 64 * 4, 0));
     good_calls = 0;
-    CHECK(render(&s, fxs_gles_draw, gles, 0, pixels, 64 * 4, 0) == FXS_ERR_MEMORY);
+    for (int way = 0; way < exact_ways(gles); way++)
+        CHECK(render(&s, exact[way], gles, 0, pixels, 64 * 4, 0) == FXS_ERR_MEMORY);
     CHECK(render(&s, fxs_gles_draw_quads, gles, 0, pixels, 64 * 4, 0) == FXS_ERR_MEMORY);
     free(pixels);
     fxs_packed_scene_free(&s.packed);
@@ -1082,8 +1237,12 @@ int main(void)
         RUN(words_read);
         RUN(real_scenes);
         RUN(quads);
+        RUN(products);
+        RUN(fetch_hidden);
+        RUN(fetch_eyes);
         RUN(meshes);
         RUN(target);
+        RUN(target_in_windows);
         RUN(target_meshes);
         RUN(init_keeps_state);
         RUN(missing_functions);

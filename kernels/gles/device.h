@@ -13,15 +13,17 @@
    65,535 rounds. */
 #define FXS_GLES_LOOP 32768u
 
-enum { FXS_GLES_STATE, FXS_GLES_INTEGER, FXS_GLES_NORMALISED, FXS_GLES_QUADS, FXS_GLES_PROGRAMS };
+/* BLEND is the fetch path's, LIMITED that with an occluder or the square cut-off; RESOLVED... show what it left. */
+enum { FXS_GLES_STATE, FXS_GLES_INTEGER, FXS_GLES_NORMALISED, FXS_GLES_QUADS, FXS_GLES_BLEND, FXS_GLES_LIMITED,
+       FXS_GLES_RESOLVED_INTEGER, FXS_GLES_RESOLVED_NORMALISED, FXS_GLES_PROGRAMS };
 /* Textures of the tiles' shader by unit; two of tile size take turns as the last and the next state. DEPTHS has the
    records' depth keys; OCCLUDER, BUFFER (a depth buffer of GL) and BACKDROP are the caller's or made from his. */
 enum { FXS_GLES_LISTS, FXS_GLES_RECORDS, FXS_GLES_DEPTHS, FXS_GLES_OCCLUDER, FXS_GLES_BUFFER, FXS_GLES_BACKDROP,
        FXS_GLES_CARRIED, FXS_GLES_UNITS,
-       FXS_GLES_NEXT = FXS_GLES_UNITS, FXS_GLES_TEXTURES };
-/* Framebuffers: of integers; of the quads, blended and then as bytes; of the two states. */
+       FXS_GLES_NEXT = FXS_GLES_UNITS, FXS_GLES_WHOLE, FXS_GLES_TEXTURES };
+/* Framebuffers: of integers; of the quads, blended and then as bytes; of the two states of a tile, of a window's. */
 enum { FXS_GLES_TARGET, FXS_GLES_BLENDED, FXS_GLES_BYTES, FXS_GLES_TARGETS,
-       FXS_GLES_FIRST_STATE = FXS_GLES_TARGETS, FXS_GLES_SECOND_STATE, FXS_GLES_FRAMEBUFFERS };
+       FXS_GLES_FIRST_STATE = FXS_GLES_TARGETS, FXS_GLES_SECOND_STATE, FXS_GLES_WHOLE_STATE, FXS_GLES_FRAMEBUFFERS };
 
 typedef struct fxs_gles_program {
     GLuint name;
@@ -38,6 +40,8 @@ struct fxs_gles {
     char renderer[128];
     int32_t shift;                 /* log2 of the width, and the greatest height, of the texture of records */
     int32_t most;                  /* pixels, width and height of a render target */
+    int32_t viewport[2];           /* the largest */
+    char no_fetch[FXS_GLES_MESSAGE];            /* why there is no fetch path; else empty */
     int timer, timing;             /* the device can time draws; is timing one */
     GLenum blended_format;         /* of the quads' target */
     fxs_gles_program programs[FXS_GLES_PROGRAMS];
@@ -48,7 +52,7 @@ struct fxs_gles {
     unsigned turn;                 /* of the uploads */
     int32_t columns, rows;         /* of the texture of lists */
     int32_t record_rows, depth_rows;            /* of those of records and of their depths */
-    int32_t occluder[2], backdrop[2];           /* width and height of these */
+    int32_t occluder[2], backdrop[2], whole[2]; /* width and height of these */
     int32_t width[FXS_GLES_TARGETS], height[FXS_GLES_TARGETS];
     GLenum format[FXS_GLES_TARGETS];
     const fxs_gles_target *target; /* the caller's, during fxs_gles_render */
@@ -101,5 +105,48 @@ void fxs_gles_stop_timer(fxs_gles *gles);
    (x, y); those of its tiles only. Errors: FXS_ERR_DEVICE, FXS_ERR_MEMORY. */
 int fxs_gles_read(fxs_gles *gles, const fxs_tile_run *run, int target, int32_t x, int32_t y, int32_t width,
                   int32_t height);
+
+/* ---- picture.c --------------------------------------------------------------------------------------------------- */
+
+/* A part of the picture that a render target can hold, in pixels and tiles. */
+typedef struct fxs_gles_window {
+    int32_t x, y, width, height, first_column, first_row, columns, rows;
+} fxs_gles_window;
+
+/* Where the fragments of a draw over the whole of it go. */
+typedef struct fxs_gles_surface {
+    GLuint framebuffer;
+    int program;
+    int32_t x, y, width, height;   /* its viewport */
+    int32_t pixel_x, pixel_y, row_step;         /* pixel of the viewport's fragment (0, 0); rows go by */
+    int32_t first_line, lines;     /* of the viewport, that the draw covers */
+} fxs_gles_surface;
+
+/* Lines of a window, on the back end's target or the caller's, by the program for either. */
+fxs_gles_surface fxs_gles_surface_of(const fxs_gles *gles, const fxs_tile_run *run, const fxs_gles_window *window,
+                                     int32_t first_line, int32_t lines, int integer, int normalised);
+
+/* Has the texture of records hold so many texels, where that can be. */
+void fxs_gles_make_records(fxs_gles *gles, uint64_t texels);
+
+/* Rows of words for a texture, from `offset` in the bound buffer. */
+void fxs_gles_upload(const fxs_gles *gles, int unit, int32_t y, int32_t width, int32_t height, GLenum layout,
+                     size_t offset);
+
+/* Whether something hides splats. */
+int fxs_gles_has_occluder(const fxs_gles *gles, const fxs_tile_run *run);
+
+/* Says to a program where the caller's pictures are. */
+void fxs_gles_set_mesh(const fxs_gles *gles, const fxs_tile_run *run, const fxs_gles_window *window,
+                       const fxs_gles_program *program);
+
+/* Draws over a surface by its program. `source`: its uniform, of four. */
+void fxs_gles_cover(const fxs_gles *gles, const fxs_tile_run *run, const fxs_gles_window *window,
+                    const fxs_gles_surface *surface, int carried, const int32_t source[4]);
+
+/* Draws a run in windows of `most` pixels, and reads back what is not the caller's. Returns 0 or an error, as `draw`
+   does. */
+typedef int fxs_gles_draw_window_fn(fxs_gles *gles, const fxs_tile_run *run, const fxs_gles_window *window);
+int fxs_gles_draw_windows(fxs_gles *gles, const fxs_tile_run *run, int32_t most, fxs_gles_draw_window_fn *draw);
 
 #endif

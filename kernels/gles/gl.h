@@ -11,7 +11,8 @@
     F(BINDRENDERBUFFER, BindRenderbuffer) F(BINDSAMPLER, BindSampler) F(BINDTEXTURE, BindTexture) \
     F(BINDVERTEXARRAY, BindVertexArray) F(BLENDEQUATIONSEPARATE, BlendEquationSeparate) \
     F(BLENDFUNCSEPARATE, BlendFuncSeparate) F(BLITFRAMEBUFFER, BlitFramebuffer) F(BUFFERDATA, BufferData) \
-    F(CHECKFRAMEBUFFERSTATUS, CheckFramebufferStatus) F(CLEARBUFFERFV, ClearBufferfv) F(COLORMASK, ColorMask) \
+    F(CHECKFRAMEBUFFERSTATUS, CheckFramebufferStatus) F(CLEARBUFFERFV, ClearBufferfv) \
+    F(CLEARBUFFERIV, ClearBufferiv) F(COLORMASK, ColorMask) \
     F(COMPILESHADER, CompileShader) F(CREATEPROGRAM, CreateProgram) F(CREATESHADER, CreateShader) \
     F(DELETEBUFFERS, DeleteBuffers) F(DELETEFRAMEBUFFERS, DeleteFramebuffers) F(DELETEPROGRAM, DeleteProgram) \
     F(DELETEQUERIES, DeleteQueries) F(DELETERENDERBUFFERS, DeleteRenderbuffers) F(DELETESHADER, DeleteShader) \

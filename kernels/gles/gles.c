@@ -87,11 +87,11 @@ static int check_version(fxs_gles *g, char *message)
 
 static int check_limits(fxs_gles *g, char *message)
 {
-    GLint texture = 0, renderbuffer = 0, viewport[2] = {0, 0};
+    GLint texture = 0, renderbuffer = 0;
     g->gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &texture);
     g->gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &renderbuffer);
-    g->gl.GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
-    g->most = fxs_min(fxs_min(texture, renderbuffer), fxs_min(viewport[0], viewport[1]));
+    g->gl.GetIntegerv(GL_MAX_VIEWPORT_DIMS, g->viewport);
+    g->most = fxs_min(fxs_min(texture, renderbuffer), fxs_min(g->viewport[0], g->viewport[1]));
     g->most = fxs_min(g->most, FXS_GLES_MOST) & -FXS_TILE;
     if (g->most < FXS_TILE)
         return say(message, "textures of less than 16x16 texels", "");
@@ -102,15 +102,32 @@ static int check_limits(fxs_gles *g, char *message)
 
 /* ---- Programs ---------------------------------------------------------------------------------------------------- */
 
-static const char prelude[] = "#version 300 es\nprecision highp int;\nprecision highp float;\n#define FXS_FN\n";
+static const char version[] = "#version 300 es\n", fetching[] = "#extension GL_EXT_shader_framebuffer_fetch : enable\n";
+static const char prelude[] = "precision highp int;\nprecision highp float;\n#define FXS_FN\n";
 
-static int compile(const fxs_gl *gl, GLuint program, GLenum kind, const char *define, const char *text, char *message)
+/* Mesa on a processor has products of 16 bits for factors that it knows to be so small; a GPU would only mask. */
+static const char *factor_of(const fxs_gles *g)
 {
+    return strncmp(g->renderer, "llvmpipe", 8) ? "#define FACTOR(x) (x)\n" : "#define FACTOR(x) ((x) & 32767)\n";
+}
+
+static int compile(const fxs_gles *g, GLuint program, GLenum kind, const char *define, const char *text, char *message)
+{
+    const fxs_gl *gl = &g->gl;
     char log[FXS_GLES_MESSAGE] = "";
-    const char *parts[] = {prelude, define, kind == GL_FRAGMENT_SHADER ? pixel_h : "", text};
+    const int is_fragment = kind == GL_FRAGMENT_SHADER;
+    const char *parts[] = {version,
+                           is_fragment ? fetching : "",
+                           prelude,
+                           define,
+                           factor_of(g),
+                           is_fragment ? pixel_h : "",
+                           is_fragment ? weight_frag : "",
+                           is_fragment ? mesh_frag : "",
+                           text};
     GLint done = 0;
     GLuint shader = gl->CreateShader(kind);
-    gl->ShaderSource(shader, 4, parts, 0);
+    gl->ShaderSource(shader, sizeof parts / sizeof *parts, parts, 0);
     gl->CompileShader(shader);
     gl->GetShaderiv(shader, GL_COMPILE_STATUS, &done);
     if (!done)
@@ -130,9 +147,9 @@ static int make_program(fxs_gles *g, int which, const char *define, const char *
     GLint done = 0;
     fxs_gles_program *p = &g->programs[which];
     p->name = gl->CreateProgram();
-    int error = compile(gl, p->name, GL_VERTEX_SHADER, define, vertex, message);
+    int error = compile(g, p->name, GL_VERTEX_SHADER, define, vertex, message);
     if (!error)
-        error = compile(gl, p->name, GL_FRAGMENT_SHADER, define, fragment, message);
+        error = compile(g, p->name, GL_FRAGMENT_SHADER, define, fragment, message);
     if (error)
         return error;
     gl->BindAttribLocation(p->name, 0, "shape");
@@ -167,6 +184,23 @@ static int make_programs(fxs_gles *g, char *message)
     return error;
 }
 
+/* Where they cannot be, no_fetch says why. (GL_ARM_shader_framebuffer_fetch reads colours as floats: not these.) */
+static void make_fetch_programs(fxs_gles *g)
+{
+    if (!has_extension(&g->gl, "GL_EXT_shader_framebuffer_fetch")) {
+        say(g->no_fetch, "no GL_EXT_shader_framebuffer_fetch", "");
+        return;
+    }
+    int error = make_program(g, FXS_GLES_BLEND, "", fetch_vert, fetch_frag, g->no_fetch);
+    if (!error)
+        error = make_program(g, FXS_GLES_LIMITED, "#define LIMITED\n", fetch_vert, fetch_frag, g->no_fetch);
+    if (!error)
+        error = make_program(g, FXS_GLES_RESOLVED_INTEGER, "#define INTEGER\n#define FETCHED\n", screen_vert,
+                             tiles_frag, g->no_fetch);
+    if (!error)
+        make_program(g, FXS_GLES_RESOLVED_NORMALISED, "#define FETCHED\n", screen_vert, tiles_frag, g->no_fetch);
+}
+
 /* ---- Objects ----------------------------------------------------------------------------------------------------- */
 
 static int make_objects(fxs_gles *g, char *message)
@@ -193,6 +227,7 @@ static int make_objects(fxs_gles *g, char *message)
         if (gl->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
             return say(message, "no render target of the format RGBA16I", "");
     }
+    g->whole[0] = g->whole[1] = FXS_TILE;
     return 0;
 }
 
@@ -222,6 +257,7 @@ int fxs_gles_init(fxs_gles *g, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *a
     fxs_gles_save(&g->gl, &state);
     fxs_gles_check(g);
     error = make_programs(g, message);
+    make_fetch_programs(g);
     if (!error)
         error = make_objects(g, message);
     if (!error && (error = fxs_gles_check(g)) != 0)
@@ -425,12 +461,13 @@ int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_object *o
                                                           target->plane_1 < target->plane_0))))
         return FXS_ERR_TARGET;
     if ((target->format != FXS_FORMAT_RGBA8 && target->format != FXS_FORMAT_RGBA8_COVERAGE) ||
+        (target->fetch && g->no_fetch[0]) ||
         camera->width > FXS_TILE << g->shift || camera->height > FXS_TILE << g->shift)
         return FXS_ERR_UNSUPPORTED;
     fxs_context drawing = *context;
-    drawing.config.draw = fxs_gles_draw;
+    drawing.config.draw = target->fetch ? fxs_gles_draw_fetch : fxs_gles_draw;
     drawing.config.draw_argument = g;
-    drawing.config.draw_unlisted = 0;
+    drawing.config.draw_unlisted = target->fetch;
     if (fxs_gles_use(g))
         return FXS_ERR_DEVICE;
     fxs_gles_save(&g->gl, &state);

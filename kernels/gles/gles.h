@@ -48,9 +48,17 @@ const char *fxs_gles_renderer(const fxs_gles *gles);
    anew; in another context where that one was lost. */
 fxs_draw_fn fxs_gles_draw;
 
-/* The same for a faster, inexact picture: a quad for each Gaussian, back to front, blended by the hardware in half
+/* The same bytes without lists, by a context that can read the framebuffer where it draws: splats near to far, blended
+   one by one on a framebuffer of integers. Wants fxs_config.draw_unlisted; what of the two is faster depends on device
+   and scene. Errors: those, and FXS_ERR_UNSUPPORTED where fxs_gles_no_fetch says why. */
+fxs_draw_fn fxs_gles_draw_fetch;
+
+/* Null where fxs_gles_draw_fetch can be had; else one line why not. */
+const char *fxs_gles_no_fetch(const fxs_gles *gles);
+
+/* As fxs_gles_draw, for an inexact picture: a quad for each Gaussian, back to front, blended by the hardware in half
    floats where it can, else in 10 or 8 bits. Wants fxs_config.draw_unlisted. Errors: those, and FXS_ERR_UNSUPPORTED
-   (the picture is larger than a render target can be). */
+   (the picture is larger than a render target can be, or the memory cuts the frame into bands). */
 fxs_draw_fn fxs_gles_draw_quads;
 
 /* The time that the device took from the first upload to the last draw of the last frame, without reading back; 0
@@ -64,6 +72,7 @@ typedef struct fxs_gles_target {
     int32_t x, y;                  /* of the picture's lower left corner */
     enum fxs_format format;        /* RGBA8 or RGBA8_COVERAGE */
     int top_down;                  /* 1: the picture's first row is the lowest one, as a texture is filled by rows */
+    int fetch;                     /* 1: by fxs_gles_draw_fetch */
 
     /* What the caller has drawn: names of textures as large as the picture, with its lowest row first as it is in the
        framebuffer, or 0. No filter but GL_NEAREST. */
@@ -83,8 +92,8 @@ void fxs_gles_target_init(fxs_gles_target *target);
    it was, but for a GL error that was pending. Transform feedback must not be active. An occlusion query that is active
    counts this draw too. `context` says how the stages before run; its draw is not used. Errors also: FXS_ERR_TARGET
    (both an occluder and a depth buffer, planes or depth_bits out of range, a backdrop with RGBA8_COVERAGE),
-   FXS_ERR_UNSUPPORTED (another format, or a picture larger than the device's textures), FXS_ERR_DEVICE, FXS_ERR_MEMORY
-   (the device's). */
+   FXS_ERR_UNSUPPORTED (another format, a picture larger than the device's textures, or `fetch` where fxs_gles_no_fetch
+   says why not), FXS_ERR_DEVICE, FXS_ERR_MEMORY (the device's). */
 int fxs_gles_render(fxs_gles *gles, const fxs_context *context, const fxs_object *objects, uint32_t count,
                     const fxs_camera *camera, const fxs_options *options, const fxs_gles_target *target, void *memory,
                     size_t memory_bytes, fxs_stats *stats);

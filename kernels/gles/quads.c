@@ -81,7 +81,8 @@ int fxs_gles_draw_quads(void *argument, const fxs_tile_run *run)
     GLfloat background[4] = {0, 0, 0, (GLfloat)opaque};
     for (int c = 0; c < 3; c++)
         background[c] = opaque ? (GLfloat)o->background[c] / 255 : 0;
-    if (width > g->most || height > g->most)
+    const uint32_t tiles = (uint32_t)run->view->tiles_x * (uint32_t)run->view->tiles_y;
+    if (width > g->most || height > g->most || run->last_tile - run->first_tile + 1 != tiles)
         return FXS_ERR_UNSUPPORTED;
     error = fxs_gles_use(g);
     if (error)

@@ -8,16 +8,11 @@
 #define RECORD 32                  /* bytes */
 #define AHEAD 16                   /* entries */
 
-/* A part of the picture that a render target can hold, in pixels and tiles. */
-typedef struct window {
-    int32_t x, y, width, height, first_column, first_row, columns, rows;
-} window;
-
 /* One upload, in the mapped buffer: lists of the window's tiles, then records. */
 typedef struct batch {
     fxs_gles *gles;
     const fxs_tile_run *run;
-    const window *window;
+    const fxs_gles_window *window;
     uint32_t *lists, *records, *depths;         /* depths: null without an occluder */
     uint32_t count, capacity;      /* records */
     int32_t first, end;            /* tiles, by number in the window */
@@ -37,28 +32,32 @@ static void make_texture(const fxs_gles *g, int unit, GLint format, GLenum layou
     g->gl.TexImage2D(GL_TEXTURE_2D, 0, format, width, height, 0, layout, GL_UNSIGNED_INT, 0);
 }
 
-static int has_occluder(const fxs_gles *g, const fxs_tile_run *run)
+/* A tile's list, in its order. The only place that knows how src/ lists. */
+typedef struct list {
+    const uint32_t *entries;
+    uint32_t count;
+} list;
+
+static list list_of(const fxs_tile_run *run, uint32_t tile)
 {
-    return g->target ? g->target->occluder || g->target->depth_buffer : run->targets->occluder.pixels != 0;
+    const uint32_t count = run->counts[tile];
+    return (list){run->entries + run->ends[tile] - count, count};
 }
 
 /* Textures large enough for a run, where that can be. */
-static void make_room(fxs_gles *g, const fxs_tile_run *run, const window *w)
+static void make_room(fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window *w)
 {
     uint64_t records = 0;
     for (uint32_t tile = run->first_tile; tile <= run->last_tile; tile++)
-        records += run->counts[tile];
-    const uint64_t wanted = (2 * records >> g->shift) + 1, most = UINT64_C(1) << g->shift;
-    const int32_t rows = (int32_t)(wanted < most ? wanted : most);
+        records += list_of(run, tile).count;
+    fxs_gles_make_records(g, 2 * records);
     g->gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
     if (w->columns > g->columns || w->rows > g->rows) {
         g->columns = w->columns > g->columns ? w->columns : g->columns;
         g->rows = w->rows > g->rows ? w->rows : g->rows;
         make_texture(g, FXS_GLES_LISTS, GL_RG32UI, GL_RG_INTEGER, g->columns, g->rows);
     }
-    if (rows > g->record_rows)
-        make_texture(g, FXS_GLES_RECORDS, GL_RGBA32UI, GL_RGBA_INTEGER, 1 << g->shift, g->record_rows = rows);
-    if (has_occluder(g, run) && (g->record_rows + 1) / 2 > g->depth_rows)
+    if (fxs_gles_has_occluder(g, run) && (g->record_rows + 1) / 2 > g->depth_rows)
         make_texture(g, FXS_GLES_DEPTHS, GL_R32UI, GL_RED_INTEGER, 1 << g->shift,
                      g->depth_rows = (g->record_rows + 1) / 2);
 }
@@ -69,7 +68,7 @@ static int begin_batch(batch *b, int32_t first)
     fxs_gles *g = b->gles;
     size_t lists = (size_t)b->window->columns * (size_t)b->window->rows;
     b->capacity = (uint32_t)g->record_rows << (g->shift - 1);
-    const int occluded = has_occluder(g, b->run);
+    const int occluded = fxs_gles_has_occluder(g, b->run);
     const size_t depths = occluded ? (size_t)((g->record_rows + 1) / 2) << g->shift : 0;    /* whole rows */
     GLsizeiptr bytes = (GLsizeiptr)(lists * 8 + (size_t)b->capacity * RECORD + depths * 4);
     b->lists = fxs_gles_map(g, GL_PIXEL_UNPACK_BUFFER, (int)(g->turn++ % FXS_GLES_UPLOADS), bytes);
@@ -82,13 +81,6 @@ static int begin_batch(batch *b, int32_t first)
     return 0;
 }
 
-static void upload(const fxs_gles *g, int unit, int32_t y, int32_t width, int32_t height, GLenum layout, size_t offset)
-{
-    g->gl.ActiveTexture(GL_TEXTURE0 + (GLenum)unit);
-    if (height)
-        g->gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, y, width, height, layout, GL_UNSIGNED_INT, (const void *)offset);
-}
-
 static int end_batch(batch *b)
 {
     fxs_gles *g = b->gles;
@@ -97,10 +89,11 @@ static int end_batch(batch *b)
     if (!g->gl.UnmapBuffer(GL_PIXEL_UNPACK_BUFFER))
         return FXS_ERR_DEVICE;
     fxs_gles_start_timer(g);
-    upload(g, FXS_GLES_LISTS, row, columns, rows, GL_RG_INTEGER, (size_t)(row * columns) * 8);
-    upload(g, FXS_GLES_RECORDS, 0, 1 << g->shift, record_rows, GL_RGBA_INTEGER, (size_t)(b->records - b->lists) * 4);
+    fxs_gles_upload(g, FXS_GLES_LISTS, row, columns, rows, GL_RG_INTEGER, (size_t)(row * columns) * 8);
+    fxs_gles_upload(g, FXS_GLES_RECORDS, 0, 1 << g->shift, record_rows, GL_RGBA_INTEGER,
+                    (size_t)(b->records - b->lists) * 4);
     if (b->depths)
-        upload(g, FXS_GLES_DEPTHS, 0, 1 << g->shift, (record_rows + 1) / 2, GL_RED_INTEGER,
+        fxs_gles_upload(g, FXS_GLES_DEPTHS, 0, 1 << g->shift, (record_rows + 1) / 2, GL_RED_INTEGER,
                (size_t)(b->depths - b->lists) * 4);
     return 0;
 }
@@ -118,17 +111,17 @@ static void put_record(uint32_t *record, const fxs_splat *s)
 }
 
 /* One whose ellipse does not touch the tile becomes a record with no rows: no pixel takes it. */
-static void put_records(const batch *b, uint32_t at, const uint32_t *entries, uint32_t count)
+static void put_records(const batch *b, uint32_t at, list l)
 {
     static const fxs_splat nothing = {.first_row = 1};
     const fxs_splat *splats = b->run->splats;
-    for (uint32_t i = 0; i < count; i++) {
-        if (i + AHEAD < count)
-            FXS_PREFETCH(&splats[entries[i + AHEAD] & ~FXS_ENTRY_FAR]);
+    for (uint32_t i = 0; i < l.count; i++) {
+        if (i + AHEAD < l.count)
+            FXS_PREFETCH(&splats[l.entries[i + AHEAD] & ~FXS_ENTRY_FAR]);
         put_record(b->records + RECORD / 4 * (size_t)(at + i),
-                   entries[i] & FXS_ENTRY_FAR ? &nothing : &splats[entries[i]]);
+                   l.entries[i] & FXS_ENTRY_FAR ? &nothing : &splats[l.entries[i]]);
         if (b->depths)
-            b->depths[at + i] = b->run->depths[entries[i] & ~FXS_ENTRY_FAR];
+            b->depths[at + i] = b->run->depths[l.entries[i] & ~FXS_ENTRY_FAR];
     }
 }
 
@@ -142,7 +135,7 @@ static void put_list(const batch *b, int32_t tile, uint32_t first, uint32_t end)
 /* A window's tile in the picture; outside the run where it is not first_tile to last_tile. */
 static uint32_t tile_of(const batch *b, int32_t tile)
 {
-    const window *w = b->window;
+    const fxs_gles_window *w = b->window;
     return (uint32_t)((w->first_row + tile / w->columns) * b->run->view->tiles_x + w->first_column +
                       tile % w->columns);
 }
@@ -165,9 +158,10 @@ static void put_row(void *argument, uint32_t job)
             put_list(b, tile, 1, 0);
             continue;
         }
-        put_list(b, tile, at, at + run->counts[t]);
-        put_records(b, at, run->entries + run->ends[t] - run->counts[t], run->counts[t]);
-        at += run->counts[t];
+        const list l = list_of(run, t);
+        put_list(b, tile, at, at + l.count);
+        put_records(b, at, l);
+        at += l.count;
     }
 }
 
@@ -179,69 +173,19 @@ static uint32_t longest(const fxs_gles *g)
 
 /* ---- Draws ------------------------------------------------------------------------------------------------------- */
 
-/* Where the fragments of a draw go. */
-typedef struct surface {
-    GLuint framebuffer;
-    int program;
-    int32_t x, y, width, height;   /* its viewport */
-    int32_t pixel_x, pixel_y, row_step;         /* pixel of the viewport's fragment (0, 0); rows go by */
-    int32_t first_line, lines;     /* of the viewport, that the draw covers */
-} surface;
-
-/* Where the caller's pictures are: his textures lie as his framebuffer does, those that were uploaded as the window. */
-static void set_mesh(const batch *b, const fxs_gles_program *p)
+/* The rows of tiles of a batch. */
+static fxs_gles_surface surface_of(const batch *b)
 {
-    enum { OCCLUDER = 256, BUFFER = 512, BACKDROP = 1024 };
-    const fxs_gles_target *t = b->gles->target;
-    const fxs_targets *targets = b->run->targets;
-    const fxs_gl *gl = &b->gles->gl;
-    if (!t) {
-        gl->Uniform4i(p->mesh, -b->window->x, -b->window->y, 1,
-                      (targets->depth_bits ? targets->depth_bits : 16) + (targets->occluder.pixels ? OCCLUDER : 0) +
-                          (targets->backdrop.pixels ? BACKDROP : 0));
-        return;
-    }
-    gl->Uniform4i(p->mesh, 0, t->top_down ? 0 : b->run->view->height - 1, t->top_down ? 1 : -1,
-                  (t->depth_bits ? t->depth_bits : 16) + (t->occluder ? OCCLUDER : 0) +
-                      (t->depth_buffer ? BUFFER : 0) + (t->backdrop ? BACKDROP : 0));
-    gl->Uniform2f(p->planes, 1 / t->plane_0, 1 / t->plane_1);
-}
-
-static void draw(const batch *b, const surface *s, int carried)
-{
-    const fxs_gles *g = b->gles;
-    const fxs_gl *gl = &g->gl;
-    const fxs_gles_program *p = &g->programs[s->program];
-    const uint8_t *background = b->run->options->background;
-    const int clear = fxs_is_premultiplied(fxs_gles_format(b->gles, b->run));
-    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, s->framebuffer);
-    gl->Viewport(s->x, s->y, s->width, s->height);
-    gl->Scissor(s->x, s->y + s->first_line, s->width, s->lines);
-    gl->UseProgram(p->name);
-    /* gl_FragCoord counts from the framebuffer's corner. */
-    gl->Uniform4i(p->place, s->pixel_x - s->x, s->pixel_y - s->row_step * s->y, s->row_step, carried);
-    gl->Uniform4i(p->source, b->window->first_column, b->window->first_row, g->shift, b->run->view->cut_q11);
-    gl->Uniform4i(p->background, clear ? 0 : fxs_background_q13(background[0]),
-                  clear ? 0 : fxs_background_q13(background[1]), clear ? 0 : fxs_background_q13(background[2]), clear);
-    set_mesh(b, p);
-    gl->DrawArrays(GL_TRIANGLES, 0, 3);
-}
-
-/* The rows of tiles of a batch, on the back end's target or the caller's. */
-static surface surface_of(const batch *b)
-{
-    const fxs_gles_target *t = b->gles->target;
-    const window *w = b->window;
+    const fxs_gles_window *w = b->window;
     const int32_t top = b->first / w->columns * FXS_TILE, rows = (b->end - 1) / w->columns * FXS_TILE + FXS_TILE;
-    const int32_t lines = fxs_min(rows, w->height) - top;
-    if (!t)
-        return (surface){b->gles->framebuffers[FXS_GLES_TARGET], FXS_GLES_INTEGER, 0, 0, w->width, w->height, w->x,
-                         w->y, 1, top, lines};
-    if (t->top_down)
-        return (surface){t->framebuffer, FXS_GLES_NORMALISED, t->x, t->y + w->y, w->width, w->height, 0, w->y, 1,
-                         top, lines};
-    return (surface){t->framebuffer, FXS_GLES_NORMALISED, t->x, t->y + b->run->view->height - w->y - w->height,
-                     w->width, w->height, 0, w->y + w->height - 1, -1, w->height - top - lines, lines};
+    return fxs_gles_surface_of(b->gles, b->run, w, top, fxs_min(rows, w->height) - top, FXS_GLES_INTEGER,
+                               FXS_GLES_NORMALISED);
+}
+
+static void draw(const batch *b, const fxs_gles_surface *s, int carried)
+{
+    const int32_t source[4] = {b->window->first_column, b->window->first_row, b->gles->shift, b->run->view->cut_q11};
+    fxs_gles_cover(b->gles, b->run, b->window, s, carried, source);
 }
 
 /* Tile b->end, whose list is too long for a draw. */
@@ -250,11 +194,11 @@ static int draw_parts(batch *b)
     const fxs_tile_run *run = b->run;
     const fxs_gles *g = b->gles;
     const int32_t tile = b->end, row = tile / b->window->columns * b->window->columns;
-    const uint32_t t = tile_of(b, tile), count = run->counts[t], most = longest(g);
-    const uint32_t *entries = run->entries + run->ends[t] - count;
+    const uint32_t t = tile_of(b, tile), most = longest(g);
+    const list l = list_of(run, t);
     int error = 0, carried = 0;
-    for (uint32_t done = 0, part; done < count && !error; done += part, carried = 1) {
-        part = least(count - done, most);
+    for (uint32_t done = 0, part; done < l.count && !error; done += part, carried = 1) {
+        part = least(l.count - done, most);
         error = begin_batch(b, tile);
         if (error)
             return error;
@@ -262,15 +206,15 @@ static int draw_parts(batch *b)
         for (int32_t other = row; other < row + b->window->columns; other++)
             put_list(b, other, 1, 0);
         put_list(b, tile, 0, part);
-        put_records(b, 0, entries + done, part);
+        put_records(b, 0, (list){l.entries + done, part});
         b->count = part;
         error = end_batch(b);
-        surface s = surface_of(b);
+        fxs_gles_surface s = surface_of(b);
         int turn = (int)(done / most % 2);
-        if (done + part < count)
-            s = (surface){g->framebuffers[FXS_GLES_FIRST_STATE + turn], FXS_GLES_STATE, 0, 0, FXS_TILE, FXS_TILE,
-                          (int32_t)t % run->view->tiles_x * FXS_TILE, (int32_t)t / run->view->tiles_x * FXS_TILE, 1,
-                          0, FXS_TILE};
+        if (done + part < l.count)
+            s = (fxs_gles_surface){g->framebuffers[FXS_GLES_FIRST_STATE + turn], FXS_GLES_STATE, 0, 0, FXS_TILE,
+                                   FXS_TILE, (int32_t)t % run->view->tiles_x * FXS_TILE,
+                                   (int32_t)t / run->view->tiles_x * FXS_TILE, 1, 0, FXS_TILE};
         g->gl.ActiveTexture(GL_TEXTURE0 + FXS_GLES_CARRIED);
         g->gl.BindTexture(GL_TEXTURE_2D, g->textures[turn ? FXS_GLES_CARRIED : FXS_GLES_NEXT]);
         draw(b, &s, carried);
@@ -284,7 +228,7 @@ static void take_tiles(batch *b)
     const int32_t columns = b->window->columns, tiles = columns * b->window->rows, row = b->first / columns;
     b->starts[0] = 0;
     for (; b->end < tiles; b->end++) {
-        const uint32_t tile = tile_of(b, b->end), count = in_run(b, tile) ? b->run->counts[tile] : 0;
+        const uint32_t tile = tile_of(b, b->end), count = in_run(b, tile) ? list_of(b->run, tile).count : 0;
         if (count > least(longest(b->gles), b->capacity - b->count))
             break;
         if (b->end % columns == 0)
@@ -302,92 +246,25 @@ static int draw_batch(batch *b)
     fxs_run(b->run->config, put_row, b, (uint32_t)((b->end - 1) / b->window->columns -
                                                    b->first / b->window->columns + 1));
     error = end_batch(b);
-    surface s = surface_of(b);
+    fxs_gles_surface s = surface_of(b);
     draw(b, &s, 0);
     return error;
 }
 
-/* Uploads a window of a picture of 4 bytes a pixel. */
-static void put_image(fxs_gles *g, int unit, int32_t size[2], const fxs_image *image, const window *w)
-{
-    const int is_depth = unit == FXS_GLES_OCCLUDER;
-    const GLenum layout = is_depth ? GL_RED_INTEGER : GL_RGBA, type = is_depth ? GL_UNSIGNED_INT : GL_UNSIGNED_BYTE;
-    g->gl.ActiveTexture(GL_TEXTURE0 + (GLenum)unit);
-    g->gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
-    if (w->width > size[0] || w->height > size[1]) {
-        size[0] = w->width > size[0] ? w->width : size[0];
-        size[1] = w->height > size[1] ? w->height : size[1];
-        g->gl.TexImage2D(GL_TEXTURE_2D, 0, is_depth ? GL_R32UI : GL_RGBA8, size[0], size[1], 0, layout, type, 0);
-    }
-    for (int32_t y = 0; y < w->height; y++)
-        g->gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, y, w->width, 1, layout, type,
-                            (const unsigned char *)image->pixels + (w->y + y) * image->stride + 4 * (ptrdiff_t)w->x);
-}
-
-static void bind_texture(const fxs_gles *g, int unit, GLuint texture)
-{
-    g->gl.ActiveTexture(GL_TEXTURE0 + (GLenum)unit);
-    g->gl.BindTexture(GL_TEXTURE_2D, texture ? texture : g->textures[unit]);
-}
-
-/* Has the caller's pictures at their units. */
-static void put_mesh(fxs_gles *g, const fxs_tile_run *run, const window *w)
-{
-    if (g->target) {
-        bind_texture(g, FXS_GLES_OCCLUDER, g->target->occluder);
-        bind_texture(g, FXS_GLES_BUFFER, g->target->depth_buffer);
-        bind_texture(g, FXS_GLES_BACKDROP, g->target->backdrop);
-        return;
-    }
-    if (run->targets->occluder.pixels)
-        put_image(g, FXS_GLES_OCCLUDER, g->occluder, &run->targets->occluder, w);
-    if (run->targets->backdrop.pixels)
-        put_image(g, FXS_GLES_BACKDROP, g->backdrop, &run->targets->backdrop, w);
-}
-
-static int draw_window(fxs_gles *g, const fxs_tile_run *run, const window *w)
+static int draw_window(fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window *w)
 {
     batch b = {.gles = g, .run = run, .window = w};
     int error = 0;
     make_room(g, run, w);
-    put_mesh(g, run, w);
     while (b.end < w->columns * w->rows && !error) {
         uint32_t tile = tile_of(&b, b.end);
-        error = in_run(&b, tile) && run->counts[tile] > longest(g) ? draw_parts(&b) : draw_batch(&b);
+        error = in_run(&b, tile) && list_of(run, tile).count > longest(g) ? draw_parts(&b) : draw_batch(&b);
     }
-    fxs_gles_stop_timer(g);
-    return error ? error : fxs_gles_check(g);
-}
-
-static int32_t tiles_across(int32_t pixels)
-{
-    return (pixels + FXS_TILE - 1) / FXS_TILE;
+    return error;
 }
 
 int fxs_gles_draw(void *argument, const fxs_tile_run *run)
 {
     fxs_gles *g = argument;
-    const fxs_view *v = run->view;
-    const int32_t top = (int32_t)run->first_tile / v->tiles_x * FXS_TILE;
-    const int32_t bottom = fxs_min(((int32_t)run->last_tile / v->tiles_x + 1) * FXS_TILE, v->height);
-    const int32_t most = g->target ? FXS_MAX_SIZE : g->most;
-    int error = fxs_gles_has(g, run);
-    error = error ? error : fxs_gles_use(g);
-    if (!error && !g->target)
-        error = fxs_gles_make_target(g, FXS_GLES_TARGET, GL_RGBA8UI, fxs_min(v->width, most), fxs_min(v->height, most));
-    if (error)
-        return error;
-    g->nanoseconds = run->first_tile ? g->nanoseconds : 0;
-    fxs_gles_set(g);
-    for (int32_t y = top; y < bottom && !error; y += most)
-        for (int32_t x = 0; x < v->width && !error; x += most) {
-            window w = {x, y, fxs_min(v->width - x, most), fxs_min(bottom - y, most), x / FXS_TILE, y / FXS_TILE,
-                        0, 0};
-            w.columns = tiles_across(w.width);
-            w.rows = tiles_across(w.height);
-            error = draw_window(g, run, &w);
-            if (!error && !g->target)
-                error = fxs_gles_read(g, run, FXS_GLES_TARGET, x, y, w.width, w.height);
-        }
-    return error;
+    return fxs_gles_draw_windows(g, run, g->target ? FXS_MAX_SIZE : g->most, draw_window);
 }

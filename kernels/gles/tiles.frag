@@ -1,17 +1,14 @@
-// blend and resolve of one pixel, after src/pixel.h.
+// blend and resolve of one pixel, after src/pixel.h; FETCHED: resolve alone.
 uniform highp usampler2D lists;      // of each tile: first record, the one after the last; (1, 0): not in this draw
-uniform highp usampler2D records;    // two texels a splat: u0, ux, uy, first and last row; v0, vy, offset and r, g and b
-uniform highp isampler2D carried;    // of a tile whose list is in parts: T, r, g, b after the last part
+// Two texels a splat: u0, ux, uy, first and last row; v0, vy, offset and r, g and b.
+uniform highp usampler2D records;
+uniform highp isampler2D carried;    // T, r, g, b: of a tile whose list is in parts, after the last; FETCHED: of all
 uniform ivec4 place;                 // pixel of the fragment (0, 0); rows go by; 1: goes on from `carried`
-uniform ivec4 source;                // first tile of `lists`; log2 of the width of `records`; cut-off
+// First tile of `lists`, FETCHED: first pixel of `carried`; log2 of the width of `records`; cut-off.
+uniform ivec4 source;
 uniform ivec4 background;            // r, g, b; 1: alpha is the coverage
 uniform highp usampler2D depths;     // of each record: its depth key
-uniform highp usampler2D occluder;   // depths, as in fxs_targets
-uniform highp sampler2D depth_buffer;        // in place of that
 uniform highp sampler2D backdrop;
-uniform ivec4 mesh;                  // texel of these three for pixel (0, 0); rows go by; depth_bits, and which there are:
-const int OCCLUDER = 256, BUFFER = 512, BACKDROP = 1024;
-uniform vec2 planes;                 // 1 / distance of what has depth 0, 1 in depth_buffer
 
 #if defined STATE
 out ivec4 result;
@@ -21,9 +18,9 @@ out uvec4 result;
 out vec4 result;
 #endif
 
-ivec2 texel(int i)
+ivec2 texel(int i, int shift)
 {
-    return ivec2(i & ((1 << source.z) - 1), i >> source.z);
+    return ivec2(i & ((1 << shift) - 1), i >> shift);
 }
 
 int low(uint word)
@@ -36,47 +33,30 @@ int high(uint word)
     return int(word >> 16);
 }
 
-void blend(int record, ivec2 pixel, inout ivec4 state)
+struct record {
+    uvec4 a, b;
+};
+
+record record_at(int i, int shift)
 {
-    uvec4 a = texelFetch(records, texel(2 * record), 0);
-    int u = fxs_coordinate_q13(int(a.x + uint(pixel.x) * a.y + uint(pixel.y) * a.z));
-    if (pixel.y < low(a.w) || pixel.y > high(a.w) || fxs_mul_q15(u, u) > source.w)
-        return;
-    uvec4 b = texelFetch(records, texel(2 * record + 1), 0);
-    int v = fxs_coordinate_q13(int(b.x + uint(pixel.y) * b.y));
-    int level = fxs_level_q11(u, fxs_row_level_q11(v, low(b.z)));
-    if (level > fxs_limit_q11(low(b.z), source.w))
-        return;
-    int weight = fxs_weight_q15(fxs_alpha_q15(level), state.x);
-    state = ivec4(state.x - weight, fxs_accumulate_q13(state.y, weight, high(b.z)),
-                  fxs_accumulate_q13(state.z, weight, low(b.w)), fxs_accumulate_q13(state.w, weight, high(b.w)));
+    return record(texelFetch(records, texel(2 * i, shift), 0), texelFetch(records, texel(2 * i + 1, shift), 0));
 }
 
-// As fxs_depth_key.
-uint depth_key(uint depth, int bits)
+// `shift` and `cut` are source.zw: Mesa on a processor fetches a uniform anew for each round of a loop.
+void blend(record r, ivec2 pixel, int cut, inout ivec4 state)
 {
-    if (depth == 0u || depth == 0xffffffffu)
-        return depth;
-    int zeros = 0;
-    for (int step = 16; step > 0; step /= 2)
-        if (depth >> (32 - step) == 0u) {
-            depth <<= step;
-            zeros += step;
-        }
-    return uint(63 - zeros - bits) << 26 | (depth >> 5 & 0x3ffffffu);
-}
-
-// Entries with a larger depth key are hidden.
-uint limit_at(ivec2 texel)
-{
-    int bits = mesh.w & 255;
-    if ((mesh.w & OCCLUDER) != 0)
-        return depth_key(texelFetch(occluder, texel, 0).x, bits);
-    if ((mesh.w & BUFFER) == 0)
-        return 0xffffffffu;
-    float depth = texelFetch(depth_buffer, texel, 0).x;
-    float inverse = mix(planes.x, planes.y, depth), z = float(1 << bits) / inverse;
-    return inverse <= min(planes.x, planes.y) || z >= 4294967040.0 ? 0xffffffffu : depth_key(uint(z), bits);
+    uvec4 a = r.a, b = r.b;
+    int u = fxs_distance_q13(int(a.x + uint(pixel.x) * a.y + uint(pixel.y) * a.z));
+    if (pixel.y < low(a.w) || pixel.y > high(a.w) || u > 32767 || fxs_product_q15(u, u) > cut)
+        return;
+    int v = fxs_distance_q13(int(b.x + uint(pixel.y) * b.y));
+    int level = fxs_product_q15(u, u) + fxs_product_q15(v, v) + low(b.z);
+    if (v > 32767 || level > fxs_limit_q11(low(b.z), cut))
+        return;
+    int weight = fxs_product_q15(fxs_exp_q15(level), state.x);
+    state = ivec4(state.x - weight, min(state.y + fxs_product_q15(weight, high(b.z)), 32767),
+                  min(state.z + fxs_product_q15(weight, low(b.w)), 32767),
+                  min(state.w + fxs_product_q15(weight, high(b.w)), 32767));
 }
 
 // Of a list, whose depths ascend: the first record that is hidden, or its end.
@@ -84,7 +64,7 @@ uint first_hidden(uvec2 list, uint limit)
 {
     while (list.x < list.y) {
         uint middle = (list.x + list.y) / 2u;
-        if (texelFetch(depths, texel(int(middle)), 0).x > limit)
+        if (texelFetch(depths, texel(int(middle), source.z), 0).x > limit)
             list.y = middle;
         else
             list.x = middle + 1u;
@@ -106,25 +86,40 @@ uvec4 resolve(ivec4 state, ivec3 under)
                  fxs_resolve_8bit(state.w, state.x, under.b), alpha);
 }
 
-void main()
+ivec4 state_of(ivec2 pixel)
 {
-    ivec2 fragment = ivec2(gl_FragCoord.xy);
-    ivec2 pixel = place.xy + ivec2(fragment.x, place.z * fragment.y);
+#if defined FETCHED
+    return texelFetch(carried, pixel - source.xy, 0);
+#else
     uvec2 list = texelFetch(lists, (pixel >> 4) - source.xy, 0).xy;
     if (list.x > list.y)
         discard;
     ivec4 state = place.w == 1 ? texelFetch(carried, pixel & 15, 0) : ivec4(FXS_CLEAR_Q15, 0, 0, 0);
-    ivec2 mesh_texel = ivec2(mesh.x + pixel.x, mesh.y + mesh.z * pixel.y);
-    uint limit = limit_at(mesh_texel);
+    uint limit = limit_at(mesh_texel(pixel));
     if (limit != 0xffffffffu)
         list.y = first_hidden(list, limit);
-    for (uint i = list.x; i < list.y && state.x >= FXS_CLOSED_Q15; i++)
-        blend(int(i), pixel, state);
+    int shift = source.z, cut = source.w;
+    record r = record_at(int(list.x), shift);
+    for (uint i = list.x; i < list.y && state.x >= FXS_CLOSED_Q15; i++) {
+        record next = record_at(int(i) + 1, shift);      // while it is fetched, this one is blended
+        blend(r, pixel, cut, state);
+        r = next;
+    }
+    return state;
+#endif
+}
+
+void main()
+{
+    ivec2 fragment = ivec2(gl_FragCoord.xy);
+    ivec2 pixel = place.xy + ivec2(fragment.x, place.z * fragment.y);
+    ivec4 state = state_of(pixel);
 #if defined STATE
     result = state;
 #elif defined INTEGER
-    result = resolve(state, background_at(mesh_texel));
+    result = resolve(state, background_at(mesh_texel(pixel)));
 #else
-    result = (vec4(resolve(state, background_at(mesh_texel))) + 0.25) / 255.0;   // the same byte, rounded down or to the nearest
+    // the same byte, rounded down or to the nearest
+    result = (vec4(resolve(state, background_at(mesh_texel(pixel)))) + 0.25) / 255.0;
 #endif
 }

@@ -18,11 +18,11 @@ extern "C" {
    `device` and `open` say why, and what it would take. */
 const fxs_backend *fxs_backend_at(int index);
 
-/* By name: cpu, auto (the same), gles, gles-quads, osmesa, cuda. Null where there is none of that name. */
+/* By name: cpu, auto (the same), gles, gles-fetch, gles-quads, osmesa, cuda. Null where there is none of that name. */
 const fxs_backend *fxs_backend_find(const char *name);
 
-extern const fxs_backend fxs_backend_cpu, fxs_backend_gles, fxs_backend_gles_quads, fxs_backend_osmesa,
-                         fxs_backend_cuda;
+extern const fxs_backend fxs_backend_cpu, fxs_backend_gles, fxs_backend_gles_fetch, fxs_backend_gles_quads,
+                         fxs_backend_osmesa, fxs_backend_cuda;
 
 #ifdef __cplusplus
 }

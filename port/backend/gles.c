@@ -1,7 +1,10 @@
-/* OpenGL in place of blend and resolve: by EGL, exact or as quads, and by OSMesa. */
+/* OpenGL in place of blend and resolve: by EGL, exact (by lists or by framebuffer fetch) or as quads, and by OSMesa. */
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "../camera/camera.h"
+#include "../import/pack.h"
 #include "backends.h"
 #include "processor_internal.h"
 
@@ -23,19 +26,26 @@ typedef int fxs_gl_load_fn;
 #define OSMESA 0, 0, 0, 0
 #endif
 
+/* What draws: FASTER is LISTS or FETCH, which are both exact. */
+enum way { LISTS, FETCH, QUADS, FASTER };
+
 /* Where the context comes from, and what draws in it. */
 typedef struct kind {
     const char *name, *packages;
-    int quads;
+    enum way way;
     int (*open)(void **port, fxs_message *why);
     fxs_gl_load_fn *load;
     int (*use)(void *port);
     void (*close)(void *port);
 } kind;
 
-static const kind exact = {"gles", "libegl-dev, libgles-dev", 0, EGL};
-static const kind quads = {"gles-quads", "libegl-dev, libgles-dev", 1, EGL};
-static const kind osmesa = {"osmesa", "libosmesa6-dev, libgles-dev", 0, OSMESA};
+static const kind exact = {"gles", "libegl-dev, libgles-dev", FASTER, EGL};
+static const kind fetch = {"gles-fetch", "libegl-dev, libgles-dev", FETCH, EGL};
+static const kind quads = {"gles-quads", "libegl-dev, libgles-dev", QUADS, EGL};
+static const kind osmesa = {"osmesa", "libosmesa6-dev, libgles-dev", FASTER, OSMESA};
+
+/* Frames by which FASTER chooses: by lists and by fetch, to warm up, and then once more, measured. */
+enum { MEASURED = 4 };
 
 typedef struct gl_backend {
     const kind *kind;
@@ -43,6 +53,9 @@ typedef struct gl_backend {
     struct fxs_gles *gles;
     fxs_processor processor;
     int processor_open;
+    unsigned frames;               /* of FASTER: drawn so far, up to MEASURED */
+    uint64_t times[2];             /* nanoseconds of a frame: LISTS, FETCH */
+    char lost[512];                /* why fetch is not taken: not there, or it failed; else empty */
 } gl_backend;
 
 #ifdef FXS_WITH_GLES
@@ -58,6 +71,10 @@ static int open_gles(gl_backend *b, fxs_message *why)
         return fxs_refuse(error, 0, why, "%s", text);
     }
     b->gles = gles;
+    const char *no_fetch = fxs_gles_no_fetch(gles);
+    if (no_fetch && b->kind->way == FETCH)
+        return fxs_refuse(FXS_ERR_UNSUPPORTED, 0, why, "%s", no_fetch);
+    snprintf(b->lost, sizeof b->lost, "%s", no_fetch ? no_fetch : "");
     return 0;
 }
 
@@ -68,10 +85,10 @@ static void close_gles(gl_backend *b)
     free(b->gles);
 }
 
-static fxs_config drawing(const gl_backend *b)
+static fxs_config drawing(const gl_backend *b, enum way way)
 {
-    return (fxs_config){.draw = b->kind->quads ? fxs_gles_draw_quads : fxs_gles_draw, .draw_argument = b->gles,
-                        .draw_unlisted = b->kind->quads};
+    static fxs_draw_fn *const draws[] = {fxs_gles_draw, fxs_gles_draw_fetch, fxs_gles_draw_quads};
+    return (fxs_config){.draw = draws[way], .draw_argument = b->gles, .draw_unlisted = way != LISTS};
 }
 
 static uint64_t nanoseconds(const void *self)
@@ -94,9 +111,9 @@ static void close_gles(gl_backend *b)
     (void)b;
 }
 
-static fxs_config drawing(const gl_backend *b)
+static fxs_config drawing(const gl_backend *b, enum way way)
 {
-    (void)b;
+    (void)b, (void)way;
     return (fxs_config){.draw = 0};
 }
 
@@ -146,6 +163,16 @@ static int open_context(gl_backend **out, const kind *k, int device, fxs_message
     return error;
 }
 
+/* How the next frame is drawn. */
+static enum way way_of(const gl_backend *b)
+{
+    if (b->kind->way != FASTER)
+        return b->kind->way;
+    if (b->lost[0])
+        return LISTS;
+    return b->frames < MEASURED ? (enum way)(b->frames % 2) : b->times[FETCH] < b->times[LISTS] ? FETCH : LISTS;
+}
+
 static int open_kind(void **self, const kind *k, const fxs_backend_options *options, fxs_message *why)
 {
     gl_backend *b;
@@ -153,7 +180,7 @@ static int open_kind(void **self, const kind *k, const fxs_backend_options *opti
     int error = open_context(&b, k, options->device, why);
     if (error)
         return error;
-    const fxs_config config = drawing(b);
+    const fxs_config config = drawing(b, way_of(b));
     error = fxs_processor_open(&b->processor, options, &config, why);
     b->processor_open = !error;
     if (error)
@@ -163,19 +190,136 @@ static int open_kind(void **self, const kind *k, const fxs_backend_options *opti
     return error;
 }
 
+static int render_by(gl_backend *b, enum way way, const fxs_request *request, fxs_stats *stats, fxs_message *why)
+{
+    const fxs_config config = drawing(b, way);
+    b->processor.context.config.draw = config.draw;
+    b->processor.context.config.draw_unlisted = config.draw_unlisted;
+    return fxs_processor_render(&b->processor, request, stats, why);
+}
+
+static int is_of_device(int error)
+{
+    return error == FXS_ERR_DEVICE || error == FXS_ERR_MEMORY;
+}
+
+/* FASTER: where fetch fails on the device, lists draw this frame and those to come. */
+static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_message *why)
+{
+    gl_backend *b = self;
+    fxs_stats own;
+    const enum way way = way_of(b);
+    stats = stats ? stats : &own;
+    int error = render_by(b, way, request, stats, why);
+    if (b->kind->way != FASTER)
+        return error;
+    if (way == FETCH && is_of_device(error)) {
+        const fxs_message failure = *why;
+        error = render_by(b, LISTS, request, stats, why);
+        if (!error)
+            snprintf(b->lost, sizeof b->lost, "framebuffer fetch failed: %.200s", failure.text);
+        return error;
+    }
+    if (!error && b->frames < MEASURED) {
+        b->times[way] = stats->frame_nanoseconds;
+        b->frames++;
+    }
+    return error;
+}
+
+/* ---- What `gles` takes here -------------------------------------------------------------------------------------- */
+
+enum { TRIAL = 4096, TRIAL_WIDTH = 640, TRIAL_HEIGHT = 360 };
+
+/* Gaussians in a box, spread by an irrational step. */
+static long read_trial(void *argument, uint64_t first, fxs_gaussian *out, size_t capacity)
+{
+    (void)argument;
+    for (size_t i = 0; i < capacity; i++) {
+        const uint64_t n = first + i;
+        out[i] = (fxs_gaussian){.scale = {-3.5f, -3, -2.5f}, .rotation = {1, 0, 0, 0}, .opacity = 1};
+        for (int c = 0; c < 3; c++)
+            out[i].position[c] = (float)((n * (uint64_t)(40503 + 20000 * c)) % 65536) / 16384;
+        out[i].rotation[1 + n % 3] = (float)(n % 7);
+        out[i].dc[n % 3] = 1;
+    }
+    return (long)capacity;
+}
+
+static int pack_trial(fxs_packed_scene *packed, fxs_message *why)
+{
+    const fxs_gaussian_source source = {TRIAL, 0, 0, read_trial, 0};
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_pack_report report;
+    int error = fxs_scene_file_open_gaussians("trial", &source, 0, &file, &info, why);
+    if (error)
+        return error;
+    error = fxs_pack(file, &info, packed, &report, 0, why);
+    fxs_scene_file_close(file);
+    return error;
+}
+
+/* Draws the trial's frames, after which way_of tells. */
+static int try_both(gl_backend *b, const fxs_packed_scene *packed, fxs_message *why)
+{
+    static const double eye[3] = {2, 2, -6}, look[3] = {2, 2, 2}, up[3] = {0, -1, 0};
+    unsigned char *pixels = malloc(TRIAL_WIDTH * TRIAL_HEIGHT * 4);
+    fxs_file_view view;
+    fxs_camera camera;
+    fxs_scene scene;
+    fxs_object object;
+    fxs_options options;
+    fxs_targets targets;
+    fxs_options_init(&options);
+    fxs_targets_init(&targets);
+    targets.colour = (fxs_image){pixels, TRIAL_WIDTH * 4};
+    int error = pixels ? fxs_scene_open(&scene, packed->data, packed->bytes) : FXS_ERR_MEMORY;
+    error = error ? error : fxs_view_look_at(&view, eye, look, up, 50, TRIAL_WIDTH, TRIAL_HEIGHT, why);
+    error = error ? error : fxs_camera_from_view(&camera, &view, why);
+    if (!error)
+        fxs_object_init(&object, &scene);
+    const fxs_request request = {&object, 1, &options, 1, &camera, &targets, 0};
+    for (int i = 0; i < MEASURED && !error; i++)
+        error = render(b, &request, 0, why);
+    free(pixels);
+    return error;
+}
+
+/* What FASTER takes, and why; where it cannot be tried, nothing is said. */
+static void say_way(const kind *k, char *name, size_t size)
+{
+    static const fxs_backend_options options = {0};
+    const size_t used = strlen(name);
+    fxs_packed_scene packed;
+    fxs_message why;
+    void *self;
+    if (open_kind(&self, k, &options, &why))
+        return;
+    gl_backend *b = self;
+    if (!b->lost[0] && !pack_trial(&packed, &why)) {
+        if (!try_both(b, &packed, &why) && !b->lost[0])
+            snprintf(name + used, size - used, ", by %s: a trial took %.1f ms by framebuffer fetch, %.1f by lists",
+                     way_of(b) == FETCH ? "fetch" : "lists", (double)b->times[FETCH] / 1e6,
+                     (double)b->times[LISTS] / 1e6);
+        fxs_packed_scene_free(&packed);
+    }
+    if (b->lost[0])
+        snprintf(name + used, size - used, ", by lists: %s", b->lost);
+    close_gl(b);
+}
+
 static int device_of(const kind *k, int device, char *name, size_t size, fxs_message *why)
 {
     gl_backend *b;
     const int error = open_context(&b, k, device, why);
-    if (!error)
-        snprintf(name, size, "%s", renderer(b));
+    if (error)
+        return error;
+    snprintf(name, size, "%s", renderer(b));
     close_gl(b);
-    return error;
-}
-
-static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_message *why)
-{
-    return fxs_processor_render(&((gl_backend *)self)->processor, request, stats, why);
+    if (k->way == FASTER)
+        say_way(k, name, size);
+    return 0;
 }
 
 static int pick(void *self, const fxs_request *request, int32_t x, int32_t y, fxs_pick_result *result,
@@ -205,6 +349,16 @@ static int open_exact(void **self, const fxs_backend_options *options, fxs_messa
     return open_kind(self, &exact, options, why);
 }
 
+static int device_fetch(int device, char *name, size_t size, fxs_message *why)
+{
+    return device_of(&fetch, device, name, size, why);
+}
+
+static int open_fetch(void **self, const fxs_backend_options *options, fxs_message *why)
+{
+    return open_kind(self, &fetch, options, why);
+}
+
 static int device_quads(int device, char *name, size_t size, fxs_message *why)
 {
     return device_of(&quads, device, name, size, why);
@@ -231,6 +385,11 @@ static int open_osmesa(void **self, const fxs_backend_options *options, fxs_mess
 const fxs_backend fxs_backend_gles = {
     .name = "gles", .does = "OpenGL ES 3.0 by EGL, the same bytes", .can = FXS_CAN_EXACT | FXS_CAN_SHARE_EYES,
     .device = device_exact, .open = open_exact, SHARED
+};
+
+const fxs_backend fxs_backend_gles_fetch = {
+    .name = "gles-fetch", .does = "the same device by framebuffer fetch, without lists: the same bytes",
+    .can = FXS_CAN_EXACT | FXS_CAN_SHARE_EYES, .device = device_fetch, .open = open_fetch, SHARED
 };
 
 const fxs_backend fxs_backend_gles_quads = {

@@ -441,7 +441,7 @@ fi
 # ---- Back ends -------------------------------------------------------------------------------------------------------
 
 succeeds "info --backends" info --backends
-for backend in gles osmesa; do
+for backend in gles gles-fetch osmesa; do
     reason=$("$fixsplat" info --backends | sed -n "s/^$backend  *not here: //p")
     if [ "$reason" ]; then
         skip "--backend $backend" "$reason"
@@ -454,7 +454,17 @@ done
 export __EGL_VENDOR_LIBRARY_FILENAMES=none MESA_EXTENSION_OVERRIDE=-GL_ARB_ES3_compatibility
 fails "--backend gles without a driver" 1 "--backend gles: (no|built)" render knot.ply $small --hash --backend gles
 fails "--backend osmesa of an old Mesa" 1 "--backend osmesa: (no|built)" render knot.ply $small --hash --backend osmesa
-unset __EGL_VENDOR_LIBRARY_FILENAMES MESA_EXTENSION_OVERRIDE
+unset __EGL_VENDOR_LIBRARY_FILENAMES
+export MESA_EXTENSION_OVERRIDE=-GL_EXT_shader_framebuffer_fetch
+if "$fixsplat" info --backends | grep -q '^gles  *here'; then
+    "$fixsplat" info --backends >logs/out
+    check "gles without framebuffer fetch: by lists" \
+        grep -q '^gles .*, by lists: no GL_EXT_shader_framebuffer_fetch' logs/out
+    check "one hash without framebuffer fetch" equal "$(hash_of knot.ply $small --backend gles)" "$hash_small"
+    fails "--backend gles-fetch without it" 1 "--backend gles-fetch: no GL_EXT" render knot.ply $small --hash \
+        --backend gles-fetch
+fi
+unset MESA_EXTENSION_OVERRIDE
 if have ldd; then
     check "no GL library is linked" equal "$(ldd "$fixsplat" 2>&1 | grep -E 'lib(EGL|GL|OSMesa)')" ""
 else

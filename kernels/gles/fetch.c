@@ -1,0 +1,248 @@
+/* The exact picture without lists: splats near to far, each a triangle or two, in one draw; the fragment shader reads
+   the state of its pixel from the framebuffer, where a tile-based GPU has it at hand, and writes the next. Then one
+   draw over all of the picture resolves the states. */
+#include "../../src/fixed.h"
+#include "../../src/memory.h"
+#include "../../src/parts.h"
+#include "device.h"
+
+#define TEXELS 3u                  /* of a record */
+#define RECORD (TEXELS * 16)       /* bytes */
+#define PARTS 64u                  /* jobs that count, and then fill */
+#define AHEAD 16                   /* splats */
+#define GUARD 3                    /* windows: as wide and high as that, triangles need no clipping */
+/* Pixels from which half a splat is drawn as a rectangle: it has a quarter fewer of them than the triangle, which has
+   one edge less. */
+#define LARGE 12
+
+enum { TRIANGLE = 0, RECTANGLE = 2, VEIL = 4 };  /* shapes; 1 more: the second half */
+
+/* Splats first to end - 1 of the run, of which each makes records: none, 1 or 2. */
+typedef struct batch {
+    const fxs_tile_run *run;
+    const fxs_gles_window *window;
+    uint32_t first, end;
+    uint32_t counts[PARTS];        /* records; then, where they start */
+    uint32_t *records;
+} batch;
+
+static uint32_t part_start(const batch *b, uint32_t part)
+{
+    return b->first + fxs_part(b->end - b->first, PARTS, part);
+}
+
+/* ---- Records ----------------------------------------------------------------------------------------------------- */
+
+/* What a splat is drawn as in a window; its records are `count`. */
+typedef struct drawn {
+    uint32_t count, shape;
+    fxs_span columns, rows;        /* of tiles, that it may touch: with the square cut-off, those of the square */
+} drawn;
+
+static int overlaps(int64_t first_q8, int64_t last_q8, int32_t start, int32_t length)
+{
+    return first_q8 < (int64_t)(start + length) * 256 && last_q8 > (int64_t)(start - 1) * 256;
+}
+
+static int is_veil(const fxs_bounds *b)
+{
+    return b->half_width_q8 == FXS_EVERYWHERE_Q8;
+}
+
+/* Columns are the rows of a picture that lies on its side. */
+static fxs_span columns_of(const fxs_view *view, const fxs_splat *s, const fxs_bounds *b)
+{
+    fxs_view turned = *view;
+    fxs_bounds bounds = *b;
+    turned.tiles_y = view->tiles_x;
+    bounds.cy_q14 = b->cx_q14;
+    return fxs_bin_rows(&turned, s, &bounds);
+}
+
+static drawn drawn_of(const batch *b, uint32_t slot)
+{
+    const fxs_view *view = b->run->view;
+    const fxs_gles_window *w = b->window;
+    const fxs_splat *s = &b->run->splats[slot];
+    const fxs_bounds *bounds = &b->run->bounds[slot];
+    const int64_t x_q8 = bounds->cx_q14 >> 6, half_q8 = bounds->half_width_q8;
+    drawn d = {0, TRIANGLE, {0, view->tiles_x}, {0, view->tiles_y}};
+    if (view->square) {
+        d.columns = columns_of(view, s, bounds);
+        d.rows = fxs_bin_rows(view, s, bounds);
+        if (d.columns.first > d.columns.last || d.rows.first > d.rows.last)
+            return d;
+    }
+    if (is_veil(bounds))
+        d = (drawn){2, VEIL, d.columns, d.rows};
+    else if (overlaps(x_q8 - half_q8, x_q8 + half_q8, w->x, w->width) &&
+             overlaps((int64_t)s->first_row * 256, (int64_t)s->last_row * 256, w->y, w->height)) {
+        const int large = half_q8 >= LARGE * 256 && s->last_row - s->first_row >= 2 * LARGE;
+        d.count = large ? 2 : 1;
+        d.shape = large ? RECTANGLE : TRIANGLE;
+    }
+    return d;
+}
+
+/* As fetch.vert reads it. */
+static void put_record(uint32_t *record, const fxs_splat *s, const fxs_bounds *b, const drawn *d, uint32_t half,
+                       uint32_t depth)
+{
+    const uint32_t words[RECORD / 4] = {
+        s->u0_q24, (uint32_t)s->ux_q24, (uint32_t)s->uy_q24, s->v0_q24,
+        (uint32_t)s->vy_q24, s->offset_q11 | (uint32_t)s->colour_q13[0] << 16,
+        (uint32_t)s->colour_q13[1] | (uint32_t)s->colour_q13[2] << 16,
+        (uint32_t)d->columns.first | (uint32_t)d->columns.last << 16,
+        (uint32_t)b->cx_q14, (uint32_t)b->cy_q14,
+        (d->shape + half) | (uint32_t)d->rows.first << 4 | (uint32_t)d->rows.last << 20, depth};
+    memcpy(record, words, sizeof words);
+}
+
+static void count_part(void *argument, uint32_t part)
+{
+    batch *b = argument;
+    uint32_t count = 0;
+    for (uint32_t i = part_start(b, part), end = part_start(b, part + 1); i < end; i++) {
+        if (i + AHEAD < end)
+            FXS_PREFETCH(&b->run->bounds[FXS_KEY_SLOT(b->run->keys[i + AHEAD])]);
+        count += drawn_of(b, FXS_KEY_SLOT(b->run->keys[i])).count;
+    }
+    b->counts[part] = count;
+}
+
+static void fill_part(void *argument, uint32_t part)
+{
+    const batch *b = argument;
+    const fxs_tile_run *run = b->run;
+    uint32_t *record = b->records + RECORD / 4 * (size_t)b->counts[part];
+    for (uint32_t i = part_start(b, part), end = part_start(b, part + 1); i < end; i++) {
+        const uint32_t slot = FXS_KEY_SLOT(run->keys[i]);
+        const drawn d = drawn_of(b, slot);
+        if (i + AHEAD < end) {
+            const uint32_t next = FXS_KEY_SLOT(run->keys[i + AHEAD]);
+            FXS_PREFETCH(&run->splats[next]);
+            FXS_PREFETCH(&run->bounds[next]);
+        }
+        for (uint32_t half = 0; half < d.count; half++, record += RECORD / 4)
+            put_record(record, &run->splats[slot], &run->bounds[slot], &d, half, run->depths[slot]);
+    }
+}
+
+/* Takes as many splats as make at most `capacity` records, from the first on, and says where each part of them starts.
+   Returns how many records they make. */
+static uint32_t take_splats(batch *b, uint32_t capacity)
+{
+    uint32_t parts = 0, count = 0;
+    b->end = b->run->visible;
+    for (;;) {
+        fxs_run(b->run->config, count_part, b, PARTS);
+        for (parts = 0, count = 0; parts < PARTS && b->counts[parts] <= capacity - count; parts++)
+            count += b->counts[parts];
+        if (parts == PARTS)
+            break;
+        b->end = part_start(b, parts ? parts : 1);
+    }
+    for (uint32_t part = 0, at = 0; part < PARTS; part++) {
+        const uint32_t next = at + b->counts[part];
+        b->counts[part] = at;
+        at = next;
+    }
+    return count;
+}
+
+/* ---- Draws ------------------------------------------------------------------------------------------------------- */
+
+static int upload(fxs_gles *g, batch *b, uint32_t count)
+{
+    const uint32_t width = 1u << g->shift, rows = (count * TEXELS + width - 1) >> g->shift;   /* whole ones */
+    b->records = fxs_gles_map(g, GL_PIXEL_UNPACK_BUFFER, (int)(g->turn++ % FXS_GLES_UPLOADS),
+                              (GLsizeiptr)rows * (GLsizeiptr)width * 16);
+    if (!b->records)
+        return fxs_gles_failure(g);
+    fxs_run(b->run->config, fill_part, b, PARTS);
+    if (!g->gl.UnmapBuffer(GL_PIXEL_UNPACK_BUFFER))
+        return FXS_ERR_DEVICE;
+    fxs_gles_start_timer(g);
+    fxs_gles_upload(g, FXS_GLES_RECORDS, 0, (int32_t)width, (int32_t)rows, GL_RGBA_INTEGER, 0);
+    return 0;
+}
+
+/* The states of a window's pixels: T = 1, no colour. */
+static int begin_states(fxs_gles *g, const fxs_gles_window *w)
+{
+    static const GLint clear[4] = {FXS_CLEAR_Q15, 0, 0, 0};
+    const fxs_gl *gl = &g->gl;
+    gl->ActiveTexture(GL_TEXTURE0 + FXS_GLES_CARRIED);
+    gl->BindTexture(GL_TEXTURE_2D, g->textures[FXS_GLES_WHOLE]);
+    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, g->framebuffers[FXS_GLES_WHOLE_STATE]);
+    if (w->width > g->whole[0] || w->height > g->whole[1]) {
+        g->whole[0] = w->width > g->whole[0] ? w->width : g->whole[0];
+        g->whole[1] = w->height > g->whole[1] ? w->height : g->whole[1];
+        gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+        gl->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16I, g->whole[0], g->whole[1], 0, GL_RGBA_INTEGER, GL_SHORT, 0);
+        if (gl->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+            g->whole[0] = g->whole[1] = 0;
+            return fxs_gles_failure(g);
+        }
+    }
+    gl->Scissor(0, 0, w->width, w->height);
+    gl->ClearBufferiv(GL_COLOR, 0, clear);
+    return 0;
+}
+
+/* How many windows wide and high the viewport is. What lies in it is not clipped, which would be slow; no pixel but the
+   window's is drawn. */
+static int32_t guard_of(const fxs_gles *g, const fxs_gles_window *w)
+{
+    return GUARD * w->width <= g->viewport[0] && GUARD * w->height <= g->viewport[1] ? GUARD : 1;
+}
+
+static void draw(const fxs_gles *g, const batch *b, uint32_t count)
+{
+    const fxs_gles_window *w = b->window;
+    const fxs_view *view = b->run->view;
+    const int limited = view->square || fxs_gles_has_occluder(g, b->run);
+    const fxs_gles_program *p = &g->programs[limited ? FXS_GLES_LIMITED : FXS_GLES_BLEND];
+    const int32_t guard = guard_of(g, w), beside = guard / 2;
+    g->gl.Viewport(-beside * w->width, -beside * w->height, guard * w->width, guard * w->height);
+    g->gl.UseProgram(p->name);
+    g->gl.Uniform4i(p->size, w->width, w->height, view->cut_q11, g->shift);
+    g->gl.Uniform4i(p->place, w->x, w->y, guard, 0);
+    fxs_gles_set_mesh(g, b->run, w, p);
+    g->gl.DrawArrays(GL_TRIANGLES, 0, (GLsizei)(3 * count));
+}
+
+static void resolve(const fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window *w)
+{
+    const int32_t source[4] = {w->x, w->y, 0, 0};
+    const fxs_gles_surface s = fxs_gles_surface_of(g, run, w, 0, w->height, FXS_GLES_RESOLVED_INTEGER,
+                                                   FXS_GLES_RESOLVED_NORMALISED);
+    fxs_gles_cover(g, run, w, &s, 0, source);
+}
+
+static int draw_window(fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window *w)
+{
+    batch b = {.run = run, .window = w};
+    int error = begin_states(g, w);
+    for (; b.first < run->visible && !error; b.first = b.end) {
+        const uint32_t count = take_splats(&b, (1u << 2 * g->shift) / TEXELS);
+        fxs_gles_make_records(g, (uint64_t)count * TEXELS);
+        error = count ? upload(g, &b, count) : 0;
+        if (!error && count)
+            draw(g, &b, count);
+    }
+    if (!error)
+        resolve(g, run, w);
+    return error;
+}
+
+int fxs_gles_draw_fetch(void *argument, const fxs_tile_run *run)
+{
+    fxs_gles *g = argument;
+    return g->no_fetch[0] ? FXS_ERR_UNSUPPORTED : fxs_gles_draw_windows(g, run, g->most, draw_window);
+}
+
+const char *fxs_gles_no_fetch(const fxs_gles *g)
+{
+    return g->no_fetch[0] ? g->no_fetch : 0;
+}

@@ -1,0 +1,47 @@
+// A corner of what a splat is drawn as: a triangle about its ellipse, of a large one two that make the tightest
+// rectangle, of a veil two that make the window. A record is one triangle.
+// Three texels: u0, ux, uy, v0; vy, offset and r, g and b, columns; cx, cy, shape and rows, depth key.
+uniform highp usampler2D records;
+uniform ivec4 size;                  // the window's width and height; cut-off (Q11); log2 of the width of `records`
+uniform ivec4 place;                 // the window's first pixel; how many windows wide and high the viewport is
+flat out ivec4 line;                 // u at the window's first pixel, ux, uy, v there (Q24)
+flat out ivec4 look;                 // vy; offset (Q11) and r; g and b (Q13); limit (Q11)
+#ifdef LIMITED
+flat out ivec3 limits;               // first and last column of tiles; rows; depth key
+#endif
+const int TRIANGLE = 0, VEIL = 4;    // shapes; 2 is a rectangle; of two halves, the second one is odd
+
+ivec4 texel(int i)
+{
+    return ivec4(texelFetch(records, ivec2(i & ((1 << size.w) - 1), i >> size.w), 0));
+}
+
+void main()
+{
+    int record = gl_VertexID / 3, number = gl_VertexID - 3 * record;
+    ivec4 a = texel(3 * record), b = texel(3 * record + 1), c = texel(3 * record + 2);
+    int shape = c.z & 15, offset = b.y & 0xffff, limit = min(offset + size.z, 22697);
+    line = ivec4(a.x + place.x * a.y + place.y * a.z, a.y, a.z, a.w + place.y * b.x);
+    look = ivec4(b.xyz, limit);
+#ifdef LIMITED
+    limits = ivec3(b.w, c.z >> 4, c.w);
+#endif
+    number += shape & 1;             // corners 0, 1, 2 and 1, 2, 3
+    vec2 corner = vec2(float(number & 1), float(number >> 1)) * 2.0 - 1.0, pixel;
+    if (shape >= VEIL) {
+        pixel = (corner * 0.5 + 0.5) * vec2(size.xy);
+    } else {
+        // x = cx + sx u + k v, y = cy + sy v; e: the ellipse's longer axis, about which the rest need not be exact.
+        float sx = 16777216.0 / float(a.y), sy = 16777216.0 / float(b.x), k = float(-a.z) / float(a.y) * sy;
+        float h = 0.5 * (sx * sx + k * k - sy * sy), m = k * sy, l = length(vec2(h, m));
+        vec2 e = l > 0.0 ? normalize(h >= 0.0 ? vec2(h + l, m) : vec2(m, l - h)) : vec2(1.0, 0.0);
+        float r = sqrt(float(max(limit - offset, 0) + 2) / 2048.0);    // 2: levels are rounded
+        vec2 reach = r * vec2(length(vec2(sx * e.x, k * e.x + sy * e.y)), length(vec2(sx * e.y, k * e.y - sy * e.x)));
+        reach += 0.125 + reach.x / 16384.0;
+        if (shape == TRIANGLE)
+            corner = number == 0 ? vec2(-1.0, 1.7320509) : number == 1 ? vec2(-1.0, -1.7320509) : vec2(2.0, 0.0);
+        corner *= reach;
+        pixel = vec2(c.xy) / 16384.0 + 0.5 - vec2(place.xy) + corner.x * e + corner.y * vec2(-e.y, e.x);
+    }
+    gl_Position = vec4((pixel / vec2(size.xy) * 2.0 - 1.0) / float(place.z), 0.0, 1.0);
+}

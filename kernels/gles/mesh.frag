@@ -1,0 +1,39 @@
+// What hides splats at a pixel: as a depth key.
+uniform highp usampler2D occluder;   // depths, as in fxs_targets
+uniform highp sampler2D depth_buffer;        // in place of that
+// Texel of these two, and of backdrop, for pixel (0, 0); rows go by; depth_bits, and which there are.
+uniform ivec4 mesh;
+const int OCCLUDER = 256, BUFFER = 512, BACKDROP = 1024;
+uniform vec2 planes;                 // 1 / distance of what has depth 0, 1 in depth_buffer
+
+ivec2 mesh_texel(ivec2 pixel)
+{
+    return ivec2(mesh.x + pixel.x, mesh.y + mesh.z * pixel.y);
+}
+
+// As fxs_depth_key.
+uint depth_key(uint depth, int bits)
+{
+    if (depth == 0u || depth == 0xffffffffu)
+        return depth;
+    int zeros = 0;
+    for (int step = 16; step > 0; step /= 2)
+        if (depth >> (32 - step) == 0u) {
+            depth <<= step;
+            zeros += step;
+        }
+    return uint(63 - zeros - bits) << 26 | (depth >> 5 & 0x3ffffffu);
+}
+
+// Splats with a larger depth key are hidden.
+uint limit_at(ivec2 texel)
+{
+    int bits = mesh.w & 255;
+    if ((mesh.w & OCCLUDER) != 0)
+        return depth_key(texelFetch(occluder, texel, 0).x, bits);
+    if ((mesh.w & BUFFER) == 0)
+        return 0xffffffffu;
+    float depth = texelFetch(depth_buffer, texel, 0).x;
+    float inverse = mix(planes.x, planes.y, depth), z = float(1 << bits) / inverse;
+    return inverse <= min(planes.x, planes.y) || z >= 4294967040.0 ? 0xffffffffu : depth_key(uint(z), bits);
+}

@@ -1,0 +1,24 @@
+// Products of pixel.h whose factors are 0 to 32767. FACTOR says so to a compiler that multiplies 16 bits faster.
+FXS_FN int fxs_product_q15(int a, int b)
+{
+    return (FACTOR(a) * FACTOR(b) + 16384) >> 15;
+}
+
+// fxs_alpha_q15, its sums turned so that no factor is negative: -((a b + 16383) >> 15) = (-a b + 16384) >> 15.
+FXS_FN int fxs_exp_q15(int level_q11)
+{
+    int x = FACTOR(level_q11);
+    int p = 16016 - ((4236 * x + 16383) >> 15);
+    p = 32730 - fxs_product_q15(p, x);
+    p = 32767 - ((FACTOR(p) * x + 16383) >> 15);
+    p = fxs_product_q15(p, p);
+    p = fxs_product_q15(p, p);
+    p = fxs_product_q15(p, p);
+    return min(FACTOR(p), FXS_ALPHA_MAX_Q15);
+}
+
+// u or v without its sign, not cut: beyond 32767, which is 4, no splat reaches. (fxs_coordinate_q13 cuts it there.)
+FXS_FN int fxs_distance_q13(int coordinate_q24)
+{
+    return abs(coordinate_q24 >> 11);
+}
