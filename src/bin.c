@@ -196,7 +196,8 @@ uint32_t fxs_note_c(const fxs_view *view, const fxs_box *boxes, uint32_t first, 
 /* The tiles of a span in columns 2 c and 2 c + 1. */
 static uint32_t pair_of(span s, int32_t c)
 {
-    return (uint32_t)(s.first <= 2 * c && 2 * c <= s.last) | (uint32_t)(s.first <= 2 * c + 1 && 2 * c + 1 <= s.last) << 1;
+    const int32_t left = 2 * c, right = left + 1;
+    return (uint32_t)(s.first <= left && left <= s.last) | (uint32_t)(s.first <= right && right <= s.last) << 1;
 }
 
 /* A splat whose tiles do not fit in a box. */

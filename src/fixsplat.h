@@ -273,8 +273,8 @@ typedef struct fxs_kernels {
     void (*bin)(const struct fxs_view *view, const struct fxs_splat *splats, const struct fxs_bounds *bounds,
                 uint32_t count, struct fxs_box *boxes);
 
-    /* The tile columns of a splat on tile rows `row` to row + rows - 1, which are rows of its bounding box. There is room for 15
-       more. */
+    /* The tile columns of a splat on tile rows `row` to row + rows - 1, which are rows of its bounding box. There is
+       room for 15 more. */
     void (*spans)(const struct fxs_view *view, const struct fxs_splat *splat, const struct fxs_bounds *bounds,
                   int32_t row, int32_t rows, struct fxs_span *spans);
 
@@ -398,8 +398,8 @@ size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *objects, u
    `memory`: `memory_bytes` bytes, aligned to 64, at least fxs_stereo_bytes; with less, FXS_ERR_MEMORY, and
    stats->memory.least is what it takes. `targets`: of the two eyes, as for fxs_render; what is written for one does not
    overlap what the other has. *stats, which may be null, is of both eyes together; `visible` counts what either sees
-   once, or with `exact` once for each eye. Errors as fxs_render, FXS_ERR_OBJECT beyond 2^28 Gaussians (in whole chunks),
-   and FXS_ERR_SIZE where the pictures differ in size or projection; nothing is written to the targets then. */
+   once, or with `exact` once for each eye. Errors as fxs_render, FXS_ERR_OBJECT beyond 2^28 Gaussians (in whole
+   chunks), and FXS_ERR_SIZE where the pictures differ in size or projection; nothing is written to the targets then. */
 int fxs_render_stereo(const fxs_context *context, const fxs_object *objects, uint32_t count,
                       const fxs_camera cameras[2], const fxs_options *options, const fxs_targets targets[2], int exact,
                       void *memory, size_t memory_bytes, fxs_stats *stats);

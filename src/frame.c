@@ -216,8 +216,8 @@ static void count_lists(fxs_frame *f)
 }
 
 /* Lists as many macro tiles, from first_macro to before `end`, as fit in `keys`. A list is never longer than the number
-   of slots, so one always fits. For a back end they are whole rows, or of one row. In a list the parts follow each other,
-   so it is in the order of the slots. */
+   of slots, so one always fits. For a back end they are whole rows, or of one row. In a list the parts follow each
+   other, so it is almost in the order of the slots. */
 static void fill_lists(fxs_frame *f, uint32_t end)
 {
     const uint32_t across = fxs_macros(f->eye->view.tiles_x), row_end = (f->first_macro / across + 1) * across;

@@ -81,7 +81,7 @@ typedef struct fxs_span {
 #define FXS_SPANS_MORE 15          /* that the versions of `spans` may write beyond those asked for, */
 #define FXS_NOTES_MORE 15          /* and those of `note` */
 
-/* Lists are made for macro tiles of 2x2 tiles. Bit 2 r + c of a mask stands for the tile in row r and column c of one. */
+/* Lists are made for macro tiles of 2x2 tiles. Bit 2 r + c of a mask stands for the tile in row r and column c. */
 #define FXS_MACRO 2
 
 static inline uint32_t fxs_macros(int32_t tiles)
@@ -98,7 +98,7 @@ typedef struct fxs_box {
 #define FXS_BOX_LOW_BITS 24        /* rows 0 and 1 */
 #define FXS_BOX_TILES 6            /* a side */
 #define FXS_NOWHERE ((fxs_box){0})     /* there are none */
-#define FXS_LARGE ((fxs_box){(uint64_t)1 << 63})   /* they do not fit, and are found again from the bounds when lists are made */
+#define FXS_LARGE ((fxs_box){(uint64_t)1 << 63})   /* they do not fit, and are found when lists are made */
 
 /* What a sort moves: depth above, slot below. */
 typedef uint64_t fxs_key;
@@ -131,8 +131,8 @@ typedef struct fxs_trace {
 
 #define FXS_HALF_Q15 16384         /* transmittance */
 
-/* A run of tiles, first to last, ready to be drawn by a back end: of one tile row, or of whole tile rows but for the first
-   tiles and the last. Tile t's list is counts[t] entries that end before entries[ends[t]]. Without lists
+/* A run of tiles, first to last, ready to be drawn by a back end: of one tile row, or of whole tile rows but for the
+   first tiles and the last. Tile t's list is counts[t] entries that end before entries[ends[t]]. Without lists
    (draw_unlisted) entries, ends and counts are null, and keys are those of all that touches the tiles. */
 typedef struct fxs_tile_run {
     const fxs_config *config;

@@ -206,8 +206,8 @@ static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS])
             memcpy(packed_scene_rows(&s, c) + FXS_ROW_ROTATION + 4 * i, &(uint32_t){512u << 20 | 512u << 10 | 512u}, 4);
     }
     CHECK(!fxs_scene_open(&drawn.scene, s.data, s.bytes));
-    drawn.camera = (fxs_camera){16, 16 * ROWS, 64 << 12, 64 << 12, 0, 0, {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30},
-                                {0, 0, 0}, 0, FXS_PERSPECTIVE};
+    drawn.camera = (fxs_camera){.width = 16, .height = 16 * ROWS, .fx_q12 = 64 << 12, .fy_q12 = 64 << 12,
+                                .rotation_q30 = {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}};
     fxs_options_init(&drawn.options);
     drawn.format = FXS_FORMAT_RGBA8;
     draw();

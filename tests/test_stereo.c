@@ -393,8 +393,8 @@ static void test_too_many_slots(void)
           FXS_ERR_MEMORY && stats.memory.least < memory.total);
     CHECK(fxs_render_stereo(&context, objects, FXS_MAX_OBJECTS, cameras, &options, targets, 0, pixels, 4096, 0) ==
           FXS_ERR_OBJECT);
-    CHECK(fxs_render_stereo(&context, objects, FXS_MAX_OBJECTS - 4096, cameras, &options, targets, 0, pixels, 4096, 0) ==
-          FXS_ERR_MEMORY);
+    CHECK(fxs_render_stereo(&context, objects, FXS_MAX_OBJECTS - 4096, cameras, &options, targets, 0, pixels, 4096,
+                            0) == FXS_ERR_MEMORY);
     free(pixels);
     free(packed.data);
 }

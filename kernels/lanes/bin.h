@@ -184,7 +184,8 @@ static inline void find_boxes(const job *j, list lists[FXS_BOX_TILES], uint32_t 
                  greater(all(j->view->height - 1), last_row);
     /* Those on one tile row, those that are large or nowhere, and for now the others. */
     const vu on_row = shift_left((vu)all(2), last - column) - shift_left((vu)all(1), first - column);
-    store_boxes(j->boxes + i, j->view, choose(whole, spread_row((vi)on_row) << 2 * row, all(0)), all(0), first_tile_row, column, none);
+    const vi on_rows = choose(whole, spread_row((vi)on_row) << 2 * row, all(0));
+    store_boxes(j->boxes + i, j->view, on_rows, all(0), first_tile_row, column, none);
     mask large = greater(reach_q8, all(HALF_WIDTH_LIMIT_Q8));
     /* A list for each number of rows; in list 0 those that may reach the top or the bottom of their tile rows. */
     mask at_edge = equal(first_row & 15, all(0)) | equal(last_row & 15, all(15));

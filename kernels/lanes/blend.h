@@ -21,8 +21,8 @@ typedef struct kept {
 } kept;
 
 /* The splats of a group at a tile. They lie in two vectors as pack_q13 makes one of them: by their place, which is that
-   of entry 8 i + 4 j + k in lane 4 i + k of vector j. Numbers of 16 bits stand in both halves of a word, which is spread
-   faster. */
+   of entry 8 i + 4 j + k in lane 4 i + k of vector j. Numbers of 16 bits stand in both halves of a word, which is
+   spread faster. */
 typedef struct group {
     vu u_q24[PATCHES][2];          /* at a patch's first pixel */
     vu ux_q24[2], uy_q24[2], four_q24[2];      /* four: 4 ux */
