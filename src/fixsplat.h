@@ -389,12 +389,12 @@ size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *objects, u
                         int32_t height);
 
 /* Renders a frame for each of two eyes, left and right, whose pictures are of one size and projection. Each has the
-   geometry of its own camera. Their colours are found once, as seen from the point between them; so is the order, where
-   their z axes are parallel, neither eye is ahead of the other (within 2^-14) and the right one has no occluder:
-   elsewhere each is sorted by itself. The bytes are the same on every machine. Where both cameras are equal they are
-   those of fxs_render; with eyes 2 % of the distance to the scene apart, each picture is within 54 dB (PSNR) of it on
-   the scenes measured (the tests hold 50). `exact` not 0: each eye has the very bytes of fxs_render, in the time of two
-   frames.
+   geometry of its own camera: field of view and principal point may differ, as in a headset. Their colours are found
+   once, as seen from the point between them; so is the order, where their z axes are parallel, neither eye is ahead of
+   the other (within 2^-14) and the right one has no occluder: elsewhere each is sorted by itself. The bytes are the
+   same on every machine. Where both cameras are equal they are those of fxs_render; with eyes 2 % of the distance to
+   the scene apart, each picture is within 54 dB (PSNR) of it on the scenes measured (the tests hold 50). `exact` not
+   0: each eye has the very bytes of fxs_render, in the time of two frames.
    `memory`: `memory_bytes` bytes, aligned to 64, at least fxs_stereo_bytes; with less, FXS_ERR_MEMORY, and
    stats->memory.least is what it takes. `targets`: of the two eyes, as for fxs_render; what is written for one does not
    overlap what the other has. *stats, which may be null, is of both eyes together; `visible` counts what either sees
