@@ -133,135 +133,6 @@ static int run_blocks(fxs_frame *f)
     return 0;
 }
 
-/* ---- Lists ----------------------------------------------------------------------------------------------------- */
-
-/* Where a block's keys start: after those of the blocks before it. */
-static void gather_part(void *argument, uint32_t part)
-{
-    fxs_frame *f = argument;
-    uint32_t first = fxs_part(f->blocks, f->parts, part), end = fxs_part(f->blocks, f->parts, part + 1), at = 0;
-    for (uint32_t block = 0; block < first; block++)
-        at += f->block_counts[block];
-    for (uint32_t block = first; block < end; block++)
-        for (uint32_t i = 0; i < f->block_counts[block]; i++) {
-            uint32_t slot = f->block_slots[block] + i;
-            f->keys[at++] = FXS_KEY(f->depths[slot], slot);
-        }
-}
-
-/* The keys of all that is visible, in order. */
-static const fxs_key *sort_all(fxs_frame *f)
-{
-    const uint64_t start = fxs_now(f);
-    fxs_frame_run(f, gather_part, f->parts);
-    const fxs_key *sorted = fxs_sort(&f->context->config, f->keys, f->spare, f->count, f->histograms, f->parts);
-    f->stats.nanoseconds[FXS_SORT] += fxs_now(f) - start;
-    return sorted;
-}
-
-/* A part's row of `next`: a number for each macro tile, and that of its notes. */
-static uint32_t *next_of(const fxs_frame *f, uint32_t part)
-{
-    return f->next + (size_t)part * (f->macros + 1);
-}
-
-/* Notes lie in `spare`, where lists are sorted later. */
-static fxs_lister lister_of(const fxs_frame *f, uint32_t part)
-{
-    const fxs_eye *eye = f->eye;
-    const uint32_t room = f->key_capacity / f->parts;
-    return (fxs_lister){&eye->view, eye->splats, eye->bounds, eye->boxes, f->depths, f->context->kernels.spans,
-                        f->context->kernels.note, f->first_macro, f->last_macro, next_of(f, part),
-                        f->spare + (size_t)part * room, room, next_of(f, part)[f->macros]};
-}
-
-static void count_part(void *argument, uint32_t part)
-{
-    fxs_frame *f = argument;
-    const uint32_t end = fxs_part(f->blocks, f->parts, part + 1);
-    memset(next_of(f, part), 0, (f->macros + 1) * sizeof *f->next);
-    fxs_lister l = lister_of(f, part);
-    for (uint32_t block = fxs_part(f->blocks, f->parts, part); block < end; block++)
-        fxs_bin_count(&l, f->block_slots[block], f->block_counts[block]);
-    next_of(f, part)[f->macros] = l.noted;
-}
-
-static void fill_part(void *argument, uint32_t part)
-{
-    fxs_frame *f = argument;
-    const uint32_t end = fxs_part(f->blocks, f->parts, part + 1);
-    fxs_lister l = lister_of(f, part);
-    if (f->noted)
-        fxs_bin_fill_noted(&l, f->keys);
-    for (uint32_t block = fxs_part(f->blocks, f->parts, part); block < end && !f->noted; block++)
-        fxs_bin_fill(&l, f->block_slots[block], f->block_counts[block], f->keys);
-}
-
-/* The macro tiles of the band, and how long their lists are. */
-static void count_lists(fxs_frame *f)
-{
-    const uint32_t across = fxs_macros(f->eye->view.tiles_x);
-    f->first_macro = (uint32_t)f->first_row / FXS_MACRO * across;
-    f->last_macro = fxs_macros(f->end_row) * across - 1;
-    fxs_frame_run(f, count_part, f->parts);
-    memset(f->tile_counts, 0, f->tiles * sizeof *f->tile_counts);
-    memset(f->lengths, 0, f->macros * sizeof *f->lengths);
-    f->noted = 1;
-    for (uint32_t part = 0; part < f->parts; part++) {
-        const uint32_t *next = next_of(f, part);
-        f->noted &= next[f->macros] <= f->key_capacity / f->parts;
-        for (uint32_t macro = 0; macro < f->macros; macro++)
-            f->lengths[macro] += next[macro];
-    }
-}
-
-/* Lists as many macro tiles, from first_macro to before `end`, as fit in `keys`. A list is never longer than the number
-   of slots, so one always fits. For a back end they are whole rows, or of one row. In a list the parts follow each
-   other, so it is almost in the order of the slots. */
-static void fill_lists(fxs_frame *f, uint32_t end)
-{
-    const uint32_t across = fxs_macros(f->eye->view.tiles_x), row_end = (f->first_macro / across + 1) * across;
-    uint32_t used = 0, macro = f->first_macro;
-    for (uint32_t room = f->key_capacity; macro < end && f->lengths[macro] <= room; macro++)
-        room -= f->lengths[macro];
-    if (!f->draw_tile)
-        macro = f->first_macro % across || macro < row_end ? (macro < row_end ? macro : row_end)
-                                                           : macro / across * across;
-    f->noted &= macro == end;
-    f->last_macro = macro - 1;
-    for (macro = f->first_macro; macro <= f->last_macro; macro++)
-        for (uint32_t part = 0; part < f->parts; part++) {
-            uint32_t *next = &next_of(f, part)[macro], count = *next;
-            *next = used;
-            used += count;
-        }
-    fxs_frame_run(f, fill_part, f->parts);
-    f->noted = 0;
-}
-
-/* Where the list of a macro tile begins, in `keys` and in `spare`. */
-static size_t start_of_list(const fxs_frame *f, uint32_t macro)
-{
-    return next_of(f, f->parts - 1)[macro] - f->lengths[macro];
-}
-
-static const fxs_key *sort_macro(const fxs_frame *f, uint32_t macro)
-{
-    const size_t at = start_of_list(f, macro);
-    fxs_sort_list(f->keys + at, f->spare + at, f->lengths[macro]);
-    return f->keys + at;
-}
-
-/* Tile i of a macro tile. Returns 0 where it is not in the band. */
-static int tile_of(const fxs_frame *f, uint32_t macro, int32_t i, uint32_t *tile)
-{
-    const int32_t across = (int32_t)fxs_macros(f->eye->view.tiles_x);
-    const int32_t row = (int32_t)macro / across * FXS_MACRO + i / FXS_MACRO;
-    const int32_t column = (int32_t)macro % across * FXS_MACRO + i % FXS_MACRO;
-    *tile = fxs_tiles_above(f, row) + (uint32_t)column;
-    return row >= f->first_row && row < f->end_row && column < f->eye->view.tiles_x;
-}
-
 /* ---- Drawing --------------------------------------------------------------------------------------------------- */
 
 enum { SORTED, LISTED, BLENDED, RESOLVED, TIMES };
@@ -294,15 +165,15 @@ static void blend_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_la
 static void draw_macro(void *argument, uint32_t job)
 {
     fxs_frame *f = argument;
-    const fxs_lister l = lister_of(f, 0);
+    const fxs_lister l = fxs_lister_of(f, 0);
     const uint32_t macro = f->first_macro + job, length = f->lengths[macro];
-    uint32_t *entries = (uint32_t *)(void *)(f->spare + start_of_list(f, macro)), tile;
+    uint32_t *entries = fxs_list_room(f, macro), tile;
     fxs_laps laps = {fxs_now(f), f->macro_times + TIMES * (size_t)macro};
-    const fxs_key *keys = sort_macro(f, macro);
+    const fxs_key *keys = fxs_list_sort(f, macro);
     memset(laps.times, 0, TIMES * sizeof *laps.times);
     lap(f, &laps, SORTED);
     for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
-        if (tile_of(f, macro, i, &tile) && (f->only_tile == FXS_NOTHING || f->only_tile == tile)) {
+        if (fxs_tile_of(f, macro, i, &tile) && (f->only_tile == FXS_NOTHING || f->only_tile == tile)) {
             f->tile_counts[tile] = f->context->kernels.list(keys, length, (uint32_t)i, entries);
             if (l.view->square)
                 fxs_mark_far(&l, tile, entries, f->tile_counts[tile]);
@@ -314,94 +185,6 @@ static void draw_macro(void *argument, uint32_t job)
         }
     if (!length)                   /* fewer looks at the clock, which take a while */
         lap(f, &laps, RESOLVED);
-}
-
-/* Has lists sorted, and the lengths of those of the tiles, for a back end. */
-static void order_macro(void *argument, uint32_t job)
-{
-    fxs_frame *f = argument;
-    const uint32_t macro = f->first_macro + job, length = f->lengths[macro];
-    const fxs_key *list = sort_macro(f, macro);
-    uint32_t tile;
-    for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
-        if (tile_of(f, macro, i, &tile))
-            for (uint32_t k = 0; k < length; k++)
-                f->tile_counts[tile] += (uint32_t)list[k] >> i & 1;
-}
-
-/* The lists of those tiles of a macro tile that are in the back end's run. No more is written, as other jobs do. */
-static void list_macro(void *argument, uint32_t job)
-{
-    fxs_frame *f = argument;
-    const fxs_lister l = lister_of(f, 0);
-    const uint32_t macro = f->first_macro + job, length = f->lengths[macro];
-    const fxs_key *keys = f->keys + start_of_list(f, macro);
-    uint32_t tile;
-    for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++) {
-        if (!tile_of(f, macro, i, &tile) || tile < f->first_tile || tile > f->last_tile)
-            continue;
-        uint32_t *first = (uint32_t *)(void *)f->spare + f->tile_ends[tile] - f->tile_counts[tile], *to = first;
-        for (uint32_t k = 0; k < length; k++)
-            if ((uint32_t)keys[k] >> i & 1)
-                *to++ = FXS_LISTED_SLOT(keys[k]);
-        if (l.view->square)
-            fxs_mark_far(&l, tile, first, f->tile_counts[tile]);
-    }
-}
-
-/* Has the back end draw a run of tiles, or all that is visible. */
-static int draw_run(fxs_frame *f, const fxs_key *visible)
-{
-    const fxs_config *config = &f->context->config;
-    const fxs_eye *eye = f->eye;
-    const uint64_t start = fxs_now(f);
-    const fxs_tile_run r = {config, &eye->view, f->options, eye->splats, eye->bounds, eye->depths, visible, f->count,
-                            visible ? 0 : (const uint32_t *)(const void *)f->spare, visible ? 0 : f->tile_ends,
-                            visible ? 0 : f->tile_counts, f->first_tile, f->last_tile, eye->targets};
-    const int error = config->draw(config->draw_argument, &r);
-    f->stats.nanoseconds[FXS_BLEND] += fxs_now(f) - start;
-    return error;
-}
-
-/* Draws tiles first to last, as many at once as fit in `spare`: one always does. */
-static int draw_tiles(fxs_frame *f, uint32_t first, uint32_t last)
-{
-    int error = 0;
-    for (f->first_tile = first; f->first_tile <= last && !error; f->first_tile = f->last_tile + 1) {
-        const uint64_t start = fxs_now(f), room = 2 * (uint64_t)f->key_capacity;
-        uint64_t used = 0;
-        uint32_t tile = f->first_tile;
-        for (; tile <= last && used + f->tile_counts[tile] <= room; tile++) {
-            used += f->tile_counts[tile];
-            f->tile_ends[tile] = (uint32_t)used;
-        }
-        f->last_tile = tile - 1;
-        fxs_frame_run(f, list_macro, f->last_macro - f->first_macro + 1);
-        f->stats.nanoseconds[FXS_BIN] += fxs_now(f) - start;
-        error = draw_run(f, 0);
-        f->stats.runs++;
-    }
-    return error;
-}
-
-/* Has the back end draw the macro tiles whose lists there are. */
-static int draw_lists(fxs_frame *f)
-{
-    const uint64_t start = fxs_now(f);
-    const int32_t across = (int32_t)fxs_macros(f->eye->view.tiles_x), tiles_x = f->eye->view.tiles_x;
-    const int32_t first = (int32_t)f->first_macro % across * FXS_MACRO;
-    const int32_t last = fxs_min(((int32_t)f->last_macro % across + 1) * FXS_MACRO, tiles_x) - 1;
-    const int32_t row = (int32_t)f->first_macro / across * FXS_MACRO;
-    const int32_t first_row = row > f->first_row ? row : f->first_row;
-    const int32_t end_row = fxs_min(((int32_t)f->last_macro / across + 1) * FXS_MACRO, f->end_row);
-    int error = 0;
-    fxs_frame_run(f, order_macro, f->last_macro - f->first_macro + 1);
-    f->stats.nanoseconds[FXS_SORT] += fxs_now(f) - start;
-    if (last - first + 1 == tiles_x)
-        return draw_tiles(f, fxs_tiles_above(f, first_row), fxs_tiles_above(f, end_row) - 1);
-    for (int32_t r = first_row; r < end_row && !error; r++)
-        error = draw_tiles(f, fxs_tiles_above(f, r) + (uint32_t)first, fxs_tiles_above(f, r) + (uint32_t)last);
-    return error;
 }
 
 /* Shares a wall time out to `columns` stages, as the jobs spent theirs: times has a row for each job. */
@@ -577,14 +360,14 @@ static int draw_listed(fxs_frame *f)
 {
     uint64_t start = fxs_now(f);
     int error = 0;
-    count_lists(f);
+    fxs_lists_count(f);
     for (uint32_t end = f->last_macro + 1; f->first_macro < end && !error; f->first_macro = f->last_macro + 1) {
-        fill_lists(f, end);
+        fxs_lists_fill(f, end);
         f->stats.nanoseconds[FXS_BIN] += fxs_now(f) - start;
         if (f->draw_tile)
             draw_macros(f);
         else
-            error = draw_lists(f);
+            error = fxs_draw_lists(f);
         start = fxs_now(f);
     }
     for (uint32_t tile = fxs_tiles_above(f, f->first_row); tile < fxs_tiles_above(f, f->end_row); tile++)
@@ -596,9 +379,7 @@ int fxs_frame_draw(fxs_frame *f)
 {
     if (f->draw_tile || !f->context->config.draw_unlisted)
         return draw_listed(f);
-    f->first_tile = fxs_tiles_above(f, f->first_row);
-    f->last_tile = fxs_tiles_above(f, f->end_row) - 1;
-    return draw_run(f, sort_all(f));
+    return fxs_draw_unlisted(f);
 }
 
 int fxs_frame_render(fxs_frame *f)

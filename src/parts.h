@@ -158,7 +158,7 @@ int32_t fxs_eyes_project(fxs_frame *f, uint32_t object, uint32_t chunk, uint32_t
 /* After bin: lists what an eye does not see nowhere. */
 void fxs_eyes_hide(const fxs_bounds *bounds, uint32_t count, fxs_box *boxes);
 
-/* ---- sort.c, bin.c, trace.c -------------------------------------------------------------------------------------- */
+/* ---- sort.c, bin.c ----------------------------------------------------------------------------------------------- */
 
 /* Sorts keys by depth, ties by slot (they arrive in the order of their slots), in `parts` jobs. `spare` has room for
    as many, `histograms` for `parts`. Returns where the result is: keys or spare. */
@@ -199,6 +199,31 @@ void fxs_bin_fill_noted(fxs_lister *l, fxs_key *keys);
 
 /* With the square cut-off: sets FXS_ENTRY_FAR in those of a tile's list whose ellipse does not touch it. */
 void fxs_mark_far(const fxs_lister *l, uint32_t tile, uint32_t *entries, uint32_t count);
+
+/* ---- lists.c, draw.c --------------------------------------------------------------------------------------------- */
+
+fxs_lister fxs_lister_of(const fxs_frame *f, uint32_t part);
+
+/* Finds the macro tiles of the band, first_macro to last_macro, and how long their lists are. */
+void fxs_lists_count(fxs_frame *f);
+
+/* Lists as many macro tiles, from first_macro to before `end`, as fit in `keys`, and sets last_macro. A list is never
+   longer than the number of slots, so one always fits. For a back end they are whole rows, or of one row. */
+void fxs_lists_fill(fxs_frame *f, uint32_t end);
+
+/* The list of a macro tile; the same, when it is sorted; and room for as many keys. */
+const fxs_key *fxs_list_of(const fxs_frame *f, uint32_t macro);
+const fxs_key *fxs_list_sort(const fxs_frame *f, uint32_t macro);
+uint32_t *fxs_list_room(const fxs_frame *f, uint32_t macro);
+
+/* Tile i of a macro tile. Returns 0 where it is not in the band. */
+int fxs_tile_of(const fxs_frame *f, uint32_t macro, int32_t i, uint32_t *tile);
+
+/* Has the back end draw the macro tiles whose lists there are, or the band without lists. Returns 0 or its error. */
+int fxs_draw_lists(fxs_frame *f);
+int fxs_draw_unlisted(fxs_frame *f);
+
+/* ---- blend.c, trace.c -------------------------------------------------------------------------------------------- */
 
 /* All 1 - T = 0. */
 void fxs_tile_clear(fxs_tile *tile);

@@ -28,7 +28,7 @@ tests_of() {
     src/stereo.c | src/eyes.c) echo stereo scribble ;;
     src/scene.c | src/packed.h) echo scene random pack fxs_file stages kernels bands ;;
     src/bands.c) echo random bands stereo stages scene scribble ;;
-    src/chunk.c | src/frame.c) echo random stages scene stereo kernels bands scribble golden foveate ;;
+    src/chunk.c | src/frame.c | src/lists.c | src/draw.c) echo random stages scene stereo kernels bands scribble golden foveate ;;
     src/pixel.h | src/fixed.h) echo random fixed stages kernels pixel scene golden ;;
     src/opacity.inc) echo pack random stages kernels ;;
     src/object.c | src/trace.c | src/targets.c | src/pick.c) echo targets objects stages ;;

@@ -1,0 +1,112 @@
+/* The lists of a frame's macro tiles: counted, filled and sorted. */
+#include "memory.h"
+#include "parts.h"
+
+/* A part's row of `next`: a number for each macro tile, and that of its notes. */
+static uint32_t *next_of(const fxs_frame *f, uint32_t part)
+{
+    return f->next + (size_t)part * (f->macros + 1);
+}
+
+/* Notes lie in `spare`, where lists are sorted later. */
+fxs_lister fxs_lister_of(const fxs_frame *f, uint32_t part)
+{
+    const fxs_eye *eye = f->eye;
+    const uint32_t room = f->key_capacity / f->parts;
+    return (fxs_lister){&eye->view, eye->splats, eye->bounds, eye->boxes, f->depths, f->context->kernels.spans,
+                        f->context->kernels.note, f->first_macro, f->last_macro, next_of(f, part),
+                        f->spare + (size_t)part * room, room, next_of(f, part)[f->macros]};
+}
+
+static void count_part(void *argument, uint32_t part)
+{
+    fxs_frame *f = argument;
+    const uint32_t end = fxs_part(f->blocks, f->parts, part + 1);
+    memset(next_of(f, part), 0, (f->macros + 1) * sizeof *f->next);
+    fxs_lister l = fxs_lister_of(f, part);
+    for (uint32_t block = fxs_part(f->blocks, f->parts, part); block < end; block++)
+        fxs_bin_count(&l, f->block_slots[block], f->block_counts[block]);
+    next_of(f, part)[f->macros] = l.noted;
+}
+
+static void fill_part(void *argument, uint32_t part)
+{
+    fxs_frame *f = argument;
+    const uint32_t end = fxs_part(f->blocks, f->parts, part + 1);
+    fxs_lister l = fxs_lister_of(f, part);
+    if (f->noted)
+        fxs_bin_fill_noted(&l, f->keys);
+    for (uint32_t block = fxs_part(f->blocks, f->parts, part); block < end && !f->noted; block++)
+        fxs_bin_fill(&l, f->block_slots[block], f->block_counts[block], f->keys);
+}
+
+void fxs_lists_count(fxs_frame *f)
+{
+    const uint32_t across = fxs_macros(f->eye->view.tiles_x);
+    f->first_macro = (uint32_t)f->first_row / FXS_MACRO * across;
+    f->last_macro = fxs_macros(f->end_row) * across - 1;
+    fxs_frame_run(f, count_part, f->parts);
+    memset(f->tile_counts, 0, f->tiles * sizeof *f->tile_counts);
+    memset(f->lengths, 0, f->macros * sizeof *f->lengths);
+    f->noted = 1;
+    for (uint32_t part = 0; part < f->parts; part++) {
+        const uint32_t *next = next_of(f, part);
+        f->noted &= next[f->macros] <= f->key_capacity / f->parts;
+        for (uint32_t macro = 0; macro < f->macros; macro++)
+            f->lengths[macro] += next[macro];
+    }
+}
+
+/* In a list the parts follow each other, so it is almost in the order of the slots. */
+void fxs_lists_fill(fxs_frame *f, uint32_t end)
+{
+    const uint32_t across = fxs_macros(f->eye->view.tiles_x), row_end = (f->first_macro / across + 1) * across;
+    uint32_t used = 0, macro = f->first_macro;
+    for (uint32_t room = f->key_capacity; macro < end && f->lengths[macro] <= room; macro++)
+        room -= f->lengths[macro];
+    if (!f->draw_tile)
+        macro = f->first_macro % across || macro < row_end ? (macro < row_end ? macro : row_end)
+                                                           : macro / across * across;
+    f->noted &= macro == end;
+    f->last_macro = macro - 1;
+    for (macro = f->first_macro; macro <= f->last_macro; macro++)
+        for (uint32_t part = 0; part < f->parts; part++) {
+            uint32_t *next = &next_of(f, part)[macro], count = *next;
+            *next = used;
+            used += count;
+        }
+    fxs_frame_run(f, fill_part, f->parts);
+    f->noted = 0;
+}
+
+/* Where the list of a macro tile begins, in `keys` and in `spare`. */
+static size_t start_of_list(const fxs_frame *f, uint32_t macro)
+{
+    return next_of(f, f->parts - 1)[macro] - f->lengths[macro];
+}
+
+const fxs_key *fxs_list_of(const fxs_frame *f, uint32_t macro)
+{
+    return f->keys + start_of_list(f, macro);
+}
+
+uint32_t *fxs_list_room(const fxs_frame *f, uint32_t macro)
+{
+    return (uint32_t *)(void *)(f->spare + start_of_list(f, macro));
+}
+
+const fxs_key *fxs_list_sort(const fxs_frame *f, uint32_t macro)
+{
+    const size_t at = start_of_list(f, macro);
+    fxs_sort_list(f->keys + at, f->spare + at, f->lengths[macro]);
+    return f->keys + at;
+}
+
+int fxs_tile_of(const fxs_frame *f, uint32_t macro, int32_t i, uint32_t *tile)
+{
+    const int32_t across = (int32_t)fxs_macros(f->eye->view.tiles_x);
+    const int32_t row = (int32_t)macro / across * FXS_MACRO + i / FXS_MACRO;
+    const int32_t column = (int32_t)macro % across * FXS_MACRO + i % FXS_MACRO;
+    *tile = fxs_tiles_above(f, row) + (uint32_t)column;
+    return row >= f->first_row && row < f->end_row && column < f->eye->view.tiles_x;
+}
