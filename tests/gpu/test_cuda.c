@@ -111,7 +111,7 @@ static void enlarge(fxs_camera *camera, int32_t times)
     camera->cy_q12 *= times;
 }
 
-static void random_view(fxs_camera *camera, int i)
+static void varied_view(fxs_camera *camera, int i)
 {
     random_camera(camera);
     if (i % 3 == 1)
@@ -414,7 +414,7 @@ static void check_random(enum fxs_profile profile, int count)
         fxs_scene scene;
         fxs_camera camera;
         fxs_options options;
-        random_view(&camera, i);
+        varied_view(&camera, i);
         random_options(&options);
         fxs_scene_open(&scene, packed.data, packed.bytes);
         const int good = CHECK(scene_equal(&scene, &camera, &options));
@@ -452,7 +452,7 @@ static void check_objects(int count, uint32_t most_objects, int32_t most_gaussia
         state = (uint64_t)i * 0x7654321u + most_objects;
         const uint32_t objects = most_objects == OBJECTS ? OBJECTS : (uint32_t)between(0, (int32_t)most_objects);
         random_world(&w, objects, most_gaussians);
-        random_view(&camera, i);
+        varied_view(&camera, i);
         random_options(&options);
         const unsigned which = i % 2 ? (unsigned)between(1, 31) | (between(0, 1) ? OCCLUDER : 0) : COLOUR;
         const enum fxs_format format = (enum fxs_format)between(0, 3);
@@ -488,7 +488,7 @@ static void test_targets(void)
         fxs_scene_open(&scene, packed.data, packed.bytes);
         fxs_object_init(&object, &scene);
         object.id = (uint32_t)next();
-        random_view(&camera, i);
+        varied_view(&camera, i);
         random_options(&options);
         const enum fxs_format format = (enum fxs_format)(i % 4);
         unsigned which = i < 5 ? 1u << i : (unsigned)between(1, 31);
