@@ -18,6 +18,7 @@ const int CROWDED = 16, CROWD = 96;    /* open pixels of a pair of rows, of a ti
 
 struct dense_shared {
     dense_keys keys;
+    uint32_t entries[dense_keys::room];    /* sorted */
     uint32_t ends[BINS];                   /* of the bins, in the list */
     fxs_splat splats[dense_keys::room];    /* of the keys sorted, near to far */
     uint32_t masks[ROW_PAIRS][dense_keys::room];    /* of the pixels that each can touch */
@@ -42,17 +43,20 @@ __device__ inline uint64_t spare_entries(const frame_buffers *f)
 
 /* How many blocks share the columns of a tile whose list is of magnitude 31 - lane, so that none is late: as many as
    make its share about half of what a multiprocessor has of all lists. A splat is often in the columns of one or two
-   blocks, each of which puts it into bins of its own; so only as long as there is room for that. */
+   blocks, each of which puts it into bins of its own; so only as many as there is room for. */
 __device__ inline uint32_t blocks_a_tile(const frame_buffers *f)
 {
-    const uint32_t magnitude = WARP - 1 - lane_index(), most = 16;
-    const uint64_t entries = magnitude >= f->dense_magnitude ? f->status->class_entries[magnitude] : 0;
+    const uint32_t magnitude = WARP - 1 - lane_index();
+    const uint64_t entries = magnitude >= LONG_MAGNITUDE ? f->status->class_entries[magnitude] : 0;
     const uint64_t all = __shfl_sync(ALL_LANES, warp_sum(entries), WARP - 1), shares = 2 * gridDim.x / DENSE_BLOCKS;
-    uint32_t wanted = 1;
-    while (wanted < most && ((uint64_t)2 << magnitude) * shares > wanted * all)
-        wanted *= 2;
-    const uint64_t needed = __shfl_sync(ALL_LANES, warp_sum(wanted > 1 ? entries * (wanted + 4) / 4 : entries), WARP - 1);
-    return magnitude < f->dense_magnitude ? 0 : needed <= f->split_capacity + spare_entries(f) ? wanted : 1;
+    uint32_t wanted = 1, most = 16;
+    for (uint64_t needed = UINT64_MAX; most > 1 && needed > f->split_capacity + spare_entries(f); most /= 2) {
+        wanted = 1;
+        while (wanted < most && ((uint64_t)2 << magnitude) * shares > wanted * all)
+            wanted *= 2;
+        needed = __shfl_sync(ALL_LANES, warp_sum(wanted > 1 ? entries * (wanted + 4) / 4 : entries), WARP - 1);
+    }
+    return magnitude < LONG_MAGNITUDE ? 0 : most > 1 ? wanted : 1;
 }
 
 /* A tile being blended; (x, y): its first pixel. */
@@ -90,9 +94,9 @@ __device__ void visit_near(const uint64_t *list, const uint32_t *marks, uint32_t
 __device__ uint32_t split_list(uint64_t *sorted, dense_shared *shared, const uint64_t *list, const uint32_t *marks,
                                uint32_t count, key_range r, const dense_group *g)
 {
-    const int shift = bin_shift(r.low, r.high);
+    const int shift = bin_shift<dense_keys>(r.low, r.high);
     uint32_t *ends = shared->ends;
-    clear_bins(ends, g);
+    clear_bins<dense_keys>(ends, g);
     g->sync();
     visit_near(list, marks, count, g, [&](uint64_t key) { atomicAdd(&ends[(key - r.low) >> shift], 1u); });
     g->sync();
@@ -228,7 +232,7 @@ __device__ inline int alpha_of(const uint16_t *alpha_q15, const fxs_splat *s, co
 {
     const queued_row row = {s->u0_q24 + (uint32_t)y * (uint32_t)s->uy_q24,
                             row_level(s->v0_q24 + (uint32_t)y * (uint32_t)s->vy_q24, s->offset_q11)};
-    const int level = level_bits(row, (uint32_t)x * (uint32_t)s->ux_q24);
+    const int level = level_bits(row, (uint32_t)x, (uint32_t)s->ux_q24);
     return level <= limit_bits(s, view) ? alpha_q15[(level & 0xffff) >> 1] : 0;
 }
 
@@ -316,9 +320,9 @@ __device__ void blend_pixels(dense_shared *shared, const dense_tile *t, const de
 /* Blends shared->keys, `count` of them. Returns whether any pixel is open. */
 __device__ bool blend_collected(dense_shared *shared, const dense_tile *t, uint32_t count, const dense_group *g)
 {
-    sort_keys(&shared->keys, shared->bins, count, g);
+    sort_keys(shared->entries, &shared->keys, shared->bins, count, g);
     for (uint32_t i = g->thread; i < dense_keys::room; i += DENSE_THREADS) {
-        const uint32_t entry = i < count ? shared->keys.entries[i] : FXS_ENTRY_FAR;
+        const uint32_t entry = i < count ? shared->entries[i] : FXS_ENTRY_FAR;
         const bool listed = !(entry & FXS_ENTRY_FAR);
         fxs_splat s = {};
         if (listed)

@@ -7,19 +7,20 @@
 namespace {
 
 const uint32_t GROUP_WARPS_MOST = 32;
-const uint32_t BIN_BITS = 11, BINS = 1u << BIN_BITS;
 
-/* Where a group sorts, up to Room keys at a time. */
-template <uint32_t Room>
+/* Where a group sorts, up to Room keys at a time, by 2^Bits bins. */
+template <uint32_t Room, int Bits = 11>
 struct group_keys {
-    static constexpr uint32_t room = Room;
+    static constexpr uint32_t room = Room, bins = 1u << Bits;
+    static constexpr int bits = Bits;
     uint64_t keys[Room];                   /* in no order */
-    uint32_t entries[Room];                /* their low halves, near to far */
     uint16_t places[Room];                 /* of the keys, bin after bin */
     uint2 bounds[GROUP_WARPS_MOST];        /* of depths, least and most */
     uint32_t sums[GROUP_WARPS_MOST];
     uint32_t count, bin;
 };
+
+const uint32_t BINS = group_keys<1>::bins;
 
 /* A group of T threads. */
 template <uint32_t T>
@@ -40,6 +41,18 @@ struct group {
                      "selp.u32 %0, 1, 0, q; }"
                      : "=r"(result) : "r"((uint32_t)x), "r"(number + 1), "r"(T) : "memory");
         return result != 0;
+    }
+};
+
+/* A warp. */
+template <>
+struct group<WARP> {
+    static constexpr uint32_t threads = WARP;
+    uint32_t number, thread;
+
+    __device__ void sync() const
+    {
+        __syncwarp();
     }
 };
 
@@ -95,18 +108,19 @@ __device__ key_range range_of_list(K *shared, const uint64_t *list, uint32_t cou
     return range_of(shared, least, most, g);
 }
 
-/* A bin holds 2^that keys, so that BINS reach from `low` to `high`. */
+/* A bin holds 2^that keys, so that K::bins reach from `low` to `high`. */
+template <class K>
 __device__ inline int bin_shift(uint64_t low, uint64_t high)
 {
     const int bits = 64 - __clzll((long long)(high - low));
-    return bits > (int)BIN_BITS ? bits - (int)BIN_BITS : 0;
+    return bits > K::bits ? bits - K::bits : 0;
 }
 
 /* How many keys are in the bins before this thread's, and in its own. */
 template <class K, class G>
 __device__ uint32_t keys_before(K *shared, const uint32_t *bins, uint32_t *own, const G *g)
 {
-    const uint32_t each = BINS / G::threads, warp = g->thread / WARP;
+    const uint32_t each = K::bins / G::threads, warp = g->thread / WARP;
     *own = 0;
     for (uint32_t i = 0; i < each; i++)
         *own += bins[g->thread * each + i];
@@ -122,7 +136,7 @@ __device__ uint32_t keys_before(K *shared, const uint32_t *bins, uint32_t *own, 
 template <class K, class G>
 __device__ void place_bins(K *shared, uint32_t *bins, const G *g)
 {
-    const uint32_t each = BINS / G::threads;
+    const uint32_t each = K::bins / G::threads;
     uint32_t own, start = keys_before(shared, bins, &own, g);
     for (uint32_t i = g->thread * each; i < (g->thread + 1) * each; i++) {
         const uint32_t size = bins[i];
@@ -132,19 +146,19 @@ __device__ void place_bins(K *shared, uint32_t *bins, const G *g)
     g->sync();
 }
 
-template <class G>
+template <class K, class G>
 __device__ void clear_bins(uint32_t *bins, const G *g)
 {
-    for (uint32_t i = g->thread; i < BINS; i += G::threads)
+    for (uint32_t i = g->thread; i < K::bins; i += G::threads)
         bins[i] = 0;
 }
 
-/* Finds the first bin with which the keys are more than K::room: shared->bin (BINS: none), and how many are below
+/* Finds the first bin with which the keys are more than K::room: shared->bin (K::bins: none), and how many are below
    it: shared->count. */
 template <class K, class G>
 __device__ void find_bin(K *shared, const uint32_t *bins, const G *g)
 {
-    const uint32_t each = BINS / G::threads;
+    const uint32_t each = K::bins / G::threads;
     uint32_t own, start = keys_before(shared, bins, &own, g);
     const uint32_t end = start + own;
     if (start <= K::room && (end > K::room || g->thread == G::threads - 1)) {
@@ -160,14 +174,14 @@ __device__ void find_bin(K *shared, const uint32_t *bins, const G *g)
 /* Puts the least keys from r->low on into shared->keys, at most K::room, and moves r->low. Returns how many. There must
    be some left. */
 template <class K, class G>
-__device__ uint32_t next_round(key_range *r, K *shared, uint32_t bins[BINS], const uint64_t *list, uint32_t count,
+__device__ uint32_t next_round(key_range *r, K *shared, uint32_t *bins, const uint64_t *list, uint32_t count,
                                const G *g)
 {
     uint64_t first = r->low, last = r->high;
     uint32_t found = 0;
     while (!found) {
-        const int shift = bin_shift(first, last);
-        clear_bins(bins, g);
+        const int shift = bin_shift<K>(first, last);
+        clear_bins<K>(bins, g);
         g->sync();
         visit_keys(list, count, g, [&](uint64_t key) {
             if (key >= first && key <= last)
@@ -178,7 +192,7 @@ __device__ uint32_t next_round(key_range *r, K *shared, uint32_t bins[BINS], con
         found = shared->count;
         const uint64_t bin = shared->bin, width = (uint64_t)1 << shift;
         if (found) {
-            last = bin < BINS ? first + bin * width - 1 : last;
+            last = bin < K::bins ? first + bin * width - 1 : last;
         } else {                           /* too many in one bin */
             first += bin * width;
             last = first + width - 1;
@@ -197,19 +211,19 @@ __device__ uint32_t next_round(key_range *r, K *shared, uint32_t bins[BINS], con
     return found;
 }
 
-/* shared->entries from shared->keys, `count` of them: they go to bins by depth, then each counts those of its bin that
+/* The low halves of shared->keys, `count` of them, near to far: they go to bins by depth, then each counts those of its bin that
    are less. */
 template <class K, class G>
-__device__ void sort_keys(K *shared, uint32_t bins[BINS], uint32_t count, const G *g)
+__device__ void sort_keys(uint32_t *entries, K *shared, uint32_t *bins, uint32_t count, const G *g)
 {
     uint32_t least = UINT32_MAX, most = 0;
     for (uint32_t i = g->thread; i < count; i += G::threads) {
         least = min(least, depth_of(shared->keys[i]));
         most = max(most, depth_of(shared->keys[i]));
     }
-    clear_bins(bins, g);
+    clear_bins<K>(bins, g);
     const key_range r = range_of(shared, least, most, g);
-    const int shift = bin_shift(r.low, r.high);
+    const int shift = bin_shift<K>(r.low, r.high);
     for (uint32_t i = g->thread; i < count; i += G::threads)
         atomicAdd(&bins[(shared->keys[i] - r.low) >> shift], 1u);
     g->sync();
@@ -223,7 +237,7 @@ __device__ void sort_keys(K *shared, uint32_t bins[BINS], uint32_t count, const 
         uint32_t place = start;
         for (uint32_t k = start; k < end && end - start > 1; k++)
             place += shared->keys[shared->places[k]] < key ? 1 : 0;
-        shared->entries[place] = (uint32_t)key;
+        entries[place] = (uint32_t)key;
     }
     g->sync();
 }
