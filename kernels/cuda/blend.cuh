@@ -1,5 +1,5 @@
-/* sort, blend and resolve. A list is sorted by a warp or a block, then a warp blends it over 8x8 pixels, two a lane, until all are
- * closed. A warp tests 32 splats at a time against its 8 rows, a splat a lane; those that can touch a pixel are queued
+/* sort, blend and resolve. A list is sorted by a warp or a block, then a warp blends it over 8x8 pixels,
+ * two a lane, until all are closed. A warp tests 32 splats at a time against its 8 rows, a splat a lane; those that can touch a pixel are queued
  * in shared memory, then all lanes take them one by one. Lists of 2^LONG_MAGNITUDE entries or more are for blend_dense,
  * or else for groups of 4 warps, which sort the next keys of a list and blend them, as far as there are open pixels.
  *
@@ -17,13 +17,13 @@
 
 namespace {
 
-const uint32_t LONG_MAGNITUDE = 12, SHORT_MAGNITUDE = 9;
-const uint32_t SORT_THREADS = 256, SORT_BLOCKS = 4;    /* of a multiprocessor */
+const uint32_t LONG_MAGNITUDE = 11, SHORT_MAGNITUDE = 8;
+const uint32_t SORT_THREADS = 128, SORT_BLOCKS = 7;    /* of a multiprocessor */
 const uint32_t GROUP_THREADS = 128, WARPS_MOST = 24;   /* of a block of blend_sorted */
 typedef group<GROUP_THREADS> tile_group;
 typedef group_keys<1024> tile_keys;
 const int REGION = 8;                      /* pixels of a warp, across and down */
-const uint32_t LANES = REGION / 2;         /* of a row of those */
+const uint32_t LANES = REGION / 2;         /* of a row; each has two pixels of it, LANES apart */
 const int LEVEL_ONE = 0x4b000000;          /* 2^23 as a float, in bits */
 
 /* A splat on a row of a region. */
@@ -87,7 +87,7 @@ struct group_shared : trace_queues<Pixel, GROUP_THREADS / WARP> {
     uint32_t entries[tile_keys::room];     /* sorted */
     union {
         queued_splat queues[GROUP_THREADS / WARP][WARP];
-        uint32_t bins[BINS];
+        uint32_t bins[bins_of<tile_keys, GROUP_THREADS>];
     };
     uint32_t turn;
 };
@@ -247,26 +247,33 @@ __device__ inline uint32_t key_of(traced_pixel p[2], const uint32_t *depths, uin
     return key;
 }
 
-/* Blends sorted entries over the region at (x, y); a lane has two pixels of a row. */
+/* Blends sorted entries over the region at (x, y). */
 template <class Pixel>
 __device__ inline void blend_entries(Pixel p[2], const uint32_t *entries, uint32_t count, queued_splat queue[WARP],
                                      queued_trace *traces, const uint16_t *alpha_q15, const frame_buffers *f,
                                      const fxs_view *view, int depth_bits, int32_t x, int32_t y)
 {
+    enum { STEPS = 4 };                    /* between looks at whether pixels are open */
     const uint32_t lane = lane_index(), row = lane / LANES, column = lane % LANES;
     uint32_t next = lane < count ? entries[lane] : 0;
+    auto step = [&](uint32_t i) {
+        const queued_splat *s = &queue[i];
+        const queued_row placed = s->rows[row];
+        blend_queued(&p[0], alpha_q15, placed, column, s, traces + i, depth_bits);
+        blend_queued(&p[1], alpha_q15, placed, column + LANES, s, traces + i, depth_bits);
+    };
     for (uint32_t first = 0; first < count && __any_sync(ALL_LANES, is_open(p)); first += WARP) {
         const bool listed = first + lane < count;
         const uint32_t entry = next, key = key_of(p, f->depths, entry, listed);
         next = first + WARP + lane < count ? entries[first + WARP + lane] : 0;
         const uint32_t queued = queue_splats(queue, traces, f->splats, view, entry, key, listed, x, y);
-#pragma unroll 4
-        for (uint32_t i = 0; i < queued; i++) {
-            const queued_splat *s = &queue[i];
-            const queued_row placed = s->rows[row];
-            blend_queued(&p[0], alpha_q15, placed, column, s, traces + i, depth_bits);
-            blend_queued(&p[1], alpha_q15, placed, column + LANES, s, traces + i, depth_bits);
-        }
+        uint32_t i = 0;
+        for (; i + STEPS <= queued && __any_sync(ALL_LANES, is_open(p)); i += STEPS)
+#pragma unroll
+            for (uint32_t k = 0; k < STEPS; k++)
+                step(i + k);
+        for (; i < queued && queued - i < STEPS; i++)
+            step(i);
         __syncwarp();
     }
 }
@@ -431,7 +438,7 @@ __device__ inline void make_table(uint16_t *alpha_q15)
 
 /* A warp's pixels, a quarter of a tile. */
 struct region {
-    int32_t x, y, px, py;                  /* its first pixel; the lane's, and another LANES to the right */
+    int32_t x, y, px, py;                  /* its first pixel; the lane's */
 
     __device__ region(const fxs_view *view, uint32_t tile, uint32_t part)
     {
@@ -462,12 +469,12 @@ struct region {
     }
 };
 
-/* Where a group sorts lists of below 2^Magnitude entries. */
+/* Where a group sorts lists of below 2^Magnitude entries, by 2^Bits bins at most. */
 template <uint32_t T, uint32_t Magnitude, int Bits>
 struct list_sorter {
     typedef group<T> group_type;
     group_keys<1u << Magnitude, Bits> keys;
-    uint32_t bins[1u << Bits];
+    uint32_t bins[bins_of<group_keys<1u << Magnitude, Bits>, T>];
     uint32_t turn;
 
     /* Takes the lists of the turns as they come, by a counter, and puts their entries, sorted, where each began. */
@@ -487,15 +494,24 @@ struct list_sorter {
             for (uint32_t i = g.thread; i < count; i += T)
                 keys.keys[i] = list[i];
             g.sync();
-            if (count)
-                sort_keys((uint32_t *)list, &keys, bins, count, &g);
+            if (count > (1u << Magnitude) / 4)
+                sort_by<Bits>((uint32_t *)list, count, &g);
+            else if (count)
+                sort_by<Bits - 2>((uint32_t *)list, count, &g);
         }
+    }
+
+    /* With fewer bins for fewer keys. */
+    template <int B>
+    __device__ void sort_by(uint32_t *entries, uint32_t count, const group<T> *g)
+    {
+        sort_keys(entries, (group_keys<1u << Magnitude, B> *)&keys, bins, count, g);
     }
 };
 
 union sort_shared {
     list_sorter<SORT_THREADS, LONG_MAGNITUDE, 11> block;
-    list_sorter<WARP, SHORT_MAGNITUDE, 8> warps[SORT_THREADS / WARP];
+    list_sorter<WARP, SHORT_MAGNITUDE, 10> warps[SORT_THREADS / WARP];
 };
 
 /* Blocks sort the lists that are neither short nor long, then their warps the short ones. The host is told what the
@@ -557,10 +573,11 @@ blend_sorted(const __grid_constant__ fxs_view view, const __grid_constant__ fram
         const turn_of_tile quarter = tile_of_turn(&f, &order, tiles, turn);
         const region r(&view, quarter.tile, quarter.number);
         const uint32_t count = f.counts[quarter.tile];
+        const uint32_t *entries = (const uint32_t *)(f.entries + (f.next[quarter.tile] - count));
         Pixel p[2];
         r.clear(p, &view, &t);
-        blend_entries(p, (const uint32_t *)(f.entries + (f.next[quarter.tile] - count)), count, own->queue,
-                      own->trace_queue(0), shared->alpha_q15, &f, &view, t.depth_bits, r.x, r.y);
+        blend_entries(p, entries, count, own->queue, own->trace_queue(0), shared->alpha_q15, &f, &view, t.depth_bits,
+                      r.x, r.y);
         r.store(p, &view, &f, &t);
     }
 }

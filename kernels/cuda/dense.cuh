@@ -13,17 +13,17 @@ const uint32_t DENSE_THREADS = 1024, DENSE_BLOCKS = 1;  /* of a multiprocessor *
 const uint32_t ROW_PAIRS = FXS_TILE / 2;               /* of a tile: 32 pixels */
 typedef group<DENSE_THREADS> dense_group;
 typedef group_keys<960> dense_keys;
-const uint32_t WORDS = dense_keys::room / WARP;
+const uint32_t WORDS = dense_keys::room / WARP, BLOCKS_MOST = 16, SHARE_MAGNITUDE = 9;
 const int CROWDED = 16, CROWD = 96;    /* open pixels of a pair of rows, of a tile: more of both take a lane each */
 
 struct dense_shared {
     dense_keys keys;
     uint32_t entries[dense_keys::room];    /* sorted */
-    uint32_t ends[BINS];                   /* of the bins, in the list */
+    uint32_t ends[dense_keys::bins];       /* of the bins, in the list */
     fxs_splat splats[dense_keys::room];    /* of the keys sorted, near to far */
     uint32_t masks[ROW_PAIRS][dense_keys::room];    /* of the pixels that each can touch */
     union {
-        uint32_t bins[BINS];
+        uint32_t bins[dense_keys::bins];
         uint32_t touching[WORDS][FXS_TILE_PIXELS + 1];   /* of those splats, a bit each; + 1: in different banks */
     };
     uint16_t alpha_q15[FXS_FAINT_Q11 + 1];
@@ -33,7 +33,7 @@ struct dense_shared {
     uint32_t open[ROW_PAIRS];              /* of those, a bit each */
 };
 
-static_assert(sizeof(dense_shared) <= 163 << 10, "more shared memory than a block of an A100 has");
+static_assert(!has_gaps<dense_keys, DENSE_THREADS> && sizeof(dense_shared) <= 163 << 10, "more shared memory than a block of an A100 has");
 
 /* Room to put lists into bins, beside split_entries: what is free behind the entries. */
 __device__ inline uint64_t spare_entries(const frame_buffers *f)
@@ -42,21 +42,25 @@ __device__ inline uint64_t spare_entries(const frame_buffers *f)
 }
 
 /* How many blocks share the columns of a tile whose list is of magnitude 31 - lane, so that none is late: as many as
-   make its share about half of what a multiprocessor has of all lists. A splat is often in the columns of one or two
+   make its share about half of what a multiprocessor has of all lists, or twice that, and so on; at most BLOCKS_MOST,
+   and for 2^SHARE_MAGNITUDE entries or more each. A splat is often in the columns of one or two
    blocks, each of which puts it into bins of its own; so only as many as there is room for. */
 __device__ inline uint32_t blocks_a_tile(const frame_buffers *f)
 {
     const uint32_t magnitude = WARP - 1 - lane_index();
     const uint64_t entries = magnitude >= LONG_MAGNITUDE ? f->status->class_entries[magnitude] : 0;
     const uint64_t all = __shfl_sync(ALL_LANES, warp_sum(entries), WARP - 1), shares = 2 * gridDim.x / DENSE_BLOCKS;
-    uint32_t wanted = 1, most = 16;
-    for (uint64_t needed = UINT64_MAX; most > 1 && needed > f->split_capacity + spare_entries(f); most /= 2) {
+    const uint64_t room = f->split_capacity + spare_entries(f);
+    uint32_t wanted = 1;
+    uint64_t needed = UINT64_MAX;
+    for (uint64_t share = all; needed > room && share <= shares * all; share *= 2) {
         wanted = 1;
-        while (wanted < most && ((uint64_t)2 << magnitude) * shares > wanted * all)
+        while (wanted < BLOCKS_MOST && wanted << SHARE_MAGNITUDE < 1u << magnitude &&
+               ((uint64_t)2 << magnitude) * shares > wanted * share)
             wanted *= 2;
         needed = __shfl_sync(ALL_LANES, warp_sum(wanted > 1 ? entries * (wanted + 4) / 4 : entries), WARP - 1);
     }
-    return magnitude < LONG_MAGNITUDE ? 0 : most > 1 ? wanted : 1;
+    return magnitude < LONG_MAGNITUDE ? 0 : needed <= room ? wanted : 1;
 }
 
 /* A tile being blended; (x, y): its first pixel. */
@@ -104,13 +108,13 @@ __device__ uint32_t split_list(uint64_t *sorted, dense_shared *shared, const uin
     visit_near(list, marks, count, g,
                [&](uint64_t key) { sorted[atomicAdd(&ends[(key - r.low) >> shift], 1u)] = key; });
     g->sync();
-    return ends[BINS - 1];
+    return ends[dense_keys::bins - 1];
 }
 
 /* How many ends are at most `most`, by a warp. */
 __device__ uint32_t ends_within(const uint32_t *ends, uint32_t most)
 {
-    const uint32_t each = BINS / WARP;
+    const uint32_t each = dense_keys::bins / WARP;
     uint32_t blocks = (uint32_t)__popc(__ballot_sync(ALL_LANES, ends[(lane_index() + 1) * each - 1] <= most));
     uint32_t count = blocks * each;
     for (uint32_t i = lane_index(); i < each && blocks < WARP; i += WARP)

@@ -20,7 +20,19 @@ struct group_keys {
     uint32_t count, bin;
 };
 
-const uint32_t BINS = group_keys<1>::bins;
+/* Where many bins are a thread's, there is a gap behind them, so that the n-th ones of all threads lie in different
+   banks. */
+template <class K, uint32_t T>
+constexpr bool has_gaps = K::bins / T > 2;
+
+template <class K, uint32_t T>
+constexpr uint32_t bins_of = K::bins + (has_gaps<K, T> ? T : 0);
+
+template <class K, class G>
+__device__ inline uint32_t slot_of(uint32_t bin)
+{
+    return has_gaps<K, G::threads> ? bin + bin / (K::bins / G::threads) : bin;
+}
 
 /* A group of T threads. */
 template <uint32_t T>
@@ -123,7 +135,7 @@ __device__ uint32_t keys_before(K *shared, const uint32_t *bins, uint32_t *own, 
     const uint32_t each = K::bins / G::threads, warp = g->thread / WARP;
     *own = 0;
     for (uint32_t i = 0; i < each; i++)
-        *own += bins[g->thread * each + i];
+        *own += bins[slot_of<K, G>(g->thread * each + i)];
     uint32_t end = warp_sum(*own);
     if (lane_index() == WARP - 1)
         shared->sums[warp] = end;
@@ -139,8 +151,8 @@ __device__ void place_bins(K *shared, uint32_t *bins, const G *g)
     const uint32_t each = K::bins / G::threads;
     uint32_t own, start = keys_before(shared, bins, &own, g);
     for (uint32_t i = g->thread * each; i < (g->thread + 1) * each; i++) {
-        const uint32_t size = bins[i];
-        bins[i] = start;
+        const uint32_t slot = slot_of<K, G>(i), size = bins[slot];
+        bins[slot] = start;
         start += size;
     }
     g->sync();
@@ -149,7 +161,7 @@ __device__ void place_bins(K *shared, uint32_t *bins, const G *g)
 template <class K, class G>
 __device__ void clear_bins(uint32_t *bins, const G *g)
 {
-    for (uint32_t i = g->thread; i < K::bins; i += G::threads)
+    for (uint32_t i = g->thread; i < bins_of<K, G::threads>; i += G::threads)
         bins[i] = 0;
 }
 
@@ -163,8 +175,8 @@ __device__ void find_bin(K *shared, const uint32_t *bins, const G *g)
     const uint32_t end = start + own;
     if (start <= K::room && (end > K::room || g->thread == G::threads - 1)) {
         uint32_t bin = g->thread * each;
-        for (; bin < (g->thread + 1) * each && start + bins[bin] <= K::room; bin++)
-            start += bins[bin];
+        for (; bin < (g->thread + 1) * each && start + bins[slot_of<K, G>(bin)] <= K::room; bin++)
+            start += bins[slot_of<K, G>(bin)];
         shared->bin = bin;
         shared->count = start;
     }
@@ -185,7 +197,7 @@ __device__ uint32_t next_round(key_range *r, K *shared, uint32_t *bins, const ui
         g->sync();
         visit_keys(list, count, g, [&](uint64_t key) {
             if (key >= first && key <= last)
-                atomicAdd(&bins[(key - first) >> shift], 1u);
+                atomicAdd(&bins[slot_of<K, G>((uint32_t)((key - first) >> shift))], 1u);
         });
         g->sync();
         find_bin(shared, bins, g);
@@ -224,16 +236,18 @@ __device__ void sort_keys(uint32_t *entries, K *shared, uint32_t *bins, uint32_t
     clear_bins<K>(bins, g);
     const key_range r = range_of(shared, least, most, g);
     const int shift = bin_shift<K>(r.low, r.high);
+    auto bin_of = [&](uint64_t key) { return slot_of<K, G>((uint32_t)((key - r.low) >> shift)); };
     for (uint32_t i = g->thread; i < count; i += G::threads)
-        atomicAdd(&bins[(shared->keys[i] - r.low) >> shift], 1u);
+        atomicAdd(&bins[bin_of(shared->keys[i])], 1u);
     g->sync();
     place_bins(shared, bins, g);
     for (uint32_t i = g->thread; i < count; i += G::threads)
-        shared->places[atomicAdd(&bins[(shared->keys[i] - r.low) >> shift], 1u)] = (uint16_t)i;
+        shared->places[atomicAdd(&bins[bin_of(shared->keys[i])], 1u)] = (uint16_t)i;
     g->sync();                             /* bins are ends now */
     for (uint32_t i = g->thread; i < count; i += G::threads) {
         const uint64_t key = shared->keys[shared->places[i]];
-        const uint32_t bin = (uint32_t)((key - r.low) >> shift), start = bin ? bins[bin - 1] : 0, end = bins[bin];
+        const uint32_t bin = (uint32_t)((key - r.low) >> shift);
+        const uint32_t start = bin ? bins[slot_of<K, G>(bin - 1)] : 0, end = bins[slot_of<K, G>(bin)];
         uint32_t place = start;
         for (uint32_t k = start; k < end && end - start > 1; k++)
             place += shared->keys[shared->places[k]] < key ? 1 : 0;
