@@ -511,7 +511,7 @@ struct list_sorter {
 
 union sort_shared {
     list_sorter<SORT_THREADS, LONG_MAGNITUDE, 11> block;
-    list_sorter<WARP, SHORT_MAGNITUDE, 10> warps[SORT_THREADS / WARP];
+    list_sorter<WARP, SHORT_MAGNITUDE, 8> warps[SORT_THREADS / WARP];
 };
 
 /* Blocks sort the lists that are neither short nor long, then their warps the short ones. The host is told what the

@@ -17,6 +17,7 @@ struct group_keys {
     uint16_t places[Room];                 /* of the keys, bin after bin */
     uint2 bounds[GROUP_WARPS_MOST];        /* of depths, least and most */
     uint32_t sums[GROUP_WARPS_MOST];
+    uint32_t segments[WARP];               /* of the range of a sort */
     uint32_t count, bin;
 };
 
@@ -223,8 +224,40 @@ __device__ uint32_t next_round(key_range *r, K *shared, uint32_t *bins, const ui
     return found;
 }
 
-/* The low halves of shared->keys, `count` of them, near to far: they go to bins by depth, then each counts those of its bin that
-   are less. */
+/* Bins for a sort, of different widths, as depths lie in clusters: each 32nd of the range, a segment, has as many as it
+   has keys, of all. */
+template <class K, class G>
+struct segmented {
+    const uint32_t *segments;              /* the first bin and, below, how many */
+    uint64_t low;
+    int shift;                             /* a segment holds 2^that keys, 27 or more as indices are below depths */
+
+    /* Counts the segments' keys. */
+    __device__ segmented(K *shared, key_range r, uint32_t count, const G *g) : segments(shared->segments), low(r.low)
+    {
+        shift = 64 - __clzll((long long)(r.high - r.low)) - 5;
+        for (uint32_t i = g->thread; i < count; i += G::threads)
+            atomicAdd(&shared->segments[(shared->keys[i] - low) >> shift], 1u);
+        g->sync();
+        if (g->thread < WARP) {
+            const uint32_t own = shared->segments[g->thread], end = warp_sum(own);
+            const uint32_t first = (end - own) * K::bins / count;
+            shared->segments[g->thread] = first << 16 | (end * K::bins / count - first);
+        }
+        g->sync();
+    }
+
+    __device__ uint32_t bin_of(uint64_t key) const
+    {
+        const uint64_t above = key - low;
+        const uint32_t segment = segments[above >> shift];
+        const uint32_t part_q16 = (uint32_t)(above >> (shift - 16)) & 0xffff;
+        return min((segment >> 16) + (part_q16 * (segment & 0xffff) >> 16), K::bins - 1);
+    }
+};
+
+/* The low halves of shared->keys, `count` of them, near to far: they go to bins by depth, then each counts those of its
+   bin that are less. */
 template <class K, class G>
 __device__ void sort_keys(uint32_t *entries, K *shared, uint32_t *bins, uint32_t count, const G *g)
 {
@@ -234,19 +267,19 @@ __device__ void sort_keys(uint32_t *entries, K *shared, uint32_t *bins, uint32_t
         most = max(most, depth_of(shared->keys[i]));
     }
     clear_bins<K>(bins, g);
-    const key_range r = range_of(shared, least, most, g);
-    const int shift = bin_shift<K>(r.low, r.high);
-    auto bin_of = [&](uint64_t key) { return slot_of<K, G>((uint32_t)((key - r.low) >> shift)); };
+    if (g->thread < WARP)
+        shared->segments[g->thread] = 0;
+    const segmented<K, G> s(shared, range_of(shared, least, most, g), count, g);
     for (uint32_t i = g->thread; i < count; i += G::threads)
-        atomicAdd(&bins[bin_of(shared->keys[i])], 1u);
+        atomicAdd(&bins[slot_of<K, G>(s.bin_of(shared->keys[i]))], 1u);
     g->sync();
     place_bins(shared, bins, g);
     for (uint32_t i = g->thread; i < count; i += G::threads)
-        shared->places[atomicAdd(&bins[bin_of(shared->keys[i])], 1u)] = (uint16_t)i;
+        shared->places[atomicAdd(&bins[slot_of<K, G>(s.bin_of(shared->keys[i]))], 1u)] = (uint16_t)i;
     g->sync();                             /* bins are ends now */
     for (uint32_t i = g->thread; i < count; i += G::threads) {
         const uint64_t key = shared->keys[shared->places[i]];
-        const uint32_t bin = (uint32_t)((key - r.low) >> shift);
+        const uint32_t bin = s.bin_of(key);
         const uint32_t start = bin ? bins[slot_of<K, G>(bin - 1)] : 0, end = bins[slot_of<K, G>(bin)];
         uint32_t place = start;
         for (uint32_t k = start; k < end && end - start > 1; k++)
