@@ -370,6 +370,7 @@ void blend(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const fram
     }
     sort_lists<<<cuda->processors * SORT_BLOCKS, SORT_THREADS, sizeof(sort_shared), s->on>>>(
         f, (uint32_t)(view.tiles_x * view.tiles_y));
+    mark(cuda, s, 3);
     if (traced)
         blend_lists<traced_pixel>(cuda, s->on, cuda->traced_warps, cuda->traced_groups, view, f, t);
     else
@@ -405,7 +406,7 @@ int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
         fill_lists<<<LARGE_BLOCKS + of->chunks, FXS_CHUNK, 0, s->on>>>(view, f);
     mark(cuda, s, 2);
     blend(cuda, s, view, f, target_of(of, &cuda->options));
-    mark(cuda, s, 3);
+    mark(cuda, s, 4);
     cuda->buffers[i] = f;
     return check(why, cudaGetLastError(), cudaEventRecord(s->done, s->on));
 }

@@ -33,7 +33,8 @@ struct dense_shared {
     uint32_t open[ROW_PAIRS];              /* of those, a bit each */
 };
 
-static_assert(!has_gaps<dense_keys, DENSE_THREADS> && sizeof(dense_shared) <= 163 << 10, "more shared memory than a block of an A100 has");
+static_assert(!has_gaps<dense_keys, DENSE_THREADS>, "ends have gaps");
+static_assert(sizeof(dense_shared) <= 163 << 10, "more shared memory than a block of an A100 has");
 
 /* Room to put lists into bins, beside split_entries: what is free behind the entries. */
 __device__ inline uint64_t spare_entries(const frame_buffers *f)
@@ -42,9 +43,9 @@ __device__ inline uint64_t spare_entries(const frame_buffers *f)
 }
 
 /* How many blocks share the columns of a tile whose list is of magnitude 31 - lane, so that none is late: as many as
-   make its share about half of what a multiprocessor has of all lists, or twice that, and so on; at most BLOCKS_MOST,
-   and for 2^SHARE_MAGNITUDE entries or more each. A splat is often in the columns of one or two
-   blocks, each of which puts it into bins of its own; so only as many as there is room for. */
+   make its share about half of what a multiprocessor has of all lists, but for 2^SHARE_MAGNITUDE entries or more each.
+   A splat is often in the columns of one or two blocks, each of which puts it into bins of its own: where there is not
+   room for that, shares are twice as large, and so on. */
 __device__ inline uint32_t blocks_a_tile(const frame_buffers *f)
 {
     const uint32_t magnitude = WARP - 1 - lane_index();
@@ -341,7 +342,7 @@ __device__ bool blend_collected(dense_shared *shared, const dense_tile *t, uint3
     return g->any(lane_index() < ROW_PAIRS && shared->open[lane_index()]);
 }
 
-/* Calls keep(i, key, whether its splat can touch an open pixel) for the keys of a list, with all threads, a key each. */
+/* Calls keep(i, key, whether its splat can touch an open pixel) for the keys of a list, with all threads. */
 template <class Keep>
 __device__ void visit_open(const dense_shared *shared, const dense_tile *t, const uint64_t *list, uint32_t count,
                            const dense_group *g, Keep keep)
