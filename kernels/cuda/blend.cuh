@@ -1,5 +1,5 @@
-/* sort, blend and resolve. A list is sorted by a warp or a block; then each of four warps blends it over 8x8 pixels, two
- * a lane, until all are closed. A warp tests 32 splats at a time against its 8 rows, a splat a lane; those that can
+/* sort, blend and resolve. A list is sorted by a warp or a block; then each of 4 warps blends it over 8x8 pixels, two a
+ * lane, until all are closed. A warp tests 32 splats at a time against its 8 rows, a splat a lane; those that can
  * touch a pixel are queued in shared memory, then all lanes take them one by one. Lists of 2^LONG_MAGNITUDE entries or
  * more are for blend_dense, or else for groups of 4 warps, which sort the next keys of a list and blend them, as far as
  * there are open pixels.
