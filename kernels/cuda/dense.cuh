@@ -13,7 +13,7 @@ const uint32_t DENSE_THREADS = 1024, DENSE_BLOCKS = 1;  /* of a multiprocessor *
 const uint32_t ROW_PAIRS = FXS_TILE / 2;               /* of a tile: 32 pixels */
 typedef group<DENSE_THREADS> dense_group;
 typedef group_keys<960> dense_keys;
-const uint32_t WORDS = dense_keys::room / WARP, BLOCKS_MOST = 16, SHARE_MAGNITUDE = 9;
+const uint32_t WORDS = dense_keys::room / WARP, BLOCKS_MOST = 16, SHARE_MAGNITUDE = 11;
 const int CROWDED = 16, CROWD = 96;    /* open pixels of a pair of rows, of a tile: more of both take a lane each */
 
 struct dense_shared {
