@@ -648,6 +648,34 @@ static int draw(fxs_cuda *by, const fxs_scene *scene, const fxs_camera *camera, 
     return error;
 }
 
+/* Pictures of a few tiles, whose lists are so long that several blocks share one. */
+static void test_long_lists(void)
+{
+    uint64_t most = 0;
+    for (int i = 0; i < cases(12); i++) {
+        fxs_scene scene;
+        fxs_camera camera;
+        fxs_options options;
+        fxs_cuda_stats stats = {0};
+        state = (uint64_t)i + 71;
+        packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 120000);
+        random_camera(&camera);
+        camera.width = between(9, 40);
+        camera.height = between(9, 40);
+        camera.fx_q12 = camera.fy_q12 = between(4 << 12, 20 << 12);
+        camera.cx_q12 = camera.width * 2048;
+        camera.cy_q12 = camera.height * 2048;
+        fxs_options_init(&options);
+        fxs_scene_open(&scene, packed.data, packed.bytes);
+        CHECK(scene_equal(&scene, &camera, &options) && !draw(cuda, &scene, &camera, &stats));
+        const uint64_t each = stats.entries / (uint64_t)((camera.width + 15) / 16 * ((camera.height + 15) / 16));
+        most = each > most ? each : most;
+        fxs_cuda_forget(cuda, &scene);
+        free(packed.data);
+    }
+    CHECK(most >= 8192);
+}
+
 /* A scene is copied once, until it is forgotten or its fxs_scene is another. */
 static void test_scenes(void)
 {
@@ -894,6 +922,7 @@ int main(int argc, char **argv)
     RUN(test_targets);
     RUN(test_small_blocks);
     RUN(test_batch);
+    RUN(test_long_lists);
     RUN(test_scenes);
     RUN(test_memory);
     RUN(test_errors);
