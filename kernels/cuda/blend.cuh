@@ -1,7 +1,8 @@
-/* sort, blend and resolve. A group of 4 warps has a tile: it sorts the next keys of the tile's list, and each warp
- * blends them over its 8x8 pixels, two a lane, until all pixels are closed. A warp tests 32 splats at a time against
- * its 8 rows, a splat a lane; those that can touch a pixel are queued in shared memory, then all lanes take them one
- * by one.
+/* sort, blend and resolve. A list is sorted by a warp or a block; then each of 4 warps blends it over 8x8 pixels, two a
+ * lane, until all are closed. A warp tests 32 splats at a time against its 8 rows, a splat a lane; those that can
+ * touch a pixel are queued in shared memory, then all lanes take them one by one. Lists of 2^LONG_MAGNITUDE entries or
+ * more are for blend_dense, or else for groups of 4 warps, which sort the next keys of a list and blend them, as far as
+ * there are open pixels.
  *
  * Levels are integers in float registers, twice the level of pixel.h plus the bit that its rounding drops: with c =
  * coordinate_q13 2^-7,
@@ -17,10 +18,13 @@
 
 namespace {
 
-const uint32_t GROUP_THREADS = 128;
+const uint32_t LONG_MAGNITUDE = 11, SHORT_MAGNITUDE = 8;
+const uint32_t SORT_THREADS = 128, SORT_BLOCKS = 7;    /* of a multiprocessor */
+const uint32_t GROUP_THREADS = 128, WARPS_MOST = 24;   /* of a block of blend_sorted */
 typedef group<GROUP_THREADS> tile_group;
 typedef group_keys<1024> tile_keys;
 const int REGION = 8;                      /* pixels of a warp, across and down */
+const uint32_t LANES = REGION / 2;         /* of a row; each has two pixels of it, LANES apart */
 const int LEVEL_ONE = 0x4b000000;          /* 2^23 as a float, in bits */
 
 /* A splat on a row of a region. */
@@ -31,7 +35,7 @@ struct queued_row {
 
 /* A splat at a region. Its 80 bytes put 8 lanes' 16 bytes in different banks. */
 struct alignas(16) queued_splat {
-    queued_row rows[REGION / 2][2];        /* a lane's two */
+    queued_row rows[REGION];
     uint32_t ux_q24;
     int limit;                             /* of the level's bits */
     uint32_t red_green, blue;
@@ -60,7 +64,7 @@ constexpr uint32_t groups_most = 6;
 template <>
 constexpr uint32_t groups_most<traced_pixel> = 5;
 
-template <class Pixel>
+template <class Pixel, uint32_t Warps>
 struct trace_queues {
     __device__ queued_trace *trace_queue(uint32_t)
     {
@@ -68,9 +72,9 @@ struct trace_queues {
     }
 };
 
-template <>
-struct trace_queues<traced_pixel> {
-    queued_trace traces[GROUP_THREADS / WARP][WARP];
+template <uint32_t Warps>
+struct trace_queues<traced_pixel, Warps> {
+    queued_trace traces[Warps][WARP];
 
     __device__ queued_trace *trace_queue(uint32_t warp)
     {
@@ -79,11 +83,12 @@ struct trace_queues<traced_pixel> {
 };
 
 template <class Pixel>
-struct group_shared : trace_queues<Pixel> {
+struct group_shared : trace_queues<Pixel, GROUP_THREADS / WARP> {
     tile_keys keys;
+    uint32_t entries[tile_keys::room];     /* sorted */
     union {
         queued_splat queues[GROUP_THREADS / WARP][WARP];
-        uint32_t bins[BINS];
+        uint32_t bins[bins_of<tile_keys, GROUP_THREADS>];
     };
     uint32_t turn;
 };
@@ -97,7 +102,7 @@ struct blend_shared {
 template <class Pixel>
 size_t blend_bytes(uint32_t groups)
 {
-    return sizeof(blend_shared<Pixel>) + (groups - 1) * sizeof(group_shared<Pixel>);
+    return sizeof(blend_shared<Pixel>) - sizeof(group_shared<Pixel>) + groups * sizeof(group_shared<Pixel>);
 }
 
 /* coordinate_q13 2^-7, not cut: added to the mantissa of 1.5 2^16, whose unit is 2^-7. */
@@ -119,17 +124,20 @@ __device__ inline int limit_bits(const fxs_splat *s, const fxs_view *view)
     return LEVEL_ONE + 2 * fxs_limit_q11(s->offset_q11, view->cut_q11) + 1;
 }
 
-__device__ inline int level_bits(queued_row row, uint32_t across_q24)
+/* `column`: from the row's first pixel. */
+__device__ inline int level_bits(queued_row row, uint32_t column, uint32_t ux_q24)
 {
-    const float u = coordinate_q6(row.u_q24 + across_q24);
+    uint32_t u_q24;                        /* by one instruction, which the compiler would not choose */
+    asm("mad.lo.u32 %0, %1, %2, %3;" : "=r"(u_q24) : "r"(column), "r"(ux_q24), "r"(row.u_q24));
+    const float u = coordinate_q6(u_q24);
     return __float_as_int(__fmaf_rd(u, u, row.level));
 }
 
 /* Blends a splat whose level may be up to `limit`. Returns its weight. */
-__device__ inline int blend_pixel(pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t across_q24,
+__device__ inline int blend_pixel(pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t column,
                                   const queued_splat *s, int limit)
 {
-    const int level = level_bits(row, across_q24);
+    const int level = level_bits(row, column, s->ux_q24);
     int alpha = 0;
     if (level <= limit && p->transmittance >= FXS_CLOSED_Q15)
         alpha = alpha_q15[(level & 0xffff) >> 1];
@@ -142,19 +150,19 @@ __device__ inline int blend_pixel(pixel *p, const uint16_t *alpha_q15, queued_ro
     return weight;
 }
 
-__device__ inline void blend_queued(pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t across_q24,
+__device__ inline void blend_queued(pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t column,
                                     const queued_splat *s, const queued_trace *, int)
 {
-    blend_pixel(p, alpha_q15, row, across_q24, s, s->limit);
+    blend_pixel(p, alpha_q15, row, column, s, s->limit);
 }
 
 /* The same, and what src/trace.c keeps. */
-__device__ inline void blend_queued(traced_pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t across_q24,
+__device__ inline void blend_queued(traced_pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t column,
                                     const queued_splat *s, const queued_trace *trace, int depth_bits)
 {
     const uint32_t key = trace->key;
     const int before = p->transmittance;
-    const int weight = blend_pixel(p, alpha_q15, row, across_q24, s, key <= p->limit ? s->limit : 0);
+    const int weight = blend_pixel(p, alpha_q15, row, column, s, key <= p->limit ? s->limit : 0);
     if (!weight)
         return;
     const int behind_q15 = fxs_mul_q15(weight, fxs_depth_code_q15(key));
@@ -178,7 +186,7 @@ __device__ inline bool splat_at(queued_splat *q, const fxs_splat *s, const fxs_v
         const float left = coordinate_q6(u), right = coordinate_q6(u + (REGION - 1) * (uint32_t)s->ux_q24);
         const float least = fmaxf(fmaxf(left, -right), 0.0f);
         const queued_row placed = {u, row_level(v, s->offset_q11)};
-        q->rows[row % (REGION / 2)][row / (REGION / 2)] = placed;
+        q->rows[row] = placed;
         touched |= __float_as_int(__fmaf_rd(least, least, placed.level)) <= q->limit;
         u += (uint32_t)s->uy_q24;
         v += (uint32_t)s->vy_q24;
@@ -240,26 +248,33 @@ __device__ inline uint32_t key_of(traced_pixel p[2], const uint32_t *depths, uin
     return key;
 }
 
-/* Blends sorted keys over the region at (x, y). */
+/* Blends sorted entries over the region at (x, y). */
 template <class Pixel>
-__device__ inline void blend_keys(Pixel p[2], const tile_keys *keys, uint32_t count, queued_splat queue[WARP],
-                                  queued_trace *traces, const uint16_t *alpha_q15, const frame_buffers *f,
-                                  const fxs_view *view, int depth_bits, int32_t x, int32_t y)
+__device__ inline void blend_entries(Pixel p[2], const uint32_t *entries, uint32_t count, queued_splat queue[WARP],
+                                     queued_trace *traces, const uint16_t *alpha_q15, const frame_buffers *f,
+                                     const fxs_view *view, int depth_bits, int32_t x, int32_t y)
 {
-    const uint32_t lane = lane_index();
+    enum { STEPS = 4 };                    /* between looks at whether pixels are open */
+    const uint32_t lane = lane_index(), row = lane / LANES, column = lane % LANES;
+    uint32_t next = lane < count ? entries[lane] : 0;
+    auto step = [&](uint32_t i) {
+        const queued_splat *s = &queue[i];
+        const queued_row placed = s->rows[row];
+        blend_queued(&p[0], alpha_q15, placed, column, s, traces + i, depth_bits);
+        blend_queued(&p[1], alpha_q15, placed, column + LANES, s, traces + i, depth_bits);
+    };
     for (uint32_t first = 0; first < count && __any_sync(ALL_LANES, is_open(p)); first += WARP) {
         const bool listed = first + lane < count;
-        const uint32_t entry = listed ? keys->entries[first + lane] : 0;
-        const uint32_t key = key_of(p, f->depths, entry, listed);
+        const uint32_t entry = next, key = key_of(p, f->depths, entry, listed);
+        next = first + WARP + lane < count ? entries[first + WARP + lane] : 0;
         const uint32_t queued = queue_splats(queue, traces, f->splats, view, entry, key, listed, x, y);
-#pragma unroll 4
-        for (uint32_t i = 0; i < queued; i++) {
-            const queued_splat *s = &queue[i];
-            const queued_row upper = s->rows[lane / REGION][0], lower = s->rows[lane / REGION][1];
-            const uint32_t across = lane % REGION * s->ux_q24;
-            blend_queued(&p[0], alpha_q15, upper, across, s, traces + i, depth_bits);
-            blend_queued(&p[1], alpha_q15, lower, across, s, traces + i, depth_bits);
-        }
+        uint32_t i = 0;
+        for (; i + STEPS <= queued && __any_sync(ALL_LANES, is_open(p)); i += STEPS)
+#pragma unroll
+            for (uint32_t k = 0; k < STEPS; k++)
+                step(i + k);
+        for (; i < queued && queued - i < STEPS; i++)
+            step(i);
         __syncwarp();
     }
 }
@@ -405,16 +420,170 @@ __device__ void blend_list(Pixel p[2], group_shared<Pixel> *own, const uint16_t 
             for (uint32_t i = g->thread; i < all; i += GROUP_THREADS)
                 own->keys.keys[i] = list[i];
         g->sync();
-        sort_keys(&own->keys, own->bins, count, g);
-        blend_keys(p, &own->keys, count, own->queues[warp], own->trace_queue(warp), alpha_q15, f, view, depth_bits, x,
-                   y);
+        sort_keys(own->entries, &own->keys, own->bins, count, g);
+        blend_entries(p, own->entries, count, own->queues[warp], own->trace_queue(warp), alpha_q15, f, view,
+                      depth_bits, x, y);
         done += count;
         if (!g->any(is_open(p)))
             break;
     }
 }
 
-/* The groups of all blocks take the tiles as they come. */
+/* Fills in the table of alpha, by all threads of a block. */
+__device__ inline void make_table(uint16_t *alpha_q15)
+{
+    for (uint32_t level = threadIdx.x; level <= FXS_FAINT_Q11; level += blockDim.x)
+        alpha_q15[level] = (uint16_t)fxs_alpha_q15((int)level);
+    __syncthreads();
+}
+
+/* A warp's pixels, a quarter of a tile. */
+struct region {
+    int32_t x, y, px, py;                  /* its first pixel; the lane's */
+
+    __device__ region(const fxs_view *view, uint32_t tile, uint32_t part)
+    {
+        x = (int32_t)(tile % (uint32_t)view->tiles_x * FXS_TILE + part % 2 * REGION);
+        y = (int32_t)(tile / (uint32_t)view->tiles_x * FXS_TILE + part / 2 * REGION);
+        px = x + (int32_t)(lane_index() % LANES);
+        py = y + (int32_t)(lane_index() / LANES);
+    }
+
+    __device__ bool inside(const fxs_view *view, int i) const
+    {
+        return px + i * (int32_t)LANES < view->width && py < view->height;
+    }
+
+    template <class Pixel>
+    __device__ void clear(Pixel p[2], const fxs_view *view, const target *t) const
+    {
+        for (int i = 0; i < 2; i++)
+            clear_pixel(&p[i], t, px + i * (int32_t)LANES, py, inside(view, i));
+    }
+
+    template <class Pixel>
+    __device__ void store(const Pixel p[2], const fxs_view *view, const frame_buffers *f, const target *t) const
+    {
+        for (int i = 0; i < 2; i++)
+            if (inside(view, i))
+                store_pixel(t, f, &p[i], px + i * (int32_t)LANES, py);
+    }
+};
+
+/* Where a group sorts lists of below 2^Magnitude entries, by 2^Bits bins at most. */
+template <uint32_t T, uint32_t Magnitude, int Bits>
+struct list_sorter {
+    typedef group<T> group_type;
+    group_keys<1u << Magnitude, Bits> keys;
+    uint32_t bins[bins_of<group_keys<1u << Magnitude, Bits>, T>];
+    uint32_t turn;
+
+    /* Takes the lists of the turns as they come, by a counter, and puts their entries, sorted, where each began. */
+    __device__ void run(const frame_buffers *f, uint32_t tiles, turns order, uint32_t *counter, group<T> g)
+    {
+        uint32_t next = g.thread == 0 ? atomicAdd(counter, 1u) : 0;
+        for (;;) {
+            if (g.thread == 0) {
+                turn = next;
+                next = atomicAdd(counter, 1u);         /* fetched meanwhile */
+            }
+            g.sync();
+            if (turn >= order.all)
+                return;
+            const uint32_t tile = tile_of_turn(f, &order, tiles, turn).tile, count = f->counts[tile];
+            uint64_t *list = f->entries + (f->next[tile] - count);
+            for (uint32_t i = g.thread; i < count; i += T)
+                keys.keys[i] = list[i];
+            g.sync();
+            if (count > (1u << Magnitude) / 4)
+                sort_by<Bits>((uint32_t *)list, count, &g);
+            else if (count)
+                sort_by<Bits - 2>((uint32_t *)list, count, &g);
+        }
+    }
+
+    /* With fewer bins for fewer keys. */
+    template <int B>
+    __device__ void sort_by(uint32_t *entries, uint32_t count, const group<T> *g)
+    {
+        sort_keys(entries, (group_keys<1u << Magnitude, B> *)&keys, bins, count, g);
+    }
+};
+
+union sort_shared {
+    list_sorter<SORT_THREADS, LONG_MAGNITUDE, 11> block;
+    list_sorter<WARP, SHORT_MAGNITUDE, 8> warps[SORT_THREADS / WARP];
+};
+
+/* Blocks sort the lists that are neither short nor long, then their warps the short ones. The host is told what the
+   frame needed. */
+__global__ void __launch_bounds__(SORT_THREADS, SORT_BLOCKS) sort_lists(const __grid_constant__ frame_buffers f,
+                                                                        uint32_t tiles)
+{
+    extern __shared__ __align__(16) unsigned char memory[];
+    sort_shared *shared = (sort_shared *)memory;
+    const uint32_t magnitude = WARP - 1 - lane_index();
+    if (blockIdx.x == 0 && threadIdx.x == 0)
+        *f.needs = *f.status;
+    if (!fits(&f))
+        return;
+    shared->block.run(&f, tiles, turns_of(&f, magnitude >= SHORT_MAGNITUDE && magnitude < LONG_MAGNITUDE ? 1 : 0),
+                      &f.status->next_sort[0], {0, threadIdx.x});
+    __syncthreads();
+    shared->warps[threadIdx.x / WARP].run(&f, tiles, turns_of(&f, magnitude < SHORT_MAGNITUDE ? 1 : 0),
+                                          &f.status->next_sort[1], {0, lane_index()});
+}
+
+template <class Pixel>
+struct warp_shared : trace_queues<Pixel, 1> {
+    queued_splat queue[WARP];
+};
+
+template <class Pixel>
+struct sorted_shared {
+    uint16_t alpha_q15[FXS_FAINT_Q11 + 1];
+    warp_shared<Pixel> warps[1];           /* as many as the block has */
+};
+
+template <class Pixel>
+size_t sorted_bytes(uint32_t warps)
+{
+    return sizeof(sorted_shared<Pixel>) - sizeof(warp_shared<Pixel>) + warps * sizeof(warp_shared<Pixel>);
+}
+
+/* Warps take the quarters of the tiles whose lists are sorted as they come. */
+template <class Pixel>
+__global__ void __launch_bounds__(WARPS_MOST * WARP, 1)
+blend_sorted(const __grid_constant__ fxs_view view, const __grid_constant__ frame_buffers f,
+             const __grid_constant__ target t)
+{
+    extern __shared__ __align__(16) unsigned char memory[];
+    sorted_shared<Pixel> *shared = (sorted_shared<Pixel> *)memory;
+    const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y);
+    warp_shared<Pixel> *own = &shared->warps[threadIdx.x / WARP];
+    if (!fits(&f))
+        return;
+    make_table(shared->alpha_q15);
+    const turns order = turns_of(&f, WARP - 1 - lane_index() < LONG_MAGNITUDE ? 4 : 0);
+    uint32_t next = lane_index() == 0 ? atomicAdd(&f.status->next_turn, 1u) : 0;
+    for (;;) {
+        const uint32_t turn = __shfl_sync(ALL_LANES, next, 0);
+        if (turn >= order.all)
+            return;
+        next = lane_index() == 0 ? atomicAdd(&f.status->next_turn, 1u) : 0;    /* fetched meanwhile */
+        const turn_of_tile quarter = tile_of_turn(&f, &order, tiles, turn);
+        const region r(&view, quarter.tile, quarter.number);
+        const uint32_t count = f.counts[quarter.tile];
+        const uint32_t *entries = (const uint32_t *)(f.entries + (f.next[quarter.tile] - count));
+        Pixel p[2];
+        r.clear(p, &view, &t);
+        blend_entries(p, entries, count, own->queue, own->trace_queue(0), shared->alpha_q15, &f, &view, t.depth_bits,
+                      r.x, r.y);
+        r.store(p, &view, &f, &t);
+    }
+}
+
+/* The groups of all blocks take the tiles with long lists as they come. */
 template <class Pixel>
 __global__ void __launch_bounds__(groups_most<Pixel> * GROUP_THREADS, 1)
 blend_tiles(const __grid_constant__ fxs_view view, const __grid_constant__ frame_buffers f,
@@ -423,34 +592,27 @@ blend_tiles(const __grid_constant__ fxs_view view, const __grid_constant__ frame
     extern __shared__ __align__(16) unsigned char memory[];
     blend_shared<Pixel> *shared = (blend_shared<Pixel> *)memory;
     const tile_group g = {threadIdx.x / GROUP_THREADS, threadIdx.x % GROUP_THREADS};
-    const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y), lane = lane_index(), part = g.thread / WARP;
+    const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y), part = g.thread / WARP;
     group_shared<Pixel> *own = &shared->groups[g.number];
     if (!fits(&f))
         return;
-    for (uint32_t level = threadIdx.x; level <= FXS_FAINT_Q11; level += blockDim.x)
-        shared->alpha_q15[level] = (uint16_t)fxs_alpha_q15((int)level);
-    const turns order = turns_of(&f, WARP - 1 - lane_index() < f.dense_magnitude ? 1 : 0);
-    uint32_t next = g.thread == 0 ? atomicAdd(&f.status->next_turn, 1u) : 0;
-    __syncthreads();
+    make_table(shared->alpha_q15);
+    const turns order = turns_of(&f, WARP - 1 - lane_index() < LONG_MAGNITUDE ? 0 : 1);
+    uint32_t next = g.thread == 0 ? atomicAdd(&f.status->next_long, 1u) : 0;
     for (;;) {
         if (g.thread == 0) {
             own->turn = next;
-            next = atomicAdd(&f.status->next_turn, 1u);    /* fetched meanwhile */
+            next = atomicAdd(&f.status->next_long, 1u);    /* fetched meanwhile */
         }
         g.sync();
         if (own->turn >= order.all)
             return;
         const uint32_t tile = tile_of_turn(&f, &order, tiles, own->turn).tile;
-        const int32_t x = (int32_t)(tile % (uint32_t)view.tiles_x * FXS_TILE + part % 2 * REGION);
-        const int32_t y = (int32_t)(tile / (uint32_t)view.tiles_x * FXS_TILE + part / 2 * REGION);
-        const int32_t px = x + (int32_t)lane % REGION, py = y + (int32_t)lane / REGION;
+        const region r(&view, tile, part);
         Pixel p[2];
-        for (int i = 0; i < 2; i++)
-            clear_pixel(&p[i], &t, px, py + i * REGION / 2, px < view.width && py + i * REGION / 2 < view.height);
-        blend_list(p, own, shared->alpha_q15, &f, &view, t.depth_bits, &g, tile, x, y);
-        for (int i = 0; i < 2; i++)
-            if (px < view.width && py + i * REGION / 2 < view.height)
-                store_pixel(&t, &f, &p[i], px, py + i * REGION / 2);
+        r.clear(p, &view, &t);
+        blend_list(p, own, shared->alpha_q15, &f, &view, t.depth_bits, &g, tile, r.x, r.y);
+        r.store(p, &view, &f, &t);
         g.sync();
     }
 }

@@ -8,12 +8,12 @@
 namespace {
 
 const uint32_t SLOTS = 16;
-const uint32_t DENSE_MAGNITUDE = 11;
 const uint64_t ENTRIES_MAX = 0xffffffffu;  /* `next` counts in 32 bits */
 
 /* What a frame needs while it is under way. */
 struct slot {
     cudaStream_t stream, side;     /* side: of blend_dense */
+    cudaStream_t on;               /* its own stream; the caller's for a frame by itself */
     cudaEvent_t done, listed, dense_done, stages[FXS_CUDA_STAGES + 1];
     block objects;                 /* fxs_object_view[], then the crop boxes that they point to */
     block splats, tiles, larges, entries;   /* cut up by slot_buffers */
@@ -35,11 +35,12 @@ struct frame {
 
 }
 
-struct fxs_cuda {                  /* in pinned host memory, for the sake of `status` */
+struct fxs_cuda {                  /* in pinned host memory, for the sake of `needs` */
     int device, timed;
     int dense;                     /* blend_dense is used */
     uint32_t processors, slot_count;
     uint32_t groups, traced_groups;         /* of a block of blend_tiles */
+    uint32_t warps, traced_warps;           /* of one of blend_sorted */
     budget memory;
     scene_table scenes;
     host_block staged;             /* the objects of the frames under way */
@@ -51,7 +52,7 @@ struct fxs_cuda {                  /* in pinned host memory, for the sake of `st
     fxs_options options;           /* of the frames under way */
     frame frames[FXS_CUDA_BATCH];
     frame_buffers buffers[FXS_CUDA_BATCH];
-    frame_status status[FXS_CUDA_BATCH];
+    frame_needs needs[FXS_CUDA_BATCH];
     uint32_t frame_count;
     fxs_cuda_frame device_frames[FXS_CUDA_BATCH];   /* of fxs_cuda_render_host */
 };
@@ -336,7 +337,7 @@ target target_of(const frame *f, const fxs_options *options)
 void mark(const fxs_cuda *cuda, const slot *s, int stage)
 {
     if (cuda->timed)
-        cudaEventRecord(s->stages[stage], s->stream);
+        cudaEventRecord(s->stages[stage], s->on);
 }
 
 template <bool Many>
@@ -346,25 +347,36 @@ void project(const frame *of, const frame_buffers &f, cudaStream_t stream)
     project_chunk<Many><<<of->chunks, FXS_CHUNK, 0, stream>>>(of->view, of->scene, f);
 }
 
+/* blend and resolve, of sorted lists and of long ones. */
+template <class Pixel>
+void blend_lists(const fxs_cuda *cuda, cudaStream_t stream, uint32_t warps, uint32_t groups, const fxs_view &view,
+                 const frame_buffers &f, const target &t)
+{
+    blend_sorted<Pixel><<<cuda->processors, warps * WARP, sorted_bytes<Pixel>(warps), stream>>>(view, f, t);
+    if (groups)
+        blend_tiles<Pixel><<<cuda->processors, groups * GROUP_THREADS, blend_bytes<Pixel>(groups), stream>>>(view, f,
+                                                                                                            t);
+}
+
 /* sort, blend and resolve. */
 void blend(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const frame_buffers &f, const target &t)
 {
-    const bool dense = f.dense_magnitude < WARP;
-    if (fxs_targets_traced(&t.images)) {
-        blend_tiles<traced_pixel><<<cuda->processors, cuda->traced_groups * GROUP_THREADS,
-                                    blend_bytes<traced_pixel>(cuda->traced_groups), s->stream>>>(view, f, t);
-        return;
-    }
+    const bool traced = fxs_targets_traced(&t.images), dense = cuda->dense && !traced;
     if (dense) {
-        cudaEventRecord(s->listed, s->stream);
+        cudaEventRecord(s->listed, s->on);
         cudaStreamWaitEvent(s->side, s->listed, 0);
         blend_dense<<<cuda->processors * DENSE_BLOCKS, DENSE_THREADS, sizeof(dense_shared), s->side>>>(view, f, t);
         cudaEventRecord(s->dense_done, s->side);
     }
-    blend_tiles<pixel><<<cuda->processors, cuda->groups * GROUP_THREADS, blend_bytes<pixel>(cuda->groups),
-                         s->stream>>>(view, f, t);
+    sort_lists<<<cuda->processors * SORT_BLOCKS, SORT_THREADS, sizeof(sort_shared), s->on>>>(
+        f, (uint32_t)(view.tiles_x * view.tiles_y));
+    mark(cuda, s, 3);
+    if (traced)
+        blend_lists<traced_pixel>(cuda, s->on, cuda->traced_warps, cuda->traced_groups, view, f, t);
+    else
+        blend_lists<pixel>(cuda, s->on, cuda->warps, dense ? 0 : cuda->groups, view, f, t);
     if (dense)
-        cudaStreamWaitEvent(s->stream, s->dense_done, 0);
+        cudaStreamWaitEvent(s->on, s->dense_done, 0);
 }
 
 /* The kernels of frame i, in its slot. */
@@ -375,35 +387,34 @@ int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
     const fxs_view &view = of->view;
     slot_sizes sizes;
     frame_buffers f = slot_buffers(s, of, &sizes);
+    f.needs = &cuda->needs[i];
     const bool traced = fxs_targets_traced(&of->targets);
-    f.dense_magnitude = cuda->dense && !traced ? DENSE_MAGNITUDE : WARP;   /* WARP: none */
     const uint64_t cleared = (uint64_t)((unsigned char *)(f.counts + of->tiles) - (unsigned char *)f.status);
-    cudaMemsetAsync(f.status, 0, cleared, s->stream);
+    cudaMemsetAsync(f.status, 0, cleared, s->on);
     mark(cuda, s, 0);
     if (sizes.objects && (!of->plain || traced))
         cudaMemcpyAsync(s->objects.data, (unsigned char *)cuda->staged.data + of->staged, sizes.objects,
-                        cudaMemcpyHostToDevice, s->stream);
+                        cudaMemcpyHostToDevice, s->on);
     if (of->chunks && of->plain)
-        project<false>(of, f, s->stream);
+        project<false>(of, f, s->on);
     else if (of->chunks)
-        project<true>(of, f, s->stream);
+        project<true>(of, f, s->on);
     mark(cuda, s, 1);
-    start_lists<<<(uint32_t)view.tiles_y, WARP, 0, s->stream>>>(f, (uint32_t)view.tiles_x, of->tiles);
+    start_lists<<<((uint32_t)view.tiles_y + START_ROWS - 1) / START_ROWS, START_ROWS * WARP, 0, s->on>>>(
+        f, (uint32_t)view.tiles_x, (uint32_t)view.tiles_y);
     if (of->chunks)
-        fill_lists<<<LARGE_BLOCKS + of->chunks, FXS_CHUNK, 0, s->stream>>>(view, f);
+        fill_lists<<<LARGE_BLOCKS + of->chunks, FXS_CHUNK, 0, s->on>>>(view, f);
     mark(cuda, s, 2);
     blend(cuda, s, view, f, target_of(of, &cuda->options));
-    mark(cuda, s, 3);
+    mark(cuda, s, 4);
     cuda->buffers[i] = f;
-    const int error = check(why, cudaGetLastError());
-    return error ? error : check(why, cudaMemcpyAsync(&cuda->status[i], f.status, sizeof *f.status,
-                                                      cudaMemcpyDeviceToHost, s->stream));
+    return check(why, cudaGetLastError(), cudaEventRecord(s->done, s->on));
 }
 
 int wait(fxs_cuda *cuda, fxs_message *why)
 {
     for (uint32_t i = 0; i < cuda->slot_count; i++) {
-        const int error = check(why, cudaStreamSynchronize(cuda->slots[i].stream));
+        const int error = check(why, cudaEventSynchronize(cuda->slots[i].done));
         if (error)
             return error;
     }
@@ -413,15 +424,15 @@ int wait(fxs_cuda *cuda, fxs_message *why)
 /* After `error` or the last frame: none is under way any more. Returns `error`. */
 int end_frames(fxs_cuda *cuda, int error)
 {
-    if (error)
-        wait(cuda, nullptr);
+    for (uint32_t i = 0; i < slots_of(cuda, cuda->frame_count) && error; i++)
+        cudaStreamSynchronize(cuda->slots[i].on);
     cuda->frame_count = 0;
     return error;
 }
 
 bool frame_fitted(const fxs_cuda *cuda, uint32_t i)
 {
-    const frame_status *needed = &cuda->status[i];
+    const frame_needs *needed = &cuda->needs[i];
     const frame_buffers *had = &cuda->buffers[i];
     return needed->entries <= had->capacity && needed->larges <= had->large_capacity;
 }
@@ -430,7 +441,7 @@ bool frame_fitted(const fxs_cuda *cuda, uint32_t i)
 int render_again(fxs_cuda *cuda, uint32_t i, fxs_message *why)
 {
     const uint64_t capacity = cuda->capacity, large_capacity = cuda->large_capacity;
-    const uint64_t entries = cuda->status[i].entries, larges = cuda->status[i].larges;
+    const uint64_t entries = cuda->needs[i].entries, larges = cuda->needs[i].larges;
     if (entries > ENTRIES_MAX)
         return failed(why, FXS_ERR_MEMORY, "a frame has more than 2^32 tile list entries",
                       entries * sizeof(uint64_t));
@@ -483,23 +494,38 @@ void slot_close(slot *s)
             cudaEventDestroy(s->stages[i]);
 }
 
-/* Fits a block of blend_tiles to the shared memory that one can have; *groups: of the block. */
-template <class Pixel>
-int fit_groups(uint32_t *groups, size_t shared_most, fxs_message *why)
+template <class Kernel>
+int allow_shared(Kernel *kernel, size_t bytes, size_t shared_most, fxs_message *why)
 {
-    const cudaFuncAttribute size = cudaFuncAttributeMaxDynamicSharedMemorySize;
-    if (shared_most < blend_bytes<Pixel>(1))
+    if (shared_most < bytes)
         return failed(why, FXS_ERR_UNSUPPORTED, "the device has too little shared memory");
-    *groups = (uint32_t)((shared_most - blend_bytes<Pixel>(1)) / sizeof(group_shared<Pixel>)) + 1;
-    *groups = *groups < groups_most<Pixel> ? *groups : groups_most<Pixel>;
-    return check(why, cudaFuncSetAttribute(blend_tiles<Pixel>, size, (int)blend_bytes<Pixel>(*groups)));
+    return check(why, cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, (int)bytes));
+}
+
+/* How many parts of a block fit, of `bytes` each beside `fixed`: 1 to `most`. */
+uint32_t parts_of(size_t shared_most, size_t fixed, size_t bytes, uint32_t most)
+{
+    const size_t parts = shared_most < fixed + bytes ? 1 : (shared_most - fixed) / bytes;
+    return parts < most ? (uint32_t)parts : most;
+}
+
+/* Fits the blocks of the kernels that blend Pixels to the shared memory that one can have: *groups of blend_tiles,
+   *warps of blend_sorted. */
+template <class Pixel>
+int fit_blends(uint32_t *groups, uint32_t *warps, size_t shared_most, fxs_message *why)
+{
+    *groups = parts_of(shared_most, blend_bytes<Pixel>(0), sizeof(group_shared<Pixel>), groups_most<Pixel>);
+    *warps = parts_of(shared_most, sorted_bytes<Pixel>(0), sizeof(warp_shared<Pixel>), WARPS_MOST);
+    const int error = allow_shared(blend_tiles<Pixel>, blend_bytes<Pixel>(*groups), shared_most, why);
+    return error ? error : allow_shared(blend_sorted<Pixel>, sorted_bytes<Pixel>(*warps), shared_most, why);
 }
 
 /* 227 KiB on an H100 or H200, 163 on an A100, 99 on others, where blend_tiles takes all lists. */
 int fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_message *why)
 {
-    int error = fit_groups<pixel>(&cuda->groups, shared_most, why);
-    error = error ? error : fit_groups<traced_pixel>(&cuda->traced_groups, shared_most, why);
+    int error = fit_blends<pixel>(&cuda->groups, &cuda->warps, shared_most, why);
+    error = error ? error : fit_blends<traced_pixel>(&cuda->traced_groups, &cuda->traced_warps, shared_most, why);
+    error = error ? error : allow_shared(sort_lists, sizeof(sort_shared), shared_most, why);
     cuda->dense = sizeof(dense_shared) <= shared_most;
     if (!error && cuda->dense)
         error = check(why, cudaFuncSetAttribute(blend_dense, cudaFuncAttributeMaxDynamicSharedMemorySize,
@@ -539,8 +565,8 @@ void stats_of(const fxs_cuda *cuda, fxs_cuda_stats *stats)
     *stats = {0, 0, 0, {0}, memory_of(cuda)};
     for (uint32_t i = 0; i < cuda->frame_count; i++) {
         stats->gaussians += cuda->frames[i].gaussians;
-        stats->visible += cuda->status[i].visible;
-        stats->entries += cuda->status[i].entries;
+        stats->visible += cuda->needs[i].visible;
+        stats->entries += cuda->needs[i].entries;
     }
     for (uint32_t i = 0; i < slots_of(cuda, cuda->frame_count) && cuda->timed; i++)
         for (int k = 0; k < FXS_CUDA_STAGES; k++) {
@@ -712,14 +738,18 @@ int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count
         return error;
     cuda->frame_count = count;
     const uint32_t used = slots_of(cuda, count);
-    error = check(why, cudaEventRecord(cuda->ready, (cudaStream_t)stream));
-    for (uint32_t i = 0; i < used && !error; i++)
-        error = check(why, cudaStreamWaitEvent(cuda->slots[i].stream, cuda->ready, 0));
+    if (count > 1)
+        error = check(why, cudaEventRecord(cuda->ready, (cudaStream_t)stream));
+    for (uint32_t i = 0; i < used; i++) {
+        slot *s = &cuda->slots[i];
+        s->on = count > 1 ? s->stream : (cudaStream_t)stream;
+        if (count > 1 && !error)
+            error = check(why, cudaStreamWaitEvent(s->on, cuda->ready, 0));
+    }
     for (uint32_t i = 0; i < count && !error; i++)
         error = start_frame(cuda, i, why);
-    for (uint32_t i = 0; i < used && !error; i++)
-        if (!(error = check(why, cudaEventRecord(cuda->slots[i].done, cuda->slots[i].stream))))
-            error = check(why, cudaStreamWaitEvent((cudaStream_t)stream, cuda->slots[i].done, 0));
+    for (uint32_t i = 0; i < used && count > 1 && !error; i++)
+        error = check(why, cudaStreamWaitEvent((cudaStream_t)stream, cuda->slots[i].done, 0));
     return error ? end_frames(cuda, error) : 0;
 }
 
@@ -731,7 +761,7 @@ int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_message *why)
     cudaGetLastError();            /* not ours */
     int error = wait(cuda, why);
     for (uint32_t i = 0; i < cuda->frame_count && !error; i++)
-        if (cuda->status[i].damaged)
+        if (cuda->needs[i].damaged)
             error = failed(why, FXS_ERR_SCENE, fxs_strerror(FXS_ERR_SCENE));
         else if (!frame_fitted(cuda, i))
             error = render_again(cuda, i, why);
@@ -762,7 +792,10 @@ int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t 
         cuda->device_frames[i].targets = frames[i].targets;
     place_targets(cuda->device_frames, count, cuda->pixels.data);
     error = copy_targets(cuda, frames, count, true, why);
-    error = error ? error : fxs_cuda_render(cuda, cuda->device_frames, count, options, nullptr, why);
+    /* Not on the default stream, which other renderers would have to wait for; but behind the copies there. */
+    error = error ? error : check(why, cudaEventRecord(cuda->ready, nullptr),
+                                  cudaStreamWaitEvent(cuda->slots[0].stream, cuda->ready, 0));
+    error = error ? error : fxs_cuda_render(cuda, cuda->device_frames, count, options, cuda->slots[0].stream, why);
     error = error ? error : fxs_cuda_finish(cuda, stats, why);
     return error ? error : copy_targets(cuda, frames, count, false, why);
 }

@@ -27,8 +27,9 @@ typedef struct fxs_cuda_memory {
     uint64_t total;                /* the five above */
 } fxs_cuda_memory;
 
-/* project and shade, and the lengths of the lists; the lists; sort, blend and resolve. */
-enum fxs_cuda_stage { FXS_CUDA_PROJECT, FXS_CUDA_BIN, FXS_CUDA_BLEND, FXS_CUDA_STAGES };
+/* project and shade, and the lengths of the lists; the lists; sort, but of long lists; blend and resolve, and what is
+   left of the long lists, which are sorted and blended from the sort on. */
+enum fxs_cuda_stage { FXS_CUDA_PROJECT, FXS_CUDA_BIN, FXS_CUDA_SORT, FXS_CUDA_BLEND, FXS_CUDA_STAGES };
 
 typedef struct fxs_cuda_stats {
     uint32_t gaussians;            /* in all objects, of all frames together; so too the next two */

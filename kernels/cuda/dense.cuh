@@ -13,16 +13,17 @@ const uint32_t DENSE_THREADS = 1024, DENSE_BLOCKS = 1;  /* of a multiprocessor *
 const uint32_t ROW_PAIRS = FXS_TILE / 2;               /* of a tile: 32 pixels */
 typedef group<DENSE_THREADS> dense_group;
 typedef group_keys<960> dense_keys;
-const uint32_t WORDS = dense_keys::room / WARP;
-const int CROWDED = 16;                                /* open pixels of a pair of rows: more take a lane each */
+const uint32_t WORDS = dense_keys::room / WARP, BLOCKS_MOST = 16, SHARE_MAGNITUDE = 11;
+const int CROWDED = 16, CROWD = 96;    /* open pixels of a pair of rows, of a tile: more of both take a lane each */
 
 struct dense_shared {
     dense_keys keys;
-    uint32_t ends[BINS];                   /* of the bins, in the list */
+    uint32_t entries[dense_keys::room];    /* sorted */
+    uint32_t ends[dense_keys::bins];       /* of the bins, in the list */
     fxs_splat splats[dense_keys::room];    /* of the keys sorted, near to far */
     uint32_t masks[ROW_PAIRS][dense_keys::room];    /* of the pixels that each can touch */
     union {
-        uint32_t bins[BINS];
+        uint32_t bins[dense_keys::bins];
         uint32_t touching[WORDS][FXS_TILE_PIXELS + 1];   /* of those splats, a bit each; + 1: in different banks */
     };
     uint16_t alpha_q15[FXS_FAINT_Q11 + 1];
@@ -32,6 +33,7 @@ struct dense_shared {
     uint32_t open[ROW_PAIRS];              /* of those, a bit each */
 };
 
+static_assert(!has_gaps<dense_keys, DENSE_THREADS>, "ends have gaps");
 static_assert(sizeof(dense_shared) <= 163 << 10, "more shared memory than a block of an A100 has");
 
 /* Room to put lists into bins, beside split_entries: what is free behind the entries. */
@@ -40,16 +42,26 @@ __device__ inline uint64_t spare_entries(const frame_buffers *f)
     return f->capacity - f->status->entries;
 }
 
-/* How many blocks share the rows of a tile whose list is of magnitude 31 - lane, so that none is late: each puts the
-   list into bins of its own, so only as long as there is about room for all lists. */
+/* How many blocks share the columns of a tile whose list is of magnitude 31 - lane, so that none is late: as many as
+   make its share about half of what a multiprocessor has of all lists, but for 2^SHARE_MAGNITUDE entries or more each.
+   A splat is often in the columns of one or two blocks, each of which puts it into bins of its own: where there is not
+   room for that, shares are twice as large, and so on. */
 __device__ inline uint32_t blocks_a_tile(const frame_buffers *f)
 {
     const uint32_t magnitude = WARP - 1 - lane_index();
-    const uint32_t wanted = magnitude >= 16 ? 4 : magnitude == 15 ? 2 : 1;
-    const uint64_t entries = magnitude >= f->dense_magnitude ? f->status->class_entries[magnitude] : 0;
-    const uint64_t room = f->split_capacity + spare_entries(f), needed = warp_sum(entries * (wanted - 1));
-    const uint64_t all = __shfl_sync(ALL_LANES, warp_sum(entries), WARP - 1);
-    return magnitude < f->dense_magnitude ? 0 : all + needed <= room ? wanted : 1;
+    const uint64_t entries = magnitude >= LONG_MAGNITUDE ? f->status->class_entries[magnitude] : 0;
+    const uint64_t all = __shfl_sync(ALL_LANES, warp_sum(entries), WARP - 1), shares = 2 * gridDim.x / DENSE_BLOCKS;
+    const uint64_t room = f->split_capacity + spare_entries(f);
+    uint32_t wanted = 1;
+    uint64_t needed = UINT64_MAX;
+    for (uint64_t share = all; needed > room && share <= shares * all; share *= 2) {
+        wanted = 1;
+        while (wanted < BLOCKS_MOST && wanted << SHARE_MAGNITUDE < 1u << magnitude &&
+               ((uint64_t)2 << magnitude) * shares > wanted * share)
+            wanted *= 2;
+        needed = __shfl_sync(ALL_LANES, warp_sum(wanted > 1 ? entries * (wanted + 4) / 4 : entries), WARP - 1);
+    }
+    return magnitude < LONG_MAGNITUDE ? 0 : needed <= room ? wanted : 1;
 }
 
 /* A tile being blended; (x, y): its first pixel. */
@@ -59,26 +71,51 @@ struct dense_tile {
     int32_t x, y;
 };
 
-/* Moves a list to `sorted`, bin after bin; shared->ends has where they end. */
-__device__ void split_list(uint64_t *sorted, dense_shared *shared, const uint64_t *list, uint32_t count,
-                           const dense_group *g)
+/* Calls visit(key) for the keys of a list that can touch a pixel of the tile; of those with `marks` for those that are
+   marked, a bit each. */
+template <class Visit>
+__device__ void visit_near(const uint64_t *list, const uint32_t *marks, uint32_t count, const dense_group *g,
+                           Visit visit)
 {
-    const key_range r = range_of_list(&shared->keys, list, count, g);
-    const int shift = bin_shift(r.low, r.high);
+    enum { FETCHES = 8 };
+    for (uint32_t first = g->thread; first < count; first += FETCHES * DENSE_THREADS) {
+        uint64_t k[FETCHES];
+        uint32_t marked[FETCHES];
+#pragma unroll
+        for (uint32_t i = 0; i < FETCHES; i++) {
+            const uint32_t place = first + i * DENSE_THREADS;
+            k[i] = place < count ? __ldcg(&list[place]) : FXS_ENTRY_FAR;
+            marked[i] = marks && place < count ? __ldcg(&marks[place / WARP]) : ALL_LANES;
+        }
+#pragma unroll
+        for (uint32_t i = 0; i < FETCHES; i++)
+            if (!(k[i] & FXS_ENTRY_FAR) && marked[i] >> lane_index() & 1)
+                visit(k[i]);
+    }
+}
+
+/* Moves keys of a list, as visit_near has them, to `sorted`, bin after bin; shared->ends has where they end. Returns
+   how many. */
+__device__ uint32_t split_list(uint64_t *sorted, dense_shared *shared, const uint64_t *list, const uint32_t *marks,
+                               uint32_t count, key_range r, const dense_group *g)
+{
+    const int shift = bin_shift<dense_keys>(r.low, r.high);
     uint32_t *ends = shared->ends;
-    clear_bins(ends, g);
+    clear_bins<dense_keys>(ends, g);
     g->sync();
-    visit_keys(list, count, g, [&](uint64_t key) { atomicAdd(&ends[(key - r.low) >> shift], 1u); });
+    visit_near(list, marks, count, g, [&](uint64_t key) { atomicAdd(&ends[(key - r.low) >> shift], 1u); });
     g->sync();
     place_bins(&shared->keys, ends, g);
-    visit_keys(list, count, g, [&](uint64_t key) { sorted[atomicAdd(&ends[(key - r.low) >> shift], 1u)] = key; });
+    visit_near(list, marks, count, g,
+               [&](uint64_t key) { sorted[atomicAdd(&ends[(key - r.low) >> shift], 1u)] = key; });
     g->sync();
+    return ends[dense_keys::bins - 1];
 }
 
 /* How many ends are at most `most`, by a warp. */
 __device__ uint32_t ends_within(const uint32_t *ends, uint32_t most)
 {
-    const uint32_t each = BINS / WARP;
+    const uint32_t each = dense_keys::bins / WARP;
     uint32_t blocks = (uint32_t)__popc(__ballot_sync(ALL_LANES, ends[(lane_index() + 1) * each - 1] <= most));
     uint32_t count = blocks * each;
     for (uint32_t i = lane_index(); i < each && blocks < WARP; i += WARP)
@@ -147,10 +184,19 @@ struct row_walk {
     }
 };
 
-/* Whether a splat can touch an open pixel. */
-__device__ bool touches_open(const dense_tile *t, const fxs_splat *s, const uint32_t open[ROW_PAIRS])
+/* The rows with an open pixel, from the first to the last. */
+__device__ span open_rows(const uint32_t open[ROW_PAIRS])
 {
-    const int32_t first = max((int32_t)s->first_row - t->y, 0), last = min((int32_t)s->last_row - t->y, FXS_TILE - 1);
+    const uint32_t pair = open[lane_index() % ROW_PAIRS], row = 2 * (lane_index() % ROW_PAIRS);
+    const uint32_t rows = __reduce_or_sync(ALL_LANES, (pair & 0xffff ? 1u : 0) << row | (pair >> 16 ? 2u : 0) << row);
+    return {rows ? __ffs((int)rows) - 1 : FXS_TILE, 31 - __clz((int)rows)};
+}
+
+/* Whether a splat can touch an open pixel; rows: those with one. */
+__device__ bool touches_open(const dense_tile *t, const fxs_splat *s, const uint32_t open[ROW_PAIRS], span rows)
+{
+    const int32_t first = max((int32_t)s->first_row - t->y, rows.first);
+    const int32_t last = min((int32_t)s->last_row - t->y, rows.last);
     row_walk down(t, s, first);
     bool touches = false;
     for (int32_t row = first; row <= last && !touches; row++)
@@ -172,7 +218,9 @@ __device__ inline uint32_t transpose(uint32_t x)
 /* Marks the pixels that each thread's splat, the one in place i, can touch, in pairs of rows with an open one. */
 __device__ void mark_pixels(dense_shared *shared, const dense_tile *t, const fxs_splat *s, uint32_t i, bool listed)
 {
-    const int32_t first = max((int32_t)s->first_row - t->y, 0), last = min((int32_t)s->last_row - t->y, FXS_TILE - 1);
+    const span rows = open_rows(shared->open);
+    const int32_t first = max((int32_t)s->first_row - t->y, rows.first);
+    const int32_t last = min((int32_t)s->last_row - t->y, rows.last);
     row_walk down(t, s, first);
     for (uint32_t pair = 0; pair < ROW_PAIRS; pair++)
         shared->masks[pair][i] = 0;
@@ -189,7 +237,7 @@ __device__ inline int alpha_of(const uint16_t *alpha_q15, const fxs_splat *s, co
 {
     const queued_row row = {s->u0_q24 + (uint32_t)y * (uint32_t)s->uy_q24,
                             row_level(s->v0_q24 + (uint32_t)y * (uint32_t)s->vy_q24, s->offset_q11)};
-    const int level = level_bits(row, (uint32_t)x * (uint32_t)s->ux_q24);
+    const int level = level_bits(row, (uint32_t)x, (uint32_t)s->ux_q24);
     return level <= limit_bits(s, view) ? alpha_q15[(level & 0xffff) >> 1] : 0;
 }
 
@@ -255,46 +303,65 @@ __device__ void blend_pair(dense_shared *shared, const dense_tile *t, uint32_t p
         shared->open[pair] = still_open;
 }
 
+/* Blends the open pixels, each pair of rows with many of them by a warp, each other pixel by one. */
+__device__ void blend_pixels(dense_shared *shared, const dense_tile *t, const dense_group *g)
+{
+    const uint32_t warp = g->thread / WARP;
+    const uint32_t open = lane_index() < ROW_PAIRS ? shared->open[lane_index()] : 0, pixels = (uint32_t)__popc(open);
+    const bool crowd = __reduce_add_sync(ALL_LANES, pixels) > CROWD;
+    const uint32_t crowded = __ballot_sync(ALL_LANES, crowd && pixels > CROWDED);
+    const uint32_t own = crowded >> lane_index() & 1 ? 0 : pixels, end = warp_sum(own);
+    const uint32_t all = __shfl_sync(ALL_LANES, end, WARP - 1);
+    g->sync();                                 /* all have read what is open */
+    if (crowded >> warp & 1)
+        blend_pair(shared, t, warp, __shfl_sync(ALL_LANES, open, (int)warp));
+    for (uint32_t i = warp; i < all; i += DENSE_THREADS / WARP) {
+        const int pair = __ffs((int)__ballot_sync(ALL_LANES, i < end)) - 1;
+        const uint32_t before = __shfl_sync(ALL_LANES, end - own, pair);
+        blend_marked(shared, t, (uint32_t)pair * WARP + bit_of(__shfl_sync(ALL_LANES, open, pair), i - before));
+    }
+}
+
 /* Blends shared->keys, `count` of them. Returns whether any pixel is open. */
 __device__ bool blend_collected(dense_shared *shared, const dense_tile *t, uint32_t count, const dense_group *g)
 {
-    sort_keys(&shared->keys, shared->bins, count, g);
+    sort_keys(shared->entries, &shared->keys, shared->bins, count, g);
     for (uint32_t i = g->thread; i < dense_keys::room; i += DENSE_THREADS) {
-        const uint32_t entry = i < count ? shared->keys.entries[i] : FXS_ENTRY_FAR;
+        const uint32_t entry = i < count ? shared->entries[i] : FXS_ENTRY_FAR;
         const bool listed = !(entry & FXS_ENTRY_FAR);
         fxs_splat s = {};
         if (listed)
             s = shared->splats[i] = t->splats[entry];
         mark_pixels(shared, t, &s, i, listed);
     }
-    const uint32_t open = shared->open[lane_index() % ROW_PAIRS], warp = g->thread / WARP;
-    const uint32_t crowded = __ballot_sync(ALL_LANES, __popc(open) > CROWDED);
     if (g->thread == 0)
         shared->collected = 0;
     g->sync();
-    if (warp < ROW_PAIRS && crowded >> warp & 1)
-        blend_pair(shared, t, warp, __shfl_sync(ALL_LANES, open, (int)warp));
-    for (uint32_t n = warp; n < FXS_TILE_PIXELS; n += DENSE_THREADS / WARP)
-        if (!(crowded >> n / WARP & 1) && __shfl_sync(ALL_LANES, open, (int)(n / WARP)) >> n % WARP & 1)
-            blend_marked(shared, t, n);
+    blend_pixels(shared, t, g);
     g->sync();
     return g->any(lane_index() < ROW_PAIRS && shared->open[lane_index()]);
 }
 
-/* Calls keep(key, whether its splat can touch an open pixel) for the keys of a list, with all threads, a key each. */
+/* Calls keep(i, key, whether its splat can touch an open pixel) for the keys of a list, with all threads. */
 template <class Keep>
 __device__ void visit_open(const dense_shared *shared, const dense_tile *t, const uint64_t *list, uint32_t count,
                            const dense_group *g, Keep keep)
 {
-    for (uint32_t first = 0; first < count; first += DENSE_THREADS) {
-        const uint32_t i = first + g->thread;
-        const uint64_t key = i < count ? __ldcg(&list[i]) : FXS_ENTRY_FAR;
-        bool kept = false;
-        if (!(key & FXS_ENTRY_FAR)) {
-            const fxs_splat s = t->splats[(uint32_t)key];
-            kept = touches_open(t, &s, shared->open);
-        }
-        keep(key, kept);
+    enum { FETCHES = 2 };
+    const span rows = open_rows(shared->open);
+    for (uint32_t first = g->thread; first - g->thread < count; first += FETCHES * DENSE_THREADS) {
+        uint64_t keys[FETCHES];
+        fxs_splat splats[FETCHES];
+#pragma unroll
+        for (uint32_t k = 0; k < FETCHES; k++)
+            keys[k] = first + k * DENSE_THREADS < count ? __ldcg(&list[first + k * DENSE_THREADS]) : FXS_ENTRY_FAR;
+#pragma unroll
+        for (uint32_t k = 0; k < FETCHES; k++)
+            splats[k] = t->splats[keys[k] & FXS_ENTRY_FAR ? 0 : (uint32_t)keys[k]];
+#pragma unroll
+        for (uint32_t k = 0; k < FETCHES; k++)
+            keep(first + k * DENSE_THREADS, keys[k],
+                 !(keys[k] & FXS_ENTRY_FAR) && touches_open(t, &splats[k], shared->open, rows));
     }
     g->sync();
 }
@@ -311,7 +378,7 @@ __device__ uint32_t collected(const dense_shared *shared, const dense_group *g)
 __device__ uint32_t collect(dense_shared *shared, const dense_tile *t, const uint64_t *list, uint32_t count,
                             const dense_group *g)
 {
-    visit_open(shared, t, list, count, g, [&](uint64_t key, bool kept) {
+    visit_open(shared, t, list, count, g, [&](uint32_t, uint64_t key, bool kept) {
         const uint32_t place = take_number(&shared->collected, 0, kept);
         if (kept)
             shared->keys.keys[place] = key;
@@ -323,7 +390,7 @@ __device__ uint32_t collect(dense_shared *shared, const dense_tile *t, const uin
 __device__ uint32_t drop_closed(dense_shared *shared, const dense_tile *t, uint64_t *list, uint32_t count,
                                 const dense_group *g)
 {
-    visit_open(shared, t, list, count, g, [&](uint64_t key, bool kept) {
+    visit_open(shared, t, list, count, g, [&](uint32_t, uint64_t key, bool kept) {
         const uint32_t place = take_number(&shared->collected, 0, kept);
         g->sync();                         /* what is written over has been read */
         if (kept)
@@ -394,18 +461,50 @@ __device__ void blend_split(dense_shared *shared, const dense_tile *t, uint64_t 
         blend_collected(shared, t, have, g);
 }
 
-__device__ void blend_dense_tile(dense_shared *shared, const frame_buffers *f, const dense_tile *t,
-                                 uint32_t tile, const dense_group *g)
+/* Marks the keys of a list that can touch an open pixel; *range: of their depths. Returns how many. */
+__device__ uint32_t mark_keys(uint32_t *marks, key_range *range, dense_shared *shared, const dense_tile *t,
+                              const uint64_t *list, uint32_t count, const dense_group *g)
 {
-    const uint32_t count = f->counts[tile];
-    const uint64_t *list = f->entries + (f->next[tile] - count);
-    uint64_t *room = take_room(shared, f, count, g);
-    if (room) {
-        split_list(room, shared, list, count, g);
-        blend_split(shared, t, room, count, g);
+    uint32_t least = UINT32_MAX, most = 0, own = 0;
+    visit_open(shared, t, list, count, g, [&](uint32_t i, uint64_t key, bool kept) {
+        const uint32_t lanes = __ballot_sync(ALL_LANES, kept);
+        if (lane_index() == 0 && i < count)
+            marks[i / WARP] = lanes;
+        least = kept ? min(least, depth_of(key)) : least;
+        most = kept ? max(most, depth_of(key)) : most;
+        own += kept ? 1 : 0;
+    });
+    *range = range_of(&shared->keys, least, most, g);
+    own = __reduce_add_sync(ALL_LANES, own);
+    if (lane_index() == 0)
+        atomicAdd(&shared->collected, own);
+    g->sync();
+    const uint32_t all = collected(shared, g);
+    if (g->thread == 0)
+        shared->collected = 0;
+    g->sync();
+    return all;
+}
+
+/* Blends a list over the open pixels: all of the tile's, or, where it is shared with other blocks, some. */
+__device__ void blend_dense_list(dense_shared *shared, const frame_buffers *f, const dense_tile *t,
+                                 const uint64_t *list, uint32_t count, bool is_shared, const dense_group *g)
+{
+    uint32_t *marks = nullptr, wanted = count;
+    key_range range;
+    if (is_shared) {
+        marks = (uint32_t *)take_room(shared, f, (count + 63) / 64, g);
+        wanted = marks ? mark_keys(marks, &range, shared, t, list, count, g) : 0;
+        if (marks && !wanted)
+            return;
     } else {
-        blend_rounds(shared, t, list, count, g);
+        range = range_of_list(&shared->keys, list, count, g);
     }
+    uint64_t *room = wanted ? take_room(shared, f, wanted, g) : nullptr;
+    if (room)
+        blend_split(shared, t, room, split_list(room, shared, list, marks, count, range, g), g);
+    else
+        blend_rounds(shared, t, list, count, g);
 }
 
 __global__ void __launch_bounds__(DENSE_THREADS, DENSE_BLOCKS) blend_dense(const __grid_constant__ fxs_view view,
@@ -436,15 +535,16 @@ __global__ void __launch_bounds__(DENSE_THREADS, DENSE_BLOCKS) blend_dense(const
         const dense_tile at = {&view, f.splats, (int32_t)(tile % (uint32_t)view.tiles_x) * FXS_TILE,
                                (int32_t)(tile / (uint32_t)view.tiles_x) * FXS_TILE};
         const int32_t px = at.x + (int32_t)(g.thread % FXS_TILE), py = at.y + (int32_t)(g.thread / FXS_TILE);
-        const bool inside = g.thread < FXS_TILE_PIXELS && g.thread / (FXS_TILE_PIXELS / turn.turns) == turn.number &&
-                            px < view.width && py < view.height;
+        const bool inside = g.thread < FXS_TILE_PIXELS && px < view.width && py < view.height &&
+                            g.thread % FXS_TILE / (FXS_TILE / turn.turns) == turn.number;
         const uint32_t open = __ballot_sync(ALL_LANES, inside);
         if (g.thread < FXS_TILE_PIXELS)
             shared->pixels[g.thread] = {FXS_CLEAR_Q15, {0, 0, 0}};
         if (g.thread < FXS_TILE_PIXELS && lane_index() == 0)
             shared->open[g.thread / WARP] = open;
         g.sync();
-        blend_dense_tile(shared, &f, &at, tile, &g);
+        const uint32_t count = f.counts[tile];
+        blend_dense_list(shared, &f, &at, f.entries + (f.next[tile] - count), count, turn.turns > 1, &g);
         if (inside)
             store_pixel(&t, &f, &shared->pixels[g.thread], px, py);
         g.sync();

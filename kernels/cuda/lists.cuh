@@ -251,30 +251,83 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
         atomicAdd(&f.status->visible, (uint32_t)of_block);
 }
 
-/* A warp a tile row: the lengths of its lists, where they start, and their places among those of their magnitude. */
-__global__ void start_lists(const __grid_constant__ frame_buffers f, uint32_t tiles_x, uint32_t tiles)
+const uint32_t START_ROWS = 8;             /* tile rows of a block of start_lists, a warp each */
+
+/* What the rows of a block have together. */
+struct started {
+    uint32_t classes[WARP], class_entries[WARP], first[WARP];   /* as in frame_status; the first one's place */
+    uint64_t sums[START_ROWS];             /* of entries; then where the rows' begin */
+};
+
+/* Calls visit(tile, its entry of `of`, inside) along a tile row, by a warp. */
+template <class Visit>
+__device__ inline void visit_row(const uint32_t *of, uint32_t row, uint32_t tiles_x, Visit visit)
 {
-    uint32_t carry = 0;
-    for (uint32_t first = 0; first < tiles_x; first += WARP) {
-        const uint32_t column = first + lane_index(), tile = blockIdx.x * tiles_x + column;
-        const bool inside = column < tiles_x;
-        const uint32_t along = carry + warp_sum(inside ? f.counts[tile] : 0), count = inside ? along : 0;
-        const uint64_t sum = warp_sum((uint64_t)count);
-        const uint32_t magnitude = count ? 31 - (uint32_t)__clz((int)count) : 0;
-        carry = __shfl_sync(ALL_LANES, along, WARP - 1);
-        unsigned long long start = 0;
-        if (lane_index() == WARP - 1 && sum)
-            start = atomicAdd((unsigned long long *)&f.status->entries, (unsigned long long)sum);
-        start = __shfl_sync(ALL_LANES, start, WARP - 1);
-        const uint32_t place = take_number(f.status->classes, magnitude, inside);
-        if (count)
-            atomicAdd(&f.status->class_entries[magnitude], count);
-        if (inside) {
-            f.counts[tile] = count;
-            f.next[tile] = (uint32_t)(start + sum - count);
-            f.classes[magnitude * tiles + place] = tile;
-        }
+    const uint32_t *first = of + row * tiles_x;
+    uint32_t next = lane_index() < tiles_x ? first[lane_index()] : 0;
+    for (uint32_t column = lane_index(); column - lane_index() < tiles_x; column += WARP) {
+        const uint32_t x = next;
+        next = column + WARP < tiles_x ? first[column + WARP] : 0;     /* fetched meanwhile */
+        visit(row * tiles_x + column, x, column < tiles_x);
     }
+}
+
+__device__ inline uint32_t list_magnitude(uint32_t count)
+{
+    return count ? 31 - (uint32_t)__clz((int)count) : 0;
+}
+
+/* The lengths of the lists, where they start, and their places among those of their magnitude. */
+__global__ void __launch_bounds__(START_ROWS *WARP) start_lists(const __grid_constant__ frame_buffers f,
+                                                                uint32_t tiles_x, uint32_t tiles_y)
+{
+    __shared__ started s;
+    const uint32_t warp = threadIdx.x / WARP, row = blockIdx.x * START_ROWS + warp;
+    if (warp == 0)
+        s.classes[lane_index()] = s.class_entries[lane_index()] = 0;
+    __syncthreads();
+    uint32_t carry = 0;
+    uint64_t sum = 0;
+    if (row < tiles_y)
+        visit_row(f.counts, row, tiles_x, [&](uint32_t tile, uint32_t difference, bool inside) {
+            const uint32_t along = carry + warp_sum(difference), magnitude = list_magnitude(along);
+            const uint32_t place = take_number(s.classes, magnitude, inside);
+            carry = __shfl_sync(ALL_LANES, along, WARP - 1);
+            if (!inside)
+                return;
+            atomicAdd(&s.class_entries[magnitude], along);
+            f.counts[tile] = along;
+            f.next[tile] = place;              /* in its class, of the block's */
+            sum += along;
+        });
+    sum = __shfl_sync(ALL_LANES, warp_sum(sum), WARP - 1);
+    s.sums[warp] = sum;
+    __syncthreads();
+    if (warp == 0) {
+        const uint32_t lane = lane_index();
+        const uint64_t of_row = lane < START_ROWS ? s.sums[lane] : 0, end = warp_sum(of_row);
+        unsigned long long start = 0;
+        if (lane == START_ROWS - 1)
+            start = atomicAdd((unsigned long long *)&f.status->entries, (unsigned long long)end);
+        start = __shfl_sync(ALL_LANES, start, START_ROWS - 1);
+        if (lane < START_ROWS)
+            s.sums[lane] = start + end - of_row;
+        s.first[lane] = s.classes[lane] ? atomicAdd(&f.status->classes[lane], s.classes[lane]) : 0;
+        if (s.class_entries[lane])
+            atomicAdd(&f.status->class_entries[lane], s.class_entries[lane]);
+    }
+    __syncthreads();
+    uint64_t start = s.sums[warp];
+    if (row < tiles_y)
+        visit_row(f.counts, row, tiles_x, [&](uint32_t tile, uint32_t count, bool inside) {
+            const uint64_t end = start + warp_sum((uint64_t)count);
+            const uint32_t magnitude = list_magnitude(count);
+            start = __shfl_sync(ALL_LANES, end, WARP - 1);
+            if (!inside)
+                return;
+            f.classes[magnitude * tiles_x * tiles_y + s.first[magnitude] + f.next[tile]] = tile;
+            f.next[tile] = (uint32_t)(end - count);
+        });
 }
 
 /* A warp some rows of a large splat: a tile row a lane, then their tiles shared out. */

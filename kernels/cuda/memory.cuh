@@ -45,7 +45,7 @@ const char *words(cudaError_t error)
     if (error == cudaErrorNoDevice)
         return "no NVIDIA GPU was found";
     if (error == cudaErrorInsufficientDriver && !cudaDriverGetVersion(&driver) && !driver)
-        return "no NVIDIA driver or GPU was found";
+        return "no NVIDIA driver was found";
     return cudaGetErrorString(error);
 }
 

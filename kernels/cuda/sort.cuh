@@ -7,19 +7,33 @@
 namespace {
 
 const uint32_t GROUP_WARPS_MOST = 32;
-const uint32_t BIN_BITS = 11, BINS = 1u << BIN_BITS;
 
-/* Where a group sorts, up to Room keys at a time. */
-template <uint32_t Room>
+/* Where a group sorts, up to Room keys at a time, by 2^Bits bins. */
+template <uint32_t Room, int Bits = 11>
 struct group_keys {
-    static constexpr uint32_t room = Room;
+    static constexpr uint32_t room = Room, bins = 1u << Bits;
+    static constexpr int bits = Bits;
     uint64_t keys[Room];                   /* in no order */
-    uint32_t entries[Room];                /* their low halves, near to far */
     uint16_t places[Room];                 /* of the keys, bin after bin */
     uint2 bounds[GROUP_WARPS_MOST];        /* of depths, least and most */
     uint32_t sums[GROUP_WARPS_MOST];
+    uint32_t segments[WARP];               /* of the range of a sort */
     uint32_t count, bin;
 };
+
+/* Where many bins are a thread's, there is a gap behind them, so that the n-th ones of all threads lie in different
+   banks. */
+template <class K, uint32_t T>
+constexpr bool has_gaps = K::bins / T > 2;
+
+template <class K, uint32_t T>
+constexpr uint32_t bins_of = K::bins + (has_gaps<K, T> ? T : 0);
+
+template <class K, class G>
+__device__ inline uint32_t slot_of(uint32_t bin)
+{
+    return has_gaps<K, G::threads> ? bin + bin / (K::bins / G::threads) : bin;
+}
 
 /* A group of T threads. */
 template <uint32_t T>
@@ -40,6 +54,18 @@ struct group {
                      "selp.u32 %0, 1, 0, q; }"
                      : "=r"(result) : "r"((uint32_t)x), "r"(number + 1), "r"(T) : "memory");
         return result != 0;
+    }
+};
+
+/* A warp. */
+template <>
+struct group<WARP> {
+    static constexpr uint32_t threads = WARP;
+    uint32_t number, thread;
+
+    __device__ void sync() const
+    {
+        __syncwarp();
     }
 };
 
@@ -95,21 +121,22 @@ __device__ key_range range_of_list(K *shared, const uint64_t *list, uint32_t cou
     return range_of(shared, least, most, g);
 }
 
-/* A bin holds 2^that keys, so that BINS reach from `low` to `high`. */
+/* A bin holds 2^that keys, so that K::bins reach from `low` to `high`. */
+template <class K>
 __device__ inline int bin_shift(uint64_t low, uint64_t high)
 {
     const int bits = 64 - __clzll((long long)(high - low));
-    return bits > (int)BIN_BITS ? bits - (int)BIN_BITS : 0;
+    return bits > K::bits ? bits - K::bits : 0;
 }
 
 /* How many keys are in the bins before this thread's, and in its own. */
 template <class K, class G>
 __device__ uint32_t keys_before(K *shared, const uint32_t *bins, uint32_t *own, const G *g)
 {
-    const uint32_t each = BINS / G::threads, warp = g->thread / WARP;
+    const uint32_t each = K::bins / G::threads, warp = g->thread / WARP;
     *own = 0;
     for (uint32_t i = 0; i < each; i++)
-        *own += bins[g->thread * each + i];
+        *own += bins[slot_of<K, G>(g->thread * each + i)];
     uint32_t end = warp_sum(*own);
     if (lane_index() == WARP - 1)
         shared->sums[warp] = end;
@@ -122,35 +149,35 @@ __device__ uint32_t keys_before(K *shared, const uint32_t *bins, uint32_t *own, 
 template <class K, class G>
 __device__ void place_bins(K *shared, uint32_t *bins, const G *g)
 {
-    const uint32_t each = BINS / G::threads;
+    const uint32_t each = K::bins / G::threads;
     uint32_t own, start = keys_before(shared, bins, &own, g);
     for (uint32_t i = g->thread * each; i < (g->thread + 1) * each; i++) {
-        const uint32_t size = bins[i];
-        bins[i] = start;
+        const uint32_t slot = slot_of<K, G>(i), size = bins[slot];
+        bins[slot] = start;
         start += size;
     }
     g->sync();
 }
 
-template <class G>
+template <class K, class G>
 __device__ void clear_bins(uint32_t *bins, const G *g)
 {
-    for (uint32_t i = g->thread; i < BINS; i += G::threads)
+    for (uint32_t i = g->thread; i < bins_of<K, G::threads>; i += G::threads)
         bins[i] = 0;
 }
 
-/* Finds the first bin with which the keys are more than K::room: shared->bin (BINS: none), and how many are below
+/* Finds the first bin with which the keys are more than K::room: shared->bin (K::bins: none), and how many are below
    it: shared->count. */
 template <class K, class G>
 __device__ void find_bin(K *shared, const uint32_t *bins, const G *g)
 {
-    const uint32_t each = BINS / G::threads;
+    const uint32_t each = K::bins / G::threads;
     uint32_t own, start = keys_before(shared, bins, &own, g);
     const uint32_t end = start + own;
     if (start <= K::room && (end > K::room || g->thread == G::threads - 1)) {
         uint32_t bin = g->thread * each;
-        for (; bin < (g->thread + 1) * each && start + bins[bin] <= K::room; bin++)
-            start += bins[bin];
+        for (; bin < (g->thread + 1) * each && start + bins[slot_of<K, G>(bin)] <= K::room; bin++)
+            start += bins[slot_of<K, G>(bin)];
         shared->bin = bin;
         shared->count = start;
     }
@@ -160,25 +187,25 @@ __device__ void find_bin(K *shared, const uint32_t *bins, const G *g)
 /* Puts the least keys from r->low on into shared->keys, at most K::room, and moves r->low. Returns how many. There must
    be some left. */
 template <class K, class G>
-__device__ uint32_t next_round(key_range *r, K *shared, uint32_t bins[BINS], const uint64_t *list, uint32_t count,
+__device__ uint32_t next_round(key_range *r, K *shared, uint32_t *bins, const uint64_t *list, uint32_t count,
                                const G *g)
 {
     uint64_t first = r->low, last = r->high;
     uint32_t found = 0;
     while (!found) {
-        const int shift = bin_shift(first, last);
-        clear_bins(bins, g);
+        const int shift = bin_shift<K>(first, last);
+        clear_bins<K>(bins, g);
         g->sync();
         visit_keys(list, count, g, [&](uint64_t key) {
             if (key >= first && key <= last)
-                atomicAdd(&bins[(key - first) >> shift], 1u);
+                atomicAdd(&bins[slot_of<K, G>((uint32_t)((key - first) >> shift))], 1u);
         });
         g->sync();
         find_bin(shared, bins, g);
         found = shared->count;
         const uint64_t bin = shared->bin, width = (uint64_t)1 << shift;
         if (found) {
-            last = bin < BINS ? first + bin * width - 1 : last;
+            last = bin < K::bins ? first + bin * width - 1 : last;
         } else {                           /* too many in one bin */
             first += bin * width;
             last = first + width - 1;
@@ -197,33 +224,67 @@ __device__ uint32_t next_round(key_range *r, K *shared, uint32_t bins[BINS], con
     return found;
 }
 
-/* shared->entries from shared->keys, `count` of them: they go to bins by depth, then each counts those of its bin that
-   are less. */
+/* Bins for a sort, of different widths, as depths lie in clusters: each 32nd of the range, a segment, has as many as it
+   has keys, of all. */
 template <class K, class G>
-__device__ void sort_keys(K *shared, uint32_t bins[BINS], uint32_t count, const G *g)
+struct segmented {
+    const uint32_t *segments;              /* the first bin and, below, how many */
+    uint64_t low;
+    int shift;                             /* a segment holds 2^that keys, 27 or more as indices are below depths */
+
+    /* Counts the segments' keys. */
+    __device__ segmented(K *shared, key_range r, uint32_t count, const G *g) : segments(shared->segments), low(r.low)
+    {
+        shift = 64 - __clzll((long long)(r.high - r.low)) - 5;
+        for (uint32_t i = g->thread; i < count; i += G::threads)
+            atomicAdd(&shared->segments[(shared->keys[i] - low) >> shift], 1u);
+        g->sync();
+        if (g->thread < WARP) {
+            const uint32_t own = shared->segments[g->thread], end = warp_sum(own);
+            const uint32_t first = (end - own) * K::bins / count;
+            shared->segments[g->thread] = first << 16 | (end * K::bins / count - first);
+        }
+        g->sync();
+    }
+
+    __device__ uint32_t bin_of(uint64_t key) const
+    {
+        const uint64_t above = key - low;
+        const uint32_t segment = segments[above >> shift];
+        const uint32_t part_q16 = (uint32_t)(above >> (shift - 16)) & 0xffff;
+        return min((segment >> 16) + (part_q16 * (segment & 0xffff) >> 16), K::bins - 1);
+    }
+};
+
+/* The low halves of shared->keys, `count` of them, near to far: they go to bins by depth, then each counts those of its
+   bin that are less. */
+template <class K, class G>
+__device__ void sort_keys(uint32_t *entries, K *shared, uint32_t *bins, uint32_t count, const G *g)
 {
     uint32_t least = UINT32_MAX, most = 0;
     for (uint32_t i = g->thread; i < count; i += G::threads) {
         least = min(least, depth_of(shared->keys[i]));
         most = max(most, depth_of(shared->keys[i]));
     }
-    clear_bins(bins, g);
-    const key_range r = range_of(shared, least, most, g);
-    const int shift = bin_shift(r.low, r.high);
+    clear_bins<K>(bins, g);
+    if (g->thread < WARP)
+        shared->segments[g->thread] = 0;
+    const segmented<K, G> s(shared, range_of(shared, least, most, g), count, g);
     for (uint32_t i = g->thread; i < count; i += G::threads)
-        atomicAdd(&bins[(shared->keys[i] - r.low) >> shift], 1u);
+        atomicAdd(&bins[slot_of<K, G>(s.bin_of(shared->keys[i]))], 1u);
     g->sync();
     place_bins(shared, bins, g);
     for (uint32_t i = g->thread; i < count; i += G::threads)
-        shared->places[atomicAdd(&bins[(shared->keys[i] - r.low) >> shift], 1u)] = (uint16_t)i;
+        shared->places[atomicAdd(&bins[slot_of<K, G>(s.bin_of(shared->keys[i]))], 1u)] = (uint16_t)i;
     g->sync();                             /* bins are ends now */
     for (uint32_t i = g->thread; i < count; i += G::threads) {
         const uint64_t key = shared->keys[shared->places[i]];
-        const uint32_t bin = (uint32_t)((key - r.low) >> shift), start = bin ? bins[bin - 1] : 0, end = bins[bin];
+        const uint32_t bin = s.bin_of(key);
+        const uint32_t start = bin ? bins[slot_of<K, G>(bin - 1)] : 0, end = bins[slot_of<K, G>(bin)];
         uint32_t place = start;
         for (uint32_t k = start; k < end && end - start > 1; k++)
             place += shared->keys[shared->places[k]] < key ? 1 : 0;
-        shared->entries[place] = (uint32_t)key;
+        entries[place] = (uint32_t)key;
     }
     g->sync();
 }

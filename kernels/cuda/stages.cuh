@@ -39,19 +39,24 @@ struct large_splat {
 };
 
 /* What a frame needed; over the capacity of its buffers, it is not blended. */
-struct frame_status {
+struct frame_needs {
     uint64_t entries;
-    uint32_t larges, visible, chunks;
+    uint32_t larges, visible;
     uint32_t damaged;              /* 1: a chunk's header is out of range */
+};
+
+struct frame_status : frame_needs {
+    uint32_t chunks;
     uint32_t classes[32];          /* tiles in each class */
     uint32_t class_entries[32];    /* and their entries */
-    uint32_t next_turn, next_dense;   /* of blend_tiles, blend_dense */
+    uint32_t next_sort[2], next_turn, next_long, next_dense;   /* of sort_lists, and of each kernel that blends */
     uint64_t split_taken[2];       /* of split_entries, and behind the entries, by blend_dense */
 };
 
 /* What the kernels of a frame share; device memory. */
 struct frame_buffers {
     frame_status *status;
+    frame_needs *needs;            /* in the host's memory, known before lists are sorted */
     const fxs_object_view *objects;   /* their pointers are the device's; not there for one that is plain */
     uint32_t object_count;
     uint32_t *chunk_objects;       /* of the chunks that can be seen, status->chunks of them: the object */
@@ -63,11 +68,11 @@ struct frame_buffers {
     uint32_t *counts;              /* length of each tile's list */
     uint32_t *next;                /* where its next entry goes: after the fill, its end */
     uint32_t *classes;             /* tiles by the magnitude of their lists: a row of all tiles for each class */
-    uint64_t *entries;             /* the lists: depth above, index and FXS_ENTRY_FAR below; in no order */
+    uint64_t *entries;             /* the lists: depth above, index and FXS_ENTRY_FAR below, in no order; then, but for
+                                      long ones, the lower halves alone, near to far */
     uint64_t *split_entries;       /* long lists again, in bins: over boxes and depths, which are done with by then */
     uint64_t capacity, split_capacity;
     uint32_t large_capacity;
-    uint32_t dense_magnitude;      /* lists of 2^that entries or more are blended by blend_dense */
 };
 
 __device__ inline bool fits(const frame_buffers *f)

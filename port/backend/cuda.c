@@ -44,7 +44,7 @@ static uint64_t nanoseconds_of(const fxs_cuda_stats *stats, enum fxs_cuda_stage 
     return (uint64_t)(stats->milliseconds[stage] * 1e6f);
 }
 
-/* shade is part of project, sort and resolve are part of blend. */
+/* shade is part of project, resolve is part of blend. */
 static void fill_stats(fxs_stats *out, const fxs_cuda_stats *stats, uint32_t eyes, uint64_t nanoseconds)
 {
     memset(out, 0, sizeof *out);
@@ -58,6 +58,7 @@ static void fill_stats(fxs_stats *out, const fxs_cuda_stats *stats, uint32_t eye
     out->memory.total = (size_t)(stats->memory.total - stats->memory.scenes);
     out->nanoseconds[FXS_PROJECT] = nanoseconds_of(stats, FXS_CUDA_PROJECT);
     out->nanoseconds[FXS_BIN] = nanoseconds_of(stats, FXS_CUDA_BIN);
+    out->nanoseconds[FXS_SORT] = nanoseconds_of(stats, FXS_CUDA_SORT);
     out->nanoseconds[FXS_BLEND] = nanoseconds_of(stats, FXS_CUDA_BLEND);
     out->frame_nanoseconds = nanoseconds;
 }

@@ -219,8 +219,8 @@ int main(int argc, char **argv)
         if (!(pixels[i] = peek_device_memory(area * 4)) || !(pinned[i] = peek_pinned_memory(area * 4)) ||
             !(traces[i] = peek_device_memory(area * TRACE)))
             return puts("no CUDA device, or no memory"), 1;
-    printf("| scene | visible | entries | project | bin | blend | frame | of %d, each | to the host | MB |\n"
-           "|---|---|---|---|---|---|---|---|---|---|\n", BATCH);
+    printf("| scene | visible | entries | project | bin | sort | blend | frame | of %d, each | to the host | MB |\n"
+           "|---|---|---|---|---|---|---|---|---|---|---|\n", BATCH);
     for (int i = 1; i < argc; i++)
         rows_of_scene(argv[i]);
     return 0;

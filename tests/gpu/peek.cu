@@ -22,7 +22,12 @@ int peek(fxs_cuda *cuda, peeked *out)
     const frame *of = &cuda->frames[0];
     return download(&out->splats, f->splats, (uint64_t)of->chunks * FXS_CHUNK) ||
            download(&out->counts, f->counts, of->tiles) || download(&out->ends, f->next, of->tiles) ||
-           download(&out->entries, f->entries, cuda->status[0].entries);
+           download(&out->entries, f->entries, cuda->needs[0].entries);
+}
+
+int peek_is_sorted(uint32_t count)
+{
+    return !(count >> LONG_MAGNITUDE);
 }
 
 void peek_free(peeked *p)

@@ -12,12 +12,15 @@ extern "C" {
 typedef struct peeked {
     void *splats;                  /* fxs_splat, by index */
     uint32_t *counts, *ends;
-    uint64_t *entries;             /* of a tile: up to its end, in no order */
+    uint64_t *entries;             /* of a tile: up to its end */
 } peeked;
 
 /* Returns 0 where they could be copied. */
 int peek(fxs_cuda *cuda, peeked *out);
 void peek_free(peeked *p);
+
+/* Whether a list of so many entries is sorted in its place: entries alone, from where it began. */
+int peek_is_sorted(uint32_t count);
 
 /* How many of the levels computed in float registers differ from pixel.h's; -1 where the device failed. */
 long peek_levels(void);
