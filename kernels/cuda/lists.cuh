@@ -159,7 +159,7 @@ __device__ void count_rows(block_splats *b, const frame_buffers *f, const fxs_vi
             ellipse e = ellipse_of(view, &b->splats[i], &b->bounds[i]);
             add_radius(&e, view);
             const int32_t down = (int32_t)(item - (i ? b->row_ends[i - 1] : 0));
-            row = rows_of(&e, view).first + down;
+            row = fxs_bin_rows(view, e.splat, e.bounds).first + down;
             s = span_of(&e, view, row);
             if (!is_large(&e, view))
                 b->masks[i][down] = (uint8_t)mask_of_span(s, e.columns.first);
@@ -193,7 +193,7 @@ __device__ void list_splats(block_splats *b, const frame_buffers *f, const fxs_v
     if (visible && !whole) {
         b->splats[threadIdx.x] = *e->splat;
         b->bounds[threadIdx.x] = *e->bounds;
-        rows = rows_of(e, view);
+        rows = fxs_bin_rows(view, e->splat, e->bounds);
     }
     count_tiles(f, view, whole ? e->rows.first : 0, whole ? e->columns : none);
     count_rows(b, f, view, place_rows(b, rows.last < rows.first ? 0 : (uint32_t)(rows.last - rows.first + 1)));
@@ -338,7 +338,7 @@ __device__ void fill_large(const fxs_view *view, const frame_buffers *f, const l
     const uint32_t depth = f->depths[large->index];
     const int32_t row = large->first + (int32_t)lane_index();
     span s = {0, -1}, touched = s;
-    if (lane_index() < LARGE_ROWS && row <= rows_of(&e, view).last) {
+    if (lane_index() < LARGE_ROWS && row <= fxs_bin_rows(view, e.splat, e.bounds).last) {
         s = span_of(&e, view, row);
         touched = view->square ? ellipse_span(&e, view, row) : s;
     }

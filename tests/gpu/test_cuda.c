@@ -8,6 +8,7 @@
 #include "../../port/posix/map.h"
 #include "../../src/frame.h"
 #include "../random_scene.h"
+#include "../tile_lists.h"
 #include "peek.h"
 
 static fxs_cuda *cuda;
@@ -217,9 +218,9 @@ typedef struct expected {
     uint32_t count, tiles;
     fxs_splat *splats;
     fxs_bounds *bounds;
-    fxs_box *boxes, *sorted_boxes;
-    uint32_t *indices, *depths, *counts, *ends, *entries;
-    fxs_key *keys, *spare;
+    fxs_box *boxes;
+    uint32_t *indices, *depths;
+    tile_lists lists;
 } expected;
 
 static void expected_chunk(expected *e, const fxs_object_view *object, uint32_t chunk)
@@ -242,11 +243,8 @@ static int expected_splats(expected *e, const fxs_cuda_frame *frame)
     e->splats = room(most * sizeof *e->splats);
     e->bounds = room(most * sizeof *e->bounds);
     e->boxes = room(most * sizeof *e->boxes);
-    e->sorted_boxes = room(most * sizeof *e->boxes);
     e->indices = room(most * 4);
     e->depths = room(most * 4);
-    e->keys = room(most * sizeof *e->keys);
-    e->spare = room(most * sizeof *e->keys);
     uint32_t first_chunk = 0;
     for (uint32_t i = 0; i < frame->count; i++) {
         fxs_object_view object;
@@ -264,28 +262,17 @@ static int expected_splats(expected *e, const fxs_cuda_frame *frame)
 
 static void expected_lists(expected *e)
 {
-    static uint32_t histograms[1][FXS_SORT_BUCKETS];
-    const fxs_config config = {.run = 0};
-    for (uint32_t i = 0; i < e->count; i++)
-        e->keys[i] = FXS_KEY(e->depths[i], i);
-    fxs_sorted sorted = {fxs_sort(&config, e->keys, e->spare, e->count, histograms, 1), e->sorted_boxes, e->count};
     e->tiles = (uint32_t)(e->view.tiles_x * e->view.tiles_y);
-    e->counts = room(e->tiles * 4);
-    e->ends = room(e->tiles * 4);
-    fxs_bin_count(&e->view, e->splats, e->bounds, e->boxes, &sorted, e->counts);
-    uint32_t total = 0;
-    for (uint32_t tile = 0; tile < e->tiles; total += e->counts[tile++])
-        e->ends[tile] = total;
-    e->entries = room(total * sizeof *e->entries);
-    fxs_bin_fill(&e->view, e->splats, e->bounds, &sorted, 0, e->tiles - 1, e->ends, e->entries);
+    e->lists = tile_lists_new(&e->view, e->splats, e->bounds, e->boxes, e->depths, e->count);
 }
 
 static void expected_free(expected *e)
 {
-    void *const all[] = {e->splats, e->bounds, e->boxes, e->sorted_boxes, e->indices, e->depths,
-                         e->counts, e->ends, e->entries, e->keys, e->spare};
+    void *const all[] = {e->splats, e->bounds, e->boxes, e->indices, e->depths};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         free(all[i]);
+    if (e->lists.counts)
+        tile_lists_free(&e->lists);
 }
 
 static int compare_keys(const void *a, const void *b)
@@ -297,7 +284,7 @@ static int compare_keys(const void *a, const void *b)
 /* A tile's list as the back end should have it: sorted, index and FAR; or in any order, with depths above. */
 static int list_equal(const expected *e, uint32_t tile, uint64_t *list)
 {
-    const uint32_t count = e->counts[tile], *entries = e->entries + e->ends[tile] - count;
+    const uint32_t count = e->lists.counts[tile], *entries = e->lists.entries + e->lists.ends[tile] - count;
     uint64_t *wanted = room(count * sizeof *wanted);
     for (uint32_t i = 0; i < count; i++) {
         uint32_t slot = entries[i] & ~FXS_ENTRY_FAR;
@@ -325,10 +312,10 @@ static int buffers_equal(const expected *e, const peeked *p)
             return 0;
         }
     for (uint32_t tile = 0; tile < e->tiles; tile++)
-        if (p->counts[tile] != e->counts[tile] ||
+        if (p->counts[tile] != e->lists.counts[tile] ||
             !list_equal(e, tile, p->entries + p->ends[tile] - p->counts[tile])) {
             printf("  list of tile %" PRIu32 " differs: %" PRIu32 " entries, %" PRIu32 " expected\n", tile,
-                   p->counts[tile], e->counts[tile]);
+                   p->counts[tile], e->lists.counts[tile]);
             return 0;
         }
     return 1;
