@@ -63,7 +63,7 @@ static inline vu twice(vi x)
 
 /* The slots of the next entries by place; past the end, the first again. Returns which entries there are that touch
    something. */
-static inline uint32_t take_entries(int32_t at[2][LANES], const uint32_t *entries, uint32_t left, int square)
+static inline uint32_t take_entries(int32_t at[GROUP], const uint32_t *entries, uint32_t left, int square)
 {
     uint32_t few[GROUP], which = ~0u >> (32 - (left < GROUP ? left : GROUP));
     for (uint32_t i = 0; i < GROUP && left < GROUP; i++)
@@ -72,9 +72,9 @@ static inline uint32_t take_entries(int32_t at[2][LANES], const uint32_t *entrie
     for (uint32_t i = 0; i < GROUP && square; i++)
         which &= ~(entries[i] >> 31 << i);
     for (uint32_t i = 0; i < GROUP; i += 4)
-        memcpy(at[0] + place_of(i), entries + i, 4 * sizeof *entries);
-    for (int j = 0; j < 2; j++)
-        store(at[j], load(at[j]) & (int32_t)~FXS_ENTRY_FAR);
+        memcpy(at + place_of(i), entries + i, 4 * sizeof *entries);
+    for (int j = 0; j < GROUP; j += LANES)
+        store(at + j, load(at + j) & (int32_t)~FXS_ENTRY_FAR);
     return which;
 }
 
@@ -148,10 +148,10 @@ static inline void set_out(group *g, const fxs_view *view, const fxs_splat *spla
                            uint32_t left, int32_t x, int32_t y)
 {
     outline o;
-    int32_t at[2][LANES];
+    int32_t at[GROUP];
     uint32_t which = take_entries(at, entries, left, view->square), some = 0;
-    const vu first = load_places(g, &o, 0, view, splats, at[0], x, y);
-    const vu second = load_places(g, &o, 1, view, splats, at[1], x, y);
+    const vu first = load_places(g, &o, 0, view, splats, at, x, y);
+    const vu second = load_places(g, &o, 1, view, splats, at + LANES, x, y);
     o.offset_q11 = pack_q13(first << 11, second << 11);
     o.limit_q11 = pack_q13(g->limit_q11[0] << 16 >> 5, g->limit_q11[1] << 16 >> 5);
     for (int patch = 0; patch < PATCHES; patch += 2) {
