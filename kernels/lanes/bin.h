@@ -158,7 +158,7 @@ static void fill_boxes(const job *j, const list *l, uint32_t count)
 static inline void append(const job *j, list *l, vi index, mask which)
 {
     store_compressed(l->index + l->count, index, which);
-    l->count += (uint32_t)__builtin_popcount(bits(which));
+    l->count += lanes_of(which);
     if (l->count < LANES)
         return;
     fill_boxes(j, l, LANES);
@@ -257,7 +257,7 @@ static inline void note_macro(notes *n, vi macro, vi slot, vi tiles)
         return;
     store_compressed(n->macros + n->count, macro, which);
     store_compressed(n->listed + n->count, slot << 4 | tiles, which);
-    n->count += (uint32_t)__builtin_popcount(bits(which));
+    n->count += lanes_of(which);
 }
 
 static inline void note_boxes(notes *n, const fxs_box *boxes, uint32_t first, int32_t across)
@@ -293,7 +293,7 @@ FXS_LIST(ISA)
         load_pairs(keys + i, &words, &depths);
         const mask which = ~equal(words & (1 << tile), all(0));
         store_compressed(entries + listed, (vi)((vu)words >> 4), which);
-        listed += (uint32_t)__builtin_popcount(bits(which));
+        listed += lanes_of(which);
     }
     return listed + fxs_list_c(keys + i, count - i, tile, entries + listed);
 }

@@ -2,6 +2,13 @@
 #ifndef FXS_LANES_H
 #define FXS_LANES_H
 
+/* How many lanes; of four by a table, as not every processor counts bits. */
+static inline uint32_t lanes_of(mask which)
+{
+    return LANES > 4 ? (uint32_t)__builtin_popcount(bits(which))
+                     : (uint32_t)(0x4332322132212110 >> 4 * bits(which)) & 15;
+}
+
 static inline vu mulhi(vu a, vu b)
 {
     return high_half(mul_wide_u(a, b));

@@ -132,7 +132,7 @@ static inline int find_centres(survivors *s, const fxs_view *view, const fxs_chu
     const uint32_t at = s->count;
     for (int row = 0; row < ROWS; row++)
         store_compressed(&s->rows[row][at], value[row], alive);
-    s->count = at + (uint32_t)__builtin_popcount(bits(alive));
+    s->count = at + lanes_of(alive);
     return 1;
 }
 
@@ -375,7 +375,7 @@ FXS_PROJECT(ISA)
         append(splats + count, bounds + count, splat, bound, bits(visible));
         store_compressed(indices + count, load(&s.rows[INDEX][at]) + (int32_t)(chunk * FXS_CHUNK), visible);
         store_compressed(depths + count, load(&s.rows[DEPTH][at]), visible);
-        count += (uint32_t)__builtin_popcount(bits(visible));
+        count += lanes_of(visible);
     }
     return (int32_t)count;
 }
