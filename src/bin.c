@@ -134,8 +134,9 @@ static fxs_box box_of(const fxs_view *view, ellipse *e)
         return FXS_NOWHERE;
     if (e->columns.last - column >= FXS_BOX_TILES || e->rows.last - row >= FXS_BOX_TILES)
         return FXS_LARGE;
-    if (e->rows.first == e->rows.last && e->splat->first_row > 0 && e->splat->last_row < view->height - 1) {
-        /* All of it on one tile row: it touches every column of its box. */
+    if (e->rows.first == e->rows.last && e->columns.last - e->columns.first < FXS_NARROW &&
+        e->splat->first_row > 0 && e->splat->last_row < view->height - 1) {
+        /* All of it on one tile row, and narrow: it touches every column of its box, or nearly so. */
         mask = spread_row(tiles_of(e->columns, column), e->rows.first - row);
     } else {
         add_radius(e, view);

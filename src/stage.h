@@ -97,6 +97,7 @@ typedef struct fxs_box {
 #define FXS_BOX_BITS 36
 #define FXS_BOX_LOW_BITS 24        /* rows 0 and 1 */
 #define FXS_BOX_TILES 6            /* a side */
+#define FXS_NARROW 4               /* columns up to which a splat on one tile row is listed in all of its box */
 #define FXS_NOWHERE ((fxs_box){0})     /* there are none */
 #define FXS_LARGE ((fxs_box){(uint64_t)1 << 63})   /* they do not fit, and are found when lists are made */
 

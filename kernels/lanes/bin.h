@@ -180,8 +180,8 @@ static inline void find_boxes(const job *j, list lists[FXS_BOX_TILES], uint32_t 
     const vi column = first & ~1;
     mask fits = greater(all(FXS_BOX_TILES), last_tile_row - first_tile_row + row) &
                 greater(all(FXS_BOX_TILES), last - column) & ~none;
-    mask whole = fits & equal(first_tile_row, last_tile_row) & greater(first_row, all(0)) &
-                 greater(all(j->view->height - 1), last_row);
+    mask whole = fits & equal(first_tile_row, last_tile_row) & greater(all(FXS_NARROW), last - first) &
+                 greater(first_row, all(0)) & greater(all(j->view->height - 1), last_row);
     /* Those on one tile row, those that are large or nowhere, and for now the others. */
     const vu on_row = shift_left((vu)all(2), last - column) - shift_left((vu)all(1), first - column);
     const vi on_rows = choose(whole, spread_row((vi)on_row) << 2 * row, all(0));
