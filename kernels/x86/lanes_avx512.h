@@ -1,4 +1,4 @@
-/* 16 lanes of 32 bits in AVX-512 (F, BW, DQ, VL, CD). */
+/* 16 lanes of 32 bits in AVX-512 (F, BW, DQ, VL, CD, VNNI). */
 #ifndef FXS_LANES_AVX512_H
 #define FXS_LANES_AVX512_H
 
