@@ -1,6 +1,6 @@
 # fixsplat. `make help` lists the targets.
 CC ?= cc
-CFLAGS ?= -O3 -g
+CFLAGS ?= -O2 -g
 NVCC ?= nvcc
 PREFIX ?= /usr/local
 LIBDIR ?= $(PREFIX)/lib
@@ -77,8 +77,8 @@ LIBS := $(foreach name,CJSON ZIP WEBP ZLIB ZSTD GLES CUDA,$(LIBS_$(name))) -lm -
 # Faster versions of the stages carry their instruction set in their name. clang 14 crashes on the debug information of
 # AVX-512 masks.
 CLANG_14 := $(if $(findstring clang,$(CC_VERSION)),-g0)
-# Lanes that are not wanted may overflow: -fwrapv says that this is no fault.
-isa = $(if $(filter kernels/%,$(1)),-fwrapv) $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
+# Lanes that are not wanted may overflow: -fwrapv says that this is no fault. -O3: project takes 9 % less.
+isa = $(if $(filter kernels/%,$(1)),-fwrapv $(if $(filter -O2,$(CFLAGS)),-O3)) $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
       -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi -mavx512vnni $(CLANG_14))))
 
 with = $(if $(filter $(1),$(FOUND)),$(wildcard $(2)))
