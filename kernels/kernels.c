@@ -38,8 +38,7 @@ unsigned fxs_cpu_detect(void)
         cpu |= FXS_CPU_AVX2;
     if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
         __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
-        __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512vbmi") &&
-        __builtin_cpu_supports("avx512vnni"))
+        __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512vbmi"))
         cpu |= FXS_CPU_AVX512;
     return cpu;
 }

@@ -11,7 +11,7 @@ extern "C" {
 enum fxs_cpu {
     FXS_CPU_SSE41 = 1,
     FXS_CPU_AVX2 = 2,
-    FXS_CPU_AVX512 = 4,            /* F, BW, DQ, VL, CD, VBMI and VNNI */
+    FXS_CPU_AVX512 = 4,            /* F, BW, DQ, VL, CD and VBMI */
     FXS_CPU_NEON = 8
 };
 

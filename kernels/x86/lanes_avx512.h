@@ -1,4 +1,4 @@
-/* 16 lanes of 32 bits in AVX-512 (F, BW, DQ, VL, CD, VNNI). */
+/* 16 lanes of 32 bits in AVX-512 (F, BW, DQ, VL, CD). */
 #ifndef FXS_LANES_AVX512_H
 #define FXS_LANES_AVX512_H
 

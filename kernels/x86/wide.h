@@ -164,11 +164,7 @@ static inline factor factor_of(vi first, vi last)
 /* sum += codes x; a code a Gaussian */
 static inline void add_products(vi sum[PARTS], const int8_t *codes, factor x)
 {
-#if LANES == 16
-    sum[0] = (vi)_mm512_dpwssd_epi32((V)sum[0], (V)load_i8(codes), (V)x);
-#else
     sum[0] += (vi)MM(madd_epi16)((V)load_i8(codes), (V)x);
-#endif
 }
 
 #endif
