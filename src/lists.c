@@ -2,31 +2,38 @@
 #include "memory.h"
 #include "parts.h"
 
-/* A part's row of `next`: a number for each macro tile, and that of its notes. */
+/* A part's row of `next`: a number for each macro tile, then these. */
+enum { NOTED, NOTES, ROOM };       /* how many notes there are, where they begin in `spare`, and the room for them */
+
 static uint32_t *next_of(const fxs_frame *f, uint32_t part)
 {
-    return f->next + (size_t)part * (f->macros + 1);
+    return f->next + (size_t)part * (f->macros + FXS_NEXT_MORE);
+}
+
+static uint32_t *notes_of(const fxs_frame *f, uint32_t part)
+{
+    return next_of(f, part) + f->macros;
 }
 
 /* Notes lie in `spare`, where lists are sorted later. */
 fxs_lister fxs_lister_of(const fxs_frame *f, uint32_t part)
 {
     const fxs_eye *eye = f->eye;
-    const uint32_t room = f->key_capacity / f->parts;
+    const uint32_t *notes = notes_of(f, part);
     return (fxs_lister){&eye->view, eye->splats, eye->bounds, eye->boxes, f->depths, f->context->kernels.spans,
                         f->context->kernels.note, f->first_macro, f->last_macro, next_of(f, part),
-                        f->spare + (size_t)part * room, room, next_of(f, part)[f->macros]};
+                        f->spare + notes[NOTES], notes[ROOM], notes[NOTED]};
 }
 
 static void count_part(void *argument, uint32_t part)
 {
     fxs_frame *f = argument;
     const uint32_t end = fxs_part(f->blocks, f->parts, part + 1);
-    memset(next_of(f, part), 0, (f->macros + 1) * sizeof *f->next);
+    memset(next_of(f, part), 0, f->macros * sizeof *f->next);
     fxs_lister l = fxs_lister_of(f, part);
     for (uint32_t block = fxs_part(f->blocks, f->parts, part); block < end; block++)
         fxs_bin_count(&l, f->block_slots[block], f->block_counts[block]);
-    next_of(f, part)[f->macros] = l.noted;
+    notes_of(f, part)[NOTED] = l.noted;
 }
 
 static void fill_part(void *argument, uint32_t part)
@@ -40,18 +47,34 @@ static void fill_part(void *argument, uint32_t part)
         fxs_bin_fill(&l, f->block_slots[block], f->block_counts[block], f->keys);
 }
 
+/* Each part has room for notes by its splats. */
+static void share_notes(fxs_frame *f)
+{
+    uint32_t before = 0, block = 0;
+    for (uint32_t part = 0; part < f->parts; part++) {
+        uint32_t *notes = notes_of(f, part), own = 0;
+        for (const uint32_t end = fxs_part(f->blocks, f->parts, part + 1); block < end; block++)
+            own += f->block_counts[block];
+        notes[NOTED] = 0;
+        notes[NOTES] = fxs_part(f->key_capacity, f->count ? f->count : 1, before);
+        before += own;
+        notes[ROOM] = fxs_part(f->key_capacity, f->count ? f->count : 1, before) - notes[NOTES];
+    }
+}
+
 void fxs_lists_count(fxs_frame *f)
 {
     const uint32_t across = fxs_macros(f->eye->view.tiles_x);
     f->first_macro = (uint32_t)f->first_row / FXS_MACRO * across;
     f->last_macro = fxs_macros(f->end_row) * across - 1;
+    share_notes(f);
     fxs_frame_run(f, count_part, f->parts);
     memset(f->tile_counts, 0, f->tiles * sizeof *f->tile_counts);
     memset(f->lengths, 0, f->macros * sizeof *f->lengths);
     f->noted = 1;
     for (uint32_t part = 0; part < f->parts; part++) {
-        const uint32_t *next = next_of(f, part);
-        f->noted &= next[f->macros] <= f->key_capacity / f->parts;
+        const uint32_t *next = next_of(f, part), *notes = notes_of(f, part);
+        f->noted &= notes[NOTED] <= notes[ROOM];
         for (uint32_t macro = 0; macro < f->macros; macro++)
             f->lengths[macro] += next[macro];
     }

@@ -19,6 +19,8 @@ typedef struct fxs_list {
     uint32_t count;
 } fxs_list;
 
+#define FXS_NEXT_MORE 3u           /* of a row of `next` beside the macro tiles */
+
 /* Where the time of drawing a macro tile goes. */
 typedef struct fxs_laps {
     uint64_t start, *times;
@@ -68,7 +70,7 @@ typedef struct fxs_frame {
     uint32_t (*histograms)[FXS_SORT_BUCKETS];   /* of each part */
     uint32_t *tile_counts, *tile_ends;     /* length of each tile's list, and for back ends where it ends */
     uint32_t *lengths;                     /* of each macro tile's list */
-    uint32_t *next;                        /* a row of macro tiles for each part: keys, then where they go; and notes */
+    uint32_t *next;                        /* a row of macro tiles for each part: keys, then where they go; and more */
     uint64_t *macro_times;                 /* nanoseconds of sort, bin, blend and resolve */
 
     /* The band of tile rows, and what is cut from the rest of the memory for it, beside the eyes' splats. */
