@@ -80,7 +80,7 @@ void fxs_lists_count(fxs_frame *f)
     }
 }
 
-/* In a list the parts follow each other, so it is almost in the order of the slots. */
+/* In a list the parts follow each other, so it is almost in the order of the slots. Where all was noted, all fits. */
 void fxs_lists_fill(fxs_frame *f, uint32_t end)
 {
     const uint32_t across = fxs_macros(f->eye->view.tiles_x), row_end = (f->first_macro / across + 1) * across;
@@ -90,7 +90,6 @@ void fxs_lists_fill(fxs_frame *f, uint32_t end)
     if (!f->draw_tile)
         macro = f->first_macro % across || macro < row_end ? (macro < row_end ? macro : row_end)
                                                            : macro / across * across;
-    f->noted &= macro == end;
     f->last_macro = macro - 1;
     for (macro = f->first_macro; macro <= f->last_macro; macro++)
         for (uint32_t part = 0; part < f->parts; part++) {
