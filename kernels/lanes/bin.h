@@ -142,11 +142,10 @@ static void fill_boxes(const job *j, const list *l, uint32_t count)
     for (int k = 0; any(greater(e.more_rows, all(k - 1))); k++) {
         const vi row = (e.first_row & 1) + k, at = (row >> 1) * 12 + (row & 1) * 2;
         const vu tiles = (vu)choose(greater(e.more_rows, all(k - 1)), spread_row(tiles_of_row(&e, j->view)), all(0));
-        low |= (vi)shift_left(tiles, at);
+        low |= (vi)shift_left(tiles, at);          /* beyond its bits are the same as in high */
         high |= (vi)shift_left(tiles, at - FXS_BOX_LOW_BITS);
         e.v_q24 += FXS_TILE * e.vy_q24;
     }
-    low &= (1 << FXS_BOX_LOW_BITS) - 1;
     store_boxes(boxes, j->view, low, high, e.first_row, e.first_column, equal(low | high, all(0)));
     for (uint32_t i = 0; i < count; i++)
         j->boxes[l->index[i]] = boxes[i];
