@@ -429,23 +429,6 @@ static inline uint32_t bits_h(mask_h which)
     return vaddvq_u16(vandq_u16((uint16x8_t)which, lanes));
 }
 
-/* x times 0 to 3 */
-static inline vu pattern_of(uint32_t x, uint32_t y)
-{
-    (void)y;
-    return ramp(0, x);
-}
-
-static inline void order_levels(vh levels_q11[FXS_TILE])
-{
-    (void)levels_q11;
-}
-
-static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
-{
-    return all_h(((const int16_t *)levels_q11)[entry]);
-}
-
 /* 8 pixels, cut to 255. */
 static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {

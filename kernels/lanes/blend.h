@@ -10,6 +10,25 @@
 #define AHEAD 32                   /* entries: a splat is fetched that much before it is set out */
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
+#if LANES == 4                     /* a patch is half a row; longer lanes have these of their own */
+/* x times 0 to 3 */
+static inline vu pattern_of(uint32_t x, uint32_t y)
+{
+    (void)y;
+    return ramp(0, x);
+}
+
+static inline void order_levels(vh levels_q11[FXS_TILE])
+{
+    (void)levels_q11;
+}
+
+static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
+{
+    return all_h(((const int16_t *)levels_q11)[entry]);
+}
+#endif
+
 /* The pixels of a patch, row by row. */
 typedef struct pixels {
     vh transmittance_q15, red_q13, green_q13, blue_q13;

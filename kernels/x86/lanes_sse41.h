@@ -269,23 +269,6 @@ static inline uint32_t bits_h(mask_h which)
     return (uint32_t)_mm_movemask_epi8(_mm_packs_epi16((__m128i)which, _mm_setzero_si128()));
 }
 
-/* x times 0 to 3 */
-static inline vu pattern_of(uint32_t x, uint32_t y)
-{
-    (void)y;
-    return ramp(0, x);
-}
-
-static inline void order_levels(vh levels_q11[FXS_TILE])
-{
-    (void)levels_q11;
-}
-
-static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
-{
-    return all_h(((const int16_t *)levels_q11)[entry]);
-}
-
 /* 8 pixels, cut to 255. */
 static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
