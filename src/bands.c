@@ -63,7 +63,7 @@ static void lay_out_frame(fxs_frame *f, int planned)
     f->tile_ends = cut(&m, f->tiles * sizeof *f->tile_ends);
     f->lengths = cut(&m, f->macros * sizeof *f->lengths);
     f->next = cut(&m, (uint64_t)f->parts * (f->macros + FXS_NEXT_MORE) * sizeof *f->next);
-    f->macro_times = cut(&m, (uint64_t)f->macros * 4 * sizeof *f->macro_times);
+    f->macro_times = cut(&m, (uint64_t)f->macros * FXS_LAPS * sizeof *f->macro_times);
     f->stats.memory.tiles = (size_t)(m.used - tiles_at);
     f->fixed_bytes = m.used;
 }

@@ -135,8 +135,6 @@ static int run_blocks(fxs_frame *f)
 
 /* ---- Drawing --------------------------------------------------------------------------------------------------- */
 
-enum { SORTED, LISTED, BLENDED, RESOLVED, TIMES };
-
 /* Adds the time since the last lap to `which` of the macro tile's times. */
 static void lap(const fxs_frame *f, fxs_laps *laps, int which)
 {
@@ -158,7 +156,7 @@ static void blend_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_la
         fxs_trace_tile(f, list, x, y, &pixels, 0);
     else
         f->context->kernels.blend(&f->eye->view, x, y, f->eye->splats, list->entries, list->count, &pixels);
-    lap(f, laps, BLENDED);
+    lap(f, laps, FXS_BLENDED);
     fxs_resolve_targets(f, &pixels, x, y);
 }
 
@@ -168,30 +166,30 @@ static void draw_macro(void *argument, uint32_t job)
     const fxs_lister l = fxs_lister_of(f, 0);
     const uint32_t macro = f->first_macro + job, length = f->lengths[macro];
     uint32_t *entries = fxs_list_room(f, macro), tile;
-    fxs_laps laps = {fxs_now(f), f->macro_times + TIMES * (size_t)macro};
+    fxs_laps laps = {fxs_now(f), f->macro_times + FXS_LAPS * (size_t)macro};
     const fxs_key *keys = fxs_list_sort(f, macro);
-    memset(laps.times, 0, TIMES * sizeof *laps.times);
-    lap(f, &laps, SORTED);
+    memset(laps.times, 0, FXS_LAPS * sizeof *laps.times);
+    lap(f, &laps, FXS_SORTED);
     for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
         if (fxs_tile_of(f, macro, i, &tile) && (f->only_tile == FXS_NOTHING || f->only_tile == tile)) {
             f->tile_counts[tile] = f->context->kernels.list(keys, length, (uint32_t)i, entries);
             if (l.view->square)
                 fxs_mark_far(&l, tile, entries, f->tile_counts[tile]);
             if (length)
-                lap(f, &laps, LISTED);
+                lap(f, &laps, FXS_LISTED_TILES);
             f->draw_tile(f, tile, &(fxs_list){entries, f->tile_counts[tile]}, &laps);
             if (length)
-                lap(f, &laps, RESOLVED);
+                lap(f, &laps, FXS_RESOLVED);
         }
     if (!length)                   /* fewer looks at the clock, which take a while */
-        lap(f, &laps, RESOLVED);
+        lap(f, &laps, FXS_RESOLVED);
 }
 
 /* Shares a wall time out to `columns` stages, as the jobs spent theirs: times has a row for each job. */
 static void share_time(fxs_frame *f, uint64_t wall, const uint64_t *times, uint32_t jobs, uint32_t columns,
                        const enum fxs_stage *stages)
 {
-    uint64_t sums[TIMES] = {0}, total = 0;
+    uint64_t sums[FXS_LAPS] = {0}, total = 0;
     for (uint32_t i = 0; i < jobs * columns; i++) {
         sums[i % columns] += times[i];
         total += times[i];
@@ -348,12 +346,12 @@ int fxs_frame_prepare(fxs_frame *f)
 
 static void draw_macros(fxs_frame *f)
 {
-    static const enum fxs_stage stages[TIMES] = {FXS_SORT, FXS_BIN, FXS_BLEND, FXS_RESOLVE};
+    static const enum fxs_stage stages[FXS_LAPS] = {FXS_SORT, FXS_BIN, FXS_BLEND, FXS_RESOLVE};
     const uint64_t start = fxs_now(f);
     const uint32_t jobs = f->last_macro - f->first_macro + 1;
     fxs_frame_run(f, draw_macro, jobs);
     f->stats.runs++;
-    share_time(f, fxs_now(f) - start, f->macro_times + TIMES * (size_t)f->first_macro, jobs, TIMES, stages);
+    share_time(f, fxs_now(f) - start, f->macro_times + FXS_LAPS * (size_t)f->first_macro, jobs, FXS_LAPS, stages);
 }
 
 static int draw_listed(fxs_frame *f)

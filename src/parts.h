@@ -22,6 +22,8 @@ typedef struct fxs_list {
 #define FXS_NEXT_MORE 3u           /* of a row of `next` beside the macro tiles */
 
 /* Where the time of drawing a macro tile goes. */
+enum { FXS_SORTED, FXS_LISTED_TILES, FXS_BLENDED, FXS_RESOLVED, FXS_LAPS };
+
 typedef struct fxs_laps {
     uint64_t start, *times;
 } fxs_laps;
