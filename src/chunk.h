@@ -47,8 +47,8 @@ extern const uint16_t fxs_offset_of_code_q11[FXS_OPACITY_LAWS][256];
    since it was opened. Returns 0 or FXS_ERR_SCENE. */
 FXS_STAGE int fxs_chunk_read(fxs_chunk *header, const fxs_scene *scene, uint32_t chunk);
 
-/* Reads a chunk and finds where it lies. Returns 1, or 0 where nothing of it can be seen (behind the near plane, or beside the
-   picture by more than its largest Gaussian reaches), or FXS_ERR_SCENE. */
+/* Reads a chunk and finds where it lies. Returns 1, or 0 where nothing of it can be seen (behind the near plane, beside
+   the picture by more than its largest Gaussian reaches, or in the hidden part), or FXS_ERR_SCENE. */
 FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_scene *scene, uint32_t chunk);
 
 /* fxs_shade_c with a header that was read and the chunk's rows. */
