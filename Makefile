@@ -170,7 +170,8 @@ $(FLAT_HEADERS): $(HEADERS)
 	@sed 's|^\(#include "\).*/|\1|' $(filter %/$(@F),$(HEADERS)) >$@
 
 $(B)/with/%: ;
--include $(wildcard $(addprefix $(B)/,$(addsuffix /*.d,src kernels kernels/* port/* tools tests tests/gpu)))
+-include $(wildcard $(addprefix $(B)/,$(addsuffix /*.d,src kernels kernels/* port/* tools tests tests/gpu)) \
+           $(B)/firmware/*/*/*.d $(B)/firmware/*/*/*/*.d)
 .SUFFIXES:
 .DELETE_ON_ERROR:
 .PRECIOUS: $(B)/%.o
@@ -179,6 +180,46 @@ demo: all ## make a procedural scene and render it to demo.png
 	$(B)/fixsplat make-scene knot --count 200000 -o demo.ply
 	$(B)/fixsplat render demo.ply --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --fov 36 --bg 11131b -o demo.png --stats
 	@echo "demo.png: 200,000 Gaussians with view-dependent colour of degree 3, from demo.ply"
+
+# ---- Firmware --------------------------------------------------------------------------------------------------------
+
+# For each board: processor, its clock in Hz, flash for code, flash for the scene, RAM.
+mps2-an385 := -mcpu=cortex-m3 25000000 0 256K 0x40000 3840K 0x20000000 4M
+mps2-an500 := -mcpu=cortex-m7 25000000 0 256K 0x40000 3840K 0x20000000 4M
+mps3-an547 := -mcpu=cortex-m55 32000000 0 512K 0x1000000 2M 0x21000000 4M
+BOARDS := mps2-an385 mps2-an500 mps3-an547
+FIRMWARE := $(BOARDS:%=$(B)/firmware/%.elf)
+FIRMWARE_SCENE ?= $(B)/firmware/knot.fxs
+ARM_CC ?= arm-none-eabi-gcc
+ARM_CFLAGS ?= -O2 -g
+
+firmware: $(FIRMWARE) ## for boards (docs/boards.md): FIRMWARE_SCENE=x.fxs turns on a display, rendered from flash
+
+$(B)/firmware/knot.fxs: $(B)/fixsplat
+	@mkdir -p $(@D)
+	$(B)/fixsplat make-scene knot --count 20000 -o $(@:.fxs=.ply)
+	$(B)/fixsplat convert $(@:.fxs=.ply) $@
+
+of_board = $(word $(1),$($(2)))
+define firmware_rules
+$(B)/firmware/$(1)/%.o: %.c $(B)/commands/firmware
+	@mkdir -p $$(@D)
+	$$(call say,CC,'$$< ($(1))')$(ARM_CC) -std=gnu99 -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(call of_board,1,$(1)) \
+	    -mthumb -ffreestanding -ffunction-sections -fdata-sections -fwrapv -DBOARD_HZ=$(call of_board,2,$(1)) \
+	    -DBOARD='"$(1)"' $(ARM_CFLAGS) -MMD -MP -c -o $$@ $$<
+$(B)/firmware/$(1)/scene.o: port/cortexm/scene.S $(FIRMWARE_SCENE) $(B)/commands/firmware
+	@mkdir -p $$(@D)
+	$$(call say,AS,'$$< ($(1))')$(ARM_CC) $(call of_board,1,$(1)) -mthumb -DSCENE='"$(FIRMWARE_SCENE)"' -c -o $$@ $$<
+$(B)/firmware/$(1).elf: $(patsubst %.c,$(B)/firmware/$(1)/%.o,$(wildcard src/*.c port/cortexm/*.c)) \
+                        $(B)/firmware/$(1)/scene.o port/cortexm/firmware.ld
+	$$(call say,LD,$$@)$(ARM_CC) $(call of_board,1,$(1)) -mthumb -nostartfiles --specs=nano.specs -Wl,--gc-sections \
+	    -T port/cortexm/firmware.ld -Wl,--defsym=FLASH=$(call of_board,3,$(1)),--defsym=FLASH_BYTES=$(call of_board,4,$(1)) \
+	    -Wl,--defsym=SCENE_AT=$(call of_board,5,$(1)),--defsym=SCENE_BYTES=$(call of_board,6,$(1)) \
+	    -Wl,--defsym=RAM=$(call of_board,7,$(1)),--defsym=RAM_BYTES=$(call of_board,8,$(1)) -Wl,-Map=$$(@:.elf=.map) \
+	    -o $$@ $$(filter %.o,$$^)
+endef
+$(foreach board,$(BOARDS),$(eval $(call firmware_rules,$(board))))
+$(B)/commands/firmware: COMMAND := $(ARM_CC) $(ARM_CFLAGS) $(FIRMWARE_SCENE) $(foreach board,$(BOARDS),$($(board)))
 
 # ---- Install ---------------------------------------------------------------------------------------------------------
 
@@ -265,7 +306,7 @@ size: all ## code size of each part
 clean: ## remove what was built
 	rm -rf $(B) demo.ply demo.png
 
-.PHONY: all demo install uninstall headers core-headers test test-programs cuda-tests golden-update fuzz mutants bench
+.PHONY: all demo firmware install uninstall headers core-headers test test-programs cuda-tests golden-update fuzz mutants bench
 .PHONY: size clean FORCE
 endif
 

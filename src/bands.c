@@ -4,7 +4,7 @@
 #include "memory.h"
 #include "parts.h"
 
-#define JOBS 8u                    /* blocks a thread where bands are planned, at most */
+#define JOBS 8u                    /* blocks a thread where bands are planned, at most; of one thread 1 */
 #define KEYS 2u                    /* a slot: what lists usually take */
 #define EYE_BYTES (sizeof(fxs_splat) + sizeof(fxs_bounds) + sizeof(fxs_box) + sizeof(uint32_t))
 #define SLOT_BYTES sizeof(uint32_t)            /* and EYE_BYTES for each eye */
@@ -43,10 +43,11 @@ static void lay_out_frame(fxs_frame *f, int planned)
     const uint32_t chunks = f->chunk_count, tiles_y = (uint32_t)f->eye->view.tiles_y;
     f->planned = planned;
     f->parts = config->run && config->threads > 1 ? config->threads : 1;
+    const uint64_t blocks = f->parts > 1 ? JOBS * f->parts : 1;
     f->tiles = (uint32_t)f->eye->view.tiles_x * tiles_y;
     f->macros = fxs_macros(f->eye->view.tiles_x) * fxs_macros(f->eye->view.tiles_y);
     f->block_chunks = FXS_BLOCK;
-    while (planned && chunks > JOBS * f->parts * (uint64_t)f->block_chunks)
+    while (planned && chunks > blocks * f->block_chunks)
         f->block_chunks *= 2;
     f->blocks = (chunks + f->block_chunks - 1) / f->block_chunks;
 

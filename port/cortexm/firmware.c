@@ -1,0 +1,98 @@
+/* A turning scene, rendered from flash in strips: what it takes is printed, and the hash of each picture, which every
+ * machine has. */
+#include "board.h"
+#include "console.h"
+#include "strip.h"
+#include "turntable.h"
+
+#ifdef FXS_WITH_KERNELS
+#include "../../kernels/kernels.h"
+#endif
+
+#define WIDTH_MOST 480
+#define ROWS_MOST 32
+
+/* FNV-1a of the pixels so far. */
+static int add_rows(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
+{
+    uint64_t *hash = argument;
+    const unsigned char *pixels = strip->pixels;
+    (void)first;
+    for (ptrdiff_t i = 0; i < rows * strip->stride; i++)
+        *hash = (*hash ^ pixels[i]) * 0x100000001b3u;
+    return 0;
+}
+
+static void say(const char *words, uint64_t number)
+{
+    console_text(words);
+    console_number(number);
+}
+
+static int failed(int error)
+{
+    console_text("error: ");
+    console_text(fxs_strerror(error));
+    console_text("\n");
+    return 1;
+}
+
+static void say_frame(uint32_t step, uint64_t hash, const fxs_stats *stats)
+{
+    say("step ", step);
+    console_text(" hash ");
+    console_hex(hash);
+    say(" visible ", stats->visible);
+    say(" bands ", stats->bands);
+    say(" memory ", stats->memory.total);
+    say(" ns ", stats->frame_nanoseconds);
+    for (int i = 0; i < FXS_STAGES; i++) {
+        console_text(" ");
+        console_text(fxs_stage_name((enum fxs_stage)i));
+        say(" ", stats->nanoseconds[i]);
+    }
+    console_text("\n");
+}
+
+int main(void)
+{
+    static unsigned char pixels[WIDTH_MOST * ROWS_MOST * 2];
+    static char line[128];
+    static fxs_turntable table;
+    static fxs_context context;
+    static fxs_stats stats;
+    static uint64_t hash;
+    static fxs_strip strip = {pixels, 0, 0, FXS_FORMAT_RGB565, &context.kernels, add_rows, &hash};
+    static const fxs_config config = {.clock = board_clock, .draw = fxs_strip_draw, .draw_argument = &strip};
+    const fxs_options options = {FXS_CUTOFF_MAHALANOBIS, 3, {0x11, 0x13, 0x1b}};
+    board_stack_mark();
+    console_command(line, sizeof line);
+    const uint32_t width = console_option(line, "width", 320), height = console_option(line, "height", 240);
+    const uint32_t rows = console_option(line, "rows", 16), frames = console_option(line, "frames", 4);
+    const uint32_t room = (uint32_t)(board_memory_end - board_memory), memory = console_option(line, "memory", room);
+    strip.rows = (int32_t)(rows < ROWS_MOST ? rows : ROWS_MOST);
+    strip.stride = (int32_t)(width < WIDTH_MOST ? width : WIDTH_MOST) * 2;
+    fxs_init(&context, &config);
+#ifdef FXS_WITH_KERNELS
+    fxs_kernels_choose(&context, FXS_ALL_KERNELS);
+#endif
+    int error = fxs_turntable_open(&table, board_scene, (size_t)(board_scene_end - board_scene), (int32_t)width,
+                                   (int32_t)height);
+    for (uint32_t i = 0; i < frames && !error; i++) {
+        const uint32_t step = i * FXS_TURNTABLE_STEPS / frames;
+        hash = 0xcbf29ce484222325u;
+        fxs_turntable_turn(&table, step);
+        error = fxs_render(&context, &table.object, 1, &table.camera, &options, 0, board_memory,
+                           memory < room ? memory : room, &stats);
+        if (!error)
+            say_frame(step, hash, &stats);
+    }
+    if (error == FXS_ERR_MEMORY)
+        say("least ", stats.memory.least);
+    if (error)
+        return failed(error);
+    say("stack ", board_stack_used());
+    say(" of ", board_stack_bytes());
+    console_text("\n");
+    return 0;
+}

@@ -1,0 +1,89 @@
+/* Cortex-M: the vector table, and what comes before main. */
+#include "board.h"
+
+#include <stdint.h>
+#include <string.h>
+
+#include "console.h"
+
+#define REGISTER(address) (*(volatile uint32_t *)(address))
+#define SYST_CSR REGISTER(0xe000e010)          /* "Armv7-M Architecture Reference Manual", B3.3 */
+#define SYST_RVR REGISTER(0xe000e014)
+#define SYST_CVR REGISTER(0xe000e018)
+#define ICSR REGISTER(0xe000ed04)
+#define CPACR REGISTER(0xe000ed88)
+#define CLOCK_TICKS 0x1000000u                 /* SysTick counts down from below this, 24 bits */
+#define PENDSTSET (1u << 26)
+
+/* The linker script's. */
+extern uint32_t board_stack[], board_stack_end[], board_data[], board_data_end[], board_bss[], board_bss_end[];
+extern const uint32_t board_data_in_flash[];
+
+static volatile uint32_t wraps;                /* of SysTick */
+
+static void count_wrap(void)
+{
+    wraps++;
+}
+
+static void fault(void)
+{
+    console_text("error: a fault of the processor\n");
+    console_exit(3);
+}
+
+void board_start(void);
+void board_start(void)
+{
+#if defined(__ARM_FEATURE_MVE)
+    CPACR |= 15u << 20;            /* vectors on */
+    __asm__ volatile("dsb\n\tisb");
+#endif
+    memcpy(board_data, board_data_in_flash, (size_t)((char *)board_data_end - (char *)board_data));
+    memset(board_bss, 0, (size_t)((char *)board_bss_end - (char *)board_bss));
+    SYST_RVR = CLOCK_TICKS - 1;
+    SYST_CVR = 0;
+    SYST_CSR = 7;                  /* on, with its interrupt, at the processor's clock */
+    console_exit(main());
+}
+
+/* Initial stack pointer, reset, NMI, HardFault, ...; SysTick is the last of the 16 that every Cortex-M has. */
+__attribute__((section(".vectors"), used)) static const struct {
+    uint32_t *stack;
+    void (*handlers[15])(void);
+} vectors = {board_stack_end, {board_start, fault, fault, fault, fault, fault, fault, 0, 0, 0, fault, fault, 0, fault,
+                               count_wrap}};
+
+/* Read again where it wrapped in between, or just before with the interrupt still to come. */
+uint64_t board_clock(void *unused)
+{
+    uint32_t before, ticks, pending;
+    (void)unused;
+    do {
+        before = wraps;
+        ticks = CLOCK_TICKS - 1 - SYST_CVR;
+        pending = ICSR & PENDSTSET;
+    } while (before != wraps || pending);
+    return ((uint64_t)before * CLOCK_TICKS + ticks) * (1000000000u / BOARD_HZ);
+}
+
+/* What lies between the stack's end and this was never used. */
+uint32_t board_stack_used(void)
+{
+    const uint32_t *at = board_stack;
+    while (at < board_stack_end && *at == BOARD_UNUSED)
+        at++;
+    return (uint32_t)((const char *)board_stack_end - (const char *)at);
+}
+
+void board_stack_mark(void)
+{
+    uint32_t *const here = __builtin_frame_address(0);
+    for (volatile uint32_t *at = board_stack; at < here - 16; at++)
+        *at = BOARD_UNUSED;
+}
+
+uint32_t board_stack_bytes(void)
+{
+    return (uint32_t)((const char *)board_stack_end - (const char *)board_stack);
+}
