@@ -14,11 +14,11 @@ HEADERS := $(CORE_HEADERS) kernels/cuda/cuda.h kernels/gles/gles.h port/egl/egl.
            $(addprefix port/posix/,clock.h map.h pool.h) $(addprefix port/files/,allocator.h message.h output.h) \
            $(addprefix port/scene/,scene_file.h scene_filter.h fxs_file.h ply_write.h splat_write.h spz_write.h) \
            port/camera/camera.h port/camera/camera_file.h port/image/image_file.h port/import/pack.h \
-           port/world/world.h port/backend/backends.h port/backend/foveate.h
+           port/world/world.h port/backend/backends.h port/backend/foveate.h port/board/strip.h
 
 PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libzstd-dev libegl-dev libgles-dev \
             libsdl2-dev
-TEST_PACKAGES := clang libclang-rt-14-dev cmake pkg-config glslang-tools qemu-user gcc-aarch64-linux-gnu \
+TEST_PACKAGES := qemu-system-arm clang libclang-rt-14-dev cmake pkg-config glslang-tools qemu-user gcc-aarch64-linux-gnu \
                  libc6-dev-arm64-cross gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind libosmesa6-dev libosmesa6 \
                  libegl1 libgles2 libegl-mesa0 libgl1-mesa-dri xvfb xdotool gcc-s390x-linux-gnu \
                  libc6-dev-s390x-cross gcc-powerpc-linux-gnu libc6-dev-powerpc-cross gcc-arm-linux-gnueabihf \
@@ -84,7 +84,7 @@ isa = $(if $(filter kernels/%,$(1)),-fwrapv $(if $(filter -O2,$(CFLAGS)),-O3)) $
 with = $(if $(filter $(1),$(FOUND)),$(wildcard $(2)))
 CORE := $(wildcard src/*.c kernels/*.c) $(if $(KERNEL_FOLDER),$(wildcard kernels/$(KERNEL_FOLDER)/*.c))
 DEVICES := $(call with,GLES,kernels/gles/*.c) $(call with,CUDA,kernels/cuda/cuda.cu)
-PORT := $(wildcard $(addprefix port/,$(addsuffix /*.c,files scene camera image import posix world backend)))
+PORT := $(wildcard $(addprefix port/,$(addsuffix /*.c,files scene camera image import posix world backend board)))
 PORT += $(if $(filter GLES,$(FOUND)),$(call with,EGL,port/egl/*.c) $(call with,OSMESA,port/osmesa/*.c))
 WINDOW := $(if $(call with,SDL,port/window/*.c),$(wildcard port/window/*.c) tools/viewer.c)
 TOOL := $(filter-out tools/viewer%,$(wildcard tools/*.c))
@@ -207,10 +207,10 @@ $(B)/firmware/$(1)/%.o: %.c $(B)/commands/firmware
 	$$(call say,CC,'$$< ($(1))')$(ARM_CC) -std=gnu99 -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(call of_board,1,$(1)) \
 	    -mthumb -ffreestanding -ffunction-sections -fdata-sections -fwrapv -DBOARD_HZ=$(call of_board,2,$(1)) \
 	    -DBOARD='"$(1)"' $(ARM_CFLAGS) -MMD -MP -c -o $$@ $$<
-$(B)/firmware/$(1)/scene.o: port/cortexm/scene.S $(FIRMWARE_SCENE) $(B)/commands/firmware
+$(B)/firmware/$(1)/scene.o: port/cortexm/scene.S $(FIRMWARE_SCENE) $(B)/commands/firmware-scene
 	@mkdir -p $$(@D)
 	$$(call say,AS,'$$< ($(1))')$(ARM_CC) $(call of_board,1,$(1)) -mthumb -DSCENE='"$(FIRMWARE_SCENE)"' -c -o $$@ $$<
-$(B)/firmware/$(1).elf: $(patsubst %.c,$(B)/firmware/$(1)/%.o,$(wildcard src/*.c port/cortexm/*.c)) \
+$(B)/firmware/$(1).elf: $(patsubst %.c,$(B)/firmware/$(1)/%.o,$(wildcard src/*.c port/board/*.c port/cortexm/*.c)) \
                         $(B)/firmware/$(1)/scene.o port/cortexm/firmware.ld
 	$$(call say,LD,$$@)$(ARM_CC) $(call of_board,1,$(1)) -mthumb -nostartfiles --specs=nano.specs -Wl,--gc-sections \
 	    -T port/cortexm/firmware.ld -Wl,--defsym=FLASH=$(call of_board,3,$(1)),--defsym=FLASH_BYTES=$(call of_board,4,$(1)) \
@@ -219,7 +219,8 @@ $(B)/firmware/$(1).elf: $(patsubst %.c,$(B)/firmware/$(1)/%.o,$(wildcard src/*.c
 	    -o $$@ $$(filter %.o,$$^)
 endef
 $(foreach board,$(BOARDS),$(eval $(call firmware_rules,$(board))))
-$(B)/commands/firmware: COMMAND := $(ARM_CC) $(ARM_CFLAGS) $(FIRMWARE_SCENE) $(foreach board,$(BOARDS),$($(board)))
+$(B)/commands/firmware: COMMAND := $(ARM_CC) $(ARM_CFLAGS) $(foreach board,$(BOARDS),$($(board)))
+$(B)/commands/firmware-scene: COMMAND := $(ARM_CC) $(FIRMWARE_SCENE)
 
 # ---- Install ---------------------------------------------------------------------------------------------------------
 

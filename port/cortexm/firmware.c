@@ -2,8 +2,8 @@
  * machine has. */
 #include "board.h"
 #include "console.h"
-#include "strip.h"
-#include "turntable.h"
+#include "../board/strip.h"
+#include "../board/turntable.h"
 
 #ifdef FXS_WITH_KERNELS
 #include "../../kernels/kernels.h"
@@ -29,10 +29,12 @@ static void say(const char *words, uint64_t number)
     console_number(number);
 }
 
-static int failed(int error)
+static int failed(int error, const fxs_stats *stats)
 {
     console_text("error: ");
     console_text(fxs_strerror(error));
+    if (error == FXS_ERR_MEMORY)
+        say("; this takes ", stats->memory.least);
     console_text("\n");
     return 1;
 }
@@ -87,10 +89,8 @@ int main(void)
         if (!error)
             say_frame(step, hash, &stats);
     }
-    if (error == FXS_ERR_MEMORY)
-        say("least ", stats.memory.least);
     if (error)
-        return failed(error);
+        return failed(error, &stats);
     say("stack ", board_stack_used());
     say(" of ", board_stack_bytes());
     console_text("\n");
