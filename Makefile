@@ -204,8 +204,8 @@ of_board = $(word $(1),$($(2)))
 define firmware_rules
 $(B)/firmware/$(1)/%.o: %.c $(B)/commands/firmware
 	@mkdir -p $$(@D)
-	$$(call say,CC,'$$< ($(1))')$(ARM_CC) -std=gnu99 -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(call of_board,1,$(1)) \
-	    -mthumb -ffreestanding -ffunction-sections -fdata-sections -fwrapv -DBOARD_HZ=$(call of_board,2,$(1)) \
+	$$(call say,CC,'$$< ($(1))')$(ARM_CC) -std=gnu99 -Wall -Wextra -Wpedantic -Wshadow -Wconversion \
+	    $(call of_board,1,$(1)) -mthumb -ffreestanding -ffunction-sections -fdata-sections -fwrapv -DBOARD_HZ=$(call of_board,2,$(1)) \
 	    -DBOARD='"$(1)"' $(ARM_CFLAGS) -MMD -MP -c -o $$@ $$<
 $(B)/firmware/$(1)/scene.o: port/cortexm/scene.S $(FIRMWARE_SCENE) $(B)/commands/firmware-scene
 	@mkdir -p $$(@D)
@@ -213,7 +213,8 @@ $(B)/firmware/$(1)/scene.o: port/cortexm/scene.S $(FIRMWARE_SCENE) $(B)/commands
 $(B)/firmware/$(1).elf: $(patsubst %.c,$(B)/firmware/$(1)/%.o,$(wildcard src/*.c port/board/*.c port/cortexm/*.c)) \
                         $(B)/firmware/$(1)/scene.o port/cortexm/firmware.ld
 	$$(call say,LD,$$@)$(ARM_CC) $(call of_board,1,$(1)) -mthumb -nostartfiles --specs=nano.specs -Wl,--gc-sections \
-	    -T port/cortexm/firmware.ld -Wl,--defsym=FLASH=$(call of_board,3,$(1)),--defsym=FLASH_BYTES=$(call of_board,4,$(1)) \
+	    -T port/cortexm/firmware.ld \
+	    -Wl,--defsym=FLASH=$(call of_board,3,$(1)),--defsym=FLASH_BYTES=$(call of_board,4,$(1)) \
 	    -Wl,--defsym=SCENE_AT=$(call of_board,5,$(1)),--defsym=SCENE_BYTES=$(call of_board,6,$(1)) \
 	    -Wl,--defsym=RAM=$(call of_board,7,$(1)),--defsym=RAM_BYTES=$(call of_board,8,$(1)) -Wl,-Map=$$(@:.elf=.map) \
 	    -o $$@ $$(filter %.o,$$^)

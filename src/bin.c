@@ -105,6 +105,14 @@ FXS_STAGE fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, co
                         : (span){splat->first_row / FXS_TILE, splat->last_row / FXS_TILE};
 }
 
+fxs_span fxs_bin_columns(const fxs_view *view, const fxs_bounds *bounds)
+{
+    const int64_t cx_q8 = bounds->cx_q14 >> 6, reach_q8 = bounds->half_width_q8;
+    return view->square                      ? square_span(bounds->cx_q14, bounds->radius, view->tiles_x)
+           : reach_q8 == FXS_EVERYWHERE_Q8 ? (span){0, view->tiles_x - 1}
+                                           : columns_between(view, cx_q8 - reach_q8, cx_q8 + reach_q8);
+}
+
 static span span_of(const ellipse *e, const fxs_view *view, int32_t row)
 {
     return view->square ? square_span(e->bounds->cx_q14, e->bounds->radius, view->tiles_x)

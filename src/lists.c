@@ -130,5 +130,5 @@ int fxs_tile_of(const fxs_frame *f, uint32_t macro, int32_t i, uint32_t *tile)
     const int32_t row = (int32_t)macro / across * FXS_MACRO + i / FXS_MACRO;
     const int32_t column = (int32_t)macro % across * FXS_MACRO + i % FXS_MACRO;
     *tile = fxs_tiles_above(f, row) + (uint32_t)column;
-    return row >= f->first_row && row < f->end_row && column < f->eye->view.tiles_x;
+    return row >= f->first_row && row < f->end_row && column >= f->first_column && column < f->end_column;
 }

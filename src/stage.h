@@ -146,6 +146,7 @@ typedef struct fxs_tile_run {
     uint32_t visible;
     const uint32_t *entries, *ends, *counts;
     uint32_t first_tile, last_tile;
+    const fxs_tile *blended;       /* these tiles, with draw_blended where memory is short; then there is no list */
     const fxs_targets *targets;    /* of the whole picture, as in fxs_render; may be null */
 } fxs_tile_run;
 

@@ -843,8 +843,11 @@ static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, co
           FXS_ERR_DEVICE);
     context.config = (fxs_config){.draw = draw_keys, .draw_argument = &ordered, .draw_unlisted = 1};
     const fxs_object object = one_object(scene);
-    CHECK(fxs_render(&context, &object, 1, camera, options, 0, memory, size, &stats) == 0);
+    const size_t unlisted = fxs_frame_bytes(&context, &object, 1, camera->width, camera->height, 0);
+    void *room = check_aligned(unlisted);
+    CHECK(fxs_render(&context, &object, 1, camera, options, 0, room, unlisted, &stats) == 0);
     CHECK(ordered == stats.visible && stats.visible == all.count);
+    free(room);
     free(pixels);
 }
 

@@ -58,7 +58,7 @@ static void bench_init(bench *b, int32_t width, int32_t height, int32_t rows, en
     b->strip = (fxs_strip){.stride = width * bytes + 16, .rows = rows, .format = format, .rows_done = collect,
                            .argument = &b->got, .kernels = &b->strips.kernels};
     b->strip.pixels = check_aligned((size_t)((width * bytes + 16) * rows));
-    b->config = (fxs_config){.draw = fxs_strip_draw, .draw_argument = &b->strip};
+    b->config = (fxs_config){.draw = fxs_strip_draw, .draw_argument = &b->strip, .draw_blended = 1};
     fxs_init(&b->whole, 0);
     fxs_init(&b->strips, &b->config);
 }
@@ -90,11 +90,11 @@ static int same(const bench *b, const fxs_camera *camera)
            !memcmp(b->got.pixels, b->want, (size_t)(b->got.row_bytes * camera->height));
 }
 
-/* Random scenes in every format, in strips of 16 rows and more, with one buffer and two, at once and in the least memory
-   that does. */
+/* Random scenes in every format, in strips of 16 rows and more, with one buffer and two, at once and in less and less
+   memory. */
 static void test_strips_are_the_picture(void)
 {
-    int banded = 0;
+    int banded = 0, sliced = 0;
     state = 20;
     for (int i = 0; i < 60; i++) {
         packed_scene scene = random_scene((enum fxs_profile)(i % 3), 3000);
@@ -108,21 +108,22 @@ static void test_strips_are_the_picture(void)
         bench_init(&b, camera.width, camera.height, rows, (enum fxs_format)(i % 4));
         if (i % 5 == 0)
             b.got.other = check_aligned((size_t)(b.strip.stride * rows));
-        const size_t whole = fxs_frame_bytes(&b.whole, &object, 1, camera.width, camera.height, 0);
+        fxs_frame_memory sizes;
+        const size_t whole = fxs_frame_bytes(&b.whole, &object, 1, camera.width, camera.height, &sizes);
         void *memory = check_aligned(whole);
         CHECK(!draw_both(&b, &object, &camera, memory, whole, whole, &stats) && same(&b, &camera));
         CHECK(b.got.strips == (camera.height + rows - 1) / rows);
-        size_t least = 0;
-        while (draw_both(&b, &object, &camera, memory, whole, least, &stats) == FXS_ERR_MEMORY &&
-               stats.memory.least > least)
-            least = stats.memory.least;
-        CHECK(least && same(&b, &camera));
-        banded += stats.bands > 1;
+        for (size_t bytes = sizes.least; bytes < whole; bytes += (whole - sizes.least) / 3 + 1) {
+            CHECK(!draw_both(&b, &object, &camera, memory, whole, bytes, &stats) && same(&b, &camera));
+            banded += stats.bands > 1;
+            sliced += stats.slices > 0;
+        }
+        CHECK(draw_both(&b, &object, &camera, memory, whole, sizes.least - 1, &stats) == FXS_ERR_MEMORY);
         free(memory);
         free(scene.data);
         bench_free(&b);
     }
-    CHECK(banded > 10);
+    CHECK(banded > 10 && sliced > 5);
 }
 
 /* A strip that is not one, and one whose receiver fails. */

@@ -27,7 +27,8 @@ static const char help[] =
     "  --views N           how many, 1 to 1000 (default 8)\n"
     "  --size WxH          pixels (default 1280x720; of the views of a file their own)\n"
     "  --board WxH         what a board with a display of this size needs to show the scene on a turntable: flash, a\n"
-    "                      strip of RGB565, and working memory (one thread), the least that does at each of 16 turns\n"
+    "                      strip of RGB565, and working memory of one thread: the least, and from where on no row\n"
+    "                      of tiles is drawn in slices, at each of 16 turns\n"
     "  --max-memory BYTES  (also as 64K, 3M, 2G) what render and bench can do with so much\n"
     "  --profile P         how a scene that is not an .fxs file is packed: default, compact or small\n"
     "  --lod LEVEL         level of detail of SCENE, where it is a streamed .sog, 0 the finest (default 0)\n"
@@ -59,7 +60,7 @@ typedef struct board {
     int width, height;
     size_t strip;                           /* 16 rows of RGB565 */
     fxs_frame_memory memory;                /* of one thread */
-    size_t least, most;                     /* that do for every row of tiles, of all turns */
+    size_t rows, rows_most;                 /* from where on nothing is sliced, of all turns the least and the most */
 } board;
 
 /* What is known of a scene. */
@@ -135,8 +136,8 @@ static void print_object_json(const world *w, uint32_t i)
 static void print_board_json(const board *b)
 {
     printf("\"board\": {\"width\": %d, \"height\": %d, \"strip\": %zu, \"bytes\": %zu, \"least\": %zu, "
-           "\"turntable_least\": %zu, \"turntable_most\": %zu}, ", b->width, b->height, b->strip, b->memory.total,
-           b->memory.least, b->least, b->most);
+           "\"rows_least\": %zu, \"rows_most\": %zu}, ", b->width, b->height, b->strip, b->memory.total,
+           b->memory.least, b->rows, b->rows_most);
 }
 
 /* Of one scene as it is, its own; of more, a list of scenes and one of objects. */
@@ -177,7 +178,7 @@ static void print_error_text(const char *name, const fxs_pack_error *e)
            e->position, e->scale, e->rotation, e->opacity, e->dc, e->sh);
 }
 
-/* What a frame can be with --max-memory: beyond the least, a band takes 92 bytes a splat. */
+/* What a frame can be with --max-memory: beyond the least, a band takes 88 bytes a splat. */
 static void print_limit(const fxs_frame_memory *m, size_t limit)
 {
     if (limit < m->least)
@@ -185,8 +186,8 @@ static void print_limit(const fxs_frame_memory *m, size_t limit)
     else if (limit >= m->total)
         printf("--max-memory  %zu bytes: enough for any view\n", limit);
     else
-        printf("--max-memory  %zu bytes: enough for views with at most %zu Gaussians in a row of tiles (16 pixels)\n",
-               limit, (limit - m->least) / 92 / 16 * 16);
+        printf("--max-memory  %zu bytes: enough for any view; slower where a row of tiles (16 pixels) has more than %zu "
+               "Gaussians\n", limit, (limit - m->least) / 88 / 16 * 16);
 }
 
 static void print_scene_text(const loaded_scene *s)
@@ -222,9 +223,10 @@ static void print_object_text(const world *w, uint32_t i)
 
 static void print_board_text(const board *b, size_t scene_bytes)
 {
-    printf("board         %dx%d, one thread: %zu bytes of flash for the scene, %zu of RAM for a strip of 16 rows;\n"
-           "              working memory at once %zu; in bands on a turntable %zu to %zu, and %zu or more for any view\n",
-           b->width, b->height, scene_bytes, b->strip, b->memory.total, b->least, b->most, b->memory.least);
+    printf("board         %dx%d, one thread: %zu bytes of flash for the scene, %zu of RAM for a strip of 16 "
+           "rows;\n              working memory: %zu at the least; from %zu to %zu on, by how it is turned, rows of tiles at once;\n"
+           "              %zu for the whole frame at once\n", b->width, b->height, scene_bytes, b->strip,
+           b->memory.least, b->rows, b->rows_most, b->memory.total);
 }
 
 static void print_text(const findings *f)
@@ -331,29 +333,29 @@ static int compare(findings *f, const info_options *o)
     return status;
 }
 
-static int drop_rows(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
+/* Ends a frame whose plan is all that is wanted. */
+static int enough(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
 {
     (void)argument, (void)strip, (void)first, (void)rows;
-    return 0;
+    return FXS_ERR_UNSUPPORTED;
 }
 
-/* The least memory that does at each turn, by asking with too little. `rows` has room for the strip. */
+/* What the plan of each turn says. `rows` has room for the strip. */
 static int measure_turns(board *b, fxs_turntable *t, unsigned char *rows, void *memory)
 {
     fxs_context context;
     fxs_options options;
-    fxs_strip strip = {rows, 2 * b->width, 16, FXS_FORMAT_RGB565, &context.kernels, drop_rows, 0};
-    fxs_init(&context, &(fxs_config){.draw = fxs_strip_draw, .draw_argument = &strip});
+    fxs_strip strip = {rows, 2 * b->width, 16, FXS_FORMAT_RGB565, &context.kernels, enough, 0};
+    fxs_init(&context, &(fxs_config){.draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1});
     fxs_options_init(&options);
     for (uint32_t turn = 0; turn < 16; turn++) {
         fxs_stats stats;
         fxs_turntable_turn(t, turn * FXS_TURNTABLE_STEPS / 16);
         const int error = fxs_render(&context, &t->object, 1, &t->camera, &options, 0, memory, b->memory.least, &stats);
-        if (error && error != FXS_ERR_MEMORY)
+        if (error != FXS_ERR_UNSUPPORTED)
             return fail(EXIT_FAILED, "%s", fxs_strerror(error));
-        const size_t least = error ? stats.memory.least : b->memory.least;
-        b->least = least < b->least ? least : b->least;
-        b->most = least > b->most ? least : b->most;
+        b->rows = stats.memory.rows < b->rows ? stats.memory.rows : b->rows;
+        b->rows_most = stats.memory.rows > b->rows_most ? stats.memory.rows : b->rows_most;
     }
     return 0;
 }
@@ -370,7 +372,7 @@ static int measure_board(findings *f, int width, int height)
     if (error)
         return fail(EXIT_FAILED, "%s: %s", s->path, fxs_strerror(error));
     fxs_init(&context, 0);
-    *b = (board){.width = width, .height = height, .strip = (size_t)width * 16 * 2, .least = SIZE_MAX};
+    *b = (board){.width = width, .height = height, .strip = (size_t)width * 16 * 2, .rows = SIZE_MAX};
     fxs_frame_bytes(&context, &t.object, 1, width, height, &b->memory);
     void *memory = malloc(b->memory.least + 63), *rows = malloc(b->strip);
     const int status = memory && rows ? measure_turns(b, &t, rows, (void *)(((uintptr_t)memory + 63) / 64 * 64))

@@ -46,6 +46,7 @@ static void say_frame(uint32_t step, uint64_t hash, const fxs_stats *stats)
     console_hex(hash);
     say(" visible ", stats->visible);
     say(" bands ", stats->bands);
+    say(" slices ", stats->slices);
     say(" memory ", stats->memory.total);
     say(" ns ", stats->frame_nanoseconds);
     for (int i = 0; i < FXS_STAGES; i++) {
@@ -65,7 +66,8 @@ int main(void)
     static fxs_stats stats;
     static uint64_t hash;
     static fxs_strip strip = {pixels, 0, 0, FXS_FORMAT_RGB565, &context.kernels, add_rows, &hash};
-    static const fxs_config config = {.clock = board_clock, .draw = fxs_strip_draw, .draw_argument = &strip};
+    static const fxs_config config = {.clock = board_clock, .draw = fxs_strip_draw, .draw_argument = &strip,
+                                      .draw_blended = 1};
     const fxs_options options = {FXS_CUTOFF_MAHALANOBIS, 3, {0x11, 0x13, 0x1b}};
     board_stack_mark();
     console_command(line, sizeof line);

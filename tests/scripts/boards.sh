@@ -15,7 +15,8 @@ boards='mps2-an385 mps2-an500 mps3-an547'
 
 # firmware SCENE: builds them all with this scene.
 firmware() {
-    said=$(env -u MAKEFLAGS make -s B="$made" NVCC=none FIRMWARE_SCENE="$1" firmware 2>&1 | grep -v '^built without')
+    said=$(env -u MAKEFLAGS make -s B="$made" NVCC=none FIRMWARE_SCENE="$1" firmware 2>&1 |
+        grep -v '^built without')
     [ -z "$said" ] || { echo "$said"; return 1; }
 }
 
@@ -37,34 +38,32 @@ same_hashes() {
     shift 4
     want=$("$B/tests/test_strip" "$scene" "$width" "$height" "$frames")
     run "$board" "$made/firmware/$board.elf" width="$width" height="$height" frames="$frames" "$@" >"$work/log"
-    tail -n 1 "$work/log" | grep -qx 'exit 0' && equal "$(hashes <"$work/log")" "$want" || { cat "$work/log"; return 1; }
+    tail -n 1 "$work/log" | grep -qx 'exit 0' && equal "$(hashes <"$work/log")" "$want" && return
+    cat "$work/log"
+    return 1
 }
 
 # refuses BOARD ELF WORDS PATTERN: ends in 1 with one line that says so, and no more.
 refuses() {
     run "$1" "$2" $3 >"$work/log"
-    equal "$(tail -n 1 "$work/log")" 'exit 1' && equal "$(grep -c . "$work/log")" 2 && grep -q "^error: .*$4" "$work/log" ||
-        { cat "$work/log"; return 1; }
+    equal "$(tail -n 1 "$work/log")" 'exit 1' && equal "$(grep -c . "$work/log")" 2 &&
+        grep -q "^error: .*$4" "$work/log" && return
+    cat "$work/log"
+    return 1
 }
 
-# least_memory BOARD: that of step 0 at 160x120, by asking for more until it does.
-least_memory() {
-    least=0
-    while said=$(run "$1" "$made/firmware/$1.elf" width=160 height=120 frames=1 memory=$least | grep -o 'takes [0-9]*'); do
-        [ "${said#takes }" -gt "$least" ] || return
-        least=${said#takes }
-    done
-    echo "$least"
-}
-
+# The least memory for a frame of 160x120, and a byte less.
 one_byte_short() {
-    least=$(least_memory "$1")
+    least=$(run "$1" "$made/firmware/$1.elf" width=160 height=120 frames=1 memory=0 | sed -n 's/.*takes //p')
     [ "${least:-0}" -gt 30000 ] && same_hashes "$1" 160 120 1 memory="$least" &&
         refuses "$1" "$made/firmware/$1.elf" "width=160 height=120 memory=$((least - 1))" 'too little memory'
 }
 
 # make_scene COUNT: a knot of so many Gaussians, as $work/COUNT.fxs
-make_scene() { "$B/fixsplat" make-scene knot --count "$1" -o "$work/$1.ply" && "$B/fixsplat" convert "$work/$1.ply" "$work/$1.fxs"; }
+make_scene() {
+    "$B/fixsplat" make-scene knot --count "$1" -o "$work/$1.ply" &&
+        "$B/fixsplat" convert "$work/$1.ply" "$work/$1.fxs"
+}
 
 scene=$work/20000.fxs
 check "makes a scene" make_scene 20000
@@ -81,7 +80,9 @@ done
 # ---- What may lie in flash: a scene of three chunks, with each byte of its headers changed in turn ---------------------
 
 # place: where the scene lies in an ELF file.
-place() { arm-none-eabi-readelf -SW "$1" | sed -n 's/.* \.scene *PROGBITS *[0-9a-f]* \([0-9a-f]*\) .*/0x\1/p'; }
+place() {
+    arm-none-eabi-readelf -SW "$1" | sed -n 's/.* \.scene *PROGBITS *[0-9a-f]* \([0-9a-f]*\) .*/0x\1/p'
+}
 
 # poke ELF OFFSET BYTE: a byte of the scene.
 poke() { printf "\\$(printf %o "$3")" | dd of="$1" bs=1 seek=$(($(place "$1") + $2)) conv=notrunc 2>/dev/null; }
