@@ -183,15 +183,28 @@ demo: all ## make a procedural scene and render it to demo.png
 
 # ---- Firmware --------------------------------------------------------------------------------------------------------
 
-# For each board: processor, its clock in Hz, flash for code, flash for the scene, RAM.
-mps2-an385 := -mcpu=cortex-m3 25000000 0 256K 0x40000 3840K 0x20000000 4M
-mps2-an500 := -mcpu=cortex-m7 25000000 0 256K 0x40000 3840K 0x20000000 4M
-mps3-an547 := -mcpu=cortex-m55 32000000 0 512K 0x1000000 2M 0x21000000 4M
-BOARDS := mps2-an385 mps2-an500 mps3-an547
+# For each board what it is compiled with, where it is linked, and its own folder of port/. BOARD_HZ: the clock.
+memory = $(foreach pair,$(1),-Wl,--defsym=$(pair))
+in_flash := -T port/cortexm/firmware.ld
+cpu_of_mps2-an385 := -mthumb -mcpu=cortex-m3 -DBOARD_HZ=25000000
+cpu_of_mps2-an500 := -mthumb -mcpu=cortex-m7 -DBOARD_HZ=25000000
+cpu_of_mps3-an547 := -mthumb -mcpu=cortex-m55 -DBOARD_HZ=32000000
+cpu_of_vexpress-a9 := -marm -mcpu=cortex-a9 -mno-unaligned-access
+link_of_mps2-an385 := $(in_flash) $(call memory,FLASH=0 FLASH_BYTES=256K SCENE_AT=0x40000 SCENE_BYTES=3840K \
+                                                RAM=0x20000000 RAM_BYTES=4M)
+link_of_mps2-an500 := $(link_of_mps2-an385)
+link_of_mps3-an547 := $(in_flash) $(call memory,FLASH=0 FLASH_BYTES=512K SCENE_AT=0x1000000 SCENE_BYTES=2M \
+                                                RAM=0x21000000 RAM_BYTES=4M)
+link_of_vexpress-a9 := -T port/vexpress/screen.ld
+own_of_vexpress-a9 := port/vexpress/screen.c port/vexpress/start.S port/cortexm/console.c port/cortexm/scene.S
+own_of_cortexm := $(wildcard port/cortexm/*.[cS])
+BOARDS := mps2-an385 mps2-an500 mps3-an547 vexpress-a9
 FIRMWARE := $(BOARDS:%=$(B)/firmware/%.elf)
 FIRMWARE_SCENE ?= $(B)/firmware/knot.fxs
 ARM_CC ?= arm-none-eabi-gcc
 ARM_CFLAGS ?= -O2 -g
+ARM_FLAGS = -std=gnu99 -Wall -Wextra -Wpedantic -Wshadow -Wconversion -ffreestanding -ffunction-sections \
+            -fdata-sections -fwrapv $(ARM_CFLAGS) -DSCENE='"$(FIRMWARE_SCENE)"'
 
 firmware: $(FIRMWARE) ## for boards (docs/boards.md): FIRMWARE_SCENE=x.fxs turns on a display, rendered from flash
 
@@ -200,27 +213,22 @@ $(B)/firmware/knot.fxs: $(B)/fixsplat
 	$(B)/fixsplat make-scene knot --count 20000 -o $(@:.fxs=.ply)
 	$(B)/fixsplat convert $(@:.fxs=.ply) $@
 
-of_board = $(word $(1),$($(2)))
 define firmware_rules
 $(B)/firmware/$(1)/%.o: %.c $(B)/commands/firmware
 	@mkdir -p $$(@D)
-	$$(call say,CC,'$$< ($(1))')$(ARM_CC) -std=gnu99 -Wall -Wextra -Wpedantic -Wshadow -Wconversion \
-	    $(call of_board,1,$(1)) -mthumb -ffreestanding -ffunction-sections -fdata-sections -fwrapv -DBOARD_HZ=$(call of_board,2,$(1)) \
-	    -DBOARD='"$(1)"' $(ARM_CFLAGS) -MMD -MP -c -o $$@ $$<
-$(B)/firmware/$(1)/scene.o: port/cortexm/scene.S $(FIRMWARE_SCENE) $(B)/commands/firmware-scene
+	$$(call say,CC,'$$< ($(1))')$(ARM_CC) $(cpu_of_$(1)) $$(ARM_FLAGS) -MMD -MP -c -o $$@ $$<
+$(B)/firmware/$(1)/%.o: %.S $(B)/commands/firmware
 	@mkdir -p $$(@D)
-	$$(call say,AS,'$$< ($(1))')$(ARM_CC) $(call of_board,1,$(1)) -mthumb -DSCENE='"$(FIRMWARE_SCENE)"' -c -o $$@ $$<
-$(B)/firmware/$(1).elf: $(patsubst %.c,$(B)/firmware/$(1)/%.o,$(wildcard src/*.c port/board/*.c port/cortexm/*.c)) \
-                        $(B)/firmware/$(1)/scene.o port/cortexm/firmware.ld
-	$$(call say,LD,$$@)$(ARM_CC) $(call of_board,1,$(1)) -mthumb -nostartfiles --specs=nano.specs -Wl,--gc-sections \
-	    -T port/cortexm/firmware.ld \
-	    -Wl,--defsym=FLASH=$(call of_board,3,$(1)),--defsym=FLASH_BYTES=$(call of_board,4,$(1)) \
-	    -Wl,--defsym=SCENE_AT=$(call of_board,5,$(1)),--defsym=SCENE_BYTES=$(call of_board,6,$(1)) \
-	    -Wl,--defsym=RAM=$(call of_board,7,$(1)),--defsym=RAM_BYTES=$(call of_board,8,$(1)) -Wl,-Map=$$(@:.elf=.map) \
-	    -o $$@ $$(filter %.o,$$^)
+	$$(call say,AS,'$$< ($(1))')$(ARM_CC) $(cpu_of_$(1)) $$(ARM_FLAGS) -c -o $$@ $$<
+$(B)/firmware/$(1)/port/cortexm/scene.o: $(FIRMWARE_SCENE) $(B)/commands/firmware-scene
+$(B)/firmware/$(1).elf: $(addprefix $(B)/firmware/$(1)/,$(addsuffix .o,$(basename \
+                        $(wildcard src/*.c port/board/*.c) $(or $(own_of_$(1)),$(own_of_cortexm))))) \
+                        $(filter %.ld,$(link_of_$(1)))
+	$$(call say,LD,$$@)$(ARM_CC) $(cpu_of_$(1)) -nostartfiles --specs=nano.specs -Wl,--gc-sections $(link_of_$(1)) \
+	    -Wl,-Map=$$(@:.elf=.map) -o $$@ $$(filter %.o,$$^)
 endef
 $(foreach board,$(BOARDS),$(eval $(call firmware_rules,$(board))))
-$(B)/commands/firmware: COMMAND := $(ARM_CC) $(ARM_CFLAGS) $(foreach board,$(BOARDS),$($(board)))
+$(B)/commands/firmware: COMMAND = $(ARM_CC) $(ARM_CFLAGS) $(foreach board,$(BOARDS),$(cpu_of_$(board)) $(link_of_$(board)))
 $(B)/commands/firmware-scene: COMMAND := $(ARM_CC) $(FIRMWARE_SCENE)
 
 # ---- Install ---------------------------------------------------------------------------------------------------------

@@ -1,5 +1,5 @@
 /* Pictures in strips, and the turntable, against fxs_render: byte for byte. With arguments it prints what a board's
- * firmware should: test_strip SCENE.fxs WIDTH HEIGHT FRAMES. */
+ * firmware should: test_strip SCENE.fxs WIDTH HEIGHT FRAMES. Or the hash of a screen's picture: test_strip SCREEN.ppm. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -262,8 +262,30 @@ static int print_hashes(char **arguments)
     return error != 0 || check_faults;
 }
 
+/* The hash of the RGB565 that a screen has shown with its lowest bits 0. */
+static int print_screen(const char *path)
+{
+    int width, height, most;
+    FILE *file = fopen(path, "rb");
+    if (!file || fscanf(file, "P6 %d %d %d", &width, &height, &most) != 3 || most != 255 || fgetc(file) == EOF)
+        return printf("%s: not a picture\n", path), 1;
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (int i = 0; i < width * height; i++) {
+        unsigned char rgb[3];
+        CHECK(fread(rgb, 1, 3, file) == 3);
+        const int pixel = rgb[0] >> 3 << 11 | rgb[1] >> 2 << 5 | rgb[2] >> 3;
+        hash = (hash ^ (unsigned)(pixel & 255)) * 0x100000001b3u;
+        hash = (hash ^ (unsigned)(pixel >> 8)) * 0x100000001b3u;
+    }
+    fclose(file);
+    printf("%dx%d hash %016" PRIx64 "\n", width, height, hash);
+    return check_faults != 0;
+}
+
 int main(int argc, char **argv)
 {
+    if (argc == 2)
+        return print_screen(argv[1]);
     if (argc == 5)
         return print_hashes(argv + 1);
     RUN(test_strips_are_the_picture);

@@ -77,6 +77,29 @@ for board in $boards; do
     check "$board: a picture without pixels" refuses "$board" "$made/firmware/$board.elf" 'width=0' 'height'
 done
 
+# ---- The screen of the Versatile Express: what it shows after three pictures ------------------------------------------
+
+# shown FRAMES: a dump of the screen, as $work/screen.ppm.
+shown() {
+    mkfifo "$work/monitor" && : >"$work/said"
+    timeout 100 qemu-system-arm -M vexpress-a9 -display none -audio driver=none -serial none -monitor stdio \
+        -semihosting-config enable=on,target=native,arg=firmware,arg=frames="$1" \
+        -kernel "$made/firmware/vexpress-a9.elf" <"$work/monitor" >"$work/said" 2>&1 &
+    exec 3>"$work/monitor"
+    until grep -q 'shown\|error' "$work/said" || ! kill -0 $! 2>/dev/null; do sleep 0.1; done
+    echo "screendump $work/screen.ppm" >&3
+    echo quit >&3
+    exec 3>&-
+    wait
+    [ -s "$work/screen.ppm" ] || { cat "$work/said"; return 1; }
+}
+
+screen_is_golden() {
+    shown 3 && equal "$("$B/tests/test_strip" "$work/screen.ppm")" \
+        "640x480 $("$B/tests/test_strip" "$scene" 640 480 64 | sed -n 's/^step 2 //p')"
+}
+check "vexpress-a9 shows the picture of the host" screen_is_golden
+
 # ---- What may lie in flash: a scene of three chunks, with each byte of its headers changed in turn ---------------------
 
 # place: where the scene lies in an ELF file.
