@@ -82,7 +82,7 @@ done
 # shown FRAMES: a dump of the screen, as $work/screen.ppm.
 shown() {
     mkfifo "$work/monitor" && : >"$work/said"
-    timeout 100 qemu-system-arm -M vexpress-a9 -display none -audio driver=none -serial none -monitor stdio \
+    QEMU_AUDIO_DRV=none timeout 100 qemu-system-arm -M vexpress-a9 -display none -serial none -monitor stdio \
         -semihosting-config enable=on,target=native,arg=firmware,arg=frames="$1" \
         -kernel "$made/firmware/vexpress-a9.elf" <"$work/monitor" >"$work/said" 2>&1 &
     exec 3>"$work/monitor"
