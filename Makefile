@@ -18,12 +18,17 @@ HEADERS := $(CORE_HEADERS) kernels/cuda/cuda.h kernels/gles/gles.h port/egl/egl.
 
 PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libzstd-dev libegl-dev libgles-dev \
             libsdl2-dev
-TEST_PACKAGES := qemu-system-arm clang libclang-rt-14-dev cmake pkg-config glslang-tools qemu-user gcc-aarch64-linux-gnu \
+TEST_PACKAGES := clang libclang-rt-14-dev cmake pkg-config glslang-tools qemu-user gcc-aarch64-linux-gnu \
                  libc6-dev-arm64-cross gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind libosmesa6-dev libosmesa6 \
                  libegl1 libgles2 libegl-mesa0 libgl1-mesa-dri xvfb xdotool gcc-s390x-linux-gnu \
                  libc6-dev-s390x-cross gcc-powerpc-linux-gnu libc6-dev-powerpc-cross gcc-arm-linux-gnueabihf \
                  libc6-dev-armhf-cross gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-i686-linux-gnu \
-                 libc6-dev-i386-cross g++
+                 libc6-dev-i386-cross g++ qemu-system-arm
+CROSS := mips-linux-gnu powerpc64-linux-gnu powerpc64le-linux-gnu m68k-linux-gnu sparc64-linux-gnu hppa-linux-gnu \
+         arm-linux-gnueabi mips64el-linux-gnuabi64
+TEST_ALL_PACKAGES := musl-tools $(CROSS:%=gcc-%) libc6-dev-mips-cross libc6-dev-ppc64-cross libc6-dev-ppc64el-cross \
+                     libc6-dev-m68k-cross libc6-dev-sparc64-cross libc6-dev-hppa-cross libc6-dev-armel-cross \
+                     libc6-dev-mips64el-cross
 GOALS := $(or $(MAKECMDGOALS),all)
 
 # As many jobs as processors, unless told by -j.
@@ -37,8 +42,9 @@ all: ## the command and the libraries (the default)
 ifneq ($(filter setup,$(GOALS)),)
 # ---- Setup ---------------------------------------------------------------------------------------------------------
 
-setup: ## install the Debian packages that are missing (those for the tests too, before `test`)
-	@sh tools/setup.sh $(PACKAGES) $(if $(filter test,$(GOALS)),$(TEST_PACKAGES))
+setup: ## install the Debian packages that are missing (those for the tests too, before `test` or `test-all`)
+	@sh tools/setup.sh $(PACKAGES) $(if $(filter test test-all,$(GOALS)),$(TEST_PACKAGES)) \
+	    $(if $(filter test-all,$(GOALS)),$(TEST_ALL_PACKAGES))
 
 # What else is asked for, by a make that finds what was installed.
 REST := $(filter-out setup,$(GOALS))
@@ -288,6 +294,9 @@ $(B)/tests/test_window: $(call objects,tests/test_window.c port/window/motion.c 
 test: all $(addprefix $(B)/tests/,$(NEEDED)) ## run all tests, JOBS at once; T=name: those with that in their names
 	@FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(PROCESSORS)) sh tests/run.sh $(RUN)
 
+test-all: ## the same, on a dozen kinds of processor more
+	FXS_PROCESSORS=all $(MAKE) test
+
 test-programs: $(addprefix $(B)/tests/,$(TESTS)) ## build the test programs
 
 # Needs a GPU: see tests/gpu/cuda.sh.
@@ -316,7 +325,7 @@ size: all ## code size of each part
 clean: ## remove what was built
 	rm -rf $(B) demo.ply demo.png
 
-.PHONY: all demo firmware install uninstall headers core-headers test test-programs cuda-tests golden-update fuzz mutants bench
+.PHONY: all demo firmware install uninstall headers core-headers test test-programs cuda-tests golden-update fuzz mutants bench test-all
 .PHONY: size clean FORCE
 endif
 
