@@ -446,6 +446,8 @@ int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
     const bool traced = fxs_targets_traced(&of->targets);
     fxs_targets targets = of->targets;
     place_hosted(&targets, of, s->pixels.data);
+    if (traced)                    /* depths are read to the end */
+        f.split_capacity = (uint64_t)((uint64_t *)f.depths - f.boxes);
     const uint64_t cleared = (uint64_t)((unsigned char *)(f.counts + of->tiles) - (unsigned char *)f.status);
     cudaMemsetAsync(f.status, 0, cleared, s->on);
     mark(cuda, s, 0);

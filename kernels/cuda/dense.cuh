@@ -39,12 +39,6 @@ struct dense_shared {
 static_assert(!has_gaps<dense_keys, DENSE_THREADS>, "ends have gaps");
 static_assert(sizeof(dense_shared) <= 163 << 10, "more shared memory than a block of an A100 has");
 
-/* Room to put lists into bins, beside split_entries: what is free behind the entries. */
-__device__ inline uint64_t spare_entries(const frame_buffers *f)
-{
-    return f->capacity - f->status->entries;
-}
-
 /* How many blocks share the columns of a tile whose list is of magnitude 31 - lane, so that none is late: as many as
    make its share about half of what a multiprocessor has of all lists, but for 2^SHARE_MAGNITUDE entries or more each.
    A splat is often in the columns of one or two blocks, each of which puts it into bins of its own: where there is not
@@ -125,57 +119,14 @@ __device__ void visit_near(const uint64_t *list, const uint32_t *marks, uint32_t
     }
 }
 
-/* Bins for the keys of a list between r.low and r.high, as for a sort, by some of them. */
-__device__ segmented<dense_keys, dense_group> plan_bins(dense_shared *shared, const uint64_t *list, uint32_t count,
-                                                        key_range r, const dense_group *g)
-{
-    const uint32_t step = (count + dense_keys::room - 1) / dense_keys::room, samples = (count + step - 1) / step;
-    if (g->thread < samples)
-        shared->keys.keys[g->thread] = min(max(__ldcg(&list[g->thread * step]), r.low), r.high);
-    if (g->thread < WARP)
-        shared->keys.segments[g->thread] = 0;
-    g->sync();
-    return segmented<dense_keys, dense_group>(&shared->keys, r, samples, g);
-}
-
 /* Moves keys of a list, as visit_near has them, to `sorted`, bin after bin; shared->ends has where they end. Returns
    how many. */
 __device__ uint32_t split_list(uint64_t *sorted, dense_shared *shared, const uint64_t *list, const uint32_t *marks,
                                uint32_t count, key_range r, const dense_group *g)
 {
-    uint32_t *ends = shared->ends;
-    clear_bins<dense_keys>(ends, g);
-    const segmented<dense_keys, dense_group> bins = plan_bins(shared, list, count, r, g);
-    visit_near(list, marks, count, g, [&](uint64_t key) { atomicAdd(&ends[bins.bin_of(key)], 1u); });
-    g->sync();
-    place_bins(&shared->keys, ends, g);
-    visit_near(list, marks, count, g, [&](uint64_t key) { sorted[atomicAdd(&ends[bins.bin_of(key)], 1u)] = key; });
-    g->sync();
-    return ends[dense_keys::bins - 1];
-}
-
-/* How many ends are at most `most`, by a warp. */
-__device__ uint32_t ends_within(const uint32_t *ends, uint32_t most)
-{
-    const uint32_t each = dense_keys::bins / WARP;
-    uint32_t blocks = (uint32_t)__popc(__ballot_sync(ALL_LANES, ends[(lane_index() + 1) * each - 1] <= most));
-    uint32_t count = blocks * each;
-    for (uint32_t i = lane_index(); i < each && blocks < WARP; i += WARP)
-        count += (uint32_t)__popc(__ballot_sync(ALL_LANES, ends[blocks * each + i] <= most));
-    return count;
-}
-
-/* The end of the bins that are within `room` keys after `first`; `first` where there are none. */
-__device__ uint32_t bins_end(const uint32_t *ends, uint32_t first, uint32_t room)
-{
-    const uint32_t bins = ends_within(ends, first + room);
-    return bins ? max(ends[bins - 1], first) : first;
-}
-
-/* The end of the bin that begins at `first`. */
-__device__ uint32_t bin_end(const uint32_t *ends, uint32_t first)
-{
-    return ends[ends_within(ends, first)];
+    move_to_bins(sorted, &shared->keys, shared->ends, list, count, r, g,
+                 [&](auto visit) { visit_near(list, marks, count, g, visit); });
+    return shared->ends[dense_keys::bins - 1];
 }
 
 /* sqrt(x), to within 1 part in 2^22; x at least 1. */
@@ -527,15 +478,8 @@ __device__ bool blend_rounds(dense_shared *shared, const dense_tile *t, const ui
 /* Room for `count` entries, null where there is none left. */
 __device__ uint64_t *take_room(dense_shared *shared, const frame_buffers *f, uint32_t count, const dense_group *g)
 {
-    if (g->thread == 0) {
-        const uint64_t place = atomicAdd((unsigned long long *)&f->status->split_taken[0], (unsigned long long)count);
-        shared->room = f->split_entries + place;
-        if (place + count > f->split_capacity) {
-            const uint64_t behind = atomicAdd((unsigned long long *)&f->status->split_taken[1],
-                                              (unsigned long long)count);
-            shared->room = behind + count <= spare_entries(f) ? f->entries + f->status->entries + behind : 0;
-        }
-    }
+    if (g->thread == 0)
+        shared->room = take_entries(f, count);
     g->sync();
     return shared->room;
 }
@@ -547,12 +491,12 @@ __device__ void blend_split(dense_shared *shared, const dense_tile *t, uint64_t 
     uint32_t have = 0, reach = 0;              /* collected; keys to look at where few are kept, 0: no matter how many */
     for (uint32_t first = 0, end; first < count; first = end) {
         const uint32_t room = dense_keys::room - have;
-        end = have > FULL ? first : bins_end(shared->ends, first, max(room, reach));
+        end = have > FULL ? first : bins_end<dense_keys>(shared->ends, first, max(room, reach));
         if (end == first && have) {
             if (!blend_collected(shared, t, have, g))
                 return;
             have = 0;
-            end = bins_end(shared->ends, first, dense_keys::room);
+            end = bins_end<dense_keys>(shared->ends, first, dense_keys::room);
         }
         if (end > first) {
             const uint32_t all = collect(shared, t, list + first, end - first, g), kept = all - have;
@@ -568,7 +512,7 @@ __device__ void blend_split(dense_shared *shared, const dense_tile *t, uint64_t 
             g->sync();
             continue;
         }
-        end = bin_end(shared->ends, first);    /* a bin too large */
+        end = bin_end<dense_keys>(shared->ends, first);    /* a bin too large */
         const uint32_t left = drop_closed(shared, t, list + first, end - first, g);
         if (left <= dense_keys::room)
             have = collect(shared, t, list + first, left, g);

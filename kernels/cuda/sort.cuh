@@ -256,6 +256,60 @@ struct segmented {
     }
 };
 
+/* Bins for the keys of a list from r.low to r.high, by some of them. */
+template <class K, class G>
+__device__ segmented<K, G> plan_bins(K *shared, const uint64_t *list, uint32_t count, key_range r, const G *g)
+{
+    const uint32_t step = (count + K::room - 1) / K::room, samples = (count + step - 1) / step;
+    for (uint32_t i = g->thread; i < samples; i += G::threads)
+        shared->keys[i] = min(max(__ldcg(&list[i * step]), r.low), r.high);
+    if (g->thread < WARP)
+        shared->segments[g->thread] = 0;
+    g->sync();
+    return segmented<K, G>(shared, r, samples, g);
+}
+
+/* Moves keys of a list to `sorted`, bin after bin: those that visit_all(visit) calls visit for. Bins are ends then. */
+template <class K, class G, class VisitAll>
+__device__ void move_to_bins(uint64_t *sorted, K *shared, uint32_t *bins, const uint64_t *list, uint32_t count,
+                             key_range r, const G *g, VisitAll visit_all)
+{
+    clear_bins<K>(bins, g);
+    const segmented<K, G> plan = plan_bins(shared, list, count, r, g);
+    visit_all([&](uint64_t key) { atomicAdd(&bins[slot_of<K, G>(plan.bin_of(key))], 1u); });
+    g->sync();
+    place_bins(shared, bins, g);
+    visit_all([&](uint64_t key) { sorted[atomicAdd(&bins[slot_of<K, G>(plan.bin_of(key))], 1u)] = key; });
+    g->sync();
+}
+
+/* How many ends are at most `most`, by a warp. */
+template <class K>
+__device__ uint32_t ends_within(const uint32_t *ends, uint32_t most)
+{
+    const uint32_t each = K::bins / WARP;
+    uint32_t blocks = (uint32_t)__popc(__ballot_sync(ALL_LANES, ends[(lane_index() + 1) * each - 1] <= most));
+    uint32_t count = blocks * each;
+    for (uint32_t i = lane_index(); i < each && blocks < WARP; i += WARP)
+        count += (uint32_t)__popc(__ballot_sync(ALL_LANES, ends[blocks * each + i] <= most));
+    return count;
+}
+
+/* The end of the bins that are within `room` keys after `first`; `first` where there are none. */
+template <class K>
+__device__ uint32_t bins_end(const uint32_t *ends, uint32_t first, uint32_t room)
+{
+    const uint32_t bins = ends_within<K>(ends, first + room);
+    return bins ? max(ends[bins - 1], first) : first;
+}
+
+/* The end of the bin that begins at `first`. */
+template <class K>
+__device__ uint32_t bin_end(const uint32_t *ends, uint32_t first)
+{
+    return ends[ends_within<K>(ends, first)];
+}
+
 /* The low halves of shared->keys, `count` of them, near to far: they go to bins by depth, then each counts those of its
    bin that are less. */
 template <class K, class G>
