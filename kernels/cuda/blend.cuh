@@ -405,8 +405,9 @@ __device__ inline turn_of_tile tile_of_turn(const frame_buffers *f, const turns 
 
 /* Puts a list into bins. Returns it, and where they end, from there on; null where there is no room. */
 template <class Pixel>
-__device__ __noinline__ const uint64_t *split_long(const uint32_t **ends, group_shared<Pixel> *own, const frame_buffers *f,
-                                      const uint64_t *list, uint32_t count, const tile_group *g)
+__device__ __noinline__ const uint64_t *split_long(const uint32_t **ends, group_shared<Pixel> *own,
+                                                   const frame_buffers *f, const uint64_t *list, uint32_t count,
+                                                   const tile_group *g)
 {
     const uint32_t words = tile_keys::bins / 2;        /* of ends */
     if (g->thread == 0)
@@ -559,6 +560,7 @@ __global__ void __launch_bounds__(SORT_THREADS, SORT_BLOCKS) sort_lists(const __
 {
     extern __shared__ __align__(16) unsigned char memory[];
     sort_shared *shared = (sort_shared *)memory;
+    wait_for_last_kernel();
     const uint32_t magnitude = WARP - 1 - lane_index();
     if (blockIdx.x == 0 && threadIdx.x == 0)
         *f.needs = *f.status;
@@ -598,9 +600,10 @@ blend_sorted(const __grid_constant__ fxs_view view, const __grid_constant__ fram
     sorted_shared<Pixel> *shared = (sorted_shared<Pixel> *)memory;
     const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y);
     warp_shared<Pixel> *own = &shared->warps[threadIdx.x / WARP];
+    make_table(shared->alpha_q15);
+    wait_for_last_kernel();
     if (!fits(&f))
         return;
-    make_table(shared->alpha_q15);
     const turns order = turns_of(&f, WARP - 1 - lane_index() < LONG_MAGNITUDE ? 4 : 0);
     uint32_t next = lane_index() == 0 ? atomicAdd(&f.status->next_turn, 1u) : 0;
     for (;;) {

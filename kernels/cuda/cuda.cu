@@ -254,8 +254,8 @@ bool is_in_host_memory(const void *pointer)
     return !check(nullptr, cudaPointerGetAttributes(&of, pointer)) && of.type == cudaMemoryTypeHost;
 }
 
-/* Finds the planes in host memory: they are copied there, as kernels write small parts of rows. Rows one above the other
-   they write themselves. */
+/* Finds the planes in host memory: they are copied there, as kernels write small parts of rows. Rows that lie one above
+   the other they write themselves. */
 void find_hosted(frame *f)
 {
     plane planes[PLANES];
@@ -379,11 +379,35 @@ void mark(const fxs_cuda *cuda, const slot *s, int stage)
         cudaEventRecord(s->stages[stage], s->on);
 }
 
+/* Whether a frame's kernels may be launched before the last one has ended: not beside other frames, whose blocks have
+   use for what the waiting ones take. */
+bool launches_early(const fxs_cuda *cuda)
+{
+    return cuda->frame_count == 1;
+}
+
+template <class... Parameters>
+void launch(const fxs_cuda *cuda, void (*kernel)(Parameters...), uint32_t blocks, uint32_t threads, size_t shared,
+            cudaStream_t stream, const Parameters &...parameters)
+{
+    cudaLaunchAttribute early = {};
+    early.id = cudaLaunchAttributeProgrammaticStreamSerialization;
+    early.val.programmaticStreamSerializationAllowed = launches_early(cuda);
+    cudaLaunchConfig_t how = {};
+    how.gridDim = dim3(blocks);
+    how.blockDim = dim3(threads);
+    how.dynamicSmemBytes = shared;
+    how.stream = stream;
+    how.attrs = &early;
+    how.numAttrs = 1;
+    cudaLaunchKernelEx(&how, kernel, parameters...);
+}
+
 template <bool Many>
-void project(const frame *of, const frame_buffers &f, cudaStream_t stream)
+void project(const fxs_cuda *cuda, const frame *of, const frame_buffers &f, cudaStream_t stream)
 {
     locate_chunks<Many><<<(of->chunks + 63) / 64, 64, 0, stream>>>(of->view, of->scene, f, of->chunks);
-    project_chunk<Many><<<of->chunks, FXS_CHUNK, 0, stream>>>(of->view, of->scene, f);
+    launch(cuda, project_chunk<Many>, of->chunks, FXS_CHUNK, 0, stream, of->view, of->scene, f);
 }
 
 /* blend and resolve, of sorted lists and of long ones. */
@@ -391,7 +415,7 @@ template <class Pixel>
 void blend_lists(const fxs_cuda *cuda, cudaStream_t stream, uint32_t warps, uint32_t groups, const fxs_view &view,
                  const frame_buffers &f, const target &t)
 {
-    blend_sorted<Pixel><<<cuda->processors, warps * WARP, sorted_bytes<Pixel>(warps), stream>>>(view, f, t);
+    launch(cuda, blend_sorted<Pixel>, cuda->processors, warps * WARP, sorted_bytes<Pixel>(warps), stream, view, f, t);
     if (groups)
         blend_tiles<Pixel><<<cuda->processors, groups * GROUP_THREADS, blend_bytes<Pixel>(groups), stream>>>(view, f,
                                                                                                             t);
@@ -455,14 +479,14 @@ int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
         cudaMemcpyAsync(s->objects.data, (unsigned char *)cuda->staged.data + of->staged, sizes.objects,
                         cudaMemcpyHostToDevice, s->on);
     if (of->chunks && of->plain)
-        project<false>(of, f, s->on);
+        project<false>(cuda, of, f, s->on);
     else if (of->chunks)
-        project<true>(of, f, s->on);
+        project<true>(cuda, of, f, s->on);
     mark(cuda, s, 1);
-    start_lists<<<((uint32_t)view.tiles_y + START_ROWS - 1) / START_ROWS, START_ROWS * WARP, 0, s->on>>>(
-        f, (uint32_t)view.tiles_x, (uint32_t)view.tiles_y);
+    launch(cuda, start_lists, ((uint32_t)view.tiles_y + START_ROWS - 1) / START_ROWS, START_ROWS * WARP, 0, s->on, f,
+           (uint32_t)view.tiles_x, (uint32_t)view.tiles_y);
     if (of->chunks)
-        fill_lists<<<LARGE_BLOCKS + of->chunks, FXS_CHUNK, 0, s->on>>>(view, f);
+        launch(cuda, fill_lists, LARGE_BLOCKS + of->chunks, FXS_CHUNK, 0, s->on, view, f);
     mark(cuda, s, 2);
     blend(cuda, s, view, f, target_of(&targets, &cuda->options));
     mark(cuda, s, 4);

@@ -488,7 +488,7 @@ __device__ uint64_t *take_room(dense_shared *shared, const frame_buffers *f, uin
 __device__ void blend_split(dense_shared *shared, const dense_tile *t, uint64_t *list, uint32_t count,
                             const dense_group *g)
 {
-    uint32_t have = 0, reach = 0;              /* collected; keys to look at where few are kept, 0: no matter how many */
+    uint32_t have = 0, reach = 0;              /* collected; how far to look where few are kept */
     for (uint32_t first = 0, end; first < count; first = end) {
         const uint32_t room = dense_keys::room - have;
         end = have > FULL ? first : bins_end<dense_keys>(shared->ends, first, max(room, reach));

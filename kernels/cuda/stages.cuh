@@ -70,8 +70,8 @@ struct frame_buffers {
     uint32_t *classes;             /* tiles by the magnitude of their lists: a row of all tiles for each class */
     uint64_t *entries;             /* the lists: depth above, index and FXS_ENTRY_FAR below, in no order; then, but for
                                       long ones, the lower halves alone, near to far */
-    uint64_t *split_entries;       /* long lists again, in bins: over boxes, and over depths where pixels are not traced,
-                                      which are done with by then */
+    uint64_t *split_entries;       /* long lists again, in bins: over boxes and, where pixels are not traced, over
+                                      depths, which are done with by then */
     uint64_t capacity, split_capacity;
     uint32_t large_capacity;
 };
@@ -100,6 +100,15 @@ __device__ inline uint64_t *take_entries(const frame_buffers *f, uint64_t count)
 
 const uint32_t WARP = 32;
 const unsigned ALL_LANES = 0xffffffffu;
+
+/* A kernel that may be launched before the one before it has ended lets the next one come, then waits for that end. */
+__device__ inline void wait_for_last_kernel()
+{
+#if __CUDA_ARCH__ >= 900
+    cudaTriggerProgrammaticLaunchCompletion();
+    cudaGridDependencySynchronize();
+#endif
+}
 
 __device__ inline uint32_t lane_index()
 {
