@@ -418,7 +418,7 @@ __device__ __noinline__ const uint64_t *split_long(const uint32_t **ends, group_
     uint32_t *kept = (uint32_t *)own->room;
     uint64_t *sorted = own->room + words;
     const key_range r = range_of_list(&own->keys, list, count, g);
-    move_to_bins(sorted, &own->keys, own->bins, list, count, r, g,
+    move_to_bins(sorted, &own->keys, own->bins, r, g,
                  [&](auto visit) { visit_keys(list, count, g, visit); });
     for (uint32_t i = g->thread; i < tile_keys::bins; i += GROUP_THREADS)
         kept[i] = own->bins[slot_of<tile_keys, tile_group>(i)];

@@ -124,7 +124,7 @@ __device__ void visit_near(const uint64_t *list, const uint32_t *marks, uint32_t
 __device__ uint32_t split_list(uint64_t *sorted, dense_shared *shared, const uint64_t *list, const uint32_t *marks,
                                uint32_t count, key_range r, const dense_group *g)
 {
-    move_to_bins(sorted, &shared->keys, shared->ends, list, count, r, g,
+    move_to_bins(sorted, &shared->keys, shared->ends, r, g,
                  [&](auto visit) { visit_near(list, marks, count, g, visit); });
     return shared->ends[dense_keys::bins - 1];
 }
@@ -500,16 +500,17 @@ __device__ void blend_split(dense_shared *shared, const dense_tile *t, uint64_t 
         }
         if (end > first) {
             const uint32_t all = collect(shared, t, list + first, end - first, g), kept = all - have;
-            reach = 0;
             if (all <= dense_keys::room) {
-                reach = min((dense_keys::room - all) * (end - first) / (kept + kept / 4 + 8), REACH_MOST);
+                const uint32_t hoped = (dense_keys::room - all) * (end - first) / (kept + kept / 2 + 8);
+                reach = min(min(hoped, 2 * (end - first)), REACH_MOST);
                 have = all;
                 continue;
             }
             if (g->thread == 0)                /* it was too far */
                 shared->collected = have;
-            end = first;
             g->sync();
+            reach = 0;
+            end = first;
             continue;
         }
         end = bin_end<dense_keys>(shared->ends, first);    /* a bin too large */

@@ -256,30 +256,20 @@ struct segmented {
     }
 };
 
-/* Bins for the keys of a list from r.low to r.high, by some of them. */
-template <class K, class G>
-__device__ segmented<K, G> plan_bins(K *shared, const uint64_t *list, uint32_t count, key_range r, const G *g)
-{
-    const uint32_t step = (count + K::room - 1) / K::room, samples = (count + step - 1) / step;
-    for (uint32_t i = g->thread; i < samples; i += G::threads)
-        shared->keys[i] = min(max(__ldcg(&list[i * step]), r.low), r.high);
-    if (g->thread < WARP)
-        shared->segments[g->thread] = 0;
-    g->sync();
-    return segmented<K, G>(shared, r, samples, g);
-}
-
-/* Moves keys of a list to `sorted`, bin after bin: those that visit_all(visit) calls visit for. Bins are ends then. */
+/* Moves keys from r.low to r.high to `sorted`, bin after bin: those that visit_all(visit) calls visit for. Bins are
+   ends then. */
 template <class K, class G, class VisitAll>
-__device__ void move_to_bins(uint64_t *sorted, K *shared, uint32_t *bins, const uint64_t *list, uint32_t count,
-                             key_range r, const G *g, VisitAll visit_all)
+__device__ void move_to_bins(uint64_t *sorted, K *shared, uint32_t *bins, key_range r, const G *g, VisitAll visit_all)
 {
+    const int shift = bin_shift<K>(r.low, r.high);
     clear_bins<K>(bins, g);
-    const segmented<K, G> plan = plan_bins(shared, list, count, r, g);
-    visit_all([&](uint64_t key) { atomicAdd(&bins[slot_of<K, G>(plan.bin_of(key))], 1u); });
+    g->sync();
+    visit_all([&](uint64_t key) { atomicAdd(&bins[slot_of<K, G>((uint32_t)((key - r.low) >> shift))], 1u); });
     g->sync();
     place_bins(shared, bins, g);
-    visit_all([&](uint64_t key) { sorted[atomicAdd(&bins[slot_of<K, G>(plan.bin_of(key))], 1u)] = key; });
+    visit_all([&](uint64_t key) {
+        sorted[atomicAdd(&bins[slot_of<K, G>((uint32_t)((key - r.low) >> shift))], 1u)] = key;
+    });
     g->sync();
 }
 
