@@ -102,6 +102,8 @@ static void GL_APIENTRY fake_GetIntegerv(GLenum name, GLint *value)
         *value = limit;
     if (read_type && name == GL_IMPLEMENTATION_COLOR_READ_TYPE)
         *value = read_type;
+    if (read_type && name == GL_ALIASED_POINT_SIZE_RANGE)
+        value[0] = value[1] = 1;
 }
 
 static void fake_limits(GLint size, GLint type)
@@ -365,7 +367,7 @@ static void long_list(void)
     close_gles(gles);
 }
 
-/* A device that reads integers as words only. */
+/* A device that reads integers as words only, and has no large points. */
 static void words_read(void)
 {
     subject s;

@@ -17,13 +17,13 @@
    show what it left. */
 enum { FXS_GLES_STATE, FXS_GLES_INTEGER, FXS_GLES_NORMALISED, FXS_GLES_QUADS, FXS_GLES_BLOCKS, FXS_GLES_BLEND,
        FXS_GLES_LIMITED, FXS_GLES_RESOLVED_INTEGER, FXS_GLES_RESOLVED_NORMALISED, FXS_GLES_PROGRAMS };
-/* Textures of the tiles' shader by unit, CHUNKS of the masks'; two of tile size take turns as the last and the next
-   state. OCCLUDER, BUFFER (a depth buffer of GL) and BACKDROP are the caller's or made from his. */
+/* Textures by unit: of the tiles' shader, CHUNKS of that of the masks; two of tile size take turns as the last and the
+   next state. OCCLUDER, BUFFER (a depth buffer of GL) and BACKDROP are the caller's or made from his. */
 enum { FXS_GLES_LISTS, FXS_GLES_RECORDS, FXS_GLES_MASKS, FXS_GLES_CHUNKS, FXS_GLES_OCCLUDER, FXS_GLES_BUFFER,
        FXS_GLES_BACKDROP, FXS_GLES_CARRIED, FXS_GLES_UNITS,
        FXS_GLES_NEXT = FXS_GLES_UNITS, FXS_GLES_WHOLE, FXS_GLES_TEXTURES };
-/* Framebuffers: of integers; of the quads, blended and then as bytes; of the two states of a tile, of a window's; of the
-   masks. */
+/* Framebuffers: of integers; of the quads, blended and then as bytes; of the two states of a tile, of a window's; of
+   the masks. */
 enum { FXS_GLES_TARGET, FXS_GLES_BLENDED, FXS_GLES_BYTES, FXS_GLES_TARGETS,
        FXS_GLES_FIRST_STATE = FXS_GLES_TARGETS, FXS_GLES_SECOND_STATE, FXS_GLES_WHOLE_STATE, FXS_GLES_MASKED,
        FXS_GLES_FRAMEBUFFERS };

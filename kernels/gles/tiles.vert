@@ -1,7 +1,7 @@
 // Tiles as points of their size, in the order of `lists`; or one triangle over the whole viewport.
 uniform highp usampler2D lists;      // the fourth word of the i-th: the i-th tile to be drawn
 uniform ivec4 place;                 // rows go by (z)
-uniform ivec4 size;                  // the viewport, which reaches a tile beyond all sides of the picture; columns, or 0
+uniform ivec4 size;                  // the viewport, a tile beyond the picture on all sides; columns, or 0: a triangle
 
 ivec2 cell(int tile)
 {
