@@ -20,6 +20,7 @@ FXS_BIN(avx512);
 FXS_SPANS(avx512);
 FXS_NOTE(avx512);
 FXS_LIST(avx512);
+FXS_SORT(avx512);
 FXS_BLEND(sse41);
 FXS_TRACE(sse41);
 FXS_BLEND(avx2);
@@ -105,6 +106,7 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
         USE(FXS_SHADE, shade, avx512);
         USE(FXS_BIN, bin, avx512);
         USE_LISTS(avx512);
+        USE(FXS_SORT, sort, avx512);
         USE(FXS_BLEND, blend, avx512);
         kernels->trace = fxs_trace_avx512;
     }

@@ -120,7 +120,7 @@ uint32_t *fxs_list_room(const fxs_frame *f, uint32_t macro)
 const fxs_key *fxs_list_sort(const fxs_frame *f, uint32_t macro)
 {
     const size_t at = start_of_list(f, macro);
-    fxs_sort_list(f->keys + at, f->spare + at, f->lengths[macro]);
+    f->context->kernels.sort(f->keys + at, f->spare + at, f->lengths[macro]);
     return f->keys + at;
 }
 

@@ -169,9 +169,6 @@ void fxs_eyes_hide(const fxs_bounds *bounds, uint32_t count, fxs_box *boxes);
 fxs_key *fxs_sort(const fxs_config *config, fxs_key *keys, fxs_key *spare, uint32_t count,
                   uint32_t (*histograms)[FXS_SORT_BUCKETS], uint32_t parts);
 
-/* Sorts whole keys in one job, and leaves them where they are. Quick where they arrive almost in the order of slots. */
-void fxs_sort_list(fxs_key *keys, fxs_key *spare, uint32_t count);
-
 /* The tile rows in which a splat may be listed. */
 FXS_STAGE fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds);
 
