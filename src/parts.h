@@ -19,7 +19,7 @@ typedef struct fxs_list {
     uint32_t count;
 } fxs_list;
 
-#define FXS_NEXT_MORE 3u           /* of a row of `next` beside the macro tiles */
+#define FXS_NEXT_MORE 4u           /* of a row of `next` beside the macro tiles */
 
 /* Where the time of drawing a macro tile goes. */
 enum { FXS_SORTED, FXS_LISTED_TILES, FXS_BLENDED, FXS_RESOLVED, FXS_LAPS };
@@ -56,7 +56,6 @@ typedef struct fxs_frame {
     const uint32_t *depths;                /* and those by which it is sorted */
 
     uint32_t tiles, macros;
-    int noted;                             /* the notes of counting the lists are all there */
     uint32_t parts;                        /* jobs that share the lists: one a thread */
     uint32_t blocks, block_chunks;         /* jobs that share the first stages, and the chunks of each */
     int planned;                           /* the memory does not hold every Gaussian: there may be several bands */
@@ -185,8 +184,9 @@ typedef struct fxs_lister {
                      uint32_t *listed);  /* this too */
     uint32_t first_macro, last_macro;
     uint32_t *next;
-    uint64_t *notes;               /* by count for fill; `noted` of them, but `room` at most are written */
-    uint32_t room, noted;
+    uint64_t *notes;               /* by count for fill; `room` at most are written, */
+    uint32_t room, taken;          /* though more are taken; */
+    uint32_t noted, from;          /* `noted` of them are all of the slots before `from` */
 } fxs_lister;
 
 /* Adds 1 to next[macro] for every macro tile that a slot from `first` on is listed in, and takes notes. */
@@ -195,7 +195,7 @@ void fxs_bin_count(fxs_lister *l, uint32_t first, uint32_t count);
 /* The same without notes, and keys[next[macro]] is its key before. */
 void fxs_bin_fill(fxs_lister *l, uint32_t first, uint32_t count, fxs_key *keys);
 
-/* The same for all that was noted. */
+/* The same for what was noted of slots before `from`. */
 void fxs_bin_fill_noted(fxs_lister *l, fxs_key *keys);
 
 /* With the square cut-off: sets FXS_ENTRY_FAR in those of a tile's list whose ellipse does not touch it. */

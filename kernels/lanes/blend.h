@@ -247,7 +247,7 @@ ALWAYS_INLINE int blend_patch(pixels *at, kept *k, unsigned which, const group *
         own = *k;
     uint32_t reached = g->reached[patch];
     do {
-        for (int i = 0; i < 4 && reached; i++, reached &= reached - 1) {
+        for (int i = 0; i < 2 && reached; i++, reached &= reached - 1) {
             const uint32_t entry = (uint32_t)__builtin_ctz(reached);
             blend_entry(&p, k ? &own : 0, which, g, patch, entry, (int)(number + entry),
                         k && which & FXS_TRACE_MEAN ? depths_q15[entry] : 0);
