@@ -28,6 +28,7 @@ FXS_TRACE(avx2);
 FXS_BLEND(avx512);
 FXS_TRACE(avx512);
 FXS_RESOLVE(sse41);
+FXS_RESOLVE(avx2);
 
 unsigned fxs_cpu_detect(void)
 {
@@ -100,6 +101,7 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
         USE_LISTS(avx2);
         USE(FXS_BLEND, blend, avx2);
         kernels->trace = fxs_trace_avx2;
+        USE(FXS_RESOLVE, resolve, avx2);
     }
     if (cpu & FXS_CPU_AVX512) {
         USE(FXS_PROJECT, project, avx512);
