@@ -508,8 +508,9 @@ static void check_spans(const fxs_splat *splat, const fxs_bounds *bounds)
 /* Lists of keys of which many may lie within a part of the range, or be equal. */
 static void sort_case(void)
 {
-    const uint32_t most = 1u << below(14), count = below(most) + below(2), range = UINT32_MAX >> below(32);
-    const uint32_t usual = UINT32_MAX >> below(32), base = (uint32_t)next(), crowded = below(100);
+    const uint32_t most = 1u << below(14), count = below(most) + below(2);
+    const uint32_t range = (uint32_t)((uint64_t)UINT32_MAX >> below(33)), usual = range >> below(32);
+    const uint32_t base = (uint32_t)next(), crowded = below(100);
     const uint32_t masks = one_in(2) ? 1 : 16, equal = one_in(2) ? 1 : 100;
     output *keys = output_new(count * sizeof(fxs_key), 8), *spare = output_new(count * sizeof(fxs_key), 8);
     for (uint32_t i = 0; i < count; i++) {
