@@ -284,6 +284,10 @@ typedef struct fxs_kernels {
     uint32_t (*note)(const struct fxs_view *view, const struct fxs_box *boxes, uint32_t first, uint32_t count,
                      uint32_t *macros, uint32_t *listed);
 
+    /* Sorts `count` keys; `spare` has room for as many. Quick where those of one depth arrive
+       almost in the order of their slots. */
+    void (*sort)(uint64_t *keys, uint64_t *spare, uint32_t count);
+
     /* Slots of those of `count` keys of a macro tile that are listed in its tile 0 to 3; room for `count`. Returns how
        many. */
     uint32_t (*list)(const uint64_t *keys, uint32_t count, uint32_t tile, uint32_t *entries);

@@ -3,6 +3,8 @@
 #include "frame.h"
 #include "memory.h"
 
+#define TIMED 4                    /* one macro tile of so many is timed, as a look at the clock takes a while */
+
 /* ---- Stages ---------------------------------------------------------------------------------------------------- */
 
 int32_t fxs_frame_project(fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t slot, uint32_t end_slot)
@@ -132,9 +134,11 @@ static int run_blocks(fxs_frame *f)
 
 /* ---- Drawing --------------------------------------------------------------------------------------------------- */
 
-/* Adds the time since the last lap to `which` of the macro tile's times. */
+/* Adds the time since the last lap to `which` of the macro tile's times, if it is timed. */
 static void lap(const fxs_frame *f, fxs_laps *laps, int which)
 {
+    if (!laps->times)
+        return;
     const uint64_t now = fxs_now(f);
     laps->times[which] += now - laps->start;
     laps->start = now;
@@ -163,9 +167,10 @@ static void draw_macro(void *argument, uint32_t job)
     const fxs_lister l = fxs_lister_of(f, 0);
     const uint32_t macro = f->first_macro + job, length = f->lengths[macro];
     uint32_t *entries = fxs_list_room(f, macro), tile;
-    fxs_laps laps = {fxs_now(f), f->macro_times + FXS_LAPS * (size_t)macro};
+    uint64_t *times = f->macro_times + FXS_LAPS * (size_t)macro;
+    memset(times, 0, FXS_LAPS * sizeof *times);
+    fxs_laps laps = {job % TIMED ? 0 : fxs_now(f), job % TIMED ? 0 : times};
     const fxs_key *keys = fxs_list_sort(f, macro);
-    memset(laps.times, 0, FXS_LAPS * sizeof *laps.times);
     lap(f, &laps, FXS_SORTED);
     for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
         if (fxs_tile_of(f, macro, i, &tile) && (f->only_tile == FXS_NOTHING || f->only_tile == tile)) {

@@ -25,7 +25,7 @@ typedef struct fxs_list {
     uint32_t count;
 } fxs_list;
 
-#define FXS_NEXT_MORE 3u           /* of a row of `next` beside the macro tiles */
+#define FXS_NEXT_MORE 4u           /* of a row of `next` beside the macro tiles */
 
 /* Where the time of drawing a macro tile goes. */
 enum { FXS_SORTED, FXS_LISTED_TILES, FXS_BLENDED, FXS_RESOLVED, FXS_LAPS };
@@ -62,7 +62,6 @@ typedef struct fxs_frame {
     const uint32_t *depths;                /* and those by which it is sorted */
 
     uint32_t tiles, macros;
-    int noted;                             /* the notes of counting the lists are all there */
     uint32_t parts;                        /* jobs that share the lists: one a thread */
     uint32_t blocks, block_chunks;         /* jobs that share the first stages, and the chunks of each */
     int planned;                           /* the memory does not hold every Gaussian: there may be several bands */
@@ -187,9 +186,6 @@ void fxs_eyes_hide(const fxs_bounds *bounds, uint32_t count, fxs_box *boxes);
 fxs_key *fxs_sort(const fxs_config *config, fxs_key *keys, fxs_key *spare, uint32_t count,
                   uint32_t (*histograms)[FXS_SORT_BUCKETS], uint32_t parts);
 
-/* Sorts whole keys in one job, and leaves them where they are. Quick where they arrive almost in the order of slots. */
-void fxs_sort_list(fxs_key *keys, fxs_key *spare, uint32_t count);
-
 /* The tile rows in which a splat may be listed. */
 FXS_STAGE fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds);
 
@@ -209,8 +205,9 @@ typedef struct fxs_lister {
                      uint32_t *listed);  /* this too */
     uint32_t first_macro, last_macro;
     uint32_t *next;
-    uint64_t *notes;               /* by count for fill; `noted` of them, but `room` at most are written */
-    uint32_t room, noted;
+    uint64_t *notes;               /* by count for fill; `room` at most are written, */
+    uint32_t room, taken;          /* though more are taken; */
+    uint32_t noted, from;          /* `noted` of them are all of the slots before `from` */
 } fxs_lister;
 
 /* Adds 1 to next[macro] for every macro tile that a slot from `first` on is listed in, and takes notes. */
@@ -219,7 +216,7 @@ void fxs_bin_count(fxs_lister *l, uint32_t first, uint32_t count);
 /* The same without notes, and keys[next[macro]] is its key before. */
 void fxs_bin_fill(fxs_lister *l, uint32_t first, uint32_t count, fxs_key *keys);
 
-/* The same for all that was noted. */
+/* The same for what was noted of slots before `from`. */
 void fxs_bin_fill_noted(fxs_lister *l, fxs_key *keys);
 
 /* With the square cut-off: sets FXS_ENTRY_FAR in those of a tile's list whose ellipse does not touch it. */

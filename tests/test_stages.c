@@ -576,7 +576,7 @@ static void check_sort(uint32_t count, uint32_t mask, uint32_t parts)
     CHECK(memcmp(sorted, expected, count * sizeof *expected) == 0);
     for (uint32_t i = 0; i < count; i++)           /* a list arrives with its slots a little out of order */
         keys[i] = unsorted[(i ^ 15) < count ? i ^ 15 : i];
-    fxs_sort_list(keys, spare, count);
+    fxs_sort_c(keys, spare, count);
     CHECK(memcmp(keys, expected, count * sizeof *expected) == 0);
 }
 
