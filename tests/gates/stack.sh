@@ -1,0 +1,26 @@
+#!/bin/sh
+# Stack on a Cortex-M3, built with FXS_SMALL_STACK: every function of src takes a known amount, and at most 1.5 KB, but
+# for those that a picture of colours in strips has no need of. What a whole frame takes is seen by boards.sh, whose
+# firmware has 4 KB and faults beyond.
+cd "$(dirname "$0")/../.." || exit 1
+objects=$(mktemp -d) || exit 1
+trap 'rm -rf "$objects"' EXIT
+most=1536
+# Depths and ids, picking, counting pairs, a tile without a strip; a list of more than 32768.
+larger='fxs_trace_tile|pick_tile|count_tile|blend_tile|sort_by_top'
+
+if ! command -v arm-none-eabi-gcc >/dev/null 2>&1; then
+    echo "skip stack: not here: arm-none-eabi-gcc"
+    exit 77
+fi
+for level in -Os -O2; do
+    for source in src/*.c port/board/*.c; do
+        arm-none-eabi-gcc -std=c99 $level -mcpu=cortex-m3 -mthumb -ffreestanding -DFXS_SMALL_STACK -fstack-usage \
+            -c "$source" -o "$objects/$(basename "$source" .c)$level.o" || { echo "FAIL stack: $source"; exit 1; }
+    done
+done
+faults=$(cat "$objects"/*.su | awk -F '\t' -v most=$most -v larger="^($larger)([.]|\$)" '
+    { split($1, at, ":"); name = at[4] }
+    $3 !~ /static/ || ($2 > most && name !~ larger) { print name, $2, $3 }' | sort -u | tr '\n' ';')
+[ -z "$faults" ] || { echo "FAIL stack: $faults"; exit 1; }
+echo "ok   stack"
