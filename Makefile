@@ -187,6 +187,8 @@ demo: all ## make a procedural scene and render it to demo.png
 mps2-an385 := -mcpu=cortex-m3 25000000 0 256K 0x40000 3840K 0x20000000 4M
 mps2-an500 := -mcpu=cortex-m7 25000000 0 256K 0x40000 3840K 0x20000000 4M
 mps3-an547 := -mcpu=cortex-m55 32000000 0 512K 0x1000000 2M 0x21000000 4M
+FLAGS_mps3-an547 := -mfloat-abi=hard -DFXS_WITH_KERNELS
+KERNELS_mps3-an547 := kernels/kernels.c $(wildcard kernels/cortexm/*_mve.c)
 BOARDS := mps2-an385 mps2-an500 mps3-an547
 FIRMWARE := $(BOARDS:%=$(B)/firmware/%.elf)
 FIRMWARE_SCENE ?= $(B)/firmware/knot.fxs
@@ -204,22 +206,23 @@ of_board = $(word $(1),$($(2)))
 define firmware_rules
 $(B)/firmware/$(1)/%.o: %.c $(B)/commands/firmware
 	@mkdir -p $$(@D)
-	$$(call say,CC,'$$< ($(1))')$(ARM_CC) -std=gnu99 -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(call of_board,1,$(1)) \
+	$$(call say,CC,'$$< ($(1))')$(ARM_CC) -std=gnu99 -Wall -Wextra -Wpedantic -Wshadow -Wconversion \
+	    $(call of_board,1,$(1)) $(FLAGS_$(1)) \
 	    -mthumb -ffreestanding -ffunction-sections -fdata-sections -fwrapv -DBOARD_HZ=$(call of_board,2,$(1)) \
 	    -DBOARD='"$(1)"' $(ARM_CFLAGS) -MMD -MP -c -o $$@ $$<
 $(B)/firmware/$(1)/scene.o: port/cortexm/scene.S $(FIRMWARE_SCENE) $(B)/commands/firmware
 	@mkdir -p $$(@D)
 	$$(call say,AS,'$$< ($(1))')$(ARM_CC) $(call of_board,1,$(1)) -mthumb -DSCENE='"$(FIRMWARE_SCENE)"' -c -o $$@ $$<
-$(B)/firmware/$(1).elf: $(patsubst %.c,$(B)/firmware/$(1)/%.o,$(wildcard src/*.c port/cortexm/*.c)) \
+$(B)/firmware/$(1).elf: $(patsubst %.c,$(B)/firmware/$(1)/%.o,$(wildcard src/*.c port/cortexm/*.c) $(KERNELS_$(1))) \
                         $(B)/firmware/$(1)/scene.o port/cortexm/firmware.ld
-	$$(call say,LD,$$@)$(ARM_CC) $(call of_board,1,$(1)) -mthumb -nostartfiles --specs=nano.specs -Wl,--gc-sections \
+	$$(call say,LD,$$@)$(ARM_CC) $(call of_board,1,$(1)) $(FLAGS_$(1)) -mthumb -nostartfiles --specs=nano.specs -Wl,--gc-sections \
 	    -T port/cortexm/firmware.ld -Wl,--defsym=FLASH=$(call of_board,3,$(1)),--defsym=FLASH_BYTES=$(call of_board,4,$(1)) \
 	    -Wl,--defsym=SCENE_AT=$(call of_board,5,$(1)),--defsym=SCENE_BYTES=$(call of_board,6,$(1)) \
 	    -Wl,--defsym=RAM=$(call of_board,7,$(1)),--defsym=RAM_BYTES=$(call of_board,8,$(1)) -Wl,-Map=$$(@:.elf=.map) \
 	    -o $$@ $$(filter %.o,$$^)
 endef
 $(foreach board,$(BOARDS),$(eval $(call firmware_rules,$(board))))
-$(B)/commands/firmware: COMMAND := $(ARM_CC) $(ARM_CFLAGS) $(FIRMWARE_SCENE) $(foreach board,$(BOARDS),$($(board)))
+$(B)/commands/firmware: COMMAND := $(ARM_CC) $(ARM_CFLAGS) $(FIRMWARE_SCENE) $(foreach board,$(BOARDS),$($(board)) $(FLAGS_$(board)))
 
 # ---- Install ---------------------------------------------------------------------------------------------------------
 

@@ -57,6 +57,19 @@ unsigned fxs_cpu_detect(void)
 {
     return FXS_CPU_NEON;           /* every AArch64 processor has it */
 }
+#elif defined(__ARM_FEATURE_MVE)
+FXS_PROJECT(mve);
+FXS_SHADE(mve);
+FXS_BIN(mve);
+FXS_SPANS(mve);
+FXS_NOTE(mve);
+FXS_LIST(mve);
+FXS_RESOLVE(mve);
+
+unsigned fxs_cpu_detect(void)
+{
+    return FXS_CPU_MVE;            /* whoever builds for it has it */
+}
 #else
 unsigned fxs_cpu_detect(void)
 {
@@ -71,6 +84,7 @@ const char *fxs_cpu_name(unsigned flag)
     case FXS_CPU_AVX2: return "avx2";
     case FXS_CPU_AVX512: return "avx512";
     case FXS_CPU_NEON: return "neon";
+    case FXS_CPU_MVE: return "mve";
     default: return 0;
     }
 }
@@ -117,6 +131,14 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
         USE(FXS_BLEND, blend, neon);
         kernels->trace = fxs_trace_neon;
         USE(FXS_RESOLVE, resolve, neon);
+    }
+#elif defined(__ARM_FEATURE_MVE)
+    if (cpu & FXS_CPU_MVE) {
+        USE(FXS_PROJECT, project, mve);
+        USE(FXS_SHADE, shade, mve);
+        USE(FXS_BIN, bin, mve);
+        USE_LISTS(mve);
+        USE(FXS_RESOLVE, resolve, mve);
     }
 #else
     (void)kernels;
