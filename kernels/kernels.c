@@ -64,6 +64,8 @@ FXS_BIN(mve);
 FXS_SPANS(mve);
 FXS_NOTE(mve);
 FXS_LIST(mve);
+FXS_BLEND(mve);
+FXS_TRACE(mve);
 FXS_RESOLVE(mve);
 
 unsigned fxs_cpu_detect(void)
@@ -138,6 +140,8 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
         USE(FXS_SHADE, shade, mve);
         USE(FXS_BIN, bin, mve);
         USE_LISTS(mve);
+        USE(FXS_BLEND, blend, mve);
+        kernels->trace = fxs_trace_mve;
         USE(FXS_RESOLVE, resolve, mve);
     }
 #else

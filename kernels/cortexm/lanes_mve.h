@@ -250,7 +250,7 @@ static inline void store_8(void *to, octet x)
 static inline void store_6(void *to, octet x)
 {
     store(to, x.low);
-    vstrwq_p_s32((int32_t *)to + 4, (int32x4_t)x.high, 0x00ff);
+    vstrwq_p_s32((int32_t *)to + 4, (int32x4_t)x.high, vctp32q(2));
 }
 
 /* 4 words of each of 4 vectors, to 4 vectors of a word of each. */
@@ -302,8 +302,8 @@ static inline octet odd_numbers(uint64_t codes)
 {
     static const int16_t low_up[8] = {13, 10, 7, 4, 1, 13, 10, 7}, high_up[8] = {4, 1, 13, 10, 7, 4, 1, 0};
     const uint16_t fives[3] = {(uint16_t)codes, (uint16_t)(codes >> 15), (uint16_t)(codes >> 30)};
-    const uint16x8_t first = vdupq_m_n_u16(vdupq_n_u16(fives[1]), fives[0], 0x03ff);
-    const uint16x8_t last = vdupq_m_n_u16(vdupq_n_u16(fives[2]), fives[1], 0x000f);
+    const uint16x8_t first = vdupq_m_n_u16(vdupq_n_u16(fives[1]), fives[0], vctp16q(5));
+    const uint16x8_t last = vdupq_m_n_u16(vdupq_n_u16(fives[2]), fives[1], vctp16q(2));
     const vh a = (vh)vshlq_u16(first, (int16x8_t)load_h(low_up)) >> 13;
     const vh b = (vh)vshlq_u16(last, (int16x8_t)load_h(high_up)) >> 13;
     return (octet){(vi)(2 * a + 1), (vi)(2 * b + 1)};
