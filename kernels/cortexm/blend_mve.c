@@ -15,21 +15,32 @@
 #define FIRSTS 0x5555u             /* the lower of the two bits that a predicate has for each lane */
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
-/* The splats of a group at a tile. */
+/* What is known of a group's splats at a tile. Of what has 16 bits, those above do not count. */
+enum word {
+    U, UX, UY,                     /* Q24; u: at the tile's first pixel, less 2^10 */
+    LIMIT, RED, GREEN, BLUE,       /* 16 bits */
+    LEVELS,                        /* v^2 + offset of two rows, the upper one below: a word for each two */
+    WORDS = LEVELS + FXS_TILE / ROWS
+};
+
 typedef struct group {
-    uint32_t u_q24[GROUP], ux_q24[GROUP], uy_q24[GROUP];   /* u: as in outline, at the tile's first pixel */
-    int16_t limit_q11[GROUP], red_q13[GROUP], green_q13[GROUP], blue_q13[GROUP];
-    uint32_t levels_q11[FXS_TILE / ROWS][GROUP];           /* v^2 + offset of two rows, the upper one below */
-    uint16_t reached[PATCHES];     /* bit 2 i: entry i may have a pixel within its limit there */
+    uint32_t words[WORDS][GROUP];  /* by entry */
+    uint16_t reached[PATCHES];     /* two bits an entry: it may have a pixel within its limit there */
 } group;
 
-/* What is needed of them only until it is found which patches they reach. In vector j is entry 2 i + j in lane i; in
-   one of 16 bits, entry i in lane i. */
+/* Numbers of entry 2 i and of entry 2 i + 1 in lane i. Where they are of 16 bits, entry i is in lane i of one vector. */
+typedef struct pair {
+    vu even, odd;
+} pair;
+
+/* What is needed of them only until it is found which patches they reach. u and v are 2^10 less than in fxs_splat, as
+   what packs them rounds. */
 typedef struct outline {
-    vu u_q24[2], v_q24[2], vy_q24[2];          /* u, v: at the first pixel of a row */
-    vu four_q24[2], two_q24[2];                /* 4 ux, 2 uy */
-    vh u_low_q13, u_high_q13;                  /* how far u goes within a patch */
-    vh offset_q11, limit_q11;
+    pair middle_q24, four_q24, two_q24;        /* u in the middle of a patch, 4 ux, 2 uy */
+    pair v_q24, vy_q24;                        /* v: on the tile's first row */
+    vh half_q13;                   /* how far u goes from there, within a patch */
+    vh offset_q11, limit_q11;      /* limit: -1 where there is no entry, or it touches nothing */
+    vh least_q11[FXS_TILE / ROWS]; /* the least level on two rows, less the limit */
 } outline;
 
 static inline vh add_cut(vh a, vh b)
@@ -37,174 +48,154 @@ static inline vh add_cut(vh a, vh b)
     return (vh)vqaddq_s16((int16x8_t)a, (int16x8_t)b);
 }
 
-/* a in even lanes and b in odd ones, rounded and cut to 16 bits. (vqshrnb would round down, but the GNU assembler 2.40
-   makes this of it.) */
-static inline vh pack_q13(vu a_q24, vu b_q24)
+/* Rounded and cut to 16 bits. (vqshrnb would round down, but the GNU assembler 2.40 makes this of it.) */
+static inline vh pack_q13(pair q24)
 {
-    const int16x8_t even = vqrshrnbq_n_s32((int16x8_t)a_q24, (int32x4_t)a_q24, 11);
-    return (vh)vqrshrntq_n_s32(even, (int32x4_t)b_q24, 11);
+    const int16x8_t even = vqrshrnbq_n_s32((int16x8_t)q24.even, (int32x4_t)q24.even, 11);
+    return (vh)vqrshrntq_n_s32(even, (int32x4_t)q24.odd, 11);
 }
 
-/* The low halves of a in even lanes, those of b in odd ones; and the high halves. */
-static inline vh low_halves(vi a, vi b)
+static inline vh low_halves(pair x)
 {
-    return (vh)vsliq_n_s32((int32x4_t)a, (int32x4_t)b, 16);
+    return (vh)vsliq_n_u32((uint32x4_t)x.even, (uint32x4_t)x.odd, 16);
 }
 
-static inline vh high_halves(vi a, vi b)
+static inline pair add(pair a, pair b)
 {
-    return (vh)vsriq_n_u32((uint32x4_t)b, (uint32x4_t)a, 16);
+    return (pair){a.even + b.even, a.odd + b.odd};
 }
 
-static inline mask within(vh level, vh limit)
+/* a + n b */
+static inline pair add_times(pair a, pair b, uint32_t n)
 {
-    return vcmpleq_s16((int16x8_t)level, (int16x8_t)limit);
+    return (pair){(vu)vmlaq_n_u32((uint32x4_t)a.even, (uint32x4_t)b.even, n),
+                  (vu)vmlaq_n_u32((uint32x4_t)a.odd, (uint32x4_t)b.odd, n)};
+}
+
+static inline pair shifted(pair x, int shift)
+{
+    return (pair){x.even >> shift, x.odd >> shift};
+}
+
+static inline vu magnitude(vu x)
+{
+    return (vu)vabsq_s32((int32x4_t)x);
+}
+
+static inline void store_by_entry(uint32_t to[GROUP], pair x)
+{
+    store_pairs(to, (vi)x.even, (vi)x.odd);
 }
 
 /* ---- Which patches a group reaches ------------------------------------------------------------------------------- */
 
-/* Entries, past the end the first again; *which: a bit of FIRSTS for each that touches something. */
-static inline uint32x4x2_t take_entries(const uint32_t *entries, uint32_t left, int square, uint32_t *which)
+/* Entries, past the end the first again; *which: two bits for each that touches something. */
+static inline pair take_entries(const uint32_t *entries, uint32_t left, int square, uint32_t *which)
 {
     uint32_t few[GROUP];
-    *which = left < GROUP ? FIRSTS >> 2 * (GROUP - left) : FIRSTS;
+    *which = left < GROUP ? 0xffffu >> 2 * (GROUP - left) : 0xffffu;
     for (uint32_t i = 0; i < GROUP && left < GROUP; i++)
         few[i] = entries[i < left ? i : 0];
     entries = left < GROUP ? few : entries;
     for (uint32_t i = 0; i < GROUP && square; i++)
-        *which &= ~(entries[i] >> 31 << 2 * i);
-    return vld2q_u32(entries);
+        *which &= ~(3 * (entries[i] >> 31) << 2 * i);
+    const uint32x4x2_t at = vld2q_u32(entries);
+    return (pair){(vu)at.val[0], (vu)at.val[1]};
 }
 
-static inline void load_splats(vi words[7], const fxs_splat *splats, uint32x4_t entries)
+/* Word i of the splats at 8 words times `at`; FXS_ENTRY_FAR has fallen off. */
+static inline pair word_of(const fxs_splat *splats, pair at, int i)
 {
-    const uint32x4_t at = (uint32x4_t)((vu)entries << 3);  /* in words, and FXS_ENTRY_FAR falls off */
-    for (int i = 0; i < 7; i++)
-        words[i] = (vi)vldrwq_gather_shifted_offset_s32((const int32_t *)(const void *)splats + i, at);
+    const uint32_t *word = (const uint32_t *)(const void *)splats + i;
+    return (pair){(vu)vldrwq_gather_shifted_offset_u32(word, (uint32x4_t)at.even),
+                  (vu)vldrwq_gather_shifted_offset_u32(word, (uint32x4_t)at.odd)};
 }
 
-static inline void store_by_entry(void *to, vu even, vu odd)
+/* u. ux is not below 0. */
+static inline void place_across(group *g, outline *o, const fxs_splat *splats, pair at, uint32_t x, uint32_t y)
 {
-    store_pairs(to, (vi)even, (vi)odd);
+    const pair ux = word_of(splats, at, 2), uy = word_of(splats, at, 3);
+    pair u = add_times(add_times(word_of(splats, at, 0), ux, x), uy, y);
+    u = (pair){u.even - 1024, u.odd - 1024};
+    store_by_entry(g->words[UX], ux);
+    store_by_entry(g->words[UY], uy);
+    store_by_entry(g->words[U], u);
+    o->four_q24 = (pair){COLUMNS * ux.even, COLUMNS * ux.odd};
+    o->two_q24 = (pair){ROWS * uy.even, ROWS * uy.odd};
+    const pair down = {magnitude(uy.even) + 4096, magnitude(uy.odd) + 4096}, far = add_times(uy, ux, COLUMNS - 1);
+    o->half_q13 = pack_q13(shifted(add_times(down, ux, COLUMNS - 1), 1));
+    o->middle_q24 = add(u, (pair){(vu)((vi)far.even >> 1), (vu)((vi)far.odd >> 1)});
 }
 
-/* ux and vy are not below 0. */
-static inline void place(group *g, outline *o, const fxs_view *view, const vi words[2][7], int32_t x, int32_t y)
+/* v, the limit and the colours. */
+static inline void place(group *g, outline *o, const fxs_view *view, const fxs_splat *splats, pair at, uint32_t which,
+                         uint32_t y)
 {
-    vu low[2], high[2];
-    for (int j = 0; j < 2; j++) {
-        const vu ux = (vu)words[j][2], uy = (vu)words[j][3], vy = (vu)words[j][4];
-        o->u_q24[j] = (vu)words[j][0] - 1024 + (uint32_t)x * ux + (uint32_t)y * uy;
-        o->v_q24[j] = (vu)words[j][1] - 1024 + (uint32_t)y * vy;
-        o->vy_q24[j] = vy;
-        o->four_q24[j] = COLUMNS * ux;
-        o->two_q24[j] = ROWS * uy;
-        low[j] = (vu)least((vi)uy, all(0)) - 1024;
-        high[j] = (COLUMNS - 1) * ux + (vu)most((vi)uy, all(0)) + 1024;
+    o->vy_q24 = word_of(splats, at, 4);
+    o->v_q24 = add_times(word_of(splats, at, 1), o->vy_q24, y);
+    o->v_q24 = (pair){o->v_q24.even - 1024, o->v_q24.odd - 1024};
+    const pair offset_red = word_of(splats, at, 5), green_blue = word_of(splats, at, 6);
+    o->offset_q11 = low_halves(offset_red);
+    const vh limit = least_h(add_cut(o->offset_q11, all_h(view->cut_q11)), all_h(FXS_FAINT_Q11));
+    o->limit_q11 = (vh)vpselq_s16((int16x8_t)limit, vdupq_n_s16(-1), (mve_pred16_t)which);
+    store_by_entry(g->words[LIMIT], (pair){(vu)limit, (vu)limit >> 16});
+    store_by_entry(g->words[RED], shifted(offset_red, 16));
+    store_by_entry(g->words[GREEN], green_blue);
+    store_by_entry(g->words[BLUE], shifted(green_blue, 16));
+}
+
+static inline void set_out_levels(group *g, outline *o)
+{
+    pair v_q24 = o->v_q24;
+    for (int row = 0; row < FXS_TILE / ROWS; row++) {
+        vh level_q11[ROWS];
+        for (int i = 0; i < ROWS; i++) {
+            const vh v_q13 = pack_q13(v_q24);
+            level_q11[i] = add_cut(mul_h(v_q13, v_q13), o->offset_q11);
+            v_q24 = add(v_q24, o->vy_q24);
+        }
+        const int16x8x2_t levels = {{(int16x8_t)level_q11[0], (int16x8_t)level_q11[1]}};
+        vst2q_s16((int16_t *)(void *)g->words[LEVELS + row], levels);
+        o->least_q11[row] = (vh)vqsubq_s16((int16x8_t)least_h(level_q11[0], level_q11[1]), (int16x8_t)o->limit_q11);
     }
-    store_by_entry(g->u_q24, o->u_q24[0], o->u_q24[1]);
-    store_by_entry(g->ux_q24, (vu)words[0][2], (vu)words[1][2]);
-    store_by_entry(g->uy_q24, (vu)words[0][3], (vu)words[1][3]);
-    o->u_low_q13 = pack_q13(low[0], low[1]);
-    o->u_high_q13 = pack_q13(high[0], high[1]);
-    o->offset_q11 = low_halves(words[0][5], words[1][5]);
-    o->limit_q11 = least_h(add_cut(o->offset_q11, all_h(view->cut_q11)), all_h(FXS_FAINT_Q11));
-    store_h(g->limit_q11, o->limit_q11);
-    store_h(g->red_q13, high_halves(words[0][5], words[1][5]));
-    store_h(g->green_q13, low_halves(words[0][6], words[1][6]));
-    store_h(g->blue_q13, high_halves(words[0][6], words[1][6]));
 }
 
-/* The least size of a coordinate between two that it has: that of one of them, or 0. */
-static inline vh nearest(vh low, vh high)
+/* The patches of two rows. A coordinate that is cut is nearer to 0, so none is missed. */
+static inline void set_out_rows(uint16_t reached[ACROSS], const outline *o, pair u_q24, vh least_q11)
 {
-    return most_h(most_h(low, ~high), all_h(0));
-}
-
-/* v of the next row. */
-static inline vh next_row(outline *o)
-{
-    const vh v_q13 = pack_q13(o->v_q24[0], o->v_q24[1]);
-    for (int j = 0; j < 2; j++)
-        o->v_q24[j] += o->vy_q24[j];
-    return v_q13;
-}
-
-/* Fills in the levels of the next two rows. Returns the least level that a splat has on them. */
-static inline vh set_out_levels(uint32_t levels_q11[GROUP], outline *o)
-{
-    const vh upper = next_row(o), lower = next_row(o), v_q13 = nearest(upper, lower);
-    const int16x8x2_t levels = {{(int16x8_t)add_cut(mul_h(upper, upper), o->offset_q11),
-                                 (int16x8_t)add_cut(mul_h(lower, lower), o->offset_q11)}};
-    vst2q_s16((int16_t *)(void *)levels_q11, levels);
-    return add_cut(mul_h(v_q13, v_q13), o->offset_q11);
-}
-
-/* The patches of the next two rows. Cut coordinates are nearer to 0, so none is missed. Returns which entries reach
-   one. */
-static inline uint32_t set_out_rows(uint16_t reached[ACROSS], outline *o, vh least_q11, uint32_t which)
-{
-    vu u_q24[2] = {o->u_q24[0], o->u_q24[1]};
-    uint32_t some = 0;
-    for (int i = 0; i < ACROSS; i++) {
-        const vh u_q13 = pack_q13(u_q24[0], u_q24[1]);
-        const vh near_q13 = nearest(add_cut(u_q13, o->u_low_q13), add_cut(u_q13, o->u_high_q13));
-        const vh level_q11 = add_cut(mul_h(near_q13, near_q13), least_q11);
-        reached[i] = (uint16_t)(within(level_q11, o->limit_q11) & which);
-        some |= reached[i];
-        for (int j = 0; j < 2; j++)
-            u_q24[j] += o->four_q24[j];
+    for (uint32_t i = 0; i < ACROSS; i++) {
+        const uint16x8_t size_q13 = (uint16x8_t)vqabsq_s16((int16x8_t)pack_q13(u_q24));
+        const vh near_q13 = (vh)vqsubq_u16(size_q13, (uint16x8_t)o->half_q13);
+        reached[i] = vcmpleq_n_s16((int16x8_t)add_cut(mul_h(near_q13, near_q13), least_q11), 0);
+        u_q24 = add(u_q24, o->four_q24);
     }
-    for (int j = 0; j < 2; j++)
-        o->u_q24[j] += o->two_q24[j];
-    return some;
 }
 
-/* Returns whether any reaches a patch. */
-static __attribute__((noinline)) int set_out(group *g, const fxs_view *view, const fxs_splat *splats,
-                                             const uint32_t *entries, uint32_t left, int32_t x, int32_t y)
+static __attribute__((noinline)) void set_out(group *g, const fxs_view *view, const fxs_splat *splats,
+                                              const uint32_t *entries, uint32_t left, int32_t x, int32_t y)
 {
     outline o;
-    uint32_t which, some = 0;
-    vi words[2][7];
-    const uint32x4x2_t at = take_entries(entries, left, view->square, &which);
-    load_splats(words[0], splats, at.val[0]);
-    load_splats(words[1], splats, at.val[1]);
-    place(g, &o, view, (const vi (*)[7])words, x, y);
+    uint32_t which;
+    pair at = take_entries(entries, left, view->square, &which);
+    at = (pair){at.even << 3, at.odd << 3};
+    place(g, &o, view, splats, at, which, (uint32_t)y);
+    place_across(g, &o, splats, at, (uint32_t)x, (uint32_t)y);
+    set_out_levels(g, &o);
     for (int row = 0; row < FXS_TILE / ROWS; row++) {
-        const vh least_q11 = set_out_levels(g->levels_q11[row], &o);
-        some |= set_out_rows(g->reached + ACROSS * row, &o, least_q11, which);
+        set_out_rows(g->reached + ACROSS * row, &o, o.middle_q24, o.least_q11[row]);
+        o.middle_q24 = add(o.middle_q24, o.two_q24);
     }
-    return some != 0;
 }
 
 /* ---- Blending a patch -------------------------------------------------------------------------------------------- */
 
-/* p level + c */
-static inline vh step(vh p, vh level, int16_t c)
+/* The level of the pixels of patch (x, y), in pixels of the tile; splat: an entry's first word. */
+static inline vh level_of(const uint32_t *splat, uint32_t x, uint32_t y)
 {
-    return (vh)vqrdmlashq_n_s16((int16x8_t)p, (int16x8_t)level, c);
-}
-
-/* exp(-level / 2), cut at 0.99: fxs_alpha_q15 */
-static inline vh alpha_of(vh level)
-{
-    vh p = (vh)vqrdmulhq_n_s16((int16x8_t)level, -4236) + 16016;
-    p = step(p, level, -32730);
-    p = step(p, level, 32767);
-    p = mul_h(p, p);
-    p = mul_h(p, p);
-    p = mul_h(p, p);
-    return least_h(p, all_h(FXS_ALPHA_MAX_Q15));
-}
-
-/* The level of the pixels of patch (x, y), in pixels of the tile. */
-static inline vh level_of(const group *g, uint32_t entry, uint32_t x, uint32_t y)
-{
-    const uint32_t ux = g->ux_q24[entry], uy = g->uy_q24[entry], u = g->u_q24[entry] + x * ux + y * uy;
-    const vu upper = (vu)all((int32_t)u) + ux * (vu)load(lane_numbers), lower = upper + uy;
-    const vh u_q13 = pack_q13(upper, lower), levels = (vh)all((int32_t)g->levels_q11[y / ROWS][entry]);
-    return add_cut(mul_h(u_q13, u_q13), levels);
+    const uint32_t ux = splat[UX * GROUP], uy = splat[UY * GROUP], u = splat[0] + x * ux + y * uy;
+    const vu upper = (vu)vaddq_n_u32(vmulq_n_u32((uint32x4_t)load(lane_numbers), ux), u);
+    const vh u_q13 = pack_q13((pair){upper, (vu)vaddq_n_u32((uint32x4_t)upper, uy)});
+    return add_cut(mul_h(u_q13, u_q13), (vh)all((int32_t)splat[(LEVELS + y / ROWS) * GROUP]));
 }
 
 /* The pixels of a patch. */
@@ -212,13 +203,38 @@ typedef struct pixels {
     vh t, red, green, blue;
 } pixels;
 
-ALWAYS_INLINE void take(pixels *p, vh weight, const group *g, uint32_t entry, mve_pred16_t counted)
+#define MOVE(constant) "movw %[k], #" constant "\n\t"
+#define LOAD(to, word) "ldr %[" to "], [%[splat], %[" word "]]\n\t"
+#define OFFSET(word) "i"((word) * GROUP * 4)
+
+/* Takes an entry where `counted`: weight = T min(0.99, exp(-level / 2)), as
+   fxs_alpha_q15 has it; T' = T - weight, and so on. In one piece, as GCC 12 keeps pixels in memory else, and makes three
+   instructions of each predicate that is used. */
+ALWAYS_INLINE void take(pixels *p, vh level_q11, const uint32_t *splat, mve_pred16_t counted)
 {
-    p->t = (vh)vsubq_m_s16((int16x8_t)p->t, (int16x8_t)p->t, (int16x8_t)weight, counted);
-    weight = (vh)vpselq_s16((int16x8_t)weight, vdupq_n_s16(0), counted);
-    p->red = (vh)vqrdmlahq_n_s16((int16x8_t)p->red, (int16x8_t)weight, g->red_q13[entry]);
-    p->green = (vh)vqrdmlahq_n_s16((int16x8_t)p->green, (int16x8_t)weight, g->green_q13[entry]);
-    p->blue = (vh)vqrdmlahq_n_s16((int16x8_t)p->blue, (int16x8_t)weight, g->blue_q13[entry]);
+    vh alpha;
+    uint32_t k, green, blue;
+    __asm__(MOVE("0xef74") "vqrdmulh.s16 %q[alpha], %q[level], %[k]\n\t"   /* -4236 level */
+            MOVE("16016") "vadd.i16 %q[alpha], %q[alpha], %[k]\n\t"
+            MOVE("0x8026") "vqrdmlash.s16 %q[alpha], %q[level], %[k]\n\t"  /* alpha level - 32730 */
+            MOVE("32767") "vqrdmlash.s16 %q[alpha], %q[level], %[k]\n\t"
+            "vqrdmulh.s16 %q[alpha], %q[alpha], %q[alpha]\n\t"
+            "vqrdmulh.s16 %q[alpha], %q[alpha], %q[alpha]\n\t"
+            "vqrdmulh.s16 %q[alpha], %q[alpha], %q[alpha]\n\t"
+            MOVE("327") "vqadd.s16 %q[alpha], %q[alpha], %[k]\n\t"         /* cut at 32440 */
+            "vsub.i16 %q[alpha], %q[alpha], %[k]\n\t"
+            "vqrdmulh.s16 %q[alpha], %q[alpha], %q[t]\n\t"                 /* the weight */
+            LOAD("k", "reds") LOAD("green", "greens") LOAD("blue", "blues")
+            "vpstttt\n\t"
+            "vsubt.i16 %q[t], %q[t], %q[alpha]\n\t"
+            "vqrdmlaht.s16 %q[r], %q[alpha], %[k]\n\t"
+            "vqrdmlaht.s16 %q[g], %q[alpha], %[green]\n\t"
+            "vqrdmlaht.s16 %q[b], %q[alpha], %[blue]"
+            : [t] "+w"(p->t), [r] "+w"(p->red), [g] "+w"(p->green), [b] "+w"(p->blue), [alpha] "=&w"(alpha),
+              [k] "=&r"(k), [green] "=&r"(green), [blue] "=&r"(blue)
+            : [level] "w"(level_q11), [splat] "r"(splat), [reds] OFFSET(RED), [greens] OFFSET(GREEN),
+              [blues] OFFSET(BLUE), "Up"(counted)
+            : "memory");
 }
 
 /* Keeps track of the patch whose first pixel is `at` in the arrays of `trace`; t: before the entry. */
@@ -239,6 +255,13 @@ static inline void trace_entry(fxs_trace *trace, int at, int number, int depth_q
     }
 }
 
+/* Where the pixels take no more from entry `number` on, the level is above every limit. */
+static inline vh hide(vh level, const fxs_trace *trace, int at, int number)
+{
+    const mve_pred16_t seen = vcmpgtq_n_s16((int16x8_t)load_h(trace->end + at), (int16_t)number);
+    return (vh)vpselq_s16((int16x8_t)level, vdupq_n_s16(FXS_LEVEL_MAX_Q11), seen);
+}
+
 /* Blends a group, from entry `number` on, into a patch that some reach. trace, depths_q15: null without a trace.
    Returns whether it is still open. */
 ALWAYS_INLINE int blend_patch(fxs_tile *tile, fxs_trace *trace, const group *g, uint32_t patch, int number,
@@ -246,19 +269,24 @@ ALWAYS_INLINE int blend_patch(fxs_tile *tile, fxs_trace *trace, const group *g, 
 {
     const int at = (int)patch * GROUP;
     const uint32_t x = patch % ACROSS * COLUMNS, y = patch / ACROSS * ROWS;
-    pixels p = {load_h(tile->transmittance_q15 + at), load_h(tile->sum_q13[0] + at), load_h(tile->sum_q13[1] + at),
-                load_h(tile->sum_q13[2] + at)};
-    for (uint32_t reached = g->reached[patch]; reached; reached &= reached - 1) {
+    pixels p = {(vh)vldrhq_s16(tile->transmittance_q15 + at), (vh)vldrhq_s16(tile->sum_q13[0] + at),
+                (vh)vldrhq_s16(tile->sum_q13[1] + at), (vh)vldrhq_s16(tile->sum_q13[2] + at)};
+    for (uint32_t reached = g->reached[patch] & FIRSTS; reached;) {
         const uint32_t entry = (uint32_t)__builtin_ctz(reached) / 2;
-        const vh level = level_of(g, entry, x, y), t = p.t, weight = mul_h(alpha_of(level), t);
-        mve_pred16_t counted = vcmpgeq_n_s16((int16x8_t)t, FXS_CLOSED_Q15);
-        counted = vcmpleq_m_n_s16((int16x8_t)level, g->limit_q11[entry], counted);
+        reached &= reached - 1;
+        const uint32_t *splat = g->words[0] + entry;
+        const vh t = p.t;
+        vh level = level_of(splat, x, y);
         if (trace && trace->which & FXS_TRACE_END)
-            counted = vcmpgtq_m_n_s16((int16x8_t)load_h(trace->end + at), (int16_t)(number + (int)entry), counted);
-        take(&p, weight, g, entry, counted);
+            level = hide(level, trace, at, number + (int)entry);
+        mve_pred16_t counted = vcmpgeq_n_s16((int16x8_t)t, FXS_CLOSED_Q15);
+        counted = vcmpleq_m_n_s16((int16x8_t)level, (int16_t)splat[LIMIT * GROUP], counted);
+        if (!counted)
+            continue;
+        take(&p, level, splat, counted);
         if (trace)
             trace_entry(trace, at, number + (int)entry, trace->which & FXS_TRACE_MEAN ? depths_q15[entry] : 0,
-                        (vh)vpselq_s16((int16x8_t)weight, vdupq_n_s16(0), counted), t);
+                        t - p.t, t);
     }
     store_h(tile->transmittance_q15 + at, p.t);
     store_h(tile->sum_q13[0] + at, p.red);
@@ -267,12 +295,20 @@ ALWAYS_INLINE int blend_patch(fxs_tile *tile, fxs_trace *trace, const group *g, 
     return vcmpgeq_n_s16((int16x8_t)p.t, FXS_CLOSED_Q15) != 0;
 }
 
-static uint32_t open_patches(const fxs_tile *tile)
+/* Two bits for each of 16 patches by whether a number of theirs is not 0: the lower one counts. */
+static inline uint32_t bits_of(const uint16_t numbers[16])
 {
-    uint32_t open = 0;
-    for (uint32_t i = 0; i < PATCHES; i++)
-        open |= (uint32_t)(vcmpgeq_n_s16(vldrhq_s16(tile->transmittance_q15 + GROUP * i), FXS_CLOSED_Q15) != 0) << i;
-    return open;
+    const uint32_t low = vcmpneq_n_u16(vldrhq_u16(numbers), 0), high = vcmpneq_n_u16(vldrhq_u16(numbers + 8), 0);
+    return (low | high << 16) & (FIRSTS | FIRSTS << 16);
+}
+
+/* Such bits of those patches that are open, from `first` on. */
+static uint32_t open_patches(const fxs_tile *tile, uint32_t first)
+{
+    uint16_t open[16];
+    for (uint32_t i = 0; i < 16; i++)
+        open[i] = vcmpgeq_n_s16(vldrhq_s16(tile->transmittance_q15 + GROUP * (first + i)), FXS_CLOSED_Q15);
+    return bits_of(open);
 }
 
 /* Blends a list into a tile by patches. */
@@ -281,16 +317,15 @@ ALWAYS_INLINE void blend_list(fxs_tile *tile, fxs_trace *trace, const fxs_view *
                               uint32_t first, uint32_t end)
 {
     group g;
-    uint32_t open = open_patches(tile);
-    for (uint32_t i = first; i < end && open; i += GROUP) {
-        if (!set_out(&g, view, splats, entries + i, end - i, x, y))
-            continue;
-        for (uint32_t rest = open; rest; rest &= rest - 1) {
-            const uint32_t patch = (uint32_t)__builtin_ctz(rest);
-            if (g.reached[patch] &&
-                !blend_patch(tile, trace, &g, patch, (int)i, depths_q15 ? depths_q15 + (i - first) : 0))
-                open &= ~(1u << patch);
-        }
+    uint32_t open[2] = {open_patches(tile, 0), open_patches(tile, 16)};
+    for (uint32_t i = first; i < end && (open[0] | open[1]); i += GROUP) {
+        set_out(&g, view, splats, entries + i, end - i, x, y);
+        for (uint32_t half = 0; half < 2; half++)
+            for (uint32_t rest = open[half] & bits_of(g.reached + 16 * half); rest; rest &= rest - 1) {
+                const uint32_t bit = (uint32_t)__builtin_ctz(rest), patch = 16 * half + bit / 2;
+                if (!blend_patch(tile, trace, &g, patch, (int)i, depths_q15 ? depths_q15 + (i - first) : 0))
+                    open[half] &= ~(1u << bit);
+            }
     }
 }
 
