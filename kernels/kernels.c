@@ -72,6 +72,14 @@ unsigned fxs_cpu_detect(void)
 {
     return FXS_CPU_MVE;            /* whoever builds for it has it */
 }
+#elif __ARM_ARCH_PROFILE == 'M'
+FXS_BLEND(cortexm);
+FXS_RESOLVE(cortexm);
+
+unsigned fxs_cpu_detect(void)
+{
+    return FXS_CPU_CORTEX_M;
+}
 #else
 unsigned fxs_cpu_detect(void)
 {
@@ -87,6 +95,7 @@ const char *fxs_cpu_name(unsigned flag)
     case FXS_CPU_AVX512: return "avx512";
     case FXS_CPU_NEON: return "neon";
     case FXS_CPU_MVE: return "mve";
+    case FXS_CPU_CORTEX_M: return "cortexm";
     default: return 0;
     }
 }
@@ -143,6 +152,11 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
         USE(FXS_BLEND, blend, mve);
         kernels->trace = fxs_trace_mve;
         USE(FXS_RESOLVE, resolve, mve);
+    }
+#elif __ARM_ARCH_PROFILE == 'M'
+    if (cpu & FXS_CPU_CORTEX_M) {
+        USE(FXS_BLEND, blend, cortexm);
+        USE(FXS_RESOLVE, resolve, cortexm);
     }
 #else
     (void)kernels;
