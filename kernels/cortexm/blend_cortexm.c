@@ -49,11 +49,13 @@ static inline void accumulate(int16_t *sum_q13, int weight_q15, int colour_q13, 
     *sum_q13 = (int16_t)cut(*sum_q13 + mul(weight_q15, colour_q13, half));
 }
 
-/* The first pixel that may be reached: no pixel before it is. */
+/* The first pixel that may be reached: no pixel before it is. None is where it is FXS_TILE or more. */
 static inline uint32_t first_of(const at_row *r, int left_q11)
 {
-    const int32_t before = -(reach_q13[left_q11 >> 10] << 11) - r->u_q24;
-    return before > 0 ? (uint32_t)((uint64_t)(uint32_t)before * r->per_u >> 32) : 0;
+    const int32_t reach_q24 = reach_q13[left_q11 >> 10] << 11, before = -reach_q24 - r->u_q24;
+    if (before > 0)
+        return (uint32_t)((uint64_t)(uint32_t)before * r->per_u >> 32);
+    return r->u_q24 > reach_q24 ? FXS_TILE : 0;
 }
 
 /* Returns how many pixels it closed. From the first pixel on |u| is below 8: its square is below 2^32. */
@@ -61,6 +63,8 @@ static inline int blend_row(int16_t *t, const at_row *r)
 {
     const int left_q11 = r->limit_q11 - r->level_q11;
     const uint32_t first = first_of(r, left_q11), end_q26 = (uint32_t)(left_q11 + 1) << 15;
+    if (first >= FXS_TILE)
+        return 0;
     int32_t u_q24 = r->u_q24 + (int32_t)first * r->ux_q24;
     int closed = 0, half = 1 << 14;
     __asm__("" : "+r"(half));
