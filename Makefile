@@ -204,6 +204,8 @@ $(B)/firmware/knot.fxs: $(B)/fixsplat
 	$(B)/fixsplat make-scene knot --count 20000 -o $(@:.fxs=.ply)
 	$(B)/fixsplat convert $(@:.fxs=.ply) $@
 
+# What each Gaussian passes: a tenth to a fifth fewer instructions for 4 KB of flash.
+faster = $(if $(filter -O2,$(ARM_CFLAGS)),$(if $(filter src/project.c src/shade.c %project_mve.c,$(1)),-O3))
 of_board = $(word $(1),$($(2)))
 define firmware_rules
 $(B)/firmware/$(1)/%.o: %.c $(B)/commands/firmware
@@ -211,7 +213,7 @@ $(B)/firmware/$(1)/%.o: %.c $(B)/commands/firmware
 	$$(call say,CC,'$$< ($(1))')$(ARM_CC) -std=gnu99 -Wall -Wextra -Wpedantic -Wshadow -Wconversion \
 	    $(call of_board,1,$(1)) $(FLAGS_$(1)) $$(if $$(findstring _mve,$$<),$(MVE_FLAGS)) \
 	    -mthumb -ffreestanding -fbuiltin -ffunction-sections -fdata-sections -fwrapv -DBOARD_HZ=$(call of_board,2,$(1)) \
-	    -DBOARD='"$(1)"' -DFXS_WITH_KERNELS $(ARM_CFLAGS) -MMD -MP -c -o $$@ $$<
+	    -DBOARD='"$(1)"' -DFXS_WITH_KERNELS $(ARM_CFLAGS) $$(call faster,$$<) -MMD -MP -c -o $$@ $$<
 $(B)/firmware/$(1)/scene.o: port/cortexm/scene.S $(FIRMWARE_SCENE) $(B)/commands/firmware
 	@mkdir -p $$(@D)
 	$$(call say,AS,'$$< ($(1))')$(ARM_CC) $(call of_board,1,$(1)) -mthumb -DSCENE='"$(FIRMWARE_SCENE)"' -c -o $$@ $$<

@@ -108,7 +108,8 @@ static void basis_at(int32_t b_q15[15], const fxs_view *view, const fxs_chunk *c
         offset_q32[k] = chunk->origin_q32[k] - view->eye_q32[k] + reach;
     }
     direction(d_q15, offset_q32);
-    memset(b_q15, 0, 15 * sizeof *b_q15);
+    if (view->sh_degree < 3)
+        memset(b_q15, 0, 15 * sizeof *b_q15);
     basis(b_q15, d_q15, view->sh_degree);
 }
 

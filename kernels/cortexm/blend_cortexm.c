@@ -27,6 +27,8 @@ static inline int alpha_of(int level_q11, int half)
     return fxs_min(p, FXS_ALPHA_MAX_Q15);
 }
 
+#define FOUR_Q24 (4u << 24)        /* |v| from there on is over every limit */
+
 /* A splat at a row. */
 typedef struct at_row {
     int32_t u_q24, ux_q24;         /* at the first pixel */
@@ -102,8 +104,9 @@ static int blend_splat(fxs_tile *tile, uint8_t open[FXS_TILE], const fxs_view *v
                 splat->colour_q13[0], splat->colour_q13[1], splat->colour_q13[2]};
     int closed = 0;
     for (int32_t row = first; row <= last; row++) {
-        r.level_q11 = fxs_row_level_q11(fxs_coordinate_q13((int32_t)v_q24), splat->offset_q11);
-        if (r.level_q11 <= r.limit_q11 && open[row]) {
+        const uint32_t v_q13 = (uint32_t)((int32_t)v_q24 >> 11);
+        r.level_q11 = splat->offset_q11 + (int)((v_q13 * v_q13 + 16384) >> 15);
+        if (v_q24 + FOUR_Q24 < 2 * FOUR_Q24 && r.level_q11 <= r.limit_q11 && open[row]) {
             r.u_q24 = (int32_t)u_q24;
             const int by_row = blend_row(tile->transmittance_q15 + row * FXS_TILE, &r);
             open[row] = (uint8_t)(open[row] - by_row);

@@ -6,6 +6,7 @@
 
 #define ISA mve
 #define LANES 4
+#define AT_ONCE 16
 #include "../../src/memory.h"
 #include "../../src/stage.h"
 #include "../lanes/vectors.h"
