@@ -14,7 +14,7 @@ HEADERS := $(CORE_HEADERS) kernels/cuda/cuda.h kernels/gles/gles.h port/egl/egl.
            $(addprefix port/posix/,clock.h map.h pool.h) $(addprefix port/files/,allocator.h message.h output.h) \
            $(addprefix port/scene/,scene_file.h scene_filter.h fxs_file.h ply_write.h splat_write.h spz_write.h) \
            port/camera/camera.h port/camera/camera_file.h port/image/image_file.h port/import/pack.h \
-           port/world/world.h port/backend/backends.h port/backend/foveate.h
+           port/world/world.h port/backend/backends.h port/backend/foveate.h port/board/strip.h
 
 PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libzstd-dev libegl-dev libgles-dev \
             libsdl2-dev
@@ -23,7 +23,12 @@ TEST_PACKAGES := clang libclang-rt-14-dev cmake pkg-config glslang-tools qemu-us
                  libegl1 libgles2 libegl-mesa0 libgl1-mesa-dri xvfb xdotool gcc-s390x-linux-gnu \
                  libc6-dev-s390x-cross gcc-powerpc-linux-gnu libc6-dev-powerpc-cross gcc-arm-linux-gnueabihf \
                  libc6-dev-armhf-cross gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-i686-linux-gnu \
-                 libc6-dev-i386-cross g++
+                 libc6-dev-i386-cross g++ qemu-system-arm
+CROSS := mips-linux-gnu powerpc64-linux-gnu powerpc64le-linux-gnu m68k-linux-gnu sparc64-linux-gnu hppa-linux-gnu \
+         arm-linux-gnueabi mips64el-linux-gnuabi64
+TEST_ALL_PACKAGES := musl-tools $(CROSS:%=gcc-%) libc6-dev-mips-cross libc6-dev-ppc64-cross libc6-dev-ppc64el-cross \
+                     libc6-dev-m68k-cross libc6-dev-sparc64-cross libc6-dev-hppa-cross libc6-dev-armel-cross \
+                     libc6-dev-mips64el-cross
 GOALS := $(or $(MAKECMDGOALS),all)
 
 # As many jobs as processors, unless told by -j.
@@ -37,8 +42,9 @@ all: ## the command and the libraries (the default)
 ifneq ($(filter setup,$(GOALS)),)
 # ---- Setup ---------------------------------------------------------------------------------------------------------
 
-setup: ## install the Debian packages that are missing (those for the tests too, before `test`)
-	@sh tools/setup.sh $(PACKAGES) $(if $(filter test,$(GOALS)),$(TEST_PACKAGES))
+setup: ## install the Debian packages that are missing (those for the tests too, before `test` or `test-all`)
+	@sh tools/setup.sh $(PACKAGES) $(if $(filter test test-all,$(GOALS)),$(TEST_PACKAGES)) \
+	    $(if $(filter test-all,$(GOALS)),$(TEST_ALL_PACKAGES))
 
 # What else is asked for, by a make that finds what was installed.
 REST := $(filter-out setup,$(GOALS))
@@ -84,7 +90,7 @@ isa = $(if $(filter kernels/%,$(1)),-fwrapv $(if $(filter -O2,$(CFLAGS)),-O3)) $
 with = $(if $(filter $(1),$(FOUND)),$(wildcard $(2)))
 CORE := $(wildcard src/*.c kernels/*.c) $(if $(KERNEL_FOLDER),$(wildcard kernels/$(KERNEL_FOLDER)/*.c))
 DEVICES := $(call with,GLES,kernels/gles/*.c) $(call with,CUDA,kernels/cuda/cuda.cu)
-PORT := $(wildcard $(addprefix port/,$(addsuffix /*.c,files scene camera image import posix world backend)))
+PORT := $(wildcard $(addprefix port/,$(addsuffix /*.c,files scene camera image import posix world backend board)))
 PORT += $(if $(filter GLES,$(FOUND)),$(call with,EGL,port/egl/*.c) $(call with,OSMESA,port/osmesa/*.c))
 WINDOW := $(if $(call with,SDL,port/window/*.c),$(wildcard port/window/*.c) tools/viewer.c)
 TOOL := $(filter-out tools/viewer%,$(wildcard tools/*.c))
@@ -183,19 +189,31 @@ demo: all ## make a procedural scene and render it to demo.png
 
 # ---- Firmware --------------------------------------------------------------------------------------------------------
 
-# For each board: processor, its clock in Hz, flash for code, flash for the scene, RAM.
-mps2-an385 := -mcpu=cortex-m3 25000000 0 256K 0x40000 3840K 0x20000000 4M
-mps2-an500 := -mcpu=cortex-m7 25000000 0 256K 0x40000 3840K 0x20000000 4M
-mps3-an547 := -mcpu=cortex-m55 32000000 0 512K 0x1000000 2M 0x21000000 4M
-# GCC 12 schedules vectors out of the registers, and finds what is in memory faster by r7 than by the stack pointer.
-MVE_FLAGS := -fno-schedule-insns -fno-omit-frame-pointer
-FLAGS_mps3-an547 := -mfloat-abi=hard
-KERNELS_mps3-an547 := $(wildcard kernels/cortexm/*_mve.c)
-BOARDS := mps2-an385 mps2-an500 mps3-an547
+# For each board what it is compiled with, where it is linked, and its own folder of port/. BOARD_HZ: the clock.
+memory = $(foreach pair,$(1),-Wl,--defsym=$(pair))
+in_flash := -T port/cortexm/firmware.ld
+cpu_of_mps2-an385 := -mthumb -mcpu=cortex-m3 -DBOARD_HZ=25000000
+cpu_of_mps2-an500 := -mthumb -mcpu=cortex-m7 -DBOARD_HZ=25000000
+cpu_of_mps3-an547 := -mthumb -mcpu=cortex-m55 -mfloat-abi=hard -DBOARD_HZ=32000000
+cpu_of_vexpress-a9 := -marm -mcpu=cortex-a9 -mno-unaligned-access
+link_of_mps2-an385 := $(in_flash) $(call memory,FLASH=0 FLASH_BYTES=256K SCENE_AT=0x40000 SCENE_BYTES=3840K \
+                                                RAM=0x20000000 RAM_BYTES=4M)
+link_of_mps2-an500 := $(link_of_mps2-an385)
+link_of_mps3-an547 := $(in_flash) $(call memory,FLASH=0 FLASH_BYTES=512K SCENE_AT=0x1000000 SCENE_BYTES=2M \
+                                                RAM=0x21000000 RAM_BYTES=4M)
+link_of_vexpress-a9 := -T port/vexpress/screen.ld
+own_of_vexpress-a9 := port/vexpress/screen.c port/vexpress/start.S port/cortexm/console.c port/cortexm/scene.S
+own_of_cortexm := $(wildcard port/cortexm/*.[cS])
+kernels_of_mps2-an385 := kernels/kernels.c $(wildcard kernels/cortexm/*_cortexm.c)
+kernels_of_mps2-an500 := $(kernels_of_mps2-an385)
+kernels_of_mps3-an547 := kernels/kernels.c $(wildcard kernels/cortexm/*_mve.c)
+BOARDS := mps2-an385 mps2-an500 mps3-an547 vexpress-a9
 FIRMWARE := $(BOARDS:%=$(B)/firmware/%.elf)
 FIRMWARE_SCENE ?= $(B)/firmware/knot.fxs
 ARM_CC ?= arm-none-eabi-gcc
 ARM_CFLAGS ?= -O2 -g
+ARM_FLAGS = -std=gnu99 -Wall -Wextra -Wpedantic -Wshadow -Wconversion -ffreestanding -fbuiltin \
+            -ffunction-sections -fdata-sections -fwrapv $(ARM_CFLAGS) -DSCENE='"$(FIRMWARE_SCENE)"'
 
 firmware: $(FIRMWARE) ## for boards (docs/boards.md): FIRMWARE_SCENE=x.fxs turns on a display, rendered from flash
 
@@ -204,30 +222,36 @@ $(B)/firmware/knot.fxs: $(B)/fixsplat
 	$(B)/fixsplat make-scene knot --count 20000 -o $(@:.fxs=.ply)
 	$(B)/fixsplat convert $(@:.fxs=.ply) $@
 
-# What each Gaussian passes: a tenth to a fifth fewer instructions for 4 KB of flash.
-faster = $(if $(filter -O2,$(ARM_CFLAGS)),$(if $(filter src/project.c src/shade.c %project_mve.c,$(1)),-O3))
-of_board = $(word $(1),$($(2)))
+# What each Gaussian passes: a tenth to a fifth fewer instructions for 4 KB of flash. And GCC 12 schedules vectors out of
+# the registers, and finds what is in memory faster by r7 than by the stack pointer.
+arm_flags_of = $(if $(filter -O2,$(ARM_CFLAGS)),$(if $(filter src/project.c src/shade.c %project_mve.c,$(1)),-O3)) \
+               $(if $(findstring _mve,$(1)),-fno-schedule-insns -fno-omit-frame-pointer)
+objects_of = $(addprefix $(B)/firmware/$(1)/,$(addsuffix .o,$(basename $(2))))
+
 define firmware_rules
 $(B)/firmware/$(1)/%.o: %.c $(B)/commands/firmware
 	@mkdir -p $$(@D)
-	$$(call say,CC,'$$< ($(1))')$(ARM_CC) -std=gnu99 -Wall -Wextra -Wpedantic -Wshadow -Wconversion \
-	    $(call of_board,1,$(1)) $(FLAGS_$(1)) $$(if $$(findstring _mve,$$<),$(MVE_FLAGS)) \
-	    -mthumb -ffreestanding -fbuiltin -ffunction-sections -fdata-sections -fwrapv -DBOARD_HZ=$(call of_board,2,$(1)) \
-	    -DBOARD='"$(1)"' -DFXS_WITH_KERNELS $(ARM_CFLAGS) $$(call faster,$$<) -MMD -MP -c -o $$@ $$<
-$(B)/firmware/$(1)/scene.o: port/cortexm/scene.S $(FIRMWARE_SCENE) $(B)/commands/firmware
+	$$(call say,CC,'$$< ($(1))')$(ARM_CC) $(cpu_of_$(1)) $(if $(kernels_of_$(1)),-DFXS_WITH_KERNELS) $$(ARM_FLAGS) \
+	    $$(call arm_flags_of,$$<) $$(TEST_FLAGS) -MMD -MP -c -o $$@ $$<
+$(B)/firmware/$(1)/%.o: %.S $(B)/commands/firmware
 	@mkdir -p $$(@D)
-	$$(call say,AS,'$$< ($(1))')$(ARM_CC) $(call of_board,1,$(1)) -mthumb -DSCENE='"$(FIRMWARE_SCENE)"' -c -o $$@ $$<
-$(B)/firmware/$(1).elf: $(patsubst %.c,$(B)/firmware/$(1)/%.o,$(wildcard src/*.c port/cortexm/*.c) kernels/kernels.c \
-                            $(or $(KERNELS_$(1)),$(wildcard kernels/cortexm/*_cortexm.c))) \
-                        $(B)/firmware/$(1)/scene.o port/cortexm/firmware.ld
-	$$(call say,LD,$$@)$(ARM_CC) $(call of_board,1,$(1)) $(FLAGS_$(1)) -mthumb -nostartfiles --specs=nano.specs -Wl,--gc-sections \
-	    -T port/cortexm/firmware.ld -Wl,--defsym=FLASH=$(call of_board,3,$(1)),--defsym=FLASH_BYTES=$(call of_board,4,$(1)) \
-	    -Wl,--defsym=SCENE_AT=$(call of_board,5,$(1)),--defsym=SCENE_BYTES=$(call of_board,6,$(1)) \
-	    -Wl,--defsym=RAM=$(call of_board,7,$(1)),--defsym=RAM_BYTES=$(call of_board,8,$(1)) -Wl,-Map=$$(@:.elf=.map) \
-	    -o $$@ $$(filter %.o,$$^)
+	$$(call say,AS,'$$< ($(1))')$(ARM_CC) $(cpu_of_$(1)) $$(ARM_FLAGS) -c -o $$@ $$<
+$(B)/firmware/$(1)/port/cortexm/scene.o: $(FIRMWARE_SCENE) $(B)/commands/firmware-scene
+$(B)/firmware/$(1).elf: $(call objects_of,$(1),$(wildcard src/*.c port/board/*.c) $(kernels_of_$(1)) \
+                                               $(or $(own_of_$(1)),$(own_of_cortexm))) $(filter %.ld,$(link_of_$(1)))
+	$$(call say,LD,$$@)$(ARM_CC) $(cpu_of_$(1)) -nostartfiles --specs=nano.specs -Wl,--gc-sections $(link_of_$(1)) \
+	    -Wl,-Map=$$(@:.elf=.map) -o $$@ $$(filter %.o,$$^)
+
+# tests/test_kernels.c as a program of the board, with as many of its cases as an emulator has time for.
+$(B)/firmware/$(1)/tests/test_kernels.o: TEST_FLAGS := -Dmain=test_main -DCASES=200
+$(B)/firmware/$(1)/test_kernels.elf: $(call objects_of,$(1),$(wildcard src/*.c) $(kernels_of_$(1)) tests/test_kernels.c \
+                                       tests/on_board.c port/cortexm/start.c port/cortexm/console.c)
+	$$(call say,LD,$$@)$(ARM_CC) $(cpu_of_$(1)) -nostartfiles -Wl,--gc-sections $(link_of_$(1)) \
+	    $(call memory,STACK_BYTES=128K) -o $$@ $$(filter %.o,$$^) -lm
 endef
 $(foreach board,$(BOARDS),$(eval $(call firmware_rules,$(board))))
-$(B)/commands/firmware: COMMAND := $(ARM_CC) $(ARM_CFLAGS) $(FIRMWARE_SCENE) $(foreach board,$(BOARDS),$($(board)) $(FLAGS_$(board)))
+$(B)/commands/firmware: COMMAND = $(ARM_CC) $(ARM_CFLAGS) $(foreach board,$(BOARDS),$(cpu_of_$(board)) $(link_of_$(board)))
+$(B)/commands/firmware-scene: COMMAND := $(ARM_CC) $(FIRMWARE_SCENE)
 
 # ---- Install ---------------------------------------------------------------------------------------------------------
 
@@ -286,6 +310,9 @@ $(B)/tests/test_window: $(call objects,tests/test_window.c port/window/motion.c 
 test: all $(addprefix $(B)/tests/,$(NEEDED)) ## run all tests, JOBS at once; T=name: those with that in their names
 	@FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(PROCESSORS)) sh tests/run.sh $(RUN)
 
+test-all: ## the same, on a dozen kinds of processor more
+	FXS_PROCESSORS=all $(MAKE) test
+
 test-programs: $(addprefix $(B)/tests/,$(TESTS)) ## build the test programs
 
 # Needs a GPU: see tests/gpu/cuda.sh.
@@ -314,7 +341,7 @@ size: all ## code size of each part
 clean: ## remove what was built
 	rm -rf $(B) demo.ply demo.png
 
-.PHONY: all demo firmware install uninstall headers core-headers test test-programs cuda-tests golden-update fuzz mutants bench
+.PHONY: all demo firmware install uninstall headers core-headers test test-programs cuda-tests golden-update fuzz mutants bench test-all
 .PHONY: size clean FORCE
 endif
 

@@ -20,6 +20,7 @@ FXS_BIN(avx512);
 FXS_SPANS(avx512);
 FXS_NOTE(avx512);
 FXS_LIST(avx512);
+FXS_SORT(avx512);
 FXS_BLEND(sse41);
 FXS_TRACE(sse41);
 FXS_BLEND(avx2);
@@ -27,6 +28,7 @@ FXS_TRACE(avx2);
 FXS_BLEND(avx512);
 FXS_TRACE(avx512);
 FXS_RESOLVE(sse41);
+FXS_RESOLVE(avx2);
 
 unsigned fxs_cpu_detect(void)
 {
@@ -124,12 +126,14 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
         USE_LISTS(avx2);
         USE(FXS_BLEND, blend, avx2);
         kernels->trace = fxs_trace_avx2;
+        USE(FXS_RESOLVE, resolve, avx2);
     }
     if (cpu & FXS_CPU_AVX512) {
         USE(FXS_PROJECT, project, avx512);
         USE(FXS_SHADE, shade, avx512);
         USE(FXS_BIN, bin, avx512);
         USE_LISTS(avx512);
+        USE(FXS_SORT, sort, avx512);
         USE(FXS_BLEND, blend, avx512);
         kernels->trace = fxs_trace_avx512;
     }

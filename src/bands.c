@@ -9,6 +9,8 @@
 #define EYE_BYTES (sizeof(fxs_splat) + sizeof(fxs_bounds) + sizeof(fxs_box) + sizeof(uint32_t))
 #define SLOT_BYTES sizeof(uint32_t)            /* and EYE_BYTES for each eye */
 #define LIST_BYTES (2 * sizeof(fxs_key))       /* a key, and room to sort it */
+#define SLICE_LEAST 128u           /* splats of a slice */
+#define SLICE_BYTES ((sizeof(fxs_trace) + 63) / 64 * 64)
 
 /* ---- Memory ---------------------------------------------------------------------------------------------------- */
 
@@ -55,8 +57,8 @@ static void lay_out_frame(fxs_frame *f, int planned)
     f->block_counts = cut(&m, f->blocks * sizeof *f->block_counts);
     f->block_times = cut(&m, (uint64_t)f->blocks * 3 * sizeof *f->block_times);
     f->row_counts = cut(&m, planned ? (uint64_t)f->blocks * (tiles_y + 1) * sizeof *f->row_counts : 0);
-    f->chunk_rows = cut(&m, planned ? (uint64_t)chunks * sizeof *f->chunk_rows : 0);
-    f->histograms = cut(&m, f->parts * sizeof *f->histograms);
+    f->extents = cut(&m, planned ? (uint64_t)chunks * sizeof *f->extents : 0);
+    f->histograms = cut(&m, config->draw_unlisted ? f->parts * sizeof *f->histograms : 0);
     for (uint32_t eye = 0; eye < f->eye_count; eye++)
         f->eye[eye].objects = cut(&m, f->object_count * sizeof *f->eye->objects);
     uint64_t tiles_at = m.used;
@@ -69,12 +71,22 @@ static void lay_out_frame(fxs_frame *f, int planned)
     f->fixed_bytes = m.used;
 }
 
+/* Columns of a sliced tile row: their pixels take a quarter of the memory at most, but for the least. */
+static int32_t slice_columns(const fxs_frame *f)
+{
+    const uint64_t most = (f->memory_bytes - f->fixed_bytes) / 4 / sizeof *f->pixels / FXS_MACRO * FXS_MACRO;
+    const int32_t tiles_x = f->eye->view.tiles_x;
+    return most < FXS_MACRO ? fxs_min(FXS_MACRO, tiles_x) : most < (uint32_t)tiles_x ? (int32_t)most : tiles_x;
+}
+
 /* What lasts for a band. The lists take the rest of the memory, up to KEYS a slot and 16 a tile. Returns the bytes of
    all, which may be more than a size_t holds. */
 static uint64_t lay_out_band(fxs_frame *f, uint64_t slots)
 {
     arena m = {f->memory ? f->memory + f->fixed_bytes : 0, f->fixed_bytes};
     slots = to_multiple_of_16(slots);
+    f->pixels = cut(&m, f->sliced ? (uint32_t)f->end_column * sizeof *f->pixels : 0);
+    f->nothing = cut(&m, f->sliced ? sizeof *f->nothing : 0);
     for (fxs_eye *eye = f->eye; eye < f->eye + f->eye_count; eye++) {
         eye->splats = cut(&m, slots * sizeof *eye->splats);
         eye->bounds = cut(&m, slots * sizeof *eye->bounds);
@@ -90,7 +102,8 @@ static uint64_t lay_out_band(fxs_frame *f, uint64_t slots)
 
     fxs_frame_memory *sizes = &f->stats.memory;
     sizes->entries = f->key_capacity * sizeof *f->keys;
-    sizes->keys = f->key_capacity * sizeof *f->spare + f->parts * sizeof *f->histograms;
+    sizes->keys = f->key_capacity * sizeof *f->spare +
+                  (f->context->config.draw_unlisted ? f->parts * sizeof *f->histograms : 0);
     sizes->total = (size_t)m.used;
     sizes->splats = sizes->total - sizes->keys - sizes->tiles - sizes->entries;
     return m.used;
@@ -115,19 +128,32 @@ static uint64_t bytes_for_plan(const fxs_frame *f)
     return bytes_for(f, (uint64_t)f->blocks * FXS_CHUNK, 1);
 }
 
+/* And for slices: two columns, room for a chunk and for some splats beside. */
+static uint64_t bytes_for_slices(const fxs_frame *f)
+{
+    return bytes_for(f, FXS_CHUNK + SLICE_LEAST, 1) + SLICE_BYTES + FXS_MACRO * sizeof(fxs_tile);
+}
+
 static uint64_t smaller(uint64_t a, uint64_t b)
 {
     return a < b ? a : b;
+}
+
+/* The least memory of a frame that is laid out for a plan. */
+static uint64_t least_bytes(const fxs_frame *f)
+{
+    const uint64_t plan = bytes_for_plan(f), slices = bytes_for_slices(f);
+    return plan > slices ? plan : slices;
 }
 
 uint64_t fxs_frame_measure(fxs_frame *f)
 {
     f->memory_bytes = UINT64_MAX;
     lay_out_frame(f, 1);
-    const uint64_t plan = bytes_for_plan(f);
+    const uint64_t least = least_bytes(f);
     lay_out_frame(f, 0);
     const uint64_t all = lay_out_band(f, (uint64_t)f->chunk_count * FXS_CHUNK);
-    f->stats.memory.least = (size_t)smaller(smaller(plan, bytes_for_all(f)), SIZE_MAX);
+    f->stats.memory.least = (size_t)smaller(smaller(least, bytes_for_all(f)), SIZE_MAX);
     return all;
 }
 
@@ -138,19 +164,27 @@ static fxs_row_counts *row_counts_of(const fxs_frame *f, uint32_t block)
     return f->row_counts + (size_t)block * (uint32_t)(f->eye->view.tiles_y + 1);
 }
 
+static void widen(fxs_span *a, fxs_span b)
+{
+    a->first = fxs_min(a->first, b.first);
+    a->last = -fxs_min(-a->last, -b.last);
+}
+
 void fxs_band_count(fxs_frame *f, uint32_t block, uint32_t chunk, uint32_t first, uint32_t count)
 {
     const fxs_eye *eye = f->eye;
     fxs_row_counts *counts = row_counts_of(f, block);
-    fxs_span touched = {eye->view.tiles_y, -1};
+    fxs_extent e = {{eye->view.tiles_y, -1}, {eye->view.tiles_x, -1}, UINT32_MAX, 0};
     for (uint32_t slot = first; slot < first + count; slot++) {
-        fxs_span span = fxs_bin_rows(&eye->view, &eye->splats[slot], &eye->bounds[slot]);
-        counts[span.first + 1].started++;
-        counts[span.last + 1].ended++;
-        touched.first = fxs_min(touched.first, span.first);
-        touched.last = -fxs_min(-touched.last, -span.last);
+        const fxs_span rows = fxs_bin_rows(&eye->view, &eye->splats[slot], &eye->bounds[slot]);
+        counts[rows.first + 1].started++;
+        counts[rows.last + 1].ended++;
+        widen(&e.rows, rows);
+        widen(&e.columns, fxs_bin_columns(&eye->view, &eye->bounds[slot]));
+        e.nearest = eye->depths[slot] < e.nearest ? eye->depths[slot] : e.nearest;
+        e.farthest = eye->depths[slot] > e.farthest ? eye->depths[slot] : e.farthest;
     }
-    f->chunk_rows[chunk] = touched;
+    f->extents[chunk] = e;
 }
 
 /* Splats that start, or end, on a row become those of all rows above. */
@@ -211,7 +245,17 @@ uint64_t fxs_bands_init(fxs_frame *f)
     if (f->memory_bytes >= f->bytes_for_all)
         return f->bytes_for_all;
     lay_out_frame(f, 1);
-    return smaller(bytes_for_plan(f), f->bytes_for_all);
+    return smaller(least_bytes(f), f->bytes_for_all);
+}
+
+/* One tile row, of which as many splats as fit are taken at a time. */
+static void lay_out_slices(fxs_frame *f)
+{
+    f->end_column = slice_columns(f);
+    const uint64_t fixed = f->fixed_bytes + SLICE_BYTES + (uint32_t)f->end_column * sizeof *f->pixels;
+    const uint64_t slots = (f->memory_bytes - fixed) / (SLOT_BYTES + EYE_BYTES + LIST_BYTES) / 16 * 16;
+    f->slice_room = (uint32_t)smaller(slots, FXS_MAX_SLOTS) - FXS_CHUNK;
+    lay_out_band(f, f->slice_room + FXS_CHUNK);
 }
 
 void fxs_band_next(fxs_frame *f)
@@ -219,6 +263,14 @@ void fxs_band_next(fxs_frame *f)
     uint32_t slots = 0;
     f->first_row = f->end_row;
     f->end_row = f->planned ? f->first_row + 1 : f->eye->view.tiles_y;
+    f->first_column = 0;
+    f->end_column = f->eye->view.tiles_x;
+    f->sliced = f->planned && band_bytes(f, f->first_row, f->end_row, 1) > f->memory_bytes;
+    f->stats.bands++;
+    if (f->sliced) {
+        lay_out_slices(f);
+        return;
+    }
     while (f->end_row < f->eye->view.tiles_y && band_bytes(f, f->first_row, f->end_row + 1, KEYS) <= f->memory_bytes)
         f->end_row++;
     for (uint32_t block = 0; block < f->blocks; block++) {
@@ -227,20 +279,19 @@ void fxs_band_next(fxs_frame *f)
     }
     f->block_slots[f->blocks] = slots;
     lay_out_band(f, slots);
-    f->stats.bands++;
 }
 
 /* All of them, or those of the band. */
 static int is_whole(const fxs_frame *f, uint32_t chunk)
 {
     return !f->planned || f->planning ||
-           (f->chunk_rows[chunk].first >= f->first_row && f->chunk_rows[chunk].last < f->end_row);
+           (f->extents[chunk].rows.first >= f->first_row && f->extents[chunk].rows.last < f->end_row);
 }
 
 int fxs_band_has_chunk(const fxs_frame *f, uint32_t chunk)
 {
     return !f->planned || f->planning ||
-           (f->chunk_rows[chunk].last >= f->first_row && f->chunk_rows[chunk].first < f->end_row);
+           (f->extents[chunk].rows.last >= f->first_row && f->extents[chunk].rows.first < f->end_row);
 }
 
 uint32_t fxs_band_keep(fxs_frame *f, uint32_t chunk, uint32_t first_slot, uint32_t count)

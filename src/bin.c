@@ -106,6 +106,14 @@ FXS_STAGE fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, co
                         : (span){splat->first_row / FXS_TILE, splat->last_row / FXS_TILE};
 }
 
+fxs_span fxs_bin_columns(const fxs_view *view, const fxs_bounds *bounds)
+{
+    const int64_t cx_q8 = bounds->cx_q14 >> 6, reach_q8 = bounds->half_width_q8;
+    return view->square                      ? square_span(bounds->cx_q14, bounds->radius, view->tiles_x)
+           : reach_q8 == FXS_EVERYWHERE_Q8 ? (span){0, view->tiles_x - 1}
+                                           : columns_between(view, cx_q8 - reach_q8, cx_q8 + reach_q8);
+}
+
 static span span_of(const ellipse *e, const fxs_view *view, int32_t row)
 {
     return view->square ? square_span(e->bounds->cx_q14, e->bounds->radius, view->tiles_x)
@@ -174,8 +182,8 @@ static inline void put(fxs_lister *l, fxs_key *keys, uint32_t macro, uint32_t li
     const uint32_t at = l->next[macro]++;
     if (keys)
         keys[at] = FXS_KEY(l->depths[FXS_LISTED_SLOT(listed)], listed);
-    else if (l->noted++ < l->room)
-        l->notes[l->noted - 1] = FXS_KEY(macro, listed);
+    else if (l->taken++ < l->room)
+        l->notes[l->taken - 1] = FXS_KEY(macro, listed);
 }
 
 uint32_t fxs_note_c(const fxs_view *view, const fxs_box *boxes, uint32_t first, uint32_t count, uint32_t *macros,
@@ -238,6 +246,10 @@ static inline void list(fxs_lister *l, fxs_key *keys, uint32_t first, uint32_t c
         for (uint32_t i = slot; i < slot + some; i++)
             if (l->boxes[i].bits == FXS_LARGE.bits)
                 list_large(l, keys, i, across);
+        if (!keys && l->taken <= l->room) {
+            l->noted = l->taken;
+            l->from = slot + some;
+        }
     }
 }
 
@@ -253,10 +265,8 @@ void fxs_bin_fill(fxs_lister *l, uint32_t first, uint32_t count, fxs_key *keys)
 
 void fxs_bin_fill_noted(fxs_lister *l, fxs_key *keys)
 {
-    for (uint32_t i = 0; i < l->noted; i++) {
-        const uint32_t macro = (uint32_t)(l->notes[i] >> 32), listed = (uint32_t)l->notes[i];
-        keys[l->next[macro]++] = FXS_KEY(l->depths[FXS_LISTED_SLOT(listed)], listed);
-    }
+    for (uint32_t i = 0; i < l->noted; i++)
+        put(l, keys, (uint32_t)(l->notes[i] >> 32), (uint32_t)l->notes[i]);
 }
 
 static int touches(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds, uint32_t tile)

@@ -58,15 +58,16 @@ static void list_macro(void *argument, uint32_t job)
     }
 }
 
-/* Has the back end draw a run of tiles, or all that is visible. */
-static int draw_run(fxs_frame *f, const fxs_key *visible)
+/* Has the back end draw a run of tiles by their lists, or all that is `visible`, or tiles that are `blended`. */
+static int draw_run(fxs_frame *f, const fxs_key *visible, const fxs_tile *blended)
 {
     const fxs_config *config = &f->context->config;
     const fxs_eye *eye = f->eye;
     const uint64_t start = fxs_now(f);
+    const int listed = !visible && !blended;
     const fxs_tile_run r = {config, &eye->view, f->options, eye->splats, eye->bounds, eye->depths, visible, f->count,
-                            visible ? 0 : (const uint32_t *)(const void *)f->spare, visible ? 0 : f->tile_ends,
-                            visible ? 0 : f->tile_counts, f->first_tile, f->last_tile, eye->targets};
+                            listed ? (const uint32_t *)(const void *)f->spare : 0, listed ? f->tile_ends : 0,
+                            listed ? f->tile_counts : 0, f->first_tile, f->last_tile, blended, eye->targets};
     const int error = config->draw(config->draw_argument, &r);
     f->stats.nanoseconds[FXS_BLEND] += fxs_now(f) - start;
     return error;
@@ -87,7 +88,7 @@ static int draw_tiles(fxs_frame *f, uint32_t first, uint32_t last)
         f->last_tile = tile - 1;
         fxs_frame_run(f, list_macro, f->last_macro - f->first_macro + 1);
         f->stats.nanoseconds[FXS_BIN] += fxs_now(f) - start;
-        error = draw_run(f, 0);
+        error = draw_run(f, 0, 0);
         f->stats.runs++;
     }
     return error;
@@ -116,5 +117,10 @@ int fxs_draw_unlisted(fxs_frame *f)
 {
     f->first_tile = fxs_tiles_above(f, f->first_row);
     f->last_tile = fxs_tiles_above(f, f->end_row) - 1;
-    return draw_run(f, sort_all(f));
+    return draw_run(f, sort_all(f), 0);
+}
+
+int fxs_draw_blended(fxs_frame *f)
+{
+    return draw_run(f, 0, f->pixels);
 }

@@ -238,6 +238,7 @@ typedef struct fxs_config {
     void *clock_argument;
     fxs_draw_fn *draw;             /* null: the kernels' blend and resolve */
     void *draw_argument;
+    int draw_blended;              /* 1: draw resolves tiles that are blended already, where fxs_tile_run has them */
     int draw_unlisted;             /* 1: draw needs no tile lists, and is called once for each band of a frame */
 } fxs_config;
 
@@ -283,6 +284,10 @@ typedef struct fxs_kernels {
     uint32_t (*note)(const struct fxs_view *view, const struct fxs_box *boxes, uint32_t first, uint32_t count,
                      uint32_t *macros, uint32_t *listed);
 
+    /* Sorts `count` keys; `spare` has room for as many. Quick where those of one depth arrive
+       almost in the order of their slots. */
+    void (*sort)(uint64_t *keys, uint64_t *spare, uint32_t count);
+
     /* Slots of those of `count` keys of a macro tile that are listed in its tile 0 to 3; room for `count`. Returns how
        many. */
     uint32_t (*list)(const uint64_t *keys, uint32_t count, uint32_t tile, uint32_t *entries);
@@ -318,16 +323,19 @@ typedef struct fxs_frame_memory {
     size_t splats;                 /* projected Gaussians: 72 bytes each; 384 an object */
     size_t tiles;                  /* of 16x16 pixels: 17 bytes each, and 1 for each thread */
     size_t entries;                /* lists of macro tiles of 2x2 tiles, 8 bytes an entry */
-    size_t keys;                   /* room to sort them, as much; 8 KiB a thread */
+    size_t keys;                   /* room to sort them, as much; with draw_unlisted 8 KiB a thread */
     size_t total;                  /* the four above */
     size_t least;                  /* with less there is no frame */
+    size_t rows;                   /* of a view that was planned: with less, tile rows are drawn in slices; else 0 */
 } fxs_frame_memory;
 
 /* The working memory with which a frame of this size is rendered at once, whatever the view, the targets and where the
-   objects are: `total`, of a splat for every Gaussian of every object. From `least` on (some 200 KB a thread, 8 bytes a
-   chunk, the objects and the tiles), less memory will do where the view allows it: the frame is rendered in bands of
-   tile rows, whose splats fit, after a first projection that plans them. Each band takes 88 bytes for each Gaussian
-   that touches it. The bytes of the picture are the same.
+   objects are: `total`, of a splat for every Gaussian of every object. From `least` on (some 45 KB with one thread, 200
+   KB a thread with more, 24 bytes a chunk, the objects and the tiles), less memory will do: the frame is rendered in
+   bands of tile rows, whose splats fit, after a first projection that plans them. Each band takes 88 bytes for each
+   Gaussian that touches it. A tile row whose splats do not fit is drawn in slices, near to far, which projects some of
+   them again: of colour and coverage alone, and by a back end only where it has `draw_blended`. The bytes of the
+   picture are the same.
    *memory may be null. Returns total; 0 where an argument is out of range, or the memory more than a size_t can
    count. */
 size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
@@ -338,6 +346,7 @@ typedef struct fxs_stats {
     uint32_t visible;              /* left after culling */
     uint64_t entries;              /* tile list entries */
     uint32_t bands;                /* bands of tile rows the frame was rendered in; 1 where all splats fitted */
+    uint32_t slices;               /* of tile rows whose splats did not fit; 0 where all did */
     uint32_t runs;                 /* runs of tiles that those were rendered in; as many where all lists fitted */
     fxs_frame_memory memory;       /* of the last band; least: for this view, exact, or 0 where nothing was planned */
     uint64_t nanoseconds[FXS_STAGES];   /* wall time of each stage; blend and resolve share theirs by work done */
@@ -348,8 +357,9 @@ typedef struct fxs_stats {
    by Gaussian. One object as fxs_object_init leaves it is the scene itself. Not drawn are Gaussians whose centre is not
    beyond the camera's near plane.
    `memory`: `memory_bytes` bytes, aligned to 64, contents undefined before and after. fxs_frame_bytes are always
-   enough; with less, FXS_ERR_MEMORY may be the answer, and stats->memory.least is what this view needs (at least that
-   where memory_bytes is below the `least` of fxs_frame_bytes, else exactly, for this number of threads).
+   enough; with less than their `least`, FXS_ERR_MEMORY is the answer, and with less than this view's `rows` it may be
+   where tile rows are not sliced (depths, ids, an occluder, most back ends): stats->memory.least is what it takes, in
+   the first case at least, in the second exactly, for this number of threads.
    `targets`: at least one; with a back end they are passed on to it, and may be null where it needs none. Only pixels
    are written. *stats may be null. Errors: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA, FXS_ERR_SIZE, FXS_ERR_OBJECT (also where
    the camera is more than 2^28 of the object's units away from its origin), FXS_ERR_TARGET, FXS_ERR_MEMORY; nothing is

@@ -3,12 +3,11 @@
 #include "frame.h"
 #include "memory.h"
 
+#define TIMED 4                    /* one macro tile of so many is timed, as a look at the clock takes a while */
+
 /* ---- Stages ---------------------------------------------------------------------------------------------------- */
 
-/* A chunk of an object, to the slots from `slot` on; what a band does not need is dropped. Returns how many are taken,
-   or FXS_ERR_SCENE: also where there is no room for 256 before end_slot, as there are more splats than were planned
-   for. */
-static int32_t project_chunk(fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t slot, uint32_t end_slot)
+int32_t fxs_frame_project(fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t slot, uint32_t end_slot)
 {
     fxs_eye *eye = f->eye;
     const fxs_object_view *object = &eye->objects[number];
@@ -27,7 +26,7 @@ static int32_t project_chunk(fxs_frame *f, uint32_t number, uint32_t chunk, uint
 }
 
 /* shade; both eyes have the first one's colours. */
-static int shade_chunk(fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t slot, uint32_t count)
+int fxs_frame_shade(fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t slot, uint32_t count)
 {
     const fxs_object_view *object = &f->eye->objects[number];
     const int error = fxs_object_shade(object, &f->context->kernels, chunk - object->first_chunk, f->indices + slot,
@@ -37,7 +36,7 @@ static int shade_chunk(fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t s
     return error;
 }
 
-static void bin_chunks(fxs_frame *f, uint32_t slot, uint32_t count)
+void fxs_frame_bin(fxs_frame *f, uint32_t slot, uint32_t count)
 {
     for (fxs_eye *eye = f->eye; eye < f->eye + f->eye_count; eye++) {
         f->context->kernels.bin(&eye->view, eye->splats + slot, eye->bounds + slot, count, eye->boxes + slot);
@@ -69,7 +68,7 @@ static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32
             objects[i + 1] = fxs_frame_object(f, first + i + 1);
             fetch_rows(f, objects[i + 1], first + i + 1, 0, FXS_ROW_SH);
         }
-        int32_t count = project_chunk(f, objects[i], first + i, starts[i], end_slot);
+        int32_t count = fxs_frame_project(f, objects[i], first + i, starts[i], end_slot);
         if (count < 0)
             return count;
         starts[i + 1] = starts[i] + (uint32_t)count;
@@ -78,12 +77,12 @@ static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32
     for (uint32_t i = 0; i < end - first; i++) {
         if (first + i + 1 < end && starts[i + 2] > starts[i + 1])
             fetch_rows(f, objects[i + 1], first + i + 1, FXS_ROW_SH, UINT32_MAX);
-        int error = shade_chunk(f, objects[i], first + i, starts[i], starts[i + 1] - starts[i]);
+        int error = fxs_frame_shade(f, objects[i], first + i, starts[i], starts[i + 1] - starts[i]);
         if (error)
             return error;
     }
     uint64_t shaded = fxs_now(f);
-    bin_chunks(f, slot, starts[end - first] - slot);
+    fxs_frame_bin(f, slot, starts[end - first] - slot);
     times[0] += projected - start;
     times[1] += shaded - projected;
     times[2] += fxs_now(f) - shaded;
@@ -96,7 +95,7 @@ static int32_t plan_chunks(fxs_frame *f, uint32_t block, uint32_t first, uint32_
 {
     uint32_t all = 0;
     for (uint32_t chunk = first; chunk < end; chunk++) {
-        const int32_t count = project_chunk(f, fxs_frame_object(f, chunk), chunk, slot, slot + FXS_CHUNK);
+        const int32_t count = fxs_frame_project(f, fxs_frame_object(f, chunk), chunk, slot, slot + FXS_CHUNK);
         if (count < 0)
             return count;
         fxs_band_count(f, block, chunk, slot, (uint32_t)count);
@@ -135,9 +134,11 @@ static int run_blocks(fxs_frame *f)
 
 /* ---- Drawing --------------------------------------------------------------------------------------------------- */
 
-/* Adds the time since the last lap to `which` of the macro tile's times. */
+/* Adds the time since the last lap to `which` of the macro tile's times, if it is timed. */
 static void lap(const fxs_frame *f, fxs_laps *laps, int which)
 {
+    if (!laps->times)
+        return;
     const uint64_t now = fxs_now(f);
     laps->times[which] += now - laps->start;
     laps->start = now;
@@ -166,9 +167,10 @@ static void draw_macro(void *argument, uint32_t job)
     const fxs_lister l = fxs_lister_of(f, 0);
     const uint32_t macro = f->first_macro + job, length = f->lengths[macro];
     uint32_t *entries = fxs_list_room(f, macro), tile;
-    fxs_laps laps = {fxs_now(f), f->macro_times + FXS_LAPS * (size_t)macro};
+    uint64_t *times = f->macro_times + FXS_LAPS * (size_t)macro;
+    memset(times, 0, FXS_LAPS * sizeof *times);
+    fxs_laps laps = {job % TIMED ? 0 : fxs_now(f), job % TIMED ? 0 : times};
     const fxs_key *keys = fxs_list_sort(f, macro);
-    memset(laps.times, 0, FXS_LAPS * sizeof *laps.times);
     lap(f, &laps, FXS_SORTED);
     for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
         if (fxs_tile_of(f, macro, i, &tile) && (f->only_tile == FXS_NOTHING || f->only_tile == tile)) {
@@ -306,14 +308,17 @@ static int place_objects(fxs_frame *f)
     return 0;
 }
 
-/* Counts the splats of each tile row. *least: the memory that the frame takes. Returns 0 or FXS_ERR_SCENE. */
+/* Counts the splats of each tile row. *least: the memory that the frame takes, more than before where no row can be
+   sliced. Returns 0 or FXS_ERR_SCENE. */
 static int plan(fxs_frame *f, uint64_t *least)
 {
     fxs_bands_begin_plan(f);
     f->planning = 1;
     const int error = run_blocks(f);
     f->planning = 0;
-    *least = error ? *least : fxs_bands_end_plan(f);
+    const uint64_t rows = error ? 0 : fxs_bands_end_plan(f);
+    *least = error || f->can_slice ? *least : rows;
+    f->stats.memory.rows = rows < SIZE_MAX ? (size_t)rows : SIZE_MAX;
     return error;
 }
 
@@ -321,6 +326,8 @@ int fxs_frame_begin(fxs_frame *f)
 {
     uint64_t least = fxs_bands_init(f);
     int error = f->memory_bytes < least ? 0 : place_objects(f);
+    f->can_slice = f->draw_tile ? f->draw_tile == blend_tile && !fxs_targets_traced(f->eye->targets)
+                                : f->context->config.draw_blended;
     if (!error && f->planned && f->memory_bytes >= least)
         error = plan(f, &least);
     if (f->planned)
@@ -388,8 +395,9 @@ int fxs_frame_render(fxs_frame *f)
     f->stats.nanoseconds[FXS_PROJECT] += fxs_now(f) - start;
     while (!error && f->end_row < f->eye->view.tiles_y) {
         fxs_band_next(f);
-        error = fxs_frame_prepare(f);
-        if (!error)
+        if (f->sliced)
+            error = fxs_slices_draw(f);
+        else if (!(error = fxs_frame_prepare(f)))
             error = fxs_frame_draw(f);
     }
     f->stats.frame_nanoseconds += fxs_now(f) - start;

@@ -3,7 +3,7 @@
 #include "parts.h"
 
 /* A part's row of `next`: a number for each macro tile, then these. */
-enum { NOTED, NOTES, ROOM };       /* how many notes there are, where they begin in `spare`, and the room for them */
+enum { NOTED, FROM, NOTES, ROOM }; /* notes, the slot that they end before, where they begin in `spare`, their room */
 
 static uint32_t *next_of(const fxs_frame *f, uint32_t part)
 {
@@ -22,7 +22,7 @@ fxs_lister fxs_lister_of(const fxs_frame *f, uint32_t part)
     const uint32_t *notes = notes_of(f, part);
     return (fxs_lister){&eye->view, eye->splats, eye->bounds, eye->boxes, f->depths, f->context->kernels.spans,
                         f->context->kernels.note, f->first_macro, f->last_macro, next_of(f, part),
-                        f->spare + notes[NOTES], notes[ROOM], notes[NOTED]};
+                        f->spare + notes[NOTES], notes[ROOM], 0, notes[NOTED], notes[FROM]};
 }
 
 static void count_part(void *argument, uint32_t part)
@@ -34,6 +34,7 @@ static void count_part(void *argument, uint32_t part)
     for (uint32_t block = fxs_part(f->blocks, f->parts, part); block < end; block++)
         fxs_bin_count(&l, f->block_slots[block], f->block_counts[block]);
     notes_of(f, part)[NOTED] = l.noted;
+    notes_of(f, part)[FROM] = l.from;
 }
 
 static void fill_part(void *argument, uint32_t part)
@@ -41,10 +42,14 @@ static void fill_part(void *argument, uint32_t part)
     fxs_frame *f = argument;
     const uint32_t end = fxs_part(f->blocks, f->parts, part + 1);
     fxs_lister l = fxs_lister_of(f, part);
-    if (f->noted)
-        fxs_bin_fill_noted(&l, f->keys);
-    for (uint32_t block = fxs_part(f->blocks, f->parts, part); block < end && !f->noted; block++)
-        fxs_bin_fill(&l, f->block_slots[block], f->block_counts[block], f->keys);
+    fxs_bin_fill_noted(&l, f->keys);
+    for (uint32_t block = fxs_part(f->blocks, f->parts, part); block < end; block++) {
+        const uint32_t slot = f->block_slots[block], last = slot + f->block_counts[block];
+        const uint32_t from = slot > l.from ? slot : l.from;
+        if (from < last)
+            fxs_bin_fill(&l, from, last - from, f->keys);
+    }
+    notes_of(f, part)[NOTED] = notes_of(f, part)[FROM] = 0;    /* sorting overwrites them */
 }
 
 /* Each part has room for notes by its splats. */
@@ -55,7 +60,7 @@ static void share_notes(fxs_frame *f)
         uint32_t *notes = notes_of(f, part), own = 0;
         for (const uint32_t end = fxs_part(f->blocks, f->parts, part + 1); block < end; block++)
             own += f->block_counts[block];
-        notes[NOTED] = 0;
+        notes[NOTED] = notes[FROM] = 0;
         notes[NOTES] = fxs_part(f->key_capacity, f->count ? f->count : 1, before);
         before += own;
         notes[ROOM] = fxs_part(f->key_capacity, f->count ? f->count : 1, before) - notes[NOTES];
@@ -71,16 +76,14 @@ void fxs_lists_count(fxs_frame *f)
     fxs_frame_run(f, count_part, f->parts);
     memset(f->tile_counts, 0, f->tiles * sizeof *f->tile_counts);
     memset(f->lengths, 0, f->macros * sizeof *f->lengths);
-    f->noted = 1;
     for (uint32_t part = 0; part < f->parts; part++) {
-        const uint32_t *next = next_of(f, part), *notes = notes_of(f, part);
-        f->noted &= notes[NOTED] <= notes[ROOM];
+        const uint32_t *next = next_of(f, part);
         for (uint32_t macro = 0; macro < f->macros; macro++)
             f->lengths[macro] += next[macro];
     }
 }
 
-/* In a list the parts follow each other, so it is almost in the order of the slots. Where all was noted, all fits. */
+/* In a list the parts follow each other, so it is almost in the order of the slots. */
 void fxs_lists_fill(fxs_frame *f, uint32_t end)
 {
     const uint32_t across = fxs_macros(f->eye->view.tiles_x), row_end = (f->first_macro / across + 1) * across;
@@ -98,7 +101,6 @@ void fxs_lists_fill(fxs_frame *f, uint32_t end)
             used += count;
         }
     fxs_frame_run(f, fill_part, f->parts);
-    f->noted = 0;
 }
 
 /* Where the list of a macro tile begins, in `keys` and in `spare`. */
@@ -120,7 +122,7 @@ uint32_t *fxs_list_room(const fxs_frame *f, uint32_t macro)
 const fxs_key *fxs_list_sort(const fxs_frame *f, uint32_t macro)
 {
     const size_t at = start_of_list(f, macro);
-    fxs_sort_list(f->keys + at, f->spare + at, f->lengths[macro]);
+    f->context->kernels.sort(f->keys + at, f->spare + at, f->lengths[macro]);
     return f->keys + at;
 }
 
@@ -130,5 +132,5 @@ int fxs_tile_of(const fxs_frame *f, uint32_t macro, int32_t i, uint32_t *tile)
     const int32_t row = (int32_t)macro / across * FXS_MACRO + i / FXS_MACRO;
     const int32_t column = (int32_t)macro % across * FXS_MACRO + i % FXS_MACRO;
     *tile = fxs_tiles_above(f, row) + (uint32_t)column;
-    return row >= f->first_row && row < f->end_row && column < f->eye->view.tiles_x;
+    return row >= f->first_row && row < f->end_row && column >= f->first_column && column < f->end_column;
 }

@@ -13,13 +13,19 @@ typedef struct fxs_row_counts {
     uint32_t started, ended;
 } fxs_row_counts;
 
+/* What the splats of a chunk touch, and their depth keys. */
+typedef struct fxs_extent {
+    fxs_span rows, columns;                /* of tiles */
+    uint32_t nearest, farthest;
+} fxs_extent;
+
 /* A tile's list, near to far. */
 typedef struct fxs_list {
     const uint32_t *entries;
     uint32_t count;
 } fxs_list;
 
-#define FXS_NEXT_MORE 3u           /* of a row of `next` beside the macro tiles */
+#define FXS_NEXT_MORE 4u           /* of a row of `next` beside the macro tiles */
 
 /* Where the time of drawing a macro tile goes. */
 enum { FXS_SORTED, FXS_LISTED_TILES, FXS_BLENDED, FXS_RESOLVED, FXS_LAPS };
@@ -56,10 +62,10 @@ typedef struct fxs_frame {
     const uint32_t *depths;                /* and those by which it is sorted */
 
     uint32_t tiles, macros;
-    int noted;                             /* the notes of counting the lists are all there */
     uint32_t parts;                        /* jobs that share the lists: one a thread */
     uint32_t blocks, block_chunks;         /* jobs that share the first stages, and the chunks of each */
     int planned;                           /* the memory does not hold every Gaussian: there may be several bands */
+    int can_slice;                         /* what is drawn can be kept while slices are blended */
     int planning;                          /* blocks only count their splats by tile row */
 
     /* Cut from the memory once, fixed_bytes long. */
@@ -68,8 +74,8 @@ typedef struct fxs_frame {
     uint32_t *block_counts;                /* its splats, or FXS_BLOCK_FAILED */
     uint64_t *block_times;                 /* nanoseconds of project, shade and bin */
     fxs_row_counts *row_counts;            /* planned only: tiles_y + 1 for each block */
-    fxs_span *chunk_rows;                  /* planned only: tile rows that the splats of each chunk touch */
-    uint32_t (*histograms)[FXS_SORT_BUCKETS];   /* of each part */
+    fxs_extent *extents;                   /* planned only: of each chunk */
+    uint32_t (*histograms)[FXS_SORT_BUCKETS];   /* of each part, for a back end without lists */
     uint32_t *tile_counts, *tile_ends;     /* length of each tile's list, and for back ends where it ends */
     uint32_t *lengths;                     /* of each macro tile's list */
     uint32_t *next;                        /* a row of macro tiles for each part: keys, then where they go; and more */
@@ -77,6 +83,11 @@ typedef struct fxs_frame {
 
     /* The band of tile rows, and what is cut from the rest of the memory for it, beside the eyes' splats. */
     int32_t first_row, end_row;
+    int32_t first_column, end_column;      /* of tiles; all, but where the band is sliced */
+    int sliced;                            /* one tile row, whose splats do not fit: slices.c */
+    fxs_tile *pixels;                      /* sliced only: of the columns */
+    fxs_trace *nothing;                    /* sliced only: names none of its arrays */
+    uint32_t slice_room;                   /* splats */
     uint32_t count;                        /* splats that touch it */
     uint32_t *indices;                     /* by slot: in all objects' chunks */
     fxs_key *keys, *spare;                 /* the lists, and as much room, to sort them and for the lists of tiles */
@@ -153,6 +164,12 @@ int fxs_band_has_chunk(const fxs_frame *f, uint32_t chunk);
 /* Moves those of `count` splats from `slot` on that touch the band together. Returns how many they are. */
 uint32_t fxs_band_keep(fxs_frame *f, uint32_t chunk, uint32_t slot, uint32_t count);
 
+/* ---- slices.c ---------------------------------------------------------------------------------------------------- */
+
+/* Draws a sliced band; end_column is how many columns there are pixels for. Returns 0, FXS_ERR_SCENE or a back end's
+   error. */
+int fxs_slices_draw(fxs_frame *f);
+
 /* ---- eyes.c ------------------------------------------------------------------------------------------------------ */
 
 /* Projects a chunk for both eyes, from `slot` on. What either sees has the same slot in both; what one does not see has
@@ -169,11 +186,11 @@ void fxs_eyes_hide(const fxs_bounds *bounds, uint32_t count, fxs_box *boxes);
 fxs_key *fxs_sort(const fxs_config *config, fxs_key *keys, fxs_key *spare, uint32_t count,
                   uint32_t (*histograms)[FXS_SORT_BUCKETS], uint32_t parts);
 
-/* Sorts whole keys in one job, and leaves them where they are. Quick where they arrive almost in the order of slots. */
-void fxs_sort_list(fxs_key *keys, fxs_key *spare, uint32_t count);
-
 /* The tile rows in which a splat may be listed. */
 FXS_STAGE fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds);
+
+/* The tile columns in which it may be. */
+fxs_span fxs_bin_columns(const fxs_view *view, const fxs_bounds *bounds);
 
 /* What makes lists, of the macro tiles first_macro to last_macro. The rest by slot, next by macro tile. */
 typedef struct fxs_lister {
@@ -188,8 +205,9 @@ typedef struct fxs_lister {
                      uint32_t *listed);  /* this too */
     uint32_t first_macro, last_macro;
     uint32_t *next;
-    uint64_t *notes;               /* by count for fill; `noted` of them, but `room` at most are written */
-    uint32_t room, noted;
+    uint64_t *notes;               /* by count for fill; `room` at most are written, */
+    uint32_t room, taken;          /* though more are taken; */
+    uint32_t noted, from;          /* `noted` of them are all of the slots before `from` */
 } fxs_lister;
 
 /* Adds 1 to next[macro] for every macro tile that a slot from `first` on is listed in, and takes notes. */
@@ -198,7 +216,7 @@ void fxs_bin_count(fxs_lister *l, uint32_t first, uint32_t count);
 /* The same without notes, and keys[next[macro]] is its key before. */
 void fxs_bin_fill(fxs_lister *l, uint32_t first, uint32_t count, fxs_key *keys);
 
-/* The same for all that was noted. */
+/* The same for what was noted of slots before `from`. */
 void fxs_bin_fill_noted(fxs_lister *l, fxs_key *keys);
 
 /* With the square cut-off: sets FXS_ENTRY_FAR in those of a tile's list whose ellipse does not touch it. */
@@ -226,6 +244,9 @@ int fxs_tile_of(const fxs_frame *f, uint32_t macro, int32_t i, uint32_t *tile);
 /* Has the back end draw the macro tiles whose lists there are, or the band without lists. Returns 0 or its error. */
 int fxs_draw_lists(fxs_frame *f);
 int fxs_draw_unlisted(fxs_frame *f);
+
+/* Hands tiles first_tile to last_tile, which are blended, to the back end. */
+int fxs_draw_blended(fxs_frame *f);
 
 /* ---- blend.c, trace.c -------------------------------------------------------------------------------------------- */
 

@@ -147,14 +147,14 @@ static void sort_by_top(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t 
         spare[next[((uint32_t)(keys[i] >> 32) - least) >> shift]++] = keys[i];
     for (uint32_t bucket = 0, start = 0; bucket < 256; start = next[bucket++]) {
         const uint32_t size = next[bucket] - start;
-        fxs_sort_list(spare + start, keys + start, size);
+        fxs_sort_c(spare + start, keys + start, size);
         memcpy(keys + start, spare + start, size * sizeof *keys);
     }
 }
 
 /* The top digits of the range of depths put nearly all of them in order; insertion does the rest. Where it has too much
    to do, as many lie within a small part of the range, the digits below are sorted first. */
-void fxs_sort_list(fxs_key *keys, fxs_key *spare, uint32_t count)
+void fxs_sort_c(fxs_key *keys, fxs_key *spare, uint32_t count)
 {
     uint32_t least = UINT32_MAX, most = 0;
     if (count <= FEW && insert_each(keys, count, UINT64_MAX))

@@ -146,6 +146,7 @@ typedef struct fxs_tile_run {
     uint32_t visible;
     const uint32_t *entries, *ends, *counts;
     uint32_t first_tile, last_tile;
+    const fxs_tile *blended;       /* these tiles, with draw_blended where memory is short; then there is no list */
     const fxs_targets *targets;    /* of the whole picture, as in fxs_render; may be null */
 } fxs_tile_run;
 
@@ -230,6 +231,7 @@ void fxs_spans_c(const fxs_view *view, const fxs_splat *splat, const fxs_bounds 
                  fxs_span *spans);
 uint32_t fxs_note_c(const fxs_view *view, const fxs_box *boxes, uint32_t first, uint32_t count, uint32_t *macros,
                     uint32_t *listed);
+void fxs_sort_c(fxs_key *keys, fxs_key *spare, uint32_t count);
 uint32_t fxs_list_c(const fxs_key *keys, uint32_t count, uint32_t tile, uint32_t *entries);
 void fxs_blend_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
                  uint32_t count, fxs_tile *tile);

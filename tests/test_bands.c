@@ -1,5 +1,5 @@
-/* Frames in less memory than fxs_frame_bytes: the same bytes down to the least that a view needs, on any number of
- * threads; one byte less is refused with nothing written. */
+/* Frames in less memory than fxs_frame_bytes: the same bytes down to the least of any view, on any number of threads,
+ * in bands, and in slices where a tile row does not fit; one byte less is refused with nothing written. */
 #include "../port/posix/pool.h"
 #include "one_scene.h"
 #include "random_scene.h"
@@ -21,7 +21,7 @@ static struct {
     unsigned char expected[MOST_PIXELS * 4], pixels[MOST_PIXELS * 4];
 } drawn;
 
-static uint64_t banded, planned;           /* frames in more than one band; views that need more than the least */
+static uint64_t banded, sliced;            /* frames in more than one band, and in slices */
 
 static int untouched(const unsigned char *bytes, size_t count)
 {
@@ -43,13 +43,19 @@ static int render(const fxs_context *context, size_t bytes, fxs_stats *stats)
     return error;
 }
 
-static void check_pairs(size_t bytes)
+/* Pairs are counted in bands, not in slices. */
+static void check_pairs(size_t least, size_t rows)
 {
-    uint64_t evaluated, blended;
-    void *memory = check_aligned(bytes);
-    CHECK(!one_count_pairs(&drawn.scene, &drawn.camera, &drawn.options, memory, bytes, &evaluated, &blended) &&
-          evaluated == drawn.evaluated && blended == drawn.blended);
-    free(memory);
+    for (size_t short_of = 0; short_of < 2; short_of++) {
+        const size_t bytes = (rows > least ? rows : least) - short_of;
+        uint64_t evaluated, blended;
+        void *memory = check_aligned(bytes);
+        const int error = one_count_pairs(&drawn.scene, &drawn.camera, &drawn.options, memory, bytes, &evaluated,
+                                          &blended);
+        CHECK(short_of ? error == FXS_ERR_MEMORY
+                       : !error && evaluated == drawn.evaluated && blended == drawn.blended);
+        free(memory);
+    }
 }
 
 static void check_same(const fxs_context *context, size_t bytes)
@@ -59,8 +65,9 @@ static void check_same(const fxs_context *context, size_t bytes)
     CHECK(!memcmp(drawn.pixels, drawn.expected, drawn.bytes));
     CHECK(stats.visible == drawn.stats.visible && stats.entries == drawn.stats.entries);
     CHECK(stats.bands >= 1 && stats.runs >= stats.bands && stats.memory.total <= bytes);
-    CHECK(stats.memory.least <= bytes);
+    CHECK(stats.memory.least <= bytes && (stats.slices > 0) == (stats.memory.rows > bytes));
     banded += stats.bands > 1;
+    sliced += stats.slices > 0;
 }
 
 static void check_refused(const fxs_context *context, size_t bytes, size_t least)
@@ -70,31 +77,33 @@ static void check_refused(const fxs_context *context, size_t bytes, size_t least
     CHECK(untouched(drawn.pixels, drawn.bytes));
 }
 
-/* Returns the least memory for the view. */
-static size_t least_of(const fxs_context *context, const fxs_frame_memory *memory)
+/* Returns the memory from which on no tile row is sliced; 0 where the least is that of a frame at once. */
+static size_t rows_of(const fxs_context *context, const fxs_frame_memory *memory)
 {
     fxs_stats stats;
-    if (!render(context, memory->least, &stats))
-        return memory->least;
-    planned++;
-    CHECK(stats.memory.least > memory->least && stats.memory.least <= memory->total);
-    return stats.memory.least;
+    CHECK(!render(context, memory->least, &stats));
+    CHECK(stats.memory.rows <= memory->total);
+    return stats.memory.rows;
 }
 
 static void check_limits(const fxs_context *context)
 {
     fxs_frame_memory memory;
-    size_t total = one_frame_bytes(context, &drawn.scene, drawn.camera.width, drawn.camera.height, &memory);
-    size_t least = least_of(context, &memory);
-    check_refused(context, 0, memory.least);
-    check_refused(context, memory.least - 1, memory.least);
+    const size_t total = one_frame_bytes(context, &drawn.scene, drawn.camera.width, drawn.camera.height, &memory);
+    const size_t least = memory.least, rows = rows_of(context, &memory);
+    check_refused(context, 0, least);
     check_refused(context, least - 1, least);
     check_same(context, least);
     for (int shift = 0; shift < 7; shift++)
         check_same(context, least + ((total - least) >> shift));
     check_same(context, total - 1);
     check_same(context, 2 * total);
-    check_pairs(least);
+    if (rows > least) {
+        check_same(context, rows);
+        check_same(context, rows - 1);
+    }
+    if (!context->config.run)
+        check_pairs(least, rows);
 }
 
 static void draw(void)
@@ -153,28 +162,28 @@ static void test_same_bytes(void)
 {
     for (uint64_t i = 0; i < 60 && !check_faults; i++)
         check_case(i, 3000, 0);
-    printf("  %d frames in bands, %d views planned\n", (int)banded, (int)planned);
-    CHECK(banded > 100 && planned > 50);
+    printf("  %d frames in bands, %d in slices\n", (int)banded, (int)sliced);
+    CHECK(banded > 100 && sliced > 50);
 }
 
 /* One tile row and many, of ragged height. */
 static void test_same_bytes_of_tall_pictures(void)
 {
-    banded = planned = 0;
+    banded = sliced = 0;
     for (int height = 1; height <= 300 && !check_faults; height += 23)
         check_case((uint64_t)height + 1000, 6000, height);
-    printf("  %d frames in bands, %d views planned\n", (int)banded, (int)planned);
-    CHECK(banded > 100 && planned > 50);
+    printf("  %d frames in bands, %d in slices\n", (int)banded, (int)sliced);
+    CHECK(banded > 100 && sliced > 50);
 }
 
 /* Enough chunks for blocks of 32 and more. */
 static void test_same_bytes_of_larger_scenes(void)
 {
-    banded = planned = 0;
+    banded = sliced = 0;
     for (uint64_t i = 0; i < 3 && !check_faults; i++)
         check_case(i + 2000, 100000, 200);
-    printf("  %d frames in bands, %d views planned\n", (int)banded, (int)planned);
-    CHECK(banded > 10 && planned > 10);
+    printf("  %d frames in bands, %d in slices\n", (int)banded, (int)sliced);
+    CHECK(banded > 10 && sliced > 10);
 }
 
 /* ---- Splats whose tile rows are known ---------------------------------------------------------------------------- */
@@ -228,10 +237,10 @@ static void test_blocks_of_any_number_of_splats(void)
         }
 }
 
-/* The least memory is that of the fullest tile row: the others do not add to it. */
-static void test_least_is_of_one_tile_row(void)
+/* Slices begin at the memory of the fullest tile row: the others do not add to it. */
+static void test_rows_are_of_one_tile_row(void)
 {
-    size_t least[2];
+    size_t rows[2];
     fxs_context context;
     fxs_init(&context, 0);
     for (int others = 0; others < 2; others++) {
@@ -243,11 +252,11 @@ static void test_least_is_of_one_tile_row(void)
         fxs_frame_memory memory;
         CHECK(one_frame_bytes(&context, &drawn.scene, drawn.camera.width, drawn.camera.height, &memory) > 0);
         CHECK(drawn.stats.visible == (others ? 8 * (40 + 36 * (ROWS - 1)) : 8 * 40));
-        least[others] = least_of(&context, &memory);
+        rows[others] = rows_of(&context, &memory);
         check_limits(&context);
         free(s.data);
     }
-    CHECK(least[0] == least[1]);
+    CHECK(rows[0] == rows[1]);
 }
 
 int main(void)
@@ -256,6 +265,6 @@ int main(void)
     RUN(test_same_bytes_of_tall_pictures);
     RUN(test_same_bytes_of_larger_scenes);
     RUN(test_blocks_of_any_number_of_splats);
-    RUN(test_least_is_of_one_tile_row);
+    RUN(test_rows_are_of_one_tile_row);
     return check_report();
 }

@@ -102,6 +102,8 @@ static void GL_APIENTRY fake_GetIntegerv(GLenum name, GLint *value)
         *value = limit;
     if (read_type && name == GL_IMPLEMENTATION_COLOR_READ_TYPE)
         *value = read_type;
+    if (read_type && name == GL_ALIASED_POINT_SIZE_RANGE)
+        value[0] = value[1] = 1;
 }
 
 static void fake_limits(GLint size, GLint type)
@@ -356,7 +358,7 @@ static void long_list(void)
     uint8_t *pixels = new_picture(&s);
     draws = 0;
     CHECK(!render(&s, fxs_gles_draw, gles, 0, pixels, 16 * 4, &stats));
-    CHECK(stats.entries >= 80000 && draws == (stats.entries + 32767) / 32768);
+    CHECK(stats.entries >= 80000 && draws == 2 * ((stats.entries + 32767) / 32768));    /* masks, then pixels */
     CHECK(!render(&s, 0, 0, 0, pixels, 16 * 4, 0));
     for (int i = 0; i < 16 * 16; i++)
         CHECK(pixels[4 * i + 3] < 255);
@@ -365,7 +367,7 @@ static void long_list(void)
     close_gles(gles);
 }
 
-/* A device that reads integers as words only. */
+/* A device that reads integers as words only, and has no large points. */
 static void words_read(void)
 {
     subject s;
@@ -721,7 +723,7 @@ static GLuint make_program(void)
     return program;
 }
 
-enum { WIDE = 140, HIGH = 100 };           /* of the caller's texture */
+enum { WIDE = 240, HIGH = 160 };           /* of the caller's texture */
 
 typedef struct caller {
     GLuint texture, framebuffers[2], program, vertex_array, buffers[2], samplers[8], textures[8], renderbuffer;
@@ -855,6 +857,26 @@ static void target(void)
 static void target_in_windows(void)
 {
     target_by(64);
+}
+
+/* Lists so short that their chunks run out before their records. */
+static void target_of_short_lists(void)
+{
+    subject s;
+    fake_limits(16, 0);
+    OPEN_OR_SKIP(gles);
+    caller c = make_caller();
+    if (!make_subject(&s, "needles", 40, WIDE, HIGH))
+        return;
+    uint8_t *expected = new_picture(&s);
+    const fxs_gles_target t = {.framebuffer = c.framebuffers[0], .format = s.format, .top_down = 1};
+    CHECK(!render(&s, 0, 0, 0, expected, WIDE * 4, 0));
+    settle();
+    CHECK(!render(&s, 0, gles, &t, 0, 0, 0));
+    CHECK(in_target(&s, &t, expected));
+    free(expected);
+    fxs_packed_scene_free(&s.packed);
+    close_gles(gles);
 }
 
 /* A texture of the caller's with these rows, of 4 bytes a pixel, in the order of the framebuffer's. */
@@ -1243,6 +1265,7 @@ int main(void)
         RUN(meshes);
         RUN(target);
         RUN(target_in_windows);
+        RUN(target_of_short_lists);
         RUN(target_meshes);
         RUN(init_keeps_state);
         RUN(missing_functions);

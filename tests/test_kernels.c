@@ -508,6 +508,25 @@ static void check_spans(const fxs_splat *splat, const fxs_bounds *bounds)
     CHECK(!memcmp(spans[0], spans[1], (size_t)some * sizeof **spans));
 }
 
+/* Lists of keys of which many may lie within a part of the range, or be equal. */
+static void sort_case(void)
+{
+    const uint32_t most = 1u << below(14), count = below(most) + below(2);
+    const uint32_t range = (uint32_t)((uint64_t)UINT32_MAX >> below(33)), usual = range >> below(32);
+    const uint32_t base = (uint32_t)next(), crowded = below(100);
+    const uint32_t masks = one_in(2) ? 1 : 16, equal = one_in(2) ? 1 : 100;
+    output *keys = output_new(count * sizeof(fxs_key), 8), *spare = output_new(count * sizeof(fxs_key), 8);
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t depth = base + ((uint32_t)next() & (below(100) < crowded ? usual : range));
+        const fxs_key key = FXS_KEY(depth, FXS_LISTED((i ^ 5) / equal + FXS_MAX_SLOTS - most - 8, below(masks)));
+        ((fxs_key *)at(keys, 0, 8))[i] = ((fxs_key *)at(keys, 1, 8))[i] = key;
+    }
+    fxs_sort_c(at(keys, 0, 8), at(spare, 0, 8), count);
+    fast.sort(at(keys, 1, 8), at(spare, 1, 8), count);
+    CHECK(guards_whole(keys, 8) && guards_whole(spare, 8));
+    CHECK(!memcmp(at(keys, 0, 8), at(keys, 1, 8), count * sizeof(fxs_key)));
+}
+
 /* The slots of a tile of a macro tile. */
 static void list_case(void)
 {
@@ -764,6 +783,11 @@ static void bin(void)
         CHECK(rows_total > 20 * (last_seed - first_seed));
 }
 
+static void sort(void)
+{
+    run_cases(sort_case, 2);
+}
+
 static void list(void)
 {
     run_cases(list_case, 2);
@@ -799,6 +823,8 @@ static void test_version(size_t i)
         RUN(shade);
     if (fast.bin != fxs_bin_c)
         RUN(bin);
+    if (fast.sort != fxs_sort_c)
+        RUN(sort);
     if (fast.list != fxs_list_c)
         RUN(list);
     if (fast.blend != fxs_blend_c)

@@ -28,7 +28,7 @@ static tile_lists tile_lists_new(const fxs_view *view, const fxs_splat *splats, 
     l.next = next;
     fxs_bin_fill(&l, 0, count, keys);
     for (uint32_t macro = 0; macro < macros; macro++)
-        fxs_sort_list(keys + next[macro] - lengths[macro], spare, lengths[macro]);
+        fxs_sort_c(keys + next[macro] - lengths[macro], spare, lengths[macro]);
     total = 0;
     for (uint32_t tile = 0; tile < tiles; tile++) {
         const uint32_t column = tile % (uint32_t)view->tiles_x, row = tile / (uint32_t)view->tiles_x;

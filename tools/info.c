@@ -4,6 +4,8 @@
 #include <string.h>
 
 #include "../port/backend/backends.h"
+#include "../port/board/strip.h"
+#include "../port/board/turntable.h"
 #include "../port/posix/pool.h"
 #include "../port/scene/fxs_file.h"
 #include "quality.h"
@@ -24,6 +26,9 @@ static const char help[] =
     "                      as by render, close, where it is larger than the picture, and far)\n"
     "  --views N           how many, 1 to 1000 (default 8)\n"
     "  --size WxH          pixels (default 1280x720; of the views of a file their own)\n"
+    "  --board WxH         what a board with a display of this size needs to show the scene on a turntable: flash, a\n"
+    "                      strip of RGB565, and working memory of one thread: the least, and from where on no row\n"
+    "                      of tiles is drawn in slices, at each of 16 turns\n"
     "  --max-memory BYTES  (also as 64K, 3M, 2G) what render and bench can do with so much\n"
     "  --profile P         how a scene that is not an .fxs file is packed: default, compact or small\n"
     "  --lod LEVEL         level of detail of SCENE, where it is a streamed .sog, 0 the finest (default 0)\n"
@@ -37,16 +42,26 @@ static const char help[] =
     "  fixsplat info scene.ply\n"
     "  fixsplat info scene.ply --size 1920x1080 --json\n"
     "  fixsplat info room.fxs chair.spz --place chair.spz:1,0,2\n"
+    "  fixsplat info toy.fxs --board 320x240\n"
     "  fixsplat info scene.spz --compare scene.ply --cameras cameras.json --views 4\n";
 
 typedef struct info_options {
     frame_options frame;                    /* scenes, cameras, size and lod are used */
     const char *original;
     uint64_t views;                         /* 0: none given */
+    int board_width, board_height;          /* 0: not asked for */
     int json;
 } info_options;
 
-enum { OPT_JSON = OPT_OWN, OPT_COMPARE, OPT_VIEWS, OPT_BACKENDS };
+enum { OPT_JSON = OPT_OWN, OPT_COMPARE, OPT_VIEWS, OPT_BACKENDS, OPT_BOARD };
+
+/* A scene on a board with a display of this size. */
+typedef struct board {
+    int width, height;
+    size_t strip;                           /* 16 rows of RGB565 */
+    fxs_frame_memory memory;                /* of one thread */
+    size_t rows, rows_most;                 /* from where on nothing is sliced, of all turns the least and the most */
+} board;
 
 /* What is known of a scene. */
 typedef struct findings {
@@ -56,6 +71,7 @@ typedef struct findings {
     size_t limit;                           /* --max-memory; 0: none */
     int compared;
     quality quality;
+    board board;
 } findings;
 
 /* A scene as it is, not placed. */
@@ -117,6 +133,13 @@ static void print_object_json(const world *w, uint32_t i)
     }
 }
 
+static void print_board_json(const board *b)
+{
+    printf("\"board\": {\"width\": %d, \"height\": %d, \"strip\": %zu, \"bytes\": %zu, \"least\": %zu, "
+           "\"rows_least\": %zu, \"rows_most\": %zu}, ", b->width, b->height, b->strip, b->memory.total,
+           b->memory.least, b->rows, b->rows_most);
+}
+
 /* Of one scene as it is, its own; of more, a list of scenes and one of objects. */
 static void print_json(const findings *f)
 {
@@ -142,6 +165,8 @@ static void print_json(const findings *f)
         quality_print_json(&f->quality);
         printf(", ");
     }
+    if (f->board.width)
+        print_board_json(&f->board);
     printf("\"frame\": {\"width\": %d, \"height\": %d, \"splats\": %zu, \"keys\": %zu, \"tiles\": %zu, "
            "\"entries\": %zu, \"bytes\": %zu, \"least\": %zu}}\n", f->width, f->height, m->splats, m->keys, m->tiles,
            m->entries, m->total, m->least);
@@ -153,7 +178,7 @@ static void print_error_text(const char *name, const fxs_pack_error *e)
            e->position, e->scale, e->rotation, e->opacity, e->dc, e->sh);
 }
 
-/* What a frame can be with --max-memory: beyond the least, a band takes 92 bytes a splat. */
+/* What a frame can be with --max-memory: beyond the least, a band takes 88 bytes a splat. */
 static void print_limit(const fxs_frame_memory *m, size_t limit)
 {
     if (limit < m->least)
@@ -161,8 +186,8 @@ static void print_limit(const fxs_frame_memory *m, size_t limit)
     else if (limit >= m->total)
         printf("--max-memory  %zu bytes: enough for any view\n", limit);
     else
-        printf("--max-memory  %zu bytes: enough for views with at most %zu Gaussians in a row of tiles (16 pixels)\n",
-               limit, (limit - m->least) / 92 / 16 * 16);
+        printf("--max-memory  %zu bytes: enough for any view; slower where a row of tiles (16 pixels) has more than %zu "
+               "Gaussians\n", limit, (limit - m->least) / 88 / 16 * 16);
 }
 
 static void print_scene_text(const loaded_scene *s)
@@ -196,6 +221,14 @@ static void print_object_text(const world *w, uint32_t i)
         printf(": cropped away\n");
 }
 
+static void print_board_text(const board *b, size_t scene_bytes)
+{
+    printf("board         %dx%d, one thread: %zu bytes of flash for the scene, %zu of RAM for a strip of 16 "
+           "rows;\n              working memory: %zu at the least; from %zu to %zu on, by how it is turned, rows of tiles at once;\n"
+           "              %zu for the whole frame at once\n", b->width, b->height, scene_bytes, b->strip,
+           b->memory.least, b->rows, b->rows_most, b->memory.total);
+}
+
 static void print_text(const findings *f)
 {
     const world *w = &f->world;
@@ -211,6 +244,8 @@ static void print_text(const findings *f)
         print_object_text(w, i);
     printf("frame         %dx%d needs %zu bytes: splats %zu, keys %zu, tiles %zu, entries %zu; in bands %zu or more\n",
            f->width, f->height, m->total, m->splats, m->keys, m->tiles, m->entries, m->least);
+    if (f->board.width)
+        print_board_text(&f->board, w->scenes[0].packed.bytes);
     if (f->limit)
         print_limit(m, f->limit);
     if (f->compared) {
@@ -245,6 +280,7 @@ static int take_options(info_options *o, int argc, char **argv)
     static const struct option table[] = {{"compare", required_argument, 0, OPT_COMPARE},
                                           {"cameras", required_argument, 0, OPT_CAMERAS},
                                           {"views", required_argument, 0, OPT_VIEWS},
+                                          {"board", required_argument, 0, OPT_BOARD},
                                           {"backends", no_argument, 0, OPT_BACKENDS},
                                           {"size", required_argument, 0, OPT_SIZE},
                                           {"max-memory", required_argument, 0, OPT_MAX_MEMORY},
@@ -261,6 +297,10 @@ static int take_options(info_options *o, int argc, char **argv)
         case OPT_VIEWS:
             if (!parse_count(optarg, 1, 1000, &o->views))
                 return fail(EXIT_USAGE, "--views %s: expected 1 to 1000", optarg);
+            break;
+        case OPT_BOARD:
+            if (!parse_size(optarg, &o->board_width, &o->board_height))
+                return fail(EXIT_USAGE, "--board %s: expected WIDTHxHEIGHT, each 1 to 16384", optarg);
             break;
         case OPT_JSON: o->json = 1; break;
         case OPT_BACKENDS: print_backends(); exit(EXIT_OK);
@@ -293,6 +333,55 @@ static int compare(findings *f, const info_options *o)
     return status;
 }
 
+/* Ends a frame whose plan is all that is wanted. */
+static int enough(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
+{
+    (void)argument, (void)strip, (void)first, (void)rows;
+    return FXS_ERR_UNSUPPORTED;
+}
+
+/* What the plan of each turn says. `rows` has room for the strip. */
+static int measure_turns(board *b, fxs_turntable *t, unsigned char *rows, void *memory)
+{
+    fxs_context context;
+    fxs_options options;
+    fxs_strip strip = {rows, 2 * b->width, 16, FXS_FORMAT_RGB565, &context.kernels, enough, 0};
+    fxs_init(&context, &(fxs_config){.draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1});
+    fxs_options_init(&options);
+    for (uint32_t turn = 0; turn < 16; turn++) {
+        fxs_stats stats;
+        fxs_turntable_turn(t, turn * FXS_TURNTABLE_STEPS / 16);
+        const int error = fxs_render(&context, &t->object, 1, &t->camera, &options, 0, memory, b->memory.least, &stats);
+        if (error != FXS_ERR_UNSUPPORTED)
+            return fail(EXIT_FAILED, "%s", fxs_strerror(error));
+        b->rows = stats.memory.rows < b->rows ? stats.memory.rows : b->rows;
+        b->rows_most = stats.memory.rows > b->rows_most ? stats.memory.rows : b->rows_most;
+    }
+    return 0;
+}
+
+static int measure_board(findings *f, int width, int height)
+{
+    fxs_context context;
+    fxs_turntable t;
+    board *b = &f->board;
+    const loaded_scene *s = &f->world.scenes[0];
+    if (!is_one(&f->world))
+        return fail(EXIT_USAGE, "--board takes one scene");
+    const int error = fxs_turntable_open(&t, s->packed.data, s->packed.bytes, width, height);
+    if (error)
+        return fail(EXIT_FAILED, "%s: %s", s->path, fxs_strerror(error));
+    fxs_init(&context, 0);
+    *b = (board){.width = width, .height = height, .strip = (size_t)width * 16 * 2, .rows = SIZE_MAX};
+    fxs_frame_bytes(&context, &t.object, 1, width, height, &b->memory);
+    void *memory = malloc(b->memory.least + 63), *rows = malloc(b->strip);
+    const int status = memory && rows ? measure_turns(b, &t, rows, (void *)(((uintptr_t)memory + 63) / 64 * 64))
+                                      : fail(EXIT_FAILED, "%s", fxs_strerror(FXS_ERR_MEMORY));
+    free(memory);
+    free(rows);
+    return status;
+}
+
 /* Of .fxs files, every checksum. */
 static int check_files(const world *w)
 {
@@ -316,7 +405,8 @@ static int find(findings *f, const info_options *o)
     f->limit = o->frame.max_memory;
     fxs_init(&context, &config);
     fxs_frame_bytes(&context, f->world.objects, f->world.count, f->width, f->height, &f->memory);
-    return o->original ? compare(f, o) : 0;
+    const int status = o->board_width ? measure_board(f, o->board_width, o->board_height) : 0;
+    return status || !o->original ? status : compare(f, o);
 }
 
 int command_info(int argc, char **argv)

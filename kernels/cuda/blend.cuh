@@ -19,6 +19,7 @@
 namespace {
 
 const uint32_t LONG_MAGNITUDE = 11, SHORT_MAGNITUDE = 8;
+const uint32_t SPLIT_MAGNITUDE = 13;                   /* of lists that blend_tiles puts into bins first */
 const uint32_t SORT_THREADS = 128, SORT_BLOCKS = 7;    /* of a multiprocessor */
 const uint32_t GROUP_THREADS = 128, WARPS_MOST = 24;   /* of a block of blend_sorted */
 typedef group<GROUP_THREADS> tile_group;
@@ -90,6 +91,7 @@ struct group_shared : trace_queues<Pixel, GROUP_THREADS / WARP> {
         queued_splat queues[GROUP_THREADS / WARP][WARP];
         uint32_t bins[bins_of<tile_keys, GROUP_THREADS>];
     };
+    uint64_t *room;
     uint32_t turn;
 };
 
@@ -401,6 +403,30 @@ __device__ inline turn_of_tile tile_of_turn(const frame_buffers *f, const turns 
     return {f->classes[(WARP - 1 - (uint32_t)lane) * tiles + i / each], i % each, each};
 }
 
+/* Puts a list into bins. Returns it, and where they end, from there on; null where there is no room. */
+template <class Pixel>
+__device__ __noinline__ const uint64_t *split_long(const uint32_t **ends, group_shared<Pixel> *own,
+                                                   const frame_buffers *f, const uint64_t *list, uint32_t count,
+                                                   const tile_group *g)
+{
+    const uint32_t words = tile_keys::bins / 2;        /* of ends */
+    if (g->thread == 0)
+        own->room = take_entries(f, words + (uint64_t)count);
+    g->sync();
+    if (!own->room)
+        return nullptr;
+    uint32_t *kept = (uint32_t *)own->room;
+    uint64_t *sorted = own->room + words;
+    const key_range r = range_of_list(&own->keys, list, count, g);
+    move_to_bins(sorted, &own->keys, own->bins, r, g,
+                 [&](auto visit) { visit_keys(list, count, g, visit); });
+    for (uint32_t i = g->thread; i < tile_keys::bins; i += GROUP_THREADS)
+        kept[i] = own->bins[slot_of<tile_keys, tile_group>(i)];
+    g->sync();
+    *ends = kept;
+    return sorted;
+}
+
 /* Sorts and blends a tile's list, over the region at (x, y) of each warp. */
 template <class Pixel>
 __device__ void blend_list(Pixel p[2], group_shared<Pixel> *own, const uint16_t *alpha_q15, const frame_buffers *f,
@@ -408,24 +434,36 @@ __device__ void blend_list(Pixel p[2], group_shared<Pixel> *own, const uint16_t 
                            int32_t y)
 {
     const uint32_t all = f->counts[tile], warp = g->thread / WARP;
-    const uint64_t *list = f->entries + (f->next[tile] - all);
-    key_range r = {0, 0};
-    if (all > tile_keys::room)
-        r = range_of_list(&own->keys, list, all, g);
-    for (uint32_t done = 0; done < all;) {
-        uint32_t count = all;
-        if (all > tile_keys::room)
-            count = next_round(&r, &own->keys, own->bins, list, all, g);
-        else
-            for (uint32_t i = g->thread; i < all; i += GROUP_THREADS)
-                own->keys.keys[i] = list[i];
-        g->sync();
-        sort_keys(own->entries, &own->keys, own->bins, count, g);
-        blend_entries(p, own->entries, count, own->queues[warp], own->trace_queue(warp), alpha_q15, f, view,
-                      depth_bits, x, y);
-        done += count;
-        if (!g->any(is_open(p)))
-            break;
+    const uint64_t *list = f->entries + (f->next[tile] - all), *split = nullptr;
+    const uint32_t *ends = nullptr;
+    bool open = true;
+    /* `count` keys, as many as there is room for or in rounds. */
+    auto blend_part = [&](const uint64_t *keys, uint32_t count) {
+        key_range r = {0, 0};
+        if (count > tile_keys::room)
+            r = range_of_list(&own->keys, keys, count, g);
+        for (uint32_t done = 0, some; done < count && open; done += some) {
+            some = count;
+            if (count > tile_keys::room)
+                some = next_round(&r, &own->keys, own->bins, keys, count, g);
+            else
+                for (uint32_t i = g->thread; i < count; i += GROUP_THREADS)
+                    own->keys.keys[i] = keys[i];
+            g->sync();
+            sort_keys(own->entries, &own->keys, own->bins, some, g);
+            blend_entries(p, own->entries, some, own->queues[warp], own->trace_queue(warp), alpha_q15, f, view,
+                          depth_bits, x, y);
+            open = g->any(is_open(p));
+        }
+    };
+    if (all >> SPLIT_MAGNITUDE)
+        split = split_long(&ends, own, f, list, all, g);
+    for (uint32_t first = 0, end = all; first < all && open; first = end, end = all) {
+        if (split)
+            end = bins_end<tile_keys>(ends, first, tile_keys::room);
+        if (end == first)                  /* a bin too large */
+            end = bin_end<tile_keys>(ends, first);
+        blend_part((split ? split : list) + first, end - first);
     }
 }
 
@@ -522,6 +560,7 @@ __global__ void __launch_bounds__(SORT_THREADS, SORT_BLOCKS) sort_lists(const __
 {
     extern __shared__ __align__(16) unsigned char memory[];
     sort_shared *shared = (sort_shared *)memory;
+    wait_for_last_kernel();
     const uint32_t magnitude = WARP - 1 - lane_index();
     if (blockIdx.x == 0 && threadIdx.x == 0)
         *f.needs = *f.status;
@@ -561,9 +600,10 @@ blend_sorted(const __grid_constant__ fxs_view view, const __grid_constant__ fram
     sorted_shared<Pixel> *shared = (sorted_shared<Pixel> *)memory;
     const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y);
     warp_shared<Pixel> *own = &shared->warps[threadIdx.x / WARP];
+    make_table(shared->alpha_q15);
+    wait_for_last_kernel();
     if (!fits(&f))
         return;
-    make_table(shared->alpha_q15);
     const turns order = turns_of(&f, WARP - 1 - lane_index() < LONG_MAGNITUDE ? 4 : 0);
     uint32_t next = lane_index() == 0 ? atomicAdd(&f.status->next_turn, 1u) : 0;
     for (;;) {

@@ -17,17 +17,21 @@ struct slot {
     cudaEvent_t done, listed, dense_done, stages[FXS_CUDA_STAGES + 1];
     block objects;                 /* fxs_object_view[], then the crop boxes that they point to */
     block splats, tiles, larges, entries;   /* cut up by slot_buffers */
+    block pixels;                  /* of targets in host memory, until they are copied there */
 };
 
 /* Bytes of a slot's blocks. */
 struct slot_sizes {
-    uint64_t objects, splats, tiles, larges, entries;
+    uint64_t objects, splats, tiles, larges, entries, pixels;
 };
+
+enum { PLANES = 7 };               /* the images of targets */
 
 struct frame {
     fxs_view view;                 /* of the world; plain: of the object */
     fxs_scene scene;               /* plain: with the device's pointers */
     fxs_targets targets;
+    bool hosted[PLANES];           /* written there by a copy from the slot */
     uint32_t object_count, crop_count, chunks, gaussians, tiles;
     uint64_t staged;               /* where its objects wait for the copy to the slot */
     bool plain;                    /* one object, which changes nothing of its Gaussians */
@@ -69,6 +73,20 @@ uint32_t slots_of(const fxs_cuda *cuda, uint32_t frames)
     return frames < cuda->slot_count ? frames : cuda->slot_count;
 }
 
+struct plane {
+    fxs_image *image;
+    size_t pixel_bytes;
+    bool read;
+};
+
+void planes_of(fxs_targets *t, plane planes[PLANES])
+{
+    const plane all[PLANES] = {{&t->colour, (size_t)fxs_pixel_bytes(t->format), false}, {&t->coverage, 1, false},
+                               {&t->mean_depth, 4, false}, {&t->median_depth, 4, false}, {&t->id, 8, false},
+                               {&t->occluder, 4, true}, {&t->backdrop, 4, true}};
+    memcpy(planes, all, sizeof all);
+}
+
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
 template <class T>
@@ -77,6 +95,21 @@ T *cut(unsigned char **memory, uint64_t count)
     T *part = (T *)*memory;
     *memory += (count * sizeof(T) + 63) / 64 * 64;
     return part;
+}
+
+/* Gives the planes of a frame that are copied to the host places in `memory`. Returns their bytes. */
+uint64_t place_hosted(fxs_targets *targets, const frame *of, void *memory)
+{
+    unsigned char *at = (unsigned char *)memory;
+    plane planes[PLANES];
+    planes_of(targets, planes);
+    for (int k = 0; k < PLANES; k++)
+        if (of->hosted[k]) {
+            planes[k].image->stride = (ptrdiff_t)(planes[k].pixel_bytes * (size_t)of->view.width);
+            planes[k].image->pixels = cut<unsigned char>(&at, (uint64_t)planes[k].image->stride *
+                                                                  (uint64_t)of->view.height);
+        }
+    return (uint64_t)(at - (unsigned char *)memory);
 }
 
 /* Cuts up a slot's memory for a frame; *sizes is what it takes of the first three blocks. Blocks may be null. */
@@ -115,12 +148,13 @@ int reserve_slot(fxs_cuda *cuda, slot *s, const slot_sizes *sizes, fxs_message *
     error = error ? error : reserve(taken, &s->splats, larger_of(s->splats.bytes, sizes->splats), why);
     error = error ? error : reserve(taken, &s->tiles, larger_of(s->tiles.bytes, sizes->tiles), why);
     error = error ? error : reserve(taken, &s->larges, sizes->larges, why);
+    error = error ? error : reserve(taken, &s->pixels, larger_of(s->pixels.bytes, sizes->pixels), why);
     return error ? error : reserve(taken, &s->entries, sizes->entries, why);
 }
 
 void free_slot(fxs_cuda *cuda, slot *s)
 {
-    block *const blocks[] = {&s->objects, &s->splats, &s->tiles, &s->larges, &s->entries};
+    block *const blocks[] = {&s->objects, &s->splats, &s->tiles, &s->larges, &s->entries, &s->pixels};
     for (block *b : blocks)
         reserve(&cuda->memory, b, 0, nullptr);
 }
@@ -147,7 +181,9 @@ uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
     for (uint32_t i = 0; i < count; i++) {
         const frame *f = &cuda->frames[i];
         slot_sizes *s = &sizes[i % cuda->slot_count], of_frame;
+        fxs_targets targets = f->targets;
         slot_buffers(&none, f, &of_frame);
+        s->pixels = larger_of(s->pixels, place_hosted(&targets, f, nullptr));
         s->objects = larger_of(s->objects, of_frame.objects);
         s->splats = larger_of(s->splats, of_frame.splats);
         s->tiles = larger_of(s->tiles, of_frame.tiles);
@@ -160,7 +196,7 @@ uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
         sizes[i].entries = cuda->capacity * sizeof(uint64_t);
         needed += missing(&s->objects, sizes[i].objects) + missing(&s->splats, sizes[i].splats) +
                   missing(&s->tiles, sizes[i].tiles) + missing(&s->larges, sizes[i].larges) +
-                  missing(&s->entries, sizes[i].entries);
+                  missing(&s->entries, sizes[i].entries) + missing(&s->pixels, sizes[i].pixels);
     }
     return needed;
 }
@@ -191,23 +227,6 @@ int options_valid(const fxs_options *o)
     return o->sh_degree >= 0 && o->sh_degree <= 3 && (unsigned)o->cutoff <= FXS_CUTOFF_SQUARE;
 }
 
-/* The images of targets. */
-struct plane {
-    fxs_image *image;
-    size_t pixel_bytes;
-    bool read;
-};
-
-enum { PLANES = 7 };
-
-void planes_of(fxs_targets *t, plane planes[PLANES])
-{
-    const plane all[PLANES] = {{&t->colour, (size_t)fxs_pixel_bytes(t->format), false}, {&t->coverage, 1, false},
-                               {&t->mean_depth, 4, false}, {&t->median_depth, 4, false}, {&t->id, 8, false},
-                               {&t->occluder, 4, true}, {&t->backdrop, 4, true}};
-    memcpy(planes, all, sizeof all);
-}
-
 bool writes_any(fxs_targets targets)
 {
     plane planes[PLANES];
@@ -227,6 +246,24 @@ bool are_aligned(fxs_targets targets)
         if (p.image->pixels && ((uintptr_t)p.image->pixels | (uintptr_t)p.image->stride) % p.pixel_bytes)
             return false;
     return true;
+}
+
+bool is_in_host_memory(const void *pointer)
+{
+    cudaPointerAttributes of;
+    return !check(nullptr, cudaPointerGetAttributes(&of, pointer)) && of.type == cudaMemoryTypeHost;
+}
+
+/* Finds the planes in host memory: they are copied there, as kernels write small parts of rows. Rows that lie one above
+   the other they write themselves. */
+void find_hosted(frame *f)
+{
+    plane planes[PLANES];
+    planes_of(&f->targets, planes);
+    for (int k = 0; k < PLANES; k++)
+        f->hosted[k] = !planes[k].read && planes[k].image->pixels &&
+                       planes[k].image->stride >= (ptrdiff_t)(planes[k].pixel_bytes * (size_t)f->view.width) &&
+                       is_in_host_memory(planes[k].image->pixels);
 }
 
 /* Counts what is in the objects. */
@@ -279,6 +316,8 @@ int take_frames(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fx
         for (uint32_t k = 0; k < f->object_count && !error; k++)
             if (frames[i].objects[k].visible)
                 error = want_scene(&cuda->scenes, &cuda->memory, frames[i].objects[k].scene, why);
+        if (!error)
+            find_hosted(f);
         slot_buffers(&none, f, &sizes);
         f->staged = staged;
         staged += sizes.objects;
@@ -324,9 +363,9 @@ int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_me
     return 0;
 }
 
-target target_of(const frame *f, const fxs_options *options)
+target target_of(const fxs_targets *targets, const fxs_options *options)
 {
-    target t = {f->targets, {0, 0, 0}, fxs_depth_bits(&f->targets), 0};
+    target t = {*targets, {0, 0, 0}, fxs_depth_bits(targets), 0};
     t.plain = t.images.colour.pixels && !t.images.backdrop.pixels &&
               (t.images.format == FXS_FORMAT_RGBA8 || t.images.format == FXS_FORMAT_RGBA8_COVERAGE);
     for (int c = 0; c < 3 && !fxs_is_premultiplied(t.images.format); c++)
@@ -340,11 +379,35 @@ void mark(const fxs_cuda *cuda, const slot *s, int stage)
         cudaEventRecord(s->stages[stage], s->on);
 }
 
+/* Whether a frame's kernels may be launched before the last one has ended: not beside other frames, whose blocks have
+   use for what the waiting ones take. */
+bool launches_early(const fxs_cuda *cuda)
+{
+    return cuda->frame_count == 1;
+}
+
+template <class... Parameters>
+void launch(const fxs_cuda *cuda, void (*kernel)(Parameters...), uint32_t blocks, uint32_t threads, size_t shared,
+            cudaStream_t stream, const Parameters &...parameters)
+{
+    cudaLaunchAttribute early = {};
+    early.id = cudaLaunchAttributeProgrammaticStreamSerialization;
+    early.val.programmaticStreamSerializationAllowed = launches_early(cuda);
+    cudaLaunchConfig_t how = {};
+    how.gridDim = dim3(blocks);
+    how.blockDim = dim3(threads);
+    how.dynamicSmemBytes = shared;
+    how.stream = stream;
+    how.attrs = &early;
+    how.numAttrs = 1;
+    cudaLaunchKernelEx(&how, kernel, parameters...);
+}
+
 template <bool Many>
-void project(const frame *of, const frame_buffers &f, cudaStream_t stream)
+void project(const fxs_cuda *cuda, const frame *of, const frame_buffers &f, cudaStream_t stream)
 {
     locate_chunks<Many><<<(of->chunks + 63) / 64, 64, 0, stream>>>(of->view, of->scene, f, of->chunks);
-    project_chunk<Many><<<of->chunks, FXS_CHUNK, 0, stream>>>(of->view, of->scene, f);
+    launch(cuda, project_chunk<Many>, of->chunks, FXS_CHUNK, 0, stream, of->view, of->scene, f);
 }
 
 /* blend and resolve, of sorted lists and of long ones. */
@@ -352,7 +415,7 @@ template <class Pixel>
 void blend_lists(const fxs_cuda *cuda, cudaStream_t stream, uint32_t warps, uint32_t groups, const fxs_view &view,
                  const frame_buffers &f, const target &t)
 {
-    blend_sorted<Pixel><<<cuda->processors, warps * WARP, sorted_bytes<Pixel>(warps), stream>>>(view, f, t);
+    launch(cuda, blend_sorted<Pixel>, cuda->processors, warps * WARP, sorted_bytes<Pixel>(warps), stream, view, f, t);
     if (groups)
         blend_tiles<Pixel><<<cuda->processors, groups * GROUP_THREADS, blend_bytes<Pixel>(groups), stream>>>(view, f,
                                                                                                             t);
@@ -379,6 +442,22 @@ void blend(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const fram
         cudaStreamWaitEvent(s->on, s->dense_done, 0);
 }
 
+/* Copies the planes that wait in the slot to the host. */
+cudaError_t copy_hosted(const slot *s, const frame *of, fxs_targets from)
+{
+    fxs_targets to = of->targets;
+    plane there[PLANES], here[PLANES];
+    cudaError_t error = cudaSuccess;
+    planes_of(&to, there);
+    planes_of(&from, here);
+    for (int k = 0; k < PLANES && !error; k++)
+        if (of->hosted[k])
+            error = cudaMemcpy2DAsync(there[k].image->pixels, (size_t)there[k].image->stride, here[k].image->pixels,
+                                      (size_t)here[k].image->stride, (size_t)here[k].image->stride,
+                                      (size_t)of->view.height, cudaMemcpyDeviceToHost, s->on);
+    return error;
+}
+
 /* The kernels of frame i, in its slot. */
 int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
 {
@@ -389,6 +468,10 @@ int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
     frame_buffers f = slot_buffers(s, of, &sizes);
     f.needs = &cuda->needs[i];
     const bool traced = fxs_targets_traced(&of->targets);
+    fxs_targets targets = of->targets;
+    place_hosted(&targets, of, s->pixels.data);
+    if (traced)                    /* depths are read to the end */
+        f.split_capacity = (uint64_t)((uint64_t *)f.depths - f.boxes);
     const uint64_t cleared = (uint64_t)((unsigned char *)(f.counts + of->tiles) - (unsigned char *)f.status);
     cudaMemsetAsync(f.status, 0, cleared, s->on);
     mark(cuda, s, 0);
@@ -396,19 +479,20 @@ int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
         cudaMemcpyAsync(s->objects.data, (unsigned char *)cuda->staged.data + of->staged, sizes.objects,
                         cudaMemcpyHostToDevice, s->on);
     if (of->chunks && of->plain)
-        project<false>(of, f, s->on);
+        project<false>(cuda, of, f, s->on);
     else if (of->chunks)
-        project<true>(of, f, s->on);
+        project<true>(cuda, of, f, s->on);
     mark(cuda, s, 1);
-    start_lists<<<((uint32_t)view.tiles_y + START_ROWS - 1) / START_ROWS, START_ROWS * WARP, 0, s->on>>>(
-        f, (uint32_t)view.tiles_x, (uint32_t)view.tiles_y);
+    launch(cuda, start_lists, ((uint32_t)view.tiles_y + START_ROWS - 1) / START_ROWS, START_ROWS * WARP, 0, s->on, f,
+           (uint32_t)view.tiles_x, (uint32_t)view.tiles_y);
     if (of->chunks)
-        fill_lists<<<LARGE_BLOCKS + of->chunks, FXS_CHUNK, 0, s->on>>>(view, f);
+        launch(cuda, fill_lists, LARGE_BLOCKS + of->chunks, FXS_CHUNK, 0, s->on, view, f);
     mark(cuda, s, 2);
-    blend(cuda, s, view, f, target_of(of, &cuda->options));
+    blend(cuda, s, view, f, target_of(&targets, &cuda->options));
     mark(cuda, s, 4);
     cuda->buffers[i] = f;
-    return check(why, cudaGetLastError(), cudaEventRecord(s->done, s->on));
+    const cudaError_t error = copy_hosted(s, of, targets), launched = cudaGetLastError();
+    return check(why, error ? error : launched, cudaEventRecord(s->done, s->on));
 }
 
 int wait(fxs_cuda *cuda, fxs_message *why)
@@ -451,7 +535,7 @@ int render_again(fxs_cuda *cuda, uint32_t i, fxs_message *why)
         cuda->capacity = cuda->capacity < ENTRIES_MAX ? cuda->capacity : ENTRIES_MAX;
         cuda->large_capacity = larger_of(large_capacity, larges + (spare ? larges / 8 : 0));
         const slot_sizes sizes = {0, 0, 0, cuda->large_capacity * sizeof(large_splat),
-                                  cuda->capacity * sizeof(uint64_t)};
+                                  cuda->capacity * sizeof(uint64_t), 0};
         error = reserve_slot(cuda, &cuda->slots[i % cuda->slot_count], &sizes, why);
     }
     error = error ? error : start_frame(cuda, i, why);
@@ -555,6 +639,7 @@ fxs_cuda_memory memory_of(const fxs_cuda *cuda)
         const slot *s = &cuda->slots[i];
         m.splats += s->objects.bytes + s->splats.bytes + s->larges.bytes;
         m.tiles += s->tiles.bytes;
+        m.pixels += s->pixels.bytes;
         m.entries += s->entries.bytes;
     }
     return m;

@@ -23,7 +23,7 @@ typedef struct fxs_cuda_memory {
     uint64_t splats;               /* for each slot: 46 bytes a Gaussian, 84 a chunk, 376 an object */
     uint64_t tiles;                /* for each slot: 136 bytes a tile */
     uint64_t entries;              /* for each slot: 8 bytes a tile list entry there is room for */
-    uint64_t pixels;               /* of fxs_cuda_render_host */
+    uint64_t pixels;               /* of fxs_cuda_render_host; for each slot: of targets in pinned host memory */
     uint64_t total;                /* the five above */
 } fxs_cuda_memory;
 
@@ -44,8 +44,8 @@ typedef struct fxs_cuda_frame {
     fxs_camera camera;
     const fxs_object *objects;     /* read by fxs_cuda_render only */
     uint32_t count;
-    fxs_targets targets;           /* in device memory or in pinned host memory (cudaHostAlloc), which the device
-                                      reaches by itself; pixels and strides are multiples of a pixel's bytes */
+    fxs_targets targets;           /* in device memory or in pinned host memory (cudaHostAlloc), to which they are
+                                      copied; pixels and strides are multiples of a pixel's bytes */
 } fxs_cuda_frame;
 
 /* How many devices there are; 0 where there is no driver. */

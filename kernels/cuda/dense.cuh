@@ -13,6 +13,8 @@ const uint32_t DENSE_THREADS = 1024, DENSE_BLOCKS = 1;  /* of a multiprocessor *
 const uint32_t ROW_PAIRS = FXS_TILE / 2;               /* of a tile: 32 pixels */
 typedef group<DENSE_THREADS> dense_group;
 typedef group_keys<960> dense_keys;
+const uint32_t FULL = 512;                 /* collected: no more are looked for */
+const uint32_t REACH_MOST = 8192;          /* looked at at a time, where few are kept */
 const uint32_t WORDS = dense_keys::room / WARP, BLOCKS_MOST = 16, SHARE_MAGNITUDE = 11;
 const int CROWDED = 16, CROWD = 96;    /* open pixels of a pair of rows, of a tile: more of both take a lane each */
 
@@ -20,7 +22,8 @@ struct dense_shared {
     dense_keys keys;
     uint32_t entries[dense_keys::room];    /* sorted */
     uint32_t ends[dense_keys::bins];       /* of the bins, in the list */
-    fxs_splat splats[dense_keys::room];    /* of the keys sorted, near to far */
+    uint4 shapes[dense_keys::room];        /* dense_splat, of the keys sorted, near to far */
+    uint4 shades[dense_keys::room];
     uint32_t masks[ROW_PAIRS][dense_keys::room];    /* of the pixels that each can touch */
     union {
         uint32_t bins[dense_keys::bins];
@@ -35,12 +38,6 @@ struct dense_shared {
 
 static_assert(!has_gaps<dense_keys, DENSE_THREADS>, "ends have gaps");
 static_assert(sizeof(dense_shared) <= 163 << 10, "more shared memory than a block of an A100 has");
-
-/* Room to put lists into bins, beside split_entries: what is free behind the entries. */
-__device__ inline uint64_t spare_entries(const frame_buffers *f)
-{
-    return f->capacity - f->status->entries;
-}
 
 /* How many blocks share the columns of a tile whose list is of magnitude 31 - lane, so that none is late: as many as
    make its share about half of what a multiprocessor has of all lists, but for 2^SHARE_MAGNITUDE entries or more each.
@@ -63,6 +60,34 @@ __device__ inline uint32_t blocks_a_tile(const frame_buffers *f)
     }
     return magnitude < LONG_MAGNITUDE ? 0 : needed <= room ? wanted : 1;
 }
+
+/* A splat as a pixel takes it, by two reads of 16 bytes: splats side by side lie in different banks. */
+struct dense_splat {
+    uint32_t u_q24, ux_q24, uy_q24, v_q24; /* u and v at the tile's first pixel: a shape */
+    uint32_t vy_q24, offset_red, green_blue;
+    int limit;                             /* of the level's bits */
+
+    __device__ dense_splat(const uint4 &shape, const uint4 &shade)
+        : u_q24(shape.x), ux_q24(shape.y), uy_q24(shape.z), v_q24(shape.w), vy_q24(shade.x), offset_red(shade.y),
+          green_blue(shade.z), limit((int)shade.w)
+    {
+    }
+
+    /* alpha at a pixel of the tile, 0 where it does not count. */
+    __device__ int alpha_at(const uint16_t *alpha_q15, uint32_t x, uint32_t y) const
+    {
+        const queued_row row = {u_q24 + y * uy_q24, row_level(v_q24 + y * vy_q24, (int)(offset_red & 0xffff))};
+        const int level = level_bits(row, x, ux_q24);
+        return level <= limit ? alpha_q15[(level & 0xffff) >> 1] : 0;
+    }
+
+    __device__ void add_to(pixel *p, int weight) const
+    {
+        p->sum[0] += fxs_mul_q15(weight, (int)(offset_red >> 16));
+        p->sum[1] += fxs_mul_q15(weight, (int)(green_blue & 0xffff));
+        p->sum[2] += fxs_mul_q15(weight, (int)(green_blue >> 16));
+    }
+};
 
 /* A tile being blended; (x, y): its first pixel. */
 struct dense_tile {
@@ -99,41 +124,9 @@ __device__ void visit_near(const uint64_t *list, const uint32_t *marks, uint32_t
 __device__ uint32_t split_list(uint64_t *sorted, dense_shared *shared, const uint64_t *list, const uint32_t *marks,
                                uint32_t count, key_range r, const dense_group *g)
 {
-    const int shift = bin_shift<dense_keys>(r.low, r.high);
-    uint32_t *ends = shared->ends;
-    clear_bins<dense_keys>(ends, g);
-    g->sync();
-    visit_near(list, marks, count, g, [&](uint64_t key) { atomicAdd(&ends[(key - r.low) >> shift], 1u); });
-    g->sync();
-    place_bins(&shared->keys, ends, g);
-    visit_near(list, marks, count, g,
-               [&](uint64_t key) { sorted[atomicAdd(&ends[(key - r.low) >> shift], 1u)] = key; });
-    g->sync();
-    return ends[dense_keys::bins - 1];
-}
-
-/* How many ends are at most `most`, by a warp. */
-__device__ uint32_t ends_within(const uint32_t *ends, uint32_t most)
-{
-    const uint32_t each = dense_keys::bins / WARP;
-    uint32_t blocks = (uint32_t)__popc(__ballot_sync(ALL_LANES, ends[(lane_index() + 1) * each - 1] <= most));
-    uint32_t count = blocks * each;
-    for (uint32_t i = lane_index(); i < each && blocks < WARP; i += WARP)
-        count += (uint32_t)__popc(__ballot_sync(ALL_LANES, ends[blocks * each + i] <= most));
-    return count;
-}
-
-/* The end of the bins that are within `room` keys after `first`; `first` where there are none. */
-__device__ uint32_t bins_end(const uint32_t *ends, uint32_t first, uint32_t room)
-{
-    const uint32_t bins = ends_within(ends, first + room);
-    return bins ? max(ends[bins - 1], first) : first;
-}
-
-/* The end of the bin that begins at `first`. */
-__device__ uint32_t bin_end(const uint32_t *ends, uint32_t first)
-{
-    return ends[ends_within(ends, first)];
+    move_to_bins(sorted, &shared->keys, shared->ends, r, g,
+                 [&](auto visit) { visit_near(list, marks, count, g, visit); });
+    return shared->ends[dense_keys::bins - 1];
 }
 
 /* sqrt(x), to within 1 part in 2^22; x at least 1. */
@@ -208,9 +201,11 @@ __device__ bool touches_open(const dense_tile *t, const fxs_splat *s, const uint
 __device__ inline uint32_t transpose(uint32_t x)
 {
     uint32_t low = 0xffff;
+#pragma unroll
     for (uint32_t step = 16; step > 0; step /= 2, low ^= low << step) {
-        const uint32_t other = __shfl_xor_sync(ALL_LANES, x, (int)step);
-        x = lane_index() & step ? (x & ~low) | (other >> step & low) : (x & low) | (other & low) << step;
+        const bool upper = lane_index() & step;
+        const uint32_t other = __shfl_xor_sync(ALL_LANES, x, (int)step), own = upper ? ~low : low;
+        x = (x & own) | (__funnelshift_l(other, other, upper ? WARP - step : step) & ~own);
     }
     return x;
 }
@@ -231,42 +226,58 @@ __device__ void mark_pixels(dense_shared *shared, const dense_tile *t, const fxs
             shared->touching[i / WARP][pair * WARP + lane_index()] = transpose(shared->masks[pair][i]);
 }
 
-/* alpha of a splat at the pixel (x, y), 0 where it does not count. */
-__device__ inline int alpha_of(const uint16_t *alpha_q15, const fxs_splat *s, const fxs_view *view, int32_t x,
-                               int32_t y)
+/* Keeps a splat for blending, in place i. */
+__device__ void place_splat(dense_shared *shared, const dense_tile *t, const fxs_splat *s, uint32_t i)
 {
-    const queued_row row = {s->u0_q24 + (uint32_t)y * (uint32_t)s->uy_q24,
-                            row_level(s->v0_q24 + (uint32_t)y * (uint32_t)s->vy_q24, s->offset_q11)};
-    const int level = level_bits(row, (uint32_t)x, (uint32_t)s->ux_q24);
-    return level <= limit_bits(s, view) ? alpha_q15[(level & 0xffff) >> 1] : 0;
+    const row_walk at(t, s, 0);
+    shared->shapes[i] = make_uint4(at.u_q24, (uint32_t)s->ux_q24, (uint32_t)s->uy_q24, at.v_q24);
+    shared->shades[i] = make_uint4((uint32_t)s->vy_q24, (uint32_t)s->offset_q11 | (uint32_t)s->colour_q13[0] << 16,
+                                   (uint32_t)s->colour_q13[1] | (uint32_t)s->colour_q13[2] << 16,
+                                   (uint32_t)limit_bits(s, t->view));
+}
+
+__device__ inline dense_splat splat_in(const dense_shared *shared, uint32_t i)
+{
+    return dense_splat(shared->shapes[i], shared->shades[i]);
 }
 
 /* Blends the lanes' splats in order over one pixel, the same for all lanes: their weights one after the other, then the
    colours at once. */
-__device__ inline void blend_lanes(pixel *p, int alpha, const fxs_splat *s)
+__device__ inline void blend_lanes(pixel *p, int alpha, const dense_splat &s)
 {
+    enum { AT_ONCE = 4 };                      /* alphas fetched */
+    pixel own = {0, {0, 0, 0}};
     int weight = 0;
-    for (unsigned lanes = __ballot_sync(ALL_LANES, alpha > 0); lanes && p->transmittance >= FXS_CLOSED_Q15;
-         lanes &= lanes - 1) {
-        const int lane = __ffs((int)lanes) - 1;
-        const int of_lane = fxs_weight_q15(__shfl_sync(ALL_LANES, alpha, lane), p->transmittance);
-        weight = (int)lane_index() == lane ? of_lane : weight;
-        p->transmittance -= of_lane;
+    for (unsigned lanes = __ballot_sync(ALL_LANES, alpha > 0); lanes && p->transmittance >= FXS_CLOSED_Q15;) {
+        int lane[AT_ONCE], alphas[AT_ONCE];
+#pragma unroll
+        for (int i = 0; i < AT_ONCE; i++) {
+            lane[i] = __ffs((int)lanes) - 1;   /* -1: none is left */
+            const int of_lane = __shfl_sync(ALL_LANES, alpha, lane[i] & 31);
+            alphas[i] = lanes ? of_lane : 0;
+            lanes &= lanes - 1;
+        }
+#pragma unroll
+        for (int i = 0; i < AT_ONCE; i++) {
+            const int of_lane = p->transmittance >= FXS_CLOSED_Q15 ? fxs_weight_q15(alphas[i], p->transmittance) : 0;
+            weight = (int)lane_index() == lane[i] ? of_lane : weight;
+            p->transmittance -= of_lane;
+        }
     }
+    s.add_to(&own, weight);
     for (int c = 0; c < 3; c++)
-        p->sum[c] += __reduce_add_sync(ALL_LANES, fxs_mul_q15(weight, s->colour_q13[c]));
+        p->sum[c] += __reduce_add_sync(ALL_LANES, own.sum[c]);
 }
 
 /* Blends the splats that are marked at pixel n of the tile, by a warp. */
-__device__ void blend_marked(dense_shared *shared, const dense_tile *t, uint32_t n)
+__device__ void blend_marked(dense_shared *shared, uint32_t n)
 {
-    const int32_t x = t->x + (int32_t)(n % FXS_TILE), y = t->y + (int32_t)(n / FXS_TILE);
     const uint32_t marks = lane_index() < WORDS ? shared->touching[lane_index()][n] : 0;
     pixel p = shared->pixels[n];
     share_out((uint32_t)__popc(marks), [&](int lane, uint32_t item, bool active) {
         const uint32_t place = (uint32_t)lane * WARP + bit_of(__shfl_sync(ALL_LANES, marks, lane), item);
-        const fxs_splat *s = &shared->splats[active ? place : 0];
-        blend_lanes(&p, active ? alpha_of(shared->alpha_q15, s, t->view, x, y) : 0, s);
+        const dense_splat s = splat_in(shared, active ? place : 0);
+        blend_lanes(&p, active ? s.alpha_at(shared->alpha_q15, n % FXS_TILE, n / FXS_TILE) : 0, s);
     });
     __syncwarp();
     if (lane_index() == 0) {
@@ -276,26 +287,71 @@ __device__ void blend_marked(dense_shared *shared, const dense_tile *t, uint32_t
     }
 }
 
-/* The same for the open pixels of a pair of rows, by a lane a pixel. */
-__device__ void blend_pair(dense_shared *shared, const dense_tile *t, uint32_t pair, uint32_t open_pixels)
+/* The marks of a pixel, one after the other. */
+struct mark_walk {
+    const dense_shared *shared;
+    uint32_t n, words, word, marks, next_word, next_marks;   /* words: with marks, those still to fetch */
+
+    __device__ mark_walk(const dense_shared *of, uint32_t pixel) : shared(of), n(pixel), words(0), word(0), marks(0)
+    {
+#pragma unroll
+        for (uint32_t i = 0; i < WORDS; i++)
+            words |= shared->touching[i][n] ? 1u << i : 0;
+        fetch();
+    }
+
+    __device__ void fetch()
+    {
+        next_word = words ? (uint32_t)__ffs((int)words) - 1 : 0;
+        next_marks = words ? shared->touching[next_word][n] : 0;
+        words &= words - 1;
+    }
+
+    /* The place of the next splat; WORDS * WARP where there is none. */
+    __device__ uint32_t next()
+    {
+        if (!marks) {
+            word = next_word;
+            marks = next_marks;
+            fetch();
+        }
+        const uint32_t place = marks ? word * WARP + (uint32_t)__ffs((int)marks) - 1 : WORDS * WARP;
+        marks &= marks - 1;
+        return place;
+    }
+};
+
+/* The same for the open pixels of a pair of rows, by a lane a pixel: the alphas of some splats at once, then their
+   weights. */
+__device__ void blend_pair(dense_shared *shared, uint32_t pair, uint32_t open_pixels)
 {
+    enum { AT_ONCE = 2 };
     const uint32_t n = pair * WARP + lane_index();
-    const int32_t x = t->x + (int32_t)(n % FXS_TILE), y = t->y + (int32_t)(n / FXS_TILE);
     pixel p = shared->pixels[n];
     bool open = open_pixels >> lane_index() & 1;
-    uint32_t marks = 0;
-    for (uint32_t word = 0; open && (word < WORDS || marks);) {
-        if (!marks) {
-            marks = shared->touching[word++][n];
-            continue;
+    mark_walk walk(shared, n);
+    for (bool more = open; more;) {
+        uint32_t shades[AT_ONCE][2];
+        int alpha[AT_ONCE];
+#pragma unroll
+        for (int i = 0; i < AT_ONCE; i++) {
+            const uint32_t place = walk.next();
+            more = place < WORDS * WARP;
+            const dense_splat s = splat_in(shared, more ? place : 0);
+            alpha[i] = more ? s.alpha_at(shared->alpha_q15, n % FXS_TILE, n / FXS_TILE) : 0;
+            shades[i][0] = s.offset_red;
+            shades[i][1] = s.green_blue;
         }
-        const fxs_splat *s = &shared->splats[(word - 1) * WARP + (uint32_t)__ffs((int)marks) - 1];
-        const int weight = fxs_weight_q15(alpha_of(shared->alpha_q15, s, t->view, x, y), p.transmittance);
-        p.transmittance -= weight;
-        for (int c = 0; c < 3; c++)
-            p.sum[c] += fxs_mul_q15(weight, s->colour_q13[c]);
-        open = p.transmittance >= FXS_CLOSED_Q15;
-        marks &= marks - 1;
+#pragma unroll
+        for (int i = 0; i < AT_ONCE; i++) {
+            const int weight = open ? fxs_weight_q15(alpha[i], p.transmittance) : 0;
+            p.transmittance -= weight;
+            p.sum[0] += fxs_mul_q15(weight, (int)(shades[i][0] >> 16));
+            p.sum[1] += fxs_mul_q15(weight, (int)(shades[i][1] & 0xffff));
+            p.sum[2] += fxs_mul_q15(weight, (int)(shades[i][1] >> 16));
+            open = open && p.transmittance >= FXS_CLOSED_Q15;
+        }
+        more = more && open;
     }
     shared->pixels[n] = p;
     const uint32_t still_open = __ballot_sync(ALL_LANES, open);
@@ -304,7 +360,7 @@ __device__ void blend_pair(dense_shared *shared, const dense_tile *t, uint32_t p
 }
 
 /* Blends the open pixels, each pair of rows with many of them by a warp, each other pixel by one. */
-__device__ void blend_pixels(dense_shared *shared, const dense_tile *t, const dense_group *g)
+__device__ void blend_pixels(dense_shared *shared, const dense_group *g)
 {
     const uint32_t warp = g->thread / WARP;
     const uint32_t open = lane_index() < ROW_PAIRS ? shared->open[lane_index()] : 0, pixels = (uint32_t)__popc(open);
@@ -314,11 +370,11 @@ __device__ void blend_pixels(dense_shared *shared, const dense_tile *t, const de
     const uint32_t all = __shfl_sync(ALL_LANES, end, WARP - 1);
     g->sync();                                 /* all have read what is open */
     if (crowded >> warp & 1)
-        blend_pair(shared, t, warp, __shfl_sync(ALL_LANES, open, (int)warp));
+        blend_pair(shared, warp, __shfl_sync(ALL_LANES, open, (int)warp));
     for (uint32_t i = warp; i < all; i += DENSE_THREADS / WARP) {
         const int pair = __ffs((int)__ballot_sync(ALL_LANES, i < end)) - 1;
         const uint32_t before = __shfl_sync(ALL_LANES, end - own, pair);
-        blend_marked(shared, t, (uint32_t)pair * WARP + bit_of(__shfl_sync(ALL_LANES, open, pair), i - before));
+        blend_marked(shared, (uint32_t)pair * WARP + bit_of(__shfl_sync(ALL_LANES, open, pair), i - before));
     }
 }
 
@@ -330,14 +386,16 @@ __device__ bool blend_collected(dense_shared *shared, const dense_tile *t, uint3
         const uint32_t entry = i < count ? shared->entries[i] : FXS_ENTRY_FAR;
         const bool listed = !(entry & FXS_ENTRY_FAR);
         fxs_splat s = {};
-        if (listed)
-            s = shared->splats[i] = t->splats[entry];
+        if (listed) {
+            s = t->splats[entry];
+            place_splat(shared, t, &s, i);
+        }
         mark_pixels(shared, t, &s, i, listed);
     }
     if (g->thread == 0)
         shared->collected = 0;
     g->sync();
-    blend_pixels(shared, t, g);
+    blend_pixels(shared, g);
     g->sync();
     return g->any(lane_index() < ROW_PAIRS && shared->open[lane_index()]);
 }
@@ -380,7 +438,7 @@ __device__ uint32_t collect(dense_shared *shared, const dense_tile *t, const uin
 {
     visit_open(shared, t, list, count, g, [&](uint32_t, uint64_t key, bool kept) {
         const uint32_t place = take_number(&shared->collected, 0, kept);
-        if (kept)
+        if (kept && place < dense_keys::room)
             shared->keys.keys[place] = key;
     });
     return collected(shared, g);
@@ -420,15 +478,8 @@ __device__ bool blend_rounds(dense_shared *shared, const dense_tile *t, const ui
 /* Room for `count` entries, null where there is none left. */
 __device__ uint64_t *take_room(dense_shared *shared, const frame_buffers *f, uint32_t count, const dense_group *g)
 {
-    if (g->thread == 0) {
-        const uint64_t place = atomicAdd((unsigned long long *)&f->status->split_taken[0], (unsigned long long)count);
-        shared->room = f->split_entries + place;
-        if (place + count > f->split_capacity) {
-            const uint64_t behind = atomicAdd((unsigned long long *)&f->status->split_taken[1],
-                                              (unsigned long long)count);
-            shared->room = behind + count <= spare_entries(f) ? f->entries + f->status->entries + behind : 0;
-        }
-    }
+    if (g->thread == 0)
+        shared->room = take_entries(f, count);
     g->sync();
     return shared->room;
 }
@@ -437,20 +488,32 @@ __device__ uint64_t *take_room(dense_shared *shared, const frame_buffers *f, uin
 __device__ void blend_split(dense_shared *shared, const dense_tile *t, uint64_t *list, uint32_t count,
                             const dense_group *g)
 {
-    uint32_t have = 0;                         /* collected */
+    uint32_t have = 0, reach = 0;              /* collected; how far to look where few are kept */
     for (uint32_t first = 0, end; first < count; first = end) {
-        end = bins_end(shared->ends, first, dense_keys::room - have);
+        const uint32_t room = dense_keys::room - have;
+        end = have > FULL ? first : bins_end<dense_keys>(shared->ends, first, max(room, reach));
         if (end == first && have) {
             if (!blend_collected(shared, t, have, g))
                 return;
             have = 0;
-            end = bins_end(shared->ends, first, dense_keys::room);
+            end = bins_end<dense_keys>(shared->ends, first, dense_keys::room);
         }
         if (end > first) {
-            have = collect(shared, t, list + first, end - first, g);
+            const uint32_t all = collect(shared, t, list + first, end - first, g), kept = all - have;
+            if (all <= dense_keys::room) {
+                const uint32_t hoped = (dense_keys::room - all) * (end - first) / (kept + kept / 2 + 8);
+                reach = min(min(hoped, 2 * (end - first)), REACH_MOST);
+                have = all;
+                continue;
+            }
+            if (g->thread == 0)                /* it was too far */
+                shared->collected = have;
+            g->sync();
+            reach = 0;
+            end = first;
             continue;
         }
-        end = bin_end(shared->ends, first);    /* a bin too large */
+        end = bin_end<dense_keys>(shared->ends, first);    /* a bin too large */
         const uint32_t left = drop_closed(shared, t, list + first, end - first, g);
         if (left <= dense_keys::room)
             have = collect(shared, t, list + first, left, g);

@@ -47,6 +47,7 @@ __global__ void locate_chunks(const __grid_constant__ fxs_view view, const __gri
     fxs_chunk_view cv;
     uint32_t object = 0;
     int seen = 0;
+    wait_for_last_kernel();
     if (Many && chunk < chunks) {
         object = fxs_object_of(f.objects, f.object_count, chunk);
         seen = place_in_object(&cv, &f.objects[object], chunk - f.objects[object].first_chunk);
@@ -212,6 +213,7 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
                                                               const __grid_constant__ frame_buffers f)
 {
     __shared__ block_splats b;
+    wait_for_last_kernel();
     if (blockIdx.x >= f.status->chunks)
         return;
     const fxs_chunk_view *cv = &f.chunk_views[blockIdx.x];
@@ -282,6 +284,7 @@ __global__ void __launch_bounds__(START_ROWS *WARP) start_lists(const __grid_con
                                                                 uint32_t tiles_x, uint32_t tiles_y)
 {
     __shared__ started s;
+    wait_for_last_kernel();
     const uint32_t warp = threadIdx.x / WARP, row = blockIdx.x * START_ROWS + warp;
     if (warp == 0)
         s.classes[lane_index()] = s.class_entries[lane_index()] = 0;
@@ -358,6 +361,7 @@ __global__ void __launch_bounds__(FXS_CHUNK) fill_lists(const __grid_constant__ 
                                                         const __grid_constant__ frame_buffers f)
 {
     const uint32_t warps = LARGE_BLOCKS * FXS_CHUNK / WARP;
+    wait_for_last_kernel();
     if (!fits(&f) || blockIdx.x >= LARGE_BLOCKS + f.status->chunks)
         return;
     if (blockIdx.x < LARGE_BLOCKS) {

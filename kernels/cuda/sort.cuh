@@ -256,6 +256,50 @@ struct segmented {
     }
 };
 
+/* Moves keys from r.low to r.high to `sorted`, bin after bin: those that visit_all(visit) calls visit for. Bins are
+   ends then. */
+template <class K, class G, class VisitAll>
+__device__ void move_to_bins(uint64_t *sorted, K *shared, uint32_t *bins, key_range r, const G *g, VisitAll visit_all)
+{
+    const int shift = bin_shift<K>(r.low, r.high);
+    clear_bins<K>(bins, g);
+    g->sync();
+    visit_all([&](uint64_t key) { atomicAdd(&bins[slot_of<K, G>((uint32_t)((key - r.low) >> shift))], 1u); });
+    g->sync();
+    place_bins(shared, bins, g);
+    visit_all([&](uint64_t key) {
+        sorted[atomicAdd(&bins[slot_of<K, G>((uint32_t)((key - r.low) >> shift))], 1u)] = key;
+    });
+    g->sync();
+}
+
+/* How many ends are at most `most`, by a warp. */
+template <class K>
+__device__ uint32_t ends_within(const uint32_t *ends, uint32_t most)
+{
+    const uint32_t each = K::bins / WARP;
+    uint32_t blocks = (uint32_t)__popc(__ballot_sync(ALL_LANES, ends[(lane_index() + 1) * each - 1] <= most));
+    uint32_t count = blocks * each;
+    for (uint32_t i = lane_index(); i < each && blocks < WARP; i += WARP)
+        count += (uint32_t)__popc(__ballot_sync(ALL_LANES, ends[blocks * each + i] <= most));
+    return count;
+}
+
+/* The end of the bins that are within `room` keys after `first`; `first` where there are none. */
+template <class K>
+__device__ uint32_t bins_end(const uint32_t *ends, uint32_t first, uint32_t room)
+{
+    const uint32_t bins = ends_within<K>(ends, first + room);
+    return bins ? max(ends[bins - 1], first) : first;
+}
+
+/* The end of the bin that begins at `first`. */
+template <class K>
+__device__ uint32_t bin_end(const uint32_t *ends, uint32_t first)
+{
+    return ends[ends_within<K>(ends, first)];
+}
+
 /* The low halves of shared->keys, `count` of them, near to far: they go to bins by depth, then each counts those of its
    bin that are less. */
 template <class K, class G>

@@ -50,7 +50,7 @@ struct frame_status : frame_needs {
     uint32_t classes[32];          /* tiles in each class */
     uint32_t class_entries[32];    /* and their entries */
     uint32_t next_sort[2], next_turn, next_long, next_dense;   /* of sort_lists, and of each kernel that blends */
-    uint64_t split_taken[2];       /* of split_entries, and behind the entries, by blend_dense */
+    uint64_t split_taken[2];       /* of split_entries, and behind the entries */
 };
 
 /* What the kernels of a frame share; device memory. */
@@ -70,7 +70,8 @@ struct frame_buffers {
     uint32_t *classes;             /* tiles by the magnitude of their lists: a row of all tiles for each class */
     uint64_t *entries;             /* the lists: depth above, index and FXS_ENTRY_FAR below, in no order; then, but for
                                       long ones, the lower halves alone, near to far */
-    uint64_t *split_entries;       /* long lists again, in bins: over boxes and depths, which are done with by then */
+    uint64_t *split_entries;       /* long lists again, in bins: over boxes and, where pixels are not traced, over
+                                      depths, which are done with by then */
     uint64_t capacity, split_capacity;
     uint32_t large_capacity;
 };
@@ -80,8 +81,34 @@ __device__ inline bool fits(const frame_buffers *f)
     return f->status->entries <= f->capacity && f->status->larges <= f->large_capacity;
 }
 
+/* Room to put lists into bins, beside split_entries: what is free behind the entries. */
+__device__ inline uint64_t spare_entries(const frame_buffers *f)
+{
+    return f->capacity - f->status->entries;
+}
+
+/* Takes room for `count` entries, by one thread. Returns null where there is none left. */
+__device__ inline uint64_t *take_entries(const frame_buffers *f, uint64_t count)
+{
+    unsigned long long *taken = (unsigned long long *)f->status->split_taken;
+    const uint64_t place = atomicAdd(&taken[0], (unsigned long long)count);
+    if (place + count <= f->split_capacity)
+        return f->split_entries + place;
+    const uint64_t behind = atomicAdd(&taken[1], (unsigned long long)count);
+    return behind + count <= spare_entries(f) ? f->entries + f->status->entries + behind : nullptr;
+}
+
 const uint32_t WARP = 32;
 const unsigned ALL_LANES = 0xffffffffu;
+
+/* A kernel that may be launched before the one before it has ended lets the next one come, then waits for that end. */
+__device__ inline void wait_for_last_kernel()
+{
+#if __CUDA_ARCH__ >= 900
+    cudaTriggerProgrammaticLaunchCompletion();
+    cudaGridDependencySynchronize();
+#endif
+}
 
 __device__ inline uint32_t lane_index()
 {

@@ -13,17 +13,20 @@
    65,535 rounds. */
 #define FXS_GLES_LOOP 32768u
 
-/* BLEND is the fetch path's, LIMITED that with an occluder or the square cut-off; RESOLVED... show what it left. */
-enum { FXS_GLES_STATE, FXS_GLES_INTEGER, FXS_GLES_NORMALISED, FXS_GLES_QUADS, FXS_GLES_BLEND, FXS_GLES_LIMITED,
-       FXS_GLES_RESOLVED_INTEGER, FXS_GLES_RESOLVED_NORMALISED, FXS_GLES_PROGRAMS };
-/* Textures of the tiles' shader by unit; two of tile size take turns as the last and the next state. DEPTHS has the
-   records' depth keys; OCCLUDER, BUFFER (a depth buffer of GL) and BACKDROP are the caller's or made from his. */
-enum { FXS_GLES_LISTS, FXS_GLES_RECORDS, FXS_GLES_DEPTHS, FXS_GLES_OCCLUDER, FXS_GLES_BUFFER, FXS_GLES_BACKDROP,
-       FXS_GLES_CARRIED, FXS_GLES_UNITS,
+/* BLOCKS fills the masks; BLEND is the fetch path's, LIMITED that with an occluder or the square cut-off; RESOLVED...
+   show what it left. */
+enum { FXS_GLES_STATE, FXS_GLES_INTEGER, FXS_GLES_NORMALISED, FXS_GLES_QUADS, FXS_GLES_BLOCKS, FXS_GLES_BLEND,
+       FXS_GLES_LIMITED, FXS_GLES_RESOLVED_INTEGER, FXS_GLES_RESOLVED_NORMALISED, FXS_GLES_PROGRAMS };
+/* Textures by unit: of the tiles' shader, CHUNKS of that of the masks; two of tile size take turns as the last and the
+   next state. OCCLUDER, BUFFER (a depth buffer of GL) and BACKDROP are the caller's or made from his. */
+enum { FXS_GLES_LISTS, FXS_GLES_RECORDS, FXS_GLES_MASKS, FXS_GLES_CHUNKS, FXS_GLES_OCCLUDER, FXS_GLES_BUFFER,
+       FXS_GLES_BACKDROP, FXS_GLES_CARRIED, FXS_GLES_UNITS,
        FXS_GLES_NEXT = FXS_GLES_UNITS, FXS_GLES_WHOLE, FXS_GLES_TEXTURES };
-/* Framebuffers: of integers; of the quads, blended and then as bytes; of the two states of a tile, of a window's. */
+/* Framebuffers: of integers; of the quads, blended and then as bytes; of the two states of a tile, of a window's; of
+   the masks. */
 enum { FXS_GLES_TARGET, FXS_GLES_BLENDED, FXS_GLES_BYTES, FXS_GLES_TARGETS,
-       FXS_GLES_FIRST_STATE = FXS_GLES_TARGETS, FXS_GLES_SECOND_STATE, FXS_GLES_WHOLE_STATE, FXS_GLES_FRAMEBUFFERS };
+       FXS_GLES_FIRST_STATE = FXS_GLES_TARGETS, FXS_GLES_SECOND_STATE, FXS_GLES_WHOLE_STATE, FXS_GLES_MASKED,
+       FXS_GLES_FRAMEBUFFERS };
 
 typedef struct fxs_gles_program {
     GLuint name;
@@ -41,6 +44,7 @@ struct fxs_gles {
     int32_t shift;                 /* log2 of the width, and the greatest height, of the texture of records */
     int32_t most;                  /* pixels, width and height of a render target */
     int32_t viewport[2];           /* the largest */
+    int points;                    /* there are points of the size of a tile */
     char no_fetch[FXS_GLES_MESSAGE];            /* why there is no fetch path; else empty */
     int timer, timing;             /* the device can time draws; is timing one */
     GLenum blended_format;         /* of the quads' target */
@@ -51,7 +55,7 @@ struct fxs_gles {
     GLsizeiptr buffer_bytes[FXS_GLES_BUFFERS];
     unsigned turn;                 /* of the uploads */
     int32_t columns, rows;         /* of the texture of lists */
-    int32_t record_rows, depth_rows;            /* of those of records and of their depths */
+    int32_t record_rows, mask_rows;             /* of those of records and of masks */
     int32_t occluder[2], backdrop[2], whole[2]; /* width and height of these */
     int32_t width[FXS_GLES_TARGETS], height[FXS_GLES_TARGETS];
     GLenum format[FXS_GLES_TARGETS];
@@ -106,6 +110,9 @@ void fxs_gles_stop_timer(fxs_gles *gles);
 int fxs_gles_read(fxs_gles *gles, const fxs_tile_run *run, int target, int32_t x, int32_t y, int32_t width,
                   int32_t height);
 
+/* Has the texture of masks hold so many chunks, where that can be. Returns 0, FXS_ERR_DEVICE or FXS_ERR_MEMORY. */
+int fxs_gles_make_masks(fxs_gles *gles, uint64_t chunks);
+
 /* ---- picture.c --------------------------------------------------------------------------------------------------- */
 
 /* A part of the picture that a render target can hold, in pixels and tiles. */
@@ -140,9 +147,9 @@ int fxs_gles_has_occluder(const fxs_gles *gles, const fxs_tile_run *run);
 void fxs_gles_set_mesh(const fxs_gles *gles, const fxs_tile_run *run, const fxs_gles_window *window,
                        const fxs_gles_program *program);
 
-/* Draws over a surface by its program. `source`: its uniform, of four. */
-void fxs_gles_cover(const fxs_gles *gles, const fxs_tile_run *run, const fxs_gles_window *window,
-                    const fxs_gles_surface *surface, int carried, const int32_t source[4]);
+/* Has draws go to a surface by its program. `source`: its uniform, of four. */
+void fxs_gles_aim(const fxs_gles *gles, const fxs_tile_run *run, const fxs_gles_window *window,
+                  const fxs_gles_surface *surface, int carried, const int32_t source[4]);
 
 /* Draws a run in windows of `most` pixels, and reads back what is not the caller's. Returns 0 or an error, as `draw`
    does. */

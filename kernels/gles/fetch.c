@@ -217,7 +217,8 @@ static void resolve(const fxs_gles *g, const fxs_tile_run *run, const fxs_gles_w
     const int32_t source[4] = {w->x, w->y, 0, 0};
     const fxs_gles_surface s = fxs_gles_surface_of(g, run, w, 0, w->height, FXS_GLES_RESOLVED_INTEGER,
                                                    FXS_GLES_RESOLVED_NORMALISED);
-    fxs_gles_cover(g, run, w, &s, 0, source);
+    fxs_gles_aim(g, run, w, &s, 0, source);
+    g->gl.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 static int draw_window(fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window *w)

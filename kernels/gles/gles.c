@@ -79,6 +79,7 @@ static int check_version(fxs_gles *g, char *message)
         return say(message, "the context is too old, OpenGL ES 3.0 is needed: ", version);
     if (!is_es && !has_extension(&g->gl, "GL_ARB_ES3_compatibility"))
         return say(message, "no GL_ARB_ES3_compatibility in OpenGL ", version);
+    g->points = is_es;             /* elsewhere their size is a matter of state */
     g->timer = is_es && has_extension(&g->gl, "GL_EXT_disjoint_timer_query");
     g->blended_format = !is_es || has_extension(&g->gl, "GL_EXT_color_buffer_half_float") ||
                         has_extension(&g->gl, "GL_EXT_color_buffer_float") ? GL_RGBA16F : GL_RGB10_A2;
@@ -87,10 +88,12 @@ static int check_version(fxs_gles *g, char *message)
 
 static int check_limits(fxs_gles *g, char *message)
 {
-    GLint texture = 0, renderbuffer = 0;
+    GLint texture = 0, renderbuffer = 0, points[2] = {0, 0};
     g->gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &texture);
     g->gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &renderbuffer);
     g->gl.GetIntegerv(GL_MAX_VIEWPORT_DIMS, g->viewport);
+    g->gl.GetIntegerv(GL_ALIASED_POINT_SIZE_RANGE, points);
+    g->points &= points[1] >= FXS_TILE;
     g->most = fxs_min(fxs_min(texture, renderbuffer), fxs_min(g->viewport[0], g->viewport[1]));
     g->most = fxs_min(g->most, FXS_GLES_MOST) & -FXS_TILE;
     if (g->most < FXS_TILE)
@@ -124,6 +127,7 @@ static int compile(const fxs_gles *g, GLuint program, GLenum kind, const char *d
                            is_fragment ? pixel_h : "",
                            is_fragment ? weight_frag : "",
                            is_fragment ? mesh_frag : "",
+                           is_fragment ? records_frag : "",
                            text};
     GLint done = 0;
     GLuint shader = gl->CreateShader(kind);
@@ -140,8 +144,8 @@ static int compile(const fxs_gles *g, GLuint program, GLenum kind, const char *d
 static int make_program(fxs_gles *g, int which, const char *define, const char *vertex, const char *fragment,
                         char *message)
 {
-    static const char *const units[] = {"lists",        "records",  "depths", "occluder",
-                                        "depth_buffer", "backdrop", "carried"};
+    static const char *const units[] = {"lists",    "records",      "masks",    "chunks",
+                                        "occluder", "depth_buffer", "backdrop", "carried"};
     const fxs_gl *gl = &g->gl;
     char log[FXS_GLES_MESSAGE] = "";
     GLint done = 0;
@@ -174,11 +178,13 @@ static int make_program(fxs_gles *g, int which, const char *define, const char *
 
 static int make_programs(fxs_gles *g, char *message)
 {
-    int error = make_program(g, FXS_GLES_STATE, "#define STATE\n", screen_vert, tiles_frag, message);
+    int error = make_program(g, FXS_GLES_STATE, "#define STATE\n", tiles_vert, tiles_frag, message);
     if (!error)
-        error = make_program(g, FXS_GLES_INTEGER, "#define INTEGER\n", screen_vert, tiles_frag, message);
+        error = make_program(g, FXS_GLES_INTEGER, "#define INTEGER\n", tiles_vert, tiles_frag, message);
     if (!error)
-        error = make_program(g, FXS_GLES_NORMALISED, "", screen_vert, tiles_frag, message);
+        error = make_program(g, FXS_GLES_NORMALISED, "", tiles_vert, tiles_frag, message);
+    if (!error)
+        error = make_program(g, FXS_GLES_BLOCKS, "", screen_vert, masks_frag, message);
     if (!error)
         error = make_program(g, FXS_GLES_QUADS, "", quads_vert, quads_frag, message);
     return error;
@@ -228,7 +234,8 @@ static int make_objects(fxs_gles *g, char *message)
             return say(message, "no render target of the format RGBA16I", "");
     }
     g->whole[0] = g->whole[1] = FXS_TILE;
-    return 0;
+    fxs_gles_set(g);
+    return fxs_gles_make_masks(g, 1) ? say(message, "no render target of the format RGBA32UI", "") : 0;
 }
 
 int fxs_gles_use(const fxs_gles *g)

@@ -26,8 +26,8 @@ void fxs_gles_set_mesh(const fxs_gles *g, const fxs_tile_run *run, const fxs_gle
     gl->Uniform2f(p->planes, 1 / t->plane_0, 1 / t->plane_1);
 }
 
-void fxs_gles_cover(const fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window *w, const fxs_gles_surface *s,
-                    int carried, const int32_t source[4])
+void fxs_gles_aim(const fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window *w, const fxs_gles_surface *s,
+                  int carried, const int32_t source[4])
 {
     const fxs_gl *gl = &g->gl;
     const fxs_gles_program *p = &g->programs[s->program];
@@ -43,7 +43,6 @@ void fxs_gles_cover(const fxs_gles *g, const fxs_tile_run *run, const fxs_gles_w
     gl->Uniform4i(p->background, clear ? 0 : fxs_background_q13(background[0]),
                   clear ? 0 : fxs_background_q13(background[1]), clear ? 0 : fxs_background_q13(background[2]), clear);
     fxs_gles_set_mesh(g, run, w, p);
-    gl->DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 fxs_gles_surface fxs_gles_surface_of(const fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window *w,

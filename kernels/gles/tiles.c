@@ -1,22 +1,35 @@
-/* The exact picture: the lists of as many tiles as the texture of records holds are uploaded and drawn, and so on. A
-   list that no draw can hold is drawn in parts, with the tile's state kept in a texture in between. A splat's record
-   is there once for each list that it is in: a fetch less than by its number, and one pass over the lists. */
+/* The exact picture: the lists of as many tiles as the textures hold are uploaded and drawn, and so on. A list that no
+   draw can hold is drawn in parts, with the tile's state kept in a texture in between. A splat's record is there once
+   for each list that it is in: a fetch less than by its number, and one pass over the lists. A draw before finds which
+   blocks of 4x4 pixels each splat of a tile may touch, so that a pixel passes over the rest. Tiles are drawn by the
+   length of their lists, the longest first: in the picture's order an H200 takes up to 3.5 times as long. */
 #include "../../src/fixed.h"
 #include "../../src/memory.h"
 #include "device.h"
 
 #define RECORD 32                  /* bytes */
+#define LIST 16
+#define ORDER 3                    /* the word of a list that is not its own: a tile, by number in the window */
+#define CHUNK 8
+#define CHUNK_RECORDS 32u
+#define CHUNK_SHIFT 24             /* of how many it has, less one, above its first record */
 #define AHEAD 16                   /* entries */
 
-/* One upload, in the mapped buffer: lists of the window's tiles, then records. */
+/* How many records and chunks of them there are, or have room. */
+typedef struct amount {
+    uint32_t records, chunks;
+} amount;
+
+/* One upload, in the mapped buffer: lists of the window's tiles, chunks of the lists, records. */
 typedef struct batch {
     fxs_gles *gles;
     const fxs_tile_run *run;
     const fxs_gles_window *window;
-    uint32_t *lists, *records, *depths;         /* depths: null without an occluder */
-    uint32_t count, capacity;      /* records */
+    uint32_t *lists, *chunks, *records;
+    amount used, room;
     int32_t first, end;            /* tiles, by number in the window */
-    uint32_t starts[FXS_MAX_SIZE / FXS_TILE];   /* first record of each row of tiles, from that of `first` on */
+    int32_t ordered;               /* of them, to be drawn: from the first list of the first row on */
+    amount starts[FXS_MAX_SIZE / FXS_TILE];     /* of each row of tiles, from that of `first` on */
 } batch;
 
 static uint32_t least(uint32_t a, uint32_t b)
@@ -44,92 +57,142 @@ static list list_of(const fxs_tile_run *run, uint32_t tile)
     return (list){run->entries + run->ends[tile] - count, count};
 }
 
-/* Textures large enough for a run, where that can be. */
-static void make_room(fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window *w)
+static uint32_t chunks_of(uint32_t records)
 {
-    uint64_t records = 0;
-    for (uint32_t tile = run->first_tile; tile <= run->last_tile; tile++)
+    return (records + CHUNK_RECORDS - 1) / CHUNK_RECORDS;
+}
+
+/* Rows of a texture as wide as all, of which the greatest height is the width. */
+static int32_t rows_of(const fxs_gles *g, uint64_t texels)
+{
+    const uint64_t wanted = (texels + (1u << g->shift) - 1) >> g->shift, most = UINT64_C(1) << g->shift;
+    return (int32_t)(wanted < most ? wanted : most);
+}
+
+int fxs_gles_make_masks(fxs_gles *g, uint64_t chunks)
+{
+    const fxs_gl *gl = &g->gl;
+    const int32_t rows = rows_of(g, 4 * chunks);
+    if (rows <= g->mask_rows)
+        return 0;
+    gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    make_texture(g, FXS_GLES_CHUNKS, GL_RG32UI, GL_RG_INTEGER, 1 << g->shift, (rows + 3) / 4);
+    make_texture(g, FXS_GLES_MASKS, GL_RGBA32UI, GL_RGBA_INTEGER, 1 << g->shift, rows);
+    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, g->framebuffers[FXS_GLES_MASKED]);
+    gl->FramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, g->textures[FXS_GLES_MASKS], 0);
+    if (gl->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+        return fxs_gles_failure(g);
+    g->mask_rows = rows;
+    return 0;
+}
+
+/* Textures large enough for a run, where that can be. */
+static int make_room(fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window *w)
+{
+    uint64_t records = 0, chunks = 0;
+    for (uint32_t tile = run->first_tile; tile <= run->last_tile; tile++) {
         records += list_of(run, tile).count;
+        chunks += chunks_of(list_of(run, tile).count);
+    }
     fxs_gles_make_records(g, 2 * records);
     g->gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
     if (w->columns > g->columns || w->rows > g->rows) {
         g->columns = w->columns > g->columns ? w->columns : g->columns;
         g->rows = w->rows > g->rows ? w->rows : g->rows;
-        make_texture(g, FXS_GLES_LISTS, GL_RG32UI, GL_RG_INTEGER, g->columns, g->rows);
+        make_texture(g, FXS_GLES_LISTS, GL_RGBA32UI, GL_RGBA_INTEGER, g->columns, g->rows);
     }
-    if (fxs_gles_has_occluder(g, run) && (g->record_rows + 1) / 2 > g->depth_rows)
-        make_texture(g, FXS_GLES_DEPTHS, GL_R32UI, GL_RED_INTEGER, 1 << g->shift,
-                     g->depth_rows = (g->record_rows + 1) / 2);
+    return fxs_gles_make_masks(g, chunks);
 }
 
 /* Buffers take turns, so that none is waited for. (Making their storage anew for each batch takes 20 ms for 50 MB.) */
 static int begin_batch(batch *b, int32_t first)
 {
     fxs_gles *g = b->gles;
-    size_t lists = (size_t)b->window->columns * (size_t)b->window->rows;
-    b->capacity = (uint32_t)g->record_rows << (g->shift - 1);
-    const int occluded = fxs_gles_has_occluder(g, b->run);
-    const size_t depths = occluded ? (size_t)((g->record_rows + 1) / 2) << g->shift : 0;    /* whole rows */
-    GLsizeiptr bytes = (GLsizeiptr)(lists * 8 + (size_t)b->capacity * RECORD + depths * 4);
-    b->lists = fxs_gles_map(g, GL_PIXEL_UNPACK_BUFFER, (int)(g->turn++ % FXS_GLES_UPLOADS), bytes);
+    const size_t lists = (size_t)b->window->columns * (size_t)b->window->rows * LIST;
+    const size_t chunks = ((size_t)(g->mask_rows + 3) / 4 * CHUNK) << g->shift;       /* whole rows */
+    b->room = (amount){(uint32_t)g->record_rows << (g->shift - 1), (uint32_t)g->mask_rows << (g->shift - 2)};
+    b->lists = fxs_gles_map(g, GL_PIXEL_UNPACK_BUFFER, (int)(g->turn++ % FXS_GLES_UPLOADS),
+                            (GLsizeiptr)(lists + chunks + (size_t)b->room.records * RECORD));
     if (!b->lists)
         return fxs_gles_failure(g);
-    b->records = b->lists + 2 * lists;
-    b->depths = occluded ? b->records + RECORD / 4 * (size_t)b->capacity : 0;
-    b->count = 0;
+    b->chunks = b->lists + lists / 4;
+    b->records = b->chunks + chunks / 4;
+    b->used = (amount){0, 0};
     b->first = b->end = first;
     return 0;
 }
 
+/* Of chunks, whole rows go up. */
 static int end_batch(batch *b)
 {
     fxs_gles *g = b->gles;
     const int32_t columns = b->window->columns, row = b->first / columns, rows = (b->end - 1) / columns - row + 1;
-    const int32_t record_rows = (int32_t)((2 * b->count + (1u << g->shift) - 1) >> g->shift);
+    const int32_t width = 1 << g->shift, chunk_rows = rows_of(g, b->used.chunks);
+    memset(b->chunks + 2 * (size_t)b->used.chunks, 0, CHUNK * (((size_t)chunk_rows << g->shift) - b->used.chunks));
     if (!g->gl.UnmapBuffer(GL_PIXEL_UNPACK_BUFFER))
         return FXS_ERR_DEVICE;
     fxs_gles_start_timer(g);
-    fxs_gles_upload(g, FXS_GLES_LISTS, row, columns, rows, GL_RG_INTEGER, (size_t)(row * columns) * 8);
-    fxs_gles_upload(g, FXS_GLES_RECORDS, 0, 1 << g->shift, record_rows, GL_RGBA_INTEGER,
+    fxs_gles_upload(g, FXS_GLES_LISTS, row, columns, rows, GL_RGBA_INTEGER, (size_t)(row * columns) * LIST);
+    fxs_gles_upload(g, FXS_GLES_CHUNKS, 0, width, chunk_rows, GL_RG_INTEGER, (size_t)(b->chunks - b->lists) * 4);
+    fxs_gles_upload(g, FXS_GLES_RECORDS, 0, width, rows_of(g, 2 * (uint64_t)b->used.records), GL_RGBA_INTEGER,
                     (size_t)(b->records - b->lists) * 4);
-    if (b->depths)
-        fxs_gles_upload(g, FXS_GLES_DEPTHS, 0, 1 << g->shift, (record_rows + 1) / 2, GL_RED_INTEGER,
-               (size_t)(b->depths - b->lists) * 4);
     return 0;
 }
 
 /* ---- Lists ------------------------------------------------------------------------------------------------------- */
 
-/* A splat as the shader reads it: first what rejects it. */
-static void put_record(uint32_t *record, const fxs_splat *s)
+/* A splat as the shaders read it. */
+static void put_record(uint32_t *record, const fxs_splat *s, uint32_t depth)
 {
     const uint32_t words[RECORD / 4] = {
-        s->u0_q24, (uint32_t)s->ux_q24, (uint32_t)s->uy_q24, s->first_row | (uint32_t)s->last_row << 16,
-        s->v0_q24, (uint32_t)s->vy_q24, s->offset_q11 | (uint32_t)s->colour_q13[0] << 16,
-        (uint32_t)s->colour_q13[1] | (uint32_t)s->colour_q13[2] << 16};
+        s->u0_q24, (uint32_t)s->ux_q24, (uint32_t)s->uy_q24, s->v0_q24,
+        (uint32_t)s->vy_q24, s->offset_q11 | (uint32_t)s->colour_q13[0] << 16,
+        (uint32_t)s->colour_q13[1] | (uint32_t)s->colour_q13[2] << 16, depth};
     memcpy(record, words, sizeof words);
 }
 
-/* One whose ellipse does not touch the tile becomes a record with no rows: no pixel takes it. */
+/* One whose ellipse does not touch the tile becomes a record so faint that no pixel takes it. */
 static void put_records(const batch *b, uint32_t at, list l)
 {
-    static const fxs_splat nothing = {.first_row = 1};
+    static const fxs_splat nothing = {.offset_q11 = FXS_LEVEL_MAX_Q11};
     const fxs_splat *splats = b->run->splats;
+    const int occluded = fxs_gles_has_occluder(b->gles, b->run);
     for (uint32_t i = 0; i < l.count; i++) {
+        const uint32_t entry = l.entries[i], slot = entry & ~FXS_ENTRY_FAR;
         if (i + AHEAD < l.count)
             FXS_PREFETCH(&splats[l.entries[i + AHEAD] & ~FXS_ENTRY_FAR]);
-        put_record(b->records + RECORD / 4 * (size_t)(at + i),
-                   l.entries[i] & FXS_ENTRY_FAR ? &nothing : &splats[l.entries[i]]);
-        if (b->depths)
-            b->depths[at + i] = b->run->depths[l.entries[i] & ~FXS_ENTRY_FAR];
+        put_record(b->records + RECORD / 4 * (size_t)(at + i), entry & FXS_ENTRY_FAR ? &nothing : &splats[slot],
+                   occluded ? b->run->depths[slot] : 0);
     }
 }
 
-/* Says where a tile's list is; where it ends before it starts, the tile is not drawn. */
-static void put_list(const batch *b, int32_t tile, uint32_t first, uint32_t end)
+/* A tile's list, by number in the window: its place, the places of its chunks, its records. */
+static void put_list(const batch *b, int32_t tile, amount at, list l)
 {
-    b->lists[2 * tile] = first;
-    b->lists[2 * tile + 1] = end;
+    const fxs_gles_window *w = b->window;
+    const uint32_t words[ORDER] = {at.records, at.records + l.count, at.chunks};
+    const uint32_t column = (uint32_t)(w->first_column + tile % w->columns);
+    const uint32_t row = (uint32_t)(w->first_row + tile / w->columns);
+    memcpy(b->lists + LIST / 4 * (size_t)tile, words, sizeof words);
+    for (uint32_t done = 0; done < l.count; done += CHUNK_RECORDS) {
+        const uint32_t last = least(l.count - done, CHUNK_RECORDS) - 1;
+        const uint32_t chunk[CHUNK / 4] = {(at.records + done) | last << CHUNK_SHIFT, column | row << 16};
+        memcpy(b->chunks + CHUNK / 4 * (size_t)(at.chunks + done / CHUNK_RECORDS), chunk, sizeof chunk);
+    }
+    put_records(b, at.records, l);
+}
+
+/* Where a list ends before it starts, the tile is not drawn. */
+static void put_none(const batch *b, int32_t tile)
+{
+    static const uint32_t words[ORDER] = {1};
+    memcpy(b->lists + LIST / 4 * (size_t)tile, words, sizeof words);
+}
+
+static void add(amount *to, uint32_t records)
+{
+    to->records += records;
+    to->chunks += chunks_of(records);
 }
 
 /* A window's tile in the picture; outside the run where it is not first_tile to last_tile. */
@@ -151,18 +214,44 @@ static void put_row(void *argument, uint32_t job)
     const batch *b = argument;
     const fxs_tile_run *run = b->run;
     const int32_t columns = b->window->columns, start = (b->first / columns + (int32_t)job) * columns;
-    uint32_t at = b->starts[job];
+    amount at = b->starts[job];
     for (int32_t tile = start; tile < start + columns; tile++) {
         const uint32_t t = tile_of(b, tile);
         if (tile < b->first || tile >= b->end || !in_run(b, t)) {
-            put_list(b, tile, 1, 0);
+            put_none(b, tile);
             continue;
         }
         const list l = list_of(run, t);
-        put_list(b, tile, at, at + l.count);
-        put_records(b, at, l);
-        at += l.count;
+        put_list(b, tile, at, l);
+        add(&at, l.count);
     }
+}
+
+/* The lists of a batch by their length, the longest in 0: in how many chunks they are. */
+enum { GRADES = FXS_GLES_LOOP / CHUNK_RECORDS + 1 };
+
+static uint32_t grade_of(const batch *b, uint32_t tile)
+{
+    return GRADES - 1 - chunks_of(list_of(b->run, tile).count);
+}
+
+/* Puts the tiles of the run in their order; those of a grade as they lie in the picture. */
+static void put_order(batch *b)
+{
+    const int32_t first = b->first / b->window->columns * b->window->columns;
+    uint32_t *order = b->lists + LIST / 4 * (size_t)first + ORDER, next[GRADES] = {0};
+    b->ordered = 0;
+    for (int32_t tile = b->first; tile < b->end; tile++)
+        if (in_run(b, tile_of(b, tile)))
+            next[grade_of(b, tile_of(b, tile))]++;
+    for (uint32_t grade = 0; grade < GRADES; grade++) {
+        const uint32_t count = next[grade];
+        next[grade] = (uint32_t)b->ordered;
+        b->ordered += (int32_t)count;
+    }
+    for (int32_t tile = b->first; tile < b->end; tile++)
+        if (in_run(b, tile_of(b, tile)))
+            order[LIST / 4 * (size_t)next[grade_of(b, tile_of(b, tile))]++] = (uint32_t)tile;
 }
 
 /* Entries that a tile's list may have to be drawn at once. */
@@ -182,10 +271,37 @@ static fxs_gles_surface surface_of(const batch *b)
                                FXS_GLES_NORMALISED);
 }
 
+static void draw_masks(const batch *b)
+{
+    const fxs_gles *g = b->gles;
+    const fxs_gles_program *p = &g->programs[FXS_GLES_BLOCKS];
+    const int32_t width = 1 << g->shift, rows = rows_of(g, 4 * (uint64_t)b->used.chunks);
+    g->gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, g->framebuffers[FXS_GLES_MASKED]);
+    g->gl.Viewport(0, 0, width, rows);
+    g->gl.Scissor(0, 0, width, rows);
+    g->gl.UseProgram(p->name);
+    g->gl.Uniform4i(p->source, g->shift, b->run->view->cut_q11, 0, 0);
+    g->gl.DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+/* Tiles as points where they can be; a tile's state, and all where they cannot, as one triangle. The viewport reaches a
+   tile beyond all sides, as a point counts by its centre. */
 static void draw(const batch *b, const fxs_gles_surface *s, int carried)
 {
-    const int32_t source[4] = {b->window->first_column, b->window->first_row, b->gles->shift, b->run->view->cut_q11};
-    fxs_gles_cover(b->gles, b->run, b->window, s, carried, source);
+    const fxs_gles *g = b->gles;
+    const int32_t columns = b->window->columns, width = s->width + 2 * FXS_TILE, height = s->height + 2 * FXS_TILE;
+    const int32_t source[4] = {b->window->first_column, b->window->first_row, g->shift, b->run->view->cut_q11};
+    const int points = g->points && s->program != FXS_GLES_STATE && width <= g->viewport[0] && height <= g->viewport[1];
+    if (b->used.chunks)
+        draw_masks(b);
+    fxs_gles_aim(g, b->run, b->window, s, carried, source);
+    g->gl.Uniform4i(g->programs[s->program].size, width, height, points ? columns : 0, 0);
+    if (!points) {
+        g->gl.DrawArrays(GL_TRIANGLES, 0, 3);
+        return;
+    }
+    g->gl.Viewport(s->x - FXS_TILE, s->y - FXS_TILE, width, height);
+    g->gl.DrawArrays(GL_POINTS, b->first / columns * columns, b->ordered);
 }
 
 /* Tile b->end, whose list is too long for a draw. */
@@ -204,11 +320,14 @@ static int draw_parts(batch *b)
             return error;
         b->end = tile + 1;
         for (int32_t other = row; other < row + b->window->columns; other++)
-            put_list(b, other, 1, 0);
-        put_list(b, tile, 0, part);
-        put_records(b, 0, (list){l.entries + done, part});
-        b->count = part;
+            put_none(b, other);
+        put_list(b, tile, (amount){0, 0}, (list){l.entries + done, part});
+        b->lists[LIST / 4 * (size_t)row + ORDER] = (uint32_t)tile;
+        b->ordered = 1;
+        add(&b->used, part);
         error = end_batch(b);
+        if (error)
+            return error;
         fxs_gles_surface s = surface_of(b);
         int turn = (int)(done / most % 2);
         if (done + part < l.count)
@@ -226,14 +345,15 @@ static int draw_parts(batch *b)
 static void take_tiles(batch *b)
 {
     const int32_t columns = b->window->columns, tiles = columns * b->window->rows, row = b->first / columns;
-    b->starts[0] = 0;
+    b->starts[0] = b->used;
     for (; b->end < tiles; b->end++) {
         const uint32_t tile = tile_of(b, b->end), count = in_run(b, tile) ? list_of(b->run, tile).count : 0;
-        if (count > least(longest(b->gles), b->capacity - b->count))
+        if (count > least(longest(b->gles), b->room.records - b->used.records) ||
+            chunks_of(count) > b->room.chunks - b->used.chunks)
             break;
         if (b->end % columns == 0)
-            b->starts[b->end / columns - row] = b->count;
-        b->count += count;
+            b->starts[b->end / columns - row] = b->used;
+        add(&b->used, count);
     }
 }
 
@@ -245,17 +365,19 @@ static int draw_batch(batch *b)
     take_tiles(b);
     fxs_run(b->run->config, put_row, b, (uint32_t)((b->end - 1) / b->window->columns -
                                                    b->first / b->window->columns + 1));
+    put_order(b);
     error = end_batch(b);
-    fxs_gles_surface s = surface_of(b);
+    if (error)
+        return error;
+    const fxs_gles_surface s = surface_of(b);
     draw(b, &s, 0);
-    return error;
+    return 0;
 }
 
 static int draw_window(fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window *w)
 {
     batch b = {.gles = g, .run = run, .window = w};
-    int error = 0;
-    make_room(g, run, w);
+    int error = make_room(g, run, w);
     while (b.end < w->columns * w->rows && !error) {
         uint32_t tile = tile_of(&b, b.end);
         error = in_run(&b, tile) && list_of(run, tile).count > longest(g) ? draw_parts(&b) : draw_batch(&b);

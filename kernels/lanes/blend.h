@@ -245,11 +245,14 @@ ALWAYS_INLINE int blend_patch(pixels *at, kept *k, unsigned which, const group *
     kept own;
     if (k)
         own = *k;
-    for (uint32_t reached = g->reached[patch]; reached; reached &= reached - 1) {
-        const uint32_t entry = (uint32_t)__builtin_ctz(reached);
-        blend_entry(&p, k ? &own : 0, which, g, patch, entry, (int)(number + entry),
-                    k && which & FXS_TRACE_MEAN ? depths_q15[entry] : 0);
-    }
+    uint32_t reached = g->reached[patch];
+    do {
+        for (int i = 0; i < 2 && reached; i++, reached &= reached - 1) {
+            const uint32_t entry = (uint32_t)__builtin_ctz(reached);
+            blend_entry(&p, k ? &own : 0, which, g, patch, entry, (int)(number + entry),
+                        k && which & FXS_TRACE_MEAN ? depths_q15[entry] : 0);
+        }
+    } while (reached && any_h(open_of(p.transmittance_q15)));
     *at = p;
     if (k)
         *k = own;

@@ -20,6 +20,7 @@
     uint32_t count, uint32_t *macros, uint32_t *listed)
 #define FXS_LIST(isa) uint32_t FXS_STAGE_OF(list, isa)(const fxs_key *keys, uint32_t count, uint32_t tile, \
     uint32_t *entries)
+#define FXS_SORT(isa) void FXS_STAGE_OF(sort, isa)(fxs_key *keys, fxs_key *spare, uint32_t count)
 #define FXS_BLEND(isa) void FXS_STAGE_OF(blend, isa)(const fxs_view *view, int32_t x, int32_t y, \
     const fxs_splat *splats, const uint32_t *entries, uint32_t count, fxs_tile *tile)
 #define FXS_TRACE(isa) void FXS_STAGE_OF(trace, isa)(const fxs_view *view, int32_t x, int32_t y, \

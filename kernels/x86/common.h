@@ -64,6 +64,26 @@ static inline vh add_level(vh a, vh b)
     return (vh)MM(adds_epu16)((V)a, (V)b);
 }
 
+/* Pixels of four channels: of each 128 bits the first four pixels, cut to 255, then the other four; */
+static inline void mix_bytes(V fours[2], vh r, vh g, vh b, vh a)
+{
+    const V rb = MM(packus_epi16)((V)r, (V)b), ga = MM(packus_epi16)((V)g, (V)a);
+    const V rg = MM(unpacklo_epi8)(rb, ga), ba = MM(unpackhi_epi8)(rb, ga);
+    fours[0] = MM(unpacklo_epi16)(rg, ba);
+    fours[1] = MM(unpackhi_epi16)(rg, ba);
+}
+
+/* and with 16 bits a channel, two by two. */
+static inline void mix_words(V twos[4], vh r, vh g, vh b, vh a)
+{
+    const V rg_low = MM(unpacklo_epi16)((V)r, (V)g), rg_high = MM(unpackhi_epi16)((V)r, (V)g);
+    const V ba_low = MM(unpacklo_epi16)((V)b, (V)a), ba_high = MM(unpackhi_epi16)((V)b, (V)a);
+    twos[0] = MM(unpacklo_epi32)(rg_low, ba_low);
+    twos[1] = MM(unpackhi_epi32)(rg_low, ba_low);
+    twos[2] = MM(unpacklo_epi32)(rg_high, ba_high);
+    twos[3] = MM(unpackhi_epi32)(rg_high, ba_high);
+}
+
 /* a >> 11 and b >> 11, cut to 16 bits: four of a, four of b and so on, where a vector is longer than that. */
 static inline vh pack_q13(vu a_q24, vu b_q24)
 {

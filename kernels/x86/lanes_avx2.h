@@ -195,4 +195,28 @@ static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
     return (vh)_mm256_shuffle_epi8(_mm256_set1_epi32(*pairs), words);
 }
 
+/* Each half of x, then of y, first halves first. */
+static inline void store_halves(unsigned char *to, size_t apart, __m256i x, __m256i y)
+{
+    _mm256_storeu_si256((__m256i *)(void *)to, _mm256_permute2x128_si256(x, y, 0x20));
+    _mm256_storeu_si256((__m256i *)(void *)(to + apart), _mm256_permute2x128_si256(x, y, 0x31));
+}
+
+/* 16 pixels, cut to 255. */
+static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
+{
+    __m256i fours[2];
+    mix_bytes(fours, r, g, b, a);
+    store_halves(to, 32, fours[0], fours[1]);
+}
+
+/* 16 pixels of 16 bits a channel. */
+static inline void store_wide_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
+{
+    __m256i twos[4];
+    mix_words(twos, r, g, b, a);
+    store_halves(to, 64, twos[0], twos[1]);
+    store_halves(to + 32, 64, twos[2], twos[3]);
+}
+
 #endif

@@ -272,23 +272,17 @@ static inline uint32_t bits_h(mask_h which)
 /* 8 pixels, cut to 255. */
 static inline void store_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
-    const __m128i rb = _mm_packus_epi16((__m128i)r, (__m128i)b), ga = _mm_packus_epi16((__m128i)g, (__m128i)a);
-    const __m128i rg = _mm_unpacklo_epi8(rb, ga), ba = _mm_unpackhi_epi8(rb, ga);
-    _mm_storeu_si128((__m128i *)(void *)to, _mm_unpacklo_epi16(rg, ba));
-    _mm_storeu_si128((__m128i *)(void *)to + 1, _mm_unpackhi_epi16(rg, ba));
+    __m128i fours[2];
+    mix_bytes(fours, r, g, b, a);
+    memcpy(to, fours, sizeof fours);
 }
 
 /* 8 pixels of 16 bits a channel. */
 static inline void store_wide_pixels(unsigned char *to, vh r, vh g, vh b, vh a)
 {
-    const __m128i rg_low = _mm_unpacklo_epi16((__m128i)r, (__m128i)g);
-    const __m128i rg_high = _mm_unpackhi_epi16((__m128i)r, (__m128i)g);
-    const __m128i ba_low = _mm_unpacklo_epi16((__m128i)b, (__m128i)a);
-    const __m128i ba_high = _mm_unpackhi_epi16((__m128i)b, (__m128i)a);
-    _mm_storeu_si128((__m128i *)(void *)to, _mm_unpacklo_epi32(rg_low, ba_low));
-    _mm_storeu_si128((__m128i *)(void *)to + 1, _mm_unpackhi_epi32(rg_low, ba_low));
-    _mm_storeu_si128((__m128i *)(void *)to + 2, _mm_unpacklo_epi32(rg_high, ba_high));
-    _mm_storeu_si128((__m128i *)(void *)to + 3, _mm_unpackhi_epi32(rg_high, ba_high));
+    __m128i twos[4];
+    mix_words(twos, r, g, b, a);
+    memcpy(to, twos, sizeof twos);
 }
 
 #endif

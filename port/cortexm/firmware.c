@@ -2,8 +2,8 @@
  * machine has. */
 #include "board.h"
 #include "console.h"
-#include "strip.h"
-#include "turntable.h"
+#include "../board/strip.h"
+#include "../board/turntable.h"
 
 #ifdef FXS_WITH_KERNELS
 #include "../../kernels/kernels.h"
@@ -29,10 +29,12 @@ static void say(const char *words, uint64_t number)
     console_number(number);
 }
 
-static int failed(int error)
+static int failed(int error, const fxs_stats *stats)
 {
     console_text("error: ");
     console_text(fxs_strerror(error));
+    if (error == FXS_ERR_MEMORY)
+        say("; this takes ", stats->memory.least);
     console_text("\n");
     return 1;
 }
@@ -44,6 +46,7 @@ static void say_frame(uint32_t step, uint64_t hash, const fxs_stats *stats)
     console_hex(hash);
     say(" visible ", stats->visible);
     say(" bands ", stats->bands);
+    say(" slices ", stats->slices);
     say(" memory ", stats->memory.total);
     say(" ns ", stats->frame_nanoseconds);
     for (int i = 0; i < FXS_STAGES; i++) {
@@ -63,7 +66,8 @@ int main(void)
     static fxs_stats stats;
     static uint64_t hash;
     static fxs_strip strip = {pixels, 0, 0, FXS_FORMAT_RGB565, &context.kernels, add_rows, &hash};
-    static const fxs_config config = {.clock = board_clock, .draw = fxs_strip_draw, .draw_argument = &strip};
+    static const fxs_config config = {.clock = board_clock, .draw = fxs_strip_draw, .draw_argument = &strip,
+                                      .draw_blended = 1};
     const fxs_options options = {FXS_CUTOFF_MAHALANOBIS, 3, {0x11, 0x13, 0x1b}};
     board_stack_mark();
     console_command(line, sizeof line);
@@ -87,10 +91,8 @@ int main(void)
         if (!error)
             say_frame(step, hash, &stats);
     }
-    if (error == FXS_ERR_MEMORY)
-        say("least ", stats.memory.least);
     if (error)
-        return failed(error);
+        return failed(error, &stats);
     say("stack ", board_stack_used());
     say(" of ", board_stack_bytes());
     console_text("\n");

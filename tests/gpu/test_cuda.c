@@ -499,19 +499,6 @@ static void test_targets(void)
     }
 }
 
-/* As on GPUs with 99 KiB of shared memory a block: fewer tiles at a time, and no blend_dense. */
-static void test_small_blocks(void)
-{
-    fxs_cuda *const whole = cuda;
-    if (CHECK(!fxs_cuda_create(&cuda, 0, 0, 1, &why)) && CHECK(!peek_fit_blocks(cuda, 99 << 10, &why))) {
-        check_random(FXS_PROFILE_DEFAULT, cases(60));
-        check_objects(cases(30), 4, 20000);
-    }
-    CHECK(peek_fit_blocks(cuda, 48 << 10, &why) == FXS_ERR_UNSUPPORTED);
-    fxs_cuda_destroy(cuda);
-    cuda = whole;
-}
-
 static void test_levels(void)
 {
     long wrong = peek_levels();
@@ -636,11 +623,13 @@ static int draw(fxs_cuda *by, const fxs_scene *scene, const fxs_camera *camera, 
     return error;
 }
 
-/* Pictures of a few tiles, whose lists are so long that several blocks share one. */
-static void test_long_lists(void)
+/* Pictures of a few tiles, whose lists are so long that several blocks share one; with depths, they are put into bins
+   before they are blended. */
+static void check_long_lists(int count)
 {
     uint64_t most = 0;
-    for (int i = 0; i < cases(12); i++) {
+    for (int i = 0; i < count; i++) {
+        fxs_object object;
         fxs_scene scene;
         fxs_camera camera;
         fxs_options options;
@@ -655,13 +644,35 @@ static void test_long_lists(void)
         camera.cy_q12 = camera.height * 2048;
         fxs_options_init(&options);
         fxs_scene_open(&scene, packed.data, packed.bytes);
+        fxs_object_init(&object, &scene);
         CHECK(scene_equal(&scene, &camera, &options) && !draw(cuda, &scene, &camera, &stats));
+        CHECK(frame_equal(&object, 1, &camera, &options, COLOUR | MEAN | MEDIAN | ID | (i % 2 ? OCCLUDER : 0),
+                          FXS_FORMAT_RGBA8, 0));
         const uint64_t each = stats.entries / (uint64_t)((camera.width + 15) / 16 * ((camera.height + 15) / 16));
         most = each > most ? each : most;
         fxs_cuda_forget(cuda, &scene);
         free(packed.data);
     }
     CHECK(most >= 8192);
+}
+
+static void test_long_lists(void)
+{
+    check_long_lists(cases(12));
+}
+
+/* As on GPUs with 99 KiB of shared memory a block: fewer tiles at a time, and no blend_dense. */
+static void test_small_blocks(void)
+{
+    fxs_cuda *const whole = cuda;
+    if (CHECK(!fxs_cuda_create(&cuda, 0, 0, 1, &why)) && CHECK(!peek_fit_blocks(cuda, 99 << 10, &why))) {
+        check_random(FXS_PROFILE_DEFAULT, cases(60));
+        check_objects(cases(30), 4, 20000);
+        check_long_lists(cases(4));
+    }
+    CHECK(peek_fit_blocks(cuda, 48 << 10, &why) == FXS_ERR_UNSUPPORTED);
+    fxs_cuda_destroy(cuda);
+    cuda = whole;
 }
 
 /* A scene is copied once, until it is forgotten or its fxs_scene is another. */

@@ -176,10 +176,10 @@ check "everything behind the camera: black" all_zero black.rgb
 words='a frame of 64x48 does not fit in --max-memory [0-9]*: it needs at least [0-9]* bytes$'
 fails "--max-memory 1: too little" 1 "$words" render knot.ply $small --threads 1 --max-memory 1 --hash
 needed() { sed -n 's/.*at least \([0-9]*\) bytes$/\1/p' logs/err; }
-fails "--max-memory: too little for this view" 1 "$words" render knot.ply $small --threads 1 --max-memory $(needed) \
-    -o none.png
-check "--max-memory: no picture is begun" [ ! -e none.png ]
 least=$(needed)
+fails "--max-memory: too little for the depths of this view" 1 "$words" render knot.ply $small --threads 1 \
+    --max-memory ${least:-1} --depth none.pfm
+check "--max-memory: no file is begun" [ ! -e none.pfm ]
 check "--max-memory: what it asks for is enough" equal \
     "$(hash_of knot.ply $small --threads 1 --max-memory ${least:-1})" "$hash"
 fails "--max-memory: one byte less is not" 1 "$words" render knot.ply $small --threads 1 \
@@ -479,11 +479,17 @@ check "--stats: keys" keys logs/out gaussians visible entries bands runs pairs_e
     $(printf 'stages_ms.%s ' $stages) $(printf 'bytes.%s ' scene splats keys tiles entries frame)
 check "--stats: Gaussians" grep -q '"gaussians": 2000,' logs/out
 succeeds "info" info knot.ply
-for said in '1K: 1024 bytes: too little' '1M: 1048576 bytes: enough for views with' \
-    '1G: 1073741824 bytes: enough for any'; do
+for said in '1K: 1024 bytes: too little' '1M: 1048576 bytes: enough for any view; slower' \
+    '1G: 1073741824 bytes: enough for any view$'; do
     succeeds "info --max-memory ${said%%:*}" info knot.ply --max-memory ${said%%:*}
     check "info --max-memory ${said%%:*}: says" grep -q -- "^--max-memory *${said#*: }" logs/out
 done
+succeeds "info --board" info knot.ply --board 100x50
+check "info --board: says" grep -q '^board  *100x50, one thread: [0-9]* bytes of flash for the scene, 3200 of RAM' logs/out
+succeeds "info --board --json" info knot.ply --board 100x50 --json
+check "info --board: keys" keys logs/out $(printf 'board.%s ' width height strip bytes least rows_least rows_most)
+fails "info --board 0x5" 2 'board 0x5: expected' info knot.ply --board 0x5
+fails "info --board of two" 2 'takes one scene' info knot.ply knot.ply --board 100x50
 succeeds "info --json" info knot.ply --json --size 100x50
 check "info --json: keys" keys logs/out format gaussians packed sh_degree antialiased bounds packed_bytes \
     bytes_per_gaussian largest_error.position frame.width frame.height frame.bytes frame.least

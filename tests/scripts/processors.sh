@@ -1,7 +1,8 @@
 #!/bin/sh
 # One picture everywhere: on every processor, two of them big-endian, the random frames of tests/test_random.c and the
 # .fxs files of tests/test_fxs_bytes.c; the golden images under AArch64, the kernels there and under i686. By
-# qemu-user, where this processor does not run them itself.
+# qemu-user, where this processor does not run them itself. FXS_PROCESSORS=all (make test-all): on more of them, and by
+# clang and with musl.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
@@ -60,6 +61,19 @@ processor aarch64 $arm qemu-aarch64
 processor riscv64 riscv64-linux-gnu-gcc qemu-riscv64
 processor powerpc powerpc-linux-gnu-gcc qemu-ppc
 processor s390x s390x-linux-gnu-gcc qemu-s390x
+if [ "$FXS_PROCESSORS" = all ]; then
+    processor x86-64-musl musl-gcc qemu-x86_64
+    processor armv5 arm-linux-gnueabi-gcc qemu-arm
+    processor armv7-neon 'arm-linux-gnueabihf-gcc -mfpu=neon-vfpv4 -ftree-vectorize' qemu-arm
+    processor aarch64-clang 'clang --target=aarch64-linux-gnu' qemu-aarch64
+    processor mips mips-linux-gnu-gcc qemu-mips
+    processor mips64el mips64el-linux-gnuabi64-gcc qemu-mips64el
+    processor powerpc64 powerpc64-linux-gnu-gcc qemu-ppc64
+    processor powerpc64le powerpc64le-linux-gnu-gcc qemu-ppc64le
+    processor m68k m68k-linux-gnu-gcc qemu-m68k
+    processor sparc64 sparc64-linux-gnu-gcc qemu-sparc64
+    processor hppa hppa-linux-gnu-gcc qemu-hppa
+fi
 case $variants in *i686*) i686 ;; esac
 case $variants in *aarch64*) aarch64 ;; esac
 run_variants

@@ -156,8 +156,8 @@ if open "$B/fixsplat"; then
     close kill $viewer
     check "a signal: status 0" [ $status = 0 ]
 fi
-if ! have valgrind; then
-    skip Valgrind "not here"
+if ! have valgrind || [ "$FXS_EMULATED" ]; then
+    skip Valgrind "not here, or not of an emulator"
 elif open valgrind -q --trace-children=yes --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite \
     "$B/fixsplat"; then
     xdotool key g h n c v      # not b: Mesa keeps some hundred bytes

@@ -4,7 +4,7 @@
  *
  *     static fxs_strip strip = {.pixels = rows, .stride = 320 * 2, .rows = 16, .format = FXS_FORMAT_RGB565,
  *                               .rows_done = send_to_display, .argument = &display};
- *     const fxs_config config = {.draw = fxs_strip_draw, .draw_argument = &strip};
+ *     const fxs_config config = {.draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1};
  *     fxs_init(&context, &config);
  *     strip.kernels = &context.kernels;
  *     fxs_render(&context, &object, 1, &camera, &options, 0, memory, sizeof memory, 0);

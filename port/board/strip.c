@@ -10,15 +10,20 @@ static int is_valid(const fxs_strip *s, const fxs_view *view)
            (unsigned)s->format <= FXS_FORMAT_RGBA16_COVERAGE && s->stride >= row;
 }
 
-static void draw_tile(const fxs_strip *s, const fxs_tile_run *run, uint32_t tile, int32_t x, int32_t y)
+static void resolve(const fxs_strip *s, const fxs_tile_run *run, const fxs_tile *pixels, int32_t x, int32_t y)
+{
+    unsigned char *to = (unsigned char *)s->pixels + y % s->rows * s->stride +
+                        (ptrdiff_t)x * fxs_pixel_bytes(s->format);
+    s->kernels->resolve(run->options, s->format, pixels, fxs_min(run->view->width - x, FXS_TILE),
+                        fxs_min(run->view->height - y, FXS_TILE), to, s->stride);
+}
+
+static void blend(const fxs_strip *s, const fxs_tile_run *run, uint32_t tile, int32_t x, int32_t y)
 {
     fxs_tile pixels;
     const uint32_t count = run->counts[tile];
-    unsigned char *to = (unsigned char *)s->pixels + y % s->rows * s->stride +
-                        (ptrdiff_t)x * fxs_pixel_bytes(s->format);
     s->kernels->blend(run->view, x, y, run->splats, run->entries + run->ends[tile] - count, count, &pixels);
-    s->kernels->resolve(run->options, s->format, &pixels, fxs_min(run->view->width - x, FXS_TILE),
-                        fxs_min(run->view->height - y, FXS_TILE), to, s->stride);
+    resolve(s, run, &pixels, x, y);
 }
 
 int fxs_strip_draw(void *argument, const fxs_tile_run *run)
@@ -30,7 +35,10 @@ int fxs_strip_draw(void *argument, const fxs_tile_run *run)
     for (uint32_t tile = run->first_tile; tile <= run->last_tile; tile++) {
         const int32_t x = (int32_t)tile % tiles_x * FXS_TILE, y = (int32_t)tile / tiles_x * FXS_TILE;
         const int32_t end = fxs_min(y + FXS_TILE, height), first = y / s->rows * s->rows;
-        draw_tile(s, run, tile, x, y);
+        if (run->blended)
+            resolve(s, run, &run->blended[tile - run->first_tile], x, y);
+        else
+            blend(s, run, tile, x, y);
         if (x / FXS_TILE == tiles_x - 1 && (end % s->rows == 0 || end == height)) {
             const int error = s->rows_done(s->argument, s, first, end - first);
             if (error)

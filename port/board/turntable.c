@@ -24,8 +24,8 @@ static int64_t times_q30(int64_t x, int32_t r_q30)
     return (x >> 30) * r_q30 + ((x & 0x3fffffff) * r_q30 >> 30);
 }
 
-/* From 18 degrees above, with a vertical field of view of 50 degrees: at every step most of the box lies in the picture,
-   and all of an ellipsoid in it. */
+/* From 18 degrees above, with a vertical field of view of 50 degrees: at every step most of the box lies in the
+   picture, and all of an ellipsoid in it. */
 static void frame_box(fxs_turntable *t, const int64_t half_q32[3], int32_t width, int32_t height)
 {
     fxs_camera *c = &t->camera;

@@ -1,0 +1,36 @@
+// Which blocks of 4x4 pixels each splat of a tile's list may touch. A chunk is up to 32 records of a list; it has four
+// texels, for the tile's quarters, with a word for each of the quarter's blocks and in it a bit for each record.
+uniform highp usampler2D chunks;     // first record, above it how many less one (bits 24 on); column, row of the tile
+uniform ivec4 source;                // log2 of the width of `records`, `chunks` and of this target; cut-off
+out uvec4 result;
+
+// In whitened coordinates, of a block in which they are `least` to `most`: how near 0. Beyond 4 no splat reaches.
+ivec4 nearest(ivec4 least, ivec4 most)
+{
+    return min(max(max(least >> 11, -(most >> 11)), 0), 32768);
+}
+
+// u and v are linear, ux and vy not negative. Modulo 2^32: in a block that is touched all are within +-128.
+uvec4 touched(record r, ivec2 pixel, int cut)
+{
+    ivec2 uv = whitened(r, pixel);
+    int ux = int(r.a.y), uy = int(r.a.z), vy = int(r.b.x), offset = low(r.b.y);
+    ivec4 u = uv.x + ivec4(0, 4 * ux, 4 * uy, 4 * ux + 4 * uy), v = uv.y + ivec4(0, 0, 4 * vy, 4 * vy);
+    u = nearest(u + 3 * min(uy, 0), u + 3 * ux + 3 * max(uy, 0));
+    v = nearest(v, v + 3 * vy);
+    ivec4 level = ((u * u + 16384) >> 15) + ((v * v + 16384) >> 15) + offset;
+    return uvec4(lessThanEqual(level, ivec4(fxs_limit_q11(offset, cut))));
+}
+
+void main()
+{
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    int shift = source.x, cut = source.y, quarter = at.x & 3;
+    uvec2 chunk = texelFetch(chunks, texel((at.y << shift | at.x) >> 2, shift), 0).xy;
+    ivec2 pixel = ivec2(low(chunk.y), high(chunk.y)) * 16 + ivec2(quarter & 1, quarter >> 1) * 8;
+    int first = int(chunk.x & 0xffffffu), last = int(chunk.x >> 24);
+    uvec4 masks = uvec4(0);
+    for (int i = 0; i <= last; i++)
+        masks |= touched(record_at(first + i, shift), pixel, cut) << i;
+    result = masks;
+}

@@ -1,0 +1,21 @@
+// Tiles as points of their size, in the order of `lists`; or one triangle over the whole viewport.
+uniform highp usampler2D lists;      // the fourth word of the i-th: the i-th tile to be drawn
+uniform ivec4 place;                 // rows go by (z)
+uniform ivec4 size;                  // the viewport, a tile beyond the picture on all sides; columns, or 0: a triangle
+
+ivec2 cell(int tile)
+{
+    return ivec2(tile % size.z, tile / size.z);
+}
+
+void main()
+{
+    vec2 at = vec2(float(gl_VertexID & 1) * 4.0 - 1.0, float(gl_VertexID >> 1) * 4.0 - 1.0);
+    if (size.z != 0) {
+        ivec2 tile = cell(int(texelFetch(lists, cell(gl_VertexID), 0).w));
+        at = vec2(tile * 16 + 24) / vec2(size.xy) * 2.0 - 1.0;
+        at.y *= float(place.z);
+    }
+    gl_Position = vec4(at, 0.0, 1.0);
+    gl_PointSize = 16.0;
+}

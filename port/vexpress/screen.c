@@ -1,0 +1,70 @@
+/* A turning scene on the screen of the Versatile Express. Each strip is copied to the picture that is not shown, as it
+ * would be sent to a display; a whole picture takes the place of the one that is. */
+#include <string.h>
+
+#include "../board/strip.h"
+#include "../board/turntable.h"
+#include "../cortexm/board.h"
+#include "../cortexm/console.h"
+
+#define WIDTH 640
+#define HEIGHT 480
+
+/* The colour LCD controller PL111 (ARM DDI 0293, 3.2): 16 bits a pixel, red in the highest. */
+#define LCD ((volatile uint32_t *)0x10020000)
+enum { TIMING0, TIMING1, TIMING2, TIMING3, UPPER_BASE, LOWER_BASE, CONTROL };
+#define CONTROL_ON (1 | 6 << 1 | 1 << 5 | 1 << 8 | 1 << 11)    /* on, 5:6:5, TFT, blue lowest, power */
+
+static uint16_t screens[2][HEIGHT][WIDTH] __attribute__((aligned(8)));
+
+void board_fault(void);
+void board_fault(void)
+{
+    console_text("error: a fault of the processor\n");
+    console_exit(3);
+}
+
+/* `argument` is the screen. */
+static int copy_rows(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
+{
+    memcpy((uint16_t *)argument + first * WIDTH, strip->pixels, (size_t)rows * WIDTH * sizeof(uint16_t));
+    return 0;
+}
+
+static void show(const void *screen)
+{
+    LCD[TIMING0] = (WIDTH / 16 - 1) << 2;
+    LCD[TIMING1] = HEIGHT - 1;
+    LCD[UPPER_BASE] = (uint32_t)(uintptr_t)screen;
+    LCD[CONTROL] = CONTROL_ON;
+}
+
+int main(void)
+{
+    static uint16_t pixels[16][WIDTH];
+    static char line[128];
+    static fxs_turntable table;
+    static fxs_context context;
+    static fxs_strip strip = {pixels, sizeof *pixels, 16, FXS_FORMAT_RGB565, &context.kernels, copy_rows, 0};
+    static const fxs_config config = {.draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1};
+    const fxs_options options = {FXS_CUTOFF_MAHALANOBIS, 3, {0x11, 0x13, 0x1b}};
+    console_command(line, sizeof line);
+    const uint32_t frames = console_option(line, "frames", 0);     /* 0: without end */
+    fxs_init(&context, &config);
+    int error = fxs_turntable_open(&table, board_scene, (size_t)(board_scene_end - board_scene), WIDTH, HEIGHT);
+    for (uint32_t i = 0; !error && (i < frames || !frames); i++) {
+        strip.argument = screens[i & 1];
+        fxs_turntable_turn(&table, i);
+        error = fxs_render(&context, &table.object, 1, &table.camera, &options, 0, board_memory,
+                           (size_t)(board_memory_end - board_memory), 0);
+        show(screens[i & 1]);
+    }
+    console_text(error ? "error: " : "shown\n");
+    if (error) {
+        console_text(fxs_strerror(error));
+        console_text("\n");
+        return 1;
+    }
+    for (;;)
+        __asm__ volatile("wfi");
+}

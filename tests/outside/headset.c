@@ -1,0 +1,301 @@
+/* headset SCENE: the frame loop of a program for OpenXR, with what the runtime gives where it gives it. The runtime
+ * itself is a few lines here: two views with asymmetric fields of view, and swapchains of textures. Each eye's colour is
+ * drawn into the runtime's framebuffer on the GPU, and the median depth beside it, by which the runtime brings the
+ * picture to where the head is by then. Prints "ok", or what was wrong. */
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <GLES3/gl3.h>
+
+#include <fixsplat/camera.h>
+#include <fixsplat/egl.h>
+#include <fixsplat/gles.h>
+#include <fixsplat/kernels.h>
+#include <fixsplat/pack.h>
+
+enum { WIDTH = 208, HEIGHT = 224, IMAGES = 3, FRAMES = 4 };
+#define NEAR_PLANE 0.1f
+#define FAR_PLANE 100.0f
+
+/* ---- What OpenXR has: openxr.h's XrPosef, XrFovf, XrView and a swapchain with its images ------------------------- */
+
+typedef struct pose {
+    double orientation[4];         /* x, y, z, w */
+    double position[3];            /* x right, y up, z back; metres */
+} pose;
+
+typedef struct fov {
+    double left, right, up, down;  /* angles, radians; left and down negative */
+} fov;
+
+typedef struct view {
+    pose pose;
+    fov fov;
+} view;
+
+typedef struct swapchain {
+    GLuint colours[IMAGES], depths[IMAGES], framebuffers[IMAGES];
+    unsigned acquired;             /* counts up */
+} swapchain;
+
+/* ---- OpenGL ES, by the loader of the program --------------------------------------------------------------------- */
+
+#define FUNCTIONS(_) \
+    _(void, GenTextures, (GLsizei, GLuint *)) \
+    _(void, BindTexture, (GLenum, GLuint)) \
+    _(void, TexStorage2D, (GLenum, GLsizei, GLenum, GLsizei, GLsizei)) \
+    _(void, TexSubImage2D, (GLenum, GLint, GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, const void *)) \
+    _(void, GenFramebuffers, (GLsizei, GLuint *)) \
+    _(void, BindFramebuffer, (GLenum, GLuint)) \
+    _(void, FramebufferTexture2D, (GLenum, GLenum, GLenum, GLuint, GLint)) \
+    _(void, ReadPixels, (GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, void *)) \
+    _(GLenum, GetError, (void))
+
+static struct {
+#define MEMBER(result, name, arguments) result (*name) arguments;
+    FUNCTIONS(MEMBER)
+} gl;
+
+static int load_functions(void *egl)
+{
+    int all = 1;
+#define LOAD(result, name, arguments) \
+    gl.name = (result (*) arguments)fxs_egl_load(egl, "gl" #name), all = all && gl.name;
+    FUNCTIONS(LOAD)
+    return all;
+}
+
+/* ---- The runtime ------------------------------------------------------------------------------------------------- */
+
+/* xrCreateSwapchain and xrEnumerateSwapchainImages: textures, for colour and for XR_KHR_composition_layer_depth. */
+static void make_swapchain(swapchain *s)
+{
+    memset(s, 0, sizeof *s);
+    gl.GenTextures(IMAGES, s->colours);
+    gl.GenTextures(IMAGES, s->depths);
+    gl.GenFramebuffers(IMAGES, s->framebuffers);
+    for (int i = 0; i < IMAGES; i++) {
+        gl.BindTexture(GL_TEXTURE_2D, s->colours[i]);
+        gl.TexStorage2D(GL_TEXTURE_2D, 1, GL_RGBA8, WIDTH, HEIGHT);
+        gl.BindTexture(GL_TEXTURE_2D, s->depths[i]);
+        gl.TexStorage2D(GL_TEXTURE_2D, 1, GL_DEPTH_COMPONENT32F, WIDTH, HEIGHT);
+        gl.BindFramebuffer(GL_FRAMEBUFFER, s->framebuffers[i]);
+        gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, s->colours[i], 0);
+    }
+}
+
+/* xrLocateViews: eyes 63 mm apart in a head that turns and moves, fields of view as of a headset on the market. */
+static void locate_views(int frame, view views[2])
+{
+    const double turn = 0.05 * frame, sine = sin(turn / 2), cosine = cos(turn / 2);
+    for (int eye = 0; eye < 2; eye++) {
+        const double apart = eye ? 0.0315 : -0.0315;
+        const pose p = {{0, sine, 0, cosine}, {apart * cos(turn) + 0.1 * frame, 0.4, 2.4 - apart * sin(turn)}};
+        const fov wide = {-0.94, 0.70, 0.77, -0.87}, mirrored = {-0.70, 0.94, 0.77, -0.87};
+        views[eye].pose = p;
+        views[eye].fov = eye ? mirrored : wide;
+    }
+}
+
+/* ---- The program ------------------------------------------------------------------------------------------------- */
+
+/* Rows of the rotation that turns the world to the camera, with y down and z forward: those of OpenXR have y up and z
+   back, and turn the camera to the world. The scene's y points down, so the world is turned over once more. */
+static void turn(const pose *p, double rotation[9], double position[3])
+{
+    const double x = p->orientation[0], y = p->orientation[1], z = p->orientation[2], w = p->orientation[3];
+    const double to_world[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w),
+                                2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
+                                2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)};
+    const double flip[3] = {1, -1, -1};        /* of the axes of the camera, and of those of the world */
+    for (int row = 0; row < 3; row++)
+        for (int column = 0; column < 3; column++)
+            rotation[3 * row + column] = flip[row] * to_world[3 * column + row] * flip[column];
+    for (int i = 0; i < 3; i++)
+        position[i] = flip[i] * p->position[i];
+}
+
+static int camera_of(const view *v, fxs_camera *camera)
+{
+    fxs_message message;
+    fxs_file_view file;
+    const double tangents[4] = {tan(v->fov.left), tan(v->fov.right), tan(v->fov.up), tan(v->fov.down)};
+    memset(&file, 0, sizeof file);
+    file.width = WIDTH;
+    file.height = HEIGHT;
+    file.near = NEAR_PLANE;
+    turn(&v->pose, file.rotation, file.position);
+    if (fxs_view_set_tangents(&file, tangents, &message) || fxs_camera_from_view(camera, &file, &message))
+        return puts(message.text), 1;
+    return 0;
+}
+
+typedef struct program {
+    fxs_scene scene;
+    fxs_object object;
+    fxs_context context;
+    fxs_options options;
+    fxs_gles *gles;
+    void *allocation, *memory;
+    size_t bytes;
+    uint32_t depths[2][HEIGHT * WIDTH];            /* median, times 2^16 */
+    unsigned char colours[2][HEIGHT * WIDTH * 4];  /* of the processor, to compare */
+} program;
+
+/* The median depth, as the runtime wants it: that of a depth buffer with these planes, its lowest row first. Where
+   nothing is, the far plane. */
+static void fill_depth(const uint32_t *depths, GLuint texture)
+{
+    static float values[HEIGHT * WIDTH];
+    for (int y = 0; y < HEIGHT; y++)
+        for (int x = 0; x < WIDTH; x++) {
+            const uint32_t depth = depths[(HEIGHT - 1 - y) * WIDTH + x];
+            const float z = depth == FXS_NOTHING ? FAR_PLANE : (float)depth / 65536;
+            values[y * WIDTH + x] = FAR_PLANE * (z - NEAR_PLANE) / (z * (FAR_PLANE - NEAR_PLANE));
+        }
+    gl.BindTexture(GL_TEXTURE_2D, texture);
+    gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, WIDTH, HEIGHT, GL_DEPTH_COMPONENT, GL_FLOAT, values);
+}
+
+/* Draws an eye into the image that xrAcquireSwapchainImage names, once xrWaitSwapchainImage says that it is free. */
+static int draw_eye(program *p, int eye, const fxs_camera *camera, const swapchain *s)
+{
+    const unsigned image = s->acquired % IMAGES;
+    fxs_gles_target target;
+    fxs_targets targets;
+    fxs_gles_target_init(&target);
+    target.framebuffer = s->framebuffers[image];
+    int error = fxs_gles_render(p->gles, &p->context, &p->object, 1, camera, &p->options, &target, p->memory, p->bytes,
+                                0);
+    fxs_targets_init(&targets);
+    targets.median_depth.pixels = p->depths[eye];
+    targets.median_depth.stride = WIDTH * 4;
+    targets.colour.pixels = p->colours[eye];       /* to compare: a program leaves it out */
+    targets.colour.stride = WIDTH * 4;
+    if (!error)
+        error = fxs_render(&p->context, &p->object, 1, camera, &p->options, &targets, p->memory, p->bytes, 0);
+    if (error)
+        return printf("eye %d: %s\n", eye, fxs_strerror(error)), 1;
+    fill_depth(p->depths[eye], s->depths[image]);
+    return 0;
+}
+
+/* ---- What the runtime finds -------------------------------------------------------------------------------------- */
+
+/* The framebuffer has the bytes of the processor, its lowest row first. */
+static int compare_colours(const program *p, int eye, const swapchain *s)
+{
+    static unsigned char pixels[HEIGHT * WIDTH * 4];
+    gl.BindFramebuffer(GL_FRAMEBUFFER, s->framebuffers[s->acquired % IMAGES]);
+    gl.ReadPixels(0, 0, WIDTH, HEIGHT, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
+    for (int y = 0; y < HEIGHT; y++)
+        if (memcmp(pixels + y * WIDTH * 4, p->colours[eye] + (HEIGHT - 1 - y) * WIDTH * 4, WIDTH * 4))
+            return printf("eye %d, row %d: not the bytes of the processor\n", eye, y), 1;
+    const GLenum error = gl.GetError();
+    if (error)
+        printf("error 0x%x of OpenGL\n", (unsigned)error);
+    return error != 0;
+}
+
+/* Mean squared difference of the right picture and the left one brought there: by its depths, or as if all were far away
+   (`by_depth` 0), over the pixels that the left eye has a depth for. */
+static double difference(const program *p, const fxs_camera cameras[2], int by_depth)
+{
+    double sum = 0;
+    int count = 0;
+    const double apart = (double)(cameras[1].position_q32[0] - cameras[0].position_q32[0]) / 4294967296.0;
+    const double ahead = (double)(cameras[1].position_q32[2] - cameras[0].position_q32[2]) / 4294967296.0;
+    const double distance = sqrt(apart * apart + ahead * ahead);
+    for (int y = 0; y < HEIGHT; y++)
+        for (int x = 0; x < WIDTH; x++) {
+            const uint32_t depth = p->depths[0][y * WIDTH + x];
+            if (depth == FXS_NOTHING)
+                continue;
+            const double z = depth / 65536.0;
+            const double slope = (x + 0.5 - cameras[0].cx_q12 / 4096.0) / (cameras[0].fx_q12 / 4096.0) -
+                                 (by_depth ? distance / z : 0);
+            const int to = (int)floor(slope * (cameras[1].fx_q12 / 4096.0) + cameras[1].cx_q12 / 4096.0);
+            for (int c = 0; c < 3 && to >= 0 && to < WIDTH; c++) {
+                const double d = p->colours[0][(y * WIDTH + x) * 4 + c] - p->colours[1][(y * WIDTH + to) * 4 + c];
+                sum += d * d;
+                count++;
+            }
+        }
+    return count > 10000 ? sum / count : 1e9;
+}
+
+/* xrWaitFrame, xrBeginFrame, xrLocateViews; each eye; xrReleaseSwapchainImage, xrEndFrame. */
+static int run_frame(program *p, int frame, swapchain chains[2])
+{
+    view views[2];
+    fxs_camera cameras[2];
+    locate_views(frame, views);
+    for (int eye = 0; eye < 2; eye++)
+        if (camera_of(&views[eye], &cameras[eye]) || draw_eye(p, eye, &cameras[eye], &chains[eye]) ||
+            compare_colours(p, eye, &chains[eye]))
+            return 1;
+    const double by_depth = difference(p, cameras, 1), as_far = difference(p, cameras, 0);
+    if (by_depth > as_far / 4)
+        return printf("frame %d: brought over by depth %.1f, else %.1f\n", frame, by_depth, as_far), 1;
+    chains[0].acquired++;
+    chains[1].acquired++;
+    return 0;
+}
+
+static int open_scene(program *p, const char *path, fxs_packed_scene *packed)
+{
+    fxs_message message;
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_pack_report report;
+    if (fxs_scene_file_open(path, 0, &file, &info, &message) || fxs_pack(file, &info, packed, &report, 0, &message))
+        return puts(message.text), 1;
+    fxs_scene_file_close(file);
+    fxs_object_init(&p->object, &p->scene);
+    p->object.scale_q32 = (int64_t)1 << 30;        /* a quarter: some two metres across */
+    return fxs_scene_open(&p->scene, packed->data, packed->bytes) != 0;
+}
+
+/* Once: the context of the program's graphics binding, and what fixsplat keeps in it. */
+static int open_graphics(program *p, void **egl)
+{
+    fxs_message message;
+    char text[FXS_GLES_MESSAGE];
+    if (fxs_egl_open(egl, &message))
+        return printf("skip: %s\n", message.text), 77;
+    p->gles = (fxs_gles *)malloc(fxs_gles_bytes());
+    if (!load_functions(*egl) || !p->gles || fxs_gles_init(p->gles, fxs_egl_load, fxs_egl_use, *egl, text))
+        return puts("no OpenGL ES 3.0"), 1;
+    fxs_init(&p->context, 0);
+    fxs_kernels_choose(&p->context.kernels, fxs_cpu_detect());
+    fxs_options_init(&p->options);
+    p->bytes = fxs_frame_bytes(&p->context, &p->object, 1, WIDTH, HEIGHT, 0);
+    p->allocation = malloc(p->bytes + 63);
+    p->memory = (void *)(((uintptr_t)p->allocation + 63) / 64 * 64);
+    return p->allocation == 0;
+}
+
+int main(int argc, char **argv)
+{
+    static program p;
+    static swapchain chains[2];
+    fxs_packed_scene packed;
+    void *egl;
+    int status = argc != 2 || open_scene(&p, argv[1], &packed) ? 1 : open_graphics(&p, &egl);
+    if (status)
+        return status;
+    for (int eye = 0; eye < 2; eye++)
+        make_swapchain(&chains[eye]);
+    for (int frame = 0; frame < FRAMES && !status; frame++)
+        status = run_frame(&p, frame, chains);
+    fxs_gles_free(p.gles);
+    fxs_egl_close(egl);
+    fxs_packed_scene_free(&packed);
+    free(p.gles);
+    free(p.allocation);
+    puts(status ? "failed" : "ok");
+    return status;
+}

@@ -1,0 +1,146 @@
+#!/bin/sh
+# The firmware of the boards, under qemu: the bytes of the host in strips of any height, in the least memory and not in
+# one byte less; a stack of 4 KB; and an error in words, never a fault, for whatever lies in flash.
+. tests/scripts/lib/check.sh
+B=${B:-build}
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+if ! have arm-none-eabi-gcc || ! have qemu-system-arm; then
+    skip boards "no arm-none-eabi-gcc or no qemu-system-arm here"
+    finish
+    exit
+fi
+made=$work/made
+boards='mps2-an385 mps2-an500 mps3-an547'
+
+# firmware SCENE: builds them all with this scene.
+firmware() {
+    said=$(env -u MAKEFLAGS make -s B="$made" NVCC=none FIRMWARE_SCENE="$1" firmware 2>&1 |
+        grep -v '^built without')
+    [ -z "$said" ] || { echo "$said"; return 1; }
+}
+
+# run BOARD ELF WORD...: what it prints, and "exit STATUS".
+run() {
+    board=$1 elf=$2 words=arg=firmware
+    shift 2
+    for word in "$@"; do words=$words,arg=$word; done
+    timeout 100 qemu-system-arm -M "$board" -nographic -monitor none -serial none -icount shift=0 \
+        -semihosting-config enable=on,target=native,$words -kernel "$elf" 2>&1
+    echo "exit $?"
+}
+
+hashes() { grep -o '^step [0-9]* hash [0-9a-f]*'; }
+
+# same_hashes BOARD WIDTH HEIGHT FRAMES WORD...: those of the host.
+same_hashes() {
+    board=$1 width=$2 height=$3 frames=$4
+    shift 4
+    want=$("$B/tests/test_strip" "$scene" "$width" "$height" "$frames")
+    run "$board" "$made/firmware/$board.elf" width="$width" height="$height" frames="$frames" "$@" >"$work/log"
+    tail -n 1 "$work/log" | grep -qx 'exit 0' && equal "$(hashes <"$work/log")" "$want" && return
+    cat "$work/log"
+    return 1
+}
+
+# refuses BOARD ELF WORDS PATTERN: ends in 1 with one line that says so, and no more.
+refuses() {
+    run "$1" "$2" $3 >"$work/log"
+    equal "$(tail -n 1 "$work/log")" 'exit 1' && equal "$(grep -c . "$work/log")" 2 &&
+        grep -q "^error: .*$4" "$work/log" && return
+    cat "$work/log"
+    return 1
+}
+
+# The least memory for a frame of 160x120, and a byte less.
+one_byte_short() {
+    least=$(run "$1" "$made/firmware/$1.elf" width=160 height=120 frames=1 memory=0 | sed -n 's/.*takes //p')
+    [ "${least:-0}" -gt 30000 ] && same_hashes "$1" 160 120 1 memory="$least" &&
+        refuses "$1" "$made/firmware/$1.elf" "width=160 height=120 memory=$((least - 1))" 'too little memory'
+}
+
+# make_scene COUNT: a knot of so many Gaussians, as $work/COUNT.fxs
+make_scene() {
+    "$B/fixsplat" make-scene knot --count "$1" -o "$work/$1.ply" &&
+        "$B/fixsplat" convert "$work/$1.ply" "$work/$1.fxs"
+}
+
+scene=$work/20000.fxs
+check "makes a scene" make_scene 20000
+check "builds" firmware "$scene"
+for board in $boards; do
+    check "$board has the bytes of the host" same_hashes "$board" 320 240 4
+    check "$board: strips of 32 rows, a picture of odd size" same_hashes "$board" 131 77 2 rows=32
+    check "$board: the least memory, and a byte less" one_byte_short "$board"
+    check "$board: strips without rows" refuses "$board" "$made/firmware/$board.elf" 'rows=0' target
+    check "$board: strips wider than its room" refuses "$board" "$made/firmware/$board.elf" 'width=481' target
+    check "$board: a picture without pixels" refuses "$board" "$made/firmware/$board.elf" 'width=0' 'height'
+done
+
+# ---- The screen of the Versatile Express: what it shows after three pictures ------------------------------------------
+
+# shown FRAMES: a dump of the screen, as $work/screen.ppm.
+shown() {
+    mkfifo "$work/monitor" && : >"$work/said"
+    QEMU_AUDIO_DRV=none timeout 100 qemu-system-arm -M vexpress-a9 -display none -serial none -monitor stdio \
+        -semihosting-config enable=on,target=native,arg=firmware,arg=frames="$1" \
+        -kernel "$made/firmware/vexpress-a9.elf" <"$work/monitor" >"$work/said" 2>&1 &
+    exec 3>"$work/monitor"
+    until grep -q 'shown\|error' "$work/said" || ! kill -0 $! 2>/dev/null; do sleep 0.1; done
+    echo "screendump $work/screen.ppm" >&3
+    echo quit >&3
+    exec 3>&-
+    wait
+    [ -s "$work/screen.ppm" ] || { cat "$work/said"; return 1; }
+}
+
+screen_is_golden() {
+    shown 3 && equal "$("$B/tests/test_strip" "$work/screen.ppm")" \
+        "640x480 $("$B/tests/test_strip" "$scene" 640 480 64 | sed -n 's/^step 2 //p')"
+}
+check "vexpress-a9 shows the picture of the host" screen_is_golden
+
+# ---- What may lie in flash: a scene of three chunks, with each byte of its headers changed in turn ---------------------
+
+# place: where the scene lies in an ELF file.
+place() {
+    arm-none-eabi-readelf -SW "$1" | sed -n 's/.* \.scene *PROGBITS *[0-9a-f]* \([0-9a-f]*\) .*/0x\1/p'
+}
+
+# poke ELF OFFSET BYTE: a byte of the scene.
+poke() { printf "\\$(printf %o "$3")" | dd of="$1" bs=1 seek=$(($(place "$1") + $2)) conv=notrunc 2>/dev/null; }
+
+# byte FILE OFFSET
+byte() { od -An -tu1 -j "$2" -N 1 "$1" | tr -d ' '; }
+
+damage_every_byte() {
+    elf=$work/damaged.elf refused=0
+    for at in $(seq 0 319); do
+        cp "$made/firmware/mps2-an385.elf" "$elf"
+        poke "$elf" "$at" $(($(byte "$scene" "$at") ^ 255))
+        run mps2-an385 "$elf" width=64 height=48 frames=1 >"$work/log"
+        case $(tail -n 1 "$work/log") in
+        'exit 0') grep -q '^step 0' "$work/log" || return 1 ;;
+        'exit 1') grep -q '^error: ' "$work/log" && refused=$((refused + 1)) || return 1 ;;
+        *) echo "byte $at:"; cat "$work/log"; return 1 ;;
+        esac
+    done
+    [ "$refused" -ge 40 ] || { echo "only $refused of 320 were refused"; return 1; }
+}
+
+other_version() {
+    cp "$made/firmware/mps2-an385.elf" "$work/version.elf"
+    poke "$work/version.elf" 4 99
+    refuses mps2-an385 "$work/version.elf" frames=1 version
+}
+
+scene=$work/700.fxs
+check "makes a smaller scene" make_scene 700
+check "builds with another scene" firmware "$scene"
+check "three chunks" same_hashes mps2-an385 64 48 1
+check "a scene of another version" other_version
+check "each byte of the headers damaged" damage_every_byte
+head -c 10000 "$scene" >"$work/short.fxs"
+check "builds with a scene cut short" firmware "$work/short.fxs"
+check "a scene cut short" refuses mps2-an385 "$made/firmware/mps2-an385.elf" frames=1 'scene'
+finish
