@@ -44,7 +44,7 @@ static void drop_farthest(const fxs_frame *f, slice *s)
     const uint32_t left = s->room / 4 * 3, count = s->count;
     for (uint32_t slot = 0; slot < count; slot++)
         f->keys[slot] = FXS_KEY(f->eye->depths[slot], slot << 4);
-    fxs_sort_list(f->keys, f->spare, count);
+    f->context->kernels.sort(f->keys, f->spare, count);
     s->last = key_of(f, FXS_LISTED_SLOT(f->keys[left - 1]));
     s->more = 1;
     s->count = 0;
