@@ -108,7 +108,7 @@ FXS_STAGE fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, co
 
 fxs_span fxs_bin_columns(const fxs_view *view, const fxs_bounds *bounds)
 {
-    const int64_t cx_q8 = bounds->cx_q14 >> 6, reach_q8 = bounds->half_width_q8;
+    const int32_t cx_q8 = bounds->cx_q14 >> 6, reach_q8 = (int32_t)bounds->half_width_q8;
     return view->square                      ? square_span(bounds->cx_q14, bounds->radius, view->tiles_x)
            : reach_q8 == FXS_EVERYWHERE_Q8 ? (span){0, view->tiles_x - 1}
                                            : columns_between(view, cx_q8 - reach_q8, cx_q8 + reach_q8);
