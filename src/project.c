@@ -187,7 +187,8 @@ static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, ro
     uint32_t root_c_q30 = fxs_mulhi(c.m, c.inverse_q30), root_d_q30 = fxs_mulhi(d.m, d.inverse_q30);
     uint64_t inverse_q29 = (uint64_t)c.inverse_q30 * d.inverse_q30 >> 31;
     splat->vy_q24 = (int32_t)scale_down(c.inverse_q30, 6 + c.half + e);
-    splat->ux_q24 = (int32_t)scale_down((uint32_t)((uint64_t)root_c_q30 * d.inverse_q30 >> 30), 6 - c.half + d.half + e);
+    splat->ux_q24 = (int32_t)scale_down((uint32_t)((uint64_t)root_c_q30 * d.inverse_q30 >> 30),
+                                        6 - c.half + d.half + e);
     splat->uy_q24 = -(int32_t)fxs_round_shift(s->b_q30 * (int64_t)inverse_q29, 35 + c.half + d.half + e);
 
     bounds->cx_q14 = centre->position_q14[0];
@@ -205,8 +206,8 @@ static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, ro
     splat->v0_q24 = (uint32_t)(-v_q38 >> 14) + (1 << 10);
 }
 
-/* Rows and columns that the ellipse of radius r can touch, sigma_q8 high, with a margin of 1/8 pixel and 1/256 of the size.
-   Returns 0 where it misses the picture, or all of it is hidden. */
+/* Rows and columns that the ellipse of radius r can touch, sigma_q8 high, with a margin of 1/8 pixel and 1/256 of the
+   size. Returns 0 where it misses the picture, or all of it is hidden. */
 static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, uint32_t sigma_q8, uint32_t r_q12)
 {
     int64_t half_height_q8 = (int64_t)((uint64_t)sigma_q8 * r_q12 >> 12);

@@ -127,8 +127,8 @@ static void directional(int32_t sum_q16[3], const fxs_view *view, const fxs_scen
     }
     const int8_t *sh = (const int8_t *)rows + FXS_ROW_SH + g;
     for (int d = 1; d <= view->sh_degree; d++) {
-        const int first = FXS_SH_COUNT(d - 1);
-        add_band(sum_q16, sh + 3 * first * FXS_CHUNK, b_q15 + first, FXS_SH_COUNT(d) - first, chunk->sh_step_q19[d - 1]);
+        const int first = FXS_SH_COUNT(d - 1), count = FXS_SH_COUNT(d) - first;
+        add_band(sum_q16, sh + 3 * first * FXS_CHUNK, b_q15 + first, count, chunk->sh_step_q19[d - 1]);
     }
 }
 

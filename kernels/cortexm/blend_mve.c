@@ -1,8 +1,8 @@
 /* blend and trace in Helium. As in kernels/lanes/blend.h, entries are taken in groups of 8: first it is found which of
  * them reach which patches of the tile, in vectors whose lanes are splats; then each patch is blended with those that
- * reach it, in vectors whose lanes are pixels. Here a patch is 4 columns of 2 rows, and pixel (c, r) of it lane 2 c + r,
- * as that is how instructions narrow; what all pixels of a patch share is a number in a general register; and while a
- * tile is blended, its arrays hold patch after patch. */
+ * reach it, in vectors whose lanes are pixels. Here a patch is 4 columns of 2 rows, and pixel (c, r) of it lane
+ * 2 c + r, as that is how instructions narrow; what all pixels of a patch share is a number in a general register; and
+ * while a tile is blended, its arrays hold patch after patch. */
 #include "lanes_mve.h"
 #include "../../src/parts.h"
 #include "../lanes/stages.h"
@@ -28,7 +28,7 @@ typedef struct group {
     uint16_t reached[PATCHES];     /* two bits an entry: it may have a pixel within its limit there */
 } group;
 
-/* Numbers of entry 2 i and of entry 2 i + 1 in lane i. Where they are of 16 bits, entry i is in lane i of one vector. */
+/* Numbers of entries 2 i and 2 i + 1 in lane i. Where they are of 16 bits, entry i is in lane i of one vector. */
 typedef struct pair {
     vu even, odd;
 } pair;
@@ -208,8 +208,8 @@ typedef struct pixels {
 #define OFFSET(word) "i"((word) * GROUP * 4)
 
 /* Takes an entry where `counted`: weight = T min(0.99, exp(-level / 2)), as
-   fxs_alpha_q15 has it; T' = T - weight, and so on. In one piece, as GCC 12 keeps pixels in memory else, and makes three
-   instructions of each predicate that is used. */
+   fxs_alpha_q15 has it; T' = T - weight, and so on. In one piece, as GCC 12 keeps pixels in memory else, and makes
+   three instructions of each predicate that is used. */
 ALWAYS_INLINE void take(pixels *p, vh level_q11, const uint32_t *splat, mve_pred16_t counted)
 {
     vh alpha;

@@ -127,7 +127,7 @@ static inline vi clz(vu x)
     return (vi)vclzq_u32((uint32x4_t)x);
 }
 
-/* ---- 64-bit numbers: there are no lanes of 64 bits ---------------------------------------------------------------- */
+/* ---- 64-bit numbers: there are no lanes of 64 bits -------------------------------------------------------------- */
 
 typedef struct wide {
     vu low, high;
