@@ -1,5 +1,5 @@
-/* resolve on Cortex-M without vectors: what displays take. A pixel that nothing touched is the background, whose bits are
- * known. */
+/* resolve on Cortex-M without vectors: what displays take. A pixel that nothing touched is the background, whose bits
+ * are known. */
 #include "../../src/memory.h"
 #include "../../src/packed.h"
 #include "../../src/pixel.h"
