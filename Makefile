@@ -213,7 +213,7 @@ FIRMWARE_SCENE ?= $(B)/firmware/knot.fxs
 ARM_CC ?= arm-none-eabi-gcc
 ARM_CFLAGS ?= -O2 -g
 ARM_FLAGS = -std=gnu99 -Wall -Wextra -Wpedantic -Wshadow -Wconversion -ffreestanding -fbuiltin \
-            -ffunction-sections -fdata-sections -fwrapv $(ARM_CFLAGS) -DSCENE='"$(FIRMWARE_SCENE)"'
+            -ffunction-sections -fdata-sections -fwrapv -DFXS_SMALL_STACK $(ARM_CFLAGS) -DSCENE='"$(FIRMWARE_SCENE)"'
 
 firmware: $(FIRMWARE) ## for boards (docs/boards.md): FIRMWARE_SCENE=x.fxs turns on a display, rendered from flash
 

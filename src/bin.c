@@ -7,7 +7,11 @@
 #include "parts.h"
 
 #define SPANS 32                   /* tile rows */
+#ifdef FXS_SMALL_STACK
+#define SOME 8u
+#else
 #define SOME 64u                   /* slots that are noted at once */
+#endif
 
 typedef fxs_span span;
 

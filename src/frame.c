@@ -149,12 +149,10 @@ static void blend_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_la
     fxs_tile pixels;
     int32_t x, y;
     fxs_tile_origin(f, tile, &x, &y);
-    if (!list->count && !fxs_targets_traced(f->eye->targets)) {
-        fxs_resolve_targets(f, &f->empty, x, y);
-        return;
-    }
     if (fxs_targets_traced(f->eye->targets))
         fxs_trace_tile(f, list, x, y, &pixels, 0);
+    else if (!list->count)
+        fxs_tile_clear(&pixels);
     else
         f->context->kernels.blend(&f->eye->view, x, y, f->eye->splats, list->entries, list->count, &pixels);
     lap(f, laps, FXS_BLENDED);
@@ -256,7 +254,6 @@ int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_object *o
     f->eye_count = 1;
     f->draw_tile = context->config.draw ? 0 : blend_tile;
     f->only_tile = FXS_NOTHING;
-    fxs_tile_clear(&f->empty);
     return (uintptr_t)memory % 64 ? FXS_ERR_MEMORY : 0;
 }
 

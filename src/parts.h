@@ -52,7 +52,6 @@ typedef struct fxs_frame {
     const fxs_options *options;
     uint32_t object_count, chunk_count;    /* chunks of all objects */
     fxs_stats stats;
-    fxs_tile empty;                        /* without a splat */
     unsigned char *memory;
     uint64_t memory_bytes;
 

@@ -10,6 +10,11 @@
 #define HUGE 32768u                /* keys that are more than a cache holds */
 #define MOVES 4u                   /* a key, by insertion, at most */
 #define DIGIT 11                   /* bits: FXS_SORT_BUCKETS */
+#ifdef FXS_SMALL_STACK             /* a build for boards: digits of a list have no more than these bits */
+#define LIST_DIGIT 7
+#else
+#define LIST_DIGIT DIGIT
+#endif
 
 typedef struct digit {
     int shift;
@@ -112,7 +117,7 @@ static int insert_each(fxs_key *keys, uint32_t count, uint64_t left)
 /* By two digits, the lower of them from bit `shift` of the depth less `least` on. */
 static void sort_by_two(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t least, int shift, int bits)
 {
-    uint32_t next[2][FXS_SORT_BUCKETS];
+    uint32_t next[2][1 << LIST_DIGIT];
     const uint32_t buckets = 1u << bits;
     memset(next[0], 0, buckets * sizeof **next);
     memset(next[1], 0, buckets * sizeof **next);
@@ -164,7 +169,7 @@ void fxs_sort_c(fxs_key *keys, fxs_key *spare, uint32_t count)
         least = depth < least ? depth : least;
         most = depth > most ? depth : most;
     }
-    const int range = 32 - fxs_clz32((most - least) | 1), bits = count < MANY ? 8 : 11;
+    const int range = 32 - fxs_clz32((most - least) | 1), bits = fxs_min(count < MANY ? 8 : 11, LIST_DIGIT);
     if (count > HUGE && most > least) {
         sort_by_top(keys, spare, count, least, range);
         return;
@@ -172,7 +177,7 @@ void fxs_sort_c(fxs_key *keys, fxs_key *spare, uint32_t count)
     sort_by_two(keys, spare, count, least, range > 2 * bits ? range - 2 * bits : 0, bits);
     if (insert_each(keys, count, MOVES * (uint64_t)count))
         return;
-    sort_by_two(keys, spare, count, least, 0, 8);
-    sort_by_two(keys, spare, count, least, 16, 8);
+    for (int shift = 0; shift < range; shift += 2 * fxs_min(8, LIST_DIGIT))
+        sort_by_two(keys, spare, count, least, shift, fxs_min(8, LIST_DIGIT));
     insert_each(keys, count, UINT64_MAX);      /* those of one depth by their slots, near which they lie */
 }

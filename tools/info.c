@@ -345,7 +345,7 @@ static int measure_turns(board *b, fxs_turntable *t, unsigned char *rows, void *
 {
     fxs_context context;
     fxs_options options;
-    fxs_strip strip = {rows, 2 * b->width, 16, FXS_FORMAT_RGB565, &context.kernels, enough, 0};
+    fxs_strip strip = {rows, 2 * b->width, 16, FXS_FORMAT_RGB565, &context.kernels, enough, 0, {0}};
     fxs_init(&context, &(fxs_config){.draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1});
     fxs_options_init(&options);
     for (uint32_t turn = 0; turn < 16; turn++) {

@@ -18,12 +18,12 @@ static void resolve(const fxs_strip *s, const fxs_tile_run *run, const fxs_tile 
                         fxs_min(run->view->height - y, FXS_TILE), to, s->stride);
 }
 
-static void blend(const fxs_strip *s, const fxs_tile_run *run, uint32_t tile, int32_t x, int32_t y)
+static void blend(fxs_strip *s, const fxs_tile_run *run, uint32_t tile, int32_t x, int32_t y)
 {
-    fxs_tile pixels;
+    fxs_tile *pixels = (fxs_tile *)(void *)s->tile;
     const uint32_t count = run->counts[tile];
-    s->kernels->blend(run->view, x, y, run->splats, run->entries + run->ends[tile] - count, count, &pixels);
-    resolve(s, run, &pixels, x, y);
+    s->kernels->blend(run->view, x, y, run->splats, run->entries + run->ends[tile] - count, count, pixels);
+    resolve(s, run, pixels, x, y);
 }
 
 int fxs_strip_draw(void *argument, const fxs_tile_run *run)

@@ -9,7 +9,7 @@
  *     strip.kernels = &context.kernels;
  *     fxs_render(&context, &object, 1, &camera, &options, 0, memory, sizeof memory, 0);
  *
- * It allocates nothing. One frame at a time. */
+ * It allocates nothing. One frame at a time. A strip is 2 KB beside its pixels, so that the stack need not hold these. */
 #ifndef FXS_STRIP_H
 #define FXS_STRIP_H
 
@@ -33,6 +33,7 @@ typedef struct fxs_strip {
     const fxs_kernels *kernels;    /* that blend and resolve; not null */
     fxs_rows_done_fn *rows_done;   /* not null */
     void *argument;                /* its first one */
+    int16_t tile[4 * 256];         /* the strip's own: what is blended */
 } fxs_strip;
 
 /* An fxs_draw_fn, for fxs_config.draw; `argument` is an fxs_strip. FXS_ERR_TARGET where the strip is not as it says

@@ -65,7 +65,7 @@ int main(void)
     static fxs_context context;
     static fxs_stats stats;
     static uint64_t hash;
-    static fxs_strip strip = {pixels, 0, 0, FXS_FORMAT_RGB565, &context.kernels, add_rows, &hash};
+    static fxs_strip strip = {pixels, 0, 0, FXS_FORMAT_RGB565, &context.kernels, add_rows, &hash, {0}};
     static const fxs_config config = {.clock = board_clock, .draw = fxs_strip_draw, .draw_argument = &strip,
                                       .draw_blended = 1};
     const fxs_options options = {FXS_CUTOFF_MAHALANOBIS, 3, {0x11, 0x13, 0x1b}};

@@ -45,7 +45,7 @@ int main(void)
     static char line[128];
     static fxs_turntable table;
     static fxs_context context;
-    static fxs_strip strip = {pixels, sizeof *pixels, 16, FXS_FORMAT_RGB565, &context.kernels, copy_rows, 0};
+    static fxs_strip strip = {pixels, sizeof *pixels, 16, FXS_FORMAT_RGB565, &context.kernels, copy_rows, 0, {0}};
     static const fxs_config config = {.draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1};
     const fxs_options options = {FXS_CUTOFF_MAHALANOBIS, 3, {0x11, 0x13, 0x1b}};
     console_command(line, sizeof line);
