@@ -6,7 +6,7 @@
 
 #define ISA mve
 #define LANES 4
-#define AT_ONCE 16
+#define AT_ONCE 8
 #include "../../src/memory.h"
 #include "../../src/stage.h"
 #include "../lanes/vectors.h"

@@ -380,13 +380,14 @@ static inline void shape_survivors(outputs *out, const fxs_view *view, const fxs
     }
 }
 
-FXS_PROJECT(ISA)
+#define LEFT_TO_C (FXS_CHUNK + 1)
+
+/* Returns how many are visible, an FXS_ERR_*, or LEFT_TO_C: from outside, where this one's stack is free again. */
+static __attribute__((noinline)) int32_t project_chunk(const fxs_view *view, const fxs_scene *scene, uint32_t chunk,
+                                                       outputs out)
 {
     fxs_chunk_view cv;
     survivors s;
-    outputs out = {splats, bounds, indices, depths, 0};
-    if (view->square)
-        return fxs_project_c(view, scene, chunk, splats, bounds, indices, depths);
     const int seen = fxs_chunk_view_init(&cv, view, scene, chunk);
     if (seen <= 0)
         return seen;
@@ -394,8 +395,15 @@ FXS_PROJECT(ISA)
         s.count = 0;
         for (uint32_t i = first; i < first + AT_ONCE; i += LANES)
             if (!find_centres(&s, view, &cv, scene, fxs_rows(scene, chunk), i))
-                return fxs_project_c(view, scene, chunk, splats, bounds, indices, depths);
+                return LEFT_TO_C;
         shape_survivors(&out, view, &cv, &s, chunk);
     }
     return (int32_t)out.count;
+}
+
+FXS_PROJECT(ISA)
+{
+    const outputs out = {splats, bounds, indices, depths, 0};
+    const int32_t count = view->square ? LEFT_TO_C : project_chunk(view, scene, chunk, out);
+    return count == LEFT_TO_C ? fxs_project_c(view, scene, chunk, splats, bounds, indices, depths) : count;
 }
