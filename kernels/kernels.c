@@ -59,6 +59,29 @@ unsigned fxs_cpu_detect(void)
 {
     return FXS_CPU_NEON;           /* every AArch64 processor has it */
 }
+#elif defined(__ARM_FEATURE_MVE)
+FXS_PROJECT(mve);
+FXS_SHADE(mve);
+FXS_BIN(mve);
+FXS_SPANS(mve);
+FXS_NOTE(mve);
+FXS_LIST(mve);
+FXS_BLEND(mve);
+FXS_TRACE(mve);
+FXS_RESOLVE(mve);
+
+unsigned fxs_cpu_detect(void)
+{
+    return FXS_CPU_MVE;            /* whoever builds for it has it */
+}
+#elif __ARM_ARCH_PROFILE == 'M'
+FXS_BLEND(cortexm);
+FXS_RESOLVE(cortexm);
+
+unsigned fxs_cpu_detect(void)
+{
+    return FXS_CPU_CORTEX_M;
+}
 #else
 unsigned fxs_cpu_detect(void)
 {
@@ -73,6 +96,8 @@ const char *fxs_cpu_name(unsigned flag)
     case FXS_CPU_AVX2: return "avx2";
     case FXS_CPU_AVX512: return "avx512";
     case FXS_CPU_NEON: return "neon";
+    case FXS_CPU_MVE: return "mve";
+    case FXS_CPU_CORTEX_M: return "cortexm";
     default: return 0;
     }
 }
@@ -121,6 +146,21 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
         USE(FXS_BLEND, blend, neon);
         kernels->trace = fxs_trace_neon;
         USE(FXS_RESOLVE, resolve, neon);
+    }
+#elif defined(__ARM_FEATURE_MVE)
+    if (cpu & FXS_CPU_MVE) {
+        USE(FXS_PROJECT, project, mve);
+        USE(FXS_SHADE, shade, mve);
+        USE(FXS_BIN, bin, mve);
+        USE_LISTS(mve);
+        USE(FXS_BLEND, blend, mve);
+        kernels->trace = fxs_trace_mve;
+        USE(FXS_RESOLVE, resolve, mve);
+    }
+#elif __ARM_ARCH_PROFILE == 'M'
+    if (cpu & FXS_CPU_CORTEX_M) {
+        USE(FXS_BLEND, blend, cortexm);
+        USE(FXS_RESOLVE, resolve, cortexm);
     }
 #else
     (void)kernels;

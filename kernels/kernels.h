@@ -12,7 +12,9 @@ enum fxs_cpu {
     FXS_CPU_SSE41 = 1,
     FXS_CPU_AVX2 = 2,
     FXS_CPU_AVX512 = 4,            /* F, BW, DQ, VL, CD and VBMI */
-    FXS_CPU_NEON = 8
+    FXS_CPU_NEON = 8,
+    FXS_CPU_MVE = 16,              /* Helium, of Cortex-M */
+    FXS_CPU_CORTEX_M = 32          /* Cortex-M without it */
 };
 
 /* What this processor has. */

@@ -1,6 +1,5 @@
 /* Every fast version of a stage against the C version: random and extreme inputs, all outputs compared byte by byte,
  * guard bytes around them. `test_kernels SEED` replays one case, `test_kernels --bench` measures. */
-#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +9,7 @@
 #define TICK "cycles"
 #else
 #include <time.h>
-#define TICK "ns"
+#define TICK "ns"                      /* 0 where there is no such clock */
 #endif
 
 #include "../kernels/kernels.h"
@@ -18,7 +17,10 @@
 #include "one_scene.h"
 #include "packed_scene.h"
 
-#define CASES 2000
+#define ALL_CASES 2000
+#ifndef CASES                          /* an emulated board has time for fewer */
+#define CASES ALL_CASES
+#endif
 #define GUARD 64
 #define GUARD_BYTE 0xa5
 #define MAX_SPLATS 1024
@@ -29,7 +31,8 @@
 static const struct {
     const char *name;
     unsigned cpu;
-} versions[] = {{"sse41", FXS_CPU_SSE41}, {"avx2", FXS_CPU_AVX2}, {"avx512", FXS_CPU_AVX512}, {"neon", FXS_CPU_NEON}};
+} versions[] = {{"sse41", FXS_CPU_SSE41}, {"avx2", FXS_CPU_AVX2}, {"avx512", FXS_CPU_AVX512}, {"neon", FXS_CPU_NEON},
+                {"mve", FXS_CPU_MVE}, {"cortexm", FXS_CPU_CORTEX_M}};
 
 #define VERSIONS (sizeof versions / sizeof *versions)
 
@@ -753,7 +756,7 @@ static void run_cases(void (*one)(void), uint64_t share)
         one();
         outputs_free();
         if (check_faults)
-            printf("  seed %" PRIu64 "\n", seed);
+            printf("  seed %llu\n", (unsigned long long)seed);
     }
 }
 
@@ -763,7 +766,7 @@ static void project(void)
     run_cases(project_case, 1);
     if (!check_faults && first_seed != last_seed)
         CHECK(visible_total > 10 * (last_seed - first_seed));
-    if (!check_faults && first_seed != last_seed)
+    if (!check_faults && first_seed != last_seed && last_seed >= ALL_CASES)
         CHECK(zooms & 1 && zooms >> 60 & 1 && __builtin_popcountll(zooms) > 48);
 }
 
@@ -813,7 +816,7 @@ static void test_version(size_t i)
 {
     fast = fxs_kernels_c;
     fxs_kernels_choose(&fast, versions[i].cpu);
-    printf("%s\n", versions[i].name);
+    printf("%s, %llu of %d cases\n", versions[i].name, (unsigned long long)last_seed, ALL_CASES);
     if (fast.project != fxs_project_c)
         RUN(project);
     if (fast.shade != fxs_shade_c)
@@ -841,6 +844,8 @@ static uint64_t ticks(void)
 {
 #if defined(__x86_64__) || defined(__i386__)
     return __rdtsc();
+#elif !defined(CLOCK_MONOTONIC)
+    return 0;
 #else
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
@@ -995,8 +1000,8 @@ static void bench(const char *label, enum fxs_profile profile)
     bench_init(bench_load, profile);
     bench_project(bench_load, &kernels);
     printf("%s: %s a Gaussian (project, shade of all, sparse: of 1 in 16), a tile entry (blend), a pixel (resolve,\n"
-           "also as RGB565 and RGBA16); %u of %u Gaussians visible\n", label, TICK, bench_load->visible,
-           BENCH_CHUNKS * FXS_CHUNK);
+           "also as RGB565 and RGBA16); %u of %u Gaussians visible\n", label, TICK,
+           (unsigned)bench_load->visible, BENCH_CHUNKS * FXS_CHUNK);
     printf("%-8s %9s %9s %9s %9s %9s %9s %9s\n", "", "project", "shade", "sparse", "blend", "resolve", "565", "16");
     bench_version("c", &kernels);
     for (size_t i = 0; i < VERSIONS; i++)

@@ -4,12 +4,16 @@
  * to be measured. */
 #include "codes.h"
 
+#ifndef AT_ONCE                    /* Gaussians to a pass: less than a chunk where the stack is small */
+#define AT_ONCE FXS_CHUNK
+#endif
+
 /* What the second pass needs of a Gaussian. */
 enum row { INDEX, DEPTH, SLOPE_X, SLOPE_Y, POSITION_X, POSITION_Y, SIZE, EXPONENT, SCALE, ROTATION, OPACITY, ROWS };
 
 typedef struct survivors {
     uint32_t count;
-    int32_t rows[ROWS][FXS_CHUNK + LANES];
+    int32_t rows[ROWS][AT_ONCE + LANES];
 } survivors;
 
 typedef struct centre {
@@ -351,31 +355,55 @@ static inline void append(fxs_splat *splats, fxs_bounds *bounds, const vi splat[
     }
 }
 
-FXS_PROJECT(ISA)
+/* What a chunk's visible Gaussians are written to. */
+typedef struct outputs {
+    fxs_splat *splats;
+    fxs_bounds *bounds;
+    uint32_t *indices, *depths, count;
+} outputs;
+
+/* The second pass. */
+static inline void shape_survivors(outputs *out, const fxs_view *view, const fxs_chunk_view *cv, survivors *s,
+                                   uint32_t chunk)
+{
+    for (uint32_t i = 0; i < s->count; i++)
+        s->rows[OPACITY][i] = fxs_offset_of_code_q11[cv->opacity_law][s->rows[OPACITY][i]] + view->offset_q11;
+    for (int row = 0; row < ROWS; row++)
+        store(&s->rows[row][s->count], all(0));
+    for (uint32_t at = 0; at < s->count; at += LANES) {
+        vi splat[WORDS], bound[WORDS] = {{0}};
+        const mask visible = shape(splat, bound, view, cv, s, at);
+        append(out->splats + out->count, out->bounds + out->count, splat, bound, bits(visible));
+        store_compressed(out->indices + out->count, load(&s->rows[INDEX][at]) + (int32_t)(chunk * FXS_CHUNK), visible);
+        store_compressed(out->depths + out->count, load(&s->rows[DEPTH][at]), visible);
+        out->count += lanes_of(visible);
+    }
+}
+
+#define LEFT_TO_C (FXS_CHUNK + 1)
+
+/* Returns how many are visible, an FXS_ERR_*, or LEFT_TO_C: from outside, where this one's stack is free again. */
+static __attribute__((noinline)) int32_t project_chunk(const fxs_view *view, const fxs_scene *scene, uint32_t chunk,
+                                                       outputs out)
 {
     fxs_chunk_view cv;
     survivors s;
-    uint32_t count = 0;
-    if (view->square)
-        return fxs_project_c(view, scene, chunk, splats, bounds, indices, depths);
     const int seen = fxs_chunk_view_init(&cv, view, scene, chunk);
     if (seen <= 0)
         return seen;
-    s.count = 0;
-    for (uint32_t i = 0; i < FXS_CHUNK; i += LANES)
-        if (!find_centres(&s, view, &cv, scene, fxs_rows(scene, chunk), i))
-            return fxs_project_c(view, scene, chunk, splats, bounds, indices, depths);
-    for (uint32_t i = 0; i < s.count; i++)
-        s.rows[OPACITY][i] = fxs_offset_of_code_q11[cv.opacity_law][s.rows[OPACITY][i]] + view->offset_q11;
-    for (int row = 0; row < ROWS; row++)
-        store(&s.rows[row][s.count], all(0));
-    for (uint32_t at = 0; at < s.count; at += LANES) {
-        vi splat[WORDS], bound[WORDS] = {{0}};
-        const mask visible = shape(splat, bound, view, &cv, &s, at);
-        append(splats + count, bounds + count, splat, bound, bits(visible));
-        store_compressed(indices + count, load(&s.rows[INDEX][at]) + (int32_t)(chunk * FXS_CHUNK), visible);
-        store_compressed(depths + count, load(&s.rows[DEPTH][at]), visible);
-        count += lanes_of(visible);
+    for (uint32_t first = 0; first < FXS_CHUNK; first += AT_ONCE) {
+        s.count = 0;
+        for (uint32_t i = first; i < first + AT_ONCE; i += LANES)
+            if (!find_centres(&s, view, &cv, scene, fxs_rows(scene, chunk), i))
+                return LEFT_TO_C;
+        shape_survivors(&out, view, &cv, &s, chunk);
     }
-    return (int32_t)count;
+    return (int32_t)out.count;
+}
+
+FXS_PROJECT(ISA)
+{
+    const outputs out = {splats, bounds, indices, depths, 0};
+    const int32_t count = view->square ? LEFT_TO_C : project_chunk(view, scene, chunk, out);
+    return count == LEFT_TO_C ? fxs_project_c(view, scene, chunk, splats, bounds, indices, depths) : count;
 }

@@ -13,7 +13,7 @@ typedef int32_t vi __attribute__((vector_size(4 * LANES)));
 typedef uint32_t vu __attribute__((vector_size(4 * LANES)));
 typedef uint64_t vw __attribute__((vector_size(4 * LANES)));
 typedef int16_t vh __attribute__((vector_size(4 * LANES)));     /* 2 * LANES numbers of 16 bits */
-typedef vw anywhere __attribute__((aligned(1), may_alias));
+typedef uint8_t anywhere __attribute__((vector_size(4 * LANES), aligned(1), may_alias));
 
 static const int32_t lane_numbers[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
@@ -36,7 +36,7 @@ static inline vi load(const void *from)
 
 static inline void store(void *to, vi x)
 {
-    *(anywhere *)to = (vw)x;
+    *(anywhere *)to = (__typeof__(*(anywhere *)to))x;
 }
 
 /* base + step * (0, 1, 2, ...), modulo 2^32 */

@@ -78,7 +78,7 @@ int main(void)
     strip.stride = (int32_t)(width < WIDTH_MOST ? width : WIDTH_MOST) * 2;
     fxs_init(&context, &config);
 #ifdef FXS_WITH_KERNELS
-    fxs_kernels_choose(&context, FXS_ALL_KERNELS);
+    fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
 #endif
     int error = fxs_turntable_open(&table, board_scene, (size_t)(board_scene_end - board_scene), (int32_t)width,
                                    (int32_t)height);

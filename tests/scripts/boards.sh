@@ -65,6 +65,17 @@ make_scene() {
         "$B/fixsplat" convert "$work/$1.ply" "$work/$1.fxs"
 }
 
+# kernels_are_exact BOARD: tests/test_kernels.c as its program.
+kernels_are_exact() {
+    said=$(env -u MAKEFLAGS make -s B="$made" NVCC=none "$made/firmware/$1/test_kernels.elf" 2>&1 |
+        grep -v '^built without')
+    [ -z "$said" ] || { echo "$said"; return 1; }
+    run "$1" "$made/firmware/$1/test_kernels.elf" >"$work/log"
+    grep -q ' 0 failed' "$work/log" && tail -n 1 "$work/log" | grep -qx 'exit 0' && return
+    cat "$work/log"
+    return 1
+}
+
 scene=$work/20000.fxs
 check "makes a scene" make_scene 20000
 check "builds" firmware "$scene"
@@ -75,6 +86,7 @@ for board in $boards; do
     check "$board: strips without rows" refuses "$board" "$made/firmware/$board.elf" 'rows=0' target
     check "$board: strips wider than its room" refuses "$board" "$made/firmware/$board.elf" 'width=481' target
     check "$board: a picture without pixels" refuses "$board" "$made/firmware/$board.elf" 'width=0' 'height'
+    check "$board: its versions of the stages are exact" kernels_are_exact "$board"
 done
 
 # ---- The screen of the Versatile Express: what it shows after three pictures ------------------------------------------
