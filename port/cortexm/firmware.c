@@ -68,9 +68,9 @@ int main(void)
     static fxs_strip strip = {pixels, 0, 0, FXS_FORMAT_RGB565, &context.kernels, add_rows, &hash, {0}};
     static const fxs_config config = {.clock = board_clock, .draw = fxs_strip_draw, .draw_argument = &strip,
                                       .draw_blended = 1};
-    const fxs_options options = {FXS_CUTOFF_MAHALANOBIS, 3, {0x11, 0x13, 0x1b}};
     board_stack_mark();
     console_command(line, sizeof line);
+    const fxs_options options = {FXS_CUTOFF_MAHALANOBIS, (int)console_option(line, "degree", 3), {0x11, 0x13, 0x1b}};
     const uint32_t width = console_option(line, "width", 320), height = console_option(line, "height", 240);
     const uint32_t rows = console_option(line, "rows", 16), frames = console_option(line, "frames", 4);
     const uint32_t room = (uint32_t)(board_memory_end - board_memory), memory = console_option(line, "memory", room);
