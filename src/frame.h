@@ -17,13 +17,6 @@ int fxs_frame_add_eye(fxs_frame *f, const fxs_camera *camera, const fxs_targets 
    FXS_ERR_OBJECT or FXS_ERR_SCENE. */
 int fxs_frame_begin(fxs_frame *f);
 
-/* The first stages, on a chunk of an object, from `slot` on; bin on any slots. project drops what the band does not
-   need, and returns how many are left, or FXS_ERR_SCENE: also where there is no room for 256 before end_slot, as there
-   are more splats than were planned for. shade returns 0 or FXS_ERR_SCENE. */
-int32_t fxs_frame_project(fxs_frame *f, uint32_t object, uint32_t chunk, uint32_t slot, uint32_t end_slot);
-int fxs_frame_shade(fxs_frame *f, uint32_t object, uint32_t chunk, uint32_t slot, uint32_t count);
-void fxs_frame_bin(fxs_frame *f, uint32_t slot, uint32_t count);
-
 /* The band's splats, for each eye. Returns 0 or FXS_ERR_SCENE. */
 int fxs_frame_prepare(fxs_frame *f);
 

@@ -163,11 +163,31 @@ int fxs_band_has_chunk(const fxs_frame *f, uint32_t chunk);
 /* Moves those of `count` splats from `slot` on that touch the band together. Returns how many they are. */
 uint32_t fxs_band_keep(fxs_frame *f, uint32_t chunk, uint32_t slot, uint32_t count);
 
+/* ---- prepare.c --------------------------------------------------------------------------------------------------- */
+
+/* The first stages, on a chunk of an object, from `slot` on; bin on any slots. project drops what the band does not
+   need, and returns how many are left, or FXS_ERR_SCENE: also where there is no room for 256 before end_slot, as there
+   are more splats than were planned for. shade returns 0 or FXS_ERR_SCENE. */
+int32_t fxs_prepare_project(fxs_frame *f, uint32_t object, uint32_t chunk, uint32_t slot, uint32_t end_slot);
+int fxs_prepare_shade(fxs_frame *f, uint32_t object, uint32_t chunk, uint32_t slot, uint32_t count);
+void fxs_prepare_bin(fxs_frame *f, uint32_t slot, uint32_t count);
+
+/* All three for every block; of a plan, project alone. Returns 0, or FXS_ERR_SCENE where a block failed. */
+int fxs_prepare_blocks(fxs_frame *f);
+
 /* ---- slices.c ---------------------------------------------------------------------------------------------------- */
 
-/* Draws a sliced band; end_column is how many columns there are pixels for. Returns 0, FXS_ERR_SCENE or a back end's
-   error. */
-int fxs_slices_draw(fxs_frame *f);
+/* What is taken at a time: the nearest splats from a key on. Keys are depth and place in the scene, no two alike. */
+typedef struct fxs_slice {
+    fxs_key first, last;
+    uint32_t count, room;          /* splats, and those that are kept before a chunk is projected behind them */
+    uint64_t taken;                /* in all slices so far */
+    int more;                      /* there are some beyond `last` */
+} fxs_slice;
+
+/* Takes the next slice of the columns, f->count splats ready for lists; before the first all of *s is 0 but for `room`
+   and `more`. Returns 0, or FXS_ERR_SCENE: also where there are more than the scene has, as it changes meanwhile. */
+int fxs_slice_next(fxs_frame *f, fxs_slice *s);
 
 /* ---- eyes.c ------------------------------------------------------------------------------------------------------ */
 

@@ -1,14 +1,7 @@
-/* A tile row whose splats do not fit in the memory: some of its columns at a time, and of those some splats at a time,
- * near to far, while the tiles' pixels are kept. So any view is drawn in the least memory, the slower the less. */
-#include "frame.h"
+/* What a tile row has that does not fit in the memory, taken in slices: of some of its columns the nearest splats that
+ * fit, then the next ones. So any view is drawn in the least memory, the slower the less. */
 #include "memory.h"
-
-/* What is taken at a time: the nearest splats from a key on. Keys are depth and place in the scene, no two alike. */
-typedef struct slice {
-    fxs_key first, last;
-    uint32_t count, room;          /* splats, and those that are kept before a chunk is projected behind them */
-    int more;                      /* there are some beyond `last` */
-} slice;
+#include "parts.h"
 
 static fxs_key key_of(const fxs_frame *f, uint32_t slot)
 {
@@ -25,7 +18,7 @@ static void move(const fxs_frame *f, uint32_t to, uint32_t slot)
 }
 
 /* Keeps those of `count` splats behind the slice's that are in it and touch its columns. */
-static void keep(const fxs_frame *f, slice *s, uint32_t count)
+static void keep(const fxs_frame *f, fxs_slice *s, uint32_t count)
 {
     for (uint32_t slot = s->count, end = s->count + count; slot < end; slot++) {
         const fxs_key key = key_of(f, slot);
@@ -39,7 +32,7 @@ static void keep(const fxs_frame *f, slice *s, uint32_t count)
 }
 
 /* Leaves the nearest three quarters of the room, in the order of the scene. */
-static void drop_farthest(const fxs_frame *f, slice *s)
+static void drop_farthest(const fxs_frame *f, fxs_slice *s)
 {
     const uint32_t left = s->room / 4 * 3, count = s->count;
     for (uint32_t slot = 0; slot < count; slot++)
@@ -54,7 +47,7 @@ static void drop_farthest(const fxs_frame *f, slice *s)
 }
 
 /* Whether a chunk may have splats of the slice; where it has but farther ones, there are more. */
-static int may_have(const fxs_frame *f, slice *s, uint32_t chunk)
+static int may_have(const fxs_frame *f, fxs_slice *s, uint32_t chunk)
 {
     const fxs_extent *e = &f->extents[chunk];
     if (!fxs_band_has_chunk(f, chunk) || e->columns.last < f->first_column || e->columns.first >= f->end_column ||
@@ -65,7 +58,7 @@ static int may_have(const fxs_frame *f, slice *s, uint32_t chunk)
 }
 
 /* Projects what the slice needs. Returns 0 or FXS_ERR_SCENE. */
-static int take(fxs_frame *f, slice *s)
+static int take(fxs_frame *f, fxs_slice *s)
 {
     s->last = UINT64_MAX;
     s->count = 0;
@@ -73,7 +66,7 @@ static int take(fxs_frame *f, slice *s)
     for (uint32_t chunk = 0; chunk < f->chunk_count; chunk++) {
         if (!may_have(f, s, chunk))
             continue;
-        const int32_t count = fxs_frame_project(f, fxs_frame_object(f, chunk), chunk, s->count, s->room + FXS_CHUNK);
+        const int32_t count = fxs_prepare_project(f, fxs_frame_object(f, chunk), chunk, s->count, s->room + FXS_CHUNK);
         if (count < 0)
             return count;
         keep(f, s, (uint32_t)count);
@@ -90,80 +83,22 @@ static int finish(fxs_frame *f, uint32_t count)
         const uint32_t chunk = f->indices[slot] / FXS_CHUNK;
         for (end = slot + 1; end < count && f->indices[end] / FXS_CHUNK == chunk;)
             end++;
-        const int error = fxs_frame_shade(f, fxs_frame_object(f, chunk), chunk, slot, end - slot);
+        const int error = fxs_prepare_shade(f, fxs_frame_object(f, chunk), chunk, slot, end - slot);
         if (error)
             return error;
     }
-    fxs_frame_bin(f, 0, count);
+    fxs_prepare_bin(f, 0, count);
     memset(f->block_counts, 0, f->blocks * sizeof *f->block_counts);
     f->block_slots[0] = 0;
     f->block_counts[0] = f->count = count;
     return 0;
 }
 
-/* Goes on with a tile: `trace` of nothing goes on where `blend` begins. */
-static void blend_on(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)
+int fxs_slice_next(fxs_frame *f, fxs_slice *s)
 {
-    fxs_tile *pixels = &f->pixels[(int32_t)tile % f->eye->view.tiles_x - f->first_column];
-    int32_t x, y;
-    (void)laps;
-    fxs_tile_origin(f, tile, &x, &y);
-    for (uint32_t first = 0; first < list->count; first += INT16_MAX) {
-        const uint32_t left = list->count - first, count = left < INT16_MAX ? left : INT16_MAX;
-        f->context->kernels.trace(&f->eye->view, x, y, f->eye->splats, list->entries + first, 0, 0, count, pixels,
-                                  f->nothing);
-    }
-}
-
-/* The tiles of the columns, once they are blended. Returns 0 or a back end's error. */
-static int hand_over(fxs_frame *f)
-{
-    const uint32_t above = fxs_tiles_above(f, f->first_row);
-    f->first_tile = above + (uint32_t)f->first_column;
-    f->last_tile = above + (uint32_t)f->end_column - 1;
-    if (f->context->config.draw)
-        return fxs_draw_blended(f);
-    for (uint32_t tile = f->first_tile; tile <= f->last_tile; tile++) {
-        int32_t x, y;
-        fxs_tile_origin(f, tile, &x, &y);
-        fxs_resolve_targets(f, &f->pixels[tile - f->first_tile], x, y);
-    }
-    return 0;
-}
-
-/* Every slice of the columns. A scene that changes meanwhile cannot have more than it had. */
-static int draw_columns(fxs_frame *f)
-{
-    slice s = {.room = f->slice_room, .more = 1};
-    uint64_t drawn = 0;
-    for (int32_t i = 0; i < f->end_column - f->first_column; i++)
-        fxs_tile_clear(&f->pixels[i]);
-    for (; s.more; s.first = s.last + 1) {
-        const uint64_t start = fxs_now(f);
-        int error = take(f, &s);
-        error = error ? error : finish(f, s.count);
-        f->stats.nanoseconds[FXS_PROJECT] += fxs_now(f) - start;
-        error = error ? error : fxs_frame_draw(f);
-        drawn += s.count;
-        if (error || drawn > (uint64_t)f->chunk_count * FXS_CHUNK)
-            return error ? error : FXS_ERR_SCENE;
-        f->stats.slices++;
-    }
-    return hand_over(f);
-}
-
-int fxs_slices_draw(fxs_frame *f)
-{
-    const int32_t step = f->end_column, tiles_x = f->eye->view.tiles_x;
-    void (*const draw_tile)(fxs_frame *, uint32_t, const fxs_list *, fxs_laps *) = f->draw_tile;
-    int error = 0;
-    f->depths = f->eye->depths;
-    f->nothing->which = 0;
-    f->draw_tile = blend_on;
-    for (f->first_column = 0; f->first_column < tiles_x && !error; f->first_column = f->end_column) {
-        f->end_column = fxs_min(f->first_column + step, tiles_x);
-        error = draw_columns(f);
-    }
-    f->draw_tile = draw_tile;
-    return error;
+    int error = take(f, s);
+    error = error ? error : finish(f, s->count);
+    s->first = s->last + 1;
+    s->taken += s->count;
+    return error ? error : s->taken > (uint64_t)f->chunk_count * FXS_CHUNK ? FXS_ERR_SCENE : 0;
 }

@@ -1,0 +1,128 @@
+/* The first stages: project, shade and bin, of a chunk and of blocks of chunks. */
+#include "chunk.h"
+#include "memory.h"
+#include "parts.h"
+
+int32_t fxs_prepare_project(fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t slot, uint32_t end_slot)
+{
+    fxs_eye *eye = f->eye;
+    const fxs_object_view *object = &eye->objects[number];
+    uint32_t *indices = f->indices + slot;
+    if (end_slot - slot < FXS_CHUNK)
+        return FXS_ERR_SCENE;
+    if (!fxs_band_has_chunk(f, chunk))
+        return 0;
+    int32_t count = f->eye_count > 1
+                        ? fxs_eyes_project(f, number, chunk - object->first_chunk, slot)
+                        : fxs_object_project(object, &f->context->kernels, chunk - object->first_chunk,
+                                             eye->splats + slot, eye->bounds + slot, indices, eye->depths + slot);
+    for (int32_t i = 0; i < count && object->first_chunk; i++)
+        indices[i] += object->first_chunk * FXS_CHUNK;
+    return count < 0 ? count : (int32_t)fxs_band_keep(f, chunk, slot, (uint32_t)count);
+}
+
+/* shade; both eyes have the first one's colours. */
+int fxs_prepare_shade(fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t slot, uint32_t count)
+{
+    const fxs_object_view *object = &f->eye->objects[number];
+    const int error = fxs_object_shade(object, &f->context->kernels, chunk - object->first_chunk, f->indices + slot,
+                                       count, f->eye->splats + slot);
+    for (uint32_t i = slot; i < slot + count && f->eye_count > 1; i++)
+        memcpy(f->eyes[1].splats[i].colour_q13, f->eyes[0].splats[i].colour_q13, sizeof f->eyes[0].splats->colour_q13);
+    return error;
+}
+
+void fxs_prepare_bin(fxs_frame *f, uint32_t slot, uint32_t count)
+{
+    for (fxs_eye *eye = f->eye; eye < f->eye + f->eye_count; eye++) {
+        f->context->kernels.bin(&eye->view, eye->splats + slot, eye->bounds + slot, count, eye->boxes + slot);
+        if (f->eye_count > 1)
+            fxs_eyes_hide(eye->bounds + slot, count, eye->boxes + slot);
+    }
+}
+
+/* Begins to fetch a chunk's rows from byte `from` to before `end`, of as many as there are. */
+static void fetch_rows(const fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t from, uint32_t end)
+{
+    const fxs_object_view *object = &f->eye->objects[number];
+    const unsigned char *rows = fxs_rows(&object->scene, chunk - object->first_chunk);
+    for (; from < end && from < object->scene.chunk_bytes; from += 64)
+        FXS_PREFETCH(rows + from);
+    (void)rows;
+}
+
+/* What of the first stages needs no other block, for up to FXS_BLOCK chunks, while their splats are in the cache.
+   Their splats in the band lie from `slot` on, before end_slot. Returns their number or FXS_ERR_SCENE. */
+static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32_t slot, uint32_t end_slot,
+                              uint64_t *times)
+{
+    uint32_t starts[FXS_BLOCK + 1] = {slot}, objects[FXS_BLOCK];
+    uint64_t start = fxs_now(f);
+    for (uint32_t i = 0; i < end - first; i++) {
+        objects[i] = i ? objects[i] : fxs_frame_object(f, first);
+        if (first + i + 1 < end) {
+            objects[i + 1] = fxs_frame_object(f, first + i + 1);
+            fetch_rows(f, objects[i + 1], first + i + 1, 0, FXS_ROW_SH);
+        }
+        int32_t count = fxs_prepare_project(f, objects[i], first + i, starts[i], end_slot);
+        if (count < 0)
+            return count;
+        starts[i + 1] = starts[i] + (uint32_t)count;
+    }
+    uint64_t projected = fxs_now(f);
+    for (uint32_t i = 0; i < end - first; i++) {
+        if (first + i + 1 < end && starts[i + 2] > starts[i + 1])
+            fetch_rows(f, objects[i + 1], first + i + 1, FXS_ROW_SH, UINT32_MAX);
+        int error = fxs_prepare_shade(f, objects[i], first + i, starts[i], starts[i + 1] - starts[i]);
+        if (error)
+            return error;
+    }
+    uint64_t shaded = fxs_now(f);
+    fxs_prepare_bin(f, slot, starts[end - first] - slot);
+    times[0] += projected - start;
+    times[1] += shaded - projected;
+    times[2] += fxs_now(f) - shaded;
+    return (int32_t)(starts[end - first] - slot);
+}
+
+/* Counts the splats of a block by tile row; one chunk's slots are enough for that. Returns their number or
+   FXS_ERR_SCENE. */
+static int32_t plan_chunks(fxs_frame *f, uint32_t block, uint32_t first, uint32_t end, uint32_t slot)
+{
+    uint32_t all = 0;
+    for (uint32_t chunk = first; chunk < end; chunk++) {
+        const int32_t count = fxs_prepare_project(f, fxs_frame_object(f, chunk), chunk, slot, slot + FXS_CHUNK);
+        if (count < 0)
+            return count;
+        fxs_band_count(f, block, chunk, slot, (uint32_t)count);
+        all += (uint32_t)count;
+    }
+    return (int32_t)all;
+}
+
+static void prepare_block(void *argument, uint32_t block)
+{
+    fxs_frame *f = argument;
+    uint32_t end = fxs_block_start(f, block + 1), slot = f->block_slots[block], taken = 0;
+    uint64_t *times = f->block_times + 3 * (size_t)block;
+    memset(times, 0, 3 * sizeof *times);
+    f->block_counts[block] = FXS_BLOCK_FAILED;
+    for (uint32_t first = fxs_block_start(f, block); first < end; first += FXS_BLOCK) {
+        const uint32_t last = end - first < FXS_BLOCK ? end : first + FXS_BLOCK;
+        int32_t count = f->planning ? plan_chunks(f, block, first, last, slot)
+                                    : prepare_chunks(f, first, last, slot + taken, f->block_slots[block + 1], times);
+        if (count < 0)
+            return;
+        taken += (uint32_t)count;
+    }
+    f->block_counts[block] = taken;
+}
+
+int fxs_prepare_blocks(fxs_frame *f)
+{
+    fxs_frame_run(f, prepare_block, f->blocks);
+    for (uint32_t block = 0; block < f->blocks; block++)
+        if (f->block_counts[block] == FXS_BLOCK_FAILED)
+            return FXS_ERR_SCENE;
+    return 0;
+}
