@@ -10,7 +10,7 @@
 #define SLOT_BYTES sizeof(uint32_t)            /* and EYE_BYTES for each eye */
 #define LIST_BYTES (2 * sizeof(fxs_key))       /* a key, and room to sort it */
 #define SLICE_LEAST 128u           /* splats of a slice */
-#define SLICE_BYTES ((sizeof(fxs_trace) + 63) / 64 * 64)
+#define SLICE_MACRO_BYTES (FXS_MACRO * sizeof(fxs_tile) + (sizeof(fxs_trace) + 63) / 64 * 64)
 
 /* ---- Memory ---------------------------------------------------------------------------------------------------- */
 
@@ -71,22 +71,14 @@ static void lay_out_frame(fxs_frame *f, int planned)
     f->fixed_bytes = m.used;
 }
 
-/* Columns of a sliced tile row: their pixels take a quarter of the memory at most, but for the least. */
-static int32_t slice_columns(const fxs_frame *f)
-{
-    const uint64_t most = (f->memory_bytes - f->fixed_bytes) / 4 / sizeof *f->pixels / FXS_MACRO * FXS_MACRO;
-    const int32_t tiles_x = f->eye->view.tiles_x;
-    return most < FXS_MACRO ? fxs_min(FXS_MACRO, tiles_x) : most < (uint32_t)tiles_x ? (int32_t)most : tiles_x;
-}
-
 /* What lasts for a band. The lists take the rest of the memory, up to KEYS a slot and 16 a tile. Returns the bytes of
    all, which may be more than a size_t holds. */
 static uint64_t lay_out_band(fxs_frame *f, uint64_t slots)
 {
     arena m = {f->memory ? f->memory + f->fixed_bytes : 0, f->fixed_bytes};
     slots = to_multiple_of_16(slots);
-    f->pixels = cut(&m, f->sliced ? (uint32_t)f->end_column * sizeof *f->pixels : 0);
-    f->nothing = cut(&m, f->sliced ? sizeof *f->nothing : 0);
+    f->pixels = cut(&m, f->slice_macros * FXS_MACRO * sizeof *f->pixels);
+    f->nothing = cut(&m, f->slice_macros * sizeof *f->nothing);
     for (fxs_eye *eye = f->eye; eye < f->eye + f->eye_count; eye++) {
         eye->splats = cut(&m, slots * sizeof *eye->splats);
         eye->bounds = cut(&m, slots * sizeof *eye->bounds);
@@ -128,15 +120,22 @@ static uint64_t bytes_for_plan(const fxs_frame *f)
     return bytes_for(f, (uint64_t)f->blocks * FXS_CHUNK, 1);
 }
 
-/* And for slices: two columns, room for a chunk and for some splats beside. */
-static uint64_t bytes_for_slices(const fxs_frame *f)
-{
-    return bytes_for(f, FXS_CHUNK + SLICE_LEAST, 1) + SLICE_BYTES + FXS_MACRO * sizeof(fxs_tile);
-}
-
 static uint64_t smaller(uint64_t a, uint64_t b)
 {
     return a < b ? a : b;
+}
+
+/* And for slices: a macro tile, room for a chunk and for some splats beside. */
+static uint64_t bytes_for_slices(const fxs_frame *f)
+{
+    return bytes_for(f, FXS_CHUNK + SLICE_LEAST, 1) + SLICE_MACRO_BYTES;
+}
+
+/* Macro tiles of a sliced tile row: what is left beyond the least goes to them to a quarter. */
+static uint32_t slice_macros(const fxs_frame *f)
+{
+    const uint64_t more = (f->memory_bytes - bytes_for_slices(f)) / 4 / SLICE_MACRO_BYTES;
+    return (uint32_t)smaller(1 + more, fxs_macros(f->eye->view.tiles_x));
 }
 
 /* The least memory of a frame that is laid out for a plan. */
@@ -251,8 +250,8 @@ uint64_t fxs_bands_init(fxs_frame *f)
 /* One tile row, of which as many splats as fit are taken at a time. */
 static void lay_out_slices(fxs_frame *f)
 {
-    f->end_column = slice_columns(f);
-    const uint64_t fixed = f->fixed_bytes + SLICE_BYTES + (uint32_t)f->end_column * sizeof *f->pixels;
+    f->slice_macros = slice_macros(f);
+    const uint64_t fixed = f->fixed_bytes + f->slice_macros * SLICE_MACRO_BYTES;
     const uint64_t slots = (f->memory_bytes - fixed) / (SLOT_BYTES + EYE_BYTES + LIST_BYTES) / 16 * 16;
     f->slice_room = (uint32_t)smaller(slots, FXS_MAX_SLOTS) - FXS_CHUNK;
     lay_out_band(f, f->slice_room + FXS_CHUNK);
@@ -265,6 +264,7 @@ void fxs_band_next(fxs_frame *f)
     f->end_row = f->planned ? f->first_row + 1 : f->eye->view.tiles_y;
     f->first_column = 0;
     f->end_column = f->eye->view.tiles_x;
+    f->slice_macros = 0;
     f->sliced = f->planned && band_bytes(f, f->first_row, f->end_row, 1) > f->memory_bytes;
     f->stats.bands++;
     if (f->sliced) {

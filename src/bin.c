@@ -185,8 +185,10 @@ static inline void put(fxs_lister *l, fxs_key *keys, uint32_t macro, uint32_t li
     const uint32_t at = l->next[macro]++;
     if (keys)
         keys[at] = FXS_KEY(l->depths[FXS_LISTED_SLOT(listed)], listed);
-    else if (l->taken++ < l->room)
-        l->notes[l->taken - 1] = FXS_KEY(macro, listed);
+    else if (l->taken < l->room)
+        l->notes[l->taken++] = FXS_KEY(macro, listed);
+    else
+        l->taken = UINT32_MAX;     /* more than there is room for */
 }
 
 uint32_t fxs_note_c(const fxs_view *view, const fxs_box *boxes, uint32_t first, uint32_t count, uint32_t *macros,

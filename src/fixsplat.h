@@ -238,7 +238,8 @@ typedef struct fxs_config {
     void *clock_argument;
     fxs_draw_fn *draw;             /* null: the kernels' blend and resolve */
     void *draw_argument;
-    int draw_blended;              /* 1: draw resolves tiles that are blended already, where fxs_tile_run has them */
+    int draw_blended;              /* 1: draw resolves tiles that are blended already, where fxs_tile_run has them, and
+                                      is given all tiles row by row */
     int draw_unlisted;             /* 1: draw needs no tile lists, and is called once for each band of a frame */
 } fxs_config;
 

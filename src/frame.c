@@ -186,7 +186,7 @@ static int plan(fxs_frame *f, uint64_t *least)
     const int error = fxs_prepare_blocks(f);
     f->planning = 0;
     const uint64_t rows = error ? 0 : fxs_bands_end_plan(f);
-    *least = error || f->can_slice ? *least : rows;
+    *least = error || f->can_slice || rows < *least ? *least : rows;
     f->stats.memory.rows = rows < SIZE_MAX ? (size_t)rows : SIZE_MAX;
     return error;
 }
@@ -195,8 +195,8 @@ int fxs_frame_begin(fxs_frame *f)
 {
     uint64_t least = fxs_bands_init(f);
     int error = f->memory_bytes < least ? 0 : place_objects(f);
-    f->can_slice = f->draw_tile ? f->draw_tile == blend_tile && !fxs_targets_traced(f->eye->targets)
-                                : f->context->config.draw_blended;
+    f->can_slice = (f->draw_tile ? f->draw_tile == blend_tile : f->context->config.draw_blended) &&
+                   !(f->eye->targets && fxs_targets_traced(f->eye->targets));
     if (!error && f->planned && f->memory_bytes >= least)
         error = plan(f, &least);
     if (f->planned)
@@ -230,11 +230,30 @@ static void draw_macros(fxs_frame *f)
     share_time(f, fxs_now(f) - start, f->macro_times + FXS_LAPS * (size_t)f->first_macro, jobs, FXS_LAPS, stages);
 }
 
+static int draw_listed(fxs_frame *f);
+
+/* One tile row after the other: where the lists of a row of macro tiles do not fit, what does is two rows high. */
+static int draw_rows(fxs_frame *f)
+{
+    const int32_t first = f->first_row, end = f->end_row;
+    int error = 0;
+    for (int32_t row = first; row < end && !error; row++) {
+        f->first_row = row;
+        f->end_row = row + 1;
+        error = draw_listed(f);
+    }
+    f->first_row = first;
+    f->end_row = end;
+    return error;
+}
+
 static int draw_listed(fxs_frame *f)
 {
     uint64_t start = fxs_now(f);
     int error = 0;
     fxs_lists_count(f);
+    if (!f->draw_tile && f->context->config.draw_blended && f->end_row - f->first_row > 1 && !fxs_lists_rows_fit(f))
+        return draw_rows(f);
     for (uint32_t end = f->last_macro + 1; f->first_macro < end && !error; f->first_macro = f->last_macro + 1) {
         fxs_lists_fill(f, end);
         f->stats.nanoseconds[FXS_BIN] += fxs_now(f) - start;
@@ -252,13 +271,15 @@ static int draw_listed(fxs_frame *f)
 /* Goes on with a tile of a slice: `trace` of nothing goes on where `blend` begins. */
 static void blend_on(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)
 {
-    fxs_tile *pixels = &f->pixels[(int32_t)tile % f->eye->view.tiles_x - f->first_column];
+    const int32_t column = (int32_t)tile % f->eye->view.tiles_x - f->first_column;
+    fxs_trace *nothing = &f->nothing[column / FXS_MACRO];      /* kernels write to it all the same */
     int32_t x, y;
+    nothing->which = 0;
     fxs_tile_origin(f, tile, &x, &y);
     for (uint32_t first = 0; first < list->count; first += INT16_MAX) {
         const uint32_t left = list->count - first, count = left < INT16_MAX ? left : INT16_MAX;
-        f->context->kernels.trace(&f->eye->view, x, y, f->eye->splats, list->entries + first, 0, 0, count, pixels,
-                                  f->nothing);
+        f->context->kernels.trace(&f->eye->view, x, y, f->eye->splats, list->entries + first, 0, 0, count,
+                                  &f->pixels[column], nothing);
     }
     lap(f, laps, FXS_BLENDED);
 }
@@ -298,14 +319,13 @@ static int draw_columns(fxs_frame *f)
     return hand_over(f);
 }
 
-/* A band of one tile row whose splats do not fit; end_column is how many columns there are pixels for. */
+/* A band of one tile row whose splats do not fit. */
 static int draw_sliced(fxs_frame *f)
 {
-    const int32_t step = f->end_column, tiles_x = f->eye->view.tiles_x;
+    const int32_t step = (int32_t)f->slice_macros * FXS_MACRO, tiles_x = f->eye->view.tiles_x;
     void (*const draw_tile)(fxs_frame *, uint32_t, const fxs_list *, fxs_laps *) = f->draw_tile;
     int error = 0;
     f->depths = f->eye->depths;
-    f->nothing->which = 0;
     f->draw_tile = blend_on;
     for (f->first_column = 0; f->first_column < tiles_x && !error; f->first_column = f->end_column) {
         f->end_column = fxs_min(f->first_column + step, tiles_x);

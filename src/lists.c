@@ -83,6 +83,20 @@ void fxs_lists_count(fxs_frame *f)
     }
 }
 
+int fxs_lists_rows_fit(const fxs_frame *f)
+{
+    const uint32_t across = fxs_macros(f->eye->view.tiles_x);
+    for (uint32_t row = f->first_macro; row <= f->last_macro; row += across) {
+        uint32_t room = f->key_capacity;
+        for (uint32_t macro = row; macro < row + across; macro++) {
+            if (f->lengths[macro] > room)
+                return 0;
+            room -= f->lengths[macro];
+        }
+    }
+    return 1;
+}
+
 /* In a list the parts follow each other, so it is almost in the order of the slots. */
 void fxs_lists_fill(fxs_frame *f, uint32_t end)
 {

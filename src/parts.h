@@ -85,8 +85,8 @@ typedef struct fxs_frame {
     int32_t first_column, end_column;      /* of tiles; all, but where the band is sliced */
     int sliced;                            /* one tile row, whose splats do not fit: slices.c */
     fxs_tile *pixels;                      /* sliced only: of the columns */
-    fxs_trace *nothing;                    /* sliced only: names none of its arrays */
-    uint32_t slice_room;                   /* splats */
+    fxs_trace *nothing;                    /* sliced only, one for each macro tile: names none of its arrays */
+    uint32_t slice_room, slice_macros;     /* splats; macro tiles, 0 where the band is not sliced */
     uint32_t count;                        /* splats that touch it */
     uint32_t *indices;                     /* by slot: in all objects' chunks */
     fxs_key *keys, *spare;                 /* the lists, and as much room, to sort them and for the lists of tiles */
@@ -247,6 +247,9 @@ fxs_lister fxs_lister_of(const fxs_frame *f, uint32_t part);
 
 /* Finds the macro tiles of the band, first_macro to last_macro, and how long their lists are. */
 void fxs_lists_count(fxs_frame *f);
+
+/* Once they are counted: whether the lists of each row of macro tiles fit in the memory. */
+int fxs_lists_rows_fit(const fxs_frame *f);
 
 /* Lists as many macro tiles, from first_macro to before `end`, as fit in `keys`, and sets last_macro. A list is never
    longer than the number of slots, so one always fits. For a back end they are whole rows, or of one row. */

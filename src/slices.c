@@ -23,10 +23,7 @@ static void keep(const fxs_frame *f, fxs_slice *s, uint32_t count)
     for (uint32_t slot = s->count, end = s->count + count; slot < end; slot++) {
         const fxs_key key = key_of(f, slot);
         const fxs_span columns = fxs_bin_columns(&f->eye->view, &f->eye->bounds[slot]);
-        if (key < s->first || columns.last < f->first_column || columns.first >= f->end_column)
-            continue;
-        s->more |= key > s->last;
-        if (key <= s->last)
+        if (key >= s->first && key <= s->last && columns.last >= f->first_column && columns.first < f->end_column)
             move(f, s->count++, slot);
     }
 }
@@ -46,15 +43,12 @@ static void drop_farthest(const fxs_frame *f, fxs_slice *s)
             move(f, s->count++, slot);
 }
 
-/* Whether a chunk may have splats of the slice; where it has but farther ones, there are more. */
-static int may_have(const fxs_frame *f, fxs_slice *s, uint32_t chunk)
+/* Whether a chunk may have splats of the slice. */
+static int may_have(const fxs_frame *f, const fxs_slice *s, uint32_t chunk)
 {
     const fxs_extent *e = &f->extents[chunk];
-    if (!fxs_band_has_chunk(f, chunk) || e->columns.last < f->first_column || e->columns.first >= f->end_column ||
-        e->farthest < s->first >> 32)
-        return 0;
-    s->more |= e->nearest > s->last >> 32;
-    return e->nearest <= s->last >> 32;
+    return fxs_band_has_chunk(f, chunk) && e->columns.last >= f->first_column && e->columns.first < f->end_column &&
+           e->farthest >= s->first >> 32 && e->nearest <= s->last >> 32;
 }
 
 /* Projects what the slice needs. Returns 0 or FXS_ERR_SCENE. */

@@ -7,14 +7,15 @@
 
 #define FEW 24u                    /* keys, which are sorted by insertion alone */
 #define MANY 1500u                 /* keys, for which digits are longer */
+#ifdef FXS_SMALL_STACK             /* a build for boards: short digits, no calls within calls */
+#define LIST_DIGIT 7
+#define HUGE UINT32_MAX
+#else
+#define LIST_DIGIT DIGIT           /* bits of a digit of a list, at most */
 #define HUGE 32768u                /* keys that are more than a cache holds */
+#endif
 #define MOVES 4u                   /* a key, by insertion, at most */
 #define DIGIT 11                   /* bits: FXS_SORT_BUCKETS */
-#ifdef FXS_SMALL_STACK             /* a build for boards: digits of a list have no more than these bits */
-#define LIST_DIGIT 7
-#else
-#define LIST_DIGIT DIGIT
-#endif
 
 typedef struct digit {
     int shift;
@@ -132,7 +133,7 @@ static void sort_by_two(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t 
             next[d][bucket] = start;
         }
         for (uint32_t i = 0; i < count; i++)
-            spare[next[d][((uint32_t)(keys[i] >> 32) - least) >> (shift + d * bits) & (buckets - 1)]++] = keys[i];
+            spare[next[d][((uint32_t)(keys[i] >> 32) - least) >> shift >> d * bits & (buckets - 1)]++] = keys[i];
         fxs_key *moved = spare;
         spare = keys;
         keys = moved;

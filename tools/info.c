@@ -354,8 +354,9 @@ static int measure_turns(board *b, fxs_turntable *t, unsigned char *rows, void *
         const int error = fxs_render(&context, &t->object, 1, &t->camera, &options, 0, memory, b->memory.least, &stats);
         if (error != FXS_ERR_UNSUPPORTED)
             return fail(EXIT_FAILED, "%s", fxs_strerror(error));
-        b->rows = stats.memory.rows < b->rows ? stats.memory.rows : b->rows;
-        b->rows_most = stats.memory.rows > b->rows_most ? stats.memory.rows : b->rows_most;
+        const size_t from = stats.memory.rows > b->memory.least ? stats.memory.rows : b->memory.least;
+        b->rows = from < b->rows ? from : b->rows;
+        b->rows_most = from > b->rows_most ? from : b->rows_most;
     }
     return 0;
 }

@@ -202,15 +202,13 @@ static uint64_t fnv1a64(const uint8_t *bytes, size_t count)
 
 /* ---- What is printed --------------------------------------------------------------------------------------------- */
 
-/* The memory of a frame on one thread, at most --max-memory. */
+/* In the memory of a frame on one thread, whatever --max-memory says: pairs are counted without slices. */
 static int count_pairs(const render_options *o, const world *w, const fxs_camera *camera, uint64_t *evaluated,
                        uint64_t *blended)
 {
     fxs_context context;
     fxs_init(&context, 0);
-    size_t bytes = fxs_frame_bytes(&context, w->objects, w->count, camera->width, camera->height, 0);
-    if (o->frame.max_memory && o->frame.max_memory < bytes)
-        bytes = o->frame.max_memory;
+    const size_t bytes = fxs_frame_bytes(&context, w->objects, w->count, camera->width, camera->height, 0);
     void *allocation = malloc(bytes + 63), *memory = (void *)(((uintptr_t)allocation + 63) / 64 * 64);
     const int error = allocation ? fxs_count_pairs(w->objects, w->count, camera, &o->frame.render, memory, bytes,
                                                    evaluated, blended) : FXS_ERR_MEMORY;
@@ -234,9 +232,9 @@ static int print_stats(const renderer *r, const render_options *o, const world *
     for (uint32_t i = 0; i < w->placed.file_count; i++)
         scene_bytes += w->scenes[i].packed.bytes;
     printf("{\"gaussians\": %" PRIu64 ", \"packed\": %" PRIu32 ", \"visible\": %" PRIu32 ", \"entries\": %" PRIu64
-           ", \"bands\": %" PRIu32 ", \"runs\": %" PRIu32 ", \"pairs_evaluated\": %" PRIu64
+           ", \"bands\": %" PRIu32 ", \"slices\": %" PRIu32 ", \"runs\": %" PRIu32 ", \"pairs_evaluated\": %" PRIu64
            ", \"pairs_blended\": %" PRIu64 ", \"frame_ms\": %.3f, \"stages_ms\": {", gaussians, stats->gaussians,
-           stats->visible, stats->entries, stats->bands, stats->runs, evaluated, blended,
+           stats->visible, stats->entries, stats->bands, stats->slices, stats->runs, evaluated, blended,
            (double)stats->frame_nanoseconds * 1e-6);
     for (int i = 0; i < FXS_STAGES; i++)
         printf("%s\"%s\": %.3f", i ? ", " : "", fxs_stage_name((enum fxs_stage)i),

@@ -34,7 +34,8 @@ static void frame_box(fxs_turntable *t, const int64_t half_q32[3], int32_t width
     /* half of the diagonal of the box's floor: sqrt(x^2 + z^2) <= greater + 7/16 lesser */
     const int64_t x = half_q32[0], z = half_q32[2], radius = x > z ? x + z / 16 * 7 : z + x / 16 * 7;
     const int64_t tall = times_q30(half_q32[1], COS_18_Q30) + times_q30(radius, SIN_18_Q30);
-    const int64_t far_y = tall / 8 * 18 + 1, far_x = radius / 8 * 18 / width * height + 1;    /* 2.25 = 2.14 / 0.95 */
+    const int32_t high = height / 32 < width ? height : 32 * width;    /* of a narrower picture the sides are cut */
+    const int64_t far_y = tall / 8 * 18 + 1, far_x = radius / 8 * 18 / width * high + 1;      /* 2.25 = 2.14 / 0.95 */
     const int64_t distance = radius / 4 + (far_x > far_y ? far_x : far_y);
     const int32_t rotation_q30[9] = {1 << 30, 0, 0, 0, COS_18_Q30, -SIN_18_Q30, 0, SIN_18_Q30, COS_18_Q30};
     for (int i = 0; i < 9; i++)

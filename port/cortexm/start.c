@@ -26,10 +26,16 @@ static void count_wrap(void)
     wraps++;
 }
 
-static void fault(void)
+static __attribute__((used)) void say_fault(void)
 {
     console_text("error: a fault of the processor\n");
     console_exit(3);
+}
+
+/* On a stack that is whole: the fault may be that there was too little of it. */
+static __attribute__((naked)) void fault(void)
+{
+    __asm__("ldr r0, =board_stack_end\n\tmov sp, r0\n\tb say_fault");
 }
 
 void board_start(void);
@@ -64,7 +70,7 @@ uint64_t board_clock(void *unused)
         ticks = CLOCK_TICKS - 1 - SYST_CVR;
         pending = ICSR & PENDSTSET;
     } while (before != wraps || pending);
-    return ((uint64_t)before * CLOCK_TICKS + ticks) * (1000000000u / BOARD_HZ);
+    return ((uint64_t)before * CLOCK_TICKS + ticks) * 1000 / (BOARD_HZ / 1000000);
 }
 
 /* What lies between the stack's end and this was never used. */

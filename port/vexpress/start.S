@@ -19,5 +19,9 @@ board_start:
 vectors:
     b board_start
     .rept 7
-    b board_fault
+    b fault
     .endr
+
+fault:
+    ldr sp, =board_stack_end
+    b board_fault

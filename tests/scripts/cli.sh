@@ -475,7 +475,7 @@ fi
 
 stages='project shade sort bin blend resolve'
 succeeds "--stats" render knot.ply $small --stats
-check "--stats: keys" keys logs/out gaussians visible entries bands runs pairs_evaluated pairs_blended frame_ms \
+check "--stats: keys" keys logs/out gaussians visible entries bands slices runs pairs_evaluated pairs_blended frame_ms \
     $(printf 'stages_ms.%s ' $stages) $(printf 'bytes.%s ' scene splats keys tiles entries frame)
 check "--stats: Gaussians" grep -q '"gaussians": 2000,' logs/out
 succeeds "info" info knot.ply
