@@ -334,9 +334,9 @@ typedef struct fxs_frame_memory {
    objects are: `total`, of a splat for every Gaussian of every object. From `least` on (some 45 KB with one thread, 200
    KB a thread with more, 24 bytes a chunk, the objects and the tiles), less memory will do: the frame is rendered in
    bands of tile rows, whose splats fit, after a first projection that plans them. Each band takes 88 bytes for each
-   Gaussian that touches it. A tile row whose splats do not fit is drawn in slices, near to far, which projects some of
-   them again: of colour and coverage alone, and by a back end only where it has `draw_blended`. The bytes of the
-   picture are the same.
+   Gaussian that touches it. A tile row whose splats do not fit is drawn in slices, near to far, in a time that grows
+   with the square of their number: of colour and coverage alone, and by a back end only where it has `draw_blended`.
+   The bytes of the picture are the same.
    *memory may be null. Returns total; 0 where an argument is out of range, or the memory more than a size_t can
    count. */
 size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,

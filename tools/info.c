@@ -186,8 +186,8 @@ static void print_limit(const fxs_frame_memory *m, size_t limit)
     else if (limit >= m->total)
         printf("--max-memory  %zu bytes: enough for any view\n", limit);
     else
-        printf("--max-memory  %zu bytes: enough for any view; slower where a row of tiles (16 pixels) has more than %zu "
-               "Gaussians\n", limit, (limit - m->least) / 88 / 16 * 16);
+        printf("--max-memory  %zu bytes: enough for any view; slower where a row of tiles (16 pixels) has more than "
+               "%zu Gaussians\n", limit, (limit - m->least) / 88 / 16 * 16);
 }
 
 static void print_scene_text(const loaded_scene *s)
@@ -224,8 +224,8 @@ static void print_object_text(const world *w, uint32_t i)
 static void print_board_text(const board *b, size_t scene_bytes)
 {
     printf("board         %dx%d, one thread: %zu bytes of flash for the scene, %zu of RAM for a strip of 16 "
-           "rows;\n              working memory: %zu at the least; from %zu to %zu on, by how it is turned, rows of tiles at once;\n"
-           "              %zu for the whole frame at once\n", b->width, b->height, scene_bytes, b->strip,
+           "rows;\n              working memory: %zu at the least; from %zu to %zu on, by how it is turned, rows of "
+           "tiles at once;\n              %zu for the whole frame at once\n", b->width, b->height, scene_bytes, b->strip,
            b->memory.least, b->rows, b->rows_most, b->memory.total);
 }
 

@@ -9,7 +9,7 @@
  *     strip.kernels = &context.kernels;
  *     fxs_render(&context, &object, 1, &camera, &options, 0, memory, sizeof memory, 0);
  *
- * It allocates nothing. One frame at a time. A strip is 2 KB beside its pixels, so that the stack need not hold these. */
+ * It allocates nothing. One frame at a time. */
 #ifndef FXS_STRIP_H
 #define FXS_STRIP_H
 
