@@ -269,11 +269,11 @@ WEB_CORE := $(wildcard src/*.c) kernels/kernels.c port/web/core.c port/web/crc.c
             port/camera/camera.c port/world/world.c $(WEB_C)
 sources_of_core := $(WEB_CORE)
 sources_of_simd := $(WEB_CORE) $(wildcard kernels/wasm/*.c)
-sources_of_import := $(filter-out %_write.c %/fxs_file.c %/scene_filter.c,$(wildcard port/scene/*.c port/import/*.c)) \
-                     port/web/import.c port/files/byte_reader.c port/files/text.c port/files/zip.c src/scene.c \
+sources_of_import := $(filter-out %_write.c %/scene_filter.c,$(wildcard port/scene/*.c port/import/*.c)) \
+                     port/web/import.c port/web/crc.c port/files/byte_reader.c port/files/text.c port/files/zip.c src/scene.c \
                      src/fixsplat.c src/chunk.c $(WEB_C)
-# What the stages of kernels/ do in the place of src/ may be small there. -DFXS_WITH_ZLIB: for one function, crc.c.
-wasm_flags_of = $(if $(filter core simd,$(1)),-DFXS_WITH_ZLIB -Iport/web/zlib) $(if $(filter simd,$(1)),-msimd128) \
+# What the stages of kernels/ do in the place of src/ may be small there. .fxs needs of zlib what crc.c has.
+wasm_flags_of = $(if $(filter %/fxs_file.c,$(2)),-DFXS_WITH_ZLIB -Iport/web/zlib) $(if $(filter simd,$(1)),-msimd128) \
                 $(if $(filter simd/src/% core/port/% simd/port/%,$(1)/$(2)),-Oz,-O2)
 web_objects_of = $(patsubst %.c,$(B)/web/$(1)/%.o,$(sources_of_$(1)))
 WASM := $(foreach module,core simd import,$(WEB)/$(module).wasm)

@@ -1,11 +1,11 @@
-/* The readers and the packing as a module of their own: a file goes in, a packed scene comes out, and fixsplat.js drops
+/* The readers and the packing as a module of their own: a file goes in, an .fxs file comes out, and fixsplat.js drops
  * the module with all of its memory. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "../import/pack.h"
+#include "../scene/fxs_file.h"
 #include "../scene/scene_file.h"
-#include "../../src/packed.h"
 #include "web.h"
 
 __attribute__((import_module("env"), import_name("progress"))) void fxs_web_progress(double done);
@@ -40,10 +40,11 @@ static int pack(fxs_scene_file *file, const fxs_scene_file_info *info, int profi
 {
     fxs_pack_report report;
     const fxs_pack_options options = {(enum fxs_profile)profile, NULL, NULL, 1, progress, NULL, NULL};
-    return fxs_pack(file, info, &packed, &report, &options, &message);
+    const int error = fxs_pack(file, info, &packed, &report, &options, &message);
+    return error ? error : fxs_file_seal(packed.data, packed.bytes);
 }
 
-/* In: limits of Gaussians and of memory, or 0. Out: where the packed scene is, and its bytes. */
+/* In: limits of Gaussians and of memory, or 0. Out: where the .fxs file is, and its bytes. */
 EXPORT(import) int fxs_web_import(const char *name, const void *data, size_t size, int profile, int axes)
 {
     fxs_scene_file *file;
