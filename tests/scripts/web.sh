@@ -10,7 +10,9 @@ package=$B/web/package
 
 missing=
 for program in clang wasm-ld wasm-opt node; do have $program || missing="$missing $program"; done
-[ -z "$missing" ] && ! echo '#include <stdlib.h>' | clang --target=wasm32-wasi -E - >/dev/null 2>&1 && missing=' wasi-libc'
+if [ -z "$missing" ] && ! echo '#include <stdlib.h>' | clang --target=wasm32-wasi -E - >/dev/null 2>&1; then
+    missing=' wasi-libc'
+fi
 if [ -n "$missing" ]; then
     skip web "not here:$missing"
     finish
@@ -82,14 +84,22 @@ pick_is_the_same() {
 speed() {
     scene=$1 camera=$2 width=${3%x*} height=${3#*x} size=$3
     shift 3
-    simd=$(web speed 1 "$scene" "$camera" "$width" "$height") && c=$(web speed 0 "$scene" "$camera" "$width" "$height") &&
-        native=$("$B/fixsplat" bench "$scene" --size "$size" --cpu sse41 --threads 1 "$@" | awk '$1 == "frame" { print $3 }') &&
-        echo "$simd $c $native $size" | awk '{ printf "  %s, one thread, milliseconds a frame: simd128 %s (%.2f of native sse41), plain %s (%.2f), native %s\n", $4, $1, $1 / $3, $2, $2 / $3, $3 }' >>"$work/said"
+    for turn in 1 2 3; do
+        simd=$(web speed 1 "$scene" "$camera" "$width" "$height") &&
+            plain=$(web speed 0 "$scene" "$camera" "$width" "$height") &&
+            "$B/fixsplat" bench "$scene" --size "$size" --cpu sse41 --threads 1 "$@" >"$work/bench" || return 1
+        echo "$simd $plain $(awk '$1 == "frame" { print $2 }' "$work/bench")"
+    done >"$work/times"
+    awk -v size="$size" 'function least(a, b) { return a && a < b ? a : b }
+        { simd = least(simd, $1); plain = least(plain, $2); native = least(native, $3) }
+        END { printf "  %s, one thread, least milliseconds a frame: simd128 %s, %.2f of native sse41; ", \
+                  size, simd, simd / native
+              printf "without %s, %.2f; native %s\n", plain, plain / native, native }' "$work/times" >>"$work/said"
 }
 
 check "builds" builds
 check "test_kernels in WebAssembly" kernels_are_exact
-for size in core.wasm:46080 simd.wasm:46080 import.wasm:256000 fixsplat.js:40960; do
+for size in core.wasm:45000 simd.wasm:45000 import.wasm:250000 fixsplat.js:40000; do
     check "size of ${size%:*}" at_most "${size#*:}" "$package/${size%:*}"
 done
 check "makes a scene" make_scene 20000
@@ -100,7 +110,8 @@ for profile in default compact small; do
         --size 320x200
 done
 check "eye, look, field of view" same_picture \
-    '{"eye":[2,-1,-4],"look":[0,0.3,0],"fov":65,"up":[0.1,-1,0.2],"near":0.5}' '{"width":131,"height":77,"background":1122867}' '[]' \
+    '{"eye":[2,-1,-4],"look":[0,0.3,0],"fov":65,"up":[0.1,-1,0.2],"near":0.5}' \
+    '{"width":131,"height":77,"background":1122867}' '[]' \
     "$knot" -- --size 131x77 --eye 2,-1,-4 --look 0,0.3,0 --fov 65 --up 0.1,-1,0.2 --near 0.5 --bg 112233
 check "coverage, SH degree 1, square, in bands" same_picture '{}' \
     '{"width":200,"height":150,"alpha":true,"shDegree":1,"cutoff":"square","maxMemory":400000}' '[]' \
@@ -117,15 +128,18 @@ for source in fxs ply; do
     check "damaged and cut: .$source" web damage "$file"
 done
 check "sources" web sources "$work/700-default.fxs"
-check "misuse" web misuse "$work/700-default.fxs"
 check "50 loads and unloads" web memory "$work/20000.ply"
 for profile in default compact small; do
     check "packs a .ply, $profile" same_packed "$work/700.ply" $profile
 done
+check "makes a .splat" "$B/fixsplat" convert "$work/700.ply" "$work/700.splat"
+check "makes an .spz" "$B/fixsplat" convert "$work/700.ply" "$work/700.spz" --spz-version 3
 for kind in splat spz; do
-    check "makes a .$kind" "$B/fixsplat" convert "$work/700.ply" "$work/700.$kind"
     check "packs a .$kind" same_packed "$work/700.$kind" default
 done
+check "damaged and cut: .spz" web damage "$work/700.spz"
+check "makes an .spz of version 4" "$B/fixsplat" convert "$work/700.ply" "$work/4.spz"
+check "misuse" web misuse "$work/700-default.fxs" "$work/700.ply" "$work/4.spz"
 if [ -d "$scenes" ]; then
     for scene in guitar/guitar.compressed.ply luma-seal/luma-seal.splat kitchen-marble/kitchen-marble.spz; do
         check "packs $scene" same_packed "$scenes/$scene" compact
