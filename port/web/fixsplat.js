@@ -1,7 +1,7 @@
 // fixsplat for browsers and Node: the same bytes as the library everywhere. fixsplat.d.ts says what there is.
 
 const inNode = typeof process === 'object' && !!process.versions?.node
-const GUESS = 128               // bytes a Gaussian that a gzip stream may have, and no more
+const INFLATED = 128            // bytes that each Gaussian may have inflated
 const ALWAYS = 1000000          // Gaussians that any file may have (FXS_GAUSSIANS_ALWAYS)
 // A module with one function that uses simd128.
 const WITH_SIMD = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15,
@@ -77,11 +77,18 @@ class Module {
   }
 }
 
+/** What is made once; but again after it failed. */
+const once = (made, name, make) =>
+  (made[name] ??= make().catch((error) => {
+    delete made[name]
+    throw error
+  }))
+
 const compiled = {}
-const fetched = (name) => bytesOf(new URL(`${name}.wasm`, import.meta.url))
-const compile = (name) => (compiled[name] ??= fetched(name).then(WebAssembly.compile))
+const compile = (name) =>
+  once(compiled, name, async () => WebAssembly.compile(await bytesOf(new URL(`${name}.wasm`, import.meta.url))))
 const cores = {}
-const coreOf = (name) => (cores[name] ??= compile(name).then((module) => new Module(module)))
+const coreOf = (name) => once(cores, name, async () => new Module(await compile(name)))
 
 // ---- Opening --------------------------------------------------------------------------------------------------
 
@@ -101,18 +108,20 @@ async function read(source) {
 }
 
 async function gunzip(name, bytes) {
-  const most = GUESS * (ALWAYS + bytes.length)
+  const most = INFLATED * (ALWAYS + bytes.length)
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip')).getReader()
+  const fail = () => Promise.reject(new Error(`${name}: the gzip stream is damaged or ends early`))
+  const next = () => stream.read().catch(fail)
   const parts = []
   let length = 0
-  try {
-    for await (const part of new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'))) {
-      parts.push(part)
-      if ((length += part.length) > most) break
+  for (let part = await next(); !part.done; part = await next()) {
+    parts.push(part.value)
+    length += part.value.length
+    if (length > most) {
+      await stream.cancel()
+      throw new Error(`${name}: its gzip stream has more than ${most} bytes`)
     }
-  } catch {
-    throw new Error(`${name}: the gzip stream is damaged or ends early`)
   }
-  if (length > most) throw new Error(`${name}: its gzip stream has more than ${most} bytes`)
   return new Uint8Array(await new Blob(parts).arrayBuffer())
 }
 

@@ -1,6 +1,6 @@
 #!/bin/sh
-# The npm package (docs/web.md), in Node: the bytes of the command, with simd128 and without; errors in words; memory
-# and download sizes within their limits; test_kernels as a program of WASI.
+# The npm package (docs/web.md), in Node and a page of Chromium: the bytes of the command, with simd128 and without;
+# errors in words; memory and download sizes within their limits; test_kernels as a program of WASI.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -80,6 +80,18 @@ pick_is_the_same() {
     printf '%s' "$want" | grep -Eq "\"gaussian\": ?$number\\b" || { echo "$got, not $want"; return 1; }
 }
 
+# A canvas in Chromium has the same pixels; QUERY: ?plain for the module without simd128.
+canvas_is_the_same() {
+    rm -f "$work/address"
+    node tests/web/serve.mjs "$package" "$knot" >"$work/address" &
+    until [ -s "$work/address" ] || ! kill -0 $!; do sleep 0.1; done
+    timeout 100 chromium --headless --no-sandbox --disable-gpu --virtual-time-budget=20000 --dump-dom \
+        "$(cat "$work/address")/page.html$1" >"$work/dom" 2>"$work/log"
+    kill $!
+    want=$("$B/fixsplat" render "$knot" --size 320x200 -o "$work/picture.ppm" --hash)
+    grep -q "<p id=\"said\">hash $want, refused" "$work/dom" || { tail -n 3 "$work/dom" "$work/log"; return 1; }
+}
+
 # speed SCENE CAMERA SIZE OPTION...: milliseconds a frame of one thread, printed.
 speed() {
     scene=$1 camera=$2 width=${3%x*} height=${3#*x} size=$3
@@ -122,6 +134,12 @@ check "two objects" same_picture '{"eye":[1,-2,-9]}' '{"width":200,"height":150}
 check "pick" pick_is_the_same
 check "png" web png "$knot"
 check "the example of the README" example
+if have chromium; then
+    check "in Chromium" canvas_is_the_same ''
+    check "in Chromium, without simd128" canvas_is_the_same '?plain'
+else
+    skip chromium "not here"
+fi
 for source in fxs ply; do
     file=$work/700.ply
     [ $source = fxs ] && file=$work/700-compact.fxs
