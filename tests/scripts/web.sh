@@ -6,7 +6,7 @@ B=${B:-build}
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 scenes=${FXS_SCENES:-../shared/scenes}
-package=$B/web/package
+made=$work/made package=$work/made/web/package
 
 missing=
 for program in clang wasm-ld wasm-opt node; do have $program || missing="$missing $program"; done
@@ -20,14 +20,14 @@ if [ -n "$missing" ]; then
 fi
 
 builds() {
-    said=$(env -u MAKEFLAGS make -s B="$B" NVCC=none web "$B/web/test_kernels.wasm" 2>&1 | grep -v '^built without')
+    said=$(env -u MAKEFLAGS make -s B="$made" NVCC=none web "$made/web/test_kernels.wasm" 2>&1 | grep -v '^built without')
     [ -z "$said" ] || { echo "$said"; return 1; }
 }
 
 web() { node --no-warnings --expose-gc tests/web/package.mjs "$package" "$@"; }
 
 kernels_are_exact() {
-    node --no-warnings tests/web/wasi.mjs "$B/web/test_kernels.wasm" >"$work/log" 2>&1
+    node --no-warnings tests/web/wasi.mjs "$made/web/test_kernels.wasm" >"$work/log" 2>&1
     grep -q '^simd128' "$work/log" && tail -n 1 "$work/log" | grep -q '^7 passed, 0 failed' && return
     cat "$work/log"
     return 1
@@ -68,7 +68,7 @@ make_scene() {
 # The example of the README renders a picture of the scene.
 example() {
     mkdir -p "$work/example/node_modules" && cp "$work/20000-default.fxs" "$work/example/scene.fxs" &&
-        ln -s "$PWD/$package" "$work/example/node_modules/fixsplat" &&
+        ln -s "$package" "$work/example/node_modules/fixsplat" &&
         sed -n '/^```js/,/^```/p' port/web/README.md | sed '1d;/^```/,$d' >"$work/example/a.mjs" &&
         (cd "$work/example" && node a.mjs) && [ "$(head -c 4 "$work/example/scene.png" | tail -c 3)" = PNG ]
 }
