@@ -23,12 +23,13 @@ TEST_PACKAGES := clang libclang-rt-14-dev cmake pkg-config glslang-tools qemu-us
                  libegl1 libgles2 libegl-mesa0 libgl1-mesa-dri xvfb xdotool gcc-s390x-linux-gnu \
                  libc6-dev-s390x-cross gcc-powerpc-linux-gnu libc6-dev-powerpc-cross gcc-arm-linux-gnueabihf \
                  libc6-dev-armhf-cross gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-i686-linux-gnu \
-                 libc6-dev-i386-cross g++ qemu-system-arm
+                 libc6-dev-i386-cross g++ qemu-system-arm chromium
 CROSS := mips-linux-gnu powerpc64-linux-gnu powerpc64le-linux-gnu m68k-linux-gnu sparc64-linux-gnu hppa-linux-gnu \
          arm-linux-gnueabi mips64el-linux-gnuabi64
 TEST_ALL_PACKAGES := musl-tools $(CROSS:%=gcc-%) libc6-dev-mips-cross libc6-dev-ppc64-cross libc6-dev-ppc64el-cross \
                      libc6-dev-m68k-cross libc6-dev-sparc64-cross libc6-dev-hppa-cross libc6-dev-armel-cross \
                      libc6-dev-mips64el-cross
+WEB_PACKAGES := clang lld wasi-libc libclang-rt-14-dev-wasm32 binaryen nodejs
 GOALS := $(or $(MAKECMDGOALS),all)
 
 # As many jobs as processors, unless told by -j.
@@ -42,8 +43,9 @@ all: ## the command and the libraries (the default)
 ifneq ($(filter setup,$(GOALS)),)
 # ---- Setup ---------------------------------------------------------------------------------------------------------
 
-setup: ## install the Debian packages that are missing (those for the tests too, before `test` or `test-all`)
+setup: ## install the Debian packages that are missing (and what the goals behind it need: setup test, setup web)
 	@sh tools/setup.sh $(PACKAGES) $(if $(filter test test-all,$(GOALS)),$(TEST_PACKAGES)) \
+	    $(if $(filter test test-all web,$(GOALS)),$(WEB_PACKAGES)) \
 	    $(if $(filter test-all,$(GOALS)),$(TEST_ALL_PACKAGES))
 
 # What else is asked for, by a make that finds what was installed.
@@ -177,7 +179,7 @@ $(FLAT_HEADERS): $(HEADERS)
 
 $(B)/with/%: ;
 -include $(wildcard $(addprefix $(B)/,$(addsuffix /*.d,src kernels kernels/* port/* tools tests tests/gpu)) \
-           $(B)/firmware/*/*/*.d $(B)/firmware/*/*/*/*.d)
+           $(B)/firmware/*/*/*.d $(B)/firmware/*/*/*/*.d $(B)/web/*/*/*.d $(B)/web/*/*/*/*.d)
 .SUFFIXES:
 .DELETE_ON_ERROR:
 .PRECIOUS: $(B)/%.o
@@ -252,6 +254,59 @@ endef
 $(foreach board,$(BOARDS),$(eval $(call firmware_rules,$(board))))
 $(B)/commands/firmware: COMMAND = $(ARM_CC) $(ARM_CFLAGS) $(foreach board,$(BOARDS),$(cpu_of_$(board)) $(link_of_$(board)))
 $(B)/commands/firmware-scene: COMMAND := $(ARM_CC) $(FIRMWARE_SCENE)
+
+# ---- Web -------------------------------------------------------------------------------------------------------------
+
+# Modules of WebAssembly: the renderer without and with simd128, and the readers with the packing.
+WASM_CC ?= clang
+WASM_OPT ?= wasm-opt
+WEB := $(B)/web/package
+WASM_FLAGS := --target=wasm32-wasi -std=gnu99 -fwrapv -ffp-contract=off -ffunction-sections \
+              -Wall -Wextra -Wpedantic -Wshadow -Wconversion -include port/web/files.h
+WASM_LINK := --target=wasm32-wasi -nostartfiles -Wl,--no-entry,--strip-all,--stack-first,-z,stack-size=524288
+WEB_C := $(addprefix port/web/,text.c heap.c files.c) port/files/message.c port/files/allocator.c
+WEB_CORE := $(wildcard src/*.c) kernels/kernels.c port/web/core.c port/web/crc.c port/scene/fxs_file.c \
+            port/camera/camera.c port/world/world.c $(WEB_C)
+sources_of_core := $(WEB_CORE)
+sources_of_simd := $(WEB_CORE) $(wildcard kernels/wasm/*.c)
+sources_of_import := $(filter-out %_write.c %/scene_filter.c,$(wildcard port/scene/*.c port/import/*.c)) \
+                     port/web/import.c port/web/crc.c port/files/byte_reader.c port/files/text.c port/files/zip.c src/scene.c \
+                     src/fixsplat.c src/chunk.c $(WEB_C)
+# What takes little of a frame is to be small. .fxs needs of zlib what crc.c has.
+wasm_flags_of = $(if $(filter %/fxs_file.c,$(2)),-DFXS_WITH_ZLIB -Iport/web/zlib) $(if $(filter simd,$(1)),-msimd128) \
+                $(if $(filter simd/src/% core/port/% simd/port/% %/bin_simd128.c,$(1)/$(2)),-Oz,-O2)
+web_objects_of = $(patsubst %.c,$(B)/web/$(1)/%.o,$(sources_of_$(1)))
+WASM := $(foreach module,core simd import,$(WEB)/$(module).wasm)
+
+PACKAGE := $(WASM) $(addprefix $(WEB)/,fixsplat.js fixsplat.d.ts package.json README.md LICENSE)
+
+web: $(PACKAGE) ## the npm package (docs/web.md), in build/web/package
+
+define web_rules
+$(B)/web/$(1)/%.o: %.c $(B)/commands/web
+	@mkdir -p $$(@D)
+	$$(call say,CC,'$$< ($(1))')$(WASM_CC) $(WASM_FLAGS) $$(call wasm_flags_of,$(1),$$<) -MMD -MP -c -o $$@ $$<
+$(WEB)/$(1).wasm: $(call web_objects_of,$(1))
+	@mkdir -p $$(@D)
+	$$(call say,LD,$$@)$(WASM_CC) $(WASM_LINK) -o $(B)/web/$(1).linked $$(filter %.o,$$^) && \
+	    $(WASM_OPT) --enable-simd -O3 -o $$@ $(B)/web/$(1).linked
+endef
+$(foreach module,core simd import,$(eval $(call web_rules,$(module))))
+$(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WASM_LINK) $(WASM_OPT) \
+    $(foreach module,core simd import,$(foreach file,$(sources_of_$(module)),$(strip $(call wasm_flags_of,$(module),$(file)))))
+
+$(WEB)/package.json: port/web/package.json src/fixsplat.h
+	@mkdir -p $(@D)
+	@sed 's/@VERSION@/$(VERSION)/' $< >$@
+$(WEB)/LICENSE: LICENSE
+	@mkdir -p $(@D) && cp $< $@
+$(WEB)/%: port/web/%
+	@mkdir -p $(@D) && cp $< $@
+
+# tests/test_kernels.c as a program of WASI: node tests/web/wasi.mjs runs it.
+$(B)/web/test_kernels.wasm: $(patsubst %.c,$(B)/web/simd/%.o,$(wildcard src/*.c kernels/wasm/*.c) kernels/kernels.c \
+                                                            tests/test_kernels.c)
+	$(call say,LD,$@)$(WASM_CC) --target=wasm32-wasi -Wl,-z,stack-size=1048576 -o $@ $^
 
 # ---- Install ---------------------------------------------------------------------------------------------------------
 
@@ -341,7 +396,7 @@ size: all ## code size of each part
 clean: ## remove what was built
 	rm -rf $(B) demo.ply demo.png
 
-.PHONY: all demo firmware install uninstall headers core-headers test test-programs cuda-tests golden-update fuzz mutants bench test-all
+.PHONY: all demo firmware web install uninstall headers core-headers test test-programs cuda-tests golden-update fuzz mutants bench test-all
 .PHONY: size clean FORCE
 endif
 

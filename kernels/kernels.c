@@ -82,6 +82,21 @@ unsigned fxs_cpu_detect(void)
 {
     return FXS_CPU_CORTEX_M;
 }
+#elif defined(__wasm_simd128__)
+FXS_PROJECT(simd128);
+FXS_SHADE(simd128);
+FXS_BIN(simd128);
+FXS_SPANS(simd128);
+FXS_NOTE(simd128);
+FXS_LIST(simd128);
+FXS_BLEND(simd128);
+FXS_TRACE(simd128);
+FXS_RESOLVE(simd128);
+
+unsigned fxs_cpu_detect(void)
+{
+    return FXS_CPU_SIMD128;        /* a module with it is refused where it is missing */
+}
 #else
 unsigned fxs_cpu_detect(void)
 {
@@ -98,6 +113,7 @@ const char *fxs_cpu_name(unsigned flag)
     case FXS_CPU_NEON: return "neon";
     case FXS_CPU_MVE: return "mve";
     case FXS_CPU_CORTEX_M: return "cortexm";
+    case FXS_CPU_SIMD128: return "simd128";
     default: return 0;
     }
 }
@@ -162,7 +178,17 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
         USE(FXS_BLEND, blend, cortexm);
         USE(FXS_RESOLVE, resolve, cortexm);
     }
+#elif defined(__wasm_simd128__)
+    if (cpu & FXS_CPU_SIMD128) {
+        USE(FXS_PROJECT, project, simd128);
+        USE(FXS_SHADE, shade, simd128);
+        USE(FXS_BIN, bin, simd128);
+        USE_LISTS(simd128);
+        USE(FXS_BLEND, blend, simd128);
+        kernels->trace = fxs_trace_simd128;
+        USE(FXS_RESOLVE, resolve, simd128);
+    }
 #else
-    (void)kernels;
+    (void)kernels, (void)cpu;
 #endif
 }

@@ -14,7 +14,8 @@ enum fxs_cpu {
     FXS_CPU_AVX512 = 4,            /* F, BW, DQ, VL, CD and VBMI */
     FXS_CPU_NEON = 8,
     FXS_CPU_MVE = 16,              /* Helium, of Cortex-M */
-    FXS_CPU_CORTEX_M = 32          /* Cortex-M without it */
+    FXS_CPU_CORTEX_M = 32,         /* Cortex-M without it */
+    FXS_CPU_SIMD128 = 64           /* of WebAssembly */
 };
 
 /* What this processor has. */

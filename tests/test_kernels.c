@@ -32,7 +32,7 @@ static const struct {
     const char *name;
     unsigned cpu;
 } versions[] = {{"sse41", FXS_CPU_SSE41}, {"avx2", FXS_CPU_AVX2}, {"avx512", FXS_CPU_AVX512}, {"neon", FXS_CPU_NEON},
-                {"mve", FXS_CPU_MVE}, {"cortexm", FXS_CPU_CORTEX_M}};
+                {"mve", FXS_CPU_MVE}, {"cortexm", FXS_CPU_CORTEX_M}, {"simd128", FXS_CPU_SIMD128}};
 
 #define VERSIONS (sizeof versions / sizeof *versions)
 

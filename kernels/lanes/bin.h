@@ -290,7 +290,7 @@ FXS_LIST(ISA)
     for (; i + LANES <= count; i += LANES) {
         vi words, depths;
         load_pairs(keys + i, &words, &depths);
-        const mask which = ~equal(words & (1 << tile), all(0));
+        const mask which = ~equal(words & (int32_t)(1u << tile), all(0));
         store_compressed(entries + listed, (vi)((vu)words >> 4), which);
         listed += lanes_of(which);
     }

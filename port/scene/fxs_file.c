@@ -50,17 +50,45 @@ static uint32_t palette_checksum(const fxs_scene *scene)
     return (uint32_t)crc32(0, (const unsigned char *)scene->palette, (uInt)palette_bytes(scene));
 }
 
-/* Errors stay in the output. */
-static void write_scene(fxs_output *output, const void *data, const fxs_scene *scene, fxs_message *message)
+static fxs_packed_header sealed_header(const void *data, const fxs_scene *scene)
 {
     fxs_packed_header header;
     memcpy(&header, data, sizeof header);
     header.palette_checksum = fxs_little_32(palette_checksum(scene));
     header.checksum = fxs_little_32(header_checksum(&header));
+    return header;
+}
+
+static fxs_chunk sealed_chunk(const fxs_scene *scene, uint32_t i)
+{
+    fxs_chunk chunk = chunk_of(scene, i);
+    chunk.checksum = fxs_little_32(chunk_checksum(scene, i));
+    return chunk;
+}
+
+int fxs_file_seal(void *data, size_t bytes)
+{
+    fxs_scene scene;
+    const int error = fxs_scene_open(&scene, data, bytes);
+    if (error)
+        return error;
+    const fxs_packed_header header = sealed_header(data, &scene);
+    memcpy(data, &header, sizeof header);
+    unsigned char *chunks = (unsigned char *)data + sizeof header;
+    for (uint32_t i = 0; i < scene.chunk_count; i++) {
+        const fxs_chunk chunk = sealed_chunk(&scene, i);
+        memcpy(chunks + (size_t)i * sizeof chunk, &chunk, sizeof chunk);
+    }
+    return 0;
+}
+
+/* Errors stay in the output. */
+static void write_scene(fxs_output *output, const void *data, const fxs_scene *scene, fxs_message *message)
+{
+    const fxs_packed_header header = sealed_header(data, scene);
     int result = fxs_output_write(output, &header, sizeof header, message);
     for (uint32_t i = 0; i < scene->chunk_count && !result; i++) {
-        fxs_chunk chunk = chunk_of(scene, i);
-        chunk.checksum = fxs_little_32(chunk_checksum(scene, i));
+        const fxs_chunk chunk = sealed_chunk(scene, i);
         result = fxs_output_write(output, &chunk, sizeof chunk, message);
     }
     if (!result && scene->palette)
@@ -109,6 +137,13 @@ int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fx
     return 0;
 }
 #else
+int fxs_file_seal(void *data, size_t bytes)
+{
+    (void)data;
+    (void)bytes;
+    return FXS_ERR_UNSUPPORTED;
+}
+
 int fxs_file_write(const char *path, const void *data, size_t bytes, fxs_message *message)
 {
     (void)data;

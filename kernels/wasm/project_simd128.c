@@ -1,0 +1,2 @@
+#include "lanes_simd128.h"
+#include "../lanes/project.h"

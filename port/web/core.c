@@ -1,0 +1,245 @@
+/* The renderer as a module: what fixsplat.js calls. Functions that can fail return a negative FXS_ERR_* or null, and
+ * `words` says why. Numbers come in by `numbers`. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../../kernels/kernels.h"
+#include "../../src/packed.h"
+#include "../camera/camera.h"
+#include "../files/allocator.h"
+#include "../files/message.h"
+#include "../scene/fxs_file.h"
+#include "../world/world.h"
+#include "web.h"
+
+__attribute__((import_module("env"), import_name("tan"))) double fxs_web_tan(double x);
+
+static double numbers[NUMBERS];
+static fxs_message message;
+static fxs_context context;
+static fxs_file_view view;
+static fxs_camera camera;
+
+/* The objects of the next frame, and the boxes of each. */
+static fxs_object *objects;
+static fxs_crop (*crops)[FXS_MAX_CROPS];
+static uint32_t object_count;
+static double low[3], high[3];     /* the box of all of them */
+
+static int said(int error)
+{
+    if (error < 0)
+        strcpy(message.text, fxs_strerror(error));
+    return error;
+}
+
+EXPORT(start) double *fxs_web_start(void)
+{
+    fxs_init(&context, NULL);
+    fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
+    return numbers;
+}
+
+EXPORT(words) const char *fxs_web_words(void)
+{
+    return message.text;
+}
+
+/* Aligned to 64, as malloc is here. */
+EXPORT(allocate) void *fxs_web_allocate(size_t bytes)
+{
+    void *block = malloc(bytes);
+    if (!block)
+        said(FXS_ERR_MEMORY);
+    return block;
+}
+
+EXPORT(release) void fxs_web_release(void *block)
+{
+    free(block);
+}
+
+/* The browser's, as a table of pi is large. An ulp is nothing to a camera, whose numbers are rounded to 2^-12. */
+double tan(double x)
+{
+    return fxs_web_tan(x);
+}
+
+/* ---- Scenes ------------------------------------------------------------------------------------------------------ */
+
+typedef struct loaded {
+    fxs_scene scene;
+    double low[3], high[3];        /* where it is seen */
+} loaded;
+
+/* Checks a packed scene, all of it. Out: count, SH degree, profile; low and high. */
+EXPORT(open) loaded *fxs_web_open(const char *name, const void *data, size_t bytes)
+{
+    fxs_packed_header header;
+    loaded *l = NULL;
+    if (fxs_file_check(name, data, bytes, 1, &message) || !(l = fxs_web_allocate(sizeof *l)))
+        return NULL;
+    fxs_scene_open(&l->scene, data, bytes);
+    memcpy(&header, data, sizeof header);
+    for (int i = 0; i < 3; i++) {
+        l->low[i] = (double)header.inner_low_q32[i] * 0x1p-32;
+        l->high[i] = (double)header.inner_high_q32[i] * 0x1p-32;
+    }
+    numbers[0] = l->scene.count;
+    numbers[1] = l->scene.sh_degree;
+    numbers[2] = l->scene.profile;
+    memcpy(numbers + 3, l->low, 2 * sizeof l->low);
+    return l;
+}
+
+/* ---- Objects ----------------------------------------------------------------------------------------------------- */
+
+/* Begins a frame of so many objects. */
+EXPORT(begin) int fxs_web_begin(uint32_t count)
+{
+    free(objects);
+    free(crops);
+    objects = fxs_allocate(NULL, count, sizeof *objects);
+    crops = fxs_allocate(NULL, count, sizeof *crops);
+    object_count = 0;
+    for (int i = 0; i < 3; i++) {
+        low[i] = INFINITY;
+        high[i] = -INFINITY;
+    }
+    return objects && crops ? 0 : said(FXS_ERR_MEMORY);
+}
+
+static void grow_box(const loaded *l, const fxs_placement *p)
+{
+    double l_low[3], l_high[3];
+    if (!p->visible || !fxs_placement_box(p, l->low, l->high, l_low, l_high))
+        return;
+    for (int i = 0; i < 3; i++) {
+        low[i] = fmin(low[i], l_low[i]);
+        high[i] = fmax(high[i], l_high[i]);
+    }
+}
+
+/* Adds an object. In: translation, rotation (w, x, y, z), scale, opacity, tint, visible, id, number of crops; then of
+   each its low, high and outside. */
+EXPORT(place) int fxs_web_place(const loaded *l)
+{
+    fxs_placement p = {0, {numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5], numbers[6]},
+                       numbers[7], numbers[8], {numbers[9], numbers[10], numbers[11]}, numbers[12] != 0,
+                       (uint32_t)numbers[13], (uint32_t)numbers[14], {{{0}, {0}, 0}}};
+    for (uint32_t c = 0; c < p.crop_count && c < FXS_MAX_CROPS; c++) {
+        const double *in = numbers + 15 + 7 * c;
+        memcpy(p.crops[c].low, in, 6 * sizeof *in);
+        p.crops[c].outside = in[6] != 0;
+    }
+    const int error = fxs_object_place(&objects[object_count], &l->scene, &p, crops[object_count], &message);
+    if (error)
+        return error;
+    object_count++;
+    grow_box(l, &p);
+    return 0;
+}
+
+/* ---- Camera ------------------------------------------------------------------------------------------------------ */
+
+static int take_camera(double near)
+{
+    view.near = near;
+    return fxs_camera_from_view(&camera, &view, &message);
+}
+
+/* In: eye, look, up, field of view in degrees, near, or 0: that of the objects' box. */
+EXPORT(look_at) int fxs_web_look_at(int width, int height)
+{
+    const double near = numbers[10] != 0 ? numbers[10] : fxs_near_of_box(low, high);
+    const int error = fxs_view_look_at(&view, numbers, numbers + 3, numbers + 6, numbers[9], width, height, &message);
+    return error ? error : take_camera(near);
+}
+
+/* Sees the objects whole. In: up, field of view, near, or 0. */
+EXPORT(see_all) int fxs_web_see_all(int width, int height)
+{
+    const int error = fxs_view_frame_box(&view, low, high, numbers, numbers[3], width, height, &message);
+    return error ? error : take_camera(numbers[4] != 0 ? numbers[4] : view.near);
+}
+
+/* Out: the middle of the objects. */
+EXPORT(middle) void fxs_web_middle(void)
+{
+    for (int i = 0; i < 3; i++)
+        numbers[i] = (low[i] + high[i]) / 2;
+}
+
+/* A camera in full, of `width` x `height` pixels, made `new_width` x `new_height` where those are others. In: fx, fy,
+   cx, cy, rotation (world to camera, rows), position, near. */
+EXPORT(camera) int fxs_web_camera(int width, int height, int new_width, int new_height, int projection)
+{
+    strcpy(view.name, "camera");
+    view.width = width;
+    view.height = height;
+    memcpy(&view.fx, numbers, 17 * sizeof *numbers);   /* fx to near lie in this order */
+    view.projection = (enum fxs_projection)projection;
+    if (new_width != width || new_height != height)
+        fxs_view_resize(&view, new_width, new_height);
+    return take_camera(view.near);
+}
+
+/* ---- Frame ------------------------------------------------------------------------------------------------------- */
+
+/* The working memory of a frame, at most `limit` bytes of it where that is not 0. */
+static void *frame_memory(size_t *bytes, size_t limit)
+{
+    *bytes = fxs_frame_bytes(&context, objects, object_count, camera.width, camera.height, NULL);
+    if (limit && limit < *bytes)
+        *bytes = limit;
+    return fxs_web_allocate(*bytes);
+}
+
+static void take_options(fxs_options *options, uint32_t background, int sh_degree, int square)
+{
+    fxs_options_init(options);
+    for (int c = 0; c < 3; c++)
+        options->background[c] = (uint8_t)(background >> (16 - 8 * c));
+    options->sh_degree = sh_degree;
+    options->cutoff = square ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
+}
+
+/* Draws the objects to `pixels`, RGBA8 rows without gaps. */
+EXPORT(render) int fxs_web_render(void *pixels, int format, uint32_t background, int sh_degree, int square,
+                                  size_t limit)
+{
+    size_t bytes;
+    fxs_options options;
+    fxs_targets targets;
+    void *memory = frame_memory(&bytes, limit);
+    if (!memory)
+        return FXS_ERR_MEMORY;
+    take_options(&options, background, sh_degree, square);
+    fxs_targets_init(&targets);
+    targets.colour = (fxs_image){pixels, 4 * (ptrdiff_t)camera.width};
+    targets.format = (enum fxs_format)format;
+    const int error = fxs_render(&context, objects, object_count, &camera, &options, &targets, memory, bytes, NULL);
+    free(memory);
+    return said(error);
+}
+
+/* What a pixel shows: 1, or 0 where that is nothing. Out: the object's place, its Gaussian, depth and position. */
+EXPORT(pick) int fxs_web_pick(int x, int y, size_t limit)
+{
+    size_t bytes;
+    fxs_options options;
+    fxs_pick_result result;
+    void *memory = frame_memory(&bytes, limit);
+    if (!memory)
+        return FXS_ERR_MEMORY;
+    fxs_options_init(&options);
+    const int found = fxs_pick(&context, objects, object_count, &camera, &options, NULL, x, y, memory, bytes, &result);
+    free(memory);
+    numbers[0] = result.object;
+    numbers[1] = result.gaussian;
+    numbers[2] = (double)result.depth_q32 * 0x1p-32;
+    for (int i = 0; i < 3; i++)
+        numbers[3 + i] = (double)result.position_q32[i] * 0x1p-32;
+    return said(found);
+}

@@ -1,0 +1,327 @@
+// fixsplat for browsers and Node: the same bytes as the library everywhere. fixsplat.d.ts says what there is.
+
+const inNode = typeof process === 'object' && !!process.versions?.node
+const INFLATED = 128            // bytes that each Gaussian may have inflated
+const ALWAYS = 1000000          // Gaussians that any file may have (FXS_GAUSSIANS_ALWAYS)
+// A module with one function that uses simd128.
+const WITH_SIMD = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15,
+                   253, 98, 11]
+
+/** Whether this machine runs the faster module. */
+export const hasSimd = WebAssembly.validate(new Uint8Array(WITH_SIMD))
+
+// ---- Modules --------------------------------------------------------------------------------------------------
+
+async function bytesOf(url) {
+  if (inNode && url.protocol === 'file:') return (await import('node:fs/promises')).readFile(url)
+  const response = await fetch(url)
+  if (!response.ok) throw new Error(`${url}: ${response.status} ${response.statusText}`)
+  return new Uint8Array(await response.arrayBuffer())
+}
+
+/** An instance, whose functions take and give numbers at one place of its memory. */
+class Module {
+  constructor(module, progress) {
+    const env = {
+      tan: Math.tan,
+      progress: (done) => progress?.(done),
+      number: (x, at, room) => this.write(String(Number.isInteger(x) ? x : +x.toPrecision(6)), at >>> 0, room),
+    }
+    this.c = new WebAssembly.Instance(module, { env }).exports
+    this.numbers = this.c.start() >>> 0
+  }
+
+  put(...values) {
+    new Float64Array(this.c.memory.buffer, this.numbers).set(values.flat())
+  }
+
+  get(first, end) {
+    return Array.from(new Float64Array(this.c.memory.buffer, this.numbers, end).subarray(first))
+  }
+
+  bytes(at, length) {
+    return new Uint8Array(this.c.memory.buffer, at >>> 0, length)
+  }
+
+  write(text, at, room) {
+    return new TextEncoder().encodeInto(text, this.bytes(at, room)).written
+  }
+
+  error() {
+    const bytes = this.bytes(this.c.words(), 512)
+    return new Error(new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0))))
+  }
+
+  /** What a function returned, unless that is an error. */
+  check(result) {
+    if (result < 0) throw this.error()
+    return result
+  }
+
+  /** The same of a place in memory. */
+  place(at) {
+    if (!at) throw this.error()
+    return at >>> 0
+  }
+
+  /** A copy of some bytes, which `release` frees. */
+  copy(bytes) {
+    const at = this.place(this.c.allocate(bytes.length))
+    this.bytes(at, bytes.length).set(bytes)
+    return at
+  }
+
+  /** The same of a text, with a 0 behind it. */
+  copyText(text) {
+    return this.copy(new TextEncoder().encode(`${text}\0`))
+  }
+}
+
+/** What is made once; but again after it failed. */
+const once = (made, name, make) =>
+  (made[name] ??= make().catch((error) => {
+    delete made[name]
+    throw error
+  }))
+
+const compiled = {}
+const compile = (name) =>
+  once(compiled, name, async () => WebAssembly.compile(await bytesOf(new URL(`${name}.wasm`, import.meta.url))))
+const cores = {}
+const coreOf = (name) => once(cores, name, async () => new Module(await compile(name)))
+
+// ---- Opening --------------------------------------------------------------------------------------------------
+
+async function urlOf(text) {
+  if (!inNode) return new URL(text, globalThis.document?.baseURI ?? globalThis.location?.href)
+  return /^[a-z]+:\/\//i.test(text) ? new URL(text) : (await import('node:url')).pathToFileURL(text)
+}
+
+/** The bytes of whatever `load` takes, and a name for messages. */
+async function read(source) {
+  if (source instanceof ArrayBuffer) return ['scene', new Uint8Array(source)]
+  if (ArrayBuffer.isView(source)) return ['scene', new Uint8Array(source.buffer, source.byteOffset, source.byteLength)]
+  if (typeof Blob === 'function' && source instanceof Blob)
+    return [source.name ?? 'scene', new Uint8Array(await source.arrayBuffer())]
+  const url = source instanceof URL ? source : await urlOf(String(source))
+  return [decodeURIComponent(url.pathname.split('/').pop()) || 'scene', await bytesOf(url)]
+}
+
+async function gunzip(name, bytes) {
+  const most = INFLATED * (ALWAYS + bytes.length)
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip')).getReader()
+  const fail = () => Promise.reject(new Error(`${name}: the gzip stream is damaged or ends early`))
+  const next = () => stream.read().catch(fail)
+  const parts = []
+  let length = 0
+  for (let part = await next(); !part.done; part = await next()) {
+    parts.push(part.value)
+    length += part.value.length
+    if (length > most) {
+      await stream.cancel()
+      throw new Error(`${name}: its gzip stream has more than ${most} bytes`)
+    }
+  }
+  return new Uint8Array(await new Blob(parts).arrayBuffer())
+}
+
+/** A packed scene from a file of another format, by a module that is dropped afterwards with all of its memory. */
+async function pack(name, bytes, { profile = 'default', axes = 'file', maxGaussians = 0, maxMemory = 0, progress }) {
+  const reader = new Module(await compile('import'), progress)
+  reader.put(maxGaussians, maxMemory)
+  const numberOf = (names, value) => {
+    if (!names.includes(value)) throw new Error(`${value}: expected one of ${names.join(', ')}`)
+    return names.indexOf(value)
+  }
+  const kind = numberOf(['default', 'compact', 'small'], profile)
+  const directions = numberOf(['file', 'rub', 'rdf'], axes)
+  const text = reader.copyText(name)
+  try {
+    reader.check(reader.c.import(text, reader.copy(bytes), bytes.length, kind, directions))
+  } catch (error) {
+    if (error instanceof WebAssembly.RuntimeError) throw new Error(`${name}: cannot be read: ${error.message}`)
+    throw error
+  }
+  return reader.bytes(...reader.get(0, 2))
+}
+
+export async function load(source, options = {}) {
+  let [name, bytes] = await read(source)
+  if (bytes[0] === 0x1f && bytes[1] === 0x8b) bytes = await gunzip(name, bytes)
+  const isPacked = bytes.length >= 4 && String.fromCharCode(...bytes.subarray(0, 4)) === 'FXS1'
+  const core = await coreOf(options.simd ?? hasSimd ? 'simd' : 'core')
+  return new Scene(core, name, isPacked ? bytes : await pack(name, bytes, options))
+}
+
+export class Scene {
+  #core
+  #data
+  #scene
+
+  constructor(core, name, bytes) {
+    this.#core = core
+    this.#data = core.copy(bytes)
+    const text = core.copyText(name)
+    try {
+      this.#scene = core.place(core.c.open(text, this.#data, bytes.length))
+    } catch (error) {
+      core.c.release(this.#data)
+      throw error
+    } finally {
+      core.c.release(text)
+    }
+    const [count, shDegree, profile, ...box] = core.get(0, 9)
+    Object.assign(this, { name, count, shDegree, profile: ['default', 'compact', 'small'][profile] })
+    Object.assign(this, { low: box.slice(0, 3), high: box.slice(3), bytes: bytes.length })
+  }
+
+  /** Its module and place there; no part of the interface. */
+  get inside() {
+    if (!this.#scene) throw new Error(`${this.name}: was freed`)
+    return [this.#core, this.#scene]
+  }
+
+  /** The packed scene: an .fxs file. */
+  get packed() {
+    return this.inside && this.#core.bytes(this.#data, this.bytes).slice()
+  }
+
+  render(camera, options) {
+    return render([{ scene: this }], camera, options)
+  }
+
+  pick(x, y, camera, options) {
+    return pick(x, y, [{ scene: this }], camera, options)
+  }
+
+  free() {
+    if (!this.#scene) return
+    this.#core.c.release(this.#scene)
+    this.#core.c.release(this.#data)
+    this.#scene = 0
+  }
+}
+
+// ---- Frames ---------------------------------------------------------------------------------------------------
+
+const MAX_CROPS = 8
+
+/** These numbers, where they are as many as there should be. */
+function all(name, count, numbers) {
+  const flat = Array.isArray(numbers) || ArrayBuffer.isView(numbers) ? Array.from(numbers).flat() : []
+  if (flat.length !== count || !flat.every((x) => typeof x === 'number'))
+    throw new Error(`${name}: expected ${count} numbers`)
+  return flat
+}
+
+function placeObject(core, object, i) {
+  const { scene, translation = [0, 0, 0], rotation = [1, 0, 0, 0], scale = 1, opacity = 1 } = object
+  const { tint = [1, 1, 1], visible = true, id = i, crops = [] } = object
+  const [own, at] = scene.inside
+  if (own !== core) throw new Error(`${scene.name}: loaded with another \`simd\` than the first object`)
+  const box = ({ low, high, keep }) => [...all('low', 3, low), ...all('high', 3, high), keep === 'outside']
+  const where = [...all('translation', 3, translation), ...all('rotation', 4, rotation), scale, opacity]
+  core.put(where, all('tint', 3, tint), visible, id, crops.length, crops.slice(0, MAX_CROPS).flatMap(box))
+  core.check(core.c.place(at))
+}
+
+function placeAll(objects) {
+  if (!objects.length) throw new Error('no objects')
+  const [core] = objects[0].scene.inside
+  core.check(core.c.begin(objects.length))
+  objects.forEach((object, i) => placeObject(core, object, i))
+  return core
+}
+
+/** An entry of a cameras.json, whose rotation has the camera's axes as columns. */
+function takePinhole(core, camera, width, height) {
+  const { fx, fy = fx, near = 0, orthographic = false } = camera
+  const [w, h] = [camera.width ?? width, camera.height ?? height]
+  const rows = all('rotation', 9, camera.rotation)
+  const columns = [0, 3, 6, 1, 4, 7, 2, 5, 8].map((i) => rows[i])
+  core.put(fx, fy, camera.cx ?? w / 2, camera.cy ?? h / 2, columns, all('position', 3, camera.position), near)
+  core.check(core.c.camera(w, h, width, height, orthographic ? 1 : 0))
+}
+
+function takeCamera(core, camera, width, height) {
+  if (camera.rotation) return takePinhole(core, camera, width, height)
+  const { fov = 50, near = 0 } = camera
+  const up = all('up', 3, camera.up ?? [0, -1, 0])
+  if (!camera.eye) {
+    core.put(up, fov, near)
+    return core.check(core.c.see_all(width, height))
+  }
+  core.c.middle()
+  core.put(all('eye', 3, camera.eye), all('look', 3, camera.look ?? core.get(0, 3)), up, fov, near)
+  return core.check(core.c.look_at(width, height))
+}
+
+function sizeOf(camera, options) {
+  const width = options.width ?? camera.width ?? 1280
+  const height = options.height ?? camera.height ?? 720
+  if (![width, height].every((n) => Number.isInteger(n) && n >= 1 && n <= 16384))
+    throw new Error(`${width} x ${height} pixels: expected 1 to 16384 each`)
+  return [width, height]
+}
+
+function begin(objects, camera, options) {
+  const [width, height] = sizeOf(camera, options)
+  const core = placeAll(objects)
+  takeCamera(core, camera, width, height)
+  return [core, width, height]
+}
+
+export function render(objects, camera = {}, options = {}) {
+  const { background = 0, alpha = false, shDegree = 3, cutoff = 'mahalanobis', maxMemory = 0 } = options
+  const [core, width, height] = begin(objects, camera, options)
+  const pixels = core.place(core.c.allocate(4 * width * height))
+  try {
+    core.check(core.c.render(pixels, alpha ? 1 : 0, background, shDegree, cutoff === 'square' ? 1 : 0, maxMemory))
+    return new Uint8ClampedArray(core.bytes(pixels, 4 * width * height))
+  } finally {
+    core.c.release(pixels)
+  }
+}
+
+export function pick(x, y, objects, camera = {}, options = {}) {
+  const [core] = begin(objects, camera, options)
+  if (!core.check(core.c.pick(x, y, options.maxMemory ?? 0))) return null
+  const [object, gaussian, depth, ...position] = core.get(0, 6)
+  return { object, gaussian, depth, position }
+}
+
+// ---- Pictures -------------------------------------------------------------------------------------------------
+
+function crc32(bytes) {
+  let crc = -1
+  for (const byte of bytes) {
+    crc ^= byte
+    for (let bit = 0; bit < 8; bit++) crc = (crc >>> 1) ^ (crc & 1 ? 0xedb88320 : 0)
+  }
+  return ~crc
+}
+
+function chunkOf(type, data) {
+  const chunk = new Uint8Array(data.length + 12)
+  const view = new DataView(chunk.buffer)
+  view.setUint32(0, data.length)
+  new TextEncoder().encodeInto(type, chunk.subarray(4))
+  chunk.set(data, 8)
+  view.setInt32(data.length + 8, crc32(chunk.subarray(4, data.length + 8)))
+  return chunk
+}
+
+export async function png(pixels, width, height) {
+  const rows = new Uint8Array((4 * width + 1) * height)
+  for (let y = 0; y < height; y++)
+    rows.set(pixels.subarray(4 * width * y, 4 * width * (y + 1)), (4 * width + 1) * y + 1)
+  const header = new DataView(new ArrayBuffer(13))
+  header.setUint32(0, width)
+  header.setUint32(4, height)
+  header.setUint16(8, 0x0806)   // 8 bits, RGBA
+  const deflated = new Blob([rows]).stream().pipeThrough(new CompressionStream('deflate'))
+  const body = new Uint8Array(await new Response(deflated).arrayBuffer())
+  const chunks = [['IHDR', new Uint8Array(header.buffer)], ['IDAT', body], ['IEND', new Uint8Array(0)]]
+  const parts = [Uint8Array.of(137, 80, 78, 71, 13, 10, 26, 10), ...chunks.map(([type, data]) => chunkOf(type, data))]
+  return new Uint8Array(await new Blob(parts).arrayBuffer())
+}

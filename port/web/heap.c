@@ -1,0 +1,110 @@
+/* malloc and free of a module: few blocks, most of them large, each aligned to 64. Free ones are a list in the order of
+ * their addresses; the first that is large enough is taken. */
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PAGE 65536u
+
+/* Before each block. */
+typedef struct block {
+    size_t bytes;                  /* with this; a multiple of 64 */
+    struct block *next;            /* of those that are free */
+} __attribute__((aligned(64))) block;
+
+extern unsigned char __heap_base;  /* of the linker: behind the stack and all data */
+static block *first;
+static uintptr_t end;              /* of the memory that is cut up */
+
+static int touch(const block *a, const block *b)
+{
+    return a && b && (uintptr_t)a + a->bytes == (uintptr_t)b;
+}
+
+static void give(block *given)
+{
+    block *before = NULL, *after = first;
+    for (; after && after < given; after = after->next)
+        before = after;
+    given->next = after;
+    if (touch(given, after)) {
+        given->bytes += after->bytes;
+        given->next = after->next;
+    }
+    if (touch(before, given)) {
+        before->bytes += given->bytes;
+        before->next = given->next;
+    } else if (before)
+        before->next = given;
+    else
+        first = given;
+}
+
+/* More memory, `bytes` at least. Returns 0 where there is none. */
+static int grow(size_t bytes)
+{
+    const size_t pages = bytes / PAGE + 1;
+    if (!end)
+        end = ((uintptr_t)&__heap_base + 63) & ~(uintptr_t)63;
+    const size_t old = __builtin_wasm_memory_size(0);
+    if (pages > 65535 - old || __builtin_wasm_memory_grow(0, pages) == SIZE_MAX)
+        return 0;
+    block *made = (block *)end;
+    made->bytes = (old + pages) * PAGE - end;
+    end += made->bytes;
+    give(made);
+    return 1;
+}
+
+static block *take(size_t bytes)
+{
+    for (block **at = &first; *at; at = &(*at)->next) {
+        block *found = *at;
+        if (found->bytes < bytes)
+            continue;
+        if (found->bytes > bytes) {
+            block *rest = (block *)((uintptr_t)found + bytes);
+            *rest = (block){found->bytes - bytes, found->next};
+            *at = rest;
+        } else
+            *at = found->next;
+        found->bytes = bytes;
+        return found;
+    }
+    return NULL;
+}
+
+void *malloc(size_t bytes)
+{
+    if (bytes > SIZE_MAX - 4 * PAGE)
+        return NULL;
+    const size_t whole = (bytes + 63) / 64 * 64 + sizeof(block);
+    block *taken = take(whole);
+    if (!taken && grow(whole))
+        taken = take(whole);
+    return taken ? taken + 1 : NULL;
+}
+
+void free(void *memory)
+{
+    if (memory)
+        give((block *)memory - 1);
+}
+
+void *calloc(size_t count, size_t size)
+{
+    void *memory = size && count > SIZE_MAX / size ? NULL : malloc(count * size);
+    return memory ? memset(memory, 0, count * size) : NULL;
+}
+
+void *realloc(void *memory, size_t bytes)
+{
+    void *larger = malloc(bytes);
+    if (memory && larger) {
+        const size_t old = ((block *)memory - 1)->bytes - sizeof(block);
+        memcpy(larger, memory, old < bytes ? old : bytes);
+        free(memory);
+    }
+    return larger;
+}

@@ -1,0 +1,162 @@
+// node package.mjs PACKAGE WORD ARGUMENT...: what tests/scripts/web.sh asks of the npm package in the folder PACKAGE.
+import assert from 'node:assert/strict'
+import { readFileSync } from 'node:fs'
+import { createServer } from 'node:http'
+import { resolve } from 'node:path'
+import { pathToFileURL } from 'node:url'
+import { gzipSync, inflateSync } from 'node:zlib'
+
+const [folder, word, ...args] = process.argv.slice(2)
+const { load, pick, png, render } = await import(pathToFileURL(resolve(folder, 'fixsplat.js')))
+
+function hash(pixels) {
+  let h = 0xcbf29ce484222325n
+  for (const byte of pixels) h = BigInt.asUintN(64, (h ^ BigInt(byte)) * 0x100000001b3n)
+  return h.toString(16).padStart(16, '0')
+}
+
+/** Fails with words, and not by a fault of JavaScript or the module. */
+async function refused(source, words = /./, options) {
+  await assert.rejects(load(source, options), (error) => {
+    assert.equal(error.constructor, Error, error.stack)
+    assert.match(error.message, words)
+    return true
+  })
+}
+
+const flipped = (bytes, at) => Uint8Array.from(bytes, (byte, i) => (i === at ? byte ^ 0x55 : byte))
+const memoryOf = (scene) => scene.inside[0].c.memory.buffer.byteLength
+
+const words = {
+  // SIMD CAMERA OPTIONS OBJECTS SCENE...: the hash of a picture; objects are placements, in the scenes' order.
+  async hash(simd, camera, options, objects, ...files) {
+    const scenes = []
+    for (const file of files) scenes.push(await load(file, { simd: simd === '1' }))
+    const placed = scenes.map((scene, i) => ({ scene, ...JSON.parse(objects)[i] }))
+    console.log(hash(render(placed, JSON.parse(camera), JSON.parse(options))))
+  },
+
+  // The picture is the one from before, whatever was damaged in between.
+  async damage(...files) {
+    for (const file of files) {
+      const bytes = new Uint8Array(readFileSync(file))
+      const before = hash((await load(bytes)).render({}, { width: 64, height: 48 }))
+      const isPacked = file.endsWith('.fxs')
+      for (let at = 0; at < bytes.length && isPacked; at += at < 600 ? 1 : 331) await refused(flipped(bytes, at))
+      for (let end = 0; end < bytes.length; end += end < 600 ? 7 : 4999) await refused(bytes.slice(0, end))
+      await refused(new Uint8Array([...bytes.slice(0, 64), ...new Uint8Array(100).fill(255)]))
+      assert.equal(hash((await load(bytes)).render({}, { width: 64, height: 48 })), before)
+    }
+  },
+
+  async memory(file) {
+    const used = []
+    let first = 0
+    for (let i = 0; i < 50; i++) {
+      const scene = await load(file)
+      scene.render({}, { width: 320, height: 240 })
+      first ||= memoryOf(scene)
+      scene.free()
+      globalThis.gc()
+      const { heapUsed, external } = process.memoryUsage()
+      used.push(heapUsed + external)
+    }
+    const [before, after] = [used.slice(5, 10), used.slice(45)].map((some) => Math.min(...some))
+    assert.ok(after <= 1.05 * before, `${before} bytes, then ${after}`)
+    const last = memoryOf(await load(file))
+    assert.ok(last <= 1.05 * first, `the module had ${first} bytes, then ${last}`)
+  },
+
+  // Every kind of source, and what is wrong with one.
+  async sources(file) {
+    const bytes = readFileSync(file)
+    const server = createServer((request, answer) => {
+      if (request.url !== '/a%20scene.fxs') answer.statusCode = 404
+      answer.end(bytes)
+    }).listen(0, '127.0.0.1')
+    await new Promise((done) => server.once('listening', done))
+    const base = `http://127.0.0.1:${server.address().port}`
+    const copy = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length)
+    const sources = [file, pathToFileURL(file), `${base}/a%20scene.fxs`, bytes, copy, new Blob([bytes])]
+    for (const source of sources) assert.deepEqual(Buffer.from((await load(source)).packed), bytes)
+    assert.equal((await load(`${base}/a%20scene.fxs`)).name, 'a scene.fxs')
+    await refused(`${base}/none.fxs`, /404/)
+    server.close()
+    await assert.rejects(load(`${base}/a%20scene.fxs`))
+    await assert.rejects(load('none.fxs'), /ENOENT/)
+    await refused(new Uint8Array(0))
+    await refused(Buffer.from('GIF89a, and no scene'), /scene/)
+    await refused(Buffer.from([0x1f, 0x8b, 8, 0, 1, 2, 3, 4]), /gzip/)
+    await refused(gzipSync(Buffer.alloc(160e6)), /gzip stream has more than/)
+    const huge = 'ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n'
+    await refused(Buffer.from(huge))
+  },
+
+  // A packed scene; the same to be packed; one that needs a library.
+  async misuse(file, ply, zstd) {
+    const scene = await load(file)
+    const size = { width: 64, height: 48 }
+    const wrong = (words, ...frame) => assert.throws(() => render(...frame), words)
+    wrong(/no objects/, [])
+    wrong(/pixels/, [{ scene }], {}, { width: 0, height: 10 })
+    wrong(/pixels/, [{ scene }], {}, { width: 1.5, height: 10 })
+    wrong(/field of view of 200/, [{ scene }], { fov: 200 }, size)
+    wrong(/looks nowhere/, [{ scene }], { eye: [1, 1, 1], look: [1, 1, 1] }, size)
+    const pinhole = { fx: 100, rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], position: [0, 0, 0] }
+    wrong(/focal length of 0 pixels/, [{ scene }], { ...pinhole, fx: 0 }, size)
+    wrong(/not a rotation/, [{ scene }], { ...pinhole, rotation: [[9, 0, 0], [0, 1, 0], [0, 0, 1]] }, size)
+    wrong(/scale/, [{ scene, scale: 0 }], {}, size)
+    wrong(/tint/, [{ scene, tint: [9, 1, 1] }], {}, size)
+    wrong(/crops: expected at most 8/, [{ scene, crops: Array(9).fill({ low: [0, 0, 0], high: [1, 1, 1] }) }], {}, size)
+    wrong(/rotation: expected 9/, [{ scene }], { ...pinhole, rotation: [[1, 0], [0, 1]] }, size)
+    wrong(/eye: expected 3/, [{ scene }], { eye: [1, 2] }, size)
+    wrong(/up: expected 3/, [{ scene }], { up: 'up' }, size)
+    wrong(/memory/, [{ scene }], {}, { ...size, maxMemory: 1000 })
+    wrong(/range/, [{ scene }], {}, { ...size, shDegree: 7 })
+    wrong(/another/, [{ scene }, { scene: await load(file, { simd: false }) }], {}, size)
+    await refused(ply, /expected one of/, { profile: 'huge' })
+    await refused(ply, /limit of 699/, { maxGaussians: 699 })
+    await refused(zstd, /without zstd/)
+    assert.equal(scene.render({}, size).length, 4 * 64 * 48)
+    scene.free()
+    scene.free()
+    assert.throws(() => scene.render({}, size), /freed/)
+  },
+
+  // CAMERA X Y: as `fixsplat render --pick --json` says it.
+  async pick(file, camera, options, x, y) {
+    const found = pick(+x, +y, [{ scene: await load(file) }], JSON.parse(camera), JSON.parse(options))
+    console.log(found ? `${found.gaussian} ${found.depth.toFixed(4)}` : 'nothing')
+  },
+
+  // A .png holds the pixels.
+  async png(file) {
+    const pixels = (await load(file)).render({}, { width: 61, height: 47 })
+    const bytes = Buffer.from(await png(pixels, 61, 47))
+    const length = bytes.readUInt32BE(33)
+    const rows = inflateSync(bytes.subarray(41, 41 + length))
+    for (let y = 0; y < 47; y++) {
+      const row = Buffer.from([0, ...pixels.subarray(244 * y, 244 * (y + 1))])
+      assert.deepEqual(rows.subarray(245 * y, 245 * (y + 1)), row)
+    }
+  },
+
+  // FILE PROFILE: the packed scene, to standard output.
+  async pack(file, profile) {
+    process.stdout.write((await load(file, { profile })).packed)
+  },
+
+  // SIMD FILE CAMERA WIDTH HEIGHT: the least milliseconds of ten frames.
+  async speed(simd, file, camera, width, height) {
+    const scene = await load(file, { simd: simd === '1' })
+    const times = []
+    for (let i = 0; i < 12; i++) {
+      const start = performance.now()
+      scene.render(JSON.parse(camera), { width: +width, height: +height })
+      times.push(performance.now() - start)
+    }
+    console.log(Math.min(...times).toFixed(1))
+  },
+}
+
+await words[word](...args)
