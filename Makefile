@@ -272,7 +272,8 @@ sources_of_simd := $(WEB_CORE) $(wildcard kernels/wasm/*.c)
 sources_of_import := $(filter-out %_write.c %/scene_filter.c,$(wildcard port/scene/*.c port/import/*.c)) \
                      port/web/import.c port/web/crc.c port/files/byte_reader.c port/files/text.c port/files/zip.c src/scene.c \
                      src/fixsplat.c src/chunk.c $(WEB_C)
-# What takes little of a frame is to be small. .fxs needs of zlib what crc.c has.
+# What takes little of a frame is to be small. .fxs needs of zlib what crc.c has. The lowest 1024 bytes are the end of
+# the stack, which no pointer is to (--low-memory-unused).
 wasm_flags_of = $(if $(filter %/fxs_file.c,$(2)),-DFXS_WITH_ZLIB -Iport/web/zlib) $(if $(filter simd,$(1)),-msimd128) \
                 $(if $(filter simd/src/% core/port/% simd/port/% %/bin_simd128.c,$(1)/$(2)),-Oz,-O2)
 web_objects_of = $(patsubst %.c,$(B)/web/$(1)/%.o,$(sources_of_$(1)))
@@ -289,7 +290,7 @@ $(B)/web/$(1)/%.o: %.c $(B)/commands/web
 $(WEB)/$(1).wasm: $(call web_objects_of,$(1))
 	@mkdir -p $$(@D)
 	$$(call say,LD,$$@)$(WASM_CC) $(WASM_LINK) -o $(B)/web/$(1).linked $$(filter %.o,$$^) && \
-	    $(WASM_OPT) --enable-simd -O3 -o $$@ $(B)/web/$(1).linked
+	    $(WASM_OPT) --enable-simd -O3 --low-memory-unused -o $$@ $(B)/web/$(1).linked
 endef
 $(foreach module,core simd import,$(eval $(call web_rules,$(module))))
 $(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WASM_LINK) $(WASM_OPT) \
