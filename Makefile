@@ -278,7 +278,8 @@ wasm_flags_of = $(if $(filter %/fxs_file.c,$(2)),-DFXS_WITH_ZLIB -Iport/web/zlib
 web_objects_of = $(patsubst %.c,$(B)/web/$(1)/%.o,$(sources_of_$(1)))
 WASM := $(foreach module,core simd import,$(WEB)/$(module).wasm)
 
-web: $(WASM) $(addprefix $(WEB)/,fixsplat.js fixsplat.d.ts package.json README.md LICENSE) ## the npm package, in build/web/package (docs/web.md)
+web: $(WASM) $(addprefix $(WEB)/,fixsplat.js fixsplat.d.ts package.json README.md LICENSE) \
+     $(patsubst port/web/%,$(WEB)/%,$(wildcard port/web/viewer/*)) ## the npm package, in build/web/package (docs/web.md)
 
 define web_rules
 $(B)/web/$(1)/%.o: %.c $(B)/commands/web
