@@ -25,10 +25,11 @@ const server = createServer((request, answer) => {
 await new Promise((done) => server.once('listening', done))
 const base = `http://127.0.0.1:${server.address().port}`
 
-const browser = await puppeteer.launch({ executablePath: 'chromium', args: ['--no-sandbox'] })
+const browser = await puppeteer.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox'] })
 const page = await browser.newPage()
 const faults = []
 page.on('pageerror', (error) => faults.push(error.message))
+await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'dark' }])
 const strange = []
 page.on('request', (request) => !/^(http:\/\/127\.0\.0\.1|data:|blob:)/.test(request.url()) && strange.push(request.url()))
 

@@ -11,16 +11,16 @@ const ICONS = {
   home: 'M4 11l8-7 8 7M6 10v9h4v-5h4v5h4v-9',
   share: 'M10 14a4 4 0 0 0 6 0l3-3a4 4 0 0 0-6-6l-1 1M14 10a4 4 0 0 0-6 0l-3 3a4 4 0 0 0 6 6l1-1',
   photo: 'M4 8h4l2-3h4l2 3h4v11H4zM12 10a3.2 3.2 0 1 0 0 6.4 3.2 3.2 0 0 0 0-6.4z',
-  set: 'M4 7h9M17 7h3M15 4.5v5M4 12h3M11 12h9M9 9.5v5M4 17h10M18 17h2M16 14.5v5',
+  set: 'M4 8h8M17 8h3M4 16h3M12 16h8M14.5 5.5a2.5 2.5 0 1 0 0 5 2.5 2.5 0 0 0 0-5zM9.5 13.5a2.5 2.5 0 1 0 0 5 2.5 2.5 0 0 0 0-5z',
   keys: 'M9 9a3 3 0 1 1 4.5 2.6c-1 .6-1.5 1.2-1.5 2.4M12 17.5v.5',
   full: 'M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5',
   close: 'M6 6l12 12M18 6L6 18',
 }
 
 export const keys = [
-  ['Drag', 'turn the scene'], ['Right drag, two fingers', 'move it'], ['Wheel, pinch', 'nearer, farther'],
+  ['Drag', 'turn the scene'], ['Right drag', 'move it; or two fingers'], ['Wheel', 'nearer, farther; or pinch'],
   ['Double click', 'go to what is there'], ['W A S D Q E', 'fly; faster with shift'], ['Arrows', 'turn'],
-  ['Space and drag', 'look around'], ['+ −', 'nearer, farther'], ['N P', 'next, previous view'], ['R', 'back to the start'],
+  ['Space + drag', 'look around'], ['+ −', 'nearer, farther'], ['N P', 'next, previous view'], ['R', 'back to the start'],
   ['I', 'save a picture'], ['L', 'copy a link to this view'], ['F', 'full screen'], ['O', 'open a file'], ['H', 'this list'],
 ]
 

@@ -79,7 +79,7 @@ export function seeAll({ low, high }, sceneUp, fov, aspect) {
   const look = mix(low, high, 0.5)
   const radius = Math.hypot(...add(high, low, -1)) / 2
   const half = Math.atan(Math.tan((fov * Math.PI) / 360) * Math.min(1, aspect))
-  const far = (0.75 * radius) / Math.sin(half)
+  const far = (0.85 * radius) / Math.sin(half)
   const from = unit(add(back.map((x) => 0.95 * x), up, 0.31))
   return { eye: add(look, from, far), look, up, fov }
 }

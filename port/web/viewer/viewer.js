@@ -11,10 +11,9 @@ const MOST_PIXELS = 1 << 23
 const DIVISORS = [1, 1.5, 2, 3, 4, 6, 8]
 
 const template = document.createElement('template')
-template.innerHTML = `<link rel="stylesheet" href="${new URL('./viewer.css', import.meta.url)}">${body}`
+template.innerHTML = `<style>:host { opacity: 0 }</style><link rel="stylesheet" href="${new URL('./viewer.css', import.meta.url)}">${body}`
 
 const nameOf = (url) => decodeURIComponent(new URL(url, document.baseURI).pathname.split('/').pop()) || 'scene'
-const short = (x) => +x.toPrecision(7)
 const hasNumbers = (list, count) => Array.isArray(list) && list.length === count && list.every(Number.isFinite)
 const isView = (v) => v?.rotation?.length === 3 && v.rotation.every((row) => hasNumbers(row, 3)) &&
   hasNumbers(v.position, 3) && v.fx > 0 && v.height > 0
@@ -85,7 +84,7 @@ export class Viewer extends HTMLElement {
   attributeChangedCallback(name, before, value) {
     if (!this.isConnected || before === value) return
     if (name === 'src' && value) this.#openAttribute()
-    if (name === 'cameras') this.#openViews(value).then(() => this.#views.length && this.showView(0), (e) => this.#say(e))
+    if (name === 'cameras' && this.#scene) this.#fetchViews().then((views) => this.#takeViews(views))
     if (name === 'view') this.#show(cameraOf(value))
     if (name === 'background') this.#change()
   }
@@ -97,7 +96,7 @@ export class Viewer extends HTMLElement {
   /** eye, look, up and fov, ten numbers with commas: as the attribute `view`. */
   get view() {
     const { eye, look, up, fov } = this.#camera
-    return [...eye, ...look, ...up, fov].map(short).join()
+    return [...eye, ...look, ...up, fov].join()
   }
 
   /** The viewer's page with this scene and view. */
@@ -113,37 +112,49 @@ export class Viewer extends HTMLElement {
   // ---- Opening ------------------------------------------------------------------------------------------------------
 
   async #openAttribute() {
-    const url = new URL(this.getAttribute('src'), document.baseURI).href
-    const cameras = this.getAttribute('cameras')
-    const views = cameras ? this.#openViews(cameras).catch((error) => this.#say(error)) : null
-    if (await this.open(url)) {
-      await views
-      if (this.#views.length) this.showView(0)
+    const views = this.#fetchViews()
+    if (await this.open(new URL(this.getAttribute('src'), document.baseURI).href, views))
       this.#show(cameraOf(this.getAttribute('view')))
-    }
   }
 
-  async #openViews(url) {
-    const answer = await fetch(new URL(url, document.baseURI)).catch(() => null)
-    if (!answer?.ok) throw new Error(`${nameOf(url)}: there are no views at this address`)
-    this.#takeViews(viewsOf(nameOf(url), await answer.text()))
+  /** The views that the attribute `cameras` names; none where that fails. */
+  async #fetchViews() {
+    const url = this.getAttribute('cameras')
+    if (!url) return []
+    try {
+      const answer = await fetch(new URL(url, document.baseURI)).catch(() => null)
+      if (!answer?.ok) throw new Error(`${nameOf(url)}: there are no views at this address`)
+      return viewsOf(nameOf(url), await answer.text())
+    } catch (error) {
+      this.#say(error)
+      return []
+    }
   }
 
   #takeViews(views) {
     this.#views = views
-    this.#up = motion.upOf(views, this.#up)
-    this.#ui.before.hidden = this.#ui.after.hidden = false
+    this.#index = 0
+    this.#up = views.length ? motion.upOf(views, this.#up) : [0, -1, 0]
+    this.#ui.before.hidden = this.#ui.after.hidden = !views.length
+    this.#good = null
+    this.#show(this.#start())
+  }
+
+  /** The view that it starts with and goes back to: of the file of views, or the whole scene. */
+  #start() {
+    if (this.#views.length) return motion.ofView(this.#views[this.#index], this.#scene)
+    return motion.seeAll(this.#scene, this.#up, this.#settings.fov, this.clientWidth / this.clientHeight)
   }
 
   /** Opens a file or an address; the scene there was stays where that fails. True where it is open. */
-  async open(source) {
+  async open(source, views = []) {
     const name = source.name ?? nameOf(source)
     this.#opening?.end()
     const engine = (this.#opening = new Engine((progress) => this.#progress(name, progress)))
     this.#begin(name)
     try {
       const scene = await engine.ask('open', name, source)
-      this.#take(engine, scene, typeof source === 'string' ? source : '')
+      this.#take(engine, scene, typeof source === 'string' ? source : '', await views)
       return true
     } catch (error) {
       engine.end()
@@ -172,19 +183,17 @@ export class Viewer extends HTMLElement {
     else this.#ui.bar.value = done
   }
 
-  #take(engine, scene, source) {
+  #take(engine, scene, source, views) {
     this.#engine?.end()
     this.#engine = engine
     this.#busy = false
     this.#scene = scene
     this.#source = source
-    this.#views = []
     this.#divisor = 1
-    this.#up = [0, -1, 0]
-    this.#ui.before.hidden = this.#ui.after.hidden = true
     this.#ui.name.textContent = scene.name
     this.#ui.count.textContent = `${scene.count.toLocaleString('en')} splats`
-    this.#seeAll()
+    if (this.matches(':focus-within')) this.#ui.canvas.focus({ focusVisible: false })
+    this.#takeViews(views)
   }
 
   async #openFiles(files) {
@@ -196,7 +205,6 @@ export class Viewer extends HTMLElement {
     try {
       if (!this.#scene) throw new Error(`${views.name}: open a scene first, then its views`)
       this.#takeViews(viewsOf(views.name, await views.text()))
-      this.showView(0)
     } catch (error) {
       this.#say(error)
     }
@@ -292,17 +300,12 @@ export class Viewer extends HTMLElement {
     this.#change()
   }
 
-  #seeAll() {
-    this.#good = null
-    this.#show(motion.seeAll(this.#scene, this.#up, this.#settings.fov, this.clientWidth / this.clientHeight))
-  }
-
   showView(index) {
     if (!this.#views.length || !this.#scene) return
     this.#index = (index + this.#views.length) % this.#views.length
-    const view = this.#views[this.#index]
-    this.#glide(motion.ofView(view, this.#scene))
-    this.#note(`View ${this.#index + 1} of ${this.#views.length}: ${view.img_name ?? ''}`)
+    const { img_name: name } = this.#views[this.#index]
+    this.#glide(this.#start())
+    this.#note(`View ${this.#index + 1} of ${this.#views.length}${name ? `: ${name}` : ''}`)
   }
 
   #glide(to) {
@@ -351,11 +354,12 @@ export class Viewer extends HTMLElement {
   }
 
   #toggle(panel) {
+    this.shadowRoot.querySelector('[name=background]').value = `#${this.#background.toString(16).padStart(6, '0')}`
     for (const other of [this.#ui.help, this.#ui.options]) other.hidden = other !== panel || !other.hidden
     this.#ui.keys.setAttribute('aria-expanded', !this.#ui.help.hidden)
     this.#ui.set.setAttribute('aria-expanded', !this.#ui.options.hidden)
     if (!panel?.hidden) panel?.querySelector('button').focus()
-    else this.#ui.canvas.focus()
+    else this.#ui.canvas.focus({ focusVisible: false })
   }
 
   #fullScreen() {
@@ -363,16 +367,10 @@ export class Viewer extends HTMLElement {
     else this.requestFullscreen?.().catch(() => this.#note('This browser keeps the page as it is'))
   }
 
-  #reset() {
-    if (!this.#scene) return
-    if (this.#views.length) return this.showView(this.#index)
-    this.#glide(motion.seeAll(this.#scene, this.#up, this.#settings.fov, this.clientWidth / this.clientHeight))
-  }
-
   #press(key) {
     const does = {
       h: () => this.#toggle(this.#ui.help), Escape: () => this.#toggle(null), o: () => this.#ui.file.click(),
-      n: () => this.showView(this.#index + 1), p: () => this.showView(this.#index - 1), r: () => this.#reset(),
+      n: () => this.showView(this.#index + 1), p: () => this.showView(this.#index - 1), r: () => this.#scene && this.#glide(this.#start()),
       i: () => this.#screenshot(), l: () => this.#copyLink(), f: () => this.#fullScreen(),
       '+': () => this.#zoom(0.9), '-': () => this.#zoom(1 / 0.9),
     }
@@ -405,7 +403,7 @@ export class Viewer extends HTMLElement {
     if (name === 'background') return this.setAttribute('background', value)
     if (name === 'up') {
       this.#up = value.split(',').map(Number)
-      return this.#scene && this.#seeAll()
+      return this.#scene && this.#show(this.#start())
     }
     this.#settings[name] = name === 'colours' ? checked : Number(value)
     if (name === 'fov' && this.#camera) this.#camera = { ...this.#camera, fov: Number(value) }
