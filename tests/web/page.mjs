@@ -221,6 +221,25 @@ const tests = {
     await picture('phone-keys')
   },
 
+  async 'captured scenes, and motion at a fraction of the size'() {
+    const list = { guitar: 'guitar.compressed.ply', snowmiku: 'snowmiku.ply&cameras=/scenes/real/snowmiku/cameras.json' }
+    for (const [folder, file] of existsSync(`${scenes}/real`) ? Object.entries(list) : []) {
+      await go(`?scene=/scenes/real/${folder}/${file}`, 1280, 720)
+      await page.waitForFunction(() => document.querySelector('fixsplat-viewer').shadowRoot.getElementById('percent').textContent)
+      await picture(`${folder}-loading`)
+      await still()
+      await picture(folder)
+      assert.equal(await hash(), native(`real/${folder}/${file.split('&')[0]}`, await viewOf(), '1280x720', '0e1116'))
+      await inside(`v.seen = []; v.addEventListener('picture', ({ detail }) => v.seen.push([detail.divisor, Math.round(detail.milliseconds)]))`)
+      await page.keyboard.press('ArrowLeft', { delay: 1500 })
+      await moved()
+      const seen = await inside('return v.seen')
+      console.log(`  ${folder}: divisor, ms: ${seen.slice(0, 3).join(' | ')} ... ${seen.slice(-3).join(' | ')}; ${seen.length} pictures in 1.5 s`)
+      assert.equal(seen.at(-1)[0], 1)
+      assert.ok(seen.at(-1)[1] < 60 || seen.some(([divisor]) => divisor > 1))
+    }
+  },
+
   async 'pictures of the page'() {
     await go('?scene=/scenes/scene.ply', 1280, 720)
     await still()

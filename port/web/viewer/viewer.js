@@ -8,7 +8,7 @@ const STILL_MS = 150       // after the last motion
 const AIM_MS = 40          // of a picture in motion
 const GLIDE_MS = 350
 const MOST_PIXELS = 1 << 23
-const DIVISORS = [1, 1.5, 2, 3, 4, 6, 8]
+const DIVISORS = [1, 1.5, 2, 3, 4]   // beyond, the time is the same
 
 const template = document.createElement('template')
 template.innerHTML = `<style>:host { opacity: 0 }</style><link rel="stylesheet" href="${new URL('./viewer.css', import.meta.url)}">${body}`
@@ -280,7 +280,7 @@ export class Viewer extends HTMLElement {
   #choose(divisor, milliseconds) {
     const fits = (d) => (milliseconds * divisor ** 2) / d ** 2 <= AIM_MS
     const now = DIVISORS.indexOf(this.#divisor)
-    const wanted = DIVISORS.findIndex((d) => fits(d) || d === 8)
+    const wanted = DIVISORS.findIndex((d) => fits(d) || d === DIVISORS.at(-1))
     const step = Math.sign(wanted - now)
     this.#divisor = divisor === 1 ? DIVISORS[wanted] : DIVISORS[step < 0 && milliseconds > AIM_MS / 2 ? now : now + step]
   }
