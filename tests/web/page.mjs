@@ -160,6 +160,22 @@ const tests = {
     assert.equal(await hash(), native('scene.ply', first, '640x360', '0e1116'))
   },
 
+  async 'the element in a page of its own; its end ends its worker'() {
+    await go('')
+    await page.setContent(`<base href="${base}/"><script type="module" src="viewer/viewer.js"></script>
+      <fixsplat-viewer style="width: 300px; height: 200px" src="scenes/scene.ply" background="#000000"></fixsplat-viewer>`)
+    await still()
+    assert.equal(await hash(), native('scene.ply', await viewOf(), '300x200', '000000'))
+    for (let i = 0; i < 5; i++) assert.ok(await inside(`return v.open(args[0])`, `${base}/scenes/scene.ply`))
+    const workers = async (count) => {
+      for (let i = 0; i < 50 && page.workers().length !== count; i++) await new Promise((done) => setTimeout(done, 100))
+      assert.equal(page.workers().length, count)
+    }
+    await workers(1)
+    await inside('v.remove()')
+    await workers(0)
+  },
+
   async 'errors in words; the page goes on'() {
     const wrong = { 'none.ply': /no such file/, 'text.ply': /text\.ply/, 'short.ply': /short\.ply/, 'huge.ply': /huge\.ply/,
                     'scene.ply?cut': /broke off/, 'http://127.0.0.1:1/a.ply': /cannot be reached/ }

@@ -71,17 +71,22 @@ export function between(a, b, t) {
   return { ...b, ...Object.fromEntries(['eye', 'look', 'up'].map((k) => [k, mix(a[k], b[k], part)])) }
 }
 
-/** The whole scene from a little above, at a distance that holds its box. */
+const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1, (i >> 1) & 1, i >> 2])
+
+/** The whole scene from a little above: the nearest that all corners of its box are seen from, and a tenth more. */
 export function seeAll({ low, high }, sceneUp, fov, aspect) {
   const up = unit(sceneUp)
   const start = Math.abs(up[2]) > 0.9 ? [0, -1, 0] : [0, 0, -1]
   const back = unit(add(start, up, -dot(start, up)))
-  const look = mix(low, high, 0.5)
-  const radius = Math.hypot(...add(high, low, -1)) / 2
-  const half = Math.atan(Math.tan((fov * Math.PI) / 360) * Math.min(1, aspect))
-  const far = (0.85 * radius) / Math.sin(half)
   const from = unit(add(back.map((x) => 0.95 * x), up, 0.31))
-  return { eye: add(look, from, far), look, up, fov }
+  const look = mix(low, high, 0.5)
+  const { forward, right, down } = axes({ eye: add(look, from), look, up })
+  const slope = Math.tan((fov * Math.PI) / 360)
+  const needs = corners.map((corner) => {
+    const c = add(corner.map((end, i) => (end ? high : low)[i]), look, -1)
+    return Math.max(Math.abs(dot(right, c)) / (slope * aspect), Math.abs(dot(down, c)) / slope) - dot(forward, c)
+  })
+  return { eye: add(look, from, 1.1 * Math.max(...needs, 1e-3)), look, up, fov }
 }
 
 /** A camera of a cameras.json; it turns about the point ahead that is nearest to the scene's middle. */

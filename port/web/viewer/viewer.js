@@ -79,6 +79,7 @@ export class Viewer extends HTMLElement {
     this.#engine?.end()
     this.#opening?.end()
     this.#engine = this.#opening = this.#scene = null
+    this.removeAttribute('open')
   }
 
   attributeChangedCallback(name, before, value) {
@@ -143,7 +144,7 @@ export class Viewer extends HTMLElement {
   /** The view that it starts with and goes back to: of the file of views, or the whole scene. */
   #start() {
     if (this.#views.length) return motion.ofView(this.#views[this.#index], this.#scene)
-    return motion.seeAll(this.#scene, this.#up, this.#settings.fov, this.clientWidth / this.clientHeight)
+    return motion.seeAll(this.#scene, this.#up, this.#settings.fov, this.clientWidth / this.clientHeight || 1)
   }
 
   /** Opens a file or an address; the scene there was stays where that fails. True where it is open. */
@@ -190,6 +191,7 @@ export class Viewer extends HTMLElement {
     this.#scene = scene
     this.#source = source
     this.#divisor = 1
+    this.setAttribute('open', '')
     this.#ui.name.textContent = scene.name
     this.#ui.count.textContent = `${scene.count.toLocaleString('en')} splats`
     if (this.matches(':focus-within')) this.#ui.canvas.focus({ focusVisible: false })
