@@ -23,7 +23,7 @@ TEST_PACKAGES := clang libclang-rt-14-dev cmake pkg-config glslang-tools qemu-us
                  libegl1 libgles2 libegl-mesa0 libgl1-mesa-dri xvfb xdotool gcc-s390x-linux-gnu \
                  libc6-dev-s390x-cross gcc-powerpc-linux-gnu libc6-dev-powerpc-cross gcc-arm-linux-gnueabihf \
                  libc6-dev-armhf-cross gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-i686-linux-gnu \
-                 libc6-dev-i386-cross g++ qemu-system-arm
+                 libc6-dev-i386-cross g++ qemu-system-arm chromium
 CROSS := mips-linux-gnu powerpc64-linux-gnu powerpc64le-linux-gnu m68k-linux-gnu sparc64-linux-gnu hppa-linux-gnu \
          arm-linux-gnueabi mips64el-linux-gnuabi64
 TEST_ALL_PACKAGES := musl-tools $(CROSS:%=gcc-%) libc6-dev-mips-cross libc6-dev-ppc64-cross libc6-dev-ppc64el-cross \
@@ -272,26 +272,29 @@ sources_of_simd := $(WEB_CORE) $(wildcard kernels/wasm/*.c)
 sources_of_import := $(filter-out %_write.c %/scene_filter.c,$(wildcard port/scene/*.c port/import/*.c)) \
                      port/web/import.c port/web/crc.c port/files/byte_reader.c port/files/text.c port/files/zip.c src/scene.c \
                      src/fixsplat.c src/chunk.c $(WEB_C)
-# What the stages of kernels/ do in the place of src/ may be small there. .fxs needs of zlib what crc.c has.
+# What takes little of a frame is to be small. .fxs needs of zlib what crc.c has.
 wasm_flags_of = $(if $(filter %/fxs_file.c,$(2)),-DFXS_WITH_ZLIB -Iport/web/zlib) $(if $(filter simd,$(1)),-msimd128) \
-                $(if $(filter simd/src/% core/port/% simd/port/%,$(1)/$(2)),-Oz,-O2)
+                $(if $(filter simd/src/% core/port/% simd/port/% %/bin_simd128.c,$(1)/$(2)),-Oz,-O2)
 web_objects_of = $(patsubst %.c,$(B)/web/$(1)/%.o,$(sources_of_$(1)))
 WASM := $(foreach module,core simd import,$(WEB)/$(module).wasm)
 
-web: $(WASM) $(addprefix $(WEB)/,fixsplat.js fixsplat.d.ts package.json README.md LICENSE) \
-     $(patsubst port/web/%,$(WEB)/%,$(wildcard port/web/viewer/*)) ## the npm package, in build/web/package (docs/web.md)
+PACKAGE := $(WASM) $(addprefix $(WEB)/,fixsplat.js fixsplat.d.ts package.json README.md LICENSE) \
+           $(patsubst port/web/%,$(WEB)/%,$(wildcard port/web/viewer/*))
+
+web: $(PACKAGE) ## the npm package (docs/web.md), in build/web/package
 
 define web_rules
 $(B)/web/$(1)/%.o: %.c $(B)/commands/web
 	@mkdir -p $$(@D)
-	$$(call say,CC,'$$< ($(1))')$(WASM_CC) $(WASM_FLAGS) $$(call wasm_flags_of,$(1),$$<) $$(TEST_FLAGS) -MMD -MP -c -o $$@ $$<
+	$$(call say,CC,'$$< ($(1))')$(WASM_CC) $(WASM_FLAGS) $$(call wasm_flags_of,$(1),$$<) -MMD -MP -c -o $$@ $$<
 $(WEB)/$(1).wasm: $(call web_objects_of,$(1))
 	@mkdir -p $$(@D)
 	$$(call say,LD,$$@)$(WASM_CC) $(WASM_LINK) -o $(B)/web/$(1).linked $$(filter %.o,$$^) && \
 	    $(WASM_OPT) --enable-simd -O3 -o $$@ $(B)/web/$(1).linked
 endef
 $(foreach module,core simd import,$(eval $(call web_rules,$(module))))
-$(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WASM_LINK) $(WASM_OPT)
+$(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WASM_LINK) $(WASM_OPT) \
+    $(foreach module,core simd import,$(foreach file,$(sources_of_$(module)),$(strip $(call wasm_flags_of,$(module),$(file)))))
 
 $(WEB)/package.json: port/web/package.json src/fixsplat.h
 	@mkdir -p $(@D)

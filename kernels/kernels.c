@@ -189,6 +189,6 @@ void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
         USE(FXS_RESOLVE, resolve, simd128);
     }
 #else
-    (void)kernels;
+    (void)kernels, (void)cpu;
 #endif
 }

@@ -67,6 +67,22 @@ static void draw(const void *data, size_t bytes, uint8_t *rgba)
     free(memory);
 }
 
+/* In memory: the bytes of a file, without a file. */
+static void test_seal(void)
+{
+    fxs_message m;
+    fxs_mapping file;
+    void *copy;
+    if (!CHECK(!posix_memalign(&copy, 64, packed.bytes) && !fxs_file_write(fxs_path, packed.data, packed.bytes, &m) && !fxs_map(&file, fxs_path, &m)))
+        return;
+    memcpy(copy, packed.data, packed.bytes);
+    CHECK(fxs_file_seal(copy, packed.bytes - 1) == FXS_ERR_SCENE && !memcmp(copy, packed.data, packed.bytes));
+    CHECK(!fxs_file_seal(copy, packed.bytes) && !memcmp(copy, file.data, packed.bytes));
+    CHECK(!fxs_file_seal(copy, packed.bytes) && !memcmp(copy, file.data, packed.bytes));
+    fxs_unmap(&file);
+    free(copy);
+}
+
 static void test_round_trip(void)
 {
     static uint8_t from_memory[SIZE * SIZE * 4], from_file[SIZE * SIZE * 4];
@@ -263,7 +279,7 @@ static void test_failures(void)
 static void test_without_zlib(void)
 {
     fxs_message m;
-    (void)test_round_trip, (void)test_damage, (void)test_failures, (void)test_changed, (void)test_cut_and_grown, (void)test_other_faults, (void)test_many;
+    (void)test_seal, (void)test_round_trip, (void)test_damage, (void)test_failures, (void)test_changed, (void)test_cut_and_grown, (void)test_other_faults, (void)test_many;
     CHECK(fxs_file_write(fxs_path, packed.data, packed.bytes, &m) == FXS_ERR_UNSUPPORTED && strstr(m.text, "zlib"));
     SKIP("built without zlib");
 }
@@ -281,6 +297,7 @@ int main(void)
 #ifndef FXS_WITH_ZLIB
     RUN(test_without_zlib);
 #else
+    RUN(test_seal);
     RUN(test_round_trip);
     RUN(test_checksums);
     RUN(test_damage);

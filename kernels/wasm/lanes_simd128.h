@@ -154,7 +154,7 @@ static inline wide offset_wide(wide a, int64_t b)
 
 static inline wide shift_left_wide(wide x, int shift)
 {
-    return (wide){(vw)wasm_i64x2_shl((v128_t)x.low, (uint32_t)shift), (vw)wasm_i64x2_shl((v128_t)x.high, (uint32_t)shift)};
+    return (wide){x.low << shift, x.high << shift};
 }
 
 /* a | the magnitude of b */
@@ -326,7 +326,8 @@ static inline octet odd_numbers(uint64_t codes)
     const vh high_up = {UP(8), UP(9), UP(10), UP(11), UP(12), UP(13), UP(14), 0};
 #undef WINDOW
 #undef UP
-    const vh a = (vh)wasm_i8x16_swizzle(word, low) * low_up >> 13, b = (vh)wasm_i8x16_swizzle(word, high) * high_up >> 13;
+    const vh a = (vh)wasm_i8x16_swizzle(word, low) * low_up >> 13;
+    const vh b = (vh)wasm_i8x16_swizzle(word, high) * high_up >> 13;
     return (octet){(vi)(2 * a + 1), (vi)(2 * b + 1)};
 }
 

@@ -1,14 +1,16 @@
 // fixsplat for browsers and Node: the same bytes as the library everywhere. fixsplat.d.ts says what there is.
 
 const inNode = typeof process === 'object' && !!process.versions?.node
-const GUESS = 128               // bytes a Gaussian that a gzip stream may have, and no more
+const INFLATED = 128            // bytes that each Gaussian may have inflated
 const ALWAYS = 1000000          // Gaussians that any file may have (FXS_GAUSSIANS_ALWAYS)
-const WITH_SIMD = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11]
+// A module with one function that uses simd128.
+const WITH_SIMD = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15,
+                   253, 98, 11]
 
 /** Whether this machine runs the faster module. */
 export const hasSimd = WebAssembly.validate(new Uint8Array(WITH_SIMD))
 
-// ---- Modules ----------------------------------------------------------------------------------------------------------
+// ---- Modules --------------------------------------------------------------------------------------------------
 
 async function bytesOf(url) {
   if (inNode && url.protocol === 'file:') return (await import('node:fs/promises')).readFile(url)
@@ -23,7 +25,7 @@ class Module {
     const env = {
       tan: Math.tan,
       progress: (done) => progress?.(done),
-      number: (x, at, room) => this.write(Number.isInteger(x) ? String(x) : String(+x.toPrecision(6)), at >>> 0, room),
+      number: (x, at, room) => this.write(String(Number.isInteger(x) ? x : +x.toPrecision(6)), at >>> 0, room),
     }
     this.c = new WebAssembly.Instance(module, { env }).exports
     this.numbers = this.c.start() >>> 0
@@ -75,12 +77,20 @@ class Module {
   }
 }
 
-const compiled = {}
-const compile = (name) => (compiled[name] ??= bytesOf(new URL(`${name}.wasm`, import.meta.url)).then(WebAssembly.compile))
-const cores = {}
-const coreOf = (name) => (cores[name] ??= compile(name).then((module) => new Module(module)))
+/** What is made once; but again after it failed. */
+const once = (made, name, make) =>
+  (made[name] ??= make().catch((error) => {
+    delete made[name]
+    throw error
+  }))
 
-// ---- Opening ----------------------------------------------------------------------------------------------------------
+const compiled = {}
+const compile = (name) =>
+  once(compiled, name, async () => WebAssembly.compile(await bytesOf(new URL(`${name}.wasm`, import.meta.url))))
+const cores = {}
+const coreOf = (name) => once(cores, name, async () => new Module(await compile(name)))
+
+// ---- Opening --------------------------------------------------------------------------------------------------
 
 async function urlOf(text) {
   if (!inNode) return new URL(text, globalThis.document?.baseURI ?? globalThis.location?.href)
@@ -98,18 +108,20 @@ async function read(source) {
 }
 
 async function gunzip(name, bytes) {
-  const most = GUESS * (ALWAYS + bytes.length)
+  const most = INFLATED * (ALWAYS + bytes.length)
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip')).getReader()
+  const fail = () => Promise.reject(new Error(`${name}: the gzip stream is damaged or ends early`))
+  const next = () => stream.read().catch(fail)
   const parts = []
   let length = 0
-  try {
-    for await (const part of new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'))) {
-      parts.push(part)
-      if ((length += part.length) > most) break
+  for (let part = await next(); !part.done; part = await next()) {
+    parts.push(part.value)
+    length += part.value.length
+    if (length > most) {
+      await stream.cancel()
+      throw new Error(`${name}: its gzip stream has more than ${most} bytes`)
     }
-  } catch {
-    throw new Error(`${name}: the gzip stream is damaged or ends early`)
   }
-  if (length > most) throw new Error(`${name}: its gzip stream has more than ${most} bytes`)
   return new Uint8Array(await new Blob(parts).arrayBuffer())
 }
 
@@ -127,7 +139,8 @@ async function pack(name, bytes, { profile = 'default', axes = 'file', maxGaussi
   try {
     reader.check(reader.c.import(text, reader.copy(bytes), bytes.length, kind, directions))
   } catch (error) {
-    throw error instanceof WebAssembly.RuntimeError ? new Error(`${name}: too damaged to read: ${error.message}`) : error
+    if (error instanceof WebAssembly.RuntimeError) throw new Error(`${name}: cannot be read: ${error.message}`)
+    throw error
   }
   return reader.bytes(...reader.get(0, 2))
 }
@@ -189,18 +202,26 @@ export class Scene {
   }
 }
 
-// ---- Frames -----------------------------------------------------------------------------------------------------------
+// ---- Frames ---------------------------------------------------------------------------------------------------
 
 const MAX_CROPS = 8
+
+/** These numbers, where they are as many as there should be. */
+function all(name, count, numbers) {
+  const flat = Array.isArray(numbers) || ArrayBuffer.isView(numbers) ? Array.from(numbers).flat() : []
+  if (flat.length !== count || !flat.every((x) => typeof x === 'number'))
+    throw new Error(`${name}: expected ${count} numbers`)
+  return flat
+}
 
 function placeObject(core, object, i) {
   const { scene, translation = [0, 0, 0], rotation = [1, 0, 0, 0], scale = 1, opacity = 1 } = object
   const { tint = [1, 1, 1], visible = true, id = i, crops = [] } = object
   const [own, at] = scene.inside
   if (own !== core) throw new Error(`${scene.name}: loaded with another \`simd\` than the first object`)
-  if (translation.length !== 3 || rotation.length !== 4 || tint.length !== 3) throw new Error('translation and tint: expected 3 numbers; rotation: 4')
-  const boxes = crops.slice(0, MAX_CROPS).flatMap((crop) => [...crop.low, ...crop.high, crop.keep === 'outside'])
-  core.put(translation, rotation, scale, opacity, tint, visible, id, crops.length, boxes)
+  const box = ({ low, high, keep }) => [...all('low', 3, low), ...all('high', 3, high), keep === 'outside']
+  const where = [...all('translation', 3, translation), ...all('rotation', 4, rotation), scale, opacity]
+  core.put(where, all('tint', 3, tint), visible, id, crops.length, crops.slice(0, MAX_CROPS).flatMap(box))
   core.check(core.c.place(at))
 }
 
@@ -212,21 +233,26 @@ function placeAll(objects) {
   return core
 }
 
+/** An entry of a cameras.json, whose rotation has the camera's axes as columns. */
+function takePinhole(core, camera, width, height) {
+  const { fx, fy = fx, near = 0, orthographic = false } = camera
+  const [w, h] = [camera.width ?? width, camera.height ?? height]
+  const rows = all('rotation', 9, camera.rotation)
+  const columns = [0, 3, 6, 1, 4, 7, 2, 5, 8].map((i) => rows[i])
+  core.put(fx, fy, camera.cx ?? w / 2, camera.cy ?? h / 2, columns, all('position', 3, camera.position), near)
+  core.check(core.c.camera(w, h, width, height, orthographic ? 1 : 0))
+}
+
 function takeCamera(core, camera, width, height) {
-  const { up = [0, -1, 0], fov = 50, near = 0 } = camera
-  if (camera.rotation) {
-    const { fx, fy = fx, position, rotation, orthographic = false } = camera
-    const [w, h] = [camera.width ?? width, camera.height ?? height]
-    const columns = rotation.flat().length === 9 ? [0, 1, 2].flatMap((i) => rotation.map((row) => row[i])) : []
-    core.put(fx, fy, camera.cx ?? w / 2, camera.cy ?? h / 2, columns, position, near)
-    return core.check(core.c.camera(w, h, width, height, orthographic ? 1 : 0))
-  }
+  if (camera.rotation) return takePinhole(core, camera, width, height)
+  const { fov = 50, near = 0 } = camera
+  const up = all('up', 3, camera.up ?? [0, -1, 0])
   if (!camera.eye) {
     core.put(up, fov, near)
     return core.check(core.c.see_all(width, height))
   }
   core.c.middle()
-  core.put(camera.eye, camera.look ?? core.get(0, 3), up, fov, near)
+  core.put(all('eye', 3, camera.eye), all('look', 3, camera.look ?? core.get(0, 3)), up, fov, near)
   return core.check(core.c.look_at(width, height))
 }
 
@@ -264,7 +290,7 @@ export function pick(x, y, objects, camera = {}, options = {}) {
   return { object, gaussian, depth, position }
 }
 
-// ---- Pictures ---------------------------------------------------------------------------------------------------------
+// ---- Pictures -------------------------------------------------------------------------------------------------
 
 function crc32(bytes) {
   let crc = -1
@@ -287,13 +313,15 @@ function chunkOf(type, data) {
 
 export async function png(pixels, width, height) {
   const rows = new Uint8Array((4 * width + 1) * height)
-  for (let y = 0; y < height; y++) rows.set(pixels.subarray(4 * width * y, 4 * width * (y + 1)), (4 * width + 1) * y + 1)
+  for (let y = 0; y < height; y++)
+    rows.set(pixels.subarray(4 * width * y, 4 * width * (y + 1)), (4 * width + 1) * y + 1)
   const header = new DataView(new ArrayBuffer(13))
   header.setUint32(0, width)
   header.setUint32(4, height)
   header.setUint16(8, 0x0806)   // 8 bits, RGBA
-  const body = await new Response(new Blob([rows]).stream().pipeThrough(new CompressionStream('deflate'))).arrayBuffer()
-  const chunks = [['IHDR', new Uint8Array(header.buffer)], ['IDAT', new Uint8Array(body)], ['IEND', new Uint8Array(0)]]
+  const deflated = new Blob([rows]).stream().pipeThrough(new CompressionStream('deflate'))
+  const body = new Uint8Array(await new Response(deflated).arrayBuffer())
+  const chunks = [['IHDR', new Uint8Array(header.buffer)], ['IDAT', body], ['IEND', new Uint8Array(0)]]
   const parts = [Uint8Array.of(137, 80, 78, 71, 13, 10, 26, 10), ...chunks.map(([type, data]) => chunkOf(type, data))]
   return new Uint8Array(await new Blob(parts).arrayBuffer())
 }

@@ -1,5 +1,5 @@
-/* The C library's functions for the text of messages, as far as they are used here: %s %d %u %x %g, with h, l, ll, z and
- * t before, and a precision of strings. JavaScript makes numbers into text: it can, and its way is small. */
+/* The C library's functions for the text of messages, as far as they are used here: %s %d %u %c %f %g, with h, l, ll, z
+ * and t before, and a precision of strings. JavaScript makes numbers into text, which takes no code here. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -69,7 +69,7 @@ static const char *put_one(writer *w, const char *format, va_list *arguments)
     switch (*format) {
     case 's': put_string(w, va_arg(*arguments, const char *), precision); break;
     case 'd': put_integer(w, arguments, longs > 1, 1); break;
-    case 'u': case 'x': put_integer(w, arguments, longs > 1, 0); break;
+    case 'u': put_integer(w, arguments, longs > 1, 0); break;
     case 'c': put(w, &(char){(char)va_arg(*arguments, int)}, 1); break;
     case 'f': case 'g': put_number(w, va_arg(*arguments, double)); break;
     default: put(w, format, 1);

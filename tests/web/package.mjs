@@ -4,7 +4,7 @@ import { readFileSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { resolve } from 'node:path'
 import { pathToFileURL } from 'node:url'
-import { inflateSync } from 'node:zlib'
+import { gzipSync, inflateSync } from 'node:zlib'
 
 const [folder, word, ...args] = process.argv.slice(2)
 const { load, pick, png, render } = await import(pathToFileURL(resolve(folder, 'fixsplat.js')))
@@ -43,14 +43,14 @@ const words = {
       const before = hash((await load(bytes)).render({}, { width: 64, height: 48 }))
       const isPacked = file.endsWith('.fxs')
       for (let at = 0; at < bytes.length && isPacked; at += at < 600 ? 1 : 331) await refused(flipped(bytes, at))
-      for (let length = 0; length < bytes.length; length += length < 600 ? 7 : 4999) await refused(bytes.slice(0, length))
+      for (let end = 0; end < bytes.length; end += end < 600 ? 7 : 4999) await refused(bytes.slice(0, end))
       await refused(new Uint8Array([...bytes.slice(0, 64), ...new Uint8Array(100).fill(255)]))
       assert.equal(hash((await load(bytes)).render({}, { width: 64, height: 48 })), before)
     }
   },
 
   async memory(file) {
-    const rss = []
+    const used = []
     let first = 0
     for (let i = 0; i < 50; i++) {
       const scene = await load(file)
@@ -58,11 +58,13 @@ const words = {
       first ||= memoryOf(scene)
       scene.free()
       globalThis.gc()
-      rss.push(process.memoryUsage().rss)
-      if (i === 49) assert.ok(memoryOf(await load(file)) <= 1.05 * first)
+      const { heapUsed, external } = process.memoryUsage()
+      used.push(heapUsed + external)
     }
-    console.error(`rss after 10 loads ${rss[9] >> 20} MiB, after 50 ${rss[49] >> 20} MiB; the module has ${first >> 20} MiB`)
-    assert.ok(rss[49] <= 1.05 * rss[9], `${rss[9]} bytes, then ${rss[49]}`)
+    const [before, after] = [used.slice(5, 10), used.slice(45)].map((some) => Math.min(...some))
+    assert.ok(after <= 1.05 * before, `${before} bytes, then ${after}`)
+    const last = memoryOf(await load(file))
+    assert.ok(last <= 1.05 * first, `the module had ${first} bytes, then ${last}`)
   },
 
   // Every kind of source, and what is wrong with one.
@@ -85,9 +87,13 @@ const words = {
     await refused(new Uint8Array(0))
     await refused(Buffer.from('GIF89a, and no scene'), /scene/)
     await refused(Buffer.from([0x1f, 0x8b, 8, 0, 1, 2, 3, 4]), /gzip/)
+    await refused(gzipSync(Buffer.alloc(160e6)), /gzip stream has more than/)
+    const huge = 'ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n'
+    await refused(Buffer.from(huge))
   },
 
-  async misuse(file) {
+  // A packed scene; the same to be packed; one that needs a library.
+  async misuse(file, ply, zstd) {
     const scene = await load(file)
     const size = { width: 64, height: 48 }
     const wrong = (words, ...frame) => assert.throws(() => render(...frame), words)
@@ -96,15 +102,21 @@ const words = {
     wrong(/pixels/, [{ scene }], {}, { width: 1.5, height: 10 })
     wrong(/field of view of 200/, [{ scene }], { fov: 200 }, size)
     wrong(/looks nowhere/, [{ scene }], { eye: [1, 1, 1], look: [1, 1, 1] }, size)
-    wrong(/focal length of 0 pixels/, [{ scene }], { fx: 0, rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], position: [0, 0, 0] }, size)
-    wrong(/rotation/, [{ scene }], { fx: 100, rotation: [[9, 0, 0], [0, 1, 0], [0, 0, 1]], position: [0, 0, 0] }, size)
+    const pinhole = { fx: 100, rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], position: [0, 0, 0] }
+    wrong(/focal length of 0 pixels/, [{ scene }], { ...pinhole, fx: 0 }, size)
+    wrong(/not a rotation/, [{ scene }], { ...pinhole, rotation: [[9, 0, 0], [0, 1, 0], [0, 0, 1]] }, size)
     wrong(/scale/, [{ scene, scale: 0 }], {}, size)
     wrong(/tint/, [{ scene, tint: [9, 1, 1] }], {}, size)
     wrong(/crops: expected at most 8/, [{ scene, crops: Array(9).fill({ low: [0, 0, 0], high: [1, 1, 1] }) }], {}, size)
+    wrong(/rotation: expected 9/, [{ scene }], { ...pinhole, rotation: [[1, 0], [0, 1]] }, size)
+    wrong(/eye: expected 3/, [{ scene }], { eye: [1, 2] }, size)
+    wrong(/up: expected 3/, [{ scene }], { up: 'up' }, size)
     wrong(/memory/, [{ scene }], {}, { ...size, maxMemory: 1000 })
     wrong(/range/, [{ scene }], {}, { ...size, shDegree: 7 })
     wrong(/another/, [{ scene }, { scene: await load(file, { simd: false }) }], {}, size)
-    await refused(file, /expected one of/, { profile: 'huge' }).catch(() => {})
+    await refused(ply, /expected one of/, { profile: 'huge' })
+    await refused(ply, /limit of 699/, { maxGaussians: 699 })
+    await refused(zstd, /without zstd/)
     assert.equal(scene.render({}, size).length, 4 * 64 * 48)
     scene.free()
     scene.free()
@@ -123,8 +135,10 @@ const words = {
     const bytes = Buffer.from(await png(pixels, 61, 47))
     const length = bytes.readUInt32BE(33)
     const rows = inflateSync(bytes.subarray(41, 41 + length))
-    for (let y = 0; y < 47; y++)
-      assert.deepEqual(rows.subarray(245 * y, 245 * (y + 1)), Buffer.from([0, ...pixels.subarray(244 * y, 244 * (y + 1))]))
+    for (let y = 0; y < 47; y++) {
+      const row = Buffer.from([0, ...pixels.subarray(244 * y, 244 * (y + 1))])
+      assert.deepEqual(rows.subarray(245 * y, 245 * (y + 1)), row)
+    }
   },
 
   // FILE PROFILE: the packed scene, to standard output.
@@ -132,7 +146,7 @@ const words = {
     process.stdout.write((await load(file, { profile })).packed)
   },
 
-  // SIMD CAMERA WIDTH HEIGHT: the median milliseconds of ten frames.
+  // SIMD FILE CAMERA WIDTH HEIGHT: the least milliseconds of ten frames.
   async speed(simd, file, camera, width, height) {
     const scene = await load(file, { simd: simd === '1' })
     const times = []
@@ -141,7 +155,7 @@ const words = {
       scene.render(JSON.parse(camera), { width: +width, height: +height })
       times.push(performance.now() - start)
     }
-    console.log(times.slice(2).sort((a, b) => a - b)[5].toFixed(1))
+    console.log(Math.min(...times).toFixed(1))
   },
 }
 

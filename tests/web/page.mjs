@@ -1,4 +1,4 @@
-// node page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: what tests/scripts/page.sh asks of the viewer's page, in Chromium.
+// node page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: what tests/scripts/page.sh asks of the viewer's page.
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readFileSync } from 'node:fs'
@@ -8,7 +8,13 @@ import { resolve } from 'node:path'
 
 const [folder, scenes, modules, pictures, command] = process.argv.slice(2)
 const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
-const KINDS = { js: 'text/javascript', html: 'text/html', css: 'text/css', wasm: 'application/wasm', json: 'application/json' }
+const KINDS = {
+  js: 'text/javascript',
+  html: 'text/html',
+  css: 'text/css',
+  wasm: 'application/wasm',
+  json: 'application/json',
+}
 
 const asked = []
 const server = createServer((request, answer) => {
@@ -25,13 +31,19 @@ const server = createServer((request, answer) => {
 await new Promise((done) => server.once('listening', done))
 const base = `http://127.0.0.1:${server.address().port}`
 
-const browser = await puppeteer.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox'] })
+const browser = await puppeteer.launch({
+  executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
+  args: ['--no-sandbox'],
+})
 const page = await browser.newPage()
 const faults = []
 page.on('pageerror', (error) => faults.push(error.message))
 await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'dark' }])
 const strange = []
-page.on('request', (request) => !/^(http:\/\/127\.0\.0\.1|data:|blob:)/.test(request.url()) && strange.push(request.url()))
+page.on(
+  'request',
+  (request) => !/^(http:\/\/127\.0\.0\.1|data:|blob:)/.test(request.url()) && strange.push(request.url())
+)
 
 async function go(address, width = 640, height = 360) {
   await page.setViewport({ width, height })
@@ -40,7 +52,8 @@ async function go(address, width = 640, height = 360) {
 }
 
 const inside = (body, ...args) =>
-  page.evaluate(`(async (...args) => { const v = document.querySelector('fixsplat-viewer'), $ = (id) => v.shadowRoot.getElementById(id);
+  page.evaluate(`(async (...args) => { const v = document.querySelector('fixsplat-viewer');
+    const $ = (id) => v.shadowRoot.getElementById(id);
     ${body} })(...${JSON.stringify(args)})`)
 const still = () => page.waitForSelector('fixsplat-viewer[state=still]', { timeout: 120000 })
 const moved = async () => {
@@ -48,20 +61,45 @@ const moved = async () => {
   await still()
 }
 const wordsOf = async () => {
-  await page.waitForFunction(() => !document.querySelector('fixsplat-viewer').shadowRoot.getElementById('error').hidden)
+  await page.waitForFunction(
+    () => !document.querySelector('fixsplat-viewer').shadowRoot.getElementById('error').hidden
+  )
   return inside(`return $('words').textContent`)
 }
 const viewOf = () => inside('return v.view')
-const hash = () => inside(`const c = $('canvas'); let h = 0xcbf29ce484222325n;
-  for (const b of c.getContext('2d').getImageData(0, 0, c.width, c.height).data) h = BigInt.asUintN(64, (h ^ BigInt(b)) * 0x100000001b3n);
+const hash = () =>
+  inside(`const c = $('canvas'); let h = 0xcbf29ce484222325n;
+  const { data } = c.getContext('2d').getImageData(0, 0, c.width, c.height);
+  for (const b of data) h = BigInt.asUintN(64, (h ^ BigInt(b)) * 0x100000001b3n);
   return h.toString(16).padStart(16, '0')`)
 const picture = (name) => page.screenshot({ path: `${pictures}/${name}.png` })
 
 /** The picture of the command for the same camera. */
 function native(scene, view, size, background) {
   const n = view.split(',')
-  return execFileSync(command, ['render', `${scenes}/${scene}`, '--eye', n.slice(0, 3).join(), '--look', n.slice(3, 6).join(),
-    '--up', n.slice(6, 9).join(), '--fov', n[9], '--size', size, '--bg', background, '--hash'], { encoding: 'utf8' }).trim().split(/\s/)[0]
+  return execFileSync(
+    command,
+    [
+      'render',
+      `${scenes}/${scene}`,
+      '--eye',
+      n.slice(0, 3).join(),
+      '--look',
+      n.slice(3, 6).join(),
+      '--up',
+      n.slice(6, 9).join(),
+      '--fov',
+      n[9],
+      '--size',
+      size,
+      '--bg',
+      background,
+      '--hash',
+    ],
+    { encoding: 'utf8' }
+  )
+    .trim()
+    .split(/\s/)[0]
 }
 
 const tests = {
@@ -90,8 +128,10 @@ const tests = {
     await still()
     const start = await viewOf()
     const motions = [
-      () => page.mouse.wheel({ deltaY: -300 }), () => page.keyboard.press('ArrowLeft', { delay: 60 }),
-      () => page.keyboard.press('w', { delay: 60 }), () => page.keyboard.press('+'),
+      () => page.mouse.wheel({ deltaY: -300 }),
+      () => page.keyboard.press('ArrowLeft', { delay: 60 }),
+      () => page.keyboard.press('w', { delay: 60 }),
+      () => page.keyboard.press('+'),
       ...['left', 'right'].map((button) => async () => {
         await page.mouse.move(320, 180)
         await page.mouse.down({ button })
@@ -163,12 +203,14 @@ const tests = {
   async 'the element in a page of its own; its end ends its worker'() {
     await go('')
     await page.setContent(`<base href="${base}/"><script type="module" src="viewer/viewer.js"></script>
-      <fixsplat-viewer style="width: 300px; height: 200px" src="scenes/scene.ply" background="#000000"></fixsplat-viewer>`)
+      <fixsplat-viewer style="width: 300px; height: 200px" src="scenes/scene.ply"
+        background="#000000"></fixsplat-viewer>`)
     await still()
     assert.equal(await hash(), native('scene.ply', await viewOf(), '300x200', '000000'))
     for (let i = 0; i < 5; i++) assert.ok(await inside(`return v.open(args[0])`, `${base}/scenes/scene.ply`))
     const workers = async (count) => {
-      for (let i = 0; i < 50 && page.workers().length !== count; i++) await new Promise((done) => setTimeout(done, 100))
+      for (let i = 0; i < 50 && page.workers().length !== count; i++)
+        await new Promise((done) => setTimeout(done, 100))
       assert.equal(page.workers().length, count)
     }
     await workers(1)
@@ -177,13 +219,22 @@ const tests = {
   },
 
   async 'errors in words; the page goes on'() {
-    const wrong = { 'none.ply': /no such file/, 'text.ply': /text\.ply/, 'short.ply': /short\.ply/, 'huge.ply': /huge\.ply/,
-                    'scene.ply?cut': /broke off/, 'http://127.0.0.1:1/a.ply': /cannot be reached/ }
+    const wrong = {
+      'none.ply': /no such file/,
+      'text.ply': /text\.ply/,
+      'short.ply': /short\.ply/,
+      'huge.ply': /huge\.ply/,
+      'scene.ply?cut': /broke off/,
+      'http://127.0.0.1:1/a.ply': /cannot be reached/,
+    }
     await go('?scene=/scenes/scene.ply')
     await still()
     const before = await hash()
     for (const [address, words] of Object.entries(wrong)) {
-      await inside(`$('error').hidden = true; v.setAttribute('src', args[0])`, new URL(address, `${base}/scenes/`).href)
+      await inside(
+        `$('error').hidden = true; v.setAttribute('src', args[0])`,
+        new URL(address, `${base}/scenes/`).href
+      )
       assert.match(await wordsOf(), words)
     }
     await picture('error')
@@ -203,7 +254,11 @@ const tests = {
       data.items.add(new File([bytes], 'dropped.ply')); v.dispatchEvent(new DragEvent('drop', { dataTransfer: data }))`)
     await still()
     assert.equal(await inside(`return $('name').textContent`), 'dropped.ply')
-    await inside(`HTMLAnchorElement.prototype.click = async function () { v.saved = [this.download, new Uint8Array(await (await fetch(this.href)).arrayBuffer()).slice(1, 4).join()] }`)
+    await inside(
+      `HTMLAnchorElement.prototype.click = async function () { 
+          const bytes = new Uint8Array(await (await fetch(this.href)).arrayBuffer());
+          v.saved = [this.download, bytes.slice(1, 4).join()] }`
+    )
     await page.keyboard.press('i')
     await page.waitForFunction(() => document.querySelector('fixsplat-viewer').saved)
     assert.deepEqual(await inside('return v.saved'), ['dropped.ply.png', '80,78,71'])
@@ -214,43 +269,69 @@ const tests = {
   async 'every control has a name; panels by key; noui'() {
     await go('?scene=/scenes/scene.ply')
     await still()
-    assert.deepEqual(await inside(`return [...v.shadowRoot.querySelectorAll('button, input, select, canvas, section')].filter((e) =>
-      !(e.ariaLabel || e.textContent.trim() || e.labels?.[0]?.textContent.trim())).map((e) => e.outerHTML)`), [])
+    assert.deepEqual(
+      await inside(`return [...v.shadowRoot.querySelectorAll('button, input, select, canvas, section')].filter((e) =>
+      !(e.ariaLabel || e.textContent.trim() || e.labels?.[0]?.textContent.trim())).map((e) => e.outerHTML)`),
+      []
+    )
+    await page.keyboard.press('Tab')
+    assert.equal(await inside('return v.shadowRoot.activeElement.id'), 'full')
     await page.keyboard.press('h')
     assert.equal(await inside(`return $('help').hidden`), false)
     await page.keyboard.press('Escape')
     assert.equal(await inside(`return $('help').hidden`), true)
     await go('?scene=/scenes/scene.ply&noui')
     await still()
-    assert.deepEqual(await inside(`return [...v.shadowRoot.querySelectorAll('.ui')].filter((e) => getComputedStyle(e).display !== 'none').length`), 0)
+    assert.deepEqual(
+      await inside(
+        `return [...v.shadowRoot.querySelectorAll('.ui')].filter((e) => getComputedStyle(e).display !== 'none').length`
+      ),
+      0
+    )
   },
 
   async 'in the width of a phone nothing lies outside'() {
     await go('?scene=/scenes/scene.ply&cameras=/scenes/cameras.json', 360, 740)
     await still()
     for (const panel of ['options', 'help'])
-      assert.deepEqual(await inside(`$('${panel}').hidden = false; const out = [...v.shadowRoot.querySelectorAll('button, p, label, dl')].filter((e) => {
-        const r = e.getBoundingClientRect(); return r.width && (r.left < 0 || r.right > 360) }).map((e) => e.id || e.outerHTML);
-        $('${panel}').hidden = true; return out`), [])
+      assert.deepEqual(
+        await inside(`$('${panel}').hidden = false;
+        const out = [...v.shadowRoot.querySelectorAll('button, p, label, dl')].filter((e) => {
+        const r = e.getBoundingClientRect();
+        return r.width && (r.left < 0 || r.right > 360) }).map((e) => e.id || e.outerHTML);
+        $('${panel}').hidden = true; return out`),
+        []
+      )
     await picture('phone')
     await page.keyboard.press('h')
     await picture('phone-keys')
   },
 
   async 'captured scenes, and motion at a fraction of the size'() {
-    const list = { guitar: 'guitar.compressed.ply', snowmiku: 'snowmiku.ply&cameras=/scenes/real/snowmiku/cameras.json' }
+    const list = {
+      guitar: 'guitar.compressed.ply',
+      snowmiku: 'snowmiku.ply&cameras=/scenes/real/snowmiku/cameras.json',
+    }
     for (const [folder, file] of existsSync(`${scenes}/real`) ? Object.entries(list) : []) {
       await go(`?scene=/scenes/real/${folder}/${file}`, 1280, 720)
-      await page.waitForFunction(() => document.querySelector('fixsplat-viewer').shadowRoot.getElementById('percent').textContent)
+      await page.waitForFunction(
+        () => document.querySelector('fixsplat-viewer').shadowRoot.getElementById('percent').textContent
+      )
       await picture(`${folder}-loading`)
       await still()
       await picture(folder)
       assert.equal(await hash(), native(`real/${folder}/${file.split('&')[0]}`, await viewOf(), '1280x720', '0e1116'))
-      await inside(`v.seen = []; v.addEventListener('picture', ({ detail }) => v.seen.push([detail.divisor, Math.round(detail.milliseconds)]))`)
+      await inside(
+        `v.seen = []; v.addEventListener('picture', ({ detail }) =>
+          v.seen.push([detail.divisor, Math.round(detail.milliseconds)]))`
+      )
       await page.keyboard.press('ArrowLeft', { delay: 1500 })
       await moved()
       const seen = await inside('return v.seen')
-      console.log(`  ${folder}: divisor, ms: ${seen.slice(0, 3).join(' | ')} ... ${seen.slice(-3).join(' | ')}; ${seen.length} pictures in 1.5 s`)
+      console.log(
+        `  ${folder}: divisor, ms: ${seen.slice(0, 3).join(' | ')} ... ${seen.slice(-3).join(' | ')}; ` +
+          `${seen.length} pictures in 1.5 s`
+      )
       assert.equal(seen.at(-1)[0], 1)
       assert.ok(seen.at(-1)[1] < 60 || seen.some(([divisor]) => divisor > 1))
     }

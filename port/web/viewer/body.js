@@ -11,17 +11,29 @@ const ICONS = {
   home: 'M4 11l8-7 8 7M6 10v9h4v-5h4v5h4v-9',
   share: 'M10 14a4 4 0 0 0 6 0l3-3a4 4 0 0 0-6-6l-1 1M14 10a4 4 0 0 0-6 0l-3 3a4 4 0 0 0 6 6l1-1',
   photo: 'M4 8h4l2-3h4l2 3h4v11H4zM12 10a3.2 3.2 0 1 0 0 6.4 3.2 3.2 0 0 0 0-6.4z',
-  set: 'M4 8h8M17 8h3M4 16h3M12 16h8M14.5 5.5a2.5 2.5 0 1 0 0 5 2.5 2.5 0 0 0 0-5zM9.5 13.5a2.5 2.5 0 1 0 0 5 2.5 2.5 0 0 0 0-5z',
+  set: 'M4 8h8M17 8h3M4 16h3M12 16h8M14.5 5.5a2.5 2.5 0 1 0 0 5 2.5 2.5 0 0 0 0-5z' +
+    'M9.5 13.5a2.5 2.5 0 1 0 0 5 2.5 2.5 0 0 0 0-5z',
   keys: 'M9 9a3 3 0 1 1 4.5 2.6c-1 .6-1.5 1.2-1.5 2.4M12 17.5v.5',
   full: 'M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5',
   close: 'M6 6l12 12M18 6L6 18',
 }
 
 export const keys = [
-  ['Drag', 'turn the scene'], ['Right drag', 'move it; or two fingers'], ['Wheel', 'nearer, farther; or pinch'],
-  ['Double click', 'go to what is there'], ['W A S D Q E', 'fly; faster with shift'], ['Arrows', 'turn'],
-  ['Space + drag', 'look around'], ['+ −', 'nearer, farther'], ['N P', 'next, previous view'], ['R', 'back to the start'],
-  ['I', 'save a picture'], ['L', 'copy a link to this view'], ['F', 'full screen'], ['O', 'open a file'], ['H', 'this list'],
+  ['Drag', 'turn the scene'],
+  ['Right drag', 'move it; or two fingers'],
+  ['Wheel', 'nearer, farther; or pinch'],
+  ['Double click', 'go to what is there'],
+  ['W A S D Q E', 'fly; faster with shift'],
+  ['Arrows', 'turn'],
+  ['Space + drag', 'look around'],
+  ['+ −', 'nearer, farther'],
+  ['N P', 'next, previous view'],
+  ['R', 'back to the start'],
+  ['I', 'save a picture'],
+  ['L', 'copy a link to this view'],
+  ['F', 'full screen'],
+  ['O', 'open a file'],
+  ['H', 'this list'],
 ]
 
 const settings = `
@@ -29,7 +41,8 @@ const settings = `
 <label>Angle of view <input name="fov" type="range" min="20" max="100" value="50"></label>
 <label>Speed of flight <input name="speed" type="range" min="0.1" max="2" step="0.1" value="0.5"></label>
 <label>Picture <select name="sharpness">
-  <option value="1">Sharp</option><option value="0.6667">Medium</option><option value="0.5">Quick</option></select></label>
+  <option value="1">Sharp</option><option value="0.6667">Medium</option>
+  <option value="0.5">Quick</option></select></label>
 <label>Upright <select name="up">
   <option value="0,-1,0">As in the file</option><option value="0,1,0">Upside down</option>
   <option value="0,0,1">Tipped forward</option><option value="0,0,-1">Tipped back</option></select></label>
@@ -41,7 +54,8 @@ const panel = (id, name, close, inside) => `
 </section>`
 
 export const body = `
-<canvas id="canvas" tabindex="0" role="application" aria-label="The scene. Drag or use the arrow keys to turn it; H lists the keys."></canvas>
+<canvas id="canvas" tabindex="0" role="application"
+  aria-label="The scene. Drag or use the arrow keys to turn it; H lists the keys."></canvas>
 <div id="empty" class="ui">
   <h1>fixsplat</h1>
   <p>Drop a scene here: .ply, .splat, .ksplat, .spz or .fxs</p>

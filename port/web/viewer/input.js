@@ -28,14 +28,25 @@ export function listenToPointers(canvas, act, holdsSpace) {
   for (const name of ['pointerup', 'pointercancel', 'lostpointercapture']) canvas.addEventListener(name, end)
   canvas.addEventListener('contextmenu', (event) => event.preventDefault())
   canvas.addEventListener('dblclick', (event) => act.focus(event.offsetX, event.offsetY))
-  canvas.addEventListener('wheel', (event) => {
-    event.preventDefault()
-    const pixels = event.deltaY * [1, 33, 400][event.deltaMode]
-    act.zoom(1.1 ** (Math.max(-300, Math.min(300, pixels)) / 100))
-  }, { passive: false })
+  canvas.addEventListener(
+    'wheel',
+    (event) => {
+      event.preventDefault()
+      const pixels = event.deltaY * [1, 33, 400][event.deltaMode]
+      act.zoom(1.1 ** (Math.max(-300, Math.min(300, pixels)) / 100))
+    },
+    { passive: false }
+  )
 }
 
-const FLIGHT = { KeyD: [1, 0, 0], KeyA: [-1, 0, 0], KeyQ: [0, 1, 0], KeyE: [0, -1, 0], KeyW: [0, 0, 1], KeyS: [0, 0, -1] }
+const FLIGHT = {
+  KeyD: [1, 0, 0],
+  KeyA: [-1, 0, 0],
+  KeyQ: [0, 1, 0],
+  KeyE: [0, -1, 0],
+  KeyW: [0, 0, 1],
+  KeyS: [0, 0, -1],
+}
 const TURN = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }
 
 function isForText(target) {
@@ -46,8 +57,10 @@ function isForText(target) {
 export function listenToKeys(element, act) {
   const held = new Set()
   let last = 0
-  const sum = (table, count) => Object.keys(table).filter((code) => held.has(code))
-    .reduce((total, code) => total.map((x, i) => x + table[code][i]), Array(count).fill(0))
+  const sum = (table, count) =>
+    Object.keys(table)
+      .filter((code) => held.has(code))
+      .reduce((total, code) => total.map((x, i) => x + table[code][i]), Array(count).fill(0))
   const step = (now) => {
     const [flight, turn] = [sum(FLIGHT, 3), sum(TURN, 2)]
     const seconds = last ? Math.min((now - last) / 1000, 0.1) : 0.016

@@ -1,6 +1,6 @@
 // What a drag, the wheel or a key does to a camera { eye, look, up, fov }. `look` is the point that it turns about.
 
-const POLE = 0.02   // radians left between the view and up
+const POLE = 0.02 // radians left between the view and up
 
 export const add = (a, b, times = 1) => a.map((x, i) => x + times * b[i])
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
@@ -24,7 +24,7 @@ function axes({ eye, look, up }) {
   return { forward, right, down: cross(forward, right) }
 }
 
-/** Turns what lies `from` the pivot, and the camera's up: to the right, and down as far as it stays clear of the poles. */
+/** Turns what lies `from` the pivot, and the camera's up: right, and down clear of the poles. */
 function turn(camera, from, up, right, down) {
   const view = axes(camera)
   const axis = unit(up)
@@ -78,12 +78,22 @@ export function seeAll({ low, high }, sceneUp, fov, aspect) {
   const up = unit(sceneUp)
   const start = Math.abs(up[2]) > 0.9 ? [0, -1, 0] : [0, 0, -1]
   const back = unit(add(start, up, -dot(start, up)))
-  const from = unit(add(back.map((x) => 0.95 * x), up, 0.31))
+  const from = unit(
+    add(
+      back.map((x) => 0.95 * x),
+      up,
+      0.31
+    )
+  )
   const look = mix(low, high, 0.5)
   const { forward, right, down } = axes({ eye: add(look, from), look, up })
   const slope = Math.tan((fov * Math.PI) / 360)
   const needs = corners.map((corner) => {
-    const c = add(corner.map((end, i) => (end ? high : low)[i]), look, -1)
+    const c = add(
+      corner.map((end, i) => (end ? high : low)[i]),
+      look,
+      -1
+    )
     return Math.max(Math.abs(dot(right, c)) / (slope * aspect), Math.abs(dot(down, c)) / slope) - dot(forward, c)
   })
   return { eye: add(look, from, 1.1 * Math.max(...needs, 1e-3)), look, up, fov }

@@ -4,19 +4,24 @@ import { listenToKeys, listenToPointers } from './input.js'
 import * as motion from './motion.js'
 import { body, keys } from './body.js'
 
-const STILL_MS = 150       // after the last motion
-const AIM_MS = 40          // of a picture in motion
+const STILL_MS = 150 // after the last motion
+const AIM_MS = 40 // of a picture in motion
 const GLIDE_MS = 350
 const MOST_PIXELS = 1 << 23
-const DIVISORS = [1, 1.5, 2, 3, 4]   // beyond, the time is the same
+const DIVISORS = [1, 1.5, 2, 3, 4] // beyond, the time is the same
 
 const template = document.createElement('template')
-template.innerHTML = `<style>:host { opacity: 0 }</style><link rel="stylesheet" href="${new URL('./viewer.css', import.meta.url)}">${body}`
+const style = new URL('./viewer.css', import.meta.url)
+template.innerHTML = `<style>:host { opacity: 0 }</style><link rel="stylesheet" href="${style}">${body}`
 
 const nameOf = (url) => decodeURIComponent(new URL(url, document.baseURI).pathname.split('/').pop()) || 'scene'
 const hasNumbers = (list, count) => Array.isArray(list) && list.length === count && list.every(Number.isFinite)
-const isView = (v) => v?.rotation?.length === 3 && v.rotation.every((row) => hasNumbers(row, 3)) &&
-  hasNumbers(v.position, 3) && v.fx > 0 && v.height > 0
+const isView = (v) =>
+  v?.rotation?.length === 3 &&
+  v.rotation.every((row) => hasNumbers(row, 3)) &&
+  hasNumbers(v.position, 3) &&
+  v.fx > 0 &&
+  v.height > 0
 
 /** The views of a cameras.json. */
 function viewsOf(name, text) {
@@ -41,16 +46,16 @@ function cameraOf(text) {
 export class Viewer extends HTMLElement {
   static observedAttributes = ['src', 'cameras', 'view', 'background']
 
-  #engine = null           // of the scene on show
-  #opening = null          // of the one that is loading
-  #scene = null            // its name, count and box
-  #source = ''             // its address, where it has one
+  #engine = null // of the scene on show
+  #opening = null // of the one that is loading
+  #scene = null // its name, count and box
+  #source = '' // its address, where it has one
   #views = []
   #index = 0
   #camera = null
-  #good = null             // the camera of the last picture
+  #good = null // the camera of the last picture
   #up = [0, -1, 0]
-  #divisor = 1             // of width and height in motion
+  #divisor = 1 // of width and height in motion
   #busy = false
   #changed = false
   #movedAt = -Infinity
@@ -91,8 +96,12 @@ export class Viewer extends HTMLElement {
   }
 
   /** empty, loading, moving or still. */
-  get state() { return this.getAttribute('state') }
-  set state(value) { this.setAttribute('state', value) }
+  get state() {
+    return this.getAttribute('state')
+  }
+  set state(value) {
+    this.setAttribute('state', value)
+  }
 
   /** eye, look, up and fov, ten numbers with commas: as the attribute `view`. */
   get view() {
@@ -214,7 +223,9 @@ export class Viewer extends HTMLElement {
 
   // ---- Pictures -----------------------------------------------------------------------------------------------------
 
-  get #isMoving() { return performance.now() - this.#movedAt < STILL_MS }
+  get #isMoving() {
+    return performance.now() - this.#movedAt < STILL_MS
+  }
 
   #size(divisor) {
     const [w, h] = [this.clientWidth, this.clientHeight].map((n) => n * devicePixelRatio * this.#settings.sharpness)
@@ -284,7 +295,8 @@ export class Viewer extends HTMLElement {
     const now = DIVISORS.indexOf(this.#divisor)
     const wanted = DIVISORS.findIndex((d) => fits(d) || d === DIVISORS.at(-1))
     const step = Math.sign(wanted - now)
-    this.#divisor = divisor === 1 ? DIVISORS[wanted] : DIVISORS[step < 0 && milliseconds > AIM_MS / 2 ? now : now + step]
+    this.#divisor =
+      divisor === 1 ? DIVISORS[wanted] : DIVISORS[step < 0 && milliseconds > AIM_MS / 2 ? now : now + step]
   }
 
   #after(divisor) {
@@ -351,7 +363,10 @@ export class Viewer extends HTMLElement {
   async #copyLink() {
     if (!this.#scene) return
     if (!this.#source) return this.#note('This scene is a file of yours: a link cannot hold it')
-    const copied = await navigator.clipboard?.writeText(this.link).then(() => true, () => false)
+    const copied = await navigator.clipboard?.writeText(this.link).then(
+      () => true,
+      () => false
+    )
     this.#note(copied ? 'Link copied: it opens this view' : this.link)
   }
 
@@ -371,10 +386,17 @@ export class Viewer extends HTMLElement {
 
   #press(key) {
     const does = {
-      h: () => this.#toggle(this.#ui.help), Escape: () => this.#toggle(null), o: () => this.#ui.file.click(),
-      n: () => this.showView(this.#index + 1), p: () => this.showView(this.#index - 1), r: () => this.#scene && this.#glide(this.#start()),
-      i: () => this.#screenshot(), l: () => this.#copyLink(), f: () => this.#fullScreen(),
-      '+': () => this.#zoom(0.9), '-': () => this.#zoom(1 / 0.9),
+      h: () => this.#toggle(this.#ui.help),
+      Escape: () => this.#toggle(null),
+      o: () => this.#ui.file.click(),
+      n: () => this.showView(this.#index + 1),
+      p: () => this.showView(this.#index - 1),
+      r: () => this.#scene && this.#glide(this.#start()),
+      i: () => this.#screenshot(),
+      l: () => this.#copyLink(),
+      f: () => this.#fullScreen(),
+      '+': () => this.#zoom(0.9),
+      '-': () => this.#zoom(1 / 0.9),
     }
     does[key.length === 1 ? key.toLowerCase() : key]?.()
   }
@@ -390,9 +412,12 @@ export class Viewer extends HTMLElement {
       if (this.#scene && (dx || dy)) this.#move(turn(this.#camera, this.#up, dx * angle, dy * angle))
     }
     return {
-      orbit: turned(motion.orbit), look: turned(motion.lookAround),
+      orbit: turned(motion.orbit),
+      look: turned(motion.lookAround),
       pan: (dx, dy) => this.#scene && this.#move(motion.pan(this.#camera, this.clientHeight, dx, dy)),
-      zoom: (factor) => this.#zoom(factor), focus: (x, y) => this.#focus(x, y), press: (key) => this.#press(key),
+      zoom: (factor) => this.#zoom(factor),
+      focus: (x, y) => this.#focus(x, y),
+      press: (key) => this.#press(key),
       fly: (...way) => {
         const step = this.#scene && this.#settings.speed * this.#radius
         if (step && way.some(Boolean)) this.#move(motion.fly(this.#camera, ...way.map((x) => x * step)))
@@ -417,7 +442,15 @@ export class Viewer extends HTMLElement {
     const held = listenToKeys(this, this.#acts)
     listenToPointers(ui.canvas, this.#acts, () => held.has('Space'))
     const clicks = {
-      choose: 'o', add: 'o', before: 'p', after: 'n', home: 'r', share: 'l', photo: 'i', keys: 'h', full: 'f',
+      choose: 'o',
+      add: 'o',
+      before: 'p',
+      after: 'n',
+      home: 'r',
+      share: 'l',
+      photo: 'i',
+      keys: 'h',
+      full: 'f',
     }
     for (const [id, key] of Object.entries(clicks)) ui[id].onclick = () => this.#press(key)
     ui.set.onclick = () => this.#toggle(ui.options)

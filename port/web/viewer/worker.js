@@ -1,7 +1,7 @@
 // The scene, beside the page: it loads and draws while the page goes on.
 import { load, png } from '../fixsplat.js'
 
-const MOST = 2e9   // bytes of a file that a module of WebAssembly can hold and unpack
+const MOST = 2e9 // bytes of a file that a module of WebAssembly can hold and unpack
 let scene
 
 const tell = (stage, done, bytes) => postMessage({ stage, done, bytes })
@@ -9,7 +9,9 @@ const tooLarge = (name, bytes) => new Error(`${name}: ${(bytes / 1e9).toFixed(1)
 
 async function answerOf(name, url) {
   const answer = await fetch(url).catch(() => {
-    throw new Error(`${name}: cannot be reached. Is the address right, and does its server allow other pages to read it?`)
+    throw new Error(
+      `${name}: cannot be reached. Is the address right, and does its server allow other pages to read it?`
+    )
   })
   if (answer.status === 404) throw new Error(`${name}: there is no such file at this address`)
   if (!answer.ok) throw new Error(`${name}: the server answered ${answer.status} ${answer.statusText}`)
