@@ -117,7 +117,7 @@ const tests = {
     assert.equal(first, native('scene.ply', view, '640x360', '102030'))
     const link = await inside('return v.link')
     assert.match(link, /scene=http.*#view=0.3,-0.9,-4,/)
-    await go(`${new URL(link).search}&background=%23102030${new URL(link).hash}`)
+    await go(`${new URL(link).search}${new URL(link).hash}`)
     await still()
     assert.equal(await hash(), first)
     assert.deepEqual(strange, [])

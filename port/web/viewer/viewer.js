@@ -115,6 +115,7 @@ export class Viewer extends HTMLElement {
     link.searchParams.set('scene', this.#source)
     const cameras = this.getAttribute('cameras')
     if (cameras) link.searchParams.set('cameras', new URL(cameras, document.baseURI))
+    if (this.hasAttribute('background')) link.searchParams.set('background', this.getAttribute('background'))
     link.hash = `view=${this.view}`
     return link.href
   }
@@ -276,11 +277,12 @@ export class Viewer extends HTMLElement {
     const { pixels, milliseconds } = await engine.ask('render', camera, options)
     if (engine !== this.#engine) return
     const { canvas } = this.#ui
-    Object.assign(canvas, options)
-    canvas.getContext('2d', { alpha: false }).putImageData(new ImageData(pixels, options.width), 0, 0)
+    const { width, height } = options
+    Object.assign(canvas, { width, height })
+    canvas.getContext('2d', { alpha: false }).putImageData(new ImageData(pixels, width), 0, 0)
     this.#good = camera
     this.#choose(divisor, milliseconds)
-    this.dispatchEvent(new CustomEvent('picture', { detail: { ...options, divisor, milliseconds } }))
+    this.dispatchEvent(new CustomEvent('picture', { detail: { width, height, divisor, milliseconds } }))
   }
 
   /** Where the renderer does not reach, the camera stays where it was. */
