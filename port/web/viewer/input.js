@@ -1,0 +1,86 @@
+// Pointers and keys. They call `act`: orbit, look, pan (by pixels), zoom (by a factor), focus (at a pixel), fly, press.
+
+/** The middle of one or two pointers, and how far they are apart. */
+function middle(pointers) {
+  const [a, b = a] = [...pointers.values()]
+  return { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, apart: Math.hypot(a.x - b.x, a.y - b.y) }
+}
+
+export function listenToPointers(canvas, act, holdsSpace) {
+  const pointers = new Map()
+  const motionOf = (event) => {
+    if (holdsSpace()) return act.look
+    return pointers.size > 1 || event.buttons & 6 || event.shiftKey ? act.pan : act.orbit
+  }
+  const end = (event) => pointers.delete(event.pointerId)
+  canvas.addEventListener('pointerdown', (event) => {
+    canvas.setPointerCapture(event.pointerId)
+    if (pointers.size < 2) pointers.set(event.pointerId, event)
+  })
+  canvas.addEventListener('pointermove', (event) => {
+    if (!pointers.has(event.pointerId)) return
+    const before = middle(pointers)
+    pointers.set(event.pointerId, event)
+    const now = middle(pointers)
+    motionOf(event)(now.x - before.x, now.y - before.y)
+    if (pointers.size > 1 && now.apart > 0) act.zoom(before.apart / now.apart)
+  })
+  for (const name of ['pointerup', 'pointercancel', 'lostpointercapture']) canvas.addEventListener(name, end)
+  canvas.addEventListener('contextmenu', (event) => event.preventDefault())
+  canvas.addEventListener('dblclick', (event) => act.focus(event.offsetX, event.offsetY))
+  canvas.addEventListener(
+    'wheel',
+    (event) => {
+      event.preventDefault()
+      const pixels = event.deltaY * [1, 33, 400][event.deltaMode]
+      act.zoom(1.1 ** (Math.max(-300, Math.min(300, pixels)) / 100))
+    },
+    { passive: false }
+  )
+}
+
+const FLIGHT = {
+  KeyD: [1, 0, 0],
+  KeyA: [-1, 0, 0],
+  KeyQ: [0, 1, 0],
+  KeyE: [0, -1, 0],
+  KeyW: [0, 0, 1],
+  KeyS: [0, 0, -1],
+}
+const TURN = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }
+
+function isForText(target) {
+  return target.matches?.('input, select, textarea')
+}
+
+/** Keys that are held fly and turn, from picture to picture; the others are pressed. Returns what is held. */
+export function listenToKeys(element, act) {
+  const held = new Set()
+  let last = 0
+  const sum = (table, count) =>
+    Object.keys(table)
+      .filter((code) => held.has(code))
+      .reduce((total, code) => total.map((x, i) => x + table[code][i]), Array(count).fill(0))
+  const step = (now) => {
+    const [flight, turn] = [sum(FLIGHT, 3), sum(TURN, 2)]
+    const seconds = last ? Math.min((now - last) / 1000, 0.1) : 0.016
+    last = flight.some(Boolean) || turn.some(Boolean) ? now : 0
+    if (!last) return
+    act.fly(...flight.map((x) => x * seconds * (held.has('Shift') ? 4 : 1)))
+    act.orbit(...turn.map((x) => -x * seconds * 400))
+    requestAnimationFrame(step)
+  }
+  element.addEventListener('keydown', (event) => {
+    const target = event.composedPath()[0]
+    if (event.ctrlKey || event.metaKey || event.altKey || isForText(target)) return
+    if (event.key === 'Shift') held.add('Shift')
+    else if (event.code in FLIGHT || event.code in TURN || (event.code === 'Space' && !target.matches('button'))) {
+      held.add(event.code)
+      event.preventDefault()
+      if (!last) requestAnimationFrame(step)
+    } else if (!event.repeat) act.press(event.key)
+  })
+  element.addEventListener('keyup', (event) => held.delete(event.key === 'Shift' ? 'Shift' : event.code))
+  element.addEventListener('blur', () => held.clear())
+  return held
+}

@@ -1,0 +1,117 @@
+// What a drag, the wheel or a key does to a camera { eye, look, up, fov }. `look` is the point that it turns about.
+
+const POLE = 0.02 // radians left between the view and up
+
+export const add = (a, b, times = 1) => a.map((x, i) => x + times * b[i])
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+const unit = (a) => a.map((x) => x / Math.hypot(...a))
+const mix = (a, b, t) => a.map((x, i) => x + t * (b[i] - x))
+
+/** Rodrigues' formula; an axis of length 1. */
+function rotate(a, axis, angle) {
+  const [c, s] = [Math.cos(angle), Math.sin(angle)]
+  const along = dot(axis, a) * (1 - c)
+  const aside = cross(axis, a)
+  return a.map((x, i) => x * c + aside[i] * s + axis[i] * along)
+}
+
+export const distance = ({ eye, look }) => Math.hypot(...add(look, eye, -1))
+
+function axes({ eye, look, up }) {
+  const forward = unit(add(look, eye, -1))
+  const right = unit(cross(forward, up))
+  return { forward, right, down: cross(forward, right) }
+}
+
+/** Turns what lies `from` the pivot, and the camera's up: right, and down clear of the poles. */
+function turn(camera, from, up, right, down) {
+  const view = axes(camera)
+  const axis = unit(up)
+  const angle = Math.acos(Math.max(-1, Math.min(1, dot(view.forward, axis))))
+  const end = Math.min(Math.max(angle + down, Math.min(angle, POLE)), Math.max(angle, Math.PI - POLE))
+  const both = (a) => rotate(rotate(a, view.right, angle - end), axis, -right)
+  return [both(from), both(cross(view.right, view.forward))]
+}
+
+/** About `look`, as if the drag turned the scene. */
+export function orbit(camera, sceneUp, right, down) {
+  const [back, up] = turn(camera, add(camera.eye, camera.look, -1), sceneUp, right, down)
+  return { ...camera, eye: add(camera.look, back), up }
+}
+
+/** In place. */
+export function lookAround(camera, sceneUp, right, down) {
+  const [ahead, up] = turn(camera, add(camera.look, camera.eye, -1), sceneUp, right, down)
+  return { ...camera, look: add(camera.eye, ahead), up }
+}
+
+/** Along the camera's own axes, scene units. */
+export function fly(camera, right, down, forward) {
+  const view = axes(camera)
+  const move = (a) => add(add(add(a, view.right, right), view.down, down), view.forward, forward)
+  return { ...camera, eye: move(camera.eye), look: move(camera.look) }
+}
+
+/** By so many pixels of a picture of this height, at the distance of `look`. */
+export function pan(camera, height, right, down) {
+  const unitsAPixel = (2 * distance(camera) * Math.tan((camera.fov * Math.PI) / 360)) / height
+  return fly(camera, -right * unitsAPixel, -down * unitsAPixel, 0)
+}
+
+/** Makes the distance so many times as long, and no less than the nearest. */
+export function zoom(camera, factor, nearest) {
+  const far = distance(camera)
+  return { ...camera, eye: mix(camera.look, camera.eye, Math.max(factor, Math.min(1, nearest / far))) }
+}
+
+/** Some of the way to another camera. */
+export function between(a, b, t) {
+  const part = t * t * (3 - 2 * t)
+  return { ...b, ...Object.fromEntries(['eye', 'look', 'up'].map((k) => [k, mix(a[k], b[k], part)])) }
+}
+
+const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1, (i >> 1) & 1, i >> 2])
+
+/** The whole scene from a little above: the nearest that all corners of its box are seen from, and a tenth more. */
+export function seeAll({ low, high }, sceneUp, fov, aspect) {
+  const up = unit(sceneUp)
+  const start = Math.abs(up[2]) > 0.9 ? [0, -1, 0] : [0, 0, -1]
+  const back = unit(add(start, up, -dot(start, up)))
+  const from = unit(
+    add(
+      back.map((x) => 0.95 * x),
+      up,
+      0.31
+    )
+  )
+  const look = mix(low, high, 0.5)
+  const { forward, right, down } = axes({ eye: add(look, from), look, up })
+  const slope = Math.tan((fov * Math.PI) / 360)
+  const needs = corners.map((corner) => {
+    const c = add(
+      corner.map((end, i) => (end ? high : low)[i]),
+      look,
+      -1
+    )
+    return Math.max(Math.abs(dot(right, c)) / (slope * aspect), Math.abs(dot(down, c)) / slope) - dot(forward, c)
+  })
+  return { eye: add(look, from, 1.1 * Math.max(...needs, 1e-3)), look, up, fov }
+}
+
+/** A camera of a cameras.json; it turns about the point ahead that is nearest to the scene's middle. */
+export function ofView(view, { low, high }) {
+  const column = (i) => view.rotation.map((row) => row[i])
+  const forward = unit(column(2))
+  const radius = Math.hypot(...add(high, low, -1)) / 2
+  const ahead = dot(add(mix(low, high, 0.5), view.position, -1), forward)
+  const look = add(view.position, forward, ahead > 0.01 * radius ? ahead : radius)
+  const fov = (360 / Math.PI) * Math.atan(view.height / 2 / (view.fy ?? view.fx))
+  return { eye: [...view.position], look, up: column(1).map((x) => -x), fov }
+}
+
+/** Up in a scene: the mean of its views' up, where that says anything. */
+export function upOf(views, otherwise) {
+  const mean = [0, 1, 2].map((i) => views.reduce((sum, view) => sum - view.rotation[i][1] / views.length, 0))
+  return Math.hypot(...mean) > 0.1 ? mean : otherwise
+}

@@ -1,0 +1,57 @@
+#!/bin/sh
+# The viewer's page (docs/web.md) in headless Chromium: the pixels of the command, controls, errors in words, sizes.
+# PICTURES=FOLDER keeps pictures of the page.
+. tests/scripts/lib/check.sh
+B=${B:-build}
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+scenes=${FXS_SCENES:-../shared/scenes}
+package=$B/web/package
+modules=${NODE_MODULES:-$B/page/node_modules}
+
+missing=
+for program in clang wasm-ld wasm-opt node chromium; do have $program || missing="$missing $program"; done
+[ -d "$modules/puppeteer-core" ] || missing="$missing puppeteer-core (npm install --prefix $B/page puppeteer-core)"
+if [ -n "$missing" ]; then
+    skip page "not here:$missing"
+    finish
+    exit
+fi
+
+builds() {
+    said=$(env -u MAKEFLAGS make -s B="$B" NVCC=none web 2>&1 | grep -v '^built without')
+    [ -z "$said" ] || { echo "$said"; return 1; }
+}
+
+# at_most BYTES FILE...: gzipped, each on its own as a server sends them.
+at_most() {
+    limit=$1 bytes=0
+    shift
+    for file; do bytes=$((bytes + $(gzip -9c "$file" | wc -c))); done
+    echo "  the page and its script: $bytes bytes gzipped, at most $limit" >"$work/said"
+    [ "$bytes" -le "$limit" ] || { echo "$bytes bytes gzipped, more than $limit"; return 1; }
+}
+
+make_scenes() {
+    "$B/fixsplat" make-scene knot --count 20000 -o "$work/scene.ply" >/dev/null || return 1
+    head -c 3000 "$work/scene.ply" >"$work/short.ply"
+    echo 'GIF89a, and no scene' >"$work/text.ply"
+    printf 'ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n' >"$work/huge.ply"
+    cat >"$work/cameras.json" <<-'END'
+	[{"img_name": "front", "width": 640, "height": 360, "position": [0, 0, -9], "fx": 500, "fy": 500,
+	  "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]},
+	 {"img_name": "side", "width": 640, "height": 360, "position": [-9, 0, 0], "fx": 500, "fy": 500,
+	  "rotation": [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]}]
+	END
+}
+
+check "builds" builds
+check "size" at_most 40000 "$package"/viewer/*.html "$package"/viewer/*.css "$package"/viewer/*.js "$package/fixsplat.js"
+check "makes scenes" make_scenes
+if [ -d "$scenes" ]; then ln -s "$(cd "$scenes" && pwd)" "$work/real"; else skip scenes "no $scenes"; fi
+node tests/web/page.mjs "$package" "$work" "$modules" "${PICTURES:-$work}" "$B/fixsplat" >"$work/page" 2>&1 ||
+    echo "FAIL page: a check above, or it ended early" >>"$work/page"
+cat "$work/page"
+passed=$((passed + $(grep -c '^ok ' "$work/page"))) failed=$((failed + $(grep -c '^FAIL ' "$work/page")))
+cat "$work/said"
+finish
