@@ -314,9 +314,10 @@ static size_t fuzz_stereo_bytes(const fuzz_frame *f)
 /* The least memory that fxs_render says it needs for this view; where it answers with an error, for any. */
 static size_t fuzz_least(const fuzz_frame *f, const fxs_context *context, fxs_frame_memory *memory)
 {
-    fxs_stats stats;
+    fxs_stats stats = {.visible = 0};
     const int refused = fuzz_frame_bytes(f, memory) &&
                         fuzz_render(f, context, memory->least, &stats) == FXS_ERR_MEMORY;
+    memory->rows = stats.memory.rows;
     return refused ? stats.memory.least : memory->least;
 }
 
