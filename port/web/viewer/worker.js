@@ -1,33 +1,68 @@
 // The scene, beside the page: it loads and draws while the page goes on.
-import { load, png } from '../fixsplat.js'
+import { load, png, Screen } from '../fixsplat.js'
 
-let scene
+const PREVIEW_MS = 1000 // at most, until the page has drawn what there is
+const screens = {}
+let scene, how
+let drawn = () => {}
+
+const factsOf = ({ name, count, low, high }) => ({ name, count, low, high })
+
+/** What has come of a scene so far: loading goes on when it was drawn. */
+function preview(part) {
+  scene?.free()
+  scene = part
+  postMessage({ stage: 'preview', scene: factsOf(part) })
+  return new Promise((done) => {
+    drawn = done
+    setTimeout(done, PREVIEW_MS)
+  })
+}
+
+async function draw(screen, camera, options) {
+  try {
+    screen.draw([{ scene }], camera, options)
+    await screen.finish()
+  } catch (error) {
+    if (!screen.lost) throw error
+  }
+}
 
 const words = {
-  /** A File, or the address of one. */
-  async open(name, source) {
-    scene = await load(source, { progress: (progress) => postMessage(progress) })
-    const { count, low, high } = scene
-    return { name: scene.name, count, low, high }
+  async open(source, threads, previews) {
+    how = { threads }
+    const progress = (progress) => postMessage(progress)
+    const whole = await load(source, { ...how, progress, preview: previews ? preview : undefined })
+    scene?.free()
+    scene = whole
+    return factsOf(scene)
   },
 
-  render(camera, options) {
+  async screen(id, canvas, backend) {
+    screens[id] = await Screen.open(canvas, backend, how)
+    canvas.addEventListener('webglcontextlost', () => postMessage({ stage: 'lost', id }))
+  },
+
+  /** On a screen; without one the pixels are the answer. */
+  async draw(id, camera, options) {
     const start = performance.now()
-    const pixels = scene.render(camera, options)
-    return { pixels, milliseconds: performance.now() - start }
+    const screen = screens[id]
+    const pixels = screen ? await draw(screen, camera, options) : scene.render(camera, options)
+    drawn()
+    return { pixels, milliseconds: performance.now() - start, lost: screen?.lost }
   },
 
+  packed: () => scene.packed,
   pick: (x, y, camera, options) => scene.pick(x, y, camera, options),
 
-  async png(camera, options) {
-    return png(scene.render(camera, options), options.width, options.height)
-  },
+  png: (camera, options) => png(scene.render(camera, options), options.width, options.height),
 }
 
 self.onmessage = async ({ data: { id, word, args } }) => {
   try {
     const result = await words[word](...args)
-    postMessage({ id, result }, result?.pixels ? [result.pixels.buffer] : [])
+    const bytes = result?.pixels ?? result
+    postMessage({ id, result }, bytes?.buffer ? [bytes.buffer] : [])
   } catch (error) {
     postMessage({ id, error: error.message })
   }
