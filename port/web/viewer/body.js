@@ -8,8 +8,7 @@ const ICONS = {
   open: 'M3 18V6a1 1 0 0 1 1-1h5l2 3h8a1 1 0 0 1 1 1v2M3 18l3-7h15l-3 8H4a1 1 0 0 1-1-1z',
   before: 'M15 5l-7 7 7 7',
   after: 'M9 5l7 7-7 7',
-  orbit: 'M12 9.5a2.5 2.5 0 1 0 0 5 2.5 2.5 0 0 0 0-5zM16 8c4 1 5.5 2.8 5.5 4.2C21.5 14.9 17.5 17 12 17' +
-    's-9.5-2.1-9.5-4.8C2.5 10 5.5 8 9.5 7.4M7.5 4.8l2.3 2.5-2.6 2.3',
+  orbit: 'M12 8a4 4 0 1 0 0 8 4 4 0 0 0 0-8zM5 19A9.9 3.8 -45 1 1 19 5 9.9 3.8 -45 1 1 5 19z',
   fly: 'M21 3L3 10.5l6.5 3L12.5 20 21 3zM9.5 13.5L21 3',
   home: 'M4 11l8-7 8 7M6 10v9h4v-5h4v5h4v-9',
   share: 'M10 14a4 4 0 0 0 6 0l3-3a4 4 0 0 0-6-6l-1 1M14 10a4 4 0 0 0-6 0l-3 3a4 4 0 0 0 6 6l1-1',
@@ -56,16 +55,19 @@ const ALWAYS = [
 
 const caps = (keys) => (/^[^a-z]+$|^Shift$/.test(keys) ? keys.split(' ') : [keys])
 const rows = (list) =>
-  list.map(([keys, does]) => `<dt>${caps(keys).map((key) => `<kbd>${key}</kbd>`).join('')}</dt><dd>${does}</dd>`).join('')
+  list.map(([keys, does]) => {
+    const all = caps(keys).map((key) => `<kbd>${key}</kbd>`)
+    return `<div><dt>${all.join('')}</dt><dd>${does}</dd></div>`
+  })
 
 /** The keys of a mode. */
-export const listOf = (mode) => `<dl>${rows(MODES[mode])}</dl><dl>${rows(ALWAYS)}</dl>`
+export const listOf = (mode) => [MODES[mode], ALWAYS].map((list) => `<dl>${rows(list).join('')}</dl>`).join('')
 
 const check = (name, words, more = '') => `<label>${words} <input name="${name}" type="checkbox" ${more}></label>`
 
 const settings = `
 <label>Background <input name="background" type="color" value="#0e1116"></label>
-<label>Angle of view <input name="fov" type="range" min="20" max="1" value="50"></label>
+<label>Angle of view <input name="fov" type="range" min="20" max="100" value="50"></label>
 <label>Speed of flight <input name="speed" type="range" min="0.1" max="2" step="0.1" value="0.5"></label>
 <label>Picture <select name="sharpness">
   <option value="1">Sharp</option><option value="0.6667">Medium</option>
@@ -78,7 +80,7 @@ const settings = `
   <option value="webgl2">Graphics card</option>
   <option value="webgl2-quads">Graphics card, roughly</option></select></label>
 ${check('colours', 'Gloss and reflections', 'checked')}
-${check('flat', 'Parallel lines stay parallel')}
+${check('flat', 'Without perspective')}
 ${check('turn', 'Turns by itself')}
 ${check('readout', 'Show pictures a second')}`
 

@@ -393,6 +393,7 @@ export class Viewer extends HTMLElement {
     const { camera, turns } = this.#pilot
     const background = `#${this.#background.toString(16).padStart(6, '0')}`
     this.#panels.set({ background, flat: !!camera?.flat, turn: turns, backend: this.#wanted })
+    if (camera && !camera.flat) this.#panels.set({ fov: camera.fov })
   }
 
   #fullScreen() {

@@ -19,6 +19,12 @@ function preview(part) {
   })
 }
 
+/** Calls when the browser has taken what was drawn: not while a worker is busy. */
+function onScreen(call) {
+  if (globalThis.requestAnimationFrame) requestAnimationFrame(() => setTimeout(call))
+  else call()
+}
+
 async function draw(screen, camera, options) {
   try {
     screen.draw([{ scene }], camera, options)
@@ -48,7 +54,7 @@ const words = {
     const start = performance.now()
     const screen = screens[id]
     const pixels = screen ? await draw(screen, camera, options) : scene.render(camera, options)
-    drawn()
+    onScreen(drawn)
     return { pixels, milliseconds: performance.now() - start, lost: screen?.lost }
   },
 
