@@ -190,6 +190,10 @@ export class Scene {
     return render([{ scene: this }], camera, options)
   }
 
+  renderStereo(left, right, options) {
+    return renderStereo([{ scene: this }], left, right, options)
+  }
+
   pick(x, y, camera, options) {
     return pick(x, y, [{ scene: this }], camera, options)
   }
@@ -271,16 +275,84 @@ function begin(objects, camera, options) {
   return [core, width, height]
 }
 
-export function render(objects, camera = {}, options = {}) {
-  const { background = 0, alpha = false, shDegree = 3, cutoff = 'mahalanobis', maxMemory = 0 } = options
-  const [core, width, height] = begin(objects, camera, options)
-  const pixels = core.place(core.c.allocate(4 * width * height))
-  try {
-    core.check(core.c.render(pixels, alpha ? 1 : 0, background, shDegree, cutoff === 'square' ? 1 : 0, maxMemory))
-    return new Uint8ClampedArray(core.bytes(pixels, 4 * width * height))
-  } finally {
-    core.c.release(pixels)
+// The numbers of targets, and how many a pixel has; those of core.c, in its order.
+const FORMATS = {
+  rgba8: [Uint8ClampedArray, 4],
+  premultiplied: [Uint8ClampedArray, 4],
+  rgb565: [Uint16Array, 1],
+  premultiplied16: [Uint16Array, 4],
+}
+const TARGETS = {
+  colour: null,
+  coverage: [Uint8Array, 1],
+  meanDepth: [Uint32Array, 1],
+  depth: [Uint32Array, 1],
+  ids: [Uint32Array, 2],
+  occluder: [Uint32Array, 1],
+  backdrop: [Uint8ClampedArray, 4],
+}
+const READ = ['occluder', 'backdrop']
+
+function oneOf(table, name) {
+  if (!Object.hasOwn(table, name)) throw new Error(`${name}: expected one of ${Object.keys(table).join(', ')}`)
+  return Object.keys(table).indexOf(name)
+}
+
+/** Where an eye's targets lie in a block of memory, from `start` on. */
+function layOut(asked, format, pixels, start) {
+  const parts = []
+  for (const name of Object.keys(asked).filter((name) => asked[name])) {
+    const place = oneOf(TARGETS, name)
+    const [type, each] = TARGETS[name] ?? FORMATS[format]
+    const given = READ.includes(name) && asked[name]
+    if (given && given.length !== each * pixels) throw new Error(`${name}: expected ${each * pixels} numbers`)
+    parts.push({ name, place, type, given, count: each * pixels, at: start })
+    start += 64 * Math.ceil((each * pixels * type.BYTES_PER_ELEMENT) / 64)
   }
+  return [parts, start]
+}
+
+/** What the cameras that a core has taken see. */
+function draw(core, width, height, eyes, options) {
+  const { background = 0, alpha = false, shDegree = 3, cutoff = 'mahalanobis', maxMemory = 0 } = options
+  const { targets = { colour: true }, depthBits = 16, exact = false } = options
+  if (!(depthBits >= 1 && depthBits <= 28)) throw new Error(`depthBits ${depthBits}: expected 1 to 28`)
+  const lists = Array.isArray(targets) ? targets : Array(eyes).fill(targets)
+  const { colour } = lists[0]
+  const format = typeof colour === 'string' ? colour : alpha ? 'premultiplied' : 'rgba8'
+  const code = oneOf(FORMATS, format)
+  const layouts = []
+  let bytes = 0
+  for (let eye = 0, parts; eye < eyes; eye++) {
+    ;[parts, bytes] = layOut(lists[eye], format, width * height, bytes)
+    layouts.push(parts)
+  }
+  const block = core.place(core.c.allocate(Math.min(bytes, 2 ** 32 - 1)))
+  const view = ({ type, at, count }) => new type(core.c.memory.buffer, block + at, count)
+  try {
+    for (const part of layouts.flat()) if (part.given) view(part).set(part.given)
+    const places = layouts.map((parts) => Object.keys(TARGETS).map((_, i) => parts.find((p) => p.place === i)))
+    core.put(places.flat().map((part) => (part ? block + part.at : 0)))
+    core.check(
+      core.c.render(code, depthBits, background, shDegree, cutoff === 'square' ? 1 : 0, exact ? 1 : 0, maxMemory)
+    )
+    return layouts.map((parts) => {
+      const made = parts.filter((part) => !part.given).map((part) => [part.name, new part.type(view(part))])
+      return options.targets ? { width, height, ...Object.fromEntries(made) } : made[0][1]
+    })
+  } finally {
+    core.c.release(block)
+  }
+}
+
+export function render(objects, camera = {}, options = {}) {
+  return draw(...begin(objects, camera, options), 1, options)[0]
+}
+
+export function renderStereo(objects, left, right, options = {}) {
+  const [core, width, height] = begin(objects, left, options)
+  takeCamera(core, right, width, height)
+  return draw(core, width, height, 2, options)
 }
 
 export function pick(x, y, objects, camera = {}, options = {}) {
