@@ -47,6 +47,11 @@ EXPORT(words) const char *fxs_web_words(void)
     return message.text;
 }
 
+char *fxs_web_text(void)
+{
+    return message.text;
+}
+
 /* Aligned to 64, as malloc is here. */
 EXPORT(allocate) void *fxs_web_allocate(size_t bytes)
 {
@@ -201,13 +206,22 @@ static void *frame_memory(size_t *bytes, size_t limit)
     return fxs_web_allocate(*bytes);
 }
 
-static void take_options(fxs_options *options, uint32_t background, int sh_degree, int square)
+int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree, int square, size_t limit)
 {
-    fxs_options_init(options);
+    *frame = (fxs_web_frame){.context = &context, .objects = objects, .count = object_count, .camera = cameras};
+    frame->memory = frame_memory(&frame->bytes, limit);
+    fxs_options_init(&frame->options);
     for (int c = 0; c < 3; c++)
-        options->background[c] = (uint8_t)(background >> (16 - 8 * c));
-    options->sh_degree = sh_degree;
-    options->cutoff = square ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
+        frame->options.background[c] = (uint8_t)(background >> (16 - 8 * c));
+    frame->options.sh_degree = sh_degree;
+    frame->options.cutoff = square ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
+    return frame->memory ? 0 : FXS_ERR_MEMORY;
+}
+
+int fxs_web_frame_end(fxs_web_frame *frame, int error)
+{
+    free(frame->memory);
+    return said(error);
 }
 
 /* An image without gaps; null at 0. */
@@ -233,24 +247,20 @@ static void take_targets(fxs_targets *t, const double *at, int format, int depth
 }
 
 /* Draws the objects: for each eye 7 places come in, as take_targets says. */
-EXPORT(render) int fxs_web_render(int format, int depth_bits, uint32_t background, int sh_degree, int square,
-                                  int exact, size_t limit)
+EXPORT(render) int fxs_web_render(int format, int depth_bits, int exact, uint32_t background, int sh_degree,
+                                  int square, size_t limit)
 {
-    size_t bytes;
-    fxs_options options;
+    fxs_web_frame f;
     fxs_targets targets[2];
-    void *memory = frame_memory(&bytes, limit);
-    if (!memory)
+    if (fxs_web_frame_begin(&f, background, sh_degree, square, limit))
         return FXS_ERR_MEMORY;
-    take_options(&options, background, sh_degree, square);
     for (uint32_t eye = 0; eye < eyes; eye++)
         take_targets(&targets[eye], numbers + 7 * eye, format, depth_bits);
-    const int error = eyes == 2 ? fxs_render_stereo(&context, objects, object_count, cameras, &options, targets, exact,
-                                                    memory, bytes, NULL)
-                                : fxs_render(&context, objects, object_count, cameras, &options, targets, memory, bytes,
-                                             NULL);
-    free(memory);
-    return said(error);
+    const int error = eyes == 2 ? fxs_render_stereo(&context, objects, object_count, cameras, &f.options, targets, exact,
+                                                    f.memory, f.bytes, NULL)
+                                : fxs_render(&context, objects, object_count, cameras, &f.options, targets, f.memory,
+                                             f.bytes, NULL);
+    return fxs_web_frame_end(&f, error);
 }
 
 /* What a pixel shows: 1, or 0 where that is nothing. Out: the object's place, its Gaussian, depth and position. */

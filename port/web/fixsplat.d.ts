@@ -185,5 +185,38 @@ export function renderStereo(
 /** What a pixel shows: the Gaussian that contributes most. */
 export function pick(x: number, y: number, objects: readonly Placed[], camera?: Camera, options?: FrameOptions): Picked | null
 
+export interface ScreenOptions extends FrameOptions {
+  /** WebGL 2: in place of the canvas, a framebuffer of this context, and the picture's lower left corner there. */
+  into?: { framebuffer?: WebGLFramebuffer | null; x?: number; y?: number }
+}
+
+/** A canvas that is drawn on again and again, in the page or in a Worker. It has one kind of context for life. */
+export class Screen {
+  private constructor()
+  /**
+   * 'wasm': the picture of `render` is copied to the canvas. 'webgl2': the graphics processor draws the same bytes.
+   * 'webgl2-quads': it draws a picture that is not exact. Rejects where there is no WebGL 2. The scenes to be drawn are
+   * loaded with the same `simd`; without it, there is no WebGL.
+   */
+  static open(
+    canvas: HTMLCanvasElement | OffscreenCanvas,
+    backend: 'wasm' | 'webgl2' | 'webgl2-quads',
+    options?: LoadOptions
+  ): Promise<Screen>
+  readonly backend: 'wasm' | 'webgl2' | 'webgl2-quads'
+  /** Whether WebGL's context was lost, after which `draw` throws. Another Screen on another canvas may go on. */
+  readonly lost: boolean
+  /** The context of WebGL 2. */
+  readonly gl: WebGL2RenderingContext | undefined
+  /** As `render`; the canvas takes the size. */
+  draw(objects: readonly Placed[], camera?: Camera, options?: ScreenOptions): void
+  /** When the device is done with what was drawn. */
+  finish(): Promise<void>
+  /** What was drawn last: RGBA, rows from the top. */
+  pixels(): Uint8ClampedArray
+  /** Gives its memory back; the canvas keeps its picture. */
+  free(): void
+}
+
 /** A .png file of a picture. */
 export function png(pixels: Uint8ClampedArray, width: number, height: number): Promise<Uint8Array>
