@@ -283,7 +283,7 @@ wasm_flags_of = $(if $(filter %/fxs_file.c,$(2)),-DFXS_WITH_ZLIB -Iport/web/zlib
 web_objects_of = $(patsubst %.c,$(B)/web/$(1)/%.o,$(sources_of_$(1)))
 WASM := $(foreach module,core simd import,$(WEB)/$(module).wasm)
 
-PACKAGE := $(WASM) $(addprefix $(WEB)/,fixsplat.js webgl.js fixsplat.d.ts package.json README.md LICENSE) \
+PACKAGE := $(WASM) $(addprefix $(WEB)/,fixsplat.js webgl.js read.js fixsplat.d.ts package.json README.md LICENSE) \
            $(patsubst port/web/%,$(WEB)/%,$(wildcard port/web/viewer/*))
 
 web: $(PACKAGE) ## the npm package (docs/web.md), in build/web/package

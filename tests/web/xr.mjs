@@ -11,7 +11,7 @@ const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
 const { load } = await import(pathToFileURL(resolve(folder, 'fixsplat.js')))
 const iwer = readFileSync(resolve(modules, 'iwer/build/iwer.min.js'), 'utf8')
 
-const [WIDTH, HEIGHT] = [640, 320] // of both eyes
+let [width, height] = [640, 320] // of both eyes
 const VIEW = '0,-2,-9,0,-2,-7,0,-1,0,50' // a metre is a unit there
 
 const browser = await puppeteer.launch({
@@ -67,7 +67,7 @@ const page = await browser.newPage()
 const faults = []
 page.on('pageerror', (error) => faults.push(error.message))
 page.on('console', (said) => said.type() === 'error' && faults.push(said.text()))
-await page.setViewport({ width: WIDTH, height: HEIGHT })
+await page.setViewport({ width, height })
 const { identifier } = await page.evaluateOnNewDocument(`${iwer};(${prepare})()`)
 
 const inside = (body, ...args) =>
@@ -79,9 +79,9 @@ const until = (expression, ...args) =>
   page.waitForFunction(`((...args) => { const v = document.querySelector('fixsplat-viewer');
     const $ = (id) => v.shadowRoot.getElementById(id);
     const { test } = window;
-    return ${expression} })(...${JSON.stringify(args)})`, { timeout: 5000 })
+    return ${expression} })(...${JSON.stringify(args)})`, { timeout: 10000 })
 
-async function go(more = '', base = address) {
+async function go(more = '&backend=wasm', base = address) {
   await page.goto('about:blank')
   await page.goto(`${base}/viewer/index.html?scene=../scene.fxs&background=%23102030${more}#view=${VIEW}`)
   await page.waitForSelector('fixsplat-viewer[state=still]', { timeout: 60000 })
@@ -131,7 +131,7 @@ function hash(bytes) {
 const native = (eye, look, ...more) =>
   execFileSync(
     command,
-    ['render', scene, '--size', `${WIDTH / 2}x${HEIGHT}`, '--stereo', '0.0625', '--eye', eye.join(), '--look', look.join(), '--near', '0.1',
+    ['render', scene, '--size', `${width / 2}x${height}`, '--stereo', '0.0625', '--eye', eye.join(), '--look', look.join(), '--near', '0.1',
       '--tangents', '-1.25,0.75,1.125,-0.875', '--bg', '102030', '--hash', ...more],
     { encoding: 'utf8' }
   ).slice(0, 16)
@@ -139,9 +139,8 @@ const native = (eye, look, ...more) =>
 const rendered = await load(scene)
 /** The package's picture of the cameras. */
 function packaged(pair) {
-  const [width, height] = [WIDTH / 2, HEIGHT]
-  const eyes = rendered.renderStereo(...pair, { width, height, background: 0x102030 })
-  const row = (pixels, y) => Buffer.from(pixels.buffer, 4 * width * y, 4 * width)
+  const eyes = rendered.renderStereo(...pair, { width: width / 2, height, background: 0x102030 })
+  const row = (pixels, y) => Buffer.from(pixels.buffer, 2 * width * y, 2 * width)
   return Buffer.concat(Array.from({ length: height }, (_, y) => eyes.map((eye) => row(eye, y))).flat())
 }
 
@@ -298,6 +297,18 @@ const tests = {
     await leave()
   },
 
+  async 'by WebGL 2: each eye as the command draws it alone'() {
+    ;[width, height] = [320, 160]
+    await page.setViewport({ width, height })
+    await pose([0, 1.6, 0])
+    await go('&backend=webgl2')
+    await enter()
+    await settle()
+    assert.equal(await inside('return v.backend'), 'webgl2')
+    assert.equal(hash(await pixels()), native([0, -2, -9], [0, -2, -7], '--stereo-exact'))
+    await leave()
+  },
+
   async 'refused: words'() {
     await inside(`navigator.xr.requestSession = async () => { throw new Error('not now') }; $('headset').click()`)
     await until(`$('words').textContent === 'The headset: not now'`)
@@ -308,7 +319,7 @@ const tests = {
     await go()
     assert.equal(await inside(`return $('headset').hidden`), true)
     await page.setUserAgent('Mozilla/5.0 (X11; Linux x86_64; Quest 3) OculusBrowser/35.0 Chrome/126.0')
-    await go('', address.replace('127.0.0.1', 'far.test'))
+    await go('&backend=wasm', address.replace('127.0.0.1', 'far.test'))
     assert.equal(await inside('return isSecureContext'), false)
     await inside(`$('headset').click()`)
     assert.match(await inside(`return $('words').textContent`), /https/)

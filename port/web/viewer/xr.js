@@ -76,12 +76,13 @@ class Headset {
   #gl
   #scale
   #place = null
-  #asked = false
+  #asked = null // what is being drawn, by which engine
   #turning = false
   #grips = []
   #last = 0
 
-  /** Of the host: ask(cameras, options) for pictures, view(), options(), changed(isOn), drawn(detail), say(error). */
+  /** The host has engine(), backend(), options(), view() with camera and up; it hears changed(isOn), drawn(detail) and
+   *  say(error). */
   constructor(host) {
     this.#host = host
   }
@@ -132,7 +133,7 @@ class Headset {
     this.#space.addEventListener('reset', () => (this.#place = null))
     this.#scale = new Scale(AIM_MS)
     this.#place = null
-    this.#asked = false
+    this.#asked = null
     this.#host.changed(true)
     const step = (now, frame) => {
       session.requestAnimationFrame(step)
@@ -142,7 +143,7 @@ class Headset {
   }
 
   #ended(gl) {
-    this.#session = this.#layer = this.#eyes = this.#gl = null
+    this.#session = this.#layer = this.#eyes = this.#gl = this.#asked = null
     drop(gl)
     this.#host.changed(false)
   }
@@ -156,7 +157,8 @@ class Headset {
     this.#walk(pose, Math.min((now - this.#last) / 1000, 0.1))
     this.#pull(frame)
     this.#last = now
-    if (!this.#asked) this.#ask(pose.views.slice(0, 2))
+    const engine = this.#host.engine()
+    if (engine && engine !== this.#asked?.engine) this.#ask(engine, pose.views.slice(0, 2))
     this.#show(pose.views)
   }
 
@@ -175,26 +177,24 @@ class Headset {
   }
 
   /** One pair at a time; the time from question to answer says how large the next is. */
-  async #ask(views) {
-    const session = this.#session
+  async #ask(engine, views) {
+    const asked = (this.#asked = { engine })
     const scale = this.#scale.value
     const cameras = views.map((view) => this.#camera(view, scale))
     const { width, height } = cameras[0]
     const start = performance.now()
-    this.#asked = true
-    try {
-      const pair = await this.#host.ask(cameras, { ...this.#host.options(), width, height })
-      if (session !== this.#session) return
-      const milliseconds = performance.now() - start
-      this.#eyes.take(cameras, pair)
-      if (session.visibilityState !== 'hidden') this.#scale.take(milliseconds)
-      this.#host.drawn({ cameras, width, height, scale, milliseconds })
-    } catch (error) {
-      if (session !== this.#session) return
+    const options = { ...this.#host.options(), width, height }
+    const pair = await engine.ask('eyes', cameras, options, this.#host.backend()).catch((error) => ({ error }))
+    if (asked !== this.#asked || engine !== this.#host.engine()) return
+    this.#asked = null
+    if (pair.error) {
       this.end()
-      this.#host.say(error)
+      return this.#host.say(pair.error)
     }
-    this.#asked = false
+    const milliseconds = performance.now() - start
+    this.#eyes.take(cameras, pair)
+    if (this.#session.visibilityState !== 'hidden') this.#scale.take(milliseconds)
+    this.#host.drawn({ cameras, width, height, scale, milliseconds })
   }
 
   // ---- Controllers --------------------------------------------------------------------------------------------------
