@@ -382,7 +382,8 @@ function draw(core, width, height, eyes, options) {
   const { code, bytes, plans } = planOf(width, height, eyes, options)
   const block = core.place(core.c.allocate(Math.min(bytes, 2 ** 32 - 1)))
   const numbersOf = ({ type, at, count }) => new type(core.c.memory.buffer, block + at, count)
-  const taken = (parts) => parts.filter((part) => !part.given).map((part) => [part.name, new part.type(numbersOf(part))])
+  const copyOf = (part) => [part.name, new part.type(numbersOf(part))]
+  const taken = (parts) => parts.filter(({ given }) => !given).map(copyOf)
   try {
     for (const part of plans.flat()) if (part.given) numbersOf(part).set(part.given)
     const places = Array(7 * eyes).fill(0)

@@ -10,6 +10,7 @@ import { cameraOf, fetchViews, nameOf, textOf, viewsOf } from './views.js'
 const STILL_MS = 150 // after the last motion
 const DARK = '#0e1116'
 const LIGHT = '#eef0f3'
+const OF_HEADSETS = /OculusBrowser|Wolvic|Pico/i // browsers that have WebXR on secure pages alone
 
 const template = document.createElement('template')
 const style = new URL('./viewer.css', import.meta.url)
@@ -59,7 +60,7 @@ export class Viewer extends HTMLElement {
     for (const name of still ? ['poster'] : ['poster', 'turn'])
       this.attributeChangedCallback(name, null, this.getAttribute(name))
     if (this.hasAttribute('src')) this.#openAttribute()
-    if (navigator.xr || !isSecureContext) this.#findHeadset()
+    this.#findHeadset()
   }
 
   disconnectedCallback() {
@@ -366,12 +367,27 @@ export class Viewer extends HTMLElement {
     else this.#panels.note('Nothing there')
   }
 
-  /** A headset stands at the page's camera, whose picture stays as it is meanwhile. */
+  // ---- Headset ------------------------------------------------------------------------------------------------------
+
+  /** A button where there is one, and where there would be one if the page were secure. */
   async #findHeadset() {
-    const { offerHeadset } = await import('./xr.js')
-    this.#headset ??= await offerHeadset(this.#ui.headset, {
+    const button = this.#ui.headset
+    const { xr } = navigator
+    button.hidden = xr
+      ? !(await xr.isSessionSupported('immersive-vr').catch(() => false))
+      : isSecureContext || !OF_HEADSETS.test(navigator.userAgent)
+    if (xr && !button.hidden) this.#headset ??= await this.#newHeadset()
+    const words = 'A headset needs a page of https://, or of the machine that it is on (http://localhost)'
+    button.onclick = () => (xr ? this.#headset.enter() : this.#panels.say(new Error(words)))
+  }
+
+  /** It stands at the page's camera; the page's picture stays as it is meanwhile. */
+  async #newHeadset() {
+    const { Headset } = await import('./xr.js')
+    return new Headset({
       engine: () => this.#engine,
       backend: () => this.backend,
+      scene: () => this.#scene,
       view: () => this.#pilot,
       options: () => this.#frame(),
       drawn: (detail) => this.dispatchEvent(new CustomEvent('eyes', { detail })),

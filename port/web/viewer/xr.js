@@ -1,5 +1,5 @@
 // A headset: the scene stands around whoever wears it. A worker draws both eyes for the newest pose; every frame shows
-// the newest pair there is, turned to where the head is by then.
+// the newest pair there is, moved to where the head is by then.
 import { cameraOf, Eyes, Scale } from './eyes.js'
 import { add, cross, distance, dot, rotate, unit } from './motion.js'
 
@@ -10,9 +10,6 @@ const METRES_A_SECOND = 1.5
 const TURN = Math.PI / 6
 const [PUSHED, IDLE] = [0.7, 0.3] // of a thumbstick, for a turn and for the next
 const DEAD = 0.15
-
-/** Headsets' browsers, which have WebXR on secure pages alone. */
-const OF_HEADSETS = /OculusBrowser|Wolvic|Pico/i
 
 /** Where the room lies in the scene: its axes (right, up, back) there, its origin, and how long a metre is. */
 class Place {
@@ -67,7 +64,7 @@ const numbers = ({ x, y, z }) => [x, y, z]
 
 const drop = (gl) => gl?.getExtension('WEBGL_lose_context')?.loseContext()
 
-class Headset {
+export class Headset {
   #host
   #session = null
   #space
@@ -81,8 +78,8 @@ class Headset {
   #grips = []
   #last = 0
 
-  /** The host has engine(), backend(), options(), view() with camera and up; it hears changed(isOn), drawn(detail) and
-   *  say(error). */
+  /** The host has engine(), backend(), scene(), options(), view() with camera and up; it hears changed(isOn),
+   *  drawn(detail) and say(error). */
   constructor(host) {
     this.#host = host
   }
@@ -173,7 +170,18 @@ class Headset {
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.#layer.framebuffer)
     eyes.ground = this.#host.options().background
     gl.clear(gl.COLOR_BUFFER_BIT)
-    if (eyes.cameras) views.forEach((view, i) => eyes.draw(i, this.#camera(view, 1), this.#layer.getViewport(view)))
+    if (!eyes.cameras) return
+    views.forEach((view, i) => {
+      const camera = this.#camera(view, 1)
+      eyes.draw(i, camera, this.#far(camera), this.#layer.getViewport(view))
+    })
+  }
+
+  /** About how far away the scene is. */
+  #far({ rotation, position }) {
+    const { low, high } = this.#host.scene()
+    const middle = low.map((x, i) => (x + high[i]) / 2 - position[i])
+    return Math.max(dot(middle, rotation.map((row) => row[2])), Math.hypot(...add(high, low, -1)) / 4)
   }
 
   /** One pair at a time; the time from question to answer says how large the next is. */
@@ -240,22 +248,4 @@ class Headset {
     }
     this.#place = this.#place.held(middle(now), there)
   }
-}
-
-/** A headset that a button enters; the button is hidden where there is none, unless a secure page would have one. */
-export async function offerHeadset(button, host) {
-  const headset = new Headset(host)
-  if (!navigator.xr) {
-    const words = 'A headset needs a page of https://, or of the machine that it is on (http://localhost)'
-    button.hidden = !OF_HEADSETS.test(navigator.userAgent)
-    button.onclick = () => host.say(new Error(words))
-    return headset
-  }
-  const look = async () => {
-    button.hidden = !(await navigator.xr.isSessionSupported('immersive-vr').catch(() => false))
-  }
-  button.onclick = () => headset.enter()
-  navigator.xr.addEventListener?.('devicechange', look)
-  await look()
-  return headset
 }
