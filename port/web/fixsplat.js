@@ -229,6 +229,10 @@ export class Scene {
     return render([{ scene: this }], camera, options)
   }
 
+  renderStereo(left, right, options) {
+    return renderStereo([{ scene: this }], left, right, options)
+  }
+
   pick(x, y, camera, options) {
     return pick(x, y, [{ scene: this }], camera, options)
   }
@@ -318,18 +322,88 @@ const valuesOf = ({ background = 0, shDegree = 3, cutoff = 'mahalanobis', maxMem
   maxMemory,
 ]
 
-export function render(objects, camera = {}, options = {}) {
-  return renderTo(...begin(objects, camera, options), options)
+// The numbers of targets, and how many a pixel has; those of core.c, in its order.
+const FORMATS = {
+  rgba8: [Uint8ClampedArray, 4],
+  premultiplied: [Uint8ClampedArray, 4],
+  rgb565: [Uint16Array, 1],
+  premultiplied16: [Uint16Array, 4],
+}
+const TARGETS = {
+  colour: null,
+  coverage: [Uint8Array, 1],
+  meanDepth: [Uint32Array, 1],
+  depth: [Uint32Array, 1],
+  ids: [Uint32Array, 2],
+  occluder: [Uint32Array, 1],
+  backdrop: [Uint8ClampedArray, 4],
+}
+const READ = ['occluder', 'backdrop']
+
+function oneOf(table, name) {
+  if (!Object.hasOwn(table, name)) throw new Error(`${name}: expected one of ${Object.keys(table).join(', ')}`)
+  return Object.keys(table).indexOf(name)
 }
 
-function renderTo(core, width, height, options) {
-  const pixels = core.place(core.c.allocate(4 * width * height))
+/** The targets of an eye, and where they lie in a block of memory from `start` on. */
+function layOut(asked, format, pixels, start) {
+  let end = start
+  const parts = Object.keys(asked).filter((name) => asked[name]).map((name) => {
+    const place = oneOf(TARGETS, name)
+    const [type, each] = TARGETS[name] ?? FORMATS[format]
+    const given = READ.includes(name) && asked[name]
+    const [at, count] = [end, each * pixels]
+    if (given && given.length !== count) throw new Error(`${name}: expected ${count} numbers`)
+    end += 64 * Math.ceil((count * type.BYTES_PER_ELEMENT) / 64)
+    return { name, place, type, given, at, count }
+  })
+  return { parts, end }
+}
+
+/** What a module draws to for each eye; `colour` is the format. */
+function planOf(width, height, eyes, { targets = { colour: true }, alpha }) {
+  const ofEyes = Array.isArray(targets) ? targets : Array(eyes).fill(targets)
+  const { colour } = ofEyes[0]
+  const format = typeof colour === 'string' ? colour : alpha ? 'premultiplied' : 'rgba8'
+  const code = oneOf(FORMATS, format)
+  let bytes = 0
+  const plans = ofEyes.map((asked) => {
+    const { parts, end } = layOut(asked, format, width * height, bytes)
+    bytes = end
+    return parts
+  })
+  return { code, bytes, plans }
+}
+
+/** What the one or two cameras see that a module has taken: pixels, or objects of targets. */
+function draw(core, width, height, eyes, options) {
+  const { depthBits = 16, exact = false, targets } = options
+  if (!(depthBits >= 1 && depthBits <= 28)) throw new Error(`depthBits ${depthBits}: expected 1 to 28`)
+  const { code, bytes, plans } = planOf(width, height, eyes, options)
+  const block = core.place(core.c.allocate(Math.min(bytes, 2 ** 32 - 1)))
+  const numbersOf = ({ type, at, count }) => new type(core.c.memory.buffer, block + at, count)
+  const copyOf = (part) => [part.name, new part.type(numbersOf(part))]
+  const taken = (parts) => parts.filter(({ given }) => !given).map(copyOf)
   try {
-    core.check(core.c.render(pixels, options.alpha ? 1 : 0, ...valuesOf(options)))
-    return new Uint8ClampedArray(core.bytes(pixels, 4 * width * height))
+    for (const part of plans.flat()) if (part.given) numbersOf(part).set(part.given)
+    const places = Array(7 * eyes).fill(0)
+    plans.forEach((parts, eye) => parts.forEach(({ place, at }) => (places[7 * eye + place] = block + at)))
+    core.put(places)
+    core.check(core.c.render(code, depthBits, exact ? 1 : 0, ...valuesOf(options)))
+    return plans.map((parts) => (targets ? { width, height, ...Object.fromEntries(taken(parts)) } : taken(parts)[0][1]))
   } finally {
-    core.c.release(pixels)
+    core.c.release(block)
   }
+}
+
+export function render(objects, camera = {}, options = {}) {
+  return draw(...begin(objects, camera, options), 1, options)[0]
+}
+
+export function renderStereo(objects, left, right, options = {}) {
+  const [core, width, height] = begin(objects, left, options)
+  takeCamera(core, right, width, height)
+  return draw(core, width, height, 2, options)
 }
 
 export function pick(x, y, objects, camera = {}, options = {}) {
@@ -359,7 +433,7 @@ class Copied {
   }
 
   draw(core, width, height, options) {
-    this.#pixels = renderTo(core, width, height, options)
+    ;[this.#pixels] = draw(core, width, height, 1, { ...options, targets: undefined })
     const shown = options.alpha ? divided(this.#pixels.slice()) : this.#pixels
     this.#context.putImageData(new ImageData(shown, width), 0, 0)
   }

@@ -34,6 +34,24 @@ async function draw(screen, camera, options) {
   }
 }
 
+let eyes // what WebGL draws a headset's pictures on: { canvas, screen }
+
+/** Pictures side by side, or null where that failed. */
+async function bitmapOf(cameras, options, backend) {
+  const { width, height } = options
+  if (eyes?.screen.backend !== backend) {
+    eyes?.screen.free()
+    const canvas = new OffscreenCanvas(1, 1)
+    eyes = { canvas, screen: await Screen.open(canvas, backend, how) }
+  }
+  const { canvas, screen } = eyes
+  const whole = cameras.length * width
+  if (canvas.width !== whole || canvas.height !== height) Object.assign(canvas, { width: whole, height })
+  cameras.forEach((camera, i) => screen.draw([{ scene }], camera, { ...options, into: { x: i * width } }))
+  await screen.finish()
+  return canvas.transferToImageBitmap()
+}
+
 const words = {
   async open(source, threads, previews) {
     how = { threads }
@@ -58,6 +76,13 @@ const words = {
     return { pixels, milliseconds: performance.now() - start, lost: screen?.lost }
   },
 
+  /** What one or two eyes see: the pixels of each, or where WebGL draws a bitmap. */
+  async eyes(cameras, options, backend) {
+    const bitmap = backend !== 'wasm' && (await bitmapOf(cameras, options, backend).catch(() => null))
+    if (bitmap) return { bitmap }
+    return { pictures: cameras[1] ? scene.renderStereo(...cameras, options) : [scene.render(cameras[0], options)] }
+  },
+
   packed: () => scene.packed,
   pick: (x, y, camera, options) => scene.pick(x, y, camera, options),
 
@@ -67,8 +92,9 @@ const words = {
 self.onmessage = async ({ data: { id, word, args } }) => {
   try {
     const result = await words[word](...args)
-    const bytes = result?.pixels ?? result
-    postMessage({ id, result }, bytes?.buffer ? [bytes.buffer] : [])
+    const { pixels = result, pictures = [pixels], bitmap } = result ?? {}
+    const buffers = pictures.map((bytes) => bytes?.buffer).filter(Boolean)
+    postMessage({ id, result }, bitmap ? [bitmap] : buffers)
   } catch (error) {
     postMessage({ id, error: error.message })
   }
