@@ -29,6 +29,7 @@ class Module {
     const env = {
       ...imports,
       tan: Math.tan,
+      real: (at, length) => Number(new TextDecoder().decode(this.bytes(at, length))),
       number: (x, at, room) => this.write(String(Number.isInteger(x) ? x : +x.toPrecision(6)), at >>> 0, room),
     }
     this.c = new WebAssembly.Instance(module, { env }).exports
