@@ -274,11 +274,11 @@ sources_of_threads := $(sources_of_simd) port/web/pool.c
 sources_of_import := $(filter-out %_write.c %/scene_filter.c,$(wildcard port/scene/*.c port/import/*.c)) \
                      port/web/import.c port/web/crc.c port/files/byte_reader.c port/files/text.c port/files/zip.c src/scene.c \
                      src/fixsplat.c src/chunk.c $(WEB_C)
-# What takes little of a frame is to be small. .fxs needs of zlib what crc.c has. The lowest 1024 bytes are the end of
+# What takes little of a frame is to be small; kernels by -O3 take a seventh less of it for 2 KB. .fxs needs of zlib what crc.c has. The lowest 1024 bytes are the end of
 # the stack, which no pointer is to (--low-memory-unused).
 wasm_flags_of = $(if $(filter %/fxs_file.c,$(2)),-DFXS_WITH_ZLIB -Iport/web/zlib) $(if $(filter simd,$(1)),-msimd128) \
                 $(if $(filter %/pool.c,$(2)),-matomics -mbulk-memory) \
-                $(if $(filter simd/src/% core/port/% simd/port/% %/bin_simd128.c,$(1)/$(2)),-Oz,-O2)
+                $(if $(filter kernels/wasm/%,$(2)),-O3,$(if $(filter simd/src/% core/port/% simd/port/%,$(1)/$(2)),-Oz,-O2))
 # The objects are those of simd; nothing of them but pool.c knows of threads, and nothing of wasi-libc that is linked
 # (memcpy, qsort, exp) cares. Its memory is made by fixsplat.js, of 16 pages at first.
 wasm_link_of_threads := -Wl,--shared-memory,--import-memory,--initial-memory=1048576,--max-memory=4294967296 \
