@@ -17,7 +17,8 @@ const runs = (code) => WebAssembly.validate(new Uint8Array(code))
 
 /** Whether this machine runs the faster module. */
 export const hasSimd = runs(WITH_SIMD)
-const hasRelaxed = runs(WITH_RELAXED)
+/** Whether it runs that by the relaxed products. */
+export const hasRelaxed = runs(WITH_RELAXED)
 
 // ---- Modules --------------------------------------------------------------------------------------------------
 
@@ -40,6 +41,7 @@ class Module {
     this.c = { memory, ...new WebAssembly.Instance(module, { env }).exports }
     this.numbers = this.c.start(threads) >>> 0
     this.c.may_wait?.(mayWait() ? 1 : 0)
+    this.stack = this.c.__stack_pointer?.value
     this.scenes = 0
   }
 
@@ -78,6 +80,17 @@ class Module {
     return at >>> 0
   }
 
+  /** What a function returned that draws. Where it trapped, other threads are done with its memory before it is freed. */
+  draw(name, ...args) {
+    try {
+      return this.check(this.c[name](...args))
+    } catch (error) {
+      this.c.settle?.()
+      if (this.stack) this.c.__stack_pointer.value = this.stack
+      throw error
+    }
+  }
+
   /** A copy of some bytes, which `release` frees. */
   copy(bytes) {
     const at = this.place(this.c.allocate(bytes.length))
@@ -102,7 +115,7 @@ const compiled = {}
 const compile = (name) =>
   once(compiled, name, async () => {
     const code = await bytesOf(new URL(`${name}.wasm`, import.meta.url))
-    return WebAssembly.compile(hasRelaxed ? relaxed(code) : code)
+    return WebAssembly.compile(hasRelaxed && ['simd', 'threads'].includes(name) ? relaxed(code) : code)
   })
 
 /** A module whose products are the relaxed ones. These three bytes are nothing else in it: tests/scripts/web.sh. */
@@ -118,6 +131,7 @@ const coreOf = (name) => once(cores, name, async () => new Module(await compile(
 // ---- Threads --------------------------------------------------------------------------------------------------
 
 const MOST_THREADS = 64
+const USUAL_THREADS = 8
 const STACK = 262144            // bytes, of each thread
 const PAGES = 16                // of a shared memory at first, as the Makefile has it
 
@@ -133,7 +147,9 @@ function mayWait() {
 }
 
 async function processors() {
-  return globalThis.navigator?.hardwareConcurrency ?? (inNode ? (await import('node:os')).cpus().length : 1)
+  if (!inNode) return navigator.hardwareConcurrency
+  const os = await import('node:os')
+  return os.availableParallelism?.() ?? os.cpus().length
 }
 
 /** Shared memory that may grow to 4 GB, or to as much of them as there is room for. */
@@ -174,7 +190,7 @@ async function threadedCore(threads) {
 async function coreFor({ simd = hasSimd, threads }) {
   if (threads !== undefined && !(Number.isInteger(threads) && threads >= 1 && threads <= MOST_THREADS))
     throw new Error(`${threads} threads: expected 1 to ${MOST_THREADS}`)
-  const count = threads ?? Math.min(await processors(), 8)
+  const count = threads ?? Math.min(await processors(), USUAL_THREADS)
   if (simd && canShare && count > 1)
     try {
       return await once(cores, `threads ${count}`, () => threadedCore(count))
@@ -327,7 +343,7 @@ function placeObject(core, object, i) {
   const { scene, translation = [0, 0, 0], rotation = [1, 0, 0, 0], scale = 1, opacity = 1 } = object
   const { tint = [1, 1, 1], visible = true, id = i, crops = [] } = object
   const [own, at] = scene.inside
-  if (own !== core) throw new Error(`${scene.name}: loaded with another \`simd\` than the first object`)
+  if (own !== core) throw new Error(`${scene.name}: loaded with other \`simd\` or \`threads\` than the first object`)
   const box = ({ low, high, keep }) => [...all('low', 3, low), ...all('high', 3, high), keep === 'outside']
   const where = [...all('translation', 3, translation), ...all('rotation', 4, rotation), scale, opacity]
   core.put(where, all('tint', 3, tint), visible, id, crops.length, crops.slice(0, MAX_CROPS).flatMap(box))
@@ -385,7 +401,7 @@ export function render(objects, camera = {}, options = {}) {
   const [core, width, height] = begin(objects, camera, options)
   const pixels = core.place(core.c.allocate(4 * width * height))
   try {
-    core.check(core.c.render(pixels, alpha ? 1 : 0, background, shDegree, cutoff === 'square' ? 1 : 0, maxMemory))
+    core.draw('render', pixels, alpha ? 1 : 0, background, shDegree, cutoff === 'square' ? 1 : 0, maxMemory)
     return new Uint8ClampedArray(core.bytes(pixels, 4 * width * height))
   } finally {
     core.c.release(pixels)
@@ -394,7 +410,7 @@ export function render(objects, camera = {}, options = {}) {
 
 export function pick(x, y, objects, camera = {}, options = {}) {
   const [core] = begin(objects, camera, options)
-  if (!core.check(core.c.pick(x, y, options.maxMemory ?? 0))) return null
+  if (!core.draw('pick', x, y, options.maxMemory ?? 0)) return null
   const [object, gaussian, depth, ...position] = core.get(0, 6)
   return { object, gaussian, depth, position }
 }
