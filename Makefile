@@ -163,12 +163,14 @@ $(call objects,$(wildcard kernels/gles/*.c)): $(B)/with/GLES
 $(call objects,$(wildcard port/egl/*.c)): $(B)/with/EGL
 $(call objects,$(wildcard port/osmesa/*.c)): $(B)/with/OSMESA
 
-# The shaders' texts, and src/pixel.h that they are built around, as arrays of characters.
+# The shaders' texts, and src/pixel.h that they are built around, as arrays of characters, without comments and spaces
+# about a line.
 SHADERS := src/pixel.h $(wildcard kernels/gles/*.vert kernels/gles/*.frag)
 $(B)/kernels/gles/shaders.h: $(SHADERS)
 	@mkdir -p $(@D)
 	@for f in $^; do echo "static const char $$(basename $$f | tr . _)[] = {"; \
-	    od -An -v -tu1 $$f | sed 's/[0-9][0-9]*/&,/g'; echo '0};'; done >$@
+	    sed -e ':more' -e '/\/\*/{/\*\//!{N' -e 'b more' -e '}' -e 's|/\*.*\*/||' -e '}' -e 's|//.*||' \
+	        -e 's/^ *//' -e 's/ *$$//' -e '/^$$/d' $$f | od -An -v -tu1 | sed 's/[0-9][0-9]*/&,/g'; echo '0};'; done >$@
 $(B)/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h
 $(B)/kernels/gles/gles.o: CPPFLAGS += -I$(B)/kernels/gles
 
@@ -269,16 +271,20 @@ WEB_C := $(addprefix port/web/,text.c heap.c files.c) port/files/message.c port/
 WEB_CORE := $(wildcard src/*.c) kernels/kernels.c port/web/core.c port/web/crc.c port/scene/fxs_file.c \
             port/camera/camera.c port/world/world.c $(WEB_C)
 sources_of_core := $(WEB_CORE)
-sources_of_simd := $(WEB_CORE) $(wildcard kernels/wasm/*.c)
+WEB_GLES := $(wildcard kernels/gles/*.c) port/web/webgl.c
+sources_of_simd := $(WEB_CORE) $(wildcard kernels/wasm/*.c) $(WEB_GLES)
 sources_of_threads := $(sources_of_simd) port/web/pool.c
 sources_of_import := $(filter-out %_write.c %/scene_filter.c,$(wildcard port/scene/*.c port/import/*.c)) \
                      port/web/import.c port/web/crc.c port/files/byte_reader.c port/files/text.c port/files/zip.c src/scene.c \
                      src/fixsplat.c src/chunk.c $(WEB_C)
-# What takes little of a frame is to be small; kernels by -O3 take a seventh less of it for 2 KB. .fxs needs of zlib what crc.c has. The lowest 1024 bytes are the end of
-# the stack, which no pointer is to (--low-memory-unused).
+# What takes little of a frame is to be small; kernels by -O3 take a seventh less of it for 2 KB. .fxs needs of zlib what
+# crc.c has. The lowest 1024 bytes are the end of the stack, which no pointer is to (--low-memory-unused). <GLES3/gl3.h> is
+# the host's.
 wasm_flags_of = $(if $(filter %/fxs_file.c,$(2)),-DFXS_WITH_ZLIB -Iport/web/zlib) $(if $(filter simd,$(1)),-msimd128) \
                 $(if $(filter %/pool.c,$(2)),-matomics -mbulk-memory) \
-                $(if $(filter kernels/wasm/%,$(2)),-O3,$(if $(filter simd/src/% core/port/% simd/port/%,$(1)/$(2)),-Oz,-O2))
+                $(if $(filter $(WEB_GLES),$(2)),-idirafter /usr/include -I$(B)/kernels/gles) \
+                $(if $(filter kernels/wasm/%,$(2)),-O3,$(if $(filter $(WEB_SMALL),$(1)/$(2)),-Oz,-O2))
+WEB_SMALL := simd/src/% core/port/% simd/port/% %/gles/gles.c %/gles/fetch.c %/gles/state.c
 # The objects are those of simd; nothing of them but pool.c knows of threads, and nothing of wasi-libc that is linked
 # (memcpy, qsort, exp) cares. Its memory is made by fixsplat.js, of 16 pages at first.
 wasm_link_of_threads := -Wl,--shared-memory,--import-memory,--initial-memory=1048576,--max-memory=4294967296 \
@@ -287,7 +293,7 @@ wasm_opt_of_threads := --enable-threads --enable-bulk-memory --enable-mutable-gl
 web_objects_of = $(patsubst %.c,$(B)/web/$(if $(filter threads,$(1)),simd,$(1))/%.o,$(sources_of_$(1)))
 WASM := $(MODULES:%=$(WEB)/%.wasm)
 
-PACKAGE := $(WASM) $(addprefix $(WEB)/,fixsplat.js fixsplat.d.ts thread.js package.json README.md LICENSE) \
+PACKAGE := $(WASM) $(addprefix $(WEB)/,fixsplat.js webgl.js thread.js fixsplat.d.ts package.json README.md LICENSE) \
            $(patsubst port/web/%,$(WEB)/%,$(wildcard port/web/viewer/*))
 
 web: $(PACKAGE) ## the npm package (docs/web.md), in build/web/package
@@ -302,6 +308,7 @@ $(WEB)/$(1).wasm: $(call web_objects_of,$(1))
 	    $(WASM_OPT) --enable-simd $(wasm_opt_of_$(1)) -O3 --low-memory-unused -o $$@ $(B)/web/$(1).linked
 endef
 $(foreach module,$(MODULES),$(eval $(call web_rules,$(module))))
+$(B)/web/simd/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h
 $(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WASM_LINK) $(wasm_link_of_threads) $(WASM_OPT) \
     $(foreach module,$(MODULES),$(foreach file,$(sources_of_$(module)),$(strip $(call wasm_flags_of,$(module),$(file)))))
 

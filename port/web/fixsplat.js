@@ -38,11 +38,17 @@ class Module {
       progress: (done) => progress?.(done),
       number: (x, at, room) => this.write(String(Number.isInteger(x) ? x : +x.toPrecision(6)), at >>> 0, room),
     }
-    this.c = { memory, ...new WebAssembly.Instance(module, { env }).exports }
+    this.c = { memory, ...new WebAssembly.Instance(module, { env, gl: this.#webgl(module) }).exports }
     this.numbers = this.c.start(threads) >>> 0
     this.c.may_wait?.(mayWait() ? 1 : 0)
     this.stack = this.c.__stack_pointer?.value
     this.scenes = 0
+  }
+
+  /** What the module wants of OpenGL: the functions of webgl.js that are `this.gl` when they are called. */
+  #webgl(module) {
+    const wanted = WebAssembly.Module.imports(module).filter((one) => one.module === 'gl')
+    return Object.fromEntries(wanted.map(({ name }) => [name, (...values) => this.gl[name](...values)]))
   }
 
   put(...values) {
@@ -126,6 +132,7 @@ function relaxed(code) {
 }
 
 const cores = {}
+const coreFor = ({ simd = hasSimd }) => coreOf(simd ? 'simd' : 'core')
 const coreOf = (name) => once(cores, name, async () => new Module(await compile(name)))
 
 // ---- Threads --------------------------------------------------------------------------------------------------
@@ -314,6 +321,10 @@ export class Scene {
     return render([{ scene: this }], camera, options)
   }
 
+  renderStereo(left, right, options) {
+    return renderStereo([{ scene: this }], left, right, options)
+  }
+
   pick(x, y, camera, options) {
     return pick(x, y, [{ scene: this }], camera, options)
   }
@@ -396,16 +407,95 @@ function begin(objects, camera, options) {
   return [core, width, height]
 }
 
-export function render(objects, camera = {}, options = {}) {
-  const { background = 0, alpha = false, shDegree = 3, cutoff = 'mahalanobis', maxMemory = 0 } = options
-  const [core, width, height] = begin(objects, camera, options)
-  const pixels = core.place(core.c.allocate(4 * width * height))
+/** What every frame takes of its options. */
+const valuesOf = ({ background = 0, shDegree = 3, cutoff = 'mahalanobis', maxMemory = 0 }) => [
+  background,
+  shDegree,
+  cutoff === 'square' ? 1 : 0,
+  maxMemory,
+]
+
+// The numbers of targets, and how many a pixel has; those of core.c, in its order.
+const FORMATS = {
+  rgba8: [Uint8ClampedArray, 4],
+  premultiplied: [Uint8ClampedArray, 4],
+  rgb565: [Uint16Array, 1],
+  premultiplied16: [Uint16Array, 4],
+}
+const TARGETS = {
+  colour: null,
+  coverage: [Uint8Array, 1],
+  meanDepth: [Uint32Array, 1],
+  depth: [Uint32Array, 1],
+  ids: [Uint32Array, 2],
+  occluder: [Uint32Array, 1],
+  backdrop: [Uint8ClampedArray, 4],
+}
+const READ = ['occluder', 'backdrop']
+
+function oneOf(table, name) {
+  if (!Object.hasOwn(table, name)) throw new Error(`${name}: expected one of ${Object.keys(table).join(', ')}`)
+  return Object.keys(table).indexOf(name)
+}
+
+/** The targets of an eye, and where they lie in a block of memory from `start` on. */
+function layOut(asked, format, pixels, start) {
+  let end = start
+  const parts = Object.keys(asked).filter((name) => asked[name]).map((name) => {
+    const place = oneOf(TARGETS, name)
+    const [type, each] = TARGETS[name] ?? FORMATS[format]
+    const given = READ.includes(name) && asked[name]
+    const [at, count] = [end, each * pixels]
+    if (given && given.length !== count) throw new Error(`${name}: expected ${count} numbers`)
+    end += 64 * Math.ceil((count * type.BYTES_PER_ELEMENT) / 64)
+    return { name, place, type, given, at, count }
+  })
+  return { parts, end }
+}
+
+/** What a module draws to for each eye; `colour` is the format. */
+function planOf(width, height, eyes, { targets = { colour: true }, alpha }) {
+  const ofEyes = Array.isArray(targets) ? targets : Array(eyes).fill(targets)
+  const { colour } = ofEyes[0]
+  const format = typeof colour === 'string' ? colour : alpha ? 'premultiplied' : 'rgba8'
+  const code = oneOf(FORMATS, format)
+  let bytes = 0
+  const plans = ofEyes.map((asked) => {
+    const { parts, end } = layOut(asked, format, width * height, bytes)
+    bytes = end
+    return parts
+  })
+  return { code, bytes, plans }
+}
+
+/** What the one or two cameras see that a module has taken: pixels, or objects of targets. */
+function draw(core, width, height, eyes, options) {
+  const { depthBits = 16, exact = false, targets } = options
+  if (!(depthBits >= 1 && depthBits <= 28)) throw new Error(`depthBits ${depthBits}: expected 1 to 28`)
+  const { code, bytes, plans } = planOf(width, height, eyes, options)
+  const block = core.place(core.c.allocate(Math.min(bytes, 2 ** 32 - 1)))
+  const numbersOf = ({ type, at, count }) => new type(core.c.memory.buffer, block + at, count)
+  const taken = (parts) => parts.filter((part) => !part.given).map((part) => [part.name, new part.type(numbersOf(part))])
   try {
-    core.draw('render', pixels, alpha ? 1 : 0, background, shDegree, cutoff === 'square' ? 1 : 0, maxMemory)
-    return new Uint8ClampedArray(core.bytes(pixels, 4 * width * height))
+    for (const part of plans.flat()) if (part.given) numbersOf(part).set(part.given)
+    const places = Array(7 * eyes).fill(0)
+    plans.forEach((parts, eye) => parts.forEach(({ place, at }) => (places[7 * eye + place] = block + at)))
+    core.put(places)
+    core.draw('render', code, depthBits, exact ? 1 : 0, ...valuesOf(options))
+    return plans.map((parts) => (targets ? { width, height, ...Object.fromEntries(taken(parts)) } : taken(parts)[0][1]))
   } finally {
-    core.c.release(pixels)
+    core.c.release(block)
   }
+}
+
+export function render(objects, camera = {}, options = {}) {
+  return draw(...begin(objects, camera, options), 1, options)[0]
+}
+
+export function renderStereo(objects, left, right, options = {}) {
+  const [core, width, height] = begin(objects, left, options)
+  takeCamera(core, right, width, height)
+  return draw(core, width, height, 2, options)
 }
 
 export function pick(x, y, objects, camera = {}, options = {}) {
@@ -413,6 +503,155 @@ export function pick(x, y, objects, camera = {}, options = {}) {
   if (!core.draw('pick', x, y, options.maxMemory ?? 0)) return null
   const [object, gaussian, depth, ...position] = core.get(0, 6)
   return { object, gaussian, depth, position }
+}
+
+// ---- Screens --------------------------------------------------------------------------------------------------
+
+/** A picture's colours as a canvas takes them: not times the coverage. */
+function divided(pixels) {
+  for (let at = 0; at < pixels.length; at += 4)
+    for (let c = at, alpha = pixels[at + 3]; alpha && c < at + 3; c++) pixels[c] = (pixels[c] * 255) / alpha
+  return pixels
+}
+
+/** A canvas of two dimensions, with pictures of the processor. */
+class Copied {
+  #context
+  #pixels
+
+  constructor(canvas) {
+    this.#context = canvas.getContext('2d')
+    if (!this.#context) throw new Error('the canvas has a context of another kind: take another canvas')
+  }
+
+  draw(core, width, height, options) {
+    ;[this.#pixels] = draw(core, width, height, 1, { ...options, targets: undefined })
+    const shown = options.alpha ? divided(this.#pixels.slice()) : this.#pixels
+    this.#context.putImageData(new ImageData(shown, width), 0, 0)
+  }
+
+  pixels() {
+    return this.#pixels.slice()
+  }
+
+  finish() {}
+  free() {}
+}
+
+const CONTEXT = { alpha: true, antialias: false, depth: false, stencil: false, preserveDrawingBuffer: true }
+
+/** A canvas of WebGL 2, which the module draws on. */
+class Drawn {
+  #core
+  #functions
+  #place
+  #quads
+
+  constructor(canvas, core, Functions, quads) {
+    this.gl = canvas.getContext('webgl2', CONTEXT)
+    if (!this.gl) throw new Error('there is no WebGL 2 here, or the canvas has a context of another kind')
+    if (this.lost) throw new Error("the canvas's WebGL context is lost: take another canvas")
+    if (!core.c.gl_open) throw new Error('the module without simd128 has no WebGL')
+    this.#core = core
+    this.#quads = quads ? 1 : 0
+    this.#functions = core.gl = new Functions(this.gl, core)
+    this.#place = core.place(core.c.gl_open())
+  }
+
+  get lost() {
+    return this.gl.isContextLost()
+  }
+
+  draw(core, width, height, { into, alpha, ...options }) {
+    const { framebuffer = null, x = 0, y = 0 } = into ?? {}
+    const { gl } = this
+    if (!into && (gl.drawingBufferWidth !== width || gl.drawingBufferHeight !== height) && !this.lost)
+      throw new Error(`${width} x ${height} pixels are more than the device's canvas can have`)
+    core.gl = this.#functions
+    const name = core.gl.nameOf(framebuffer)
+    const result = core.c.gl_render(this.#place, this.#quads, name, x, y, alpha ? 1 : 0, ...valuesOf(options))
+    if (this.lost) throw new Error('the WebGL context was lost: open another Screen, on another canvas')
+    core.check(result)
+  }
+
+  pixels() {
+    const { gl } = this
+    const [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight]
+    const rows = new Uint8Array(4 * width * height)
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, rows)
+    const pixels = new Uint8ClampedArray(rows.length)
+    for (let y = 0, row = 4 * width; y < height; y++)
+      pixels.set(rows.subarray(row * (height - 1 - y), row * (height - y)), row * y)
+    return pixels
+  }
+
+  /** Reading a pixel waits for all draws; a fence is looked at every 4 ms. */
+  finish() {
+    this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4))
+  }
+
+  free() {
+    this.#core.gl = this.#functions
+    this.#core.c.gl_close(this.#place)
+    this.#functions.close()
+  }
+}
+
+export class Screen {
+  #canvas
+  #core
+  #way
+
+  constructor(canvas, backend, core, way) {
+    this.#canvas = canvas
+    this.#core = core
+    this.#way = way
+    this.backend = backend
+  }
+
+  static async open(canvas, backend, options = {}) {
+    const core = await coreFor(options)
+    if (backend === 'wasm') return new Screen(canvas, backend, core, new Copied(canvas))
+    if (backend !== 'webgl2' && backend !== 'webgl2-quads')
+      throw new Error(`${backend}: expected wasm, webgl2 or webgl2-quads`)
+    const { Functions } = await import('./webgl.js')
+    return new Screen(canvas, backend, core, new Drawn(canvas, core, Functions, backend === 'webgl2-quads'))
+  }
+
+  get inside() {
+    if (!this.#way) throw new Error('the Screen was freed')
+    return this.#way
+  }
+
+  get lost() {
+    return !!this.inside.lost
+  }
+
+  get gl() {
+    return this.inside.gl
+  }
+
+  draw(objects, camera = {}, options = {}) {
+    const way = this.inside
+    const [core, width, height] = begin(objects, camera, options)
+    if (core !== this.#core) throw new Error('the Screen and the scenes are of different modules')
+    if (!options.into && (this.#canvas.width !== width || this.#canvas.height !== height))
+      Object.assign(this.#canvas, { width, height })
+    way.draw(core, width, height, options)
+  }
+
+  pixels() {
+    return this.inside.pixels()
+  }
+
+  async finish() {
+    this.inside.finish()
+  }
+
+  free() {
+    this.#way?.free()
+    this.#way = undefined
+  }
 }
 
 // ---- Pictures -------------------------------------------------------------------------------------------------

@@ -95,6 +95,31 @@ make_scene() {
         done
 }
 
+# same_pair LEFT RIGHT OPTIONS OPTION...: two eyes, as `fixsplat render OPTION...` shows them side by side.
+same_pair() {
+    left=$1 right=$2 options=$3
+    shift 3
+    "$B/fixsplat" render "$knot" "$@" -o "$work/native.raw" >/dev/null || return 1
+    for module in core simd threads; do
+        web stereo $module "$knot" "$left" "$right" "$options" "$work/pair.raw" &&
+            cmp "$work/native.raw" "$work/pair.raw" || return 1
+    done
+}
+
+# Coverage, depths and ids as the command writes them.
+same_targets() {
+    set -- --size 160x120 --eye 2,-1,-4 --near 0.5
+    for kind in median mean; do
+        "$B/fixsplat" render "$knot" "$@" --alpha -o "$work/native.raw" --ids "$work/native-ids.raw" \
+            --depth "$work/$kind-native.pfm" --depth-kind $kind >/dev/null || return 1
+    done
+    for module in core simd threads; do
+        web targets $module "$knot" '{"eye":[2,-1,-4],"near":0.5}' '{"width":160,"height":120,"depthBits":27}' "$work" &&
+            cmp "$work/native.raw" "$work/colour.raw" && cmp "$work/native-ids.raw" "$work/ids.raw" &&
+            cmp "$work/median-native.pfm" "$work/depth.pfm" && cmp "$work/mean-native.pfm" "$work/mean.pfm" || return 1
+    done
+}
+
 # The example of the README renders a picture of the scene.
 example() {
     mkdir -p "$work/example/node_modules" && cp "$work/20000-default.fxs" "$work/example/scene.fxs" &&
@@ -185,6 +210,17 @@ check "coverage, SH degree 1, square, in bands" same_picture '{}' \
 check "two objects" same_picture '{"eye":[1,-2,-9]}' '{"width":200,"height":150}' \
     '[{},{"translation":[1,0.5,-2],"rotation":[0.5,0.5,-0.5,0.5],"scale":0.75}]' \
     "$knot" "$other" -- --size 200x150 --eye 1,-2,-9 --place "$other:1,0.5,-2,0.5,0.5,-0.5,0.5,0.75"
+check "coverage, depths, ids, formats" same_targets
+eyes='--size 128x96 --eye 0,-2,-9 --look 0,-2,0 --near 0.5'
+check "two eyes" same_pair '{"eye":[-0.25,-2,-9],"look":[-0.25,-2,0],"near":0.5}' \
+    '{"eye":[0.25,-2,-9],"look":[0.25,-2,0],"near":0.5}' '{"width":128,"height":96}' $eyes --stereo 0.5
+seen='"fx":64,"fy":48,"cy":60,"rotation":[[1,0,0],[0,1,0],[0,0,1]],"near":0.5'
+for exact in '' --stereo-exact; do
+    check "two eyes of a headset $exact" same_pair "{\"cx\":72,\"position\":[-0.25,-2,-9],$seen}" \
+        "{\"cx\":56,\"position\":[0.25,-2,-9],$seen}" \
+        "{\"width\":128,\"height\":96,\"exact\":$([ "$exact" ] && echo true || echo false)}" \
+        $eyes --stereo 0.5 --tangents -1.125,0.875,1.25,-0.75 $exact
+done
 check "pick" pick_is_the_same
 check "png" web png "$knot"
 check "the example of the README" example

@@ -5,7 +5,7 @@ import { createServer } from 'node:http'
 import { extname, join } from 'node:path'
 
 const [folder, scene] = process.argv.slice(2)
-const types = { '.js': 'text/javascript', '.html': 'text/html', '.wasm': 'application/wasm' }
+const types = { '.js': 'text/javascript', '.html': 'text/html', '.wasm': 'application/wasm', '.css': 'text/css' }
 
 const server = createServer((request, answer) => {
   if (request.method === 'POST') {
