@@ -15,8 +15,12 @@ export interface LoadOptions {
   maxGaussians?: number
   /** Bytes that reading may take. */
   maxMemory?: number
-  /** Called now and then while a file is packed, with what is done: 0 to 1. */
-  progress?: (done: number) => void
+  /** Called now and then. */
+  progress?: (progress: Progress) => void
+  /** Called with a scene of what has come so far, at most 100,000 Gaussians of it without SH, larger than they are:
+      while a .ply, .splat, .ksplat or compressed .ply comes from a server that says how long it is, and before a large
+      scene of any format but .fxs is packed. The scene is yours to free. What is returned is waited for. */
+  preview?: (scene: Scene) => void | Promise<void>
   /** False: the module without simd128. Scenes of one picture have the same, and the same `threads`. */
   simd?: boolean
   /**
@@ -25,6 +29,14 @@ export interface LoadOptions {
    * Cross-Origin-Embedder-Policy: require-corp.
    */
   threads?: number
+}
+
+export interface Progress {
+  stage: 'download' | 'prepare'
+  /** 0 to 1, where it is known. */
+  done?: number
+  /** Of a download, so far. */
+  bytes?: number
 }
 
 /** Opens a scene: .fxs, .ply (PlayCanvas's compressed one too), .splat, .ksplat, .spz 1 to 3. */

@@ -1,6 +1,6 @@
 #!/bin/sh
-# The npm package (docs/web.md), in Node and a page of Chromium: the bytes of the command, with simd128 and without, by one
-# thread and by two; errors in words; memory and download sizes within their limits; test_kernels as a program of WASI.
+# The npm package (docs/web.md), in Node and a page of Chromium: the bytes of the command, with simd128 and without, by
+# one thread and by two; errors in words; memory and download sizes within their limits; test_kernels as a program of WASI.
 # FXS_PROCESSORS=all, as `make test-all` sets it: a view of every real scene.
 . tests/scripts/lib/check.sh
 B=${B:-build}
@@ -153,8 +153,7 @@ canvas_is_the_same() {
     return 1
 }
 
-# in_turns SCENE CAMERA SIZE OPTION...: the least milliseconds a frame of each module and of the command, and how many times
-# as long as it; $1 of times.
+# in_turns SCENE CAMERA SIZE OPTION...: milliseconds a frame of each module and of the command, to `times`.
 in_turns() {
     scene=$1 camera=$2 width=${3%x*} height=${3#*x} size=$3
     shift 3
@@ -167,7 +166,8 @@ in_turns() {
         done
         for threads in 1 2; do
             printf 'native%s ' $threads
-            "$B/fixsplat" bench "$scene" --size "$size" --cpu sse41 --threads $threads "$@" | awk '$1 == "frame" { print $2 }'
+            "$B/fixsplat" bench "$scene" --size "$size" --cpu sse41 --threads $threads "$@" |
+                awk '$1 == "frame" { print $2 }'
         done
     done >"$work/times"
 }

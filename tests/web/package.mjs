@@ -7,7 +7,8 @@ import { pathToFileURL } from 'node:url'
 import { gzipSync, inflateSync } from 'node:zlib'
 
 const [folder, word, ...args] = process.argv.slice(2)
-const { hasRelaxed, load, pick, png, render, renderStereo } = await import(pathToFileURL(resolve(folder, 'fixsplat.js')))
+const fixsplat = await import(pathToFileURL(resolve(folder, 'fixsplat.js')))
+const { hasRelaxed, load, pick, png, render, renderStereo } = fixsplat
 
 function hash(pixels) {
   let h = 0xcbf29ce484222325n

@@ -1,5 +1,5 @@
-// node serve.mjs PACKAGE SCENE: serves both and tests/web/page.html, and prints the address. Below /isolated/ too, with the
-// headers that let a page have threads. What a page posts is printed.
+// node serve.mjs PACKAGE SCENE: serves both and tests/web/page.html, and prints the address. Below /isolated/ too, with
+// the headers that let a page have threads. What a page posts is printed.
 import { createReadStream, existsSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { extname, join } from 'node:path'
