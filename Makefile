@@ -166,12 +166,14 @@ $(call objects,$(wildcard kernels/gles/*.c)): $(B)/with/GLES
 $(call objects,$(wildcard port/egl/*.c)): $(B)/with/EGL
 $(call objects,$(wildcard port/osmesa/*.c)): $(B)/with/OSMESA
 
-# The shaders' texts, and src/pixel.h that they are built around, as arrays of characters.
+# The shaders' texts, and src/pixel.h that they are built around, as arrays of characters, without comments and spaces
+# about a line.
 SHADERS := src/pixel.h $(wildcard kernels/gles/*.vert kernels/gles/*.frag)
 $(B)/kernels/gles/shaders.h: $(SHADERS)
 	@mkdir -p $(@D)
 	@for f in $^; do echo "static const char $$(basename $$f | tr . _)[] = {"; \
-	    od -An -v -tu1 $$f | sed 's/[0-9][0-9]*/&,/g'; echo '0};'; done >$@
+	    sed -e ':more' -e '/\/\*/{/\*\//!{N' -e 'b more' -e '}' -e 's|/\*.*\*/||' -e '}' -e 's|//.*||' \
+	        -e 's/^ *//' -e 's/ *$$//' -e '/^$$/d' $$f | od -An -v -tu1 | sed 's/[0-9][0-9]*/&,/g'; echo '0};'; done >$@
 $(B)/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h
 $(B)/kernels/gles/gles.o: CPPFLAGS += -I$(B)/kernels/gles
 
@@ -260,10 +262,11 @@ $(B)/commands/firmware-scene: COMMAND := $(ARM_CC) $(FIRMWARE_SCENE)
 
 # ---- Web -------------------------------------------------------------------------------------------------------------
 
-# Modules of WebAssembly: the renderer without and with simd128, and the readers with the packing.
+# Modules of WebAssembly: the renderer without simd128, with it, with it and threads; the readers with the packing.
 WASM_CC ?= clang
 WASM_OPT ?= wasm-opt
 WEB := $(B)/web/package
+MODULES := core simd threads import
 WASM_FLAGS := --target=wasm32-wasi -std=gnu99 -fwrapv -ffp-contract=off -ffunction-sections \
               -Wall -Wextra -Wpedantic -Wshadow -Wconversion -include port/web/files.h
 WASM_LINK := --target=wasm32-wasi -nostartfiles -Wl,--no-entry,--strip-all,--stack-first,-z,stack-size=524288
@@ -271,16 +274,27 @@ WEB_C := $(addprefix port/web/,text.c heap.c files.c) port/files/message.c port/
 WEB_CORE := $(wildcard src/*.c) kernels/kernels.c port/web/core.c port/web/crc.c port/scene/fxs_file.c \
             port/camera/camera.c port/world/world.c $(WEB_C)
 sources_of_core := $(WEB_CORE)
-sources_of_simd := $(WEB_CORE) $(wildcard kernels/wasm/*.c)
+WEB_GLES := $(wildcard kernels/gles/*.c) port/web/webgl.c
+sources_of_simd := $(WEB_CORE) $(wildcard kernels/wasm/*.c) $(WEB_GLES)
+sources_of_threads := $(sources_of_simd) port/web/pool.c
 sources_of_import := $(filter-out %_write.c %/scene_filter.c,$(wildcard port/scene/*.c port/import/*.c)) \
                      port/web/import.c port/web/crc.c port/web/sort.c port/files/byte_reader.c port/files/text.c port/files/zip.c src/scene.c \
                      src/fixsplat.c src/chunk.c $(WEB_C)
-# What takes little of a frame is to be small. .fxs needs of zlib what crc.c has. The lowest 1024 bytes are the end of
-# the stack, which no pointer is to (--low-memory-unused).
-wasm_flags_of = $(if $(filter %/fxs_file.c,$(2)),-DFXS_WITH_ZLIB -Iport/web/zlib,$(if $(filter import,$(1)),$(WEB_READERS_FLAGS))) \
-                $(if $(filter simd,$(1)),-msimd128) \
-                $(if $(filter simd/src/% core/port/% simd/port/% %/bin_simd128.c,$(1)/$(2)),-Oz,-O2)
-web_objects_of = $(patsubst %.c,$(B)/web/$(1)/%.o,$(sources_of_$(1)))
+# What takes little of a frame is to be small; kernels take a seventh less of it by -O3, for 2 KB. .fxs needs of zlib
+# what crc.c has. The lowest 1024 bytes are the end of the stack, which no pointer is to (--low-memory-unused).
+# <GLES3/gl3.h> is the host's.
+wasm_flags_of = $(if $(filter %/fxs_file.c,$(2)),-DFXS_WITH_ZLIB -Iport/web/zlib, \
+                     $(if $(filter import,$(1)),$(WEB_READERS_FLAGS))) \
+                $(if $(filter simd,$(1)),-msimd128) $(if $(filter %/pool.c,$(2)),-matomics -mbulk-memory) \
+                $(if $(filter $(WEB_GLES),$(2)),-idirafter /usr/include -I$(B)/kernels/gles) \
+                $(if $(filter kernels/wasm/%,$(2)),-O3,$(if $(filter $(WEB_SMALL),$(1)/$(2)),-Oz,-O2))
+WEB_SMALL := simd/src/% core/port/% simd/port/% %/gles/gles.c %/gles/fetch.c %/gles/state.c
+# The objects are those of simd; nothing of them but pool.c knows of threads, and nothing of wasi-libc that is linked
+# (memcpy, qsort, exp) cares. Its memory is made by fixsplat.js, of 16 pages at first.
+wasm_link_of_threads := -Wl,--shared-memory,--import-memory,--initial-memory=1048576,--max-memory=4294967296 \
+                        -Wl,--no-check-features,--export=__stack_pointer
+wasm_opt_of_threads := --enable-threads --enable-bulk-memory --enable-mutable-globals
+web_objects_of = $(patsubst %.c,$(B)/web/$(if $(filter threads,$(1)),simd,$(1))/%.o,$(sources_of_$(1)))
 # Libraries that readers need, where `make setup web` has put their sources: what decompresses, and cJSON.
 not_of_libzip := $(addprefix zip_,crypto_% winzip_aes% source_winzip_aes% pkware.c source_pkware% source_file_% random_% \
                    get_encryption_implementation.c mkstempm.c libzip_version.c algorithm_bzip2.c algorithm_xz.c)
@@ -308,9 +322,9 @@ $(info built without .sog, glTF, 3D Tiles and gzip and zstd of .spz for the web:
 endif
 endif
 
-WASM := $(foreach module,core simd import,$(WEB)/$(module).wasm)
+WASM := $(MODULES:%=$(WEB)/%.wasm)
 
-PACKAGE := $(WASM) $(addprefix $(WEB)/,fixsplat.js read.js fixsplat.d.ts package.json README.md LICENSE) \
+PACKAGE := $(WASM) $(addprefix $(WEB)/,fixsplat.js webgl.js read.js thread.js fixsplat.d.ts package.json README.md LICENSE) \
            $(patsubst port/web/%,$(WEB)/%,$(wildcard port/web/viewer/*))
 
 web: $(PACKAGE) ## the npm package (docs/web.md), in build/web/package
@@ -321,10 +335,11 @@ $(B)/web/$(1)/%.o: %.c $(B)/commands/web
 	$$(call say,CC,'$$< ($(1))')$(WASM_CC) $(WASM_FLAGS) $$(call wasm_flags_of,$(1),$$<) -MMD -MP -c -o $$@ $$<
 $(WEB)/$(1).wasm: $(call web_objects_of,$(1))
 	@mkdir -p $$(@D)
-	$$(call say,LD,$$@)$(WASM_CC) $(WASM_LINK) -o $(B)/web/$(1).linked $$(filter %.o,$$^) && \
-	    $(WASM_OPT) --enable-simd -O3 --low-memory-unused -o $$@ $(B)/web/$(1).linked
+	$$(call say,LD,$$@)$(WASM_CC) $(WASM_LINK) $(wasm_link_of_$(1)) -o $(B)/web/$(1).linked $$(filter %.o,$$^) && \
+	    $(WASM_OPT) --enable-simd $(wasm_opt_of_$(1)) -O3 --low-memory-unused -o $$@ $(B)/web/$(1).linked
 endef
-$(foreach module,core simd import,$(eval $(call web_rules,$(module))))
+$(foreach module,$(MODULES),$(eval $(call web_rules,$(module))))
+$(B)/web/simd/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h
 $(B)/web/libs/%.o: $(WEB_SOURCES)/%.c $(B)/commands/web
 	@mkdir -p $(@D)
 	$(call say,CC,'$* (import)')$(WASM_CC) $(WEB_LIBS_FLAGS) -c -o $@ $<
@@ -332,8 +347,8 @@ $(B)/web/libs/none.o: port/web/libs/none.c $(B)/commands/web
 	@mkdir -p $(@D)
 	$(call say,CC,'$< (import)')$(WASM_CC) $(WEB_LIBS_FLAGS) -c -o $@ $<
 $(WEB)/import.wasm: $(WEB_LIBS)
-$(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WEB_LIBS_FLAGS) $(WEB_VERSIONS) $(WASM_LINK) $(WASM_OPT) \
-    $(foreach module,core simd import,$(foreach file,$(sources_of_$(module)),$(strip $(call wasm_flags_of,$(module),$(file)))))
+$(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WEB_LIBS_FLAGS) $(WEB_VERSIONS) $(WASM_LINK) $(wasm_link_of_threads) $(WASM_OPT) \
+    $(foreach module,$(MODULES),$(foreach file,$(sources_of_$(module)),$(strip $(call wasm_flags_of,$(module),$(file)))))
 
 $(WEB)/package.json: port/web/package.json src/fixsplat.h
 	@mkdir -p $(@D)

@@ -8,32 +8,58 @@ const PAUSE = 400               // milliseconds before the first, and at least b
 const WITH_SIMD = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15,
                    253, 98, 11]
 
+// The same with i16x8.relaxed_q15mulr_s. Where i16x8.q15mulr_sat_s gives 32767, for -32768 squared, it may give -32768,
+// which changes no picture, and so it is one instruction of x86 in place of five. Their codes are equally long.
+const PRECISE = [253, 130, 1]
+const RELAXED = [253, 145, 2]
+const WITH_RELAXED = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 15, 1, 13, 0, 65, 0, 253, 15,
+                      65, 0, 253, 15, ...RELAXED, 11]
+const runs = (code) => WebAssembly.validate(new Uint8Array(code))
+
 /** Whether this machine runs the faster module. */
-export const hasSimd = WebAssembly.validate(new Uint8Array(WITH_SIMD))
+export const hasSimd = runs(WITH_SIMD)
+/** Whether it runs that by the relaxed products. */
+export const hasRelaxed = runs(WITH_RELAXED)
 
 // ---- Modules --------------------------------------------------------------------------------------------------
 
-async function compileFrom(url) {
+async function compileFrom(url, relaxes) {
   if (inNode && url.protocol === 'file:')
-    return WebAssembly.compile(await (await import('node:fs/promises')).readFile(url))
+    return compiledOf(await (await import('node:fs/promises')).readFile(url), relaxes)
   const answer = await fetch(url)
   if (!answer.ok) throw new Error(`${url}: ${answer.status} ${answer.statusText}`)
-  return answer.headers.get('content-type') === 'application/wasm'
+  return !relaxes && answer.headers.get('content-type') === 'application/wasm'
     ? WebAssembly.compileStreaming(answer)
-    : WebAssembly.compile(await answer.arrayBuffer())
+    : compiledOf(new Uint8Array(await answer.arrayBuffer()), relaxes)
+}
+
+/** A module, or the same with relaxed products. Their bytes are nothing else in it: tests/scripts/web.sh. */
+function compiledOf(code, relaxes) {
+  for (let at = relaxes ? code.indexOf(PRECISE[0]) : -1; at >= 0; at = code.indexOf(PRECISE[0], at + 1))
+    if (code[at + 1] === PRECISE[1] && code[at + 2] === PRECISE[2]) code.set(RELAXED, at)
+  return WebAssembly.compile(code)
 }
 
 /** An instance, whose functions take and give numbers at one place of its memory. */
 class Module {
-  constructor(module, imports) {
+  constructor(module, imports = {}, threads = 1) {
     const env = {
       ...imports,
       tan: Math.tan,
       real: (at, length) => Number(new TextDecoder().decode(this.bytes(at, length))),
       number: (x, at, room) => this.write(String(Number.isInteger(x) ? x : +x.toPrecision(6)), at >>> 0, room),
     }
-    this.c = new WebAssembly.Instance(module, { env }).exports
-    this.numbers = this.c.start() >>> 0
+    this.c = { memory: imports.memory, ...new WebAssembly.Instance(module, { env, gl: this.#webgl(module) }).exports }
+    this.numbers = this.c.start(threads) >>> 0
+    this.c.may_wait?.(mayWait() ? 1 : 0)
+    this.stack = this.c.__stack_pointer?.value
+    this.scenes = 0
+  }
+
+  /** What the module wants of OpenGL: the functions of webgl.js that are `this.gl` when they are called. */
+  #webgl(module) {
+    const wanted = WebAssembly.Module.imports(module).filter((one) => one.module === 'gl')
+    return Object.fromEntries(wanted.map(({ name }) => [name, (...values) => this.gl[name](...values)]))
   }
 
   put(...values) {
@@ -49,7 +75,9 @@ class Module {
   }
 
   write(text, at, room) {
-    return new TextEncoder().encodeInto(text, this.bytes(at, room)).written
+    const bytes = new TextEncoder().encode(text).subarray(0, room)
+    this.bytes(at, room).set(bytes)
+    return bytes.length
   }
 
   /** The text at a place, up to its 0. */
@@ -74,6 +102,17 @@ class Module {
     return at >>> 0
   }
 
+  /** What a function returned that draws. Where it trapped, threads are done with its memory before that is freed. */
+  draw(name, ...args) {
+    try {
+      return this.check(this.c[name](...args))
+    } catch (error) {
+      this.c.settle?.()
+      if (this.stack) this.c.__stack_pointer.value = this.stack
+      throw error
+    }
+  }
+
   /** A copy of some bytes, which `release` frees. */
   copy(bytes) {
     const at = this.place(this.c.allocate(bytes.length))
@@ -96,9 +135,90 @@ const once = (made, name, make) =>
 
 const compiled = {}
 const compile = (name) =>
-  once(compiled, name, () => compileFrom(new URL(`${name}.wasm`, import.meta.url)))
+  once(compiled, name, () =>
+    compileFrom(new URL(`${name}.wasm`, import.meta.url), hasRelaxed && ['simd', 'threads'].includes(name)))
 const cores = {}
 const coreOf = (name) => once(cores, name, async () => new Module(await compile(name)))
+
+// ---- Threads --------------------------------------------------------------------------------------------------
+
+const MOST_THREADS = 64
+const USUAL_THREADS = 8
+const STACK = 262144            // bytes, of each thread
+const PAGES = 16                // of a shared memory at first, as the Makefile has it
+
+const canShare = typeof SharedArrayBuffer === 'function' && (inNode || globalThis.crossOriginIsolated === true)
+
+/** Whether this thread may wait: a page's may not. */
+function mayWait() {
+  try {
+    return Atomics.wait(new Int32Array(new SharedArrayBuffer(4)), 0, 0, 0) === 'timed-out'
+  } catch {
+    return false
+  }
+}
+
+async function processors() {
+  if (!inNode) return navigator.hardwareConcurrency
+  const os = await import('node:os')
+  return os.availableParallelism?.() ?? os.cpus().length
+}
+
+/** Shared memory that may grow to 4 GB, or to as much of them as there is room for. */
+function sharedMemory(maximum = 65536) {
+  try {
+    return new WebAssembly.Memory({ initial: PAGES, maximum, shared: true })
+  } catch (error) {
+    if (maximum <= 4096) throw error
+    return sharedMemory(maximum / 2)
+  }
+}
+
+/** One more thread for a module; where it cannot be had there is one less, and pictures take longer. */
+async function startThread(core, module) {
+  const data = { module, memory: core.c.memory, stack: core.place(core.c.allocate(STACK)) + STACK }
+  if (inNode) {
+    const { Worker } = await import('node:worker_threads')
+    const worker = new Worker(new URL('./thread.js', import.meta.url), { workerData: data })
+    worker.on('error', () => {})
+    worker.unref()
+    return worker
+  }
+  const worker = new Worker(new URL('./thread.js', import.meta.url), { type: 'module' })
+  worker.onerror = (event) => event.preventDefault()
+  worker.postMessage(data)
+  return worker
+}
+
+async function threadedCore(threads) {
+  const module = await compile('threads')
+  const core = new Module(module, { memory: sharedMemory() }, threads)
+  const started = Array.from({ length: threads - 1 }, () => startThread(core, module).catch(() => null))
+  core.workers = Promise.all(started)   // held, so that none is collected
+  return core
+}
+
+/** The module that `load` takes, with its threads. */
+async function coreFor({ simd = hasSimd, threads }) {
+  if (threads !== undefined && !(Number.isInteger(threads) && threads >= 1 && threads <= MOST_THREADS))
+    throw new Error(`${threads} threads: expected 1 to ${MOST_THREADS}`)
+  const count = threads ?? Math.min(await processors(), USUAL_THREADS)
+  if (simd && hasSimd && canShare && count > 1)
+    try {
+      return await once(cores, `threads ${count}`, () => threadedCore(count))
+    } catch {}                  // one thread will do
+  return coreOf(simd ? 'simd' : 'core')
+}
+
+/** Ends the threads and gives back the memory of what no scene uses. */
+export async function end() {
+  for (const [name, made] of Object.entries(cores)) {
+    const core = await made
+    if (core.scenes || cores[name] !== made) continue
+    delete cores[name]
+    core.c.end?.()
+  }
+}
 
 // ---- Opening --------------------------------------------------------------------------------------------------
 
@@ -172,7 +292,7 @@ function previewsOf(files, core, options) {
 
 export async function load(source, options = {}) {
   const files = new Files()
-  const core = coreOf(options.simd ?? hasSimd ? 'simd' : 'core')
+  const core = coreFor(options)
   const preview = previewsOf(files, core, options)
   core.catch(() => {})          // who waits for it hears of it
   const file = await files.open(source, async (file, share) => {
@@ -206,6 +326,12 @@ export class Scene {
     const [count, shDegree, profile, ...box] = core.get(0, 9)
     Object.assign(this, { name, count, shDegree, profile: ['default', 'compact', 'small'][profile] })
     Object.assign(this, { low: box.slice(0, 3), high: box.slice(3), bytes: bytes.length })
+    core.scenes++
+  }
+
+  /** Threads that draw it by now. */
+  get threads() {
+    return this.#core.c.threads?.() ?? 1
   }
 
   /** Its module and place there; no part of the interface. */
@@ -223,6 +349,10 @@ export class Scene {
     return render([{ scene: this }], camera, options)
   }
 
+  renderStereo(left, right, options) {
+    return renderStereo([{ scene: this }], left, right, options)
+  }
+
   pick(x, y, camera, options) {
     return pick(x, y, [{ scene: this }], camera, options)
   }
@@ -231,6 +361,7 @@ export class Scene {
     if (!this.#scene) return
     this.#core.c.release(this.#scene)
     this.#core.c.release(this.#data)
+    this.#core.scenes--
     this.#scene = 0
   }
 }
@@ -251,7 +382,7 @@ function placeObject(core, object, i) {
   const { scene, translation = [0, 0, 0], rotation = [1, 0, 0, 0], scale = 1, opacity = 1 } = object
   const { tint = [1, 1, 1], visible = true, id = i, crops = [] } = object
   const [own, at] = scene.inside
-  if (own !== core) throw new Error(`${scene.name}: loaded with another \`simd\` than the first object`)
+  if (own !== core) throw new Error(`${scene.name}: loaded with other \`simd\` or \`threads\` than the first object`)
   const box = ({ low, high, keep }) => [...all('low', 3, low), ...all('high', 3, high), keep === 'outside']
   const where = [...all('translation', 3, translation), ...all('rotation', 4, rotation), scale, opacity]
   core.put(where, all('tint', 3, tint), visible, id, crops.length, crops.slice(0, MAX_CROPS).flatMap(box))
@@ -304,23 +435,251 @@ function begin(objects, camera, options) {
   return [core, width, height]
 }
 
-export function render(objects, camera = {}, options = {}) {
-  const { background = 0, alpha = false, shDegree = 3, cutoff = 'mahalanobis', maxMemory = 0 } = options
-  const [core, width, height] = begin(objects, camera, options)
-  const pixels = core.place(core.c.allocate(4 * width * height))
+/** What every frame takes of its options. */
+const valuesOf = ({ background = 0, shDegree = 3, cutoff = 'mahalanobis', maxMemory = 0 }) => [
+  background,
+  shDegree,
+  cutoff === 'square' ? 1 : 0,
+  maxMemory,
+]
+
+// The numbers of targets, and how many a pixel has; those of core.c, in its order.
+const FORMATS = {
+  rgba8: [Uint8ClampedArray, 4],
+  premultiplied: [Uint8ClampedArray, 4],
+  rgb565: [Uint16Array, 1],
+  premultiplied16: [Uint16Array, 4],
+}
+const TARGETS = {
+  colour: null,
+  coverage: [Uint8Array, 1],
+  meanDepth: [Uint32Array, 1],
+  depth: [Uint32Array, 1],
+  ids: [Uint32Array, 2],
+  occluder: [Uint32Array, 1],
+  backdrop: [Uint8ClampedArray, 4],
+}
+const READ = ['occluder', 'backdrop']
+
+function oneOf(table, name) {
+  if (!Object.hasOwn(table, name)) throw new Error(`${name}: expected one of ${Object.keys(table).join(', ')}`)
+  return Object.keys(table).indexOf(name)
+}
+
+/** The targets of an eye, and where they lie in a block of memory from `start` on. */
+function layOut(asked, format, pixels, start) {
+  let end = start
+  const parts = Object.keys(asked).filter((name) => asked[name]).map((name) => {
+    const place = oneOf(TARGETS, name)
+    const [type, each] = TARGETS[name] ?? FORMATS[format]
+    const given = READ.includes(name) && asked[name]
+    const [at, count] = [end, each * pixels]
+    if (given && given.length !== count) throw new Error(`${name}: expected ${count} numbers`)
+    end += 64 * Math.ceil((count * type.BYTES_PER_ELEMENT) / 64)
+    return { name, place, type, given, at, count }
+  })
+  return { parts, end }
+}
+
+/** What a module draws to for each eye; `colour` is the format. */
+function planOf(width, height, eyes, { targets = { colour: true }, alpha }) {
+  const ofEyes = Array.isArray(targets) ? targets : Array(eyes).fill(targets)
+  const { colour } = ofEyes[0]
+  const format = typeof colour === 'string' ? colour : alpha ? 'premultiplied' : 'rgba8'
+  const code = oneOf(FORMATS, format)
+  let bytes = 0
+  const plans = ofEyes.map((asked) => {
+    const { parts, end } = layOut(asked, format, width * height, bytes)
+    bytes = end
+    return parts
+  })
+  return { code, bytes, plans }
+}
+
+/** What the one or two cameras see that a module has taken: pixels, or objects of targets. */
+function draw(core, width, height, eyes, options) {
+  const { depthBits = 16, exact = false, targets } = options
+  if (!(depthBits >= 1 && depthBits <= 28)) throw new Error(`depthBits ${depthBits}: expected 1 to 28`)
+  const { code, bytes, plans } = planOf(width, height, eyes, options)
+  const block = core.place(core.c.allocate(Math.min(bytes, 2 ** 32 - 1)))
+  const numbersOf = ({ type, at, count }) => new type(core.c.memory.buffer, block + at, count)
+  const taken = (parts) => parts.filter((part) => !part.given).map((part) => [part.name, new part.type(numbersOf(part))])
   try {
-    core.check(core.c.render(pixels, alpha ? 1 : 0, background, shDegree, cutoff === 'square' ? 1 : 0, maxMemory))
-    return new Uint8ClampedArray(core.bytes(pixels, 4 * width * height))
+    for (const part of plans.flat()) if (part.given) numbersOf(part).set(part.given)
+    const places = Array(7 * eyes).fill(0)
+    plans.forEach((parts, eye) => parts.forEach(({ place, at }) => (places[7 * eye + place] = block + at)))
+    core.put(places)
+    core.draw('render', code, depthBits, exact ? 1 : 0, ...valuesOf(options))
+    return plans.map((parts) => (targets ? { width, height, ...Object.fromEntries(taken(parts)) } : taken(parts)[0][1]))
   } finally {
-    core.c.release(pixels)
+    core.c.release(block)
   }
+}
+
+export function render(objects, camera = {}, options = {}) {
+  return draw(...begin(objects, camera, options), 1, options)[0]
+}
+
+export function renderStereo(objects, left, right, options = {}) {
+  const [core, width, height] = begin(objects, left, options)
+  takeCamera(core, right, width, height)
+  return draw(core, width, height, 2, options)
 }
 
 export function pick(x, y, objects, camera = {}, options = {}) {
   const [core] = begin(objects, camera, options)
-  if (!core.check(core.c.pick(x, y, options.maxMemory ?? 0))) return null
+  if (!core.draw('pick', x, y, options.maxMemory ?? 0)) return null
   const [object, gaussian, depth, ...position] = core.get(0, 6)
   return { object, gaussian, depth, position }
+}
+
+// ---- Screens --------------------------------------------------------------------------------------------------
+
+/** A picture's colours as a canvas takes them: not times the coverage. */
+function divided(pixels) {
+  for (let at = 0; at < pixels.length; at += 4)
+    for (let c = at, alpha = pixels[at + 3]; alpha && c < at + 3; c++) pixels[c] = (pixels[c] * 255) / alpha
+  return pixels
+}
+
+/** A canvas of two dimensions, with pictures of the processor. */
+class Copied {
+  #context
+  #pixels
+
+  constructor(canvas) {
+    this.#context = canvas.getContext('2d')
+    if (!this.#context) throw new Error('the canvas has a context of another kind: take another canvas')
+  }
+
+  draw(core, width, height, options) {
+    ;[this.#pixels] = draw(core, width, height, 1, { ...options, targets: undefined })
+    const shown = options.alpha ? divided(this.#pixels.slice()) : this.#pixels
+    this.#context.putImageData(new ImageData(shown, width), 0, 0)
+  }
+
+  pixels() {
+    return this.#pixels.slice()
+  }
+
+  finish() {}
+  free() {}
+}
+
+const CONTEXT = { alpha: true, antialias: false, depth: false, stencil: false, preserveDrawingBuffer: true }
+
+/** A canvas of WebGL 2, which the module draws on. */
+class Drawn {
+  #core
+  #functions
+  #place
+  #quads
+
+  constructor(canvas, core, Functions, quads) {
+    this.gl = canvas.getContext('webgl2', CONTEXT)
+    if (!this.gl) throw new Error('there is no WebGL 2 here, or the canvas has a context of another kind')
+    if (this.lost) throw new Error("the canvas's WebGL context is lost: take another canvas")
+    if (!core.c.gl_open) throw new Error('the module without simd128 has no WebGL')
+    this.#core = core
+    this.#quads = quads ? 1 : 0
+    this.#functions = core.gl = new Functions(this.gl, core)
+    this.#place = core.place(core.c.gl_open())
+  }
+
+  get lost() {
+    return this.gl.isContextLost()
+  }
+
+  draw(core, width, height, { into, alpha, ...options }) {
+    const { framebuffer = null, x = 0, y = 0 } = into ?? {}
+    const { gl } = this
+    if (!into && (gl.drawingBufferWidth !== width || gl.drawingBufferHeight !== height) && !this.lost)
+      throw new Error(`${width} x ${height} pixels are more than the device's canvas can have`)
+    core.gl = this.#functions
+    const name = core.gl.nameOf(framebuffer)
+    const result = core.c.gl_render(this.#place, this.#quads, name, x, y, alpha ? 1 : 0, ...valuesOf(options))
+    if (this.lost) throw new Error('the WebGL context was lost: open another Screen, on another canvas')
+    core.check(result)
+  }
+
+  pixels() {
+    const { gl } = this
+    const [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight]
+    const rows = new Uint8Array(4 * width * height)
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, rows)
+    const pixels = new Uint8ClampedArray(rows.length)
+    for (let y = 0, row = 4 * width; y < height; y++)
+      pixels.set(rows.subarray(row * (height - 1 - y), row * (height - y)), row * y)
+    return pixels
+  }
+
+  /** Reading a pixel waits for all draws; a fence is looked at every 4 ms. */
+  finish() {
+    this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4))
+  }
+
+  free() {
+    this.#core.gl = this.#functions
+    this.#core.c.gl_close(this.#place)
+    this.#functions.close()
+  }
+}
+
+export class Screen {
+  #canvas
+  #core
+  #way
+
+  constructor(canvas, backend, core, way) {
+    this.#canvas = canvas
+    this.#core = core
+    this.#way = way
+    this.backend = backend
+  }
+
+  static async open(canvas, backend, options = {}) {
+    const core = await coreFor(options)
+    if (backend === 'wasm') return new Screen(canvas, backend, core, new Copied(canvas))
+    if (backend !== 'webgl2' && backend !== 'webgl2-quads')
+      throw new Error(`${backend}: expected wasm, webgl2 or webgl2-quads`)
+    const { Functions } = await import('./webgl.js')
+    return new Screen(canvas, backend, core, new Drawn(canvas, core, Functions, backend === 'webgl2-quads'))
+  }
+
+  get inside() {
+    if (!this.#way) throw new Error('the Screen was freed')
+    return this.#way
+  }
+
+  get lost() {
+    return !!this.inside.lost
+  }
+
+  get gl() {
+    return this.inside.gl
+  }
+
+  draw(objects, camera = {}, options = {}) {
+    const way = this.inside
+    const [core, width, height] = begin(objects, camera, options)
+    if (core !== this.#core) throw new Error('the Screen and the scenes are of different modules')
+    if (!options.into && (this.#canvas.width !== width || this.#canvas.height !== height))
+      Object.assign(this.#canvas, { width, height })
+    way.draw(core, width, height, options)
+  }
+
+  pixels() {
+    return this.inside.pixels()
+  }
+
+  async finish() {
+    this.inside.finish()
+  }
+
+  free() {
+    this.#way?.free()
+    this.#way = undefined
+  }
 }
 
 // ---- Pictures -------------------------------------------------------------------------------------------------

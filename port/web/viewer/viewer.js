@@ -46,6 +46,7 @@ function cameraOf(text) {
 export class Viewer extends HTMLElement {
   static observedAttributes = ['src', 'cameras', 'view', 'background']
 
+  #headset = null
   #engine = null // of the scene on show
   #opening = null // of the one that is loading
   #scene = null // its name, count and box
@@ -77,9 +78,11 @@ export class Viewer extends HTMLElement {
     this.theme = matchMedia('(prefers-color-scheme: light)')
     this.theme.onchange = () => this.#change()
     if (this.hasAttribute('src') && !this.#scene) this.#openAttribute()
+    if (navigator.xr || !isSecureContext) this.#findHeadset()
   }
 
   disconnectedCallback() {
+    this.#headset?.end()
     this.resized.disconnect()
     this.#engine?.end()
     this.#opening?.end()
@@ -195,6 +198,7 @@ export class Viewer extends HTMLElement {
   }
 
   #take(engine, scene, source, views) {
+    this.#headset?.end()
     this.#engine?.end()
     this.#engine = engine
     this.#busy = false
@@ -256,7 +260,7 @@ export class Viewer extends HTMLElement {
 
   /** One picture at a time; what has changed meanwhile is drawn after it. */
   async #draw() {
-    if (this.#busy || !this.#engine || !this.clientWidth || !this.clientHeight) return
+    if (this.#busy || this.#headset?.isOn || !this.#engine || !this.clientWidth || !this.clientHeight) return
     const engine = this.#engine
     const divisor = this.#isMoving ? this.#divisor : 1
     this.#busy = true
@@ -349,6 +353,22 @@ export class Viewer extends HTMLElement {
     if (!found) return this.#note('Nothing there')
     const near = motion.add(found.position, motion.add(this.#camera.eye, found.position, -1), 0.6)
     this.#glide({ ...this.#camera, eye: near, look: found.position })
+  }
+
+  /** A headset stands at the page's camera, whose picture stays as it is meanwhile. */
+  async #findHeadset() {
+    const { offerHeadset } = await import('./xr.js')
+    this.#headset ??= await offerHeadset(this.#ui.headset, {
+      ask: (cameras, options) => this.#engine.ask('eyes', cameras, options, 'wasm'),
+      view: () => ({ camera: this.#camera, up: this.#up }),
+      options: () => this.#frame(1),
+      drawn: (detail) => this.dispatchEvent(new CustomEvent('eyes', { detail })),
+      say: (error) => this.#say(error),
+      changed: (isOn) => {
+        this.toggleAttribute('headset', isOn)
+        this.#change()
+      },
+    })
   }
 
   // ---- Buttons and keys ---------------------------------------------------------------------------------------------
