@@ -111,7 +111,7 @@ speed() {
 
 check "builds" builds
 check "test_kernels in WebAssembly" kernels_are_exact
-for size in core.wasm:45000 simd.wasm:45000 import.wasm:250000 fixsplat.js:40000; do
+for size in core.wasm:45000 simd.wasm:65000 import.wasm:250000 fixsplat.js:40000; do
     check "size of ${size%:*}" at_most "${size#*:}" "$package/${size%:*}"
 done
 check "makes a scene" make_scene 20000
