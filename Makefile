@@ -259,10 +259,11 @@ $(B)/commands/firmware-scene: COMMAND := $(ARM_CC) $(FIRMWARE_SCENE)
 
 # ---- Web -------------------------------------------------------------------------------------------------------------
 
-# Modules of WebAssembly: the renderer without and with simd128, and the readers with the packing.
+# Modules of WebAssembly: the renderer without simd128, with it, with it and threads; the readers with the packing.
 WASM_CC ?= clang
 WASM_OPT ?= wasm-opt
 WEB := $(B)/web/package
+MODULES := core simd threads import
 WASM_FLAGS := --target=wasm32-wasi -std=gnu99 -fwrapv -ffp-contract=off -ffunction-sections \
               -Wall -Wextra -Wpedantic -Wshadow -Wconversion -include port/web/files.h
 WASM_LINK := --target=wasm32-wasi -nostartfiles -Wl,--no-entry,--strip-all,--stack-first,-z,stack-size=524288
@@ -272,6 +273,7 @@ WEB_CORE := $(wildcard src/*.c) kernels/kernels.c port/web/core.c port/web/crc.c
 sources_of_core := $(WEB_CORE)
 WEB_GLES := $(wildcard kernels/gles/*.c) port/web/webgl.c
 sources_of_simd := $(WEB_CORE) $(wildcard kernels/wasm/*.c) $(WEB_GLES)
+sources_of_threads := $(sources_of_simd) port/web/pool.c
 sources_of_import := $(filter-out %_write.c %/scene_filter.c,$(wildcard port/scene/*.c port/import/*.c)) \
                      port/web/import.c port/web/crc.c port/files/byte_reader.c port/files/text.c port/files/zip.c src/scene.c \
                      src/fixsplat.c src/chunk.c $(WEB_C)
@@ -279,11 +281,17 @@ sources_of_import := $(filter-out %_write.c %/scene_filter.c,$(wildcard port/sce
 # the stack, which no pointer is to (--low-memory-unused). <GLES3/gl3.h> is the host's.
 wasm_flags_of = $(if $(filter %/fxs_file.c,$(2)),-DFXS_WITH_ZLIB -Iport/web/zlib) $(if $(filter simd,$(1)),-msimd128) \
                 $(if $(filter $(WEB_GLES),$(2)),-idirafter /usr/include -I$(B)/kernels/gles) \
-                $(if $(filter simd/src/% core/port/% simd/port/% %/bin_simd128.c %/gles/gles.c %/gles/fetch.c %/gles/state.c,$(1)/$(2)),-Oz,-O2)
-web_objects_of = $(patsubst %.c,$(B)/web/$(1)/%.o,$(sources_of_$(1)))
-WASM := $(foreach module,core simd import,$(WEB)/$(module).wasm)
+                $(if $(filter %/pool.c,$(2)),-matomics -mbulk-memory) \
+                $(if $(filter simd/src/% core/port/% simd/port/% %/bin_simd128.c $(addprefix %/gles/,gles.c fetch.c state.c),$(1)/$(2)),-Oz,-O2)
+# The objects are those of simd; nothing of them but pool.c knows of threads, and nothing of wasi-libc that is linked
+# (memcpy, qsort, exp) cares. Its memory is made by fixsplat.js, of 16 pages at first.
+wasm_link_of_threads := -Wl,--shared-memory,--import-memory,--initial-memory=1048576,--max-memory=4294967296 \
+                        -Wl,--no-check-features,--export=__stack_pointer
+wasm_opt_of_threads := --enable-threads --enable-bulk-memory --enable-mutable-globals
+web_objects_of = $(patsubst %.c,$(B)/web/$(if $(filter threads,$(1)),simd,$(1))/%.o,$(sources_of_$(1)))
+WASM := $(MODULES:%=$(WEB)/%.wasm)
 
-PACKAGE := $(WASM) $(addprefix $(WEB)/,fixsplat.js webgl.js fixsplat.d.ts package.json README.md LICENSE) \
+PACKAGE := $(WASM) $(addprefix $(WEB)/,fixsplat.js webgl.js fixsplat.d.ts thread.js package.json README.md LICENSE) \
            $(patsubst port/web/%,$(WEB)/%,$(wildcard port/web/viewer/*))
 
 web: $(PACKAGE) ## the npm package (docs/web.md), in build/web/package
@@ -294,13 +302,13 @@ $(B)/web/$(1)/%.o: %.c $(B)/commands/web
 	$$(call say,CC,'$$< ($(1))')$(WASM_CC) $(WASM_FLAGS) $$(call wasm_flags_of,$(1),$$<) -MMD -MP -c -o $$@ $$<
 $(WEB)/$(1).wasm: $(call web_objects_of,$(1))
 	@mkdir -p $$(@D)
-	$$(call say,LD,$$@)$(WASM_CC) $(WASM_LINK) -o $(B)/web/$(1).linked $$(filter %.o,$$^) && \
-	    $(WASM_OPT) --enable-simd -O3 --low-memory-unused -o $$@ $(B)/web/$(1).linked
+	$$(call say,LD,$$@)$(WASM_CC) $(WASM_LINK) $(wasm_link_of_$(1)) -o $(B)/web/$(1).linked $$(filter %.o,$$^) && \
+	    $(WASM_OPT) --enable-simd $(wasm_opt_of_$(1)) -O3 --low-memory-unused -o $$@ $(B)/web/$(1).linked
 endef
-$(foreach module,core simd import,$(eval $(call web_rules,$(module))))
+$(foreach module,$(MODULES),$(eval $(call web_rules,$(module))))
 $(B)/web/simd/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h
-$(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WASM_LINK) $(WASM_OPT) \
-    $(foreach module,core simd import,$(foreach file,$(sources_of_$(module)),$(strip $(call wasm_flags_of,$(module),$(file)))))
+$(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WASM_LINK) $(wasm_link_of_threads) $(WASM_OPT) \
+    $(foreach module,$(MODULES),$(foreach file,$(sources_of_$(module)),$(strip $(call wasm_flags_of,$(module),$(file)))))
 
 $(WEB)/package.json: port/web/package.json src/fixsplat.h
 	@mkdir -p $(@D)

@@ -21,14 +21,17 @@ async function bytesOf(url) {
 
 /** An instance, whose functions take and give numbers at one place of its memory. */
 class Module {
-  constructor(module, progress) {
+  constructor(module, progress, memory, threads = 1) {
     const env = {
+      memory,
       tan: Math.tan,
       progress: (done) => progress?.(done),
       number: (x, at, room) => this.write(String(Number.isInteger(x) ? x : +x.toPrecision(6)), at >>> 0, room),
     }
-    this.c = new WebAssembly.Instance(module, { env, gl: this.#webgl(module) }).exports
-    this.numbers = this.c.start() >>> 0
+    this.c = { memory, ...new WebAssembly.Instance(module, { env, gl: this.#webgl(module) }).exports }
+    this.numbers = this.c.start(threads) >>> 0
+    this.c.may_wait?.(mayWait() ? 1 : 0)
+    this.scenes = 0
   }
 
   /** What the module wants of OpenGL: the functions of webgl.js that are `this.gl` when they are called. */
@@ -50,7 +53,9 @@ class Module {
   }
 
   write(text, at, room) {
-    return new TextEncoder().encodeInto(text, this.bytes(at, room)).written
+    const bytes = new TextEncoder().encode(text).subarray(0, room)
+    this.bytes(at, room).set(bytes)
+    return bytes.length
   }
 
   error() {
@@ -94,8 +99,84 @@ const compiled = {}
 const compile = (name) =>
   once(compiled, name, async () => WebAssembly.compile(await bytesOf(new URL(`${name}.wasm`, import.meta.url))))
 const cores = {}
-const coreFor = ({ simd = hasSimd }) => coreOf(simd ? 'simd' : 'core')
 const coreOf = (name) => once(cores, name, async () => new Module(await compile(name)))
+
+// ---- Threads --------------------------------------------------------------------------------------------------
+
+const MOST_THREADS = 64
+const STACK = 262144            // bytes, of each thread
+const PAGES = 16                // of a shared memory at first, as the Makefile has it
+
+const canShare = hasSimd && typeof SharedArrayBuffer === 'function' && (inNode || globalThis.crossOriginIsolated === true)
+
+/** Whether this thread may wait: a page's may not. */
+function mayWait() {
+  try {
+    return Atomics.wait(new Int32Array(new SharedArrayBuffer(4)), 0, 0, 0) === 'timed-out'
+  } catch {
+    return false
+  }
+}
+
+async function processors() {
+  return globalThis.navigator?.hardwareConcurrency ?? (inNode ? (await import('node:os')).cpus().length : 1)
+}
+
+/** Shared memory that may grow to 4 GB, or to as much of them as there is room for. */
+function sharedMemory(maximum = 65536) {
+  try {
+    return new WebAssembly.Memory({ initial: PAGES, maximum, shared: true })
+  } catch (error) {
+    if (maximum <= 4096) throw error
+    return sharedMemory(maximum / 2)
+  }
+}
+
+/** One more thread for a module; where it cannot be had there is one less, and pictures take longer. */
+async function startThread(core, module) {
+  const data = { module, memory: core.c.memory, stack: core.place(core.c.allocate(STACK)) + STACK }
+  if (inNode) {
+    const { Worker } = await import('node:worker_threads')
+    const worker = new Worker(new URL('./thread.js', import.meta.url), { workerData: data })
+    worker.on('error', () => {})
+    worker.unref()
+    return worker
+  }
+  const worker = new Worker(new URL('./thread.js', import.meta.url), { type: 'module' })
+  worker.onerror = (event) => event.preventDefault()
+  worker.postMessage(data)
+  return worker
+}
+
+async function threadedCore(threads) {
+  const module = await compile('threads')
+  const core = new Module(module, null, sharedMemory(), threads)
+  const started = Array.from({ length: threads - 1 }, () => startThread(core, module).catch(() => null))
+  core.workers = Promise.all(started)   // held, so that none is collected
+  return core
+}
+
+/** The module that `load` takes, with its threads. */
+async function coreFor({ simd = hasSimd, threads }) {
+  if (threads !== undefined && !(Number.isInteger(threads) && threads >= 1 && threads <= MOST_THREADS))
+    throw new Error(`${threads} threads: expected 1 to ${MOST_THREADS}`)
+  const count = threads ?? Math.min(await processors(), 8)
+  if (simd && canShare && count > 1)
+    try {
+      return await once(cores, `threads ${count}`, () => threadedCore(count))
+    } catch {}                  // one thread will do
+  return coreOf(simd ? 'simd' : 'core')
+}
+
+/** Ends the threads and gives back the memory of what no scene uses. */
+export async function end() {
+  for (const [name, made] of Object.entries(cores)) {
+    const core = await made
+    if (core.scenes || cores[name] !== made) continue
+    delete cores[name]
+    core.c.end?.()
+  }
+}
 
 // ---- Opening --------------------------------------------------------------------------------------------------
 
@@ -180,6 +261,12 @@ export class Scene {
     const [count, shDegree, profile, ...box] = core.get(0, 9)
     Object.assign(this, { name, count, shDegree, profile: ['default', 'compact', 'small'][profile] })
     Object.assign(this, { low: box.slice(0, 3), high: box.slice(3), bytes: bytes.length })
+    core.scenes++
+  }
+
+  /** Threads that draw it by now. */
+  get threads() {
+    return this.#core.c.threads?.() ?? 1
   }
 
   /** Its module and place there; no part of the interface. */
@@ -205,6 +292,7 @@ export class Scene {
     if (!this.#scene) return
     this.#core.c.release(this.#scene)
     this.#core.c.release(this.#data)
+    this.#core.scenes--
     this.#scene = 0
   }
 }
@@ -396,6 +484,7 @@ class Drawn {
     this.#core.gl = this.#functions
     this.#core.c.gl_close(this.#place)
     this.#functions.close()
+    this.#core.gl = undefined
   }
 }
 
@@ -409,6 +498,7 @@ export class Screen {
     this.#core = core
     this.#way = way
     this.backend = backend
+    core.scenes++               // until free
   }
 
   static async open(canvas, backend, options = {}) {
@@ -451,8 +541,10 @@ export class Screen {
   }
 
   free() {
-    this.#way?.free()
+    if (!this.#way) return
+    this.#way.free()
     this.#way = undefined
+    this.#core.scenes--
   }
 }
 

@@ -2,6 +2,8 @@
 #ifndef FXS_WEB_H
 #define FXS_WEB_H
 
+#include <stdint.h>
+
 #include "../../src/fixsplat.h"
 
 #define EXPORT(name) __attribute__((export_name(#name)))
@@ -31,5 +33,9 @@ void *fxs_web_allocate(size_t bytes);
 
 /* Where `words` are: room for what FXS_GLES_MESSAGE says. */
 char *fxs_web_text(void);
+
+/* Of pool.c; null in a module without it. */
+__attribute__((weak)) void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argument,
+                                       uint32_t jobs);
 
 #endif

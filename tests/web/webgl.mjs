@@ -41,12 +41,15 @@ const WORKER = `import { drawn, hash, Screen } from '/common.js'
       postMessage(error.message)
     }
   }`
-const TEXTS = { '/': '<!doctype html><title>fixsplat</title>', '/common.js': COMMON, '/worker.js': WORKER }
+const PAGE = '<!doctype html><title>fixsplat</title>'
+const TEXTS = { '/': PAGE, '/isolated': PAGE, '/common.js': COMMON, '/worker.js': WORKER }
 
 const server = createServer((request, answer) => {
   const path = decodeURIComponent(new URL(request.url, 'http://x').pathname)
   const file = path.startsWith('/work/') ? work + path.slice(5) : folder + path
-  answer.setHeader('content-type', KINDS[path.split('.').pop()] ?? (path === '/' ? 'text/html' : 'application/wasm'))
+  answer.setHeader('content-type', KINDS[path.split('.').pop()] ?? (TEXTS[path] === PAGE ? 'text/html' : 'application/fxs'))
+  answer.setHeader('cross-origin-embedder-policy', 'require-corp')
+  if (path === '/isolated') answer.setHeader('cross-origin-opener-policy', 'same-origin')
   if (TEXTS[path]) answer.end(TEXTS[path])
   else if (existsSync(file)) createReadStream(file).pipe(answer)
   else answer.writeHead(404).end()
@@ -54,22 +57,32 @@ const server = createServer((request, answer) => {
 await new Promise((done) => server.once('listening', done))
 const base = `http://127.0.0.1:${server.address().port}/`
 
-async function open(...args) {
-  const browser = await puppeteer.launch({
+const launch = (...args) =>
+  puppeteer.launch({
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
     args: ['--no-sandbox', ...args],
     protocolTimeout: 600000,
   })
+
+/** What runs code in a page. On the isolated one there are threads, and memory that they share. */
+async function open(browser, address) {
   const page = await browser.newPage()
-  await page.goto(base)
+  await page.goto(base + address)
   const run = (body, ...values) =>
     page.evaluate(`(async (...args) => { const { load, Screen, canvas, sceneOf, hash, psnr, drawn } = await import('/common.js')
       const wordsOf = (made) => made.then(() => 'nothing', (error) => error.message)
       ${body} })(...${JSON.stringify(values)})`)
-  return { browser, run }
+  return { run, close: () => page.close() }
 }
 
-const { browser, run } = await open('--use-angle=swiftshader', '--enable-unsafe-swiftshader')
+/** The same once, in a page of its own. */
+async function runIn(browser, address, ...args) {
+  const page = await open(browser, address)
+  return page.run(...args).finally(page.close)
+}
+
+const browser = await launch('--use-angle=swiftshader', '--enable-unsafe-swiftshader')
+const { run } = await open(browser, 'isolated')
 
 /** A frame: what the page draws and what the command is asked for. */
 const frame = (scene, width, height, args = [], options = {}, camera = {}, more = []) => ({
@@ -102,18 +115,40 @@ const shared = readdirSync(work).flatMap((name) => name.match(/^(shared-.*)\.fxs
 
 const tests = {
   async 'the pixels of the command: webgl2, one Screen'() {
-    const hashes = await run(
-      `const screen = await Screen.open(canvas(), 'webgl2'), hashes = {}
-      for (const [name, frame] of Object.entries(args[0])) {
-        hashes[name] = hash(await drawn(screen, frame))
-        await screen.finish()
-        if (screen.gl.getError()) hashes[name] += ' and an error of WebGL'
+    const wanted = Object.fromEntries(Object.entries(FRAMES).map(([name, frame]) => [name, hashOf(frame)]))
+    for (const address of ['isolated', '']) {
+      const [hashes, kind] = await runIn(browser, address,
+        `const screen = await Screen.open(canvas(), 'webgl2'), hashes = {}
+        for (const [name, frame] of Object.entries(args[0])) {
+          hashes[name] = hash(await drawn(screen, frame))
+          await screen.finish()
+          if (screen.gl.getError()) hashes[name] += ' and an error of WebGL'
+        }
+        screen.free()
+        const [core] = (await sceneOf('knot')).inside
+        return [hashes, core.c.memory.buffer.constructor.name]`,
+        FRAMES
+      )
+      assert.deepEqual(hashes, wanted)
+      assert.equal(kind, address ? 'SharedArrayBuffer' : 'ArrayBuffer')
+    }
+  },
+
+  async 'a browser whose WebGL takes no shared memory'() {
+    const hashes = await runIn(browser, 'isolated',
+      `const prototype = WebGL2RenderingContext.prototype
+      for (const name of ['readPixels', 'texSubImage2D', 'bufferSubData', 'clearBufferfv']) {
+        const was = prototype[name]
+        prototype[name] = function (...values) {
+          if (values.some((value) => value?.buffer instanceof SharedArrayBuffer)) throw new TypeError('shared')
+          return was.apply(this, values)
+        }
       }
-      screen.free()
-      return hashes`,
-      FRAMES
+      const screen = await Screen.open(canvas(), 'webgl2'), quads = await Screen.open(canvas(), 'webgl2-quads')
+      return [hash(await drawn(screen, args[0])), (await drawn(quads, args[0])).length]`,
+      FRAMES.framed
     )
-    for (const [name, one] of Object.entries(FRAMES)) assert.equal(hashes[name], hashOf(one), name)
+    assert.deepEqual(hashes, [hashOf(FRAMES.framed), 4 * 320 * 200])
   },
 
   async 'the same by wasm'() {
@@ -153,7 +188,7 @@ const tests = {
     names.forEach((name, i) => assert.ok(found[i] >= 40, `${name}: ${found[i]} dB`))
     console.log(`  quads: ${found.slice(0, names.length).map((db) => db.toFixed(1)).join(', ')} dB`)
     assert.equal(found[names.length], 0)
-    assert.match(found[names.length + 1], /not supported|cannot/)
+    assert.match(found[names.length + 1], /not supported|cannot|memory/)
   },
 
   async 'what the page shows'() {
@@ -312,16 +347,16 @@ const tests = {
   },
 
   async 'without WebGL'() {
-    const other = await open('--disable-gpu', '--disable-software-rasterizer')
+    const other = await launch('--disable-gpu', '--disable-software-rasterizer')
     try {
-      const said = await other.run(
+      const said = await runIn(other, '',
         `return [await wordsOf(Screen.open(canvas(), 'webgl2')), hash(await drawn(await Screen.open(canvas(), 'wasm'), args[0]))]`,
         FRAMES.framed
       )
       assert.match(said[0], /no WebGL 2 here/)
       assert.equal(said[1], hashOf(FRAMES.framed))
     } finally {
-      await other.browser.close()
+      await other.close()
     }
   },
 }
