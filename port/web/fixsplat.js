@@ -623,6 +623,7 @@ class Drawn {
     this.#core.gl = this.#functions
     this.#core.c.gl_close(this.#place)
     this.#functions.close()
+    this.#core.gl = undefined
   }
 }
 
@@ -636,6 +637,7 @@ export class Screen {
     this.#core = core
     this.#way = way
     this.backend = backend
+    core.scenes++               // until free
   }
 
   static async open(canvas, backend, options = {}) {
@@ -678,8 +680,10 @@ export class Screen {
   }
 
   free() {
-    this.#way?.free()
+    if (!this.#way) return
+    this.#way.free()
     this.#way = undefined
+    this.#core.scenes--
   }
 }
 
