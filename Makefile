@@ -355,6 +355,10 @@ $(WEB)/package.json: port/web/package.json src/fixsplat.h
 	@sed 's/@VERSION@/$(VERSION)/' $< >$@
 $(WEB)/LICENSE: LICENSE
 	@mkdir -p $(@D) && cp $< $@
+# Without comments, but for those of several lines, and indentation: a sixth less to download.
+$(WEB)/%.js: port/web/%.js
+	@mkdir -p $(@D)
+	@sed -e 's/^ *//' -e '/^\/\//d' -e '/^\/\*\*.*\*\/$$/d' -e "s| *// [^'\"\`]*\$$||" -e '/^$$/d' $< >$@
 $(WEB)/%: port/web/%
 	@mkdir -p $(@D) && cp $< $@
 
