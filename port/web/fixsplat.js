@@ -1,36 +1,58 @@
 // fixsplat for browsers and Node: the same bytes as the library everywhere. fixsplat.d.ts says what there is.
 
-const inNode = typeof process === 'object' && !!process.versions?.node
-const INFLATED = 128            // bytes that each Gaussian may have inflated
-const ALWAYS = 1000000          // Gaussians that any file may have (FXS_GAUSSIANS_ALWAYS)
+import { Files, inNode } from './read.js'
+
+const SHOWN = 100000            // Gaussians of a preview, at most
+const PAUSE = 400               // milliseconds before the first, and at least between two
 // A module with one function that uses simd128.
 const WITH_SIMD = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15,
                    253, 98, 11]
 
+// The same with i16x8.relaxed_q15mulr_s. Where i16x8.q15mulr_sat_s gives 32767, for -32768 squared, it may give -32768,
+// which changes no picture, and so it is one instruction of x86 in place of five. Their codes are equally long.
+const PRECISE = [253, 130, 1]
+const RELAXED = [253, 145, 2]
+const WITH_RELAXED = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 15, 1, 13, 0, 65, 0, 253, 15,
+                      65, 0, 253, 15, ...RELAXED, 11]
+const runs = (code) => WebAssembly.validate(new Uint8Array(code))
+
 /** Whether this machine runs the faster module. */
-export const hasSimd = WebAssembly.validate(new Uint8Array(WITH_SIMD))
+export const hasSimd = runs(WITH_SIMD)
+/** Whether it runs that by the relaxed products. */
+export const hasRelaxed = runs(WITH_RELAXED)
 
 // ---- Modules --------------------------------------------------------------------------------------------------
 
-async function bytesOf(url) {
-  if (inNode && url.protocol === 'file:') return (await import('node:fs/promises')).readFile(url)
-  const response = await fetch(url)
-  if (!response.ok) throw new Error(`${url}: ${response.status} ${response.statusText}`)
-  return new Uint8Array(await response.arrayBuffer())
+async function compileFrom(url, relaxes) {
+  if (inNode && url.protocol === 'file:')
+    return compiledOf(await (await import('node:fs/promises')).readFile(url), relaxes)
+  const answer = await fetch(url)
+  if (!answer.ok) throw new Error(`${url}: ${answer.status} ${answer.statusText}`)
+  return !relaxes && answer.headers.get('content-type') === 'application/wasm'
+    ? WebAssembly.compileStreaming(answer)
+    : compiledOf(new Uint8Array(await answer.arrayBuffer()), relaxes)
+}
+
+/** A module, or the same with relaxed products. Their bytes are nothing else in it: tests/scripts/web.sh. */
+function compiledOf(code, relaxes) {
+  for (let at = relaxes ? code.indexOf(PRECISE[0]) : -1; at >= 0; at = code.indexOf(PRECISE[0], at + 1))
+    if (code[at + 1] === PRECISE[1] && code[at + 2] === PRECISE[2]) code.set(RELAXED, at)
+  return WebAssembly.compile(code)
 }
 
 /** An instance, whose functions take and give numbers at one place of its memory. */
 class Module {
-  constructor(module, progress, memory, threads = 1) {
+  constructor(module, imports = {}, threads = 1) {
     const env = {
-      memory,
+      ...imports,
       tan: Math.tan,
-      progress: (done) => progress?.(done),
+      real: (at, length) => Number(new TextDecoder().decode(this.bytes(at, length))),
       number: (x, at, room) => this.write(String(Number.isInteger(x) ? x : +x.toPrecision(6)), at >>> 0, room),
     }
-    this.c = { memory, ...new WebAssembly.Instance(module, { env, gl: this.#webgl(module) }).exports }
+    this.c = { memory: imports.memory, ...new WebAssembly.Instance(module, { env, gl: this.#webgl(module) }).exports }
     this.numbers = this.c.start(threads) >>> 0
     this.c.may_wait?.(mayWait() ? 1 : 0)
+    this.stack = this.c.__stack_pointer?.value
     this.scenes = 0
   }
 
@@ -58,9 +80,14 @@ class Module {
     return bytes.length
   }
 
+  /** The text at a place, up to its 0. */
+  text(at) {
+    const bytes = new Uint8Array(this.c.memory.buffer, at >>> 0)
+    return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)))
+  }
+
   error() {
-    const bytes = this.bytes(this.c.words(), 512)
-    return new Error(new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0))))
+    return new Error(this.text(this.c.words()))
   }
 
   /** What a function returned, unless that is an error. */
@@ -73,6 +100,17 @@ class Module {
   place(at) {
     if (!at) throw this.error()
     return at >>> 0
+  }
+
+  /** What a function returned that draws. Where it trapped, threads are done with its memory before that is freed. */
+  draw(name, ...args) {
+    try {
+      return this.check(this.c[name](...args))
+    } catch (error) {
+      this.c.settle?.()
+      if (this.stack) this.c.__stack_pointer.value = this.stack
+      throw error
+    }
   }
 
   /** A copy of some bytes, which `release` frees. */
@@ -97,17 +135,19 @@ const once = (made, name, make) =>
 
 const compiled = {}
 const compile = (name) =>
-  once(compiled, name, async () => WebAssembly.compile(await bytesOf(new URL(`${name}.wasm`, import.meta.url))))
+  once(compiled, name, () =>
+    compileFrom(new URL(`${name}.wasm`, import.meta.url), hasRelaxed && ['simd', 'threads'].includes(name)))
 const cores = {}
 const coreOf = (name) => once(cores, name, async () => new Module(await compile(name)))
 
 // ---- Threads --------------------------------------------------------------------------------------------------
 
 const MOST_THREADS = 64
+const USUAL_THREADS = 8
 const STACK = 262144            // bytes, of each thread
 const PAGES = 16                // of a shared memory at first, as the Makefile has it
 
-const canShare = hasSimd && typeof SharedArrayBuffer === 'function' && (inNode || globalThis.crossOriginIsolated === true)
+const canShare = typeof SharedArrayBuffer === 'function' && (inNode || globalThis.crossOriginIsolated === true)
 
 /** Whether this thread may wait: a page's may not. */
 function mayWait() {
@@ -119,7 +159,9 @@ function mayWait() {
 }
 
 async function processors() {
-  return globalThis.navigator?.hardwareConcurrency ?? (inNode ? (await import('node:os')).cpus().length : 1)
+  if (!inNode) return navigator.hardwareConcurrency
+  const os = await import('node:os')
+  return os.availableParallelism?.() ?? os.cpus().length
 }
 
 /** Shared memory that may grow to 4 GB, or to as much of them as there is room for. */
@@ -150,7 +192,7 @@ async function startThread(core, module) {
 
 async function threadedCore(threads) {
   const module = await compile('threads')
-  const core = new Module(module, null, sharedMemory(), threads)
+  const core = new Module(module, { memory: sharedMemory() }, threads)
   const started = Array.from({ length: threads - 1 }, () => startThread(core, module).catch(() => null))
   core.workers = Promise.all(started)   // held, so that none is collected
   return core
@@ -160,8 +202,8 @@ async function threadedCore(threads) {
 async function coreFor({ simd = hasSimd, threads }) {
   if (threads !== undefined && !(Number.isInteger(threads) && threads >= 1 && threads <= MOST_THREADS))
     throw new Error(`${threads} threads: expected 1 to ${MOST_THREADS}`)
-  const count = threads ?? Math.min(await processors(), 8)
-  if (simd && canShare && count > 1)
+  const count = threads ?? Math.min(await processors(), USUAL_THREADS)
+  if (simd && hasSimd && canShare && count > 1)
     try {
       return await once(cores, `threads ${count}`, () => threadedCore(count))
     } catch {}                  // one thread will do
@@ -180,65 +222,88 @@ export async function end() {
 
 // ---- Opening --------------------------------------------------------------------------------------------------
 
-async function urlOf(text) {
-  if (!inNode) return new URL(text, globalThis.document?.baseURI ?? globalThis.location?.href)
-  return /^[a-z]+:\/\//i.test(text) ? new URL(text) : (await import('node:url')).pathToFileURL(text)
+const numberOf = (names, value) => {
+  if (!names.includes(value)) throw new Error(`${value}: expected one of ${names.join(', ')}`)
+  return names.indexOf(value)
 }
 
-/** The bytes of whatever `load` takes, and a name for messages. */
-async function read(source) {
-  if (source instanceof ArrayBuffer) return ['scene', new Uint8Array(source)]
-  if (ArrayBuffer.isView(source)) return ['scene', new Uint8Array(source.buffer, source.byteOffset, source.byteLength)]
-  if (typeof Blob === 'function' && source instanceof Blob)
-    return [source.name ?? 'scene', new Uint8Array(await source.arrayBuffer())]
-  const url = source instanceof URL ? source : await urlOf(String(source))
-  return [decodeURIComponent(url.pathname.split('/').pop()) || 'scene', await bytesOf(url)]
-}
-
-async function gunzip(name, bytes) {
-  const most = INFLATED * (ALWAYS + bytes.length)
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip')).getReader()
-  const fail = () => Promise.reject(new Error(`${name}: the gzip stream is damaged or ends early`))
-  const next = () => stream.read().catch(fail)
-  const parts = []
-  let length = 0
-  for (let part = await next(); !part.done; part = await next()) {
-    parts.push(part.value)
-    length += part.value.length
-    if (length > most) {
-      await stream.cancel()
-      throw new Error(`${name}: its gzip stream has more than ${most} bytes`)
-    }
-  }
-  return new Uint8Array(await new Blob(parts).arrayBuffer())
-}
-
-/** A packed scene from a file of another format, by a module that is dropped afterwards with all of its memory. */
-async function pack(name, bytes, { profile = 'default', axes = 'file', maxGaussians = 0, maxMemory = 0, progress }) {
-  const reader = new Module(await compile('import'), progress)
-  reader.put(maxGaussians, maxMemory)
-  const numberOf = (names, value) => {
-    if (!names.includes(value)) throw new Error(`${value}: expected one of ${names.join(', ')}`)
-    return names.indexOf(value)
-  }
-  const kind = numberOf(['default', 'compact', 'small'], profile)
-  const directions = numberOf(['file', 'rub', 'rdf'], axes)
-  const text = reader.copyText(name)
+/** Packs files of which a share has come, or at most `most` of their Gaussians. The module is dropped with all of its
+    memory. Returns the bytes of an .fxs file or an error, and the names of files that were wanted and are not there. */
+function runImport(module, files, options, share = 1, most = 0) {
+  const { profile = 'default', axes = 'file', maxGaussians = 0, maxMemory = 0, progress } = options
+  const all = files.all
+  const missing = new Set()
+  const reader = new Module(module, {
+    progress: (done) => progress?.({ stage: 'prepare', done }),
+    size: (file) => all[file].bytes.length,
+    read(file, offset, out, size) {
+      if (offset + (size >>> 0) > all[file].there) return -1
+      reader.bytes(out, size >>> 0).set(all[file].bytes.subarray(offset, offset + (size >>> 0)))
+      return 0
+    },
+    beside(at) {
+      const name = reader.text(at)
+      const number = files.numberOf(name)
+      if (number < 0) missing.add(name)
+      return number
+    },
+  })
+  const [kind, directions] = [numberOf(['default', 'compact', 'small'], profile), numberOf(['file', 'rub', 'rdf'], axes)]
+  const name = reader.copyText(all[0].name)
+  reader.put(maxGaussians, maxMemory, share)
   try {
-    reader.check(reader.c.import(text, reader.copy(bytes), bytes.length, kind, directions))
+    if (reader.c.import(name, kind, directions, most) < 0) return { missing, error: reader.error() }
   } catch (error) {
-    if (error instanceof WebAssembly.RuntimeError) throw new Error(`${name}: cannot be read: ${error.message}`)
-    throw error
+    if (!(error instanceof WebAssembly.RuntimeError)) throw error
+    return { missing, error: new Error(`${all[0].name}: cannot be read: ${error.message}`) }
   }
-  return reader.bytes(...reader.get(0, 2))
+  return { missing, bytes: reader.bytes(...reader.get(0, 2)) }
+}
+
+/** A packed scene from files of another format. */
+async function pack(files, options) {
+  const module = await compile('import')
+  let result = runImport(module, files, options)
+  while (result.missing.size && (await files.ask(result.missing))) result = runImport(module, files, options)
+  if (result.error) throw result.error
+  return result.bytes
+}
+
+/** A function that hands over a scene of what has come so far: the share, and whether it is to be now. */
+function previewsOf(files, core, options) {
+  const quietly = { ...options, progress: undefined }
+  let last = performance.now()
+  let pause = PAUSE
+  return async (share, isNow) => {
+    const start = performance.now()
+    if (!options.preview || !share || (!isNow && start < last + pause)) return
+    let scene
+    try {
+      const { bytes } = runImport(await compile('import'), files, quietly, share, SHOWN)
+      if (bytes?.length) scene = new Scene(await core, files.all[0].name, bytes)
+    } catch {
+      return                    // the scene itself is what counts, and its error
+    }
+    if (scene) await options.preview(scene)
+    last = performance.now()
+    pause = Math.max(PAUSE, 4 * (last - start))
+  }
 }
 
 export async function load(source, options = {}) {
-  let [name, bytes] = await read(source)
-  if (bytes[0] === 0x1f && bytes[1] === 0x8b) bytes = await gunzip(name, bytes)
-  const isPacked = bytes.length >= 4 && String.fromCharCode(...bytes.subarray(0, 4)) === 'FXS1'
-  const core = await coreFor(options)
-  return new Scene(core, name, isPacked ? bytes : await pack(name, bytes, options))
+  const files = new Files()
+  const core = coreFor(options)
+  const preview = previewsOf(files, core, options)
+  core.catch(() => {})          // who waits for it hears of it
+  const file = await files.open(source, async (file, share) => {
+    options.progress?.({ stage: 'download', done: share, bytes: file.there })
+    if (file.there < 4 || file.isPacked) return
+    compile('import').catch(() => {})
+    if (share < 1) await preview(share, false)
+  })
+  if (file.isPacked) return new Scene(await core, file.name, file.bytes)
+  await preview(1, true)
+  return new Scene(await core, file.name, await pack(files, options))
 }
 
 export class Scene {
@@ -284,6 +349,10 @@ export class Scene {
     return render([{ scene: this }], camera, options)
   }
 
+  renderStereo(left, right, options) {
+    return renderStereo([{ scene: this }], left, right, options)
+  }
+
   pick(x, y, camera, options) {
     return pick(x, y, [{ scene: this }], camera, options)
   }
@@ -313,7 +382,7 @@ function placeObject(core, object, i) {
   const { scene, translation = [0, 0, 0], rotation = [1, 0, 0, 0], scale = 1, opacity = 1 } = object
   const { tint = [1, 1, 1], visible = true, id = i, crops = [] } = object
   const [own, at] = scene.inside
-  if (own !== core) throw new Error(`${scene.name}: loaded with another \`simd\` than the first object`)
+  if (own !== core) throw new Error(`${scene.name}: loaded with other \`simd\` or \`threads\` than the first object`)
   const box = ({ low, high, keep }) => [...all('low', 3, low), ...all('high', 3, high), keep === 'outside']
   const where = [...all('translation', 3, translation), ...all('rotation', 4, rotation), scale, opacity]
   core.put(where, all('tint', 3, tint), visible, id, crops.length, crops.slice(0, MAX_CROPS).flatMap(box))
@@ -374,23 +443,93 @@ const valuesOf = ({ background = 0, shDegree = 3, cutoff = 'mahalanobis', maxMem
   maxMemory,
 ]
 
-export function render(objects, camera = {}, options = {}) {
-  return renderTo(...begin(objects, camera, options), options)
+// The numbers of targets, and how many a pixel has; those of core.c, in its order.
+const FORMATS = {
+  rgba8: [Uint8ClampedArray, 4],
+  premultiplied: [Uint8ClampedArray, 4],
+  rgb565: [Uint16Array, 1],
+  premultiplied16: [Uint16Array, 4],
+}
+const TARGETS = {
+  colour: null,
+  coverage: [Uint8Array, 1],
+  meanDepth: [Uint32Array, 1],
+  depth: [Uint32Array, 1],
+  ids: [Uint32Array, 2],
+  occluder: [Uint32Array, 1],
+  backdrop: [Uint8ClampedArray, 4],
+}
+const READ = ['occluder', 'backdrop']
+
+function oneOf(table, name) {
+  if (!Object.hasOwn(table, name)) throw new Error(`${name}: expected one of ${Object.keys(table).join(', ')}`)
+  return Object.keys(table).indexOf(name)
 }
 
-function renderTo(core, width, height, options) {
-  const pixels = core.place(core.c.allocate(4 * width * height))
+/** The targets of an eye, and where they lie in a block of memory from `start` on. */
+function layOut(asked, format, pixels, start) {
+  let end = start
+  const parts = Object.keys(asked).filter((name) => asked[name]).map((name) => {
+    const place = oneOf(TARGETS, name)
+    const [type, each] = TARGETS[name] ?? FORMATS[format]
+    const given = READ.includes(name) && asked[name]
+    const [at, count] = [end, each * pixels]
+    if (given && given.length !== count) throw new Error(`${name}: expected ${count} numbers`)
+    end += 64 * Math.ceil((count * type.BYTES_PER_ELEMENT) / 64)
+    return { name, place, type, given, at, count }
+  })
+  return { parts, end }
+}
+
+/** What a module draws to for each eye; `colour` is the format. */
+function planOf(width, height, eyes, { targets = { colour: true }, alpha }) {
+  const ofEyes = Array.isArray(targets) ? targets : Array(eyes).fill(targets)
+  const { colour } = ofEyes[0]
+  const format = typeof colour === 'string' ? colour : alpha ? 'premultiplied' : 'rgba8'
+  const code = oneOf(FORMATS, format)
+  let bytes = 0
+  const plans = ofEyes.map((asked) => {
+    const { parts, end } = layOut(asked, format, width * height, bytes)
+    bytes = end
+    return parts
+  })
+  return { code, bytes, plans }
+}
+
+/** What the one or two cameras see that a module has taken: pixels, or objects of targets. */
+function draw(core, width, height, eyes, options) {
+  const { depthBits = 16, exact = false, targets } = options
+  if (!(depthBits >= 1 && depthBits <= 28)) throw new Error(`depthBits ${depthBits}: expected 1 to 28`)
+  const { code, bytes, plans } = planOf(width, height, eyes, options)
+  const block = core.place(core.c.allocate(Math.min(bytes, 2 ** 32 - 1)))
+  const numbersOf = ({ type, at, count }) => new type(core.c.memory.buffer, block + at, count)
+  const copyOf = (part) => [part.name, new part.type(numbersOf(part))]
+  const taken = (parts) => parts.filter(({ given }) => !given).map(copyOf)
   try {
-    core.check(core.c.render(pixels, options.alpha ? 1 : 0, ...valuesOf(options)))
-    return new Uint8ClampedArray(core.bytes(pixels, 4 * width * height))
+    for (const part of plans.flat()) if (part.given) numbersOf(part).set(part.given)
+    const places = Array(7 * eyes).fill(0)
+    plans.forEach((parts, eye) => parts.forEach(({ place, at }) => (places[7 * eye + place] = block + at)))
+    core.put(places)
+    core.draw('render', code, depthBits, exact ? 1 : 0, ...valuesOf(options))
+    return plans.map((parts) => (targets ? { width, height, ...Object.fromEntries(taken(parts)) } : taken(parts)[0][1]))
   } finally {
-    core.c.release(pixels)
+    core.c.release(block)
   }
+}
+
+export function render(objects, camera = {}, options = {}) {
+  return draw(...begin(objects, camera, options), 1, options)[0]
+}
+
+export function renderStereo(objects, left, right, options = {}) {
+  const [core, width, height] = begin(objects, left, options)
+  takeCamera(core, right, width, height)
+  return draw(core, width, height, 2, options)
 }
 
 export function pick(x, y, objects, camera = {}, options = {}) {
   const [core] = begin(objects, camera, options)
-  if (!core.check(core.c.pick(x, y, options.maxMemory ?? 0))) return null
+  if (!core.draw('pick', x, y, options.maxMemory ?? 0)) return null
   const [object, gaussian, depth, ...position] = core.get(0, 6)
   return { object, gaussian, depth, position }
 }
@@ -415,7 +554,7 @@ class Copied {
   }
 
   draw(core, width, height, options) {
-    this.#pixels = renderTo(core, width, height, options)
+    ;[this.#pixels] = draw(core, width, height, 1, { ...options, targets: undefined })
     const shown = options.alpha ? divided(this.#pixels.slice()) : this.#pixels
     this.#context.putImageData(new ImageData(shown, width), 0, 0)
   }

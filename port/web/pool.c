@@ -59,6 +59,7 @@ EXPORT(settle) void fxs_web_settle(void)
 void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
 {
     (void)pool;
+    fxs_web_settle();              /* where the last one trapped */
     batch_job = job;
     batch_argument = argument;
     batch_jobs = jobs;

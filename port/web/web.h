@@ -2,14 +2,16 @@
 #ifndef FXS_WEB_H
 #define FXS_WEB_H
 
-#include <stdint.h>
-
 #include "../../src/fixsplat.h"
 
 #define EXPORT(name) __attribute__((export_name(#name)))
 
 /* Numbers go in and come out at one place, in the order that each function says; an object with 8 crops has 71. */
 enum { NUMBERS = 80 };
+
+/* Of pool.c; null in a module without it. */
+__attribute__((weak)) void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argument,
+                                       uint32_t jobs);
 
 /* A frame of the objects and the camera that were set. */
 typedef struct fxs_web_frame {
@@ -33,9 +35,5 @@ void *fxs_web_allocate(size_t bytes);
 
 /* Where `words` are: room for what FXS_GLES_MESSAGE says. */
 char *fxs_web_text(void);
-
-/* Of pool.c; null in a module without it. */
-__attribute__((weak)) void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argument,
-                                       uint32_t jobs);
 
 #endif
