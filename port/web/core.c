@@ -35,9 +35,10 @@ static int said(int error)
     return error;
 }
 
-EXPORT(start) double *fxs_web_start(void)
+EXPORT(start) double *fxs_web_start(uint32_t threads)
 {
-    fxs_init(&context, NULL);
+    const fxs_config config = {.run = fxs_web_run, .threads = threads};
+    fxs_init(&context, &config);
     fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
     return numbers;
 }

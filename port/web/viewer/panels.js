@@ -51,7 +51,7 @@ export class Panels {
 
   /** With the first picture. */
   greet() {
-    if (this.#greeted) return
+    if (this.#greeted || this.ui.note.textContent) return
     this.#greeted = true
     const hovers = matchMedia('(hover: hover)').matches
     this.note(hovers ? 'Drag to turn, wheel to zoom. H: keys' : 'Drag to turn, pinch to zoom')

@@ -139,6 +139,7 @@ export class Viewer extends HTMLElement {
     const opening = (this.#opening = { engine, name, source, views, view })
     this.#begin(name)
     try {
+      if (!globalThis.WebAssembly) throw new Error('This browser has no WebAssembly, or it is switched off')
       const scene = await engine.open(source, !this.#scene)
       await this.#take(opening, scene)
       return true
@@ -311,7 +312,7 @@ export class Viewer extends HTMLElement {
 
   /** Where there is no room for so many pixels, there are fewer; where the renderer does not reach, the camera stays. */
   #refused(error) {
-    if (/memory/.test(error.message) && this.#picture.shrink()) {
+    if (/memory/.test(error.message) && this.#picture.shrink(this.#frame())) {
       this.#panels.note('There is too little memory for a picture of this size: it has fewer pixels')
       this.#changed = true
     } else if (this.#good && this.#good !== this.#pilot.camera) this.#pilot.camera = this.#good
