@@ -278,7 +278,7 @@ WEB_GLES := $(wildcard kernels/gles/*.c) port/web/webgl.c
 sources_of_simd := $(WEB_CORE) $(wildcard kernels/wasm/*.c) $(WEB_GLES)
 sources_of_threads := $(sources_of_simd) port/web/pool.c
 sources_of_import := $(filter-out %_write.c %/scene_filter.c,$(wildcard port/scene/*.c port/import/*.c)) \
-                     port/web/import.c port/web/crc.c port/files/byte_reader.c port/files/text.c port/files/zip.c src/scene.c \
+                     port/web/import.c port/web/crc.c port/web/sort.c port/files/byte_reader.c port/files/text.c port/files/zip.c src/scene.c \
                      src/fixsplat.c src/chunk.c $(WEB_C)
 # What takes little of a frame is to be small; kernels take a seventh less of it by -O3, for 2 KB. .fxs needs of zlib
 # what crc.c has. The lowest 1024 bytes are the end of the stack, which no pointer is to (--low-memory-unused).
