@@ -194,7 +194,8 @@ export class Scene {
   free(): void
 }
 
-/** Ends threads that no scene needs, and gives their memory back; without it they wait for the next scene. */
+/** Ends threads that no scene needs, and gives their memory back; without it they wait for the next scene. Not while one
+    is loaded. */
 export function end(): Promise<void>
 
 /** Draws objects in one order by depth: RGBA, four bytes a pixel, rows from the top; with `targets` what they name. */

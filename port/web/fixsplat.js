@@ -144,7 +144,7 @@ const coreOf = (name) => once(cores, name, async () => new Module(await compile(
 
 const MOST_THREADS = 64
 const USUAL_THREADS = 8
-const STACK = 262144            // bytes, of each thread
+const STACK = 131072            // bytes, of each thread, whose jobs take 20,000
 const PAGES = 16                // of a shared memory at first, as the Makefile has it
 
 const canShare = typeof SharedArrayBuffer === 'function' && (inNode || globalThis.crossOriginIsolated === true)
@@ -213,8 +213,8 @@ async function coreFor({ simd = hasSimd, threads }) {
 /** Ends the threads and gives back the memory of what no scene uses. */
 export async function end() {
   for (const [name, made] of Object.entries(cores)) {
-    const core = await made
-    if (core.scenes || cores[name] !== made) continue
+    const core = await made.catch(() => null)
+    if (!core || core.scenes || cores[name] !== made) continue
     delete cores[name]
     core.c.end?.()
   }
@@ -503,7 +503,8 @@ function draw(core, width, height, eyes, options) {
   const { code, bytes, plans } = planOf(width, height, eyes, options)
   const block = core.place(core.c.allocate(Math.min(bytes, 2 ** 32 - 1)))
   const numbersOf = ({ type, at, count }) => new type(core.c.memory.buffer, block + at, count)
-  const taken = (parts) => parts.filter((part) => !part.given).map((part) => [part.name, new part.type(numbersOf(part))])
+  const copyOf = (part) => [part.name, new part.type(numbersOf(part))]
+  const taken = (parts) => parts.filter(({ given }) => !given).map(copyOf)
   try {
     for (const part of plans.flat()) if (part.given) numbersOf(part).set(part.given)
     const places = Array(7 * eyes).fill(0)
@@ -622,6 +623,7 @@ class Drawn {
     this.#core.gl = this.#functions
     this.#core.c.gl_close(this.#place)
     this.#functions.close()
+    this.#core.gl = undefined
   }
 }
 
@@ -635,6 +637,7 @@ export class Screen {
     this.#core = core
     this.#way = way
     this.backend = backend
+    core.scenes++               // until free
   }
 
   static async open(canvas, backend, options = {}) {
@@ -677,8 +680,10 @@ export class Screen {
   }
 
   free() {
-    this.#way?.free()
+    if (!this.#way) return
+    this.#way.free()
     this.#way = undefined
+    this.#core.scenes--
   }
 }
 

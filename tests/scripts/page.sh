@@ -43,10 +43,19 @@ make_scenes() {
 	 {"img_name": "side", "width": 640, "height": 360, "position": [-9, 0, 0], "fx": 500, "fy": 500,
 	  "rotation": [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]}]
 	END
+    cat >"$work/more.json" <<-'END'
+	[{"img_name": "aside", "width": 640, "height": 360, "position": [0, 0, -9], "fx": 500, "fy": 500, "cx": 250, "cy": 200,
+	  "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]},
+	 {"img_name": "flat", "width": 640, "height": 360, "position": [0, 0, -9], "fx": 50, "fy": 50, "orthographic": true,
+	  "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}]
+	END
+    echo '{"w": 640, "h": 360, "fl_x": 500, "fl_y": 500, "cx": 250, "cy": 200, "frames": [{"file_path": "aside",' \
+        '"transform_matrix": [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, -9], [0, 0, 0, 1]]}]}' >"$work/transforms.json"
+    "$B/fixsplat" render "$work/scene.ply" --size 64x36 -o "$work/poster.png" >/dev/null
 }
 
 check "builds" builds
-check "size" at_most 40000 "$package"/viewer/*.html "$package"/viewer/*.css "$package"/viewer/*.js "$package/fixsplat.js"
+check "size" at_most 40000 "$package"/viewer/*.html "$package"/viewer/*.css "$package"/viewer/*.js "$package"/*.js
 check "makes scenes" make_scenes
 if [ -d "$scenes" ]; then ln -s "$(cd "$scenes" && pwd)" "$work/real"; else skip scenes "no $scenes"; fi
 node tests/web/page.mjs "$package" "$work" "$modules" "${PICTURES:-$work}" "$B/fixsplat" >"$work/page" 2>&1 ||

@@ -1,17 +1,18 @@
-// What a headset's eyes see: a camera for each, and a picture for it, turned to where the head is by now.
+// What a headset's eyes see: a camera for each, and a picture for it, moved to where the head is by now.
 
-/** The camera of an XRView in a picture of this size. `place` says where the room lies in the scene. */
-export function cameraOf(view, place, width, height, near) {
+/** The camera of an XRView in a picture of this size, with a margin of so many pixels more on each side. `place` says
+ *  where the room lies in the scene. */
+export function cameraOf(view, place, { width, height, margin = 0 }, near) {
   const [p, m] = [view.projectionMatrix, view.transform.matrix]
   const axis = (i, sign) => place.turned([sign * m[4 * i], sign * m[4 * i + 1], sign * m[4 * i + 2]])
   const axes = [axis(0, 1), axis(1, -1), axis(2, -1)]
   return {
-    width,
-    height,
+    width: width + 2 * margin,
+    height: height + 2 * margin,
     fx: (p[0] * width) / 2,
     fy: (p[5] * height) / 2,
-    cx: ((1 - p[8]) * width) / 2,
-    cy: ((1 + p[9]) * height) / 2,
+    cx: ((1 - p[8]) * width) / 2 + margin,
+    cy: ((1 + p[9]) * height) / 2 + margin,
     rotation: [0, 1, 2].map((i) => axes.map((a) => a[i])),
     position: place.at([m[12], m[13], m[14]]),
     near,
@@ -23,14 +24,18 @@ const flat = ({ width, height, fx, fy, cx, cy, rotation, position }) =>
 
 export const isSame = (a, b) => flat(a).join() === flat(b).join()
 
-const product = (a, b) => [0, 3, 6].flatMap((r) => [0, 1, 2].map((c) => a[r] * b[c] + a[r + 1] * b[3 + c] + a[r + 2] * b[6 + c]))
-const transposed = (a) => [0, 3, 6, 1, 4, 7, 2, 5, 8].map((i) => a[i])
+const [ROWS, COLUMNS] = [[0, 3, 6], [0, 1, 2]]
+const sum = (a, r, b, c) => a[r] * b[c] + a[r + 1] * b[3 + c] + a[r + 2] * b[6 + c]
+const product = (a, b) => ROWS.flatMap((r) => COLUMNS.map((c) => sum(a, r, b, c)))
+const transposed = (a) => COLUMNS.flatMap((c) => ROWS.map((r) => a[r + c]))
 
-/** From pixels of one camera to those of another, of what is far away: K' R'^T R K^-1, by rows. */
-export function turnBetween(from, to) {
+/** From pixels of one camera to those of another, of what is `far` ahead of the first, by rows: K' R'^T M K^-1, where
+ *  M is R with (e - e') / far added to its last column. */
+export function turnBetween(from, to, far) {
   const rays = [1 / from.fx, 0, -from.cx / from.fx, 0, 1 / from.fy, -from.cy / from.fy, 0, 0, 1]
   const pixels = [to.fx, 0, to.cx, 0, to.fy, to.cy, 0, 0, 1]
-  return product(pixels, product(transposed(to.rotation.flat()), product(from.rotation.flat(), rays)))
+  const seen = from.rotation.map(([x, y, z], i) => [x, y, z + (from.position[i] - to.position[i]) / far])
+  return product(pixels, product(transposed(to.rotation.flat()), product(seen.flat(), rays)))
 }
 
 const VERTEX = `#version 300 es
@@ -107,8 +112,9 @@ export class Eyes {
     })
   }
 
-  /** Draws an eye as its camera sees it now; the very bytes where the picture is of this camera. */
-  draw(eye, camera, { x, y, width, height }) {
+  /** Draws an eye as its camera sees it now: the very bytes where the picture is of this camera, else as if all were on
+   *  a plane so far ahead. */
+  draw(eye, camera, far, { x, y, width, height }) {
     const gl = this.#gl
     const index = Math.min(eye, this.cameras.length - 1)
     const own = this.cameras[index]
@@ -117,7 +123,7 @@ export class Eyes {
     gl.uniform2f(this.#at.area, own.width, own.height)
     gl.uniform1f(this.#at.left, index * own.width)
     gl.uniform1i(this.#at.same, isSame(camera, own) ? 1 : 0)
-    gl.uniformMatrix3fv(this.#at.turn, true, turnBetween(camera, own))
+    gl.uniformMatrix3fv(this.#at.turn, true, turnBetween(camera, own, far))
     gl.drawArrays(gl.TRIANGLES, 0, 3)
   }
 
@@ -132,9 +138,11 @@ export class Eyes {
 
 const [LEAST, MOST] = [0.35, 1]
 const STEP = 1.25
+const MARGIN = 1 / 8
 const PATIENCE = 4 // quick pictures in a row until they become larger
 
-/** How large pictures are, of the viewport's width and height, so that each takes about so many milliseconds. */
+/** How large pictures are, of the viewport's width and height, so that each takes about so many milliseconds. Those that
+ *  have to be smaller come late, and get a margin for the head to turn into. */
 export class Scale {
   value = 0.5
   #aim
@@ -143,6 +151,11 @@ export class Scale {
 
   constructor(aim) {
     this.#aim = aim
+  }
+
+  of({ width, height }) {
+    const [w, h] = [width, height].map((n) => Math.max(1, Math.round(n * this.value)))
+    return { width: w, height: h, margin: this.value < MOST ? Math.ceil(MARGIN * w) : 0 }
   }
 
   take(milliseconds) {

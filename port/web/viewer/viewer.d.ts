@@ -11,11 +11,26 @@ export class Viewer extends HTMLElement {
   showView(index: number): void
 }
 
+/** As of a cameras.json. */
+export interface EyeCamera {
+  width: number
+  height: number
+  fx: number
+  fy: number
+  cx: number
+  cy: number
+  rotation: number[][]
+  position: number[]
+  near: number
+}
+
 declare global {
   interface HTMLElementTagNameMap {
     'fixsplat-viewer': Viewer
   }
   interface HTMLElementEventMap {
+    /** Pictures for a headset: `scale` is their size, of the viewport's. */
+    eyes: CustomEvent<{ cameras: EyeCamera[]; width: number; height: number; scale: number; milliseconds: number }>
     picture: CustomEvent<{ width: number; height: number; divisor: number; milliseconds: number }>
   }
 }

@@ -1,7 +1,38 @@
 // The scene, beside the page: it loads and draws while the page goes on.
 import { load, png, Screen } from '../fixsplat.js'
 
+const PREVIEW_MS = 1000 // at most, until the page has drawn what there is
+const screens = {}
 let scene, how
+let drawn = () => {}
+
+const factsOf = ({ name, count, low, high }) => ({ name, count, low, high })
+
+/** What has come of a scene so far: loading goes on when it was drawn. */
+function preview(part) {
+  scene?.free()
+  scene = part
+  postMessage({ stage: 'preview', scene: factsOf(part) })
+  return new Promise((done) => {
+    drawn = done
+    setTimeout(done, PREVIEW_MS)
+  })
+}
+
+/** Calls when the browser has taken what was drawn: not while a worker is busy. */
+function onScreen(call) {
+  if (globalThis.requestAnimationFrame) requestAnimationFrame(() => setTimeout(call))
+  else call()
+}
+
+async function draw(screen, camera, options) {
+  try {
+    screen.draw([{ scene }], camera, options)
+    await screen.finish()
+  } catch (error) {
+    if (!screen.lost) throw error
+  }
+}
 
 let eyes // what WebGL draws a headset's pictures on: { canvas, screen }
 
@@ -9,30 +40,41 @@ let eyes // what WebGL draws a headset's pictures on: { canvas, screen }
 async function bitmapOf(cameras, options, backend) {
   const { width, height } = options
   if (eyes?.screen.backend !== backend) {
+    eyes?.screen.free()
     const canvas = new OffscreenCanvas(1, 1)
     eyes = { canvas, screen: await Screen.open(canvas, backend, how) }
   }
   const { canvas, screen } = eyes
   const whole = cameras.length * width
   if (canvas.width !== whole || canvas.height !== height) Object.assign(canvas, { width: whole, height })
+  if (screen.gl.drawingBufferWidth !== whole || screen.gl.drawingBufferHeight !== height) return null
   cameras.forEach((camera, i) => screen.draw([{ scene }], camera, { ...options, into: { x: i * width } }))
   await screen.finish()
   return canvas.transferToImageBitmap()
 }
 
 const words = {
-  /** A File, or the address of one. */
-  async open(name, source) {
-    how = { progress: (progress) => postMessage(progress) }
-    scene = await load(source, how)
-    const { count, low, high } = scene
-    return { name: scene.name, count, low, high }
+  async open(source, threads, previews) {
+    how = { threads }
+    const progress = (progress) => postMessage(progress)
+    const whole = await load(source, { ...how, progress, preview: previews ? preview : undefined })
+    scene?.free()
+    scene = whole
+    return factsOf(scene)
   },
 
-  render(camera, options) {
+  async screen(id, canvas, backend) {
+    screens[id] = await Screen.open(canvas, backend, how)
+    canvas.addEventListener('webglcontextlost', () => postMessage({ stage: 'lost', id }))
+  },
+
+  /** On a screen; without one the pixels are the answer. */
+  async draw(id, camera, options) {
     const start = performance.now()
-    const pixels = scene.render(camera, options)
-    return { pixels, milliseconds: performance.now() - start }
+    const screen = screens[id]
+    const pixels = screen ? await draw(screen, camera, options) : scene.render(camera, options)
+    onScreen(drawn)
+    return { pixels, milliseconds: performance.now() - start, lost: screen?.lost }
   },
 
   /** What one or two eyes see: the pixels of each, or where WebGL draws a bitmap. */
@@ -42,18 +84,17 @@ const words = {
     return { pictures: cameras[1] ? scene.renderStereo(...cameras, options) : [scene.render(cameras[0], options)] }
   },
 
+  packed: () => scene.packed,
   pick: (x, y, camera, options) => scene.pick(x, y, camera, options),
 
-  async png(camera, options) {
-    return png(scene.render(camera, options), options.width, options.height)
-  },
+  png: (camera, options) => png(scene.render(camera, options), options.width, options.height),
 }
 
 self.onmessage = async ({ data: { id, word, args } }) => {
   try {
     const result = await words[word](...args)
-    const { pixels, pictures = [], bitmap } = result ?? {}
-    const buffers = [pixels, ...pictures].filter(Boolean).map(({ buffer }) => buffer)
+    const { pixels = result, pictures = [pixels], bitmap } = result ?? {}
+    const buffers = pictures.map((bytes) => bytes?.buffer).filter(Boolean)
     postMessage({ id, result }, bitmap ? [bitmap] : buffers)
   } catch (error) {
     postMessage({ id, error: error.message })

@@ -1,5 +1,5 @@
 // A headset: the scene stands around whoever wears it. A worker draws both eyes for the newest pose; every frame shows
-// the newest pair there is, turned to where the head is by then.
+// the newest pair there is, moved to where the head is by then.
 import { cameraOf, Eyes, Scale } from './eyes.js'
 import { add, cross, distance, dot, rotate, unit } from './motion.js'
 
@@ -10,9 +10,6 @@ const METRES_A_SECOND = 1.5
 const TURN = Math.PI / 6
 const [PUSHED, IDLE] = [0.7, 0.3] // of a thumbstick, for a turn and for the next
 const DEAD = 0.15
-
-/** Headsets' browsers, which have WebXR on secure pages alone. */
-const OF_HEADSETS = /OculusBrowser|Wolvic|Pico/i
 
 /** Where the room lies in the scene: its axes (right, up, back) there, its origin, and how long a metre is. */
 class Place {
@@ -67,7 +64,7 @@ const numbers = ({ x, y, z }) => [x, y, z]
 
 const drop = (gl) => gl?.getExtension('WEBGL_lose_context')?.loseContext()
 
-class Headset {
+export class Headset {
   #host
   #session = null
   #space
@@ -76,12 +73,13 @@ class Headset {
   #gl
   #scale
   #place = null
-  #asked = false
+  #asked = null // what is being drawn, by which engine
   #turning = false
   #grips = []
   #last = 0
 
-  /** Of the host: ask(cameras, options) for pictures, view(), options(), changed(isOn), drawn(detail), say(error). */
+  /** The host has engine(), backend(), scene(), options(), view() with camera and up; it hears changed(isOn),
+   *  drawn(detail) and say(error). */
   constructor(host) {
     this.#host = host
   }
@@ -127,12 +125,13 @@ class Headset {
     this.#gl = gl
     this.#eyes = new Eyes(gl)
     this.#layer = new XRWebGLLayer(session, gl, { alpha: false, antialias: false, depth: false, stencil: false })
+    this.#layer.fixedFoveation = 0
     session.updateRenderState({ baseLayer: this.#layer })
     this.#space = await session.requestReferenceSpace('local')
     this.#space.addEventListener('reset', () => (this.#place = null))
     this.#scale = new Scale(AIM_MS)
     this.#place = null
-    this.#asked = false
+    this.#asked = null
     this.#host.changed(true)
     const step = (now, frame) => {
       session.requestAnimationFrame(step)
@@ -142,7 +141,7 @@ class Headset {
   }
 
   #ended(gl) {
-    this.#session = this.#layer = this.#eyes = this.#gl = null
+    this.#session = this.#layer = this.#eyes = this.#gl = this.#asked = null
     drop(gl)
     this.#host.changed(false)
   }
@@ -156,14 +155,13 @@ class Headset {
     this.#walk(pose, Math.min((now - this.#last) / 1000, 0.1))
     this.#pull(frame)
     this.#last = now
-    if (!this.#asked) this.#ask(pose.views.slice(0, 2))
+    const engine = this.#host.engine()
+    if (engine && engine !== this.#asked?.engine) this.#ask(engine, pose.views.slice(0, 2))
     this.#show(pose.views)
   }
 
-  #camera(view, scale) {
-    const { width, height } = this.#layer.getViewport(view)
-    const [w, h] = [width, height].map((n) => Math.max(1, Math.round(n * scale)))
-    return cameraOf(view, this.#place, w, h, NEAR * this.#place.units)
+  #camera(view, size) {
+    return cameraOf(view, this.#place, size, NEAR * this.#place.units)
   }
 
   #show(views) {
@@ -171,30 +169,41 @@ class Headset {
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.#layer.framebuffer)
     eyes.ground = this.#host.options().background
     gl.clear(gl.COLOR_BUFFER_BIT)
-    if (eyes.cameras) views.forEach((view, i) => eyes.draw(i, this.#camera(view, 1), this.#layer.getViewport(view)))
+    if (!eyes.cameras) return
+    views.forEach((view, i) => {
+      const viewport = this.#layer.getViewport(view)
+      const camera = this.#camera(view, viewport)
+      if (viewport.width) eyes.draw(i, camera, this.#far(camera), viewport)
+    })
+  }
+
+  /** About how far away the scene is. */
+  #far({ rotation, position }) {
+    const { low, high } = this.#host.scene()
+    const middle = low.map((x, i) => (x + high[i]) / 2 - position[i])
+    return Math.max(dot(middle, rotation.map((row) => row[2])), Math.hypot(...add(high, low, -1)) / 4)
   }
 
   /** One pair at a time; the time from question to answer says how large the next is. */
-  async #ask(views) {
-    const session = this.#session
+  async #ask(engine, views) {
+    const asked = (this.#asked = { engine })
     const scale = this.#scale.value
-    const cameras = views.map((view) => this.#camera(view, scale))
+    const size = this.#scale.of(this.#layer.getViewport(views[0]))
+    const cameras = views.map((view) => this.#camera(view, size))
     const { width, height } = cameras[0]
     const start = performance.now()
-    this.#asked = true
-    try {
-      const pair = await this.#host.ask(cameras, { ...this.#host.options(), width, height })
-      if (session !== this.#session) return
-      const milliseconds = performance.now() - start
-      this.#eyes.take(cameras, pair)
-      if (session.visibilityState !== 'hidden') this.#scale.take(milliseconds)
-      this.#host.drawn({ cameras, width, height, scale, milliseconds })
-    } catch (error) {
-      if (session !== this.#session) return
+    const options = { ...this.#host.options(), width, height }
+    const pair = await engine.ask('eyes', cameras, options, this.#host.backend()).catch((error) => ({ error }))
+    if (asked !== this.#asked || engine !== this.#host.engine()) return
+    this.#asked = null
+    if (pair.error) {
       this.end()
-      this.#host.say(error)
+      return this.#host.say(pair.error)
     }
-    this.#asked = false
+    const milliseconds = performance.now() - start
+    this.#eyes.take(cameras, pair)
+    if (this.#session.visibilityState !== 'hidden') this.#scale.take(milliseconds)
+    this.#host.drawn({ cameras, width, height, scale, milliseconds })
   }
 
   // ---- Controllers --------------------------------------------------------------------------------------------------
@@ -240,22 +249,4 @@ class Headset {
     }
     this.#place = this.#place.held(middle(now), there)
   }
-}
-
-/** A headset that a button enters; the button is hidden where there is none, unless a secure page would have one. */
-export async function offerHeadset(button, host) {
-  const headset = new Headset(host)
-  if (!navigator.xr) {
-    const words = 'A headset needs a page of https://, or of the machine that it is on (http://localhost)'
-    button.hidden = !OF_HEADSETS.test(navigator.userAgent)
-    button.onclick = () => host.say(new Error(words))
-    return headset
-  }
-  const look = async () => {
-    button.hidden = !(await navigator.xr.isSessionSupported('immersive-vr').catch(() => false))
-  }
-  button.onclick = () => headset.enter()
-  navigator.xr.addEventListener?.('devicechange', look)
-  await look()
-  return headset
 }
