@@ -353,8 +353,12 @@ $(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WEB_LIBS_FLAGS) $(WEB_VE
 $(WEB)/package.json: port/web/package.json src/fixsplat.h
 	@mkdir -p $(@D)
 	@sed 's/@VERSION@/$(VERSION)/' $< >$@
-$(WEB)/LICENSE: LICENSE
-	@mkdir -p $(@D) && cp $< $@
+# With those of what is compiled in.
+WEB_LICENSES := $(if $(WEB_LIBS),$(addprefix $(WEB_SOURCES)/,cjson/LICENSE libwebp/COPYING libwebp/PATENTS \
+                                                             libzip/LICENSE libzstd/LICENSE zlib/LICENSE))
+$(WEB)/LICENSE: LICENSE $(wildcard /usr/share/doc/wasi-libc/copyright) $(WEB_LICENSES)
+	@mkdir -p $(@D)
+	@for f in $^; do [ $$f = LICENSE ] || printf '\n---- %s ----\n\n' $$(basename $$(dirname $$f)); cat $$f; done >$@
 $(WEB)/%: port/web/%
 	@mkdir -p $(@D) && cp $< $@
 

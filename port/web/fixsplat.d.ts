@@ -39,8 +39,13 @@ export interface Progress {
   bytes?: number
 }
 
-/** Opens a scene: .fxs, .ply (PlayCanvas's compressed one too), .splat, .ksplat, .spz 1 to 3. */
-export function load(source: string | URL | ArrayBuffer | ArrayBufferView | Blob, options?: LoadOptions): Promise<Scene>
+/** Opens a scene: .fxs, .ply (PlayCanvas's compressed one too), .splat, .ksplat, .spz, .sog, .glb, .gltf, tileset.json,
+    meta.json, lod-meta.json. Files that it names are fetched from beside it, or are in the same list of files, by their
+    webkitRelativePath or name. */
+export function load(
+  source: string | URL | ArrayBuffer | ArrayBufferView | Blob | Iterable<File>,
+  options?: LoadOptions
+): Promise<Scene>
 
 /** A camera by where it is: y points down, unless `up` says so. */
 export interface LookAt {
