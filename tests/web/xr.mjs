@@ -262,7 +262,7 @@ const tests = {
   async 'slow pictures are smaller; quick ones larger again'() {
     await inside('test.run(100)')
     await until('test.seen.at(-1).scale === 0.35')
-    assert.equal(await inside('return test.seen.at(-1).width'), 56)
+    assert.equal(await inside('return test.seen.at(-1).width'), 56 + 2 * 7)
     await inside('test.run(0.01)')
     await until('test.seen.at(-1).scale === 1')
   },

@@ -1,17 +1,18 @@
 // What a headset's eyes see: a camera for each, and a picture for it, moved to where the head is by now.
 
-/** The camera of an XRView in a picture of this size. `place` says where the room lies in the scene. */
-export function cameraOf(view, place, width, height, near) {
+/** The camera of an XRView in a picture of this size, with a margin of so many pixels more on each side. `place` says
+ *  where the room lies in the scene. */
+export function cameraOf(view, place, { width, height, margin = 0 }, near) {
   const [p, m] = [view.projectionMatrix, view.transform.matrix]
   const axis = (i, sign) => place.turned([sign * m[4 * i], sign * m[4 * i + 1], sign * m[4 * i + 2]])
   const axes = [axis(0, 1), axis(1, -1), axis(2, -1)]
   return {
-    width,
-    height,
+    width: width + 2 * margin,
+    height: height + 2 * margin,
     fx: (p[0] * width) / 2,
     fy: (p[5] * height) / 2,
-    cx: ((1 - p[8]) * width) / 2,
-    cy: ((1 + p[9]) * height) / 2,
+    cx: ((1 - p[8]) * width) / 2 + margin,
+    cy: ((1 + p[9]) * height) / 2 + margin,
     rotation: [0, 1, 2].map((i) => axes.map((a) => a[i])),
     position: place.at([m[12], m[13], m[14]]),
     near,
@@ -137,9 +138,11 @@ export class Eyes {
 
 const [LEAST, MOST] = [0.35, 1]
 const STEP = 1.25
+const MARGIN = 1 / 8
 const PATIENCE = 4 // quick pictures in a row until they become larger
 
-/** How large pictures are, of the viewport's width and height, so that each takes about so many milliseconds. */
+/** How large pictures are, of the viewport's width and height, so that each takes about so many milliseconds. Those that
+ *  have to be smaller come late, and get a margin for the head to turn into. */
 export class Scale {
   value = 0.5
   #aim
@@ -148,6 +151,11 @@ export class Scale {
 
   constructor(aim) {
     this.#aim = aim
+  }
+
+  of({ width, height }) {
+    const [w, h] = [width, height].map((n) => Math.max(1, Math.round(n * this.value)))
+    return { width: w, height: h, margin: this.value < MOST ? Math.ceil(MARGIN * w) : 0 }
   }
 
   take(milliseconds) {

@@ -47,6 +47,7 @@ async function bitmapOf(cameras, options, backend) {
   const { canvas, screen } = eyes
   const whole = cameras.length * width
   if (canvas.width !== whole || canvas.height !== height) Object.assign(canvas, { width: whole, height })
+  if (screen.gl.drawingBufferWidth !== whole || screen.gl.drawingBufferHeight !== height) return null
   cameras.forEach((camera, i) => screen.draw([{ scene }], camera, { ...options, into: { x: i * width } }))
   await screen.finish()
   return canvas.transferToImageBitmap()

@@ -125,6 +125,7 @@ export class Headset {
     this.#gl = gl
     this.#eyes = new Eyes(gl)
     this.#layer = new XRWebGLLayer(session, gl, { alpha: false, antialias: false, depth: false, stencil: false })
+    this.#layer.fixedFoveation = 0
     session.updateRenderState({ baseLayer: this.#layer })
     this.#space = await session.requestReferenceSpace('local')
     this.#space.addEventListener('reset', () => (this.#place = null))
@@ -159,10 +160,8 @@ export class Headset {
     this.#show(pose.views)
   }
 
-  #camera(view, scale) {
-    const { width, height } = this.#layer.getViewport(view)
-    const [w, h] = [width, height].map((n) => Math.max(1, Math.round(n * scale)))
-    return cameraOf(view, this.#place, w, h, NEAR * this.#place.units)
+  #camera(view, size) {
+    return cameraOf(view, this.#place, size, NEAR * this.#place.units)
   }
 
   #show(views) {
@@ -172,8 +171,9 @@ export class Headset {
     gl.clear(gl.COLOR_BUFFER_BIT)
     if (!eyes.cameras) return
     views.forEach((view, i) => {
-      const camera = this.#camera(view, 1)
-      eyes.draw(i, camera, this.#far(camera), this.#layer.getViewport(view))
+      const viewport = this.#layer.getViewport(view)
+      const camera = this.#camera(view, viewport)
+      if (viewport.width) eyes.draw(i, camera, this.#far(camera), viewport)
     })
   }
 
@@ -188,7 +188,8 @@ export class Headset {
   async #ask(engine, views) {
     const asked = (this.#asked = { engine })
     const scale = this.#scale.value
-    const cameras = views.map((view) => this.#camera(view, scale))
+    const size = this.#scale.of(this.#layer.getViewport(views[0]))
+    const cameras = views.map((view) => this.#camera(view, size))
     const { width, height } = cameras[0]
     const start = performance.now()
     const options = { ...this.#host.options(), width, height }
