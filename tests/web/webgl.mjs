@@ -164,14 +164,7 @@ const tests = {
   async 'scenes of shared/scenes'() {
     for (const scene of shared) {
       const one = frame(scene, 200, 150)
-      const got = await run(
-        `const screen = await Screen.open(canvas(), 'webgl2'), got = hash(await drawn(screen, args[0]))
-        screen.free()
-        ;(await sceneOf(args[1])).free()
-        return got`,
-        one,
-        scene
-      )
+      const got = await runIn(browser, 'isolated', `return hash(await drawn(await Screen.open(canvas(), 'webgl2'), args[0]))`, one)
       assert.equal(got, hashOf(one), scene)
     }
   },
@@ -366,7 +359,7 @@ async function measure() {
   const [camera] = JSON.parse(readFileSync(`${work}/cameras.json`))
   for (const [scene, view] of [['shared-snowmiku', camera], ['shared-guitar', {}]])
     for (const backend of ['wasm', 'webgl2', 'webgl2-quads']) {
-      const [all, draws] = await run(
+      const [all, draws] = await runIn(browser, 'isolated',
         `const screen = await Screen.open(canvas(), args[1]), scene = await sceneOf(args[0]), all = [], draws = []
         const median = (times) => times.sort((a, b) => a - b)[times.length >> 1]
         for (let i = -2; i < 5; i++) {
@@ -376,7 +369,6 @@ async function measure() {
           await screen.finish()
           if (i >= 0) draws.push(drawn - start), all.push(performance.now() - start)
         }
-        screen.free()
         return [median(all), median(draws)]`,
         scene,
         backend,
