@@ -1,14 +1,32 @@
-// What kernels/gles calls of OpenGL ES 3.0, on a WebGL2RenderingContext. Objects have numbers; buffers that textures are
-// read from are the module's memory, which is one copy less.
+// What kernels/gles calls of OpenGL ES 3.0, on a WebGL2RenderingContext. Objects have numbers; buffers that textures
+// are read from are the module's memory, which is one copy less.
 
 const COMPONENTS = { 0x1908: 4, 0x8d99: 4, 0x8228: 2, 0x8d94: 1 }     // RGBA, RGBA_INTEGER, RG_INTEGER, RED_INTEGER
 const NUM_EXTENSIONS = 0x821d
 
 /** Functions whose arguments are numbers for WebGL too. */
-const SAME = ['ActiveTexture', 'BlendEquationSeparate', 'BlendFuncSeparate', 'BlitFramebuffer', 'CheckFramebufferStatus',
-              'ColorMask', 'Disable', 'DrawArrays', 'DrawArraysInstanced', 'Enable', 'EnableVertexAttribArray', 'GetError',
-              'IsEnabled', 'PixelStorei', 'RenderbufferStorage', 'Scissor', 'TexParameteri', 'VertexAttribDivisor',
-              'VertexAttribIPointer', 'Viewport']
+const SAME = [
+  'ActiveTexture',
+  'BlendEquationSeparate',
+  'BlendFuncSeparate',
+  'BlitFramebuffer',
+  'CheckFramebufferStatus',
+  'ColorMask',
+  'Disable',
+  'DrawArrays',
+  'DrawArraysInstanced',
+  'Enable',
+  'EnableVertexAttribArray',
+  'GetError',
+  'IsEnabled',
+  'PixelStorei',
+  'RenderbufferStorage',
+  'Scissor',
+  'TexParameteri',
+  'VertexAttribDivisor',
+  'VertexAttribIPointer',
+  'Viewport',
+]
 
 /** The functions of one context for one module. */
 export class Functions {
@@ -31,7 +49,8 @@ export class Functions {
       this[`Gen${kind}s`] = (count, at) => this.#words(at, count).forEach((_, i, names) => {
         names[i] = this.nameOf(gl[`create${kind}`]())
       })
-      this[`Delete${kind}s`] = (count, at) => this.#words(at, count).forEach((name) => this.#drop(`delete${kind}`, name))
+      this[`Delete${kind}s`] = (count, at) =>
+        this.#words(at, count).forEach((name) => this.#drop(`delete${kind}`, name))
     }
     for (const kind of ['Program', 'Shader'])
       this[`Delete${kind}`] = (name) => this.#drop(`delete${kind}`, name)
@@ -122,7 +141,8 @@ export class Functions {
   }
 
   ShaderSource(name, count, at) {
-    this.#gl.shaderSource(this.#objects[name], Array.from(this.#words(at, count), (part) => this.#core.text(part)).join(''))
+    const parts = Array.from(this.#words(at, count), (part) => this.#core.text(part))
+    this.#gl.shaderSource(this.#objects[name], parts.join(''))
   }
 
   CompileShader(name) {
