@@ -228,7 +228,8 @@ check "threads" threads_work
 if have chromium; then
     check "in Chromium" canvas_is_the_same page.html 1
     check "in Chromium, without simd128" canvas_is_the_same 'page.html?plain' 1
-    check "in Chromium, isolated" canvas_is_the_same isolated/page.html 2
+    check "in Chromium, isolated" canvas_is_the_same 'isolated/page.html?threads=2' 2
+    check "in Chromium, without workers" canvas_is_the_same 'blocked/page.html?threads=1' 1
 else
     skip chromium "not here"
 fi

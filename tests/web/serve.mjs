@@ -1,5 +1,6 @@
 // node serve.mjs PACKAGE SCENE: serves both and tests/web/page.html, and prints the address. Below /isolated/ too, with
-// the headers that let a page have threads. What a page posts is printed.
+// the headers that let a page have threads, and below /blocked/ with those and a policy against workers. What a page posts
+// is printed.
 import { createReadStream, existsSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { extname, join } from 'node:path'
@@ -13,8 +14,9 @@ const server = createServer((request, answer) => {
     return
   }
   const path = new URL(request.url, 'http://localhost').pathname
-  const name = path.replace(/^\/(isolated\/)?/, '')
-  if (path !== `/${name}`) {
+  const [, policy, name] = path.match(/^\/(?:(isolated|blocked)\/)?(.*)/)
+  if (policy === 'blocked') answer.setHeader('Content-Security-Policy', "worker-src 'none'")
+  if (policy) {
     answer.setHeader('Cross-Origin-Opener-Policy', 'same-origin')
     answer.setHeader('Cross-Origin-Embedder-Policy', 'require-corp')
   }
