@@ -39,8 +39,13 @@ export interface Progress {
   bytes?: number
 }
 
-/** Opens a scene: .fxs, .ply (PlayCanvas's compressed one too), .splat, .ksplat, .spz 1 to 3. */
-export function load(source: string | URL | ArrayBuffer | ArrayBufferView | Blob, options?: LoadOptions): Promise<Scene>
+/** Opens a scene: .fxs, .ply (PlayCanvas's compressed one too), .splat, .ksplat, .spz, .sog, .glb, .gltf, tileset.json,
+    meta.json, lod-meta.json. Files that it names are fetched from beside it, or are in the same list of files, by their
+    webkitRelativePath or name. */
+export function load(
+  source: string | URL | ArrayBuffer | ArrayBufferView | Blob | Iterable<File>,
+  options?: LoadOptions
+): Promise<Scene>
 
 /** A camera by where it is: y points down, unless `up` says so. */
 export interface LookAt {
@@ -194,7 +199,8 @@ export class Scene {
   free(): void
 }
 
-/** Ends threads that no scene needs, and gives their memory back; without it they wait for the next scene. */
+/** Ends threads that no scene needs, and gives their memory back; without it they wait for the next scene. Not while one
+    is loaded. */
 export function end(): Promise<void>
 
 /** Draws objects in one order by depth: RGBA, four bytes a pixel, rows from the top; with `targets` what they name. */

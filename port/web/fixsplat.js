@@ -144,7 +144,7 @@ const coreOf = (name) => once(cores, name, async () => new Module(await compile(
 
 const MOST_THREADS = 64
 const USUAL_THREADS = 8
-const STACK = 262144            // bytes, of each thread
+const STACK = 131072            // bytes, of each thread, whose jobs take 20,000
 const PAGES = 16                // of a shared memory at first, as the Makefile has it
 
 const canShare = typeof SharedArrayBuffer === 'function' && (inNode || globalThis.crossOriginIsolated === true)
@@ -213,8 +213,8 @@ async function coreFor({ simd = hasSimd, threads }) {
 /** Ends the threads and gives back the memory of what no scene uses. */
 export async function end() {
   for (const [name, made] of Object.entries(cores)) {
-    const core = await made
-    if (core.scenes || cores[name] !== made) continue
+    const core = await made.catch(() => null)
+    if (!core || core.scenes || cores[name] !== made) continue
     delete cores[name]
     core.c.end?.()
   }

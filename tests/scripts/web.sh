@@ -187,10 +187,33 @@ speed() {
         }' "$work/times" >>"$work/said" || { tail -n 3 "$work/said"; return 1; }
 }
 
+# Readers: every format, in one file and in several, as tests/test_scene_input.c writes them, and tests/test_bombs.c.
+reader() { node --no-warnings tests/web/import.mjs "$package" "$@"; }
+readers() {
+    mkdir "$work/formats" "$work/bombs"
+    "$B/tests/test_scene_input" --write "$work/formats" >"$work/formats.txt" || return 1
+    while read -r file; do
+        check "packs $file" same_packed "$work/formats/$file" default
+        case $file in
+        *.json | *.gltf) check "$file by its parts" reader beside "$work/formats/$file" ;;
+        *) check "hurt: $file" reader hurt "$work/formats/$file" ;;
+        esac
+    done <"$work/formats.txt"
+    if "$B/tests/test_bombs" --write "$work/bombs" >"$work/log"; then
+        check "bombs" reader bombs "$work/bombs"
+    else
+        skip "bombs" "built without zlib, libwebp, libzip or cJSON"
+    fi
+}
+both_at_most() {
+    bytes=$(cat "$package/import.wasm" "$package/threads.wasm" | gzip -9c | wc -c)
+    [ "$bytes" -le "$1" ] || { echo "$bytes bytes gzipped, more than $1"; return 1; }
+}
+
 check "builds" builds
 check "test_kernels in WebAssembly" kernels_are_exact
 check "products" products_are_found
-for size in core.wasm:45000 simd.wasm:65000 threads.wasm:68000 import.wasm:250000 fixsplat.js:40000; do
+for size in core.wasm:45000 simd.wasm:65000 threads.wasm:68000 import.wasm:150000 fixsplat.js:40000; do
     check "size of ${size%:*}" at_most "${size#*:}" "$package/${size%:*}"
 done
 check "makes a scene" make_scene 20000
@@ -251,10 +274,21 @@ for kind in splat spz; do
     check "packs a .$kind" same_packed "$work/700.$kind" default
 done
 check "damaged and cut: .spz" web damage "$work/700.spz"
-check "makes an .spz of version 4" "$B/fixsplat" convert "$work/700.ply" "$work/4.spz"
-check "misuse" web misuse "$work/700-default.fxs" "$work/700.ply" "$work/4.spz"
+check "misuse" web misuse "$work/700-default.fxs" "$work/700.ply"
+check "previews" reader preview "$work/20000.ply"
+check "size of both" both_at_most 250000
+if [ -e "$made/web/libs" ]; then
+    readers
+else
+    skip readers "no sources of libraries: make setup web"
+    check "an .spz of version 4" "$B/fixsplat" convert "$work/700.ply" "$work/4.spz"
+    check "says what is missing" reader without "$work/4.spz"
+fi
 if [ -d "$scenes" ]; then
-    for scene in guitar/guitar.compressed.ply luma-seal/luma-seal.splat kitchen-marble/kitchen-marble.spz; do
+    check "a large scene's preview" reader sampled "$scenes/snowmiku/snowmiku.ply"
+    compressed='kitchen-marble/kitchen-marble.spz skull/skull.sog boatyard-tile3/boatyard-tile3.glb'
+    [ -e "$made/web/libs" ] || compressed=
+    for scene in guitar/guitar.compressed.ply luma-seal/luma-seal.splat $compressed; do
         check "packs $scene" same_packed "$scenes/$scene" compact
         check "renders $scene" same_picture '{}' '{"width":640,"height":360}' '[]' "$work/packed.fxs" -- --size 640x360
     done
