@@ -359,6 +359,10 @@ WEB_LICENSES := $(if $(WEB_LIBS),$(addprefix $(WEB_SOURCES)/,cjson/LICENSE libwe
 $(WEB)/LICENSE: LICENSE $(wildcard /usr/share/doc/wasi-libc/copyright) $(WEB_LICENSES)
 	@mkdir -p $(@D)
 	@for f in $^; do [ $$f = LICENSE ] || printf '\n---- %s ----\n\n' $$(basename $$(dirname $$f)); cat $$f; done >$@
+# Without comments, but for those of several lines, and indentation: a sixth less to download.
+$(WEB)/%.js: port/web/%.js
+	@mkdir -p $(@D)
+	@sed -e 's/^ *//' -e '/^\/\//d' -e '/^\/\*\*.*\*\/$$/d' -e "s| *// [^'\"\`]*\$$||" -e '/^$$/d' $< >$@
 $(WEB)/%: port/web/%
 	@mkdir -p $(@D) && cp $< $@
 

@@ -6,6 +6,8 @@ import { base, go, hash, inside, moved, native, open, page, pause, picture, show
 
 const { changed, rendered, run, scenes, strange, without, wordsOf } = chromium
 const numbersOf = async () => (await viewOf()).split(',').map(Number)
+/** Workers with a scene; the others are threads of theirs. */
+const enginesOf = () => page.workers().filter((worker) => worker.url().endsWith('/worker.js'))
 const SCENE = '?scene=/scenes/scene.ply'
 
 /** For a page where WebGL counts as fast, and one of its workers, by its number, as slow. */
@@ -128,14 +130,13 @@ const tests = {
     await still()
     assert.equal(await hash(), native('scene.ply', await viewOf(), '300x200', '000000'))
     for (let i = 0; i < 5; i++) assert.ok(await inside(`return v.open(args[0])`, `${base}/scenes/scene.ply`))
-    const workers = async (count) => {
-      for (let i = 0; i < 50 && page.workers().length !== count; i++)
-        await new Promise((done) => setTimeout(done, 100))
-      assert.equal(page.workers().length, count)
+    const are = async (workers, count) => {
+      for (let i = 0; i < 50 && workers().length !== count; i++) await pause(100)
+      assert.equal(workers().length, count)
     }
-    await workers(1)
+    await are(enginesOf, 1)
     await inside('v.remove()')
-    await workers(0)
+    await are(() => page.workers(), 0)
   },
 
   async 'errors in words; the page goes on'() {
@@ -253,14 +254,14 @@ const tests = {
       })
     await open(SCENE)
     await pause(1000)
-    assert.equal(page.workers().length, 1) // WebGL by the processor is not tried
+    assert.equal(enginesOf().length, 1) // WebGL by the processor is not tried
   },
 
   async 'a lost context: the same anew, and the processor where it is lost again'() {
     const watch = (text) => `const own = OffscreenCanvas.prototype.getContext
       OffscreenCanvas.prototype.getContext = function (...a) { return (self.seen = own.apply(this, a)) }\n${text}`
     const lose = async () => {
-      const [worker] = page.workers()
+      const [worker] = enginesOf()
       await worker.evaluate(() => self.seen.getExtension('WEBGL_lose_context').loseContext())
       await pause(500)
       await moved()
@@ -301,10 +302,10 @@ const tests = {
   },
 
   async 'too little memory for a picture: a smaller one, and words'() {
-    const begin = 'function renderTo(core, width, height, options) {'
-    const least = 'if (width * height > 1e5) throw new Error("out of memory")'
+    const begin = 'async draw(id, camera, options) {'
+    const least = 'if (options.width * options.height > 1e5) throw new Error("out of memory");'
     await changed(
-      '/fixsplat.js',
+      '/viewer/worker.js',
       (text) => text.replace(begin, `${begin}${least}`),
       async () => {
         await open(SCENE)
