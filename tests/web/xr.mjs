@@ -70,7 +70,7 @@ async function open(backend) {
 
 async function enter() {
   await until(`!$('headset').hidden`)
-  await inside(`test.seen = []; $('headset').click()`)
+  await inside(`test.seen = []; $('headset').click(); $('headset').click()`)
   await until(`v.hasAttribute('headset') && test.seen.length`)
   await inside('test.run(0.01)')
 }
