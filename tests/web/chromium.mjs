@@ -2,7 +2,7 @@
 // element in its page.
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
-import { createReadStream, existsSync, readFileSync } from 'node:fs'
+import { createReadStream, existsSync, readFileSync, statSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { createRequire } from 'node:module'
 import { resolve } from 'node:path'
@@ -38,7 +38,10 @@ async function answer(request, response) {
     response.setHeader('content-length', 100000)
     response.write(readFileSync(file).subarray(0, 5000), () => setTimeout(() => response.destroy(), 50))
   } else if (changes[path]) response.end(changes[path](readFileSync(file, 'utf8')))
-  else createReadStream(file).pipe(response)
+  else {
+    response.setHeader('content-length', statSync(file).size)
+    createReadStream(file).pipe(response)
+  }
 }
 
 const server = createServer(answer).listen(0, '127.0.0.1')

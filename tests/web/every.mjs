@@ -6,8 +6,8 @@ import { readFileSync, readdirSync } from 'node:fs'
 import { base, go, hash, inside, moved, native, open, page, pause, processes, run, scenes, viewOf } from './chromium.mjs'
 
 const SIZE = [1280, 720]
-const LOADS = 25
-const FIRST = 5 // loads until all has been used once
+const LOADS = 50
+const FIRST = 50 // loads until the browser's caches are full
 const MORE = 1.05 // times the memory after the first, at most
 
 const files = readdirSync(`${scenes}/real`, { recursive: true }).filter((name) => /\.(ply|splat|spz|sog|glb)$/.test(name))

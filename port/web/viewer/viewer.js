@@ -466,6 +466,7 @@ export class Viewer extends HTMLElement {
       1: () => this.#setMode('orbit'),
       2: () => this.#setMode('fly'),
       g: () => this.#capture(),
+      t: () => this.toggleAttribute('turn'),
       i: () => this.#screenshot(),
       l: () => this.#copyLink(),
       f: () => this.#fullScreen(),
