@@ -134,6 +134,10 @@ const tests = {
       for (let i = 0; i < 50 && workers().length !== count; i++) await pause(100)
       assert.equal(workers().length, count)
     }
+    const at = `${base}/scenes/scene.ply`
+    assert.deepEqual(await inside('return Promise.all([1, 2, 3].map(() => v.open(args[0])))', at), [false, false, true])
+    await moved()
+    assert.equal(await hash(), native('scene.ply', await viewOf(), '300x200', '000000'))
     await are(enginesOf, 1)
     await inside('v.remove()')
     await are(() => page.workers(), 0)

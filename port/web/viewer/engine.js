@@ -8,6 +8,7 @@ const moved = (value) => {
 
 export class Engine {
   #waiting = new Map()
+  #ended = ''
   #next = 0
 
   /** `hear` is told what the worker says by itself; without a number of threads there are as many as processors. */
@@ -25,6 +26,7 @@ export class Engine {
 
   ask(word, ...args) {
     return new Promise((resolve, reject) => {
+      if (this.#ended) throw new Error(this.#ended)
       this.#waiting.set(this.#next, { resolve, reject })
       this.worker.postMessage({ id: this.#next++, word, args }, args.flatMap(moved))
     })
@@ -43,6 +45,7 @@ export class Engine {
   }
 
   #fail(words) {
+    this.#ended = words
     for (const { reject } of this.#waiting.values()) reject(new Error(words))
     this.#waiting.clear()
   }

@@ -143,7 +143,7 @@ export class Viewer extends HTMLElement {
       if (!globalThis.WebAssembly) throw new Error('This browser has no WebAssembly, or it is switched off')
       const scene = await engine.open(source, !this.#scene)
       await this.#take(opening, scene)
-      return true
+      return engine === this.#engine
     } catch (error) {
       if (this.#opening !== opening) return false
       this.#cancel()
@@ -183,25 +183,26 @@ export class Viewer extends HTMLElement {
   #begun() {
     this.#opening = null
     this.#ui.loading.hidden = true
-    this.#change()
+    if (!this.#busy) this.#change()
   }
 
   #hear(opening, told) {
     if (told.stage === 'lost') this.#picture.lost(told.id).then((again) => again && this.#change())
     else if (!opening || opening !== this.#opening) return
-    else if (told.stage === 'preview') this.#take(opening, told.scene).catch((error) => this.#panels.say(error))
+    else if (told.stage === 'preview') this.#take(opening, told.scene).catch(() => {}) // the whole will tell
     else this.#panels.progress(opening.name, told)
   }
 
-  #take(opening, scene) {
-    this.#taken = this.#taken.catch(() => {}).then(() => this.#takeNext(opening, scene))
+  async #take(opening, scene) {
+    const views = await opening.views
+    this.#taken = this.#taken.catch(() => {}).then(() => this.#takeNext(opening, scene, views))
     return this.#taken
   }
 
   /** A scene, or as much of it as has come. */
-  async #takeNext(opening, scene) {
+  async #takeNext(opening, scene, views) {
     const { engine, source, view } = opening
-    const views = await opening.views
+    if (opening !== this.#opening) return
     if (engine !== this.#engine) {
       this.#headset?.end()
       await this.#switch(engine)
@@ -216,7 +217,8 @@ export class Viewer extends HTMLElement {
     this.setAttribute('open', '')
     this.#panels.entitle(scene)
     this.#pilot.take(scene)
-    if (!this.#pilot.touched) this.#takeViews(views, view)
+    if (this.#pilot.touched) this.#change()
+    else this.#takeViews(views, view)
   }
 
   #takeViews(views, view = null) {
@@ -277,8 +279,7 @@ export class Viewer extends HTMLElement {
   /** Draws with what the attribute `backend` says, or what turns out to be the fastest. */
   async #switch(engine) {
     this.#switching = true
-    const has = await this.#picture.open(engine, this.#wanted)
-    this.#switching = false
+    const has = await this.#picture.open(engine, this.#wanted).finally(() => (this.#switching = false))
     if (!has) this.#panels.note('This browser does not draw scenes on the graphics card: the processor does')
   }
 
