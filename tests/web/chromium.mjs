@@ -1,5 +1,5 @@
-// What page.mjs and every.mjs need: a server of the package and of scenes, headless Chromium, and the viewer's element in
-// its page.
+// What page.mjs, every.mjs and xr.mjs need: a server of the package and of scenes, headless Chromium, and the viewer's
+// element in its page.
 import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readFileSync } from 'node:fs'
@@ -49,10 +49,17 @@ const browser = await puppeteer.launch({
   executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
   protocolTimeout: 600000,
   args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
-    '--enable-blink-features=ForceEagerMeasureMemory'],
+    '--enable-blink-features=ForceEagerMeasureMemory', '--host-resolver-rules=MAP far.test 127.0.0.1'],
 })
 export const page = await browser.newPage()
-const faults = []
+/** The ids of Chromium's processes of a kind. */
+export async function processes(kind) {
+  const session = await browser.target().createCDPSession()
+  const { processInfo } = await session.send('SystemInfo.getProcessInfo')
+  return processInfo.filter(({ type }) => type === kind).map(({ id }) => id)
+}
+
+export const faults = []
 page.on('pageerror', (error) => faults.push(error.message))
 /** What the page asked for outside. */
 export const strange = []

@@ -77,11 +77,12 @@ const words = {
     return { pixels, milliseconds: performance.now() - start, lost: screen?.lost }
   },
 
-  /** What one or two eyes see: the pixels of each, or where WebGL draws a bitmap. */
+  /** What one or two eyes see, each as alone: the pixels of each, or where WebGL draws a bitmap. */
   async eyes(cameras, options, backend) {
     const bitmap = backend !== 'wasm' && (await bitmapOf(cameras, options, backend).catch(() => null))
     if (bitmap) return { bitmap }
-    return { pictures: cameras[1] ? scene.renderStereo(...cameras, options) : [scene.render(cameras[0], options)] }
+    if (!cameras[1]) return { pictures: [scene.render(cameras[0], options)] }
+    return { pictures: scene.renderStereo(...cameras, { ...options, exact: true }) }
   },
 
   packed: () => scene.packed,

@@ -74,6 +74,7 @@ export class Headset {
   #scale
   #place = null
   #asked = null // what is being drawn, by which engine
+  #entering = false
   #turning = false
   #grips = []
   #last = 0
@@ -89,7 +90,8 @@ export class Headset {
   }
 
   async enter() {
-    if (this.#session) return this.end()
+    if (this.#session || this.#entering) return this.end()
+    this.#entering = true
     let gl
     try {
       gl = this.#open()
@@ -100,6 +102,7 @@ export class Headset {
       else drop(gl)
       this.#host.say(new Error(`The headset: ${error.message}`))
     }
+    this.#entering = false
   }
 
   end() {
