@@ -237,8 +237,8 @@ function runImport(module, files, options, share = 1, most = 0) {
     progress: (done) => progress?.({ stage: 'prepare', done }),
     size: (file) => all[file].bytes.length,
     read(file, offset, out, size) {
-      if (offset + (size >>> 0) > all[file].there) return -1
-      reader.bytes(out, size >>> 0).set(all[file].bytes.subarray(offset, offset + (size >>> 0)))
+      if (offset + size > all[file].there) return -1
+      reader.bytes(out, size).set(all[file].bytes.subarray(offset, offset + size))
       return 0
     },
     beside(at) {
@@ -248,7 +248,8 @@ function runImport(module, files, options, share = 1, most = 0) {
       return number
     },
   })
-  const [kind, directions] = [numberOf(['default', 'compact', 'small'], profile), numberOf(['file', 'rub', 'rdf'], axes)]
+  const kind = numberOf(['default', 'compact', 'small'], profile)
+  const directions = numberOf(['file', 'rub', 'rdf'], axes)
   const name = reader.copyText(all[0].name)
   reader.put(maxGaussians, maxMemory, share)
   try {
@@ -260,11 +261,12 @@ function runImport(module, files, options, share = 1, most = 0) {
   return { missing, bytes: reader.bytes(...reader.get(0, 2)) }
 }
 
-/** A packed scene from files of another format. */
-async function pack(files, options) {
+/** The same with every file that is wanted. */
+async function importAll(files, options, share, most) {
   const module = await compile('import')
-  let result = runImport(module, files, options)
-  while (result.missing.size && (await files.ask(result.missing))) result = runImport(module, files, options)
+  let result = runImport(module, files, options, share, most)
+  while (result.missing.size && (await files.ask(result.missing)))
+    result = runImport(module, files, options, share, most)
   if (result.error) throw result.error
   return result.bytes
 }
@@ -279,8 +281,8 @@ function previewsOf(files, core, options) {
     if (!options.preview || !share || (!isNow && start < last + pause)) return
     let scene
     try {
-      const { bytes } = runImport(await compile('import'), files, quietly, share, SHOWN)
-      if (bytes?.length) scene = new Scene(await core, files.all[0].name, bytes)
+      const bytes = await importAll(files, quietly, share, SHOWN)
+      if (bytes.length) scene = new Scene(await core, files.all[0].name, bytes)
     } catch {
       return                    // the scene itself is what counts, and its error
     }
@@ -303,7 +305,7 @@ export async function load(source, options = {}) {
   })
   if (file.isPacked) return new Scene(await core, file.name, file.bytes)
   await preview(1, true)
-  return new Scene(await core, file.name, await pack(files, options))
+  return new Scene(await core, file.name, await importAll(files, options))
 }
 
 export class Scene {
