@@ -50,6 +50,7 @@ setup: ## install the Debian packages that are missing (and what the goals behin
 	    $(if $(filter test test-all web,$(GOALS)),$(WEB_PACKAGES)) \
 	    $(if $(filter test-all,$(GOALS)),$(TEST_ALL_PACKAGES))
 	@$(if $(filter test test-all web,$(GOALS)),sh tools/web_sources.sh $(WEB_SOURCES))
+	@$(if $(filter test test-all,$(GOALS)),sh tools/page_modules.sh $(B)/page)
 
 # What else is asked for, by a make that finds what was installed.
 REST := $(filter-out setup,$(GOALS))

@@ -228,7 +228,7 @@ export class Screen {
   /**
    * 'wasm': the picture of `render` is copied to the canvas. 'webgl2': the graphics processor draws the same bytes.
    * 'webgl2-quads': it draws a picture that is not exact. Rejects where there is no WebGL 2. The scenes to be drawn are
-   * loaded with the same `simd`; without it, there is no WebGL.
+   * loaded with the same `simd` and `threads`; without simd128 there is no WebGL.
    */
   static open(
     canvas: HTMLCanvasElement | OffscreenCanvas,

@@ -600,9 +600,14 @@ class Drawn {
       throw new Error(`${width} x ${height} pixels are more than the device's canvas can have`)
     core.gl = this.#functions
     const name = core.gl.nameOf(framebuffer)
-    const result = core.c.gl_render(this.#place, this.#quads, name, x, y, alpha ? 1 : 0, ...valuesOf(options))
+    let failure
+    try {
+      core.draw('gl_render', this.#place, this.#quads, name, x, y, alpha ? 1 : 0, ...valuesOf(options))
+    } catch (error) {
+      failure = error
+    }
     if (this.lost) throw new Error('the WebGL context was lost: open another Screen, on another canvas')
-    core.check(result)
+    if (failure) throw failure
   }
 
   pixels() {

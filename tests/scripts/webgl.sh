@@ -37,7 +37,8 @@ check "makes another" make_scene fog 40000
 if [ -d "$scenes" ]; then
     some='guitar/guitar.compressed.ply train-1000/train-1000.ply skull/skull.sog'
     more='boatyard-tile3/boatyard-tile3.glb donut/donut.ply fruit-drops/fruit_drops_minimal.ply
-          kitchen-marble/kitchen-marble.spz luma-seal/luma-seal.splat snowmiku/snowmiku.ply statue-st-peter/st-peter.sog'
+          kitchen-marble/kitchen-marble.spz luma-seal/luma-seal.splat snowmiku/snowmiku.ply
+          statue-st-peter/st-peter.sog'
     [ "$FXS_PROCESSORS" = all ] && some="$some $more"
     [ -z "$SPEED" ] || some="$some snowmiku/snowmiku.ply"
     for scene in $some; do check "packs $scene" pack "$scene"; done

@@ -52,6 +52,13 @@ const browser = await puppeteer.launch({
     '--enable-blink-features=ForceEagerMeasureMemory', '--host-resolver-rules=MAP far.test 127.0.0.1'],
 })
 export const page = await browser.newPage()
+/** The ids of Chromium's processes of a kind. */
+export async function processes(kind) {
+  const session = await browser.target().createCDPSession()
+  const { processInfo } = await session.send('SystemInfo.getProcessInfo')
+  return processInfo.filter(({ type }) => type === kind).map(({ id }) => id)
+}
+
 export const faults = []
 page.on('pageerror', (error) => faults.push(error.message))
 /** What the page asked for outside. */

@@ -66,6 +66,7 @@ export class Viewer extends HTMLElement {
   disconnectedCallback() {
     this.#headset?.end()
     this.resized.disconnect()
+    this.theme.onchange = null
     document.removeEventListener('visibilitychange', this.shown)
     this.#pilot.turnByItself(false)
     this.#cancel()
