@@ -104,8 +104,7 @@ export const still = () => page.waitForSelector('fixsplat-viewer[state=still]', 
 
 /** When what was begun just now has been drawn. */
 export async function moved() {
-  await pause(600)
-  await inside('for (let i = 0; i < 30; i++) await new Promise(requestAnimationFrame)')
+  await Promise.all([pause(600), inside('for (let i = 0; i < 30; i++) await new Promise(requestAnimationFrame)')])
   await still()
 }
 

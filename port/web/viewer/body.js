@@ -80,6 +80,7 @@ const settings = `
   <option value="">What is faster</option><option value="wasm">Processor</option>
   <option value="webgl2">Graphics card</option>
   <option value="webgl2-quads">Graphics card, roughly</option></select></label>
+<p class="fine" id="draws"></p>
 ${check('colours', 'Gloss and reflections', 'checked')}
 ${check('flat', 'Without perspective')}
 ${check('turn', 'Turns by itself')}

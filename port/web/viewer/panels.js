@@ -92,5 +92,6 @@ export class Panels {
     const rate = between < PAUSE_MS ? `${Math.round(1000 / between)} a second, ` : ''
     const took = `${Math.round(milliseconds)} ms by ${backends[backend]}, ${width} × ${height}`
     this.ui.readout.textContent = rate + took
+    this.ui.draws.textContent = `Now ${took}`
   }
 }
