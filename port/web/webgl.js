@@ -17,7 +17,6 @@ const SAME = [
   'DrawArraysInstanced',
   'Enable',
   'EnableVertexAttribArray',
-  'GetError',
   'IsEnabled',
   'PixelStorei',
   'RenderbufferStorage',
@@ -39,6 +38,7 @@ export class Functions {
   #staging = { at: 0, bytes: 0 }                // the memory of all buffers: what was in the last is uploaded
   #mapped
   #copies = false
+  #isFull = false              // the module had no memory for a buffer
 
   constructor(gl, core) {
     this.#gl = gl
@@ -209,6 +209,12 @@ export class Functions {
     this.#core.bytes(at, values.length).set(values)
   }
 
+  GetError() {
+    const error = this.#isFull ? this.#gl.OUT_OF_MEMORY : this.#gl.getError()
+    this.#isFull = false
+    return error
+  }
+
   ClearBufferfv(buffer, index, at) {
     this.#gl.clearBufferfv(buffer, index, new Float32Array(this.#core.c.memory.buffer, at >>> 0, 4).slice())
   }
@@ -228,7 +234,10 @@ export class Functions {
     if (this.#staging.bytes < bytes) {
       this.#core.c.release(this.#staging.at)
       this.#staging = { at: this.#core.c.allocate(bytes) >>> 0, bytes }
-      if (!this.#staging.at) this.#staging.bytes = 0
+      if (!this.#staging.at) {
+        this.#staging.bytes = 0
+        this.#isFull = true
+      }
     }
     this.#mapped = bytes
     return this.#staging.at

@@ -158,7 +158,7 @@ in_turns() {
     scene=$1 camera=$2 width=${3%x*} height=${3#*x} size=$3
     shift 3
     for turn in 1 2 3; do
-        for module in core simd threads; do
+        for module in $([ $turn = 1 ] && echo core) simd threads; do
             for RELAX in '' $([ $module = core ] || echo $relax); do
                 printf '%s%s %s\n' $module "${RELAX:+,relaxed}" "$(web speed $module "$scene" "$camera" $width $height)"
             done
@@ -169,12 +169,13 @@ in_turns() {
             "$B/fixsplat" bench "$scene" --size "$size" --cpu sse41 --threads $threads "$@" |
                 awk '$1 == "frame" { print $2 }'
         done
-    done >"$work/times"
+    done >>"$work/times"
 }
 
-# speed SCENE CAMERA SIZE OPTION...: prints milliseconds a frame. Two threads take at most twice as long as native ones.
-speed() {
-    in_turns "$@" && awk -v size="$3" '
+# table SIZE: what `times` say. Two threads take at most twice as long as native ones.
+table() {
+    awk -v size="$1" '
+        !($2 > 0) { failed = 1 }
         { if (!($1 in least) || $2 < least[$1]) least[$1] = $2 }
         function is(name, native) { return sprintf("%.1f, %.2f of native", least[name], least[name] / least[native]) }
         END {
@@ -183,8 +184,17 @@ speed() {
                 is("simd", "native1"), ("simd,relaxed" in least) ? is("simd,relaxed", "native1") : "not here"
             printf "  two: simd128 %s; relaxed %s\n", is("threads", "native2"), \
                 ("threads,relaxed" in least) ? is("threads,relaxed", "native2") : "not here"
-            exit !(least["threads"] <= 2 * least["native2"])
-        }' "$work/times" >>"$work/said" || { tail -n 3 "$work/said"; return 1; }
+            exit failed || least["threads"] > 2 * least["native2"]
+        }' "$work/times" >"$work/table"
+}
+
+# speed SCENE CAMERA SIZE OPTION...: prints milliseconds a frame. What else runs here takes more turns.
+speed() {
+    for again in 1 2 3; do
+        in_turns "$@" && table "$3" && break
+    done
+    cat "$work/table" >>"$work/said"
+    table "$3" || { cat "$work/table"; return 1; }
 }
 
 # Readers: every format, in one file and in several, as tests/test_scene_input.c writes them, and tests/test_bombs.c.

@@ -11,7 +11,7 @@ modules=${NODE_MODULES:-$B/page/node_modules}
 
 missing=
 for program in clang wasm-ld wasm-opt node chromium; do have $program || missing="$missing $program"; done
-[ -d "$modules/puppeteer-core" ] || missing="$missing puppeteer-core (npm install --prefix $B/page puppeteer-core)"
+[ -d "$modules/puppeteer-core" ] || missing="$missing puppeteer-core (make setup test)"
 if [ -n "$missing" ]; then
     skip webgl "not here:$missing"
     finish

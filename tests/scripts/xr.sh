@@ -11,7 +11,7 @@ modules=${NODE_MODULES:-$B/page/node_modules}
 missing=
 for program in clang wasm-ld wasm-opt node chromium; do have $program || missing="$missing $program"; done
 for module in puppeteer-core iwer; do
-    [ -d "$modules/$module" ] || missing="$missing $module (npm install --prefix $B/page $module)"
+    [ -d "$modules/$module" ] || missing="$missing $module (make setup test)"
 done
 if [ -n "$missing" ]; then
     skip xr "not here:$missing"

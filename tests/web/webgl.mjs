@@ -341,14 +341,20 @@ const tests = {
       freed.free()
       freed.free()
       const screen = await Screen.open(canvas(), 'webgl2')
-      return [await wordsOf(Screen.open(flat, 'webgl2')), await wordsOf(Screen.open(screen.gl.canvas, 'wasm')),
+      const full = await Screen.open(canvas(), 'webgl2'), { c } = (await sceneOf('knot')).inside[0], { allocate } = c
+      c.allocate = () => 0
+      const words = await wordsOf(drawn(full, args[0]))
+      c.allocate = allocate
+      return [words, await wordsOf(drawn(full, args[0])), await wordsOf(Screen.open(flat, 'webgl2')),
+        await wordsOf(Screen.open(screen.gl.canvas, 'wasm')),
         await wordsOf(Screen.open(canvas(), 'webgpu')), await wordsOf(Screen.open(canvas(), 'webgl2', { simd: false })),
         await wordsOf(drawn(freed, args[0])), await wordsOf((async () => screen.draw([{ scene: plain }]))()),
         await wordsOf(drawn(screen, { ...args[0], options: { width: 16384, height: 16384 } })),
         hash(await drawn(screen, args[0]))]`,
       FRAMES.framed
     )
-    const wanted = [/no WebGL 2 here, or/, /another kind/, /webgpu: expected wasm, webgl2 or/, /without simd128/,
+    const wanted = [/^too little memory/, /nothing/, /no WebGL 2 here, or/, /another kind/,
+                    /webgpu: expected wasm, webgl2 or/, /without simd128/,
                     /was freed/, /different modules/, /16384 x 16384 pixels|memory/]
     wanted.forEach((words, i) => assert.match(said[i], words))
     assert.equal(said.at(-1), hashOf(FRAMES.framed))

@@ -145,6 +145,9 @@ const tests = {
     assert.deepEqual(pair.map(({ position }) => position), [[-0.03125, -2, -9], [0.03125, -2, -9]])
     assert.equal(hash(await pixels()), native())
     assert.equal(hash(packaged(pair)), native())
+    const isCopied = await inside(`const { gl } = test, program = gl.getParameter(gl.CURRENT_PROGRAM);
+      return gl.getUniform(program, gl.getUniformLocation(program, 'same'))`)
+    assert.ok(isCopied, 'taken through a filter')
   },
 
   async 'the head moves and turns'() {
