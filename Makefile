@@ -404,6 +404,9 @@ mutants: ## change the code in small ways and see that a test notices each (long
 
 # ---- Measurements --------------------------------------------------------------------------------------------------
 
+peers: web ## measure the page beside other viewers in Chromium (npm, some minutes); ROUNDS=3
+	B=$(B) SCENES=$(SCENES) sh tools/peers.sh $(or $(ROUNDS),3)
+
 bench: all $(B)/tests/test_quality ## measure and write the tables of docs/performance.md
 	SCENES=$(SCENES) B=$(B) sh tools/bench.sh
 
@@ -414,7 +417,7 @@ clean: ## remove what was built
 	rm -rf $(B) demo.ply demo.png
 
 .PHONY: all demo firmware web install uninstall headers core-headers test test-programs cuda-tests golden-update fuzz mutants bench test-all
-.PHONY: size clean FORCE
+.PHONY: size clean peers FORCE
 endif
 
 help: ## this list
