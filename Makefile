@@ -169,12 +169,14 @@ $(call objects,$(wildcard kernels/gles/*.c)): $(B)/with/GLES
 $(call objects,$(wildcard port/egl/*.c)): $(B)/with/EGL
 $(call objects,$(wildcard port/osmesa/*.c)): $(B)/with/OSMESA
 
-# The shaders' texts, and src/pixel.h that they are built around, as arrays of characters.
+# The shaders' texts, and src/pixel.h that they are built around, as arrays of characters, without comments and spaces
+# about a line.
 SHADERS := src/pixel.h $(wildcard kernels/gles/*.vert kernels/gles/*.frag)
 $(B)/kernels/gles/shaders.h: $(SHADERS)
 	@mkdir -p $(@D)
 	@for f in $^; do echo "static const char $$(basename $$f | tr . _)[] = {"; \
-	    od -An -v -tu1 $$f | sed 's/[0-9][0-9]*/&,/g'; echo '0};'; done >$@
+	    sed -e ':more' -e '/\/\*/{/\*\//!{N' -e 'b more' -e '}' -e 's|/\*.*\*/||' -e '}' -e 's|//.*||' \
+	        -e 's/^ *//' -e 's/ *$$//' -e '/^$$/d' $$f | od -An -v -tu1 | sed 's/[0-9][0-9]*/&,/g'; echo '0};'; done >$@
 $(B)/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h
 $(B)/kernels/gles/gles.o: CPPFLAGS += -I$(B)/kernels/gles
 
@@ -274,18 +276,20 @@ WEB_C := $(addprefix port/web/,text.c heap.c files.c) port/files/message.c port/
 WEB_CORE := $(wildcard src/*.c) kernels/kernels.c port/web/core.c port/web/crc.c port/scene/fxs_file.c \
             port/camera/camera.c port/world/world.c $(WEB_C)
 sources_of_core := $(WEB_CORE)
-sources_of_simd := $(WEB_CORE) $(wildcard kernels/wasm/*.c)
+WEB_GLES := $(wildcard kernels/gles/*.c) port/web/webgl.c
+sources_of_simd := $(WEB_CORE) $(wildcard kernels/wasm/*.c) $(WEB_GLES)
 sources_of_import := $(filter-out %_write.c %/scene_filter.c,$(wildcard port/scene/*.c port/import/*.c)) \
                      port/web/import.c port/web/crc.c port/files/byte_reader.c port/files/text.c port/files/zip.c src/scene.c \
                      src/fixsplat.c src/chunk.c $(WEB_C)
 # What takes little of a frame is to be small. .fxs needs of zlib what crc.c has. The lowest 1024 bytes are the end of
-# the stack, which no pointer is to (--low-memory-unused).
+# the stack, which no pointer is to (--low-memory-unused). <GLES3/gl3.h> is the host's.
 wasm_flags_of = $(if $(filter %/fxs_file.c,$(2)),-DFXS_WITH_ZLIB -Iport/web/zlib) $(if $(filter simd,$(1)),-msimd128) \
-                $(if $(filter simd/src/% core/port/% simd/port/% %/bin_simd128.c,$(1)/$(2)),-Oz,-O2)
+                $(if $(filter $(WEB_GLES),$(2)),-idirafter /usr/include -I$(B)/kernels/gles) \
+                $(if $(filter simd/src/% core/port/% simd/port/% %/bin_simd128.c %/gles/gles.c %/gles/fetch.c %/gles/state.c,$(1)/$(2)),-Oz,-O2)
 web_objects_of = $(patsubst %.c,$(B)/web/$(1)/%.o,$(sources_of_$(1)))
 WASM := $(foreach module,core simd import,$(WEB)/$(module).wasm)
 
-PACKAGE := $(WASM) $(addprefix $(WEB)/,fixsplat.js fixsplat.d.ts package.json README.md LICENSE) \
+PACKAGE := $(WASM) $(addprefix $(WEB)/,fixsplat.js webgl.js read.js fixsplat.d.ts package.json README.md LICENSE) \
            $(patsubst port/web/%,$(WEB)/%,$(wildcard port/web/viewer/*))
 
 web: $(PACKAGE) ## the npm package (docs/web.md), in build/web/package
@@ -300,6 +304,7 @@ $(WEB)/$(1).wasm: $(call web_objects_of,$(1))
 	    $(WASM_OPT) --enable-simd -O3 --low-memory-unused -o $$@ $(B)/web/$(1).linked
 endef
 $(foreach module,core simd import,$(eval $(call web_rules,$(module))))
+$(B)/web/simd/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h
 $(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WASM_LINK) $(WASM_OPT) \
     $(foreach module,core simd import,$(foreach file,$(sources_of_$(module)),$(strip $(call wasm_flags_of,$(module),$(file)))))
 

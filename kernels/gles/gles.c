@@ -469,12 +469,13 @@ int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_object *o
         return FXS_ERR_TARGET;
     if ((target->format != FXS_FORMAT_RGBA8 && target->format != FXS_FORMAT_RGBA8_COVERAGE) ||
         (target->fetch && g->no_fetch[0]) ||
+        (target->quads && (target->fetch || target->occluder || target->depth_buffer || target->backdrop)) ||
         camera->width > FXS_TILE << g->shift || camera->height > FXS_TILE << g->shift)
         return FXS_ERR_UNSUPPORTED;
     fxs_context drawing = *context;
-    drawing.config.draw = target->fetch ? fxs_gles_draw_fetch : fxs_gles_draw;
+    drawing.config.draw = target->fetch ? fxs_gles_draw_fetch : target->quads ? fxs_gles_draw_quads : fxs_gles_draw;
     drawing.config.draw_argument = g;
-    drawing.config.draw_unlisted = target->fetch;
+    drawing.config.draw_unlisted = target->fetch || target->quads;
     if (fxs_gles_use(g))
         return FXS_ERR_DEVICE;
     fxs_gles_save(&g->gl, &state);

@@ -73,6 +73,7 @@ typedef struct fxs_gles_target {
     enum fxs_format format;        /* RGBA8 or RGBA8_COVERAGE */
     int top_down;                  /* 1: the picture's first row is the lowest one, as a texture is filled by rows */
     int fetch;                     /* 1: by fxs_gles_draw_fetch */
+    int quads;                     /* 1: by fxs_gles_draw_quads, without what follows */
 
     /* What the caller has drawn: names of textures as large as the picture, with its lowest row first as it is in the
        framebuffer, or 0. No filter but GL_NEAREST. */
@@ -92,8 +93,8 @@ void fxs_gles_target_init(fxs_gles_target *target);
    it was, but for a GL error that was pending. Transform feedback must not be active. An occlusion query that is active
    counts this draw too. `context` says how the stages before run; its draw is not used. Errors also: FXS_ERR_TARGET
    (both an occluder and a depth buffer, planes or depth_bits out of range, a backdrop with RGBA8_COVERAGE),
-   FXS_ERR_UNSUPPORTED (another format, a picture larger than the device's textures, or `fetch` where fxs_gles_no_fetch
-   says why not), FXS_ERR_DEVICE, FXS_ERR_MEMORY (the device's). */
+   FXS_ERR_UNSUPPORTED (another format, a picture larger than the device's textures, `fetch` where fxs_gles_no_fetch
+   says why not, `quads` with `fetch`, an occluder or a backdrop), FXS_ERR_DEVICE, FXS_ERR_MEMORY (the device's). */
 int fxs_gles_render(fxs_gles *gles, const fxs_context *context, const fxs_object *objects, uint32_t count,
                     const fxs_camera *camera, const fxs_options *options, const fxs_gles_target *target, void *memory,
                     size_t memory_bytes, fxs_stats *stats);

@@ -68,6 +68,20 @@ static void draw(const fxs_gles *g, const fxs_tile_run *run)
     gl->DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)run->visible);
 }
 
+/* Turns the blended picture into bytes, on the back end's target or the caller's, whose rows may go up. */
+static void blit(const fxs_gles *g, int32_t width, int32_t height)
+{
+    const fxs_gl *gl = &g->gl;
+    const fxs_gles_target *t = g->target;
+    const int32_t x = t ? t->x : 0, y = t ? t->y : 0;
+    const int up = t && !t->top_down;
+    gl->BindFramebuffer(GL_READ_FRAMEBUFFER, g->framebuffers[FXS_GLES_BLENDED]);
+    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, t ? t->framebuffer : g->framebuffers[FXS_GLES_BYTES]);
+    gl->Scissor(x, y, width, height);
+    gl->BlitFramebuffer(0, 0, width, height, x, up ? y + height : y, x + width, up ? y : y + height,
+                        GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
 int fxs_gles_draw_quads(void *argument, const fxs_tile_run *run)
 {
     fxs_gles *g = argument;
@@ -77,7 +91,7 @@ int fxs_gles_draw_quads(void *argument, const fxs_tile_run *run)
     int error = fxs_gles_has(g, run);
     if (error)
         return error;
-    const int opaque = !fxs_is_premultiplied(run->targets->format);
+    const int opaque = !fxs_is_premultiplied(fxs_gles_format(g, run));
     GLfloat background[4] = {0, 0, 0, (GLfloat)opaque};
     for (int c = 0; c < 3; c++)
         background[c] = opaque ? (GLfloat)o->background[c] / 255 : 0;
@@ -89,7 +103,8 @@ int fxs_gles_draw_quads(void *argument, const fxs_tile_run *run)
         return error;
     g->nanoseconds = 0;
     fxs_gles_set(g);
-    error = fxs_gles_make_target(g, FXS_GLES_BYTES, GL_RGBA8, width, height);
+    if (!g->target)
+        error = fxs_gles_make_target(g, FXS_GLES_BYTES, GL_RGBA8, width, height);
     if (!error)
         error = fxs_gles_make_target(g, FXS_GLES_BLENDED, opaque || g->blended_format == GL_RGBA16F ?
                                      g->blended_format : GL_RGBA8, width, height);
@@ -104,9 +119,7 @@ int fxs_gles_draw_quads(void *argument, const fxs_tile_run *run)
     gl->ClearBufferfv(GL_COLOR, 0, background);
     if (run->visible)
         draw(g, run);
-    gl->BindFramebuffer(GL_READ_FRAMEBUFFER, g->framebuffers[FXS_GLES_BLENDED]);
-    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, g->framebuffers[FXS_GLES_BYTES]);
-    gl->BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    blit(g, width, height);
     fxs_gles_stop_timer(g);
-    return fxs_gles_read(g, run, FXS_GLES_BYTES, 0, 0, width, height);
+    return g->target ? fxs_gles_check(g) : fxs_gles_read(g, run, FXS_GLES_BYTES, 0, 0, width, height);
 }

@@ -10,12 +10,20 @@ enum { SWITCHES = sizeof switches / sizeof *switches };
 static const GLenum unpack[] = {GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS};
 enum { UNPACK = sizeof unpack / sizeof *unpack };
 
+/* Of the quads, for which BLEND is on. */
+static const GLenum blend[] = {GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA, GL_BLEND_SRC_RGB, GL_BLEND_DST_RGB,
+                               GL_BLEND_SRC_ALPHA, GL_BLEND_DST_ALPHA};
+enum { BLEND = sizeof blend / sizeof *blend };
+
 void fxs_gles_save(const fxs_gl *gl, fxs_gles_state *s)
 {
     gl->GetIntegerv(GL_CURRENT_PROGRAM, &s->program);
     gl->GetIntegerv(GL_VERTEX_ARRAY_BINDING, &s->vertex_array);
     gl->GetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &s->unpack_buffer);
+    gl->GetIntegerv(GL_ARRAY_BUFFER_BINDING, &s->array_buffer);
+    gl->GetIntegerv(GL_RENDERBUFFER_BINDING, &s->renderbuffer);
     gl->GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &s->draw_framebuffer);
+    gl->GetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &s->read_framebuffer);
     gl->GetIntegerv(GL_VIEWPORT, s->viewport);
     gl->GetIntegerv(GL_SCISSOR_BOX, s->scissor);
     gl->GetBooleanv(GL_COLOR_WRITEMASK, s->colour_mask);
@@ -23,6 +31,8 @@ void fxs_gles_save(const fxs_gl *gl, fxs_gles_state *s)
         s->switches[i] = gl->IsEnabled(switches[i]);
     for (int i = 0; i < UNPACK; i++)
         gl->GetIntegerv(unpack[i], &s->unpack[i]);
+    for (int i = 0; i < BLEND; i++)
+        gl->GetIntegerv(blend[i], &s->blend[i]);
     gl->GetIntegerv(GL_ACTIVE_TEXTURE, &s->active_texture);
     for (int i = 0; i < FXS_GLES_UNITS; i++) {
         gl->ActiveTexture(GL_TEXTURE0 + (GLenum)i);
@@ -37,7 +47,10 @@ void fxs_gles_restore(const fxs_gl *gl, const fxs_gles_state *s)
     gl->UseProgram((GLuint)s->program);
     gl->BindVertexArray((GLuint)s->vertex_array);
     gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, (GLuint)s->unpack_buffer);
+    gl->BindBuffer(GL_ARRAY_BUFFER, (GLuint)s->array_buffer);
+    gl->BindRenderbuffer(GL_RENDERBUFFER, (GLuint)s->renderbuffer);
     gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)s->draw_framebuffer);
+    gl->BindFramebuffer(GL_READ_FRAMEBUFFER, (GLuint)s->read_framebuffer);
     gl->Viewport(s->viewport[0], s->viewport[1], s->viewport[2], s->viewport[3]);
     gl->Scissor(s->scissor[0], s->scissor[1], s->scissor[2], s->scissor[3]);
     gl->ColorMask(s->colour_mask[0], s->colour_mask[1], s->colour_mask[2], s->colour_mask[3]);
@@ -45,6 +58,8 @@ void fxs_gles_restore(const fxs_gl *gl, const fxs_gles_state *s)
         (s->switches[i] ? gl->Enable : gl->Disable)(switches[i]);
     for (int i = 0; i < UNPACK; i++)
         gl->PixelStorei(unpack[i], s->unpack[i]);
+    gl->BlendEquationSeparate((GLenum)s->blend[0], (GLenum)s->blend[1]);
+    gl->BlendFuncSeparate((GLenum)s->blend[2], (GLenum)s->blend[3], (GLenum)s->blend[4], (GLenum)s->blend[5]);
     for (int i = 0; i < FXS_GLES_UNITS; i++) {
         gl->ActiveTexture(GL_TEXTURE0 + (GLenum)i);
         gl->BindTexture(GL_TEXTURE_2D, (GLuint)s->textures[i]);

@@ -46,6 +46,11 @@ EXPORT(words) const char *fxs_web_words(void)
     return message.text;
 }
 
+char *fxs_web_text(void)
+{
+    return message.text;
+}
+
 /* Aligned to 64, as malloc is here. */
 EXPORT(allocate) void *fxs_web_allocate(size_t bytes)
 {
@@ -196,32 +201,37 @@ static void *frame_memory(size_t *bytes, size_t limit)
     return fxs_web_allocate(*bytes);
 }
 
-static void take_options(fxs_options *options, uint32_t background, int sh_degree, int square)
+int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree, int square, size_t limit)
 {
-    fxs_options_init(options);
+    *frame = (fxs_web_frame){.context = &context, .objects = objects, .count = object_count, .camera = &camera};
+    frame->memory = frame_memory(&frame->bytes, limit);
+    fxs_options_init(&frame->options);
     for (int c = 0; c < 3; c++)
-        options->background[c] = (uint8_t)(background >> (16 - 8 * c));
-    options->sh_degree = sh_degree;
-    options->cutoff = square ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
+        frame->options.background[c] = (uint8_t)(background >> (16 - 8 * c));
+    frame->options.sh_degree = sh_degree;
+    frame->options.cutoff = square ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
+    return frame->memory ? 0 : FXS_ERR_MEMORY;
+}
+
+int fxs_web_frame_end(fxs_web_frame *frame, int error)
+{
+    free(frame->memory);
+    return said(error);
 }
 
 /* Draws the objects to `pixels`, RGBA8 rows without gaps. */
 EXPORT(render) int fxs_web_render(void *pixels, int format, uint32_t background, int sh_degree, int square,
                                   size_t limit)
 {
-    size_t bytes;
-    fxs_options options;
+    fxs_web_frame f;
     fxs_targets targets;
-    void *memory = frame_memory(&bytes, limit);
-    if (!memory)
+    if (fxs_web_frame_begin(&f, background, sh_degree, square, limit))
         return FXS_ERR_MEMORY;
-    take_options(&options, background, sh_degree, square);
     fxs_targets_init(&targets);
     targets.colour = (fxs_image){pixels, 4 * (ptrdiff_t)camera.width};
     targets.format = (enum fxs_format)format;
-    const int error = fxs_render(&context, objects, object_count, &camera, &options, &targets, memory, bytes, NULL);
-    free(memory);
-    return said(error);
+    return fxs_web_frame_end(&f, fxs_render(&context, objects, object_count, &camera, &f.options, &targets, f.memory,
+                                            f.bytes, NULL));
 }
 
 /* What a pixel shows: 1, or 0 where that is nothing. Out: the object's place, its Gaussian, depth and position. */

@@ -12,10 +12,22 @@ export interface LoadOptions {
   maxGaussians?: number
   /** Bytes that reading may take. */
   maxMemory?: number
-  /** Called now and then while a file is packed, with what is done: 0 to 1. */
-  progress?: (done: number) => void
+  /** Called now and then. */
+  progress?: (progress: Progress) => void
+  /** Called with a scene of what has come so far, at most 100,000 Gaussians of it without SH, larger than they are:
+      while a .ply, .splat, .ksplat or compressed .ply comes from a server that says how long it is, and before a large
+      scene of any format but .fxs is packed. The scene is yours to free. What is returned is waited for. */
+  preview?: (scene: Scene) => void | Promise<void>
   /** False: the module without simd128. Scenes of one picture have the same. */
   simd?: boolean
+}
+
+export interface Progress {
+  stage: 'download' | 'prepare'
+  /** 0 to 1, where it is known. */
+  done?: number
+  /** Of a download, so far. */
+  bytes?: number
 }
 
 /** Opens a scene: .fxs, .ply (PlayCanvas's compressed one too), .splat, .ksplat, .spz 1 to 3. */
@@ -126,6 +138,39 @@ export function render(objects: readonly Placed[], camera?: Camera, options?: Fr
 
 /** What a pixel shows: the Gaussian that contributes most. */
 export function pick(x: number, y: number, objects: readonly Placed[], camera?: Camera, options?: FrameOptions): Picked | null
+
+export interface ScreenOptions extends FrameOptions {
+  /** WebGL 2: in place of the canvas, a framebuffer of this context, and the picture's lower left corner there. */
+  into?: { framebuffer?: WebGLFramebuffer | null; x?: number; y?: number }
+}
+
+/** A canvas that is drawn on again and again, in the page or in a Worker. It has one kind of context for life. */
+export class Screen {
+  private constructor()
+  /**
+   * 'wasm': the picture of `render` is copied to the canvas. 'webgl2': the graphics processor draws the same bytes.
+   * 'webgl2-quads': it draws a picture that is not exact. Rejects where there is no WebGL 2. The scenes to be drawn are
+   * loaded with the same `simd`; without it, there is no WebGL.
+   */
+  static open(
+    canvas: HTMLCanvasElement | OffscreenCanvas,
+    backend: 'wasm' | 'webgl2' | 'webgl2-quads',
+    options?: LoadOptions
+  ): Promise<Screen>
+  readonly backend: 'wasm' | 'webgl2' | 'webgl2-quads'
+  /** Whether WebGL's context was lost, after which `draw` throws. Another Screen on another canvas may go on. */
+  readonly lost: boolean
+  /** The context of WebGL 2. */
+  readonly gl: WebGL2RenderingContext | undefined
+  /** As `render`; the canvas takes the size. */
+  draw(objects: readonly Placed[], camera?: Camera, options?: ScreenOptions): void
+  /** When the device is done with what was drawn. */
+  finish(): Promise<void>
+  /** What was drawn last: RGBA, rows from the top. */
+  pixels(): Uint8ClampedArray
+  /** Gives its memory back; the canvas keeps its picture. */
+  free(): void
+}
 
 /** A .png file of a picture. */
 export function png(pixels: Uint8ClampedArray, width: number, height: number): Promise<Uint8Array>

@@ -1,8 +1,9 @@
 // fixsplat for browsers and Node: the same bytes as the library everywhere. fixsplat.d.ts says what there is.
 
-const inNode = typeof process === 'object' && !!process.versions?.node
-const INFLATED = 128            // bytes that each Gaussian may have inflated
-const ALWAYS = 1000000          // Gaussians that any file may have (FXS_GAUSSIANS_ALWAYS)
+import { Files, inNode } from './read.js'
+
+const SHOWN = 100000            // Gaussians of a preview, at most
+const PAUSE = 400               // milliseconds before the first, and at least between two
 // A module with one function that uses simd128.
 const WITH_SIMD = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15,
                    253, 98, 11]
@@ -12,23 +13,32 @@ export const hasSimd = WebAssembly.validate(new Uint8Array(WITH_SIMD))
 
 // ---- Modules --------------------------------------------------------------------------------------------------
 
-async function bytesOf(url) {
-  if (inNode && url.protocol === 'file:') return (await import('node:fs/promises')).readFile(url)
-  const response = await fetch(url)
-  if (!response.ok) throw new Error(`${url}: ${response.status} ${response.statusText}`)
-  return new Uint8Array(await response.arrayBuffer())
+async function compileFrom(url) {
+  if (inNode && url.protocol === 'file:')
+    return WebAssembly.compile(await (await import('node:fs/promises')).readFile(url))
+  const answer = await fetch(url)
+  if (!answer.ok) throw new Error(`${url}: ${answer.status} ${answer.statusText}`)
+  return answer.headers.get('content-type') === 'application/wasm'
+    ? WebAssembly.compileStreaming(answer)
+    : WebAssembly.compile(await answer.arrayBuffer())
 }
 
 /** An instance, whose functions take and give numbers at one place of its memory. */
 class Module {
-  constructor(module, progress) {
+  constructor(module, imports) {
     const env = {
+      ...imports,
       tan: Math.tan,
-      progress: (done) => progress?.(done),
       number: (x, at, room) => this.write(String(Number.isInteger(x) ? x : +x.toPrecision(6)), at >>> 0, room),
     }
-    this.c = new WebAssembly.Instance(module, { env }).exports
+    this.c = new WebAssembly.Instance(module, { env, gl: this.#webgl(module) }).exports
     this.numbers = this.c.start() >>> 0
+  }
+
+  /** What the module wants of OpenGL: the functions of webgl.js that are `this.gl` when they are called. */
+  #webgl(module) {
+    const wanted = WebAssembly.Module.imports(module).filter((one) => one.module === 'gl')
+    return Object.fromEntries(wanted.map(({ name }) => [name, (...values) => this.gl[name](...values)]))
   }
 
   put(...values) {
@@ -47,9 +57,14 @@ class Module {
     return new TextEncoder().encodeInto(text, this.bytes(at, room)).written
   }
 
+  /** The text at a place, up to its 0. */
+  text(at) {
+    const bytes = new Uint8Array(this.c.memory.buffer, at >>> 0)
+    return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)))
+  }
+
   error() {
-    const bytes = this.bytes(this.c.words(), 512)
-    return new Error(new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0))))
+    return new Error(this.text(this.c.words()))
   }
 
   /** What a function returned, unless that is an error. */
@@ -86,71 +101,95 @@ const once = (made, name, make) =>
 
 const compiled = {}
 const compile = (name) =>
-  once(compiled, name, async () => WebAssembly.compile(await bytesOf(new URL(`${name}.wasm`, import.meta.url))))
+  once(compiled, name, () => compileFrom(new URL(`${name}.wasm`, import.meta.url)))
 const cores = {}
+const coreFor = ({ simd = hasSimd }) => coreOf(simd ? 'simd' : 'core')
 const coreOf = (name) => once(cores, name, async () => new Module(await compile(name)))
 
 // ---- Opening --------------------------------------------------------------------------------------------------
 
-async function urlOf(text) {
-  if (!inNode) return new URL(text, globalThis.document?.baseURI ?? globalThis.location?.href)
-  return /^[a-z]+:\/\//i.test(text) ? new URL(text) : (await import('node:url')).pathToFileURL(text)
+const numberOf = (names, value) => {
+  if (!names.includes(value)) throw new Error(`${value}: expected one of ${names.join(', ')}`)
+  return names.indexOf(value)
 }
 
-/** The bytes of whatever `load` takes, and a name for messages. */
-async function read(source) {
-  if (source instanceof ArrayBuffer) return ['scene', new Uint8Array(source)]
-  if (ArrayBuffer.isView(source)) return ['scene', new Uint8Array(source.buffer, source.byteOffset, source.byteLength)]
-  if (typeof Blob === 'function' && source instanceof Blob)
-    return [source.name ?? 'scene', new Uint8Array(await source.arrayBuffer())]
-  const url = source instanceof URL ? source : await urlOf(String(source))
-  return [decodeURIComponent(url.pathname.split('/').pop()) || 'scene', await bytesOf(url)]
-}
-
-async function gunzip(name, bytes) {
-  const most = INFLATED * (ALWAYS + bytes.length)
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip')).getReader()
-  const fail = () => Promise.reject(new Error(`${name}: the gzip stream is damaged or ends early`))
-  const next = () => stream.read().catch(fail)
-  const parts = []
-  let length = 0
-  for (let part = await next(); !part.done; part = await next()) {
-    parts.push(part.value)
-    length += part.value.length
-    if (length > most) {
-      await stream.cancel()
-      throw new Error(`${name}: its gzip stream has more than ${most} bytes`)
-    }
-  }
-  return new Uint8Array(await new Blob(parts).arrayBuffer())
-}
-
-/** A packed scene from a file of another format, by a module that is dropped afterwards with all of its memory. */
-async function pack(name, bytes, { profile = 'default', axes = 'file', maxGaussians = 0, maxMemory = 0, progress }) {
-  const reader = new Module(await compile('import'), progress)
-  reader.put(maxGaussians, maxMemory)
-  const numberOf = (names, value) => {
-    if (!names.includes(value)) throw new Error(`${value}: expected one of ${names.join(', ')}`)
-    return names.indexOf(value)
-  }
-  const kind = numberOf(['default', 'compact', 'small'], profile)
-  const directions = numberOf(['file', 'rub', 'rdf'], axes)
-  const text = reader.copyText(name)
+/** Packs files of which a share has come, or at most `most` of their Gaussians. The module is dropped with all of its
+    memory. Returns the bytes of an .fxs file or an error, and the names of files that were wanted and are not there. */
+function runImport(module, files, options, share = 1, most = 0) {
+  const { profile = 'default', axes = 'file', maxGaussians = 0, maxMemory = 0, progress } = options
+  const all = files.all
+  const missing = new Set()
+  const reader = new Module(module, {
+    progress: (done) => progress?.({ stage: 'prepare', done }),
+    size: (file) => all[file].bytes.length,
+    read(file, offset, out, size) {
+      if (offset + (size >>> 0) > all[file].there) return -1
+      reader.bytes(out, size >>> 0).set(all[file].bytes.subarray(offset, offset + (size >>> 0)))
+      return 0
+    },
+    beside(at) {
+      const name = reader.text(at)
+      const number = files.numberOf(name)
+      if (number < 0) missing.add(name)
+      return number
+    },
+  })
+  const [kind, directions] = [numberOf(['default', 'compact', 'small'], profile), numberOf(['file', 'rub', 'rdf'], axes)]
+  const name = reader.copyText(all[0].name)
+  reader.put(maxGaussians, maxMemory, share)
   try {
-    reader.check(reader.c.import(text, reader.copy(bytes), bytes.length, kind, directions))
+    if (reader.c.import(name, kind, directions, most) < 0) return { missing, error: reader.error() }
   } catch (error) {
-    if (error instanceof WebAssembly.RuntimeError) throw new Error(`${name}: cannot be read: ${error.message}`)
-    throw error
+    if (!(error instanceof WebAssembly.RuntimeError)) throw error
+    return { missing, error: new Error(`${all[0].name}: cannot be read: ${error.message}`) }
   }
-  return reader.bytes(...reader.get(0, 2))
+  return { missing, bytes: reader.bytes(...reader.get(0, 2)) }
+}
+
+/** A packed scene from files of another format. */
+async function pack(files, options) {
+  const module = await compile('import')
+  let result = runImport(module, files, options)
+  while (result.missing.size && (await files.ask(result.missing))) result = runImport(module, files, options)
+  if (result.error) throw result.error
+  return result.bytes
+}
+
+/** A function that hands over a scene of what has come so far: the share, and whether it is to be now. */
+function previewsOf(files, core, options) {
+  const quietly = { ...options, progress: undefined }
+  let last = performance.now()
+  let pause = PAUSE
+  return async (share, isNow) => {
+    const start = performance.now()
+    if (!options.preview || !share || (!isNow && start < last + pause)) return
+    let scene
+    try {
+      const { bytes } = runImport(await compile('import'), files, quietly, share, SHOWN)
+      if (bytes?.length) scene = new Scene(await core, files.all[0].name, bytes)
+    } catch {
+      return                    // the scene itself is what counts, and its error
+    }
+    if (scene) await options.preview(scene)
+    last = performance.now()
+    pause = Math.max(PAUSE, 4 * (last - start))
+  }
 }
 
 export async function load(source, options = {}) {
-  let [name, bytes] = await read(source)
-  if (bytes[0] === 0x1f && bytes[1] === 0x8b) bytes = await gunzip(name, bytes)
-  const isPacked = bytes.length >= 4 && String.fromCharCode(...bytes.subarray(0, 4)) === 'FXS1'
-  const core = await coreOf(options.simd ?? hasSimd ? 'simd' : 'core')
-  return new Scene(core, name, isPacked ? bytes : await pack(name, bytes, options))
+  const files = new Files()
+  const core = coreFor(options)
+  const preview = previewsOf(files, core, options)
+  core.catch(() => {})          // who waits for it hears of it
+  const file = await files.open(source, async (file, share) => {
+    options.progress?.({ stage: 'download', done: share, bytes: file.there })
+    if (file.there < 4 || file.isPacked) return
+    compile('import').catch(() => {})
+    if (share < 1) await preview(share, false)
+  })
+  if (file.isPacked) return new Scene(await core, file.name, file.bytes)
+  await preview(1, true)
+  return new Scene(await core, file.name, await pack(files, options))
 }
 
 export class Scene {
@@ -271,12 +310,22 @@ function begin(objects, camera, options) {
   return [core, width, height]
 }
 
+/** What every frame takes of its options. */
+const valuesOf = ({ background = 0, shDegree = 3, cutoff = 'mahalanobis', maxMemory = 0 }) => [
+  background,
+  shDegree,
+  cutoff === 'square' ? 1 : 0,
+  maxMemory,
+]
+
 export function render(objects, camera = {}, options = {}) {
-  const { background = 0, alpha = false, shDegree = 3, cutoff = 'mahalanobis', maxMemory = 0 } = options
-  const [core, width, height] = begin(objects, camera, options)
+  return renderTo(...begin(objects, camera, options), options)
+}
+
+function renderTo(core, width, height, options) {
   const pixels = core.place(core.c.allocate(4 * width * height))
   try {
-    core.check(core.c.render(pixels, alpha ? 1 : 0, background, shDegree, cutoff === 'square' ? 1 : 0, maxMemory))
+    core.check(core.c.render(pixels, options.alpha ? 1 : 0, ...valuesOf(options)))
     return new Uint8ClampedArray(core.bytes(pixels, 4 * width * height))
   } finally {
     core.c.release(pixels)
@@ -288,6 +337,155 @@ export function pick(x, y, objects, camera = {}, options = {}) {
   if (!core.check(core.c.pick(x, y, options.maxMemory ?? 0))) return null
   const [object, gaussian, depth, ...position] = core.get(0, 6)
   return { object, gaussian, depth, position }
+}
+
+// ---- Screens --------------------------------------------------------------------------------------------------
+
+/** A picture's colours as a canvas takes them: not times the coverage. */
+function divided(pixels) {
+  for (let at = 0; at < pixels.length; at += 4)
+    for (let c = at, alpha = pixels[at + 3]; alpha && c < at + 3; c++) pixels[c] = (pixels[c] * 255) / alpha
+  return pixels
+}
+
+/** A canvas of two dimensions, with pictures of the processor. */
+class Copied {
+  #context
+  #pixels
+
+  constructor(canvas) {
+    this.#context = canvas.getContext('2d')
+    if (!this.#context) throw new Error('the canvas has a context of another kind: take another canvas')
+  }
+
+  draw(core, width, height, options) {
+    this.#pixels = renderTo(core, width, height, options)
+    const shown = options.alpha ? divided(this.#pixels.slice()) : this.#pixels
+    this.#context.putImageData(new ImageData(shown, width), 0, 0)
+  }
+
+  pixels() {
+    return this.#pixels.slice()
+  }
+
+  finish() {}
+  free() {}
+}
+
+const CONTEXT = { alpha: true, antialias: false, depth: false, stencil: false, preserveDrawingBuffer: true }
+
+/** A canvas of WebGL 2, which the module draws on. */
+class Drawn {
+  #core
+  #functions
+  #place
+  #quads
+
+  constructor(canvas, core, Functions, quads) {
+    this.gl = canvas.getContext('webgl2', CONTEXT)
+    if (!this.gl) throw new Error('there is no WebGL 2 here, or the canvas has a context of another kind')
+    if (this.lost) throw new Error("the canvas's WebGL context is lost: take another canvas")
+    if (!core.c.gl_open) throw new Error('the module without simd128 has no WebGL')
+    this.#core = core
+    this.#quads = quads ? 1 : 0
+    this.#functions = core.gl = new Functions(this.gl, core)
+    this.#place = core.place(core.c.gl_open())
+  }
+
+  get lost() {
+    return this.gl.isContextLost()
+  }
+
+  draw(core, width, height, { into, alpha, ...options }) {
+    const { framebuffer = null, x = 0, y = 0 } = into ?? {}
+    const { gl } = this
+    if (!into && (gl.drawingBufferWidth !== width || gl.drawingBufferHeight !== height) && !this.lost)
+      throw new Error(`${width} x ${height} pixels are more than the device's canvas can have`)
+    core.gl = this.#functions
+    const name = core.gl.nameOf(framebuffer)
+    const result = core.c.gl_render(this.#place, this.#quads, name, x, y, alpha ? 1 : 0, ...valuesOf(options))
+    if (this.lost) throw new Error('the WebGL context was lost: open another Screen, on another canvas')
+    core.check(result)
+  }
+
+  pixels() {
+    const { gl } = this
+    const [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight]
+    const rows = new Uint8Array(4 * width * height)
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, rows)
+    const pixels = new Uint8ClampedArray(rows.length)
+    for (let y = 0, row = 4 * width; y < height; y++)
+      pixels.set(rows.subarray(row * (height - 1 - y), row * (height - y)), row * y)
+    return pixels
+  }
+
+  /** Reading a pixel waits for all draws; a fence is looked at every 4 ms. */
+  finish() {
+    this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4))
+  }
+
+  free() {
+    this.#core.gl = this.#functions
+    this.#core.c.gl_close(this.#place)
+    this.#functions.close()
+  }
+}
+
+export class Screen {
+  #canvas
+  #core
+  #way
+
+  constructor(canvas, backend, core, way) {
+    this.#canvas = canvas
+    this.#core = core
+    this.#way = way
+    this.backend = backend
+  }
+
+  static async open(canvas, backend, options = {}) {
+    const core = await coreFor(options)
+    if (backend === 'wasm') return new Screen(canvas, backend, core, new Copied(canvas))
+    if (backend !== 'webgl2' && backend !== 'webgl2-quads')
+      throw new Error(`${backend}: expected wasm, webgl2 or webgl2-quads`)
+    const { Functions } = await import('./webgl.js')
+    return new Screen(canvas, backend, core, new Drawn(canvas, core, Functions, backend === 'webgl2-quads'))
+  }
+
+  get inside() {
+    if (!this.#way) throw new Error('the Screen was freed')
+    return this.#way
+  }
+
+  get lost() {
+    return !!this.inside.lost
+  }
+
+  get gl() {
+    return this.inside.gl
+  }
+
+  draw(objects, camera = {}, options = {}) {
+    const way = this.inside
+    const [core, width, height] = begin(objects, camera, options)
+    if (core !== this.#core) throw new Error('the Screen and the scenes are of different modules')
+    if (!options.into && (this.#canvas.width !== width || this.#canvas.height !== height))
+      Object.assign(this.#canvas, { width, height })
+    way.draw(core, width, height, options)
+  }
+
+  pixels() {
+    return this.inside.pixels()
+  }
+
+  async finish() {
+    this.inside.finish()
+  }
+
+  free() {
+    this.#way?.free()
+    this.#way = undefined
+  }
 }
 
 // ---- Pictures -------------------------------------------------------------------------------------------------

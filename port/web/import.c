@@ -1,14 +1,23 @@
-/* The readers and the packing as a module of their own: a file goes in, an .fxs file comes out, and fixsplat.js drops
- * the module with all of its memory. */
+/* The readers and the packing as a module of their own: files are read by functions of fixsplat.js, an .fxs file comes
+ * out, and the module is dropped with all of its memory. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "../files/allocator.h"
+#include "../files/message.h"
 #include "../import/pack.h"
 #include "../scene/fxs_file.h"
 #include "../scene/scene_file.h"
 #include "web.h"
 
-__attribute__((import_module("env"), import_name("progress"))) void fxs_web_progress(double done);
+#define IMPORT(name) __attribute__((import_module("env"), import_name(#name)))
+
+IMPORT(progress) void fxs_web_progress(double done);
+/* Files have numbers; 0 is the one that is opened. Each returns a negative number where there is no such file or byte. */
+IMPORT(read) int fxs_web_read(int file, double offset, void *out, size_t size);
+IMPORT(beside) int fxs_web_beside(const char *name);
+IMPORT(size) double fxs_web_size(int file);
 
 static double numbers[NUMBERS];
 static fxs_message message;
@@ -36,6 +45,31 @@ EXPORT(allocate) void *fxs_web_allocate(size_t bytes)
     return malloc(bytes);
 }
 
+/* ---- Files ------------------------------------------------------------------------------------------------------- */
+
+static int read_file(void *file, uint64_t offset, void *out, size_t size)
+{
+    return fxs_web_read((int)(intptr_t)file, (double)offset, out, size);
+}
+
+static int open_beside(void *first, const char *name, fxs_scene_input *input);
+
+static fxs_scene_input input_of(int file)
+{
+    return (fxs_scene_input){(uint64_t)fxs_web_size(file), read_file, open_beside, NULL, (void *)(intptr_t)file};
+}
+
+static int open_beside(void *first, const char *name, fxs_scene_input *input)
+{
+    (void)first;
+    const int file = fxs_web_beside(name);
+    if (file >= 0)
+        *input = input_of(file);
+    return file < 0;
+}
+
+/* ---- Packing ----------------------------------------------------------------------------------------------------- */
+
 static int pack(fxs_scene_file *file, const fxs_scene_file_info *info, int profile)
 {
     fxs_pack_report report;
@@ -44,17 +78,72 @@ static int pack(fxs_scene_file *file, const fxs_scene_file_info *info, int profi
     return error ? error : fxs_file_seal(packed.data, packed.bytes);
 }
 
-/* In: limits of Gaussians and of memory, or 0. Out: where the .fxs file is, and its bytes. */
-EXPORT(import) int fxs_web_import(const char *name, const void *data, size_t size, int profile, int axes)
+/* Some Gaussians of a file, without SH. */
+typedef struct sample {
+    fxs_gaussian *gaussians;
+    size_t count, room;
+} sample;
+
+static long read_sample(void *argument, uint64_t first, fxs_gaussian *out, size_t capacity)
+{
+    memcpy(out, ((const sample *)argument)->gaussians + first, capacity * sizeof *out);
+    return (long)capacity;
+}
+
+/* Every `stride`th of the Gaussians that can be read, up to the first that cannot. */
+static void take_sample(fxs_scene_file *file, size_t stride, sample *s)
+{
+    enum { PART = 256 };
+    static fxs_gaussian part[PART];
+    size_t until_next = 0;
+    for (long count; s->count < s->room && (count = fxs_scene_file_read(file, part, PART, &message)) > 0;
+         until_next -= (size_t)count)
+        for (; until_next < (size_t)count && s->count < s->room; until_next += stride)
+            s->gaussians[s->count++] = part[until_next];
+}
+
+/* The fewer there are, the larger they are: together they cover what all do. */
+static void enlarge(sample *s, double all)
+{
+    const float more = (float)(log(all / (double)s->count) / 2);
+    for (size_t i = 0; i < s->count; i++)
+        for (int axis = 0; axis < 3; axis++)
+            s->gaussians[i].scale[axis] += more;
+}
+
+/* Packs at most `most` of the Gaussians of which `there`, 0 to 1, has come. Nothing where that would take half of the
+   time for all. */
+static int pack_sample(fxs_scene_file *file, const fxs_scene_file_info *info, size_t most, double there)
+{
+    const double readable = (double)info->count * there;
+    sample s = {NULL, 0, (size_t)fmin((double)most, readable)};
+    fxs_scene_file *opened;
+    fxs_scene_file_info own;
+    if ((double)s.room * 2 > (double)info->count || !(s.gaussians = fxs_allocate(NULL, s.room, sizeof *s.gaussians)))
+        return 0;
+    take_sample(file, (size_t)ceil(readable / (double)s.room), &s);
+    if (s.count == 0)
+        return 0;
+    enlarge(&s, (double)info->count);
+    const fxs_gaussian_source source = {s.count, 0, info->antialiased, read_sample, &s};
+    int error = fxs_scene_file_open_gaussians("sample", &source, NULL, &opened, &own, &message);
+    return error ? error : pack(opened, &own, FXS_PROFILE_DEFAULT);
+}
+
+/* Packs file 0; where `most` is not 0, only a sample of it. In: limits of Gaussians and of memory, or 0; which part of
+   the file has come. Out: where the .fxs file is, and its bytes; 0 bytes where a sample is not worth its time. */
+EXPORT(import) int fxs_web_import(const char *name, int profile, int axes, size_t most)
 {
     fxs_scene_file *file;
     fxs_scene_file_info info;
     const fxs_scene_file_options options = {.axes = (enum fxs_axes)axes, .max_gaussians = (uint64_t)numbers[0],
                                             .max_memory = (uint64_t)numbers[1]};
-    int error = fxs_scene_file_open_memory(name, data, size, &options, &file, &info, &message);
+    const fxs_scene_input input = input_of(0);
+    const double there = numbers[2];
+    int error = fxs_scene_file_open_input(name, &input, &options, &file, &info, &message);
     if (error)
         return error;
-    error = pack(file, &info, profile);
+    error = most ? pack_sample(file, &info, most, there) : pack(file, &info, profile);
     fxs_scene_file_close(file);
     numbers[0] = (double)(uintptr_t)packed.data;
     numbers[1] = (double)packed.bytes;

@@ -2,9 +2,34 @@
 #ifndef FXS_WEB_H
 #define FXS_WEB_H
 
+#include "../../src/fixsplat.h"
+
 #define EXPORT(name) __attribute__((export_name(#name)))
 
 /* Numbers go in and come out at one place, in the order that each function says; an object with 8 crops has 71. */
 enum { NUMBERS = 80 };
+
+/* A frame of the objects and the camera that were set. */
+typedef struct fxs_web_frame {
+    const fxs_context *context;
+    const fxs_object *objects;
+    uint32_t count;
+    const fxs_camera *camera;
+    fxs_options options;
+    void *memory;
+    size_t bytes;
+} fxs_web_frame;
+
+/* With working memory, at most `limit` bytes where that is not 0, which _end frees. Errors: FXS_ERR_MEMORY. */
+int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree, int square, size_t limit);
+
+/* Returns the frame's error, which `words` says. */
+int fxs_web_frame_end(fxs_web_frame *frame, int error);
+
+/* Aligned to 64, as malloc is here; null, and words, where there is no memory. */
+void *fxs_web_allocate(size_t bytes);
+
+/* Where `words` are: room for what FXS_GLES_MESSAGE says. */
+char *fxs_web_text(void);
 
 #endif

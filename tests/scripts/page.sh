@@ -46,7 +46,7 @@ make_scenes() {
 }
 
 check "builds" builds
-check "size" at_most 40000 "$package"/viewer/*.html "$package"/viewer/*.css "$package"/viewer/*.js "$package/fixsplat.js"
+check "size" at_most 40000 "$package"/viewer/*.html "$package"/viewer/*.css "$package"/viewer/*.js "$package"/*.js
 check "makes scenes" make_scenes
 if [ -d "$scenes" ]; then ln -s "$(cd "$scenes" && pwd)" "$work/real"; else skip scenes "no $scenes"; fi
 node tests/web/page.mjs "$package" "$work" "$modules" "${PICTURES:-$work}" "$B/fixsplat" >"$work/page" 2>&1 ||

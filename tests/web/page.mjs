@@ -22,6 +22,8 @@ const server = createServer((request, answer) => {
   const file = path.startsWith('/scenes/') ? scenes + path.slice(7) : folder + path
   asked.push(path)
   if (!existsSync(file)) return answer.writeHead(404).end()
+  answer.setHeader('cross-origin-opener-policy', 'same-origin')
+  answer.setHeader('cross-origin-embedder-policy', 'require-corp')
   answer.setHeader('content-type', KINDS[file.split('.').pop()] ?? 'application/octet-stream')
   if (request.url.includes('cut')) {
     answer.setHeader('content-length', 100000)
@@ -33,7 +35,7 @@ const base = `http://127.0.0.1:${server.address().port}`
 
 const browser = await puppeteer.launch({
   executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-  args: ['--no-sandbox'],
+  args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
 })
 const page = await browser.newPage()
 const faults = []
@@ -58,6 +60,7 @@ const inside = (body, ...args) =>
 const still = () => page.waitForSelector('fixsplat-viewer[state=still]', { timeout: 120000 })
 const moved = async () => {
   await new Promise((done) => setTimeout(done, 700))
+  await inside('for (let i = 0; i < 30; i++) await new Promise(requestAnimationFrame)')
   await still()
 }
 const wordsOf = async () => {
@@ -67,11 +70,19 @@ const wordsOf = async () => {
   return inside(`return $('words').textContent`)
 }
 const viewOf = () => inside('return v.view')
-const hash = () =>
-  inside(`const c = $('canvas'); let h = 0xcbf29ce484222325n;
-  const { data } = c.getContext('2d').getImageData(0, 0, c.width, c.height);
+/** Of what the page shows, when a browser has shown it. */
+const hash = async () => {
+  await new Promise((done) => setTimeout(done, 250))
+  return inside(`const seen = await createImageBitmap($('stage').lastElementChild), { width, height } = seen
+  const copy = new OffscreenCanvas(width, height).getContext('2d')
+  copy.drawImage(seen, 0, 0)
+  const { data } = copy.getImageData(0, 0, width, height)
+  let h = 0xcbf29ce484222325n;
   for (const b of data) h = BigInt.asUintN(64, (h ^ BigInt(b)) * 0x100000001b3n);
   return h.toString(16).padStart(16, '0')`)
+}
+const sizeOf = () => inside(`const { width, height } = await createImageBitmap($('stage').lastElementChild)
+  return [width, height]`)
 const picture = (name) => page.screenshot({ path: `${pictures}/${name}.png` })
 
 /** The picture of the command for the same camera. */
@@ -149,7 +160,7 @@ const tests = {
     await page.keyboard.press('r')
     await moved()
     assert.equal(await viewOf(), start)
-    assert.deepEqual(await inside(`return [$('canvas').width, $('canvas').height]`), [640, 360])
+    assert.deepEqual(await sizeOf(), [640, 360])
   },
 
   async 'touch: one finger turns, two move and zoom'() {
@@ -270,7 +281,7 @@ const tests = {
     await go('?scene=/scenes/scene.ply')
     await still()
     assert.deepEqual(
-      await inside(`return [...v.shadowRoot.querySelectorAll('button, input, select, canvas, section')].filter((e) =>
+      await inside(`return [...v.shadowRoot.querySelectorAll('button, input, select, section, #stage')].filter((e) =>
       !(e.ariaLabel || e.textContent.trim() || e.labels?.[0]?.textContent.trim())).map((e) => e.outerHTML)`),
       []
     )

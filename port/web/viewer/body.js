@@ -8,6 +8,8 @@ const ICONS = {
   open: 'M3 18V6a1 1 0 0 1 1-1h5l2 3h8a1 1 0 0 1 1 1v2M3 18l3-7h15l-3 8H4a1 1 0 0 1-1-1z',
   before: 'M15 5l-7 7 7 7',
   after: 'M9 5l7 7-7 7',
+  orbit: 'M12 8a4 4 0 1 0 0 8 4 4 0 0 0 0-8zM5 19A9.9 3.8 -45 1 1 19 5 9.9 3.8 -45 1 1 5 19z',
+  fly: 'M21 3L3 10.5l6.5 3L12.5 20 21 3zM9.5 13.5L21 3',
   home: 'M4 11l8-7 8 7M6 10v9h4v-5h4v5h4v-9',
   share: 'M10 14a4 4 0 0 0 6 0l3-3a4 4 0 0 0-6-6l-1 1M14 10a4 4 0 0 0-6 0l-3 3a4 4 0 0 0 6 6l1-1',
   photo: 'M4 8h4l2-3h4l2 3h4v11H4zM12 10a3.2 3.2 0 1 0 0 6.4 3.2 3.2 0 0 0 0-6.4z',
@@ -18,23 +20,50 @@ const ICONS = {
   close: 'M6 6l12 12M18 6L6 18',
 }
 
-export const keys = [
-  ['Drag', 'turn the scene'],
-  ['Right drag', 'move it; or two fingers'],
-  ['Wheel', 'nearer, farther; or pinch'],
-  ['Double click', 'go to what is there'],
-  ['W A S D Q E', 'fly; faster with shift'],
-  ['Arrows', 'turn'],
-  ['Space + drag', 'look around'],
-  ['+ −', 'nearer, farther'],
-  ['N P', 'next, previous view'],
+const MODES = {
+  orbit: [
+    ['Drag', 'turn the scene'],
+    ['Right drag', 'move it; or two fingers'],
+    ['Wheel', 'nearer, farther; or pinch'],
+    ['Double click', 'go to what is there'],
+    ['← ↑ ↓ →', 'turn'],
+    ['W A S D Q E', 'move through it'],
+  ],
+  fly: [
+    ['Drag', 'look around'],
+    ['Right drag', 'move sideways; or two fingers'],
+    ['Wheel', 'ahead, back; or pinch'],
+    ['Double click', 'go to what is there'],
+    ['W A S D', 'fly'],
+    ['Q E', 'down, up'],
+    ['Shift', 'four times as fast'],
+    ['G', 'look by the mouse alone'],
+  ],
+}
+
+const ALWAYS = [
+  ['1 2', 'turn, fly'],
   ['R', 'back to the start'],
+  ['0', 'the whole scene'],
+  ['N P', 'next, previous view'],
   ['I', 'save a picture'],
   ['L', 'copy a link to this view'],
   ['F', 'full screen'],
   ['O', 'open a file'],
   ['H', 'this list'],
 ]
+
+const caps = (keys) => (/^[^a-z]+$|^Shift$/.test(keys) ? keys.split(' ') : [keys])
+const rows = (list) =>
+  list.map(([keys, does]) => {
+    const all = caps(keys).map((key) => `<kbd>${key}</kbd>`)
+    return `<div><dt>${all.join('')}</dt><dd>${does}</dd></div>`
+  })
+
+/** The keys of a mode. */
+export const listOf = (mode) => [MODES[mode], ALWAYS].map((list) => `<dl>${rows(list).join('')}</dl>`).join('')
+
+const check = (name, words, more = '') => `<label>${words} <input name="${name}" type="checkbox" ${more}></label>`
 
 const settings = `
 <label>Background <input name="background" type="color" value="#0e1116"></label>
@@ -46,7 +75,14 @@ const settings = `
 <label>Upright <select name="up">
   <option value="0,-1,0">As in the file</option><option value="0,1,0">Upside down</option>
   <option value="0,0,1">Tipped forward</option><option value="0,0,-1">Tipped back</option></select></label>
-<label>Gloss and reflections <input name="colours" type="checkbox" checked></label>`
+<label>Drawn by <select name="backend">
+  <option value="">What is faster</option><option value="wasm">Processor</option>
+  <option value="webgl2">Graphics card</option>
+  <option value="webgl2-quads">Graphics card, roughly</option></select></label>
+${check('colours', 'Gloss and reflections', 'checked')}
+${check('flat', 'Without perspective')}
+${check('turn', 'Turns by itself')}
+${check('readout', 'Show pictures a second')}`
 
 const panel = (id, name, close, inside) => `
 <section id="${id}" class="panel" aria-label="${name}" hidden>
@@ -54,8 +90,8 @@ const panel = (id, name, close, inside) => `
 </section>`
 
 export const body = `
-<canvas id="canvas" tabindex="0" role="application"
-  aria-label="The scene. Drag or use the arrow keys to turn it; H lists the keys."></canvas>
+<div id="stage" tabindex="0" role="application"
+  aria-label="The scene. Drag or use the arrow keys to turn it; H lists the keys."></div>
 <div id="empty" class="ui">
   <h1>fixsplat</h1>
   <p>Drop a scene here: .ply, .splat, .ksplat, .spz or .fxs</p>
@@ -66,8 +102,9 @@ export const body = `
   <p class="title"><b id="name"></b> <span id="count"></span></p>
   ${button('full', 'Full screen (F)', ICONS.full)}
 </div>
+<p id="readout" class="ui" hidden></p>
 <div id="loading" class="panel card" role="status" hidden>
-  <p><span id="stage"></span> <span id="percent"></span></p>
+  <p><span id="stageOf"></span> <span id="percent"></span></p>
   <progress id="bar" aria-label="Progress" max="1"></progress>
 </div>
 <div id="error" class="panel card" role="alert" hidden>
@@ -78,6 +115,10 @@ export const body = `
   ${button('add', 'Open a file (O)', ICONS.open)}
   ${button('before', 'Previous view (P)', ICONS.before, 'hidden')}
   ${button('after', 'Next view (N)', ICONS.after, 'hidden')}
+  <span id="modes" role="group" aria-label="Mode">
+    ${button('orbit', 'Turn the scene (1)', ICONS.orbit, 'aria-pressed="true"')}
+    ${button('fly', 'Fly (2)', ICONS.fly, 'aria-pressed="false"')}
+  </span>
   ${button('home', 'Back to the start (R)', ICONS.home)}
   ${button('share', 'Copy a link to this view (L)', ICONS.share)}
   ${button('photo', 'Save a picture (I)', ICONS.photo)}
@@ -85,5 +126,5 @@ export const body = `
   ${button('keys', 'Keys (H)', ICONS.keys, 'aria-expanded="false" aria-controls="help"')}
 </nav>
 ${panel('options', 'Settings', 'closeOptions', settings)}
-${panel('help', 'Keys', 'closeHelp', '<dl id="list"></dl>')}
+${panel('help', 'Keys', 'closeHelp', '<div id="list"></div>')}
 <input id="file" type="file" aria-label="A scene" multiple hidden>`

@@ -1,25 +1,38 @@
 // A scene in a worker of its own: what is asked of it is a promise; its end gives all of its memory back.
 
+/** What goes to the worker and is not copied. */
+const moved = (value) => {
+  if (globalThis.OffscreenCanvas && value instanceof OffscreenCanvas) return [value]
+  return value instanceof Uint8Array ? [value.buffer] : []
+}
+
 export class Engine {
   #waiting = new Map()
   #next = 0
 
-  constructor(progress) {
+  /** `hear` is told what the worker says by itself; without a number of threads there are as many as processors. */
+  constructor(hear, threads) {
+    this.threads = threads
     this.worker = new Worker(new URL('./worker.js', import.meta.url), { type: 'module' })
-    this.worker.onmessage = ({ data }) => (data.stage ? progress(data) : this.#settle(data))
+    this.worker.onmessage = ({ data }) => (data.stage ? hear(data) : this.#settle(data))
     this.worker.onerror = (event) => this.#fail(event.message || 'this browser cannot run the renderer')
+  }
+
+  /** A File, a list of them, bytes or an address; `previews` where the worker is to tell of parts that have come. */
+  open(source, previews = false) {
+    return this.ask('open', source, this.threads, previews)
   }
 
   ask(word, ...args) {
     return new Promise((resolve, reject) => {
       this.#waiting.set(this.#next, { resolve, reject })
-      this.worker.postMessage({ id: this.#next++, word, args })
+      this.worker.postMessage({ id: this.#next++, word, args }, args.flatMap(moved))
     })
   }
 
   end() {
     this.worker.terminate()
-    this.#waiting.clear()
+    this.#fail('the scene was closed')
   }
 
   #settle({ id, result, error }) {

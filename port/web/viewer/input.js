@@ -1,4 +1,4 @@
-// Pointers and keys. They call `act`: orbit, look, pan (by pixels), zoom (by a factor), focus (at a pixel), fly, press.
+// Pointers and keys. They call `act`: drag, look, pan (by pixels), zoom (by a factor), focus (at a pixel), fly, press.
 
 /** The middle of one or two pointers, and how far they are apart. */
 function middle(pointers) {
@@ -6,18 +6,19 @@ function middle(pointers) {
   return { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, apart: Math.hypot(a.x - b.x, a.y - b.y) }
 }
 
-export function listenToPointers(canvas, act, holdsSpace) {
+export function listenToPointers(stage, act, holdsSpace) {
   const pointers = new Map()
   const motionOf = (event) => {
     if (holdsSpace()) return act.look
-    return pointers.size > 1 || event.buttons & 6 || event.shiftKey ? act.pan : act.orbit
+    return pointers.size > 1 || event.buttons & 6 || event.shiftKey ? act.pan : act.drag
   }
   const end = (event) => pointers.delete(event.pointerId)
-  canvas.addEventListener('pointerdown', (event) => {
-    canvas.setPointerCapture(event.pointerId)
+  stage.addEventListener('pointerdown', (event) => {
+    stage.setPointerCapture(event.pointerId)
     if (pointers.size < 2) pointers.set(event.pointerId, event)
   })
-  canvas.addEventListener('pointermove', (event) => {
+  stage.addEventListener('pointermove', (event) => {
+    if (stage.getRootNode().pointerLockElement === stage) return act.look(-event.movementX, -event.movementY)
     if (!pointers.has(event.pointerId)) return
     const before = middle(pointers)
     pointers.set(event.pointerId, event)
@@ -25,10 +26,10 @@ export function listenToPointers(canvas, act, holdsSpace) {
     motionOf(event)(now.x - before.x, now.y - before.y)
     if (pointers.size > 1 && now.apart > 0) act.zoom(before.apart / now.apart)
   })
-  for (const name of ['pointerup', 'pointercancel', 'lostpointercapture']) canvas.addEventListener(name, end)
-  canvas.addEventListener('contextmenu', (event) => event.preventDefault())
-  canvas.addEventListener('dblclick', (event) => act.focus(event.offsetX, event.offsetY))
-  canvas.addEventListener(
+  for (const name of ['pointerup', 'pointercancel', 'lostpointercapture']) stage.addEventListener(name, end)
+  stage.addEventListener('contextmenu', (event) => event.preventDefault())
+  stage.addEventListener('dblclick', (event) => act.focus(event.offsetX, event.offsetY))
+  stage.addEventListener(
     'wheel',
     (event) => {
       event.preventDefault()
@@ -67,7 +68,7 @@ export function listenToKeys(element, act) {
     last = flight.some(Boolean) || turn.some(Boolean) ? now : 0
     if (!last) return
     act.fly(...flight.map((x) => x * seconds * (held.has('Shift') ? 4 : 1)))
-    act.orbit(...turn.map((x) => -x * seconds * 400))
+    act.drag(...turn.map((x) => -x * seconds * 400))
     requestAnimationFrame(step)
   }
   element.addEventListener('keydown', (event) => {

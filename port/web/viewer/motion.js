@@ -1,4 +1,4 @@
-// What a drag, the wheel or a key does to a camera { eye, look, up, fov }. `look` is the point that it turns about.
+// What a drag, the wheel or a key does to a camera (views.js has what that is).
 
 const POLE = 0.02 // radians left between the view and up
 
@@ -17,6 +17,11 @@ function rotate(a, axis, angle) {
 }
 
 export const distance = ({ eye, look }) => Math.hypot(...add(look, eye, -1))
+const slope = (fov) => Math.tan((fov * Math.PI) / 360)
+const degrees = (slope) => (360 / Math.PI) * Math.atan(slope)
+
+/** Of what is seen at `look`, scene units. */
+const heightAt = (camera) => 2 * distance(camera) * slope(camera.fov)
 
 function axes({ eye, look, up }) {
   const forward = unit(add(look, eye, -1))
@@ -55,20 +60,39 @@ export function fly(camera, right, down, forward) {
 
 /** By so many pixels of a picture of this height, at the distance of `look`. */
 export function pan(camera, height, right, down) {
-  const unitsAPixel = (2 * distance(camera) * Math.tan((camera.fov * Math.PI) / 360)) / height
+  const unitsAPixel = heightAt(camera) / height
   return fly(camera, -right * unitsAPixel, -down * unitsAPixel, 0)
 }
 
-/** Makes the distance so many times as long, and no less than the nearest. */
+/** Makes the distance so many times as long, and no less than the nearest; of parallel rays, what is seen. */
 export function zoom(camera, factor, nearest) {
-  const far = distance(camera)
-  return { ...camera, eye: mix(camera.look, camera.eye, Math.max(factor, Math.min(1, nearest / far))) }
+  const least = Math.min(1, nearest / (camera.flat ? heightAt(camera) : distance(camera)))
+  const times = Math.max(factor, least)
+  if (camera.flat) return { ...camera, fov: degrees(times * slope(camera.fov)) }
+  return { ...camera, eye: mix(camera.look, camera.eye, times) }
+}
+
+/** With parallel rays or without, as large at `look`. */
+export function flatten(camera, flat, fov) {
+  const times = slope(camera.fov) / slope(fov)
+  return { ...camera, flat, fov, eye: mix(camera.look, camera.eye, times) }
 }
 
 /** Some of the way to another camera. */
 export function between(a, b, t) {
   const part = t * t * (3 - 2 * t)
-  return { ...b, ...Object.fromEntries(['eye', 'look', 'up'].map((k) => [k, mix(a[k], b[k], part)])) }
+  return { ...b, ...Object.fromEntries(['eye', 'look', 'up', 'shift'].map((k) => [k, mix(a[k], b[k], part)])) }
+}
+
+/** As the renderer takes it: by its axes where a point to look at does not say all. */
+export function rendered(camera, width, height, near) {
+  const { eye, flat, shift, fov } = camera
+  if (!flat && !shift.some(Boolean)) return camera
+  const { right, down, forward } = axes(camera)
+  const rotation = [0, 1, 2].map((i) => [right[i], down[i], forward[i]])
+  const [cx, cy] = [width / 2 + shift[0] * height, height / 2 + shift[1] * height]
+  const fx = height / (flat ? heightAt(camera) : 2 * slope(fov))
+  return { rotation, position: eye, fx, cx, cy, near, orthographic: flat, width, height }
 }
 
 const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1, (i >> 1) & 1, i >> 2])
@@ -87,16 +111,15 @@ export function seeAll({ low, high }, sceneUp, fov, aspect) {
   )
   const look = mix(low, high, 0.5)
   const { forward, right, down } = axes({ eye: add(look, from), look, up })
-  const slope = Math.tan((fov * Math.PI) / 360)
   const needs = corners.map((corner) => {
     const c = add(
       corner.map((end, i) => (end ? high : low)[i]),
       look,
       -1
     )
-    return Math.max(Math.abs(dot(right, c)) / (slope * aspect), Math.abs(dot(down, c)) / slope) - dot(forward, c)
+    return Math.max(Math.abs(dot(right, c)) / aspect, Math.abs(dot(down, c))) / slope(fov) - dot(forward, c)
   })
-  return { eye: add(look, from, 1.1 * Math.max(...needs, 1e-3)), look, up, fov }
+  return { eye: add(look, from, 1.1 * Math.max(...needs, 1e-3)), look, up, fov, flat: false, shift: [0, 0] }
 }
 
 /** A camera of a cameras.json; it turns about the point ahead that is nearest to the scene's middle. */
@@ -106,8 +129,11 @@ export function ofView(view, { low, high }) {
   const radius = Math.hypot(...add(high, low, -1)) / 2
   const ahead = dot(add(mix(low, high, 0.5), view.position, -1), forward)
   const look = add(view.position, forward, ahead > 0.01 * radius ? ahead : radius)
-  const fov = (360 / Math.PI) * Math.atan(view.height / 2 / (view.fy ?? view.fx))
-  return { eye: [...view.position], look, up: column(1).map((x) => -x), fov }
+  const { width, height, fx, fy = fx, cx = width / 2, cy = height / 2, orthographic: flat = false } = view
+  const shift = [(cx - width / 2 || 0) / height, (cy - height / 2) / height]
+  const far = flat ? Math.hypot(...add(look, view.position, -1)) : 1
+  const fov = degrees(height / 2 / fy / far)
+  return { eye: [...view.position], look, up: column(1).map((x) => -x), fov, flat, shift }
 }
 
 /** Up in a scene: the mean of its views' up, where that says anything. */

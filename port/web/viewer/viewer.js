@@ -1,98 +1,82 @@
-// <fixsplat-viewer src=... cameras=... view=... background=... noui>: a scene to look at. index.html is one of them.
+// <fixsplat-viewer src=... cameras=... view=...>: a scene to look at. index.html is one of them.
 import { Engine } from './engine.js'
 import { listenToKeys, listenToPointers } from './input.js'
-import * as motion from './motion.js'
-import { body, keys } from './body.js'
+import { Pilot } from './pilot.js'
+import { Picture, backends } from './picture.js'
+import { Panels } from './panels.js'
+import { body } from './body.js'
+import { cameraOf, fetchViews, nameOf, textOf, viewsOf } from './views.js'
 
 const STILL_MS = 150 // after the last motion
-const AIM_MS = 40 // of a picture in motion
-const GLIDE_MS = 350
-const MOST_PIXELS = 1 << 23
-const DIVISORS = [1, 1.5, 2, 3, 4] // beyond, the time is the same
+const DARK = '#0e1116'
+const LIGHT = '#eef0f3'
 
 const template = document.createElement('template')
 const style = new URL('./viewer.css', import.meta.url)
 template.innerHTML = `<style>:host { opacity: 0 }</style><link rel="stylesheet" href="${style}">${body}`
 
-const nameOf = (url) => decodeURIComponent(new URL(url, document.baseURI).pathname.split('/').pop()) || 'scene'
-const hasNumbers = (list, count) => Array.isArray(list) && list.length === count && list.every(Number.isFinite)
-const isView = (v) =>
-  v?.rotation?.length === 3 &&
-  v.rotation.every((row) => hasNumbers(row, 3)) &&
-  hasNumbers(v.position, 3) &&
-  v.fx > 0 &&
-  v.height > 0
-
-/** The views of a cameras.json. */
-function viewsOf(name, text) {
-  let views
-  try {
-    views = JSON.parse(text)
-  } catch {
-    throw new Error(`${name}: this is no list of views: it is not JSON`)
-  }
-  if (!Array.isArray(views) || !views.length || !views.every(isView))
-    throw new Error(`${name}: expected a list of views, each with rotation, position, fx and height`)
-  return views
-}
-
-/** A camera from the text of a link, or null. */
-function cameraOf(text) {
-  const n = (text ?? '').split(',').map(Number)
-  if (!hasNumbers(n, 10)) return null
-  return { eye: n.slice(0, 3), look: n.slice(3, 6), up: n.slice(6, 9), fov: n[9] }
-}
+const addressOf = (url) => new URL(url, document.baseURI).href
 
 export class Viewer extends HTMLElement {
-  static observedAttributes = ['src', 'cameras', 'view', 'background']
+  static observedAttributes = ['src', 'cameras', 'view', 'background', 'backend', 'poster', 'turn']
 
   #engine = null // of the scene on show
-  #opening = null // of the one that is loading
+  #opening = null // what is loading: { engine, name, source, views, view }
+  #taken = Promise.resolve() // one scene after the other
   #scene = null // its name, count and box
   #source = '' // its address, where it has one
-  #views = []
-  #index = 0
-  #camera = null
+  #picture
+  #pilot = new Pilot(this, (moving) => this.#moved(moving))
   #good = null // the camera of the last picture
-  #up = [0, -1, 0]
-  #divisor = 1 // of width and height in motion
   #busy = false
+  #switching = false
   #changed = false
   #movedAt = -Infinity
-  #settings = { sharpness: 1, speed: 0.5, colours: true, fov: 50 }
-  #ui = {}
+  #settings = { sharpness: 1, colours: true }
+  #ui
+  #panels
 
   constructor() {
     super()
     this.attachShadow({ mode: 'open', delegatesFocus: true }).append(template.content.cloneNode(true))
-    for (const element of this.shadowRoot.querySelectorAll('[id]')) this.#ui[element.id] = element
-    this.#ui.list.innerHTML = keys.map(([key, does]) => `<dt>${key}</dt><dd>${does}</dd>`).join('')
+    this.#panels = new Panels(this.shadowRoot)
+    this.#ui = this.#panels.ui
+    this.#picture = new Picture(this.#ui.stage)
     this.#listen()
+    this.#setMode('orbit')
   }
 
   connectedCallback() {
-    this.state = this.#scene ? 'still' : 'empty'
+    this.state = 'empty'
     this.resized = new ResizeObserver(() => this.#change())
     this.resized.observe(this)
     this.theme = matchMedia('(prefers-color-scheme: light)')
     this.theme.onchange = () => this.#change()
-    if (this.hasAttribute('src') && !this.#scene) this.#openAttribute()
+    this.shown = () => this.#change()
+    document.addEventListener('visibilitychange', this.shown)
+    const still = matchMedia('(prefers-reduced-motion: reduce)').matches
+    for (const name of still ? ['poster'] : ['poster', 'turn'])
+      this.attributeChangedCallback(name, null, this.getAttribute(name))
+    if (this.hasAttribute('src')) this.#openAttribute()
   }
 
   disconnectedCallback() {
     this.resized.disconnect()
-    this.#engine?.end()
-    this.#opening?.end()
-    this.#engine = this.#opening = this.#scene = null
-    this.removeAttribute('open')
+    document.removeEventListener('visibilitychange', this.shown)
+    this.#pilot.turnByItself(false)
+    this.#cancel()
+    this.#close()
   }
 
   attributeChangedCallback(name, before, value) {
     if (!this.isConnected || before === value) return
     if (name === 'src' && value) this.#openAttribute()
     if (name === 'cameras' && this.#scene) this.#fetchViews().then((views) => this.#takeViews(views))
-    if (name === 'view') this.#show(cameraOf(value))
+    if (name === 'view') this.#pilot.show(cameraOf(value))
     if (name === 'background') this.#change()
+    if (name === 'backend' && this.#engine) this.#switch(this.#engine).then(() => this.#change())
+    if (name === 'poster' && value) this.#showPoster(value)
+    if (name === 'turn') this.#pilot.turnByItself(value !== null)
   }
 
   /** empty, loading, moving or still. */
@@ -103,10 +87,14 @@ export class Viewer extends HTMLElement {
     this.setAttribute('state', value)
   }
 
-  /** eye, look, up and fov, ten numbers with commas: as the attribute `view`. */
+  /** What draws: wasm, webgl2 or webgl2-quads. */
+  get backend() {
+    return this.#picture.backend
+  }
+
+  /** eye, look, up and fov, ten numbers with commas, or thirteen: as the attribute `view`. */
   get view() {
-    const { eye, look, up, fov } = this.#camera
-    return [...eye, ...look, ...up, fov].join()
+    return textOf(this.#pilot.camera)
   }
 
   /** The viewer's page with this scene and view. */
@@ -114,7 +102,7 @@ export class Viewer extends HTMLElement {
     const link = new URL('./index.html', import.meta.url)
     link.searchParams.set('scene', this.#source)
     const cameras = this.getAttribute('cameras')
-    if (cameras) link.searchParams.set('cameras', new URL(cameras, document.baseURI))
+    if (cameras) link.searchParams.set('cameras', addressOf(cameras))
     if (this.hasAttribute('background')) link.searchParams.set('background', this.getAttribute('background'))
     link.hash = `view=${this.view}`
     return link.href
@@ -122,103 +110,126 @@ export class Viewer extends HTMLElement {
 
   // ---- Opening ------------------------------------------------------------------------------------------------------
 
-  async #openAttribute() {
-    const views = this.#fetchViews()
-    if (await this.open(new URL(this.getAttribute('src'), document.baseURI).href, views))
-      this.#show(cameraOf(this.getAttribute('view')))
+  #openAttribute() {
+    return this.open(addressOf(this.getAttribute('src')), this.#fetchViews(), cameraOf(this.getAttribute('view')))
   }
 
   /** The views that the attribute `cameras` names; none where that fails. */
   async #fetchViews() {
     const url = this.getAttribute('cameras')
-    if (!url) return []
-    try {
-      const answer = await fetch(new URL(url, document.baseURI)).catch(() => null)
-      if (!answer?.ok) throw new Error(`${nameOf(url)}: there are no views at this address`)
-      return viewsOf(nameOf(url), await answer.text())
-    } catch (error) {
-      this.#say(error)
-      return []
-    }
+    return url ? fetchViews(url).catch((error) => this.#panels.say(error) ?? []) : []
   }
 
-  #takeViews(views) {
-    this.#views = views
-    this.#index = 0
-    this.#up = views.length ? motion.upOf(views, this.#up) : [0, -1, 0]
-    this.#ui.before.hidden = this.#ui.after.hidden = !views.length
-    this.#good = null
-    this.#show(this.#start())
+  /** A picture that stands there until the scene's first. */
+  #showPoster(url) {
+    if (this.#scene) return
+    this.#ui.stage.querySelector('img')?.remove()
+    this.#ui.stage.append(Object.assign(new Image(), { src: addressOf(url), alt: '' }))
   }
 
-  /** The view that it starts with and goes back to: of the file of views, or the whole scene. */
-  #start() {
-    if (this.#views.length) return motion.ofView(this.#views[this.#index], this.#scene)
-    return motion.seeAll(this.#scene, this.#up, this.#settings.fov, this.clientWidth / this.clientHeight || 1)
-  }
-
-  /** Opens a file or an address; the scene there was stays where that fails. True where it is open. */
-  async open(source, views = []) {
-    const name = source.name ?? nameOf(source)
-    this.#opening?.end()
-    const engine = (this.#opening = new Engine((progress) => this.#progress(name, progress)))
+  /** Opens a file, files or an address; the scene there was stays where that fails. True where it is open. */
+  async open(source, views = [], view = null) {
+    const name = typeof source === 'string' ? nameOf(source) : (source.name ?? source[0].name)
+    this.#cancel()
+    const engine = this.#newEngine((told) => this.#hear(opening, told))
+    const opening = (this.#opening = { engine, name, source, views, view })
     this.#begin(name)
     try {
-      const scene = await engine.ask('open', name, source)
-      this.#take(engine, scene, typeof source === 'string' ? source : '', await views)
+      const scene = await engine.open(source, !this.#scene)
+      await this.#take(opening, scene)
       return true
     } catch (error) {
-      engine.end()
-      this.#say(error)
-      this.state = this.#scene ? 'still' : 'empty'
+      if (this.#opening !== opening) return false
+      this.#cancel()
+      this.#panels.say(error)
       return false
     } finally {
-      if (this.#opening === engine) this.#opening = null
-      this.#ui.loading.hidden = true
+      if (this.#opening === opening) this.#begun()
     }
+  }
+
+  #newEngine(hear) {
+    return new Engine(hear, Number(this.getAttribute('threads')) || undefined)
+  }
+
+  /** Ends what is loading, and with it what is already seen of it. */
+  #cancel() {
+    const { engine } = this.#opening ?? {}
+    this.#begun()
+    engine?.end()
+    if (engine && engine === this.#engine) this.#close()
+    this.state = this.#scene ? 'still' : 'empty'
+  }
+
+  #close() {
+    this.#engine?.end()
+    this.#engine = this.#scene = null
+    this.#picture.close()
+    this.removeAttribute('open')
+    this.state = 'empty'
   }
 
   #begin(name) {
-    this.#ui.error.hidden = true
-    this.#ui.loading.hidden = false
     this.state = 'loading'
-    this.#progress(name, { stage: 'download' })
+    this.#panels.begin(name)
   }
 
-  #progress(name, { stage, done, bytes }) {
-    const what = stage === 'download' ? 'Loading' : 'Preparing'
-    const size = bytes ? `, ${(bytes / 1e6).toFixed(1)} MB` : ''
-    this.#ui.stage.textContent = `${what} ${name}${size}`
-    this.#ui.percent.textContent = done === undefined ? '' : `${Math.floor(100 * done)} %`
-    if (done === undefined) this.#ui.bar.removeAttribute('value')
-    else this.#ui.bar.value = done
+  #begun() {
+    this.#opening = null
+    this.#ui.loading.hidden = true
+    this.#change()
   }
 
-  #take(engine, scene, source, views) {
-    this.#engine?.end()
-    this.#engine = engine
-    this.#busy = false
+  #hear(opening, told) {
+    if (told.stage === 'lost') this.#picture.lost(told.id).then((again) => again && this.#change())
+    else if (!opening || opening !== this.#opening) return
+    else if (told.stage === 'preview') this.#take(opening, told.scene).catch((error) => this.#panels.say(error))
+    else this.#panels.progress(opening.name, told)
+  }
+
+  #take(opening, scene) {
+    this.#taken = this.#taken.catch(() => {}).then(() => this.#takeNext(opening, scene))
+    return this.#taken
+  }
+
+  /** A scene, or as much of it as has come. */
+  async #takeNext(opening, scene) {
+    const { engine, source, view } = opening
+    const views = await opening.views
+    if (engine !== this.#engine) {
+      await this.#switch(engine)
+      if (opening !== this.#opening) return
+      this.#engine?.end()
+      this.#engine = engine
+      this.#busy = this.#pilot.touched = false
+      if (this.matches(':focus-within')) this.#ui.stage.focus({ focusVisible: false })
+    }
     this.#scene = scene
-    this.#source = source
-    this.#divisor = 1
+    this.#source = typeof source === 'string' ? source : ''
     this.setAttribute('open', '')
-    this.#ui.name.textContent = scene.name
-    this.#ui.count.textContent = `${scene.count.toLocaleString('en')} splats`
-    if (this.matches(':focus-within')) this.#ui.canvas.focus({ focusVisible: false })
-    this.#takeViews(views)
+    this.#panels.entitle(scene)
+    this.#pilot.take(scene)
+    if (!this.#pilot.touched) this.#takeViews(views, view)
+  }
+
+  #takeViews(views, view = null) {
+    this.#ui.before.hidden = this.#ui.after.hidden = !views.length
+    this.#good = null
+    this.#pilot.takeViews(views, view)
+    this.#showSettings()
   }
 
   async #openFiles(files) {
     const list = [...files]
-    const isViews = (file) => /\.json$/i.test(file.name) && !/tileset/i.test(file.name)
-    const [views, scene] = [list.find(isViews), list.find((file) => !isViews(file))]
-    if (scene && !(await this.open(scene))) return
+    const isViews = ({ name }) => /\.json$/i.test(name) && !/(tileset|meta)\.json$/i.test(name)
+    const [views, scene] = [list.find(isViews), list.filter((file) => !isViews(file))]
+    if (scene.length && !(await this.open(scene.length > 1 ? scene : scene[0]))) return
     if (!views) return
     try {
       if (!this.#scene) throw new Error(`${views.name}: open a scene first, then its views`)
       this.#takeViews(viewsOf(views.name, await views.text()))
     } catch (error) {
-      this.#say(error)
+      this.#panels.say(error)
     }
   }
 
@@ -228,19 +239,17 @@ export class Viewer extends HTMLElement {
     return performance.now() - this.#movedAt < STILL_MS
   }
 
-  #size(divisor) {
-    const [w, h] = [this.clientWidth, this.clientHeight].map((n) => n * devicePixelRatio * this.#settings.sharpness)
-    const scale = Math.min(1, Math.sqrt(MOST_PIXELS / (w * h))) / divisor
-    return { width: Math.max(1, Math.round(w * scale)), height: Math.max(1, Math.round(h * scale)) }
-  }
-
   get #background() {
-    const given = this.getAttribute('background') ?? (this.theme.matches ? '#eef0f3' : '#0e1116')
+    const given = this.getAttribute('background') ?? (this.theme.matches ? LIGHT : DARK)
     return /^#[0-9a-f]{6}$/i.test(given) ? parseInt(given.slice(1), 16) : 0
   }
 
-  #frame(divisor) {
-    return { ...this.#size(divisor), background: this.#background, shDegree: this.#settings.colours ? 3 : 0 }
+  #frame(moving = false) {
+    const [width, height] = [this.clientWidth, this.clientHeight].map(
+      (n) => n * devicePixelRatio * this.#settings.sharpness
+    )
+    const size = this.#picture.size(width, height, moving)
+    return { ...size, background: this.#background, shDegree: this.#settings.colours ? 3 : 0 }
   }
 
   #change() {
@@ -248,206 +257,215 @@ export class Viewer extends HTMLElement {
     this.#draw()
   }
 
-  #move(camera) {
-    this.#camera = camera
-    this.#movedAt = performance.now()
+  #moved(moving) {
+    if (moving) this.#movedAt = performance.now()
     this.#change()
+  }
+
+  get #wanted() {
+    const asked = this.getAttribute('backend')
+    return asked in backends ? asked : ''
+  }
+
+  /** Draws with what the attribute `backend` says, or what turns out to be the fastest. */
+  async #switch(engine) {
+    this.#switching = true
+    const has = await this.#picture.open(engine, this.#wanted)
+    this.#switching = false
+    if (!has) this.#panels.note('This browser does not draw scenes on the graphics card: the processor does')
   }
 
   /** One picture at a time; what has changed meanwhile is drawn after it. */
   async #draw() {
-    if (this.#busy || !this.#engine || !this.clientWidth || !this.clientHeight) return
+    if (this.#busy || this.#switching || !this.#scene || document.hidden) return
+    if (!this.clientWidth || !this.clientHeight) return
     const engine = this.#engine
-    const divisor = this.#isMoving ? this.#divisor : 1
+    const options = this.#frame(this.#isMoving)
     this.#busy = true
     this.#changed = false
-    this.state = this.#isMoving ? 'moving' : this.state
+    if (this.#isMoving) this.state = 'moving'
     try {
-      await this.#picture(engine, this.#camera, divisor)
+      await this.#drawNow(engine, options)
     } catch (error) {
-      this.#refused(error)
+      if (engine === this.#engine) this.#refused(error)
     }
     if (engine !== this.#engine) return
     this.#busy = false
-    this.#after(divisor)
+    this.#after(options)
   }
 
-  async #picture(engine, camera, divisor) {
-    const options = this.#frame(divisor)
-    const { pixels, milliseconds } = await engine.ask('render', camera, options)
-    if (engine !== this.#engine) return
-    const { canvas } = this.#ui
-    const { width, height } = options
-    Object.assign(canvas, { width, height })
-    canvas.getContext('2d', { alpha: false }).putImageData(new ImageData(pixels, width), 0, 0)
+  async #drawNow(engine, options) {
+    const { camera } = this.#pilot
+    const picture = await this.#picture.draw(this.#pilot.rendered(options), options)
+    if (engine !== this.#engine || !picture) return
+    if (!this.#good) this.#panels.greet()
     this.#good = camera
-    this.#choose(divisor, milliseconds)
-    this.dispatchEvent(new CustomEvent('picture', { detail: { width, height, divisor, milliseconds } }))
+    this.#panels.read(picture)
+    this.dispatchEvent(new CustomEvent('picture', { detail: picture }))
   }
 
-  /** Where the renderer does not reach, the camera stays where it was. */
+  /** Where there is no room for so many pixels, there are fewer; where the renderer does not reach, the camera stays. */
   #refused(error) {
-    if (this.#good && this.#good !== this.#camera) this.#camera = this.#good
-    else this.#say(error)
+    if (/memory/.test(error.message) && this.#picture.shrink()) {
+      this.#panels.note('There is too little memory for a picture of this size: it has fewer pixels')
+      this.#changed = true
+    } else if (this.#good && this.#good !== this.#pilot.camera) this.#pilot.camera = this.#good
+    else this.#panels.say(error)
   }
 
-  /** A picture's time tells by how much the next in motion is to be smaller. */
-  #choose(divisor, milliseconds) {
-    const fits = (d) => (milliseconds * divisor ** 2) / d ** 2 <= AIM_MS
-    const now = DIVISORS.indexOf(this.#divisor)
-    const wanted = DIVISORS.findIndex((d) => fits(d) || d === DIVISORS.at(-1))
-    const step = Math.sign(wanted - now)
-    this.#divisor =
-      divisor === 1 ? DIVISORS[wanted] : DIVISORS[step < 0 && milliseconds > AIM_MS / 2 ? now : now + step]
-  }
-
-  #after(divisor) {
+  #after({ divisor }) {
     if (this.#changed) return requestAnimationFrame(() => this.#draw())
     clearTimeout(this.timer)
     if (this.#isMoving || divisor > 1) this.timer = setTimeout(() => this.#change(), STILL_MS)
-    else if (!this.#opening) this.state = 'still'
+    else if (this.#opening) this.state = 'loading'
+    else this.#rest()
+  }
+
+  /** What there is time for when nothing moves. */
+  async #rest() {
+    this.state = 'still'
+    const [engine, options] = [this.#engine, this.#frame()]
+    if (this.#pilot.isFlying) {
+      const found = await this.#pick(0.5, 0.5, this.#frame(true)).catch(() => null)
+      this.#pilot.ahead = found?.position ?? null
+    }
+    const newEngine = () => this.#newEngine((told) => this.#hear(null, told))
+    const other = await this.#picture.try(newEngine, this.#pilot.rendered(options), options)
+    if (!other) return
+    engine.end()
+    this.#engine = other
+    this.#busy = false
+    this.#change()
   }
 
   // ---- Views --------------------------------------------------------------------------------------------------------
 
-  #show(camera) {
-    if (!camera || !this.#scene) return
-    this.#camera = camera
-    this.#change()
-  }
-
   showView(index) {
-    if (!this.#views.length || !this.#scene) return
-    this.#index = (index + this.#views.length) % this.#views.length
-    const { img_name: name } = this.#views[this.#index]
-    this.#glide(this.#start())
-    this.#note(`View ${this.#index + 1} of ${this.#views.length}${name ? `: ${name}` : ''}`)
+    const { views } = this.#pilot
+    if (!views.length || !this.#scene) return
+    this.#pilot.index = (index + views.length) % views.length
+    const { img_name: name } = views[this.#pilot.index]
+    this.#pilot.glide(this.#pilot.start)
+    this.#panels.note(`View ${this.#pilot.index + 1} of ${views.length}${name ? `: ${name}` : ''}`)
   }
 
-  #glide(to) {
-    const [from, start] = [this.#camera, performance.now()]
-    const step = (now) => {
-      if (this.#camera !== last) return
-      const t = Math.max(0, Math.min((now - start) / GLIDE_MS, 1))
-      this.#move((last = t < 1 ? motion.between(from, to, t) : to))
-      if (t < 1) requestAnimationFrame(step)
-    }
-    let last = from
-    if (matchMedia('(prefers-reduced-motion: reduce)').matches) this.#show(to)
-    else requestAnimationFrame(step)
-  }
-
-  get #radius() {
-    return Math.max(Math.hypot(...motion.add(this.#scene.high, this.#scene.low, -1)) / 2, 1e-3)
+  /** What is seen at a place of the picture, whose sides are 1. */
+  #pick(x, y, options) {
+    const at = [x * options.width, y * options.height].map(Math.floor)
+    return this.#engine.ask('pick', ...at, this.#pilot.rendered(options), options)
   }
 
   async #focus(x, y) {
     if (!this.#scene) return
-    const options = this.#frame(1)
-    const at = [(x * options.width) / this.clientWidth, (y * options.height) / this.clientHeight].map(Math.floor)
-    const found = await this.#engine.ask('pick', ...at, this.#camera, options).catch((error) => this.#say(error))
-    if (!found) return this.#note('Nothing there')
-    const near = motion.add(found.position, motion.add(this.#camera.eye, found.position, -1), 0.6)
-    this.#glide({ ...this.#camera, eye: near, look: found.position })
+    const found = await this.#pick(x / this.clientWidth, y / this.clientHeight, this.#frame()).catch(() => null)
+    if (found) this.#pilot.goTo(found.position)
+    else this.#panels.note('Nothing there')
   }
 
   // ---- Buttons and keys ---------------------------------------------------------------------------------------------
 
   async #screenshot() {
     if (!this.#scene) return
-    const bytes = await this.#engine.ask('png', this.#camera, this.#frame(1))
+    const options = this.#frame()
+    const bytes = await this.#engine.ask('png', this.#pilot.rendered(options), options)
     const url = URL.createObjectURL(new Blob([bytes], { type: 'image/png' }))
     Object.assign(document.createElement('a'), { href: url, download: `${this.#scene.name}.png` }).click()
     setTimeout(() => URL.revokeObjectURL(url), 1000)
-    this.#note('Picture saved')
+    this.#panels.note('Picture saved')
   }
 
   async #copyLink() {
     if (!this.#scene) return
-    if (!this.#source) return this.#note('This scene is a file of yours: a link cannot hold it')
+    if (!this.#source) return this.#panels.note('This scene is a file of yours: a link cannot hold it')
     const copied = await navigator.clipboard?.writeText(this.link).then(
       () => true,
       () => false
     )
-    this.#note(copied ? 'Link copied: it opens this view' : this.link)
+    this.#panels.note(copied ? 'Link copied: it opens this view' : this.link)
   }
 
   #toggle(panel) {
-    this.shadowRoot.querySelector('[name=background]').value = `#${this.#background.toString(16).padStart(6, '0')}`
-    for (const other of [this.#ui.help, this.#ui.options]) other.hidden = other !== panel || !other.hidden
-    this.#ui.keys.setAttribute('aria-expanded', !this.#ui.help.hidden)
-    this.#ui.set.setAttribute('aria-expanded', !this.#ui.options.hidden)
-    if (!panel?.hidden) panel?.querySelector('button').focus()
-    else this.#ui.canvas.focus({ focusVisible: false })
+    this.#showSettings()
+    this.#panels.toggle(panel)
+  }
+
+  #showSettings() {
+    const { camera, turns } = this.#pilot
+    const background = `#${this.#background.toString(16).padStart(6, '0')}`
+    this.#panels.set({ background, flat: !!camera?.flat, turn: turns, backend: this.#wanted })
+    if (camera && !camera.flat) this.#panels.set({ fov: camera.fov })
   }
 
   #fullScreen() {
     if (document.fullscreenElement) document.exitFullscreen()
-    else this.requestFullscreen?.().catch(() => this.#note('This browser keeps the page as it is'))
+    else this.requestFullscreen?.().catch(() => this.#panels.note('This browser keeps the page as it is'))
+  }
+
+  /** orbit or fly. */
+  #setMode(mode) {
+    this.#pilot.mode = mode
+    this.#panels.setMode(mode)
+    if (this.#scene) this.#change()
+  }
+
+  /** The mouse looks around without a button, until Escape. */
+  #capture() {
+    this.#setMode('fly')
+    this.#ui.stage.requestPointerLock?.()
   }
 
   #press(key) {
+    const pilot = this.#pilot
     const does = {
       h: () => this.#toggle(this.#ui.help),
       Escape: () => this.#toggle(null),
       o: () => this.#ui.file.click(),
-      n: () => this.showView(this.#index + 1),
-      p: () => this.showView(this.#index - 1),
-      r: () => this.#scene && this.#glide(this.#start()),
+      n: () => this.showView(pilot.index + 1),
+      p: () => this.showView(pilot.index - 1),
+      r: () => this.#scene && pilot.glide(pilot.start),
+      0: () => this.#scene && pilot.glide(pilot.whole),
+      1: () => this.#setMode('orbit'),
+      2: () => this.#setMode('fly'),
+      g: () => this.#capture(),
       i: () => this.#screenshot(),
       l: () => this.#copyLink(),
       f: () => this.#fullScreen(),
-      '+': () => this.#zoom(0.9),
-      '-': () => this.#zoom(1 / 0.9),
+      '+': () => pilot.zoom(0.9),
+      '-': () => pilot.zoom(1 / 0.9),
     }
     does[key.length === 1 ? key.toLowerCase() : key]?.()
   }
 
-  #zoom(factor) {
-    if (this.#scene) this.#move(motion.zoom(this.#camera, factor, 1e-4 * this.#radius))
-  }
-
-  /** What pointers and keys do. Half a turn across the height. */
-  get #acts() {
-    const turned = (turn) => (dx, dy) => {
-      const angle = Math.PI / this.clientHeight
-      if (this.#scene && (dx || dy)) this.#move(turn(this.#camera, this.#up, dx * angle, dy * angle))
+  #set({ name, value, checked }) {
+    const pilot = this.#pilot
+    const does = {
+      background: () => this.setAttribute('background', value),
+      backend: () => this.setAttribute('backend', value),
+      turn: () => this.toggleAttribute('turn', checked),
+      flat: () => pilot.flatten(checked),
+      speed: () => (pilot.speed = Number(value)),
+      fov: () => pilot.widen(Number(value)),
+      up: () => pilot.upright(value.split(',').map(Number)),
+      readout: () => (this.#ui.readout.hidden = !checked),
+      sharpness: () => (this.#settings.sharpness = Number(value)),
+      colours: () => (this.#settings.colours = checked),
     }
-    return {
-      orbit: turned(motion.orbit),
-      look: turned(motion.lookAround),
-      pan: (dx, dy) => this.#scene && this.#move(motion.pan(this.#camera, this.clientHeight, dx, dy)),
-      zoom: (factor) => this.#zoom(factor),
-      focus: (x, y) => this.#focus(x, y),
-      press: (key) => this.#press(key),
-      fly: (...way) => {
-        const step = this.#scene && this.#settings.speed * this.#radius
-        if (step && way.some(Boolean)) this.#move(motion.fly(this.#camera, ...way.map((x) => x * step)))
-      },
-    }
-  }
-
-  #set(event) {
-    const { name, value, checked } = event.target
-    if (name === 'background') return this.setAttribute('background', value)
-    if (name === 'up') {
-      this.#up = value.split(',').map(Number)
-      return this.#scene && this.#show(this.#start())
-    }
-    this.#settings[name] = name === 'colours' ? checked : Number(value)
-    if (name === 'fov' && this.#camera) this.#camera = { ...this.#camera, fov: Number(value) }
-    if (this.#scene) this.#change()
+    does[name]()
+    this.#change()
   }
 
   #listen() {
     const ui = this.#ui
-    const held = listenToKeys(this, this.#acts)
-    listenToPointers(ui.canvas, this.#acts, () => held.has('Space'))
+    const acts = this.#pilot.acts({ focus: (x, y) => this.#focus(x, y), press: (key) => this.#press(key) })
+    const held = listenToKeys(this, acts)
+    listenToPointers(ui.stage, acts, () => held.has('Space'))
     const clicks = {
       choose: 'o',
       add: 'o',
       before: 'p',
       after: 'n',
+      orbit: '1',
+      fly: '2',
       home: 'r',
       share: 'l',
       photo: 'i',
@@ -457,9 +475,8 @@ export class Viewer extends HTMLElement {
     for (const [id, key] of Object.entries(clicks)) ui[id].onclick = () => this.#press(key)
     ui.set.onclick = () => this.#toggle(ui.options)
     for (const id of ['closeHelp', 'closeOptions']) ui[id].onclick = () => this.#toggle(null)
-    ui.closeError.onclick = () => (ui.error.hidden = true)
     ui.file.onchange = () => this.#openFiles(ui.file.files).then(() => (ui.file.value = ''))
-    ui.options.oninput = (event) => this.#set(event)
+    ui.options.oninput = (event) => this.#set(event.target)
     this.#listenToDrops()
   }
 
@@ -474,19 +491,6 @@ export class Viewer extends HTMLElement {
       over(false)(event)
       this.#openFiles(event.dataTransfer.files)
     })
-  }
-
-  // ---- Words --------------------------------------------------------------------------------------------------------
-
-  #say(error) {
-    this.#ui.words.textContent = error.message
-    this.#ui.error.hidden = false
-  }
-
-  #note(text) {
-    this.#ui.note.textContent = text
-    clearTimeout(this.noteTimer)
-    this.noteTimer = setTimeout(() => (this.#ui.note.textContent = ''), 4000)
   }
 }
 

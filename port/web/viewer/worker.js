@@ -1,66 +1,74 @@
 // The scene, beside the page: it loads and draws while the page goes on.
-import { load, png } from '../fixsplat.js'
+import { load, png, Screen } from '../fixsplat.js'
 
-const MOST = 2e9 // bytes of a file that a module of WebAssembly can hold and unpack
-let scene
+const PREVIEW_MS = 1000 // at most, until the page has drawn what there is
+const screens = {}
+let scene, how
+let drawn = () => {}
 
-const tell = (stage, done, bytes) => postMessage({ stage, done, bytes })
-const tooLarge = (name, bytes) => new Error(`${name}: ${(bytes / 1e9).toFixed(1)} GB are more than a page can hold`)
+const factsOf = ({ name, count, low, high }) => ({ name, count, low, high })
 
-async function answerOf(name, url) {
-  const answer = await fetch(url).catch(() => {
-    throw new Error(
-      `${name}: cannot be reached. Is the address right, and does its server allow other pages to read it?`
-    )
+/** What has come of a scene so far: loading goes on when it was drawn. */
+function preview(part) {
+  scene?.free()
+  scene = part
+  postMessage({ stage: 'preview', scene: factsOf(part) })
+  return new Promise((done) => {
+    drawn = done
+    setTimeout(done, PREVIEW_MS)
   })
-  if (answer.status === 404) throw new Error(`${name}: there is no such file at this address`)
-  if (!answer.ok) throw new Error(`${name}: the server answered ${answer.status} ${answer.statusText}`)
-  return answer
 }
 
-async function download(name, url) {
-  const answer = await answerOf(name, url)
-  const total = answer.headers.get('content-encoding') ? 0 : Number(answer.headers.get('content-length'))
-  const parts = []
-  let bytes = 0
-  if (total > MOST) throw tooLarge(name, total)
-  const reader = answer.body.getReader()
-  for (let part; !(part = await reader.read().catch(() => ({ cut: true }))).done; parts.push(part.value)) {
-    if (part.cut) throw new Error(`${name}: the download broke off after ${bytes} bytes`)
-    if ((bytes += part.value.length) > MOST) throw tooLarge(name, bytes)
-    tell('download', total ? bytes / total : undefined, bytes)
+/** Calls when the browser has taken what was drawn: not while a worker is busy. */
+function onScreen(call) {
+  if (globalThis.requestAnimationFrame) requestAnimationFrame(() => setTimeout(call))
+  else call()
+}
+
+async function draw(screen, camera, options) {
+  try {
+    screen.draw([{ scene }], camera, options)
+    await screen.finish()
+  } catch (error) {
+    if (!screen.lost) throw error
   }
-  return new File(parts, name)
 }
 
 const words = {
-  /** A File, or the address of one. */
-  async open(name, source) {
-    const file = typeof source === 'string' ? await download(name, source) : source
-    if (file.size > MOST) throw tooLarge(name, file.size)
-    tell('prepare')
-    scene = await load(file, { progress: (done) => tell('prepare', done) })
-    const { count, low, high } = scene
-    return { name: scene.name, count, low, high }
+  async open(source, threads, previews) {
+    how = { threads }
+    const progress = (progress) => postMessage(progress)
+    const whole = await load(source, { ...how, progress, preview: previews ? preview : undefined })
+    scene?.free()
+    scene = whole
+    return factsOf(scene)
   },
 
-  render(camera, options) {
+  async screen(id, canvas, backend) {
+    screens[id] = await Screen.open(canvas, backend, how)
+    canvas.addEventListener('webglcontextlost', () => postMessage({ stage: 'lost', id }))
+  },
+
+  /** On a screen; without one the pixels are the answer. */
+  async draw(id, camera, options) {
     const start = performance.now()
-    const pixels = scene.render(camera, options)
-    return { pixels, milliseconds: performance.now() - start }
+    const screen = screens[id]
+    const pixels = screen ? await draw(screen, camera, options) : scene.render(camera, options)
+    onScreen(drawn)
+    return { pixels, milliseconds: performance.now() - start, lost: screen?.lost }
   },
 
+  packed: () => scene.packed,
   pick: (x, y, camera, options) => scene.pick(x, y, camera, options),
 
-  async png(camera, options) {
-    return png(scene.render(camera, options), options.width, options.height)
-  },
+  png: (camera, options) => png(scene.render(camera, options), options.width, options.height),
 }
 
 self.onmessage = async ({ data: { id, word, args } }) => {
   try {
     const result = await words[word](...args)
-    postMessage({ id, result }, result?.pixels ? [result.pixels.buffer] : [])
+    const bytes = result?.pixels ?? result
+    postMessage({ id, result }, bytes?.buffer ? [bytes.buffer] : [])
   } catch (error) {
     postMessage({ id, error: error.message })
   }

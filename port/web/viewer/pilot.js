@@ -1,0 +1,180 @@
+// Who flies: the camera, the views that it goes to, and what pointers and keys do to it in each mode.
+import * as motion from './motion.js'
+
+const GLIDE_MS = 350
+const IDLE_MS = 2500 // from the last act until the scene turns by itself
+const TURN = 0.25 // radians a second
+const UPRIGHT = [0, -1, 0]
+
+export class Pilot {
+  camera = null
+  mode = 'orbit' // or fly
+  up = UPRIGHT
+  views = []
+  index = 0
+  speed = 0.5
+  fov = 50
+  ahead = null // what lies in the middle of the picture, where that is known
+  turns = false // by itself
+  touched = false // by pointers or keys, since the scene is there
+  #element
+  #moved
+  #scene = null
+  #actedAt = 0
+
+  /** `moved` is called after each change of the camera. */
+  constructor(element, moved) {
+    this.#element = element
+    this.#moved = moved
+  }
+
+  take(scene) {
+    this.#scene = scene
+    this.ahead = null
+  }
+
+  /** Views, and the one to begin with where that is not the first. */
+  takeViews(views, view) {
+    this.views = views
+    this.index = 0
+    this.up = views.length ? motion.upOf(views, this.up) : UPRIGHT
+    this.show(view ?? this.start)
+  }
+
+  /** The view that it starts with and goes back to: of the file of views, or the whole scene. */
+  get start() {
+    return this.views.length ? motion.ofView(this.views[this.index], this.#scene) : this.whole
+  }
+
+  get whole() {
+    const { clientWidth, clientHeight } = this.#element
+    return motion.seeAll(this.#scene, this.up, this.fov, clientWidth / clientHeight || 1)
+  }
+
+  get radius() {
+    return Math.max(Math.hypot(...motion.add(this.#scene.high, this.#scene.low, -1)) / 2, 1e-3)
+  }
+
+  /** The camera as the renderer takes it. */
+  rendered({ width, height }) {
+    return motion.rendered(this.camera, width, height, Math.min(this.radius / 100, 0.2))
+  }
+
+  show(camera) {
+    if (!camera || !this.#scene) return
+    this.camera = camera
+    this.#moved(false)
+  }
+
+  #move(camera) {
+    this.camera = camera
+    this.#moved(true)
+  }
+
+  glide(to) {
+    if (!this.#scene) return
+    const [from, start] = [this.camera, performance.now()]
+    const step = (now) => {
+      if (this.camera !== last) return
+      const t = Math.max(0, Math.min((now - start) / GLIDE_MS, 1))
+      this.#move((last = t < 1 ? motion.between(from, to, t) : to))
+      if (t < 1) requestAnimationFrame(step)
+    }
+    let last = from
+    this.#actedAt = start
+    this.touched = true
+    if (matchMedia('(prefers-reduced-motion: reduce)').matches) this.show(to)
+    else requestAnimationFrame(step)
+  }
+
+  /** Nearer to a point, and about it from then on. */
+  goTo(point) {
+    const eye = motion.add(point, motion.add(this.camera.eye, point, -1), 0.6)
+    this.glide({ ...this.camera, eye, look: point })
+  }
+
+  flatten(flat) {
+    if (this.#scene) this.show(motion.flatten(this.camera, flat, this.fov))
+  }
+
+  widen(fov) {
+    this.fov = fov
+    if (this.#scene) this.show({ ...this.camera, fov })
+  }
+
+  upright(up) {
+    this.up = up
+    if (this.#scene) this.show(this.start)
+  }
+
+  /** Turns the scene while nobody does anything. */
+  turnByItself(on) {
+    if (this.turns === on) return
+    this.turns = on
+    let last = performance.now()
+    const step = (now) => {
+      const seconds = Math.min((now - last) / 1000, 0.1)
+      last = now
+      if (this.camera && now - this.#actedAt > IDLE_MS)
+        this.#move(motion.orbit(this.camera, this.up, TURN * seconds, 0))
+      if (this.turns) requestAnimationFrame(step)
+    }
+    if (on) requestAnimationFrame(step)
+  }
+
+  // ---- Pointers and keys: by pixels, by a factor, in units of speed --------------------------------------------------
+
+  /** What input.js calls, with what others do. */
+  acts(others) {
+    const names = ['drag', 'look', 'pan', 'zoom', 'fly']
+    return { ...others, ...Object.fromEntries(names.map((name) => [name, (...args) => this[name](...args)])) }
+  }
+
+  #act(camera) {
+    this.touched = true
+    this.#actedAt = performance.now()
+    this.#move(camera)
+  }
+
+  /** Half a turn across the height. */
+  #turned(turn, dx, dy) {
+    const angle = Math.PI / this.#element.clientHeight
+    if (this.#scene && (dx || dy)) this.#act(turn(this.camera, this.up, dx * angle, dy * angle))
+  }
+
+  get isFlying() {
+    return this.mode === 'fly'
+  }
+
+  drag(dx, dy) {
+    this.#turned(this.isFlying ? motion.lookAround : motion.orbit, dx, dy)
+  }
+
+  look(dx, dy) {
+    this.#turned(motion.lookAround, dx, dy)
+  }
+
+  pan(dx, dy) {
+    if (this.#scene) this.#act(motion.pan(this.camera, this.#element.clientHeight, dx, dy))
+  }
+
+  /** In flight the way to what lies ahead, else to what the camera turns about. */
+  zoom(factor) {
+    if (!this.#scene) return
+    if (this.isFlying && !this.camera.flat) this.#act(motion.fly(this.camera, 0, 0, (1 - factor) * this.#reach))
+    else this.#act(motion.zoom(this.camera, factor, 1e-4 * this.radius))
+  }
+
+  fly(right, down, forward) {
+    if (!this.#scene || !(right || down || forward)) return
+    const step = this.speed * this.#reach
+    this.#act(motion.fly(this.camera, right * step, down * step, forward * step))
+  }
+
+  /** How far it is to what is seen: flight is slow near things, and fast far from them. */
+  get #reach() {
+    const to = this.isFlying ? this.ahead : this.camera.look
+    const far = to ? motion.distance({ eye: this.camera.eye, look: to }) : this.radius
+    return Math.min(Math.max(far, 0.05 * this.radius), 2 * this.radius)
+  }
+}

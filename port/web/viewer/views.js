@@ -1,0 +1,45 @@
+// Views: of a cameras.json, and of links. A camera is { eye, look, up, fov, flat, shift }: `look` is what it turns
+// about, `flat` has parallel rays, and `shift` is how far the axis lies from the picture's middle, in heights of it.
+
+const hasNumbers = (list, count) => Array.isArray(list) && list.length === count && list.every(Number.isFinite)
+const isView = (v) =>
+  v?.rotation?.length === 3 &&
+  v.rotation.every((row) => hasNumbers(row, 3)) &&
+  hasNumbers(v.position, 3) &&
+  v.fx > 0 &&
+  v.height > 0
+
+export const nameOf = (url) => decodeURIComponent(new URL(url, document.baseURI).pathname.split('/').pop()) || 'scene'
+
+/** The views of a cameras.json. */
+export function viewsOf(name, text) {
+  let views
+  try {
+    views = JSON.parse(text)
+  } catch {
+    throw new Error(`${name}: this is no list of views: it is not JSON`)
+  }
+  if (!Array.isArray(views) || !views.length || !views.every(isView))
+    throw new Error(`${name}: expected a list of views, each with rotation, position, fx and height`)
+  return views
+}
+
+export async function fetchViews(url) {
+  const answer = await fetch(new URL(url, document.baseURI)).catch(() => null)
+  if (!answer?.ok) throw new Error(`${nameOf(url)}: there are no views at this address`)
+  return viewsOf(nameOf(url), await answer.text())
+}
+
+/** A camera from the text of a link, or null. */
+export function cameraOf(text) {
+  const n = (text ?? '').split(',').map(Number)
+  if (!hasNumbers(n, 10) && !hasNumbers(n, 13)) return null
+  const [fov, flat = 0, ...shift] = n.slice(9)
+  return { eye: n.slice(0, 3), look: n.slice(3, 6), up: n.slice(6, 9), fov, flat: !!flat, shift: shift.length ? shift : [0, 0] }
+}
+
+/** The ten or thirteen numbers of a link. */
+export function textOf({ eye, look, up, fov, flat, shift }) {
+  const more = flat || shift.some(Boolean) ? [flat ? 1 : 0, ...shift] : []
+  return [...eye, ...look, ...up, fov, ...more].join()
+}

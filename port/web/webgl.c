@@ -1,0 +1,76 @@
+/* The back end of kernels/gles in WebGL 2: its functions are those of webgl.js. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "../../kernels/gles/gl.h"
+#include "../../kernels/gles/gles.h"
+#include "web.h"
+
+#define IMPORT(type, name) __attribute__((import_module("gl"), import_name(#name))) extern __typeof__(gl##name) gl##name;
+FXS_GL_FUNCTIONS(IMPORT)
+
+typedef struct named {
+    const char *name;
+    fxs_gl_function function;
+} named;
+
+/* WebGL 2 is OpenGL ES 3.0, but for its name and those of its extensions. */
+static const GLubyte *text(GLenum name)
+{
+    return (const GLubyte *)(name == GL_VERSION ? "OpenGL ES 3.0 (WebGL 2.0)" : "WebGL");
+}
+
+/* There is one, or none: GL_NUM_EXTENSIONS. */
+static const GLubyte *extension(GLenum name, GLuint i)
+{
+    (void)name, (void)i;
+    return (const GLubyte *)"GL_EXT_color_buffer_float";
+}
+
+static fxs_gl_function load(void *argument, const char *name)
+{
+#define ROW(type, function) {"gl" #function, (fxs_gl_function)gl##function},
+    static const named functions[] = {
+        {"glGetString", (fxs_gl_function)text}, {"glGetStringi", (fxs_gl_function)extension}, FXS_GL_FUNCTIONS(ROW)
+    };
+    (void)argument;
+    const named *f = functions;
+    while (strcmp(f->name, name))
+        f++;
+    return f->function;
+}
+
+/* In the context that webgl.js has as its own. */
+EXPORT(gl_open) fxs_gles *fxs_web_gl_open(void)
+{
+    fxs_gles *gles = fxs_web_allocate(fxs_gles_bytes());
+    if (gles && fxs_gles_init(gles, load, NULL, NULL, fxs_web_text())) {
+        free(gles);
+        gles = NULL;
+    }
+    return gles;
+}
+
+EXPORT(gl_close) void fxs_web_gl_close(fxs_gles *gles)
+{
+    fxs_gles_free(gles);
+    free(gles);
+}
+
+/* As `render`, to a framebuffer from (x, y) on. */
+EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, int quads, uint32_t framebuffer, int x, int y, int format,
+                                        uint32_t background, int sh_degree, int square, size_t limit)
+{
+    fxs_web_frame f;
+    fxs_gles_target target;
+    if (fxs_web_frame_begin(&f, background, sh_degree, square, limit))
+        return FXS_ERR_MEMORY;
+    fxs_gles_target_init(&target);
+    target.framebuffer = framebuffer;
+    target.x = x;
+    target.y = y;
+    target.format = (enum fxs_format)format;
+    target.quads = quads;
+    return fxs_web_frame_end(&f, fxs_gles_render(gles, f.context, f.objects, f.count, f.camera, &f.options, &target,
+                                                 f.memory, f.bytes, NULL));
+}

@@ -1,0 +1,241 @@
+// What kernels/gles calls of OpenGL ES 3.0, on a WebGL2RenderingContext. Objects have numbers; buffers that textures are
+// read from are the module's memory, which is one copy less.
+
+const COMPONENTS = { 0x1908: 4, 0x8d99: 4, 0x8228: 2, 0x8d94: 1 }     // RGBA, RGBA_INTEGER, RG_INTEGER, RED_INTEGER
+const NUM_EXTENSIONS = 0x821d
+
+/** Functions whose arguments are numbers for WebGL too. */
+const SAME = ['ActiveTexture', 'BlendEquationSeparate', 'BlendFuncSeparate', 'BlitFramebuffer', 'CheckFramebufferStatus',
+              'ColorMask', 'Disable', 'DrawArrays', 'DrawArraysInstanced', 'Enable', 'EnableVertexAttribArray', 'GetError',
+              'IsEnabled', 'PixelStorei', 'RenderbufferStorage', 'Scissor', 'TexParameteri', 'VertexAttribDivisor',
+              'VertexAttribIPointer', 'Viewport']
+
+const small = (name) => name[0].toLowerCase() + name.slice(1)
+
+/** The functions of one context for one module. */
+export class Functions {
+  #gl
+  #core
+  #objects = [null]
+  #free = []
+  #locations = []
+  #unpack = 0                  // the number of the buffer that is bound, which has no object
+  #staging = { at: 0, bytes: 0 }                // the memory of all buffers: what was in the last is uploaded
+  #mapped
+  #copies = false
+
+  constructor(gl, core) {
+    this.#gl = gl
+    this.#core = core
+    this.#copies = !this.#takes(core.c.memory.buffer)
+    for (const name of SAME) {
+      const method = gl[small(name)].bind(gl)
+      this[name] = method
+    }
+    for (const kind of ['Buffer', 'Framebuffer', 'Renderbuffer', 'Texture', 'VertexArray']) {
+      this[`Gen${kind}s`] = (count, at) => this.#words(at, count).forEach((_, i, names) => {
+        names[i] = this.nameOf(gl[`create${kind}`]())
+      })
+      this[`Delete${kind}s`] = (count, at) => this.#words(at, count).forEach((name) => this.#drop(`delete${kind}`, name))
+    }
+    for (const kind of ['Program', 'Shader'])
+      this[`Delete${kind}`] = (name) => this.#drop(`delete${kind}`, name)
+    for (const [kind, count] of [['1i', 1], ['2f', 2], ['4i', 4]])
+      this[`Uniform${kind}`] = (location, ...values) => gl[`uniform${kind}`](this.#locations[location], ...values)
+  }
+
+  /** Whether WebGL takes such memory: where threads share it, not every browser's does. */
+  #takes(memory) {
+    try {
+      this.#gl.readPixels(0, 0, 0, 0, this.#gl.RGBA, this.#gl.UNSIGNED_BYTE, new Uint8Array(memory, 0, 4))
+      return true
+    } catch {
+      return false
+    }
+  }
+
+  #words(at, count) {
+    return new Int32Array(this.#core.c.memory.buffer, at >>> 0, count)
+  }
+
+  #text(at) {
+    const bytes = new Uint8Array(this.#core.c.memory.buffer, at >>> 0)
+    return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)))
+  }
+
+  #data(type, at, count) {
+    const Type = type === this.#gl.UNSIGNED_INT ? Uint32Array : Uint8Array
+    const data = new Type(this.#core.c.memory.buffer, at >>> 0, count)
+    return this.#copies ? data.slice() : data
+  }
+
+  // ---- Objects ------------------------------------------------------------------------------------------------
+
+  /** The number of an object of WebGL, whoever made it. */
+  nameOf(object) {
+    if (!object) return 0
+    const known = this.#objects.indexOf(object)
+    if (known > 0) return known
+    const name = this.#free.pop() ?? this.#objects.length
+    this.#objects[name] = object
+    return name
+  }
+
+  #drop(method, name) {
+    if (!this.#objects[name]) return
+    this.#gl[method](this.#objects[name])
+    this.#objects[name] = undefined
+    this.#free.push(name)
+  }
+
+  /** The staging memory goes back to the module. */
+  close() {
+    this.#core.c.release(this.#staging.at)
+  }
+
+  BindFramebuffer(target, name) {
+    this.#gl.bindFramebuffer(target, this.#objects[name])
+  }
+
+  BindRenderbuffer(target, name) {
+    this.#gl.bindRenderbuffer(target, this.#objects[name])
+  }
+
+  BindSampler(unit, name) {
+    this.#gl.bindSampler(unit, this.#objects[name])
+  }
+
+  BindTexture(target, name) {
+    this.#gl.bindTexture(target, this.#objects[name])
+  }
+
+  BindVertexArray(name) {
+    this.#gl.bindVertexArray(this.#objects[name])
+  }
+
+  FramebufferRenderbuffer(target, attachment, kind, name) {
+    this.#gl.framebufferRenderbuffer(target, attachment, kind, this.#objects[name])
+  }
+
+  FramebufferTexture2D(target, attachment, kind, name, level) {
+    this.#gl.framebufferTexture2D(target, attachment, kind, this.#objects[name], level)
+  }
+
+  // ---- Programs -----------------------------------------------------------------------------------------------
+
+  CreateProgram() {
+    return this.nameOf(this.#gl.createProgram())
+  }
+
+  CreateShader(kind) {
+    return this.nameOf(this.#gl.createShader(kind))
+  }
+
+  ShaderSource(name, count, at) {
+    this.#gl.shaderSource(this.#objects[name], Array.from(this.#words(at, count), (part) => this.#text(part)).join(''))
+  }
+
+  CompileShader(name) {
+    this.#gl.compileShader(this.#objects[name])
+  }
+
+  GetShaderiv(name, what, at) {
+    this.#words(at, 1)[0] = Number(this.#gl.getShaderParameter(this.#objects[name], what))
+  }
+
+  GetShaderInfoLog(name, room, length, at) {
+    this.#log(this.#gl.getShaderInfoLog(this.#objects[name]), room, at)
+  }
+
+  GetProgramInfoLog(name, room, length, at) {
+    this.#log(this.#gl.getProgramInfoLog(this.#objects[name]), room, at)
+  }
+
+  #log(text, room, at) {
+    this.#core.write(`${(text ?? 'the context is lost').slice(0, room / 2)}\0`, at, room)
+  }
+
+  AttachShader(program, shader) {
+    this.#gl.attachShader(this.#objects[program], this.#objects[shader])
+  }
+
+  BindAttribLocation(program, index, name) {
+    this.#gl.bindAttribLocation(this.#objects[program], index, this.#text(name))
+  }
+
+  LinkProgram(name) {
+    this.#gl.linkProgram(this.#objects[name])
+  }
+
+  GetProgramiv(name, what, at) {
+    this.#words(at, 1)[0] = Number(this.#gl.getProgramParameter(this.#objects[name], what))
+  }
+
+  UseProgram(name) {
+    this.#gl.useProgram(this.#objects[name])
+  }
+
+  GetUniformLocation(program, name) {
+    const location = this.#gl.getUniformLocation(this.#objects[program], this.#text(name))
+    return location ? this.#locations.push(location) - 1 : -1
+  }
+
+  // ---- State --------------------------------------------------------------------------------------------------
+
+  #parameter(what) {
+    if (what === this.#gl.PIXEL_UNPACK_BUFFER_BINDING) return this.#unpack
+    if (what === NUM_EXTENSIONS) return this.#gl.getExtension('EXT_color_buffer_float') ? 1 : 0
+    const value = this.#gl.getParameter(what)
+    return value instanceof Object && value.length === undefined ? this.nameOf(value) : value
+  }
+
+  GetIntegerv(what, at) {
+    const values = [this.#parameter(what)].flatMap((value) => (value instanceof Object ? [...value] : Number(value)))
+    this.#words(at, values.length).set(values)
+  }
+
+  GetBooleanv(what, at) {
+    const values = this.#gl.getParameter(what) ?? []
+    new Uint8Array(this.#core.c.memory.buffer, at >>> 0, values.length).set(values)
+  }
+
+  ClearBufferfv(buffer, index, at) {
+    this.#gl.clearBufferfv(buffer, index, new Float32Array(this.#core.c.memory.buffer, at >>> 0, 4).slice())
+  }
+
+  // ---- Memory -------------------------------------------------------------------------------------------------
+
+  BindBuffer(target, name) {
+    if (target === this.#gl.PIXEL_UNPACK_BUFFER) this.#unpack = name
+    else this.#gl.bindBuffer(target, this.#objects[name])
+  }
+
+  BufferData(target, bytes, data, use) {
+    if (target !== this.#gl.PIXEL_UNPACK_BUFFER) this.#gl.bufferData(target, bytes, use)
+  }
+
+  MapBufferRange(target, offset, bytes) {
+    if (this.#staging.bytes < bytes) {
+      this.#core.c.release(this.#staging.at)
+      this.#staging = { at: this.#core.c.allocate(bytes) >>> 0, bytes }
+      if (!this.#staging.at) this.#staging.bytes = 0
+    }
+    this.#mapped = bytes
+    return this.#staging.at
+  }
+
+  UnmapBuffer(target) {
+    if (target !== this.#gl.PIXEL_UNPACK_BUFFER)
+      this.#gl.bufferSubData(target, 0, this.#data(this.#gl.UNSIGNED_BYTE, this.#staging.at, this.#mapped))
+    return 1
+  }
+
+  TexImage2D(target, level, format, width, height, border, layout, type) {
+    this.#gl.texImage2D(target, level, format, width, height, border, layout, type, null)
+  }
+
+  TexSubImage2D(target, level, x, y, width, height, layout, type, at) {
+    const data = this.#data(type, this.#unpack ? this.#staging.at + at : at, width * height * COMPONENTS[layout])
+    this.#gl.texSubImage2D(target, level, x, y, width, height, layout, type, data)
+  }
+}
