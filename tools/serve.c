@@ -261,8 +261,8 @@ static void tell_all(const fxs_http_server *server, const site *s, int is_https)
     told t = {s, 0};
     fxs_http_each_address(server, tell, &t);
     if (t.far && !is_https)
-        puts("Browsers of other machines have no threads and no headset over http: --cert and --key, or for a headset on "
-             "a cable adb reverse (docs/web.md)");
+        puts("Browsers of other machines have no threads and no headset over http: --cert and --key, or for a headset "
+             "on a cable adb reverse (docs/web.md)");
     fflush(stdout);
 }
 

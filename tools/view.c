@@ -33,7 +33,7 @@ static const char help[] =
     "  --screenshot OUT    the picture that key i writes: .png, .ppm or .raw (default: beside the scene,\n"
     "                      SCENE-001.png and on); the command that renders it again is printed\n"
     "In a browser:\n"
-    "  --web               serve the scenes and a page that shows them, and print the page's address; ends with Ctrl-C.\n"
+    "  --web               serve the scenes and a page that shows them, and print the page's address, until Ctrl-C.\n"
     "                      Of what follows it takes --cameras, --view, --bg and the options of an import; a scene is\n"
     "                      sent as it lies on the disk, or packed here where it has several files or such an option\n"
     "  --port N            1 to 65535, or 0 for any that is free (default 8080)\n"

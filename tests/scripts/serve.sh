@@ -77,8 +77,8 @@ check "no-cache" equal "$(header Cache-Control "$at/scenes/1/knot.ply")" no-cach
 
 # ---- Nothing else ----------------------------------------------------------------------------------------------------
 
-for path in /none /viewer /scenes/ /scenes/2/knot.ply /scenes/0/knot.ply /scenes/1/knot.ply/ /2 /.x /viewer/.x /.hidden/x \
-    /../beside.txt /viewer/../../beside.txt /%2e%2e/beside.txt /viewer/%2e%2e/%2e%2e/beside.txt '/..%2fbeside.txt' \
+for path in /none /viewer /scenes/ /scenes/2/knot.ply /scenes/0/knot.ply /scenes/1/knot.ply/ /2 /.x /viewer/.x \
+    /.hidden/x /../beside.txt /viewer/../../beside.txt /%2e%2e/beside.txt /viewer/%2e%2e/%2e%2e/beside.txt '/..%2fbeside.txt' \
     /out.txt /viewer/..%00/x //beside.txt "/$work/beside.txt" '/..\beside.txt' /scenes/1/../1/knot.ply \
     "/$(head -c 5000 /dev/zero | tr '\0' a)"; do
     check "404: $(echo "$path" | cut -c 1-40)" equal "$(code "$at$path")" 404
@@ -130,7 +130,8 @@ fails "a port in use" 1 "port ${at##*:}: Address already in use" view --web knot
 ends TERM
 check "a signal ends it: status 0" equal $status 0
 check "not a word on stderr" equal "$(cat logs/errors)" ""
-env --default-signal=INT timeout --preserve-status -s INT 1 "$fixsplat" view --web --port 0 knot.ply >logs/out 2>logs/err
+env --default-signal=INT timeout --preserve-status -s INT 1 \
+    "$fixsplat" view --web --port 0 knot.ply >logs/out 2>logs/err
 check "Ctrl-C: status 0" equal "$? $(wc -l <logs/out) $(wc -c <logs/err)" "0 1 0"
 
 # ---- Scenes and views ------------------------------------------------------------------------------------------------
@@ -139,15 +140,16 @@ check "Ctrl-C: status 0" equal "$? $(wc -l <logs/out) $(wc -c <logs/err)" "0 1 0
     printf '['
     for x in 0 1 2; do
         [ $x = 0 ] || printf ','
-        printf '{"img_name": "at \\"%s\\"", "width": 640, "height": 360, "position": [%s, 0.1, -9], "fx": 500, "fy": 501,
-            "rotation": [[0.6, 0, 0.8], [0, 1, 0], [-0.8, 0, 0.6]]}' $x $x
+        printf '{"img_name": "at \\"%s\\"", "width": 640, "height": 360, "position": [%s, 0.1, -9],
+            "fx": 500, "fy": 501, "rotation": [[0.6, 0, 0.8], [0, 1, 0], [-0.8, 0, 0.6]]}' $x $x
     done
     printf ']'
 } >three.json
 serve knot.ply --cameras three.json --view 1 --profile compact
 check "views in the address" equal "$(cat logs/served)" "$at/viewer/?scene=/scenes/0/knot.ply.fxs&cameras=/cameras.json"
 gets_packed() {
-    "$fixsplat" convert knot.ply compact.fxs --profile compact >/dev/null 2>&1 && gets "$at/scenes/0/knot.ply.fxs" compact.fxs
+    "$fixsplat" convert knot.ply compact.fxs --profile compact >/dev/null 2>&1 &&
+        gets "$at/scenes/0/knot.ply.fxs" compact.fxs
 }
 check "packed, as convert does" gets_packed
 get -o views.json "$at/cameras.json"
@@ -235,7 +237,8 @@ if have openssl; then
     check "TLS: not without" equal "$(code -m 5 "http${at#https}/a.js")" 000
     ends TERM
     check "TLS: status 0" equal "$status $(cat logs/errors)" "0 "
-    fails "a key of another certificate" 1 "not a certificate and its key" view --web knot.ply --cert cert.pem --key other.pem
+    fails "a key of another certificate" 1 "not a certificate and its key" view --web knot.ply --cert cert.pem \
+        --key other.pem
     fails "no certificate" 1 "not a certificate and its key" view --web knot.ply --cert knot.ply --key key.pem
     fails "no key" 1 "none.pem: No such file" view --web knot.ply --cert cert.pem --key none.pem
 else
@@ -268,7 +271,9 @@ if ! have valgrind || [ "$FXS_EMULATED" ]; then
 else
     through='valgrind -q --trace-children=yes --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite'
     serve knot.ply --cameras three.json --profile small
-    for path in / /a.js /none /cameras.json /scenes/0/knot.ply.fxs /viewer/../../beside.txt; do get "$at$path"; done >logs/body
+    for path in / /a.js /none /cameras.json /scenes/0/knot.ply.fxs /viewer/../../beside.txt; do
+        get "$at$path"
+    done >logs/body
     get -r 5-10 "$at/a.js" >logs/body
     get -X POST -d 123 "$at/a.js" >logs/body
     ends TERM

@@ -1,6 +1,6 @@
 // node peers.mjs PACKAGE SCENES MODULES PICTURES [ROUNDS [SCENE...]]: what tools/peers.sh measures.
 import { execFileSync } from 'node:child_process'
-import { createReadStream, existsSync, readFileSync } from 'node:fs'
+import { createReadStream, existsSync, readdirSync, readFileSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { createRequire } from 'node:module'
 import { cpus } from 'node:os'
@@ -167,12 +167,26 @@ function downloaded() {
 
 // ---- Measuring --------------------------------------------------------------------------------------------------------
 
+/** Seconds of all processors that a process and those that it started have taken, also where they ended. */
+function processorTime(root) {
+  const all = readdirSync('/proc').filter((name) => /^\d+$/.test(name))
+  const fields = new Map()
+  for (const pid of all)
+    try {
+      fields.set(pid, readFileSync(`/proc/${pid}/stat`, 'utf8').replace(/^.*\) /s, '').split(' '))
+    } catch {} // ended meanwhile
+  const isIn = (pid) => pid === root || (fields.has(pid) && isIn(fields.get(pid)[1]))
+  const ticks = (f) => f.slice(11, 15).reduce((sum, n) => sum + Number(n), 0)
+  return [...fields].reduce((sum, [pid, f]) => sum + (isIn(pid) ? ticks(f) / 100 : 0), 0)
+}
+
 /** In every page. `peer.frames`: when each picture was complete, and while `peer.small` is true the picture, 160x90. A frame of WebGL is
     complete when one of its pixels has been read, at the end of the animation frame that drew onto the canvas. */
 function watch(width, height) {
   const peer = (window.peer = { frames: [], small: true, loaded: false, after: null, size: [] })
   const frame = (at, small) => {
     peer.frames.push({ at, small })
+    if (small) drawn()
     peer.after?.()
   }
   const drawnOn = new Set()
@@ -261,7 +275,7 @@ const firstPicture = (page) =>
     const far = (a) => a.reduce((sum, x, i) => sum + Math.abs(x - last[i]), 0) / a.length
     let i = peer.frames.length - 1
     while (i > 0 && far(peer.frames[i - 1].small) < same) i--
-    return peer.frames[i].at
+    return { i, at: peer.frames[i].at }
   }, SAME)
 
 /** Milliseconds between complete pictures while each is of another camera. */
@@ -302,17 +316,23 @@ async function measure(base, name, scene, round) {
     protocolTimeout: 600000,
   })
   try {
+    const processors = () => processorTime(String(browser.process().pid))
     const page = await browser.newPage()
+    const busy = []
+    const before = processors()
+    await page.exposeFunction('drawn', () => busy.push(processors() - before))
     page.on('pageerror', (error) => console.error(`${name}: ${error.message}`))
     await page.setViewport({ width: WIDTH, height: HEIGHT })
     await page.evaluateOnNewDocument(watch, WIDTH, HEIGHT)
     await page.goto(base + address(file, view), { timeout: 300000 })
     await settled(page)
-    const first = await firstPicture(page)
+    const { i, at: first } = await firstPicture(page)
     const bytes = downloaded()
     await page.screenshot({ path: join(pictures, `${scene}-${name}.png`) })
+    const start = processors()
     const times = await motion(page, look.toString(), view)
-    const result = { name, scene, round, first, frame: median(times), frames: times.length, bytes }
+    const busyFrame = (1000 * (processors() - start)) / (times.length + 1)
+    const result = { name, scene, round, first, busyFirst: busy[i], frame: median(times), busyFrame, frames: times.length, bytes }
     console.error(JSON.stringify({ ...result, times: times.map(Math.round) }))
     return result
   } finally {
@@ -325,14 +345,19 @@ function table(results) {
   for (const scene of new Set(results.map((r) => r.scene))) {
     const of = (name, key) => median(results.filter((r) => r.scene === scene && r.name === name).map((r) => r[key]))
     for (const name of only) {
-      const ratio = of(name, 'frame') / of(only[0], 'frame')
+      const ratio = (key) => (of(name, key) / of(only[0], key)).toFixed(1)
       rows.push(
         `| ${scene} | ${name} | ${Math.round(of(name, 'bytes') / 1000)} KB | ${(of(name, 'first') / 1000).toFixed(1)} s | ` +
-          `${of(name, 'frame').toFixed(0)} ms | ${ratio.toFixed(1)} |`
+          `${of(name, 'busyFirst').toFixed(1)} s | ${of(name, 'frame').toFixed(0)} ms | ${ratio('frame')} | ` +
+          `${of(name, 'busyFrame').toFixed(0)} ms | ${ratio('busyFrame')} |`
       )
     }
   }
-  return ['| scene | viewer | download | first picture | a frame | times ours |', '|---|---|---|---|---|---|', ...rows]
+  return [
+    '| scene | viewer | download | first picture | processors | a frame | times ours | processors | times ours |',
+    '|---|---|---|---|---|---|---|---|---|',
+    ...rows,
+  ]
 }
 
 const server = createServer(answer).listen(0, '127.0.0.1')
