@@ -17,13 +17,13 @@ HEADERS := $(CORE_HEADERS) kernels/cuda/cuda.h kernels/gles/gles.h port/egl/egl.
            port/world/world.h port/backend/backends.h port/backend/foveate.h port/board/strip.h
 
 PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libzstd-dev libegl-dev libgles-dev \
-            libsdl2-dev
+            libsdl2-dev libmicrohttpd-dev
 TEST_PACKAGES := clang libclang-rt-14-dev cmake pkg-config glslang-tools qemu-user gcc-aarch64-linux-gnu \
                  libc6-dev-arm64-cross gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind libosmesa6-dev libosmesa6 \
                  libegl1 libgles2 libegl-mesa0 libgl1-mesa-dri xvfb xdotool gcc-s390x-linux-gnu \
                  libc6-dev-s390x-cross gcc-powerpc-linux-gnu libc6-dev-powerpc-cross gcc-arm-linux-gnueabihf \
                  libc6-dev-armhf-cross gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-i686-linux-gnu \
-                 libc6-dev-i386-cross g++ qemu-system-arm chromium
+                 libc6-dev-i386-cross g++ qemu-system-arm chromium curl openssl
 CROSS := mips-linux-gnu powerpc64-linux-gnu powerpc64le-linux-gnu m68k-linux-gnu sparc64-linux-gnu hppa-linux-gnu \
          arm-linux-gnueabi mips64el-linux-gnuabi64
 TEST_ALL_PACKAGES := musl-tools $(CROSS:%=gcc-%) libc6-dev-mips-cross libc6-dev-ppc64-cross libc6-dev-ppc64el-cross \
@@ -99,11 +99,12 @@ DEVICES := $(call with,GLES,kernels/gles/*.c) $(call with,CUDA,kernels/cuda/cuda
 PORT := $(wildcard $(addprefix port/,$(addsuffix /*.c,files scene camera image import posix world backend board)))
 PORT += $(if $(filter GLES,$(FOUND)),$(call with,EGL,port/egl/*.c) $(call with,OSMESA,port/osmesa/*.c))
 WINDOW := $(if $(call with,SDL,port/window/*.c),$(wildcard port/window/*.c) tools/viewer.c)
-TOOL := $(filter-out tools/viewer%,$(wildcard tools/*.c))
+SERVER := $(call with,MICROHTTPD,port/http/*.c)
+TOOL := $(filter-out tools/viewer% tools/serve%,$(wildcard tools/*.c))
 TOOL_SHARED := tools/metrics.c tools/procedural.c
 objects = $(patsubst %.cu,$(B)/%.o,$(patsubst %.c,$(B)/%.o,$(1)))
 
-PROGRAMS := $(B)/fixsplat $(if $(WINDOW),$(B)/fixsplat-view)
+PROGRAMS := $(B)/fixsplat $(if $(WINDOW),$(B)/fixsplat-view) $(if $(SERVER),$(B)/fixsplat-web)
 ARCHIVES := $(B)/libfixsplat-core.a $(B)/libfixsplat.a
 SONAME := libfixsplat.so.$(basename $(VERSION))
 SHARED_LIBRARY := $(if $(SHARED),$(B)/libfixsplat.so.$(VERSION))
@@ -139,10 +140,14 @@ $(B)/fixsplat-view: $(call objects,tools/viewer_main.c $(WINDOW) $(filter-out to
                     $(B)/libfixsplat.a $(B)/commands/link
 	$(call link,$(LIBS_SDL))
 
+$(B)/fixsplat-web: $(call objects,tools/serve.c $(SERVER) $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a \
+                   $(B)/commands/link
+	$(call link,$(LIBS_MICROHTTPD))
+
 # What commands are made of: what was built by another is built again.
 $(B)/commands/compile: COMMAND := $(CC) $(CC_VERSION) $(filter-out -DFXS_WITH_%,$(FLAGS)) $(PIC)
 $(B)/commands/nvcc: COMMAND := $(NVCC) $(NVCC_VERSION) $(NVCC_FLAGS)
-$(B)/commands/link: COMMAND := $(CC) $(CC_VERSION) $(CFLAGS) $(LDFLAGS) $(LIBS) $(LIBS_SDL) $(AR) \
+$(B)/commands/link: COMMAND := $(CC) $(CC_VERSION) $(CFLAGS) $(LDFLAGS) $(LIBS) $(LIBS_SDL) $(LIBS_MICROHTTPD) $(AR) \
                               $(CORE) $(DEVICES) $(PORT)
 $(B)/commands/%: FORCE
 	@mkdir -p $(@D)
@@ -163,6 +168,7 @@ $(B)/%.o: %.cu $(B)/commands/nvcc
 
 # These are there only with their library, and do not ask.
 $(call objects,$(wildcard port/window/*.c)): $(B)/with/SDL
+$(call objects,$(wildcard port/http/*.c)): $(B)/with/MICROHTTPD
 $(call objects,$(wildcard kernels/gles/*.c)): $(B)/with/GLES
 $(call objects,$(wildcard port/egl/*.c)): $(B)/with/EGL
 $(call objects,$(wildcard port/osmesa/*.c)): $(B)/with/OSMESA
@@ -375,6 +381,10 @@ $(B)/web/test_kernels.wasm: $(patsubst %.c,$(B)/web/simd/%.o,$(wildcard src/*.c 
 # ---- Install ---------------------------------------------------------------------------------------------------------
 
 SONAME_LINKS := $(SONAME) libfixsplat.so
+PAGE := $(PREFIX)/share/fixsplat/web
+PAGE_FILES := $(PACKAGE:$(WEB)/%=%)
+PAGE_FOLDERS := $(sort $(patsubst %/,%,$(dir $(PAGE_FILES))))
+HAS_PAGE := $(wildcard $(WEB)/package.json)
 PC_FILES := fixsplat.pc fixsplat-core.pc
 CMAKE_FILES := fixsplat-config.cmake fixsplat-config-version.cmake
 INCLUDE := $(PREFIX)/include/fixsplat
@@ -383,7 +393,7 @@ fill = sed -e 's|@PREFIX@|$(PREFIX)|g' -e 's|@LIBDIR@|$(LIBDIR)|g' -e 's|@SONAME
            -e 's|@VERSION@|$(VERSION)|g' -e 's|@LIBS@|$(LIBS)|g' tools/package/$$f.in >$(DESTDIR)$(1)/$$f && \
        chmod 644 $(DESTDIR)$(1)/$$f || exit 1
 
-install: all ## install command, libraries, headers, pkg-config and CMake files to DESTDIR and PREFIX (/usr/local)
+install: all $(if $(HAS_PAGE),web) ## install command, libraries, headers, the page where it is built: DESTDIR, PREFIX (/usr/local)
 	install -d $(addprefix $(DESTDIR),$(PREFIX)/bin $(LIBDIR)/pkgconfig $(CMAKE) $(INCLUDE))
 	install $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin/
 	install -m 644 $(ARCHIVES) $(SHARED_LIBRARY) $(DESTDIR)$(LIBDIR)/
@@ -391,13 +401,18 @@ install: all ## install command, libraries, headers, pkg-config and CMake files 
 	install -m 644 $(FLAT_HEADERS) $(DESTDIR)$(INCLUDE)/
 	@for f in $(PC_FILES); do $(call fill,$(LIBDIR)/pkgconfig); done
 	@for f in $(CMAKE_FILES); do $(call fill,$(CMAKE)); done
+	$(if $(HAS_PAGE),install -d $(addprefix $(DESTDIR)$(PAGE)/,$(PAGE_FOLDERS)))
+	$(if $(HAS_PAGE),for f in $(PAGE_FILES); do install -m 644 $(WEB)/$$f $(DESTDIR)$(PAGE)/$$f || exit 1; done)
 
 uninstall: ## remove what install put there
-	rm -f $(addprefix $(DESTDIR)$(PREFIX)/bin/,fixsplat fixsplat-view) \
+	rm -f $(addprefix $(DESTDIR)$(PREFIX)/bin/,fixsplat fixsplat-view fixsplat-web) \
+	    $(addprefix $(DESTDIR)$(PAGE)/,$(PAGE_FILES)) \
 	    $(addprefix $(DESTDIR)$(LIBDIR)/,libfixsplat-core.a libfixsplat.a libfixsplat.so.$(VERSION) $(SONAME_LINKS)) \
 	    $(addprefix $(DESTDIR)$(LIBDIR)/pkgconfig/,$(PC_FILES)) $(addprefix $(DESTDIR)$(CMAKE)/,$(CMAKE_FILES)) \
 	    $(addprefix $(DESTDIR)$(INCLUDE)/,$(notdir $(HEADERS)))
-	for f in $(DESTDIR)$(CMAKE) $(DESTDIR)$(INCLUDE); do [ ! -d $$f ] || rmdir $$f || exit 1; done
+	for f in $(DESTDIR)$(CMAKE) $(DESTDIR)$(INCLUDE) \
+	    $(addprefix $(DESTDIR),$(addprefix $(PAGE)/,$(filter-out .,$(PAGE_FOLDERS))) $(PAGE) $(PREFIX)/share/fixsplat); do \
+	    [ ! -d $$f ] || rmdir $$f || exit 1; done
 
 headers: ## list the public headers
 	@printf '%s\n' $(HEADERS)
@@ -451,6 +466,9 @@ mutants: ## change the code in small ways and see that a test notices each (long
 
 # ---- Measurements --------------------------------------------------------------------------------------------------
 
+peers: web ## measure the page beside other viewers in Chromium (npm, some minutes); ROUNDS=3
+	B=$(B) SCENES=$(SCENES) sh tools/peers.sh $(or $(ROUNDS),3)
+
 bench: all $(B)/tests/test_quality ## measure and write the tables of docs/performance.md
 	SCENES=$(SCENES) B=$(B) sh tools/bench.sh
 
@@ -461,7 +479,7 @@ clean: ## remove what was built
 	rm -rf $(B) demo.ply demo.png
 
 .PHONY: all demo firmware web install uninstall headers core-headers test test-programs cuda-tests golden-update fuzz mutants bench test-all
-.PHONY: size clean FORCE
+.PHONY: size clean peers FORCE
 endif
 
 help: ## this list

@@ -9,7 +9,7 @@ static const struct {
     int (*run)(int argc, char **argv);
 } commands[] = {
     {"render", "scene file -> picture", command_render},
-    {"view", "scene file -> window", command_view},
+    {"view", "scene file -> window, or --web: page", command_view},
     {"info", "what a scene holds, and what it needs", command_info},
     {"convert", "scene file -> .fxs (packed), .ply, .splat or .spz", command_convert},
     {"compare", "how far two pictures are apart", command_compare},

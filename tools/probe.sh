@@ -13,6 +13,7 @@ ZSTD zstd.h -lzstd
 WEBP webp/decode.h -lwebp
 STB stb/stb_image_write.h
 SDL SDL2/SDL.h -lSDL2
+MICROHTTPD microhttpd.h -lmicrohttpd
 GLES GLES3/gl3.h -ldl
 EGL EGL/egl.h
 OSMESA GL/osmesa.h'

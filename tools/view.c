@@ -32,33 +32,86 @@ static const char help[] =
     "With --cameras, up is the mean of the views' up, unless --up says otherwise.\n\n"
     "  --screenshot OUT    the picture that key i writes: .png, .ppm or .raw (default: beside the scene,\n"
     "                      SCENE-001.png and on); the command that renders it again is printed\n"
+    "In a browser:\n"
+    "  --web               serve the scenes and a page that shows them, and print the page's address, until Ctrl-C.\n"
+    "                      Of what follows it takes --cameras, --view, --bg and the options of an import; a scene is\n"
+    "                      sent as it lies on the disk, or packed here where it has several files or such an option\n"
+    "  --port N            1 to 65535, or 0 for any that is free (default 8080)\n"
+    "  --bind ADDRESS      0.0.0.0 for every machine of the network, or one address of this one (default 127.0.0.1)\n"
+    "  --cert FILE --key FILE\n"
+    "                      https by this certificate, .pem: what browsers of other machines ask for before a page may\n"
+    "                      have threads or a headset\n"
     "%s%s\n"
     "Keys:\n"
     "%s\n"
     "Examples:\n"
     "  fixsplat view scene.ply\n"
     "  fixsplat view scene.ply --cameras cameras.json --view 8\n"
-    "  fixsplat view scene.ply --up 0,0,1 --size 1920x1080 --screenshot shot.png\n";
+    "  fixsplat view scene.ply --up 0,0,1 --size 1920x1080 --screenshot shot.png\n"
+    "  fixsplat view scene.ply --web --bind 0.0.0.0 --cert cert.pem --key key.pem\n";
 
-enum { OPT_SCREENSHOT = OPT_OWN };
+enum { OPT_SCREENSHOT = OPT_OWN, OPT_WEB, OPT_PORT, OPT_BIND, OPT_CERT, OPT_KEY };
+
+/* Of the options of frames, those that --web takes. */
+static int is_for_web(int option)
+{
+    static const int taken[] = {OPT_CAMERAS, OPT_VIEW, OPT_BG, OPT_AXES, OPT_LOD, OPT_PROFILE, OPT_THREADS,
+                                OPT_MAX_GAUSSIANS, OPT_IMPORT_MEMORY};
+    for (size_t i = 0; i < sizeof taken / sizeof *taken; i++)
+        if (taken[i] == option)
+            return 1;
+    return 0;
+}
+
+/* Options of the window with the page, and the other way round. */
+static int check_web(const view_options *o, const char *of_window, const char *of_page)
+{
+    if (o->web && of_window)
+        return fail(EXIT_USAGE, "view: --web shows scenes as the page does: no --%s", of_window);
+    if (!o->web && of_page)
+        return fail(EXIT_USAGE, "view: --%s needs --web", of_page);
+    if (!o->certificate != !o->key)
+        return fail(EXIT_USAGE, "view: --cert and --key: give both");
+    return 0;
+}
 
 int view_options_take(view_options *o, int argc, char **argv)
 {
-    static const struct option table[] = {FRAME_OPTIONS, {"screenshot", required_argument, 0, OPT_SCREENSHOT},
-                                          {0, 0, 0, 0}};
+    static const struct option table[] = {
+        FRAME_OPTIONS, {"screenshot", required_argument, 0, OPT_SCREENSHOT}, {"web", no_argument, 0, OPT_WEB},
+        {"port", required_argument, 0, OPT_PORT}, {"bind", required_argument, 0, OPT_BIND},
+        {"cert", required_argument, 0, OPT_CERT}, {"key", required_argument, 0, OPT_KEY}, {0, 0, 0, 0}
+    };
+    const char *of_window = 0, *of_page = 0;
+    int index = 0;
     memset(o, 0, sizeof *o);
+    o->bind = "127.0.0.1";
+    o->port = 8080;
     frame_options_default(&o->frame);
     opterr = 0;
-    for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;)
+    for (int c; (c = getopt_long(argc, argv, "", table, &index)) != -1;) {
+        if (c > OPT_WEB)
+            of_page = table[index].name;
+        else if (c != OPT_WEB && !is_for_web(c))
+            of_window = table[index].name;
         switch (c) {
         case OPT_SCREENSHOT: o->screenshot = optarg; break;
+        case OPT_WEB: o->web = 1; break;
+        case OPT_BIND: o->bind = optarg; break;
+        case OPT_CERT: o->certificate = optarg; break;
+        case OPT_KEY: o->key = optarg; break;
+        case OPT_PORT:
+            if (!parse_count(optarg, 0, 65535, &o->port))
+                return fail(EXIT_USAGE, "--port %s: expected a whole number from 0 to 65535", optarg);
+            break;
         case OPT_HELP: printf(help, camera_options_help, frame_options_help, viewer_keys); exit(EXIT_OK);
         case '?': return wrong_option(argv);
         default:
             if (frame_option(&o->frame, c, optarg))
                 return EXIT_USAGE;
         }
-    if (take_scenes(&o->frame.world, "view", argc - optind, argv + optind))
+    }
+    if (check_web(o, of_window, of_page) || take_scenes(&o->frame.world, "view", argc - optind, argv + optind))
         return EXIT_USAGE;
     if (o->frame.view && !strcmp(o->frame.view, "all"))
         return fail(EXIT_USAGE, "view: --view takes one view to start from; n and p show the others");
@@ -72,23 +125,29 @@ static const char *scene_name(const view_options *o)
     return o->frame.world.file ? o->frame.world.file : o->frame.world.scenes[0];
 }
 
+/* What of the program needs libraries that are many, and that the other commands do without, is a program beside it. */
 #ifdef FXS_WITH_SDL
-/* The window's libraries are many, and the other commands do without: a program beside this one has them. */
+static const char window[] = "-view";
+#else
+static const char window[] = "";
+#endif
+#ifdef FXS_WITH_MICROHTTPD
+static const char server[] = "-web";
+#else
+static const char server[] = "";
+#endif
+
 static int show(const view_options *o, char **argv)
 {
+    const char *ending = o->web ? server : window, *without = o->web ? "libmicrohttpd" : "SDL2";
     char path[4096] = "fixsplat";
+    if (!*ending)
+        return fail(EXIT_FAILED, "%s: cannot be shown: this program was built without %s", scene_name(o), without);
     ssize_t length = readlink("/proc/self/exe", path, sizeof path - sizeof "-view");
-    strcpy(path + (length > 0 ? (size_t)length : strlen(path)), "-view");
+    strcpy(path + (length > 0 ? (size_t)length : strlen(path)), ending);
     execvp(path, argv);
     return fail(EXIT_FAILED, "%s: cannot be shown: %s: %s", scene_name(o), path, strerror(errno));
 }
-#else
-static int show(const view_options *o, char **argv)
-{
-    (void)argv;
-    return fail(EXIT_FAILED, "%s: cannot be shown: this program was built without SDL2", scene_name(o));
-}
-#endif
 
 int command_view(int argc, char **argv)
 {

@@ -7,6 +7,9 @@
 typedef struct view_options {
     frame_options frame;
     const char *screenshot;
+    int web;                                /* in a page of a browser; the rest is of that: */
+    const char *bind, *certificate, *key;
+    uint64_t port;
 } view_options;
 
 /* Returns 0, or prints what is wrong and returns EXIT_USAGE; after --help the program ends. */

@@ -1,0 +1,427 @@
+#define _DEFAULT_SOURCE   /* IFF_UP and the like */
+#include "server.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <ifaddrs.h>
+#include <inttypes.h>
+#include <microhttpd.h>
+#include <net/if.h>
+#include <netinet/in.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { QUIET_SECONDS = 60, PEM_BYTES_MOST = 1 << 20 };
+
+typedef union any_address {
+    struct sockaddr any;
+    struct sockaddr_in v4;
+    struct sockaddr_in6 v6;
+} any_address;
+
+struct fxs_http_server {
+    const fxs_http_site *site;
+    struct MHD_Daemon *daemon;
+    any_address bound;
+    char *certificate, *key;                /* texts, or null */
+    char said[256];                         /* the library's last words */
+};
+
+/* ---- What is asked for ------------------------------------------------------------------------------------------- */
+
+/* Letters, digits and . _ - in parts that do not begin with a point: there is no way out of the folder. */
+static int is_inside(const char *name)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
+    for (;;) {
+        if (*name != '/' || !name[1] || !strchr(plain, name[1]))
+            return 0;
+        name += 1 + strspn(name + 1, plain);
+        while (*name == '.')
+            name += 1 + strspn(name + 1, plain);
+        if (!*name)
+            return 1;
+    }
+}
+
+/* Not to wait for the writer of a FIFO. */
+static int open_path(const char *path, int flags)
+{
+    return open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | flags);
+}
+
+static int open_of_folder(const char *folder, const char *name)
+{
+    char path[4096];
+    const char *index = name[strlen(name) - 1] == '/' ? "index.html" : "";
+    char whole[1024];
+    if (snprintf(whole, sizeof whole, "%s%s", name, index) >= (int)sizeof whole || !is_inside(whole) ||
+        snprintf(path, sizeof path, "%s%s", folder, whole) >= (int)sizeof path)
+        return -1;
+    return open_path(path, O_NOFOLLOW);
+}
+
+/* A descriptor of the regular file of that name, for the caller to close; -1: there is none. */
+static int open_named(const fxs_http_site *site, const char *name, struct stat *information)
+{
+    int descriptor = -2;
+    for (int i = 0; i < site->file_count && descriptor == -2; i++)
+        if (!strcmp(site->files[i].name, name))
+            descriptor = site->files[i].path ? open_path(site->files[i].path, 0)
+                                             : fcntl(site->files[i].descriptor, F_DUPFD_CLOEXEC, 0);
+    if (descriptor == -2)
+        descriptor = *name == '/' ? open_of_folder(site->folder, name) : -1;
+    if (descriptor >= 0 && (fstat(descriptor, information) || !S_ISREG(information->st_mode))) {
+        close(descriptor);
+        return -1;
+    }
+    return descriptor;
+}
+
+/* Where a short address leads: "/" to the first, "/1" to the next; or null. */
+static const char *start_of(const fxs_http_site *site, const char *name)
+{
+    char shorter[16] = "/";
+    for (int i = 0; i < site->start_count; i++, snprintf(shorter, sizeof shorter, "/%d", i))
+        if (!strcmp(name, shorter))
+            return site->starts[i];
+    return 0;
+}
+
+static const char *type_of(const char *name)
+{
+    static const char *const types[][2] = {
+        {"/", "text/html; charset=utf-8"}, {".html", "text/html; charset=utf-8"}, {".css", "text/css; charset=utf-8"},
+        {".js", "text/javascript; charset=utf-8"}, {".mjs", "text/javascript; charset=utf-8"},
+        {".wasm", "application/wasm"}, {".json", "application/json"}, {".png", "image/png"}, {".svg", "image/svg+xml"},
+        {".md", "text/plain; charset=utf-8"}, {".ts", "text/plain; charset=utf-8"}
+    };
+    const size_t length = strlen(name);
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
+        const size_t end = strlen(types[i][0]);
+        if (length >= end && !strcasecmp(name + length - end, types[i][0]))
+            return types[i][1];
+    }
+    return "application/octet-stream";
+}
+
+/* ---- Answers ----------------------------------------------------------------------------------------------------- */
+
+/* Sends it, with what every answer has, and lets go of it. */
+static enum MHD_Result send_answer(struct MHD_Connection *connection, unsigned status, struct MHD_Response *response)
+{
+    static const char *const headers[][2] = {
+        {"Cross-Origin-Opener-Policy", "same-origin"}, {"Cross-Origin-Embedder-Policy", "require-corp"},
+        {"Cross-Origin-Resource-Policy", "same-origin"}, {"X-Content-Type-Options", "nosniff"},
+        {"Cache-Control", "no-cache"}
+    };
+    enum MHD_Result done = response ? MHD_YES : MHD_NO;
+    for (size_t i = 0; i < sizeof headers / sizeof *headers && done == MHD_YES; i++)
+        done = MHD_add_response_header(response, headers[i][0], headers[i][1]);
+    if (done == MHD_YES)
+        done = MHD_queue_response(connection, status, response);
+    if (response)
+        MHD_destroy_response(response);
+    return done;
+}
+
+/* `text` is constant. */
+static enum MHD_Result send_words(struct MHD_Connection *connection, unsigned status, const char *text,
+                                  const char *header, const char *value)
+{
+    struct MHD_Response *response = MHD_create_response_from_buffer(strlen(text), (void *)(uintptr_t)text,
+                                                                    MHD_RESPMEM_PERSISTENT);
+    if (response) {
+        MHD_add_response_header(response, "Content-Type", "text/plain; charset=utf-8");
+        if (header)
+            MHD_add_response_header(response, header, value);
+    }
+    return send_answer(connection, status, response);
+}
+
+/* A number of digits that there are, and what is behind them; or null. */
+static const char *take_digits(const char *text, uint64_t *value)
+{
+    char *end;
+    errno = 0;
+    *value = strtoull(text, &end, 10);
+    return *text >= '0' && *text <= '9' && !errno ? end : 0;
+}
+
+/* What a Range header asks of a file: "bytes=FIRST-LAST", "bytes=FIRST-" or "bytes=-LENGTH". Returns 1 and the part; 0
+   for all of it, also for what is not understood here, several ranges say; -1 where it has no such bytes. */
+static int take_range(const char *range, uint64_t size, uint64_t *first, uint64_t *length)
+{
+    uint64_t from = 0, last = UINT64_MAX;
+    if (!range || strncmp(range, "bytes=", 6))
+        return 0;
+    const int from_end = range[6] == '-';
+    const char *at = from_end ? range + 6 : take_digits(range + 6, &from);
+    if (!at || *at != '-')
+        return 0;
+    if (from_end || at[1])
+        at = take_digits(at + 1, &last);
+    else
+        at++;
+    if (!at || *at || (!from_end && last < from))
+        return 0;
+    if (from_end)
+        from = last < size ? size - last : 0;
+    if (from >= size)
+        return -1;
+    *first = from;
+    *length = (from_end || last >= size ? size : last + 1) - from;
+    return 1;
+}
+
+static const char *header_of(struct MHD_Connection *connection, const char *name)
+{
+    return MHD_lookup_connection_value(connection, MHD_HEADER_KIND, name);
+}
+
+/* Of a file whose answer goes on to own the descriptor. */
+static enum MHD_Result send_file(struct MHD_Connection *connection, const char *name, int descriptor,
+                                 const struct stat *information)
+{
+    const uint64_t size = (uint64_t)information->st_size;
+    uint64_t first = 0, length = size;
+    char tag[64], text[96];
+    snprintf(tag, sizeof tag, "\"%" PRIx64 "-%lx-%" PRIx64 "\"", (uint64_t)information->st_mtim.tv_sec,
+             information->st_mtim.tv_nsec, size);
+    const char *known = header_of(connection, "If-None-Match"), *same = header_of(connection, "If-Range");
+    if (known && strstr(known, tag)) {
+        close(descriptor);
+        return send_words(connection, MHD_HTTP_NOT_MODIFIED, "", "ETag", tag);
+    }
+    const int part = same && strcmp(same, tag) ? 0 : take_range(header_of(connection, "Range"), size, &first, &length);
+    if (part < 0) {
+        close(descriptor);
+        snprintf(text, sizeof text, "bytes */%" PRIu64, size);
+        return send_words(connection, MHD_HTTP_RANGE_NOT_SATISFIABLE, "no such bytes\n", "Content-Range", text);
+    }
+    struct MHD_Response *response = MHD_create_response_from_fd_at_offset64(length, descriptor, first);
+    if (!response) {
+        close(descriptor);
+        return MHD_NO;
+    }
+    MHD_add_response_header(response, "Content-Type", type_of(name));
+    MHD_add_response_header(response, "Accept-Ranges", "bytes");
+    MHD_add_response_header(response, "ETag", tag);
+    if (part) {
+        snprintf(text, sizeof text, "bytes %" PRIu64 "-%" PRIu64 "/%" PRIu64, first, first + length - 1, size);
+        MHD_add_response_header(response, "Content-Range", text);
+    }
+    return send_answer(connection, part ? MHD_HTTP_PARTIAL_CONTENT : MHD_HTTP_OK, response);
+}
+
+static enum MHD_Result answer(void *self, struct MHD_Connection *connection, const char *name, const char *method,
+                              const char *version, const char *body, size_t *body_bytes, void **state)
+{
+    fxs_http_server *server = self;
+    const fxs_http_site *site = server->site;
+    struct stat information;
+    (void)version;
+    (void)body;
+    if (strcmp(method, "GET") && strcmp(method, "HEAD"))
+        return send_words(connection, MHD_HTTP_METHOD_NOT_ALLOWED, "only GET and HEAD\n", "Allow", "GET, HEAD");
+    if (!*state) {   /* an answer to the first of the two calls of a request would end the connection */
+        *state = server;
+        return MHD_YES;
+    }
+    if (*body_bytes) {
+        *body_bytes = 0;   /* read, and of no use */
+        return MHD_YES;
+    }
+    const char *start = start_of(site, name);
+    if (start)
+        return send_words(connection, MHD_HTTP_FOUND, "", "Location", start);
+    const int descriptor = open_named(site, name, &information);
+    if (descriptor < 0)
+        return send_words(connection, MHD_HTTP_NOT_FOUND, "there is no such file here\n", 0, 0);
+    return send_file(connection, name, descriptor, &information);
+}
+
+/* ---- Opening ----------------------------------------------------------------------------------------------------- */
+
+static int parse_address(any_address *out, const fxs_http_options *o, fxs_message *message)
+{
+    memset(out, 0, sizeof *out);
+    if (inet_pton(AF_INET, o->address, &out->v4.sin_addr) == 1) {
+        out->v4.sin_family = AF_INET;
+        out->v4.sin_port = htons(o->port);
+        return 0;
+    }
+    if (inet_pton(AF_INET6, o->address, &out->v6.sin6_addr) == 1) {
+        out->v6.sin6_family = AF_INET6;
+        out->v6.sin6_port = htons(o->port);
+        return 0;
+    }
+    return fxs_fail(message, "%s: expected an address in digits, as 127.0.0.1, 0.0.0.0 or ::1", o->address);
+}
+
+static socklen_t size_of(const any_address *a)
+{
+    return a->any.sa_family == AF_INET6 ? sizeof a->v6 : sizeof a->v4;
+}
+
+/* A socket that listens, with the port that it got in `address`. */
+static int listen_at(any_address *address, const fxs_http_options *o, fxs_message *message)
+{
+    const int on = 1, off = 0;
+    socklen_t size = size_of(address);
+    const int s = socket(address->any.sa_family, SOCK_STREAM, 0);
+    if (s >= 0) {
+        setsockopt(s, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+        if (address->any.sa_family == AF_INET6)
+            setsockopt(s, IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
+        if (!bind(s, &address->any, size) && !listen(s, 64) && !getsockname(s, &address->any, &size))
+            return s;
+    }
+    const int why = errno;
+    if (s >= 0)
+        close(s);
+    fxs_fail(message, "%s, port %u: %s%s", o->address, o->port, strerror(why),
+             why == EADDRINUSE ? "; port 0 is any that is free" : "");
+    return -1;
+}
+
+/* A small text file, with a 0 behind it. */
+static int read_text(char **out, const char *path, fxs_message *message)
+{
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return fxs_fail_errno(message, path, errno);
+    *out = calloc(1, PEM_BYTES_MOST);
+    const size_t bytes = *out ? fread(*out, 1, PEM_BYTES_MOST, file) : 0;
+    const int why = ferror(file) ? errno : 0;
+    fclose(file);
+    if (!*out)
+        return fxs_fail_memory(message, path, 0);
+    if (why)
+        return fxs_fail_errno(message, path, why);
+    return bytes && bytes < PEM_BYTES_MOST ? 0 : fxs_fail(message, "%s: this is no .pem file", path);
+}
+
+static int read_pem(fxs_http_server *server, const fxs_http_options *o, fxs_message *message)
+{
+    if (MHD_is_feature_supported(MHD_FEATURE_TLS) != MHD_YES)
+        return fxs_fail(message, "%s: this libmicrohttpd was built without TLS", o->certificate);
+    const int result = read_text(&server->certificate, o->certificate, message);
+    return result ? result : read_text(&server->key, o->key, message);
+}
+
+static void note(void *self, const char *format, va_list arguments)
+{
+    fxs_http_server *server = self;
+    vsnprintf(server->said, sizeof server->said, format, arguments);
+    server->said[strcspn(server->said, "\n")] = 0;
+}
+
+static int start(fxs_http_server *server, const fxs_http_options *o, fxs_message *message)
+{
+    const struct MHD_OptionItem tls[] = {{MHD_OPTION_HTTPS_MEM_CERT, 0, server->certificate},
+                                         {MHD_OPTION_HTTPS_MEM_KEY, 0, server->key},
+                                         {MHD_OPTION_END, 0, 0}};
+    const unsigned flags = MHD_USE_AUTO_INTERNAL_THREAD | MHD_USE_ERROR_LOG | (server->key ? MHD_USE_TLS : 0) |
+                           (server->bound.any.sa_family == AF_INET6 ? MHD_USE_IPv6 : 0);
+    const int s = listen_at(&server->bound, o, message);
+    if (s < 0)
+        return FXS_ERR_FILE;
+    server->daemon = MHD_start_daemon(flags, 0, 0, 0, answer, server, MHD_OPTION_EXTERNAL_LOGGER, note, server,
+                                      MHD_OPTION_LISTEN_SOCKET, s, MHD_OPTION_CONNECTION_TIMEOUT,
+                                      (unsigned)QUIET_SECONDS, MHD_OPTION_ARRAY, server->key ? tls : tls + 2,
+                                      MHD_OPTION_END);
+    if (server->daemon)
+        return 0;
+    close(s);
+    return server->key ? fxs_fail(message, "%s, %s: not a certificate and its key as .pem", o->certificate, o->key)
+                       : fxs_fail(message, "the server does not start: %s", server->said);
+}
+
+int fxs_http_open(fxs_http_server **out, const fxs_http_site *site, const fxs_http_options *options,
+                  fxs_message *message)
+{
+    fxs_http_server *server = calloc(1, sizeof *server);
+    if (!server)
+        return fxs_fail_memory(message, 0, 0);
+    server->site = site;
+    int result = parse_address(&server->bound, options, message);
+    if (!result && options->certificate)
+        result = read_pem(server, options, message);
+    if (!result)
+        result = start(server, options, message);
+    if (result)
+        fxs_http_close(server);
+    else
+        *out = server;
+    return result;
+}
+
+void fxs_http_close(fxs_http_server *server)
+{
+    if (server->daemon)
+        MHD_stop_daemon(server->daemon);
+    free(server->certificate);
+    free(server->key);
+    free(server);
+}
+
+/* ---- Addresses --------------------------------------------------------------------------------------------------- */
+
+static int is_any(const any_address *a)
+{
+    return a->any.sa_family == AF_INET6 ? IN6_IS_ADDR_UNSPECIFIED(&a->v6.sin6_addr)
+                                        : a->v4.sin_addr.s_addr == htonl(INADDR_ANY);
+}
+
+static int is_local(const any_address *a)
+{
+    return a->any.sa_family == AF_INET6 ? IN6_IS_ADDR_LOOPBACK(&a->v6.sin6_addr)
+                                        : ntohl(a->v4.sin_addr.s_addr) >> 24 == 127;
+}
+
+static void tell(const fxs_http_server *server, const any_address *a,
+                 void (*each)(void *self, const char *address, int is_local), void *self)
+{
+    const int is_v6 = a->any.sa_family == AF_INET6;
+    const unsigned port = ntohs(server->bound.any.sa_family == AF_INET6 ? server->bound.v6.sin6_port
+                                                                        : server->bound.v4.sin_port);
+    char host[INET6_ADDRSTRLEN], text[INET6_ADDRSTRLEN + 32];
+    if (!inet_ntop(a->any.sa_family, is_v6 ? (const void *)&a->v6.sin6_addr : &a->v4.sin_addr, host, sizeof host))
+        return;
+    snprintf(text, sizeof text, is_v6 ? "%s://[%s]:%u" : "%s://%s:%u", server->key ? "https" : "http", host, port);
+    each(self, text, is_local(a));
+}
+
+/* The address of an interface, where a page's address can name it: no IPv6 address of one link alone. */
+static int take_interface(any_address *a, const struct ifaddrs *i, int with_v6)
+{
+    if (!i->ifa_addr || !(i->ifa_flags & IFF_UP))
+        return 0;
+    memcpy(a, i->ifa_addr, i->ifa_addr->sa_family == AF_INET6 ? sizeof a->v6 : sizeof a->v4);
+    return a->any.sa_family == AF_INET ||
+           (a->any.sa_family == AF_INET6 && with_v6 && !IN6_IS_ADDR_LINKLOCAL(&a->v6.sin6_addr));
+}
+
+void fxs_http_each_address(const fxs_http_server *server, void (*each)(void *self, const char *address, int is_local),
+                           void *self)
+{
+    struct ifaddrs *all;
+    any_address a;
+    if (!is_any(&server->bound)) {
+        tell(server, &server->bound, each, self);
+        return;
+    }
+    if (getifaddrs(&all))
+        return;
+    for (const struct ifaddrs *i = all; i; i = i->ifa_next)
+        if (take_interface(&a, i, server->bound.any.sa_family == AF_INET6))
+            tell(server, &a, each, self);
+    freeifaddrs(all);
+}

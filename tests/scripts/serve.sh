@@ -1,0 +1,282 @@
+#!/bin/sh
+# `fixsplat view --web`: what it serves and what not, with which headers; ranges, large files, TLS, misuse, its end.
+. tests/scripts/lib/check.sh
+. tests/scripts/lib/command.sh
+server=
+trap 'kill $server 2>/dev/null; rm -rf "$work"' EXIT
+
+"$fixsplat" make-scene knot --count 2000 -o 'a knot+50%.ply' || exit 1
+cp 'a knot+50%.ply' knot.ply
+run view --web none.ply
+case $(cat logs/err) in
+*'built without'*) skip serve "$(cat logs/err)"; finish; exit ;;
+esac
+have curl || { skip serve "no curl here"; finish; exit; }
+
+# A page where this test knows every byte, with files beside it that are none of it.
+mkdir -p page/viewer page/.hidden
+echo '<!doctype html>' >page/viewer/index.html
+echo secret | tee page/.hidden/x page/.x beside.txt >page/viewer/.x
+for file in a.js a.wasm a.css a.json; do echo "$file" >page/$file; done
+ln -s ../beside.txt page/out.txt
+FIXSPLAT_WEB=$work/page
+export FIXSPLAT_WEB
+
+# serve ARGUMENT...: in the background, at $at, through $through.
+through=
+serve() {
+    rm -f logs/served
+    $through "$fixsplat" view --web --port 0 "$@" >logs/served 2>logs/errors &
+    server=$!
+    tries=100
+    until [ -s logs/served ] || [ $tries = 0 ]; do sleep 0.1; tries=$((tries - 1)); done
+    at=$(sed -n 's|^\(https*://[^/]*\)/.*|\1|p;q' logs/served)
+    [ "$at" ] || { fail "serves $*" "$(cat logs/errors)"; finish; exit 1; }
+}
+
+# ends SIGNAL: $status and how many tenths it took.
+ends() {
+    kill -"$1" $server
+    wait $server
+    status=$?
+    server=
+}
+
+get() { curl -sk --path-as-is "$@"; }
+code() { get -o logs/body -w '%{http_code}' "$@"; }
+# header NAME ARGUMENT...: its value.
+header() {
+    name=$1
+    shift
+    get -o logs/body -D - "$@" | tr -d '\r' | sed -n "s/^$name: //Ip"
+}
+gets() { get -o logs/body "$1" && cmp logs/body "$2"; }
+
+serve 'a knot+50%.ply' knot.ply --bg 102030
+
+# ---- Files -----------------------------------------------------------------------------------------------------------
+
+check "the address" equal "$(head -n 1 logs/served)" \
+    "$at/viewer/?scene=/scenes/0/a%20knot%2B50%25.ply&background=%23102030"
+check "of the second scene" equal "$(sed -n 2p logs/served)" "$at/viewer/?scene=/scenes/1/knot.ply&background=%23102030"
+check "/ leads there" equal "$at$(header Location "$at/")" "$(head -n 1 logs/served)"
+check "/1 to the second" equal "$at$(header Location "$at/1")" "$(sed -n 2p logs/served)"
+check "the page" gets "$at/viewer/?scene=x" page/viewer/index.html
+check "a scene, its name escaped" gets "$at/scenes/0/a%20knot%2B50%25.ply" 'a knot+50%.ply'
+check "the other scene" gets "$at/scenes/1/knot.ply" knot.ply
+for type in /viewer/:text/html /a.js:text/javascript /a.wasm:application/wasm /a.css:text/css /a.json:application/json \
+    /scenes/1/knot.ply:application/octet-stream; do
+    check "type of ${type%%:*}" equal "$(header Content-Type "$at${type%%:*}" | sed 's/;.*//')" "${type#*:}"
+done
+for path in /a.js /scenes/1/knot.ply /none; do
+    for pair in Opener-Policy:same-origin Embedder-Policy:require-corp Resource-Policy:same-origin; do
+        check "$path: Cross-Origin-$pair" equal "$(header "Cross-Origin-${pair%:*}" "$at$path")" "${pair#*:}"
+    done
+done
+check "no-cache" equal "$(header Cache-Control "$at/scenes/1/knot.ply")" no-cache
+
+# ---- Nothing else ----------------------------------------------------------------------------------------------------
+
+for path in /none /viewer /scenes/ /scenes/2/knot.ply /scenes/0/knot.ply /scenes/1/knot.ply/ /2 /.x /viewer/.x \
+    /.hidden/x /../beside.txt /viewer/../../beside.txt /%2e%2e/beside.txt /viewer/%2e%2e/%2e%2e/beside.txt '/..%2fbeside.txt' \
+    /out.txt /viewer/..%00/x //beside.txt "/$work/beside.txt" '/..\beside.txt' /scenes/1/../1/knot.ply \
+    "/$(head -c 5000 /dev/zero | tr '\0' a)"; do
+    check "404: $(echo "$path" | cut -c 1-40)" equal "$(code "$at$path")" 404
+    check "no secret there" sh -c '! grep -q secret logs/body'
+done
+for method in POST PUT DELETE OPTIONS; do
+    check "$method: 405" equal "$(code -X $method -d 123 "$at/a.js")" 405
+done
+check "405: what is allowed" equal "$(header Allow -X POST -d 123 "$at/")" 'GET, HEAD'
+mv knot.ply away.ply
+check "a scene that went away: 404" equal "$(code "$at/scenes/1/knot.ply")" 404
+mkfifo knot.ply
+check "a FIFO in its place: 404" equal "$(code -m 5 "$at/scenes/1/knot.ply")" 404
+rm knot.ply
+mv away.ply knot.ply
+
+# ---- HEAD, ranges, ETag ----------------------------------------------------------------------------------------------
+
+size=$(wc -c <knot.ply)
+scene=$at/scenes/1/knot.ply
+check "HEAD: the length" equal "$(get -I "$scene" | tr -d '\r' | sed -n 's/^Content-Length: //p')" "$size"
+check "HEAD: no body" equal "$(get --head -m 5 -o logs/body -w '%{size_download}' "$scene")" 0
+part() { check "range $1" equal "$(code -r "$1" "$scene") $(cksum <logs/body)" "206 $(eval "$2" | cksum)"; }
+part 0-99 'head -c 100 knot.ply'
+part 100-299 'head -c 300 knot.ply | tail -c 200'
+part 1000- 'tail -c +1001 knot.ply'
+part -77 'tail -c 77 knot.ply'
+part "5-$((size * 2))" 'tail -c +6 knot.ply'
+part "-$((size * 2))" 'cat knot.ply'
+check "Content-Range" equal "$(header Content-Range -r 0-99 "$scene")" "bytes 0-99/$size"
+for range in "$size-" 99999999999999- -0; do
+    check "range $range: 416" equal "$(code -r "$range" "$scene")" 416
+done
+check "416 says how long it is" equal "$(header Content-Range -r "$size-" "$scene")" "bytes */$size"
+for range in 9-3 0-1,5-6 x 99999999999999999999999-; do
+    check "range $range: all of it" equal "$(code -H "Range: bytes=$range" "$scene")" 200
+done
+tag=$(header ETag "$scene")
+check "ETag: not sent again" equal "$(code -H "If-None-Match: $tag" -w ' %{size_download}' "$scene")" " 0"
+check "ETag: 304" equal "$(code -H "If-None-Match: $tag" "$scene")" 304
+check "another ETag: sent" equal "$(code -H 'If-None-Match: "x"' "$scene")" 200
+check "If-Range: a part of the same" equal "$(code -r 0-9 -H "If-Range: $tag" "$scene")" 206
+check "If-Range: all of another" equal "$(code -r 0-9 -H 'If-Range: "x"' "$scene")" 200
+check "one connection for several" equal "$(get -v "$at/a.js" "$at/a.css" 2>&1 | grep -c 'Re-using')" 1
+
+# ---- Its end ---------------------------------------------------------------------------------------------------------
+
+fails "a port in use" 1 "port ${at##*:}: Address already in use" view --web knot.ply --port "${at##*:}"
+ends TERM
+check "a signal ends it: status 0" equal $status 0
+check "not a word on stderr" equal "$(cat logs/errors)" ""
+env --default-signal=INT timeout --preserve-status -s INT 1 \
+    "$fixsplat" view --web --port 0 knot.ply >logs/out 2>logs/err
+check "Ctrl-C: status 0" equal "$? $(wc -l <logs/out) $(wc -c <logs/err)" "0 1 0"
+
+# ---- Scenes and views ------------------------------------------------------------------------------------------------
+
+{
+    printf '['
+    for x in 0 1 2; do
+        [ $x = 0 ] || printf ','
+        printf '{"img_name": "at \\"%s\\"", "width": 640, "height": 360, "position": [%s, 0.1, -9],
+            "fx": 500, "fy": 501, "rotation": [[0.6, 0, 0.8], [0, 1, 0], [-0.8, 0, 0.6]]}' $x $x
+    done
+    printf ']'
+} >three.json
+serve knot.ply --cameras three.json --view 1 --profile compact
+check "views in the address" equal "$(cat logs/served)" "$at/viewer/?scene=/scenes/0/knot.ply.fxs&cameras=/cameras.json"
+gets_packed() {
+    "$fixsplat" convert knot.ply compact.fxs --profile compact >/dev/null 2>&1 &&
+        gets "$at/scenes/0/knot.ply.fxs" compact.fxs
+}
+check "packed, as convert does" gets_packed
+get -o views.json "$at/cameras.json"
+for pair in 0:1 1:2 2:0; do
+    check "view ${pair%:*} is the file's ${pair#*:}" equal \
+        "$("$fixsplat" render knot.ply --cameras views.json --view ${pair%:*} --hash)" \
+        "$("$fixsplat" render knot.ply --cameras three.json --view ${pair#*:} --hash)"
+done
+check "their names" equal "$(grep -o 'at ..[0-9]' views.json | tr '\n' ' ')" 'at \"1 at \"2 at \"0 '
+ends TERM
+
+tile=$scenes/boatyard-tile3/boatyard-tile3.glb
+if [ -e "$tile" ]; then
+    cp "$tile" tile.glb
+    cat >tileset.json <<-'END'
+	{"asset": {"version": "1.1"}, "geometricError": 1, "root": {"boundingVolume": {"sphere": [0, 0, 0, 1000]},
+	 "geometricError": 0, "refine": "ADD", "content": {"uri": "tile.glb"}}}
+	END
+    "$fixsplat" convert tileset.json tileset.fxs >/dev/null
+    serve tileset.json
+    check "several files: packed" gets "$at/scenes/0/tileset.json.fxs" tileset.fxs
+    check "and not those" equal "$(code "$at/scenes/0/tile.glb")" 404
+    ends TERM
+else
+    skip "several files" "no $tile"
+fi
+
+# 20 million Gaussians in 4.96 GB, all of it a hole but for the last bytes.
+{
+    printf 'ply\nformat binary_little_endian 1.0\nelement vertex 20000000\n'
+    for name in x y z nx ny nz f_dc_0 f_dc_1 f_dc_2 $(seq -f 'f_rest_%g' 0 44) opacity scale_0 scale_1 scale_2 \
+        rot_0 rot_1 rot_2 rot_3; do echo "property float $name"; done
+    echo end_header
+} >large.ply
+large=$(($(wc -c <large.ply) + 20000000 * 248))
+if truncate -s $((large - 4)) large.ply 2>/dev/null && printf last >>large.ply; then
+    serve large.ply
+    scene=$at/scenes/0/large.ply
+    check "5 GB: the length" equal "$(get -I "$scene" | tr -d '\r' | sed -n 's/^Content-Length: //p')" $large
+    check "5 GB: its last bytes" equal "$(code -r -4 "$scene") $(cat logs/body)" "206 last"
+    check "5 GB: past 4 GB" equal "$(code -r "$((large - 8))-" "$scene") $(tr '\0' . <logs/body)" "206 ....last"
+    get "$scene" 2>logs/slow | sleep 4 &
+    get -o /dev/null "$scene" &
+    slow=$!
+    sleep 1
+    check "5 GB: another file beside two downloads" equal "$(code -m 5 "$at/a.js")" 200
+    check "5 GB: not in memory" [ "$(sed -n 's/^VmHWM:[ \t]*\([0-9]*\) kB/\1/p' /proc/$server/status)" -lt 50000 ]
+    begun=$(date +%s)
+    ends TERM
+    check "ends at once beside a download that waits" equal "$status $(($(date +%s) - begun < 3))" "0 1"
+    kill $slow 2>/dev/null
+    wait
+    rm large.ply
+else
+    skip "5 GB" "no such files here"
+fi
+
+# ---- Other machines, TLS ---------------------------------------------------------------------------------------------
+
+serve knot.ply --bind 0.0.0.0
+check "all addresses: this machine's own" grep -q '^http://127\.0\.0\.1:.*/viewer/?scene=' logs/served
+if [ "$(wc -l <logs/served)" -gt 1 ]; then
+    far=$(sed -n 2p logs/served)
+    check "all addresses: a short one, which leads there" equal "$(header Location "$far")" \
+        "/viewer/?scene=/scenes/0/knot.ply"
+    check "all addresses: what http lacks" grep -q 'http: --cert and --key' logs/served
+else
+    skip "all addresses" "no network here"
+fi
+ends TERM
+if [ -e /proc/net/if_inet6 ] && grep -q ' lo$' /proc/net/if_inet6; then
+    serve knot.ply --bind ::1
+    check "IPv6" equal "${at%:*} $(code "$at/a.js")" 'http://[::1] 200'
+    ends TERM
+else
+    skip "IPv6" "not here"
+fi
+if have openssl; then
+    openssl req -x509 -newkey rsa:2048 -nodes -days 365 -subj /CN=fixsplat -keyout key.pem -out cert.pem 2>logs/openssl
+    openssl genrsa -out other.pem 2048 2>>logs/openssl
+    serve knot.ply --cert cert.pem --key key.pem
+    check "TLS: the address" equal "${at%%:*}" https
+    check "TLS: a scene" gets "$at/scenes/0/knot.ply" knot.ply
+    check "TLS: a range" equal "$(code -r 0-9 "$at/scenes/0/knot.ply") $(wc -c <logs/body)" "206 10"
+    check "TLS: not without" equal "$(code -m 5 "http${at#https}/a.js")" 000
+    ends TERM
+    check "TLS: status 0" equal "$status $(cat logs/errors)" "0 "
+    fails "a key of another certificate" 1 "not a certificate and its key" view --web knot.ply --cert cert.pem \
+        --key other.pem
+    fails "no certificate" 1 "not a certificate and its key" view --web knot.ply --cert knot.ply --key key.pem
+    fails "no key" 1 "none.pem: No such file" view --web knot.ply --cert cert.pem --key none.pem
+else
+    skip TLS "no openssl here"
+fi
+
+# ---- Misuse ----------------------------------------------------------------------------------------------------------
+
+fails "no scene file" 1 "none.ply: No such file" view --web none.ply
+fails "no scene" 1 "beside.txt: not a scene file" view --web beside.txt
+fails "one of two" 1 "none.ply: No such file" view --web knot.ply none.ply
+fails "no cameras" 1 "none.json" view --web knot.ply --cameras none.json
+fails "no view of that name" 1 "no view 'x'" view --web knot.ply --cameras three.json --view x
+fails "an address in words" 1 "expected an address in digits" view --web knot.ply --bind somewhere
+fails "an address of another machine" 1 "192.0.2.99, port 8080: Cannot assign" view --web knot.ply --bind 192.0.2.99
+for bad in 'eye 1,2,3' 'place 0:1,2,3' 'scene x.json' 'screenshot x.png' 'size 10x10'; do
+    fails "--web --${bad%% *}" 2 "no --${bad%% *}" view --web knot.ply --$bad
+done
+for bad in 'port 80' 'bind 0.0.0.0' 'cert x' 'key x'; do
+    fails "--${bad%% *} without --web" 2 "--${bad%% *} needs --web" view knot.ply --$bad
+done
+for bad in 'port 65536' 'port -1' 'port x'; do fails "--$bad" 2 "--$bad: expected" view --web knot.ply --$bad; done
+fails "--cert without --key" 2 "give both" view --web knot.ply --cert x
+FIXSPLAT_WEB=$work/none
+fails "no page" 1 "FIXSPLAT_WEB=$work/none: the page is not there" view --web knot.ply
+FIXSPLAT_WEB=$work/page
+
+if ! have valgrind || [ "$FXS_EMULATED" ]; then
+    skip Valgrind "not here, or not of an emulator"
+else
+    through='valgrind -q --trace-children=yes --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite'
+    serve knot.ply --cameras three.json --profile small
+    for path in / /a.js /none /cameras.json /scenes/0/knot.ply.fxs /viewer/../../beside.txt; do
+        get "$at$path"
+    done >logs/body
+    get -r 5-10 "$at/a.js" >logs/body
+    get -X POST -d 123 "$at/a.js" >logs/body
+    ends TERM
+    check Valgrind equal "$status $(cat logs/errors)" "0 "
+fi
+finish

@@ -1,0 +1,308 @@
+/* fixsplat-web: what `fixsplat view --web` runs, with the same words. */
+#include <errno.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "../port/camera/camera_file.h"
+#include "../port/http/server.h"
+#include "../port/scene/fxs_file.h"
+#include "scene.h"
+#include "view.h"
+
+typedef struct site {
+    fxs_http_site served;
+    fxs_http_file *files;                   /* the scenes, then the views where there are any */
+    const char **starts;                    /* an address for each scene */
+    char folder[4096];
+} site;
+
+static char *text_of(const char *format, ...)
+{
+    va_list arguments;
+    char *text = 0;
+    va_start(arguments, format);
+    const int length = vsnprintf(0, 0, format, arguments);
+    va_end(arguments);
+    if (length >= 0)
+        text = malloc((size_t)length + 1);
+    va_start(arguments, format);
+    if (text)
+        vsnprintf(text, (size_t)length + 1, format, arguments);
+    va_end(arguments);
+    return text;
+}
+
+/* ---- The page ---------------------------------------------------------------------------------------------------- */
+
+static int has_page(const char *folder)
+{
+    char path[4200];
+    return snprintf(path, sizeof path, "%s/viewer/index.html", folder) < (int)sizeof path && access(path, R_OK) == 0;
+}
+
+/* The npm package: where FIXSPLAT_WEB says, else beside this program, as it is built or installed. */
+static int find_page(char folder[4096])
+{
+    static const char *const places[] = {"web/package", "../share/fixsplat/web"};
+    const char *given = getenv("FIXSPLAT_WEB");
+    char path[2048];
+    if (given && snprintf(folder, 4096, "%s", given) < 4096 && has_page(folder))
+        return 0;
+    if (given)
+        return fail(EXIT_FAILED, "FIXSPLAT_WEB=%s: the page is not there: no viewer/index.html", given);
+    const ssize_t length = readlink("/proc/self/exe", path, sizeof path - 1);
+    path[length > 0 ? length : 0] = 0;
+    char *end = strrchr(path, '/');
+    for (size_t i = 0; end && i < sizeof places / sizeof *places; i++) {
+        snprintf(folder, 4096, "%.*s/%s", (int)(end - path), path, places[i]);
+        if (has_page(folder))
+            return 0;
+    }
+    return fail(EXIT_FAILED, "the page is not built: make web, or FIXSPLAT_WEB=FOLDER where it is elsewhere");
+}
+
+/* ---- What it shows ----------------------------------------------------------------------------------------------- */
+
+static int ends_with(const char *text, const char *end)
+{
+    const size_t a = strlen(text), b = strlen(end);
+    return a >= b && !strcmp(text + a - b, end);
+}
+
+/* A file of its own without a name; its descriptor, or -1. */
+static int keep(const void *data, size_t bytes)
+{
+    FILE *file = tmpfile();
+    const int written = file && fwrite(data, 1, bytes, file) == bytes && !fflush(file);
+    const int descriptor = written ? dup(fileno(file)) : -1;
+    const int why = errno;
+    if (file)
+        fclose(file);
+    errno = why;
+    return descriptor;
+}
+
+/* Whether it is sent as it is: one file, and nothing asked about its import. */
+static int is_sent(const char *path, const load_options *o)
+{
+    struct stat information;
+    const int is_folder = stat(path, &information) == 0 && S_ISDIR(information.st_mode);
+    return !is_folder && !ends_with(path, ".json") && !ends_with(path, ".gltf") && !o->lod && !o->axes && !o->profile &&
+           !o->max_gaussians && !o->import_memory;
+}
+
+/* That it can be read is found out here and not first by the page. */
+static int check_file(const char *path, const load_options *o)
+{
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    if (open_scene(path, o, &file, &info))
+        return EXIT_FAILED;
+    fxs_scene_file_close(file);
+    return 0;
+}
+
+static int pack(const char *path, const load_options *o, int *descriptor)
+{
+    loaded_scene scene;
+    if (load_scene(&scene, path, o))
+        return EXIT_FAILED;
+    fxs_file_seal(scene.packed.data, scene.packed.bytes);
+    *descriptor = keep(scene.packed.data, scene.packed.bytes);
+    free_scene(&scene);
+    return *descriptor < 0 ? fail(EXIT_FAILED, "%s: a temporary file: %s", path, strerror(errno)) : 0;
+}
+
+static const char *base_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+static int add_scene(site *s, const char *path, const load_options *o)
+{
+    const int i = s->served.file_count++;
+    fxs_http_file *file = &s->files[i];
+    loaded_scene packed;
+    int status = 0;
+    if (is_packed(path)) {
+        status = load_scene(&packed, path, o);
+        file->path = path;
+        if (!status)
+            free_scene(&packed);
+    } else if (is_sent(path, o)) {
+        status = check_file(path, o);
+        file->path = path;
+    } else {
+        status = pack(path, o, &file->descriptor);
+    }
+    if (status)
+        return status;
+    file->name = text_of("/scenes/%d/%s%s", i, base_of(path), file->path ? "" : ".fxs");
+    return file->name ? 0 : fail(EXIT_FAILED, "out of memory");
+}
+
+static void print_view(FILE *out, const fxs_file_view *v)
+{
+    const double *r = v->rotation;
+    fprintf(out, "{\"img_name\": \"");
+    for (const char *c = v->name; *c; c++)
+        fprintf(out, (unsigned char)*c < ' ' ? "\\u%04x" : *c == '"' || *c == '\\' ? "\\%c" : "%c", *c);
+    fprintf(out, "\", \"width\": %d, \"height\": %d, \"fx\": %.17g, \"fy\": %.17g, \"cx\": %.17g, \"cy\": %.17g, "
+            "\"position\": [%.17g, %.17g, %.17g], \"rotation\": [", v->width, v->height, v->fx, v->fy, v->cx, v->cy,
+            v->position[0], v->position[1], v->position[2]);
+    for (int i = 0; i < 3; i++)
+        fprintf(out, "%s[%.17g, %.17g, %.17g]", i ? ", " : "", r[i], r[3 + i], r[6 + i]);
+    fputs("]}", out);
+}
+
+/* The views of any camera file as a cameras.json, from the one that --view names. */
+static int add_views(site *s, const frame_options *o)
+{
+    fxs_message message;
+    fxs_file_view *views;
+    const long count = fxs_camera_file_read(o->cameras, &views, &message);
+    if (count < 0)
+        return fail(EXIT_FAILED, "%s", message.text);
+    const long first = find_view(o, views, count);
+    FILE *file = first < 0 ? 0 : tmpfile();
+    for (long i = 0; file && i < count; i++) {
+        fputs(i ? ",\n" : "[", file);
+        print_view(file, &views[(first + i) % count]);
+    }
+    free(views);
+    if (first < 0)
+        return EXIT_FAILED;
+    fxs_http_file *to = &s->files[s->served.file_count++];
+    *to = (fxs_http_file){"/cameras.json", 0, -1};
+    if (file && fputs("]\n", file) >= 0 && !fflush(file))
+        to->descriptor = dup(fileno(file));
+    const int why = errno;
+    if (file)
+        fclose(file);
+    return to->descriptor < 0 ? fail(EXIT_FAILED, "%s: a temporary file: %s", o->cameras, strerror(why)) : 0;
+}
+
+/* The same as a part of an address: what is not plain as %XX. Room for three times its length and a 0. */
+static void escape(char *out, const char *text)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.~/";
+    for (; *text; text++)
+        out += sprintf(out, strchr(plain, *text) ? "%c" : "%%%02X", (unsigned char)*text);
+    *out = 0;
+}
+
+static int add_starts(site *s, const frame_options *o)
+{
+    const uint8_t *bg = o->render.background;
+    const int has_background = bg[0] || bg[1] || bg[2];
+    for (int i = 0; i < o->world.scene_count; i++) {
+        char *name = malloc(3 * strlen(s->files[i].name) + 1), colour[32] = "";
+        if (has_background)
+            snprintf(colour, sizeof colour, "&background=%%23%02x%02x%02x", bg[0], bg[1], bg[2]);
+        if (name)
+            escape(name, s->files[i].name);
+        s->starts[i] = name ? text_of("/viewer/?scene=%s%s%s", name, o->cameras ? "&cameras=/cameras.json" : "", colour)
+                            : 0;
+        free(name);
+        if (!s->starts[i])
+            return fail(EXIT_FAILED, "out of memory");
+        s->served.start_count++;
+    }
+    return 0;
+}
+
+static int fill_site(site *s, const frame_options *o)
+{
+    const size_t scenes = (size_t)o->world.scene_count;
+    load_options load = o->load;
+    load.threads = o->threads;
+    s->files = calloc(scenes + 1, sizeof *s->files);
+    s->starts = calloc(scenes, sizeof *s->starts);
+    if (!s->files || !s->starts)
+        return fail(EXIT_FAILED, "out of memory");
+    s->served.files = s->files;
+    s->served.starts = s->starts;
+    s->served.folder = s->folder;
+    int status = find_page(s->folder);
+    for (size_t i = 0; i < scenes && !status; i++)
+        status = add_scene(s, o->world.scenes[i], &load);
+    if (!status && o->cameras)
+        status = add_views(s, o);
+    return status ? status : add_starts(s, o);
+}
+
+/* ---- Serving ----------------------------------------------------------------------------------------------------- */
+
+typedef struct told {
+    const site *site;
+    int far;                                /* addresses of other machines */
+} told;
+
+static void tell(void *self, const char *address, int is_local)
+{
+    told *t = self;
+    t->far += !is_local;
+    for (int i = 0; i < t->site->served.start_count; i++)
+        if (is_local)
+            printf("%s%s\n", address, t->site->starts[i]);
+        else if (i)
+            printf("%s/%d\n", address, i);
+        else
+            printf("%s/\n", address);
+}
+
+static void tell_all(const fxs_http_server *server, const site *s, int is_https)
+{
+    told t = {s, 0};
+    fxs_http_each_address(server, tell, &t);
+    if (t.far && !is_https)
+        puts("Browsers of other machines have no threads and no headset over http: --cert and --key, or for a headset "
+             "on a cable adb reverse (docs/web.md)");
+    fflush(stdout);
+}
+
+/* The signals that end it, but for those that are ignored. */
+static sigset_t ending_signals(void)
+{
+    static const int ending[] = {SIGINT, SIGTERM, SIGHUP};
+    sigset_t set;
+    struct sigaction now;
+    sigemptyset(&set);
+    for (size_t i = 0; i < sizeof ending / sizeof *ending; i++)
+        if (!sigaction(ending[i], 0, &now) && now.sa_handler != SIG_IGN)
+            sigaddset(&set, ending[i]);
+    return set;
+}
+
+static int serve(const site *s, const view_options *o)
+{
+    const fxs_http_options options = {o->bind, (uint16_t)o->port, o->certificate, o->key};
+    fxs_http_server *server;
+    fxs_message message;
+    sigset_t ending = ending_signals();
+    int which;
+    signal(SIGPIPE, SIG_IGN);
+    sigprocmask(SIG_BLOCK, &ending, 0);
+    if (fxs_http_open(&server, &s->served, &options, &message))
+        return fail(EXIT_FAILED, "%s", message.text);
+    tell_all(server, s, o->key != 0);
+    sigwait(&ending, &which);
+    fxs_http_close(server);
+    return EXIT_OK;
+}
+
+int main(int argc, char **argv)
+{
+    view_options o;
+    static site s;
+    check_printed_at_exit();
+    int status = view_options_take(&o, argc, argv);
+    if (!status)
+        status = fill_site(&s, &o.frame);
+    return status ? status : serve(&s, &o);
+}
