@@ -1,6 +1,6 @@
 #!/bin/sh
-# tools/page_modules.sh FOLDER: what the tests of the viewer's page need of npm (tests/web/package.json). Where npm or the
-# network is missing, they are skipped.
+# tools/page_modules.sh FOLDER: what the tests of the viewer's page need of npm (tests/web/package.json). Where npm or
+# the network is missing, they are skipped.
 folder=$1
 command -v npm >/dev/null || { echo "setup: no npm here, so tests of the page are skipped"; exit 0; }
 cmp -s tests/web/package.json "$folder/package.json" && [ -d "$folder/node_modules/puppeteer-core" ] && exit 0

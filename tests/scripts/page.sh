@@ -1,6 +1,6 @@
 #!/bin/sh
 # The viewer's page (docs/web.md) in headless Chromium: the pixels of the command, controls, errors in words, sizes.
-# PICTURES=FOLDER keeps pictures of the page. With FXS_PROCESSORS=all every scene of shared/scenes too, by each back end.
+# PICTURES=FOLDER keeps pictures of the page. With FXS_PROCESSORS=all every scene of shared/scenes too.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -44,8 +44,8 @@ make_scenes() {
 	  "rotation": [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]}]
 	END
     cat >"$work/more.json" <<-'END'
-	[{"img_name": "aside", "width": 640, "height": 360, "position": [0, 0, -9], "fx": 500, "fy": 500, "cx": 250, "cy": 200,
-	  "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]},
+	[{"img_name": "aside", "width": 640, "height": 360, "position": [0, 0, -9], "fx": 500, "fy": 500,
+	  "cx": 250, "cy": 200, "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]},
 	 {"img_name": "flat", "width": 640, "height": 360, "position": [0, 0, -9], "fx": 50, "fy": 50, "orthographic": true,
 	  "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}]
 	END

@@ -1,16 +1,18 @@
-// node every.mjs PACKAGE SCENES MODULES PICTURES COMMAND: every scene of SCENES/real in the viewer's page, with one and two
-// threads, by the processor and by WebGL 2, against the command; and 50 scenes opened and closed. What tests/scripts/page.sh
-// asks for make test-all.
+// node every.mjs PACKAGE SCENES MODULES PICTURES COMMAND: every scene of SCENES/real in the viewer's page, with one and
+// two threads, by the processor and by WebGL 2, against the command; and 50 scenes opened and closed. What
+// tests/scripts/page.sh asks for make test-all.
 import assert from 'node:assert/strict'
 import { readFileSync, readdirSync } from 'node:fs'
-import { base, go, hash, inside, moved, native, open, page, pause, processes, run, scenes, viewOf } from './chromium.mjs'
+import { base, go, hash, inside, moved, native, open, page, pause, processes } from './chromium.mjs'
+import { run, scenes, viewOf } from './chromium.mjs'
 
 const SIZE = [1280, 720]
 const LOADS = 50
 const FIRST = 50 // loads until the browser's caches are full
 const MORE = 1.05 // times the memory after the first, at most
 
-const files = readdirSync(`${scenes}/real`, { recursive: true }).filter((name) => /\.(ply|splat|spz|sog|glb)$/.test(name))
+const isScene = (name) => /\.(ply|splat|spz|sog|glb)$/.test(name)
+const files = readdirSync(`${scenes}/real`, { recursive: true }).filter(isScene)
 const tests = {}
 
 /** The milliseconds of a second picture by what the page has. */

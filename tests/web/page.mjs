@@ -344,7 +344,8 @@ const tests = {
 
   async 'a poster until the first picture'() {
     await go(`${SCENE}?slow&poster=/scenes/poster.png`)
-    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').shadowRoot.querySelector('img')?.complete)
+    const shows = () => document.querySelector('fixsplat-viewer').shadowRoot.querySelector('img')?.complete
+    await page.waitForFunction(shows)
     assert.equal(await inside(`return $('stage').lastElementChild.naturalWidth`), 64)
     await picture('poster')
     await still()

@@ -122,7 +122,7 @@ export class Pilot {
     if (on) requestAnimationFrame(step)
   }
 
-  // ---- Pointers and keys: by pixels, by a factor, in units of speed --------------------------------------------------
+  // ---- Pointers and keys: by pixels, by a factor, in units of speed -------------------------------------------------
 
   /** What input.js calls, with what others do. */
   acts(others) {

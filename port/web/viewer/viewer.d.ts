@@ -1,11 +1,11 @@
 type Backend = 'wasm' | 'webgl2' | 'webgl2-quads'
 
-/** <fixsplat-viewer>: attributes src, cameras, view, background (#rrggbb), poster, turn, backend, threads and noui. */
+/** <fixsplat-viewer>: attributes src, cameras, view, background (#rrggbb), poster, turn, backend, threads, noui. */
 export class Viewer extends HTMLElement {
   readonly state: 'empty' | 'loading' | 'moving' | 'still'
   /** What draws. */
   readonly backend: Backend | undefined
-  /** Eye, look, up and field of view: ten numbers with commas, as the attribute `view`. Three more where they are not 0:
+  /** Eye, look, up and field of view: ten numbers with commas, as the attribute `view`. Three more where not 0:
       1 for parallel rays, and how far right and down of the middle the axis lies, in heights of the picture. */
   readonly view: string
   /** The address of the viewer's page with this scene and view. */

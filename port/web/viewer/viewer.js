@@ -312,7 +312,7 @@ export class Viewer extends HTMLElement {
     this.dispatchEvent(new CustomEvent('picture', { detail: picture }))
   }
 
-  /** Where there is no room for so many pixels, there are fewer; where the renderer does not reach, the camera stays. */
+  /** Where there is no room for so many pixels, there are fewer; where the renderer does not reach, nothing moves. */
   #refused(error) {
     if (/memory/.test(error.message) && this.#picture.shrink(this.#frame())) {
       this.#panels.note('There is too little memory for a picture of this size: it has fewer pixels')

@@ -35,7 +35,8 @@ export function cameraOf(text) {
   const n = (text ?? '').split(',').map(Number)
   if (!hasNumbers(n, 10) && !hasNumbers(n, 13)) return null
   const [fov, flat = 0, ...shift] = n.slice(9)
-  return { eye: n.slice(0, 3), look: n.slice(3, 6), up: n.slice(6, 9), fov, flat: !!flat, shift: shift.length ? shift : [0, 0] }
+  const place = { eye: n.slice(0, 3), look: n.slice(3, 6), up: n.slice(6, 9) }
+  return { ...place, fov, flat: !!flat, shift: shift.length ? shift : [0, 0] }
 }
 
 /** The ten or thirteen numbers of a link. */
