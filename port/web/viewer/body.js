@@ -32,7 +32,7 @@ const MODES = {
   ],
   fly: [
     ['Drag', 'look around'],
-    ['Right drag', 'move sideways; or two fingers'],
+    ['Right drag', 'sideways; or two fingers'],
     ['Wheel', 'ahead, back; or pinch'],
     ['Double click', 'go to what is there'],
     ['W A S D', 'fly'],

@@ -68,8 +68,9 @@ export class Panels {
   }
 
   setMode(mode) {
-    const { stage, list } = this.ui
+    const { stage, help, list } = this.ui
     for (const name of ['orbit', 'fly']) this.ui[name].setAttribute('aria-pressed', name === mode)
+    help.querySelector('h2').textContent = mode === 'fly' ? 'Keys in flight' : 'Keys'
     list.innerHTML = listOf(mode)
     const does = mode === 'fly' ? 'look around, W A S D to fly' : 'turn it'
     stage.setAttribute('aria-label', `The scene. Drag or use the arrow keys to ${does}; H lists the keys.`)
