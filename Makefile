@@ -29,7 +29,9 @@ CROSS := mips-linux-gnu powerpc64-linux-gnu powerpc64le-linux-gnu m68k-linux-gnu
 TEST_ALL_PACKAGES := musl-tools $(CROSS:%=gcc-%) libc6-dev-mips-cross libc6-dev-ppc64-cross libc6-dev-ppc64el-cross \
                      libc6-dev-m68k-cross libc6-dev-sparc64-cross libc6-dev-hppa-cross libc6-dev-armel-cross \
                      libc6-dev-mips64el-cross
-WEB_PACKAGES := clang lld wasi-libc libclang-rt-14-dev-wasm32 binaryen nodejs
+WEB_PACKAGES := clang lld wasi-libc libclang-rt-14-dev-wasm32 binaryen nodejs dpkg-dev
+# Where "make setup web" puts the sources of libraries (tools/web_sources.sh), for every clone; WEB_SOURCES= : none.
+WEB_SOURCES ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/fixsplat
 GOALS := $(or $(MAKECMDGOALS),all)
 
 # As many jobs as processors, unless told by -j.
@@ -47,6 +49,8 @@ setup: ## install the Debian packages that are missing (and what the goals behin
 	@sh tools/setup.sh $(PACKAGES) $(if $(filter test test-all,$(GOALS)),$(TEST_PACKAGES)) \
 	    $(if $(filter test test-all web,$(GOALS)),$(WEB_PACKAGES)) \
 	    $(if $(filter test-all,$(GOALS)),$(TEST_ALL_PACKAGES))
+	@$(if $(filter test test-all web,$(GOALS)),sh tools/web_sources.sh $(WEB_SOURCES))
+	@$(if $(filter test test-all,$(GOALS)),sh tools/page_modules.sh $(B)/page)
 
 # What else is asked for, by a make that finds what was installed.
 REST := $(filter-out setup,$(GOALS))
@@ -265,10 +269,11 @@ $(B)/commands/firmware-scene: COMMAND := $(ARM_CC) $(FIRMWARE_SCENE)
 
 # ---- Web -------------------------------------------------------------------------------------------------------------
 
-# Modules of WebAssembly: the renderer without and with simd128, and the readers with the packing.
+# Modules of WebAssembly: the renderer without simd128, with it, with it and threads; the readers with the packing.
 WASM_CC ?= clang
 WASM_OPT ?= wasm-opt
 WEB := $(B)/web/package
+MODULES := core simd threads import
 WASM_FLAGS := --target=wasm32-wasi -std=gnu99 -fwrapv -ffp-contract=off -ffunction-sections \
               -Wall -Wextra -Wpedantic -Wshadow -Wconversion -include port/web/files.h
 WASM_LINK := --target=wasm32-wasi -nostartfiles -Wl,--no-entry,--strip-all,--stack-first,-z,stack-size=524288
@@ -278,18 +283,55 @@ WEB_CORE := $(wildcard src/*.c) kernels/kernels.c port/web/core.c port/web/crc.c
 sources_of_core := $(WEB_CORE)
 WEB_GLES := $(wildcard kernels/gles/*.c) port/web/webgl.c
 sources_of_simd := $(WEB_CORE) $(wildcard kernels/wasm/*.c) $(WEB_GLES)
+sources_of_threads := $(sources_of_simd) port/web/pool.c
 sources_of_import := $(filter-out %_write.c %/scene_filter.c,$(wildcard port/scene/*.c port/import/*.c)) \
-                     port/web/import.c port/web/crc.c port/files/byte_reader.c port/files/text.c port/files/zip.c src/scene.c \
+                     port/web/import.c port/web/crc.c port/web/sort.c port/files/byte_reader.c port/files/text.c port/files/zip.c src/scene.c \
                      src/fixsplat.c src/chunk.c $(WEB_C)
-# What takes little of a frame is to be small. .fxs needs of zlib what crc.c has. The lowest 1024 bytes are the end of
-# the stack, which no pointer is to (--low-memory-unused). <GLES3/gl3.h> is the host's.
-wasm_flags_of = $(if $(filter %/fxs_file.c,$(2)),-DFXS_WITH_ZLIB -Iport/web/zlib) $(if $(filter simd,$(1)),-msimd128) \
+# What takes little of a frame is to be small; kernels take a seventh less of it by -O3, for 2 KB. .fxs needs of zlib
+# what crc.c has. The lowest 1024 bytes are the end of the stack, which no pointer is to (--low-memory-unused).
+# <GLES3/gl3.h> is the host's.
+wasm_flags_of = $(if $(filter %/fxs_file.c,$(2)),-DFXS_WITH_ZLIB -Iport/web/zlib, \
+                     $(if $(filter import,$(1)),$(WEB_READERS_FLAGS))) \
+                $(if $(filter simd,$(1)),-msimd128) $(if $(filter %/pool.c,$(2)),-matomics -mbulk-memory) \
                 $(if $(filter $(WEB_GLES),$(2)),-idirafter /usr/include -I$(B)/kernels/gles) \
-                $(if $(filter simd/src/% core/port/% simd/port/% %/bin_simd128.c %/gles/gles.c %/gles/fetch.c %/gles/state.c,$(1)/$(2)),-Oz,-O2)
-web_objects_of = $(patsubst %.c,$(B)/web/$(1)/%.o,$(sources_of_$(1)))
-WASM := $(foreach module,core simd import,$(WEB)/$(module).wasm)
+                $(if $(filter kernels/wasm/%,$(2)),-O3,$(if $(filter $(WEB_SMALL),$(1)/$(2)),-Oz,-O2))
+WEB_SMALL := simd/src/% core/port/% simd/port/% %/gles/gles.c %/gles/fetch.c %/gles/state.c
+# The objects are those of simd; nothing of them but pool.c knows of threads, and nothing of wasi-libc that is linked
+# (memcpy, qsort, exp) cares. Its memory is made by fixsplat.js, of 16 pages at first.
+wasm_link_of_threads := -Wl,--shared-memory,--import-memory,--initial-memory=1048576,--max-memory=4294967296 \
+                        -Wl,--no-check-features,--export=__stack_pointer
+wasm_opt_of_threads := --enable-threads --enable-bulk-memory --enable-mutable-globals
+web_objects_of = $(patsubst %.c,$(B)/web/$(if $(filter threads,$(1)),simd,$(1))/%.o,$(sources_of_$(1)))
+# Libraries that readers need, where `make setup web` has put their sources: what decompresses, and cJSON.
+not_of_libzip := $(addprefix zip_,crypto_% winzip_aes% source_winzip_aes% pkware.c source_pkware% source_file_% random_% \
+                   get_encryption_implementation.c mkstempm.c libzip_version.c algorithm_bzip2.c algorithm_xz.c)
+WEB_LIBS_C := cjson/cJSON.c $(patsubst %,zlib/%.c,adler32 inflate inftrees inffast zutil) \
+              $(patsubst %,libzstd/lib/common/%.c,entropy_common error_private fse_decompress xxhash zstd_common) \
+              $(patsubst %,libzstd/lib/decompress/%.c,huf_decompress zstd_ddict zstd_decompress \
+                                                      zstd_decompress_block) \
+              $(patsubst %,libwebp/src/dec/%_dec.c,alpha buffer frame idec io quant tree vp8 vp8l webp) \
+              $(patsubst %,libwebp/src/dsp/%.c,alpha_processing cpu dec dec_clip_tables filters lossless rescaler \
+                                               upsampling yuv) libwebp/src/utils/utils.c \
+              $(patsubst %,libwebp/src/utils/%_utils.c,bit_reader color_cache huffman quant_levels_dec random \
+                                                       rescaler thread) \
+              $(addprefix libzip/lib/,$(filter-out $(not_of_libzip),$(notdir $(wildcard $(WEB_SOURCES)/libzip/lib/*.c))))
+WEB_VERSIONS := $(if $(wildcard $(WEB_SOURCES)/versions),$(shell cat $(WEB_SOURCES)/versions))
+WEB_LIBS := $(if $(WEB_VERSIONS),$(patsubst %.c,$(B)/web/libs/%.o,$(WEB_LIBS_C) none.c))
+WEB_LIBS_FLAGS := --target=wasm32-wasi -Oz -w -fwrapv -ffunction-sections -DNDEBUG \
+                  -DHUF_FORCE_DECOMPRESS_X1 -DZSTD_FORCE_DECOMPRESS_SEQUENCES_SHORT -DZSTD_STRIP_ERROR_STRINGS \
+                  -DZSTD_LEGACY_SUPPORT=0 -DZSTD_DISABLE_ASM \
+                  $(addprefix -I,port/web/libs $(addprefix $(WEB_SOURCES)/,zlib libzip/lib libwebp))
+WEB_READERS_FLAGS := $(if $(WEB_LIBS),$(patsubst %,-DFXS_WITH_%,CJSON WEBP ZIP ZLIB ZSTD) -isystem port/web/libs \
+                       $(patsubst %,-isystem $(WEB_SOURCES)/%,. zlib libzip/lib libzstd/lib libwebp/src))
+ifneq ($(filter web,$(GOALS)),)
+ifeq ($(WEB_LIBS),)
+$(info built without .sog, glTF, 3D Tiles and gzip and zstd of .spz for the web: no sources of libraries in $(WEB_SOURCES))
+endif
+endif
 
-PACKAGE := $(WASM) $(addprefix $(WEB)/,fixsplat.js webgl.js read.js fixsplat.d.ts package.json README.md LICENSE) \
+WASM := $(MODULES:%=$(WEB)/%.wasm)
+
+PACKAGE := $(WASM) $(addprefix $(WEB)/,fixsplat.js webgl.js read.js thread.js fixsplat.d.ts package.json README.md LICENSE) \
            $(patsubst port/web/%,$(WEB)/%,$(wildcard port/web/viewer/*))
 
 web: $(PACKAGE) ## the npm package (docs/web.md), in build/web/package
@@ -300,19 +342,34 @@ $(B)/web/$(1)/%.o: %.c $(B)/commands/web
 	$$(call say,CC,'$$< ($(1))')$(WASM_CC) $(WASM_FLAGS) $$(call wasm_flags_of,$(1),$$<) -MMD -MP -c -o $$@ $$<
 $(WEB)/$(1).wasm: $(call web_objects_of,$(1))
 	@mkdir -p $$(@D)
-	$$(call say,LD,$$@)$(WASM_CC) $(WASM_LINK) -o $(B)/web/$(1).linked $$(filter %.o,$$^) && \
-	    $(WASM_OPT) --enable-simd -O3 --low-memory-unused -o $$@ $(B)/web/$(1).linked
+	$$(call say,LD,$$@)$(WASM_CC) $(WASM_LINK) $(wasm_link_of_$(1)) -o $(B)/web/$(1).linked $$(filter %.o,$$^) && \
+	    $(WASM_OPT) --enable-simd $(wasm_opt_of_$(1)) -O3 --low-memory-unused -o $$@ $(B)/web/$(1).linked
 endef
-$(foreach module,core simd import,$(eval $(call web_rules,$(module))))
+$(foreach module,$(MODULES),$(eval $(call web_rules,$(module))))
 $(B)/web/simd/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h
-$(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WASM_LINK) $(WASM_OPT) \
-    $(foreach module,core simd import,$(foreach file,$(sources_of_$(module)),$(strip $(call wasm_flags_of,$(module),$(file)))))
+$(B)/web/libs/%.o: $(WEB_SOURCES)/%.c $(B)/commands/web
+	@mkdir -p $(@D)
+	$(call say,CC,'$* (import)')$(WASM_CC) $(WEB_LIBS_FLAGS) -c -o $@ $<
+$(B)/web/libs/none.o: port/web/libs/none.c $(B)/commands/web
+	@mkdir -p $(@D)
+	$(call say,CC,'$< (import)')$(WASM_CC) $(WEB_LIBS_FLAGS) -c -o $@ $<
+$(WEB)/import.wasm: $(WEB_LIBS)
+$(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WEB_LIBS_FLAGS) $(WEB_VERSIONS) $(WASM_LINK) $(wasm_link_of_threads) $(WASM_OPT) \
+    $(foreach module,$(MODULES),$(foreach file,$(sources_of_$(module)),$(strip $(call wasm_flags_of,$(module),$(file)))))
 
 $(WEB)/package.json: port/web/package.json src/fixsplat.h
 	@mkdir -p $(@D)
 	@sed 's/@VERSION@/$(VERSION)/' $< >$@
-$(WEB)/LICENSE: LICENSE
-	@mkdir -p $(@D) && cp $< $@
+# With those of what is compiled in.
+WEB_LICENSES := $(if $(WEB_LIBS),$(addprefix $(WEB_SOURCES)/,cjson/LICENSE libwebp/COPYING libwebp/PATENTS \
+                                                             libzip/LICENSE libzstd/LICENSE zlib/LICENSE))
+$(WEB)/LICENSE: LICENSE $(wildcard /usr/share/doc/wasi-libc/copyright) $(WEB_LICENSES)
+	@mkdir -p $(@D)
+	@for f in $^; do [ $$f = LICENSE ] || printf '\n---- %s ----\n\n' $$(basename $$(dirname $$f)); cat $$f; done >$@
+# Without comments, but for those of several lines, and indentation: a sixth less to download.
+$(WEB)/%.js: port/web/%.js
+	@mkdir -p $(@D)
+	@sed -e 's/^ *//' -e '/^\/\//d' -e '/^\/\*\*.*\*\/$$/d' -e "s| *// [^'\"\`]*\$$||" -e '/^$$/d' $< >$@
 $(WEB)/%: port/web/%
 	@mkdir -p $(@D) && cp $< $@
 
@@ -374,7 +431,7 @@ EVERY := $(TESTS) $(SCRIPTS) $(GATES)
 containing = $(strip $(foreach name,$(EVERY),$(if $(findstring $(1),$(name)),$(name))))
 called = $(or $(filter $(1) test_$(1) $(1).sh,$(EVERY)),$(call containing,$(1)),$(error no test is called $(1)))
 RUN := $(if $(T),$(sort $(foreach name,$(T),$(call called,$(name)))),$(EVERY))
-NEEDED := $(filter $(TESTS),$(RUN)) $(if $(filter bombs.sh,$(RUN)),test_bombs)
+NEEDED := $(filter $(TESTS),$(RUN)) $(if $(filter bombs.sh web.sh,$(RUN)),test_bombs) $(if $(filter web.sh,$(RUN)),test_scene_input)
 
 $(B)/tests/test_%: $(B)/tests/test_%.o $(B)/tests/reference.o $(call objects,$(TOOL_SHARED)) $(B)/libfixsplat.a \
                    $(B)/commands/link

@@ -23,18 +23,17 @@ typedef struct ellipse {
 } ellipse;
 
 /* The tile columns of the pixels between two points. */
-static span columns_between(const fxs_view *view, int64_t left_q8, int64_t right_q8)
+static span columns_between(const fxs_view *view, int32_t left_q8, int32_t right_q8)
 {
-    int64_t first = (left_q8 + 255) >> 8, last = right_q8 >> 8;
+    int32_t first = (left_q8 + 255) >> 8, last = right_q8 >> 8;
     if (last < 0 || first >= view->width || first > last)
         return (span){0, -1};
-    return (span){first < 0 ? 0 : (int32_t)(first / FXS_TILE),
-                  last >= view->width ? view->tiles_x - 1 : (int32_t)(last / FXS_TILE)};
+    return (span){first < 0 ? 0 : first / FXS_TILE, last >= view->width ? view->tiles_x - 1 : last / FXS_TILE};
 }
 
 static ellipse ellipse_of(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds)
 {
-    int64_t cx_q8 = bounds->cx_q14 >> 6, reach_q8 = bounds->half_width_q8;
+    int32_t cx_q8 = bounds->cx_q14 >> 6, reach_q8 = (int32_t)bounds->half_width_q8;
     return (ellipse){splat, bounds, columns_between(view, cx_q8 - reach_q8, cx_q8 + reach_q8),
                      {splat->first_row / FXS_TILE, splat->last_row / FXS_TILE}, 0};
 }
@@ -58,13 +57,13 @@ static int32_t cut_to(int32_t r, int64_t v)
 }
 
 /* Half the width at v, about x = cx + shear v. */
-static int64_t half_width_q8(const ellipse *e, int32_t v_q12)
+static int32_t half_width_q8(const ellipse *e, int32_t v_q12)
 {
     uint32_t square_q24 = (uint32_t)(e->r_q12 * e->r_q12 - v_q12 * v_q12);
-    return (int64_t)e->bounds->breadth_q8 * (fxs_sqrt(square_q24) + 1) >> 12;
+    return (int32_t)((uint64_t)e->bounds->breadth_q8 * (fxs_sqrt(square_q24) + 1) >> 12);
 }
 
-static int64_t larger(int64_t a, int64_t b)
+static int32_t larger(int32_t a, int32_t b)
 {
     return a > b ? a : b;
 }
@@ -77,18 +76,20 @@ static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
     if ((top_q12 > e->r_q12 + 2 || bottom_q12 < -e->r_q12 - 2) && e->bounds->half_width_q8 != FXS_EVERYWHERE_Q8)
         return (span){0, -1};
     int32_t top = cut_to(e->r_q12, top_q12), bottom = cut_to(e->r_q12, bottom_q12 + 1);   /* rounded outwards */
-    int64_t x_top_q8 = (int64_t)e->bounds->shear_q8 * top >> 12, half_top_q8 = half_width_q8(e, top);
-    int64_t x_bottom_q8 = (int64_t)e->bounds->shear_q8 * bottom >> 12, half_bottom_q8 = half_width_q8(e, bottom);
-    int64_t left_q8 = -larger(half_top_q8 - x_top_q8, half_bottom_q8 - x_bottom_q8);
-    int64_t right_q8 = larger(half_top_q8 + x_top_q8, half_bottom_q8 + x_bottom_q8);
+    int32_t x_top_q8 = (int32_t)((int64_t)e->bounds->shear_q8 * top >> 12), half_top_q8 = half_width_q8(e, top);
+    int32_t x_bottom_q8 = (int32_t)((int64_t)e->bounds->shear_q8 * bottom >> 12);
+    int32_t half_bottom_q8 = half_width_q8(e, bottom);
+    int32_t left_q8 = -larger(half_top_q8 - x_top_q8, half_bottom_q8 - x_bottom_q8);
+    int32_t right_q8 = larger(half_top_q8 + x_top_q8, half_bottom_q8 + x_bottom_q8);
     /* v sqrt(A) against +- r shear: is a widest point on this tile row? */
-    int64_t reach_q8 = e->bounds->half_width_q8;
+    int32_t reach_q8 = (int32_t)e->bounds->half_width_q8;
     int64_t tangent = (int64_t)e->bounds->shear_q8 * e->r_q12 / 4096 * e->r_q12;
-    if (top * reach_q8 <= tangent && tangent <= bottom * reach_q8)
+    int64_t low = (int64_t)top * reach_q8, high = (int64_t)bottom * reach_q8;
+    if (low <= tangent && tangent <= high)
         right_q8 = reach_q8;
-    if (top * reach_q8 <= -tangent && -tangent <= bottom * reach_q8)
+    if (low <= -tangent && -tangent <= high)
         left_q8 = -reach_q8;
-    int64_t cx_q8 = e->bounds->cx_q14 >> 6, margin_q8 = (reach_q8 >> 8) + 32;
+    int32_t cx_q8 = e->bounds->cx_q14 >> 6, margin_q8 = (reach_q8 >> 8) + 32;
     left_q8 = larger(left_q8 - margin_q8, -reach_q8);
     right_q8 = -larger(-right_q8 - margin_q8, -reach_q8);
     return columns_between(view, cx_q8 + left_q8, cx_q8 + right_q8);
@@ -111,7 +112,7 @@ FXS_STAGE fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, co
 
 fxs_span fxs_bin_columns(const fxs_view *view, const fxs_bounds *bounds)
 {
-    const int64_t cx_q8 = bounds->cx_q14 >> 6, reach_q8 = bounds->half_width_q8;
+    const int32_t cx_q8 = bounds->cx_q14 >> 6, reach_q8 = (int32_t)bounds->half_width_q8;
     return view->square                      ? square_span(bounds->cx_q14, bounds->radius, view->tiles_x)
            : reach_q8 == FXS_EVERYWHERE_Q8 ? (span){0, view->tiles_x - 1}
                                            : columns_between(view, cx_q8 - reach_q8, cx_q8 + reach_q8);
@@ -220,7 +221,7 @@ static void list_large(fxs_lister *l, fxs_key *keys, uint32_t slot, uint32_t acr
 {
     const fxs_view *view = l->view;
     const span rows = fxs_bin_rows(view, &l->splats[slot], &l->bounds[slot]);
-    const int32_t first = (int32_t)larger(rows.first, l->first_macro / across * FXS_MACRO);
+    const int32_t first = larger(rows.first, (int32_t)(l->first_macro / across * FXS_MACRO));
     const int32_t last = fxs_min(rows.last, (int32_t)(l->last_macro / across * FXS_MACRO + FXS_MACRO - 1));
     span s[SPANS + FXS_SPANS_MORE + 1];
     for (int32_t row = first & ~1; row <= last; row += SPANS) {

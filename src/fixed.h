@@ -68,7 +68,7 @@ static inline uint32_t fxs_mulhi(uint32_t a, uint32_t b)
 /* x * 2^-shift, rounded to nearest, halves up; shift in 1..62. */
 static inline int64_t fxs_round_shift(int64_t x, int shift)
 {
-    return (x + ((int64_t)1 << (shift - 1))) >> shift;
+    return ((x >> (shift - 1)) + 1) >> 1;
 }
 
 static inline int32_t fxs_clamp(int32_t x, int32_t low, int32_t high)
@@ -76,24 +76,24 @@ static inline int32_t fxs_clamp(int32_t x, int32_t low, int32_t high)
     return x < low ? low : x > high ? high : x;
 }
 
-/* 2^62 / m, in [2^30, 2^31]; m in [2^31, 2^32). Newton from 48/17 - 32/17 x (error 1/17): y' = y (2 - x y), three
-   times. */
+/* 2^62 / m, in [2^30, 2^31); m in [2^31, 2^32). Newton from 48/17 - 32/17 x (error 1/17): y' = y (2 - x y), three
+   times. A product over 2^30 is the high half of that of twice the factors, which are below 2^31. */
 static inline uint32_t fxs_reciprocal(uint32_t m)
 {
     uint32_t y_q30 = 3031741620u - fxs_mulhi(m, 2021161081u);
     for (int i = 0; i < 3; i++)
-        y_q30 = (uint32_t)((uint64_t)y_q30 * (0x80000000u - fxs_mulhi(m, y_q30)) >> 30);
+        y_q30 = fxs_mulhi(2 * y_q30, 2 * (0x80000000u - fxs_mulhi(m, y_q30)));
     return y_q30;
 }
 
-/* 1 / sqrt(m * 2^-32), Q30, in [2^30 - 1024, 2^31]; m in [2^30, 2^32). Newton from 2.2 - 1.333 x (error 1/8):
+/* 1 / sqrt(m * 2^-32), Q30, in [2^30 - 1024, 2^31); m in [2^30, 2^32). Newton from 2.2 - 1.333 x (error 1/8):
    y' = y (3 - x y^2) / 2, three times; relative error below 2^-19. */
 static inline uint32_t fxs_rsqrt(uint32_t m)
 {
     uint32_t y_q30 = 2369829601u - fxs_mulhi(m, 1431655765u);
     for (int i = 0; i < 3; i++) {
-        uint32_t square_q29 = (uint32_t)((uint64_t)y_q30 * y_q30 >> 31);
-        y_q30 = (uint32_t)((uint64_t)y_q30 * (0x60000000u - fxs_mulhi(m, square_q29)) >> 30);
+        uint32_t square_q29 = fxs_mulhi(2 * y_q30, y_q30);
+        y_q30 = fxs_mulhi(2 * y_q30, 2 * (0x60000000u - fxs_mulhi(m, square_q29)));
     }
     return y_q30;
 }

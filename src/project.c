@@ -58,7 +58,7 @@ static void jacobian(int32_t j_q15[2][3], const fxs_view *view, const projected 
 {
     for (int i = 0; i < 2; i++) {
         int32_t slope = fxs_clamp(centre->slope_q23[i], view->slope_low_q23[i], view->slope_high_q23[i]);
-        int32_t slope_q15 = (int32_t)fxs_round_shift(slope, 8 + view->jacobian_exponent);
+        int32_t slope_q15 = ((slope >> (7 + view->jacobian_exponent)) + 1) >> 1;
         for (int k = 0; k < 3; k++)
             j_q15[i][k] = view->row_q15[i][k] - fxs_mul_q15(slope_q15, view->forward_q15[i][k]);
     }
@@ -151,17 +151,24 @@ typedef struct root {
     int half;                      /* sqrt(x) = sqrt(m * 2^-32) * 2^half */
 } root;
 
-static root root_of(uint64_t x, int q)
+static root root_of_q60(uint64_t x)
 {
     int zeros = fxs_clz64(x) & ~1;
     uint32_t m = (uint32_t)(x << zeros >> 32);
-    return (root){m, fxs_rsqrt(m), (64 - zeros - q) / 2};
+    return (root){m, fxs_rsqrt(m), 2 - zeros / 2};
 }
 
-/* x * 2^-shift rounded to nearest, 0 where nothing is left. */
-static uint32_t scale_down(uint64_t x, int shift)
+static root root_of_q30(uint32_t x)
 {
-    return shift > 62 ? 0 : (uint32_t)fxs_round_shift((int64_t)x, shift);
+    int zeros = fxs_clz32(x) & ~1;
+    uint32_t m = x << zeros;
+    return (root){m, fxs_rsqrt(m), 1 - zeros / 2};
+}
+
+/* x * 2^-shift rounded to nearest, 0 where nothing is left; shift above 0, x below 2^32 - 1. */
+static uint32_t scale_down(uint32_t x, int shift)
+{
+    return shift > 32 ? 0 : ((x >> (shift - 1)) + 1) >> 1;
 }
 
 /* sqrt(x) 2^exponent */
@@ -172,19 +179,22 @@ static uint32_t sqrt_q8(root r, int exponent)
 
 /* Whitened rows: v = dy / sqrt(C), u = (dx - (B / C) dy) / sqrt(A - B^2 / C). With D = det:
    vy = 1 / sqrt(C), ux = sqrt(C / D), uy = -B / sqrt(C D); all at most 1 / sqrt(0.3) = 1.83. */
-static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, const projected *centre, uint32_t r_q12)
+static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, root c, const projected *centre,
+                   uint32_t r_q12)
 {
     const int e = s->exponent;
-    root c = root_of(s->c_q30, 30), d = root_of(s->det_q60, 60), a = root_of(s->a_q30, 30);
+    root d = root_of_q60(s->det_q60), a = root_of_q30(s->a_q30);
     uint32_t root_c_q30 = fxs_mulhi(c.m, c.inverse_q30), root_d_q30 = fxs_mulhi(d.m, d.inverse_q30);
     uint64_t inverse_q29 = (uint64_t)c.inverse_q30 * d.inverse_q30 >> 31;
     splat->vy_q24 = (int32_t)scale_down(c.inverse_q30, 6 + c.half + e);
-    splat->ux_q24 = (int32_t)scale_down((uint64_t)root_c_q30 * d.inverse_q30 >> 30, 6 - c.half + d.half + e);
+    splat->ux_q24 = (int32_t)scale_down((uint32_t)((uint64_t)root_c_q30 * d.inverse_q30 >> 30),
+                                        6 - c.half + d.half + e);
     splat->uy_q24 = -(int32_t)fxs_round_shift(s->b_q30 * (int64_t)inverse_q29, 35 + c.half + d.half + e);
 
     bounds->cx_q14 = centre->position_q14[0];
     bounds->cy_q14 = centre->position_q14[1];
-    bounds->breadth_q8 = scale_down((uint64_t)root_d_q30 * c.inverse_q30 >> 30, 22 - d.half + c.half - e);
+    bounds->breadth_q8 = scale_down((uint32_t)((uint64_t)root_d_q30 * c.inverse_q30 >> 30),
+                                    22 - d.half + c.half - e);
     bounds->shear_q8 = (int32_t)fxs_round_shift((int64_t)s->b_q30 * c.inverse_q30, 52 + c.half - e);
     bounds->half_width_q8 = (uint32_t)((uint64_t)sqrt_q8(a, e) * r_q12 >> 12);
     bounds->half_width_q8 += (bounds->half_width_q8 >> 8) + 32;
@@ -196,11 +206,11 @@ static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, co
     splat->v0_q24 = (uint32_t)(-v_q38 >> 14) + (1 << 10);
 }
 
-/* Rows and columns that the ellipse of radius r can touch, with a margin of 1/8 pixel and 1/256 of the size.
-   Returns 0 where it misses the picture, or all of it is hidden. */
-static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const covariance *s, uint32_t r_q12)
+/* Rows and columns that the ellipse of radius r can touch, sigma_q8 high, with a margin of 1/8 pixel and 1/256 of the
+   size. Returns 0 where it misses the picture, or all of it is hidden. */
+static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, uint32_t sigma_q8, uint32_t r_q12)
 {
-    int64_t half_height_q8 = (int64_t)((uint64_t)sqrt_q8(root_of(s->c_q30, 30), s->exponent) * r_q12 >> 12);
+    int64_t half_height_q8 = (int64_t)((uint64_t)sigma_q8 * r_q12 >> 12);
     int64_t half_width_q8 = bounds->half_width_q8;
     half_height_q8 += (half_height_q8 >> 8) + 32;
     int64_t cx_q8 = bounds->cx_q14 >> 6, cy_q8 = bounds->cy_q14 >> 6;
@@ -223,9 +233,9 @@ static int square(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, co
     uint64_t mid_q30 = ((uint64_t)s->a_q30 + s->c_q30) / 2;
     uint64_t least_q60 = s->exponent < 15 ? TENTH_Q60 >> 4 * s->exponent : 1;
     int64_t spread_q60 = (int64_t)(mid_q30 * mid_q30 - s->det_q60);
-    root spread = root_of(spread_q60 < (int64_t)least_q60 ? least_q60 : (uint64_t)spread_q60, 60);
+    root spread = root_of_q60(spread_q60 < (int64_t)least_q60 ? least_q60 : (uint64_t)spread_q60);
     uint64_t lambda_q30 = mid_q30 + ((uint64_t)fxs_mulhi(spread.m, spread.inverse_q30) << 1 >> (1 - spread.half));
-    uint32_t sigma_q8 = sqrt_q8(root_of(lambda_q30, 30), s->exponent);
+    uint32_t sigma_q8 = sqrt_q8(root_of_q60(lambda_q30 << 30), s->exponent);
     bounds->radius = (uint32_t)((3 * (uint64_t)sigma_q8 + 255) >> 8);
     int64_t x = bounds->cx_q14, y = bounds->cy_q14, radius_q14 = (int64_t)bounds->radius << 14;
     splat->first_row = 0;
@@ -278,7 +288,7 @@ static int veil(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, cons
 {
     const int shift = (s->exponent < 60 ? s->exponent : 60) - 6;
     const int64_t half_x = view->tiles_x * (FXS_TILE / 2), half_y = view->tiles_y * (FXS_TILE / 2);
-    const root c = root_of(s->c_q30, 30), d = root_of(s->det_q60, 60);
+    const root c = root_of_q30(s->c_q30), d = root_of_q60(s->det_q60);
     const int64_t inverse_q29 = (int64_t)((uint64_t)c.inverse_q30 * d.inverse_q30 >> 31);
     const int64_t ratio_q30 = (int64_t)((uint64_t)fxs_mulhi(c.m, c.inverse_q30) * d.inverse_q30 >> 30);
     const int64_t ux_q18 = fxs_round_shift(ratio_q30 * 4, 14 - c.half + d.half);   /* a 2^exponent pixels */
@@ -326,8 +336,8 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
         const int32_t column[3] = {r_q15[0][i], r_q15[1][i], r_q15[2][i]};
         int32_t below_q16 = most - log2_q16[i];
         uint32_t ratio_q15 = (uint32_t)fxs_exp2_q15((below_q16 & 65535) >> 1);
-        int32_t k_q15 = (int32_t)scale_down((uint64_t)ratio_q15 * size_q32,
-                                            32 + exponent - size_exponent + (below_q16 >> 16));
+        int32_t k_q15 = (int32_t)scale_down((uint32_t)((uint64_t)ratio_q15 * size_q32 >> 31),
+                                            1 + exponent - size_exponent + (below_q16 >> 16));
         t_q15[0][i] = fxs_mul_q15(dot_q15(j_q15[0], column), k_q15);
         t_q15[1][i] = fxs_mul_q15(dot_q15(j_q15[1], column), k_q15);
     }
@@ -350,8 +360,10 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
     uint32_t r_q12 = fxs_sqrt((r2_q11 + 1) << 13) + 1;
     if (is_veil)
         return veil(splat, bounds, view, &s, centre, r_q12);
-    whiten(splat, bounds, &s, centre, r_q12);
-    return view->square ? square(splat, bounds, view, &s) : clip(splat, bounds, view, &s, r_q12);
+    const root c = root_of_q30(s.c_q30);
+    whiten(splat, bounds, &s, c, centre, r_q12);
+    return view->square ? square(splat, bounds, view, &s)
+                        : clip(splat, bounds, view, sqrt_q8(c, exponent), r_q12);
 }
 
 /* Depth in an order-keeping 32 bits: exponent in 6, mantissa in 26. z is 1 to 2^30 - 1 units of 2^(shift - 32), shift 0

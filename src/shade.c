@@ -21,8 +21,8 @@ static void direction(int32_t d_q15[3], const int64_t offset_q32[3])
     }
     int zeros = fxs_clz32(square + !square) & ~1;
     uint32_t inverse_q30 = fxs_rsqrt((square + !square) << zeros);
-    for (int i = 0; i < 3; i++) {
-        int64_t x = fxs_round_shift((int64_t)d[i] * inverse_q30, 31 - zeros / 2);
+    for (int i = 0; i < 3; i++) {  /* d 2^(zeros / 2) is below 2^16 */
+        int64_t x = fxs_round_shift((int64_t)(d[i] * (1 << zeros / 2)) * inverse_q30, 31);
         d_q15[i] = fxs_clamp((int32_t)x, -32767, 32767);
     }
 }
@@ -54,17 +54,17 @@ static void basis(int32_t b[15], const int32_t d_q15[3], int degree)
     b[14] = -2 * fxs_mul_q15(fxs_mul_q15(Q15(590044), x), (xx - 3 * yy) / 2);
 }
 
-/* One channel above degree 0, Q16: sum over degrees of step * sum basis * code. */
-static int32_t bands(const int8_t *codes, const int32_t b_q15[15], const uint16_t step_q19[3], int degree)
+/* Adds a degree, Q16: step * sum basis * code. Codes of the three channels follow each other. */
+static void add_band(int32_t sum_q16[3], const int8_t *codes, const int32_t *b_q15, int count, int step_q19)
 {
-    int32_t sum_q16 = 0;
-    for (int d = 1; d <= 3 && d <= degree; d++) {
-        int32_t band_q15 = 0;
-        for (int k = FXS_SH_COUNT(d - 1); k < FXS_SH_COUNT(d); k++)
-            band_q15 += b_q15[k] * codes[3 * k * FXS_CHUNK];
-        sum_q16 += (((band_q15 + 512) >> 10) * step_q19[d - 1] + 128) >> 8;
+    int32_t band_q15[3] = {0, 0, 0};
+    for (int k = 0; k < count; k++, codes += 3 * FXS_CHUNK) {
+        band_q15[0] += b_q15[k] * codes[0];
+        band_q15[1] += b_q15[k] * codes[FXS_CHUNK];
+        band_q15[2] += b_q15[k] * codes[2 * FXS_CHUNK];
     }
-    return sum_q16;
+    for (int c = 0; c < 3; c++)
+        sum_q16[c] += (((band_q15[c] + 512) >> 10) * step_q19 + 128) >> 8;
 }
 
 /* `sign` is 1 or -1. */
@@ -108,7 +108,8 @@ static void basis_at(int32_t b_q15[15], const fxs_view *view, const fxs_chunk *c
         offset_q32[k] = chunk->origin_q32[k] - view->eye_q32[k] + reach;
     }
     direction(d_q15, offset_q32);
-    memset(b_q15, 0, 15 * sizeof *b_q15);
+    if (view->sh_degree < 3)
+        memset(b_q15, 0, 15 * sizeof *b_q15);
     basis(b_q15, d_q15, view->sh_degree);
 }
 
@@ -125,8 +126,10 @@ static void directional(int32_t sum_q16[3], const fxs_view *view, const fxs_scen
         return;
     }
     const int8_t *sh = (const int8_t *)rows + FXS_ROW_SH + g;
-    for (int c = 0; c < 3; c++)
-        sum_q16[c] += bands(sh + c * FXS_CHUNK, b_q15, chunk->sh_step_q19, view->sh_degree);
+    for (int d = 1; d <= view->sh_degree; d++) {
+        const int first = FXS_SH_COUNT(d - 1), count = FXS_SH_COUNT(d) - first;
+        add_band(sum_q16, sh + 3 * first * FXS_CHUNK, b_q15 + first, count, chunk->sh_step_q19[d - 1]);
+    }
 }
 
 /* The colour of Gaussian g of a chunk; `rows` are the chunk's. */
@@ -136,7 +139,7 @@ static void shade_one(fxs_splat *splat, const fxs_view *view, const fxs_scene *s
     const fxs_codes codes = fxs_codes_of(scene, rows, g);
     int32_t sum_q16[3];
     for (int c = 0; c < 3; c++) {
-        int64_t step = (int64_t)chunk->colour_step_q20[c] * (codes.colour >> 8 * c & 255);
+        uint32_t step = chunk->colour_step_q20[c] * (codes.colour >> 8 * c & 255);   /* at most 2^27 */
         sum_q16[c] = chunk->colour_q16[c] + (int32_t)((step + 8) >> 4);
     }
     if (view->sh_degree > 0)

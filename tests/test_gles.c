@@ -743,6 +743,8 @@ static void upset(caller *c)
     GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, c->framebuffers[1]);
     GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_READ_FRAMEBUFFER, c->framebuffers[0]);
     GL(BINDRENDERBUFFER, BindRenderbuffer)(GL_RENDERBUFFER, c->renderbuffer);
+    GL(BLENDEQUATIONSEPARATE, BlendEquationSeparate)(GL_MIN, GL_FUNC_SUBTRACT);
+    GL(BLENDFUNCSEPARATE, BlendFuncSeparate)(GL_DST_ALPHA, GL_DST_COLOR, GL_SRC_ALPHA, GL_ZERO);
     GL(VIEWPORT, Viewport)(1, 2, 3, 4);
     GL(SCISSOR, Scissor)(5, 6, 7, 8);
     GL(COLORMASK, ColorMask)(GL_FALSE, GL_TRUE, GL_FALSE, GL_TRUE);
@@ -764,6 +766,7 @@ static void settle(void)
     for (size_t i = 0; i < sizeof switches / sizeof *switches; i++)
         GL(DISABLE, Disable)(switches[i]);
     GL(COLORMASK, ColorMask)(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    GL(BINDBUFFER, BindBuffer)(GL_PIXEL_PACK_BUFFER, 0);
     GL(BINDBUFFER, BindBuffer)(GL_PIXEL_UNPACK_BUFFER, 0);
     GL(PIXELSTOREI, PixelStorei)(GL_UNPACK_ALIGNMENT, 4);
     GL(PIXELSTOREI, PixelStorei)(GL_UNPACK_ROW_LENGTH, 0);
@@ -857,6 +860,42 @@ static void target(void)
 static void target_in_windows(void)
 {
     target_by(64);
+}
+
+/* Quads: the bytes that they have on a framebuffer of the back end's own. */
+static void target_quads(void)
+{
+    static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
+    subject s;
+    OPEN_OR_SKIP(gles);
+    caller c = make_caller();
+    if (!make_subject(&s, "knot", 9000, 111, 83))
+        return;
+    uint8_t *expected = new_picture(&s);
+    fxs_gles_target t = {.framebuffer = c.framebuffers[0], .x = 13, .y = 7, .quads = 1};
+    for (int i = 0; i < 4; i++) {
+        state before, after;
+        t.format = s.format = i / 2 ? FXS_FORMAT_RGBA8_COVERAGE : FXS_FORMAT_RGBA8;
+        t.top_down = i % 2;
+        settle();
+        CHECK(!render(&s, fxs_gles_draw_quads, gles, 0, expected, 111 * 4, 0));
+        GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, c.framebuffers[0]);
+        GL(DISABLE, Disable)(GL_SCISSOR_TEST);
+        GL(CLEARBUFFERFV, ClearBufferfv)(GL_COLOR, 0, beside);
+        upset(&c);
+        dump(&before);
+        CHECK(!render(&s, 0, gles, &t, 0, 0, 0));
+        dump(&after);
+        CHECK(!memcmp(&before, &after, sizeof before));
+        settle();
+        CHECK(in_target(&s, &t, expected));
+    }
+    t.backdrop = 1;
+    t.format = FXS_FORMAT_RGBA8;
+    CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
+    free(expected);
+    fxs_packed_scene_free(&s.packed);
+    close_gles(gles);
 }
 
 /* Lists so short that their chunks run out before their records. */
@@ -1265,6 +1304,7 @@ int main(void)
         RUN(meshes);
         RUN(target);
         RUN(target_in_windows);
+        RUN(target_quads);
         RUN(target_of_short_lists);
         RUN(target_meshes);
         RUN(init_keeps_state);

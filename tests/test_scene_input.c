@@ -80,7 +80,7 @@ static void forget_calls(long fails_from)
 
 typedef enum way { BY_PATH, BY_MEMORY, BY_INPUT } way;
 
-static char folder[] = "/tmp/test_input_XXXXXX";
+static char folder[96] = "/tmp/test_input_XXXXXX";
 
 static int open_made(way by, const fxs_scene_file_options *options, fxs_scene_file **file)
 {
@@ -194,7 +194,7 @@ static void move_back(const char *from, const char *to)
 static void links_stay_in_the_folder(void)
 {
     static fxs_gaussian out[MOST];
-    char outside[64], inside[64], linked[128];
+    char outside[128], inside[128], linked[128];
     snprintf(outside, sizeof outside, "%s.outside", folder);
     snprintf(inside, sizeof inside, "%s/inside", folder);
     for (int i = 0; i < FORMATS; i++) {
@@ -223,7 +223,7 @@ static void links_stay_in_the_folder(void)
 static void linked_scene(void)
 {
     static fxs_gaussian out[MOST];
-    char outside[64], full[128];
+    char outside[128], full[128];
     snprintf(outside, sizeof outside, "%s.outside", folder);
     for (int i = 0; i < FORMATS; i++) {
         make_format(i);
@@ -466,8 +466,23 @@ static void allocator_helpers(void)
     }
 }
 
-int main(void)
+/* Each format in a folder of its own, for others to try; prints which file is to be opened. */
+static int write_all(const char *parent)
 {
+    for (int i = 0; i < FORMATS; i++) {
+        make_format(i);
+        snprintf(folder, sizeof folder, "%s/%d", parent, i);
+        mkdir(folder, 0700);
+        write_made();
+        printf("%d/%s\n", i, files[0].name);
+    }
+    return check_faults != 0;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc == 3 && strcmp(argv[1], "--write") == 0)
+        return write_all(argv[2]);
     if (!mkdtemp(folder))
         return 1;
     RUN(same_from_everywhere);

@@ -1,29 +1,48 @@
 #!/bin/sh
-# tools/web_sources.sh FOLDER: the sources of the libraries that the web port compiles in, from the Debian repositories of
-# this system, with Debian's patches: FOLDER/cjson and so on. apt checks signatures; its configuration stays as it is.
+# tools/web_sources.sh FOLDER: sources of the libraries that the web port compiles in, with Debian's patches and in the
+# versions that are installed: FOLDER/zlib and so on. From this system's Debian repositories, by apt, which checks
+# signatures, and whose own state stays as it is. Without them, the web port is built without what needs them.
 folder=${1:?folder}
 names='cjson libwebp libzip libzstd zlib'
+packages='libcjson-dev libwebp-dev libzip-dev libzstd-dev zlib1g-dev'
 
-# Source package and version of what is installed there; which are those of the native build.
-wanted=$(dpkg-query -W -f='${source:Package}=${source:Version}\n' \
-    libcjson-dev libwebp-dev libzip-dev libzstd-dev zlib1g-dev 2>/dev/null | sort -u)
-[ "$wanted" ] || { echo "setup: no Debian packages here, so no sources for the web port" >&2; exit 1; }
+wanted=$(dpkg-query -W -f='${source:Package}=${source:Version}\n' $packages 2>/dev/null | sort -u)
 printf '%s\n' "$wanted" | cmp -s - "$folder/versions" && exit
-command -v dpkg-source >/dev/null || { echo "setup: no dpkg-source" >&2; exit 1; }
 
-mkdir -p "$folder" && work=$(mktemp -d "$folder/fetch.XXXXXX") || exit 1
-trap 'rm -rf "$work"' EXIT
-mkdir -p "$work/lists/partial" "$work/parts"
-apt-get indextargets --format 'deb-src $(REPO_URI) $(RELEASE) $(COMPONENT)' 'Origin: Debian' 'Created-By: Packages' |
-    sort -ru >"$work/sources.list"
 apt() {
-    LC_ALL=C apt-get -qq -o Dir::Etc::sourcelist="$work/sources.list" -o Dir::Etc::sourceparts="$work/parts" \
+    LC_ALL=C apt-get -qq -o Dir::Etc::sourcelist="$work/sources.list" -o Dir::Etc::sourceparts="$work/none" \
         -o Dir::State::lists="$work/lists" -o Dir::Cache::srcpkgcache= -o Dir::Cache::pkgcache= \
         -o APT::Sandbox::User= -o Debug::NoLocking=1 "$@"
 }
-echo "setup: fetching sources for the web port:" $wanted
-cd "$work" && apt update && apt source --only-source $wanted >/dev/null || exit 1
-for name in $names; do
-    rm -rf "../$name" && mv "$name"-*/ "../$name" || exit 1
-done
-printf '%s\n' "$wanted" >../versions
+
+# Where security updates are the same as what the suite has, the suite is asked first.
+fetch() {
+    mkdir -p "$work/lists/partial" "$work/none" &&
+        apt-get indextargets --format 'deb-src $(REPO_URI) $(RELEASE) $(COMPONENT)' 'Origin: Debian' \
+            'Created-By: Packages' | sort -ru >"$work/sources.list" &&
+        apt update && { apt source --only-source $wanted || apt source --only-source $names; }
+}
+
+# Messages of libzip, which its CMake takes from its header.
+name_errors() {
+    echo '#include "zipint.h"'
+    echo 'const char *const _zip_err_str[] = {'
+    sed -n 's|^#define ZIP_ER_.*/\* [NSZ] \(.*\) \*/|    "\1",|p' "$1"
+    printf '%s\n' '};' 'const int _zip_nerr_str = sizeof _zip_err_str / sizeof *_zip_err_str;' 'enum { N, S, Z };' \
+        'const int _zip_err_type[] = {'
+    sed -n 's|^#define ZIP_ER_.*/\* \([NSZ]\) .*|    \1,|p' "$1"
+    echo '};'
+}
+
+take() {
+    for name in $names; do
+        rm -rf "../$name" && mv "$name"-*/ "../$name" || return
+    done
+    name_errors ../libzip/lib/zip.h >../libzip/lib/zip_err_str.c && printf '%s\n' "$wanted" >../versions
+}
+
+echo "setup: fetching sources for the web port"
+mkdir -p "$folder" && work=$(mktemp -d "$folder/fetch.XXXXXX") && cd "$work" || exit
+trap 'rm -rf "$work"' EXIT
+said=$(fetch 2>&1 && take 2>&1) || printf '%s\n' "setup: no sources for the web port: $said" >&2
+exit 0

@@ -66,7 +66,8 @@ struct fxs_gles {
 /* The GL state that fxs_gles_init and fxs_gles_render touch. */
 typedef struct fxs_gles_state {
     GLint program, vertex_array, unpack_buffer, array_buffer, renderbuffer, draw_framebuffer, read_framebuffer;
-    GLint active_texture, textures[FXS_GLES_UNITS], samplers[FXS_GLES_UNITS], viewport[4], scissor[4], unpack[3], blend[6];
+    GLint active_texture, textures[FXS_GLES_UNITS], samplers[FXS_GLES_UNITS], viewport[4], scissor[4], unpack[3];
+    GLint blend[6];
     GLboolean switches[8], colour_mask[4];
 } fxs_gles_state;
 

@@ -357,16 +357,18 @@ static inline vh all_h(int x)
     return (vh)wasm_i16x8_splat((int16_t)x);
 }
 
-/* fxs_mul_q15, but for -32768 squared, which is 32767. Only a coordinate below -4 is -32768 (in pixel.h -32767), and
-   either square is above every limit. */
+/* fxs_mul_q15. -32768 squared is 32767, or -32768 where fixsplat.js has put the relaxed instruction in its place. */
 static inline vh mul_h(vh a, vh b)
 {
     return (vh)wasm_i16x8_q15mulr_sat((v128_t)a, (v128_t)b);
 }
 
+/* Levels are unsigned here. Where the C code cuts a coordinate to -32767, with the square 32766, a vector has -32768,
+   with the square 32767 or 32768; and a level is cut to 65535, not 32767. All of these are above every limit, so such a
+   pixel takes nothing either way. */
 static inline vh add_level(vh a, vh b)
 {
-    return (vh)wasm_i16x8_add_sat((v128_t)a, (v128_t)b);
+    return (vh)wasm_u16x8_add_sat((v128_t)a, (v128_t)b);
 }
 
 /* a b + c, where that fits. */
@@ -378,7 +380,7 @@ static inline vh mul_add_h(vh a, vh b, vh c)
 /* a b + c, cut to 16 bits. */
 static inline vh mul_add_cut_h(vh a, vh b, vh c)
 {
-    return add_level(mul_h(a, b), c);
+    return (vh)wasm_i16x8_add_sat((v128_t)mul_h(a, b), (v128_t)c);
 }
 
 static inline vh least_h(vh a, vh b)
@@ -410,7 +412,7 @@ static inline mask_h open_of(vh transmittance_q15)
 
 static inline mask_h within(vh level, vh limit)
 {
-    return ~greater_h(level, limit);
+    return (mask_h)wasm_u16x8_le((v128_t)level, (v128_t)limit);
 }
 
 /* x, or 0 */

@@ -19,9 +19,10 @@ static double numbers[NUMBERS];
 static fxs_message message;
 static fxs_context context;
 static fxs_file_view view;
-static fxs_camera camera;
 
-/* The objects of the next frame, and the boxes of each. */
+/* The cameras of the next frame, one or two eyes; its objects, and the boxes of each. */
+static fxs_camera cameras[2];
+static uint32_t eyes;
 static fxs_object *objects;
 static fxs_crop (*crops)[FXS_MAX_CROPS];
 static uint32_t object_count;
@@ -34,9 +35,10 @@ static int said(int error)
     return error;
 }
 
-EXPORT(start) double *fxs_web_start(void)
+EXPORT(start) double *fxs_web_start(uint32_t threads)
 {
-    fxs_init(&context, NULL);
+    const fxs_config config = {.run = fxs_web_run, .threads = threads};
+    fxs_init(&context, &config);
     fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
     return numbers;
 }
@@ -107,7 +109,7 @@ EXPORT(begin) int fxs_web_begin(uint32_t count)
     free(crops);
     objects = fxs_allocate(NULL, count, sizeof *objects);
     crops = fxs_allocate(NULL, count, sizeof *crops);
-    object_count = 0;
+    object_count = eyes = 0;
     for (int i = 0; i < 3; i++) {
         low[i] = INFINITY;
         high[i] = -INFINITY;
@@ -148,10 +150,13 @@ EXPORT(place) int fxs_web_place(const loaded *l)
 
 /* ---- Camera ------------------------------------------------------------------------------------------------------ */
 
+/* The frame's first, or its second. */
 static int take_camera(double near)
 {
     view.near = near;
-    return fxs_camera_from_view(&camera, &view, &message);
+    const int error = fxs_camera_from_view(&cameras[eyes], &view, &message);
+    eyes += !error;
+    return error;
 }
 
 /* In: eye, look, up, field of view in degrees, near, or 0: that of the objects' box. */
@@ -195,7 +200,8 @@ EXPORT(camera) int fxs_web_camera(int width, int height, int new_width, int new_
 /* The working memory of a frame, at most `limit` bytes of it where that is not 0. */
 static void *frame_memory(size_t *bytes, size_t limit)
 {
-    *bytes = fxs_frame_bytes(&context, objects, object_count, camera.width, camera.height, NULL);
+    *bytes = (eyes == 2 ? fxs_stereo_bytes(&context, objects, object_count, cameras->width, cameras->height)
+                        : fxs_frame_bytes(&context, objects, object_count, cameras->width, cameras->height, NULL));
     if (limit && limit < *bytes)
         *bytes = limit;
     return fxs_web_allocate(*bytes);
@@ -203,7 +209,7 @@ static void *frame_memory(size_t *bytes, size_t limit)
 
 int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree, int square, size_t limit)
 {
-    *frame = (fxs_web_frame){.context = &context, .objects = objects, .count = object_count, .camera = &camera};
+    *frame = (fxs_web_frame){.context = &context, .objects = objects, .count = object_count, .camera = cameras};
     frame->memory = frame_memory(&frame->bytes, limit);
     fxs_options_init(&frame->options);
     for (int c = 0; c < 3; c++)
@@ -219,19 +225,43 @@ int fxs_web_frame_end(fxs_web_frame *frame, int error)
     return said(error);
 }
 
-/* Draws the objects to `pixels`, RGBA8 rows without gaps. */
-EXPORT(render) int fxs_web_render(void *pixels, int format, uint32_t background, int sh_degree, int square,
-                                  size_t limit)
+/* An image without gaps; null at 0. */
+static fxs_image image_at(double at, ptrdiff_t bytes)
+{
+    return (fxs_image){(void *)(uintptr_t)at, bytes * cameras->width};
+}
+
+/* In: places of colour, coverage, mean and median depth, ids, occluder and backdrop, or 0. */
+static void take_targets(fxs_targets *t, const double *at, int format, int depth_bits)
+{
+    static const uint8_t bytes[] = {4, 4, 2, 8};   /* a pixel of each format */
+    fxs_targets_init(t);
+    t->format = (enum fxs_format)format;
+    t->depth_bits = depth_bits;
+    t->colour = image_at(at[0], bytes[format]);
+    t->coverage = image_at(at[1], 1);
+    t->mean_depth = image_at(at[2], 4);
+    t->median_depth = image_at(at[3], 4);
+    t->id = image_at(at[4], 8);
+    t->occluder = image_at(at[5], 4);
+    t->backdrop = image_at(at[6], 4);
+}
+
+/* Draws the objects: for each eye 7 places come in, as take_targets says. */
+EXPORT(render) int fxs_web_render(int format, int depth_bits, int exact, uint32_t background, int sh_degree,
+                                  int square, size_t limit)
 {
     fxs_web_frame f;
-    fxs_targets targets;
+    fxs_targets targets[2];
     if (fxs_web_frame_begin(&f, background, sh_degree, square, limit))
         return FXS_ERR_MEMORY;
-    fxs_targets_init(&targets);
-    targets.colour = (fxs_image){pixels, 4 * (ptrdiff_t)camera.width};
-    targets.format = (enum fxs_format)format;
-    return fxs_web_frame_end(&f, fxs_render(&context, objects, object_count, &camera, &f.options, &targets, f.memory,
-                                            f.bytes, NULL));
+    for (uint32_t eye = 0; eye < eyes; eye++)
+        take_targets(&targets[eye], numbers + 7 * eye, format, depth_bits);
+    const int error = eyes == 2 ? fxs_render_stereo(&context, objects, object_count, cameras, &f.options, targets, exact,
+                                                    f.memory, f.bytes, NULL)
+                                : fxs_render(&context, objects, object_count, cameras, &f.options, targets, f.memory,
+                                             f.bytes, NULL);
+    return fxs_web_frame_end(&f, error);
 }
 
 /* What a pixel shows: 1, or 0 where that is nothing. Out: the object's place, its Gaussian, depth and position. */
@@ -244,7 +274,7 @@ EXPORT(pick) int fxs_web_pick(int x, int y, size_t limit)
     if (!memory)
         return FXS_ERR_MEMORY;
     fxs_options_init(&options);
-    const int found = fxs_pick(&context, objects, object_count, &camera, &options, NULL, x, y, memory, bytes, &result);
+    const int found = fxs_pick(&context, objects, object_count, cameras, &options, NULL, x, y, memory, bytes, &result);
     free(memory);
     numbers[0] = result.object;
     numbers[1] = result.gaussian;

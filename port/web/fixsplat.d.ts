@@ -1,6 +1,9 @@
 /** Whether this machine runs the module with simd128, which is taken then. */
 export const hasSimd: boolean
 
+/** Whether that is quicker by a quarter, as machine and browser have relaxed simd128 too: the pictures are the same. */
+export const hasRelaxed: boolean
+
 export type Vector = readonly [number, number, number]
 
 export interface LoadOptions {
@@ -18,8 +21,14 @@ export interface LoadOptions {
       while a .ply, .splat, .ksplat or compressed .ply comes from a server that says how long it is, and before a large
       scene of any format but .fxs is packed. The scene is yours to free. What is returned is waited for. */
   preview?: (scene: Scene) => void | Promise<void>
-  /** False: the module without simd128. Scenes of one picture have the same. */
+  /** False: the module without simd128. Scenes of one picture have the same, and the same `threads`. */
   simd?: boolean
+  /**
+   * 1 to 64, the caller's among them; as many as processors, at most 8. There is one without simd128, and in a page that
+   * is not isolated: `crossOriginIsolated`, by the headers Cross-Origin-Opener-Policy: same-origin and
+   * Cross-Origin-Embedder-Policy: require-corp.
+   */
+  threads?: number
 }
 
 export interface Progress {
@@ -30,8 +39,13 @@ export interface Progress {
   bytes?: number
 }
 
-/** Opens a scene: .fxs, .ply (PlayCanvas's compressed one too), .splat, .ksplat, .spz 1 to 3. */
-export function load(source: string | URL | ArrayBuffer | ArrayBufferView | Blob, options?: LoadOptions): Promise<Scene>
+/** Opens a scene: .fxs, .ply (PlayCanvas's compressed one too), .splat, .ksplat, .spz, .sog, .glb, .gltf, tileset.json,
+    meta.json, lod-meta.json. Files that it names are fetched from beside it, or are in the same list of files, by their
+    webkitRelativePath or name. */
+export function load(
+  source: string | URL | ArrayBuffer | ArrayBufferView | Blob | Iterable<File>,
+  options?: LoadOptions
+): Promise<Scene>
 
 /** A camera by where it is: y points down, unless `up` says so. */
 export interface LookAt {
@@ -85,6 +99,53 @@ export interface FrameOptions {
   maxMemory?: number
 }
 
+/** What a frame has beside colours, or in place of them; each named one is there, and the rest costs nothing. */
+export interface Targets {
+  /** True: RGBA8, or premultiplied with `alpha`. premultiplied16: four numbers of 0 to 65535. */
+  colour?: boolean | 'rgba8' | 'premultiplied' | 'rgb565' | 'premultiplied16'
+  /** 255 times the light that the scene takes. */
+  coverage?: boolean
+  /** Of the Gaussian at which half of the light is taken. */
+  depth?: boolean
+  /** Of all that contribute, weighted by that. */
+  meanDepth?: boolean
+  ids?: boolean
+  /** Read: depths of what is drawn already; a Gaussian that is farther adds nothing there. */
+  occluder?: Uint32Array
+  /** Read: RGBA8, in place of the background. */
+  backdrop?: Uint8ClampedArray | Uint8Array
+}
+
+/** Rows from the top, of what was asked for. Depths are along the camera's z axis, units times 2 ** depthBits: what is
+ *  farther has 2 ** 32 - 2, and 2 ** 32 - 1 is none. */
+export interface Frame {
+  readonly width: number
+  readonly height: number
+  readonly colour?: Uint8ClampedArray | Uint16Array
+  readonly coverage?: Uint8Array
+  readonly depth?: Uint32Array
+  readonly meanDepth?: Uint32Array
+  /** Two a pixel: the object's id and the number of the Gaussian that contributes most; 2 ** 32 - 1 where none does. */
+  readonly ids?: Uint32Array
+}
+
+export interface TargetOptions extends FrameOptions {
+  targets: Targets
+  /** 1 to 28; 16. */
+  depthBits?: number
+}
+
+export interface StereoOptions extends FrameOptions {
+  /** Each eye has the very bytes of `render`, in the time of two frames; else colours are found once for both. */
+  exact?: boolean
+}
+
+export interface StereoTargetOptions extends StereoOptions {
+  /** Of both eyes, or of each; of one format. */
+  targets: Targets | readonly [Targets, Targets]
+  depthBits?: number
+}
+
 export interface Crop {
   low: Vector
   high: Vector
@@ -125,16 +186,33 @@ export class Scene {
   readonly high: number[]
   /** Of the packed scene. */
   readonly bytes: number
+  /** How many draw it by now: pictures do not wait for those that have not started yet. */
+  readonly threads: number
   /** A copy of it, which is an .fxs file. */
   readonly packed: Uint8Array
+  render(camera: Camera, options: TargetOptions): Frame
   render(camera?: Camera, options?: FrameOptions): Uint8ClampedArray
+  renderStereo(left: Camera, right: Camera, options: StereoTargetOptions): [Frame, Frame]
+  renderStereo(left: Camera, right: Camera, options?: StereoOptions): [Uint8ClampedArray, Uint8ClampedArray]
   pick(x: number, y: number, camera?: Camera, options?: FrameOptions): Picked | null
   /** Gives its memory back. */
   free(): void
 }
 
-/** Draws objects in one order by depth: RGBA, four bytes a pixel, rows from the top. */
+/** Ends threads that no scene needs, and gives their memory back; without it they wait for the next scene. Not while one
+    is loaded. */
+export function end(): Promise<void>
+
+/** Draws objects in one order by depth: RGBA, four bytes a pixel, rows from the top; with `targets` what they name. */
+export function render(objects: readonly Placed[], camera: Camera, options: TargetOptions): Frame
 export function render(objects: readonly Placed[], camera?: Camera, options?: FrameOptions): Uint8ClampedArray
+
+/** The same for two eyes of one size, in less time than two pictures. `maxMemory` must hold both whole. */
+export function renderStereo(
+  objects: readonly Placed[], left: Camera, right: Camera, options: StereoTargetOptions): [Frame, Frame]
+export function renderStereo(
+  objects: readonly Placed[], left: Camera, right: Camera, options?: StereoOptions,
+): [Uint8ClampedArray, Uint8ClampedArray]
 
 /** What a pixel shows: the Gaussian that contributes most. */
 export function pick(x: number, y: number, objects: readonly Placed[], camera?: Camera, options?: FrameOptions): Picked | null
@@ -150,7 +228,7 @@ export class Screen {
   /**
    * 'wasm': the picture of `render` is copied to the canvas. 'webgl2': the graphics processor draws the same bytes.
    * 'webgl2-quads': it draws a picture that is not exact. Rejects where there is no WebGL 2. The scenes to be drawn are
-   * loaded with the same `simd`; without it, there is no WebGL.
+   * loaded with the same `simd` and `threads`; without simd128 there is no WebGL.
    */
   static open(
     canvas: HTMLCanvasElement | OffscreenCanvas,

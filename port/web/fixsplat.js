@@ -8,31 +8,52 @@ const PAUSE = 400               // milliseconds before the first, and at least b
 const WITH_SIMD = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15,
                    253, 98, 11]
 
+// The same with i16x8.relaxed_q15mulr_s. Where i16x8.q15mulr_sat_s gives 32767, for -32768 squared, it may give -32768,
+// which changes no picture, and so it is one instruction of x86 in place of five. Their codes are equally long.
+const PRECISE = [253, 130, 1]
+const RELAXED = [253, 145, 2]
+const WITH_RELAXED = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 15, 1, 13, 0, 65, 0, 253, 15,
+                      65, 0, 253, 15, ...RELAXED, 11]
+const runs = (code) => WebAssembly.validate(new Uint8Array(code))
+
 /** Whether this machine runs the faster module. */
-export const hasSimd = WebAssembly.validate(new Uint8Array(WITH_SIMD))
+export const hasSimd = runs(WITH_SIMD)
+/** Whether it runs that by the relaxed products. */
+export const hasRelaxed = runs(WITH_RELAXED)
 
 // ---- Modules --------------------------------------------------------------------------------------------------
 
-async function compileFrom(url) {
+async function compileFrom(url, relaxes) {
   if (inNode && url.protocol === 'file:')
-    return WebAssembly.compile(await (await import('node:fs/promises')).readFile(url))
+    return compiledOf(await (await import('node:fs/promises')).readFile(url), relaxes)
   const answer = await fetch(url)
   if (!answer.ok) throw new Error(`${url}: ${answer.status} ${answer.statusText}`)
-  return answer.headers.get('content-type') === 'application/wasm'
+  return !relaxes && answer.headers.get('content-type') === 'application/wasm'
     ? WebAssembly.compileStreaming(answer)
-    : WebAssembly.compile(await answer.arrayBuffer())
+    : compiledOf(new Uint8Array(await answer.arrayBuffer()), relaxes)
+}
+
+/** A module, or the same with relaxed products. Their bytes are nothing else in it: tests/scripts/web.sh. */
+function compiledOf(code, relaxes) {
+  for (let at = relaxes ? code.indexOf(PRECISE[0]) : -1; at >= 0; at = code.indexOf(PRECISE[0], at + 1))
+    if (code[at + 1] === PRECISE[1] && code[at + 2] === PRECISE[2]) code.set(RELAXED, at)
+  return WebAssembly.compile(code)
 }
 
 /** An instance, whose functions take and give numbers at one place of its memory. */
 class Module {
-  constructor(module, imports) {
+  constructor(module, imports = {}, threads = 1) {
     const env = {
       ...imports,
       tan: Math.tan,
+      real: (at, length) => Number(new TextDecoder().decode(this.bytes(at, length))),
       number: (x, at, room) => this.write(String(Number.isInteger(x) ? x : +x.toPrecision(6)), at >>> 0, room),
     }
-    this.c = new WebAssembly.Instance(module, { env, gl: this.#webgl(module) }).exports
-    this.numbers = this.c.start() >>> 0
+    this.c = { memory: imports.memory, ...new WebAssembly.Instance(module, { env, gl: this.#webgl(module) }).exports }
+    this.numbers = this.c.start(threads) >>> 0
+    this.c.may_wait?.(mayWait() ? 1 : 0)
+    this.stack = this.c.__stack_pointer?.value
+    this.scenes = 0
   }
 
   /** What the module wants of OpenGL: the functions of webgl.js that are `this.gl` when they are called. */
@@ -54,7 +75,9 @@ class Module {
   }
 
   write(text, at, room) {
-    return new TextEncoder().encodeInto(text, this.bytes(at, room)).written
+    const bytes = new TextEncoder().encode(text).subarray(0, room)
+    this.bytes(at, room).set(bytes)
+    return bytes.length
   }
 
   /** The text at a place, up to its 0. */
@@ -79,6 +102,17 @@ class Module {
     return at >>> 0
   }
 
+  /** What a function returned that draws. Where it trapped, threads are done with its memory before that is freed. */
+  draw(name, ...args) {
+    try {
+      return this.check(this.c[name](...args))
+    } catch (error) {
+      this.c.settle?.()
+      if (this.stack) this.c.__stack_pointer.value = this.stack
+      throw error
+    }
+  }
+
   /** A copy of some bytes, which `release` frees. */
   copy(bytes) {
     const at = this.place(this.c.allocate(bytes.length))
@@ -101,10 +135,90 @@ const once = (made, name, make) =>
 
 const compiled = {}
 const compile = (name) =>
-  once(compiled, name, () => compileFrom(new URL(`${name}.wasm`, import.meta.url)))
+  once(compiled, name, () =>
+    compileFrom(new URL(`${name}.wasm`, import.meta.url), hasRelaxed && ['simd', 'threads'].includes(name)))
 const cores = {}
-const coreFor = ({ simd = hasSimd }) => coreOf(simd ? 'simd' : 'core')
 const coreOf = (name) => once(cores, name, async () => new Module(await compile(name)))
+
+// ---- Threads --------------------------------------------------------------------------------------------------
+
+const MOST_THREADS = 64
+const USUAL_THREADS = 8
+const STACK = 131072            // bytes, of each thread, whose jobs take 20,000
+const PAGES = 16                // of a shared memory at first, as the Makefile has it
+
+const canShare = typeof SharedArrayBuffer === 'function' && (inNode || globalThis.crossOriginIsolated === true)
+
+/** Whether this thread may wait: a page's may not. */
+function mayWait() {
+  try {
+    return Atomics.wait(new Int32Array(new SharedArrayBuffer(4)), 0, 0, 0) === 'timed-out'
+  } catch {
+    return false
+  }
+}
+
+async function processors() {
+  if (!inNode) return navigator.hardwareConcurrency
+  const os = await import('node:os')
+  return os.availableParallelism?.() ?? os.cpus().length
+}
+
+/** Shared memory that may grow to 4 GB, or to as much of them as there is room for. */
+function sharedMemory(maximum = 65536) {
+  try {
+    return new WebAssembly.Memory({ initial: PAGES, maximum, shared: true })
+  } catch (error) {
+    if (maximum <= 4096) throw error
+    return sharedMemory(maximum / 2)
+  }
+}
+
+/** One more thread for a module; where it cannot be had there is one less, and pictures take longer. */
+async function startThread(core, module) {
+  const data = { module, memory: core.c.memory, stack: core.place(core.c.allocate(STACK)) + STACK }
+  if (inNode) {
+    const { Worker } = await import('node:worker_threads')
+    const worker = new Worker(new URL('./thread.js', import.meta.url), { workerData: data })
+    worker.on('error', () => {})
+    worker.unref()
+    return worker
+  }
+  const worker = new Worker(new URL('./thread.js', import.meta.url), { type: 'module' })
+  worker.onerror = (event) => event.preventDefault()
+  worker.postMessage(data)
+  return worker
+}
+
+async function threadedCore(threads) {
+  const module = await compile('threads')
+  const core = new Module(module, { memory: sharedMemory() }, threads)
+  const started = Array.from({ length: threads - 1 }, () => startThread(core, module).catch(() => null))
+  core.workers = Promise.all(started)   // held, so that none is collected
+  return core
+}
+
+/** The module that `load` takes, with its threads. */
+async function coreFor({ simd = hasSimd, threads }) {
+  if (threads !== undefined && !(Number.isInteger(threads) && threads >= 1 && threads <= MOST_THREADS))
+    throw new Error(`${threads} threads: expected 1 to ${MOST_THREADS}`)
+  const count = threads ?? Math.min(await processors(), USUAL_THREADS)
+  if (simd && hasSimd && canShare && count > 1)
+    try {
+      return await once(cores, `threads ${count}`, () => threadedCore(count))
+    } catch {}                  // one thread will do
+  return coreOf(simd ? 'simd' : 'core')
+}
+
+/** Ends the threads and gives back the memory of what no scene uses. */
+export async function end() {
+  for (const [name, made] of Object.entries(cores)) {
+    const core = await made.catch(() => null)
+    if (!core || core.scenes || cores[name] !== made) continue
+    delete cores[name]
+    core.c.end?.()
+  }
+}
 
 // ---- Opening --------------------------------------------------------------------------------------------------
 
@@ -123,8 +237,8 @@ function runImport(module, files, options, share = 1, most = 0) {
     progress: (done) => progress?.({ stage: 'prepare', done }),
     size: (file) => all[file].bytes.length,
     read(file, offset, out, size) {
-      if (offset + (size >>> 0) > all[file].there) return -1
-      reader.bytes(out, size >>> 0).set(all[file].bytes.subarray(offset, offset + (size >>> 0)))
+      if (offset + size > all[file].there) return -1
+      reader.bytes(out, size).set(all[file].bytes.subarray(offset, offset + size))
       return 0
     },
     beside(at) {
@@ -134,7 +248,8 @@ function runImport(module, files, options, share = 1, most = 0) {
       return number
     },
   })
-  const [kind, directions] = [numberOf(['default', 'compact', 'small'], profile), numberOf(['file', 'rub', 'rdf'], axes)]
+  const kind = numberOf(['default', 'compact', 'small'], profile)
+  const directions = numberOf(['file', 'rub', 'rdf'], axes)
   const name = reader.copyText(all[0].name)
   reader.put(maxGaussians, maxMemory, share)
   try {
@@ -146,11 +261,12 @@ function runImport(module, files, options, share = 1, most = 0) {
   return { missing, bytes: reader.bytes(...reader.get(0, 2)) }
 }
 
-/** A packed scene from files of another format. */
-async function pack(files, options) {
+/** The same with every file that is wanted. */
+async function importAll(files, options, share, most) {
   const module = await compile('import')
-  let result = runImport(module, files, options)
-  while (result.missing.size && (await files.ask(result.missing))) result = runImport(module, files, options)
+  let result = runImport(module, files, options, share, most)
+  while (result.missing.size && (await files.ask(result.missing)))
+    result = runImport(module, files, options, share, most)
   if (result.error) throw result.error
   return result.bytes
 }
@@ -165,8 +281,8 @@ function previewsOf(files, core, options) {
     if (!options.preview || !share || (!isNow && start < last + pause)) return
     let scene
     try {
-      const { bytes } = runImport(await compile('import'), files, quietly, share, SHOWN)
-      if (bytes?.length) scene = new Scene(await core, files.all[0].name, bytes)
+      const bytes = await importAll(files, quietly, share, SHOWN)
+      if (bytes.length) scene = new Scene(await core, files.all[0].name, bytes)
     } catch {
       return                    // the scene itself is what counts, and its error
     }
@@ -189,7 +305,7 @@ export async function load(source, options = {}) {
   })
   if (file.isPacked) return new Scene(await core, file.name, file.bytes)
   await preview(1, true)
-  return new Scene(await core, file.name, await pack(files, options))
+  return new Scene(await core, file.name, await importAll(files, options))
 }
 
 export class Scene {
@@ -212,6 +328,12 @@ export class Scene {
     const [count, shDegree, profile, ...box] = core.get(0, 9)
     Object.assign(this, { name, count, shDegree, profile: ['default', 'compact', 'small'][profile] })
     Object.assign(this, { low: box.slice(0, 3), high: box.slice(3), bytes: bytes.length })
+    core.scenes++
+  }
+
+  /** Threads that draw it by now. */
+  get threads() {
+    return this.#core.c.threads?.() ?? 1
   }
 
   /** Its module and place there; no part of the interface. */
@@ -229,6 +351,10 @@ export class Scene {
     return render([{ scene: this }], camera, options)
   }
 
+  renderStereo(left, right, options) {
+    return renderStereo([{ scene: this }], left, right, options)
+  }
+
   pick(x, y, camera, options) {
     return pick(x, y, [{ scene: this }], camera, options)
   }
@@ -237,6 +363,7 @@ export class Scene {
     if (!this.#scene) return
     this.#core.c.release(this.#scene)
     this.#core.c.release(this.#data)
+    this.#core.scenes--
     this.#scene = 0
   }
 }
@@ -257,7 +384,7 @@ function placeObject(core, object, i) {
   const { scene, translation = [0, 0, 0], rotation = [1, 0, 0, 0], scale = 1, opacity = 1 } = object
   const { tint = [1, 1, 1], visible = true, id = i, crops = [] } = object
   const [own, at] = scene.inside
-  if (own !== core) throw new Error(`${scene.name}: loaded with another \`simd\` than the first object`)
+  if (own !== core) throw new Error(`${scene.name}: loaded with other \`simd\` or \`threads\` than the first object`)
   const box = ({ low, high, keep }) => [...all('low', 3, low), ...all('high', 3, high), keep === 'outside']
   const where = [...all('translation', 3, translation), ...all('rotation', 4, rotation), scale, opacity]
   core.put(where, all('tint', 3, tint), visible, id, crops.length, crops.slice(0, MAX_CROPS).flatMap(box))
@@ -318,23 +445,93 @@ const valuesOf = ({ background = 0, shDegree = 3, cutoff = 'mahalanobis', maxMem
   maxMemory,
 ]
 
-export function render(objects, camera = {}, options = {}) {
-  return renderTo(...begin(objects, camera, options), options)
+// The numbers of targets, and how many a pixel has; those of core.c, in its order.
+const FORMATS = {
+  rgba8: [Uint8ClampedArray, 4],
+  premultiplied: [Uint8ClampedArray, 4],
+  rgb565: [Uint16Array, 1],
+  premultiplied16: [Uint16Array, 4],
+}
+const TARGETS = {
+  colour: null,
+  coverage: [Uint8Array, 1],
+  meanDepth: [Uint32Array, 1],
+  depth: [Uint32Array, 1],
+  ids: [Uint32Array, 2],
+  occluder: [Uint32Array, 1],
+  backdrop: [Uint8ClampedArray, 4],
+}
+const READ = ['occluder', 'backdrop']
+
+function oneOf(table, name) {
+  if (!Object.hasOwn(table, name)) throw new Error(`${name}: expected one of ${Object.keys(table).join(', ')}`)
+  return Object.keys(table).indexOf(name)
 }
 
-function renderTo(core, width, height, options) {
-  const pixels = core.place(core.c.allocate(4 * width * height))
+/** The targets of an eye, and where they lie in a block of memory from `start` on. */
+function layOut(asked, format, pixels, start) {
+  let end = start
+  const parts = Object.keys(asked).filter((name) => asked[name]).map((name) => {
+    const place = oneOf(TARGETS, name)
+    const [type, each] = TARGETS[name] ?? FORMATS[format]
+    const given = READ.includes(name) && asked[name]
+    const [at, count] = [end, each * pixels]
+    if (given && given.length !== count) throw new Error(`${name}: expected ${count} numbers`)
+    end += 64 * Math.ceil((count * type.BYTES_PER_ELEMENT) / 64)
+    return { name, place, type, given, at, count }
+  })
+  return { parts, end }
+}
+
+/** What a module draws to for each eye; `colour` is the format. */
+function planOf(width, height, eyes, { targets = { colour: true }, alpha }) {
+  const ofEyes = Array.isArray(targets) ? targets : Array(eyes).fill(targets)
+  const { colour } = ofEyes[0]
+  const format = typeof colour === 'string' ? colour : alpha ? 'premultiplied' : 'rgba8'
+  const code = oneOf(FORMATS, format)
+  let bytes = 0
+  const plans = ofEyes.map((asked) => {
+    const { parts, end } = layOut(asked, format, width * height, bytes)
+    bytes = end
+    return parts
+  })
+  return { code, bytes, plans }
+}
+
+/** What the one or two cameras see that a module has taken: pixels, or objects of targets. */
+function draw(core, width, height, eyes, options) {
+  const { depthBits = 16, exact = false, targets } = options
+  if (!(depthBits >= 1 && depthBits <= 28)) throw new Error(`depthBits ${depthBits}: expected 1 to 28`)
+  const { code, bytes, plans } = planOf(width, height, eyes, options)
+  const block = core.place(core.c.allocate(Math.min(bytes, 2 ** 32 - 1)))
+  const numbersOf = ({ type, at, count }) => new type(core.c.memory.buffer, block + at, count)
+  const copyOf = (part) => [part.name, new part.type(numbersOf(part))]
+  const taken = (parts) => parts.filter(({ given }) => !given).map(copyOf)
   try {
-    core.check(core.c.render(pixels, options.alpha ? 1 : 0, ...valuesOf(options)))
-    return new Uint8ClampedArray(core.bytes(pixels, 4 * width * height))
+    for (const part of plans.flat()) if (part.given) numbersOf(part).set(part.given)
+    const places = Array(7 * eyes).fill(0)
+    plans.forEach((parts, eye) => parts.forEach(({ place, at }) => (places[7 * eye + place] = block + at)))
+    core.put(places)
+    core.draw('render', code, depthBits, exact ? 1 : 0, ...valuesOf(options))
+    return plans.map((parts) => (targets ? { width, height, ...Object.fromEntries(taken(parts)) } : taken(parts)[0][1]))
   } finally {
-    core.c.release(pixels)
+    core.c.release(block)
   }
+}
+
+export function render(objects, camera = {}, options = {}) {
+  return draw(...begin(objects, camera, options), 1, options)[0]
+}
+
+export function renderStereo(objects, left, right, options = {}) {
+  const [core, width, height] = begin(objects, left, options)
+  takeCamera(core, right, width, height)
+  return draw(core, width, height, 2, options)
 }
 
 export function pick(x, y, objects, camera = {}, options = {}) {
   const [core] = begin(objects, camera, options)
-  if (!core.check(core.c.pick(x, y, options.maxMemory ?? 0))) return null
+  if (!core.draw('pick', x, y, options.maxMemory ?? 0)) return null
   const [object, gaussian, depth, ...position] = core.get(0, 6)
   return { object, gaussian, depth, position }
 }
@@ -354,12 +551,13 @@ class Copied {
   #pixels
 
   constructor(canvas) {
-    this.#context = canvas.getContext('2d')
+    // A worker's canvas in the processor's memory takes a quarter of the time, where the processor is the graphics card too.
+    this.#context = canvas.getContext('2d', { willReadFrequently: !globalThis.document })
     if (!this.#context) throw new Error('the canvas has a context of another kind: take another canvas')
   }
 
   draw(core, width, height, options) {
-    this.#pixels = renderTo(core, width, height, options)
+    ;[this.#pixels] = draw(core, width, height, 1, { ...options, targets: undefined })
     const shown = options.alpha ? divided(this.#pixels.slice()) : this.#pixels
     this.#context.putImageData(new ImageData(shown, width), 0, 0)
   }
@@ -403,9 +601,14 @@ class Drawn {
       throw new Error(`${width} x ${height} pixels are more than the device's canvas can have`)
     core.gl = this.#functions
     const name = core.gl.nameOf(framebuffer)
-    const result = core.c.gl_render(this.#place, this.#quads, name, x, y, alpha ? 1 : 0, ...valuesOf(options))
+    let failure
+    try {
+      core.draw('gl_render', this.#place, this.#quads, name, x, y, alpha ? 1 : 0, ...valuesOf(options))
+    } catch (error) {
+      failure = error
+    }
     if (this.lost) throw new Error('the WebGL context was lost: open another Screen, on another canvas')
-    core.check(result)
+    if (failure) throw failure
   }
 
   pixels() {
@@ -428,6 +631,7 @@ class Drawn {
     this.#core.gl = this.#functions
     this.#core.c.gl_close(this.#place)
     this.#functions.close()
+    this.#core.gl = undefined
   }
 }
 
@@ -441,6 +645,7 @@ export class Screen {
     this.#core = core
     this.#way = way
     this.backend = backend
+    core.scenes++               // until free
   }
 
   static async open(canvas, backend, options = {}) {
@@ -483,8 +688,10 @@ export class Screen {
   }
 
   free() {
-    this.#way?.free()
+    if (!this.#way) return
+    this.#way.free()
     this.#way = undefined
+    this.#core.scenes--
   }
 }
 

@@ -14,7 +14,7 @@
 #define IMPORT(name) __attribute__((import_module("env"), import_name(#name)))
 
 IMPORT(progress) void fxs_web_progress(double done);
-/* Files have numbers; 0 is the one that is opened. Each returns a negative number where there is no such file or byte. */
+/* Files have numbers; 0 is the one that is opened. What is not there, file or bytes, is a negative number. */
 IMPORT(read) int fxs_web_read(int file, double offset, void *out, size_t size);
 IMPORT(beside) int fxs_web_beside(const char *name);
 IMPORT(size) double fxs_web_size(int file);

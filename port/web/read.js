@@ -149,7 +149,7 @@ export class Files {
   #andNext(name) {
     const [kind] = name.match(/[^./]*$/)
     for (const [index, file] of this.#files) {
-      if (file.bytes[0] !== 0x7b || file.bytes.length > 1e7) continue   // {
+      if (file.bytes[0] !== 0x7b || file.bytes.length > 1e6) continue   // {
       const folder = index.replace(/[^/]*$/, '')
       const texts = new TextDecoder().decode(file.bytes).match(/"[^"\\]*"/g) ?? []
       const names = texts.map((text) => folder + text.slice(1, -1)).filter((text) => text.endsWith(`.${kind}`))

@@ -1,11 +1,14 @@
 /* The C library's functions for the text of messages, as far as they are used here: %s %d %u %c %f %g, with h, l, ll, z
  * and t before, and a precision of strings. JavaScript makes numbers into text, which takes no code here. */
+#include <limits.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 __attribute__((import_module("env"), import_name("number"))) size_t fxs_web_number(double x, char *out, size_t room);
+__attribute__((import_module("env"), import_name("real"))) double fxs_web_real(const char *text, size_t length);
 
 typedef struct writer {
     char *out;
@@ -100,4 +103,39 @@ int snprintf(char *out, size_t room, const char *format, ...)
     const int length = vsnprintf(out, room, format, arguments);
     va_end(arguments);
     return length;
+}
+
+int sprintf(char *out, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    const int length = vsnprintf(out, INT_MAX, format, arguments);
+    va_end(arguments);
+    return length;
+}
+
+static const char *skip_digits(const char *text)
+{
+    while (*text >= '0' && *text <= '9')
+        text++;
+    return text;
+}
+
+/* Of decimal numbers, as JSON has them. */
+double strtod(const char *text, char **end)
+{
+    const char *begin = text + (*text == '-' || *text == '+'), *at = skip_digits(begin);
+    size_t digits = (size_t)(at - begin);
+    if (*at == '.') {
+        const char *fraction = at + 1;
+        at = skip_digits(fraction);
+        digits += (size_t)(at - fraction);
+    }
+    if (digits > 0 && (*at == 'e' || *at == 'E')) {
+        const char *exponent = at + 1 + (at[1] == '-' || at[1] == '+'), *behind = skip_digits(exponent);
+        at = behind > exponent ? behind : at;
+    }
+    if (end)
+        *end = (char *)(digits > 0 ? at : text);
+    return digits > 0 ? fxs_web_real(text, (size_t)(at - text)) : 0;
 }

@@ -9,6 +9,10 @@
 /* Numbers go in and come out at one place, in the order that each function says; an object with 8 crops has 71. */
 enum { NUMBERS = 80 };
 
+/* Of pool.c; null in a module without it. */
+__attribute__((weak)) void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argument,
+                                       uint32_t jobs);
+
 /* A frame of the objects and the camera that were set. */
 typedef struct fxs_web_frame {
     const fxs_context *context;

@@ -6,7 +6,8 @@
 #include "../../kernels/gles/gles.h"
 #include "web.h"
 
-#define IMPORT(type, name) __attribute__((import_module("gl"), import_name(#name))) extern __typeof__(gl##name) gl##name;
+#define IMPORT(type, name) \
+    __attribute__((import_module("gl"), import_name(#name))) extern __typeof__(gl##name) gl##name;
 FXS_GL_FUNCTIONS(IMPORT)
 
 typedef struct named {

@@ -1,16 +1,31 @@
-// What kernels/gles calls of OpenGL ES 3.0, on a WebGL2RenderingContext. Objects have numbers; buffers that textures are
-// read from are the module's memory, which is one copy less.
+// What kernels/gles calls of OpenGL ES 3.0, on a WebGL2RenderingContext. Objects have numbers; buffers that textures
+// are read from are the module's memory, which is one copy less.
 
 const COMPONENTS = { 0x1908: 4, 0x8d99: 4, 0x8228: 2, 0x8d94: 1 }     // RGBA, RGBA_INTEGER, RG_INTEGER, RED_INTEGER
 const NUM_EXTENSIONS = 0x821d
 
 /** Functions whose arguments are numbers for WebGL too. */
-const SAME = ['ActiveTexture', 'BlendEquationSeparate', 'BlendFuncSeparate', 'BlitFramebuffer', 'CheckFramebufferStatus',
-              'ColorMask', 'Disable', 'DrawArrays', 'DrawArraysInstanced', 'Enable', 'EnableVertexAttribArray', 'GetError',
-              'IsEnabled', 'PixelStorei', 'RenderbufferStorage', 'Scissor', 'TexParameteri', 'VertexAttribDivisor',
-              'VertexAttribIPointer', 'Viewport']
-
-const small = (name) => name[0].toLowerCase() + name.slice(1)
+const SAME = [
+  'ActiveTexture',
+  'BlendEquationSeparate',
+  'BlendFuncSeparate',
+  'BlitFramebuffer',
+  'CheckFramebufferStatus',
+  'ColorMask',
+  'Disable',
+  'DrawArrays',
+  'DrawArraysInstanced',
+  'Enable',
+  'EnableVertexAttribArray',
+  'IsEnabled',
+  'PixelStorei',
+  'RenderbufferStorage',
+  'Scissor',
+  'TexParameteri',
+  'VertexAttribDivisor',
+  'VertexAttribIPointer',
+  'Viewport',
+]
 
 /** The functions of one context for one module. */
 export class Functions {
@@ -23,20 +38,19 @@ export class Functions {
   #staging = { at: 0, bytes: 0 }                // the memory of all buffers: what was in the last is uploaded
   #mapped
   #copies = false
+  #isFull = false              // the module had no memory for a buffer
 
   constructor(gl, core) {
     this.#gl = gl
     this.#core = core
     this.#copies = !this.#takes(core.c.memory.buffer)
-    for (const name of SAME) {
-      const method = gl[small(name)].bind(gl)
-      this[name] = method
-    }
+    for (const name of SAME) this[name] = gl[name[0].toLowerCase() + name.slice(1)].bind(gl)
     for (const kind of ['Buffer', 'Framebuffer', 'Renderbuffer', 'Texture', 'VertexArray']) {
       this[`Gen${kind}s`] = (count, at) => this.#words(at, count).forEach((_, i, names) => {
         names[i] = this.nameOf(gl[`create${kind}`]())
       })
-      this[`Delete${kind}s`] = (count, at) => this.#words(at, count).forEach((name) => this.#drop(`delete${kind}`, name))
+      this[`Delete${kind}s`] = (count, at) =>
+        this.#words(at, count).forEach((name) => this.#drop(`delete${kind}`, name))
     }
     for (const kind of ['Program', 'Shader'])
       this[`Delete${kind}`] = (name) => this.#drop(`delete${kind}`, name)
@@ -56,11 +70,6 @@ export class Functions {
 
   #words(at, count) {
     return new Int32Array(this.#core.c.memory.buffer, at >>> 0, count)
-  }
-
-  #text(at) {
-    const bytes = new Uint8Array(this.#core.c.memory.buffer, at >>> 0)
-    return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)))
   }
 
   #data(type, at, count) {
@@ -132,7 +141,8 @@ export class Functions {
   }
 
   ShaderSource(name, count, at) {
-    this.#gl.shaderSource(this.#objects[name], Array.from(this.#words(at, count), (part) => this.#text(part)).join(''))
+    const parts = Array.from(this.#words(at, count), (part) => this.#core.text(part))
+    this.#gl.shaderSource(this.#objects[name], parts.join(''))
   }
 
   CompileShader(name) {
@@ -160,7 +170,7 @@ export class Functions {
   }
 
   BindAttribLocation(program, index, name) {
-    this.#gl.bindAttribLocation(this.#objects[program], index, this.#text(name))
+    this.#gl.bindAttribLocation(this.#objects[program], index, this.#core.text(name))
   }
 
   LinkProgram(name) {
@@ -176,7 +186,7 @@ export class Functions {
   }
 
   GetUniformLocation(program, name) {
-    const location = this.#gl.getUniformLocation(this.#objects[program], this.#text(name))
+    const location = this.#gl.getUniformLocation(this.#objects[program], this.#core.text(name))
     return location ? this.#locations.push(location) - 1 : -1
   }
 
@@ -196,7 +206,13 @@ export class Functions {
 
   GetBooleanv(what, at) {
     const values = this.#gl.getParameter(what) ?? []
-    new Uint8Array(this.#core.c.memory.buffer, at >>> 0, values.length).set(values)
+    this.#core.bytes(at, values.length).set(values)
+  }
+
+  GetError() {
+    const error = this.#isFull ? this.#gl.OUT_OF_MEMORY : this.#gl.getError()
+    this.#isFull = false
+    return error
   }
 
   ClearBufferfv(buffer, index, at) {
@@ -218,7 +234,10 @@ export class Functions {
     if (this.#staging.bytes < bytes) {
       this.#core.c.release(this.#staging.at)
       this.#staging = { at: this.#core.c.allocate(bytes) >>> 0, bytes }
-      if (!this.#staging.at) this.#staging.bytes = 0
+      if (!this.#staging.at) {
+        this.#staging.bytes = 0
+        this.#isFull = true
+      }
     }
     this.#mapped = bytes
     return this.#staging.at

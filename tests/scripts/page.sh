@@ -1,6 +1,6 @@
 #!/bin/sh
 # The viewer's page (docs/web.md) in headless Chromium: the pixels of the command, controls, errors in words, sizes.
-# PICTURES=FOLDER keeps pictures of the page.
+# PICTURES=FOLDER keeps pictures of the page. With FXS_PROCESSORS=all every scene of shared/scenes too, by each back end.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -11,7 +11,7 @@ modules=${NODE_MODULES:-$B/page/node_modules}
 
 missing=
 for program in clang wasm-ld wasm-opt node chromium; do have $program || missing="$missing $program"; done
-[ -d "$modules/puppeteer-core" ] || missing="$missing puppeteer-core (npm install --prefix $B/page puppeteer-core)"
+[ -d "$modules/puppeteer-core" ] || missing="$missing puppeteer-core (make setup test)"
 if [ -n "$missing" ]; then
     skip page "not here:$missing"
     finish
@@ -43,14 +43,27 @@ make_scenes() {
 	 {"img_name": "side", "width": 640, "height": 360, "position": [-9, 0, 0], "fx": 500, "fy": 500,
 	  "rotation": [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]}]
 	END
+    cat >"$work/more.json" <<-'END'
+	[{"img_name": "aside", "width": 640, "height": 360, "position": [0, 0, -9], "fx": 500, "fy": 500, "cx": 250, "cy": 200,
+	  "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]},
+	 {"img_name": "flat", "width": 640, "height": 360, "position": [0, 0, -9], "fx": 50, "fy": 50, "orthographic": true,
+	  "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}]
+	END
+    echo '{"w": 640, "h": 360, "fl_x": 500, "fl_y": 500, "cx": 250, "cy": 200, "frames": [{"file_path": "aside",' \
+        '"transform_matrix": [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, -9], [0, 0, 0, 1]]}]}' >"$work/transforms.json"
+    "$B/fixsplat" render "$work/scene.ply" --size 64x36 -o "$work/poster.png" >/dev/null
 }
 
 check "builds" builds
 check "size" at_most 40000 "$package"/viewer/*.html "$package"/viewer/*.css "$package"/viewer/*.js "$package"/*.js
 check "makes scenes" make_scenes
 if [ -d "$scenes" ]; then ln -s "$(cd "$scenes" && pwd)" "$work/real"; else skip scenes "no $scenes"; fi
-node tests/web/page.mjs "$package" "$work" "$modules" "${PICTURES:-$work}" "$B/fixsplat" >"$work/page" 2>&1 ||
-    echo "FAIL page: a check above, or it ended early" >>"$work/page"
+asks() {
+    node "tests/web/$1" "$package" "$work" "$modules" "${PICTURES:-$work}" "$B/fixsplat" >>"$work/page" 2>&1 ||
+        echo "FAIL $1: a check above, or it ended early" >>"$work/page"
+}
+asks page.mjs
+if [ "$FXS_PROCESSORS" = all ] && [ -d "$scenes" ]; then asks every.mjs; fi
 cat "$work/page"
 passed=$((passed + $(grep -c '^ok ' "$work/page"))) failed=$((failed + $(grep -c '^FAIL ' "$work/page")))
 cat "$work/said"

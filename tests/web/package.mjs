@@ -1,13 +1,14 @@
 // node package.mjs PACKAGE WORD ARGUMENT...: what tests/scripts/web.sh asks of the npm package in the folder PACKAGE.
 import assert from 'node:assert/strict'
-import { readFileSync } from 'node:fs'
+import { readFileSync, writeFileSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { resolve } from 'node:path'
 import { pathToFileURL } from 'node:url'
-import { gzipSync, inflateSync } from 'node:zlib'
+import { inflateSync } from 'node:zlib'
 
 const [folder, word, ...args] = process.argv.slice(2)
-const { load, pick, png, render } = await import(pathToFileURL(resolve(folder, 'fixsplat.js')))
+const fixsplat = await import(pathToFileURL(resolve(folder, 'fixsplat.js')))
+const { hasRelaxed, load, pick, png, render, renderStereo } = fixsplat
 
 function hash(pixels) {
   let h = 0xcbf29ce484222325n
@@ -27,13 +28,74 @@ async function refused(source, words = /./, options) {
 const flipped = (bytes, at) => Uint8Array.from(bytes, (byte, i) => (i === at ? byte ^ 0x55 : byte))
 const memoryOf = (scene) => scene.inside[0].c.memory.buffer.byteLength
 
+const modules = { core: { simd: false }, simd: { threads: 1 }, threads: { threads: 2 } }
+
+/** Until every thread is there that the module has. */
+async function started(scene, module) {
+  const { threads = 1 } = modules[module]
+  for (let i = 0; scene.threads < threads; i++) {
+    assert.ok(i < 1000, 'threads do not start')
+    await new Promise((done) => setTimeout(done, 10))
+  }
+}
+
 const words = {
-  // SIMD CAMERA OPTIONS OBJECTS SCENE...: the hash of a picture; objects are placements, in the scenes' order.
-  async hash(simd, camera, options, objects, ...files) {
+  // MODULE CAMERA OPTIONS OBJECTS SCENE...: the hash of a picture; objects are placements, in the scenes' order.
+  async hash(module, camera, options, objects, ...files) {
     const scenes = []
-    for (const file of files) scenes.push(await load(file, { simd: simd === '1' }))
+    for (const file of files) scenes.push(await load(file, modules[module]))
+    await started(scenes[0], module)
     const placed = scenes.map((scene, i) => ({ scene, ...JSON.parse(objects)[i] }))
     console.log(hash(render(placed, JSON.parse(camera), JSON.parse(options))))
+  },
+
+  // MODULE FILE LEFT RIGHT OPTIONS OUT: two eyes beside each other, as `fixsplat render --stereo` writes them.
+  async stereo(module, file, left, right, text, out) {
+    const options = JSON.parse(text)
+    const scene = await load(file, modules[module])
+    await started(scene, module)
+    const eyes = scene.renderStereo(JSON.parse(left), JSON.parse(right), options)
+    const row = 4 * options.width
+    const rows = (y) => eyes.map((pixels) => new Uint8Array(pixels.buffer, row * y, row))
+    writeFileSync(out, Buffer.concat(Array.from({ length: options.height }, (_, y) => rows(y)).flat()))
+  },
+
+  // MODULE FILE CAMERA OPTIONS FOLDER: coverage.raw, ids.raw, depth.pfm and mean.pfm as the command writes them; a fog of
+  // the depths that are there; and what a format of colours is of another.
+  async targets(module, file, camera, text, folder) {
+    const options = JSON.parse(text)
+    const scene = await load(file, modules[module])
+    await started(scene, module)
+    const frame = (targets, more) => scene.render(JSON.parse(camera), { ...options, ...more, targets })
+    const all = frame({ colour: 'premultiplied', coverage: true, depth: true, meanDepth: true, ids: true })
+    const { width, height, colour, coverage, ids } = all
+    assert.deepEqual(Object.keys(all).sort(), ['colour', 'coverage', 'depth', 'height', 'ids', 'meanDepth', 'width'])
+    assert.deepEqual(coverage, Uint8Array.from(colour.filter((_, i) => i % 4 === 3)))
+    const units = (code) => (code === 0xffffffff ? Infinity : code / 2 ** (options.depthBits ?? 16))
+    const rows = (codes) => Array.from({ length: height }, (_, y) => codes.subarray(width * y, width * (y + 1)))
+    const pfm = (codes) =>
+      Buffer.concat([
+        Buffer.from(`Pf\n${width} ${height}\n-1.0\n`),
+        ...rows(codes).reverse().map((row) => Buffer.from(Float32Array.from(row, units).buffer)),
+      ])
+    writeFileSync(`${folder}/colour.raw`, colour)
+    writeFileSync(`${folder}/ids.raw`, Buffer.from(ids.buffer))
+    writeFileSync(`${folder}/depth.pfm`, pfm(all.depth))
+    writeFileSync(`${folder}/mean.pfm`, pfm(all.meanDepth))
+
+    const { colour: fine } = frame({ colour: 'premultiplied16' })
+    assert.ok(fine.every((value, i) => Math.abs(value / 257 - colour[i]) <= 1))
+    const { colour: plain } = frame({ colour: true })
+    const { colour: coarse } = frame({ colour: 'rgb565' })
+    const near = (value, most, i) => Math.abs((255 * value) / most - plain[i]) <= 255 / most
+    for (const [i, value] of coarse.entries())
+      assert.ok(
+        near(value >> 11, 31, 4 * i) && near((value >> 5) & 63, 63, 4 * i + 1) && near(value & 31, 31, 4 * i + 2)
+      )
+    const { colour: grey } = frame({ colour: true }, { background: 0x404040 })
+    assert.deepEqual(frame({ colour: true, backdrop: plain.fill(0x40) }).colour, grey)
+    const hidden = frame({ colour: true, coverage: true, occluder: new Uint32Array(width * height) })
+    assert.ok(coverage.some(Boolean) && !hidden.coverage.some(Boolean))
   },
 
   // The picture is the one from before, whatever was damaged in between.
@@ -49,11 +111,12 @@ const words = {
     }
   },
 
-  async memory(file) {
+  async memory(module, file) {
     const used = []
     let first = 0
     for (let i = 0; i < 50; i++) {
-      const scene = await load(file)
+      const scene = await load(file, modules[module])
+      await started(scene, module)
       scene.render({}, { width: 320, height: 240 })
       first ||= memoryOf(scene)
       scene.free()
@@ -63,7 +126,7 @@ const words = {
     }
     const [before, after] = [used.slice(5, 10), used.slice(45)].map((some) => Math.min(...some))
     assert.ok(after <= 1.05 * before, `${before} bytes, then ${after}`)
-    const last = memoryOf(await load(file))
+    const last = memoryOf(await load(file, modules[module]))
     assert.ok(last <= 1.05 * first, `the module had ${first} bytes, then ${last}`)
   },
 
@@ -87,13 +150,12 @@ const words = {
     await refused(new Uint8Array(0))
     await refused(Buffer.from('GIF89a, and no scene'), /scene/)
     await refused(Buffer.from([0x1f, 0x8b, 8, 0, 1, 2, 3, 4]), /gzip/)
-    await refused(gzipSync(Buffer.alloc(160e6)), /gzip stream has more than/)
     const huge = 'ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n'
     await refused(Buffer.from(huge))
   },
 
-  // A packed scene; the same to be packed; one that needs a library.
-  async misuse(file, ply, zstd) {
+  // A packed scene; the same to be packed.
+  async misuse(file, ply) {
     const scene = await load(file)
     const size = { width: 64, height: 48 }
     const wrong = (words, ...frame) => assert.throws(() => render(...frame), words)
@@ -113,10 +175,19 @@ const words = {
     wrong(/up: expected 3/, [{ scene }], { up: 'up' }, size)
     wrong(/memory/, [{ scene }], {}, { ...size, maxMemory: 1000 })
     wrong(/range/, [{ scene }], {}, { ...size, shDegree: 7 })
-    wrong(/another/, [{ scene }, { scene: await load(file, { simd: false }) }], {}, size)
+    const wanted = (targets) => ({ ...size, targets })
+    wrong(/depths: expected one of colour, coverage/, [{ scene }], {}, wanted({ depths: true }))
+    wrong(/rgb: expected one of rgba8/, [{ scene }], {}, wanted({ colour: 'rgb' }))
+    wrong(/target/, [{ scene }], {}, wanted({}))
+    wrong(/occluder: expected 3072 numbers/, [{ scene }], {}, wanted({ depth: true, occluder: new Uint32Array(9) }))
+    wrong(/depthBits 29: expected 1 to 28/, [{ scene }], {}, { ...wanted({ depth: true }), depthBits: 29 })
+    const most = { width: 16384, height: 16384 }
+    wrong(/memory/, [{ scene }], {}, { ...most, targets: { colour: 'premultiplied16', depth: true, ids: true } })
+    assert.throws(() => scene.renderStereo({}, { fov: 200 }, size), /field of view of 200/)
+    assert.throws(() => scene.renderStereo({}, {}, { ...size, maxMemory: 50000 }), /memory/)
+    wrong(/other `simd`/, [{ scene }, { scene: await load(file, { simd: false }) }], {}, size)
     await refused(ply, /expected one of/, { profile: 'huge' })
     await refused(ply, /limit of 699/, { maxGaussians: 699 })
-    await refused(zstd, /without zstd/)
     assert.equal(scene.render({}, size).length, 4 * 64 * 48)
     scene.free()
     scene.free()
@@ -141,16 +212,28 @@ const words = {
     }
   },
 
+  // Whether products are relaxed here.
+  async relaxed() {
+    console.log(hasRelaxed)
+  },
+
+  // FILE: bytes that are i16x8.q15mulr_sat_s, or look like it.
+  async products(file) {
+    console.log(readFileSync(file).toString('latin1').split('\xfd\x82\x01').length - 1)
+  },
+
   // FILE PROFILE: the packed scene, to standard output.
   async pack(file, profile) {
     process.stdout.write((await load(file, { profile })).packed)
   },
 
-  // SIMD FILE CAMERA WIDTH HEIGHT: the least milliseconds of ten frames.
-  async speed(simd, file, camera, width, height) {
-    const scene = await load(file, { simd: simd === '1' })
+  // MODULE FILE CAMERA WIDTH HEIGHT: the least milliseconds of twelve frames, or of some seconds.
+  async speed(module, file, camera, width, height) {
+    const scene = await load(file, modules[module])
+    await started(scene, module)
     const times = []
-    for (let i = 0; i < 12; i++) {
+    const end = performance.now() + 3000
+    for (let i = 0; i < 12 && (i < 2 || performance.now() < end); i++) {
       const start = performance.now()
       scene.render(JSON.parse(camera), { width: +width, height: +height })
       times.push(performance.now() - start)

@@ -1,117 +1,34 @@
 // node page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: what tests/scripts/page.sh asks of the viewer's page.
 import assert from 'node:assert/strict'
-import { execFileSync } from 'node:child_process'
-import { createReadStream, existsSync, readFileSync } from 'node:fs'
-import { createServer } from 'node:http'
-import { createRequire } from 'node:module'
-import { resolve } from 'node:path'
+import { existsSync } from 'node:fs'
+import * as chromium from './chromium.mjs'
+import { base, go, hash, inside, moved, native, open, page, pause, picture, shown, still, viewOf } from './chromium.mjs'
 
-const [folder, scenes, modules, pictures, command] = process.argv.slice(2)
-const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
-const KINDS = {
-  js: 'text/javascript',
-  html: 'text/html',
-  css: 'text/css',
-  wasm: 'application/wasm',
-  json: 'application/json',
-}
+const { changed, rendered, run, scenes, strange, without, wordsOf } = chromium
+const numbersOf = async () => (await viewOf()).split(',').map(Number)
+/** Workers with a scene; the others are threads of theirs. */
+const enginesOf = () => page.workers().filter((worker) => worker.url().endsWith('/worker.js'))
+const SCENE = '?scene=/scenes/scene.ply'
 
-const asked = []
-const server = createServer((request, answer) => {
-  const path = decodeURIComponent(new URL(request.url, 'http://x').pathname)
-  const file = path.startsWith('/scenes/') ? scenes + path.slice(7) : folder + path
-  asked.push(path)
-  if (!existsSync(file)) return answer.writeHead(404).end()
-  answer.setHeader('cross-origin-opener-policy', 'same-origin')
-  answer.setHeader('cross-origin-embedder-policy', 'require-corp')
-  answer.setHeader('content-type', KINDS[file.split('.').pop()] ?? 'application/octet-stream')
-  if (request.url.includes('cut')) {
-    answer.setHeader('content-length', 100000)
-    answer.write(readFileSync(file).subarray(0, 5000), () => setTimeout(() => answer.destroy(), 50))
-  } else createReadStream(file).pipe(answer)
-}).listen(0, '127.0.0.1')
-await new Promise((done) => server.once('listening', done))
-const base = `http://127.0.0.1:${server.address().port}`
-
-const browser = await puppeteer.launch({
-  executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-  args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-})
-const page = await browser.newPage()
-const faults = []
-page.on('pageerror', (error) => faults.push(error.message))
-await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'dark' }])
-const strange = []
-page.on(
-  'request',
-  (request) => !/^(http:\/\/127\.0\.0\.1|data:|blob:)/.test(request.url()) && strange.push(request.url())
-)
-
-async function go(address, width = 640, height = 360) {
-  await page.setViewport({ width, height })
-  await page.goto('about:blank')
-  await page.goto(`${base}/viewer/index.html${address}`)
-}
-
-const inside = (body, ...args) =>
-  page.evaluate(`(async (...args) => { const v = document.querySelector('fixsplat-viewer');
-    const $ = (id) => v.shadowRoot.getElementById(id);
-    ${body} })(...${JSON.stringify(args)})`)
-const still = () => page.waitForSelector('fixsplat-viewer[state=still]', { timeout: 120000 })
-const moved = async () => {
-  await new Promise((done) => setTimeout(done, 700))
-  await inside('for (let i = 0; i < 30; i++) await new Promise(requestAnimationFrame)')
-  await still()
-}
-const wordsOf = async () => {
-  await page.waitForFunction(
-    () => !document.querySelector('fixsplat-viewer').shadowRoot.getElementById('error').hidden
-  )
-  return inside(`return $('words').textContent`)
-}
-const viewOf = () => inside('return v.view')
-/** Of what the page shows, when a browser has shown it. */
-const hash = async () => {
-  await new Promise((done) => setTimeout(done, 250))
-  return inside(`const seen = await createImageBitmap($('stage').lastElementChild), { width, height } = seen
-  const copy = new OffscreenCanvas(width, height).getContext('2d')
-  copy.drawImage(seen, 0, 0)
-  const { data } = copy.getImageData(0, 0, width, height)
-  let h = 0xcbf29ce484222325n;
-  for (const b of data) h = BigInt.asUintN(64, (h ^ BigInt(b)) * 0x100000001b3n);
-  return h.toString(16).padStart(16, '0')`)
-}
-const sizeOf = () => inside(`const { width, height } = await createImageBitmap($('stage').lastElementChild)
-  return [width, height]`)
-const picture = (name) => page.screenshot({ path: `${pictures}/${name}.png` })
-
-/** The picture of the command for the same camera. */
-function native(scene, view, size, background) {
-  const n = view.split(',')
-  return execFileSync(
-    command,
-    [
-      'render',
-      `${scenes}/${scene}`,
-      '--eye',
-      n.slice(0, 3).join(),
-      '--look',
-      n.slice(3, 6).join(),
-      '--up',
-      n.slice(6, 9).join(),
-      '--fov',
-      n[9],
-      '--size',
-      size,
-      '--bg',
-      background,
-      '--hash',
-    ],
-    { encoding: 'utf8' }
-  )
-    .trim()
-    .split(/\s/)[0]
-}
+/** For a page where WebGL counts as fast, and one of its workers, by its number, as slow. */
+const slowWorker = (number) => `{
+  const own = HTMLCanvasElement.prototype.getContext
+  HTMLCanvasElement.prototype.getContext = function (kind) { return own.call(this, kind) }
+  WebGL2RenderingContext.prototype.getParameter = () => 'a card'
+  let workers = 0
+  window.Worker = class extends Worker {
+    number = workers++
+    set onmessage(hear) {
+      super.onmessage = (event) => {
+        const { result } = event.data
+        if (result?.milliseconds && this.number === ${number}) result.milliseconds += 1e5
+        if (result?.milliseconds && this.number === 1) window.tried = true
+        if (result?.milliseconds && this.number === 0 && window.tried) window.trialEnded = true
+        hear(event)
+      }
+    }
+  }
+}`
 
 const tests = {
   async 'empty page'() {
@@ -122,21 +39,18 @@ const tests = {
   },
 
   async 'the pixels of the command, and again by its link'() {
-    await go('?scene=/scenes/scene.ply&background=%23102030#view=0.3,-0.9,-4,0,0,0,0,-1,0,45')
-    await still()
+    await open('?scene=/scenes/scene.ply&background=%23102030#view=0.3,-0.9,-4,0,0,0,0,-1,0,45')
     const [view, first] = [await viewOf(), await hash()]
     assert.equal(first, native('scene.ply', view, '640x360', '102030'))
     const link = await inside('return v.link')
     assert.match(link, /scene=http.*#view=0.3,-0.9,-4,/)
-    await go(`${new URL(link).search}${new URL(link).hash}`)
-    await still()
+    await open(`${new URL(link).search}${new URL(link).hash}`)
     assert.equal(await hash(), first)
     assert.deepEqual(strange, [])
   },
 
   async 'a drag, the wheel and keys move; r goes back'() {
-    await go('?scene=/scenes/scene.ply')
-    await still()
+    await open(SCENE)
     const start = await viewOf()
     const motions = [
       () => page.mouse.wheel({ deltaY: -300 }),
@@ -160,46 +74,43 @@ const tests = {
     await page.keyboard.press('r')
     await moved()
     assert.equal(await viewOf(), start)
-    assert.deepEqual(await sizeOf(), [640, 360])
+    assert.deepEqual((await shown()).size, [640, 360])
   },
 
   async 'touch: one finger turns, two move and zoom'() {
-    await go('?scene=/scenes/scene.ply')
-    await still()
+    await open(SCENE)
     const touch = await page.createCDPSession()
     const points = (...list) => list.map(([x, y], id) => ({ x, y, id }))
     const send = (type, ...list) => touch.send('Input.dispatchTouchEvent', { type, touchPoints: points(...list) })
-    const start = (await viewOf()).split(',').map(Number)
+    const start = await numbersOf()
     await send('touchStart', [300, 180])
     await send('touchMove', [360, 180])
     await send('touchEnd')
     await moved()
-    const turned = (await viewOf()).split(',').map(Number)
+    const turned = await numbersOf()
     assert.notDeepEqual(turned, start)
     assert.deepEqual(turned.slice(3, 6), start.slice(3, 6))
     await send('touchStart', [300, 180], [340, 180])
     await send('touchMove', [260, 180], [400, 200])
     await send('touchEnd')
     await moved()
-    const pinched = (await viewOf()).split(',').map(Number)
+    const pinched = await numbersOf()
     const far = (n) => Math.hypot(n[0] - n[3], n[1] - n[4], n[2] - n[5])
     assert.ok(far(pinched) < 0.5 * far(turned))
     assert.notDeepEqual(pinched.slice(3, 6), turned.slice(3, 6))
   },
 
   async 'resize keeps the vertical field of view'() {
-    await go('?scene=/scenes/scene.ply')
-    await still()
+    await open(SCENE)
     const view = await viewOf()
     await page.setViewport({ width: 500, height: 420 })
     await moved()
     assert.equal(await viewOf(), view)
-    assert.equal(await hash(), native('scene.ply', view, '500x420', '0e1116'))
+    assert.equal(await hash(), native('scene.ply', view, '500x420'))
   },
 
   async 'views of a cameras.json'() {
-    await go('?scene=/scenes/scene.ply&cameras=/scenes/cameras.json')
-    await still()
+    await open('?scene=/scenes/scene.ply&cameras=/scenes/cameras.json')
     const first = await viewOf()
     await page.keyboard.press('n')
     await moved()
@@ -208,7 +119,7 @@ const tests = {
     await page.keyboard.press('p')
     await moved()
     assert.equal(await viewOf(), first)
-    assert.equal(await hash(), native('scene.ply', first, '640x360', '0e1116'))
+    assert.equal(await hash(), native('scene.ply', first, '640x360'))
   },
 
   async 'the element in a page of its own; its end ends its worker'() {
@@ -219,14 +130,13 @@ const tests = {
     await still()
     assert.equal(await hash(), native('scene.ply', await viewOf(), '300x200', '000000'))
     for (let i = 0; i < 5; i++) assert.ok(await inside(`return v.open(args[0])`, `${base}/scenes/scene.ply`))
-    const workers = async (count) => {
-      for (let i = 0; i < 50 && page.workers().length !== count; i++)
-        await new Promise((done) => setTimeout(done, 100))
-      assert.equal(page.workers().length, count)
+    const are = async (workers, count) => {
+      for (let i = 0; i < 50 && workers().length !== count; i++) await pause(100)
+      assert.equal(workers().length, count)
     }
-    await workers(1)
+    await are(enginesOf, 1)
     await inside('v.remove()')
-    await workers(0)
+    await are(() => page.workers(), 0)
   },
 
   async 'errors in words; the page goes on'() {
@@ -238,8 +148,7 @@ const tests = {
       'scene.ply?cut': /broke off/,
       'http://127.0.0.1:1/a.ply': /cannot be reached/,
     }
-    await go('?scene=/scenes/scene.ply')
-    await still()
+    await open(SCENE)
     const before = await hash()
     for (const [address, words] of Object.entries(wrong)) {
       await inside(
@@ -278,8 +187,7 @@ const tests = {
   },
 
   async 'every control has a name; panels by key; noui'() {
-    await go('?scene=/scenes/scene.ply')
-    await still()
+    await open(SCENE)
     assert.deepEqual(
       await inside(`return [...v.shadowRoot.querySelectorAll('button, input, select, section, #stage')].filter((e) =>
       !(e.ariaLabel || e.textContent.trim() || e.labels?.[0]?.textContent.trim())).map((e) => e.outerHTML)`),
@@ -291,8 +199,7 @@ const tests = {
     assert.equal(await inside(`return $('help').hidden`), false)
     await page.keyboard.press('Escape')
     assert.equal(await inside(`return $('help').hidden`), true)
-    await go('?scene=/scenes/scene.ply&noui')
-    await still()
+    await open('?scene=/scenes/scene.ply&noui')
     assert.deepEqual(
       await inside(
         `return [...v.shadowRoot.querySelectorAll('.ui')].filter((e) => getComputedStyle(e).display !== 'none').length`
@@ -302,8 +209,7 @@ const tests = {
   },
 
   async 'in the width of a phone nothing lies outside'() {
-    await go('?scene=/scenes/scene.ply&cameras=/scenes/cameras.json', 360, 740)
-    await still()
+    await open('?scene=/scenes/scene.ply&cameras=/scenes/cameras.json', 360, 740)
     for (const panel of ['options', 'help'])
       assert.deepEqual(
         await inside(`$('${panel}').hidden = false;
@@ -318,6 +224,200 @@ const tests = {
     await picture('phone-keys')
   },
 
+  async 'each back end that is asked for: exact ones in the same bytes'() {
+    for (const backend of ['wasm', 'webgl2', 'webgl2-quads']) {
+      await open(`${SCENE}&backend=${backend}`)
+      assert.equal(await inside('return v.backend'), backend)
+      const exact = native('scene.ply', await viewOf(), '640x360')
+      if (backend === 'webgl2-quads') assert.notEqual(await hash(), exact)
+      else assert.equal(await hash(), exact)
+      await inside(`$('set').click()`)
+      assert.equal(await inside(`return v.shadowRoot.querySelector('[name=backend]').value`), backend)
+    }
+    await inside(`v.setAttribute('backend', 'wasm')`)
+    await moved()
+    assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+  },
+
+  async 'the faster of two is found by a trial'() {
+    for (const [slow, faster] of [
+      [0, 'webgl2'],
+      [1, 'wasm'],
+    ])
+      await without(slowWorker(slow), async () => {
+        await open(SCENE)
+        await page.waitForFunction(() => window.trialEnded, { timeout: 60000 })
+        await moved()
+        assert.equal(await inside('return v.backend'), faster)
+        assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+        assert.equal(await inside(`return $('stage').children.length`), 1)
+      })
+    await open(SCENE)
+    await pause(1000)
+    assert.equal(enginesOf().length, 1) // WebGL by the processor is not tried
+  },
+
+  async 'a lost context: the same anew, and the processor where it is lost again'() {
+    const watch = (text) => `const own = OffscreenCanvas.prototype.getContext
+      OffscreenCanvas.prototype.getContext = function (...a) { return (self.seen = own.apply(this, a)) }\n${text}`
+    const lose = async () => {
+      const [worker] = enginesOf()
+      await worker.evaluate(() => self.seen.getExtension('WEBGL_lose_context').loseContext())
+      await pause(500)
+      await moved()
+      assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+    }
+    await changed('/viewer/worker.js', watch, async () => {
+      await open(`${SCENE}&backend=webgl2`)
+      await inside(`const now = performance.now.bind(performance); let more = 0; v.later = () => (more += 6000);
+        performance.now = () => now() + more; v.later()`)
+      await lose()
+      assert.equal(await inside('return v.backend'), 'webgl2')
+      await lose()
+      assert.equal(await inside('return v.backend'), 'wasm')
+      assert.equal(await inside(`return $('error').hidden`), true)
+    })
+  },
+
+  async 'no WebGL, no SIMD, no canvas for workers, no WebAssembly'() {
+    const exact = async () => {
+      await open(`${SCENE}&backend=webgl2`)
+      assert.equal(await inside('return v.backend'), 'wasm')
+      assert.match(await inside(`return $('note').textContent`), /the processor does/)
+      assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+    }
+    const before = (more) => (text) => `${more}\n${text}`
+    const none = 'OffscreenCanvas.prototype.getContext = new Proxy(OffscreenCanvas.prototype.getContext, ' +
+      '{ apply: (own, self, [kind]) => (kind === "webgl2" ? null : own.call(self, kind)) })'
+    await changed('/viewer/worker.js', before(none), exact)
+    await changed('/fixsplat.js', before('WebAssembly.validate = () => false'), exact)
+    await without(() => delete HTMLCanvasElement.prototype.transferControlToOffscreen, exact)
+    await without(
+      () => delete window.WebAssembly,
+      async () => {
+        await go(SCENE)
+        assert.match(await wordsOf(), /WebAssembly/)
+      }
+    )
+  },
+
+  async 'too little memory for a picture: a smaller one, and words'() {
+    const begin = 'async draw(id, camera, options) {'
+    const least = 'if (options.width * options.height > 1e5) throw new Error("out of memory");'
+    await changed(
+      '/viewer/worker.js',
+      (text) => text.replace(begin, `${begin}${least}`),
+      async () => {
+        await open(SCENE)
+        assert.match(await inside(`return $('note').textContent`), /too little memory/)
+        const { size } = await shown()
+        assert.ok(size[0] * size[1] <= 1e5 && size[0] * size[1] > 3e4, size)
+        await page.keyboard.press('ArrowLeft', { delay: 60 })
+        await moved()
+      }
+    )
+  },
+
+  async 'nothing is drawn in a hidden tab; the right picture when it is shown again'() {
+    await open(SCENE)
+    await inside(`v.drawn = 0; v.addEventListener('picture', () => v.drawn++); v.hide = (is) => {
+      Object.defineProperty(document, 'hidden', { configurable: true, get: () => is })
+      document.dispatchEvent(new Event('visibilitychange')) }
+      v.hide(true)`)
+    const before = await viewOf()
+    await page.keyboard.press('ArrowLeft', { delay: 60 })
+    await pause(500)
+    assert.notEqual(await viewOf(), before)
+    assert.equal(await inside('return v.drawn'), 0)
+    await inside('v.hide(false)')
+    await moved()
+    assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+  },
+
+  async 'a poster until the first picture'() {
+    await go(`${SCENE}?slow&poster=/scenes/poster.png`)
+    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').shadowRoot.querySelector('img')?.complete)
+    assert.equal(await inside(`return $('stage').lastElementChild.naturalWidth`), 64)
+    await picture('poster')
+    await still()
+    await pause(300)
+    assert.equal(await inside(`return $('stage').lastElementChild.localName`), 'canvas')
+  },
+
+  async 'views beside the axis and with parallel rays, and their links'() {
+    await open(`${SCENE}&cameras=/scenes/more.json`)
+    const again = async () => {
+      const first = await hash()
+      const { search, hash: view } = new URL(await inside('return v.link'))
+      await open(`${search}${view}`)
+      assert.equal(await hash(), first)
+      return first
+    }
+    const aside = ['--cameras', `${scenes}/transforms.json`, '--bg', '0e1116']
+    assert.equal(await again(), rendered('scene.ply', ...aside))
+    await page.keyboard.press('n')
+    await moved()
+    const parallel = ['--eye', '0,0,-9', '--look', '0,0,0', '--up', '0,-1,0', '--ortho', '7.2', '--size', '640x360']
+    assert.equal(await again(), rendered('scene.ply', ...parallel, '--bg', '0e1116'))
+    const wide = (await numbersOf())[9]
+    await page.keyboard.press('+')
+    await moved()
+    assert.ok((await numbersOf())[9] < wide)
+    await inside(`$('set').click(); v.shadowRoot.querySelector('[name=flat]').click()`)
+    await moved()
+    assert.equal((await numbersOf()).length, 10)
+    assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+  },
+
+  async 'flight: pointers look, keys and the wheel move; the mode is shown'() {
+    await open(SCENE)
+    await page.keyboard.press('2')
+    await moved()
+    assert.deepEqual(await inside(`return ['orbit', 'fly'].map((id) => $(id).getAttribute('aria-pressed'))`), [
+      'false',
+      'true',
+    ])
+    assert.match(await inside(`return $('list').textContent`), /look around/)
+    const drag = async () => {
+      const before = await numbersOf()
+      await page.mouse.move(320, 180)
+      await page.mouse.down()
+      await page.mouse.move(380, 150, { steps: 4 })
+      await page.mouse.up()
+      await moved()
+      return [before, await numbersOf()]
+    }
+    const [before, looked] = await drag()
+    assert.deepEqual(looked.slice(0, 3), before.slice(0, 3))
+    assert.notDeepEqual(looked.slice(3, 6), before.slice(3, 6))
+    for (const act of [
+      () => page.keyboard.press('w', { delay: 60 }),
+      () => page.mouse.wheel({ deltaY: -300 }),
+    ]) {
+      const [x, y, z] = await numbersOf()
+      await act()
+      await moved()
+      assert.notDeepEqual((await numbersOf()).slice(0, 3), [x, y, z], String(act))
+    }
+    await inside(`$('orbit').click()`)
+    const [, turned] = await drag()
+    assert.notDeepEqual(turned.slice(0, 3), looked.slice(0, 3))
+  },
+
+  async 'it turns by itself when it is asked to; the readout'() {
+    await open(`${SCENE}&turn`)
+    await inside(`v.shadowRoot.querySelector('[name=readout]').click()`)
+    await page.waitForSelector('fixsplat-viewer[state=moving]', { timeout: 20000 })
+    const before = await viewOf()
+    await pause(700)
+    assert.notEqual(await viewOf(), before)
+    assert.match(await inside(`return $('readout').textContent`), /a second, .* by the processor, \d+ × \d+/)
+    await inside(`v.removeAttribute('turn')`)
+    await moved()
+    await page.keyboard.press('0')
+    await moved()
+  },
+
   async 'captured scenes, and motion at a fraction of the size'() {
     const list = {
       guitar: 'guitar.compressed.ply',
@@ -325,13 +425,16 @@ const tests = {
     }
     for (const [folder, file] of existsSync(`${scenes}/real`) ? Object.entries(list) : []) {
       await go(`?scene=/scenes/real/${folder}/${file}`, 1280, 720)
-      await page.waitForFunction(
-        () => document.querySelector('fixsplat-viewer').shadowRoot.getElementById('percent').textContent
-      )
-      await picture(`${folder}-loading`)
+      if (folder === 'snowmiku') {
+        await page.waitForFunction(
+          () => document.querySelector('fixsplat-viewer[open][state=loading]')?.shadowRoot.querySelector('canvas'),
+          { polling: 20, timeout: 60000 }
+        )
+        await picture('snowmiku-preview')
+      }
       await still()
       await picture(folder)
-      assert.equal(await hash(), native(`real/${folder}/${file.split('&')[0]}`, await viewOf(), '1280x720', '0e1116'))
+      assert.equal(await hash(), native(`real/${folder}/${file.split('&')[0]}`, await viewOf(), '1280x720'))
       await inside(
         `v.seen = []; v.addEventListener('picture', ({ detail }) =>
           v.seen.push([detail.divisor, Math.round(detail.milliseconds)]))`
@@ -349,8 +452,7 @@ const tests = {
   },
 
   async 'pictures of the page'() {
-    await go('?scene=/scenes/scene.ply', 1280, 720)
-    await still()
+    await open(SCENE, 1280, 720)
     await picture('desktop')
     await page.keyboard.press('h')
     await picture('desktop-keys')
@@ -362,16 +464,4 @@ const tests = {
   },
 }
 
-for (const [name, test] of Object.entries(tests)) {
-  try {
-    faults.length = 0
-    await test()
-    assert.deepEqual(faults, [])
-    console.log(`ok ${name}`)
-  } catch (error) {
-    console.log(`FAIL ${name}: ${error.stack}`)
-    process.exitCode = 1
-  }
-}
-await browser.close()
-server.close()
+await run(tests)

@@ -1,13 +1,25 @@
-// node serve.mjs PACKAGE SCENE: serves both and tests/web/page.html, and prints the address.
+// node serve.mjs PACKAGE SCENE: serves both and tests/web/page.html, and prints the address. Below /isolated/ too, with
+// the headers that let a page have threads, and below /blocked/ with those and a policy against workers. What a page posts
+// is printed.
 import { createReadStream, existsSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { extname, join } from 'node:path'
 
 const [folder, scene] = process.argv.slice(2)
-const types = { '.js': 'text/javascript', '.html': 'text/html', '.wasm': 'application/wasm' }
+const types = { '.js': 'text/javascript', '.html': 'text/html', '.wasm': 'application/wasm', '.css': 'text/css' }
 
 const server = createServer((request, answer) => {
-  const name = new URL(request.url, 'http://localhost').pathname.slice(1)
+  if (request.method === 'POST') {
+    request.on('data', (text) => console.log(`${text}`)).on('end', () => answer.end())
+    return
+  }
+  const path = new URL(request.url, 'http://localhost').pathname
+  const [, policy, name] = path.match(/^\/(?:(isolated|blocked)\/)?(.*)/)
+  if (policy === 'blocked') answer.setHeader('Content-Security-Policy', "worker-src 'none'")
+  if (policy) {
+    answer.setHeader('Cross-Origin-Opener-Policy', 'same-origin')
+    answer.setHeader('Cross-Origin-Embedder-Policy', 'require-corp')
+  }
   const file = name === 'page.html' ? 'tests/web/page.html' : name === 'scene.fxs' ? scene : join(folder, name)
   answer.writeHead(existsSync(file) ? 200 : 404, { 'Content-Type': types[extname(file)] ?? 'application/octet-stream' })
   if (existsSync(file)) createReadStream(file).pipe(answer)

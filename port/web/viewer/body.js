@@ -17,6 +17,7 @@ const ICONS = {
     'M9.5 13.5a2.5 2.5 0 1 0 0 5 2.5 2.5 0 0 0 0-5z',
   keys: 'M9 9a3 3 0 1 1 4.5 2.6c-1 .6-1.5 1.2-1.5 2.4M12 17.5v.5',
   full: 'M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5',
+  headset: 'M5 7h14a2 2 0 0 1 2 2v6a2 2 0 0 1-2 2h-3.5l-2-3h-3l-2 3H5a2 2 0 0 1-2-2V9a2 2 0 0 1 2-2z',
   close: 'M6 6l12 12M18 6L6 18',
 }
 
@@ -79,6 +80,7 @@ const settings = `
   <option value="">What is faster</option><option value="wasm">Processor</option>
   <option value="webgl2">Graphics card</option>
   <option value="webgl2-quads">Graphics card, roughly</option></select></label>
+<p class="fine" id="draws"></p>
 ${check('colours', 'Gloss and reflections', 'checked')}
 ${check('flat', 'Without perspective')}
 ${check('turn', 'Turns by itself')}
@@ -100,6 +102,7 @@ export const body = `
 </div>
 <div class="ui top">
   <p class="title"><b id="name"></b> <span id="count"></span></p>
+  ${button('headset', 'Look at it in the headset', ICONS.headset, 'hidden')}
   ${button('full', 'Full screen (F)', ICONS.full)}
 </div>
 <p id="readout" class="ui" hidden></p>

@@ -3,13 +3,13 @@
 const POLE = 0.02 // radians left between the view and up
 
 export const add = (a, b, times = 1) => a.map((x, i) => x + times * b[i])
-const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-const unit = (a) => a.map((x) => x / Math.hypot(...a))
+export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+export const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+export const unit = (a) => a.map((x) => x / Math.hypot(...a))
 const mix = (a, b, t) => a.map((x, i) => x + t * (b[i] - x))
 
 /** Rodrigues' formula; an axis of length 1. */
-function rotate(a, axis, angle) {
+export function rotate(a, axis, angle) {
   const [c, s] = [Math.cos(angle), Math.sin(angle)]
   const along = dot(axis, a) * (1 - c)
   const aside = cross(axis, a)

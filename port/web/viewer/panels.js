@@ -51,7 +51,7 @@ export class Panels {
 
   /** With the first picture. */
   greet() {
-    if (this.#greeted) return
+    if (this.#greeted || this.ui.note.textContent) return
     this.#greeted = true
     const hovers = matchMedia('(hover: hover)').matches
     this.note(hovers ? 'Drag to turn, wheel to zoom. H: keys' : 'Drag to turn, pinch to zoom')
@@ -92,5 +92,6 @@ export class Panels {
     const rate = between < PAUSE_MS ? `${Math.round(1000 / between)} a second, ` : ''
     const took = `${Math.round(milliseconds)} ms by ${backends[backend]}, ${width} × ${height}`
     this.ui.readout.textContent = rate + took
+    this.ui.draws.textContent = `Now ${took}`
   }
 }

@@ -3,10 +3,11 @@
 const AIM_MS = 40 // of a picture in motion
 const DIVISORS = [1, 1.5, 2, 3, 4] // beyond, the time is the same
 const MOST_PIXELS = 1 << 23
-const LEAST_PIXELS = 1 << 16
+const LEAST_PIXELS = 1 << 14
 const SHOWN_MS = 100 // after a worker's picture, the browser shows it
 const AGAIN_MS = 5000 // a context that is lost sooner is not asked for again
 const TRIES = 3
+const BY_PROCESSOR = /swiftshader|llvmpipe|softpipe|software|basic render/i // what WebGL is drawn by
 
 export const backends = {
   wasm: 'the processor',
@@ -93,9 +94,9 @@ export class Picture {
       divisor === 1 ? DIVISORS[wanted] : DIVISORS[step < 0 && milliseconds > AIM_MS / 2 ? now : now + step]
   }
 
-  /** Pictures of half as many pixels from now on; false where they are small already. */
-  shrink() {
-    this.#most /= 2
+  /** Half as many pixels from now on; false where they are few already. */
+  shrink({ width, height }) {
+    this.#most = (width * height) / 2
     return this.#most >= LEAST_PIXELS
   }
 
@@ -138,12 +139,14 @@ function paint(canvas, pixels, { width, height }) {
   canvas.getContext('2d').putImageData(new ImageData(pixels, width), 0, 0)
 }
 
-/** Not where the browser draws WebGL by the processor too. */
+/** Not where the processor does its work. */
 function hasGraphicsCard() {
   if (!globalThis.OffscreenCanvas) return false
   const gl = document.createElement('canvas').getContext('webgl2', { failIfMajorPerformanceCaveat: true })
+  const info = gl?.getExtension('WEBGL_debug_renderer_info')
+  const name = gl?.getParameter(info?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER)
   gl?.getExtension('WEBGL_lose_context')?.loseContext()
-  return !!gl
+  return !!gl && !BY_PROCESSOR.test(name)
 }
 
 async function isFaster(other, own, camera, { divisor, ...options }) {

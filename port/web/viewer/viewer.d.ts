@@ -1,14 +1,32 @@
-/** <fixsplat-viewer>: attributes src, cameras, view, background (#rrggbb) and noui. */
+type Backend = 'wasm' | 'webgl2' | 'webgl2-quads'
+
+/** <fixsplat-viewer>: attributes src, cameras, view, background (#rrggbb), poster, turn, backend, threads and noui. */
 export class Viewer extends HTMLElement {
   readonly state: 'empty' | 'loading' | 'moving' | 'still'
-  /** Eye, look, up and field of view: ten numbers with commas, as the attribute `view`. */
+  /** What draws. */
+  readonly backend: Backend | undefined
+  /** Eye, look, up and field of view: ten numbers with commas, as the attribute `view`. Three more where they are not 0:
+      1 for parallel rays, and how far right and down of the middle the axis lies, in heights of the picture. */
   readonly view: string
   /** The address of the viewer's page with this scene and view. */
   readonly link: string
-  /** Opens an address or a file; what there was stays where that fails. */
-  open(source: string | File): Promise<boolean>
+  /** Opens an address, a file, or the files of a scene; what there was stays where that fails. */
+  open(source: string | File | File[]): Promise<boolean>
   /** Of the views of `cameras`, from 0. */
   showView(index: number): void
+}
+
+/** As of a cameras.json. */
+export interface EyeCamera {
+  width: number
+  height: number
+  fx: number
+  fy: number
+  cx: number
+  cy: number
+  rotation: number[][]
+  position: number[]
+  near: number
 }
 
 declare global {
@@ -16,6 +34,8 @@ declare global {
     'fixsplat-viewer': Viewer
   }
   interface HTMLElementEventMap {
-    picture: CustomEvent<{ width: number; height: number; divisor: number; milliseconds: number }>
+    /** Pictures for a headset: `scale` is their size, of the viewport's. */
+    eyes: CustomEvent<{ cameras: EyeCamera[]; width: number; height: number; scale: number; milliseconds: number }>
+    picture: CustomEvent<{ width: number; height: number; divisor: number; milliseconds: number; backend: Backend }>
   }
 }

@@ -10,6 +10,7 @@ import { cameraOf, fetchViews, nameOf, textOf, viewsOf } from './views.js'
 const STILL_MS = 150 // after the last motion
 const DARK = '#0e1116'
 const LIGHT = '#eef0f3'
+const OF_HEADSETS = /OculusBrowser|Wolvic|Pico/i // browsers that have WebXR on secure pages alone
 
 const template = document.createElement('template')
 const style = new URL('./viewer.css', import.meta.url)
@@ -20,6 +21,7 @@ const addressOf = (url) => new URL(url, document.baseURI).href
 export class Viewer extends HTMLElement {
   static observedAttributes = ['src', 'cameras', 'view', 'background', 'backend', 'poster', 'turn']
 
+  #headset = null
   #engine = null // of the scene on show
   #opening = null // what is loading: { engine, name, source, views, view }
   #taken = Promise.resolve() // one scene after the other
@@ -58,10 +60,13 @@ export class Viewer extends HTMLElement {
     for (const name of still ? ['poster'] : ['poster', 'turn'])
       this.attributeChangedCallback(name, null, this.getAttribute(name))
     if (this.hasAttribute('src')) this.#openAttribute()
+    this.#findHeadset()
   }
 
   disconnectedCallback() {
+    this.#headset?.end()
     this.resized.disconnect()
+    this.theme.onchange = null
     document.removeEventListener('visibilitychange', this.shown)
     this.#pilot.turnByItself(false)
     this.#cancel()
@@ -135,6 +140,7 @@ export class Viewer extends HTMLElement {
     const opening = (this.#opening = { engine, name, source, views, view })
     this.#begin(name)
     try {
+      if (!globalThis.WebAssembly) throw new Error('This browser has no WebAssembly, or it is switched off')
       const scene = await engine.open(source, !this.#scene)
       await this.#take(opening, scene)
       return true
@@ -197,6 +203,7 @@ export class Viewer extends HTMLElement {
     const { engine, source, view } = opening
     const views = await opening.views
     if (engine !== this.#engine) {
+      this.#headset?.end()
       await this.#switch(engine)
       if (opening !== this.#opening) return
       this.#engine?.end()
@@ -278,7 +285,7 @@ export class Viewer extends HTMLElement {
   /** One picture at a time; what has changed meanwhile is drawn after it. */
   async #draw() {
     if (this.#busy || this.#switching || !this.#scene || document.hidden) return
-    if (!this.clientWidth || !this.clientHeight) return
+    if (!this.clientWidth || !this.clientHeight || this.#headset?.isOn) return
     const engine = this.#engine
     const options = this.#frame(this.#isMoving)
     this.#busy = true
@@ -306,7 +313,7 @@ export class Viewer extends HTMLElement {
 
   /** Where there is no room for so many pixels, there are fewer; where the renderer does not reach, the camera stays. */
   #refused(error) {
-    if (/memory/.test(error.message) && this.#picture.shrink()) {
+    if (/memory/.test(error.message) && this.#picture.shrink(this.#frame())) {
       this.#panels.note('There is too little memory for a picture of this size: it has fewer pixels')
       this.#changed = true
     } else if (this.#good && this.#good !== this.#pilot.camera) this.#pilot.camera = this.#good
@@ -360,6 +367,38 @@ export class Viewer extends HTMLElement {
     const found = await this.#pick(x / this.clientWidth, y / this.clientHeight, this.#frame()).catch(() => null)
     if (found) this.#pilot.goTo(found.position)
     else this.#panels.note('Nothing there')
+  }
+
+  // ---- Headset ------------------------------------------------------------------------------------------------------
+
+  /** A button where there is one, and where there would be one if the page were secure. */
+  async #findHeadset() {
+    const button = this.#ui.headset
+    const { xr } = navigator
+    button.hidden = xr
+      ? !(await xr.isSessionSupported('immersive-vr').catch(() => false))
+      : isSecureContext || !OF_HEADSETS.test(navigator.userAgent)
+    if (xr && !button.hidden) this.#headset ??= await this.#newHeadset()
+    const words = 'A headset needs a page of https://, or of the machine that it is on (http://localhost)'
+    button.onclick = () => (xr ? this.#headset.enter() : this.#panels.say(new Error(words)))
+  }
+
+  /** It stands at the page's camera; the page's picture stays as it is meanwhile. */
+  async #newHeadset() {
+    const { Headset } = await import('./xr.js')
+    return new Headset({
+      engine: () => this.#engine,
+      backend: () => this.backend,
+      scene: () => this.#scene,
+      view: () => this.#pilot,
+      options: () => this.#frame(),
+      drawn: (detail) => this.dispatchEvent(new CustomEvent('eyes', { detail })),
+      say: (error) => this.#panels.say(error),
+      changed: (isOn) => {
+        this.toggleAttribute('headset', isOn)
+        this.#change()
+      },
+    })
   }
 
   // ---- Buttons and keys ---------------------------------------------------------------------------------------------

@@ -34,6 +34,25 @@ async function draw(screen, camera, options) {
   }
 }
 
+let eyes // what WebGL draws a headset's pictures on: { canvas, screen }
+
+/** Pictures side by side, or null where that failed. */
+async function bitmapOf(cameras, options, backend) {
+  const { width, height } = options
+  if (eyes?.screen.backend !== backend) {
+    eyes?.screen.free()
+    const canvas = new OffscreenCanvas(1, 1)
+    eyes = { canvas, screen: await Screen.open(canvas, backend, how) }
+  }
+  const { canvas, screen } = eyes
+  const whole = cameras.length * width
+  if (canvas.width !== whole || canvas.height !== height) Object.assign(canvas, { width: whole, height })
+  if (screen.gl.drawingBufferWidth !== whole || screen.gl.drawingBufferHeight !== height) return null
+  cameras.forEach((camera, i) => screen.draw([{ scene }], camera, { ...options, into: { x: i * width } }))
+  await screen.finish()
+  return canvas.transferToImageBitmap()
+}
+
 const words = {
   async open(source, threads, previews) {
     how = { threads }
@@ -58,6 +77,14 @@ const words = {
     return { pixels, milliseconds: performance.now() - start, lost: screen?.lost }
   },
 
+  /** What one or two eyes see, each as alone: the pixels of each, or where WebGL draws a bitmap. */
+  async eyes(cameras, options, backend) {
+    const bitmap = backend !== 'wasm' && (await bitmapOf(cameras, options, backend).catch(() => null))
+    if (bitmap) return { bitmap }
+    if (!cameras[1]) return { pictures: [scene.render(cameras[0], options)] }
+    return { pictures: scene.renderStereo(...cameras, { ...options, exact: true }) }
+  },
+
   packed: () => scene.packed,
   pick: (x, y, camera, options) => scene.pick(x, y, camera, options),
 
@@ -67,8 +94,9 @@ const words = {
 self.onmessage = async ({ data: { id, word, args } }) => {
   try {
     const result = await words[word](...args)
-    const bytes = result?.pixels ?? result
-    postMessage({ id, result }, bytes?.buffer ? [bytes.buffer] : [])
+    const { pixels = result, pictures = [pixels], bitmap } = result ?? {}
+    const buffers = pictures.map((bytes) => bytes?.buffer).filter(Boolean)
+    postMessage({ id, result }, bitmap ? [bitmap] : buffers)
   } catch (error) {
     postMessage({ id, error: error.message })
   }

@@ -1,0 +1,20 @@
+// A thread of threads.wasm, in a worker: the same module again, on the same memory and a stack of its own.
+
+function help({ module, memory, stack }) {
+  // Nothing that a thread does calls a function of the page's.
+  const imports = new Proxy({}, { get: (_, name) => (name === 'memory' ? memory : () => 0) })
+  const { exports } = new WebAssembly.Instance(module, new Proxy({}, { get: () => imports }))
+  exports.__stack_pointer.value = stack
+  try {
+    exports.help()
+  } catch {
+    exports.trapped()
+  }
+}
+
+if (typeof process === 'object' && process.versions?.node) help((await import('node:worker_threads')).workerData)
+else
+  onmessage = ({ data }) => {
+    help(data)
+    close()
+  }

@@ -1,0 +1,172 @@
+// What a headset's eyes see: a camera for each, and a picture for it, moved to where the head is by now.
+
+/** The camera of an XRView in a picture of this size, with a margin of so many pixels more on each side. `place` says
+ *  where the room lies in the scene. */
+export function cameraOf(view, place, { width, height, margin = 0 }, near) {
+  const [p, m] = [view.projectionMatrix, view.transform.matrix]
+  const axis = (i, sign) => place.turned([sign * m[4 * i], sign * m[4 * i + 1], sign * m[4 * i + 2]])
+  const axes = [axis(0, 1), axis(1, -1), axis(2, -1)]
+  return {
+    width: width + 2 * margin,
+    height: height + 2 * margin,
+    fx: (p[0] * width) / 2,
+    fy: (p[5] * height) / 2,
+    cx: ((1 - p[8]) * width) / 2 + margin,
+    cy: ((1 + p[9]) * height) / 2 + margin,
+    rotation: [0, 1, 2].map((i) => axes.map((a) => a[i])),
+    position: place.at([m[12], m[13], m[14]]),
+    near,
+  }
+}
+
+const flat = ({ width, height, fx, fy, cx, cy, rotation, position }) =>
+  [width, height, fx, fy, cx, cy, ...rotation.flat(), ...position]
+
+export const isSame = (a, b) => flat(a).join() === flat(b).join()
+
+const [ROWS, COLUMNS] = [[0, 3, 6], [0, 1, 2]]
+const sum = (a, r, b, c) => a[r] * b[c] + a[r + 1] * b[3 + c] + a[r + 2] * b[6 + c]
+const product = (a, b) => ROWS.flatMap((r) => COLUMNS.map((c) => sum(a, r, b, c)))
+const transposed = (a) => COLUMNS.flatMap((c) => ROWS.map((r) => a[r + c]))
+
+/** From pixels of one camera to those of another, of what is `far` ahead of the first, by rows: K' R'^T M K^-1, where
+ *  M is R with (e - e') / far added to its last column. */
+export function turnBetween(from, to, far) {
+  const rays = [1 / from.fx, 0, -from.cx / from.fx, 0, 1 / from.fy, -from.cy / from.fy, 0, 0, 1]
+  const pixels = [to.fx, 0, to.cx, 0, to.fy, to.cy, 0, 0, 1]
+  const seen = from.rotation.map(([x, y, z], i) => [x, y, z + (from.position[i] - to.position[i]) / far])
+  return product(pixels, product(transposed(to.rotation.flat()), product(seen.flat(), rays)))
+}
+
+const VERTEX = `#version 300 es
+void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }`
+
+// Pixels count from the top left, as in the picture: that of one eye, `area` wide and high, at `left` in the texture.
+const FRAGMENT = `#version 300 es
+precision highp float;
+uniform highp sampler2D picture;
+uniform vec4 viewport;
+uniform vec2 area;
+uniform float left;
+uniform mat3 turn;
+uniform bool same;
+uniform vec3 ground;
+out vec4 colour;
+void main() {
+  vec2 pixel = vec2(gl_FragCoord.x - viewport.x, viewport.y + viewport.w - gl_FragCoord.y);
+  if (same) {
+    colour = texelFetch(picture, ivec2(pixel + vec2(left, 0.0)), 0);
+    return;
+  }
+  vec3 p = turn * vec3(pixel, 1.0);
+  vec2 at = p.xy / p.z;
+  bool inside = p.z > 0.0 && all(greaterThanEqual(at, vec2(0.0))) && all(lessThanEqual(at, area));
+  vec2 clamped = clamp(at, vec2(0.5), area - 0.5) + vec2(left, 0.0);
+  colour = inside ? texture(picture, clamped / vec2(textureSize(picture, 0))) : vec4(ground, 1.0);
+}`
+
+function programOf(gl) {
+  const program = gl.createProgram()
+  for (const [kind, text] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
+    const shader = gl.createShader(kind)
+    gl.shaderSource(shader, text)
+    gl.compileShader(shader)
+    gl.attachShader(program, shader)
+  }
+  gl.linkProgram(program)
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost())
+    throw new Error(`the headset's picture: ${gl.getProgramInfoLog(program)}`)
+  return program
+}
+
+/** Shows pairs of pictures in the viewports of a framebuffer. */
+export class Eyes {
+  #gl
+  #at = {}
+
+  constructor(gl) {
+    this.#gl = gl
+    const program = programOf(gl)
+    gl.useProgram(program)
+    for (const name of ['viewport', 'area', 'left', 'turn', 'same', 'ground'])
+      this.#at[name] = gl.getUniformLocation(program, name)
+    gl.bindTexture(gl.TEXTURE_2D, gl.createTexture())
+    for (const name of ['MIN_FILTER', 'MAG_FILTER']) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${name}`], gl.LINEAR)
+    for (const name of ['WRAP_S', 'WRAP_T']) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${name}`], gl.CLAMP_TO_EDGE)
+  }
+
+  /** Takes the pictures of cameras: the pixels of each, or a bitmap of all side by side. */
+  take(cameras, { pictures, bitmap }) {
+    const gl = this.#gl
+    const [{ width, height }] = cameras
+    this.cameras = cameras
+    if (bitmap) {
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, bitmap)
+      return bitmap.close()
+    }
+    const whole = pictures.length * width
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, whole, height, 0, gl.RGBA, gl.UNSIGNED_BYTE, null)
+    pictures.forEach((pixels, i) => {
+      const bytes = new Uint8Array(pixels.buffer)
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, i * width, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bytes)
+    })
+  }
+
+  /** Draws an eye as its camera sees it now: the very bytes where the picture is of this camera, else as if all were on
+   *  a plane so far ahead. */
+  draw(eye, camera, far, { x, y, width, height }) {
+    const gl = this.#gl
+    const index = Math.min(eye, this.cameras.length - 1)
+    const own = this.cameras[index]
+    gl.viewport(x, y, width, height)
+    gl.uniform4f(this.#at.viewport, x, y, width, height)
+    gl.uniform2f(this.#at.area, own.width, own.height)
+    gl.uniform1f(this.#at.left, index * own.width)
+    gl.uniform1i(this.#at.same, isSame(camera, own) ? 1 : 0)
+    gl.uniformMatrix3fv(this.#at.turn, true, turnBetween(camera, own, far))
+    gl.drawArrays(gl.TRIANGLES, 0, 3)
+  }
+
+  /** 0xrrggbb, where a picture does not reach. */
+  set ground(rgb) {
+    const gl = this.#gl
+    const parts = [16, 8, 0].map((shift) => ((rgb >> shift) & 255) / 255)
+    gl.uniform3f(this.#at.ground, ...parts)
+    gl.clearColor(...parts, 1)
+  }
+}
+
+const [LEAST, MOST] = [0.35, 1]
+const STEP = 1.25
+const MARGIN = 1 / 8
+const PATIENCE = 4 // quick pictures in a row until they become larger
+
+/** How large pictures are, of the viewport's width and height, so that each takes about so many milliseconds. Those that
+ *  have to be smaller come late, and get a margin for the head to turn into. */
+export class Scale {
+  value = 0.5
+  #aim
+  #quick = 0
+  #slow = 0
+
+  constructor(aim) {
+    this.#aim = aim
+  }
+
+  of({ width, height }) {
+    const [w, h] = [width, height].map((n) => Math.max(1, Math.round(n * this.value)))
+    return { width: w, height: h, margin: this.value < MOST ? Math.ceil(MARGIN * w) : 0 }
+  }
+
+  take(milliseconds) {
+    this.#quick = milliseconds * STEP ** 2 < 0.8 * this.#aim ? this.#quick + 1 : 0
+    this.#slow = milliseconds > 1.2 * this.#aim ? this.#slow + 1 : 0
+    if (this.#slow >= 2) this.#set(this.value * Math.max(0.6, Math.sqrt(this.#aim / milliseconds)))
+    if (this.#quick >= PATIENCE) this.#set(this.value * STEP)
+  }
+
+  #set(value) {
+    this.value = Math.max(LEAST, Math.min(MOST, value))
+    this.#quick = this.#slow = 0
+  }
+}

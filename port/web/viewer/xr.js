@@ -1,0 +1,255 @@
+// A headset: the scene stands around whoever wears it. A worker draws both eyes for the newest pose; every frame shows
+// the newest pair there is, moved to where the head is by then.
+import { cameraOf, Eyes, Scale } from './eyes.js'
+import { add, cross, distance, dot, rotate, unit } from './motion.js'
+
+const REACH = 2 // metres: so far away is what the camera turns about
+const NEAR = 0.1 // metres
+const AIM_MS = 50 // of a pair of pictures
+const METRES_A_SECOND = 1.5
+const TURN = Math.PI / 6
+const [PUSHED, IDLE] = [0.7, 0.3] // of a thumbstick, for a turn and for the next
+const DEAD = 0.15
+
+/** Where the room lies in the scene: its axes (right, up, back) there, its origin, and how long a metre is. */
+class Place {
+  constructor(axes, units, origin = [0, 0, 0]) {
+    Object.assign(this, { axes, units, origin })
+  }
+
+  /** Level; the head is at the camera's eye and looks where the camera does. */
+  static of({ camera, up }, head) {
+    const y = unit(up)
+    const level = (a) => add(a, y, -dot(a, y))
+    const forward = add(camera.look, camera.eye, -1)
+    const steep = Math.hypot(...level(forward)) < 0.01 * Math.hypot(...forward)
+    const ahead = unit(level(steep ? camera.up.map((x) => -Math.sign(dot(forward, y)) * x) : forward))
+    const right = cross(ahead, y)
+    const [hx, hz] = unit([-head.matrix[8], -head.matrix[10]])
+    const mixed = (a, b) => add(ahead.map((x) => a * x), right, b)
+    const place = new Place([mixed(hx, -hz), y, mixed(hz, hx)], distance(camera) / REACH)
+    return place.held([head.position.x, head.position.y, head.position.z], camera.eye)
+  }
+
+  turned([x, y, z]) {
+    return [0, 1, 2].map((i) => x * this.axes[0][i] + y * this.axes[1][i] + z * this.axes[2][i])
+  }
+
+  /** A point of the room in the scene. */
+  at(point) {
+    return add(this.origin, this.turned(point), this.units)
+  }
+
+  /** The same, moved so that a point of the room lies there. */
+  held(point, there) {
+    const moved = new Place(this.axes, this.units)
+    moved.origin = add(there, moved.turned(point), -this.units)
+    return moved
+  }
+
+  shifted(by, times) {
+    return new Place(this.axes, this.units, add(this.origin, by, times))
+  }
+
+  /** Turned about the vertical by an angle to the right, and a metre so many times as long. */
+  changed(angle, times) {
+    const axes = this.axes.map((axis) => rotate(axis, this.axes[1], -angle))
+    return new Place(axes, this.units * times, this.origin)
+  }
+}
+
+const stickOf = ({ gamepad }) => (gamepad ? gamepad.axes.slice(gamepad.axes.length >= 4 ? 2 : 0) : [])
+const pushed = (x = 0) => (Math.abs(x) < DEAD ? 0 : x)
+const numbers = ({ x, y, z }) => [x, y, z]
+
+const drop = (gl) => gl?.getExtension('WEBGL_lose_context')?.loseContext()
+
+export class Headset {
+  #host
+  #session = null
+  #space
+  #layer
+  #eyes
+  #gl
+  #scale
+  #place = null
+  #asked = null // what is being drawn, by which engine
+  #entering = false
+  #turning = false
+  #grips = []
+  #last = 0
+
+  /** The host has engine(), backend(), scene(), options(), view() with camera and up; it hears changed(isOn),
+   *  drawn(detail) and say(error). */
+  constructor(host) {
+    this.#host = host
+  }
+
+  get isOn() {
+    return !!this.#session
+  }
+
+  async enter() {
+    if (this.#session || this.#entering) return this.end()
+    this.#entering = true
+    let gl
+    try {
+      gl = this.#open()
+      this.#session = await navigator.xr.requestSession('immersive-vr')
+      await this.#begin(gl)
+    } catch (error) {
+      if (this.#session) this.end()
+      else drop(gl)
+      this.#host.say(new Error(`The headset: ${error.message}`))
+    }
+    this.#entering = false
+  }
+
+  end() {
+    this.#session?.end().catch(() => {})
+  }
+
+  #open() {
+    const how = { xrCompatible: true, alpha: false, antialias: false, depth: false, stencil: false }
+    const gl = document.createElement('canvas').getContext('webgl2', how)
+    if (!gl) throw new Error('there is no WebGL 2, which shows the pictures there')
+    return gl
+  }
+
+  async #begin(gl) {
+    const session = this.#session
+    session.addEventListener('end', () => this.#ended(gl))
+    gl.canvas.addEventListener('webglcontextlost', () => {
+      if (this.#session !== session) return
+      this.end()
+      this.#host.say(new Error('The headset: its graphics context was lost'))
+    })
+    await gl.makeXRCompatible?.()
+    this.#gl = gl
+    this.#eyes = new Eyes(gl)
+    this.#layer = new XRWebGLLayer(session, gl, { alpha: false, antialias: false, depth: false, stencil: false })
+    this.#layer.fixedFoveation = 0
+    session.updateRenderState({ baseLayer: this.#layer })
+    this.#space = await session.requestReferenceSpace('local')
+    this.#space.addEventListener('reset', () => (this.#place = null))
+    this.#scale = new Scale(AIM_MS)
+    this.#place = null
+    this.#asked = null
+    this.#host.changed(true)
+    const step = (now, frame) => {
+      session.requestAnimationFrame(step)
+      this.#frame(now, frame)
+    }
+    session.requestAnimationFrame(step)
+  }
+
+  #ended(gl) {
+    this.#session = this.#layer = this.#eyes = this.#gl = this.#asked = null
+    drop(gl)
+    this.#host.changed(false)
+  }
+
+  // ---- Frames -------------------------------------------------------------------------------------------------------
+
+  #frame(now, frame) {
+    const pose = frame.getViewerPose(this.#space)
+    if (!pose) return
+    this.#place ??= Place.of(this.#host.view(), pose.transform)
+    this.#walk(pose, Math.min((now - this.#last) / 1000, 0.1))
+    this.#pull(frame)
+    this.#last = now
+    const engine = this.#host.engine()
+    if (engine && engine !== this.#asked?.engine) this.#ask(engine, pose.views.slice(0, 2))
+    this.#show(pose.views)
+  }
+
+  #camera(view, size) {
+    return cameraOf(view, this.#place, size, NEAR * this.#place.units)
+  }
+
+  #show(views) {
+    const [gl, eyes] = [this.#gl, this.#eyes]
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.#layer.framebuffer)
+    eyes.ground = this.#host.options().background
+    gl.clear(gl.COLOR_BUFFER_BIT)
+    if (!eyes.cameras) return
+    views.forEach((view, i) => {
+      const viewport = this.#layer.getViewport(view)
+      const camera = this.#camera(view, viewport)
+      if (viewport.width) eyes.draw(i, camera, this.#far(camera), viewport)
+    })
+  }
+
+  /** About how far away the scene is. */
+  #far({ rotation, position }) {
+    const { low, high } = this.#host.scene()
+    const middle = low.map((x, i) => (x + high[i]) / 2 - position[i])
+    return Math.max(dot(middle, rotation.map((row) => row[2])), Math.hypot(...add(high, low, -1)) / 4)
+  }
+
+  /** One pair at a time; the time from question to answer says how large the next is. */
+  async #ask(engine, views) {
+    const asked = (this.#asked = { engine })
+    const scale = this.#scale.value
+    const size = this.#scale.of(this.#layer.getViewport(views[0]))
+    const cameras = views.map((view) => this.#camera(view, size))
+    const { width, height } = cameras[0]
+    const start = performance.now()
+    const options = { ...this.#host.options(), width, height }
+    const pair = await engine.ask('eyes', cameras, options, this.#host.backend()).catch((error) => ({ error }))
+    if (asked !== this.#asked || engine !== this.#host.engine()) return
+    this.#asked = null
+    if (pair.error) {
+      this.end()
+      return this.#host.say(pair.error)
+    }
+    const milliseconds = performance.now() - start
+    this.#eyes.take(cameras, pair)
+    if (this.#session.visibilityState !== 'hidden') this.#scale.take(milliseconds)
+    this.#host.drawn({ cameras, width, height, scale, milliseconds })
+  }
+
+  // ---- Controllers --------------------------------------------------------------------------------------------------
+
+  /** The left stick moves where the head looks, the right one turns, and goes up and down. */
+  #walk(pose, seconds) {
+    const { matrix, position } = pose.transform
+    const axis = (i) => this.#place.turned([matrix[4 * i], matrix[4 * i + 1], matrix[4 * i + 2]])
+    const step = seconds * METRES_A_SECOND * this.#place.units
+    let turn = 0
+    for (const source of this.#session.inputSources) {
+      const [x, y] = stickOf(source)
+      if (source.handedness === 'right') turn = x ?? 0
+      if (source.handedness === 'right') this.#place = this.#place.shifted(this.#place.axes[1], -pushed(y) * step)
+      else this.#place = this.#place.shifted(axis(0), pushed(x) * step).shifted(axis(2), pushed(y) * step)
+    }
+    if (Math.abs(turn) < IDLE) this.#turning = false
+    if (Math.abs(turn) < PUSHED || this.#turning) return
+    this.#turning = true
+    this.#about(numbers(position), Math.sign(turn) * TURN, 1)
+  }
+
+  /** Turns about a point of the room. */
+  #about(point, angle, times) {
+    this.#place = this.#place.changed(angle, times).held(point, this.#place.at(point))
+  }
+
+  /** A hand that grips pulls the scene along; two also turn it, and draw it larger and smaller. */
+  #pull(frame) {
+    const gripping = [...this.#session.inputSources].filter((s) => s.gripSpace && s.gamepad?.buttons[1]?.pressed)
+    const now = gripping.map((source) => ({ source, pose: frame.getPose(source.gripSpace, this.#space) }))
+      .filter(({ pose }) => pose).map(({ source, pose }) => ({ source, point: numbers(pose.transform.position) }))
+    const before = this.#grips
+    this.#grips = now
+    if (!now.length || now.length !== before.length || now.some(({ source }, i) => source !== before[i].source)) return
+    const middle = (grips) => grips[0].point.map((x, i) => (x + grips.at(-1).point[i]) / 2)
+    const there = this.#place.at(middle(before))
+    if (now.length === 2) {
+      const [from, to] = [before, now].map(([a, b]) => add(b.point, a.point, -1))
+      const angle = ([x, , z]) => Math.atan2(z, x)
+      const times = Math.hypot(...from) / Math.max(Math.hypot(...to), 0.01)
+      this.#place = this.#place.changed(angle(from) - angle(to), times)
+    }
+    this.#place = this.#place.held(middle(now), there)
+  }
+}

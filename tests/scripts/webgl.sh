@@ -1,0 +1,53 @@
+#!/bin/sh
+# A Screen of the npm package (docs/web.md) in headless Chromium, whose WebGL 2 is SwiftShader's: the pixels of the
+# command, by the processor and by WebGL; lost contexts, errors in words, what is given back. With FXS_PROCESSORS=all
+# every scene of shared/scenes, not some. SPEED=1 measures too.
+. tests/scripts/lib/check.sh
+B=${B:-build}
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+scenes=${FXS_SCENES:-../shared/scenes}
+modules=${NODE_MODULES:-$B/page/node_modules}
+
+missing=
+for program in clang wasm-ld wasm-opt node chromium; do have $program || missing="$missing $program"; done
+[ -d "$modules/puppeteer-core" ] || missing="$missing puppeteer-core (make setup test)"
+if [ -n "$missing" ]; then
+    skip webgl "not here:$missing"
+    finish
+    exit
+fi
+
+builds() {
+    said=$(env -u MAKEFLAGS make -s B="$B" NVCC=none web 2>&1 | grep -v '^built without')
+    [ -z "$said" ] || { echo "$said"; return 1; }
+}
+
+# make_scene KIND COUNT
+make_scene() {
+    "$B/fixsplat" make-scene "$1" --count "$2" -o "$work/$1.ply" >/dev/null &&
+        "$B/fixsplat" convert "$work/$1.ply" "$work/$1.fxs" >/dev/null
+}
+
+pack() { "$B/fixsplat" convert "$scenes/$1" "$work/shared-$(basename "$1" | sed 's/\..*//').fxs" >/dev/null; }
+
+check "builds" builds
+check "makes a scene" make_scene knot 20000
+check "makes another" make_scene fog 40000
+if [ -d "$scenes" ]; then
+    some='guitar/guitar.compressed.ply train-1000/train-1000.ply skull/skull.sog'
+    more='boatyard-tile3/boatyard-tile3.glb donut/donut.ply fruit-drops/fruit_drops_minimal.ply
+          kitchen-marble/kitchen-marble.spz luma-seal/luma-seal.splat snowmiku/snowmiku.ply
+          statue-st-peter/st-peter.sog'
+    [ "$FXS_PROCESSORS" = all ] && some="$some $more"
+    [ -z "$SPEED" ] || some="$some snowmiku/snowmiku.ply"
+    for scene in $some; do check "packs $scene" pack "$scene"; done
+    cp "$scenes/snowmiku/cameras.json" "$work"
+else
+    skip scenes "no $scenes"
+fi
+node tests/web/webgl.mjs "$B/web/package" "$work" "$modules" "$B/fixsplat" $SPEED >"$work/log" 2>&1 ||
+    echo "FAIL webgl: a check above, or it ended early" >>"$work/log"
+cat "$work/log"
+passed=$((passed + $(grep -c '^ok ' "$work/log"))) failed=$((failed + $(grep -c '^FAIL ' "$work/log")))
+finish

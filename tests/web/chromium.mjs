@@ -1,0 +1,167 @@
+// What page.mjs, every.mjs and xr.mjs need: a server of the package and of scenes, headless Chromium, and the viewer's
+// element in its page.
+import assert from 'node:assert/strict'
+import { execFileSync } from 'node:child_process'
+import { createReadStream, existsSync, readFileSync } from 'node:fs'
+import { createServer } from 'node:http'
+import { createRequire } from 'node:module'
+import { resolve } from 'node:path'
+
+export const [folder, scenes, modules, pictures, command] = process.argv.slice(2)
+const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
+const KINDS = {
+  js: 'text/javascript',
+  html: 'text/html',
+  css: 'text/css',
+  wasm: 'application/wasm',
+  json: 'application/json',
+  png: 'image/png',
+}
+
+export const pause = (ms) => new Promise((done) => setTimeout(done, ms))
+
+/** Of the package's files, by their names: what changes their text on its way to the page. */
+export const changes = {}
+/** Milliseconds until a file comes whose address says slow. */
+const SLOW = 1500
+
+async function answer(request, response) {
+  const { pathname, search } = new URL(request.url, 'http://x')
+  const path = decodeURIComponent(pathname)
+  const file = path.startsWith('/scenes/') ? scenes + path.slice(7) : folder + path
+  if (!existsSync(file)) return response.writeHead(404).end()
+  response.setHeader('cross-origin-opener-policy', 'same-origin')
+  response.setHeader('cross-origin-embedder-policy', 'require-corp')
+  response.setHeader('content-type', KINDS[file.split('.').pop()] ?? 'application/octet-stream')
+  if (search.includes('slow')) await pause(SLOW)
+  if (search.includes('cut')) {
+    response.setHeader('content-length', 100000)
+    response.write(readFileSync(file).subarray(0, 5000), () => setTimeout(() => response.destroy(), 50))
+  } else if (changes[path]) response.end(changes[path](readFileSync(file, 'utf8')))
+  else createReadStream(file).pipe(response)
+}
+
+const server = createServer(answer).listen(0, '127.0.0.1')
+await new Promise((done) => server.once('listening', done))
+export const base = `http://127.0.0.1:${server.address().port}`
+
+const browser = await puppeteer.launch({
+  executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
+  protocolTimeout: 600000,
+  args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
+    '--enable-blink-features=ForceEagerMeasureMemory', '--host-resolver-rules=MAP far.test 127.0.0.1'],
+})
+export const page = await browser.newPage()
+/** The ids of Chromium's processes of a kind. */
+export async function processes(kind) {
+  const session = await browser.target().createCDPSession()
+  const { processInfo } = await session.send('SystemInfo.getProcessInfo')
+  return processInfo.filter(({ type }) => type === kind).map(({ id }) => id)
+}
+
+export const faults = []
+page.on('pageerror', (error) => faults.push(error.message))
+/** What the page asked for outside. */
+export const strange = []
+page.on(
+  'request',
+  (request) => !/^(http:\/\/127\.0\.0\.1|data:|blob:)/.test(request.url()) && strange.push(request.url())
+)
+await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'dark' }])
+
+export async function go(address, width = 640, height = 360) {
+  await page.setViewport({ width, height })
+  await page.goto('about:blank')
+  await page.goto(`${base}/viewer/index.html${address}`)
+}
+
+/** Runs with functions of the page replaced. */
+export async function without(replace, run) {
+  const { identifier } = await page.evaluateOnNewDocument(replace)
+  try {
+    await run()
+  } finally {
+    await page.removeScriptToEvaluateOnNewDocument(identifier)
+  }
+}
+
+/** Runs with a file of the package changed. */
+export async function changed(path, change, run) {
+  changes[path] = change
+  try {
+    await run()
+  } finally {
+    delete changes[path]
+  }
+}
+
+export const inside = (body, ...args) =>
+  page.evaluate(`(async (...args) => { const v = document.querySelector('fixsplat-viewer');
+    const $ = (id) => v.shadowRoot.getElementById(id);
+    ${body} })(...${JSON.stringify(args)})`)
+
+export const still = () => page.waitForSelector('fixsplat-viewer[state=still]', { timeout: 300000 })
+
+/** When what was begun just now has been drawn. */
+export async function moved() {
+  await Promise.all([pause(600), inside('for (let i = 0; i < 30; i++) await new Promise(requestAnimationFrame)')])
+  await still()
+}
+
+export async function open(address, ...size) {
+  await go(address, ...size)
+  await still()
+}
+
+export async function wordsOf() {
+  await page.waitForFunction(
+    () => !document.querySelector('fixsplat-viewer').shadowRoot.getElementById('error').hidden
+  )
+  return inside(`return $('words').textContent`)
+}
+
+export const viewOf = () => inside('return v.view')
+export const picture = (name) => page.screenshot({ path: `${pictures}/${name}.png` })
+
+/** The size of what the page shows, and the hash of its bytes, when it has been shown. */
+export async function shown() {
+  await pause(250)
+  return inside(`const seen = await createImageBitmap($('stage').lastElementChild), { width, height } = seen;
+    const copy = new OffscreenCanvas(width, height).getContext('2d');
+    copy.drawImage(seen, 0, 0);
+    const { data } = copy.getImageData(0, 0, width, height);
+    let h = 0xcbf29ce484222325n;
+    for (const b of data) h = BigInt.asUintN(64, (h ^ BigInt(b)) * 0x100000001b3n);
+    return { size: [width, height], hash: h.toString(16).padStart(16, '0') }`)
+}
+export const hash = async () => (await shown()).hash
+
+/** The hash of the command's picture. */
+export function rendered(scene, ...options) {
+  const words = execFileSync(command, ['render', `${scenes}/${scene}`, '--hash', ...options], { encoding: 'utf8' })
+  return words.trim().split(/\s/)[0]
+}
+
+/** The same for the camera of a link. */
+export function native(scene, view, size, background = '0e1116') {
+  const n = view.split(',')
+  const camera = ['--eye', n.slice(0, 3).join(), '--look', n.slice(3, 6).join(), '--up', n.slice(6, 9).join()]
+  return rendered(scene, ...camera, '--fov', n[9], '--size', size, '--bg', background)
+}
+
+export async function run(tests) {
+  const only = new RegExp(process.env.ONLY ?? "")
+  for (const [name, test] of Object.entries(tests).filter(([name]) => only.test(name))) {
+    try {
+      faults.length = 0
+      await test()
+      assert.deepEqual(faults, [])
+      console.log(`ok ${name}`)
+    } catch (error) {
+      console.log(`FAIL ${name}: ${error.stack}`)
+      process.exitCode = 1
+    }
+  }
+  await browser.close()
+  server.close()
+}

@@ -1,0 +1,415 @@
+// node webgl.mjs PACKAGE WORK MODULES COMMAND [1]: what tests/scripts/webgl.sh asks of a Screen; 1: and its speed.
+import assert from 'node:assert/strict'
+import { execFileSync } from 'node:child_process'
+import { createReadStream, existsSync, readdirSync, readFileSync } from 'node:fs'
+import { createServer } from 'node:http'
+import { createRequire } from 'node:module'
+import { resolve } from 'node:path'
+
+const [folder, work, modules, command, speed] = process.argv.slice(2)
+const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
+const KINDS = { js: 'text/javascript', wasm: 'application/wasm' }
+
+// What the page and the worker share.
+const COMMON = `import { load, Screen } from '/fixsplat.js'
+  export { Screen }
+  export const canvas = () => new OffscreenCanvas(8, 8)
+  const scenes = {}
+  export const sceneOf = (name, options) =>
+    (scenes[name + JSON.stringify(options)] ??= load('/work/' + name + '.fxs', options))
+  export function hash(bytes) {
+    let h = 0xcbf29ce484222325n
+    for (const byte of bytes) h = BigInt.asUintN(64, (h ^ BigInt(byte)) * 0x100000001b3n)
+    return h.toString(16).padStart(16, '0')
+  }
+  export function psnr(a, b) {
+    let sum = 0
+    for (let i = 0; i < a.length; i++) sum += i % 4 < 3 ? (a[i] - b[i]) ** 2 : 0
+    return 10 * Math.log10((255 ** 2 * a.length * 0.75) / sum)
+  }
+  export async function drawn(screen, { objects, camera, options }) {
+    const placed = await Promise.all(objects.map(async (o) => ({ ...o, scene: await sceneOf(o.scene) })))
+    screen.draw(placed, camera, options)
+    return screen.pixels()
+  }`
+const WORKER = `import { drawn, hash, Screen } from '/common.js'
+  onmessage = async ({ data: { canvas, backend, frames } }) => {
+    try {
+      const screen = await Screen.open(canvas, backend), hashes = []
+      for (const frame of frames) hashes.push(hash(await drawn(screen, frame)))
+      postMessage(hashes)
+    } catch (error) {
+      postMessage(error.message)
+    }
+  }`
+const PAGE = '<!doctype html><title>fixsplat</title>'
+const TEXTS = { '/': PAGE, '/isolated': PAGE, '/common.js': COMMON, '/worker.js': WORKER }
+
+const server = createServer((request, answer) => {
+  const path = decodeURIComponent(new URL(request.url, 'http://x').pathname)
+  const file = path.startsWith('/work/') ? work + path.slice(5) : folder + path
+  const kind = TEXTS[path] === PAGE ? 'text/html' : KINDS[path.split('.').pop()]
+  answer.setHeader('content-type', kind ?? 'application/octet-stream')
+  answer.setHeader('cross-origin-embedder-policy', 'require-corp')
+  if (path === '/isolated') answer.setHeader('cross-origin-opener-policy', 'same-origin')
+  if (TEXTS[path]) answer.end(TEXTS[path])
+  else if (existsSync(file)) createReadStream(file).pipe(answer)
+  else answer.writeHead(404).end()
+}).listen(0, '127.0.0.1')
+await new Promise((done) => server.once('listening', done))
+const base = `http://127.0.0.1:${server.address().port}/`
+
+const launch = (...args) =>
+  puppeteer.launch({
+    executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
+    args: ['--no-sandbox', ...args],
+    protocolTimeout: 600000,
+  })
+
+/** What runs code in a page. On the isolated one there are threads, and memory that they share. */
+async function open(browser, address) {
+  const page = await browser.newPage()
+  await page.goto(base + address)
+  const run = (body, ...values) =>
+    page.evaluate(`(async (...args) => {
+      const { Screen, canvas, sceneOf, hash, psnr, drawn } = await import('/common.js')
+      const wordsOf = (made) => made.then(() => 'nothing', (error) => error.message)
+      ${body} })(...${JSON.stringify(values)})`)
+  return { run, close: () => page.close() }
+}
+
+/** The same once, in a page of its own. */
+async function runIn(browser, address, ...args) {
+  const page = await open(browser, address)
+  return page.run(...args).finally(page.close)
+}
+
+const browser = await launch('--use-angle=swiftshader', '--enable-unsafe-swiftshader')
+const { run } = await open(browser, 'isolated')
+
+/** A frame: what the page draws and what the command is asked for. */
+const frame = (scene, width, height, args = [], options = {}, camera = {}, more = []) => ({
+  objects: [{ scene }, ...more],
+  camera,
+  options: { width, height, ...options },
+  args: [`${work}/${scene}.fxs`, ...more.map((o) => `${work}/${o.scene}.fxs`), '--size', `${width}x${height}`, ...args],
+})
+
+const hashOf = ({ args }) =>
+  execFileSync(command, ['render', ...args, '-o', `${work}/picture.ppm`, '--hash'], { encoding: 'utf8' }).trim()
+
+const near = { eye: [2, -1, -4], look: [0, 0.3, 0], fov: 65, up: [0.1, -1, 0.2], near: 0.5 }
+const nearly = ['--eye', '2,-1,-4', '--look', '0,0.3,0', '--fov', '65', '--up', '0.1,-1,0.2', '--near', '0.5']
+const turned = { translation: [1, 0.5, -2], rotation: [0.5, 0.5, -0.5, 0.5], scale: 0.75 }
+const FRAMES = {
+  framed: frame('knot', 320, 200),
+  'eye, look and background': frame('knot', 131, 77, [...nearly, '--bg', '112233'], { background: 0x112233 }, near),
+  'coverage, SH degree 1': frame('knot', 201, 149, ['--alpha', '--sh-degree', '1'], { alpha: true, shDegree: 1 }),
+  'square cut-off': frame('fog', 200, 150, ['--cutoff', 'square', '--bg', 'ffffff'],
+                          { cutoff: 'square', background: 0xffffff }),
+  'in bands': frame('knot', 200, 150, ['--max-memory', '900000'], { maxMemory: 900000 }),
+  'two objects': frame('knot', 200, 150,
+                       ['--eye', '1,-2,-9', '--place', `${work}/fog.fxs:1,0.5,-2,0.5,0.5,-0.5,0.5,0.75`],
+                       {}, { eye: [1, -2, -9] }, [{ scene: 'fog', ...turned }]),
+  'one pixel': frame('knot', 1, 1),
+  'a list in parts': frame('fog', 17, 16),
+  'a row of tiles': frame('knot', 640, 5),
+  'larger again': frame('knot', 640, 480),
+}
+const shared = readdirSync(work).flatMap((name) => name.match(/^(shared-.*)\.fxs$/)?.[1] ?? [])
+
+const tests = {
+  async 'the pixels of the command: webgl2, one Screen'() {
+    const wanted = Object.fromEntries(Object.entries(FRAMES).map(([name, frame]) => [name, hashOf(frame)]))
+    for (const address of ['isolated', '']) {
+      const [hashes, kind] = await runIn(browser, address,
+        `const screen = await Screen.open(canvas(), 'webgl2'), hashes = {}
+        for (const [name, frame] of Object.entries(args[0])) {
+          hashes[name] = hash(await drawn(screen, frame))
+          await screen.finish()
+          if (screen.gl.getError()) hashes[name] += ' and an error of WebGL'
+        }
+        screen.free()
+        const [core] = (await sceneOf('knot')).inside
+        return [hashes, core.c.memory.buffer.constructor.name]`,
+        FRAMES
+      )
+      assert.deepEqual(hashes, wanted)
+      assert.equal(kind, address ? 'SharedArrayBuffer' : 'ArrayBuffer')
+    }
+  },
+
+  async 'a browser whose WebGL takes no shared memory'() {
+    const hashes = await runIn(browser, 'isolated',
+      `const prototype = WebGL2RenderingContext.prototype
+      for (const name of ['readPixels', 'texSubImage2D', 'bufferSubData', 'clearBufferfv']) {
+        const was = prototype[name]
+        prototype[name] = function (...values) {
+          if (values.some((value) => value?.buffer instanceof SharedArrayBuffer)) throw new TypeError('shared')
+          return was.apply(this, values)
+        }
+      }
+      const screen = await Screen.open(canvas(), 'webgl2'), quads = await Screen.open(canvas(), 'webgl2-quads')
+      return [hash(await drawn(screen, args[0])), (await drawn(quads, args[0])).length]`,
+      FRAMES.framed
+    )
+    assert.deepEqual(hashes, [hashOf(FRAMES.framed), 4 * 320 * 200])
+  },
+
+  async 'the same by wasm'() {
+    const frames = [FRAMES.framed, FRAMES['coverage, SH degree 1']]
+    const hashes = await run(
+      `const screen = await Screen.open(canvas(), 'wasm')
+      return [hash(await drawn(screen, args[0])), hash(await drawn(screen, args[1])), screen.lost, screen.backend]`,
+      ...frames
+    )
+    assert.deepEqual(hashes, [...frames.map(hashOf), false, 'wasm'])
+  },
+
+  async 'scenes of shared/scenes'() {
+    for (const scene of shared) {
+      const one = frame(scene, 200, 150)
+      const got = await runIn(
+        browser,
+        'isolated',
+        `return hash(await drawn(await Screen.open(canvas(), 'webgl2'), args[0]))`,
+        one
+      )
+      assert.equal(got, hashOf(one), scene)
+    }
+  },
+
+  async 'quads are near it'() {
+    const names = ['framed', 'eye, look and background', 'coverage, SH degree 1', 'two objects', 'larger again']
+    const found = await run(
+      `const exact = await Screen.open(canvas(), 'webgl2'), quads = await Screen.open(canvas(), 'webgl2-quads')
+      const all = []
+      for (const frame of args[0]) all.push(psnr(await drawn(quads, frame), await drawn(exact, frame)))
+      return [...all, quads.gl.getError(), await wordsOf(drawn(quads, args[1]))]`,
+      names.map((name) => FRAMES[name]),
+      FRAMES['in bands']
+    )
+    names.forEach((name, i) => assert.ok(found[i] >= 40, `${name}: ${found[i]} dB`))
+    console.log(`  quads: ${found.slice(0, names.length).map((db) => db.toFixed(1)).join(', ')} dB`)
+    assert.equal(found[names.length], 0)
+    assert.match(found[names.length + 1], /not supported|cannot|memory/)
+  },
+
+  async 'what the page shows'() {
+    const shown = await run(
+      `const seen = []
+      for (const backend of ['wasm', 'webgl2']) {
+        const element = document.body.appendChild(document.createElement('canvas'))
+        const screen = await Screen.open(element, backend)
+        await drawn(screen, args[0])
+        await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))
+        const flat = new OffscreenCanvas(element.width, element.height).getContext('2d', { willReadFrequently: true })
+        flat.drawImage(element, 0, 0)
+        seen.push(hash(flat.getImageData(0, 0, element.width, element.height).data), hash(screen.pixels()))
+      }
+      return seen`,
+      FRAMES.framed
+    )
+    assert.deepEqual(shown, Array(4).fill(hashOf(FRAMES.framed)))
+  },
+
+  async 'coverage over a page'() {
+    const rest = await run(
+      `const flats = []
+      for (const backend of ['wasm', 'webgl2']) {
+        const shown = canvas(), screen = await Screen.open(shown, backend)
+        await drawn(screen, args[0])
+        const { width, height } = shown
+        const flat = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true })
+        flat.fillStyle = '#fff'
+        flat.fillRect(0, 0, width, height)
+        flat.drawImage(shown, 0, 0)
+        flats.push(flat.getImageData(0, 0, width, height).data)
+      }
+      return flats[0].reduce((most, byte, i) => Math.max(most, Math.abs(byte - flats[1][i])), 0)`,
+      FRAMES['coverage, SH degree 1']
+    )
+    assert.ok(rest <= 2, `wasm and webgl2 are ${rest} apart`)
+  },
+
+  async 'a corner of a framebuffer'() {
+    const [got, around] = await run(
+      `const screen = await Screen.open(canvas(), 'webgl2'), { gl } = screen
+      const { width, height } = args[0].options
+      const rows = new Uint8Array(4 * width * height), edge = new Uint8Array(4)
+      gl.bindTexture(gl.TEXTURE_2D, gl.createTexture())
+      gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA8, width + 9, height + 5)
+      const framebuffer = gl.createFramebuffer()
+      gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer)
+      const texture = gl.getParameter(gl.TEXTURE_BINDING_2D)
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0)
+      gl.clearBufferfv(gl.COLOR, 0, [1, 0, 1, 1])
+      const scene = await sceneOf('knot')
+      screen.draw([{ scene }], args[0].camera, { ...args[0].options, into: { framebuffer, x: 7, y: 3 } })
+      gl.readPixels(7, 3, width, height, gl.RGBA, gl.UNSIGNED_BYTE, rows)
+      gl.readPixels(6, 2, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, edge)
+      const row = 4 * width
+      const upright = rows.map((_, i) => rows[row * (height - 1 - Math.floor(i / row)) + (i % row)])
+      return [hash(upright), [...edge].join()]`,
+      FRAMES.framed
+    )
+    assert.deepEqual([got, around], [hashOf(FRAMES.framed), '255,0,255,255'])
+  },
+
+  async 'Screens in turn'() {
+    const hashes = await run(
+      `const a = await Screen.open(canvas(), 'webgl2'), b = await Screen.open(canvas(), 'webgl2'), got = []
+      for (let i = 0; i < 2; i++) got.push(hash(await drawn(a, args[0])), hash(await drawn(b, args[1])))
+      a.free()
+      got.push(hash(await drawn(b, args[0])))
+      b.free()
+      return got`,
+      FRAMES.framed,
+      FRAMES['one pixel']
+    )
+    const [first, second] = [hashOf(FRAMES.framed), hashOf(FRAMES['one pixel'])]
+    assert.deepEqual(hashes, [first, second, first, second, first])
+  },
+
+  async 'in a Worker'() {
+    const frames = [FRAMES.framed, FRAMES['two objects']]
+    for (const backend of ['wasm', 'webgl2']) {
+      const hashes = await run(
+        `const worker = new Worker('/worker.js', { type: 'module' })
+        const element = document.body.appendChild(document.createElement('canvas'))
+        const given = element.transferControlToOffscreen()
+        const said = new Promise((done) => (worker.onmessage = (event) => done(event.data)))
+        worker.postMessage({ canvas: given, backend: args[0], frames: args[1] }, [given])
+        return said.finally(() => worker.terminate())`,
+        backend,
+        frames
+      )
+      assert.deepEqual(hashes, frames.map(hashOf), backend)
+    }
+  },
+
+  async 'a lost context'() {
+    const [lost, draws, opens, again] = await run(
+      `const element = canvas(), screen = await Screen.open(element, 'webgl2')
+      await drawn(screen, args[0])
+      screen.gl.getExtension('WEBGL_lose_context').loseContext()
+      const said = [screen.lost, await wordsOf(drawn(screen, args[0])), await wordsOf(Screen.open(element, 'webgl2'))]
+      screen.free()
+      const other = await Screen.open(canvas(), 'webgl2')
+      return [...said, hash(await drawn(other, args[0]))]`,
+      FRAMES.framed
+    )
+    assert.equal(lost, true)
+    assert.match(draws, /context was lost: open another Screen/)
+    assert.match(opens, /context is lost: take another canvas/)
+    assert.equal(again, hashOf(FRAMES.framed))
+  },
+
+  async '50 Screens are given back'() {
+    const [before, after, objects] = await run(
+      `const KINDS = ['Buffer', 'Framebuffer', 'Program', 'Renderbuffer', 'Shader', 'Texture', 'VertexArray']
+      const prototype = WebGL2RenderingContext.prototype
+      let objects = 0, most = 0
+      for (const kind of KINDS)
+        for (const [verb, step] of [['create', 1], ['delete', -1]]) {
+          const was = prototype[verb + kind]
+          prototype[verb + kind] = function (...values) {
+            objects += step
+            most = Math.max(most, objects)
+            return was.apply(this, values)
+          }
+        }
+      const shown = canvas(), [core] = (await sceneOf('knot')).inside, sizes = []
+      for (let i = 0; i < 50; i++) {
+        const screen = await Screen.open(shown, i % 2 ? 'webgl2' : 'webgl2-quads')
+        await drawn(screen, args[0])
+        screen.free()
+        sizes.push(core.c.memory.buffer.byteLength)
+      }
+      return [sizes[3], sizes[49], most && objects]`,
+      FRAMES.framed
+    )
+    assert.equal(after, before)
+    assert.equal(objects, 0)
+  },
+
+  async 'errors in words'() {
+    const said = await run(
+      `const flat = canvas(), plain = await sceneOf('knot', { simd: false })
+      flat.getContext('2d')
+      const freed = await Screen.open(canvas(), 'webgl2')
+      freed.free()
+      freed.free()
+      const screen = await Screen.open(canvas(), 'webgl2')
+      const full = await Screen.open(canvas(), 'webgl2'), { c } = (await sceneOf('knot')).inside[0], { allocate } = c
+      c.allocate = () => 0
+      const words = await wordsOf(drawn(full, args[0]))
+      c.allocate = allocate
+      return [words, await wordsOf(drawn(full, args[0])), await wordsOf(Screen.open(flat, 'webgl2')),
+        await wordsOf(Screen.open(screen.gl.canvas, 'wasm')),
+        await wordsOf(Screen.open(canvas(), 'webgpu')), await wordsOf(Screen.open(canvas(), 'webgl2', { simd: false })),
+        await wordsOf(drawn(freed, args[0])), await wordsOf((async () => screen.draw([{ scene: plain }]))()),
+        await wordsOf(drawn(screen, { ...args[0], options: { width: 16384, height: 16384 } })),
+        hash(await drawn(screen, args[0]))]`,
+      FRAMES.framed
+    )
+    const wanted = [/^too little memory/, /nothing/, /no WebGL 2 here, or/, /another kind/,
+                    /webgpu: expected wasm, webgl2 or/, /without simd128/,
+                    /was freed/, /different modules/, /16384 x 16384 pixels|memory/]
+    wanted.forEach((words, i) => assert.match(said[i], words))
+    assert.equal(said.at(-1), hashOf(FRAMES.framed))
+  },
+
+  async 'without WebGL'() {
+    const other = await launch('--disable-gpu', '--disable-software-rasterizer')
+    try {
+      const said = await runIn(other, '',
+        `const screen = await Screen.open(canvas(), 'wasm')
+        return [await wordsOf(Screen.open(canvas(), 'webgl2')), hash(await drawn(screen, args[0]))]`,
+        FRAMES.framed
+      )
+      assert.match(said[0], /no WebGL 2 here/)
+      assert.equal(said[1], hashOf(FRAMES.framed))
+    } finally {
+      await other.close()
+    }
+  },
+}
+
+/** Milliseconds of 1280x720, the median of 5 frames. */
+async function measure() {
+  const [camera] = JSON.parse(readFileSync(`${work}/cameras.json`))
+  for (const [scene, view] of [['shared-snowmiku', camera], ['shared-guitar', {}]])
+    for (const backend of ['wasm', 'webgl2', 'webgl2-quads']) {
+      const [all, draws] = await runIn(browser, 'isolated',
+        `const screen = await Screen.open(canvas(), args[1]), scene = await sceneOf(args[0]), all = [], draws = []
+        const median = (times) => times.sort((a, b) => a - b)[times.length >> 1]
+        for (let i = -2; i < 5; i++) {
+          const start = performance.now()
+          screen.draw([{ scene }], args[2], { width: 1280, height: 720 })
+          const drawn = performance.now()
+          await screen.finish()
+          if (i >= 0) draws.push(drawn - start), all.push(performance.now() - start)
+        }
+        return [median(all), median(draws)]`,
+        scene,
+        backend,
+        view
+      )
+      console.log(`  ${scene.slice(7)} ${backend}: ${all.toFixed(0)} ms, ${draws.toFixed(0)} until draw returns`)
+    }
+}
+
+let failed = 0
+for (const [name, test] of Object.entries(tests))
+  try {
+    await test()
+    console.log(`ok ${name}`)
+  } catch (error) {
+    failed = 1
+    console.log(`FAIL ${name}: ${error.message}`)
+  }
+if (speed && shared.length) await measure()
+await browser.close()
+server.close()
+process.exit(failed)

@@ -1,0 +1,317 @@
+// node xr.mjs PACKAGE SCENES NODE_MODULES PICTURES COMMAND: the viewer in a headset of iwer.
+import assert from 'node:assert/strict'
+import { readFileSync } from 'node:fs'
+import { resolve } from 'node:path'
+import { pathToFileURL } from 'node:url'
+import { base, faults, folder, go, inside, modules, page, rendered, run, scenes, still } from './chromium.mjs'
+
+const { load } = await import(pathToFileURL(resolve(folder, 'fixsplat.js')))
+const iwer = readFileSync(resolve(modules, 'iwer/build/iwer.min.js'), 'utf8')
+
+const [width, height] = [320, 160] // of both eyes
+const VIEW = '0,-2,-9,0,-2,-7,0,-1,0,50' // a metre is a unit there
+
+/** In the page, before its script: a headset whose eyes look past each other; what it shows; its clock and delays. */
+function prepare() {
+  const device = new IWER.XRDevice(IWER.metaQuest3, { stereoEnabled: true, ipd: 0.0625, visibilityMask: null })
+  device.installRuntime({ forceInstall: true })
+  const { get } = Object.getOwnPropertyDescriptor(XRView.prototype, 'projectionMatrix')
+  Object.defineProperty(XRView.prototype, 'projectionMatrix', {
+    get() {
+      const matrix = get.call(this).slice()
+      matrix[8] = this.eye === 'left' ? -0.25 : 0.25
+      matrix[9] = 0.125
+      return matrix
+    },
+  })
+  const test = (window.test = { device, delay: 0, seen: [] })
+  const clock = performance.now.bind(performance)
+  let [from, rate, base] = [0, 1, 0]
+  performance.now = () => base + rate * (clock() - from)
+  /** The page's clock goes so many times as fast: what a picture takes does not depend on the machine. */
+  test.run = (times) => ([base, from, rate] = [performance.now(), clock(), times])
+  const { getContext } = HTMLCanvasElement.prototype
+  HTMLCanvasElement.prototype.getContext = function (kind, how) {
+    const context = getContext.call(this, kind, { ...how, preserveDrawingBuffer: true })
+    return how?.xrCompatible ? (test.gl = context) : context
+  }
+  const { postMessage } = Worker.prototype
+  Worker.prototype.postMessage = function (message, ...more) {
+    const late = message.word === 'eyes' ? test.delay : 0
+    if (late) setTimeout(() => postMessage.call(this, message, ...more), late)
+    else postMessage.call(this, message, ...more)
+  }
+  addEventListener('eyes', ({ detail }) => test.seen.push(detail), true)
+  /** What both eyes see: RGBA, rows from the top, the left one's first. */
+  test.pixels = () => {
+    const { gl } = test
+    const [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight]
+    const rows = new Uint8Array(4 * w * h)
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null)
+    gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, rows)
+    const pixels = new Uint8Array(rows.length)
+    for (let y = 0; y < h; y++) pixels.set(rows.subarray(4 * w * (h - 1 - y), 4 * w * (h - y)), 4 * w * y)
+    return pixels
+  }
+}
+
+page.on('console', (said) => said.type() === 'error' && faults.push(said.text()))
+const { identifier } = await page.evaluateOnNewDocument(`${iwer};(${prepare})()`)
+
+const until = (expression) =>
+  page.waitForFunction(`(() => { const v = document.querySelector('fixsplat-viewer');
+    const $ = (id) => v.shadowRoot.getElementById(id);
+    return ${expression} })()`, { timeout: 30000 })
+
+async function open(backend) {
+  await go(`?scene=/scenes/scene.ply&background=%23102030&backend=${backend}#view=${VIEW}`, width, height)
+  await still()
+}
+
+async function enter() {
+  await until(`!$('headset').hidden`)
+  await inside(`test.seen = []; $('headset').click(); $('headset').click()`)
+  await until(`v.hasAttribute('headset') && test.seen.length`)
+  await inside('test.run(0.01)')
+}
+
+/** Waits for the picture of the newest pose, at full size. */
+async function settle() {
+  await inside('test.seen = []')
+  await until('test.seen.length > 2 && test.seen.at(-1).scale === 1')
+  await inside('for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame)')
+}
+
+async function leave() {
+  await inside('test.run(1); test.device.activeSession.end()')
+  await until(`!v.hasAttribute('headset')`)
+}
+
+/** The head and the hands: to where, and turned by angles to the left and up. */
+const pose = (position, left = 0, up = 0) =>
+  inside(
+    `test.device.position.set(...args[0]);
+    const [a, b] = [args[1] / 2, args[2] / 2].map((d) => d * Math.PI / 180);
+    test.device.quaternion.set(Math.cos(a) * Math.sin(b), Math.sin(a) * Math.cos(b),
+      -Math.sin(a) * Math.sin(b), Math.cos(a) * Math.cos(b))`,
+    position,
+    left,
+    up
+  )
+const stick = (hand, ...at) =>
+  inside(`test.device.controllers[args[0]].updateAxes('thumbstick', ...args[1])`, hand, at)
+const hand = (name, ...at) => inside(`test.device.controllers[args[0]].position.set(...args[1])`, name, at)
+const grip = (name, value) =>
+  inside(`test.device.controllers[args[0]].updateButtonValue('squeeze', args[1])`, name, value)
+const pixels = async () =>
+  Buffer.from(await inside(`return btoa(test.pixels().reduce((s, b) => s + String.fromCharCode(b), ''))`), 'base64')
+const cameras = () => inside('return test.seen.at(-1).cameras')
+const eyeOf = ([left, right]) => left.position.map((x, i) => (x + right.position[i]) / 2)
+
+function hash(bytes) {
+  let h = 0xcbf29ce484222325n
+  for (const byte of bytes) h = BigInt.asUintN(64, (h ^ BigInt(byte)) * 0x100000001b3n)
+  return h.toString(16).padStart(16, '0')
+}
+
+const BETWEEN = ['--eye', '0,-2,-9', '--look', '0,-2,-7', '--near', '0.1', '--size', `${width / 2}x${height}`]
+const APART = ['--stereo', '0.0625', '--stereo-exact', '--tangents', '-1.25,0.75,1.125,-0.875', '--bg', '102030']
+
+/** The hash of the command's picture of both eyes at the view's place. */
+const native = () => rendered('scene.ply', ...BETWEEN, ...APART)
+
+const scene = await load(`${scenes}/scene.ply`)
+/** The package's picture of the cameras. */
+function packaged(pair) {
+  const eyes = scene.renderStereo(...pair, { width: width / 2, height, background: 0x102030, exact: true })
+  const row = (pixels, y) => Buffer.from(pixels.buffer, 2 * width * y, 2 * width)
+  return Buffer.concat(Array.from({ length: height }, (_, y) => eyes.map((eye) => row(eye, y))).flat())
+}
+
+/** Decibels. */
+function likeness(a, b) {
+  let sum = 0
+  for (let i = 0; i < a.length; i++) sum += (a[i] - b[i]) ** 2
+  return 10 * Math.log10(255 ** 2 / (sum / a.length))
+}
+const near = (a, b, most = 1e-6) => a.forEach((x, i) => assert.ok(Math.abs(x - b[i]) < most, `${a}, not ${b}`))
+
+const tests = {
+  async 'both eyes: the pixels of the command'() {
+    await open('wasm')
+    await enter()
+    await settle()
+    const pair = await cameras()
+    assert.deepEqual(pair.map(({ position }) => position), [[-0.03125, -2, -9], [0.03125, -2, -9]])
+    assert.equal(hash(await pixels()), native())
+    assert.equal(hash(packaged(pair)), native())
+    const isCopied = await inside(`const { gl } = test, program = gl.getParameter(gl.CURRENT_PROGRAM);
+      return gl.getUniform(program, gl.getUniformLocation(program, 'same'))`)
+    assert.ok(isCopied, 'taken through a filter')
+  },
+
+  async 'the head moves and turns'() {
+    await pose([0.5, 1.85, 2])
+    await settle()
+    near(eyeOf(await cameras()), [0.5, -2.25, -11], 1e-6)
+    await pose([0.5, 1.85, 2], -20, 10)
+    await settle()
+    const pair = await cameras()
+    const ahead = pair[0].rotation.map((row) => row[2])
+    assert.ok(ahead[0] > 0.3 && ahead[1] < -0.15 && ahead[2] > 0.9, `${ahead}`)
+    assert.ok(Buffer.compare(await pixels(), packaged(pair)) === 0)
+  },
+
+  async 'a late picture is moved to where the head is'() {
+    for (const [position, left] of [[[0, 1.6, 0], 5], [[0.3, 1.7, -0.5], 0]]) {
+      await pose([0, 1.6, 0])
+      await settle()
+      const before = await pixels()
+      await inside('test.delay = 800; test.seen = []')
+      await until('test.seen.length')
+      await pose(position, left)
+      await inside('for (let i = 0; i < 3; i++) await new Promise(requestAnimationFrame)')
+      const late = await pixels()
+      await inside('test.delay = 0')
+      await settle()
+      const exact = await pixels()
+      assert.ok(Buffer.compare(exact, packaged(await cameras())) === 0)
+      const [moved, not] = [likeness(late, exact), likeness(before, exact)]
+      console.log(`  moved ${moved.toFixed(1)} dB, as it was ${not.toFixed(1)} dB of the picture of the pose`)
+      assert.ok(moved > 21 && moved > not + 4, `${moved} and ${not} dB`)
+    }
+  },
+
+  async 'thumbsticks move and turn'() {
+    await pose([0, 1.6, 0])
+    await settle()
+    const start = await cameras()
+    await stick('left', 0, -1)
+    await inside('test.seen = []')
+    await until('test.seen.length > 3')
+    await stick('left', 0, 0)
+    await settle()
+    const ahead = await cameras()
+    assert.ok(eyeOf(ahead)[2] > eyeOf(start)[2] + 1e-4, `${eyeOf(ahead)}`)
+    near(eyeOf(ahead).slice(0, 2), [0, -2])
+    await stick('right', 1, 0)
+    await settle()
+    const right = await cameras()
+    near(right[0].rotation.map((row) => row[2]), [0.5, 0, Math.sqrt(0.75)])
+    near(eyeOf(right), eyeOf(ahead))
+    await stick('right', 0, -1)
+    await inside('test.seen = []')
+    await until('test.seen.length > 3')
+    await stick('right', -1, 0)
+    await settle()
+    const higher = await cameras()
+    near(higher[0].rotation.map((row) => row[2]), [0, 0, 1])
+    assert.ok(eyeOf(higher)[1] < eyeOf(ahead)[1] - 1e-4)
+    await stick('right', 0, 0)
+  },
+
+  async 'a grip pulls; two make the scene larger'() {
+    const start = eyeOf(await cameras())
+    await hand('right', 0, 1, -0.5)
+    await grip('right', 1)
+    await settle()
+    near(eyeOf(await cameras()), start)
+    await hand('right', 0.25, 1, -0.5)
+    await settle()
+    near(eyeOf(await cameras()), [start[0] - 0.25, start[1], start[2]], 1e-4)
+    await hand('left', -0.25, 1, -0.5)
+    await grip('left', 1)
+    await settle()
+    const apart = ([left, right]) => Math.hypot(...left.position.map((x, i) => x - right.position[i]))
+    near([apart(await cameras())], [0.0625], 1e-4)
+    await hand('left', -0.75, 1, -0.5)
+    await settle()
+    near([apart(await cameras())], [0.03125], 1e-3)
+    for (const name of ['left', 'right']) await grip(name, 0)
+  },
+
+  async 'recentring goes back to the start'() {
+    await inside('test.device.recenter()')
+    await settle()
+    near(eyeOf(await cameras()), [0, -2, -9])
+  },
+
+  async 'slow pictures are smaller; quick ones larger again'() {
+    await inside('test.run(100)')
+    await until('test.seen.at(-1).scale === 0.35')
+    assert.equal(await inside('return test.seen.at(-1).width'), 56 + 2 * 7)
+    await inside('test.run(0.01)')
+    await until('test.seen.at(-1).scale === 1')
+  },
+
+  async 'blurred, hidden, and back'() {
+    for (const state of ['visible-blurred', 'hidden', 'visible']) {
+      await inside('test.device.updateVisibilityState(args[0])', state)
+      await inside('for (let i = 0; i < 3; i++) await new Promise(requestAnimationFrame)')
+    }
+    await settle()
+  },
+
+  async 'the page goes on after the session; a second one'() {
+    await leave()
+    await page.keyboard.press('ArrowLeft', { delay: 60 })
+    await until(`v.getAttribute('state') === 'moving'`)
+    await still()
+    assert.notEqual(await inside('return v.view'), VIEW)
+    await inside(`v.setAttribute('view', ''); v.setAttribute('view', args[0])`, VIEW)
+    await pose([3, 1, 1], 90)
+    await enter()
+    await settle()
+    near(eyeOf(await cameras()), [0, -2, -9])
+    near((await cameras())[0].rotation.map((row) => row[2]), [0, 0, 1])
+    await leave()
+  },
+
+  async 'another scene, or a lost context, ends it; the page goes on'() {
+    await enter()
+    await inside('test.run(1)')
+    await inside(`v.open(new URL('/scenes/scene.ply', location).href)`)
+    await until(`!v.hasAttribute('headset')`)
+    await still()
+    await enter()
+    await inside(`test.run(1); test.gl.getExtension('WEBGL_lose_context').loseContext()`)
+    await until(`!v.hasAttribute('headset') && !$('error').hidden`)
+    assert.match(await inside(`return $('words').textContent`), /headset: its graphics context was lost/)
+    faults.length = 0                 // iwer asks the lost context for the colour that it clears with
+    await inside(`$('closeError').click()`)
+    await enter()
+    await settle()
+    await leave()
+  },
+
+  async 'by WebGL 2: the same pixels'() {
+    await pose([0, 1.6, 0])
+    await open('webgl2')
+    await enter()
+    await settle()
+    assert.equal(await inside('return v.backend'), 'webgl2')
+    assert.equal(hash(await pixels()), native())
+    await leave()
+  },
+
+  async 'refused: words'() {
+    await inside(`navigator.xr.requestSession = async () => { throw new Error('not now') }; $('headset').click()`)
+    await until(`$('words').textContent === 'The headset: not now'`)
+  },
+
+  async 'without a headset no button; on a page that is not secure words'() {
+    await page.removeScriptToEvaluateOnNewDocument(identifier)
+    await open('wasm')
+    assert.equal(await inside(`return $('headset').hidden`), true)
+    await page.setUserAgent('Mozilla/5.0 (X11; Linux x86_64; Quest 3) OculusBrowser/35.0 Chrome/126.0')
+    await page.goto(`${base.replace('127.0.0.1', 'far.test')}/viewer/index.html?scene=/scenes/scene.ply`)
+    await still()
+    faults.length = 0 // the browser says that it does not isolate such a page
+    assert.equal(await inside('return isSecureContext'), false)
+    await inside(`$('headset').click()`)
+    assert.match(await inside(`return $('words').textContent`), /https/)
+  },
+}
+
+await run(tests)
+process.exit()

@@ -1,0 +1,78 @@
+// node every.mjs PACKAGE SCENES MODULES PICTURES COMMAND: every scene of SCENES/real in the viewer's page, with one and two
+// threads, by the processor and by WebGL 2, against the command; and 50 scenes opened and closed. What tests/scripts/page.sh
+// asks for make test-all.
+import assert from 'node:assert/strict'
+import { readFileSync, readdirSync } from 'node:fs'
+import { base, go, hash, inside, moved, native, open, page, pause, processes, run, scenes, viewOf } from './chromium.mjs'
+
+const SIZE = [1280, 720]
+const LOADS = 25
+const FIRST = 5 // loads until all has been used once
+const MORE = 1.05 // times the memory after the first, at most
+
+const files = readdirSync(`${scenes}/real`, { recursive: true }).filter((name) => /\.(ply|splat|spz|sog|glb)$/.test(name))
+const tests = {}
+
+/** The milliseconds of a second picture by what the page has. */
+const time = () =>
+  inside(`return await new Promise((done) => {
+    v.addEventListener('picture', ({ detail }) => done(Math.round(detail.milliseconds)), { once: true });
+    v.setAttribute('background', '#0e1116') })`)
+
+for (const file of files)
+  tests[file] = async () => {
+    const times = []
+    for (const threads of [1, 2]) {
+      await open(`?scene=/scenes/real/${file}&backend=wasm&threads=${threads}`, ...SIZE)
+      const exact = native(`real/${file}`, await viewOf(), SIZE.join('x'))
+      for (const backend of ['wasm', 'webgl2']) {
+        await inside(`v.setAttribute('backend', args[0])`, backend)
+        await moved()
+        assert.equal(await inside('return v.backend'), backend)
+        assert.equal(await hash(), exact, `${backend}, ${threads} threads`)
+        times.push(`${backend} ${threads}: ${await time()} ms`)
+        await inside(`v.removeAttribute('background')`)
+        await moved()
+      }
+    }
+    console.log(`  ${file}: ${times.join(', ')}`)
+  }
+
+/** Bytes that the page and its workers hold, and those of Chromium's processes for it. */
+async function memory() {
+  await pause(5000) // notes are over
+  const { bytes, breakdown } = await page.evaluate(() => performance.measureUserAgentSpecificMemory())
+  const resident = (id) => 4096 * Number(readFileSync(`/proc/${id}/statm`, 'utf8').split(' ')[1])
+  return { bytes, breakdown: breakdown.filter(b=>b.bytes).map(b=>[b.bytes,b.types.join(),b.attribution.map(a=>a.url+a.scope).join()]), resident: Math.max(...(await processes('renderer')).map(resident)) }
+}
+
+tests['memory after 50 scenes'] = async () => {
+  await go('')
+  await page.setContent(`<base href="${base}/"><script type="module" src="viewer/viewer.js"></script>`)
+  /** All in one go, as each thing that is asked of the page takes some memory too. */
+  const openMany = (count) =>
+    page.evaluate(
+      async (src, count) => {
+        for (let i = 0; i < count; i++) {
+          const own = document.createElement('fixsplat-viewer')
+          Object.assign(own.style, { width: '640px', height: '360px' })
+          own.setAttribute('backend', i % 10 ? 'wasm' : 'webgl2')
+          own.setAttribute('src', src)
+          document.body.append(own)
+          while (own.state !== 'still') await new Promise((done) => setTimeout(done, 20))
+          own.remove()
+        }
+      },
+      'scenes/real/guitar/guitar.compressed.ply',
+      count
+    )
+  await openMany(FIRST)
+  const marks = [await memory()]
+  await openMany(20); marks.push(await memory()); await openMany(20)
+  marks.push(await memory())
+  const megabytes = ({ bytes, resident }) => `${(bytes / 1e6).toFixed(2)} MB (${Math.round(resident / 1e6)} resident)`
+  console.log(JSON.stringify(marks.map(m=>m.breakdown))); console.log(`  after ${FIRST} scenes ${megabytes(marks[0])}, after ${LOADS} more ${megabytes(marks[1])}`)
+  for (const kind of ['bytes', 'resident']) assert.ok(marks[1][kind] <= MORE * marks[0][kind], kind)
+}
+
+await run(tests)
