@@ -3,34 +3,12 @@
 # PICTURES=FOLDER keeps pictures of the page. With FXS_PROCESSORS=all every scene of shared/scenes too.
 . tests/scripts/lib/check.sh
 B=${B:-build}
+. tests/scripts/lib/web.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 scenes=${FXS_SCENES:-../shared/scenes}
-package=$B/web/package
-modules=${NODE_MODULES:-$B/page/node_modules}
 
-missing=
-for program in clang wasm-ld wasm-opt node chromium; do have $program || missing="$missing $program"; done
-[ -d "$modules/puppeteer-core" ] || missing="$missing puppeteer-core (make setup test)"
-if [ -n "$missing" ]; then
-    skip page "not here:$missing"
-    finish
-    exit
-fi
-
-builds() {
-    said=$(env -u MAKEFLAGS make -s B="$B" NVCC=none web 2>&1 | grep -v '^built without')
-    [ -z "$said" ] || { echo "$said"; return 1; }
-}
-
-# at_most BYTES FILE...: gzipped, each on its own as a server sends them.
-at_most() {
-    limit=$1 bytes=0
-    shift
-    for file; do bytes=$((bytes + $(gzip -9c "$file" | wc -c))); done
-    echo "  the page and its script: $bytes bytes gzipped, at most $limit" >"$work/said"
-    [ "$bytes" -le "$limit" ] || { echo "$bytes bytes gzipped, more than $limit"; return 1; }
-}
+needs page chromium -- puppeteer-core
 
 make_scenes() {
     "$B/fixsplat" make-scene knot --count 20000 -o "$work/scene.ply" >/dev/null || return 1
@@ -58,13 +36,8 @@ check "builds" builds
 check "size" at_most 40000 "$package"/viewer/*.html "$package"/viewer/*.css "$package"/viewer/*.js "$package"/*.js
 check "makes scenes" make_scenes
 if [ -d "$scenes" ]; then ln -s "$(cd "$scenes" && pwd)" "$work/real"; else skip scenes "no $scenes"; fi
-asks() {
-    node "tests/web/$1" "$package" "$work" "$modules" "${PICTURES:-$work}" "$B/fixsplat" >>"$work/page" 2>&1 ||
-        echo "FAIL $1: a check above, or it ended early" >>"$work/page"
-}
-asks page.mjs
-if [ "$FXS_PROCESSORS" = all ] && [ -d "$scenes" ]; then asks every.mjs; fi
-cat "$work/page"
-passed=$((passed + $(grep -c '^ok ' "$work/page"))) failed=$((failed + $(grep -c '^FAIL ' "$work/page")))
-cat "$work/said"
+ours="$package $work $modules ${PICTURES:-$work} $B/fixsplat"
+asks page.mjs $ours
+if [ "$FXS_PROCESSORS" = all ] && [ -d "$scenes" ]; then asks every.mjs $ours; fi
+cat "$work/sizes"
 finish

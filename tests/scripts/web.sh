@@ -4,26 +4,12 @@
 # FXS_PROCESSORS=all, as `make test-all` sets it: a view of every real scene.
 . tests/scripts/lib/check.sh
 B=${B:-build}
+. tests/scripts/lib/web.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 scenes=${FXS_SCENES:-../shared/scenes}
-made=$work/made package=$work/made/web/package
 
-missing=
-for program in clang wasm-ld wasm-opt node; do have $program || missing="$missing $program"; done
-if [ -z "$missing" ] && ! echo '#include <stdlib.h>' | clang --target=wasm32-wasi -E - >/dev/null 2>&1; then
-    missing=' wasi-libc'
-fi
-if [ -n "$missing" ]; then
-    skip web "not here:$missing"
-    finish
-    exit
-fi
-
-builds() {
-    said=$(env -u MAKEFLAGS make -s B="$made" NVCC=none web "$made/web/test_kernels.wasm" 2>&1 | grep -v '^built without')
-    [ -z "$said" ] || { echo "$said"; return 1; }
-}
+needs web
 
 # Relaxed products (fixsplat.js) are behind a flag in Node 20, and newer ones know no such flag: RELAX=$relax.
 relax=--experimental-wasm-relaxed-simd
@@ -33,7 +19,7 @@ web() { node --no-warnings --expose-gc $RELAX tests/web/package.mjs "$package" "
 # kernels_are_exact: with precise products, and with relaxed ones, as fixsplat.js puts them in.
 kernels_are_exact() {
     for relaxed in '' $([ "$(RELAX=$relax web relaxed)" = true ] && echo yes); do
-        RELAXED=$relaxed node --no-warnings $relax tests/web/wasi.mjs "$made/web/test_kernels.wasm" >"$work/log" 2>&1
+        RELAXED=$relaxed node --no-warnings $relax tests/web/wasi.mjs "$B/web/test_kernels.wasm" >"$work/log" 2>&1
         grep -q '^simd128' "$work/log" && tail -n 1 "$work/log" | grep -q '^7 passed, 0 failed' && continue
         cat "$work/log"
         return 1
@@ -46,13 +32,6 @@ products_are_found() {
         is=$(wasm-dis --all-features "$package/$name.wasm" 2>/dev/null | grep -c i16x8.q15mulr_sat_s)
         [ "$is" -gt 0 ] && equal "$(web products "$package/$name.wasm")" "$is" || return 1
     done
-}
-
-# at_most BYTES FILE: gzipped.
-at_most() {
-    bytes=$(gzip -9c "$2" | wc -c)
-    echo "  $(basename "$2"): $bytes bytes gzipped, at most $1" >>"$work/said"
-    [ "$bytes" -le "$1" ] || { echo "$2 has $bytes bytes gzipped, more than $1"; return 1; }
 }
 
 # same_picture CAMERA OPTIONS OBJECTS FXS... -- OPTION...: by each module, that of `fixsplat render FXS... OPTION...`.
@@ -153,50 +132,6 @@ canvas_is_the_same() {
     return 1
 }
 
-# in_turns SCENE CAMERA SIZE OPTION...: milliseconds a frame of each module and of the command, to `times`.
-in_turns() {
-    scene=$1 camera=$2 width=${3%x*} height=${3#*x} size=$3
-    shift 3
-    for turn in 1 2 3; do
-        for module in $([ $turn = 1 ] && echo core) simd threads; do
-            for RELAX in '' $([ $module = core ] || echo $relax); do
-                printf '%s%s %s\n' $module "${RELAX:+,relaxed}" "$(web speed $module "$scene" "$camera" $width $height)"
-            done
-            RELAX=
-        done
-        for threads in 1 2; do
-            printf 'native%s ' $threads
-            "$B/fixsplat" bench "$scene" --size "$size" --cpu sse41 --threads $threads "$@" |
-                awk '$1 == "frame" { print $2 }'
-        done
-    done >>"$work/times"
-}
-
-# table SIZE: what `times` say. Two threads take at most twice as long as native ones.
-table() {
-    awk -v size="$1" '
-        !($2 > 0) { failed = 1 }
-        { if (!($1 in least) || $2 < least[$1]) least[$1] = $2 }
-        function is(name, native) { return sprintf("%.1f, %.2f of native", least[name], least[name] / least[native]) }
-        END {
-            printf "  %s, least milliseconds a frame and their part of sse41'"'"'s:\n", size
-            printf "  one thread: without simd128 %s; simd128 %s; relaxed %s\n", is("core", "native1"), \
-                is("simd", "native1"), ("simd,relaxed" in least) ? is("simd,relaxed", "native1") : "not here"
-            printf "  two: simd128 %s; relaxed %s\n", is("threads", "native2"), \
-                ("threads,relaxed" in least) ? is("threads,relaxed", "native2") : "not here"
-            exit failed || least["threads"] > 2 * least["native2"]
-        }' "$work/times" >"$work/table"
-}
-
-# speed SCENE CAMERA SIZE OPTION...: prints milliseconds a frame. What else runs here takes more turns.
-speed() {
-    for again in 1 2 3; do
-        in_turns "$@" && table "$3" && break
-    done
-    cat "$work/table" >>"$work/said"
-    table "$3" || { cat "$work/table"; return 1; }
-}
-
 # Readers: every format, in one file and in several, as tests/test_scene_input.c writes them, and tests/test_bombs.c.
 reader() { node --no-warnings tests/web/import.mjs "$package" "$@"; }
 readers() {
@@ -220,7 +155,7 @@ both_at_most() {
     [ "$bytes" -le "$1" ] || { echo "$bytes bytes gzipped, more than $1"; return 1; }
 }
 
-check "builds" builds
+check "builds" builds "$B/web/test_kernels.wasm"
 check "test_kernels in WebAssembly" kernels_are_exact
 check "products" products_are_found
 for size in core.wasm:45000 simd.wasm:65000 threads.wasm:68000 import.wasm:150000 fixsplat.js:40000; do
@@ -287,7 +222,7 @@ check "damaged and cut: .spz" web damage "$work/700.spz"
 check "misuse" web misuse "$work/700-default.fxs" "$work/700.ply"
 check "previews" reader preview "$work/20000.ply"
 check "size of both" both_at_most 250000
-if [ -e "$made/web/libs" ]; then
+if [ -e "$B/web/libs" ]; then
     readers
 else
     skip readers "no sources of libraries: make setup web"
@@ -297,7 +232,7 @@ fi
 if [ -d "$scenes" ]; then
     check "a large scene's preview" reader sampled "$scenes/snowmiku/snowmiku.ply"
     compressed='kitchen-marble/kitchen-marble.spz skull/skull.sog boatyard-tile3/boatyard-tile3.glb'
-    [ -e "$made/web/libs" ] || compressed=
+    [ -e "$B/web/libs" ] || compressed=
     for scene in guitar/guitar.compressed.ply luma-seal/luma-seal.splat $compressed; do
         check "packs $scene" same_packed "$scenes/$scene" compact
         check "renders $scene" same_picture '{}' '{"width":640,"height":360}' '[]' "$work/packed.fxs" -- --size 640x360
@@ -314,10 +249,8 @@ if [ -d "$scenes" ]; then
             check "renders $(basename "$scene")" renders "$scene"
         done
     fi
-    check "speed" speed "$work/packed.fxs" "$camera" 1280x720 --cameras "$scenes/snowmiku/cameras.json" --view 0
 else
     skip scenes "no $scenes"
-    check "speed" speed "$knot" '{}' 1280x720
 fi
-cat "$work/said"
+cat "$work/sizes"
 finish
