@@ -242,7 +242,7 @@ function watch(width, height) {
   addEventListener('DOMContentLoaded', () => {
     const viewer = document.querySelector('fixsplat-viewer')
     viewer?.addEventListener('picture', ({ detail }) => {
-      peer.size = [detail.width, detail.height]
+      if (!(detail.width > peer.size[0])) peer.size = [detail.width, detail.height]
       const at = performance.now()
       if (!peer.small) return frame(at)
       request.call(window, () => request.call(window, () => frame(at, copied(viewer))))
@@ -283,7 +283,7 @@ async function motion(page, look, view) {
   const path = Array.from({ length: 180 }, (_, i) => turned(view, STEP * i))
   await page.evaluate(
     `{ const look = ${look}, path = ${JSON.stringify(path)}; let i = 0;
-       peer.small = false; peer.frames = []; peer.after = () => { i++; look(path[i % 180], i % 180) }; peer.after() }`
+       peer.small = false; peer.frames = []; peer.size = []; peer.after = () => { i++; look(path[i % 180], i % 180) }; peer.after() }`
   )
   await page.waitForFunction(
     (least, ms) => {
