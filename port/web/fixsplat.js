@@ -4,6 +4,7 @@ import { Files, inNode } from './read.js'
 
 const SHOWN = 100000            // Gaussians of a preview, at most
 const PAUSE = 400               // milliseconds before the first, and at least between two
+const SOON = 1000               // milliseconds in which the rest of a download needs no preview
 // A module with one function that uses simd128.
 const WITH_SIMD = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15,
                    253, 98, 11]
@@ -274,11 +275,13 @@ async function importAll(files, options, share, most) {
 /** A function that hands over a scene of what has come so far: the share, and whether it is to be now. */
 function previewsOf(files, core, options) {
   const quietly = { ...options, progress: undefined }
-  let last = performance.now()
+  const began = performance.now()
+  let last = began
   let pause = PAUSE
   return async (share, isNow) => {
     const start = performance.now()
-    if (!options.preview || !share || (!isNow && start < last + pause)) return
+    const isSoon = (start - began) * (1 - share) < SOON * share
+    if (!options.preview || !share || (!isNow && (isSoon || start < last + pause))) return
     let scene
     try {
       const bytes = await importAll(files, quietly, share, SHOWN)
