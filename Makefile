@@ -176,9 +176,9 @@ $(call objects,$(wildcard port/osmesa/*.c)): $(B)/with/OSMESA
 # The shaders' texts, and src/pixel.h that they are built around, as arrays of characters, without comments and spaces
 # about a line.
 SHADERS := src/pixel.h $(wildcard kernels/gles/*.vert kernels/gles/*.frag)
-$(B)/kernels/gles/shaders.h: $(SHADERS)
+$(B)/kernels/gles/shaders.h: $(SHADERS) Makefile
 	@mkdir -p $(@D)
-	@for f in $^; do echo "static const char $$(basename $$f | tr . _)[] = {"; \
+	@for f in $(SHADERS); do echo "static const char $$(basename $$f | tr . _)[] = {"; \
 	    sed -e ':more' -e '/\/\*/{/\*\//!{N' -e 'b more' -e '}' -e 's|/\*.*\*/||' -e '}' -e 's|//.*||' \
 	        -e 's/^ *//' -e 's/ *$$//' -e '/^$$/d' $$f | od -An -v -tu1 | sed 's/[0-9][0-9]*/&,/g'; echo '0};'; done >$@
 $(B)/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h

@@ -97,7 +97,7 @@ const words = {
       if (request.url !== '/unknown') answer.setHeader('content-length', length)
       for (let i = 1; i < parts.length; i++) {
         answer.write(bytes.subarray(parts[i - 1], parts[i]))
-        await pause(i === 1 ? 450 : 20)
+        await pause(i === 1 ? 900 : 20)
       }
       if (length === bytes.length) answer.end()
       else answer.destroy()

@@ -1,6 +1,7 @@
 # Sourced by the tests of the web port (docs/web.md), after check.sh.
 modules=${NODE_MODULES:-$B/page/node_modules}
 package=$B/web/package
+[ "${B#/}" = "$B" ] && package=$PWD/$package
 
 # needs NAME PROGRAM... [-- MODULE...]: ends the script where one of these, or of what makes the package, is not here.
 needs() {
