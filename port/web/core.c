@@ -271,11 +271,10 @@ EXPORT(render) int fxs_web_render(int format, int depth_bits, int exact, uint32_
         return FXS_ERR_MEMORY;
     for (uint32_t eye = 0; eye < eyes; eye++)
         take_targets(&targets[eye], numbers + 7 * eye, format, depth_bits);
-    const int error = eyes == 2 ? fxs_render_stereo(&context, objects, object_count, cameras, &f.options, targets, exact,
-                                                    f.memory, f.bytes, NULL)
-                                : fxs_render(&context, objects, object_count, cameras, &f.options, targets, f.memory,
-                                             f.bytes, NULL);
-    return fxs_web_frame_end(error);
+    return fxs_web_frame_end(
+        eyes == 2 ? fxs_render_stereo(&context, objects, object_count, cameras, &f.options, targets, exact, f.memory,
+                                      f.bytes, NULL)
+                  : fxs_render(&context, objects, object_count, cameras, &f.options, targets, f.memory, f.bytes, NULL));
 }
 
 /* What a pixel shows: 1, or 0 where that is nothing. Out: the object's place, its Gaussian, depth and position. */

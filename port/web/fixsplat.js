@@ -556,7 +556,7 @@ class Copied {
   #pixels
 
   constructor(canvas) {
-    // A worker's canvas in the processor's memory takes a quarter of the time, where the processor is the graphics card too.
+    // A worker's canvas in the processor's memory takes a quarter of the time, where that is the graphics card too.
     this.#context = canvas.getContext('2d', { willReadFrequently: !globalThis.document })
     if (!this.#context) throw new Error('the canvas has a context of another kind: take another canvas')
   }
