@@ -63,7 +63,7 @@ class Module {
   }
 
   put(...values) {
-    if (values.some((value) => typeof value === 'object')) throw new Error('expected a number, and got several')
+    if (values.some((value) => value instanceof Object)) throw new Error('expected a number, and got several')
     new Float64Array(this.c.memory.buffer, this.numbers, values.length).set(values)
   }
 
