@@ -70,9 +70,14 @@ async function download(name, url, came) {
     reader.read().catch((cause) => {
       throw new Error(`${name}: the download broke off after ${file.there} bytes`, { cause })
     })
-  for (let part = await next(); !part.done; part = await next()) {
-    file.add(part.value)
-    await came(file, total ? file.there / total : undefined)
+  try {
+    for (let part = await next(); !part.done; part = await next()) {
+      file.add(part.value)
+      await came(file, total ? file.there / total : undefined)
+    }
+  } catch (error) {
+    reader.cancel().catch(() => {})
+    throw error
   }
   file.bytes = file.bytes.subarray(0, file.there)
   return file

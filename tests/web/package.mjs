@@ -133,7 +133,12 @@ const words = {
   // Every kind of source, and what is wrong with one.
   async sources(file) {
     const bytes = readFileSync(file)
+    let givenUp
     const server = createServer((request, answer) => {
+      if (request.url === '/endless.ply') {
+        givenUp = new Promise((done) => answer.on('close', done))
+        return answer.write('ply\n')
+      }
       if (request.url !== '/a%20scene.fxs') answer.statusCode = 404
       answer.end(bytes)
     }).listen(0, '127.0.0.1')
@@ -144,7 +149,10 @@ const words = {
     for (const source of sources) assert.deepEqual(Buffer.from((await load(source)).packed), bytes)
     assert.equal((await load(`${base}/a%20scene.fxs`)).name, 'a scene.fxs')
     await refused(`${base}/none.fxs`, /404/)
+    await refused(`${base}/endless.ply`, /stop/, { progress() { throw new Error('stop') } })
+    await givenUp
     server.close()
+    server.closeAllConnections()
     await assert.rejects(load(`${base}/a%20scene.fxs`))
     await assert.rejects(load('none.fxs'), /ENOENT/)
     await refused(null)
