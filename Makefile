@@ -49,7 +49,7 @@ setup: ## install the Debian packages that are missing (and what the goals behin
 	@sh tools/setup.sh $(PACKAGES) $(if $(filter test test-all,$(GOALS)),$(TEST_PACKAGES)) \
 	    $(if $(filter test test-all web,$(GOALS)),$(WEB_PACKAGES)) \
 	    $(if $(filter test-all,$(GOALS)),$(TEST_ALL_PACKAGES))
-	@$(if $(filter test test-all web,$(GOALS)),sh tools/web_sources.sh $(WEB_SOURCES))
+	@$(if $(filter test test-all web,$(GOALS)),$(if $(WEB_SOURCES),sh tools/web_sources.sh $(WEB_SOURCES)))
 	@$(if $(filter test test-all,$(GOALS)),sh tools/page_modules.sh $(B)/page)
 
 # What else is asked for, by a make that finds what was installed.
@@ -315,7 +315,7 @@ WEB_LIBS_C := cjson/cJSON.c $(patsubst %,zlib/%.c,adler32 inflate inftrees inffa
               $(patsubst %,libwebp/src/utils/%_utils.c,bit_reader color_cache huffman quant_levels_dec random \
                                                        rescaler thread) \
               $(addprefix libzip/lib/,$(filter-out $(not_of_libzip),$(notdir $(wildcard $(WEB_SOURCES)/libzip/lib/*.c))))
-WEB_VERSIONS := $(if $(wildcard $(WEB_SOURCES)/versions),$(shell cat $(WEB_SOURCES)/versions))
+WEB_VERSIONS := $(if $(WEB_SOURCES),$(if $(wildcard $(WEB_SOURCES)/versions),$(shell cat $(WEB_SOURCES)/versions)))
 WEB_LIBS := $(if $(WEB_VERSIONS),$(patsubst %.c,$(B)/web/libs/%.o,$(WEB_LIBS_C) none.c))
 WEB_LIBS_FLAGS := --target=wasm32-wasi -Oz -w -fwrapv -ffunction-sections -DNDEBUG \
                   -DHUF_FORCE_DECOMPRESS_X1 -DZSTD_FORCE_DECOMPRESS_SEQUENCES_SHORT -DZSTD_STRIP_ERROR_STRINGS \
@@ -353,6 +353,7 @@ $(B)/web/libs/%.o: $(WEB_SOURCES)/%.c $(B)/commands/web
 $(B)/web/libs/none.o: port/web/libs/none.c $(B)/commands/web
 	@mkdir -p $(@D)
 	$(call say,CC,'$< (import)')$(WASM_CC) $(WEB_LIBS_FLAGS) -c -o $@ $<
+$(WEB_LIBS): $(wildcard port/web/libs/*.h)
 $(WEB)/import.wasm: $(WEB_LIBS)
 $(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WEB_LIBS_FLAGS) $(WEB_VERSIONS) $(WASM_LINK) $(wasm_link_of_threads) $(WASM_OPT) \
     $(foreach module,$(MODULES),$(foreach file,$(sources_of_$(module)),$(strip $(call wasm_flags_of,$(module),$(file)))))
@@ -384,7 +385,7 @@ SONAME_LINKS := $(SONAME) libfixsplat.so
 PAGE := $(PREFIX)/share/fixsplat/web
 PAGE_FILES := $(PACKAGE:$(WEB)/%=%)
 PAGE_FOLDERS := $(sort $(patsubst %/,%,$(dir $(PAGE_FILES))))
-HAS_PAGE := $(wildcard $(WEB)/package.json)
+HAS_PAGE := $(if $(filter-out $(wildcard $(WASM)),$(WASM)),,yes)
 PC_FILES := fixsplat.pc fixsplat-core.pc
 CMAKE_FILES := fixsplat-config.cmake fixsplat-config-version.cmake
 INCLUDE := $(PREFIX)/include/fixsplat

@@ -1,4 +1,5 @@
 /* fixsplat-web: what `fixsplat view --web` runs, with the same words. */
+#include <ctype.h>
 #include <errno.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -67,12 +68,6 @@ static int find_page(char folder[4096])
 
 /* ---- What it shows ----------------------------------------------------------------------------------------------- */
 
-static int ends_with(const char *text, const char *end)
-{
-    const size_t a = strlen(text), b = strlen(end);
-    return a >= b && !strcmp(text + a - b, end);
-}
-
 /* A file of its own without a name; its descriptor, or -1. */
 static int keep(const void *data, size_t bytes)
 {
@@ -86,13 +81,25 @@ static int keep(const void *data, size_t bytes)
     return descriptor;
 }
 
+/* Whether it is a file that is there for as long as this is, and none in JSON, which names others. */
+static int is_one_file(const char *path)
+{
+    struct stat information;
+    if (stat(path, &information) || !S_ISREG(information.st_mode))
+        return 0;
+    FILE *file = fopen(path, "rb");
+    int c = ' ';
+    while (file && isspace(c))
+        c = getc(file);
+    if (file)
+        fclose(file);
+    return c != '{';
+}
+
 /* Whether it is sent as it is: one file, and nothing asked about its import. */
 static int is_sent(const char *path, const load_options *o)
 {
-    struct stat information;
-    const int is_folder = stat(path, &information) == 0 && S_ISDIR(information.st_mode);
-    return !is_folder && !ends_with(path, ".json") && !ends_with(path, ".gltf") && !o->lod && !o->axes && !o->profile &&
-           !o->max_gaussians && !o->import_memory;
+    return !o->lod && !o->axes && !o->profile && !o->max_gaussians && !o->import_memory && is_one_file(path);
 }
 
 /* That it can be read is found out here and not first by the page. */
@@ -117,16 +124,22 @@ static int pack(const char *path, const load_options *o, int *descriptor)
     return *descriptor < 0 ? fail(EXIT_FAILED, "%s: a temporary file: %s", path, strerror(errno)) : 0;
 }
 
-static const char *base_of(const char *path)
+/* The last part of a path. Returns its length. */
+static int base_of(const char **base, const char *path)
 {
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
+    const char *end = path + strlen(path);
+    while (end > path && end[-1] == '/')
+        end--;
+    for (*base = end; *base > path && (*base)[-1] != '/'; --*base)
+        ;
+    return (int)(end - *base);
 }
 
 static int add_scene(site *s, const char *path, const load_options *o)
 {
     const int i = s->served.file_count++;
     fxs_http_file *file = &s->files[i];
+    const char *base;
     loaded_scene packed;
     int status = 0;
     if (is_packed(path)) {
@@ -142,7 +155,8 @@ static int add_scene(site *s, const char *path, const load_options *o)
     }
     if (status)
         return status;
-    file->name = text_of("/scenes/%d/%s%s", i, base_of(path), file->path ? "" : ".fxs");
+    const int length = base_of(&base, path);
+    file->name = text_of("/scenes/%d/%.*s%s", i, length, base, file->path ? "" : ".fxs");
     return file->name ? 0 : fail(EXIT_FAILED, "out of memory");
 }
 

@@ -34,7 +34,9 @@ name_errors() {
     echo '};'
 }
 
+# What is replaced in part counts as none.
 take() {
+    rm -f ../versions
     for name in $names; do
         rm -rf "../$name" && mv "$name"-*/ "../$name" || return
     done

@@ -28,6 +28,8 @@ static fxs_crop (*crops)[FXS_MAX_CROPS];
 static uint32_t object_count;
 static double low[3], high[3];     /* the box of all of them */
 
+static void *working;              /* the memory of the frame, also of one that trapped, until the next */
+
 static int said(int error)
 {
     if (error < 0)
@@ -128,13 +130,18 @@ static void grow_box(const loaded *l, const fxs_placement *p)
     }
 }
 
+static uint32_t id_of(double x)
+{
+    return x >= 0 && x < FXS_NOTHING ? (uint32_t)x : FXS_NOTHING;
+}
+
 /* Adds an object. In: translation, rotation (w, x, y, z), scale, opacity, tint, visible, id, number of crops; then of
    each its low, high and outside. */
 EXPORT(place) int fxs_web_place(const loaded *l)
 {
     fxs_placement p = {0, {numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5], numbers[6]},
                        numbers[7], numbers[8], {numbers[9], numbers[10], numbers[11]}, numbers[12] != 0,
-                       (uint32_t)numbers[13], (uint32_t)numbers[14], {{{0}, {0}, 0}}};
+                       id_of(numbers[13]), (uint32_t)numbers[14], {{{0}, {0}, 0}}};
     for (uint32_t c = 0; c < p.crop_count && c < FXS_MAX_CROPS; c++) {
         const double *in = numbers + 15 + 7 * c;
         memcpy(p.crops[c].low, in, 6 * sizeof *in);
@@ -197,6 +204,12 @@ EXPORT(camera) int fxs_web_camera(int width, int height, int new_width, int new_
 
 /* ---- Frame ------------------------------------------------------------------------------------------------------- */
 
+static void free_working(void)
+{
+    free(working);
+    working = NULL;
+}
+
 /* The working memory of a frame, at most `limit` bytes of it where that is not 0. */
 static void *frame_memory(size_t *bytes, size_t limit)
 {
@@ -204,7 +217,8 @@ static void *frame_memory(size_t *bytes, size_t limit)
                         : fxs_frame_bytes(&context, objects, object_count, cameras->width, cameras->height, NULL));
     if (limit && limit < *bytes)
         *bytes = limit;
-    return fxs_web_allocate(*bytes);
+    free_working();
+    return working = fxs_web_allocate(*bytes);
 }
 
 int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree, int square, size_t limit)
@@ -219,9 +233,9 @@ int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree
     return frame->memory ? 0 : FXS_ERR_MEMORY;
 }
 
-int fxs_web_frame_end(fxs_web_frame *frame, int error)
+int fxs_web_frame_end(int error)
 {
-    free(frame->memory);
+    free_working();
     return said(error);
 }
 
@@ -257,11 +271,10 @@ EXPORT(render) int fxs_web_render(int format, int depth_bits, int exact, uint32_
         return FXS_ERR_MEMORY;
     for (uint32_t eye = 0; eye < eyes; eye++)
         take_targets(&targets[eye], numbers + 7 * eye, format, depth_bits);
-    const int error = eyes == 2 ? fxs_render_stereo(&context, objects, object_count, cameras, &f.options, targets, exact,
-                                                    f.memory, f.bytes, NULL)
-                                : fxs_render(&context, objects, object_count, cameras, &f.options, targets, f.memory,
-                                             f.bytes, NULL);
-    return fxs_web_frame_end(&f, error);
+    return fxs_web_frame_end(
+        eyes == 2 ? fxs_render_stereo(&context, objects, object_count, cameras, &f.options, targets, exact, f.memory,
+                                      f.bytes, NULL)
+                  : fxs_render(&context, objects, object_count, cameras, &f.options, targets, f.memory, f.bytes, NULL));
 }
 
 /* What a pixel shows: 1, or 0 where that is nothing. Out: the object's place, its Gaussian, depth and position. */
@@ -269,17 +282,16 @@ EXPORT(pick) int fxs_web_pick(int x, int y, size_t limit)
 {
     size_t bytes;
     fxs_options options;
-    fxs_pick_result result;
+    fxs_pick_result result = {0};
     void *memory = frame_memory(&bytes, limit);
     if (!memory)
         return FXS_ERR_MEMORY;
     fxs_options_init(&options);
     const int found = fxs_pick(&context, objects, object_count, cameras, &options, NULL, x, y, memory, bytes, &result);
-    free(memory);
     numbers[0] = result.object;
     numbers[1] = result.gaussian;
     numbers[2] = (double)result.depth_q32 * 0x1p-32;
     for (int i = 0; i < 3; i++)
         numbers[3 + i] = (double)result.position_q32[i] * 0x1p-32;
-    return said(found);
+    return fxs_web_frame_end(found);
 }

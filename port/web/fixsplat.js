@@ -64,7 +64,8 @@ class Module {
   }
 
   put(...values) {
-    new Float64Array(this.c.memory.buffer, this.numbers).set(values.flat())
+    if (values.some((value) => value instanceof Object)) throw new Error('expected a number, and got several')
+    new Float64Array(this.c.memory.buffer, this.numbers, values.length).set(values)
   }
 
   get(first, end) {
@@ -238,7 +239,7 @@ function runImport(module, files, options, share = 1, most = 0) {
     progress: (done) => progress?.({ stage: 'prepare', done }),
     size: (file) => all[file].bytes.length,
     read(file, offset, out, size) {
-      if (offset + size > all[file].there) return -1
+      if (offset + (size >>> 0) > all[file].there) return -1
       reader.bytes(out, size).set(all[file].bytes.subarray(offset, offset + size))
       return 0
     },
@@ -273,7 +274,7 @@ async function importAll(files, options, share, most) {
 }
 
 /** A function that hands over a scene of what has come so far: the share, and whether it is to be now. */
-function previewsOf(files, core, options) {
+function previewsOf(files, options) {
   const quietly = { ...options, progress: undefined }
   const began = performance.now()
   let last = began
@@ -285,7 +286,7 @@ function previewsOf(files, core, options) {
     let scene
     try {
       const bytes = await importAll(files, quietly, share, SHOWN)
-      if (bytes.length) scene = new Scene(await core, files.all[0].name, bytes)
+      if (bytes.length) scene = new Scene(await coreFor(options), files.all[0].name, bytes)
     } catch {
       return                    // the scene itself is what counts, and its error
     }
@@ -297,18 +298,17 @@ function previewsOf(files, core, options) {
 
 export async function load(source, options = {}) {
   const files = new Files()
-  const core = coreFor(options)
-  const preview = previewsOf(files, core, options)
-  core.catch(() => {})          // who waits for it hears of it
+  const preview = previewsOf(files, options)
+  coreFor(options).catch(() => {})   // begun early; who waits for it hears of it
   const file = await files.open(source, async (file, share) => {
     options.progress?.({ stage: 'download', done: share, bytes: file.there })
     if (file.there < 4 || file.isPacked) return
     compile('import').catch(() => {})
     if (share < 1) await preview(share, false)
   })
-  if (file.isPacked) return new Scene(await core, file.name, file.bytes)
-  await preview(1, true)
-  return new Scene(await core, file.name, await importAll(files, options))
+  if (!file.isPacked) await preview(1, true)
+  const bytes = file.isPacked ? file.bytes : await importAll(files, options)
+  return new Scene(await coreFor(options), file.name, bytes)   // anew, where end() was called meanwhile
 }
 
 export class Scene {
@@ -318,9 +318,9 @@ export class Scene {
 
   constructor(core, name, bytes) {
     this.#core = core
-    this.#data = core.copy(bytes)
     const text = core.copyText(name)
     try {
+      this.#data = core.copy(bytes)
       this.#scene = core.place(core.c.open(text, this.#data, bytes.length))
     } catch (error) {
       core.c.release(this.#data)
@@ -390,7 +390,8 @@ function placeObject(core, object, i) {
   if (own !== core) throw new Error(`${scene.name}: loaded with other \`simd\` or \`threads\` than the first object`)
   const box = ({ low, high, keep }) => [...all('low', 3, low), ...all('high', 3, high), keep === 'outside']
   const where = [...all('translation', 3, translation), ...all('rotation', 4, rotation), scale, opacity]
-  core.put(where, all('tint', 3, tint), visible, id, crops.length, crops.slice(0, MAX_CROPS).flatMap(box))
+  const kept = crops.slice(0, MAX_CROPS).flatMap(box)
+  core.put(...where, ...all('tint', 3, tint), visible, id, crops.length, ...kept)
   core.check(core.c.place(at))
 }
 
@@ -408,7 +409,7 @@ function takePinhole(core, camera, width, height) {
   const [w, h] = [camera.width ?? width, camera.height ?? height]
   const rows = all('rotation', 9, camera.rotation)
   const columns = [0, 3, 6, 1, 4, 7, 2, 5, 8].map((i) => rows[i])
-  core.put(fx, fy, camera.cx ?? w / 2, camera.cy ?? h / 2, columns, all('position', 3, camera.position), near)
+  core.put(fx, fy, camera.cx ?? w / 2, camera.cy ?? h / 2, ...columns, ...all('position', 3, camera.position), near)
   core.check(core.c.camera(w, h, width, height, orthographic ? 1 : 0))
 }
 
@@ -417,11 +418,11 @@ function takeCamera(core, camera, width, height) {
   const { fov = 50, near = 0 } = camera
   const up = all('up', 3, camera.up ?? [0, -1, 0])
   if (!camera.eye) {
-    core.put(up, fov, near)
+    core.put(...up, fov, near)
     return core.check(core.c.see_all(width, height))
   }
   core.c.middle()
-  core.put(all('eye', 3, camera.eye), all('look', 3, camera.look ?? core.get(0, 3)), up, fov, near)
+  core.put(...all('eye', 3, camera.eye), ...all('look', 3, camera.look ?? core.get(0, 3)), ...up, fov, near)
   return core.check(core.c.look_at(width, height))
 }
 
@@ -440,12 +441,15 @@ function begin(objects, camera, options) {
   return [core, width, height]
 }
 
+/** Bytes, or 0; no more than there may be. */
+const limitOf = ({ maxMemory = 0 }) => Math.min(maxMemory, 2 ** 32 - 1)
+
 /** What every frame takes of its options. */
-const valuesOf = ({ background = 0, shDegree = 3, cutoff = 'mahalanobis', maxMemory = 0 }) => [
+const valuesOf = ({ background = 0, shDegree = 3, cutoff = 'mahalanobis', ...options }) => [
   background,
   shDegree,
   cutoff === 'square' ? 1 : 0,
-  maxMemory,
+  limitOf(options),
 ]
 
 // The numbers of targets, and how many a pixel has; those of core.c, in its order.
@@ -489,6 +493,7 @@ function layOut(asked, format, pixels, start) {
 /** What a module draws to for each eye; `colour` is the format. */
 function planOf(width, height, eyes, { targets = { colour: true }, alpha }) {
   const ofEyes = Array.isArray(targets) ? targets : Array(eyes).fill(targets)
+  if (ofEyes.length !== eyes) throw new Error(`targets: expected those of ${eyes === 1 ? 'one eye' : 'two eyes'}`)
   const { colour } = ofEyes[0]
   const format = typeof colour === 'string' ? colour : alpha ? 'premultiplied' : 'rgba8'
   const code = oneOf(FORMATS, format)
@@ -514,7 +519,7 @@ function draw(core, width, height, eyes, options) {
     for (const part of plans.flat()) if (part.given) numbersOf(part).set(part.given)
     const places = Array(7 * eyes).fill(0)
     plans.forEach((parts, eye) => parts.forEach(({ place, at }) => (places[7 * eye + place] = block + at)))
-    core.put(places)
+    core.put(...places)
     core.draw('render', code, depthBits, exact ? 1 : 0, ...valuesOf(options))
     return plans.map((parts) => (targets ? { width, height, ...Object.fromEntries(taken(parts)) } : taken(parts)[0][1]))
   } finally {
@@ -534,7 +539,7 @@ export function renderStereo(objects, left, right, options = {}) {
 
 export function pick(x, y, objects, camera = {}, options = {}) {
   const [core] = begin(objects, camera, options)
-  if (!core.draw('pick', x, y, options.maxMemory ?? 0)) return null
+  if (!core.draw('pick', x, y, limitOf(options))) return null
   const [object, gaussian, depth, ...position] = core.get(0, 6)
   return { object, gaussian, depth, position }
 }
@@ -554,7 +559,7 @@ class Copied {
   #pixels
 
   constructor(canvas) {
-    // A worker's canvas in the processor's memory takes a quarter of the time, where the processor is the graphics card too.
+    // A worker's canvas in the processor's memory takes a quarter of the time, where that is the graphics card too.
     this.#context = canvas.getContext('2d', { willReadFrequently: !globalThis.document })
     if (!this.#context) throw new Error('the canvas has a context of another kind: take another canvas')
   }
@@ -590,7 +595,7 @@ class Drawn {
     this.#core = core
     this.#quads = quads ? 1 : 0
     this.#functions = core.gl = new Functions(this.gl, core)
-    this.#place = core.place(core.c.gl_open())
+    this.#place = this.#functions.call(() => core.place(core.c.gl_open()))
   }
 
   get lost() {
@@ -603,10 +608,10 @@ class Drawn {
     if (!into && (gl.drawingBufferWidth !== width || gl.drawingBufferHeight !== height) && !this.lost)
       throw new Error(`${width} x ${height} pixels are more than the device's canvas can have`)
     core.gl = this.#functions
-    const name = core.gl.nameOf(framebuffer)
+    const values = [x, y, alpha ? 1 : 0, ...valuesOf(options)]
     let failure
     try {
-      core.draw('gl_render', this.#place, this.#quads, name, x, y, alpha ? 1 : 0, ...valuesOf(options))
+      core.gl.call((gl) => core.draw('gl_render', this.#place, this.#quads, gl.nameOf(framebuffer), ...values))
     } catch (error) {
       failure = error
     }
@@ -652,11 +657,10 @@ export class Screen {
   }
 
   static async open(canvas, backend, options = {}) {
+    numberOf(['wasm', 'webgl2', 'webgl2-quads'], backend)
+    const { Functions } = backend === 'wasm' ? {} : await import('./webgl.js')
     const core = await coreFor(options)
     if (backend === 'wasm') return new Screen(canvas, backend, core, new Copied(canvas))
-    if (backend !== 'webgl2' && backend !== 'webgl2-quads')
-      throw new Error(`${backend}: expected wasm, webgl2 or webgl2-quads`)
-    const { Functions } = await import('./webgl.js')
     return new Screen(canvas, backend, core, new Drawn(canvas, core, Functions, backend === 'webgl2-quads'))
   }
 

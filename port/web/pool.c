@@ -89,9 +89,9 @@ EXPORT(may_wait) void fxs_web_may_wait(int yes)
 /* What a helper does, until it is told to end. */
 EXPORT(help) void fxs_web_help(void)
 {
+    uint32_t seen;
     add(&helpers, 1);
-    while (!get(&ending)) {
-        const uint32_t seen = get(&turn);
+    while (seen = get(&turn), !get(&ending)) {     /* in this order: `end` writes them in the other */
         if (seen & 1) {
             add(&inside, 1);
             if (get(&turn) == seen)            /* then the caller sees who is inside, and keeps the batch */

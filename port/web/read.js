@@ -40,7 +40,14 @@ async function urlOf(text) {
   return /^[a-z]+:\/\//i.test(text) ? new URL(text) : (await import('node:url')).pathToFileURL(text)
 }
 
-const nameOf = (url) => decodeURIComponent(url.pathname.split('/').pop()) || 'scene'
+function nameOf(url) {
+  const name = url.pathname.split('/').pop() || 'scene'
+  try {
+    return decodeURIComponent(name)
+  } catch {
+    return name                 // a per cent sign that escapes nothing
+  }
+}
 
 async function answerOf(name, url) {
   const answer = await fetch(url).catch((cause) => {
@@ -63,9 +70,14 @@ async function download(name, url, came) {
     reader.read().catch((cause) => {
       throw new Error(`${name}: the download broke off after ${file.there} bytes`, { cause })
     })
-  for (let part = await next(); !part.done; part = await next()) {
-    file.add(part.value)
-    await came(file, total ? file.there / total : undefined)
+  try {
+    for (let part = await next(); !part.done; part = await next()) {
+      file.add(part.value)
+      await came(file, total ? file.there / total : undefined)
+    }
+  } catch (error) {
+    reader.cancel().catch(() => {})
+    throw error
   }
   file.bytes = file.bytes.subarray(0, file.there)
   return file
@@ -106,7 +118,7 @@ export class Files {
     if (ArrayBuffer.isView(source))
       return new SourceFile('scene', new Uint8Array(source.buffer, source.byteOffset, source.byteLength))
     if (isBlob(source)) return fromBlob(source)
-    if (typeof source === 'object' && typeof source[Symbol.iterator] === 'function') return this.#list([...source])
+    if (typeof source === 'object' && typeof source?.[Symbol.iterator] === 'function') return this.#list([...source])
     const url = source instanceof URL ? source : await urlOf(String(source))
     this.#beside = (name) => fromUrl(new URL(name.split('/').map(encodeURIComponent).join('/'), url), () => {})
     return fromUrl(url, (file, share) => {
@@ -117,9 +129,9 @@ export class Files {
 
   /** Of files, that which names the others. */
   async #list(list) {
+    if (!list.length || !list.every(isBlob)) throw new Error('no files')
     list.sort((a, b) => pathOf(a).split('/').length - pathOf(b).split('/').length)
     const first = list.find((file) => INDEX.test(pathOf(file))) ?? list[0]
-    if (!isBlob(first)) throw new Error('no files')
     const folder = pathOf(first).replace(/[^/]*$/, '')
     this.#beside = async (name) => fromBlob(list.find((file) => pathOf(file) === folder + name))
     return fromBlob(first)

@@ -24,11 +24,12 @@ typedef struct fxs_web_frame {
     size_t bytes;
 } fxs_web_frame;
 
-/* With working memory, at most `limit` bytes where that is not 0, which _end frees. Errors: FXS_ERR_MEMORY. */
+/* With working memory, at most `limit` bytes where that is not 0, which _end frees, or the next frame where this one
+   trapped. Errors: FXS_ERR_MEMORY. */
 int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree, int square, size_t limit);
 
 /* Returns the frame's error, which `words` says. */
-int fxs_web_frame_end(fxs_web_frame *frame, int error);
+int fxs_web_frame_end(int error);
 
 /* Aligned to 64, as malloc is here; null, and words, where there is no memory. */
 void *fxs_web_allocate(size_t bytes);

@@ -33,6 +33,7 @@ export class Functions {
   #core
   #objects = [null]
   #free = []
+  #guests = []                 // the numbers of the caller's objects, which have them for one draw
   #locations = []
   #unpack = 0                  // the number of the buffer that is bound, which has no object
   #staging = { at: 0, bytes: 0 }                // the memory of all buffers: what was in the last is uploaded
@@ -47,7 +48,7 @@ export class Functions {
     for (const name of SAME) this[name] = gl[name[0].toLowerCase() + name.slice(1)].bind(gl)
     for (const kind of ['Buffer', 'Framebuffer', 'Renderbuffer', 'Texture', 'VertexArray']) {
       this[`Gen${kind}s`] = (count, at) => this.#words(at, count).forEach((_, i, names) => {
-        names[i] = this.nameOf(gl[`create${kind}`]())
+        names[i] = this.#add(gl[`create${kind}`]())
       })
       this[`Delete${kind}s`] = (count, at) =>
         this.#words(at, count).forEach((name) => this.#drop(`delete${kind}`, name))
@@ -80,21 +81,44 @@ export class Functions {
 
   // ---- Objects ------------------------------------------------------------------------------------------------
 
-  /** The number of an object of WebGL, whoever made it. */
-  nameOf(object) {
+  #add(object) {
     if (!object) return 0
-    const known = this.#objects.indexOf(object)
-    if (known > 0) return known
     const name = this.#free.pop() ?? this.#objects.length
     this.#objects[name] = object
     return name
   }
 
+  /** The number of an object of WebGL, whoever made it. */
+  nameOf(object) {
+    const known = this.#objects.indexOf(object ?? null)
+    if (known >= 0) return known
+    this.#guests.push(this.#add(object))
+    return this.#guests.at(-1)
+  }
+
+  #forget(name) {
+    this.#objects[name] = undefined
+    this.#free.push(name)
+  }
+
   #drop(method, name) {
     if (!this.#objects[name]) return
     this.#gl[method](this.#objects[name])
-    this.#objects[name] = undefined
-    this.#free.push(name)
+    this.#forget(name)
+  }
+
+  /** Calls the module, which uploads bytes as they are: WebGL has switches for others that OpenGL does not know. */
+  call(run) {
+    const gl = this.#gl
+    const switches = [gl.UNPACK_FLIP_Y_WEBGL, gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL]
+    const before = switches.map((name) => gl.getParameter(name))
+    for (const name of switches) gl.pixelStorei(name, false)
+    try {
+      return run(this)
+    } finally {
+      switches.forEach((name, i) => gl.pixelStorei(name, before[i]))
+      this.#guests.splice(0).forEach((name) => this.#forget(name))
+    }
   }
 
   /** The staging memory goes back to the module. */
@@ -133,11 +157,11 @@ export class Functions {
   // ---- Programs -----------------------------------------------------------------------------------------------
 
   CreateProgram() {
-    return this.nameOf(this.#gl.createProgram())
+    return this.#add(this.#gl.createProgram())
   }
 
   CreateShader(kind) {
-    return this.nameOf(this.#gl.createShader(kind))
+    return this.#add(this.#gl.createShader(kind))
   }
 
   ShaderSource(name, count, at) {
@@ -162,7 +186,8 @@ export class Functions {
   }
 
   #log(text, room, at) {
-    this.#core.write(`${(text ?? 'the context is lost').slice(0, room / 2)}\0`, at, room)
+    const end = this.#core.write(text ?? 'the context is lost', at, room - 1)
+    this.#core.bytes(at + end, 1)[0] = 0
   }
 
   AttachShader(program, shader) {

@@ -115,6 +115,11 @@ is "T: a script" build.sh "$(tests build)"
 is "T: a gate and a test, by a part" "include_rules.sh test_fxs_bytes" "$(tests 'fxs_by include')"
 is "T: no such test" 1 "$(make_ -n B="$work/chosen" test T=nothing | grep -c 'no test is called nothing')"
 
+mkdir -p "$work/half/web/package"
+touch "$work/half/web/package/package.json"
+is "install: no page of which there is a part" "" "$(make_ -n B="$work/half" install | grep share/fixsplat)"
+is "setup: no sources for the web where none are wanted" "" "$(make_ -n setup web WEB_SOURCES= | grep web_sources)"
+
 # ---- Setup beside another apt-get ------------------------------------------------------------------------------------
 
 mkdir "$work/bin"

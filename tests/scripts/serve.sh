@@ -173,6 +173,16 @@ if [ -e "$tile" ]; then
     check "several files: packed" gets "$at/scenes/0/tileset.json.fxs" tileset.fxs
     check "and not those" equal "$(code "$at/scenes/0/tile.glb")" 404
     ends TERM
+    mkdir folder
+    mv tile.glb folder
+    mv tileset.json folder/INDEX
+    serve folder/INDEX
+    check "several files, whatever their index is called" gets "$at/scenes/0/INDEX.fxs" tileset.fxs
+    ends TERM
+    mv folder/INDEX folder/tileset.json
+    serve folder/
+    check "a folder" gets "$at/scenes/0/folder.fxs" tileset.fxs
+    ends TERM
 else
     skip "several files" "no $tile"
 fi

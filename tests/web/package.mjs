@@ -133,7 +133,12 @@ const words = {
   // Every kind of source, and what is wrong with one.
   async sources(file) {
     const bytes = readFileSync(file)
+    let givenUp
     const server = createServer((request, answer) => {
+      if (request.url === '/endless.ply') {
+        givenUp = new Promise((done) => answer.on('close', done))
+        return answer.write('ply\n')
+      }
       if (request.url !== '/a%20scene.fxs') answer.statusCode = 404
       answer.end(bytes)
     }).listen(0, '127.0.0.1')
@@ -144,9 +149,15 @@ const words = {
     for (const source of sources) assert.deepEqual(Buffer.from((await load(source)).packed), bytes)
     assert.equal((await load(`${base}/a%20scene.fxs`)).name, 'a scene.fxs')
     await refused(`${base}/none.fxs`, /404/)
+    await refused(`${base}/endless.ply`, /stop/, { progress() { throw new Error('stop') } })
+    await givenUp
     server.close()
+    server.closeAllConnections()
     await assert.rejects(load(`${base}/a%20scene.fxs`))
     await assert.rejects(load('none.fxs'), /ENOENT/)
+    await refused(null)
+    await refused([bytes], /no files/)
+    await refused(`${base}/100%.fxs`, /100%\.fxs: cannot be reached/)
     await refused(new Uint8Array(0))
     await refused(Buffer.from('GIF89a, and no scene'), /scene/)
     await refused(Buffer.from([0x1f, 0x8b, 8, 0, 1, 2, 3, 4]), /gzip/)
@@ -171,6 +182,11 @@ const words = {
     wrong(/tint/, [{ scene, tint: [9, 1, 1] }], {}, size)
     wrong(/crops: expected at most 8/, [{ scene, crops: Array(9).fill({ low: [0, 0, 0], high: [1, 1, 1] }) }], {}, size)
     wrong(/rotation: expected 9/, [{ scene }], { ...pinhole, rotation: [[1, 0], [0, 1]] }, size)
+    wrong(/expected a number/, [{ scene }], { fov: [50] }, size)
+    wrong(/expected a number/, [{ scene, id: Array(5000).fill(1) }], {}, size)
+    for (const id of [-1, NaN, 2 ** 32 - 1, 2 ** 32 + 5])
+      wrong(/id: expected 0 to 4294967294/, [{ scene, id }], {}, size)
+    wrong(/targets: expected those of one eye/, [{ scene }], {}, { ...size, targets: Array(12).fill({ colour: true }) })
     wrong(/eye: expected 3/, [{ scene }], { eye: [1, 2] }, size)
     wrong(/up: expected 3/, [{ scene }], { up: 'up' }, size)
     wrong(/memory/, [{ scene }], {}, { ...size, maxMemory: 1000 })
@@ -185,6 +201,8 @@ const words = {
     wrong(/memory/, [{ scene }], {}, { ...most, targets: { colour: 'premultiplied16', depth: true, ids: true } })
     assert.throws(() => scene.renderStereo({}, { fov: 200 }, size), /field of view of 200/)
     assert.throws(() => scene.renderStereo({}, {}, { ...size, maxMemory: 50000 }), /memory/)
+    assert.throws(() => scene.renderStereo({}, {}, { ...size, targets: [{ colour: true }] }), /those of two eyes/)
+    assert.deepEqual(scene.render({}, { ...size, maxMemory: 2 ** 32 + 1000 }), scene.render({}, size))
     wrong(/other `simd`/, [{ scene }, { scene: await load(file, { simd: false }) }], {}, size)
     await refused(ply, /expected one of/, { profile: 'huge' })
     await refused(ply, /limit of 699/, { maxGaussians: 699 })

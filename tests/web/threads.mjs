@@ -1,6 +1,6 @@
 // node threads.mjs PACKAGE SCENE.fxs OTHER.fxs HASH: the package's threads in Node. HASH: of the scene, 320x200.
 import assert from 'node:assert/strict'
-import { copyFileSync, mkdtempSync, readdirSync, rmSync } from 'node:fs'
+import { copyFileSync, mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs'
 import { createRequire, syncBuiltinESMExports } from 'node:module'
 import { tmpdir } from 'node:os'
 import { join, resolve } from 'node:path'
@@ -81,6 +81,20 @@ const cases = {
     isRight(second)
   },
 
+  async 'ends while a scene is loaded'() {
+    const { load, end, render } = await anew()
+    const late = new Blob([readFileSync(file)])
+    const arrayBuffer = late.arrayBuffer.bind(late)
+    late.arrayBuffer = async () => {
+      await wait(200)
+      await end()
+      return arrayBuffer()
+    }
+    const scene = await load(late, { threads: 2 })
+    await until(() => scene.threads === 2, 'no thread')
+    render([{ scene }, { scene: await load(other, { threads: 2 }) }], {}, size)
+  },
+
   async 'a worker that cannot be made'() {
     const refuse = class { constructor() { throw new Error('blocked') } }
     await withWorker(refuse, async () => {
@@ -114,18 +128,22 @@ const cases = {
     await withWorker(small, async () => {
       const scene = await (await anew()).load(file, { threads: 2 })
       await until(() => scene.threads === 2, 'no thread')
+      const { memory } = scene.inside[0].c
       let trapped = 0
+      let room
       await until(() => {
         try {
           isRight(scene)
         } catch (error) {
           assert.ok(error instanceof WebAssembly.RuntimeError, error)
           trapped++
+          room = memory.buffer.byteLength
         }
         return scene.threads === 1
       }, 'does not trap')
       assert.equal(trapped, 1)
       for (let i = 0; i < 10; i++) isRight(scene)
+      assert.equal(memory.buffer.byteLength, room, 'the memory of the frame that trapped is not used again')
     })
   },
 
