@@ -40,7 +40,14 @@ async function urlOf(text) {
   return /^[a-z]+:\/\//i.test(text) ? new URL(text) : (await import('node:url')).pathToFileURL(text)
 }
 
-const nameOf = (url) => decodeURIComponent(url.pathname.split('/').pop()) || 'scene'
+function nameOf(url) {
+  const name = url.pathname.split('/').pop() || 'scene'
+  try {
+    return decodeURIComponent(name)
+  } catch {
+    return name                 // a per cent sign that escapes nothing
+  }
+}
 
 async function answerOf(name, url) {
   const answer = await fetch(url).catch((cause) => {

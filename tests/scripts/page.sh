@@ -49,8 +49,6 @@ make_scenes() {
 	 {"img_name": "flat", "width": 640, "height": 360, "position": [0, 0, -9], "fx": 50, "fy": 50, "orthographic": true,
 	  "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}]
 	END
-    echo '{"w": 640, "h": 360, "fl_x": 500, "fl_y": 500, "cx": 250, "cy": 200, "frames": [{"file_path": "aside",' \
-        '"transform_matrix": [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, -9], [0, 0, 0, 1]]}]}' >"$work/transforms.json"
     "$B/fixsplat" render "$work/scene.ply" --size 64x36 -o "$work/poster.png" >/dev/null
 }
 
