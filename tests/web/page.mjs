@@ -47,6 +47,10 @@ const tests = {
     await open(`${new URL(link).search}${new URL(link).hash}`)
     assert.equal(await hash(), first)
     assert.deepEqual(strange, [])
+    await go('?scene=/scenes/scene.ply#view=0,0,0,0,0,0,0,-1,0,45')
+    assert.match(await wordsOf(), /looks nowhere/)
+    await moved()
+    assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
     await open('?scene=/scenes/scene.ply&background=red')
     assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
   },
@@ -241,6 +245,13 @@ const tests = {
         $('${panel}').hidden = true; return out`),
         []
       )
+    await inside(`for (const [side, room] of args[0]) v.style.setProperty(side, room)`, [
+      ['--above', '40px'],
+      ['--below', '30px'],
+    ])
+    const places = await inside(`const box = (name) => v.shadowRoot.querySelector(name).getBoundingClientRect();
+      return [box('.top').top, box('.bar').bottom]`)
+    assert.deepEqual(places, [50, 740 - 44])
     await picture('phone')
     await page.keyboard.press('h')
     await picture('phone-keys')

@@ -28,6 +28,7 @@ export class Viewer extends HTMLElement {
   #picture
   #pilot = new Pilot(this, (moving) => this.#moved(moving))
   #good = null // the camera of the last picture
+  #linked = null // that of the attribute `view`, where the scene began with it
   #busy = false
   #switching = false
   #changed = false
@@ -242,6 +243,7 @@ export class Viewer extends HTMLElement {
   #takeViews(views, view = null) {
     this.#ui.before.hidden = this.#ui.after.hidden = !views.length
     this.#good = null
+    this.#linked = view
     this.#pilot.takeViews(views, view)
     this.#showSettings()
   }
@@ -338,7 +340,10 @@ export class Viewer extends HTMLElement {
       this.#panels.note('There is too little memory for a picture of this size: it has fewer pixels')
       this.#changed = true
     } else if (this.#good && this.#good !== this.#pilot.camera) this.#pilot.camera = this.#good
-    else this.#panels.say(error)
+    else {
+      this.#panels.say(error)
+      if (this.#linked && this.#linked === this.#pilot.camera) this.#pilot.show(this.#pilot.start)
+    }
   }
 
   #after({ divisor }) {
