@@ -2,26 +2,8 @@
 # The viewer's page (docs/web.md) in headless Chromium: the pixels of the command, controls, errors in words, sizes.
 # PICTURES=FOLDER keeps pictures of the page. With FXS_PROCESSORS=all every scene of shared/scenes too.
 . tests/scripts/lib/check.sh
-B=${B:-build}
-work=$(mktemp -d) || exit 1
-trap 'rm -rf "$work"' EXIT
-scenes=${FXS_SCENES:-../shared/scenes}
-package=$B/web/package
-modules=${NODE_MODULES:-$B/page/node_modules}
-
-missing=
-for program in clang wasm-ld wasm-opt node chromium; do have $program || missing="$missing $program"; done
-[ -d "$modules/puppeteer-core" ] || missing="$missing puppeteer-core (make setup test)"
-if [ -n "$missing" ]; then
-    skip page "not here:$missing"
-    finish
-    exit
-fi
-
-builds() {
-    said=$(env -u MAKEFLAGS make -s B="$B" NVCC=none web 2>&1 | grep -v '^built without')
-    [ -z "$said" ] || { echo "$said"; return 1; }
-}
+. tests/scripts/lib/chromium.sh
+needs page puppeteer-core
 
 # at_most BYTES FILE...: gzipped, each on its own as a server sends them.
 at_most() {
@@ -56,13 +38,7 @@ check "builds" builds
 check "size" at_most 40000 "$package"/viewer/*.html "$package"/viewer/*.css "$package"/viewer/*.js "$package"/*.js
 check "makes scenes" make_scenes
 if [ -d "$scenes" ]; then ln -s "$(cd "$scenes" && pwd)" "$work/real"; else skip scenes "no $scenes"; fi
-asks() {
-    node "tests/web/$1" "$package" "$work" "$modules" "${PICTURES:-$work}" "$B/fixsplat" >>"$work/page" 2>&1 ||
-        echo "FAIL $1: a check above, or it ended early" >>"$work/page"
-}
-asks page.mjs
-if [ "$FXS_PROCESSORS" = all ] && [ -d "$scenes" ]; then asks every.mjs; fi
-cat "$work/page"
-passed=$((passed + $(grep -c '^ok ' "$work/page"))) failed=$((failed + $(grep -c '^FAIL ' "$work/page")))
+asks page.mjs "${PICTURES:-$work}" "$B/fixsplat"
+if [ "$FXS_PROCESSORS" = all ] && [ -d "$scenes" ]; then asks every.mjs "${PICTURES:-$work}" "$B/fixsplat"; fi
 cat "$work/said"
 finish

@@ -3,25 +3,8 @@
 # command, by the processor and by WebGL; lost contexts, errors in words, what is given back. With FXS_PROCESSORS=all
 # every scene of shared/scenes, not some. SPEED=1 measures too.
 . tests/scripts/lib/check.sh
-B=${B:-build}
-work=$(mktemp -d) || exit 1
-trap 'rm -rf "$work"' EXIT
-scenes=${FXS_SCENES:-../shared/scenes}
-modules=${NODE_MODULES:-$B/page/node_modules}
-
-missing=
-for program in clang wasm-ld wasm-opt node chromium; do have $program || missing="$missing $program"; done
-[ -d "$modules/puppeteer-core" ] || missing="$missing puppeteer-core (make setup test)"
-if [ -n "$missing" ]; then
-    skip webgl "not here:$missing"
-    finish
-    exit
-fi
-
-builds() {
-    said=$(env -u MAKEFLAGS make -s B="$B" NVCC=none web 2>&1 | grep -v '^built without')
-    [ -z "$said" ] || { echo "$said"; return 1; }
-}
+. tests/scripts/lib/chromium.sh
+needs webgl puppeteer-core
 
 # make_scene KIND COUNT
 make_scene() {
@@ -46,8 +29,5 @@ if [ -d "$scenes" ]; then
 else
     skip scenes "no $scenes"
 fi
-node tests/web/webgl.mjs "$B/web/package" "$work" "$modules" "$B/fixsplat" $SPEED >"$work/log" 2>&1 ||
-    echo "FAIL webgl: a check above, or it ended early" >>"$work/log"
-cat "$work/log"
-passed=$((passed + $(grep -c '^ok ' "$work/log"))) failed=$((failed + $(grep -c '^FAIL ' "$work/log")))
+asks webgl.mjs "$B/fixsplat" $SPEED
 finish

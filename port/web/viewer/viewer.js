@@ -138,7 +138,7 @@ export class Viewer extends HTMLElement {
   /** Opens a file, files or an address; the scene there was stays where that fails. True where it is open. */
   async open(source, views = [], view = null) {
     const isAddress = typeof source === 'string'
-    const name = isAddress ? nameOf(source) : (source.name ?? source[0].name)
+    const name = isAddress ? nameOf(source) : (source.name ?? source[0]?.name ?? 'scene')
     this.#cancel()
     const opening = (this.#opening = { name, source, views, view })
     this.#begin(name)
