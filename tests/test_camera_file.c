@@ -371,6 +371,22 @@ static void inria(void)
     put_text("cameras.json", "[{\"width\":10,\"height\":5,\"fx\":1,\"fy\":2," INRIA_POSE "}]");
     if (CHECK(read_views("cameras.json", &views) == 1)) {
         CHECK(!strcmp(views->name, "0") && views->cx == 5 && views->cy == 2.5);
+        CHECK(views->projection == FXS_PERSPECTIVE);
+        free(views);
+    }
+}
+
+/* Off the axis, and with parallel rays. */
+static void inria_extended(void)
+{
+    fxs_file_view *views;
+    remove_all();
+    put_text("cameras.json", "[{\"width\":10,\"height\":5,\"fx\":1,\"fy\":2,\"cx\":3,\"cy\":-1.5,"
+                             "\"orthographic\":true," INRIA_POSE "},"
+                             "{\"width\":10,\"height\":5,\"fx\":1,\"fy\":2,\"orthographic\":false," INRIA_POSE "}]");
+    if (CHECK(read_views("cameras.json", &views) == 2)) {
+        CHECK(views->cx == 3 && views->cy == -1.5 && views->projection == FXS_ORTHOGRAPHIC);
+        CHECK(views[1].projection == FXS_PERSPECTIVE);
         free(views);
     }
 }
@@ -395,6 +411,7 @@ static void inria_faults(void)
         {"[{\"width\":9,\"height\":5,\"fx\":0,\"fy\":1," INRIA_POSE "}]", "no focal length"},
         {"[{\"width\":9,\"height\":5,\"fx\":\"1\",\"fy\":1," INRIA_POSE "}]", "no focal length"},
         {"[{\"width\":9,\"height\":5,\"fx\":1," INRIA_POSE "}]", "no focal length"},
+        {"[{\"width\":9,\"height\":5,\"fx\":1,\"fy\":1,\"cx\":\"4\"," INRIA_POSE "}]", "principal point"},
         {"[{\"width\":9,\"height\":5,\"fx\":1,\"fy\":1," INRIA_POSE "},1]", "view 1: \"position\""},
         {"[{\"width\":9,\"height\":5,\"fx\":1,\"fy\":1," INRIA_POSE "}] x", "bad JSON"},
         {"[{\"width\":9,\"height\":5,\"fx\":1,\"fy\":1,\"position\":[1e999,0,0],"
@@ -614,6 +631,7 @@ int main(void)
     RUN(no_file);
 #ifdef FXS_WITH_CJSON
     RUN(inria);
+    RUN(inria_extended);
     RUN(inria_faults);
     RUN(inria_orthonormalised);
     RUN(transforms);

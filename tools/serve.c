@@ -167,7 +167,8 @@ static void print_view(FILE *out, const fxs_file_view *v)
     for (const char *c = v->name; *c; c++)
         fprintf(out, (unsigned char)*c < ' ' ? "\\u%04x" : *c == '"' || *c == '\\' ? "\\%c" : "%c", *c);
     fprintf(out, "\", \"width\": %d, \"height\": %d, \"fx\": %.17g, \"fy\": %.17g, \"cx\": %.17g, \"cy\": %.17g, "
-            "\"position\": [%.17g, %.17g, %.17g], \"rotation\": [", v->width, v->height, v->fx, v->fy, v->cx, v->cy,
+            "%s\"position\": [%.17g, %.17g, %.17g], \"rotation\": [", v->width, v->height, v->fx, v->fy, v->cx, v->cy,
+            v->projection == FXS_ORTHOGRAPHIC ? "\"orthographic\": true, " : "",
             v->position[0], v->position[1], v->position[2]);
     for (int i = 0; i < 3; i++)
         fprintf(out, "%s[%.17g, %.17g, %.17g]", i ? ", " : "", r[i], r[3 + i], r[6 + i]);

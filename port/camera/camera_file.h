@@ -17,7 +17,7 @@ typedef struct fxs_file_view {
     double rotation[9];      /* world to camera, rows: the camera's x, y and z axes in the scene */
     double position[3];      /* the camera's centre, scene units */
     double near;             /* depth of the near plane, scene units; 0: the renderer's default, 0.2 */
-    enum fxs_projection projection;   /* perspective, in every camera file */
+    enum fxs_projection projection;   /* orthographic where a cameras.json says "orthographic": true */
 } fxs_file_view;
 
 /* Reads every camera of a file. Its content tells which kind it is: a cameras.json (an array), a transforms.json (an

@@ -29,7 +29,7 @@ static int matrix(const cJSON *array, double *out, int size)
     return 1;
 }
 
-/* rotation holds the camera's axes as columns: camera to world. */
+/* rotation holds the camera's axes as columns: camera to world. cx, cy and orthographic are not Inria's. */
 static int read_inria_view(fxs_view_list *list, const cJSON *item)
 {
     double width = number(item, "width", 0), height = number(item, "height", 0), r[9];
@@ -44,8 +44,10 @@ static int read_inria_view(fxs_view_list *list, const cJSON *item)
             view->rotation[3 * i + j] = r[3 * j + i];
     view->fx = number(item, "fx", 0);
     view->fy = number(item, "fy", 0);
-    view->cx = width / 2;
-    view->cy = height / 2;
+    view->cx = number(item, "cx", width / 2);
+    view->cy = number(item, "cy", height / 2);
+    if (cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(item, "orthographic")))
+        view->projection = FXS_ORTHOGRAPHIC;
     return fxs_view_list_finish(list, width, height);
 }
 

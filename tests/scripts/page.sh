@@ -2,12 +2,7 @@
 # The viewer's page (docs/web.md) in headless Chromium: the pixels of the command, controls, errors in words, sizes.
 # PICTURES=FOLDER keeps pictures of the page. With FXS_PROCESSORS=all every scene of shared/scenes too.
 . tests/scripts/lib/check.sh
-B=${B:-build}
 . tests/scripts/lib/web.sh
-work=$(mktemp -d) || exit 1
-trap 'rm -rf "$work"' EXIT
-scenes=${FXS_SCENES:-../shared/scenes}
-
 needs page chromium -- puppeteer-core
 
 make_scenes() {
@@ -27,8 +22,6 @@ make_scenes() {
 	 {"img_name": "flat", "width": 640, "height": 360, "position": [0, 0, -9], "fx": 50, "fy": 50, "orthographic": true,
 	  "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}]
 	END
-    echo '{"w": 640, "h": 360, "fl_x": 500, "fl_y": 500, "cx": 250, "cy": 200, "frames": [{"file_path": "aside",' \
-        '"transform_matrix": [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, -9], [0, 0, 0, 1]]}]}' >"$work/transforms.json"
     "$B/fixsplat" render "$work/scene.ply" --size 64x36 -o "$work/poster.png" >/dev/null
 }
 
@@ -36,8 +29,7 @@ check "builds" builds
 check "size" at_most 40000 "$package"/viewer/*.html "$package"/viewer/*.css "$package"/viewer/*.js "$package"/*.js
 check "makes scenes" make_scenes
 if [ -d "$scenes" ]; then ln -s "$(cd "$scenes" && pwd)" "$work/real"; else skip scenes "no $scenes"; fi
-ours="$package $work $modules ${PICTURES:-$work} $B/fixsplat"
-asks page.mjs $ours
-if [ "$FXS_PROCESSORS" = all ] && [ -d "$scenes" ]; then asks every.mjs $ours; fi
+asks page.mjs "${PICTURES:-$work}" "$B/fixsplat"
+if [ "$FXS_PROCESSORS" = all ] && [ -d "$scenes" ]; then asks every.mjs "${PICTURES:-$work}" "$B/fixsplat"; fi
 cat "$work/sizes"
 finish

@@ -140,8 +140,9 @@ check "Ctrl-C: status 0" equal "$? $(wc -l <logs/out) $(wc -c <logs/err)" "0 1 0
     printf '['
     for x in 0 1 2; do
         [ $x = 0 ] || printf ','
-        printf '{"img_name": "at \\"%s\\"", "width": 640, "height": 360, "position": [%s, 0.1, -9],
-            "fx": 500, "fy": 501, "rotation": [[0.6, 0, 0.8], [0, 1, 0], [-0.8, 0, 0.6]]}' $x $x
+        [ $x = 2 ] && parallel=true || parallel=false
+        printf '{"img_name": "at \\"%s\\"", "width": 640, "height": 360, "position": [%s, 0.1, -9], "fx": 50, "fy": 51,
+            "cx": 300, "orthographic": %s, "rotation": [[0.6, 0, 0.8], [0, 1, 0], [-0.8, 0, 0.6]]}' $x $x $parallel
     done
     printf ']'
 } >three.json

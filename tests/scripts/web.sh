@@ -3,12 +3,7 @@
 # one thread and by two; errors in words; memory and download sizes within their limits; test_kernels as a program of WASI.
 # FXS_PROCESSORS=all, as `make test-all` sets it: a view of every real scene.
 . tests/scripts/lib/check.sh
-B=${B:-build}
 . tests/scripts/lib/web.sh
-work=$(mktemp -d) || exit 1
-trap 'rm -rf "$work"' EXIT
-scenes=${FXS_SCENES:-../shared/scenes}
-
 needs web
 
 # Relaxed products (fixsplat.js) are behind a flag in Node 20, and newer ones know no such flag: RELAX=$relax.

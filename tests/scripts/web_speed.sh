@@ -1,12 +1,7 @@
 #!/bin/sh
 # What a frame of the npm package takes beside the command's by SSE4.1, in turns: it wants the machine to itself.
 . tests/scripts/lib/check.sh
-B=${B:-build}
 . tests/scripts/lib/web.sh
-work=$(mktemp -d) || exit 1
-trap 'rm -rf "$work"' EXIT
-scenes=${FXS_SCENES:-../shared/scenes}
-
 needs web_speed
 grep -q ' sse4_1 ' /proc/cpuinfo || { skip web_speed "no SSE4.1 here to compare with"; finish; exit; }
 

@@ -3,12 +3,7 @@
 # command, by the processor and by WebGL; lost contexts, errors in words, what is given back. With FXS_PROCESSORS=all
 # every scene of shared/scenes, not some. SPEED=1 measures too.
 . tests/scripts/lib/check.sh
-B=${B:-build}
 . tests/scripts/lib/web.sh
-work=$(mktemp -d) || exit 1
-trap 'rm -rf "$work"' EXIT
-scenes=${FXS_SCENES:-../shared/scenes}
-
 needs webgl chromium -- puppeteer-core
 
 # make_scene KIND COUNT
@@ -34,5 +29,5 @@ if [ -d "$scenes" ]; then
 else
     skip scenes "no $scenes"
 fi
-asks webgl.mjs "$package" "$work" "$modules" "$B/fixsplat" $SPEED
+asks webgl.mjs "$B/fixsplat" $SPEED
 finish

@@ -2,14 +2,10 @@
 # The viewer in a headset (docs/web.md), which iwer plays in headless Chromium: the pixels of the command in both eyes,
 # controllers, sizes that follow the time, and the page before, after and when something goes wrong.
 . tests/scripts/lib/check.sh
-B=${B:-build}
 . tests/scripts/lib/web.sh
-work=$(mktemp -d) || exit 1
-trap 'rm -rf "$work"' EXIT
-
 needs xr chromium -- puppeteer-core iwer
 
 check "builds" builds
 check "makes a scene" "$B/fixsplat" make-scene knot --count 20000 -o "$work/scene.ply"
-asks xr.mjs "$package" "$work" "$modules" "$work" "$B/fixsplat"
+asks xr.mjs "$work" "$B/fixsplat"
 finish

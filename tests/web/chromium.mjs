@@ -27,7 +27,7 @@ const SLOW = 1500
 
 async function answer(request, response) {
   const { pathname, search } = new URL(request.url, 'http://x')
-  const path = decodeURIComponent(pathname)
+  const path = decodeURIComponent(pathname.replace(/%(?![0-9a-f]{2})/gi, '%25'))
   const file = path.startsWith('/scenes/') ? scenes + path.slice(7) : folder + path
   if (!existsSync(file)) return response.writeHead(404).end()
   response.setHeader('cross-origin-opener-policy', 'same-origin')

@@ -47,6 +47,12 @@ const tests = {
     await open(`${new URL(link).search}${new URL(link).hash}`)
     assert.equal(await hash(), first)
     assert.deepEqual(strange, [])
+    await go('?scene=/scenes/scene.ply#view=0,0,0,0,0,0,0,-1,0,45')
+    assert.match(await wordsOf(), /looks nowhere/)
+    await moved()
+    assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+    await open('?scene=/scenes/scene.ply&background=red')
+    assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
   },
 
   async 'a drag, the wheel and keys move; r goes back'() {
@@ -151,6 +157,7 @@ const tests = {
       'huge.ply': /huge\.ply/,
       'scene.ply?cut': /broke off/,
       'http://127.0.0.1:1/a.ply': /cannot be reached/,
+      '100%.ply': /100%\.ply: there is no such file/,
     }
     await open(SCENE)
     const before = await hash()
@@ -170,6 +177,14 @@ const tests = {
     await go('?scene=/scenes/none.ply')
     assert.match(await wordsOf(), /no such file/)
     assert.equal(await inside('return v.state'), 'empty')
+    for (const address of ['?scene=http://[', '?poster=http://[&scene=http://[', `${SCENE}&cameras=http://[`]) {
+      await go(address)
+      assert.match(await wordsOf(), /http:\/\/\[: this is no address/)
+    }
+    await without(`Worker = class { constructor() { throw new Error('of another server') } }`, async () => {
+      await go(SCENE)
+      assert.match(await wordsOf(), /of another server/)
+    })
   },
 
   async 'a dropped file, and its picture as a .png'() {
@@ -207,6 +222,9 @@ const tests = {
     assert.equal(await inside(`return $('help').hidden`), false)
     await page.keyboard.press('Escape')
     assert.equal(await inside(`return $('help').hidden`), true)
+    await inside(`$('set').click(); v.shadowRoot.querySelector('[name=fov]').focus()`)
+    await page.keyboard.press('Escape')
+    assert.equal(await inside(`return $('options').hidden`), true)
     await open('?scene=/scenes/scene.ply&noui')
     assert.deepEqual(
       await inside(
@@ -227,6 +245,13 @@ const tests = {
         $('${panel}').hidden = true; return out`),
         []
       )
+    await inside(`for (const [side, room] of args[0]) v.style.setProperty(side, room)`, [
+      ['--above', '40px'],
+      ['--below', '30px'],
+    ])
+    const places = await inside(`const box = (name) => v.shadowRoot.querySelector(name).getBoundingClientRect();
+      return [box('.top').top, box('.bar').bottom]`)
+    assert.deepEqual(places, [50, 740 - 44])
     await picture('phone')
     await page.keyboard.press('h')
     await picture('phone-keys')
@@ -245,6 +270,22 @@ const tests = {
     await inside(`v.setAttribute('backend', 'wasm')`)
     await moved()
     assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+  },
+
+  async 'of back ends asked for in a row the last draws; the others are freed'() {
+    const count = (text) => `${text}\nself.count = () => Object.keys(screens).length`
+    await changed('/viewer/worker.js', count, async () => {
+      await open(`${SCENE}&backend=wasm`)
+      const asked = ['webgl2', 'webgl2-quads', 'wasm', 'webgl2', 'wasm']
+      await inside(`for (const name of args[0]) v.setAttribute('backend', name)`, asked)
+      await moved()
+      await pause(300)
+      assert.equal(await inside('return v.backend'), 'wasm')
+      assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+      assert.equal(await enginesOf()[0].evaluate(() => self.count()), 1)
+      await inside(`v.setAttribute('backend', 'webgl2'); v.remove()`)
+      await pause(300)
+    })
   },
 
   async 'the faster of two is found by a trial'() {
@@ -362,12 +403,11 @@ const tests = {
       assert.equal(await hash(), first)
       return first
     }
-    const aside = ['--cameras', `${scenes}/transforms.json`, '--bg', '0e1116']
-    assert.equal(await again(), rendered('scene.ply', ...aside))
+    const views = ['--cameras', `${scenes}/more.json`, '--bg', '0e1116']
+    assert.equal(await again(), rendered('scene.ply', ...views))
     await page.keyboard.press('n')
     await moved()
-    const parallel = ['--eye', '0,0,-9', '--look', '0,0,0', '--up', '0,-1,0', '--ortho', '7.2', '--size', '640x360']
-    assert.equal(await again(), rendered('scene.ply', ...parallel, '--bg', '0e1116'))
+    assert.equal(await again(), rendered('scene.ply', ...views, '--view', '1'))
     const wide = (await numbersOf())[9]
     await page.keyboard.press('+')
     await moved()
@@ -421,6 +461,18 @@ const tests = {
     await pause(700)
     assert.notEqual(await viewOf(), before)
     assert.match(await inside(`return $('readout').textContent`), /a second, .* by the processor, \d+ × \d+/)
+    await inside(`for (let i = 0; i < 8; i++) v.toggleAttribute('turn')`)
+    const angles = []
+    for (let i = 0; i < 2; i++) {
+      await pause(700)
+      angles.push(
+        await inside(`const [x, , z, lx, , lz] = v.view.split(',');
+          return [Math.atan2(x - lx, z - lz), performance.now()]`)
+      )
+    }
+    const [[from, start], [to, end]] = angles
+    const turned = Math.abs(Math.atan2(Math.sin(to - from), Math.cos(to - from)))
+    assert.ok(turned > 0 && turned < (0.4 * (end - start)) / 1000, turned)
     await inside(`v.removeAttribute('turn')`)
     await moved()
     await page.keyboard.press('0')

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { resolve } from 'node:path'
 import { pathToFileURL } from 'node:url'
-import { base, faults, folder, go, inside, modules, page, rendered, run, scenes, still } from './chromium.mjs'
+import { base, changed, faults, folder, go, inside, modules, page, rendered, run, scenes, still } from './chromium.mjs'
 
 const { load } = await import(pathToFileURL(resolve(folder, 'fixsplat.js')))
 const iwer = readFileSync(resolve(modules, 'iwer/build/iwer.min.js'), 'utf8')
@@ -282,6 +282,19 @@ const tests = {
     await enter()
     await settle()
     await leave()
+  },
+
+  async 'a scene that breaks off after its preview ends it'() {
+    const failing = `await preview(whole)
+      await new Promise((done) => setTimeout(done, 4000))
+      throw new Error('it broke off')`
+    await changed('/viewer/worker.js', (text) => text.replace(/scene\?\.free\(\)\s+scene = whole/, failing), async () => {
+      await go('?scene=/scenes/scene.ply', width, height)
+      await until('v.view')
+      await enter()
+      await until(`!v.hasAttribute('headset') && v.state === 'empty'`)
+      assert.match(await inside(`test.run(1); return $('words').textContent`), /it broke off/)
+    })
   },
 
   async 'by WebGL 2: the same pixels'() {

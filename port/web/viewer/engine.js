@@ -16,7 +16,7 @@ export class Engine {
     this.threads = threads
     this.worker = new Worker(new URL('./worker.js', import.meta.url), { type: 'module' })
     this.worker.onmessage = ({ data }) => (data.stage ? hear(data) : this.#settle(data))
-    this.worker.onerror = (event) => this.#fail(event.message || 'this browser cannot run the renderer')
+    this.worker.onerror = (event) => this.end(event.message || 'this browser cannot run the renderer')
   }
 
   /** A File, a list of them, bytes or an address; `previews` where the worker is to tell of parts that have come. */
@@ -32,9 +32,11 @@ export class Engine {
     })
   }
 
-  end() {
+  end(words = 'the scene was closed') {
     this.worker.terminate()
-    this.#fail('the scene was closed')
+    this.#ended = words
+    for (const { reject } of this.#waiting.values()) reject(new Error(words))
+    this.#waiting.clear()
   }
 
   #settle({ id, result, error }) {
@@ -42,11 +44,5 @@ export class Engine {
     this.#waiting.delete(id)
     if (error === undefined) resolve(result)
     else reject(new Error(error))
-  }
-
-  #fail(words) {
-    this.#ended = words
-    for (const { reject } of this.#waiting.values()) reject(new Error(words))
-    this.#waiting.clear()
   }
 }

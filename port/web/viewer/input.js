@@ -73,7 +73,7 @@ export function listenToKeys(element, act) {
   }
   element.addEventListener('keydown', (event) => {
     const target = event.composedPath()[0]
-    if (event.ctrlKey || event.metaKey || event.altKey || isForText(target)) return
+    if (event.ctrlKey || event.metaKey || event.altKey || (isForText(target) && event.key !== 'Escape')) return
     if (event.key === 'Shift') held.add('Shift')
     else if (event.code in FLIGHT || event.code in TURN || (event.code === 'Space' && !target.matches('button'))) {
       held.add(event.code)

@@ -36,7 +36,7 @@ export class Picture {
   /** Draws with a back end from now on, or with the one that a trial finds the faster. False where it is another. */
   async open(engine, wanted) {
     const screen = await this.#open(engine, wanted || 'wasm').catch(() => null)
-    if (engine !== this.#screen?.engine) this.#divisor = 1
+    if (engine !== this.#screen?.engine) [this.#divisor, this.#most] = [1, MOST_PIXELS]
     this.#screen = screen ?? (await this.#open(engine, 'wasm'))
     this.#tried = !!wanted
     return !!screen
@@ -53,6 +53,7 @@ export class Picture {
     const id = canvas.transferControlToOffscreen ? ++screens : 0
     if (!id && backend !== 'wasm') throw new Error('no canvas for a worker')
     if (id) await engine.ask('screen', id, canvas.transferControlToOffscreen(), backend)
+    if (id) canvas.free = () => engine.ask('close', id).catch(() => {})
     this.#stage.prepend(canvas)
     return { engine, id, canvas, backend, openedAt: performance.now() }
   }
@@ -80,7 +81,7 @@ export class Picture {
   #show({ canvas }) {
     if (!canvas.nextSibling) return
     setTimeout(() => {
-      while (canvas.nextSibling) canvas.nextSibling.remove()
+      for (let last; (last = canvas.nextSibling); last.remove()) last.free?.()
     }, SHOWN_MS)
   }
 

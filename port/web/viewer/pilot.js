@@ -21,6 +21,7 @@ export class Pilot {
   #moved
   #scene = null
   #actedAt = 0
+  #turning = 0 // the next frame of turning by itself
 
   /** `moved` is called after each change of the camera. */
   constructor(element, moved) {
@@ -111,15 +112,16 @@ export class Pilot {
   turnByItself(on) {
     if (this.turns === on) return
     this.turns = on
+    cancelAnimationFrame(this.#turning)
     let last = performance.now()
     const step = (now) => {
       const seconds = Math.min((now - last) / 1000, 0.1)
       last = now
       if (this.camera && now - this.#actedAt > IDLE_MS)
         this.#move(motion.orbit(this.camera, this.up, TURN * seconds, 0))
-      if (this.turns) requestAnimationFrame(step)
+      this.#turning = requestAnimationFrame(step)
     }
-    if (on) requestAnimationFrame(step)
+    if (on) this.#turning = requestAnimationFrame(step)
   }
 
   // ---- Pointers and keys: by pixels, by a factor, in units of speed -------------------------------------------------

@@ -6,7 +6,7 @@ export class Viewer extends HTMLElement {
   /** What draws. */
   readonly backend: Backend | undefined
   /** Eye, look, up and field of view: ten numbers with commas, as the attribute `view`. Three more where not 0:
-      1 for parallel rays, and how far right and down of the middle the axis lies, in heights of the picture. */
+      1 for parallel rays, and how far right and down of the middle the axis lies, in heights of the picture. Empty without a scene. */
   readonly view: string
   /** The address of the viewer's page with this scene and view. */
   readonly link: string

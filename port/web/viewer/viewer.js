@@ -5,7 +5,7 @@ import { Pilot } from './pilot.js'
 import { Picture, backends } from './picture.js'
 import { Panels } from './panels.js'
 import { body } from './body.js'
-import { cameraOf, fetchViews, nameOf, textOf, viewsOf } from './views.js'
+import { addressOf, cameraOf, fetchViews, nameOf, textOf, viewsOf } from './views.js'
 
 const STILL_MS = 150 // after the last motion
 const DARK = '#0e1116'
@@ -15,8 +15,6 @@ const OF_HEADSETS = /OculusBrowser|Wolvic|Pico/i // browsers that have WebXR on 
 const template = document.createElement('template')
 const style = new URL('./viewer.css', import.meta.url)
 template.innerHTML = `<style>:host { opacity: 0 }</style><link rel="stylesheet" href="${style}">${body}`
-
-const addressOf = (url) => new URL(url, document.baseURI).href
 
 export class Viewer extends HTMLElement {
   static observedAttributes = ['src', 'cameras', 'view', 'background', 'backend', 'poster', 'turn']
@@ -30,6 +28,7 @@ export class Viewer extends HTMLElement {
   #picture
   #pilot = new Pilot(this, (moving) => this.#moved(moving))
   #good = null // the camera of the last picture
+  #linked = null // that of the attribute `view`, where the scene began with it
   #busy = false
   #switching = false
   #changed = false
@@ -64,7 +63,6 @@ export class Viewer extends HTMLElement {
   }
 
   disconnectedCallback() {
-    this.#headset?.end()
     this.resized.disconnect()
     this.theme.onchange = null
     document.removeEventListener('visibilitychange', this.shown)
@@ -76,10 +74,10 @@ export class Viewer extends HTMLElement {
   attributeChangedCallback(name, before, value) {
     if (!this.isConnected || before === value) return
     if (name === 'src' && value) this.#openAttribute()
-    if (name === 'cameras' && this.#scene) this.#fetchViews().then((views) => this.#takeViews(views))
+    if (name === 'cameras' && this.#scene) this.#changeViews(value)
     if (name === 'view') this.#pilot.show(cameraOf(value))
     if (name === 'background') this.#change()
-    if (name === 'backend' && this.#engine) this.#switch(this.#engine).then(() => this.#change())
+    if (name === 'backend') this.#redraw(() => this.#engine && this.#switch(this.#engine))
     if (name === 'poster' && value) this.#showPoster(value)
     if (name === 'turn') this.#pilot.turnByItself(value !== null)
   }
@@ -99,7 +97,7 @@ export class Viewer extends HTMLElement {
 
   /** eye, look, up and fov, ten numbers with commas, or thirteen: as the attribute `view`. */
   get view() {
-    return textOf(this.#pilot.camera)
+    return this.#pilot.camera ? textOf(this.#pilot.camera) : ''
   }
 
   /** The viewer's page with this scene and view. */
@@ -116,7 +114,7 @@ export class Viewer extends HTMLElement {
   // ---- Opening ------------------------------------------------------------------------------------------------------
 
   #openAttribute() {
-    return this.open(addressOf(this.getAttribute('src')), this.#fetchViews(), cameraOf(this.getAttribute('view')))
+    return this.open(this.getAttribute('src'), this.#fetchViews(), cameraOf(this.getAttribute('view')))
   }
 
   /** The views that the attribute `cameras` names; none where that fails. */
@@ -125,25 +123,32 @@ export class Viewer extends HTMLElement {
     return url ? fetchViews(url).catch((error) => this.#panels.say(error) ?? []) : []
   }
 
+  async #changeViews(url) {
+    const views = await this.#fetchViews()
+    if (this.#scene && url === this.getAttribute('cameras')) this.#takeViews(views)
+  }
+
   /** A picture that stands there until the scene's first. */
   #showPoster(url) {
     if (this.#scene) return
     this.#ui.stage.querySelector('img')?.remove()
-    this.#ui.stage.append(Object.assign(new Image(), { src: addressOf(url), alt: '' }))
+    this.#ui.stage.append(Object.assign(new Image(), { src: url, alt: '' }))
   }
 
   /** Opens a file, files or an address; the scene there was stays where that fails. True where it is open. */
   async open(source, views = [], view = null) {
-    const name = typeof source === 'string' ? nameOf(source) : (source.name ?? source[0].name)
+    const isAddress = typeof source === 'string'
+    const name = isAddress ? nameOf(source) : (source.name ?? source[0]?.name ?? 'scene')
     this.#cancel()
-    const engine = this.#newEngine((told) => this.#hear(opening, told))
-    const opening = (this.#opening = { engine, name, source, views, view })
+    const opening = (this.#opening = { name, source, views, view })
     this.#begin(name)
     try {
       if (!globalThis.WebAssembly) throw new Error('This browser has no WebAssembly, or it is switched off')
-      const scene = await engine.open(source, !this.#scene)
+      if (isAddress) opening.source = addressOf(source)
+      opening.engine = this.#newEngine((told) => this.#hear(opening, told))
+      const scene = await opening.engine.open(opening.source, !this.#scene)
       await this.#take(opening, scene)
-      return engine === this.#engine
+      return opening.engine === this.#engine
     } catch (error) {
       if (this.#opening !== opening) return false
       this.#cancel()
@@ -168,6 +173,7 @@ export class Viewer extends HTMLElement {
   }
 
   #close() {
+    this.#headset?.end()
     this.#engine?.end()
     this.#engine = this.#scene = null
     this.#picture.close()
@@ -187,7 +193,7 @@ export class Viewer extends HTMLElement {
   }
 
   #hear(opening, told) {
-    if (told.stage === 'lost') this.#picture.lost(told.id).then((again) => again && this.#change())
+    if (told.stage === 'lost') this.#redraw(() => this.#picture.lost(told.id))
     else if (!opening || opening !== this.#opening) return
     else if (told.stage === 'preview') this.#take(opening, told.scene).catch(() => {}) // the whole will tell
     else this.#panels.progress(opening.name, told)
@@ -195,8 +201,21 @@ export class Viewer extends HTMLElement {
 
   async #take(opening, scene) {
     const views = await opening.views
-    this.#taken = this.#taken.catch(() => {}).then(() => this.#takeNext(opening, scene, views))
-    return this.#taken
+    return this.#inTurn(() => this.#takeNext(opening, scene, views))
+  }
+
+  /** One change of what draws after the other. */
+  #inTurn(change) {
+    return (this.#taken = this.#taken.catch(() => {}).then(change))
+  }
+
+  /** Draws anew where something else draws now; where the scene was closed meanwhile nobody wants to know. */
+  #redraw(change) {
+    const engine = this.#engine
+    this.#inTurn(change).then(
+      (is) => is && this.#change(),
+      (error) => engine && engine === this.#engine && this.#panels.say(error)
+    )
   }
 
   /** A scene, or as much of it as has come. */
@@ -224,6 +243,7 @@ export class Viewer extends HTMLElement {
   #takeViews(views, view = null) {
     this.#ui.before.hidden = this.#ui.after.hidden = !views.length
     this.#good = null
+    this.#linked = view
     this.#pilot.takeViews(views, view)
     this.#showSettings()
   }
@@ -249,8 +269,9 @@ export class Viewer extends HTMLElement {
   }
 
   get #background() {
-    const given = this.getAttribute('background') ?? (this.theme.matches ? LIGHT : DARK)
-    return /^#[0-9a-f]{6}$/i.test(given) ? parseInt(given.slice(1), 16) : 0
+    const given = this.getAttribute('background')
+    const colour = /^#[0-9a-f]{6}$/i.test(given) ? given : this.theme.matches ? LIGHT : DARK
+    return parseInt(colour.slice(1), 16)
   }
 
   #frame(moving = false) {
@@ -281,6 +302,7 @@ export class Viewer extends HTMLElement {
     this.#switching = true
     const has = await this.#picture.open(engine, this.#wanted).finally(() => (this.#switching = false))
     if (!has) this.#panels.note('This browser does not draw scenes on the graphics card: the processor does')
+    return true
   }
 
   /** One picture at a time; what has changed meanwhile is drawn after it. */
@@ -318,7 +340,10 @@ export class Viewer extends HTMLElement {
       this.#panels.note('There is too little memory for a picture of this size: it has fewer pixels')
       this.#changed = true
     } else if (this.#good && this.#good !== this.#pilot.camera) this.#pilot.camera = this.#good
-    else this.#panels.say(error)
+    else {
+      this.#panels.say(error)
+      if (this.#linked && this.#linked === this.#pilot.camera) this.#pilot.show(this.#pilot.start)
+    }
   }
 
   #after({ divisor }) {
@@ -407,9 +432,13 @@ export class Viewer extends HTMLElement {
   async #screenshot() {
     if (!this.#scene) return
     const options = this.#frame()
-    const bytes = await this.#engine.ask('png', this.#pilot.rendered(options), options)
+    const { name } = this.#scene
+    const bytes = await this.#engine
+      .ask('png', this.#pilot.rendered(options), options)
+      .catch((error) => this.#panels.say(error))
+    if (!bytes) return
     const url = URL.createObjectURL(new Blob([bytes], { type: 'image/png' }))
-    Object.assign(document.createElement('a'), { href: url, download: `${this.#scene.name}.png` }).click()
+    Object.assign(document.createElement('a'), { href: url, download: `${name}.png` }).click()
     setTimeout(() => URL.revokeObjectURL(url), 1000)
     this.#panels.note('Picture saved')
   }
@@ -451,7 +480,7 @@ export class Viewer extends HTMLElement {
   /** The mouse looks around without a button, until Escape. */
   #capture() {
     this.#setMode('fly')
-    this.#ui.stage.requestPointerLock?.()
+    this.#ui.stage.requestPointerLock?.()?.catch(() => this.#panels.note('This browser keeps the mouse to itself'))
   }
 
   #press(key) {

@@ -6,10 +6,27 @@ const isView = (v) =>
   v?.rotation?.length === 3 &&
   v.rotation.every((row) => hasNumbers(row, 3)) &&
   hasNumbers(v.position, 3) &&
+  [v.cx, v.cy].every((c) => c === undefined || Number.isFinite(c)) &&
   v.fx > 0 &&
   v.height > 0
 
-export const nameOf = (url) => decodeURIComponent(new URL(url, document.baseURI).pathname.split('/').pop()) || 'scene'
+export function addressOf(url) {
+  try {
+    return new URL(url, document.baseURI).href
+  } catch {
+    throw new Error(`${url}: this is no address`)
+  }
+}
+
+/** The last part of an address; it may have any bytes. */
+export function nameOf(url) {
+  const name = url.split(/[?#]/)[0].split('/').pop()
+  try {
+    return decodeURIComponent(name) || 'scene'
+  } catch {
+    return name
+  }
+}
 
 /** The views of a cameras.json. */
 export function viewsOf(name, text) {
@@ -25,7 +42,7 @@ export function viewsOf(name, text) {
 }
 
 export async function fetchViews(url) {
-  const answer = await fetch(new URL(url, document.baseURI)).catch(() => null)
+  const answer = await fetch(addressOf(url)).catch(() => null)
   if (!answer?.ok) throw new Error(`${nameOf(url)}: there are no views at this address`)
   return viewsOf(nameOf(url), await answer.text())
 }

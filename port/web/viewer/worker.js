@@ -68,6 +68,11 @@ const words = {
     canvas.addEventListener('webglcontextlost', () => postMessage({ stage: 'lost', id }))
   },
 
+  close(id) {
+    screens[id].free()
+    delete screens[id]
+  },
+
   /** On a screen; without one the pixels are the answer. */
   async draw(id, camera, options) {
     const start = performance.now()

@@ -172,7 +172,7 @@ export class Headset {
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.#layer.framebuffer)
     eyes.ground = this.#host.options().background
     gl.clear(gl.COLOR_BUFFER_BIT)
-    if (!eyes.cameras) return
+    if (!eyes.cameras || !this.#host.scene()) return
     views.forEach((view, i) => {
       const viewport = this.#layer.getViewport(view)
       const camera = this.#camera(view, viewport)

@@ -1,4 +1,8 @@
 # Sourced by the tests of the web port (docs/web.md), after check.sh.
+B=${B:-build}
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+scenes=${FXS_SCENES:-../shared/scenes}
 modules=${NODE_MODULES:-$B/page/node_modules}
 package=$B/web/package
 [ "${B#/}" = "$B" ] && package=$PWD/$package
@@ -41,11 +45,12 @@ at_most() {
     [ "$bytes" -le "$limit" ] || { echo "$bytes bytes gzipped, more than $limit"; return 1; }
 }
 
-# asks SCRIPT ARGUMENT...: the checks of a script of tests/web.
+# asks FILE ARGUMENT...: the checks of tests/web/FILE.
 asks() {
-    script=$1
+    file=$1
     shift
-    node "tests/web/$script" "$@" >"$work/asked" 2>&1 || echo "FAIL $script: a check above, or it ended early" >>"$work/asked"
+    node "tests/web/$file" "$package" "$work" "$modules" "$@" >"$work/asked" 2>&1 ||
+        echo "FAIL $file: a check above, or it ended early" >>"$work/asked"
     cat "$work/asked"
     passed=$((passed + $(grep -c '^ok ' "$work/asked"))) failed=$((failed + $(grep -c '^FAIL ' "$work/asked")))
 }
