@@ -220,6 +220,20 @@ static enum MHD_Result send_file(struct MHD_Connection *connection, const char *
     return send_answer(connection, part ? MHD_HTTP_PARTIAL_CONTENT : MHD_HTTP_OK, response);
 }
 
+static int is_local(const any_address *a)
+{
+    return a->any.sa_family == AF_INET6 ? IN6_IS_ADDR_LOOPBACK(&a->v6.sin6_addr)
+                                        : ntohl(a->v4.sin_addr.s_addr) >> 24 == 127;
+}
+
+/* Digits, or localhost: any other name may be one that a page elsewhere has made to mean this machine, to read from it. */
+static int is_own_host(const char *host)
+{
+    const size_t length = host ? strcspn(host, ":") : 0;
+    return !host || *host == '[' || strspn(host, "0123456789.") == length ||
+           (length == 9 && !strncasecmp(host, "localhost", 9));
+}
+
 static enum MHD_Result answer(void *self, struct MHD_Connection *connection, const char *name, const char *method,
                               const char *version, const char *body, size_t *body_bytes, void **state)
 {
@@ -238,6 +252,8 @@ static enum MHD_Result answer(void *self, struct MHD_Connection *connection, con
         *body_bytes = 0;   /* read, and of no use */
         return MHD_YES;
     }
+    if (is_local(&server->bound) && !is_own_host(header_of(connection, "Host")))
+        return send_words(connection, MHD_HTTP_MISDIRECTED_REQUEST, "this is localhost\n", 0, 0);
     const char *start = start_of(site, name);
     if (start)
         return send_words(connection, MHD_HTTP_FOUND, "", "Location", start);
@@ -378,12 +394,6 @@ static int is_any(const any_address *a)
 {
     return a->any.sa_family == AF_INET6 ? IN6_IS_ADDR_UNSPECIFIED(&a->v6.sin6_addr)
                                         : a->v4.sin_addr.s_addr == htonl(INADDR_ANY);
-}
-
-static int is_local(const any_address *a)
-{
-    return a->any.sa_family == AF_INET6 ? IN6_IS_ADDR_LOOPBACK(&a->v6.sin6_addr)
-                                        : ntohl(a->v4.sin_addr.s_addr) >> 24 == 127;
 }
 
 static void tell(const fxs_http_server *server, const any_address *a,

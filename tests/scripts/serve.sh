@@ -87,6 +87,12 @@ done
 for method in POST PUT DELETE OPTIONS; do
     check "$method: 405" equal "$(code -X $method -d 123 "$at/a.js")" 405
 done
+for host in evil.example evil.example:80 localhost.evil.example 1.2.evil localhostx; do
+    check "not as $host" equal "$(code -H "Host: $host" "$at/a.js")" 421
+done
+for host in localhost LOCALHOST:80 127.0.0.1 '[::1]:80'; do
+    check "as $host" equal "$(code -H "Host: $host" "$at/a.js")" 200
+done
 check "405: what is allowed" equal "$(header Allow -X POST -d 123 "$at/")" 'GET, HEAD'
 mv knot.ply away.ply
 check "a scene that went away: 404" equal "$(code "$at/scenes/1/knot.ply")" 404
