@@ -107,8 +107,8 @@ export const body = `
   ${button('full', 'Full screen (F)', ICONS.full)}
 </div>
 <p id="readout" class="ui" hidden></p>
-<div id="loading" class="panel card" role="status" hidden>
-  <p><span id="stageOf"></span> <span id="percent"></span></p>
+<div id="loading" class="panel card" hidden>
+  <p><span id="stageOf" role="status"></span> <span id="percent"></span></p>
   <progress id="bar" aria-label="Progress" max="1"></progress>
 </div>
 <div id="error" class="panel card" role="alert" hidden>
