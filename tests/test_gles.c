@@ -817,10 +817,27 @@ static int in_target(const subject *s, const fxs_gles_target *t, const uint8_t *
     return !differing_pixels(s, t, expected);
 }
 
+/* The target has the expected picture, with nothing changed beside it, and the caller's state is as it was. */
+static void check_target(const subject *s, fxs_gles *gles, caller *c, const fxs_gles_target *t,
+                         const uint8_t *expected)
+{
+    static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
+    state before, after;
+    GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, c->framebuffers[0]);
+    GL(DISABLE, Disable)(GL_SCISSOR_TEST);
+    GL(CLEARBUFFERFV, ClearBufferfv)(GL_COLOR, 0, beside);
+    upset(c);
+    dump(&before);
+    CHECK(!render(s, 0, gles, t, 0, 0, 0));
+    dump(&after);
+    CHECK(!memcmp(&before, &after, sizeof before));
+    settle();
+    CHECK(in_target(s, t, expected));
+}
+
 /* small: in windows, as far as it is drawn on a framebuffer of the back end's own. */
 static void target_by(int small)
 {
-    static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
     subject s;
     fake_limits(small, 0);
     OPEN_OR_SKIP(gles);
@@ -829,21 +846,12 @@ static void target_by(int small)
         return;
     uint8_t *expected = new_picture(&s);
     for (int i = 0; i < 4 * exact_ways(gles); i++) {
-        state before, after;
         s.format = i / 2 % 2 ? FXS_FORMAT_RGBA8_COVERAGE : FXS_FORMAT_RGBA8;
         const fxs_gles_target t = {.framebuffer = c.framebuffers[0], .x = 13, .y = 7, .format = s.format,
                                    .top_down = i % 2, .fetch = i / 4};
         CHECK(!render(&s, 0, 0, 0, expected, 111 * 4, 0));
         settle();
-        GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, c.framebuffers[0]);
-        GL(CLEARBUFFERFV, ClearBufferfv)(GL_COLOR, 0, beside);
-        upset(&c);
-        dump(&before);
-        CHECK(!render(&s, 0, gles, &t, 0, 0, 0));
-        dump(&after);
-        CHECK(!memcmp(&before, &after, sizeof before));
-        settle();
-        CHECK(in_target(&s, &t, expected));
+        check_target(&s, gles, &c, &t, expected);
     }
     const fxs_gles_target t = {.framebuffer = c.framebuffers[0], .format = FXS_FORMAT_RGB565};
     CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
@@ -865,7 +873,6 @@ static void target_in_windows(void)
 /* Quads: the bytes that they have on a framebuffer of the back end's own. */
 static void target_quads(void)
 {
-    static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
     subject s;
     OPEN_OR_SKIP(gles);
     caller c = make_caller();
@@ -874,21 +881,11 @@ static void target_quads(void)
     uint8_t *expected = new_picture(&s);
     fxs_gles_target t = {.framebuffer = c.framebuffers[0], .x = 13, .y = 7, .quads = 1};
     for (int i = 0; i < 4; i++) {
-        state before, after;
         t.format = s.format = i / 2 ? FXS_FORMAT_RGBA8_COVERAGE : FXS_FORMAT_RGBA8;
         t.top_down = i % 2;
         settle();
         CHECK(!render(&s, fxs_gles_draw_quads, gles, 0, expected, 111 * 4, 0));
-        GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, c.framebuffers[0]);
-        GL(DISABLE, Disable)(GL_SCISSOR_TEST);
-        GL(CLEARBUFFERFV, ClearBufferfv)(GL_COLOR, 0, beside);
-        upset(&c);
-        dump(&before);
-        CHECK(!render(&s, 0, gles, &t, 0, 0, 0));
-        dump(&after);
-        CHECK(!memcmp(&before, &after, sizeof before));
-        settle();
-        CHECK(in_target(&s, &t, expected));
+        check_target(&s, gles, &c, &t, expected);
     }
     t.backdrop = 1;
     t.format = FXS_FORMAT_RGBA8;
