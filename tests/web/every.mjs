@@ -1,5 +1,5 @@
 // node every.mjs PACKAGE SCENES MODULES PICTURES COMMAND: every scene of SCENES/real in the viewer's page, with one and
-// two threads, by the processor and by WebGL 2, against the command; and 50 scenes opened and closed. What
+// two threads, by the processor and by WebGL 2, against the command; and 100 scenes opened and closed. What
 // tests/scripts/page.sh asks for make test-all.
 import assert from 'node:assert/strict'
 import { readFileSync, readdirSync } from 'node:fs'
@@ -21,11 +21,15 @@ const time = () =>
     v.addEventListener('picture', ({ detail }) => done(Math.round(detail.milliseconds)), { once: true });
     v.setAttribute('background', '#0e1116') })`)
 
+/** Threads that there are beside the one of the scene. */
+const helpers = () => page.workers().filter((worker) => worker.url().endsWith('/thread.js')).length
+
 for (const file of files)
   tests[file] = async () => {
     const times = []
     for (const threads of [1, 2]) {
       await open(`?scene=/scenes/real/${file}&backend=wasm&threads=${threads}`, ...SIZE)
+      assert.equal(helpers(), threads - 1)
       const exact = native(`real/${file}`, await viewOf(), SIZE.join('x'))
       for (const backend of ['wasm', 'webgl2']) {
         await inside(`v.setAttribute('backend', args[0])`, backend)
