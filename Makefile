@@ -94,9 +94,12 @@ isa = $(if $(filter kernels/%,$(1)),-fwrapv $(if $(filter -O2,$(CFLAGS)),-O3)) $
       -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi $(CLANG_14))))
 
 with = $(if $(filter $(1),$(FOUND)),$(wildcard $(2)))
-CORE := $(wildcard src/*.c kernels/*.c) $(if $(KERNEL_FOLDER),$(wildcard kernels/$(KERNEL_FOLDER)/*.c))
+KERNELS := $(if $(KERNEL_FOLDER),$(wildcard kernels/$(KERNEL_FOLDER)/*.c))
+FIT_KERNELS := $(wildcard $(if $(KERNEL_FOLDER),kernels/$(KERNEL_FOLDER)/fit_*.c))
+CORE := $(wildcard src/*.c kernels/*.c) $(filter-out $(FIT_KERNELS),$(KERNELS))
 DEVICES := $(call with,GLES,kernels/gles/*.c) $(call with,CUDA,kernels/cuda/cuda.cu)
-PORT := $(wildcard $(addprefix port/,$(addsuffix /*.c,files scene camera image import posix world backend board)))
+PORT := $(wildcard $(addprefix port/,$(addsuffix /*.c,files scene camera image import posix world backend board fit))) \
+        $(FIT_KERNELS)
 PORT += $(if $(filter GLES,$(FOUND)),$(call with,EGL,port/egl/*.c) $(call with,OSMESA,port/osmesa/*.c))
 WINDOW := $(if $(call with,SDL,port/window/*.c),$(wildcard port/window/*.c) tools/viewer.c)
 SERVER := $(call with,MICROHTTPD,port/http/*.c)

@@ -3,6 +3,7 @@
 #   src      -> src; <stdint.h>, <stddef.h>, and <string.h> in memory.h alone
 #   kernels  -> src, kernels; an instruction set kernels/lanes, which includes src alone, and never another; intrinsics
 #               headers (not in lanes), and GPU headers in cuda and gles
+#               fit_* of an instruction set includes port/fit/stages.h alone
 #   port     -> port, the public headers of src and kernels, and gl.h, which lists the functions that gles calls
 #   tools    -> tools, the public headers of src, kernels and port
 # and src and kernels neither allocate nor print.
@@ -26,6 +27,7 @@ quoted() {
     case $1 in
     src/*) allowed='src/.*' ;;
     kernels/lanes/*) allowed='src/.*|kernels/lanes/.*' ;;
+    kernels/*/fit_*) allowed="port/fit/stages\.h|kernels/[^/]*" ;;
     kernels/*/*) allowed="src/.*|$(dirname "$1")/.*|kernels/lanes/.*|kernels/[^/]*" ;;
     kernels/*) allowed='src/.*|kernels/.*' ;;
     port/*) allowed="port/.*|$public|kernels/gles/gl\.h" ;;

@@ -1,0 +1,276 @@
+/* project and update: from the parameters of LANES Gaussians to splats, and back. Derivatives: Kerbl et al. 2023,
+ * appendix A; Zwicker et al. 2002 for the Jacobian. */
+#ifndef FXS_FIT_GAUSSIAN_H
+#define FXS_FIT_GAUSSIAN_H
+
+#include "lanes.h"
+#include "stage.h"
+
+/* What project finds, and update needs again. Sigma on the picture = T T^t + 0.3, T = M R S, M = J W: the rows of M are
+   f / z (W_i - slope W_2). */
+typedef struct shape {
+    real offset[3];                /* position - eye */
+    real in_camera[3], inverse_z;
+    real slope[2], cut_slope[2];   /* x / z, y / z; as the Jacobian takes them */
+    real m[2][3], rotation[3][3], length, unit[4];   /* length: one over that of the quaternion */
+    real scale[3], v[2][3], t[2][3];    /* V = M R */
+    real ux, uy, vy, a, c;
+} shape;
+
+static inline real dot3(const real *a, const real *b)
+{
+    return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
+}
+
+static inline void rotation_of(const real q[4], real r[3][3])
+{
+    const real x2 = q[1] + q[1], y2 = q[2] + q[2], z2 = q[3] + q[3];
+    const real xx = x2 * q[1], yy = y2 * q[2], zz = z2 * q[3], xy = x2 * q[2], xz = x2 * q[3], yz = y2 * q[3];
+    const real wx = x2 * q[0], wy = y2 * q[0], wz = z2 * q[0];
+    r[0][0] = 1.0f - (yy + zz), r[0][1] = xy - wz, r[0][2] = xz + wy;
+    r[1][0] = xy + wz, r[1][1] = 1.0f - (xx + zz), r[1][2] = yz - wx;
+    r[2][0] = xz - wy, r[2][1] = yz + wx, r[2][2] = 1.0f - (xx + yy);
+}
+
+/* `at`: the Gaussians' first parameter, from plane to plane `stride`. */
+static inline void find_shape(shape *s, const fxs_fit_camera *camera, const float *at, size_t stride)
+{
+    real w[3][3];
+    for (int i = 0; i < 9; i++)
+        w[i / 3][i % 3] = all(camera->rotation[i]);
+    for (int i = 0; i < 3; i++)
+        s->offset[i] = load(at + (FXS_FIT_POSITION + i) * (ptrdiff_t)stride) - camera->eye[i];
+    for (int i = 0; i < 3; i++)
+        s->in_camera[i] = dot3(w[i], s->offset);
+    s->inverse_z = 1.0f / s->in_camera[2];
+    for (int i = 0; i < 2; i++) {
+        s->slope[i] = s->in_camera[i] * s->inverse_z;
+        s->cut_slope[i] = least(most(s->slope[i], all(-camera->slope_most[i])), all(camera->slope_most[i]));
+        for (int k = 0; k < 3; k++)
+            s->m[i][k] = (camera->focal[i] * s->inverse_z) * (w[i][k] - s->cut_slope[i] * w[2][k]);
+    }
+    real q[4];
+    for (int i = 0; i < 4; i++)
+        q[i] = load(at + (FXS_FIT_ROTATION + i) * (ptrdiff_t)stride);
+    s->length = 1.0f / root((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3]));
+    for (int i = 0; i < 4; i++)
+        s->unit[i] = q[i] * s->length;
+    rotation_of(s->unit, s->rotation);
+    for (int j = 0; j < 3; j++) {
+        s->scale[j] = exp_e(load(at + (FXS_FIT_SCALE + j) * (ptrdiff_t)stride));
+        for (int i = 0; i < 2; i++) {
+            s->v[i][j] = (s->m[i][0] * s->rotation[0][j] + s->m[i][1] * s->rotation[1][j]) +
+                         s->m[i][2] * s->rotation[2][j];
+            s->t[i][j] = s->v[i][j] * s->scale[j];
+        }
+    }
+    /* det = |T_0 x T_1|^2 + 0.3 (A + C) + 0.09, where nothing cancels */
+    const real a = dot3(s->t[0], s->t[0]), b = dot3(s->t[0], s->t[1]), c = dot3(s->t[1], s->t[1]);
+    const real cross[3] = {s->t[0][1] * s->t[1][2] - s->t[0][2] * s->t[1][1],
+                           s->t[0][2] * s->t[1][0] - s->t[0][0] * s->t[1][2],
+                           s->t[0][0] * s->t[1][1] - s->t[0][1] * s->t[1][0]};
+    const real det = (dot3(cross, cross) + FXS_FIT_DILATION * (a + c)) + FXS_FIT_DILATION * FXS_FIT_DILATION;
+    s->a = a + FXS_FIT_DILATION;
+    s->c = c + FXS_FIT_DILATION;
+    s->vy = 1.0f / root(s->c);
+    s->ux = root(s->c / det);
+    s->uy = -(b / s->c) * s->ux;
+}
+
+/* ---- Colour ------------------------------------------------------------------------------------------------------ */
+
+#define SH_COUNT(degree) (((degree) + 1) * ((degree) + 1) - 1)
+
+/* Real SH of degrees 1 to 3, with the signs of Inria's files. */
+static inline void basis_of(const real d[3], int degree, real b[15])
+{
+    const real x = d[0], y = d[1], z = d[2], xx = x * x, yy = y * y, zz = z * z;
+    b[0] = -0.488602512f * y;
+    b[1] = 0.488602512f * z;
+    b[2] = -0.488602512f * x;
+    if (degree < 2)
+        return;
+    b[3] = 1.092548431f * (x * y);
+    b[4] = -1.092548431f * (y * z);
+    b[5] = 0.315391565f * ((2.0f * zz - xx) - yy);
+    b[6] = -1.092548431f * (x * z);
+    b[7] = 0.546274215f * (xx - yy);
+    if (degree < 3)
+        return;
+    b[8] = -0.590043590f * y * (3.0f * xx - yy);
+    b[9] = 2.890611443f * (x * y) * z;
+    b[10] = -0.457045799f * y * ((4.0f * zz - xx) - yy);
+    b[11] = 0.373176333f * z * ((2.0f * zz - 3.0f * xx) - 3.0f * yy);
+    b[12] = -0.457045799f * x * ((4.0f * zz - xx) - yy);
+    b[13] = 1.445305721f * z * (xx - yy);
+    b[14] = -0.590043590f * x * (xx - 3.0f * yy);
+}
+
+/* Adds to `out` the derivative of the sum of weight times basis along x, y and z. */
+static inline void add_basis_gradient(const real d[3], int degree, const real w[15], real out[3])
+{
+    const real x = d[0], y = d[1], z = d[2], xx = x * x, yy = y * y, zz = z * z;
+    out[0] = -0.488602512f * w[2];
+    out[1] = -0.488602512f * w[0];
+    out[2] = 0.488602512f * w[1];
+    if (degree < 2)
+        return;
+    out[0] += ((1.092548431f * y * w[3] - 0.630783131f * x * w[5]) - 1.092548431f * z * w[6]) +
+              1.092548431f * x * w[7];
+    out[1] += ((1.092548431f * x * w[3] - 1.092548431f * z * w[4]) - 0.630783131f * y * w[5]) -
+              1.092548431f * y * w[7];
+    out[2] += (1.261566261f * z * w[5] - 1.092548431f * y * w[4]) - 1.092548431f * x * w[6];
+    if (degree < 3)
+        return;
+    out[0] += ((((((-3.540261540f * (x * y) * w[8] + 2.890611443f * (y * z) * w[9]) + 0.914091598f * (x * y) * w[10]) -
+                  2.239057998f * (x * z) * w[11]) -
+                 0.457045799f * ((4.0f * zz - 3.0f * xx) - yy) * w[12]) +
+                2.890611443f * (x * z) * w[13]) -
+               1.770130770f * (xx - yy) * w[14]);
+    out[1] += ((((((-1.770130770f * (xx - yy) * w[8] + 2.890611443f * (x * z) * w[9]) -
+                   0.457045799f * ((4.0f * zz - xx) - 3.0f * yy) * w[10]) -
+                  2.239057998f * (y * z) * w[11]) +
+                 0.914091598f * (x * y) * w[12]) -
+                2.890611443f * (y * z) * w[13]) +
+               3.540261540f * (x * y) * w[14]);
+    out[2] += ((((2.890611443f * (x * y) * w[9] - 3.656366390f * (y * z) * w[10]) +
+                 1.119528999f * ((2.0f * zz - xx) - yy) * w[11]) -
+                3.656366390f * (x * z) * w[12]) +
+               1.445305721f * (xx - yy) * w[13]);
+}
+
+typedef struct look {
+    real inverse_length, direction[3], basis[15], colour[3];   /* colour: before it is cut at 0 */
+} look;
+
+static inline void find_look(look *l, const shape *s, int degree, const float *at, size_t stride)
+{
+    for (int c = 0; c < 3; c++)
+        l->colour[c] = load(at + (FXS_FIT_COLOUR + c) * (ptrdiff_t)stride) * 0.282094792f + 0.5f;
+    if (degree < 1)
+        return;
+    l->inverse_length = 1.0f / root(dot3(s->offset, s->offset));
+    for (int i = 0; i < 3; i++)
+        l->direction[i] = s->offset[i] * l->inverse_length;
+    basis_of(l->direction, degree, l->basis);
+    for (int k = 0; k < SH_COUNT(degree); k++)
+        for (int c = 0; c < 3; c++)
+            l->colour[c] += l->basis[k] * load(at + (FXS_FIT_SH + 3 * k + c) * (ptrdiff_t)stride);
+}
+
+/* ---- Back -------------------------------------------------------------------------------------------------------- */
+
+/* The gradient of LANES Gaussians from their sums over pixels; `sums` and `gradient` are planes of their own stride.
+   Lanes where nothing was drawn have sums of 0, and gradients of 0. */
+static inline void colour_gradient(const shape *s, int degree, const float *at, size_t stride, const real sums[],
+                                   real gradient[FXS_FIT_PARAMETERS], real along[3])
+{
+    look l;
+    real g[3], w[15], by_direction[3];
+    find_look(&l, s, degree, at, stride);
+    for (int c = 0; c < 3; c++) {
+        g[c] = choose(l.colour[c] > 0, sums[FXS_FIT_RED + c], all(0));
+        gradient[FXS_FIT_COLOUR + c] = 0.282094792f * g[c];
+        along[c] = all(0);
+    }
+    for (int k = 0; k < 15; k++)
+        for (int c = 0; c < 3; c++)
+            gradient[FXS_FIT_SH + 3 * k + c] = k < SH_COUNT(degree) ? l.basis[k] * g[c] : all(0);
+    if (degree < 1)
+        return;
+    for (int k = 0; k < SH_COUNT(degree); k++) {
+        const float *sh = at + (FXS_FIT_SH + 3 * k) * (ptrdiff_t)stride;
+        w[k] = (load(sh) * g[0] + load(sh + stride) * g[1]) + load(sh + 2 * stride) * g[2];
+    }
+    add_basis_gradient(l.direction, degree, w, by_direction);
+    const real radial = dot3(l.direction, by_direction);
+    for (int i = 0; i < 3; i++)
+        along[i] = (by_direction[i] - l.direction[i] * radial) * l.inverse_length;
+}
+
+/* dL/dT = 2 G T, G = -Q (sum of h d d^t / 2) Q, Q the inverse of Sigma. */
+static inline void covariance_gradient(const shape *s, const real sums[], real by_t[2][3])
+{
+    const real q00 = s->ux * s->ux, q01 = s->ux * s->uy, q11 = s->uy * s->uy + s->vy * s->vy;
+    const real xx = sums[FXS_FIT_SUM_XX], xy = sums[FXS_FIT_SUM_XY], yy = sums[FXS_FIT_SUM_YY];
+    const real p00 = q00 * xx + q01 * xy, p01 = q00 * xy + q01 * yy, p10 = q01 * xx + q11 * xy,
+               p11 = q01 * xy + q11 * yy;
+    const real g00 = p00 * q00 + p01 * q01, g01 = p00 * q01 + p01 * q11, g11 = p10 * q01 + p11 * q11;
+    for (int j = 0; j < 3; j++) {
+        by_t[0][j] = -(g00 * s->t[0][j] + g01 * s->t[1][j]);
+        by_t[1][j] = -(g01 * s->t[0][j] + g11 * s->t[1][j]);
+    }
+}
+
+/* dR/dq of a unit quaternion, then through its length. */
+static inline void rotation_gradient(const shape *s, const real r[3][3], real out[4])
+{
+    const real *q = s->unit;
+    real g[4];
+    g[0] = 2.0f * ((q[1] * (r[2][1] - r[1][2]) + q[2] * (r[0][2] - r[2][0])) + q[3] * (r[1][0] - r[0][1]));
+    g[1] = 2.0f * (((q[2] * (r[0][1] + r[1][0]) + q[3] * (r[0][2] + r[2][0])) + q[0] * (r[2][1] - r[1][2])) -
+                   2.0f * q[1] * (r[1][1] + r[2][2]));
+    g[2] = 2.0f * (((q[1] * (r[0][1] + r[1][0]) + q[3] * (r[1][2] + r[2][1])) + q[0] * (r[0][2] - r[2][0])) -
+                   2.0f * q[2] * (r[0][0] + r[2][2]));
+    g[3] = 2.0f * (((q[1] * (r[0][2] + r[2][0]) + q[2] * (r[1][2] + r[2][1])) + q[0] * (r[1][0] - r[0][1])) -
+                   2.0f * q[3] * (r[0][0] + r[1][1]));
+    const real along = (g[0] * q[0] + g[1] * q[1]) + (g[2] * q[2] + g[3] * q[3]);
+    for (int i = 0; i < 4; i++)
+        out[i] = (g[i] - q[i] * along) * s->length;
+}
+
+/* dL/dSlope of each axis, dL/d(1/z), and scale and rotation, from dL/dT and dL/dcentre. */
+static inline void shape_gradient(const shape *s, const fxs_fit_camera *camera, const real by_t[2][3],
+                                  const real by_centre[2], real gradient[FXS_FIT_PARAMETERS], real by_position[3])
+{
+    real by_m[2][3], by_rotation[3][3], by_camera[3], by_inverse_z = all(0);
+    for (int j = 0; j < 3; j++)
+        gradient[FXS_FIT_SCALE + j] = by_t[0][j] * s->t[0][j] + by_t[1][j] * s->t[1][j];
+    for (int i = 0; i < 2; i++) {
+        real by_v[3];
+        for (int j = 0; j < 3; j++)
+            by_v[j] = by_t[i][j] * s->scale[j];
+        for (int k = 0; k < 3; k++)
+            by_m[i][k] = dot3(by_v, s->rotation[k]);
+        for (int k = 0; k < 3; k++)
+            for (int j = 0; j < 3; j++)
+                by_rotation[k][j] = i ? by_rotation[k][j] + s->m[i][k] * by_v[j] : s->m[i][k] * by_v[j];
+    }
+    rotation_gradient(s, (const real(*)[3])by_rotation, gradient + FXS_FIT_ROTATION);
+    for (int i = 0; i < 2; i++) {
+        const real focal = all(camera->focal[i]);
+        const real row[3] = {all(camera->rotation[6]), all(camera->rotation[7]), all(camera->rotation[8])};
+        const whole is_free = s->slope[i] == s->cut_slope[i];
+        const real by_cut = -(focal * s->inverse_z) * dot3(by_m[i], row);
+        const real by_slope = focal * by_centre[i] + choose(is_free, by_cut, all(0));
+        by_inverse_z += dot3(by_m[i], s->m[i]) * s->in_camera[2] + by_slope * s->in_camera[i];
+        by_camera[i] = by_slope * s->inverse_z;
+    }
+    by_camera[2] = -(by_inverse_z * (s->inverse_z * s->inverse_z));
+    for (int k = 0; k < 3; k++)
+        by_position[k] = (camera->rotation[k] * by_camera[0] + camera->rotation[3 + k] * by_camera[1]) +
+                         camera->rotation[6 + k] * by_camera[2];
+}
+
+/* All of it. by_centre: dL/dcentre, pixels. */
+static inline void find_gradient(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
+                                 const real sums[FXS_FIT_SUMS], real gradient[FXS_FIT_PARAMETERS], real by_centre[2])
+{
+    shape s;
+    real by_t[2][3], along[3], by_position[3];
+    find_shape(&s, camera, at, stride);
+    /* dL/dcentre = h Q d, d = centre - pixel */
+    const real q01 = s.ux * s.uy;
+    by_centre[0] = -(s.ux * s.ux * sums[FXS_FIT_SUM_X] + q01 * sums[FXS_FIT_SUM_Y]);
+    by_centre[1] = -(q01 * sums[FXS_FIT_SUM_X] + (s.uy * s.uy + s.vy * s.vy) * sums[FXS_FIT_SUM_Y]);
+    covariance_gradient(&s, sums, by_t);
+    shape_gradient(&s, camera, (const real(*)[3])by_t, by_centre, gradient, by_position);
+    colour_gradient(&s, degree, at, stride, sums, gradient, along);
+    for (int i = 0; i < 3; i++)
+        gradient[FXS_FIT_POSITION + i] = by_position[i] + along[i];
+    /* dL/do = -sum of h / o, times o (1 - o) */
+    const real opacity = 1.0f / (1.0f + exp_e(-load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
+    gradient[FXS_FIT_OPACITY] = -sums[FXS_FIT_SUM] * (1.0f - opacity);
+}
+
+#endif

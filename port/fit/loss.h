@@ -1,0 +1,44 @@
+/* loss: 0.8 |a - b| + 0.2 (1 - SSIM(a, b)), a the picture, b the photograph; the sum over pixels and channels, and its
+ * gradient. SSIM: Wang et al. 2004, windows of 11x11, sigma 1.5, zeros beyond the edges. */
+#ifndef FXS_FIT_LOSS_H
+#define FXS_FIT_LOSS_H
+
+#include "lanes.h"
+
+#define FXS_FIT_WINDOW 11
+
+static const float fxs_fit_window[FXS_FIT_WINDOW] = {
+    0.00102838008f, 0.00759875814f, 0.0360007721f, 0.10936069f, 0.213005538f, 0.266011725f,
+    0.213005538f, 0.10936069f, 0.0360007721f, 0.00759875814f, 0.00102838008f};
+
+/* A weighted sum of 11 numbers, `step` apart, around `at`. */
+static inline real window_sum(const float *at, ptrdiff_t step)
+{
+    real sum = load(at - 5 * step) * fxs_fit_window[0];
+    for (int i = 1; i < FXS_FIT_WINDOW; i++)
+        sum += load(at + (i - 5) * step) * fxs_fit_window[i];
+    return sum;
+}
+
+typedef struct similarity {
+    real value, by_mean, by_square, by_product;   /* SSIM; its derivatives by the means of a, a^2 and ab */
+} similarity;
+
+/* mean_a...: sums over the window of a, b, a^2, b^2, ab. */
+static inline similarity similarity_of(real mean_a, real mean_b, real aa, real bb, real ab)
+{
+    const real c1 = all(0.0001f), c2 = all(0.0009f);
+    const real product = mean_a * mean_b, squares = mean_a * mean_a + mean_b * mean_b;
+    const real luminance = 2.0f * product + c1, structure = 2.0f * (ab - product) + c2;
+    const real below_l = squares + c1, below_s = ((aa + bb) - squares) + c2;
+    const real inverse = 1.0f / (below_l * below_s), value = luminance * structure * inverse;
+    similarity s;
+    s.value = value;
+    s.by_product = 2.0f * luminance * inverse;
+    s.by_square = -(value / below_s);
+    s.by_mean = 2.0f * mean_b * (structure - luminance) * inverse -
+                2.0f * mean_a * (value / below_l - value / below_s);
+    return s;
+}
+
+#endif

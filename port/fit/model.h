@@ -1,0 +1,44 @@
+/* The Gaussians of a fit, and how their number changes. */
+#ifndef FXS_FIT_MODEL_H
+#define FXS_FIT_MODEL_H
+
+#include "stepper.h"
+
+typedef struct fxs_fit_point {
+    float position[3];
+    uint8_t colour[3];
+} fxs_fit_point;
+
+/* Begins with a Gaussian at each point: as wide as its three neighbours are far (root of their mean square), of this
+   opacity and the point's colour. Returns 0 or FXS_ERR_MEMORY. */
+int fxs_fit_model_begin(fxs_fit_model *model, const fxs_fit_point *points, size_t count, float opacity);
+void fxs_fit_model_free(fxs_fit_model *model);
+
+/* Where a Gaussian of the next model comes from. */
+enum { FXS_FIT_KEPT, FXS_FIT_CLONE, FXS_FIT_CHILD };
+typedef struct fxs_fit_origin {
+    uint32_t source;
+    uint32_t kind;                 /* KEPT: with Adam's moments; the others with moments of 0 */
+} fxs_fit_origin;
+
+/* Makes it the model of these. Sums of densification become 0. Returns 0, or FXS_ERR_MEMORY and the model as it was. */
+int fxs_fit_model_rebuild(fxs_fit_model *model, const fxs_fit_origin *origins, size_t count);
+
+typedef struct fxs_fit_densify {
+    float gradient;                /* mean length of dL/dcentre, in halves of the picture, from which on it is taken */
+    float small, large;            /* scene units: up to `small` it is cloned, else split; above `large` it goes */
+    float opacity;                 /* the least that stays */
+    size_t most;                   /* Gaussians */
+    uint64_t seed, step;
+} fxs_fit_densify;
+
+/* Clones, splits and prunes. Returns 0 or FXS_ERR_MEMORY. */
+int fxs_fit_model_densify(fxs_fit_model *model, const fxs_fit_densify *densify);
+
+/* Opacities above this become it, and Adam forgets them. */
+void fxs_fit_model_reset_opacity(fxs_fit_model *model, float opacity);
+
+/* Puts the Gaussians along a Morton curve, so that neighbours share blocks. Returns 0 or FXS_ERR_MEMORY. */
+int fxs_fit_model_order(fxs_fit_model *model);
+
+#endif

@@ -1,0 +1,36 @@
+/* Random numbers by a counter: the same for the same (seed, step, index), whoever asks first. */
+#ifndef FXS_FIT_RANDOM_H
+#define FXS_FIT_RANDOM_H
+
+#include <stdint.h>
+
+/* Mixes 64 bits (the finaliser of splitmix64: Steele, Lea, Flood 2014). */
+static inline uint64_t fxs_fit_mix(uint64_t x)
+{
+    x += 0x9e3779b97f4a7c15u;
+    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+    return x ^ x >> 31;
+}
+
+static inline uint64_t fxs_fit_random(uint64_t seed, uint64_t step, uint64_t index)
+{
+    return fxs_fit_mix(fxs_fit_mix(fxs_fit_mix(seed) ^ step) ^ index);
+}
+
+/* 0 to 1, without 1 */
+static inline float fxs_fit_uniform(uint64_t random)
+{
+    return (float)(random >> 40) * 0x1p-24f;
+}
+
+/* Nearly normal, deviation 1: the sum of twelve uniform numbers of 16 bits, less 6. `random`: three numbers. */
+static inline float fxs_fit_normal(const uint64_t random[3])
+{
+    int32_t sum = -6 * 65536;
+    for (int i = 0; i < 12; i++)
+        sum += (int32_t)(random[i / 4] >> 16 * (i % 4) & 65535);
+    return (float)sum * 0x1p-16f;
+}
+
+#endif

@@ -1,0 +1,52 @@
+/* A step: all stages for one photograph. What a step needs beside the parameters is allocated once and grows. */
+#ifndef FXS_FIT_STEPPER_H
+#define FXS_FIT_STEPPER_H
+
+#include "../../src/fixsplat.h"
+#include "stage.h"
+
+typedef struct fxs_fit_stepper fxs_fit_stepper;
+
+typedef struct fxs_fit_photograph {
+    const uint8_t *pixels;         /* red, green, blue, rows without gaps; of camera's size */
+    fxs_fit_camera camera;
+} fxs_fit_photograph;
+
+/* The parameters of `count` Gaussians, Adam's two moments of them, and sums for the densification. `stride` is `count`
+   rounded up to FXS_FIT_BLOCK, or more; what is beyond `count` is 0 but the quaternions' w. */
+typedef struct fxs_fit_model {
+    size_t count, stride;
+    float *parameters, *means, *squares;        /* FXS_FIT_PARAMETERS planes each */
+    float *by_centre, *views;      /* sums of |dL/dcentre|, and of steps in which a Gaussian was in the picture */
+} fxs_fit_model;
+
+typedef struct fxs_fit_step_options {
+    int sh_degree;
+    float background[3];
+    float rate[FXS_FIT_PARAMETERS];
+    uint32_t number;               /* of the step, from 1 on */
+} fxs_fit_step_options;
+
+typedef struct fxs_fit_report {
+    double absolute, dissimilar;   /* means of |a - b| and of 1 - SSIM over pixels and channels */
+    uint64_t entries;
+    uint32_t visible;
+    size_t gaussians;              /* after the step */
+    uint64_t nanoseconds[6];       /* project, list, blend, loss, back, update; with a clock */
+} fxs_fit_report;
+
+/* `run` and `pool`: as in fxs_config. Null where memory ends. */
+fxs_fit_stepper *fxs_fit_stepper_create(const fxs_fit_stages *stages, fxs_run_fn *run, void *pool, uint32_t threads,
+                                  fxs_clock_fn *clock);
+void fxs_fit_stepper_free(fxs_fit_stepper *step);
+
+/* Draws the model as the camera sees it: planes red, green, blue, `stride` of the picture's. For tests and previews.
+   Returns 0 or FXS_ERR_MEMORY. */
+int fxs_fit_draw(fxs_fit_stepper *step, const fxs_fit_model *model, const fxs_fit_camera *camera,
+                 const fxs_fit_step_options *options, fxs_fit_plane planes[3]);
+
+/* One step of the fit. Returns 0 or FXS_ERR_MEMORY. */
+int fxs_fit_stepper_step(fxs_fit_stepper *step, fxs_fit_model *model, const fxs_fit_photograph *photograph,
+                    const fxs_fit_step_options *options, fxs_fit_report *report);
+
+#endif
