@@ -1,10 +1,10 @@
 /* The stages of a step, and the data between them.
  *
  *   project   parameters -> splats in the picture
- *   list      splats -> for each tile of 16x16 pixels, those that touch it, near to far
+ *   bin       splats -> for each tile of 16x16 pixels, those that touch it, near to far
  *   blend     a tile's list -> its pixels
  *   loss      pixels, photograph -> the gradient of the pixels
- *   return    a tile's list, the gradient of its pixels -> sums for each splat of the list
+ *   back      a tile's list, the gradient of its pixels -> sums for each splat of the list
  *   update    those sums -> gradients of the parameters -> parameters, by Adam
  *
  * Numbers are IEEE single precision; sums have the order that is said here, whatever the threads and lanes. */

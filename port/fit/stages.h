@@ -76,7 +76,7 @@ static void NAMED(fxs_fit_back_, ISA)(const fxs_fit_splat *splats, const fxs_fit
                                       int32_t left, int32_t top, const fxs_fit_tile_gradient *gradient,
                                       float (*sums)[FXS_FIT_SUMS])
 {
-    return_tile(splats, entries, count, left, top, gradient, sums);
+    back_tile(splats, entries, count, left, top, gradient, sums);
 }
 
 /* ---- loss -------------------------------------------------------------------------------------------------------- */

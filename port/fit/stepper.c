@@ -1,4 +1,4 @@
-/* A step of the fit: project, list, blend, loss, back, update. */
+/* A step of the fit: project, bin, blend, loss, back, update. */
 #include "stepper.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 #include "span.h"
 
 enum { JOB = 4096 };               /* Gaussians of a job */
-enum { PROJECT, LIST, BLEND, LOSS, BACK, UPDATE };
+enum { PROJECT, BIN, BLEND, LOSS, BACK, UPDATE };
 
 typedef struct block {
     void *memory;
@@ -104,7 +104,7 @@ static void project_job(void *argument, uint32_t job)
                        job_count(s, job), s->splats.memory);
 }
 
-/* ---- list -------------------------------------------------------------------------------------------------------- */
+/* ---- bin --------------------------------------------------------------------------------------------------------- */
 
 typedef struct key {
     uint32_t depth, splat;
@@ -178,7 +178,7 @@ static void fill_entries(fxs_fit_stepper *s, const key *keys, uint32_t *starts, 
 }
 
 /* counts: the first entry of each tile, then how many each needed. */
-static int make_lists(fxs_fit_stepper *s)
+static int bin(fxs_fit_stepper *s)
 {
     key *keys = room(&s->keys, 2 * s->model->stride * sizeof *keys);
     uint32_t *starts = room(&s->counts, (2 * s->tile_count + 1) * sizeof *starts);
@@ -438,13 +438,13 @@ static int draw(fxs_fit_stepper *s, fxs_fit_report *report)
     const uint64_t start = now(s);
     run(s, project_job, gaussian_jobs(s));
     const uint64_t projected = now(s);
-    if (make_lists(s))
+    if (bin(s))
         return FXS_ERR_MEMORY;
-    const uint64_t listed = now(s);
+    const uint64_t binned = now(s);
     run(s, blend_job, s->tile_count);
     report->nanoseconds[PROJECT] = projected - start;
-    report->nanoseconds[LIST] = listed - projected;
-    report->nanoseconds[BLEND] = now(s) - listed;
+    report->nanoseconds[BIN] = binned - projected;
+    report->nanoseconds[BLEND] = now(s) - binned;
     report->entries = s->entry_count;
     report->visible = s->visible;
     return 0;
@@ -478,12 +478,12 @@ int fxs_fit_stepper_step(fxs_fit_stepper *s, fxs_fit_model *model, const fxs_fit
     find_loss(s);
     const uint64_t compared = now(s);
     run(s, back_job, s->tile_count);
-    const uint64_t returned = now(s);
+    const uint64_t passed_back = now(s);
     set_adam(s);
     run(s, update_job, gaussian_jobs(s));
     report->nanoseconds[LOSS] = compared - drawn;
-    report->nanoseconds[BACK] = returned - compared;
-    report->nanoseconds[UPDATE] = now(s) - returned;
+    report->nanoseconds[BACK] = passed_back - compared;
+    report->nanoseconds[UPDATE] = now(s) - passed_back;
     report_loss(s, report);
     return 0;
 }

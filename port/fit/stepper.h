@@ -32,7 +32,7 @@ typedef struct fxs_fit_report {
     uint64_t entries;
     uint32_t visible;
     size_t gaussians;              /* after the step */
-    uint64_t nanoseconds[6];       /* project, list, blend, loss, back, update; with a clock */
+    uint64_t nanoseconds[6];       /* project, bin, blend, loss, back, update; with a clock */
 } fxs_fit_report;
 
 /* `run` and `pool`: as in fxs_config. Null where memory ends. */
