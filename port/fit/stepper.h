@@ -25,6 +25,7 @@ typedef struct fxs_fit_step_options {
     float background[3];
     float rate[FXS_FIT_PARAMETERS];
     uint32_t number;               /* of the step, from 1 on */
+    int only_touched;              /* Adam leaves Gaussians as they are that no pixel took anything of */
 } fxs_fit_step_options;
 
 typedef struct fxs_fit_report {
