@@ -12,7 +12,7 @@
 /* ---- project ----------------------------------------------------------------------------------------------------- */
 
 /* Planes of LANES numbers to LANES splats. */
-static void put_splats(const fxs_fit_camera *camera, const real *numbers, int count, fxs_fit_splat *splats)
+static void put_splats(const real *numbers, int count, fxs_fit_splat *splats)
 {
     float out[16][LANES];
     for (int i = 0; i < count; i++)
@@ -21,7 +21,6 @@ static void put_splats(const fxs_fit_camera *camera, const real *numbers, int co
         float *to = splats[i].centre;
         for (int k = 0; k < count; k++)
             to[k] = out[k][i];
-        splats[i].tiles = splats[i].depth > 0 ? cover(camera, &splats[i], NULL) : 0;
     }
 }
 
@@ -47,15 +46,18 @@ static void project_lanes(const fxs_fit_camera *camera, int degree, const float 
         return;
     }
     find_look(&l, &s, degree, at, stride);
-    const real tip = -(radius * s.uy) / (s.vy * root(s.uy * s.uy + s.vy * s.vy));
     /* not a number, or beyond all measure: not seen, so nothing comes of it */
     seen = both(seen, below(s.ux, all(1e6f)));
     for (int c = 0; c < 3; c++)
         seen = both(seen, below(l.colour[c], all(1e6f)));
-    const real numbers[] = {x, y, s.ux * FXS_FIT_UNIT, s.uy * FXS_FIT_UNIT, s.vy * FXS_FIT_UNIT, offset, limit,
+    ellipses e = {.x = x, .y = y, .ux = s.ux * FXS_FIT_UNIT, .uy = s.uy * FXS_FIT_UNIT, .vy = s.vy * FXS_FIT_UNIT,
+                  .radius2 = radius * radius * (FXS_FIT_UNIT * FXS_FIT_UNIT), .half_y = half_y,
+                  .tip = -(radius * s.uy) / (s.vy * root(s.uy * s.uy + s.vy * s.vy))};
+    find_rows(camera, seen, &e);
+    const real numbers[] = {x, y, e.ux, e.uy, e.vy, offset, limit,
                             most(l.colour[0], all(0)), most(l.colour[1], all(0)), most(l.colour[2], all(0)),
-                            keep(seen, s.in_camera[2]), half_x, half_y, tip};
-    put_splats(camera, numbers, sizeof numbers / sizeof *numbers, splats);
+                            keep(seen, s.in_camera[2]), e.radius2, half_y, e.tip, count_tiles(camera, &e)};
+    put_splats(numbers, sizeof numbers / sizeof *numbers, splats);
 }
 
 static void NAMED(fxs_fit_project_, ISA)(const fxs_fit_camera *camera, int degree, const float *parameters,
@@ -67,12 +69,34 @@ static void NAMED(fxs_fit_project_, ISA)(const fxs_fit_camera *camera, int degre
 
 /* ---- Tiles ------------------------------------------------------------------------------------------------------- */
 
+static void cover_lanes(const fxs_fit_camera *camera, const fxs_fit_splat *splats, fxs_fit_piece *pieces)
+{
+    float numbers[16][LANES];
+    fxs_fit_piece *out[LANES];
+    ellipses e;
+    for (int i = 0; i < LANES; i++) {
+        const float *from = splats[i].centre;
+        for (int k = 0; k < 14; k++)
+            numbers[k][i] = from[k];
+        out[i] = pieces + splats[i].slot;
+    }
+    e.x = load(numbers[0]);
+    e.y = load(numbers[1]);
+    e.ux = load(numbers[2]);
+    e.uy = load(numbers[3]);
+    e.vy = load(numbers[4]);
+    e.radius2 = load(numbers[11]);
+    e.half_y = load(numbers[12]);
+    e.tip = load(numbers[13]);
+    find_rows(camera, below(all(0), load(numbers[10])), &e);
+    put_pieces(camera, &e, out);
+}
+
 static void NAMED(fxs_fit_cover_, ISA)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first,
                                        size_t count, fxs_fit_piece *pieces)
 {
-    for (size_t i = first; i < first + count; i++)
-        if (splats[i].depth > 0)
-            cover(camera, &splats[i], pieces + splats[i].slot);
+    for (size_t i = first; i < first + count; i += LANES)
+        cover_lanes(camera, splats + i, pieces);
 }
 
 static uint32_t NAMED(fxs_fit_blend_, ISA)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count,

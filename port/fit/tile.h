@@ -194,7 +194,7 @@ static inline void back_splat(const fxs_fit_splat *from, uint32_t blocks, const 
     add_places((const float(*)[PLACES])of_places, sums);
 }
 
-/* The first `count` entries of a list, as many as blend took, and as it left them; the sums of each. */
+/* The first `count` entries of a list, as many as blend took, and as it left them; the sums of each to its slot. */
 static inline void back(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
                         int32_t top, const fxs_fit_tile_gradient *g, float (*sums)[FXS_FIT_SUMS])
 {
@@ -205,9 +205,9 @@ static inline void back(const fxs_fit_splat *splats, const fxs_fit_entry *entrie
     for (uint32_t e = 0; e < count; e++) {
         __builtin_prefetch(&splats[entries[e + 8 < count ? e + 8 : e].splat]);
         if (entries[e].blocks)
-            back_splat(&splats[entries[e].splat], entries[e].blocks, g, &p, left, top, sums[e]);
+            back_splat(&splats[entries[e].splat], entries[e].blocks, g, &p, left, top, sums[entries[e].slot]);
         else
-            memset(sums[e], 0, sizeof *sums);
+            memset(sums[entries[e].slot], 0, sizeof *sums);
     }
 }
 
