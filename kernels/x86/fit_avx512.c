@@ -7,4 +7,5 @@
 #define AT_MOST(a, b) _mm512_cmp_ps_mask((__m512)(a), (__m512)(b), _CMP_LE_OQ)
 #define ANY(which) ((which) != 0)
 #define CHOOSE(which, a, b) ((real)_mm512_mask_blend_ps(which, (__m512)(b), (__m512)(a)))
+#define BITS(which) ((uint32_t)(which))
 #include "../../port/fit/stages.h"

@@ -1,5 +1,5 @@
 /* The operations of the fit's texts (gaussian.h, tile.h, loss.h, ...) on LANES numbers. Without LANES it is the
- * instance of one, plain C. Others define LANES and MASK, ROOT, BELOW, AT_MOST, ANY and CHOOSE first, as
+ * instance of one, plain C. Others define LANES and MASK, ROOT, BELOW, AT_MOST, ANY, CHOOSE and BITS first, as
  * kernels/x86/fit_avx2.c: vectors of GCC and clang.
  * Every operation is that of IEEE single precision, one by one, so the instances have the same bytes. */
 #ifndef FXS_FIT_LANES_H
@@ -37,6 +37,12 @@ static inline int any(mask which)
 static inline real choose(mask which, real a, real b)
 {
     return which ? a : b;
+}
+
+/* A bit for each lane. */
+static inline uint32_t bits_of_mask(mask which)
+{
+    return which != 0;
 }
 
 static inline real all(float x)
@@ -86,6 +92,11 @@ static inline int any(mask which)
 static inline real choose(mask which, real a, real b)
 {
     return CHOOSE(which, a, b);
+}
+
+static inline uint32_t bits_of_mask(mask which)
+{
+    return BITS(which);
 }
 
 static inline real all(float x)

@@ -54,13 +54,8 @@ typedef struct fxs_fit_splat {
     uint32_t slot;                 /* of the first one's sums: the others follow, row by row */
 } fxs_fit_splat;
 
-/* A splat in a tile: its blocks of 4x4 pixels, a bit each, row by row. */
-typedef struct fxs_fit_piece {
-    uint32_t tile, blocks;
-} fxs_fit_piece;
-
-/* A splat in a tile's list: its number, where its sums over this tile go, and its blocks, of which blend leaves only those
-   in which a pixel takes of it. */
+/* A splat in a tile's list: its number, where its sums over this tile go, and, found by blend, the blocks of 4x4 pixels
+   that take of it, a bit each, row by row. */
 typedef struct fxs_fit_entry {
     uint32_t splat, slot, blocks;
 } fxs_fit_entry;
@@ -112,10 +107,9 @@ typedef struct fxs_fit_stages {
     /* Splats of Gaussians first..first + count; both multiples of FXS_FIT_BLOCK. */
     void (*project)(const fxs_fit_camera *camera, int degree, const float *parameters, size_t stride, size_t first,
                     size_t count, fxs_fit_splat *splats);
-    /* The pieces of splats first..first + count, both multiples of FXS_FIT_BLOCK, to their slots. */
-    void (*cover)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first, size_t count,
-                  fxs_fit_piece *pieces);
-    /* A list's splats to pixels of the tile at (left, top). Returns how many entries were needed. */
+    /* The tiles of splats first..first + count, both multiples of FXS_FIT_BLOCK, to their slots. */
+    void (*cover)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first, size_t count, uint32_t *tiles);
+    /* A list's splats to pixels of the tile at (left, top), and the entries' blocks. Returns how many were needed. */
     uint32_t (*blend)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
                       fxs_fit_tile *tile);
     /* The sums of the first `count` entries, as many as blend needed, each to its slot. */

@@ -69,16 +69,16 @@ static void NAMED(fxs_fit_project_, ISA)(const fxs_fit_camera *camera, int degre
 
 /* ---- Tiles ------------------------------------------------------------------------------------------------------- */
 
-static void cover_lanes(const fxs_fit_camera *camera, const fxs_fit_splat *splats, fxs_fit_piece *pieces)
+static void cover_lanes(const fxs_fit_camera *camera, const fxs_fit_splat *splats, uint32_t *tiles)
 {
     float numbers[16][LANES];
-    fxs_fit_piece *out[LANES];
+    uint32_t *out[LANES];
     ellipses e;
     for (int i = 0; i < LANES; i++) {
         const float *from = splats[i].centre;
         for (int k = 0; k < 14; k++)
             numbers[k][i] = from[k];
-        out[i] = pieces + splats[i].slot;
+        out[i] = tiles + splats[i].slot;
     }
     e.x = load(numbers[0]);
     e.y = load(numbers[1]);
@@ -89,14 +89,14 @@ static void cover_lanes(const fxs_fit_camera *camera, const fxs_fit_splat *splat
     e.half_y = load(numbers[12]);
     e.tip = load(numbers[13]);
     find_rows(camera, below(all(0), load(numbers[10])), &e);
-    put_pieces(camera, &e, out);
+    put_tiles(camera, &e, out);
 }
 
 static void NAMED(fxs_fit_cover_, ISA)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first,
-                                       size_t count, fxs_fit_piece *pieces)
+                                       size_t count, uint32_t *tiles)
 {
     for (size_t i = first; i < first + count; i += LANES)
-        cover_lanes(camera, splats + i, pieces);
+        cover_lanes(camera, splats + i, tiles);
 }
 
 static uint32_t NAMED(fxs_fit_blend_, ISA)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count,

@@ -19,7 +19,7 @@ struct fxs_fit_stepper {
     void *pool;
     uint32_t threads;
     fxs_clock_fn *clock;
-    block splats, jobs, keys, counts, histograms, pieces, entries, sums, planes, rows;
+    block splats, jobs, keys, counts, histograms, tiles, entries, sums, planes, rows;
 
     /* of the step at work */
     fxs_fit_model *model;
@@ -65,7 +65,7 @@ void fxs_fit_stepper_free(fxs_fit_stepper *s)
 {
     if (!s)
         return;
-    block *blocks[] = {&s->splats, &s->jobs, &s->keys, &s->counts, &s->histograms, &s->pieces, &s->entries, &s->sums,
+    block *blocks[] = {&s->splats, &s->jobs, &s->keys, &s->counts, &s->histograms, &s->tiles, &s->entries, &s->sums,
                        &s->planes, &s->rows};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++)
         free(blocks[i]->memory);
@@ -99,7 +99,7 @@ static size_t job_count(const fxs_fit_stepper *s, uint32_t job)
 /* What a job's Gaussians are in the picture; then of those before them. */
 typedef struct seen {
     uint32_t splats;
-    size_t pieces;
+    size_t entries;
 } seen;
 
 /* Of its Gaussians below the count. */
@@ -122,7 +122,7 @@ static void project_job(void *argument, uint32_t job)
     for (size_t i = (size_t)job * JOB; i < job_end(s, job); i++)
         if (splats[i].depth > 0) {
             found->splats++;
-            found->pieces += (size_t)splats[i].tiles;
+            found->entries += (size_t)splats[i].tiles;
         }
 }
 
@@ -150,11 +150,11 @@ static void add_jobs(fxs_fit_stepper *s)
         const seen own = found[job];
         found[job] = (seen){s->visible, s->entry_count};
         s->visible += own.splats;
-        s->entry_count += own.pieces;
+        s->entry_count += own.entries;
     }
 }
 
-/* Keys and pieces of what is seen. Depths are above 0, so their bits are in order. */
+/* Keys and tiles of what is seen. Depths are above 0, so their bits are in order. */
 static void cover_job(void *argument, uint32_t job)
 {
     const fxs_fit_stepper *s = argument;
@@ -166,11 +166,11 @@ static void cover_job(void *argument, uint32_t job)
             key *k = &keys[before.splats++];
             memcpy(&k->depth, &splats[i].depth, sizeof k->depth);
             k->splat = (uint32_t)i;
-            k->slot = splats[i].slot = (uint32_t)before.pieces;
+            k->slot = splats[i].slot = (uint32_t)before.entries;
             k->tiles = (uint32_t)splats[i].tiles;
-            before.pieces += k->tiles;
+            before.entries += k->tiles;
         }
-    s->stages->cover(s->camera, splats, (size_t)job * JOB, job_count(s, job), s->pieces.memory);
+    s->stages->cover(s->camera, splats, (size_t)job * JOB, job_count(s, job), s->tiles.memory);
 }
 
 /* Keys of a digit go from here to there. */
@@ -234,10 +234,10 @@ static void sort_keys(fxs_fit_stepper *s)
 
 /* Of the splat that comes `AHEAD` keys later. */
 enum { AHEAD = 8 };
-static void prefetch_pieces(const fxs_fit_stepper *s, const key *keys, uint32_t k)
+static void prefetch_tiles(const fxs_fit_stepper *s, const key *keys, uint32_t k)
 {
     const key *later = &keys[k + AHEAD < s->visible ? k + AHEAD : k];
-    __builtin_prefetch((const fxs_fit_piece *)s->pieces.memory + later->slot);
+    __builtin_prefetch((const uint32_t *)s->tiles.memory + later->slot);
 }
 
 static void count_entries_job(void *argument, uint32_t range)
@@ -247,10 +247,10 @@ static void count_entries_job(void *argument, uint32_t range)
     uint32_t *counts = (uint32_t *)s->histograms.memory + (size_t)range * s->tile_count;
     memset(counts, 0, s->tile_count * sizeof *counts);
     for (uint32_t k = range_start(s, range); k < range_start(s, range + 1); k++) {
-        const fxs_fit_piece *pieces = (const fxs_fit_piece *)s->pieces.memory + keys[k].slot;
-        prefetch_pieces(s, keys, k);
+        const uint32_t *tiles = (const uint32_t *)s->tiles.memory + keys[k].slot;
+        prefetch_tiles(s, keys, k);
         for (uint32_t i = 0; i < keys[k].tiles; i++)
-            counts[pieces[i].tile]++;
+            counts[tiles[i]]++;
     }
 }
 
@@ -261,10 +261,10 @@ static void fill_entries_job(void *argument, uint32_t range)
     uint32_t *starts = (uint32_t *)s->histograms.memory + (size_t)range * s->tile_count;
     fxs_fit_entry *entries = s->entries.memory;
     for (uint32_t k = range_start(s, range); k < range_start(s, range + 1); k++) {
-        const fxs_fit_piece *pieces = (const fxs_fit_piece *)s->pieces.memory + keys[k].slot;
-        prefetch_pieces(s, keys, k);
+        const uint32_t *tiles = (const uint32_t *)s->tiles.memory + keys[k].slot;
+        prefetch_tiles(s, keys, k);
         for (uint32_t i = 0; i < keys[k].tiles; i++)
-            entries[starts[pieces[i].tile]++] = (fxs_fit_entry){keys[k].splat, keys[k].slot + i, pieces[i].blocks};
+            entries[starts[tiles[i]]++] = (fxs_fit_entry){keys[k].splat, keys[k].slot + i, 0};
     }
 }
 
@@ -275,7 +275,7 @@ static int make_room(fxs_fit_stepper *s)
     return s->entry_count < UINT32_MAX && room(&s->keys, 2 * s->model->stride * sizeof(key)) &&
                    room(&s->counts, (2 * (size_t)s->tile_count + 1) * sizeof(uint32_t)) &&
                    room(&s->histograms, s->threads * values * sizeof(uint32_t)) &&
-                   room(&s->pieces, entries * sizeof(fxs_fit_piece)) &&
+                   room(&s->tiles, entries * sizeof(uint32_t)) &&
                    room(&s->entries, entries * sizeof(fxs_fit_entry)) &&
                    room(&s->sums, entries * FXS_FIT_SUMS * sizeof(float))
                ? 0

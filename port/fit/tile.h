@@ -24,6 +24,21 @@ static inline void find_corners(const fxs_fit_splat *s, int32_t left, int32_t to
     }
 }
 
+/* The blocks that its ellipse may touch: in one, u and v lie between those of its corners. */
+static inline uint32_t find_blocks(const fxs_fit_splat *s, const corners *c)
+{
+    const float across = 3 * s->ux, slant = 3 * s->uy, down = 3 * s->vy;
+    const float limit = (s->limit - s->offset) * FXS_FIT_WIDER;
+    uint32_t blocks = 0;
+    for (int b = 0; b < FXS_FIT_BLOCKS; b += LANES) {
+        const real u0 = load(c->u + b), v0 = load(c->v + b);
+        const real u = most(most(u0 + (slant < 0 ? slant : 0), -u0 - (across + (slant > 0 ? slant : 0))), all(0));
+        const real v = most(most(v0, -v0 - down), all(0));
+        blocks |= bits_of_mask(at_most(u * u + v * v, all(limit))) << b;
+    }
+    return blocks;
+}
+
 /* What u and v are more at the places of a block, from `place` on. */
 static inline void find_places(const fxs_fit_splat *s, int place, real *u, real *v)
 {
@@ -48,13 +63,14 @@ static inline int blend_pixels(const fxs_fit_splat *s, fxs_fit_tile *tile, int a
     return any(takes);
 }
 
-static inline uint32_t blend_splat(const fxs_fit_splat *from, uint32_t blocks, int32_t left, int32_t top,
-                                   fxs_fit_tile *tile)
+/* Returns the blocks that take of it. */
+static inline uint32_t blend_splat(const fxs_fit_splat *from, int32_t left, int32_t top, fxs_fit_tile *tile)
 {
     const fxs_fit_splat s = *from;
     corners c;
     uint32_t taken = 0;
     find_corners(&s, left, top, &c);
+    const uint32_t blocks = find_blocks(&s, &c);
     for (int place = 0; place < PLACES; place += LANES) {
         real u, v;
         find_places(&s, place, &u, &v);
@@ -85,7 +101,7 @@ static inline uint32_t blend(const fxs_fit_splat *splats, fxs_fit_entry *entries
         if (e % 16 == 0 && !is_open(tile))
             return e;
         __builtin_prefetch(&splats[entries[e + 8 < count ? e + 8 : e].splat]);
-        entries[e].blocks = blend_splat(&splats[entries[e].splat], entries[e].blocks, left, top, tile);
+        entries[e].blocks = blend_splat(&splats[entries[e].splat], left, top, tile);
     }
     return count;
 }
