@@ -5,7 +5,10 @@
 #include "lanes.h"
 #include "stage.h"
 
-enum { PLACES = 16 };              /* pixels of a block */
+enum {
+    PLACES = 16,                   /* pixels of a block */
+    BATCH = 16                     /* entries at once */
+};
 
 /* u and v of a splat at the first pixel of each of the tile's blocks. */
 typedef struct corners {
@@ -63,20 +66,17 @@ static inline int blend_pixels(const fxs_fit_splat *s, fxs_fit_tile *tile, int a
     return any(takes);
 }
 
-/* Returns the blocks that take of it. */
-static inline uint32_t blend_splat(const fxs_fit_splat *from, int32_t left, int32_t top, fxs_fit_tile *tile)
+/* Returns those of the blocks that take of it. */
+static inline uint32_t blend_splat(const fxs_fit_splat *from, const corners *c, uint32_t blocks, fxs_fit_tile *tile)
 {
     const fxs_fit_splat s = *from;
-    corners c;
     uint32_t taken = 0;
-    find_corners(&s, left, top, &c);
-    const uint32_t blocks = find_blocks(&s, &c);
     for (int place = 0; place < PLACES; place += LANES) {
         real u, v;
         find_places(&s, place, &u, &v);
         for (uint32_t rest = blocks; rest; rest &= rest - 1) {
             const int b = __builtin_ctz(rest);
-            taken |= (uint32_t)blend_pixels(&s, tile, b * PLACES + place, u + c.u[b], v + c.v[b]) << b;
+            taken |= (uint32_t)blend_pixels(&s, tile, b * PLACES + place, u + c->u[b], v + c->v[b]) << b;
         }
     }
     return taken;
@@ -97,11 +97,19 @@ static inline uint32_t blend(const fxs_fit_splat *splats, fxs_fit_entry *entries
     memset(tile->colour, 0, sizeof tile->colour);
     for (int i = 0; i < FXS_FIT_PIXELS; i++)
         tile->transmittance[i] = 1;
-    for (uint32_t e = 0; e < count; e++) {
-        if (e % 16 == 0 && !is_open(tile))
-            return e;
-        __builtin_prefetch(&splats[entries[e + 8 < count ? e + 8 : e].splat]);
-        entries[e].blocks = blend_splat(&splats[entries[e].splat], left, top, tile);
+    for (uint32_t first = 0; first < count; first += BATCH) {
+        const uint32_t end = count - first < BATCH ? count : first + BATCH;
+        corners c[BATCH];
+        if (!is_open(tile))
+            return first;
+        for (uint32_t e = first; e < end; e++) {
+            const fxs_fit_splat *s = &splats[entries[e].splat];
+            __builtin_prefetch(&splats[entries[e + BATCH < count ? e + BATCH : e].splat]);
+            find_corners(s, left, top, &c[e - first]);
+            entries[e].blocks = find_blocks(s, &c[e - first]);
+        }
+        for (uint32_t e = first; e < end; e++)
+            entries[e].blocks = blend_splat(&splats[entries[e].splat], &c[e - first], entries[e].blocks, tile);
     }
     return count;
 }
