@@ -7,7 +7,8 @@
 
 enum {
     PLACES = 16,                   /* pixels of a block */
-    BATCH = 16                     /* entries at once */
+    BATCH = 16,                    /* entries at once */
+    EARLY = 8                 /* entries whose splats and sums are fetched before */
 };
 
 /* u and v of a splat at the first pixel of each of the tile's blocks. */
@@ -59,7 +60,7 @@ static inline int blend_pixels(const fxs_fit_splat *s, fxs_fit_tile *tile, int a
     const mask takes = both(at_most(level, all(s->limit)), at_most(all(FXS_FIT_CLOSED), t));
     if (LANES < 8 && !any(takes))
         return 0;
-    const real weight = keep(takes, least(exp_2(-level), all(FXS_FIT_ALPHA_MOST)) * t);
+    const real weight = keep(takes, least(exp_2_minus(level), all(FXS_FIT_ALPHA_MOST)) * t);
     store(tile->transmittance + at, t - weight);
     for (int c = 0; c < 3; c++)
         store(tile->colour[c] + at, load(tile->colour[c] + at) + weight * s->colour[c]);
@@ -129,7 +130,7 @@ static inline void back_pixels(const fxs_fit_splat *s, const fxs_fit_tile_gradie
     const mask takes = both(at_most(level, all(s->limit)), at_most(all(FXS_FIT_CLOSED), t));
     if (LANES < 8 && !any(takes))
         return;
-    const real exact = exp_2(-level), alpha = least(exact, all(FXS_FIT_ALPHA_MOST)), weight = keep(takes, alpha * t);
+    const real exact = exp_2_minus(level), alpha = least(exact, all(FXS_FIT_ALPHA_MOST)), weight = keep(takes, alpha * t);
     const real g0 = load(g->colour[0] + at), g1 = load(g->colour[1] + at), g2 = load(g->colour[2] + at);
     const real own = weight * ((g0 * s->colour[0] + g1 * s->colour[1]) + g2 * s->colour[2]);
     const real behind = load(p->behind + at) - own;
@@ -200,7 +201,9 @@ static inline void back_splat(const fxs_fit_splat *from, uint32_t blocks, const 
                               int32_t left, int32_t top, float *sums)
 {
     const fxs_fit_splat s = *from;
+#ifndef ADD_PLACES
     float of_places[FXS_FIT_SUMS][PLACES];
+#endif
     corners c;
     find_corners(&s, left, top, &c);
     for (int place = 0; place < PLACES; place += LANES) {
@@ -212,10 +215,16 @@ static inline void back_splat(const fxs_fit_splat *from, uint32_t blocks, const 
             const int b = __builtin_ctz(rest);
             back_pixels(&s, g, p, b * PLACES + place, u + c.u[b], v + c.v[b], all_sums);
         }
+#ifdef ADD_PLACES
+        ADD_PLACES(all_sums, sums);
+#else
         for (int i = 0; i < FXS_FIT_SUMS; i++)
             store(of_places[i] + place, all_sums[i]);
+#endif
     }
+#ifndef ADD_PLACES
     add_places((const float(*)[PLACES])of_places, sums);
+#endif
 }
 
 /* The first `count` entries of a list, as many as blend took, and as it left them; the sums of each to its slot. */
@@ -227,7 +236,9 @@ static inline void back(const fxs_fit_splat *splats, const fxs_fit_entry *entrie
     for (int i = 0; i < FXS_FIT_PIXELS; i++)
         p.transmittance[i] = 1;
     for (uint32_t e = 0; e < count; e++) {
-        __builtin_prefetch(&splats[entries[e + 8 < count ? e + 8 : e].splat]);
+        const fxs_fit_entry *later = &entries[e + EARLY < count ? e + EARLY : e];
+        __builtin_prefetch(&splats[later->splat]);
+        __builtin_prefetch(sums[later->slot], 1);
         if (entries[e].blocks)
             back_splat(&splats[entries[e].splat], entries[e].blocks, g, &p, left, top, sums[entries[e].slot]);
         else
