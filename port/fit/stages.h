@@ -255,10 +255,14 @@ static inline real without_tiny(real x)
     return choose(below(absolute(x), all(FXS_FIT_TINY)), all(0), x);
 }
 
+/* `next`: how far the next plane is, which is fetched meanwhile. */
 static inline void adam_plane(const fxs_fit_adam *adam, float rate, const float *gradient, const float *touched,
-                              size_t count, float *at, float *means, float *squares)
+                              size_t count, float *at, float *means, float *squares, size_t next)
 {
     for (size_t i = 0; i < count; i += LANES) {
+        __builtin_prefetch(at + next + i, 1);
+        __builtin_prefetch(means + next + i, 1);
+        __builtin_prefetch(squares + next + i, 1);
         const real g = load(gradient + i), old = load(at + i), old_mean = load(means + i), old_square = load(squares + i);
         const real mean = without_tiny(old_mean * 0.9f + g * 0.1f);
         const real square = without_tiny(old_square * 0.999f + g * g * 0.001f);
@@ -283,7 +287,7 @@ static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *camera, int degree
                   gradients[0] + i, touched + i);
     for (int k = 0; k < used; k++) {
         const size_t at = (size_t)k * stride + first;
-        adam_plane(adam, adam->rate[k], gradients[k], touched, count, parameters + at, means + at, squares + at);
+        adam_plane(adam, adam->rate[k], gradients[k], touched, count, parameters + at, means + at, squares + at, k + 1 < used ? stride : 0);
     }
 }
 
