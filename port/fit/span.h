@@ -23,8 +23,9 @@ static inline void find_rows(const fxs_fit_camera *camera, mask seen, ellipses *
     e->end = keep(seen, tile_at((e->y + e->half_y) + FXS_FIT_TILE, camera->tiles_y));
 }
 
-/* Columns first..end of a row: u = r cos, v = r sin, x = (u - uy y) / ux, y = v / vy. x is largest where y is the tip, or as
-   near to there as the row's pixels are. With a margin of a hundredth of a pixel. Beyond the last row there are none. */
+/* Columns first..end of a row: u = r cos, v = r sin, x = (u - uy y) / ux, y = v / vy. x is largest where y is the tip,
+   or as near to there as the row's pixels are. With a margin of a hundredth of a pixel. Beyond the last row there are
+   none. */
 static inline void find_columns(const fxs_fit_camera *camera, const ellipses *e, real row, real *first, real *end)
 {
     const real top = row * (float)FXS_FIT_TILE + (0.5f - e->y), bottom = top + (float)(FXS_FIT_TILE - 1);

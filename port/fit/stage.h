@@ -42,13 +42,13 @@ typedef struct fxs_fit_camera {
 } fxs_fit_camera;
 
 /* A Gaussian in the picture. For a pixel's centre (X, Y), x = X - centre[0], y = Y - centre[1]:
-   u = ux x + uy y, v = vy y, level = (u^2 + v^2) + offset, alpha = min(0.99, 2^-level), where level <= limit. In a block of
-   4x4 pixels u is the sum of that of its first pixel and of (ux i + uy j), i and j in 0..3; v likewise. 64 bytes. */
+   u = ux x + uy y, v = vy y, level = (u^2 + v^2) + offset, alpha = min(0.99, 2^-level), where level <= limit. In a
+   block of 4x4 pixels u is the sum of that of its first pixel and of (ux i + uy j), i and j in 0..3; v likewise. */
 typedef struct fxs_fit_splat {
     float centre[2], ux, uy, vy, offset, limit, colour[3];
     float depth;                   /* 0: not in the picture */
-    /* For lists, of the ellipse, and a little more: the square of its radius in u and v, half of its height, and y where
-       it is farthest to the right. */
+    /* For lists, of the ellipse, and a little more: the square of its radius in u and v, half of its height, and y
+       where it is farthest to the right. */
     float radius2, half_y, tip;
     float tiles;                   /* that it touches */
     uint32_t slot;                 /* of the first one's sums: the others follow, row by row */
@@ -60,8 +60,9 @@ typedef struct fxs_fit_entry {
     uint32_t splat, slot, blocks;
 } fxs_fit_entry;
 
-/* Sums over pixels of a tile, h = -alpha dL/dalpha: for each of the 16 places in a block over the blocks, row by row; then
-   over the places: p and p + 8, of those p and p + 4, p + 2, p + 1. Those of a splat's tiles are added row by row. */
+/* Sums over pixels of a tile, h = -alpha dL/dalpha: for each of the 16 places in a block over the blocks, row by row;
+   then over the places: p and p + 8, of those p and p + 4, p + 2, p + 1. Those of a splat's tiles are added row by
+   row. */
 enum { FXS_FIT_SUM, FXS_FIT_SUM_U, FXS_FIT_SUM_V, FXS_FIT_SUM_UU, FXS_FIT_SUM_UV, FXS_FIT_SUM_VV, FXS_FIT_RED,
        FXS_FIT_GREEN, FXS_FIT_BLUE, FXS_FIT_SUMS };
 
@@ -108,21 +109,23 @@ typedef struct fxs_fit_stages {
     void (*project)(const fxs_fit_camera *camera, int degree, const float *parameters, size_t stride, size_t first,
                     size_t count, fxs_fit_splat *splats);
     /* The tiles of splats first..first + count, both multiples of FXS_FIT_BLOCK, to their slots. */
-    void (*cover)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first, size_t count, uint32_t *tiles);
+    void (*cover)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first, size_t count,
+                  uint32_t *tiles);
     /* A list's splats to pixels of the tile at (left, top), and the entries' blocks. Returns how many were needed. */
     uint32_t (*blend)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
                       fxs_fit_tile *tile);
     /* The sums of the first `count` entries, as many as blend needed, each to its slot. */
     void (*back)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
                  const fxs_fit_tile_gradient *gradient, float (*sums)[FXS_FIT_SUMS]);
-    /* A row each: sums along it of a, b, a^2, b^2, ab; SSIM and its derivatives; sums along it of those; the gradient. */
+    /* A row each: sums along it of a, b, a^2, b^2, ab; SSIM and its derivatives; sums along it of those; the
+       gradient. */
     void (*loss_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_derivatives)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_back_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_gradient)(const fxs_fit_loss *loss, int32_t row);
-    /* Gradients of Gaussians first..first + count, of FXS_FIT_PART at most, from `sums` (planes of FXS_FIT_PART numbers),
-       and a step of Adam, where moments below 2^-100 are 0. by_centre: adds up the length of dL/dcentre, in halves of the
-       picture's sides. */
+    /* Gradients of Gaussians first..first + count, of FXS_FIT_PART at most, from `sums` (planes of FXS_FIT_PART
+       numbers), and a step of Adam, where moments below 2^-100 are 0. by_centre: adds up the length of dL/dcentre, in
+       halves of the picture's sides. */
     void (*update)(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam, float *parameters,
                    float *means, float *squares, size_t stride, size_t first, size_t count, const float *sums,
                    float *by_centre);

@@ -263,7 +263,8 @@ static inline void adam_plane(const fxs_fit_adam *adam, float rate, const float 
         __builtin_prefetch(at + next + i, 1);
         __builtin_prefetch(means + next + i, 1);
         __builtin_prefetch(squares + next + i, 1);
-        const real g = load(gradient + i), old = load(at + i), old_mean = load(means + i), old_square = load(squares + i);
+        const real g = load(gradient + i), old = load(at + i);
+        const real old_mean = load(means + i), old_square = load(squares + i);
         const real mean = without_tiny(old_mean * 0.9f + g * 0.1f);
         const real square = without_tiny(old_square * 0.999f + g * g * 0.001f);
         const real moved = old - rate * mean / (root(square * adam->correction) + adam->epsilon);
@@ -287,7 +288,8 @@ static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *camera, int degree
                   gradients[0] + i, touched + i);
     for (int k = 0; k < used; k++) {
         const size_t at = (size_t)k * stride + first;
-        adam_plane(adam, adam->rate[k], gradients[k], touched, count, parameters + at, means + at, squares + at, k + 1 < used ? stride : 0);
+        adam_plane(adam, adam->rate[k], gradients[k], touched, count, parameters + at, means + at, squares + at,
+                   k + 1 < used ? stride : 0);
     }
 }
 

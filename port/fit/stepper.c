@@ -340,7 +340,8 @@ static void blend_job(void *argument, uint32_t tile)
 
 enum { PLANES = 1 + FXS_FIT_ROWS + FXS_FIT_DERIVATIVES, ROWS_A_JOB = 16 };
 
-/* Planes of pixels, with margins that are 0 and stay so; the gradient's place is that of sums which it does not need. */
+/* Planes of pixels, with margins that are 0 and stay so; the gradient's place is that of sums which it does not
+   need. */
 static int make_planes(fxs_fit_stepper *s)
 {
     const int32_t width = s->camera->width, height = s->camera->height;

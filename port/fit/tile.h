@@ -123,14 +123,15 @@ typedef struct passed {
 } passed;
 
 /* dL/dalpha = T (c . g) - behind / (1 - alpha) */
-static inline void back_pixels(const fxs_fit_splat *s, const fxs_fit_tile_gradient *g, passed *p, int at, real u, real v,
-                               real sums[FXS_FIT_SUMS])
+static inline void back_pixels(const fxs_fit_splat *s, const fxs_fit_tile_gradient *g, passed *p, int at, real u,
+                               real v, real sums[FXS_FIT_SUMS])
 {
     const real t = load(p->transmittance + at), level = (u * u + v * v) + s->offset;
     const mask takes = both(at_most(level, all(s->limit)), at_most(all(FXS_FIT_CLOSED), t));
     if (LANES < 8 && !any(takes))
         return;
-    const real exact = exp_2_minus(level), alpha = least(exact, all(FXS_FIT_ALPHA_MOST)), weight = keep(takes, alpha * t);
+    const real exact = exp_2_minus(level), alpha = least(exact, all(FXS_FIT_ALPHA_MOST));
+    const real weight = keep(takes, alpha * t);
     const real g0 = load(g->colour[0] + at), g1 = load(g->colour[1] + at), g2 = load(g->colour[2] + at);
     const real own = weight * ((g0 * s->colour[0] + g1 * s->colour[1]) + g2 * s->colour[2]);
     const real behind = load(p->behind + at) - own;
