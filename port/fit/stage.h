@@ -92,7 +92,7 @@ typedef struct fxs_fit_adam {
     float correction;              /* 1 / (1 - 0.999^step) */
     float epsilon;                 /* in units of the gradient */
     float by_opacity, by_scale;    /* d loss / d opacity, / d scale, of every Gaussian, beside the picture's */
-    int32_t parameters;            /* planes that are updated, from the first on */
+    int32_t without_sh;            /* 1: SH above degree 0 is not updated */
 } fxs_fit_adam;
 
 /* Noise of positions of a step: Sigma xi sigmoid(-100 (opacity - 0.005)) amount, xi normal, drawn by key. */

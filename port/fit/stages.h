@@ -218,7 +218,7 @@ static void update_lanes(const fxs_fit_camera *camera, int degree, const fxs_fit
             gradient[i] = all(0);
     if (adam->by_opacity > 0)
         add_regularisers(adam, at, stride, gradient);
-    for (int i = 0; i < adam->parameters; i++) {
+    for (int i = 0; i < (adam->without_sh ? FXS_FIT_SH : FXS_FIT_PARAMETERS); i++) {
         const ptrdiff_t plane = i * (ptrdiff_t)stride;
         const real g = gradient[i];
         const real mean = load(means + plane) * 0.9f + g * 0.1f;

@@ -427,7 +427,7 @@ static void set_adam(fxs_fit_stepper *s)
     s->adam.epsilon = 1e-15f * numbers;
     s->adam.by_opacity = s->options->by_opacity * numbers / (float)s->model->count;
     s->adam.by_scale = s->options->by_scale * numbers / (3 * (float)s->model->count);
-    s->adam.parameters = s->options->without_sh ? FXS_FIT_SH : FXS_FIT_PARAMETERS;
+    s->adam.without_sh = s->options->without_sh;
 }
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
