@@ -1,24 +1,12 @@
 /* The recipe: which photograph, which rates, and when the Gaussians become more or fewer. */
-#include "fit.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../kernels/kernels.h"
+#include "../camera/camera.h"
 #include "../files/message.h"
+#include "fit_internal.h"
 #include "random.h"
-
-struct fxs_fit {
-    fxs_fit_options options;
-    fxs_fit_photograph *photographs;
-    uint32_t *order;               /* of the photographs, for as many steps as there are */
-    size_t count;
-    fxs_fit_stepper *stepper;
-    fxs_fit_model model;
-    float extent, position_rate, decay;
-    uint32_t step;
-};
 
 void fxs_fit_options_init(fxs_fit_options *options)
 {
@@ -67,12 +55,41 @@ static float extent_of(const fxs_fit_photo *photos, size_t count)
     return (float)(1.1 * (largest > 0 ? largest : 1));
 }
 
-int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
-                   size_t point_count, const fxs_fit_options *options, fxs_message *message)
+static int check_options(const fxs_fit_options *o, fxs_message *message)
+{
+    const char *wrong = (unsigned)o->recipe > FXS_FIT_FAST               ? "recipe"
+                        : !o->steps                                     ? "number of steps"
+                        : o->sh_degree < 0 || o->sh_degree > 3          ? "SH degree"
+                        : !o->max_gaussians || o->max_gaussians > FXS_MAX_COUNT ? "number of Gaussians"
+                        : (unsigned)o->cutoff > FXS_CUTOFF_SQUARE       ? "cut-off"
+                        : (unsigned)o->profile > FXS_PROFILE_SMALL      ? "profile"
+                        : o->threads > 64                               ? "number of threads"
+                                                                        : NULL;
+    return wrong ? fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit: there is no such %s", wrong) : 0;
+}
+
+static int check_photographs(const fxs_fit_photo *photos, size_t count, fxs_message *message)
+{
+    fxs_camera camera;
+    if (!count || count > UINT32_MAX)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit needs photographs");
+    for (size_t i = 0; i < count; i++) {
+        const int error = fxs_camera_from_view(&camera, &photos[i].view, message);
+        if (error)
+            return error;
+        if (photos[i].view.projection != FXS_PERSPECTIVE)
+            return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: a fit takes perspective cameras", photos[i].view.name);
+    }
+    return 0;
+}
+
+int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_options *options,
+                  fxs_message *message)
 {
     *fit = NULL;
-    if (!photo_count || !point_count)
-        return fxs_fail(message, "a fit needs photographs, and points to begin with");
+    const int error = check_options(options, message);
+    if (error || check_photographs(photos, photo_count, message))
+        return FXS_ERR_ARGUMENT;
     fxs_fit *f = calloc(1, sizeof *f);
     if (f) {
         f->options = *options;
@@ -82,10 +99,9 @@ int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_coun
         f->stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(options->cpu), options->run, options->pool,
                                             options->threads, options->clock);
     }
-    if (!f || !f->photographs || !f->order || !f->stepper ||
-        fxs_fit_model_begin(&f->model, points, point_count, 0.1f)) {
+    if (!f || !f->photographs || !f->order || !f->stepper) {
         fxs_fit_free(f);
-        return fxs_fail_memory(message, "a fit", point_count * 4 * FXS_FIT_PARAMETERS * sizeof(float));
+        return fxs_fail_memory(message, "a fit", 0);
     }
     for (size_t i = 0; i < photo_count; i++) {
         f->photographs[i].pixels = photos[i].pixels;
@@ -96,6 +112,35 @@ int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_coun
     f->decay = 0.999846506f;       /* 100^(-1 / 30000) */
     *fit = f;
     return 0;
+}
+
+/* More than the limit are refused rather than thinned out: which would go is nobody's guess. */
+static int check_points(const fxs_fit_point *points, size_t count, size_t most, fxs_message *message)
+{
+    if (!count)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit needs points to begin with");
+    if (count > most)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%zu points to begin with: at most %zu Gaussians are allowed", count,
+                           most);
+    for (size_t i = 0; i < count; i++)
+        for (int k = 0; k < 3; k++)
+            if (!(fabsf(points[i].position[k]) <= 0x1p27f))
+                return fxs_fail_as(FXS_ERR_ARGUMENT, message, "point %zu is not within 2^27 units", i);
+    return 0;
+}
+
+int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
+                   size_t point_count, const fxs_fit_options *options, fxs_message *message)
+{
+    *fit = NULL;
+    int error = check_points(points, point_count, options->max_gaussians, message);
+    if (!error)
+        error = fxs_fit_begin(fit, photos, photo_count, options, message);
+    if (error || !fxs_fit_model_begin(&(*fit)->model, points, point_count, 0.1f))
+        return error;
+    fxs_fit_free(*fit);
+    *fit = NULL;
+    return fxs_fail_memory(message, "a fit", point_count * 4 * FXS_FIT_PARAMETERS * sizeof(float));
 }
 
 void fxs_fit_free(fxs_fit *f)
@@ -112,6 +157,11 @@ void fxs_fit_free(fxs_fit *f)
 uint32_t fxs_fit_steps(const fxs_fit *f)
 {
     return f->step;
+}
+
+const fxs_fit_options *fxs_fit_options_of(const fxs_fit *f)
+{
+    return &f->options;
 }
 
 /* ---- A step ------------------------------------------------------------------------------------------------------ */

@@ -51,6 +51,22 @@ static void fill_rest(fxs_fit_model *m)
     }
 }
 
+int fxs_fit_model_room(fxs_fit_model *m, size_t count)
+{
+    memset(m, 0, sizeof *m);
+    m->count = count;
+    m->stride = stride_of(count);
+    if (!(m->parameters = planes_of(m->stride, FXS_FIT_PARAMETERS)) ||
+        !(m->means = planes_of(m->stride, FXS_FIT_PARAMETERS)) ||
+        !(m->squares = planes_of(m->stride, FXS_FIT_PARAMETERS)) || !(m->by_centre = planes_of(m->stride, 1)) ||
+        !(m->views = planes_of(m->stride, 1))) {
+        fxs_fit_model_free(m);
+        return FXS_ERR_MEMORY;
+    }
+    fill_rest(m);
+    return 0;
+}
+
 /* ---- Beginning --------------------------------------------------------------------------------------------------- */
 
 /* Points in cells of a grid, by cell. */
@@ -186,23 +202,15 @@ static void set_point(fxs_fit_model *m, size_t i, const fxs_fit_point *point, fl
 int fxs_fit_model_begin(fxs_fit_model *m, const fxs_fit_point *points, size_t count, float opacity)
 {
     grid g = {0};
-    memset(m, 0, sizeof *m);
-    m->count = count;
-    m->stride = stride_of(count);
-    int error = make_grid(&g, points, count);
-    if (!error && !((m->parameters = planes_of(m->stride, FXS_FIT_PARAMETERS)) &&
-                    (m->means = planes_of(m->stride, FXS_FIT_PARAMETERS)) &&
-                    (m->squares = planes_of(m->stride, FXS_FIT_PARAMETERS)) &&
-                    (m->by_centre = planes_of(m->stride, 1)) && (m->views = planes_of(m->stride, 1))))
-        error = FXS_ERR_MEMORY;
+    int error = fxs_fit_model_room(m, count);
+    if (!error)
+        error = make_grid(&g, points, count);
     for (size_t i = 0; !error && i < count; i++)
         set_point(m, i, &points[i], spread(&g, (uint32_t)i), opacity);
     free(g.starts);
     free(g.members);
     if (error)
         fxs_fit_model_free(m);
-    else
-        fill_rest(m);
     return error;
 }
 

@@ -1,0 +1,23 @@
+/* What a fit is made of. */
+#ifndef FXS_FIT_INTERNAL_H
+#define FXS_FIT_INTERNAL_H
+
+#include "fit.h"
+#include "model.h"
+
+struct fxs_fit {
+    fxs_fit_options options;
+    fxs_fit_photograph *photographs;
+    uint32_t *order;               /* of the photographs, for as many steps as there are */
+    size_t count;
+    fxs_fit_stepper *stepper;
+    fxs_fit_model model;
+    float extent, position_rate, decay;
+    uint32_t step;
+};
+
+/* What fxs_fit_create and fxs_fit_resume have in common: a fit without Gaussians, at step 0. */
+int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_options *options,
+                  fxs_message *message);
+
+#endif
