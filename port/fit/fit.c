@@ -120,8 +120,7 @@ static int check_points(const fxs_fit_point *points, size_t count, size_t most, 
     if (!count)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit needs points to begin with");
     if (count > most)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%zu points to begin with: at most %zu Gaussians are allowed", count,
-                           most);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%zu points to begin with, but at most %zu Gaussians", count, most);
     for (size_t i = 0; i < count; i++)
         for (int k = 0; k < 3; k++)
             if (!(fabsf(points[i].position[k]) <= 0x1p27f))

@@ -98,8 +98,8 @@ const fxs_fit_options *fxs_fit_options_of(const fxs_fit *fit);
 /* The Gaussians as they are, for fxs_scene_file_open_gaussians; valid until the next step. */
 void fxs_fit_gaussians(const fxs_fit *fit, fxs_gaussian_source *gaussians);
 
-/* Packs them by the options' profile: what the renderer draws, and what is written to a .fxs. Errors and ownership as of
-   fxs_pack. `report` may be null. */
+/* Packs them by the options' profile: what the renderer draws, and what is written to a .fxs. Errors and ownership as
+   of fxs_pack. `report` may be null. */
 int fxs_fit_pack(const fxs_fit *fit, fxs_packed_scene *scene, fxs_pack_report *report, fxs_message *message);
 
 /* Writes all of the fit's state to a file, in the same bytes on every machine. Until it is complete and on the disk, an
@@ -107,8 +107,8 @@ int fxs_fit_pack(const fxs_fit *fit, fxs_packed_scene *scene, fxs_pack_report *r
 int fxs_fit_save(const fxs_fit *fit, const char *path, fxs_message *message);
 
 /* fxs_fit_create from such a file, with the same photographs: its further steps are those of the fit that was saved. Of
-   `options`, what says how it is computed is taken (cpu, run, pool, threads, clock), and `steps` where that is not 0; the
-   rest is the file's. Errors: FXS_ERR_FILE where the file is no such file, damaged, or of other photographs (pixels,
+   `options`, what says how it is computed is taken (cpu, run, pool, threads, clock), and `steps` where that is not 0;
+   the rest is the file's. Errors: FXS_ERR_FILE where the file is no such file, damaged, or of other photographs (pixels,
    cameras, their order; names do not matter); FXS_ERR_VERSION where it is of another version; FXS_ERR_MEMORY. What is
    allocated is in proportion to the file. */
 int fxs_fit_resume(fxs_fit **fit, const char *path, const fxs_fit_photo *photos, size_t photo_count,
