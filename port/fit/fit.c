@@ -17,6 +17,11 @@ void fxs_fit_options_init(fxs_fit_options *options)
     options->cpu = ~0u;
 }
 
+uint32_t fxs_fit_recipe_steps(enum fxs_fit_recipe recipe)
+{
+    return recipe == FXS_FIT_FAST ? 10000 : 30000;
+}
+
 /* ---- Beginning --------------------------------------------------------------------------------------------------- */
 
 static void set_camera(fxs_fit_camera *c, const fxs_file_view *view)
