@@ -172,13 +172,12 @@ static void walk_model(archive *a, fxs_fit_model *m)
     floats(a, m->views, m->count);
 }
 
-/* All that a step changes and the next needs. What is added to a fit is added here. */
+/* All that a step changes and the next needs, but what follows from the options and the step. What is added to a fit is
+   added here. */
 static void walk(archive *a, fxs_fit *f)
 {
     number(a, &f->step);
-    floats(a, &f->position_rate, 1);
-    for (size_t i = 0; i < f->count; i++)
-        f->order[i] = within(a, f->order[i], 0, (uint32_t)f->count - 1);
+    floats(a, &f->extent, 1);
     walk_model(a, &f->model);
 }
 
@@ -267,6 +266,7 @@ static int read_rest(archive *a, const char *path, fxs_fit *f, fxs_message *mess
     if (!a->fault && photographs != fingerprint(f))
         return fxs_fail(message, "%s: a fit of other photographs, or of these at another size", path);
     walk(a, f);
+    fxs_fit_set_order(f);
     walk_end(a);
     if (!a->fault && (a->at < a->end || a->fetched != a->size))
         damaged(a, "there is more behind its end");

@@ -84,7 +84,8 @@ typedef struct fxs_fit_report {
 } fxs_fit_report;
 
 /* Copies all but the photographs' pixels. *fit is for fxs_fit_free, and null after an error: FXS_ERR_ARGUMENT (an
-   option, a camera, no photographs, no points or more than max_gaussians), FXS_ERR_MEMORY. */
+   option, a camera, no photographs, no points, none before a camera), FXS_ERR_MEMORY. Of more points than
+   max_gaussians as many are taken, evenly by their order. */
 int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
                    size_t point_count, const fxs_fit_options *options, fxs_message *message);
 void fxs_fit_free(fxs_fit *fit);      /* null is allowed */
