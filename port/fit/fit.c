@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../camera/camera.h"
 #include "../files/message.h"
 #include "random.h"
 #include "recipe.h"
@@ -16,6 +17,11 @@ void fxs_fit_options_init(fxs_fit_options *options)
     options->sh_degree = 3;
     options->max_gaussians = 1u << 22;
     options->cpu = ~0u;
+}
+
+uint32_t fxs_fit_recipe_steps(enum fxs_fit_recipe recipe)
+{
+    return recipe == FXS_FIT_FAST ? 10000 : 30000;
 }
 
 /* ---- Beginning --------------------------------------------------------------------------------------------------- */
@@ -55,27 +61,50 @@ static int is_before(const fxs_file_view *view, const double place[3])
     return depth > 0;
 }
 
-/* Bad input, in a line. */
-static int check(const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points, size_t point_count,
-                 const fxs_fit_options *options, fxs_message *message)
+static int check_points(const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
+                        size_t point_count, fxs_message *message)
 {
     int are_seen = 0;
-    if (!photo_count || !point_count || !options->max_gaussians)
-        return fxs_fail(message, "a fit needs photographs, and points to begin with");
-    for (size_t i = 0; i < photo_count; i++) {
-        const fxs_file_view *v = &photos[i].view;
-        if (!is_within(v->position) || !(v->fx > 0) || !(v->fy > 0) || v->width < 1 || v->height < 1)
-            return fxs_fail(message, "photograph %zu: no camera that can be used", i);
-    }
+    if (!point_count)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit needs points to begin with");
     for (size_t i = 0; i < point_count; i++) {
         const float *p = points[i].position;
         const double place[3] = {(double)p[0], (double)p[1], (double)p[2]};
         if (!is_within(place))
-            return fxs_fail(message, "point %zu: a coordinate is not finite, or beyond 10^12", i);
+            return fxs_fail_as(FXS_ERR_ARGUMENT, message, "point %zu: a coordinate is not finite, or beyond 10^12", i);
         for (size_t k = 0; k < photo_count && !are_seen; k++)
             are_seen = is_before(&photos[k].view, place);
     }
-    return are_seen ? 0 : fxs_fail(message, "all points are behind all cameras");
+    return are_seen ? 0 : fxs_fail_as(FXS_ERR_ARGUMENT, message, "all points are behind all cameras");
+}
+
+static int check_options(const fxs_fit_options *o, fxs_message *message)
+{
+    const char *wrong = (unsigned)o->recipe > FXS_FIT_FAST                         ? "recipe"
+                        : !o->steps                                                ? "number of steps"
+                        : o->sh_degree < 0 || o->sh_degree > 3                     ? "SH degree"
+                        : !o->max_gaussians || o->max_gaussians > FXS_MAX_COUNT    ? "number of Gaussians"
+                        : (unsigned)o->cutoff > FXS_CUTOFF_SQUARE                  ? "cut-off"
+                        : (unsigned)o->profile > FXS_PROFILE_SMALL                 ? "profile"
+                        : o->threads > 64                                          ? "number of threads"
+                                                                                   : NULL;
+    return wrong ? fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit: there is no such %s", wrong) : 0;
+}
+
+static int check_photographs(const fxs_fit_photo *photos, size_t count, fxs_message *message)
+{
+    fxs_camera camera;
+    fxs_message why;
+    if (!count || count > UINT32_MAX)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit needs photographs");
+    for (size_t i = 0; i < count; i++) {
+        const fxs_file_view *view = &photos[i].view;
+        if (fxs_camera_from_view(&camera, view, &why))
+            return fxs_fail_as(FXS_ERR_ARGUMENT, message, "photograph %zu: %s", i, why.text);
+        if (view->projection != FXS_PERSPECTIVE)
+            return fxs_fail_as(FXS_ERR_ARGUMENT, message, "photograph %zu: a fit takes perspective cameras", i);
+    }
+    return 0;
 }
 
 /* Of more points than there may be Gaussians, as many, evenly by their order. */
@@ -105,13 +134,12 @@ static size_t reduced_bytes(const fxs_fit_photo *photos, size_t count)
     return most;
 }
 
-int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
-                   size_t point_count, const fxs_fit_options *options, fxs_message *message)
+int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_options *options,
+                  fxs_message *message)
 {
     *fit = NULL;
-    const int error = check(photos, photo_count, points, point_count, options, message);
-    if (error)
-        return error;
+    if (check_options(options, message) || check_photographs(photos, photo_count, message))
+        return FXS_ERR_ARGUMENT;
     fxs_fit *f = calloc(1, sizeof *f);
     if (f) {
         f->options = *options;
@@ -122,17 +150,33 @@ int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_coun
         f->stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(options->cpu), options->run, options->pool,
                                             options->threads, options->clock);
     }
-    if (!f || !f->photographs || !f->order || !f->reduced || !f->stepper || begin_model(f, points, point_count)) {
+    if (!f || !f->photographs || !f->order || !f->reduced || !f->stepper) {
         fxs_fit_free(f);
-        return fxs_fail_memory(message, "a fit", point_count * 4 * FXS_FIT_PARAMETERS * sizeof(float));
+        return fxs_fail_memory(message, "a fit", 0);
     }
     for (size_t i = 0; i < photo_count; i++) {
         f->photographs[i].pixels = photos[i].pixels;
         set_camera(&f->photographs[i].camera, &photos[i].view);
         f->photographs[i].camera.is_square = options->cutoff == FXS_CUTOFF_SQUARE;
     }
-    f->extent = fxs_fit_extent(photos, photo_count, points, point_count);
     *fit = f;
+    return 0;
+}
+
+int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
+                   size_t point_count, const fxs_fit_options *options, fxs_message *message)
+{
+    int error = fxs_fit_begin(fit, photos, photo_count, options, message);
+    if (!error)
+        error = check_points(photos, photo_count, points, point_count, message);
+    if (!error && begin_model(*fit, points, point_count))
+        error = fxs_fail_memory(message, "a fit", point_count * 4 * FXS_FIT_PARAMETERS * sizeof(float));
+    if (error) {
+        fxs_fit_free(*fit);
+        *fit = NULL;
+        return error;
+    }
+    (*fit)->extent = fxs_fit_extent(photos, photo_count, points, point_count);
     return 0;
 }
 
@@ -151,6 +195,11 @@ void fxs_fit_free(fxs_fit *f)
 uint32_t fxs_fit_steps(const fxs_fit *f)
 {
     return f->step;
+}
+
+const fxs_fit_options *fxs_fit_options_of(const fxs_fit *f)
+{
+    return &f->options;
 }
 
 /* ---- A step ------------------------------------------------------------------------------------------------------ */

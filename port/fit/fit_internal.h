@@ -17,6 +17,10 @@ struct fxs_fit {
     uint32_t step;                 /* steps that were made */
 };
 
+/* What fxs_fit_create and fxs_fit_resume have in common: a fit without Gaussians and extent, at step 0. */
+int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_options *options,
+                  fxs_message *message);
+
 /* Sets `order` for the step that follows `step`, and those up to the next permutation. */
 void fxs_fit_set_order(fxs_fit *fit);
 

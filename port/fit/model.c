@@ -43,6 +43,22 @@ static void fill_rest(fxs_fit_model *m)
     }
 }
 
+int fxs_fit_model_room(fxs_fit_model *m, size_t count)
+{
+    memset(m, 0, sizeof *m);
+    m->count = count;
+    m->stride = stride_of(count);
+    if (!(m->parameters = planes_of(m->stride, FXS_FIT_PARAMETERS)) ||
+        !(m->means = planes_of(m->stride, FXS_FIT_PARAMETERS)) ||
+        !(m->squares = planes_of(m->stride, FXS_FIT_PARAMETERS)) || !(m->by_centre = planes_of(m->stride, 1)) ||
+        !(m->views = planes_of(m->stride, 1))) {
+        fxs_fit_model_free(m);
+        return FXS_ERR_MEMORY;
+    }
+    fill_rest(m);
+    return 0;
+}
+
 /* ---- Beginning --------------------------------------------------------------------------------------------------- */
 
 static void set_point(fxs_fit_model *m, size_t i, const fxs_fit_point *point, float ln_scale, float opacity)
@@ -58,21 +74,15 @@ static void set_point(fxs_fit_model *m, size_t i, const fxs_fit_point *point, fl
 
 int fxs_fit_model_begin(fxs_fit_model *m, const fxs_fit_point *points, size_t count, float opacity)
 {
-    memset(m, 0, sizeof *m);
-    m->count = count;
-    m->stride = stride_of(count);
-    if (!((m->parameters = planes_of(m->stride, FXS_FIT_PARAMETERS)) &&
-          (m->means = planes_of(m->stride, FXS_FIT_PARAMETERS)) &&
-          (m->squares = planes_of(m->stride, FXS_FIT_PARAMETERS)) &&
-          (m->by_centre = planes_of(m->stride, 1)) && (m->views = planes_of(m->stride, 1))) ||
-        fxs_fit_nearest(points, count, m->views)) {
+    if (fxs_fit_model_room(m, count))
+        return FXS_ERR_MEMORY;
+    if (fxs_fit_nearest(points, count, m->views)) {
         fxs_fit_model_free(m);
         return FXS_ERR_MEMORY;
     }
     for (size_t i = 0; i < count; i++)
         set_point(m, i, &points[i], 0.5f * ln(fmaxf(m->views[i], 1e-7f)), logit_of(opacity));
     memset(m->views, 0, m->stride * sizeof *m->views);
-    fill_rest(m);
     return 0;
 }
 

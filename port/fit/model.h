@@ -4,10 +4,8 @@
 
 #include "stepper.h"
 
-typedef struct fxs_fit_point {
-    float position[3];
-    uint8_t colour[3];
-} fxs_fit_point;
+/* Room for so many, all 0. Returns 0, or FXS_ERR_MEMORY and a model that is all 0. */
+int fxs_fit_model_room(fxs_fit_model *model, size_t count);
 
 /* Begins with a Gaussian at each point: as wide as its three neighbours are far (root of their mean square), of this
    opacity and the point's colour. Returns 0 or FXS_ERR_MEMORY. */

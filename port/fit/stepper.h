@@ -2,7 +2,7 @@
 #ifndef FXS_FIT_STEPPER_H
 #define FXS_FIT_STEPPER_H
 
-#include "../../src/fixsplat.h"
+#include "fit.h"
 #include "stage.h"
 
 typedef struct fxs_fit_stepper fxs_fit_stepper;
@@ -29,14 +29,6 @@ typedef struct fxs_fit_step_options {
     float by_opacity, by_scale;    /* weights of the mean opacity and the mean scale in the loss */
     fxs_fit_noise noise;           /* after the update; amount 0: none */
 } fxs_fit_step_options;
-
-typedef struct fxs_fit_report {
-    double absolute, dissimilar;   /* means of |a - b| and of 1 - SSIM over pixels and channels */
-    uint64_t entries;
-    uint32_t visible;
-    size_t gaussians;              /* after the step */
-    uint64_t nanoseconds[6];       /* project, bin, blend, loss, back, update; with a clock */
-} fxs_fit_report;
 
 /* `run` and `pool`: as in fxs_config. Null where memory ends. */
 fxs_fit_stepper *fxs_fit_stepper_create(const fxs_fit_stages *stages, fxs_run_fn *run, void *pool, uint32_t threads,
