@@ -601,7 +601,7 @@ static void adam(void)
                                    .middle = {20, 20}, .slope_most = {1, 1}, .near = 0.2f, .width = 40, .height = 40,
                                    .tiles_x = 3, .tiles_y = 3};
     fxs_fit_model m = random_model(FXS_FIT_BLOCK);
-    float sums[FXS_FIT_SUMS * FXS_FIT_BLOCK];
+    float sums[FXS_FIT_SUMS][FXS_FIT_PART];
     double x = 0, mean = 0, square = 0, worst = 0;
     memset(m.means, 0, FXS_FIT_PARAMETERS * m.stride * sizeof(float));
     memset(m.squares, 0, FXS_FIT_PARAMETERS * m.stride * sizeof(float));
@@ -612,8 +612,8 @@ static void adam(void)
         const fxs_fit_adam a = {.rate = {[FXS_FIT_COLOUR] = (float)(0.01 / (1 - pow(0.9, step)))},
                                 .correction = (float)(1 / (1 - pow(0.999, step))), .epsilon = 1e-12f};
         memset(sums, 0, sizeof sums);
-        sums[FXS_FIT_RED * FXS_FIT_BLOCK + 2] = (float)g;
-        stages->update(&camera, 0, &a, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_BLOCK, sums, m.by_centre);
+        sums[FXS_FIT_RED][2] = (float)g;
+        stages->update(&camera, 0, &a, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_BLOCK, sums[0], m.by_centre);
         mean = 0.9 * mean + 0.1 * gradient;
         square = 0.999 * square + 0.001 * gradient * gradient;
         x -= 0.01 * mean / (1 - pow(0.9, step)) / (sqrt(square / (1 - pow(0.999, step))) + 1e-12);
@@ -637,7 +637,7 @@ static void gradients_beyond(void)
     for (int which = 0; which < 5; which++)
         for (int sum = 0; sum < FXS_FIT_SUMS; sum++) {
             fxs_fit_model m = random_model(FXS_FIT_BLOCK), old;
-            float sums[FXS_FIT_SUMS * FXS_FIT_BLOCK];
+            float sums[FXS_FIT_SUMS][FXS_FIT_PART];
             size_t unsound = 0;
             memset(m.means, 0, FXS_FIT_PARAMETERS * m.stride * sizeof(float));
             memset(m.squares, 0, FXS_FIT_PARAMETERS * m.stride * sizeof(float));
@@ -646,10 +646,10 @@ static void gradients_beyond(void)
             for (int k = 0; k < 3; k++)    /* not cut at 0 */
                 *at(&m, FXS_FIT_COLOUR + k, 3) = 9;
             old = copy_of(&m);
-            for (int i = 0; i < FXS_FIT_SUMS * FXS_FIT_BLOCK; i++)
-                sums[i] = 1;
-            sums[sum * FXS_FIT_BLOCK + 3] = bad[which];
-            stages->update(&camera, 3, &a, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_BLOCK, sums,
+            for (int i = 0; i < FXS_FIT_SUMS * FXS_FIT_PART; i++)
+                sums[i / FXS_FIT_PART][i % FXS_FIT_PART] = 1;
+            sums[sum][3] = bad[which];
+            stages->update(&camera, 3, &a, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_BLOCK, sums[0],
                            m.by_centre);
             for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
                 for (size_t i = 0; i < FXS_FIT_BLOCK; i++)
@@ -833,8 +833,6 @@ static void hard_scenes(void)
         set_scene();
         for (int i = 0; i < 60; i++)
             points[i].position[i % 3] = 9e11f;
-        for (int i = 0; i < PHOTOS; i++)
-            photos[i].view.position[i % 3] = 9e11 * (i % 2 ? 1 : -1);
         CHECK(fitted(PHOTOS, 60, 110));
         options.max_gaussians = 20;                    /* fewer than points */
         CHECK(fitted(PHOTOS, 60, 1) == 20);

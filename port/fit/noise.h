@@ -6,18 +6,8 @@
 
 #if LANES == 1
 typedef uint32_t bits;
-
-static inline bits lane_numbers(void)
-{
-    return 0;
-}
 #else
 typedef uint32_t bits __attribute__((vector_size(4 * LANES)));
-
-static inline bits lane_numbers(void)
-{
-    return (bits)__builtin_convertvector(column_numbers(), whole);
-}
 #endif
 
 /* Mixes 32 bits (the finaliser of MurmurHash3). */
@@ -49,9 +39,9 @@ static inline void add_noise(const fxs_fit_noise *noise, float *at, size_t strid
     for (int i = 0; i < 4; i++)
         q[i] *= length;
     rotation_of(q, r);
-    const real opacity = 1.0f / (1.0f + exp_e(-load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
+    const real opacity = 1.0f / (1.0f + exp_of_minus(load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
     const real amount = noise->amount / (1.0f + exp_e(least(100.0f * (opacity - 0.005f), all(80))));
-    const bits numbers = lane_numbers() + index;
+    const bits numbers = (bits)real_to_whole(numbers_from(0)) + index;
     const real xi[3] = {normal(noise, numbers, 0), normal(noise, numbers, 1), normal(noise, numbers, 2)};
     /* R S^2 R^t xi */
     for (int j = 0; j < 3; j++) {
@@ -61,8 +51,7 @@ static inline void add_noise(const fxs_fit_noise *noise, float *at, size_t strid
     for (int i = 0; i < 3; i++) {
         float *to = at + (FXS_FIT_POSITION + i) * (ptrdiff_t)stride;
         const real old = load(to), next = old + amount * dot3(r[i], along);
-        const whole is_near = (next < FXS_FIT_FARTHEST_PLACE) & (next > -FXS_FIT_FARTHEST_PLACE);
-        store(to, choose(is_near, next, old));
+        store(to, choose(below(absolute(next), all(FXS_FIT_FARTHEST_PLACE)), next, old));
     }
 }
 
