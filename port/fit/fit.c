@@ -262,6 +262,7 @@ static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_op
     options->sh_degree = plan->sh_degree;
     options->number = f->step;
     options->without_sh = plan->without_sh;
+    options->only_touched = plan->only_touched;
     options->by_opacity = plan->by_opacity;
     options->by_scale = plan->by_scale;
     options->noise = (fxs_fit_noise){plan->noise, {(uint32_t)key, (uint32_t)(key >> 32)}};
@@ -272,7 +273,7 @@ static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_op
 
 static int change_model(fxs_fit *f, const fxs_fit_plan *plan)
 {
-    const fxs_fit_densify densify = {0.0002f, 0.01f * f->extent, plan->large, 0.005f, f->options.max_gaussians,
+    const fxs_fit_densify densify = {plan->gradient, 0.01f * f->extent, plan->large, 0.005f, f->options.max_gaussians,
                                      f->options.seed, f->step};
     const fxs_fit_relocate relocate = {0.005f, f->options.max_gaussians, f->options.seed, f->step};
     int error = plan->densify ? fxs_fit_model_densify(&f->model, &densify) : 0;

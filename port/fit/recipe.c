@@ -106,6 +106,7 @@ static void plan_fast(const fxs_fit_options *options, float extent, uint32_t ste
     while (plan->divisor > 1 && least_side / plan->divisor < 100)
         plan->divisor /= 2;
     plan->without_sh = step % 4 != 0;
+    plan->only_touched = 1;
     plan->densify = is_every(step, 100, 400, steps / 2);
     plan->reset = is_every(step, 3000, 0, steps / 2) || (step == 500 && is_white(options->background));
     plan->order = plan->densify && step % 500 == 0;
@@ -118,6 +119,7 @@ void fxs_fit_plan_step(const fxs_fit_options *options, float extent, uint32_t st
     memset(plan, 0, sizeof *plan);
     plan->sh_degree = (int)degree < options->sh_degree ? (int)degree : options->sh_degree;
     plan->divisor = 1;
+    plan->gradient = 0.0002f;
     plan->large = INFINITY;
     if (options->recipe == FXS_FIT_MCMC)
         plan_mcmc(options, extent, step, plan);

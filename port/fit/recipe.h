@@ -9,10 +9,12 @@ typedef struct fxs_fit_plan {
     int sh_degree;
     int divisor;                   /* the photograph is averaged down by it, either way */
     int without_sh;                /* 1: SH above degree 0 is not updated */
+    int only_touched;              /* 1: what no pixel took anything of stays as it is */
     float rate[FXS_FIT_PARAMETERS];
     float by_opacity, by_scale;    /* weights of the mean opacity and the mean scale in the loss */
     float noise;                   /* of positions, in covariances */
     int densify, relocate, order;  /* after the update; 0 or 1 */
+    float gradient;                /* of densify, from which on a Gaussian is cloned or split */
     float large;                   /* scale above which densify takes a Gaussian away; infinity: none */
     int reset;                     /* of opacities, after that */
 } fxs_fit_plan;
