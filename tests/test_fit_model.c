@@ -11,6 +11,26 @@
 #include "../port/fit/recipe.h"
 #include "check.h"
 
+/* Allocations that there is memory for; below 0: any number. */
+static long memory_left = -1;
+
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define LIMITED 1
+void *__libc_malloc(size_t size);
+void *__libc_memalign(size_t alignment, size_t size);
+
+void *malloc(size_t size)
+{
+    return !memory_left ? NULL : (memory_left -= memory_left > 0, __libc_malloc(size));
+}
+
+int posix_memalign(void **out, size_t alignment, size_t size)
+{
+    *out = !memory_left ? NULL : (memory_left -= memory_left > 0, __libc_memalign(alignment, size));
+    return *out ? 0 : 12;
+}
+#endif
+
 static uint64_t turn;
 
 static double uniform(double low, double high)
@@ -401,6 +421,37 @@ static void order(void)
     CHECK(behind < 5);             /* single precision may round a coordinate into the next cell */
     fxs_fit_model_free(&m);
     fxs_fit_model_free(&old);
+}
+
+/* Where memory ends, the model is as it was. */
+static void without_memory(void)
+{
+#ifdef LIMITED
+    for (int what = 0; what < 2; what++) {
+        int error = 1;
+        for (long room = 0; error && room < 30; room++) {
+            fxs_fit_densify d = rule;
+            fxs_fit_model m = random_model(500), old = copy_of(&m);
+            size_t wrong = 0;
+            d.opacity = 0.0001f;
+            memory_left = room;
+            error = what ? fxs_fit_model_order(&m) : fxs_fit_model_densify(&m, &d);
+            memory_left = -1;
+            CHECK(room > 6 || error == FXS_ERR_MEMORY || what);
+            CHECK(error || room);
+            for (size_t i = 0; error && i < 500; i++)
+                wrong += differing(&m, i, &old, i, 0, FXS_FIT_PARAMETERS) || !has_moments(&m, i, (double)i) ||
+                         m.views[i] != old.views[i] || m.by_centre[i] != old.by_centre[i];
+            CHECK(!wrong && (!error || m.count == 500));
+            CHECK(error || what || m.count > 512);
+            fxs_fit_model_free(&m);
+            fxs_fit_model_free(&old);
+        }
+        CHECK(!error);
+    }
+#else
+    SKIP("malloc is not ours here");
+#endif
 }
 
 /* ---- Relocation -------------------------------------------------------------------------------------------------- */
@@ -876,6 +927,7 @@ int main(void)
     RUN(children);
     RUN(reset);
     RUN(order);
+    RUN(without_memory);
     RUN(relocated);
     RUN(relocated_to_one);
     RUN(grown);
