@@ -61,7 +61,8 @@ survives() {
 survives o.ply make-scene knot --count 300 -o o.ply
 survives o.png render knot.ply --size 64x48 --threads 2 -o o.png
 make_photographs 3
-survives o.fxs fit set --steps 4 --save-every 2 --threads 2 -o o.fxs
+"$fixsplat" fit set --steps 4 --save-every 2 -o o.fxs >logs/out || exit 1
+survives o.fxs fit set --steps 4 --threads 2 -o o.fxs
 survives o.ply fit set --steps 4 --resume o.fxs.fit -o o.ply
 survives o.ppm render packed.fxs --size 64x48 --stereo 0.1 -o o.ppm
 survives o.fxs convert knot.ply o.fxs
