@@ -1,5 +1,5 @@
 /* The operations of the fit's texts (gaussian.h, tile.h, loss.h, ...) on LANES numbers. Without LANES it is the
- * instance of one, plain C. Others define LANES and MASK, ROOT, BELOW, AT_MOST, ANY and CHOOSE first, as
+ * instance of one, plain C. Others define LANES and MASK, ROOT, BELOW, AT_MOST, ANY, CHOOSE and BITS first, as
  * kernels/x86/fit_avx2.c: vectors of GCC and clang.
  * Every operation is that of IEEE single precision, one by one, so the instances have the same bytes. */
 #ifndef FXS_FIT_LANES_H
@@ -37,6 +37,12 @@ static inline int any(mask which)
 static inline real choose(mask which, real a, real b)
 {
     return which ? a : b;
+}
+
+/* A bit for each lane. */
+static inline uint32_t bits_of_mask(mask which)
+{
+    return which != 0;
 }
 
 static inline real all(float x)
@@ -86,6 +92,11 @@ static inline int any(mask which)
 static inline real choose(mask which, real a, real b)
 {
     return CHOOSE(which, a, b);
+}
+
+static inline uint32_t bits_of_mask(mask which)
+{
+    return BITS(which);
 }
 
 static inline real all(float x)
@@ -176,12 +187,12 @@ static inline real numbers_from(int first)
     return load(numbers + first);
 }
 
-/* 2^x; x in -126..127. A whole part by the rounding of an addition, and a polynomial of the rest, -1/2 to 1/2: relative
-   error 2e-7 and rounding. */
-static inline real exp_2(real x)
+/* 2^-x; x in -127..126. A whole part by the rounding of an addition, and a polynomial of the rest, -1/2 to 1/2:
+   relative error 2e-7 and rounding. */
+static inline real exp_2_minus(real x)
 {
-    const real n = x + 12582912.0f;
-    const real f = x - (n - 12582912.0f);
+    const real n = 12582912.0f - x;
+    const real f = (12582912.0f - n) - x;
     real p = f * 0.00133813025f + 0.00966636852f;
     p = p * f + 0.0555038101f;
     p = p * f + 0.24022349f;
@@ -193,7 +204,7 @@ static inline real exp_2(real x)
 /* e^x; x in -87..88 */
 static inline real exp_e(real x)
 {
-    return exp_2(x * 1.44269504f);
+    return exp_2_minus(x * -1.44269504f);
 }
 
 /* ln x; x normal, above 0. x = 2^n m, m in sqrt(1/2)..sqrt(2); ln m = 2 (s + s^3 / 3 + s^5 / 5 + ...), s = (m - 1) / (m

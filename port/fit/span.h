@@ -1,100 +1,72 @@
-/* The tiles that a splat's ellipse touches, row by row, and the blocks of them. */
+/* The tiles that splats' ellipses touch, row by row; LANES splats at once. */
 #ifndef FXS_FIT_SPAN_H
 #define FXS_FIT_SPAN_H
 
 #include "lanes.h"
 #include "stage.h"
 
-/* Of 16 rows of blocks, that is of four rows of tiles, the columns of blocks first..end. */
-typedef struct span_rows {
-    int32_t first[16], end[16];
-} span_rows;
+/* Of LANES splats. radius2: that of u and v, squared; first, end: rows of tiles, none where a splat is not seen. */
+typedef struct ellipses {
+    real x, y, ux, uy, vy, radius2, half_y, tip, first, end;
+} ellipses;
 
-static inline int32_t cut_at(float x, int32_t most_of)
+/* The tile of a pixel that may lie beyond the picture, 0 to most_of */
+static inline real tile_at(real pixel, int32_t most_of)
 {
-    return x > 0 ? (x < (float)most_of ? (int32_t)x : most_of) : 0;
+    const real tile = least(most(pixel * (1.0f / FXS_FIT_TILE), all(0)), all((float)most_of));
+    return whole_to_real(real_to_whole(tile));
 }
 
-/* Of LANES rows from `row` on: u = r cos, v = r sin, x = (u - uy y) / ux, y = v / vy. x is largest where y is the tip,
-   or as near to there as the row's pixels are. With a margin of a hundredth, and of a hundredth of a pixel. Where the
-   ellipse is not, end is not above first. */
-static inline void find_spans(const fxs_fit_camera *camera, const fxs_fit_splat *s, int32_t row, int32_t *first,
-                              int32_t *end)
+static inline void find_rows(const fxs_fit_camera *camera, mask seen, ellipses *e)
 {
-    const float r2 = (s->limit - s->offset) * FXS_FIT_WIDER, blocks = (float)(4 * camera->tiles_x);
-    const real top = (numbers_from(0) + (float)row) * 4.0f + (0.5f - s->centre[1]), bottom = top + 3.0f;
+    e->first = tile_at(e->y - e->half_y, camera->tiles_y);
+    e->end = keep(seen, tile_at((e->y + e->half_y) + FXS_FIT_TILE, camera->tiles_y));
+}
+
+/* Columns first..end of a row: u = r cos, v = r sin, x = (u - uy y) / ux, y = v / vy. x is largest where y is the tip, or as
+   near to there as the row's pixels are. With a margin of a hundredth of a pixel. Beyond the last row there are none. */
+static inline void find_columns(const fxs_fit_camera *camera, const ellipses *e, real row, real *first, real *end)
+{
+    const real top = row * (float)FXS_FIT_TILE + (0.5f - e->y), bottom = top + (float)(FXS_FIT_TILE - 1);
+    const mask is_square = below(e->radius2, all(0));
     real reach[2];
     for (int i = 0; i < 2; i++) {
-        const real y = least(most(all(i ? s->tip : -s->tip), top), bottom), v = y * s->vy, along = y * s->uy;
-        const real half = root(most(r2 - v * v, all(0)));
-        reach[i] = (i ? half - along : half + along) / s->ux + 0.01f;
+        const real y = least(most(i ? e->tip : -e->tip, top), bottom), v = y * e->vy, along = y * e->uy;
+        const real half = root(most(e->radius2 - v * v, all(0)));
+        reach[i] = choose(is_square, e->half_y + 0.5f, (i ? half - along : half + along) / e->ux + 0.01f);
     }
-    const mask is_in = both(at_most(top, all(s->half[1])), at_most(all(-s->half[1]), bottom));
-    const real from = (s->centre[0] - reach[0] + 0.5f) * 0.25f, to = (s->centre[0] + reach[1] + 3.5f) * 0.25f;
-    const whole f = real_to_whole(least(most(from, all(0)), all(blocks)));
-    const whole e = real_to_whole(keep(is_in, least(most(to, all(0)), all(blocks))));
-    memcpy(first, &f, sizeof f);
-    memcpy(end, &e, sizeof e);
+    /* a pixel's centre is half a pixel from its sides */
+    *first = tile_at((e->x - reach[0]) + 0.5f, camera->tiles_x);
+    *end = keep(below(row, e->end), tile_at((e->x + reach[1]) + (FXS_FIT_TILE - 0.5f), camera->tiles_x));
 }
 
-/* Bits of a tile's four blocks in a row of which first..end are touched. */
-static inline uint32_t span_bits(int32_t first, int32_t end)
+static inline real count_tiles(const fxs_fit_camera *camera, const ellipses *e)
 {
-    const int32_t f = first < 0 ? 0 : first > 4 ? 4 : first, e = end < 0 ? 0 : end > 4 ? 4 : end;
-    return e > f ? (1u << e) - (1u << f) : 0;
-}
-
-/* Tiles of a row of tiles, whose rows of blocks have these spans. Returns how many. */
-static inline uint32_t cover_row(const int32_t *first, const int32_t *end, uint32_t tile_row, fxs_fit_piece *out)
-{
-    int32_t from = INT32_MAX, to = 0;
-    for (int k = 0; k < 4; k++)
-        if (end[k] > first[k]) {
-            from = first[k] < from ? first[k] : from;
-            to = end[k] > to ? end[k] : to;
-        }
-    from /= 4;
-    to = (to + 3) / 4;
-    for (int32_t x = from; out && x < to; x++, out++) {
-        out->tile = tile_row + (uint32_t)x;
-        out->blocks = 0;
-        for (int k = 0; k < 4; k++)
-            out->blocks |= span_bits(first[k] - 4 * x, end[k] - 4 * x) << 4 * k;
-    }
-    return to > from ? (uint32_t)(to - from) : 0;
-}
-
-/* All blocks of the tiles that the square touches. */
-static inline uint32_t cover_square(const fxs_fit_camera *camera, const fxs_fit_splat *s, fxs_fit_piece *out)
-{
-    const int32_t left = cut_at((s->centre[0] - s->square) / FXS_FIT_TILE, camera->tiles_x);
-    const int32_t right = cut_at((s->centre[0] + s->square) / FXS_FIT_TILE + 1, camera->tiles_x);
-    const int32_t top = cut_at((s->centre[1] - s->square) / FXS_FIT_TILE, camera->tiles_y);
-    const int32_t bottom = cut_at((s->centre[1] + s->square) / FXS_FIT_TILE + 1, camera->tiles_y);
-    for (int32_t y = top; out && y < bottom; y++)
-        for (int32_t x = left; x < right; x++)
-            *out++ = (fxs_fit_piece){(uint32_t)(y * camera->tiles_x + x), 0xffff};
-    return right > left && bottom > top ? (uint32_t)((right - left) * (bottom - top)) : 0;
-}
-
-/* The splat's pieces, to `out` where that is not null. Returns how many. */
-static inline uint32_t cover(const fxs_fit_camera *camera, const fxs_fit_splat *s, fxs_fit_piece *out)
-{
-    if (s->square > 0)
-        return cover_square(camera, s, out);
-    const int32_t rows = 4 * camera->tiles_y;
-    const int32_t first = cut_at((s->centre[1] - s->half[1]) / 4, rows) & ~3;
-    const int32_t end = (cut_at((s->centre[1] + s->half[1]) / 4 + 1, rows) + 3) & ~3;
-    uint32_t count = 0;
-    for (int32_t row = first; row < end; row += 16) {
-        span_rows spans;
-        for (int32_t i = 0; i < 16 && row + i < end; i += LANES)
-            find_spans(camera, s, row + i, spans.first + i, spans.end + i);
-        for (int32_t i = 0; i < 16 && row + i < end; i += 4)
-            count += cover_row(spans.first + i, spans.end + i, (uint32_t)((row + i) / 4 * camera->tiles_x),
-                               out ? out + count : NULL);
+    real count = all(0);
+    for (real row = e->first; any(below(row, e->end)); row = row + 1.0f) {
+        real first, end;
+        find_columns(camera, e, row, &first, &end);
+        count = count + most(end - first, all(0));
     }
     return count;
+}
+
+/* The tiles of LANES splats to where `out` says for each. */
+static inline void put_tiles(const fxs_fit_camera *camera, const ellipses *e, uint32_t *out[LANES])
+{
+    for (real row = e->first; any(below(row, e->end)); row = row + 1.0f) {
+        real first, end;
+        float rows[LANES], columns[LANES], ends[LANES];
+        find_columns(camera, e, row, &first, &end);
+        store(rows, row);
+        store(columns, first);
+        store(ends, end);
+        for (int i = 0; i < LANES; i++) {
+            const uint32_t tile = (uint32_t)rows[i] * (uint32_t)camera->tiles_x;
+            for (uint32_t x = (uint32_t)columns[i]; x < (uint32_t)ends[i]; x++)
+                *out[i]++ = tile + x;
+        }
+    }
 }
 
 #endif

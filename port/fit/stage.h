@@ -39,7 +39,7 @@ typedef struct fxs_fit_camera {
     float slope_most[2];           /* the Jacobian takes slopes up to here, either way */
     float near;
     int32_t width, height, tiles_x, tiles_y;
-    int32_t is_square;             /* 1: the cut-off of Kerbl et al. 2023, see fxs_fit_splat's square */
+    int32_t is_square;             /* 1: the cut-off of Kerbl et al. 2023, see fxs_fit_splat's radius2 */
 } fxs_fit_camera;
 
 /* A Gaussian in the picture. For a pixel's centre (X, Y), x = X - centre[0], y = Y - centre[1]:
@@ -48,21 +48,18 @@ typedef struct fxs_fit_camera {
 typedef struct fxs_fit_splat {
     float centre[2], ux, uy, vy, offset, limit, colour[3];
     float depth;                   /* 0: not in the picture */
-    float half[2];                 /* of the ellipse, pixels, along x and y */
-    float tip;                     /* y where the ellipse is farthest to the right */
-    float square;                  /* above 0: it is in all tiles that a square touches, this many pixels either way */
-    uint32_t tiles, slot;          /* pieces; the number of its first one among those of all splats */
+    /* For lists, of the ellipse, and a little more: the square of its radius in u and v, half of its height, and y where
+       it is farthest to the right. radius2 below 0: it is in all tiles that a square of half_y either way touches, and
+       all their pixels look at it. */
+    float radius2, half_y, tip;
+    float tiles;                   /* that it touches */
+    uint32_t slot;                 /* of the first one's sums: the others follow, row by row */
 } fxs_fit_splat;
 
-/* A splat in a tile: its blocks of 4x4 pixels, a bit each, row by row. */
-typedef struct fxs_fit_piece {
-    uint32_t tile;                 /* and later the number of its entry */
-    uint32_t blocks;
-} fxs_fit_piece;
-
-/* A splat in a tile's list. blend leaves only the blocks in which a pixel takes of it. */
+/* A splat in a tile's list: its number, where its sums over this tile go, and, found by blend, the blocks of 4x4 pixels
+   that take of it, a bit each, row by row. */
 typedef struct fxs_fit_entry {
-    uint32_t splat, blocks;
+    uint32_t splat, slot, blocks;
 } fxs_fit_entry;
 
 /* Sums over pixels of a tile, h = -alpha dL/dalpha: for each of the 16 places in a block over the blocks, row by row; then
@@ -120,13 +117,12 @@ typedef struct fxs_fit_stages {
     /* Splats of Gaussians first..first + count; both multiples of FXS_FIT_BLOCK. */
     void (*project)(const fxs_fit_camera *camera, int degree, const float *parameters, size_t stride, size_t first,
                     size_t count, fxs_fit_splat *splats);
-    /* The pieces of splats first..first + count that are in the picture, to their slots. */
-    void (*cover)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first, size_t count,
-                  fxs_fit_piece *pieces);
-    /* A list's splats to pixels of the tile at (left, top). Returns how many entries were needed. */
+    /* The tiles of splats first..first + count, both multiples of FXS_FIT_BLOCK, to their slots. */
+    void (*cover)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first, size_t count, uint32_t *tiles);
+    /* A list's splats to pixels of the tile at (left, top), and the entries' blocks. Returns how many were needed. */
     uint32_t (*blend)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
                       fxs_fit_tile *tile);
-    /* The sums of the first `count` entries. */
+    /* The sums of the first `count` entries, as many as blend needed, each to its slot. */
     void (*back)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
                  const fxs_fit_tile_gradient *gradient, float (*sums)[FXS_FIT_SUMS]);
     /* A row each: sums along it of a, b, a^2, b^2, ab; SSIM and its derivatives; sums along it of those; the gradient. */

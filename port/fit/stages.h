@@ -13,7 +13,7 @@
 /* ---- project ----------------------------------------------------------------------------------------------------- */
 
 /* Planes of LANES numbers to LANES splats. */
-static void put_splats(const fxs_fit_camera *camera, const real *numbers, int count, fxs_fit_splat *splats)
+static void put_splats(const real *numbers, int count, fxs_fit_splat *splats)
 {
     float out[16][LANES];
     for (int i = 0; i < count; i++)
@@ -22,7 +22,6 @@ static void put_splats(const fxs_fit_camera *camera, const real *numbers, int co
         float *to = splats[i].centre;
         for (int k = 0; k < count; k++)
             to[k] = out[k][i];
-        splats[i].tiles = splats[i].depth > 0 ? cover(camera, &splats[i], NULL) : 0;
     }
 }
 
@@ -45,27 +44,30 @@ static void project_lanes(const fxs_fit_camera *camera, int degree, const float 
     const real radius = root(most(limit - offset, all(0)) * (FXS_FIT_WIDER / (FXS_FIT_UNIT * FXS_FIT_UNIT)));
     const real x = s.slope[0] * camera->focal[0] + camera->middle[0];
     const real y = s.slope[1] * camera->focal[1] + camera->middle[1];
-    const real half_x = radius * root(s.a) + 0.01f, half_y = radius * root(s.c) + 0.01f;
-    const real square = camera->is_square ? square_of(&s) : all(0);
-    const real reach_x = camera->is_square ? square : half_x, reach_y = camera->is_square ? square : half_y;
+    const real half_x = camera->is_square ? square_of(&s) : radius * root(s.a) + 0.01f;
+    const real half_y = camera->is_square ? half_x : radius * root(s.c) + 0.01f;
     mask seen = both(below(all(camera->near), s.in_camera[2]), below(offset, limit));
-    seen = both(seen, both(below(all(0), x + reach_x), below(x - reach_x, all((float)camera->width))));
-    seen = both(seen, both(below(all(0), y + reach_y), below(y - reach_y, all((float)camera->height))));
+    seen = both(seen, both(below(all(0), x + half_x), below(x - half_x, all((float)camera->width))));
+    seen = both(seen, both(below(all(0), y + half_y), below(y - half_y, all((float)camera->height))));
     if (!any(seen)) {
         for (int i = 0; i < LANES; i++)
             splats[i].depth = 0;
         return;
     }
     find_look(&l, &s, degree, at, stride);
-    const real tip = -(radius * s.uy) / (s.vy * root(s.uy * s.uy + s.vy * s.vy));
     /* not a number, or beyond all measure: not seen, so nothing comes of it */
     seen = both(seen, below(s.ux, all(1e6f)));
     for (int c = 0; c < 3; c++)
         seen = both(seen, below(l.colour[c], all(1e6f)));
-    const real numbers[] = {x, y, s.ux * FXS_FIT_UNIT, s.uy * FXS_FIT_UNIT, s.vy * FXS_FIT_UNIT, offset, limit,
+    ellipses e = {.x = x, .y = y, .ux = s.ux * FXS_FIT_UNIT, .uy = s.uy * FXS_FIT_UNIT, .vy = s.vy * FXS_FIT_UNIT,
+                  .radius2 = camera->is_square ? all(-1) : radius * radius * (FXS_FIT_UNIT * FXS_FIT_UNIT),
+                  .half_y = half_y,
+                  .tip = -(radius * s.uy) / (s.vy * root(s.uy * s.uy + s.vy * s.vy))};
+    find_rows(camera, seen, &e);
+    const real numbers[] = {x, y, e.ux, e.uy, e.vy, offset, limit,
                             most(l.colour[0], all(0)), most(l.colour[1], all(0)), most(l.colour[2], all(0)),
-                            keep(seen, s.in_camera[2]), half_x, half_y, tip, square};
-    put_splats(camera, numbers, sizeof numbers / sizeof *numbers, splats);
+                            keep(seen, s.in_camera[2]), e.radius2, half_y, e.tip, count_tiles(camera, &e)};
+    put_splats(numbers, sizeof numbers / sizeof *numbers, splats);
 }
 
 static void NAMED(fxs_fit_project_, ISA)(const fxs_fit_camera *camera, int degree, const float *parameters,
@@ -77,12 +79,34 @@ static void NAMED(fxs_fit_project_, ISA)(const fxs_fit_camera *camera, int degre
 
 /* ---- Tiles ------------------------------------------------------------------------------------------------------- */
 
-static void NAMED(fxs_fit_cover_, ISA)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first,
-                                       size_t count, fxs_fit_piece *pieces)
+static void cover_lanes(const fxs_fit_camera *camera, const fxs_fit_splat *splats, uint32_t *tiles)
 {
-    for (size_t i = first; i < first + count; i++)
-        if (splats[i].depth > 0)
-            cover(camera, &splats[i], pieces + splats[i].slot);
+    float numbers[16][LANES];
+    uint32_t *out[LANES];
+    ellipses e;
+    for (int i = 0; i < LANES; i++) {
+        const float *from = splats[i].centre;
+        for (int k = 0; k < 14; k++)
+            numbers[k][i] = from[k];
+        out[i] = tiles + splats[i].slot;
+    }
+    e.x = load(numbers[0]);
+    e.y = load(numbers[1]);
+    e.ux = load(numbers[2]);
+    e.uy = load(numbers[3]);
+    e.vy = load(numbers[4]);
+    e.radius2 = load(numbers[11]);
+    e.half_y = load(numbers[12]);
+    e.tip = load(numbers[13]);
+    find_rows(camera, below(all(0), load(numbers[10])), &e);
+    put_tiles(camera, &e, out);
+}
+
+static void NAMED(fxs_fit_cover_, ISA)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first,
+                                       size_t count, uint32_t *tiles)
+{
+    for (size_t i = first; i < first + count; i += LANES)
+        cover_lanes(camera, splats + i, tiles);
 }
 
 static uint32_t NAMED(fxs_fit_blend_, ISA)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count,
@@ -258,10 +282,14 @@ static inline real without_tiny(real x)
     return choose(below(absolute(x), all(FXS_FIT_TINY)), all(0), x);
 }
 
+/* `next`: how far the next plane is, which is fetched meanwhile. */
 static inline void adam_plane(const fxs_fit_adam *adam, float rate, const float *gradient, const float *touched,
-                              size_t count, float *at, float *means, float *squares)
+                              size_t count, float *at, float *means, float *squares, size_t next)
 {
     for (size_t i = 0; i < count; i += LANES) {
+        __builtin_prefetch(at + next + i, 1);
+        __builtin_prefetch(means + next + i, 1);
+        __builtin_prefetch(squares + next + i, 1);
         const real g = load(gradient + i), old = load(at + i), old_mean = load(means + i), old_square = load(squares + i);
         const real mean = without_tiny(old_mean * 0.9f + g * 0.1f);
         const real square = without_tiny(old_square * 0.999f + g * g * 0.001f);
@@ -286,16 +314,17 @@ static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *camera, int degree
 {
     part_planes gradients;
     float touched[FXS_FIT_PART];
-    const int used = FXS_FIT_SH + 3 * SH_COUNT(degree);
+    const int used = FXS_FIT_SH + 3 * SH_COUNT(degree), end = adam->without_sh ? FXS_FIT_SH : used;
     for (size_t i = 0; i < count; i += LANES) {
         find_part(camera, degree, used, parameters + first + i, stride, sums + i, by_centre + first + i,
                   gradients[0] + i, touched + i);
         if (adam->by_opacity > 0)
             add_regularisers(adam, parameters + first + i, stride, gradients[0] + i);
     }
-    for (int k = 0; k < (adam->without_sh ? FXS_FIT_SH : used); k++) {
+    for (int k = 0; k < end; k++) {
         const size_t at = (size_t)k * stride + first;
-        adam_plane(adam, adam->rate[k], gradients[k], touched, count, parameters + at, means + at, squares + at);
+        adam_plane(adam, adam->rate[k], gradients[k], touched, count, parameters + at, means + at, squares + at,
+                   k + 1 < end ? stride : 0);
         if ((k >= FXS_FIT_SCALE && k < FXS_FIT_ROTATION) || k == FXS_FIT_OPACITY)
             keep_within(parameters + at, count);
     }

@@ -19,7 +19,7 @@ struct fxs_fit_stepper {
     void *pool;
     uint32_t threads;
     fxs_clock_fn *clock;
-    block splats, jobs, keys, counts, histograms, pieces, entries, sums, planes, rows;
+    block splats, jobs, keys, counts, histograms, tiles, entries, sums, planes, rows;
 
     /* of the step at work */
     fxs_fit_model *model;
@@ -65,7 +65,7 @@ void fxs_fit_stepper_free(fxs_fit_stepper *s)
 {
     if (!s)
         return;
-    block *blocks[] = {&s->splats, &s->jobs, &s->keys, &s->counts, &s->histograms, &s->pieces, &s->entries, &s->sums,
+    block *blocks[] = {&s->splats, &s->jobs, &s->keys, &s->counts, &s->histograms, &s->tiles, &s->entries, &s->sums,
                        &s->planes, &s->rows};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++)
         free(blocks[i]->memory);
@@ -99,34 +99,37 @@ static size_t job_count(const fxs_fit_stepper *s, uint32_t job)
 /* What a job's Gaussians are in the picture; then of those before them. */
 typedef struct seen {
     uint32_t splats;
-    size_t pieces;
+    size_t entries;
 } seen;
 
+/* Of its Gaussians below the count. */
 static size_t job_end(const fxs_fit_stepper *s, uint32_t job)
 {
-    const size_t end = (size_t)(job + 1) * JOB;
-    return end < s->model->count ? end : s->model->count;
+    const size_t first = (size_t)job * JOB, end = first + job_count(s, job);
+    return s->model->count < first ? first : s->model->count < end ? s->model->count : end;
 }
 
 static void project_job(void *argument, uint32_t job)
 {
     const fxs_fit_stepper *s = argument;
-    const fxs_fit_splat *splats = s->splats.memory;
+    fxs_fit_splat *splats = s->splats.memory;
     seen *found = (seen *)s->jobs.memory + job;
     s->stages->project(s->camera, s->options->sh_degree, s->model->parameters, s->model->stride, (size_t)job * JOB,
-                       job_count(s, job), s->splats.memory);
+                       job_count(s, job), splats);
+    for (size_t i = job_end(s, job); i < (size_t)job * JOB + job_count(s, job); i++)
+        splats[i].depth = 0;
     *found = (seen){0, 0};
     for (size_t i = (size_t)job * JOB; i < job_end(s, job); i++)
         if (splats[i].depth > 0) {
             found->splats++;
-            found->pieces += splats[i].tiles;
+            found->entries += (size_t)splats[i].tiles;
         }
 }
 
 /* ---- bin --------------------------------------------------------------------------------------------------------- */
 
 typedef struct key {
-    uint32_t depth, splat;
+    uint32_t depth, splat, slot, tiles;
 } key;
 
 enum { DIGITS = 3, DIGIT_BITS = 11, DIGIT_VALUES = 1 << DIGIT_BITS };
@@ -147,26 +150,27 @@ static void add_jobs(fxs_fit_stepper *s)
         const seen own = found[job];
         found[job] = (seen){s->visible, s->entry_count};
         s->visible += own.splats;
-        s->entry_count += own.pieces;
+        s->entry_count += own.entries;
     }
 }
 
-/* Keys and pieces of what is seen. Depths are above 0, so their bits are in order. */
+/* Keys and tiles of what is seen. Depths are above 0, so their bits are in order. */
 static void cover_job(void *argument, uint32_t job)
 {
     const fxs_fit_stepper *s = argument;
     fxs_fit_splat *splats = s->splats.memory;
     seen before = ((const seen *)s->jobs.memory)[job];
     key *keys = s->keys.memory;
-    const size_t first = (size_t)job * JOB, end = job_end(s, job);
-    for (size_t i = first; i < end; i++)
+    for (size_t i = (size_t)job * JOB; i < job_end(s, job); i++)
         if (splats[i].depth > 0) {
-            memcpy(&keys[before.splats].depth, &splats[i].depth, 4);
-            keys[before.splats++].splat = (uint32_t)i;
-            splats[i].slot = (uint32_t)before.pieces;
-            before.pieces += splats[i].tiles;
+            key *k = &keys[before.splats++];
+            memcpy(&k->depth, &splats[i].depth, sizeof k->depth);
+            k->splat = (uint32_t)i;
+            k->slot = splats[i].slot = (uint32_t)before.entries;
+            k->tiles = (uint32_t)splats[i].tiles;
+            before.entries += k->tiles;
         }
-    s->stages->cover(s->camera, splats, first, end - first, s->pieces.memory);
+    s->stages->cover(s->camera, splats, (size_t)job * JOB, job_count(s, job), s->tiles.memory);
 }
 
 /* Keys of a digit go from here to there. */
@@ -228,36 +232,39 @@ static void sort_keys(fxs_fit_stepper *s)
     }
 }
 
+/* Of the splat that comes `AHEAD` keys later. */
+enum { AHEAD = 8 };
+static void prefetch_tiles(const fxs_fit_stepper *s, const key *keys, uint32_t k)
+{
+    const key *later = &keys[k + AHEAD < s->visible ? k + AHEAD : k];
+    __builtin_prefetch((const uint32_t *)s->tiles.memory + later->slot);
+}
+
 static void count_entries_job(void *argument, uint32_t range)
 {
     const fxs_fit_stepper *s = argument;
-    const fxs_fit_splat *splats = s->splats.memory;
     const key *keys = keys_from(s);
     uint32_t *counts = (uint32_t *)s->histograms.memory + (size_t)range * s->tile_count;
     memset(counts, 0, s->tile_count * sizeof *counts);
     for (uint32_t k = range_start(s, range); k < range_start(s, range + 1); k++) {
-        const fxs_fit_splat *splat = &splats[keys[k].splat];
-        const fxs_fit_piece *pieces = (const fxs_fit_piece *)s->pieces.memory + splat->slot;
-        for (uint32_t i = 0; i < splat->tiles; i++)
-            counts[pieces[i].tile]++;
+        const uint32_t *tiles = (const uint32_t *)s->tiles.memory + keys[k].slot;
+        prefetch_tiles(s, keys, k);
+        for (uint32_t i = 0; i < keys[k].tiles; i++)
+            counts[tiles[i]]++;
     }
 }
 
 static void fill_entries_job(void *argument, uint32_t range)
 {
     const fxs_fit_stepper *s = argument;
-    const fxs_fit_splat *splats = s->splats.memory;
     const key *keys = keys_from(s);
     uint32_t *starts = (uint32_t *)s->histograms.memory + (size_t)range * s->tile_count;
     fxs_fit_entry *entries = s->entries.memory;
     for (uint32_t k = range_start(s, range); k < range_start(s, range + 1); k++) {
-        const fxs_fit_splat *splat = &splats[keys[k].splat];
-        fxs_fit_piece *pieces = (fxs_fit_piece *)s->pieces.memory + splat->slot;
-        for (uint32_t i = 0; i < splat->tiles; i++) {
-            const uint32_t at = starts[pieces[i].tile]++;
-            entries[at] = (fxs_fit_entry){keys[k].splat, pieces[i].blocks};
-            pieces[i].tile = at;
-        }
+        const uint32_t *tiles = (const uint32_t *)s->tiles.memory + keys[k].slot;
+        prefetch_tiles(s, keys, k);
+        for (uint32_t i = 0; i < keys[k].tiles; i++)
+            entries[starts[tiles[i]]++] = (fxs_fit_entry){keys[k].splat, keys[k].slot + i, 0};
     }
 }
 
@@ -268,7 +275,7 @@ static int make_room(fxs_fit_stepper *s)
     return s->entry_count < UINT32_MAX && room(&s->keys, 2 * s->model->stride * sizeof(key)) &&
                    room(&s->counts, (2 * (size_t)s->tile_count + 1) * sizeof(uint32_t)) &&
                    room(&s->histograms, s->threads * values * sizeof(uint32_t)) &&
-                   room(&s->pieces, entries * sizeof(fxs_fit_piece)) &&
+                   room(&s->tiles, entries * sizeof(uint32_t)) &&
                    room(&s->entries, entries * sizeof(fxs_fit_entry)) &&
                    room(&s->sums, entries * FXS_FIT_SUMS * sizeof(float))
                ? 0
@@ -447,13 +454,14 @@ static void back_job(void *argument, uint32_t tile)
     const fxs_fit_stepper *s = argument;
     const uint32_t *starts = s->counts.memory, needed = starts[s->tile_count + 1 + tile];
     const fxs_fit_entry *entries = (const fxs_fit_entry *)s->entries.memory + starts[tile];
-    float (*sums)[FXS_FIT_SUMS] = (float(*)[FXS_FIT_SUMS])s->sums.memory + starts[tile];
+    float (*sums)[FXS_FIT_SUMS] = s->sums.memory;
     fxs_fit_tile_gradient g;
     int32_t left, top;
     tile_place(s, tile, &left, &top);
     take_gradient(s, tile, &g);
     s->stages->back(s->splats.memory, entries, needed, left, top, &g, sums);
-    memset(sums + needed, 0, (starts[tile + 1] - starts[tile] - needed) * sizeof *sums);
+    for (uint32_t e = needed; e < starts[tile + 1] - starts[tile]; e++)
+        memset(sums[entries[e].slot], 0, sizeof *sums);
 }
 
 /* ---- update ------------------------------------------------------------------------------------------------------ */
@@ -462,17 +470,17 @@ static void back_job(void *argument, uint32_t tile)
 static void gather(const fxs_fit_stepper *s, size_t first, size_t count, float (*out)[FXS_FIT_PART])
 {
     const fxs_fit_splat *splats = (const fxs_fit_splat *)s->splats.memory + first;
-    const float (*sums)[FXS_FIT_SUMS] = s->sums.memory;
     for (size_t i = 0; i < count; i++) {
         float total[FXS_FIT_SUMS] = {0};
-        const int is_seen = first + i < s->model->count && splats[i].depth > 0;
-        const fxs_fit_piece *pieces = (const fxs_fit_piece *)s->pieces.memory + (is_seen ? splats[i].slot : 0);
-        for (uint32_t t = 0; t < (is_seen ? splats[i].tiles : 0); t++)
-            for (int k = 0; k < FXS_FIT_SUMS; k++)
-                total[k] += sums[pieces[t].tile][k];
+        if (splats[i].depth > 0) {
+            const float (*sums)[FXS_FIT_SUMS] = (const float(*)[FXS_FIT_SUMS])s->sums.memory + splats[i].slot;
+            for (uint32_t t = 0; t < (uint32_t)splats[i].tiles; t++)
+                for (int k = 0; k < FXS_FIT_SUMS; k++)
+                    total[k] += sums[t][k];
+            s->model->views[first + i] += 1;
+        }
         for (int k = 0; k < FXS_FIT_SUMS; k++)
             out[k][i] = total[k];
-        s->model->views[first + i] += (float)is_seen;
     }
 }
 

@@ -5,7 +5,11 @@
 #include "lanes.h"
 #include "stage.h"
 
-enum { PLACES = 16 };              /* pixels of a block */
+enum {
+    PLACES = 16,                   /* pixels of a block */
+    BATCH = 16,                    /* entries at once */
+    EARLY = 8                 /* entries whose splats and sums are fetched before */
+};
 
 /* u and v of a splat at the first pixel of each of the tile's blocks. */
 typedef struct corners {
@@ -22,6 +26,23 @@ static inline void find_corners(const fxs_fit_splat *s, int32_t left, int32_t to
         store(c->u + b, x * s->ux + y * s->uy);
         store(c->v + b, y * s->vy);
     }
+}
+
+/* The blocks that its ellipse may touch: in one, u and v lie between those of its corners. */
+static inline uint32_t find_blocks(const fxs_fit_splat *s, const corners *c)
+{
+    const float across = 3 * s->ux, slant = 3 * s->uy, down = 3 * s->vy;
+    const float limit = (s->limit - s->offset) * FXS_FIT_WIDER;
+    uint32_t blocks = 0;
+    if (s->radius2 < 0)
+        return (1u << FXS_FIT_BLOCKS) - 1;
+    for (int b = 0; b < FXS_FIT_BLOCKS; b += LANES) {
+        const real u0 = load(c->u + b), v0 = load(c->v + b);
+        const real u = most(most(u0 + (slant < 0 ? slant : 0), -u0 - (across + (slant > 0 ? slant : 0))), all(0));
+        const real v = most(most(v0, -v0 - down), all(0));
+        blocks |= bits_of_mask(at_most(u * u + v * v, all(limit))) << b;
+    }
+    return blocks;
 }
 
 /* What u and v are more at the places of a block, from `place` on. */
@@ -41,26 +62,24 @@ static inline int blend_pixels(const fxs_fit_splat *s, fxs_fit_tile *tile, int a
     const mask takes = both(at_most(level, all(s->limit)), at_most(all(FXS_FIT_CLOSED), t));
     if (LANES < 8 && !any(takes))
         return 0;
-    const real weight = keep(takes, least(exp_2(-level), all(FXS_FIT_ALPHA_MOST)) * t);
+    const real weight = keep(takes, least(exp_2_minus(level), all(FXS_FIT_ALPHA_MOST)) * t);
     store(tile->transmittance + at, t - weight);
     for (int c = 0; c < 3; c++)
         store(tile->colour[c] + at, load(tile->colour[c] + at) + weight * s->colour[c]);
     return any(takes);
 }
 
-static inline uint32_t blend_splat(const fxs_fit_splat *from, uint32_t blocks, int32_t left, int32_t top,
-                                   fxs_fit_tile *tile)
+/* Returns those of the blocks that take of it. */
+static inline uint32_t blend_splat(const fxs_fit_splat *from, const corners *c, uint32_t blocks, fxs_fit_tile *tile)
 {
     const fxs_fit_splat s = *from;
-    corners c;
     uint32_t taken = 0;
-    find_corners(&s, left, top, &c);
     for (int place = 0; place < PLACES; place += LANES) {
         real u, v;
         find_places(&s, place, &u, &v);
         for (uint32_t rest = blocks; rest; rest &= rest - 1) {
             const int b = __builtin_ctz(rest);
-            taken |= (uint32_t)blend_pixels(&s, tile, b * PLACES + place, u + c.u[b], v + c.v[b]) << b;
+            taken |= (uint32_t)blend_pixels(&s, tile, b * PLACES + place, u + c->u[b], v + c->v[b]) << b;
         }
     }
     return taken;
@@ -81,11 +100,19 @@ static inline uint32_t blend(const fxs_fit_splat *splats, fxs_fit_entry *entries
     memset(tile->colour, 0, sizeof tile->colour);
     for (int i = 0; i < FXS_FIT_PIXELS; i++)
         tile->transmittance[i] = 1;
-    for (uint32_t e = 0; e < count; e++) {
-        if (e % 16 == 0 && !is_open(tile))
-            return e;
-        __builtin_prefetch(&splats[entries[e + 8 < count ? e + 8 : e].splat]);
-        entries[e].blocks = blend_splat(&splats[entries[e].splat], entries[e].blocks, left, top, tile);
+    for (uint32_t first = 0; first < count; first += BATCH) {
+        const uint32_t end = count - first < BATCH ? count : first + BATCH;
+        corners c[BATCH];
+        if (!is_open(tile))
+            return first;
+        for (uint32_t e = first; e < end; e++) {
+            const fxs_fit_splat *s = &splats[entries[e].splat];
+            __builtin_prefetch(&splats[entries[e + BATCH < count ? e + BATCH : e].splat]);
+            find_corners(s, left, top, &c[e - first]);
+            entries[e].blocks = find_blocks(s, &c[e - first]);
+        }
+        for (uint32_t e = first; e < end; e++)
+            entries[e].blocks = blend_splat(&splats[entries[e].splat], &c[e - first], entries[e].blocks, tile);
     }
     return count;
 }
@@ -105,7 +132,7 @@ static inline void back_pixels(const fxs_fit_splat *s, const fxs_fit_tile_gradie
     const mask takes = both(at_most(level, all(s->limit)), at_most(all(FXS_FIT_CLOSED), t));
     if (LANES < 8 && !any(takes))
         return;
-    const real exact = exp_2(-level), alpha = least(exact, all(FXS_FIT_ALPHA_MOST)), weight = keep(takes, alpha * t);
+    const real exact = exp_2_minus(level), alpha = least(exact, all(FXS_FIT_ALPHA_MOST)), weight = keep(takes, alpha * t);
     const real g0 = load(g->colour[0] + at), g1 = load(g->colour[1] + at), g2 = load(g->colour[2] + at);
     const real own = weight * ((g0 * s->colour[0] + g1 * s->colour[1]) + g2 * s->colour[2]);
     const real behind = load(p->behind + at) - own;
@@ -176,7 +203,9 @@ static inline void back_splat(const fxs_fit_splat *from, uint32_t blocks, const 
                               int32_t left, int32_t top, float *sums)
 {
     const fxs_fit_splat s = *from;
+#ifndef ADD_PLACES
     float of_places[FXS_FIT_SUMS][PLACES];
+#endif
     corners c;
     find_corners(&s, left, top, &c);
     for (int place = 0; place < PLACES; place += LANES) {
@@ -188,13 +217,19 @@ static inline void back_splat(const fxs_fit_splat *from, uint32_t blocks, const 
             const int b = __builtin_ctz(rest);
             back_pixels(&s, g, p, b * PLACES + place, u + c.u[b], v + c.v[b], all_sums);
         }
+#ifdef ADD_PLACES
+        ADD_PLACES(all_sums, sums);
+#else
         for (int i = 0; i < FXS_FIT_SUMS; i++)
             store(of_places[i] + place, all_sums[i]);
+#endif
     }
+#ifndef ADD_PLACES
     add_places((const float(*)[PLACES])of_places, sums);
+#endif
 }
 
-/* The first `count` entries of a list, as many as blend took, and as it left them; the sums of each. */
+/* The first `count` entries of a list, as many as blend took, and as it left them; the sums of each to its slot. */
 static inline void back(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
                         int32_t top, const fxs_fit_tile_gradient *g, float (*sums)[FXS_FIT_SUMS])
 {
@@ -203,11 +238,13 @@ static inline void back(const fxs_fit_splat *splats, const fxs_fit_entry *entrie
     for (int i = 0; i < FXS_FIT_PIXELS; i++)
         p.transmittance[i] = 1;
     for (uint32_t e = 0; e < count; e++) {
-        __builtin_prefetch(&splats[entries[e + 8 < count ? e + 8 : e].splat]);
+        const fxs_fit_entry *later = &entries[e + EARLY < count ? e + EARLY : e];
+        __builtin_prefetch(&splats[later->splat]);
+        __builtin_prefetch(sums[later->slot], 1);
         if (entries[e].blocks)
-            back_splat(&splats[entries[e].splat], entries[e].blocks, g, &p, left, top, sums[e]);
+            back_splat(&splats[entries[e].splat], entries[e].blocks, g, &p, left, top, sums[entries[e].slot]);
         else
-            memset(sums[e], 0, sizeof *sums);
+            memset(sums[entries[e].slot], 0, sizeof *sums);
     }
 }
 
