@@ -20,7 +20,7 @@ static const char help[] =
     "  -o, --output OUT    .fxs (packed) or .ply (floats)\n"
     "  --recipe NAME       reference (default: Kerbl et al. 2023), mcmc (Kheradmand et al. 2024: up to a number of\n"
     "                      Gaussians) or fast (small photographs first, fewer steps)\n"
-    "  --steps N           one photograph each (default 30000, fast 10000)\n"
+    "  --steps N           one photograph each (default 30000, fast 7000)\n"
     "  --resolution N      pixels of a photograph's longer side, at most: averaged down to it (default 1600)\n"
     "  --sh-degree D       highest SH degree, 0 to 3 (default 3)\n"
     "  --max-gaussians N   at most so many (default 4194304)\n"

@@ -21,7 +21,7 @@ void fxs_fit_options_init(fxs_fit_options *options)
 
 uint32_t fxs_fit_recipe_steps(enum fxs_fit_recipe recipe)
 {
-    return recipe == FXS_FIT_FAST ? 10000 : 30000;
+    return recipe == FXS_FIT_FAST ? 7000 : 30000;
 }
 
 /* ---- Beginning --------------------------------------------------------------------------------------------------- */

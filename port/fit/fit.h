@@ -49,15 +49,16 @@ typedef struct fxs_fit_point {
 
 enum fxs_fit_recipe {
     FXS_FIT_REFERENCE = 0,         /* Kerbl et al. 2023, and its reference code of 2025 */
-    FXS_FIT_MCMC = 1,              /* Kheradmand et al. 2024 */
-    FXS_FIT_FAST = 2
+    FXS_FIT_MCMC = 1,              /* Kheradmand et al. 2024: up to max_gaussians, of which it makes use of all */
+    FXS_FIT_FAST = 2               /* the reference's, shorter, from small photographs to large ones */
 };
 
 typedef struct fxs_fit_options {
     enum fxs_fit_recipe recipe;
-    uint32_t steps;                /* 1 and more; 30,000 */
+    uint32_t steps;                /* 1 and more; 30,000. Fewer of reference and mcmc are the beginning of 30,000;
+                                      fast fits its course to them */
     int sh_degree;                 /* 0 to 3; 3 */
-    size_t max_gaussians;          /* 2^22 */
+    size_t max_gaussians;          /* 2^22; where more are to be cloned and split, those of the largest gradients are */
     uint64_t seed;
     uint8_t background[3];
     enum fxs_cutoff cutoff;
@@ -72,7 +73,7 @@ typedef struct fxs_fit_options {
 /* The values that the comments above name, 0 where there is none: recipe reference, one thread. */
 void fxs_fit_options_init(fxs_fit_options *options);
 
-/* The steps that a recipe is meant for: 30,000, fast 10,000. */
+/* The steps that a recipe is meant for: 30,000, fast 7,000. */
 uint32_t fxs_fit_recipe_steps(enum fxs_fit_recipe recipe);
 
 typedef struct fxs_fit_report {
