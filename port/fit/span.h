@@ -29,11 +29,12 @@ static inline void find_rows(const fxs_fit_camera *camera, mask seen, ellipses *
 static inline void find_columns(const fxs_fit_camera *camera, const ellipses *e, real row, real *first, real *end)
 {
     const real top = row * (float)FXS_FIT_TILE + (0.5f - e->y), bottom = top + (float)(FXS_FIT_TILE - 1);
+    const mask is_square = below(e->radius2, all(0));
     real reach[2];
     for (int i = 0; i < 2; i++) {
         const real y = least(most(i ? e->tip : -e->tip, top), bottom), v = y * e->vy, along = y * e->uy;
         const real half = root(most(e->radius2 - v * v, all(0)));
-        reach[i] = (i ? half - along : half + along) / e->ux + 0.01f;
+        reach[i] = choose(is_square, e->half_y + 0.5f, (i ? half - along : half + along) / e->ux + 0.01f);
     }
     /* a pixel's centre is half a pixel from its sides */
     *first = tile_at((e->x - reach[0]) + 0.5f, camera->tiles_x);

@@ -39,6 +39,7 @@ typedef struct fxs_fit_camera {
     float slope_most[2];           /* the Jacobian takes slopes up to here, either way */
     float near;
     int32_t width, height, tiles_x, tiles_y;
+    int32_t is_square;             /* 1: the cut-off of Kerbl et al. 2023, see fxs_fit_splat's radius2 */
 } fxs_fit_camera;
 
 /* A Gaussian in the picture. For a pixel's centre (X, Y), x = X - centre[0], y = Y - centre[1]:
@@ -47,8 +48,9 @@ typedef struct fxs_fit_camera {
 typedef struct fxs_fit_splat {
     float centre[2], ux, uy, vy, offset, limit, colour[3];
     float depth;                   /* 0: not in the picture */
-    /* For lists, of the ellipse, and a little more: the square of its radius in u and v, half of its height, and y
-       where it is farthest to the right. */
+    /* For lists, of the ellipse, and a little more: the square of its radius in u and v, half of its height, and y where
+       it is farthest to the right. radius2 below 0: it is in all tiles that a square of half_y either way touches, and
+       all their pixels look at it. */
     float radius2, half_y, tip;
     float tiles;                   /* that it touches */
     uint32_t slot;                 /* of the first one's sums: the others follow, row by row */
@@ -100,7 +102,15 @@ typedef struct fxs_fit_adam {
     float correction;              /* 1 / (1 - 0.999^step) */
     float epsilon;                 /* in units of the gradient */
     int only_touched;              /* the other Gaussians, of which all sums are 0, stay as they are */
+    int without_sh;                /* 1: SH above degree 0 is not updated */
+    float by_opacity, by_scale;    /* d loss / d opacity, / d scale, of every Gaussian, beside the picture's */
 } fxs_fit_adam;
+
+/* Noise of positions of a step: Sigma xi sigmoid(-100 (opacity - 0.005)) amount, xi normal, drawn by key. */
+typedef struct fxs_fit_noise {
+    float amount;
+    uint32_t key[2];
+} fxs_fit_noise;
 
 /* The versions of an instruction set. */
 typedef struct fxs_fit_stages {
@@ -123,12 +133,15 @@ typedef struct fxs_fit_stages {
     void (*loss_derivatives)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_back_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_gradient)(const fxs_fit_loss *loss, int32_t row);
-    /* Gradients of Gaussians first..first + count, of FXS_FIT_PART at most, from `sums` (planes of FXS_FIT_PART
-       numbers), and a step of Adam, where moments below 2^-100 are 0. by_centre: adds up the length of dL/dcentre, in
-       halves of the picture's sides. */
+    /* Gradients of Gaussians first..first + count, of FXS_FIT_PART at most, from `sums` (planes of FXS_FIT_PART numbers),
+       and a step of Adam, where moments below 2^-100 are 0. by_centre: adds up the length of dL/dcentre, in halves of the
+       picture's sides, of the loss that is a mean over pixels and channels. A Gaussian with a gradient that is not finite,
+       or beyond FXS_FIT_FARTHEST_GRADIENT, gets one of 0. Scales and opacities stay within FXS_FIT_FARTHEST. */
     void (*update)(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam, float *parameters,
                    float *means, float *squares, size_t stride, size_t first, size_t count, const float *sums,
                    float *by_centre);
+    /* Moves Gaussians first..first + count by noise; none beyond FXS_FIT_FARTHEST_PLACE. */
+    void (*noise)(const fxs_fit_noise *noise, float *parameters, size_t stride, size_t first, size_t count);
 } fxs_fit_stages;
 
 /* The best version for the instruction sets in `cpu` (enum fxs_cpu) that this processor has. */
@@ -142,5 +155,8 @@ const fxs_fit_stages *fxs_fit_stages_choose(unsigned cpu);
 #define FXS_FIT_FAINT 7.99435344f  /* of the opacity 1 / 255 */
 #define FXS_FIT_WIDER 1.01f        /* the square of an ellipse's radius, for lists */
 #define FXS_FIT_DILATION 0.3f      /* pixels^2 */
+#define FXS_FIT_FARTHEST 40.0f     /* ln scale and logit, either way */
+#define FXS_FIT_FARTHEST_PLACE 1e12f   /* coordinates */
+#define FXS_FIT_FARTHEST_GRADIENT 1e18f
 
 #endif

@@ -1,6 +1,7 @@
 /* The stages of an instruction set, by its LANES: see stage.h. ISA is its name. */
 #include "gaussian.h"
 #include "loss.h"
+#include "noise.h"
 #include "span.h"
 #include "tile.h"
 
@@ -24,6 +25,13 @@ static void put_splats(const real *numbers, int count, fxs_fit_splat *splats)
     }
 }
 
+/* 3 sigma_max; the larger eigenvalue is m + sqrt(m^2 - det) = m + sqrt(((A - C) / 2)^2 + B^2), m = (A + C) / 2. */
+static inline real square_of(const shape *s)
+{
+    const real middle = 0.5f * (s->a + s->c), half = 0.5f * (s->a - s->c);
+    return 3.0f * root(middle + root(half * half + s->b * s->b));
+}
+
 static void project_lanes(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
                           fxs_fit_splat *splats)
 {
@@ -32,11 +40,12 @@ static void project_lanes(const fxs_fit_camera *camera, int degree, const float 
     find_shape(&s, camera, at, stride);
     /* -log2 o = log2(1 + e^-x) */
     const real offset = 1.44269504f * ln(1.0f + exp_of_minus(load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
-    const real limit = least(offset + FXS_FIT_CUT, all(FXS_FIT_FAINT));
+    const real limit = camera->is_square ? all(FXS_FIT_FAINT) : least(offset + FXS_FIT_CUT, all(FXS_FIT_FAINT));
     const real radius = root(most(limit - offset, all(0)) * (FXS_FIT_WIDER / (FXS_FIT_UNIT * FXS_FIT_UNIT)));
     const real x = s.slope[0] * camera->focal[0] + camera->middle[0];
     const real y = s.slope[1] * camera->focal[1] + camera->middle[1];
-    const real half_x = radius * root(s.a) + 0.01f, half_y = radius * root(s.c) + 0.01f;
+    const real half_x = camera->is_square ? square_of(&s) : radius * root(s.a) + 0.01f;
+    const real half_y = camera->is_square ? half_x : radius * root(s.c) + 0.01f;
     mask seen = both(below(all(camera->near), s.in_camera[2]), below(offset, limit));
     seen = both(seen, both(below(all(0), x + half_x), below(x - half_x, all((float)camera->width))));
     seen = both(seen, both(below(all(0), y + half_y), below(y - half_y, all((float)camera->height))));
@@ -51,7 +60,8 @@ static void project_lanes(const fxs_fit_camera *camera, int degree, const float 
     for (int c = 0; c < 3; c++)
         seen = both(seen, below(l.colour[c], all(1e6f)));
     ellipses e = {.x = x, .y = y, .ux = s.ux * FXS_FIT_UNIT, .uy = s.uy * FXS_FIT_UNIT, .vy = s.vy * FXS_FIT_UNIT,
-                  .radius2 = radius * radius * (FXS_FIT_UNIT * FXS_FIT_UNIT), .half_y = half_y,
+                  .radius2 = camera->is_square ? all(-1) : radius * radius * (FXS_FIT_UNIT * FXS_FIT_UNIT),
+                  .half_y = half_y,
                   .tip = -(radius * s.uy) / (s.vy * root(s.uy * s.uy + s.vy * s.vy))};
     find_rows(camera, seen, &e);
     const real numbers[] = {x, y, e.ux, e.uy, e.vy, offset, limit,
@@ -227,6 +237,18 @@ static void NAMED(fxs_fit_loss_gradient_, ISA)(const fxs_fit_loss *loss, int32_t
 
 typedef float part_planes[FXS_FIT_PARAMETERS][FXS_FIT_PART];
 
+/* Of mean opacity and mean scale. */
+static inline void add_regularisers(const fxs_fit_adam *adam, const float *at, size_t stride, float *gradients)
+{
+    const real opacity = 1.0f / (1.0f + exp_of_minus(load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
+    float *to = gradients + FXS_FIT_OPACITY * FXS_FIT_PART;
+    store(to, load(to) + adam->by_opacity * (opacity * (1.0f - opacity)));
+    for (int i = FXS_FIT_SCALE; i < FXS_FIT_SCALE + 3; i++) {
+        to = gradients + i * FXS_FIT_PART;
+        store(to, load(to) + adam->by_scale * exp_e(load(at + i * (ptrdiff_t)stride)));
+    }
+}
+
 /* Planes of the gradient of LANES Gaussians, the `used` first ones; `touched`: 1 or 0. */
 static void find_part(const fxs_fit_camera *camera, int degree, int used, const float *at, size_t stride,
                       const float *of_sums, float *by_centre, float *gradients, float *touched)
@@ -237,16 +259,21 @@ static void find_part(const fxs_fit_camera *camera, int degree, int used, const 
         sums[i] = load(of_sums + i * FXS_FIT_PART);
         is_touched = either(is_touched, below(all(0), absolute(sums[i])));
     }
-    store(touched, keep(is_touched, all(1)));
     if (!any(is_touched)) {
+        store(touched, all(0));
         for (int i = 0; i < used; i++)
             store(gradients + i * FXS_FIT_PART, all(0));
         return;
     }
     find_gradient(camera, degree, at, stride, sums, gradient, centre);
     for (int i = 0; i < used; i++)
+        is_touched = both(is_touched, below(absolute(gradient[i]), all(FXS_FIT_FARTHEST_GRADIENT)));
+    store(touched, keep(is_touched, all(1)));
+    for (int i = 0; i < used; i++)
         store(gradients + i * FXS_FIT_PART, keep(is_touched, gradient[i]));
-    const real x = centre[0] * (0.5f * (float)camera->width), y = centre[1] * (0.5f * (float)camera->height);
+    /* half a side / (3 width height) */
+    const real x = centre[0] * (1.0f / (6.0f * (float)camera->height));
+    const real y = centre[1] * (1.0f / (6.0f * (float)camera->width));
     store(by_centre, load(by_centre) + keep(is_touched, root(x * x + y * y)));
 }
 
@@ -275,6 +302,12 @@ static inline void adam_plane(const fxs_fit_adam *adam, float rate, const float 
     }
 }
 
+static void keep_within(float *at, size_t count)
+{
+    for (size_t i = 0; i < count; i += LANES)
+        store(at + i, least(most(load(at + i), all(-FXS_FIT_FARTHEST)), all(FXS_FIT_FARTHEST)));
+}
+
 /* SH of degrees that are not yet drawn have no gradient, and no moments. */
 static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam,
                                         float *parameters, float *means, float *squares, size_t stride, size_t first,
@@ -282,19 +315,31 @@ static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *camera, int degree
 {
     part_planes gradients;
     float touched[FXS_FIT_PART];
-    const int used = FXS_FIT_SH + 3 * SH_COUNT(degree);
-    for (size_t i = 0; i < count; i += LANES)
+    const int used = FXS_FIT_SH + 3 * SH_COUNT(degree), end = adam->without_sh ? FXS_FIT_SH : used;
+    for (size_t i = 0; i < count; i += LANES) {
         find_part(camera, degree, used, parameters + first + i, stride, sums + i, by_centre + first + i,
                   gradients[0] + i, touched + i);
-    for (int k = 0; k < used; k++) {
+        if (adam->by_opacity > 0)
+            add_regularisers(adam, parameters + first + i, stride, gradients[0] + i);
+    }
+    for (int k = 0; k < end; k++) {
         const size_t at = (size_t)k * stride + first;
         adam_plane(adam, adam->rate[k], gradients[k], touched, count, parameters + at, means + at, squares + at,
-                   k + 1 < used ? stride : 0);
+                   k + 1 < end ? stride : 0);
+        if ((k >= FXS_FIT_SCALE && k < FXS_FIT_ROTATION) || k == FXS_FIT_OPACITY)
+            keep_within(parameters + at, count);
     }
+}
+
+static void NAMED(fxs_fit_noise_, ISA)(const fxs_fit_noise *noise, float *parameters, size_t stride, size_t first,
+                                       size_t count)
+{
+    for (size_t i = first; i < first + count; i += LANES)
+        add_noise(noise, parameters + i, stride, (uint32_t)i);
 }
 
 const fxs_fit_stages NAMED(fxs_fit_stages_, ISA) = {
     STRING_OF(ISA), NAMED(fxs_fit_project_, ISA), NAMED(fxs_fit_cover_, ISA), NAMED(fxs_fit_blend_, ISA),
     NAMED(fxs_fit_back_, ISA),
     NAMED(fxs_fit_loss_rows_, ISA), NAMED(fxs_fit_loss_derivatives_, ISA), NAMED(fxs_fit_loss_back_rows_, ISA),
-    NAMED(fxs_fit_loss_gradient_, ISA), NAMED(fxs_fit_update_, ISA)};
+    NAMED(fxs_fit_loss_gradient_, ISA), NAMED(fxs_fit_update_, ISA), NAMED(fxs_fit_noise_, ISA)};

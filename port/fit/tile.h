@@ -34,6 +34,8 @@ static inline uint32_t find_blocks(const fxs_fit_splat *s, const corners *c)
     const float across = 3 * s->ux, slant = 3 * s->uy, down = 3 * s->vy;
     const float limit = (s->limit - s->offset) * FXS_FIT_WIDER;
     uint32_t blocks = 0;
+    if (s->radius2 < 0)
+        return (1u << FXS_FIT_BLOCKS) - 1;
     for (int b = 0; b < FXS_FIT_BLOCKS; b += LANES) {
         const real u0 = load(c->u + b), v0 = load(c->v + b);
         const real u = most(most(u0 + (slant < 0 ? slant : 0), -u0 - (across + (slant > 0 ? slant : 0))), all(0));
