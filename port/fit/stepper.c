@@ -1,4 +1,4 @@
-/* A step of the fit: project, list, blend, loss, back, update. */
+/* A step of the fit: project, bin, blend, loss, back, update. */
 #include "stepper.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 #include "span.h"
 
 enum { JOB = 4096 };               /* Gaussians of a job */
-enum { PROJECT, LIST, BLEND, LOSS, BACK, UPDATE };
+enum { PROJECT, BIN, BLEND, LOSS, BACK, UPDATE };
 
 typedef struct block {
     void *memory;
@@ -104,7 +104,7 @@ static void project_job(void *argument, uint32_t job)
                        job_count(s, job), s->splats.memory);
 }
 
-/* ---- list -------------------------------------------------------------------------------------------------------- */
+/* ---- bin --------------------------------------------------------------------------------------------------------- */
 
 typedef struct key {
     uint32_t depth, splat;
@@ -178,7 +178,7 @@ static void fill_entries(fxs_fit_stepper *s, const key *keys, uint32_t *starts, 
 }
 
 /* counts: the first entry of each tile, then how many each needed. */
-static int make_lists(fxs_fit_stepper *s)
+static int bin(fxs_fit_stepper *s)
 {
     key *keys = room(&s->keys, 2 * s->model->stride * sizeof *keys);
     uint32_t *starts = room(&s->counts, (2 * s->tile_count + 1) * sizeof *starts);
@@ -407,9 +407,12 @@ static void update_job(void *argument, uint32_t job)
     gather(s, first, count);
     s->stages->update(s->camera, s->options->sh_degree, &s->adam, m->parameters, m->means, m->squares, m->stride,
                       first, count, s->gaussian_sums.memory, m->by_centre);
+    if (s->options->noise.amount > 0)
+        s->stages->noise(&s->options->noise, m->parameters, m->stride, first, count);
 }
 
-/* The gradient is that of the sum over pixels and channels; Adam's epsilon is meant for their mean. */
+/* The gradient is that of the sum over pixels and channels; Adam's epsilon is meant for their mean, and so are the
+   weights of the means over Gaussians. */
 static void set_adam(fxs_fit_stepper *s)
 {
     double beta1 = 1, beta2 = 1;
@@ -420,7 +423,11 @@ static void set_adam(fxs_fit_stepper *s)
     for (int i = 0; i < FXS_FIT_PARAMETERS; i++)
         s->adam.rate[i] = (float)(s->options->rate[i] / (1 - beta1));
     s->adam.correction = (float)(1 / (1 - beta2));
-    s->adam.epsilon = 3e-15f * (float)s->camera->width * (float)s->camera->height;
+    const float numbers = 3 * (float)s->camera->width * (float)s->camera->height;
+    s->adam.epsilon = 1e-15f * numbers;
+    s->adam.by_opacity = s->options->by_opacity * numbers / (float)s->model->count;
+    s->adam.by_scale = s->options->by_scale * numbers / (3 * (float)s->model->count);
+    s->adam.without_sh = s->options->without_sh;
 }
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
@@ -438,13 +445,13 @@ static int draw(fxs_fit_stepper *s, fxs_fit_report *report)
     const uint64_t start = now(s);
     run(s, project_job, gaussian_jobs(s));
     const uint64_t projected = now(s);
-    if (make_lists(s))
+    if (bin(s))
         return FXS_ERR_MEMORY;
-    const uint64_t listed = now(s);
+    const uint64_t binned = now(s);
     run(s, blend_job, s->tile_count);
     report->nanoseconds[PROJECT] = projected - start;
-    report->nanoseconds[LIST] = listed - projected;
-    report->nanoseconds[BLEND] = now(s) - listed;
+    report->nanoseconds[BIN] = binned - projected;
+    report->nanoseconds[BLEND] = now(s) - binned;
     report->entries = s->entry_count;
     report->visible = s->visible;
     return 0;
@@ -478,12 +485,12 @@ int fxs_fit_stepper_step(fxs_fit_stepper *s, fxs_fit_model *model, const fxs_fit
     find_loss(s);
     const uint64_t compared = now(s);
     run(s, back_job, s->tile_count);
-    const uint64_t returned = now(s);
+    const uint64_t passed_back = now(s);
     set_adam(s);
     run(s, update_job, gaussian_jobs(s));
     report->nanoseconds[LOSS] = compared - drawn;
-    report->nanoseconds[BACK] = returned - compared;
-    report->nanoseconds[UPDATE] = now(s) - returned;
+    report->nanoseconds[BACK] = passed_back - compared;
+    report->nanoseconds[UPDATE] = now(s) - passed_back;
     report_loss(s, report);
     return 0;
 }

@@ -1,4 +1,4 @@
-/* blend and return: what the splats of a list do to the pixels of a tile, and back. */
+/* blend and back: what the splats of a list do to the pixels of a tile, and back. */
 #ifndef FXS_FIT_TILE_H
 #define FXS_FIT_TILE_H
 
@@ -66,7 +66,7 @@ static inline uint32_t blend(const fxs_fit_splat *splats, const fxs_fit_entry *e
     return count;
 }
 
-/* ---- Return ------------------------------------------------------------------------------------------------------ */
+/* ---- back -------------------------------------------------------------------------------------------------------- */
 
 /* Sums over the rows of LANES columns. */
 typedef struct column_sums {
@@ -79,8 +79,8 @@ typedef struct passed {
 } passed;
 
 /* dL/dalpha = T (c . g) - behind / (1 - alpha), behind = (C - what has passed, this one included) . g */
-static inline void return_row(const fxs_fit_splat *s, const fxs_fit_tile_gradient *g, passed *p, int32_t at, real u,
-                              float y, float row_level, column_sums *sums)
+static inline void back_row(const fxs_fit_splat *s, const fxs_fit_tile_gradient *g, passed *p, int32_t at, real u,
+                            float y, float row_level, column_sums *sums)
 {
     const real t = load(p->transmittance + at), level = u * u + row_level;
     const whole takes = (level <= s->limit) & (t >= FXS_FIT_CLOSED);
@@ -147,8 +147,8 @@ static inline void add_columns(const float (*rows)[FXS_FIT_TILE], float *sums)
 #undef MIX
 #endif
 
-static inline void return_splat(const fxs_fit_splat *s, const fxs_fit_tile_gradient *g, passed *p, int32_t left,
-                                int32_t top, float *sums)
+static inline void back_splat(const fxs_fit_splat *s, const fxs_fit_tile_gradient *g, passed *p, int32_t left,
+                              int32_t top, float *sums)
 {
     float of_columns[FXS_FIT_SUMS][FXS_FIT_TILE];
     int32_t first, end;
@@ -159,7 +159,7 @@ static inline void return_splat(const fxs_fit_splat *s, const fxs_fit_tile_gradi
         for (int32_t row = first; row < end; row++) {
             const float y = ((float)(top + row) + 0.5f) - s->centre[1], v = s->vy * y, row_level = v * v + s->offset;
             if (row_level <= s->limit)
-                return_row(s, g, p, row * FXS_FIT_TILE + column, x * s->ux + s->uy * y, y, row_level, &c);
+                back_row(s, g, p, row * FXS_FIT_TILE + column, x * s->ux + s->uy * y, y, row_level, &c);
         }
         const real hx = x * c.h;
         const real all_sums[FXS_FIT_SUMS] = {c.h, hx, c.hy, x * hx, x * c.hy, c.hyy,
@@ -171,8 +171,8 @@ static inline void return_splat(const fxs_fit_splat *s, const fxs_fit_tile_gradi
 }
 
 /* The first `count` entries of a list, as many as blend took; `sums` of each go to its slot. */
-static inline void return_tile(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
-                               int32_t top, const fxs_fit_tile_gradient *g, float (*sums)[FXS_FIT_SUMS])
+static inline void back_tile(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
+                             int32_t top, const fxs_fit_tile_gradient *g, float (*sums)[FXS_FIT_SUMS])
 {
     passed p;
     memset(p.sum, 0, sizeof p.sum);
@@ -180,7 +180,7 @@ static inline void return_tile(const fxs_fit_splat *splats, const fxs_fit_entry 
         p.transmittance[i] = 1;
     for (uint32_t e = 0; e < count; e++) {
         __builtin_prefetch(&splats[entries[e + 8 < count ? e + 8 : e].splat]);
-        return_splat(&splats[entries[e].splat], g, &p, left, top, sums[entries[e].slot]);
+        back_splat(&splats[entries[e].splat], g, &p, left, top, sums[entries[e].slot]);
     }
 }
 
