@@ -110,16 +110,15 @@ static int check_photographs(const fxs_fit_photo *photos, size_t count, fxs_mess
 /* Of more points than there may be Gaussians, as many, evenly by their order. */
 static int begin_model(fxs_fit *f, const fxs_fit_point *points, size_t count)
 {
-    const float opacity = fxs_fit_first_opacity(f->options.recipe), scale = fxs_fit_first_scale(f->options.recipe);
-    const size_t most = f->options.max_gaussians;
-    if (count <= most)
-        return fxs_fit_model_begin(&f->model, points, count, opacity, scale);
+    const size_t most = count < f->options.max_gaussians ? count : f->options.max_gaussians;
     fxs_fit_point *chosen = malloc(most * sizeof *chosen);
     if (!chosen)
         return FXS_ERR_MEMORY;
     for (size_t i = 0; i < most; i++)
         chosen[i] = points[(size_t)((uint64_t)i * count / most)];
-    const int error = fxs_fit_model_begin(&f->model, chosen, most, opacity, scale);
+    const int error = fxs_fit_model_begin(&f->model, chosen, most, fxs_fit_first_opacity(f->options.recipe));
+    if (!error)
+        fxs_fit_model_widen(&f->model, fxs_fit_first_scale(f->options.recipe));
     free(chosen);
     return error;
 }

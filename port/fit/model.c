@@ -72,7 +72,7 @@ static void set_point(fxs_fit_model *m, size_t i, const fxs_fit_point *point, fl
     plane(m, FXS_FIT_OPACITY)[i] = opacity;
 }
 
-int fxs_fit_model_begin(fxs_fit_model *m, const fxs_fit_point *points, size_t count, float opacity, float scale)
+int fxs_fit_model_begin(fxs_fit_model *m, const fxs_fit_point *points, size_t count, float opacity)
 {
     if (fxs_fit_model_room(m, count))
         return FXS_ERR_MEMORY;
@@ -81,9 +81,16 @@ int fxs_fit_model_begin(fxs_fit_model *m, const fxs_fit_point *points, size_t co
         return FXS_ERR_MEMORY;
     }
     for (size_t i = 0; i < count; i++)
-        set_point(m, i, &points[i], 0.5f * ln(fmaxf(m->views[i], 1e-7f)) + ln(scale), logit_of(opacity));
+        set_point(m, i, &points[i], 0.5f * ln(fmaxf(m->views[i], 1e-7f)), logit_of(opacity));
     memset(m->views, 0, m->stride * sizeof *m->views);
     return 0;
+}
+
+void fxs_fit_model_widen(fxs_fit_model *m, float factor)
+{
+    for (int k = 0; k < 3; k++)
+        for (size_t i = 0; i < m->count; i++)
+            plane(m, FXS_FIT_SCALE + k)[i] += ln(factor);
 }
 
 /* ---- Another model ----------------------------------------------------------------------------------------------- */
@@ -107,7 +114,7 @@ static int set_stride(float **planes, size_t old, size_t stride)
 }
 
 /* Room for more Gaussians, in one block after the other. */
-static int widen(fxs_fit_model *m, size_t stride)
+static int make_room(fxs_fit_model *m, size_t stride)
 {
     float **const blocks[3] = {&m->parameters, &m->means, &m->squares};
     for (int i = 0; i < 3; i++)
@@ -142,7 +149,7 @@ int fxs_fit_model_rebuild(fxs_fit_model *m, const fxs_fit_origin *origins, size_
 {
     const size_t stride = stride_of(count), widest = stride > m->stride ? stride : m->stride;
     float *by_centre = planes_of(stride, 1), *views = planes_of(stride, 1), *spare = planes_of(widest, 1);
-    if (!by_centre || !views || !spare || widen(m, widest)) {
+    if (!by_centre || !views || !spare || make_room(m, widest)) {
         free(by_centre);
         free(views);
         free(spare);

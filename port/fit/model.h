@@ -7,9 +7,12 @@
 /* Room for so many, all 0. Returns 0, or FXS_ERR_MEMORY and a model that is all 0. */
 int fxs_fit_model_room(fxs_fit_model *model, size_t count);
 
-/* Begins with a Gaussian at each point: `scale` times as wide as its three neighbours are far (root of their mean
-   square), of this opacity and the point's colour. Returns 0 or FXS_ERR_MEMORY. */
-int fxs_fit_model_begin(fxs_fit_model *model, const fxs_fit_point *points, size_t count, float opacity, float scale);
+/* Begins with a Gaussian at each point: as wide as its three neighbours are far (root of their mean square), of this
+   opacity and the point's colour. Returns 0 or FXS_ERR_MEMORY. */
+int fxs_fit_model_begin(fxs_fit_model *model, const fxs_fit_point *points, size_t count, float opacity);
+
+/* All scales, times a factor. */
+void fxs_fit_model_widen(fxs_fit_model *model, float factor);
 void fxs_fit_model_free(fxs_fit_model *model);
 
 /* Where a Gaussian of the next model comes from. */
