@@ -890,6 +890,64 @@ static void hard_scenes(void)
     }
 }
 
+/* The first step of fast sees what a step of photographs that were averaged before sees, with cameras to match. */
+static void reduced(void)
+{
+    enum { W = 203, H = 201 };
+    static uint8_t large[3 * W * H], small[3 * (W / 2) * (H / 2)];
+    fxs_fit_report report[2];
+    for (int recipe = 0; recipe < 2; recipe++) {
+        fxs_fit *fit;
+        fxs_message message;
+        turn = 1;
+        set_scene();
+        for (int i = 0; i < 3 * W * H; i++)
+            large[i] = (uint8_t)uniform(0, 256);
+        for (int i = 0; i < 3 * (W / 2) * (H / 2); i++) {
+            const int x = i / 3 % (W / 2), y = i / 3 / (W / 2), c = i % 3;
+            double sum = 0;
+            for (int k = 0; k < 4; k++)
+                sum += large[3 * ((2 * y + k / 2) * W + 2 * x + k % 2) + c];
+            small[i] = (uint8_t)floor(sum / 4 + 0.5);
+        }
+        fxs_file_view *v = &photos[0].view;
+        v->fx = v->fy = recipe ? 220 : 110;
+        v->cx = recipe ? 101 : 50.5;
+        v->cy = recipe ? 99 : 49.5;
+        v->width = recipe ? W : W / 2;
+        v->height = recipe ? H : H / 2;
+        photos[0].pixels = recipe ? large : small;
+        options.recipe = recipe ? FXS_FIT_FAST : FXS_FIT_REFERENCE;
+        if (CHECK(!fxs_fit_create(&fit, photos, 1, points, 60, &options, &message)))
+            CHECK(!fxs_fit_step(fit, &report[recipe]));
+        fxs_fit_free(fit);
+    }
+    CHECK(report[0].entries > 0 && report[0].entries == report[1].entries);
+    CHECK(report[0].absolute == report[1].absolute && report[0].dissimilar == report[1].dissimilar);
+}
+
+static void fast_recipe(void)
+{
+    fxs_fit_options o;
+    fxs_fit_options_init(&o);
+    o.recipe = FXS_FIT_FAST;
+    o.steps = 7000;
+    fxs_fit_plan p;
+    size_t wrong = 0;
+    int last = 4;
+    for (uint32_t step = 1; step <= 7000; step++) {
+        fxs_fit_plan_step(&o, 2.5f, step, 600, &p);
+        wrong += p.divisor > last || !is_near((double)p.rate[0], 2.5 * 1.6e-4 * pow(0.01, step / 7000.0), 1e-6);
+        wrong += p.without_sh != (step % 4 != 0) || (step > 3500 && p.densify);
+        last = p.divisor;
+    }
+    CHECK(!wrong && last == 1);
+    fxs_fit_plan_step(&o, 2.5f, 1, 399, &p);
+    CHECK(p.divisor == 2);
+    fxs_fit_plan_step(&o, 2.5f, 1, 199, &p);
+    CHECK(p.divisor == 1);
+}
+
 static const char *refused(size_t photo_count, size_t point_count)
 {
     static fxs_message message;
@@ -938,6 +996,8 @@ int main(void)
     RUN(gradients_beyond);
     RUN(noise);
     RUN(square);
+    RUN(fast_recipe);
+    RUN(reduced);
     RUN(hard_scenes);
     RUN(bad_input);
     return check_report();
