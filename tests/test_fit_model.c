@@ -899,7 +899,7 @@ static void hard_scenes(void)
 /* The first step of fast sees what a step of photographs that were averaged before sees, with cameras to match. */
 static void reduced(void)
 {
-    enum { W = 203, H = 201 };
+    enum { W = 203, H = 195 };
     static uint8_t large[3 * W * H], small[3 * (W / 2) * (H / 2)];
     fxs_fit_report report[2];
     for (int recipe = 0; recipe < 2; recipe++) {
