@@ -1,7 +1,8 @@
 #!/bin/sh
 # bench.sh [PART...]: measures and writes the parts of docs/performance.md (between their marker lines): tables, sizes, limits, stereo,
 # foveated; without PART, all. FOVEATED: the back ends of that part (cpu gles).
-# fit, only where it is named (half an hour): fits by either cut-off. FIT_STEPS, FIT_SIZE: of each (3000, 600).
+# fit and fit_stages, only where named (half an hour): fits by either cut-off; the stages of a step, with FIT_CPUS. FIT_STEPS,
+# FIT_SIZE: of each (3000, 600).
 # B: build folder; SCENES: folder of real scenes; PHOTOS: of photographs.
 # Medians of 10 frames or more, from `fixsplat bench --json`; rows of one table are from one run.
 set -eu
@@ -312,6 +313,30 @@ foveated() {
             foveated_row 'landscape of a million, from the shore' "$backend" "$size" "$work/1000000.ply" \
                 --eye 4.6,-1.9,-12.7 --look 0,-2.2,0 --fov 52
         done
+    done
+}
+
+# Stages of a step: of 40 steps, one thread, from where the same fit was saved after FIT_STEPS of them.
+fit_stages() {
+    steps=${FIT_STEPS:-3000}
+    set -- fit "$PHOTOS/snowmiku" -o "$work/stages.ply" --resolution "${FIT_SIZE:-600}"
+    "$B/fixsplat" "$@" --threads $two --steps $((steps + 10000)) --save-every "$steps" 2>"$work/progress" &
+    until [ -f "$work/stages.ply.fit" ]; do sleep 1 && kill -0 $!; done
+    kill -KILL $!
+    wait $! || mv "$work/stages.ply.fit" "$work/saved.fit"
+    printf 'snowmiku at %s pixels after %s steps of the reference recipe, one thread, milliseconds a step.\n\n' \
+        "${FIT_SIZE:-600}" "$steps"
+    printf '| instruction sets | project | bin | blend | loss | back | update | all | Gaussians |\n'
+    printf '|---|---|---|---|---|---|---|---|---|\n'
+    for cpu in ${FIT_CPUS:-c sse41 avx2 avx512}; do
+        "$B/fixsplat" "$@" --threads 1 --cpu "$cpu" --resume "$work/saved.fit" --steps $((steps + 40)) --json \
+            >"$work/json" 2>"$work/progress"
+        printf '| %s ' "$cpu"
+        for stage in project bin blend loss back update; do
+            printf '| %s ' "$(field $stage <"$work/json")"
+        done
+        awk -v s="$(field seconds <"$work/json")" -v n="$(field gaussians <"$work/json")" \
+            'BEGIN { printf "| %.3f | %d |\n", 1000 * s / 40, n }'
     done
 }
 

@@ -249,10 +249,13 @@ static void listen_to_signals(void)
 
 /* ---- Progress ---------------------------------------------------------------------------------------------------- */
 
+enum { STAGES = 6 };
+
 typedef struct progress {
     uint32_t first, steps;          /* of this run's, and of all */
     uint64_t start, last, shown;    /* nanoseconds: of the run, the last step, the last line */
     double pace, loss;              /* seconds a step and loss, means of some 50 steps */
+    uint64_t stages[STAGES];        /* nanoseconds of all steps of this run */
 } progress;
 
 static void say_duration(char text[32], double seconds)
@@ -292,6 +295,8 @@ static void count_step(progress *p, uint32_t step, const fxs_fit_report *report)
     p->pace += share * ((double)(now - p->last) * 1e-9 - p->pace);
     p->loss += share * (0.8 * report->absolute + 0.2 * report->dissimilar - p->loss);
     p->last = now;
+    for (int i = 0; i < STAGES; i++)
+        p->stages[i] += report->nanoseconds[i];
     show(p, step, report->gaussians, now);
 }
 
@@ -379,6 +384,17 @@ static void print_text(const fit_command *c, const fxs_fit *fit, const fxs_photo
     quality_print_text(&r->quality);
 }
 
+/* Milliseconds a step. */
+static void print_json_stages(const progress *p, uint32_t steps)
+{
+    static const char *const names[STAGES] = {"project", "bin", "blend", "loss", "back", "update"};
+    printf("{");
+    for (int i = 0; i < STAGES; i++)
+        printf("%s\"%s\": %.3f", i ? ", " : "", names[i],
+               steps > p->first ? (double)p->stages[i] * 1e-6 / (steps - p->first) : 0);
+    printf("}");
+}
+
 static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, const fit_result *r,
                        const progress *p)
 {
@@ -391,6 +407,8 @@ static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photo
            recipes[o->recipe], fxs_fit_steps(fit), o->seed, (double)(p->last - p->start) * 1e-9, photos->fit_count,
            photos->held_out_count, photos->skipped, photos->held_out_count ? "held out" : "fitted");
     quality_print_json(&r->quality);
+    printf(", \"stages_ms\": ");
+    print_json_stages(p, fxs_fit_steps(fit));
     puts("}");
 }
 
