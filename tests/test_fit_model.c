@@ -896,6 +896,49 @@ static void hard_scenes(void)
     }
 }
 
+/* Sums up the bytes of the Gaussians after 720 steps. */
+static uint64_t bytes_of_fit(unsigned cpu)
+{
+    fxs_fit *fit;
+    fxs_message message;
+    fxs_fit_report report;
+    fxs_gaussian_source source;
+    fxs_gaussian g;
+    uint64_t sum = 0;
+    options.cpu = cpu;
+    if (!CHECK(!fxs_fit_create(&fit, photos, PHOTOS, points, 60, &options, &message)))
+        return 0;
+    for (int i = 0; i < 720; i++)
+        CHECK(!fxs_fit_step(fit, &report));
+    fxs_fit_gaussians(fit, &source);
+    for (uint64_t i = 0; i < source.count && source.read(source.argument, i, &g, 1) == 1; i++)
+        for (size_t k = 0; k < sizeof g / sizeof(float); k++) {
+            uint32_t bits;
+            memcpy(&bits, (char *)&g + k * sizeof bits, sizeof bits);
+            sum = fxs_fit_mix(sum ^ bits);
+        }
+    fxs_fit_free(fit);
+    return sum;
+}
+
+/* Recipes, cut-offs and seeds differ from each other; plain C and the best instructions do not. */
+static void same_bytes(void)
+{
+    uint64_t sums[5];
+    for (int i = 0; i < 5; i++) {
+        turn = 9;
+        set_scene();
+        options.steps = 900;
+        options.recipe = (enum fxs_fit_recipe)(i % 3);
+        options.cutoff = i == 3 ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
+        options.seed = i == 4;
+        sums[i] = bytes_of_fit(0);
+        CHECK(bytes_of_fit(~0u) == sums[i]);
+        for (int k = 0; k < i; k++)
+            CHECK(sums[k] != sums[i]);
+    }
+}
+
 /* The first step of fast sees what a step of photographs that were averaged before sees, with cameras to match. */
 static void reduced(void)
 {
@@ -1004,6 +1047,7 @@ int main(void)
     RUN(square);
     RUN(fast_recipe);
     RUN(reduced);
+    RUN(same_bytes);
     RUN(hard_scenes);
     RUN(bad_input);
     return check_report();
