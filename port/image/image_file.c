@@ -231,9 +231,11 @@ static void skip_stream(void *argument, int bytes)
     stream->beyond |= fseek(stream->file, bytes, SEEK_CUR) != 0;
 }
 
+/* fseek forgets what feof says. */
 static int at_end(void *argument)
 {
-    return feof(((jpeg_stream *)argument)->file);
+    const jpeg_stream *stream = argument;
+    return stream->beyond || feof(stream->file);
 }
 
 /* stb_image takes what is missing at the end as 0, or not, by its version: here a picture is whole or refused. */
