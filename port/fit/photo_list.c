@@ -62,7 +62,7 @@ static int find_cameras(fxs_photo_list *list, const char *path, fxs_message *mes
                                         "sparse/images.txt", "images.bin", "images.txt", "transforms.json",
                                         "transforms_train.json", "cameras.json"};
     if (strlen(path) > FXS_PHOTO_PATH - 64)
-        return fxs_fail(message, "%s: name too long", path);
+        return fxs_fail(message, "a name of %zu characters is too long", strlen(path));
     if (!is_folder(path)) {
         strcpy(list->cameras, path);
         return 0;
