@@ -283,25 +283,39 @@ static void jpeg(void)
     remove(in_folder("a.png"));
 }
 
+/* The first .jpg with other bytes at `offset` behind its first marker of that kind. */
+static void put_changed_jpeg(int marker, size_t offset, const void *bytes, size_t size)
+{
+    uint8_t changed[sizeof baseline_jpeg];
+    size_t at = 2;                 /* its segments come one behind the other */
+    memcpy(changed, baseline_jpeg, sizeof changed);
+    while (changed[at + 1] != marker)
+        at += 2 + (size_t)(changed[at + 2] << 8 | changed[at + 3]);
+    memcpy(changed + at + offset, bytes, size);
+    put("a.jpg", changed, sizeof changed);
+}
+
 static void bad_jpeg(void)
 {
-    uint8_t bytes[1024];
+    uint8_t most[16];
     for (int i = 0; i < JPEGS; i++)
-        for (size_t size = 1; size < jpegs[i].size; size++) {
+        for (size_t size = 2; size < jpegs[i].size; size++) {
             put("a.jpg", jpegs[i].bytes, size);
             check_unreadable("a.jpg", "cut short");
         }
-    memcpy(bytes, baseline_jpeg, sizeof baseline_jpeg);
-    for (size_t i = 0; i + 8 < sizeof baseline_jpeg; i++)
-        if (bytes[i] == 0xff && bytes[i + 1] == 0xc0)
-            memcpy(bytes + i + 5, "\40\0\40\0", 4);   /* 8192 x 8192 */
-    put("a.jpg", bytes, sizeof baseline_jpeg);
+    put_changed_jpeg(0xc0, 5, "\40\0\40\0", 4);   /* 8192 x 8192 */
     check_unreadable("a.jpg", "fewer bytes than a picture of its size has");
-    for (size_t i = 0; i + 8 < sizeof baseline_jpeg; i++)
-        if (bytes[i] == 0xff && bytes[i + 1] == 0xc0)
-            memcpy(bytes + i + 5, "\40\1\40\1", 4);
-    put("a.jpg", bytes, sizeof baseline_jpeg);
+    put_changed_jpeg(0xc0, 5, "\40\1\40\1", 4);
     check_unreadable("a.jpg", "2^26 in all");
+    put_changed_jpeg(0xc0, 11, "\62\0\2\41", 4);   /* sampled by 3 x 2 and 2 x 1 */
+    check_unreadable("a.jpg", "components that do not lie on each other");
+    put_changed_jpeg(0xc0, 9, "\4", 1);
+    check_unreadable("a.jpg", "a frame of another size");
+    memset(most, 255, sizeof most);
+    put_changed_jpeg(0xc4, 5, most, sizeof most);
+    check_unreadable("a.jpg", "a Huffman table of more codes");
+    put_changed_jpeg(0xc4, 5, "\377", 1);
+    check_unreadable("a.jpg", "a Huffman table of more codes");
     remove(in_folder("a.jpg"));
 }
 #endif

@@ -187,7 +187,8 @@ static void bad_points(void)
         add_integer(1, 8);
         for (int k = 0; k < 3; k++)
             add_double(behind[k]);
-        add_integer(0, 3 + 8 + 8 - 8);
+        add_integer(0, 3);
+        add_integer(0, 8);
         add_integer(0, 8);
         put_text("c/sparse/0/points3D.bin");
         check_refused("c", &options, FXS_ERR_FILE, "points3D.bin: all of the 1 points lie behind every camera");

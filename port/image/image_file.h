@@ -28,7 +28,7 @@ int fxs_image_file_known(const char *path);
    upper 8 are taken, grey and palettes become RGBA, and how EXIF would turn a picture is not looked at (nor does COLMAP,
    whose cameras are for the pixels as they are stored). The pixels are the same on every machine: .png and .ppm say
    what they are, and a .jpg, whose standard leaves the last bit open, is decoded by stb_image's text in integers, with
-   its SIMD left out.
+   its SIMD left out. What the released stb_image does not check of a .jpg is checked before.
 
    The data of a .png are inflated to at most twice the bytes that RGBA of its stated size and depth has, and 64 KiB; one
    with more is refused, as is a .jpg of more than 512 pixels a byte. A picture that is cut short is refused.
