@@ -248,12 +248,14 @@ seeds_of_photos() {
     int='\1\0\0\0' long='\1\0\0\0\0\0\0\0' zero='\0\0\0\0\0\0\0\0' unit='\0\0\0\0\0\0\360\77'
     size='\4\0\0\0\0\0\0\0\3\0\0\0\0\0\0\0'
     photos 0 "$long$int\4\0\0\0$size$unit$unit$unit$unit$unit$zero$zero$zero" \
-        "$long$int$unit$zero$zero$zero$zero$zero$unit${int}a\0$zero" "$long$long$unit$unit${unit}abc$unit$long$long" >binary
+        "$long$int$unit$zero$zero$zero$zero$zero$unit${int}a\0$zero" \
+        "$long$long$unit$unit${unit}abc$unit$long$long" >binary
     for lens in 'SIMPLE_RADIAL 4 3 5 2 1.5 -.1' 'OPENCV_FISHEYE 4 3 5 5 2 1.5 0 0 0 0'; do
         photos 21 "1 $lens\n" '1 1 0 0 0 0 0 1 1 a\n\n2 1 0 0 0 0 0 2 1 a\n\n' '1 2 3 4 5 6 7\n' >"text-${lens%% *}"
     done
     frame='"transform_matrix": [[1, 0, 0, 2], [0, 1, 0, 3], [0, 0, 1, 4], [0, 0, 0, 1]]}]}'
-    ply='ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3\n'
+    ply='ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n'
+    ply="${ply}end_header\n1 2 3\n"
     photos 6 "{\"w\": 4, \"h\": 3, \"fl_x\": 5, \"k1\": 0.1, \"ply_file_path\": \"p.ply\", \"frames\": [{$(
         )\"file_path\": \"./a\", $frame" "{\"camera_angle_x\": 0.7, \"frames\": [{\"file_path\": \"a.png\", $frame" \
         "$ply" >transforms
@@ -287,8 +289,8 @@ build() {
     *) kernels='kernels/*.c' ;;
     esac
     mkdir "$work/objects"
-    for source in src/*.c $kernels port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c port/fit/photo*.c \
-        tests/fuzz_*.c; do
+    for source in src/*.c $kernels port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c \
+        port/fit/photo*.c tests/fuzz_*.c; do
         echo "$compile $features -DFXS_WITH_KERNELS $(instructions_of "$source") -c $source -o $work/objects/$(
             )$(basename "$source" .c).o"
     done | xargs -P "$jobs" -I COMMAND sh -c COMMAND || return

@@ -89,7 +89,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const fxs_photos_options options = {.resolution = 16, .hold_out = data[0] >> 2 & 3, .skip_bad = data[0] >> 4 & 1};
     const uint8_t *at = data + 7, *end = data + size;
     for (int i = 0; i < FILES; i++) {
-        const size_t left = (size_t)(end - at), stated = i < 3 ? (size_t)(data[1 + 2 * i] | data[2 + 2 * i] << 8) : left;
+        const size_t left = (size_t)(end - at);
+        const size_t stated = i < 3 ? (size_t)(data[1 + 2 * i] | data[2 + 2 * i] << 8) : left;
         const size_t part = stated < left ? stated : left;
         if (part)
             put(files[i], at, part);

@@ -39,8 +39,10 @@ static uint32_t hash_of_photos(void)
 static void put_folder(void)
 {
     static const char *const cameras[] = {
-        "SIMPLE_RADIAL 48 40 50 24 20 -0.2", "RADIAL 24 20 25 12 10 0.1 0.05", "OPENCV 24 20 25 26 12 10 -.1 .02 .003 -.004",
-        "OPENCV_FISHEYE 24 20 20 20 12 10 .05 -.01 .002 .001", "FULL_OPENCV 24 20 25 25 12 10 .1 .02 0 0 .01 .03 .02 .01",
+        "SIMPLE_RADIAL 48 40 50 24 20 -0.2", "RADIAL 24 20 25 12 10 0.1 0.05",
+        "OPENCV 24 20 25 26 12 10 -.1 .02 .003 -.004",
+        "OPENCV_FISHEYE 24 20 20 20 12 10 .05 -.01 .002 .001",
+        "FULL_OPENCV 24 20 25 25 12 10 .1 .02 0 0 .01 .03 .02 .01",
         "PINHOLE 24 20 25 25 12 10"
     };
     make_folder("images");
@@ -53,7 +55,10 @@ static void put_folder(void)
     for (int i = 0; i < 5; i++) {
         char name[32];
         sprintf(name, "images/%d.jpg", i);
-        put_file(name, i & 1 ? progressive_jpeg : baseline_jpeg, i & 1 ? sizeof progressive_jpeg : sizeof baseline_jpeg);
+        if (i & 1)
+            put_file(name, progressive_jpeg, sizeof progressive_jpeg);
+        else
+            put_file(name, baseline_jpeg, sizeof baseline_jpeg);
     }
     put_ppm("images/5.jpg", JPEG_WIDTH, JPEG_HEIGHT, NULL);
 }

@@ -285,7 +285,8 @@ static void missing_folders(void)
     CHECK(!rename(in_folder("c/elsewhere"), in_folder("c/images")));
     memset(name, 'n', sizeof name - 1);
     name[sizeof name - 1] = 0;
-    CHECK(fxs_photos_read(name, &options, &photos, &message) == FXS_ERR_FILE && strstr(message.text, "a name of 4999 characters"));
+    CHECK(fxs_photos_read(name, &options, &photos, &message) == FXS_ERR_FILE &&
+          strstr(message.text, "a name of 4999 characters"));
     add_integer(0, 8);
     put_text("c/sparse/0/images.bin");
     check_refused("c", &options, FXS_ERR_FILE, "no views");
@@ -405,7 +406,8 @@ static const struct {
     {"OPENCV 160 120 140 150 80 60 -0.2 0.05 0.01 -0.02", {0, {-0.2, 0.05}, {0.01, -0.02}}, 140, 150, 80, 60, 1},
     {"FULL_OPENCV 160 120 140 140 80 60 0.1 -.05 .002 .001 .02 .3 .04 .01",
      {0, {0.1, -.05, .02, .3, .04, .01}, {.002, .001}}, 140, 140, 80, 60, 1},
-    {"OPENCV_FISHEYE 160 120 100 100 80 60 .05 -.01 .002 -.001", {1, {.05, -.01, .002, -.001}, {0}}, 100, 100, 80, 60, 1},
+    {"OPENCV_FISHEYE 160 120 100 100 80 60 .05 -.01 .002 -.001", {1, {.05, -.01, .002, -.001}, {0}}, 100, 100, 80, 60,
+     1},
     {"OPENCV_FISHEYE 160 120 100 100 80 60 0 0 0 0", {1, {0}, {0}}, 100, 100, 80, 60, 1},
 };
 
@@ -549,7 +551,8 @@ static void nerfstudio(void)
     put_text("one/transforms.json");
     check_refused("one/transforms.json", &options, FXS_ERR_FILE, "one/p.ply: No such file");
     say("ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
-        "property uint8 red\nproperty uint8 green\nproperty uint8 blue\nend_header\n1 2 -3 4 5 6\n7 8 -9.5 10 11 255\n");
+        "property uint8 red\nproperty uint8 green\nproperty uint8 blue\nend_header\n"
+        "1 2 -3 4 5 6\n7 8 -9.5 10 11 255\n");
     put_text("one/p.ply");
     if (!CHECK(!read_photos("one/transforms.json", &options))) {
         printf("  %s\n", message.text);
@@ -632,7 +635,8 @@ static void alpha(void)
     CHECK(!rename(in_folder("one/a.png"), in_folder("one/images/a.ppm")));
     say("1 PINHOLE 24 20 25 25 12 10\n");
     put_text("one/cameras.txt");
-    if (!CHECK(!read_photos("one", &options)) || !CHECK(photos.fit[0].view.width == 6 && photos.fit[0].view.height == 5))
+    if (!CHECK(!read_photos("one", &options)) ||
+        !CHECK(photos.fit[0].view.width == 6 && photos.fit[0].view.height == 5))
         return;
     for (int i = 0; i < 3 * 6 * 5; i++) {
         const int x = i / 3 % 6, y = i / 18, c = i % 3;

@@ -70,8 +70,8 @@ static int find_cameras(fxs_photo_list *list, const char *path, fxs_message *mes
     for (size_t i = 0; i < sizeof known / sizeof *known; i++)
         if (join(list->cameras, path, known[i]) && exists(list->cameras))
             return 0;
-    return fxs_fail(message, "%s: neither sparse/0 of COLMAP nor transforms.json, transforms_train.json or cameras.json "
-                    "in this folder", path);
+    return fxs_fail(message, "%s: neither sparse/0 of COLMAP nor transforms.json, transforms_train.json or "
+                    "cameras.json in this folder", path);
 }
 
 static int colmap_name(const char *name)

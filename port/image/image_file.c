@@ -281,7 +281,7 @@ static const char *check_frame(FILE *file, int size)
 static int next_marker(FILE *file)
 {
     int c = 0;
-    while (c == 0 || (c >= 0xd0 && c <= 0xd7)) {   /* of coded data: a byte of 255, and where it may be taken up again */
+    while (c == 0 || (c >= 0xd0 && c <= 0xd7)) {   /* coded: a byte of 255, and where to take up again */
         do
             c = getc(file);
         while (c != 0xff && c != EOF);
