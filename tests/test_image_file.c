@@ -316,6 +316,11 @@ static void bad_jpeg(void)
     check_unreadable("a.jpg", "a Huffman table of more codes");
     put_changed_jpeg(0xc4, 5, "\377", 1);
     check_unreadable("a.jpg", "a Huffman table of more codes");
+    uint8_t crowded[2 + 277 + sizeof baseline_jpeg] = {0xff, 0xd8, 0xff, 0xc4, 1, 19, 0};   /* a table of 256 codes */
+    memset(crowded + 7, 16, 16);
+    memcpy(crowded + 2 + 277, baseline_jpeg + 2, sizeof baseline_jpeg - 2);
+    put("a.jpg", crowded, sizeof crowded - 2);
+    check_unreadable("a.jpg", "a Huffman table of more codes");
     remove(in_folder("a.jpg"));
 }
 #endif

@@ -402,6 +402,7 @@ static const struct {
 } lenses[] = {
     {"SIMPLE_RADIAL 160 120 140 80 60 -0.15", {0, {-0.15}, {0}}, 140, 140, 80, 60, 1},
     {"SIMPLE_RADIAL 160 120 140 80 60 0.2", {0, {0.2}, {0}}, 140, 140, 80, 60, 0},
+    {"OPENCV 160 120 140 140 80 60 0 0 0 0.05", {0, {0}, {0, 0.05}}, 140, 140, 80, 60, 0},
     {"RADIAL 160 120 140 83 58 -0.2 0.05", {0, {-0.2, 0.05}, {0}}, 140, 140, 83, 58, 1},
     {"OPENCV 160 120 140 150 80 60 -0.2 0.05 0.01 -0.02", {0, {-0.2, 0.05}, {0.01, -0.02}}, 140, 150, 80, 60, 1},
     {"FULL_OPENCV 160 120 140 140 80 60 0.1 -.05 .002 .001 .02 .3 .04 .01",
@@ -410,6 +411,34 @@ static const struct {
      1},
     {"OPENCV_FISHEYE 160 120 100 100 80 60 0 0 0 0", {1, {0}, {0}}, 100, 100, 80, 60, 1},
 };
+
+/* OpenCV's formulas, as its page "Camera Calibration and 3D Reconstruction" and that of fisheye have them. */
+static void bend_plainly(const fxs_lens *l, double x, double y, double out[2])
+{
+    const double r = sqrt(x * x + y * y), t = l->fisheye ? atan(r) : r, *k = l->k;
+    if (l->fisheye) {
+        const double bent = t + k[0] * pow(t, 3) + k[1] * pow(t, 5) + k[2] * pow(t, 7) + k[3] * pow(t, 9);
+        out[0] = bent * x / r;
+        out[1] = bent * y / r;
+        return;
+    }
+    const double radial = (1 + k[0] * pow(r, 2) + k[1] * pow(r, 4) + k[2] * pow(r, 6)) /
+                          (1 + k[3] * pow(r, 2) + k[4] * pow(r, 4) + k[5] * pow(r, 6));
+    out[0] = x * radial + 2 * l->p[0] * x * y + l->p[1] * (r * r + 2 * x * x);
+    out[1] = y * radial + l->p[0] * (r * r + 2 * y * y) + 2 * l->p[1] * x * y;
+}
+
+static void lens_formulas(void)
+{
+    for (size_t i = 0; i < sizeof lenses / sizeof *lenses; i++)
+        for (int k = 0; k < 1000; k++) {
+            const double x = random_number() / 30000.0 - 1.1, y = random_number() / 30000.0 - 1.1;
+            double plain[2], bent[2];
+            bend_plainly(&lenses[i].lens, x, y, plain);
+            fxs_lens_bend(&lenses[i].lens, x, y, bent);
+            CHECK(fabs(plain[0] - bent[0]) < 1e-14 && fabs(plain[1] - bent[1]) < 1e-14);
+        }
+}
 
 static void check_lens(size_t number)
 {
@@ -544,7 +573,7 @@ static void blender(void)
 static void nerfstudio(void)
 {
     const fxs_photos_options options = {0};
-    check_lens(3);                 /* leaves the photograph and its camera */
+    check_lens(4);                 /* leaves the photograph and its camera */
     const fxs_file_view view = photos.fit[0].view;
     const uint32_t hash = hash_of_pixels();
     say_frames(OPENCV_TOP "\"ply_file_path\":\"p.ply\",", "./images/a.ppm", 1);
@@ -717,6 +746,7 @@ static void tests(void)
     RUN(missing_folders);
     RUN(one_camera);
     RUN(averages);
+    RUN(lens_formulas);
     RUN(lens_models);
     RUN(lens_limits);
 #ifdef FXS_WITH_CJSON
