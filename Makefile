@@ -90,8 +90,9 @@ LIBS := $(foreach name,CJSON ZIP WEBP ZLIB ZSTD GLES CUDA,$(LIBS_$(name))) -lm -
 # Faster versions of the stages carry their instruction set in their name. clang 14 crashes on the debug information of
 # AVX-512 masks.
 CLANG_14 := $(if $(findstring clang,$(CC_VERSION)),-g0)
-# Lanes that are not wanted may overflow: -fwrapv says that this is no fault. -O3: project takes 9 % less.
-isa = $(if $(filter kernels/%,$(1)),-fwrapv $(if $(filter -O2,$(CFLAGS)),-O3)) $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
+# Lanes that are not wanted may overflow, as may stb_image with a damaged .jpg: -fwrapv says that this is no fault. -O3:
+# project takes 9 % less.
+isa = $(if $(filter port/image/image_file.c,$(1)),-fwrapv) $(if $(filter kernels/%,$(1)),-fwrapv $(if $(filter -O2,$(CFLAGS)),-O3)) $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
       -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi $(CLANG_14))))
 
 with = $(if $(filter $(1),$(FOUND)),$(wildcard $(2)))

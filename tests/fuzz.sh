@@ -6,6 +6,7 @@ seconds=${1:?seconds}
 jobs=${JOBS:-$(getconf _NPROCESSORS_ONLN)}
 out=${B:-build}/fuzz
 fixsplat=$(cd "${B:-build}" && pwd)/fixsplat
+jpegs=$PWD/tests/jpeg_bytes.h
 work=$(mktemp -d) || exit 1
 root=$PWD
 trap 'rm -rf "$work"' EXIT
@@ -118,9 +119,9 @@ seeds_of_camera() {
         '"position": [0, 0, 1], "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]' >inria
     printf '\0\0\0{"camera_angle_x": 0.7, "w": 8, "h": 6, "cx": 4, "frames": [{"file_path": "a", %s}]}' \
         '"transform_matrix": [[1, 0, 0, 2], [0, 1, 0, 3], [0, 0, 1, 4], [0, 0, 0, 1]]' >transforms
-    colmap 2 '# cameras\n1 PINHOLE 8 6 9 9 4 3\n' '# images\n1 1 0 0 0 0 0 1 1 a.png\n2.5 3 -1\n' >text
+    colmap 4 '# cameras\n1 PINHOLE 8 6 9 9 4 3\n' '# images\n1 1 0 0 0 0 0 1 1 a.png\n2.5 3 -1\n' >text
     int='\1\0\0\0' long='\1\0\0\0\0\0\0\0' zero='\0\0\0\0\0\0\0\0' unit='\0\0\0\0\0\0\360\77'
-    colmap 1 "$long$int$int$long$long$unit$unit$unit$unit" \
+    colmap 3 "$long$int$int$long$long$unit$unit$unit$unit" \
         "$long$int$unit$zero$zero$zero$zero$zero$unit${int}a.png\\0$long$unit$unit$long" >binary
 }
 
@@ -221,6 +222,46 @@ seeds_of_image() {
     "$fixsplat" render scene.ply --size 8x6 -o scene.png
     "$fixsplat" render scene.ply --size 8x6 -o scene.ppm
     rm scene.ply
+    for name in baseline progressive grey; do
+        for byte in $(sed -n "/ ${name}_jpeg/,/}/ { /uint8/ !p }" "$jpegs" | tr -dc '0-9 \n'); do
+            printf "\\$(printf %o "$byte")"
+        done >$name.jpg
+    done
+}
+
+# photos LAYOUT CAMERAS IMAGES POINTS: as tests/fuzz_photos.c takes them, written as the format of printf, and a
+# photograph of 4 x 3 pixels
+photos() {
+    layout=$1
+    shift
+    sizes=
+    for part; do
+        printf "$part" >part
+        bytes=$(wc -c <part)
+        sizes="$sizes\\$(printf %03o $((bytes % 256)))\\$(printf %03o $((bytes / 256)))"
+    done
+    rm part
+    printf "\\$layout$sizes$1$2$3"
+    printf 'P6\n4 3\n255\n123456789abcdefghijklmnopqrstuvwxyz.'
+}
+
+seeds_of_photos() {
+    int='\1\0\0\0' long='\1\0\0\0\0\0\0\0' zero='\0\0\0\0\0\0\0\0' unit='\0\0\0\0\0\0\360\77'
+    size='\4\0\0\0\0\0\0\0\3\0\0\0\0\0\0\0'
+    photos 0 "$long$int\4\0\0\0$size$unit$unit$unit$unit$unit$zero$zero$zero" \
+        "$long$int$unit$zero$zero$zero$zero$zero$unit${int}a\0$zero" \
+        "$long$long$unit$unit${unit}abc$unit$long$long" >binary
+    for lens in 'SIMPLE_RADIAL 4 3 5 2 1.5 -.1' 'OPENCV_FISHEYE 4 3 5 5 2 1.5 0 0 0 0'; do
+        photos 21 "1 $lens\n" '1 1 0 0 0 0 0 1 1 a\n\n2 1 0 0 0 0 0 2 1 a\n\n' '1 2 3 4 5 6 7\n' >"text-${lens%% *}"
+    done
+    frame='"transform_matrix": [[1, 0, 0, 2], [0, 1, 0, 3], [0, 0, 1, 4], [0, 0, 0, 1]]}]}'
+    ply='ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n'
+    ply="${ply}end_header\n1 2 3\n"
+    photos 6 "{\"w\": 4, \"h\": 3, \"fl_x\": 5, \"k1\": 0.1, \"ply_file_path\": \"p.ply\", \"frames\": [{$(
+        )\"file_path\": \"./a\", $frame" "{\"camera_angle_x\": 0.7, \"frames\": [{\"file_path\": \"a.png\", $frame" \
+        "$ply" >transforms
+    photos 3 '[{"img_name": "a", "width": 8, "height": 6, "fx": 9, "fy": 9, "position": [0, 0, 1], '"$(
+        )"'"rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}]' '' "$ply" >inria
 }
 
 # Of a few Gaussians; tests/fuzz_checkpoint.c makes them fits of its own photograph.
@@ -245,6 +286,7 @@ printf '%s\n' '[pointer-overflow|nonnull-attribute]' 'src:*/stb/*' >"$work/ignor
 # What the Makefile compiles kernels/x86 with.
 instructions_of() {
     case $1 in
+    */image_file.c) echo -fwrapv ;;
     *_sse41.c) echo -msse4.1 ;;
     *_avx2.c) echo -mavx2 ;;
     *_avx512.c) echo -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi -g0 ;;
@@ -261,6 +303,7 @@ build() {
     mkdir "$work/objects"
     for source in src/*.c $kernels port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c \
         port/fit/*.c tests/fuzz_*.c; do
+        port/fit/photo*.c tests/fuzz_*.c; do
         echo "$compile $features -DFXS_WITH_KERNELS $(instructions_of "$source") -c $source -o $work/objects/$(
             )$(basename "$source" .c).o"
     done | xargs -P "$jobs" -I COMMAND sh -c COMMAND || return

@@ -39,9 +39,10 @@ tests_of() {
     kernels/gles/*) echo gles ;;
     kernels/*) echo kernels foveate random stereo golden bands ;;
     */camera.c | */message.c) echo camera_file golden ;;
-    */camera*) echo camera_file ;;
+    port/fit/photo* | */lens.c) echo photos photo_bytes ;;
+    */camera* | */colmap_text.c | */view_list.c) echo camera_file photos ;;
     */byte_reader.c) echo pack splat ksplat ply compressed_ply spz scene_input ;;
-    */image_file.c) echo image_file ;;
+    */image_file.c) echo image_file photo_bytes ;;
     */output.c) echo image_file ply splat spz fxs_file ;;
     */encode.c | */pack.c | */order.c | */palette.c) echo fxs_bytes fxs_file pack scene_filter golden ;;
     */fxs_file.c) echo fxs_bytes fxs_file scene_input ;;

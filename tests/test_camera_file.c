@@ -485,6 +485,23 @@ static void blender(void)
     free(views);
 }
 
+/* The focal length comes from the tangent of half the angle. */
+static void angles(void)
+{
+    fxs_file_view *views;
+    remove_all();
+    for (double angle = 0.01; angle < 3.14; angle += 0.13) {
+        char top[64];
+        snprintf(top, sizeof top, "\"w\":640,\"h\":480,\"camera_angle_x\":%.17g,", angle);
+        put_transforms(top, "");
+        if (CHECK(read_views("transforms.json", &views) == 1)) {
+            CHECK(fabs(views->fx * tan(angle / 2) / 320 - 1) < 1e-14 / cos(angle / 2));
+            free(views);
+        }
+    }
+    remove_all();
+}
+
 static void transforms_faults(void)
 {
     remove_all();
@@ -636,6 +653,7 @@ int main(void)
     RUN(inria_orthonormalised);
     RUN(transforms);
     RUN(blender);
+    RUN(angles);
     RUN(transforms_faults);
     RUN(json_truncated);
     RUN(too_many_values);

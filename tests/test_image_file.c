@@ -16,6 +16,7 @@
 
 #include "../tools/metrics.h"
 #include "check.h"
+#include "jpeg_bytes.h"
 
 enum { WIDTH = 37, HEIGHT = 23, PIXELS = WIDTH * HEIGHT };
 
@@ -234,6 +235,96 @@ static void truncated_png(void)
     remove(in_folder("a.png"));
 }
 
+#ifdef FXS_WITH_STB
+static const struct {
+    const uint8_t *bytes;
+    size_t size;
+    int grey;
+    uint32_t hash;                 /* of the pixels: the same on every machine */
+} jpegs[] = {
+    {baseline_jpeg, sizeof baseline_jpeg, 0, 0x6002d2a0},
+    {progressive_jpeg, sizeof progressive_jpeg, 0, 0x6002d2a0},
+    {grey_jpeg, sizeof grey_jpeg, 1, 0xdb864545},
+};
+enum { JPEGS = sizeof jpegs / sizeof *jpegs };
+
+/* FNV-1a */
+static uint32_t hash_of(const uint8_t *bytes, size_t size)
+{
+    uint32_t hash = 2166136261u;
+    for (size_t i = 0; i < size; i++)
+        hash = (hash ^ bytes[i]) * 16777619u;
+    return hash;
+}
+
+/* Content tells the kind: the ending does not matter. */
+static void jpeg(void)
+{
+    for (int i = 0; i < JPEGS; i++) {
+        uint8_t *rgba;
+        int width, height;
+        put("a.png", jpegs[i].bytes, jpegs[i].size);
+        if (!CHECK(!fxs_image_file_read(in_folder("a.png"), &rgba, &width, &height, &message)))
+            continue;
+        if (CHECK(width == JPEG_WIDTH && height == JPEG_HEIGHT)) {
+            for (int y = 0; y < height; y++)
+                for (int x = 0; x < width; x++) {
+                    const uint8_t *c = rgba + 4 * (y * width + x);
+                    const int grey = 40 + 7 * x, green = 200 - 6 * y, blue = 60 + 3 * x + 4 * y;
+                    CHECK(abs(c[0] - grey) <= 12 && abs(c[1] - (jpegs[i].grey ? grey : green)) <= 12 &&
+                          abs(c[2] - (jpegs[i].grey ? grey : blue)) <= 12 && c[3] == 255);
+                }
+            const uint32_t hash = hash_of(rgba, 4 * JPEG_WIDTH * JPEG_HEIGHT);
+            if (!CHECK(hash == jpegs[i].hash))
+                printf("  jpeg %d: 0x%x\n", i, (unsigned)hash);
+        }
+        free(rgba);
+    }
+    remove(in_folder("a.png"));
+}
+
+/* The first .jpg with other bytes at `offset` behind its first marker of that kind. */
+static void put_changed_jpeg(int marker, size_t offset, const void *bytes, size_t size)
+{
+    uint8_t changed[sizeof baseline_jpeg];
+    size_t at = 2;                 /* its segments come one behind the other */
+    memcpy(changed, baseline_jpeg, sizeof changed);
+    while (changed[at + 1] != marker)
+        at += 2 + (size_t)(changed[at + 2] << 8 | changed[at + 3]);
+    memcpy(changed + at + offset, bytes, size);
+    put("a.jpg", changed, sizeof changed);
+}
+
+static void bad_jpeg(void)
+{
+    uint8_t most[16];
+    for (int i = 0; i < JPEGS; i++)
+        for (size_t size = 2; size < jpegs[i].size; size++) {
+            put("a.jpg", jpegs[i].bytes, size);
+            check_unreadable("a.jpg", "cut short");
+        }
+    put_changed_jpeg(0xc0, 5, "\40\0\40\0", 4);   /* 8192 x 8192 */
+    check_unreadable("a.jpg", "fewer bytes than a picture of its size has");
+    put_changed_jpeg(0xc0, 5, "\40\1\40\1", 4);
+    check_unreadable("a.jpg", "2^26 in all");
+    put_changed_jpeg(0xc0, 11, "\62\0\2\41", 4);   /* sampled by 3 x 2 and 2 x 1 */
+    check_unreadable("a.jpg", "components that do not lie on each other");
+    put_changed_jpeg(0xc0, 9, "\4", 1);
+    check_unreadable("a.jpg", "a frame of another size");
+    memset(most, 255, sizeof most);
+    put_changed_jpeg(0xc4, 5, most, sizeof most);
+    check_unreadable("a.jpg", "a Huffman table of more codes");
+    put_changed_jpeg(0xc4, 5, "\377", 1);
+    check_unreadable("a.jpg", "a Huffman table of more codes");
+    uint8_t crowded[2 + 277 + sizeof baseline_jpeg] = {0xff, 0xd8, 0xff, 0xc4, 1, 19, 0};   /* a table of 256 codes */
+    memset(crowded + 7, 16, 16);
+    memcpy(crowded + 2 + 277, baseline_jpeg + 2, sizeof baseline_jpeg - 2);
+    put("a.jpg", crowded, sizeof crowded - 2);
+    check_unreadable("a.jpg", "a Huffman table of more codes");
+    remove(in_folder("a.jpg"));
+}
+#endif
+
 #if defined(FXS_WITH_STB) && defined(FXS_WITH_ZLIB)
 static uint8_t *put_chunk(uint8_t *to, const char *type, const void *data, size_t size)
 {
@@ -246,23 +337,70 @@ static uint8_t *put_chunk(uint8_t *to, const char *type, const void *data, size_
     return to + 8 + size;
 }
 
-/* RGBA of 8 or 16 bits, with `size` zeros to be inflated. */
-static void put_zeros(const char *name, int side, int depth, int interlaced, size_t size)
+/* A .png of these rows, each behind its filter's byte; `palette`: chunks before the data, or NULL. */
+static void put_png(const char *name, const uint8_t header[13], const uint8_t *palette, size_t palette_size,
+                    const uint8_t *rows, size_t size)
 {
     uLongf compressed = compressBound(size);
-    uint8_t *zeros = calloc(1, size), *data = malloc(compressed), *bytes = malloc(compressed + 100), *to = bytes;
-    const uint8_t header[13] = {0, 0, (uint8_t)(side >> 8), (uint8_t)side, 0, 0, (uint8_t)(side >> 8), (uint8_t)side,
-                                (uint8_t)depth, 6, 0, 0, (uint8_t)interlaced};
-    if (CHECK(zeros && data && bytes && compress(data, &compressed, zeros, size) == Z_OK)) {
+    uint8_t *data = malloc(compressed), *bytes = malloc(compressed + palette_size + 100), *to = bytes;
+    if (CHECK(data && bytes && compress(data, &compressed, rows, size) == Z_OK)) {
         memcpy(to, "\211PNG\r\n\032\n", 8);
-        to = put_chunk(to + 8, "IHDR", header, sizeof header);
+        to = put_chunk(to + 8, "IHDR", header, 13);
+        if (palette) {
+            to = put_chunk(to, "PLTE", palette, 9);
+            to = put_chunk(to, "tRNS", palette + 9, palette_size - 9);
+        }
         to = put_chunk(to, "IDAT", data, compressed);
         to = put_chunk(to, "IEND", "", 0);
         put(name, bytes, (size_t)(to - bytes));
     }
-    free(zeros);
     free(data);
     free(bytes);
+}
+
+/* RGBA of 8 or 16 bits, with `size` zeros to be inflated. */
+static void put_zeros(const char *name, int side, int depth, int interlaced, size_t size)
+{
+    uint8_t *zeros = calloc(1, size);
+    const uint8_t header[13] = {0, 0, (uint8_t)(side >> 8), (uint8_t)side, 0, 0, (uint8_t)(side >> 8), (uint8_t)side,
+                                (uint8_t)depth, 6, 0, 0, (uint8_t)interlaced};
+    if (CHECK(zeros != NULL))
+        put_png(name, header, NULL, 0, zeros, size);
+    free(zeros);
+}
+
+/* Depths and kinds of colour, as RGBA: of 16 bits the upper 8, grey thrice, palettes looked up. */
+static void png_kinds(void)
+{
+    static const uint8_t palette[12] = {10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 0, 255};
+    static const struct {
+        uint8_t depth, kind, rows[20], rgba[8];
+        size_t size;
+    } kinds[] = {
+        {8, 0, {0, 7, 200}, {7, 7, 7, 255, 200, 200, 200, 255}, 3},
+        {1, 0, {0, 64}, {0, 0, 0, 255, 255, 255, 255, 255}, 2},
+        {4, 0, {0, 0x3f}, {51, 51, 51, 255, 255, 255, 255, 255}, 2},
+        {16, 0, {0, 7, 255, 200, 1}, {7, 7, 7, 255, 200, 200, 200, 255}, 5},
+        {8, 4, {0, 7, 8, 200, 9}, {7, 7, 7, 8, 200, 200, 200, 9}, 5},
+        {8, 2, {0, 1, 2, 3, 4, 5, 6}, {1, 2, 3, 255, 4, 5, 6, 255}, 7},
+        {16, 2, {0, 1, 255, 2, 0, 3, 128, 4, 1, 5, 2, 6, 3}, {1, 2, 3, 255, 4, 5, 6, 255}, 13},
+        {16, 6, {0, 1, 9, 2, 9, 3, 9, 4, 9, 5, 9, 6, 9, 7, 9, 8, 9}, {1, 2, 3, 4, 5, 6, 7, 8}, 17},
+        {8, 3, {0, 0, 1}, {10, 20, 30, 100, 40, 50, 60, 0}, 3},
+        {2, 3, {0, 0x80}, {70, 80, 90, 255, 10, 20, 30, 100}, 2},
+    };
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+        const uint8_t header[13] = {0, 0, 0, 2, 0, 0, 0, 1, kinds[i].depth, kinds[i].kind, 0, 0, 0};
+        uint8_t *rgba;
+        int width, height;
+        put_png("a.png", header, kinds[i].kind == 3 ? palette : NULL, kinds[i].kind == 3 ? sizeof palette : 0,
+                kinds[i].rows, kinds[i].size);
+        if (!CHECK(!fxs_image_file_read(in_folder("a.png"), &rgba, &width, &height, &message)))
+            continue;
+        if (!CHECK(width == 2 && height == 1 && !memcmp(rgba, kinds[i].rgba, 8)))
+            printf("  kind %zu: %d %d %d %d\n", i, rgba[0], rgba[1], rgba[2], rgba[3]);
+        free(rgba);
+    }
+    remove(in_folder("a.png"));
 }
 
 /* Bytes of a picture's rows: those of an interlaced one come in seven parts, each with rows of its own. */
@@ -406,8 +544,13 @@ int main(void)
     RUN(bad_images);
     RUN(ppm_comment);
     RUN(truncated_png);
+#ifdef FXS_WITH_STB
+    RUN(jpeg);
+    RUN(bad_jpeg);
+#endif
 #if defined(FXS_WITH_STB) && defined(FXS_WITH_ZLIB)
     RUN(inflated_size);
+    RUN(png_kinds);
 #endif
     RUN(metrics_equal);
     RUN(metrics_flat);

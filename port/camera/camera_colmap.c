@@ -185,7 +185,8 @@ static int read_cameras_txt(camera_list *list, const fxs_text *text)
             model++;
         if (model == MODELS)
             return not_pinhole(list, id);
-        if (!fxs_colmap_numbers(&line, size, 2) || !fxs_colmap_numbers(&line, params, params_of(model)) || *fxs_colmap_word(&line))
+        if (!fxs_colmap_numbers(&line, size, 2) || !fxs_colmap_numbers(&line, params, params_of(model)) ||
+            *fxs_colmap_word(&line))
             return fxs_fail(list->message, "%s: camera %.0f: not a size and %d parameters", list->path, id,
                             params_of(model));
         FXS_TRY(add_camera(list, model, id, size, params));

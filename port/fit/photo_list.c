@@ -62,7 +62,7 @@ static int find_cameras(fxs_photo_list *list, const char *path, fxs_message *mes
                                         "sparse/images.txt", "images.bin", "images.txt", "transforms.json",
                                         "transforms_train.json", "cameras.json"};
     if (strlen(path) > FXS_PHOTO_PATH - 64)
-        return fxs_fail(message, "%s: name too long", path);
+        return fxs_fail(message, "a name of %zu characters is too long", strlen(path));
     if (!is_folder(path)) {
         strcpy(list->cameras, path);
         return 0;
@@ -70,8 +70,8 @@ static int find_cameras(fxs_photo_list *list, const char *path, fxs_message *mes
     for (size_t i = 0; i < sizeof known / sizeof *known; i++)
         if (join(list->cameras, path, known[i]) && exists(list->cameras))
             return 0;
-    return fxs_fail(message, "%s: neither sparse/0 of COLMAP nor transforms.json, transforms_train.json or cameras.json "
-                    "in this folder", path);
+    return fxs_fail(message, "%s: neither sparse/0 of COLMAP nor transforms.json, transforms_train.json or "
+                    "cameras.json in this folder", path);
 }
 
 static int colmap_name(const char *name)

@@ -155,8 +155,10 @@ int fxs_photo_points_random(fxs_photo_points *p, const double middle[3], double 
     static const double grey[3] = {GREY, GREY, GREY};
     for (uint64_t i = 0; i < RANDOM_POINTS; i++) {
         double position[3];
-        for (uint64_t k = 0; k < 3; k++)
-            position[k] = middle[k] + half * (2 * (double)fxs_fit_uniform(fxs_fit_random(seed, RANDOM_STEP, 3 * i + k)) - 1);
+        for (uint64_t k = 0; k < 3; k++) {
+            const float uniform = fxs_fit_uniform(fxs_fit_random(seed, RANDOM_STEP, 3 * i + k));
+            position[k] = middle[k] + half * (2 * (double)uniform - 1);
+        }
         FXS_TRY(add_point(p, "random points", position, grey, message));
     }
     return 0;

@@ -45,17 +45,29 @@ static const char no_stb[] = "not a .ppm; this program was built without stb, wh
 static const char cut_short[] = "cut short";
 
 #ifdef FXS_WITH_STB
+static const char no_picture[] = "not a .png, .jpg or .ppm";
+static const char too_much_data[] = "more data than a picture of its size has";
+
 /* What stb_image may have in one piece for the picture that this thread reads, and why it did not get that. */
 static __thread struct {
     size_t most;
     const char *fault;
 } decoding;
 
+/* Zeroed: stb_image 2.27 takes a .jpg that leaves out tables or parts of its picture, and reads what is there. */
+static void *bounded_malloc(size_t size)
+{
+    void *made = size <= decoding.most ? calloc(1, size) : NULL;
+    if (!made)
+        decoding.fault = size <= decoding.most ? out_of_memory : too_much_data;
+    return made;
+}
+
 static void *bounded_realloc(void *old, size_t size)
 {
     void *made = size <= decoding.most ? realloc(old, size) : NULL;
     if (!made)
-        decoding.fault = size <= decoding.most ? out_of_memory : "more data than a picture of its size has";
+        decoding.fault = size <= decoding.most ? out_of_memory : too_much_data;
     return made;
 }
 
@@ -72,7 +84,7 @@ static void *bounded_realloc(void *old, size_t size)
 #define STBI_ONLY_JPEG
 #define STBI_NO_SIMD              /* .jpg by its one text in integers: the same bytes on every processor */
 #define STBI_MAX_DIMENSIONS MAX_SIZE
-#define STBI_MALLOC(size) bounded_realloc(NULL, size)
+#define STBI_MALLOC(size) bounded_malloc(size)
 #define STBI_REALLOC(old, size) bounded_realloc(old, size)
 #define STBI_FREE(old) free(old)
 #include <stb/stb_image.h>
@@ -201,7 +213,7 @@ static const char *read_png(FILE *file, uint8_t **rgba, int *width, int *height)
 {
     int channels;
     if (!stbi_info_from_file(file, width, height, &channels))
-        return "not a .png, .jpg or .ppm";
+        return no_picture;
     if (!readable_size(*width, *height))
         return too_large;
     /* A row is its bytes and one more; stb_image doubles a room that does not do, as for interlaced pictures. */
@@ -210,6 +222,97 @@ static const char *read_png(FILE *file, uint8_t **rgba, int *width, int *height)
     *rgba = stbi_load_from_file(file, width, height, &channels, 4);
     return *rgba ? NULL : why_not_decoded();
 }
+
+/* ---- What stb_image 2.27 does not check of a .jpg ---- */
+
+static int big_endian_16(FILE *file)
+{
+    const int upper = getc(file), lower = getc(file);
+    return upper == EOF || lower == EOF ? EOF : upper << 8 | lower;
+}
+
+/* Huffman tables in `size` bytes. What a picture of 8 bits needs is less than 256 codes. */
+static const char *check_tables(FILE *file, int size)
+{
+    while (size > 0) {
+        int codes = 0;
+        getc(file);                /* which table */
+        for (int i = 0; i < 16; i++) {
+            const int count = getc(file);
+            if (count == EOF)
+                return cut_short;
+            codes += count;
+        }
+        size -= 17 + codes;
+        if (codes > 255 || size < 0)
+            return "a Huffman table of more codes than there are";
+        if (fseek(file, codes, SEEK_CUR))
+            return cut_short;
+    }
+    return NULL;
+}
+
+/* The components of a frame: each must be sampled a whole number of times less often than the one that is most. */
+static const char *check_frame(FILE *file, int size)
+{
+    int sampling[4][2], most[2] = {1, 1}, count;
+    if (fseek(file, 5, SEEK_CUR) || (count = getc(file)) == EOF)
+        return cut_short;
+    if (count > 4 || size != 6 + 3 * count)
+        return "a frame of another size than its components have";
+    for (int i = 0; i < count; i++) {
+        getc(file);
+        const int both = getc(file);
+        if (getc(file) == EOF)
+            return cut_short;
+        for (int k = 0; k < 2; k++) {
+            sampling[i][k] = k ? both & 15 : both >> 4;
+            most[k] = sampling[i][k] > most[k] ? sampling[i][k] : most[k];
+        }
+    }
+    for (int i = 0; i < count; i++)
+        for (int k = 0; k < 2; k++)
+            if (!sampling[i][k] || most[k] % sampling[i][k])
+                return "components that do not lie on each other";
+    return NULL;
+}
+
+/* The second byte of the next marker that begins a segment, or EOF. */
+static int next_marker(FILE *file)
+{
+    int c = 0;
+    while (c == 0 || (c >= 0xd0 && c <= 0xd7)) {   /* coded: a byte of 255, and where to take up again */
+        do
+            c = getc(file);
+        while (c != 0xff && c != EOF);
+        while (c == 0xff)
+            c = getc(file);
+    }
+    return c;
+}
+
+static const char *check_jpeg(FILE *file)
+{
+    const char *fault = NULL;
+    int marker;
+    if (getc(file) != 0xff || getc(file) != 0xd8)
+        return no_picture;
+    while (!fault && (marker = next_marker(file)) != 0xd9) {
+        const int size = marker == EOF ? EOF : big_endian_16(file) - 2;
+        if (size < 0)
+            fault = cut_short;
+        else if (marker == 0xc4)
+            fault = check_tables(file, size);
+        else if (marker >= 0xc0 && marker <= 0xc2)
+            fault = check_frame(file, size);
+        else if (fseek(file, size, SEEK_CUR))
+            fault = cut_short;
+    }
+    rewind(file);
+    return fault;
+}
+
+/* ---- A .jpg ---- */
 
 /* A file, and whether stb_image read on at its end. */
 typedef struct jpeg_stream {
@@ -231,9 +334,11 @@ static void skip_stream(void *argument, int bytes)
     stream->beyond |= fseek(stream->file, bytes, SEEK_CUR) != 0;
 }
 
+/* fseek forgets what feof says. */
 static int at_end(void *argument)
 {
-    return feof(((jpeg_stream *)argument)->file);
+    const jpeg_stream *stream = argument;
+    return stream->beyond || feof(stream->file);
 }
 
 /* stb_image takes what is missing at the end as 0, or not, by its version: here a picture is whole or refused. */
@@ -243,6 +348,9 @@ static const char *read_jpeg(FILE *file, uint8_t **rgba, int *width, int *height
     jpeg_stream stream = {file, 0};
     struct stat status;
     int channels;
+    const char *fault = check_jpeg(file);
+    if (fault)
+        return fault;
     if (!stbi_info_from_callbacks(&calls, &stream, width, height, &channels))
         return stream.beyond ? cut_short : why_not_decoded();
     if (!readable_size(*width, *height))

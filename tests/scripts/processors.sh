@@ -1,8 +1,8 @@
 #!/bin/sh
 # One picture everywhere: on every processor, two of them big-endian, the random frames of tests/test_random.c and the
-# .fxs files of tests/test_fxs_bytes.c; the golden images under AArch64, the kernels there and under i686. By
-# qemu-user, where this processor does not run them itself. FXS_PROCESSORS=all (make test-all): on more of them, and by
-# clang and with musl.
+# .fxs files of tests/test_fxs_bytes.c; the golden images and photographs under AArch64, the kernels there and under
+# i686. By qemu-user, where this processor does not run them itself. FXS_PROCESSORS=all (make test-all): on more of
+# them, and by clang and with musl.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
@@ -10,6 +10,7 @@ trap 'rm -rf "$work"' EXIT
 arm=aarch64-linux-gnu-gcc
 i686=i686-linux-gnu-gcc
 golden="src/*.c tests/test_golden.c tools/metrics.c tools/procedural.c port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c port/backend/*.c port/posix/*.c"
+photos="src/*.c tests/test_photo_bytes.c port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c port/posix/*.c port/fit/photo*.c"
 files="$PWD/tests/test_fxs_bytes.c $PWD/port/scene/fxs_file.c"
 others=$(ls "$PWD"/src/*.c "$PWD"/port/files/*.c "$PWD"/port/scene/*.c "$PWD"/port/camera/*.c "$PWD"/port/image/*.c "$PWD"/port/import/*.c | grep -v '/fxs_file\.c$' | tr '\n' ' ')
 
@@ -42,6 +43,7 @@ aarch64() {
         mkdir "$work/include"
         ln -s "$stb" "$work/include/stb"
         variant aarch64-golden "$arm $flags -O2 -static -DFXS_WITH_STB -I$work/include $golden -lm -o %" qemu-aarch64
+        variant aarch64-photos "$arm $flags -O1 -static -DFXS_WITH_STB -I$work/include $photos -lm -o %" qemu-aarch64
     else
         skip aarch64-golden "no stb here"
     fi

@@ -1,0 +1,770 @@
+/* Photographs with their cameras: every layout of files, sizes, backgrounds and lenses against plain reference code,
+   points, bad input, and the real sets where they are. */
+#include "photo_folder.h"
+#include "../port/camera/lens.h"
+#include "../port/posix/pool.h"
+
+/* ---- COLMAP ------------------------------------------------------------------------------------------------------ */
+
+enum { VIEWS = 9 };
+
+/* FNV-1a of the pixels to fit of the real sets. */
+#define SNOWMIKU_HASH 0xa4260d6fu
+#define LEGO_HASH 0xf7f298f0u
+
+static void add_integer(uint64_t value, int count)
+{
+    for (int i = 0; i < count; i++)
+        text[length++] = (char)(value >> 8 * i);
+}
+
+static void add_double(double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, 8);
+    add_integer(bits, 8);
+}
+
+/* The points: i, 2 i, 5 + i in colour 10 i, 0, 255. */
+static void make_points_bin(uint64_t count)
+{
+    add_integer(count, 8);
+    for (int i = 0; i < 3; i++) {
+        add_integer((uint64_t)i + 7, 8);
+        add_double(i);
+        add_double(2 * i);
+        add_double(5 + i);
+        add_integer((uint64_t)(10 * i), 1);
+        add_integer(0, 1);
+        add_integer(255, 1);
+        add_double(0.5);
+        add_integer((uint64_t)i, 8);
+        for (int k = 0; k < i; k++)
+            add_integer(1, 8);
+    }
+}
+
+/* Photographs named from the last to the first, of two sizes. Camera 5 is half as large as its photographs. */
+static void put_colmap(int binary)
+{
+    if (binary) {
+        add_integer(2, 8);
+        for (int i = 0; i < 2; i++) {
+            const double params[4] = {25, 26, 12, 10};
+            add_integer((uint64_t)(i ? 5 : 3), 4);
+            add_integer(1, 4);
+            add_integer(24, 8);
+            add_integer(20, 8);
+            for (int k = 0; k < 4; k++)
+                add_double(params[k]);
+        }
+        put_text("c/sparse/0/cameras.bin");
+        add_integer(VIEWS, 8);
+        for (int i = 0; i < VIEWS; i++) {
+            const double pose[7] = {1, 0, 0, 0, i, 0, 0};
+            add_integer((uint64_t)i, 4);
+            for (int k = 0; k < 7; k++)
+                add_double(pose[k]);
+            add_integer(i % 2 ? 5 : 3, 4);
+            say("sub/%d.ppm", VIEWS - 1 - i);
+            add_integer(0, 1);
+            add_integer(0, 8);
+        }
+        put_text("c/sparse/0/images.bin");
+        make_points_bin(3);
+        put_text("c/sparse/0/points3D.bin");
+    } else {
+        say("3 PINHOLE 24 20 25 26 12 10\n5 PINHOLE 24 20 25 26 12 10\n");
+        put_text("c/sparse/0/cameras.txt");
+        for (int i = 0; i < VIEWS; i++)
+            say("%d 1 0 0 0 %d 0 0 %d sub/%d.ppm\n\n", i, i, i % 2 ? 5 : 3, VIEWS - 1 - i);
+        put_text("c/sparse/0/images.txt");
+        say("# points\n7 0 0 5 0 0 255 0.5\n8 1 2 6 10 0 255 0.5 1 2\n9 2 4 7 20 0 255 0.5 1 2 3 4\n");
+        put_text("c/sparse/0/points3D.txt");
+    }
+}
+
+static void make_colmap(void)
+{
+    make_folder("c");
+    make_folder("c/sparse");
+    make_folder("c/sparse/0");
+    make_folder("c/images");
+    make_folder("c/images/sub");
+}
+
+static void remove_file(const char *name)
+{
+    CHECK(!remove(in_folder(name)));
+}
+
+static void put_colmap_photos(void)
+{
+    for (int i = 0; i < VIEWS; i++) {
+        char name[64];
+        sprintf(name, "c/images/sub/%d.ppm", i);
+        put_ppm(name, i % 2 ? 48 : 24, i % 2 ? 40 : 20, NULL);
+    }
+}
+
+static void check_colmap(const char *name)
+{
+    const fxs_photos_options options = {.hold_out = 4};
+    if (!CHECK(!read_photos(name, &options))) {
+        printf("  %s\n", message.text);
+        return;
+    }
+    CHECK(photos.fit_count == 6 && photos.held_out_count == 3 && photos.skipped == 0 && !photos.points_are_random);
+    CHECK(!strcmp(photos.held_out[0].view.name, "sub/0.ppm") && !strcmp(photos.held_out[2].view.name, "sub/8.ppm"));
+    CHECK(!strcmp(photos.fit[0].view.name, "sub/1.ppm") && !strcmp(photos.fit[5].view.name, "sub/7.ppm"));
+    for (size_t i = 0; i < photos.fit_count; i++) {
+        const fxs_file_view *v = &photos.fit[i].view;
+        const int number = v->name[4] - '0', twice = number % 2 ? 2 : 1;
+        CHECK(v->width == 24 * twice && v->height == 20 * twice && v->fx == 25 * twice && v->fy == 26 * twice &&
+              v->cx == 12 * twice && v->cy == 10 * twice && v->position[0] == number - (VIEWS - 1));
+    }
+    CHECK(photos.point_count == 3);
+    for (int i = 0; i < 3 && photos.point_count == 3; i++) {
+        const fxs_fit_point *p = &photos.points[i];
+        CHECK(p->position[0] == (float)i && p->position[1] == 2.0f * (float)i && p->position[2] == 5.0f + (float)i);
+        CHECK(p->colour[0] == 10 * i && p->colour[1] == 0 && p->colour[2] == 255);
+    }
+}
+
+static uint32_t hash_of_pixels(void)
+{
+    uint32_t hash = 2166136261u;
+    for (size_t i = 0; i < photos.fit_count; i++)
+        hash = hash_on(hash, photos.fit[i].pixels,
+                       3 * (size_t)photos.fit[i].view.width * (size_t)photos.fit[i].view.height);
+    return hash;
+}
+
+/* By its folder, by that of the model and by its files; binary and text. */
+static void colmap(void)
+{
+    static const char *const names[] = {"c", "c/", "c/sparse/0", "c/sparse/0/images.bin", "c/sparse/0/points3D.bin"};
+    put_colmap_photos();
+    put_colmap(0);
+    check_colmap("c");
+    check_colmap("c/sparse/0/cameras.txt");
+    const uint32_t hash = hash_of_pixels();
+    put_colmap(1);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        check_colmap(names[i]);
+        CHECK(hash_of_pixels() == hash);
+    }
+    CHECK(!rename(in_folder("c/sparse/0"), in_folder("c/sparse/1")));
+    CHECK(!rename(in_folder("c/sparse/1"), in_folder("c/model")));
+    check_colmap("c/model");
+    CHECK(!rmdir(in_folder("c/sparse")) && !rename(in_folder("c/model"), in_folder("c/sparse")));
+    check_colmap("c");
+    CHECK(!rename(in_folder("c/sparse"), in_folder("c/model")) && !mkdir(in_folder("c/sparse"), 0777) &&
+          !rename(in_folder("c/model"), in_folder("c/sparse/0")));
+}
+
+/* Points cut short at every byte, and counts that are not so. */
+static void bad_points(void)
+{
+    const fxs_photos_options options = {0};
+    make_points_bin(3);
+    const size_t whole = length;
+    for (size_t i = 0; i < whole; i++) {
+        put_file("c/sparse/0/points3D.bin", text, i);
+        check_refused("c", &options, FXS_ERR_FILE, "points3D.bin: cut short");
+    }
+    length = 0;
+    make_points_bin(UINT64_MAX);
+    put_text("c/sparse/0/points3D.bin");
+    check_refused("c", &options, FXS_ERR_FILE, "points3D.bin: cut short");
+    make_points_bin(3);
+    memset(text + 8 + 8 + 6, 255, 2);   /* x of the first becomes NaN */
+    put_text("c/sparse/0/points3D.bin");
+    check_refused("c", &options, FXS_ERR_FILE, "points3D.bin: point 0 is not finite");
+    for (int i = 0; i < 2; i++) {
+        const double behind[3] = {i, 0, -5};
+        add_integer(1, 8);
+        add_integer(1, 8);
+        for (int k = 0; k < 3; k++)
+            add_double(behind[k]);
+        add_integer(0, 3);
+        add_integer(0, 8);
+        add_integer(0, 8);
+        put_text("c/sparse/0/points3D.bin");
+        check_refused("c", &options, FXS_ERR_FILE, "points3D.bin: all of the 1 points lie behind every camera");
+    }
+    add_integer(0, 8);
+    put_text("c/sparse/0/points3D.bin");
+    CHECK(!read_photos("c", &options) && photos.points_are_random && photos.point_count == 100000);
+    remove_file("c/sparse/0/points3D.bin");
+    CHECK(!read_photos("c", &options) && photos.points_are_random && photos.point_count == 100000);
+    /* the cameras are at -8 to 0 on a line: a cube of 24 units around its middle */
+    double low[3] = {99, 99, 99}, high[3] = {-99, -99, -99};
+    for (size_t i = 0; i < photos.point_count; i++)
+        for (int k = 0; k < 3; k++) {
+            low[k] = fmin(low[k], (double)photos.points[i].position[k]);
+            high[k] = fmax(high[k], (double)photos.points[i].position[k]);
+        }
+    for (int k = 0; k < 3; k++)
+        CHECK(fabs(low[k] - ((k ? 0 : -4) - 12)) < 0.01 && fabs(high[k] - ((k ? 0 : -4) + 12)) < 0.01);
+    put_colmap(1);
+    say("1 0 0\n");
+    put_text("c/sparse/0/points3D.txt");
+    CHECK(!remove(in_folder("c/sparse/0/images.bin")));
+    check_refused("c", &options, FXS_ERR_FILE, "points3D.txt: point 0: not a number, a position and a colour");
+    put_colmap(0);
+    put_colmap(1);
+}
+
+/* ---- Bad photographs --------------------------------------------------------------------------------------------- */
+
+static int stop(void *argument, double done)
+{
+    double *last = argument;
+    CHECK(done > *last && done <= 1);
+    *last = done;
+    return done > 0.3;
+}
+
+static void bad_photos(void)
+{
+    fxs_photos_options options = {.hold_out = 4};
+    remove_file("c/images/sub/5.ppm");
+    check_refused("c", &options, FXS_ERR_FILE, "c/images/sub/5.ppm: No such file");
+    put_file("c/images/sub/3.ppm", "P6\n48 40\n255\nshort", 18);
+    put_file("c/images/sub/4.ppm", "nothing", 7);
+    check_refused("c", &options, FXS_ERR_FILE, "c/images/sub/3.ppm: cut short");
+    options.run = fxs_pool_run;
+    options.pool = fxs_pool_create(3);
+    check_refused("c", &options, FXS_ERR_FILE, "c/images/sub/3.ppm: cut short");
+    options.skip_bad = 1;
+    CHECK(!read_photos("c", &options) && photos.skipped == 3 && photos.fit_count == 4 && photos.held_out_count == 2);
+    fxs_pool_destroy(options.pool);
+    options.run = NULL;
+    double done = 0;
+    options.progress = stop;
+    options.argument = &done;
+    check_refused("c", &options, FXS_ERR_FILE, "stopped");
+    options.progress = NULL;
+    options.hold_out = 1;
+    check_refused("c", &options, FXS_ERR_FILE, "every photograph of 9 would be held out");
+    options.hold_out = 0;
+    for (int i = 0; i < VIEWS; i++) {
+        char name[64];
+        sprintf(name, "c/images/sub/%d.ppm", i);
+        put_file(name, "", 0);
+    }
+    check_refused("c", &options, FXS_ERR_FILE, "none of 9 photographs can be read; of the last: ");
+    put_colmap_photos();
+    options.resolution = -1;
+    check_refused("c", &options, FXS_ERR_ARGUMENT, "a resolution of -1");
+}
+
+static void proportions(void)
+{
+    const fxs_photos_options options = {0};
+    put_ppm("c/images/sub/4.ppm", 24, 21, NULL);   /* a pixel, as rounding leaves */
+    CHECK(!read_photos("c", &options) && photos.fit_count == 9);
+    put_ppm("c/images/sub/4.ppm", 24, 30, NULL);
+    check_refused("c", &options, FXS_ERR_FILE, "c/images/sub/4.ppm: 24 x 30 pixels, its camera has 24 x 20");
+    put_ppm("c/images/sub/4.ppm", 12, 10, NULL);
+    if (CHECK(!read_photos("c", &options)))
+        CHECK(photos.fit[4].view.width == 12 && photos.fit[4].view.fx == 12.5 && photos.fit[4].view.cy == 5);
+    put_ppm("c/images/sub/4.ppm", 24, 20, NULL);
+}
+
+static void missing_folders(void)
+{
+    const fxs_photos_options options = {0};
+    char name[5000];
+    check_refused("missing", &options, FXS_ERR_FILE, "missing: No such file");
+    make_folder("empty");
+    check_refused("empty", &options, FXS_ERR_FILE, "empty: neither sparse/0");
+    CHECK(!rename(in_folder("c/images"), in_folder("c/elsewhere")));
+    check_refused("c", &options, FXS_ERR_FILE, "no folder images");
+    CHECK(!rename(in_folder("c/elsewhere"), in_folder("c/images")));
+    memset(name, 'n', sizeof name - 1);
+    name[sizeof name - 1] = 0;
+    CHECK(fxs_photos_read(name, &options, &photos, &message) == FXS_ERR_FILE &&
+          strstr(message.text, "a name of 4999 characters"));
+    add_integer(0, 8);
+    put_text("c/sparse/0/images.bin");
+    check_refused("c", &options, FXS_ERR_FILE, "no views");
+    put_colmap(1);
+}
+
+/* One camera is enough; nothing is left of it where it is held out. All black is a picture as any other. */
+static void one_camera(void)
+{
+    static const uint8_t black[24 * 20 * 3];
+    fxs_photos_options options = {0};
+    make_folder("one");
+    make_folder("one/images");
+    put_ppm("one/images/a.ppm", 24, 20, black);
+    say("1 PINHOLE 24 20 25 25 12 10\n");
+    put_text("one/cameras.txt");
+    say("1 1 0 0 0 0 0 0 1 a.ppm\n\n");
+    put_text("one/images.txt");
+    if (CHECK(!read_photos("one", &options)))
+        CHECK(photos.fit_count == 1 && photos.point_count == 100000 && !photos.held_out_count);
+    for (size_t i = 0; i < photos.point_count; i++)
+        for (int k = 0; k < 3; k++)
+            if (!CHECK(fabs((double)photos.points[i].position[k]) <= 1.5))
+                return;
+    options.hold_out = 8;
+    check_refused("one", &options, FXS_ERR_FILE, "every photograph of 1 would be held out");
+}
+
+/* ---- Sizes ------------------------------------------------------------------------------------------------------- */
+
+/* What of [i, i + 1) of `from` parts of a line lies in part `j` of `to`: in from x to parts. */
+static int64_t shared(int64_t i, int64_t j, int64_t from, int64_t to)
+{
+    const int64_t low = i * to > j * from ? i * to : j * from;
+    const int64_t high = (i + 1) * to < (j + 1) * from ? (i + 1) * to : (j + 1) * from;
+    return high > low ? high - low : 0;
+}
+
+static void check_average(const uint8_t *rgb, int width, int height, int resolution)
+{
+    const fxs_photos_options options = {.resolution = resolution};
+    put_ppm("one/images/a.ppm", width, height, rgb);
+    say("1 PINHOLE %d %d 25 50 12 10\n", width, height);
+    put_text("one/cameras.txt");
+    if (!CHECK(!read_photos("one", &options)))
+        return;
+    const fxs_file_view *v = &photos.fit[0].view;
+    const int longer = width > height ? width : height;
+    const double factor = longer > resolution ? (double)resolution / longer : 1;
+    CHECK((v->width > v->height ? v->width : v->height) == (longer > resolution ? resolution : longer));
+    CHECK(fabs(v->width - width * factor) <= 0.5 && (v->height == 1 || fabs(v->height - height * factor) <= 0.5));
+    CHECK(v->fx == 25.0 * ((double)v->width / width) && v->fy == 50.0 * ((double)v->height / height));
+    CHECK(v->cx == 12.0 * ((double)v->width / width) && v->cy == 10.0 * ((double)v->height / height));
+    for (int y = 0; y < v->height; y++)
+        for (int x = 0; x < 3 * v->width; x++) {
+            int64_t sum = 0, area = (int64_t)width * height;
+            for (int j = 0; j < height; j++)
+                for (int i = 0; i < width; i++)
+                    sum += rgb[3 * (j * width + i) + x % 3] * shared(i, x / 3, width, v->width) *
+                           shared(j, y, height, v->height);
+            if (!CHECK(photos.fit[0].pixels[3 * y * v->width + x] == (2 * sum + area) / (2 * area)))
+                return;
+        }
+}
+
+static void averages(void)
+{
+    static const int sizes[][3] = {{37, 23, 10}, {23, 37, 36}, {24, 20, 12}, {24, 20, 24}, {24, 20, 100}, {40, 1, 7},
+                                   {8, 8, 1}, {31, 17, 30}};
+    uint8_t rgb[3 * 40 * 40];
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        for (size_t k = 0; k < sizeof rgb; k++)
+            rgb[k] = (uint8_t)random_number();
+        check_average(rgb, sizes[i][0], sizes[i][1], sizes[i][2]);
+    }
+}
+
+/* ---- Lenses ------------------------------------------------------------------------------------------------------ */
+
+enum { WIDE = 160, HIGH = 120 };
+
+/* A smooth scene, by its direction. */
+static double scene(double x, double y, int c)
+{
+    return 128 + 50 * sin(4 * x + c) + 50 * cos(3 * y - 2 * x + 2 * c);
+}
+
+/* The direction that the lens bends to here, by Newton's method with differences. */
+static void straighten(const fxs_lens *lens, double x, double y, double out[2])
+{
+    const double step = 1e-6;
+    double at[2] = {x, y};
+    for (int i = 0; i < 50; i++) {
+        double bent[2], right[2], below[2];
+        fxs_lens_bend(lens, at[0], at[1], bent);
+        fxs_lens_bend(lens, at[0] + step, at[1], right);
+        fxs_lens_bend(lens, at[0], at[1] + step, below);
+        const double a = (right[0] - bent[0]) / step, b = (below[0] - bent[0]) / step;
+        const double c = (right[1] - bent[1]) / step, d = (below[1] - bent[1]) / step;
+        const double u = x - bent[0], v = y - bent[1], determinant = a * d - b * c;
+        at[0] += (d * u - b * v) / determinant;
+        at[1] += (a * v - c * u) / determinant;
+    }
+    out[0] = at[0];
+    out[1] = at[1];
+}
+
+static const struct {
+    const char *model;
+    fxs_lens lens;                 /* its parameters, written out in the model's line */
+    double fx, fy, cx, cy;
+    int widens;                    /* the pinhole sees more than the photograph's size at its focal length, or less */
+} lenses[] = {
+    {"SIMPLE_RADIAL 160 120 140 80 60 -0.15", {0, {-0.15}, {0}}, 140, 140, 80, 60, 1},
+    {"SIMPLE_RADIAL 160 120 140 80 60 0.2", {0, {0.2}, {0}}, 140, 140, 80, 60, 0},
+    {"OPENCV 160 120 140 140 80 60 0 0 0 0.05", {0, {0}, {0, 0.05}}, 140, 140, 80, 60, 0},
+    {"RADIAL 160 120 140 83 58 -0.2 0.05", {0, {-0.2, 0.05}, {0}}, 140, 140, 83, 58, 1},
+    {"OPENCV 160 120 140 150 80 60 -0.2 0.05 0.01 -0.02", {0, {-0.2, 0.05}, {0.01, -0.02}}, 140, 150, 80, 60, 1},
+    {"FULL_OPENCV 160 120 140 140 80 60 0.1 -.05 .002 .001 .02 .3 .04 .01",
+     {0, {0.1, -.05, .02, .3, .04, .01}, {.002, .001}}, 140, 140, 80, 60, 1},
+    {"OPENCV_FISHEYE 160 120 100 100 80 60 .05 -.01 .002 -.001", {1, {.05, -.01, .002, -.001}, {0}}, 100, 100, 80, 60,
+     1},
+    {"OPENCV_FISHEYE 160 120 100 100 80 60 0 0 0 0", {1, {0}, {0}}, 100, 100, 80, 60, 1},
+};
+
+/* OpenCV's formulas, as its page "Camera Calibration and 3D Reconstruction" and that of fisheye have them. */
+static void bend_plainly(const fxs_lens *l, double x, double y, double out[2])
+{
+    const double r = sqrt(x * x + y * y), t = l->fisheye ? atan(r) : r, *k = l->k;
+    if (l->fisheye) {
+        const double bent = t + k[0] * pow(t, 3) + k[1] * pow(t, 5) + k[2] * pow(t, 7) + k[3] * pow(t, 9);
+        out[0] = bent * x / r;
+        out[1] = bent * y / r;
+        return;
+    }
+    const double radial = (1 + k[0] * pow(r, 2) + k[1] * pow(r, 4) + k[2] * pow(r, 6)) /
+                          (1 + k[3] * pow(r, 2) + k[4] * pow(r, 4) + k[5] * pow(r, 6));
+    out[0] = x * radial + 2 * l->p[0] * x * y + l->p[1] * (r * r + 2 * x * x);
+    out[1] = y * radial + l->p[0] * (r * r + 2 * y * y) + 2 * l->p[1] * x * y;
+}
+
+static void lens_formulas(void)
+{
+    for (size_t i = 0; i < sizeof lenses / sizeof *lenses; i++)
+        for (int k = 0; k < 1000; k++) {
+            const double x = random_number() / 30000.0 - 1.1, y = random_number() / 30000.0 - 1.1;
+            double plain[2], bent[2];
+            bend_plainly(&lenses[i].lens, x, y, plain);
+            fxs_lens_bend(&lenses[i].lens, x, y, bent);
+            CHECK(fabs(plain[0] - bent[0]) < 1e-14 && fabs(plain[1] - bent[1]) < 1e-14);
+        }
+}
+
+static void check_lens(size_t number)
+{
+    const fxs_photos_options options = {0};
+    static uint8_t rgb[3 * WIDE * HIGH];
+    for (int i = 0; i < WIDE * HIGH; i++) {
+        double at[2];
+        straighten(&lenses[number].lens, (i % WIDE + 0.5 - lenses[number].cx) / lenses[number].fx,
+                   (i / WIDE + 0.5 - lenses[number].cy) / lenses[number].fy, at);
+        for (int c = 0; c < 3; c++)
+            rgb[3 * i + c] = (uint8_t)(scene(at[0], at[1], c) + 0.5);
+    }
+    put_ppm("one/images/a.ppm", WIDE, HIGH, rgb);
+    say("1 %s\n", lenses[number].model);
+    put_text("one/cameras.txt");
+    if (!CHECK(!read_photos("one", &options))) {
+        printf("  %s\n", message.text);
+        return;
+    }
+    const fxs_file_view *v = &photos.fit[0].view;
+    double worst = 0;
+    CHECK(v->width == WIDE && v->height == HIGH && v->cx == lenses[number].cx && v->cy == lenses[number].cy);
+    CHECK(lenses[number].widens == (v->fx < lenses[number].fx) && v->fx != lenses[number].fx);
+    CHECK(fabs(v->fy / v->fx - lenses[number].fy / lenses[number].fx) < 1e-12);
+    for (int i = 0; i < WIDE * HIGH; i++)
+        for (int c = 0; c < 3; c++) {
+            const double expected = scene((i % WIDE + 0.5 - v->cx) / v->fx, (i / WIDE + 0.5 - v->cy) / v->fy, c);
+            worst = fmax(worst, fabs(photos.fit[0].pixels[3 * i + c] - expected));
+        }
+    if (!CHECK(worst < 3))
+        printf("  lens %zu: %g\n", number, worst);
+}
+
+static void lens_models(void)
+{
+    for (size_t i = 0; i < sizeof lenses / sizeof *lenses; i++)
+        check_lens(i);
+}
+
+/* A pinhole's pixels are not touched, and a lens that folds the picture is refused. */
+static void lens_limits(void)
+{
+    static uint8_t rgb[3 * WIDE * HIGH];
+    const fxs_photos_options options = {0};
+    for (size_t i = 0; i < sizeof rgb; i++)
+        rgb[i] = (uint8_t)random_number();
+    put_ppm("one/images/a.ppm", WIDE, HIGH, rgb);
+    say("1 OPENCV 160 120 140 140 80 60 0 0 0 0\n");
+    put_text("one/cameras.txt");
+    if (CHECK(!read_photos("one", &options)))
+        CHECK(!memcmp(photos.fit[0].pixels, rgb, sizeof rgb) && photos.fit[0].view.fx == 140);
+    say("1 SIMPLE_RADIAL 160 120 140 80 60 -9\n");
+    put_text("one/cameras.txt");
+    check_refused("one", &options, FXS_ERR_FILE, "one/images/a.ppm: the distortion of its camera cannot be undone");
+    say("1 FOV 160 120 140 140 80 60 0.9\n");
+    put_text("one/cameras.txt");
+    check_refused("one", &options, FXS_ERR_FILE, "camera 1: a camera model that is not known");
+}
+
+/* ---- JSON -------------------------------------------------------------------------------------------------------- */
+
+#ifdef FXS_WITH_CJSON
+
+#define MATRIX "\"transform_matrix\":[[1,0,0,%d],[0,1,0,0],[0,0,1,4],[0,0,0,1]]"
+
+static void say_frames(const char *top, const char *format, int count)
+{
+    say("{%s\"frames\":[", top);
+    for (int i = 0; i < count; i++) {
+        say("%s{\"file_path\":\"", i ? "," : "");
+        say(format, i);
+        say("\"," MATRIX "}", i);
+    }
+    say("]}");
+}
+
+/* As Blender's sets are: no size, no endings, photographs to test apart, random points. */
+static void blender(void)
+{
+    fxs_photos_options options = {.hold_out = 8, .seed = 1};
+    make_folder("b");
+    make_folder("b/train");
+    make_folder("b/test");
+    for (int i = 0; i < 3; i++) {
+        char name[64];
+        sprintf(name, "b/train/r_%d.png", i);
+        put_ppm(name, 24, 20, NULL);
+        sprintf(name, "b/test/r_%d.png", i);
+        put_ppm(name, 12, 12, NULL);
+    }
+    say_frames("\"camera_angle_x\":1.0,", "./train/r_%d", 3);
+    put_text("b/transforms_train.json");
+    say_frames("\"camera_angle_x\":1.0,", "./test/r_%d", 2);
+    put_text("b/transforms_test.json");
+    if (!CHECK(!read_photos("b", &options))) {
+        printf("  %s\n", message.text);
+        return;
+    }
+    const fxs_file_view *v = &photos.fit[1].view, *held = &photos.held_out[0].view;
+    CHECK(photos.fit_count == 3 && photos.held_out_count == 2 && photos.points_are_random);
+    CHECK(v->width == 24 && v->height == 20 && fabs(v->fx - 12 / tan(0.5)) < 1e-12 && v->fy == v->fx && v->cx == 12 &&
+          v->cy == 10 && v->position[0] == 1);
+    CHECK(held->width == 12 && held->height == 12 && fabs(held->fx - 6 / tan(0.5)) < 1e-12);
+    CHECK(photos.point_count == 100000);
+    float least = 0, most = 0;
+    for (size_t i = 0; i < photos.point_count; i++)
+        for (int k = 0; k < 3; k++) {
+            least = fminf(least, photos.points[i].position[k]);
+            most = fmaxf(most, photos.points[i].position[k]);
+        }
+    CHECK(least >= -1.3f && least < -1.299f && most <= 1.3f && most > 1.299f && photos.points[5].colour[1] == 128);
+    const float x = photos.points[0].position[0];
+    options.seed = 2;
+    CHECK(!read_photos("b", &options) && photos.points[0].position[0] != x);
+    options.seed = 1;
+    CHECK(!read_photos("b/transforms_train.json", &options) && photos.points[0].position[0] == x &&
+          photos.held_out_count == 2);
+    CHECK(!read_photos("b/transforms_test.json", &options) && photos.fit_count == 1 && photos.held_out_count == 1);
+    remove_file("b/test/r_1.png");
+    check_refused("b", &options, FXS_ERR_FILE, "b/test/r_1: No such file");
+    options.hold_out = 0;
+    CHECK(!read_photos("b", &options) && photos.fit_count == 3 && photos.held_out_count == 0);
+    options.hold_out = 2;
+    remove_file("b/transforms_test.json");
+    CHECK(!read_photos("b", &options) && photos.fit_count == 1 && photos.held_out_count == 2);
+}
+
+#define OPENCV_TOP "\"camera_model\":\"OPENCV\",\"w\":160,\"h\":120,\"fl_x\":140,\"fl_y\":150,\"cx\":80,\"cy\":60," \
+                   "\"k1\":-0.2,\"k2\":0.05,\"p1\":0.01,\"p2\":-0.02,"
+
+/* Undoes the same lens as COLMAP's OPENCV, and starts with the points of its .ply. */
+static void nerfstudio(void)
+{
+    const fxs_photos_options options = {0};
+    check_lens(4);                 /* leaves the photograph and its camera */
+    const fxs_file_view view = photos.fit[0].view;
+    const uint32_t hash = hash_of_pixels();
+    say_frames(OPENCV_TOP "\"ply_file_path\":\"p.ply\",", "./images/a.ppm", 1);
+    put_text("one/transforms.json");
+    check_refused("one/transforms.json", &options, FXS_ERR_FILE, "one/p.ply: No such file");
+    say("ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
+        "property uint8 red\nproperty uint8 green\nproperty uint8 blue\nend_header\n"
+        "1 2 -3 4 5 6\n7 8 -9.5 10 11 255\n");
+    put_text("one/p.ply");
+    if (!CHECK(!read_photos("one/transforms.json", &options))) {
+        printf("  %s\n", message.text);
+        return;
+    }
+    CHECK(photos.fit[0].view.fx == view.fx && photos.fit[0].view.fy == view.fy && hash_of_pixels() == hash);
+    CHECK(photos.point_count == 2 && !photos.points_are_random && photos.points[1].position[2] == -9.5f &&
+          photos.points[0].position[1] == 2 && photos.points[1].colour[2] == 255 && photos.points[0].colour[0] == 4);
+    say("ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty double x\nproperty short n\nproperty double y\n"
+        "property float z\nend_header\n");
+    memcpy(text + length, "\100\0\0\0\0\0\0\0\1\2\100\10\0\0\0\0\0\0\300\200\0\0", 22);   /* 2, 258, 3, -4 */
+    length += 22;
+    const size_t whole = length;
+    for (size_t i = whole - 25; i < whole; i++) {
+        put_file("one/p.ply", text, i);
+        check_refused("one/transforms.json", &options, FXS_ERR_FILE, "one/p.ply: ");
+    }
+    put_text("one/p.ply");
+    if (CHECK(!read_photos("one/transforms.json", &options)))
+        CHECK(photos.point_count == 1 && photos.points[0].position[0] == 2 && photos.points[0].position[1] == 3 &&
+              photos.points[0].position[2] == -4 && photos.points[0].colour[0] == 128);
+    say("ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int i\nelement vertex 1\nproperty float x\n"
+        "end_header\n1 1\n1\n");
+    put_text("one/p.ply");
+    check_refused("one/transforms.json", &options, FXS_ERR_FILE, "its first element is not \"vertex\"");
+    say_frames(OPENCV_TOP "\"k3\":\"much\",", "./images/a.ppm", 1);
+    put_text("one/transforms.json");
+    check_refused("one/transforms.json", &options, FXS_ERR_FILE, "a coefficient of its lens is not a finite number");
+    say("{\"w\":160,\"h\":120,\"fl_x\":140,\"frames\":[{" MATRIX "}]}", 0);
+    put_text("one/transforms.json");
+    check_refused("one/transforms.json", &options, FXS_ERR_FILE, "view 0: it names no photograph");
+    say_frames("\"camera_model\":\"EQUIRECTANGULAR\",", "./images/a.ppm", 1);
+    put_text("one/transforms.json");
+    check_refused("one/transforms.json", &options, FXS_ERR_FILE, "camera_model is not a perspective one");
+    remove_file("one/transforms.json");
+}
+
+/* The folder of an Inria model: names without endings, points in input.ply. */
+static void inria(void)
+{
+    const fxs_photos_options options = {0};
+    make_folder("i");
+    make_folder("i/images");
+    put_ppm("i/images/b.JPG", 24, 20, NULL);
+    put_ppm("i/images/a.png", 24, 20, NULL);
+    for (int i = 0; i < 3; i++) {
+        say("%s{\"img_name\":\"%s\",\"width\":12,\"height\":10,\"fx\":9,\"fy\":8,\"position\":[0,0,0],\"rotation\":"
+            "[[1,0,0],[0,1,0],[0,0,1]]%s", i ? "," : "[", i ? "a" : "b", i == 2 ? ",\"orthographic\":true}]" : "}");
+        if (i == 1) {
+            text[length] = ']';
+            put_file("i/cameras.json", text, length + 1);
+        }
+    }
+    put_text("i/all.json");
+    if (CHECK(!read_photos("i", &options)))
+        CHECK(photos.fit_count == 2 && !strcmp(photos.fit[0].view.name, "a") && photos.fit[0].view.fx == 18 &&
+              photos.fit[0].view.fy == 16 && photos.points_are_random);
+    say("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+        "1 2 3\n");
+    put_text("i/input.ply");
+    CHECK(!read_photos("i/cameras.json", &options) && photos.point_count == 1 && !photos.points_are_random);
+    check_refused("i/all.json", &options, FXS_ERR_FILE, "view a: not a perspective camera");
+}
+
+#endif
+
+/* ---- Alpha ------------------------------------------------------------------------------------------------------- */
+
+#if defined(FXS_WITH_STB) && defined(FXS_WITH_ZLIB)
+#include "../port/image/image_file.h"
+
+/* Colour times alpha and background times the rest, before the average and rounded once. */
+static void alpha(void)
+{
+    const fxs_photos_options options = {.resolution = 6, .background = {255, 128, 3}};
+    uint8_t rgba[4 * 24 * 20];
+    for (size_t i = 0; i < sizeof rgba; i++)
+        rgba[i] = (uint8_t)random_number();
+    CHECK(!fxs_image_file_write(in_folder("one/a.png"), rgba, 24, 20, &message));
+    CHECK(!rename(in_folder("one/a.png"), in_folder("one/images/a.ppm")));
+    say("1 PINHOLE 24 20 25 25 12 10\n");
+    put_text("one/cameras.txt");
+    if (!CHECK(!read_photos("one", &options)) ||
+        !CHECK(photos.fit[0].view.width == 6 && photos.fit[0].view.height == 5))
+        return;
+    for (int i = 0; i < 3 * 6 * 5; i++) {
+        const int x = i / 3 % 6, y = i / 18, c = i % 3;
+        int sum = 0;
+        for (int k = 0; k < 16; k++) {
+            const uint8_t *p = rgba + 4 * ((4 * y + k / 4) * 24 + 4 * x + k % 4);
+            sum += p[c] * p[3] + options.background[c] * (255 - p[3]);
+        }
+        CHECK(photos.fit[0].pixels[i] == (sum + 8 * 255) / (16 * 255));
+    }
+}
+#endif
+
+/* ---- The real sets ----------------------------------------------------------------------------------------------- */
+
+#if defined(FXS_WITH_CJSON) && defined(FXS_WITH_STB)
+
+static const char *real_set(const char *name)
+{
+    static char path[512];
+    const char *scenes = getenv("FXS_SCENES");
+    struct stat status;
+    snprintf(path, sizeof path, "%s/../photos/%s", scenes ? scenes : "../shared/scenes", name);
+    return stat(path, &status) ? NULL : path;
+}
+
+static uint32_t hash_of_set(const char *path, const fxs_photos_options *options)
+{
+    fxs_photos_free(&photos);
+    if (!CHECK(!fxs_photos_read(path, options, &photos, &message))) {
+        printf("  %s\n", message.text);
+        return 0;
+    }
+    return hash_of_pixels();
+}
+
+static void snowmiku(void)
+{
+    fxs_photos_options options = {.resolution = 600, .hold_out = 8, .run = fxs_pool_run};
+    const char *path = real_set("snowmiku");
+    if (!path)
+        SKIP("no photographs here");
+    options.pool = fxs_pool_create(2);
+    const uint32_t hash = hash_of_set(path, &options);
+    if (!CHECK(hash == SNOWMIKU_HASH))
+        printf("  0x%08x\n", (unsigned)hash);
+    CHECK(photos.fit_count == 84 && photos.held_out_count == 13 && photos.point_count == 25784 &&
+          !photos.points_are_random);
+    CHECK(photos.fit_count && photos.fit[0].view.width == 600 && photos.fit[0].view.height == 450);
+    CHECK(photos.held_out_count && !strcmp(photos.held_out[0].view.name, "20240212_003919.jpg"));
+    fxs_pool_destroy(options.pool);
+}
+
+static void lego(void)
+{
+    fxs_photos_options options = {.resolution = 400, .hold_out = 8, .background = {255, 255, 255}, .run = fxs_pool_run};
+    const char *path = real_set("lego");
+    if (!path)
+        SKIP("no photographs here");
+    options.pool = fxs_pool_create(2);
+    const uint32_t hash = hash_of_set(path, &options);
+    if (!CHECK(hash == LEGO_HASH))
+        printf("  0x%08x\n", (unsigned)hash);
+    CHECK(photos.fit_count == 100 && photos.held_out_count == 25 && photos.point_count == 100000 &&
+          photos.points_are_random);
+    CHECK(photos.fit_count && photos.fit[0].view.width == 400 && photos.fit[0].pixels[0] == 255);
+    fxs_pool_destroy(options.pool);
+}
+#endif
+
+static void tests(void)
+{
+    make_colmap();
+    RUN(colmap);
+    RUN(bad_points);
+    RUN(bad_photos);
+    RUN(proportions);
+    RUN(missing_folders);
+    RUN(one_camera);
+    RUN(averages);
+    RUN(lens_formulas);
+    RUN(lens_models);
+    RUN(lens_limits);
+#ifdef FXS_WITH_CJSON
+    RUN(blender);
+    RUN(nerfstudio);
+    RUN(inria);
+#endif
+#if defined(FXS_WITH_STB) && defined(FXS_WITH_ZLIB)
+    RUN(alpha);
+#endif
+#if defined(FXS_WITH_CJSON) && defined(FXS_WITH_STB)
+    RUN(snowmiku);
+    RUN(lego);
+#endif
+    fxs_photos_free(&photos);
+}
+
+int main(void)
+{
+    return in_a_folder(tests);
+}
