@@ -7,6 +7,7 @@ jobs=${JOBS:-$(getconf _NPROCESSORS_ONLN)}
 out=${B:-build}/fuzz
 fixsplat=$(cd "${B:-build}" && pwd)/fixsplat
 work=$(mktemp -d) || exit 1
+root=$PWD
 trap 'rm -rf "$work"' EXIT
 
 # ---- Small files to start from, of each kind -------------------------------------------------------------------------
@@ -222,6 +223,17 @@ seeds_of_image() {
     rm scene.ply
 }
 
+# Of a few Gaussians; tests/fuzz_checkpoint.c makes them fits of its own photograph.
+seeds_of_checkpoint() {
+    (
+        . "$root/tests/scripts/lib/photos.sh"
+        mkdir made && cd made && make_photographs 3 &&
+            "$fixsplat" fit set --steps 4 --save-every 3 --max-gaussians 9 -o a.fxs
+    ) >"$work/seeds.log" 2>&1
+    mv made/a.fxs.fit a
+    rm -r made
+}
+
 # ---- Run -------------------------------------------------------------------------------------------------------------
 
 sanitizers=address,undefined,float-cast-overflow
@@ -247,7 +259,8 @@ build() {
     *) kernels='kernels/*.c' ;;
     esac
     mkdir "$work/objects"
-    for source in src/*.c $kernels port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c tests/fuzz_*.c; do
+    for source in src/*.c $kernels port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c \
+        port/fit/*.c tests/fuzz_*.c; do
         echo "$compile $features -DFXS_WITH_KERNELS $(instructions_of "$source") -c $source -o $work/objects/$(
             )$(basename "$source" .c).o"
     done | xargs -P "$jobs" -I COMMAND sh -c COMMAND || return

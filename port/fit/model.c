@@ -187,7 +187,9 @@ static uint32_t spread_bits(uint32_t x)
 static int by_code(const void *a, const void *b)
 {
     const place *p = a, *q = b;
-    return p->code != q->code ? (p->code > q->code) - (p->code < q->code) : (p->index > q->index) - (p->index < q->index);
+    if (p->code != q->code)
+        return (p->code > q->code) - (p->code < q->code);
+    return (p->index > q->index) - (p->index < q->index);
 }
 
 /* What is far from the middle by many spreads shares the outer cells: x / (1 + |x|). */

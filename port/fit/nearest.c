@@ -117,7 +117,8 @@ static void look(const tree *t, size_t node, size_t first, size_t count, const i
         look_at_leaf(t->items + first, count, self, nearest);
         return;
     }
-    const float lower = square_to(&t->boxes[2 * node + 1], self->at), upper = square_to(&t->boxes[2 * node + 2], self->at);
+    const float lower = square_to(&t->boxes[2 * node + 1], self->at);
+    const float upper = square_to(&t->boxes[2 * node + 2], self->at);
     for (int turn = 0; turn < 2; turn++) {
         const int is_upper = turn ^ (upper < lower);
         if (!((is_upper ? upper : lower) < nearest[2]))

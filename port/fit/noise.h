@@ -1,4 +1,5 @@
-/* noise: of Kheradmand et al. 2024. Random numbers are those of random.h's kind, of 32 bits, so that lanes have them. */
+/* noise: of Kheradmand et al. 2024. Random numbers by a counter, as random.h's, but of 32 bits, so that lanes have
+ * them. */
 #ifndef FXS_FIT_NOISE_H
 #define FXS_FIT_NOISE_H
 

@@ -66,8 +66,8 @@ static double root_of(double x, int n)
     return y;
 }
 
-/* Of N at one place, together as opaque as one was: o' = 1 - (1 - o)^(1 / N). And of about its picture: s' = s o / sum of
-   C(N, k) (-1)^(k - 1) o'^k / sqrt(k), k from 1 to N (the double sum over i and k of the paper, by columns). */
+/* Of N at one place, together as opaque as one was: o' = 1 - (1 - o)^(1 / N). And of about its picture: s' = s o / sum
+   of C(N, k) (-1)^(k - 1) o'^k / sqrt(k), k from 1 to N (the double sum over i and k of the paper, by columns). */
 static void share(fxs_fit_model *m, size_t i, uint32_t times)
 {
     const int n = times + 1 < SHARING ? (int)times + 1 : SHARING;

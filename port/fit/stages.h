@@ -308,6 +308,14 @@ static void keep_within(float *at, size_t count)
         store(at + i, least(most(load(at + i), all(-FXS_FIT_FARTHEST)), all(FXS_FIT_FARTHEST)));
 }
 
+static int any_of(const float *touched, size_t count)
+{
+    for (size_t i = 0; i < count; i += LANES)
+        if (any(below(all(0), load(touched + i))))
+            return 1;
+    return 0;
+}
+
 /* SH of degrees that are not yet drawn have no gradient, and no moments. */
 static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam,
                                         float *parameters, float *means, float *squares, size_t stride, size_t first,
@@ -322,6 +330,8 @@ static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *camera, int degree
         if (adam->by_opacity > 0)
             add_regularisers(adam, parameters + first + i, stride, gradients[0] + i);
     }
+    if (adam->only_touched && !any_of(touched, count))
+        return;
     for (int k = 0; k < end; k++) {
         const size_t at = (size_t)k * stride + first;
         adam_plane(adam, adam->rate[k], gradients[k], touched, count, parameters + at, means + at, squares + at,

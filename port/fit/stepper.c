@@ -506,7 +506,7 @@ static void update_job(void *argument, uint32_t job)
 static void set_adam(fxs_fit_stepper *s)
 {
     double beta1 = 1, beta2 = 1;
-    for (uint32_t i = 0; i < s->options->number && (beta1 > 0 || beta2 > 1e-12); i++) {
+    for (uint32_t i = 0; i < s->options->number && (beta1 > 1e-20 || beta2 > 1e-12); i++) {
         beta1 *= 0.9;
         beta2 *= 0.999;
     }
