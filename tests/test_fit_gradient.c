@@ -474,8 +474,8 @@ static void test_cut_of_level(void)
     const int count = fit_versions(versions);
     fit_state = 1;
     for (int n = 0; n < 100 * count; n++) {
-        pixel_case c = {.stages = versions[n % count], .x = (int32_t)(fit_random() % 16), .y = (int32_t)(fit_random() % 16),
-                        .count = 1, .splats = {everywhere(0.9)}};
+        pixel_case c = {.stages = versions[n % count], .count = 1, .splats = {everywhere(0.9)}};
+        c.x = (int32_t)(fit_random() % 16), c.y = (int32_t)(fit_random() % 16);
         fxs_fit_splat *s = &c.splats[0];
         float low = 0, high = 20;
         for (int i = 0; i < 2; i++)
