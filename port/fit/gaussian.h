@@ -14,7 +14,7 @@ typedef struct shape {
     real slope[2], cut_slope[2];   /* x / z, y / z; as the Jacobian takes them */
     real m[2][3], rotation[3][3], length, unit[4];   /* length: one over that of the quaternion */
     real scale[3], v[2][3], t[2][3];    /* V = M R */
-    real ux, uy, vy, a, c;
+    real ux, uy, vy, a, b, c;
 } shape;
 
 static inline real dot3(const real *a, const real *b)
@@ -71,6 +71,7 @@ static inline void find_shape(shape *s, const fxs_fit_camera *camera, const floa
                            s->t[0][0] * s->t[1][1] - s->t[0][1] * s->t[1][0]};
     const real det = (dot3(cross, cross) + FXS_FIT_DILATION * (a + c)) + FXS_FIT_DILATION * FXS_FIT_DILATION;
     s->a = a + FXS_FIT_DILATION;
+    s->b = b;
     s->c = c + FXS_FIT_DILATION;
     s->vy = 1.0f / root(s->c);
     s->ux = root(s->c / det);

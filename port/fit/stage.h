@@ -36,6 +36,7 @@ typedef struct fxs_fit_camera {
     float slope_most[2];           /* the Jacobian takes slopes up to here, either way */
     float near;
     int32_t width, height, tiles_x, tiles_y;
+    int32_t is_square;             /* 1: the cut-off of Kerbl et al. 2023, see fxs_fit_splat's square */
 } fxs_fit_camera;
 
 /* A Gaussian in the picture. For a pixel's centre (X, Y), x = X - centre[0], y = Y - centre[1]:
@@ -44,6 +45,7 @@ typedef struct fxs_fit_splat {
     float centre[2], ux, uy, vy, offset, limit, colour[3];
     float depth;                   /* 0: not in the picture */
     float half[2];                 /* of the ellipse, pixels, along x and y */
+    float square;                  /* above 0: it is in all tiles that a square touches, this many pixels either way */
     uint32_t tiles, slot;          /* that it touches; of the first one's sums: the others follow, row by row */
 } fxs_fit_splat;
 
@@ -89,7 +91,15 @@ typedef struct fxs_fit_adam {
     float rate[FXS_FIT_PARAMETERS];        /* over the correction of the first moment */
     float correction;              /* 1 / (1 - 0.999^step) */
     float epsilon;                 /* in units of the gradient */
+    float by_opacity, by_scale;    /* d loss / d opacity, / d scale, of every Gaussian, beside the picture's */
+    int32_t without_sh;            /* 1: SH above degree 0 is not updated */
 } fxs_fit_adam;
+
+/* Noise of positions of a step: Sigma xi sigmoid(-100 (opacity - 0.005)) amount, xi normal, drawn by key. */
+typedef struct fxs_fit_noise {
+    float amount;
+    uint32_t key[2];
+} fxs_fit_noise;
 
 /* The versions of an instruction set. */
 typedef struct fxs_fit_stages {
@@ -110,10 +120,14 @@ typedef struct fxs_fit_stages {
     void (*loss_back_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_gradient)(const fxs_fit_loss *loss, int32_t row, float *scratch);
     /* Gradients of Gaussians first..first + count from `sums` (a Gaussian's, planes of `stride`), and a step of Adam.
-       by_centre: adds up the length of dL/dcentre, in halves of the picture's sides. */
+       by_centre: adds up the length of dL/dcentre, in halves of the picture's sides, of the loss that is a mean over
+       pixels and channels. A Gaussian with a gradient beyond FXS_FIT_FARTHEST_GRADIENT, or not finite, gets one of 0.
+       Scales and opacities stay within FXS_FIT_FARTHEST. */
     void (*update)(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam, float *parameters,
                    float *means, float *squares, size_t stride, size_t first, size_t count, const float *sums,
                    float *by_centre);
+    /* Moves Gaussians first..first + count by noise; none beyond FXS_FIT_FARTHEST_PLACE. */
+    void (*noise)(const fxs_fit_noise *noise, float *parameters, size_t stride, size_t first, size_t count);
 } fxs_fit_stages;
 
 /* The best version for the instruction sets in `cpu` (enum fxs_cpu) that this processor has. */
@@ -124,5 +138,8 @@ const fxs_fit_stages *fxs_fit_stages_choose(unsigned cpu);
 #define FXS_FIT_CUT 9.0f           /* the Mahalanobis distance 3, squared */
 #define FXS_FIT_FAINT 11.0825270f  /* 2 ln 255 */
 #define FXS_FIT_DILATION 0.3f      /* pixels^2 */
+#define FXS_FIT_FARTHEST 40.0f     /* ln scale and logit, either way */
+#define FXS_FIT_FARTHEST_PLACE 1e12f   /* coordinates */
+#define FXS_FIT_FARTHEST_GRADIENT 1e18f
 
 #endif

@@ -1,6 +1,7 @@
 /* The stages of an instruction set, by its LANES: see stage.h. ISA is its name. */
 #include "gaussian.h"
 #include "loss.h"
+#include "noise.h"
 #include "span.h"
 #include "tile.h"
 
@@ -21,6 +22,13 @@ static void set_tiles(const fxs_fit_camera *camera, fxs_fit_splat *s)
     }
 }
 
+/* 3 sigma_max; the larger eigenvalue is m + sqrt(m^2 - det) = m + sqrt(((A - C) / 2)^2 + B^2), m = (A + C) / 2. */
+static inline real square_of(const shape *s)
+{
+    const real middle = 0.5f * (s->a + s->c), half = 0.5f * (s->a - s->c);
+    return 3.0f * root(middle + root(half * half + s->b * s->b));
+}
+
 static void project_lanes(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
                           fxs_fit_splat *splats)
 {
@@ -31,12 +39,16 @@ static void project_lanes(const fxs_fit_camera *camera, int degree, const float 
     const real logit = load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride);
     /* -2 ln o = 2 ln(1 + e^-x) */
     const real offset = 2.0f * ln(1.0f + exp_e(least(-logit, all(80))));
-    const real limit = least(offset + FXS_FIT_CUT, all(FXS_FIT_FAINT)), radius2 = most(limit - offset, all(0));
+    const real cut = camera->is_square ? all(FXS_FIT_FAINT) : offset + FXS_FIT_CUT;
+    const real limit = least(cut, all(FXS_FIT_FAINT)), radius2 = most(limit - offset, all(0));
     const real x = s.slope[0] * camera->focal[0] + camera->middle[0];
     const real y = s.slope[1] * camera->focal[1] + camera->middle[1];
     const real half_x = root(radius2 * s.a) * 1.001f + 0.01f, half_y = root(radius2 * s.c) * 1.001f + 0.01f;
-    const whole seen = (s.in_camera[2] > camera->near) & (offset < limit) & (x + half_x > 0.0f) & (y + half_y > 0.0f) &
-                       (x - half_x < (float)camera->width) & (y - half_y < (float)camera->height);
+    const real square = camera->is_square ? square_of(&s) : all(0);
+    const real reach_x = camera->is_square ? square : half_x, reach_y = camera->is_square ? square : half_y;
+    const whole seen = (s.in_camera[2] > camera->near) & (offset < limit) & (x + reach_x > 0.0f) &
+                       (y + reach_y > 0.0f) & (x - reach_x < (float)camera->width) &
+                       (y - reach_y < (float)camera->height);
     if (!any(seen)) {
         for (int i = 0; i < LANES; i++)
             splats[i].depth = 0;
@@ -45,12 +57,12 @@ static void project_lanes(const fxs_fit_camera *camera, int degree, const float 
     find_look(&l, &s, degree, at, stride);
     const real numbers[] = {x, y, s.ux, s.uy, s.vy, offset, limit,
                             most(l.colour[0], all(0)), most(l.colour[1], all(0)), most(l.colour[2], all(0)),
-                            choose(seen, s.in_camera[2], all(0)), half_x, half_y};
-    for (int i = 0; i < 13; i++)
+                            choose(seen, s.in_camera[2], all(0)), half_x, half_y, square};
+    for (int i = 0; i < 14; i++)
         store(out[i], numbers[i]);
     for (int i = 0; i < LANES; i++) {
         float *to = splats[i].centre;
-        for (int k = 0; k < 13; k++)
+        for (int k = 0; k < 14; k++)
             to[k] = out[k][i];
         if (splats[i].depth > 0)
             set_tiles(camera, &splats[i]);
@@ -163,6 +175,25 @@ static void NAMED(fxs_fit_loss_gradient_, ISA)(const fxs_fit_loss *loss, int32_t
 
 /* ---- update ------------------------------------------------------------------------------------------------------ */
 
+/* Of mean opacity and mean scale. */
+static inline void add_regularisers(const fxs_fit_adam *adam, const float *at, size_t stride,
+                                    real gradient[FXS_FIT_PARAMETERS])
+{
+    const real opacity = 1.0f / (1.0f + exp_e(-load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
+    gradient[FXS_FIT_OPACITY] += adam->by_opacity * opacity * (1.0f - opacity);
+    for (int i = FXS_FIT_SCALE; i < FXS_FIT_SCALE + 3; i++)
+        gradient[i] += adam->by_scale * exp_e(load(at + i * (ptrdiff_t)stride));
+}
+
+static inline void keep_within(float *at, size_t stride)
+{
+    static const int planes[] = {FXS_FIT_SCALE, FXS_FIT_SCALE + 1, FXS_FIT_SCALE + 2, FXS_FIT_OPACITY};
+    for (int i = 0; i < 4; i++) {
+        float *to = at + planes[i] * (ptrdiff_t)stride;
+        store(to, least(most(load(to), all(-FXS_FIT_FARTHEST)), all(FXS_FIT_FARTHEST)));
+    }
+}
+
 static void update_lanes(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam, float *at, float *means,
                          float *squares, size_t stride, const float *of_sums, float *by_centre)
 {
@@ -175,13 +206,19 @@ static void update_lanes(const fxs_fit_camera *camera, int degree, const fxs_fit
     if (any(touched)) {
         find_gradient(camera, degree, at, stride, sums, gradient, centre);
         for (int i = 0; i < FXS_FIT_PARAMETERS; i++)
+            touched &= (gradient[i] < FXS_FIT_FARTHEST_GRADIENT) & (gradient[i] > -FXS_FIT_FARTHEST_GRADIENT);
+        for (int i = 0; i < FXS_FIT_PARAMETERS; i++)
             gradient[i] = choose(touched, gradient[i], all(0));
-        const real x = centre[0] * (0.5f * (float)camera->width), y = centre[1] * (0.5f * (float)camera->height);
+        /* half a side / (3 width height) */
+        const real x = centre[0] * (1.0f / (6.0f * (float)camera->height));
+        const real y = centre[1] * (1.0f / (6.0f * (float)camera->width));
         store(by_centre, load(by_centre) + choose(touched, root(x * x + y * y), all(0)));
     } else
         for (int i = 0; i < FXS_FIT_PARAMETERS; i++)
             gradient[i] = all(0);
-    for (int i = 0; i < FXS_FIT_PARAMETERS; i++) {
+    if (adam->by_opacity > 0)
+        add_regularisers(adam, at, stride, gradient);
+    for (int i = 0; i < (adam->without_sh ? FXS_FIT_SH : FXS_FIT_PARAMETERS); i++) {
         const ptrdiff_t plane = i * (ptrdiff_t)stride;
         const real g = gradient[i];
         const real mean = load(means + plane) * 0.9f + g * 0.1f;
@@ -190,6 +227,7 @@ static void update_lanes(const fxs_fit_camera *camera, int degree, const fxs_fit
         store(squares + plane, square);
         store(at + plane, load(at + plane) - adam->rate[i] * mean / (root(square * adam->correction) + adam->epsilon));
     }
+    keep_within(at, stride);
 }
 
 static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam,
@@ -200,7 +238,14 @@ static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *camera, int degree
         update_lanes(camera, degree, adam, parameters + i, means + i, squares + i, stride, sums + i, by_centre + i);
 }
 
+static void NAMED(fxs_fit_noise_, ISA)(const fxs_fit_noise *noise, float *parameters, size_t stride, size_t first,
+                                       size_t count)
+{
+    for (size_t i = first; i < first + count; i += LANES)
+        add_noise(noise, parameters + i, stride, (uint32_t)i);
+}
+
 const fxs_fit_stages NAMED(fxs_fit_stages_, ISA) = {
     STRING_OF(ISA), NAMED(fxs_fit_project_, ISA), NAMED(fxs_fit_blend_, ISA), NAMED(fxs_fit_back_, ISA),
     NAMED(fxs_fit_loss_rows_, ISA), NAMED(fxs_fit_loss_derivatives_, ISA), NAMED(fxs_fit_loss_back_rows_, ISA),
-    NAMED(fxs_fit_loss_gradient_, ISA), NAMED(fxs_fit_update_, ISA)};
+    NAMED(fxs_fit_loss_gradient_, ISA), NAMED(fxs_fit_update_, ISA), NAMED(fxs_fit_noise_, ISA)};

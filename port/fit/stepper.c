@@ -407,9 +407,12 @@ static void update_job(void *argument, uint32_t job)
     gather(s, first, count);
     s->stages->update(s->camera, s->options->sh_degree, &s->adam, m->parameters, m->means, m->squares, m->stride,
                       first, count, s->gaussian_sums.memory, m->by_centre);
+    if (s->options->noise.amount > 0)
+        s->stages->noise(&s->options->noise, m->parameters, m->stride, first, count);
 }
 
-/* The gradient is that of the sum over pixels and channels; Adam's epsilon is meant for their mean. */
+/* The gradient is that of the sum over pixels and channels; Adam's epsilon is meant for their mean, and so are the
+   weights of the means over Gaussians. */
 static void set_adam(fxs_fit_stepper *s)
 {
     double beta1 = 1, beta2 = 1;
@@ -420,7 +423,11 @@ static void set_adam(fxs_fit_stepper *s)
     for (int i = 0; i < FXS_FIT_PARAMETERS; i++)
         s->adam.rate[i] = (float)(s->options->rate[i] / (1 - beta1));
     s->adam.correction = (float)(1 / (1 - beta2));
-    s->adam.epsilon = 3e-15f * (float)s->camera->width * (float)s->camera->height;
+    const float numbers = 3 * (float)s->camera->width * (float)s->camera->height;
+    s->adam.epsilon = 1e-15f * numbers;
+    s->adam.by_opacity = s->options->by_opacity * numbers / (float)s->model->count;
+    s->adam.by_scale = s->options->by_scale * numbers / (3 * (float)s->model->count);
+    s->adam.without_sh = s->options->without_sh;
 }
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
