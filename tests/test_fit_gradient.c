@@ -325,8 +325,9 @@ static void check_gaussian(scene *s, const fxs_fit_model *m, int i, tally *t)
         if (!s->cuts.seen[i] || k >= FXS_FIT_SH + 3 * ((s->degree + 1) * (s->degree + 1) - 1))
             CHECK(d[k] == 0 && gradient_of(m, i, k) == 0);
     }
-    const double length = hypot(d[CENTRE] * WIDTH / 2, d[CENTRE + 1] * HEIGHT / 2);
-    check_near((double)m->by_centre[i] / WIDTH, length / WIDTH, length / WIDTH, i, CENTRE, t);
+    /* by_centre is that of the mean over pixels and channels. */
+    const double length = hypot(d[CENTRE] * WIDTH / 2, d[CENTRE + 1] * HEIGHT / 2) / WIDTH;
+    check_near((double)m->by_centre[i] * 3 * PIXELS / WIDTH, length, length, i, CENTRE, t);
 }
 
 /* Every version has the same bytes. */

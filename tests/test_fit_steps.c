@@ -8,7 +8,7 @@
 /* ---- Pictures ---------------------------------------------------------------------------------------------------- */
 
 /* Spheres with squares on them, lit from one side, by rays: + - * / and sqrt of doubles alone. */
-enum { WIDTH = 48, HEIGHT = 32, PHOTOS = 6, POINTS = 120, SPHERES = 4 };
+enum { WIDTH = 48, HEIGHT = 32, LARGER = 7, PHOTOS = 6, POINTS = 120, SPHERES = 4 };
 static const uint8_t background[3] = {40, 80, 120};
 
 typedef struct sphere {
@@ -59,14 +59,14 @@ static void trace(const double eye[3], const double ray[3], uint8_t colour[3])
 }
 
 /* From a place to the middle of the scene, y down. */
-static void look(fxs_file_view *v, const double eye[3])
+static void look(fxs_file_view *v, int scale, const double eye[3])
 {
     const double length = sqrt(dot(eye, eye)), across = sqrt(eye[0] * eye[0] + eye[2] * eye[2]);
     double *right = v->rotation, *down = right + 3, *forward = right + 6;
     memset(v, 0, sizeof *v);
-    v->width = WIDTH, v->height = HEIGHT;
-    v->fx = v->fy = 60;
-    v->cx = WIDTH / 2, v->cy = HEIGHT / 2;
+    v->width = scale * WIDTH, v->height = scale * HEIGHT;
+    v->fx = v->fy = scale * 60;
+    v->cx = scale * WIDTH / 2.0, v->cy = scale * HEIGHT / 2.0;
     for (int k = 0; k < 3; k++) {
         v->position[k] = eye[k];
         forward[k] = -eye[k] / length;
@@ -76,16 +76,16 @@ static void look(fxs_file_view *v, const double eye[3])
         down[k] = forward[(k + 1) % 3] * right[(k + 2) % 3] - forward[(k + 2) % 3] * right[(k + 1) % 3];
 }
 
-static void take_photo(fxs_fit_photo *photo, uint8_t *pixels, const double eye[3])
+static void take_photo(fxs_fit_photo *photo, uint8_t *pixels, int scale, const double eye[3])
 {
     fxs_file_view *v = &photo->view;
-    look(v, eye);
+    look(v, scale, eye);
     photo->pixels = pixels;
-    for (int p = 0; p < WIDTH * HEIGHT; p++) {
+    for (int p = 0; p < v->width * v->height; p++) {
         double ray[3];
         for (int k = 0; k < 3; k++)
-            ray[k] = (p % WIDTH + 0.5 - v->cx) / v->fx * v->rotation[k] +
-                     (p / WIDTH + 0.5 - v->cy) / v->fy * v->rotation[3 + k] + v->rotation[6 + k];
+            ray[k] = (p % v->width + 0.5 - v->cx) / v->fx * v->rotation[k] +
+                     (p / v->width + 0.5 - v->cy) / v->fy * v->rotation[3 + k] + v->rotation[6 + k];
         trace(eye, ray, pixels + 3 * p);
     }
 }
@@ -93,13 +93,13 @@ static void take_photo(fxs_fit_photo *photo, uint8_t *pixels, const double eye[3
 static fxs_fit_photo photos[PHOTOS];
 static fxs_fit_point points[POINTS];
 
-static void make_set(void)
+static void make_set(int scale)
 {
     static const double eyes[PHOTOS][3] = {{0, -1, -4}, {3.2, 0.5, -2.4}, {3.2, -2, 2.4}, {0, 1, 4}, {-3.84, -1, 1.12},
                                            {-2.4, 0, -3.2}};
-    static uint8_t pixels[PHOTOS][3 * WIDTH * HEIGHT];
+    static uint8_t pixels[PHOTOS][3 * LARGER * LARGER * WIDTH * HEIGHT];
     for (int i = 0; i < PHOTOS; i++)
-        take_photo(&photos[i], pixels[i], eyes[i]);
+        take_photo(&photos[i], pixels[i], scale, eyes[i]);
     fit_state = 1;
     for (int i = 0; i < POINTS; i++) {
         const sphere *s = &spheres[i % SPHERES];
@@ -168,14 +168,104 @@ static result fit(const fxs_fit_options *options)
     return r;
 }
 
+/* A fit, the hash that it has everywhere, and how much of its first loss may be left. */
+typedef struct recorded {
+    const char *name;
+    enum fxs_fit_recipe recipe;
+    enum fxs_cutoff cutoff;
+    int scale;
+    uint32_t steps;
+    size_t most;
+    double left;
+    uint64_t hash;
+} recorded;
+
+enum { REFERENCE, MCMC, LONGER, FAST, HALF_THE_SIZE, FITS };
+static const recorded fits[FITS] = {
+    {"reference", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, 1, 700, 250, 0.5, 0xdeb456ea3ece1df6},
+    {"mcmc", FXS_FIT_MCMC, FXS_CUTOFF_MAHALANOBIS, 1, 700, 150, 0.5, 0x95917b4ea8e97843},
+    {"reference, longer", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, 1, 3200, 200, 0.5, 0x24539e276a5b0fec},
+    {"fast, square", FXS_FIT_FAST, FXS_CUTOFF_SQUARE, 1, 1100, 250, 0.5, 0x87d9b6595813b30a},
+    {"fast, larger", FXS_FIT_FAST, FXS_CUTOFF_MAHALANOBIS, LARGER, 24, 250, 0.9, 0xa17d4b30b34f0395}};
+
+static void check_fit(const recorded *wanted, unsigned cpu, uint32_t threads)
+{
+    fxs_fit_options options;
+    fxs_pool *pool = threads > 1 ? fxs_pool_create(threads) : NULL;
+    fxs_fit_options_init(&options);
+    options.recipe = wanted->recipe;
+    options.cutoff = wanted->cutoff;
+    options.steps = wanted->steps;
+    options.max_gaussians = wanted->most;
+    options.seed = 7;
+    memcpy(options.background, background, sizeof background);
+    options.cpu = cpu;
+    options.run = pool ? fxs_pool_run : NULL;
+    options.pool = pool;
+    options.threads = threads;
+    const result r = fit(&options);
+    const char *version = fxs_fit_stages_choose(cpu)->name;
+    if (!CHECK(r.hash == wanted->hash))
+        printf("  %s, %s, %u threads: 0x%016llx\n", wanted->name, version, (unsigned)threads,
+               (unsigned long long)r.hash);
+    if (!CHECK(r.is_finite && r.last < wanted->left * r.first))
+        printf("  %s: loss %g at first, %g at last\n", wanted->name, r.first, r.last);
+    if (wanted->steps > 600 && !CHECK(r.most > POINTS && r.most <= wanted->most))
+        printf("  %s: %zu Gaussians\n", wanted->name, r.most);
+    fxs_pool_destroy(pool);
+}
+
+/* By every version on one thread, by the best on two and five. */
+static void check_everywhere(const recorded *wanted)
+{
+    static const unsigned cpus[] = {0, FXS_CPU_AVX2, FXS_CPU_AVX512, FXS_CPU_NEON};
+    make_set(wanted->scale);
+    for (int i = 0; i < 4; i++)
+        if (!i || fxs_fit_stages_choose(cpus[i]) != fxs_fit_stages_choose(0))
+            check_fit(wanted, cpus[i], 1);
+    check_fit(wanted, ~0u, 2);
+    check_fit(wanted, ~0u, 5);
+}
+
+static void test_reference(void)
+{
+    check_everywhere(&fits[REFERENCE]);
+}
+
+static void test_mcmc(void)
+{
+    check_everywhere(&fits[MCMC]);
+}
+
+#ifndef FXS_FIT_FEW
+/* All degrees of SH, and opacities that become small again: by the slowest and the fastest. */
+static void test_reference_for_longer(void)
+{
+    make_set(1);
+    check_fit(&fits[LONGER], 0, 1);
+    check_fit(&fits[LONGER], ~0u, 3);
+}
+
+static void test_fast(void)
+{
+    check_everywhere(&fits[FAST]);
+}
+
+/* Photographs large enough to begin with half their size. */
+static void test_fast_from_half_the_size(void)
+{
+    check_everywhere(&fits[HALF_THE_SIZE]);
+}
+#endif
+
 int main(void)
 {
-    make_set();
-    fxs_fit_options options;
-    fxs_fit_options_init(&options);
-    options.steps = 700;
-    memcpy(options.background, background, 3);
-    result r = fit(&options);
-    printf("%016llx %zu %g %g %d\n", (unsigned long long)r.hash, r.most, r.first, r.last, r.is_finite);
+    RUN(test_reference);
+    RUN(test_mcmc);
+#ifndef FXS_FIT_FEW
+    RUN(test_reference_for_longer);
+    RUN(test_fast);
+    RUN(test_fast_from_half_the_size);
+#endif
     return check_report();
 }
