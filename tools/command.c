@@ -139,11 +139,8 @@ void progress_end(void)
     percent_shown = -1;
 }
 
-int progress_line(const char *text)
+void progress_line(const char *text)
 {
-    if (!isatty(STDERR_FILENO))
-        return 0;
     fprintf(stderr, "\r%s\033[K", text);
     percent_shown = 0;
-    return 1;
 }

@@ -56,7 +56,7 @@ int ends_with(const char *name, const char *ending);
 int progress_bar(void *label, double done);
 void progress_end(void);
 
-/* The same with any text: one line on stderr that the next one replaces. Returns 0 where that is no terminal. */
-int progress_line(const char *text);
+/* The same with any text, for a stderr that is a terminal: a line that the next one replaces. */
+void progress_line(const char *text);
 
 #endif

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "../port/posix/clock.h"
 #include "fit_result.h"
@@ -265,22 +266,22 @@ static void say_duration(char text[32], double seconds)
         snprintf(text, 32, "%" PRIu64 " h %02d min", s / 3600, (int)(s / 60 % 60));
 }
 
-/* On a terminal a line that changes; else one every half minute, and at the end. */
+/* On a terminal a line that changes; else one every half minute. */
 static void show(progress *p, uint32_t step, size_t gaussians, uint64_t now)
 {
     static const char marks[] = "##########";
     char text[160], left[32];
     const int filled = (int)((uint64_t)step * 10 / p->steps);
-    if (now - p->shown < 200000000 && step < p->steps)
+    const int is_line = isatty(STDERR_FILENO);
+    if (now - p->shown < (is_line ? 200000000u : 30000000000u))
         return;
     say_duration(left, p->pace * (p->steps - step));
     snprintf(text, sizeof text, "[%.*s%*s] %" PRIu32 "/%" PRIu32 ", loss %.4f, %zu Gaussians, %.1f steps/s, %s left",
              filled, marks, 10 - filled, "", step, p->steps, p->loss, gaussians, p->pace > 0 ? 1 / p->pace : 0, left);
-    if (!progress_line(text)) {
-        if (now - p->shown < 30000000000 && step < p->steps)
-            return;
-        fprintf(stderr, "%s\n", text + 13);
-    }
+    if (is_line)
+        progress_line(text);
+    else
+        fprintf(stderr, "%s\n", text);
     p->shown = now;
 }
 

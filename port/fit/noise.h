@@ -16,7 +16,7 @@ typedef uint32_t bits __attribute__((vector_size(4 * LANES)));
 
 static inline bits lane_numbers(void)
 {
-    return (bits)__builtin_convertvector(column_numbers(), whole);
+    return (bits)__builtin_convertvector(numbers_from(0), whole);
 }
 #endif
 
@@ -61,7 +61,7 @@ static inline void add_noise(const fxs_fit_noise *noise, float *at, size_t strid
     for (int i = 0; i < 3; i++) {
         float *to = at + (FXS_FIT_POSITION + i) * (ptrdiff_t)stride;
         const real old = load(to), next = old + amount * dot3(r[i], along);
-        const whole is_near = (next < FXS_FIT_FARTHEST_PLACE) & (next > -FXS_FIT_FARTHEST_PLACE);
+        const mask is_near = below(absolute(next), all(FXS_FIT_FARTHEST_PLACE));
         store(to, choose(is_near, next, old));
     }
 }

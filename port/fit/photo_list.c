@@ -118,7 +118,6 @@ static int find_colmap(fxs_photo_list *list, fxs_message *message)
     char folder[FXS_PHOTO_PATH];
     parent_of(folder, list->cameras);
     join(list->cameras, folder, is_binary ? "images.bin" : "images.txt");
-    list->is_colmap = list->points_are_colmap = 1;
     find_points(list, is_binary ? binary : plain, 1);
     return find_colmap_images(list, message);
 }

@@ -11,7 +11,7 @@ typedef struct fxs_photo_list {
     char test[FXS_PHOTO_PATH];     /* that of those held out by the files themselves, or empty */
     char images[FXS_PHOTO_PATH];   /* the folder that names of images are of */
     char points[FXS_PHOTO_PATH];   /* the file of the points, or empty */
-    int is_colmap, points_are_colmap;
+    int is_colmap;                 /* its points are COLMAP's then, else a .ply */
     fxs_view_list fit, held_out;   /* by name */
 } fxs_photo_list;
 

@@ -6,6 +6,7 @@
 
 #include "../camera/colmap_internal.h"
 #include "../files/message.h"
+#include "../scene/ply_header.h"
 #include "random.h"
 
 #define MOST_POINTS FXS_GAUSSIANS_CEILING
@@ -76,6 +77,73 @@ int fxs_photo_points_colmap(fxs_photo_points *p, const char *path, fxs_message *
     const int error = length > 4 && !strcmp(path + length - 4, ".txt") ? read_plain(p, &text, message)
                                                                        : read_binary(p, &text, message);
     free(text.data);
+    return error;
+}
+
+/* ---- .ply -------------------------------------------------------------------------------------------------------- */
+
+typedef struct ply {
+    fxs_scene_source source;
+    fxs_byte_reader bytes;
+    fxs_ply_header header;
+} ply;
+
+/* x, y, z, and the colour where it has one, in whole numbers. */
+static int find_columns(const ply *p, const fxs_ply_element *vertex, int columns[6], fxs_message *message)
+{
+    static const char *const names[6] = {"x", "y", "z", "red", "green", "blue"};
+    const char *path = p->source.path;
+    if (!vertex || vertex != p->header.element_table || vertex->has_lists)
+        return fxs_fail(message, "%s: its first element is not \"vertex\", without lists", path);
+    for (int i = 0; i < 6; i++) {
+        columns[i] = fxs_ply_find(&p->header, vertex, names[i]);
+        if (columns[i] < 0 && i < 3)
+            return fxs_fail(message, "%s: element vertex has no property %s", path, names[i]);
+    }
+    return 0;
+}
+
+static int read_vertex(ply *p, const fxs_ply_element *vertex, const int columns[6], double values[6])
+{
+    const fxs_ply_encoding encoding = p->header.encoding;
+    fxs_ply_begin_row(&p->bytes, encoding);
+    for (int i = vertex->first; i < vertex->end; i++) {
+        double value;
+        FXS_TRY(fxs_ply_read_number(&p->bytes, encoding, p->header.property_table[i].type, &value));
+        for (int k = 0; k < 6; k++)
+            if (columns[k] == i)
+                values[k] = value;
+    }
+    return fxs_ply_end_row(&p->bytes, encoding);
+}
+
+static int read_ply(fxs_photo_points *points, ply *p, fxs_message *message)
+{
+    int columns[6];
+    FXS_TRY(fxs_ply_read_header(&p->header, &p->bytes, message));
+    const fxs_ply_element *vertex = fxs_ply_find_element(&p->header, "vertex");
+    FXS_TRY(find_columns(p, vertex, columns, message));
+    FXS_TRY(fxs_ply_check_size(&p->header, &p->bytes, message));
+    for (uint64_t i = 0; i < vertex->count; i++) {
+        double values[6] = {0, 0, 0, GREY, GREY, GREY};
+        if (read_vertex(p, vertex, columns, values))
+            return fxs_bytes_fail_row(&p->bytes, vertex->name, i, vertex->count, message);
+        FXS_TRY(add_point(points, p->source.path, values, values + 3, message));
+    }
+    return 0;
+}
+
+int fxs_photo_points_ply(fxs_photo_points *points, const char *path, fxs_message *message)
+{
+    ply *p = calloc(1, sizeof *p);
+    if (!p)
+        return fxs_fail_memory(message, path, sizeof *p);
+    int error = fxs_scene_source_open(&p->source, path, message);
+    p->bytes.source = &p->source;
+    if (!error)
+        error = read_ply(points, p, message);
+    fxs_scene_source_close(&p->source);
+    free(p);
     return error;
 }
 

@@ -11,6 +11,7 @@ typedef struct fxs_photo_points {
 
 /* Each returns 0, or an error and a message; points that are not finite, or not within 2^27 units, are one. */
 int fxs_photo_points_colmap(fxs_photo_points *points, const char *path, fxs_message *message);
+int fxs_photo_points_ply(fxs_photo_points *points, const char *path, fxs_message *message);
 
 /* 100,000 grey ones in the cube of this middle and half its side. */
 int fxs_photo_points_random(fxs_photo_points *points, const double middle[3], double half, uint64_t seed,

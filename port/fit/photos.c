@@ -108,12 +108,12 @@ static int read_pixels(const fxs_photo_list *list, const fxs_photos_options *opt
     if (!r.results)
         return fxs_fail_memory(message, list->cameras, BATCH * sizeof(result));
     int error = read_all(&r, &list->fit, &photos->fit, &photos->fit_count, photos, 0, count, message);
+    if (!error && !photos->fit_count)
+        error = fxs_fail(message, "none of %zu photographs can be read; of the last: %s", list->fit.count,
+                         r.results[(list->fit.count - 1) % BATCH].message.text);
     if (!error)
         error = read_all(&r, &list->held_out, &photos->held_out, &photos->held_out_count, photos, list->fit.count,
                          count, message);
-    if (!error && !photos->fit_count)
-        error = fxs_fail(message, "%s: none of its %zu photographs can be read; the last says: %s", list->cameras,
-                         list->fit.count, r.results[(list->fit.count - 1) % BATCH].message.text);
     free(r.results);
     return error;
 }
@@ -167,8 +167,9 @@ static int read_points(const fxs_photo_list *list, const fxs_photos_options *opt
     fxs_photo_points p = {NULL, 0, 0};
     double middle[3];
     int error = 0;
-    if (list->points_are_colmap && *list->points)
-        error = fxs_photo_points_colmap(&p, list->points, message);
+    if (*list->points)
+        error = list->is_colmap ? fxs_photo_points_colmap(&p, list->points, message)
+                                : fxs_photo_points_ply(&p, list->points, message);
     if (!error && !p.count) {
         photos->points_are_random = 1;
         const double half = cube_of(list, middle);

@@ -16,7 +16,10 @@
 
 #define FXS_FIT_TILE 16
 #define FXS_FIT_PIXELS 256
+#define FXS_FIT_BLOCKS 16          /* of 4x4 pixels, in a tile */
+#define FXS_FIT_AT(x, y) (((y) / 4 * 4 + (x) / 4) * 16 + (y) % 4 * 4 + (x) % 4)   /* of a tile's pixel */
 #define FXS_FIT_BLOCK 16           /* Gaussians of a job come in multiples of it */
+#define FXS_FIT_PART 256           /* Gaussians that are updated at once, at most */
 
 /* Planes of parameters, one after the other, `stride` numbers each. */
 enum {
@@ -40,26 +43,33 @@ typedef struct fxs_fit_camera {
 } fxs_fit_camera;
 
 /* A Gaussian in the picture. For a pixel's centre (X, Y), x = X - centre[0], y = Y - centre[1]:
-   u = ux x + uy y, v = vy y, level = u^2 + v^2 + offset, alpha = min(0.99, exp(-level / 2)), where level <= limit. */
+   u = ux x + uy y, v = vy y, level = (u^2 + v^2) + offset, alpha = min(0.99, 2^-level), where level <= limit. In a block of
+   4x4 pixels u is the sum of that of its first pixel and of (ux i + uy j), i and j in 0..3; v likewise. 64 bytes. */
 typedef struct fxs_fit_splat {
     float centre[2], ux, uy, vy, offset, limit, colour[3];
     float depth;                   /* 0: not in the picture */
-    float half[2];                 /* of the ellipse, pixels, along x and y */
-    float square;                  /* above 0: it is in all tiles that a square touches, this many pixels either way */
-    uint32_t tiles, slot;          /* that it touches; of the first one's sums: the others follow, row by row */
+    float half[2];                 /* of the ellipse or the square, pixels, along x and y */
+    float tip;                     /* y where the ellipse is farthest to the right */
+    uint32_t tiles, slot;          /* pieces; the number of its first one among those of all splats */
 } fxs_fit_splat;
 
-/* A splat in a tile's list: its number, and where its sums over this tile go. */
+/* A splat in a tile: its blocks of 4x4 pixels, a bit each, row by row. */
+typedef struct fxs_fit_piece {
+    uint32_t tile;                 /* and later the number of its entry */
+    uint32_t blocks;
+} fxs_fit_piece;
+
+/* A splat in a tile's list. blend leaves only the blocks in which a pixel takes of it. */
 typedef struct fxs_fit_entry {
-    uint32_t splat, slot;
+    uint32_t splat, blocks;
 } fxs_fit_entry;
 
-/* Sums over pixels of a tile, h = -alpha dL/dalpha: each first over the rows of a column, top to bottom, then over the
-   16 columns: c and c + 8, of those c and c + 4, c + 2, c + 1. */
-enum { FXS_FIT_SUM, FXS_FIT_SUM_X, FXS_FIT_SUM_Y, FXS_FIT_SUM_XX, FXS_FIT_SUM_XY, FXS_FIT_SUM_YY, FXS_FIT_RED, FXS_FIT_GREEN,
-       FXS_FIT_BLUE, FXS_FIT_SUMS };
+/* Sums over pixels of a tile, h = -alpha dL/dalpha: for each of the 16 places in a block over the blocks, row by row; then
+   over the places: p and p + 8, of those p and p + 4, p + 2, p + 1. Those of a splat's tiles are added row by row. */
+enum { FXS_FIT_SUM, FXS_FIT_SUM_U, FXS_FIT_SUM_V, FXS_FIT_SUM_UU, FXS_FIT_SUM_UV, FXS_FIT_SUM_VV, FXS_FIT_RED,
+       FXS_FIT_GREEN, FXS_FIT_BLUE, FXS_FIT_SUMS };
 
-/* A tile's pixels, rows of 16: colours without background and transmittance. */
+/* A tile's pixels, block by block (FXS_FIT_AT): colours without background and transmittance. */
 typedef struct fxs_fit_tile {
     float colour[3][FXS_FIT_PIXELS], transmittance[FXS_FIT_PIXELS];
 } fxs_fit_tile;
@@ -77,10 +87,11 @@ typedef struct fxs_fit_plane {
 } fxs_fit_plane;
 
 /* What loss needs between its passes, of a channel: sums over the windows' rows, then the derivatives of SSIM, and
-   their sums. */
+   their sums. And its results. */
 enum { FXS_FIT_ROWS = 5, FXS_FIT_DERIVATIVES = 3 };
 typedef struct fxs_fit_loss {
-    fxs_fit_plane picture, gradient, values, rows[FXS_FIT_ROWS], derivatives[FXS_FIT_DERIVATIVES];
+    fxs_fit_plane picture, rows[FXS_FIT_ROWS], derivatives[FXS_FIT_DERIVATIVES], gradient;
+    float *absolute, *dissimilar;  /* of each row: sums of |a - b| and of 1 - SSIM */
     const uint8_t *photograph;     /* bytes, `step` apart, `pitch` from row to row */
     ptrdiff_t step, pitch;
     int32_t width, height;
@@ -93,6 +104,7 @@ typedef struct fxs_fit_adam {
     float epsilon;                 /* in units of the gradient */
     float by_opacity, by_scale;    /* d loss / d opacity, / d scale, of every Gaussian, beside the picture's */
     int32_t without_sh;            /* 1: SH above degree 0 is not updated */
+    int only_touched;              /* the other Gaussians, of which all sums are 0, stay as they are */
 } fxs_fit_adam;
 
 /* Noise of positions of a step: Sigma xi sigmoid(-100 (opacity - 0.005)) amount, xi normal, drawn by key. */
@@ -107,22 +119,24 @@ typedef struct fxs_fit_stages {
     /* Splats of Gaussians first..first + count; both multiples of FXS_FIT_BLOCK. */
     void (*project)(const fxs_fit_camera *camera, int degree, const float *parameters, size_t stride, size_t first,
                     size_t count, fxs_fit_splat *splats);
+    /* The pieces of splats first..first + count that are in the picture, to their slots. */
+    void (*cover)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first, size_t count,
+                  fxs_fit_piece *pieces);
     /* A list's splats to pixels of the tile at (left, top). Returns how many entries were needed. */
-    uint32_t (*blend)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
-                      int32_t top, fxs_fit_tile *tile);
-    /* The sums of the first `count` entries, each to its slot. */
+    uint32_t (*blend)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
+                      fxs_fit_tile *tile);
+    /* The sums of the first `count` entries. */
     void (*back)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
                  const fxs_fit_tile_gradient *gradient, float (*sums)[FXS_FIT_SUMS]);
-    /* A row each: sums along it of a, b, a^2, b^2, ab; SSIM and its derivatives; sums along it of those; the gradient.
-       `scratch`: 4 rows of width + 3 margins. */
-    void (*loss_rows)(const fxs_fit_loss *loss, int32_t row, float *scratch);
+    /* A row each: sums along it of a, b, a^2, b^2, ab; SSIM and its derivatives; sums along it of those; the gradient. */
+    void (*loss_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_derivatives)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_back_rows)(const fxs_fit_loss *loss, int32_t row);
-    void (*loss_gradient)(const fxs_fit_loss *loss, int32_t row, float *scratch);
-    /* Gradients of Gaussians first..first + count from `sums` (a Gaussian's, planes of `stride`), and a step of Adam.
-       by_centre: adds up the length of dL/dcentre, in halves of the picture's sides, of the loss that is a mean over
-       pixels and channels. A Gaussian with a gradient beyond FXS_FIT_FARTHEST_GRADIENT, or not finite, gets one of 0.
-       Scales and opacities stay within FXS_FIT_FARTHEST. */
+    void (*loss_gradient)(const fxs_fit_loss *loss, int32_t row);
+    /* Gradients of Gaussians first..first + count, of FXS_FIT_PART at most, from `sums` (planes of FXS_FIT_PART numbers),
+       and a step of Adam, where moments below 2^-100 are 0. by_centre: adds up the length of dL/dcentre, in halves of the
+       picture's sides, of the loss that is a mean over pixels and channels. A Gaussian with a gradient beyond
+       FXS_FIT_FARTHEST_GRADIENT, or not finite, gets one of 0. Scales and opacities stay within FXS_FIT_FARTHEST. */
     void (*update)(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam, float *parameters,
                    float *means, float *squares, size_t stride, size_t first, size_t count, const float *sums,
                    float *by_centre);
@@ -135,8 +149,11 @@ const fxs_fit_stages *fxs_fit_stages_choose(unsigned cpu);
 
 #define FXS_FIT_ALPHA_MOST 0.99f
 #define FXS_FIT_CLOSED 0.001f      /* a pixel with less transmittance takes no more */
-#define FXS_FIT_CUT 9.0f           /* the Mahalanobis distance 3, squared */
-#define FXS_FIT_FAINT 11.0825270f  /* 2 ln 255 */
+/* Levels are in units of 2 ln 2. */
+#define FXS_FIT_UNIT 0.849321800f  /* of u and v: sqrt(1 / (2 ln 2)) */
+#define FXS_FIT_CUT 6.49212768f    /* of the Mahalanobis distance 3 */
+#define FXS_FIT_FAINT 7.99435344f  /* of the opacity 1 / 255 */
+#define FXS_FIT_WIDER 1.01f        /* the square of an ellipse's radius, for lists */
 #define FXS_FIT_DILATION 0.3f      /* pixels^2 */
 #define FXS_FIT_FARTHEST 40.0f     /* ln scale and logit, either way */
 #define FXS_FIT_FARTHEST_PLACE 1e12f   /* coordinates */

@@ -28,6 +28,7 @@ typedef struct fxs_fit_step_options {
     int without_sh;                /* 1: SH above degree 0 is not updated */
     float by_opacity, by_scale;    /* weights of the mean opacity and the mean scale in the loss */
     fxs_fit_noise noise;           /* after the update; amount 0: none */
+    int only_touched;              /* Adam leaves Gaussians as they are that no pixel took anything of */
 } fxs_fit_step_options;
 
 /* `run` and `pool`: as in fxs_config. Null where memory ends. */
