@@ -26,13 +26,13 @@ static inline double fit_uniform(double low, double high)
 }
 
 /* The versions of the stages that this processor has, plain C first. Returns their number, at most FIT_VERSIONS. */
-enum { FIT_VERSIONS = 4 };
+enum { FIT_VERSIONS = 5 };
+static const unsigned fit_cpus[FIT_VERSIONS] = {0, FXS_CPU_SSE41, FXS_CPU_AVX2, FXS_CPU_AVX512, FXS_CPU_NEON};
 static inline int fit_versions(const fxs_fit_stages *versions[FIT_VERSIONS])
 {
-    static const unsigned cpus[FIT_VERSIONS] = {0, FXS_CPU_AVX2, FXS_CPU_AVX512, FXS_CPU_NEON};
     int count = 0;
     for (int i = 0; i < FIT_VERSIONS; i++) {
-        const fxs_fit_stages *found = fxs_fit_stages_choose(cpus[i]);
+        const fxs_fit_stages *found = fxs_fit_stages_choose(fit_cpus[i]);
         if (!count || found != versions[0])
             versions[count++] = found;
     }
@@ -54,15 +54,6 @@ static inline fxs_fit_camera fit_camera(int32_t width, int32_t height, float foc
     for (int i = 0; i < 2; i++)
         camera.slope_most[i] = 0.65f * (float)(i ? height : width) / camera.focal[i];
     return camera;
-}
-
-/* Gaussians of which all but the count is 0. Returns 0 or FXS_ERR_MEMORY. */
-static inline int fit_empty_model(fxs_fit_model *model, size_t count)
-{
-    fxs_fit_point *points = calloc(count, sizeof *points);
-    const int error = points ? fxs_fit_model_begin(model, points, count, 0.1f) : FXS_ERR_MEMORY;
-    free(points);
-    return error;
 }
 
 #endif

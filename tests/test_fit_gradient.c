@@ -260,7 +260,7 @@ static void step_once(const scene *s, const fxs_fit_stages *stages, fxs_fit_mode
     const fxs_fit_photograph photograph = {s->photograph[0], s->camera};
     fxs_fit_step_options options = {.sh_degree = s->degree, .number = 1};
     fxs_fit_report report;
-    if (!stepper || fit_empty_model(m, (size_t)s->count))
+    if (!stepper || fxs_fit_model_room(m, (size_t)s->count))
         abort();
     for (int c = 0; c < 3; c++)
         options.background[c] = (float)s->background[c];
@@ -418,9 +418,11 @@ typedef struct pixel_case {
 
 static void run_pixel(pixel_case *c)
 {
-    static const fxs_fit_entry entries[SPLATS] = {{0, 0}, {1, 1}, {2, 2}};
+    fxs_fit_entry entries[SPLATS];
     fxs_fit_tile_gradient gradient = {0};
-    const int at = c->y * FXS_FIT_TILE + c->x;
+    const int at = FXS_FIT_AT(c->x, c->y);
+    for (uint32_t i = 0; i < SPLATS; i++)
+        entries[i] = (fxs_fit_entry){.splat = i, .blocks = 0xffff};
     const uint32_t needed = c->stages->blend(c->splats, entries, c->count, 0, 0, &c->tile);
     for (int i = 0; i < 3; i++) {
         gradient.colour[i][at] = 1;
@@ -428,6 +430,11 @@ static void run_pixel(pixel_case *c)
     }
     memset(c->sums, 0, sizeof c->sums);
     c->stages->back(c->splats, entries, needed, 0, 0, &gradient, c->sums);
+}
+
+static float left_of(const pixel_case *c)
+{
+    return c->tile.transmittance[FXS_FIT_AT(c->x, c->y)];
 }
 
 static int is_zero(const float *sums)
@@ -454,18 +461,18 @@ static void close_in(pixel_case *c, float *number, float *low, float *high, int 
     CHECK(has(c));
 }
 
-/* Distances of 0 and opacities by `offset`, as large as the tile. */
+/* Its alpha is the same everywhere. */
 static fxs_fit_splat everywhere(double alpha)
 {
-    const fxs_fit_splat s = {.centre = {8, 8}, .offset = (float)(-2 * log(alpha)), .limit = FXS_FIT_FAINT,
-                             .colour = {0.3f, 0.5f, 0.9f}, .depth = 1, .half = {16, 16}};
+    const fxs_fit_splat s = {.centre = {8, 8}, .offset = (float)-log2(alpha), .limit = FXS_FIT_FAINT,
+                             .colour = {0.3f, 0.5f, 0.9f}, .depth = 1};
     return s;
 }
 
 static int is_taken(pixel_case *c)
 {
     run_pixel(c);
-    return c->tile.transmittance[c->y * FXS_FIT_TILE + c->x] < 1;
+    return left_of(c) < 1;
 }
 
 /* The farthest level that a splat takes: the pixel and the sums are of the same mind. */
@@ -491,15 +498,14 @@ static void test_cut_of_level(void)
         CHECK(c.sums[0][FXS_FIT_SUM] != 0 && c.sums[0][FXS_FIT_RED] > 0);
         s->limit = low;
         run_pixel(&c);
-        CHECK(is_zero(c.sums[0]) && c.tile.transmittance[c.y * FXS_FIT_TILE + c.x] == 1);
+        CHECK(is_zero(c.sums[0]) && left_of(&c) == 1);
     }
 }
 
 static int is_third_taken(pixel_case *c)
 {
-    const int at = c->y * FXS_FIT_TILE + c->x;
     run_pixel(c);
-    return c->tile.colour[0][at] > 0;
+    return c->tile.colour[0][FXS_FIT_AT(c->x, c->y)] > 0;
 }
 
 /* 1 - 0.99, less the second's share, is near 0.001, and then the third is seen or not. */
@@ -510,16 +516,15 @@ static void test_closed_pixel(void)
     for (int n = 0; n < count; n++) {
         pixel_case c = {versions[n], 3 + 2 * n, 12 - n, SPLATS, {everywhere(1), everywhere(0.9), everywhere(0.5)},
                         .sums = {{0}}};
-        float low = (float)(-2 * log(0.905)), high = (float)(-2 * log(0.895));
+        float low = (float)-log2(0.905), high = (float)-log2(0.895);
         c.splats[0].colour[0] = c.splats[1].colour[0] = 0;
         close_in(&c, &c.splats[1].offset, &low, &high, is_third_taken);
-        CHECK(fabs(exp(-(double)high / 2) - 0.9) < 1e-5);
+        CHECK(fabs(exp2(-(double)high) - 0.9) < 1e-5);
         CHECK(c.sums[2][FXS_FIT_SUM] != 0 && c.sums[2][FXS_FIT_RED] > 0);
         c.splats[1].offset = low;
         run_pixel(&c);
         CHECK(is_zero(c.sums[2]) && c.sums[1][FXS_FIT_SUM] != 0 && c.sums[0][FXS_FIT_GREEN] > 0);
-        const float left = c.tile.transmittance[c.y * FXS_FIT_TILE + c.x];
-        CHECK(left < 0.001f && left > 0.000999f);
+        CHECK(left_of(&c) < 0.001f && left_of(&c) > 0.000999f);
     }
 }
 
@@ -535,12 +540,12 @@ static void test_alpha_of_99(void)
     const int count = fit_versions(versions);
     for (int n = 0; n < count; n++) {
         pixel_case c = {versions[n], 5, 6, 1, {everywhere(1)}, .sums = {{0}}};
-        float low = (float)(-2 * log(0.9901)), high = (float)(-2 * log(0.9899));
+        float low = (float)-log2(0.9901), high = (float)-log2(0.9899);
         close_in(&c, &c.splats[0].offset, &low, &high, varies);
-        CHECK(fabs(exp(-(double)high / 2) - 0.99) < 1e-6);
+        CHECK(fabs(exp2(-(double)high) - 0.99) < 1e-6);
         c.splats[0].offset = low;
         run_pixel(&c);
-        CHECK(c.tile.transmittance[6 * FXS_FIT_TILE + 5] == 1 - 0.99f && c.sums[0][FXS_FIT_RED] > 0);
+        CHECK(left_of(&c) == 1 - 0.99f && c.sums[0][FXS_FIT_RED] > 0);
     }
 }
 
@@ -568,14 +573,14 @@ static void test_project_cuts(void)
     const int count = fit_versions(versions);
     for (int n = 0; n < count; n++) {
         for (double logit = -5.5; logit < 16; logit += 0.01) {
-            const double opacity = 1 / (1 + exp(-logit)), offset = -2 * log(opacity), faint = 2 * log(255.0);
+            const double opacity = 1 / (1 + exp(-logit)), offset = -log2(opacity), faint = log2(255.0);
             const fxs_fit_splat s = project_one(versions[n], logit, 2);
             if (logit < -log(254.0)) {
                 CHECK(s.depth == 0);
                 continue;
             }
             CHECK(s.depth == 2 && fabs((double)s.offset - offset) < 1e-6 * (1 + offset));
-            CHECK(fabs((double)s.limit - fmin(offset + 9, faint)) < 2e-6 * faint);
+            CHECK(fabs((double)s.limit - fmin(offset + 4.5 / log(2), faint)) < 2e-6 * faint);
         }
         CHECK(project_one(versions[n], -log(254.0) - 1e-5, 2).depth == 0);
         CHECK(project_one(versions[n], -log(254.0) + 1e-5, 2).depth > 0);
