@@ -37,8 +37,8 @@ static void make_planes(pictures *p)
     for (size_t i = 0; i < PLANES; i++)
         planes[i] = (fxs_fit_plane){p->memory + i * plane + FXS_FIT_MARGIN * stride + FXS_FIT_MARGIN, stride};
     p->loss = (fxs_fit_loss){.picture = planes[0], .gradient = planes[1], .absolute = p->absolute,
-                             .dissimilar = p->dissimilar, .photograph = p->photograph, .step = 3, .pitch = 3 * p->width, .width = p->width,
-                             .height = p->height};
+                             .dissimilar = p->dissimilar, .photograph = p->photograph, .step = 3,
+                             .pitch = 3 * p->width, .width = p->width, .height = p->height};
     memcpy(p->loss.rows, planes + 2, sizeof p->loss.rows);
     memcpy(p->loss.derivatives, planes + 2 + FXS_FIT_ROWS, sizeof p->loss.derivatives);
     for (int i = 0; i < p->width * p->height; i++)
