@@ -1,4 +1,5 @@
-/* A fit in which one allocation, or each from there on, gets no memory: an error, nothing kept, and a right fit after. */
+/* A fit in which one allocation, or each from there on, gets no memory: an error, nothing kept, and a right fit
+ * after. */
 #include "../port/fit/fit.h"
 #include "fit_scene.h"
 

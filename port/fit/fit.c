@@ -79,8 +79,8 @@ static int check_points(const fxs_fit_photo *photos, size_t photo_count, const f
     return are_seen ? 0 : fxs_fail_as(FXS_ERR_ARGUMENT, message, "all points are behind all cameras");
 }
 
-/* Single precision, each operation rounded to the nearest, and numbers that are not normal: elsewhere a fit would not be
-   that of other machines. */
+/* Single precision, each operation rounded to the nearest, and numbers that are not normal: elsewhere a fit would not
+   be that of other machines. */
 static int check_arithmetic(fxs_message *message)
 {
     volatile float one = 1, half_unit = 0x1p-24f, tiny = 0x1p-140f;
