@@ -303,7 +303,6 @@ build() {
     mkdir "$work/objects"
     for source in src/*.c $kernels port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c \
         port/fit/*.c tests/fuzz_*.c; do
-        port/fit/photo*.c tests/fuzz_*.c; do
         echo "$compile $features -DFXS_WITH_KERNELS $(instructions_of "$source") -c $source -o $work/objects/$(
             )$(basename "$source" .c).o"
     done | xargs -P "$jobs" -I COMMAND sh -c COMMAND || return

@@ -35,8 +35,11 @@ tests_of() {
     src/object.c | src/trace.c | src/targets.c | src/pick.c) echo targets objects stages ;;
     src/*) echo random stages scene stereo kernels bands golden targets objects foveate ;;
     port/board/*) echo strip ;;
+    port/fit/*.h | port/fit/fit*.c | port/fit/stepper.c) echo fit_gradient fit_loss fit_numbers fit_steps ;;
+    port/fit/*) echo fit_model fit_steps ;;
     port/backend/foveate.c) echo foveate ;;
     kernels/gles/*) echo gles ;;
+    kernels/*/fit_*) echo fit_gradient fit_loss ;;
     kernels/*) echo kernels foveate random stereo golden bands ;;
     */camera.c | */message.c) echo camera_file golden ;;
     port/fit/photo* | */lens.c) echo photos photo_bytes ;;

@@ -8,7 +8,7 @@ results=$B/tests/results
 # What takes long, the longest first: the others fill the gaps. What waits for a window, or measures, comes alone, at the
 # end.
 long='web.sh page.sh webgl.sh test_quality processors.sh fuzz.sh threads_and_cpus.sh cli.sh test_pack test_gles build.sh
-      xr.sh matrix.sh'
+      xr.sh matrix.sh fit_same.sh test_fit_steps'
 alone='window.sh web_speed.sh'
 
 # run_one NAME: its output and "passed failed skipped seconds processor-seconds name", in the folder of results.

@@ -68,6 +68,12 @@ probe() {
         '#elif defined(__aarch64__) && !defined(__AARCH64EB__)' folder_arm '#endif' |
         compile -E -P -x c - | sed -n 's/^folder_/KERNEL_FOLDER := /p'
 
+    # What it takes for floats to be no wider than they are written, as a fit wants them: on i686, and on s390x.
+    printf '%s\n' '#include <float.h>' '#if FLT_EVAL_METHOD != 0' '#error' '#endif' >"$source.h"
+    for singles in '' '-msse2 -mfpmath=sse' -msse2 -fexcess-precision=fast; do
+        compile -std=c99 $singles -E -x c "$source.h" >/dev/null && echo "SINGLES := $singles" && break
+    done
+
     # Machine code for another processor than CC's does not link.
     cuda=$([ "$nvcc" ] && "$nvcc" --dryrun -x cu /dev/null 2>&1 | sed -n 's/"//g; s/.*LIBRARIES= *//p')
     cuda="$cuda -lcudart_static -lpthread -ldl -lrt"
@@ -87,5 +93,5 @@ probe() {
 }
 rm -f "$build/probe.key"
 probe 2>/dev/null >"$build/probe.mk"
-rm -f "$source" "$object" "$object.map" "$object.d"
+rm -f "$source" "$source.h" "$object" "$object.map" "$object.d"
 printf '%s\n' "$state" >"$build/probe.key"

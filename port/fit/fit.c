@@ -1,6 +1,7 @@
 /* A fit: a photograph's step, and what the recipe does after it. */
 #include "fit_internal.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -78,6 +79,17 @@ static int check_points(const fxs_fit_photo *photos, size_t photo_count, const f
     return are_seen ? 0 : fxs_fail_as(FXS_ERR_ARGUMENT, message, "all points are behind all cameras");
 }
 
+/* Single precision, each operation rounded to the nearest, and numbers that are not normal: elsewhere a fit would not
+   be that of other machines. */
+static int check_arithmetic(fxs_message *message)
+{
+    volatile float one = 1, half_unit = 0x1p-24f, tiny = 0x1p-140f;
+    if (FLT_EVAL_METHOD == 0 && one + half_unit == 1 && one + 1.5f * half_unit > 1 && tiny * 0.5f > 0)
+        return 0;
+    return fxs_fail(message, "a fit needs IEEE single precision, rounded to the nearest: this %s",
+                    FLT_EVAL_METHOD == 0 ? "thread is set otherwise" : "build computes with more digits");
+}
+
 static int check_options(const fxs_fit_options *o, fxs_message *message)
 {
     const char *wrong = (unsigned)o->recipe > FXS_FIT_FAST                         ? "recipe"
@@ -138,7 +150,8 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
                   fxs_message *message)
 {
     *fit = NULL;
-    if (check_options(options, message) || check_photographs(photos, photo_count, message))
+    if (check_arithmetic(message) || check_options(options, message) ||
+        check_photographs(photos, photo_count, message))
         return FXS_ERR_ARGUMENT;
     fxs_fit *f = calloc(1, sizeof *f);
     if (f) {

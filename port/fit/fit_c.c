@@ -1,6 +1,7 @@
 #define ISA c
 #include "stages.h"
 
+#ifdef FXS_WITH_KERNELS
 #include "../../kernels/kernels.h"
 
 #if defined(__x86_64__) || defined(__i386__)
@@ -26,3 +27,10 @@ const fxs_fit_stages *fxs_fit_stages_choose(unsigned cpu)
 #endif
     return chosen;
 }
+#else
+const fxs_fit_stages *fxs_fit_stages_choose(unsigned cpu)
+{
+    (void)cpu;
+    return &fxs_fit_stages_c;
+}
+#endif

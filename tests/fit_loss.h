@@ -1,0 +1,59 @@
+/* The loss of the fit in doubles: SSIM of Wang et al. 2004, windows of 11x11, sigma 1.5, zeros beyond the picture. */
+#ifndef FIT_LOSS_H
+#define FIT_LOSS_H
+
+#include <math.h>
+#include <stdint.h>
+
+enum { FIT_WINDOW = 11, FIT_LOSS_PIXELS = 2048 };
+
+static inline void fit_window(double window[FIT_WINDOW])
+{
+    double sum = 0;
+    for (int i = 0; i < FIT_WINDOW; i++)
+        sum += window[i] = exp(-(i - 5) * (i - 5) / (2 * 1.5 * 1.5));
+    for (int i = 0; i < FIT_WINDOW; i++)
+        window[i] /= sum;
+}
+
+/* Of the window's means of a, b, a^2, b^2 and ab. */
+static inline double fit_similarity(const double m[5])
+{
+    const double c1 = 0.01 * 0.01, c2 = 0.03 * 0.03;
+    const double variances = m[2] - m[0] * m[0] + m[3] - m[1] * m[1], covariance = m[4] - m[0] * m[1];
+    return (2 * m[0] * m[1] + c1) * (2 * covariance + c2) / ((m[0] * m[0] + m[1] * m[1] + c1) * (variances + c2));
+}
+
+/* Sums of all five over the windows along `step`, where the picture is `size` pixels. */
+static inline void fit_window_sums(const double (*from)[5], double (*to)[5], int pixels, int step, int size,
+                                   const double *window)
+{
+    for (int p = 0; p < pixels; p++) {
+        const int at = p / step % size, first = at < 5 ? -at : -5, last = at + 5 < size ? 5 : size - 1 - at;
+        for (int k = 0; k < 5; k++)
+            to[p][k] = 0;
+        for (int i = first; i <= last; i++)
+            for (int k = 0; k < 5; k++)
+                to[p][k] += window[i + 5] * from[p + i * step][k];
+    }
+}
+
+/* The sum over the pixels of a channel, the photograph's three bytes apart, of 0.8 |a - b| + 0.2 (1 - SSIM). */
+static inline double fit_loss(const double *picture, const uint8_t *photograph, int width, int height)
+{
+    static double products[FIT_LOSS_PIXELS][5], rows[FIT_LOSS_PIXELS][5], sums[FIT_LOSS_PIXELS][5];
+    double window[FIT_WINDOW], loss = 0;
+    fit_window(window);
+    for (int p = 0; p < width * height; p++) {
+        const double a = picture[p], b = photograph[3 * p] / 255.0;
+        products[p][0] = a, products[p][1] = b, products[p][2] = a * a, products[p][3] = b * b, products[p][4] = a * b;
+        loss += 0.8 * fabs(a - b);
+    }
+    fit_window_sums((const double(*)[5])products, rows, width * height, 1, width, window);
+    fit_window_sums((const double(*)[5])rows, sums, width * height, width, height, window);
+    for (int p = 0; p < width * height; p++)
+        loss += 0.2 * (1 - fit_similarity(sums[p]));
+    return loss;
+}
+
+#endif

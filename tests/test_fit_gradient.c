@@ -1,0 +1,604 @@
+/* The gradients of a step against central differences of a forward pass in doubles, written here from the formulas
+ * alone, for every parameter: what is drawn in front of and behind the cuts, at the edges of the picture, with the
+ * Jacobian's slopes cut, colours cut at 0, alphas at 0.99 and pixels closed. And the cuts themselves. */
+#include "fit_loss.h"
+#include "fit_scene.h"
+
+enum { WIDTH = 37, HEIGHT = 27, PIXELS = WIDTH * HEIGHT, MOST = 64 };
+enum { CENTRE = FXS_FIT_PARAMETERS, VARIABLES = CENTRE + 2 };    /* of a Gaussian: the parameters, and its 2D centre */
+
+/* ---- The reference ----------------------------------------------------------------------------------------------- */
+
+/* What a forward pass decides. The differences keep to it: the gradient is that between the cuts. */
+enum { OUT, IN, CAPPED };
+typedef struct cuts {
+    int is_set;                    /* 0: the next pass decides */
+    int order[MOST], visible;
+    unsigned char taken[PIXELS][MOST], dark[MOST][3], beside[MOST][2];
+    unsigned char seen[MOST], outside[MOST], capped[MOST], closed[MOST];   /* whether any pixel's is so */
+    double nearest;                /* how near one was to being decided otherwise; relative */
+} cuts;
+
+typedef struct scene {
+    int count, degree;
+    fxs_fit_camera camera;
+    double variables[MOST][VARIABLES], background[3];
+    uint8_t photograph[PIXELS][3];
+    cuts cuts;
+} scene;
+
+typedef struct flat {
+    double depth, centre[2], q[3], opacity, colour[3];
+} flat;
+
+static double picture[3][PIXELS];
+
+/* Notes how far `value` is from the cut, relative to `scale`; returns whether it is above it. */
+static int above(cuts *c, double value, double cut, double scale)
+{
+    c->nearest = fmin(c->nearest, fabs(value - cut) / scale);
+    return value > cut;
+}
+
+static void rotation_of_quaternion(const double *q, double r[3][3])
+{
+    const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    const double w = q[0] / length, x = q[1] / length, y = q[2] / length, z = q[3] / length;
+    const double rows[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
+                               {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+                               {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
+    memcpy(r, rows, sizeof rows);
+}
+
+/* J W Sigma W^T J^T + 0.3, Sigma = R S S R^T; its inverse. */
+static void flatten_shape(scene *s, int i, const double t[3], flat *f)
+{
+    const double *v = s->variables[i];
+    const fxs_fit_camera *camera = &s->camera;
+    double r[3][3], sigma[3][3] = {{0}}, m[2][3], flat_sigma[2][2] = {{0.3, 0}, {0, 0.3}};
+    rotation_of_quaternion(v + FXS_FIT_ROTATION, r);
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++)
+            for (int k = 0; k < 3; k++)
+                sigma[a][b] += r[a][k] * exp(2 * v[FXS_FIT_SCALE + k]) * r[b][k];
+    for (int axis = 0; axis < 2; axis++) {
+        const double slope = t[axis] / t[2], most = (double)camera->slope_most[axis];
+        unsigned char *beside = &s->cuts.beside[i][axis];
+        if (!s->cuts.is_set)
+            *beside = (unsigned char)(above(&s->cuts, slope, most, 1) ? 2 : !above(&s->cuts, slope, -most, 1));
+        const double cut = *beside == 2 ? most : *beside ? -most : slope;
+        for (int k = 0; k < 3; k++)
+            m[axis][k] = (double)camera->focal[axis] / t[2] *
+                         ((double)camera->rotation[3 * axis + k] - cut * (double)camera->rotation[6 + k]);
+    }
+    for (int a = 0; a < 2; a++)
+        for (int b = 0; b < 2; b++)
+            for (int k = 0; k < 9; k++)
+                flat_sigma[a][b] += m[a][k / 3] * sigma[k / 3][k % 3] * m[b][k % 3];
+    const double det = flat_sigma[0][0] * flat_sigma[1][1] - flat_sigma[0][1] * flat_sigma[0][1];
+    f->q[0] = flat_sigma[1][1] / det;
+    f->q[1] = -flat_sigma[0][1] / det;
+    f->q[2] = flat_sigma[0][0] / det;
+}
+
+static void flatten_colour(scene *s, int i, const double offset[3], flat *f)
+{
+    const double *v = s->variables[i];
+    const double length = sqrt(offset[0] * offset[0] + offset[1] * offset[1] + offset[2] * offset[2]);
+    const double x = offset[0] / length, y = offset[1] / length, z = offset[2] / length;
+    const double xx = x * x, yy = y * y, zz = z * z, pi = 3.14159265358979323846;
+    const double basis[15] = {
+        -sqrt(3 / (4 * pi)) * y, sqrt(3 / (4 * pi)) * z, -sqrt(3 / (4 * pi)) * x,
+        sqrt(15 / (4 * pi)) * x * y, -sqrt(15 / (4 * pi)) * y * z, sqrt(5 / (16 * pi)) * (2 * zz - xx - yy),
+        -sqrt(15 / (4 * pi)) * x * z, sqrt(15 / (16 * pi)) * (xx - yy),
+        -sqrt(35 / (32 * pi)) * y * (3 * xx - yy), sqrt(105 / (4 * pi)) * x * y * z,
+        -sqrt(21 / (32 * pi)) * y * (4 * zz - xx - yy), sqrt(7 / (16 * pi)) * z * (2 * zz - 3 * xx - 3 * yy),
+        -sqrt(21 / (32 * pi)) * x * (4 * zz - xx - yy), sqrt(105 / (16 * pi)) * z * (xx - yy),
+        -sqrt(35 / (32 * pi)) * x * (xx - 3 * yy)};
+    for (int c = 0; c < 3; c++) {
+        f->colour[c] = 0.5 + sqrt(1 / (4 * pi)) * v[FXS_FIT_COLOUR + c];
+        for (int k = 0; k < (s->degree + 1) * (s->degree + 1) - 1; k++)
+            f->colour[c] += basis[k] * v[FXS_FIT_SH + 3 * k + c];
+        if (!s->cuts.is_set)
+            s->cuts.dark[i][c] = !above(&s->cuts, f->colour[c], 0, 1);
+        if (s->cuts.dark[i][c])
+            f->colour[c] = 0;
+    }
+}
+
+static void flatten(scene *s, int i, flat *f)
+{
+    const double *v = s->variables[i];
+    const fxs_fit_camera *camera = &s->camera;
+    double offset[3], t[3] = {0};
+    for (int k = 0; k < 3; k++)
+        offset[k] = v[FXS_FIT_POSITION + k] - (double)camera->eye[k];
+    for (int k = 0; k < 9; k++)
+        t[k / 3] += (double)camera->rotation[k] * offset[k % 3];
+    f->depth = t[2];
+    f->opacity = 1 / (1 + exp(-v[FXS_FIT_OPACITY]));
+    for (int axis = 0; axis < 2; axis++)
+        f->centre[axis] = (double)camera->focal[axis] * t[axis] / t[2] + (double)camera->middle[axis] +
+                          v[CENTRE + axis];
+    s->cuts.outside[i] = f->centre[0] < 0 || f->centre[1] < 0 || f->centre[0] > WIDTH || f->centre[1] > HEIGHT;
+    flatten_shape(s, i, t, f);
+    flatten_colour(s, i, offset, f);
+}
+
+static void sort(scene *s, const flat *flats)
+{
+    s->cuts.visible = 0;
+    for (int i = 0; i < s->count; i++) {
+        if (!above(&s->cuts, flats[i].depth, (double)s->camera.near, 1))
+            continue;
+        int at = s->cuts.visible++;
+        for (; at && !above(&s->cuts, flats[i].depth, flats[s->cuts.order[at - 1]].depth, 1); at--)
+            s->cuts.order[at] = s->cuts.order[at - 1];
+        s->cuts.order[at] = i;
+    }
+}
+
+static int decide(cuts *c, int i, double level, double alpha, double transmittance)
+{
+    if (above(c, level, 9, 9) || !above(c, alpha, 1 / 255.0, 1 / 255.0))
+        return OUT;
+    if (!above(c, transmittance, 0.001, 0.001)) {
+        c->closed[i] = 1;
+        return OUT;
+    }
+    c->seen[i] = 1;
+    const int capped = above(c, alpha, 0.99, 0.01);
+    c->capped[i] |= (unsigned char)capped;
+    return capped ? CAPPED : IN;
+}
+
+static void draw(scene *s)
+{
+    flat flats[MOST];
+    for (int i = 0; i < s->count; i++)
+        flatten(s, i, &flats[i]);
+    if (!s->cuts.is_set)
+        sort(s, flats);
+    for (int p = 0; p < PIXELS; p++) {
+        double transmittance = 1, colour[3] = {0};
+        for (int k = 0; k < s->cuts.visible; k++) {
+            const int i = s->cuts.order[k];
+            const flat *f = &flats[i];
+            unsigned char *taken = &s->cuts.taken[p][i];
+            if (s->cuts.is_set && *taken == OUT)
+                continue;
+            const double x = f->centre[0] - (p % WIDTH + 0.5), y = f->centre[1] - (p / WIDTH + 0.5);
+            const double level = f->q[0] * x * x + 2 * f->q[1] * x * y + f->q[2] * y * y;
+            double alpha = f->opacity * exp(-level / 2);
+            if (!s->cuts.is_set)
+                *taken = (unsigned char)decide(&s->cuts, i, level, alpha, transmittance);
+            alpha = *taken == CAPPED ? 0.99 : *taken == IN ? alpha : 0;
+            for (int c = 0; c < 3; c++)
+                colour[c] += transmittance * alpha * f->colour[c];
+            transmittance *= 1 - alpha;
+        }
+        for (int c = 0; c < 3; c++)
+            picture[c][p] = colour[c] + transmittance * s->background[c];
+    }
+    s->cuts.is_set = 1;
+}
+
+/* dL/dvariable */
+static double difference(scene *s, int i, int k)
+{
+    const double kept = s->variables[i][k], h = 1e-6;
+    double loss[2];
+    for (int side = 0; side < 2; side++) {
+        s->variables[i][k] = kept + (side ? h : -h);
+        draw(s);
+        loss[side] = 0;
+        for (int c = 0; c < 3; c++)
+            loss[side] += fit_loss(picture[c], &s->photograph[0][c], WIDTH, HEIGHT);
+    }
+    s->variables[i][k] = kept;
+    return (loss[1] - loss[0]) / (2 * h);
+}
+
+/* ---- Random scenes ----------------------------------------------------------------------------------------------- */
+
+typedef struct kind {
+    int count;
+    float focal;
+    double aside;                  /* slopes, in half pictures */
+    double scale[2], opacity[2], colour[2];
+} kind;
+
+/* Draws scenes until one has no decision that singles might take otherwise, and photographs beside their pictures. */
+static void make_scene(scene *s, const kind *k, int degree)
+{
+    do {
+        memset(s, 0, sizeof *s);
+        s->count = k->count;
+        s->degree = degree;
+        s->camera = fit_camera(WIDTH, HEIGHT, k->focal);
+        s->cuts.nearest = INFINITY;
+        for (int c = 0; c < 3; c++)
+            s->background[c] = (float)fit_uniform(0, 1);
+        for (int i = 0; i < k->count; i++) {
+            const fxs_fit_camera *camera = &s->camera;
+            const double z = fit_uniform(1.5, 4);
+            double t[3] = {0, 0, z}, *v = s->variables[i];
+            for (int axis = 0; axis < 2; axis++)
+                t[axis] = z * k->aside * fit_uniform(-1, 1) * (axis ? HEIGHT : WIDTH) / 2 / (double)camera->focal[axis];
+            for (int a = 0; a < 3; a++) {
+                v[a] = (double)camera->eye[a];
+                for (int b = 0; b < 3; b++)
+                    v[a] += (double)camera->rotation[3 * b + a] * t[b];
+                v[FXS_FIT_SCALE + a] = fit_uniform(k->scale[0], k->scale[1]);
+                v[FXS_FIT_COLOUR + a] = fit_uniform(k->colour[0], k->colour[1]);
+            }
+            for (int a = 0; a < 4; a++)
+                v[FXS_FIT_ROTATION + a] = fit_uniform(-1, 1);
+            v[FXS_FIT_OPACITY] = fit_uniform(k->opacity[0], k->opacity[1]);
+            for (int a = FXS_FIT_SH; a < FXS_FIT_PARAMETERS; a++)
+                v[a] = fit_uniform(-0.2, 0.2);
+            for (int a = 0; a < FXS_FIT_PARAMETERS; a++)
+                v[a] = (float)v[a];
+        }
+        draw(s);
+    } while (s->cuts.nearest < 3e-5);
+    for (int p = 0; p < PIXELS; p++)
+        for (int c = 0; c < 3; c++) {
+            uint8_t *b = &s->photograph[p][c];
+            *b = (uint8_t)fit_uniform(0, 256);
+            if (fabs(picture[c][p] * 255 - *b) < 0.02)
+                *b = (uint8_t)(*b < 255 ? *b + 1 : *b - 1);
+        }
+}
+
+/* ---- Against it -------------------------------------------------------------------------------------------------- */
+
+/* What a first step leaves: a tenth of the gradients as Adam's means. */
+static void step_once(const scene *s, const fxs_fit_stages *stages, fxs_fit_model *m)
+{
+    fxs_fit_stepper *stepper = fxs_fit_stepper_create(stages, NULL, NULL, 1, NULL);
+    const fxs_fit_photograph photograph = {s->photograph[0], s->camera};
+    fxs_fit_step_options options = {.sh_degree = s->degree, .number = 1};
+    fxs_fit_report report;
+    if (!stepper || fxs_fit_model_room(m, (size_t)s->count))
+        abort();
+    for (int c = 0; c < 3; c++)
+        options.background[c] = (float)s->background[c];
+    for (int i = 0; i < s->count; i++)
+        for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
+            m->parameters[(size_t)k * m->stride + (size_t)i] = (float)s->variables[i][k];
+    CHECK(fxs_fit_stepper_step(stepper, m, &photograph, &options, &report) == 0);
+    fxs_fit_stepper_free(stepper);
+}
+
+static double gradient_of(const fxs_fit_model *m, int i, int k)
+{
+    return (double)m->means[(size_t)k * m->stride + (size_t)i] / (double)0.1f;
+}
+
+/* How large the gradients of a Gaussian's parameters of one sort are. */
+static double size_of(const double *d, int k)
+{
+    static const int ends[] = {FXS_FIT_SCALE, FXS_FIT_ROTATION, FXS_FIT_OPACITY, FXS_FIT_COLOUR, FXS_FIT_PARAMETERS};
+    int first = 0, at = 0;
+    double size = 0;
+    while (ends[at] <= k)
+        first = ends[at++];
+    for (int i = first; i < ends[at]; i++)
+        size = fmax(size, fabs(d[i]));
+    return size;
+}
+
+typedef struct tally {
+    int gaussians, unseen, outside, beside, dark, capped, closed;
+    double worst;                  /* fault, in what is allowed */
+} tally;
+
+static void count_cuts(const scene *s, int i, tally *t)
+{
+    const int seen = s->cuts.seen[i];
+    t->gaussians++;
+    t->unseen += !seen;
+    t->outside += seen && s->cuts.outside[i];
+    t->beside += seen && (s->cuts.beside[i][0] || s->cuts.beside[i][1]);
+    t->capped += s->cuts.capped[i];
+    t->closed += s->cuts.closed[i];
+    t->dark += seen && (s->cuts.dark[i][0] || s->cuts.dark[i][1] || s->cuts.dark[i][2]);
+}
+
+/* Singles leave 1e-5 of what a pixel gives, which counts where Gaussians in front take nearly all of it. */
+static void check_near(double value, double wanted, double size, int i, int k, tally *t)
+{
+    const double fault = fabs(value - wanted) / (1e-4 * size + 2e-5);
+    t->worst = fmax(t->worst, fault);
+    if (!CHECK(fault < 1))
+        printf("  Gaussian %d, variable %d: %g, by differences %g\n", i, k, value, wanted);
+}
+
+static void check_gaussian(scene *s, const fxs_fit_model *m, int i, tally *t)
+{
+    double d[VARIABLES];
+    for (int k = 0; k < VARIABLES; k++)
+        d[k] = difference(s, i, k);
+    for (int k = 0; k < FXS_FIT_PARAMETERS; k++) {
+        check_near(gradient_of(m, i, k), d[k], size_of(d, k), i, k, t);
+        if (!s->cuts.seen[i] || k >= FXS_FIT_SH + 3 * ((s->degree + 1) * (s->degree + 1) - 1))
+            CHECK(d[k] == 0 && gradient_of(m, i, k) == 0);
+    }
+    /* by_centre is that of the mean over pixels and channels. */
+    const double length = hypot(d[CENTRE] * WIDTH / 2, d[CENTRE + 1] * HEIGHT / 2) / WIDTH;
+    check_near((double)m->by_centre[i] * 3 * PIXELS / WIDTH, length, length, i, CENTRE, t);
+}
+
+/* Every version has the same bytes. */
+static void check_versions(const scene *s, const fxs_fit_model *c)
+{
+    const fxs_fit_stages *versions[FIT_VERSIONS];
+    const int count = fit_versions(versions);
+    const size_t bytes = FXS_FIT_PARAMETERS * c->stride * sizeof(float);
+    for (int i = 1; i < count; i++) {
+        fxs_fit_model m;
+        step_once(s, versions[i], &m);
+        if (!CHECK(!memcmp(m.means, c->means, bytes) && !memcmp(m.squares, c->squares, bytes)) ||
+            !CHECK(!memcmp(m.parameters, c->parameters, bytes)) ||
+            !CHECK(!memcmp(m.by_centre, c->by_centre, c->stride * sizeof(float))))
+            printf("  %s\n", versions[i]->name);
+        fxs_fit_model_free(&m);
+    }
+}
+
+/* As many scenes, of degrees 0 to 3 in turn; some six Gaussians of each. */
+static tally check_scenes(const kind *k, int scenes)
+{
+    static scene s;
+    tally t = {0};
+    fit_state = (uint64_t)k->count;
+    for (int n = 0; n < scenes; n++) {
+        fxs_fit_model m;
+        make_scene(&s, k, 3 - n % 4);
+        step_once(&s, fxs_fit_stages_choose(0), &m);
+        check_versions(&s, &m);
+        for (int i = n; i < s.count; i += 1 + s.count / 8) {
+            count_cuts(&s, i, &t);
+            check_gaussian(&s, &m, i, &t);
+        }
+        fxs_fit_model_free(&m);
+    }
+    printf("  of %d Gaussians %d unseen, %d outside, %d beside, %d dark, %d capped, %d behind closed pixels; %.2f\n",
+           t.gaussians, t.unseen, t.outside, t.beside, t.dark, t.capped, t.closed, t.worst);
+    return t;
+}
+
+static void test_ordinary(void)
+{
+    const kind k = {6, 30, 1, {-2.5, -0.8}, {-2, 3}, {0, 1.5}};
+    const tally t = check_scenes(&k, 4);
+    CHECK(t.gaussians - t.unseen > 15);
+}
+
+/* Centres beyond the picture, and so far beyond it that the Jacobian's slopes are cut. */
+static void test_beyond_the_picture(void)
+{
+    const kind k = {7, 12, 2.2, {-1.5, 0.3}, {-1, 3}, {0, 1.5}};
+    const tally t = check_scenes(&k, 4);
+    CHECK(t.outside > 8 && t.beside > 5 && t.unseen > 3);
+}
+
+static void test_colours_below_0(void)
+{
+    const kind k = {8, 30, 1, {-2.5, -0.8}, {-1, 3}, {-2.5, -1}};
+    CHECK(check_scenes(&k, 4).dark > 10);
+}
+
+static void test_opaque(void)
+{
+    const kind k = {16, 30, 1, {-1.5, -0.3}, {4, 9}, {0, 1.5}};
+    const tally t = check_scenes(&k, 4);
+    CHECK(t.capped > 8 && t.closed > 8);
+}
+
+static void test_many(void)
+{
+    const kind k = {48, 30, 1, {-1.5, -0.3}, {-1, 4}, {0, 1.5}};
+    CHECK(check_scenes(&k, 4).closed > 15);
+}
+
+/* ---- The cuts ---------------------------------------------------------------------------------------------------- */
+
+/* Of one pixel of a tile: what some splats leave of it, and what comes back to each. */
+enum { SPLATS = 3 };
+typedef struct pixel_case {
+    const fxs_fit_stages *stages;
+    int32_t x, y;
+    uint32_t count;
+    fxs_fit_splat splats[SPLATS];
+    fxs_fit_tile tile;
+    float sums[SPLATS][FXS_FIT_SUMS];
+} pixel_case;
+
+static void run_pixel(pixel_case *c)
+{
+    fxs_fit_entry entries[SPLATS];
+    fxs_fit_tile_gradient gradient = {0};
+    const int at = FXS_FIT_AT(c->x, c->y);
+    for (uint32_t i = 0; i < SPLATS; i++)
+        entries[i] = (fxs_fit_entry){.splat = i, .blocks = 0xffff};
+    const uint32_t needed = c->stages->blend(c->splats, entries, c->count, 0, 0, &c->tile);
+    for (int i = 0; i < 3; i++) {
+        gradient.colour[i][at] = 1;
+        gradient.whole[at] += c->tile.colour[i][at] + 0.5f * c->tile.transmittance[at];
+    }
+    memset(c->sums, 0, sizeof c->sums);
+    c->stages->back(c->splats, entries, needed, 0, 0, &gradient, c->sums);
+}
+
+static float left_of(const pixel_case *c)
+{
+    return c->tile.transmittance[FXS_FIT_AT(c->x, c->y)];
+}
+
+static int is_zero(const float *sums)
+{
+    for (int i = 0; i < FXS_FIT_SUMS; i++)
+        if (sums[i] != 0)
+            return 0;
+    return 1;
+}
+
+/* Halves the range of a number of the case until it is two neighbours, of which `high` alone has the property. */
+static void close_in(pixel_case *c, float *number, float *low, float *high, int (*has)(pixel_case *))
+{
+    for (;;) {
+        const float middle = *low + (*high - *low) / 2;
+        if (middle <= *low || middle >= *high)
+            break;
+        *number = middle;
+        *(has(c) ? high : low) = middle;
+    }
+    *number = *low;
+    CHECK(!has(c));
+    *number = *high;
+    CHECK(has(c));
+}
+
+/* Its alpha is the same everywhere. */
+static fxs_fit_splat everywhere(double alpha)
+{
+    const fxs_fit_splat s = {.centre = {8, 8}, .offset = (float)-log2(alpha), .limit = FXS_FIT_FAINT,
+                             .colour = {0.3f, 0.5f, 0.9f}, .depth = 1};
+    return s;
+}
+
+static int is_taken(pixel_case *c)
+{
+    run_pixel(c);
+    return left_of(c) < 1;
+}
+
+/* The farthest level that a splat takes: the pixel and the sums are of the same mind. */
+static void test_cut_of_level(void)
+{
+    const fxs_fit_stages *versions[FIT_VERSIONS];
+    const int count = fit_versions(versions);
+    fit_state = 1;
+    for (int n = 0; n < 100 * count; n++) {
+        pixel_case c = {.stages = versions[n % count], .count = 1, .splats = {everywhere(0.9)}};
+        c.x = (int32_t)(fit_random() % 16), c.y = (int32_t)(fit_random() % 16);
+        fxs_fit_splat *s = &c.splats[0];
+        float low = 0, high = 20;
+        for (int i = 0; i < 2; i++)
+            s->centre[i] = (float)fit_uniform(3, 13);
+        s->ux = (float)fit_uniform(0.02, 0.25), s->uy = (float)fit_uniform(-0.2, 0.2);
+        s->vy = (float)fit_uniform(0.02, 0.25);
+        const double x = c.x + 0.5 - (double)s->centre[0], y = c.y + 0.5 - (double)s->centre[1];
+        const double u = (double)s->ux * x + (double)s->uy * y, v = (double)s->vy * y;
+        const double level = u * u + v * v + (double)s->offset;
+        close_in(&c, &s->limit, &low, &high, is_taken);
+        CHECK(fabs((double)high - level) < 1e-6 * (1 + level));
+        CHECK(c.sums[0][FXS_FIT_SUM] != 0 && c.sums[0][FXS_FIT_RED] > 0);
+        s->limit = low;
+        run_pixel(&c);
+        CHECK(is_zero(c.sums[0]) && left_of(&c) == 1);
+    }
+}
+
+static int is_third_taken(pixel_case *c)
+{
+    run_pixel(c);
+    return c->tile.colour[0][FXS_FIT_AT(c->x, c->y)] > 0;
+}
+
+/* 1 - 0.99, less the second's share, is near 0.001, and then the third is seen or not. */
+static void test_closed_pixel(void)
+{
+    const fxs_fit_stages *versions[FIT_VERSIONS];
+    const int count = fit_versions(versions);
+    for (int n = 0; n < count; n++) {
+        pixel_case c = {versions[n], 3 + 2 * n, 12 - n, SPLATS, {everywhere(1), everywhere(0.9), everywhere(0.5)},
+                        .sums = {{0}}};
+        float low = (float)-log2(0.905), high = (float)-log2(0.895);
+        c.splats[0].colour[0] = c.splats[1].colour[0] = 0;
+        close_in(&c, &c.splats[1].offset, &low, &high, is_third_taken);
+        CHECK(fabs(exp2(-(double)high) - 0.9) < 1e-5);
+        CHECK(c.sums[2][FXS_FIT_SUM] != 0 && c.sums[2][FXS_FIT_RED] > 0);
+        c.splats[1].offset = low;
+        run_pixel(&c);
+        CHECK(is_zero(c.sums[2]) && c.sums[1][FXS_FIT_SUM] != 0 && c.sums[0][FXS_FIT_GREEN] > 0);
+        CHECK(left_of(&c) < 0.001f && left_of(&c) > 0.000999f);
+    }
+}
+
+static int varies(pixel_case *c)
+{
+    run_pixel(c);
+    return c->sums[0][FXS_FIT_SUM] != 0;
+}
+
+static void test_alpha_of_99(void)
+{
+    const fxs_fit_stages *versions[FIT_VERSIONS];
+    const int count = fit_versions(versions);
+    for (int n = 0; n < count; n++) {
+        pixel_case c = {versions[n], 5, 6, 1, {everywhere(1)}, .sums = {{0}}};
+        float low = (float)-log2(0.9901), high = (float)-log2(0.9899);
+        close_in(&c, &c.splats[0].offset, &low, &high, varies);
+        CHECK(fabs(exp2(-(double)high) - 0.99) < 1e-6);
+        c.splats[0].offset = low;
+        run_pixel(&c);
+        CHECK(left_of(&c) == 1 - 0.99f && c.sums[0][FXS_FIT_RED] > 0);
+    }
+}
+
+/* A Gaussian in the middle of the picture by project. */
+static fxs_fit_splat project_one(const fxs_fit_stages *stages, double logit, float depth)
+{
+    static float parameters[FXS_FIT_PARAMETERS][FXS_FIT_BLOCK];
+    const fxs_fit_camera camera = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .focal = {20, 20}, .middle = {8, 8},
+                                   .slope_most = {0.5f, 0.5f}, .near = 0.25f, .width = 16, .height = 16, .tiles_x = 1,
+                                   .tiles_y = 1};
+    fxs_fit_splat splats[FXS_FIT_BLOCK];
+    for (int i = 0; i < FXS_FIT_BLOCK; i++) {
+        parameters[2][i] = depth;
+        parameters[FXS_FIT_ROTATION][i] = 1;
+        parameters[FXS_FIT_OPACITY][i] = (float)logit;
+    }
+    stages->project(&camera, 0, parameters[0], FXS_FIT_BLOCK, 0, FXS_FIT_BLOCK, splats);
+    return splats[5];
+}
+
+/* Levels: Mahalanobis 3, or an alpha of 1/255 where that comes first; no Gaussian fainter, or nearer than the plane. */
+static void test_project_cuts(void)
+{
+    const fxs_fit_stages *versions[FIT_VERSIONS];
+    const int count = fit_versions(versions);
+    for (int n = 0; n < count; n++) {
+        for (double logit = -5.5; logit < 16; logit += 0.01) {
+            const double opacity = 1 / (1 + exp(-logit)), offset = -log2(opacity), faint = log2(255.0);
+            const fxs_fit_splat s = project_one(versions[n], logit, 2);
+            if (logit < -log(254.0)) {
+                CHECK(s.depth == 0);
+                continue;
+            }
+            CHECK(s.depth == 2 && fabs((double)s.offset - offset) < 1e-6 * (1 + offset));
+            CHECK(fabs((double)s.limit - fmin(offset + 4.5 / log(2), faint)) < 2e-6 * faint);
+        }
+        CHECK(project_one(versions[n], -log(254.0) - 1e-5, 2).depth == 0);
+        CHECK(project_one(versions[n], -log(254.0) + 1e-5, 2).depth > 0);
+        CHECK(project_one(versions[n], 0, 0.25f).depth == 0 && project_one(versions[n], 0, -2).depth == 0);
+        CHECK(project_one(versions[n], 0, nextafterf(0.25f, 1)).depth > 0);
+    }
+}
+
+int main(void)
+{
+    RUN(test_ordinary);
+    RUN(test_beyond_the_picture);
+    RUN(test_colours_below_0);
+    RUN(test_opaque);
+    RUN(test_many);
+    RUN(test_cut_of_level);
+    RUN(test_closed_pixel);
+    RUN(test_alpha_of_99);
+    RUN(test_project_cuts);
+    return check_report();
+}

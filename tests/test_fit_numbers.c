@@ -1,0 +1,182 @@
+/* The fit's own functions of a number against the C library's over their whole range, and its optimiser against Adam
+ * in doubles. */
+#include "../port/fit/lanes.h"
+#include "fit_scene.h"
+
+/* ---- Functions --------------------------------------------------------------------------------------------------- */
+
+/* A float of this exponent, of either sign. */
+static float number(int exponent, int is_negative)
+{
+    const float x = (float)ldexp(1 + (double)(fit_random() >> 41) * 0x1p-23, exponent);
+    return is_negative ? -x : x;
+}
+
+static void check_relative(const char *name, float x, float found, double wanted, double most)
+{
+    if (!CHECK(fabs((double)found - wanted) <= most * fabs(wanted)))
+        printf("  %s(%.9g): %.9g, not %.9g\n", name, (double)x, (double)found, wanted);
+}
+
+/* A polynomial's rounding; in exp_e that of the argument too, which grows with it. */
+static void test_exponentials(void)
+{
+    fit_state = 1;
+    for (int i = 0; i < 300 * 160; i++) {
+        const float x = number(i % 160 - 153, i & 256);
+        if (x >= -126 && x < 127.5f)
+            check_relative("exp_2", x, exp_2(x), exp2((double)x), 3e-7);
+        if (x >= -87 && x <= 88)
+            check_relative("exp_e", x, exp_e(x), exp((double)x), 3e-7 + 9e-8 * fabs((double)x));
+    }
+    for (int n = -126; n <= 127; n++)
+        CHECK(exp_2((float)n) == ldexpf(1, n));
+    for (float x = -87; x <= 88; x += 0.0137f)
+        check_relative("exp_e", x, exp_e(x), exp((double)x), 3e-7 + 9e-8 * fabs((double)x));
+}
+
+static void test_logarithm(void)
+{
+    fit_state = 2;
+    for (int i = 0; i < 200 * 254; i++) {
+        const float x = number(i % 254 - 126, 0);
+        check_relative("ln", x, ln(x), log((double)x), 2.3e-7);
+    }
+    /* Near 1 nothing cancels. */
+    for (int i = 0; i < 5000; i++) {
+        const float x = 1 + number(-2 - i % 22, i & 1024);
+        check_relative("ln", x, ln(x), log((double)x), 2.3e-7);
+    }
+    CHECK(ln(1.0f) == 0);
+}
+
+/* ---- Adam -------------------------------------------------------------------------------------------------------- */
+
+enum { WIDTH = 32, HEIGHT = 24, COUNT = 20, STEPS = 300, PHOTOGRAPHS = 3 };
+
+/* Of the loss's mean over pixels and channels, by its sum's gradient. */
+typedef struct adam {
+    double mean, square, parameter, way;
+} adam;
+
+static void adam_step(adam *a, double gradient, double rate, int step)
+{
+    const double g = gradient / (3 * WIDTH * HEIGHT);
+    a->mean = 0.9 * a->mean + 0.1 * g;
+    a->square = 0.999 * a->square + 0.001 * g * g;
+    const double by = rate * (a->mean / (1 - pow(0.9, step))) / (sqrt(a->square / (1 - pow(0.999, step))) + 1e-15);
+    a->parameter -= by;
+    a->way += fabs(by);
+}
+
+static void make_model(fxs_fit_model *m, const fxs_fit_camera *camera)
+{
+    if (fxs_fit_model_room(m, COUNT))
+        abort();
+    for (size_t i = 0; i < COUNT; i++) {
+        float *at = m->parameters + i;
+        for (size_t k = 0; k < 3; k++) {
+            const float aside = (float)fit_uniform(-1, 1);
+            at[(FXS_FIT_POSITION + k) * m->stride] = camera->eye[k] + 3 * camera->rotation[6 + k] + aside;
+            at[(FXS_FIT_SCALE + k) * m->stride] = (float)fit_uniform(-2.5, -1);
+            at[(FXS_FIT_ROTATION + k) * m->stride] = (float)fit_uniform(-1, 1);
+            at[(FXS_FIT_COLOUR + k) * m->stride] = (float)fit_uniform(0, 1);
+        }
+        at[FXS_FIT_OPACITY * m->stride] = (float)fit_uniform(-2, 2);
+    }
+}
+
+/* Steps as a fit makes them; what Adam was given is what is new in its means. */
+static void test_steps_are_adams(void)
+{
+    static uint8_t pixels[PHOTOGRAPHS][3 * WIDTH * HEIGHT];
+    static adam reference[FXS_FIT_PARAMETERS * COUNT];
+    fxs_fit_photograph photographs[PHOTOGRAPHS];
+    fxs_fit_model m;
+    fxs_fit_report report;
+    fxs_fit_stepper *stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(~0u), NULL, NULL, 1, NULL);
+    fit_state = 4;
+    for (int i = 0; i < PHOTOGRAPHS; i++) {
+        for (int k = 0; k < 3 * WIDTH * HEIGHT; k++)
+            pixels[i][k] = (uint8_t)fit_random();
+        photographs[i] = (fxs_fit_photograph){pixels[i], fit_camera(WIDTH, HEIGHT, 25)};
+        photographs[i].camera.eye[i] += 1;
+    }
+    make_model(&m, &photographs[0].camera);
+    for (size_t i = 0; i < FXS_FIT_PARAMETERS * COUNT; i++)
+        reference[i] = (adam){0, 0, (double)m.parameters[i / COUNT * m.stride + i % COUNT], 0};
+    for (int step = 1; step <= STEPS; step++) {
+        static float before[FXS_FIT_PARAMETERS * COUNT];
+        fxs_fit_step_options options = {.sh_degree = step / 80, .number = (uint32_t)step};
+        for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
+            options.rate[k] = 1e-4f * (float)(1 + k % 7);
+        for (size_t i = 0; i < FXS_FIT_PARAMETERS * COUNT; i++)
+            before[i] = m.means[i / COUNT * m.stride + i % COUNT];
+        CHECK(fxs_fit_stepper_step(stepper, &m, &photographs[step % PHOTOGRAPHS], &options, &report) == 0);
+        for (size_t i = 0; i < FXS_FIT_PARAMETERS * COUNT; i++) {
+            const double mean = (double)m.means[i / COUNT * m.stride + i % COUNT];
+            adam_step(&reference[i], (mean - 0.9 * (double)before[i]) / 0.1, (double)options.rate[i / COUNT], step);
+        }
+    }
+    double way = 0;
+    for (size_t i = 0; i < FXS_FIT_PARAMETERS * COUNT; i++) {
+        const adam *a = &reference[i];
+        const double found = (double)m.parameters[i / COUNT * m.stride + i % COUNT];
+        if (!CHECK(fabs(found - a->parameter) < 1e-5 * a->way + 1e-7 * STEPS * fabs(found) + 1e-9))
+            printf("  Gaussian %zu, parameter %zu: %.9g, not %.9g, on a way of %g\n", i % COUNT, i / COUNT, found,
+                   a->parameter, a->way);
+        way += a->way;
+    }
+    CHECK(way > 0.1 * 1e-4 * STEPS * FXS_FIT_PARAMETERS * COUNT);
+    fxs_fit_model_free(&m);
+    fxs_fit_stepper_free(stepper);
+}
+
+/* Gradients of colours down to numbers that are not normal, and 0: a step is as long as Adam's, and finite. */
+static void test_tiny_gradients(void)
+{
+    const fxs_fit_stages *versions[FIT_VERSIONS];
+    const int versions_count = fit_versions(versions), block = FXS_FIT_BLOCK;
+    const fxs_fit_camera camera = fit_camera(WIDTH, HEIGHT, 25);
+    for (int v = 0; v < versions_count; v++) {
+        static float parameters[FXS_FIT_PARAMETERS][FXS_FIT_BLOCK], means[FXS_FIT_PARAMETERS][FXS_FIT_BLOCK];
+        static float squares[FXS_FIT_PARAMETERS][FXS_FIT_BLOCK], sums[FXS_FIT_SUMS][FXS_FIT_PART];
+        float by_centre[FXS_FIT_BLOCK] = {0};
+        adam reference[FXS_FIT_BLOCK] = {{0, 0, 0, 0}};
+        memset(parameters, 0, sizeof parameters);
+        memset(means, 0, sizeof means);
+        memset(squares, 0, sizeof squares);
+        for (int i = 0; i < block; i++) {
+            parameters[FXS_FIT_ROTATION][i] = 1;
+            for (int k = 0; k < 3; k++)
+                parameters[FXS_FIT_POSITION + k][i] = camera.eye[k] + 3 * camera.rotation[6 + k];
+        }
+        fit_state = 5;
+        for (int step = 1; step <= 150; step++) {
+            fxs_fit_adam numbers = {.correction = (float)(1 / (1 - pow(0.999, step))),
+                                    .epsilon = 3e-15f * WIDTH * HEIGHT};
+            numbers.rate[FXS_FIT_COLOUR] = (float)(0.0025 / (1 - pow(0.9, step)));
+            for (int i = 0; i < block; i++) {
+                sums[FXS_FIT_RED][i] = step < 100 ? (float)ldexp(fit_uniform(-1, 1), -10 * i) : 0;
+                adam_step(&reference[i], 0.28209479177387814 * (double)sums[FXS_FIT_RED][i], 0.0025, step);
+            }
+            versions[v]->update(&camera, 0, &numbers, parameters[0], means[0], squares[0], FXS_FIT_BLOCK, 0,
+                                FXS_FIT_BLOCK, sums[0], by_centre);
+        }
+        for (int i = 0; i < block; i++) {
+            const double found = (double)parameters[FXS_FIT_COLOUR][i];
+            if (!CHECK(fabs(found - reference[i].parameter) < 1e-4 * reference[i].way + 1e-7))
+                printf("  %s, 2^%d: %g, not %g\n", versions[v]->name, -10 * i, found, reference[i].parameter);
+        }
+        CHECK(reference[2].way > 0.01 && parameters[FXS_FIT_COLOUR + 1][0] == 0);
+    }
+}
+
+int main(void)
+{
+    RUN(test_exponentials);
+    RUN(test_logarithm);
+    RUN(test_steps_are_adams);
+    RUN(test_tiny_gradients);
+    return check_report();
+}

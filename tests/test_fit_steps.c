@@ -1,0 +1,280 @@
+/* A fit is one scene, byte for byte, whatever computes it: some hundred steps of each recipe on pictures that are made
+ * here, by every instruction set and several numbers of threads. The hashes are constants, so every compiler and
+ * processor is held to them: tests/scripts/fit_same.sh. With -DFXS_FIT_FEW, fewer steps: for an emulator. */
+#include "../port/fit/fit.h"
+#include "../port/posix/pool.h"
+#include "fit_scene.h"
+
+/* ---- Pictures ---------------------------------------------------------------------------------------------------- */
+
+/* Spheres with squares on them, lit from one side, by rays: + - * / and sqrt of doubles alone. */
+enum { WIDTH = 24, HEIGHT = 16, ORDINARY = 2, LARGER = 14, PHOTOS = 6, POINTS = 120, SPHERES = 4 };
+static const uint8_t background[3] = {40, 80, 120};
+
+typedef struct sphere {
+    double centre[3], radius, colour[3];
+} sphere;
+
+static const sphere spheres[SPHERES] = {{{0, 0, 0}, 0.7, {0.9, 0.5, 0.2}}, {{0.9, -0.3, 0.4}, 0.4, {0.2, 0.8, 0.4}},
+                                        {{-0.8, 0.2, 0.5}, 0.5, {0.3, 0.4, 0.9}},
+                                        {{0.1, 0.5, -0.9}, 0.35, {0.9, 0.9, 0.3}}};
+
+static double dot(const double *a, const double *b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Of a point on a sphere. */
+static void shade(const sphere *s, const double at[3], uint8_t colour[3])
+{
+    static const double light[3] = {0.48, -0.6, -0.64};
+    double normal[3], bright;
+    int squares = 0;
+    for (int k = 0; k < 3; k++) {
+        normal[k] = (at[k] - s->centre[k]) / s->radius;
+        squares += (int)(normal[k] * 2.5 + 8);
+    }
+    bright = (0.35 + 0.6 * fmax(0, dot(normal, light))) * (squares % 2 ? 1 : 0.6);
+    for (int k = 0; k < 3; k++)
+        colour[k] = (uint8_t)(255 * s->colour[k] * bright);
+}
+
+static void trace(const double eye[3], const double ray[3], uint8_t colour[3])
+{
+    double nearest = INFINITY;
+    memcpy(colour, background, 3);
+    for (int i = 0; i < SPHERES; i++) {
+        double from[3], at[3];
+        for (int k = 0; k < 3; k++)
+            from[k] = eye[k] - spheres[i].centre[k];
+        const double a = dot(ray, ray), b = dot(ray, from), c = dot(from, from) - spheres[i].radius * spheres[i].radius;
+        const double root_of = b * b - a * c;
+        if (root_of < 0 || (-b - sqrt(root_of)) / a >= nearest)
+            continue;
+        nearest = (-b - sqrt(root_of)) / a;
+        for (int k = 0; k < 3; k++)
+            at[k] = eye[k] + nearest * ray[k];
+        shade(&spheres[i], at, colour);
+    }
+}
+
+/* From a place to the middle of the scene, y down. */
+static void look(fxs_file_view *v, int scale, const double eye[3])
+{
+    const double length = sqrt(dot(eye, eye)), across = sqrt(eye[0] * eye[0] + eye[2] * eye[2]);
+    double *right = v->rotation, *down = right + 3, *forward = right + 6;
+    memset(v, 0, sizeof *v);
+    v->width = scale * WIDTH, v->height = scale * HEIGHT;
+    v->fx = v->fy = scale * 30;
+    v->cx = scale * WIDTH / 2.0, v->cy = scale * HEIGHT / 2.0;
+    for (int k = 0; k < 3; k++) {
+        v->position[k] = eye[k];
+        forward[k] = -eye[k] / length;
+    }
+    right[0] = forward[2] * length / across, right[2] = -forward[0] * length / across;
+    for (int k = 0; k < 3; k++)
+        down[k] = forward[(k + 1) % 3] * right[(k + 2) % 3] - forward[(k + 2) % 3] * right[(k + 1) % 3];
+}
+
+static void take_photo(fxs_fit_photo *photo, uint8_t *pixels, int scale, const double eye[3])
+{
+    fxs_file_view *v = &photo->view;
+    look(v, scale, eye);
+    photo->pixels = pixels;
+    for (int p = 0; p < v->width * v->height; p++) {
+        double ray[3];
+        for (int k = 0; k < 3; k++)
+            ray[k] = (p % v->width + 0.5 - v->cx) / v->fx * v->rotation[k] +
+                     (p / v->width + 0.5 - v->cy) / v->fy * v->rotation[3 + k] + v->rotation[6 + k];
+        trace(eye, ray, pixels + 3 * p);
+    }
+}
+
+static fxs_fit_photo photos[PHOTOS];
+static fxs_fit_point points[POINTS];
+
+static void make_set(int scale)
+{
+    static const double eyes[PHOTOS][3] = {{0, -1, -4}, {3.2, 0.5, -2.4}, {3.2, -2, 2.4}, {0, 1, 4}, {-3.84, -1, 1.12},
+                                           {-2.4, 0, -3.2}};
+    static uint8_t pixels[PHOTOS][3 * LARGER * LARGER * WIDTH * HEIGHT];
+    for (int i = 0; i < PHOTOS; i++)
+        take_photo(&photos[i], pixels[i], scale, eyes[i]);
+    fit_state = 1;
+    for (int i = 0; i < POINTS; i++) {
+        const sphere *s = &spheres[i % SPHERES];
+        double to[3], at[3];
+        for (int k = 0; k < 3; k++)
+            to[k] = fit_uniform(-1, 1);
+        for (int k = 0; k < 3; k++) {
+            at[k] = s->centre[k] + s->radius * to[k] / sqrt(dot(to, to));
+            points[i].position[k] = (float)at[k];
+        }
+        shade(s, at, points[i].colour);
+    }
+}
+
+/* ---- Fits -------------------------------------------------------------------------------------------------------- */
+
+typedef struct result {
+    uint64_t hash;
+    size_t most;                   /* Gaussians */
+    double first, last;            /* loss, over a round of the photographs */
+    int is_finite;
+} result;
+
+/* FNV-1a of words, 32 bits each. */
+static void add_to_hash(uint64_t *hash, uint32_t word)
+{
+    *hash = (*hash ^ word) * 0x100000001b3u;
+}
+
+static void hash_gaussians(const fxs_fit *fit, result *r)
+{
+    fxs_gaussian_source source;
+    fxs_fit_gaussians(fit, &source);
+    r->hash = 0xcbf29ce484222325u;
+    for (uint64_t i = 0; i < source.count; i++) {
+        fxs_gaussian g;
+        uint32_t words[FXS_FIT_PARAMETERS];
+        memset(&g, 0, sizeof g);
+        CHECK(source.read(source.argument, i, &g, 1) == 1);
+        memcpy(words, &g, sizeof words);
+        for (int k = 0; k < FXS_FIT_PARAMETERS; k++) {
+            add_to_hash(&r->hash, words[k]);
+            r->is_finite &= (words[k] >> 23 & 255) != 255;
+        }
+    }
+}
+
+static result fit(const fxs_fit_options *options)
+{
+    result r = {.is_finite = 1};
+    fxs_fit *f;
+    fxs_message message;
+    if (!CHECK(fxs_fit_create(&f, photos, PHOTOS, points, POINTS, options, &message) == 0))
+        return r;
+    while (fxs_fit_steps(f) < options->steps) {
+        fxs_fit_report report;
+        if (!CHECK(fxs_fit_step(f, &report) == 0))
+            break;
+        const double loss = 0.8 * report.absolute + 0.2 * report.dissimilar;
+        r.first += fxs_fit_steps(f) <= PHOTOS ? loss / PHOTOS : 0;
+        r.last += fxs_fit_steps(f) > options->steps - PHOTOS ? loss / PHOTOS : 0;
+        r.most = report.gaussians > r.most ? report.gaussians : r.most;
+    }
+    hash_gaussians(f, &r);
+    fxs_fit_free(f);
+    return r;
+}
+
+/* A fit, the hash that it has everywhere, and how much of its first loss may be left. */
+typedef struct recorded {
+    const char *name;
+    enum fxs_fit_recipe recipe;
+    enum fxs_cutoff cutoff;
+    int scale;
+    uint32_t steps;
+    size_t most;
+    double left;
+    uint64_t hash;
+} recorded;
+
+enum { FEW, FEW_MCMC, REFERENCE, MCMC, LONGER, FAST, HALF_THE_SIZE, FITS };
+static const recorded fits[FITS] = {
+    {"few", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, 1, 610, 150, 0.6, 0xcdde82dc950cb86a},
+    {"few by mcmc", FXS_FIT_MCMC, FXS_CUTOFF_MAHALANOBIS, 1, 610, 130, 0.6, 0x412619e064a0fc12},
+    {"reference", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, ORDINARY, 700, 250, 0.5, 0xf4b17ad45656f191},
+    {"mcmc", FXS_FIT_MCMC, FXS_CUTOFF_MAHALANOBIS, ORDINARY, 700, 150, 0.5, 0x4c90f75ab1fabf36},
+    {"reference, longer", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, ORDINARY, 3200, 200, 0.5, 0x28492fd78fe33ce1},
+    {"fast, square", FXS_FIT_FAST, FXS_CUTOFF_SQUARE, ORDINARY, 1100, 250, 0.5, 0x5a924cde857ce976},
+    {"fast, larger", FXS_FIT_FAST, FXS_CUTOFF_MAHALANOBIS, LARGER, 24, 250, 0.9, 0xb31fa9dc8aacbe27}};
+
+static void check_fit(const recorded *wanted, unsigned cpu, uint32_t threads)
+{
+    fxs_fit_options options;
+    fxs_pool *pool = threads > 1 ? fxs_pool_create(threads) : NULL;
+    fxs_fit_options_init(&options);
+    options.recipe = wanted->recipe;
+    options.cutoff = wanted->cutoff;
+    options.steps = wanted->steps;
+    options.max_gaussians = wanted->most;
+    options.seed = 7;
+    memcpy(options.background, background, sizeof background);
+    options.cpu = cpu;
+    options.run = pool ? fxs_pool_run : NULL;
+    options.pool = pool;
+    options.threads = threads;
+    const result r = fit(&options);
+    const char *version = fxs_fit_stages_choose(cpu)->name;
+    if (!CHECK(r.hash == wanted->hash))
+        printf("  %s, %s, %u threads: 0x%016llx\n", wanted->name, version, (unsigned)threads,
+               (unsigned long long)r.hash);
+    if (!CHECK(r.is_finite && r.last < wanted->left * r.first))
+        printf("  %s: loss %g at first, %g at last\n", wanted->name, r.first, r.last);
+    if (wanted->steps > 600 && !CHECK(r.most > POINTS && r.most <= wanted->most))
+        printf("  %s: %zu Gaussians\n", wanted->name, r.most);
+    fxs_pool_destroy(pool);
+}
+
+static void test_few(void)
+{
+    make_set(1);
+    check_fit(&fits[FEW], ~0u, 1);
+    check_fit(&fits[FEW_MCMC], ~0u, 1);
+}
+
+#ifndef FXS_FIT_FEW
+/* By every version on one thread, by the best on two and five. */
+static void check_everywhere(const recorded *wanted)
+{
+    make_set(wanted->scale);
+    for (int i = 0; i < FIT_VERSIONS; i++)
+        if (!i || fxs_fit_stages_choose(fit_cpus[i]) != fxs_fit_stages_choose(0))
+            check_fit(wanted, fit_cpus[i], 1);
+    check_fit(wanted, ~0u, 2);
+    check_fit(wanted, ~0u, 5);
+}
+
+static void test_reference(void)
+{
+    check_everywhere(&fits[REFERENCE]);
+}
+
+static void test_mcmc(void)
+{
+    check_everywhere(&fits[MCMC]);
+}
+
+/* All degrees of SH, and opacities that become small again: by the slowest and the fastest. */
+static void test_reference_for_longer(void)
+{
+    make_set(ORDINARY);
+    check_fit(&fits[LONGER], 0, 1);
+    check_fit(&fits[LONGER], ~0u, 3);
+}
+
+static void test_fast(void)
+{
+    check_everywhere(&fits[FAST]);
+}
+
+/* Photographs large enough to begin with half their size. */
+static void test_fast_from_half_the_size(void)
+{
+    check_everywhere(&fits[HALF_THE_SIZE]);
+}
+#endif
+
+int main(void)
+{
+    RUN(test_few);
+#ifndef FXS_FIT_FEW
+    RUN(test_reference);
+    RUN(test_mcmc);
+    RUN(test_reference_for_longer);
+    RUN(test_fast);
+    RUN(test_fast_from_half_the_size);
+#endif
+    return check_report();
+}
