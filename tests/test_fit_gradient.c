@@ -422,7 +422,7 @@ static void run_pixel(pixel_case *c)
     fxs_fit_tile_gradient gradient = {0};
     const int at = FXS_FIT_AT(c->x, c->y);
     for (uint32_t i = 0; i < SPLATS; i++)
-        entries[i] = (fxs_fit_entry){.splat = i, .blocks = 0xffff};
+        entries[i] = (fxs_fit_entry){.splat = i, .slot = i, .blocks = 0xffff};
     const uint32_t needed = c->stages->blend(c->splats, entries, c->count, 0, 0, &c->tile);
     for (int i = 0; i < 3; i++) {
         gradient.colour[i][at] = 1;
