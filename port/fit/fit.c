@@ -7,6 +7,7 @@
 
 #include "../../kernels/kernels.h"
 #include "../files/message.h"
+#include "profile.h"
 #include "random.h"
 
 struct fxs_fit {
@@ -16,6 +17,7 @@ struct fxs_fit {
     size_t count;
     fxs_fit_stepper *stepper;
     fxs_fit_model model;
+    fxs_fit_profile profile;       /* the last tenth of the steps: see profile.h */
     float extent, position_rate, decay;
     uint32_t step;
 };
@@ -102,6 +104,7 @@ void fxs_fit_free(fxs_fit *f)
 {
     if (!f)
         return;
+    fxs_fit_profile_free(&f->profile);
     fxs_fit_model_free(&f->model);
     fxs_fit_stepper_free(f->stepper);
     free(f->photographs);
@@ -155,21 +158,59 @@ static int densify(fxs_fit *f, const fxs_fit_camera *camera)
     return error;
 }
 
+static void run_here(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
+{
+    (void)pool;
+    for (uint32_t i = 0; i < jobs; i++)
+        job(argument, i);
+}
+
+static fxs_pack_options pack_options(const fxs_fit *f)
+{
+    fxs_pack_options options = {.profile = f->options.profile, .run = f->options.run, .pool = f->options.pool,
+                                .threads = f->options.threads};
+    options.run = options.run ? options.run : run_here;
+    return options;
+}
+
+/* Steps that are left when the packed profile is taken in. */
+static uint32_t profile_steps(const fxs_fit *f)
+{
+    return f->options.steps / 10;
+}
+
+/* Before a step: the last tenth passes through the packed profile, whose steps and palette are found 16 times. */
+static int fit_profile(fxs_fit *f)
+{
+    const uint32_t steps = profile_steps(f), first = f->options.steps - steps, every = (steps + 15) / 16;
+    const fxs_pack_options options = pack_options(f);
+    fxs_message message;
+    if (f->step < first || !steps || (f->step - first) % every)
+        return 0;
+    return f->step == first ? fxs_fit_profile_begin(&f->profile, &f->model, f->stepper, f->options.sh_degree, &options,
+                                                    &message)
+                            : fxs_fit_profile_code(&f->profile, &f->model, f->stepper, &options, &message);
+}
+
 int fxs_fit_step(fxs_fit *f, fxs_fit_report *report)
 {
     const fxs_fit_photograph *photograph = choose_photograph(f);
     fxs_fit_step_options options = {0};
     const uint32_t degree = f->step / 1000;
     options.sh_degree = (int)degree < f->options.sh_degree ? (int)degree : f->options.sh_degree;
-    options.number = ++f->step;
+    options.number = f->step + 1;
     for (int c = 0; c < 3; c++)
         options.background[c] = (float)f->options.background[c] / 255.0f;
     f->position_rate *= f->decay;
     set_rates(f, options.rate);
-    int error = fxs_fit_stepper_step(f->stepper, &f->model, photograph, &options, report);
-    if (!error && f->step > 500 && f->step < 15000 && f->step % 100 == 0)
+    int error = fit_profile(f);
+    f->step++;
+    if (!error)
+        error = fxs_fit_stepper_step(f->stepper, &f->model, photograph, &options, report);
+    const int is_open = f->step < 15000 && f->step < f->options.steps - profile_steps(f);
+    if (!error && f->step > 500 && is_open && f->step % 100 == 0)
         error = densify(f, &photograph->camera);
-    if (!error && f->step < 15000 && f->step % 3000 == 0)
+    if (!error && is_open && f->step % 3000 == 0)
         fxs_fit_model_reset_opacity(&f->model, 0.01f);
     report->gaussians = f->model.count;
     return error;
@@ -193,4 +234,12 @@ void fxs_fit_gaussians(const fxs_fit *f, fxs_gaussian_source *gaussians)
     gaussians->sh_degree = f->options.sh_degree;
     gaussians->read = read_gaussians;
     gaussians->argument = (void *)&f->model;
+}
+
+int fxs_fit_pack(const fxs_fit *f, fxs_packed_scene *scene, fxs_pack_report *report, fxs_message *message)
+{
+    const fxs_pack_options options = pack_options(f);
+    fxs_gaussian_source gaussians;
+    fxs_fit_gaussians(f, &gaussians);
+    return fxs_fit_profile_pack(&f->profile, &f->model, &gaussians, scene, report, &options, message);
 }

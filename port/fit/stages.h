@@ -1,6 +1,7 @@
 /* The stages of an instruction set, by its LANES: see stage.h. ISA is its name. */
 #include "gaussian.h"
 #include "loss.h"
+#include "quantise.h"
 #include "span.h"
 #include "tile.h"
 
@@ -163,8 +164,9 @@ static void NAMED(fxs_fit_loss_gradient_, ISA)(const fxs_fit_loss *loss, int32_t
 
 /* ---- update ------------------------------------------------------------------------------------------------------ */
 
-static void update_lanes(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam, float *at, float *means,
-                         float *squares, size_t stride, const float *of_sums, float *by_centre)
+static void update_lanes(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam, const float *at,
+                         float *masters, float *means, float *squares, size_t stride, const float *of_sums,
+                         float *by_centre)
 {
     real sums[FXS_FIT_SUMS], gradient[FXS_FIT_PARAMETERS], centre[2];
     whole touched = bits_of(all(0));
@@ -188,19 +190,38 @@ static void update_lanes(const fxs_fit_camera *camera, int degree, const fxs_fit
         const real square = load(squares + plane) * 0.999f + g * g * 0.001f;
         store(means + plane, mean);
         store(squares + plane, square);
-        store(at + plane, load(at + plane) - adam->rate[i] * mean / (root(square * adam->correction) + adam->epsilon));
+        store(masters + plane,
+              load(masters + plane) - adam->rate[i] * mean / (root(square * adam->correction) + adam->epsilon));
     }
 }
 
 static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam,
-                                        float *parameters, float *means, float *squares, size_t stride, size_t first,
-                                        size_t count, const float *sums, float *by_centre)
+                                        const float *parameters, float *masters, float *means, float *squares,
+                                        size_t stride, size_t first, size_t count, const float *sums,
+                                        float *by_centre)
 {
     for (size_t i = first; i < first + count; i += LANES)
-        update_lanes(camera, degree, adam, parameters + i, means + i, squares + i, stride, sums + i, by_centre + i);
+        update_lanes(camera, degree, adam, parameters + i, masters + i, means + i, squares + i, stride, sums + i,
+                     by_centre + i);
+}
+
+static void NAMED(fxs_fit_quantise_, ISA)(const fxs_fit_grid *grid, const float *masters, float *parameters,
+                                          size_t stride, size_t first, size_t count)
+{
+    whole codes[FXS_FIT_SH];
+    for (size_t i = first; i < first + count; i += LANES) {
+        const fxs_fit_chunk *chunk = &grid->chunks[i / FXS_FIT_CHUNK];
+        quantise_shape(grid, chunk, masters + i, parameters + i, (ptrdiff_t)stride, codes);
+        for (int degree = 1; degree <= grid->sh_degree; degree++)
+            for (int k = 3 * SH_COUNT(degree - 1); k < 3 * SH_COUNT(degree); k++) {
+                const size_t at = (size_t)(FXS_FIT_SH + k) * stride + i;
+                store(parameters + at, quantise_band(chunk, degree, load(masters + at), codes));
+            }
+    }
 }
 
 const fxs_fit_stages NAMED(fxs_fit_stages_, ISA) = {
     STRING_OF(ISA), NAMED(fxs_fit_project_, ISA), NAMED(fxs_fit_blend_, ISA), NAMED(fxs_fit_back_, ISA),
     NAMED(fxs_fit_loss_rows_, ISA), NAMED(fxs_fit_loss_derivatives_, ISA), NAMED(fxs_fit_loss_back_rows_, ISA),
-    NAMED(fxs_fit_loss_gradient_, ISA), NAMED(fxs_fit_update_, ISA)};
+    NAMED(fxs_fit_loss_gradient_, ISA), NAMED(fxs_fit_update_, ISA),
+    NAMED(fxs_fit_quantise_, ISA)};

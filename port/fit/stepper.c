@@ -405,8 +405,23 @@ static void update_job(void *argument, uint32_t job)
     const fxs_fit_model *m = s->model;
     const size_t first = (size_t)job * JOB, count = job_count(s, job);
     gather(s, first, count);
-    s->stages->update(s->camera, s->options->sh_degree, &s->adam, m->parameters, m->means, m->squares, m->stride,
-                      first, count, s->gaussian_sums.memory, m->by_centre);
+    s->stages->update(s->camera, s->options->sh_degree, &s->adam, m->parameters, m->masters ? m->masters : m->parameters,
+                      m->means, m->squares, m->stride, first, count, s->gaussian_sums.memory, m->by_centre);
+    if (m->masters)
+        s->stages->quantise(m->grid, m->masters, m->parameters, m->stride, first, count);
+}
+
+static void quantise_job(void *argument, uint32_t job)
+{
+    const fxs_fit_stepper *s = argument;
+    const fxs_fit_model *m = s->model;
+    s->stages->quantise(m->grid, m->masters, m->parameters, m->stride, (size_t)job * JOB, job_count(s, job));
+}
+
+void fxs_fit_quantise(fxs_fit_stepper *s, fxs_fit_model *model)
+{
+    s->model = model;
+    run(s, quantise_job, gaussian_jobs(s));
 }
 
 /* The gradient is that of the sum over pixels and channels; Adam's epsilon is meant for their mean. */
