@@ -405,10 +405,14 @@ static void update_job(void *argument, uint32_t job)
     const fxs_fit_model *m = s->model;
     const size_t first = (size_t)job * JOB, count = job_count(s, job);
     gather(s, first, count);
-    s->stages->update(s->camera, s->options->sh_degree, &s->adam, m->parameters, m->masters ? m->masters : m->parameters,
-                      m->means, m->squares, m->stride, first, count, s->gaussian_sums.memory, m->by_centre);
-    if (m->masters)
-        s->stages->quantise(m->grid, m->masters, m->parameters, m->stride, first, count);
+    for (size_t at = first; at < first + count; at += FXS_FIT_CHUNK) {
+        const size_t left = first + count - at, some = left < FXS_FIT_CHUNK ? left : FXS_FIT_CHUNK;
+        s->stages->update(s->camera, s->options->sh_degree, &s->adam, m->parameters,
+                          m->masters ? m->masters : m->parameters, m->means, m->squares, m->stride, at, some,
+                          s->gaussian_sums.memory, m->by_centre);
+        if (m->masters)
+            s->stages->quantise(m->grid, m->masters, m->parameters, m->stride, at, some);
+    }
 }
 
 static void quantise_job(void *argument, uint32_t job)

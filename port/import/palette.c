@@ -356,17 +356,23 @@ static int learn_stage(learner *l, uint32_t stage)
     return 0;
 }
 
+/* Vectors become whole again. */
+static void add_sums(learner *l)
+{
+    for (uint32_t i = 0; i < l->count; i++)
+        for (uint32_t s = 0; s < l->palette->stages; s++)
+            subtract_entry(l->vectors[i], l->palette, s, l->indices[i][s] ^ FXS_PALETTE_NEGATIVE);
+}
+
 static void find_sums(void *argument, uint32_t job)
 {
     const learner *l = argument;
-    for (uint32_t i = first_of(l, job); i < first_of(l, job + 1); i++) {
-        for (uint32_t s = 0; s < l->palette->stages; s++)
-            subtract_entry(l->vectors[i], l->palette, s, l->indices[i][s] ^ FXS_PALETTE_NEGATIVE);
+    for (uint32_t i = first_of(l, job); i < first_of(l, job + 1); i++)
         find(l->palette, l->vectors[i], l->indices[i]);
-    }
 }
 
-/* All stages at once: the best sums are found anew, then each stage's entries move by the mean of what all leave. */
+/* All stages at once: the best sums are found for whole vectors, then each stage's entries move by the mean of what all
+   leave. */
 static void learn_jointly(learner *l)
 {
     fxs_palette *p = l->palette;
@@ -475,6 +481,7 @@ static int learn(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t 
     for (int round = 0; round < JOINT_ROUNDS; round++) {
         if (stopped(l))
             return -1;
+        add_sums(l);
         learn_jointly(l);
     }
     quantise(l->palette, l->most);
