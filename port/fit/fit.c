@@ -179,17 +179,21 @@ static uint32_t profile_steps(const fxs_fit *f)
     return f->options.steps / 10;
 }
 
-/* Before a step: the last tenth passes through the packed profile, whose steps and palette are found 16 times. */
+/* Before a step: the last tenth passes through the packed profile, whose steps and palette are found 16 times. Where a
+   fit that was in its last tenth is to have more steps, it leaves it. */
 static int fit_profile(fxs_fit *f)
 {
     const uint32_t steps = profile_steps(f), first = f->options.steps - steps, every = (steps + 15) / 16;
     const fxs_pack_options options = pack_options(f);
     fxs_message message;
-    if (f->step < first || !steps || (f->step - first) % every)
+    if (f->step < first || f->step >= f->options.steps) {
+        if (f->profile.chunks && f->step < first)
+            fxs_fit_profile_end(&f->profile, &f->model);
         return 0;
-    return f->step == first ? fxs_fit_profile_begin(&f->profile, &f->model, f->stepper, f->options.sh_degree, &options,
-                                                    &message)
-                            : fxs_fit_profile_code(&f->profile, &f->model, f->stepper, &options, &message);
+    }
+    if (!f->profile.chunks)
+        return fxs_fit_profile_begin(&f->profile, &f->model, f->stepper, f->options.sh_degree, &options, &message);
+    return (f->step - first) % every ? 0 : fxs_fit_profile_code(&f->profile, &f->model, f->stepper, &options, &message);
 }
 
 int fxs_fit_step(fxs_fit *f, fxs_fit_report *report)

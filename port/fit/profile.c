@@ -253,10 +253,11 @@ void fxs_fit_profile_free(fxs_fit_profile *p)
     memset(p, 0, sizeof *p);
 }
 
-static void end(fxs_fit_profile *p, fxs_fit_model *m)
+void fxs_fit_profile_end(fxs_fit_profile *p, fxs_fit_model *m)
 {
     fxs_fit_profile_free(p);
-    free(m->masters);
+    free(m->parameters);
+    m->parameters = m->masters;
     m->masters = NULL;
     m->grid = NULL;
 }
@@ -299,7 +300,7 @@ int fxs_fit_profile_begin(fxs_fit_profile *p, fxs_fit_model *m, fxs_fit_stepper 
         return fxs_fail_memory(message, "a fit", m->count * FXS_FIT_PARAMETERS * sizeof(float));
     error = fxs_fit_profile_code(p, m, stepper, options, message);
     if (error)
-        end(p, m);
+        fxs_fit_profile_end(p, m);
     return error;
 }
 

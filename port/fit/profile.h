@@ -21,14 +21,18 @@ typedef struct fxs_fit_profile {
     unsigned char *records;        /* SH of each Gaussian by the palette */
 } fxs_fit_profile;
 
-/* Puts the model's Gaussians in order and gives it masters. `options`: run (not null), pool. Returns 0, or an error and
-   a message, and the model is one without masters. */
+/* Puts the model's Gaussians in order and gives it masters. `options`: profile, run (not null), pool. Returns 0, or an
+   error and a message, and the model is one without masters. `model` and `profile` stay where they are. */
 int fxs_fit_profile_begin(fxs_fit_profile *profile, fxs_fit_model *model, fxs_fit_stepper *stepper, int sh_degree,
                           const fxs_pack_options *options, fxs_message *message);
 
-/* Finds ranges, steps and palette anew from the masters. */
+/* Finds ranges, steps and palette anew from the masters. Takes 64 bytes a Gaussian meanwhile where there is a palette.
+   Returns 0, or an error and a message. */
 int fxs_fit_profile_code(fxs_fit_profile *profile, fxs_fit_model *model, fxs_fit_stepper *stepper,
                          const fxs_pack_options *options, fxs_message *message);
+
+/* The masters become the parameters of a model without, as where more steps are wanted of a fit that was at its end. */
+void fxs_fit_profile_end(fxs_fit_profile *profile, fxs_fit_model *model);
 
 /* Packs the model: what the packed scene says are the model's parameters. `gaussians` are those. */
 int fxs_fit_profile_pack(const fxs_fit_profile *profile, const fxs_fit_model *model, const fxs_gaussian_source *gaussians,
