@@ -365,7 +365,7 @@ static void test_state(void)
         if (begin(&f, (enum fxs_profile)profile, NULL, 1, ~0u)) {
             steps(&f, CODED_EVERY / 2);
             again = f;
-            CHECK(!fxs_fit_profile_walk(&f.profile, &f.model, write_block, &s));
+            CHECK(!fxs_fit_profile_walk(&f.profile, &f.model, write_block, write_block, &s));
             memset(&again.profile, 0, sizeof again.profile);
             again.stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(~0u), NULL, NULL, 1, NULL);
             make_model(&again.model);
@@ -375,7 +375,7 @@ static void test_state(void)
             memcpy(again.model.squares, f.model.squares, bytes);
             CHECK(!fxs_fit_profile_allocate(&again.profile, &again.model, (enum fxs_profile)profile, SH_DEGREE));
             s.count = 0;
-            CHECK(!fxs_fit_profile_walk(&again.profile, &again.model, read_block, &s));
+            CHECK(!fxs_fit_profile_walk(&again.profile, &again.model, read_block, read_block, &s));
             CHECK(!fxs_fit_profile_restore(&again.profile, &again.model));
             steps(&f, CODED_EVERY);
             steps(&again, CODED_EVERY);

@@ -1,10 +1,11 @@
 #!/bin/sh
 # bench.sh [PART...]: measures and writes the parts of docs/performance.md (between their marker lines): tables, sizes, limits, stereo,
 # foveated; without PART, all. FOVEATED: the back ends of that part (cpu gles).
-# B: build folder; SCENES: folder of real scenes.
+# fit, only where it is named (half an hour): fits by either cut-off. FIT_STEPS, FIT_SIZE: of each (3000, 600).
+# B: build folder; SCENES: folder of real scenes; PHOTOS: of photographs.
 # Medians of 10 frames or more, from `fixsplat bench --json`; rows of one table are from one run.
 set -eu
-B=${B:-build} SCENES=${SCENES:-../shared/scenes}
+B=${B:-build} SCENES=${SCENES:-../shared/scenes} PHOTOS=${PHOTOS:-../shared/photos}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 two=2
@@ -311,6 +312,21 @@ foveated() {
             foveated_row 'landscape of a million, from the shore' "$backend" "$size" "$work/1000000.ply" \
                 --eye 4.6,-1.9,-12.7 --look 0,-2.2,0 --fov 52
         done
+    done
+}
+
+# The same fit by either cut-off: milliseconds a step (photographs are read before), and what is held out.
+fit() {
+    printf 'snowmiku at %s pixels, %s steps of the reference recipe, %s threads; 13 photographs held out.\n\n' \
+        "${FIT_SIZE:-600}" "${FIT_STEPS:-3000}" $two
+    printf '| cut-off | ms a step | Gaussians | PSNR, dB | 1 - SSIM |\n|---|---|---|---|---|\n'
+    for cutoff in mahalanobis square; do
+        "$B/fixsplat" fit "$PHOTOS/snowmiku" -o "$work/fit.fxs" --resolution "${FIT_SIZE:-600}" --threads $two \
+            --steps "${FIT_STEPS:-3000}" --cutoff $cutoff --json >"$work/json" 2>"$work/progress"
+        awk -v cutoff=$cutoff -v s="$(field seconds <"$work/json")" -v n="$(field steps <"$work/json")" \
+            -v gaussians="$(field gaussians <"$work/json")" -v psnr="$(field psnr <"$work/json")" \
+            -v ssim="$(field ssim <"$work/json")" \
+            'BEGIN { printf "| %s | %.1f | %d | %.2f | %.4f |\n", cutoff, 1000 * s / n, gaussians, psnr, 1 - ssim }'
     done
 }
 

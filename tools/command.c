@@ -113,6 +113,12 @@ void check_printed_at_exit(void)
     atexit(check_printed);
 }
 
+int ends_with(const char *name, const char *ending)
+{
+    size_t length = strlen(name), tail = strlen(ending);
+    return length > tail && !strcmp(name + length - tail, ending);
+}
+
 static int percent_shown = -1;   /* -1: no bar */
 
 int progress_bar(void *label, double done)
@@ -131,4 +137,10 @@ void progress_end(void)
     if (percent_shown >= 0)
         fputs("\r\033[K", stderr);
     percent_shown = -1;
+}
+
+void progress_line(const char *text)
+{
+    fprintf(stderr, "\r%s\033[K", text);
+    percent_shown = 0;
 }

@@ -17,6 +17,7 @@ int command_bench(int argc, char **argv);
 int command_info(int argc, char **argv);
 int command_convert(int argc, char **argv);
 int command_compare(int argc, char **argv);
+int command_fit(int argc, char **argv);
 int command_make_scene(int argc, char **argv);
 
 /* For main to call first: where what was printed does not arrive, the program says so and fails, wherever it ends. */
@@ -47,9 +48,15 @@ int parse_colour(const char *text, uint8_t rgb[3]);                 /* RRGGBB */
 /* Prints a text as a JSON string. */
 void print_json_string(const char *text);
 
+/* Whether a name has this ending, and something before it. */
+int ends_with(const char *name, const char *ending);
+
 /* A bar on stderr where that is a terminal, after a word on what is being done: an fxs_progress_fn. progress_end takes
    it away, before anything else is printed and between two labels. */
 int progress_bar(void *label, double done);
 void progress_end(void);
+
+/* The same with any text, for a stderr that is a terminal: a line that the next one replaces. */
+void progress_line(const char *text);
 
 #endif

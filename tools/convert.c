@@ -53,12 +53,6 @@ enum { OPT_CROP = OPT_OWN, OPT_PRUNE, OPT_SPZ_VERSION };
 
 /* ---- Options --------------------------------------------------------------------------------------------------- */
 
-static int ends_with(const char *name, const char *ending)
-{
-    size_t length = strlen(name), tail = strlen(ending);
-    return length > tail && !strcmp(name + length - tail, ending);
-}
-
 static int take_crop(fxs_scene_filter *filter, const char *value)
 {
     double box[6];

@@ -12,6 +12,7 @@ static const struct {
     {"view", "scene file -> window, or --web: page", command_view},
     {"info", "what a scene holds, and what it needs", command_info},
     {"convert", "scene file -> .fxs (packed), .ply, .splat or .spz", command_convert},
+    {"fit", "photographs -> scene", command_fit},
     {"compare", "how far two pictures are apart", command_compare},
     {"make-scene", "writes a procedural scene", command_make_scene},
     {"bench", "times each stage", command_bench},

@@ -52,7 +52,7 @@ static fxs_file_view choose(quality *q, long i, const fxs_file_view *views, long
     return turned;
 }
 
-static void find_means_and_worst(quality *q)
+void quality_sum_up(quality *q)
 {
     long different = 0;
     q->psnr = q->ssim = 0;
@@ -109,7 +109,7 @@ int quality_measure(quality *q, const world *scene, const world *original, const
     if (status)
         quality_free(q);
     else
-        find_means_and_worst(q);
+        quality_sum_up(q);
     return status;
 }
 
@@ -133,8 +133,10 @@ void quality_print_json(const quality *q)
     printf("{\"views\": [");
     for (long i = 0; i < q->count; i++) {
         const quality_view *v = &q->views[i];
-        printf("%s{\"view\": %ld, \"width\": %d, \"height\": %d, \"psnr\": %s, \"ssim\": %.6f, \"largest\": %d}",
-               i ? ", " : "", v->index, v->width, v->height, fxs_metrics_psnr(psnr, v->metrics.psnr, "null"),
+        printf("%s{\"view\": %ld, \"width\": %d, \"height\": %d, \"name\": ", i ? ", " : "", v->index, v->width,
+               v->height);
+        print_json_string(v->name);
+        printf(", \"psnr\": %s, \"ssim\": %.6f, \"largest\": %d}", fxs_metrics_psnr(psnr, v->metrics.psnr, "null"),
                v->metrics.ssim, v->metrics.largest);
     }
     printf("], \"psnr\": %s, \"ssim\": %.6f, ", fxs_metrics_psnr(psnr, q->psnr, "null"), q->ssim);

@@ -26,6 +26,9 @@ typedef struct quality {
    frees, or prints why not and returns EXIT_FAILED. */
 int quality_measure(quality *q, const world *scene, const world *original, const frame_options *options, long wanted);
 
+/* The means and the worst of the views' metrics. */
+void quality_sum_up(quality *q);
+
 void quality_print_text(const quality *q);
 void quality_print_json(const quality *q);   /* an object, without a newline */
 void quality_free(quality *q);

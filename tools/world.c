@@ -251,17 +251,40 @@ int open_merged(const fxs_world *placed, const char *name, const load_options *l
     return status;
 }
 
-int world_open_merged(world *w, const fxs_world *placed, const char *name, const load_options *load)
+/* Begins a world of one scene as it is. */
+static int begin_plain(world *w, const char *name)
 {
     fxs_message message;
     fxs_placement as_it_is;
-    fxs_scene_file *file;
     uint32_t number;
     memset(w, 0, sizeof *w);
     fxs_placement_init(&as_it_is, 0, 0);
     const int error = fxs_world_add_file(&w->placed, name, &number, &message) ||
                       fxs_world_add(&w->placed, &as_it_is, &message);
-    int status = error ? fail(EXIT_FAILED, "%s", message.text) : make_room(w);
+    return error ? fail(EXIT_FAILED, "%s", message.text) : make_room(w);
+}
+
+int world_open_packed(world *w, const char *name, fxs_packed_scene *packed, const fxs_pack_report *report)
+{
+    int status = begin_plain(w, name);
+    if (!status) {
+        loaded_scene *loaded = &w->scenes[0];
+        loaded->path = w->placed.files[0];
+        loaded->packed = *packed;
+        loaded->report = *report;
+        memset(packed, 0, sizeof *packed);
+        const int error = fxs_scene_open(&loaded->scene, loaded->packed.data, loaded->packed.bytes);
+        status = error ? fail(EXIT_FAILED, "%s: %s", name, fxs_strerror(error)) : place_objects(w);
+    }
+    if (status)
+        world_close(w);
+    return status;
+}
+
+int world_open_merged(world *w, const fxs_world *placed, const char *name, const load_options *load)
+{
+    fxs_scene_file *file;
+    int status = begin_plain(w, name);
     if (!status)
         status = open_merged(placed, name, load, &file, &w->scenes[0].info);
     if (!status)

@@ -1,6 +1,45 @@
 #include <immintrin.h>
 #define ISA avx512
 #define LANES 16
+#define MASK __mmask16
 #define ROOT(x) ((real)_mm512_sqrt_ps((__m512)(x)))
-#define ANY(which) (_mm512_test_epi32_mask((__m512i)(which), (__m512i)(which)) != 0)
+#define BELOW(a, b) _mm512_cmp_ps_mask((__m512)(a), (__m512)(b), _CMP_LT_OQ)
+#define AT_MOST(a, b) _mm512_cmp_ps_mask((__m512)(a), (__m512)(b), _CMP_LE_OQ)
+#define ANY(which) ((which) != 0)
+#define CHOOSE(which, a, b) ((real)_mm512_mask_blend_ps(which, (__m512)(b), (__m512)(a)))
+#define BITS(which) ((uint32_t)(which))
+
+/* Of two vectors: the sums of their halves, side by side. */
+static inline __m512 halves(__m512 a, __m512 b)
+{
+    return _mm512_shuffle_f32x4(a, b, 0x44) + _mm512_shuffle_f32x4(a, b, 0xee);
+}
+
+/* The same of halves of each half. */
+static inline __m512 quarters(__m512 a, __m512 b)
+{
+    return _mm512_shuffle_f32x4(a, b, 0x88) + _mm512_shuffle_f32x4(a, b, 0xdd);
+}
+
+static inline __m512 pairs(__m512 a, __m512 b)
+{
+    return _mm512_shuffle_ps(a, b, 0x44) + _mm512_shuffle_ps(a, b, 0xee);
+}
+
+/* The sums of eight vectors and of a ninth: of places p and p + 8, p + 4, p + 2, p + 1. */
+static inline void add_vectors(const __m512 *v, float *sums)
+{
+    const __m512 a = quarters(halves(v[0], v[1]), halves(v[2], v[3]));
+    const __m512 b = quarters(halves(v[4], v[5]), halves(v[6], v[7]));
+    const __m512 two = pairs(a, b), one = two + _mm512_permute_ps(two, 0xb1);
+    /* 0, 2, 1, 3 of a in the even places' first, of b in their second */
+    const __m512i order = _mm512_setr_epi32(0, 4, 8, 12, 2, 6, 10, 14, 0, 0, 0, 0, 0, 0, 0, 0);
+    _mm256_storeu_ps(sums, _mm512_castps512_ps256(_mm512_permutexvar_ps(order, one)));
+    const __m256 eight = _mm512_castps512_ps256(v[8]) + _mm512_extractf32x8_ps(v[8], 1);
+    const __m128 four = _mm256_castps256_ps128(eight) + _mm256_extractf128_ps(eight, 1);
+    const __m128 last = four + _mm_movehl_ps(four, four);
+    sums[8] = _mm_cvtss_f32(last) + _mm_cvtss_f32(_mm_movehdup_ps(last));
+}
+
+#define ADD_PLACES(vectors, sums) add_vectors((const __m512 *)(vectors), sums)
 #include "../../port/fit/stages.h"

@@ -1,5 +1,6 @@
 /* COLMAP sparse models, as its page "Output Format" and the list in its src/colmap/sensor/models.h describe them. */
 #include "camera_internal.h"
+#include "colmap_internal.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -9,50 +10,73 @@
 #define MAX_CAMERAS 1000000
 #define MAX_PARAMS 12
 
-/* Models whose pinhole part comes first and whose other parameters are distortions; the index is COLMAP's model id. */
+/* The index is COLMAP's model id. Focal lengths and the principal point come first, then the coefficients of the lens
+   by their letters, 0 to 5 for k1 to k6. */
 static const struct {
-    const char *name;   /* NULL: not a pinhole with distortions */
-    int focals, params;
+    const char *name;
+    int focals;
+    const char *coefficients;
 } models[] = {
-    {"SIMPLE_PINHOLE", 1, 3}, {"PINHOLE", 2, 4}, {"SIMPLE_RADIAL", 1, 4}, {"RADIAL", 1, 5},
-    {"OPENCV", 2, 8}, {NULL, 0, 0}, {"FULL_OPENCV", 2, 12},
+    {"SIMPLE_PINHOLE", 1, ""}, {"PINHOLE", 2, ""}, {"SIMPLE_RADIAL", 1, "0"}, {"RADIAL", 1, "01"},
+    {"OPENCV", 2, "01pq"}, {"OPENCV_FISHEYE", 2, "0123"}, {"FULL_OPENCV", 2, "01pq2345"},
 };
 #define MODELS (sizeof models / sizeof *models)
+#define FISHEYE 5
 
 typedef struct camera {
     double id, width, height, fx, fy, cx, cy;
+    fxs_lens lens;
 } camera;
 
 typedef struct camera_list {
     const char *path;
+    fxs_message *message;
+    int lenses;         /* as those of fxs_view_list */
     camera *cameras;
     size_t count, capacity;
 } camera_list;
 
-static int not_pinhole(const camera_list *list, double id, fxs_message *message)
+static int params_of(size_t model)
 {
-    return fxs_fail(message, "%s: camera %.0f: not a pinhole camera; undistort the images first", list->path, id);
+    return models[model].focals + 2 + (int)strlen(models[model].coefficients);
 }
 
-static int add_camera(camera_list *list, size_t model, double id, const double size[2], const double *params,
-                      fxs_message *message)
+static int not_pinhole(const camera_list *list, double id)
 {
-    int focals = models[model].focals;
-    for (int i = focals + 2; i < models[model].params; i++)
-        if (params[i] != 0)
-            return not_pinhole(list, id, message);
+    return fxs_fail(list->message, list->lenses ? "%s: camera %.0f: a camera model that is not known here" :
+                    "%s: camera %.0f: not a pinhole camera; undistort the images first", list->path, id);
+}
+
+static int read_lens(size_t model, const double *params, fxs_lens *lens)
+{
+    memset(lens, 0, sizeof *lens);
+    lens->fisheye = model == FISHEYE;
+    for (const char *c = models[model].coefficients; *c; c++, params++) {
+        *(*c >= 'p' ? &lens->p[*c - 'p'] : &lens->k[*c - '0']) = *params;
+        if (!isfinite(*params))
+            return 0;
+    }
+    return 1;
+}
+
+static int add_camera(camera_list *list, size_t model, double id, const double size[2], const double *params)
+{
+    const int focals = models[model].focals;
+    fxs_lens lens;
+    if (!read_lens(model, params + focals + 2, &lens) || (!list->lenses && !fxs_lens_is_pinhole(&lens)))
+        return not_pinhole(list, id);
     if (list->count == MAX_CAMERAS)
-        return fxs_fail(message, "%s: more than %d cameras", list->path, MAX_CAMERAS);
+        return fxs_fail(list->message, "%s: more than %d cameras", list->path, MAX_CAMERAS);
     if (list->count == list->capacity) {
         size_t capacity = 2 * list->capacity + 16;
         camera *cameras = realloc(list->cameras, capacity * sizeof *cameras);
         if (!cameras)
-            return fxs_fail_memory(message, list->path, capacity * sizeof *cameras);
+            return fxs_fail_memory(list->message, list->path, capacity * sizeof *cameras);
         list->cameras = cameras;
         list->capacity = capacity;
     }
     list->cameras[list->count++] = (camera){id, size[0], size[1], params[0], params[focals - 1], params[focals],
-                                            params[focals + 1]};
+                                            params[focals + 1], lens};
     return 0;
 }
 
@@ -85,8 +109,9 @@ static int quaternion_rows(const double q[4], double r[9])
 static int add_image(fxs_view_list *list, const camera_list *cameras, const char *name, const double pose[7],
                      double camera_id)
 {
-    fxs_file_view *view;
-    FXS_TRY(fxs_view_list_add(list, name, &view));
+    fxs_listed_view *listed;
+    FXS_TRY(fxs_view_list_add(list, name, &listed));
+    fxs_file_view *view = &listed->view;
     const camera key = {.id = camera_id};
     const camera *found = cameras->count ?
         bsearch(&key, cameras->cameras, cameras->count, sizeof key, compare_ids) : NULL;
@@ -103,148 +128,67 @@ static int add_image(fxs_view_list *list, const camera_list *cameras, const char
     view->fy = found->fy;
     view->cx = found->cx;
     view->cy = found->cy;
+    listed->lens = found->lens;
     return fxs_view_list_finish(list, found->width, found->height);
 }
 
-/* Binary, little-endian */
-
-typedef struct cursor {
-    const unsigned char *at;
-    size_t left;
-    int short_of;   /* 1: something was read past the end, as 0 */
-} cursor;
-
-static uint64_t take(cursor *in, size_t bytes)
+static int read_cameras_bin(camera_list *list, const fxs_text *text)
 {
-    uint64_t value = 0;
-    if (in->left < bytes) {
-        in->short_of = 1;
-        in->left = 0;
-        return 0;
-    }
-    for (size_t i = 0; i < bytes; i++)
-        value |= (uint64_t)in->at[i] << 8 * i;
-    in->at += bytes;
-    in->left -= bytes;
-    return value;
-}
-
-static void take_doubles(cursor *in, double *out, int count)
-{
-    for (int i = 0; i < count; i++) {
-        uint64_t bits = take(in, 8);
-        memcpy(&out[i], &bits, 8);
-    }
-}
-
-static cursor cursor_at(const fxs_text *text)
-{
-    return (cursor){(const unsigned char *)text->data, text->size, 0};
-}
-
-static int read_cameras_bin(camera_list *list, const fxs_text *text, fxs_message *message)
-{
-    cursor in = cursor_at(text);
-    for (uint64_t count = take(&in, 8); count; count--) {
-        double id = (double)take(&in, 4), size[2], params[MAX_PARAMS];
-        uint64_t model = take(&in, 4);
-        if (!in.short_of && (model >= MODELS || !models[model].name))
-            return not_pinhole(list, id, message);
-        size[0] = (double)take(&in, 8);
-        size[1] = (double)take(&in, 8);
-        take_doubles(&in, params, in.short_of ? 0 : models[model].params);
+    fxs_colmap_cursor in = fxs_colmap_begin(text);
+    for (uint64_t count = fxs_colmap_take(&in, 8); count; count--) {
+        double id = (double)fxs_colmap_take(&in, 4), size[2], params[MAX_PARAMS];
+        uint64_t model = fxs_colmap_take(&in, 4);
+        if (!in.short_of && (model >= MODELS))
+            return not_pinhole(list, id);
+        size[0] = (double)fxs_colmap_take(&in, 8);
+        size[1] = (double)fxs_colmap_take(&in, 8);
+        if (!in.short_of)
+            fxs_colmap_take_doubles(&in, params, params_of(model));
         if (in.short_of)
             break;
-        FXS_TRY(add_camera(list, model, id, size, params, message));
+        FXS_TRY(add_camera(list, model, id, size, params));
     }
-    return in.short_of ? fxs_fail(message, "%s: cut short", list->path) : 0;
+    return in.short_of ? fxs_fail(list->message, "%s: cut short", list->path) : 0;
 }
 
 static int read_images_bin(fxs_view_list *list, const camera_list *cameras, const fxs_text *text)
 {
-    cursor in = cursor_at(text);
-    for (uint64_t count = take(&in, 8); count; count--) {
+    fxs_colmap_cursor in = fxs_colmap_begin(text);
+    for (uint64_t count = fxs_colmap_take(&in, 8); count; count--) {
         double pose[7];
-        take(&in, 4);   /* image id */
-        take_doubles(&in, pose, 7);
-        double camera_id = (double)take(&in, 4);
+        fxs_colmap_take(&in, 4);   /* image id */
+        fxs_colmap_take_doubles(&in, pose, 7);
+        double camera_id = (double)fxs_colmap_take(&in, 4);
         const unsigned char *name = in.at, *end = in.left ? memchr(name, 0, in.left) : NULL;
         if (!end)
             return fxs_fail(list->message, "%s: cut short", list->path);
         in.left -= (size_t)(end + 1 - name);
         in.at = end + 1;
-        uint64_t points = take(&in, 8);
-        if (in.short_of || points > in.left / 24)   /* x, y, id of a 3D point */
+        fxs_colmap_skip(&in, fxs_colmap_take(&in, 8), 24);   /* x, y, id of a 3D point */
+        if (in.short_of)
             return fxs_fail(list->message, "%s: cut short", list->path);
-        in.at += points * 24;
-        in.left -= points * 24;
         FXS_TRY(add_image(list, cameras, (const char *)name, pose, camera_id));
     }
     return in.short_of ? fxs_fail(list->message, "%s: cut short", list->path) : 0;
 }
 
-/* Text */
-
-/* Cuts the next line off and returns it without leading blanks; NULL at the end. */
-static char *next_line(char **rest)
-{
-    char *line = *rest;
-    if (!*line)
-        return NULL;
-    size_t length = strcspn(line, "\n");
-    *rest = line + length + (line[length] != 0);
-    line[length] = 0;
-    return line + strspn(line, " \t\r");
-}
-
-/* The next line that is not a comment or empty. */
-static char *next_entry(char **rest)
-{
-    char *line;
-    do
-        line = next_line(rest);
-    while (line && (!*line || *line == '#'));
-    return line;
-}
-
-/* Cuts the next word off the line; empty at its end. */
-static char *next_word(char **line)
-{
-    char *word = *line + strspn(*line, " \t\r");
-    size_t length = strcspn(word, " \t\r");
-    *line = word + length + (word[length] != 0);
-    word[length] = 0;
-    return word;
-}
-
-static int read_numbers(char **line, double *out, int count)
-{
-    for (int i = 0; i < count; i++) {
-        char *word = next_word(line), *end;
-        out[i] = strtod(word, &end);
-        if (end == word || *end || !isfinite(out[i]))
-            return 0;
-    }
-    return 1;
-}
-
-static int read_cameras_txt(camera_list *list, const fxs_text *text, fxs_message *message)
+static int read_cameras_txt(camera_list *list, const fxs_text *text)
 {
     char *rest = text->data, *line;
-    while ((line = next_entry(&rest))) {
+    while ((line = fxs_colmap_entry(&rest))) {
         double id, size[2], params[MAX_PARAMS];
         size_t model = 0;
-        if (!read_numbers(&line, &id, 1))
-            return fxs_fail(message, "%s: a line does not begin with a camera's number", list->path);
-        const char *name = next_word(&line);
-        while (model < MODELS && (!models[model].name || strcmp(name, models[model].name)))
+        if (!fxs_colmap_numbers(&line, &id, 1))
+            return fxs_fail(list->message, "%s: a line does not begin with a camera's number", list->path);
+        const char *name = fxs_colmap_word(&line);
+        while (model < MODELS && strcmp(name, models[model].name))
             model++;
         if (model == MODELS)
-            return not_pinhole(list, id, message);
-        if (!read_numbers(&line, size, 2) || !read_numbers(&line, params, models[model].params) || *next_word(&line))
-            return fxs_fail(message, "%s: camera %.0f: not a size and %d parameters", list->path, id,
-                            models[model].params);
-        FXS_TRY(add_camera(list, model, id, size, params, message));
+            return not_pinhole(list, id);
+        if (!fxs_colmap_numbers(&line, size, 2) || !fxs_colmap_numbers(&line, params, params_of(model)) || *fxs_colmap_word(&line))
+            return fxs_fail(list->message, "%s: camera %.0f: not a size and %d parameters", list->path, id,
+                            params_of(model));
+        FXS_TRY(add_camera(list, model, id, size, params));
     }
     return 0;
 }
@@ -253,32 +197,33 @@ static int read_cameras_txt(camera_list *list, const fxs_text *text, fxs_message
 static int read_images_txt(fxs_view_list *list, const camera_list *cameras, const fxs_text *text)
 {
     char *rest = text->data, *line;
-    while ((line = next_entry(&rest))) {
+    while ((line = fxs_colmap_entry(&rest))) {
         double values[9];   /* image id, quaternion, translation, camera id */
         char *name = NULL;
-        if (read_numbers(&line, values, 9))
-            name = next_word(&line);
+        if (fxs_colmap_numbers(&line, values, 9))
+            name = fxs_colmap_word(&line);
         if (!name || !*name)
             return fxs_fail(list->message, "%s: image %zu: not nine numbers and a name", list->path, list->count);
         FXS_TRY(add_image(list, cameras, name, values + 1, values[8]));
-        next_line(&rest);
+        fxs_colmap_line(&rest);
     }
     return 0;
 }
 
-/* Names come first in a view and are padded with zeros, so that this orders by name. */
 static int compare_views(const void *a, const void *b)
 {
-    return memcmp(a, b, sizeof(fxs_file_view));
+    const fxs_listed_view *v = a, *w = b;
+    const int order = strcmp(v->image, w->image);
+    return order ? order : memcmp(&v->view, &w->view, sizeof v->view);
 }
 
 int fxs_camera_colmap_parse(fxs_view_list *list, int binary, const fxs_text *cameras, const fxs_text *images)
 {
-    camera_list found = {cameras->path, NULL, 0, 0};
+    camera_list found = {cameras->path, list->message, list->lenses, NULL, 0, 0};
     if (!binary && (strlen(cameras->data) < cameras->size || strlen(images->data) < images->size))
         return fxs_fail(list->message, "%s: zero bytes in this text or in cameras.txt", list->path);
-    int status = binary ? read_cameras_bin(&found, cameras, list->message)
-                        : read_cameras_txt(&found, cameras, list->message);
+    int status = binary ? read_cameras_bin(&found, cameras)
+                        : read_cameras_txt(&found, cameras);
     if (!status && found.count)
         qsort(found.cameras, found.count, sizeof *found.cameras, compare_ids);
     if (!status)

@@ -54,8 +54,6 @@ static int read_views(fxs_view_list *list)
 {
     const char *path = list->path, *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
     struct stat status;
-    if (strlen(path) > MAX_PATH - 16)
-        return fxs_fail(list->message, "%s: name too long", path);
     if (!stat(path, &status) && S_ISDIR(status.st_mode))
         return read_folder(list);
     if (!strcmp(name, "images.bin") || !strcmp(name, "cameras.bin"))
@@ -65,16 +63,35 @@ static int read_views(fxs_view_list *list)
     return read_json(list);
 }
 
+int fxs_view_list_read(fxs_view_list *list)
+{
+    if (strlen(list->path) > MAX_PATH - 16)
+        return fxs_fail(list->message, "%s: name too long", list->path);
+    FXS_TRY(read_views(list));
+    return list->count ? 0 : fxs_fail(list->message, "%s: no views", list->path);
+}
+
+/* Takes the views out of the list. */
+static int take_views(const fxs_view_list *list, fxs_file_view **views)
+{
+    *views = malloc(list->count * sizeof **views);
+    if (!*views)
+        return fxs_fail_memory(list->message, list->path, list->count * sizeof **views);
+    for (size_t i = 0; i < list->count; i++)
+        (*views)[i] = list->views[i].view;
+    return 0;
+}
+
 long fxs_camera_file_read(const char *path, fxs_file_view **views, fxs_message *message)
 {
-    fxs_view_list list = {path, message, NULL, 0, 0};
-    int status = read_views(&list);
-    if (!status && !list.count)
-        status = fxs_fail(message, "%s: no views", path);
-    if (status) {
-        free(list.views);
-        return status;
-    }
-    *views = list.views;
-    return (long)list.count;
+    fxs_view_list list;
+    memset(&list, 0, sizeof list);
+    list.path = path;
+    list.message = message;
+    int status = fxs_view_list_read(&list);
+    if (!status)
+        status = take_views(&list, views);
+    const long count = (long)list.count;
+    fxs_view_list_free(&list);
+    return status ? status : count;
 }

@@ -5,19 +5,35 @@
 #include <stddef.h>
 
 #include "camera_file.h"
+#include "lens.h"
 #include "../files/text_internal.h"
+
+/* A view, and what only those want who read its photograph. */
+typedef struct fxs_listed_view {
+    fxs_file_view view;
+    fxs_lens lens;
+    char *image;        /* its name as the file has it, whole; NULL: it has none */
+    int sizeless;       /* 1: the file says an angle alone; the view's size and intrinsics are for 800 x 800 */
+} fxs_listed_view;
 
 /* The views read so far. */
 typedef struct fxs_view_list {
     const char *path;   /* for messages */
     fxs_message *message;
-    fxs_file_view *views;
+    fxs_listed_view *views;
     size_t count, capacity;
+    int lenses;         /* 1: lenses are read; 0: COLMAP's must be pinholes, and those of transforms.json count as such */
+    int is_array;       /* 1: it was a cameras.json */
+    char *points;       /* name of the .ply that a transforms.json names for its points, or NULL */
 } fxs_view_list;
+
+/* Reads the file at list->path, as fxs_camera_file_read says. Returns 0, or an error and a message. */
+int fxs_view_list_read(fxs_view_list *list);
+void fxs_view_list_free(fxs_view_list *list);
 
 /* Appends a view that is all 0 but for its name: its index, where `name` is NULL. Returns 0 and the view, which stays
    in place until the next is added, or an error and a message. */
-int fxs_view_list_add(fxs_view_list *list, const char *name, fxs_file_view **view);
+int fxs_view_list_add(fxs_view_list *list, const char *name, fxs_listed_view **view);
 
 /* Writes a message about the view that was added last and returns FXS_ERR_FILE. */
 int fxs_view_list_fault(const fxs_view_list *list, const char *fault);

@@ -11,13 +11,13 @@
 
 int fxs_view_list_fault(const fxs_view_list *list, const char *fault)
 {
-    return fxs_fail(list->message, "%s: view %s: %s", list->path, list->views[list->count - 1].name, fault);
+    return fxs_fail(list->message, "%s: view %s: %s", list->path, list->views[list->count - 1].view.name, fault);
 }
 
 static int enlarge(fxs_view_list *list)
 {
     const size_t capacity = 2 * list->capacity + 16;
-    fxs_file_view *views = realloc(list->views, capacity * sizeof *views);
+    fxs_listed_view *views = realloc(list->views, capacity * sizeof *views);
     if (!views)
         return fxs_fail_memory(list->message, list->path, capacity * sizeof *views);
     list->views = views;
@@ -25,22 +25,39 @@ static int enlarge(fxs_view_list *list)
     return 0;
 }
 
-int fxs_view_list_add(fxs_view_list *list, const char *name, fxs_file_view **added)
+int fxs_view_list_add(fxs_view_list *list, const char *name, fxs_listed_view **added)
 {
     if (list->count == MAX_VIEWS)
         return fxs_fail(list->message, "%s: more than %d views", list->path, MAX_VIEWS);
     if (list->count == list->capacity)
         FXS_TRY(enlarge(list));
-    fxs_file_view *view = *added = memset(&list->views[list->count], 0, sizeof *view);
-    if (name)
+    fxs_listed_view *listed = *added = memset(&list->views[list->count], 0, sizeof *listed);
+    fxs_file_view *view = &listed->view;
+    if (name) {
         snprintf(view->name, sizeof view->name, "%s", name);
-    else
+        listed->image = malloc(strlen(name) + 1);
+        if (!listed->image)
+            return fxs_fail_memory(list->message, list->path, 0);
+        strcpy(listed->image, name);
+    } else {
         snprintf(view->name, sizeof view->name, "%zu", list->count);
+    }
     for (char *c = view->name; *c; c++)
         if ((unsigned char)*c < ' ')   /* a message is one line */
             *c = '?';
     list->count++;
     return 0;
+}
+
+void fxs_view_list_free(fxs_view_list *list)
+{
+    for (size_t i = 0; i < list->count; i++)
+        free(list->views[i].image);
+    free(list->views);
+    free(list->points);
+    list->views = NULL;
+    list->points = NULL;
+    list->count = list->capacity = 0;
 }
 
 static int size_valid(double size)
@@ -80,7 +97,7 @@ static void orthonormalise(double r[9])
 
 int fxs_view_list_finish(fxs_view_list *list, double width, double height)
 {
-    fxs_file_view *view = &list->views[list->count - 1];
+    fxs_file_view *view = &list->views[list->count - 1].view;
     if (!size_valid(width) || !size_valid(height))
         return fxs_view_list_fault(list, "width and height are not whole numbers from 1 to 16384");
     view->width = (int)width;

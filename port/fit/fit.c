@@ -1,26 +1,14 @@
-/* The recipe: which photograph, which rates, and when the Gaussians become more or fewer. */
-#include "fit.h"
+/* A fit: a photograph's step, and what the recipe does after it. */
+#include "fit_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../kernels/kernels.h"
+#include "../camera/camera.h"
 #include "../files/message.h"
-#include "profile.h"
 #include "random.h"
-
-struct fxs_fit {
-    fxs_fit_options options;
-    fxs_fit_photograph *photographs;
-    uint32_t *order;               /* of the photographs, for as many steps as there are */
-    size_t count;
-    fxs_fit_stepper *stepper;
-    fxs_fit_model model;
-    fxs_fit_profile profile;       /* the last tenth of the steps: see profile.h */
-    float extent, position_rate, decay;
-    uint32_t step;
-};
+#include "recipe.h"
 
 void fxs_fit_options_init(fxs_fit_options *options)
 {
@@ -29,6 +17,11 @@ void fxs_fit_options_init(fxs_fit_options *options)
     options->sh_degree = 3;
     options->max_gaussians = 1u << 22;
     options->cpu = ~0u;
+}
+
+uint32_t fxs_fit_recipe_steps(enum fxs_fit_recipe recipe)
+{
+    return recipe == FXS_FIT_FAST ? 7000 : 30000;
 }
 
 /* ---- Beginning --------------------------------------------------------------------------------------------------- */
@@ -53,50 +46,137 @@ static void set_camera(fxs_fit_camera *c, const fxs_file_view *view)
     c->tiles_y = (view->height + FXS_FIT_TILE - 1) / FXS_FIT_TILE;
 }
 
-/* 1.1 times the largest distance of a camera from their mean. */
-static float extent_of(const fxs_fit_photo *photos, size_t count)
+static int is_within(const double place[3])
 {
-    double mean[3] = {0, 0, 0}, largest = 0;
-    for (size_t i = 0; i < count; i++)
-        for (int k = 0; k < 3; k++)
-            mean[k] += photos[i].view.position[k] / (double)count;
-    for (size_t i = 0; i < count; i++) {
-        double square = 0;
-        for (int k = 0; k < 3; k++)
-            square += (photos[i].view.position[k] - mean[k]) * (photos[i].view.position[k] - mean[k]);
-        largest = fmax(largest, sqrt(square));
-    }
-    return (float)(1.1 * (largest > 0 ? largest : 1));
+    const double farthest = FXS_FIT_FARTHEST_PLACE;
+    return fabs(place[0]) <= farthest && fabs(place[1]) <= farthest && fabs(place[2]) <= farthest;
 }
 
-int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
-                   size_t point_count, const fxs_fit_options *options, fxs_message *message)
+/* Whether a camera looks at it: where it is on the picture does not matter. */
+static int is_before(const fxs_file_view *view, const double place[3])
+{
+    double depth = 0;
+    for (int k = 0; k < 3; k++)
+        depth += view->rotation[6 + k] * (place[k] - view->position[k]);
+    return depth > 0;
+}
+
+static int check_points(const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
+                        size_t point_count, fxs_message *message)
+{
+    int are_seen = 0;
+    if (!point_count)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit needs points to begin with");
+    for (size_t i = 0; i < point_count; i++) {
+        const float *p = points[i].position;
+        const double place[3] = {(double)p[0], (double)p[1], (double)p[2]};
+        if (!is_within(place))
+            return fxs_fail_as(FXS_ERR_ARGUMENT, message, "point %zu: a coordinate is not finite, or beyond 10^12", i);
+        for (size_t k = 0; k < photo_count && !are_seen; k++)
+            are_seen = is_before(&photos[k].view, place);
+    }
+    return are_seen ? 0 : fxs_fail_as(FXS_ERR_ARGUMENT, message, "all points are behind all cameras");
+}
+
+static int check_options(const fxs_fit_options *o, fxs_message *message)
+{
+    const char *wrong = (unsigned)o->recipe > FXS_FIT_FAST                         ? "recipe"
+                        : !o->steps                                                ? "number of steps"
+                        : o->sh_degree < 0 || o->sh_degree > 3                     ? "SH degree"
+                        : !o->max_gaussians || o->max_gaussians > FXS_MAX_COUNT    ? "number of Gaussians"
+                        : (unsigned)o->cutoff > FXS_CUTOFF_SQUARE                  ? "cut-off"
+                        : (unsigned)o->profile > FXS_PROFILE_SMALL                 ? "profile"
+                        : o->threads > 64                                          ? "number of threads"
+                                                                                   : NULL;
+    return wrong ? fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit: there is no such %s", wrong) : 0;
+}
+
+static int check_photographs(const fxs_fit_photo *photos, size_t count, fxs_message *message)
+{
+    fxs_camera camera;
+    fxs_message why;
+    if (!count || count > UINT32_MAX)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit needs photographs");
+    for (size_t i = 0; i < count; i++) {
+        const fxs_file_view *view = &photos[i].view;
+        if (fxs_camera_from_view(&camera, view, &why))
+            return fxs_fail_as(FXS_ERR_ARGUMENT, message, "photograph %zu: %s", i, why.text);
+        if (view->projection != FXS_PERSPECTIVE)
+            return fxs_fail_as(FXS_ERR_ARGUMENT, message, "photograph %zu: a fit takes perspective cameras", i);
+    }
+    return 0;
+}
+
+/* Of more points than there may be Gaussians, as many, evenly by their order. */
+static int begin_model(fxs_fit *f, const fxs_fit_point *points, size_t count)
+{
+    const size_t most = count < f->options.max_gaussians ? count : f->options.max_gaussians;
+    fxs_fit_point *chosen = malloc(most * sizeof *chosen);
+    if (!chosen)
+        return FXS_ERR_MEMORY;
+    for (size_t i = 0; i < most; i++)
+        chosen[i] = points[(size_t)((uint64_t)i * count / most)];
+    const int error = fxs_fit_model_begin(&f->model, chosen, most, fxs_fit_first_opacity(f->options.recipe));
+    if (!error)
+        fxs_fit_model_widen(&f->model, fxs_fit_first_scale(f->options.recipe));
+    free(chosen);
+    return error;
+}
+
+/* The largest photograph at half its size. */
+static size_t reduced_bytes(const fxs_fit_photo *photos, size_t count)
+{
+    size_t most = 0;
+    for (size_t i = 0; i < count; i++) {
+        const size_t bytes = 3 * (size_t)(photos[i].view.width / 2) * (size_t)(photos[i].view.height / 2);
+        most = bytes > most ? bytes : most;
+    }
+    return most;
+}
+
+int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_options *options,
+                  fxs_message *message)
 {
     *fit = NULL;
-    if (!photo_count || !point_count)
-        return fxs_fail(message, "a fit needs photographs, and points to begin with");
+    if (check_options(options, message) || check_photographs(photos, photo_count, message))
+        return FXS_ERR_ARGUMENT;
     fxs_fit *f = calloc(1, sizeof *f);
     if (f) {
         f->options = *options;
         f->count = photo_count;
         f->photographs = calloc(photo_count, sizeof *f->photographs);
         f->order = calloc(photo_count, sizeof *f->order);
+        f->reduced = malloc(options->recipe == FXS_FIT_FAST ? reduced_bytes(photos, photo_count) + 1 : 1);
         f->stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(options->cpu), options->run, options->pool,
                                             options->threads, options->clock);
     }
-    if (!f || !f->photographs || !f->order || !f->stepper ||
-        fxs_fit_model_begin(&f->model, points, point_count, 0.1f)) {
+    if (!f || !f->photographs || !f->order || !f->reduced || !f->stepper) {
         fxs_fit_free(f);
-        return fxs_fail_memory(message, "a fit", point_count * 4 * FXS_FIT_PARAMETERS * sizeof(float));
+        return fxs_fail_memory(message, "a fit", 0);
     }
     for (size_t i = 0; i < photo_count; i++) {
         f->photographs[i].pixels = photos[i].pixels;
         set_camera(&f->photographs[i].camera, &photos[i].view);
+        f->photographs[i].camera.is_square = options->cutoff == FXS_CUTOFF_SQUARE;
     }
-    f->extent = extent_of(photos, photo_count);
-    f->position_rate = 1.6e-4f;
-    f->decay = 0.999846506f;       /* 100^(-1 / 30000) */
     *fit = f;
+    return 0;
+}
+
+int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
+                   size_t point_count, const fxs_fit_options *options, fxs_message *message)
+{
+    int error = fxs_fit_begin(fit, photos, photo_count, options, message);
+    if (!error)
+        error = check_points(photos, photo_count, points, point_count, message);
+    if (!error && begin_model(*fit, points, point_count))
+        error = fxs_fail_memory(message, "a fit", point_count * 4 * FXS_FIT_PARAMETERS * sizeof(float));
+    if (error) {
+        fxs_fit_free(*fit);
+        *fit = NULL;
+        return error;
+    }
+    (*fit)->extent = fxs_fit_extent(photos, photo_count, points, point_count);
     return 0;
 }
 
@@ -109,6 +189,7 @@ void fxs_fit_free(fxs_fit *f)
     fxs_fit_stepper_free(f->stepper);
     free(f->photographs);
     free(f->order);
+    free(f->reduced);
     free(f);
 }
 
@@ -117,105 +198,115 @@ uint32_t fxs_fit_steps(const fxs_fit *f)
     return f->step;
 }
 
+const fxs_fit_options *fxs_fit_options_of(const fxs_fit *f)
+{
+    return &f->options;
+}
+
 /* ---- A step ------------------------------------------------------------------------------------------------------ */
 
-/* A new permutation when all were seen (Fisher and Yates). */
+/* A new permutation when all were seen (Fisher and Yates), by the step that it begins with. */
+void fxs_fit_set_order(fxs_fit *f)
+{
+    const uint32_t count = (uint32_t)f->count, first = f->step - f->step % count;
+    for (uint32_t i = 0; i < count; i++)
+        f->order[i] = i;
+    for (uint32_t i = count - 1; i; i--) {
+        const uint32_t j = (uint32_t)(fxs_fit_random(f->options.seed, first, i) % (i + 1)), swap = f->order[i];
+        f->order[i] = f->order[j];
+        f->order[j] = swap;
+    }
+}
+
 static const fxs_fit_photograph *choose_photograph(fxs_fit *f)
 {
-    const uint32_t count = (uint32_t)f->count, turn = f->step % count;
-    if (!turn) {
-        for (uint32_t i = 0; i < count; i++)
-            f->order[i] = i;
-        for (uint32_t i = count - 1; i; i--) {
-            const uint32_t j = (uint32_t)(fxs_fit_random(f->options.seed, f->step, i) % (i + 1)), swap = f->order[i];
-            f->order[i] = f->order[j];
-            f->order[j] = swap;
+    if (f->step % f->count == 0)
+        fxs_fit_set_order(f);
+    return &f->photographs[f->order[f->step % f->count]];
+}
+
+/* The mean of divisor x divisor pixels each; what is left over at the right and below is not used. */
+static void average_down(const fxs_fit_photograph *from, int divisor, uint8_t *pixels)
+{
+    const int width = from->camera.width / divisor, height = from->camera.height / divisor, all = divisor * divisor;
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < 3 * width; x++) {
+            const uint8_t *first = from->pixels + (ptrdiff_t)y * divisor * 3 * from->camera.width +
+                                   x / 3 * 3 * divisor + x % 3;
+            int sum = all / 2;
+            for (int k = 0; k < all; k++)
+                sum += first[(ptrdiff_t)(k / divisor) * 3 * from->camera.width + k % divisor * 3];
+            *pixels++ = (uint8_t)(sum / all);
         }
+}
+
+static void reduce(const fxs_fit_photograph *from, int divisor, uint8_t *pixels, fxs_fit_photograph *to)
+{
+    average_down(from, divisor, pixels);
+    *to = *from;
+    to->pixels = pixels;
+    fxs_fit_camera *c = &to->camera;
+    for (int i = 0; i < 2; i++) {
+        c->focal[i] /= (float)divisor;
+        c->middle[i] /= (float)divisor;
     }
-    return &f->photographs[f->order[turn]];
+    c->width /= divisor;
+    c->height /= divisor;
+    c->tiles_x = (c->width + FXS_FIT_TILE - 1) / FXS_FIT_TILE;
+    c->tiles_y = (c->height + FXS_FIT_TILE - 1) / FXS_FIT_TILE;
 }
 
-static void set_rates(const fxs_fit *f, float rate[FXS_FIT_PARAMETERS])
+static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_options *options)
 {
-    for (int i = 0; i < FXS_FIT_PARAMETERS; i++)
-        rate[i] = i < FXS_FIT_SCALE      ? f->position_rate * f->extent
-                  : i < FXS_FIT_ROTATION ? 0.005f
-                  : i < FXS_FIT_OPACITY  ? 0.001f
-                  : i < FXS_FIT_COLOUR   ? 0.025f
-                  : i < FXS_FIT_SH       ? 0.0025f
-                                         : 0.000125f;
+    const uint64_t key = fxs_fit_random(f->options.seed, f->step, UINT64_MAX);
+    memset(options, 0, sizeof *options);
+    options->sh_degree = plan->sh_degree;
+    options->number = f->step;
+    options->without_sh = plan->without_sh;
+    options->only_touched = plan->only_touched;
+    options->by_opacity = plan->by_opacity;
+    options->by_scale = plan->by_scale;
+    options->noise = (fxs_fit_noise){plan->noise, {(uint32_t)key, (uint32_t)(key >> 32)}};
+    memcpy(options->rate, plan->rate, sizeof options->rate);
+    for (int c = 0; c < 3; c++)
+        options->background[c] = (float)f->options.background[c] / 255.0f;
 }
 
-/* Every 100 steps; the mean gradient is that of the mean over pixels and channels. */
-static int densify(fxs_fit *f, const fxs_fit_camera *camera)
+static int change_model(fxs_fit *f, const fxs_fit_plan *plan)
 {
-    const fxs_fit_densify d = {0.0002f * 3 * (float)camera->width * (float)camera->height, 0.01f * f->extent,
-                               f->step > 3000 ? 0.1f * f->extent : INFINITY, 0.005f, f->options.max_gaussians,
-                               f->options.seed, f->step};
-    int error = fxs_fit_model_densify(&f->model, &d);
-    if (!error && f->step % 1000 == 0)
+    const fxs_fit_densify densify = {plan->gradient, 0.01f * f->extent, plan->large, 0.005f, f->options.max_gaussians,
+                                     f->options.seed, f->step};
+    const fxs_fit_relocate relocate = {0.005f, f->options.max_gaussians, f->options.seed, f->step};
+    int error = plan->densify ? fxs_fit_model_densify(&f->model, &densify) : 0;
+    if (!error && plan->relocate)
+        error = fxs_fit_model_relocate(&f->model, &relocate);
+    if (!error && plan->order)
         error = fxs_fit_model_order(&f->model);
+    if (!error && plan->reset)
+        fxs_fit_model_reset_opacity(&f->model, 0.01f);
     return error;
-}
-
-static void run_here(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
-{
-    (void)pool;
-    for (uint32_t i = 0; i < jobs; i++)
-        job(argument, i);
-}
-
-static fxs_pack_options pack_options(const fxs_fit *f)
-{
-    fxs_pack_options options = {.profile = f->options.profile, .run = f->options.run, .pool = f->options.pool,
-                                .threads = f->options.threads};
-    options.run = options.run ? options.run : run_here;
-    return options;
-}
-
-/* Steps that are left when the packed profile is taken in. */
-static uint32_t profile_steps(const fxs_fit *f)
-{
-    return f->options.steps / 10;
-}
-
-/* Before a step: the last tenth passes through the packed profile, whose steps and palette are found 16 times. Where a
-   fit that was in its last tenth is to have more steps, it leaves it. */
-static int fit_profile(fxs_fit *f)
-{
-    const uint32_t steps = profile_steps(f), first = f->options.steps - steps, every = (steps + 15) / 16;
-    const fxs_pack_options options = pack_options(f);
-    fxs_message message;
-    if (f->step < first || f->step >= f->options.steps) {
-        if (f->profile.chunks && f->step < first)
-            fxs_fit_profile_end(&f->profile, &f->model);
-        return 0;
-    }
-    if (!f->profile.chunks)
-        return fxs_fit_profile_begin(&f->profile, &f->model, f->stepper, f->options.sh_degree, &options, &message);
-    return (f->step - first) % every ? 0 : fxs_fit_profile_code(&f->profile, &f->model, f->stepper, &options, &message);
 }
 
 int fxs_fit_step(fxs_fit *f, fxs_fit_report *report)
 {
     const fxs_fit_photograph *photograph = choose_photograph(f);
-    fxs_fit_step_options options = {0};
-    const uint32_t degree = f->step / 1000;
-    options.sh_degree = (int)degree < f->options.sh_degree ? (int)degree : f->options.sh_degree;
-    options.number = f->step + 1;
-    for (int c = 0; c < 3; c++)
-        options.background[c] = (float)f->options.background[c] / 255.0f;
-    f->position_rate *= f->decay;
-    set_rates(f, options.rate);
-    int error = fit_profile(f);
+    const fxs_fit_camera *c = &photograph->camera;
+    fxs_fit_photograph reduced;
+    fxs_fit_step_options options;
+    fxs_fit_plan plan;
+    int error = fxs_fit_pass_profile(f);
+    if (error)
+        return error;
     f->step++;
-    if (!error)
-        error = fxs_fit_stepper_step(f->stepper, &f->model, photograph, &options, report);
-    const int is_open = f->step < 15000 && f->step < f->options.steps - profile_steps(f);
-    if (!error && f->step > 500 && is_open && f->step % 100 == 0)
-        error = densify(f, &photograph->camera);
-    if (!error && is_open && f->step % 3000 == 0)
-        fxs_fit_model_reset_opacity(&f->model, 0.01f);
+    fxs_fit_plan_step(&f->options, f->extent, f->step, c->width < c->height ? c->width : c->height, &plan);
+    if (plan.divisor > 1) {
+        reduce(photograph, plan.divisor, f->reduced, &reduced);
+        photograph = &reduced;
+    }
+    set_step(f, &plan, &options);
+    error = fxs_fit_stepper_step(f->stepper, &f->model, photograph, &options, report);
+    if (!error && !f->profile.chunks)
+        error = change_model(f, &plan);
     report->gaussians = f->model.count;
     return error;
 }
@@ -238,12 +329,4 @@ void fxs_fit_gaussians(const fxs_fit *f, fxs_gaussian_source *gaussians)
     gaussians->sh_degree = f->options.sh_degree;
     gaussians->read = read_gaussians;
     gaussians->argument = (void *)&f->model;
-}
-
-int fxs_fit_pack(const fxs_fit *f, fxs_packed_scene *scene, fxs_pack_report *report, fxs_message *message)
-{
-    const fxs_pack_options options = pack_options(f);
-    fxs_gaussian_source gaussians;
-    fxs_fit_gaussians(f, &gaussians);
-    return fxs_fit_profile_pack(&f->profile, &f->model, &gaussians, scene, report, &options, message);
 }

@@ -14,7 +14,7 @@ typedef struct shape {
     real slope[2], cut_slope[2];   /* x / z, y / z; as the Jacobian takes them */
     real m[2][3], rotation[3][3], length, unit[4];   /* length: one over that of the quaternion */
     real scale[3], v[2][3], t[2][3];    /* V = M R */
-    real ux, uy, vy, a, c;
+    real ux, uy, vy, a, b, c;
 } shape;
 
 static inline real dot3(const real *a, const real *b)
@@ -30,6 +30,12 @@ static inline void rotation_of(const real q[4], real r[3][3])
     r[0][0] = 1.0f - (yy + zz), r[0][1] = xy - wz, r[0][2] = xz + wy;
     r[1][0] = xy + wz, r[1][1] = 1.0f - (xx + zz), r[1][2] = yz - wx;
     r[2][0] = xz - wy, r[2][1] = yz + wx, r[2][2] = 1.0f - (xx + yy);
+}
+
+/* e^-x of a logit */
+static inline real exp_of_minus(real logit)
+{
+    return exp_e(-least(most(logit, all(-80)), all(80)));
 }
 
 /* `at`: the Gaussians' first parameter, from plane to plane `stride`. */
@@ -71,6 +77,7 @@ static inline void find_shape(shape *s, const fxs_fit_camera *camera, const floa
                            s->t[0][0] * s->t[1][1] - s->t[0][1] * s->t[1][0]};
     const real det = (dot3(cross, cross) + FXS_FIT_DILATION * (a + c)) + FXS_FIT_DILATION * FXS_FIT_DILATION;
     s->a = a + FXS_FIT_DILATION;
+    s->b = b;
     s->c = c + FXS_FIT_DILATION;
     s->vy = 1.0f / root(s->c);
     s->ux = root(s->c / det);
@@ -145,13 +152,13 @@ typedef struct look {
 
 static inline void find_look(look *l, const shape *s, int degree, const float *at, size_t stride)
 {
+    l->inverse_length = 1.0f / root(dot3(s->offset, s->offset));
+    for (int i = 0; i < 3; i++)
+        l->direction[i] = s->offset[i] * l->inverse_length;
     for (int c = 0; c < 3; c++)
         l->colour[c] = load(at + (FXS_FIT_COLOUR + c) * (ptrdiff_t)stride) * 0.282094792f + 0.5f;
     if (degree < 1)
         return;
-    l->inverse_length = 1.0f / root(dot3(s->offset, s->offset));
-    for (int i = 0; i < 3; i++)
-        l->direction[i] = s->offset[i] * l->inverse_length;
     basis_of(l->direction, degree, l->basis);
     for (int k = 0; k < SH_COUNT(degree); k++)
         for (int c = 0; c < 3; c++)
@@ -169,7 +176,7 @@ static inline void colour_gradient(const shape *s, int degree, const float *at, 
     real g[3], w[15], by_direction[3];
     find_look(&l, s, degree, at, stride);
     for (int c = 0; c < 3; c++) {
-        g[c] = choose(l.colour[c] > 0, sums[FXS_FIT_RED + c], all(0));
+        g[c] = keep(below(all(0), l.colour[c]), sums[FXS_FIT_RED + c]);
         gradient[FXS_FIT_COLOUR + c] = 0.282094792f * g[c];
         along[c] = all(0);
     }
@@ -188,14 +195,16 @@ static inline void colour_gradient(const shape *s, int degree, const float *at, 
         along[i] = (by_direction[i] - l.direction[i] * radial) * l.inverse_length;
 }
 
-/* dL/dT = 2 G T, G = -Q (sum of h d d^t / 2) Q, Q the inverse of Sigma. */
+/* dL/dT = 2 G T, G = -Q (sum of h d d^t / 2) Q, Q = U^t U the inverse of Sigma, U d = (u, v): G = -U^t (sum of h (u, v)
+   (u, v)^t / 2) U; in the splats' u and v, which are FXS_FIT_UNIT as large. */
 static inline void covariance_gradient(const shape *s, const real sums[], real by_t[2][3])
 {
-    const real q00 = s->ux * s->ux, q01 = s->ux * s->uy, q11 = s->uy * s->uy + s->vy * s->vy;
-    const real xx = sums[FXS_FIT_SUM_XX], xy = sums[FXS_FIT_SUM_XY], yy = sums[FXS_FIT_SUM_YY];
-    const real p00 = q00 * xx + q01 * xy, p01 = q00 * xy + q01 * yy, p10 = q01 * xx + q11 * xy,
-               p11 = q01 * xy + q11 * yy;
-    const real g00 = p00 * q00 + p01 * q01, g01 = p00 * q01 + p01 * q11, g11 = p10 * q01 + p11 * q11;
+    const real ux = s->ux * (1.0f / FXS_FIT_UNIT), uy = s->uy * (1.0f / FXS_FIT_UNIT),
+               vy = s->vy * (1.0f / FXS_FIT_UNIT);
+    const real p0 = ux * sums[FXS_FIT_SUM_UU];
+    const real p10 = uy * sums[FXS_FIT_SUM_UU] + vy * sums[FXS_FIT_SUM_UV];
+    const real p11 = uy * sums[FXS_FIT_SUM_UV] + vy * sums[FXS_FIT_SUM_VV];
+    const real g00 = p0 * ux, g01 = p10 * ux, g11 = p10 * uy + p11 * vy;
     for (int j = 0; j < 3; j++) {
         by_t[0][j] = -(g00 * s->t[0][j] + g01 * s->t[1][j]);
         by_t[1][j] = -(g01 * s->t[0][j] + g11 * s->t[1][j]);
@@ -240,9 +249,10 @@ static inline void shape_gradient(const shape *s, const fxs_fit_camera *camera, 
     for (int i = 0; i < 2; i++) {
         const real focal = all(camera->focal[i]);
         const real row[3] = {all(camera->rotation[6]), all(camera->rotation[7]), all(camera->rotation[8])};
-        const whole is_free = s->slope[i] == s->cut_slope[i];
+        const mask is_free = both(at_most(all(-camera->slope_most[i]), s->slope[i]),
+                                  at_most(s->slope[i], all(camera->slope_most[i])));
         const real by_cut = -(focal * s->inverse_z) * dot3(by_m[i], row);
-        const real by_slope = focal * by_centre[i] + choose(is_free, by_cut, all(0));
+        const real by_slope = focal * by_centre[i] + keep(is_free, by_cut);
         by_inverse_z += dot3(by_m[i], s->m[i]) * s->in_camera[2] + by_slope * s->in_camera[i];
         by_camera[i] = by_slope * s->inverse_z;
     }
@@ -259,17 +269,16 @@ static inline void find_gradient(const fxs_fit_camera *camera, int degree, const
     shape s;
     real by_t[2][3], along[3], by_position[3];
     find_shape(&s, camera, at, stride);
-    /* dL/dcentre = h Q d, d = centre - pixel */
-    const real q01 = s.ux * s.uy;
-    by_centre[0] = -(s.ux * s.ux * sums[FXS_FIT_SUM_X] + q01 * sums[FXS_FIT_SUM_Y]);
-    by_centre[1] = -(q01 * sums[FXS_FIT_SUM_X] + (s.uy * s.uy + s.vy * s.vy) * sums[FXS_FIT_SUM_Y]);
+    /* dL/dcentre = h Q d = -h U^t (u, v) */
+    by_centre[0] = -(s.ux * sums[FXS_FIT_SUM_U]) * (1.0f / FXS_FIT_UNIT);
+    by_centre[1] = -(s.uy * sums[FXS_FIT_SUM_U] + s.vy * sums[FXS_FIT_SUM_V]) * (1.0f / FXS_FIT_UNIT);
     covariance_gradient(&s, sums, by_t);
     shape_gradient(&s, camera, (const real(*)[3])by_t, by_centre, gradient, by_position);
     colour_gradient(&s, degree, at, stride, sums, gradient, along);
     for (int i = 0; i < 3; i++)
         gradient[FXS_FIT_POSITION + i] = by_position[i] + along[i];
     /* dL/do = -sum of h / o, times o (1 - o) */
-    const real opacity = 1.0f / (1.0f + exp_e(-load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
+    const real opacity = 1.0f / (1.0f + exp_of_minus(load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
     gradient[FXS_FIT_OPACITY] = -sums[FXS_FIT_SUM] * (1.0f - opacity);
 }
 

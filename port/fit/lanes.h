@@ -1,5 +1,6 @@
 /* The operations of the fit's texts (gaussian.h, tile.h, loss.h, ...) on LANES numbers. Without LANES it is the
- * instance of one, plain C. Others define LANES, ROOT and ANY first, as kernels/x86/fit_avx2.c: vectors of GCC and clang.
+ * instance of one, plain C. Others define LANES and MASK, ROOT, BELOW, AT_MOST, ANY, CHOOSE and BITS first, as
+ * kernels/x86/fit_avx2.c: vectors of GCC and clang.
  * Every operation is that of IEEE single precision, one by one, so the instances have the same bytes. */
 #ifndef FXS_FIT_LANES_H
 #define FXS_FIT_LANES_H
@@ -11,19 +12,35 @@
 #ifndef LANES
 #define LANES 1
 typedef float real;
-typedef int32_t whole;             /* also a mask: 0, or not */
+typedef int32_t whole, mask;
 
 static inline real root(real x)
 {
     return sqrtf(x);
 }
 
-static inline real choose(whole which, real a, real b)
+static inline mask below(real a, real b)
+{
+    return a < b;
+}
+
+static inline mask at_most(real a, real b)
+{
+    return a <= b;
+}
+
+static inline int any(mask which)
+{
+    return which != 0;
+}
+
+static inline real choose(mask which, real a, real b)
 {
     return which ? a : b;
 }
 
-static inline int any(whole which)
+/* A bit for each lane. */
+static inline uint32_t bits_of_mask(mask which)
 {
     return which != 0;
 }
@@ -33,32 +50,53 @@ static inline real all(float x)
     return x;
 }
 
-static inline real whole_to_real(whole x)
+static inline whole real_to_whole(real x)
 {
-    return (float)x;
+    return (whole)x;
 }
 
-static inline real column_numbers(void)
+static inline real whole_to_real(whole x)
 {
-    return 0;
+    return (real)x;
+}
+
+static inline whole shifted_left(whole x, int bits)
+{
+    return (whole)((uint32_t)x << bits);
 }
 #else
 typedef float real __attribute__((vector_size(4 * LANES)));
-typedef int32_t whole __attribute__((vector_size(4 * LANES)));   /* also a mask: 0 or -1 */
+typedef int32_t whole __attribute__((vector_size(4 * LANES)));
+typedef MASK mask;
 
 static inline real root(real x)
 {
     return ROOT(x);
 }
 
-static inline int any(whole which)
+static inline mask below(real a, real b)
+{
+    return BELOW(a, b);
+}
+
+static inline mask at_most(real a, real b)
+{
+    return AT_MOST(a, b);
+}
+
+static inline int any(mask which)
 {
     return ANY(which);
 }
 
-static inline real choose(whole which, real a, real b)
+static inline real choose(mask which, real a, real b)
 {
-    return (real)((which & (whole)a) | (~which & (whole)b));
+    return CHOOSE(which, a, b);
+}
+
+static inline uint32_t bits_of_mask(mask which)
+{
+    return BITS(which);
 }
 
 static inline real all(float x)
@@ -66,20 +104,39 @@ static inline real all(float x)
     return x - (real){0};
 }
 
+/* towards 0; x in -2^31..2^31 - 1 */
+static inline whole real_to_whole(real x)
+{
+    return __builtin_convertvector(x, whole);
+}
+
 static inline real whole_to_real(whole x)
 {
     return __builtin_convertvector(x, real);
 }
 
-/* 0, 1, 2, ... */
-static inline real column_numbers(void)
+static inline whole shifted_left(whole x, int bits)
 {
-    static const float numbers[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-    real x;
-    memcpy(&x, numbers, sizeof x);
-    return x;
+    return x << bits;
 }
 #endif
+
+/* a and b */
+static inline mask both(mask a, mask b)
+{
+    return (mask)(a & b);
+}
+
+static inline mask either(mask a, mask b)
+{
+    return (mask)(a | b);
+}
+
+/* 0 where it is not */
+static inline real keep(mask which, real x)
+{
+    return choose(which, x, all(0));
+}
 
 static inline real load(const float *from)
 {
@@ -109,43 +166,45 @@ static inline real real_of(whole i)
 
 static inline real least(real a, real b)
 {
-    return choose(a < b, a, b);
+    return choose(below(a, b), a, b);
 }
 
 static inline real most(real a, real b)
 {
-    return choose(a > b, a, b);
+    return choose(below(b, a), a, b);
 }
 
-/* 1 / x, to a rounding or two; x normal. Newton: y' = y (2 - x y), three times from an error of 1/8: a third of what a
-   division takes. */
-static inline real inverse(real x)
+static inline real absolute(real x)
 {
-    real y = real_of(0x7ef311c7 - bits_of(x));
-    for (int i = 0; i < 3; i++)
-        y = y * (2.0f - x * y);
-    return y;
+    return real_of(bits_of(x) & 0x7fffffff);
 }
 
-/* 2^x; x in -126..127. A whole part by the rounding of an addition, and a polynomial of the rest, -1/2 to 1/2: relative
-   error 2.5e-9 and rounding. */
-static inline real exp_2(real x)
+/* first, first + 1, ... */
+static inline real numbers_from(int first)
 {
-    const real n = x + 12582912.0f;
-    const real f = x - (n - 12582912.0f);
-    real p = f * 1.54614447e-4f + 1.34004282e-3f;
-    p = p * f + 9.61805668e-3f;
-    p = p * f + 5.55032723e-2f;
-    p = p * f + 0.240226509f;
-    p = p * f + 0.693147207f;
+    static const float numbers[32] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15,
+                                      16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
+    return load(numbers + first);
+}
+
+/* 2^-x; x in -127..126. A whole part by the rounding of an addition, and a polynomial of the rest, -1/2 to 1/2:
+   relative error 2e-7 and rounding. */
+static inline real exp_2_minus(real x)
+{
+    const real n = 12582912.0f - x;
+    const real f = (12582912.0f - n) - x;
+    real p = f * 0.00133813025f + 0.00966636852f;
+    p = p * f + 0.0555038101f;
+    p = p * f + 0.24022349f;
+    p = p * f + 0.693147181f;
     p = p * f + 1.0f;
-    return real_of(bits_of(p) + ((bits_of(n) - 0x4b400000) << 23));
+    return real_of(bits_of(p) + shifted_left(bits_of(n), 23));
 }
 
 /* e^x; x in -87..88 */
 static inline real exp_e(real x)
 {
-    return exp_2(x * 1.44269504f);
+    return exp_2_minus(x * -1.44269504f);
 }
 
 /* ln x; x normal, above 0. x = 2^n m, m in sqrt(1/2)..sqrt(2); ln m = 2 (s + s^3 / 3 + s^5 / 5 + ...), s = (m - 1) / (m
@@ -153,7 +212,7 @@ static inline real exp_e(real x)
 static inline real ln(real x)
 {
     const whole n = (bits_of(x) - 0x3f3504f3) >> 23;
-    const real m = real_of(bits_of(x) - (n << 23));
+    const real m = real_of(bits_of(x) - shifted_left(n, 23));
     const real s = (m - 1.0f) / (m + 1.0f), s2 = s * s;
     real p = s2 * 0.111111111f + 0.142857143f;
     p = p * s2 + 0.2f;

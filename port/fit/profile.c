@@ -359,24 +359,22 @@ int fxs_fit_profile_pack(const fxs_fit_profile *p, const fxs_fit_model *m, const
 
 /* ---- State ------------------------------------------------------------------------------------------------------- */
 
-int fxs_fit_profile_walk(fxs_fit_profile *p, fxs_fit_model *m, int (*visit)(void *argument, void *block, size_t bytes),
+int fxs_fit_profile_walk(fxs_fit_profile *p, fxs_fit_model *m, fxs_fit_visit_fn *masters, fxs_fit_visit_fn *others,
                          void *argument)
 {
-    FXS_TRY(visit(argument, m->masters, FXS_FIT_PARAMETERS * m->stride * sizeof *m->masters));
-    FXS_TRY(visit(argument, p->chunks, chunks_of(p) * sizeof *p->chunks));
+    for (size_t k = 0; k < FXS_FIT_PARAMETERS; k++)
+        FXS_TRY(masters(argument, m->masters + k * m->stride, m->count * sizeof *m->masters));
+    FXS_TRY(others(argument, p->chunks, chunks_of(p) * sizeof *p->chunks));
     if (!p->palette)
         return 0;
-    FXS_TRY(visit(argument, p->palette, sizeof *p->palette));
-    return visit(argument, p->records, p->count * record_bytes(p));
+    FXS_TRY(others(argument, p->palette, sizeof *p->palette));
+    return others(argument, p->records, p->count * record_bytes(p));
 }
 
 int fxs_fit_profile_restore(fxs_fit_profile *p, fxs_fit_model *m)
 {
-    const fxs_palette *palette = p->palette;
-    if (palette && (palette->profile != p->profile || palette->sh_degree != p->sh_degree ||
-                    palette->stages != fxs_palette_stages(p->profile, p->sh_degree) ||
-                    palette->entries != fxs_palette_entries_for(p->count, p->profile, p->sh_degree) ||
-                    palette->step < 1 || palette->step > 10 || palette->unit_exponent < 8 || palette->unit_exponent > 19))
+    if (p->palette && !(p->palette->profile == p->profile && p->palette->sh_degree == p->sh_degree &&
+                        fxs_palette_restore(p->palette, fxs_palette_entries_for(p->count, p->profile, p->sh_degree))))
         return FXS_ERR_FILE;
     for (size_t chunk = 0; chunk < chunks_of(p); chunk++) {
         if (p->chunks[chunk].opacity_law >= FXS_OPACITY_LAWS || p->chunks[chunk].step_shift > 12)

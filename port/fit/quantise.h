@@ -12,34 +12,29 @@ static inline whole code_of(real x, int most_code)
     return bits_of(held + 12582912.0f) - 0x4b400000;
 }
 
-/* A code of fewer bits than `wide`, with its high bits again below. */
-static inline real spread_code(whole code, int bits, int wide)
+/* A code of fewer bits than `wide`, with its high width again below. */
+static inline real spread_code(whole code, int width, int wide)
 {
-    return whole_to_real((code << (wide - bits)) | (code >> (2 * bits - wide)));
+    return whole_to_real(shifted_left(code, wide - width) | (code >> (2 * width - wide)));
 }
 
 /* low + code step */
-static inline real quantise_evenly(real x, float low, float step, float inverse_step, int bits, int wide, whole *code)
+static inline real quantise_evenly(real x, float low, float step, float inverse_step, int width, int wide, whole *code)
 {
-    *code = code_of((x - low) * inverse_step, (1 << bits) - 1);
-    return low + spread_code(*code, bits, wide) * step;
-}
-
-static inline real distance_of(real a, real b)
-{
-    return most(a - b, b - a);
+    *code = code_of((x - low) * inverse_step, (1 << width) - 1);
+    return low + spread_code(*code, width, wide) * step;
 }
 
 /* high - code^2 step, octaves; from and to ln(sigma) */
-static inline real quantise_scale(const fxs_fit_chunk *c, real x, int bits, whole *code)
+static inline real quantise_scale(const fxs_fit_chunk *c, real x, int width, whole *code)
 {
-    const int most_code = (1 << bits) - 1;
-    const real octaves = x * 1.44269504f, below = most(c->scale - octaves, all(0)) * c->scale_inverse;
-    const whole near = code_of(root(below) * ((float)most_code / 1023.0f) - 0.5f, most_code);
+    const int most_code = (1 << width) - 1;
+    const real octaves = x * 1.44269504f, from_high = most(c->scale - octaves, all(0)) * c->scale_inverse;
+    const whole near = code_of(root(from_high) * ((float)most_code / 1023.0f) - 0.5f, most_code);
     const whole far = code_of(whole_to_real(near) + 1.0f, most_code);
-    const real a = spread_code(near, bits, 10), b = spread_code(far, bits, 10);
+    const real a = spread_code(near, width, 10), b = spread_code(far, width, 10);
     const real of_near = c->scale - a * a * c->scale_step, of_far = c->scale - b * b * c->scale_step;
-    const whole is_far = distance_of(of_far, octaves) < distance_of(of_near, octaves);
+    const mask is_far = below(absolute(of_far - octaves), absolute(of_near - octaves));
     *code = bits_of(choose(is_far, real_of(far), real_of(near)));
     return choose(is_far, of_far, of_near) * 0.693147181f;
 }
@@ -51,7 +46,7 @@ static inline real opacity_of(const fxs_fit_chunk *c, whole code)
     if (c->opacity_range == 0)
         return number * (1.0f / 255.0f);
     const real part = (number - 1.0f) * (1.0f / 254.0f);
-    return choose(number > 0.0f, (1.0f / 255.0f) + part * part * c->opacity_range, all(0));
+    return choose(below(all(0), number), (1.0f / 255.0f) + part * part * c->opacity_range, all(0));
 }
 
 /* The opacity of a logit, and back: that of opacity 0 is -80; none is above 6.9, of opacity 0.999. */
@@ -63,38 +58,38 @@ static inline real quantise_opacity(const fxs_fit_chunk *c, real logit, whole *c
     else {
         const real part = most(opacity - 1.0f / 255.0f, all(0)) * c->opacity_inverse;
         const whole near = code_of(root(part) * 254.0f + 0.5f, 255), far = code_of(whole_to_real(near) + 1.0f, 255);
-        const whole is_far = distance_of(opacity_of(c, far), opacity) < distance_of(opacity_of(c, near), opacity);
+        const mask is_far = below(absolute(opacity_of(c, far) - opacity), absolute(opacity_of(c, near) - opacity));
         const real drawn = choose(is_far, real_of(far), real_of(near));
-        *code = bits_of(choose(opacity < 1.0f / 255.0f, all(0), drawn));
+        *code = bits_of(choose(below(opacity, all(1.0f / 255.0f)), all(0), drawn));
     }
     const real said = opacity_of(c, *code);
-    return choose(said > 0.0f, ln(most(said, all(0.001f)) / most(1.0f - said, all(0.001f))), all(-80));
+    return choose(below(all(0), said), ln(most(said, all(0.001f)) / most(1.0f - said, all(0.001f))), all(-80));
 }
 
 /* The smallest three of a quaternion, the largest made positive; codes: which is the largest, and the others in order. */
-static inline void quantise_rotation(const real from[4], int bits, real to[4], whole codes[4])
+static inline void quantise_rotation(const real from[4], int width, real to[4], whole codes[4])
 {
-    const float half = (float)((1 << bits) - 1) * 0.5f;
+    const float half = (float)((1 << width) - 1) * 0.5f;
     real largest = from[0], place = all(0), rest = all(0);
     for (int i = 1; i < 4; i++) {
-        const whole is_larger = most(from[i], -from[i]) > most(largest, -largest);
+        const mask is_larger = below(absolute(largest), absolute(from[i]));
         largest = choose(is_larger, from[i], largest);
         place = choose(is_larger, all((float)i), place);
     }
     const real square = (from[0] * from[0] + from[1] * from[1]) + (from[2] * from[2] + from[3] * from[3]);
-    const real length = root(square), scale = 1.41421356f / choose(largest < 0.0f, -length, length);
+    const real length = root(square), scale = 1.41421356f / choose(below(largest, all(0)), -length, length);
     real others[3];
     for (int i = 0; i < 3; i++) {
-        const real q = choose(place > (float)i, from[i], from[i + 1]);
-        codes[1 + i] = code_of((q * scale + 1.0f) * half, (1 << bits) - 1);
-        others[i] = (spread_code(codes[1 + i], bits, 10) * (1.0f / 511.5f) - 1.0f) * 0.707106781f;
+        const real q = choose(below(all((float)i), place), from[i], from[i + 1]);
+        codes[1 + i] = code_of((q * scale + 1.0f) * half, (1 << width) - 1);
+        others[i] = (spread_code(codes[1 + i], width, 10) * (1.0f / 511.5f) - 1.0f) * 0.707106781f;
         rest += others[i] * others[i];
     }
     codes[0] = code_of(place, 3);
     rest = root(most(1.0f - rest, all(0)));
     for (int i = 0; i < 4; i++) {
         const real after = i > 0 ? others[i - 1] : rest, before = i < 3 ? others[i] : rest;
-        to[i] = choose(place > (float)i, before, choose(place < (float)i, after, rest));
+        to[i] = choose(below(all((float)i), place), before, choose(below(place, all((float)i)), after, rest));
     }
 }
 

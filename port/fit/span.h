@@ -1,43 +1,72 @@
-/* The tiles that a splat's ellipse touches, row by row. */
+/* The tiles that splats' ellipses touch, row by row; LANES splats at once. */
 #ifndef FXS_FIT_SPAN_H
 #define FXS_FIT_SPAN_H
 
-#include <math.h>
-
+#include "lanes.h"
 #include "stage.h"
 
-typedef struct fxs_fit_span {
-    int32_t first, end;            /* columns of tiles */
-} fxs_fit_span;
+/* Of LANES splats. radius2: that of u and v, squared; first, end: rows of tiles, none where a splat is not seen. */
+typedef struct ellipses {
+    real x, y, ux, uy, vy, radius2, half_y, tip, first, end;
+} ellipses;
 
-static inline int32_t fxs_fit_cut(float x, int32_t most)
+/* The tile of a pixel that may lie beyond the picture, 0 to most_of */
+static inline real tile_at(real pixel, int32_t most_of)
 {
-    return x > 0 ? (x < (float)most ? (int32_t)x : most) : 0;
+    const real tile = least(most(pixel * (1.0f / FXS_FIT_TILE), all(0)), all((float)most_of));
+    return whole_to_real(real_to_whole(tile));
 }
 
-/* Rows of tiles. */
-static inline fxs_fit_span fxs_fit_rows(const fxs_fit_camera *camera, const fxs_fit_splat *s)
+static inline void find_rows(const fxs_fit_camera *camera, mask seen, ellipses *e)
 {
-    return (fxs_fit_span){fxs_fit_cut((s->centre[1] - s->half[1]) / 16, camera->tiles_y),
-                          fxs_fit_cut((s->centre[1] + s->half[1]) / 16 + 1, camera->tiles_y)};
+    e->first = tile_at(e->y - e->half_y, camera->tiles_y);
+    e->end = keep(seen, tile_at((e->y + e->half_y) + FXS_FIT_TILE, camera->tiles_y));
 }
 
-/* Of a row of tiles: u = r cos, v = r sin, x = (u - uy y) / ux, y = v / vy. x is largest where tan = -uy / vy, or as
-   near to there as the row's pixels are. With a margin of a hundredth, and of a hundredth of a pixel. */
-static inline fxs_fit_span fxs_fit_columns(const fxs_fit_camera *camera, const fxs_fit_splat *s, int32_t row)
+/* Columns first..end of a row: u = r cos, v = r sin, x = (u - uy y) / ux, y = v / vy. x is largest where y is the tip, or as
+   near to there as the row's pixels are. With a margin of a hundredth of a pixel. Beyond the last row there are none. */
+static inline void find_columns(const fxs_fit_camera *camera, const ellipses *e, real row, real *first, real *end)
 {
-    const float top = (float)(row * FXS_FIT_TILE) + 0.5f - s->centre[1], bottom = top + (FXS_FIT_TILE - 1);
-    const float r2 = (s->limit - s->offset) * 1.01f, slope = s->uy / s->vy;
-    const float tip = -(sqrtf(r2) / s->vy) * slope / sqrtf(1 + slope * slope);
-    const float y[2] = {fminf(fmaxf(-tip, top), bottom), fminf(fmaxf(tip, top), bottom)};
-    float reach[2];
+    const real top = row * (float)FXS_FIT_TILE + (0.5f - e->y), bottom = top + (float)(FXS_FIT_TILE - 1);
+    const mask is_square = below(e->radius2, all(0));
+    real reach[2];
     for (int i = 0; i < 2; i++) {
-        const float left = r2 - (s->vy * y[i]) * (s->vy * y[i]);
-        reach[i] = (sqrtf(left > 0 ? left : 0) + (i ? -s->uy * y[i] : s->uy * y[i])) / s->ux + 0.01f;
+        const real y = least(most(i ? e->tip : -e->tip, top), bottom), v = y * e->vy, along = y * e->uy;
+        const real half = root(most(e->radius2 - v * v, all(0)));
+        reach[i] = choose(is_square, e->half_y + 0.5f, (i ? half - along : half + along) / e->ux + 0.01f);
     }
-    const fxs_fit_span all = {fxs_fit_cut((s->centre[0] - reach[0]) / 16, camera->tiles_x),
-                              fxs_fit_cut((s->centre[0] + reach[1]) / 16 + 1, camera->tiles_x)};
-    return all;
+    /* a pixel's centre is half a pixel from its sides */
+    *first = tile_at((e->x - reach[0]) + 0.5f, camera->tiles_x);
+    *end = keep(below(row, e->end), tile_at((e->x + reach[1]) + (FXS_FIT_TILE - 0.5f), camera->tiles_x));
+}
+
+static inline real count_tiles(const fxs_fit_camera *camera, const ellipses *e)
+{
+    real count = all(0);
+    for (real row = e->first; any(below(row, e->end)); row = row + 1.0f) {
+        real first, end;
+        find_columns(camera, e, row, &first, &end);
+        count = count + most(end - first, all(0));
+    }
+    return count;
+}
+
+/* The tiles of LANES splats to where `out` says for each. */
+static inline void put_tiles(const fxs_fit_camera *camera, const ellipses *e, uint32_t *out[LANES])
+{
+    for (real row = e->first; any(below(row, e->end)); row = row + 1.0f) {
+        real first, end;
+        float rows[LANES], columns[LANES], ends[LANES];
+        find_columns(camera, e, row, &first, &end);
+        store(rows, row);
+        store(columns, first);
+        store(ends, end);
+        for (int i = 0; i < LANES; i++) {
+            const uint32_t tile = (uint32_t)rows[i] * (uint32_t)camera->tiles_x;
+            for (uint32_t x = (uint32_t)columns[i]; x < (uint32_t)ends[i]; x++)
+                *out[i]++ = tile + x;
+        }
+    }
 }
 
 #endif

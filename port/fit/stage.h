@@ -16,7 +16,10 @@
 
 #define FXS_FIT_TILE 16
 #define FXS_FIT_PIXELS 256
+#define FXS_FIT_BLOCKS 16          /* of 4x4 pixels, in a tile */
+#define FXS_FIT_AT(x, y) (((y) / 4 * 4 + (x) / 4) * 16 + (y) % 4 * 4 + (x) % 4)   /* of a tile's pixel */
 #define FXS_FIT_BLOCK 16           /* Gaussians of a job come in multiples of it */
+#define FXS_FIT_PART 256           /* Gaussians that are updated at once, at most */
 
 #define FXS_FIT_CHUNK 256          /* Gaussians that are packed by the same steps: FXS_CHUNK */
 
@@ -38,28 +41,35 @@ typedef struct fxs_fit_camera {
     float slope_most[2];           /* the Jacobian takes slopes up to here, either way */
     float near;
     int32_t width, height, tiles_x, tiles_y;
+    int32_t is_square;             /* 1: the cut-off of Kerbl et al. 2023, see fxs_fit_splat's radius2 */
 } fxs_fit_camera;
 
 /* A Gaussian in the picture. For a pixel's centre (X, Y), x = X - centre[0], y = Y - centre[1]:
-   u = ux x + uy y, v = vy y, level = u^2 + v^2 + offset, alpha = min(0.99, exp(-level / 2)), where level <= limit. */
+   u = ux x + uy y, v = vy y, level = (u^2 + v^2) + offset, alpha = min(0.99, 2^-level), where level <= limit. In a block of
+   4x4 pixels u is the sum of that of its first pixel and of (ux i + uy j), i and j in 0..3; v likewise. 64 bytes. */
 typedef struct fxs_fit_splat {
     float centre[2], ux, uy, vy, offset, limit, colour[3];
     float depth;                   /* 0: not in the picture */
-    float half[2];                 /* of the ellipse, pixels, along x and y */
-    uint32_t tiles, slot;          /* that it touches; of the first one's sums: the others follow, row by row */
+    /* For lists, of the ellipse, and a little more: the square of its radius in u and v, half of its height, and y where
+       it is farthest to the right. radius2 below 0: it is in all tiles that a square of half_y either way touches, and
+       all their pixels look at it. */
+    float radius2, half_y, tip;
+    float tiles;                   /* that it touches */
+    uint32_t slot;                 /* of the first one's sums: the others follow, row by row */
 } fxs_fit_splat;
 
-/* A splat in a tile's list: its number, and where its sums over this tile go. */
+/* A splat in a tile's list: its number, where its sums over this tile go, and, found by blend, the blocks of 4x4 pixels
+   that take of it, a bit each, row by row. */
 typedef struct fxs_fit_entry {
-    uint32_t splat, slot;
+    uint32_t splat, slot, blocks;
 } fxs_fit_entry;
 
-/* Sums over pixels of a tile, h = -alpha dL/dalpha: each first over the rows of a column, top to bottom, then over the
-   16 columns: c and c + 8, of those c and c + 4, c + 2, c + 1. */
-enum { FXS_FIT_SUM, FXS_FIT_SUM_X, FXS_FIT_SUM_Y, FXS_FIT_SUM_XX, FXS_FIT_SUM_XY, FXS_FIT_SUM_YY, FXS_FIT_RED, FXS_FIT_GREEN,
-       FXS_FIT_BLUE, FXS_FIT_SUMS };
+/* Sums over pixels of a tile, h = -alpha dL/dalpha: for each of the 16 places in a block over the blocks, row by row; then
+   over the places: p and p + 8, of those p and p + 4, p + 2, p + 1. Those of a splat's tiles are added row by row. */
+enum { FXS_FIT_SUM, FXS_FIT_SUM_U, FXS_FIT_SUM_V, FXS_FIT_SUM_UU, FXS_FIT_SUM_UV, FXS_FIT_SUM_VV, FXS_FIT_RED,
+       FXS_FIT_GREEN, FXS_FIT_BLUE, FXS_FIT_SUMS };
 
-/* A tile's pixels, rows of 16: colours without background and transmittance. */
+/* A tile's pixels, block by block (FXS_FIT_AT): colours without background and transmittance. */
 typedef struct fxs_fit_tile {
     float colour[3][FXS_FIT_PIXELS], transmittance[FXS_FIT_PIXELS];
 } fxs_fit_tile;
@@ -77,10 +87,11 @@ typedef struct fxs_fit_plane {
 } fxs_fit_plane;
 
 /* What loss needs between its passes, of a channel: sums over the windows' rows, then the derivatives of SSIM, and
-   their sums. */
+   their sums. And its results. */
 enum { FXS_FIT_ROWS = 5, FXS_FIT_DERIVATIVES = 3 };
 typedef struct fxs_fit_loss {
-    fxs_fit_plane picture, gradient, values, rows[FXS_FIT_ROWS], derivatives[FXS_FIT_DERIVATIVES];
+    fxs_fit_plane picture, rows[FXS_FIT_ROWS], derivatives[FXS_FIT_DERIVATIVES], gradient;
+    float *absolute, *dissimilar;  /* of each row: sums of |a - b| and of 1 - SSIM */
     const uint8_t *photograph;     /* bytes, `step` apart, `pitch` from row to row */
     ptrdiff_t step, pitch;
     int32_t width, height;
@@ -91,6 +102,9 @@ typedef struct fxs_fit_adam {
     float rate[FXS_FIT_PARAMETERS];        /* over the correction of the first moment */
     float correction;              /* 1 / (1 - 0.999^step) */
     float epsilon;                 /* in units of the gradient */
+    int only_touched;              /* the other Gaussians, of which all sums are 0, stay as they are */
+    int without_sh;                /* 1: SH above degree 0 is not updated */
+    float by_opacity, by_scale;    /* d loss / d opacity, / d scale, of every Gaussian, beside the picture's */
 } fxs_fit_adam;
 
 /* How the Gaussians of a chunk (FXS_FIT_CHUNK of them) are quantised: what fxs_chunk says, in the units of the parameters.
@@ -109,30 +123,41 @@ typedef struct fxs_fit_grid {
     const fxs_fit_chunk *chunks;
 } fxs_fit_grid;
 
+/* Noise of positions of a step: Sigma xi sigmoid(-100 (opacity - 0.005)) amount, xi normal, drawn by key. */
+typedef struct fxs_fit_noise {
+    float amount;
+    uint32_t key[2];
+} fxs_fit_noise;
+
 /* The versions of an instruction set. */
 typedef struct fxs_fit_stages {
     const char *name;
     /* Splats of Gaussians first..first + count; both multiples of FXS_FIT_BLOCK. */
     void (*project)(const fxs_fit_camera *camera, int degree, const float *parameters, size_t stride, size_t first,
                     size_t count, fxs_fit_splat *splats);
-    /* A list's splats to pixels of the tile at (left, top). Returns how many entries were needed. */
-    uint32_t (*blend)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
-                      int32_t top, fxs_fit_tile *tile);
-    /* The sums of the first `count` entries, each to its slot. */
+    /* The tiles of splats first..first + count, both multiples of FXS_FIT_BLOCK, to their slots. */
+    void (*cover)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first, size_t count, uint32_t *tiles);
+    /* A list's splats to pixels of the tile at (left, top), and the entries' blocks. Returns how many were needed. */
+    uint32_t (*blend)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
+                      fxs_fit_tile *tile);
+    /* The sums of the first `count` entries, as many as blend needed, each to its slot. */
     void (*back)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
                  const fxs_fit_tile_gradient *gradient, float (*sums)[FXS_FIT_SUMS]);
-    /* A row each: sums along it of a, b, a^2, b^2, ab; SSIM and its derivatives; sums along it of those; the gradient.
-       `scratch`: 4 rows of width + 3 margins. */
-    void (*loss_rows)(const fxs_fit_loss *loss, int32_t row, float *scratch);
+    /* A row each: sums along it of a, b, a^2, b^2, ab; SSIM and its derivatives; sums along it of those; the gradient. */
+    void (*loss_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_derivatives)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_back_rows)(const fxs_fit_loss *loss, int32_t row);
-    void (*loss_gradient)(const fxs_fit_loss *loss, int32_t row, float *scratch);
-    /* Gradients of Gaussians first..first + count from `sums` (a Gaussian's, planes of `stride`), and a step of Adam by
-       them of the masters, which are the parameters where nothing is quantised. by_centre: adds up the length of
-       dL/dcentre, in halves of the picture's sides. */
+    void (*loss_gradient)(const fxs_fit_loss *loss, int32_t row);
+    /* Gradients of Gaussians first..first + count, of FXS_FIT_PART at most, from `sums` (planes of FXS_FIT_PART numbers),
+       and a step of Adam by them of the masters, which are the parameters where nothing is quantised; moments below
+       2^-100 are 0. by_centre: adds up the length of dL/dcentre, in halves of the picture's sides, of the loss that is a
+       mean over pixels and channels. A Gaussian with a gradient that is not finite, or beyond
+       FXS_FIT_FARTHEST_GRADIENT, gets one of 0. Scales and opacities stay within FXS_FIT_FARTHEST. */
     void (*update)(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam, const float *parameters,
                    float *masters, float *means, float *squares, size_t stride, size_t first, size_t count,
                    const float *sums, float *by_centre);
+    /* Moves Gaussians first..first + count by noise; none beyond FXS_FIT_FARTHEST_PLACE. */
+    void (*noise)(const fxs_fit_noise *noise, float *parameters, size_t stride, size_t first, size_t count);
     /* The parameters of Gaussians first..first + count become what packing makes of the masters. */
     void (*quantise)(const fxs_fit_grid *grid, const float *masters, float *parameters, size_t stride, size_t first,
                      size_t count);
@@ -143,8 +168,14 @@ const fxs_fit_stages *fxs_fit_stages_choose(unsigned cpu);
 
 #define FXS_FIT_ALPHA_MOST 0.99f
 #define FXS_FIT_CLOSED 0.001f      /* a pixel with less transmittance takes no more */
-#define FXS_FIT_CUT 9.0f           /* the Mahalanobis distance 3, squared */
-#define FXS_FIT_FAINT 11.0825270f  /* 2 ln 255 */
+/* Levels are in units of 2 ln 2. */
+#define FXS_FIT_UNIT 0.849321800f  /* of u and v: sqrt(1 / (2 ln 2)) */
+#define FXS_FIT_CUT 6.49212768f    /* of the Mahalanobis distance 3 */
+#define FXS_FIT_FAINT 7.99435344f  /* of the opacity 1 / 255 */
+#define FXS_FIT_WIDER 1.01f        /* the square of an ellipse's radius, for lists */
 #define FXS_FIT_DILATION 0.3f      /* pixels^2 */
+#define FXS_FIT_FARTHEST 40.0f     /* ln scale and logit, either way */
+#define FXS_FIT_FARTHEST_PLACE 1e12f   /* coordinates */
+#define FXS_FIT_FARTHEST_GRADIENT 1e18f
 
 #endif

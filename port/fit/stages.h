@@ -1,6 +1,7 @@
 /* The stages of an instruction set, by its LANES: see stage.h. ISA is its name. */
 #include "gaussian.h"
 #include "loss.h"
+#include "noise.h"
 #include "quantise.h"
 #include "span.h"
 #include "tile.h"
@@ -12,14 +13,24 @@
 
 /* ---- project ----------------------------------------------------------------------------------------------------- */
 
-static void set_tiles(const fxs_fit_camera *camera, fxs_fit_splat *s)
+/* Planes of LANES numbers to LANES splats. */
+static void put_splats(const real *numbers, int count, fxs_fit_splat *splats)
 {
-    const fxs_fit_span rows = fxs_fit_rows(camera, s);
-    s->tiles = 0;
-    for (int32_t row = rows.first; row < rows.end; row++) {
-        const fxs_fit_span columns = fxs_fit_columns(camera, s, row);
-        s->tiles += columns.end > columns.first ? (uint32_t)(columns.end - columns.first) : 0;
+    float out[16][LANES];
+    for (int i = 0; i < count; i++)
+        store(out[i], numbers[i]);
+    for (int i = 0; i < LANES; i++) {
+        float *to = splats[i].centre;
+        for (int k = 0; k < count; k++)
+            to[k] = out[k][i];
     }
+}
+
+/* 3 sigma_max; the larger eigenvalue is m + sqrt(m^2 - det) = m + sqrt(((A - C) / 2)^2 + B^2), m = (A + C) / 2. */
+static inline real square_of(const shape *s)
+{
+    const real middle = 0.5f * (s->a + s->c), half = 0.5f * (s->a - s->c);
+    return 3.0f * root(middle + root(half * half + s->b * s->b));
 }
 
 static void project_lanes(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
@@ -27,35 +38,37 @@ static void project_lanes(const fxs_fit_camera *camera, int degree, const float 
 {
     shape s;
     look l;
-    float out[16][LANES];
     find_shape(&s, camera, at, stride);
-    const real logit = load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride);
-    /* -2 ln o = 2 ln(1 + e^-x) */
-    const real offset = 2.0f * ln(1.0f + exp_e(least(-logit, all(80))));
-    const real limit = least(offset + FXS_FIT_CUT, all(FXS_FIT_FAINT)), radius2 = most(limit - offset, all(0));
+    /* -log2 o = log2(1 + e^-x) */
+    const real offset = 1.44269504f * ln(1.0f + exp_of_minus(load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
+    const real limit = camera->is_square ? all(FXS_FIT_FAINT) : least(offset + FXS_FIT_CUT, all(FXS_FIT_FAINT));
+    const real radius = root(most(limit - offset, all(0)) * (FXS_FIT_WIDER / (FXS_FIT_UNIT * FXS_FIT_UNIT)));
     const real x = s.slope[0] * camera->focal[0] + camera->middle[0];
     const real y = s.slope[1] * camera->focal[1] + camera->middle[1];
-    const real half_x = root(radius2 * s.a) * 1.001f + 0.01f, half_y = root(radius2 * s.c) * 1.001f + 0.01f;
-    const whole seen = (s.in_camera[2] > camera->near) & (offset < limit) & (x + half_x > 0.0f) & (y + half_y > 0.0f) &
-                       (x - half_x < (float)camera->width) & (y - half_y < (float)camera->height);
+    const real half_x = camera->is_square ? square_of(&s) : radius * root(s.a) + 0.01f;
+    const real half_y = camera->is_square ? half_x : radius * root(s.c) + 0.01f;
+    mask seen = both(below(all(camera->near), s.in_camera[2]), below(offset, limit));
+    seen = both(seen, both(below(all(0), x + half_x), below(x - half_x, all((float)camera->width))));
+    seen = both(seen, both(below(all(0), y + half_y), below(y - half_y, all((float)camera->height))));
     if (!any(seen)) {
         for (int i = 0; i < LANES; i++)
             splats[i].depth = 0;
         return;
     }
     find_look(&l, &s, degree, at, stride);
-    const real numbers[] = {x, y, s.ux, s.uy, s.vy, offset, limit,
+    /* not a number, or beyond all measure: not seen, so nothing comes of it */
+    seen = both(seen, below(s.ux, all(1e6f)));
+    for (int c = 0; c < 3; c++)
+        seen = both(seen, below(l.colour[c], all(1e6f)));
+    ellipses e = {.x = x, .y = y, .ux = s.ux * FXS_FIT_UNIT, .uy = s.uy * FXS_FIT_UNIT, .vy = s.vy * FXS_FIT_UNIT,
+                  .radius2 = camera->is_square ? all(-1) : radius * radius * (FXS_FIT_UNIT * FXS_FIT_UNIT),
+                  .half_y = half_y,
+                  .tip = -(radius * s.uy) / (s.vy * root(s.uy * s.uy + s.vy * s.vy))};
+    find_rows(camera, seen, &e);
+    const real numbers[] = {x, y, e.ux, e.uy, e.vy, offset, limit,
                             most(l.colour[0], all(0)), most(l.colour[1], all(0)), most(l.colour[2], all(0)),
-                            choose(seen, s.in_camera[2], all(0)), half_x, half_y};
-    for (int i = 0; i < 13; i++)
-        store(out[i], numbers[i]);
-    for (int i = 0; i < LANES; i++) {
-        float *to = splats[i].centre;
-        for (int k = 0; k < 13; k++)
-            to[k] = out[k][i];
-        if (splats[i].depth > 0)
-            set_tiles(camera, &splats[i]);
-    }
+                            keep(seen, s.in_camera[2]), e.radius2, half_y, e.tip, count_tiles(camera, &e)};
+    put_splats(numbers, sizeof numbers / sizeof *numbers, splats);
 }
 
 static void NAMED(fxs_fit_project_, ISA)(const fxs_fit_camera *camera, int degree, const float *parameters,
@@ -67,7 +80,37 @@ static void NAMED(fxs_fit_project_, ISA)(const fxs_fit_camera *camera, int degre
 
 /* ---- Tiles ------------------------------------------------------------------------------------------------------- */
 
-static uint32_t NAMED(fxs_fit_blend_, ISA)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count,
+static void cover_lanes(const fxs_fit_camera *camera, const fxs_fit_splat *splats, uint32_t *tiles)
+{
+    float numbers[16][LANES];
+    uint32_t *out[LANES];
+    ellipses e;
+    for (int i = 0; i < LANES; i++) {
+        const float *from = splats[i].centre;
+        for (int k = 0; k < 14; k++)
+            numbers[k][i] = from[k];
+        out[i] = tiles + splats[i].slot;
+    }
+    e.x = load(numbers[0]);
+    e.y = load(numbers[1]);
+    e.ux = load(numbers[2]);
+    e.uy = load(numbers[3]);
+    e.vy = load(numbers[4]);
+    e.radius2 = load(numbers[11]);
+    e.half_y = load(numbers[12]);
+    e.tip = load(numbers[13]);
+    find_rows(camera, below(all(0), load(numbers[10])), &e);
+    put_tiles(camera, &e, out);
+}
+
+static void NAMED(fxs_fit_cover_, ISA)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first,
+                                       size_t count, uint32_t *tiles)
+{
+    for (size_t i = first; i < first + count; i += LANES)
+        cover_lanes(camera, splats + i, tiles);
+}
+
+static uint32_t NAMED(fxs_fit_blend_, ISA)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count,
                                            int32_t left, int32_t top, fxs_fit_tile *tile)
 {
     return blend(splats, entries, count, left, top, tile);
@@ -77,7 +120,7 @@ static void NAMED(fxs_fit_back_, ISA)(const fxs_fit_splat *splats, const fxs_fit
                                       int32_t left, int32_t top, const fxs_fit_tile_gradient *gradient,
                                       float (*sums)[FXS_FIT_SUMS])
 {
-    back_tile(splats, entries, count, left, top, gradient, sums);
+    back(splats, entries, count, left, top, gradient, sums);
 }
 
 /* ---- loss -------------------------------------------------------------------------------------------------------- */
@@ -87,43 +130,66 @@ static inline float *at_of(const fxs_fit_plane *plane, int32_t row)
     return plane->first + row * plane->stride;
 }
 
-/* The photograph's row, 0 to 1, with zeros beside it. */
-static void photograph_row(const fxs_fit_loss *loss, int32_t row, float *out)
+enum { STRIP = 256 };              /* columns at once */
+
+/* Of the photograph's row, 0 to 1, from `first` on; 0 beyond its ends. */
+static void photograph_strip(const fxs_fit_loss *loss, int32_t row, int32_t first, int32_t count, float *out)
 {
-    memset(out, 0, FXS_FIT_MARGIN * sizeof *out);
-    for (int32_t x = 0; x < loss->width; x++)
-        out[FXS_FIT_MARGIN + x] = (float)loss->photograph[row * loss->pitch + x * loss->step] / 255.0f;
-    memset(out + FXS_FIT_MARGIN + loss->width, 0, 2 * FXS_FIT_MARGIN * sizeof *out);
+    for (int32_t i = 0; i < count; i++) {
+        const int32_t x = first + i;
+        out[i] = x >= 0 && x < loss->width ? (float)loss->photograph[row * loss->pitch + x * loss->step] / 255.0f : 0;
+    }
 }
 
-static void NAMED(fxs_fit_loss_rows_, ISA)(const fxs_fit_loss *loss, int32_t row, float *scratch)
+static void loss_strip(const fxs_fit_loss *loss, int32_t row, int32_t first)
 {
-    const int32_t room = loss->width + 3 * FXS_FIT_MARGIN;
-    float *b = scratch, *aa = b + room, *bb = aa + room, *ab = bb + room;
-    const float *a = at_of(&loss->picture, row) - FXS_FIT_MARGIN;
-    photograph_row(loss, row, b);
-    for (int32_t x = 0; x < room - FXS_FIT_MARGIN; x += LANES) {
+    float b[STRIP + 2 * FXS_FIT_MARGIN], products[3][STRIP + 2 * FXS_FIT_MARGIN];
+    const float *a = at_of(&loss->picture, row) + first - FXS_FIT_MARGIN;
+    const int32_t left = (loss->width - first + 15) & ~15, count = left < STRIP ? left : STRIP;
+    photograph_strip(loss, row, first - FXS_FIT_MARGIN, count + 2 * FXS_FIT_MARGIN, b);
+    for (int32_t x = 0; x < count + 2 * FXS_FIT_MARGIN; x += LANES) {
         const real p = load(a + x), q = load(b + x);
-        store(aa + x, p * p);
-        store(bb + x, q * q);
-        store(ab + x, p * q);
+        store(products[0] + x, p * p);
+        store(products[1] + x, q * q);
+        store(products[2] + x, p * q);
     }
-    const float *from[FXS_FIT_ROWS] = {a, b, aa, bb, ab};
+    const float *from[FXS_FIT_ROWS] = {a, b, products[0], products[1], products[2]};
     for (int i = 0; i < FXS_FIT_ROWS; i++) {
-        float *to = at_of(&loss->rows[i], row);
-        for (int32_t x = 0; x < loss->width; x += LANES)
+        float *to = at_of(&loss->rows[i], row) + first;
+        for (int32_t x = 0; x < count; x += LANES)
             store(to + x, window_sum(from[i] + FXS_FIT_MARGIN + x, 1));
     }
 }
 
-/* Lanes beyond the picture's edge are 0. */
+static void NAMED(fxs_fit_loss_rows_, ISA)(const fxs_fit_loss *loss, int32_t row)
+{
+    for (int32_t first = 0; first < loss->width; first += STRIP)
+        loss_strip(loss, row, first);
+}
+
+/* Numbers beyond the picture's edge are 0. */
 static inline real within(int32_t x, int32_t width, real value)
 {
-    return choose(column_numbers() + (float)x < (float)width, value, all(0));
+    return keep(below(numbers_from(0) + (float)x, all((float)width)), value);
+}
+
+/* Sums of every 16th number, and of those c and c + 8, c + 4, c + 2, c + 1. */
+static inline void add_to(float sums[16], int32_t x, real value)
+{
+    store(sums + x % 16, load(sums + x % 16) + value);
+}
+
+static float sum_of(float sums[16])
+{
+    for (int half = 8; half; half /= 2)
+        for (int i = 0; i < half; i++)
+            sums[i] += sums[i + half];
+    return sums[0];
 }
 
 static void NAMED(fxs_fit_loss_derivatives_, ISA)(const fxs_fit_loss *loss, int32_t row)
 {
+    float dissimilar[16] = {0};
     for (int32_t x = 0; x < loss->width; x += LANES) {
         real sums[FXS_FIT_ROWS];
         for (int i = 0; i < FXS_FIT_ROWS; i++)
@@ -132,8 +198,9 @@ static void NAMED(fxs_fit_loss_derivatives_, ISA)(const fxs_fit_loss *loss, int3
         const real out[FXS_FIT_DERIVATIVES] = {s.by_mean, s.by_square, s.by_product};
         for (int i = 0; i < FXS_FIT_DERIVATIVES; i++)
             store(at_of(&loss->derivatives[i], row) + x, within(x, loss->width, out[i]));
-        store(at_of(&loss->values, row) + x, within(x, loss->width, s.value));
+        add_to(dissimilar, x, within(x, loss->width, 1.0f - s.value));
     }
+    loss->dissimilar[row] = sum_of(dissimilar);
 }
 
 static void NAMED(fxs_fit_loss_back_rows_, ISA)(const fxs_fit_loss *loss, int32_t row)
@@ -147,62 +214,129 @@ static void NAMED(fxs_fit_loss_back_rows_, ISA)(const fxs_fit_loss *loss, int32_
 }
 
 /* 0.8 sign(a - b) - 0.2 (sum of by_mean + 2 a by_square + b by_product) */
-static void NAMED(fxs_fit_loss_gradient_, ISA)(const fxs_fit_loss *loss, int32_t row, float *scratch)
+static void NAMED(fxs_fit_loss_gradient_, ISA)(const fxs_fit_loss *loss, int32_t row)
 {
-    float *b = scratch + FXS_FIT_MARGIN;
+    float b[STRIP], differences[16] = {0};
     const float *a = at_of(&loss->picture, row);
-    photograph_row(loss, row, scratch);
     for (int32_t x = 0; x < loss->width; x += LANES) {
         real sums[FXS_FIT_DERIVATIVES];
+        if (x % STRIP == 0)
+            photograph_strip(loss, row, x, STRIP, b);
         for (int i = 0; i < FXS_FIT_DERIVATIVES; i++)
             sums[i] = window_sum(at_of(&loss->rows[i], row) + x, loss->rows[i].stride);
-        const real p = load(a + x), q = load(b + x), similar = (sums[0] + 2.0f * p * sums[1]) + q * sums[2];
-        const real sign = choose(p > q, all(0.8f), choose(p < q, all(-0.8f), all(0)));
+        const real p = load(a + x), q = load(b + x % STRIP), similar = (sums[0] + 2.0f * p * sums[1]) + q * sums[2];
+        const real sign = choose(below(q, p), all(0.8f), keep(below(p, q), all(-0.8f)));
         store(at_of(&loss->gradient, row) + x, within(x, loss->width, sign - 0.2f * similar));
+        add_to(differences, x, within(x, loss->width, absolute(p - q)));
     }
+    loss->absolute[row] = sum_of(differences);
 }
 
 /* ---- update ------------------------------------------------------------------------------------------------------ */
 
-static void update_lanes(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam, const float *at,
-                         float *masters, float *means, float *squares, size_t stride, const float *of_sums,
-                         float *by_centre)
+#define FXS_FIT_TINY 7.88860905e-31f    /* 2^-100 */
+
+typedef float part_planes[FXS_FIT_PARAMETERS][FXS_FIT_PART];
+
+/* Of mean opacity and mean scale. */
+static inline void add_regularisers(const fxs_fit_adam *adam, const float *at, size_t stride, float *gradients)
 {
-    real sums[FXS_FIT_SUMS], gradient[FXS_FIT_PARAMETERS], centre[2];
-    whole touched = bits_of(all(0));
-    for (int i = 0; i < FXS_FIT_SUMS; i++) {
-        sums[i] = load(of_sums + i * (ptrdiff_t)stride);
-        touched |= sums[i] != 0.0f;
-    }
-    if (any(touched)) {
-        find_gradient(camera, degree, at, stride, sums, gradient, centre);
-        for (int i = 0; i < FXS_FIT_PARAMETERS; i++)
-            gradient[i] = choose(touched, gradient[i], all(0));
-        const real x = centre[0] * (0.5f * (float)camera->width), y = centre[1] * (0.5f * (float)camera->height);
-        store(by_centre, load(by_centre) + choose(touched, root(x * x + y * y), all(0)));
-    } else
-        for (int i = 0; i < FXS_FIT_PARAMETERS; i++)
-            gradient[i] = all(0);
-    for (int i = 0; i < FXS_FIT_PARAMETERS; i++) {
-        const ptrdiff_t plane = i * (ptrdiff_t)stride;
-        const real g = gradient[i];
-        const real mean = load(means + plane) * 0.9f + g * 0.1f;
-        const real square = load(squares + plane) * 0.999f + g * g * 0.001f;
-        store(means + plane, mean);
-        store(squares + plane, square);
-        store(masters + plane,
-              load(masters + plane) - adam->rate[i] * mean / (root(square * adam->correction) + adam->epsilon));
+    const real opacity = 1.0f / (1.0f + exp_of_minus(load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
+    float *to = gradients + FXS_FIT_OPACITY * FXS_FIT_PART;
+    store(to, load(to) + adam->by_opacity * (opacity * (1.0f - opacity)));
+    for (int i = FXS_FIT_SCALE; i < FXS_FIT_SCALE + 3; i++) {
+        to = gradients + i * FXS_FIT_PART;
+        store(to, load(to) + adam->by_scale * exp_e(load(at + i * (ptrdiff_t)stride)));
     }
 }
 
+/* Planes of the gradient of LANES Gaussians, the `used` first ones; `touched`: 1 or 0. */
+static void find_part(const fxs_fit_camera *camera, int degree, int used, const float *at, size_t stride,
+                      const float *of_sums, float *by_centre, float *gradients, float *touched)
+{
+    real sums[FXS_FIT_SUMS], gradient[FXS_FIT_PARAMETERS], centre[2];
+    mask is_touched = below(all(1), all(0));
+    for (int i = 0; i < FXS_FIT_SUMS; i++) {
+        sums[i] = load(of_sums + i * FXS_FIT_PART);
+        is_touched = either(is_touched, below(all(0), absolute(sums[i])));
+    }
+    if (!any(is_touched)) {
+        store(touched, all(0));
+        for (int i = 0; i < used; i++)
+            store(gradients + i * FXS_FIT_PART, all(0));
+        return;
+    }
+    find_gradient(camera, degree, at, stride, sums, gradient, centre);
+    for (int i = 0; i < used; i++)
+        is_touched = both(is_touched, below(absolute(gradient[i]), all(FXS_FIT_FARTHEST_GRADIENT)));
+    store(touched, keep(is_touched, all(1)));
+    for (int i = 0; i < used; i++)
+        store(gradients + i * FXS_FIT_PART, keep(is_touched, gradient[i]));
+    /* half a side / (3 width height) */
+    const real x = centre[0] * (1.0f / (6.0f * (float)camera->height));
+    const real y = centre[1] * (1.0f / (6.0f * (float)camera->width));
+    store(by_centre, load(by_centre) + keep(is_touched, root(x * x + y * y)));
+}
+
+static inline real without_tiny(real x)
+{
+    return choose(below(absolute(x), all(FXS_FIT_TINY)), all(0), x);
+}
+
+/* `next`: how far the next plane is, which is fetched meanwhile. */
+static inline void adam_plane(const fxs_fit_adam *adam, float rate, const float *gradient, const float *touched,
+                              size_t count, float *at, float *means, float *squares, size_t next)
+{
+    for (size_t i = 0; i < count; i += LANES) {
+        __builtin_prefetch(at + next + i, 1);
+        __builtin_prefetch(means + next + i, 1);
+        __builtin_prefetch(squares + next + i, 1);
+        const real g = load(gradient + i), old = load(at + i), old_mean = load(means + i), old_square = load(squares + i);
+        const real mean = without_tiny(old_mean * 0.9f + g * 0.1f);
+        const real square = without_tiny(old_square * 0.999f + g * g * 0.001f);
+        const real moved = old - rate * mean / (root(square * adam->correction) + adam->epsilon);
+        const mask moves = below(all(0), load(touched + i));
+        store(means + i, adam->only_touched ? choose(moves, mean, old_mean) : mean);
+        store(squares + i, adam->only_touched ? choose(moves, square, old_square) : square);
+        store(at + i, adam->only_touched ? choose(moves, moved, old) : moved);
+    }
+}
+
+static void keep_within(float *at, size_t count)
+{
+    for (size_t i = 0; i < count; i += LANES)
+        store(at + i, least(most(load(at + i), all(-FXS_FIT_FARTHEST)), all(FXS_FIT_FARTHEST)));
+}
+
+/* SH of degrees that are not yet drawn have no gradient, and no moments. */
 static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam,
                                         const float *parameters, float *masters, float *means, float *squares,
                                         size_t stride, size_t first, size_t count, const float *sums,
                                         float *by_centre)
 {
+    part_planes gradients;
+    float touched[FXS_FIT_PART];
+    const int used = FXS_FIT_SH + 3 * SH_COUNT(degree), end = adam->without_sh ? FXS_FIT_SH : used;
+    for (size_t i = 0; i < count; i += LANES) {
+        find_part(camera, degree, used, parameters + first + i, stride, sums + i, by_centre + first + i,
+                  gradients[0] + i, touched + i);
+        if (adam->by_opacity > 0)
+            add_regularisers(adam, parameters + first + i, stride, gradients[0] + i);
+    }
+    for (int k = 0; k < end; k++) {
+        const size_t at = (size_t)k * stride + first;
+        adam_plane(adam, adam->rate[k], gradients[k], touched, count, masters + at, means + at, squares + at,
+                   k + 1 < end ? stride : 0);
+        if ((k >= FXS_FIT_SCALE && k < FXS_FIT_ROTATION) || k == FXS_FIT_OPACITY)
+            keep_within(masters + at, count);
+    }
+}
+
+static void NAMED(fxs_fit_noise_, ISA)(const fxs_fit_noise *noise, float *parameters, size_t stride, size_t first,
+                                       size_t count)
+{
     for (size_t i = first; i < first + count; i += LANES)
-        update_lanes(camera, degree, adam, parameters + i, masters + i, means + i, squares + i, stride, sums + i,
-                     by_centre + i);
+        add_noise(noise, parameters + i, stride, (uint32_t)i);
 }
 
 static void NAMED(fxs_fit_quantise_, ISA)(const fxs_fit_grid *grid, const float *masters, float *parameters,
@@ -221,7 +355,8 @@ static void NAMED(fxs_fit_quantise_, ISA)(const fxs_fit_grid *grid, const float 
 }
 
 const fxs_fit_stages NAMED(fxs_fit_stages_, ISA) = {
-    STRING_OF(ISA), NAMED(fxs_fit_project_, ISA), NAMED(fxs_fit_blend_, ISA), NAMED(fxs_fit_back_, ISA),
+    STRING_OF(ISA), NAMED(fxs_fit_project_, ISA), NAMED(fxs_fit_cover_, ISA), NAMED(fxs_fit_blend_, ISA),
+    NAMED(fxs_fit_back_, ISA),
     NAMED(fxs_fit_loss_rows_, ISA), NAMED(fxs_fit_loss_derivatives_, ISA), NAMED(fxs_fit_loss_back_rows_, ISA),
-    NAMED(fxs_fit_loss_gradient_, ISA), NAMED(fxs_fit_update_, ISA),
+    NAMED(fxs_fit_loss_gradient_, ISA), NAMED(fxs_fit_update_, ISA), NAMED(fxs_fit_noise_, ISA),
     NAMED(fxs_fit_quantise_, ISA)};

@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "span.h"
-
 enum { JOB = 4096 };               /* Gaussians of a job */
 enum { PROJECT, BIN, BLEND, LOSS, BACK, UPDATE };
 
@@ -21,7 +19,7 @@ struct fxs_fit_stepper {
     void *pool;
     uint32_t threads;
     fxs_clock_fn *clock;
-    block splats, keys, counts, entries, sums, planes, tiles, gaussian_sums, scratch;
+    block splats, jobs, keys, counts, histograms, tiles, entries, sums, planes, rows;
 
     /* of the step at work */
     fxs_fit_model *model;
@@ -32,6 +30,7 @@ struct fxs_fit_stepper {
     fxs_fit_loss loss[3];
     uint32_t tile_count, visible;
     size_t entry_count;
+    int digit;                     /* of the depths, by which they are sorted */
 };
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
@@ -66,8 +65,8 @@ void fxs_fit_stepper_free(fxs_fit_stepper *s)
 {
     if (!s)
         return;
-    block *blocks[] = {&s->splats, &s->keys, &s->counts, &s->entries, &s->sums, &s->planes, &s->tiles,
-                       &s->gaussian_sums, &s->scratch};
+    block *blocks[] = {&s->splats, &s->jobs, &s->keys, &s->counts, &s->histograms, &s->tiles, &s->entries, &s->sums,
+                       &s->planes, &s->rows};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++)
         free(blocks[i]->memory);
     free(s);
@@ -97,102 +96,202 @@ static size_t job_count(const fxs_fit_stepper *s, uint32_t job)
     return left < JOB ? left : JOB;
 }
 
+/* What a job's Gaussians are in the picture; then of those before them. */
+typedef struct seen {
+    uint32_t splats;
+    size_t entries;
+} seen;
+
+/* Of its Gaussians below the count. */
+static size_t job_end(const fxs_fit_stepper *s, uint32_t job)
+{
+    const size_t first = (size_t)job * JOB, end = first + job_count(s, job);
+    return s->model->count < first ? first : s->model->count < end ? s->model->count : end;
+}
+
 static void project_job(void *argument, uint32_t job)
 {
     const fxs_fit_stepper *s = argument;
+    fxs_fit_splat *splats = s->splats.memory;
+    seen *found = (seen *)s->jobs.memory + job;
     s->stages->project(s->camera, s->options->sh_degree, s->model->parameters, s->model->stride, (size_t)job * JOB,
-                       job_count(s, job), s->splats.memory);
+                       job_count(s, job), splats);
+    for (size_t i = job_end(s, job); i < (size_t)job * JOB + job_count(s, job); i++)
+        splats[i].depth = 0;
+    *found = (seen){0, 0};
+    for (size_t i = (size_t)job * JOB; i < job_end(s, job); i++)
+        if (splats[i].depth > 0) {
+            found->splats++;
+            found->entries += (size_t)splats[i].tiles;
+        }
 }
 
 /* ---- bin --------------------------------------------------------------------------------------------------------- */
 
 typedef struct key {
-    uint32_t depth, splat;
+    uint32_t depth, splat, slot, tiles;
 } key;
 
-/* Radix sort, stable, of 11 bits a pass; depths are above 0, so their bits are in order. */
-static void sort_keys(key *keys, key *spare, size_t count)
+enum { DIGITS = 3, DIGIT_BITS = 11, DIGIT_VALUES = 1 << DIGIT_BITS };
+
+/* The splats in the order of depth are counted and moved in as many ranges as there are threads. */
+static uint32_t range_start(const fxs_fit_stepper *s, uint32_t range)
 {
-    for (int shift = 0; shift < 33; shift += 11) {
-        size_t starts[2049] = {0};
-        for (size_t i = 0; i < count; i++)
-            starts[(keys[i].depth >> shift & 2047) + 1]++;
-        for (int i = 0; i < 2048; i++)
-            starts[i + 1] += starts[i];
-        for (size_t i = 0; i < count; i++)
-            spare[starts[keys[i].depth >> shift & 2047]++] = keys[i];
-        key *swap = keys;
-        keys = spare;
-        spare = swap;
-    }
+    return (uint32_t)((uint64_t)s->visible * range / s->threads);
 }
 
-/* Keys of what is seen, and the slots of its sums. */
-static void take_visible(fxs_fit_stepper *s, key *keys)
+/* Sums before each job. */
+static void add_jobs(fxs_fit_stepper *s)
 {
-    fxs_fit_splat *splats = s->splats.memory;
-    size_t slots = 0;
+    seen *found = s->jobs.memory;
     s->visible = 0;
-    for (size_t i = 0; i < s->model->count; i++)
+    s->entry_count = 0;
+    for (uint32_t job = 0; job < gaussian_jobs(s); job++) {
+        const seen own = found[job];
+        found[job] = (seen){s->visible, s->entry_count};
+        s->visible += own.splats;
+        s->entry_count += own.entries;
+    }
+}
+
+/* Keys and tiles of what is seen. Depths are above 0, so their bits are in order. */
+static void cover_job(void *argument, uint32_t job)
+{
+    const fxs_fit_stepper *s = argument;
+    fxs_fit_splat *splats = s->splats.memory;
+    seen before = ((const seen *)s->jobs.memory)[job];
+    key *keys = s->keys.memory;
+    for (size_t i = (size_t)job * JOB; i < job_end(s, job); i++)
         if (splats[i].depth > 0) {
-            memcpy(&keys[s->visible].depth, &splats[i].depth, 4);
-            keys[s->visible++].splat = (uint32_t)i;
-            splats[i].slot = (uint32_t)slots;
-            slots += splats[i].tiles;
+            key *k = &keys[before.splats++];
+            memcpy(&k->depth, &splats[i].depth, sizeof k->depth);
+            k->splat = (uint32_t)i;
+            k->slot = splats[i].slot = (uint32_t)before.entries;
+            k->tiles = (uint32_t)splats[i].tiles;
+            before.entries += k->tiles;
         }
-    s->entry_count = slots;
+    s->stages->cover(s->camera, splats, (size_t)job * JOB, job_count(s, job), s->tiles.memory);
 }
 
-/* starts[t] becomes the first entry of tile t. */
-static void count_entries(fxs_fit_stepper *s, uint32_t *starts)
+/* Keys of a digit go from here to there. */
+static const key *keys_from(const fxs_fit_stepper *s)
 {
-    const fxs_fit_splat *splats = s->splats.memory;
-    memset(starts, 0, (s->tile_count + 1) * sizeof *starts);
-    for (size_t i = 0; i < s->model->count; i++) {
-        if (!(splats[i].depth > 0))
-            continue;
-        const fxs_fit_span rows = fxs_fit_rows(s->camera, &splats[i]);
-        for (int32_t y = rows.first; y < rows.end; y++) {
-            const fxs_fit_span columns = fxs_fit_columns(s->camera, &splats[i], y);
-            for (int32_t x = columns.first; x < columns.end; x++)
-                starts[y * s->camera->tiles_x + x + 1]++;
+    return (const key *)s->keys.memory + (size_t)(s->digit % 2) * s->model->stride;
+}
+
+static uint32_t digit_of(const fxs_fit_stepper *s, const key *k)
+{
+    return k->depth >> s->digit * DIGIT_BITS & (DIGIT_VALUES - 1);
+}
+
+static void count_digits_job(void *argument, uint32_t range)
+{
+    const fxs_fit_stepper *s = argument;
+    uint32_t *counts = (uint32_t *)s->histograms.memory + (size_t)range * DIGIT_VALUES;
+    const key *keys = keys_from(s);
+    memset(counts, 0, DIGIT_VALUES * sizeof *counts);
+    for (uint32_t k = range_start(s, range); k < range_start(s, range + 1); k++)
+        counts[digit_of(s, &keys[k])]++;
+}
+
+static void move_digits_job(void *argument, uint32_t range)
+{
+    const fxs_fit_stepper *s = argument;
+    uint32_t *starts = (uint32_t *)s->histograms.memory + (size_t)range * DIGIT_VALUES;
+    const key *keys = keys_from(s);
+    key *to = (key *)s->keys.memory + (size_t)((s->digit + 1) % 2) * s->model->stride;
+    for (uint32_t k = range_start(s, range); k < range_start(s, range + 1); k++)
+        to[starts[digit_of(s, &keys[k])]++] = keys[k];
+}
+
+/* Counts of each range become where its first one goes: by value, then by range. The first of each value to `starts`,
+   where that is not null. */
+static void add_ranges(fxs_fit_stepper *s, size_t values, uint32_t *starts)
+{
+    uint32_t *counts = s->histograms.memory, sum = 0;
+    for (size_t v = 0; v < values; v++) {
+        if (starts)
+            starts[v] = sum;
+        for (uint32_t range = 0; range < s->threads; range++) {
+            const uint32_t own = counts[range * values + v];
+            counts[range * values + v] = sum;
+            sum += own;
         }
     }
-    for (uint32_t t = 0; t < s->tile_count; t++)
-        starts[t + 1] += starts[t];
+    if (starts)
+        starts[values] = sum;
 }
 
-static void fill_entries(fxs_fit_stepper *s, const key *keys, uint32_t *starts, fxs_fit_entry *entries)
+/* Radix sort, stable; the keys are in the second half then. */
+static void sort_keys(fxs_fit_stepper *s)
 {
-    const fxs_fit_splat *splats = s->splats.memory;
-    for (uint32_t k = 0; k < s->visible; k++) {
-        const fxs_fit_splat *splat = &splats[keys[k].splat];
-        const fxs_fit_span rows = fxs_fit_rows(s->camera, splat);
-        uint32_t slot = splat->slot;
-        for (int32_t y = rows.first; y < rows.end; y++) {
-            const fxs_fit_span columns = fxs_fit_columns(s->camera, splat, y);
-            for (int32_t x = columns.first; x < columns.end; x++)
-                entries[starts[y * s->camera->tiles_x + x]++] = (fxs_fit_entry){keys[k].splat, slot++};
-        }
+    for (s->digit = 0; s->digit < DIGITS; s->digit++) {
+        run(s, count_digits_job, s->threads);
+        add_ranges(s, DIGIT_VALUES, NULL);
+        run(s, move_digits_job, s->threads);
     }
 }
 
-/* counts: the first entry of each tile, then how many each needed. */
+/* Of the splat that comes `AHEAD` keys later. */
+enum { AHEAD = 8 };
+static void prefetch_tiles(const fxs_fit_stepper *s, const key *keys, uint32_t k)
+{
+    const key *later = &keys[k + AHEAD < s->visible ? k + AHEAD : k];
+    __builtin_prefetch((const uint32_t *)s->tiles.memory + later->slot);
+}
+
+static void count_entries_job(void *argument, uint32_t range)
+{
+    const fxs_fit_stepper *s = argument;
+    const key *keys = keys_from(s);
+    uint32_t *counts = (uint32_t *)s->histograms.memory + (size_t)range * s->tile_count;
+    memset(counts, 0, s->tile_count * sizeof *counts);
+    for (uint32_t k = range_start(s, range); k < range_start(s, range + 1); k++) {
+        const uint32_t *tiles = (const uint32_t *)s->tiles.memory + keys[k].slot;
+        prefetch_tiles(s, keys, k);
+        for (uint32_t i = 0; i < keys[k].tiles; i++)
+            counts[tiles[i]]++;
+    }
+}
+
+static void fill_entries_job(void *argument, uint32_t range)
+{
+    const fxs_fit_stepper *s = argument;
+    const key *keys = keys_from(s);
+    uint32_t *starts = (uint32_t *)s->histograms.memory + (size_t)range * s->tile_count;
+    fxs_fit_entry *entries = s->entries.memory;
+    for (uint32_t k = range_start(s, range); k < range_start(s, range + 1); k++) {
+        const uint32_t *tiles = (const uint32_t *)s->tiles.memory + keys[k].slot;
+        prefetch_tiles(s, keys, k);
+        for (uint32_t i = 0; i < keys[k].tiles; i++)
+            entries[starts[tiles[i]]++] = (fxs_fit_entry){keys[k].splat, keys[k].slot + i, 0};
+    }
+}
+
+/* Room for the lists: `counts` has the first entry of each tile, then how many each needed. */
+static int make_room(fxs_fit_stepper *s)
+{
+    const size_t values = s->tile_count > DIGIT_VALUES ? s->tile_count : DIGIT_VALUES, entries = s->entry_count + 1;
+    return s->entry_count < UINT32_MAX && room(&s->keys, 2 * s->model->stride * sizeof(key)) &&
+                   room(&s->counts, (2 * (size_t)s->tile_count + 1) * sizeof(uint32_t)) &&
+                   room(&s->histograms, s->threads * values * sizeof(uint32_t)) &&
+                   room(&s->tiles, entries * sizeof(uint32_t)) &&
+                   room(&s->entries, entries * sizeof(fxs_fit_entry)) &&
+                   room(&s->sums, entries * FXS_FIT_SUMS * sizeof(float))
+               ? 0
+               : FXS_ERR_MEMORY;
+}
+
 static int bin(fxs_fit_stepper *s)
 {
-    key *keys = room(&s->keys, 2 * s->model->stride * sizeof *keys);
-    uint32_t *starts = room(&s->counts, (2 * s->tile_count + 1) * sizeof *starts);
-    if (!keys || !starts)
+    add_jobs(s);
+    if (make_room(s))
         return FXS_ERR_MEMORY;
-    take_visible(s, keys);
-    sort_keys(keys, keys + s->model->stride, s->visible);
-    count_entries(s, starts);
-    fxs_fit_entry *entries = room(&s->entries, (s->entry_count + 1) * sizeof *entries);
-    if (!entries || !room(&s->sums, (s->entry_count + 1) * FXS_FIT_SUMS * sizeof(float)))
-        return FXS_ERR_MEMORY;
-    fill_entries(s, keys + s->model->stride, starts, entries);
-    memmove(starts + 1, starts, s->tile_count * sizeof *starts);    /* each is the next one's start by now */
-    starts[0] = 0;
+    run(s, cover_job, gaussian_jobs(s));
+    sort_keys(s);
+    run(s, count_entries_job, s->threads);
+    add_ranges(s, s->tile_count, s->counts.memory);
+    run(s, fill_entries_job, s->threads);
     return 0;
 }
 
@@ -217,10 +316,11 @@ static void put_tile(const fxs_fit_stepper *s, uint32_t tile, const fxs_fit_tile
     const int32_t rows = least_of(FXS_FIT_TILE, s->camera->height - top);
     for (int c = 0; c < 3; c++)
         for (int32_t y = 0; y < rows; y++) {
-            const float *from = pixels->colour[c] + y * FXS_FIT_TILE, *t = pixels->transmittance + y * FXS_FIT_TILE;
             float *to = s->loss[c].picture.first + (top + y) * s->loss[c].picture.stride + left;
-            for (int32_t x = 0; x < columns; x++)
-                to[x] = from[x] + t[x] * s->options->background[c];
+            for (int32_t x = 0; x < columns; x++) {
+                const int at = FXS_FIT_AT(x, y);
+                to[x] = pixels->colour[c][at] + pixels->transmittance[at] * s->options->background[c];
+            }
         }
 }
 
@@ -238,35 +338,34 @@ static void blend_job(void *argument, uint32_t tile)
 
 /* ---- loss -------------------------------------------------------------------------------------------------------- */
 
-enum { PLANES = 3 + FXS_FIT_ROWS + FXS_FIT_DERIVATIVES, ROWS_A_JOB = 16 };
+enum { PLANES = 1 + FXS_FIT_ROWS + FXS_FIT_DERIVATIVES, ROWS_A_JOB = 16 };
 
-static fxs_fit_plane plane_of(float *memory, int which, int32_t width, int32_t height)
-{
-    const ptrdiff_t stride = (width + 2 * FXS_FIT_MARGIN + FXS_FIT_TILE + 15) & ~15;
-    return (fxs_fit_plane){memory + which * stride * (height + 2 * FXS_FIT_MARGIN) + FXS_FIT_MARGIN * stride +
-                               FXS_FIT_MARGIN, stride};
-}
-
-/* The margins are 0, and stay so. */
+/* Planes of pixels, with margins that are 0 and stay so; the gradient's place is that of sums which it does not need. */
 static int make_planes(fxs_fit_stepper *s)
 {
     const int32_t width = s->camera->width, height = s->camera->height;
-    const size_t stride = (size_t)(width + 2 * FXS_FIT_MARGIN + FXS_FIT_TILE + 15) & ~(size_t)15;
-    const size_t bytes = 3 * PLANES * stride * (size_t)(height + 2 * FXS_FIT_MARGIN) * sizeof(float) + 64;
-    float *memory = room(&s->planes, bytes);
-    if (!memory || !room(&s->scratch, 64 * 4 * (stride + FXS_FIT_MARGIN) * sizeof(float)))
+    const ptrdiff_t stride = (width + 2 * FXS_FIT_MARGIN + FXS_FIT_TILE + 15) & ~15;
+    const ptrdiff_t size = stride * (height + 2 * FXS_FIT_MARGIN);
+    const size_t bytes = 3 * PLANES * (size_t)size * sizeof(float);
+    const int is_new = s->loss[0].width != width || s->loss[0].height != height;
+    float *rows = room(&s->rows, 6 * (size_t)height * sizeof *rows), *first = room(&s->planes, bytes);
+    s->loss[0].width = 0;
+    if (!first || !rows)
         return FXS_ERR_MEMORY;
-    memset(memory, 0, bytes);
+    if (is_new)
+        memset(first, 0, bytes);
+    first += FXS_FIT_MARGIN * stride + FXS_FIT_MARGIN;
     for (int c = 0; c < 3; c++) {
         fxs_fit_plane planes[PLANES];
-        for (int i = 0; i < PLANES; i++)
-            planes[i] = plane_of(memory, c * PLANES + i, width, height);
         fxs_fit_loss *l = &s->loss[c];
+        for (int i = 0; i < PLANES; i++, first += size)
+            planes[i] = (fxs_fit_plane){first, stride};
         l->picture = planes[0];
-        l->gradient = planes[1];
-        l->values = planes[2];
-        memcpy(l->rows, planes + 3, sizeof l->rows);
-        memcpy(l->derivatives, planes + 3 + FXS_FIT_ROWS, sizeof l->derivatives);
+        memcpy(l->rows, planes + 1, sizeof l->rows);
+        memcpy(l->derivatives, planes + 1 + FXS_FIT_ROWS, sizeof l->derivatives);
+        l->gradient = l->rows[FXS_FIT_DERIVATIVES];
+        l->absolute = rows + 2 * c * height;
+        l->dissimilar = l->absolute + height;
         l->width = width;
         l->height = height;
         l->step = 3;
@@ -276,42 +375,37 @@ static int make_planes(fxs_fit_stepper *s)
     return 0;
 }
 
-static void for_rows(fxs_fit_stepper *s, uint32_t job, void (*work)(const fxs_fit_stepper *, const fxs_fit_loss *, int32_t))
+static void for_rows(const fxs_fit_stepper *s, uint32_t job, void (*work)(const fxs_fit_loss *, int32_t))
 {
     const int32_t jobs = (s->camera->height + ROWS_A_JOB - 1) / ROWS_A_JOB, first = (int32_t)job % jobs * ROWS_A_JOB;
     const int32_t end = least_of(first + ROWS_A_JOB, s->camera->height);
     for (int32_t row = first; row < end; row++)
-        work(s, &s->loss[(int32_t)job / jobs], row);
+        work(&s->loss[(int32_t)job / jobs], row);
 }
 
-enum { WIDEST = 16384 + 3 * FXS_FIT_MARGIN };
-
-static void rows_work(const fxs_fit_stepper *s, const fxs_fit_loss *loss, int32_t row)
+static void rows_job(void *argument, uint32_t job)
 {
-    float scratch[4 * WIDEST];
-    s->stages->loss_rows(loss, row, scratch);
+    const fxs_fit_stepper *s = argument;
+    for_rows(s, job, s->stages->loss_rows);
 }
 
-static void derivatives_work(const fxs_fit_stepper *s, const fxs_fit_loss *loss, int32_t row)
+static void derivatives_job(void *argument, uint32_t job)
 {
-    s->stages->loss_derivatives(loss, row);
+    const fxs_fit_stepper *s = argument;
+    for_rows(s, job, s->stages->loss_derivatives);
 }
 
-static void back_rows_work(const fxs_fit_stepper *s, const fxs_fit_loss *loss, int32_t row)
+static void back_rows_job(void *argument, uint32_t job)
 {
-    s->stages->loss_back_rows(loss, row);
+    const fxs_fit_stepper *s = argument;
+    for_rows(s, job, s->stages->loss_back_rows);
 }
 
-static void gradient_work(const fxs_fit_stepper *s, const fxs_fit_loss *loss, int32_t row)
+static void gradient_job(void *argument, uint32_t job)
 {
-    float scratch[4 * WIDEST];
-    s->stages->loss_gradient(loss, row, scratch);
+    const fxs_fit_stepper *s = argument;
+    for_rows(s, job, s->stages->loss_gradient);
 }
-
-static void rows_job(void *s, uint32_t job) { for_rows(s, job, rows_work); }
-static void derivatives_job(void *s, uint32_t job) { for_rows(s, job, derivatives_work); }
-static void back_rows_job(void *s, uint32_t job) { for_rows(s, job, back_rows_work); }
-static void gradient_job(void *s, uint32_t job) { for_rows(s, job, gradient_work); }
 
 static void find_loss(fxs_fit_stepper *s)
 {
@@ -322,22 +416,16 @@ static void find_loss(fxs_fit_stepper *s)
     run(s, gradient_job, jobs);
 }
 
-/* Sums in doubles, row by row: for the report alone. */
+/* Sums of the rows in doubles: for the report alone. */
 static void report_loss(const fxs_fit_stepper *s, fxs_fit_report *report)
 {
-    const int32_t width = s->camera->width, height = s->camera->height;
+    const double values = 3.0 * s->camera->width * s->camera->height;
     report->absolute = report->dissimilar = 0;
     for (int c = 0; c < 3; c++)
-        for (int32_t y = 0; y < height; y++) {
-            const fxs_fit_loss *l = &s->loss[c];
-            const float *a = l->picture.first + y * l->picture.stride, *v = l->values.first + y * l->values.stride;
-            for (int32_t x = 0; x < width; x++) {
-                report->absolute += fabs((double)(a[x] - (float)l->photograph[y * l->pitch + x * l->step] / 255.0f));
-                report->dissimilar += 1 - (double)v[x];
-            }
+        for (int32_t y = 0; y < s->camera->height; y++) {
+            report->absolute += (double)s->loss[c].absolute[y] / values;
+            report->dissimilar += (double)s->loss[c].dissimilar[y] / values;
         }
-    report->absolute /= 3.0 * width * height;
-    report->dissimilar /= 3.0 * width * height;
 }
 
 /* ---- back -------------------------------------------------------------------------------------------------------- */
@@ -355,8 +443,8 @@ static void take_gradient(const fxs_fit_stepper *s, uint32_t tile, fxs_fit_tile_
             const float *from = l->gradient.first + (top + y) * l->gradient.stride + left;
             const float *picture = l->picture.first + (top + y) * l->picture.stride + left;
             for (int32_t x = 0; x < columns; x++) {
-                g->colour[c][y * FXS_FIT_TILE + x] = from[x];
-                g->whole[y * FXS_FIT_TILE + x] += from[x] * picture[x];
+                g->colour[c][FXS_FIT_AT(x, y)] = from[x];
+                g->whole[FXS_FIT_AT(x, y)] += from[x] * picture[x];
             }
         }
 }
@@ -364,38 +452,35 @@ static void take_gradient(const fxs_fit_stepper *s, uint32_t tile, fxs_fit_tile_
 static void back_job(void *argument, uint32_t tile)
 {
     const fxs_fit_stepper *s = argument;
-    const uint32_t *starts = s->counts.memory, *needed = starts + s->tile_count + 1;
+    const uint32_t *starts = s->counts.memory, needed = starts[s->tile_count + 1 + tile];
     const fxs_fit_entry *entries = (const fxs_fit_entry *)s->entries.memory + starts[tile];
     float (*sums)[FXS_FIT_SUMS] = s->sums.memory;
     fxs_fit_tile_gradient g;
     int32_t left, top;
     tile_place(s, tile, &left, &top);
     take_gradient(s, tile, &g);
-    s->stages->back(s->splats.memory, entries, needed[tile], left, top, &g, sums);
-    for (uint32_t e = needed[tile]; e < starts[tile + 1] - starts[tile]; e++)
+    s->stages->back(s->splats.memory, entries, needed, left, top, &g, sums);
+    for (uint32_t e = needed; e < starts[tile + 1] - starts[tile]; e++)
         memset(sums[entries[e].slot], 0, sizeof *sums);
 }
 
 /* ---- update ------------------------------------------------------------------------------------------------------ */
 
-/* A Gaussian's sums over its tiles, in their order. */
-static void gather(const fxs_fit_stepper *s, size_t first, size_t count)
+/* Gaussians' sums over their tiles, in their order. */
+static void gather(const fxs_fit_stepper *s, size_t first, size_t count, float (*out)[FXS_FIT_PART])
 {
-    const fxs_fit_splat *splats = s->splats.memory;
-    const float (*sums)[FXS_FIT_SUMS] = s->sums.memory;
-    float *out = s->gaussian_sums.memory;
-    const size_t stride = s->model->stride;
-    for (size_t i = first; i < first + count; i++) {
-        const fxs_fit_splat *splat = &splats[i];
+    const fxs_fit_splat *splats = (const fxs_fit_splat *)s->splats.memory + first;
+    for (size_t i = 0; i < count; i++) {
         float total[FXS_FIT_SUMS] = {0};
-        const int seen = i < s->model->count && splat->depth > 0;
-        const uint32_t tiles = seen ? splat->tiles : 0;
-        for (uint32_t t = 0; t < tiles; t++)
-            for (int k = 0; k < FXS_FIT_SUMS; k++)
-                total[k] += sums[splat->slot + t][k];
+        if (splats[i].depth > 0) {
+            const float (*sums)[FXS_FIT_SUMS] = (const float(*)[FXS_FIT_SUMS])s->sums.memory + splats[i].slot;
+            for (uint32_t t = 0; t < (uint32_t)splats[i].tiles; t++)
+                for (int k = 0; k < FXS_FIT_SUMS; k++)
+                    total[k] += sums[t][k];
+            s->model->views[first + i] += 1;
+        }
         for (int k = 0; k < FXS_FIT_SUMS; k++)
-            out[(size_t)k * stride + i] = total[k];
-        s->model->views[i] += (float)seen;
+            out[k][i] = total[k];
     }
 }
 
@@ -403,15 +488,18 @@ static void update_job(void *argument, uint32_t job)
 {
     const fxs_fit_stepper *s = argument;
     const fxs_fit_model *m = s->model;
-    const size_t first = (size_t)job * JOB, count = job_count(s, job);
-    gather(s, first, count);
-    for (size_t at = first; at < first + count; at += FXS_FIT_CHUNK) {
-        const size_t left = first + count - at, some = left < FXS_FIT_CHUNK ? left : FXS_FIT_CHUNK;
-        s->stages->update(s->camera, s->options->sh_degree, &s->adam, m->parameters,
-                          m->masters ? m->masters : m->parameters, m->means, m->squares, m->stride, at, some,
-                          s->gaussian_sums.memory, m->by_centre);
+    float *masters = m->masters ? m->masters : m->parameters;
+    const size_t end = (size_t)job * JOB + job_count(s, job);
+    for (size_t first = (size_t)job * JOB; first < end; first += FXS_FIT_PART) {
+        float sums[FXS_FIT_SUMS][FXS_FIT_PART];
+        const size_t count = end - first < FXS_FIT_PART ? end - first : FXS_FIT_PART;
+        gather(s, first, count, sums);
+        s->stages->update(s->camera, s->options->sh_degree, &s->adam, m->parameters, masters, m->means, m->squares,
+                          m->stride, first, count, sums[0], m->by_centre);
+        if (s->options->noise.amount > 0)
+            s->stages->noise(&s->options->noise, masters, m->stride, first, count);
         if (m->masters)
-            s->stages->quantise(m->grid, m->masters, m->parameters, m->stride, at, some);
+            s->stages->quantise(m->grid, masters, m->parameters, m->stride, first, count);
     }
 }
 
@@ -428,7 +516,8 @@ void fxs_fit_quantise(fxs_fit_stepper *s, fxs_fit_model *model)
     run(s, quantise_job, gaussian_jobs(s));
 }
 
-/* The gradient is that of the sum over pixels and channels; Adam's epsilon is meant for their mean. */
+/* The gradient is that of the sum over pixels and channels; Adam's epsilon is meant for their mean, and so are the
+   weights of the means over Gaussians. */
 static void set_adam(fxs_fit_stepper *s)
 {
     double beta1 = 1, beta2 = 1;
@@ -439,7 +528,12 @@ static void set_adam(fxs_fit_stepper *s)
     for (int i = 0; i < FXS_FIT_PARAMETERS; i++)
         s->adam.rate[i] = (float)(s->options->rate[i] / (1 - beta1));
     s->adam.correction = (float)(1 / (1 - beta2));
-    s->adam.epsilon = 3e-15f * (float)s->camera->width * (float)s->camera->height;
+    const float numbers = 3 * (float)s->camera->width * (float)s->camera->height;
+    s->adam.epsilon = 1e-15f * numbers;
+    s->adam.by_opacity = s->options->by_opacity * numbers / (float)s->model->count;
+    s->adam.by_scale = s->options->by_scale * numbers / (3 * (float)s->model->count);
+    s->adam.without_sh = s->options->without_sh;
+    s->adam.only_touched = s->options->only_touched;
 }
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
@@ -452,7 +546,8 @@ static uint64_t now(const fxs_fit_stepper *s)
 static int draw(fxs_fit_stepper *s, fxs_fit_report *report)
 {
     s->tile_count = (uint32_t)(s->camera->tiles_x * s->camera->tiles_y);
-    if (!room(&s->splats, s->model->stride * sizeof(fxs_fit_splat)) || make_planes(s))
+    if (!room(&s->splats, s->model->stride * sizeof(fxs_fit_splat)) ||
+        !room(&s->jobs, gaussian_jobs(s) * sizeof(seen)) || make_planes(s))
         return FXS_ERR_MEMORY;
     const uint64_t start = now(s);
     run(s, project_job, gaussian_jobs(s));
@@ -491,7 +586,7 @@ int fxs_fit_stepper_step(fxs_fit_stepper *s, fxs_fit_model *model, const fxs_fit
     s->camera = &photograph->camera;
     s->options = options;
     s->photograph = photograph;
-    if (draw(s, report) || !room(&s->gaussian_sums, FXS_FIT_SUMS * model->stride * sizeof(float)))
+    if (draw(s, report))
         return FXS_ERR_MEMORY;
     const uint64_t drawn = now(s);
     find_loss(s);

@@ -2,7 +2,7 @@
 #ifndef FXS_FIT_STEPPER_H
 #define FXS_FIT_STEPPER_H
 
-#include "../../src/fixsplat.h"
+#include "fit.h"
 #include "stage.h"
 
 typedef struct fxs_fit_stepper fxs_fit_stepper;
@@ -17,7 +17,7 @@ typedef struct fxs_fit_photograph {
 typedef struct fxs_fit_model {
     size_t count, stride;
     float *parameters, *means, *squares;        /* FXS_FIT_PARAMETERS planes each */
-    float *by_centre, *views;      /* sums of |dL/dcentre|, and of steps in which a Gaussian was in the picture */
+    float *by_centre, *views;      /* sums of |dL/dcentre| (stage.h: update), and of steps with it in the picture */
     float *masters;                /* null; or the parameters as Adam has them: the others are quantised by `grid` */
     const fxs_fit_grid *grid;
 } fxs_fit_model;
@@ -27,15 +27,11 @@ typedef struct fxs_fit_step_options {
     float background[3];
     float rate[FXS_FIT_PARAMETERS];
     uint32_t number;               /* of the step, from 1 on */
+    int only_touched;              /* Adam leaves Gaussians as they are that no pixel took anything of */
+    int without_sh;                /* 1: SH above degree 0 is not updated */
+    float by_opacity, by_scale;    /* weights of the mean opacity and the mean scale in the loss */
+    fxs_fit_noise noise;           /* after the update; amount 0: none */
 } fxs_fit_step_options;
-
-typedef struct fxs_fit_report {
-    double absolute, dissimilar;   /* means of |a - b| and of 1 - SSIM over pixels and channels */
-    uint64_t entries;
-    uint32_t visible;
-    size_t gaussians;              /* after the step */
-    uint64_t nanoseconds[6];       /* project, bin, blend, loss, back, update; with a clock */
-} fxs_fit_report;
 
 /* `run` and `pool`: as in fxs_config. Null where memory ends. */
 fxs_fit_stepper *fxs_fit_stepper_create(const fxs_fit_stages *stages, fxs_run_fn *run, void *pool, uint32_t threads,

@@ -5,108 +5,155 @@
 #include "lanes.h"
 #include "stage.h"
 
-/* Rows of the tile that the splat's ellipse may touch. */
-static inline void rows_of(const fxs_fit_splat *s, float top, int32_t *first, int32_t *end)
+enum {
+    PLACES = 16,                   /* pixels of a block */
+    BATCH = 16,                    /* entries at once */
+    EARLY = 8                 /* entries whose splats and sums are fetched before */
+};
+
+/* u and v of a splat at the first pixel of each of the tile's blocks. */
+typedef struct corners {
+    float u[FXS_FIT_BLOCKS], v[FXS_FIT_BLOCKS];
+} corners;
+
+static inline void find_corners(const fxs_fit_splat *s, int32_t left, int32_t top, corners *c)
 {
-    const float low = s->centre[1] - s->half[1] - top, high = s->centre[1] + s->half[1] - top;
-    *first = low > 0 ? (int32_t)low : 0;
-    *end = high < 15 ? (int32_t)(high + 1) : 16;
+    static const float along[FXS_FIT_BLOCKS] = {0, 4, 8, 12, 0, 4, 8, 12, 0, 4, 8, 12, 0, 4, 8, 12};
+    static const float down[FXS_FIT_BLOCKS] = {0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12};
+    for (int b = 0; b < FXS_FIT_BLOCKS; b += LANES) {
+        const real x = (load(along + b) + ((float)left + 0.5f)) - s->centre[0];
+        const real y = (load(down + b) + ((float)top + 0.5f)) - s->centre[1];
+        store(c->u + b, x * s->ux + y * s->uy);
+        store(c->v + b, y * s->vy);
+    }
 }
 
-/* exp(-level / 2) */
-static inline real alpha_of(real level)
+/* The blocks that its ellipse may touch: in one, u and v lie between those of its corners. */
+static inline uint32_t find_blocks(const fxs_fit_splat *s, const corners *c)
 {
-    return exp_2(level * -0.72134752f);
+    const float across = 3 * s->ux, slant = 3 * s->uy, down = 3 * s->vy;
+    const float limit = (s->limit - s->offset) * FXS_FIT_WIDER;
+    uint32_t blocks = 0;
+    if (s->radius2 < 0)
+        return (1u << FXS_FIT_BLOCKS) - 1;
+    for (int b = 0; b < FXS_FIT_BLOCKS; b += LANES) {
+        const real u0 = load(c->u + b), v0 = load(c->v + b);
+        const real u = most(most(u0 + (slant < 0 ? slant : 0), -u0 - (across + (slant > 0 ? slant : 0))), all(0));
+        const real v = most(most(v0, -v0 - down), all(0));
+        blocks |= bits_of_mask(at_most(u * u + v * v, all(limit))) << b;
+    }
+    return blocks;
 }
 
-static inline void blend_row(const fxs_fit_splat *s, fxs_fit_tile *tile, int32_t at, real u, float row_level)
+/* What u and v are more at the places of a block, from `place` on. */
+static inline void find_places(const fxs_fit_splat *s, int place, real *u, real *v)
 {
-    const real t = load(tile->transmittance + at), level = u * u + row_level;
-    const whole takes = (level <= s->limit) & (t >= FXS_FIT_CLOSED);
-    if (!any(takes))
-        return;
-    const real alpha = least(alpha_of(level), all(FXS_FIT_ALPHA_MOST)), weight = choose(takes, alpha * t, all(0));
+    static const float along[PLACES] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+    static const float down[PLACES] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
+    const real y = load(down + place);
+    *u = load(along + place) * s->ux + y * s->uy;
+    *v = y * s->vy;
+}
+
+/* Returns whether a pixel takes of it. */
+static inline int blend_pixels(const fxs_fit_splat *s, fxs_fit_tile *tile, int at, real u, real v)
+{
+    const real t = load(tile->transmittance + at), level = (u * u + v * v) + s->offset;
+    const mask takes = both(at_most(level, all(s->limit)), at_most(all(FXS_FIT_CLOSED), t));
+    if (LANES < 8 && !any(takes))
+        return 0;
+    const real weight = keep(takes, least(exp_2_minus(level), all(FXS_FIT_ALPHA_MOST)) * t);
     store(tile->transmittance + at, t - weight);
     for (int c = 0; c < 3; c++)
         store(tile->colour[c] + at, load(tile->colour[c] + at) + weight * s->colour[c]);
+    return any(takes);
+}
+
+/* Returns those of the blocks that take of it. */
+static inline uint32_t blend_splat(const fxs_fit_splat *from, const corners *c, uint32_t blocks, fxs_fit_tile *tile)
+{
+    const fxs_fit_splat s = *from;
+    uint32_t taken = 0;
+    for (int place = 0; place < PLACES; place += LANES) {
+        real u, v;
+        find_places(&s, place, &u, &v);
+        for (uint32_t rest = blocks; rest; rest &= rest - 1) {
+            const int b = __builtin_ctz(rest);
+            taken |= (uint32_t)blend_pixels(&s, tile, b * PLACES + place, u + c->u[b], v + c->v[b]) << b;
+        }
+    }
+    return taken;
 }
 
 static inline int is_open(const fxs_fit_tile *tile)
 {
-    whole open = {0};
-    for (int32_t i = 0; i < FXS_FIT_PIXELS; i += LANES)
-        open |= load(tile->transmittance + i) >= FXS_FIT_CLOSED;
-    return any(open);
+    for (int i = 0; i < FXS_FIT_PIXELS; i += LANES)
+        if (any(at_most(all(FXS_FIT_CLOSED), load(tile->transmittance + i))))
+            return 1;
+    return 0;
 }
 
 /* Blends until all pixels are closed. Returns how many entries that took. */
-static inline uint32_t blend(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
+static inline uint32_t blend(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left,
                              int32_t top, fxs_fit_tile *tile)
 {
     memset(tile->colour, 0, sizeof tile->colour);
     for (int i = 0; i < FXS_FIT_PIXELS; i++)
         tile->transmittance[i] = 1;
-    for (uint32_t e = 0; e < count; e++) {
-        if (e % 16 == 0 && e && !is_open(tile))
-            return e;
-        const fxs_fit_splat *s = &splats[entries[e].splat];
-        __builtin_prefetch(&splats[entries[e + 8 < count ? e + 8 : e].splat]);
-        int32_t first, end;
-        rows_of(s, (float)top, &first, &end);
-        for (int32_t row = first; row < end; row++) {
-            const float y = ((float)(top + row) + 0.5f) - s->centre[1], v = s->vy * y, row_level = v * v + s->offset;
-            if (row_level > s->limit)
-                continue;
-            for (int32_t column = 0; column < FXS_FIT_TILE; column += LANES) {
-                const real x = (column_numbers() + ((float)(left + column) + 0.5f)) - s->centre[0];
-                blend_row(s, tile, row * FXS_FIT_TILE + column, x * s->ux + s->uy * y, row_level);
-            }
+    for (uint32_t first = 0; first < count; first += BATCH) {
+        const uint32_t end = count - first < BATCH ? count : first + BATCH;
+        corners c[BATCH];
+        if (!is_open(tile))
+            return first;
+        for (uint32_t e = first; e < end; e++) {
+            const fxs_fit_splat *s = &splats[entries[e].splat];
+            __builtin_prefetch(&splats[entries[e + BATCH < count ? e + BATCH : e].splat]);
+            find_corners(s, left, top, &c[e - first]);
+            entries[e].blocks = find_blocks(s, &c[e - first]);
         }
+        for (uint32_t e = first; e < end; e++)
+            entries[e].blocks = blend_splat(&splats[entries[e].splat], &c[e - first], entries[e].blocks, tile);
     }
     return count;
 }
 
 /* ---- back -------------------------------------------------------------------------------------------------------- */
 
-/* Sums over the rows of LANES columns. */
-typedef struct column_sums {
-    real h, hy, hyy, colour[3];
-} column_sums;
-
-/* What has passed of the pixels: transmittance; the product of dL/dcolour with the sum of colours. */
+/* What has passed of the pixels: transmittance; and what lies behind, the product of dL/dcolour with its colour. */
 typedef struct passed {
-    float transmittance[FXS_FIT_PIXELS], sum[FXS_FIT_PIXELS];
+    float transmittance[FXS_FIT_PIXELS], behind[FXS_FIT_PIXELS];
 } passed;
 
-/* dL/dalpha = T (c . g) - behind / (1 - alpha), behind = (C - what has passed, this one included) . g */
-static inline void back_row(const fxs_fit_splat *s, const fxs_fit_tile_gradient *g, passed *p, int32_t at, real u,
-                            float y, float row_level, column_sums *sums)
+/* dL/dalpha = T (c . g) - behind / (1 - alpha) */
+static inline void back_pixels(const fxs_fit_splat *s, const fxs_fit_tile_gradient *g, passed *p, int at, real u, real v,
+                               real sums[FXS_FIT_SUMS])
 {
-    const real t = load(p->transmittance + at), level = u * u + row_level;
-    const whole takes = (level <= s->limit) & (t >= FXS_FIT_CLOSED);
-    if (!any(takes))
+    const real t = load(p->transmittance + at), level = (u * u + v * v) + s->offset;
+    const mask takes = both(at_most(level, all(s->limit)), at_most(all(FXS_FIT_CLOSED), t));
+    if (LANES < 8 && !any(takes))
         return;
-    const real exact = alpha_of(level), alpha = least(exact, all(FXS_FIT_ALPHA_MOST));
-    const real weight = choose(takes, alpha * t, all(0));
+    const real exact = exp_2_minus(level), alpha = least(exact, all(FXS_FIT_ALPHA_MOST)), weight = keep(takes, alpha * t);
     const real g0 = load(g->colour[0] + at), g1 = load(g->colour[1] + at), g2 = load(g->colour[2] + at);
-    const real along = (g0 * s->colour[0] + g1 * s->colour[1]) + g2 * s->colour[2];
-    const real sum = load(p->sum + at) + weight * along;
+    const real own = weight * ((g0 * s->colour[0] + g1 * s->colour[1]) + g2 * s->colour[2]);
+    const real behind = load(p->behind + at) - own;
     store(p->transmittance + at, t - weight);
-    store(p->sum + at, sum);
-    const real behind = (load(g->whole + at) - sum) * inverse(1.0f - alpha);
-    const whole varies = takes & (exact < FXS_FIT_ALPHA_MOST);
-    const real h = choose(varies, alpha * (behind - t * along), all(0)), hy = h * y;
-    sums->h += h;
-    sums->hy += hy;
-    sums->hyy += hy * y;
-    sums->colour[0] += weight * g0;
-    sums->colour[1] += weight * g1;
-    sums->colour[2] += weight * g2;
+    store(p->behind + at, behind);
+    const real h = keep(both(takes, below(exact, all(FXS_FIT_ALPHA_MOST))), behind * (alpha / (1.0f - alpha)) - own);
+    const real hu = h * u, hv = h * v;
+    sums[FXS_FIT_SUM] += h;
+    sums[FXS_FIT_SUM_U] += hu;
+    sums[FXS_FIT_SUM_V] += hv;
+    sums[FXS_FIT_SUM_UU] += hu * u;
+    sums[FXS_FIT_SUM_UV] += hu * v;
+    sums[FXS_FIT_SUM_VV] += hv * v;
+    sums[FXS_FIT_RED] += weight * g0;
+    sums[FXS_FIT_GREEN] += weight * g1;
+    sums[FXS_FIT_BLUE] += weight * g2;
 }
 
-/* The sum of each row: of columns c and c + 8, of those of c and c + 4, c + 2, c + 1. */
+/* The sums of each row of places: p and p + 8, of those p and p + 4, p + 2, p + 1. */
 #if LANES == 1
-static inline void add_columns(const float (*rows)[FXS_FIT_TILE], float *sums)
+static inline void add_places(const float (*rows)[PLACES], float *sums)
 {
     for (int i = 0; i < FXS_FIT_SUMS; i++) {
         float four[4];
@@ -117,7 +164,12 @@ static inline void add_columns(const float (*rows)[FXS_FIT_TILE], float *sums)
 }
 #else
 typedef float real4 __attribute__((vector_size(16)));
+typedef int32_t whole4 __attribute__((vector_size(16)));
+#ifdef __clang__
 #define MIX(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
+#else
+#define MIX(a, b, ...) __builtin_shuffle(a, b, (whole4){__VA_ARGS__})
+#endif
 
 static inline real4 load_4(const float *from)
 {
@@ -126,7 +178,7 @@ static inline real4 load_4(const float *from)
     return x;
 }
 
-/* The sums of four rows' last four columns. */
+/* The sums of four rows' last four places. */
 static inline real4 add_4(const real4 *f)
 {
     const real4 a = MIX(f[0], f[1], 0, 4, 1, 5), b = MIX(f[2], f[3], 0, 4, 1, 5);
@@ -134,7 +186,7 @@ static inline real4 add_4(const real4 *f)
     return (MIX(a, b, 0, 1, 4, 5) + MIX(c, d, 0, 1, 4, 5)) + (MIX(a, b, 2, 3, 6, 7) + MIX(c, d, 2, 3, 6, 7));
 }
 
-static inline void add_columns(const float (*rows)[FXS_FIT_TILE], float *sums)
+static inline void add_places(const float (*rows)[PLACES], float *sums)
 {
     real4 four[12] = {{0}};
     for (int i = 0; i < FXS_FIT_SUMS; i++)
@@ -147,40 +199,52 @@ static inline void add_columns(const float (*rows)[FXS_FIT_TILE], float *sums)
 #undef MIX
 #endif
 
-static inline void back_splat(const fxs_fit_splat *s, const fxs_fit_tile_gradient *g, passed *p, int32_t left,
-                              int32_t top, float *sums)
+static inline void back_splat(const fxs_fit_splat *from, uint32_t blocks, const fxs_fit_tile_gradient *g, passed *p,
+                              int32_t left, int32_t top, float *sums)
 {
-    float of_columns[FXS_FIT_SUMS][FXS_FIT_TILE];
-    int32_t first, end;
-    rows_of(s, (float)top, &first, &end);
-    for (int32_t column = 0; column < FXS_FIT_TILE; column += LANES) {
-        const real x = (column_numbers() + ((float)(left + column) + 0.5f)) - s->centre[0];
-        column_sums c = {all(0), all(0), all(0), {all(0), all(0), all(0)}};
-        for (int32_t row = first; row < end; row++) {
-            const float y = ((float)(top + row) + 0.5f) - s->centre[1], v = s->vy * y, row_level = v * v + s->offset;
-            if (row_level <= s->limit)
-                back_row(s, g, p, row * FXS_FIT_TILE + column, x * s->ux + s->uy * y, y, row_level, &c);
-        }
-        const real hx = x * c.h;
-        const real all_sums[FXS_FIT_SUMS] = {c.h, hx, c.hy, x * hx, x * c.hy, c.hyy,
-                                             c.colour[0], c.colour[1], c.colour[2]};
+    const fxs_fit_splat s = *from;
+#ifndef ADD_PLACES
+    float of_places[FXS_FIT_SUMS][PLACES];
+#endif
+    corners c;
+    find_corners(&s, left, top, &c);
+    for (int place = 0; place < PLACES; place += LANES) {
+        real u, v, all_sums[FXS_FIT_SUMS];
+        find_places(&s, place, &u, &v);
         for (int i = 0; i < FXS_FIT_SUMS; i++)
-            store(of_columns[i] + column, all_sums[i]);
+            all_sums[i] = all(0);
+        for (uint32_t rest = blocks; rest; rest &= rest - 1) {
+            const int b = __builtin_ctz(rest);
+            back_pixels(&s, g, p, b * PLACES + place, u + c.u[b], v + c.v[b], all_sums);
+        }
+#ifdef ADD_PLACES
+        ADD_PLACES(all_sums, sums);
+#else
+        for (int i = 0; i < FXS_FIT_SUMS; i++)
+            store(of_places[i] + place, all_sums[i]);
+#endif
     }
-    add_columns((const float(*)[FXS_FIT_TILE])of_columns, sums);
+#ifndef ADD_PLACES
+    add_places((const float(*)[PLACES])of_places, sums);
+#endif
 }
 
-/* The first `count` entries of a list, as many as blend took; `sums` of each go to its slot. */
-static inline void back_tile(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
-                             int32_t top, const fxs_fit_tile_gradient *g, float (*sums)[FXS_FIT_SUMS])
+/* The first `count` entries of a list, as many as blend took, and as it left them; the sums of each to its slot. */
+static inline void back(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
+                        int32_t top, const fxs_fit_tile_gradient *g, float (*sums)[FXS_FIT_SUMS])
 {
     passed p;
-    memset(p.sum, 0, sizeof p.sum);
+    memcpy(p.behind, g->whole, sizeof p.behind);
     for (int i = 0; i < FXS_FIT_PIXELS; i++)
         p.transmittance[i] = 1;
     for (uint32_t e = 0; e < count; e++) {
-        __builtin_prefetch(&splats[entries[e + 8 < count ? e + 8 : e].splat]);
-        back_splat(&splats[entries[e].splat], g, &p, left, top, sums[entries[e].slot]);
+        const fxs_fit_entry *later = &entries[e + EARLY < count ? e + EARLY : e];
+        __builtin_prefetch(&splats[later->splat]);
+        __builtin_prefetch(sums[later->slot], 1);
+        if (entries[e].blocks)
+            back_splat(&splats[entries[e].splat], entries[e].blocks, g, &p, left, top, sums[entries[e].slot]);
+        else
+            memset(sums[entries[e].slot], 0, sizeof *sums);
     }
 }
 

@@ -16,6 +16,8 @@
 #define MAX_SIZE 16384
 #define MAX_READ_PIXELS (1 << 26)
 #define LEAST_ROOM (1 << 16)      /* for the data of any .png: they may be stored, or in many parts */
+#define MAX_JPEG_PIXELS 512       /* of a byte: the first scan has at least a bit for each 8 x 8 of them */
+#define JPEG_UNIT 32              /* pixels that sizes are rounded up to, at most */
 #define MAX_PNG_BYTES (1 << 29)   /* stb_image_write counts in int */
 
 /* stb_image_write's own compression ends the program where memory does. */
@@ -39,7 +41,8 @@ static unsigned char *compress_rows(unsigned char *rows, int size, int *compress
 
 /* Faults of a picture that are not the file's. */
 static const char out_of_memory[] = "out of memory";
-static const char no_png[] = "not a .ppm; this program was built without stb, which .png needs";
+static const char no_stb[] = "not a .ppm; this program was built without stb, which .png and .jpg need";
+static const char cut_short[] = "cut short";
 
 #ifdef FXS_WITH_STB
 /* What stb_image may have in one piece for the picture that this thread reads, and why it did not get that. */
@@ -66,6 +69,8 @@ static void *bounded_realloc(void *old, size_t size)
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_PNG
+#define STBI_ONLY_JPEG
+#define STBI_NO_SIMD              /* .jpg by its one text in integers: the same bytes on every processor */
 #define STBI_MAX_DIMENSIONS MAX_SIZE
 #define STBI_MALLOC(size) bounded_realloc(NULL, size)
 #define STBI_REALLOC(old, size) bounded_realloc(old, size)
@@ -186,28 +191,82 @@ static int readable_size(int width, int height)
 }
 
 #ifdef FXS_WITH_STB
+static const char *why_not_decoded(void)
+{
+    const char *reason = decoding.fault ? decoding.fault : stbi_failure_reason();
+    return reason ? reason : "damaged";   /* stb_image does not always say */
+}
+
 static const char *read_png(FILE *file, uint8_t **rgba, int *width, int *height)
 {
     int channels;
     if (!stbi_info_from_file(file, width, height, &channels))
-        return "not a .png or .ppm";
+        return "not a .png, .jpg or .ppm";
     if (!readable_size(*width, *height))
         return too_large;
     /* A row is its bytes and one more; stb_image doubles a room that does not do, as for interlaced pictures. */
     const size_t pixel_bytes = stbi_is_16_bit_from_file(file) ? 8 : 4;
     decoding.most = 2 * (pixel_bytes * (size_t)*width + 1) * (size_t)*height + LEAST_ROOM;
-    decoding.fault = NULL;
     *rgba = stbi_load_from_file(file, width, height, &channels, 4);
-    if (*rgba)
-        return NULL;
-    const char *reason = decoding.fault ? decoding.fault : stbi_failure_reason();
-    return reason ? reason : "damaged";   /* stb_image does not always say */
+    return *rgba ? NULL : why_not_decoded();
+}
+
+/* A file, and whether stb_image read on at its end. */
+typedef struct jpeg_stream {
+    FILE *file;
+    int beyond;
+} jpeg_stream;
+
+static int read_stream(void *argument, char *data, int size)
+{
+    jpeg_stream *stream = argument;
+    const size_t read = fread(data, 1, (size_t)size, stream->file);
+    stream->beyond |= !read;
+    return (int)read;
+}
+
+static void skip_stream(void *argument, int bytes)
+{
+    jpeg_stream *stream = argument;
+    stream->beyond |= fseek(stream->file, bytes, SEEK_CUR) != 0;
+}
+
+static int at_end(void *argument)
+{
+    return feof(((jpeg_stream *)argument)->file);
+}
+
+/* stb_image takes what is missing at the end as 0, or not, by its version: here a picture is whole or refused. */
+static const char *read_jpeg(FILE *file, uint8_t **rgba, int *width, int *height)
+{
+    static const stbi_io_callbacks calls = {read_stream, skip_stream, at_end};
+    jpeg_stream stream = {file, 0};
+    struct stat status;
+    int channels;
+    if (!stbi_info_from_callbacks(&calls, &stream, width, height, &channels))
+        return stream.beyond ? cut_short : why_not_decoded();
+    if (!readable_size(*width, *height))
+        return too_large;
+    if (fstat(fileno(file), &status) || (int64_t)*width * *height / MAX_JPEG_PIXELS > status.st_size)
+        return "fewer bytes than a picture of its size has";
+    rewind(file);
+    stream.beyond = 0;
+    decoding.most = 4 * ((size_t)*width + JPEG_UNIT) * ((size_t)*height + JPEG_UNIT) + LEAST_ROOM;
+    *rgba = stbi_load_from_callbacks(&calls, &stream, width, height, &channels, 4);
+    return stream.beyond ? cut_short : *rgba ? NULL : why_not_decoded();
+}
+
+static const char *read_by_stb(FILE *file, int first, uint8_t **rgba, int *width, int *height)
+{
+    decoding.most = LEAST_ROOM;
+    decoding.fault = NULL;
+    return first == 0xff ? read_jpeg(file, rgba, width, height) : read_png(file, rgba, width, height);
 }
 #else
-static const char *read_png(FILE *file, uint8_t **rgba, int *width, int *height)
+static const char *read_by_stb(FILE *file, int first, uint8_t **rgba, int *width, int *height)
 {
-    (void)file, (void)rgba, (void)width, (void)height;
-    return no_png;
+    (void)file, (void)first, (void)rgba, (void)width, (void)height;
+    return no_stb;
 }
 #endif
 
@@ -245,7 +304,7 @@ static const char *read_ppm(FILE *file, uint8_t **rgba, int *width, int *height)
         return out_of_memory;
     uint8_t *rgb = *rgba + pixels;   /* spread from the end of the room to the front */
     if (fread(rgb, 3, pixels, file) != pixels)
-        return "cut short";
+        return cut_short;
     for (size_t i = 0; i < pixels; i++) {
         memmove(*rgba + 4 * i, rgb + 3 * i, 3);
         (*rgba)[4 * i + 3] = 255;
@@ -272,7 +331,7 @@ static int open_regular(const char *path, FILE **file, fxs_message *message)
 
 static int fail_read(const char *path, const char *fault, fxs_message *message)
 {
-    const int error = fault == out_of_memory ? FXS_ERR_MEMORY : fault == no_png ? FXS_ERR_UNSUPPORTED : FXS_ERR_FILE;
+    const int error = fault == out_of_memory ? FXS_ERR_MEMORY : fault == no_stb ? FXS_ERR_UNSUPPORTED : FXS_ERR_FILE;
     return fxs_fail_as(error, message, "%s: %s", path, fault);
 }
 
@@ -282,9 +341,10 @@ int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *heigh
     int result = 0;
     *rgba = NULL;
     FXS_TRY(open_regular(path, &file, message));
-    int ppm = getc(file) == 'P';
+    const int first = getc(file);
     rewind(file);
-    const char *fault = ppm ? read_ppm(file, rgba, width, height) : read_png(file, rgba, width, height);
+    const char *fault = first == 'P' ? read_ppm(file, rgba, width, height)
+                                     : read_by_stb(file, first, rgba, width, height);
     if (fault) {
         result = ferror(file) ? fxs_fail_errno(message, path, errno) : fail_read(path, fault, message);
         free(*rgba);

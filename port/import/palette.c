@@ -535,6 +535,26 @@ int fxs_palette_refine(fxs_palette *palette, const fxs_sh_item *items, uint32_t 
     return learn_with(refine, palette, items, count, options, message);
 }
 
+static int is_held(const int16_t *numbers, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (numbers[i] < -MOST || numbers[i] > MOST)
+            return 0;
+    return 1;
+}
+
+int fxs_palette_restore(fxs_palette *p, uint32_t entries)
+{
+    if (p->stages != fxs_palette_stages(p->profile, p->sh_degree) || p->entries != entries || p->step < 1 ||
+        p->step > (MOST + 126) / 127 || p->unit_exponent < 8 || p->unit_exponent > 19 ||
+        !is_held(p->vectors[0][0], sizeof p->vectors / sizeof(int16_t)) ||
+        !is_held(p->groups[0][0], sizeof p->groups / sizeof(int16_t)))
+        return 0;
+    for (uint32_t stage = 0; stage < p->stages; stage++)
+        prepare_stage(p, stage);
+    return 1;
+}
+
 uint32_t fxs_palette_step_q19(const fxs_palette *p)
 {
     return (uint32_t)p->step << (19 - p->unit_exponent);

@@ -54,6 +54,9 @@ int fxs_palette_learn(fxs_palette *palette, uint32_t entries, const fxs_sh_item 
 int fxs_palette_refine(fxs_palette *palette, const fxs_sh_item *items, uint32_t count,
                        const fxs_pack_options *options, fxs_message *message);
 
+/* Of a palette that was read from a file: whether it can be one with so many entries. */
+int fxs_palette_restore(fxs_palette *palette, uint32_t entries);
+
 /* The palette's step as a packed scene has it. */
 uint32_t fxs_palette_step_q19(const fxs_palette *palette);
 

@@ -1,13 +1,9 @@
 /* .ply: the vertex properties as Inria's 3D Gaussian splatting code writes them. */
-#include <math.h>
 #include <stdio.h>
-#include <strings.h>
 
 #include "ply_header.h"
 #include "scene_codes.h"
 #include "scene_format.h"
-
-enum { MAX_NUMBER = 511 };   /* characters; the longest double printed with %f has 316 */
 
 /* A field is an index into the floats of fxs_gaussian. */
 enum { SCALE_2 = 5, FIRST_REST = 14, SH_FLOATS = 45, NO_FIELD = -1 };
@@ -35,184 +31,34 @@ typedef struct ply_reader {
     fxs_byte_reader bytes;
 } ply_reader;
 
-static int next_byte(ply_reader *reader)
-{
-    const uint8_t *byte = fxs_bytes_take(&reader->bytes, 1);
-    return byte ? *byte : EOF;
-}
-
-/* Numbers */
-
-static double load_number(const uint8_t *bytes, int type, fxs_ply_encoding encoding)
-{
-    int size = fxs_ply_types[type].size;
-    uint64_t bits = 0;
-    for (int i = 0; i < size; i++)
-        bits = bits << 8 | bytes[encoding == FXS_PLY_BIG_ENDIAN ? i : size - 1 - i];
-    uint32_t float_bits = (uint32_t)bits;
-    float single;
-    double real;
-    switch (type) {
-    case FXS_PLY_CHAR:   return (int8_t)bits;
-    case FXS_PLY_SHORT:  return (int16_t)bits;
-    case FXS_PLY_INT:    return (int32_t)bits;
-    case FXS_PLY_FLOAT:  memcpy(&single, &float_bits, sizeof single); return (double)single;
-    case FXS_PLY_DOUBLE: memcpy(&real, &bits, sizeof real); return real;
-    case FXS_PLY_HALF:   return (double)fxs_half((uint32_t)bits);
-    default:             return (double)bits;
-    }
-}
-
-/* value * 10^exponent, rounded once for |exponent| <= 22, where the power is exact. A value is 0 or 1 to 1e19, so that
-   beyond +-400 it is 0 or infinite anyway. */
-static double scale_by_10(double value, int exponent)
-{
-    static const double powers[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14,
-                                    1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
-    int steps = exponent < -400 || exponent > 400 ? 400 : exponent < 0 ? -exponent : exponent;
-    for (; steps > 22; steps -= 22)
-        value = exponent < 0 ? value / powers[22] : value * powers[22];
-    return exponent < 0 ? value / powers[steps] : value * powers[steps];
-}
-
-static int is_digit(int c)
-{
-    return c >= '0' && c <= '9';
-}
-
-/* Reads [+-]digits, held below 10000. Returns the end of the text read, or NULL. */
-static const char *parse_exponent(const char *text, int *exponent)
-{
-    int sign = *text == '-' ? -1 : 1, value = 0;
-    if (*text == '-' || *text == '+')
-        text++;
-    if (!is_digit(*text))
-        return NULL;
-    for (; is_digit(*text); text++)
-        if (value < 1000)
-            value = 10 * value + (*text - '0');
-    *exponent += sign * value;
-    return text;
-}
-
-/* Not strtod, whose decimal point is the locale's. The result may be one unit of the double's last place off.
-   Returns the end of the number, or NULL. */
-static const char *parse_number(const char *text, double *value)
-{
-    double sign = *text == '-' ? -1 : 1;
-    uint64_t mantissa = 0;
-    int exponent = 0, has_digits = 0, has_point = 0;
-    if (*text == '-' || *text == '+')
-        text++;
-    if (strcasecmp(text, "nan") == 0 || strcasecmp(text, "inf") == 0) {
-        *value = sign * (strcasecmp(text, "nan") == 0 ? NAN : INFINITY);
-        return text + 3;
-    }
-    for (; is_digit(*text) || (*text == '.' && !has_point); text++) {
-        if (*text == '.') {
-            has_point = 1;
-            continue;
-        }
-        has_digits = 1;
-        if (mantissa < 1000000000000000000u) {
-            mantissa = 10 * mantissa + (uint64_t)(*text - '0');
-            exponent -= has_point;
-        } else {
-            exponent += !has_point;
-        }
-    }
-    if (!has_digits)
-        return NULL;
-    if (*text == 'e' || *text == 'E')
-        text = parse_exponent(text + 1, &exponent);
-    *value = sign * scale_by_10((double)mantissa, exponent);
-    return text;
-}
-
 /* Rows */
-
-static int is_blank(int byte)
-{
-    return byte == ' ' || byte == '\t' || byte == '\r';
-}
-
-/* Leaves the newline unread. A number that the file's end cuts short is read as it stands. */
-static int read_ascii_number(ply_reader *reader, double *value)
-{
-    char text[MAX_NUMBER + 1];
-    int length = 0, byte;
-    do
-        byte = next_byte(reader);
-    while (is_blank(byte));
-    for (; byte != EOF && byte != '\n' && !is_blank(byte); byte = next_byte(reader)) {
-        if (length == MAX_NUMBER)
-            return fxs_bytes_fail(&reader->bytes, "a value is too long");
-        text[length++] = (char)byte;
-    }
-    if (byte == '\n')
-        reader->bytes.begin--;
-    text[length] = '\0';
-    if (length == 0)
-        return byte == EOF ? FXS_ERR_FILE : fxs_bytes_fail(&reader->bytes, "too few values");
-    return parse_number(text, value) == text + length ? 0 : fxs_bytes_fail(&reader->bytes, "a value is not a number");
-}
-
-static int read_number(ply_reader *reader, int type, double *value)
-{
-    if (reader->header.encoding == FXS_PLY_ASCII)
-        return read_ascii_number(reader, value);
-    const uint8_t *bytes = fxs_bytes_take(&reader->bytes, fxs_ply_types[type].size);
-    if (!bytes)
-        return FXS_ERR_FILE;
-    *value = load_number(bytes, type, reader->header.encoding);
-    return 0;
-}
 
 static int skip_list(ply_reader *reader, const fxs_ply_property *list)
 {
     double length, value;
-    FXS_TRY(read_number(reader, list->count_type, &length));
+    FXS_TRY(fxs_ply_read_number(&reader->bytes, reader->header.encoding, list->count_type, &length));
     if (!(length >= 0 && length <= UINT32_MAX))
         return fxs_bytes_fail(&reader->bytes, "a list has no valid length");
     if (reader->header.encoding != FXS_PLY_ASCII)
         return fxs_bytes_skip(&reader->bytes, (uint64_t)length * fxs_ply_types[list->type].size);
     for (uint32_t i = (uint32_t)length; i > 0; i--)
-        FXS_TRY(read_ascii_number(reader, &value));
+        FXS_TRY(fxs_ply_read_number(&reader->bytes, FXS_PLY_ASCII, list->type, &value));
     return 0;
-}
-
-static void skip_ascii_space(ply_reader *reader)
-{
-    int byte;
-    do
-        byte = next_byte(reader);
-    while (is_blank(byte) || byte == '\n');
-    if (byte != EOF)
-        reader->bytes.begin--;
-}
-
-static int end_ascii_row(ply_reader *reader)
-{
-    int byte;
-    do
-        byte = next_byte(reader);
-    while (is_blank(byte));
-    return byte == EOF || byte == '\n' ? 0 : fxs_bytes_fail(&reader->bytes, "too many values");
 }
 
 /* Any encoding, any properties; the fields of a Gaussian go to `fields`. */
 static int read_row(ply_reader *reader, const fxs_ply_element *rows, float *fields)
 {
-    if (reader->header.encoding == FXS_PLY_ASCII)
-        skip_ascii_space(reader);
+    fxs_ply_begin_row(&reader->bytes, reader->header.encoding);
     for (int i = rows->first; i < rows->end; i++) {
         const fxs_ply_property *p = &reader->header.property_table[i];
         double value;
-        FXS_TRY(p->is_list ? skip_list(reader, p) : read_number(reader, p->type, &value));
+        FXS_TRY(p->is_list ? skip_list(reader, p) : fxs_ply_read_number(&reader->bytes, reader->header.encoding, p->type,
+                                                                    &value));
         if (reader->field_table[i] != NO_FIELD)
             fields[reader->field_table[i]] = (float)value;
     }
-    return reader->header.encoding == FXS_PLY_ASCII ? end_ascii_row(reader) : 0;
+    return fxs_ply_end_row(&reader->bytes, reader->header.encoding);
 }
 
 /* A binary row without lists. */
@@ -227,7 +73,7 @@ static int read_fixed_row(ply_reader *reader, const fxs_ply_element *rows, float
             fields[c->field] = fxs_load_float(row + c->offset);
     else
         for (const column *c = columns; c < end; c++)
-            fields[c->field] = (float)load_number(row + c->offset, c->type, reader->header.encoding);
+            fields[c->field] = (float)fxs_ply_load_number(row + c->offset, c->type, reader->header.encoding);
     return 0;
 }
 

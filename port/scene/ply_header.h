@@ -62,4 +62,15 @@ int fxs_ply_find(const fxs_ply_header *header, const fxs_ply_element *element, c
 int fxs_ply_find_rest(const fxs_ply_header *header, const fxs_ply_element *element, int rest[FXS_PLY_MAX_REST],
                       const char *path, fxs_message *message);
 
+/* ---- Values ---- */
+
+double fxs_ply_load_number(const uint8_t *bytes, int type, fxs_ply_encoding encoding);
+
+/* The next value of a row. Returns 0, or FXS_ERR_FILE and a fault. */
+int fxs_ply_read_number(fxs_byte_reader *bytes, fxs_ply_encoding encoding, int type, double *value);
+
+/* Around the values of a row: in a text, the blanks and newlines before it, and the blanks and newline behind it. */
+void fxs_ply_begin_row(fxs_byte_reader *bytes, fxs_ply_encoding encoding);
+int fxs_ply_end_row(fxs_byte_reader *bytes, fxs_ply_encoding encoding);
+
 #endif

@@ -2,6 +2,7 @@
 # The command, from outside: its exit codes, messages, options and pictures.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
+. "$root/tests/scripts/lib/json.sh"
 
 # ---- Expectations ----------------------------------------------------------------------------------------------------
 
@@ -14,24 +15,6 @@ ppm_colours() { tail -c "$(($2 * 3))" "$1" | od -An -v -tu1 | awk '{ for (i = 1;
 
 differ() { [ "$1" != "$2" ] || { echo "both are $1"; return 1; }; }
 all_zero() { cmp -n "$(wc -c <"$1")" "$1" /dev/zero; }
-
-# keys FILE KEY...: one JSON object with these keys (a.b: b inside a).
-keys() {
-    file=$1
-    shift
-    if have python3; then
-        python3 -c '
-import json, sys
-def refuse(name): raise ValueError(name)
-for path in sys.argv[2:]:
-    value = json.load(open(sys.argv[1]), parse_constant=refuse)
-    for key in path.split("."): value = value[key]' "$file" "$@" 2>&1 | tail -n 1 | grep . && return 1
-        return 0
-    fi
-    for key in "$@"; do
-        grep -q "\"${key##*.}\":" "$file" || { echo "no $key"; return 1; }
-    done
-}
 
 # ---- Scenes and cameras made here ------------------------------------------------------------------------------------
 

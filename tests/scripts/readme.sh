@@ -1,11 +1,12 @@
 #!/bin/sh
-# The C program of README.md compiles as README.md says, where it is installed, and draws a picture.
+# The C programs of README.md and docs/fit.md compile as README.md says, where it is installed, and do what they say.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 have pkg-config || { skip "README program" "no pkg-config here"; finish; exit; }
-sed -n '/^```c$/,/^```$/p' README.md | sed '/^```/d' >"$work/program.c"
+program_of() { sed -n '/^```c$/,/^```$/p' "$1" | sed '/^```/d' >"$work/program.c"; }
+program_of README.md
 sed -n 's/^    cc program/${CC:-cc} $strict program/p' README.md >"$work/compile"
 strict='-std=c99 -D_POSIX_C_SOURCE=200809L -Wall -Wextra -Werror'
 
@@ -16,4 +17,14 @@ check "README: the program compiles" eval "(cd '$work' && . ./compile)"
 "$B/fixsplat" make-scene cubes -o "$work/cubes.ply" || exit 1
 check "README: the program runs" "$work/program" "$work/cubes.ply" "$work/cubes.ppm"
 check "README: a picture" equal "$(wc -c <"$work/cubes.ppm")" 691215
+
+program_of docs/fit.md
+check "docs/fit.md: the program compiles" eval "(cd '$work' && . ./compile)"
+fixsplat=$PWD/$B/fixsplat
+case $B in /*) fixsplat=$B/fixsplat ;; esac
+. tests/scripts/lib/photos.sh
+(cd "$work" && make_photographs 3)
+check "docs/fit.md: the program runs" "$work/program" "$work/set" "$work/set.fxs"
+"$B/fixsplat" fit "$work/set" -o "$work/command.fxs" --steps 200 --hold-out 0 >"$work/log"
+check "docs/fit.md: the file of the command" cmp "$work/set.fxs" "$work/command.fxs"
 finish

@@ -1,0 +1,348 @@
+/* A fit in a file: 32-bit words, little-endian. One text writes and reads it (walk), so that the two cannot differ. */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "../files/message.h"
+#include "../files/output_internal.h"
+#include "fit_internal.h"
+#include "random.h"
+
+#define MAGIC 0x74696678u          /* "xfit" */
+#define END 0x646e6578u            /* "xend": the checksum of all before follows */
+
+/* Another number wherever a fit goes on otherwise than before: an older file would not end as if never stopped. */
+#define VERSION 2u
+
+typedef struct archive {
+    fxs_output *output;            /* null: it is read */
+    FILE *input;
+    uint64_t size, fetched;        /* bytes of the input, and of those that came through the buffer */
+    uint64_t checksum;             /* of the words so far */
+    const char *fault;             /* the first: from there on words are 0, and not written */
+    int error;                     /* that goes with it */
+    size_t at, end;                /* of the buffer, bytes */
+    uint8_t buffer[1 << 16];
+} archive;
+
+static void fail(archive *a, int error, const char *fault)
+{
+    if (!a->fault) {
+        a->fault = fault;
+        a->error = error;
+    }
+}
+
+static void damaged(archive *a, const char *fault)
+{
+    fail(a, FXS_ERR_FILE, fault);
+}
+
+/* ---- Words ------------------------------------------------------------------------------------------------------- */
+
+/* What it is written to keeps the error until it is closed. */
+static void flush(archive *a)
+{
+    fxs_message message;
+    if (fxs_output_write(a->output, a->buffer, a->at, &message))
+        damaged(a, "");
+    a->at = 0;
+}
+
+static void fetch(archive *a)
+{
+    a->at = 0;
+    a->end = fread(a->buffer, 1, sizeof a->buffer, a->input) / 4 * 4;
+    a->fetched += a->end;
+    if (!a->end)
+        damaged(a, "it ends early");
+}
+
+static void number(archive *a, uint32_t *value)
+{
+    if (a->at == a->end && !a->fault) {
+        if (a->output)
+            flush(a);
+        else
+            fetch(a);
+    }
+    if (a->fault) {
+        *value = a->output ? *value : 0;
+        return;
+    }
+    uint8_t *bytes = a->buffer + a->at;
+    a->at += 4;
+    if (a->output)
+        for (int i = 0; i < 4; i++)
+            bytes[i] = (uint8_t)(*value >> 8 * i);
+    else
+        *value = bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
+    a->checksum = fxs_fit_mix(a->checksum ^ *value);
+}
+
+static void long_number(archive *a, uint64_t *value)
+{
+    uint32_t low = (uint32_t)*value, high = (uint32_t)(*value >> 32);
+    number(a, &low);
+    number(a, &high);
+    *value = low | (uint64_t)high << 32;
+}
+
+static void floats(archive *a, float *values, size_t count)
+{
+    for (size_t i = 0; i < count && !a->fault; i++) {
+        uint32_t bits;
+        memcpy(&bits, &values[i], sizeof bits);
+        number(a, &bits);
+        if ((bits & 0x7f800000) == 0x7f800000)
+            damaged(a, "a number that is not finite");
+        memcpy(&values[i], &bits, sizeof bits);
+    }
+}
+
+/* Whether so many things of so many words are still to come, before there is room for them. */
+static int holds(archive *a, uint64_t count, uint64_t words)
+{
+    if (!a->output && !a->fault && count > (a->size - a->fetched + (a->end - a->at)) / (4 * words))
+        damaged(a, "it ends early");
+    return !a->fault;
+}
+
+/* ---- What it holds ----------------------------------------------------------------------------------------------- */
+
+static uint64_t fingerprint(const fxs_fit *f)
+{
+    uint64_t sum = f->count;
+    for (size_t i = 0; i < f->count; i++) {
+        const fxs_fit_photograph *p = &f->photographs[i];
+        uint32_t words[sizeof p->camera / 4];
+        memcpy(words, &p->camera, sizeof words);
+        for (size_t k = 0; k < sizeof words / sizeof *words; k++)
+            sum = fxs_fit_mix(sum ^ words[k]);
+        const size_t bytes = 3 * (size_t)p->camera.width * (size_t)p->camera.height;
+        uint64_t eight = 0;
+        for (size_t k = 0; k < bytes; k++) {
+            eight = eight << 8 | p->pixels[k];
+            if (k % 8 == 7 || k + 1 == bytes)
+                sum = fxs_fit_mix(sum ^ eight);
+        }
+    }
+    return sum;
+}
+
+/* A number from `low` to `high`. */
+static uint32_t within(archive *a, uint32_t value, uint32_t low, uint32_t high)
+{
+    number(a, &value);
+    if (value < low || value > high)
+        damaged(a, "a number out of its range");
+    return a->fault ? low : value;
+}
+
+static void walk_options(archive *a, fxs_fit_options *o)
+{
+    o->recipe = (enum fxs_fit_recipe)within(a, o->recipe, 0, FXS_FIT_FAST);
+    o->steps = within(a, o->steps, 1, UINT32_MAX);
+    o->sh_degree = (int)within(a, (uint32_t)o->sh_degree, 0, 3);
+    o->max_gaussians = within(a, (uint32_t)o->max_gaussians, 1, FXS_MAX_COUNT);
+    long_number(a, &o->seed);
+    for (int c = 0; c < 3; c++)
+        o->background[c] = (uint8_t)within(a, o->background[c], 0, 255);
+    o->cutoff = (enum fxs_cutoff)within(a, o->cutoff, 0, FXS_CUTOFF_SQUARE);
+    o->profile = (enum fxs_profile)within(a, o->profile, 0, FXS_PROFILE_SMALL);
+}
+
+static void walk_model(archive *a, fxs_fit_model *m)
+{
+    enum { WORDS = 3 * FXS_FIT_PARAMETERS + 2 };
+    uint64_t count = m->count;
+    long_number(a, &count);
+    if (!holds(a, count, WORDS))
+        return;
+    if (!a->output && fxs_fit_model_room(m, (size_t)count)) {
+        fail(a, FXS_ERR_MEMORY, "out of memory");
+        return;
+    }
+    float *const planes[] = {m->parameters, m->means, m->squares};
+    for (int i = 0; i < 3; i++)
+        for (size_t k = 0; k < FXS_FIT_PARAMETERS; k++)
+            floats(a, planes[i] + k * m->stride, m->count);
+    floats(a, m->by_centre, m->count);
+    floats(a, m->views, m->count);
+}
+
+/* Blocks of 32-bit floats, or of bytes. */
+static int masters_block(void *argument, void *block, size_t bytes)
+{
+    floats(argument, block, bytes / sizeof(float));
+    return 0;
+}
+
+static int bytes_block(void *argument, void *block, size_t bytes)
+{
+    for (size_t at = 0; at < bytes; at += 4) {
+        const size_t some = bytes - at < 4 ? bytes - at : 4;
+        uint32_t word = 0;
+        memcpy(&word, (char *)block + at, some);
+        number(argument, &word);
+        memcpy((char *)block + at, &word, some);
+    }
+    return 0;
+}
+
+/* The last tenth of the steps: see profile.h. */
+static void walk_profile(archive *a, fxs_fit *f)
+{
+    const uint32_t begun = within(a, f->profile.chunks != NULL, 0, 1);
+    if (!begun || !holds(a, f->model.count, FXS_FIT_PARAMETERS))
+        return;
+    if (!a->output && (!f->model.count || fxs_fit_profile_allocate(&f->profile, &f->model, f->options.profile,
+                                                                    f->options.sh_degree))) {
+        fail(a, f->model.count ? FXS_ERR_MEMORY : FXS_ERR_FILE, "no Gaussians to be packed");
+        return;
+    }
+    fxs_fit_profile_walk(&f->profile, &f->model, masters_block, bytes_block, a);
+    if (!a->output && !a->fault && fxs_fit_profile_restore(&f->profile, &f->model))
+        damaged(a, "a number out of its range");
+}
+
+/* All that a step changes and the next needs, but what follows from the options and the step. What is added to a fit is
+   added here. */
+static void walk(archive *a, fxs_fit *f)
+{
+    number(a, &f->step);
+    floats(a, &f->extent, 1);
+    walk_model(a, &f->model);
+    walk_profile(a, f);
+}
+
+/* The checksum, which is of all before it. */
+static void walk_end(archive *a)
+{
+    uint32_t end = END;
+    number(a, &end);
+    const uint64_t right = a->checksum;
+    uint64_t sum = right;
+    long_number(a, &sum);
+    if (end != END || sum != right)
+        damaged(a, "its checksum is not right");
+}
+
+/* ---- Writing ----------------------------------------------------------------------------------------------------- */
+
+/* The walk does not change what it writes. */
+static void write_all(archive *a, fxs_fit *f)
+{
+    uint32_t magic = MAGIC, version = VERSION;
+    uint64_t photographs = fingerprint(f);
+    number(a, &magic);
+    number(a, &version);
+    walk_options(a, &f->options);
+    long_number(a, &photographs);
+    walk(a, f);
+    walk_end(a);
+    if (!a->fault)
+        flush(a);
+}
+
+int fxs_fit_save(const fxs_fit *f, const char *path, fxs_message *message)
+{
+    fxs_output output;
+    archive *a = malloc(sizeof *a);
+    if (!a)
+        return fxs_fail_memory(message, path, sizeof *a);
+    int error = fxs_output_open(&output, path, 0, message);
+    if (!error) {
+        memset(a, 0, sizeof *a);
+        a->output = &output;
+        a->end = sizeof a->buffer;
+        write_all(a, (fxs_fit *)f);
+        error = fxs_output_close(&output, message);
+    }
+    free(a);
+    return error;
+}
+
+/* ---- Reading ----------------------------------------------------------------------------------------------------- */
+
+/* Only a regular file: a pipe would wait for its writer. */
+static int open_input(archive *a, const char *path, fxs_message *message)
+{
+    struct stat status;
+    memset(a, 0, sizeof *a);
+    errno = ENOENT;
+    if (stat(path, &status))
+        return fxs_fail_errno(message, path, errno);
+    if (!S_ISREG(status.st_mode))
+        return fxs_fail(message, "%s: not a regular file", path);
+    a->size = (uint64_t)status.st_size;
+    a->input = fopen(path, "rb");
+    return a->input ? 0 : fxs_fail_errno(message, path, errno);
+}
+
+/* As far as the options. Returns 0, or an error and a message. */
+static int read_head(archive *a, const char *path, fxs_fit_options *options, fxs_message *message)
+{
+    uint32_t magic, version;
+    number(a, &magic);
+    number(a, &version);
+    if (magic != MAGIC)
+        return fxs_fail(message, "%s: not a saved fit", path);
+    if (!a->fault && version != VERSION)
+        return fxs_fail_as(FXS_ERR_VERSION, message, "%s: a fit that another version saved", path);
+    walk_options(a, options);
+    return 0;
+}
+
+static int read_rest(archive *a, const char *path, fxs_fit *f, fxs_message *message)
+{
+    uint64_t photographs = 0;
+    long_number(a, &photographs);
+    if (!a->fault && photographs != fingerprint(f))
+        return fxs_fail(message, "%s: a fit of other photographs, or of these at another size", path);
+    walk(a, f);
+    fxs_fit_set_order(f);
+    walk_end(a);
+    if (!a->fault && (a->at < a->end || a->fetched != a->size))
+        damaged(a, "there is more behind its end");
+    if (!a->fault)
+        return 0;
+    return a->error == FXS_ERR_MEMORY ? fxs_fail_memory(message, path, a->size)
+                                      : fxs_fail(message, "%s: damaged: %s", path, a->fault);
+}
+
+static int resume(fxs_fit **fit, archive *a, const char *path, const fxs_fit_photo *photos, size_t photo_count,
+                  const fxs_fit_options *options, fxs_message *message)
+{
+    fxs_fit_options all = *options;
+    int error = read_head(a, path, &all, message);
+    if (!error && a->fault)
+        error = fxs_fail(message, "%s: damaged: %s", path, a->fault);
+    all.steps = options->steps ? options->steps : all.steps;
+    if (!error)
+        error = fxs_fit_begin(fit, photos, photo_count, &all, message);
+    if (!error)
+        error = read_rest(a, path, *fit, message);
+    return error;
+}
+
+int fxs_fit_resume(fxs_fit **fit, const char *path, const fxs_fit_photo *photos, size_t photo_count,
+                   const fxs_fit_options *options, fxs_message *message)
+{
+    archive *a = malloc(sizeof *a);
+    *fit = NULL;
+    if (!a)
+        return fxs_fail_memory(message, path, sizeof *a);
+    int error = open_input(a, path, message);
+    if (!error)
+        error = resume(fit, a, path, photos, photo_count, options, message);
+    if (a->input)
+        fclose(a->input);
+    free(a);
+    if (error) {
+        fxs_fit_free(*fit);
+        *fit = NULL;
+    }
+    return error;
+}

@@ -1,0 +1,169 @@
+#include "nearest.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "random.h"
+
+enum { LEAF = 8 };                 /* points of a leaf, at most */
+
+typedef struct item {
+    float at[3];
+    uint32_t point;
+} item;
+
+typedef struct box {
+    float low[3], high[3];
+} box;
+
+/* Node n has the children 2 n + 1 and 2 n + 2, of the lower and the upper half of its items. */
+typedef struct tree {
+    item *items;
+    box *boxes;
+} tree;
+
+/* By a coordinate, and by number where that is the same: no two are equal. */
+static int is_before(const item *a, const item *b, int axis)
+{
+    return a->at[axis] != b->at[axis] ? a->at[axis] < b->at[axis] : a->point < b->point;
+}
+
+static void swap_items(item *a, item *b)
+{
+    const item swap = *a;
+    *a = *b;
+    *b = swap;
+}
+
+/* Puts the items before the one that is `middle` in order ahead of it (Hoare's quickselect). Pivots by chance: no order
+   of a file makes it slow. */
+static void select_item(item *items, size_t count, size_t middle, int axis)
+{
+    size_t first = 0, end = count;
+    while (end - first > 1) {
+        swap_items(&items[first], &items[first + fxs_fit_random(first, end, middle) % (end - first)]);
+        const item pivot = items[first];
+        size_t at = first;
+        for (size_t i = first + 1; i < end; i++)
+            if (is_before(&items[i], &pivot, axis))
+                swap_items(&items[++at], &items[i]);
+        swap_items(&items[first], &items[at]);
+        if (at == middle)
+            return;
+        if (at < middle)
+            first = at + 1;
+        else
+            end = at;
+    }
+}
+
+static int widest_side(const box *b)
+{
+    const float x = b->high[0] - b->low[0], y = b->high[1] - b->low[1], z = b->high[2] - b->low[2];
+    return x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+}
+
+static void build(tree *t, size_t node, size_t first, size_t count)
+{
+    box b;
+    for (int k = 0; k < 3; k++) {
+        b.low[k] = b.high[k] = t->items[first].at[k];
+        for (size_t i = first + 1; i < first + count; i++) {
+            b.low[k] = fminf(b.low[k], t->items[i].at[k]);
+            b.high[k] = fmaxf(b.high[k], t->items[i].at[k]);
+        }
+    }
+    t->boxes[node] = b;
+    if (count <= LEAF)
+        return;
+    select_item(t->items + first, count, count / 2, widest_side(&b));
+    build(t, 2 * node + 1, first, count / 2);
+    build(t, 2 * node + 2, first + count / 2, count - count / 2);
+}
+
+static float square_of(float x, float y, float z)
+{
+    return (x * x + y * y) + z * z;
+}
+
+/* To the box: no more than to any point in it, as each operation's rounding keeps order. */
+static float square_to(const box *b, const float p[3])
+{
+    float away[3];
+    for (int k = 0; k < 3; k++)
+        away[k] = fmaxf(fmaxf(b->low[k] - p[k], p[k] - b->high[k]), 0);
+    return square_of(away[0], away[1], away[2]);
+}
+
+static void look_at_leaf(const item *items, size_t count, const item *self, float nearest[3])
+{
+    for (size_t i = 0; i < count; i++) {
+        if (&items[i] == self)
+            continue;
+        float d = square_of(items[i].at[0] - self->at[0], items[i].at[1] - self->at[1], items[i].at[2] - self->at[2]);
+        for (int k = 0; k < 3; k++)
+            if (d < nearest[k]) {
+                const float farther = nearest[k];
+                nearest[k] = d;
+                d = farther;
+            }
+    }
+}
+
+/* The three least squares. */
+static void look(const tree *t, size_t node, size_t first, size_t count, const item *self, float nearest[3])
+{
+    if (count <= LEAF) {
+        look_at_leaf(t->items + first, count, self, nearest);
+        return;
+    }
+    const float lower = square_to(&t->boxes[2 * node + 1], self->at), upper = square_to(&t->boxes[2 * node + 2], self->at);
+    for (int turn = 0; turn < 2; turn++) {
+        const int is_upper = turn ^ (upper < lower);
+        if (!((is_upper ? upper : lower) < nearest[2]))
+            continue;
+        if (is_upper)
+            look(t, 2 * node + 2, first + count / 2, count - count / 2, self, nearest);
+        else
+            look(t, 2 * node + 1, first, count / 2, self, nearest);
+    }
+}
+
+static float mean_of(const float nearest[3])
+{
+    float sum = 0;
+    int found = 0;
+    while (found < 3 && nearest[found] < INFINITY)
+        sum += nearest[found++];
+    return found ? sum / (float)found : 1;
+}
+
+/* Halves of at most LEAF: as deep as that takes. */
+static size_t nodes_of(size_t count)
+{
+    size_t nodes = 1;
+    while (count > LEAF) {
+        count -= count / 2;
+        nodes = 2 * nodes + 1;
+    }
+    return nodes;
+}
+
+int fxs_fit_nearest(const fxs_fit_point *points, size_t count, float *squares)
+{
+    tree t = {malloc((count + 1) * sizeof *t.items), malloc(nodes_of(count) * sizeof *t.boxes)};
+    const int error = t.items && t.boxes ? 0 : FXS_ERR_MEMORY;
+    if (!error && count) {
+        for (size_t i = 0; i < count; i++)
+            t.items[i] = (item){{points[i].position[0], points[i].position[1], points[i].position[2]}, (uint32_t)i};
+        build(&t, 0, 0, count);
+        for (size_t i = 0; i < count; i++) {
+            float nearest[3] = {INFINITY, INFINITY, INFINITY};
+            look(&t, 0, 0, count, &t.items[i], nearest);
+            squares[t.items[i].point] = mean_of(nearest);
+        }
+    }
+    free(t.items);
+    free(t.boxes);
+    return error;
+}

@@ -1,0 +1,233 @@
+#include "photo_list.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static int is_folder(const char *path)
+{
+    struct stat status;
+    return !stat(path, &status) && S_ISDIR(status.st_mode);
+}
+
+static int exists(const char *path)
+{
+    struct stat status;
+    return !stat(path, &status);
+}
+
+/* Returns 0 where it is too long. */
+static int join(char out[FXS_PHOTO_PATH], const char *folder, const char *name)
+{
+    const int absolute = *name == '/' || !*folder;
+    const char *slash = absolute || folder[strlen(folder) - 1] == '/' ? "" : "/";
+    while (!strncmp(name, "./", 2))
+        name += 2;
+    const int length = snprintf(out, FXS_PHOTO_PATH, "%s%s%s", absolute ? "" : folder, slash, name);
+    if (length >= 0 && length < FXS_PHOTO_PATH)
+        return 1;
+    *out = 0;
+    return 0;
+}
+
+static const char *base_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+/* The folder that the file or folder lies in. */
+static void parent_of(char out[FXS_PHOTO_PATH], const char *path)
+{
+    size_t length = strlen(path);
+    while (length > 1 && path[length - 1] == '/')
+        length--;
+    while (length && path[length - 1] != '/')
+        length--;
+    const char *name = path + length;
+    if (!strcmp(name, ".") || !strcmp(name, "..") || !*name)
+        snprintf(out, FXS_PHOTO_PATH, "%.*s/..", FXS_PHOTO_PATH - 4, path);
+    else
+        snprintf(out, FXS_PHOTO_PATH, "%.*s", (int)length, length ? path : ".");
+    if (!length && *out != '/')
+        strcpy(out, ".");
+}
+
+/* ---- Which files ------------------------------------------------------------------------------------------------- */
+
+static int find_cameras(fxs_photo_list *list, const char *path, fxs_message *message)
+{
+    static const char *const known[] = {"sparse/0/images.bin", "sparse/0/images.txt", "sparse/images.bin",
+                                        "sparse/images.txt", "images.bin", "images.txt", "transforms.json",
+                                        "transforms_train.json", "cameras.json"};
+    if (strlen(path) > FXS_PHOTO_PATH - 64)
+        return fxs_fail(message, "%s: name too long", path);
+    if (!is_folder(path)) {
+        strcpy(list->cameras, path);
+        return 0;
+    }
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        if (join(list->cameras, path, known[i]) && exists(list->cameras))
+            return 0;
+    return fxs_fail(message, "%s: neither sparse/0 of COLMAP nor transforms.json, transforms_train.json or cameras.json "
+                    "in this folder", path);
+}
+
+static int colmap_name(const char *name)
+{
+    static const char *const known[] = {"images.bin", "images.txt", "cameras.bin", "cameras.txt", "points3D.bin",
+                                        "points3D.txt"};
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        if (!strcmp(name, known[i]))
+            return 1;
+    return 0;
+}
+
+/* In the model's folder, or in one of the two above. */
+static int find_colmap_images(fxs_photo_list *list, fxs_message *message)
+{
+    char folder[FXS_PHOTO_PATH], above[FXS_PHOTO_PATH];
+    parent_of(folder, list->cameras);
+    for (int i = 0; i < 3; i++) {
+        if (join(list->images, folder, "images") && is_folder(list->images))
+            return 0;
+        parent_of(above, folder);
+        strcpy(folder, above);
+    }
+    return fxs_fail(message, "%s: no folder images beside these cameras or up to two above", list->cameras);
+}
+
+/* The first of these beside the cameras that there is. */
+static void find_points(fxs_photo_list *list, const char *const *names, size_t count)
+{
+    char folder[FXS_PHOTO_PATH];
+    parent_of(folder, list->cameras);
+    for (size_t i = 0; i < count; i++)
+        if (join(list->points, folder, names[i]) && exists(list->points))
+            return;
+    *list->points = 0;
+}
+
+/* Its images.bin goes before its other files. */
+static int find_colmap(fxs_photo_list *list, fxs_message *message)
+{
+    static const char *const binary[] = {"points3D.bin"}, *const plain[] = {"points3D.txt"};
+    const size_t length = strlen(list->cameras);
+    const int is_binary = !strcmp(list->cameras + length - 3, "bin");
+    char folder[FXS_PHOTO_PATH];
+    parent_of(folder, list->cameras);
+    join(list->cameras, folder, is_binary ? "images.bin" : "images.txt");
+    find_points(list, is_binary ? binary : plain, 1);
+    return find_colmap_images(list, message);
+}
+
+static void find_json(fxs_photo_list *list)
+{
+    static const char *const inria[] = {"input.ply"};
+    char folder[FXS_PHOTO_PATH];
+    parent_of(folder, list->cameras);
+    strcpy(list->images, folder);
+    if (list->fit.is_array) {
+        if (!join(list->images, folder, "images") || !is_folder(list->images))
+            strcpy(list->images, folder);
+        find_points(list, inria, 1);
+    } else if (list->fit.points) {
+        join(list->points, folder, list->fit.points);
+    }
+    if (!strcmp(base_of(list->cameras), "transforms_train.json") &&
+        (!join(list->test, folder, "transforms_test.json") || !exists(list->test)))
+        *list->test = 0;
+}
+
+/* ---- Which photographs ------------------------------------------------------------------------------------------- */
+
+static int compare_images(const void *a, const void *b)
+{
+    const fxs_listed_view *v = a, *w = b;
+    const int order = strcmp(v->image, w->image);
+    return order ? order : memcmp(&v->view, &w->view, sizeof v->view);
+}
+
+static int read_views(fxs_view_list *views, const char *path, fxs_message *message)
+{
+    views->path = path;
+    views->message = message;
+    views->lenses = 1;
+    FXS_TRY(fxs_view_list_read(views));
+    for (size_t i = 0; i < views->count; i++) {
+        const fxs_listed_view *v = &views->views[i];
+        if (!v->image)
+            return fxs_fail(message, "%s: view %s: it names no photograph", path, v->view.name);
+        if (v->view.projection != FXS_PERSPECTIVE)
+            return fxs_fail(message, "%s: view %s: not a perspective camera", path, v->view.name);
+    }
+    qsort(views->views, views->count, sizeof *views->views, compare_images);
+    return 0;
+}
+
+/* Moves every n-th view to those held out. */
+static int hold_out(fxs_photo_list *list, uint32_t n, fxs_message *message)
+{
+    fxs_view_list *fit = &list->fit, *held = &list->held_out;
+    const size_t count = (fit->count - 1) / n + 1;
+    if (count == fit->count)
+        return fxs_fail(message, "%s: every photograph of %zu would be held out: none is left to fit", list->cameras,
+                        fit->count);
+    held->views = malloc(count * sizeof *held->views);
+    if (!held->views)
+        return fxs_fail_memory(message, list->cameras, count * sizeof *held->views);
+    size_t left = 0;
+    for (size_t i = 0; i < fit->count; i++)
+        if (i % n)
+            fit->views[left++] = fit->views[i];
+        else
+            held->views[held->count++] = fit->views[i];
+    fit->count = left;
+    return 0;
+}
+
+static int find(fxs_photo_list *list, const char *path, uint32_t n, fxs_message *message)
+{
+    FXS_TRY(find_cameras(list, path, message));
+    list->is_colmap = colmap_name(base_of(list->cameras));
+    if (list->is_colmap)
+        FXS_TRY(find_colmap(list, message));
+    FXS_TRY(read_views(&list->fit, list->cameras, message));
+    if (!list->is_colmap)
+        find_json(list);
+    if (!n)
+        return 0;
+    return *list->test ? read_views(&list->held_out, list->test, message) : hold_out(list, n, message);
+}
+
+int fxs_photo_list_find(fxs_photo_list *list, const char *path, uint32_t n, fxs_message *message)
+{
+    memset(list, 0, sizeof *list);
+    const int error = find(list, path, n, message);
+    if (error)
+        fxs_photo_list_free(list);
+    return error;
+}
+
+void fxs_photo_list_free(fxs_photo_list *list)
+{
+    fxs_view_list_free(&list->fit);
+    fxs_view_list_free(&list->held_out);
+}
+
+int fxs_photo_list_image(const fxs_photo_list *list, const fxs_listed_view *view, char path[FXS_PHOTO_PATH],
+                         fxs_message *message)
+{
+    static const char *const endings[] = {"", ".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG"};
+    if (!join(path, list->images, view->image) || strlen(path) > FXS_PHOTO_PATH - 8)
+        return fxs_fail(message, "%s: view %s: name too long", list->cameras, view->view.name);
+    char *end = path + strlen(path);
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
+        strcpy(end, endings[i]);
+        if (exists(path))
+            return 0;
+    }
+    *end = 0;   /* whoever opens it says what is wrong */
+    return 0;
+}

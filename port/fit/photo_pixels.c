@@ -1,0 +1,254 @@
+#include "photo_pixels.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../image/image_file.h"
+
+/* Colours on their way are 0 to 255 x 255: alpha is divided by at the end. */
+#define POSITION_BITS 8            /* of a pixel, between pixels */
+
+typedef struct picture {
+    const uint8_t *rgba;
+    int width, height;
+    const uint8_t *background;
+} picture;
+
+/* ---- The camera of the file's pixels ----------------------------------------------------------------------------- */
+
+/* The file may be of another size than its camera says, in the same proportion to a pixel. */
+static int same_proportion(const fxs_file_view *view, int width, int height)
+{
+    const double by_width = (double)view->width * height, by_height = (double)view->height * width;
+    return fabs(by_width - by_height) <= fmax(fmax(view->width, width), fmax(view->height, height));
+}
+
+static void scale(fxs_file_view *view, int width, int height)
+{
+    const double x = (double)width / view->width, y = (double)height / view->height;
+    view->fx *= x;
+    view->cx *= x;
+    view->fy *= y;
+    view->cy *= y;
+    view->width = width;
+    view->height = height;
+}
+
+/* Of a file that says an angle alone, which is the width's. */
+static void set_size(fxs_file_view *view, int width, int height)
+{
+    view->fx *= (double)width / view->width;
+    view->fy = view->fx;
+    view->cx = width / 2.0;
+    view->cy = height / 2.0;
+    view->width = width;
+    view->height = height;
+}
+
+static int fit_camera(const char *path, const fxs_listed_view *listed, const picture *p, fxs_file_view *view,
+                      fxs_message *message)
+{
+    *view = listed->view;
+    if (listed->sizeless)
+        set_size(view, p->width, p->height);
+    else if (!same_proportion(view, p->width, p->height))
+        return fxs_fail(message, "%s: %d x %d pixels, its camera has %d x %d, of another proportion", path, p->width,
+                        p->height, view->width, view->height);
+    else
+        scale(view, p->width, p->height);
+    return 0;
+}
+
+/* ---- Rows -------------------------------------------------------------------------------------------------------- */
+
+static uint32_t on_background(const picture *p, const uint8_t *rgba, int c)
+{
+    return (uint32_t)(rgba[c] * rgba[3] + p->background[c] * (255 - rgba[3]));
+}
+
+static void plain_row(const picture *p, int y, uint16_t *row)
+{
+    const uint8_t *rgba = p->rgba + 4 * (size_t)y * (size_t)p->width;
+    for (int x = 0; x < p->width; x++, rgba += 4, row += 3)
+        for (int c = 0; c < 3; c++)
+            row[c] = (uint16_t)on_background(p, rgba, c);
+}
+
+/* Where a coordinate lies between the centres of two pixels: the first, and 0 to 255 of the way. Nothing is beyond the
+   picture's outermost centres. */
+static int between(double at, int size, uint32_t *part)
+{
+    const double most = (double)(size - 1) * (1 << POSITION_BITS);
+    const double place = floor((at - 0.5) * (1 << POSITION_BITS) + 0.5);
+    const int fixed = (int)(place > 0 ? place < most ? place : most : 0);
+    *part = (uint32_t)fixed & ((1 << POSITION_BITS) - 1);
+    return fixed >> POSITION_BITS;
+}
+
+static void sample(const picture *p, const double at[2], uint16_t out[3])
+{
+    uint32_t part[2];
+    const int x = between(at[0], p->width, &part[0]), y = between(at[1], p->height, &part[1]);
+    const uint8_t *rgba = p->rgba + 4 * ((size_t)y * (size_t)p->width + (size_t)x);
+    const size_t right = x + 1 < p->width ? 4 : 0, below = y + 1 < p->height ? 4 * (size_t)p->width : 0;
+    for (int c = 0; c < 3; c++) {
+        const uint32_t upper = on_background(p, rgba, c) * (256 - part[0]) +
+                               on_background(p, rgba + right, c) * part[0];
+        const uint32_t lower = on_background(p, rgba + below, c) * (256 - part[0]) +
+                               on_background(p, rgba + below + right, c) * part[0];
+        out[c] = (uint16_t)(((uint64_t)upper * (256 - part[1]) + (uint64_t)lower * part[1] + 32768) >> 16);
+    }
+}
+
+/* Of the pinhole's picture, through the lens. */
+static void bent_row(const picture *p, const fxs_lens *lens, const fxs_file_view *photograph,
+                     const fxs_file_view *pinhole, int y, uint16_t *row)
+{
+    const double v = (y + 0.5 - pinhole->cy) / pinhole->fy;
+    for (int x = 0; x < p->width; x++, row += 3) {
+        double at[2];
+        fxs_lens_bend(lens, (x + 0.5 - pinhole->cx) / pinhole->fx, v, at);
+        at[0] = photograph->fx * at[0] + photograph->cx;
+        at[1] = photograph->fy * at[1] + photograph->cy;
+        sample(p, at, row);
+    }
+}
+
+/* ---- Averages ---------------------------------------------------------------------------------------------------- */
+
+/* The sums of a row's pixels, each by how much of it a column of the smaller picture covers: `width` for all of it. */
+static void add_columns(const uint16_t *row, int size, int width, uint64_t *sums)
+{
+    memset(sums, 0, 3 * (size_t)width * sizeof *sums);
+    for (int x = 0, column = 0, room = size; x < size; x++, row += 3) {
+        const int first = room < width ? room : width;
+        for (int c = 0; c < 3; c++)
+            sums[3 * column + c] += (uint64_t)row[c] * (uint64_t)first;
+        room -= first;
+        if (room)
+            continue;
+        column++;
+        room = size;
+        if (first == width)
+            continue;
+        for (int c = 0; c < 3; c++)
+            sums[3 * column + c] += (uint64_t)row[c] * (uint64_t)(width - first);
+        room -= width - first;
+    }
+}
+
+/* A row is added to the sums by how much of it their row covers. */
+static void add_row(uint64_t *sums, const uint64_t *columns, size_t values, int covered)
+{
+    for (size_t i = 0; i < values; i++)
+        sums[i] += columns[i] * (uint64_t)covered;
+}
+
+/* Rounds half up. */
+static void finish_row(uint64_t *sums, size_t values, uint64_t area, uint8_t *out)
+{
+    const uint64_t whole = area * 255;
+    for (size_t i = 0; i < values; i++)
+        out[i] = (uint8_t)((sums[i] + whole / 2) / whole);
+    memset(sums, 0, values * sizeof *sums);
+}
+
+typedef struct work {
+    uint16_t *row;                 /* of the file's size */
+    uint64_t *columns, *sums;      /* of the smaller one's */
+} work;
+
+static int work_allocate(work *w, int width, int smaller)
+{
+    w->row = malloc(3 * (size_t)width * sizeof *w->row);
+    w->columns = malloc(3 * (size_t)smaller * sizeof *w->columns);
+    w->sums = calloc(3 * (size_t)smaller, sizeof *w->sums);
+    return w->row && w->columns && w->sums;
+}
+
+static void work_free(work *w)
+{
+    free(w->row);
+    free(w->columns);
+    free(w->sums);
+}
+
+/* Rows as add_columns has columns. `pinhole` is null where there is no lens to undo. */
+static void average(const picture *p, const fxs_lens *lens, const fxs_file_view *photograph,
+                    const fxs_file_view *pinhole, int width, int height, work *w, uint8_t *out)
+{
+    const size_t values = 3 * (size_t)width;
+    const uint64_t area = (uint64_t)p->width * (uint64_t)p->height;
+    int room = p->height;
+    for (int y = 0; y < p->height; y++) {
+        if (pinhole)
+            bent_row(p, lens, photograph, pinhole, y, w->row);
+        else
+            plain_row(p, y, w->row);
+        add_columns(w->row, p->width, width, w->columns);
+        const int first = room < height ? room : height;
+        add_row(w->sums, w->columns, values, first);
+        room -= first;
+        if (room)
+            continue;
+        finish_row(w->sums, values, area, out);
+        out += values;
+        add_row(w->sums, w->columns, values, height - first);
+        room = p->height - (height - first);
+    }
+}
+
+/* ---- A photograph ------------------------------------------------------------------------------------------------ */
+
+/* The other side as near as whole pixels come to the same proportion. */
+static void smaller_size(const picture *p, int resolution, int size[2])
+{
+    const int longer = p->width > p->height ? p->width : p->height;
+    const int full[2] = {p->width, p->height};
+    for (int i = 0; i < 2; i++) {
+        const int64_t side = longer > resolution ? ((int64_t)full[i] * resolution * 2 + longer) / (2 * (int64_t)longer)
+                             : full[i];
+        size[i] = side > 1 ? (int)side : 1;
+    }
+}
+
+static int finish(const char *path, const fxs_listed_view *listed, const picture *p, int resolution,
+                  fxs_photo_pixels *photo, fxs_message *message)
+{
+    fxs_file_view photograph, *const pinhole = &photo->view;
+    const int bends = !fxs_lens_is_pinhole(&listed->lens);
+    int size[2];
+    FXS_TRY(fit_camera(path, listed, p, &photograph, message));
+    *pinhole = photograph;
+    if (bends && !fxs_lens_fill(&listed->lens, &photograph, pinhole))
+        return fxs_fail(message, "%s: the distortion of its camera cannot be undone: part of the picture is folded or "
+                        "missing", path);
+    smaller_size(p, resolution, size);
+    const size_t bytes = 3 * (size_t)size[0] * (size_t)size[1];
+    work w;
+    photo->pixels = malloc(bytes);
+    const int allocated = work_allocate(&w, p->width, size[0]) && photo->pixels;
+    if (allocated)
+        average(p, &listed->lens, &photograph, bends ? pinhole : NULL, size[0], size[1], &w, photo->pixels);
+    work_free(&w);
+    scale(pinhole, size[0], size[1]);
+    return allocated ? 0 : fxs_fail_memory(message, path, bytes);
+}
+
+int fxs_photo_read(const char *path, const fxs_listed_view *listed, int resolution, const uint8_t background[3],
+                   fxs_photo_pixels *photo, fxs_message *message)
+{
+    picture p = {NULL, 0, 0, background};
+    uint8_t *rgba;
+    photo->pixels = NULL;
+    FXS_TRY(fxs_image_file_read(path, &rgba, &p.width, &p.height, message));
+    p.rgba = rgba;
+    const int error = finish(path, listed, &p, resolution, photo, message);
+    free(rgba);
+    if (error) {
+        free(photo->pixels);
+        photo->pixels = NULL;
+    }
+    return error;
+}

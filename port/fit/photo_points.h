@@ -1,0 +1,20 @@
+/* Where a fit begins: the points of COLMAP's points3D.bin or .txt, those of a .ply, or random ones. */
+#ifndef FXS_FIT_PHOTO_POINTS_H
+#define FXS_FIT_PHOTO_POINTS_H
+
+#include "fit.h"
+
+typedef struct fxs_photo_points {
+    fxs_fit_point *points;         /* the caller frees them */
+    size_t count, capacity;
+} fxs_photo_points;
+
+/* Each returns 0, or an error and a message; points that are not finite, or not within 2^27 units, are one. */
+int fxs_photo_points_colmap(fxs_photo_points *points, const char *path, fxs_message *message);
+int fxs_photo_points_ply(fxs_photo_points *points, const char *path, fxs_message *message);
+
+/* 100,000 grey ones in the cube of this middle and half its side. */
+int fxs_photo_points_random(fxs_photo_points *points, const double middle[3], double half, uint64_t seed,
+                            fxs_message *message);
+
+#endif

@@ -1,0 +1,214 @@
+#include "photos.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../camera/camera.h"
+#include "../files/message.h"
+#include "photo_list.h"
+#include "photo_pixels.h"
+#include "photo_points.h"
+
+enum { BATCH = 32, LONGER_SIDE = 1600 };
+
+#define BLENDER_HALF 1.3           /* Kerbl et al. 2023 begin its synthetic scenes in a cube of 2.6 units */
+#define OF_CAMERAS 3               /* and others in one three times as wide as the cameras' box */
+
+/* ---- Pixels ------------------------------------------------------------------------------------------------------ */
+
+typedef struct result {
+    fxs_photo_pixels photo;
+    fxs_message message;
+    int error;
+} result;
+
+typedef struct reading {
+    const fxs_photo_list *list;
+    const fxs_view_list *views;
+    const fxs_photos_options *options;
+    size_t first;                  /* of the batch */
+    result *results;               /* of the batch */
+} reading;
+
+static int read_one(const reading *r, const fxs_listed_view *view, result *made)
+{
+    const int resolution = r->options->resolution ? r->options->resolution : LONGER_SIDE;
+    char path[FXS_PHOTO_PATH];
+    fxs_camera camera;
+    made->photo.pixels = NULL;
+    FXS_TRY(fxs_photo_list_image(r->list, view, path, &made->message));
+    FXS_TRY(fxs_photo_read(path, view, resolution, r->options->background, &made->photo, &made->message));
+    return fxs_camera_from_view(&camera, &made->photo.view, &made->message);
+}
+
+static void read_job(void *argument, uint32_t i)
+{
+    reading *r = argument;
+    result *made = &r->results[i];
+    made->error = read_one(r, &r->views->views[r->first + i], made);
+}
+
+static void run_here(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
+{
+    (void)pool;
+    for (uint32_t i = 0; i < jobs; i++)
+        job(argument, i);
+}
+
+/* Keeps the batch's photographs up to the first that ends it, and frees the rest. */
+static int keep(const reading *r, uint32_t count, fxs_fit_photo *photos, size_t *kept, fxs_photos *all,
+                fxs_message *message)
+{
+    int error = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        result *made = &r->results[i];
+        if (!error && !made->error) {
+            photos[*kept] = (fxs_fit_photo){made->photo.view, made->photo.pixels};
+            ++*kept;
+            continue;
+        }
+        free(made->photo.pixels);
+        if (!error && r->options->skip_bad && made->error == FXS_ERR_FILE) {
+            all->skipped++;
+        } else if (!error) {
+            error = made->error;
+            *message = made->message;
+        }
+    }
+    return error;
+}
+
+/* The photographs of one list; `done` of `count` in all were there before. */
+static int read_all(reading *r, const fxs_view_list *views, fxs_fit_photo **photos, size_t *kept, fxs_photos *all,
+                    size_t done, size_t count, fxs_message *message)
+{
+    const fxs_photos_options *o = r->options;
+    fxs_run_fn *const run = o->run ? o->run : run_here;
+    r->views = views;
+    *photos = calloc(views->count + 1, sizeof **photos);
+    if (!*photos)
+        return fxs_fail_memory(message, views->path, views->count * sizeof **photos);
+    for (r->first = 0; r->first < views->count; r->first += BATCH) {
+        const size_t left = views->count - r->first;
+        const uint32_t jobs = left < BATCH ? (uint32_t)left : BATCH;
+        run(o->pool, read_job, r, jobs);
+        FXS_TRY(keep(r, jobs, *photos, kept, all, message));
+        if (o->progress && o->progress(o->argument, (double)(done + r->first + jobs) / (double)count))
+            return fxs_fail(message, "reading of photographs stopped");
+    }
+    return 0;
+}
+
+static int read_pixels(const fxs_photo_list *list, const fxs_photos_options *options, fxs_photos *photos,
+                       fxs_message *message)
+{
+    const size_t count = list->fit.count + list->held_out.count;
+    reading r = {list, NULL, options, 0, calloc(BATCH, sizeof(result))};
+    if (!r.results)
+        return fxs_fail_memory(message, list->cameras, BATCH * sizeof(result));
+    int error = read_all(&r, &list->fit, &photos->fit, &photos->fit_count, photos, 0, count, message);
+    if (!error && !photos->fit_count)
+        error = fxs_fail(message, "none of %zu photographs can be read; of the last: %s", list->fit.count,
+                         r.results[(list->fit.count - 1) % BATCH].message.text);
+    if (!error)
+        error = read_all(&r, &list->held_out, &photos->held_out, &photos->held_out_count, photos, list->fit.count,
+                         count, message);
+    free(r.results);
+    return error;
+}
+
+/* ---- Points ------------------------------------------------------------------------------------------------------ */
+
+/* The cube for random points. Returns half its side. */
+static double cube_of(const fxs_photo_list *list, double middle[3])
+{
+    double wide = 0;
+    memset(middle, 0, 3 * sizeof *middle);
+    if (list->fit.views[0].sizeless)
+        return BLENDER_HALF;
+    for (int k = 0; k < 3; k++) {
+        double low = INFINITY, high = -INFINITY;
+        for (size_t i = 0; i < list->fit.count; i++) {
+            const double at = list->fit.views[i].view.position[k];
+            low = at < low ? at : low;
+            high = at > high ? at : high;
+        }
+        middle[k] = (low + high) / 2;
+        wide = high - low > wide ? high - low : wide;
+    }
+    return (wide > 0 ? wide : 1) * OF_CAMERAS / 2;
+}
+
+static int in_front(const fxs_fit_photo *photos, size_t count, const fxs_fit_point *point)
+{
+    for (size_t i = 0; i < count; i++) {
+        const fxs_file_view *v = &photos[i].view;
+        double depth = 0;
+        for (int k = 0; k < 3; k++)
+            depth += v->rotation[6 + k] * ((double)point->position[k] - v->position[k]);
+        if (depth > 0)
+            return 1;
+    }
+    return 0;
+}
+
+static int check_points(const fxs_photos *photos, const char *path, fxs_message *message)
+{
+    for (size_t i = 0; i < photos->point_count; i++)
+        if (in_front(photos->fit, photos->fit_count, &photos->points[i]))
+            return 0;
+    return fxs_fail(message, "%s: all of the %zu points lie behind every camera", path, photos->point_count);
+}
+
+static int read_points(const fxs_photo_list *list, const fxs_photos_options *options, fxs_photos *photos,
+                       fxs_message *message)
+{
+    fxs_photo_points p = {NULL, 0, 0};
+    double middle[3];
+    int error = 0;
+    if (*list->points)
+        error = list->is_colmap ? fxs_photo_points_colmap(&p, list->points, message)
+                                : fxs_photo_points_ply(&p, list->points, message);
+    if (!error && !p.count) {
+        photos->points_are_random = 1;
+        const double half = cube_of(list, middle);
+        error = fxs_photo_points_random(&p, middle, half, options->seed, message);
+    }
+    photos->points = p.points;
+    photos->point_count = p.count;
+    return error ? error : check_points(photos, *list->points ? list->points : list->cameras, message);
+}
+
+/* ---- All --------------------------------------------------------------------------------------------------------- */
+
+int fxs_photos_read(const char *path, const fxs_photos_options *options, fxs_photos *photos, fxs_message *message)
+{
+    fxs_photo_list list;
+    memset(photos, 0, sizeof *photos);
+    if (options->resolution < 0)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a resolution of %d pixels", options->resolution);
+    FXS_TRY(fxs_photo_list_find(&list, path, options->hold_out, message));
+    int error = read_pixels(&list, options, photos, message);
+    if (!error)
+        error = read_points(&list, options, photos, message);
+    fxs_photo_list_free(&list);
+    if (error)
+        fxs_photos_free(photos);
+    return error;
+}
+
+static void free_pixels(fxs_fit_photo *photos, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        free((void *)photos[i].pixels);
+    free(photos);
+}
+
+void fxs_photos_free(fxs_photos *photos)
+{
+    free_pixels(photos->fit, photos->fit_count);
+    free_pixels(photos->held_out, photos->held_out_count);
+    free(photos->points);
+    memset(photos, 0, sizeof *photos);
+}

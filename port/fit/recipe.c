@@ -1,0 +1,130 @@
+/* Kerbl et al. 2023 and its reference code as of 2025; Kheradmand et al. 2024; and less of it, for less time. */
+#include "recipe.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "lanes.h"
+
+/* ---- Scene ------------------------------------------------------------------------------------------------------- */
+
+static double distance(const double a[3], const double b[3])
+{
+    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
+}
+
+float fxs_fit_extent(const fxs_fit_photo *photos, size_t count, const fxs_fit_point *points, size_t point_count)
+{
+    double mean[3] = {0, 0, 0}, middle[3] = {0, 0, 0}, largest = 0, nearness = 0;
+    for (size_t i = 0; i < count; i++)
+        for (int k = 0; k < 3; k++)
+            mean[k] += photos[i].view.position[k] / (double)count;
+    for (size_t i = 0; i < count; i++) {
+        const double away = distance(photos[i].view.position, mean);
+        largest = away > largest ? away : largest;
+    }
+    for (int k = 0; k < 3; k++) {
+        for (size_t i = 0; i < point_count; i++)
+            middle[k] += (double)points[i].position[k] / (double)point_count;
+        nearness += fabs(mean[k]) * 1e-6;
+    }
+    if (largest <= nearness)
+        largest = distance(mean, middle);
+    return (float)(1.1 * (largest > nearness ? largest : 1));
+}
+
+float fxs_fit_first_opacity(enum fxs_fit_recipe recipe)
+{
+    return recipe == FXS_FIT_MCMC ? 0.5f : 0.1f;
+}
+
+float fxs_fit_first_scale(enum fxs_fit_recipe recipe)
+{
+    return recipe == FXS_FIT_MCMC ? 0.1f : 1.0f;
+}
+
+/* ---- A step ------------------------------------------------------------------------------------------------------ */
+
+/* first * 100^-(step / steps) */
+static float position_rate(float first, uint32_t step, uint32_t steps)
+{
+    const float part = step < steps ? (float)step / (float)steps : 1.0f;
+    return first * exp_e(-4.60517019f * part);
+}
+
+static void set_rates(fxs_fit_plan *plan, float position, float opacity)
+{
+    for (int i = 0; i < FXS_FIT_PARAMETERS; i++)
+        plan->rate[i] = i < FXS_FIT_SCALE      ? position
+                        : i < FXS_FIT_ROTATION ? 0.005f
+                        : i < FXS_FIT_OPACITY  ? 0.001f
+                        : i < FXS_FIT_COLOUR   ? opacity
+                        : i < FXS_FIT_SH       ? 0.0025f
+                                               : 0.000125f;
+}
+
+static int is_every(uint32_t step, uint32_t interval, uint32_t after, uint32_t before)
+{
+    return step > after && step < before && step % interval == 0;
+}
+
+static int is_white(const uint8_t background[3])
+{
+    return background[0] == 255 && background[1] == 255 && background[2] == 255;
+}
+
+/* The recipe is that of 30,000 steps, and a shorter fit is its beginning; only the position's rate, over a longer one,
+   is drawn out to the end. */
+static uint32_t whole_steps(const fxs_fit_options *options)
+{
+    return options->steps > 30000 ? options->steps : 30000;
+}
+
+static void plan_reference(const fxs_fit_options *options, float extent, uint32_t step, fxs_fit_plan *plan)
+{
+    set_rates(plan, position_rate(1.6e-4f * extent, step, whole_steps(options)), 0.025f);
+    plan->densify = is_every(step, 100, 500, 15000);
+    plan->large = step > 3000 ? 0.1f * extent : INFINITY;
+    plan->reset = is_every(step, 3000, 0, 15000) || (step == 500 && is_white(options->background));
+    plan->order = plan->densify && step % 1000 == 0;
+}
+
+static void plan_mcmc(const fxs_fit_options *options, float extent, uint32_t step, fxs_fit_plan *plan)
+{
+    set_rates(plan, position_rate(1.6e-4f * extent, step, whole_steps(options)), 0.05f);
+    plan->by_opacity = plan->by_scale = 0.01f;
+    plan->noise = 5e5f * plan->rate[FXS_FIT_POSITION];
+    plan->relocate = is_every(step, 100, 500, 25000);
+    plan->order = plan->relocate && step % 1000 == 0;
+}
+
+static void plan_fast(const fxs_fit_options *options, float extent, uint32_t step, int least_side, fxs_fit_plan *plan)
+{
+    const uint32_t steps = options->steps;
+    set_rates(plan, position_rate(1.6e-4f * extent, step, steps), 0.025f);
+    plan->divisor = step <= steps / 5 ? 4 : step <= steps / 2 ? 2 : 1;
+    while (plan->divisor > 1 && least_side / plan->divisor < 100)
+        plan->divisor /= 2;
+    plan->without_sh = step % 4 != 0;
+    plan->only_touched = 1;
+    plan->densify = is_every(step, 100, 400, steps / 2);
+    plan->reset = is_every(step, 3000, 0, steps / 2) || (step == 500 && is_white(options->background));
+    plan->order = plan->densify && step % 500 == 0;
+}
+
+void fxs_fit_plan_step(const fxs_fit_options *options, float extent, uint32_t step, int least_side,
+                       fxs_fit_plan *plan)
+{
+    const uint32_t degree = step / 1000;
+    memset(plan, 0, sizeof *plan);
+    plan->sh_degree = (int)degree < options->sh_degree ? (int)degree : options->sh_degree;
+    plan->divisor = 1;
+    plan->gradient = 0.0002f;
+    plan->large = INFINITY;
+    if (options->recipe == FXS_FIT_MCMC)
+        plan_mcmc(options, extent, step, plan);
+    else if (options->recipe == FXS_FIT_FAST)
+        plan_fast(options, extent, step, least_side, plan);
+    else
+        plan_reference(options, extent, step, plan);
+}

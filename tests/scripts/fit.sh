@@ -1,0 +1,167 @@
+#!/bin/sh
+# fixsplat fit: photographs made here, of a knot from all around; one file whatever the threads and the stops.
+. tests/scripts/lib/check.sh
+. tests/scripts/lib/command.sh
+. "$root/tests/scripts/lib/json.sh"
+. "$root/tests/scripts/lib/photos.sh"
+
+# ---- Photographs -----------------------------------------------------------------------------------------------------
+
+# Past a densification, and some that are held out.
+steps=620
+make_photographs 12
+fit="fit set --steps $steps"
+
+# ---- What is fitted --------------------------------------------------------------------------------------------------
+
+# psnr: the mean of what was measured, hundredths of a dB.
+psnr() { sed -n 's/.*"psnr": \([0-9.]*\), "ssim": [0-9.]*, "worst_psnr".*/\1/p' logs/out | tr -d . | cut -c 1-4; }
+
+succeeds "fit" $fit -o whole.fxs --threads 1
+check "fit: says what it made" grep -Eq \
+    "^whole.fxs: [0-9]+ Gaussians, $(wc -c <whole.fxs | tr -d ' ') bytes in the profile default; $steps steps, recipe reference, seed 0$" \
+    logs/out
+check "fit: says what was held out" grep -q '^10 photographs were fitted; of 2 that were not:$' logs/out
+check "fit: a line for each, the mean and the worst" equal "$(grep -Ec '^ *[01] 0[08].png +64x48 ' logs/out) $(
+    grep -c '^mean ' logs/out) $(grep -c '^worst ' logs/out)" "2 1 1"
+check "fit: leaves nothing beside" equal "$(ls -A | grep -v -e knot.ply -e logs -e set | tr '\n' ' ')" "whole.fxs "
+succeeds "fit: --json" $fit -o again.fxs --json --threads 2
+check "fit: --json: keys" keys logs/out scene gaussians bytes profile recipe steps seed seconds fitted held_out skipped \
+    measured photographs.views photographs.psnr photographs.ssim
+check "fit: at least 18.5 dB from where nothing was fitted" [ "$(psnr)" -ge 1850 ]
+fitted=$(psnr)
+"$fixsplat" fit set --steps 1 -o first.fxs --json >logs/out
+check "fit: 4 dB better than its beginning" [ "$((fitted - $(psnr)))" -ge 400 ]
+
+check "again, 2 threads: the same file" cmp whole.fxs again.fxs
+"$fixsplat" $fit -o five.fxs --threads 5 --cpu c >logs/out
+check "5 threads, plain C: the same file" cmp whole.fxs five.fxs
+"$fixsplat" $fit -o other.fxs --seed 1 >logs/out
+check "another seed: another file" [ "$(cmp -s whole.fxs other.fxs; echo $?)" = 1 ]
+succeeds "into .ply" $fit -o floats.ply
+"$fixsplat" convert floats.ply packed.fxs
+check "into .ply: packed it is the same file" cmp whole.fxs packed.fxs
+"$fixsplat" info floats.ply >logs/out
+check "into .ply: all can be drawn" grep -Eq '^Gaussians +([0-9]+), \1 of them' logs/out
+
+# ---- Held out --------------------------------------------------------------------------------------------------------
+
+succeeds "--hold-out 0" fit set --steps 20 -o few.fxs --hold-out 0
+check "--hold-out 0: says so" grep -q '^No photograph was held out; of the 12 that were fitted:$' logs/out
+succeeds "--hold-out 5 --compare" fit set --steps 20 -o few.fxs --hold-out 5 --compare pictures --resolution 32
+check "--resolution: the size that is measured" grep -q '  32x24 ' logs/out
+run compare pictures/0001_05.png set/images/05.png
+check "--compare: a picture each" equal "$(ls pictures | tr '\n' ' ')" "0000_00.png 0001_05.png 0002_10.png "
+check "--compare: two beside each other" grep -q '0001_05.png is 64x24,' logs/err
+for recipe in mcmc fast; do
+    succeeds "--recipe $recipe" fit set --steps 20 -o few.fxs --recipe $recipe --sh-degree 1 --max-gaussians 300 \
+        --background 102030 --cutoff square --profile small
+done
+
+# ---- Stopped and resumed ---------------------------------------------------------------------------------------------
+
+succeeds "--save-every" $fit -o part.fxs --save-every 300
+check "--save-every: the same file" cmp whole.fxs part.fxs
+succeeds "--resume" $fit -o resumed.fxs --resume part.fxs.fit --threads 2
+check "--resume: the same file" cmp whole.fxs resumed.fxs
+run fit set -o resumed.fxs --resume part.fxs.fit
+check "--resume: the steps are the file's" cmp whole.fxs resumed.fxs
+
+# stops SIGNAL NAME: at the first of many saves; what is said goes on.
+stops() {
+    rm -f "it's.fxs" "it's.fxs.fit"
+    ended=$($helper signal "$1" "$fixsplat" $fit -o "it's.fxs" --save-every 2 2>logs/err)
+    check "$2: ends as it does" equal "$ended" "signal $1"
+    check "$2: no scene yet" [ ! -e "it's.fxs" ]
+    check "$2: a line" equal "$(wc -l <logs/err | tr -d ' ')" 1
+    on=$(sed -n "s/^fixsplat: stopped after [0-9]* steps of $steps; to go on: fixsplat //p" logs/err)
+    eval "\"\$fixsplat\" $on" >logs/out 2>logs/err
+    check "$2: to go on as it says: the same file" cmp whole.fxs "it's.fxs"
+}
+stops 2 "Ctrl-C"
+stops 15 "SIGTERM"
+stops 1 "SIGHUP"
+
+fails "--resume: another seed" 2 "--seed: part.fxs.fit was begun with another" $fit -o x.fxs --resume part.fxs.fit --seed 3
+fails "--resume: another recipe" 2 "--recipe: " $fit -o x.fxs --resume part.fxs.fit --recipe mcmc
+fails "--resume: another size" 1 "part.fxs.fit: a fit of other photographs" $fit -o x.fxs --resume part.fxs.fit \
+    --resolution 32
+fails "--resume: other photographs are fitted" 1 "other photographs" $fit -o x.fxs --resume part.fxs.fit --hold-out 4
+fails "--resume: no such file" 1 "none.fit: No such file" $fit -o x.fxs --resume none.fit
+fails "--resume: another kind of file" 1 "knot.ply: not a saved fit" $fit -o x.fxs --resume knot.ply
+head -c 20000 part.fxs.fit >short.fit
+fails "--resume: a part of one" 1 "short.fit: damaged: it ends early" $fit -o x.fxs --resume short.fit
+
+# ---- Disks that are full ---------------------------------------------------------------------------------------------
+
+if [ -c /dev/full ]; then
+    ln -s /dev/full full.fxs
+    fails "a full device" 1 "full.fxs: cannot be written: No space" fit set --steps 20 -o full.fxs
+    "$fixsplat" fit set --steps 20 -o few.fxs >/dev/full 2>logs/err
+    check "a report into a full device" equal "$? $(cat logs/err)" "1 fixsplat: cannot write to standard output"
+else
+    skip "a full device" "no /dev/full here"
+fi
+# The scene fits in, what is saved does not.
+"$fixsplat" fit set --steps 20 -o small.fxs >logs/out
+echo old >small.fxs.fit
+(
+    trap '' XFSZ
+    ulimit -f 128
+    exec "$fixsplat" fit set --steps 20 -o small.fxs --save-every 8 >logs/out 2>logs/err
+)
+check "no room to save: it goes on, and says so" equal "$? $(grep -c 'small.fxs.fit: cannot be written: File too large' \
+    logs/err) $(wc -l <logs/err | tr -d ' ')" "0 2 2"
+check "no room to save: the last one stays" equal "$(cat small.fxs.fit)" old
+check "nothing is left" equal "$(find . -name '.fixsplat-*')" ""
+
+# ---- What is wrong ---------------------------------------------------------------------------------------------------
+
+fails "no photographs" 2 "takes one folder" fit -o x.fxs
+fails "two folders" 2 "takes one folder" fit set set -o x.fxs
+fails "no output" 2 "where to" fit set
+fails "another ending" 2 "x.png: expected a name ending in .fxs or .ply" fit set -o x.png
+fails "no such folder" 1 "none/x.fxs: cannot be written: No such file" fit set -o none/x.fxs
+mkdir folder.fxs
+fails "a folder" 1 "folder.fxs: cannot be written: Is a directory" fit set -o folder.fxs
+fails "--compare: a file" 1 "--compare knot.ply: not a folder" fit set -o x.fxs --compare knot.ply
+fails "--compare: no such folder" 1 "--compare none/pictures: No such file" fit set -o x.fxs --compare none/pictures
+fails "an unknown option" 2 "unknown option" fit set -o x.fxs --fast
+while read -r option; do
+    fails "--$option" 2 "^fixsplat: --" fit set -o x.fxs --$option
+done <<'END'
+recipe slow
+steps 0
+steps -1
+steps 3x
+resolution 0
+resolution 20000
+sh-degree 4
+max-gaussians 0
+seed x
+cutoff round
+background 12345
+profile tiny
+hold-out -1
+save-every 0
+threads 0
+threads 65
+cpu sse9
+END
+fails "no such photographs" 1 "none" fit none -o x.fxs
+cp -r set missing
+rm missing/images/03.png
+fails "a photograph is missing" 1 "03.png" fit missing -o x.fxs --steps 5
+run fit missing -o x.fxs --steps 5 --skip-bad
+check "--skip-bad: goes on, and says so" equal "$status $(cat logs/err)" \
+    "0 fixsplat: missing: left out 1 photographs that cannot be read"
+echo >missing/sparse/0/images.txt
+fails "no cameras" 1 "missing" fit missing -o x.fxs --steps 5
+cp -r set behind
+awk '{ $2 = 1; $4 = 0; if (NF > 1) print; else print "" }' set/sparse/0/images.txt >behind/sparse/0/images.txt
+awk '{ $4 = -1000; print }' set/sparse/0/points3D.txt >behind/sparse/0/points3D.txt
+fails "points behind every camera" 1 "behind" fit behind -o x.fxs --steps 5
+check "--help: every option" equal "$("$fixsplat" fit --help | grep -Eo '^  (-o, )?--[a-z-]+' | sed 's/.*--//' |
+    sort | tr '\n' ' ')" "$(printf '%s\n' output recipe steps resolution sh-degree max-gaussians seed cutoff background profile \
+    hold-out skip-bad compare save-every resume threads cpu json help | sort | tr '\n' ' ')"
+finish

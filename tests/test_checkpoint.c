@@ -1,0 +1,434 @@
+/* Fits that are saved, and go on from the file: the same end, whatever happens to the file in between. */
+#include <math.h>
+
+#include "../port/fit/fit.h"
+#include "../port/fit/random.h"
+#include "../port/posix/pool.h"
+#include "folder.h"
+
+enum { PHOTOS = 3, WIDTH = 40, HEIGHT = 24, POINTS = 90, SAVED_AT = 611, STEPS = 705 };
+
+static fxs_message message;
+static uint8_t pixels[PHOTOS][3 * WIDTH * HEIGHT];
+static fxs_fit_photo photos[PHOTOS];
+static fxs_fit_point points[POINTS];
+static fxs_fit_options options;
+
+static float uniform(uint64_t index)
+{
+    return fxs_fit_uniform(fxs_fit_random(17, 4, index));
+}
+
+/* Spots of colour in a box, from three sides: coarse enough for Gaussians to be split and cloned. */
+static void make_input(void)
+{
+    fxs_fit_options_init(&options);
+    options.steps = STEPS;
+    options.seed = 5;
+    for (int i = 0; i < PHOTOS; i++) {
+        fxs_file_view *v = &photos[i].view;
+        const double c = i == 1 ? 1 : 0.8, s = i == 0 ? -0.6 : i == 1 ? 0 : 0.6;
+        const double rotation[9] = {c, 0, -s, 0, 1, 0, s, 0, c};
+        memset(v, 0, sizeof *v);
+        snprintf(v->name, sizeof v->name, "%d.png", i);
+        v->width = WIDTH;
+        v->height = HEIGHT;
+        v->fx = v->fy = 36;
+        v->cx = WIDTH / 2.0;
+        v->cy = HEIGHT / 2.0;
+        memcpy(v->rotation, rotation, sizeof rotation);
+        v->position[0] = -4 * s;
+        v->position[2] = -4 * c;
+        photos[i].pixels = pixels[i];
+        for (int p = 0; p < 3 * WIDTH * HEIGHT; p++)
+            pixels[i][p] = (uint8_t)(((p / 3 % WIDTH / 5 + p / 3 / WIDTH / 4 * 3 + i) * 53 + p % 3 * 90) % 256);
+    }
+    for (uint64_t i = 0; i < POINTS; i++)
+        for (uint64_t k = 0; k < 3; k++) {
+            points[i].position[k] = 2 * uniform(6 * i + k) - 1;
+            points[i].colour[k] = (uint8_t)(255 * uniform(6 * i + 3 + k));
+        }
+}
+
+static fxs_fit *begin(void)
+{
+    fxs_fit *fit;
+    if (!CHECK(fxs_fit_create(&fit, photos, PHOTOS, points, POINTS, &options, &message) == 0)) {
+        printf("  %s\n", message.text);
+        exit(1);
+    }
+    return fit;
+}
+
+static void go_on(fxs_fit *fit, uint32_t steps)
+{
+    fxs_fit_report report;
+    while (fxs_fit_steps(fit) < steps)
+        if (!CHECK(fxs_fit_step(fit, &report) == 0))
+            exit(1);
+}
+
+static int resume(fxs_fit **fit, const char *name)
+{
+    return fxs_fit_resume(fit, in_folder(name), photos, PHOTOS, &options, &message);
+}
+
+static void save(const fxs_fit *fit, const char *name)
+{
+    if (!CHECK(fxs_fit_save(fit, in_folder(name), &message) == 0))
+        printf("  %s\n", message.text);
+}
+
+/* A file's bytes, for free. */
+static uint8_t *bytes_of(const char *name, size_t *size)
+{
+    FILE *file = fopen(in_folder(name), "rb");
+    uint8_t *bytes = malloc(1 << 24);
+    *size = file && bytes ? fread(bytes, 1, 1 << 24, file) : 0;
+    if (file)
+        fclose(file);
+    CHECK(*size > 0);
+    return bytes;
+}
+
+static int same_files(const char *a, const char *b)
+{
+    size_t sizes[2];
+    uint8_t *bytes[2] = {bytes_of(a, &sizes[0]), bytes_of(b, &sizes[1])};
+    const int same = sizes[0] == sizes[1] && !memcmp(bytes[0], bytes[1], sizes[0]);
+    free(bytes[0]);
+    free(bytes[1]);
+    return same;
+}
+
+/* ---- What should be ---------------------------------------------------------------------------------------------- */
+
+/* Past a densification, in the middle of a round of the photographs. */
+static void goes_on_as_if_never_stopped(void)
+{
+    fxs_fit *whole = begin(), *first = begin(), *second;
+    go_on(whole, STEPS);
+    save(whole, "whole");
+    go_on(first, SAVED_AT);
+    save(first, "half");
+    fxs_fit_free(first);
+    if (CHECK(resume(&second, "half") == 0)) {
+        CHECK(fxs_fit_steps(second) == SAVED_AT);
+        save(second, "again");
+        CHECK(same_files("half", "again"));
+        go_on(second, STEPS);
+        save(second, "resumed");
+        CHECK(same_files("whole", "resumed"));
+        fxs_packed_scene packed[2];
+        if (CHECK(!fxs_fit_pack(whole, &packed[0], 0, &message) && !fxs_fit_pack(second, &packed[1], 0, &message))) {
+            CHECK(packed[0].bytes == packed[1].bytes && !memcmp(packed[0].data, packed[1].data, packed[0].bytes));
+            fxs_packed_scene_free(&packed[0]);
+            fxs_packed_scene_free(&packed[1]);
+        }
+        fxs_fit_free(second);
+    }
+    fxs_gaussian_source gaussians;
+    fxs_fit_gaussians(whole, &gaussians);
+    CHECK(gaussians.count != POINTS);
+    fxs_fit_free(whole);
+}
+
+static void the_file_does_not_depend_on_threads(void)
+{
+    fxs_pool *pool = fxs_pool_create(3);
+    const fxs_fit_options one = options;
+    options.run = fxs_pool_run;
+    options.pool = pool;
+    options.threads = 3;
+    fxs_fit *fit;
+    if (CHECK(resume(&fit, "half") == 0)) {
+        go_on(fit, STEPS);
+        save(fit, "threads");
+        CHECK(same_files("whole", "threads"));
+        fxs_fit_free(fit);
+    }
+    options = one;
+    fxs_pool_destroy(pool);
+}
+
+static void its_options_are_those_of_the_file(void)
+{
+    const fxs_fit_options mine = options;
+    fxs_fit *fit;
+    options.seed = 99;
+    options.sh_degree = 1;
+    options.max_gaussians = 7;
+    options.background[1] = 4;
+    options.steps = 0;
+    if (CHECK(resume(&fit, "half") == 0)) {
+        const fxs_fit_options *o = fxs_fit_options_of(fit);
+        CHECK(o->seed == 5 && o->sh_degree == 3 && o->max_gaussians == mine.max_gaussians && !o->background[1]);
+        CHECK(o->steps == STEPS);
+        fxs_fit_free(fit);
+    }
+    options.steps = 9000;
+    if (CHECK(resume(&fit, "half") == 0)) {
+        CHECK(fxs_fit_options_of(fit)->steps == 9000);
+        fxs_fit_free(fit);
+    }
+    options = mine;
+}
+
+static void names_of_photographs_do_not_matter(void)
+{
+    fxs_fit *fit;
+    strcpy(photos[1].view.name, "other.jpg");
+    if (CHECK(resume(&fit, "half") == 0))
+        fxs_fit_free(fit);
+}
+
+/* ---- What should not --------------------------------------------------------------------------------------------- */
+
+/* The file that was put there is refused for this reason. */
+static int refused(const char *name, int error, const char *why)
+{
+    fxs_fit *fit = (fxs_fit *)&fit;
+    message.text[0] = 0;
+    const int got = resume(&fit, name);
+    if (got == error && !fit && strstr(message.text, why) && !strchr(message.text, '\n'))
+        return 1;
+    printf("  %d: %s\n", got, message.text);
+    if (!got)
+        fxs_fit_free(fit);
+    return 0;
+}
+
+static void other_photographs_are_refused(void)
+{
+    const char why[] = "other photographs";
+    const fxs_fit_photo first = photos[0];
+    fxs_fit *fit;
+    pixels[2][3 * WIDTH * HEIGHT - 1] ^= 1;
+    CHECK(refused("half", FXS_ERR_FILE, why));
+    pixels[2][3 * WIDTH * HEIGHT - 1] ^= 1;
+    photos[0].view.cx += 0.01;
+    CHECK(refused("half", FXS_ERR_FILE, why));
+    photos[0] = photos[1];
+    photos[1] = first;
+    CHECK(refused("half", FXS_ERR_FILE, why));
+    photos[1] = photos[0];
+    photos[0] = first;
+    CHECK(fxs_fit_resume(&fit, in_folder("half"), photos, PHOTOS - 1, &options, &message) == FXS_ERR_FILE && !fit);
+    CHECK(strstr(message.text, why) != NULL);
+}
+
+static void put_u32(uint8_t *bytes, uint32_t value)
+{
+    for (int i = 0; i < 4; i++)
+        bytes[i] = (uint8_t)(value >> 8 * i);
+}
+
+static uint32_t get_u32(const uint8_t *bytes)
+{
+    return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
+}
+
+/* Makes the checksum right again. */
+static void seal(uint8_t *bytes, size_t size)
+{
+    uint64_t sum = 0;
+    for (size_t i = 0; i + 8 < size; i += 4)
+        sum = fxs_fit_mix(sum ^ get_u32(bytes + i));
+    put_u32(bytes + size - 8, (uint32_t)sum);
+    put_u32(bytes + size - 4, (uint32_t)(sum >> 32));
+}
+
+/* Words of the file, from its beginning on. */
+enum { HEAD = 2, RECIPE = HEAD, DEGREE = HEAD + 2, MOST, PROFILE = HEAD + 10, PRINT, STEP = PRINT + 2, EXTENT, COUNT,
+       FIRST = COUNT + 2 };
+
+/* With this word, and a checksum that is right. */
+static int refused_with(int word, uint32_t value, const char *why)
+{
+    size_t size;
+    uint8_t *bytes = bytes_of("half", &size);
+    put_u32(bytes + 4 * word, value);
+    seal(bytes, size);
+    put_file("changed", bytes, size);
+    free(bytes);
+    return refused("changed", FXS_ERR_FILE, why);
+}
+
+static void the_places_of_words_are_known(void)
+{
+    size_t size;
+    uint8_t *bytes = bytes_of("half", &size), *sealed = malloc(size);
+    CHECK(get_u32(bytes + 4 * DEGREE) == 3 && get_u32(bytes + 4 * STEP) == SAVED_AT);
+    CHECK(size == 4 * (FIRST + (size_t)get_u32(bytes + 4 * COUNT) * (3 * 59 + 2) + 3));
+    memcpy(sealed, bytes, size);
+    memset(sealed + size - 8, 0, 8);
+    seal(sealed, size);
+    CHECK(!memcmp(bytes, sealed, size));
+    free(sealed);
+    free(bytes);
+}
+
+static void faulty_numbers_are_refused(void)
+{
+    const uint32_t infinity = 0x7f800000, nan = 0x7fc00001;
+    const char finite[] = "damaged: a number that is not finite";
+    CHECK(refused_with(FIRST, nan, finite));
+    CHECK(refused_with(FIRST + 2000, infinity, finite));
+    CHECK(refused_with(FIRST + 12000, infinity | 1u << 31, finite));
+    CHECK(refused_with(EXTENT, nan, finite));
+    CHECK(refused_with(RECIPE, 3, "damaged: a number out"));
+    CHECK(refused_with(MOST, 0, "damaged: a number out"));
+    CHECK(refused_with(DEGREE, 4, "damaged: a number out"));
+    CHECK(refused_with(PROFILE, 77, "damaged: a number out"));
+    CHECK(refused_with(COUNT, 0x7fffffff, "damaged: it ends early"));
+    CHECK(refused_with(COUNT + 1, 0xffffffff, "damaged: it ends early"));
+    CHECK(refused_with(COUNT, 1, "damaged: "));
+    CHECK(refused_with(PRINT, 1, "other photographs"));
+    CHECK(refused_with(0, 1, "not a saved fit"));
+}
+
+static void a_changed_byte_is_seen(void)
+{
+    size_t size;
+    uint8_t *bytes = bytes_of("half", &size);
+    for (size_t i = 0; i < size; i += i < 4 * FIRST || i + 80 > size ? 1 : 173) {
+        bytes[i] ^= 0x11;
+        put_file("changed", bytes, size);
+        const int is_version = i >= 4 && i < 8;
+        if (!CHECK(refused("changed", is_version ? FXS_ERR_VERSION : FXS_ERR_FILE, is_version ? "another" : "")))
+            printf("  byte %zu\n", i);
+        bytes[i] ^= 0x11;
+    }
+    free(bytes);
+}
+
+static void a_part_or_more_is_refused(void)
+{
+    size_t size;
+    uint8_t *bytes = bytes_of("half", &size);
+    for (size_t part = 0; part < size; part += part < 400 ? 1 : 1013) {
+        put_file("changed", bytes, part);
+        CHECK(refused("changed", FXS_ERR_FILE, part < 4 ? "not a saved fit" : "it ends early"));
+    }
+    put_file("changed", bytes, size - 1);
+    CHECK(refused("changed", FXS_ERR_FILE, "damaged"));
+    bytes[size] = 0;
+    put_file("changed", bytes, size + 1);
+    CHECK(refused("changed", FXS_ERR_FILE, "there is more behind its end"));
+    free(bytes);
+}
+
+/* Whatever finite numbers are in it: it goes on, or ends, but no scene has a NaN. */
+static void any_finite_numbers_are_lived_with(void)
+{
+    size_t size;
+    uint8_t *bytes = bytes_of("half", &size), *changed = malloc(size);
+    for (uint64_t turn = 0; turn < 40; turn++) {
+        memcpy(changed, bytes, size);
+        for (uint64_t i = 0; i < 600; i++) {
+            const uint64_t random = fxs_fit_random(1, turn, i);
+            const size_t word = FIRST + (size_t)(random % ((size - 12) / 4 - FIRST));
+            const uint32_t value = (uint32_t)(random >> 32) & (turn % 2 ? 0xff7fffff : 0xc17fffff);
+            put_u32(changed + 4 * word, turn % 4 == 3 && i % 8 == 0 ? 0 : value);
+        }
+        seal(changed, size);
+        put_file("changed", changed, size);
+        fxs_fit *fit;
+        fxs_fit_report report;
+        if (resume(&fit, "changed")) {
+            CHECK(strstr(message.text, "not finite") != NULL);
+            continue;
+        }
+        for (int step = 0; step < 3; step++)
+            CHECK(fxs_fit_step(fit, &report) == 0);
+        fxs_packed_scene packed;
+        fxs_scene scene;
+        if (!fxs_fit_pack(fit, &packed, 0, &message)) {
+            CHECK(fxs_scene_open(&scene, packed.data, packed.bytes) == 0);
+            fxs_packed_scene_free(&packed);
+        }
+        fxs_fit_free(fit);
+    }
+    free(changed);
+    free(bytes);
+}
+
+static void what_is_no_file_is_refused(void)
+{
+    CHECK(refused("nowhere", FXS_ERR_FILE, "No such file"));
+    CHECK(refused(".", FXS_ERR_FILE, "not a regular file"));
+    put_file("empty", "", 0);
+    CHECK(refused("empty", FXS_ERR_FILE, "not a saved fit"));
+}
+
+/* Where there is no room, the last one stays whole. */
+static void a_full_disk_is_told(void)
+{
+    fxs_fit *fit;
+    if (access("/dev/full", W_OK))
+        SKIP("no /dev/full");
+    if (!CHECK(resume(&fit, "half") == 0))
+        return;
+    CHECK(fxs_fit_save(fit, "/dev/full", &message) == FXS_ERR_FILE && strstr(message.text, "No space"));
+    CHECK(fxs_fit_save(fit, in_folder("no/folder"), &message) == FXS_ERR_FILE);
+    fxs_fit_free(fit);
+}
+
+static void options_are_checked(void)
+{
+    static const struct {
+        size_t offset;
+        int value;
+        const char *why;
+    } faults[] = {{offsetof(fxs_fit_options, recipe), 3, "recipe"}, {offsetof(fxs_fit_options, steps), 0, "steps"},
+                  {offsetof(fxs_fit_options, sh_degree), -1, "SH degree"},
+                  {offsetof(fxs_fit_options, cutoff), 2, "cut-off"}, {offsetof(fxs_fit_options, profile), 3, "profile"},
+                  {offsetof(fxs_fit_options, threads), 65, "threads"}};
+    for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {
+        fxs_fit_options wrong = options;
+        fxs_fit *fit;
+        memcpy((char *)&wrong + faults[i].offset, &faults[i].value, sizeof faults[i].value);
+        CHECK(fxs_fit_create(&fit, photos, PHOTOS, points, POINTS, &wrong, &message) == FXS_ERR_ARGUMENT && !fit);
+        if (!CHECK(strstr(message.text, faults[i].why) != NULL))
+            printf("  %s\n", message.text);
+    }
+}
+
+static void input_is_checked(void)
+{
+    fxs_fit *fit;
+    CHECK(fxs_fit_create(&fit, photos, 0, points, POINTS, &options, &message) == FXS_ERR_ARGUMENT && !fit);
+    CHECK(fxs_fit_create(&fit, photos, PHOTOS, points, 0, &options, &message) == FXS_ERR_ARGUMENT && !fit);
+    points[4].position[1] = NAN;
+    CHECK(fxs_fit_create(&fit, photos, PHOTOS, points, POINTS, &options, &message) == FXS_ERR_ARGUMENT && !fit);
+    points[4].position[1] = 0;
+    photos[2].view.fx = INFINITY;
+    CHECK(fxs_fit_create(&fit, photos, PHOTOS, points, POINTS, &options, &message) == FXS_ERR_ARGUMENT && !fit);
+    photos[2].view.fx = 36;
+    photos[2].view.projection = FXS_ORTHOGRAPHIC;
+    CHECK(fxs_fit_create(&fit, photos, PHOTOS, points, POINTS, &options, &message) == FXS_ERR_ARGUMENT && !fit);
+}
+
+static void tests(void)
+{
+    make_input();
+    RUN(goes_on_as_if_never_stopped);
+    RUN(the_file_does_not_depend_on_threads);
+    RUN(its_options_are_those_of_the_file);
+    RUN(names_of_photographs_do_not_matter);
+    RUN(other_photographs_are_refused);
+    RUN(the_places_of_words_are_known);
+    RUN(faulty_numbers_are_refused);
+    RUN(a_changed_byte_is_seen);
+    RUN(a_part_or_more_is_refused);
+    RUN(any_finite_numbers_are_lived_with);
+    RUN(what_is_no_file_is_refused);
+    RUN(a_full_disk_is_told);
+    RUN(options_are_checked);
+    RUN(input_is_checked);
+}
+
+int main(void)
+{
+    return in_a_folder(tests);
+}

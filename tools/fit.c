@@ -1,0 +1,466 @@
+/* fixsplat fit */
+#include <errno.h>
+#include <inttypes.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "../port/posix/clock.h"
+#include "fit_result.h"
+
+static const char help[] =
+    "Usage: fixsplat fit PHOTOS -o OUT [OPTION...]\n\n"
+    "Fits a scene to photographs, on the processor: the same file, byte for byte, for the same photographs, options\n"
+    "and seed, whatever the machine and the threads. PHOTOS is a COLMAP folder (images, and sparse/0 or sparse with\n"
+    ".bin or .txt), a transforms.json of nerfstudio or Blender, Inria's cameras.json with images beside it, or a\n"
+    "folder with one of those. At the end the packed scene is rendered from where photographs were held out, and PSNR\n"
+    "and SSIM are printed.\n\n"
+    "  -o, --output OUT    .fxs (packed) or .ply (floats)\n"
+    "  --recipe NAME       reference (default: Kerbl et al. 2023), mcmc (Kheradmand et al. 2024: up to a number of\n"
+    "                      Gaussians) or fast (small photographs first, fewer steps)\n"
+    "  --steps N           one photograph each (default 30000, fast 7000)\n"
+    "  --resolution N      pixels of a photograph's longer side, at most: averaged down to it (default 1600)\n"
+    "  --sh-degree D       highest SH degree, 0 to 3 (default 3)\n"
+    "  --max-gaussians N   at most so many (default 4194304)\n"
+    "  --seed N            of all that is random (default 0)\n"
+    "  --cutoff NAME       mahalanobis (default) or square\n"
+    "  --background RRGGBB behind the scene, and below photographs with alpha (default 000000)\n"
+    "  --profile P         how the scene is packed, and what the last tenth of the steps fits: default, compact or\n"
+    "                      small\n"
+    "  --hold-out N        keep every N-th photograph by name, from the first on, for measuring (default 8; 0: none,\n"
+    "                      and those that were fitted are measured)\n"
+    "  --skip-bad          leave out photographs that cannot be read, else an error\n"
+    "  --compare FOLDER    write there each photograph that is measured beside its picture, .png\n"
+    "  --save-every N      save the fit after every N steps, in OUT.fit; so does Ctrl-C, and ends\n"
+    "  --resume FILE       go on from there, with the same PHOTOS and options for them; the options of the fit are the\n"
+    "                      file's, --steps may be others. It ends in the bytes of a fit that was never stopped\n"
+    "  --threads N         threads, 1 to 64 (default: one a processor); the scene does not depend on it\n"
+    "  --cpu LIST          instruction sets that may be used: all (default), c for none, or names out of\n"
+    "                      sse41,avx2,avx512,neon; the scene does not depend on it\n"
+    "  --json              print a JSON object instead of the table\n"
+    "  --help              this text\n\n"
+    "Examples:\n"
+    "  fixsplat fit garden -o garden.fxs\n"
+    "  fixsplat fit garden -o garden.ply --resolution 600 --steps 7000 --compare pictures\n"
+    "  fixsplat fit lego/transforms_train.json -o lego.fxs --background ffffff --json\n"
+    "  fixsplat fit garden -o garden.fxs --resume garden.fxs.fit\n";
+
+enum { OPT_RECIPE = OPT_OWN, OPT_STEPS, OPT_RESOLUTION, OPT_SEED, OPT_HOLD_OUT, OPT_SAVE_EVERY, OPT_RESUME,
+       OPT_SKIP_BAD, OPT_COMPARE, OPT_JSON, OPTIONS_END };
+
+typedef struct fit_command {
+    frame_options frame;            /* background, cut-off, SH degree, profile, threads, instruction sets */
+    fxs_photos_options reading;
+    fxs_fit_options options;
+    const char *in, *out, *resume, *compare;
+    char *saved;                    /* OUT.fit */
+    uint64_t save_every;            /* 0: never */
+    int json;
+    char given[OPTIONS_END];        /* by option, those that were */
+} fit_command;
+
+static const char *const recipes[] = {"reference", "mcmc", "fast"};
+
+/* ---- Options ----------------------------------------------------------------------------------------------------- */
+
+static int take_recipe(fxs_fit_options *options, const char *value)
+{
+    for (int i = 0; i < 3; i++)
+        if (!strcmp(value, recipes[i])) {
+            options->recipe = (enum fxs_fit_recipe)i;
+            return 0;
+        }
+    return fail(EXIT_USAGE, "--recipe %s: expected reference, mcmc or fast", value);
+}
+
+static int take_number(const char *name, const char *value, uint64_t low, uint64_t high, uint64_t *out)
+{
+    return parse_count(value, low, high, out)
+               ? 0 : fail(EXIT_USAGE, "--%s %s: expected a whole number from %" PRIu64 " to %" PRIu64, name, value, low,
+                          high);
+}
+
+static int take_option(fit_command *c, int which, const char *value)
+{
+    uint64_t number = 0;
+    int status = 0;
+    c->given[which] = 1;
+    switch (which) {
+    case 'o': c->out = value; break;
+    case OPT_RECIPE: return take_recipe(&c->options, value);
+    case OPT_STEPS:
+        status = take_number("steps", value, 1, 1000000000, &number);
+        c->options.steps = (uint32_t)number;
+        return status;
+    case OPT_RESOLUTION:
+        status = take_number("resolution", value, 1, FXS_MAX_SIZE, &number);
+        c->reading.resolution = (int)number;
+        return status;
+    case OPT_MAX_GAUSSIANS:
+        status = take_number("max-gaussians", value, 1, FXS_MAX_COUNT, &number);
+        c->options.max_gaussians = (size_t)number;
+        return status;
+    case OPT_SEED: return take_number("seed", value, 0, UINT64_MAX, &c->options.seed);
+    case OPT_HOLD_OUT:
+        status = take_number("hold-out", value, 0, UINT32_MAX, &number);
+        c->reading.hold_out = (uint32_t)number;
+        return status;
+    case OPT_SAVE_EVERY: return take_number("save-every", value, 1, UINT32_MAX, &c->save_every);
+    case OPT_RESUME: c->resume = value; break;
+    case OPT_COMPARE: c->compare = value; break;
+    case OPT_SKIP_BAD: c->reading.skip_bad = 1; break;
+    case OPT_JSON: c->json = 1; break;
+    default: return frame_option(&c->frame, which, value);
+    }
+    return 0;
+}
+
+/* What several options make of each other. */
+static int finish_options(fit_command *c)
+{
+    const fxs_backend *backend;
+    fxs_backend_options how;
+    fxs_fit_options *o = &c->options;
+    const int status = choose_backend(&c->frame, 0, &backend, &how);
+    o->steps = c->given[OPT_STEPS] ? o->steps : c->resume ? 0 : fxs_fit_recipe_steps(o->recipe);
+    o->sh_degree = c->frame.render.sh_degree;
+    o->cutoff = c->frame.render.cutoff;
+    o->profile = c->frame.load.profile;
+    o->cpu = ~how.without_cpu;
+    o->clock = fxs_clock;
+    memcpy(o->background, c->frame.render.background, sizeof o->background);
+    memcpy(c->reading.background, o->background, sizeof o->background);
+    c->reading.seed = o->seed;
+    return status;
+}
+
+static int take_options(fit_command *c, int argc, char **argv)
+{
+    static const struct option table[] = {
+        {"output", required_argument, 0, 'o'}, {"recipe", required_argument, 0, OPT_RECIPE},
+        {"steps", required_argument, 0, OPT_STEPS}, {"resolution", required_argument, 0, OPT_RESOLUTION},
+        {"sh-degree", required_argument, 0, OPT_SH_DEGREE}, {"max-gaussians", required_argument, 0, OPT_MAX_GAUSSIANS},
+        {"seed", required_argument, 0, OPT_SEED}, {"cutoff", required_argument, 0, OPT_CUTOFF},
+        {"background", required_argument, 0, OPT_BG}, {"profile", required_argument, 0, OPT_PROFILE},
+        {"hold-out", required_argument, 0, OPT_HOLD_OUT}, {"save-every", required_argument, 0, OPT_SAVE_EVERY},
+        {"resume", required_argument, 0, OPT_RESUME}, {"skip-bad", no_argument, 0, OPT_SKIP_BAD},
+        {"compare", required_argument, 0, OPT_COMPARE}, {"threads", required_argument, 0, OPT_THREADS},
+        {"cpu", required_argument, 0, OPT_CPU}, {"json", no_argument, 0, OPT_JSON}, {"help", no_argument, 0, OPT_HELP},
+        {0, 0, 0, 0}
+    };
+    memset(c, 0, sizeof *c);
+    frame_options_default(&c->frame);
+    fxs_fit_options_init(&c->options);
+    c->reading.hold_out = 8;
+    opterr = 0;
+    for (int option; (option = getopt_long(argc, argv, "o:", table, 0)) != -1;) {
+        if (option == OPT_HELP) {
+            fputs(help, stdout);
+            exit(EXIT_OK);
+        }
+        if (option == '?')
+            return wrong_option(argv);
+        if (take_option(c, option, optarg))
+            return EXIT_USAGE;
+    }
+    if (optind != argc - 1)
+        return fail(EXIT_USAGE, "fit takes one folder or file of photographs; see: fixsplat fit --help");
+    if (!c->out)
+        return fail(EXIT_USAGE, "fit: where to? Give -o OUT.fxs or OUT.ply");
+    c->in = argv[optind];
+    return finish_options(c);
+}
+
+/* Before hours of work: where it is to go. */
+static int check_outputs(fit_command *c)
+{
+    struct stat status;
+    const int wrong = result_check(c->out);
+    if (wrong)
+        return wrong;
+    if (c->compare && mkdir(c->compare, 0777) && errno != EEXIST)
+        return fail(EXIT_FAILED, "--compare %s: %s", c->compare, strerror(errno));
+    if (c->compare && !stat(c->compare, &status) && !S_ISDIR(status.st_mode))
+        return fail(EXIT_FAILED, "--compare %s: not a folder", c->compare);
+    const size_t room = strlen(c->out) + sizeof ".fit";
+    c->saved = malloc(room);
+    if (!c->saved)
+        return fail(EXIT_FAILED, "out of memory");
+    snprintf(c->saved, room, "%s.fit", c->out);
+    return 0;
+}
+
+/* The options that were given are to be those of the file. */
+static int check_resumed(const fit_command *c, const fxs_fit *fit)
+{
+    const fxs_fit_options *given = &c->options, *is = fxs_fit_options_of(fit);
+    const struct {
+        int which, same;
+        const char *name;
+    } options[] = {
+        {OPT_RECIPE, given->recipe == is->recipe, "recipe"}, {OPT_SEED, given->seed == is->seed, "seed"},
+        {OPT_SH_DEGREE, given->sh_degree == is->sh_degree, "sh-degree"},
+        {OPT_MAX_GAUSSIANS, given->max_gaussians == is->max_gaussians, "max-gaussians"},
+        {OPT_CUTOFF, given->cutoff == is->cutoff, "cutoff"}, {OPT_PROFILE, given->profile == is->profile, "profile"},
+        {OPT_BG, !memcmp(given->background, is->background, sizeof is->background), "background"}
+    };
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++)
+        if (c->given[options[i].which] && !options[i].same)
+            return fail(EXIT_USAGE, "--%s: %s was begun with another", options[i].name, c->resume);
+    return 0;
+}
+
+/* ---- Signals ----------------------------------------------------------------------------------------------------- */
+
+/* The first one asks for an end after the step; the next one does what it would have done. */
+static const int signals[] = {SIGHUP, SIGINT, SIGTERM};
+enum { SIGNALS = sizeof signals / sizeof *signals };
+static struct sigaction before[SIGNALS];
+static volatile sig_atomic_t asked;
+
+static void restore_signals(void)
+{
+    for (int i = 0; i < SIGNALS; i++)
+        sigaction(signals[i], &before[i], 0);
+}
+
+static void ask_for_end(int number)
+{
+    asked = number;
+    restore_signals();
+}
+
+/* What is ignored stays so. */
+static void listen_to_signals(void)
+{
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = ask_for_end;
+    sigfillset(&action.sa_mask);
+    action.sa_flags = SA_RESTART;
+    for (int i = 0; i < SIGNALS; i++)
+        sigaction(signals[i], 0, &before[i]);
+    for (int i = 0; i < SIGNALS; i++)
+        if (before[i].sa_handler != SIG_IGN)
+            sigaction(signals[i], &action, 0);
+}
+
+/* ---- Progress ---------------------------------------------------------------------------------------------------- */
+
+typedef struct progress {
+    uint32_t first, steps;          /* of this run's, and of all */
+    uint64_t start, last, shown;    /* nanoseconds: of the run, the last step, the last line */
+    double pace, loss;              /* seconds a step and loss, means of some 50 steps */
+} progress;
+
+static void say_duration(char text[32], double seconds)
+{
+    const uint64_t s = (uint64_t)seconds;
+    if (s < 60)
+        snprintf(text, 32, "%d s", (int)s);
+    else if (s < 3600)
+        snprintf(text, 32, "%d min %02d s", (int)(s / 60), (int)(s % 60));
+    else
+        snprintf(text, 32, "%" PRIu64 " h %02d min", s / 3600, (int)(s / 60 % 60));
+}
+
+/* On a terminal a line that changes; else one every half minute. */
+static void show(progress *p, uint32_t step, size_t gaussians, uint64_t now)
+{
+    static const char marks[] = "##########";
+    char text[160], left[32];
+    const int filled = (int)((uint64_t)step * 10 / p->steps);
+    const int is_line = isatty(STDERR_FILENO);
+    if (now - p->shown < (is_line ? 200000000u : 30000000000u))
+        return;
+    say_duration(left, p->pace * (p->steps - step));
+    snprintf(text, sizeof text, "[%.*s%*s] %" PRIu32 "/%" PRIu32 ", loss %.4f, %zu Gaussians, %.1f steps/s, %s left",
+             filled, marks, 10 - filled, "", step, p->steps, p->loss, gaussians, p->pace > 0 ? 1 / p->pace : 0, left);
+    if (is_line)
+        progress_line(text);
+    else
+        fprintf(stderr, "%s\n", text);
+    p->shown = now;
+}
+
+static void count_step(progress *p, uint32_t step, const fxs_fit_report *report)
+{
+    const uint64_t now = fxs_clock(0);
+    const double done = step - p->first, share = 1 / (done < 50 ? done : 50);
+    p->pace += share * ((double)(now - p->last) * 1e-9 - p->pace);
+    p->loss += share * (0.8 * report->absolute + 0.2 * report->dissimilar - p->loss);
+    p->last = now;
+    show(p, step, report->gaussians, now);
+}
+
+/* ---- The fit ----------------------------------------------------------------------------------------------------- */
+
+static int save(const fit_command *c, const fxs_fit *fit)
+{
+    fxs_message message;
+    return fxs_fit_save(fit, c->saved, &message) ? fail(EXIT_FAILED, "%s", message.text) : 0;
+}
+
+/* A word as a shell takes it. */
+static void print_word(const char *word)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:=,+-";
+    if (*word && strspn(word, plain) == strlen(word)) {
+        fprintf(stderr, " %s", word);
+        return;
+    }
+    fputs(" '", stderr);
+    for (; *word; word++)
+        fprintf(stderr, *word == '\'' ? "'\\''" : "%c", *word);
+    fputc('\'', stderr);
+}
+
+/* Saves, says how to go on, and ends as the signal would have. */
+static int stop(const fit_command *c, const fxs_fit *fit, char **argv)
+{
+    if (save(c, fit))
+        return EXIT_FAILED;
+    progress_end();
+    fprintf(stderr, "fixsplat: stopped after %" PRIu32 " steps of %" PRIu32 "; to go on: fixsplat", fxs_fit_steps(fit),
+            fxs_fit_options_of(fit)->steps);
+    for (; *argv; argv++)
+        print_word(*argv);
+    if (!c->resume || strcmp(c->resume, c->saved)) {
+        fputs(" --resume", stderr);
+        print_word(c->saved);
+    }
+    fputc('\n', stderr);
+    raise(asked);
+    return EXIT_FAILED;
+}
+
+/* Where a save fails, the last one is still there, and the fit goes on. */
+static int make_steps(const fit_command *c, fxs_fit *fit, progress *p)
+{
+    fxs_fit_report report;
+    while (fxs_fit_steps(fit) < p->steps && !asked) {
+        if (fxs_fit_step(fit, &report))
+            return fail(EXIT_FAILED, "out of memory after %" PRIu32 " steps, with %zu Gaussians", fxs_fit_steps(fit),
+                        report.gaussians);
+        const uint32_t step = fxs_fit_steps(fit);
+        count_step(p, step, &report);
+        if (c->save_every && step % c->save_every == 0 && step < p->steps)
+            save(c, fit);
+    }
+    progress_end();
+    return 0;
+}
+
+static int open_fit(const fit_command *c, const fxs_photos *photos, fxs_fit **fit)
+{
+    fxs_message message;
+    const int error = c->resume ? fxs_fit_resume(fit, c->resume, photos->fit, photos->fit_count, &c->options, &message)
+                                : fxs_fit_create(fit, photos->fit, photos->fit_count, photos->points,
+                                                 photos->point_count, &c->options, &message);
+    if (error)
+        return fail(EXIT_FAILED, "%s", message.text);
+    return c->resume ? check_resumed(c, *fit) : 0;
+}
+
+/* ---- What is printed --------------------------------------------------------------------------------------------- */
+
+static void print_text(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, const fit_result *r)
+{
+    const fxs_fit_options *o = fxs_fit_options_of(fit);
+    printf("%s: %" PRIu64 " Gaussians, %zu bytes in the profile %s; %" PRIu32 " steps, recipe %s, seed %" PRIu64 "\n",
+           c->out, r->report.packed, r->bytes, profile_name(o->profile), fxs_fit_steps(fit), recipes[o->recipe],
+           o->seed);
+    if (photos->held_out_count)
+        printf("%zu photographs were fitted; of %zu that were not:\n", photos->fit_count, photos->held_out_count);
+    else
+        printf("No photograph was held out; of the %zu that were fitted:\n", photos->fit_count);
+    quality_print_text(&r->quality);
+}
+
+static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, const fit_result *r,
+                       const progress *p)
+{
+    const fxs_fit_options *o = fxs_fit_options_of(fit);
+    printf("{\"scene\": ");
+    print_json_string(c->out);
+    printf(", \"gaussians\": %" PRIu64 ", \"bytes\": %zu, \"profile\": \"%s\", \"recipe\": \"%s\", \"steps\": %" PRIu32
+           ", \"seed\": %" PRIu64 ", \"seconds\": %.3f, \"fitted\": %zu, \"held_out\": %zu, \"skipped\": %zu, "
+           "\"measured\": \"%s\", \"photographs\": ", r->report.packed, r->bytes, profile_name(o->profile),
+           recipes[o->recipe], fxs_fit_steps(fit), o->seed, (double)(p->last - p->start) * 1e-9, photos->fit_count,
+           photos->held_out_count, photos->skipped, photos->held_out_count ? "held out" : "fitted");
+    quality_print_json(&r->quality);
+    puts("}");
+}
+
+static int finish(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, const progress *p)
+{
+    fit_result result;
+    int status = result_write(&result, fit, c->out);
+    if (!status)
+        status = result_measure(&result, fit, photos, &c->frame, c->out, c->compare);
+    if (!status && c->json)
+        print_json(c, fit, photos, &result, p);
+    else if (!status)
+        print_text(c, fit, photos, &result);
+    result_free(&result);
+    return status;
+}
+
+static int fit_photos(const fit_command *c, const fxs_photos *photos, char **argv)
+{
+    fxs_fit *fit;
+    int status = open_fit(c, photos, &fit);
+    if (!status) {
+        const uint64_t now = fxs_clock(0);
+        progress p = {.first = fxs_fit_steps(fit), .steps = fxs_fit_options_of(fit)->steps, .start = now, .last = now,
+                      .shown = now};
+        listen_to_signals();
+        status = make_steps(c, fit, &p);
+        restore_signals();
+        if (!status)
+            status = asked ? stop(c, fit, argv) : finish(c, fit, photos, &p);
+    }
+    fxs_fit_free(fit);
+    return status;
+}
+
+static int read_photos(fit_command *c, fxs_photos *photos)
+{
+    fxs_message message;
+    char label[] = "reading";
+    c->reading.progress = progress_bar;
+    c->reading.argument = label;
+    const int error = fxs_photos_read(c->in, &c->reading, photos, &message);
+    progress_end();
+    if (error)
+        return fail(EXIT_FAILED, "%s", message.text);
+    if (photos->skipped)
+        fprintf(stderr, "fixsplat: %s: left out %zu photographs that cannot be read\n", c->in, photos->skipped);
+    if (photos->points_are_random && !c->resume)
+        fprintf(stderr, "fixsplat: %s: no points: begins with %zu random ones\n", c->in, photos->point_count);
+    return 0;
+}
+
+int command_fit(int argc, char **argv)
+{
+    static fit_command c;
+    fxs_photos photos;
+    int status = take_options(&c, argc, argv);
+    if (!status)
+        status = check_outputs(&c);
+    if (status)
+        return status;
+    fxs_pool *pool = fxs_pool_create(c.frame.threads);
+    c.options.run = c.reading.run = pool ? fxs_pool_run : 0;
+    c.options.pool = c.reading.pool = pool;
+    c.options.threads = pool ? c.frame.threads : 1;
+    status = read_photos(&c, &photos);
+    if (!status)
+        status = fit_photos(&c, &photos, argv);
+    fxs_photos_free(&photos);
+    fxs_pool_destroy(pool);
+    free(c.saved);
+    return status;
+}

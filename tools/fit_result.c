@@ -1,0 +1,184 @@
+#include "fit_result.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "../port/image/image_file.h"
+#include "../port/scene/fxs_file.h"
+#include "../port/scene/ply_write.h"
+
+/* ---- Writing ----------------------------------------------------------------------------------------------------- */
+
+int result_check(const char *out)
+{
+    struct stat status;
+    if (!ends_with(out, ".fxs") && !ends_with(out, ".ply"))
+        return fail(EXIT_USAGE, "%s: expected a name ending in .fxs or .ply", out);
+    if (!stat(out, &status)) {
+        if (S_ISDIR(status.st_mode))
+            return fail(EXIT_FAILED, "%s: cannot be written: %s", out, strerror(EISDIR));
+        if (!S_ISREG(status.st_mode))
+            return access(out, W_OK) ? fail(EXIT_FAILED, "%s: cannot be written: %s", out, strerror(errno)) : 0;
+    }
+    const char *slash = strrchr(out, '/');
+    char *folder = slash ? strdup(out) : strdup(".");
+    if (!folder)
+        return fail(EXIT_FAILED, "out of memory");
+    if (slash)
+        folder[slash - out + 1] = 0;
+    const int error = access(folder, W_OK | X_OK) ? errno : 0;
+    free(folder);
+    return error ? fail(EXIT_FAILED, "%s: cannot be written: %s", out, strerror(error)) : 0;
+}
+
+static int copy(fxs_ply_writer *writer, fxs_scene_file *file, fxs_message *message)
+{
+    enum { BATCH = 256 };
+    fxs_gaussian batch[BATCH];
+    for (long n; (n = fxs_scene_file_read(file, batch, BATCH, message)) != 0;)
+        if (n < 0 || fxs_ply_writer_put(writer, batch, (size_t)n, message))
+            return -1;
+    return 0;
+}
+
+/* Those that can be drawn: no other number is written. */
+static int write_floats(const fxs_fit *fit, const char *out, fxs_message *message)
+{
+    fxs_gaussian_source gaussians;
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_scene_filter filter;
+    fxs_scene_filter_report report;
+    fxs_ply_writer *writer;
+    fxs_message closing;
+    fxs_scene_filter_default(&filter);
+    filter.drawable = 1;
+    fxs_fit_gaussians(fit, &gaussians);
+    if (fxs_scene_file_open_gaussians(out, &gaussians, 0, &file, &info, message))
+        return -1;
+    int result = fxs_scene_file_filter(file, &filter, &info, &report, 0, 0, message);
+    if (!result)
+        result = fxs_ply_writer_open(out, info.count, info.sh_degree, info.antialiased, &writer, message);
+    if (!result) {
+        result = copy(writer, file, message);
+        if (fxs_ply_writer_close(writer, result ? &closing : message))
+            result = -1;
+    }
+    fxs_scene_file_close(file);
+    return result;
+}
+
+int result_write(fit_result *r, const fxs_fit *fit, const char *out)
+{
+    fxs_message message;
+    memset(r, 0, sizeof *r);
+    int result = fxs_fit_pack(fit, &r->packed, &r->report, &message);
+    r->bytes = r->packed.bytes;
+    if (!result)
+        result = ends_with(out, ".ply") ? write_floats(fit, out, &message)
+                                        : fxs_file_write(out, r->packed.data, r->packed.bytes, &message);
+    return result ? fail(EXIT_FAILED, "%s", message.text) : 0;
+}
+
+/* ---- Measuring --------------------------------------------------------------------------------------------------- */
+
+/* What one measurement after the other goes through. */
+typedef struct gauge {
+    renderer renderer;
+    world world;
+    fxs_options options;
+    picture drawn;
+    const char *compare;
+} gauge;
+
+static uint8_t *to_rgba(const fxs_fit_photo *photo)
+{
+    const size_t pixels = (size_t)photo->view.width * (size_t)photo->view.height;
+    uint8_t *rgba = malloc(4 * pixels);
+    for (size_t i = 0; i < pixels && rgba; i++) {
+        memcpy(rgba + 4 * i, photo->pixels + 3 * i, 3);
+        rgba[4 * i + 3] = 255;
+    }
+    return rgba;
+}
+
+/* The photograph left, what was drawn right. */
+static int write_pair(const gauge *g, long index, const fxs_file_view *view, const uint8_t *photograph)
+{
+    const size_t width = (size_t)view->width, row = 4 * width;
+    uint8_t *both = malloc(2 * row * (size_t)view->height);
+    char name[4096];
+    fxs_message message;
+    if (!both)
+        return fail(EXIT_FAILED, "out of memory");
+    for (size_t y = 0; y < (size_t)view->height; y++) {
+        memcpy(both + 2 * row * y, photograph + row * y, row);
+        memcpy(both + 2 * row * y + row, g->drawn.pixels + row * y, row);
+    }
+    const char *slash = strrchr(view->name, '/'), *base = slash ? slash + 1 : view->name;
+    snprintf(name, sizeof name, "%s/%04ld_%.*s.png", g->compare, index, (int)strcspn(base, "."), base);
+    const int result = fxs_image_file_write(name, both, 2 * view->width, view->height, &message);
+    free(both);
+    return result ? fail(EXIT_FAILED, "%s", message.text) : 0;
+}
+
+static int measure_photo(gauge *g, const fxs_fit_photo *photo, long index, quality_view *out)
+{
+    const fxs_file_view *view = &photo->view;
+    int status = renderer_render(&g->renderer, &g->world, view, &g->options, &g->drawn, 0);
+    uint8_t *rgba = status ? 0 : to_rgba(photo);
+    if (!status && (!rgba || fxs_metrics_compare(rgba, g->drawn.pixels, view->width, view->height, &out->metrics)))
+        status = fail(EXIT_FAILED, "out of memory");
+    if (!status && g->compare)
+        status = write_pair(g, index, view, rgba);
+    memcpy(out->name, view->name, sizeof out->name);
+    out->index = index;
+    out->width = view->width;
+    out->height = view->height;
+    free(rgba);
+    return status;
+}
+
+static int measure_all(gauge *g, const fxs_photos *photos, quality *q)
+{
+    char label[] = "measuring";
+    const fxs_fit_photo *measured = photos->held_out_count ? photos->held_out : photos->fit;
+    q->count = (long)(photos->held_out_count ? photos->held_out_count : photos->fit_count);
+    q->views = calloc((size_t)q->count, sizeof *q->views);
+    int status = q->views ? 0 : fail(EXIT_FAILED, "out of memory");
+    for (long i = 0; i < q->count && !status; i++) {
+        progress_bar(label, (double)i / (double)q->count);
+        status = measure_photo(g, &measured[i], i, &q->views[i]);
+    }
+    progress_end();
+    if (!status)
+        quality_sum_up(q);
+    return status;
+}
+
+int result_measure(fit_result *r, const fxs_fit *fit, const fxs_photos *photos, const frame_options *frame,
+                   const char *out, const char *compare)
+{
+    const fxs_fit_options *o = fxs_fit_options_of(fit);
+    gauge g = {.options = frame->render, .compare = compare};
+    g.options.cutoff = o->cutoff;
+    memcpy(g.options.background, o->background, sizeof g.options.background);
+    int status = world_open_packed(&g.world, out, &r->packed, &r->report);
+    if (!status)
+        status = renderer_open(&g.renderer, frame);
+    if (!status)
+        status = measure_all(&g, photos, &r->quality);
+    renderer_close(&g.renderer);
+    world_close(&g.world);
+    picture_free(&g.drawn);
+    return status;
+}
+
+void result_free(fit_result *r)
+{
+    fxs_packed_scene_free(&r->packed);
+    quality_free(&r->quality);
+}

@@ -1,0 +1,31 @@
+/* What comes of a fit: the scene's file, and how far its pictures are from the photographs. */
+#ifndef FIT_RESULT_H
+#define FIT_RESULT_H
+
+#include "../port/fit/photos.h"
+#include "quality.h"
+
+/* Whether the name has an ending that result_write knows, and can be written. Returns 0, or prints why not and returns
+   the exit status. */
+int result_check(const char *out);
+
+/* A fit's Gaussians, packed. */
+typedef struct fit_result {
+    fxs_packed_scene packed;                /* until it is measured */
+    fxs_pack_report report;
+    size_t bytes;                           /* of it */
+    quality quality;                        /* of the photographs that were held out; of all where none were */
+} fit_result;
+
+/* Packs the fit and writes it, as .fxs or, its Gaussians in floats, as .ply. Returns 0, or prints why not and returns
+   EXIT_FAILED. result_free frees what it holds in either case. */
+int result_write(fit_result *result, const fxs_fit *fit, const char *out);
+
+/* Draws what was packed from where photographs were taken, by the renderer. `compare`: a folder for pictures of each
+   photograph, left, and what was drawn; or null. Returns as above. */
+int result_measure(fit_result *result, const fxs_fit *fit, const fxs_photos *photos, const frame_options *frame,
+                   const char *out, const char *compare);
+
+void result_free(fit_result *result);
+
+#endif
