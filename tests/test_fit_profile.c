@@ -191,7 +191,8 @@ static double psnr_of(const fit *f)
     for (int i = 0; i < VIEWS; i++) {
         fxs_camera camera;
         CHECK(!fxs_camera_from_view(&camera, &views[i], &message));
-        CHECK(!one_render(&context, &scene, &camera, &options, FXS_FORMAT_RGBA8, memory, bytes, picture, 4 * WIDTH, NULL));
+        CHECK(!one_render(&context, &scene, &camera, &options, FXS_FORMAT_RGBA8, memory, bytes, picture, 4 * WIDTH,
+                          NULL));
         for (int p = 0; p < PIXELS; p++)
             for (int c = 0; c < 3; c++)
                 squares += (picture[4 * p + c] - pixels[i][3 * p + c]) * (picture[4 * p + c] - pixels[i][3 * p + c]);
@@ -301,10 +302,12 @@ static int same(const fit *a, const fit *b)
     fxs_scene scene;
     if (!pack(a, &p, &scene) || !pack(b, &q, &scene))
         return 0;
-    const size_t bytes = FXS_FIT_PARAMETERS * a->model.stride * sizeof(float);
-    const int is_same = p.bytes == q.bytes && !memcmp(p.data, q.data, p.bytes) && a->model.stride == b->model.stride &&
-                        !memcmp(a->model.masters, b->model.masters, bytes) &&
-                        !memcmp(a->model.parameters, b->model.parameters, bytes);
+    int is_same = p.bytes == q.bytes && !memcmp(p.data, q.data, p.bytes) && a->model.stride == b->model.stride;
+    for (size_t k = 0; is_same && k < FXS_FIT_PARAMETERS; k++) {
+        const size_t at = k * a->model.stride, bytes = a->model.count * sizeof(float);
+        is_same = !memcmp(a->model.masters + at, b->model.masters + at, bytes) &&
+                  !memcmp(a->model.parameters + at, b->model.parameters + at, bytes);
+    }
     fxs_packed_scene_free(&p);
     fxs_packed_scene_free(&q);
     return is_same;
@@ -381,7 +384,7 @@ static void test_state(void)
             steps(&again, CODED_EVERY);
             CHECK(same(&f, &again));
             again.profile.chunks[1].opacity_law = 4;
-            CHECK(fxs_fit_profile_restore(&again.profile, &again.model) == FXS_ERR_FILE);
+            CHECK(fxs_fit_profile_restore(&again.profile, &again.model) != 0);
             end(&again);
         }
         free(s.bytes);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../../src/chunk.h"
 #include "../files/message.h"
 #include "../files/try_internal.h"
 #include "../import/order.h"
@@ -140,7 +141,8 @@ static void put_thinnest_last(const fxs_fit_model *m, size_t i)
         *b = swap;
         for (int n = 0; n < 4; n++)
             q[n] = plane(planes[k], m, FXS_FIT_ROTATION + n) + i;
-        const float w = *q[0], x = *q[1], y = *q[2], z = *q[3], by = k < 2 ? 0.707106781f : 0.5f, minus = k < 2 ? -1 : 1;
+        const float w = *q[0], x = *q[1], y = *q[2], z = *q[3];
+        const float by = k < 2 ? 0.707106781f : 0.5f, minus = k < 2 ? -1 : 1;
         *q[0] = by * (w + minus * (thinnest ? x : y));
         *q[1] = by * (thinnest ? x + w : x + minus * z);
         *q[2] = by * (thinnest ? y + z : y + w);
@@ -262,21 +264,29 @@ void fxs_fit_profile_end(fxs_fit_profile *p, fxs_fit_model *m)
     m->grid = NULL;
 }
 
+/* For free. */
+static void *aligned(size_t bytes)
+{
+    void *memory = NULL;
+    return posix_memalign(&memory, 64, bytes) ? NULL : memset(memory, 0, bytes);
+}
+
 int fxs_fit_profile_allocate(fxs_fit_profile *p, fxs_fit_model *m, enum fxs_profile which, int sh_degree)
 {
     const int has_palette = fxs_palette_stages(which, sh_degree) > 0;
     const size_t bytes = FXS_FIT_PARAMETERS * m->stride * sizeof *m->masters;
-    void *masters = NULL;
     memset(p, 0, sizeof *p);
     p->profile = which;
     p->sh_degree = sh_degree;
     p->count = m->count;
-    p->chunks = calloc(chunks_of(p), sizeof *p->chunks);
+    p->chunks = aligned(chunks_of(p) * sizeof *p->chunks);
     p->steps = calloc(chunks_of(p), sizeof *p->steps);
     p->palette = has_palette ? calloc(1, sizeof *p->palette) : NULL;
     p->records = has_palette ? calloc(p->count, record_bytes(p)) : NULL;
-    if (posix_memalign(&masters, 64, bytes) || !p->chunks || !p->steps || (has_palette && (!p->palette || !p->records))) {
-        free(masters);
+    m->masters = aligned(bytes);
+    if (!m->masters || !p->chunks || !p->steps || (has_palette && (!p->palette || !p->records))) {
+        free(m->masters);
+        m->masters = NULL;
         fxs_fit_profile_free(p);
         return FXS_ERR_MEMORY;
     }
@@ -285,7 +295,7 @@ int fxs_fit_profile_allocate(fxs_fit_profile *p, fxs_fit_model *m, enum fxs_prof
         p->palette->sh_degree = sh_degree;
     }
     set_grid(p);
-    m->masters = memcpy(masters, m->parameters, bytes);
+    memcpy(m->masters, m->parameters, bytes);
     m->grid = &p->grid;
     return 0;
 }
@@ -377,9 +387,12 @@ int fxs_fit_profile_restore(fxs_fit_profile *p, fxs_fit_model *m)
                         fxs_palette_restore(p->palette, fxs_palette_entries_for(p->count, p->profile, p->sh_degree))))
         return FXS_ERR_FILE;
     for (size_t chunk = 0; chunk < chunks_of(p); chunk++) {
-        if (p->chunks[chunk].opacity_law >= FXS_OPACITY_LAWS || p->chunks[chunk].step_shift > 12)
-            return FXS_ERR_FILE;
-        find_steps(p, &p->steps[chunk], &p->chunks[chunk]);
+        const fxs_scene scene = {.chunks = (const unsigned char *)&p->chunks[chunk]};
+        fxs_chunk header;
+        fxs_chunk_turn(&p->chunks[chunk]);
+        FXS_TRY(fxs_chunk_read(&header, &scene, 0));
+        p->chunks[chunk] = header;
+        find_steps(p, &p->steps[chunk], &header);
     }
     m->grid = &p->grid;
     return 0;

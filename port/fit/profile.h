@@ -48,7 +48,7 @@ int fxs_fit_profile_walk(fxs_fit_profile *profile, fxs_fit_model *model, fxs_fit
 /* Makes room for the state of a phase that has begun, with a model of `count` Gaussians. Returns 0 or FXS_ERR_MEMORY. */
 int fxs_fit_profile_allocate(fxs_fit_profile *profile, fxs_fit_model *model, enum fxs_profile which, int sh_degree);
 
-/* After a state was read. Returns 0, or FXS_ERR_FILE where there is no such state. */
+/* After a state was read. Returns 0, or an error where there can be no such state. */
 int fxs_fit_profile_restore(fxs_fit_profile *profile, fxs_fit_model *model);
 
 void fxs_fit_profile_free(fxs_fit_profile *profile);
