@@ -221,8 +221,11 @@ static void compare(const decoded *d, const fxs_gaussian *g)
         CHECK(fabs(d->scale[k] - (double)g->scale[k]) < 1e-6);
         CHECK(fabs(d->dc[k] - (double)g->dc[k]) < 1e-6);
     }
+    double dot = 0;                              /* a quaternion's sign is not packed */
     for (int k = 0; k < 4; k++)
-        CHECK(fabs(d->rotation[k] - (double)g->rotation[k]) < 3e-7);
+        dot += d->rotation[k] * (double)g->rotation[k];
+    for (int k = 0; k < 4; k++)
+        CHECK(fabs(d->rotation[k] - (dot < 0 ? -1 : 1) * (double)g->rotation[k]) < 3e-7);
     CHECK(fabs(d->opacity - opacity) < (opacity > 0.9989 ? 1.1e-3 : 3e-7));
     for (int k = 0; k < 45; k++)
         CHECK((float)d->sh[k] == g->sh[k]);
@@ -238,6 +241,11 @@ static void check_packed(const fit *f)
     for (uint32_t i = 0; i < scene.count && !check_faults; i++) {
         const decoded d = decode(&scene, i);
         const fxs_gaussian g = gaussian_at(&f->model, f->model.parameters, i);
+        const fxs_gaussian master = gaussian_at(&f->model, f->model.masters, i);
+        double dot = 0;
+        for (int k = 0; k < 4; k++)
+            dot += (double)(g.rotation[k] * master.rotation[k]);
+        CHECK(dot > 0);
         compare(&d, &g);
     }
     fxs_packed_scene_free(&packed);

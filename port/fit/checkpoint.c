@@ -181,12 +181,14 @@ static int masters_block(void *argument, void *block, size_t bytes)
 
 static int bytes_block(void *argument, void *block, size_t bytes)
 {
+    uint8_t *of = block;
     for (size_t at = 0; at < bytes; at += 4) {
-        const size_t some = bytes - at < 4 ? bytes - at : 4;
         uint32_t word = 0;
-        memcpy(&word, (char *)block + at, some);
+        for (size_t i = at; i < at + 4 && i < bytes; i++)
+            word |= (uint32_t)of[i] << 8 * (i - at);
         number(argument, &word);
-        memcpy((char *)block + at, &word, some);
+        for (size_t i = at; i < at + 4 && i < bytes; i++)
+            of[i] = (uint8_t)(word >> 8 * (i - at));
     }
     return 0;
 }

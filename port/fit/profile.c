@@ -369,16 +369,34 @@ int fxs_fit_profile_pack(const fxs_fit_profile *p, const fxs_fit_model *m, const
 
 /* ---- State ------------------------------------------------------------------------------------------------------- */
 
+/* Between this processor's order of bytes and little-endian. */
+static void turn(fxs_fit_profile *p)
+{
+    fxs_palette *palette = p->palette;
+    for (size_t chunk = 0; chunk < chunks_of(p); chunk++)
+        fxs_chunk_turn(&p->chunks[chunk]);
+    if (!palette)
+        return;
+    fxs_little_endian(palette, 0, offsetof(fxs_palette, vectors) / 4, 4);
+    fxs_little_endian(palette->vectors, 0, sizeof palette->vectors / 2, 2);
+    fxs_little_endian(palette->squares, 0, sizeof palette->squares / 4, 4);
+    fxs_little_endian(palette->groups, 0, sizeof palette->groups / 2, 2);
+    fxs_little_endian(palette->group_squares, 0, sizeof palette->group_squares / 4, 4);
+}
+
 int fxs_fit_profile_walk(fxs_fit_profile *p, fxs_fit_model *m, fxs_fit_visit_fn *masters, fxs_fit_visit_fn *others,
                          void *argument)
 {
     for (size_t k = 0; k < FXS_FIT_PARAMETERS; k++)
         FXS_TRY(masters(argument, m->masters + k * m->stride, m->count * sizeof *m->masters));
-    FXS_TRY(others(argument, p->chunks, chunks_of(p) * sizeof *p->chunks));
-    if (!p->palette)
-        return 0;
-    FXS_TRY(others(argument, p->palette, sizeof *p->palette));
-    return others(argument, p->records, p->count * record_bytes(p));
+    turn(p);
+    int error = others(argument, p->chunks, chunks_of(p) * sizeof *p->chunks);
+    if (!error && p->palette)
+        error = others(argument, p->palette, sizeof *p->palette);
+    if (!error && p->palette)
+        error = others(argument, p->records, p->count * record_bytes(p));
+    turn(p);
+    return error;
 }
 
 int fxs_fit_profile_restore(fxs_fit_profile *p, fxs_fit_model *m)

@@ -35,12 +35,12 @@ int fxs_fit_profile_code(fxs_fit_profile *profile, fxs_fit_model *model, fxs_fit
 void fxs_fit_profile_end(fxs_fit_profile *profile, fxs_fit_model *model);
 
 /* Packs the model: what the packed scene says are the model's parameters. `gaussians` are those. */
-int fxs_fit_profile_pack(const fxs_fit_profile *profile, const fxs_fit_model *model, const fxs_gaussian_source *gaussians,
-                         fxs_packed_scene *scene, fxs_pack_report *report, const fxs_pack_options *options,
-                         fxs_message *message);
+int fxs_fit_profile_pack(const fxs_fit_profile *profile, const fxs_fit_model *model,
+                         const fxs_gaussian_source *gaussians, fxs_packed_scene *scene, fxs_pack_report *report,
+                         const fxs_pack_options *options, fxs_message *message);
 
 /* Gives every block of the phase's state beside the model's planes to a visitor, the masters to one of its own, to be
-   saved or, after fxs_fit_profile_allocate, read. Returns 0 or what a visitor returned. */
+   saved or, after fxs_fit_profile_allocate, read: floats, and bytes that are the same on every machine. Returns 0 or what a visitor returned. */
 typedef int fxs_fit_visit_fn(void *argument, void *block, size_t bytes);
 int fxs_fit_profile_walk(fxs_fit_profile *profile, fxs_fit_model *model, fxs_fit_visit_fn *masters,
                          fxs_fit_visit_fn *others, void *argument);

@@ -66,7 +66,8 @@ static inline real quantise_opacity(const fxs_fit_chunk *c, real logit, whole *c
     return choose(below(all(0), said), ln(most(said, all(0.001f)) / most(1.0f - said, all(0.001f))), all(-80));
 }
 
-/* The smallest three of a quaternion, the largest made positive; codes: which is the largest, and the others in order. */
+/* The smallest three of a quaternion, whose sign stays, so that its gradient is that of the master; codes: which is the
+   largest, and the others in order where it is positive. */
 static inline void quantise_rotation(const real from[4], int width, real to[4], whole codes[4])
 {
     const float half = (float)((1 << width) - 1) * 0.5f;
@@ -76,8 +77,8 @@ static inline void quantise_rotation(const real from[4], int width, real to[4], 
         largest = choose(is_larger, from[i], largest);
         place = choose(is_larger, all((float)i), place);
     }
-    const real square = (from[0] * from[0] + from[1] * from[1]) + (from[2] * from[2] + from[3] * from[3]);
-    const real length = root(square), scale = 1.41421356f / choose(below(largest, all(0)), -length, length);
+    const real length = root((from[0] * from[0] + from[1] * from[1]) + (from[2] * from[2] + from[3] * from[3]));
+    const real sign = choose(below(largest, all(0)), all(-1), all(1)), scale = 1.41421356f * sign / length;
     real others[3];
     for (int i = 0; i < 3; i++) {
         const real q = choose(below(all((float)i), place), from[i], from[i + 1]);
@@ -89,7 +90,7 @@ static inline void quantise_rotation(const real from[4], int width, real to[4], 
     rest = root(most(1.0f - rest, all(0)));
     for (int i = 0; i < 4; i++) {
         const real after = i > 0 ? others[i - 1] : rest, before = i < 3 ? others[i] : rest;
-        to[i] = choose(below(all((float)i), place), before, choose(below(place, all((float)i)), after, rest));
+        to[i] = sign * choose(below(all((float)i), place), before, choose(below(place, all((float)i)), after, rest));
     }
 }
 
