@@ -667,8 +667,8 @@ static void adam(void)
                                 .correction = (float)(1 / (1 - pow(0.999, step))), .epsilon = 1e-12f};
         memset(sums, 0, sizeof sums);
         sums[FXS_FIT_RED][2] = (float)g;
-        stages->update(&camera, 0, &a, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_BLOCK, sums[0],
-                       m.by_centre);
+        stages->update(&camera, 0, &a, m.parameters, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_BLOCK,
+                       sums[0], m.by_centre);
         mean = 0.9 * mean + 0.1 * gradient;
         square = 0.999 * square + 0.001 * gradient * gradient;
         x -= 0.01 * mean / (1 - pow(0.9, step)) / (sqrt(square / (1 - pow(0.999, step))) + 1e-12);
@@ -704,7 +704,7 @@ static void gradients_beyond(void)
             for (int i = 0; i < FXS_FIT_SUMS * FXS_FIT_PART; i++)
                 sums[i / FXS_FIT_PART][i % FXS_FIT_PART] = 1;
             sums[sum][3] = bad[which];
-            stages->update(&camera, 3, &a, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_BLOCK, sums[0],
+            stages->update(&camera, 3, &a, m.parameters, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_BLOCK, sums[0],
                            m.by_centre);
             for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
                 for (size_t i = 0; i < FXS_FIT_BLOCK; i++)

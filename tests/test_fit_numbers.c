@@ -160,8 +160,8 @@ static void test_tiny_gradients(void)
                 sums[FXS_FIT_RED][i] = step < 100 ? (float)ldexp(fit_uniform(-1, 1), -10 * i) : 0;
                 adam_step(&reference[i], 0.28209479177387814 * (double)sums[FXS_FIT_RED][i], 0.0025, step);
             }
-            versions[v]->update(&camera, 0, &numbers, parameters[0], means[0], squares[0], FXS_FIT_BLOCK, 0,
-                                FXS_FIT_BLOCK, sums[0], by_centre);
+            versions[v]->update(&camera, 0, &numbers, parameters[0], parameters[0], means[0], squares[0],
+                                FXS_FIT_BLOCK, 0, FXS_FIT_BLOCK, sums[0], by_centre);
         }
         for (int i = 0; i < block; i++) {
             const double found = (double)parameters[FXS_FIT_COLOUR][i];

@@ -13,7 +13,7 @@
 #define END 0x646e6578u            /* "xend": the checksum of all before follows */
 
 /* Another number wherever a fit goes on otherwise than before: an older file would not end as if never stopped. */
-#define VERSION 1u
+#define VERSION 2u
 
 typedef struct archive {
     fxs_output *output;            /* null: it is read */
@@ -172,6 +172,43 @@ static void walk_model(archive *a, fxs_fit_model *m)
     floats(a, m->views, m->count);
 }
 
+/* Blocks of 32-bit floats, or of bytes. */
+static int masters_block(void *argument, void *block, size_t bytes)
+{
+    floats(argument, block, bytes / sizeof(float));
+    return 0;
+}
+
+static int bytes_block(void *argument, void *block, size_t bytes)
+{
+    uint8_t *of = block;
+    for (size_t at = 0; at < bytes; at += 4) {
+        uint32_t word = 0;
+        for (size_t i = at; i < at + 4 && i < bytes; i++)
+            word |= (uint32_t)of[i] << 8 * (i - at);
+        number(argument, &word);
+        for (size_t i = at; i < at + 4 && i < bytes; i++)
+            of[i] = (uint8_t)(word >> 8 * (i - at));
+    }
+    return 0;
+}
+
+/* The last tenth of the steps: see profile.h. */
+static void walk_profile(archive *a, fxs_fit *f)
+{
+    const uint32_t begun = within(a, f->profile.chunks != NULL, 0, 1);
+    if (!begun || !holds(a, f->model.count, FXS_FIT_PARAMETERS))
+        return;
+    if (!a->output && (!f->model.count || fxs_fit_profile_allocate(&f->profile, &f->model, f->options.profile,
+                                                                    f->options.sh_degree))) {
+        fail(a, f->model.count ? FXS_ERR_MEMORY : FXS_ERR_FILE, "no Gaussians to be packed");
+        return;
+    }
+    fxs_fit_profile_walk(&f->profile, &f->model, masters_block, bytes_block, a);
+    if (!a->output && !a->fault && fxs_fit_profile_restore(&f->profile, &f->model))
+        damaged(a, "a number out of its range");
+}
+
 /* All that a step changes and the next needs, but what follows from the options and the step. What is added to a fit is
    added here. */
 static void walk(archive *a, fxs_fit *f)
@@ -179,6 +216,7 @@ static void walk(archive *a, fxs_fit *f)
     number(a, &f->step);
     floats(a, &f->extent, 1);
     walk_model(a, &f->model);
+    walk_profile(a, f);
 }
 
 /* The checksum, which is of all before it. */

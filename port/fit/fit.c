@@ -197,6 +197,7 @@ void fxs_fit_free(fxs_fit *f)
 {
     if (!f)
         return;
+    fxs_fit_profile_free(&f->profile);
     fxs_fit_model_free(&f->model);
     fxs_fit_stepper_free(f->stepper);
     free(f->photographs);
@@ -306,6 +307,9 @@ int fxs_fit_step(fxs_fit *f, fxs_fit_report *report)
     fxs_fit_photograph reduced;
     fxs_fit_step_options options;
     fxs_fit_plan plan;
+    int error = fxs_fit_pass_profile(f);
+    if (error)
+        return error;
     f->step++;
     fxs_fit_plan_step(&f->options, f->extent, f->step, c->width < c->height ? c->width : c->height, &plan);
     if (plan.divisor > 1) {
@@ -313,8 +317,8 @@ int fxs_fit_step(fxs_fit *f, fxs_fit_report *report)
         photograph = &reduced;
     }
     set_step(f, &plan, &options);
-    int error = fxs_fit_stepper_step(f->stepper, &f->model, photograph, &options, report);
-    if (!error)
+    error = fxs_fit_stepper_step(f->stepper, &f->model, photograph, &options, report);
+    if (!error && !f->profile.chunks)
         error = change_model(f, &plan);
     report->gaussians = f->model.count;
     return error;

@@ -4,6 +4,7 @@
 
 #include "fit.h"
 #include "model.h"
+#include "profile.h"
 
 struct fxs_fit {
     fxs_fit_options options;
@@ -13,6 +14,7 @@ struct fxs_fit {
     uint8_t *reduced;              /* pixels of a photograph that is averaged down, where the recipe does that */
     fxs_fit_stepper *stepper;
     fxs_fit_model model;
+    fxs_fit_profile profile;
     float extent;
     uint32_t step;                 /* steps that were made */
 };
@@ -20,6 +22,10 @@ struct fxs_fit {
 /* What fxs_fit_create and fxs_fit_resume have in common: a fit without Gaussians and extent, at step 0. */
 int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_options *options,
                   fxs_message *message);
+
+/* Before a step. The last tenth of them passes through the packed profile; a fit that was in it and is to have more
+   steps leaves it. Returns 0 or an error. */
+int fxs_fit_pass_profile(fxs_fit *fit);
 
 /* Sets `order` for the step that follows `step`, and those up to the next permutation. */
 void fxs_fit_set_order(fxs_fit *fit);

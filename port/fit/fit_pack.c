@@ -1,22 +1,51 @@
 /* The Gaussians of a fit as the renderer draws them. */
-#include <string.h>
-
 #include "fit_internal.h"
+
+static void run_here(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
+{
+    (void)pool;
+    for (uint32_t i = 0; i < jobs; i++)
+        job(argument, i);
+}
+
+static fxs_pack_options pack_options(const fxs_fit *f)
+{
+    fxs_pack_options options = {.profile = f->options.profile, .run = f->options.run, .pool = f->options.pool,
+                                .threads = f->options.threads};
+    options.run = options.run ? options.run : run_here;
+    return options;
+}
+
+/* Steps that are left when the packed profile is taken in. */
+static uint32_t profile_steps(const fxs_fit *f)
+{
+    return f->options.steps / 10;
+}
+
+/* Steps and palette of the profile are found 16 times. */
+int fxs_fit_pass_profile(fxs_fit *f)
+{
+    const uint32_t steps = profile_steps(f), first = f->options.steps - steps, every = (steps + 15) / 16;
+    const fxs_pack_options options = pack_options(f);
+    fxs_message message;
+    if (f->step < first || f->step >= f->options.steps) {
+        if (f->profile.chunks && f->step < first)
+            fxs_fit_profile_end(&f->profile, &f->model);
+        return 0;
+    }
+    if (!f->profile.chunks && f->model.count)
+        return fxs_fit_profile_begin(&f->profile, &f->model, f->stepper, f->options.sh_degree, &options, &message);
+    if (!f->profile.chunks || (f->step - first) % every)
+        return 0;
+    return fxs_fit_profile_code(&f->profile, &f->model, f->stepper, &options, &message);
+}
 
 int fxs_fit_pack(const fxs_fit *f, fxs_packed_scene *scene, fxs_pack_report *report, fxs_message *message)
 {
+    const fxs_pack_options options = pack_options(f);
     fxs_gaussian_source gaussians;
-    fxs_scene_file *file;
-    fxs_scene_file_info info;
     fxs_pack_report unwanted;
-    const fxs_fit_options *o = &f->options;
-    const fxs_pack_options options = {.profile = o->profile, .run = o->run, .pool = o->pool, .threads = o->threads};
-    memset(scene, 0, sizeof *scene);
     fxs_fit_gaussians(f, &gaussians);
-    int error = fxs_scene_file_open_gaussians("fit", &gaussians, NULL, &file, &info, message);
-    if (error)
-        return error;
-    error = fxs_pack(file, &info, scene, report ? report : &unwanted, &options, message);
-    fxs_scene_file_close(file);
-    return error;
+    return fxs_fit_profile_pack(&f->profile, &f->model, &gaussians, scene, report ? report : &unwanted, &options,
+                                message);
 }

@@ -24,6 +24,7 @@ void fxs_fit_model_free(fxs_fit_model *m)
     free(m->squares);
     free(m->by_centre);
     free(m->views);
+    free(m->masters);
     memset(m, 0, sizeof *m);
 }
 

@@ -21,6 +21,8 @@
 #define FXS_FIT_BLOCK 16           /* Gaussians of a job come in multiples of it */
 #define FXS_FIT_PART 256           /* Gaussians that are updated at once, at most */
 
+#define FXS_FIT_CHUNK 256          /* Gaussians that are packed by the same steps: FXS_CHUNK */
+
 /* Planes of parameters, one after the other, `stride` numbers each. */
 enum {
     FXS_FIT_POSITION = 0,          /* 3: scene units */
@@ -106,6 +108,22 @@ typedef struct fxs_fit_adam {
     float by_opacity, by_scale;    /* d loss / d opacity, / d scale, of every Gaussian, beside the picture's */
 } fxs_fit_adam;
 
+/* How the Gaussians of a chunk (FXS_FIT_CHUNK of them) are quantised: what fxs_chunk says, in the units of the parameters.
+   An inverse is of the step of the profile's own codes; 0 where the step is. */
+typedef struct fxs_fit_chunk {
+    float low[3], step[3], inverse[3];              /* positions */
+    float scale, scale_step, scale_inverse;         /* log2(sigma) */
+    float colour[3], colour_step[3], colour_inverse[3];
+    float sh_step[3], sh_inverse[3];
+    float opacity_range, opacity_inverse;           /* 0: law 0 */
+} fxs_fit_chunk;
+
+typedef struct fxs_fit_grid {
+    int position_bits, scale_bits[3], rotation_bits, colour_bits[3];
+    int sh_degree;                 /* up to which SH are quantised by sh_step; 0 where a palette has them */
+    const fxs_fit_chunk *chunks;
+} fxs_fit_grid;
+
 /* Noise of positions of a step: Sigma xi sigmoid(-100 (opacity - 0.005)) amount, xi normal, drawn by key. */
 typedef struct fxs_fit_noise {
     float amount;
@@ -134,14 +152,18 @@ typedef struct fxs_fit_stages {
     void (*loss_back_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_gradient)(const fxs_fit_loss *loss, int32_t row);
     /* Gradients of Gaussians first..first + count, of FXS_FIT_PART at most, from `sums` (planes of FXS_FIT_PART numbers),
-       and a step of Adam, where moments below 2^-100 are 0. by_centre: adds up the length of dL/dcentre, in halves of the
-       picture's sides, of the loss that is a mean over pixels and channels. A Gaussian with a gradient that is not finite,
-       or beyond FXS_FIT_FARTHEST_GRADIENT, gets one of 0. Scales and opacities stay within FXS_FIT_FARTHEST. */
-    void (*update)(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam, float *parameters,
-                   float *means, float *squares, size_t stride, size_t first, size_t count, const float *sums,
-                   float *by_centre);
+       and a step of Adam by them of the masters, which are the parameters where nothing is quantised; moments below
+       2^-100 are 0. by_centre: adds up the length of dL/dcentre, in halves of the picture's sides, of the loss that is a
+       mean over pixels and channels. A Gaussian with a gradient that is not finite, or beyond
+       FXS_FIT_FARTHEST_GRADIENT, gets one of 0. Scales and opacities stay within FXS_FIT_FARTHEST. */
+    void (*update)(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam, const float *parameters,
+                   float *masters, float *means, float *squares, size_t stride, size_t first, size_t count,
+                   const float *sums, float *by_centre);
     /* Moves Gaussians first..first + count by noise; none beyond FXS_FIT_FARTHEST_PLACE. */
     void (*noise)(const fxs_fit_noise *noise, float *parameters, size_t stride, size_t first, size_t count);
+    /* The parameters of Gaussians first..first + count become what packing makes of the masters. */
+    void (*quantise)(const fxs_fit_grid *grid, const float *masters, float *parameters, size_t stride, size_t first,
+                     size_t count);
 } fxs_fit_stages;
 
 /* The best version for the instruction sets in `cpu` (enum fxs_cpu) that this processor has. */

@@ -2,6 +2,7 @@
 #include "gaussian.h"
 #include "loss.h"
 #include "noise.h"
+#include "quantise.h"
 #include "span.h"
 #include "tile.h"
 
@@ -318,8 +319,9 @@ static int any_of(const float *touched, size_t count)
 
 /* SH of degrees that are not yet drawn have no gradient, and no moments. */
 static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam,
-                                        float *parameters, float *means, float *squares, size_t stride, size_t first,
-                                        size_t count, const float *sums, float *by_centre)
+                                        const float *parameters, float *masters, float *means, float *squares,
+                                        size_t stride, size_t first, size_t count, const float *sums,
+                                        float *by_centre)
 {
     part_planes gradients;
     float touched[FXS_FIT_PART];
@@ -334,10 +336,10 @@ static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *camera, int degree
         return;
     for (int k = 0; k < end; k++) {
         const size_t at = (size_t)k * stride + first;
-        adam_plane(adam, adam->rate[k], gradients[k], touched, count, parameters + at, means + at, squares + at,
+        adam_plane(adam, adam->rate[k], gradients[k], touched, count, masters + at, means + at, squares + at,
                    k + 1 < end ? stride : 0);
         if ((k >= FXS_FIT_SCALE && k < FXS_FIT_ROTATION) || k == FXS_FIT_OPACITY)
-            keep_within(parameters + at, count);
+            keep_within(masters + at, count);
     }
 }
 
@@ -348,8 +350,24 @@ static void NAMED(fxs_fit_noise_, ISA)(const fxs_fit_noise *noise, float *parame
         add_noise(noise, parameters + i, stride, (uint32_t)i);
 }
 
+static void NAMED(fxs_fit_quantise_, ISA)(const fxs_fit_grid *grid, const float *masters, float *parameters,
+                                          size_t stride, size_t first, size_t count)
+{
+    whole codes[FXS_FIT_SH];
+    for (size_t i = first; i < first + count; i += LANES) {
+        const fxs_fit_chunk *chunk = &grid->chunks[i / FXS_FIT_CHUNK];
+        quantise_shape(grid, chunk, masters + i, parameters + i, (ptrdiff_t)stride, codes);
+        for (int degree = 1; degree <= grid->sh_degree; degree++)
+            for (int k = 3 * SH_COUNT(degree - 1); k < 3 * SH_COUNT(degree); k++) {
+                const size_t at = (size_t)(FXS_FIT_SH + k) * stride + i;
+                store(parameters + at, quantise_band(chunk, degree, load(masters + at), codes));
+            }
+    }
+}
+
 const fxs_fit_stages NAMED(fxs_fit_stages_, ISA) = {
     STRING_OF(ISA), NAMED(fxs_fit_project_, ISA), NAMED(fxs_fit_cover_, ISA), NAMED(fxs_fit_blend_, ISA),
     NAMED(fxs_fit_back_, ISA),
     NAMED(fxs_fit_loss_rows_, ISA), NAMED(fxs_fit_loss_derivatives_, ISA), NAMED(fxs_fit_loss_back_rows_, ISA),
-    NAMED(fxs_fit_loss_gradient_, ISA), NAMED(fxs_fit_update_, ISA), NAMED(fxs_fit_noise_, ISA)};
+    NAMED(fxs_fit_loss_gradient_, ISA), NAMED(fxs_fit_update_, ISA), NAMED(fxs_fit_noise_, ISA),
+    NAMED(fxs_fit_quantise_, ISA)};

@@ -489,16 +489,32 @@ static void update_job(void *argument, uint32_t job)
 {
     const fxs_fit_stepper *s = argument;
     const fxs_fit_model *m = s->model;
+    float *masters = m->masters ? m->masters : m->parameters;
     const size_t end = (size_t)job * JOB + job_count(s, job);
     for (size_t first = (size_t)job * JOB; first < end; first += FXS_FIT_PART) {
         float sums[FXS_FIT_SUMS][FXS_FIT_PART];
         const size_t count = end - first < FXS_FIT_PART ? end - first : FXS_FIT_PART;
         gather(s, first, count, sums);
-        s->stages->update(s->camera, s->options->sh_degree, &s->adam, m->parameters, m->means, m->squares, m->stride,
-                          first, count, sums[0], m->by_centre);
+        s->stages->update(s->camera, s->options->sh_degree, &s->adam, m->parameters, masters, m->means, m->squares,
+                          m->stride, first, count, sums[0], m->by_centre);
+        if (s->options->noise.amount > 0)
+            s->stages->noise(&s->options->noise, masters, m->stride, first, count);
+        if (m->masters)
+            s->stages->quantise(m->grid, masters, m->parameters, m->stride, first, count);
     }
-    if (s->options->noise.amount > 0)
-        s->stages->noise(&s->options->noise, m->parameters, m->stride, (size_t)job * JOB, job_count(s, job));
+}
+
+static void quantise_job(void *argument, uint32_t job)
+{
+    const fxs_fit_stepper *s = argument;
+    const fxs_fit_model *m = s->model;
+    s->stages->quantise(m->grid, m->masters, m->parameters, m->stride, (size_t)job * JOB, job_count(s, job));
+}
+
+void fxs_fit_quantise(fxs_fit_stepper *s, fxs_fit_model *model)
+{
+    s->model = model;
+    run(s, quantise_job, gaussian_jobs(s));
 }
 
 /* The gradient is that of the sum over pixels and channels; Adam's epsilon is meant for their mean, and so are the

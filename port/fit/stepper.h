@@ -18,6 +18,8 @@ typedef struct fxs_fit_model {
     size_t count, stride;
     float *parameters, *means, *squares;        /* FXS_FIT_PARAMETERS planes each */
     float *by_centre, *views;      /* sums of |dL/dcentre| (stage.h: update), and of steps with it in the picture */
+    float *masters;                /* null; or the parameters as Adam has them: the others are quantised by `grid` */
+    const fxs_fit_grid *grid;
 } fxs_fit_model;
 
 typedef struct fxs_fit_step_options {
@@ -44,5 +46,8 @@ int fxs_fit_draw(fxs_fit_stepper *step, const fxs_fit_model *model, const fxs_fi
 /* One step of the fit. Returns 0 or FXS_ERR_MEMORY. */
 int fxs_fit_stepper_step(fxs_fit_stepper *step, fxs_fit_model *model, const fxs_fit_photograph *photograph,
                     const fxs_fit_step_options *options, fxs_fit_report *report);
+
+/* The parameters of a model with masters become what its grid makes of them. */
+void fxs_fit_quantise(fxs_fit_stepper *step, fxs_fit_model *model);
 
 #endif

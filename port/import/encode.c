@@ -107,20 +107,25 @@ static void weigh_opacity(fxs_chunk_ranges *r, double opacity)
     }
 }
 
-void fxs_ranges_take(fxs_chunk_ranges *r, const fxs_gaussian *g, int sh_degree)
+void fxs_ranges_take_as(fxs_chunk_ranges *r, const fxs_gaussian *g, double opacity, int sh_degree)
 {
     for (int i = 0; i < 3; i++) {
         widen(&r->position[i], g->position[i]);
         widen(&r->scale, (float)log2_scale(g, i));
         widen(&r->colour[i], (float)base_colour(g, i));
     }
-    weigh_opacity(r, fxs_opacity(g));
+    weigh_opacity(r, opacity);
     for (int degree = 1; degree <= sh_degree; degree++) {
         float most = r->sh[degree - 1];
         for (int i = 3 * FXS_SH_COUNT(degree - 1); i < 3 * FXS_SH_COUNT(degree); i++)
             most = fabsf(g->sh[i]) > most ? fabsf(g->sh[i]) : most;
         r->sh[degree - 1] = most;
     }
+}
+
+void fxs_ranges_take(fxs_chunk_ranges *r, const fxs_gaussian *g, int sh_degree)
+{
+    fxs_ranges_take_as(r, g, fxs_opacity(g), sh_degree);
 }
 
 /* The smallest step, in units of 2^-q, with which `codes` + 1 codes reach from low over the whole range. */
@@ -276,22 +281,21 @@ static void put_thinnest_last(fxs_gaussian *g, double rotation[4])
     rotation[3] = thinnest ? z - y : z + x;
 }
 
-/* Opacity in bits 31..24, a colour's code of 8 bits in each 8; in small of 7, 7 and 6 bits. */
-static uint32_t encode_colour(const fxs_encoder *e, const fxs_gaussian *g, const fxs_chunk *chunk, fxs_loss *loss)
+/* Colours of 8 bits; in small of 7, 7 and 6. */
+static void encode_colour(const fxs_encoder *e, const fxs_gaussian *g, const fxs_chunk *chunk, fxs_codes *codes,
+                          fxs_loss *loss)
 {
     const int small = e->profile == FXS_PROFILE_SMALL;
     const double opacity = fxs_opacity(g);
     const int opacity_code = encode_opacity(opacity, chunk->opacity_law);
-    uint32_t word = (uint32_t)opacity_code << 24;
+    codes->opacity = (uint32_t)opacity_code;
     note(loss, FXS_LOSS_OPACITY, opacity_of(opacity_code, chunk->opacity_law) - opacity);
     for (int i = 0; i < 3; i++) {
         const int bits = !small ? 8 : i < 2 ? 7 : 6;
         double low = chunk->colour_q16[i] * 0x1p-16, step = chunk->colour_step_q20[i] * 0x1p-20, x = base_colour(g, i);
-        uint32_t code = encode(x, low, step, bits, 8);
-        note(loss, FXS_LOSS_DC, (low + spread((int)code, bits, 8) * step - x) / C0);
-        word |= code << 8 * i;
+        codes->colour[i] = encode(x, low, step, bits, 8);
+        note(loss, FXS_LOSS_DC, (low + spread((int)codes->colour[i], bits, 8) * step - x) / C0);
     }
-    return word;
 }
 
 /* ---- SH -------------------------------------------------------------------------------------------------------- */
@@ -324,8 +328,7 @@ static void encode_bands(const fxs_encoder *e, const fxs_chunk *chunk, const fxs
     loss->squares[FXS_LOSS_SH] += sums[0] + sums[1] + sums[2];
 }
 
-/* (8 + bits 2..0) 2^(bits 7..3) 2^-32 */
-static double gain_of(int code)
+double fxs_gain(int code)
 {
     return ldexp(8 + (code & 7), (code >> 3) - 32);
 }
@@ -343,10 +346,10 @@ static int find_gain(const double rest[FXS_PALETTE_STRIDE], int count)
     int best = 0, first = 0;
     for (int i = 0; i < (int)FXS_PALETTE_STRIDE; i++)
         most = fabs(rest[i]) > most ? fabs(rest[i]) : most;
-    while (first < 255 && 8 * gain_of(first) < most)
+    while (first < 255 && 8 * fxs_gain(first) < most)
         first++;
     for (int code = first; code >= 0 && code > first - 12; code--) {
-        double gain = gain_of(code), sum = 0;
+        double gain = fxs_gain(code), sum = 0;
         for (int c = 0; c < 3; c++)
             for (int k = 0; k < count; k++) {
                 double error = nearest_odd(rest[16 * c + k], 0.5 / gain) * gain - rest[16 * c + k];
@@ -364,7 +367,7 @@ void fxs_encode_rest(fxs_sh_vector rest, int count, int unit_exponent, unsigned 
     for (int i = 0; i < (int)FXS_PALETTE_STRIDE; i++)
         values[i] = ldexp(rest[i], -unit_exponent);
     const int code = find_gain(values, count);
-    const double gain = gain_of(code);
+    const double gain = fxs_gain(code);
     uint32_t bit = FXS_RESIDUAL_BIT;
     record[FXS_GAIN_BYTE] = (unsigned char)code;
     for (int c = 0; c < 3; c++)
@@ -387,32 +390,37 @@ static unsigned char *put(unsigned char *to, uint32_t value, int bytes)
     return to;
 }
 
+unsigned char *fxs_put_codes(const fxs_encoder *e, const fxs_codes *codes, unsigned char *record)
+{
+    const uint32_t *p = codes->position, *s = codes->scale, *q = codes->rotation, *c = codes->colour;
+    if (e->profile == FXS_PROFILE_SMALL) {
+        record = put(record, p[0] | p[1] << 11 | codes->largest << 22 | codes->opacity << 24, 4);
+        record = put(record, p[2] | c[0] << 11 | c[1] << 18 | c[2] << 25 | (q[1] >> 5 & 1) << 31, 4);
+        record = put(record, s[0] | s[1] << 7 | s[2] << 14 | q[0] << 20 | (q[1] & 31) << 27, 4);
+        return put(record, q[2] | (q[1] >> 6) << 7, 1);
+    }
+    for (int i = 0; i < 3; i++)
+        record = put(record, p[i], 2);
+    record = put(record, codes->largest << 30 | q[0] << 20 | q[1] << 10 | q[2], 4);
+    record = put(record, s[0] | s[1] << 10 | s[2] << 20, 4);
+    return put(record, c[0] | c[1] << 8 | c[2] << 16 | codes->opacity << 24, 4);
+}
+
 void fxs_encode(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *gaussian,
                 unsigned char record[FXS_RECORD_BYTES], fxs_loss *loss)
 {
-    uint32_t p[3], s[3], q[3];
+    fxs_codes codes;
     fxs_gaussian g = *gaussian;
     double rotation[4] = {g.rotation[0], g.rotation[1], g.rotation[2], g.rotation[3]};
     if (e->profile == FXS_PROFILE_SMALL)
         put_thinnest_last(&g, rotation);
     for (int i = 0; i < 3; i++) {
-        p[i] = encode_position(e, chunk, &g, i, loss);
-        s[i] = encode_scale(e, chunk, &g, i, loss);
+        codes.position[i] = encode_position(e, chunk, &g, i, loss);
+        codes.scale[i] = encode_scale(e, chunk, &g, i, loss);
     }
-    const uint32_t largest = encode_rotation(e, rotation, q, loss), colour = encode_colour(e, &g, chunk, loss);
-    if (e->profile == FXS_PROFILE_SMALL) {
-        const uint32_t r = colour & 255, green = colour >> 8 & 255, b = colour >> 16 & 255;
-        record = put(record, p[0] | p[1] << 11 | largest << 22 | (colour & 0xff000000u), 4);
-        record = put(record, p[2] | r << 11 | green << 18 | b << 25 | (q[1] >> 5 & 1) << 31, 4);
-        record = put(record, s[0] | s[1] << 7 | s[2] << 14 | q[0] << 20 | (q[1] & 31) << 27, 4);
-        put(record, q[2] | (q[1] >> 6) << 7, 1);
-        return;
-    }
-    for (int i = 0; i < 3; i++)
-        record = put(record, p[i], 2);
-    record = put(record, largest << 30 | q[0] << 20 | q[1] << 10 | q[2], 4);
-    record = put(record, s[0] | s[1] << 10 | s[2] << 20, 4);
-    record = put(record, colour, 4);
+    codes.largest = encode_rotation(e, rotation, codes.rotation, loss);
+    encode_colour(e, &g, chunk, &codes, loss);
+    record = fxs_put_codes(e, &codes, record);
     if (e->profile == FXS_PROFILE_DEFAULT)
         encode_bands(e, chunk, &g, record, loss);
 }

@@ -35,6 +35,9 @@ typedef struct fxs_chunk_ranges {
 void fxs_ranges_clear(fxs_chunk_ranges *ranges);
 void fxs_ranges_take(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, int sh_degree);
 
+/* The same, where the opacity is known. */
+void fxs_ranges_take_as(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, double opacity, int sh_degree);
+
 /* Writes a chunk's header. Where the file's numbers are in few bits and a chunk's range allows it, codes are those of
    the file. */
 void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *ranges, const fxs_scene_file_info *info);
@@ -57,10 +60,23 @@ double fxs_opacity(const fxs_gaussian *gaussian);
 
 enum { FXS_RECORD_BYTES = 63 };      /* of the codes of one Gaussian, at most */
 
+/* The codes of a Gaussian, as in the rows. */
+typedef struct fxs_codes {
+    uint32_t position[3], scale[3];
+    uint32_t largest, rotation[3];       /* which of w, x, y, z is left out, and the others */
+    uint32_t colour[3], opacity;
+} fxs_codes;
+
+/* Writes them one after the other, in the order of the rows of a chunk. Returns where those of SH go. */
+unsigned char *fxs_put_codes(const fxs_encoder *encoder, const fxs_codes *codes, unsigned char *record);
+
 /* Writes the codes of a Gaussian one after the other, in the order of the rows of its chunk, and notes what is lost. In
    a profile with a palette not those of SH: fxs_palette_code_chunk does. */
 void fxs_encode(const fxs_encoder *encoder, const fxs_chunk *chunk, const fxs_gaussian *gaussian,
                 unsigned char record[FXS_RECORD_BYTES], fxs_loss *loss);
+
+/* What a code of gain stands for: (8 + bits 2..0) 2^(bits 7..3) 2^-32. */
+double fxs_gain(int code);
 
 /* Writes what is left of a Gaussian's SH into its record of profile compact: the gain and codes of 3 bits. `rest`
    becomes what they leave. */

@@ -7,7 +7,7 @@
 #include "../../src/packed.h"
 #include "../files/message.h"
 #include "../files/try_internal.h"
-#include "encode.h"
+#include "coded.h"
 #include "framing.h"
 #include "order.h"
 
@@ -61,7 +61,8 @@ struct packer {
     uint32_t *slots;                 /* where Gaussian i of the file goes, or FXS_NO_SLOT */
     fxs_chunk_ranges *ranges;        /* of each chunk */
     fxs_encoder encoder;
-    fxs_palette *palette;            /* null without one */
+    const fxs_coded *coded;          /* null, or how the Gaussians are coded already */
+    fxs_palette *palette;            /* null without one that is to be learned */
     fxs_sh_item *items;              /* of each slot, where there is a palette */
     uint32_t slice;                  /* of the chunks, in finish_part: see finish */
     fxs_packed_header *header;       /* of the packed scene, and its parts; headers are turned last */
@@ -295,8 +296,10 @@ static int find_slots(packer *p)
 {
     uint32_t count = (uint32_t)p->info->count;
     part_fog(p);
-    if (fxs_order(p->entries, count, &p->options))
+    if (!p->coded && fxs_order(p->entries, count, &p->options))
         return fail_memory(p, count);
+    for (uint32_t i = 0; p->coded && i < count; i++)
+        p->entries[i].index = i;
     p->slots = fxs_allocate(p->options.allocator, count, sizeof *p->slots);
     if (!p->slots)
         return fail_memory(p, count);
@@ -335,6 +338,10 @@ static void take_ranges(packer *p, batch *b, uint32_t part)
 
 static int find_headers(packer *p)
 {
+    if (p->coded) {
+        memcpy(p->chunks, p->coded->chunks, p->header->chunk_count * sizeof *p->chunks);
+        return 0;
+    }
     p->ranges = fxs_allocate(p->options.allocator, p->header->chunk_count, sizeof *p->ranges);
     if (!p->ranges)
         return fxs_fail_memory(p->message, NULL, 0);
@@ -354,6 +361,11 @@ static int find_headers(packer *p)
 
 static int allocate_palette(packer *p)
 {
+    if (p->coded) {
+        p->header->palette_step_q19 = fxs_palette_step_q19(p->coded->palette);
+        fxs_palette_write(p->coded->palette, (int8_t *)(p->chunks + p->header->chunk_count));
+        return 0;
+    }
     p->items = fxs_allocate_zeroed(p->options.allocator, p->header->count, sizeof *p->items);
     p->palette = fxs_allocate_zeroed(p->options.allocator, 1, sizeof *p->palette);
     if (!p->items || !p->palette)
@@ -395,12 +407,17 @@ static void encode_part(packer *p, batch *b, uint32_t part)
         unsigned char record[FXS_RECORD_BYTES] = {0}, *to = p->rows + (size_t)slot * bytes;
         PREFETCH(to);
         PREFETCH(to + bytes - 1);
+        if (p->coded) {
+            p->coded->record(p->coded->argument, slot, record);
+            memcpy(to, record, bytes);
+            continue;
+        }
         const fxs_gaussian *g = fit(&b->gaussians[i]);
         changed |= !is_within(&p->ranges[slot / FXS_CHUNK], g);
         fxs_encode(&p->encoder, &p->chunks[slot / FXS_CHUNK], g, record, &loss);
         memcpy(to, record, bytes);
         if (p->items)
-            fxs_sh_item_set(&p->items[slot], g, p->encoder.sh_degree);
+            fxs_sh_item_set(&p->items[slot], g, fxs_opacity(g), p->encoder.sh_degree);
     }
     p->findings[part].loss = loss;
     p->findings[part].changed |= changed;
@@ -548,6 +565,8 @@ static int pack(packer *p, fxs_packed_scene *scene)
     if (!p->entries || !p->batches || !p->findings || !p->seen)
         return fail_memory(p, p->info->count);
     FXS_TRY(read_positions(p));
+    if (p->coded && p->report->packed != p->info->count)
+        return fail_changed(p);
     if (p->report->packed == 0)
         return fxs_fail(p->message, "none of the %llu Gaussians can be drawn", (unsigned long long)p->report->read);
     FXS_TRY(find_inner_bounds(p));
@@ -564,12 +583,20 @@ static int pack(packer *p, fxs_packed_scene *scene)
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
              const fxs_pack_options *options, fxs_message *message)
 {
+    return fxs_pack_coded(file, info, NULL, scene, report, options, message);
+}
+
+int fxs_pack_coded(fxs_scene_file *file, const fxs_scene_file_info *info, const fxs_coded *coded,
+                   fxs_packed_scene *scene, fxs_pack_report *report, const fxs_pack_options *options,
+                   fxs_message *message)
+{
     packer p;
     memset(&p, 0, sizeof p);
     memset(scene, 0, sizeof *scene);
     memset(report, 0, sizeof *report);
     p.file = file;
     p.info = info;
+    p.coded = coded;
     p.report = report;
     p.message = message;
     if (options)

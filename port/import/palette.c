@@ -36,7 +36,7 @@ uint32_t fxs_palette_entries_for(uint64_t count, enum fxs_profile profile, int s
 
 /* ---- Gaussians ------------------------------------------------------------------------------------------------- */
 
-void fxs_sh_item_set(fxs_sh_item *item, const fxs_gaussian *g, int sh_degree)
+void fxs_sh_item_set(fxs_sh_item *item, const fxs_gaussian *g, double opacity, int sh_degree)
 {
     const int count = 3 * FXS_SH_COUNT(sh_degree);
     const float *s = g->scale;
@@ -47,7 +47,7 @@ void fxs_sh_item_set(fxs_sh_item *item, const fxs_gaussian *g, int sh_degree)
     memset(item, 0, sizeof *item);
     memcpy(item->position, g->position, sizeof item->position);
     item->area = (int16_t)fxs_floor_within(8 * FXS_LOG2_E * ((double)s[0] + s[1] + s[2] - least) + 0.5, -1000, 1000);
-    item->opacity = (uint8_t)fxs_floor_within(255 * fxs_opacity(g) + 0.5, 0, 255);
+    item->opacity = (uint8_t)fxs_floor_within(255 * opacity + 0.5, 0, 255);
     item->step = most / 127;
     for (int i = 0; i < count && item->step > 0; i++)
         item->codes[i] = (int8_t)(fxs_floor_within((double)g->sh[i] / item->step + 0.5, -127, 127));
@@ -356,17 +356,23 @@ static int learn_stage(learner *l, uint32_t stage)
     return 0;
 }
 
+/* Vectors become whole again. */
+static void add_sums(learner *l)
+{
+    for (uint32_t i = 0; i < l->count; i++)
+        for (uint32_t s = 0; s < l->palette->stages; s++)
+            subtract_entry(l->vectors[i], l->palette, s, l->indices[i][s] ^ FXS_PALETTE_NEGATIVE);
+}
+
 static void find_sums(void *argument, uint32_t job)
 {
     const learner *l = argument;
-    for (uint32_t i = first_of(l, job); i < first_of(l, job + 1); i++) {
-        for (uint32_t s = 0; s < l->palette->stages; s++)
-            subtract_entry(l->vectors[i], l->palette, s, l->indices[i][s] ^ FXS_PALETTE_NEGATIVE);
+    for (uint32_t i = first_of(l, job); i < first_of(l, job + 1); i++)
         find(l->palette, l->vectors[i], l->indices[i]);
-    }
 }
 
-/* All stages at once: the best sums are found anew, then each stage's entries move by the mean of what all leave. */
+/* All stages at once: the best sums are found for whole vectors, then each stage's entries move by the mean of what all
+   leave. */
 static void learn_jointly(learner *l)
 {
     fxs_palette *p = l->palette;
@@ -475,36 +481,78 @@ static int learn(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t 
     for (int round = 0; round < JOINT_ROUNDS; round++) {
         if (stopped(l))
             return -1;
+        add_sums(l);
         learn_jointly(l);
     }
     quantise(l->palette, l->most);
     return 0;
 }
 
-int fxs_palette_learn(fxs_palette *palette, uint32_t entries, const fxs_sh_item *items, uint32_t count,
+typedef int learn_fn(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step);
+
+static int learn_with(learn_fn *work, fxs_palette *palette, const fxs_sh_item *items, uint32_t count,
                       const fxs_pack_options *options, fxs_message *message)
 {
     const fxs_allocator *allocator = options->allocator;
     const uint32_t step = (count - 1) / SAMPLE + 1, sampled = (count - 1) / step + 1;
     learner l = {.palette = palette, .options = options};
-    palette->stages = fxs_palette_stages(palette->profile, palette->sh_degree);
-    palette->entries = entries;
     l.vectors = fxs_allocate(allocator, sampled, sizeof *l.vectors);
     l.indices = fxs_allocate_zeroed(allocator, sampled, sizeof *l.indices);
-    l.sums = fxs_allocate_zeroed(allocator, entries, sizeof *l.sums);
-    l.total = fxs_allocate_zeroed(allocator, entries, sizeof *l.total);
+    l.sums = fxs_allocate_zeroed(allocator, palette->entries, sizeof *l.sums);
+    l.total = fxs_allocate_zeroed(allocator, palette->entries, sizeof *l.total);
     int result = 0;
-    if (!l.vectors || !l.indices || !l.sums || !l.total) {
+    if (!l.vectors || !l.indices || !l.sums || !l.total)
         result = fxs_fail_memory(message, NULL, 0);
-    } else {
-        find_unit(palette, items, count, step);
-        result = learn(&l, items, count, step) ? fxs_fail(message, "import stopped") : 0;
-    }
+    else
+        result = work(&l, items, count, step) ? fxs_fail(message, "import stopped") : 0;
     fxs_release(allocator, l.vectors);
     fxs_release(allocator, l.indices);
     fxs_release(allocator, l.sums);
     fxs_release(allocator, l.total);
     return result;
+}
+
+int fxs_palette_learn(fxs_palette *palette, uint32_t entries, const fxs_sh_item *items, uint32_t count,
+                      const fxs_pack_options *options, fxs_message *message)
+{
+    palette->stages = fxs_palette_stages(palette->profile, palette->sh_degree);
+    palette->entries = entries;
+    find_unit(palette, items, count, (count - 1) / SAMPLE + 1);
+    return learn_with(learn, palette, items, count, options, message);
+}
+
+static int refine(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step)
+{
+    take_sample(l, items, count, step);
+    learn_jointly(l);
+    quantise(l->palette, l->most);
+    return 0;
+}
+
+int fxs_palette_refine(fxs_palette *palette, const fxs_sh_item *items, uint32_t count,
+                       const fxs_pack_options *options, fxs_message *message)
+{
+    return learn_with(refine, palette, items, count, options, message);
+}
+
+static int is_held(const int16_t *numbers, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (numbers[i] < -MOST || numbers[i] > MOST)
+            return 0;
+    return 1;
+}
+
+int fxs_palette_restore(fxs_palette *p, uint32_t entries)
+{
+    if (p->stages != fxs_palette_stages(p->profile, p->sh_degree) || p->entries != entries || p->step < 1 ||
+        p->step > (MOST + 126) / 127 || p->unit_exponent < 8 || p->unit_exponent > 19 ||
+        !is_held(p->vectors[0][0], sizeof p->vectors / sizeof(int16_t)) ||
+        !is_held(p->groups[0][0], sizeof p->groups / sizeof(int16_t)))
+        return 0;
+    for (uint32_t stage = 0; stage < p->stages; stage++)
+        prepare_stage(p, stage);
+    return 1;
 }
 
 uint32_t fxs_palette_step_q19(const fxs_palette *p)
@@ -624,4 +672,29 @@ void fxs_palette_code_chunk(const fxs_palette *p, const fxs_sh_item *items, uint
         c.areas[i] = area_of(&items[i]);
     for (uint32_t i = 0; i < count; i++)
         code_one(&c, i, middle, records + i * stride, loss);
+}
+
+/* The residual of profile compact, of 3 bits each: (2 code + 1) gain. */
+static double residual_of(const unsigned char *record, uint32_t coefficient)
+{
+    uint32_t code = 0;
+    for (uint32_t i = 0, bit = FXS_RESIDUAL_BIT + 3 * coefficient; i < 3; i++, bit++)
+        code |= (uint32_t)(record[bit / 8] >> bit % 8 & 1) << i;
+    return ((code < 4 ? 2 * (int)code : 2 * (int)code - 16) + 1) * fxs_gain(record[FXS_GAIN_BYTE]);
+}
+
+void fxs_palette_decode(const fxs_palette *p, const int8_t mean[48], const unsigned char *record, float sh[45])
+{
+    const uint32_t count = (uint32_t)FXS_SH_COUNT(p->sh_degree);
+    fxs_sh_vector vector;
+    memset(sh, 0, 45 * sizeof *sh);
+    for (int d = 0; d < WIDTH; d++)
+        vector[d] = (int16_t)(mean[d] * p->step);
+    for (uint32_t s = 0; s < p->stages; s++)
+        subtract_entry(vector, p, s, record[s] ^ FXS_PALETTE_NEGATIVE);
+    for (uint32_t c = 0; c < 3; c++)
+        for (uint32_t k = 0; k < count; k++) {
+            const double rest = p->profile == FXS_PROFILE_COMPACT ? residual_of(record, c * count + k) : 0;
+            sh[3 * k + c] = (float)(ldexp(vector[16 * c + k], -p->unit_exponent) + rest);
+        }
 }

@@ -20,7 +20,8 @@ typedef struct fxs_sh_item {
     int8_t codes[45];                  /* red, green, blue of each coefficient */
 } fxs_sh_item;
 
-void fxs_sh_item_set(fxs_sh_item *item, const fxs_gaussian *gaussian, int sh_degree);
+/* opacity: 0..1 */
+void fxs_sh_item_set(fxs_sh_item *item, const fxs_gaussian *gaussian, double opacity, int sh_degree);
 
 /* Coefficients as an entry of a packed palette has them: red, green, blue of 16, the last of each 0. In units. */
 typedef int16_t fxs_sh_vector[FXS_PALETTE_STRIDE];
@@ -49,6 +50,13 @@ uint32_t fxs_palette_entries_for(uint64_t count, enum fxs_profile profile, int s
 int fxs_palette_learn(fxs_palette *palette, uint32_t entries, const fxs_sh_item *items, uint32_t count,
                       const fxs_pack_options *options, fxs_message *message);
 
+/* Moves the entries of a palette that was learned towards what is said by Gaussians that have changed since. */
+int fxs_palette_refine(fxs_palette *palette, const fxs_sh_item *items, uint32_t count,
+                       const fxs_pack_options *options, fxs_message *message);
+
+/* Of a palette that was read from a file: whether it can be one with so many entries. */
+int fxs_palette_restore(fxs_palette *palette, uint32_t entries);
+
 /* The palette's step as a packed scene has it. */
 uint32_t fxs_palette_step_q19(const fxs_palette *palette);
 
@@ -64,5 +72,8 @@ typedef struct fxs_sh_loss {
    one to the next. What a Gaussian's code is off is made good by those that overlap it and come later. */
 void fxs_palette_code_chunk(const fxs_palette *palette, const fxs_sh_item *items, uint32_t count, int8_t mean[48],
                             unsigned char *records, size_t stride, fxs_sh_loss *loss);
+
+/* The coefficients that a record stands for, in a chunk of this mean; 0 above the degree. */
+void fxs_palette_decode(const fxs_palette *palette, const int8_t mean[48], const unsigned char *record, float sh[45]);
 
 #endif
