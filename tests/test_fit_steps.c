@@ -173,6 +173,7 @@ typedef struct recorded {
     const char *name;
     enum fxs_fit_recipe recipe;
     enum fxs_cutoff cutoff;
+    enum fxs_profile profile;
     int scale;
     uint32_t steps;
     size_t most;
@@ -182,13 +183,20 @@ typedef struct recorded {
 
 enum { FEW, FEW_MCMC, REFERENCE, MCMC, LONGER, FAST, HALF_THE_SIZE, FITS };
 static const recorded fits[FITS] = {
-    {"few", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, 1, 610, 150, 0.6, 0xcdde82dc950cb86a},
-    {"few by mcmc", FXS_FIT_MCMC, FXS_CUTOFF_MAHALANOBIS, 1, 610, 130, 0.6, 0x412619e064a0fc12},
-    {"reference", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, ORDINARY, 700, 250, 0.5, 0xf4b17ad45656f191},
-    {"mcmc", FXS_FIT_MCMC, FXS_CUTOFF_MAHALANOBIS, ORDINARY, 700, 150, 0.5, 0x4c90f75ab1fabf36},
-    {"reference, longer", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, ORDINARY, 3200, 200, 0.5, 0x28492fd78fe33ce1},
-    {"fast, square", FXS_FIT_FAST, FXS_CUTOFF_SQUARE, ORDINARY, 1100, 250, 0.5, 0x5a924cde857ce976},
-    {"fast, larger", FXS_FIT_FAST, FXS_CUTOFF_MAHALANOBIS, LARGER, 24, 250, 0.9, 0xb31fa9dc8aacbe27}};
+    {"few", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, 1, 680, 150, 0.6,
+     0xe8cb0b239bd76736},
+    {"few by mcmc", FXS_FIT_MCMC, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_SMALL, 1, 680, 130, 0.6,
+     0x9060b663b2fb29ca},
+    {"reference", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 250, 0.5,
+     0x74813836ffff0d9f},
+    {"mcmc", FXS_FIT_MCMC, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_SMALL, ORDINARY, 700, 150, 0.5,
+     0x0630a82ce4140e21},
+    {"reference, longer", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 3200, 200, 0.5,
+     0x7bd862a9649c42af},
+    {"fast, square", FXS_FIT_FAST, FXS_CUTOFF_SQUARE, FXS_PROFILE_COMPACT, ORDINARY, 1100, 250, 0.5,
+     0xeaebf45adc224714},
+    {"fast, larger", FXS_FIT_FAST, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, LARGER, 24, 250, 0.9,
+     0xffd4c18eb0a1077e}};
 
 static void check_fit(const recorded *wanted, unsigned cpu, uint32_t threads)
 {
@@ -197,6 +205,7 @@ static void check_fit(const recorded *wanted, unsigned cpu, uint32_t threads)
     fxs_fit_options_init(&options);
     options.recipe = wanted->recipe;
     options.cutoff = wanted->cutoff;
+    options.profile = wanted->profile;
     options.steps = wanted->steps;
     options.max_gaussians = wanted->most;
     options.seed = 7;
