@@ -94,7 +94,7 @@ CLANG_14 := $(if $(findstring clang,$(CC_VERSION)),-g0)
 # project takes 9 % less.
 isa = $(if $(filter port/image/image_file.c,$(1)),-fwrapv) $(if $(filter kernels/%,$(1)),-fwrapv $(if $(filter -O2,$(CFLAGS)),-O3)) $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
       -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi $(CLANG_14)))) \
-      $(if $(filter port/fit/% kernels/x86/fit_% port/camera/% tests/test_fit_%,$(1)),$(SINGLES))
+      $(if $(filter port/fit/% kernels/x86/fit_% port/camera/% port/import/% port/scene/% tests/test_fit_%,$(1)),$(SINGLES))
 
 with = $(if $(filter $(1),$(FOUND)),$(wildcard $(2)))
 KERNELS := $(if $(KERNEL_FOLDER),$(wildcard kernels/$(KERNEL_FOLDER)/*.c))

@@ -1,5 +1,6 @@
 /* The fit's own functions of a number against the C library's over their whole range, and its optimiser against Adam
  * in doubles. */
+#include "../port/files/exponential.h"
 #include "../port/fit/lanes.h"
 #include "fit_scene.h"
 
@@ -48,6 +49,22 @@ static void test_logarithm(void)
         check_relative("ln", x, ln(x), log((double)x), 2.3e-7);
     }
     CHECK(ln(1.0f) == 0);
+}
+
+/* Those that packing has. */
+static void test_doubles(void)
+{
+    fit_state = 6;
+    for (int i = 0; i < 100000; i++) {
+        const double x = fit_uniform(-745, 709.7), y = ldexp(fit_uniform(0.5, 1), (int)(fit_random() % 2000) - 1000);
+        const long double e = expl((long double)x), l = logl((long double)y);
+        CHECK(fabsl((long double)fxs_exp(x) - e) <= 4e-16L * e + 0x1p-1074L);
+        CHECK(fabsl((long double)fxs_log(y) - l) <= 4e-16L * fabsl(l));
+    }
+    for (int n = -1074; n < 1024; n++)
+        CHECK(fabs(fxs_log(ldexp(1, n)) - n * 0.69314718055994531) <= 3e-16 * fabs(n * 0.69314718055994531));
+    CHECK(fxs_exp(0) == 1 && fxs_log(1) == 0 && fxs_exp(-800) == 0 && isinf(fxs_exp(800)) && isinf(fxs_exp(INFINITY)));
+    CHECK(isnan(fxs_exp(NAN)) && isnan(fxs_log(NAN)) && isnan(fxs_log(-1)) && fxs_log(0) == -INFINITY);
 }
 
 /* ---- Adam -------------------------------------------------------------------------------------------------------- */
@@ -176,6 +193,7 @@ int main(void)
 {
     RUN(test_exponentials);
     RUN(test_logarithm);
+    RUN(test_doubles);
     RUN(test_steps_are_adams);
     RUN(test_tiny_gradients);
     return check_report();

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "../files/exponential.h"
+
 #define C0 0.28209479177387814
 #define DEGREES 57.29577951308232   /* a radian */
 #define SCALE_LIMIT 20.0f           /* of |ln(sigma)| */
@@ -37,7 +39,7 @@ int fxs_bring_in(fxs_gaussian *g, double limit)
         return 0;
     for (int i = 0; i < 3; i++) {
         g->position[i] = (float)(g->position[i] / most * limit);
-        g->scale[i] += (float)log(limit / most);
+        g->scale[i] += (float)fxs_log(limit / most);
     }
     return 1;
 }
@@ -76,7 +78,7 @@ static double base_colour(const fxs_gaussian *g, int channel)
 
 double fxs_opacity(const fxs_gaussian *g)
 {
-    return 1 / (1 + exp(-g->opacity));
+    return 1 / (1 + fxs_exp(-g->opacity));
 }
 
 /* 1/255 + (4^(1 - law) - 1/255) ((code - 1) / 254)^2 */

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "../files/exponential.h"
+
 #define EDGE 0.002                   /* of the weight, left out at each end of an axis */
 #define CORE 0.05                    /* the same, of what is surely a part */
 #define SPREAD 1.5                   /* radius of the box over the core's from which on there is no outline */
@@ -12,15 +14,15 @@ fxs_seen fxs_seen_of(const fxs_gaussian *g)
 {
     const double a = (double)g->scale[0], b = (double)g->scale[1], c = (double)g->scale[2];
     const double largest = fmax(fmax(a, b), c), second = fmax(fmin(a, b), fmin(fmax(a, b), c));
-    const double opacity = 1 / (1 + exp(-(double)g->opacity));
-    return (fxs_seen){{g->position[0], g->position[1], g->position[2]}, (float)exp((largest + second) / 2),
+    const double opacity = 1 / (1 + fxs_exp(-(double)g->opacity));
+    return (fxs_seen){{g->position[0], g->position[1], g->position[2]}, (float)fxs_exp((largest + second) / 2),
                       opacity * 255 < 0.5 ? 0 : (float)opacity};   /* 0 in 8 bits is never drawn */
 }
 
 static int compare_places(const void *a, const void *b)
 {
-    const float x = ((const fxs_seen_place *)a)->x, y = ((const fxs_seen_place *)b)->x;
-    return (x > y) - (x < y);
+    const fxs_seen_place *p = a, *q = b;
+    return p->x != q->x ? (p->x > q->x) - (p->x < q->x) : (p->index > q->index) - (p->index < q->index);
 }
 
 static void sort_axis(fxs_seen_place *places, const fxs_seen *seen, uint32_t count, int axis)
@@ -61,8 +63,10 @@ static double middle_distance(fxs_seen_place *places, const fxs_seen *seen, uint
 {
     for (uint32_t i = 0; i < count; i++) {
         double square = 0;
-        for (int axis = 0; axis < 3; axis++)
-            square += pow((double)seen[i].position[axis] - middle[axis], 2);
+        for (int axis = 0; axis < 3; axis++) {
+            const double away = (double)seen[i].position[axis] - middle[axis];
+            square += away * away;
+        }
         places[i] = (fxs_seen_place){(float)sqrt(square), i};
     }
     qsort(places, count, sizeof *places, compare_places);

@@ -12,6 +12,7 @@
 #include <strings.h>
 
 #include "../files/byte_reader.h"
+#include "../files/exponential.h"
 #include "gltf_internal.h"
 #include "scene_codes.h"
 #include "spz_internal.h"
@@ -381,7 +382,7 @@ static double component(const accessor *a, const uint8_t *bytes)
 static float logit(double opacity)
 {
     opacity = opacity < 0 ? 0 : opacity > 1 ? 1 : opacity;
-    return (float)fmin(fmax(log(opacity / (1 - opacity)), -20), 20);
+    return (float)fmin(fmax(fxs_log(opacity / (1 - opacity)), -20), 20);
 }
 
 /* COLOR_0, where OPACITY has four components. */

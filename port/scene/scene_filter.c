@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "../files/exponential.h"
 #include "scene_format.h"
 
 /* The reader of a filtered file. */
@@ -34,7 +35,7 @@ static int passes(filter_reader *r, fxs_gaussian *g)
     r->report.read++;
     if (!is_inside(&r->filter, g->position))
         return r->report.outside++, 0;
-    if (1 / (1 + exp(-(double)g->opacity)) < r->filter.opacity)
+    if (1 / (1 + fxs_exp(-(double)g->opacity)) < r->filter.opacity)
         return r->report.faint++, 0;
     if (r->filter.drawable && !fxs_drawable(g, r->filter.sh_degree, &r->report.dropped))
         return 0;

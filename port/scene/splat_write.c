@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../files/exponential.h"
 #include "../import/encode.h"
 #include "../files/output_internal.h"
 
@@ -53,10 +54,10 @@ static void encode(const fxs_gaussian *gaussian, unsigned char record[RECORD_SIZ
         norm += (double)g->rotation[i] * g->rotation[i];
     for (int i = 0; i < 3; i++) {
         put_float(record + 4 * i, g->position[i]);
-        put_float(record + SCALE + 4 * i, (float)fmin(exp(g->scale[i]), largest_scale));
+        put_float(record + SCALE + 4 * i, (float)fmin(fxs_exp(g->scale[i]), largest_scale));
         record[COLOUR + i] = code(255 * (0.5 + 0.28209479177387814 * g->dc[i]));
     }
-    record[COLOUR + 3] = code(255 / (1 + exp(-(double)g->opacity)));
+    record[COLOUR + 3] = code(255 / (1 + fxs_exp(-(double)g->opacity)));
     for (int i = 0; i < 4; i++)
         record[ROTATION + i] = code(128 + 128 * g->rotation[i] / sqrt(norm));
 }

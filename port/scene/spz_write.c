@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../files/exponential.h"
 #include "../import/encode.h"
 #include "../files/output_internal.h"
 #include "spz_internal.h"
@@ -170,7 +171,7 @@ static void encode(fxs_spz_writer *w, const fxs_gaussian *g, size_t index)
         dc |= is_beyond(x);
         at[FXS_SPZ_COLOUR][i] = code_byte(x);
     }
-    at[FXS_SPZ_ALPHA][0] = code_byte(255 / (1 + exp(-(double)g->opacity)));
+    at[FXS_SPZ_ALPHA][0] = code_byte(255 / (1 + fxs_exp(-(double)g->opacity)));
     put_u32(at[FXS_SPZ_ROTATION], code_rotation(q));
     for (int i = 0; i < w->stride[FXS_SPZ_SH]; i++) {
         int odd = fxs_spz_odd_in[i / 3] & 6;   /* in y, in z: a sign for each */

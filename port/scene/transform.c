@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "../files/exponential.h"
 #include "scene_codes.h"
 
 typedef double matrix[3][3];
@@ -171,7 +172,7 @@ static void apply_linear(const fxs_transform *t, fxs_gaussian *g)
     matrix r, m;
     matrix_of(r, g->rotation);
     for (int j = 0; j < 3; j++) {
-        double scale = exp(g->scale[j]);
+        double scale = fxs_exp(g->scale[j]);
         for (int i = 0; i < 3; i++)
             m[i][j] = scale * (t->linear[i][0] * r[0][j] + t->linear[i][1] * r[1][j] + t->linear[i][2] * r[2][j]);
     }

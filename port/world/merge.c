@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "../files/exponential.h"
 #include "../scene/scene_format.h"
 #include "../scene/transform_internal.h"
 
@@ -99,8 +100,8 @@ static void change(const part *p, fxs_gaussian *g, int sh_degree)
     if (p->is_moved)
         move(p, g);
     if (p->placement.opacity < 1) {
-        const double opacity = p->placement.opacity / (1 + exp(-(double)g->opacity));
-        g->opacity = (float)log(opacity / (1 - opacity));
+        const double opacity = p->placement.opacity / (1 + fxs_exp(-(double)g->opacity));
+        g->opacity = (float)fxs_log(opacity / (1 - opacity));
     }
     if (p->is_tinted)
         tint(p->placement.tint, g);
@@ -176,7 +177,7 @@ static void part_init(part *p, const fxs_placement *placement)
     p->placement = *placement;
     fxs_placement_matrix(placement, p->rows);
     fxs_transform_init(&p->turn, p->rows);
-    p->log_scale = placement->scale == 1 ? 0 : log(placement->scale);
+    p->log_scale = placement->scale == 1 ? 0 : fxs_log(placement->scale);
     int scale;                     /* that of the longest component, so that squares stay in range */
     double square = 0, most = 0;
     for (int i = 0; i < 4; i++)
