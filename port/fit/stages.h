@@ -82,14 +82,19 @@ static void NAMED(fxs_fit_project_, ISA)(const fxs_fit_camera *camera, int degre
 
 static void cover_lanes(const fxs_fit_camera *camera, const fxs_fit_splat *splats, uint32_t *tiles)
 {
-    float numbers[16][LANES];
+    float numbers[16][LANES], depths[LANES];
     uint32_t *out[LANES];
     ellipses e;
+    for (int i = 0; i < LANES; i++)
+        depths[i] = splats[i].depth;
+    const mask seen = below(all(0), load(depths));
+    if (!any(seen))                /* then project wrote nothing else of them */
+        return;
     for (int i = 0; i < LANES; i++) {
         const float *from = splats[i].centre;
         for (int k = 0; k < 14; k++)
             numbers[k][i] = from[k];
-        out[i] = tiles + splats[i].slot;
+        out[i] = depths[i] > 0 ? tiles + splats[i].slot : tiles;
     }
     e.x = load(numbers[0]);
     e.y = load(numbers[1]);
@@ -99,7 +104,7 @@ static void cover_lanes(const fxs_fit_camera *camera, const fxs_fit_splat *splat
     e.radius2 = load(numbers[11]);
     e.half_y = load(numbers[12]);
     e.tip = load(numbers[13]);
-    find_rows(camera, below(all(0), load(numbers[10])), &e);
+    find_rows(camera, seen, &e);
     put_tiles(camera, &e, out);
 }
 
