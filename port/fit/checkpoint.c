@@ -105,7 +105,8 @@ static void floats(archive *a, float *values, size_t count)
 /* Whether so many things of so many words are still to come, before there is room for them. */
 static int holds(archive *a, uint64_t count, uint64_t words)
 {
-    if (!a->output && !a->fault && count > (a->size - a->fetched + (a->end - a->at)) / (4 * words))
+    const uint64_t passed = a->fetched - (a->end - a->at);
+    if (!a->output && !a->fault && (passed > a->size || count > (a->size - passed) / (4 * words)))
         damaged(a, "it ends early");
     return !a->fault;
 }
