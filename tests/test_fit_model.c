@@ -722,7 +722,8 @@ static void regularisers_beyond(void)
 {
     static const float sums[FXS_FIT_SUMS][FXS_FIT_PART];
     const fxs_fit_stages *stages = fxs_fit_stages_choose(~0u);
-    const fxs_fit_camera camera = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .focal = {50, 50}, .width = 40, .height = 40};
+    const fxs_fit_camera camera = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .focal = {50, 50}, .width = 40,
+                                   .height = 40};
     fxs_fit_adam a = {.correction = 1, .epsilon = 1e-12f, .by_opacity = 1, .by_scale = 1e8f};
     fxs_fit_model m = random_model(FXS_FIT_BLOCK), old;
     memset(m.squares, 0, FXS_FIT_PARAMETERS * m.stride * sizeof(float));
