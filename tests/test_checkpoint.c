@@ -1,7 +1,7 @@
 /* Fits that are saved, and go on from the file: the same end, whatever happens to the file in between. */
 #include <math.h>
 
-#include "../port/fit/fit.h"
+#include "../port/fit/fit_internal.h"
 #include "../port/fit/random.h"
 #include "../port/posix/pool.h"
 #include "folder.h"
@@ -297,6 +297,10 @@ static void faulty_numbers_are_refused(void)
 {
     const uint32_t infinity = 0x7f800000, nan = 0x7fc00001;
     const char finite[] = "damaged: a number that is not finite";
+    size_t size;
+    uint8_t *bytes = bytes_of("half", &size);
+    const int count = (int)get_u32(bytes + 4 * COUNT);
+    free(bytes);
     CHECK(refused_with(FIRST, nan, finite));
     CHECK(refused_with(FIRST + 2000, infinity, finite));
     CHECK(refused_with(FIRST + 12000, infinity | 1u << 31, finite));
@@ -305,6 +309,10 @@ static void faulty_numbers_are_refused(void)
     CHECK(refused_with(MOST, 0, "damaged: a number out"));
     CHECK(refused_with(DEGREE, 4, "damaged: a number out"));
     CHECK(refused_with(PROFILE, 77, "damaged: a number out"));
+    const uint32_t large = 0x42a20000;           /* 81 */
+    CHECK(refused_with(FIRST, 0x7e967699, "damaged: a number out"));
+    CHECK(refused_with(FIRST + FXS_FIT_SCALE * count, large, "damaged: a number out"));
+    CHECK(refused_with(FIRST + FXS_FIT_OPACITY * count, large | 1u << 31, "damaged: a number out"));
     CHECK(refused_with(COUNT, 0x7fffffff, "damaged: it ends early"));
     CHECK(refused_with(COUNT + 1, 0xffffffff, "damaged: it ends early"));
     CHECK(refused_with(COUNT, 1, "damaged: "));
@@ -343,29 +351,43 @@ static void a_part_or_more_is_refused(void)
     free(bytes);
 }
 
-/* Whatever finite numbers are in it: it goes on, or ends, but no scene has a NaN. */
+static int is_finite(const fxs_fit *fit)
+{
+    for (size_t k = 0; k < FXS_FIT_PARAMETERS; k++)
+        for (size_t i = 0; i < fit->model.count; i++)
+            if (!isfinite(fit->model.parameters[k * fit->model.stride + i]))
+                return 0;
+    return 1;
+}
+
+/* Whatever finite numbers are in it, parameters in their range: it goes on, and no scene has a NaN. */
 static void any_finite_numbers_are_lived_with(void)
 {
     size_t size;
     uint8_t *bytes = bytes_of("half", &size), *changed = malloc(size);
+    const size_t moments = FIRST + FXS_FIT_PARAMETERS * (size_t)get_u32(bytes + 4 * COUNT);
     for (uint64_t turn = 0; turn < 40; turn++) {
         memcpy(changed, bytes, size);
         for (uint64_t i = 0; i < 600; i++) {
             const uint64_t random = fxs_fit_random(1, turn, i);
             const size_t word = FIRST + (size_t)(random % ((size - 16) / 4 - FIRST));
-            const uint32_t value = (uint32_t)(random >> 32) & (turn % 2 ? 0xff7fffff : 0xc17fffff);
+            const uint32_t value = (uint32_t)(random >> 32) & (turn % 2 && word >= moments ? 0xff7fffff : 0xc17fffff);
             put_u32(changed + 4 * word, turn % 4 == 3 && i % 8 == 0 ? 0 : value);
         }
         seal(changed, size);
         put_file("changed", changed, size);
         fxs_fit *fit;
         fxs_fit_report report;
-        if (resume(&fit, "changed")) {
+        options.cpu = turn % 4 < 2 ? ~0u : 0;
+        const int error = resume(&fit, "changed");
+        options.cpu = ~0u;
+        if (error) {
             CHECK(strstr(message.text, "not finite") != NULL);
             continue;
         }
         for (int step = 0; step < 3; step++)
             CHECK(fxs_fit_step(fit, &report) == 0);
+        CHECK(is_finite(fit));
         fxs_packed_scene packed;
         fxs_scene scene;
         if (!fxs_fit_pack(fit, &packed, 0, &message)) {
@@ -384,6 +406,23 @@ static void what_is_no_file_is_refused(void)
     CHECK(refused(".", FXS_ERR_FILE, "not a regular file"));
     put_file("empty", "", 0);
     CHECK(refused("empty", FXS_ERR_FILE, "not a saved fit"));
+}
+
+/* It would not be taken again. */
+static void what_is_not_finite_is_not_saved(void)
+{
+    fxs_fit *fit;
+    size_t before, after;
+    uint8_t *bytes = bytes_of("half", &before);
+    put_file("kept", bytes, before);
+    if (CHECK(resume(&fit, "kept") == 0)) {
+        fit->model.squares[0] = INFINITY;
+        CHECK(fxs_fit_save(fit, in_folder("kept"), &message) == FXS_ERR_FILE);
+        fxs_fit_free(fit);
+    }
+    free(bytes);
+    free(bytes_of("kept", &after));
+    CHECK(before == after && same_files("half", "kept"));
 }
 
 /* Where there is no room, the last one stays whole. */
@@ -449,6 +488,7 @@ static void tests(void)
     RUN(a_part_or_more_is_refused);
     RUN(any_finite_numbers_are_lived_with);
     RUN(what_is_no_file_is_refused);
+    RUN(what_is_not_finite_is_not_saved);
     RUN(a_full_disk_is_told);
     RUN(options_are_checked);
     RUN(input_is_checked);

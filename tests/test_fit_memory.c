@@ -1,6 +1,6 @@
 /* A fit in which one allocation, or each from there on, gets no memory: an error, nothing kept, and a right fit
  * after. */
-#include "../port/fit/fit.h"
+#include "../port/fit/fit_internal.h"
 #include "fit_scene.h"
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -44,9 +44,19 @@ void free(void *memory)
     __libc_free(memory);
 }
 
-enum { SIDE = 20, POINTS = 40, STEPS = 3 };
+enum { SIDE = 20, POINTS = 40, STEPS = 20 };
 
-/* Returns the first error. */
+/* What the recipes do to a model now and then. */
+static int change_model(fxs_fit_model *m)
+{
+    const fxs_fit_densify densify = {0, 0.3f, 100, 0.005f, 3 * POINTS, 1, 600};
+    const fxs_fit_relocate relocate = {0.005f, 4 * POINTS, 1, 700};
+    int error = fxs_fit_model_densify(m, &densify);
+    error = error ? error : fxs_fit_model_relocate(m, &relocate);
+    return error ? error : fxs_fit_model_order(m);
+}
+
+/* A fit to its end, by way of the packed profile. Returns the first error. */
 static int fit_some(enum fxs_fit_recipe recipe)
 {
     static uint8_t pixels[3 * SIDE * SIDE];
@@ -62,11 +72,18 @@ static int fit_some(enum fxs_fit_recipe recipe)
             points[i].position[k] = (float)fit_uniform(-1, 1) + (k == 2 ? 4.0f : 0.0f);
     fxs_fit_options_init(&options);
     options.recipe = recipe;
+    options.steps = STEPS;
+    options.profile = (enum fxs_profile)recipe;
     int error = fxs_fit_create(&f, &photo, 1, points, POINTS, &options, &message);
     for (int i = 0; i < STEPS && !error; i++) {
         fxs_fit_report report;
         error = fxs_fit_step(f, &report);
+        if (!error && i == 2)
+            error = change_model(&f->model);
     }
+    fxs_packed_scene scene;
+    if (!error && !(error = fxs_fit_pack(f, &scene, NULL, &message)))
+        fxs_packed_scene_free(&scene);
     fxs_fit_free(f);
     return error;
 }

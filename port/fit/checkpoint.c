@@ -1,5 +1,6 @@
 /* A fit in a file: 32-bit words, little-endian. One text writes and reads it (walk), so that the two cannot differ. */
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -104,7 +105,8 @@ static void floats(archive *a, float *values, size_t count)
 /* Whether so many things of so many words are still to come, before there is room for them. */
 static int holds(archive *a, uint64_t count, uint64_t words)
 {
-    if (!a->output && !a->fault && count > (a->size - a->fetched + (a->end - a->at)) / (4 * words))
+    const uint64_t passed = a->fetched - (a->end - a->at);
+    if (!a->output && !a->fault && (passed > a->size || count > (a->size - passed) / (4 * words)))
         damaged(a, "it ends early");
     return !a->fault;
 }
@@ -153,6 +155,17 @@ static void walk_options(archive *a, fxs_fit_options *o)
     o->profile = (enum fxs_profile)within(a, o->profile, 0, FXS_PROFILE_SMALL);
 }
 
+/* Parameters, as far as what is computed of them relies on it: fits stay well within (FXS_FIT_FARTHEST). */
+static void check_parameters(archive *a, const fxs_fit_model *m, const float *parameters)
+{
+    for (size_t k = 0; k <= FXS_FIT_OPACITY; k++) {
+        const float most = k < FXS_FIT_SCALE ? 1e37f : k < FXS_FIT_ROTATION || k == FXS_FIT_OPACITY ? 80 : INFINITY;
+        for (size_t i = 0; i < m->count && !a->fault; i++)
+            if (!(fabsf(parameters[k * m->stride + i]) <= most))
+                damaged(a, "a number out of its range");
+    }
+}
+
 static void walk_model(archive *a, fxs_fit_model *m)
 {
     enum { WORDS = 3 * FXS_FIT_PARAMETERS + 2 };
@@ -170,6 +183,7 @@ static void walk_model(archive *a, fxs_fit_model *m)
             floats(a, planes[i] + k * m->stride, m->count);
     floats(a, m->by_centre, m->count);
     floats(a, m->views, m->count);
+    check_parameters(a, m, m->parameters);
 }
 
 /* Blocks of 32-bit floats, or of bytes. */
@@ -205,6 +219,7 @@ static void walk_profile(archive *a, fxs_fit *f)
         return;
     }
     fxs_fit_profile_walk(&f->profile, &f->model, masters_block, bytes_block, a);
+    check_parameters(a, &f->model, f->model.masters);
     if (!a->output && !a->fault && fxs_fit_profile_restore(&f->profile, &f->model))
         damaged(a, "a number out of its range");
 }
@@ -260,6 +275,8 @@ int fxs_fit_save(const fxs_fit *f, const char *path, fxs_message *message)
         a->output = &output;
         a->end = sizeof a->buffer;
         write_all(a, (fxs_fit *)f);
+        if (a->fault && !output.error)
+            output.error = EDOM;
         error = fxs_output_close(&output, message);
     }
     free(a);

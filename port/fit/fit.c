@@ -308,6 +308,7 @@ int fxs_fit_step(fxs_fit *f, fxs_fit_report *report)
     fxs_fit_step_options options;
     fxs_fit_plan plan;
     int error = fxs_fit_pass_profile(f);
+    report->gaussians = f->model.count;
     if (error)
         return error;
     f->step++;

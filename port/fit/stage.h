@@ -155,7 +155,8 @@ typedef struct fxs_fit_stages {
        and a step of Adam by them of the masters, which are the parameters where nothing is quantised; moments below
        2^-100 are 0. by_centre: adds up the length of dL/dcentre, in halves of the picture's sides, of the loss that is a
        mean over pixels and channels. A Gaussian with a gradient that is not finite, or beyond
-       FXS_FIT_FARTHEST_GRADIENT, gets one of 0. Scales and opacities stay within FXS_FIT_FARTHEST. */
+       FXS_FIT_FARTHEST_GRADIENT, gets one of 0. Scales and opacities stay within FXS_FIT_FARTHEST; a parameter that
+       would go beyond FXS_FIT_FARTHEST_PLACE, or be no number, stays as it is. */
     void (*update)(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam, const float *parameters,
                    float *masters, float *means, float *squares, size_t stride, size_t first, size_t count,
                    const float *sums, float *by_centre);

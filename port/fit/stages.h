@@ -82,14 +82,19 @@ static void NAMED(fxs_fit_project_, ISA)(const fxs_fit_camera *camera, int degre
 
 static void cover_lanes(const fxs_fit_camera *camera, const fxs_fit_splat *splats, uint32_t *tiles)
 {
-    float numbers[16][LANES];
+    float numbers[16][LANES], depths[LANES];
     uint32_t *out[LANES];
     ellipses e;
+    for (int i = 0; i < LANES; i++)
+        depths[i] = splats[i].depth;
+    const mask seen = below(all(0), load(depths));
+    if (!any(seen))                /* then project wrote nothing else of them */
+        return;
     for (int i = 0; i < LANES; i++) {
         const float *from = splats[i].centre;
         for (int k = 0; k < 14; k++)
             numbers[k][i] = from[k];
-        out[i] = tiles + splats[i].slot;
+        out[i] = depths[i] > 0 ? tiles + splats[i].slot : tiles;
     }
     e.x = load(numbers[0]);
     e.y = load(numbers[1]);
@@ -99,7 +104,7 @@ static void cover_lanes(const fxs_fit_camera *camera, const fxs_fit_splat *splat
     e.radius2 = load(numbers[11]);
     e.half_y = load(numbers[12]);
     e.tip = load(numbers[13]);
-    find_rows(camera, below(all(0), load(numbers[10])), &e);
+    find_rows(camera, seen, &e);
     put_tiles(camera, &e, out);
 }
 
@@ -246,7 +251,8 @@ static inline void add_regularisers(const fxs_fit_adam *adam, const float *at, s
     store(to, load(to) + adam->by_opacity * (opacity * (1.0f - opacity)));
     for (int i = FXS_FIT_SCALE; i < FXS_FIT_SCALE + 3; i++) {
         to = gradients + i * FXS_FIT_PART;
-        store(to, load(to) + adam->by_scale * exp_e(load(at + i * (ptrdiff_t)stride)));
+        const real sum = load(to) + adam->by_scale * exp_e(load(at + i * (ptrdiff_t)stride));
+        store(to, least(sum, all(FXS_FIT_FARTHEST_GRADIENT)));
     }
 }
 
@@ -283,19 +289,20 @@ static inline real without_tiny(real x)
     return choose(below(absolute(x), all(FXS_FIT_TINY)), all(0), x);
 }
 
-/* `next`: how far the next plane is, which is fetched meanwhile. */
+/* `ahead`: how far the next plane is, which is fetched meanwhile. */
 static inline void adam_plane(const fxs_fit_adam *adam, float rate, const float *gradient, const float *touched,
-                              size_t count, float *at, float *means, float *squares, size_t next)
+                              size_t count, float *at, float *means, float *squares, size_t ahead)
 {
     for (size_t i = 0; i < count; i += LANES) {
-        __builtin_prefetch(at + next + i, 1);
-        __builtin_prefetch(means + next + i, 1);
-        __builtin_prefetch(squares + next + i, 1);
+        __builtin_prefetch(at + ahead + i, 1);
+        __builtin_prefetch(means + ahead + i, 1);
+        __builtin_prefetch(squares + ahead + i, 1);
         const real g = load(gradient + i), old = load(at + i);
         const real old_mean = load(means + i), old_square = load(squares + i);
         const real mean = without_tiny(old_mean * 0.9f + g * 0.1f);
         const real square = without_tiny(old_square * 0.999f + g * g * 0.001f);
-        const real moved = old - rate * mean / (root(square * adam->correction) + adam->epsilon);
+        const real next = old - rate * mean / (root(square * adam->correction) + adam->epsilon);
+        const real moved = choose(below(absolute(next), all(FXS_FIT_FARTHEST_PLACE)), next, old);
         const mask moves = below(all(0), load(touched + i));
         store(means + i, adam->only_touched ? choose(moves, mean, old_mean) : mean);
         store(squares + i, adam->only_touched ? choose(moves, square, old_square) : square);
