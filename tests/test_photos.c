@@ -226,6 +226,13 @@ static int stop(void *argument, double done)
     return done > 0.3;
 }
 
+/* Adds what is said of each. */
+static void left_out(void *argument, const char *why)
+{
+    char *all = argument;
+    strcat(strcat(all, strrchr(why, '/')), "; ");
+}
+
 static void bad_photos(void)
 {
     fxs_photos_options options = {.hold_out = 4};
@@ -237,8 +244,13 @@ static void bad_photos(void)
     options.run = fxs_pool_run;
     options.pool = fxs_pool_create(3);
     check_refused("c", &options, FXS_ERR_FILE, "c/images/sub/3.ppm: cut short");
+    char said[256] = "";
     options.skip_bad = 1;
+    options.left_out = left_out;
+    options.argument = said;
     CHECK(!read_photos("c", &options) && photos.skipped == 3 && photos.fit_count == 4 && photos.held_out_count == 2);
+    CHECK(!strcmp(said, "/3.ppm: cut short; /5.ppm: No such file or directory; /4.ppm: not a .png, .jpg or .ppm; "));
+    options.left_out = NULL;
     fxs_pool_destroy(options.pool);
     options.run = NULL;
     double done = 0;
