@@ -444,6 +444,18 @@ static int fit_photos(const fit_command *c, const fxs_photos *photos, char **arg
     return status;
 }
 
+static void say_sizes(const fxs_photos *photos)
+{
+    int width = 0, height = 0;
+    for (size_t i = 0; i < photos->fit_count; i++) {
+        const fxs_file_view *view = &photos->fit[i].view;
+        width = view->width > width ? view->width : width;
+        height = view->height > height ? view->height : height;
+    }
+    fprintf(stderr, "%zu photographs to fit, %zu held out, up to %d x %d pixels; %zu points\n", photos->fit_count,
+            photos->held_out_count, width, height, photos->point_count);
+}
+
 static void say_left_out(void *label, const char *why)
 {
     (void)label;
@@ -467,6 +479,8 @@ static int read_photos(fit_command *c, fxs_photos *photos)
                 photos->fit_count + photos->held_out_count);
     if (photos->points_are_random && !c->resume)
         fprintf(stderr, "fixsplat: %s: no points: begins with %zu random ones\n", c->in, photos->point_count);
+    if (isatty(STDERR_FILENO))
+        say_sizes(photos);
     return 0;
 }
 

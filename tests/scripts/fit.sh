@@ -44,6 +44,18 @@ check "into .ply: what is packed, rounded again, is as large" equal "$(wc -c <wh
 "$fixsplat" info floats.ply >logs/out
 check "into .ply: all can be drawn" grep -Eq '^Gaussians +([0-9]+), \1 of them' logs/out
 
+# ---- On a terminal ---------------------------------------------------------------------------------------------------
+
+if have script; then
+    script -qec "'$fixsplat' fit set --steps 600 -o few.fxs" /dev/null </dev/null >logs/out
+    check "on a terminal: what it begins with" grep -q \
+        '10 photographs to fit, 2 held out, up to 64 x 48 pixels; 400 points' logs/out
+    check "on a terminal: progress" grep -Eq \
+        '\[#* *\] [0-9]+/600, loss 0\.[0-9]{4}, [0-9]+ Gaussians, [0-9.]+ steps/s, [0-9]+ s left' logs/out
+else
+    skip "on a terminal" "no script(1) here"
+fi
+
 # ---- From where -----------------------------------------------------------------------------------------------------
 
 here=$PWD
