@@ -143,8 +143,10 @@ static uint32_t hash_of_pixels(void)
 /* By its folder, by that of the model and by its files; binary and text. */
 static void colmap(void)
 {
-    static const char *const names[] = {"c", "c/", "c/sparse/0", "c/sparse/0/images.bin", "c/sparse/0/points3D.bin"};
+    static const char *const names[] = {"c", "c/", "c/sparse/0", "c/sparse/0/images.bin", "c/sparse/0/points3D.bin",
+                                        "c/sparse/0/.", "c/sparse/0/deep/..", "c/sparse/0/deep/../"};
     put_colmap_photos();
+    make_folder("c/sparse/0/deep");
     put_colmap(0);
     check_colmap("c");
     check_colmap("c/sparse/0/cameras.txt");
@@ -154,6 +156,7 @@ static void colmap(void)
         check_colmap(names[i]);
         CHECK(hash_of_pixels() == hash);
     }
+    CHECK(!rmdir(in_folder("c/sparse/0/deep")));
     CHECK(!rename(in_folder("c/sparse/0"), in_folder("c/sparse/1")));
     CHECK(!rename(in_folder("c/sparse/1"), in_folder("c/model")));
     check_colmap("c/model");
