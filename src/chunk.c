@@ -9,32 +9,11 @@ const uint16_t fxs_offset_of_code_q11[FXS_OPACITY_LAWS][256] = {
 #include "opacity.inc"
 };
 
-static int within(int64_t x, int64_t limit)
-{
-    return x >= -limit && x <= limit;
-}
-
-static int in_range(const fxs_chunk *chunk)
-{
-    int64_t scale = chunk->scale_q16, scale_reach = (int64_t)chunk->scale_step_q24 * (1023 * 1023) >> 8;
-    if (chunk->step_shift > 12 || chunk->opacity_law >= FXS_OPACITY_LAWS)
-        return 0;
-    int valid = within(scale, 32 << 16) && within(scale - scale_reach, 32 << 16);
-    for (int i = 0; i < 3; i++) {
-        int64_t reach = (int64_t)chunk->step_q32[i] * 65535 << chunk->step_shift;
-        int64_t colour = chunk->colour_q16[i], colour_reach = (int64_t)chunk->colour_step_q20[i] * 255 >> 4;
-        valid = valid && within(chunk->origin_q32[i], (int64_t)1 << 60) &&
-                within(chunk->origin_q32[i] + reach, (int64_t)1 << 60) && within(colour, 64 << 16) &&
-                within(colour + colour_reach, 64 << 16) && chunk->sh_step_q19[i] <= 32767;
-    }
-    return valid;
-}
-
 FXS_STAGE int fxs_chunk_read(fxs_chunk *header, const fxs_scene *scene, uint32_t chunk)
 {
     memcpy(header, fxs_aligned(scene->chunks + (size_t)chunk * sizeof *header), sizeof *header);
     fxs_chunk_turn(header);
-    return in_range(header) ? 0 : FXS_ERR_SCENE;
+    return fxs_chunk_valid(header) ? 0 : FXS_ERR_SCENE;
 }
 
 static uint64_t magnitude(int64_t x)

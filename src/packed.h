@@ -138,6 +138,28 @@ static inline void fxs_chunk_turn(fxs_chunk *chunk)
     fxs_little_endian(chunk, offsetof(fxs_chunk, sh_step_q19), 6, 2);
 }
 
+static inline int fxs_within(int64_t x, int64_t limit)
+{
+    return x >= -limit && x <= limit;
+}
+
+/* 1 where all is in the ranges that docs/format.md has for a chunk. */
+static inline int fxs_chunk_valid(const fxs_chunk *chunk)
+{
+    int64_t scale = chunk->scale_q16, scale_reach = (int64_t)chunk->scale_step_q24 * (1023 * 1023) >> 8;
+    if (chunk->step_shift > 12 || chunk->opacity_law >= FXS_OPACITY_LAWS)
+        return 0;
+    int valid = fxs_within(scale, 32 << 16) && fxs_within(scale - scale_reach, 32 << 16);
+    for (int i = 0; i < 3; i++) {
+        int64_t reach = (int64_t)chunk->step_q32[i] * 65535 << chunk->step_shift;
+        int64_t colour = chunk->colour_q16[i], colour_reach = (int64_t)chunk->colour_step_q20[i] * 255 >> 4;
+        valid = valid && fxs_within(chunk->origin_q32[i], (int64_t)1 << 60) &&
+                fxs_within(chunk->origin_q32[i] + reach, (int64_t)1 << 60) && fxs_within(colour, 64 << 16) &&
+                fxs_within(colour + colour_reach, 64 << 16) && chunk->sh_step_q19[i] <= 32767;
+    }
+    return valid;
+}
+
 /* SH coefficients a channel above degree 0: 0, 3, 8, 15. */
 #define FXS_SH_COUNT(degree) (((degree) + 1) * ((degree) + 1) - 1)
 

@@ -35,6 +35,9 @@ tests_of() {
     src/object.c | src/trace.c | src/targets.c | src/pick.c) echo targets objects stages ;;
     src/*) echo random stages scene stereo kernels bands golden targets objects foveate ;;
     port/board/*) echo strip ;;
+    port/fit/photo* | */lens.c) echo photos photo_bytes ;;
+    port/fit/profile* | port/fit/quantise.h) echo fit_profile fit_steps ;;
+    port/fit/checkpoint.c) echo checkpoint ;;
     port/fit/*.h | port/fit/fit*.c | port/fit/stepper.c) echo fit_gradient fit_loss fit_numbers fit_steps ;;
     port/fit/*) echo fit_model fit_steps ;;
     port/backend/foveate.c) echo foveate ;;
@@ -42,7 +45,6 @@ tests_of() {
     kernels/*/fit_*) echo fit_gradient fit_loss ;;
     kernels/*) echo kernels foveate random stereo golden bands ;;
     */camera.c | */message.c) echo camera_file golden ;;
-    port/fit/photo* | */lens.c) echo photos photo_bytes ;;
     */camera* | */colmap_text.c | */view_list.c) echo camera_file photos ;;
     */byte_reader.c) echo pack splat ksplat ply compressed_ply spz scene_input ;;
     */image_file.c) echo image_file photo_bytes ;;

@@ -552,17 +552,17 @@ static void test_alpha_of_99(void)
 /* A Gaussian in the middle of the picture by project. */
 static fxs_fit_splat project_one(const fxs_fit_stages *stages, double logit, float depth)
 {
-    static float parameters[FXS_FIT_PARAMETERS][FXS_FIT_BLOCK];
+    static float parameters[FXS_FIT_PARAMETERS][FXS_FIT_GROUP];
     const fxs_fit_camera camera = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .focal = {20, 20}, .middle = {8, 8},
                                    .slope_most = {0.5f, 0.5f}, .near = 0.25f, .width = 16, .height = 16, .tiles_x = 1,
                                    .tiles_y = 1};
-    fxs_fit_splat splats[FXS_FIT_BLOCK];
-    for (int i = 0; i < FXS_FIT_BLOCK; i++) {
+    fxs_fit_splat splats[FXS_FIT_GROUP];
+    for (int i = 0; i < FXS_FIT_GROUP; i++) {
         parameters[2][i] = depth;
         parameters[FXS_FIT_ROTATION][i] = 1;
         parameters[FXS_FIT_OPACITY][i] = (float)logit;
     }
-    stages->project(&camera, 0, parameters[0], FXS_FIT_BLOCK, 0, FXS_FIT_BLOCK, splats);
+    stages->project(&camera, 0, parameters[0], FXS_FIT_GROUP, 0, FXS_FIT_GROUP, splats);
     return splats[5];
 }
 

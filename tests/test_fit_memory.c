@@ -1,16 +1,18 @@
 /* A fit in which one allocation, or each from there on, gets no memory: an error, nothing kept, and a right fit
- * after. */
+ * after. And how much it allocates. */
 #include "../port/fit/fit_internal.h"
 #include "fit_scene.h"
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define COUNTING 1
+#include <malloc.h>
 void *__libc_malloc(size_t size);
 void *__libc_calloc(size_t count, size_t size);
 void *__libc_memalign(size_t alignment, size_t size);
 void __libc_free(void *memory);
 
 static int calls, held, fails_at, fails_ever;
+static size_t bytes, most_bytes;
 
 static int fails(void)
 {
@@ -20,31 +22,53 @@ static int fails(void)
     return fail;
 }
 
+static void *counted(void *memory)
+{
+    bytes += malloc_usable_size(memory);
+    most_bytes = bytes > most_bytes ? bytes : most_bytes;
+    return memory;
+}
+
 void *malloc(size_t size)
 {
-    return fails() ? NULL : __libc_malloc(size);
+    return fails() ? NULL : counted(__libc_malloc(size));
 }
 
 void *calloc(size_t n, size_t size)
 {
-    return fails() ? NULL : __libc_calloc(n, size);
+    return fails() ? NULL : counted(__libc_calloc(n, size));
 }
 
 int posix_memalign(void **out, size_t alignment, size_t size)
 {
     if (fails())
         return 12;
-    *out = __libc_memalign(alignment, size);
+    *out = counted(__libc_memalign(alignment, size));
     return *out ? 0 : 12;
 }
 
 void free(void *memory)
 {
     held -= memory != NULL;
+    bytes -= malloc_usable_size(memory);
     __libc_free(memory);
 }
 
-enum { SIDE = 20, POINTS = 40, STEPS = 20 };
+enum { SIDE = 20, POINTS = 40, STEPS = 20, MANY = 4000 };
+
+static int begin(fxs_fit **f, const fxs_fit_options *options, int count)
+{
+    static uint8_t pixels[3 * SIDE * SIDE];
+    static fxs_fit_point points[MANY];
+    const fxs_fit_photo photo = {.view = {.width = SIDE, .height = SIDE, .fx = 20, .fy = 20, .cx = 10, .cy = 10,
+                                          .rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}}, .pixels = pixels};
+    fxs_message message;
+    fit_state = 1;
+    for (int i = 0; i < count; i++)
+        for (int k = 0; k < 3; k++)
+            points[i].position[k] = (float)fit_uniform(-1, 1) + (k == 2 ? 4.0f : 0.0f);
+    return fxs_fit_create(f, &photo, 1, points, (size_t)count, options, &message);
+}
 
 /* What the recipes do to a model now and then. */
 static int change_model(fxs_fit_model *m)
@@ -59,22 +83,13 @@ static int change_model(fxs_fit_model *m)
 /* A fit to its end, by way of the packed profile. Returns the first error. */
 static int fit_some(enum fxs_fit_recipe recipe)
 {
-    static uint8_t pixels[3 * SIDE * SIDE];
-    fxs_fit_photo photo = {.view = {.width = SIDE, .height = SIDE, .fx = 20, .fy = 20, .cx = 10, .cy = 10,
-                                    .rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}}, .pixels = pixels};
-    fxs_fit_point points[POINTS] = {{{0, 0, 0}, {0, 0, 0}}};
     fxs_fit_options options;
-    fxs_message message;
     fxs_fit *f;
-    fit_state = 1;
-    for (int i = 0; i < POINTS; i++)
-        for (int k = 0; k < 3; k++)
-            points[i].position[k] = (float)fit_uniform(-1, 1) + (k == 2 ? 4.0f : 0.0f);
     fxs_fit_options_init(&options);
     options.recipe = recipe;
     options.steps = STEPS;
     options.profile = (enum fxs_profile)recipe;
-    int error = fxs_fit_create(&f, &photo, 1, points, POINTS, &options, &message);
+    int error = begin(&f, &options, POINTS);
     for (int i = 0; i < STEPS && !error; i++) {
         fxs_fit_report report;
         error = fxs_fit_step(f, &report);
@@ -113,8 +128,44 @@ static void test_no_memory(void)
 #endif
 }
 
+/* At most twice parameters, gradients and moments, while Gaussians are added and in the steps that pass through the
+   profile, too; and where their number stays, not more after a thousand steps. */
+static void test_amount(void)
+{
+#ifdef COUNTING
+    enum { ALL = 2900, MOST = MANY + 2000, FULL = 1600 };
+    fxs_fit_options options;
+    fxs_fit_report report = {0};
+    fxs_fit *f;
+    size_t when_full = 0;
+    fxs_fit_options_init(&options);
+    options.recipe = FXS_FIT_MCMC;
+    options.steps = ALL;
+    options.max_gaussians = MOST;
+    options.profile = FXS_PROFILE_SMALL;
+    const size_t of_others = bytes;
+    most_bytes = bytes;
+    CHECK(begin(&f, &options, MANY) == 0);
+    for (int i = 1; i <= ALL; i++) {
+        CHECK(fxs_fit_step(f, &report) == 0);
+        if (i == FULL) {
+            CHECK(report.gaussians == MOST);
+            when_full = bytes;
+        }
+        CHECK(i != FULL + 1000 || bytes <= when_full + when_full / 100);
+    }
+    const double most = (double)(most_bytes - of_others) / (16.0 * FXS_FIT_PARAMETERS * MOST);
+    if (!CHECK(most <= 2))
+        printf("  %.2f times parameters, gradients and moments\n", most);
+    fxs_fit_free(f);
+#else
+    SKIP("malloc cannot be counted here");
+#endif
+}
+
 int main(void)
 {
     RUN(test_no_memory);
+    RUN(test_amount);
     return check_report();
 }

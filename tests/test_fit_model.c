@@ -171,7 +171,7 @@ static void beginning(void)
                                      {{0, 0, 3}, {1, 2, 3}}, {{50, 0, 0}, {4, 5, 6}}};
     fxs_fit_model m;
     CHECK(!fxs_fit_model_begin(&m, points, 5, 0.1f));
-    CHECK(m.count == 5 && m.stride >= 5 && m.stride % FXS_FIT_BLOCK == 0);
+    CHECK(m.count == 5 && m.stride >= 5 && m.stride % FXS_FIT_GROUP == 0);
     CHECK(is_near((double)*at(&m, FXS_FIT_SCALE + 1, 0), log(sqrt((1 + 4 + 9) / 3.0)), 1e-6));
     CHECK(is_near(opacity_of(&m, 3), 0.1, 1e-6));
     CHECK(*at(&m, FXS_FIT_POSITION, 4) == 50 && *at(&m, FXS_FIT_ROTATION, 2) == 1 &&
@@ -654,7 +654,7 @@ static void adam(void)
     const fxs_fit_camera camera = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .eye = {0, 0, -5}, .focal = {50, 50},
                                    .middle = {20, 20}, .slope_most = {1, 1}, .near = 0.2f, .width = 40, .height = 40,
                                    .tiles_x = 3, .tiles_y = 3};
-    fxs_fit_model m = random_model(FXS_FIT_BLOCK);
+    fxs_fit_model m = random_model(FXS_FIT_GROUP);
     float sums[FXS_FIT_SUMS][FXS_FIT_PART];
     double x = 0, mean = 0, square = 0, worst = 0;
     memset(m.means, 0, FXS_FIT_PARAMETERS * m.stride * sizeof(float));
@@ -667,7 +667,7 @@ static void adam(void)
                                 .correction = (float)(1 / (1 - pow(0.999, step))), .epsilon = 1e-12f};
         memset(sums, 0, sizeof sums);
         sums[FXS_FIT_RED][2] = (float)g;
-        stages->update(&camera, 0, &a, m.parameters, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_BLOCK,
+        stages->update(&camera, 0, &a, m.parameters, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_GROUP,
                        sums[0], m.by_centre);
         mean = 0.9 * mean + 0.1 * gradient;
         square = 0.999 * square + 0.001 * gradient * gradient;
@@ -691,7 +691,7 @@ static void gradients_beyond(void)
         a.rate[k] = 1;
     for (int which = 0; which < 5; which++)
         for (int sum = 0; sum < FXS_FIT_SUMS; sum++) {
-            fxs_fit_model m = random_model(FXS_FIT_BLOCK), old;
+            fxs_fit_model m = random_model(FXS_FIT_GROUP), old;
             float sums[FXS_FIT_SUMS][FXS_FIT_PART];
             size_t unsound = 0;
             memset(m.means, 0, FXS_FIT_PARAMETERS * m.stride * sizeof(float));
@@ -704,10 +704,10 @@ static void gradients_beyond(void)
             for (int i = 0; i < FXS_FIT_SUMS * FXS_FIT_PART; i++)
                 sums[i / FXS_FIT_PART][i % FXS_FIT_PART] = 1;
             sums[sum][3] = bad[which];
-            stages->update(&camera, 3, &a, m.parameters, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_BLOCK, sums[0],
-                           m.by_centre);
+            stages->update(&camera, 3, &a, m.parameters, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_GROUP,
+                           sums[0], m.by_centre);
             for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
-                for (size_t i = 0; i < FXS_FIT_BLOCK; i++)
+                for (size_t i = 0; i < FXS_FIT_GROUP; i++)
                     unsound += !isfinite(*at(&m, k, i)) || !isfinite(m.squares[(size_t)k * m.stride + i]);
             CHECK(!unsound && !differing(&m, 3, &old, 3, 0, FXS_FIT_PARAMETERS));
             CHECK(m.by_centre[3] == old.by_centre[3] && differing(&m, 4, &old, 4, 0, FXS_FIT_PARAMETERS) > 20);

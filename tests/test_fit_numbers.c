@@ -153,13 +153,13 @@ static void test_steps_are_adams(void)
 static void test_tiny_gradients(void)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
-    const int versions_count = fit_versions(versions), block = FXS_FIT_BLOCK;
+    const int versions_count = fit_versions(versions), block = FXS_FIT_GROUP;
     const fxs_fit_camera camera = fit_camera(WIDTH, HEIGHT, 25);
     for (int v = 0; v < versions_count; v++) {
-        static float parameters[FXS_FIT_PARAMETERS][FXS_FIT_BLOCK], means[FXS_FIT_PARAMETERS][FXS_FIT_BLOCK];
-        static float squares[FXS_FIT_PARAMETERS][FXS_FIT_BLOCK], sums[FXS_FIT_SUMS][FXS_FIT_PART];
-        float by_centre[FXS_FIT_BLOCK] = {0};
-        adam reference[FXS_FIT_BLOCK] = {{0, 0, 0, 0}};
+        static float parameters[FXS_FIT_PARAMETERS][FXS_FIT_GROUP], means[FXS_FIT_PARAMETERS][FXS_FIT_GROUP];
+        static float squares[FXS_FIT_PARAMETERS][FXS_FIT_GROUP], sums[FXS_FIT_SUMS][FXS_FIT_PART];
+        float by_centre[FXS_FIT_GROUP] = {0};
+        adam reference[FXS_FIT_GROUP] = {{0, 0, 0, 0}};
         memset(parameters, 0, sizeof parameters);
         memset(means, 0, sizeof means);
         memset(squares, 0, sizeof squares);
@@ -178,7 +178,7 @@ static void test_tiny_gradients(void)
                 adam_step(&reference[i], 0.28209479177387814 * (double)sums[FXS_FIT_RED][i], 0.0025, step);
             }
             versions[v]->update(&camera, 0, &numbers, parameters[0], parameters[0], means[0], squares[0],
-                                FXS_FIT_BLOCK, 0, FXS_FIT_BLOCK, sums[0], by_centre);
+                                FXS_FIT_GROUP, 0, FXS_FIT_GROUP, sums[0], by_centre);
         }
         for (int i = 0; i < block; i++) {
             const double found = (double)parameters[FXS_FIT_COLOUR][i];

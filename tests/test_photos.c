@@ -143,8 +143,10 @@ static uint32_t hash_of_pixels(void)
 /* By its folder, by that of the model and by its files; binary and text. */
 static void colmap(void)
 {
-    static const char *const names[] = {"c", "c/", "c/sparse/0", "c/sparse/0/images.bin", "c/sparse/0/points3D.bin"};
+    static const char *const names[] = {"c", "c/", "c/sparse/0", "c/sparse/0/images.bin", "c/sparse/0/points3D.bin",
+                                        "c/sparse/0/.", "c/sparse/0/deep/..", "c/sparse/0/deep/../"};
     put_colmap_photos();
+    make_folder("c/sparse/0/deep");
     put_colmap(0);
     check_colmap("c");
     check_colmap("c/sparse/0/cameras.txt");
@@ -154,6 +156,7 @@ static void colmap(void)
         check_colmap(names[i]);
         CHECK(hash_of_pixels() == hash);
     }
+    CHECK(!rmdir(in_folder("c/sparse/0/deep")));
     CHECK(!rename(in_folder("c/sparse/0"), in_folder("c/sparse/1")));
     CHECK(!rename(in_folder("c/sparse/1"), in_folder("c/model")));
     check_colmap("c/model");
@@ -226,6 +229,13 @@ static int stop(void *argument, double done)
     return done > 0.3;
 }
 
+/* Adds what is said of each. */
+static void left_out(void *argument, const char *why)
+{
+    char *all = argument;
+    strcat(strcat(all, strrchr(why, '/')), "; ");
+}
+
 static void bad_photos(void)
 {
     fxs_photos_options options = {.hold_out = 4};
@@ -237,8 +247,13 @@ static void bad_photos(void)
     options.run = fxs_pool_run;
     options.pool = fxs_pool_create(3);
     check_refused("c", &options, FXS_ERR_FILE, "c/images/sub/3.ppm: cut short");
+    char said[256] = "";
     options.skip_bad = 1;
+    options.left_out = left_out;
+    options.argument = said;
     CHECK(!read_photos("c", &options) && photos.skipped == 3 && photos.fit_count == 4 && photos.held_out_count == 2);
+    CHECK(!strcmp(said, "/3.ppm: cut short; /5.ppm: No such file or directory; /4.ppm: not a .png, .jpg or .ppm; "));
+    options.left_out = NULL;
     fxs_pool_destroy(options.pool);
     options.run = NULL;
     double done = 0;

@@ -444,20 +444,43 @@ static int fit_photos(const fit_command *c, const fxs_photos *photos, char **arg
     return status;
 }
 
+static void say_sizes(const fxs_photos *photos)
+{
+    int width = 0, height = 0;
+    for (size_t i = 0; i < photos->fit_count; i++) {
+        const fxs_file_view *view = &photos->fit[i].view;
+        width = view->width > width ? view->width : width;
+        height = view->height > height ? view->height : height;
+    }
+    fprintf(stderr, "%zu photographs to fit, %zu held out, up to %d x %d pixels; %zu points\n", photos->fit_count,
+            photos->held_out_count, width, height, photos->point_count);
+}
+
+static void say_left_out(void *label, const char *why)
+{
+    (void)label;
+    progress_end();
+    fprintf(stderr, "fixsplat: left out: %s\n", why);
+}
+
 static int read_photos(fit_command *c, fxs_photos *photos)
 {
     fxs_message message;
     char label[] = "reading";
     c->reading.progress = progress_bar;
+    c->reading.left_out = say_left_out;
     c->reading.argument = label;
     const int error = fxs_photos_read(c->in, &c->reading, photos, &message);
     progress_end();
     if (error)
         return fail(EXIT_FAILED, "%s", message.text);
     if (photos->skipped)
-        fprintf(stderr, "fixsplat: %s: left out %zu photographs that cannot be read\n", c->in, photos->skipped);
+        fprintf(stderr, "fixsplat: %s: %zu photographs left out, %zu are there\n", c->in, photos->skipped,
+                photos->fit_count + photos->held_out_count);
     if (photos->points_are_random && !c->resume)
         fprintf(stderr, "fixsplat: %s: no points: begins with %zu random ones\n", c->in, photos->point_count);
+    if (isatty(STDERR_FILENO))
+        say_sizes(photos);
     return 0;
 }
 

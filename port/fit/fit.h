@@ -113,9 +113,9 @@ int fxs_fit_save(const fxs_fit *fit, const char *path, fxs_message *message);
 
 /* fxs_fit_create from such a file, with the same photographs: its further steps are those of the fit that was saved. Of
    `options`, what says how it is computed is taken (cpu, run, pool, threads, clock), and `steps` where that is not 0;
-   the rest is the file's. Errors: FXS_ERR_FILE where the file is no such file, damaged, or of other photographs (pixels,
-   cameras, their order; names do not matter); FXS_ERR_VERSION where it is of another version; FXS_ERR_MEMORY. What is
-   allocated is in proportion to the file. */
+   the rest is the file's. Errors: FXS_ERR_FILE where the file is no such file, damaged, or of other photographs
+   (pixels, cameras, their order; names do not matter); FXS_ERR_VERSION where it is of another version; FXS_ERR_MEMORY.
+   What is allocated is in proportion to the file. */
 int fxs_fit_resume(fxs_fit **fit, const char *path, const fxs_fit_photo *photos, size_t photo_count,
                    const fxs_fit_options *options, fxs_message *message);
 

@@ -1,18 +1,12 @@
 /* The Gaussians of a fit as the renderer draws them. */
+#include "../files/run.h"
 #include "fit_internal.h"
-
-static void run_here(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
-{
-    (void)pool;
-    for (uint32_t i = 0; i < jobs; i++)
-        job(argument, i);
-}
 
 static fxs_pack_options pack_options(const fxs_fit *f)
 {
     fxs_pack_options options = {.profile = f->options.profile, .run = f->options.run, .pool = f->options.pool,
                                 .threads = f->options.threads};
-    options.run = options.run ? options.run : run_here;
+    options.run = options.run ? options.run : fxs_run_here;
     return options;
 }
 

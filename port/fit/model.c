@@ -30,7 +30,7 @@ void fxs_fit_model_free(fxs_fit_model *m)
 
 static size_t stride_of(size_t count)
 {
-    return (count + FXS_FIT_BLOCK - 1) / FXS_FIT_BLOCK * FXS_FIT_BLOCK;
+    return (count + FXS_FIT_GROUP - 1) / FXS_FIT_GROUP * FXS_FIT_GROUP;
 }
 
 /* Beyond the count there are Gaussians of no opacity and no size. */

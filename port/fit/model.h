@@ -49,7 +49,7 @@ typedef struct fxs_fit_relocate {
 /* Moves and adds Gaussians to places drawn by opacity (Kheradmand et al. 2024). Returns 0 or FXS_ERR_MEMORY. */
 int fxs_fit_model_relocate(fxs_fit_model *model, const fxs_fit_relocate *relocate);
 
-/* Puts the Gaussians along a Morton curve, so that neighbours share blocks. Returns 0 or FXS_ERR_MEMORY. */
+/* Puts the Gaussians along a Morton curve, so that neighbours share groups. Returns 0 or FXS_ERR_MEMORY. */
 int fxs_fit_model_order(fxs_fit_model *model);
 
 #endif

@@ -46,12 +46,11 @@ static void parent_of(char out[FXS_PHOTO_PATH], const char *path)
     while (length && path[length - 1] != '/')
         length--;
     const char *name = path + length;
-    if (!strcmp(name, ".") || !strcmp(name, "..") || !*name)
+    const size_t named = strcspn(name, "/");
+    if (named <= 2 && !strncmp(name, "..", named))
         snprintf(out, FXS_PHOTO_PATH, "%.*s/..", FXS_PHOTO_PATH - 4, path);
     else
-        snprintf(out, FXS_PHOTO_PATH, "%.*s", (int)length, length ? path : ".");
-    if (!length && *out != '/')
-        strcpy(out, ".");
+        snprintf(out, FXS_PHOTO_PATH, "%.*s", length ? (int)length : 1, length ? path : ".");
 }
 
 /* ---- Which files ------------------------------------------------------------------------------------------------- */

@@ -6,6 +6,7 @@
 
 #include "../camera/camera.h"
 #include "../files/message.h"
+#include "../files/run.h"
 #include "photo_list.h"
 #include "photo_pixels.h"
 #include "photo_points.h"
@@ -49,13 +50,6 @@ static void read_job(void *argument, uint32_t i)
     made->error = read_one(r, &r->views->views[r->first + i], made);
 }
 
-static void run_here(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
-{
-    (void)pool;
-    for (uint32_t i = 0; i < jobs; i++)
-        job(argument, i);
-}
-
 /* Keeps the batch's photographs up to the first that ends it, and frees the rest. */
 static int keep(const reading *r, uint32_t count, fxs_fit_photo *photos, size_t *kept, fxs_photos *all,
                 fxs_message *message)
@@ -71,6 +65,8 @@ static int keep(const reading *r, uint32_t count, fxs_fit_photo *photos, size_t 
         free(made->photo.pixels);
         if (!error && r->options->skip_bad && made->error == FXS_ERR_FILE) {
             all->skipped++;
+            if (r->options->left_out)
+                r->options->left_out(r->options->argument, made->message.text);
         } else if (!error) {
             error = made->error;
             *message = made->message;
@@ -84,7 +80,7 @@ static int read_all(reading *r, const fxs_view_list *views, fxs_fit_photo **phot
                     size_t done, size_t count, fxs_message *message)
 {
     const fxs_photos_options *o = r->options;
-    fxs_run_fn *const run = o->run ? o->run : run_here;
+    fxs_run_fn *const run = o->run ? o->run : fxs_run_here;
     r->views = views;
     *photos = calloc(views->count + 1, sizeof **photos);
     if (!*photos)

@@ -33,6 +33,9 @@
 extern "C" {
 #endif
 
+/* Why a photograph is left out: its file's name, and what is wrong with it; one line, valid during the call. */
+typedef void fxs_left_out_fn(void *argument, const char *why);
+
 /* All 0: every photograph is for the fit, at its own size but at most 1600 pixels wide or high. */
 typedef struct fxs_photos_options {
     int resolution;                /* pixels of the longer side, at most; 0: 1600 */
@@ -40,11 +43,12 @@ typedef struct fxs_photos_options {
                                       whatever n is, those of transforms_test.json where there is one */
     uint8_t background[3];         /* below photographs with alpha */
     int skip_bad;                  /* 1: photographs that cannot be read are left out, and counted */
+    fxs_left_out_fn *left_out;     /* may be null; called as progress is, for each of them, by name in each list */
     uint64_t seed;                 /* of the points where the files have none */
     fxs_run_fn *run;               /* null: one thread */
     void *pool;                    /* first argument of run */
     fxs_progress_fn *progress;     /* may be null; called on the thread that called fxs_photos_read */
-    void *argument;                /* first argument of progress */
+    void *argument;                /* first argument of progress and left_out */
 } fxs_photos_options;
 
 typedef struct fxs_photos {

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../src/chunk.h"
+#include "../../src/packed.h"
 #include "../files/message.h"
 #include "../files/try_internal.h"
 #include "../import/order.h"
@@ -405,12 +405,9 @@ int fxs_fit_profile_restore(fxs_fit_profile *p, fxs_fit_model *m)
                         fxs_palette_restore(p->palette, fxs_palette_entries_for(p->count, p->profile, p->sh_degree))))
         return FXS_ERR_FILE;
     for (size_t chunk = 0; chunk < chunks_of(p); chunk++) {
-        const fxs_scene scene = {.chunks = (const unsigned char *)&p->chunks[chunk]};
-        fxs_chunk header;
-        fxs_chunk_turn(&p->chunks[chunk]);
-        FXS_TRY(fxs_chunk_read(&header, &scene, 0));
-        p->chunks[chunk] = header;
-        find_steps(p, &p->steps[chunk], &header);
+        if (!fxs_chunk_valid(&p->chunks[chunk]))
+            return FXS_ERR_FILE;
+        find_steps(p, &p->steps[chunk], &p->chunks[chunk]);
     }
     m->grid = &p->grid;
     return 0;

@@ -40,12 +40,14 @@ int fxs_fit_profile_pack(const fxs_fit_profile *profile, const fxs_fit_model *mo
                          const fxs_pack_options *options, fxs_message *message);
 
 /* Gives every block of the phase's state beside the model's planes to a visitor, the masters to one of its own, to be
-   saved or, after fxs_fit_profile_allocate, read: floats, and bytes that are the same on every machine. Returns 0 or what a visitor returned. */
+   saved or, after fxs_fit_profile_allocate, read: floats, and bytes that are the same on every machine. Returns 0 or
+   what a visitor returned. */
 typedef int fxs_fit_visit_fn(void *argument, void *block, size_t bytes);
 int fxs_fit_profile_walk(fxs_fit_profile *profile, fxs_fit_model *model, fxs_fit_visit_fn *masters,
                          fxs_fit_visit_fn *others, void *argument);
 
-/* Makes room for the state of a phase that has begun, with a model of `count` Gaussians. Returns 0 or FXS_ERR_MEMORY. */
+/* Makes room for the state of a phase that has begun, with a model of `count` Gaussians. Returns 0 or
+   FXS_ERR_MEMORY. */
 int fxs_fit_profile_allocate(fxs_fit_profile *profile, fxs_fit_model *model, enum fxs_profile which, int sh_degree);
 
 /* After a state was read. Returns 0, or an error where there can be no such state. */

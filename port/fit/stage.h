@@ -18,7 +18,7 @@
 #define FXS_FIT_PIXELS 256
 #define FXS_FIT_BLOCKS 16          /* of 4x4 pixels, in a tile */
 #define FXS_FIT_AT(x, y) (((y) / 4 * 4 + (x) / 4) * 16 + (y) % 4 * 4 + (x) % 4)   /* of a tile's pixel */
-#define FXS_FIT_BLOCK 16           /* Gaussians of a job come in multiples of it */
+#define FXS_FIT_GROUP 16           /* Gaussians of a job come in multiples of it */
 #define FXS_FIT_PART 256           /* Gaussians that are updated at once, at most */
 
 #define FXS_FIT_CHUNK 256          /* Gaussians that are packed by the same steps: FXS_CHUNK */
@@ -50,9 +50,9 @@ typedef struct fxs_fit_camera {
 typedef struct fxs_fit_splat {
     float centre[2], ux, uy, vy, offset, limit, colour[3];
     float depth;                   /* 0: not in the picture */
-    /* For lists, of the ellipse, and a little more: the square of its radius in u and v, half of its height, and y where
-       it is farthest to the right. radius2 below 0: it is in all tiles that a square of half_y either way touches, and
-       all their pixels look at it. */
+    /* For lists, of the ellipse, and a little more: the square of its radius in u and v, half of its height, and y
+       where it is farthest to the right. radius2 below 0: it is in all tiles that a square of half_y either way touches,
+       and all their pixels look at it. */
     float radius2, half_y, tip;
     float tiles;                   /* that it touches */
     uint32_t slot;                 /* of the first one's sums: the others follow, row by row */
@@ -108,8 +108,8 @@ typedef struct fxs_fit_adam {
     float by_opacity, by_scale;    /* d loss / d opacity, / d scale, of every Gaussian, beside the picture's */
 } fxs_fit_adam;
 
-/* How the Gaussians of a chunk (FXS_FIT_CHUNK of them) are quantised: what fxs_chunk says, in the units of the parameters.
-   An inverse is of the step of the profile's own codes; 0 where the step is. */
+/* How the Gaussians of a chunk (FXS_FIT_CHUNK of them) are quantised: what fxs_chunk says, in the units of the
+   parameters. An inverse is of the step of the profile's own codes; 0 where the step is. */
 typedef struct fxs_fit_chunk {
     float low[3], step[3], inverse[3];              /* positions */
     float scale, scale_step, scale_inverse;         /* log2(sigma) */
@@ -130,13 +130,14 @@ typedef struct fxs_fit_noise {
     uint32_t key[2];
 } fxs_fit_noise;
 
-/* The versions of an instruction set. */
+/* The versions of an instruction set. cover is a part of bin, loss_* are those of loss; noise and quantise come after
+   update, where a recipe and the profile want them. */
 typedef struct fxs_fit_stages {
     const char *name;
-    /* Splats of Gaussians first..first + count; both multiples of FXS_FIT_BLOCK. */
+    /* Splats of Gaussians first..first + count; both multiples of FXS_FIT_GROUP. */
     void (*project)(const fxs_fit_camera *camera, int degree, const float *parameters, size_t stride, size_t first,
                     size_t count, fxs_fit_splat *splats);
-    /* The tiles of splats first..first + count, both multiples of FXS_FIT_BLOCK, to their slots. */
+    /* The tiles of splats first..first + count, both multiples of FXS_FIT_GROUP, to their slots. */
     void (*cover)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first, size_t count,
                   uint32_t *tiles);
     /* A list's splats to pixels of the tile at (left, top), and the entries' blocks. Returns how many were needed. */
@@ -151,10 +152,10 @@ typedef struct fxs_fit_stages {
     void (*loss_derivatives)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_back_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_gradient)(const fxs_fit_loss *loss, int32_t row);
-    /* Gradients of Gaussians first..first + count, of FXS_FIT_PART at most, from `sums` (planes of FXS_FIT_PART numbers),
-       and a step of Adam by them of the masters, which are the parameters where nothing is quantised; moments below
-       2^-100 are 0. by_centre: adds up the length of dL/dcentre, in halves of the picture's sides, of the loss that is a
-       mean over pixels and channels. A Gaussian with a gradient that is not finite, or beyond
+    /* Gradients of Gaussians first..first + count, of FXS_FIT_PART at most, from `sums` (planes of FXS_FIT_PART
+       numbers), and a step of Adam by them of the masters, which are the parameters where nothing is quantised; moments
+       below 2^-100 are 0. by_centre: adds up the length of dL/dcentre, in halves of the picture's sides, of the loss
+       that is a mean over pixels and channels. A Gaussian with a gradient that is not finite, or beyond
        FXS_FIT_FARTHEST_GRADIENT, gets one of 0. Scales and opacities stay within FXS_FIT_FARTHEST; a parameter that
        would go beyond FXS_FIT_FARTHEST_PLACE, or be no number, stays as it is. */
     void (*update)(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam, const float *parameters,

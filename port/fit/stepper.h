@@ -13,7 +13,7 @@ typedef struct fxs_fit_photograph {
 } fxs_fit_photograph;
 
 /* The parameters of `count` Gaussians, Adam's two moments of them, and sums for the densification. `stride` is `count`
-   rounded up to FXS_FIT_BLOCK, or more; what is beyond `count` is 0 but the quaternions' w. */
+   rounded up to FXS_FIT_GROUP, or more; what is beyond `count` is 0 but the quaternions' w. */
 typedef struct fxs_fit_model {
     size_t count, stride;
     float *parameters, *means, *squares;        /* FXS_FIT_PARAMETERS planes each */

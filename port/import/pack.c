@@ -6,6 +6,7 @@
 
 #include "../../src/packed.h"
 #include "../files/message.h"
+#include "../files/run.h"
 #include "../files/try_internal.h"
 #include "coded.h"
 #include "framing.h"
@@ -76,13 +77,6 @@ static int fail_memory(const packer *p, uint64_t count)
 }
 
 /* ---- Passes over the file -------------------------------------------------------------------------------------- */
-
-static void run_here(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
-{
-    (void)pool;
-    for (uint32_t i = 0; i < jobs; i++)
-        job(argument, i);
-}
 
 static void read_batch(packer *p, batch *b, uint64_t first)
 {
@@ -605,7 +599,7 @@ int fxs_pack_coded(fxs_scene_file *file, const fxs_scene_file_info *info, const 
     p.encoder.sh_degree = info->sh_degree;
     p.steps = fxs_palette_stages(p.options.profile, info->sh_degree) ? 4 : 3;
     if (!p.options.run)
-        p.options.run = run_here;
+        p.options.run = fxs_run_here;
     p.options.threads += p.options.threads == 0;
     p.parts = PARTS;
     const int result = pack(&p, scene);

@@ -44,6 +44,32 @@ check "into .ply: what is packed, rounded again, is as large" equal "$(wc -c <wh
 "$fixsplat" info floats.ply >logs/out
 check "into .ply: all can be drawn" grep -Eq '^Gaussians +([0-9]+), \1 of them' logs/out
 
+# ---- On a terminal ---------------------------------------------------------------------------------------------------
+
+if have script; then
+    script -qec "'$fixsplat' fit set --steps 600 -o few.fxs" /dev/null </dev/null >logs/out
+    check "on a terminal: what it begins with" grep -q \
+        '10 photographs to fit, 2 held out, up to 64 x 48 pixels; 400 points' logs/out
+    check "on a terminal: progress" grep -Eq \
+        '\[#* *\] [0-9]+/600, loss 0\.[0-9]{4}, [0-9]+ Gaussians, [0-9.]+ steps/s, [0-9]+ s left' logs/out
+else
+    skip "on a terminal" "no script(1) here"
+fi
+
+# ---- From where -----------------------------------------------------------------------------------------------------
+
+here=$PWD
+while read -r from photos; do
+    check "fit $photos in $from" sh -c "cd $from && '$fixsplat' fit $photos --steps 1 -o '$here/few.fxs' >'$here/logs/out'"
+done <<'END'
+set .
+set/sparse/0 .
+set/sparse/0 images.txt
+set/sparse 0/
+set/images ../sparse/0/points3D.txt
+set/images ..
+END
+
 # ---- Held out --------------------------------------------------------------------------------------------------------
 
 succeeds "--hold-out 0" fit set --steps 20 -o few.fxs --hold-out 0
@@ -154,7 +180,8 @@ rm missing/images/03.png
 fails "a photograph is missing" 1 "03.png" fit missing -o x.fxs --steps 5
 run fit missing -o x.fxs --steps 5 --skip-bad
 check "--skip-bad: goes on, and says so" equal "$status $(cat logs/err)" \
-    "0 fixsplat: missing: left out 1 photographs that cannot be read"
+    "0 fixsplat: left out: missing/images/03.png: No such file or directory
+fixsplat: missing: 1 photographs left out, 11 are there"
 echo >missing/sparse/0/images.txt
 fails "no cameras" 1 "missing" fit missing -o x.fxs --steps 5
 cp -r set behind

@@ -6,9 +6,9 @@
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 . tests/scripts/lib/variants.sh
-# Without the photographs' readers, and what saves and packs.
-sources="tests/test_fit_steps.c $(ls port/fit/*.c | grep -v '/photo\|/checkpoint\|_pack\.c' | tr '\n' ' ')
-    port/camera/camera.c port/files/message.c port/files/allocator.c port/posix/pool.c src/fixsplat.c src/view.c"
+# Without the photographs' readers, and what saves.
+sources="tests/test_fit_steps.c $(ls port/fit/*.c port/import/*.c src/*.c | grep -v '/photo\|/checkpoint' | tr '\n' ' ')
+    port/camera/camera.c port/files/message.c port/files/allocator.c port/posix/pool.c"
 few="$flags -w -DFXS_FIT_FEW -ffunction-sections -Wl,--gc-sections"
 one="$(echo $sources) -o % -lm -lpthread"
 
@@ -28,8 +28,7 @@ fit() {
 fit gcc-O0 gcc -O0
 fit gcc-native gcc '-O3 -march=native'
 fit clang-native clang '-O3 -march=native'
-fit clang-sanitized clang "-O1 -fsanitize=address,undefined -fno-sanitize-recover=all $(ls src/*.c |
-    grep -v '/fixsplat\.c\|/view\.c' | tr '\n' ' ')"
+fit clang-sanitized clang '-O1 -fsanitize=address,undefined -fno-sanitize-recover=all'
 fit i686 i686-linux-gnu-gcc '-O2 -static -msse2 -mfpmath=sse' qemu-i386
 fit aarch64 aarch64-linux-gnu-gcc '-O2 -static' qemu-aarch64
 fit s390x s390x-linux-gnu-gcc '-O2 -static -fexcess-precision=fast' qemu-s390x
