@@ -97,6 +97,7 @@ static int fit_some(enum fxs_fit_recipe recipe)
             error = change_model(&f->model);
     }
     fxs_packed_scene scene;
+    fxs_message message;
     if (!error && !(error = fxs_fit_pack(f, &scene, NULL, &message)))
         fxs_packed_scene_free(&scene);
     fxs_fit_free(f);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "../../src/packed.h"
+#include "../files/exponential.h"
 #include "../files/message.h"
 #include "../files/run.h"
 #include "../files/try_internal.h"
@@ -135,7 +136,7 @@ double fxs_weight(const fxs_gaussian *g)
 {
     const float a = fxs_held_scale(g->scale[0]), b = fxs_held_scale(g->scale[1]), c = fxs_held_scale(g->scale[2]);
     const float least = fminf(fminf(a, b), c);
-    return (double)expf(a + b + c - least) / (isnan(g->opacity) ? 1 : 1 + (double)expf(-g->opacity));
+    return fxs_exp((double)(a + b + c - least)) / (isnan(g->opacity) ? 1 : 1 + fxs_exp(-(double)g->opacity));
 }
 
 int fxs_drawable(const fxs_gaussian *g, int sh_degree, fxs_pack_dropped *dropped)

@@ -13,6 +13,7 @@
 #include <cjson/cJSON.h>
 #include <webp/decode.h>
 
+#include "../files/exponential.h"
 #include "scene_codes.h"
 #include "../files/zip_internal.h"
 
@@ -356,7 +357,7 @@ static void decode_gaussian(const sog_scene *s, size_t index, fxs_gaussian *g)
     memset(g, 0, sizeof *g);
     for (int i = 0; i < 3; i++) {
         double n = lerp(s->mins[i], s->maxs[i], (high[i] << 8 | low[i]) / 65535.0);
-        g->position[i] = (float)copysign(expm1(fabs(n)), n);
+        g->position[i] = (float)copysign(fxs_exp(fabs(n)) - 1, n);
         g->scale[i] = s->scale[i][scale[i]];
         g->dc[i] = s->colour[i][colour[i]];
     }
