@@ -23,7 +23,7 @@ static const char help[] =
     "  --steps N           one photograph each (default 30000, fast 7000)\n"
     "  --resolution N      pixels of a photograph's longer side, at most: averaged down to it (default 1600)\n"
     "  --sh-degree D       highest SH degree, 0 to 3 (default 3)\n"
-    "  --max-gaussians N   at most so many (default 4194304)\n"
+    "  --max-gaussians N   at most so many (default 4194304, mcmc 1000000)\n"
     "  --seed N            of all that is random (default 0)\n"
     "  --cutoff NAME       mahalanobis (default) or square\n"
     "  --background RRGGBB behind the scene, and below photographs with alpha (default 000000)\n"
@@ -125,6 +125,8 @@ static int finish_options(fit_command *c)
     fxs_fit_options *o = &c->options;
     const int status = choose_backend(&c->frame, 0, &backend, &how);
     o->steps = c->given[OPT_STEPS] ? o->steps : c->resume ? 0 : fxs_fit_recipe_steps(o->recipe);
+    if (o->recipe == FXS_FIT_MCMC && !c->given[OPT_MAX_GAUSSIANS])
+        o->max_gaussians = 1000000;
     o->sh_degree = c->frame.render.sh_degree;
     o->cutoff = c->frame.render.cutoff;
     o->profile = c->frame.load.profile;
@@ -322,13 +324,13 @@ static void print_word(const char *word)
     fputc('\'', stderr);
 }
 
-/* Saves, says how to go on, and ends as the signal would have. */
-static int stop(const fit_command *c, const fxs_fit *fit, char **argv)
+/* Saves, and says the command that goes on from there. */
+static int save_for_later(const fit_command *c, const fxs_fit *fit, const char *why, char **argv)
 {
     if (save(c, fit))
         return EXIT_FAILED;
     progress_end();
-    fprintf(stderr, "fixsplat: stopped after %" PRIu32 " steps of %" PRIu32 "; to go on: fixsplat", fxs_fit_steps(fit),
+    fprintf(stderr, "fixsplat: %s after %" PRIu32 " steps of %" PRIu32 "; to go on: fixsplat", why, fxs_fit_steps(fit),
             fxs_fit_options_of(fit)->steps);
     for (; *argv; argv++)
         print_word(*argv);
@@ -337,8 +339,7 @@ static int stop(const fit_command *c, const fxs_fit *fit, char **argv)
         print_word(c->saved);
     }
     fputc('\n', stderr);
-    raise(asked);
-    return EXIT_FAILED;
+    return 0;
 }
 
 /* Where a save fails, the last one is still there, and the fit goes on. */
@@ -378,9 +379,9 @@ static void print_text(const fit_command *c, const fxs_fit *fit, const fxs_photo
            c->out, r->report.packed, r->bytes, profile_name(o->profile), fxs_fit_steps(fit), recipes[o->recipe],
            o->seed);
     if (photos->held_out_count)
-        printf("%zu photographs were fitted; of %zu that were not:\n", photos->fit_count, photos->held_out_count);
+        printf("Photographs fitted: %zu. Of the %zu held out:\n", photos->fit_count, photos->held_out_count);
     else
-        printf("No photograph was held out; of the %zu that were fitted:\n", photos->fit_count);
+        printf("Photographs fitted: %zu. None was held out; of those fitted:\n", photos->fit_count);
     quality_print_text(&r->quality);
 }
 
@@ -412,11 +413,14 @@ static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photo
     puts("}");
 }
 
-static int finish(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, const progress *p)
+/* A scene that cannot be written is not lost. */
+static int finish(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, const progress *p, char **argv)
 {
     fit_result result;
     int status = result_write(&result, fit, c->out);
-    if (!status)
+    if (status)
+        save_for_later(c, fit, "saved", argv);
+    else
         status = result_measure(&result, fit, photos, &c->frame, c->out, c->compare);
     if (!status && c->json)
         print_json(c, fit, photos, &result, p);
@@ -437,8 +441,12 @@ static int fit_photos(const fit_command *c, const fxs_photos *photos, char **arg
         listen_to_signals();
         status = make_steps(c, fit, &p);
         restore_signals();
-        if (!status)
-            status = asked ? stop(c, fit, argv) : finish(c, fit, photos, &p);
+        if (!status && asked) {
+            status = EXIT_FAILED;
+            if (!save_for_later(c, fit, "stopped", argv))
+                raise(asked);      /* and it ends as the signal would have */
+        } else if (!status)
+            status = finish(c, fit, photos, &p, argv);
     }
     fxs_fit_free(fit);
     return status;
@@ -452,7 +460,7 @@ static void say_sizes(const fxs_photos *photos)
         width = view->width > width ? view->width : width;
         height = view->height > height ? view->height : height;
     }
-    fprintf(stderr, "%zu photographs to fit, %zu held out, up to %d x %d pixels; %zu points\n", photos->fit_count,
+    fprintf(stderr, "photographs: %zu to fit, %zu held out, up to %d x %d pixels; %zu points\n", photos->fit_count,
             photos->held_out_count, width, height, photos->point_count);
 }
 
@@ -475,7 +483,7 @@ static int read_photos(fit_command *c, fxs_photos *photos)
     if (error)
         return fail(EXIT_FAILED, "%s", message.text);
     if (photos->skipped)
-        fprintf(stderr, "fixsplat: %s: %zu photographs left out, %zu are there\n", c->in, photos->skipped,
+        fprintf(stderr, "fixsplat: %s: photographs left out: %zu, taken: %zu\n", c->in, photos->skipped,
                 photos->fit_count + photos->held_out_count);
     if (photos->points_are_random && !c->resume)
         fprintf(stderr, "fixsplat: %s: no points: begins with %zu random ones\n", c->in, photos->point_count);

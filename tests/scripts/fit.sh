@@ -21,7 +21,7 @@ succeeds "fit" $fit -o whole.fxs --threads 1
 check "fit: says what it made" grep -Eq \
     "^whole.fxs: [0-9]+ Gaussians, $(wc -c <whole.fxs | tr -d ' ') bytes in the profile default; $steps steps, recipe reference, seed 0$" \
     logs/out
-check "fit: says what was held out" grep -q '^10 photographs were fitted; of 2 that were not:$' logs/out
+check "fit: says what was held out" grep -q '^Photographs fitted: 10. Of the 2 held out:$' logs/out
 check "fit: a line for each, the mean and the worst" equal "$(grep -Ec '^ *[01] 0[08].png +64x48 ' logs/out) $(
     grep -c '^mean ' logs/out) $(grep -c '^worst ' logs/out)" "2 1 1"
 check "fit: leaves nothing beside" equal "$(ls -A | grep -v -e knot.ply -e logs -e set | tr '\n' ' ')" "whole.fxs "
@@ -49,7 +49,7 @@ check "into .ply: all can be drawn" grep -Eq '^Gaussians +([0-9]+), \1 of them' 
 if have script; then
     script -qec "'$fixsplat' fit set --steps 600 -o few.fxs" /dev/null </dev/null >logs/out
     check "on a terminal: what it begins with" grep -q \
-        '10 photographs to fit, 2 held out, up to 64 x 48 pixels; 400 points' logs/out
+        'photographs: 10 to fit, 2 held out, up to 64 x 48 pixels; 400 points' logs/out
     check "on a terminal: progress" grep -Eq \
         '\[#* *\] [0-9]+/600, loss 0\.[0-9]{4}, [0-9]+ Gaussians, [0-9.]+ steps/s, [0-9]+ s left' logs/out
 else
@@ -73,7 +73,7 @@ END
 # ---- Held out --------------------------------------------------------------------------------------------------------
 
 succeeds "--hold-out 0" fit set --steps 20 -o few.fxs --hold-out 0
-check "--hold-out 0: says so" grep -q '^No photograph was held out; of the 12 that were fitted:$' logs/out
+check "--hold-out 0: says so" grep -q '^Photographs fitted: 12. None was held out; of those fitted:$' logs/out
 succeeds "--hold-out 5 --compare" fit set --steps 20 -o few.fxs --hold-out 5 --compare pictures --resolution 32
 check "--resolution: the size that is measured" grep -q '  32x24 ' logs/out
 run compare pictures/0001_05.png set/images/05.png
@@ -122,9 +122,14 @@ fails "--resume: a part of one" 1 "short.fit: damaged: it ends early" $fit -o x.
 
 if [ -c /dev/full ]; then
     ln -s /dev/full full.fxs
-    fails "a full device" 1 "full.fxs: cannot be written: No space" fit set --steps 20 -o full.fxs
+    run fit set --steps 20 -o full.fxs
+    check "a full device: said, and saved" equal "$status $(cat logs/err)" \
+        "1 fixsplat: full.fxs: cannot be written: No space left on device
+fixsplat: saved after 20 steps of 20; to go on: fixsplat fit --steps 20 -o full.fxs set --resume full.fxs.fit"
+    check "what is saved goes on" "$fixsplat" fit set --resume full.fxs.fit -o rest.fxs
     "$fixsplat" fit set --steps 20 -o few.fxs >/dev/full 2>logs/err
     check "a report into a full device" equal "$? $(cat logs/err)" "1 fixsplat: cannot write to standard output"
+    check "what was saved is the same scene" cmp few.fxs rest.fxs
 else
     skip "a full device" "no /dev/full here"
 fi
@@ -181,7 +186,7 @@ fails "a photograph is missing" 1 "03.png" fit missing -o x.fxs --steps 5
 run fit missing -o x.fxs --steps 5 --skip-bad
 check "--skip-bad: goes on, and says so" equal "$status $(cat logs/err)" \
     "0 fixsplat: left out: missing/images/03.png: No such file or directory
-fixsplat: missing: 1 photographs left out, 11 are there"
+fixsplat: missing: photographs left out: 1, taken: 11"
 echo >missing/sparse/0/images.txt
 fails "no cameras" 1 "missing" fit missing -o x.fxs --steps 5
 cp -r set behind
