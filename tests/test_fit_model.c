@@ -725,14 +725,14 @@ static void regularisers_beyond(void)
     const fxs_fit_camera camera = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .focal = {50, 50}, .width = 40,
                                    .height = 40};
     fxs_fit_adam a = {.correction = 1, .epsilon = 1e-12f, .by_opacity = 1, .by_scale = 1e8f};
-    fxs_fit_model m = random_model(FXS_FIT_BLOCK), old;
+    fxs_fit_model m = random_model(FXS_FIT_GROUP), old;
     memset(m.squares, 0, FXS_FIT_PARAMETERS * m.stride * sizeof(float));
     for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
         a.rate[k] = 1;
     *at(&m, FXS_FIT_SCALE, 5) = 40;
     m.squares[FXS_FIT_OPACITY * m.stride + 7] = -1;
     old = copy_of(&m);
-    stages->update(&camera, 0, &a, m.parameters, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_BLOCK, sums[0],
+    stages->update(&camera, 0, &a, m.parameters, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_GROUP, sums[0],
                    m.by_centre);
     CHECK(isfinite(m.squares[FXS_FIT_SCALE * m.stride + 5]) && *at(&m, FXS_FIT_SCALE, 5) < 40);
     CHECK(*at(&m, FXS_FIT_OPACITY, 7) == *at(&old, FXS_FIT_OPACITY, 7));
