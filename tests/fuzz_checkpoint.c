@@ -17,9 +17,14 @@ static fxs_fit_photo photo;
 static fxs_fit_options options;
 static uint8_t whole[1 << 14];          /* a fit as it is saved */
 static size_t whole_size;
-static char path[64];
+static char path[] = "/tmp/fixsplat-fuzz-XXXXXX";
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static void remove_file(void)
+{
+    unlink(path);
+}
 
 static void save_one(void)
 {
@@ -35,7 +40,9 @@ static void save_one(void)
     for (int i = 0; i < POINTS; i++)
         points[i] = (fxs_fit_point){{(float)i / 3 - 1, (float)(i % 2), 0}, {200, 100, 50}};
     fxs_fit_options_init(&options);
-    snprintf(path, sizeof path, "/tmp/fixsplat-fuzz-%ld", (long)getpid());
+    const int made = mkstemp(path);
+    if (made < 0 || close(made) || atexit(remove_file))
+        abort();
     if (fxs_fit_create(&fit, &photo, 1, points, POINTS, &options, &message) || fxs_fit_save(fit, path, &message))
         abort();
     fxs_fit_free(fit);
@@ -101,7 +108,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         abort();
     options.cpu = size / 4 % 2 ? ~0u : 0;
     const int error = fxs_fit_resume(&fit, path, &photo, 1, &options, &message);
-    unlink(path);
     if (error && (fit || !*message.text || strchr(message.text, '\n')))
         abort();
     if (!error)

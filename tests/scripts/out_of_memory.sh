@@ -19,11 +19,12 @@ fi
 "$fixsplat" render knot.ply --size 64x48 --bg 010101 -o b.png || exit 1
 
 # wrong COMMAND: what is wrong with the run that had no memory, of which `written` is right. A scene that was fitted stays,
-# though it could not be measured.
+# though it could not be measured; a fit whose scene could not be packed is saved, or that is said to fail too.
 wrong() {
     case $status in
     0) [ ! -e logs/right ] || cmp "$written" logs/right ;;
-    1) [ "$(wc -l <logs/err)" = 1 ] && grep '^fixsplat: ' logs/err >logs/line || cat logs/err
+    1) [ "$1" != fit ] || sed -i -e "2{ /^fixsplat: saved after 4 steps of 4; to go on: /d; /^fixsplat: $written.fit: /d }" logs/err
+        [ "$(wc -l <logs/err)" = 1 ] && grep '^fixsplat: ' logs/err >logs/line || cat logs/err
         if [ "$1" != fit ]; then ls "$written"; elif [ -e "$written" ]; then cmp "$written" logs/right; fi 2>/dev/null ;;
     *) echo "status $status: $(cat logs/err)" ;;
     esac
@@ -47,7 +48,7 @@ survives() {
             status=$?
             why=$(wrong "$1" 2>&1)
             [ -z "$why" ] || echo "allocation $n${ever:+ and on}: $why" >>logs/faults
-            rm -f "$written" .fixsplat-*
+            rm -f "$written" "$written.fit" .fixsplat-*
             n=$((n + step))
         done
     done
@@ -61,9 +62,9 @@ survives() {
 survives o.ply make-scene knot --count 300 -o o.ply
 survives o.png render knot.ply --size 64x48 --threads 2 -o o.png
 make_photographs 3
-"$fixsplat" fit set --steps 4 --save-every 2 -o o.fxs >logs/out || exit 1
+"$fixsplat" fit set --steps 4 --save-every 2 -o half.fxs >logs/out || exit 1
 survives o.fxs fit set --steps 4 --threads 2 -o o.fxs
-survives o.ply fit set --steps 4 --resume o.fxs.fit -o o.ply
+survives o.ply fit set --steps 4 --resume half.fxs.fit -o o.ply
 survives o.ppm render packed.fxs --size 64x48 --stereo 0.1 -o o.ppm
 survives o.fxs convert knot.ply o.fxs
 survives o.fxs convert knot.ply o.fxs --profile small
