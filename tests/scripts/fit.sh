@@ -41,6 +41,11 @@ check "another seed: another file" [ "$(cmp -s whole.fxs other.fxs; echo $?)" = 
 succeeds "into .ply" $fit -o floats.ply
 "$fixsplat" convert floats.ply packed.fxs
 check "into .ply: what is packed, rounded again, is as large" equal "$(wc -c <whole.fxs)" "$(wc -c <packed.fxs)"
+# Fewer than ten steps have no last tenth: nothing is rounded before it is packed.
+"$fixsplat" fit set --steps 9 -o few.fxs >logs/out
+"$fixsplat" fit set --steps 9 -o few.ply >logs/out
+"$fixsplat" convert few.ply packed.fxs
+check "into .ply: packed it is the same file" cmp few.fxs packed.fxs
 "$fixsplat" info floats.ply >logs/out
 check "into .ply: all can be drawn" grep -Eq '^Gaussians +([0-9]+), \1 of them' logs/out
 
