@@ -64,6 +64,12 @@ static inline whole shifted_left(whole x, int bits)
 {
     return (whole)((uint32_t)x << bits);
 }
+
+/* first, first + 1, ... */
+static inline real numbers_from(int first)
+{
+    return (real)first;
+}
 #else
 typedef float real __attribute__((vector_size(4 * LANES)));
 typedef int32_t whole __attribute__((vector_size(4 * LANES)));
@@ -118,6 +124,15 @@ static inline real whole_to_real(whole x)
 static inline whole shifted_left(whole x, int bits)
 {
     return x << bits;
+}
+
+static inline real numbers_from(int first)
+{
+    static const float numbers[32] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15,
+                                      16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
+    real x;
+    memcpy(&x, numbers + first, sizeof x);
+    return x;
 }
 #endif
 
@@ -177,14 +192,6 @@ static inline real most(real a, real b)
 static inline real absolute(real x)
 {
     return real_of(bits_of(x) & 0x7fffffff);
-}
-
-/* first, first + 1, ... */
-static inline real numbers_from(int first)
-{
-    static const float numbers[32] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15,
-                                      16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31};
-    return load(numbers + first);
 }
 
 /* 2^-x; x in -127..126. A whole part by the rounding of an addition, and a polynomial of the rest, -1/2 to 1/2:

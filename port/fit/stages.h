@@ -1,9 +1,9 @@
 /* The stages of an instruction set, by its LANES: see stage.h. ISA is its name. */
-#include "gaussian.h"
+#include "adam.h"
 #include "loss.h"
 #include "noise.h"
+#include "project.h"
 #include "quantise.h"
-#include "span.h"
 #include "tile.h"
 
 #define JOIN(a, b) a##b
@@ -26,49 +26,16 @@ static void put_splats(const real *numbers, int count, fxs_fit_splat *splats)
     }
 }
 
-/* 3 sigma_max; the larger eigenvalue is m + sqrt(m^2 - det) = m + sqrt(((A - C) / 2)^2 + B^2), m = (A + C) / 2. */
-static inline real square_of(const shape *s)
-{
-    const real middle = 0.5f * (s->a + s->c), half = 0.5f * (s->a - s->c);
-    return 3.0f * root(middle + root(half * half + s->b * s->b));
-}
-
 static void project_lanes(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
                           fxs_fit_splat *splats)
 {
-    shape s;
-    look l;
-    find_shape(&s, camera, at, stride);
-    /* -log2 o = log2(1 + e^-x) */
-    const real offset = 1.44269504f * ln(1.0f + exp_of_minus(load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
-    const real limit = camera->is_square ? all(FXS_FIT_FAINT) : least(offset + FXS_FIT_CUT, all(FXS_FIT_FAINT));
-    const real radius = root(most(limit - offset, all(0)) * (FXS_FIT_WIDER / (FXS_FIT_UNIT * FXS_FIT_UNIT)));
-    const real x = s.slope[0] * camera->focal[0] + camera->middle[0];
-    const real y = s.slope[1] * camera->focal[1] + camera->middle[1];
-    const real half_x = camera->is_square ? square_of(&s) : radius * root(s.a) + 0.01f;
-    const real half_y = camera->is_square ? half_x : radius * root(s.c) + 0.01f;
-    mask seen = both(below(all(camera->near), s.in_camera[2]), below(offset, limit));
-    seen = both(seen, both(below(all(0), x + half_x), below(x - half_x, all((float)camera->width))));
-    seen = both(seen, both(below(all(0), y + half_y), below(y - half_y, all((float)camera->height))));
-    if (!any(seen)) {
-        for (int i = 0; i < LANES; i++)
-            splats[i].depth = 0;
+    real numbers[SPLAT_NUMBERS];
+    if (any(find_splat(camera, degree, at, stride, numbers))) {
+        put_splats(numbers, SPLAT_NUMBERS, splats);
         return;
     }
-    find_look(&l, &s, degree, at, stride);
-    /* not a number, or beyond all measure: not seen, so nothing comes of it */
-    seen = both(seen, below(s.ux, all(1e6f)));
-    for (int c = 0; c < 3; c++)
-        seen = both(seen, below(l.colour[c], all(1e6f)));
-    ellipses e = {.x = x, .y = y, .ux = s.ux * FXS_FIT_UNIT, .uy = s.uy * FXS_FIT_UNIT, .vy = s.vy * FXS_FIT_UNIT,
-                  .radius2 = camera->is_square ? all(-1) : radius * radius * (FXS_FIT_UNIT * FXS_FIT_UNIT),
-                  .half_y = half_y,
-                  .tip = -(radius * s.uy) / (s.vy * root(s.uy * s.uy + s.vy * s.vy))};
-    find_rows(camera, seen, &e);
-    const real numbers[] = {x, y, e.ux, e.uy, e.vy, offset, limit,
-                            most(l.colour[0], all(0)), most(l.colour[1], all(0)), most(l.colour[2], all(0)),
-                            keep(seen, s.in_camera[2]), e.radius2, half_y, e.tip, count_tiles(camera, &e)};
-    put_splats(numbers, sizeof numbers / sizeof *numbers, splats);
+    for (int i = 0; i < LANES; i++)
+        splats[i].depth = 0;
 }
 
 static void NAMED(fxs_fit_project_, ISA)(const fxs_fit_camera *camera, int degree, const float *parameters,
@@ -239,20 +206,16 @@ static void NAMED(fxs_fit_loss_gradient_, ISA)(const fxs_fit_loss *loss, int32_t
 
 /* ---- update ------------------------------------------------------------------------------------------------------ */
 
-#define FXS_FIT_TINY 7.88860905e-31f    /* 2^-100 */
-
 typedef float part_planes[FXS_FIT_PARAMETERS][FXS_FIT_PART];
 
 /* Of mean opacity and mean scale. */
 static inline void add_regularisers(const fxs_fit_adam *adam, const float *at, size_t stride, float *gradients)
 {
-    const real opacity = 1.0f / (1.0f + exp_of_minus(load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
     float *to = gradients + FXS_FIT_OPACITY * FXS_FIT_PART;
-    store(to, load(to) + adam->by_opacity * (opacity * (1.0f - opacity)));
+    store(to, opacity_regularised(adam, load(to), load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
     for (int i = FXS_FIT_SCALE; i < FXS_FIT_SCALE + 3; i++) {
         to = gradients + i * FXS_FIT_PART;
-        const real sum = load(to) + adam->by_scale * exp_e(load(at + i * (ptrdiff_t)stride));
-        store(to, least(sum, all(FXS_FIT_FARTHEST_GRADIENT)));
+        store(to, scale_regularised(adam, load(to), load(at + i * (ptrdiff_t)stride)));
     }
 }
 
@@ -278,15 +241,7 @@ static void find_part(const fxs_fit_camera *camera, int degree, int used, const 
     store(touched, keep(is_touched, all(1)));
     for (int i = 0; i < used; i++)
         store(gradients + i * FXS_FIT_PART, keep(is_touched, gradient[i]));
-    /* half a side / (3 width height) */
-    const real x = centre[0] * (1.0f / (6.0f * (float)camera->height));
-    const real y = centre[1] * (1.0f / (6.0f * (float)camera->width));
-    store(by_centre, load(by_centre) + keep(is_touched, root(x * x + y * y)));
-}
-
-static inline real without_tiny(real x)
-{
-    return choose(below(absolute(x), all(FXS_FIT_TINY)), all(0), x);
+    store(by_centre, load(by_centre) + keep(is_touched, centre_gradient(camera, centre)));
 }
 
 /* `ahead`: how far the next plane is, which is fetched meanwhile. */
@@ -297,16 +252,12 @@ static inline void adam_plane(const fxs_fit_adam *adam, float rate, const float 
         __builtin_prefetch(at + ahead + i, 1);
         __builtin_prefetch(means + ahead + i, 1);
         __builtin_prefetch(squares + ahead + i, 1);
-        const real g = load(gradient + i), old = load(at + i);
-        const real old_mean = load(means + i), old_square = load(squares + i);
-        const real mean = without_tiny(old_mean * 0.9f + g * 0.1f);
-        const real square = without_tiny(old_square * 0.999f + g * g * 0.001f);
-        const real next = old - rate * mean / (root(square * adam->correction) + adam->epsilon);
-        const real moved = choose(below(absolute(next), all(FXS_FIT_FARTHEST_PLACE)), next, old);
-        const mask moves = below(all(0), load(touched + i));
-        store(means + i, adam->only_touched ? choose(moves, mean, old_mean) : mean);
-        store(squares + i, adam->only_touched ? choose(moves, square, old_square) : square);
-        store(at + i, adam->only_touched ? choose(moves, moved, old) : moved);
+        real number = load(at + i), mean = load(means + i), square = load(squares + i);
+        const mask moves = adam->only_touched ? below(all(0), load(touched + i)) : below(all(0), all(1));
+        adam_step(adam, rate, load(gradient + i), moves, &number, &mean, &square);
+        store(means + i, mean);
+        store(squares + i, square);
+        store(at + i, number);
     }
 }
 

@@ -1,0 +1,47 @@
+/* update: a step of Adam (Kingma and Ba 2015) of LANES parameters, and what the loss has beside the picture. */
+#ifndef FXS_FIT_ADAM_H
+#define FXS_FIT_ADAM_H
+
+#include "gaussian.h"
+
+#define FXS_FIT_TINY 7.88860905e-31f    /* 2^-100 */
+
+static inline real without_tiny(real x)
+{
+    return choose(below(absolute(x), all(FXS_FIT_TINY)), all(0), x);
+}
+
+/* Of parameters that do not move, all stays as it is. */
+static inline void adam_step(const fxs_fit_adam *adam, float rate, real g, mask moves, real *at, real *mean,
+                             real *square)
+{
+    const real next_mean = without_tiny(*mean * 0.9f + g * 0.1f);
+    const real next_square = without_tiny(*square * 0.999f + g * g * 0.001f);
+    const real next = *at - rate * next_mean / (root(next_square * adam->correction) + adam->epsilon);
+    const mask is_near = below(absolute(next), all(FXS_FIT_FARTHEST_PLACE));
+    *mean = choose(moves, next_mean, *mean);
+    *square = choose(moves, next_square, *square);
+    *at = choose(both(moves, is_near), next, *at);
+}
+
+/* Gradients, with those of the mean opacity and the mean scale. */
+static inline real opacity_regularised(const fxs_fit_adam *adam, real gradient, real logit)
+{
+    const real opacity = 1.0f / (1.0f + exp_of_minus(logit));
+    return gradient + adam->by_opacity * (opacity * (1.0f - opacity));
+}
+
+static inline real scale_regularised(const fxs_fit_adam *adam, real gradient, real ln_scale)
+{
+    return least(gradient + adam->by_scale * exp_e(ln_scale), all(FXS_FIT_FARTHEST_GRADIENT));
+}
+
+/* |dL/dcentre| in halves of the picture's sides, of a loss that is a mean: half a side / (3 width height) */
+static inline real centre_gradient(const fxs_fit_camera *camera, const real centre[2])
+{
+    const real x = centre[0] * (1.0f / (6.0f * (float)camera->height));
+    const real y = centre[1] * (1.0f / (6.0f * (float)camera->width));
+    return root(x * x + y * y);
+}
+
+#endif

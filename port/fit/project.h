@@ -1,0 +1,60 @@
+/* project: LANES Gaussians as splats. */
+#ifndef FXS_FIT_PROJECT_H
+#define FXS_FIT_PROJECT_H
+
+#include "gaussian.h"
+#include "span.h"
+
+enum { SPLAT_NUMBERS = 15 };       /* of fxs_fit_splat, up to `tiles` */
+
+/* 3 sigma_max; the larger eigenvalue is m + sqrt(m^2 - det) = m + sqrt(((A - C) / 2)^2 + B^2), m = (A + C) / 2. */
+static inline real square_of(const shape *s)
+{
+    const real middle = 0.5f * (s->a + s->c), half = 0.5f * (s->a - s->c);
+    return 3.0f * root(middle + root(half * half + s->b * s->b));
+}
+
+/* Returns which of them are in the picture; where none is, there are no numbers. */
+static inline mask find_splat(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
+                              real numbers[SPLAT_NUMBERS])
+{
+    shape s;
+    look l;
+    find_shape(&s, camera, at, stride);
+    /* -log2 o = log2(1 + e^-x) */
+    const real offset = 1.44269504f * ln(1.0f + exp_of_minus(load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
+    const real limit = camera->is_square ? all(FXS_FIT_FAINT) : least(offset + FXS_FIT_CUT, all(FXS_FIT_FAINT));
+    const real radius = root(most(limit - offset, all(0)) * (FXS_FIT_WIDER / (FXS_FIT_UNIT * FXS_FIT_UNIT)));
+    const real x = s.slope[0] * camera->focal[0] + camera->middle[0];
+    const real y = s.slope[1] * camera->focal[1] + camera->middle[1];
+    const real half_x = camera->is_square ? square_of(&s) : radius * root(s.a) + 0.01f;
+    const real half_y = camera->is_square ? half_x : radius * root(s.c) + 0.01f;
+    mask seen = both(below(all(camera->near), s.in_camera[2]), below(offset, limit));
+    seen = both(seen, both(below(all(0), x + half_x), below(x - half_x, all((float)camera->width))));
+    seen = both(seen, both(below(all(0), y + half_y), below(y - half_y, all((float)camera->height))));
+    if (!any(seen))
+        return seen;
+    find_look(&l, &s, degree, at, stride);
+    /* not a number, or beyond all measure: not seen, so nothing comes of it */
+    seen = both(seen, below(s.ux, all(1e6f)));
+    for (int c = 0; c < 3; c++)
+        seen = both(seen, below(l.colour[c], all(1e6f)));
+    ellipses e;
+    e.x = x;
+    e.y = y;
+    e.ux = s.ux * FXS_FIT_UNIT;
+    e.uy = s.uy * FXS_FIT_UNIT;
+    e.vy = s.vy * FXS_FIT_UNIT;
+    e.radius2 = camera->is_square ? all(-1) : radius * radius * (FXS_FIT_UNIT * FXS_FIT_UNIT);
+    e.half_y = half_y;
+    e.tip = -(radius * s.uy) / (s.vy * root(s.uy * s.uy + s.vy * s.vy));
+    find_rows(camera, seen, &e);
+    const real found[SPLAT_NUMBERS] = {x, y, e.ux, e.uy, e.vy, offset, limit, most(l.colour[0], all(0)),
+                                       most(l.colour[1], all(0)), most(l.colour[2], all(0)),
+                                       keep(seen, s.in_camera[2]), e.radius2, half_y, e.tip,
+                                       count_tiles(camera, &e)};
+    memcpy(numbers, found, sizeof found);
+    return seen;
+}
+
+#endif
