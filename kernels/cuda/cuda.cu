@@ -3,7 +3,7 @@
 #include "cuda.h"
 #include "dense.cuh"
 #include "lists.cuh"
-#include "memory.cuh"
+#include "scenes.cuh"
 
 namespace {
 

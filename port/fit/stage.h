@@ -64,9 +64,9 @@ typedef struct fxs_fit_entry {
     uint32_t splat, slot, blocks;
 } fxs_fit_entry;
 
-/* Sums over pixels of a tile, h = -alpha dL/dalpha: for each of the 16 places in a block over the blocks, row by row;
-   then over the places: p and p + 8, of those p and p + 4, p + 2, p + 1. Those of a splat's tiles are added row by
-   row. */
+/* Sums over pixels of a tile, h = -alpha dL/dalpha: of the 16 places of a block p and p + 8 are added, of those p and p
+   + 4, p + 2, p + 1; those of the blocks that take of the splat are added to 0 row by row; those of a splat's tiles to 0
+   row by row. */
 enum { FXS_FIT_SUM, FXS_FIT_SUM_U, FXS_FIT_SUM_V, FXS_FIT_SUM_UU, FXS_FIT_SUM_UV, FXS_FIT_SUM_VV, FXS_FIT_RED,
        FXS_FIT_GREEN, FXS_FIT_BLUE, FXS_FIT_SUMS };
 

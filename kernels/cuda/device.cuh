@@ -1,0 +1,128 @@
+/* The host's side: errors and memory. */
+#ifndef FXS_CUDA_DEVICE_CUH
+#define FXS_CUDA_DEVICE_CUH
+
+#include <stdint.h>
+#include <string.h>
+
+#include <cuda_runtime.h>
+
+#include "../../src/fixsplat.h"
+
+namespace {
+
+struct block {                     /* of device memory */
+    void *data;
+    uint64_t bytes;
+};
+
+struct host_block {                /* of pinned host memory */
+    void *data;
+    uint64_t bytes;
+};
+
+/* Device memory, allowed (0: any) and taken. */
+struct budget {
+    uint64_t most, bytes;
+};
+
+void copy_text(char *out, size_t size, const char *text)
+{
+    const size_t length = strlen(text), kept = length < size ? length : size - 1;
+    memcpy(out, text, kept);
+    out[kept] = 0;
+}
+
+int failed(fxs_message *why, int error, const char *text, uint64_t bytes_needed = 0)
+{
+    if (why) {
+        copy_text(why->text, sizeof why->text, text);
+        why->bytes_needed = bytes_needed;
+    }
+    return error;
+}
+
+const char *words(cudaError_t error)
+{
+    int driver = 0;
+    if (error == cudaErrorNoDevice)
+        return "no NVIDIA GPU was found";
+    if (error == cudaErrorInsufficientDriver && !cudaDriverGetVersion(&driver) && !driver)
+        return "no NVIDIA driver was found";
+    return cudaGetErrorString(error);
+}
+
+/* The first of two errors of the runtime, as one of ours. */
+int check(fxs_message *why, cudaError_t error, cudaError_t second = cudaSuccess)
+{
+    error = error ? error : second;
+    if (!error)
+        return 0;
+    cudaGetLastError();            /* forgotten, for the sake of other users */
+    return failed(why, error == cudaErrorMemoryAllocation ? FXS_ERR_MEMORY : FXS_ERR_DEVICE, words(error));
+}
+
+/* As long as it lives, the renderer's device is the thread's. */
+struct on_device {
+    int device, before = 0;
+    explicit on_device(int device_) : device(device_)
+    {
+        cudaGetDevice(&before);
+        if (before != device)
+            cudaSetDevice(device);
+    }
+    ~on_device()
+    {
+        if (before != device && cudaSetDevice(before))
+            cudaGetLastError();
+    }
+};
+
+int too_large(const budget *allowed, uint64_t needed, fxs_message *why)
+{
+    return allowed->most && needed > allowed->most
+               ? failed(why, FXS_ERR_MEMORY, "the device memory allowed is too small", needed) : 0;
+}
+
+/* Makes a block of at least `bytes` bytes, contents undefined; 0 gives it back. Frames that use the old one are waited
+   for, by cudaFree. */
+int reserve(budget *taken, block *b, uint64_t bytes, fxs_message *why)
+{
+    if (bytes && bytes <= b->bytes)
+        return 0;
+    cudaFree(b->data);
+    taken->bytes -= b->bytes;
+    *b = {0, 0};
+    if (!bytes)
+        return 0;
+    const uint64_t needed = taken->bytes + bytes;
+    if (too_large(taken, needed, why))
+        return FXS_ERR_MEMORY;
+    const int error = check(why, cudaMalloc(&b->data, bytes));
+    if (error)
+        return error == FXS_ERR_MEMORY ? failed(why, error, "the device is out of memory", needed) : error;
+    b->bytes = bytes;
+    taken->bytes += bytes;
+    return 0;
+}
+
+/* The same, and keeps what is there. */
+int reserve_host(host_block *b, uint64_t bytes, fxs_message *why)
+{
+    void *data;
+    if (bytes <= b->bytes)
+        return 0;
+    const int error = check(why, cudaHostAlloc(&data, bytes, cudaHostAllocDefault));
+    if (error)
+        return error;
+    if (b->data) {
+        memcpy(data, b->data, b->bytes);
+        cudaFreeHost(b->data);
+    }
+    *b = {data, bytes};
+    return 0;
+}
+
+}
+
+#endif

@@ -1,0 +1,83 @@
+/* A step on a device: the fit's texts (port/fit) as device code, and what the kernels share. */
+#ifndef FXS_CUDA_FIT_STEP_CUH
+#define FXS_CUDA_FIT_STEP_CUH
+
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cuda_runtime.h>
+
+#include "../../../port/fit/stage.h"
+
+/* The instance of one lane: real is float, so the same operations, one by one. Compiled without contraction. */
+namespace {
+#define static static __host__ __device__
+#include "../../../port/fit/lanes.h"
+#include "../../../port/fit/random.h"
+#include "../../../port/fit/gaussian.h"
+#include "../../../port/fit/span.h"
+#include "../../../port/fit/project.h"
+#include "../../../port/fit/adam.h"
+#include "../../../port/fit/noise.h"
+#include "../../../port/fit/quantise.h"
+#undef static
+
+const uint32_t WARP = 32;
+const unsigned ALL_LANES = 0xffffffffu;
+
+/* Of the steps since the host last looked. */
+struct step_status {
+    uint32_t done;                 /* steps that were completed */
+    uint32_t is_full;              /* 1: a step had more entries than there is room for; it and those after it change
+                                      nothing */
+    uint32_t entries_most;         /* of a step, so far */
+    uint32_t visible;              /* of the last step's views, together, as is the next one */
+    uint64_t entries;
+};
+
+/* Device memory of a step; of one view. Slots are numbers of pairs of a splat and a tile, splat by splat in the order of
+   depth, each splat's tiles row by row. */
+struct step_buffers {
+    step_status *status;
+    fxs_fit_splat *splats;         /* by Gaussian; depth 0: not in the picture. slot: of its first tile */
+    uint32_t *depths[2];           /* bits of depth, by Gaussian; UINT32_MAX: not in the picture. Then sorted */
+    uint32_t *gaussians[2];        /* 0, 1, ...; then in the order of depth */
+    uint32_t *bases;               /* of each in the order of depth, and one more: slots of those before it */
+    uint32_t *tiles[2];            /* by slot: the tile; UINT32_MAX beyond the last. Then sorted */
+    uint32_t *slots[2];            /* by slot: itself; then those of the first tile's list, near to far, of the next... */
+    uint32_t *splat_of;            /* by slot: the Gaussian */
+    uint32_t capacity;             /* slots */
+    uint32_t *starts;              /* by tile, and one more: where its list begins in slots[1] */
+    uint16_t *blocks;              /* by place in the lists: the blocks of 4x4 that take of it (stage.h) */
+    uint32_t *needed;              /* by tile: entries up to the last one that a pixel took of */
+    float *sums;                   /* by slot: FXS_FIT_SUMS, of entries below `needed`; the others' are not written */
+    /* Planes of pixels, of picture_stride = width by height numbers, without margins: red, green, blue. */
+    float *picture;                /* 3: with background */
+    float *derivatives;            /* 9: of each channel, of SSIM by mean, square and product */
+    float *dissimilar;             /* 3: 1 - SSIM; written where a report is wanted */
+    float4 *gradient;              /* by pixel: dL/dcolour, and its product with the picture */
+    float *rows;                   /* of a report: 3 times height sums of |a - b|, then as many of 1 - SSIM */
+    uint8_t *photograph;           /* red, green, blue, of the camera's size */
+    void *scratch;                 /* for sorts and sums */
+    size_t scratch_bytes;
+};
+
+/* The Gaussians on a device: planes as in fxs_fit_model, which say what they are. */
+struct device_model {
+    uint32_t count, stride;        /* `stride` is the room, a multiple of FXS_FIT_CHUNK; what is beyond `count` is not read */
+    float *parameters, *means, *squares, *by_centre, *views;
+    float *masters;                /* null: the parameters are */
+    fxs_fit_chunk *chunks;         /* of the grid, where there are masters */
+};
+
+/* Kernels begin with this: whether a step before it, or this one, had no room. */
+__device__ inline bool is_stopped(const step_status *status)
+{
+    return *(volatile const uint32_t *)&status->is_full != 0;
+}
+
+}
+
+#endif
