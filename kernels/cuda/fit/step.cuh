@@ -27,14 +27,19 @@ namespace {
 const uint32_t WARP = 32;
 const unsigned ALL_LANES = 0xffffffffu;
 
+/* What was in the pictures since this was cleared. */
+struct step_seen {
+    uint64_t entries;
+    uint32_t visible;
+};
+
 /* Of the steps since the host last looked. */
 struct step_status {
     uint32_t done;                 /* steps that were completed */
     uint32_t is_full;              /* 1: a step had more entries than there is room for; it and those after it change
                                       nothing */
-    uint32_t entries_most;         /* of a step, so far */
-    uint32_t visible;              /* of the last step's views, together, as is the next one */
-    uint64_t entries;
+    uint32_t entries_most;         /* of a step */
+    step_seen seen;
 };
 
 /* Device memory of a step; of one view. Slots are numbers of pairs of a splat and a tile, splat by splat in the order of

@@ -1,0 +1,669 @@
+/* The engine: the kernels of a step in order, on each device, and the photographs that they need. */
+#include "fit.h"
+
+#include "../device.cuh"
+#include "bin.cuh"
+#include "loss.cuh"
+#include "model.cuh"
+#include "tile.cuh"
+#include "update.cuh"
+
+namespace {
+
+enum { PROJECT, BIN, BLEND, LOSS, BACK, UPDATE, STAGES };
+
+const uint32_t PENDING = 64;       /* steps that are under way at most */
+const uint32_t PHOTOGRAPHS = 3;    /* of a device: the one at work, and those that follow */
+
+/* A photograph on its way to a device, or there. */
+struct photograph_slot {
+    block pixels;
+    cudaEvent_t ready, is_free;
+};
+
+/* What a device has. Its model is that of the others, bit by bit. */
+struct device {
+    int number;
+    cudaStream_t stream, copies;   /* of the kernels; of the photographs */
+    budget memory;
+    device_model model;
+    step_buffers buffers;
+    block splats, keys, slots, tiles, pixels, sums_of_views, scratch, status, reduced;
+    photograph_slot photographs[PHOTOGRAPHS];
+    uint32_t next_photograph;
+    float *views[FXS_FIT_BATCH];   /* sums of a batch's photographs (see launch_gather), its own and the others' */
+    cudaEvent_t stages[STAGES + 1], gathered, received;    /* the sums of its photographs are there; those of others */
+};
+
+/* What a step was asked for. */
+struct step_order {
+    fxs_fit_photograph photographs[FXS_FIT_BATCH];
+    uint32_t count;
+    fxs_fit_step_options options;
+    bool has_report;
+};
+
+struct engine {
+    fxs_fit_model *model;
+    uint32_t device_count;
+    device devices[FXS_FIT_BATCH];
+    step_order pending[PENDING];   /* since the host last looked */
+    uint32_t pending_count;
+    step_status *statuses;         /* page-locked: of each device */
+    host_block rows[FXS_FIT_BATCH];    /* of a report, of each photograph: see step_buffers */
+    const uint8_t **locked;        /* photographs that are page-locked by the engine, and that could not be */
+    size_t locked_count, locked_room;
+};
+
+/* ---- Memory ------------------------------------------------------------------------------------------------------ */
+
+/* The next `count` Ts of a block, 256 bytes aligned. */
+template <class T>
+T *cut(unsigned char **memory, uint64_t count)
+{
+    T *const first = (T *)*memory;
+    *memory += (count * sizeof(T) + 255) / 256 * 256;
+    return first;
+}
+
+/* Buffers by Gaussian; returns their bytes, also for memory null. */
+uint64_t cut_gaussians(step_buffers *b, unsigned char *memory, uint64_t stride)
+{
+    unsigned char *at = memory;
+    b->splats = cut<fxs_fit_splat>(&at, stride);
+    for (int i = 0; i < 2; i++) {
+        b->depths[i] = cut<uint32_t>(&at, stride);
+        b->gaussians[i] = cut<uint32_t>(&at, stride);
+    }
+    b->bases = cut<uint32_t>(&at, stride + 1);
+    return (uint64_t)(at - memory);
+}
+
+uint64_t cut_slots(step_buffers *b, unsigned char *memory, uint64_t capacity)
+{
+    unsigned char *at = memory;
+    for (int i = 0; i < 2; i++) {
+        b->tiles[i] = cut<uint32_t>(&at, capacity);
+        b->slots[i] = cut<uint32_t>(&at, capacity);
+    }
+    b->splat_of = cut<uint32_t>(&at, capacity);
+    b->blocks = cut<uint16_t>(&at, capacity);
+    b->sums = cut<float>(&at, capacity * FXS_FIT_SUMS);
+    return (uint64_t)(at - memory);
+}
+
+uint64_t cut_pixels(step_buffers *b, unsigned char *memory, uint64_t width, uint64_t height, uint64_t tiles)
+{
+    unsigned char *at = memory;
+    const uint64_t pixels = width * height;
+    b->picture = cut<float>(&at, 3 * pixels);
+    b->derivatives = cut<float>(&at, 9 * pixels);
+    b->dissimilar = cut<float>(&at, 3 * pixels);
+    b->gradient = cut<float4>(&at, pixels);
+    b->rows = cut<float>(&at, 6 * height);
+    b->starts = cut<uint32_t>(&at, tiles + 1);
+    b->needed = cut<uint32_t>(&at, tiles);
+    return (uint64_t)(at - memory);
+}
+
+int reserve_scratch(device *d, fxs_message *why)
+{
+    step_buffers *b = &d->buffers;
+    const int error = reserve(&d->memory, &d->scratch, bin_scratch(d->model.stride, b->capacity), why);
+    b->scratch = d->scratch.data;
+    b->scratch_bytes = d->scratch.bytes;
+    return error;
+}
+
+int reserve_slots(device *d, uint64_t capacity, fxs_message *why)
+{
+    step_buffers *b = &d->buffers;
+    if (capacity <= b->capacity)
+        return 0;
+    if (capacity > UINT32_MAX / 2)
+        return failed(why, FXS_ERR_MEMORY, "a step has more than 2^31 tile list entries", capacity * 58);
+    const int error = reserve(&d->memory, &d->slots, cut_slots(b, nullptr, capacity), why);
+    b->capacity = error ? 0 : (uint32_t)capacity;
+    cut_slots(b, (unsigned char *)d->slots.data, b->capacity);
+    return error ? error : reserve_scratch(d, why);
+}
+
+/* For the model as it is. */
+int reserve_gaussians(device *d, fxs_message *why)
+{
+    step_buffers *b = &d->buffers;
+    int error = reserve(&d->memory, &d->splats, cut_gaussians(b, nullptr, d->model.stride), why);
+    cut_gaussians(b, (unsigned char *)d->splats.data, d->model.stride);
+    if (!error)
+        error = reserve_slots(d, 4 * (uint64_t)d->model.stride, why);
+    return error ? error : reserve_scratch(d, why);
+}
+
+/* For a picture, of any size up to those before. */
+int reserve_pixels(device *d, const fxs_fit_camera *c, fxs_message *why)
+{
+    step_buffers *b = &d->buffers;
+    const uint64_t width = (uint64_t)c->width, height = (uint64_t)c->height;
+    const uint64_t tiles = (uint64_t)c->tiles_x * (uint64_t)c->tiles_y;
+    const int error = reserve(&d->memory, &d->pixels, cut_pixels(b, nullptr, width, height, tiles), why);
+    cut_pixels(b, (unsigned char *)d->pixels.data, width, height, tiles);
+    return error;
+}
+
+/* Numbers of a photograph's sums: see launch_gather; and one more, not 0 where there was no room. */
+uint64_t view_numbers(const device *d)
+{
+    return view_planes * (uint64_t)d->model.stride + 64;
+}
+
+int reserve_views(device *d, uint32_t count, fxs_message *why)
+{
+    const uint64_t numbers = view_numbers(d);
+    const int error = count > 1 ? reserve(&d->memory, &d->sums_of_views, count * numbers * sizeof(float), why) : 0;
+    for (uint32_t v = 0; v < count && !error; v++)
+        d->views[v] = (float *)d->sums_of_views.data + v * numbers;
+    return error;
+}
+
+/* ---- Photographs ------------------------------------------------------------------------------------------------- */
+
+/* Copies from page-locked memory run beside the kernels. Memory that cannot be locked is copied too. */
+void lock_pages(engine *e, const uint8_t *pixels, size_t bytes)
+{
+    for (size_t i = 0; i < e->locked_count; i++)
+        if (e->locked[i] == pixels)
+            return;
+    if (e->locked_count == e->locked_room) {
+        const size_t room = 2 * e->locked_room + 64;
+        const uint8_t **more = (const uint8_t **)realloc(e->locked, room * sizeof *more);
+        if (!more)
+            return;
+        e->locked = more;
+        e->locked_room = room;
+    }
+    if (cudaHostRegister((void *)pixels, bytes, cudaHostRegisterPortable))
+        cudaGetLastError();
+    else
+        e->locked[e->locked_count++] = pixels;
+}
+
+void unlock_pages(engine *e)
+{
+    for (size_t i = 0; i < e->locked_count; i++)
+        cudaHostUnregister((void *)e->locked[i]);
+    free(e->locked);
+}
+
+/* Starts the copy of a photograph; the kernels wait for it. */
+int send_photograph(engine *e, device *d, const fxs_fit_photograph *p, photograph_slot **out, fxs_message *why)
+{
+    photograph_slot *slot = &d->photographs[d->next_photograph++ % PHOTOGRAPHS];
+    const size_t bytes = 3 * (size_t)p->width * (size_t)p->height;
+    int error = reserve(&d->memory, &slot->pixels, bytes, why);
+    if (error)
+        return error;
+    lock_pages(e, p->pixels, bytes);
+    cudaStreamWaitEvent(d->copies, slot->is_free, 0);
+    cudaMemcpyAsync(slot->pixels.data, p->pixels, bytes, cudaMemcpyHostToDevice, d->copies);
+    cudaEventRecord(slot->ready, d->copies);
+    *out = slot;
+    return check(why, cudaGetLastError(), cudaStreamWaitEvent(d->stream, slot->ready, 0));
+}
+
+/* ---- A step ------------------------------------------------------------------------------------------------------ */
+
+void mark(const device *d, const step_order *s, int stage)
+{
+    if (s->has_report)
+        cudaEventRecord(d->stages[stage], d->stream);
+}
+
+/* The first error of several. */
+cudaError_t first_of(cudaError_t a, cudaError_t b)
+{
+    return a ? a : b;
+}
+
+/* Sums of the loss to the host, for a report. */
+int fetch_rows(engine *e, device *d, const step_order *s, uint32_t view, fxs_message *why)
+{
+    const uint64_t bytes = 6 * (uint64_t)s->photographs[view].camera.height * sizeof(float);
+    const int error = reserve_host(&e->rows[view], bytes, why);
+    return error ? error : check(why, cudaMemcpyAsync(e->rows[view].data, d->buffers.rows, bytes,
+                                                      cudaMemcpyDeviceToHost, d->stream));
+}
+
+int find_loss(engine *e, device *d, const step_order *s, uint32_t view, fxs_message *why)
+{
+    const fxs_fit_photograph *p = &s->photographs[view];
+    step_buffers *b = &d->buffers;
+    photograph_slot *slot;
+    int error = send_photograph(e, d, p, &slot, why);
+    if (error)
+        return error;
+    const uint8_t *pixels = (const uint8_t *)slot->pixels.data;
+    cudaError_t failure = cudaSuccess;
+    if (p->divisor > 1) {
+        error = reserve(&d->memory, &d->reduced, 3 * (uint64_t)p->camera.width * (uint64_t)p->camera.height, why);
+        if (error)
+            return error;
+        b->photograph = (uint8_t *)d->reduced.data;
+        failure = launch_reduce(b, pixels, p->width, p->divisor, &p->camera, d->stream);
+        pixels = b->photograph;
+    }
+    failure = first_of(failure, launch_loss(b, pixels, &p->camera, s->has_report, d->stream));
+    error = check(why, failure, cudaEventRecord(slot->is_free, d->stream));
+    return error || !s->has_report ? error : fetch_rows(e, d, s, view, why);
+}
+
+/* A photograph of a step, up to its splats' sums. */
+int pass(engine *e, device *d, const step_order *s, uint32_t view, fxs_message *why)
+{
+    step_buffers *b = &d->buffers;
+    const fxs_fit_camera *c = &s->photographs[view].camera;
+    int error = reserve_pixels(d, c, why);
+    if (error)
+        return error;
+    mark(d, s, PROJECT);
+    cudaError_t failure = launch_project(b, &d->model, c, s->options.sh_degree, d->stream);
+    mark(d, s, BIN);
+    failure = first_of(failure, launch_bin(b, &d->model, c, d->stream));
+    mark(d, s, BLEND);
+    failure = first_of(failure, launch_blend(b, c, s->options.background, d->stream));
+    mark(d, s, LOSS);
+    error = check(why, failure);
+    error = error ? error : find_loss(e, d, s, view, why);
+    mark(d, s, BACK);
+    error = error ? error : check(why, launch_back(b, c, d->stream));
+    mark(d, s, UPDATE);
+    return error;
+}
+
+__global__ void end_step(step_status *status)
+{
+    if (!is_stopped(status))
+        status->done++;
+}
+
+__global__ void say_full(const step_status *status, float *flag)
+{
+    *flag = (float)status->is_full;
+}
+
+struct flags {
+    const float *of_views[FXS_FIT_BATCH];
+};
+
+/* Where another device had no room, this one stops too. */
+__global__ void hear_full(step_status *status, flags f, uint32_t views)
+{
+    for (uint32_t v = 0; v < views; v++)
+        if (*f.of_views[v] > 0)
+            status->is_full = 1;
+}
+
+/* The device that a photograph of a step is for. */
+uint32_t device_of(const engine *e, const step_order *s, uint32_t view)
+{
+    return view / (s->count / e->device_count);
+}
+
+/* Sums of the other devices' photographs. */
+int receive(engine *e, uint32_t to, const step_order *s, fxs_message *why)
+{
+    device *d = &e->devices[to];
+    for (uint32_t v = 0; v < s->count; v++) {
+        const device *from = &e->devices[device_of(e, s, v)];
+        if (from == d)
+            continue;
+        const cudaError_t waited = cudaStreamWaitEvent(d->stream, from->gathered, 0);
+        const int error = check(why, waited, cudaMemcpyPeerAsync(d->views[v], d->number, from->views[v], from->number,
+                                                                 view_numbers(d) * sizeof(float), d->stream));
+        if (error)
+            return error;
+    }
+    return e->device_count > 1 ? check(why, cudaEventRecord(d->received, d->stream)) : 0;
+}
+
+/* The numbers of Adam's step: of the sum over all pixels of a batch. */
+fxs_fit_adam adam_of(const engine *e, const step_order *s)
+{
+    fxs_fit_adam adam;
+    fxs_fit_set_adam(&adam, &s->options, s->photographs, s->count, e->model->count);
+    return adam;
+}
+
+int update(engine *e, device *d, const step_order *s, fxs_message *why)
+{
+    const fxs_fit_adam adam = adam_of(e, s);
+    const fxs_fit_step_options *o = &s->options;
+    step_buffers *b = &d->buffers;
+    cudaError_t failure = cudaSuccess;
+    if (s->count == 1)
+        failure = launch_update(b, &d->model, &s->photographs[0].camera, o->sh_degree, &adam, d->stream);
+    else {
+        fxs_fit_camera cameras[FXS_FIT_BATCH];
+        flags f;
+        for (uint32_t v = 0; v < s->count; v++) {
+            cameras[v] = s->photographs[v].camera;
+            f.of_views[v] = d->views[v] + view_planes * (size_t)d->model.stride;
+        }
+        hear_full<<<1, 1, 0, d->stream>>>(b->status, f, s->count);
+        failure = launch_update_batch(b, &d->model, d->views, cameras, s->count, o->sh_degree, &adam, d->stream);
+    }
+    if (o->noise.amount > 0)
+        failure = first_of(failure, launch_noise(b, &d->model, &o->noise, d->stream));
+    if (d->model.masters)
+        failure = first_of(failure, launch_quantise(b, &d->model, e->model->grid, d->stream));
+    end_step<<<1, 1, 0, d->stream>>>(b->status);
+    mark(d, s, STAGES);
+    return check(why, failure, cudaGetLastError());
+}
+
+/* The sums of the step before may still be on their way to other devices. */
+void wait_for_receivers(const engine *e, const device *d)
+{
+    for (uint32_t i = 0; i < e->device_count; i++)
+        if (&e->devices[i] != d)
+            cudaStreamWaitEvent(d->stream, e->devices[i].received, 0);
+}
+
+/* A batch's photographs, one after the other, each on its device. */
+int pass_all(engine *e, const step_order *s, fxs_message *why)
+{
+    int error = 0;
+    for (uint32_t v = 0; v < s->count && !error; v++) {
+        device *d = &e->devices[device_of(e, s, v)];
+        const on_device here(d->number);
+        error = reserve_views(d, s->count, why);
+        error = error ? error : pass(e, d, s, v, why);
+        if (error || s->count == 1)
+            continue;
+        wait_for_receivers(e, d);
+        error = check(why, launch_gather(&d->buffers, &d->model, d->views[v], d->stream));
+        say_full<<<1, 1, 0, d->stream>>>(d->buffers.status, d->views[v] + view_planes * (size_t)d->model.stride);
+        error = error ? error : check(why, cudaGetLastError(), cudaEventRecord(d->gathered, d->stream));
+    }
+    return error;
+}
+
+/* What is seen is counted from the step of the report on. */
+int clear_counts(engine *e, fxs_message *why)
+{
+    int error = 0;
+    for (uint32_t i = 0; i < e->device_count && !error; i++) {
+        const on_device here(e->devices[i].number);
+        error = check(why, cudaMemsetAsync(&e->devices[i].buffers.status->seen, 0, sizeof(step_seen),
+                                           e->devices[i].stream));
+    }
+    return error;
+}
+
+int start_step(engine *e, const step_order *s, fxs_message *why)
+{
+    int error = s->has_report ? clear_counts(e, why) : 0;
+    error = error ? error : pass_all(e, s, why);
+    for (uint32_t i = 0; i < e->device_count && !error; i++) {
+        const on_device here(e->devices[i].number);
+        error = receive(e, i, s, why);
+    }
+    for (uint32_t i = 0; i < e->device_count && !error; i++) {
+        const on_device here(e->devices[i].number);
+        error = update(e, &e->devices[i], s, why);
+    }
+    return error;
+}
+
+/* ---- Waiting for steps ------------------------------------------------------------------------------------------- */
+
+/* Waits for what was started, and reads each device's status. */
+int wait(engine *e, fxs_message *why)
+{
+    for (uint32_t i = 0; i < e->device_count; i++) {
+        device *d = &e->devices[i];
+        const on_device here(d->number);
+        const cudaError_t copied = cudaMemcpyAsync(&e->statuses[i], d->buffers.status, sizeof *e->statuses,
+                                                   cudaMemcpyDeviceToHost, d->stream);
+        const int error = check(why, copied, cudaStreamSynchronize(d->stream));
+        if (error)
+            return error;
+    }
+    return 0;
+}
+
+/* Room for lists a quarter longer than the longest so far. */
+int widen_lists(engine *e, fxs_message *why)
+{
+    uint64_t most = 0;
+    int error = 0;
+    for (uint32_t i = 0; i < e->device_count; i++)
+        most = e->statuses[i].entries_most > most ? e->statuses[i].entries_most : most;
+    for (uint32_t i = 0; i < e->device_count && !error; i++) {
+        device *d = &e->devices[i];
+        const on_device here(d->number);
+        if (most + most / 8 > d->buffers.capacity)
+            error = reserve_slots(d, most + most / 4, why);
+        error = error ? error : check(why, cudaMemsetAsync(d->buffers.status, 0, sizeof(step_status), d->stream));
+    }
+    return error;
+}
+
+/* Completes the steps that were started: those from one on whose lists had no room are made again, with more. */
+int finish(engine *e, fxs_message *why)
+{
+    uint32_t first = 0;
+    int error = 0;
+    while (first < e->pending_count && !error) {
+        error = wait(e, why);
+        first += error ? 0 : e->statuses[0].done;
+        error = error ? error : widen_lists(e, why);
+        for (uint32_t i = first; i < e->pending_count && !error; i++)
+            error = start_step(e, &e->pending[i], why);
+    }
+    e->pending_count = 0;
+    return error;
+}
+
+/* ---- The engine's functions -------------------------------------------------------------------------------------- */
+
+void fill_report(const engine *e, const step_order *s, fxs_fit_report *report)
+{
+    memset(report, 0, sizeof *report);
+    for (uint32_t v = 0; v < s->count; v++)
+        fxs_fit_add_loss((const float *)e->rows[v].data, &s->photographs[v].camera, s->count, report);
+    for (uint32_t i = 0; i < e->device_count; i++) {
+        report->entries += e->statuses[i].seen.entries;
+        report->visible += e->statuses[i].seen.visible;
+    }
+    /* of the last of the first device's photographs */
+    for (int i = 0; i < STAGES; i++) {
+        float milliseconds = 0;
+        if (cudaEventElapsedTime(&milliseconds, e->devices[0].stages[i], e->devices[0].stages[i + 1]))
+            cudaGetLastError();
+        report->nanoseconds[i] = (uint64_t)(milliseconds * 1e6f);
+    }
+}
+
+int step(void *self, const fxs_fit_photograph *photographs, uint32_t count, const fxs_fit_step_options *options,
+         fxs_fit_report *report, fxs_message *why)
+{
+    engine *e = (engine *)self;
+    int error = e->pending_count == PENDING ? finish(e, why) : 0;
+    if (error)
+        return error;
+    step_order *s = &e->pending[e->pending_count++];
+    memcpy(s->photographs, photographs, count * sizeof *photographs);
+    s->count = count;
+    s->options = *options;
+    s->has_report = report != nullptr;
+    error = start_step(e, s, why);
+    if (error || !report)
+        return error;
+    error = finish(e, why);
+    if (!error)
+        fill_report(e, s, report);
+    return error;
+}
+
+/* After the steps before, calls change(device) for each; their models stay alike. */
+template <class Change>
+int change_model(engine *e, fxs_message *why, Change change)
+{
+    int error = finish(e, why);
+    for (uint32_t i = 0; i < e->device_count && !error; i++) {
+        device *d = &e->devices[i];
+        const on_device here(d->number);
+        error = change(d);
+        error = error ? error : reserve_gaussians(d, why);
+    }
+    e->model->count = e->devices[0].model.count;
+    return error;
+}
+
+int densify(void *self, const fxs_fit_densify *how, fxs_message *why)
+{
+    return change_model((engine *)self, why,
+                        [&](device *d) { return model_densify(&d->model, how, &d->memory, d->stream, why); });
+}
+
+int relocate(void *self, const fxs_fit_relocate *how, fxs_message *why)
+{
+    return change_model((engine *)self, why,
+                        [&](device *d) { return model_relocate(&d->model, how, &d->memory, d->stream, why); });
+}
+
+int order(void *self, fxs_message *why)
+{
+    return change_model((engine *)self, why,
+                        [&](device *d) { return model_order(&d->model, &d->memory, d->stream, why); });
+}
+
+int reset_opacity(void *self, float opacity, fxs_message *why)
+{
+    return change_model((engine *)self, why,
+                        [&](device *d) { return model_reset_opacity(&d->model, opacity, d->stream, why); });
+}
+
+int give(void *self, fxs_message *why)
+{
+    engine *e = (engine *)self;
+    return change_model(e, why, [&](device *d) { return model_upload(&d->model, e->model, &d->memory, d->stream, why); });
+}
+
+int fetch(void *self, fxs_message *why)
+{
+    engine *e = (engine *)self;
+    const on_device here(e->devices[0].number);
+    const int error = finish(e, why);
+    return error ? error : model_download(&e->devices[0].model, e->model, e->devices[0].stream, why);
+}
+
+/* ---- Beginning and end ------------------------------------------------------------------------------------------- */
+
+void close(device *d)
+{
+    const on_device here(d->number);
+    if (d->stream)
+        cudaStreamSynchronize(d->stream);
+    if (d->copies)
+        cudaStreamSynchronize(d->copies);
+    model_free(&d->model, &d->memory);
+    block *const blocks[] = {&d->splats, &d->slots, &d->pixels, &d->sums_of_views, &d->scratch, &d->status, &d->reduced};
+    for (block *b : blocks)
+        reserve(&d->memory, b, 0, nullptr);
+    for (photograph_slot &slot : d->photographs) {
+        reserve(&d->memory, &slot.pixels, 0, nullptr);
+        cudaEventDestroy(slot.ready);
+        cudaEventDestroy(slot.is_free);
+    }
+    for (cudaEvent_t event : d->stages)
+        cudaEventDestroy(event);
+    cudaEventDestroy(d->gathered);
+    cudaEventDestroy(d->received);
+    cudaStreamDestroy(d->stream);
+    cudaStreamDestroy(d->copies);
+    cudaGetLastError();
+}
+
+void free_engine(void *self)
+{
+    engine *e = (engine *)self;
+    if (!e)
+        return;
+    for (uint32_t i = 0; i < e->device_count; i++)
+        close(&e->devices[i]);
+    unlock_pages(e);
+    for (host_block &rows : e->rows)
+        cudaFreeHost(rows.data);
+    cudaFreeHost(e->statuses);
+    cudaGetLastError();
+    free(e);
+}
+
+int open(device *d, int number, uint64_t max_memory, fxs_message *why)
+{
+    d->number = number;
+    d->memory.most = max_memory;
+    int error = check(why, cudaSetDevice(number));
+    if (error)
+        return error;
+    cudaError_t failure = cudaStreamCreateWithFlags(&d->stream, cudaStreamNonBlocking);
+    failure = first_of(failure, cudaStreamCreateWithFlags(&d->copies, cudaStreamNonBlocking));
+    for (photograph_slot &slot : d->photographs) {
+        failure = first_of(failure, cudaEventCreateWithFlags(&slot.ready, cudaEventDisableTiming));
+        failure = first_of(failure, cudaEventCreateWithFlags(&slot.is_free, cudaEventDisableTiming));
+    }
+    for (cudaEvent_t &event : d->stages)
+        failure = first_of(failure, cudaEventCreate(&event));
+    failure = first_of(failure, cudaEventCreateWithFlags(&d->gathered, cudaEventDisableTiming));
+    failure = first_of(failure, cudaEventCreateWithFlags(&d->received, cudaEventDisableTiming));
+    error = check(why, failure);
+    error = error ? error : reserve(&d->memory, &d->status, sizeof(step_status), why);
+    d->buffers.status = (step_status *)d->status.data;
+    return error ? error : check(why, cudaMemsetAsync(d->status.data, 0, sizeof(step_status), d->stream));
+}
+
+/* So that sums go from one to the other directly, where they can. */
+void connect(const engine *e)
+{
+    for (uint32_t i = 0; i < e->device_count; i++)
+        for (uint32_t k = 0; k < e->device_count; k++) {
+            const on_device here(e->devices[i].number);
+            int can = 0;
+            if (i != k && !cudaDeviceCanAccessPeer(&can, e->devices[i].number, e->devices[k].number) && can)
+                cudaDeviceEnablePeerAccess(e->devices[k].number, 0);
+            cudaGetLastError();
+        }
+}
+
+const fxs_fit_engine functions = {"cuda", step, densify, relocate, order, reset_opacity, fetch, give, free_engine};
+
+}
+
+int fxs_cuda_fit_engine(const fxs_fit_engine **out, void **self, fxs_fit_model *model, const fxs_fit_options *options,
+                        fxs_message *why)
+{
+    *self = nullptr;
+    *out = &functions;
+    int before = 0, error = check(why, cudaGetDevice(&before));
+    if (error)
+        return error;
+    engine *e = (engine *)calloc(1, sizeof *e);
+    if (!e)
+        return failed(why, FXS_ERR_MEMORY, "out of memory", sizeof *e);
+    e->model = model;
+    error = check(why, cudaHostAlloc((void **)&e->statuses, sizeof *e->statuses * FXS_FIT_BATCH, cudaHostAllocPortable));
+    for (uint32_t i = 0; i < options->device_count && !error; i++) {
+        e->device_count++;
+        error = open(&e->devices[i], options->devices[i], options->max_memory, why);
+    }
+    if (!error)
+        connect(e);
+    cudaSetDevice(before);
+    if (error) {
+        free_engine(e);
+        return error;
+    }
+    *self = e;
+    return 0;
+}
