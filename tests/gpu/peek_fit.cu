@@ -1,0 +1,61 @@
+/* What the tests see of the insides of fits on CUDA. */
+#include <stdlib.h>
+
+#include "../../kernels/cuda/fit/fit.cu"
+#include "peek_fit.h"
+
+namespace {
+
+template <class T, class U>
+int download(U **out, const T *from, uint64_t count)
+{
+    *out = (U *)malloc(count * sizeof(T) + 1);
+    return !*out || cudaMemcpy(*out, from, count * sizeof(T), cudaMemcpyDefault) != cudaSuccess;
+}
+
+}
+
+int peek_fit(void *self, const fxs_fit_camera *c, peeked_fit *out)
+{
+    engine *e = (engine *)self;
+    const step_buffers *b = &e->devices[0].buffers;
+    const uint64_t tiles = (uint64_t)(c->tiles_x * c->tiles_y), pixels = (uint64_t)(c->width * c->height);
+    memset(out, 0, sizeof *out);
+    if (download(&out->starts, b->starts, tiles + 1))
+        return 1;
+    out->entries = out->starts[tiles];
+    return download(&out->splats, b->splats, e->devices[0].model.count) ||
+           download(&out->slots, b->slots[1], out->entries) || download(&out->splat_of, b->splat_of, out->entries) ||
+           download(&out->needed, b->needed, tiles) || download(&out->blocks, b->blocks, out->entries) ||
+           download(&out->sums, (const float(*)[FXS_FIT_SUMS])b->sums, out->entries) ||
+           download(&out->picture, b->picture, 3 * pixels) ||
+           download(&out->derivatives, b->derivatives, 9 * pixels) ||
+           download(&out->gradient, (const float *)b->gradient, 4 * pixels);
+}
+
+void peek_fit_free(peeked_fit *p)
+{
+    void *const all_of_it[] = {p->splats, p->starts, p->slots, p->splat_of, p->needed, p->blocks, p->sums, p->picture,
+                               p->derivatives, p->gradient};
+    for (void *memory : all_of_it)
+        free(memory);
+}
+
+int peek_fit_narrow(void *self, uint32_t capacity)
+{
+    fxs_message why;
+    engine *e = (engine *)self;
+    int error = finish(e, &why);
+    for (uint32_t i = 0; i < e->device_count && !error; i++) {
+        device *d = &e->devices[i];
+        const on_device here(d->number);
+        d->buffers.capacity = 0;
+        error = reserve(&d->memory, &d->slots, 0, &why) || reserve_slots(d, capacity, &why);
+    }
+    return error;
+}
+
+uint64_t peek_fit_bytes(const void *self)
+{
+    return ((const engine *)self)->devices[0].memory.bytes;
+}

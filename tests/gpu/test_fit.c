@@ -1,0 +1,265 @@
+/* Steps of a fit on CUDA against the processor's: every buffer of a step, bit by bit, on random models and pictures.
+ * `test_fit [--quick]`; --quick: few and small ones, for the sanitizers. Whole fits: test_fit_steps --cuda. */
+#include "../../port/fit/stepper.c"
+
+#include "../fit_scene.h"
+#include "peek_fit.h"
+
+static int quick;
+
+/* ---- What is fitted ---------------------------------------------------------------------------------------------- */
+
+typedef struct what {
+    int32_t width, height, is_square;
+    size_t count;
+    int degree, batch, only_touched, without_sh;
+    float by_opacity, noise, near_size;    /* near_size: about e^ that a Gaussian is wide */
+} what;
+
+enum { STEPS = 3, MOST_BATCH = 3 };
+
+static void fill_model(fxs_fit_model *m, const what *w)
+{
+    for (size_t i = 0; i < w->count; i++) {
+        float *p = m->parameters + i;
+        for (size_t k = 0; k < FXS_FIT_PARAMETERS; k++)
+            p[k * m->stride] = (float)fit_uniform(-0.3, 0.3);
+        for (size_t k = 0; k < 3; k++) {
+            p[(FXS_FIT_POSITION + k) * m->stride] = (float)fit_uniform(-4, 4);
+            p[(FXS_FIT_SCALE + k) * m->stride] = w->near_size + (float)fit_uniform(-2, 1);
+        }
+        for (size_t k = 0; k < 4; k++)
+            p[(FXS_FIT_ROTATION + k) * m->stride] = (float)fit_uniform(-1, 1);
+        p[FXS_FIT_OPACITY * m->stride] = (float)fit_uniform(-4, 6);
+    }
+}
+
+/* What no fit should meet: no rotation, beyond the camera, enormous, nothing at all. */
+static void spoil_model(fxs_fit_model *m)
+{
+    static const float bad[] = {0, NAN, INFINITY, 1e30f, -1e30f, 1e-30f};
+    for (size_t i = 0; i < m->count; i += 37)
+        m->parameters[fit_random() % FXS_FIT_PARAMETERS * m->stride + i] = bad[fit_random() % 6];
+    for (size_t i = 5; i < m->count; i += 91)
+        for (size_t k = 0; k < 4; k++)
+            m->parameters[(FXS_FIT_ROTATION + k) * m->stride + i] = 0;
+}
+
+static int copy_model(fxs_fit_model *to, const fxs_fit_model *from)
+{
+    const size_t bytes = FXS_FIT_PARAMETERS * from->stride * sizeof(float);
+    if (fxs_fit_model_room(to, from->count))
+        return 1;
+    memcpy(to->parameters, from->parameters, bytes);
+    return 0;
+}
+
+static void fill_photographs(fxs_fit_photograph *photographs, const what *w, uint8_t *pixels)
+{
+    const size_t bytes = 3 * (size_t)w->width * (size_t)w->height;
+    for (size_t i = 0; i < bytes * MOST_BATCH; i++)
+        pixels[i] = (uint8_t)(fit_random() % 256);
+    for (int i = 0; i < MOST_BATCH; i++) {
+        fxs_fit_photograph *p = &photographs[i];
+        memset(p, 0, sizeof *p);
+        p->pixels = pixels + (size_t)i * bytes;
+        p->camera = fit_camera(w->width, w->height, (float)w->width);
+        p->camera.eye[2] -= 3 + (float)i;
+        p->camera.is_square = w->is_square;
+        p->width = w->width;
+        p->height = w->height;
+        p->divisor = 1;
+    }
+}
+
+static void set_options(fxs_fit_step_options *o, const what *w, uint32_t number)
+{
+    memset(o, 0, sizeof *o);
+    o->sh_degree = w->degree;
+    o->number = number;
+    o->only_touched = w->only_touched;
+    o->without_sh = w->without_sh;
+    o->by_opacity = o->by_scale = w->by_opacity;
+    o->noise = (fxs_fit_noise){w->noise, {12345 + number, 67890}};
+    for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
+        o->rate[k] = 0.01f;
+    for (int c = 0; c < 3; c++)
+        o->background[c] = 0.2f * (float)c;
+}
+
+/* ---- Comparing --------------------------------------------------------------------------------------------------- */
+
+/* Bits, where a NaN is like any other. */
+static int same(const float *a, const float *b, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (memcmp(&a[i], &b[i], sizeof *a) && !(a[i] != a[i] && b[i] != b[i]))
+            return 0;
+    return 1;
+}
+
+static int planes_same(const float *a, size_t a_stride, const float *b, size_t b_stride, size_t count, size_t planes)
+{
+    for (size_t k = 0; k < planes; k++)
+        if (!same(a + k * a_stride, b + k * b_stride, count))
+            return 0;
+    return 1;
+}
+
+static int models_same(const fxs_fit_model *a, const fxs_fit_model *b)
+{
+    const size_t n = a->count;
+    return CHECK(b->count == n) &&
+           CHECK(planes_same(a->parameters, a->stride, b->parameters, b->stride, n, FXS_FIT_PARAMETERS)) &&
+           CHECK(planes_same(a->means, a->stride, b->means, b->stride, n, FXS_FIT_PARAMETERS)) &&
+           CHECK(planes_same(a->squares, a->stride, b->squares, b->stride, n, FXS_FIT_PARAMETERS)) &&
+           CHECK(same(a->by_centre, b->by_centre, n)) && CHECK(same(a->views, b->views, n));
+}
+
+static int splats_same(const fxs_fit_stepper *s, const peeked_fit *p, size_t count)
+{
+    const fxs_fit_splat *splats = s->splats.memory;
+    for (size_t i = 0; i < count; i++)
+        if (splats[i].depth > 0 ? !same(splats[i].centre, p->splats[i].centre, 15) : p->splats[i].depth > 0)
+            return 0;
+    return 1;
+}
+
+static int lists_same(const fxs_fit_stepper *s, const peeked_fit *p)
+{
+    const uint32_t *starts = s->counts.memory;
+    const fxs_fit_entry *entries = s->entries.memory;
+    if (!CHECK(p->entries == s->entry_count) || !CHECK(!memcmp(starts, p->starts, (s->tile_count + 1) * sizeof *starts)))
+        return 0;
+    for (size_t e = 0; e < s->entry_count; e++)
+        if (entries[e].splat != p->splat_of[p->slots[e]])
+            return 0;
+    return 1;
+}
+
+static int sums_same(const fxs_fit_stepper *s, const peeked_fit *p)
+{
+    const uint32_t *starts = s->counts.memory, *needed = starts + s->tile_count + 1;
+    const fxs_fit_entry *entries = s->entries.memory;
+    const float (*sums)[FXS_FIT_SUMS] = s->sums.memory;
+    if (!CHECK(!memcmp(needed, p->needed, s->tile_count * sizeof *needed)))
+        return 0;
+    for (uint32_t tile = 0; tile < s->tile_count; tile++)
+        for (uint32_t e = starts[tile]; e < starts[tile] + needed[tile]; e++)
+            if (!CHECK(entries[e].blocks == p->blocks[e]) ||
+                !CHECK(same(sums[entries[e].slot], p->sums[p->slots[e]], FXS_FIT_SUMS)))
+                return 0;
+    return 1;
+}
+
+static int pixels_same(const fxs_fit_stepper *s, const peeked_fit *p)
+{
+    const size_t width = (size_t)s->camera->width, height = (size_t)s->camera->height, size = width * height;
+    int found = 1;
+    for (size_t c = 0; c < 3; c++)
+        for (size_t y = 0; y < height && found; y++) {
+            const fxs_fit_loss *l = &s->loss[c];
+            const ptrdiff_t row = (ptrdiff_t)y * l->picture.stride;
+            found = CHECK(same(l->picture.first + row, p->picture + c * size + y * width, width));
+            for (size_t k = 0; k < FXS_FIT_DERIVATIVES && found; k++)
+                found = CHECK(same(l->derivatives[k].first + row,
+                                   p->derivatives + (3 * c + k) * size + y * width, width));
+            for (size_t x = 0; x < width && found; x++)
+                found = CHECK(same(&l->gradient.first[row + (ptrdiff_t)x], &p->gradient[4 * (y * width + x) + c], 1));
+        }
+    return found;
+}
+
+/* ---- Steps ------------------------------------------------------------------------------------------------------- */
+
+/* Some steps of one model by both; the last one's buffers too. narrow: lists have too little room at first. */
+static void compare(const what *w, int is_spoiled, uint32_t narrow)
+{
+    static uint8_t pixels[MOST_BATCH * 3 * 700 * 500];
+    fxs_fit_photograph photographs[MOST_BATCH];
+    fxs_fit_model here, there;
+    fxs_fit_options options;
+    const fxs_fit_engine *engine;
+    fxs_fit_report of_here, of_there;
+    fxs_message why;
+    peeked_fit p;
+    void *self;
+    if (!CHECK(!fxs_fit_model_room(&here, w->count)))
+        return;
+    fill_model(&here, w);
+    if (is_spoiled)
+        spoil_model(&here);
+    fill_photographs(photographs, w, pixels);
+    fxs_fit_options_init(&options);
+    options.device_count = 1;
+    if (!CHECK(!copy_model(&there, &here)) || !CHECK(!fxs_cuda_fit_engine(&engine, &self, &there, &options, &why)))
+        return;
+    fxs_fit_stepper *s = fxs_fit_stepper_create(fxs_fit_stages_choose(~0u), NULL, NULL, 1, NULL);
+    CHECK(!engine->give(self, &why));
+    if (narrow)
+        CHECK(!peek_fit_narrow(self, narrow));
+    int is_same = 1;
+    for (uint32_t i = 1; i <= STEPS && is_same; i++) {
+        fxs_fit_step_options o;
+        const uint32_t batch = (uint32_t)w->batch;
+        set_options(&o, w, i);
+        CHECK(!fxs_fit_stepper_step(s, &here, photographs, batch, &o, &of_here));
+        CHECK(!engine->step(self, photographs, batch, &o, i == STEPS ? &of_there : NULL, &why));
+    }
+    CHECK(!engine->fetch(self, &why));
+    CHECK(of_here.entries == of_there.entries && of_here.visible == of_there.visible);
+    CHECK(of_here.absolute == of_there.absolute && of_here.dissimilar == of_there.dissimilar);
+    if (CHECK(!peek_fit(self, &photographs[w->batch - 1].camera, &p)))
+        is_same = CHECK(splats_same(s, &p, w->count)) && CHECK(lists_same(s, &p)) && pixels_same(s, &p) &&
+                  sums_same(s, &p) && models_same(&here, &there);
+    if (!CHECK(is_same))
+        printf("  %d x %d, square %d, %zu Gaussians, degree %d, batch %d, touched %d, without SH %d, spoiled %d\n",
+               (int)w->width, (int)w->height, (int)w->is_square, w->count, w->degree, w->batch, w->only_touched,
+               w->without_sh, is_spoiled);
+    peek_fit_free(&p);
+    fxs_fit_stepper_free(s);
+    engine->free(self);
+    fxs_fit_model_free(&here);
+    fxs_fit_model_free(&there);
+}
+
+static void test_steps(void)
+{
+    static const int32_t sizes[][2] = {{1, 1}, {16, 16}, {37, 27}, {160, 120}, {333, 211}, {640, 480}};
+    static const size_t counts[] = {1, 16, 700, 5000, 60000};
+    for (int i = 0; i < (quick ? 4 : 40); i++) {
+        const int size = quick ? i % 3 : i % 6;
+        const what w = {.width = sizes[size][0], .height = sizes[size][1], .is_square = i % 3 == 2,
+                        .count = counts[quick ? i % 3 : i % 5], .degree = i % 4, .batch = 1,
+                        .only_touched = i % 5 == 4, .without_sh = i % 7 == 6, .by_opacity = i % 4 ? 0 : 0.01f,
+                        .noise = i % 3 ? 0 : 50.0f, .near_size = i % 2 ? -3.0f : -1.5f};
+        compare(&w, i % 4 == 3, 0);
+    }
+}
+
+static void test_batches(void)
+{
+    for (int i = 0; i < (quick ? 2 : 8); i++) {
+        const what w = {.width = 90, .height = 70, .count = quick ? 200 : 3000, .degree = i % 4, .batch = 2 + i % 2,
+                        .only_touched = i % 3 == 1, .by_opacity = i % 2 ? 0 : 0.01f, .near_size = -2.5f};
+        compare(&w, i % 4 == 3, 0);
+    }
+}
+
+/* Steps whose lists have no room are made again. */
+static void test_no_room(void)
+{
+    const what w = {.width = 160, .height = 120, .count = quick ? 300 : 5000, .degree = 2, .batch = 1, .near_size = -2};
+    const what batch = {.width = 90, .height = 70, .count = 500, .degree = 2, .batch = 2, .near_size = -2};
+    compare(&w, 0, 64);
+    compare(&batch, 0, 64);
+}
+
+int main(int argc, char **argv)
+{
+    quick = argc > 1 && !strcmp(argv[1], "--quick");
+    RUN(test_steps);
+    RUN(test_batches);
+    RUN(test_no_room);
+    return check_report();
+}
