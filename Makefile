@@ -94,13 +94,13 @@ CLANG_14 := $(if $(findstring clang,$(CC_VERSION)),-g0)
 # project takes 9 % less.
 isa = $(if $(filter port/image/image_file.c,$(1)),-fwrapv) $(if $(filter kernels/%,$(1)),-fwrapv $(if $(filter -O2,$(CFLAGS)),-O3)) $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
       -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi $(CLANG_14)))) \
-      $(if $(filter port/fit/% kernels/x86/fit_% port/camera/% port/import/% port/scene/% tests/test_fit_%,$(1)),$(SINGLES))
+      $(if $(filter port/fit/% kernels/x86/fit_% tests/gpu/test_fit% port/camera/% port/import/% port/scene/% tests/test_fit_%,$(1)),$(SINGLES))
 
 with = $(if $(filter $(1),$(FOUND)),$(wildcard $(2)))
 KERNELS := $(if $(KERNEL_FOLDER),$(wildcard kernels/$(KERNEL_FOLDER)/*.c))
 FIT_KERNELS := $(wildcard $(if $(KERNEL_FOLDER),kernels/$(KERNEL_FOLDER)/fit_*.c))
 CORE := $(wildcard src/*.c kernels/*.c) $(filter-out $(FIT_KERNELS),$(KERNELS))
-DEVICES := $(call with,GLES,kernels/gles/*.c) $(call with,CUDA,kernels/cuda/cuda.cu)
+DEVICES := $(call with,GLES,kernels/gles/*.c) $(call with,CUDA,kernels/cuda/cuda.cu kernels/cuda/fit/fit.cu)
 PORT := $(wildcard $(addprefix port/,$(addsuffix /*.c,files scene camera image import posix world backend board fit))) \
         $(FIT_KERNELS)
 PORT += $(if $(filter GLES,$(FOUND)),$(call with,EGL,port/egl/*.c) $(call with,OSMESA,port/osmesa/*.c))
@@ -170,7 +170,7 @@ $(B)/%.o: %.c $(B)/commands/compile
 
 $(B)/%.o: %.cu $(B)/commands/nvcc
 	@mkdir -p $(@D)
-	$(call say,NVCC,$<)$(NVCC) $(NVCC_FLAGS) -MMD -MP -c -o $@ $<
+	$(call say,NVCC,$<)$(NVCC) $(NVCC_FLAGS) $(if $(findstring fit,$*),-fmad=false) -MMD -MP -c -o $@ $<
 
 # These are there only with their library, and do not ask.
 $(call objects,$(wildcard port/window/*.c)): $(B)/with/SDL
@@ -456,11 +456,13 @@ test-all: ## the same, on a dozen kinds of processor more
 
 test-programs: $(addprefix $(B)/tests/,$(TESTS)) ## build the test programs
 
-# Needs a GPU: see tests/gpu/cuda.sh.
-$(B)/tests/gpu/%: $(B)/tests/gpu/%.o $(B)/tests/gpu/peek.o $(B)/libfixsplat.a $(B)/commands/link
+# Need a GPU: see tests/gpu/cuda.sh and tests/gpu/fit.sh.
+$(B)/tests/gpu/test_cuda $(B)/tests/gpu/bench_cuda: $(B)/tests/gpu/peek.o
+$(B)/tests/gpu/test_fit: $(B)/tests/gpu/peek_fit.o
+$(B)/tests/gpu/%: $(B)/tests/gpu/%.o $(B)/libfixsplat.a $(B)/commands/link
 	$(call link)
 
-cuda-tests: $(B)/tests/gpu/test_cuda $(B)/tests/gpu/bench_cuda ## build what tests/gpu/cuda.sh runs on a GPU
+cuda-tests: $(addprefix $(B)/tests/gpu/,test_cuda bench_cuda test_fit) $(B)/tests/test_fit_steps ## build what tests/gpu/*.sh run on a GPU
 
 golden-update: all $(B)/tests/test_golden ## write the golden images anew (and say why in the commit)
 	$(B)/tests/test_golden --update
