@@ -93,10 +93,11 @@ static inline int is_open(const fxs_fit_tile *tile)
     return 0;
 }
 
-/* Blends until all pixels are closed. Returns how many entries that took. */
+/* Blends until all pixels are closed. Returns one past the last entry of which a pixel took. */
 static inline uint32_t blend(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left,
                              int32_t top, fxs_fit_tile *tile)
 {
+    uint32_t needed = 0;
     memset(tile->colour, 0, sizeof tile->colour);
     for (int i = 0; i < FXS_FIT_PIXELS; i++)
         tile->transmittance[i] = 1;
@@ -104,17 +105,19 @@ static inline uint32_t blend(const fxs_fit_splat *splats, fxs_fit_entry *entries
         const uint32_t end = count - first < BATCH ? count : first + BATCH;
         corners c[BATCH];
         if (!is_open(tile))
-            return first;
+            break;
         for (uint32_t e = first; e < end; e++) {
             const fxs_fit_splat *s = &splats[entries[e].splat];
             __builtin_prefetch(&splats[entries[e + BATCH < count ? e + BATCH : e].splat]);
             find_corners(s, left, top, &c[e - first]);
             entries[e].blocks = find_blocks(s, &c[e - first]);
         }
-        for (uint32_t e = first; e < end; e++)
+        for (uint32_t e = first; e < end; e++) {
             entries[e].blocks = blend_splat(&splats[entries[e].splat], &c[e - first], entries[e].blocks, tile);
+            needed = entries[e].blocks ? e + 1 : needed;
+        }
     }
-    return count;
+    return needed;
 }
 
 /* ---- back -------------------------------------------------------------------------------------------------------- */
@@ -125,13 +128,16 @@ typedef struct passed {
 } passed;
 
 /* dL/dalpha = T (c . g) - behind / (1 - alpha) */
-static inline void back_pixels(const fxs_fit_splat *s, const fxs_fit_tile_gradient *g, passed *p, int at, real u,
-                               real v, real sums[FXS_FIT_SUMS])
+static inline void find_sums(const fxs_fit_splat *s, const fxs_fit_tile_gradient *g, passed *p, int at, real u, real v,
+                             real sums[FXS_FIT_SUMS])
 {
     const real t = load(p->transmittance + at), level = (u * u + v * v) + s->offset;
     const mask takes = both(at_most(level, all(s->limit)), at_most(all(FXS_FIT_CLOSED), t));
-    if (LANES < 8 && !any(takes))
+    if (LANES < 8 && !any(takes)) {
+        for (int i = 0; i < FXS_FIT_SUMS; i++)
+            sums[i] = all(0);
         return;
+    }
     const real exact = exp_2_minus(level), alpha = least(exact, all(FXS_FIT_ALPHA_MOST));
     const real weight = keep(takes, alpha * t);
     const real g0 = load(g->colour[0] + at), g1 = load(g->colour[1] + at), g2 = load(g->colour[2] + at);
@@ -141,15 +147,15 @@ static inline void back_pixels(const fxs_fit_splat *s, const fxs_fit_tile_gradie
     store(p->behind + at, behind);
     const real h = keep(both(takes, below(exact, all(FXS_FIT_ALPHA_MOST))), behind * (alpha / (1.0f - alpha)) - own);
     const real hu = h * u, hv = h * v;
-    sums[FXS_FIT_SUM] += h;
-    sums[FXS_FIT_SUM_U] += hu;
-    sums[FXS_FIT_SUM_V] += hv;
-    sums[FXS_FIT_SUM_UU] += hu * u;
-    sums[FXS_FIT_SUM_UV] += hu * v;
-    sums[FXS_FIT_SUM_VV] += hv * v;
-    sums[FXS_FIT_RED] += weight * g0;
-    sums[FXS_FIT_GREEN] += weight * g1;
-    sums[FXS_FIT_BLUE] += weight * g2;
+    sums[FXS_FIT_SUM] = h;
+    sums[FXS_FIT_SUM_U] = hu;
+    sums[FXS_FIT_SUM_V] = hv;
+    sums[FXS_FIT_SUM_UU] = hu * u;
+    sums[FXS_FIT_SUM_UV] = hu * v;
+    sums[FXS_FIT_SUM_VV] = hv * v;
+    sums[FXS_FIT_RED] = weight * g0;
+    sums[FXS_FIT_GREEN] = weight * g1;
+    sums[FXS_FIT_BLUE] = weight * g2;
 }
 
 /* The sums of each row of places: p and p + 8, of those p and p + 4, p + 2, p + 1. */
@@ -200,34 +206,43 @@ static inline void add_places(const float (*rows)[PLACES], float *sums)
 #undef MIX
 #endif
 
+/* Of a block: its sums, added to those of the blocks before. */
+static inline void back_block(const fxs_fit_splat *s, const corners *c, int b, const real of_places[][2],
+                              const fxs_fit_tile_gradient *g, passed *p, float *sums)
+{
+    float own[FXS_FIT_SUMS];
+#ifdef ADD_PLACES
+    real all_sums[FXS_FIT_SUMS];
+    find_sums(s, g, p, b * PLACES, of_places[0][0] + c->u[b], of_places[0][1] + c->v[b], all_sums);
+    ADD_PLACES(all_sums, own);
+#else
+    float rows[FXS_FIT_SUMS][PLACES];
+    for (int place = 0; place < PLACES; place += LANES) {
+        const real *at = of_places[place / LANES];
+        real all_sums[FXS_FIT_SUMS];
+        find_sums(s, g, p, b * PLACES + place, at[0] + c->u[b], at[1] + c->v[b], all_sums);
+        for (int i = 0; i < FXS_FIT_SUMS; i++)
+            store(rows[i] + place, all_sums[i]);
+    }
+    add_places((const float(*)[PLACES])rows, own);
+#endif
+    for (int i = 0; i < FXS_FIT_SUMS; i++)
+        sums[i] += own[i];
+}
+
 static inline void back_splat(const fxs_fit_splat *from, uint32_t blocks, const fxs_fit_tile_gradient *g, passed *p,
                               int32_t left, int32_t top, float *sums)
 {
     const fxs_fit_splat s = *from;
-#ifndef ADD_PLACES
-    float of_places[FXS_FIT_SUMS][PLACES];
-#endif
+    float all_sums[FXS_FIT_SUMS] = {0};
+    real of_places[PLACES / LANES][2];
     corners c;
     find_corners(&s, left, top, &c);
-    for (int place = 0; place < PLACES; place += LANES) {
-        real u, v, all_sums[FXS_FIT_SUMS];
-        find_places(&s, place, &u, &v);
-        for (int i = 0; i < FXS_FIT_SUMS; i++)
-            all_sums[i] = all(0);
-        for (uint32_t rest = blocks; rest; rest &= rest - 1) {
-            const int b = __builtin_ctz(rest);
-            back_pixels(&s, g, p, b * PLACES + place, u + c.u[b], v + c.v[b], all_sums);
-        }
-#ifdef ADD_PLACES
-        ADD_PLACES(all_sums, sums);
-#else
-        for (int i = 0; i < FXS_FIT_SUMS; i++)
-            store(of_places[i] + place, all_sums[i]);
-#endif
-    }
-#ifndef ADD_PLACES
-    add_places((const float(*)[PLACES])of_places, sums);
-#endif
+    for (int place = 0; place < PLACES; place += LANES)
+        find_places(&s, place, &of_places[place / LANES][0], &of_places[place / LANES][1]);
+    for (uint32_t rest = blocks; rest; rest &= rest - 1)
+        back_block(&s, &c, __builtin_ctz(rest), (const real(*)[2])of_places, g, p, all_sums);
+    memcpy(sums, all_sums, sizeof all_sums);
 }
 
 /* The first `count` entries of a list, as many as blend took, and as it left them; the sums of each to its slot. */

@@ -1,0 +1,81 @@
+#!/bin/sh
+# Fits on a machine with GPUs: the same bytes as the processor's, times by part, memory and quality.
+#   sh tests/gpu/fit.sh PHOTOS...
+# PHOTOS: folders as fixsplat fit reads them; of a white background where their name has lego in it. B: the build folder
+# (default build); with PREBUILT=1 nothing is built. STEPS: of the long fits (default 30000).
+cd "$(dirname "$0")/../.." || exit 1
+B=${B:-build}
+STEPS=${STEPS:-30000}
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+failed=
+start=$(date +%s)
+
+say() {
+    echo "== $* ($(($(date +%s) - start)) s)"
+}
+
+# fit PHOTOS OUT [OPTION...]
+fit() {
+    photos=$1 out=$2
+    shift 2
+    case $photos in *lego*) set -- "$@" --background ffffff ;; esac
+    "$B/fixsplat" fit "$photos" -o "$work/$out" "$@" 2>"$work/$out.log" || { cat "$work/$out.log"; failed="$failed $out"; }
+}
+
+# same A B: their bytes.
+same() {
+    if cmp "$work/$1" "$work/$2"; then
+        sha256sum <"$work/$1" | cut -c1-16
+    else
+        failed="$failed $1"
+    fi
+}
+
+[ "$PREBUILT" = 1 ] || make -j8 B="$B" all cuda-tests >"$work/log" 2>&1 || { cat "$work/log"; exit 1; }
+
+say "every buffer of a step against the processor"
+"$B/tests/gpu/test_fit" || failed="$failed test_fit"
+
+say "whole fits by each recipe and profile"
+"$B/tests/test_fit_steps" --cuda || failed="$failed test_fit_steps"
+
+say "compute-sanitizer"
+for tool in memcheck racecheck; do
+    if command -v compute-sanitizer >/dev/null 2>&1; then
+        compute-sanitizer --error-exitcode 1 --tool $tool "$B/tests/gpu/test_fit" --quick | tail -3 || failed="$failed $tool"
+    else
+        echo "skipped: no compute-sanitizer"
+    fi
+done
+
+for photos in "$@"; do
+    name=$(basename "$photos")
+    say "$name at a quarter of its size, 200 steps: processor and CUDA"
+    fit "$photos" "$name-cpu.ply" --resolution 300 --steps 200 >/dev/null
+    fit "$photos" "$name-cuda.ply" --resolution 300 --steps 200 --backend cuda >/dev/null
+    same "$name-cpu.ply" "$name-cuda.ply"
+done
+
+if [ "$("$B/fixsplat" info --backends 2>/dev/null | grep -c 'device [1-9]')" -gt 0 ]; then
+    say "two devices, and a batch of two on one"
+    fit "$1" two.ply --resolution 600 --steps 700 --backend cuda --device 0,1
+    fit "$1" one.ply --resolution 600 --steps 700 --backend cuda --batch 2
+    same two.ply one.ply
+else
+    echo "skipped: two devices"
+fi
+
+for photos in "$@"; do
+    name=$(basename "$photos")
+    say "$name, reference, $STEPS steps, twice"
+    fit "$photos" "$name-1.fxs" --steps "$STEPS" --backend cuda | tail -12
+    fit "$photos" "$name-2.fxs" --steps "$STEPS" --backend cuda | tail -1
+    same "$name-1.fxs" "$name-2.fxs"
+done
+
+if [ -n "$failed" ]; then
+    echo "failed:$failed"
+    exit 1
+fi
+echo "all as it should be"
