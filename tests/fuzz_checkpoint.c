@@ -10,7 +10,7 @@
 #include "../port/fit/fit_internal.h"
 #include "../port/fit/random.h"
 
-enum { SIDE = 20, POINTS = 5, HEAD = 8, PRINT = 52, PRINT_BYTES = 8, END = 12 };
+enum { SIDE = 20, POINTS = 5, HEAD = 8, PRINT = 56, PRINT_BYTES = 8, END = 12 };
 
 static uint8_t pixels[3 * SIDE * SIDE];
 static fxs_fit_photo photo;
@@ -78,7 +78,7 @@ static void go_on(fxs_fit *fit)
     fxs_scene scene;
     fxs_message message;
     for (int i = 0; i < 2; i++)
-        if (fxs_fit_step(fit, &report))
+        if (fxs_fit_step(fit, &report, &message))
             return;
     check_numbers(fit);
     if (fxs_fit_pack(fit, &packed, NULL, &message))

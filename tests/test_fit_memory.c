@@ -92,7 +92,8 @@ static int fit_some(enum fxs_fit_recipe recipe)
     int error = begin(&f, &options, POINTS);
     for (int i = 0; i < STEPS && !error; i++) {
         fxs_fit_report report;
-        error = fxs_fit_step(f, &report);
+        fxs_message message;
+        error = fxs_fit_step(f, &report, &message);
         if (!error && i == 2)
             error = change_model(&f->model);
     }
@@ -148,7 +149,7 @@ static void test_amount(void)
     most_bytes = bytes;
     CHECK(begin(&f, &options, MANY) == 0);
     for (int i = 1; i <= ALL; i++) {
-        CHECK(fxs_fit_step(f, &report) == 0);
+        CHECK(fxs_fit_step(f, &report, NULL) == 0);
         if (i == FULL) {
             CHECK(report.gaussians == MOST);
             when_full = bytes;

@@ -654,6 +654,7 @@ static void adam(void)
     const fxs_fit_camera camera = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .eye = {0, 0, -5}, .focal = {50, 50},
                                    .middle = {20, 20}, .slope_most = {1, 1}, .near = 0.2f, .width = 40, .height = 40,
                                    .tiles_x = 3, .tiles_y = 3};
+    const fxs_fit_camera *looking = &camera;
     fxs_fit_model m = random_model(FXS_FIT_GROUP);
     float sums[FXS_FIT_SUMS][FXS_FIT_PART];
     double x = 0, mean = 0, square = 0, worst = 0;
@@ -667,7 +668,7 @@ static void adam(void)
                                 .correction = (float)(1 / (1 - pow(0.999, step))), .epsilon = 1e-12f};
         memset(sums, 0, sizeof sums);
         sums[FXS_FIT_RED][2] = (float)g;
-        stages->update(&camera, 0, &a, m.parameters, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_GROUP,
+        stages->update(&looking, 1, 0, &a, m.parameters, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_GROUP,
                        sums[0], m.by_centre);
         mean = 0.9 * mean + 0.1 * gradient;
         square = 0.999 * square + 0.001 * gradient * gradient;
@@ -686,6 +687,7 @@ static void gradients_beyond(void)
     const fxs_fit_camera camera = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .eye = {0, 0, -5}, .focal = {50, 50},
                                    .middle = {20, 20}, .slope_most = {1, 1}, .near = 0.2f, .width = 40, .height = 40,
                                    .tiles_x = 3, .tiles_y = 3};
+    const fxs_fit_camera *looking = &camera;
     fxs_fit_adam a = {.correction = 1, .epsilon = 1e-12f};
     for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
         a.rate[k] = 1;
@@ -704,7 +706,7 @@ static void gradients_beyond(void)
             for (int i = 0; i < FXS_FIT_SUMS * FXS_FIT_PART; i++)
                 sums[i / FXS_FIT_PART][i % FXS_FIT_PART] = 1;
             sums[sum][3] = bad[which];
-            stages->update(&camera, 3, &a, m.parameters, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_GROUP,
+            stages->update(&looking, 1, 3, &a, m.parameters, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_GROUP,
                            sums[0], m.by_centre);
             for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
                 for (size_t i = 0; i < FXS_FIT_GROUP; i++)
@@ -724,6 +726,7 @@ static void regularisers_beyond(void)
     const fxs_fit_stages *stages = fxs_fit_stages_choose(~0u);
     const fxs_fit_camera camera = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .focal = {50, 50}, .width = 40,
                                    .height = 40};
+    const fxs_fit_camera *looking = &camera;
     fxs_fit_adam a = {.correction = 1, .epsilon = 1e-12f, .by_opacity = 1, .by_scale = 1e8f};
     fxs_fit_model m = random_model(FXS_FIT_GROUP), old;
     memset(m.squares, 0, FXS_FIT_PARAMETERS * m.stride * sizeof(float));
@@ -732,7 +735,7 @@ static void regularisers_beyond(void)
     *at(&m, FXS_FIT_SCALE, 5) = 40;
     m.squares[FXS_FIT_OPACITY * m.stride + 7] = -1;
     old = copy_of(&m);
-    stages->update(&camera, 0, &a, m.parameters, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_GROUP, sums[0],
+    stages->update(&looking, 1, 0, &a, m.parameters, m.parameters, m.means, m.squares, m.stride, 0, FXS_FIT_GROUP, sums[0],
                    m.by_centre);
     CHECK(isfinite(m.squares[FXS_FIT_SCALE * m.stride + 5]) && *at(&m, FXS_FIT_SCALE, 5) < 40);
     CHECK(*at(&m, FXS_FIT_OPACITY, 7) == *at(&old, FXS_FIT_OPACITY, 7));
@@ -883,8 +886,8 @@ static size_t fitted(size_t photo_count, size_t point_count, uint32_t steps)
     if (!CHECK(!fxs_fit_create(&fit, photos, photo_count, points, point_count, &options, &message)))
         return 0;
     for (uint32_t i = 0; i < steps; i++)
-        CHECK(!fxs_fit_step(fit, &report));
-    fxs_fit_gaussians(fit, &source);
+        CHECK(!fxs_fit_step(fit, &report, &message));
+    fxs_fit_gaussians(fit, &source, &message);
     for (uint64_t i = 0; i < source.count && source.read(source.argument, i, &g, 1) == 1; i++)
         for (size_t k = 0; k < sizeof g / sizeof(float); k++) {
             float x;
@@ -933,8 +936,8 @@ static uint64_t bytes_of_fit(unsigned cpu)
     if (!CHECK(!fxs_fit_create(&fit, photos, PHOTOS, points, 60, &options, &message)))
         return 0;
     for (int i = 0; i < 720; i++)
-        CHECK(!fxs_fit_step(fit, &report));
-    fxs_fit_gaussians(fit, &source);
+        CHECK(!fxs_fit_step(fit, &report, &message));
+    fxs_fit_gaussians(fit, &source, &message);
     for (uint64_t i = 0; i < source.count && source.read(source.argument, i, &g, 1) == 1; i++)
         for (size_t k = 0; k < sizeof g / sizeof(float); k++) {
             uint32_t bits;
@@ -992,7 +995,7 @@ static void reduced(void)
         photos[0].pixels = recipe ? large : small;
         options.recipe = recipe ? FXS_FIT_FAST : FXS_FIT_REFERENCE;
         if (CHECK(!fxs_fit_create(&fit, photos, 1, points, 60, &options, &message)))
-            CHECK(!fxs_fit_step(fit, &report[recipe]));
+            CHECK(!fxs_fit_step(fit, &report[recipe], &message));
         fxs_fit_free(fit);
     }
     CHECK(report[0].entries > 0 && report[0].entries == report[1].entries);

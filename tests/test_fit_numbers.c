@@ -116,7 +116,7 @@ static void test_steps_are_adams(void)
     for (int i = 0; i < PHOTOGRAPHS; i++) {
         for (int k = 0; k < 3 * WIDTH * HEIGHT; k++)
             pixels[i][k] = (uint8_t)fit_random();
-        photographs[i] = (fxs_fit_photograph){pixels[i], fit_camera(WIDTH, HEIGHT, 25)};
+        photographs[i] = (fxs_fit_photograph){pixels[i], WIDTH, HEIGHT, 1, fit_camera(WIDTH, HEIGHT, 25)};
         photographs[i].camera.eye[i] += 1;
     }
     make_model(&m, &photographs[0].camera);
@@ -129,7 +129,7 @@ static void test_steps_are_adams(void)
             options.rate[k] = 1e-4f * (float)(1 + k % 7);
         for (size_t i = 0; i < FXS_FIT_PARAMETERS * COUNT; i++)
             before[i] = m.means[i / COUNT * m.stride + i % COUNT];
-        CHECK(fxs_fit_stepper_step(stepper, &m, &photographs[step % PHOTOGRAPHS], &options, &report) == 0);
+        CHECK(fxs_fit_stepper_step(stepper, &m, &photographs[step % PHOTOGRAPHS], 1, &options, &report) == 0);
         for (size_t i = 0; i < FXS_FIT_PARAMETERS * COUNT; i++) {
             const double mean = (double)m.means[i / COUNT * m.stride + i % COUNT];
             adam_step(&reference[i], (mean - 0.9 * (double)before[i]) / 0.1, (double)options.rate[i / COUNT], step);
@@ -154,7 +154,7 @@ static void test_tiny_gradients(void)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
     const int versions_count = fit_versions(versions), block = FXS_FIT_GROUP;
-    const fxs_fit_camera camera = fit_camera(WIDTH, HEIGHT, 25);
+    const fxs_fit_camera camera = fit_camera(WIDTH, HEIGHT, 25), *looking = &camera;
     for (int v = 0; v < versions_count; v++) {
         static float parameters[FXS_FIT_PARAMETERS][FXS_FIT_GROUP], means[FXS_FIT_PARAMETERS][FXS_FIT_GROUP];
         static float squares[FXS_FIT_PARAMETERS][FXS_FIT_GROUP], sums[FXS_FIT_SUMS][FXS_FIT_PART];
@@ -177,7 +177,7 @@ static void test_tiny_gradients(void)
                 sums[FXS_FIT_RED][i] = step < 100 ? (float)ldexp(fit_uniform(-1, 1), -10 * i) : 0;
                 adam_step(&reference[i], 0.28209479177387814 * (double)sums[FXS_FIT_RED][i], 0.0025, step);
             }
-            versions[v]->update(&camera, 0, &numbers, parameters[0], parameters[0], means[0], squares[0],
+            versions[v]->update(&looking, 1, 0, &numbers, parameters[0], parameters[0], means[0], squares[0],
                                 FXS_FIT_GROUP, 0, FXS_FIT_GROUP, sums[0], by_centre);
         }
         for (int i = 0; i < block; i++) {

@@ -71,6 +71,9 @@ static void set_view(int i)
     for (int k = 0; k < 3; k++)
         camera->eye[k] = (float)v->position[k];
     photographs[i].pixels = pixels[i];
+    photographs[i].width = camera->width;
+    photographs[i].height = camera->height;
+    photographs[i].divisor = 1;
 }
 
 static void take_photographs(fxs_fit_stepper *stepper, const fxs_fit_model *m)
@@ -133,7 +136,7 @@ static void steps(fit *f, uint32_t count)
         if (f->step && f->step % CODED_EVERY == 0)
             CHECK(!fxs_fit_profile_code(&f->profile, &f->model, f->stepper, &f->options, &message));
         options.number = ++f->step;
-        CHECK(!fxs_fit_stepper_step(f->stepper, &f->model, &photographs[f->step * 5 % VIEWS], &options, &report));
+        CHECK(!fxs_fit_stepper_step(f->stepper, &f->model, &photographs[f->step * 5 % VIEWS], 1, &options, &report));
     }
 }
 

@@ -1,6 +1,7 @@
 /* A fit is one scene, byte for byte, whatever computes it: some hundred steps of each recipe on pictures that are made
  * here, by every instruction set and several numbers of threads. The hashes are constants, so every compiler and
- * processor is held to them: tests/scripts/fit_same.sh. With -DFXS_FIT_FEW, fewer steps: for an emulator. */
+ * processor is held to them: tests/scripts/fit_same.sh. With -DFXS_FIT_FEW, fewer steps: for an emulator.
+ * test_fit_steps --cuda: on a GPU. */
 #include "../port/fit/fit.h"
 #include "../port/posix/pool.h"
 #include "fit_scene.h"
@@ -129,10 +130,11 @@ static void add_to_hash(uint64_t *hash, uint32_t word)
     *hash = (*hash ^ word) * 0x100000001b3u;
 }
 
-static void hash_gaussians(const fxs_fit *fit, result *r)
+static void hash_gaussians(fxs_fit *fit, result *r)
 {
     fxs_gaussian_source source;
-    fxs_fit_gaussians(fit, &source);
+    fxs_message message;
+    CHECK(!fxs_fit_gaussians(fit, &source, &message));
     r->hash = 0xcbf29ce484222325u;
     for (uint64_t i = 0; i < source.count; i++) {
         fxs_gaussian g;
@@ -156,7 +158,7 @@ static result fit(const fxs_fit_options *options)
         return r;
     while (fxs_fit_steps(f) < options->steps) {
         fxs_fit_report report;
-        if (!CHECK(fxs_fit_step(f, &report) == 0))
+        if (!CHECK(fxs_fit_step(f, &report, &message) == 0))
             break;
         const double loss = 0.8 * report.absolute + 0.2 * report.dissimilar;
         r.first += fxs_fit_steps(f) <= PHOTOS ? loss / PHOTOS : 0;
@@ -177,26 +179,31 @@ typedef struct recorded {
     int scale;
     uint32_t steps;
     size_t most;
+    uint32_t batch;
     double left;
     uint64_t hash;
 } recorded;
 
-enum { FEW, FEW_MCMC, REFERENCE, MCMC, LONGER, FAST, HALF_THE_SIZE, FITS };
+enum { FEW, FEW_MCMC, REFERENCE, MCMC, LONGER, FAST, HALF_THE_SIZE, BATCH, FITS };
 static const recorded fits[FITS] = {
-    {"few", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, 1, 680, 150, 0.6,
+    {"few", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, 1, 680, 150, 1, 0.6,
      0xc89a6d9ed0216578},
-    {"few by mcmc", FXS_FIT_MCMC, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_SMALL, 1, 680, 130, 0.6,
+    {"few by mcmc", FXS_FIT_MCMC, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_SMALL, 1, 680, 130, 1, 0.6,
      0xaa7c5116f4b29d6c},
-    {"reference", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 250, 0.5,
+    {"reference", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 250, 1, 0.5,
      0xf80cec143c4fb1a6},
-    {"mcmc", FXS_FIT_MCMC, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_SMALL, ORDINARY, 700, 150, 0.5,
+    {"mcmc", FXS_FIT_MCMC, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_SMALL, ORDINARY, 700, 150, 1, 0.5,
      0xdbf4e8213db55d09},
-    {"reference, longer", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 3200, 200, 0.5,
+    {"reference, longer", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 3200, 200, 1, 0.5,
      0x8315acc89d6c28fe},
-    {"fast, square", FXS_FIT_FAST, FXS_CUTOFF_SQUARE, FXS_PROFILE_COMPACT, ORDINARY, 1100, 250, 0.5,
+    {"fast, square", FXS_FIT_FAST, FXS_CUTOFF_SQUARE, FXS_PROFILE_COMPACT, ORDINARY, 1100, 250, 1, 0.5,
      0x14d6c308f12fb23b},
-    {"fast, larger", FXS_FIT_FAST, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, LARGER, 24, 250, 0.9,
-     0xd1193edc759c7096}};
+    {"fast, larger", FXS_FIT_FAST, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, LARGER, 24, 250, 1, 0.9,
+     0xd1193edc759c7096},
+    {"batches of four", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 250, 4, 0.5,
+     0xa7a5ae8ecc01a1c9}};
+
+static int devices;                /* 0: the processor, 1: the first GPU */
 
 static void check_fit(const recorded *wanted, unsigned cpu, uint32_t threads)
 {
@@ -214,6 +221,8 @@ static void check_fit(const recorded *wanted, unsigned cpu, uint32_t threads)
     options.run = pool ? fxs_pool_run : NULL;
     options.pool = pool;
     options.threads = threads;
+    options.batch = wanted->batch;
+    options.device_count = (uint32_t)devices;
     const result r = fit(&options);
     const char *version = fxs_fit_stages_choose(cpu)->name;
     if (!CHECK(r.hash == wanted->hash))
@@ -238,7 +247,7 @@ static void test_few(void)
 static void check_everywhere(const recorded *wanted)
 {
     make_set(wanted->scale);
-    for (int i = 0; i < FIT_VERSIONS; i++)
+    for (int i = 0; i < FIT_VERSIONS && !devices; i++)
         if (!i || fxs_fit_stages_choose(fit_cpus[i]) != fxs_fit_stages_choose(0))
             check_fit(wanted, fit_cpus[i], 1);
     check_fit(wanted, ~0u, 2);
@@ -273,10 +282,17 @@ static void test_fast_from_half_the_size(void)
 {
     check_everywhere(&fits[HALF_THE_SIZE]);
 }
+
+/* Of the six photographs four at a time, so that a batch has the end of a round and the beginning of the next. */
+static void test_batches(void)
+{
+    check_everywhere(&fits[BATCH]);
+}
 #endif
 
-int main(void)
+int main(int argc, char **argv)
 {
+    devices = argc > 1 && !strcmp(argv[1], "--cuda");
     RUN(test_few);
 #ifndef FXS_FIT_FEW
     RUN(test_reference);
@@ -284,6 +300,7 @@ int main(void)
     RUN(test_reference_for_longer);
     RUN(test_fast);
     RUN(test_fast_from_half_the_size);
+    RUN(test_batches);
 #endif
     return check_report();
 }

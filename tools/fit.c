@@ -12,7 +12,7 @@
 
 static const char help[] =
     "Usage: fixsplat fit PHOTOS -o OUT [OPTION...]\n\n"
-    "Fits a scene to photographs, on the processor: the same file, byte for byte, for the same photographs, options\n"
+    "Fits a scene to photographs, on the processor or on NVIDIA GPUs: the same file, byte for byte, for the same photographs, options\n"
     "and seed, whatever the machine and the threads. PHOTOS is a COLMAP folder (images, and sparse/0 or sparse with\n"
     ".bin or .txt), a transforms.json of nerfstudio or Blender, Inria's cameras.json with images beside it, or a\n"
     "folder with one of those. At the end the packed scene is rendered from where photographs were held out, and PSNR\n"
@@ -23,6 +23,7 @@ static const char help[] =
     "  --steps N           one photograph each (default 30000, fast 7000)\n"
     "  --resolution N      pixels of a photograph's longer side, at most: averaged down to it (default 1600)\n"
     "  --sh-degree D       highest SH degree, 0 to 3 (default 3)\n"
+    "  --batch N           photographs of a step, 1 to 8 (default 1; with several devices, one for each)\n"
     "  --max-gaussians N   at most so many (default 4194304, mcmc 1000000)\n"
     "  --seed N            of all that is random (default 0)\n"
     "  --cutoff NAME       mahalanobis (default) or square\n"
@@ -36,6 +37,10 @@ static const char help[] =
     "  --save-every N      save the fit after every N steps, in OUT.fit; so does Ctrl-C, and ends\n"
     "  --resume FILE       go on from there, with the same PHOTOS and options for them; the options of the fit are the\n"
     "                      file's, --steps may be others. It ends in the bytes of a fit that was never stopped\n"
+    "  --backend NAME      what makes the steps: cpu (default), or cuda; the scene does not depend on it\n"
+    "  --device LIST       GPUs of --backend cuda: numbers from 0 on with commas, or all (default 0); a batch's\n"
+    "                      photographs are shared out among them\n"
+    "  --max-memory SIZE   bytes that are taken of each GPU, at most; 512M, 2G (default: any)\n"
     "  --threads N         threads, 1 to 64 (default: one a processor); the scene does not depend on it\n"
     "  --cpu LIST          instruction sets that may be used: all (default), c for none, or names out of\n"
     "                      sse41,avx2,avx512,neon; the scene does not depend on it\n"
@@ -44,11 +49,12 @@ static const char help[] =
     "Examples:\n"
     "  fixsplat fit garden -o garden.fxs\n"
     "  fixsplat fit garden -o garden.ply --resolution 600 --steps 7000 --compare pictures\n"
+    "  fixsplat fit garden -o garden.fxs --backend cuda --device 0,1\n"
     "  fixsplat fit lego/transforms_train.json -o lego.fxs --background ffffff --json\n"
     "  fixsplat fit garden -o garden.fxs --resume garden.fxs.fit\n";
 
 enum { OPT_RECIPE = OPT_OWN, OPT_STEPS, OPT_RESOLUTION, OPT_SEED, OPT_HOLD_OUT, OPT_SAVE_EVERY, OPT_RESUME,
-       OPT_SKIP_BAD, OPT_COMPARE, OPT_JSON, OPTIONS_END };
+       OPT_SKIP_BAD, OPT_COMPARE, OPT_JSON, OPT_BATCH, OPTIONS_END };
 
 typedef struct fit_command {
     frame_options frame;            /* background, cut-off, SH degree, profile, threads, instruction sets */
@@ -102,6 +108,10 @@ static int take_option(fit_command *c, int which, const char *value)
         status = take_number("max-gaussians", value, 1, FXS_MAX_COUNT, &number);
         c->options.max_gaussians = (size_t)number;
         return status;
+    case OPT_BATCH:
+        status = take_number("batch", value, 1, 8, &number);
+        c->options.batch = (uint32_t)number;
+        return status;
     case OPT_SEED: return take_number("seed", value, 0, UINT64_MAX, &c->options.seed);
     case OPT_HOLD_OUT:
         status = take_number("hold-out", value, 0, UINT32_MAX, &number);
@@ -117,13 +127,36 @@ static int take_option(fit_command *c, int which, const char *value)
     return 0;
 }
 
+/* The devices of --backend cuda. */
+static int take_devices(fit_command *c, const fxs_backend *backend)
+{
+    fxs_fit_options *o = &c->options;
+    int devices[DEVICES_MOST];
+    if (!(backend->can & FXS_CAN_DEVICES))
+        return strcmp(backend->name, "cpu") ? fail(EXIT_USAGE, "fit: --backend %s: expected cpu or cuda", backend->name)
+                                            : 0;
+    const int count = choose_devices(&c->frame, devices);
+    for (int i = 0; i < count && i < 8; i++)
+        o->devices[i] = devices[i];
+    o->device_count = (uint32_t)count;
+    o->max_memory = c->frame.max_memory;
+    if (count < 1)
+        return EXIT_FAILED;
+    if (count > 8 || (o->batch && o->batch % o->device_count))
+        return fail(EXIT_USAGE, "fit: a batch of %u photographs is not to be shared out among %d devices",
+                    (unsigned)(o->batch ? o->batch : 8), count);
+    return 0;
+}
+
 /* What several options make of each other. */
 static int finish_options(fit_command *c)
 {
     const fxs_backend *backend;
     fxs_backend_options how;
     fxs_fit_options *o = &c->options;
-    const int status = choose_backend(&c->frame, 0, &backend, &how);
+    int status = choose_backend(&c->frame, 0, &backend, &how);
+    if (!status)
+        status = take_devices(c, backend);
     o->steps = c->given[OPT_STEPS] ? o->steps : c->resume ? 0 : fxs_fit_recipe_steps(o->recipe);
     if (o->recipe == FXS_FIT_MCMC && !c->given[OPT_MAX_GAUSSIANS])
         o->max_gaussians = 1000000;
@@ -144,6 +177,8 @@ static int take_options(fit_command *c, int argc, char **argv)
         {"output", required_argument, 0, 'o'}, {"recipe", required_argument, 0, OPT_RECIPE},
         {"steps", required_argument, 0, OPT_STEPS}, {"resolution", required_argument, 0, OPT_RESOLUTION},
         {"sh-degree", required_argument, 0, OPT_SH_DEGREE}, {"max-gaussians", required_argument, 0, OPT_MAX_GAUSSIANS},
+        {"backend", required_argument, 0, OPT_BACKEND}, {"device", required_argument, 0, OPT_DEVICE},
+        {"max-memory", required_argument, 0, OPT_MAX_MEMORY}, {"batch", required_argument, 0, OPT_BATCH},
         {"seed", required_argument, 0, OPT_SEED}, {"cutoff", required_argument, 0, OPT_CUTOFF},
         {"background", required_argument, 0, OPT_BG}, {"profile", required_argument, 0, OPT_PROFILE},
         {"hold-out", required_argument, 0, OPT_HOLD_OUT}, {"save-every", required_argument, 0, OPT_SAVE_EVERY},
@@ -203,7 +238,7 @@ static int check_resumed(const fit_command *c, const fxs_fit *fit)
         const char *name;
     } options[] = {
         {OPT_RECIPE, given->recipe == is->recipe, "recipe"}, {OPT_SEED, given->seed == is->seed, "seed"},
-        {OPT_SH_DEGREE, given->sh_degree == is->sh_degree, "sh-degree"},
+        {OPT_BATCH, given->batch == is->batch, "batch"}, {OPT_SH_DEGREE, given->sh_degree == is->sh_degree, "sh-degree"},
         {OPT_MAX_GAUSSIANS, given->max_gaussians == is->max_gaussians, "max-gaussians"},
         {OPT_CUTOFF, given->cutoff == is->cutoff, "cutoff"}, {OPT_PROFILE, given->profile == is->profile, "profile"},
         {OPT_BG, !memcmp(given->background, is->background, sizeof is->background), "background"}
@@ -255,9 +290,10 @@ enum { STAGES = 6 };
 
 typedef struct progress {
     uint32_t first, steps;          /* of this run's, and of all */
+    uint32_t counted, reports;      /* the last step that was counted; how many have reported */
     uint64_t start, last, shown;    /* nanoseconds: of the run, the last step, the last line */
     double pace, loss;              /* seconds a step and loss, means of some 50 steps */
-    uint64_t stages[STAGES];        /* nanoseconds of all steps of this run */
+    uint64_t stages[STAGES];        /* nanoseconds of the steps that have reported */
 } progress;
 
 static void say_duration(char text[32], double seconds)
@@ -293,10 +329,13 @@ static void show(progress *p, uint32_t step, size_t gaussians, uint64_t now)
 static void count_step(progress *p, uint32_t step, const fxs_fit_report *report)
 {
     const uint64_t now = fxs_clock(0);
-    const double done = step - p->first, share = 1 / (done < 50 ? done : 50);
-    p->pace += share * ((double)(now - p->last) * 1e-9 - p->pace);
+    const double done = step - p->first, more = step - p->counted, all = done < 50 ? done : 50;
+    const double share = more < all ? more / all : 1;
+    p->pace += share * ((double)(now - p->last) * 1e-9 / more - p->pace);
     p->loss += share * (0.8 * report->absolute + 0.2 * report->dissimilar - p->loss);
     p->last = now;
+    p->counted = step;
+    p->reports++;
     for (int i = 0; i < STAGES; i++)
         p->stages[i] += report->nanoseconds[i];
     show(p, step, report->gaussians, now);
@@ -304,7 +343,7 @@ static void count_step(progress *p, uint32_t step, const fxs_fit_report *report)
 
 /* ---- The fit ----------------------------------------------------------------------------------------------------- */
 
-static int save(const fit_command *c, const fxs_fit *fit)
+static int save(const fit_command *c, fxs_fit *fit)
 {
     fxs_message message;
     return fxs_fit_save(fit, c->saved, &message) ? fail(EXIT_FAILED, "%s", message.text) : 0;
@@ -325,7 +364,7 @@ static void print_word(const char *word)
 }
 
 /* Saves, and says the command that goes on from there. */
-static int save_for_later(const fit_command *c, const fxs_fit *fit, const char *why, char **argv)
+static int save_for_later(const fit_command *c, fxs_fit *fit, const char *why, char **argv)
 {
     if (save(c, fit))
         return EXIT_FAILED;
@@ -342,16 +381,24 @@ static int save_for_later(const fit_command *c, const fxs_fit *fit, const char *
     return 0;
 }
 
+/* A device works on while it is not asked: it is some times a second, and for the last step. */
+static int wants_report(const fit_command *c, const fxs_fit *fit, const progress *p)
+{
+    return !c->options.device_count || fxs_fit_steps(fit) + 1 >= p->steps || fxs_clock(0) - p->last > 200000000u;
+}
+
 /* Where a save fails, the last one is still there, and the fit goes on. */
 static int make_steps(const fit_command *c, fxs_fit *fit, progress *p)
 {
     fxs_fit_report report;
+    fxs_message message;
     while (fxs_fit_steps(fit) < p->steps && !asked) {
-        if (fxs_fit_step(fit, &report))
-            return fail(EXIT_FAILED, "out of memory after %" PRIu32 " steps, with %zu Gaussians", fxs_fit_steps(fit),
-                        report.gaussians);
+        const int is_reported = wants_report(c, fit, p);
+        if (fxs_fit_step(fit, is_reported ? &report : NULL, &message))
+            return fail(EXIT_FAILED, "%s (after some %" PRIu32 " steps)", message.text, fxs_fit_steps(fit) - 1);
         const uint32_t step = fxs_fit_steps(fit);
-        count_step(p, step, &report);
+        if (is_reported)
+            count_step(p, step, &report);
         if (c->save_every && step % c->save_every == 0 && step < p->steps)
             save(c, fit);
     }
@@ -386,13 +433,13 @@ static void print_text(const fit_command *c, const fxs_fit *fit, const fxs_photo
 }
 
 /* Milliseconds a step. */
-static void print_json_stages(const progress *p, uint32_t steps)
+static void print_json_stages(const progress *p)
 {
     static const char *const names[STAGES] = {"project", "bin", "blend", "loss", "back", "update"};
     printf("{");
     for (int i = 0; i < STAGES; i++)
         printf("%s\"%s\": %.3f", i ? ", " : "", names[i],
-               steps > p->first ? (double)p->stages[i] * 1e-6 / (steps - p->first) : 0);
+               p->reports ? (double)p->stages[i] * 1e-6 / p->reports : 0);
     printf("}");
 }
 
@@ -409,12 +456,12 @@ static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photo
            photos->held_out_count, photos->skipped, photos->held_out_count ? "held out" : "fitted");
     quality_print_json(&r->quality);
     printf(", \"stages_ms\": ");
-    print_json_stages(p, fxs_fit_steps(fit));
+    print_json_stages(p);
     puts("}");
 }
 
 /* A scene that cannot be written is not lost. */
-static int finish(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, const progress *p, char **argv)
+static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const progress *p, char **argv)
 {
     fit_result result;
     int status = result_write(&result, fit, c->out);
@@ -436,7 +483,7 @@ static int fit_photos(const fit_command *c, const fxs_photos *photos, char **arg
     int status = open_fit(c, photos, &fit);
     if (!status) {
         const uint64_t now = fxs_clock(0);
-        progress p = {.first = fxs_fit_steps(fit), .steps = fxs_fit_options_of(fit)->steps, .start = now, .last = now,
+        progress p = {.first = fxs_fit_steps(fit), .counted = fxs_fit_steps(fit), .steps = fxs_fit_options_of(fit)->steps, .start = now, .last = now,
                       .shown = now};
         listen_to_signals();
         status = make_steps(c, fit, &p);

@@ -45,7 +45,7 @@ static int copy(fxs_ply_writer *writer, fxs_scene_file *file, fxs_message *messa
 }
 
 /* Those that can be drawn: no other number is written. */
-static int write_floats(const fxs_fit *fit, const char *out, fxs_message *message)
+static int write_floats(fxs_fit *fit, const char *out, fxs_message *message)
 {
     fxs_gaussian_source gaussians;
     fxs_scene_file *file;
@@ -56,7 +56,8 @@ static int write_floats(const fxs_fit *fit, const char *out, fxs_message *messag
     fxs_message closing;
     fxs_scene_filter_default(&filter);
     filter.drawable = 1;
-    fxs_fit_gaussians(fit, &gaussians);
+    if (fxs_fit_gaussians(fit, &gaussians, message))
+        return -1;
     if (fxs_scene_file_open_gaussians(out, &gaussians, 0, &file, &info, message))
         return -1;
     int result = fxs_scene_file_filter(file, &filter, &info, &report, 0, 0, message);
@@ -71,7 +72,7 @@ static int write_floats(const fxs_fit *fit, const char *out, fxs_message *messag
     return result;
 }
 
-int result_write(fit_result *r, const fxs_fit *fit, const char *out)
+int result_write(fit_result *r, fxs_fit *fit, const char *out)
 {
     fxs_message message;
     memset(r, 0, sizeof *r);
@@ -159,7 +160,7 @@ static int measure_all(gauge *g, const fxs_photos *photos, quality *q)
     return status;
 }
 
-int result_measure(fit_result *r, const fxs_fit *fit, const fxs_photos *photos, const frame_options *frame,
+int result_measure(fit_result *r, fxs_fit *fit, const fxs_photos *photos, const frame_options *frame,
                    const char *out, const char *compare)
 {
     const fxs_fit_options *o = fxs_fit_options_of(fit);

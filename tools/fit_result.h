@@ -19,11 +19,11 @@ typedef struct fit_result {
 
 /* Packs the fit and writes it, as .fxs or, its Gaussians in floats, as .ply. Returns 0, or prints why not and returns
    EXIT_FAILED. result_free frees what it holds in either case. */
-int result_write(fit_result *result, const fxs_fit *fit, const char *out);
+int result_write(fit_result *result, fxs_fit *fit, const char *out);
 
 /* Draws what was packed from where photographs were taken, by the renderer. `compare`: a folder for pictures of each
    photograph, left, and what was drawn; or null. Returns as above. */
-int result_measure(fit_result *result, const fxs_fit *fit, const fxs_photos *photos, const frame_options *frame,
+int result_measure(fit_result *result, fxs_fit *fit, const fxs_photos *photos, const frame_options *frame,
                    const char *out, const char *compare);
 
 void result_free(fit_result *result);

@@ -14,7 +14,7 @@
 #define END 0x646e6578u            /* "xend": the checksum of all before follows */
 
 /* Another number wherever a fit goes on otherwise than before: an older file would not end as if never stopped. */
-#define VERSION 2u
+#define VERSION 3u
 
 typedef struct archive {
     fxs_output *output;            /* null: it is read */
@@ -149,6 +149,7 @@ static void walk_options(archive *a, fxs_fit_options *o)
     o->sh_degree = (int)within(a, (uint32_t)o->sh_degree, 0, 3);
     o->max_gaussians = within(a, (uint32_t)o->max_gaussians, 1, FXS_MAX_COUNT);
     long_number(a, &o->seed);
+    o->batch = within(a, o->batch, 1, FXS_FIT_BATCH);
     for (int c = 0; c < 3; c++)
         o->background[c] = (uint8_t)within(a, o->background[c], 0, 255);
     o->cutoff = (enum fxs_cutoff)within(a, o->cutoff, 0, FXS_CUTOFF_SQUARE);
@@ -263,18 +264,20 @@ static void write_all(archive *a, fxs_fit *f)
         flush(a);
 }
 
-int fxs_fit_save(const fxs_fit *f, const char *path, fxs_message *message)
+int fxs_fit_save(fxs_fit *f, const char *path, fxs_message *message)
 {
     fxs_output output;
     archive *a = malloc(sizeof *a);
     if (!a)
         return fxs_fail_memory(message, path, sizeof *a);
-    int error = fxs_output_open(&output, path, 0, message);
+    int error = f->engine->fetch(f->self, message);
+    if (!error)
+        error = fxs_output_open(&output, path, 0, message);
     if (!error) {
         memset(a, 0, sizeof *a);
         a->output = &output;
         a->end = sizeof a->buffer;
-        write_all(a, (fxs_fit *)f);
+        write_all(a, f);
         if (a->fault && !output.error)
             output.error = EDOM;
         error = fxs_output_close(&output, message);
@@ -321,7 +324,7 @@ static int read_rest(archive *a, const char *path, fxs_fit *f, fxs_message *mess
     if (!a->fault && photographs != fingerprint(f))
         return fxs_fail(message, "%s: a fit of other photographs, or of these at another size", path);
     walk(a, f);
-    fxs_fit_set_order(f);
+    fxs_fit_set_order(f, (uint64_t)f->step * f->options.batch);
     walk_end(a);
     if (!a->fault && (a->at < a->end || a->fetched != a->size))
         damaged(a, "there is more behind its end");
@@ -343,7 +346,7 @@ static int resume(fxs_fit **fit, archive *a, const char *path, const fxs_fit_pho
         error = fxs_fit_begin(fit, photos, photo_count, &all, message);
     if (!error)
         error = read_rest(a, path, *fit, message);
-    return error;
+    return error ? error : (*fit)->engine->give((*fit)->self, message);
 }
 
 int fxs_fit_resume(fxs_fit **fit, const char *path, const fxs_fit_photo *photos, size_t photo_count,

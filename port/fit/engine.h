@@ -1,4 +1,4 @@
-/* What makes the steps of a fit: the processor (fit_here.c), or GPUs (kernels/cuda/fit).
+/* What makes the steps of a fit: the processor (fit_engine.c), or GPUs (kernels/cuda/fit).
  *
  * An engine is made for one model, which stays where it is. The model's `count` is always right; its planes are those of
  * the last fetch, but for the processor, which has no others. Functions return 0, or an error and a message. */

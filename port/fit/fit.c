@@ -99,8 +99,15 @@ static int check_options(const fxs_fit_options *o, fxs_message *message)
                         : (unsigned)o->cutoff > FXS_CUTOFF_SQUARE                  ? "cut-off"
                         : (unsigned)o->profile > FXS_PROFILE_SMALL                 ? "profile"
                         : o->threads > 64                                          ? "number of threads"
+                        : o->device_count > FXS_FIT_BATCH                          ? "number of devices"
+                        : o->batch > FXS_FIT_BATCH                                 ? "number of photographs of a step"
                                                                                    : NULL;
-    return wrong ? fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit: there is no such %s", wrong) : 0;
+    if (wrong)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit: there is no such %s", wrong);
+    if (o->device_count && o->batch % o->device_count)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a batch of %u photographs is not to be shared out among %u devices",
+                           (unsigned)o->batch, (unsigned)o->device_count);
+    return 0;
 }
 
 static int check_photographs(const fxs_fit_photo *photos, size_t count, fxs_message *message)
@@ -135,17 +142,6 @@ static int begin_model(fxs_fit *f, const fxs_fit_point *points, size_t count)
     return error;
 }
 
-/* The largest photograph at half its size. */
-static size_t reduced_bytes(const fxs_fit_photo *photos, size_t count)
-{
-    size_t most = 0;
-    for (size_t i = 0; i < count; i++) {
-        const size_t bytes = 3 * (size_t)(photos[i].view.width / 2) * (size_t)(photos[i].view.height / 2);
-        most = bytes > most ? bytes : most;
-    }
-    return most;
-}
-
 int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_options *options,
                   fxs_message *message)
 {
@@ -156,24 +152,32 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
     fxs_fit *f = calloc(1, sizeof *f);
     if (f) {
         f->options = *options;
+        if (!f->options.batch)
+            f->options.batch = options->device_count ? options->device_count : 1;
         f->count = photo_count;
         f->photographs = calloc(photo_count, sizeof *f->photographs);
         f->order = calloc(photo_count, sizeof *f->order);
-        f->reduced = malloc(options->recipe == FXS_FIT_FAST ? reduced_bytes(photos, photo_count) + 1 : 1);
         f->stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(options->cpu), options->run, options->pool,
                                             options->threads, options->clock);
     }
-    if (!f || !f->photographs || !f->order || !f->reduced || !f->stepper) {
+    if (!f || !f->photographs || !f->order || !f->stepper) {
         fxs_fit_free(f);
         return fxs_fail_memory(message, "a fit", 0);
     }
     for (size_t i = 0; i < photo_count; i++) {
         f->photographs[i].pixels = photos[i].pixels;
+        f->photographs[i].width = photos[i].view.width;
+        f->photographs[i].height = photos[i].view.height;
+        f->photographs[i].divisor = 1;
         set_camera(&f->photographs[i].camera, &photos[i].view);
         f->photographs[i].camera.is_square = options->cutoff == FXS_CUTOFF_SQUARE;
     }
-    *fit = f;
-    return 0;
+    const int error = fxs_fit_choose_engine(f, message);
+    if (error)
+        fxs_fit_free(f);
+    else
+        *fit = f;
+    return error;
 }
 
 int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
@@ -184,6 +188,8 @@ int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_coun
         error = check_points(photos, photo_count, points, point_count, message);
     if (!error && begin_model(*fit, points, point_count))
         error = fxs_fail_memory(message, "a fit", point_count * 4 * FXS_FIT_PARAMETERS * sizeof(float));
+    if (!error)
+        error = (*fit)->engine->give((*fit)->self, message);
     if (error) {
         fxs_fit_free(*fit);
         *fit = NULL;
@@ -197,12 +203,13 @@ void fxs_fit_free(fxs_fit *f)
 {
     if (!f)
         return;
+    if (f->engine)
+        f->engine->free(f->self);
     fxs_fit_profile_free(&f->profile);
     fxs_fit_model_free(&f->model);
     fxs_fit_stepper_free(f->stepper);
     free(f->photographs);
     free(f->order);
-    free(f->reduced);
     free(f);
 }
 
@@ -218,10 +225,11 @@ const fxs_fit_options *fxs_fit_options_of(const fxs_fit *f)
 
 /* ---- A step ------------------------------------------------------------------------------------------------------ */
 
-/* A new permutation when all were seen (Fisher and Yates), by the step that it begins with. */
-void fxs_fit_set_order(fxs_fit *f)
+/* A new permutation when all were seen (Fisher and Yates), by the number that it begins with. */
+void fxs_fit_set_order(fxs_fit *f, uint64_t number)
 {
-    const uint32_t count = (uint32_t)f->count, first = f->step - f->step % count;
+    const uint32_t count = (uint32_t)f->count;
+    const uint64_t first = number - number % count;
     for (uint32_t i = 0; i < count; i++)
         f->order[i] = i;
     for (uint32_t i = count - 1; i; i--) {
@@ -231,34 +239,18 @@ void fxs_fit_set_order(fxs_fit *f)
     }
 }
 
-static const fxs_fit_photograph *choose_photograph(fxs_fit *f)
+/* By its number in the sequence of all. */
+static const fxs_fit_photograph *choose_photograph(fxs_fit *f, uint64_t number)
 {
-    if (f->step % f->count == 0)
-        fxs_fit_set_order(f);
-    return &f->photographs[f->order[f->step % f->count]];
+    if (number % f->count == 0)
+        fxs_fit_set_order(f, number);
+    return &f->photographs[f->order[number % f->count]];
 }
 
-/* The mean of divisor x divisor pixels each; what is left over at the right and below is not used. */
-static void average_down(const fxs_fit_photograph *from, int divisor, uint8_t *pixels)
+static void reduce(fxs_fit_photograph *p, int divisor)
 {
-    const int width = from->camera.width / divisor, height = from->camera.height / divisor, all = divisor * divisor;
-    for (int y = 0; y < height; y++)
-        for (int x = 0; x < 3 * width; x++) {
-            const uint8_t *first = from->pixels + (ptrdiff_t)y * divisor * 3 * from->camera.width +
-                                   x / 3 * 3 * divisor + x % 3;
-            int sum = all / 2;
-            for (int k = 0; k < all; k++)
-                sum += first[(ptrdiff_t)(k / divisor) * 3 * from->camera.width + k % divisor * 3];
-            *pixels++ = (uint8_t)(sum / all);
-        }
-}
-
-static void reduce(const fxs_fit_photograph *from, int divisor, uint8_t *pixels, fxs_fit_photograph *to)
-{
-    average_down(from, divisor, pixels);
-    *to = *from;
-    to->pixels = pixels;
-    fxs_fit_camera *c = &to->camera;
+    fxs_fit_camera *c = &p->camera;
+    p->divisor = divisor;
     for (int i = 0; i < 2; i++) {
         c->focal[i] /= (float)divisor;
         c->middle[i] /= (float)divisor;
@@ -285,43 +277,49 @@ static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_op
         options->background[c] = (float)f->options.background[c] / 255.0f;
 }
 
-static int change_model(fxs_fit *f, const fxs_fit_plan *plan)
+static int change_model(fxs_fit *f, const fxs_fit_plan *plan, fxs_message *message)
 {
     const fxs_fit_densify densify = {plan->gradient, 0.01f * f->extent, plan->large, 0.005f, f->options.max_gaussians,
                                      f->options.seed, f->step};
     const fxs_fit_relocate relocate = {0.005f, f->options.max_gaussians, f->options.seed, f->step};
-    int error = plan->densify ? fxs_fit_model_densify(&f->model, &densify) : 0;
+    int error = plan->densify ? f->engine->densify(f->self, &densify, message) : 0;
     if (!error && plan->relocate)
-        error = fxs_fit_model_relocate(&f->model, &relocate);
+        error = f->engine->relocate(f->self, &relocate, message);
     if (!error && plan->order)
-        error = fxs_fit_model_order(&f->model);
+        error = f->engine->order(f->self, message);
     if (!error && plan->reset)
-        fxs_fit_model_reset_opacity(&f->model, 0.01f);
+        error = f->engine->reset_opacity(f->self, 0.01f, message);
     return error;
 }
 
-int fxs_fit_step(fxs_fit *f, fxs_fit_report *report)
+/* The photographs of the step that follows, as its plan wants them. The plan is that of the last one. */
+static void choose_batch(fxs_fit *f, fxs_fit_photograph *batch, fxs_fit_plan *plan)
 {
-    const fxs_fit_photograph *photograph = choose_photograph(f);
-    const fxs_fit_camera *c = &photograph->camera;
-    fxs_fit_photograph reduced;
+    for (uint32_t v = 0; v < f->options.batch; v++) {
+        batch[v] = *choose_photograph(f, (uint64_t)f->step * f->options.batch + v);
+        const fxs_fit_camera *c = &batch[v].camera;
+        fxs_fit_plan_step(&f->options, f->extent, f->step + 1, c->width < c->height ? c->width : c->height, plan);
+        if (plan->divisor > 1)
+            reduce(&batch[v], plan->divisor);
+    }
+}
+
+int fxs_fit_step(fxs_fit *f, fxs_fit_report *report, fxs_message *message)
+{
+    fxs_fit_photograph batch[FXS_FIT_BATCH];
     fxs_fit_step_options options;
     fxs_fit_plan plan;
-    int error = fxs_fit_pass_profile(f);
-    report->gaussians = f->model.count;
+    int error = fxs_fit_pass_profile(f, message);
     if (error)
         return error;
+    choose_batch(f, batch, &plan);
     f->step++;
-    fxs_fit_plan_step(&f->options, f->extent, f->step, c->width < c->height ? c->width : c->height, &plan);
-    if (plan.divisor > 1) {
-        reduce(photograph, plan.divisor, f->reduced, &reduced);
-        photograph = &reduced;
-    }
     set_step(f, &plan, &options);
-    error = fxs_fit_stepper_step(f->stepper, &f->model, photograph, &options, report);
+    error = f->engine->step(f->self, batch, f->options.batch, &options, report, message);
     if (!error && !f->profile.chunks)
-        error = change_model(f, &plan);
-    report->gaussians = f->model.count;
+        error = change_model(f, &plan, message);
+    if (report)
+        report->gaussians = f->model.count;
     return error;
 }
 
@@ -336,11 +334,13 @@ static long read_gaussians(void *argument, uint64_t first, fxs_gaussian *out, si
     return (long)count;
 }
 
-void fxs_fit_gaussians(const fxs_fit *f, fxs_gaussian_source *gaussians)
+int fxs_fit_gaussians(fxs_fit *f, fxs_gaussian_source *gaussians, fxs_message *message)
 {
     memset(gaussians, 0, sizeof *gaussians);
+    const int error = f->engine->fetch(f->self, message);
     gaussians->count = f->model.count;
     gaussians->sh_degree = f->options.sh_degree;
     gaussians->read = read_gaussians;
-    gaussians->argument = (void *)&f->model;
+    gaussians->argument = &f->model;
+    return error;
 }

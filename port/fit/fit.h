@@ -8,7 +8,7 @@
  *     fxs_fit_options_init(&options);
  *     fxs_fit *fit;
  *     fxs_fit_create(&fit, photos.fit, photos.fit_count, photos.points, photos.point_count, &options, &message);
- *     while (fxs_fit_steps(fit) < options.steps && !fxs_fit_step(fit, &report))
+ *     while (fxs_fit_steps(fit) < options.steps && !fxs_fit_step(fit, &report, &message))
  *         ...
  *     fxs_fit_pack(fit, &scene, &pack_report, &message);
  *     fxs_fit_free(fit);
@@ -60,6 +60,8 @@ typedef struct fxs_fit_options {
     int sh_degree;                 /* 0 to 3; 3 */
     size_t max_gaussians;          /* 2^22; where more are to be cloned and split, those of the largest gradients are */
     uint64_t seed;
+    uint32_t batch;                /* photographs of a step, whose gradients are added up: 1 to 8; 0: one for each
+                                      device, or one */
     uint8_t background[3];
     enum fxs_cutoff cutoff;
     enum fxs_profile profile;      /* that fxs_fit_pack packs by, and that the last tenth of the steps fits */
@@ -68,6 +70,10 @@ typedef struct fxs_fit_options {
     void *pool;
     uint32_t threads;              /* that run uses, 1 to 64; 0: 1 */
     fxs_clock_fn *clock;           /* null: no times are reported */
+    uint32_t device_count;         /* NVIDIA GPUs that make the steps, each as many photographs of a batch; 0: the
+                                      processor does. The scene does not depend on it */
+    int devices[8];                /* their numbers */
+    uint64_t max_memory;           /* bytes that are taken of each device, at most; 0: any */
 } fxs_fit_options;
 
 /* The values that the comments above name, 0 where there is none: recipe reference, one thread. */
@@ -85,14 +91,17 @@ typedef struct fxs_fit_report {
 } fxs_fit_report;
 
 /* Copies all but the photographs' pixels. *fit is for fxs_fit_free, and null after an error: FXS_ERR_ARGUMENT (an
-   option, a camera, no photographs, no points, none before a camera), FXS_ERR_MEMORY. Of more points than
+   option, a camera, no photographs, no points, none before a camera), FXS_ERR_MEMORY, and with devices FXS_ERR_DEVICE,
+   FXS_ERR_UNSUPPORTED where the library is without CUDA. Of more points than
    max_gaussians as many are taken, evenly by their order. */
 int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
                    size_t point_count, const fxs_fit_options *options, fxs_message *message);
 void fxs_fit_free(fxs_fit *fit);      /* null is allowed */
 
-/* One step. Returns 0, or FXS_ERR_MEMORY: then the fit can only be freed. */
-int fxs_fit_step(fxs_fit *fit, fxs_fit_report *report);
+/* One step. `report` may be null: then a device need not have completed it when this returns, and works on while the
+   next ones are asked for; an error may be that of a step before. Errors: FXS_ERR_MEMORY, FXS_ERR_DEVICE: then the fit
+   can only be freed. */
+int fxs_fit_step(fxs_fit *fit, fxs_fit_report *report, fxs_message *message);
 
 /* Steps that were made. */
 uint32_t fxs_fit_steps(const fxs_fit *fit);
@@ -100,16 +109,17 @@ uint32_t fxs_fit_steps(const fxs_fit *fit);
 /* The options that it goes by: after fxs_fit_resume, those of the file. */
 const fxs_fit_options *fxs_fit_options_of(const fxs_fit *fit);
 
-/* The Gaussians as they are, for fxs_scene_file_open_gaussians; valid until the next step. */
-void fxs_fit_gaussians(const fxs_fit *fit, fxs_gaussian_source *gaussians);
+/* The Gaussians as they are, for fxs_scene_file_open_gaussians; valid until the next step. Errors, of this and the next
+   two beside their own: FXS_ERR_DEVICE, FXS_ERR_MEMORY, as of fxs_fit_step. */
+int fxs_fit_gaussians(fxs_fit *fit, fxs_gaussian_source *gaussians, fxs_message *message);
 
 /* Packs them by the options' profile: what the renderer draws, and what is written to a .fxs. Errors and ownership as
    of fxs_pack. `report` may be null. */
-int fxs_fit_pack(const fxs_fit *fit, fxs_packed_scene *scene, fxs_pack_report *report, fxs_message *message);
+int fxs_fit_pack(fxs_fit *fit, fxs_packed_scene *scene, fxs_pack_report *report, fxs_message *message);
 
 /* Writes all of the fit's state to a file, in the same bytes on every machine. Until it is complete and on the disk, an
    earlier file of that name stays as it is (output.h). Errors: FXS_ERR_FILE, FXS_ERR_MEMORY. */
-int fxs_fit_save(const fxs_fit *fit, const char *path, fxs_message *message);
+int fxs_fit_save(fxs_fit *fit, const char *path, fxs_message *message);
 
 /* fxs_fit_create from such a file, with the same photographs: its further steps are those of the fit that was saved. Of
    `options`, what says how it is computed is taken (cpu, run, pool, threads, clock), and `steps` where that is not 0;

@@ -2,6 +2,7 @@
 #ifndef FXS_FIT_INTERNAL_H
 #define FXS_FIT_INTERNAL_H
 
+#include "engine.h"
 #include "fit.h"
 #include "model.h"
 #include "profile.h"
@@ -11,8 +12,9 @@ struct fxs_fit {
     fxs_fit_photograph *photographs;
     uint32_t *order;               /* of the photographs, for as many steps as there are */
     size_t count;
-    uint8_t *reduced;              /* pixels of a photograph that is averaged down, where the recipe does that */
-    fxs_fit_stepper *stepper;
+    const fxs_fit_engine *engine;
+    void *self;                    /* the engine's */
+    fxs_fit_stepper *stepper;      /* of the processor: makes the steps where there is no device */
     fxs_fit_model model;
     fxs_fit_profile profile;
     float extent;
@@ -23,11 +25,15 @@ struct fxs_fit {
 int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_options *options,
                   fxs_message *message);
 
+/* The engine for the options: the processor, whose `self` is the fit, or devices. Returns 0, or an error and a
+   message. */
+int fxs_fit_choose_engine(fxs_fit *fit, fxs_message *message);
+
 /* Before a step. The last tenth of them passes through the packed profile; a fit that was in it and is to have more
    steps leaves it. Returns 0 or an error. */
-int fxs_fit_pass_profile(fxs_fit *fit);
+int fxs_fit_pass_profile(fxs_fit *fit, fxs_message *message);
 
-/* Sets `order` for the step that follows `step`, and those up to the next permutation. */
-void fxs_fit_set_order(fxs_fit *fit);
+/* Sets `order` for the photograph with this number in the sequence of all, and those up to the next permutation. */
+void fxs_fit_set_order(fxs_fit *fit, uint64_t number);
 
 #endif

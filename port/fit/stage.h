@@ -21,6 +21,7 @@
 #define FXS_FIT_GROUP 16           /* Gaussians of a job come in multiples of it */
 #define FXS_FIT_PART 256           /* Gaussians that are updated at once, at most */
 
+#define FXS_FIT_BATCH 8            /* photographs of a step, at most */
 #define FXS_FIT_CHUNK 256          /* Gaussians that are packed by the same steps: FXS_CHUNK */
 
 /* Planes of parameters, one after the other, `stride` numbers each. */
@@ -152,15 +153,15 @@ typedef struct fxs_fit_stages {
     void (*loss_derivatives)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_back_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_gradient)(const fxs_fit_loss *loss, int32_t row);
-    /* Gradients of Gaussians first..first + count, of FXS_FIT_PART at most, from `sums` (planes of FXS_FIT_PART
-       numbers), and a step of Adam by them of the masters, which are the parameters where nothing is quantised; moments
-       below 2^-100 are 0. by_centre: adds up the length of dL/dcentre, in halves of the picture's sides, of the loss
+    /* Gradients of Gaussians first..first + count, of FXS_FIT_PART at most, from `sums` (of each of the batch's cameras
+       FXS_FIT_SUMS planes of FXS_FIT_PART numbers), added up in their order, and a step of Adam by them of the masters,
+       which are the parameters where nothing is quantised; moments below 2^-100 are 0. by_centre: adds up the length of dL/dcentre, in halves of the picture's sides, of the loss
        that is a mean over pixels and channels. A Gaussian with a gradient that is not finite, or beyond
-       FXS_FIT_FARTHEST_GRADIENT, gets one of 0. Scales and opacities stay within FXS_FIT_FARTHEST; a parameter that
+       FXS_FIT_FARTHEST_GRADIENT, gets one of 0 from that camera. Scales and opacities stay within FXS_FIT_FARTHEST; a parameter that
        would go beyond FXS_FIT_FARTHEST_PLACE, or be no number, stays as it is. */
-    void (*update)(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam, const float *parameters,
-                   float *masters, float *means, float *squares, size_t stride, size_t first, size_t count,
-                   const float *sums, float *by_centre);
+    void (*update)(const fxs_fit_camera *const *cameras, uint32_t batch, int degree, const fxs_fit_adam *adam,
+                   const float *parameters, float *masters, float *means, float *squares, size_t stride, size_t first,
+                   size_t count, const float *sums, float *by_centre);
     /* Moves Gaussians first..first + count by noise; none beyond FXS_FIT_FARTHEST_PLACE. */
     void (*noise)(const fxs_fit_noise *noise, float *parameters, size_t stride, size_t first, size_t count);
     /* The parameters of Gaussians first..first + count become what packing makes of the masters. */

@@ -219,9 +219,9 @@ static inline void add_regularisers(const fxs_fit_adam *adam, const float *at, s
     }
 }
 
-/* Planes of the gradient of LANES Gaussians, the `used` first ones; `touched`: 1 or 0. */
-static void find_part(const fxs_fit_camera *camera, int degree, int used, const float *at, size_t stride,
-                      const float *of_sums, float *by_centre, float *gradients, float *touched)
+/* Adds a camera's gradient of LANES Gaussians to the `used` first planes; `touched` becomes 1 by any. */
+static void add_part(const fxs_fit_camera *camera, int degree, int used, const float *at, size_t stride,
+                     const float *of_sums, float *by_centre, float *gradients, float *touched)
 {
     real sums[FXS_FIT_SUMS], gradient[FXS_FIT_PARAMETERS], centre[2];
     mask is_touched = below(all(1), all(0));
@@ -229,18 +229,16 @@ static void find_part(const fxs_fit_camera *camera, int degree, int used, const 
         sums[i] = load(of_sums + i * FXS_FIT_PART);
         is_touched = either(is_touched, below(all(0), absolute(sums[i])));
     }
-    if (!any(is_touched)) {
-        store(touched, all(0));
-        for (int i = 0; i < used; i++)
-            store(gradients + i * FXS_FIT_PART, all(0));
+    if (!any(is_touched))
         return;
-    }
     find_gradient(camera, degree, at, stride, sums, gradient, centre);
     for (int i = 0; i < used; i++)
         is_touched = both(is_touched, below(absolute(gradient[i]), all(FXS_FIT_FARTHEST_GRADIENT)));
-    store(touched, keep(is_touched, all(1)));
-    for (int i = 0; i < used; i++)
-        store(gradients + i * FXS_FIT_PART, keep(is_touched, gradient[i]));
+    store(touched, choose(is_touched, all(1), load(touched)));
+    for (int i = 0; i < used; i++) {
+        float *to = gradients + i * FXS_FIT_PART;
+        store(to, load(to) + keep(is_touched, gradient[i]));
+    }
     store(by_centre, load(by_centre) + keep(is_touched, centre_gradient(camera, centre)));
 }
 
@@ -276,17 +274,22 @@ static int any_of(const float *touched, size_t count)
 }
 
 /* SH of degrees that are not yet drawn have no gradient, and no moments. */
-static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *camera, int degree, const fxs_fit_adam *adam,
-                                        const float *parameters, float *masters, float *means, float *squares,
-                                        size_t stride, size_t first, size_t count, const float *sums,
-                                        float *by_centre)
+static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *const *cameras, uint32_t batch, int degree,
+                                        const fxs_fit_adam *adam, const float *parameters, float *masters,
+                                        float *means, float *squares, size_t stride, size_t first, size_t count,
+                                        const float *sums, float *by_centre)
 {
     part_planes gradients;
     float touched[FXS_FIT_PART];
     const int used = FXS_FIT_SH + 3 * SH_COUNT(degree), end = adam->without_sh ? FXS_FIT_SH : used;
     for (size_t i = 0; i < count; i += LANES) {
-        find_part(camera, degree, used, parameters + first + i, stride, sums + i, by_centre + first + i,
-                  gradients[0] + i, touched + i);
+        store(touched + i, all(0));
+        for (int k = 0; k < used; k++)
+            store(gradients[k] + i, all(0));
+        for (uint32_t v = 0; v < batch; v++)
+            add_part(cameras[v], degree, used, parameters + first + i, stride,
+                     sums + (size_t)v * FXS_FIT_SUMS * FXS_FIT_PART + i, by_centre + first + i, gradients[0] + i,
+                     touched + i);
         if (adam->by_opacity > 0)
             add_regularisers(adam, parameters + first + i, stride, gradients[0] + i);
     }

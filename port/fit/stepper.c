@@ -19,13 +19,15 @@ struct fxs_fit_stepper {
     void *pool;
     uint32_t threads;
     fxs_clock_fn *clock;
-    block splats, jobs, keys, counts, histograms, tiles, entries, sums, planes, rows;
+    block splats, jobs, keys, counts, histograms, tiles, entries, sums, planes, rows, reduced, gathered;
 
     /* of the step at work */
     fxs_fit_model *model;
     const fxs_fit_camera *camera;
     const fxs_fit_step_options *options;
-    const fxs_fit_photograph *photograph;
+    const uint8_t *photograph;     /* of the camera's size */
+    const fxs_fit_camera *cameras[FXS_FIT_BATCH];
+    uint32_t batch, view;          /* how many, and which of them */
     fxs_fit_adam adam;
     fxs_fit_loss loss[3];
     uint32_t tile_count, visible;
@@ -66,7 +68,7 @@ void fxs_fit_stepper_free(fxs_fit_stepper *s)
     if (!s)
         return;
     block *blocks[] = {&s->splats, &s->jobs, &s->keys, &s->counts, &s->histograms, &s->tiles, &s->entries, &s->sums,
-                       &s->planes, &s->rows};
+                       &s->planes, &s->rows, &s->reduced, &s->gathered};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++)
         free(blocks[i]->memory);
     free(s);
@@ -371,7 +373,7 @@ static int make_planes(fxs_fit_stepper *s)
         l->height = height;
         l->step = 3;
         l->pitch = 3 * width;
-        l->photograph = s->photograph ? s->photograph->pixels + c : NULL;
+        l->photograph = s->photograph ? s->photograph + c : NULL;
     }
     return 0;
 }
@@ -417,15 +419,13 @@ static void find_loss(fxs_fit_stepper *s)
     run(s, gradient_job, jobs);
 }
 
-/* Sums of the rows in doubles: for the report alone. */
-static void report_loss(const fxs_fit_stepper *s, fxs_fit_report *report)
+void fxs_fit_add_loss(const float *rows, const fxs_fit_camera *camera, uint32_t batch, fxs_fit_report *report)
 {
-    const double values = 3.0 * s->camera->width * s->camera->height;
-    report->absolute = report->dissimilar = 0;
-    for (int c = 0; c < 3; c++)
-        for (int32_t y = 0; y < s->camera->height; y++) {
-            report->absolute += (double)s->loss[c].absolute[y] / values;
-            report->dissimilar += (double)s->loss[c].dissimilar[y] / values;
+    const double values = 3.0 * camera->width * camera->height * batch;
+    for (int c = 0; c < 3; c++, rows += 2 * camera->height)
+        for (int32_t y = 0; y < camera->height; y++) {
+            report->absolute += (double)rows[y] / values;
+            report->dissimilar += (double)rows[camera->height + y] / values;
         }
 }
 
@@ -485,6 +485,33 @@ static void gather(const fxs_fit_stepper *s, size_t first, size_t count, float (
     }
 }
 
+/* Planes of a view of a batch, of the whole model. */
+static float *gathered_of(const fxs_fit_stepper *s, uint32_t view, int sum)
+{
+    return (float *)s->gathered.memory + (view * FXS_FIT_SUMS + (size_t)sum) * s->model->stride;
+}
+
+static void gather_job(void *argument, uint32_t job)
+{
+    const fxs_fit_stepper *s = argument;
+    const size_t end = (size_t)job * JOB + job_count(s, job);
+    for (size_t first = (size_t)job * JOB; first < end; first += FXS_FIT_PART) {
+        float sums[FXS_FIT_SUMS][FXS_FIT_PART];
+        const size_t count = end - first < FXS_FIT_PART ? end - first : FXS_FIT_PART;
+        gather(s, first, count, sums);
+        for (int k = 0; k < FXS_FIT_SUMS; k++)
+            memcpy(gathered_of(s, s->view, k) + first, sums[k], count * sizeof(float));
+    }
+}
+
+static void take_gathered(const fxs_fit_stepper *s, size_t first, size_t count,
+                          float (*out)[FXS_FIT_SUMS][FXS_FIT_PART])
+{
+    for (uint32_t v = 0; v < s->batch; v++)
+        for (int k = 0; k < FXS_FIT_SUMS; k++)
+            memcpy(out[v][k], gathered_of(s, v, k) + first, count * sizeof(float));
+}
+
 static void update_job(void *argument, uint32_t job)
 {
     const fxs_fit_stepper *s = argument;
@@ -492,11 +519,14 @@ static void update_job(void *argument, uint32_t job)
     float *masters = m->masters ? m->masters : m->parameters;
     const size_t end = (size_t)job * JOB + job_count(s, job);
     for (size_t first = (size_t)job * JOB; first < end; first += FXS_FIT_PART) {
-        float sums[FXS_FIT_SUMS][FXS_FIT_PART];
+        float sums[FXS_FIT_BATCH][FXS_FIT_SUMS][FXS_FIT_PART];
         const size_t count = end - first < FXS_FIT_PART ? end - first : FXS_FIT_PART;
-        gather(s, first, count, sums);
-        s->stages->update(s->camera, s->options->sh_degree, &s->adam, m->parameters, masters, m->means, m->squares,
-                          m->stride, first, count, sums[0], m->by_centre);
+        if (s->batch == 1)
+            gather(s, first, count, sums[0]);
+        else
+            take_gathered(s, first, count, sums);
+        s->stages->update(s->cameras, s->batch, s->options->sh_degree, &s->adam, m->parameters, masters, m->means,
+                          m->squares, m->stride, first, count, sums[0][0], m->by_centre);
         if (s->options->noise.amount > 0)
             s->stages->noise(&s->options->noise, masters, m->stride, first, count);
         if (m->masters)
@@ -517,24 +547,25 @@ void fxs_fit_quantise(fxs_fit_stepper *s, fxs_fit_model *model)
     run(s, quantise_job, gaussian_jobs(s));
 }
 
-/* The gradient is that of the sum over pixels and channels; Adam's epsilon is meant for their mean, and so are the
-   weights of the means over Gaussians. */
-static void set_adam(fxs_fit_stepper *s)
+void fxs_fit_set_adam(fxs_fit_adam *adam, const fxs_fit_step_options *options, const fxs_fit_photograph *photographs,
+                      uint32_t batch, size_t gaussians)
 {
     double beta1 = 1, beta2 = 1;
-    for (uint32_t i = 0; i < s->options->number && (beta1 > 1e-20 || beta2 > 1e-12); i++) {
+    float numbers = 0;
+    for (uint32_t i = 0; i < options->number && (beta1 > 1e-20 || beta2 > 1e-12); i++) {
         beta1 *= 0.9;
         beta2 *= 0.999;
     }
     for (int i = 0; i < FXS_FIT_PARAMETERS; i++)
-        s->adam.rate[i] = (float)(s->options->rate[i] / (1 - beta1));
-    s->adam.correction = (float)(1 / (1 - beta2));
-    const float numbers = 3 * (float)s->camera->width * (float)s->camera->height;
-    s->adam.epsilon = 1e-15f * numbers;
-    s->adam.by_opacity = s->options->by_opacity * numbers / (float)s->model->count;
-    s->adam.by_scale = s->options->by_scale * numbers / (3 * (float)s->model->count);
-    s->adam.without_sh = s->options->without_sh;
-    s->adam.only_touched = s->options->only_touched;
+        adam->rate[i] = (float)(options->rate[i] / (1 - beta1));
+    for (uint32_t v = 0; v < batch; v++)
+        numbers += 3 * (float)photographs[v].camera.width * (float)photographs[v].camera.height;
+    adam->correction = (float)(1 / (1 - beta2));
+    adam->epsilon = 1e-15f * numbers;
+    adam->by_opacity = options->by_opacity * numbers / (float)gaussians;
+    adam->by_scale = options->by_scale * numbers / (3 * (float)gaussians);
+    adam->without_sh = options->without_sh;
+    adam->only_touched = options->only_touched;
 }
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
@@ -557,18 +588,18 @@ static int draw(fxs_fit_stepper *s, fxs_fit_report *report)
         return FXS_ERR_MEMORY;
     const uint64_t binned = now(s);
     run(s, blend_job, s->tile_count);
-    report->nanoseconds[PROJECT] = projected - start;
-    report->nanoseconds[BIN] = binned - projected;
-    report->nanoseconds[BLEND] = now(s) - binned;
-    report->entries = s->entry_count;
-    report->visible = s->visible;
+    report->nanoseconds[PROJECT] += projected - start;
+    report->nanoseconds[BIN] += binned - projected;
+    report->nanoseconds[BLEND] += now(s) - binned;
+    report->entries += s->entry_count;
+    report->visible += s->visible;
     return 0;
 }
 
 int fxs_fit_draw(fxs_fit_stepper *s, const fxs_fit_model *model, const fxs_fit_camera *camera,
                  const fxs_fit_step_options *options, fxs_fit_plane planes[3])
 {
-    fxs_fit_report report;
+    fxs_fit_report report = {0};
     fxs_fit_model copy = *model;
     s->model = &copy;
     s->camera = camera;
@@ -580,25 +611,68 @@ int fxs_fit_draw(fxs_fit_stepper *s, const fxs_fit_model *model, const fxs_fit_c
     return error;
 }
 
-int fxs_fit_stepper_step(fxs_fit_stepper *s, fxs_fit_model *model, const fxs_fit_photograph *photograph,
-                    const fxs_fit_step_options *options, fxs_fit_report *report)
+/* The mean of divisor x divisor pixels each. */
+static void average_down(const fxs_fit_photograph *from, uint8_t *pixels)
 {
-    s->model = model;
-    s->camera = &photograph->camera;
-    s->options = options;
-    s->photograph = photograph;
+    const int divisor = from->divisor, all_of_them = divisor * divisor;
+    for (int y = 0; y < from->camera.height; y++)
+        for (int x = 0; x < 3 * from->camera.width; x++) {
+            const uint8_t *first = from->pixels + (ptrdiff_t)y * divisor * 3 * from->width + x / 3 * 3 * divisor + x % 3;
+            int sum = all_of_them / 2;
+            for (int k = 0; k < all_of_them; k++)
+                sum += first[(ptrdiff_t)(k / divisor) * 3 * from->width + k % divisor * 3];
+            *pixels++ = (uint8_t)(sum / all_of_them);
+        }
+}
+
+static int choose_view(fxs_fit_stepper *s, const fxs_fit_photograph *photograph, uint32_t view)
+{
+    const fxs_fit_camera *c = &photograph->camera;
+    s->view = view;
+    s->camera = s->cameras[view] = c;
+    s->photograph = photograph->pixels;
+    if (photograph->divisor > 1) {
+        if (!room(&s->reduced, 3 * (size_t)c->width * (size_t)c->height))
+            return FXS_ERR_MEMORY;
+        average_down(photograph, s->reduced.memory);
+        s->photograph = s->reduced.memory;
+    }
+    return 0;
+}
+
+/* A photograph of a step, up to its splats' sums. */
+static int pass(fxs_fit_stepper *s, fxs_fit_report *report)
+{
     if (draw(s, report))
         return FXS_ERR_MEMORY;
     const uint64_t drawn = now(s);
     find_loss(s);
     const uint64_t compared = now(s);
     run(s, back_job, s->tile_count);
+    if (s->batch > 1)
+        run(s, gather_job, gaussian_jobs(s));
+    fxs_fit_add_loss(s->rows.memory, s->camera, s->batch, report);
+    report->nanoseconds[LOSS] += compared - drawn;
+    report->nanoseconds[BACK] += now(s) - compared;
+    return 0;
+}
+
+int fxs_fit_stepper_step(fxs_fit_stepper *s, fxs_fit_model *model, const fxs_fit_photograph *photographs,
+                         uint32_t batch, const fxs_fit_step_options *options, fxs_fit_report *report)
+{
+    s->model = model;
+    s->options = options;
+    s->batch = batch;
+    memset(report, 0, sizeof *report);
+    if (batch > 1 && !room(&s->gathered, batch * FXS_FIT_SUMS * model->stride * sizeof(float)))
+        return FXS_ERR_MEMORY;
+    for (uint32_t v = 0; v < batch; v++)
+        if (choose_view(s, &photographs[v], v) || pass(s, report))
+            return FXS_ERR_MEMORY;
     const uint64_t passed_back = now(s);
-    set_adam(s);
+    fxs_fit_set_adam(&s->adam, options, photographs, batch, model->count);
     run(s, update_job, gaussian_jobs(s));
-    report->nanoseconds[LOSS] = compared - drawn;
-    report->nanoseconds[BACK] = passed_back - compared;
     report->nanoseconds[UPDATE] = now(s) - passed_back;
-    report_loss(s, report);
+    report->gaussians = model->count;
     return 0;
 }

@@ -8,7 +8,10 @@
 typedef struct fxs_fit_stepper fxs_fit_stepper;
 
 typedef struct fxs_fit_photograph {
-    const uint8_t *pixels;         /* red, green, blue, rows without gaps; of camera's size */
+    const uint8_t *pixels;         /* red, green, blue, rows without gaps */
+    int32_t width, height;         /* of the pixels */
+    int32_t divisor;               /* the mean of so many by so many of them is one of the camera's; what is left over at
+                                      the right and below is not used */
     fxs_fit_camera camera;
 } fxs_fit_photograph;
 
@@ -43,9 +46,18 @@ void fxs_fit_stepper_free(fxs_fit_stepper *step);
 int fxs_fit_draw(fxs_fit_stepper *step, const fxs_fit_model *model, const fxs_fit_camera *camera,
                  const fxs_fit_step_options *options, fxs_fit_plane planes[3]);
 
-/* One step of the fit. Returns 0 or FXS_ERR_MEMORY. */
-int fxs_fit_stepper_step(fxs_fit_stepper *step, fxs_fit_model *model, const fxs_fit_photograph *photograph,
-                    const fxs_fit_step_options *options, fxs_fit_report *report);
+/* One step of the fit, by a batch of photographs. Returns 0 or FXS_ERR_MEMORY. */
+int fxs_fit_stepper_step(fxs_fit_stepper *step, fxs_fit_model *model, const fxs_fit_photograph *photographs,
+                         uint32_t batch, const fxs_fit_step_options *options, fxs_fit_report *report);
+
+/* The numbers of Adam's step. The gradient is that of the sum over pixels and channels of the batch; epsilon is meant
+   for their mean, and so are the weights of the means over Gaussians. */
+void fxs_fit_set_adam(fxs_fit_adam *adam, const fxs_fit_step_options *options, const fxs_fit_photograph *photographs,
+                      uint32_t batch, size_t gaussians);
+
+/* Adds a photograph's losses to a report of a batch. `rows`: of each channel the sums of |a - b| of its rows, then those
+   of 1 - SSIM. */
+void fxs_fit_add_loss(const float *rows, const fxs_fit_camera *camera, uint32_t batch, fxs_fit_report *report);
 
 /* The parameters of a model with masters become what its grid makes of them. */
 void fxs_fit_quantise(fxs_fit_stepper *step, fxs_fit_model *model);
