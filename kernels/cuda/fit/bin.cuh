@@ -282,13 +282,14 @@ size_t bin_scratch(uint32_t gaussians, uint32_t capacity)
 cudaError_t launch_bin(const step_buffers *b, const device_model *m, const fxs_fit_camera *camera, cudaStream_t stream)
 {
     const uint32_t tile_count = (uint32_t)(camera->tiles_x * camera->tiles_y), count = m->count;
+    const uint32_t slots_grid = bin_grid(count > b->capacity ? count : b->capacity);
     size_t bytes = b->scratch_bytes;
     cudaError_t failure = sort_depths(b->scratch, &bytes, b, count, stream);
     if (!failure)
         failure = add_tiles(b->scratch, &bytes, b, count, stream);
     if (failure)
         return failure;
-    put_slots<<<bin_grid(count > b->capacity ? count : b->capacity), BIN_THREADS, 0, stream>>>(*b, count, *camera);
+    put_slots<<<slots_grid, BIN_THREADS, 0, stream>>>(*b, count, *camera);
     failure = sort_tiles(b->scratch, &bytes, b, tile_bits(tile_count), stream);
     if (failure)
         return failure;
