@@ -167,32 +167,26 @@ static inline void find_look(look *l, const shape *s, int degree, const float *a
 
 /* ---- Back -------------------------------------------------------------------------------------------------------- */
 
-/* The gradient of LANES Gaussians from their sums over pixels; `sums` and `gradient` are planes of their own stride.
-   Lanes where nothing was drawn have sums of 0, and gradients of 0. */
-static inline void colour_gradient(const shape *s, int degree, const float *at, size_t stride, const real sums[],
-                                   real gradient[FXS_FIT_PARAMETERS], real along[3])
+/* The gradient of LANES Gaussians from their sums over pixels. Lanes where nothing was drawn have sums of 0, and
+   gradients of 0. Of SH, it is the basis times that of the colour before it is cut, `g`. */
+static inline void colour_gradient(const look *l, const shape *s, int degree, const float *at, size_t stride,
+                                   const real sums[], real g[3], real along[3])
 {
-    look l;
-    real g[3], w[15], by_direction[3];
-    find_look(&l, s, degree, at, stride);
+    real w[15], by_direction[3];
     for (int c = 0; c < 3; c++) {
-        g[c] = keep(below(all(0), l.colour[c]), sums[FXS_FIT_RED + c]);
-        gradient[FXS_FIT_COLOUR + c] = 0.282094792f * g[c];
+        g[c] = keep(below(all(0), l->colour[c]), sums[FXS_FIT_RED + c]);
         along[c] = all(0);
     }
-    for (int k = 0; k < 15; k++)
-        for (int c = 0; c < 3; c++)
-            gradient[FXS_FIT_SH + 3 * k + c] = k < SH_COUNT(degree) ? l.basis[k] * g[c] : all(0);
     if (degree < 1)
         return;
     for (int k = 0; k < SH_COUNT(degree); k++) {
         const float *sh = at + (FXS_FIT_SH + 3 * k) * (ptrdiff_t)stride;
         w[k] = (load(sh) * g[0] + load(sh + stride) * g[1]) + load(sh + 2 * stride) * g[2];
     }
-    add_basis_gradient(l.direction, degree, w, by_direction);
-    const real radial = dot3(l.direction, by_direction);
+    add_basis_gradient(l->direction, degree, w, by_direction);
+    const real radial = dot3(l->direction, by_direction);
     for (int i = 0; i < 3; i++)
-        along[i] = (by_direction[i] - l.direction[i] * radial) * l.inverse_length;
+        along[i] = (by_direction[i] - l->direction[i] * radial) * l->inverse_length;
 }
 
 /* dL/dT = 2 G T, G = -Q (sum of h d d^t / 2) Q, Q = U^t U the inverse of Sigma, U d = (u, v): G = -U^t (sum of h (u, v)
@@ -230,7 +224,7 @@ static inline void rotation_gradient(const shape *s, const real r[3][3], real ou
 
 /* dL/dSlope of each axis, dL/d(1/z), and scale and rotation, from dL/dT and dL/dcentre. */
 static inline void shape_gradient(const shape *s, const fxs_fit_camera *camera, const real by_t[2][3],
-                                  const real by_centre[2], real gradient[FXS_FIT_PARAMETERS], real by_position[3])
+                                  const real by_centre[2], real gradient[FXS_FIT_SH], real by_position[3])
 {
     real by_m[2][3], by_rotation[3][3], by_camera[3], by_inverse_z = all(0);
     for (int j = 0; j < 3; j++)
@@ -262,9 +256,10 @@ static inline void shape_gradient(const shape *s, const fxs_fit_camera *camera, 
                          camera->rotation[6 + k] * by_camera[2];
 }
 
-/* All of it. by_centre: dL/dcentre, pixels. */
-static inline void find_gradient(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
-                                 const real sums[FXS_FIT_SUMS], real gradient[FXS_FIT_PARAMETERS], real by_centre[2])
+/* All but SH's, which is left to l->basis and `g`. by_centre: dL/dcentre, pixels. */
+static inline void find_gradient_but_sh(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
+                                        const real sums[FXS_FIT_SUMS], look *l, real g[3],
+                                        real gradient[FXS_FIT_SH], real by_centre[2])
 {
     shape s;
     real by_t[2][3], along[3], by_position[3];
@@ -274,12 +269,26 @@ static inline void find_gradient(const fxs_fit_camera *camera, int degree, const
     by_centre[1] = -(s.uy * sums[FXS_FIT_SUM_U] + s.vy * sums[FXS_FIT_SUM_V]) * (1.0f / FXS_FIT_UNIT);
     covariance_gradient(&s, sums, by_t);
     shape_gradient(&s, camera, (const real(*)[3])by_t, by_centre, gradient, by_position);
-    colour_gradient(&s, degree, at, stride, sums, gradient, along);
-    for (int i = 0; i < 3; i++)
+    find_look(l, &s, degree, at, stride);
+    colour_gradient(l, &s, degree, at, stride, sums, g, along);
+    for (int i = 0; i < 3; i++) {
         gradient[FXS_FIT_POSITION + i] = by_position[i] + along[i];
+        gradient[FXS_FIT_COLOUR + i] = 0.282094792f * g[i];
+    }
     /* dL/do = -sum of h / o, times o (1 - o) */
     const real opacity = 1.0f / (1.0f + exp_of_minus(load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
     gradient[FXS_FIT_OPACITY] = -sums[FXS_FIT_SUM] * (1.0f - opacity);
+}
+
+static inline void find_gradient(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
+                                 const real sums[FXS_FIT_SUMS], real gradient[FXS_FIT_PARAMETERS], real by_centre[2])
+{
+    look l;
+    real g[3];
+    find_gradient_but_sh(camera, degree, at, stride, sums, &l, g, gradient, by_centre);
+    for (int k = 0; k < 15; k++)
+        for (int c = 0; c < 3; c++)
+            gradient[FXS_FIT_SH + 3 * k + c] = k < SH_COUNT(degree) ? l.basis[k] * g[c] : all(0);
 }
 
 #endif
