@@ -62,6 +62,12 @@ int check(fxs_message *why, cudaError_t error, cudaError_t second = cudaSuccess)
     return failed(why, error == cudaErrorMemoryAllocation ? FXS_ERR_MEMORY : FXS_ERR_DEVICE, words(error));
 }
 
+/* The first error of several. */
+cudaError_t first_of(cudaError_t a, cudaError_t b)
+{
+    return a ? a : b;
+}
+
 /* As long as it lives, the renderer's device is the thread's. */
 struct on_device {
     int device, before = 0;
@@ -121,6 +127,15 @@ int reserve_host(host_block *b, uint64_t bytes, fxs_message *why)
     }
     *b = {data, bytes};
     return 0;
+}
+
+/* The next `count` Ts of a block, 256 bytes aligned. */
+template <class T>
+T *cut(unsigned char **memory, uint64_t count)
+{
+    T *const first = (T *)*memory;
+    *memory += (count * sizeof(T) + 255) / 256 * 256;
+    return first;
 }
 
 }

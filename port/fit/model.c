@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "curve.h"
 #include "nearest.h"
 #include "planes.h"
 
@@ -33,9 +34,18 @@ static size_t stride_of(size_t count)
     return (count + FXS_FIT_GROUP - 1) / FXS_FIT_GROUP * FXS_FIT_GROUP;
 }
 
+static void clear_rest(const fxs_fit_model *m, float *planes, size_t count)
+{
+    for (float *p = planes; planes && p < planes + count * m->stride; p += m->stride)
+        memset(p + m->count, 0, (m->stride - m->count) * sizeof *p);
+}
+
 /* Beyond the count there are Gaussians of no opacity and no size. */
 static void fill_rest(fxs_fit_model *m)
 {
+    float *const blocks[] = {m->parameters, m->means, m->squares, m->by_centre, m->views};
+    for (int i = 0; i < 5; i++)
+        clear_rest(m, blocks[i], i < 3 ? FXS_FIT_PARAMETERS : 1);
     for (size_t i = m->count; i < m->stride; i++) {
         for (int k = 0; k < 3; k++)
             plane(m, FXS_FIT_SCALE + k)[i] = -FXS_FIT_FARTHEST;
@@ -57,6 +67,21 @@ int fxs_fit_model_room(fxs_fit_model *m, size_t count)
         return FXS_ERR_MEMORY;
     }
     fill_rest(m);
+    return 0;
+}
+
+int fxs_fit_model_resize(fxs_fit_model *m, size_t count)
+{
+    fxs_fit_model made;
+    if (m->stride == stride_of(count)) {
+        m->count = count;
+        fill_rest(m);
+        return 0;
+    }
+    if (fxs_fit_model_room(&made, count))
+        return FXS_ERR_MEMORY;
+    fxs_fit_model_free(m);
+    *m = made;
     return 0;
 }
 
@@ -176,15 +201,6 @@ typedef struct place {
     uint32_t code, index;
 } place;
 
-/* Ten bits, two zeros between each and the next. */
-static uint32_t spread_bits(uint32_t x)
-{
-    x = (x | x << 16) & 0x030000ff;
-    x = (x | x << 8) & 0x0300f00f;
-    x = (x | x << 4) & 0x030c30c3;
-    return (x | x << 2) & 0x09249249;
-}
-
 static int by_code(const void *a, const void *b)
 {
     const place *p = a, *q = b;
@@ -193,34 +209,29 @@ static int by_code(const void *a, const void *b)
     return (p->index > q->index) - (p->index < q->index);
 }
 
-/* What is far from the middle by many spreads shares the outer cells: x / (1 + |x|). */
-static uint32_t code_of(const fxs_fit_model *m, const float middle[3], float spread, size_t i)
+/* By the rule of curve.h. `middle` null: of the coordinates, else of their distances from it. */
+static double sum_plane(const fxs_fit_model *m, int k, const float *middle)
 {
-    uint32_t code = 0;
-    for (int k = 0; k < 3; k++) {
-        const float x = (plane(m, FXS_FIT_POSITION + k)[i] - middle[k]) / spread, y = x / (1.0f + fabsf(x));
-        code |= spread_bits((uint32_t)((y + 1.0f) * 511.5f)) << k;
-    }
-    return code;
+    double sums[CURVE_SUMS] = {0};
+    for (size_t i = 0; i < m->count; i++)
+        sums[i % CURVE_SUMS] += curve_term(plane(m, FXS_FIT_POSITION + k)[i], middle);
+    return curve_sum(sums);
 }
 
 int fxs_fit_model_order(fxs_fit_model *m)
 {
     place *places = malloc(m->count * sizeof *places);
     fxs_fit_origin *origins = malloc(m->count * sizeof *origins);
-    float middle[3];
-    double spread = 0;
+    double sums[3];
+    curve of = {{0}, 0};
     int error = places && origins ? 0 : FXS_ERR_MEMORY;
-    for (int k = 0; k < 3 && !error; k++) {
-        double sum = 0;
-        for (size_t i = 0; i < m->count; i++)
-            sum += (double)plane(m, FXS_FIT_POSITION + k)[i];
-        middle[k] = (float)(sum / (double)m->count);
-        for (size_t i = 0; i < m->count; i++)
-            spread += fabs((double)(plane(m, FXS_FIT_POSITION + k)[i] - middle[k]));
-    }
+    for (int k = 0; k < 3; k++)
+        of.middle[k] = curve_middle(sum_plane(m, k, NULL), m->count);
+    for (int k = 0; k < 3; k++)
+        sums[k] = sum_plane(m, k, &of.middle[k]);
+    of.spread = curve_spread(sums, m->count);
     for (size_t i = 0; i < m->count && !error; i++)
-        places[i] = (place){code_of(m, middle, (float)(spread / (3 * (double)m->count) + 1e-6), i), (uint32_t)i};
+        places[i] = (place){code_of(m, &of, i), (uint32_t)i};
     if (!error) {
         qsort(places, m->count, sizeof *places, by_code);
         for (size_t i = 0; i < m->count; i++)

@@ -4,8 +4,16 @@
 
 #include "stepper.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Room for so many, all 0. Returns 0, or FXS_ERR_MEMORY and a model that is all 0. */
 int fxs_fit_model_room(fxs_fit_model *model, size_t count);
+
+/* For so many, with planes to be filled; beyond the count they are right. A model with masters keeps its count. Returns 0,
+   or FXS_ERR_MEMORY and the model as it was. */
+int fxs_fit_model_resize(fxs_fit_model *model, size_t count);
 
 /* Begins with a Gaussian at each point: as wide as its three neighbours are far (root of their mean square), of this
    opacity and the point's colour. Returns 0 or FXS_ERR_MEMORY. */
@@ -51,5 +59,9 @@ int fxs_fit_model_relocate(fxs_fit_model *model, const fxs_fit_relocate *relocat
 
 /* Puts the Gaussians along a Morton curve, so that neighbours share groups. Returns 0 or FXS_ERR_MEMORY. */
 int fxs_fit_model_order(fxs_fit_model *model);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

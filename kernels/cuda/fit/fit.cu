@@ -57,15 +57,6 @@ struct engine {
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
-/* The next `count` Ts of a block, 256 bytes aligned. */
-template <class T>
-T *cut(unsigned char **memory, uint64_t count)
-{
-    T *const first = (T *)*memory;
-    *memory += (count * sizeof(T) + 255) / 256 * 256;
-    return first;
-}
-
 /* Buffers by Gaussian; returns their bytes, also for memory null. */
 uint64_t cut_gaussians(step_buffers *b, unsigned char *memory, uint64_t stride)
 {
@@ -216,12 +207,6 @@ void mark(const device *d, const step_order *s, int stage)
 {
     if (s->has_report)
         cudaEventRecord(d->stages[stage], d->stream);
-}
-
-/* The first error of several. */
-cudaError_t first_of(cudaError_t a, cudaError_t b)
-{
-    return a ? a : b;
 }
 
 /* Sums of the loss to the host, for a report. */
