@@ -7,16 +7,15 @@
 
 #define FXS_FIT_WINDOW 11
 
-static const float fxs_fit_window[FXS_FIT_WINDOW] = {
-    0.00102838008f, 0.00759875814f, 0.0360007721f, 0.10936069f, 0.213005538f, 0.266011725f,
-    0.213005538f, 0.10936069f, 0.0360007721f, 0.00759875814f, 0.00102838008f};
-
 /* A weighted sum of 11 numbers, `step` apart, around `at`. */
 static inline real window_sum(const float *at, ptrdiff_t step)
 {
-    real sum = load(at - 5 * step) * fxs_fit_window[0];
+    const float weights[FXS_FIT_WINDOW] = {0.00102838008f, 0.00759875814f, 0.0360007721f, 0.10936069f, 0.213005538f,
+                                           0.266011725f, 0.213005538f, 0.10936069f, 0.0360007721f, 0.00759875814f,
+                                           0.00102838008f};
+    real sum = load(at - 5 * step) * weights[0];
     for (int i = 1; i < FXS_FIT_WINDOW; i++)
-        sum += load(at + (i - 5) * step) * fxs_fit_window[i];
+        sum += load(at + (i - 5) * step) * weights[i];
     return sum;
 }
 

@@ -2,11 +2,11 @@
 #ifndef FXS_CUDA_FIT_BIN_CUH
 #define FXS_CUDA_FIT_BIN_CUH
 
+#include <iterator>
 #include <type_traits>
 
-#include <cub/cub.cuh>
-#include <thrust/iterator/counting_iterator.h>
-#include <thrust/iterator/transform_iterator.h>
+#include <cub/device/device_radix_sort.cuh>
+#include <cub/device/device_scan.cuh>
 
 #include "step.cuh"
 
@@ -84,15 +84,31 @@ cudaError_t launch_project(const step_buffers *b, const device_model *m, const f
 
 /* ---- Slots ------------------------------------------------------------------------------------------------------- */
 
-/* Of the splat at a place in the order of depth; 0 of one that is not in the picture, and beyond the last. */
+/* Of the splat at a place in the order of depth; 0 of one that is not in the picture, and beyond the last. As CUB reads
+   numbers. */
 struct tiles_at {
+    using value_type = uint32_t;
+    using reference = uint32_t;
+    using pointer = const uint32_t *;
+    using difference_type = ptrdiff_t;
+    using iterator_category = std::random_access_iterator_tag;
     const uint32_t *depths, *gaussians;
     const fxs_fit_splat *splats;
     uint32_t count;
+    ptrdiff_t place;
 
-    __host__ __device__ uint32_t operator()(uint32_t place) const
+    __host__ __device__ uint32_t operator[](ptrdiff_t n) const
     {
-        return place < count && depths[place] != UINT32_MAX ? (uint32_t)splats[gaussians[place]].tiles : 0;
+        const uint32_t at = (uint32_t)(place + n);
+        return at < count && depths[at] != UINT32_MAX ? (uint32_t)splats[gaussians[at]].tiles : 0;
+    }
+    __host__ __device__ uint32_t operator*() const
+    {
+        return (*this)[0];
+    }
+    __host__ __device__ tiles_at operator+(ptrdiff_t n) const
+    {
+        return {depths, gaussians, splats, count, place + n};
     }
 };
 
@@ -252,10 +268,8 @@ cudaError_t sort_depths(void *scratch, size_t *bytes, const step_buffers *b, uin
 
 cudaError_t add_tiles(void *scratch, size_t *bytes, const step_buffers *b, uint32_t count, cudaStream_t stream)
 {
-    const tiles_at tiles = {b->depths[1], b->gaussians[1], b->splats, count};
-    return cub::DeviceScan::ExclusiveScan(
-        scratch, *bytes, thrust::make_transform_iterator(thrust::make_counting_iterator(0u), tiles), b->bases,
-        add_saturated(), 0u, count + 1, stream);
+    const tiles_at tiles = {b->depths[1], b->gaussians[1], b->splats, count, 0};
+    return cub::DeviceScan::ExclusiveScan(scratch, *bytes, tiles, b->bases, add_saturated(), 0u, count + 1, stream);
 }
 
 cudaError_t sort_tiles(void *scratch, size_t *bytes, const step_buffers *b, int bits, cudaStream_t stream)

@@ -12,6 +12,7 @@ namespace {
 
 enum { PROJECT, BIN, BLEND, LOSS, BACK, UPDATE, STAGES };
 
+const uint32_t VIEW_PLANES = FXS_FIT_SUMS + 1;    /* see launch_gather */
 const uint32_t PENDING = 64;       /* steps that are under way at most */
 const uint32_t PHOTOGRAPHS = 3;    /* of a device: the one at work, and those that follow */
 
@@ -144,7 +145,7 @@ int reserve_pixels(device *d, const fxs_fit_camera *c, fxs_message *why)
 /* Numbers of a photograph's sums: see launch_gather; and one more, not 0 where there was no room. */
 uint64_t view_numbers(const device *d)
 {
-    return view_planes * (uint64_t)d->model.stride + 64;
+    return VIEW_PLANES * (uint64_t)d->model.stride + 64;
 }
 
 int reserve_views(device *d, uint32_t count, fxs_message *why)
@@ -331,7 +332,7 @@ int update(engine *e, device *d, const step_order *s, fxs_message *why)
         flags f;
         for (uint32_t v = 0; v < s->count; v++) {
             cameras[v] = s->photographs[v].camera;
-            f.of_views[v] = d->views[v] + view_planes * (size_t)d->model.stride;
+            f.of_views[v] = d->views[v] + VIEW_PLANES * (size_t)d->model.stride;
         }
         hear_full<<<1, 1, 0, d->stream>>>(b->status, f, s->count);
         failure = launch_update_batch(b, &d->model, d->views, cameras, s->count, o->sh_degree, &adam, d->stream);
@@ -366,7 +367,7 @@ int pass_all(engine *e, const step_order *s, fxs_message *why)
             continue;
         wait_for_receivers(e, d);
         error = check(why, launch_gather(&d->buffers, &d->model, d->views[v], d->stream));
-        say_full<<<1, 1, 0, d->stream>>>(d->buffers.status, d->views[v] + view_planes * (size_t)d->model.stride);
+        say_full<<<1, 1, 0, d->stream>>>(d->buffers.status, d->views[v] + VIEW_PLANES * (size_t)d->model.stride);
         error = error ? error : check(why, cudaGetLastError(), cudaEventRecord(d->gathered, d->stream));
     }
     return error;

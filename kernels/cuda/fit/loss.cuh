@@ -1,0 +1,267 @@
+/* The photograph averaged down, loss, and its report. */
+#ifndef FXS_CUDA_FIT_LOSS_CUH
+#define FXS_CUDA_FIT_LOSS_CUH
+
+#include "step.cuh"
+
+namespace {
+#define static static __host__ __device__
+#include "../../../port/fit/loss.h"
+#undef static
+
+/* A block of threads has a square of the picture, and what windows reach beyond it. A thread has a run of outputs, along
+   its row or down its column, so that each number is fetched once for all of them. */
+const int SQUARE = 32, REACH = FXS_FIT_WINDOW / 2, PATCH = SQUARE + 2 * REACH, RUN = 4;
+const int PITCH = PATCH + 3, COLUMNS_PITCH = SQUARE + 1;    /* without conflicts of banks */
+const uint32_t LOSS_THREADS = SQUARE * SQUARE / RUN;
+
+typedef float patch[PATCH][PITCH];
+typedef float column_sums[PATCH][COLUMNS_PITCH];
+
+/* Where a thread's run of outputs is, down a column. */
+struct loss_place {
+    int x, y;                      /* in the square: of the first */
+    int left, top;                 /* of the square */
+};
+
+__device__ inline loss_place place_of_run()
+{
+    return {(int)threadIdx.x % SQUARE, (int)threadIdx.x / SQUARE * RUN, (int)blockIdx.x * SQUARE,
+            (int)blockIdx.y * SQUARE};
+}
+
+/* A byte of the photograph, 0 to 1. */
+__device__ inline float level_of_byte(uint8_t byte)
+{
+    return (float)byte / 255.0f;
+}
+
+/* Calls visit(row, column of the patch, its place in the picture, whether it is in it). */
+template <class Visit>
+__device__ inline void visit_patch(const fxs_fit_camera &c, const loss_place &p, Visit visit)
+{
+    for (int i = (int)threadIdx.x; i < PATCH * PATCH; i += (int)LOSS_THREADS) {
+        const int row = i / PATCH, column = i % PATCH, x = p.left + column - REACH, y = p.top + row - REACH;
+        const bool is_inside = x >= 0 && x < c.width && y >= 0 && y < c.height;
+        visit(row, column, (size_t)y * (size_t)c.width + (size_t)x, is_inside);
+    }
+}
+
+/* The sums of RUN windows, which begin one after the other. */
+template <class Number>
+__device__ inline void window_sums(Number number, float out[RUN])
+{
+    float numbers[RUN + 2 * REACH];
+#pragma unroll
+    for (int i = 0; i < RUN + 2 * REACH; i++)
+        numbers[i] = number(i);
+#pragma unroll
+    for (int k = 0; k < RUN; k++)
+        out[k] = window_sum(numbers + k + REACH, 1);
+}
+
+/* Along the rows of a patch: calls put(row, first column) for each run of outputs. */
+template <class Put>
+__device__ inline void visit_runs(Put put)
+{
+    const int runs = SQUARE / RUN;
+    for (int i = (int)threadIdx.x; i < PATCH * runs; i += (int)LOSS_THREADS)
+        put(i / runs, i % runs * RUN);
+}
+
+/* ---- SSIM and its derivatives ------------------------------------------------------------------------------------ */
+
+__device__ inline void sum_rows(const patch a, const patch b, column_sums *rows)
+{
+    visit_runs([&](int row, int first) {
+        float sums[FXS_FIT_ROWS][RUN];
+        const float *p = &a[row][first], *q = &b[row][first];
+        window_sums([&](int i) { return p[i]; }, sums[0]);
+        window_sums([&](int i) { return q[i]; }, sums[1]);
+        window_sums([&](int i) { return p[i] * p[i]; }, sums[2]);
+        window_sums([&](int i) { return q[i] * q[i]; }, sums[3]);
+        window_sums([&](int i) { return p[i] * q[i]; }, sums[4]);
+        for (int i = 0; i < FXS_FIT_ROWS; i++)
+            for (int k = 0; k < RUN; k++)
+                rows[i][row][first + k] = sums[i][k];
+    });
+}
+
+__global__ void __launch_bounds__(LOSS_THREADS)
+find_derivatives(step_buffers b, const uint8_t *photograph, fxs_fit_camera camera, bool has_report)
+{
+    __shared__ patch pixels[2];
+    __shared__ column_sums rows[FXS_FIT_ROWS];
+    if (is_stopped(b.status))
+        return;
+    const loss_place p = place_of_run();
+    const size_t size = (size_t)camera.width * (size_t)camera.height, channel = blockIdx.z;
+    visit_patch(camera, p, [&](int row, int column, size_t at, bool is_inside) {
+        pixels[0][row][column] = is_inside ? b.picture[channel * size + at] : 0;
+        pixels[1][row][column] = is_inside ? level_of_byte(photograph[3 * at + channel]) : 0;
+    });
+    __syncthreads();
+    sum_rows(pixels[0], pixels[1], rows);
+    __syncthreads();
+    float sums[FXS_FIT_ROWS][RUN];
+    for (int i = 0; i < FXS_FIT_ROWS; i++)
+        window_sums([&](int k) { return rows[i][p.y + k][p.x]; }, sums[i]);
+    for (int k = 0; k < RUN; k++) {
+        const int x = p.left + p.x, y = p.top + p.y + k;
+        if (x >= camera.width || y >= camera.height)
+            continue;
+        const similarity found = similarity_of(sums[0][k], sums[1][k], sums[2][k], sums[3][k], sums[4][k]);
+        const size_t at = (size_t)y * (size_t)camera.width + (size_t)x;
+        float *out = b.derivatives + 3 * channel * size + at;
+        out[0] = found.by_mean;
+        out[size] = found.by_square;
+        out[2 * size] = found.by_product;
+        if (has_report)
+            b.dissimilar[channel * size + at] = 1.0f - found.value;
+    }
+}
+
+/* ---- The gradient ------------------------------------------------------------------------------------------------ */
+
+/* Of a channel: the sums over the windows of the derivatives, of a thread's run. */
+__device__ inline void sum_derivatives(const step_buffers &b, const fxs_fit_camera &camera, const loss_place &p,
+                                       size_t channel, patch *derivatives, column_sums *rows,
+                                       float sums[FXS_FIT_DERIVATIVES][RUN])
+{
+    const size_t size = (size_t)camera.width * (size_t)camera.height;
+    visit_patch(camera, p, [&](int row, int column, size_t at, bool is_inside) {
+        for (size_t i = 0; i < FXS_FIT_DERIVATIVES; i++)
+            derivatives[i][row][column] = is_inside ? b.derivatives[(3 * channel + i) * size + at] : 0;
+    });
+    __syncthreads();
+    visit_runs([&](int row, int first) {
+        for (int i = 0; i < FXS_FIT_DERIVATIVES; i++) {
+            float of_run[RUN];
+            window_sums([&](int k) { return derivatives[i][row][first + k]; }, of_run);
+            for (int k = 0; k < RUN; k++)
+                rows[i][row][first + k] = of_run[k];
+        }
+    });
+    __syncthreads();
+    for (int i = 0; i < FXS_FIT_DERIVATIVES; i++)
+        window_sums([&](int k) { return rows[i][p.y + k][p.x]; }, sums[i]);
+}
+
+/* 0.8 sign(a - b) - 0.2 (sum of by_mean + 2 a by_square + b by_product): fxs_fit_loss_gradient of port/fit/stages.h */
+__device__ inline float gradient_of(float a, float b, float by_mean, float by_square, float by_product)
+{
+    const float similar = (by_mean + 2.0f * a * by_square) + b * by_product;
+    const float sign = b < a ? 0.8f : a < b ? -0.8f : 0.0f;
+    return sign - 0.2f * similar;
+}
+
+__global__ void __launch_bounds__(LOSS_THREADS)
+find_gradient_of_pixels(step_buffers b, const uint8_t *photograph, fxs_fit_camera camera)
+{
+    __shared__ patch derivatives[FXS_FIT_DERIVATIVES];
+    __shared__ column_sums rows[FXS_FIT_DERIVATIVES];
+    if (is_stopped(b.status))
+        return;
+    const loss_place p = place_of_run();
+    const size_t size = (size_t)camera.width * (size_t)camera.height;
+    float out[RUN][4] = {{0}};
+#pragma unroll
+    for (size_t channel = 0; channel < 3; channel++) {
+        float sums[FXS_FIT_DERIVATIVES][RUN];
+        sum_derivatives(b, camera, p, channel, derivatives, rows, sums);
+#pragma unroll
+        for (int k = 0; k < RUN; k++) {
+            const int x = p.left + p.x, y = p.top + p.y + k;
+            if (x >= camera.width || y >= camera.height)
+                continue;
+            const size_t at = (size_t)y * (size_t)camera.width + (size_t)x;
+            const float a = b.picture[channel * size + at];
+            out[k][channel] = gradient_of(a, level_of_byte(photograph[3 * at + channel]), sums[0][k], sums[1][k],
+                                          sums[2][k]);
+            out[k][3] += out[k][channel] * a;
+        }
+        __syncthreads();
+    }
+#pragma unroll
+    for (int k = 0; k < RUN; k++) {
+        const int x = p.left + p.x, y = p.top + p.y + k;
+        if (x < camera.width && y < camera.height)
+            b.gradient[(size_t)y * (size_t)camera.width + (size_t)x] = make_float4(out[k][0], out[k][1], out[k][2],
+                                                                                   out[k][3]);
+    }
+}
+
+/* ---- The report -------------------------------------------------------------------------------------------------- */
+
+/* A row's sums of every 16th number, and of those c and c + 8, c + 4, c + 2, c + 1, by half a warp. */
+template <class Number>
+__device__ inline float row_sum(int32_t width, Number number)
+{
+    float sum = 0;
+    for (int32_t x = (int32_t)(threadIdx.x % 16); x < (width + 15) / 16 * 16; x += 16)
+        sum += x < width ? number(x) : 0.0f;
+    for (int half = 8; half; half /= 2)
+        sum += __shfl_down_sync(ALL_LANES, sum, (unsigned)half, 16);
+    return sum;
+}
+
+__global__ void report_rows(step_buffers b, const uint8_t *photograph, fxs_fit_camera camera)
+{
+    if (is_stopped(b.status))
+        return;
+    const size_t all = 3 * (size_t)camera.height, own = (size_t)(blockIdx.x * blockDim.x + threadIdx.x) / 16;
+    const size_t row = own < all ? own : all - 1, channel = row / (size_t)camera.height;
+    const size_t y = row % (size_t)camera.height, width = (size_t)camera.width;
+    const float *a = b.picture + row * width, *dissimilar = b.dissimilar + row * width;
+    const uint8_t *bytes = photograph + 3 * y * width + channel;
+    const float difference = row_sum(camera.width,
+                                     [&](int32_t x) { return absolute(a[x] - level_of_byte(bytes[3 * x])); });
+    const float unlike = row_sum(camera.width, [&](int32_t x) { return dissimilar[x]; });
+    if (own < all && threadIdx.x % 16 == 0) {
+        float *out = b.rows + 2 * channel * (size_t)camera.height + y;
+        out[0] = difference;
+        out[camera.height] = unlike;
+    }
+}
+
+cudaError_t launch_loss(const step_buffers *b, const uint8_t *photograph, const fxs_fit_camera *camera, int has_report,
+                        cudaStream_t stream)
+{
+    const uint32_t columns = (uint32_t)(camera->width + SQUARE - 1) / SQUARE;
+    const uint32_t rows = (uint32_t)(camera->height + SQUARE - 1) / SQUARE;
+    find_derivatives<<<dim3(columns, rows, 3), LOSS_THREADS, 0, stream>>>(*b, photograph, *camera, has_report != 0);
+    find_gradient_of_pixels<<<dim3(columns, rows), LOSS_THREADS, 0, stream>>>(*b, photograph, *camera);
+    if (has_report)
+        report_rows<<<(3 * (uint32_t)camera->height + 15) / 16, 256, 0, stream>>>(*b, photograph, *camera);
+    return cudaGetLastError();
+}
+
+/* ---- Averaging down ---------------------------------------------------------------------------------------------- */
+
+/* The mean of divisor x divisor pixels: average_down of port/fit/stepper.c */
+__global__ void average_down(const uint8_t *full, int32_t full_width, int divisor, int32_t width, int32_t height,
+                             uint8_t *out)
+{
+    const int32_t x = (int32_t)(blockIdx.x * blockDim.x + threadIdx.x), y = (int32_t)blockIdx.y;
+    if (x >= 3 * width || y >= height)
+        return;
+    const uint8_t *first = full + (size_t)y * (size_t)divisor * 3 * (size_t)full_width +
+                           (size_t)(x / 3 * 3 * divisor + x % 3);
+    int sum = divisor * divisor / 2;
+    for (int row = 0; row < divisor; row++)
+        for (int column = 0; column < divisor; column++)
+            sum += first[(size_t)row * 3 * (size_t)full_width + (size_t)(3 * column)];
+    out[(size_t)y * 3 * (size_t)width + (size_t)x] = (uint8_t)(sum / (divisor * divisor));
+}
+
+cudaError_t launch_reduce(const step_buffers *b, const uint8_t *full, int32_t full_width, int divisor,
+                          const fxs_fit_camera *camera, cudaStream_t stream)
+{
+    const dim3 blocks((uint32_t)(3 * camera->width + 255) / 256, (uint32_t)camera->height);
+    average_down<<<blocks, 256, 0, stream>>>(full, full_width, divisor, camera->width, camera->height, b->photograph);
+    return cudaGetLastError();
+}
+
+}
+
+#endif
