@@ -89,14 +89,6 @@ void planes_of(fxs_targets *t, plane planes[PLANES])
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
-template <class T>
-T *cut(unsigned char **memory, uint64_t count)
-{
-    T *part = (T *)*memory;
-    *memory += (count * sizeof(T) + 63) / 64 * 64;
-    return part;
-}
-
 /* Gives the planes of a frame that are copied to the host places in `memory`. Returns their bytes. */
 uint64_t place_hosted(fxs_targets *targets, const frame *of, void *memory)
 {

@@ -129,13 +129,13 @@ int reserve_host(host_block *b, uint64_t bytes, fxs_message *why)
     return 0;
 }
 
-/* The next `count` Ts of a block, 256 bytes aligned. */
+/* The next `count` Ts of a block, 64 bytes aligned. */
 template <class T>
 T *cut(unsigned char **memory, uint64_t count)
 {
-    T *const first = (T *)*memory;
-    *memory += (count * sizeof(T) + 255) / 256 * 256;
-    return first;
+    T *part = (T *)*memory;
+    *memory += (count * sizeof(T) + 63) / 64 * 64;
+    return part;
 }
 
 }
