@@ -178,15 +178,39 @@ __device__ inline real within_limits(real x)
     return least(most(x, -FXS_FIT_FARTHEST), FXS_FIT_FARTHEST);
 }
 
-__device__ inline void move_parameter(const fxs_fit_adam *adam, int k, real gradient, const device_model &m, float *to,
-                                      size_t i)
+/* Of `Count` parameters from `first` on, whose gradients gradient_of(i) says, i from 0 on. All is read before the first
+   is written, so that much of it is under way at once; what no other kernel reads soon makes no room for itself. */
+template <int Count, class Gradient>
+__device__ inline void move_parameters(const fxs_fit_adam *adam, int first, const device_model &m, float *to, size_t at,
+                                       Gradient gradient_of)
 {
-    const size_t at = (size_t)k * m.stride + i;
-    real number = to[at], mean = m.means[at], square = m.squares[at];
-    adam_step(adam, adam->rate[k], gradient, 1, &number, &mean, &square);
-    m.means[at] = mean;
-    m.squares[at] = square;
-    to[at] = has_limits(k) ? within_limits(number) : number;
+    real number[Count], mean[Count], square[Count];
+    to += (size_t)first * m.stride + at;
+    float *const means = m.means + (size_t)first * m.stride + at, *const squares = m.squares + (means - m.means);
+#pragma unroll
+    for (int i = 0; i < Count; i++) {
+        number[i] = to[i * (size_t)m.stride];
+        mean[i] = __ldcs(means + i * (size_t)m.stride);
+        square[i] = __ldcs(squares + i * (size_t)m.stride);
+    }
+#pragma unroll
+    for (int i = 0; i < Count; i++) {
+        adam_step(adam, adam->rate[first + i], gradient_of(i), 1, &number[i], &mean[i], &square[i]);
+        __stcs(means + i * (size_t)m.stride, mean[i]);
+        __stcs(squares + i * (size_t)m.stride, square[i]);
+        to[i * (size_t)m.stride] = has_limits(first + i) ? within_limits(number[i]) : number[i];
+    }
+}
+
+/* SH of degree `Own`, where they are drawn. */
+template <int Own, int Degree, class Gradient>
+__device__ inline void move_sh(const fxs_fit_adam *adam, const device_model &m, float *to, size_t i,
+                               const Gradient *gradient)
+{
+    const int first = 3 * SH_COUNT(Own - 1);
+    if constexpr (Own <= Degree)
+        move_parameters<6 * Own + 3>(adam, FXS_FIT_SH + first, m, to, i,
+                                     [&](int k) { return gradient->sh(first + k); });
 }
 
 /* Those of a part that do not move are brought within the limits too. */
@@ -213,16 +237,16 @@ __device__ inline void update_part(const fxs_fit_adam *adam, const device_model 
     }
     if (adam->by_opacity > 0)
         add_regularisers(adam, m.parameters + i, m.stride, gradient->shape);
-    for (int k = 0; k < FXS_FIT_SH; k++)
-        move_parameter(adam, k, gradient->shape[k], m, to, i);
+    move_parameters<FXS_FIT_SH>(adam, 0, m, to, i, [&](int k) { return gradient->shape[k]; });
     if (adam->without_sh)
         return;
-    for (int k = 0; k < 3 * SH_COUNT(Degree); k++)
-        move_parameter(adam, FXS_FIT_SH + k, gradient->sh(k), m, to, i);
+    move_sh<1, Degree>(adam, m, to, i, gradient);
+    move_sh<2, Degree>(adam, m, to, i, gradient);
+    move_sh<3, Degree>(adam, m, to, i, gradient);
 }
 
 template <int Degree>
-__global__ void __launch_bounds__(FXS_FIT_PART)
+__global__ void __launch_bounds__(FXS_FIT_PART, 2)
     update_by_view(step_buffers b, device_model m, const __grid_constant__ fxs_fit_camera camera,
                    const __grid_constant__ fxs_fit_adam adam)
 {
