@@ -168,6 +168,8 @@ __device__ inline void add_regularisers(const fxs_fit_adam *adam, const float *a
         gradient[k] = scale_regularised(adam, gradient[k], at[k * stride]);
 }
 
+const int AT_ONCE = 6;             /* parameters */
+
 __device__ inline bool has_limits(int k)
 {
     return (k >= FXS_FIT_SCALE && k < FXS_FIT_ROTATION) || k == FXS_FIT_OPACITY;
@@ -178,39 +180,42 @@ __device__ inline real within_limits(real x)
     return least(most(x, -FXS_FIT_FARTHEST), FXS_FIT_FARTHEST);
 }
 
-/* Of `Count` parameters from `first` on, whose gradients gradient_of(i) says, i from 0 on. All is read before the first
-   is written, so that much of it is under way at once; what no other kernel reads soon makes no room for itself. */
+/* Of a plane, which is the same for all threads, the thread's number. */
+__device__ inline float *number_of(float *planes, const device_model &m, int plane, uint32_t i)
+{
+    return planes + (size_t)plane * m.stride + i;
+}
+
+/* Of `Count` parameters from `first` on, whose gradients gradient_of(k) says. All is read before the first is written,
+   so that much of it is under way at once; moments, which are not read again soon, make no room for themselves. */
 template <int Count, class Gradient>
-__device__ inline void move_parameters(const fxs_fit_adam *adam, int first, const device_model &m, float *to, size_t at,
-                                       Gradient gradient_of)
+__device__ inline void move_some(const fxs_fit_adam *adam, int first, const device_model &m, float *to, uint32_t i,
+                                 Gradient gradient_of)
 {
     real number[Count], mean[Count], square[Count];
-    to += (size_t)first * m.stride + at;
-    float *const means = m.means + (size_t)first * m.stride + at, *const squares = m.squares + (means - m.means);
 #pragma unroll
-    for (int i = 0; i < Count; i++) {
-        number[i] = to[i * (size_t)m.stride];
-        mean[i] = __ldcs(means + i * (size_t)m.stride);
-        square[i] = __ldcs(squares + i * (size_t)m.stride);
+    for (int k = 0; k < Count; k++) {
+        number[k] = *number_of(to, m, first + k, i);
+        mean[k] = __ldcs(number_of(m.means, m, first + k, i));
+        square[k] = __ldcs(number_of(m.squares, m, first + k, i));
     }
 #pragma unroll
-    for (int i = 0; i < Count; i++) {
-        adam_step(adam, adam->rate[first + i], gradient_of(i), 1, &number[i], &mean[i], &square[i]);
-        __stcs(means + i * (size_t)m.stride, mean[i]);
-        __stcs(squares + i * (size_t)m.stride, square[i]);
-        to[i * (size_t)m.stride] = has_limits(first + i) ? within_limits(number[i]) : number[i];
+    for (int k = 0; k < Count; k++) {
+        adam_step(adam, adam->rate[first + k], gradient_of(first + k), 1, &number[k], &mean[k], &square[k]);
+        __stcs(number_of(m.means, m, first + k, i), mean[k]);
+        __stcs(number_of(m.squares, m, first + k, i), square[k]);
+        *number_of(to, m, first + k, i) = has_limits(first + k) ? within_limits(number[k]) : number[k];
     }
 }
 
-/* SH of degree `Own`, where they are drawn. */
-template <int Own, int Degree, class Gradient>
-__device__ inline void move_sh(const fxs_fit_adam *adam, const device_model &m, float *to, size_t i,
-                               const Gradient *gradient)
+template <int Count, class Gradient>
+__device__ inline void move_parameters(const fxs_fit_adam *adam, int first, const device_model &m, float *to, uint32_t i,
+                                       Gradient gradient_of)
 {
-    const int first = 3 * SH_COUNT(Own - 1);
-    if constexpr (Own <= Degree)
-        move_parameters<6 * Own + 3>(adam, FXS_FIT_SH + first, m, to, i,
-                                     [&](int k) { return gradient->sh(first + k); });
+    const int own = Count < AT_ONCE ? Count : AT_ONCE;
+    move_some<own>(adam, first, m, to, i, gradient_of);
+    if constexpr (Count > own)
+        move_parameters<Count - own>(adam, first + own, m, to, i, gradient_of);
 }
 
 /* Those of a part that do not move are brought within the limits too. */
@@ -227,9 +232,9 @@ __device__ inline void update_part(const fxs_fit_adam *adam, const device_model 
                                    Gradient *gradient)
 {
     float *const to = m.masters ? m.masters : m.parameters;
-    if (adam->only_touched && !__syncthreads_or(is_touched))
-        return;
-    if (i >= m.count)
+    /* The barrier also keeps what Adam needs out of the registers until the gradient is there. */
+    const bool is_any_touched = __syncthreads_or(is_touched);
+    if (i >= m.count || (adam->only_touched && !is_any_touched))
         return;
     if (adam->only_touched && !is_touched) {
         limit_parameters(m, to, i);
@@ -238,11 +243,10 @@ __device__ inline void update_part(const fxs_fit_adam *adam, const device_model 
     if (adam->by_opacity > 0)
         add_regularisers(adam, m.parameters + i, m.stride, gradient->shape);
     move_parameters<FXS_FIT_SH>(adam, 0, m, to, i, [&](int k) { return gradient->shape[k]; });
-    if (adam->without_sh)
-        return;
-    move_sh<1, Degree>(adam, m, to, i, gradient);
-    move_sh<2, Degree>(adam, m, to, i, gradient);
-    move_sh<3, Degree>(adam, m, to, i, gradient);
+    if constexpr (Degree > 0)
+        if (!adam->without_sh)
+            move_parameters<3 * SH_COUNT(Degree)>(adam, FXS_FIT_SH, m, to, i,
+                                                  [&](int k) { return gradient->sh(k - FXS_FIT_SH); });
 }
 
 template <int Degree>
