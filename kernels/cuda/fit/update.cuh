@@ -23,8 +23,8 @@ struct staged_sums {
     float numbers[PART_WARPS][STAGED_TILES * FXS_FIT_SUMS];
 };
 
-/* Adds those of a slot, which begin at any number of the four that are read at once. */
-__device__ inline void add_slot(const float *sums, uint32_t slot, float total[FXS_FIT_SUMS])
+/* Those of a slot, which begin at any number of the four that are read at once. */
+__device__ inline void read_slot(const float *sums, uint32_t slot, float out[FXS_FIT_SUMS])
 {
     const uint64_t at = (uint64_t)slot * FXS_FIT_SUMS;
     const float4 *from = (const float4 *)sums + at / 4;
@@ -34,7 +34,26 @@ __device__ inline void add_slot(const float *sums, uint32_t slot, float total[FX
     for (int k = 0; k < 10; k++)
         half[k] = at & 2 ? read[k + 2] : read[k];
     for (int k = 0; k < FXS_FIT_SUMS; k++)
-        total[k] += at & 1 ? half[k + 1] : half[k];
+        out[k] = at & 1 ? half[k + 1] : half[k];
+}
+
+/* Some slots are under way at once; 0 changes no sum, as none is -0. */
+__device__ inline void add_small(const float *sums, uint32_t slot, uint32_t tiles, float total[FXS_FIT_SUMS])
+{
+    const uint32_t at_once = 4;
+    for (uint32_t t = 0; t < tiles; t += at_once) {
+        float own[at_once][FXS_FIT_SUMS];
+#pragma unroll
+        for (uint32_t u = 0; u < at_once; u++) {
+            memset(own[u], 0, sizeof own[u]);
+            if (t + u < tiles)
+                read_slot(sums, slot + t + u, own[u]);
+        }
+#pragma unroll
+        for (uint32_t u = 0; u < at_once; u++)
+            for (int k = 0; k < FXS_FIT_SUMS; k++)
+                total[k] += own[u][k];
+    }
 }
 
 /* By a warp: of one splat; each total is a thread's. */
@@ -45,8 +64,10 @@ __device__ inline float add_large(const float *sums, uint32_t slot, uint32_t til
     float total = 0;
     for (uint32_t first = 0; first < tiles; first += STAGED_TILES) {
         const uint32_t count = min(tiles - first, STAGED_TILES);
-        for (uint32_t i = lane; i < count * FXS_FIT_SUMS; i += WARP)
-            staged[i] = from[(uint64_t)first * FXS_FIT_SUMS + i];
+#pragma unroll
+        for (uint32_t i = lane; i < STAGED_TILES * FXS_FIT_SUMS; i += WARP)
+            if (i < count * FXS_FIT_SUMS)
+                staged[i] = from[(uint64_t)first * FXS_FIT_SUMS + i];
         __syncwarp();
         for (uint32_t t = 0; t < count && lane < FXS_FIT_SUMS; t++)
             total += staged[t * FXS_FIT_SUMS + lane];
@@ -66,8 +87,8 @@ __device__ inline bool gather_sums(const step_buffers &b, uint32_t i, uint32_t c
     const uint32_t lane = threadIdx.x % WARP, warp = threadIdx.x / WARP;
     for (int k = 0; k < FXS_FIT_SUMS; k++)
         total[k] = 0;
-    for (uint32_t t = 0; t < tiles && tiles <= LARGE_TILES; t++)
-        add_slot(b.sums, slot + t, total);
+    if (tiles <= LARGE_TILES)
+        add_small(b.sums, slot, tiles, total);
     for (uint32_t large = __ballot_sync(ALL_LANES, tiles > LARGE_TILES); large; large &= large - 1) {
         const uint32_t from = (uint32_t)__ffs((int)large) - 1;
         const float own = add_large(b.sums, __shfl_sync(ALL_LANES, slot, from), __shfl_sync(ALL_LANES, tiles, from),
@@ -279,13 +300,11 @@ cudaError_t launch_update(const step_buffers *b, const device_model *m, const fx
 
 /* ---- Batches ----------------------------------------------------------------------------------------------------- */
 
-const uint32_t VIEWS_MOST = 8;
-
 /* Of each view: its planes (see launch_gather). */
 struct batch_views {
     uint32_t count;
-    const float *planes[VIEWS_MOST];
-    fxs_fit_camera cameras[VIEWS_MOST];
+    const float *planes[FXS_FIT_BATCH];
+    fxs_fit_camera cameras[FXS_FIT_BATCH];
 };
 
 /* Adds the gradient by a view; returns whether there is one. */
