@@ -169,8 +169,8 @@ static inline void find_look(look *l, const shape *s, int degree, const float *a
 
 /* The gradient of LANES Gaussians from their sums over pixels. Lanes where nothing was drawn have sums of 0, and
    gradients of 0. Of SH, it is the basis times that of the colour before it is cut, `g`. */
-static inline void colour_gradient(const look *l, const shape *s, int degree, const float *at, size_t stride,
-                                   const real sums[], real g[3], real along[3])
+static inline void colour_gradient(const look *l, int degree, const float *at, size_t stride, const real sums[],
+                                   real g[3], real along[3])
 {
     real w[15], by_direction[3];
     for (int c = 0; c < 3; c++) {
@@ -270,7 +270,7 @@ static inline void find_gradient_but_sh(const fxs_fit_camera *camera, int degree
     covariance_gradient(&s, sums, by_t);
     shape_gradient(&s, camera, (const real(*)[3])by_t, by_centre, gradient, by_position);
     find_look(l, &s, degree, at, stride);
-    colour_gradient(l, &s, degree, at, stride, sums, g, along);
+    colour_gradient(l, degree, at, stride, sums, g, along);
     for (int i = 0; i < 3; i++) {
         gradient[FXS_FIT_POSITION + i] = by_position[i] + along[i];
         gradient[FXS_FIT_COLOUR + i] = 0.282094792f * g[i];

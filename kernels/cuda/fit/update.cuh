@@ -23,8 +23,8 @@ struct staged_sums {
     float numbers[PART_WARPS][STAGED_TILES * FXS_FIT_SUMS];
 };
 
-/* Adds those of a slot, which begin at any number of the four that are read at once. */
-__device__ inline void add_slot(const float *sums, uint32_t slot, float total[FXS_FIT_SUMS])
+/* Those of a slot, which begin at any number of the four that are read at once. */
+__device__ inline void read_slot(const float *sums, uint32_t slot, float out[FXS_FIT_SUMS])
 {
     const uint64_t at = (uint64_t)slot * FXS_FIT_SUMS;
     const float4 *from = (const float4 *)sums + at / 4;
@@ -34,7 +34,26 @@ __device__ inline void add_slot(const float *sums, uint32_t slot, float total[FX
     for (int k = 0; k < 10; k++)
         half[k] = at & 2 ? read[k + 2] : read[k];
     for (int k = 0; k < FXS_FIT_SUMS; k++)
-        total[k] += at & 1 ? half[k + 1] : half[k];
+        out[k] = at & 1 ? half[k + 1] : half[k];
+}
+
+/* Some slots are under way at once; 0 changes no sum, as none is -0. */
+__device__ inline void add_small(const float *sums, uint32_t slot, uint32_t tiles, float total[FXS_FIT_SUMS])
+{
+    const uint32_t at_once = 4;
+    for (uint32_t t = 0; t < tiles; t += at_once) {
+        float own[at_once][FXS_FIT_SUMS];
+#pragma unroll
+        for (uint32_t u = 0; u < at_once; u++) {
+            memset(own[u], 0, sizeof own[u]);
+            if (t + u < tiles)
+                read_slot(sums, slot + t + u, own[u]);
+        }
+#pragma unroll
+        for (uint32_t u = 0; u < at_once; u++)
+            for (int k = 0; k < FXS_FIT_SUMS; k++)
+                total[k] += own[u][k];
+    }
 }
 
 /* By a warp: of one splat; each total is a thread's. */
@@ -45,8 +64,10 @@ __device__ inline float add_large(const float *sums, uint32_t slot, uint32_t til
     float total = 0;
     for (uint32_t first = 0; first < tiles; first += STAGED_TILES) {
         const uint32_t count = min(tiles - first, STAGED_TILES);
-        for (uint32_t i = lane; i < count * FXS_FIT_SUMS; i += WARP)
-            staged[i] = from[(uint64_t)first * FXS_FIT_SUMS + i];
+#pragma unroll
+        for (uint32_t i = lane; i < STAGED_TILES * FXS_FIT_SUMS; i += WARP)
+            if (i < count * FXS_FIT_SUMS)
+                staged[i] = from[(uint64_t)first * FXS_FIT_SUMS + i];
         __syncwarp();
         for (uint32_t t = 0; t < count && lane < FXS_FIT_SUMS; t++)
             total += staged[t * FXS_FIT_SUMS + lane];
@@ -66,8 +87,8 @@ __device__ inline bool gather_sums(const step_buffers &b, uint32_t i, uint32_t c
     const uint32_t lane = threadIdx.x % WARP, warp = threadIdx.x / WARP;
     for (int k = 0; k < FXS_FIT_SUMS; k++)
         total[k] = 0;
-    for (uint32_t t = 0; t < tiles && tiles <= LARGE_TILES; t++)
-        add_slot(b.sums, slot + t, total);
+    if (tiles <= LARGE_TILES)
+        add_small(b.sums, slot, tiles, total);
     for (uint32_t large = __ballot_sync(ALL_LANES, tiles > LARGE_TILES); large; large &= large - 1) {
         const uint32_t from = (uint32_t)__ffs((int)large) - 1;
         const float own = add_large(b.sums, __shfl_sync(ALL_LANES, slot, from), __shfl_sync(ALL_LANES, tiles, from),
@@ -168,6 +189,8 @@ __device__ inline void add_regularisers(const fxs_fit_adam *adam, const float *a
         gradient[k] = scale_regularised(adam, gradient[k], at[k * stride]);
 }
 
+const int AT_ONCE = 6;             /* parameters */
+
 __device__ inline bool has_limits(int k)
 {
     return (k >= FXS_FIT_SCALE && k < FXS_FIT_ROTATION) || k == FXS_FIT_OPACITY;
@@ -178,15 +201,42 @@ __device__ inline real within_limits(real x)
     return least(most(x, -FXS_FIT_FARTHEST), FXS_FIT_FARTHEST);
 }
 
-__device__ inline void move_parameter(const fxs_fit_adam *adam, int k, real gradient, const device_model &m, float *to,
-                                      size_t i)
+/* Of a plane, which is the same for all threads, the thread's number. */
+__device__ inline float *number_of(float *planes, const device_model &m, int plane, uint32_t i)
 {
-    const size_t at = (size_t)k * m.stride + i;
-    real number = to[at], mean = m.means[at], square = m.squares[at];
-    adam_step(adam, adam->rate[k], gradient, 1, &number, &mean, &square);
-    m.means[at] = mean;
-    m.squares[at] = square;
-    to[at] = has_limits(k) ? within_limits(number) : number;
+    return planes + (size_t)plane * m.stride + i;
+}
+
+/* Of `Count` parameters from `first` on, whose gradients gradient_of(k) says. All is read before the first is written,
+   so that much of it is under way at once; moments, which are not read again soon, make no room for themselves. */
+template <int Count, class Gradient>
+__device__ inline void move_some(const fxs_fit_adam *adam, int first, const device_model &m, float *to, uint32_t i,
+                                 Gradient gradient_of)
+{
+    real number[Count], mean[Count], square[Count];
+#pragma unroll
+    for (int k = 0; k < Count; k++) {
+        number[k] = *number_of(to, m, first + k, i);
+        mean[k] = __ldcs(number_of(m.means, m, first + k, i));
+        square[k] = __ldcs(number_of(m.squares, m, first + k, i));
+    }
+#pragma unroll
+    for (int k = 0; k < Count; k++) {
+        adam_step(adam, adam->rate[first + k], gradient_of(first + k), 1, &number[k], &mean[k], &square[k]);
+        __stcs(number_of(m.means, m, first + k, i), mean[k]);
+        __stcs(number_of(m.squares, m, first + k, i), square[k]);
+        *number_of(to, m, first + k, i) = has_limits(first + k) ? within_limits(number[k]) : number[k];
+    }
+}
+
+template <int Count, class Gradient>
+__device__ inline void move_parameters(const fxs_fit_adam *adam, int first, const device_model &m, float *to, uint32_t i,
+                                       Gradient gradient_of)
+{
+    const int own = Count < AT_ONCE ? Count : AT_ONCE;
+    move_some<own>(adam, first, m, to, i, gradient_of);
+    if constexpr (Count > own)
+        move_parameters<Count - own>(adam, first + own, m, to, i, gradient_of);
 }
 
 /* Those of a part that do not move are brought within the limits too. */
@@ -203,9 +253,9 @@ __device__ inline void update_part(const fxs_fit_adam *adam, const device_model 
                                    Gradient *gradient)
 {
     float *const to = m.masters ? m.masters : m.parameters;
-    if (adam->only_touched && !__syncthreads_or(is_touched))
-        return;
-    if (i >= m.count)
+    /* The barrier also keeps what Adam needs out of the registers until the gradient is there. */
+    const bool is_any_touched = __syncthreads_or(is_touched);
+    if (i >= m.count || (adam->only_touched && !is_any_touched))
         return;
     if (adam->only_touched && !is_touched) {
         limit_parameters(m, to, i);
@@ -213,16 +263,15 @@ __device__ inline void update_part(const fxs_fit_adam *adam, const device_model 
     }
     if (adam->by_opacity > 0)
         add_regularisers(adam, m.parameters + i, m.stride, gradient->shape);
-    for (int k = 0; k < FXS_FIT_SH; k++)
-        move_parameter(adam, k, gradient->shape[k], m, to, i);
-    if (adam->without_sh)
-        return;
-    for (int k = 0; k < 3 * SH_COUNT(Degree); k++)
-        move_parameter(adam, FXS_FIT_SH + k, gradient->sh(k), m, to, i);
+    move_parameters<FXS_FIT_SH>(adam, 0, m, to, i, [&](int k) { return gradient->shape[k]; });
+    if constexpr (Degree > 0)
+        if (!adam->without_sh)
+            move_parameters<3 * SH_COUNT(Degree)>(adam, FXS_FIT_SH, m, to, i,
+                                                  [&](int k) { return gradient->sh(k - FXS_FIT_SH); });
 }
 
 template <int Degree>
-__global__ void __launch_bounds__(FXS_FIT_PART)
+__global__ void __launch_bounds__(FXS_FIT_PART, 2)
     update_by_view(step_buffers b, device_model m, const __grid_constant__ fxs_fit_camera camera,
                    const __grid_constant__ fxs_fit_adam adam)
 {
@@ -251,13 +300,11 @@ cudaError_t launch_update(const step_buffers *b, const device_model *m, const fx
 
 /* ---- Batches ----------------------------------------------------------------------------------------------------- */
 
-const uint32_t VIEWS_MOST = 8;
-
 /* Of each view: its planes (see launch_gather). */
 struct batch_views {
     uint32_t count;
-    const float *planes[VIEWS_MOST];
-    fxs_fit_camera cameras[VIEWS_MOST];
+    const float *planes[FXS_FIT_BATCH];
+    fxs_fit_camera cameras[FXS_FIT_BATCH];
 };
 
 /* Adds the gradient by a view; returns whether there is one. */
