@@ -425,6 +425,29 @@ static void order(void)
     fxs_fit_model_free(&old);
 }
 
+/* Planes for so many, also where only the count changes: what is beyond it has no opacity and no size. */
+static void resized(void)
+{
+    const size_t counts[] = {500, 497, 498, 40, 600};
+    fxs_fit_model m = random_model(500);
+    for (size_t n = 0; n < sizeof counts / sizeof *counts; n++) {
+        size_t wrong = 0;
+        CHECK(!fxs_fit_model_resize(&m, counts[n]) && m.count == counts[n]);
+        CHECK(m.stride == (m.count + FXS_FIT_GROUP - 1) / FXS_FIT_GROUP * FXS_FIT_GROUP);
+        for (size_t i = m.count; i < m.stride; i++) {
+            for (int k = 0; k < FXS_FIT_PARAMETERS; k++) {
+                const int is_low = (k >= FXS_FIT_SCALE && k < FXS_FIT_ROTATION) || k == FXS_FIT_OPACITY;
+                const float rest = is_low ? -FXS_FIT_FARTHEST : k == FXS_FIT_ROTATION ? 1.0f : 0.0f;
+                wrong += *at(&m, k, i) != rest || m.means[(size_t)k * m.stride + i] != 0 ||
+                         m.squares[(size_t)k * m.stride + i] != 0;
+            }
+            wrong += m.by_centre[i] != 0 || m.views[i] != 0;
+        }
+        CHECK(!wrong);
+    }
+    fxs_fit_model_free(&m);
+}
+
 /* Where memory ends, the model is as it was. */
 static void without_memory(void)
 {
@@ -1061,6 +1084,7 @@ int main(void)
     RUN(children);
     RUN(reset);
     RUN(order);
+    RUN(resized);
     RUN(without_memory);
     RUN(relocated);
     RUN(relocated_to_one);

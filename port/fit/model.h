@@ -11,8 +11,8 @@ extern "C" {
 /* Room for so many, all 0. Returns 0, or FXS_ERR_MEMORY and a model that is all 0. */
 int fxs_fit_model_room(fxs_fit_model *model, size_t count);
 
-/* For so many, with planes to be filled; beyond the count they are right. A model with masters keeps its count. Returns 0,
-   or FXS_ERR_MEMORY and the model as it was. */
+/* For so many, with planes to be filled; beyond the count they are right. A model with masters keeps its count.
+   Returns 0, or FXS_ERR_MEMORY and the model as it was. */
 int fxs_fit_model_resize(fxs_fit_model *model, size_t count);
 
 /* Begins with a Gaussian at each point: as wide as its three neighbours are far (root of their mean square), of this

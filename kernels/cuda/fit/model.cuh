@@ -19,6 +19,7 @@ namespace {
 #undef static
 
 const uint32_t MODEL_THREADS = 256;
+const uint32_t SPARE = 8;          /* planes that are gathered at once */
 
 /* For the texts of port/fit. */
 fxs_fit_model as_host(const device_model *m)
@@ -85,13 +86,14 @@ void model_free(device_model *m, budget *taken)
 }
 
 /* Other memory for planes, with what they had. */
-cudaError_t widen(float **planes, uint64_t count, uint64_t old, uint64_t stride, uint64_t used)
+cudaError_t widen(float **planes, uint64_t count, uint64_t old, uint64_t stride, uint64_t used, cudaStream_t stream)
 {
     float *made = nullptr;
     cudaError_t error = cudaMalloc(&made, count * stride * sizeof(float));
     if (!error && used)
-        error = cudaMemcpy2D(made, stride * sizeof(float), *planes, old * sizeof(float), used * sizeof(float), count,
-                             cudaMemcpyDeviceToDevice);
+        error = cudaMemcpy2DAsync(made, stride * sizeof(float), *planes, old * sizeof(float), used * sizeof(float),
+                                  count, cudaMemcpyDeviceToDevice, stream);
+    error = first_of(error, cudaStreamSynchronize(stream));
     if (error) {
         cudaFree(made);
         return error;
@@ -103,25 +105,25 @@ cudaError_t widen(float **planes, uint64_t count, uint64_t old, uint64_t stride,
 
 /* Planes that were widened, as they were, in the memory that they have now: each moves to the front, in pieces that are
    no longer than its way. */
-void narrow_again(float *planes, uint64_t count, uint64_t old, uint64_t stride, uint64_t used)
+void narrow_again(float *planes, uint64_t count, uint64_t old, uint64_t stride, uint64_t used, cudaStream_t stream)
 {
     for (uint64_t k = 1; k < count; k++)
         for (uint64_t at = 0; at < used; at += k * (stride - old)) {
             const uint64_t way = k * (stride - old), length = used - at < way ? used - at : way;
-            cudaMemcpy(planes + k * old + at, planes + k * stride + at, length * sizeof(float),
-                       cudaMemcpyDeviceToDevice);
+            cudaMemcpyAsync(planes + k * old + at, planes + k * stride + at, length * sizeof(float),
+                            cudaMemcpyDeviceToDevice, stream);
         }
 }
 
 /* One after the other, so that no more than one of the three large ones is there twice. */
-cudaError_t widen_all(device_model *m, uint64_t stride)
+cudaError_t widen_all(device_model *m, uint64_t stride, cudaStream_t stream)
 {
     float **const all[] = {&m->by_centre, &m->views, &m->parameters, &m->means, &m->squares};
     for (int i = 0; i < 5; i++) {
-        const cudaError_t error = widen(all[i], i < 2 ? 1 : FXS_FIT_PARAMETERS, m->stride, stride, m->count);
+        const cudaError_t error = widen(all[i], i < 2 ? 1 : FXS_FIT_PARAMETERS, m->stride, stride, m->count, stream);
         if (error) {
             while (m->stride && i--)
-                narrow_again(*all[i], i < 2 ? 1 : FXS_FIT_PARAMETERS, m->stride, stride, m->count);
+                narrow_again(*all[i], i < 2 ? 1 : FXS_FIT_PARAMETERS, m->stride, stride, m->count, stream);
             return error;
         }
     }
@@ -137,9 +139,9 @@ uint64_t stride_for(const device_model *m, const budget *taken, uint64_t gaussia
     return m->stride && wide < UINT32_MAX && (!taken->most || needed <= taken->most) ? wide : least;
 }
 
-/* Room for so many, with what is there kept. The kernels of all streams have ended. Errors: FXS_ERR_MEMORY, with
-   bytes_needed, and others; then the model is as it was. For a model without masters. */
-int model_reserve(device_model *m, budget *taken, uint64_t gaussians, fxs_message *why)
+/* Room for so many, with what is there kept; for a model without masters. Waits for the stream. Errors: FXS_ERR_MEMORY,
+   with bytes_needed, and others; then the model is as it was. */
+int model_reserve(device_model *m, budget *taken, uint64_t gaussians, cudaStream_t stream, fxs_message *why)
 {
     if (gaussians <= m->stride)
         return 0;
@@ -149,7 +151,7 @@ int model_reserve(device_model *m, budget *taken, uint64_t gaussians, fxs_messag
         return failed(why, FXS_ERR_MEMORY, "more Gaussians than a device takes", most);
     if (too_large(taken, most, why))
         return FXS_ERR_MEMORY;
-    const int error = check(why, widen_all(m, stride));
+    const int error = check(why, widen_all(m, stride, stream));
     if (error)
         return error == FXS_ERR_MEMORY ? failed(why, error, "the device is out of memory", most) : error;
     taken->bytes += model_bytes(stride) - before;
@@ -214,15 +216,15 @@ int model_upload(device_model *m, const fxs_fit_model *from, budget *taken, cuda
     if (!from->masters || from->count > m->stride)
         free_masters(m, taken);
     m->count = 0;                  /* nothing is kept */
-    int error = model_reserve(m, taken, from->count, why);
+    int error = model_reserve(m, taken, from->count, stream, why);
     if (!error && from->masters)
         error = reserve_masters(m, taken, why);
     if (error)
         return error;
     m->count = (uint32_t)from->count;
-    error = from->masters ? check(why, cudaMemcpyAsync(m->chunks, from->grid->chunks, (from->count + FXS_FIT_CHUNK - 1) /
-                                                       FXS_FIT_CHUNK * sizeof *m->chunks, cudaMemcpyHostToDevice, stream))
-                          : 0;
+    const size_t chunks = (from->count + FXS_FIT_CHUNK - 1) / FXS_FIT_CHUNK * sizeof *m->chunks;
+    if (from->masters)
+        error = check(why, cudaMemcpyAsync(m->chunks, from->grid->chunks, chunks, cudaMemcpyHostToDevice, stream));
     return error ? error : copy_model(from, m, true, stream, why);
 }
 
@@ -260,6 +262,14 @@ uint64_t sort_bytes(uint32_t count)
     return bytes;
 }
 
+/* keys[0] and values[0], to keys[1] and values[1]; of equal keys the first is first. */
+cudaError_t sort(void *scratch, size_t bytes, uint32_t *const keys[2], uint32_t *const values[2], uint32_t count,
+                 cudaStream_t stream)
+{
+    return cub::DeviceRadixSort::SortPairs(scratch, bytes, (const uint32_t *)keys[0], keys[1],
+                                           (const uint32_t *)values[0], values[1], (int)count, 0, 32, stream);
+}
+
 /* numbers[i] becomes the sum up to and with it; *last is the last one. Waits. */
 int sum_up(uint64_t *numbers, uint32_t count, void *scratch, size_t bytes, uint64_t *last, cudaStream_t stream,
            fxs_message *why)
@@ -270,27 +280,38 @@ int sum_up(uint64_t *numbers, uint32_t count, void *scratch, size_t bytes, uint6
     return check(why, error, cudaStreamSynchronize(stream));
 }
 
-/* A plane of the next model; 0 from `kept` on. */
-__global__ void gather_plane(const float *from, float *to, const uint32_t *sources, uint32_t count, uint32_t kept)
+/* Planes of the next model, one a row of blocks: those of `to` have `count` numbers, 0 from `kept` on. */
+__global__ void gather_planes(const float *from, size_t stride, float *to, const uint32_t *sources, uint32_t count,
+                              uint32_t kept)
 {
     const uint32_t i = gaussian_of_thread();
     if (i < count)
-        to[i] = i < kept ? from[sources[i]] : 0;
+        to[(size_t)blockIdx.y * count + i] = i < kept ? from[blockIdx.y * stride + sources[i]] : 0;
+}
+
+/* By way of `spare`, SPARE planes at a time. */
+cudaError_t rebuild_planes(float *planes, size_t stride, const uint32_t *sources, uint32_t count, uint32_t kept,
+                           float *spare, cudaStream_t stream)
+{
+    cudaError_t error = cudaSuccess;
+    for (uint32_t k = 0; k < FXS_FIT_PARAMETERS && !error; k += SPARE) {
+        const uint32_t some = FXS_FIT_PARAMETERS - k < SPARE ? FXS_FIT_PARAMETERS - k : SPARE;
+        float *first = planes + k * stride;
+        gather_planes<<<blocks_for(count, some), MODEL_THREADS, 0, stream>>>(first, stride, spare, sources, count,
+                                                                             kept);
+        error = cudaMemcpy2DAsync(first, stride * sizeof(float), spare, count * sizeof(float), count * sizeof(float),
+                                  some, cudaMemcpyDeviceToDevice, stream);
+    }
+    return error;
 }
 
 /* The model of these: the first `kept` ones with Adam's moments, all with no sums of densification. There is room. */
 cudaError_t rebuild(device_model *m, const uint32_t *sources, uint32_t count, uint32_t kept, float *spare,
                     cudaStream_t stream)
 {
-    float *const all[] = {m->parameters, m->means, m->squares};
-    cudaError_t error = cudaSuccess;
-    for (int b = 0; b < 3; b++)
-        for (int k = 0; k < FXS_FIT_PARAMETERS && !error; k++) {
-            float *plane = all[b] + (size_t)k * m->stride;
-            gather_plane<<<blocks_for(count), MODEL_THREADS, 0, stream>>>(plane, spare, sources, count,
-                                                                          b ? kept : count);
-            error = cudaMemcpyAsync(plane, spare, count * sizeof(float), cudaMemcpyDeviceToDevice, stream);
-        }
+    cudaError_t error = rebuild_planes(m->parameters, m->stride, sources, count, count, spare, stream);
+    error = error ? error : rebuild_planes(m->means, m->stride, sources, count, kept, spare, stream);
+    error = error ? error : rebuild_planes(m->squares, m->stride, sources, count, kept, spare, stream);
     m->count = count;
     if (!error)
         error = cudaMemsetAsync(m->by_centre, 0, count * sizeof(float), stream);
@@ -400,7 +421,7 @@ uint64_t cut_next(densify_memory *d, void *memory, uint32_t next)
     unsigned char *at = (unsigned char *)memory;
     d->sources = cut<uint32_t>(&at, next);
     d->is_child = cut<uint8_t>(&at, next);
-    d->spare = cut<float>(&at, next);
+    d->spare = cut<float>(&at, (uint64_t)SPARE * next);
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
@@ -410,9 +431,7 @@ int limit(const fxs_fit_model *m, const fxs_fit_densify *how, densify_memory *d,
 {
     const uint32_t count = (uint32_t)m->count;
     rank_wanted<<<blocks_for(count), MODEL_THREADS, 0, stream>>>(*m, d->fates, d->keys[0], d->indices[0]);
-    const cudaError_t error = cub::DeviceRadixSort::SortPairs(d->scratch, d->scratch_bytes, (const uint32_t *)d->keys[0],
-                                                              d->keys[1], (const uint32_t *)d->indices[0],
-                                                              d->indices[1], (int)count, 0, 32, stream);
+    const cudaError_t error = sort(d->scratch, d->scratch_bytes, d->keys, d->indices, count, stream);
     leave_out<<<blocks_for(grown - room), MODEL_THREADS, 0, stream>>>(*m, *how, d->indices[1], room, grown, d->fates);
     return check(why, error, cudaGetLastError());
 }
@@ -466,7 +485,7 @@ int model_densify(device_model *m, const fxs_fit_densify *how, budget *taken, cu
     const uint64_t next = kept + (last & UINT32_MAX);
     if (error || !next)
         return error;
-    error = model_reserve(m, taken, next, why);
+    error = model_reserve(m, taken, next, stream, why);
     if (!error)
         error = reserve(taken, &places.memory, cut_next(&d, nullptr, (uint32_t)next), why);
     if (error)
@@ -633,7 +652,7 @@ int model_relocate(device_model *m, const fxs_fit_relocate *how, budget *taken, 
     if (!m->count)
         return 0;
     const size_t more = (size_t)m->count + m->count / 20, next = more < how->most ? more : how->most;
-    int error = next > m->count ? model_reserve(m, taken, next, why) : 0;
+    int error = next > m->count ? model_reserve(m, taken, next, stream, why) : 0;
     if (!error)
         error = reserve(taken, &of.memory, cut_relocate(&d, nullptr, m->count), why);
     if (error)
@@ -699,7 +718,7 @@ uint64_t cut_order(order_memory *d, void *memory, uint32_t count)
         d->codes[i] = cut<uint32_t>(&at, count);
         d->indices[i] = cut<uint32_t>(&at, count);
     }
-    d->spare = cut<float>(&at, count);
+    d->spare = cut<float>(&at, (uint64_t)SPARE * count);
     d->scratch_bytes = sort_bytes(count);
     d->scratch = cut<uint8_t>(&at, d->scratch_bytes);
     return (uint64_t)(at - (unsigned char *)memory);
@@ -720,9 +739,7 @@ int model_order(device_model *m, budget *taken, cudaStream_t stream, fxs_message
     sum_planes<<<3, CURVE_SUMS, 0, stream>>>(now, d.state, 0);
     sum_planes<<<3, CURVE_SUMS, 0, stream>>>(now, d.state, 1);
     find_codes<<<blocks_for(m->count), MODEL_THREADS, 0, stream>>>(now, d.state, d.codes[0], d.indices[0]);
-    cudaError_t error = cub::DeviceRadixSort::SortPairs(d.scratch, d.scratch_bytes, (const uint32_t *)d.codes[0],
-                                                        d.codes[1], (const uint32_t *)d.indices[0], d.indices[1],
-                                                        (int)m->count, 0, 30, stream);
+    cudaError_t error = sort(d.scratch, d.scratch_bytes, d.codes, d.indices, m->count, stream);
     error = error ? error : rebuild(m, d.indices[1], m->count, m->count, d.spare, stream);
     return check(why, first_of(error, cudaGetLastError()), cudaStreamSynchronize(stream));
 }
