@@ -130,7 +130,7 @@ $(B)/libfixsplat.a: $(call objects,$(CORE) $(DEVICES) $(PORT))
 $(ARCHIVES): $(B)/commands/link
 	$(call say,AR,$@)rm -f $@ && $(AR) rcs $@ $(filter %.o,$^)
 
-link = $(call say,LD,$@)$(CC) $(FLAGS) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) $(1) $(LIBS)
+link = $(call say,LD,$@)$(CC) $(FLAGS) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(1) $(LIBS)
 
 # It shows the functions that public headers declare, and nothing else.
 SHARED_FLAGS := -shared -Wl,-soname,$(SONAME) -Wl,--version-script=$(B)/exports

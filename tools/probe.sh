@@ -74,9 +74,9 @@ probe() {
         compile -std=c99 $singles -E -x c "$source.h" >/dev/null && echo "SINGLES := $singles" && break
     done
 
-    # Machine code for another processor than CC's does not link.
+    # Machine code for another processor than CC's does not link. CUB begins with the streams of C++.
     cuda=$([ "$nvcc" ] && "$nvcc" --dryrun -x cu /dev/null 2>&1 | sed -n 's/"//g; s/.*LIBRARIES= *//p')
-    cuda="$cuda -lcudart_static -lpthread -ldl -lrt"
+    cuda="$cuda -lcudart_static -lstdc++ -lpthread -ldl -lrt"
     if [ "$nvcc" ] && [ -d kernels/cuda ] && eval "link '$source' -o '$object' $cuda" 2>/dev/null; then
         found CUDA '' yes
         echo "LIBS_CUDA := $cuda"

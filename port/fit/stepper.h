@@ -5,6 +5,10 @@
 #include "fit.h"
 #include "stage.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct fxs_fit_stepper fxs_fit_stepper;
 
 typedef struct fxs_fit_photograph {
@@ -61,5 +65,9 @@ void fxs_fit_add_loss(const float *rows, const fxs_fit_camera *camera, uint32_t 
 
 /* The parameters of a model with masters become what its grid makes of them. */
 void fxs_fit_quantise(fxs_fit_stepper *step, fxs_fit_model *model);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif
