@@ -138,13 +138,21 @@ struct view_gradient {
     }
 };
 
+/* By several, whose SH's are found anew; of views without a gradient `g` is 0. */
 template <int Degree>
 struct batch_gradient {
-    real shape[FXS_FIT_SH], of_sh[3 * SH_COUNT(Degree) + 1];
+    real shape[FXS_FIT_SH], g[FXS_FIT_BATCH][3], direction[FXS_FIT_BATCH][3];
+    uint32_t views;
 
     __device__ real sh(int k) const
     {
-        return of_sh[k];
+        real total = 0;
+        for (uint32_t v = 0; v < views; v++) {
+            real basis[15];
+            basis_of(direction[v], Degree, basis);
+            total += basis[k / 3] * g[v][k % 3];
+        }
+        return total;
     }
 };
 
@@ -318,17 +326,19 @@ __device__ inline bool add_view(const batch_views &views, uint32_t v, const devi
         sums[k] = views.planes[v][(size_t)k * m.stride + i];
     if (views.planes[v][(size_t)FXS_FIT_SUMS * m.stride + i] > 0)
         m.views[i] += 1;
-    if (!find_view_gradient(&views.cameras[v], m.parameters + i, m.stride, sums, &own, m.by_centre + i))
-        return false;
+    const bool is_touched =
+        find_view_gradient(&views.cameras[v], m.parameters + i, m.stride, sums, &own, m.by_centre + i);
     for (int k = 0; k < FXS_FIT_SH; k++)
         total->shape[k] += own.shape[k];
-    for (int k = 0; k < 3 * SH_COUNT(Degree); k++)
-        total->of_sh[k] += own.sh(k);
-    return true;
+    for (int k = 0; k < 3; k++) {
+        total->g[v][k] = own.g[k];
+        total->direction[v][k] = own.l.direction[k];
+    }
+    return is_touched;
 }
 
 template <int Degree>
-__global__ void __launch_bounds__(FXS_FIT_PART)
+__global__ void __launch_bounds__(FXS_FIT_PART, 2)
     update_by_batch(step_buffers b, device_model m, const __grid_constant__ batch_views views,
                     const __grid_constant__ fxs_fit_adam adam)
 {
@@ -337,7 +347,8 @@ __global__ void __launch_bounds__(FXS_FIT_PART)
     bool is_touched = false;
     if (is_stopped(b.status))
         return;
-    memset(&total, 0, sizeof total);
+    memset(total.shape, 0, sizeof total.shape);
+    total.views = views.count;
     for (uint32_t v = 0; v < views.count && i < m.count; v++)
         is_touched = add_view<Degree>(views, v, m, i, &total) || is_touched;
     update_part<Degree>(&adam, m, i, is_touched, &total);
