@@ -261,9 +261,9 @@ __device__ inline void update_part(const fxs_fit_adam *adam, const device_model 
                                    Gradient *gradient)
 {
     float *const to = m.masters ? m.masters : m.parameters;
-    /* The barrier also keeps what Adam needs out of the registers until the gradient is there. */
-    const bool is_any_touched = __syncthreads_or(is_touched);
-    if (i >= m.count || (adam->only_touched && !is_any_touched))
+    if (adam->only_touched && !__syncthreads_or(is_touched))
+        return;
+    if (i >= m.count)
         return;
     if (adam->only_touched && !is_touched) {
         limit_parameters(m, to, i);
