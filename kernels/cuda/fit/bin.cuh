@@ -155,15 +155,53 @@ __device__ inline void put_slot(const step_buffers &b, uint32_t slot, uint32_t t
     b.splat_of[slot] = gaussian;
 }
 
-__device__ inline void put_small(const step_buffers &b, const fxs_fit_camera *camera, const ellipses &e, uint32_t slot,
-                                 uint32_t gaussian)
+/* Slots of a warp's splats of few tiles: they are written one after the other. */
+struct staged_slots {
+    uint32_t tiles[BIN_THREADS / WARP][WARP * LARGE_TILES];
+    uint8_t lanes[BIN_THREADS / WARP][WARP * LARGE_TILES];
+};
+
+__device__ inline uint32_t sum_before(uint32_t own)
+{
+    const uint32_t lane = threadIdx.x % WARP;
+    uint32_t sum = own;
+    for (uint32_t d = 1; d < WARP; d *= 2) {
+        const uint32_t other = __shfl_up_sync(ALL_LANES, sum, d);
+        sum += lane >= d ? other : 0;
+    }
+    return sum - own;
+}
+
+__device__ inline void stage_small(const fxs_fit_camera *camera, const ellipses &e, uint32_t *tiles, uint8_t *lanes)
 {
     for (real row = e.first; row < e.end; row = row + 1.0f) {
         real first, end;
         find_columns(camera, &e, row, &first, &end);
         const uint32_t tile = (uint32_t)row * (uint32_t)camera->tiles_x;
-        for (uint32_t x = (uint32_t)first; x < (uint32_t)end; x++)
-            put_slot(b, slot++, tile + x, gaussian);
+        for (uint32_t x = (uint32_t)first; x < (uint32_t)end; x++) {
+            *tiles++ = tile + x;
+            *lanes++ = (uint8_t)(threadIdx.x % WARP);
+        }
+    }
+}
+
+/* By a warp: each thread's splat, where it has `tiles` of them, LARGE_TILES at most. */
+__device__ inline void put_small(const step_buffers &b, const fxs_fit_camera *camera, const ellipses &e, uint32_t slot,
+                                 uint32_t tiles, uint32_t gaussian, staged_slots *staged)
+{
+    const uint32_t lane = threadIdx.x % WARP, before = sum_before(tiles);
+    const uint32_t total = __shfl_sync(ALL_LANES, before + tiles, WARP - 1);
+    uint32_t *const staged_tiles = staged->tiles[threadIdx.x / WARP];
+    uint8_t *const lanes = staged->lanes[threadIdx.x / WARP];
+    if (tiles)
+        stage_small(camera, e, staged_tiles + before, lanes + before);
+    __syncwarp();
+    for (uint32_t first = 0; first < total; first += WARP) {
+        const uint32_t i = first + lane, from = i < total ? lanes[i] : 0;
+        const uint32_t origin = __shfl_sync(ALL_LANES, slot - before, from);
+        const uint32_t own = __shfl_sync(ALL_LANES, gaussian, from);
+        if (i < total)
+            put_slot(b, origin + i, staged_tiles[i], own);
     }
 }
 
@@ -207,7 +245,8 @@ __device__ inline void put_large(const step_buffers &b, const fxs_fit_camera *ca
 __global__ void __launch_bounds__(BIN_THREADS)
     put_slots(step_buffers b, uint32_t count, const __grid_constant__ fxs_fit_camera camera)
 {
-    const uint32_t i = blockIdx.x * BIN_THREADS + threadIdx.x, lane = threadIdx.x % WARP;
+    __shared__ staged_slots staged;
+    const uint32_t i = blockIdx.x * BIN_THREADS + threadIdx.x;
     if (is_stopped(b.status))
         return;
     const uint32_t total = b.bases[count];
@@ -226,8 +265,7 @@ __global__ void __launch_bounds__(BIN_THREADS)
         b.splats[gaussian].slot = slot;
         e = ellipse_of(&camera, &b.splats[gaussian]);
     }
-    if (tiles <= LARGE_TILES)
-        put_small(b, &camera, e, slot, gaussian);
+    put_small(b, &camera, e, slot, tiles <= LARGE_TILES ? tiles : 0, gaussian, &staged);
     for (uint32_t large = __ballot_sync(ALL_LANES, tiles > LARGE_TILES); large; large &= large - 1) {
         const uint32_t from = (uint32_t)__ffs((int)large) - 1;
         put_large(b, &camera, shuffled(e, from), __shfl_sync(ALL_LANES, slot, from),

@@ -138,13 +138,21 @@ struct view_gradient {
     }
 };
 
+/* By several, whose SH's are found anew; of views without a gradient `g` is 0. */
 template <int Degree>
 struct batch_gradient {
-    real shape[FXS_FIT_SH], of_sh[3 * SH_COUNT(Degree) + 1];
+    real shape[FXS_FIT_SH], g[FXS_FIT_BATCH][3], direction[FXS_FIT_BATCH][3];
+    uint32_t views;
 
     __device__ real sh(int k) const
     {
-        return of_sh[k];
+        real total = 0;
+        for (uint32_t v = 0; v < views; v++) {
+            real basis[15];
+            basis_of(direction[v], Degree, basis);
+            total += basis[k / 3] * g[v][k % 3];
+        }
+        return total;
     }
 };
 
@@ -201,7 +209,7 @@ __device__ inline real within_limits(real x)
     return least(most(x, -FXS_FIT_FARTHEST), FXS_FIT_FARTHEST);
 }
 
-/* Of a plane, which is the same for all threads, the thread's number. */
+/* Of a plane, a Gaussian's number. */
 __device__ inline float *number_of(float *planes, const device_model &m, int plane, uint32_t i)
 {
     return planes + (size_t)plane * m.stride + i;
@@ -230,8 +238,8 @@ __device__ inline void move_some(const fxs_fit_adam *adam, int first, const devi
 }
 
 template <int Count, class Gradient>
-__device__ inline void move_parameters(const fxs_fit_adam *adam, int first, const device_model &m, float *to, uint32_t i,
-                                       Gradient gradient_of)
+__device__ inline void move_parameters(const fxs_fit_adam *adam, int first, const device_model &m, float *to,
+                                       uint32_t i, Gradient gradient_of)
 {
     const int own = Count < AT_ONCE ? Count : AT_ONCE;
     move_some<own>(adam, first, m, to, i, gradient_of);
@@ -253,9 +261,9 @@ __device__ inline void update_part(const fxs_fit_adam *adam, const device_model 
                                    Gradient *gradient)
 {
     float *const to = m.masters ? m.masters : m.parameters;
-    /* The barrier also keeps what Adam needs out of the registers until the gradient is there. */
-    const bool is_any_touched = __syncthreads_or(is_touched);
-    if (i >= m.count || (adam->only_touched && !is_any_touched))
+    if (adam->only_touched && !__syncthreads_or(is_touched))
+        return;
+    if (i >= m.count)
         return;
     if (adam->only_touched && !is_touched) {
         limit_parameters(m, to, i);
@@ -318,17 +326,19 @@ __device__ inline bool add_view(const batch_views &views, uint32_t v, const devi
         sums[k] = views.planes[v][(size_t)k * m.stride + i];
     if (views.planes[v][(size_t)FXS_FIT_SUMS * m.stride + i] > 0)
         m.views[i] += 1;
-    if (!find_view_gradient(&views.cameras[v], m.parameters + i, m.stride, sums, &own, m.by_centre + i))
-        return false;
+    const bool is_touched =
+        find_view_gradient(&views.cameras[v], m.parameters + i, m.stride, sums, &own, m.by_centre + i);
     for (int k = 0; k < FXS_FIT_SH; k++)
         total->shape[k] += own.shape[k];
-    for (int k = 0; k < 3 * SH_COUNT(Degree); k++)
-        total->of_sh[k] += own.sh(k);
-    return true;
+    for (int k = 0; k < 3; k++) {
+        total->g[v][k] = own.g[k];
+        total->direction[v][k] = own.l.direction[k];
+    }
+    return is_touched;
 }
 
 template <int Degree>
-__global__ void __launch_bounds__(FXS_FIT_PART)
+__global__ void __launch_bounds__(FXS_FIT_PART, 2)
     update_by_batch(step_buffers b, device_model m, const __grid_constant__ batch_views views,
                     const __grid_constant__ fxs_fit_adam adam)
 {
@@ -337,7 +347,8 @@ __global__ void __launch_bounds__(FXS_FIT_PART)
     bool is_touched = false;
     if (is_stopped(b.status))
         return;
-    memset(&total, 0, sizeof total);
+    memset(total.shape, 0, sizeof total.shape);
+    total.views = views.count;
     for (uint32_t v = 0; v < views.count && i < m.count; v++)
         is_touched = add_view<Degree>(views, v, m, i, &total) || is_touched;
     update_part<Degree>(&adam, m, i, is_touched, &total);
@@ -377,20 +388,41 @@ cudaError_t launch_noise(const step_buffers *b, const device_model *m, const fxs
     return cudaGetLastError();
 }
 
+/* Those of a degree; all is read before the first is written. */
+template <int Degree>
+__device__ inline void quantise_sh(const fxs_fit_chunk *chunk, const device_model &m, uint32_t i)
+{
+    const int first = FXS_FIT_SH + 3 * SH_COUNT(Degree - 1), count = 6 * Degree + 3;
+    real numbers[count];
+    whole code;
+#pragma unroll
+    for (int k = 0; k < count; k++)
+        numbers[k] = *number_of(m.masters, m, first + k, i);
+#pragma unroll
+    for (int k = 0; k < count; k++)
+        *number_of(m.parameters, m, first + k, i) = quantise_band(chunk, Degree, numbers[k], &code);
+}
+
 /* grid.chunks: the device's. */
 __global__ void __launch_bounds__(FXS_FIT_PART) quantise_model(step_buffers b, device_model m, fxs_fit_grid grid)
 {
     const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
     const fxs_fit_chunk *chunk = &grid.chunks[i / FXS_FIT_CHUNK];
-    whole codes[FXS_FIT_SH], code;
+    real from[FXS_FIT_SH], to[FXS_FIT_SH];
+    whole codes[FXS_FIT_SH];
     if (i >= m.count || is_stopped(b.status))
         return;
-    quantise_shape(&grid, chunk, m.masters + i, m.parameters + i, (ptrdiff_t)m.stride, codes);
-    for (int degree = 1; degree <= grid.sh_degree; degree++)
-        for (int k = 3 * SH_COUNT(degree - 1); k < 3 * SH_COUNT(degree); k++) {
-            const size_t at = (size_t)(FXS_FIT_SH + k) * m.stride + i;
-            m.parameters[at] = quantise_band(chunk, degree, m.masters[at], &code);
-        }
+    for (int k = 0; k < FXS_FIT_SH; k++)
+        from[k] = *number_of(m.masters, m, k, i);
+    quantise_shape(&grid, chunk, from, to, 1, codes);
+    for (int k = 0; k < FXS_FIT_SH; k++)
+        *number_of(m.parameters, m, k, i) = to[k];
+    if (grid.sh_degree >= 1)
+        quantise_sh<1>(chunk, m, i);
+    if (grid.sh_degree >= 2)
+        quantise_sh<2>(chunk, m, i);
+    if (grid.sh_degree >= 3)
+        quantise_sh<3>(chunk, m, i);
 }
 
 /* The parameters become what the grid makes of the masters. */
