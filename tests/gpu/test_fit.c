@@ -132,8 +132,11 @@ static int lists_same(const fxs_fit_stepper *s, const peeked_fit *p)
     if (!CHECK(p->entries == s->entry_count) || !CHECK(!memcmp(starts, p->starts, (s->tile_count + 1) * sizeof *starts)))
         return 0;
     for (size_t e = 0; e < s->entry_count; e++)
-        if (entries[e].splat != p->splat_of[p->slots[e]])
+        if (!CHECK(p->slots[e] < p->entries) || !CHECK(entries[e].splat == p->splat_of[p->slots[e]])) {
+            printf("  entry %zu of %zu: splat %u, not %u\n", e, s->entry_count,
+                   (unsigned)p->splat_of[p->slots[e] % p->entries], (unsigned)entries[e].splat);
             return 0;
+        }
     return 1;
 }
 

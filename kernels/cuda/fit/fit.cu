@@ -50,6 +50,7 @@ struct engine {
     device devices[FXS_FIT_BATCH];
     step_order pending[PENDING];   /* since the host last looked */
     uint32_t pending_count;
+    uint64_t entries_most;         /* of a step, so far */
     step_status *statuses;         /* page-locked: of each device */
     host_block rows[FXS_FIT_BATCH];    /* of a report, of each photograph: see step_buffers */
     const uint8_t **locked;        /* photographs that are page-locked by the engine, and that could not be */
@@ -417,19 +418,31 @@ int wait(engine *e, fxs_message *why)
     return 0;
 }
 
-/* Room for lists a quarter longer than the longest so far. */
+/* Room for lists a quarter longer than the longest so far, where they are nearly that long. Loses what is there. */
 int widen_lists(engine *e, fxs_message *why)
 {
-    uint64_t most = 0;
     int error = 0;
-    for (uint32_t i = 0; i < e->device_count; i++)
-        most = e->statuses[i].entries_most > most ? e->statuses[i].entries_most : most;
     for (uint32_t i = 0; i < e->device_count && !error; i++) {
         device *d = &e->devices[i];
         const on_device here(d->number);
-        if (most + most / 8 > d->buffers.capacity)
-            error = reserve_slots(d, most + most / 4, why);
-        error = error ? error : check(why, cudaMemsetAsync(d->buffers.status, 0, sizeof(step_status), d->stream));
+        if (e->entries_most + e->entries_most / 8 > d->buffers.capacity)
+            error = reserve_slots(d, e->entries_most + e->entries_most / 4, why);
+    }
+    return error;
+}
+
+/* The longest lists so far are known, and the devices count from 0 on. is_full: one of them stopped. */
+int take_statuses(engine *e, bool *is_full, fxs_message *why)
+{
+    int error = 0;
+    *is_full = false;
+    for (uint32_t i = 0; i < e->device_count && !error; i++) {
+        device *d = &e->devices[i];
+        const on_device here(d->number);
+        const uint64_t most = e->statuses[i].entries_most;
+        e->entries_most = most > e->entries_most ? most : e->entries_most;
+        *is_full = *is_full || e->statuses[i].is_full;
+        error = check(why, cudaMemsetAsync(d->buffers.status, 0, sizeof(step_status), d->stream));
     }
     return error;
 }
@@ -440,9 +453,12 @@ int finish(engine *e, fxs_message *why)
     uint32_t first = 0;
     int error = 0;
     while (first < e->pending_count && !error) {
+        bool is_full;
         error = wait(e, why);
         first += error ? 0 : e->statuses[0].done;
-        error = error ? error : widen_lists(e, why);
+        error = error ? error : take_statuses(e, &is_full, why);
+        if (!error && is_full)
+            error = widen_lists(e, why);
         for (uint32_t i = first; i < e->pending_count && !error; i++)
             error = start_step(e, &e->pending[i], why);
     }
@@ -496,6 +512,7 @@ template <class Change>
 int change_model(engine *e, fxs_message *why, Change change)
 {
     int error = finish(e, why);
+    error = error ? error : widen_lists(e, why);
     for (uint32_t i = 0; i < e->device_count && !error; i++) {
         device *d = &e->devices[i];
         const on_device here(d->number);

@@ -87,7 +87,7 @@ __device__ inline void sum_rows(const patch a, const patch b, column_sums *rows)
     });
 }
 
-__global__ void __launch_bounds__(LOSS_THREADS)
+__global__ void __launch_bounds__(LOSS_THREADS, 5)
 find_derivatives(step_buffers b, const uint8_t *photograph, fxs_fit_camera camera, bool has_report)
 {
     __shared__ patch pixels[2];
@@ -155,7 +155,7 @@ __device__ inline float gradient_of(float a, float b, float by_mean, float by_sq
     return sign - 0.2f * similar;
 }
 
-__global__ void __launch_bounds__(LOSS_THREADS)
+__global__ void __launch_bounds__(LOSS_THREADS, 4)
 find_gradient_of_pixels(step_buffers b, const uint8_t *photograph, fxs_fit_camera camera)
 {
     __shared__ patch derivatives[FXS_FIT_DERIVATIVES];

@@ -7,19 +7,23 @@
 namespace {
 
 const uint32_t HALF = WARP / 2;    /* a half-warp has the 16 places of a block */
-const uint32_t BLEND_SPLATS = FXS_FIT_PIXELS, BACK_SPLATS = 64;   /* of a list at a time */
+const uint32_t BLEND_SPLATS = FXS_FIT_PIXELS, BACK_SPLATS = 128;  /* of a list at a time */
+const uint32_t BACK_PAIRS = 512;   /* of a splat and a block that takes of it, at a time: no fewer than of 32 splats */
 
-/* Of a splat, what its pixels need. */
-struct tile_splat {
-    float4 shape, level_red;       /* centre, ux, uy; vy, offset, limit, red */
-    float2 green_blue;
+/* Splats of a list, as their pixels need them. */
+template <uint32_t Splats>
+struct tile_splats {
+    float4 shape[Splats];          /* ux, uy, vy, offset */
+    float4 colour[Splats];         /* limit, red, green, blue */
+    float corner_u[FXS_FIT_BLOCKS][Splats], corner_v[4][Splats];    /* at the first pixels of blocks; v: of their row */
+    uint32_t words[FXS_FIT_BLOCKS][Splats / WARP];    /* for each block a bit for each splat */
 };
 
 /* Where a thread's pixel is. */
 struct tile_place {
     uint32_t block, lane;          /* of the tile; of the half-warp: the place in the block */
-    float corner_x, corner_y;      /* the first pixel of its block, its centre */
-    float along, down;             /* from there to its own */
+    float along, down;             /* from the block's first pixel */
+    int32_t left, top;             /* of the tile */
     int32_t x, y;                  /* of the picture */
     bool is_inside;
 };
@@ -27,17 +31,14 @@ struct tile_place {
 __device__ inline tile_place place_of_thread(const fxs_fit_camera &c, uint32_t tile)
 {
     tile_place p;
-    const int32_t left = (int32_t)(tile % (uint32_t)c.tiles_x) * FXS_FIT_TILE;
-    const int32_t top = (int32_t)(tile / (uint32_t)c.tiles_x) * FXS_FIT_TILE;
+    p.left = (int32_t)(tile % (uint32_t)c.tiles_x) * FXS_FIT_TILE;
+    p.top = (int32_t)(tile / (uint32_t)c.tiles_x) * FXS_FIT_TILE;
     p.block = threadIdx.x / HALF;
     p.lane = threadIdx.x % HALF;
-    const int32_t block_x = (int32_t)(p.block % 4) * 4, block_y = (int32_t)(p.block / 4) * 4;
-    p.corner_x = (float)block_x + ((float)left + 0.5f);
-    p.corner_y = (float)block_y + ((float)top + 0.5f);
     p.along = (float)(p.lane % 4);
     p.down = (float)(p.lane / 4);
-    p.x = left + block_x + (int32_t)(p.lane % 4);
-    p.y = top + block_y + (int32_t)(p.lane / 4);
+    p.x = p.left + (int32_t)(p.block % 4) * 4 + (int32_t)(p.lane % 4);
+    p.y = p.top + (int32_t)(p.block / 4) * 4 + (int32_t)(p.lane / 4);
     p.is_inside = p.x < c.width && p.y < c.height;
     return p;
 }
@@ -48,41 +49,43 @@ __device__ inline uint32_t half_ballot(bool x)
     return __ballot_sync(ALL_LANES, x) >> (threadIdx.x & HALF) & 0xffffu;
 }
 
-/* u, v and level of the thread's pixel, in the order of port/fit/tile.h. */
-__device__ inline float level_of(const tile_splat &s, const tile_place &p, float *u, float *v)
+/* A splat to the place of the thread, by find_corners of port/fit/tile.h. */
+template <uint32_t Splats>
+__device__ inline void keep_splat(tile_splats<Splats> *to, const fxs_fit_splat &s, const tile_place &p)
 {
-    const float x = p.corner_x - s.shape.x, y = p.corner_y - s.shape.y;
-    const float ux = s.shape.z, uy = s.shape.w, vy = s.level_red.x;
-    *u = (p.along * ux + p.down * uy) + (x * ux + y * uy);
-    *v = p.down * vy + y * vy;
-    return (*u * *u + *v * *v) + s.level_red.y;
-}
-
-/* The blocks that its ellipse may touch: find_blocks of port/fit/tile.h. */
-__device__ inline uint32_t find_blocks(const fxs_fit_splat &s, int32_t left, int32_t top)
-{
-    const float across = 3 * s.ux, slant = 3 * s.uy, down = 3 * s.vy, limit = (s.limit - s.offset) * FXS_FIT_WIDER;
-    uint32_t blocks = 0;
-    if (s.radius2 < 0)
-        return (1u << FXS_FIT_BLOCKS) - 1;
-    const float less = slant < 0 ? slant : 0, far_side = across + (slant > 0 ? slant : 0);
+    to->shape[threadIdx.x] = make_float4(s.ux, s.uy, s.vy, s.offset);
+    to->colour[threadIdx.x] = make_float4(s.limit, s.colour[0], s.colour[1], s.colour[2]);
 #pragma unroll
     for (int row = 0; row < 4; row++) {
-        const float y = ((float)(4 * row) + ((float)top + 0.5f)) - s.centre[1], v0 = y * s.vy, along_y = y * s.uy;
-        const float v = most(most(v0, -v0 - down), 0.0f), v2 = v * v;
+        const float y = ((float)(4 * row) + ((float)p.top + 0.5f)) - s.centre[1], along_y = y * s.uy;
+        to->corner_v[row][threadIdx.x] = y * s.vy;
 #pragma unroll
         for (int column = 0; column < 4; column++) {
-            const float x = ((float)(4 * column) + ((float)left + 0.5f)) - s.centre[0], u0 = x * s.ux + along_y;
-            const float u = most(most(u0 + less, -u0 - far_side), 0.0f);
-            blocks |= (uint32_t)(u * u + v2 <= limit) << (4 * row + column);
+            const float x = ((float)(4 * column) + ((float)p.left + 0.5f)) - s.centre[0];
+            to->corner_u[4 * row + column][threadIdx.x] = x * s.ux + along_y;
         }
     }
-    return blocks;
 }
 
-/* For each block of pixels a bit for each splat, from each splat's bits for the blocks; by whole warps. */
-template <uint32_t Words>
-__device__ inline void turn_bits(uint32_t blocks, uint32_t (*words)[Words])
+/* The blocks that the ellipse of the thread's splat may touch: find_blocks of port/fit/tile.h. */
+template <uint32_t Splats>
+__device__ inline uint32_t find_blocks(const tile_splats<Splats> *kept, const fxs_fit_splat &s)
+{
+    const float across = 3 * s.ux, slant = 3 * s.uy, down = 3 * s.vy, limit = (s.limit - s.offset) * FXS_FIT_WIDER;
+    const float less = slant < 0 ? slant : 0, far_side = across + (slant > 0 ? slant : 0);
+    uint32_t blocks = 0;
+#pragma unroll
+    for (int b = 0; b < FXS_FIT_BLOCKS; b++) {
+        const float u0 = kept->corner_u[b][threadIdx.x], v0 = kept->corner_v[b / 4][threadIdx.x];
+        const float u = most(most(u0 + less, -u0 - far_side), 0.0f), v = most(most(v0, -v0 - down), 0.0f);
+        blocks |= (uint32_t)(u * u + v * v <= limit) << b;
+    }
+    return s.radius2 < 0 ? (1u << FXS_FIT_BLOCKS) - 1 : blocks;
+}
+
+/* From each splat's bits for the blocks to each block's for the splats; by whole warps. */
+template <uint32_t Splats>
+__device__ inline void turn_bits(uint32_t blocks, tile_splats<Splats> *to)
 {
     const uint32_t lane = threadIdx.x % WARP;
     uint32_t own = 0;
@@ -92,54 +95,48 @@ __device__ inline void turn_bits(uint32_t blocks, uint32_t (*words)[Words])
         own = lane == b ? word : own;
     }
     if (lane < FXS_FIT_BLOCKS)
-        words[lane][threadIdx.x / WARP] = own;
+        to->words[lane][threadIdx.x / WARP] = own;
 }
 
-/* The splats of a half-warp's block, one after the other. */
-template <uint32_t Words>
-struct walk {
-    const uint32_t *words;
-    uint32_t word, bits;
-
-    __device__ explicit walk(const uint32_t *words_, bool is_open) : words(words_), word(0), bits(is_open ? *words_ : 0)
-    {
-        if (!is_open)
-            word = Words;
-        skip();
-    }
-    __device__ void skip()
-    {
-        while (!bits && word < Words)
-            bits = ++word < Words ? words[word] : 0;
-    }
-    __device__ bool is_left() const
-    {
-        return bits != 0;
-    }
-    __device__ uint32_t splat() const
-    {
-        return word * WARP + (uint32_t)__ffs((int)bits) - 1;
-    }
-    __device__ void next()
-    {
-        bits &= bits - 1;
-        skip();
-    }
-};
-
-__device__ inline void keep_splat(tile_splat *to, const fxs_fit_splat &s)
+/* Calls put(place, splat) for each splat of a half-warp's block, two a lane and word. Returns how many there are. */
+template <uint32_t Splats, class Put>
+__device__ inline uint32_t list_splats(const tile_splats<Splats> *of, const tile_place &p, Put put)
 {
-    to->shape = make_float4(s.centre[0], s.centre[1], s.ux, s.uy);
-    to->level_red = make_float4(s.vy, s.offset, s.limit, s.colour[0]);
-    to->green_blue = make_float2(s.colour[1], s.colour[2]);
+    uint32_t count = 0;
+#pragma unroll
+    for (uint32_t w = 0; w < Splats / WARP; w++) {
+        const uint32_t bits = of->words[p.block][w];
+#pragma unroll
+        for (uint32_t bit = p.lane, end = bit + WARP; bit < end; bit += HALF)
+            if (bits >> bit & 1)
+                put(count + (uint32_t)__popc(bits & ((1u << bit) - 1)), w * WARP + bit);
+        count += (uint32_t)__popc(bits);
+    }
+    __syncwarp();
+    return count;
+}
+
+/* The more of both half-warps. */
+__device__ inline uint32_t most_of_halves(uint32_t count)
+{
+    return max(count, __shfl_xor_sync(ALL_LANES, count, HALF));
+}
+
+/* u, v and level of the thread's pixel, in the order of port/fit/tile.h. */
+template <uint32_t Splats>
+__device__ inline float level_of(const tile_splats<Splats> *s, uint32_t splat, const tile_place &p, float *u, float *v)
+{
+    const float4 shape = s->shape[splat];
+    *u = (p.along * shape.x + p.down * shape.y) + s->corner_u[p.block][splat];
+    *v = p.down * shape.z + s->corner_v[p.block / 4][splat];
+    return (*u * *u + *v * *v) + shape.w;
 }
 
 /* ---- blend ------------------------------------------------------------------------------------------------------- */
 
-struct blend_shared {
-    tile_splat splats[BLEND_SPLATS];
-    uint32_t words[FXS_FIT_BLOCKS][BLEND_SPLATS / WARP];    /* splats that a block may take of */
-    uint32_t taken[FXS_FIT_BLOCKS][BLEND_SPLATS / WARP];    /* and those it took of */
+struct blend_shared : tile_splats<BLEND_SPLATS> {
+    uint8_t lists[FXS_FIT_BLOCKS][BLEND_SPLATS];
+    uint32_t taken[BLEND_SPLATS];  /* the blocks that take of each */
     uint32_t needed;
 };
 
@@ -147,84 +144,75 @@ struct blend_pixel {
     float transmittance, red, green, blue;
 };
 
-__device__ inline bool blend_splat(const tile_splat &s, const tile_place &p, blend_pixel *pixel)
+/* Returns whether it takes of the splat; where it does not, its weight is 0. */
+__device__ inline bool blend_splat(const blend_shared *s, uint32_t splat, const tile_place &p, bool is_left,
+                                   blend_pixel *pixel)
 {
     float u, v;
-    const float level = level_of(s, p, &u, &v), t = pixel->transmittance;
-    const bool takes = level <= s.level_red.z && FXS_FIT_CLOSED <= t;
-    if (takes) {
-        const float weight = least(exp_2_minus(level), FXS_FIT_ALPHA_MOST) * t;
-        pixel->transmittance = t - weight;
-        pixel->red = pixel->red + weight * s.level_red.w;
-        pixel->green = pixel->green + weight * s.green_blue.x;
-        pixel->blue = pixel->blue + weight * s.green_blue.y;
-    }
+    const float level = level_of(s, splat, p, &u, &v), t = pixel->transmittance;
+    const float4 colour = s->colour[splat];
+    const bool takes = is_left && level <= colour.x && FXS_FIT_CLOSED <= t;
+    const float weight = takes ? least(exp_2_minus(level), FXS_FIT_ALPHA_MOST) * t : 0.0f;
+    pixel->transmittance = t - weight;
+    pixel->red = pixel->red + weight * colour.y;
+    pixel->green = pixel->green + weight * colour.z;
+    pixel->blue = pixel->blue + weight * colour.w;
     return takes;
 }
 
 /* The batch's splats that a half-warp's block may touch. */
 __device__ inline void blend_batch(blend_shared *s, const tile_place &p, blend_pixel *pixel)
 {
-    walk<BLEND_SPLATS / WARP> w(s->words[p.block], half_ballot(FXS_FIT_CLOSED <= pixel->transmittance) != 0);
-    while (__any_sync(ALL_LANES, w.is_left())) {
-        const bool is_left = w.is_left();
-        const bool takes = is_left && blend_splat(s->splats[w.splat()], p, pixel);
-        const uint32_t taking = half_ballot(takes);
-        if (is_left) {
+    uint8_t *list = s->lists[p.block];
+    uint32_t count = list_splats(s, p, [&](uint32_t place, uint32_t splat) { list[place] = (uint8_t)splat; });
+    for (uint32_t first = 0; __any_sync(ALL_LANES, first < count); first += WARP) {
+        if (!half_ballot(FXS_FIT_CLOSED <= pixel->transmittance))
+            count = 0;
+        const uint32_t end = min(most_of_halves(count), first + WARP);
+#pragma unroll 2
+        for (uint32_t i = first; i < end; i++) {
+            const uint32_t splat = list[i];
+            const uint32_t taking = half_ballot(blend_splat(s, splat, p, i < count, pixel));
             if (taking && p.lane == 0)
-                s->taken[p.block][w.word] |= w.bits & (0u - w.bits);
-            w.next();
+                atomicOr(&s->taken[splat], 1u << p.block);
         }
     }
 }
 
-/* From each block's bits for the splats to each splat's for the blocks. */
-__device__ inline uint32_t taken_of(const blend_shared *s)
+__global__ void __launch_bounds__(FXS_FIT_PIXELS, 5)
+blend_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera, float3 background)
 {
-    uint32_t blocks = 0;
-#pragma unroll
-    for (uint32_t b = 0; b < FXS_FIT_BLOCKS; b++)
-        blocks |= (s->taken[b][threadIdx.x / WARP] >> threadIdx.x % WARP & 1) << b;
-    return blocks;
-}
-
-__global__ void __launch_bounds__(FXS_FIT_PIXELS)
-blend_tiles(step_buffers b, fxs_fit_camera camera, float3 background)
-{
-    __shared__ blend_shared s;
+    extern __shared__ __align__(16) unsigned char memory[];
+    blend_shared *s = (blend_shared *)memory;
     if (is_stopped(b.status))
         return;
     const uint32_t tile = blockIdx.x, start = b.starts[tile], count = b.starts[tile + 1] - start;
     const tile_place p = place_of_thread(camera, tile);
-    const int32_t left = (int32_t)(tile % (uint32_t)camera.tiles_x) * FXS_FIT_TILE;
-    const int32_t top = (int32_t)(tile / (uint32_t)camera.tiles_x) * FXS_FIT_TILE;
     blend_pixel pixel = {1, 0, 0, 0};
     if (threadIdx.x == 0)
-        s.needed = 0;
+        s->needed = 0;
     for (uint32_t first = 0; first < count && __syncthreads_or(FXS_FIT_CLOSED <= pixel.transmittance);
          first += BLEND_SPLATS) {
         const uint32_t entry = first + threadIdx.x;
         uint32_t blocks = 0;
+        s->taken[threadIdx.x] = 0;
         if (entry < count) {
             const fxs_fit_splat splat = b.splats[b.splat_of[b.slots[1][start + entry]]];
-            blocks = find_blocks(splat, left, top);
-            keep_splat(&s.splats[threadIdx.x], splat);
+            keep_splat(s, splat, p);
+            blocks = find_blocks(s, splat);
         }
-        turn_bits(blocks, s.words);
-        if (threadIdx.x < FXS_FIT_BLOCKS * BLEND_SPLATS / WARP)
-            s.taken[0][threadIdx.x] = 0;
+        turn_bits(blocks, s);
         __syncthreads();
-        blend_batch(&s, p, &pixel);
+        blend_batch(s, p, &pixel);
         __syncthreads();
-        blocks = taken_of(&s);
         if (entry < count)
-            b.blocks[start + entry] = (uint16_t)blocks;
-        if (blocks)
-            atomicMax(&s.needed, entry + 1);
+            b.blocks[start + entry] = (uint16_t)s->taken[threadIdx.x];
+        if (entry < count && s->taken[threadIdx.x])
+            atomicMax(&s->needed, entry + 1);
     }
     __syncthreads();
     if (threadIdx.x == 0)
-        b.needed[tile] = s.needed;
+        b.needed[tile] = s->needed;
     if (p.is_inside) {
         const size_t at = (size_t)p.y * (size_t)camera.width + (size_t)p.x;
         const size_t size = (size_t)camera.width * (size_t)camera.height;
@@ -234,23 +222,31 @@ blend_tiles(step_buffers b, fxs_fit_camera camera, float3 background)
     }
 }
 
+/* So much of shared memory that a kernel has to ask for it. */
+template <class Kernel>
+cudaError_t allow_shared(Kernel kernel, size_t bytes)
+{
+    return cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, (int)bytes);
+}
+
 cudaError_t launch_blend(const step_buffers *b, const fxs_fit_camera *camera, const float background[3],
                          cudaStream_t stream)
 {
     const uint32_t tiles = (uint32_t)(camera->tiles_x * camera->tiles_y);
-    blend_tiles<<<tiles, FXS_FIT_PIXELS, 0, stream>>>(*b, *camera,
-                                                     make_float3(background[0], background[1], background[2]));
-    return cudaGetLastError();
+    const cudaError_t error = allow_shared(blend_tiles, sizeof(blend_shared));
+    blend_tiles<<<tiles, FXS_FIT_PIXELS, sizeof(blend_shared), stream>>>(
+        *b, *camera, make_float3(background[0], background[1], background[2]));
+    return error ? error : cudaGetLastError();
 }
 
 /* ---- back -------------------------------------------------------------------------------------------------------- */
 
-struct back_shared {
-    tile_splat splats[BACK_SPLATS];
-    uint32_t words[FXS_FIT_BLOCKS][BACK_SPLATS / WARP];
+struct back_shared : tile_splats<BACK_SPLATS> {
+    uint16_t lists[FXS_FIT_BLOCKS][BACK_SPLATS];      /* the splat, and from bit 7 on its pair */
     uint32_t slots[BACK_SPLATS];
-    uint16_t blocks[BACK_SPLATS];
-    float sums[FXS_FIT_BLOCKS][BACK_SPLATS][FXS_FIT_SUMS];
+    uint16_t blocks[BACK_SPLATS], pairs[BACK_SPLATS + 1];    /* of each; its first pair */
+    uint32_t warp_pairs[BACK_SPLATS / WARP], splats;
+    float sums[BACK_PAIRS][FXS_FIT_SUMS];
 };
 
 /* What has passed of a pixel, and its gradient. */
@@ -259,19 +255,19 @@ struct back_pixel {
 };
 
 /* dL/dalpha = T (c . g) - behind / (1 - alpha): back_pixels of port/fit/tile.h */
-__device__ inline void find_sums(const tile_splat &s, const tile_place &p, back_pixel *pixel, bool is_left,
-                                 float sums[FXS_FIT_SUMS])
+__device__ inline void find_sums(const back_shared *s, uint32_t splat, const tile_place &p, bool is_left,
+                                 back_pixel *pixel, float sums[FXS_FIT_SUMS])
 {
     float u, v;
-    const float level = level_of(s, p, &u, &v), t = pixel->transmittance;
-    const bool takes = is_left && level <= s.level_red.z && FXS_FIT_CLOSED <= t;
+    const float level = level_of(s, splat, p, &u, &v), t = pixel->transmittance;
+    const float4 colour = s->colour[splat];
+    const bool takes = is_left && level <= colour.x && FXS_FIT_CLOSED <= t;
     for (int i = 0; i < FXS_FIT_SUMS; i++)
         sums[i] = 0;
     if (!takes)
         return;
     const float exact = exp_2_minus(level), alpha = least(exact, FXS_FIT_ALPHA_MOST), weight = alpha * t;
-    const float of_colour = (pixel->red * s.level_red.w + pixel->green * s.green_blue.x) +
-                            pixel->blue * s.green_blue.y;
+    const float of_colour = (pixel->red * colour.y + pixel->green * colour.z) + pixel->blue * colour.w;
     const float own = weight * of_colour, behind = pixel->behind - own;
     pixel->transmittance = t - weight;
     pixel->behind = behind;
@@ -322,26 +318,57 @@ __device__ inline void add_places(float x[FXS_FIT_SUMS], uint32_t lane, float *o
 
 __device__ inline void back_batch(back_shared *s, const tile_place &p, back_pixel *pixel)
 {
-    walk<BACK_SPLATS / WARP> w(s->words[p.block], true);
-    while (__any_sync(ALL_LANES, w.is_left())) {
-        const bool is_left = w.is_left();
-        const uint32_t splat = is_left ? w.splat() : 0;
+    uint16_t *list = s->lists[p.block];
+    const uint32_t before = (1u << p.block) - 1;
+    const uint32_t count = list_splats(s, p, [&](uint32_t place, uint32_t splat) {
+        const uint32_t pair = s->pairs[splat] + (uint32_t)__popc(s->blocks[splat] & before);
+        list[place] = (uint16_t)(splat | pair << 7);
+    });
+    const uint32_t end = most_of_halves(count);
+    for (uint32_t i = 0; i < end; i++) {
+        const uint32_t item = i < count ? list[i] : 0;
         float sums[FXS_FIT_SUMS];
-        find_sums(s->splats[splat], p, pixel, is_left, sums);
-        add_places(sums, p.lane, s->sums[p.block][splat], is_left);
-        if (is_left)
-            w.next();
+        find_sums(s, item & (BACK_SPLATS - 1), p, i < count, pixel, sums);
+        add_places(sums, p.lane, s->sums[item >> 7], i < count);
     }
+}
+
+/* Of as many splats as BACK_PAIRS are enough for, from the thread's on: their first pairs. By BACK_SPLATS threads; the
+   others wait too. */
+__device__ inline void place_pairs(back_shared *s, uint32_t blocks)
+{
+    const uint32_t warp = threadIdx.x / WARP, own = (uint32_t)__popc(blocks);
+    uint32_t end = own;
+    for (uint32_t apart = 1; apart < WARP; apart *= 2) {
+        const uint32_t below = __shfl_up_sync(ALL_LANES, end, apart);
+        end += threadIdx.x % WARP >= apart ? below : 0;
+    }
+    if (threadIdx.x < BACK_SPLATS && threadIdx.x % WARP == WARP - 1)
+        s->warp_pairs[warp] = end;
+    if (threadIdx.x == 0)
+        s->splats = 0;
+    __syncthreads();
+    if (threadIdx.x >= BACK_SPLATS)
+        return;
+    for (uint32_t w = 0; w < warp; w++)
+        end += s->warp_pairs[w];
+    s->pairs[threadIdx.x] = (uint16_t)(end - own);
+    if (end <= BACK_PAIRS)
+        atomicMax(&s->splats, threadIdx.x + 1);
+    else
+        blocks = 0;
+    turn_bits(blocks, s);
 }
 
 /* The blocks' sums of each splat of the batch, row by row, to its slot. */
 __device__ inline void add_blocks(const back_shared *s, uint32_t count, float *sums)
 {
     for (uint32_t i = threadIdx.x; i < count * FXS_FIT_SUMS; i += FXS_FIT_PIXELS) {
-        const uint32_t splat = i / FXS_FIT_SUMS, k = i % FXS_FIT_SUMS;
+        const uint32_t splat = i / FXS_FIT_SUMS, k = i % FXS_FIT_SUMS, first = s->pairs[splat];
+        const uint32_t pairs = (uint32_t)__popc(s->blocks[splat]);
         float sum = 0;
-        for (uint32_t rest = s->blocks[splat]; rest; rest &= rest - 1)
-            sum += s->sums[__ffs((int)rest) - 1][splat][k];
+        for (uint32_t n = 0; n < pairs; n++)
+            sum += s->sums[first + n][k];
         sums[(size_t)s->slots[splat] * FXS_FIT_SUMS + k] = sum;
     }
 }
@@ -354,7 +381,8 @@ __device__ inline back_pixel begin_pixel(const step_buffers &b, const fxs_fit_ca
     return {1, g.w, g.x, g.y, g.z};
 }
 
-__global__ void __launch_bounds__(FXS_FIT_PIXELS) back_tiles(step_buffers b, fxs_fit_camera camera)
+__global__ void __launch_bounds__(FXS_FIT_PIXELS, 5)
+back_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera)
 {
     extern __shared__ __align__(16) unsigned char memory[];
     back_shared *s = (back_shared *)memory;
@@ -364,20 +392,19 @@ __global__ void __launch_bounds__(FXS_FIT_PIXELS) back_tiles(step_buffers b, fxs
     const uint32_t needed = b.needed[tile];
     const tile_place p = place_of_thread(camera, tile);
     back_pixel pixel = begin_pixel(b, camera, p);
-    for (uint32_t first = 0; first < needed; first += BACK_SPLATS) {
-        const uint32_t here = needed - first < BACK_SPLATS ? needed - first : BACK_SPLATS;
-        if (threadIdx.x < BACK_SPLATS) {
-            uint32_t blocks = 0;
-            if (threadIdx.x < here) {
-                const uint32_t entry = start + first + threadIdx.x, slot = b.slots[1][entry];
-                blocks = b.blocks[entry];
-                keep_splat(&s->splats[threadIdx.x], b.splats[b.splat_of[slot]]);
-                s->slots[threadIdx.x] = slot;
-                s->blocks[threadIdx.x] = (uint16_t)blocks;
-            }
-            turn_bits(blocks, s->words);
+    for (uint32_t first = 0, here; first < needed; first += here) {
+        const uint32_t entry = first + threadIdx.x;
+        uint32_t blocks = 0;
+        if (threadIdx.x < BACK_SPLATS && entry < needed) {
+            const uint32_t slot = b.slots[1][start + entry];
+            blocks = b.blocks[start + entry];
+            keep_splat(s, b.splats[b.splat_of[slot]], p);
+            s->slots[threadIdx.x] = slot;
+            s->blocks[threadIdx.x] = (uint16_t)blocks;
         }
+        place_pairs(s, blocks);
         __syncthreads();
+        here = min(s->splats, needed - first);
         back_batch(s, p, &pixel);
         __syncthreads();
         add_blocks(s, here, b.sums);
@@ -390,10 +417,9 @@ __global__ void __launch_bounds__(FXS_FIT_PIXELS) back_tiles(step_buffers b, fxs
 
 cudaError_t launch_back(const step_buffers *b, const fxs_fit_camera *camera, cudaStream_t stream)
 {
-    const cudaError_t error = cudaFuncSetAttribute(back_tiles, cudaFuncAttributeMaxDynamicSharedMemorySize,
-                                                   (int)sizeof(back_shared));
-    back_tiles<<<(uint32_t)(camera->tiles_x * camera->tiles_y), FXS_FIT_PIXELS, sizeof(back_shared), stream>>>(*b,
-                                                                                                          *camera);
+    const uint32_t tiles = (uint32_t)(camera->tiles_x * camera->tiles_y);
+    const cudaError_t error = allow_shared(back_tiles, sizeof(back_shared));
+    back_tiles<<<tiles, FXS_FIT_PIXELS, sizeof(back_shared), stream>>>(*b, *camera);
     return error ? error : cudaGetLastError();
 }
 
