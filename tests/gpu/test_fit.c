@@ -2,10 +2,12 @@
  * `test_fit [--quick]`; --quick: few and small ones, for the sanitizers. Whole fits: test_fit_steps --cuda. */
 #include "../../port/fit/stepper.c"
 
+#include "../../port/posix/pool.h"
 #include "../fit_scene.h"
 #include "peek_fit.h"
 
 static int quick;
+static fxs_pool *pool;
 
 /* ---- What is fitted ---------------------------------------------------------------------------------------------- */
 
@@ -16,7 +18,7 @@ typedef struct what {
     float by_opacity, noise, near_size;    /* near_size: about e^ that a Gaussian is wide */
 } what;
 
-enum { STEPS = 3, MOST_BATCH = 3 };
+enum { MOST_STEPS = 3, MOST_BATCH = 3 };
 
 static void fill_model(fxs_fit_model *m, const what *w)
 {
@@ -176,9 +178,9 @@ static int pixels_same(const fxs_fit_stepper *s, const peeked_fit *p)
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
 /* Some steps of one model by both; the last one's buffers too. narrow: lists have too little room at first. */
-static void compare(const what *w, int is_spoiled, uint32_t narrow)
+static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t steps)
 {
-    static uint8_t pixels[MOST_BATCH * 3 * 700 * 500];
+    static uint8_t pixels[MOST_BATCH * 3 * 1200 * 900];
     fxs_fit_photograph photographs[MOST_BATCH];
     fxs_fit_model here, there;
     fxs_fit_options options;
@@ -197,17 +199,17 @@ static void compare(const what *w, int is_spoiled, uint32_t narrow)
     options.device_count = 1;
     if (!CHECK(!copy_model(&there, &here)) || !CHECK(!fxs_cuda_fit_engine(&engine, &self, &there, &options, &why)))
         return;
-    fxs_fit_stepper *s = fxs_fit_stepper_create(fxs_fit_stages_choose(~0u), NULL, NULL, 1, NULL);
+    fxs_fit_stepper *s = fxs_fit_stepper_create(fxs_fit_stages_choose(~0u), fxs_pool_run, pool, 8, NULL);
     CHECK(!engine->give(self, &why));
     if (narrow)
         CHECK(!peek_fit_narrow(self, narrow));
     int is_same = 1;
-    for (uint32_t i = 1; i <= STEPS && is_same; i++) {
+    for (uint32_t i = 1; i <= steps && is_same; i++) {
         fxs_fit_step_options o;
         const uint32_t batch = (uint32_t)w->batch;
         set_options(&o, w, i);
         CHECK(!fxs_fit_stepper_step(s, &here, photographs, batch, &o, &of_here));
-        CHECK(!engine->step(self, photographs, batch, &o, i == STEPS ? &of_there : NULL, &why));
+        CHECK(!engine->step(self, photographs, batch, &o, i == steps ? &of_there : NULL, &why));
     }
     CHECK(!engine->fetch(self, &why));
     CHECK(of_here.entries == of_there.entries && of_here.visible == of_there.visible);
@@ -236,7 +238,17 @@ static void test_steps(void)
                         .count = counts[quick ? i % 3 : i % 5], .degree = i % 4, .batch = 1,
                         .only_touched = i % 5 == 4, .without_sh = i % 7 == 6, .by_opacity = i % 4 ? 0 : 0.01f,
                         .noise = i % 3 ? 0 : 50.0f, .near_size = i % 2 ? -3.0f : -1.5f};
-        compare(&w, i % 4 == 3, 0);
+        compare(&w, i % 4 == 3, 0, MOST_STEPS);
+    }
+}
+
+/* As many tiles and Gaussians as a fit has; some of them as large as the picture. */
+static void test_large(void)
+{
+    for (int i = 0; i < (quick ? 0 : 2); i++) {
+        const what w = {.width = 1200, .height = 900, .is_square = i == 1, .count = 200000, .degree = 3, .batch = 1,
+                        .near_size = -3.5f};
+        compare(&w, 0, 0, 1);
     }
 }
 
@@ -245,7 +257,7 @@ static void test_batches(void)
     for (int i = 0; i < (quick ? 2 : 8); i++) {
         const what w = {.width = 90, .height = 70, .count = quick ? 200 : 3000, .degree = i % 4, .batch = 2 + i % 2,
                         .only_touched = i % 3 == 1, .by_opacity = i % 2 ? 0 : 0.01f, .near_size = -2.5f};
-        compare(&w, i % 4 == 3, 0);
+        compare(&w, i % 4 == 3, 0, MOST_STEPS);
     }
 }
 
@@ -254,15 +266,18 @@ static void test_no_room(void)
 {
     const what w = {.width = 160, .height = 120, .count = quick ? 300 : 5000, .degree = 2, .batch = 1, .near_size = -2};
     const what batch = {.width = 90, .height = 70, .count = 500, .degree = 2, .batch = 2, .near_size = -2};
-    compare(&w, 0, 64);
-    compare(&batch, 0, 64);
+    compare(&w, 0, 64, MOST_STEPS);
+    compare(&batch, 0, 64, MOST_STEPS);
 }
 
 int main(int argc, char **argv)
 {
     quick = argc > 1 && !strcmp(argv[1], "--quick");
+    pool = fxs_pool_create(8);
     RUN(test_steps);
+    RUN(test_large);
     RUN(test_batches);
     RUN(test_no_room);
+    fxs_pool_destroy(pool);
     return check_report();
 }

@@ -144,7 +144,7 @@ struct blend_pixel {
     float transmittance, red, green, blue;
 };
 
-/* Returns whether it takes of the splat; where it does not, its weight is 0. */
+/* Returns whether it takes of the splat. Where none is left, there need not be one. */
 __device__ inline bool blend_splat(const blend_shared *s, uint32_t splat, const tile_place &p, bool is_left,
                                    blend_pixel *pixel)
 {
@@ -152,11 +152,13 @@ __device__ inline bool blend_splat(const blend_shared *s, uint32_t splat, const 
     const float level = level_of(s, splat, p, &u, &v), t = pixel->transmittance;
     const float4 colour = s->colour[splat];
     const bool takes = is_left && level <= colour.x && FXS_FIT_CLOSED <= t;
-    const float weight = takes ? least(exp_2_minus(level), FXS_FIT_ALPHA_MOST) * t : 0.0f;
-    pixel->transmittance = t - weight;
-    pixel->red = pixel->red + weight * colour.y;
-    pixel->green = pixel->green + weight * colour.z;
-    pixel->blue = pixel->blue + weight * colour.w;
+    if (takes) {
+        const float weight = least(exp_2_minus(level), FXS_FIT_ALPHA_MOST) * t;
+        pixel->transmittance = t - weight;
+        pixel->red = pixel->red + weight * colour.y;
+        pixel->green = pixel->green + weight * colour.z;
+        pixel->blue = pixel->blue + weight * colour.w;
+    }
     return takes;
 }
 
