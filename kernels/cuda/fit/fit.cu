@@ -18,6 +18,7 @@ const uint32_t PHOTOGRAPHS = 3;    /* of a device: the one at work, and those th
 
 /* A photograph on its way to a device, or there. */
 struct photograph_slot {
+    host_block sent;
     block pixels;
     cudaEvent_t ready, is_free;
 };
@@ -53,8 +54,6 @@ struct engine {
     uint64_t entries_most;         /* of a step, so far */
     step_status *statuses;         /* page-locked: of each device */
     host_block rows[FXS_FIT_BATCH];    /* of a report, of each photograph: see step_buffers */
-    const uint8_t **locked;        /* photographs that are page-locked by the engine, and that could not be */
-    size_t locked_count, locked_room;
 };
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
@@ -160,44 +159,20 @@ int reserve_views(device *d, uint32_t count, fxs_message *why)
 
 /* ---- Photographs ------------------------------------------------------------------------------------------------- */
 
-/* Copies from page-locked memory run beside the kernels. Memory that cannot be locked is copied too. */
-void lock_pages(engine *e, const uint8_t *pixels, size_t bytes)
-{
-    for (size_t i = 0; i < e->locked_count; i++)
-        if (e->locked[i] == pixels)
-            return;
-    if (e->locked_count == e->locked_room) {
-        const size_t room = 2 * e->locked_room + 64;
-        const uint8_t **more = (const uint8_t **)realloc(e->locked, room * sizeof *more);
-        if (!more)
-            return;
-        e->locked = more;
-        e->locked_room = room;
-    }
-    if (cudaHostRegister((void *)pixels, bytes, cudaHostRegisterPortable))
-        cudaGetLastError();
-    else
-        e->locked[e->locked_count++] = pixels;
-}
-
-void unlock_pages(engine *e)
-{
-    for (size_t i = 0; i < e->locked_count; i++)
-        cudaHostUnregister((void *)e->locked[i]);
-    free(e->locked);
-}
-
-/* Starts the copy of a photograph; the kernels wait for it. */
-int send_photograph(engine *e, device *d, const fxs_fit_photograph *p, photograph_slot **out, fxs_message *why)
+/* Starts the copy of a photograph, beside the kernels of the steps before; those of this step wait for it. It goes by
+   page-locked memory of the engine's own: the caller's may share pages with other things. */
+int send_photograph(device *d, const fxs_fit_photograph *p, photograph_slot **out, fxs_message *why)
 {
     photograph_slot *slot = &d->photographs[d->next_photograph++ % PHOTOGRAPHS];
     const size_t bytes = 3 * (size_t)p->width * (size_t)p->height;
-    int error = reserve(&d->memory, &slot->pixels, bytes, why);
+    int error = check(why, cudaEventSynchronize(slot->ready));
+    error = error ? error : reserve(&d->memory, &slot->pixels, bytes, why);
+    error = error ? error : reserve_host(&slot->sent, bytes, why);
     if (error)
         return error;
-    lock_pages(e, p->pixels, bytes);
+    memcpy(slot->sent.data, p->pixels, bytes);
     cudaStreamWaitEvent(d->copies, slot->is_free, 0);
-    cudaMemcpyAsync(slot->pixels.data, p->pixels, bytes, cudaMemcpyHostToDevice, d->copies);
+    cudaMemcpyAsync(slot->pixels.data, slot->sent.data, bytes, cudaMemcpyHostToDevice, d->copies);
     cudaEventRecord(slot->ready, d->copies);
     *out = slot;
     return check(why, cudaGetLastError(), cudaStreamWaitEvent(d->stream, slot->ready, 0));
@@ -225,7 +200,7 @@ int find_loss(engine *e, device *d, const step_order *s, uint32_t view, fxs_mess
     const fxs_fit_photograph *p = &s->photographs[view];
     step_buffers *b = &d->buffers;
     photograph_slot *slot;
-    int error = send_photograph(e, d, p, &slot, why);
+    int error = send_photograph(d, p, &slot, why);
     if (error)
         return error;
     const uint8_t *pixels = (const uint8_t *)slot->pixels.data;
@@ -576,6 +551,7 @@ void close(device *d)
         reserve(&d->memory, b, 0, nullptr);
     for (photograph_slot &slot : d->photographs) {
         reserve(&d->memory, &slot.pixels, 0, nullptr);
+        cudaFreeHost(slot.sent.data);
         cudaEventDestroy(slot.ready);
         cudaEventDestroy(slot.is_free);
     }
@@ -595,7 +571,6 @@ void free_engine(void *self)
         return;
     for (uint32_t i = 0; i < e->device_count; i++)
         close(&e->devices[i]);
-    unlock_pages(e);
     for (host_block &rows : e->rows)
         cudaFreeHost(rows.data);
     cudaFreeHost(e->statuses);
