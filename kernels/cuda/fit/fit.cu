@@ -151,7 +151,7 @@ uint64_t view_numbers(const device *d)
 int reserve_views(device *d, uint32_t count, fxs_message *why)
 {
     const uint64_t numbers = view_numbers(d);
-    const int error = count > 1 ? reserve(&d->memory, &d->sums_of_views, count * numbers * sizeof(float), why) : 0;
+    const int error = reserve(&d->memory, &d->sums_of_views, count * numbers * sizeof(float), why);
     for (uint32_t v = 0; v < count && !error; v++)
         d->views[v] = (float *)d->sums_of_views.data + v * numbers;
     return error;
@@ -300,19 +300,15 @@ int update(engine *e, device *d, const step_order *s, fxs_message *why)
     const fxs_fit_adam adam = adam_of(e, s);
     const fxs_fit_step_options *o = &s->options;
     step_buffers *b = &d->buffers;
-    cudaError_t failure = cudaSuccess;
-    if (s->count == 1)
-        failure = launch_update(b, &d->model, &s->photographs[0].camera, o->sh_degree, &adam, d->stream);
-    else {
-        fxs_fit_camera cameras[FXS_FIT_BATCH];
-        flags f;
-        for (uint32_t v = 0; v < s->count; v++) {
-            cameras[v] = s->photographs[v].camera;
-            f.of_views[v] = d->views[v] + VIEW_PLANES * (size_t)d->model.stride;
-        }
-        hear_full<<<1, 1, 0, d->stream>>>(b->status, f, s->count);
-        failure = launch_update_batch(b, &d->model, d->views, cameras, s->count, o->sh_degree, &adam, d->stream);
+    fxs_fit_camera cameras[FXS_FIT_BATCH];
+    flags f;
+    for (uint32_t v = 0; v < s->count; v++) {
+        cameras[v] = s->photographs[v].camera;
+        f.of_views[v] = d->views[v] + VIEW_PLANES * (size_t)d->model.stride;
     }
+    if (e->device_count > 1)
+        hear_full<<<1, 1, 0, d->stream>>>(b->status, f, s->count);
+    cudaError_t failure = launch_update(b, &d->model, d->views, cameras, s->count, o->sh_degree, &adam, d->stream);
     if (o->noise.amount > 0)
         failure = first_of(failure, launch_noise(b, &d->model, &o->noise, d->stream));
     if (d->model.masters)
@@ -339,10 +335,12 @@ int pass_all(engine *e, const step_order *s, fxs_message *why)
         const on_device here(d->number);
         error = reserve_views(d, s->count, why);
         error = error ? error : pass(e, d, s, v, why);
-        if (error || s->count == 1)
-            continue;
+        if (error)
+            break;
         wait_for_receivers(e, d);
         error = check(why, launch_gather(&d->buffers, &d->model, d->views[v], d->stream));
+        if (e->device_count == 1)
+            continue;
         say_full<<<1, 1, 0, d->stream>>>(d->buffers.status, d->views[v] + VIEW_PLANES * (size_t)d->model.stride);
         error = error ? error : check(why, cudaGetLastError(), cudaEventRecord(d->gathered, d->stream));
     }

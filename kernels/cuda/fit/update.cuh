@@ -7,8 +7,6 @@
 namespace {
 
 /* A block's Gaussians are a part of stage.h. */
-const uint32_t PART_WARPS = FXS_FIT_PART / WARP;
-
 inline uint32_t part_count(const device_model *m)
 {
     return (m->count + FXS_FIT_PART - 1) / FXS_FIT_PART;
@@ -16,144 +14,46 @@ inline uint32_t part_count(const device_model *m)
 
 /* ---- gather ------------------------------------------------------------------------------------------------------ */
 
-/* Sums of so many tiles at once, of a splat of many. */
-const uint32_t STAGED_TILES = 64;
+const uint32_t GATHERED = WARP;    /* Gaussians of a block of threads, which are each one's of a sum */
 
-struct staged_sums {
-    float numbers[PART_WARPS][STAGED_TILES * FXS_FIT_SUMS];
-};
-
-/* Those of a slot, which begin at any number of the four that are read at once. */
-__device__ inline void read_slot(const float *sums, uint32_t slot, float out[FXS_FIT_SUMS])
+/* The sums of Gaussians over their tiles, in their order, to planes. */
+__global__ void __launch_bounds__(GATHERED *FXS_FIT_SUMS) gather_view(step_buffers b, device_model m, float *planes)
 {
-    const uint64_t at = (uint64_t)slot * FXS_FIT_SUMS;
-    const float4 *from = (const float4 *)sums + at / 4;
-    const float4 a = from[0], b = from[1], c = from[2];
-    const float read[12] = {a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y, c.z, c.w};
-    float half[10];
-    for (int k = 0; k < 10; k++)
-        half[k] = at & 2 ? read[k + 2] : read[k];
-    for (int k = 0; k < FXS_FIT_SUMS; k++)
-        out[k] = at & 1 ? half[k + 1] : half[k];
-}
-
-/* Some slots are under way at once; 0 changes no sum, as none is -0. */
-__device__ inline void add_small(const float *sums, uint32_t slot, uint32_t tiles, float total[FXS_FIT_SUMS])
-{
-    const uint32_t at_once = 4;
-    for (uint32_t t = 0; t < tiles; t += at_once) {
-        float own[at_once][FXS_FIT_SUMS];
-#pragma unroll
-        for (uint32_t u = 0; u < at_once; u++) {
-            memset(own[u], 0, sizeof own[u]);
-            if (t + u < tiles)
-                read_slot(sums, slot + t + u, own[u]);
-        }
-#pragma unroll
-        for (uint32_t u = 0; u < at_once; u++)
-            for (int k = 0; k < FXS_FIT_SUMS; k++)
-                total[k] += own[u][k];
-    }
-}
-
-/* By a warp: of one splat; each total is a thread's. */
-__device__ inline float add_large(const float *sums, uint32_t slot, uint32_t tiles, float *staged)
-{
-    const uint32_t lane = threadIdx.x % WARP;
-    const float *from = sums + (uint64_t)slot * FXS_FIT_SUMS;
-    float total = 0;
-    for (uint32_t first = 0; first < tiles; first += STAGED_TILES) {
-        const uint32_t count = min(tiles - first, STAGED_TILES);
-#pragma unroll
-        for (uint32_t i = lane; i < STAGED_TILES * FXS_FIT_SUMS; i += WARP)
-            if (i < count * FXS_FIT_SUMS)
-                staged[i] = from[(uint64_t)first * FXS_FIT_SUMS + i];
-        __syncwarp();
-        for (uint32_t t = 0; t < count && lane < FXS_FIT_SUMS; t++)
-            total += staged[t * FXS_FIT_SUMS + lane];
-        __syncwarp();
-    }
-    return total;
-}
-
-/* The sums of a thread's Gaussian over its tiles, in their order; by the whole block. Returns whether it is in the
-   picture. */
-__device__ inline bool gather_sums(const step_buffers &b, uint32_t i, uint32_t count, staged_sums *staged,
-                                   float total[FXS_FIT_SUMS])
-{
-    const fxs_fit_splat *splat = &b.splats[i];
-    const bool is_seen = i < count && splat->depth > 0;
-    const uint32_t slot = is_seen ? splat->slot : 0, tiles = is_seen ? (uint32_t)splat->tiles : 0;
-    const uint32_t lane = threadIdx.x % WARP, warp = threadIdx.x / WARP;
-    for (int k = 0; k < FXS_FIT_SUMS; k++)
-        total[k] = 0;
-    if (tiles <= LARGE_TILES)
-        add_small(b.sums, slot, tiles, total);
-    for (uint32_t large = __ballot_sync(ALL_LANES, tiles > LARGE_TILES); large; large &= large - 1) {
-        const uint32_t from = (uint32_t)__ffs((int)large) - 1;
-        const float own = add_large(b.sums, __shfl_sync(ALL_LANES, slot, from), __shfl_sync(ALL_LANES, tiles, from),
-                                    staged->numbers[warp]);
-        for (int k = 0; k < FXS_FIT_SUMS; k++) {
-            const float sum = __shfl_sync(ALL_LANES, own, k);
-            total[k] = lane == from ? sum : total[k];
-        }
-    }
-    return is_seen;
-}
-
-__global__ void __launch_bounds__(FXS_FIT_PART) gather_view(step_buffers b, device_model m, float *planes)
-{
-    __shared__ staged_sums staged;
-    const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
-    float total[FXS_FIT_SUMS];
+    __shared__ float totals[FXS_FIT_SUMS][GATHERED + 1];
     if (is_stopped(b.status))
         return;
-    const bool is_seen = gather_sums(b, i, m.count, &staged, total);
-    if (i >= m.count)
-        return;
-    for (int k = 0; k < FXS_FIT_SUMS; k++)
-        planes[(size_t)k * m.stride + i] = total[k];
-    planes[(size_t)FXS_FIT_SUMS * m.stride + i] = is_seen;
+    const uint32_t first = blockIdx.x * GATHERED, own = threadIdx.x / FXS_FIT_SUMS, k = threadIdx.x % FXS_FIT_SUMS;
+    const fxs_fit_splat *splat = &b.splats[first + own];
+    const bool is_seen = first + own < m.count && splat->depth > 0;
+    const uint32_t tiles = is_seen ? (uint32_t)splat->tiles : 0;
+    const float *sums = b.sums + (size_t)(is_seen ? splat->slot : 0) * FXS_FIT_SUMS + k;
+    float total = 0;
+#pragma unroll 8
+    for (uint32_t t = 0; t < tiles; t++)
+        total += sums[(size_t)t * FXS_FIT_SUMS];
+    totals[k][own] = total;
+    if (k == 0 && first + own < m.count)
+        planes[(size_t)FXS_FIT_SUMS * m.stride + first + own] = is_seen;
+    __syncthreads();
+    const uint32_t column = threadIdx.x % GATHERED, row = threadIdx.x / GATHERED;
+    if (first + column < m.count)
+        planes[(size_t)row * m.stride + first + column] = totals[row][column];
 }
 
 /* The sums of a view to FXS_FIT_SUMS planes, m->stride numbers each, and one more: 1 where a Gaussian is in the
    picture, or 0. */
 cudaError_t launch_gather(const step_buffers *b, const device_model *m, float *planes, cudaStream_t stream)
 {
-    gather_view<<<part_count(m), FXS_FIT_PART, 0, stream>>>(*b, *m, planes);
+    gather_view<<<(m->count + GATHERED - 1) / GATHERED, GATHERED * FXS_FIT_SUMS, 0, stream>>>(*b, *m, planes);
     return cudaGetLastError();
 }
 
 /* ---- Gradients --------------------------------------------------------------------------------------------------- */
 
-/* Of a Gaussian, by one view. That of SH is not kept, but found where it is needed. */
-template <int Degree>
+/* Of a Gaussian, by one view. That of SH is the basis, which hangs on the direction, times g. */
 struct view_gradient {
     real shape[FXS_FIT_SH], g[3];
     look l;
-
-    __device__ real sh(int k) const
-    {
-        return l.basis[k / 3] * g[k % 3];
-    }
-};
-
-/* By several, whose SH's are found anew; of views without a gradient `g` is 0. */
-template <int Degree>
-struct batch_gradient {
-    real shape[FXS_FIT_SH], g[FXS_FIT_BATCH][3], direction[FXS_FIT_BATCH][3];
-    uint32_t views;
-
-    __device__ real sh(int k) const
-    {
-        real total = 0;
-        for (uint32_t v = 0; v < views; v++) {
-            real basis[15];
-            basis_of(direction[v], Degree, basis);
-            total += basis[k / 3] * g[v][k % 3];
-        }
-        return total;
-    }
 };
 
 __device__ inline bool is_any(const float sums[FXS_FIT_SUMS])
@@ -167,7 +67,7 @@ __device__ inline bool is_any(const float sums[FXS_FIT_SUMS])
 /* Returns whether there is one that is finite and not too large; else it is 0. `at`: the Gaussian's first parameter. */
 template <int Degree>
 __device__ inline bool find_view_gradient(const fxs_fit_camera *camera, const float *at, size_t stride,
-                                          const float sums[FXS_FIT_SUMS], view_gradient<Degree> *out, float *by_centre)
+                                          const float sums[FXS_FIT_SUMS], view_gradient *out, float *by_centre)
 {
     bool is_touched = is_any(sums);
     if (is_touched) {
@@ -176,7 +76,7 @@ __device__ inline bool find_view_gradient(const fxs_fit_camera *camera, const fl
         for (int k = 0; k < FXS_FIT_SH; k++)
             is_touched = is_touched && absolute(out->shape[k]) < FXS_FIT_FARTHEST_GRADIENT;
         for (int k = 0; k < 3 * SH_COUNT(Degree); k++)
-            is_touched = is_touched && absolute(out->sh(k)) < FXS_FIT_FARTHEST_GRADIENT;
+            is_touched = is_touched && absolute(out->l.basis[k / 3] * out->g[k % 3]) < FXS_FIT_FARTHEST_GRADIENT;
         if (is_touched)
             *by_centre += centre_gradient(camera, centre);
     }
@@ -197,7 +97,7 @@ __device__ inline void add_regularisers(const fxs_fit_adam *adam, const float *a
         gradient[k] = scale_regularised(adam, gradient[k], at[k * stride]);
 }
 
-const int AT_ONCE = 6;             /* parameters */
+const int AT_ONCE = 7;             /* parameters */
 
 __device__ inline bool has_limits(int k)
 {
@@ -255,109 +155,123 @@ __device__ inline void limit_parameters(const device_model &m, float *to, size_t
             to[(size_t)k * m.stride + i] = within_limits(to[(size_t)k * m.stride + i]);
 }
 
-/* By the whole block. */
-template <int Degree, class Gradient>
-__device__ inline void update_part(const fxs_fit_adam *adam, const device_model &m, uint32_t i, bool is_touched,
-                                   Gradient *gradient)
-{
-    float *const to = m.masters ? m.masters : m.parameters;
-    if (adam->only_touched && !__syncthreads_or(is_touched))
-        return;
-    if (i >= m.count)
-        return;
-    if (adam->only_touched && !is_touched) {
-        limit_parameters(m, to, i);
-        return;
-    }
-    if (adam->by_opacity > 0)
-        add_regularisers(adam, m.parameters + i, m.stride, gradient->shape);
-    move_parameters<FXS_FIT_SH>(adam, 0, m, to, i, [&](int k) { return gradient->shape[k]; });
-    if constexpr (Degree > 0)
-        if (!adam->without_sh)
-            move_parameters<3 * SH_COUNT(Degree)>(adam, FXS_FIT_SH, m, to, i,
-                                                  [&](int k) { return gradient->sh(k - FXS_FIT_SH); });
-}
+/* ---- update ------------------------------------------------------------------------------------------------------ */
 
-template <int Degree>
-__global__ void __launch_bounds__(FXS_FIT_PART, 2)
-    update_by_view(step_buffers b, device_model m, const __grid_constant__ fxs_fit_camera camera,
-                   const __grid_constant__ fxs_fit_adam adam)
-{
-    __shared__ staged_sums staged;
-    const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
-    float sums[FXS_FIT_SUMS];
-    view_gradient<Degree> gradient;
-    if (is_stopped(b.status))
-        return;
-    if (gather_sums(b, i, m.count, &staged, sums))
-        m.views[i] += 1;
-    const bool is_touched =
-        find_view_gradient(&camera, m.parameters + i, m.stride, sums, &gradient, m.by_centre + i);
-    update_part<Degree>(&adam, m, i, is_touched, &gradient);
-}
+/* Of each view: its planes (see launch_gather). Once the sums were read, there are g, the direction and, of the first
+   view, whether any view touches the Gaussian. */
+enum { PLANE_G = 0, PLANE_DIRECTION = 3, PLANE_TOUCHED = 6 };
 
-cudaError_t launch_update(const step_buffers *b, const device_model *m, const fxs_fit_camera *camera, int degree,
-                          const fxs_fit_adam *adam, cudaStream_t stream)
-{
-    by_degree(degree, [&](auto d) {
-        constexpr int Degree = d.value;
-        update_by_view<Degree><<<part_count(m), FXS_FIT_PART, 0, stream>>>(*b, *m, *camera, *adam);
-    });
-    return cudaGetLastError();
-}
-
-/* ---- Batches ----------------------------------------------------------------------------------------------------- */
-
-/* Of each view: its planes (see launch_gather). */
 struct batch_views {
     uint32_t count;
-    const float *planes[FXS_FIT_BATCH];
+    float *planes[FXS_FIT_BATCH];
     fxs_fit_camera cameras[FXS_FIT_BATCH];
 };
 
 /* Adds the gradient by a view; returns whether there is one. */
 template <int Degree>
 __device__ inline bool add_view(const batch_views &views, uint32_t v, const device_model &m, size_t i,
-                                batch_gradient<Degree> *total)
+                                real total[FXS_FIT_SH])
 {
-    float sums[FXS_FIT_SUMS];
-    view_gradient<Degree> own;
+    float sums[FXS_FIT_SUMS], *const planes = views.planes[v] + i;
+    view_gradient own;
+#pragma unroll
     for (int k = 0; k < FXS_FIT_SUMS; k++)
-        sums[k] = views.planes[v][(size_t)k * m.stride + i];
-    if (views.planes[v][(size_t)FXS_FIT_SUMS * m.stride + i] > 0)
+        sums[k] = planes[(size_t)k * m.stride];
+    if (planes[(size_t)FXS_FIT_SUMS * m.stride] > 0)
         m.views[i] += 1;
     const bool is_touched =
-        find_view_gradient(&views.cameras[v], m.parameters + i, m.stride, sums, &own, m.by_centre + i);
+        find_view_gradient<Degree>(&views.cameras[v], m.parameters + i, m.stride, sums, &own, m.by_centre + i);
     for (int k = 0; k < FXS_FIT_SH; k++)
-        total->shape[k] += own.shape[k];
-    for (int k = 0; k < 3; k++) {
-        total->g[v][k] = own.g[k];
-        total->direction[v][k] = own.l.direction[k];
+        total[k] += own.shape[k];
+    for (int k = 0; k < 3 && Degree > 0; k++) {
+        planes[(size_t)(PLANE_G + k) * m.stride] = own.g[k];
+        planes[(size_t)(PLANE_DIRECTION + k) * m.stride] = own.l.direction[k];
     }
     return is_touched;
 }
 
+/* All but SH above degree 0. */
 template <int Degree>
 __global__ void __launch_bounds__(FXS_FIT_PART, 2)
-    update_by_batch(step_buffers b, device_model m, const __grid_constant__ batch_views views,
-                    const __grid_constant__ fxs_fit_adam adam)
+    update_shapes(step_buffers b, device_model m, const __grid_constant__ batch_views views,
+                  const __grid_constant__ fxs_fit_adam adam)
 {
     const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
-    batch_gradient<Degree> total;
+    float *const to = m.masters ? m.masters : m.parameters;
+    real gradient[FXS_FIT_SH] = {0};
     bool is_touched = false;
     if (is_stopped(b.status))
         return;
-    memset(total.shape, 0, sizeof total.shape);
-    total.views = views.count;
+#pragma unroll 1
     for (uint32_t v = 0; v < views.count && i < m.count; v++)
-        is_touched = add_view<Degree>(views, v, m, i, &total) || is_touched;
-    update_part<Degree>(&adam, m, i, is_touched, &total);
+        is_touched = add_view<Degree>(views, v, m, i, gradient) || is_touched;
+    if (i < m.count)
+        views.planes[0][(size_t)PLANE_TOUCHED * m.stride + i] = is_touched;
+    if (adam.only_touched && !__syncthreads_or(is_touched))
+        return;
+    if (i >= m.count)
+        return;
+    if (adam.only_touched && !is_touched) {
+        limit_parameters(m, to, i);
+        return;
+    }
+    if (adam.by_opacity > 0)
+        add_regularisers(&adam, m.parameters + i, m.stride, gradient);
+    move_parameters<FXS_FIT_SH>(&adam, 0, m, to, i, [&](int k) { return gradient[k]; });
+}
+
+const int SH_AT_ONCE = 2;          /* coefficients, of three colours each */
+
+/* SH coefficients from First on. */
+template <int Degree, int First>
+__device__ inline void update_some_sh(const fxs_fit_adam *adam, const batch_views &views, const device_model &m,
+                                      uint32_t i)
+{
+    const int count = SH_COUNT(Degree) - First < SH_AT_ONCE ? SH_COUNT(Degree) - First : SH_AT_ONCE;
+    real gradient[3 * count] = {0};
+    for (uint32_t v = 0; v < views.count; v++) {
+        const float *planes = views.planes[v] + i;
+        real direction[3], basis[15], g[3];
+        for (int k = 0; k < 3; k++) {
+            g[k] = planes[(size_t)(PLANE_G + k) * m.stride];
+            direction[k] = planes[(size_t)(PLANE_DIRECTION + k) * m.stride];
+        }
+        basis_of(direction, Degree, basis);
+        for (int k = 0; k < 3 * count; k++)
+            gradient[k] += basis[First + k / 3] * g[k % 3];
+    }
+    const int first = FXS_FIT_SH + 3 * First;
+    move_some<3 * count>(adam, first, m, m.masters ? m.masters : m.parameters, i,
+                         [&](int k) { return gradient[k - first]; });
+}
+
+/* Calls update_some_sh for the block's part of the coefficients. */
+template <int Degree, int First>
+__device__ inline void update_part_of_sh(const fxs_fit_adam *adam, const batch_views &views, const device_model &m,
+                                         uint32_t i, uint32_t part)
+{
+    if (part == First / SH_AT_ONCE)
+        update_some_sh<Degree, First>(adam, views, m, i);
+    else if constexpr (First + SH_AT_ONCE < SH_COUNT(Degree))
+        update_part_of_sh<Degree, First + SH_AT_ONCE>(adam, views, m, i, part);
+}
+
+template <int Degree>
+__global__ void __launch_bounds__(FXS_FIT_PART, 3)
+    update_sh(step_buffers b, device_model m, const __grid_constant__ batch_views views,
+              const __grid_constant__ fxs_fit_adam adam)
+{
+    const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
+    if (i >= m.count || is_stopped(b.status))
+        return;
+    if (!adam.only_touched || views.planes[0][(size_t)PLANE_TOUCHED * m.stride + i] > 0)
+        update_part_of_sh<Degree, 0>(&adam, views, m, i, blockIdx.y);
 }
 
 /* By the planes of `count` views, in their order. */
-cudaError_t launch_update_batch(const step_buffers *b, const device_model *m, float *const *planes,
-                                const fxs_fit_camera *cameras, uint32_t count, int degree, const fxs_fit_adam *adam,
-                                cudaStream_t stream)
+cudaError_t launch_update(const step_buffers *b, const device_model *m, float *const *planes,
+                          const fxs_fit_camera *cameras, uint32_t count, int degree, const fxs_fit_adam *adam,
+                          cudaStream_t stream)
 {
     batch_views views;
     memset(&views, 0, sizeof views);
@@ -368,7 +282,11 @@ cudaError_t launch_update_batch(const step_buffers *b, const device_model *m, fl
     }
     by_degree(degree, [&](auto d) {
         constexpr int Degree = d.value;
-        update_by_batch<Degree><<<part_count(m), FXS_FIT_PART, 0, stream>>>(*b, *m, views, *adam);
+        update_shapes<Degree><<<part_count(m), FXS_FIT_PART, 0, stream>>>(*b, *m, views, *adam);
+        if constexpr (Degree > 0)
+            if (!adam->without_sh)
+                update_sh<Degree><<<dim3(part_count(m), (SH_COUNT(Degree) + SH_AT_ONCE - 1) / SH_AT_ONCE),
+                                    FXS_FIT_PART, 0, stream>>>(*b, *m, views, *adam);
     });
     return cudaGetLastError();
 }
