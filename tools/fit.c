@@ -24,6 +24,8 @@ static const char help[] =
     "  --resolution N      pixels of a photograph's longer side, at most: averaged down to it (default 1600)\n"
     "  --sh-degree D       highest SH degree, 0 to 3 (default 3)\n"
     "  --batch N           photographs of a step, 1 to 8 (default 1; with several devices, one for each)\n"
+    "  --block I/N         only the I-th of N blocks of space (N up to 4096), with the photographs that see it; OUT is\n"
+    "                      a .ply of what lies in it, and convert makes one scene of all\n"
     "  --max-gaussians N   at most so many (default 4194304, mcmc 1000000)\n"
     "  --seed N            of all that is random (default 0)\n"
     "  --cutoff NAME       mahalanobis (default) or square\n"
@@ -54,7 +56,7 @@ static const char help[] =
     "  fixsplat fit garden -o garden.fxs --resume garden.fxs.fit\n";
 
 enum { OPT_RECIPE = OPT_OWN, OPT_STEPS, OPT_RESOLUTION, OPT_SEED, OPT_HOLD_OUT, OPT_SAVE_EVERY, OPT_RESUME,
-       OPT_SKIP_BAD, OPT_COMPARE, OPT_JSON, OPT_BATCH, OPTIONS_END };
+       OPT_SKIP_BAD, OPT_COMPARE, OPT_JSON, OPT_BATCH, OPT_BLOCK, OPTIONS_END };
 
 typedef struct fit_command {
     frame_options frame;            /* background, cut-off, SH degree, profile, threads, instruction sets */
@@ -62,6 +64,7 @@ typedef struct fit_command {
     fxs_fit_options options;
     const char *in, *out, *resume, *compare;
     char *saved;                    /* OUT.fit */
+    uint32_t block, blocks;         /* 0: all */
     uint64_t save_every;            /* 0: never */
     int json;
     char given[OPTIONS_END];        /* by option, those that were */
@@ -88,6 +91,21 @@ static int take_number(const char *name, const char *value, uint64_t low, uint64
                           high);
 }
 
+static int take_block(fit_command *c, const char *value)
+{
+    const char *slash = strchr(value, '/');
+    const size_t length = slash ? (size_t)(slash - value) : 0;
+    char first[8] = "";
+    uint64_t block, blocks;
+    if (length && length < sizeof first)
+        memcpy(first, value, length);
+    if (!slash || !parse_count(slash + 1, 1, FXS_FIT_BLOCKS_MOST, &blocks) || !parse_count(first, 1, blocks, &block))
+        return fail(EXIT_USAGE, "--block %s: expected I/N, I from 1 to N, N up to %d", value, FXS_FIT_BLOCKS_MOST);
+    c->block = (uint32_t)block;
+    c->blocks = (uint32_t)blocks;
+    return 0;
+}
+
 static int take_option(fit_command *c, int which, const char *value)
 {
     uint64_t number = 0;
@@ -112,6 +130,7 @@ static int take_option(fit_command *c, int which, const char *value)
         status = take_number("batch", value, 1, 8, &number);
         c->options.batch = (uint32_t)number;
         return status;
+    case OPT_BLOCK: return take_block(c, value);
     case OPT_SEED: return take_number("seed", value, 0, UINT64_MAX, &c->options.seed);
     case OPT_HOLD_OUT:
         status = take_number("hold-out", value, 0, UINT32_MAX, &number);
@@ -179,6 +198,7 @@ static int take_options(fit_command *c, int argc, char **argv)
         {"sh-degree", required_argument, 0, OPT_SH_DEGREE}, {"max-gaussians", required_argument, 0, OPT_MAX_GAUSSIANS},
         {"backend", required_argument, 0, OPT_BACKEND}, {"device", required_argument, 0, OPT_DEVICE},
         {"max-memory", required_argument, 0, OPT_MAX_MEMORY}, {"batch", required_argument, 0, OPT_BATCH},
+        {"block", required_argument, 0, OPT_BLOCK},
         {"seed", required_argument, 0, OPT_SEED}, {"cutoff", required_argument, 0, OPT_CUTOFF},
         {"background", required_argument, 0, OPT_BG}, {"profile", required_argument, 0, OPT_PROFILE},
         {"hold-out", required_argument, 0, OPT_HOLD_OUT}, {"save-every", required_argument, 0, OPT_SAVE_EVERY},
@@ -206,6 +226,8 @@ static int take_options(fit_command *c, int argc, char **argv)
         return fail(EXIT_USAGE, "fit takes one folder or file of photographs; see: fixsplat fit --help");
     if (!c->out)
         return fail(EXIT_USAGE, "fit: where to? Give -o OUT.fxs or OUT.ply");
+    if (c->blocks && !ends_with(c->out, ".ply"))
+        return fail(EXIT_USAGE, "--block: %s: expected a name ending in .ply, that convert merges", c->out);
     c->in = argv[optind];
     return finish_options(c);
 }
@@ -461,10 +483,11 @@ static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photo
 }
 
 /* A scene that cannot be written is not lost. */
-static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const progress *p, char **argv)
+static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
+                  const progress *p, char **argv)
 {
     fit_result result;
-    int status = result_write(&result, fit, c->out);
+    int status = result_write(&result, fit, block, c->out);
     if (status)
         save_for_later(c, fit, "saved", argv);
     else
@@ -477,7 +500,7 @@ static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, 
     return status;
 }
 
-static int fit_photos(const fit_command *c, const fxs_photos *photos, char **argv)
+static int fit_photos(const fit_command *c, const fxs_photos *photos, const fxs_fit_block *block, char **argv)
 {
     fxs_fit *fit;
     int status = open_fit(c, photos, &fit);
@@ -493,7 +516,7 @@ static int fit_photos(const fit_command *c, const fxs_photos *photos, char **arg
             if (!save_for_later(c, fit, "stopped", argv))
                 raise(asked);      /* and it ends as the signal would have */
         } else if (!status)
-            status = finish(c, fit, photos, &p, argv);
+            status = finish(c, fit, photos, block, &p, argv);
     }
     fxs_fit_free(fit);
     return status;
@@ -516,6 +539,23 @@ static void say_left_out(void *label, const char *why)
     (void)label;
     progress_end();
     fprintf(stderr, "fixsplat: left out: %s\n", why);
+}
+
+/* As if the whole set were what the block needs of it. */
+static int fit_block(fit_command *c, const fxs_photos *whole, char **argv)
+{
+    fxs_fit_block block;
+    fxs_message message;
+    if (fxs_fit_block_choose(whole, c->block, c->blocks, &block, &message))
+        return fail(EXIT_FAILED, "%s: %s", c->in, message.text);
+    c->options.extent = block.extent;
+    c->options.block = c->block;
+    c->options.blocks = c->blocks;
+    if (isatty(STDERR_FILENO))
+        say_sizes(&block.photos);
+    const int status = fit_photos(c, &block.photos, &block, argv);
+    fxs_fit_block_free(&block);
+    return status;
 }
 
 static int read_photos(fit_command *c, fxs_photos *photos)
@@ -554,7 +594,7 @@ int command_fit(int argc, char **argv)
     c.options.threads = pool ? c.frame.threads : 1;
     status = read_photos(&c, &photos);
     if (!status)
-        status = fit_photos(&c, &photos, argv);
+        status = c.blocks ? fit_block(&c, &photos, argv) : fit_photos(&c, &photos, 0, argv);
     fxs_photos_free(&photos);
     fxs_pool_destroy(pool);
     free(c.saved);

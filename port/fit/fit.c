@@ -195,7 +195,8 @@ int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_coun
         *fit = NULL;
         return error;
     }
-    (*fit)->extent = fxs_fit_extent(photos, photo_count, points, point_count);
+    (*fit)->extent = options->extent > 0 ? options->extent
+                                         : fxs_fit_extent(photos, photo_count, points, point_count);
     return 0;
 }
 

@@ -70,6 +70,9 @@ typedef struct fxs_fit_options {
     void *pool;
     uint32_t threads;              /* that run uses, 1 to 64; 0: 1 */
     fxs_clock_fn *clock;           /* null: no times are reported */
+    float extent;                  /* of the scene, that learning rates go by; 0: that of the photographs */
+    uint32_t block, blocks;        /* which part of a larger fit this is, up to 65535: a saved fit goes on only as the
+                                      same; 0, 0: no part */
     uint32_t device_count;         /* NVIDIA GPUs that make the steps, each as many photographs of a batch; 0: the
                                       processor does. The scene does not depend on it */
     int devices[8];                /* their numbers */

@@ -200,5 +200,5 @@ awk '{ $4 = -1000; print }' set/sparse/0/points3D.txt >behind/sparse/0/points3D.
 fails "points behind every camera" 1 "behind" fit behind -o x.fxs --steps 5
 check "--help: every option" equal "$("$fixsplat" fit --help | grep -Eo '^  (-o, )?--[a-z-]+' | sed 's/.*--//' |
     sort | tr '\n' ' ')" "$(printf '%s\n' output recipe steps resolution sh-degree max-gaussians seed cutoff background profile \
-    hold-out skip-bad compare save-every resume threads cpu json help | sort | tr '\n' ' ')"
+    hold-out skip-bad block compare save-every resume threads cpu json help | sort | tr '\n' ' ')"
 finish
