@@ -93,7 +93,7 @@ int result_write(fit_result *r, fxs_fit *fit, const fxs_fit_block *block, const 
     if (!result)
         result = ends_with(out, ".ply") ? write_floats(fit, block, out, &message)
                                         : fxs_file_write(out, r->packed.data, r->packed.bytes, &message);
-    return result ? fail(EXIT_FAILED, "%s", message.text) : 0;
+    return result ? fail_for(&message) : 0;
 }
 
 /* ---- Measuring --------------------------------------------------------------------------------------------------- */
