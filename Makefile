@@ -15,7 +15,7 @@ HEADERS := $(CORE_HEADERS) kernels/cuda/cuda.h kernels/gles/gles.h port/egl/egl.
            $(addprefix port/scene/,scene_file.h scene_filter.h fxs_file.h ply_write.h splat_write.h spz_write.h) \
            port/camera/camera.h port/camera/camera_file.h port/image/image_file.h port/import/pack.h \
            port/world/world.h port/backend/backends.h port/backend/foveate.h port/board/strip.h \
-           port/fit/fit.h port/fit/photos.h
+           port/fit/fit.h port/fit/photos.h port/fit/blocks.h
 
 PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libzstd-dev libegl-dev libgles-dev \
             libsdl2-dev libmicrohttpd-dev

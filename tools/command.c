@@ -1,6 +1,7 @@
 #include "command.h"
 
 #include <errno.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -17,6 +18,20 @@ int fail(int status, const char *format, ...)
     va_end(arguments);
     fputc('\n', stderr);
     return status;
+}
+
+const char *needed_bytes(char text[64], const fxs_message *why)
+{
+    text[0] = 0;
+    if (why->bytes_needed)
+        snprintf(text, 64, ": it needs at least %" PRIu64 " bytes", why->bytes_needed);
+    return text;
+}
+
+int fail_for(const fxs_message *why)
+{
+    char needed[64];
+    return fail(EXIT_FAILED, "%s%s", why->text, needed_bytes(needed, why));
 }
 
 int wrong_option(char **argv)

@@ -29,6 +29,12 @@ __attribute__((format(printf, 2, 3)))
 #endif
 int fail(int status, const char *format, ...);
 
+/* Writes and returns what is printed behind a message: how much memory it says is needed, or nothing. */
+const char *needed_bytes(char text[64], const fxs_message *why);
+
+/* Prints the message with that behind it, and returns EXIT_FAILED. */
+int fail_for(const fxs_message *why);
+
 /* After getopt_long met a wrong option (opterr is 0): names it, points at --help and returns EXIT_USAGE. */
 int wrong_option(char **argv);
 

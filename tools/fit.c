@@ -12,11 +12,11 @@
 
 static const char help[] =
     "Usage: fixsplat fit PHOTOS -o OUT [OPTION...]\n\n"
-    "Fits a scene to photographs, on the processor or on NVIDIA GPUs: the same file, byte for byte, for the same photographs, options\n"
-    "and seed, whatever the machine and the threads. PHOTOS is a COLMAP folder (images, and sparse/0 or sparse with\n"
-    ".bin or .txt), a transforms.json of nerfstudio or Blender, Inria's cameras.json with images beside it, or a\n"
-    "folder with one of those. At the end the packed scene is rendered from where photographs were held out, and PSNR\n"
-    "and SSIM are printed.\n\n"
+    "Fits a scene to photographs, on the processor or on NVIDIA GPUs: the same file, byte for byte, for the same\n"
+    "photographs, options and seed, whatever the machine and the threads. PHOTOS is a COLMAP folder (images, and\n"
+    "sparse/0 or sparse with .bin or .txt), a transforms.json of nerfstudio or Blender, Inria's cameras.json with\n"
+    "images beside it, or a folder with one of those. At the end the packed scene is rendered from where photographs\n"
+    "were held out, and PSNR and SSIM are printed.\n\n"
     "  -o, --output OUT    .fxs (packed) or .ply (floats)\n"
     "  --recipe NAME       reference (default: Kerbl et al. 2023), mcmc (Kheradmand et al. 2024: up to a number of\n"
     "                      Gaussians) or fast (small photographs first, fewer steps)\n"
@@ -24,6 +24,8 @@ static const char help[] =
     "  --resolution N      pixels of a photograph's longer side, at most: averaged down to it (default 1600)\n"
     "  --sh-degree D       highest SH degree, 0 to 3 (default 3)\n"
     "  --batch N           photographs of a step, 1 to 8 (default 1; with several devices, one for each)\n"
+    "  --block I/N         only the I-th of N blocks of space (N up to 4096), with the photographs that see it; OUT\n"
+    "                      is a .ply of what lies in it, and convert makes one scene of all\n"
     "  --max-gaussians N   at most so many (default 4194304, mcmc 1000000)\n"
     "  --seed N            of all that is random (default 0)\n"
     "  --cutoff NAME       mahalanobis (default) or square\n"
@@ -35,8 +37,8 @@ static const char help[] =
     "  --skip-bad          leave out photographs that cannot be read, else an error\n"
     "  --compare FOLDER    write there each photograph that is measured beside its picture, .png\n"
     "  --save-every N      save the fit after every N steps, in OUT.fit; so does Ctrl-C, and ends\n"
-    "  --resume FILE       go on from there, with the same PHOTOS and options for them; the options of the fit are the\n"
-    "                      file's, --steps may be others. It ends in the bytes of a fit that was never stopped\n"
+    "  --resume FILE       go on from there, with the same PHOTOS and options for them; the options of the fit are\n"
+    "                      the file's, --steps may be others. It ends in the bytes of a fit that was never stopped\n"
     "  --backend NAME      what makes the steps: cpu (default), or cuda; the scene does not depend on it\n"
     "  --device LIST       GPUs of --backend cuda: numbers from 0 on with commas, or all (default 0); a batch's\n"
     "                      photographs are shared out among them\n"
@@ -54,7 +56,7 @@ static const char help[] =
     "  fixsplat fit garden -o garden.fxs --resume garden.fxs.fit\n";
 
 enum { OPT_RECIPE = OPT_OWN, OPT_STEPS, OPT_RESOLUTION, OPT_SEED, OPT_HOLD_OUT, OPT_SAVE_EVERY, OPT_RESUME,
-       OPT_SKIP_BAD, OPT_COMPARE, OPT_JSON, OPT_BATCH, OPTIONS_END };
+       OPT_SKIP_BAD, OPT_COMPARE, OPT_JSON, OPT_BATCH, OPT_BLOCK, OPTIONS_END };
 
 typedef struct fit_command {
     frame_options frame;            /* background, cut-off, SH degree, profile, threads, instruction sets */
@@ -62,6 +64,7 @@ typedef struct fit_command {
     fxs_fit_options options;
     const char *in, *out, *resume, *compare;
     char *saved;                    /* OUT.fit */
+    uint32_t block, blocks;         /* 0: all */
     uint64_t save_every;            /* 0: never */
     int json;
     char given[OPTIONS_END];        /* by option, those that were */
@@ -88,6 +91,21 @@ static int take_number(const char *name, const char *value, uint64_t low, uint64
                           high);
 }
 
+static int take_block(fit_command *c, const char *value)
+{
+    const char *slash = strchr(value, '/');
+    const size_t length = slash ? (size_t)(slash - value) : 0;
+    char first[8] = "";
+    uint64_t block, blocks;
+    if (length && length < sizeof first)
+        memcpy(first, value, length);
+    if (!slash || !parse_count(slash + 1, 1, FXS_FIT_BLOCKS_MOST, &blocks) || !parse_count(first, 1, blocks, &block))
+        return fail(EXIT_USAGE, "--block %s: expected I/N, I from 1 to N, N up to %d", value, FXS_FIT_BLOCKS_MOST);
+    c->block = (uint32_t)block;
+    c->blocks = (uint32_t)blocks;
+    return 0;
+}
+
 static int take_option(fit_command *c, int which, const char *value)
 {
     uint64_t number = 0;
@@ -112,6 +130,7 @@ static int take_option(fit_command *c, int which, const char *value)
         status = take_number("batch", value, 1, 8, &number);
         c->options.batch = (uint32_t)number;
         return status;
+    case OPT_BLOCK: return take_block(c, value);
     case OPT_SEED: return take_number("seed", value, 0, UINT64_MAX, &c->options.seed);
     case OPT_HOLD_OUT:
         status = take_number("hold-out", value, 0, UINT32_MAX, &number);
@@ -179,6 +198,7 @@ static int take_options(fit_command *c, int argc, char **argv)
         {"sh-degree", required_argument, 0, OPT_SH_DEGREE}, {"max-gaussians", required_argument, 0, OPT_MAX_GAUSSIANS},
         {"backend", required_argument, 0, OPT_BACKEND}, {"device", required_argument, 0, OPT_DEVICE},
         {"max-memory", required_argument, 0, OPT_MAX_MEMORY}, {"batch", required_argument, 0, OPT_BATCH},
+        {"block", required_argument, 0, OPT_BLOCK},
         {"seed", required_argument, 0, OPT_SEED}, {"cutoff", required_argument, 0, OPT_CUTOFF},
         {"background", required_argument, 0, OPT_BG}, {"profile", required_argument, 0, OPT_PROFILE},
         {"hold-out", required_argument, 0, OPT_HOLD_OUT}, {"save-every", required_argument, 0, OPT_SAVE_EVERY},
@@ -206,6 +226,8 @@ static int take_options(fit_command *c, int argc, char **argv)
         return fail(EXIT_USAGE, "fit takes one folder or file of photographs; see: fixsplat fit --help");
     if (!c->out)
         return fail(EXIT_USAGE, "fit: where to? Give -o OUT.fxs or OUT.ply");
+    if (c->blocks && !ends_with(c->out, ".ply"))
+        return fail(EXIT_USAGE, "--block: %s: expected a name ending in .ply, that convert merges", c->out);
     c->in = argv[optind];
     return finish_options(c);
 }
@@ -238,7 +260,8 @@ static int check_resumed(const fit_command *c, const fxs_fit *fit)
         const char *name;
     } options[] = {
         {OPT_RECIPE, given->recipe == is->recipe, "recipe"}, {OPT_SEED, given->seed == is->seed, "seed"},
-        {OPT_BATCH, given->batch == is->batch, "batch"}, {OPT_SH_DEGREE, given->sh_degree == is->sh_degree, "sh-degree"},
+        {OPT_BATCH, given->batch == is->batch, "batch"},
+        {OPT_SH_DEGREE, given->sh_degree == is->sh_degree, "sh-degree"},
         {OPT_MAX_GAUSSIANS, given->max_gaussians == is->max_gaussians, "max-gaussians"},
         {OPT_CUTOFF, given->cutoff == is->cutoff, "cutoff"}, {OPT_PROFILE, given->profile == is->profile, "profile"},
         {OPT_BG, !memcmp(given->background, is->background, sizeof is->background), "background"}
@@ -291,6 +314,7 @@ enum { STAGES = 6 };
 typedef struct progress {
     uint32_t first, steps;          /* of this run's, and of all */
     uint32_t counted, reports;      /* the last step that was counted; how many have reported */
+    uint32_t saved;                 /* the step that OUT.fit is of; 0: not of this fit */
     uint64_t start, last, shown;    /* nanoseconds: of the run, the last step, the last line */
     double pace, loss;              /* seconds a step and loss, means of some 50 steps */
     uint64_t stages[STAGES];        /* nanoseconds of the steps that have reported */
@@ -346,7 +370,7 @@ static void count_step(progress *p, uint32_t step, const fxs_fit_report *report)
 static int save(const fit_command *c, fxs_fit *fit)
 {
     fxs_message message;
-    return fxs_fit_save(fit, c->saved, &message) ? fail(EXIT_FAILED, "%s", message.text) : 0;
+    return fxs_fit_save(fit, c->saved, &message) ? fail_for(&message) : 0;
 }
 
 /* A word as a shell takes it. */
@@ -363,21 +387,31 @@ static void print_word(const char *word)
     fputc('\'', stderr);
 }
 
-/* Saves, and says the command that goes on from there. */
-static int save_for_later(const fit_command *c, fxs_fit *fit, const char *why, char **argv)
+/* Whether it began with the file that it saves. */
+static int resumes_its_own(const fit_command *c)
 {
-    if (save(c, fit))
-        return EXIT_FAILED;
+    return c->resume && !strcmp(c->resume, c->saved);
+}
+
+/* The command that goes on from what is saved. */
+static void say_how_to_go_on(const fit_command *c, const char *why, uint32_t step, uint32_t steps, char **argv)
+{
     progress_end();
-    fprintf(stderr, "fixsplat: %s after %" PRIu32 " steps of %" PRIu32 "; to go on: fixsplat", why, fxs_fit_steps(fit),
-            fxs_fit_options_of(fit)->steps);
+    fprintf(stderr, "fixsplat: %s after %" PRIu32 " steps of %" PRIu32 "; to go on: fixsplat", why, step, steps);
     for (; *argv; argv++)
         print_word(*argv);
-    if (!c->resume || strcmp(c->resume, c->saved)) {
+    if (!resumes_its_own(c)) {
         fputs(" --resume", stderr);
         print_word(c->saved);
     }
     fputc('\n', stderr);
+}
+
+static int save_for_later(const fit_command *c, fxs_fit *fit, const char *why, char **argv)
+{
+    if (save(c, fit))
+        return EXIT_FAILED;
+    say_how_to_go_on(c, why, fxs_fit_steps(fit), fxs_fit_options_of(fit)->steps, argv);
     return 0;
 }
 
@@ -387,20 +421,30 @@ static int wants_report(const fit_command *c, const fxs_fit *fit, const progress
     return !c->options.device_count || fxs_fit_steps(fit) + 1 >= p->steps || fxs_clock(0) - p->last > 200000000u;
 }
 
+/* A fit that a step failed in is not to be saved: what is left of it is the last save. */
+static int fail_step(const fit_command *c, const progress *p, uint32_t made, const fxs_message *why, char **argv)
+{
+    char needed[64];
+    fail(EXIT_FAILED, "%s%s (after some %" PRIu32 " steps)", why->text, needed_bytes(needed, why), made);
+    if (p->saved)
+        say_how_to_go_on(c, "the last save is", p->saved, p->steps, argv);
+    return EXIT_FAILED;
+}
+
 /* Where a save fails, the last one is still there, and the fit goes on. */
-static int make_steps(const fit_command *c, fxs_fit *fit, progress *p)
+static int make_steps(const fit_command *c, fxs_fit *fit, progress *p, char **argv)
 {
     fxs_fit_report report;
     fxs_message message;
     while (fxs_fit_steps(fit) < p->steps && !asked) {
+        const uint32_t made = fxs_fit_steps(fit), step = made + 1;
         const int is_reported = wants_report(c, fit, p);
         if (fxs_fit_step(fit, is_reported ? &report : NULL, &message))
-            return fail(EXIT_FAILED, "%s (after some %" PRIu32 " steps)", message.text, fxs_fit_steps(fit) - 1);
-        const uint32_t step = fxs_fit_steps(fit);
+            return fail_step(c, p, made, &message, argv);
         if (is_reported)
             count_step(p, step, &report);
-        if (c->save_every && step % c->save_every == 0 && step < p->steps)
-            save(c, fit);
+        if (c->save_every && step % c->save_every == 0 && step < p->steps && !save(c, fit))
+            p->saved = step;
     }
     progress_end();
     return 0;
@@ -413,7 +457,7 @@ static int open_fit(const fit_command *c, const fxs_photos *photos, fxs_fit **fi
                                 : fxs_fit_create(fit, photos->fit, photos->fit_count, photos->points,
                                                  photos->point_count, &c->options, &message);
     if (error)
-        return fail(EXIT_FAILED, "%s", message.text);
+        return fail_for(&message);
     return c->resume ? check_resumed(c, *fit) : 0;
 }
 
@@ -461,10 +505,11 @@ static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photo
 }
 
 /* A scene that cannot be written is not lost. */
-static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const progress *p, char **argv)
+static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
+                  const progress *p, char **argv)
 {
     fit_result result;
-    int status = result_write(&result, fit, c->out);
+    int status = result_write(&result, fit, block, c->out);
     if (status)
         save_for_later(c, fit, "saved", argv);
     else
@@ -477,23 +522,24 @@ static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, 
     return status;
 }
 
-static int fit_photos(const fit_command *c, const fxs_photos *photos, char **argv)
+static int fit_photos(const fit_command *c, const fxs_photos *photos, const fxs_fit_block *block, char **argv)
 {
     fxs_fit *fit;
     int status = open_fit(c, photos, &fit);
     if (!status) {
         const uint64_t now = fxs_clock(0);
-        progress p = {.first = fxs_fit_steps(fit), .counted = fxs_fit_steps(fit), .steps = fxs_fit_options_of(fit)->steps, .start = now, .last = now,
-                      .shown = now};
+        const uint32_t first = fxs_fit_steps(fit);
+        progress p = {.first = first, .counted = first, .steps = fxs_fit_options_of(fit)->steps, .start = now,
+                      .last = now, .shown = now, .saved = resumes_its_own(c) ? first : 0};
         listen_to_signals();
-        status = make_steps(c, fit, &p);
+        status = make_steps(c, fit, &p, argv);
         restore_signals();
         if (!status && asked) {
             status = EXIT_FAILED;
             if (!save_for_later(c, fit, "stopped", argv))
                 raise(asked);      /* and it ends as the signal would have */
         } else if (!status)
-            status = finish(c, fit, photos, &p, argv);
+            status = finish(c, fit, photos, block, &p, argv);
     }
     fxs_fit_free(fit);
     return status;
@@ -516,6 +562,23 @@ static void say_left_out(void *label, const char *why)
     (void)label;
     progress_end();
     fprintf(stderr, "fixsplat: left out: %s\n", why);
+}
+
+/* As if the whole set were what the block needs of it. */
+static int fit_block(fit_command *c, const fxs_photos *whole, char **argv)
+{
+    fxs_fit_block block;
+    fxs_message message;
+    if (fxs_fit_block_choose(whole, c->block, c->blocks, &block, &message))
+        return fail(EXIT_FAILED, "%s: %s", c->in, message.text);
+    c->options.extent = block.extent;
+    c->options.block = c->block;
+    c->options.blocks = c->blocks;
+    if (isatty(STDERR_FILENO))
+        say_sizes(&block.photos);
+    const int status = fit_photos(c, &block.photos, &block, argv);
+    fxs_fit_block_free(&block);
+    return status;
 }
 
 static int read_photos(fit_command *c, fxs_photos *photos)
@@ -554,7 +617,7 @@ int command_fit(int argc, char **argv)
     c.options.threads = pool ? c.frame.threads : 1;
     status = read_photos(&c, &photos);
     if (!status)
-        status = fit_photos(&c, &photos, argv);
+        status = c.blocks ? fit_block(&c, &photos, argv) : fit_photos(&c, &photos, 0, argv);
     fxs_photos_free(&photos);
     fxs_pool_destroy(pool);
     free(c.saved);

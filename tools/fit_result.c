@@ -1,6 +1,7 @@
 #include "fit_result.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -44,8 +45,17 @@ static int copy(fxs_ply_writer *writer, fxs_scene_file *file, fxs_message *messa
     return 0;
 }
 
+/* The filter keeps its upper edges, the block does not. */
+static void keep_block(fxs_scene_filter *filter, const fxs_fit_block *block)
+{
+    for (int k = 0; k < 3; k++) {
+        filter->low[k] = block->low[k];
+        filter->high[k] = isinf(block->high[k]) ? block->high[k] : nextafter(block->high[k], -(double)INFINITY);
+    }
+}
+
 /* Those that can be drawn: no other number is written. */
-static int write_floats(fxs_fit *fit, const char *out, fxs_message *message)
+static int write_floats(fxs_fit *fit, const fxs_fit_block *block, const char *out, fxs_message *message)
 {
     fxs_gaussian_source gaussians;
     fxs_scene_file *file;
@@ -56,6 +66,8 @@ static int write_floats(fxs_fit *fit, const char *out, fxs_message *message)
     fxs_message closing;
     fxs_scene_filter_default(&filter);
     filter.drawable = 1;
+    if (block)
+        keep_block(&filter, block);
     if (fxs_fit_gaussians(fit, &gaussians, message))
         return -1;
     if (fxs_scene_file_open_gaussians(out, &gaussians, 0, &file, &info, message))
@@ -72,16 +84,16 @@ static int write_floats(fxs_fit *fit, const char *out, fxs_message *message)
     return result;
 }
 
-int result_write(fit_result *r, fxs_fit *fit, const char *out)
+int result_write(fit_result *r, fxs_fit *fit, const fxs_fit_block *block, const char *out)
 {
     fxs_message message;
     memset(r, 0, sizeof *r);
     int result = fxs_fit_pack(fit, &r->packed, &r->report, &message);
     r->bytes = r->packed.bytes;
     if (!result)
-        result = ends_with(out, ".ply") ? write_floats(fit, out, &message)
+        result = ends_with(out, ".ply") ? write_floats(fit, block, out, &message)
                                         : fxs_file_write(out, r->packed.data, r->packed.bytes, &message);
-    return result ? fail(EXIT_FAILED, "%s", message.text) : 0;
+    return result ? fail_for(&message) : 0;
 }
 
 /* ---- Measuring --------------------------------------------------------------------------------------------------- */

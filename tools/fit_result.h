@@ -2,7 +2,7 @@
 #ifndef FIT_RESULT_H
 #define FIT_RESULT_H
 
-#include "../port/fit/photos.h"
+#include "../port/fit/blocks.h"
 #include "quality.h"
 
 /* Whether the name has an ending that result_write knows, and can be written. Returns 0, or prints why not and returns
@@ -17,9 +17,10 @@ typedef struct fit_result {
     quality quality;                        /* of the photographs that were held out; of all where none were */
 } fit_result;
 
-/* Packs the fit and writes it, as .fxs or, its Gaussians in floats, as .ply. Returns 0, or prints why not and returns
+/* Packs the fit and writes it, as .fxs or, its Gaussians in floats, as .ply. `block`: null, or those
+   with their centre in it are written, as .ply, while the packed ones are all. Returns 0, or prints why not and returns
    EXIT_FAILED. result_free frees what it holds in either case. */
-int result_write(fit_result *result, fxs_fit *fit, const char *out);
+int result_write(fit_result *result, fxs_fit *fit, const fxs_fit_block *block, const char *out);
 
 /* Draws what was packed from where photographs were taken, by the renderer. `compare`: a folder for pictures of each
    photograph, left, and what was drawn; or null. Returns as above. */

@@ -133,9 +133,10 @@ static int camera_beside(fxs_camera *camera, const fxs_file_view *view, double o
 
 static int fail_frame(const renderer *r, const fxs_file_view *view, int error, const fxs_message *why)
 {
+    char needed[64];
     if (error == FXS_ERR_MEMORY && why->bytes_needed && r->max_memory)
-        return fail(EXIT_FAILED, "view %s: a frame of %dx%d does not fit in --max-memory %zu: it needs at least "
-                    "%" PRIu64 " bytes", view->name, view->width, view->height, r->max_memory, why->bytes_needed);
+        return fail(EXIT_FAILED, "view %s: a frame of %dx%d does not fit in --max-memory %zu%s", view->name,
+                    view->width, view->height, r->max_memory, needed_bytes(needed, why));
     return fail(EXIT_FAILED, "view %s: %s", view->name, why->text);
 }
 

@@ -115,7 +115,7 @@ static int holds(archive *a, uint64_t count, uint64_t words)
 
 static uint64_t fingerprint(const fxs_fit *f)
 {
-    uint64_t sum = f->count;
+    uint64_t sum = f->count ^ (uint64_t)f->options.block << 48 ^ (uint64_t)f->options.blocks << 32;
     for (size_t i = 0; i < f->count; i++) {
         const fxs_fit_photograph *p = &f->photographs[i];
         uint32_t words[sizeof p->camera / 4];

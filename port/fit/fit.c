@@ -105,8 +105,8 @@ static int check_options(const fxs_fit_options *o, fxs_message *message)
     if (wrong)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit: there is no such %s", wrong);
     if (o->device_count && o->batch % o->device_count)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a batch of %u photographs is not to be shared out among %u devices",
-                           (unsigned)o->batch, (unsigned)o->device_count);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a batch of %u photographs is not to be shared out among %u "
+                           "devices", (unsigned)o->batch, (unsigned)o->device_count);
     return 0;
 }
 
@@ -195,7 +195,8 @@ int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_coun
         *fit = NULL;
         return error;
     }
-    (*fit)->extent = fxs_fit_extent(photos, photo_count, points, point_count);
+    (*fit)->extent = options->extent > 0 ? options->extent
+                                         : fxs_fit_extent(photos, photo_count, points, point_count);
     return 0;
 }
 

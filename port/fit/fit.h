@@ -70,6 +70,9 @@ typedef struct fxs_fit_options {
     void *pool;
     uint32_t threads;              /* that run uses, 1 to 64; 0: 1 */
     fxs_clock_fn *clock;           /* null: no times are reported */
+    float extent;                  /* of the scene, that learning rates go by; 0: that of the photographs */
+    uint32_t block, blocks;        /* which part of a larger fit this is, up to 65535: a saved fit goes on only as the
+                                      same; 0, 0: no part */
     uint32_t device_count;         /* NVIDIA GPUs that make the steps, each as many photographs of a batch; 0: the
                                       processor does. The scene does not depend on it */
     int devices[8];                /* their numbers */
@@ -92,8 +95,8 @@ typedef struct fxs_fit_report {
 
 /* Copies all but the photographs' pixels. *fit is for fxs_fit_free, and null after an error: FXS_ERR_ARGUMENT (an
    option, a camera, no photographs, no points, none before a camera), FXS_ERR_MEMORY, and with devices FXS_ERR_DEVICE,
-   FXS_ERR_UNSUPPORTED where the library is without CUDA. Of more points than
-   max_gaussians as many are taken, evenly by their order. */
+   FXS_ERR_UNSUPPORTED where the library is without CUDA. Of more points than max_gaussians as many are taken, evenly by
+   their order. */
 int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
                    size_t point_count, const fxs_fit_options *options, fxs_message *message);
 void fxs_fit_free(fxs_fit *fit);      /* null is allowed */
@@ -122,10 +125,11 @@ int fxs_fit_pack(fxs_fit *fit, fxs_packed_scene *scene, fxs_pack_report *report,
 int fxs_fit_save(fxs_fit *fit, const char *path, fxs_message *message);
 
 /* fxs_fit_create from such a file, with the same photographs: its further steps are those of the fit that was saved. Of
-   `options`, what says how it is computed is taken (cpu, run, pool, threads, clock), and `steps` where that is not 0;
-   the rest is the file's. Errors: FXS_ERR_FILE where the file is no such file, damaged, or of other photographs
-   (pixels, cameras, their order; names do not matter); FXS_ERR_VERSION where it is of another version; FXS_ERR_MEMORY.
-   What is allocated is in proportion to the file. */
+   `options`, what says how it is computed is taken (cpu, run, pool, threads, clock, devices and their count,
+   max_memory), and `steps` where that is not 0; the rest is the file's. The batch that was saved must be a multiple of
+   the devices. Errors: FXS_ERR_FILE where the file is no such file, damaged, or of other photographs (pixels, cameras,
+   their order; names do not matter); FXS_ERR_VERSION where it is of another version; else those of fxs_fit_create. What
+   is allocated is in proportion to the file. */
 int fxs_fit_resume(fxs_fit **fit, const char *path, const fxs_fit_photo *photos, size_t photo_count,
                    const fxs_fit_options *options, fxs_message *message);
 

@@ -42,6 +42,6 @@ int fxs_fit_pack(fxs_fit *f, fxs_packed_scene *scene, fxs_pack_report *report, f
     fxs_gaussian_source gaussians;
     fxs_pack_report unwanted;
     const int error = fxs_fit_gaussians(f, &gaussians, message);
-    return error ? error : fxs_fit_profile_pack(&f->profile, &f->model, &gaussians, scene, report ? report : &unwanted, &options,
-                                message);
+    return error ? error : fxs_fit_profile_pack(&f->profile, &f->model, &gaussians, scene,
+                                                report ? report : &unwanted, &options, message);
 }

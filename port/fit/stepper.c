@@ -617,7 +617,8 @@ static void average_down(const fxs_fit_photograph *from, uint8_t *pixels)
     const int divisor = from->divisor, all_of_them = divisor * divisor;
     for (int y = 0; y < from->camera.height; y++)
         for (int x = 0; x < 3 * from->camera.width; x++) {
-            const uint8_t *first = from->pixels + (ptrdiff_t)y * divisor * 3 * from->width + x / 3 * 3 * divisor + x % 3;
+            const uint8_t *first = from->pixels + (ptrdiff_t)y * divisor * 3 * from->width + x / 3 * 3 * divisor +
+                                   x % 3;
             int sum = all_of_them / 2;
             for (int k = 0; k < all_of_them; k++)
                 sum += first[(ptrdiff_t)(k / divisor) * 3 * from->width + k % divisor * 3];

@@ -14,8 +14,8 @@ typedef struct fxs_fit_stepper fxs_fit_stepper;
 typedef struct fxs_fit_photograph {
     const uint8_t *pixels;         /* red, green, blue, rows without gaps */
     int32_t width, height;         /* of the pixels */
-    int32_t divisor;               /* the mean of so many by so many of them is one of the camera's; what is left over at
-                                      the right and below is not used */
+    int32_t divisor;               /* the mean of so many by so many of them is one of the camera's; what is left over
+                                      at the right and below is not used */
     fxs_fit_camera camera;
 } fxs_fit_photograph;
 
@@ -59,8 +59,8 @@ int fxs_fit_stepper_step(fxs_fit_stepper *step, fxs_fit_model *model, const fxs_
 void fxs_fit_set_adam(fxs_fit_adam *adam, const fxs_fit_step_options *options, const fxs_fit_photograph *photographs,
                       uint32_t batch, size_t gaussians);
 
-/* Adds a photograph's losses to a report of a batch. `rows`: of each channel the sums of |a - b| of its rows, then those
-   of 1 - SSIM. */
+/* Adds a photograph's losses to a report of a batch. `rows`: of each channel the sums of |a - b| of its rows, then
+   those of 1 - SSIM. */
 void fxs_fit_add_loss(const float *rows, const fxs_fit_camera *camera, uint32_t batch, fxs_fit_report *report);
 
 /* The parameters of a model with masters become what its grid makes of them. */
