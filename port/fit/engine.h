@@ -1,7 +1,7 @@
 /* What makes the steps of a fit: the processor (fit_engine.c), or GPUs (kernels/cuda/fit).
  *
- * An engine is made for one model, which stays where it is. The model's `count` is always right; its planes are those of
- * the last fetch, but for the processor, which has no others. Functions return 0, or an error and a message. */
+ * An engine is made for one model, which stays where it is. The model's `count` is always right. Its planes are those
+ * of the last fetch; the processor has no others. Functions return 0, or an error and a message. */
 #ifndef FXS_FIT_ENGINE_H
 #define FXS_FIT_ENGINE_H
 

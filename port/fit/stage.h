@@ -52,8 +52,8 @@ typedef struct fxs_fit_splat {
     float centre[2], ux, uy, vy, offset, limit, colour[3];
     float depth;                   /* 0: not in the picture */
     /* For lists, of the ellipse, and a little more: the square of its radius in u and v, half of its height, and y
-       where it is farthest to the right. radius2 below 0: it is in all tiles that a square of half_y either way touches,
-       and all their pixels look at it. */
+       where it is farthest to the right. radius2 below 0: it is in all tiles that a square of half_y either way
+       touches, and all their pixels look at it. */
     float radius2, half_y, tip;
     float tiles;                   /* that it touches */
     uint32_t slot;                 /* of the first one's sums: the others follow, row by row */
@@ -65,9 +65,9 @@ typedef struct fxs_fit_entry {
     uint32_t splat, slot, blocks;
 } fxs_fit_entry;
 
-/* Sums over pixels of a tile, h = -alpha dL/dalpha: of the 16 places of a block p and p + 8 are added, of those p and p
-   + 4, p + 2, p + 1; those of the blocks that take of the splat are added to 0 row by row; those of a splat's tiles to 0
-   row by row. */
+/* Sums over pixels of a tile, h = -alpha dL/dalpha: of the 16 places of a block p and p + 8 are added, of those
+   p and p + 4, p + 2, p + 1; those of the blocks that take of the splat are added to 0 row by row; those of a splat's
+   tiles to 0 row by row. */
 enum { FXS_FIT_SUM, FXS_FIT_SUM_U, FXS_FIT_SUM_V, FXS_FIT_SUM_UU, FXS_FIT_SUM_UV, FXS_FIT_SUM_VV, FXS_FIT_RED,
        FXS_FIT_GREEN, FXS_FIT_BLUE, FXS_FIT_SUMS };
 
@@ -154,11 +154,12 @@ typedef struct fxs_fit_stages {
     void (*loss_back_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_gradient)(const fxs_fit_loss *loss, int32_t row);
     /* Gradients of Gaussians first..first + count, of FXS_FIT_PART at most, from `sums` (of each of the batch's cameras
-       FXS_FIT_SUMS planes of FXS_FIT_PART numbers), added up in their order, and a step of Adam by them of the masters,
-       which are the parameters where nothing is quantised; moments below 2^-100 are 0. by_centre: adds up the length of dL/dcentre, in halves of the picture's sides, of the loss
-       that is a mean over pixels and channels. A Gaussian with a gradient that is not finite, or beyond
-       FXS_FIT_FARTHEST_GRADIENT, gets one of 0 from that camera. Scales and opacities stay within FXS_FIT_FARTHEST; a parameter that
-       would go beyond FXS_FIT_FARTHEST_PLACE, or be no number, stays as it is. */
+       FXS_FIT_SUMS planes of FXS_FIT_PART numbers), added to 0 in their order, and a step of Adam by them of the
+       masters, which are the parameters where nothing is quantised; moments below 2^-100 are 0. by_centre: adds up the
+       length of dL/dcentre, in halves of the picture's sides, of the loss that is a mean over pixels and channels. A
+       Gaussian with a gradient that is not finite, or beyond FXS_FIT_FARTHEST_GRADIENT, gets one of 0 from that
+       camera. Scales and opacities stay within FXS_FIT_FARTHEST; a parameter that would go beyond
+       FXS_FIT_FARTHEST_PLACE, or be no number, stays as it is. */
     void (*update)(const fxs_fit_camera *const *cameras, uint32_t batch, int degree, const fxs_fit_adam *adam,
                    const float *parameters, float *masters, float *means, float *squares, size_t stride, size_t first,
                    size_t count, const float *sums, float *by_centre);

@@ -131,7 +131,8 @@ static int lists_same(const fxs_fit_stepper *s, const peeked_fit *p)
 {
     const uint32_t *starts = s->counts.memory;
     const fxs_fit_entry *entries = s->entries.memory;
-    if (!CHECK(p->entries == s->entry_count) || !CHECK(!memcmp(starts, p->starts, (s->tile_count + 1) * sizeof *starts)))
+    if (!CHECK(p->entries == s->entry_count) ||
+        !CHECK(!memcmp(starts, p->starts, (s->tile_count + 1) * sizeof *starts)))
         return 0;
     for (size_t e = 0; e < s->entry_count; e++)
         if (!CHECK(p->slots[e] < p->entries) || !CHECK(entries[e].splat == p->splat_of[p->slots[e]])) {

@@ -523,7 +523,8 @@ int reset_opacity(void *self, float opacity, fxs_message *why)
 int give(void *self, fxs_message *why)
 {
     engine *e = (engine *)self;
-    return change_model(e, why, [&](device *d) { return model_upload(&d->model, e->model, &d->memory, d->stream, why); });
+    return change_model(e, why,
+                        [&](device *d) { return model_upload(&d->model, e->model, &d->memory, d->stream, why); });
 }
 
 int fetch(void *self, fxs_message *why)
@@ -544,7 +545,8 @@ void close(device *d)
     if (d->copies)
         cudaStreamSynchronize(d->copies);
     model_free(&d->model, &d->memory);
-    block *const blocks[] = {&d->splats, &d->slots, &d->pixels, &d->sums_of_views, &d->scratch, &d->status, &d->reduced};
+    block *const blocks[] = {&d->splats,  &d->slots,  &d->pixels, &d->sums_of_views,
+                             &d->scratch, &d->status, &d->reduced};
     for (block *b : blocks)
         reserve(&d->memory, b, 0, nullptr);
     for (photograph_slot &slot : d->photographs) {
@@ -628,7 +630,8 @@ int fxs_cuda_fit_engine(const fxs_fit_engine **out, void **self, fxs_fit_model *
     if (!e)
         return failed(why, FXS_ERR_MEMORY, "out of memory", sizeof *e);
     e->model = model;
-    error = check(why, cudaHostAlloc((void **)&e->statuses, sizeof *e->statuses * FXS_FIT_BATCH, cudaHostAllocPortable));
+    error = check(why, cudaHostAlloc((void **)&e->statuses, FXS_FIT_BATCH * sizeof *e->statuses,
+                                     cudaHostAllocPortable));
     for (uint32_t i = 0; i < options->device_count && !error; i++) {
         e->device_count++;
         error = open(&e->devices[i], options->devices[i], options->max_memory, why);

@@ -9,8 +9,8 @@ namespace {
 #include "../../../port/fit/loss.h"
 #undef static
 
-/* A block of threads has a square of the picture, and what windows reach beyond it. A thread has a run of outputs, along
-   its row or down its column, so that each number is fetched once for all of them. */
+/* A block of threads has a square of the picture, and what windows reach beyond it. A thread has a run of outputs,
+   along its row or down its column, so that each number is fetched once for all of them. */
 const int SQUARE = 32, REACH = FXS_FIT_WINDOW / 2, PATCH = SQUARE + 2 * REACH, RUN = 4;
 const int PITCH = PATCH + 3, COLUMNS_PITCH = SQUARE + 1;    /* without conflicts of banks */
 const uint32_t LOSS_THREADS = SQUARE * SQUARE / RUN;

@@ -42,8 +42,8 @@ struct step_status {
     step_seen seen;
 };
 
-/* Device memory of a step; of one view. Slots are numbers of pairs of a splat and a tile, splat by splat in the order of
-   depth, each splat's tiles row by row. */
+/* Device memory of a step; of one view. Slots are numbers of pairs of a splat and a tile, splat by splat in the order
+   of depth, each splat's tiles row by row. */
 struct step_buffers {
     step_status *status;
     fxs_fit_splat *splats;         /* by Gaussian; depth 0: not in the picture. slot: of its first tile */
@@ -51,13 +51,14 @@ struct step_buffers {
     uint32_t *gaussians[2];        /* 0, 1, ...; then in the order of depth */
     uint32_t *bases;               /* of each in the order of depth, and one more: slots of those before it */
     uint32_t *tiles[2];            /* by slot: the tile; UINT32_MAX beyond the last. Then sorted */
-    uint32_t *slots[2];            /* by slot: itself; then those of the first tile's list, near to far, of the next... */
+    uint32_t *slots[2];            /* by slot: itself; then those of the first tile's list, near to far, of the
+                                      next... */
     uint32_t *splat_of;            /* by slot: the Gaussian */
     uint32_t capacity;             /* slots */
     uint32_t *starts;              /* by tile, and one more: where its list begins in slots[1] */
     uint16_t *blocks;              /* by place in the lists: the blocks of 4x4 that take of it (stage.h) */
     uint32_t *needed;              /* by tile: entries up to the last one that a pixel took of */
-    float *sums;                   /* by slot: FXS_FIT_SUMS, of entries below `needed`; the others' are not written */
+    float *sums;                   /* by slot: FXS_FIT_SUMS; 0 of entries beyond `needed` */
     /* Planes of pixels, of picture_stride = width by height numbers, without margins: red, green, blue. */
     float *picture;                /* 3: with background */
     float *derivatives;            /* 9: of each channel, of SSIM by mean, square and product */
@@ -71,7 +72,8 @@ struct step_buffers {
 
 /* The Gaussians on a device: planes as in fxs_fit_model, which say what they are. */
 struct device_model {
-    uint32_t count, stride;        /* `stride` is the room, a multiple of FXS_FIT_CHUNK; what is beyond `count` is not read */
+    uint32_t count, stride;        /* `stride` is the room, a multiple of FXS_FIT_CHUNK; what is beyond `count` is not
+                                      read */
     float *parameters, *means, *squares, *by_centre, *views;
     float *masters;                /* null: the parameters are */
     fxs_fit_chunk *chunks;         /* of the grid, where there are masters */
