@@ -3,8 +3,9 @@
 #   src      -> src; <stdint.h>, <stddef.h>, and <string.h> in memory.h alone
 #   kernels  -> src, kernels; an instruction set kernels/lanes, which includes src alone, and never another; intrinsics
 #               headers (not in lanes), and GPU headers in cuda and gles
-#               fit_* of an instruction set includes port/fit/stages.h alone
-#   port     -> port, the public headers of src and kernels, and gl.h, which lists the functions that gles calls
+#               fit_* of an instruction set includes port/fit/stages.h alone; cuda/fit what is in cuda and port/fit
+#   port     -> port, the public headers of src and kernels, and gl.h, which lists the functions that gles calls;
+#               port/fit the header of cuda/fit
 #   tools    -> tools, the public headers of src, kernels and port
 # and src and kernels neither allocate nor print.
 cd "$(dirname "$0")/../.." || exit 1
@@ -27,9 +28,11 @@ quoted() {
     case $1 in
     src/*) allowed='src/.*' ;;
     kernels/lanes/*) allowed='src/.*|kernels/lanes/.*' ;;
+    kernels/cuda/fit/*) allowed="kernels/cuda/(fit/.*|device\.cuh)|port/fit/.*" ;;
     kernels/*/fit_*) allowed="port/fit/stages\.h|kernels/[^/]*" ;;
     kernels/*/*) allowed="src/.*|$(dirname "$1")/.*|kernels/lanes/.*|kernels/[^/]*" ;;
     kernels/*) allowed='src/.*|kernels/.*' ;;
+    port/fit/*) allowed="port/.*|$public|kernels/cuda/fit/fit\.h" ;;
     port/*) allowed="port/.*|$public|kernels/gles/gl\.h" ;;
     tools/*) allowed="tools/.*|port/.*|$public" ;;
     esac

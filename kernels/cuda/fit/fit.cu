@@ -45,14 +45,14 @@ struct step_order {
     bool has_report;
 };
 
-struct engine {
+struct engine {                    /* in page-locked host memory, for the sake of `statuses` */
     fxs_fit_model *model;
     uint32_t device_count;
     device devices[FXS_FIT_BATCH];
     step_order pending[PENDING];   /* since the host last looked */
     uint32_t pending_count;
     uint64_t entries_most;         /* of a step, so far */
-    step_status *statuses;         /* page-locked: of each device */
+    step_status statuses[FXS_FIT_BATCH];    /* of each device */
     host_block rows[FXS_FIT_BATCH];    /* of a report, of each photograph: see step_buffers */
 };
 
@@ -295,6 +295,14 @@ fxs_fit_adam adam_of(const engine *e, const step_order *s)
     return adam;
 }
 
+/* An update writes over the sums that other devices may still be copying. */
+void wait_for_receivers(const engine *e, const device *d)
+{
+    for (uint32_t i = 0; i < e->device_count; i++)
+        if (&e->devices[i] != d)
+            cudaStreamWaitEvent(d->stream, e->devices[i].received, 0);
+}
+
 int update(engine *e, device *d, const step_order *s, fxs_message *why)
 {
     const fxs_fit_adam adam = adam_of(e, s);
@@ -306,6 +314,7 @@ int update(engine *e, device *d, const step_order *s, fxs_message *why)
         cameras[v] = s->photographs[v].camera;
         f.of_views[v] = d->views[v] + VIEW_PLANES * (size_t)d->model.stride;
     }
+    wait_for_receivers(e, d);
     if (e->device_count > 1)
         hear_full<<<1, 1, 0, d->stream>>>(b->status, f, s->count);
     cudaError_t failure = launch_update(b, &d->model, d->views, cameras, s->count, o->sh_degree, &adam, d->stream);
@@ -316,14 +325,6 @@ int update(engine *e, device *d, const step_order *s, fxs_message *why)
     end_step<<<1, 1, 0, d->stream>>>(b->status);
     mark(d, s, STAGES);
     return check(why, failure, cudaGetLastError());
-}
-
-/* The sums of the step before may still be on their way to other devices. */
-void wait_for_receivers(const engine *e, const device *d)
-{
-    for (uint32_t i = 0; i < e->device_count; i++)
-        if (&e->devices[i] != d)
-            cudaStreamWaitEvent(d->stream, e->devices[i].received, 0);
 }
 
 /* A batch's photographs, one after the other, each on its device. */
@@ -337,7 +338,6 @@ int pass_all(engine *e, const step_order *s, fxs_message *why)
         error = error ? error : pass(e, d, s, v, why);
         if (error)
             break;
-        wait_for_receivers(e, d);
         error = check(why, launch_gather(&d->buffers, &d->model, d->views[v], d->stream));
         if (e->device_count == 1)
             continue;
@@ -382,7 +382,7 @@ int wait(engine *e, fxs_message *why)
     for (uint32_t i = 0; i < e->device_count; i++) {
         device *d = &e->devices[i];
         const on_device here(d->number);
-        const cudaError_t copied = cudaMemcpyAsync(&e->statuses[i], d->buffers.status, sizeof *e->statuses,
+        const cudaError_t copied = cudaMemcpyAsync(&e->statuses[i], d->buffers.status, sizeof e->statuses[i],
                                                    cudaMemcpyDeviceToHost, d->stream);
         const int error = check(why, copied, cudaStreamSynchronize(d->stream));
         if (error)
@@ -573,9 +573,8 @@ void free_engine(void *self)
         close(&e->devices[i]);
     for (host_block &rows : e->rows)
         cudaFreeHost(rows.data);
-    cudaFreeHost(e->statuses);
+    cudaFreeHost(e);
     cudaGetLastError();
-    free(e);
 }
 
 int open(device *d, int number, uint64_t max_memory, fxs_message *why)
@@ -626,12 +625,12 @@ int fxs_cuda_fit_engine(const fxs_fit_engine **out, void **self, fxs_fit_model *
     int before = 0, error = check(why, cudaGetDevice(&before));
     if (error)
         return error;
-    engine *e = (engine *)calloc(1, sizeof *e);
-    if (!e)
-        return failed(why, FXS_ERR_MEMORY, "out of memory", sizeof *e);
+    engine *e = nullptr;
+    error = check(why, cudaHostAlloc((void **)&e, sizeof *e, cudaHostAllocPortable));
+    if (error)
+        return error;
+    memset(e, 0, sizeof *e);
     e->model = model;
-    error = check(why, cudaHostAlloc((void **)&e->statuses, FXS_FIT_BATCH * sizeof *e->statuses,
-                                     cudaHostAllocPortable));
     for (uint32_t i = 0; i < options->device_count && !error; i++) {
         e->device_count++;
         error = open(&e->devices[i], options->devices[i], options->max_memory, why);
