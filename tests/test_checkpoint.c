@@ -103,6 +103,33 @@ static int same_files(const char *a, const char *b)
 
 /* ---- What should be ---------------------------------------------------------------------------------------------- */
 
+/* Batches of four of three photographs: each has the end of a round and the beginning of the next. */
+static void goes_on_in_the_middle_of_a_round(void)
+{
+    const fxs_fit_options mine = options;
+    fxs_fit *whole, *second;
+    options.batch = 4;
+    whole = begin();
+    go_on(whole, 10);
+    save(whole, "whole-batches");
+    fxs_fit_free(whole);
+    whole = begin();
+    go_on(whole, 5);
+    save(whole, "half-batches");
+    fxs_fit_free(whole);
+    options = mine;
+    if (CHECK(resume(&second, "half-batches") == 0)) {
+        CHECK(fxs_fit_options_of(second)->batch == 4);
+        go_on(second, 10);
+        save(second, "resumed-batches");
+        CHECK(same_files("whole-batches", "resumed-batches"));
+        fxs_fit_free(second);
+    }
+    options.device_count = 3;
+    CHECK(resume(&second, "half-batches") == FXS_ERR_ARGUMENT && strstr(message.text, "shared out"));
+    options = mine;
+}
+
 /* Past a densification, in the middle of a round of the photographs. */
 static void goes_on_as_if_never_stopped(void)
 {
@@ -479,6 +506,7 @@ static void tests(void)
     make_input();
     RUN(goes_on_as_if_never_stopped);
     RUN(goes_on_in_the_last_tenth);
+    RUN(goes_on_in_the_middle_of_a_round);
     RUN(the_file_does_not_depend_on_threads);
     RUN(its_options_are_those_of_the_file);
     RUN(names_of_photographs_do_not_matter);

@@ -95,6 +95,13 @@ succeeds "--save-every" $fit -o part.fxs --save-every 300
 check "--save-every: the same file" cmp whole.fxs part.fxs
 succeeds "--resume" $fit -o resumed.fxs --resume part.fxs.fit --threads 2
 check "--resume: the same file" cmp whole.fxs resumed.fxs
+succeeds "--batch" fit set --steps 60 -o batch.ply --batch 2 --threads 1
+"$fixsplat" fit set --steps 60 -o again.ply --batch 2 --threads 2 --save-every 31 >logs/out
+check "--batch, 2 threads: the same file" cmp batch.ply again.ply
+"$fixsplat" fit set --steps 60 -o again.ply --resume again.ply.fit >logs/out
+check "--batch, resumed: the same file" cmp batch.ply again.ply
+fails "--resume: another batch" 2 "--batch: again.ply.fit was begun with another" fit set --steps 60 -o x.fxs \
+    --resume again.ply.fit --batch 3
 run fit set -o resumed.fxs --resume part.fxs.fit
 check "--resume: the steps are the file's" cmp whole.fxs resumed.fxs
 
@@ -152,6 +159,15 @@ check "no room to save: the last one stays" equal "$(cat small.fxs.fit)" old
 check "nothing is left" equal "$(find . -name '.fixsplat-*')" ""
 
 # ---- What is wrong ---------------------------------------------------------------------------------------------------
+
+fails "--batch 0" 2 "--batch 0: expected a whole number from 1 to 8" $fit -o x.fxs --batch 0
+fails "--batch 9" 2 "--batch 9: expected a whole number from 1 to 8" $fit -o x.fxs --batch 9
+fails "--backend gles" 2 "expected cpu or cuda" $fit -o x.fxs --backend gles
+fails "--batch 3 on two devices" 2 "not to be shared out among 2 devices" $fit -o x.fxs --backend cuda --device 0,1 \
+    --batch 3
+if "$fixsplat" info --backends | grep -Eq "^cuda.*(no NVIDIA|nvcc)"; then
+    fails "--backend cuda without a device" 1 "NVIDIA|nvcc" $fit -o x.fxs --backend cuda
+fi
 
 fails "no photographs" 2 "takes one folder" fit -o x.fxs
 fails "two folders" 2 "takes one folder" fit set set -o x.fxs
