@@ -30,7 +30,7 @@ struct device {
     budget memory;
     device_model model;
     step_buffers buffers;
-    block splats, keys, slots, tiles, pixels, sums_of_views, scratch, status, reduced;
+    block splats, slots, pixels, sums_of_views, scratch, status, reduced;
     photograph_slot photographs[PHOTOGRAPHS];
     uint32_t next_photograph;
     float *views[FXS_FIT_BATCH];   /* sums of a batch's photographs (see launch_gather), its own and the others' */
