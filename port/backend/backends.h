@@ -10,6 +10,9 @@
 
 #include "../../src/backend.h"
 
+/* Why a build without nvcc has no CUDA. */
+#define FXS_WITHOUT_CUDA "this build is without nvcc, the compiler of the CUDA toolkit"
+
 #ifdef __cplusplus
 extern "C" {
 #endif

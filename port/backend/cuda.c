@@ -120,7 +120,7 @@ static void close_device(void *self)
 
 static int absent(fxs_message *why)
 {
-    return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "this build is without nvcc, the compiler of the CUDA toolkit");
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, FXS_WITHOUT_CUDA);
 }
 
 static int device_name(int device, char *name, size_t size, fxs_message *why)

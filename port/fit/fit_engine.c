@@ -71,6 +71,6 @@ int fxs_fit_choose_engine(fxs_fit *f, fxs_message *message)
         f->engine = NULL;
     return error;
 #else
-    return fxs_backend_find("cuda")->device(0, NULL, 0, message);    /* which says why there is none */
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, FXS_WITHOUT_CUDA);
 #endif
 }

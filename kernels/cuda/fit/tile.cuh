@@ -256,7 +256,7 @@ struct back_pixel {
     float transmittance, behind, red, green, blue;
 };
 
-/* dL/dalpha = T (c . g) - behind / (1 - alpha): back_pixels of port/fit/tile.h */
+/* dL/dalpha = T (c . g) - behind / (1 - alpha): find_sums of port/fit/tile.h */
 __device__ inline void find_sums(const back_shared *s, uint32_t splat, const tile_place &p, bool is_left,
                                  back_pixel *pixel, float sums[FXS_FIT_SUMS])
 {
