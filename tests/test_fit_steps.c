@@ -244,6 +244,27 @@ static void check_fit(const recorded *wanted, unsigned cpu, uint32_t threads)
     fxs_pool_destroy(pool);
 }
 
+static int is_refused(uint32_t batch, uint32_t device_count)
+{
+    fxs_fit *f;
+    fxs_message message;
+    fxs_fit_options options;
+    fxs_fit_options_init(&options);
+    options.batch = batch;
+    options.device_count = device_count;
+    const int error = fxs_fit_create(&f, photos, PHOTOS, points, POINTS, &options, &message);
+    fxs_fit_free(f);
+    return error == FXS_ERR_ARGUMENT;
+}
+
+/* Before a device is looked for. */
+static void test_batches_that_cannot_be(void)
+{
+    make_set(1);
+    CHECK(is_refused(9, 0) && is_refused(0, 9) && is_refused(3, 2));
+    CHECK(!is_refused(8, 0) && !is_refused(4, 2));
+}
+
 static void test_few(void)
 {
     make_set(1);
@@ -302,6 +323,7 @@ static void test_batches(void)
 int main(int argc, char **argv)
 {
     devices = argc > 1 && !strcmp(argv[1], "--cuda");
+    RUN(test_batches_that_cannot_be);
     RUN(test_few);
 #ifndef FXS_FIT_FEW
     RUN(test_reference);
