@@ -196,7 +196,7 @@ $(FLAT_HEADERS): $(HEADERS)
 	@sed 's|^\(#include "\).*/|\1|' $(filter %/$(@F),$(HEADERS)) >$@
 
 $(B)/with/%: ;
--include $(wildcard $(addprefix $(B)/,$(addsuffix /*.d,src kernels kernels/* port/* tools tests tests/gpu)) \
+-include $(wildcard $(addprefix $(B)/,$(addsuffix /*.d,src kernels kernels/* kernels/*/* port/* tools tests tests/gpu)) \
            $(B)/firmware/*/*/*.d $(B)/firmware/*/*/*/*.d $(B)/web/*/*/*.d $(B)/web/*/*/*/*.d)
 .SUFFIXES:
 .DELETE_ON_ERROR:

@@ -30,7 +30,7 @@ int peek_fit(void *self, const fxs_fit_camera *c, peeked_fit *out)
            download(&out->sums, (const float(*)[FXS_FIT_SUMS])b->sums, out->entries) ||
            download(&out->picture, b->picture, 3 * pixels) ||
            download(&out->derivatives, b->derivatives, 9 * pixels) ||
-           download(&out->gradient, (const float *)b->gradient, 4 * pixels);
+           download(&out->gradient, b->gradient, 3 * pixels);
 }
 
 void peek_fit_free(peeked_fit *p)

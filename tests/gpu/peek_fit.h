@@ -14,7 +14,7 @@ typedef struct peeked_fit {
     uint32_t *starts, *slots, *splat_of, *needed, entries;
     uint16_t *blocks;
     float (*sums)[FXS_FIT_SUMS];
-    float *picture, *derivatives, *gradient;   /* 3 and 9 planes; 4 numbers a pixel */
+    float *picture, *derivatives, *gradient;   /* 3, 9 and 3 planes */
 } peeked_fit;
 
 /* Returns 0 where they could be copied. */

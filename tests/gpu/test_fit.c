@@ -170,8 +170,7 @@ static int pixels_same(const fxs_fit_stepper *s, const peeked_fit *p)
             for (size_t k = 0; k < FXS_FIT_DERIVATIVES && found; k++)
                 found = CHECK(same(l->derivatives[k].first + row,
                                    p->derivatives + (3 * c + k) * size + y * width, width));
-            for (size_t x = 0; x < width && found; x++)
-                found = CHECK(same(&l->gradient.first[row + (ptrdiff_t)x], &p->gradient[4 * (y * width + x) + c], 1));
+            found = found && CHECK(same(l->gradient.first + row, p->gradient + c * size + y * width, width));
         }
     return found;
 }

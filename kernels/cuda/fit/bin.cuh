@@ -241,6 +241,14 @@ __device__ inline void put_large(const step_buffers &b, const fxs_fit_camera *ca
     }
 }
 
+/* The place in the order of depth that a thread has the splat of. Neighbours are often large alike, and go to different
+   blocks, four by four. */
+__device__ inline uint32_t place_in_order(uint32_t count)
+{
+    const uint32_t blocks = (count + BIN_THREADS - 1) / BIN_THREADS;
+    return blockIdx.x < blocks ? (threadIdx.x / 4 * blocks + blockIdx.x) * 4 + threadIdx.x % 4 : count;
+}
+
 /* A thread for each splat in the order of depth, and for each slot. */
 __global__ void __launch_bounds__(BIN_THREADS)
     put_slots(step_buffers b, uint32_t count, const __grid_constant__ fxs_fit_camera camera)
@@ -256,12 +264,13 @@ __global__ void __launch_bounds__(BIN_THREADS)
         b.slots[0][i] = i;
     if (i >= total && i < b.capacity)
         b.tiles[0][i] = UINT32_MAX;
-    const uint32_t slot = i < count ? b.bases[i] : 0, tiles = i < count ? b.bases[i + 1] - slot : 0;
+    const uint32_t place = place_in_order(count);
+    const uint32_t slot = place < count ? b.bases[place] : 0, tiles = place < count ? b.bases[place + 1] - slot : 0;
     uint32_t gaussian = 0;
     ellipses e;
     memset(&e, 0, sizeof e);
     if (tiles) {
-        gaussian = b.gaussians[1][i];
+        gaussian = b.gaussians[1][place];
         b.splats[gaussian].slot = slot;
         e = ellipse_of(&camera, &b.splats[gaussian]);
     }

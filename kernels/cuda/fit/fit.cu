@@ -91,7 +91,7 @@ uint64_t cut_pixels(step_buffers *b, unsigned char *memory, uint64_t width, uint
     b->picture = cut<float>(&at, 3 * pixels);
     b->derivatives = cut<float>(&at, 9 * pixels);
     b->dissimilar = cut<float>(&at, 3 * pixels);
-    b->gradient = cut<float4>(&at, pixels);
+    b->gradient = cut<float>(&at, 3 * pixels);
     b->rows = cut<float>(&at, 6 * height);
     b->starts = cut<uint32_t>(&at, tiles + 1);
     b->needed = cut<uint32_t>(&at, tiles);

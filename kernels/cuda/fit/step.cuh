@@ -63,7 +63,7 @@ struct step_buffers {
     float *picture;                /* 3: with background */
     float *derivatives;            /* 9: of each channel, of SSIM by mean, square and product */
     float *dissimilar;             /* 3: 1 - SSIM; written where a report is wanted */
-    float4 *gradient;              /* by pixel: dL/dcolour, and its product with the picture */
+    float *gradient;               /* 3: dL/dcolour */
     float *rows;                   /* of a report: 3 times height sums of |a - b|, then as many of 1 - SSIM */
     uint8_t *photograph;           /* red, green, blue, of the camera's size */
     void *scratch;                 /* for sorts and sums */

@@ -15,36 +15,87 @@ inline uint32_t part_count(const device_model *m)
 /* ---- gather ------------------------------------------------------------------------------------------------------ */
 
 const uint32_t GATHERED = WARP;    /* Gaussians of a block of threads, which are each one's of a sum */
+const uint32_t GATHER_THREADS = GATHERED * FXS_FIT_SUMS;
+const uint32_t FEW_TILES = 16;     /* of a Gaussian whose sums its own threads add up */
+const uint32_t TILES_AT_ONCE = 64; /* of one with more, whose sums a warp fetches */
+
+/* What is beyond the last is 0, which changes no sum that begins with 0. */
+__device__ inline float sum_few(const float *sums, uint32_t tiles)
+{
+    float numbers[FEW_TILES], total = 0;
+#pragma unroll
+    for (uint32_t t = 0; t < FEW_TILES; t++)
+        numbers[t] = t < tiles ? sums[(size_t)t * FXS_FIT_SUMS] : 0;
+#pragma unroll
+    for (uint32_t t = 0; t < FEW_TILES; t++)
+        total += numbers[t];
+    return total;
+}
+
+/* By a warp; its first FXS_FIT_SUMS lanes have a sum each. */
+__device__ inline float sum_many(const float *sums, uint32_t tiles, float staged[TILES_AT_ONCE * FXS_FIT_SUMS])
+{
+    const uint32_t lane = threadIdx.x % WARP;
+    float total = 0;
+    for (uint32_t first = 0; first < tiles; first += TILES_AT_ONCE) {
+        const uint32_t count = min(tiles - first, TILES_AT_ONCE);
+        __syncwarp();
+#pragma unroll
+        for (uint32_t i = lane; i < TILES_AT_ONCE * FXS_FIT_SUMS; i += WARP)
+            if (i < count * FXS_FIT_SUMS)
+                staged[i] = sums[(size_t)first * FXS_FIT_SUMS + i];
+        __syncwarp();
+        if (lane < FXS_FIT_SUMS)
+#pragma unroll 16
+            for (uint32_t t = 0; t < count; t++)
+                total += staged[t * FXS_FIT_SUMS + lane];
+    }
+    return total;
+}
+
+/* A Gaussian of a block. Neighbours are often large alike, and go to different blocks, four by four. */
+__device__ inline uint32_t gathered_by(uint32_t own)
+{
+    return (own / 4 * gridDim.x + blockIdx.x) * 4 + own % 4;
+}
 
 /* The sums of Gaussians over their tiles, in their order, to planes. */
-__global__ void __launch_bounds__(GATHERED *FXS_FIT_SUMS) gather_view(step_buffers b, device_model m, float *planes)
+__global__ void __launch_bounds__(GATHER_THREADS) gather_view(step_buffers b, device_model m, float *planes)
 {
-    __shared__ float totals[FXS_FIT_SUMS][GATHERED + 1];
+    __shared__ float totals[FXS_FIT_SUMS][GATHERED + 1], staged[FXS_FIT_SUMS][TILES_AT_ONCE * FXS_FIT_SUMS];
+    __shared__ uint32_t tiles[GATHERED], slots[GATHERED];
     if (is_stopped(b.status))
         return;
-    const uint32_t first = blockIdx.x * GATHERED, own = threadIdx.x / FXS_FIT_SUMS, k = threadIdx.x % FXS_FIT_SUMS;
-    const fxs_fit_splat *splat = &b.splats[first + own];
-    const bool is_seen = first + own < m.count && splat->depth > 0;
-    const uint32_t tiles = is_seen ? (uint32_t)splat->tiles : 0;
-    const float *sums = b.sums + (size_t)(is_seen ? splat->slot : 0) * FXS_FIT_SUMS + k;
-    float total = 0;
-#pragma unroll 8
-    for (uint32_t t = 0; t < tiles; t++)
-        total += sums[(size_t)t * FXS_FIT_SUMS];
-    totals[k][own] = total;
-    if (k == 0 && first + own < m.count)
-        planes[(size_t)FXS_FIT_SUMS * m.stride + first + own] = is_seen;
+    const uint32_t column = threadIdx.x % GATHERED, row = threadIdx.x / GATHERED, gaussian = gathered_by(column);
+    if (row == 0) {
+        const fxs_fit_splat *splat = &b.splats[gaussian];
+        const bool is_seen = gaussian < m.count && splat->depth > 0;
+        tiles[column] = is_seen ? (uint32_t)splat->tiles : 0;
+        slots[column] = is_seen ? splat->slot : 0;
+        if (gaussian < m.count)
+            planes[(size_t)FXS_FIT_SUMS * m.stride + gaussian] = is_seen;
+    }
     __syncthreads();
-    const uint32_t column = threadIdx.x % GATHERED, row = threadIdx.x / GATHERED;
-    if (first + column < m.count)
-        planes[(size_t)row * m.stride + first + column] = totals[row][column];
+    const uint32_t own = threadIdx.x / FXS_FIT_SUMS, k = threadIdx.x % FXS_FIT_SUMS;
+    if (tiles[own] <= FEW_TILES)
+        totals[k][own] = sum_few(b.sums + (size_t)slots[own] * FXS_FIT_SUMS + k, tiles[own]);
+    for (uint32_t i = row; i < GATHERED; i += FXS_FIT_SUMS) {
+        if (tiles[i] <= FEW_TILES)
+            continue;
+        const float total = sum_many(b.sums + (size_t)slots[i] * FXS_FIT_SUMS, tiles[i], staged[row]);
+        if (column < FXS_FIT_SUMS)
+            totals[column][i] = total;
+    }
+    __syncthreads();
+    if (gaussian < m.count)
+        planes[(size_t)row * m.stride + gaussian] = totals[row][column];
 }
 
 /* The sums of a view to FXS_FIT_SUMS planes, m->stride numbers each, and one more: 1 where a Gaussian is in the
    picture, or 0. */
 cudaError_t launch_gather(const step_buffers *b, const device_model *m, float *planes, cudaStream_t stream)
 {
-    gather_view<<<(m->count + GATHERED - 1) / GATHERED, GATHERED * FXS_FIT_SUMS, 0, stream>>>(*b, *m, planes);
+    gather_view<<<(m->count + GATHERED - 1) / GATHERED, GATHER_THREADS, 0, stream>>>(*b, *m, planes);
     return cudaGetLastError();
 }
 
