@@ -14,7 +14,7 @@ static fxs_pool *pool;
 typedef struct what {
     int32_t width, height, is_square;
     size_t count;
-    int degree, batch, only_touched, without_sh;
+    int degree, batch;
     float by_opacity, noise, near_size;    /* near_size: about e^ that a Gaussian is wide */
 } what;
 
@@ -79,8 +79,6 @@ static void set_options(fxs_fit_step_options *o, const what *w, uint32_t number)
     memset(o, 0, sizeof *o);
     o->sh_degree = w->degree;
     o->number = number;
-    o->only_touched = w->only_touched;
-    o->without_sh = w->without_sh;
     o->by_opacity = o->by_scale = w->by_opacity;
     o->noise = (fxs_fit_noise){w->noise, {12345 + number, 67890}};
     for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
@@ -218,9 +216,8 @@ static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t ste
         is_same = CHECK(splats_same(s, &p, w->count)) && CHECK(lists_same(s, &p)) && pixels_same(s, &p) &&
                   sums_same(s, &p) && models_same(&here, &there);
     if (!CHECK(is_same))
-        printf("  %d x %d, square %d, %zu Gaussians, degree %d, batch %d, touched %d, without SH %d, spoiled %d\n",
-               (int)w->width, (int)w->height, (int)w->is_square, w->count, w->degree, w->batch, w->only_touched,
-               w->without_sh, is_spoiled);
+        printf("  %d x %d, square %d, %zu Gaussians, degree %d, batch %d, spoiled %d\n", (int)w->width, (int)w->height,
+               (int)w->is_square, w->count, w->degree, w->batch, is_spoiled);
     peek_fit_free(&p);
     fxs_fit_stepper_free(s);
     engine->free(self);
@@ -236,8 +233,7 @@ static void test_steps(void)
         const int size = quick ? i % 3 : i % 6;
         const what w = {.width = sizes[size][0], .height = sizes[size][1], .is_square = i % 3 == 2,
                         .count = counts[quick ? i % 3 : i % 5], .degree = i % 4, .batch = 1,
-                        .only_touched = i % 5 == 4, .without_sh = i % 7 == 6, .by_opacity = i % 4 ? 0 : 0.01f,
-                        .noise = i % 3 ? 0 : 50.0f, .near_size = i % 2 ? -3.0f : -1.5f};
+                        .by_opacity = i % 4 ? 0 : 0.01f, .noise = i % 3 ? 0 : 50.0f, .near_size = i % 2 ? -3.0f : -1.5f};
         compare(&w, i % 4 == 3, 0, MOST_STEPS);
     }
 }
@@ -256,7 +252,7 @@ static void test_batches(void)
 {
     for (int i = 0; i < (quick ? 2 : 8); i++) {
         const what w = {.width = 90, .height = 70, .count = quick ? 200 : 3000, .degree = i % 4, .batch = 2 + i % 2,
-                        .only_touched = i % 3 == 1, .by_opacity = i % 2 ? 0 : 0.01f, .near_size = -2.5f};
+                        .by_opacity = i % 2 ? 0 : 0.01f, .near_size = -2.5f};
         compare(&w, i % 4 == 3, 0, MOST_STEPS);
     }
 }

@@ -260,8 +260,8 @@ struct back_pixel {
     float transmittance, behind, red, green, blue;
 };
 
-/* dL/dalpha = T (c . g) - behind / (1 - alpha): find_sums of port/fit/tile.h, up to h and the weight. Where none is left,
-   there need not be a splat. */
+/* dL/dalpha = T (c . g) - behind / (1 - alpha): find_sums of port/fit/tile.h, up to h and the weight. Where none is
+   left, there need not be a splat. */
 __device__ inline float2 pass_splat(const back_shared *s, uint32_t splat, const tile_place &p, bool is_left,
                                     back_pixel *pixel)
 {

@@ -115,9 +115,9 @@ __device__ inline bool is_any(const float sums[FXS_FIT_SUMS])
     return found;
 }
 
-/* Returns whether there is one that is finite and not too large; else it is 0. `at`: the Gaussian's first parameter. */
+/* One that is not finite, or too large, is 0. `at`: the Gaussian's first parameter. */
 template <int Degree>
-__device__ inline bool find_view_gradient(const fxs_fit_camera *camera, const float *at, size_t stride,
+__device__ inline void find_view_gradient(const fxs_fit_camera *camera, const float *at, size_t stride,
                                           const float sums[FXS_FIT_SUMS], view_gradient *out, float *by_centre)
 {
     bool is_touched = is_any(sums);
@@ -133,7 +133,6 @@ __device__ inline bool find_view_gradient(const fxs_fit_camera *camera, const fl
     }
     if (!is_touched)
         memset(out, 0, sizeof *out);
-    return is_touched;
 }
 
 /* ---- Adam -------------------------------------------------------------------------------------------------------- */
@@ -181,7 +180,7 @@ __device__ inline void move_some(const fxs_fit_adam *adam, int first, const devi
     }
 #pragma unroll
     for (int k = 0; k < Count; k++) {
-        adam_step(adam, adam->rate[first + k], gradient_of(first + k), 1, &number[k], &mean[k], &square[k]);
+        adam_step(adam, adam->rate[first + k], gradient_of(first + k), &number[k], &mean[k], &square[k]);
         __stcs(number_of(m.means, m, first + k, i), mean[k]);
         __stcs(number_of(m.squares, m, first + k, i), square[k]);
         *number_of(to, m, first + k, i) = has_limits(first + k) ? within_limits(number[k]) : number[k];
@@ -198,19 +197,10 @@ __device__ inline void move_parameters(const fxs_fit_adam *adam, int first, cons
         move_parameters<Count - own>(adam, first + own, m, to, i, gradient_of);
 }
 
-/* Those of a part that do not move are brought within the limits too. */
-__device__ inline void limit_parameters(const device_model &m, float *to, size_t i)
-{
-    for (int k = 0; k < FXS_FIT_SH; k++)
-        if (has_limits(k))
-            to[(size_t)k * m.stride + i] = within_limits(to[(size_t)k * m.stride + i]);
-}
-
 /* ---- update ------------------------------------------------------------------------------------------------------ */
 
-/* Of each view: its planes (see launch_gather). Once the sums were read, there are g, the direction and, of the first
-   view, whether any view touches the Gaussian. */
-enum { PLANE_G = 0, PLANE_DIRECTION = 3, PLANE_TOUCHED = 6 };
+/* Of each view: its planes (see launch_gather). Once the sums were read, there are g and the direction. */
+enum { PLANE_G = 0, PLANE_DIRECTION = 3 };
 
 struct batch_views {
     uint32_t count;
@@ -218,9 +208,9 @@ struct batch_views {
     fxs_fit_camera cameras[FXS_FIT_BATCH];
 };
 
-/* Adds the gradient by a view; returns whether there is one. */
+/* Adds the gradient by a view. */
 template <int Degree>
-__device__ inline bool add_view(const batch_views &views, uint32_t v, const device_model &m, size_t i,
+__device__ inline void add_view(const batch_views &views, uint32_t v, const device_model &m, size_t i,
                                 real total[FXS_FIT_SH])
 {
     float sums[FXS_FIT_SUMS], *const planes = views.planes[v] + i;
@@ -230,15 +220,13 @@ __device__ inline bool add_view(const batch_views &views, uint32_t v, const devi
         sums[k] = planes[(size_t)k * m.stride];
     if (planes[(size_t)FXS_FIT_SUMS * m.stride] > 0)
         m.views[i] += 1;
-    const bool is_touched =
-        find_view_gradient<Degree>(&views.cameras[v], m.parameters + i, m.stride, sums, &own, m.by_centre + i);
+    find_view_gradient<Degree>(&views.cameras[v], m.parameters + i, m.stride, sums, &own, m.by_centre + i);
     for (int k = 0; k < FXS_FIT_SH; k++)
         total[k] += own.shape[k];
     for (int k = 0; k < 3 && Degree > 0; k++) {
         planes[(size_t)(PLANE_G + k) * m.stride] = own.g[k];
         planes[(size_t)(PLANE_DIRECTION + k) * m.stride] = own.l.direction[k];
     }
-    return is_touched;
 }
 
 /* All but SH above degree 0. */
@@ -250,22 +238,11 @@ __global__ void __launch_bounds__(FXS_FIT_PART, 2)
     const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
     float *const to = m.masters ? m.masters : m.parameters;
     real gradient[FXS_FIT_SH] = {0};
-    bool is_touched = false;
-    if (is_stopped(b.status))
+    if (i >= m.count || is_stopped(b.status))
         return;
 #pragma unroll 1
-    for (uint32_t v = 0; v < views.count && i < m.count; v++)
-        is_touched = add_view<Degree>(views, v, m, i, gradient) || is_touched;
-    if (i < m.count)
-        views.planes[0][(size_t)PLANE_TOUCHED * m.stride + i] = is_touched;
-    if (adam.only_touched && !__syncthreads_or(is_touched))
-        return;
-    if (i >= m.count)
-        return;
-    if (adam.only_touched && !is_touched) {
-        limit_parameters(m, to, i);
-        return;
-    }
+    for (uint32_t v = 0; v < views.count; v++)
+        add_view<Degree>(views, v, m, i, gradient);
     if (adam.by_opacity > 0)
         add_regularisers(&adam, m.parameters + i, m.stride, gradient);
     move_parameters<FXS_FIT_SH>(&adam, 0, m, to, i, [&](int k) { return gradient[k]; });
@@ -313,9 +290,7 @@ __global__ void __launch_bounds__(FXS_FIT_PART, 3)
               const __grid_constant__ fxs_fit_adam adam)
 {
     const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
-    if (i >= m.count || is_stopped(b.status))
-        return;
-    if (!adam.only_touched || views.planes[0][(size_t)PLANE_TOUCHED * m.stride + i] > 0)
+    if (i < m.count && !is_stopped(b.status))
         update_part_of_sh<Degree, 0>(&adam, views, m, i, blockIdx.y);
 }
 
@@ -335,9 +310,8 @@ cudaError_t launch_update(const step_buffers *b, const device_model *m, float *c
         constexpr int Degree = d.value;
         update_shapes<Degree><<<part_count(m), FXS_FIT_PART, 0, stream>>>(*b, *m, views, *adam);
         if constexpr (Degree > 0)
-            if (!adam->without_sh)
-                update_sh<Degree><<<dim3(part_count(m), (SH_COUNT(Degree) + SH_AT_ONCE - 1) / SH_AT_ONCE),
-                                    FXS_FIT_PART, 0, stream>>>(*b, *m, views, *adam);
+            update_sh<Degree><<<dim3(part_count(m), (SH_COUNT(Degree) + SH_AT_ONCE - 1) / SH_AT_ONCE), FXS_FIT_PART, 0,
+                                stream>>>(*b, *m, views, *adam);
     });
     return cudaGetLastError();
 }
