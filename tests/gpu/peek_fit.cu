@@ -59,3 +59,13 @@ uint64_t peek_fit_bytes(const void *self)
 {
     return ((const engine *)self)->devices[0].memory.bytes;
 }
+
+static __global__ void trap()
+{
+    __trap();
+}
+
+void peek_fit_lose(void *self)
+{
+    trap<<<1, 1, 0, ((engine *)self)->devices[0].stream>>>();
+}
