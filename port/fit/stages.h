@@ -185,7 +185,6 @@ static void NAMED(fxs_fit_loss_back_rows_, ISA)(const fxs_fit_loss *loss, int32_
     }
 }
 
-/* 0.8 sign(a - b) - 0.2 (sum of by_mean + 2 a by_square + b by_product) */
 static void NAMED(fxs_fit_loss_gradient_, ISA)(const fxs_fit_loss *loss, int32_t row)
 {
     float b[STRIP], differences[16] = {0};
@@ -196,9 +195,9 @@ static void NAMED(fxs_fit_loss_gradient_, ISA)(const fxs_fit_loss *loss, int32_t
             photograph_strip(loss, row, x, STRIP, b);
         for (int i = 0; i < FXS_FIT_DERIVATIVES; i++)
             sums[i] = window_sum(at_of(&loss->rows[i], row) + x, loss->rows[i].stride);
-        const real p = load(a + x), q = load(b + x % STRIP), similar = (sums[0] + 2.0f * p * sums[1]) + q * sums[2];
-        const real sign = choose(below(q, p), all(0.8f), keep(below(p, q), all(-0.8f)));
-        store(at_of(&loss->gradient, row) + x, within(x, loss->width, sign - 0.2f * similar));
+        const real p = load(a + x), q = load(b + x % STRIP);
+        store(at_of(&loss->gradient, row) + x,
+              within(x, loss->width, gradient_of(p, q, sums[0], sums[1], sums[2])));
         add_to(differences, x, within(x, loss->width, absolute(p - q)));
     }
     loss->absolute[row] = sum_of(differences);

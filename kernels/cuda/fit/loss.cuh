@@ -147,14 +147,6 @@ __device__ inline void sum_derivatives(const step_buffers &b, const fxs_fit_came
         window_sums([&](int k) { return rows[i][p.y + k][p.x]; }, sums[i]);
 }
 
-/* 0.8 sign(a - b) - 0.2 (sum of by_mean + 2 a by_square + b by_product): fxs_fit_loss_gradient of port/fit/stages.h */
-__device__ inline float gradient_of(float a, float b, float by_mean, float by_square, float by_product)
-{
-    const float similar = (by_mean + 2.0f * a * by_square) + b * by_product;
-    const float sign = b < a ? 0.8f : a < b ? -0.8f : 0.0f;
-    return sign - 0.2f * similar;
-}
-
 __global__ void __launch_bounds__(LOSS_THREADS, 4)
 find_gradient_of_pixels(step_buffers b, const uint8_t *photograph, fxs_fit_camera camera)
 {

@@ -17,6 +17,7 @@ namespace {
 #include "../../../port/fit/lanes.h"
 #include "../../../port/fit/random.h"
 #include "../../../port/fit/gaussian.h"
+#include "../../../port/fit/pixel.h"
 #include "../../../port/fit/span.h"
 #include "../../../port/fit/project.h"
 #include "../../../port/fit/adam.h"

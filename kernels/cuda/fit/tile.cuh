@@ -152,9 +152,9 @@ __device__ inline bool blend_splat(const blend_shared *s, uint32_t splat, const 
     float u, v;
     const float level = level_of(s, splat, p, &u, &v), t = pixel->transmittance;
     const float4 colour = s->colour[splat];
-    const bool takes = is_left && level <= colour.x && FXS_FIT_CLOSED <= t;
+    const bool takes = is_left && takes_of(level, colour.x, t);
     if (takes) {
-        const float weight = least(exp_2_minus(level), FXS_FIT_ALPHA_MOST) * t;
+        const float weight = weight_of(takes, level, t);
         pixel->transmittance = t - weight;
         pixel->red = pixel->red + weight * colour.y;
         pixel->green = pixel->green + weight * colour.z;
@@ -257,26 +257,21 @@ struct back_shared : tile_splats<BACK_SPLATS> {
 
 /* What has passed of a pixel, and its gradient. */
 struct back_pixel {
-    float transmittance, behind, red, green, blue;
+    passed_pixel passed;
+    float red, green, blue;
 };
 
-/* dL/dalpha = T (c . g) - behind / (1 - alpha): find_sums of port/fit/tile.h, up to h and the weight. Where none is
-   left, there need not be a splat. */
-__device__ inline float2 pass_splat(const back_shared *s, uint32_t splat, const tile_place &p, bool is_left,
+/* h and the weight. Where none is left, there need not be a splat. */
+__device__ inline float2 pass_pixel(const back_shared *s, uint32_t splat, const tile_place &p, bool is_left,
                                     back_pixel *pixel)
 {
-    float u, v;
-    const float level = level_of(s, splat, p, &u, &v), t = pixel->transmittance;
+    float u, v, weight;
+    const float level = level_of(s, splat, p, &u, &v);
     const float4 colour = s->colour[splat];
-    const bool takes = is_left && level <= colour.x && FXS_FIT_CLOSED <= t;
-    const float exact = exp_2_minus(level), alpha = least(exact, FXS_FIT_ALPHA_MOST);
     const float of_colour = (pixel->red * colour.y + pixel->green * colour.z) + pixel->blue * colour.w;
-    const float weight = takes ? alpha * t : 0.0f, own = takes ? weight * of_colour : 0.0f;
-    const float behind = pixel->behind - own;
-    pixel->transmittance = t - weight;
-    pixel->behind = behind;
-    const bool has_slope = takes && exact < FXS_FIT_ALPHA_MOST;
-    return make_float2(has_slope ? behind * (alpha / (1.0f - alpha)) - own : 0.0f, weight);
+    const bool takes = is_left && takes_of(level, colour.x, pixel->passed.transmittance);
+    const float h = pass_splat(takes, level, of_colour, &pixel->passed, &weight);
+    return make_float2(h, weight);
 }
 
 /* A lane's part of a block's pixels: every second place, for one splat. */
@@ -315,16 +310,7 @@ __device__ inline void find_sums(const back_lane &l, int n, float sums[FXS_FIT_S
     const float2 passed = l.staged[place ^ l.splat];
     const float4 g = l.gradient[place];
     const float u = (l.along[n % 2] + l.down[n / 2]) + l.corner_u, v = l.v[n / 2];
-    const float hu = passed.x * u, hv = passed.x * v;
-    sums[FXS_FIT_SUM] = passed.x;
-    sums[FXS_FIT_SUM_U] = hu;
-    sums[FXS_FIT_SUM_V] = hv;
-    sums[FXS_FIT_SUM_UU] = hu * u;
-    sums[FXS_FIT_SUM_UV] = hu * v;
-    sums[FXS_FIT_SUM_VV] = hv * v;
-    sums[FXS_FIT_RED] = passed.y * g.x;
-    sums[FXS_FIT_GREEN] = passed.y * g.y;
-    sums[FXS_FIT_BLUE] = passed.y * g.z;
+    sums_of(passed.x, passed.y, u, v, g.x, g.y, g.z, sums);
 }
 
 /* The tree over the places that are Apart from the lane's n-th: those p and p + 8 first. */
@@ -367,7 +353,7 @@ __device__ inline void back_batch(back_shared *s, const tile_place &p, back_pixe
 #pragma unroll 2
         for (uint32_t i = first; i < next; i++)
             s->staged[p.block][i - first][p.lane ^ (i - first)] =
-                pass_splat(s, list[i] % BACK_SPLATS, p, i < count, pixel);
+                pass_pixel(s, list[i] % BACK_SPLATS, p, i < count, pixel);
         __syncwarp();
         add_group(s, p, first, count);
         __syncwarp();
@@ -423,7 +409,7 @@ __device__ inline back_pixel begin_pixel(const step_buffers &b, const fxs_fit_ca
         gradient[c] = b.gradient[c * size + at];
         behind += gradient[c] * b.picture[c * size + at];
     }
-    return {1, behind, gradient[0], gradient[1], gradient[2]};
+    return {{1, behind}, gradient[0], gradient[1], gradient[2]};
 }
 
 __global__ void __launch_bounds__(FXS_FIT_PIXELS, 4)
