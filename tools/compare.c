@@ -81,7 +81,7 @@ int command_compare(int argc, char **argv)
     if (optind != argc - 2)
         return fail(EXIT_USAGE, "compare takes two pictures; see: fixsplat compare --help");
     if (difference && !fxs_image_file_known(difference))
-        return fail(EXIT_USAGE, "%s: expected a name ending in .png, .ppm or .raw", difference);
+        return fail(EXIT_USAGE, "%s: expected a name ending in .png, .ppm, .raw, .jpg or .webp", difference);
     const char *const path[2] = {argv[optind], argv[optind + 1]};
     return compare(path, difference, json);
 }
