@@ -13,7 +13,7 @@ CORE_HEADERS := $(addprefix src/,fixsplat.h packed.h backend.h stage.h pixel.h f
 HEADERS := $(CORE_HEADERS) kernels/cuda/cuda.h kernels/gles/gles.h port/egl/egl.h port/osmesa/osmesa.h \
            $(addprefix port/posix/,clock.h map.h pool.h) $(addprefix port/files/,allocator.h message.h output.h) \
            $(addprefix port/scene/,scene_file.h scene_filter.h fxs_file.h ply_write.h splat_write.h spz_write.h) \
-           port/camera/camera.h port/camera/camera_file.h port/image/image_file.h port/import/pack.h \
+           port/camera/camera.h port/camera/camera_file.h port/image/image_file.h port/image/film_file.h port/import/pack.h \
            port/world/world.h port/backend/backends.h port/backend/foveate.h port/board/strip.h \
            port/fit/fit.h port/fit/photos.h port/fit/blocks.h
 
