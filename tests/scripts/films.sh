@@ -243,6 +243,22 @@ for bad in 'min-psnr 0' 'min-psnr x' 'min-ssim 0' 'min-ssim 1.1'; do
     fails "compare --$bad" 2 "--$bad" compare golden.png other.png --$bad
 done
 
+# ---- The script of docs/golden.md ------------------------------------------------------------------------------------
+
+mkdir project
+sed -n '/^```sh$/,/^```$/p' "$root/docs/golden.md" | sed '/^```/d' >project/golden.sh
+cp knot.ply project/scene.ply
+cp three.json project/cameras.json
+golden() { (cd project && PATH=$(dirname "$fixsplat"):$PATH && sh golden.sh "$@") 2>&1; }
+check "golden.sh: without pictures" equal "$(golden | grep -c 'golden/000[012].png: No such file')" 3
+check "golden.sh --update" golden --update
+check "golden.sh: makes three" equal "$(ls project/golden | tr '\n' ' ')" "0000.png 0001.png 0002.png "
+check "golden.sh" golden
+cp project/golden/0000.png project/golden/0002.png
+check "golden.sh: a picture that is another" equal "$(golden | grep -c 'golden/0002.png: the picture is another')" 1
+check "golden.sh: what a build keeps" equal "$(ls project/out | tr '\n' ' ')" \
+    "diff-0002.png got-0000.png got-0001.png got-0002.png "
+
 # ---- Parts of a picture ----------------------------------------------------------------------------------------------
 
 # part FILE WIDTH BYTES X Y W H: rows of a picture of that width, of so many bytes a pixel.
