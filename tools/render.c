@@ -35,8 +35,8 @@ static const char help[] =
     "                      middle of the scene; level, but for the views of a file without --up\n"
     "  --scissor X,Y,W,H   only this part of the picture: the same pixels. (Gaussians of more than 65536 pixels may\n"
     "                      differ in the last bit)\n"
-    "  --expect HASH|FILE  exit 1 unless the picture has this hash (16 hex digits, as --hash prints it), or is that of\n"
-    "                      FILE, pixel by pixel, alpha too\n"
+    "  --expect HASH|FILE  exit 1 unless the picture has this hash (16 hex digits, as --hash prints it), or is that\n"
+    "                      of FILE, pixel by pixel, alpha too\n"
     "  --diff OUT          where the picture is not that of FILE: 8 times the absolute difference\n"
     "  --hash              print the FNV-1a 64 hash of the RGBA bytes\n"
     "  --stats[=pairs]     print a JSON object: counts, milliseconds of each stage, bytes of each buffer; with pairs\n"
@@ -232,7 +232,8 @@ static int take_options(render_options *o, int argc, char **argv)
 {
     static const struct option table[] = {FRAME_OPTIONS, {"output", required_argument, 0, 'o'},
                                           {"alpha", no_argument, 0, OPT_ALPHA}, {"hash", no_argument, 0, OPT_HASH},
-                                          {"stats", optional_argument, 0, OPT_STATS}, {"json", no_argument, 0, OPT_JSON},
+                                          {"stats", optional_argument, 0, OPT_STATS},
+                                          {"json", no_argument, 0, OPT_JSON},
                                           {"depth", required_argument, 0, OPT_DEPTH},
                                           {"depth-kind", required_argument, 0, OPT_DEPTH_KIND},
                                           {"depth-range", required_argument, 0, OPT_DEPTH_RANGE},

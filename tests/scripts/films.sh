@@ -279,6 +279,15 @@ for place in '0 0 200 150' '64 32 64 64' '71 39 55 41' '199 149 1 1'; do
     check "--scissor $place: the pixels" cmp part.raw wanted.raw
     check "--scissor $place: the ids" cmp part-ids.raw wanted-ids.raw
 done
+for backend in gles gles-fetch osmesa cuda; do
+    run render $whole --scissor 71,39,55,41 --backend $backend -o other.raw
+    if [ $status = 0 ]; then
+        part whole.raw 200 4 71 39 55 41 >wanted.raw
+        check "--scissor --backend $backend" cmp other.raw wanted.raw
+    else
+        skip "--scissor --backend $backend" "$(cat logs/err)"
+    fi
+done
 succeeds "--scissor of a film" render $three --view all --scissor 8,8,16,16 -o part.y4m
 check "--scissor of a film: its size" equal "$(head -n 1 part.y4m | cut -d ' ' -f 2,3)" "W16 H16"
 fails "--scissor beyond the picture" 1 "--scissor 190,0,11,5: view look-at is 200x150" render $whole \
