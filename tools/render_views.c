@@ -136,7 +136,7 @@ typedef struct drawn_view {
     fxs_stats stats;
     uint64_t hash;
     double range;                           /* of depths, as written */
-    fxs_encoded encoded;                    /* of a film */
+    fxs_encoded encoded;
     char depth_name[4096];
 } drawn_view;
 
@@ -319,10 +319,12 @@ static int write_picture(const shared_views *s, drawn_view *d, long index)
 {
     const picture *p = &d->picture;
     char name[4096];
-    if (s->film)
-        return fxs_image_encode(s->encoding, s->o->quality, p->pixels, p->width, p->height, &d->encoded, &d->why);
+    fxs_message why;
     name_file(name, sizeof name, s->o->output, index);
-    return fxs_image_file_write_as(name, s->encoding, s->o->quality, p->pixels, p->width, p->height, &d->why);
+    const int error = fxs_image_encode(s->encoding, s->o->quality, p->pixels, p->width, p->height, &d->encoded, &why);
+    if (error)
+        return fxs_fail_as(error, &d->why, "%s: %s", name, why.text);
+    return s->film ? 0 : fxs_encoded_write(name, &d->encoded, &d->why);
 }
 
 static void write_view(void *argument, uint32_t i)
@@ -364,7 +366,6 @@ static void *write_round(void *argument)
         stopped |= d->status || d->unwritten;
         if (s->film && !stopped)
             stopped = d->unwritten = fxs_film_write(s->film, &d->encoded, &d->why);
-        fxs_encoded_free(&d->encoded);
     }
     return 0;
 }
@@ -559,8 +560,10 @@ static void close_renderers(shared_views *s)
             picture_free(&s->faces[i][k]);
     }
     for (int i = 0; i < 2; i++) {
-        for (long k = 0; k < s->round_most && s->rounds[i].drawn; k++)
+        for (long k = 0; k < s->round_most && s->rounds[i].drawn; k++) {
             picture_free(&s->rounds[i].drawn[k].picture);
+            fxs_encoded_free(&s->rounds[i].drawn[k].encoded);
+        }
         free(s->rounds[i].drawn);
     }
     fxs_pool_destroy(s->pool);

@@ -1,11 +1,11 @@
 #include "depth_file.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
-#include "../files/output_internal.h"
 #include "png_internal.h"
 
 static int ends_with(const char *path, const char *ending)
@@ -33,14 +33,8 @@ static int fail_file(int error, const char *path, const char *why, fxs_message *
 /* Writes all of a file. */
 static int write_file(const char *path, const void *bytes, size_t size, fxs_message *message)
 {
-    fxs_output output;
-    if (fxs_output_open(&output, path, 0, message))
-        return FXS_ERR_FILE;
-    const int failed = fxs_output_write(&output, bytes, size, message);
-    fxs_message closing;
-    if (fxs_output_close(&output, failed ? &closing : message) || failed)
-        return FXS_ERR_FILE;
-    return 0;
+    const fxs_encoded file = {bytes, size, NULL, 0};
+    return fxs_encoded_write(path, &file, message);
 }
 
 /* ---- Depth as .png ----------------------------------------------------------------------------------------------- */
@@ -68,7 +62,7 @@ static int write_png(const char *path, const fxs_depths *d, double range, fxs_me
     const double whole = floor(ldexp(range, d->depth_bits) + 0.5);
     const uint64_t most = whole < 1 ? 1 : whole < 0x1p62 ? (uint64_t)whole : (uint64_t)1 << 62;
     uint8_t *pixels = malloc(2 * count);
-    fxs_encoded png;
+    fxs_encoded png = {NULL, 0, NULL, 0};
     for (size_t i = 0; i < count && pixels; i++) {
         const unsigned value = grey(d->pixels[i], most);
         pixels[2 * i] = (uint8_t)(value >> 8);
@@ -76,12 +70,12 @@ static int write_png(const char *path, const fxs_depths *d, double range, fxs_me
     }
     int error = pixels ? fxs_png_encode(FXS_PNG_GREY_16, pixels, d->width, d->height, &png) : FXS_ERR_MEMORY;
     free(pixels);
-    if (error == FXS_ERR_UNSUPPORTED)
-        return fail_file(error, path, "this program was built without zlib, which .png needs; .pfm can be written",
-                         message);
-    if (error)
-        return fail_file(error, path, "out of memory", message);
-    error = write_file(path, png.bytes, png.size, message);
+    if (!error)
+        error = fxs_encoded_write(path, &png, message);
+    else if (error == FXS_ERR_MEMORY)
+        fail_file(error, path, "out of memory", message);
+    else
+        fail_file(error, path, "this program was built without zlib, which .png needs; .pfm can be written", message);
     fxs_encoded_free(&png);
     return error;
 }

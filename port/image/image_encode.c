@@ -56,6 +56,16 @@ int fxs_image_file_known(const char *path)
 
 /* The encoders return 0 or an error, without a message. */
 
+uint8_t *fxs_encoded_room(fxs_encoded *encoded, size_t bytes)
+{
+    if (bytes > encoded->room) {
+        free(encoded->memory);
+        encoded->memory = malloc(bytes);
+        encoded->room = encoded->memory ? bytes : 0;
+    }
+    return encoded->memory;
+}
+
 static int opaque(const uint8_t *rgba, size_t pixels)
 {
     for (size_t i = 0; i < pixels; i++)
@@ -67,13 +77,14 @@ static int opaque(const uint8_t *rgba, size_t pixels)
 static int encode_ppm(const uint8_t *rgba, int width, int height, fxs_encoded *ppm)
 {
     const size_t pixels = (size_t)width * (size_t)height;
-    char *bytes = malloc(32 + 3 * pixels), *out = bytes;
+    uint8_t *bytes = fxs_encoded_room(ppm, 32 + 3 * pixels), *out = bytes;
     if (!bytes)
         return FXS_ERR_MEMORY;
-    out += sprintf(out, "P6\n%d %d\n255\n", width, height);
+    out += sprintf((char *)out, "P6\n%d %d\n255\n", width, height);
     for (size_t i = 0; i < pixels; i++, out += 3)
         memcpy(out, rgba + 4 * i, 3);
-    *ppm = (fxs_encoded){(const uint8_t *)bytes, (size_t)(out - bytes), bytes};
+    ppm->bytes = bytes;
+    ppm->size = (size_t)(out - bytes);
     return 0;
 }
 
@@ -84,7 +95,7 @@ static int encode_y4m(const uint8_t *rgba, int width, int height, fxs_encoded *y
 {
     static const char head[6] = "FRAME\n";
     const size_t pixels = (size_t)width * (size_t)height, size = sizeof head + 3 * pixels;
-    uint8_t *bytes = malloc(size), *out = bytes + sizeof head;
+    uint8_t *bytes = fxs_encoded_room(y4m, size), *out = bytes + sizeof head;
     if (!bytes)
         return FXS_ERR_MEMORY;
     memcpy(bytes, head, sizeof head);
@@ -94,43 +105,42 @@ static int encode_y4m(const uint8_t *rgba, int width, int height, fxs_encoded *y
         out[pixels + i] = (uint8_t)((28785 * b - 6596 * r - 22189 * g + (128 << 16) + 32768) >> 16);
         out[2 * pixels + i] = (uint8_t)((28785 * r - 26146 * g - 2639 * b + (128 << 16) + 32768) >> 16);
     }
-    *y4m = (fxs_encoded){bytes, size, bytes};
+    y4m->bytes = bytes;
+    y4m->size = size;
     return 0;
 }
 
 #ifdef FXS_WITH_STB
 /* Bytes that come piece by piece. */
 typedef struct growing {
-    uint8_t *bytes;
-    size_t size, room;
+    fxs_encoded *encoded;
     int failed;
 } growing;
 
 static void append(void *argument, void *data, int size)
 {
     growing *g = argument;
-    if (g->size + (size_t)size > g->room) {
-        const size_t room = 2 * g->room + (size_t)size + 65536;
-        uint8_t *larger = realloc(g->bytes, room);
+    fxs_encoded *e = g->encoded;
+    if (e->size + (size_t)size > e->room) {
+        const size_t room = 2 * e->room + (size_t)size + 65536;
+        void *larger = realloc(e->memory, room);
         g->failed |= !larger;
-        g->bytes = larger ? larger : g->bytes;
-        g->room = larger ? room : g->room;
+        e->memory = larger ? larger : e->memory;
+        e->room = larger ? room : e->room;
     }
     if (g->failed)
         return;
-    memcpy(g->bytes + g->size, data, (size_t)size);
-    g->size += (size_t)size;
+    memcpy((uint8_t *)e->memory + e->size, data, (size_t)size);
+    e->size += (size_t)size;
 }
 
 static int encode_jpg(const uint8_t *rgba, int width, int height, int quality, fxs_encoded *jpg)
 {
-    growing g = {0};
-    if (!stbi_write_jpg_to_func(append, &g, width, height, 4, rgba, quality ? quality : 95) || g.failed) {
-        free(g.bytes);
-        return FXS_ERR_MEMORY;
-    }
-    *jpg = (fxs_encoded){g.bytes, g.size, g.bytes};
-    return 0;
+    growing g = {jpg, 0};
+    jpg->size = 0;
+    const int written = stbi_write_jpg_to_func(append, &g, width, height, 4, rgba, quality ? quality : 95);
+    jpg->bytes = jpg->memory;
+    return written && !g.failed ? 0 : FXS_ERR_MEMORY;
 }
 #else
 static int encode_jpg(const uint8_t *rgba, int width, int height, int quality, fxs_encoded *jpg)
@@ -159,10 +169,12 @@ static int encode_webp(const uint8_t *rgba, int width, int height, int quality, 
     picture.height = height;
     picture.writer = WebPMemoryWrite;
     picture.custom_ptr = &writer;
-    int encoded = WebPPictureImportRGBA(&picture, rgba, 4 * width) && WebPEncode(&config, &picture);
-    uint8_t *bytes = encoded ? malloc(writer.size) : NULL;   /* the writer's are WebPFree's */
-    if (bytes)
-        *webp = (fxs_encoded){memcpy(bytes, writer.mem, writer.size), writer.size, bytes};
+    const int written = WebPPictureImportRGBA(&picture, rgba, 4 * width) && WebPEncode(&config, &picture);
+    uint8_t *bytes = written ? fxs_encoded_room(webp, writer.size) : NULL;   /* the writer's are WebPFree's */
+    if (bytes) {
+        webp->bytes = memcpy(bytes, writer.mem, writer.size);
+        webp->size = writer.size;
+    }
     WebPPictureFree(&picture);
     WebPMemoryWriterClear(&writer);
     return bytes ? 0 : FXS_ERR_MEMORY;
@@ -189,7 +201,10 @@ static int encode(enum fxs_image_format format, int quality, const uint8_t *rgba
     case FXS_IMAGE_JPG: return encode_jpg(rgba, width, height, quality, encoded);
     case FXS_IMAGE_WEBP: return encode_webp(rgba, width, height, quality, encoded);
     case FXS_IMAGE_RAW:
-    case FXS_IMAGE_RGBA: *encoded = (fxs_encoded){rgba, 4 * pixels, NULL}; return 0;
+    case FXS_IMAGE_RGBA:
+        encoded->bytes = rgba;
+        encoded->size = 4 * pixels;
+        return 0;
     default: return FXS_ERR_ARGUMENT;
     }
 }
@@ -200,7 +215,6 @@ int fxs_image_encode(enum fxs_image_format format, int quality, const uint8_t *r
     static const char *const libraries[] = {[FXS_IMAGE_PNG] = "zlib, which .png", [FXS_IMAGE_JPG] = "stb, which .jpg",
                                             [FXS_IMAGE_WEBP] = "libwebp, which .webp"};
     const int most = format == FXS_IMAGE_WEBP ? MAX_SIZE - 1 : MAX_SIZE;
-    *encoded = (fxs_encoded){NULL, 0, NULL};
     if (width < 1 || height < 1 || width > most || height > most || quality < 0 || quality > 100)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "cannot write an image of %d x %d and quality %d", width, height,
                            quality);
@@ -216,33 +230,31 @@ int fxs_image_encode(enum fxs_image_format format, int quality, const uint8_t *r
 void fxs_encoded_free(fxs_encoded *encoded)
 {
     free(encoded->memory);
-    *encoded = (fxs_encoded){NULL, 0, NULL};
+    memset(encoded, 0, sizeof *encoded);
 }
 
 /* ---- Files ------------------------------------------------------------------------------------------------------- */
 
-int fxs_image_file_write_as(const char *path, enum fxs_image_format format, int quality, const uint8_t *rgba, int width,
-                            int height, fxs_message *message)
+int fxs_encoded_write(const char *path, const fxs_encoded *encoded, fxs_message *message)
 {
-    fxs_encoded encoded;
     fxs_output output;
-    fxs_message why;
-    const int error = fxs_image_encode(format, quality, rgba, width, height, &encoded, &why);
-    if (error)
-        return fxs_fail_as(error, message, "%s: %s", path, why.text);
-    int result = fxs_output_open(&output, path, 0, message);
-    if (!result) {
-        fxs_output_write(&output, encoded.bytes, encoded.size, message);   /* the output keeps its error */
-        result = fxs_output_close(&output, message);
-    }
-    fxs_encoded_free(&encoded);
-    return result;
+    FXS_TRY(fxs_output_open(&output, path, 0, message));
+    fxs_output_write(&output, encoded->bytes, encoded->size, message);   /* the output keeps its error */
+    return fxs_output_close(&output, message);
 }
 
 int fxs_image_file_write(const char *path, const uint8_t *rgba, int width, int height, fxs_message *message)
 {
+    fxs_encoded encoded = {NULL, 0, NULL, 0};
+    fxs_message why;
     if (!fxs_image_file_known(path))
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: unknown ending of an image; known are .png, .ppm, .raw, "
                            ".jpg and .webp", path);
-    return fxs_image_file_write_as(path, fxs_image_format_of(path), 0, rgba, width, height, message);
+    int result = fxs_image_encode(fxs_image_format_of(path), 0, rgba, width, height, &encoded, &why);
+    if (result)
+        fxs_fail_as(result, message, "%s: %s", path, why.text);
+    else
+        result = fxs_encoded_write(path, &encoded, message);
+    fxs_encoded_free(&encoded);
+    return result;
 }

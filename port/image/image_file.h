@@ -23,11 +23,12 @@ enum fxs_image_format {
    FXS_IMAGE_UNKNOWN. */
 enum fxs_image_format fxs_image_format_of(const char *path);
 
-/* A picture as the bytes of a file. */
+/* A picture as the bytes of a file. All 0: none yet. */
 typedef struct fxs_encoded {
-    const uint8_t *bytes;
+    const uint8_t *bytes;    /* in `memory`, or the picture's own */
     size_t size;
-    void *memory;            /* for fxs_encoded_free; null: `bytes` are the picture's own */
+    void *memory;            /* for fxs_encoded_free, and for the next picture */
+    size_t room;             /* bytes of that */
 } fxs_encoded;
 
 /* Encodes a picture of `width` x `height` pixels, each of 4 bytes: .png (by zlib or libdeflate, fast rather than small;
@@ -36,21 +37,21 @@ typedef struct fxs_encoded {
    the same, 0: without loss. But for .jpg and a .webp with loss, which are encoded in floats, the file has these
    pixels, and a .y4m, the same bytes on every machine. Allocates up to 8 bytes a pixel for .png, 3 for .ppm and .y4m.
 
-   Returns 0 with what fxs_encoded_free frees, or an error and a message, with nothing to free. Errors:
-   FXS_ERR_ARGUMENT where the size is out of range (of .webp 16383), FXS_ERR_UNSUPPORTED where this was built without
-   the library (.png: zlib, .jpg: stb, .webp: libwebp), FXS_ERR_MEMORY. */
+   *encoded is all 0, or what an earlier call left there, whose memory is used again. Returns 0, or an error and a
+   message; fxs_encoded_free frees in any case. Errors: FXS_ERR_ARGUMENT where the size is out of range (of .webp
+   16383), FXS_ERR_UNSUPPORTED where this was built without the library (.png: zlib, .jpg: stb, .webp: libwebp),
+   FXS_ERR_MEMORY. */
 int fxs_image_encode(enum fxs_image_format format, int quality, const uint8_t *rgba, int width, int height,
                      fxs_encoded *encoded, fxs_message *message);
 void fxs_encoded_free(fxs_encoded *encoded);
 
-/* Encodes a picture, of the quality 0, in the format that the ending of the name tells, .y4m and .rgba left out, and
-   writes it to a temporary name beside `path`, which is renamed (output.h), so that a failure leaves an existing file
-   whole. Returns 0, or an error as fxs_image_encode, FXS_ERR_ARGUMENT for any other ending, or FXS_ERR_FILE. */
-int fxs_image_file_write(const char *path, const uint8_t *rgba, int width, int height, fxs_message *message);
+/* Writes the bytes to a temporary name beside `path`, which is renamed (output.h), so that a failure leaves an existing
+   file whole. Returns 0, or FXS_ERR_FILE or FXS_ERR_MEMORY and a message. */
+int fxs_encoded_write(const char *path, const fxs_encoded *encoded, fxs_message *message);
 
-/* The same in a format of the caller's choice. */
-int fxs_image_file_write_as(const char *path, enum fxs_image_format format, int quality, const uint8_t *rgba, int width,
-                            int height, fxs_message *message);
+/* Both: encodes a picture, of the quality 0, in the format that the ending of the name tells, .y4m and .rgba left out,
+   and writes it. Returns 0, or an error as they do, FXS_ERR_ARGUMENT for any other ending. */
+int fxs_image_file_write(const char *path, const uint8_t *rgba, int width, int height, fxs_message *message);
 
 /* 1 where the ending of the name is one that fxs_image_file_write knows, else 0. */
 int fxs_image_file_known(const char *path);

@@ -1,6 +1,5 @@
 #include "png_internal.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #ifdef FXS_WITH_ZLIB
@@ -54,18 +53,38 @@ static size_t compress_rows(uint8_t *out, size_t room, const uint8_t *rows, size
 
 /* ---- Rows -------------------------------------------------------------------------------------------------------- */
 
-/* Of each pixel's `step` bytes the first `used`. The first row is as it is, after a 0, the others, after a 2, are the
-   difference from the row above. */
-static inline void filter_rows(uint8_t *out, const uint8_t *pixels, size_t width, size_t height, size_t step,
-                               size_t used)
+/* The first row is as it is, after a 0, the others, after a 2, are the difference from the row above. */
+
+/* Four bytes at once: the upper bit of each keeps the borrow, and is put right then. */
+static inline uint32_t minus_bytes(uint32_t a, uint32_t b)
 {
-    const size_t row = width * step;
+    return ((a | 0x80808080u) - (b & 0x7f7f7f7fu)) ^ ((a ^ ~b) & 0x80808080u);
+}
+
+/* Of each pixel the first `used` bytes; up to four are written, of which the next pixel's follow. */
+static inline void filter_colours(uint8_t *out, const uint8_t *rgba, size_t width, size_t height, size_t used)
+{
     for (size_t y = 0; y < height; y++) {
-        const uint8_t *in = pixels + y * row;
+        const uint8_t *in = rgba + 4 * width * y;
         *out++ = y ? 2 : 0;
-        for (const uint8_t *end = in + row; in < end; in += step)
-            for (size_t c = 0; c < used; c++)
-                *out++ = (uint8_t)(y ? in[c] - in[c - row] : in[c]);
+        for (const uint8_t *end = in + 4 * width; in < end; in += 4, out += used) {
+            uint32_t pixel, above = 0;
+            memcpy(&pixel, in, 4);
+            if (y)
+                memcpy(&above, in - 4 * width, 4);
+            pixel = minus_bytes(pixel, above);
+            memcpy(out, &pixel, 4);
+        }
+    }
+}
+
+static void filter_greys(uint8_t *out, const uint8_t *greys, size_t width, size_t height)
+{
+    const size_t row = 2 * width;
+    for (size_t y = 0; y < height; y++) {
+        *out++ = y ? 2 : 0;
+        for (const uint8_t *in = greys + row * y, *end = in + row; in < end; in++)
+            *out++ = (uint8_t)(y ? *in - in[-(ptrdiff_t)row] : *in);
     }
 }
 
@@ -78,11 +97,11 @@ static void filter(uint8_t *out, int kind, const uint8_t *pixels, int width, int
 {
     const size_t w = (size_t)width, h = (size_t)height;
     if (kind == FXS_PNG_GREY_16)
-        filter_rows(out, pixels, w, h, 2, 2);
+        filter_greys(out, pixels, w, h);
     else if (kind == FXS_PNG_RGB)
-        filter_rows(out, pixels, w, h, 4, 3);
+        filter_colours(out, pixels, w, h, 3);
     else
-        filter_rows(out, pixels, w, h, 4, 4);
+        filter_colours(out, pixels, w, h, 4);
 }
 
 /* ---- The file ---------------------------------------------------------------------------------------------------- */
@@ -118,19 +137,15 @@ static uint8_t *put_header(uint8_t *out, int kind, int width, int height)
 int fxs_png_encode(int kind, const uint8_t *pixels, int width, int height, fxs_encoded *png)
 {
     const size_t size = (used_bytes(kind) * (size_t)width + 1) * (size_t)height, room = bound_of(size);
-    uint8_t *rows = malloc(size), *bytes = malloc(room + AROUND_DATA), *out = bytes;
-    size_t compressed = 0;
-    if (rows && bytes) {
-        filter(rows, kind, pixels, width, height);
-        out = put_header(out, kind, width, height);
-        compressed = compress_rows(out + 8, room, rows, size);
-        out = put_chunk(put_chunk(out, "IDAT", compressed), "IEND", 0);
-    }
-    free(rows);
-    if (compressed)
-        *png = (fxs_encoded){bytes, (size_t)(out - bytes), bytes};
-    else
-        free(bytes);
+    uint8_t *bytes = fxs_encoded_room(png, AROUND_DATA + room + size + 1), *rows = bytes + AROUND_DATA + room;
+    if (!bytes)
+        return FXS_ERR_MEMORY;
+    filter(rows, kind, pixels, width, height);
+    uint8_t *out = put_header(bytes, kind, width, height);
+    const size_t compressed = compress_rows(out + 8, room, rows, size);
+    out = put_chunk(put_chunk(out, "IDAT", compressed), "IEND", 0);
+    png->bytes = bytes;
+    png->size = (size_t)(out - bytes);
     return compressed ? 0 : FXS_ERR_MEMORY;
 }
 #else
