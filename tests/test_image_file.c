@@ -167,7 +167,7 @@ static void frames_of_films(void)
     }
     const void *memory = frame.memory;
     CHECK(encode(FXS_IMAGE_RGBA, 0, &frame) && frame.bytes == image && frame.size == sizeof image);
-    CHECK(encode(FXS_IMAGE_PPM, 0, &frame) && frame.bytes == memory);   /* used again */
+    CHECK(encode(FXS_IMAGE_Y4M, 0, &frame) && frame.bytes == memory);   /* used again */
     fxs_encoded_free(&frame);
 }
 
