@@ -84,13 +84,6 @@ static int take_recipe(fxs_fit_options *options, const char *value)
     return fail(EXIT_USAGE, "--recipe %s: expected reference, mcmc or fast", value);
 }
 
-static int take_number(const char *name, const char *value, uint64_t low, uint64_t high, uint64_t *out)
-{
-    return parse_count(value, low, high, out)
-               ? 0 : fail(EXIT_USAGE, "--%s %s: expected a whole number from %" PRIu64 " to %" PRIu64, name, value, low,
-                          high);
-}
-
 static int take_block(fit_command *c, const char *value)
 {
     const char *slash = strchr(value, '/');
