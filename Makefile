@@ -284,20 +284,19 @@ WASM_FLAGS := --target=wasm32-wasi -std=gnu99 -fwrapv -ffp-contract=off -ffuncti
               -Wall -Wextra -Wpedantic -Wshadow -Wconversion -include port/web/files.h
 WASM_LINK := --target=wasm32-wasi -nostartfiles -Wl,--no-entry,--strip-all,--stack-first,-z,stack-size=524288
 WEB_C := $(addprefix port/web/,text.c heap.c files.c) port/files/message.c port/files/allocator.c
-WEB_CORE := $(wildcard src/*.c) kernels/kernels.c port/web/core.c port/web/crc.c port/scene/fxs_file.c \
+WEB_CORE := $(wildcard src/*.c) kernels/kernels.c port/web/core.c port/files/crc32.c port/scene/fxs_file.c \
             port/camera/camera.c port/world/world.c $(WEB_C)
 sources_of_core := $(WEB_CORE)
 WEB_GLES := $(wildcard kernels/gles/*.c) port/web/webgl.c
 sources_of_simd := $(WEB_CORE) $(wildcard kernels/wasm/*.c) $(WEB_GLES)
 sources_of_threads := $(sources_of_simd) port/web/pool.c
 sources_of_import := $(filter-out %_write.c %/scene_filter.c,$(wildcard port/scene/*.c port/import/*.c)) \
-                     port/web/import.c port/web/crc.c port/web/sort.c port/files/byte_reader.c port/files/text.c port/files/zip.c src/scene.c \
+                     port/web/import.c port/web/crc.c port/web/sort.c port/files/crc32.c port/files/byte_reader.c port/files/text.c port/files/zip.c src/scene.c \
                      src/fixsplat.c src/chunk.c $(WEB_C)
-# What takes little of a frame is to be small; kernels take a seventh less of it by -O3, for 2 KB. .fxs needs of zlib
-# what crc.c has. The lowest 1024 bytes are the end of the stack, which no pointer is to (--low-memory-unused).
+# What takes little of a frame is to be small; kernels take a seventh less of it by -O3, for 2 KB. The lowest 1024 bytes are the end of
+# the stack, which no pointer is to (--low-memory-unused).
 # <GLES3/gl3.h> is the host's.
-wasm_flags_of = $(if $(filter %/fxs_file.c,$(2)),-DFXS_WITH_ZLIB -Iport/web/zlib, \
-                     $(if $(filter import,$(1)),$(WEB_READERS_FLAGS))) \
+wasm_flags_of = $(if $(filter import,$(1)),$(WEB_READERS_FLAGS)) \
                 $(if $(filter simd,$(1)),-msimd128) $(if $(filter %/pool.c,$(2)),-matomics -mbulk-memory) \
                 $(if $(filter $(WEB_GLES),$(2)),-idirafter /usr/include -I$(B)/kernels/gles) \
                 $(if $(filter kernels/wasm/%,$(2)),-O3,$(if $(filter $(WEB_SMALL),$(1)/$(2)),-Oz,-O2))
