@@ -597,10 +597,10 @@ check "convert .splat to .spz: PSNR" at_least "$(psnr_of plain.spz plain.ply)" 4
 { ply_header 5 && for i in 0 1 2 3 4; do echo "$i 0 0 1 .5 .2 $((i - 3)).5 -1 -1.5 -2 1 0 0 0"; done; } >rows.ply
 for out in ply splat spz fxs; do
     run convert rows.ply left.$out --crop 1,-1,-1,3,1,1
-    check "convert --crop to .$out" says "rows.ply: kept 3 of 5 Gaussians (2 outside the box, 0 too faint)"
+    check "convert --crop to .$out" says "rows.ply: kept 3 of 5 Gaussians (2 outside, 0 too faint, 0 floating)"
     check "convert --crop to .$out: what is left" gaussians left.$out 3 0
     run convert rows.ply left.$out --prune 0.5 --crop 0,0,0,3,0,0
-    check "convert --prune to .$out" says "rows.ply: kept 1 of 5 Gaussians (1 outside the box, 3 too faint)"
+    check "convert --prune to .$out" says "rows.ply: kept 1 of 5 Gaussians (1 outside, 3 too faint, 0 floating)"
     check "convert --prune to .$out: what is left" gaussians left.$out 1 0
     echo precious >left.$out
     fails "convert --crop to .$out: nothing left" 1 "rows.ply: none of the 5 Gaussians is left" convert rows.ply \
