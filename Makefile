@@ -13,7 +13,7 @@ CORE_HEADERS := $(addprefix src/,fixsplat.h packed.h backend.h stage.h pixel.h f
 HEADERS := $(CORE_HEADERS) kernels/cuda/cuda.h kernels/gles/gles.h port/egl/egl.h port/osmesa/osmesa.h \
            $(addprefix port/posix/,clock.h map.h pool.h) $(addprefix port/files/,allocator.h message.h output.h) \
            $(addprefix port/scene/,scene_file.h scene_filter.h fxs_file.h ply_write.h splat_write.h spz_write.h \
-             scene_write.h) \
+             scene_write.h scene_decimate.h) \
            port/camera/camera.h port/camera/camera_file.h port/image/image_file.h port/import/pack.h \
            port/world/world.h port/backend/backends.h port/backend/foveate.h port/board/strip.h \
            port/fit/fit.h port/fit/photos.h port/fit/blocks.h
@@ -291,7 +291,7 @@ sources_of_core := $(WEB_CORE)
 WEB_GLES := $(wildcard kernels/gles/*.c) port/web/webgl.c
 sources_of_simd := $(WEB_CORE) $(wildcard kernels/wasm/*.c) $(WEB_GLES)
 sources_of_threads := $(sources_of_simd) port/web/pool.c
-sources_of_import := $(filter-out %_write.c %/scene_filter.c %/floaters.c,$(wildcard port/scene/*.c port/import/*.c)) \
+sources_of_import := $(filter-out %_write.c %/scene_filter.c %/floaters.c %/scene_decimate.c,$(wildcard port/scene/*.c port/import/*.c)) \
                      port/web/import.c port/web/crc.c port/web/sort.c port/files/byte_reader.c port/files/text.c port/files/zip.c src/scene.c \
                      src/fixsplat.c src/chunk.c $(WEB_C)
 # What takes little of a frame is to be small; kernels take a seventh less of it by -O3, for 2 KB. .fxs needs of zlib

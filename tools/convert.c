@@ -39,7 +39,10 @@ static const char help[] =
     "  --drop-floaters     of what these leave, drop those with fewer than 8 others in the 27 cells around them; cells\n"
     "                      are as wide as 4 of a Gaussian's largest sigma (of the median Gaussian's, where that is\n"
     "                      more), rounded up to a power of two\n"
-    "  --sh-degree D       keep SH up to this degree, 0 to 3\n\n";
+    "  --sh-degree D       keep SH up to this degree, 0 to 3\n\n"
+    "Last:\n\n"
+    "  --decimate N        merge neighbours until N Gaussians are left, or N%: position, covariance, colour and SH of two\n"
+    "                      become those of both together, weighted by opacity and area\n\n";
 
 /* C99 promises strings of 4095 bytes. */
 static const char more_help[] =
@@ -58,7 +61,7 @@ static const char more_help[] =
     "  fixsplat convert scene.ply small.spz --prune 0.02 --sh-degree 1\n"
     "  fixsplat convert scene.spz table.ply --crop -1,-1,-1,1,0.5,1\n"
     "  fixsplat convert scan.ply level.sog --up 0,0,1 --scale 0.01 --sphere 0,0,0,2 --drop-floaters\n"
-    "  fixsplat convert scene.ply scene.glb\n"
+    "  fixsplat convert scene.ply far.glb --decimate 10%\n"
     "  fixsplat convert room.ply chair.spz both.fxs --place chair.spz:1,0,2\n"
     "  fixsplat convert --scene world.json all.fxs\n";
 
@@ -74,7 +77,7 @@ typedef struct convert_options {
     int profile_given, spz_version;         /* spz_version 0: none given */
 } convert_options;
 
-enum { OPT_CROP = OPT_OWN, OPT_SPHERE, OPT_PRUNE, OPT_DROP_FLOATERS, OPT_TRANSLATE, OPT_ROTATE, OPT_SCALE,
+enum { OPT_CROP = OPT_OWN, OPT_SPHERE, OPT_PRUNE, OPT_DROP_FLOATERS, OPT_DECIMATE, OPT_TRANSLATE, OPT_ROTATE, OPT_SCALE,
        OPT_SPZ_VERSION };
 
 /* ---- Options --------------------------------------------------------------------------------------------------- */
@@ -97,6 +100,32 @@ static int take_sphere(fxs_scene_filter *filter, const char *value)
     memcpy(filter->middle, sphere, sizeof filter->middle);
     filter->radius = sphere[3];
     return 0;
+}
+
+/* N or N% */
+static int take_decimate(convert_options *o, const char *value)
+{
+    const size_t length = strlen(value);
+    char number[64];
+    uint64_t count;
+    o->filter.drawable = o->filtered = 1;
+    o->load.decimate_share = 0;
+    o->load.decimate_count = 0;
+    if (parse_count(value, 1, UINT64_MAX, &count)) {
+        o->load.decimate_count = count;
+        return 0;
+    }
+    if (length > 1 && length < sizeof number && value[length - 1] == '%') {
+        memcpy(number, value, length - 1);
+        number[length - 1] = 0;
+        if (parse_vector(number, 1, &o->load.decimate_share) && o->load.decimate_share > 0 &&
+            o->load.decimate_share <= 100) {
+            o->load.decimate_share /= 100;
+            return 0;
+        }
+    }
+    return fail(EXIT_USAGE, "--decimate %s: expected a number of Gaussians from 1 on, or a share above 0%% up to 100%%",
+                value);
 }
 
 /* How the whole is placed. */
@@ -128,6 +157,7 @@ static int take_option(convert_options *o, int which, const char *value)
     case OPT_TRANSLATE: return take_place(o, which, value);
     case OPT_SPHERE: return take_sphere(&o->filter, value);
     case OPT_DROP_FLOATERS: o->filter.floaters = 1; return 0;
+    case OPT_DECIMATE: return take_decimate(o, value);
     case OPT_LOD: return take_lod(&o->load, value);
     case OPT_AXES:
     case OPT_MAX_GAUSSIANS:
@@ -163,6 +193,7 @@ static int take_options(convert_options *o, int argc, char **argv)
                                           {"crop", required_argument, 0, OPT_CROP},
                                           {"sphere", required_argument, 0, OPT_SPHERE},
                                           {"drop-floaters", no_argument, 0, OPT_DROP_FLOATERS},
+                                          {"decimate", required_argument, 0, OPT_DECIMATE},
                                           {"prune", required_argument, 0, OPT_PRUNE},
                                           {"sh-degree", required_argument, 0, OPT_SH_DEGREE},
                                           {"spz-version", required_argument, 0, OPT_SPZ_VERSION},

@@ -9,6 +9,7 @@
 #include "../port/posix/clock.h"
 #include "../port/posix/pool.h"
 #include "../port/scene/fxs_file.h"
+#include "../port/scene/scene_decimate.h"
 #include "../src/packed.h"
 
 /* The share of what is seen is told from 3 per mille on. */
@@ -49,9 +50,22 @@ static int filter(fxs_scene_file *file, const char *path, const load_options *o,
     return 0;
 }
 
+static int decimate(fxs_scene_file *file, const char *path, const load_options *o, fxs_scene_file_info *info)
+{
+    fxs_message message;
+    char label[] = "merging";
+    const uint64_t share = (uint64_t)ceil(o->decimate_share * (double)info->count);
+    const int error = fxs_scene_file_decimate(file, o->decimate_count ? o->decimate_count : share, info, progress_bar,
+                                              label, &message);
+    progress_end();
+    return error ? fail_scene(path, &message) : 0;
+}
+
 int filter_scene(const char *path, const load_options *o, fxs_scene_file *file, fxs_scene_file_info *info)
 {
-    const int status = o->filter ? filter(file, path, o, info) : 0;
+    int status = o->filter ? filter(file, path, o, info) : 0;
+    if (!status && (o->decimate_count || o->decimate_share > 0))
+        status = decimate(file, path, o, info);
     if (status)
         fxs_scene_file_close(file);
     return status;
