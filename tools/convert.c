@@ -36,13 +36,13 @@ static const char help[] =
     "                      keep those with their centre in this box, edges included\n"
     "  --sphere X,Y,Z,R    keep those with their centre at most R from X,Y,Z\n"
     "  --prune ALPHA       keep those of this opacity or more, 0 to 1\n"
-    "  --drop-floaters     of what these leave, drop those with fewer than 8 others in the 27 cells around them; cells\n"
-    "                      are as wide as 4 of a Gaussian's largest sigma (of the median Gaussian's, where that is\n"
+    "  --drop-floaters     of what these leave, drop those with fewer than 8 others in the 27 cells around them; a\n"
+    "                      cell is as wide as 4 of a Gaussian's largest sigma (of the median Gaussian's, where that is\n"
     "                      more), rounded up to a power of two\n"
     "  --sh-degree D       keep SH up to this degree, 0 to 3\n\n"
     "Last:\n\n"
-    "  --decimate N        merge neighbours until N Gaussians are left, or N%: position, covariance, colour and SH of two\n"
-    "                      become those of both together, weighted by opacity and area\n\n";
+    "  --decimate N        merge neighbours until N Gaussians are left, or N%: position, covariance, colour and SH of\n"
+    "                      two become those of both together, weighted by opacity and area\n\n";
 
 /* C99 promises strings of 4095 bytes. */
 static const char more_help[] =
@@ -457,8 +457,8 @@ int command_convert(int argc, char **argv)
         return status;
     const int packed = ends_with(o.out, ".fxs");
     if (!packed && !fxs_scene_is_written(o.out))
-        return fail(EXIT_USAGE, "%s: expected a name ending in .fxs, .ply, .compressed.ply, .splat, .spz, .sog, .glb or "
-                    ".csv", o.out);
+        return fail(EXIT_USAGE, "%s: expected a name ending in .fxs, .ply, .compressed.ply, .splat, .spz, .sog, .glb "
+                    "or .csv", o.out);
     status = place_scenes(&o.placed, &o.world);
     if (status)
         return status;

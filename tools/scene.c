@@ -44,8 +44,8 @@ static int filter(fxs_scene_file *file, const char *path, const load_options *o,
         return 0;
     if (r.outside || r.faint || r.floaters)
         fprintf(stderr, "fixsplat: %s: kept %" PRIu64 " of %" PRIu64 " Gaussians (%" PRIu64 " outside, %" PRIu64
-                " too faint, %" PRIu64 " floating)\n", path, r.read - r.outside - r.faint - r.floaters, r.read, r.outside,
-                r.faint, r.floaters);
+                " too faint, %" PRIu64 " floating)\n", path, r.read - r.outside - r.faint - r.floaters, r.read,
+                r.outside, r.faint, r.floaters);
     note_dropped(path, &r.dropped, r.kept);
     return 0;
 }

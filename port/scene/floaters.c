@@ -1,5 +1,5 @@
-/* Counts neighbours by a grid for each width of cells that a Gaussian asks for. A cell is found by hashing; its place in
-   the table has the first Gaussian in it, whose cell is compared, so the count is exact. */
+/* Counts neighbours by a grid for each width of cells that a Gaussian asks for. A cell is found by hashing; its place
+   in the table has the first Gaussian in it, whose cell is compared, so the count is exact. */
 #include "floaters_internal.h"
 
 #include <math.h>

@@ -26,7 +26,7 @@ static void add_attributes(FILE *json, int sh_degree)
 {
     int accessor = 4;
     fprintf(json, "\"POSITION\":0,\"KHR_gaussian_splatting:SCALE\":1,\"KHR_gaussian_splatting:ROTATION\":2,"
-           "\"KHR_gaussian_splatting:OPACITY\":3");
+            "\"KHR_gaussian_splatting:OPACITY\":3");
     for (int degree = 0; degree <= sh_degree; degree++)
         for (int k = 0; k <= 2 * degree; k++)
             fprintf(json, ",\"KHR_gaussian_splatting:SH_DEGREE_%d_COEF_%d\":%d", degree, k, accessor++);
@@ -37,11 +37,13 @@ static void add_accessors(FILE *json, const fxs_scene_write_options *o)
     static const char *const types[4] = {"VEC3", "VEC3", "VEC4", "SCALAR"};
     static const int offsets[4] = {0, SCALE, ROTATION, OPACITY};
     for (int a = 0; a < 4 + (o->sh_degree + 1) * (o->sh_degree + 1); a++) {
-        fprintf(json, "%s{\"bufferView\":0,\"byteOffset\":%d,\"componentType\":5126,\"count\":%" PRIu64 ",\"type\":\"%s\"",
-            a ? "," : "", a < 4 ? offsets[a] : SH + 12 * (a - 4), o->count, a < 4 ? types[a] : "VEC3");
+        fprintf(json, "%s{\"bufferView\":0,\"byteOffset\":%d,\"componentType\":5126,\"count\":%" PRIu64 ","
+                "\"type\":\"%s\"", a ? "," : "", a < 4 ? offsets[a] : SH + 12 * (a - 4), o->count,
+                a < 4 ? types[a] : "VEC3");
         if (!a)
-            fprintf(json, ",\"min\":[%.9g,%.9g,%.9g],\"max\":[%.9g,%.9g,%.9g]", (double)-o->high[0], (double)-o->high[1],
-                (double)o->low[2], (double)-o->low[0], (double)-o->low[1], (double)o->high[2]);
+            fprintf(json, ",\"min\":[%.9g,%.9g,%.9g],\"max\":[%.9g,%.9g,%.9g]", (double)-o->high[0],
+                    (double)-o->high[1], (double)o->low[2], (double)-o->low[0], (double)-o->low[1],
+                    (double)o->high[2]);
         fprintf(json, "}");
     }
 }
@@ -49,15 +51,15 @@ static void add_accessors(FILE *json, const fxs_scene_write_options *o)
 static void make_json(FILE *json, const fxs_scene_write_options *o, uint32_t row)
 {
     fprintf(json, "{\"asset\":{\"version\":\"2.0\",\"generator\":\"fixsplat " FXS_VERSION "\"},"
-           "\"extensionsUsed\":[\"KHR_gaussian_splatting\"],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
-           "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"mode\":0,\"attributes\":{");
+            "\"extensionsUsed\":[\"KHR_gaussian_splatting\"],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+            "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"mode\":0,\"attributes\":{");
     add_attributes(json, o->sh_degree);
     fprintf(json, "},\"extensions\":{\"KHR_gaussian_splatting\":{\"kernel\":\"ellipse\",\"colorSpace\":"
-           "\"srgb_rec709_display\",\"projection\":\"perspective\",\"sortingMethod\":\"cameraDistance\"}}}]}],"
-           "\"accessors\":[");
+            "\"srgb_rec709_display\",\"projection\":\"perspective\",\"sortingMethod\":\"cameraDistance\"}}}]}],"
+            "\"accessors\":[");
     add_accessors(json, o);
-    fprintf(json, "],\"bufferViews\":[{\"buffer\":0,\"byteLength\":%" PRIu64 ",\"byteStride\":%" PRIu32 ",\"target\":34962}],"
-           "\"buffers\":[{\"byteLength\":%" PRIu64 "}]}", o->count * row, row, o->count * row);
+    fprintf(json, "],\"bufferViews\":[{\"buffer\":0,\"byteLength\":%" PRIu64 ",\"byteStride\":%" PRIu32 ","
+            "\"target\":34962}],\"buffers\":[{\"byteLength\":%" PRIu64 "}]}", o->count * row, row, o->count * row);
     while (ftell(json) % 4)
         fputc(' ', json);
 }
@@ -97,8 +99,8 @@ static int glb_open(void *writer, const char *path, const fxs_scene_write_option
     size_t length;
     w->row = SH + 12 * (uint32_t)((o->sh_degree + 1) * (o->sh_degree + 1));
     if (o->count > (UINT32_MAX - JSON_MOST - 28) / w->row)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: a .glb has 4 GiB at most: %" PRIu64 " Gaussians of SH degree "
-                           "%d take more", path, o->count, o->sh_degree);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: a .glb has 4 GiB at most: %" PRIu64 " Gaussians of SH "
+                           "degree %d take more", path, o->count, o->sh_degree);
     char *json = json_text(o, w->row, &length);
     const int error = json ? fxs_output_open(&w->output, path, o->count, message)
                            : fxs_fail_memory(message, path, JSON_MOST);

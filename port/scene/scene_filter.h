@@ -37,9 +37,9 @@ void fxs_scene_filter_default(fxs_scene_filter *filter);
    info->sh_degree are set to that. To count it, the file is read once; it is at its beginning when this returns.
    `progress` is called with `argument`, and may be null.
 
-   A Gaussian floats where fewer than FXS_FLOATER_NEIGHBOURS others have their centres in the cube of 27 cells around it.
-   The cells are those of a grid through the origin; their width is the least power of two that is 4 of the Gaussian's
-   largest sigma or more, and no less than that of the median Gaussian. So a large Gaussian of a background is asked for
+   A Gaussian floats where fewer than FXS_FLOATER_NEIGHBOURS others have their centres in the cube of 27 cells around
+   it. The cells are those of a grid through the origin; their width is the least power of two that is 4 of the
+   Gaussian's largest sigma or more, and no less than that of the median Gaussian. So a large Gaussian of a background is asked for
    neighbours farther away than a small one, and fine detail is asked for no more than the rest. To find them, the file
    is read once more, and 16 bytes a Gaussian are held, 48 while they are found.
 

@@ -49,8 +49,8 @@ static int close_splat(void *writer, fxs_progress_fn *progress, void *argument, 
 
 static int open_spz(void *writer, const char *path, const fxs_scene_write_options *o, fxs_message *message)
 {
-    return fxs_spz_writer_open(path, o->spz_version ? o->spz_version : 4, o->count, o->sh_degree, o->antialiased, writer,
-                               message);
+    const int version = o->spz_version ? o->spz_version : 4;
+    return fxs_spz_writer_open(path, version, o->count, o->sh_degree, o->antialiased, writer, message);
 }
 
 static int put_spz(void *writer, const fxs_gaussian *gaussians, size_t n, fxs_message *message)

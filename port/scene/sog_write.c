@@ -270,8 +270,8 @@ static void print_book(FILE *json, const float book[FXS_BOOK], const char *files
 
 static void print_json(FILE *json, const sog_writer *w)
 {
-    fprintf(json, "{\"version\":2,\"asset\":{\"generator\":\"fixsplat " FXS_VERSION "\"},\"count\":%lu,\"antialias\":%s,",
-            (unsigned long)w->held.count, w->antialiased ? "true" : "false");
+    fprintf(json, "{\"version\":2,\"asset\":{\"generator\":\"fixsplat " FXS_VERSION "\"},\"count\":%lu,"
+            "\"antialias\":%s,", (unsigned long)w->held.count, w->antialiased ? "true" : "false");
     fprintf(json, "\"means\":{\"mins\":[%.17g,%.17g,%.17g],\"maxs\":[%.17g,%.17g,%.17g],"
             "\"files\":[\"means_l.webp\",\"means_u.webp\"]},\"scales\":{", w->low[0], w->low[1], w->low[2], w->high[0],
             w->high[1], w->high[2]);
