@@ -4,9 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../files/exponential.h"
+
 /* ---- Numbers ----------------------------------------------------------------------------------------------------- */
 
-enum { BINS = 65536, BOOK_ROUNDS = 30 };
+enum { BINS = 65536, GROUP = 64, GROUPS = BINS / GROUP, BOOK_ROUNDS = 30 };
 
 typedef struct bin {
     double sum;
@@ -26,27 +28,38 @@ static int fill_bins(bin *bins, const float *values, size_t count, double low, d
     return used;
 }
 
-/* Where there are no more bins than values in a book: theirs. Else values that lie as densely as the square root of
-   what is there. */
-static void begin_book(float book[FXS_BOOK], const bin *bins, int used)
+/* Where there are no more bins than values in a book: the means of the bins. */
+static void copy_bins(float book[FXS_BOOK], const bin *bins)
 {
-    double total = 0, passed = 0;
     int at = 0;
     for (int i = 0; i < BINS; i++)
-        total += sqrt((double)bins[i].count);
-    for (int i = 0; i < BINS && at < FXS_BOOK; i++) {
-        if (!bins[i].count)
-            continue;
-        const float mean = (float)(bins[i].sum / (double)bins[i].count);
-        passed += sqrt((double)bins[i].count);
-        if (used <= FXS_BOOK)
-            book[at++] = mean;
-        else
-            while (at < FXS_BOOK && passed >= (at + 0.5) / FXS_BOOK * total)
-                book[at++] = mean;
+        if (bins[i].count)
+            book[at++] = (float)(bins[i].sum / (double)bins[i].count);
+    for (; at < FXS_BOOK; at++)
+        book[at] = book[at - 1];
+}
+
+/* Values that lie as densely as the cube root of what is there, which is the best for many (Panter and Dite 1951). */
+static void begin_book(float book[FXS_BOOK], const bin *bins, double low, double high)
+{
+    double roots[GROUPS], total = 0, passed = 0;
+    int at = 0;
+    for (int g = 0; g < GROUPS; g++) {
+        double count = 0;
+        for (int i = 0; i < GROUP; i++)
+            count += (double)bins[g * GROUP + i].count;
+        roots[g] = count > 0 ? fxs_exp(fxs_log(count) / 3) : 0;
+        total += roots[g];
+    }
+    for (int g = 0; g < GROUPS; g++) {
+        for (; at < FXS_BOOK && (at + 0.5) / FXS_BOOK * total <= passed + roots[g]; at++) {
+            const double within = ((at + 0.5) / FXS_BOOK * total - passed) / roots[g];
+            book[at] = (float)(low + (high - low) * (g + within) / GROUPS);
+        }
+        passed += roots[g];
     }
     for (; at < FXS_BOOK; at++)
-        book[at] = at ? book[at - 1] : 0;
+        book[at] = (float)high;
 }
 
 /* Each value becomes the mean of what is nearest to it. */
@@ -78,9 +91,13 @@ int fxs_book_learn(float book[FXS_BOOK], const float *values, size_t count)
         high = values[i] > high ? values[i] : high;
     }
     const int used = fill_bins(bins, values, count, low, high);
-    begin_book(book, bins, used);
-    for (int round = 0; round < BOOK_ROUNDS && used > FXS_BOOK; round++)
-        improve_book(book, bins);
+    if (used > FXS_BOOK) {
+        begin_book(book, bins, low, high);
+        for (int round = 0; round < BOOK_ROUNDS; round++)
+            improve_book(book, bins);
+    } else if (used) {
+        copy_bins(book, bins);
+    }
     free(bins);
     return 0;
 }

@@ -626,7 +626,7 @@ check "render --axes rdf" differ "$(hash_of knot4.spz $small --axes rdf)" "$(has
 check "render --axes rub: as it is" equal "$(hash_of knot4.spz $small --axes rub)" "$(hash_of knot4.spz $small)"
 fails "--axes of a .ply" 1 "knot.ply: --axes is for .spz" render knot.ply --axes rub --hash
 fails "--axes of another way" 2 "--axes up: expected rub or rdf" info knot4.spz --axes up
-fails "convert: an ending that is none" 2 "x.glb: expected a name ending" convert knot.ply x.glb
+fails "convert: an ending that is none" 2 "x.gltf: expected a name ending" convert knot.ply x.gltf
 fails "convert: one file" 2 "two files" convert knot.ply
 fails "convert --profile to .ply" 2 "--profile is for .fxs" convert knot.ply x.ply --profile small
 fails "convert --spz-version to .ply" 2 "x.ply is no .spz" convert knot.ply x.ply --spz-version 3

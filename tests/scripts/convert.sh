@@ -225,7 +225,7 @@ for ending in $endings; do
     check "a disk that becomes full, .$ending: OUT is as it was" equal "$(cat over.$ending)" precious
     check "a disk that becomes full, .$ending: said" grep -q "^fixsplat: over.$ending: cannot be written: " logs/err
 done
-check "nothing is left behind" equal "$(ls -a | grep -c 'over\..*\.[0-9]')" 0
+check "nothing is left behind" equal "$(ls -a | grep -c '^.fixsplat-')" 0
 
 # ---- 3D Tiles --------------------------------------------------------------------------------------------------------
 
