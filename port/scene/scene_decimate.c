@@ -137,11 +137,11 @@ static void factorise(double l[3][3], const double c[6])
     l[2][2] = sqrt(fmax(c[2] + least - l[2][0] * l[2][0] - l[2][1] * l[2][1], least));
 }
 
-/* Opacity times area is kept. */
+/* Opacity times area is kept, from a logit of -20 on. */
 static void set_opacity(fxs_gaussian *g, double weight, double most)
 {
     const double opacity = fmin(weight / (fxs_weight(g) / opacity_of(g)), most > 0.99 ? most : 0.99);
-    g->opacity = (float)fxs_log(opacity / (1 - opacity));
+    g->opacity = opacity > 2e-9 ? (float)fxs_log(opacity / (1 - opacity)) : -20;
 }
 
 /* a becomes both. */

@@ -40,7 +40,7 @@ int fxs_scene_is_written(const char *path);
 
 /* Begins a file. Until it is complete, it is beside `path`, under a temporary name (output.h). *writer is for
    fxs_scene_writer_close, and null after an error. What a writer holds until then: of a .ply, .splat, .glb or .csv
-   nothing; of an .spz what spz_write.h says; of a .compressed.ply and .sog 72 bytes a Gaussian and 2 for each SH
+   nothing; of an .spz what spz_write.h says; of a .compressed.ply and .sog 56 bytes a Gaussian and 2 for each SH
    coefficient, and to close them up to as much again. Errors: FXS_ERR_ARGUMENT (ending, degree, count, version),
    FXS_ERR_UNSUPPORTED where this was built without a library that the format needs, FXS_ERR_FILE, FXS_ERR_MEMORY. */
 int fxs_scene_writer_open(const char *path, const fxs_scene_write_options *options, fxs_scene_writer **writer,
