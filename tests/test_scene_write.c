@@ -37,6 +37,7 @@ static void make(int sh_degree)
         for (int k = 0; k < 3 * sh_degree * (sh_degree + 2); k++)
             g->sh[k] = (float)random_between(-0.5, 0.5);
     }
+    wanted[5].opacity = -9;                  /* code 0, which keeps its colour */
 }
 
 static fxs_scene_write_options options_of(int sh_degree, int antialiased)
