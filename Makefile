@@ -14,18 +14,18 @@ HEADERS := $(CORE_HEADERS) kernels/cuda/cuda.h kernels/gles/gles.h port/egl/egl.
            $(addprefix port/posix/,clock.h map.h pool.h) $(addprefix port/files/,allocator.h message.h output.h) \
            $(addprefix port/scene/,scene_file.h scene_filter.h fxs_file.h ply_write.h splat_write.h spz_write.h \
              scene_write.h scene_decimate.h) \
-           port/camera/camera.h port/camera/camera_file.h port/image/image_file.h port/import/pack.h \
+           port/camera/camera.h port/camera/camera_file.h port/image/image_file.h port/image/film_file.h port/import/pack.h \
            port/world/world.h port/backend/backends.h port/backend/foveate.h port/board/strip.h \
            port/fit/fit.h port/fit/photos.h port/fit/blocks.h
 
-PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libzstd-dev libegl-dev libgles-dev \
-            libsdl2-dev libmicrohttpd-dev
+PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libdeflate-dev libzstd-dev libegl-dev \
+            libgles-dev libsdl2-dev libmicrohttpd-dev
 TEST_PACKAGES := clang libclang-rt-14-dev cmake pkg-config glslang-tools qemu-user gcc-aarch64-linux-gnu \
                  libc6-dev-arm64-cross gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind libosmesa6-dev libosmesa6 \
                  libegl1 libgles2 libegl-mesa0 libgl1-mesa-dri xvfb xdotool gcc-s390x-linux-gnu \
                  libc6-dev-s390x-cross gcc-powerpc-linux-gnu libc6-dev-powerpc-cross gcc-arm-linux-gnueabihf \
                  libc6-dev-armhf-cross gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-i686-linux-gnu \
-                 libc6-dev-i386-cross g++ qemu-system-arm chromium curl openssl
+                 libc6-dev-i386-cross g++ qemu-system-arm chromium curl openssl ffmpeg
 CROSS := mips-linux-gnu powerpc64-linux-gnu powerpc64le-linux-gnu m68k-linux-gnu sparc64-linux-gnu hppa-linux-gnu \
          arm-linux-gnueabi mips64el-linux-gnuabi64
 TEST_ALL_PACKAGES := musl-tools $(CROSS:%=gcc-%) libc6-dev-mips-cross libc6-dev-ppc64-cross libc6-dev-ppc64el-cross \
@@ -86,14 +86,14 @@ PIC := $(if $(SHARED),-fPIC -fno-semantic-interposition)
 NVCC_FLAGS = -O3 -std=c++17 -diag-suppress 177 -gencode arch=compute_90,code=sm_90 \
              -gencode arch=compute_80,code=compute_80 \
              -Xcompiler -fno-exceptions,-fno-rtti,-fno-threadsafe-statics,-fPIC
-LIBS := $(foreach name,CJSON ZIP WEBP ZLIB ZSTD GLES CUDA,$(LIBS_$(name))) -lm -lpthread
+LIBS := $(foreach name,CJSON ZIP WEBP ZLIB DEFLATE ZSTD GLES CUDA,$(LIBS_$(name))) -lm -lpthread
 
 # Faster versions of the stages carry their instruction set in their name. clang 14 crashes on the debug information of
 # AVX-512 masks.
 CLANG_14 := $(if $(findstring clang,$(CC_VERSION)),-g0)
 # Lanes that are not wanted may overflow, as may stb_image with a damaged .jpg: -fwrapv says that this is no fault. -O3:
 # project takes 9 % less.
-isa = $(if $(filter port/image/image_file.c,$(1)),-fwrapv) $(if $(filter kernels/%,$(1)),-fwrapv $(if $(filter -O2,$(CFLAGS)),-O3)) $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
+isa = $(if $(filter port/image/image_%,$(1)),-fwrapv) $(if $(filter kernels/%,$(1)),-fwrapv $(if $(filter -O2,$(CFLAGS)),-O3)) $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
       -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi $(CLANG_14)))) \
       $(if $(filter port/fit/% kernels/x86/fit_% tests/gpu/test_fit% port/camera/% port/import/% port/scene/% tests/test_fit_%,$(1)),$(SINGLES))
 
@@ -197,7 +197,7 @@ $(FLAT_HEADERS): $(HEADERS)
 	@sed 's|^\(#include "\).*/|\1|' $(filter %/$(@F),$(HEADERS)) >$@
 
 $(B)/with/%: ;
--include $(wildcard $(addprefix $(B)/,$(addsuffix /*.d,src kernels kernels/* port/* tools tests tests/gpu)) \
+-include $(wildcard $(addprefix $(B)/,$(addsuffix /*.d,src kernels kernels/* kernels/*/* port/* tools tests tests/gpu)) \
            $(B)/firmware/*/*/*.d $(B)/firmware/*/*/*/*.d $(B)/web/*/*/*.d $(B)/web/*/*/*/*.d)
 .SUFFIXES:
 .DELETE_ON_ERROR:

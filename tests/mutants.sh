@@ -47,7 +47,7 @@ tests_of() {
     */camera.c | */message.c) echo camera_file golden ;;
     */camera* | */colmap_text.c | */view_list.c) echo camera_file photos ;;
     */byte_reader.c) echo pack splat ksplat ply compressed_ply spz scene_input ;;
-    */image_file.c) echo image_file photo_bytes ;;
+    */image_file.c | */image_encode.c | */png.c) echo image_file photo_bytes ;;
     */output.c) echo image_file ply splat spz fxs_file ;;
     */encode.c | */pack.c | */order.c | */palette.c) echo fxs_bytes fxs_file pack scene_filter golden ;;
     */fxs_file.c) echo fxs_bytes fxs_file scene_input ;;

@@ -394,7 +394,7 @@ else
     chmod 555 locked
     fails "a folder without write permission" 1 "locked/x.png: cannot be" render knot.ply $small -o locked/x.png
 fi
-for output in x.jpg x png .; do
+for output in x.gif x png .; do
     fails "-o $output" 2 "$output: expected a name ending" render knot.ply $small -o $output
 done
 fails "make-scene -o missing/x.ply" 1 "missing/x.ply.*: cannot be" make-scene knot --count 10 -o missing/x.ply
@@ -457,7 +457,7 @@ fi
 # ---- JSON ------------------------------------------------------------------------------------------------------------
 
 stages='project shade sort bin blend resolve'
-succeeds "--stats" render knot.ply $small --stats
+succeeds "--stats" render knot.ply $small --stats=pairs
 check "--stats: keys" keys logs/out gaussians visible entries bands slices runs pairs_evaluated pairs_blended frame_ms \
     $(printf 'stages_ms.%s ' $stages) $(printf 'bytes.%s ' scene splats keys tiles entries frame)
 check "--stats: Gaussians" grep -q '"gaussians": 2000,' logs/out
@@ -498,7 +498,7 @@ check "compare --json of equal pictures: values" equal "$(cat logs/out)" \
 fails "compare: two sizes" 1 "knot.png is 64x48, long.png is 16384x1" compare knot.png long.png
 fails "compare: one picture" 2 "two pictures" compare knot.png
 fails "compare: no picture" 1 "knot.ply: " compare knot.png knot.ply
-fails "compare: --diff of no known ending" 2 "d.jpg" compare knot.png knot.png --diff d.jpg
+fails "compare: --diff of no known ending" 2 "d.gif" compare knot.png knot.png --diff d.gif
 head -c 500 knot.png >cut.png
 fails "compare: a picture cut short" 1 "cut.png: " compare cut.png knot.png
 

@@ -61,6 +61,9 @@ survives() {
 
 survives o.ply make-scene knot --count 300 -o o.ply
 survives o.png render knot.ply --size 64x48 --threads 2 -o o.png
+for ending in y4m rgba; do survives o.$ending render knot.ply --size 64x48 --threads 2 --orbit 3 -o o.$ending; done
+for ending in jpg webp; do survives o.$ending render knot.ply --size 64x48 -o o.$ending; done
+survives - render knot.ply --size 64x48 --expect b.png
 make_photographs 3
 "$fixsplat" fit set --steps 4 --save-every 2 -o half.fxs >logs/out || exit 1
 survives o.fxs fit set --steps 4 --threads 2 -o o.fxs

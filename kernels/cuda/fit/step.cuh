@@ -17,6 +17,7 @@ namespace {
 #include "../../../port/fit/lanes.h"
 #include "../../../port/fit/random.h"
 #include "../../../port/fit/gaussian.h"
+#include "../../../port/fit/pixel.h"
 #include "../../../port/fit/span.h"
 #include "../../../port/fit/project.h"
 #include "../../../port/fit/adam.h"
@@ -63,7 +64,7 @@ struct step_buffers {
     float *picture;                /* 3: with background */
     float *derivatives;            /* 9: of each channel, of SSIM by mean, square and product */
     float *dissimilar;             /* 3: 1 - SSIM; written where a report is wanted */
-    float4 *gradient;              /* by pixel: dL/dcolour, and its product with the picture */
+    float *gradient;               /* 3: dL/dcolour */
     float *rows;                   /* of a report: 3 times height sums of |a - b|, then as many of 1 - SSIM */
     uint8_t *photograph;           /* red, green, blue, of the camera's size */
     void *scratch;                 /* for sorts and sums */
