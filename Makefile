@@ -12,7 +12,8 @@ VERSION := $(shell sed -n 's/^.define FXS_VERSION "\(.*\)"$$/\1/p' src/fixsplat.
 CORE_HEADERS := $(addprefix src/,fixsplat.h packed.h backend.h stage.h pixel.h fixed.h) kernels/kernels.h
 HEADERS := $(CORE_HEADERS) kernels/cuda/cuda.h kernels/gles/gles.h port/egl/egl.h port/osmesa/osmesa.h \
            $(addprefix port/posix/,clock.h map.h pool.h) $(addprefix port/files/,allocator.h message.h output.h) \
-           $(addprefix port/scene/,scene_file.h scene_filter.h fxs_file.h ply_write.h splat_write.h spz_write.h) \
+           $(addprefix port/scene/,scene_file.h scene_filter.h fxs_file.h ply_write.h splat_write.h spz_write.h \
+             scene_write.h scene_decimate.h) \
            port/camera/camera.h port/camera/camera_file.h port/image/image_file.h port/image/film_file.h port/import/pack.h \
            port/world/world.h port/backend/backends.h port/backend/foveate.h port/board/strip.h \
            port/fit/fit.h port/fit/photos.h port/fit/blocks.h
@@ -290,11 +291,12 @@ sources_of_core := $(WEB_CORE)
 WEB_GLES := $(wildcard kernels/gles/*.c) port/web/webgl.c
 sources_of_simd := $(WEB_CORE) $(wildcard kernels/wasm/*.c) $(WEB_GLES)
 sources_of_threads := $(sources_of_simd) port/web/pool.c
-sources_of_import := $(filter-out %_write.c %/scene_filter.c,$(wildcard port/scene/*.c port/import/*.c)) \
-                     port/web/import.c port/web/crc.c port/web/sort.c port/files/crc32.c port/files/byte_reader.c port/files/text.c port/files/zip.c src/scene.c \
+sources_of_import := $(filter-out %_write.c %/scene_filter.c %/floaters.c %/scene_decimate.c,$(wildcard port/scene/*.c port/import/*.c)) \
+                     port/web/import.c port/web/crc.c port/web/sort.c \
+                     $(addprefix port/files/,crc32.c byte_reader.c text.c zip.c) src/scene.c \
                      src/fixsplat.c src/chunk.c $(WEB_C)
-# What takes little of a frame is to be small; kernels take a seventh less of it by -O3, for 2 KB. The lowest 1024 bytes are the end of
-# the stack, which no pointer is to (--low-memory-unused).
+# What takes little of a frame is to be small; kernels take a seventh less of it by -O3, for 2 KB. The lowest 1024 bytes are
+# the end of the stack, which no pointer is to (--low-memory-unused).
 # <GLES3/gl3.h> is the host's.
 wasm_flags_of = $(if $(filter import,$(1)),$(WEB_READERS_FLAGS)) \
                 $(if $(filter simd,$(1)),-msimd128) $(if $(filter %/pool.c,$(2)),-matomics -mbulk-memory) \

@@ -11,6 +11,7 @@
 #include "../port/posix/clock.h"
 #include "../port/posix/pool.h"
 #include "../port/scene/fxs_file.h"
+#include "../port/scene/scene_decimate.h"
 #include "../src/packed.h"
 
 static int is_standard_input(const char *path)
@@ -55,16 +56,30 @@ static int filter(fxs_scene_file *file, const char *path, const load_options *o,
         return fail_scene(path, &message);
     if (o->again)
         return 0;
-    if (r.outside || r.faint)
-        fprintf(stderr, "fixsplat: %s: kept %" PRIu64 " of %" PRIu64 " Gaussians (%" PRIu64 " outside the box, %" PRIu64
-                " too faint)\n", path, r.read - r.outside - r.faint, r.read, r.outside, r.faint);
+    if (r.outside || r.faint || r.floaters)
+        fprintf(stderr, "fixsplat: %s: kept %" PRIu64 " of %" PRIu64 " Gaussians (%" PRIu64 " outside, %" PRIu64
+                " too faint, %" PRIu64 " floating)\n", path, r.read - r.outside - r.faint - r.floaters, r.read,
+                r.outside, r.faint, r.floaters);
     note_dropped(path, &r.dropped, r.kept);
     return 0;
 }
 
+static int decimate(fxs_scene_file *file, const char *path, const load_options *o, fxs_scene_file_info *info)
+{
+    fxs_message message;
+    char label[] = "merging";
+    const uint64_t share = (uint64_t)ceil(o->decimate_share * (double)info->count);
+    const int error = fxs_scene_file_decimate(file, o->decimate_count ? o->decimate_count : share, info, progress_bar,
+                                              label, &message);
+    progress_end();
+    return error ? fail_scene(path, &message) : 0;
+}
+
 int filter_scene(const char *path, const load_options *o, fxs_scene_file *file, fxs_scene_file_info *info)
 {
-    const int status = o->filter ? filter(file, path, o, info) : 0;
+    int status = o->filter ? filter(file, path, o, info) : 0;
+    if (!status && (o->decimate_count || o->decimate_share > 0))
+        status = decimate(file, path, o, info);
     if (status)
         fxs_scene_file_close(file);
     return status;

@@ -74,6 +74,11 @@ survives o.fxs convert knot.ply o.fxs --profile small
 survives o.spz convert knot.ply o.spz
 survives o.spz convert knot.ply o.spz --spz-version 3
 survives o.splat convert knot.ply o.splat --sh-degree 0
+survives o.compressed.ply convert knot.ply o.compressed.ply
+survives o.sog convert knot.ply o.sog
+survives o.glb convert knot.ply o.glb --drop-floaters
+survives o.csv convert knot.ply o.csv --decimate 50%
+survives - info knot.ply --stats
 survives - info knot.ply
 survives - info packed.fxs --compare knot.ply --size 64x48 --views 2
 survives o.png compare a.png b.png --diff o.png
