@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "../port/scene/fxs_file.h"
 #include "../port/scene/scene_write.h"
@@ -436,14 +435,12 @@ static int place_whole(convert_options *o)
 /* No file of a world may be packed, or the one that is written. */
 static int check_inputs(const convert_options *o)
 {
-    struct stat in, out;
     const fxs_world *placed = &o->placed;
-    const int exists = stat(o->out, &out) == 0 && S_ISREG(out.st_mode);
     for (uint32_t i = 0; i < placed->file_count; i++) {
         if (is_packed(placed->files[i]))
             return fail(EXIT_FAILED, "%s: an .fxs file is not converted; convert the scene that it was made from",
                         placed->files[i]);
-        if (exists && stat(placed->files[i], &in) == 0 && in.st_dev == out.st_dev && in.st_ino == out.st_ino)
+        if (same_file(o->out, placed->files[i]))
             return fail(EXIT_FAILED, "%s: is read and cannot be written too; give OUT another name", o->out);
     }
     return 0;
