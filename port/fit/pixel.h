@@ -16,6 +16,13 @@ static inline real weight_of(mask takes, real level, real transmittance)
     return keep(takes, least(exp_2_minus(level), all(FXS_FIT_ALPHA_MOST)) * transmittance);
 }
 
+#ifndef FXS_FIT_ODDS
+static inline real odds_of(real alpha)
+{
+    return alpha / (1.0f - alpha);
+}
+#endif
+
 /* What has passed of a pixel: transmittance; and what lies behind, the product of dL/dcolour with its colour. */
 typedef struct passed_pixel {
     real transmittance, behind;
@@ -29,7 +36,7 @@ static inline real pass_splat(mask takes, real level, real of_colour, passed_pix
     const real own = keep(takes, *weight * of_colour);
     p->transmittance = p->transmittance - *weight;
     p->behind = p->behind - own;
-    return keep(both(takes, below(exact, all(FXS_FIT_ALPHA_MOST))), p->behind * (alpha / (1.0f - alpha)) - own);
+    return keep(both(takes, below(exact, all(FXS_FIT_ALPHA_MOST))), p->behind * odds_of(alpha) - own);
 }
 
 /* What it adds to the splat's sums. */

@@ -69,3 +69,26 @@ void peek_fit_lose(void *self)
 {
     trap<<<1, 1, 0, ((engine *)self)->devices[0].stream>>>();
 }
+
+static __global__ void compare_odds(uint32_t first, uint32_t last, unsigned long long *wrong)
+{
+    for (uint32_t bits = first + blockIdx.x * blockDim.x + threadIdx.x; bits <= last; bits += gridDim.x * blockDim.x) {
+        const float alpha = __uint_as_float(bits);
+        if (odds_of(alpha) != __fdiv_rn(alpha, 1.0f - alpha))
+            atomicAdd(wrong, 1ull);
+    }
+}
+
+long peek_fit_odds()
+{
+    const float ends[2] = {0x1p-9f, FXS_FIT_ALPHA_MOST};
+    uint32_t bits[2];
+    unsigned long long *there = nullptr, wrong = 0;
+    memcpy(bits, ends, sizeof bits);
+    if (cudaMalloc(&there, sizeof wrong) || cudaMemset(there, 0, sizeof wrong))
+        return -1;
+    compare_odds<<<1024, 256>>>(bits[0], bits[1], there);
+    const bool failed = cudaMemcpy(&wrong, there, sizeof wrong, cudaMemcpyDeviceToHost) != cudaSuccess;
+    cudaFree(there);
+    return failed ? -1 : (long)wrong;
+}

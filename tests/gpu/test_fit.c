@@ -266,6 +266,12 @@ static void test_no_room(void)
     compare(&batch, 0, 64, MOST_STEPS);
 }
 
+/* The division that kernels have of their own. */
+static void test_odds(void)
+{
+    CHECK(peek_fit_odds() == 0);
+}
+
 /* ---- What goes wrong --------------------------------------------------------------------------------------------- */
 
 static const what ordinary = {.width = 160, .height = 120, .count = 5000, .degree = 3, .batch = 2, .near_size = -2.5f};
@@ -367,6 +373,7 @@ int main(int argc, char **argv)
 {
     quick = argc > 1 && !strcmp(argv[1], "--quick");
     pool = fxs_pool_create(8);
+    RUN(test_odds);
     RUN(test_steps);
     RUN(test_large);
     RUN(test_batches);

@@ -123,6 +123,14 @@ __device__ inline uint32_t most_of_halves(uint32_t count)
     return max(count, __shfl_xor_sync(ALL_LANES, count, HALF));
 }
 
+/* So that beyond the end of a list there is always the number of a splat that is, or was, there. */
+template <uint32_t Splats>
+__device__ inline void clear_lists(uint8_t lists[FXS_FIT_BLOCKS][Splats])
+{
+    for (uint32_t i = threadIdx.x; i < FXS_FIT_BLOCKS * Splats / 4; i += FXS_FIT_PIXELS)
+        ((uint32_t *)lists)[i] = 0;
+}
+
 /* u, v and level of the thread's pixel, in the order of port/fit/tile.h. */
 template <uint32_t Splats>
 __device__ inline float level_of(const tile_splats<Splats> *s, uint32_t splat, const tile_place &p, float *u, float *v)
@@ -136,7 +144,7 @@ __device__ inline float level_of(const tile_splats<Splats> *s, uint32_t splat, c
 /* ---- blend ------------------------------------------------------------------------------------------------------- */
 
 struct blend_shared : tile_splats<BLEND_SPLATS> {
-    uint8_t lists[FXS_FIT_BLOCKS][BLEND_SPLATS];
+    alignas(4) uint8_t lists[FXS_FIT_BLOCKS][BLEND_SPLATS];
     uint32_t taken[BLEND_SPLATS];  /* the blocks that take of each */
     uint32_t needed;
 };
@@ -145,7 +153,7 @@ struct blend_pixel {
     float transmittance, red, green, blue;
 };
 
-/* Returns whether it takes of the splat. Where none is left, there need not be one. */
+/* Returns whether it takes of the splat. */
 __device__ inline bool blend_splat(const blend_shared *s, uint32_t splat, const tile_place &p, bool is_left,
                                    blend_pixel *pixel)
 {
@@ -153,14 +161,22 @@ __device__ inline bool blend_splat(const blend_shared *s, uint32_t splat, const 
     const float level = level_of(s, splat, p, &u, &v), t = pixel->transmittance;
     const float4 colour = s->colour[splat];
     const bool takes = is_left && takes_of(level, colour.x, t);
-    if (takes) {
-        const float weight = weight_of(takes, level, t);
-        pixel->transmittance = t - weight;
-        pixel->red = pixel->red + weight * colour.y;
-        pixel->green = pixel->green + weight * colour.z;
-        pixel->blue = pixel->blue + weight * colour.w;
-    }
+    const float weight = weight_of(takes, level, t);
+    pixel->transmittance = t - weight;
+    pixel->red = pixel->red + weight * colour.y;
+    pixel->green = pixel->green + weight * colour.z;
+    pixel->blue = pixel->blue + weight * colour.w;
     return takes;
+}
+
+/* Of a list's 32 splats, the bits of those that the thread's pixel took of: the block took of them. */
+__device__ inline void note_taken(blend_shared *s, const uint8_t *list, const tile_place &p, uint32_t taken)
+{
+    for (uint32_t apart = HALF / 2; apart; apart /= 2)
+        taken |= __shfl_xor_sync(ALL_LANES, taken, apart);
+    for (uint32_t i = p.lane; i < WARP; i += HALF)
+        if (taken >> i & 1)
+            atomicOr(&s->taken[list[i]], 1u << p.block);
 }
 
 /* The batch's splats that a half-warp's block may touch. */
@@ -172,13 +188,11 @@ __device__ inline void blend_batch(blend_shared *s, const tile_place &p, blend_p
         if (!half_ballot(FXS_FIT_CLOSED <= pixel->transmittance))
             count = 0;
         const uint32_t end = min(most_of_halves(count), first + WARP);
-#pragma unroll 2
-        for (uint32_t i = first; i < end; i++) {
-            const uint32_t splat = list[i];
-            const uint32_t taking = half_ballot(blend_splat(s, splat, p, i < count, pixel));
-            if (taking && p.lane == 0)
-                atomicOr(&s->taken[splat], 1u << p.block);
-        }
+        uint32_t taken = 0;
+#pragma unroll 4
+        for (uint32_t i = first; i < end; i++)
+            taken |= (uint32_t)blend_splat(s, list[i], p, i < count, pixel) << (i - first);
+        note_taken(s, list + first, p, taken);
     }
 }
 
@@ -192,6 +206,7 @@ blend_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera, float
     const uint32_t tile = blockIdx.x, start = b.starts[tile], count = b.starts[tile + 1] - start;
     const tile_place p = place_of_thread(camera, tile);
     blend_pixel pixel = {1, 0, 0, 0};
+    clear_lists<BLEND_SPLATS>(s->lists);
     if (threadIdx.x == 0)
         s->needed = 0;
     for (uint32_t first = 0; first < count && __syncthreads_or(FXS_FIT_CLOSED <= pixel.transmittance);
@@ -245,7 +260,7 @@ cudaError_t launch_blend(const step_buffers *b, const fxs_fit_camera *camera, co
 /* ---- back -------------------------------------------------------------------------------------------------------- */
 
 struct back_shared : tile_splats<BACK_SPLATS> {
-    uint8_t lists[FXS_FIT_BLOCKS][BACK_SPLATS];
+    alignas(4) uint8_t lists[FXS_FIT_BLOCKS][BACK_SPLATS];
     uint32_t slots[BACK_SPLATS];
     uint16_t blocks[BACK_SPLATS], pairs[BACK_SPLATS + 1];    /* of each; its first pair */
     uint32_t warp_pairs[BACK_SPLATS / WARP], splats;
@@ -261,7 +276,7 @@ struct back_pixel {
     float red, green, blue;
 };
 
-/* h and the weight. Where none is left, there need not be a splat. */
+/* h and the weight. */
 __device__ inline float2 pass_pixel(const back_shared *s, uint32_t splat, const tile_place &p, bool is_left,
                                     back_pixel *pixel)
 {
@@ -331,7 +346,7 @@ __device__ inline void add_places(const back_lane &l, int n, float sums[FXS_FIT_
 /* The sums of a group's splats over the half-warp's block, two lanes a splat. */
 __device__ inline void add_group(back_shared *s, const tile_place &p, uint32_t first, uint32_t count)
 {
-    const uint32_t item = first + p.lane / 2, splat = s->lists[p.block][item < count ? item : 0] % BACK_SPLATS;
+    const uint32_t item = first + p.lane / 2, splat = s->lists[p.block][item < count ? item : 0];
     const uint32_t pair = s->pairs[splat] + (uint32_t)__popc(s->blocks[splat] & ((1u << p.block) - 1));
     float sums[FXS_FIT_SUMS];
     add_places<2>(begin_lane(s, p, splat), 0, sums);
@@ -349,11 +364,12 @@ __device__ inline void back_batch(back_shared *s, const tile_place &p, back_pixe
     const uint32_t count = list_splats(s, p, [&](uint32_t place, uint32_t splat) { list[place] = (uint8_t)splat; });
     const uint32_t end = most_of_halves(count);
     for (uint32_t first = 0; first < end; first += GROUP) {
-        const uint32_t next = min(end, first + GROUP);
-#pragma unroll 2
-        for (uint32_t i = first; i < next; i++)
-            s->staged[p.block][i - first][p.lane ^ (i - first)] =
-                pass_pixel(s, list[i] % BACK_SPLATS, p, i < count, pixel);
+#pragma unroll
+        for (uint32_t j = 0; j < GROUP; j++) {
+            if (j % 2 == 0 && first + j >= end)
+                break;
+            s->staged[p.block][j][p.lane ^ j] = pass_pixel(s, list[first + j], p, first + j < count, pixel);
+        }
         __syncwarp();
         add_group(s, p, first, count);
         __syncwarp();
@@ -423,6 +439,7 @@ back_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera)
     const uint32_t needed = b.needed[tile];
     const tile_place p = place_of_thread(camera, tile);
     back_pixel pixel = begin_pixel(b, camera, p);
+    clear_lists<BACK_SPLATS>(s->lists);
     s->gradient[threadIdx.x] = make_float4(pixel.red, pixel.green, pixel.blue, 0);
     for (uint32_t first = 0, here; first < needed; first += here) {
         const uint32_t entry = first + threadIdx.x;

@@ -229,13 +229,15 @@ __device__ inline void add_view(const batch_views &views, uint32_t v, const devi
     }
 }
 
+const uint32_t SHAPE_THREADS = 128;    /* few enough for all that a thread has to be in registers */
+
 /* All but SH above degree 0. */
 template <int Degree>
-__global__ void __launch_bounds__(FXS_FIT_PART, 2)
+__global__ void __launch_bounds__(SHAPE_THREADS, 3)
     update_shapes(step_buffers b, device_model m, const __grid_constant__ batch_views views,
                   const __grid_constant__ fxs_fit_adam adam)
 {
-    const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
+    const uint32_t i = blockIdx.x * SHAPE_THREADS + threadIdx.x;
     float *const to = m.masters ? m.masters : m.parameters;
     real gradient[FXS_FIT_SH] = {0};
     if (i >= m.count || is_stopped(b.status))
@@ -308,7 +310,7 @@ cudaError_t launch_update(const step_buffers *b, const device_model *m, float *c
     }
     by_degree(degree, [&](auto d) {
         constexpr int Degree = d.value;
-        update_shapes<Degree><<<part_count(m), FXS_FIT_PART, 0, stream>>>(*b, *m, views, *adam);
+        update_shapes<Degree><<<(m->count + SHAPE_THREADS - 1) / SHAPE_THREADS, SHAPE_THREADS, 0, stream>>>(*b, *m, views, *adam);
         if constexpr (Degree > 0)
             update_sh<Degree><<<dim3(part_count(m), (SH_COUNT(Degree) + SH_AT_ONCE - 1) / SH_AT_ONCE), FXS_FIT_PART, 0,
                                 stream>>>(*b, *m, views, *adam);
