@@ -12,7 +12,7 @@ static uint32_t bit_by_bit(const unsigned char *bytes, size_t count)
     uint32_t crc = ~0u;
     for (size_t i = 0; i < 8 * count; i++) {
         const uint32_t bit = (crc ^ bytes[i / 8] >> i % 8) & 1;
-        crc = crc >> 1 ^ (bit ? 0xedb88320u : 0);
+        crc = crc >> 1 ^ ((0u - bit) & 0xedb88320u);
     }
     return ~crc;
 }

@@ -8,7 +8,7 @@ void fxs_crc32_fill(fxs_crc32_table *table)
     for (uint32_t b = 0; b < 256; b++) {
         uint32_t crc = b;
         for (int bit = 0; bit < 8; bit++)
-            crc = crc >> 1 ^ (crc & 1 ? POLYNOMIAL : 0);
+            crc = crc >> 1 ^ ((0u - (crc & 1)) & POLYNOMIAL);    /* with ?: gcc 12 for ARM loses the upper half */
         after[0][b] = crc;
     }
     for (int k = 1; k < 8; k++)
@@ -20,8 +20,8 @@ void fxs_crc32_fill(fxs_crc32_table *table)
 static uint32_t next_eight(const fxs_crc32_table *table, uint32_t crc, const unsigned char *bytes)
 {
     uint32_t next = 0;
-    for (int k = 0; k < 8; k++)
-        next ^= table->after[7 - k][(bytes[k] ^ (k < 4 ? crc >> 8 * k : 0)) & 255];
+    for (int k = 0; k < 4; k++, crc >>= 8)
+        next ^= table->after[7 - k][(bytes[k] ^ crc) & 255] ^ table->after[3 - k][bytes[4 + k]];
     return next;
 }
 
