@@ -15,7 +15,10 @@ Floats = npt.NDArray[np.float64]
 
 def numbers(name: str, values: Any, *shapes: "Tuple[int, ...]") -> Floats:
     """Finite real numbers of one of the shapes, as float64; else a TypeError or ValueError that names them."""
-    array = np.asarray(values)
+    try:
+        array = np.asarray(values)
+    except ValueError:
+        raise ValueError(f"{name}: expected the shape {' or '.join(map(str, shapes))}") from None
     if array.dtype.kind not in "fiu":
         raise TypeError(f"{name}: expected real numbers, not {array.dtype}")
     if array.shape not in shapes:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, Callable, Iterator, Optional, Sequence
 
 from . import _declarations as c
-from ._library import CUTOFFS, PROFILES, Calls, PathLike, call, choose, file_name, lib, pool, whole
+from ._library import CUTOFFS, PROFILES, Calls, PathLike, call, choose, colour, file_name, lib, pool, whole
 from ._scene import Memory, Scene
 
 RECIPES = {"reference": c.FXS_FIT_REFERENCE, "mcmc": c.FXS_FIT_MCMC, "fast": c.FXS_FIT_FAST}
@@ -51,9 +51,7 @@ def fit(photos: PathLike, *, recipe: str = "reference", steps: Optional[int] = N
     options.sh_degree = whole("sh_degree", sh_degree, 0, 3)
     options.seed = reading.seed = whole("seed", seed, 0, 2**64 - 1)
     options.batch = whole("batch", batch, 0, 8)
-    if len(background) != 3:
-        raise ValueError(f"background: expected red, green and blue, not {background!r}")
-    options.background = reading.background = tuple(whole("background", value, 0, 255) for value in background)
+    options.background = reading.background = colour("background", background)
     options.cutoff = choose("cutoff", cutoff, CUTOFFS)
     options.profile = choose("profile", profile, PROFILES)
     options.max_memory = whole("max_memory", max_memory, 0, 2**64 - 1)

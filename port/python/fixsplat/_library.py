@@ -49,8 +49,8 @@ def _load() -> ctypes.CDLL:
     try:
         library = ctypes.CDLL(path)
     except OSError as error:
-        raise ImportError(f"fixsplat: its library cannot be loaded: {error}; build it (make), install it (make install) "
-                          "or name its file in FIXSPLAT_LIBRARY") from None
+        raise ImportError(f"fixsplat: its library cannot be loaded: {error}; build it (make), install it (make "
+                          "install) or name its file in FIXSPLAT_LIBRARY") from None
     try:
         library.fxs_version.restype = ctypes.c_int
         number = library.fxs_version()
@@ -113,6 +113,15 @@ def whole(name: str, value: Any, low: int, high: int) -> int:
     if not low <= number <= high:
         raise ValueError(f"{name}={number}: expected {low} to {high}")
     return number
+
+
+def colour(name: str, values: Any) -> "tuple[int, int, int]":
+    """Red, green and blue, 0 to 255."""
+    try:
+        red, green, blue = values
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"{name}: expected red, green and blue, not {values!r}") from None
+    return whole(name, red, 0, 255), whole(name, green, 0, 255), whole(name, blue, 0, 255)
 
 
 PROFILES = {"default": c.FXS_PROFILE_DEFAULT, "compact": c.FXS_PROFILE_COMPACT, "small": c.FXS_PROFILE_SMALL}

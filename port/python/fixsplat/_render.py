@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from . import _declarations as c
 from ._camera import Camera, number, numbers, rotation_of, vector
-from ._library import CUTOFFS, Error, PathLike, call, check, choose, file_name, lib, whole
+from ._library import CUTOFFS, Error, PathLike, call, check, choose, colour, file_name, lib, whole
 from ._scene import Memory, Scene
 
 NOTHING = c.FXS_NOTHING
@@ -308,12 +308,10 @@ def _in_units(depths: "npt.NDArray[Any]", bits: int) -> "npt.NDArray[np.float32]
 
 
 def _options(cutoff: str, sh_degree: int, background: Any, alpha: bool) -> c.fxs_options:
-    if len(background) != 3:
-        raise ValueError(f"background: expected red, green and blue, not {background!r}")
-    colour = tuple(whole("background", value, 0, 255) for value in background)
-    if alpha and any(colour):
+    behind = colour("background", background)
+    if alpha and any(behind):
         raise ValueError("background: with alpha=True there is none")
-    return c.fxs_options(choose("cutoff", cutoff, CUTOFFS), whole("sh_degree", sh_degree, 0, 3), colour)
+    return c.fxs_options(choose("cutoff", cutoff, CUTOFFS), whole("sh_degree", sh_degree, 0, 3), behind)
 
 
 def _camera(K: Any, world_to_camera: Any, width: Optional[int], height: Optional[int]) -> Camera:
@@ -326,6 +324,15 @@ def _camera(K: Any, world_to_camera: Any, width: Optional[int], height: Optional
     if not all(given):
         raise TypeError("expected a Camera, or K, world_to_camera, width and height")
     return Camera(K, world_to_camera, width, height)  # type: ignore[arg-type]
+
+
+def _objects(objects: "Sequence[Union[Object, Scene]]") -> "list[Object]":
+    if isinstance(objects, (Object, Scene)):
+        raise TypeError("objects: expected a sequence of them")
+    for o in objects:
+        if not isinstance(o, (Object, Scene)):
+            raise TypeError(f"objects: expected an Object or a Scene, not {type(o).__name__}")
+    return [Object(o) if isinstance(o, Scene) else o for o in objects]
 
 
 def render(objects: "Sequence[Union[Object, Scene]]", K: Any, world_to_camera: Any = None, width: Optional[int] = None,
@@ -345,9 +352,7 @@ def render(objects: "Sequence[Union[Object, Scene]]", K: Any, world_to_camera: A
     backend, threads, device, max_memory: as for `Renderer`, or a Renderer as the backend. One is kept for each thread
     of the program and name, until other options are asked for or the thread ends.
     """
-    if isinstance(objects, (Object, Scene)):
-        raise TypeError("objects: expected a sequence of them")
-    placed = _Placed([Object(o) if isinstance(o, Scene) else o for o in objects])
+    placed = _Placed(_objects(objects))
     camera = _camera(K, world_to_camera, width, height)
     cameras, options = camera.rounded(near), _options(cutoff, sh_degree, background, alpha)
     arrays = _arrays(targets, camera.width, camera.height)

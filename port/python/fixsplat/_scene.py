@@ -4,9 +4,10 @@ from __future__ import annotations
 import ctypes
 import os
 import weakref
+from contextlib import contextmanager
 from dataclasses import dataclass
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Callable, Optional, Sequence, Tuple, Type, Union
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Sequence, Tuple, Type, Union
 
 import numpy as np
 
@@ -187,12 +188,24 @@ def _units(q32: "Sequence[int]") -> "Tuple[float, float, float]":
 
 # ---- Reading ---------------------------------------------------------------------------------------------------------
 
+@contextmanager
+def _about(name: str) -> "Iterator[None]":
+    """A message about a scene, which may or may not begin with its name, begins with it."""
+    try:
+        yield
+    except Error as error:
+        if str(error).startswith(name):
+            raise
+        raise Error(f"{name}: {error}", error.code, error.bytes_needed) from None
+
+
 class _File:
     """A scene file that is open, to be read in floats."""
 
     def __init__(self, source: "Union[PathLike, memoryview]", name: str, level: int, axes: str, max_gaussians: int,
                  max_memory: int, calls: Calls):
         self.info, self.handle, self._calls = c.fxs_scene_file_info(), ctypes.c_void_p(), calls
+        self._name = name
         self._options = c.fxs_scene_file_options(
             level=whole("level", level, 0, 1000), axes=choose("axes", axes, AXES), progress=calls.progress,
             max_gaussians=whole("max_gaussians", max_gaussians, 0, 2**64 - 1),
@@ -209,7 +222,8 @@ class _File:
 
     def filter(self, how: c.fxs_scene_filter) -> c.fxs_scene_filter_report:
         report = c.fxs_scene_filter_report()
-        call("fxs_scene_file_filter", self.handle, how, self.info, report, self._calls.progress, None)
+        with _about(self._name):
+            call("fxs_scene_file_filter", self.handle, how, self.info, report, self._calls.progress, None)
         return report
 
     def pack(self, profile: str, threads: int) -> "tuple[c.fxs_packed_scene, c.fxs_pack_report]":
@@ -217,7 +231,8 @@ class _File:
         with pool(threads) as (run, made, count):
             options = c.fxs_pack_options(profile=choose("profile", profile, PROFILES), run=run, pool=made,
                                          threads=count, progress=self._calls.progress)
-            call("fxs_pack", self.handle, self.info, packed, report, options)
+            with _about(self._name):
+                call("fxs_pack", self.handle, self.info, packed, report, options)
         return packed, report
 
     def __enter__(self) -> "_File":
@@ -249,7 +264,8 @@ def load(source: "Union[PathLike, bytes, bytearray, memoryview]", *, profile: st
     profile: how it is packed: "default", "compact" or "small" (63.5, 39.6, 19.6 bytes a Gaussian at SH degree 3).
     level: of detail, of a streamed .sog; 0 is the finest.
     axes: of an .spz: "file" (as it says), "rub" (right, up, back) or "rdf" (right, down, front).
-    max_gaussians, max_memory: a scene with more, or that takes more bytes to read, is an Error; 0: the library's limits.
+    max_gaussians, max_memory: a scene with more, or that takes more bytes to read, is an Error; 0: the library's
+    limits.
     threads: 1 to 64; 0: one for each processor. The packed scene does not depend on it.
     progress: called now and then with 0 to 1, perhaps more than once from the start; what it raises ends the call.
     """
