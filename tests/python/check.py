@@ -1,12 +1,16 @@
 """check.py COMMAND FOLDER [CAPTURED]: what the package does against the command, in a folder with the scenes and
-photographs of tests/scripts/python.sh. CAPTURED: a folder with train-1000.ply and its cameras.json. Prints "ok NAME", "FAIL NAME: WHY" or "skip NAME: WHY" for each check, "end" last."""
+photographs of tests/scripts/python.sh. CAPTURED: a folder with train-1000.ply and its cameras.json. Prints "ok NAME",
+"FAIL NAME: WHY" or "skip NAME: WHY" for each check, "end" last."""
+import ctypes
 import gc
 import os
 import re
+import signal
 import subprocess
 import sys
 import threading
 import time
+import types
 import warnings
 
 import fixsplat
@@ -250,29 +254,32 @@ for label, backend in (("of their own", "auto"), ("of all", fixsplat.Renderer(th
 backend.close()
 refuses("a renderer that is closed", ValueError, "closed", lambda: scene.render(camera, backend=backend))
 
-# Only a call that lets go of the GIL lets another thread run.
-before, ticks, over = sys.getswitchinterval(), [], threading.Event()
+def lets_others_run(name, call):
+    """Another thread runs in the middle of the call, though the interpreter takes the GIL from nobody."""
+    ticks, over, interval = [], threading.Event(), sys.getswitchinterval()
 
+    def tick():
+        while not over.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.001)
 
-def tick():
-    while not over.is_set():
-        ticks.append(time.perf_counter())
-        time.sleep(0.001)
+    sys.setswitchinterval(1000)
+    ticker = threading.Thread(target=tick)
+    ticker.start()
+    start = time.perf_counter()
+    call()
+    took = time.perf_counter() - start
+    over.set()
+    ticker.join()
+    sys.setswitchinterval(interval)
+    inside = sum(start + 0.25 * took < t < start + 0.75 * took for t in ticks)
+    ok(f"{name} lets go of the GIL", inside > 3, f"{inside} ticks in {took:.3f} s")
 
 
 large = scene.frame(2400, 1600)
 scene.render(large, threads=1)
-sys.setswitchinterval(1000)
-ticker = threading.Thread(target=tick)
-ticker.start()
-start = time.perf_counter()
-scene.render(large, threads=1)
-end = time.perf_counter()
-over.set()
-ticker.join()
-sys.setswitchinterval(before)
-inside = [t for t in ticks if start + 0.25 * (end - start) < t < start + 0.75 * (end - start)]
-ok("the GIL is released", len(inside) > 3, f"{len(inside)} ticks in {end - start:.3f} s")
+lets_others_run("render", lambda: [scene.render(large, threads=1) for _ in range(15)])
+lets_others_run("fit", lambda: fixsplat.fit("set", steps=200, threads=1).close())
 
 closing, pictures_of = fixsplat.load("knot.ply"), []
 thread = threading.Thread(target=lambda: pictures_of.append(closing.render(large, threads=1).colour))
@@ -288,6 +295,37 @@ refuses("a scene that is closed: count", ValueError, "the scene is closed", lamb
 with fixsplat.load("knot.ply") as short:
     pass
 refuses("behind a with", ValueError, "the scene is closed", lambda: short.box)
+
+with fixsplat.Renderer() as renderer, fixsplat.load("knot.ply") as first:
+    table, calls = renderer._table, []
+    renderer._table = types.SimpleNamespace(
+        render=lambda *request: calls.append("render") or table.render(*request), close=table.close,
+        forget=lambda _, kept: calls.append(ctypes.addressof(kept)))
+    address = ctypes.addressof(first.memory.scene)
+    first.render(camera, backend=renderer)
+    first.render(camera, backend=renderer)
+    first.close()
+    scene.render(camera, backend=renderer)
+    scene.render(camera, backend=renderer)
+    wanted = ["render", "render", address, "render", "render"]
+    ok("a device drops what it keeps of a closed scene, once", calls == wanted, calls)
+
+
+def interrupted(call):
+    """Called, and Ctrl-C after a tenth of a second."""
+    timer = threading.Timer(0.1, lambda: signal.pthread_kill(threading.main_thread().ident, signal.SIGINT))
+    timer.start()
+    try:
+        call()
+    finally:
+        timer.cancel()
+
+
+for what, call in (("load", lambda: fixsplat.load("large.ply", profile="small", threads=1)),
+                   ("convert", lambda: fixsplat.convert("large.ply", "x.spz")),
+                   ("fit", lambda: fixsplat.fit("set", steps=10**6))):
+    refuses(f"{what}: Ctrl-C", KeyboardInterrupt, "^$", lambda: interrupted(call))
+    ok(f"{what}: Ctrl-C: its handler is as it was", signal.getsignal(signal.SIGINT) is signal.default_int_handler)
 
 child = os.fork()
 if child == 0:
@@ -320,7 +358,15 @@ def grows(label, count, what):
 
 
 def load_and_drop():
-    fixsplat.load("knot.ply", threads=1).render(camera)
+    fixsplat.load("knot.ply", threads=2).render(camera)
+
+
+def refuse_and_drop():
+    for options in ({"axes": "rdf"}, {"crop": [[90, 90, 90], [91, 91, 91]]}):
+        try:
+            fixsplat.convert("knot.ply", "x.fxs", **options)
+        except fixsplat.Error:
+            pass
 
 
 def map_and_drop():
@@ -331,9 +377,11 @@ if os.path.exists("/proc/self/statm"):
     grows("100 renders", 100, lambda: scene.render(camera, targets=ALL))
     grows("100 scenes, loaded and drawn", 100, load_and_drop)
     grows("100 scenes, mapped and drawn", 100, map_and_drop)
+    grows("200 conversions that are refused", 100, refuse_and_drop)
+    grows("100 fits", 100, lambda: fixsplat.fit("set", steps=1, threads=2))
     grows("100 renderers", 100, lambda: fixsplat.Renderer(threads=2).close())
     grows("100 renderers, not closed", 100, lambda: scene.render(camera, backend=fixsplat.Renderer(threads=2)))
-    grows("2000 camera files", 2000, lambda: fixsplat.load_cameras("set/sparse/0"))
+    grows("8000 camera files", 8000, lambda: fixsplat.load_cameras("set/sparse/0"))
     ok("threads that ended have no renderers left", threading.active_count() == 1 and
        len(os.listdir("/proc/self/task")) < 40, len(os.listdir("/proc/self/task")))
 else:

@@ -41,6 +41,7 @@ fi
 make_photographs 9
 "$fixsplat" make-scene cubes -o cubes.ply
 "$fixsplat" make-scene haze --count 3000 -o haze.ply
+"$fixsplat" make-scene knot --count 200000 -o large.ply
 "$fixsplat" convert knot.ply knot.fxs
 cp knot.fxs changed.fxs
 "$fixsplat" convert knot.ply knot.splat 2>logs/err

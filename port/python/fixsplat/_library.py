@@ -4,6 +4,8 @@ from __future__ import annotations
 import ctypes
 import operator
 import os
+import signal
+import threading
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Callable, Iterator, Mapping, Optional, Union
@@ -131,30 +133,42 @@ CUTOFFS = {"mahalanobis": c.FXS_CUTOFF_MAHALANOBIS, "square": c.FXS_CUTOFF_SQUAR
 class Calls:
     """Python functions that C calls, from any thread: what one raises stops the call, and is raised when it is over.
 
-    They are there without a function too: between two of them Ctrl-C is heard.
+    So does what the handler of Ctrl-C raises, which would be lost in a function that C calls, and C calls one without
+    `progress` too.
     """
 
     def __init__(self, progress: "Optional[Callable[[float], object]]" = None,
                  left_out: "Optional[Callable[[str], object]]" = None):
         self._raised: Optional[BaseException] = None
+        self._handler: Any = None
         self.progress = c.fxs_progress_fn(lambda _, done: self._call(progress, done))
         self.left_out = c.fxs_left_out_fn(lambda _, why: self._call(left_out, why.decode("utf-8", "replace")))
 
-    def _call(self, function: "Optional[Callable[[Any], object]]", value: Any) -> int:
+    def _call(self, function: "Optional[Callable[..., object]]", *values: Any) -> int:
         try:
             if function is not None and self._raised is None:
-                function(value)
+                function(*values)
         except BaseException as raised:
             self._raised = raised
         return int(self._raised is not None)
 
-    def __enter__(self) -> "Calls":
-        return self
-
-    def __exit__(self, *_: object) -> None:
+    def heard(self) -> None:
+        """Raises what was raised meanwhile."""
         raised, self._raised = self._raised, None
         if raised is not None:
             raise raised from None
+
+    def __enter__(self) -> "Calls":
+        handler = signal.getsignal(signal.SIGINT)
+        if callable(handler) and threading.current_thread() is threading.main_thread():
+            self._handler = handler
+            signal.signal(signal.SIGINT, lambda number, frame: self._call(self._handler, number, frame))
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._handler is not None:
+            signal.signal(signal.SIGINT, self._handler)
+        self.heard()
 
 
 @contextmanager

@@ -204,7 +204,7 @@ class _File:
 
     def __init__(self, source: "Union[PathLike, memoryview]", name: str, level: int, axes: str, max_gaussians: int,
                  max_memory: int, calls: Calls):
-        self.info, self.handle, self._calls = c.fxs_scene_file_info(), ctypes.c_void_p(), calls
+        self.info, self.handle, self.calls = c.fxs_scene_file_info(), ctypes.c_void_p(), calls
         self._name = name
         self._options = c.fxs_scene_file_options(
             level=whole("level", level, 0, 1000), axes=choose("axes", axes, AXES), progress=calls.progress,
@@ -223,14 +223,14 @@ class _File:
     def filter(self, how: c.fxs_scene_filter) -> c.fxs_scene_filter_report:
         report = c.fxs_scene_filter_report()
         with _about(self._name):
-            call("fxs_scene_file_filter", self.handle, how, self.info, report, self._calls.progress, None)
+            call("fxs_scene_file_filter", self.handle, how, self.info, report, self.calls.progress, None)
         return report
 
     def pack(self, profile: str, threads: int) -> "tuple[c.fxs_packed_scene, c.fxs_pack_report]":
         packed, report = c.fxs_packed_scene(), c.fxs_pack_report()
         with pool(threads) as (run, made, count):
             options = c.fxs_pack_options(profile=choose("profile", profile, PROFILES), run=run, pool=made,
-                                         threads=count, progress=self._calls.progress)
+                                         threads=count, progress=self.calls.progress)
             with _about(self._name):
                 call("fxs_pack", self.handle, self.info, packed, report, options)
         return packed, report
@@ -369,12 +369,13 @@ def _stream(file: _File, out: str, ending: str, spz_version: int, progress: Prog
     batch = (c.fxs_gaussian * 4096)()
     done = clamped = 0
     call(f"fxs_{kind}_writer_open", name, *arguments, writer)
-    closing = [file._calls.progress, None] if kind == "spz" else []
+    closing = [file.calls.progress, None] if kind == "spz" else []
     try:
         while True:
             n = call("fxs_scene_file_read", file.handle, batch, len(batch))
             if n == 0:
                 break
+            file.calls.heard()
             if progress is not None:
                 progress(done / info.count)
             call(f"fxs_{kind}_writer_put", writer, batch, n)
