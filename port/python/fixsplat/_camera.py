@@ -1,0 +1,192 @@
+"""Cameras: matrices of numpy, camera files, and the conventions of others."""
+from __future__ import annotations
+
+import ctypes
+from typing import Any, Optional, Sequence, Tuple
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _declarations as c
+from ._library import PathLike, call, file_name, lib, whole
+
+Floats = npt.NDArray[np.float64]
+
+
+def numbers(name: str, values: Any, *shapes: "Tuple[int, ...]") -> Floats:
+    """Finite real numbers of one of the shapes, as float64; else a TypeError or ValueError that names them."""
+    try:
+        array = np.asarray(values)
+    except ValueError:
+        raise ValueError(f"{name}: expected the shape {' or '.join(map(str, shapes))}") from None
+    if array.dtype.kind not in "fiu":
+        raise TypeError(f"{name}: expected real numbers, not {array.dtype}")
+    if array.shape not in shapes:
+        raise ValueError(f"{name}: expected the shape {' or '.join(map(str, shapes))}, not {array.shape}")
+    array = array.astype(np.float64)
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name}: has a number that is not finite")
+    return array
+
+
+def number(name: str, value: Any, low: float, high: float) -> float:
+    """A real number within low..high."""
+    result = float(numbers(name, value, ()))
+    if not low <= result <= high:
+        raise ValueError(f"{name}={result}: expected {low} to {high}")
+    return result
+
+
+def rotation_of(name: str, matrix: Floats) -> Floats:
+    """The matrix, where it is a rotation."""
+    if np.abs(matrix @ matrix.T - np.eye(3)).max() > 1e-3 or np.linalg.det(matrix) < 0:
+        raise ValueError(f"{name}: is not a rotation: its rows are to be of length 1, at right angles and right-handed "
+                         "(within 1e-3)")
+    return matrix
+
+
+def vector(values: Any) -> Any:
+    """Three numbers for C."""
+    return (ctypes.c_double * 3)(*values)
+
+
+class Camera:
+    """A camera: where it is, where it looks, and its picture's size.
+
+    K: (3, 3), pixels: [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]; pixel centres are at +0.5.
+    world_to_camera: (4, 4), scene units; the camera's axes are x right, y down, z forward (COLMAP, OpenCV).
+    width, height: pixels, 1 to 16384.
+    near: depth of the near plane, scene units, 2^-20 to 2^28; None: 0.2.
+    orthographic: parallel rays along z; fx and fy are pixels a unit then.
+    name: of its photograph, say.
+
+    It does not change. Any number of threads may use it.
+    """
+
+    def __init__(self, K: Any, world_to_camera: Any, width: int, height: int, *, near: Optional[float] = None,
+                 orthographic: bool = False, name: str = ""):
+        k = numbers("K", K, (3, 3))
+        if k[0, 1] != 0 or k[1, 0] != 0 or (k[2] != (0, 0, 1)).any():
+            raise ValueError("K: expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]; a skew is not drawn")
+        pose = numbers("world_to_camera", world_to_camera, (4, 4))
+        if (pose[3] != (0, 0, 0, 1)).any():
+            raise ValueError("world_to_camera: expected 0, 0, 0, 1 as its last row")
+        rotation = rotation_of("world_to_camera", pose[:3, :3])
+        view = c.fxs_file_view(name=name.encode()[:127], width=whole("width", width, 1, c.FXS_MAX_SIZE),
+                               height=whole("height", height, 1, c.FXS_MAX_SIZE), fx=k[0, 0], fy=k[1, 1], cx=k[0, 2],
+                               cy=k[1, 2], rotation=tuple(rotation.ravel()),
+                               position=tuple(np.linalg.solve(rotation, -pose[:3, 3])),
+                               projection=c.FXS_ORTHOGRAPHIC if orthographic else c.FXS_PERSPECTIVE)
+        if near is not None:
+            view.near = number("near", near, 2.0**-20, 2.0**28)
+        self._view = view
+        self.rounded()
+
+    @classmethod
+    def _of(cls, view: c.fxs_file_view) -> "Camera":
+        camera = cls.__new__(cls)
+        camera._view = view
+        return camera
+
+    @classmethod
+    def look_at(cls, eye: Sequence[float], target: Sequence[float], width: int, height: int, *, fov: float = 50,
+                up: Sequence[float] = (0, -1, 0)) -> "Camera":
+        """A camera at `eye` that looks towards `target`, scene units. fov: vertical field of view, 1 to 170 degrees."""
+        view = c.fxs_file_view()
+        vectors = [vector(numbers(name, values, (3,)))
+                   for name, values in (("eye", eye), ("target", target), ("up", up))]
+        call("fxs_view_look_at", view, *vectors, number("fov", fov, 1, 170),
+             whole("width", width, 1, c.FXS_MAX_SIZE), whole("height", height, 1, c.FXS_MAX_SIZE))
+        return cls._of(view)
+
+    @property
+    def K(self) -> Floats:
+        """(3, 3), pixels."""
+        v = self._view
+        return np.array([[v.fx, 0, v.cx], [0, v.fy, v.cy], [0, 0, 1]])
+
+    @property
+    def world_to_camera(self) -> Floats:
+        """(4, 4), scene units; axes x right, y down, z forward."""
+        rotation = np.reshape(self._view.rotation, (3, 3))
+        pose = np.eye(4)
+        pose[:3, :3] = rotation
+        pose[:3, 3] = -rotation @ self.position
+        return pose
+
+    @property
+    def camera_to_world(self) -> Floats:
+        """(4, 4), scene units; the inverse of world_to_camera."""
+        return np.linalg.inv(self.world_to_camera)
+
+    @property
+    def position(self) -> Floats:
+        """(3,), the camera's centre, scene units."""
+        return np.array(self._view.position)
+
+    @property
+    def width(self) -> int:
+        return int(self._view.width)
+
+    @property
+    def height(self) -> int:
+        return int(self._view.height)
+
+    @property
+    def near(self) -> Optional[float]:
+        """Depth of the near plane, scene units; None: 0.2."""
+        return float(self._view.near) or None
+
+    @property
+    def orthographic(self) -> bool:
+        return bool(self._view.projection == c.FXS_ORTHOGRAPHIC)
+
+    @property
+    def name(self) -> str:
+        return str(self._view.name.decode("utf-8", "replace"))
+
+    def resized(self, width: int, height: int) -> "Camera":
+        """The same for a picture of another size, as `fixsplat render --size` has it: fx and fy are scaled by new width
+        / old width, and the principal point comes to the centre."""
+        view = c.fxs_file_view.from_buffer_copy(self._view)
+        lib.fxs_view_resize(view, whole("width", width, 1, c.FXS_MAX_SIZE), whole("height", height, 1, c.FXS_MAX_SIZE))
+        return self._of(view)
+
+    def rounded(self, near: Optional[float] = None) -> c.fxs_camera:
+        """The renderer's integers; an Error where the camera is out of their range."""
+        view, camera = c.fxs_file_view.from_buffer_copy(self._view), c.fxs_camera()
+        if near is not None:
+            view.near = number("near", near, 2.0**-20, 2.0**28)
+        call("fxs_camera_from_view", camera, view)
+        return camera
+
+    def __repr__(self) -> str:
+        return f"<fixsplat.Camera {self.name!r}, {self.width} x {self.height}>"
+
+
+def load_cameras(path: PathLike) -> "list[Camera]":
+    """The cameras of a file: Inria's cameras.json, a transforms.json of nerfstudio or Blender, or a COLMAP model by its
+    folder, images.bin or images.txt. All are turned to the axes x right, y down, z forward."""
+    views = ctypes.POINTER(c.fxs_file_view)()
+    count = call("fxs_camera_file_read", file_name(path), views)
+    try:
+        return [Camera._of(c.fxs_file_view.from_buffer_copy(views[i])) for i in range(count)]
+    finally:
+        free = ctypes.CDLL(None).free
+        free.argtypes, free.restype = [ctypes.c_void_p], None
+        free(views)
+
+
+def from_nerfstudio(camera_to_world: Any) -> Floats:
+    """world_to_camera (4, 4) of nerfstudio's camera_to_world, (3, 4) or (4, 4), whose axes are those of OpenGL and
+    Blender: x right, y up, z backward."""
+    pose = np.eye(4)
+    given = numbers("camera_to_world", camera_to_world, (3, 4), (4, 4))
+    pose[:len(given)] = given
+    rotation_of("camera_to_world", pose[:3, :3])
+    return np.asarray(np.linalg.inv(pose @ np.diag([1.0, -1, -1, 1])))
+
+
+def to_nerfstudio(world_to_camera: Any) -> Floats:
+    """nerfstudio's camera_to_world (4, 4) of world_to_camera (4, 4)."""
+    return np.asarray(np.linalg.inv(numbers("world_to_camera", world_to_camera, (4, 4))) @ np.diag([1.0, -1, -1, 1]))

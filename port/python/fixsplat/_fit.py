@@ -1,0 +1,127 @@
+"""Scenes fitted to photographs."""
+from __future__ import annotations
+
+import ctypes
+import os
+import time
+import warnings
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, Callable, Iterator, Optional, Sequence
+
+from . import _declarations as c
+from ._library import CUTOFFS, PROFILES, Calls, PathLike, call, choose, colour, file_name, lib, pool, whole
+from ._scene import Memory, Scene
+
+RECIPES = {"reference": c.FXS_FIT_REFERENCE, "mcmc": c.FXS_FIT_MCMC, "fast": c.FXS_FIT_FAST}
+
+
+@dataclass(frozen=True)
+class FitProgress:
+    """After a step: step of steps were made. loss: 0.8 times the mean of |a - b| and 0.2 times that of 1 - SSIM, of the
+    photographs of this step. gaussians: their number."""
+    step: int
+    steps: int
+    loss: float
+    gaussians: int
+
+
+def fit(photos: PathLike, *, recipe: str = "reference", steps: Optional[int] = None, resolution: int = 1600,
+        sh_degree: int = 3, max_gaussians: Optional[int] = None, seed: int = 0, batch: int = 0,
+        background: "Sequence[int]" = (0, 0, 0), cutoff: str = "mahalanobis", profile: str = "default",
+        hold_out: int = 8, skip_bad: bool = False, backend: str = "cpu", devices: "Sequence[int]" = (0,),
+        max_memory: int = 0, threads: int = 0,
+        progress: "Optional[Callable[[FitProgress], object]]" = None) -> Scene:
+    """Fits a scene to photographs: that of `fixsplat fit`, byte for byte, which docs/fit.md describes.
+
+    photos: a COLMAP folder, a transforms.json of nerfstudio or Blender, Inria's cameras.json with images beside it, or
+    a folder with one of those.
+    recipe: "reference", "mcmc" or "fast". steps: None: the recipe's, 30,000, of "fast" 8,000. resolution: pixels of a
+    photograph's longer side, at most. sh_degree: 0 to 3. max_gaussians: None: 2^22, mcmc 1,000,000,
+    fast 250,000.
+    seed: of all that is random. batch: photographs of a step, 1 to 8; 0: one, or one for each device.
+    background: red, green, blue, 0 to 255. cutoff, profile: as for `render` and `load`.
+    hold_out: every n-th photograph by name is not fitted; 0: all are. skip_bad: those that cannot be read are left out,
+    with a warning.
+    backend: what makes the steps: "cpu" or "cuda", there on `devices`, each with `max_memory` bytes at most (0: any).
+    threads: 0: one for each processor. The scene depends on none of these four.
+    progress: called after each step (with "cuda" a few times a second); what it raises ends the fit.
+    """
+    options, reading = c.fxs_fit_options(), c.fxs_photos_options()
+    _fill(options, recipe, steps, max_gaussians)
+    options.sh_degree = whole("sh_degree", sh_degree, 0, 3)
+    options.seed = reading.seed = whole("seed", seed, 0, 2**64 - 1)
+    options.batch = whole("batch", batch, 0, 8)
+    options.background = reading.background = colour("background", background)
+    options.cutoff = choose("cutoff", cutoff, CUTOFFS)
+    options.profile = choose("profile", profile, PROFILES)
+    options.max_memory = whole("max_memory", max_memory, 0, 2**64 - 1)
+    if choose("backend", backend, {"cpu": 0, "cuda": 1}):
+        _choose_devices(options, devices)
+    reading.resolution = whole("resolution", resolution, 1, c.FXS_MAX_SIZE)
+    reading.hold_out = whole("hold_out", hold_out, 0, 2**32 - 1)
+    reading.skip_bad = bool(skip_bad)
+    with pool(threads) as (run, made, count):
+        options.run = reading.run = run
+        options.pool = reading.pool = made
+        options.threads = count
+        with _read(photos, reading) as taken:
+            return _fit(os.fsdecode(file_name(photos)), taken, options, progress)
+
+
+def _fill(options: c.fxs_fit_options, recipe: str, steps: Optional[int], max_gaussians: Optional[int]) -> None:
+    lib.fxs_fit_options_init(options)
+    options.recipe = choose("recipe", recipe, RECIPES)
+    options.steps = lib.fxs_fit_recipe_steps(options.recipe) if steps is None else whole("steps", steps, 1, 10**9)
+    if max_gaussians is not None:
+        options.max_gaussians = whole("max_gaussians", max_gaussians, 1, c.FXS_MAX_COUNT)
+    else:
+        options.max_gaussians = lib.fxs_fit_recipe_gaussians(options.recipe)
+
+
+def _choose_devices(options: c.fxs_fit_options, devices: "Sequence[int]") -> None:
+    if not 1 <= len(devices) <= 8:
+        raise ValueError(f"devices: {len(devices)} of them, expected 1 to 8")
+    options.device_count = len(devices)
+    for i, device in enumerate(devices):
+        options.devices[i] = whole("devices", device, 0, 2**31 - 1)
+
+
+@contextmanager
+def _read(path: PathLike, reading: c.fxs_photos_options) -> "Iterator[c.fxs_photos]":
+    photos, name = c.fxs_photos(), file_name(path)
+    with Calls(left_out=lambda why: warnings.warn(f"left out: {why}", stacklevel=2)) as calls:
+        reading.progress, reading.left_out = calls.progress, calls.left_out
+        call("fxs_photos_read", name, reading, photos)
+    try:
+        if photos.points_are_random:
+            warnings.warn(f"{os.fsdecode(name)}: no points: begins with {photos.point_count} random ones", stacklevel=5)
+        yield photos
+    finally:
+        lib.fxs_photos_free(photos)
+
+
+def _fit(name: str, photos: c.fxs_photos, options: c.fxs_fit_options,
+         progress: "Optional[Callable[[FitProgress], object]]") -> Scene:
+    handle, packed, report = ctypes.c_void_p(), c.fxs_packed_scene(), c.fxs_pack_report()
+    call("fxs_fit_create", handle, photos.fit, photos.fit_count, photos.points, photos.point_count, options)
+    try:
+        _make_steps(handle, options, progress)
+        call("fxs_fit_pack", handle, packed, report)
+        return Scene(Memory.packed(packed, name), report.read - report.packed, report.brought_in)
+    finally:
+        lib.fxs_fit_free(handle)
+
+
+def _make_steps(handle: ctypes.c_void_p, options: c.fxs_fit_options,
+                progress: "Optional[Callable[[FitProgress], object]]") -> None:
+    """A device works on while it is not asked: it is some times a second, and for the last step."""
+    report: Any = c.fxs_fit_report()
+    last = time.monotonic()
+    for step in range(1, options.steps + 1):
+        asked = not options.device_count or step == options.steps or time.monotonic() - last > 0.2
+        call("fxs_fit_step", handle, report if asked else None)
+        if asked and progress is not None:
+            last = time.monotonic()
+            progress(FitProgress(step, options.steps, 0.8 * report.absolute + 0.2 * report.dissimilar,
+                                 report.gaussians))

@@ -1,0 +1,182 @@
+"""The shared library: where it is found, how its functions are called, and what their errors become."""
+from __future__ import annotations
+
+import ctypes
+import operator
+import os
+import signal
+import threading
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Callable, Iterator, Mapping, Optional, Union
+
+from . import _declarations as c
+from ._version import VERSION
+
+PathLike = Union[str, "os.PathLike[str]"]
+
+
+class Error(Exception):
+    """What the library answers where it cannot do what was asked: its message, one line.
+
+    code: the FXS_ERR_* of fixsplat.h, negative. bytes_needed: the memory that would do, where memory was too little
+    and that is known; else 0.
+    """
+
+    def __init__(self, message: str, code: int, bytes_needed: int = 0):
+        super().__init__(message)
+        self.code = code
+        self.bytes_needed = bytes_needed
+
+
+# ---- Finding ---------------------------------------------------------------------------------------------------------
+
+def _found() -> Iterator[str]:
+    """Where the library may be: beside this package, in the build folder of the checkout, where the system has it."""
+    package = Path(__file__).resolve().parent
+    soname = "libfixsplat.so." + VERSION.rpartition(".")[0]
+    names = (soname, f"libfixsplat.so.{VERSION}", "libfixsplat.so")
+    folders = [package]
+    if (package.parents[2] / "src" / "fixsplat.h").exists():
+        folders.append(package.parents[2] / "build")
+    for folder in folders:
+        for name in names:
+            if (folder / name).exists():
+                yield str(folder / name)
+    yield soname
+
+
+def _load() -> ctypes.CDLL:
+    path = os.environ.get("FIXSPLAT_LIBRARY") or next(_found())
+    try:
+        library = ctypes.CDLL(path)
+    except OSError as error:
+        raise ImportError(f"fixsplat: its library cannot be loaded: {error}; build it (make), install it (make "
+                          "install) or name its file in FIXSPLAT_LIBRARY") from None
+    try:
+        library.fxs_version.restype = ctypes.c_int
+        number = library.fxs_version()
+    except AttributeError:
+        raise ImportError(f"fixsplat: {path} is not libfixsplat.so") from None
+    version = f"{number // 10000}.{number // 100 % 100}.{number % 100}"
+    if version.rpartition(".")[0] != VERSION.rpartition(".")[0]:
+        raise ImportError(f"fixsplat: {path} is of version {version}, this package is for {VERSION}")
+    try:
+        for name, (result, arguments) in c.FUNCTIONS.items():
+            function = getattr(library, name)
+            function.restype, function.argtypes = result, arguments
+    except AttributeError as error:
+        raise ImportError(f"fixsplat: {path} is of version {version}, but not this package's: {error}") from None
+    return library
+
+
+lib = _load()
+
+
+# ---- Calling ---------------------------------------------------------------------------------------------------------
+
+def check(result: int, message: c.fxs_message, prefix: str = "") -> int:
+    """The result, or an Error with the message where it is negative."""
+    if result >= 0:
+        return result
+    text = prefix + message.text.decode("utf-8", "replace")
+    if message.bytes_needed:
+        text += f" ({message.bytes_needed} bytes would do)"
+    raise Error(text, result, message.bytes_needed)
+
+
+def call(name: str, *arguments: Any) -> int:
+    """Calls a function whose last argument is the message. ctypes lets go of the GIL meanwhile."""
+    message = c.fxs_message()
+    return check(getattr(lib, name)(*arguments, message), message)
+
+
+def file_name(path: PathLike) -> bytes:
+    """A path as C takes it."""
+    name = os.fsencode(os.fspath(path))
+    if b"\0" in name:
+        raise ValueError(f"{name!r}: a path without 0 bytes is expected")
+    return name
+
+
+def choose(name: str, value: str, choices: "Mapping[str, int]") -> int:
+    """The number of a word, or a ValueError that lists the words."""
+    if value not in choices:
+        raise ValueError(f"{name}={value!r}: expected {' or '.join(map(repr, choices))}")
+    return choices[value]
+
+
+def whole(name: str, value: Any, low: int, high: int) -> int:
+    """A whole number within low..high."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name}: expected a whole number, not {type(value).__name__}") from None
+    if not low <= number <= high:
+        raise ValueError(f"{name}={number}: expected {low} to {high}")
+    return number
+
+
+def colour(name: str, values: Any) -> "tuple[int, int, int]":
+    """Red, green and blue, 0 to 255."""
+    try:
+        red, green, blue = values
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"{name}: expected red, green and blue, not {values!r}") from None
+    return whole(name, red, 0, 255), whole(name, green, 0, 255), whole(name, blue, 0, 255)
+
+
+PROFILES = {"default": c.FXS_PROFILE_DEFAULT, "compact": c.FXS_PROFILE_COMPACT, "small": c.FXS_PROFILE_SMALL}
+CUTOFFS = {"mahalanobis": c.FXS_CUTOFF_MAHALANOBIS, "square": c.FXS_CUTOFF_SQUARE}
+
+
+class Calls:
+    """Python functions that C calls, from any thread: what one raises stops the call, and is raised when it is over.
+
+    So does what the handler of Ctrl-C raises, which would be lost in a function that C calls, and C calls one without
+    `progress` too.
+    """
+
+    def __init__(self, progress: "Optional[Callable[[float], object]]" = None,
+                 left_out: "Optional[Callable[[str], object]]" = None):
+        self._raised: Optional[BaseException] = None
+        self._handler: Any = None
+        self.progress = c.fxs_progress_fn(lambda _, done: self._call(progress, done))
+        self.left_out = c.fxs_left_out_fn(lambda _, why: self._call(left_out, why.decode("utf-8", "replace")))
+
+    def _call(self, function: "Optional[Callable[..., object]]", *values: Any) -> int:
+        try:
+            if function is not None and self._raised is None:
+                function(*values)
+        except BaseException as raised:
+            self._raised = raised
+        return int(self._raised is not None)
+
+    def heard(self) -> None:
+        """Raises what was raised meanwhile."""
+        raised, self._raised = self._raised, None
+        if raised is not None:
+            raise raised from None
+
+    def __enter__(self) -> "Calls":
+        handler = signal.getsignal(signal.SIGINT)
+        if callable(handler) and threading.current_thread() is threading.main_thread():
+            self._handler = handler
+            signal.signal(signal.SIGINT, lambda number, frame: self._call(self._handler, number, frame))
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._handler is not None:
+            signal.signal(signal.SIGINT, self._handler)
+        self.heard()
+
+
+@contextmanager
+def pool(threads: int) -> "Iterator[tuple[Optional[int], Optional[int], int]]":
+    """A pool of threads: function, its first argument, number of threads. 0 threads: one for each processor."""
+    threads = whole("threads", threads, 0, 64) or lib.fxs_processors()
+    made = lib.fxs_pool_create(threads)
+    try:
+        yield (ctypes.cast(lib.fxs_pool_run, ctypes.c_void_p).value, made, threads) if made else (None, None, 1)
+    finally:
+        lib.fxs_pool_destroy(made)

@@ -1,0 +1,427 @@
+"""Scenes: loaded from files and bytes, converted, saved."""
+from __future__ import annotations
+
+import ctypes
+import os
+import weakref
+from contextlib import contextmanager
+from dataclasses import dataclass
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Sequence, Tuple, Type, Union
+
+import numpy as np
+
+from . import _declarations as c
+from ._camera import Camera, numbers, number, vector
+from ._library import PROFILES, Calls, Error, PathLike, call, choose, file_name, lib, pool, whole
+
+if TYPE_CHECKING:
+    from ._render import Picture
+
+Box = Tuple[Tuple[float, float, float], Tuple[float, float, float]]
+Progress = Optional[Callable[[float], object]]
+
+AXES = {"file": c.FXS_AXES_OF_FILE, "rub": c.FXS_AXES_RUB, "rdf": c.FXS_AXES_RDF}
+
+
+class Memory:
+    """The bytes of a packed scene, which are given back when nobody holds this any more."""
+
+    def __init__(self, data: int, size: int, name: str, mapping: Optional[c.fxs_mapping] = None, keeps: Any = None):
+        self.data, self.size, self.name = data, size, name
+        self.scene = c.fxs_scene()
+        self._mapping, self._keeps = mapping, keeps
+        result = lib.fxs_scene_open(self.scene, data, size)
+        if result:
+            raise Error(f"{name}: {lib.fxs_strerror(result).decode()}", result)
+        self.header = c.fxs_packed_header.from_buffer_copy(ctypes.string_at(data, ctypes.sizeof(c.fxs_packed_header)))
+
+    @classmethod
+    def mapped(cls, path: PathLike) -> "Memory":
+        """An .fxs file as it lies."""
+        lib.fxs_map_guard()
+        mapping, name = c.fxs_mapping(), file_name(path)
+        call("fxs_map", mapping, name)
+        try:
+            call("fxs_file_check", name, mapping.data, mapping.bytes, 0)
+            memory = cls(mapping.data, mapping.bytes, os.fsdecode(name), mapping)
+        except BaseException:
+            lib.fxs_unmap(mapping)
+            raise
+        weakref.finalize(memory, lib.fxs_unmap, mapping).atexit = False
+        return memory
+
+    @classmethod
+    def copied(cls, data: "memoryview", name: str) -> "Memory":
+        """The bytes of an .fxs file, where they are aligned."""
+        room = np.empty(data.nbytes + 63, np.uint8)
+        start = -room.ctypes.data % 64
+        room[start:start + data.nbytes] = np.frombuffer(data, np.uint8)
+        call("fxs_file_check", name.encode(), room.ctypes.data + start, data.nbytes, 1)
+        return cls(room.ctypes.data + start, data.nbytes, name, keeps=room)
+
+    @classmethod
+    def packed(cls, packed: c.fxs_packed_scene, name: str) -> "Memory":
+        """What fxs_pack or fxs_fit_pack made."""
+        try:
+            memory = cls(packed.data, packed.bytes, name)
+        except BaseException:
+            lib.fxs_packed_scene_free(packed)
+            raise
+        weakref.finalize(memory, lib.fxs_packed_scene_free, packed).atexit = False
+        return memory
+
+    def check(self) -> None:
+        """An Error where the file that is mapped has been written to."""
+        if self._mapping is not None:
+            call("fxs_map_check", self._mapping, os.fsencode(self.name))
+
+
+class Scene:
+    """A packed scene, as the renderer draws it. `load` and `fit` make one.
+
+    Its memory (or the mapped file) is given back by `close`, at the end of a `with`, or when the scene is no longer
+    used. Any number of threads may use a scene at the same time; one that renders it while another closes it completes
+    its picture.
+
+    left_out: Gaussians of the file that no rule can draw (numbers that are not finite, a zero quaternion).
+    brought_in: Gaussians from beyond 2^27 units, drawn as they look from the origin. Both are 0 for an .fxs file.
+    """
+
+    def __init__(self, memory: Memory, left_out: int = 0, brought_in: int = 0):
+        self._memory: Optional[Memory] = memory
+        self.left_out = left_out
+        self.brought_in = brought_in
+
+    @property
+    def memory(self) -> Memory:
+        if self._memory is None:
+            raise ValueError("the scene is closed")
+        return self._memory
+
+    @property
+    def count(self) -> int:
+        """Gaussians."""
+        return int(self.memory.scene.count)
+
+    def __len__(self) -> int:
+        return self.count
+
+    @property
+    def sh_degree(self) -> int:
+        """0 to 3."""
+        return int(self.memory.scene.sh_degree)
+
+    @property
+    def antialiased(self) -> bool:
+        """Whether opacities were fitted with the dilation compensated."""
+        return bool(self.memory.scene.antialiased)
+
+    @property
+    def profile(self) -> str:
+        """How it is packed: "default", "compact" or "small"."""
+        return list(PROFILES)[int(self.memory.scene.profile)]
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of the packed scene, in memory and as an .fxs file."""
+        return self.memory.size
+
+    @property
+    def box(self) -> Box:
+        """The least and the greatest x, y, z of the centres, scene units."""
+        header = self.memory.header
+        return _units(header.low_q32), _units(header.high_q32)
+
+    @property
+    def inner_box(self) -> Box:
+        """The same of what is seen, without stray Gaussians: to frame the scene."""
+        header = self.memory.header
+        return _units(header.inner_low_q32), _units(header.inner_high_q32)
+
+    def frame(self, width: int, height: int, *, fov: float = 50, up: Sequence[float] = (0, -1, 0)) -> Camera:
+        """A camera that sees the scene whole, from in front and a little above. fov: vertical, 1 to 170 degrees."""
+        view = c.fxs_file_view()
+        low, high = map(vector, self.inner_box)
+        call("fxs_view_frame_box", view, low, high, vector(numbers("up", up, (3,))), number("fov", fov, 1, 170),
+             whole("width", width, 1, c.FXS_MAX_SIZE), whole("height", height, 1, c.FXS_MAX_SIZE))
+        view.near = lib.fxs_near_of_box(low, high)
+        return Camera._of(view)
+
+    def render(self, K: Any, world_to_camera: Any = None, width: Optional[int] = None, height: Optional[int] = None,
+               **options: Any) -> "Picture":
+        """Draws the scene as it is, at the origin: `fixsplat.render` with this one object, and its options."""
+        from ._render import Object, render
+        return render([Object(self)], K, world_to_camera, width, height, **options)
+
+    def save(self, path: PathLike) -> None:
+        """Writes an .fxs file, which opens at once. Until it is complete, an earlier file of that name stays."""
+        name = file_name(path)
+        if not name.endswith(b".fxs"):
+            raise ValueError(f"{os.fsdecode(name)}: expected a name ending in .fxs")
+        memory = self.memory
+        call("fxs_file_write", name, memory.data, memory.size)
+
+    def close(self) -> None:
+        """Gives the memory back, on this thread's back ends too. It may be called again."""
+        from ._render import forget_closed
+        self._memory = None
+        forget_closed()
+
+    def __enter__(self) -> "Scene":
+        return self
+
+    def __exit__(self, kind: Optional[Type[BaseException]], error: Optional[BaseException],
+                 trace: Optional[TracebackType]) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        if self._memory is None:
+            return "<fixsplat.Scene, closed>"
+        return f"<fixsplat.Scene {self._memory.name!r}, {self.count} Gaussians, SH degree {self.sh_degree}>"
+
+
+def _units(q32: "Sequence[int]") -> "Tuple[float, float, float]":
+    x, y, z = (value * 2.0**-32 for value in q32)
+    return x, y, z
+
+
+# ---- Reading ---------------------------------------------------------------------------------------------------------
+
+@contextmanager
+def _about(name: str) -> "Iterator[None]":
+    """A message about a scene, which may or may not begin with its name, begins with it."""
+    try:
+        yield
+    except Error as error:
+        if str(error).startswith(name):
+            raise
+        raise Error(f"{name}: {error}", error.code, error.bytes_needed) from None
+
+
+class _File:
+    """A scene file that is open, to be read in floats."""
+
+    def __init__(self, source: "Union[PathLike, memoryview]", name: str, level: int, axes: str, max_gaussians: int,
+                 max_memory: int, calls: Calls):
+        self.info, self.handle, self.calls = c.fxs_scene_file_info(), ctypes.c_void_p(), calls
+        self._name = name
+        self._options = c.fxs_scene_file_options(
+            level=whole("level", level, 0, 1000), axes=choose("axes", axes, AXES), progress=calls.progress,
+            max_gaussians=whole("max_gaussians", max_gaussians, 0, 2**64 - 1),
+            max_memory=whole("max_memory", max_memory, 0, 2**64 - 1))
+        if isinstance(source, memoryview):
+            self._bytes = np.frombuffer(source, np.uint8)
+            call("fxs_scene_file_open_memory", name.encode(), self._bytes.ctypes.data, self._bytes.nbytes,
+                 self._options, self.handle, self.info)
+        else:
+            call("fxs_scene_file_open", file_name(source), self._options, self.handle, self.info)
+        if axes != "file" and self.info.format != b"spz":
+            self.__exit__()
+            raise Error(f"{name}: axes are for .spz", c.FXS_ERR_ARGUMENT)
+
+    def filter(self, how: c.fxs_scene_filter) -> c.fxs_scene_filter_report:
+        report = c.fxs_scene_filter_report()
+        with _about(self._name):
+            call("fxs_scene_file_filter", self.handle, how, self.info, report, self.calls.progress, None)
+        return report
+
+    def decimate(self, target: int) -> None:
+        with _about(self._name):
+            call("fxs_scene_file_decimate", self.handle, target, self.info, self.calls.progress, None)
+
+    def pack(self, profile: str, threads: int) -> "tuple[c.fxs_packed_scene, c.fxs_pack_report]":
+        packed, report = c.fxs_packed_scene(), c.fxs_pack_report()
+        with pool(threads) as (run, made, count):
+            options = c.fxs_pack_options(profile=choose("profile", profile, PROFILES), run=run, pool=made,
+                                         threads=count, progress=self.calls.progress)
+            with _about(self._name):
+                call("fxs_pack", self.handle, self.info, packed, report, options)
+        return packed, report
+
+    def __enter__(self) -> "_File":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        lib.fxs_scene_file_close(self.handle)
+
+
+def _is_packed(path: PathLike) -> bool:
+    """By the four bytes with which an .fxs file begins. Only a regular file is opened: a pipe waits for its writer."""
+    if not os.path.isfile(path):
+        return False
+    with open(path, "rb") as file:
+        return _begins_packed(file.read(4))
+
+
+def _begins_packed(data: "Union[bytes, memoryview]") -> bool:
+    return bytes(data[:4]) == c.FXS_PACKED_MAGIC.to_bytes(4, "little")
+
+
+def load(source: "Union[PathLike, bytes, bytearray, memoryview]", *, profile: str = "default", level: int = 0,
+         axes: str = "file", max_gaussians: int = 0, max_memory: int = 0, threads: int = 0,
+         progress: Progress = None) -> Scene:
+    """Opens a scene of any format that the library reads: by its path, or from the bytes of one file.
+
+    An .fxs file is mapped, and rendered as it lies; any other is packed in memory.
+
+    profile: how it is packed: "default", "compact" or "small" (63.5, 39.6, 19.6 bytes a Gaussian at SH degree 3).
+    level: of detail, of a streamed .sog; 0 is the finest.
+    axes: of an .spz: "file" (as it says), "rub" (right, up, back) or "rdf" (right, down, front).
+    max_gaussians, max_memory: a scene with more, or that takes more bytes to read, is an Error; 0: the library's
+    limits.
+    threads: 1 to 64; 0: one for each processor. The packed scene does not depend on it.
+    progress: called now and then with 0 to 1, perhaps more than once from the start; what it raises ends the call.
+    """
+    if isinstance(source, (bytes, bytearray, memoryview)):
+        data: "Union[PathLike, memoryview]" = memoryview(source).cast("B")
+        name, packed = "bytes", _begins_packed(memoryview(source).cast("B"))
+    elif isinstance(source, (str, os.PathLike)):
+        data, name = source, os.fsdecode(file_name(source))
+        packed = _is_packed(source)
+    else:
+        raise TypeError(f"source: expected a path or bytes, not {type(source).__name__}")
+    if packed:
+        if choose("axes", axes, AXES):
+            raise Error(f"{name}: axes are for .spz", c.FXS_ERR_ARGUMENT)
+        return Scene(Memory.copied(data, name) if isinstance(data, memoryview) else Memory.mapped(data))
+    with Calls(progress) as calls, _File(data, name, level, axes, max_gaussians, max_memory, calls) as file:
+        scene, report = file.pack(profile, threads)
+        return Scene(Memory.packed(scene, name), report.read - report.packed, report.brought_in)
+
+
+# ---- Converting ------------------------------------------------------------------------------------------------------
+
+@dataclass(frozen=True)
+class Conversion:
+    """What became of a file's Gaussians.
+
+    read, written: their numbers. outside, faint, floaters: left out by `crop` and `sphere`, by `prune` and by
+    `drop_floaters`. merged: fewer by `decimate`. left_out: those that no rule can draw. brought_in: packed from beyond
+    2^27 units. clamped: of an .spz, those with a position, scale or colour that the format cannot hold, the largest of
+    these numbers.
+    """
+    read: int
+    written: int
+    outside: int
+    faint: int
+    left_out: int
+    floaters: int = 0
+    merged: int = 0
+    brought_in: int = 0
+    clamped: int = 0
+
+
+def convert(src: PathLike, dst: PathLike, *, crop: Any = None, sphere: Any = None, prune: float = 0, sh_degree: int = 3,
+            drop_floaters: bool = False, decimate: Optional[int] = None, profile: Optional[str] = None,
+            spz_version: Optional[int] = None, level: int = 0, axes: str = "file", max_gaussians: int = 0,
+            max_memory: int = 0, threads: int = 0, progress: Progress = None) -> Conversion:
+    """Writes a scene file as another, by the ending of dst: .fxs (packed), .ply (floats), .compressed.ply, .splat, .spz,
+    .sog, .glb or .csv.
+
+    The file is that of `fixsplat convert`, byte for byte. Until it is complete, an earlier file of that name stays.
+
+    crop: (low, high), of shape (2, 3), scene units: keeps the Gaussians with their centre in this box. sphere: (x, y, z,
+    radius): and in this sphere. prune: keeps those of this opacity or more, 0 to 1. sh_degree: keeps SH up to this degree.
+    drop_floaters: leaves out what has next to no neighbours. decimate: merges neighbours until so many are left.
+    profile: of .fxs: "default", "compact" or "small". spz_version: of .spz: 3 (gzip) or 4 (zstd, the default).
+    level, axes, max_gaussians, max_memory, threads, progress: as for `load`.
+    """
+    source, out = os.fsdecode(file_name(src)), os.fsdecode(file_name(dst))
+    is_packed = out.endswith(".fxs")
+    if not is_packed and not lib.fxs_scene_is_written(file_name(dst)):
+        raise ValueError(f"{out}: expected a name ending in .fxs, .ply, .compressed.ply, .splat, .spz, .sog, .glb or "
+                         ".csv")
+    if profile is not None and not is_packed:
+        raise ValueError("profile: is for .fxs")
+    if spz_version is not None and not out.endswith(".spz"):
+        raise ValueError("spz_version: is for .spz")
+    version = 0 if spz_version is None else whole("spz_version", spz_version, 3, 4)
+    target = 0 if decimate is None else whole("decimate", decimate, 1, c.FXS_MAX_COUNT)
+    how = _filter(crop, sphere, prune, sh_degree, drop_floaters, not is_packed or target > 0)
+    if _is_packed(source):
+        raise Error(f"{source}: an .fxs file is not converted; convert the scene that it was made from",
+                    c.FXS_ERR_FILE)
+    filtered = how.drawable or drop_floaters or crop is not None or sphere is not None or prune > 0 or sh_degree < 3
+    with Calls(progress) as calls, _File(source, source, level, axes, max_gaussians, max_memory, calls) as file:
+        kept = c.fxs_scene_filter_report(read=file.info.count, kept=file.info.count)
+        if filtered:
+            kept = file.filter(how)
+        if target:
+            file.decimate(target)
+        dropped, merged = kept.dropped.not_finite + kept.dropped.rotation, kept.kept - file.info.count
+        counts = (kept.outside, kept.faint)
+        if not is_packed:
+            clamped = _stream(file, out, version, progress)
+            return Conversion(kept.read, file.info.count, *counts, dropped, kept.floaters, merged, 0, clamped)
+        packed, report = file.pack(profile or "default", threads)
+        with Scene(Memory.packed(packed, out)) as scene:
+            scene.save(out)
+        return Conversion(kept.read, report.packed, *counts, dropped + report.read - report.packed, kept.floaters,
+                          merged, report.brought_in)
+
+
+def _filter(crop: Any, sphere: Any, prune: float, sh_degree: int, drop_floaters: bool,
+            drawable: bool) -> c.fxs_scene_filter:
+    how = c.fxs_scene_filter()
+    lib.fxs_scene_filter_default(how)
+    if crop is not None:
+        low, high = numbers("crop", crop, (2, 3))
+        if (low > high).any():
+            raise ValueError("crop: its low is above its high")
+        how.low, how.high = tuple(low), tuple(high)
+    if sphere is not None:
+        *middle, radius = numbers("sphere", sphere, (4,))
+        if radius < 0:
+            raise ValueError(f"sphere: a radius of {radius}")
+        how.middle, how.radius = tuple(middle), radius
+    how.opacity = number("prune", prune, 0, 1)
+    how.sh_degree = whole("sh_degree", sh_degree, 0, 3)
+    how.floaters = bool(drop_floaters)
+    how.drawable = drawable
+    return how
+
+
+_BATCH = c.fxs_gaussian * 4096
+
+
+def _bounds(file: _File) -> "tuple[list[float], list[float]]":
+    """Of the centres. The file is read once, and at its beginning again."""
+    batch, low, high = _BATCH(), np.full(3, np.inf, np.float32), np.full(3, -np.inf, np.float32)
+    numbers_of = np.frombuffer(memoryview(batch).cast("B"), np.float32).reshape(len(batch), -1)
+    while True:
+        n = call("fxs_scene_file_read", file.handle, batch, len(batch))
+        if n == 0:
+            break
+        low, high = np.minimum(low, numbers_of[:n, :3].min(0)), np.maximum(high, numbers_of[:n, :3].max(0))
+    call("fxs_scene_file_rewind", file.handle)
+    return low.tolist(), high.tolist()
+
+
+def _stream(file: _File, out: str, spz_version: int, progress: Progress) -> int:
+    """Writes what is read, Gaussian by Gaussian. Returns how many were clamped."""
+    info, writer, report, batch = file.info, ctypes.c_void_p(), c.fxs_scene_write_report(), _BATCH()
+    options = c.fxs_scene_write_options(count=info.count, sh_degree=info.sh_degree, antialiased=info.antialiased,
+                                        spz_version=spz_version)
+    if out.endswith(".glb"):
+        low, high = _bounds(file)
+        options.low, options.high = tuple(low), tuple(high)
+    done = 0
+    call("fxs_scene_writer_open", file_name(out), options, writer)
+    try:
+        while True:
+            n = call("fxs_scene_file_read", file.handle, batch, len(batch))
+            if n == 0:
+                break
+            file.calls.heard()
+            if progress is not None:
+                progress(done / info.count)
+            call("fxs_scene_writer_put", writer, batch, n)
+            done += n
+    except BaseException:
+        # With Gaussians missing, it removes what it has written.
+        lib.fxs_scene_writer_close(writer, report, file.calls.progress, None, c.fxs_message())
+        raise
+    call("fxs_scene_writer_close", writer, report, file.calls.progress, None)
+    clamped = report.clamped
+    return int(max(clamped.position, clamped.scale, clamped.dc, clamped.sh))

@@ -1,0 +1,121 @@
+#!/bin/sh
+# The Python package: arrays against the command's files, and how it is found and installed. tests/python/check.py has
+# what is asked of it, tests/python/layout.py compares its structs with the C compiler.
+. tests/scripts/lib/check.sh
+B=${B:-build}
+. tests/scripts/lib/command.sh
+. "$root/tests/scripts/lib/photos.sh"
+library=$(cd "$root" && cd "$(dirname "$fixsplat")" && pwd)
+version=$(sed -n 's/^#define FXS_VERSION "\(.*\)"/\1/p' "$root/src/fixsplat.h")
+soname=libfixsplat.so.${version%.*}
+
+# One that has NumPy: that of the path, or Debian's.
+python=
+for name in python3 /usr/bin/python3; do
+    [ "$python" ] || ! "$name" -c 'import numpy' 2>/dev/null || python=$name
+done
+[ "$python" ] || { skip "the Python package" "no python3 with numpy here (python3-numpy)"; finish; exit; }
+[ -e "$library/libfixsplat.so.$version" ] ||
+    { skip "the Python package" "no shared library is built with this compiler"; finish; exit; }
+PYTHONPATH=$root/port/python PYTHONDONTWRITEBYTECODE=1 FIXSPLAT_LIBRARY=$library/libfixsplat.so.$version
+export PYTHONPATH PYTHONDONTWRITEBYTECODE FIXSPLAT_LIBRARY
+
+# ---- What is declared ------------------------------------------------------------------------------------------------
+
+check "the version is the library's" equal "$("$python" -c 'import fixsplat; print(fixsplat.__version__)')" "$version"
+"$python" "$root/tests/python/layout.py" print >layout.c
+check "structs: a C program" ${CC:-cc} -std=c11 -D_POSIX_C_SOURCE=200809L -O2 -I"$root" -o layout layout.c \
+    "$FIXSPLAT_LIBRARY"
+ln -s "$FIXSPLAT_LIBRARY" "$soname"
+LD_LIBRARY_PATH=. ./layout >layout.txt
+check "structs: sizes, offsets, kinds and constants are the C compiler's" "$python" "$root/tests/python/layout.py" \
+    compare layout.txt
+if have mypy; then
+    check "types: mypy --strict" sh -c "cd '$root/port/python' && mypy --strict --cache-dir '$work/mypy' fixsplat"
+else
+    skip "types: mypy --strict" "no mypy here"
+fi
+
+# ---- What it does ----------------------------------------------------------------------------------------------------
+
+make_photographs 9
+"$fixsplat" make-scene cubes -o cubes.ply
+"$fixsplat" make-scene haze --count 3000 -o haze.ply
+"$fixsplat" make-scene knot --count 200000 -o large.ply
+"$fixsplat" convert knot.ply knot.fxs
+cp knot.fxs changed.fxs
+"$fixsplat" convert knot.ply knot.splat 2>logs/err
+"$fixsplat" convert knot.ply knot.spz 2>logs/err
+given=
+if [ -e "$scenes/train-1000/train-1000.ply" ]; then
+    given=$scenes/train-1000
+else
+    skip "a captured scene" "no train-1000 in FXS_SCENES"
+fi
+"$python" "$root/tests/python/check.py" "$fixsplat" "$work" ${given:+"$given"} >logs/checks 2>logs/err
+grep -v '^end$' logs/checks
+passed=$((passed + $(grep -c '^ok ' logs/checks))) failed=$((failed + $(grep -c '^FAIL ' logs/checks)))
+skipped=$((skipped + $(grep -c '^skip ' logs/checks)))
+check "all checks were made" equal "$(tail -n 1 logs/checks)" end
+check "not a word on stderr" equal "$(cat logs/err)" ""
+
+mkdir example
+cp knot.ply example/scene.ply
+cp -r set example/garden
+sed -n '/^```python$/,/^```$/p' "$root/docs/python.md" | sed '/^```/d' >example/example.py
+check "docs/python.md: the example runs" sh -c 'cd example && "$0" example.py >said' "$python"
+check "docs/python.md: as it says" grep -qx '(360, 640, 4) uint8' example/said
+"$fixsplat" fit set --steps 50 -o fifty.fxs >logs/out
+check "docs/python.md: the command's file" cmp fifty.fxs example/garden.fxs
+
+# ---- Finding the library ---------------------------------------------------------------------------------------------
+
+# imports NAME WORDS: without a library named; what is loaded is a path with these words at its end.
+imports() {
+    said=$(unset FIXSPLAT_LIBRARY; cd / && "$python" -c 'import fixsplat; print(fixsplat._library.lib._name)' 2>&1)
+    case $said in *"$2") ok "$1" ;; *) fail "$1" "$said" ;; esac
+}
+
+# refuses NAME WORDS FILE: a library that is not taken, in one line.
+refuses() {
+    said=$(FIXSPLAT_LIBRARY=$3 "$python" -c 'import fixsplat' 2>&1 | tail -n 1)
+    if printf '%s\n' "$said" | grep -Eq "^ImportError: fixsplat: .*$2"; then ok "$1"; else fail "$1" "$said"; fi
+}
+refuses "FIXSPLAT_LIBRARY: no such file" "cannot be loaded: .*none.so.*FIXSPLAT_LIBRARY" "$work/none.so"
+echo 'int fxs_version(void) { return 507; }' >other.c
+${CC:-cc} -shared -fPIC -o other.so other.c
+refuses "another version" "other.so is of version 0.5.7, this package is for $version" "$work/other.so"
+echo "int fxs_version(void) { return $(echo "$version" | awk -F. '{ print $1 * 10000 + $2 * 100 + $3 }'); }" >other.c
+${CC:-cc} -shared -fPIC -o other.so other.c
+refuses "a library without its functions" "not this package's: .*undefined symbol" "$work/other.so"
+echo 'int other;' >other.c
+${CC:-cc} -shared -fPIC -o other.so other.c
+refuses "another library" "is not libfixsplat.so" "$work/other.so"
+
+cp -r "$root/port/python" source
+mkdir -p checkout/port checkout/src checkout/build system
+cp -r source checkout/port/python
+cp "$root/src/fixsplat.h" checkout/src
+cp "$FIXSPLAT_LIBRARY" checkout/build
+PYTHONPATH=$work/checkout/port/python imports "found in the build folder of a checkout" \
+    "checkout/build/libfixsplat.so.$version"
+cp "$FIXSPLAT_LIBRARY" system/$soname
+PYTHONPATH=$work/source LD_LIBRARY_PATH=$work/system imports "found by the system" "$soname"
+
+# ---- pip -------------------------------------------------------------------------------------------------------------
+
+if "$python" -c 'import setuptools, pip' 2>/dev/null; then
+    cp "$FIXSPLAT_LIBRARY" source/fixsplat/$soname
+    check "pip install" "$python" -m pip install --quiet --no-index --no-build-isolation --no-deps \
+        --disable-pip-version-check --root-user-action ignore --target prefix ./source
+    check "pip: what is installed" equal "$(cd prefix/fixsplat && ls | grep -v __pycache__ | tr '\n' ' ')" \
+        "$(cd source/fixsplat && ls | grep -v __pycache__ | tr '\n' ' ')"
+    check "pip: its version" ls "prefix/fixsplat-$version.dist-info/METADATA"
+    PYTHONPATH=$work/prefix imports "found beside the package" "prefix/fixsplat/$soname"
+    check "pip: it renders" env -u FIXSPLAT_LIBRARY PYTHONPATH="$work/prefix" "$python" -c \
+        'import fixsplat; s = fixsplat.load("knot.ply"); assert s.render(s.frame(64, 48)).colour.any()'
+else
+    skip "pip install" "no pip and setuptools here (python3-pip, python3-setuptools)"
+fi
+check "the source tree is as it was" equal "$(ls "$root/port/python" | tr '\n' ' ')" "fixsplat pyproject.toml "
+finish
