@@ -102,4 +102,40 @@ check "a part that is not: fails" [ $status != 0 ]
 check "a part that is not: said" grep -q 'no part colours' logs/err
 check "a part that is not: the document stays" unchanged
 
+# ---- tools/plot.awk --------------------------------------------------------------------------------------------------
+
+draw() { awk -v plot="$1" -f "$root/tools/plot.awk" "$2"; }
+sizes='<!-- sizes: begin -->
+Measured today, on a machine; not this.
+| scene | form | bytes a Gaussian | PSNR, dB | SSIM | import, s |
+|---|---|---|---|---|---|
+| a | default | 60 | 50.00 (40.00, close) | 1 | 1 |
+| a | small | 20 | 40.00 (30.00, close) | 1 | 1 |
+| a & b | compact | 40 | 60.00 (30.00, close) | 1 | 1 |
+| a | pixel stage alone | | 70.00 (60.00, close) | 1 | |
+<!-- sizes: end -->
+| b | small | 30 | 45.00 (30.00, close) | 1 | 1 |'
+printf '%s\n' "$sizes" >table.md
+draw sizes table.md >plot.svg
+# From 70, 400 (20 bytes, 40 dB) to 700, 70 (60 bytes, 60 dB).
+check "plot: default at 60 bytes, 50 dB" grep -q '<circle cx="700.0" cy="235.0"' plot.svg
+check "plot: small at 20 bytes, 40 dB" grep -q 'd="M70.0 400.0' plot.svg
+check "plot: compact at 40 bytes, 60 dB" grep -q 'd="M385.0 70.0' plot.svg
+check "plot: no other mark but the legend's" equal "$(grep -c 'class="s[1-4]"' plot.svg)" 7
+check "plot: where it was measured" grep -q '>Measured today, on a machine<' plot.svg
+for plot in sizes growth; do
+    draw $plot "$root/docs/performance.md" >plot.svg
+    check "docs/$plot.svg is of docs/performance.md: make plot" cmp plot.svg "$root/docs/$plot.svg"
+    if have rsvg-convert; then
+        check "$plot.svg is drawn" rsvg-convert plot.svg -o plot.png
+        check "$plot.svg has its size" equal "$("$fixsplat" compare plot.png plot.png)" equal
+    else
+        skip "$plot.svg is drawn" "no rsvg-convert here"
+    fi
+done
+for plot in sizes growth colours; do
+    draw $plot /dev/null >plot.svg 2>logs/err && fail "plot $plot of nothing" "no error" || ok "plot $plot of nothing: fails"
+    check "plot $plot of nothing: said" equal "$(grep -c '^plot.awk: no ' logs/err)" 1
+done
+
 finish
