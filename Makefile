@@ -25,8 +25,8 @@ TEST_PACKAGES := clang libclang-rt-14-dev cmake pkg-config glslang-tools qemu-us
                  libegl1 libgles2 libegl-mesa0 libgl1-mesa-dri xvfb xdotool gcc-s390x-linux-gnu \
                  libc6-dev-s390x-cross gcc-powerpc-linux-gnu libc6-dev-powerpc-cross gcc-arm-linux-gnueabihf \
                  libc6-dev-armhf-cross gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-i686-linux-gnu \
-                 libc6-dev-i386-cross g++ qemu-system-arm chromium curl openssl ffmpeg python3-numpy \
-                 python3-setuptools python3-pip
+                 libc6-dev-i386-cross g++ qemu-system-arm chromium curl openssl ffmpeg librsvg2-bin \
+                 python3-numpy python3-setuptools python3-pip
 CROSS := mips-linux-gnu powerpc64-linux-gnu powerpc64le-linux-gnu m68k-linux-gnu sparc64-linux-gnu hppa-linux-gnu \
          arm-linux-gnueabi mips64el-linux-gnuabi64
 TEST_ALL_PACKAGES := musl-tools $(CROSS:%=gcc-%) libc6-dev-mips-cross libc6-dev-ppc64-cross libc6-dev-ppc64el-cross \
@@ -483,13 +483,18 @@ peers: web ## measure the page beside other viewers in Chromium (npm, some minut
 bench: all $(B)/tests/test_quality ## measure and write the tables of docs/performance.md
 	SCENES=$(SCENES) B=$(B) sh tools/bench.sh
 
+plot: ## draw docs/*.svg from the tables of docs/performance.md
+	@for plot in sizes growth; do \
+	    awk -v plot=$$plot -f tools/plot.awk docs/performance.md >docs/$$plot.svg.new && \
+	        mv docs/$$plot.svg.new docs/$$plot.svg || { rm -f docs/$$plot.svg.new; exit 1; }; done
+
 size: all ## code size of each part
 	@sh tools/size.sh $(B)
 
 clean: ## remove what was built
 	rm -rf $(B) demo.ply demo.png
 
-.PHONY: all demo firmware web install uninstall headers core-headers test test-programs cuda-tests golden-update fuzz mutants bench test-all
+.PHONY: all demo firmware web install uninstall headers core-headers test test-programs cuda-tests golden-update fuzz mutants bench plot test-all
 .PHONY: size clean peers FORCE
 endif
 

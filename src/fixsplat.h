@@ -171,7 +171,9 @@ enum fxs_format {
     FXS_FORMAT_RGBA8 = 0,          /* 4 bytes a pixel: r, g, b, 255 */
     FXS_FORMAT_RGBA8_COVERAGE = 1, /* 4 bytes a pixel: r, g, b times coverage, coverage; no background */
     FXS_FORMAT_RGB565 = 2,         /* 2 bytes a pixel, the low one first: r in bits 15..11, g 10..5, b 4..0 */
-    FXS_FORMAT_RGBA16_COVERAGE = 3 /* 4 uint16_t a pixel: as RGBA8_COVERAGE, times 65535 */
+    FXS_FORMAT_RGBA16_COVERAGE = 3, /* 4 uint16_t a pixel: as RGBA8_COVERAGE, times 65535 */
+    FXS_FORMAT_BGRA8 = 4,          /* as RGBA8: b, g, r, 255. This and the next are the processor's alone: elsewhere */
+    FXS_FORMAT_RGB565_SWAPPED = 5  /* FXS_ERR_UNSUPPORTED. As RGB565, the high byte first */
 };
 
 /* A picture of the caller's, as large as the camera's: rows of pixels, `stride` bytes from row to row, at least those
@@ -304,7 +306,8 @@ typedef struct fxs_kernels {
                   const uint32_t *entries, const int16_t *depths_q15, uint32_t first, uint32_t end,
                   struct fxs_tile *tile, struct fxs_trace *trace);
 
-    /* Writes `columns` x `rows` pixels of a tile, over the background of the options. */
+    /* Writes `columns` x `rows` pixels of a tile, over the background of the options; of the first four formats, of
+       which the others are made. */
     void (*resolve)(const fxs_options *options, enum fxs_format format, const struct fxs_tile *tile, int32_t columns,
                     int32_t rows, unsigned char *pixels, ptrdiff_t stride);
 } fxs_kernels;

@@ -153,7 +153,8 @@ typedef struct fxs_tile_run {
 /* Bytes of a pixel. */
 static inline int fxs_pixel_bytes(enum fxs_format format)
 {
-    return format == FXS_FORMAT_RGB565 ? 2 : format == FXS_FORMAT_RGBA16_COVERAGE ? 8 : 4;
+    return format == FXS_FORMAT_RGB565 || format == FXS_FORMAT_RGB565_SWAPPED ? 2
+           : format == FXS_FORMAT_RGBA16_COVERAGE ? 8 : 4;
 }
 
 static inline int fxs_is_premultiplied(enum fxs_format format)

@@ -80,7 +80,7 @@ static int is_in_place(const fxs_targets *t)
 
 int fxs_targets_check(const fxs_targets *t, int32_t width, int32_t height)
 {
-    if ((unsigned)t->format > FXS_FORMAT_RGBA16_COVERAGE || t->depth_bits < 0 || t->depth_bits > 28 ||
+    if ((unsigned)t->format > FXS_FORMAT_RGB565_SWAPPED || t->depth_bits < 0 || t->depth_bits > 28 ||
         (t->backdrop.pixels && fxs_is_premultiplied(t->format)))
         return FXS_ERR_TARGET;
     part parts[IMAGES];
@@ -132,17 +132,39 @@ static void resolve_coverage(const fxs_tile *tile, int32_t columns, int32_t rows
 }
 
 #ifndef __CUDACC__                 /* the device has no table of kernels */
+/* What `resolve` writes, before bytes change places. */
+static enum fxs_format resolved_format(enum fxs_format format)
+{
+    return format == FXS_FORMAT_BGRA8 ? FXS_FORMAT_RGBA8
+           : format == FXS_FORMAT_RGB565_SWAPPED ? FXS_FORMAT_RGB565 : format;
+}
+
+/* The first byte of each pixel and the one at `other` change places. */
+static void swap_bytes(int other, int bytes, int32_t columns, int32_t rows, unsigned char *pixels, ptrdiff_t stride)
+{
+    for (int32_t y = 0; y < rows; y++)
+        for (int32_t x = 0; x < columns; x++) {
+            unsigned char *pixel = pixels + y * stride + x * bytes, first = pixel[0];
+            pixel[0] = pixel[other];
+            pixel[other] = first;
+        }
+}
+
 void fxs_resolve_targets(const fxs_frame *f, const fxs_tile *tile, int32_t x, int32_t y)
 {
     const fxs_targets *t = f->eye->targets;
     const int32_t columns = fxs_min(FXS_TILE, f->eye->view.width - x);
     const int32_t rows = fxs_min(FXS_TILE, f->eye->view.height - y);
+    const enum fxs_format format = resolved_format(t->format);
     unsigned char *colour = t->colour.pixels ? fxs_image_at(&t->colour, x, y, fxs_pixel_bytes(t->format)) : 0;
     if (colour && t->backdrop.pixels)
-        fxs_resolve_over(t->format, tile, columns, rows, fxs_image_at(&t->backdrop, x, y, 4), t->backdrop.stride,
+        fxs_resolve_over(format, tile, columns, rows, fxs_image_at(&t->backdrop, x, y, 4), t->backdrop.stride,
                          colour, t->colour.stride);
     else if (colour)
-        f->context->kernels.resolve(f->options, t->format, tile, columns, rows, colour, t->colour.stride);
+        f->context->kernels.resolve(f->options, format, tile, columns, rows, colour, t->colour.stride);
+    if (colour && format != t->format)
+        swap_bytes(t->format == FXS_FORMAT_BGRA8 ? 2 : 1, fxs_pixel_bytes(format), columns, rows, colour,
+                   t->colour.stride);
     if (t->coverage.pixels)
         resolve_coverage(tile, columns, rows, fxs_image_at(&t->coverage, x, y, 1), t->coverage.stride);
 }

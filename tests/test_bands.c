@@ -109,7 +109,7 @@ static void check_limits(const fxs_context *context)
 static void draw(void)
 {
     fxs_context context;
-    size_t pixel_bytes = drawn.format == FXS_FORMAT_RGB565 ? 2 : 4;
+    size_t pixel_bytes = (size_t)fxs_pixel_bytes(drawn.format);
     drawn.bytes = (size_t)drawn.camera.width * (size_t)drawn.camera.height * pixel_bytes;
     fxs_init(&context, 0);
     size_t bytes = one_frame_bytes(&context, &drawn.scene, drawn.camera.width, drawn.camera.height, 0);
@@ -124,6 +124,8 @@ static void draw(void)
 
 static void draw_random(int height)
 {
+    static const enum fxs_format formats[] = {FXS_FORMAT_RGBA8, FXS_FORMAT_RGBA8_COVERAGE, FXS_FORMAT_RGB565,
+                                              FXS_FORMAT_BGRA8, FXS_FORMAT_RGB565_SWAPPED};
     random_camera(&drawn.camera);
     if (height) {
         drawn.camera.height = height;
@@ -131,7 +133,7 @@ static void draw_random(int height)
     }
     fxs_options_init(&drawn.options);
     drawn.options.cutoff = (enum fxs_cutoff)between(0, 1);
-    drawn.format = (enum fxs_format)between(0, 2);
+    drawn.format = formats[between(0, 4)];
     draw();
 }
 

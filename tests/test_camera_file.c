@@ -609,6 +609,129 @@ static void camera_from_view(void)
         CHECK(camera.position_q32[i] == (int64_t)(view.position[i] * 4294967296.0));
 }
 
+/* glFrustum's and glOrtho's matrices of left, right, bottom, top, near, far; far of infinity: 0. */
+static void make_projection(double m[16], int flat, const double at[6])
+{
+    const double wide = at[1] - at[0], high = at[3] - at[2], deep = at[5] - at[4], near = at[4], far = at[5];
+    memset(m, 0, 16 * sizeof *m);
+    m[0] = (flat ? 2 : 2 * near) / wide;
+    m[5] = (flat ? 2 : 2 * near) / high;
+    m[flat ? 12 : 8] = (flat ? -1 : 1) * (at[1] + at[0]) / wide;
+    m[flat ? 13 : 9] = (flat ? -1 : 1) * (at[3] + at[2]) / high;
+    m[10] = flat ? -2 / deep : far > 0 ? -(far + near) / deep : -1;
+    m[14] = flat ? -(far + near) / deep : far > 0 ? -2 * far * near / deep : -2 * near;
+    m[11] = flat ? 0 : -1;
+    m[15] = flat;
+}
+
+/* From the turned camera at `centre`: OpenGL's eye has y up and z back. */
+static void make_view_matrix(double m[16])
+{
+    memset(m, 0, 16 * sizeof *m);
+    for (int row = 0; row < 3; row++)
+        for (int i = 0; i < 4; i++)
+            m[4 * i + row] = (row ? -1 : 1) * (i < 3 ? rotation[3 * row + i] : translation[row]);
+    m[15] = 1;
+}
+
+static void apply(double out[4], const double m[16], const double v[4])
+{
+    for (int row = 0; row < 4; row++) {
+        out[row] = 0;
+        for (int i = 0; i < 4; i++)
+            out[row] += m[4 * i + row] * v[i];
+    }
+}
+
+/* Points fall where the matrices put them, by the camera's integers. */
+static void check_matrices(int flat, const double at[6])
+{
+    double view[16], projection[16], eye[4], clip[4];
+    fxs_camera camera;
+    make_view_matrix(view);
+    make_projection(projection, flat, at);
+    if (!CHECK(fxs_camera_from_matrices(&camera, view, projection, 640, 360, &message) == 0))
+        return;
+    CHECK(camera.projection == (flat ? FXS_ORTHOGRAPHIC : FXS_PERSPECTIVE));
+    CHECK(fabs(ldexp((double)camera.near_q32, -32) - at[4]) < 1e-9);
+    for (int i = 0; i < 27; i++) {
+        const double world[4] = {i % 3 - 1.5, i / 3 % 3 + 0.25, i / 9 + 4, 1};
+        double p[3] = {0, 0, 0};
+        apply(eye, view, world);
+        apply(clip, projection, eye);
+        for (int k = 0; k < 9; k++)
+            p[k / 3] += ldexp(camera.rotation_q30[k], -30) *
+                        (world[k % 3] - ldexp((double)camera.position_q32[k % 3], -32));
+        const double scale = flat ? 1 : p[2];
+        const double x = ldexp(camera.fx_q12, -12) * p[0] / scale + ldexp(camera.cx_q12, -12);
+        const double y = ldexp(camera.fy_q12, -12) * p[1] / scale + ldexp(camera.cy_q12, -12);
+        CHECK(fabs(p[2] + eye[2]) < 1e-7);
+        CHECK(fabs(x - 320 * (clip[0] / clip[3] + 1)) < 1e-3 * (1 + fabs(p[0] / scale)));
+        CHECK(fabs(y - 180 * (1 - clip[1] / clip[3])) < 1e-3 * (1 + fabs(p[1] / scale)));
+    }
+}
+
+static const double frustum[6] = {-0.1, 0.3, -0.05, 0.2, 0.25, 50};
+
+/* Expects a pair of matrices to be refused with these words. */
+static void refuses_matrices(const double view[16], const double projection[16], const char *words)
+{
+    fxs_camera camera;
+    const int error = fxs_camera_from_matrices(&camera, view, projection, 640, 360, &message);
+    if (!CHECK(error == FXS_ERR_CAMERA && strstr(message.text, words) && !strchr(message.text, '\n')))
+        printf("  %d, \"%s\", expected \"%s\"\n", error, message.text, words);
+}
+
+static void bad_projections(const double view[16])
+{
+    static const struct { int at; double factor, added; const char *words; } changes[] = {
+        {0, -1, 0, "neither"}, {0, 0, 0, "neither"}, {5, -1, 0, "neither"}, {4, 1, 0.1, "neither"},
+        {3, 1, 0.1, "neither"}, {11, -1, 0, "neither"}, {11, 0, 0, "neither"}, {12, 1, 0.1, "neither"},
+        {15, 1, 1, "neither"}, {5, 1, NAN, "neither"}, {10, 1, INFINITY, "neither"}, {0, 1e6, 0, "focal length"},
+        {8, 1, 1e6, "principal point"}, {10, -1, 0, "near plane"}, {14, -1, 0, "near plane"},
+        {14, 1e-8, 0, "near plane"}, {14, 0, 0, "near plane"}};
+    for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
+        double m[16];
+        make_projection(m, 0, frustum);
+        m[changes[i].at] = m[changes[i].at] * changes[i].factor + changes[i].added;
+        refuses_matrices(view, m, changes[i].words);
+    }
+    const double behind[6] = {-1, 1, -1, 1, -1, 10};
+    double flat[16];
+    make_projection(flat, 1, behind);
+    refuses_matrices(view, flat, "near plane");
+    make_projection(flat, 1, frustum);
+    flat[8] = 0.1;
+    refuses_matrices(view, flat, "neither");
+}
+
+static void camera_from_matrices(void)
+{
+    static const double endless[6] = {-0.2, 0.2, -0.1, 0.1, 0.1, 0}, box[6] = {-3, 5, -2, 1, 0.5, 40};
+    static const struct { int at; double added; const char *words; } changes[] = {
+        {3, 0.1, "last row"}, {15, 1, "last row"}, {0, 0.01, "scales, shears"}, {9, 0.01, "scales, shears"},
+        {5, NAN, "not finite"}, {13, INFINITY, "not finite"}, {14, 1e9, "a position of"}};
+    double view[16], changed[16], projection[16];
+    fxs_camera camera;
+    check_matrices(0, frustum);
+    check_matrices(0, endless);
+    check_matrices(1, box);
+    make_view_matrix(view);
+    make_projection(projection, 0, frustum);
+    for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
+        memcpy(changed, view, sizeof view);
+        changed[changes[i].at] += changes[i].added;
+        refuses_matrices(changed, projection, changes[i].words);
+    }
+    memcpy(changed, view, sizeof view);
+    for (int i = 0; i < 4; i++)
+        changed[4 * i] = -view[4 * i];
+    refuses_matrices(changed, projection, "mirrors");
+    bad_projections(view);
+    CHECK(fxs_camera_from_matrices(&camera, view, projection, 0, 360, &message) == FXS_ERR_SIZE);
+    CHECK(fxs_camera_from_matrices(&camera, view, projection, 640, FXS_MAX_SIZE + 1, &message) == FXS_ERR_SIZE);
+}
+
 /* The middle of the box is in the middle of the picture, its corners are on the picture and in front. */
 static void view_of_a_box(void)
 {
@@ -637,6 +760,7 @@ int main(void)
     make_camera();
     RUN(control_characters_in_messages);
     RUN(camera_from_view);
+    RUN(camera_from_matrices);
     RUN(view_of_a_box);
     RUN(colmap_bin);
     RUN(colmap_txt);

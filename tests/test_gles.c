@@ -268,6 +268,11 @@ static void formats(void)
         }
     s.format = FXS_FORMAT_RGB565;
     same_laid_out(&s, gles, 77 * 2, 0, 0);
+    static unsigned char pixels[77 * 50 * 4];
+    for (int format = FXS_FORMAT_BGRA8; format <= FXS_FORMAT_RGB565_SWAPPED; format++) {
+        s.format = (enum fxs_format)format;
+        CHECK(render(&s, fxs_gles_draw, gles, 0, pixels, row, 0) == FXS_ERR_UNSUPPORTED);
+    }
     fxs_packed_scene_free(&s.packed);
     close_gles(gles);
 }

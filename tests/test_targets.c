@@ -726,6 +726,15 @@ static void test_formats_against_each_other(void)
             CHECK(coverage[k] == premultiplied[4 * k + 3]);
             CHECK(same_wide((const uint16_t *)(const void *)(wide + 8 * k), premultiplied + 4 * k));
         }
+        unsigned char *bgra = colour_of(&s, FXS_FORMAT_BGRA8, 0);
+        unsigned char *swapped = colour_of(&s, FXS_FORMAT_RGB565_SWAPPED, 0);
+        for (int k = 0; k < pixels; k++) {
+            const uint8_t *c = rgba + 4 * k, *b = bgra + 4 * k;
+            CHECK(b[0] == c[2] && b[1] == c[1] && b[2] == c[0] && b[3] == 255);
+            CHECK(swapped[2 * k] == low[2 * k + 1] && swapped[2 * k + 1] == low[2 * k]);
+        }
+        free(bgra);
+        free(swapped);
         free(rgba);
         free(low);
         free(premultiplied);
@@ -738,29 +747,30 @@ static void test_formats_against_each_other(void)
 /* Each pixel of a backdrop is the background of that pixel; it may lie in the colour target itself. */
 static void test_backdrops(void)
 {
-    static const enum fxs_format formats[] = {FXS_FORMAT_RGBA8, FXS_FORMAT_RGB565};
+    static const enum fxs_format formats[] = {FXS_FORMAT_RGBA8, FXS_FORMAT_RGB565, FXS_FORMAT_BGRA8,
+                                              FXS_FORMAT_RGB565_SWAPPED};
     state = 36;
     for (int i = 0; i < 40; i++) {
         scenario s;
         make_scenario(&s);
-        const int width = s.camera.width, height = s.camera.height, bytes = fxs_pixel_bytes(formats[i % 2]);
+        const int width = s.camera.width, height = s.camera.height, bytes = fxs_pixel_bytes(formats[i % 4]);
         uint8_t *backdrop = malloc((size_t)(width * height) * 4);
         uint8_t colours[2][3];
         unsigned char *of_colour[2];
         for (int k = 0; k < 2; k++) {
             for (int c = 0; c < 3; c++)
                 s.options.background[c] = colours[k][c] = (uint8_t)between(0, 255);
-            of_colour[k] = colour_of(&s, formats[i % 2], 0);
+            of_colour[k] = colour_of(&s, formats[i % 4], 0);
         }
         for (int k = 0; k < width * height; k++) {
             memcpy(backdrop + 4 * k, colours[k % 3 == 0], 3);
             backdrop[4 * k + 3] = (uint8_t)next();
         }
         s.options.background[1] = (uint8_t)~s.options.background[1];   /* not seen */
-        unsigned char *mixed = colour_of(&s, formats[i % 2], &(fxs_image){backdrop, width * 4});
+        unsigned char *mixed = colour_of(&s, formats[i % 4], &(fxs_image){backdrop, width * 4});
         for (int k = 0; k < width * height; k++)
             CHECK(!memcmp(mixed + bytes * k, of_colour[k % 3 == 0] + bytes * k, (size_t)bytes));
-        if (formats[i % 2] == FXS_FORMAT_RGBA8) {
+        if (formats[i % 4] == FXS_FORMAT_RGBA8) {
             fxs_targets t = one_target(FXS_FORMAT_RGBA8, backdrop, width * 4);
             t.backdrop = t.colour;
             CHECK(!draw(&s, &t) && !memcmp(backdrop, mixed, (size_t)(width * height) * 4));
@@ -1033,7 +1043,7 @@ static void test_bad_targets(void)
         refuses("depth_bits", &t);
     }
     for (int i = 0; i < 4; i++) {
-        static const int formats[] = {4, -1, FXS_FORMAT_RGBA8_COVERAGE, FXS_FORMAT_RGBA16_COVERAGE};
+        static const int formats[] = {6, -1, FXS_FORMAT_RGBA8_COVERAGE, FXS_FORMAT_RGBA16_COVERAGE};
         fxs_targets t = fit;
         t.format = (enum fxs_format)formats[i];    /* no such format, or one that has no backdrop */
         refuses("format", &t);

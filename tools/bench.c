@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bench_earlier.h"
 #include "metrics.h"
 #include "renderer.h"
 #include "views.h"
@@ -17,20 +18,25 @@ static const char help[] =
     "  --frames N          frames measured after a warm-up of two, 10 to 10000 (default 10)\n"
     "  --draw KIND         beside colour draw mean-depth, median-depth or ids; may be given for each\n"
     "  --json              print a JSON object\n"
+    "  --compare FILE      beside the times those of a file that --json wrote of the same scenes, view and options,\n"
+    "                      and the ratio; marked with * where back end, processor or threads are others\n"
     "%s%s\n"
     "Examples:\n"
     "  fixsplat bench scene.ply --cameras cameras.json --view 8 --size 1280x720\n"
     "  fixsplat bench scene.ply --threads 1 --cutoff square --json\n"
     "  fixsplat bench scene.ply --draw median-depth --draw ids\n"
-    "  fixsplat bench scene.ply --path 120\n";
+    "  fixsplat bench scene.ply --path 120\n"
+    "  fixsplat bench scene.ply --json > before.json\n"
+    "  fixsplat bench scene.ply --compare before.json\n";
 
 typedef struct bench_options {
     frame_options frame;
     int frames, path, json;
+    const char *compare;                    /* file of an earlier run, or null */
     int draws;                              /* DRAW_* */
 } bench_options;
 
-enum { OPT_FRAMES = OPT_OWN, OPT_PATH, OPT_DRAW, OPT_JSON };
+enum { OPT_FRAMES = OPT_OWN, OPT_PATH, OPT_DRAW, OPT_JSON, OPT_COMPARE };
 
 /* Columns of the times: the stages, the whole frame, of that the device of a back end, and foveated the rings and what
    puts them together. */
@@ -57,7 +63,8 @@ static int take_options(bench_options *o, int argc, char **argv)
     static const struct option table[] = {FRAME_OPTIONS, {"frames", required_argument, 0, OPT_FRAMES},
                                           {"path", required_argument, 0, OPT_PATH},
                                           {"draw", required_argument, 0, OPT_DRAW},
-                                          {"json", no_argument, 0, OPT_JSON}, {0, 0, 0, 0}};
+                                          {"json", no_argument, 0, OPT_JSON},
+                                          {"compare", required_argument, 0, OPT_COMPARE}, {0, 0, 0, 0}};
     uint64_t frames = 10, path = 0;
     memset(o, 0, sizeof *o);
     frame_options_default(&o->frame);
@@ -77,6 +84,7 @@ static int take_options(bench_options *o, int argc, char **argv)
                 return EXIT_USAGE;
             break;
         case OPT_JSON: o->json = 1; break;
+        case OPT_COMPARE: o->compare = optarg; break;
         case OPT_HELP: printf(help, camera_options_help, frame_options_help); exit(EXIT_OK);
         case '?': return wrong_option(argv);
         default:
@@ -87,6 +95,8 @@ static int take_options(bench_options *o, int argc, char **argv)
         return EXIT_USAGE;
     if (o->draws && o->frame.foveate.on)
         return fail(EXIT_USAGE, "--foveate is of colours: no --draw");
+    if (o->compare && o->json)
+        return fail(EXIT_USAGE, "--compare prints a table: no --json");
     o->path = (int)path;
     o->frames = path ? o->path : (int)frames;
     return frame_options_check(&o->frame);
@@ -229,6 +239,95 @@ static const char *cutoff_name(const bench_options *o)
     return o->frame.render.cutoff == FXS_CUTOFF_SQUARE ? "square" : "mahalanobis";
 }
 
+/* ---- What was measured ------------------------------------------------------------------------------------------- */
+
+#define SCENES_ROOM 4096
+#define CAMERA_ROOM 640
+#define FACTS 18
+
+typedef struct bench_facts {
+    bench_fact facts[FACTS];
+    char scenes[SCENES_ROOM], camera[CAMERA_ROOM], foveation[160], processor[128];
+} bench_facts;
+
+/* The files' names without their folders. */
+static void name_scenes(char names[SCENES_ROOM], const world *w)
+{
+    size_t used = 0;
+    names[0] = 0;
+    for (uint32_t i = 0; i < w->placed.file_count && used < SCENES_ROOM; i++) {
+        const char *path = w->placed.files[i], *slash = strrchr(path, '/');
+        used += (size_t)snprintf(names + used, SCENES_ROOM - used, "%s%s", i ? ", " : "", slash ? slash + 1 : path);
+    }
+}
+
+/* Position, rotation, focal lengths, principal point, near plane. */
+static void name_camera(char text[CAMERA_ROOM], const fxs_file_view *v)
+{
+    const double *r = v->rotation, *p = v->position;
+    snprintf(text, CAMERA_ROOM, "%s %.9g %.9g %.9g, %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g, %.9g %.9g %.9g %.9g, "
+             "%.9g", v->projection == FXS_ORTHOGRAPHIC ? "orthographic" : "perspective", p[0], p[1], p[2], r[0], r[1],
+             r[2], r[3], r[4], r[5], r[6], r[7], r[8], v->fx, v->fy, v->cx, v->cy, v->near);
+}
+
+/* As the system names it, or "unknown". */
+static void name_processor(char name[128])
+{
+    FILE *file = fopen("/proc/cpuinfo", "r");
+    char line[512];
+    strcpy(name, "unknown");
+    while (file && fgets(line, sizeof line, file))
+        if (!strncmp(line, "model name", 10) && sscanf(line, "%*[^:]: %127[^\n]", name) == 1)
+            break;
+    if (file)
+        fclose(file);
+}
+
+static void name_foveation(char text[160], const foveate_options *f)
+{
+    size_t used = (size_t)snprintf(text, 160, "%s", f->on ? "on" : "off");
+    for (int i = 0; f->on && i < f->given && used < 160; i++)
+        used += (size_t)snprintf(text + used, 160 - used, " %.9g", f->numbers[i]);
+}
+
+static void state(bench_facts *f, const renderer *r, const bench_options *o, const world *w,
+                  const fxs_file_view *view)
+{
+    name_scenes(f->scenes, w);
+    name_camera(f->camera, view);
+    name_processor(f->processor);
+    name_foveation(f->foveation, &o->frame.foveate);
+    const bench_fact facts[FACTS] = {
+        {"gaussians", 0, w->gaussians, FACT_SAME}, {"width", 0, view->width, FACT_SAME},
+        {"height", 0, view->height, FACT_SAME}, {"threads", 0, o->frame.threads, FACT_MARKED},
+        {"cpu", o->frame.cpu, 0, FACT_MARKED}, {"cutoff", cutoff_name(o), 0, FACT_SAME},
+        {"backend", r->backend->name, 0, FACT_MARKED}, {"frames", 0, o->frames, o->path ? FACT_SAME : FACT_ASIDE},
+        {"path", 0, o->path, FACT_SAME}, {"scenes", f->scenes, 0, FACT_SAME}, {"camera", f->camera, 0, FACT_SAME},
+        {"stereo", 0, o->frame.stereo, FACT_SAME}, {"stereo_exact", 0, o->frame.stereo_exact, FACT_SAME},
+        {"foveation", f->foveation, 0, FACT_SAME}, {"draws", 0, o->draws, FACT_SAME},
+        {"sh_degree", 0, o->frame.render.sh_degree, FACT_SAME},
+        {"max_memory", 0, (double)o->frame.max_memory, FACT_MARKED}, {"processor", f->processor, 0, FACT_MARKED}};
+    memcpy(f->facts, facts, sizeof facts);
+}
+
+static void print_ratios(const spread columns[COLUMNS], const bench_earlier *earlier, const char *file)
+{
+    const char *mark = earlier->marks[0] ? " *" : "";
+    printf("medians, milliseconds; %s\n  %-8s %9s %9s   ratio\n", file, "", "there", "here");
+    for (int s = 0; s < DEVICE; s++) {
+        const double there = s < FXS_STAGES ? earlier->stages[s] : earlier->frame, here = columns[s].median;
+        printf("  %-8s %9.3f %9.3f", column_name(s), there, here);
+        if (there > 0)
+            printf("  %6.3f%s\n", here / there, mark);
+        else
+            printf("       -%s\n", mark);
+    }
+    if (*mark)
+        printf("* not like with like: %s\n", earlier->marks);
+}
+
+/* ---- Printed ----------------------------------------------------------------------------------------------------- */
+
 static void print_rings(const spread columns[COLUMNS], const ring_picture rings[FXS_RINGS], const renderer *r)
 {
     char psnr[32];
@@ -266,14 +365,18 @@ static void print_json_rings(const spread columns[COLUMNS], const ring_picture r
 }
 
 static void print_json(const spread columns[COLUMNS], const ring_picture rings[FXS_RINGS], const renderer *r,
-                       const bench_options *o, const world *w, const fxs_file_view *view)
+                       const bench_fact facts[FACTS], const world *w)
 {
-    printf("{\"gaussians\": %" PRIu32 ", \"width\": %d, \"height\": %d, \"threads\": %" PRIu32 ", \"cpu\": \"%s\", "
-           "\"cutoff\": \"%s\", \"backend\": \"%s\", \"frames\": %d, \"frame_ms\": %.3f, \"frame_ms_min\": %.3f, "
-           "\"frame_ms_max\": %.3f, \"device_ms\": %.3f, \"load_ms\": %.3f, \"stages\": {",
-           w->gaussians, view->width, view->height, o->frame.threads, o->frame.cpu, cutoff_name(o), r->backend->name,
-           o->frames, columns[FRAME].median, columns[FRAME].least, columns[FRAME].most, columns[DEVICE].median,
-           (double)w->load_nanoseconds * 1e-6);
+    for (int i = 0; i < FACTS; i++) {
+        printf("%s\"%s\": ", i ? ", " : "{", facts[i].name);
+        if (facts[i].text)
+            print_json_string(facts[i].text);
+        else
+            printf("%.15g", facts[i].number);
+    }
+    printf(", \"frame_ms\": %.3f, \"frame_ms_min\": %.3f, \"frame_ms_max\": %.3f, \"device_ms\": %.3f, "
+           "\"load_ms\": %.3f, \"stages\": {", columns[FRAME].median, columns[FRAME].least, columns[FRAME].most,
+           columns[DEVICE].median, (double)w->load_nanoseconds * 1e-6);
     for (int s = 0; s < FXS_STAGES; s++)
         printf("%s\"%s\": %.3f", s ? ", " : "", column_name(s), columns[s].median);
     printf("}");
@@ -282,14 +385,34 @@ static void print_json(const spread columns[COLUMNS], const ring_picture rings[F
     puts("}");
 }
 
+/* Of a world that is open. */
+static int bench(renderer *r, const bench_options *o, const world *w, const fxs_file_view *view)
+{
+    spread columns[COLUMNS];
+    ring_picture rings[FXS_RINGS];
+    bench_facts f;
+    bench_earlier earlier;
+    state(&f, r, o, w, view);
+    int status = o->compare ? bench_earlier_read(&earlier, o->compare, f.facts, FACTS) : 0;
+    status = status ? status : measure(columns, r, o, w, view);
+    status = status ? status : measure_rings(rings, r, o, w, view);
+    if (status)
+        return status;
+    if (o->json)
+        print_json(columns, rings, r, f.facts, w);
+    else
+        print_text(columns, rings, r, o, w, view);
+    if (o->compare)
+        print_ratios(columns, &earlier, o->compare);
+    return 0;
+}
+
 int command_bench(int argc, char **argv)
 {
     bench_options o;
     renderer r;
     world w;
     fxs_file_view *views = 0;
-    spread columns[COLUMNS];
-    ring_picture rings[FXS_RINGS];
     int status = take_options(&o, argc, argv);
     if (status)
         return status;
@@ -298,10 +421,7 @@ int command_bench(int argc, char **argv)
     status = renderer_open(&r, &o.frame);
     r.draws = o.draws;
     if (!status && !(status = world_open(&w, &o.frame.world, &o.frame.load))) {
-        status = choose_views(&o.frame, &w, &views) < 0 ? EXIT_FAILED : measure(columns, &r, &o, &w, views);
-        status = status ? status : measure_rings(rings, &r, &o, &w, views);
-        if (!status)
-            (o.json ? print_json : print_text)(columns, rings, &r, &o, &w, views);
+        status = choose_views(&o.frame, &w, &views) < 0 ? EXIT_FAILED : bench(&r, &o, &w, views);
         free(views);
         renderer_close(&r);
         world_close(&w);

@@ -1,14 +1,18 @@
 #!/bin/sh
-# bench.sh [PART...]: measures and writes the parts of docs/performance.md (between their marker lines): tables, sizes, limits, stereo,
-# foveated; without PART, all. FOVEATED: the back ends of that part (cpu gles).
+# bench.sh [PART...]: measures and writes the parts of a document (between their marker lines): tables, gles, sizes, limits, stereo,
+# foveated; without PART, all. FOVEATED: the back ends of that part (cpu gles). The document changes once, when all is measured;
+# where anything fails or it is interrupted, it stays as it is.
 # fit and fit_stages, only where named (half an hour): fits by either cut-off; the stages of a step, with FIT_CPUS. FIT_STEPS,
 # FIT_SIZE: of each (3000, 600).
-# B: build folder; SCENES: folder of real scenes; PHOTOS: of photographs.
+# B: build folder; SCENES: folder of real scenes; PHOTOS: of photographs; DOCUMENT: docs/performance.md, or a copy of it.
 # Medians of 10 frames or more, from `fixsplat bench --json`; rows of one table are from one run.
 set -eu
 B=${B:-build} SCENES=${SCENES:-../shared/scenes} PHOTOS=${PHOTOS:-../shared/photos}
+DOCUMENT=${DOCUMENT:-docs/performance.md}
 work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+trap 'rm -rf "$work" "$DOCUMENT.new"' EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM HUP
 two=2
 [ "$(getconf _NPROCESSORS_ONLN)" -ge 2 ] || two=1
 
@@ -365,17 +369,49 @@ tables() {
     cutoffs
 }
 
-for part in ${*:-tables gles sizes limits stereo foveated}; do
+fail() {
+    echo "bench.sh: $*" >&2
+    exit 1
+}
+
+# What was measured, when, and where.
+stamp() {
+    commit=$(git rev-parse --short HEAD 2>/dev/null) || commit=unknown
+    [ -z "$(git status --porcelain --untracked-files=no 2>/dev/null)" ] || commit="$commit with changes"
+    printf 'Measured %s, commit %s, on %s (%s processors), %s.\n\n' "$(date -u +%Y-%m-%d)" "$commit" \
+        "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)" "$(getconf _NPROCESSORS_ONLN)" \
+        "$(${CC:-cc} --version | head -n 1)"
+}
+
+# measure PART: its text. A number that a run did not give leaves two spaces in its cell.
+measure() {
+    case $1 in
+    tables | gles | sizes | limits | stereo | foveated | fit | fit_stages) ;;
+    *) fail "no part $1: expected tables, gles, sizes, limits, stereo, foveated, fit or fit_stages" ;;
+    esac
     {
-        printf 'Measured %s on %s (%s processors), %s.\n\n' "$(date -u +%Y-%m-%d)" \
-            "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)" "$(getconf _NPROCESSORS_ONLN)" \
-            "$(${CC:-cc} --version | head -n 1)"
-        $part
-    } >"$work/$part"
-    awk -v text="$work/$part" -v begin="<!-- $part: begin" -v end="<!-- $part: end" '
+        stamp
+        $1
+    } >"$work/$1"
+    ! grep '|  |' "$work/$1" >&2 || fail "$1: a number is missing above; $DOCUMENT is as it was"
+    cat "$work/$1"
+}
+
+# put PART: into the copy of the document, between its lines.
+put() {
+    awk -v text="$work/$1" -v begin="<!-- $1: begin" -v end="<!-- $1: end" '
         index($0, begin) == 1 { print; print ""; while ((getline line < text) > 0) print line; skip = 1 }
-        index($0, end) == 1 { skip = 0; print "" }
-        !skip' docs/performance.md >"$work/performance.md"
-    cat "$work/performance.md" >docs/performance.md
-    cat "$work/$part"
+        index($0, end) == 1 { skip = 0; ended = 1; print "" }
+        !skip
+        END { exit skip || !ended }' "$work/document" >"$work/document.new" ||
+        fail "$DOCUMENT: no lines \"<!-- $1: begin\" and \"end\"; it is as it was"
+    mv "$work/document.new" "$work/document"
+}
+
+cp "$DOCUMENT" "$work/document"
+for part in ${*:-tables gles sizes limits stereo foveated}; do
+    measure "$part"
+    put "$part"
 done
+cat "$work/document" >"$DOCUMENT.new"
+mv "$DOCUMENT.new" "$DOCUMENT"

@@ -542,7 +542,7 @@ static int open_renderers(shared_views *s, const frame_options *options)
         r->has_scissor = s->o->has_scissor;
         memcpy(r->scissor, s->o->scissor, sizeof r->scissor);
     }
-    s->round_most = threads < DRAWN_MOST ? threads : DRAWN_MOST;
+    s->round_most = threads < DRAWN_MOST ? (long)threads : DRAWN_MOST;
     for (int i = 0; i < 2; i++)
         s->rounds[i].drawn = calloc((size_t)s->round_most, sizeof *s->rounds[i].drawn);
     if (!status && (!s->rounds[0].drawn || !s->rounds[1].drawn))

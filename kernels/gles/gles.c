@@ -421,7 +421,7 @@ int fxs_gles_has(const fxs_gles *g, const fxs_tile_run *run)
         return 0;
     if (!t || !t->colour.pixels)
         return FXS_ERR_TARGET;
-    return t->format == FXS_FORMAT_RGBA16_COVERAGE || t->coverage.pixels || t->mean_depth.pixels ||
+    return t->format > FXS_FORMAT_RGB565 || t->coverage.pixels || t->mean_depth.pixels ||
                    t->median_depth.pixels || t->id.pixels
                ? FXS_ERR_UNSUPPORTED : 0;
 }

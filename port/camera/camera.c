@@ -5,6 +5,7 @@
 
 #include "../files/message.h"
 #include "../files/try_internal.h"
+#include "camera_internal.h"
 
 #define DEGREES 57.29577951308232
 #define NEAR_LEAST 0x1p-20
@@ -167,6 +168,42 @@ void fxs_view_orbit(fxs_file_view *view, const double middle[3], const double ax
     }
 }
 
+static int rotation_valid(const double r[9])
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            if (!(fabs(dot(r + 3 * i, r + 3 * j) - (i == j)) <= 1e-3))
+                return 0;
+    double determinant = r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) +
+                         r[2] * (r[3] * r[7] - r[4] * r[6]);
+    return determinant > 0;
+}
+
+/* The nearest rotation, by Newton's iteration for the polar decomposition: R = R (3 I - R^T R) / 2. It squares the
+   error, so that three steps take 1e-3 to the last bit. */
+static void orthonormalise(double r[9])
+{
+    for (int step = 0; step < 3; step++) {
+        double old[9], factor[9];
+        memcpy(old, r, sizeof old);
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++)
+                factor[3 * i + j] = 1.5 * (i == j) -
+                                    0.5 * (old[i] * old[j] + old[3 + i] * old[3 + j] + old[6 + i] * old[6 + j]);
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++)
+                r[3 * i + j] = old[3 * i] * factor[j] + old[3 * i + 1] * factor[3 + j] + old[3 * i + 2] * factor[6 + j];
+    }
+}
+
+int fxs_to_rotation(double r[9])
+{
+    const int valid = rotation_valid(r);
+    if (valid)
+        orthonormalise(r);
+    return valid;
+}
+
 static int to_fixed(int64_t *out, double x, int q, double limit)
 {
     *out = (int64_t)(fabs(x) < limit ? floor(ldexp(x, q) + 0.5) : 0);
@@ -201,4 +238,80 @@ int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_mess
                            view->name, view->near);
     camera->near_q32 = (int64_t)floor(ldexp(view->near, 32) + 0.5);
     return 0;
+}
+
+/* ---- Matrices of OpenGL ------------------------------------------------------------------------------------------ */
+
+/* Within a millionth: the matrix may come from single precision. */
+static int is_near(double x, double wanted)
+{
+    return fabs(x - wanted) <= 1e-6 * fmax(1, fabs(wanted));
+}
+
+/* The upper three rows are [R | t], of eyes with y up and z back: the camera's axes are R's x, -y and -z, its centre is
+   -R^T t. */
+static int take_view_matrix(fxs_file_view *view, const double m[16], fxs_message *message)
+{
+    double *axes = view->rotation;
+    for (int i = 0; i < 16; i++)
+        if (!isfinite(m[i]))
+            return fxs_fail_as(FXS_ERR_CAMERA, message, "the view matrix has a number that is not finite");
+    if (!is_near(m[3], 0) || !is_near(m[7], 0) || !is_near(m[11], 0) || !is_near(m[15], 1))
+        return fxs_fail_as(FXS_ERR_CAMERA, message, "the last row of the view matrix is not 0, 0, 0, 1: is it by rows?");
+    for (int i = 0; i < 3; i++) {
+        axes[i] = m[4 * i];
+        axes[3 + i] = -m[4 * i + 1];
+        axes[6 + i] = -m[4 * i + 2];
+        view->position[i] = 0;
+        for (int k = 0; k < 3; k++)
+            view->position[i] -= m[4 * i + k] * m[12 + k];
+    }
+    return fxs_to_rotation(axes) ? 0 : fxs_fail_as(FXS_ERR_CAMERA, message, "the view matrix scales, shears or mirrors");
+}
+
+/* The near plane, where -near c + d = -w: of perspective, w = near, d / (c - 1), of orthographic, w = 1, (d + 1) / c.
+   The far plane, where it is w, lies behind it or at infinity. */
+static int take_near(fxs_file_view *view, double c, double d, fxs_message *message)
+{
+    const int flat = view->projection == FXS_ORTHOGRAPHIC;
+    const double near = flat ? (d + 1) / c : d / (c - 1), far = flat ? (d - 1) / c : d / (c + 1);
+    view->near = near;
+    return isfinite(near) && near > 0 && (far > near || (!flat && is_near(c, -1)))
+               ? 0 : fxs_fail_as(FXS_ERR_CAMERA, message, "the projection has no near plane before a far one, with depths "
+                                 "of -1 to 1");
+}
+
+/* x of the picture = width (x clip / w + 1) / 2, y = height (1 - y clip / w) / 2. */
+static int take_projection(fxs_file_view *view, const double m[16], fxs_message *message)
+{
+    static const int zeros[] = {1, 2, 3, 4, 6, 7};     /* in either kind */
+    const int flat = is_near(m[11], 0) && is_near(m[15], 1);
+    int good = flat || (is_near(m[11], -1) && is_near(m[15], 0));
+    for (int i = 0; i < 16; i++)
+        good &= isfinite(m[i]);
+    for (size_t i = 0; i < sizeof zeros / sizeof *zeros; i++)
+        good &= is_near(m[zeros[i]], 0);
+    for (int i = 0; i < 2; i++)                        /* off the centre by z in perspective, else by a shift */
+        good &= is_near(m[flat ? 8 + i : 12 + i], 0) && m[5 * i] > 0;
+    if (!good)
+        return fxs_fail_as(FXS_ERR_CAMERA, message, "the projection is neither perspective nor orthographic: expected "
+                           "those of glFrustum or glOrtho, by columns");
+    view->projection = flat ? FXS_ORTHOGRAPHIC : FXS_PERSPECTIVE;
+    view->fx = m[0] * view->width / 2;
+    view->fy = m[5] * view->height / 2;
+    view->cx = view->width * (flat ? 1 + m[12] : 1 - m[8]) / 2;
+    view->cy = view->height * (flat ? 1 - m[13] : 1 + m[9]) / 2;
+    return take_near(view, m[10], m[14], message);
+}
+
+int fxs_camera_from_matrices(fxs_camera *camera, const double view_matrix[16], const double projection[16], int width,
+                             int height, fxs_message *message)
+{
+    fxs_file_view view = {.name = "of matrices", .width = width, .height = height};
+    if (width < 1 || height < 1 || width > FXS_MAX_SIZE || height > FXS_MAX_SIZE)
+        return fxs_fail_as(FXS_ERR_SIZE, message, "a picture of %d x %d pixels: expected 1 to %d", width, height,
+                           FXS_MAX_SIZE);
+    FXS_TRY(take_view_matrix(&view, view_matrix, message));
+    FXS_TRY(take_projection(&view, projection, message));
+    return fxs_camera_from_view(camera, &view, message);
 }

@@ -46,6 +46,17 @@ void fxs_view_between(const fxs_file_view *keys, long count, double at, fxs_file
    renderer's range. */
 int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_message *message);
 
+/* Makes a camera of `width` x `height` pixels of the two matrices that OpenGL programs have, 16 numbers by columns (as
+   glUniformMatrix4fv takes them, not transposed), for column vectors: eye = view_matrix * world, clip = projection *
+   eye. The axes of the eye are OpenGL's, x right, y up, looking along -z; depths in clip space are -1 to 1 from near to
+   far, and y points up. The world is the scene's, in its units. The view may not scale, shear or mirror (rotation
+   orthonormal within 1e-3). The projection is of glFrustum's kind or of glOrtho's, centred or not. Its near plane, above
+   0, becomes the camera's; its far plane may be at infinity in perspective, and is not kept. Mirrored pictures, skew and
+   depths from far to near are refused; depths of 0 to 1 cannot be told from a near plane at half the distance. Errors as
+   fxs_camera_from_view, and FXS_ERR_SIZE where width or height is outside 1..FXS_MAX_SIZE. */
+int fxs_camera_from_matrices(fxs_camera *camera, const double view_matrix[16], const double projection[16], int width,
+                             int height, fxs_message *message);
+
 #ifdef __cplusplus
 }
 #endif

@@ -137,7 +137,7 @@ static int read_cameras_bin(camera_list *list, const fxs_text *text)
     fxs_colmap_cursor in = fxs_colmap_begin(text);
     for (uint64_t count = fxs_colmap_take(&in, 8); count; count--) {
         double id = (double)fxs_colmap_take(&in, 4), size[2], params[MAX_PARAMS];
-        uint64_t model = fxs_colmap_take(&in, 4);
+        const size_t model = (size_t)fxs_colmap_take(&in, 4);
         if (!in.short_of && (model >= MODELS))
             return not_pinhole(list, id);
         size[0] = (double)fxs_colmap_take(&in, 8);

@@ -41,6 +41,9 @@ int fxs_view_list_fault(const fxs_view_list *list, const char *fault);
 /* Gives the view that was added last its size, checks it whole, and brings its rotation to the nearest one. */
 int fxs_view_list_finish(fxs_view_list *list, double width, double height);
 
+/* Brings a matrix to the nearest rotation. Returns 0 where it is none within 1e-3. */
+int fxs_to_rotation(double r[9]);
+
 /* The readers. Both return 0, or an error and a message. The COLMAP texts may be changed. */
 int fxs_camera_json_parse(fxs_view_list *list, const fxs_text *json);
 int fxs_camera_colmap_parse(fxs_view_list *list, int binary, const fxs_text *cameras, const fxs_text *images);

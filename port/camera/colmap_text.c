@@ -34,8 +34,8 @@ void fxs_colmap_skip(fxs_colmap_cursor *in, uint64_t count, size_t bytes)
         in->left = 0;
         return;
     }
-    in->at += count * bytes;
-    in->left -= count * bytes;
+    in->at += (size_t)count * bytes;
+    in->left -= (size_t)count * bytes;
 }
 
 char *fxs_colmap_line(char **rest)

@@ -65,36 +65,6 @@ static int size_valid(double size)
     return size >= 1 && size <= MAX_SIZE && size == floor(size);
 }
 
-static int rotation_valid(const double r[9])
-{
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) {
-            double dot = r[3 * i] * r[3 * j] + r[3 * i + 1] * r[3 * j + 1] + r[3 * i + 2] * r[3 * j + 2];
-            if (!(fabs(dot - (i == j)) <= 1e-3))
-                return 0;
-        }
-    double determinant = r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) +
-                         r[2] * (r[3] * r[7] - r[4] * r[6]);
-    return determinant > 0;
-}
-
-/* The nearest rotation, by Newton's iteration for the polar decomposition: R = R (3 I - R^T R) / 2. It squares the
-   error, so that three steps take 1e-3 to the last bit. */
-static void orthonormalise(double r[9])
-{
-    for (int step = 0; step < 3; step++) {
-        double old[9], factor[9];
-        memcpy(old, r, sizeof old);
-        for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++)
-                factor[3 * i + j] = 1.5 * (i == j) -
-                                    0.5 * (old[i] * old[j] + old[3 + i] * old[3 + j] + old[6 + i] * old[6 + j]);
-        for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++)
-                r[3 * i + j] = old[3 * i] * factor[j] + old[3 * i + 1] * factor[3 + j] + old[3 * i + 2] * factor[6 + j];
-    }
-}
-
 int fxs_view_list_finish(fxs_view_list *list, double width, double height)
 {
     fxs_file_view *view = &list->views[list->count - 1].view;
@@ -108,8 +78,6 @@ int fxs_view_list_finish(fxs_view_list *list, double width, double height)
         return fxs_view_list_fault(list, "principal point not finite");
     if (!isfinite(view->position[0]) || !isfinite(view->position[1]) || !isfinite(view->position[2]))
         return fxs_view_list_fault(list, "position not finite");
-    if (!rotation_valid(view->rotation))
-        return fxs_view_list_fault(list, "rotation not orthonormal within 1e-3 with determinant 1");
-    orthonormalise(view->rotation);
-    return 0;
+    return fxs_to_rotation(view->rotation)
+               ? 0 : fxs_view_list_fault(list, "rotation not orthonormal within 1e-3 with determinant 1");
 }

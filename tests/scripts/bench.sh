@@ -1,0 +1,141 @@
+#!/bin/sh
+# bench --compare, and tools/bench.sh on a copy of docs/performance.md, with a landscape of 2,000 Gaussians for a million: a part is replaced as a
+# whole, or the document stays as it is.
+. tests/scripts/lib/check.sh
+. tests/scripts/lib/command.sh
+
+# ---- bench --compare -------------------------------------------------------------------------------------------------
+
+small='--size 64x48 --threads 1'
+"$fixsplat" make-scene knot --count 2000 -o knot.ply
+"$fixsplat" make-scene knot --count 2000 --seed 2 -o other.ply
+"$fixsplat" bench knot.ply $small --json >before.json
+if [ "$("$fixsplat" bench knot.ply $small --compare before.json 2>&1 | grep -c 'built without cJSON')" = 1 ]; then
+    skip "bench --compare" "built without cJSON"
+else
+    # Every time of before is 2 ms, so each ratio is half of what is here.
+    sed 's/\(_ms\|project\|shade\|sort\|bin\|blend\|resolve\)": [0-9.]*/\1": 2.000/g' before.json >twos.json
+    succeeds "--compare" bench knot.ply $small --compare twos.json
+    sed '1,/^medians/d' logs/out >ratios
+    check "--compare: the stages and the frame" equal "$(awk 'NF == 4 && $2 == "2.000" { print $1 }' ratios | tr '\n' ' ')" \
+        "project shade sort bin blend resolve frame "
+    check "--compare: ratios" awk 'NF == 4 && ($4 - $3 / 2) ^ 2 > 1e-6 { wrong = 1 } END { exit wrong }' ratios
+    check "--compare: nothing is marked" equal "$(grep -c '\*' ratios)" 0
+    for change in 'threads": 1/threads": 7' 'backend": "cpu/backend": "gpu' 'cpu": "all/cpu": "avx9' \
+        'processor": "[^"]*/processor": "Z80' 'max_memory": 0/max_memory": 5'; do
+        sed "s/\"$(echo "$change" | sed 's,/,/",')/" before.json >changed.json
+        succeeds "another ${change%%\"*}" bench knot.ply $small --compare changed.json
+        check "another ${change%%\"*}: every ratio is marked" equal "$(grep -c ' \*$' logs/out)" 7
+        check "another ${change%%\"*}: said" grep -q "^\* not like with like: ${change%%\"*} is " logs/out
+    done
+    for options in '--size 65x48' '--cutoff square' '--sh-degree 1' '--fov 40' '--path 10' '--stereo 0.1' '--foveate' \
+        '--draw ids'; do
+        fails "other options: $options" 1 "before.json cannot be compared: its " bench knot.ply $small $options \
+            --compare before.json
+    done
+    fails "another scene" 1 "cannot be compared: its (scenes|camera) is " bench other.ply $small --compare before.json
+    cp knot.ply renamed.ply
+    fails "a scene of another name" 1 "its scenes is knot.ply, here it is renamed.ply" bench renamed.ply $small \
+        --compare before.json
+    fails "--compare: no file" 1 "none.json: No such file" bench knot.ply $small --compare none.json
+    for text in '' '{' '[]' '7' '{} {}'; do
+        printf '%s' "$text" >bad.json
+        fails "--compare: '$text'" 1 "bad.json: not the JSON object" bench knot.ply $small --compare bad.json
+    done
+    fails "--compare: a scene" 1 "knot.ply: too long" bench knot.ply $small --compare knot.ply
+    for name in gaussians camera processor; do
+        sed "s/\"$name\"/\"x\"/" before.json >bad.json
+        fails "--compare: no $name" 1 "bad.json: no $name" bench knot.ply $small --compare bad.json
+    done
+    sed 's/"sort": [0-9.]*/"sort": "x"/' before.json >bad.json
+    fails "--compare: no time of a stage" 1 "bad.json: no time of sort" bench knot.ply $small --compare bad.json
+fi
+fails "--compare --json" 2 "no --json" bench knot.ply $small --compare before.json --json
+
+# ---- tools/bench.sh --------------------------------------------------------------------------------------------------
+
+mkdir programs
+export ORDER= COMMAND="$fixsplat"
+cat >programs/fixsplat <<'END'
+#!/bin/sh
+[ "$1" != make-scene ] || set -- make-scene landscape --count 2000 -o "$6"
+[ "$1" != "$ORDER" ] || { echo "fixsplat: told to fail" >&2; exit 1; }
+[ "$ORDER" != sleep ] || exec sleep 30
+exec "$COMMAND" "$@"
+END
+chmod +x programs/fixsplat
+
+# measure COMMAND... PART: $status, logs/out, logs/err; the document is $work/document.md.
+measure() {
+    cp "$root/docs/performance.md" document.md
+    (cd "$root" && SCENES=$work/none B=$work/programs DOCUMENT=$work/document.md "$@") >logs/out 2>logs/err
+    status=$?
+}
+unchanged() { cmp document.md "$root/docs/performance.md" && [ ! -e document.md.new ]; }
+
+measure sh tools/bench.sh stereo
+check "a part: measured" equal $status 0
+sed '/^<!-- stereo: begin/,/^<!-- stereo: end/d' document.md >rest.md
+sed '/^<!-- stereo: begin/,/^<!-- stereo: end/d' "$root/docs/performance.md" >rest-before.md
+check "a part: nothing else changes" cmp rest.md rest-before.md
+sed -n '/^<!-- stereo: begin/,/^<!-- stereo: end/p' document.md >part.md
+check "a part: day, commit and machine" grep -Eq \
+    '^Measured [0-9]{4}-[0-9]{2}-[0-9]{2}, commit [0-9a-z ]+, on .* \([0-9]+ processors\), ' part.md
+check "a part: its rows" equal "$(grep -Ec '^\| landscape .*( \| [0-9.]+){4} \|$' part.md)" 2
+check "no copy is left" [ ! -e document.md.new ]
+
+for order in make-scene bench render compare; do
+    ORDER=$order
+    measure sh tools/bench.sh stereo
+    check "$order fails: so does bench.sh" [ $status != 0 ]
+    check "$order fails: the document stays" unchanged
+done
+ORDER=sleep
+for signal in INT TERM; do
+    measure timeout -s $signal 1 sh tools/bench.sh stereo
+    check "SIG$signal: ended by it" equal $status 124
+    check "SIG$signal: the document stays" unchanged
+done
+ORDER=
+measure sh tools/bench.sh stereo colours
+check "a part that is not: fails" [ $status != 0 ]
+check "a part that is not: said" grep -q 'no part colours' logs/err
+check "a part that is not: the document stays" unchanged
+
+# ---- tools/plot.awk --------------------------------------------------------------------------------------------------
+
+draw() { awk -v plot="$1" -f "$root/tools/plot.awk" "$2"; }
+sizes='<!-- sizes: begin -->
+Measured today, on a machine; not this.
+| scene | form | bytes a Gaussian | PSNR, dB | SSIM | import, s |
+|---|---|---|---|---|---|
+| a | default | 60 | 50.00 (40.00, close) | 1 | 1 |
+| a | small | 20 | 40.00 (30.00, close) | 1 | 1 |
+| a & b | compact | 40 | 60.00 (30.00, close) | 1 | 1 |
+| a | pixel stage alone | | 70.00 (60.00, close) | 1 | |
+<!-- sizes: end -->
+| b | small | 30 | 45.00 (30.00, close) | 1 | 1 |'
+printf '%s\n' "$sizes" >table.md
+draw sizes table.md >plot.svg
+# From 70, 400 (20 bytes, 40 dB) to 700, 70 (60 bytes, 60 dB).
+check "plot: default at 60 bytes, 50 dB" grep -q '<circle cx="700.0" cy="235.0"' plot.svg
+check "plot: small at 20 bytes, 40 dB" grep -q 'd="M70.0 400.0' plot.svg
+check "plot: compact at 40 bytes, 60 dB" grep -q 'd="M385.0 70.0' plot.svg
+check "plot: no other mark but the legend's" equal "$(grep -c 'class="s[1-4]"' plot.svg)" 7
+check "plot: where it was measured" grep -q '>Measured today, on a machine<' plot.svg
+for plot in sizes growth; do
+    draw $plot "$root/docs/performance.md" >plot.svg
+    check "docs/$plot.svg is of docs/performance.md: make plot" cmp plot.svg "$root/docs/$plot.svg"
+    if have rsvg-convert; then
+        check "$plot.svg is drawn" rsvg-convert plot.svg -o plot.png
+        check "$plot.svg has its size" equal "$("$fixsplat" compare plot.png plot.png)" equal
+    else
+        skip "$plot.svg is drawn" "no rsvg-convert here"
+    fi
+done
+for plot in sizes growth colours; do
+    draw $plot /dev/null >plot.svg 2>logs/err && fail "plot $plot of nothing" "no error" || ok "plot $plot of nothing: fails"
+    check "plot $plot of nothing: said" equal "$(grep -c '^plot.awk: no ' logs/err)" 1
+done
+
+finish

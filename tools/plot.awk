@@ -1,0 +1,160 @@
+# awk -v plot=NAME -f tools/plot.awk docs/performance.md: an SVG of a table that tools/bench.sh wrote there.
+# sizes: bytes a Gaussian against PSNR, of each form. growth: milliseconds a frame against Gaussians.
+BEGIN {
+    FS = " *[|] *"
+    if (plot == "sizes") {
+        part = "sizes"; columns = "scene form bytes a Gaussian"
+        title = "What each profile keeps: a mark is a scene"
+        label_x = "bytes a Gaussian"; label_y = "PSNR, dB, mean of four views"
+        split("default|compact|small|.spz 4", names, "|")
+    } else if (plot == "growth") {
+        part = "tables"; columns = "Gaussians project"
+        title = "Time of a frame, landscape at 1280x720"
+        label_x = "Gaussians"; label_y = "milliseconds"
+        log_scale = 1
+    } else
+        stop("no plot " plot ": expected sizes or growth")
+}
+
+function stop(why) {
+    print "plot.awk: " why >"/dev/stderr"
+    failed = 1
+    exit 1
+}
+
+function add(name, x, y,    s) {
+    for (s = 1; s in names && names[s] != name; s++) ;
+    names[s] = name
+    if (log_scale && !(x > 0 && y > 0))
+        stop("no logarithm of " x ", " y)
+    points++
+    series[points] = s
+    at_x[points] = scaled(x)
+    at_y[points] = scaled(y)
+}
+
+function scaled(v) { return log_scale ? log(v) / log(10) : v }
+
+$0 ~ "^<!-- " part ": begin" { inside = 1 }
+$0 ~ "^<!-- " part ": end" { inside = in_table = 0 }
+inside && /^Measured / && measured == "" { measured = $0; sub(/;.*/, "", measured); sub(/[.,]*$/, "", measured) }
+inside && /^landscape, 1280x720/ { setting = $0; sub(/.*: */, "", setting); split(setting, names_of, /; then |\./) }
+!/^\|/ { in_table = 0 }
+inside && /^\|/ && index($2 " " $3 " " $4, columns) == 1 { in_table = 1; next }
+in_table && /^\|---/ { next }
+in_table && plot == "sizes" && $4 != "" { add($3, $4 + 0, $5 + 0) }
+in_table && plot == "growth" && $2 ~ /^[0-9]+(, C)?$/ { add(names_of[$2 ~ /C$/ ? 1 : 2], $2 + 0, $(NF - 1) + 0) }
+
+# ---- Drawing -------------------------------------------------------------------------------------------------------
+
+function text(x, y, class, anchor, words) {
+    gsub(/&/, "\\&amp;", words)
+    gsub(/</, "\\&lt;", words)
+    printf "<text x=\"%.1f\" y=\"%.1f\" class=\"%s\" text-anchor=\"%s\">%s</text>\n", x, y, class, anchor, words
+}
+
+function line(x1, y1, x2, y2, class) {
+    printf "<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" class=\"%s\"/>\n", x1, y1, x2, y2, class
+}
+
+function px(x) { return left + (x - low_x) / (high_x - low_x) * (right - left) }
+function py(y) { return bottom - (y - low_y) / (high_y - low_y) * (bottom - top) }
+
+# A shape for each series, so that colour is not all that tells them apart.
+function mark(x, y, s,    shape) {
+    shape = s % 4
+    if (shape == 1)
+        printf "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"5.5\" class=\"s%d\"/>\n", x, y, s
+    else
+        printf "<path d=\"M%.1f %.1f%s\" class=\"s%d\"/>\n", x, y, shape == 2 ? "m-4-4h8v8h-8z" \
+            : shape == 3 ? "m0-5.5l5 9h-10z" : "m0-5.8l5.2 5.8-5.2 5.8-5.2-5.8z", s
+}
+
+function floor_of(v) { return v < int(v) ? int(v) - 1 : int(v) }
+
+# The axis from a multiple of the step to one, linear from 0 where the numbers begin near it.
+function ends(values, axis,    i, low, high, step) {
+    low = high = values[1]
+    for (i = 2; i <= points; i++) {
+        if (values[i] < low) low = values[i]
+        if (values[i] > high) high = values[i]
+    }
+    step = log_scale ? 1 : high - low > 12 ? 10 : 2
+    if (!log_scale && low < high / 3)
+        low = 0
+    steps[axis] = step
+    lows[axis] = floor_of(low / step) * step
+    highs[axis] = -floor_of(-high / step) * step
+    if (highs[axis] == lows[axis])
+        highs[axis] += step
+}
+
+function tick(v,    n, out) {
+    if (!log_scale)
+        return v
+    for (n = sprintf("%d", 10 ^ v + 0.5); length(n) > 3; n = substr(n, 1, length(n) - 3))
+        out = "," substr(n, length(n) - 2) out
+    return n out
+}
+
+function style() {
+    print "<style>"
+    print "text { font: 13px system-ui, sans-serif; fill: #666 } .title { font-size: 16px; font-weight: 600 }"
+    print ".small { font-size: 11px } .grid { stroke: #808080; stroke-opacity: 0.3 } .axis { stroke: #808080 }"
+    print ".path { fill: none; stroke-width: 2 }"
+    print ".s1 { fill: #2a78d6 } .s2 { fill: #d9541e } .s3 { fill: #128a5f } .s4 { fill: #7a4fc9 }"
+    print ".l1 { stroke: #2a78d6 } .l2 { stroke: #d9541e } .l3 { stroke: #128a5f } .l4 { stroke: #7a4fc9 }"
+    print "@media (prefers-color-scheme: dark) {"
+    print "text { fill: #d0d0d0 }"
+    print ".s1 { fill: #5aa0f0 } .s2 { fill: #f07848 } .s3 { fill: #35c08c } .s4 { fill: #a98cf0 }"
+    print ".l1 { stroke: #5aa0f0 } .l2 { stroke: #f07848 } .l3 { stroke: #35c08c } .l4 { stroke: #a98cf0 } }"
+    print "</style>"
+}
+
+function grid(    v) {
+    for (v = low_x; v <= high_x; v += steps["x"]) {
+        line(px(v), top, px(v), bottom, "grid")
+        text(px(v), bottom + 18, "tick", "middle", tick(v))
+    }
+    for (v = low_y; v <= high_y; v += steps["y"]) {
+        line(left, py(v), right, py(v), "grid")
+        text(left - 8, py(v) + 4, "tick", "end", tick(v))
+    }
+    line(left, bottom, right, bottom, "axis")
+    line(left, top, left, bottom, "axis")
+    text((left + right) / 2, bottom + 38, "label", "middle", label_x)
+    text(left - 44, 52, "label", "start", label_y)
+}
+
+function path_of(s,    i, d) {
+    for (i = 1; i <= points; i++)
+        if (series[i] == s)
+            d = d sprintf("%s%.1f %.1f", d == "" ? "M" : "L", px(at_x[i]), py(at_y[i]))
+    printf "<path d=\"%s\" class=\"path l%d\"/>\n", d, s
+}
+
+END {
+    if (failed)
+        exit 1
+    if (!points)
+        stop("no table for " plot)
+    left = 70; right = 700; top = 70; bottom = 400
+    ends(at_x, "x")
+    ends(at_y, "y")
+    low_x = lows["x"]; high_x = highs["x"]; low_y = lows["y"]; high_y = highs["y"]
+    print "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 900 470\" width=\"900\" height=\"470\" role=\"img\">"
+    print "<title>" title "</title>"
+    style()
+    text(left - 44, 28, "title", "start", title)
+    grid()
+    for (s = 1; s in names; s++) {
+        if (log_scale)
+            path_of(s)
+        mark(right + 24, top + 24 * s - 14, s)
+        text(right + 36, top + 24 * s - 9, "legend", "start", names[s])
+    }
+    for (i = 1; i <= points; i++)
+        mark(px(at_x[i]), py(at_y[i]), series[i])
+    text(left - 44, bottom + 60, "small", "start", measured)
+    print "</svg>"
+}
