@@ -321,6 +321,7 @@ static void fly(viewer *v, double seconds)
 
 static void click(viewer *v, const fxs_window_event *event)
 {
+    *v->note = 0;
     if (v->measuring)
         ask_end(v, event->x, event->y);
     else if (event->count == 2)

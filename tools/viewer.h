@@ -73,7 +73,7 @@ struct viewer {
     int flying, coarse;                     /* a key of flight is down; the last frame was at less than full size */
     int divisor;                            /* of width and height while moving */
     enum viewer_picture shown;
-    uint64_t clock, moved, hint;            /* of the last step and motion; until when the hint is shown: nanoseconds */
+    uint64_t clock, moved, hint;            /* of the last step; since when it is still; until when the hint is shown: nanoseconds */
 
     int graph, help, rate, light, quit, status;
     int measuring, ends;                    /* the ends that there are, of: */

@@ -6,6 +6,7 @@
 
 #include "../port/backend/backends.h"
 #include "../port/image/image_file.h"
+#include "../port/posix/clock.h"
 #include "../port/window/motion.h"
 #include "viewer.h"
 
@@ -181,6 +182,7 @@ static void take_frame(viewer *v, request *r)
     v->drawn = shown;
     v->seen = r->view;
     v->coarse = r->divisor > 1;
+    v->moved = v->coarse ? fxs_clock(0) : v->moved;
     v->exposed = 1;
     fxs_frame_times_add(&v->times, &r->stats);
 }

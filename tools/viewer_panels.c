@@ -3,7 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/posix/clock.h"
 #include "../port/window/words.h"
 #include "view.h"
 #include "viewer.h"
@@ -123,14 +122,15 @@ static const char *file_name(const char *path)
     return slash && slash[1] ? slash + 1 : path;
 }
 
+/* Until there is a picture of it. */
 static void add_loading(panels *p, const viewer *v)
 {
     const world_options *o = &v->loading.options.world;
-    const char *path = v->loading.path ? v->loading.path : o->file ? o->file : o->scenes[0];
+    const char *path = !v->loading.on ? v->path : v->loading.path ? v->loading.path : o->file ? o->file : o->scenes[0];
     char text[256];
     snprintf(text, sizeof text, "Opening %.200s", file_name(path));
     add_words(p, MIDDLE, text);
-    add_bar(p, fxs_worker_progress(v->loader));
+    add_bar(p, v->loading.on ? fxs_worker_progress(v->loader) : 1);
 }
 
 /* Where the view that is shown has a point, in the window. Returns 0 for what is behind the camera. */
@@ -201,7 +201,7 @@ static void add_all(panels *p, const viewer *v)
         add_graph(p, v);
     if (v->rate)
         add_rate(p, v);
-    if (v->loading.on)
+    if (v->loading.on || (v->path && !v->seen.width))
         add_loading(p, v);
     else if (!v->path && !v->help)
         add_words(p, MIDDLE, "Drop a scene here");

@@ -57,7 +57,7 @@ int fxs_window_open(fxs_window **window, fxs_message *message)
     }
     if ((*window)->window)
         return 0;
-    fail(message);
+    fxs_fail(message, "no window: %s; without a display, view --web shows scenes in a browser", SDL_GetError());
     fxs_window_close(*window);
     *window = 0;
     return -1;
