@@ -395,6 +395,8 @@ PAGE_FOLDERS := $(sort $(patsubst %/,%,$(dir $(PAGE_FILES))))
 HAS_PAGE := $(if $(filter-out $(wildcard $(WASM)),$(WASM)),,yes)
 PC_FILES := fixsplat.pc fixsplat-core.pc
 CMAKE_FILES := fixsplat-config.cmake fixsplat-config-version.cmake
+ICONS := $(PREFIX)/share/icons/hicolor/scalable/apps
+APPLICATIONS := $(PREFIX)/share/applications
 INCLUDE := $(PREFIX)/include/fixsplat
 CMAKE := $(LIBDIR)/cmake/fixsplat
 fill = sed -e 's|@PREFIX@|$(PREFIX)|g' -e 's|@LIBDIR@|$(LIBDIR)|g' -e 's|@SONAME_VERSION@|$(basename $(VERSION))|g' \
@@ -409,11 +411,15 @@ install: all $(if $(HAS_PAGE),web) ## install command, libraries, headers, the p
 	install -m 644 $(FLAT_HEADERS) $(DESTDIR)$(INCLUDE)/
 	@for f in $(PC_FILES); do $(call fill,$(LIBDIR)/pkgconfig); done
 	@for f in $(CMAKE_FILES); do $(call fill,$(CMAKE)); done
+	$(if $(WINDOW),install -d $(DESTDIR)$(ICONS) $(DESTDIR)$(APPLICATIONS))
+	$(if $(WINDOW),install -m 644 tools/package/fixsplat.svg $(DESTDIR)$(ICONS)/)
+	$(if $(WINDOW),install -m 644 tools/package/fixsplat-view.desktop $(DESTDIR)$(APPLICATIONS)/)
 	$(if $(HAS_PAGE),install -d $(addprefix $(DESTDIR)$(PAGE)/,$(PAGE_FOLDERS)))
 	$(if $(HAS_PAGE),for f in $(PAGE_FILES); do install -m 644 $(WEB)/$$f $(DESTDIR)$(PAGE)/$$f || exit 1; done)
 
 uninstall: ## remove what install put there
 	rm -f $(addprefix $(DESTDIR)$(PREFIX)/bin/,fixsplat fixsplat-view fixsplat-web) \
+	    $(DESTDIR)$(ICONS)/fixsplat.svg $(DESTDIR)$(APPLICATIONS)/fixsplat-view.desktop \
 	    $(addprefix $(DESTDIR)$(PAGE)/,$(PAGE_FILES)) \
 	    $(addprefix $(DESTDIR)$(LIBDIR)/,libfixsplat-core.a libfixsplat.a libfixsplat.so.$(VERSION) $(SONAME_LINKS)) \
 	    $(addprefix $(DESTDIR)$(LIBDIR)/pkgconfig/,$(PC_FILES)) $(addprefix $(DESTDIR)$(CMAKE)/,$(CMAKE_FILES)) \
