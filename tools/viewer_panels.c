@@ -97,8 +97,9 @@ static void add_help(panels *p)
     key_table t = lay_out(p, lines, count, 14 * p->scale);
     while (t.size > 7 && (t.width > p->width || t.height > p->height))
         t = lay_out(p, lines, count, t.size - 1);
-    const fxs_panel *panel = p->words ? add(p, (p->width - t.width) / 2, (p->height - t.height) / 2, t.width, t.height,
-                                            8 * p->scale, p->theme->panel) : 0;
+    const int left = t.width < p->width ? (p->width - t.width) / 2 : 0;
+    const int top = t.height < p->height ? (p->height - t.height) / 2 : 0;
+    const fxs_panel *panel = p->words ? add(p, left, top, t.width, t.height, 8 * p->scale, p->theme->panel) : 0;
     for (int i = 0; i < count && panel; i++) {
         const int x = i / t.rows * t.column_width + t.pad, y = i % t.rows * t.line + t.pad;
         fxs_draw_words(p->words, &panel->picture, x, y, lines[i].key, p->theme->mark);
