@@ -669,6 +669,49 @@ static void test_numbered_screenshots(void)
     viewer_close(&v);
 }
 
+/* Bytes of a file, -1 where it is not there; its first line. */
+static long size_of(const char *path, char line[80])
+{
+    FILE *file = fopen(path, "r");
+    if (!file)
+        return -1;
+    CHECK(fgets(line, 80, file) && !fseek(file, 0, SEEK_END));
+    const long size = ftell(file);
+    fclose(file);
+    return size;
+}
+
+static void test_films(void)
+{
+    viewer v;
+    char before[4096], line[80] = "";
+    const frame_options options = small_options();
+    if (!CHECK(getcwd(before, sizeof before)) || start(&v, &options))
+        return;
+    CHECK(!chdir(folder));
+    key(&v, 'k');
+    wheel(&v, 2);
+    for (int i = 0; i < 20; i++)
+        viewer_step(&v, 10);
+    CHECK(v.film == FILM_TAKEN && v.way_count > 3);
+    CHECK(memcmp(v.way[0].position, v.way[v.way_count - 1].position, sizeof v.view.position));
+    key(&v, 'k');
+    const long frame = 6 + 3 * 64 * 48, size = size_of("fixsplat-001.y4m", line);       /* "FRAME\n", 4:4:4 */
+    CHECK(strstr(v.note, "written: fixsplat-001.y4m") && v.film == FILM_NONE);
+    CHECK(strstr(line, "YUV4MPEG2 W64 H48 F30:1 ") && size == (long)strlen(line) + v.way_count * frame);
+    CHECK(!remove("fixsplat-001.y4m"));
+    key(&v, 'k');
+    for (v.way_count = 1; v.way_count < 3000; v.way_count++)
+        v.way[v.way_count] = v.view;
+    push_key('k');
+    viewer_step(&v, 0);
+    CHECK(v.film == FILM_WRITTEN);
+    key(&v, 'k');
+    CHECK(strstr(v.note, "dropped") && size_of("fixsplat-001.y4m", line) == -1);
+    CHECK(!chdir(before));
+    viewer_close(&v);
+}
+
 /* ---- What the window waits for ----------------------------------------------------------------------------------- */
 
 static void test_empty_window(void)
@@ -969,6 +1012,7 @@ int main(void)
     RUN(test_resized_window);
     RUN(test_screenshot);
     RUN(test_numbered_screenshots);
+    RUN(test_films);
     RUN(test_empty_window);
     RUN(test_events_while_loading);
     RUN(test_depths_and_ids);

@@ -20,6 +20,7 @@ const char viewer_keys[] =
     "r              back to the view\n"
     "p              screenshot\n"
     "m              measure between two clicks\n"
+    "k              film the way from here; again: write it, fixsplat-001.y4m\n"
     "z i            depths, ids; again: colours\n"
     "c              cut-off\n"
     "0 1 2 3        SH degree\n"

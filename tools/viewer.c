@@ -9,7 +9,7 @@
 #include "../port/window/words.h"
 #include "../src/packed.h"
 
-enum { STILL_MS = 150, FRAME_MS = 16, LOADING_MS = 50, HINT_MS = 6000 };
+enum { STILL_MS = 150, FRAME_MS = 16, LOADING_MS = 50, HINT_MS = 6000, FILM_NS = 1000000000 / FILM_RATE };
 
 /* ---- Scene and views --------------------------------------------------------------------------------------------- */
 
@@ -185,6 +185,7 @@ void viewer_install(viewer *v)
         v->options.world = (world_options){.scenes = &v->path, .scene_count = 1};
     l->path = 0;
     v->ends = v->installing = 0;
+    v->film = v->film == FILM_TAKEN ? FILM_NONE : v->film;
     find_up(v);
     find_points(v);
     show_view(v, l->index);
@@ -255,6 +256,35 @@ static void toggle_measure(viewer *v, int key)
         snprintf(v->note, sizeof v->note, "measure: click one end");
 }
 
+/* Takes the camera's way, then writes it as a film; while that is written, drops it. */
+static void toggle_film(viewer *v, int key)
+{
+    (void)key;
+    if (v->film == FILM_WRITTEN) {
+        fxs_worker_stop(v->drawer);
+    } else if (v->film == FILM_TAKEN) {
+        if (v->way_count)
+            ask_film(v);
+    } else {
+        free(v->way);
+        v->way = malloc(FILM_MOST * sizeof *v->way);
+        v->way_count = 0;
+        v->film = v->way ? FILM_TAKEN : FILM_NONE;
+        if (!v->way)
+            snprintf(v->note, sizeof v->note, "no film: out of memory");
+    }
+}
+
+/* The view as it is, for each frame since the last step. */
+static void take_way(viewer *v, uint64_t now)
+{
+    v->filmed = v->way_count ? v->filmed : now;
+    for (; v->way_count < FILM_MOST && v->filmed <= now; v->filmed += FILM_NS)
+        v->way[v->way_count++] = v->view;
+    if (v->way_count == FILM_MOST)
+        ask_film(v);
+}
+
 static void toggle_graph(viewer *v, int key) { (void)key; v->graph = !v->graph; }
 
 static void toggle_rate(viewer *v, int key) { (void)key; v->rate = !v->rate; }
@@ -273,9 +303,9 @@ static void press(viewer *v, int pressed)
     } keys[] = {{'n', 1, next_view}, {'r', 1, reset}, {'c', 1, toggle_cutoff}, {'0', 1, choose_degree},
                 {'1', 1, choose_degree}, {'2', 1, choose_degree}, {'3', 1, choose_degree}, {'b', 1, next_backend},
                 {'v', 0, next_divisor}, {'+', 1, change_speed}, {'=', 1, change_speed}, {'-', 1, change_speed},
-                {'z', 1, show_other}, {'i', 1, show_other}, {'m', 1, toggle_measure}, {'f', 0, toggle_rate},
-                {'g', 0, toggle_graph}, {'t', 0, toggle_theme}, {'h', 0, toggle_help}, {'p', 1, screenshot},
-                {FXS_KEY_ESCAPE, 0, quit}};
+                {'z', 1, show_other}, {'i', 1, show_other}, {'m', 1, toggle_measure}, {'k', 1, toggle_film},
+                {'f', 0, toggle_rate}, {'g', 0, toggle_graph}, {'t', 0, toggle_theme}, {'h', 0, toggle_help},
+                {'p', 1, screenshot}, {FXS_KEY_ESCAPE, 0, quit}};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
         if (keys[i].key == pressed && (v->path || !keys[i].of_scene)) {
             *v->note = 0;
@@ -365,7 +395,8 @@ static int time_to_wait(const viewer *v, int milliseconds)
     const uint64_t now = fxs_clock(0);
     const int due[] = {v->flying ? milliseconds_until(now, v->clock + FRAME_MS * 1000000) : -1,
                        v->coarse && !v->request_count ? milliseconds_until(now, v->moved + STILL_MS * 1000000) : -1,
-                       v->loading.on && !v->installing ? LOADING_MS : -1,
+                       (v->loading.on && !v->installing) || v->film == FILM_WRITTEN ? LOADING_MS : -1,
+                       v->film == FILM_TAKEN ? milliseconds_until(now, v->filmed) : -1,
                        v->hint ? milliseconds_until(now, v->hint) : -1};
     for (size_t i = 0; i < sizeof due / sizeof *due; i++)
         if (due[i] >= 0 && (milliseconds < 0 || due[i] < milliseconds))
@@ -393,6 +424,8 @@ static void move(viewer *v, int milliseconds)
         v->view = view;
         v->distance = distance;
     }
+    if (v->film == FILM_TAKEN)
+        take_way(v, now);
     if (v->hint && now >= v->hint) {
         v->hint = 0;
         v->exposed = 1;
@@ -421,7 +454,7 @@ void viewer_step(viewer *v, int milliseconds)
         ask_frame(v);
         viewer_collect(v);
     }
-    v->exposed |= v->loading.on;
+    v->exposed |= v->loading.on || v->film == FILM_WRITTEN;
     if (v->exposed && !v->quit && viewer_show(v)) {
         v->quit = 1;
         v->status = EXIT_FAILED;
@@ -477,6 +510,7 @@ void viewer_close(viewer *v)
     if (v->loader)
         fxs_worker_end(v->loader);
     if (v->drawer) {
+        fxs_worker_stop(v->drawer);
         fxs_worker_wait(v->drawer);
         fxs_worker_do(v->drawer, close_renderer, &v->renderer);
         fxs_worker_end(v->drawer);
@@ -494,6 +528,7 @@ void viewer_close(viewer *v)
     picture_free(&v->picture);
     picture_free(&v->drawn);
     free(v->points);
+    free(v->way);
     free(v->views);
     free(v->path);
 }

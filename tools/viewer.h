@@ -8,6 +8,8 @@
 #include "renderer.h"
 
 enum viewer_picture { SHOW_COLOUR, SHOW_DEPTH, SHOW_IDS };
+enum viewer_film { FILM_NONE, FILM_TAKEN, FILM_WRITTEN };   /* being so */
+enum { FILM_RATE = 30, FILM_MOST = FILM_RATE * 600 };       /* frames a second, frames */
 
 typedef struct viewer viewer;
 
@@ -20,7 +22,7 @@ typedef struct request {
     int divisor, x, y;
     enum viewer_picture shown;
     int status;                             /* of the work; of a pick, as renderer_pick has it */
-    char path[4096];                        /* of a screenshot */
+    char path[4096];                        /* of a screenshot or film */
     int unwritten;
     fxs_message message;                    /* why */
     fxs_stats stats;
@@ -75,6 +77,11 @@ struct viewer {
     enum viewer_picture shown;
     uint64_t clock, moved, hint;            /* of the last step; since when it is still; until when the hint is shown: nanoseconds */
 
+    enum viewer_film film;
+    fxs_file_view *way;                     /* of the camera, FILM_MOST at most; the drawer's while it is written */
+    int way_count;
+    uint64_t filmed;                        /* the time of the next, nanoseconds */
+
     int graph, help, rate, light, quit, status;
     int measuring, ends;                    /* the ends that there are, of: */
     double end[2][3];
@@ -104,6 +111,7 @@ void ask_frame(viewer *v);
 void ask_screenshot(viewer *v);
 void ask_backend(viewer *v);
 void ask_focus(viewer *v, double x, double y);
+void ask_film(viewer *v);                            /* of v->way, which is not empty */
 void ask_end(viewer *v, double x, double y);         /* of what is measured */
 int ask_install(viewer *v);                          /* puts the loaded scenes in the place of those there are */
 

@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "../port/backend/backends.h"
-#include "../port/image/image_file.h"
+#include "../port/image/film_file.h"
 #include "../port/posix/clock.h"
 #include "../port/window/motion.h"
 #include "viewer.h"
@@ -22,21 +22,26 @@ int eyes_of(const viewer *v)
 
 /* ---- Requests ---------------------------------------------------------------------------------------------------- */
 
-/* The view on show at the window's size, or a fraction of it; of two eyes, one of them. */
-static fxs_file_view fit_view(const viewer *v, int divisor)
+/* A view at a size. */
+static fxs_file_view fit(const viewer *v, fxs_file_view view, int width, int height)
 {
-    fxs_file_view view = v->view;
     fxs_message message;
-    int width, height;
-    fxs_window_size(v->window, &width, &height);
-    width /= eyes_of(v);
-    width = width > divisor ? width / divisor : 1;
-    height = height > divisor ? height / divisor : 1;
     if (width != view.width || height != view.height)
         fxs_motion_fit(&view, width, height);
     if (v->options.has_tangents)
         fxs_view_set_tangents(&view, v->options.tangents, &message);
     return view;
+}
+
+/* The view on show at the window's size, or a fraction of it; of two eyes, one of them. */
+static fxs_file_view fit_view(const viewer *v, int divisor)
+{
+    int width, height;
+    fxs_window_size(v->window, &width, &height);
+    width /= eyes_of(v);
+    width = width > divisor ? width / divisor : 1;
+    height = height > divisor ? height / divisor : 1;
+    return fit(v, v->view, width, height);
 }
 
 /* Returns the request, with the view as it is now, or null. */
@@ -195,15 +200,15 @@ void ask_frame(viewer *v)
 
 /* ---- Screenshots ------------------------------------------------------------------------------------------------- */
 
-/* fixsplat-001.png, or the first number that is free. Returns 0 where none is. */
-static int name_picture(char *path, size_t size)
+/* fixsplat-001.png or .y4m, or the first number that is free. Returns 0, or -1 and a message where none is. */
+static int name_file(request *r, const char *ending)
 {
     for (int i = 1; i < 1000; i++) {
-        snprintf(path, size, "fixsplat-%03d.png", i);
-        if (access(path, F_OK))
-            return 1;
+        snprintf(r->path, sizeof r->path, "fixsplat-%03d.%s", i, ending);
+        if (access(r->path, F_OK))
+            return 0;
     }
-    return 0;
+    return fxs_fail(&r->message, "fixsplat-001.%s to fixsplat-999.%s are there already", ending, ending);
 }
 
 static void write_picture(viewer *v, request *r)
@@ -213,12 +218,10 @@ static void write_picture(viewer *v, request *r)
         return;
     if (v->screenshot)
         snprintf(r->path, sizeof r->path, "%s", v->screenshot);
-    else if (!name_picture(r->path, sizeof r->path)) {
-        fxs_fail(&r->message, "fixsplat-001.png to fixsplat-999.png are there already");
-        r->unwritten = 1;
-        return;
-    }
-    r->unwritten = fxs_image_file_write(r->path, v->drawn.pixels, v->drawn.width, v->drawn.height, &r->message) != 0;
+    else
+        r->unwritten = name_file(r, "png");
+    if (!r->unwritten)
+        r->unwritten = fxs_image_file_write(r->path, v->drawn.pixels, v->drawn.width, v->drawn.height, &r->message);
 }
 
 static void print_scenes(const world_options *o)
@@ -308,6 +311,61 @@ static void take_written(viewer *v, request *r)
 void ask_screenshot(viewer *v)
 {
     ask(v, write_picture, take_written, 1);
+}
+
+/* ---- Films ------------------------------------------------------------------------------------------------------- */
+
+/* The frames of the way, one behind the other. Returns 0, or not 0 with r->status or a message. */
+static int write_frames(viewer *v, request *r, fxs_film *film)
+{
+    fxs_encoded encoded = {0};
+    int failed = 0;
+    for (int i = 0; i < v->way_count && !failed; i++) {
+        request frame = *r;
+        frame.view = fit(v, v->way[i], r->view.width, r->view.height);
+        render(v, &frame);
+        failed = r->status = frame.status;
+        failed = failed || fxs_image_encode(FXS_IMAGE_Y4M, 0, v->drawn.pixels, v->drawn.width, v->drawn.height, &encoded,
+                                            &r->message) || fxs_film_write(film, &encoded, &r->message);
+        if (!failed && fxs_worker_tell(v->drawer, (i + 1.0) / v->way_count))
+            failed = fxs_fail(&r->message, "%s: dropped", r->path);
+    }
+    fxs_encoded_free(&encoded);
+    return failed;
+}
+
+static void write_film(viewer *v, request *r)
+{
+    fxs_film *film = 0;
+    const int width = eyes_of(v) * r->view.width;
+    r->unwritten = name_file(r, "y4m") || fxs_film_open(&film, r->path, FXS_IMAGE_Y4M, width, r->view.height, FILM_RATE,
+                                                        &r->message) || write_frames(v, r, film);
+    if (!r->unwritten)
+        r->unwritten = fxs_film_close(film, 1, &r->message);
+    else {
+        fxs_message of_close;
+        fxs_film_close(film, 0, &of_close);
+    }
+}
+
+static void take_film(viewer *v, request *r)
+{
+    char text[256];
+    v->film = FILM_NONE;
+    if (r->status)
+        snprintf(text, sizeof text, "no film: see the terminal");
+    else if (r->unwritten)
+        snprintf(text, sizeof text, "%.255s", r->message.text);
+    else
+        snprintf(text, sizeof text, "written: %.200s, %d frames", r->path, v->way_count);
+    note(v, text);
+    v->changed = 1;
+}
+
+void ask_film(viewer *v)
+{
+    if (ask(v, write_film, take_film, 1))
+        v->film = FILM_WRITTEN;
 }
 
 /* ---- Points of the scene ----------------------------------------------------------------------------------------- */

@@ -204,12 +204,17 @@ static void add_all(panels *p, const viewer *v)
         add_rate(p, v);
     if (v->loading.on || (v->path && !v->seen.width))
         add_loading(p, v);
-    else if (!v->path && !v->help)
+    else if (v->film == FILM_WRITTEN) {
+        add_words(p, MIDDLE, "Writing the film; k drops it");
+        add_bar(p, fxs_worker_progress(v->drawer));
+    } else if (!v->path && !v->help)
         add_words(p, MIDDLE, "Drop a scene here");
     if (v->help)
         add_help(p);
     if (*v->note)
         add_words(p, BOTTOM_LEFT, v->note);
+    else if (v->film == FILM_TAKEN)
+        add_words(p, BOTTOM_LEFT, "filming; k writes the film");
     else if (v->hint && !v->help)
         add_words(p, BOTTOM_LEFT, "h: keys");
 }

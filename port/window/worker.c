@@ -11,7 +11,7 @@ struct fxs_worker {
     void (*job)(void *argument);   /* null: none */
     void *argument;
     double progress;
-    int ending;
+    int stop, ending;
 };
 
 static void *work(void *argument)
@@ -53,7 +53,7 @@ void fxs_worker_end(fxs_worker *w)
     if (!w)
         return;
     pthread_mutex_lock(&w->lock);
-    w->ending = 1;
+    w->stop = w->ending = 1;
     pthread_cond_broadcast(&w->changed);
     pthread_mutex_unlock(&w->lock);
     pthread_join(w->thread, 0);
@@ -70,6 +70,13 @@ int fxs_worker_busy(fxs_worker *w)
     return busy;
 }
 
+void fxs_worker_stop(fxs_worker *w)
+{
+    pthread_mutex_lock(&w->lock);
+    w->stop = 1;
+    pthread_mutex_unlock(&w->lock);
+}
+
 void fxs_worker_wait(fxs_worker *w)
 {
     pthread_mutex_lock(&w->lock);
@@ -82,6 +89,7 @@ void fxs_worker_do(fxs_worker *w, void (*job)(void *argument), void *argument)
 {
     pthread_mutex_lock(&w->lock);
     w->progress = 0;
+    w->stop = 0;
     w->argument = argument;
     w->job = job;
     pthread_cond_broadcast(&w->changed);
@@ -101,7 +109,7 @@ int fxs_worker_tell(void *worker, double done)
     fxs_worker *w = worker;
     pthread_mutex_lock(&w->lock);
     w->progress = done;
-    const int stop = w->ending;
+    const int stop = w->stop;
     pthread_mutex_unlock(&w->lock);
     return stop;
 }

@@ -14,7 +14,10 @@ void fxs_worker_end(fxs_worker *worker);
 /* Whether a job is given and not done yet. */
 int fxs_worker_busy(fxs_worker *worker);
 
-/* Waits until it is not. */
+/* Asks the job that it has to stop. */
+void fxs_worker_stop(fxs_worker *worker);
+
+/* Waits until it is not busy. */
 void fxs_worker_wait(fxs_worker *worker);
 
 /* Gives it a job; it is not busy. */

@@ -195,6 +195,11 @@ if until_ 300 xdotool search --onlyvisible --class fixsplat; then
     xdotool key p
     check "the next number" until_ 50 titled 'written: fixsplat-002.png'
     check "what is there stays" equal "$(cat "$work/here/fixsplat-001.png")" mine
+    xdotool key k keydown w
+    sleep 0.3
+    xdotool keyup w key k
+    check "a film" until_ 100 titled 'written: fixsplat-001.y4m'
+    check "of the window's size" grep -aq '^YUV4MPEG2 W800 H' "$work/here/fixsplat-001.y4m"
     close xdotool key Escape
 fi
 
@@ -202,7 +207,7 @@ if ! have valgrind || [ "$FXS_EMULATED" ]; then
     skip Valgrind "not here, or not of an emulator"
 elif open valgrind -q --trace-children=yes --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite \
     "$B/fixsplat"; then
-    xdotool key g h n c v      # not b: Mesa keeps some hundred bytes
+    xdotool key g h n c v z m t      # not b: Mesa keeps some hundred bytes
     shot checked
     close xdotool key Escape
     check "Valgrind" [ $status = 0 ]
