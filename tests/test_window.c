@@ -802,7 +802,7 @@ static void test_depths_and_ids(void)
     viewer_close(&v);
 }
 
-/* A pixel with something at it, by the ids. */
+/* The first pixel from there on with something at it. */
 static int find_seen(viewer *v, int from, int *x, int *y)
 {
     fxs_pick_result pick;

@@ -36,8 +36,8 @@ static const char help[] =
     "Shows scenes (.fxs, .ply, .splat, .ksplat, .spz, .sog, .gltf, .glb, tileset.json) in a window; opens files\n"
     "dropped on it. Without a scene the window waits for one.\n"
     "With --cameras, up is the mean of the views' up, unless --up says otherwise.\n\n"
-    "  --screenshot OUT    the picture that key p writes: .png, .ppm, .raw, .jpg or .webp (default: fixsplat-001.png and\n"
-    "                      on, in the current folder); the command that renders it again is printed\n"
+    "  --screenshot OUT    the picture that key p writes: .png, .ppm, .raw, .jpg or .webp (default: fixsplat-001.png\n"
+    "                      and on, in the current folder); the command that renders it again is printed\n"
     "In a browser:\n"
     "  --web               serve the scenes and a page that shows them, and print the page's address, until Ctrl-C.\n"
     "                      Of what follows it takes --cameras, --view, --bg and the options of an import; a scene is\n"
@@ -81,6 +81,17 @@ static int check_web(const view_options *o, const char *of_window, const char *o
     return 0;
 }
 
+/* The scenes that are given; a window may wait for one. */
+static int take_scenes_or_none(view_options *o, int count, char *const *scenes)
+{
+    world_options *w = &o->frame.world;
+    if (o->web || count || w->file)
+        return take_scenes(w, "view", count, scenes);
+    if (o->frame.cameras || w->place_count)
+        return fail(EXIT_USAGE, "view: --%s needs a scene", o->frame.cameras ? "cameras" : "place");
+    return 0;
+}
+
 int view_options_take(view_options *o, int argc, char **argv)
 {
     static const struct option table[] = {
@@ -117,12 +128,8 @@ int view_options_take(view_options *o, int argc, char **argv)
                 return EXIT_USAGE;
         }
     }
-    const int waits = !o->web && optind == argc && !o->frame.world.file;
-    if (check_web(o, of_window, of_page) ||
-        (!waits && take_scenes(&o->frame.world, "view", argc - optind, argv + optind)))
+    if (check_web(o, of_window, of_page) || take_scenes_or_none(o, argc - optind, argv + optind))
         return EXIT_USAGE;
-    if (waits && (o->frame.cameras || o->frame.world.place_count))
-        return fail(EXIT_USAGE, "view: --%s needs a scene", o->frame.cameras ? "cameras" : "place");
     if (names_several(o->frame.view))
         return fail(EXIT_USAGE, "view: --view takes one view to start from; n shows the others");
     if (o->screenshot && !fxs_image_file_known(o->screenshot))

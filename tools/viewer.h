@@ -75,7 +75,8 @@ struct viewer {
     int flying, coarse;                     /* a key of flight is down; the last frame was at less than full size */
     int divisor;                            /* of width and height while moving */
     enum viewer_picture shown;
-    uint64_t clock, moved, hint;            /* of the last step; since when it is still; until when the hint is shown: nanoseconds */
+    uint64_t clock, moved;                  /* of the last step; since when it is still: nanoseconds */
+    uint64_t hint;                          /* until when the hint is shown; 0: it is not */
 
     enum viewer_film film;
     fxs_file_view *way;                     /* of the camera, FILM_MOST at most; the drawer's while it is written */

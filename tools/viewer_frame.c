@@ -325,8 +325,8 @@ static int write_frames(viewer *v, request *r, fxs_film *film)
         frame.view = fit(v, v->way[i], r->view.width, r->view.height);
         render(v, &frame);
         failed = r->status = frame.status;
-        failed = failed || fxs_image_encode(FXS_IMAGE_Y4M, 0, v->drawn.pixels, v->drawn.width, v->drawn.height, &encoded,
-                                            &r->message) || fxs_film_write(film, &encoded, &r->message);
+        failed = failed || fxs_image_encode(FXS_IMAGE_Y4M, 0, v->drawn.pixels, v->drawn.width, v->drawn.height,
+                                            &encoded, &r->message) || fxs_film_write(film, &encoded, &r->message);
         if (!failed && fxs_worker_tell(v->drawer, (i + 1.0) / v->way_count))
             failed = fxs_fail(&r->message, "%s: dropped", r->path);
     }

@@ -28,8 +28,8 @@ void fxs_draw_line(const fxs_picture *picture, const double from[2], const doubl
     const double length = fmax(hypot(to[0] - from[0], to[1] - from[1]), 1);
     for (double at = 0; at <= length; at += 0.5) {
         const double x = from[0] + (to[0] - from[0]) * at / length, y = from[1] + (to[1] - from[1]) * at / length;
-        fxs_draw_rectangle(picture, (int)floor(x - wide / 2 + 0.5), (int)floor(y - wide / 2 + 0.5), (int)wide, (int)wide,
-                           colour);
+        fxs_draw_rectangle(picture, (int)floor(x - wide / 2 + 0.5), (int)floor(y - wide / 2 + 0.5), (int)wide,
+                           (int)wide, colour);
     }
 }
 

@@ -1,5 +1,5 @@
-/* A window (SDL2): what the person does, as events, and pictures to look at. One thread, the one that opened it, but for
-   fxs_window_wake. Positions and sizes are pixels, which may be finer than the screen's points. */
+/* A window (SDL2): what the person does, as events, and pictures to look at. One thread, the one that opened it, but
+   for fxs_window_wake. Positions and sizes are pixels, which may be finer than the screen's points. */
 #ifndef FXS_WINDOW_H
 #define FXS_WINDOW_H
 
