@@ -19,7 +19,7 @@ HEADERS := $(CORE_HEADERS) kernels/cuda/cuda.h kernels/gles/gles.h port/egl/egl.
            port/fit/fit.h port/fit/photos.h port/fit/blocks.h
 
 PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libdeflate-dev libzstd-dev libegl-dev \
-            libgles-dev libsdl2-dev libmicrohttpd-dev
+            libgles-dev libsdl2-dev libsdl2-ttf-dev fonts-dejavu-core libmicrohttpd-dev
 TEST_PACKAGES := clang libclang-rt-14-dev cmake pkg-config glslang-tools qemu-user gcc-aarch64-linux-gnu \
                  libc6-dev-arm64-cross gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind libosmesa6-dev libosmesa6 \
                  libegl1 libgles2 libegl-mesa0 libgl1-mesa-dri xvfb xdotool gcc-s390x-linux-gnu \
@@ -106,7 +106,8 @@ DEVICES := $(call with,GLES,kernels/gles/*.c) $(call with,CUDA,kernels/cuda/cuda
 PORT := $(wildcard $(addprefix port/,$(addsuffix /*.c,files scene camera image import posix world backend board fit))) \
         $(FIT_KERNELS)
 PORT += $(if $(filter GLES,$(FOUND)),$(call with,EGL,port/egl/*.c) $(call with,OSMESA,port/osmesa/*.c))
-WINDOW := $(if $(call with,SDL,port/window/*.c),$(wildcard port/window/*.c) tools/viewer.c)
+WINDOW := $(if $(call with,SDL,port/window/*.c),$(wildcard port/window/*.c) \
+                                             $(filter-out tools/viewer_main.c,$(wildcard tools/viewer*.c)))
 SERVER := $(call with,MICROHTTPD,port/http/*.c)
 TOOL := $(filter-out tools/viewer% tools/serve%,$(wildcard tools/*.c))
 TOOL_SHARED := tools/metrics.c tools/procedural.c
@@ -146,7 +147,7 @@ $(B)/fixsplat: $(call objects,$(TOOL)) $(B)/libfixsplat.a $(B)/commands/link
 
 $(B)/fixsplat-view: $(call objects,tools/viewer_main.c $(WINDOW) $(filter-out tools/main.c,$(TOOL))) \
                     $(B)/libfixsplat.a $(B)/commands/link
-	$(call link,$(LIBS_SDL))
+	$(call link,$(LIBS_TTF) $(LIBS_SDL))
 
 $(B)/fixsplat-web: $(call objects,tools/serve.c $(SERVER) $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a \
                    $(B)/commands/link
@@ -155,7 +156,7 @@ $(B)/fixsplat-web: $(call objects,tools/serve.c $(SERVER) $(filter-out tools/mai
 # What commands are made of: what was built by another is built again.
 $(B)/commands/compile: COMMAND := $(CC) $(CC_VERSION) $(filter-out -DFXS_WITH_%,$(FLAGS)) $(PIC)
 $(B)/commands/nvcc: COMMAND := $(NVCC) $(NVCC_VERSION) $(NVCC_FLAGS)
-$(B)/commands/link: COMMAND := $(CC) $(CC_VERSION) $(CFLAGS) $(LDFLAGS) $(LIBS) $(LIBS_SDL) $(LIBS_MICROHTTPD) $(AR) \
+$(B)/commands/link: COMMAND := $(CC) $(CC_VERSION) $(CFLAGS) $(LDFLAGS) $(LIBS) $(LIBS_TTF) $(LIBS_SDL) $(LIBS_MICROHTTPD) $(AR) \
                               $(CORE) $(DEVICES) $(PORT)
 $(B)/commands/%: FORCE
 	@mkdir -p $(@D)
@@ -396,6 +397,8 @@ PAGE_FOLDERS := $(sort $(patsubst %/,%,$(dir $(PAGE_FILES))))
 HAS_PAGE := $(if $(filter-out $(wildcard $(WASM)),$(WASM)),,yes)
 PC_FILES := fixsplat.pc fixsplat-core.pc
 CMAKE_FILES := fixsplat-config.cmake fixsplat-config-version.cmake
+ICONS := $(PREFIX)/share/icons/hicolor/scalable/apps
+APPLICATIONS := $(PREFIX)/share/applications
 INCLUDE := $(PREFIX)/include/fixsplat
 CMAKE := $(LIBDIR)/cmake/fixsplat
 fill = sed -e 's|@PREFIX@|$(PREFIX)|g' -e 's|@LIBDIR@|$(LIBDIR)|g' -e 's|@SONAME_VERSION@|$(basename $(VERSION))|g' \
@@ -410,11 +413,15 @@ install: all $(if $(HAS_PAGE),web) ## install command, libraries, headers, the p
 	install -m 644 $(FLAT_HEADERS) $(DESTDIR)$(INCLUDE)/
 	@for f in $(PC_FILES); do $(call fill,$(LIBDIR)/pkgconfig); done
 	@for f in $(CMAKE_FILES); do $(call fill,$(CMAKE)); done
+	$(if $(WINDOW),install -d $(DESTDIR)$(ICONS) $(DESTDIR)$(APPLICATIONS))
+	$(if $(WINDOW),install -m 644 tools/package/fixsplat.svg $(DESTDIR)$(ICONS)/)
+	$(if $(WINDOW),install -m 644 tools/package/fixsplat-view.desktop $(DESTDIR)$(APPLICATIONS)/)
 	$(if $(HAS_PAGE),install -d $(addprefix $(DESTDIR)$(PAGE)/,$(PAGE_FOLDERS)))
 	$(if $(HAS_PAGE),for f in $(PAGE_FILES); do install -m 644 $(WEB)/$$f $(DESTDIR)$(PAGE)/$$f || exit 1; done)
 
 uninstall: ## remove what install put there
 	rm -f $(addprefix $(DESTDIR)$(PREFIX)/bin/,fixsplat fixsplat-view fixsplat-web) \
+	    $(DESTDIR)$(ICONS)/fixsplat.svg $(DESTDIR)$(APPLICATIONS)/fixsplat-view.desktop \
 	    $(addprefix $(DESTDIR)$(PAGE)/,$(PAGE_FILES)) \
 	    $(addprefix $(DESTDIR)$(LIBDIR)/,libfixsplat-core.a libfixsplat.a libfixsplat.so.$(VERSION) $(SONAME_LINKS)) \
 	    $(addprefix $(DESTDIR)$(LIBDIR)/pkgconfig/,$(PC_FILES)) $(addprefix $(DESTDIR)$(CMAKE)/,$(CMAKE_FILES)) \
@@ -446,9 +453,10 @@ $(B)/tests/test_%: $(B)/tests/test_%.o $(B)/tests/reference.o $(call objects,$(T
                    $(B)/commands/link
 	$(call link)
 
-$(B)/tests/test_window: $(call objects,tests/test_window.c port/window/motion.c port/window/overlay.c $(WINDOW) \
+$(B)/tests/test_window: $(call objects,tests/test_window.c port/window/motion.c port/window/overlay.c \
+                        port/window/words.c $(WINDOW) \
                         $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a $(B)/commands/link
-	$(call link,$(LIBS_SDL))
+	$(call link,$(LIBS_TTF) $(LIBS_SDL))
 
 test: all $(addprefix $(B)/tests/,$(NEEDED)) ## run all tests, JOBS at once; T=name: those with that in their names
 	@FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(PROCESSORS)) sh tests/run.sh $(RUN)

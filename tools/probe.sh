@@ -14,6 +14,7 @@ ZSTD zstd.h -lzstd
 WEBP webp/decode.h -lwebp
 STB stb/stb_image_write.h
 SDL SDL2/SDL.h -lSDL2
+TTF SDL2/SDL_ttf.h -lSDL2_ttf
 MICROHTTPD microhttpd.h -lmicrohttpd
 GLES GLES3/gl3.h -ldl
 EGL EGL/egl.h

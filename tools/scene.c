@@ -45,12 +45,21 @@ static int fail_scene(const char *path, const fxs_message *message)
     return fail(EXIT_FAILED, strncmp(message->text, name, strlen(name)) ? "%s: %s" : "%.0s%s", name, message->text);
 }
 
+/* Where progress goes, and with which argument: by default a bar behind its label. */
+static fxs_progress_fn *progress_of(const load_options *o, char *label, void **argument)
+{
+    *argument = o->progress ? o->progress_argument : label;
+    return o->progress ? o->progress : progress_bar;
+}
+
 static int filter(fxs_scene_file *file, const char *path, const load_options *o, fxs_scene_file_info *info)
 {
     fxs_message message;
     fxs_scene_filter_report r;
     char label[] = "counting";
-    int result = fxs_scene_file_filter(file, o->filter, info, &r, progress_bar, label, &message);
+    void *argument;
+    fxs_progress_fn *progress = progress_of(o, label, &argument);
+    int result = fxs_scene_file_filter(file, o->filter, info, &r, progress, argument, &message);
     progress_end();
     if (result)
         return fail_scene(path, &message);
@@ -144,7 +153,8 @@ static int open_file(const char *path, const fxs_scene_file_options *options, fx
 int open_unfiltered(const char *path, const load_options *o, fxs_scene_file **file, fxs_scene_file_info *info)
 {
     const fxs_scene_file_options options = {
-        .level = o->lod, .axes = o->axes, .max_gaussians = o->max_gaussians, .max_memory = o->import_memory
+        .level = o->lod, .axes = o->axes, .max_gaussians = o->max_gaussians, .max_memory = o->import_memory,
+        .progress = o->progress, .progress_argument = o->progress_argument
     };
     if (open_file(path, &options, file, info))
         return EXIT_FAILED;
@@ -169,7 +179,9 @@ int pack_scene(loaded_scene *loaded, const char *path, const load_options *o, fx
     char label[] = "packing";
     const uint32_t threads = o->threads ? o->threads : fxs_processors();
     fxs_pool *pool = fxs_pool_create(threads);
-    const fxs_pack_options options = {o->profile, pool ? fxs_pool_run : 0, pool, threads, progress_bar, label, 0};
+    void *argument;
+    fxs_progress_fn *progress = progress_of(o, label, &argument);
+    const fxs_pack_options options = {o->profile, pool ? fxs_pool_run : 0, pool, threads, progress, argument, 0};
     int result = fxs_pack(file, &loaded->info, &loaded->packed, &loaded->report, &options, &message);
     fxs_pool_destroy(pool);
     fxs_scene_file_close(file);

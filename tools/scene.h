@@ -32,6 +32,8 @@ typedef struct load_options {
     uint64_t max_gaussians;                 /* in a file that is imported, and the memory that reading it may take: */
     size_t import_memory;                   /* as in fxs_scene_file_options */
     int again;                              /* what is left out or changed has been said */
+    fxs_progress_fn *progress;              /* null: a bar on stderr */
+    void *progress_argument;
 } load_options;
 
 /* Returns 0, or prints why not and returns EXIT_FAILED, with nothing to free. */

@@ -12,27 +12,32 @@ const char viewer_keys[] =
     "left drag      orbit\n"
     "right drag     pan, also middle drag\n"
     "wheel          zoom\n"
+    "double click   turn about what is there\n"
     "w a s d q e    fly, faster with shift\n"
     "space, mouse   look around\n"
     "+ -            speed of flight\n"
-    "n p            next, previous view\n"
+    "n              next view, with shift the previous one\n"
     "r              back to the view\n"
+    "p              screenshot\n"
+    "m              measure between two clicks\n"
+    "k              film the way from here; again: write it, fixsplat-001.y4m\n"
+    "z i            depths, ids; again: colours\n"
     "c              cut-off\n"
     "0 1 2 3        SH degree\n"
     "v              resolution in motion\n"
     "b              back end\n"
-    "g              frame times\n"
-    "i              screenshot\n"
+    "f g            frames a second, frame times\n"
+    "t              dark or light words\n"
     "h              these keys\n"
     "escape         quit\n";
 
 static const char help[] =
-    "Usage: fixsplat view SCENE... [OPTION...]\n\n"
+    "Usage: fixsplat view [SCENE...] [OPTION...]\n\n"
     "Shows scenes (.fxs, .ply, .splat, .ksplat, .spz, .sog, .gltf, .glb, tileset.json) in a window; opens files\n"
-    "dropped on it.\n"
+    "dropped on it. Without a scene the window waits for one.\n"
     "With --cameras, up is the mean of the views' up, unless --up says otherwise.\n\n"
-    "  --screenshot OUT    the picture that key i writes: .png, .ppm or .raw (default: beside the scene,\n"
-    "                      SCENE-001.png and on); the command that renders it again is printed\n"
+    "  --screenshot OUT    the picture that key p writes: .png, .ppm, .raw, .jpg or .webp (default: fixsplat-001.png\n"
+    "                      and on, in the current folder); the command that renders it again is printed\n"
     "In a browser:\n"
     "  --web               serve the scenes and a page that shows them, and print the page's address, until Ctrl-C.\n"
     "                      Of what follows it takes --cameras, --view, --bg and the options of an import; a scene is\n"
@@ -76,6 +81,17 @@ static int check_web(const view_options *o, const char *of_window, const char *o
     return 0;
 }
 
+/* The scenes that are given; a window may wait for one. */
+static int take_scenes_or_none(view_options *o, int count, char *const *scenes)
+{
+    world_options *w = &o->frame.world;
+    if (o->web || count || w->file)
+        return take_scenes(w, "view", count, scenes);
+    if (o->frame.cameras || w->place_count)
+        return fail(EXIT_USAGE, "view: --%s needs a scene", o->frame.cameras ? "cameras" : "place");
+    return 0;
+}
+
 int view_options_take(view_options *o, int argc, char **argv)
 {
     static const struct option table[] = {
@@ -112,10 +128,10 @@ int view_options_take(view_options *o, int argc, char **argv)
                 return EXIT_USAGE;
         }
     }
-    if (check_web(o, of_window, of_page) || take_scenes(&o->frame.world, "view", argc - optind, argv + optind))
+    if (check_web(o, of_window, of_page) || take_scenes_or_none(o, argc - optind, argv + optind))
         return EXIT_USAGE;
     if (names_several(o->frame.view))
-        return fail(EXIT_USAGE, "view: --view takes one view to start from; n and p show the others");
+        return fail(EXIT_USAGE, "view: --view takes one view to start from; n shows the others");
     if (o->screenshot && !fxs_image_file_known(o->screenshot))
         return fail(EXIT_USAGE, "%s: expected a name ending in .png, .ppm, .raw, .jpg or .webp", o->screenshot);
     return frame_options_check(&o->frame);
@@ -123,7 +139,8 @@ int view_options_take(view_options *o, int argc, char **argv)
 
 static const char *scene_name(const view_options *o)
 {
-    return o->frame.world.file ? o->frame.world.file : o->frame.world.scenes[0];
+    const world_options *w = &o->frame.world;
+    return w->file ? w->file : w->scene_count ? w->scenes[0] : "view";
 }
 
 /* What of the program needs libraries that are many, and that the other commands do without, is a program beside it. */

@@ -3,20 +3,13 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-#include "../port/backend/backends.h"
-#include "../port/image/image_file.h"
 #include "../port/posix/clock.h"
 #include "../port/window/motion.h"
-#include "view.h"
+#include "../port/window/words.h"
+#include "../src/packed.h"
 
-enum { OVERLAY_WIDTH = 480, OVERLAY_HEIGHT = 440, STILL_MS = 150, FRAME_MS = 16 };
-
-static const char *cutoff_name(enum fxs_cutoff cutoff)
-{
-    return cutoff == FXS_CUTOFF_SQUARE ? "square" : "mahalanobis";
-}
+enum { STILL_MS = 150, FRAME_MS = 16, LOADING_MS = 50, HINT_MS = 6000, FILM_NS = 1000000000 / FILM_RATE };
 
 /* ---- Scene and views --------------------------------------------------------------------------------------------- */
 
@@ -51,232 +44,163 @@ static void find_up(viewer *v)
     memcpy(v->up, of_views ? mean : v->options.up, sizeof v->up);
 }
 
-/* Puts other scenes and their views in the place of those there are, which stay where that fails. `path`, or null: a
-   file in place of those that the options name. */
-static int take_scenes_of(viewer *v, const char *path, const frame_options *options)
+/* A corner of a chunk, as the object is placed: p = R o s + t */
+static void point_of(const fxs_object *object, uint32_t chunk, double point[3])
 {
-    world w;
-    fxs_file_view *views = 0;
-    frame_options all = *options;
+    fxs_chunk header;
+    memcpy(&header, object->scene->chunks + (size_t)chunk * sizeof header, sizeof header);
+    fxs_little_endian(&header, offsetof(fxs_chunk, origin_q32), 3, sizeof *header.origin_q32);
+    for (int i = 0; i < 3; i++) {
+        double turned = 0;
+        for (int k = 0; k < 3; k++)
+            turned += ldexp((double)object->rotation_q30[3 * i + k], -30) * ldexp((double)header.origin_q32[k], -32);
+        point[i] = turned * ldexp((double)object->scale_q32, -32) + ldexp((double)object->translation_q32[i], -32);
+    }
+}
+
+/* Chunks hold the same number of Gaussians: so every so many of them stand for the scene. */
+static void find_points(viewer *v)
+{
+    uint64_t chunks = 0, number = 0;
+    for (uint32_t i = 0; i < v->world.count; i++)
+        chunks += v->world.objects[i].scene->chunk_count;
+    const uint64_t step = (chunks + NEAR_POINTS - 1) / NEAR_POINTS;
+    v->point_count = 0;
+    for (uint32_t i = 0; i < v->world.count; i++)
+        for (uint32_t k = 0; k < v->world.objects[i].scene->chunk_count; k++)
+            if (number++ % step == 0)
+                point_of(&v->world.objects[i], k, v->points[v->point_count++]);
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* How far away the nearest twentieth of the scene is, between a hundredth of its radius and twice that. */
+static double reach(const viewer *v)
+{
+    double distances[NEAR_POINTS];
+    for (int i = 0; i < v->point_count; i++) {
+        const double *p = v->points[i], *e = v->view.position;
+        distances[i] = hypot(hypot(p[0] - e[0], p[1] - e[1]), p[2] - e[2]);
+    }
+    qsort(distances, (size_t)v->point_count, sizeof *distances, ascending);
+    const double near = v->point_count ? distances[v->point_count / 20] : v->radius;
+    return fmin(fmax(near, 0.01 * v->radius), 2 * v->radius);
+}
+
+/* ---- Opening scenes ---------------------------------------------------------------------------------------------- */
+
+/* On the loader's thread: the scenes and their views, as v->loading says. */
+static void load(void *argument)
+{
+    viewer *v = argument;
+    loading *l = &v->loading;
+    load_options how = l->options.load;
+    how.progress = fxs_worker_tell;
+    how.progress_argument = v->loader;
+    frame_options all = l->options;
     all.view = "all";
-    const char *name = path ? path : options->world.file ? options->world.file : options->world.scenes[0];
-    char *copy = strdup(name);
-    if (!copy)
-        return fail(EXIT_FAILED, "%s: out of memory", name);
-    if (path ? world_open_file(&w, path, &options->load) : world_open(&w, &options->world, &options->load)) {
-        free(copy);
-        return EXIT_FAILED;
+    l->views = 0;
+    l->status = l->path ? world_open_file(&l->world, l->path, &how) : world_open(&l->world, &l->options.world, &how);
+    if (l->status)
+        return;
+    l->count = choose_views(&all, &l->world, &l->views);
+    l->index = l->count < 0 ? -1 : find_view(&l->options, l->views, l->count);
+    if (l->index >= 0)
+        return;
+    world_close(&l->world);
+    free(l->views);
+    l->status = EXIT_FAILED;
+}
+
+static void start_loading(viewer *v)
+{
+    v->loading.on = v->exposed = 1;
+    fxs_worker_do(v->loader, load, v);
+}
+
+/* A file in place of what there is; where another is on its way, after that. */
+static void drop(viewer *v, const char *path)
+{
+    char **place = v->loading.on ? &v->loading.next : &v->loading.path;
+    free(*place);
+    *place = strdup(path);
+    if (v->loading.on || !*place)
+        return;
+    v->loading.options = v->options;
+    v->loading.options.cameras = v->loading.options.view = 0;
+    v->loading.options.has_eye = v->loading.options.has_look = 0;
+    start_loading(v);
+}
+
+static void end_loading(viewer *v)
+{
+    char *next = v->loading.next;
+    v->loading.on = 0;
+    v->exposed = 1;
+    v->loading.next = 0;
+    if (next)
+        drop(v, next);
+    free(next);
+}
+
+/* What failed leaves the scenes that there are; without any, of those given, there is nothing to show. */
+static void collect_loaded(viewer *v)
+{
+    if (!v->loading.on || v->installing || fxs_worker_busy(v->loader))
+        return;
+    if (!v->loading.status) {
+        v->installing = ask_install(v);
+        return;
     }
-    long count = choose_views(&all, &w, &views), index = count < 0 ? -1 : find_view(options, views, count);
-    if (index < 0) {
-        world_close(&w);
-        free(views);
-        free(copy);
-        return EXIT_FAILED;
+    if (v->loading.path)
+        snprintf(v->note, sizeof v->note, "cannot open %.128s: see the terminal", v->loading.path);
+    else {
+        v->quit = 1;
+        v->status = v->loading.status;
     }
-    renderer_forget(&v->renderer, &v->world);
+    end_loading(v);
+}
+
+void viewer_install(viewer *v)
+{
+    loading *l = &v->loading;
+    const frame_options *o = &l->options;
+    const int first = !v->path;
     world_close(&v->world);
     free(v->views);
     free(v->path);
-    v->world = w;
-    v->views = views;
-    v->view_count = count;
-    v->path = copy;
-    v->options = *options;
-    if (path)
+    v->path = l->path ? l->path : strdup(o->world.file ? o->world.file : o->world.scenes[0]);
+    v->world = l->world;
+    v->views = l->views;
+    v->view_count = l->count;
+    v->options.cameras = o->cameras;
+    v->options.view = o->view;
+    v->options.has_eye = o->has_eye;
+    v->options.has_look = o->has_look;
+    if (l->path)
         v->options.world = (world_options){.scenes = &v->path, .scene_count = 1};
+    l->path = 0;
+    v->ends = v->installing = 0;
+    v->film = v->film == FILM_TAKEN ? FILM_NONE : v->film;
     find_up(v);
-    show_view(v, index);
-    return 0;
-}
-
-static void drop(viewer *v, const char *path)
-{
-    frame_options options = v->options;
-    options.cameras = options.view = 0;
-    options.has_eye = options.has_look = 0;
-    if (take_scenes_of(v, path, &options)) {
-        snprintf(v->note, sizeof v->note, "cannot open %.128s: see the terminal", path);
-        v->changed = 1;
-    }
-}
-
-/* ---- Frames ------------------------------------------------------------------------------------------------------ */
-
-/* Side by side in the window. */
-static int eyes_of(const viewer *v)
-{
-    return v->options.stereo > 0 ? 2 : 1;
-}
-
-/* The view on show at the window's size, or a fraction of it; of two eyes, one of them. */
-static fxs_file_view fit_view(const viewer *v, int divisor)
-{
-    fxs_file_view view = v->view;
-    fxs_message message;
-    int width, height;
-    fxs_window_size(v->window, &width, &height);
-    width /= eyes_of(v);
-    width = width > divisor ? width / divisor : 1;
-    height = height > divisor ? height / divisor : 1;
-    if (width != view.width || height != view.height)
-        fxs_view_resize(&view, width, height);
-    if (v->options.has_tangents)
-        fxs_view_set_tangents(&view, v->options.tangents, &message);
-    return view;
-}
-
-static int render(viewer *v, const fxs_file_view *view)
-{
-    fxs_stats stats;
-    if (renderer_render(&v->renderer, &v->world, view, &v->options.render, &v->picture, &stats))
-        return EXIT_FAILED;
-    fxs_frame_times_add(&v->times, &stats);
-    return 0;
-}
-
-static const fxs_picture *draw_overlay(viewer *v)
-{
-    const fxs_picture *overlay = &v->overlay;
-    int top = v->graph ? FXS_GRAPH_HEIGHT + 8 : 0;
-    if (!v->graph && !v->help)
-        return 0;
-    memset(overlay->rgba, 0, OVERLAY_WIDTH * OVERLAY_HEIGHT * 4);
-    if (v->graph)
-        fxs_draw_frame_times(overlay, 0, 0, &v->times);
-    if (v->help) {
-        fxs_draw_rectangle(overlay, 0, top, OVERLAY_WIDTH, OVERLAY_HEIGHT - FXS_GRAPH_HEIGHT - 8, FXS_PANEL);
-        fxs_draw_text(overlay, 8, top + 10, 2, viewer_keys, 0xe8ecf2ff);
-    }
-    return overlay;
-}
-
-static void draw_title(viewer *v)
-{
-    char title[1024];
-    const char *slash = strrchr(v->path, '/');
-    snprintf(title, sizeof title, "%.200s - %s (%ld of %ld) - %s, SH %d, %s, 1/%d - %.1f ms%s%s",
-             slash && slash[1] ? slash + 1 : v->path, v->view.name, v->index + 1, v->view_count,
-             cutoff_name(v->options.render.cutoff), v->options.render.sh_degree, v->options.backend,
-             v->coarse ? v->divisor : 1, v->times.frame, *v->note ? " - " : "", v->note);
-    fxs_window_title(v->window, title);
-}
-
-static int draw(viewer *v)
-{
-    fxs_message message;
-    v->coarse = v->moving && v->divisor > 1;
-    v->changed = v->moving = 0;
-    const fxs_file_view view = fit_view(v, v->coarse ? v->divisor : 1);
-    v->renderer.divisor = v->coarse ? v->divisor : 1;
-    int status = render(v, &view);
-    if (status)
-        snprintf(v->note, sizeof v->note, "not rendered: see the terminal");
-    const fxs_picture shown = {v->picture.pixels, v->picture.width, v->picture.height};
-    if (!status && fxs_window_show(v->window, &shown, draw_overlay(v), &message))
-        status = fail(EXIT_FAILED, "%s", message.text);
-    draw_title(v);
-    return status;
-}
-
-/* ---- Screenshots ------------------------------------------------------------------------------------------------- */
-
-/* SCENE-001.png, or the first number that is free. */
-static void name_beside(const viewer *v, char *path, size_t size)
-{
-    const char *slash = strrchr(v->path, '/'), *dot = strrchr(v->path, '.');
-    int length = (int)(dot && (!slash || dot > slash + 1) ? (size_t)(dot - v->path) : strlen(v->path));
-    for (int i = 1; i < 1000; i++) {
-        snprintf(path, size, "%.*s-%03d.png", length, v->path, i);
-        if (access(path, F_OK))
-            return;
-    }
-}
-
-static void print_scenes(const world_options *o)
-{
-    if (o->file)
-        printf(" --scene %s", o->file);
-    for (int i = 0; i < o->scene_count; i++)
-        printf(" %s", o->scenes[i]);
-    for (int i = 0; i < o->place_count; i++)
-        printf(" --place %s", o->places[i]);
-}
-
-static void print_eyes(const viewer *v)
-{
-    const foveate_options *o = &v->options.foveate;
-    if (v->options.stereo > 0)
-        printf(" --stereo %.17g%s", v->options.stereo, v->options.stereo_exact ? " --stereo-exact" : "");
-    if (o->on)
-        printf(" --foveate");
-    for (int i = 0; i < o->given; i++)
-        printf("%c%.17g", i ? ',' : '=', o->numbers[i]);
-}
-
-/* The command that renders the picture again, to the byte where pixels are square and the axis in the middle. */
-static void print_command(const viewer *v, const fxs_file_view *view, const char *path)
-{
-    const fxs_options *render = &v->options.render;
-    const fxs_file_view *start = &v->views[v->index];
-    const double *e = view->position, *down = view->rotation + 3, *ahead = view->rotation + 6, d = v->distance;
-    int sized = v->options.width || view->width != start->width || view->height != start->height;
-    printf("fixsplat render");
-    print_scenes(&v->options.world);
-    printf(" --cutoff %s --sh-degree %d --bg %02x%02x%02x", cutoff_name(render->cutoff), render->sh_degree,
-           render->background[0], render->background[1], render->background[2]);
-    if (v->options.cameras && !memcmp(e, start->position, sizeof view->position) &&
-        !memcmp(view->rotation, start->rotation, sizeof view->rotation))
-        printf(" --cameras %s --view %ld", v->options.cameras, v->index);
-    else {
-        printf(" --eye %.17g,%.17g,%.17g --look %.17g,%.17g,%.17g", e[0], e[1], e[2], e[0] + d * ahead[0],
-               e[1] + d * ahead[1], e[2] + d * ahead[2]);
-        printf(" --up %.17g,%.17g,%.17g", -down[0], -down[1], -down[2]);
-        if (v->options.has_tangents)
-            printf(" --tangents %.17g,%.17g,%.17g,%.17g", v->options.tangents[0], v->options.tangents[1],
-                   v->options.tangents[2], v->options.tangents[3]);
-        else if (view->projection == FXS_PERSPECTIVE)
-            printf(" --fov %.17g", 2 * atan(view->height / 2.0 / view->fy) * 180 / acos(-1));
-        sized = 1;
-    }
-    if (view->projection == FXS_ORTHOGRAPHIC)
-        printf(" --ortho %.17g", view->height / view->fy);
-    if (sized)
-        printf(" --size %dx%d", view->width, view->height);
-    print_eyes(v);
-    printf(" --near %.17g --lod %d --profile %s -o %s\n", view->near, v->options.load.lod,
-           profile_name(v->options.load.profile), path);
-    fflush(stdout);
-}
-
-static void screenshot(viewer *v, int key)
-{
-    (void)key;
-    char path[4096];
-    fxs_message message;
-    const fxs_file_view view = fit_view(v, 1);
-    v->renderer.divisor = 1;
-    if (v->screenshot)
-        snprintf(path, sizeof path, "%s", v->screenshot);
-    else
-        name_beside(v, path, sizeof path);
-    if (render(v, &view))
-        snprintf(v->note, sizeof v->note, "no screenshot: see the terminal");
-    else if (fxs_image_file_write(path, v->picture.pixels, v->picture.width, v->picture.height,
-                                  &message)) {
-        fail(0, "%s", message.text);
-        snprintf(v->note, sizeof v->note, "%.200s", message.text);
-    } else {
-        print_command(v, &view, path);
-        snprintf(v->note, sizeof v->note, "written: %.200s", path);
-    }
+    find_points(v);
+    show_view(v, l->index);
+    if (first)
+        fxs_window_resize(v->window, v->view.width * eyes_of(v), v->view.height);
+    end_loading(v);
 }
 
 /* ---- Keys and pointer -------------------------------------------------------------------------------------------- */
 
 static void next_view(viewer *v, int key)
 {
-    show_view(v, (v->index + (key == 'n' ? 1 : v->view_count - 1)) % v->view_count);
+    (void)key;
+    const int back = fxs_window_holds(FXS_KEY_SHIFT);
+    show_view(v, (v->index + (back ? v->view_count - 1 : 1)) % v->view_count);
 }
 
 static void reset(viewer *v, int key)
@@ -290,34 +214,18 @@ static void toggle_cutoff(viewer *v, int key)
     (void)key;
     v->options.render.cutoff = v->options.render.cutoff == FXS_CUTOFF_SQUARE ? FXS_CUTOFF_MAHALANOBIS
                                                                             : FXS_CUTOFF_SQUARE;
+    v->changed = 1;
 }
 
 static void choose_degree(viewer *v, int key)
 {
     v->options.render.sh_degree = key - '0';
+    v->changed = 1;
 }
 
-/* The next of the back ends that can be had, maybe the same again. */
-static void next_backend(viewer *v, int key)
-{
-    (void)key;
-    int now = 0, count = 0;
-    while (fxs_backend_at(count))
-        count++;
-    while (fxs_backend_at(now) != v->renderer.backend)
-        now++;
-    for (int i = 1; i <= count; i++) {
-        renderer other;
-        frame_options options = v->options;
-        options.backend = fxs_backend_at((now + i) % count)->name;
-        if (!renderer_open(&other, &options)) {
-            renderer_close(&v->renderer);
-            v->renderer = other;
-            v->options.backend = options.backend;
-            return;
-        }
-    }
-}
+static void next_backend(viewer *v, int key) { (void)key; ask_backend(v); }
+
+static void screenshot(viewer *v, int key) { (void)key; ask_screenshot(v); }
 
 static void next_divisor(viewer *v, int key)
 {
@@ -329,10 +237,59 @@ static void next_divisor(viewer *v, int key)
 static void change_speed(viewer *v, int key)
 {
     v->speed = fmin(fmax(v->speed * (key == '-' ? 1 / 1.5 : 1.5), 1e-3), 1e3);
-    snprintf(v->note, sizeof v->note, "speed %.3g units a second", v->speed * v->radius);
+    snprintf(v->note, sizeof v->note, "speed here %.3g units a second", v->speed * reach(v));
+}
+
+static void show_other(viewer *v, int key)
+{
+    const enum viewer_picture other = key == 'z' ? SHOW_DEPTH : SHOW_IDS;
+    v->shown = v->shown == other ? SHOW_COLOUR : other;
+    v->changed = 1;
+}
+
+static void toggle_measure(viewer *v, int key)
+{
+    (void)key;
+    v->measuring = !v->measuring;
+    v->ends = 0;
+    if (v->measuring)
+        snprintf(v->note, sizeof v->note, "measure: click one end");
+}
+
+/* Takes the camera's way, then writes it as a film; while that is written, drops it. */
+static void toggle_film(viewer *v, int key)
+{
+    (void)key;
+    if (v->film == FILM_WRITTEN) {
+        fxs_worker_stop(v->drawer);
+    } else if (v->film == FILM_TAKEN) {
+        if (v->way_count)
+            ask_film(v);
+    } else {
+        free(v->way);
+        v->way = malloc(FILM_MOST * sizeof *v->way);
+        v->way_count = 0;
+        v->film = v->way ? FILM_TAKEN : FILM_NONE;
+        if (!v->way)
+            snprintf(v->note, sizeof v->note, "no film: out of memory");
+    }
+}
+
+/* The view as it is, for each frame since the last step. */
+static void take_way(viewer *v, uint64_t now)
+{
+    v->filmed = v->way_count ? v->filmed : now;
+    for (; v->way_count < FILM_MOST && v->filmed <= now; v->filmed += FILM_NS)
+        v->way[v->way_count++] = v->view;
+    if (v->way_count == FILM_MOST)
+        ask_film(v);
 }
 
 static void toggle_graph(viewer *v, int key) { (void)key; v->graph = !v->graph; }
+
+static void toggle_rate(viewer *v, int key) { (void)key; v->rate = !v->rate; }
+
+static void toggle_theme(viewer *v, int key) { (void)key; v->light = !v->light; }
 
 static void toggle_help(viewer *v, int key) { (void)key; v->help = !v->help; }
 
@@ -341,16 +298,18 @@ static void quit(viewer *v, int key) { (void)key; v->quit = 1; }
 static void press(viewer *v, int pressed)
 {
     static const struct {
-        int key;
+        int key, of_scene;                  /* without a scene, it does nothing */
         void (*act)(viewer *v, int key);
-    } keys[] = {{'n', next_view}, {'p', next_view}, {'r', reset}, {'c', toggle_cutoff}, {'0', choose_degree},
-                {'1', choose_degree}, {'2', choose_degree}, {'3', choose_degree}, {'b', next_backend},
-                {'v', next_divisor}, {'+', change_speed}, {'=', change_speed}, {'-', change_speed},
-                {'g', toggle_graph}, {'h', toggle_help}, {'i', screenshot}, {FXS_KEY_ESCAPE, quit}};
+    } keys[] = {{'n', 1, next_view}, {'r', 1, reset}, {'c', 1, toggle_cutoff}, {'0', 1, choose_degree},
+                {'1', 1, choose_degree}, {'2', 1, choose_degree}, {'3', 1, choose_degree}, {'b', 1, next_backend},
+                {'v', 0, next_divisor}, {'+', 1, change_speed}, {'=', 1, change_speed}, {'-', 1, change_speed},
+                {'z', 1, show_other}, {'i', 1, show_other}, {'m', 1, toggle_measure}, {'k', 1, toggle_film},
+                {'f', 0, toggle_rate}, {'g', 0, toggle_graph}, {'t', 0, toggle_theme}, {'h', 0, toggle_help},
+                {'p', 1, screenshot}, {FXS_KEY_ESCAPE, 0, quit}};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
-        if (keys[i].key == pressed) {
+        if (keys[i].key == pressed && (v->path || !keys[i].of_scene)) {
             *v->note = 0;
-            v->changed = 1;
+            v->exposed = 1;
             keys[i].act(v, pressed);
         }
 }
@@ -360,7 +319,7 @@ static void point(viewer *v, const fxs_window_event *event)
 {
     int width, height, look = fxs_window_holds(' ');
     fxs_window_size(v->window, &width, &height);
-    double turn = acos(-1) / height, pixels = (double)v->view.width * eyes_of(v) / width;
+    double turn = acos(-1) / height, pixels = (double)v->view.height / height;
     if (look)
         fxs_motion_look(&v->view, v->up, event->dx * pixels / v->view.fx, event->dy * pixels / v->view.fy);
     else if (event->left)
@@ -380,14 +339,23 @@ static void zoom(viewer *v, double steps)
 
 static void fly(viewer *v, double seconds)
 {
-    double step = seconds * v->speed * v->radius * (fxs_window_holds(FXS_KEY_SHIFT) ? 4 : 1);
     int right = fxs_window_holds('d') - fxs_window_holds('a'), down = fxs_window_holds('q') - fxs_window_holds('e');
     int forward = fxs_window_holds('w') - fxs_window_holds('s');
     v->flying = right || down || forward;
     if (v->flying) {
+        double step = seconds * v->speed * reach(v) * (fxs_window_holds(FXS_KEY_SHIFT) ? 4 : 1);
         fxs_motion_fly(&v->view, right * step, down * step, forward * step);
         v->changed = v->moving = 1;
     }
+}
+
+static void click(viewer *v, const fxs_window_event *event)
+{
+    *v->note = 0;
+    if (v->measuring)
+        ask_end(v, event->x, event->y);
+    else if (event->count == 2)
+        ask_focus(v, event->x, event->y);
 }
 
 static void take(viewer *v, const fxs_window_event *event)
@@ -395,36 +363,127 @@ static void take(viewer *v, const fxs_window_event *event)
     switch (event->type) {
     case FXS_EVENT_QUIT: v->quit = 1; break;
     case FXS_EVENT_KEY: press(v, event->key); break;
-    case FXS_EVENT_POINTER: point(v, event); break;
-    case FXS_EVENT_WHEEL: zoom(v, event->dy); break;
     case FXS_EVENT_DROP: drop(v, event->path); break;
-    case FXS_EVENT_CHANGED: v->changed = 1; break;
+    case FXS_EVENT_CHANGED: v->changed = v->exposed = 1; break;
+    case FXS_EVENT_POINTER:
+    case FXS_EVENT_WHEEL:
+    case FXS_EVENT_CLICK:
+        if (!v->path)
+            break;
+        if (event->type == FXS_EVENT_POINTER)
+            point(v, event);
+        else if (event->type == FXS_EVENT_WHEEL)
+            zoom(v, event->dy);
+        else
+            click(v, event);
+        break;
+    case FXS_EVENT_WOKEN:
     case FXS_EVENT_NONE: break;
     }
 }
 
 /* ---- The viewer -------------------------------------------------------------------------------------------------- */
 
-void viewer_step(viewer *v, int milliseconds)
+static int milliseconds_until(uint64_t now, uint64_t then)
+{
+    return then > now ? (int)((then - now) / 1000000) + 1 : 0;
+}
+
+/* How long to wait for events: as asked, but not beyond what is due by itself. */
+static int time_to_wait(const viewer *v, int milliseconds)
+{
+    const uint64_t now = fxs_clock(0);
+    const int due[] = {v->flying ? milliseconds_until(now, v->clock + FRAME_MS * 1000000) : -1,
+                       v->coarse && !v->request_count ? milliseconds_until(now, v->moved + STILL_MS * 1000000) : -1,
+                       (v->loading.on && !v->installing) || v->film == FILM_WRITTEN ? LOADING_MS : -1,
+                       v->film == FILM_TAKEN ? milliseconds_until(now, v->filmed) : -1,
+                       v->hint ? milliseconds_until(now, v->hint) : -1};
+    for (size_t i = 0; i < sizeof due / sizeof *due; i++)
+        if (due[i] >= 0 && (milliseconds < 0 || due[i] < milliseconds))
+            milliseconds = due[i];
+    return milliseconds;
+}
+
+/* Events and flight. */
+static void move(viewer *v, int milliseconds)
 {
     const fxs_file_view view = v->view;
     const double distance = v->distance;
     fxs_camera camera;
     fxs_message message;
     fxs_window_event event;
-    int passed = (int)((fxs_clock(0) - v->clock) / 1000000);
-    int wait = v->flying ? (passed < FRAME_MS ? FRAME_MS - passed : 0) : v->coarse ? STILL_MS : milliseconds;
-    for (; !v->quit && fxs_window_wait(v->window, wait, &event); wait = 0)
+    for (int wait = time_to_wait(v, milliseconds); !v->quit && fxs_window_wait(v->window, wait, &event); wait = 0)
         take(v, &event);
     uint64_t now = fxs_clock(0);
-    fly(v, v->flying ? fmin((double)(now - v->clock) * 1e-9, 0.1) : FRAME_MS * 1e-3);
+    if (v->path)
+        fly(v, v->flying ? fmin((double)(now - v->clock) * 1e-9, 0.1) : FRAME_MS * 1e-3);
     v->clock = now;
-    if (fxs_camera_from_view(&camera, &v->view, &message)) {   /* moved out of the renderer's range */
+    if (v->moving)
+        v->moved = now;
+    if (v->path && fxs_camera_from_view(&camera, &v->view, &message)) {   /* moved out of the renderer's range */
         v->view = view;
         v->distance = distance;
     }
-    if (!v->quit && (v->changed || v->coarse))
-        draw(v);
+    if (v->film == FILM_TAKEN)
+        take_way(v, now);
+    if (v->hint && now >= v->hint) {
+        v->hint = 0;
+        v->exposed = 1;
+    }
+}
+
+/* Whether what was drawn smaller in motion is to be drawn whole. */
+static int is_still(const viewer *v)
+{
+    return v->coarse && v->clock >= v->moved + STILL_MS * 1000000;
+}
+
+int viewer_busy(const viewer *v)
+{
+    return v->loading.on || v->request_count || (v->path && v->changed);
+}
+
+void viewer_step(viewer *v, int milliseconds)
+{
+    move(v, milliseconds);
+    if (v->quit)
+        return;
+    collect_loaded(v);
+    viewer_collect(v);
+    if (v->path && !v->request_count && (v->changed || is_still(v))) {
+        ask_frame(v);
+        viewer_collect(v);
+    }
+    v->exposed |= v->loading.on || v->film == FILM_WRITTEN;
+    if (v->exposed && !v->quit && viewer_show(v)) {
+        v->quit = 1;
+        v->status = EXIT_FAILED;
+    }
+    v->exposed = 0;
+}
+
+static int has_scenes(const frame_options *options)
+{
+    return options->world.file || options->world.scene_count;
+}
+
+static int start(viewer *v)
+{
+    fxs_message message;
+    v->drawer = fxs_worker_start(fxs_window_wake);
+    v->loader = fxs_worker_start(fxs_window_wake);
+    v->points = malloc(NEAR_POINTS * sizeof *v->points);
+    if (!v->drawer || !v->loader || !v->points)
+        return fail(EXIT_FAILED, "no window: out of memory");
+    if (fxs_words_open(&v->words, &message))
+        fail(0, "%s", message.text);
+    fxs_window_resize(v->window, v->options.width ? v->options.width * eyes_of(v) : 1280,
+                      v->options.height ? v->options.height : 720);
+    v->hint = fxs_clock(0) + HINT_MS * 1000000ull;
+    ask_open(v);
+    if (has_scenes(&v->options))
+        start_loading(v);
+    return viewer_show(v);
 }
 
 int viewer_open(viewer *v, const frame_options *options, const char *screenshot_path)
@@ -434,28 +493,42 @@ int viewer_open(viewer *v, const frame_options *options, const char *screenshot_
     v->screenshot = screenshot_path;
     v->divisor = 2;
     v->speed = 0.5;
-    v->overlay = (fxs_picture){malloc(OVERLAY_WIDTH * OVERLAY_HEIGHT * 4), OVERLAY_WIDTH, OVERLAY_HEIGHT};
-    int status = v->overlay.rgba ? renderer_open(&v->renderer, options) : fail(EXIT_FAILED, "out of memory");
-    if (!status && fxs_window_open(&v->window, &message))
-        status = fail(EXIT_FAILED, "%s", message.text);
-    status = status ? status : take_scenes_of(v, 0, options);
-    if (!status) {
-        fxs_window_resize(v->window, v->view.width * eyes_of(v), v->view.height);
-        status = draw(v);
-    }
+    v->options = v->loading.options = *options;
+    int status = fxs_window_open(&v->window, &message) ? fail(EXIT_FAILED, "%s", message.text) : start(v);
     if (status)
         viewer_close(v);
     return status;
 }
 
+static void close_renderer(void *argument)
+{
+    renderer_close(argument);
+}
+
 void viewer_close(viewer *v)
 {
+    if (v->loader)
+        fxs_worker_end(v->loader);
+    if (v->drawer) {
+        fxs_worker_stop(v->drawer);
+        fxs_worker_wait(v->drawer);
+        fxs_worker_do(v->drawer, close_renderer, &v->renderer);
+        fxs_worker_end(v->drawer);
+    }
+    if (v->loading.on && !v->loading.status) {
+        world_close(&v->loading.world);
+        free(v->loading.views);
+    }
+    free(v->loading.path);
+    free(v->loading.next);
+    fxs_words_close(v->words);
     if (v->window)
         fxs_window_close(v->window);
-    renderer_close(&v->renderer);
     world_close(&v->world);
     picture_free(&v->picture);
+    picture_free(&v->drawn);
+    free(v->points);
+    free(v->way);
     free(v->views);
     free(v->path);
-    free(v->overlay.rgba);
 }

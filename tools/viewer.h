@@ -1,46 +1,138 @@
-/* What `fixsplat view` does: a scene in a window, the view that is on show and how it moves. */
+/* What `fixsplat view` does: a scene in a window, the view that is on show and how it moves. One thread has the window
+   (viewer.c, viewer_panels.c), one the renderer (viewer_frame.c), one opens scenes. */
 #ifndef VIEWER_H
 #define VIEWER_H
 
 #include "../port/window/window.h"
+#include "../port/window/worker.h"
 #include "renderer.h"
 
-typedef struct viewer {
+enum viewer_picture { SHOW_COLOUR, SHOW_DEPTH, SHOW_IDS };
+enum viewer_film { FILM_NONE, FILM_TAKEN, FILM_WRITTEN };   /* being so */
+enum { FILM_RATE = 30, FILM_MOST = FILM_RATE * 600 };       /* frames a second, frames */
+
+typedef struct viewer viewer;
+
+/* Something for the renderer's thread, and what it has found out: `work` is called there, then `done` here. */
+typedef struct request {
+    void (*work)(viewer *v, struct request *r);
+    void (*done)(viewer *v, struct request *r);
+    fxs_file_view view;
+    fxs_options render;
+    int divisor, x, y;
+    enum viewer_picture shown;
+    int status;                             /* of the work; of a pick, as renderer_pick has it */
+    char path[4096];                        /* of a screenshot or film */
+    int unwritten;
+    fxs_message message;                    /* why */
+    fxs_stats stats;
+    fxs_pick_result pick;
+} request;
+
+enum { REQUESTS_MOST = 8, NEAR_POINTS = 1024 };
+
+/* A scene on its way: all but `status` is the loader's until it is done. */
+typedef struct loading {
+    int on;
+    char *path, *next;                      /* dropped, or null; the one after it */
+    frame_options options;
+    world world;
+    fxs_file_view *views;
+    long count, index;
+    int status;
+} loading;
+
+struct viewer {
     frame_options options;                  /* as given; a dropped scene takes the camera out, keys change the rest */
-    const char *screenshot;                 /* where to, or null: beside the scene */
+    const char *screenshot;                 /* where to, or null: fixsplat-001.png and on */
     fxs_window *window;
-    renderer renderer;
+    fxs_words *words;                       /* or null */
+    fxs_worker *drawer, *loader;
 
+    request requests[REQUESTS_MOST];
+    int request_count, given;               /* whether the first is with the drawer */
+    renderer renderer;                      /* the drawer's while there are requests, with the world, and: */
+    frame_options opened;                   /* what the renderer was opened by */
+    picture drawn;
     picture picture;                        /* the last frame */
+    fxs_file_view seen;                     /* its view; no width: there is none */
 
-    char *path;                             /* of the scene, or of the file that says which there are */
+    loading loading;
+    int installing;                         /* what was loaded is asked to be installed */
+    char *path;                             /* of the scene, or of the file that says which there are; null: none */
     world world;
     fxs_file_view *views;                   /* of the camera file, or the one to start from */
     long view_count, index;                 /* the view that was moved away from */
+    double (*points)[3];                    /* of the scene, spread over it: NEAR_POINTS or fewer */
+    int point_count;
 
     fxs_file_view view;                     /* on show, at the size that it came with */
     double up[3];                           /* in the scene */
     double distance;                        /* from the camera's centre to the point that it turns about */
-    double radius, speed;                   /* of the scene, units; of flight, radii a second */
+    double radius, speed;                   /* of the scene, units; of flight, by what lies near, a second */
 
-    int changed, moving;                    /* since the last frame: to be drawn, and by a motion */
+    int changed, moving, exposed;           /* since the last frame: to be drawn, and by a motion; to be shown */
     int flying, coarse;                     /* a key of flight is down; the last frame was at less than full size */
     int divisor;                            /* of width and height while moving */
-    uint64_t clock;                         /* of the last step, nanoseconds */
+    enum viewer_picture shown;
+    uint64_t clock, moved;                  /* of the last step; since when it is still: nanoseconds */
+    uint64_t hint;                          /* until when the hint is shown; 0: it is not */
 
-    int graph, help, quit;
+    enum viewer_film film;
+    fxs_file_view *way;                     /* of the camera, FILM_MOST at most; the drawer's while it is written */
+    int way_count;
+    uint64_t filmed;                        /* the time of the next, nanoseconds */
+
+    int graph, help, rate, light, quit, status;
+    int measuring, ends;                    /* the ends that there are, of: */
+    double end[2][3];
     fxs_frame_times times;
-    fxs_picture overlay;
-    char note[256];                         /* shown in the title; empty: none */
-} viewer;
+    char note[256];                         /* shown in the window and its title; empty: none */
+};
 
-/* Opens scenes in a window. `options` and `screenshot` (or null) as on the command line. Returns 0 and a viewer for
-   viewer_close, or prints why not and returns the exit status. The viewer stays where it is in between. */
+/* Opens a window, which shows the scenes when they are there. `options` and `screenshot` (or null) as on the command
+   line; without a scene the window waits for one. Returns 0 and a viewer for viewer_close, or prints why not and
+   returns the exit status. The viewer stays where it is in between. */
 int viewer_open(viewer *v, const frame_options *options, const char *screenshot);
 void viewer_close(viewer *v);
 
-/* Waits up to so many milliseconds (negative: for ever) for something to do, and does it. v->quit is set at the
-   end. */
+/* Waits up to so many milliseconds (negative: for ever) for something to do, and does it. v->quit is set at the end,
+   with v->status. */
 void viewer_step(viewer *v, int milliseconds);
+
+/* Whether something is being opened or drawn, or is to be. */
+int viewer_busy(const viewer *v);
+
+/* ---- viewer_frame.c ---------------------------------------------------------------------------------------------- */
+
+/* They ask for something to be done, in order; where REQUESTS_MOST wait already, for nothing. ask_install returns
+   whether it is asked for. */
+void ask_open(viewer *v);
+void ask_frame(viewer *v);
+void ask_screenshot(viewer *v);
+void ask_backend(viewer *v);
+void ask_focus(viewer *v, double x, double y);
+void ask_film(viewer *v);                            /* of v->way, which is not empty */
+void ask_end(viewer *v, double x, double y);         /* of what is measured */
+int ask_install(viewer *v);                          /* puts the loaded scenes in the place of those there are */
+
+/* Takes what the renderer's thread has done, and gives it the next. */
+void viewer_collect(viewer *v);
+
+/* Side by side in the window. */
+int eyes_of(const viewer *v);
+
+/* "mahalanobis" or "square". */
+const char *cutoff_name(enum fxs_cutoff cutoff);
+
+/* ---- viewer.c ---------------------------------------------------------------------------------------------------- */
+
+/* Takes the loaded scenes; nothing is drawn meanwhile. */
+void viewer_install(viewer *v);
+
+/* ---- viewer_panels.c --------------------------------------------------------------------------------------------- */
+
+/* Shows the last frame and what is over it. Returns 0, or prints why not and returns EXIT_FAILED. */
+int viewer_show(viewer *v);
 
 #endif

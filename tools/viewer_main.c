@@ -17,5 +17,5 @@ int main(int argc, char **argv)
     while (!v.quit)
         viewer_step(&v, -1);
     viewer_close(&v);
-    return EXIT_OK;
+    return v.status;
 }

@@ -60,3 +60,14 @@ void fxs_motion_zoom(fxs_file_view *view, double *distance, double factor)
     fxs_motion_fly(view, 0, 0, *distance * (1 - factor));
     *distance *= factor;
 }
+
+void fxs_motion_fit(fxs_file_view *view, int width, int height)
+{
+    const double scale = (double)height / view->height;
+    view->fx *= scale;
+    view->fy *= scale;
+    view->cx = width / 2.0;
+    view->cy = height / 2.0;
+    view->width = width;
+    view->height = height;
+}

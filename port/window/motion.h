@@ -21,4 +21,7 @@ void fxs_motion_pan(fxs_file_view *view, double distance, double right, double d
 /* Makes the distance `factor` times as long; the pivot stays. Of an orthographic view, what a pixel shows instead. */
 void fxs_motion_zoom(fxs_file_view *view, double *distance, double factor);
 
+/* Gives the view another size; what it shows from top to bottom stays, and the middle. */
+void fxs_motion_fit(fxs_file_view *view, int width, int height);
+
 #endif

@@ -1,34 +1,14 @@
 #include "overlay.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-/* Columns of 7 dots from the left, bit 0 on top. */
-static const uint8_t font[128][5] = {
-    ['+'] = {0x08, 0x08, 0x3e, 0x08, 0x08}, [','] = {0x00, 0x40, 0x30, 0x10, 0x00},
-    ['-'] = {0x08, 0x08, 0x08, 0x08, 0x08}, ['.'] = {0x00, 0x60, 0x60, 0x00, 0x00},
-    ['/'] = {0x60, 0x10, 0x08, 0x04, 0x03}, ['0'] = {0x3e, 0x51, 0x49, 0x45, 0x3e},
-    ['1'] = {0x00, 0x42, 0x7f, 0x40, 0x00}, ['2'] = {0x62, 0x51, 0x49, 0x49, 0x46},
-    ['3'] = {0x41, 0x49, 0x49, 0x49, 0x36}, ['4'] = {0x1c, 0x12, 0x11, 0x7f, 0x10},
-    ['5'] = {0x27, 0x45, 0x45, 0x45, 0x39}, ['6'] = {0x3c, 0x4a, 0x49, 0x49, 0x30},
-    ['7'] = {0x01, 0x61, 0x19, 0x05, 0x03}, ['8'] = {0x36, 0x49, 0x49, 0x49, 0x36},
-    ['9'] = {0x06, 0x49, 0x49, 0x29, 0x1e}, ['A'] = {0x7e, 0x09, 0x09, 0x09, 0x7e},
-    ['B'] = {0x7f, 0x49, 0x49, 0x49, 0x36}, ['C'] = {0x3e, 0x41, 0x41, 0x41, 0x41},
-    ['D'] = {0x7f, 0x41, 0x41, 0x41, 0x3e}, ['E'] = {0x7f, 0x49, 0x49, 0x49, 0x41},
-    ['F'] = {0x7f, 0x09, 0x09, 0x09, 0x01}, ['G'] = {0x3e, 0x41, 0x41, 0x49, 0x79},
-    ['H'] = {0x7f, 0x08, 0x08, 0x08, 0x7f}, ['I'] = {0x00, 0x41, 0x7f, 0x41, 0x00},
-    ['J'] = {0x20, 0x40, 0x41, 0x41, 0x3f}, ['K'] = {0x7f, 0x08, 0x14, 0x22, 0x41},
-    ['L'] = {0x7f, 0x40, 0x40, 0x40, 0x40}, ['M'] = {0x7f, 0x02, 0x0c, 0x02, 0x7f},
-    ['N'] = {0x7f, 0x06, 0x08, 0x30, 0x7f}, ['O'] = {0x3e, 0x41, 0x41, 0x41, 0x3e},
-    ['P'] = {0x7f, 0x09, 0x09, 0x09, 0x06}, ['Q'] = {0x3e, 0x41, 0x51, 0x21, 0x5e},
-    ['R'] = {0x7f, 0x09, 0x19, 0x29, 0x46}, ['S'] = {0x46, 0x49, 0x49, 0x49, 0x31},
-    ['T'] = {0x01, 0x01, 0x7f, 0x01, 0x01}, ['U'] = {0x3f, 0x40, 0x40, 0x40, 0x3f},
-    ['V'] = {0x0f, 0x30, 0x40, 0x30, 0x0f}, ['W'] = {0x7f, 0x20, 0x18, 0x20, 0x7f},
-    ['X'] = {0x63, 0x14, 0x08, 0x14, 0x63}, ['Y'] = {0x03, 0x04, 0x78, 0x04, 0x03},
-    ['Z'] = {0x61, 0x51, 0x49, 0x45, 0x43},
-};
+#include "words.h"
+
+const fxs_theme fxs_dark = {0x14171dff, 0x0c0e14c8, 0xeef1f6ff, 0xeef1f640, 0x6ea8ffff};
+const fxs_theme fxs_light = {0xe9ecf1ff, 0xfafbfde0, 0x12151bff, 0x12151b40, 0x1f5fd0ff};
 
 static const uint32_t stage_colours[FXS_STAGES] = {
     [FXS_PROJECT] = 0x4f8ff0ff, [FXS_SHADE] = 0xf2c14eff, [FXS_SORT] = 0xb07ee8ff,
@@ -43,23 +23,101 @@ void fxs_draw_rectangle(const fxs_picture *picture, int x, int y, int width, int
             memcpy(picture->rgba + 4 * ((size_t)row * (size_t)picture->width + (size_t)column), rgba, 4);
 }
 
-static void draw_letter(const fxs_picture *picture, int x, int y, int dot, char letter, uint32_t colour)
+void fxs_draw_line(const fxs_picture *picture, const double from[2], const double to[2], double wide, uint32_t colour)
 {
-    const uint8_t *columns = font[toupper((unsigned char)letter) & 127];
-    for (int i = 0; i < 35; i++)
-        if (columns[i / 7] >> i % 7 & 1)
-            fxs_draw_rectangle(picture, x + i / 7 * dot, y + i % 7 * dot, dot, dot, colour);
+    const double length = fmax(hypot(to[0] - from[0], to[1] - from[1]), 1);
+    for (double at = 0; at <= length; at += 0.5) {
+        const double x = from[0] + (to[0] - from[0]) * at / length, y = from[1] + (to[1] - from[1]) * at / length;
+        fxs_draw_rectangle(picture, (int)floor(x - wide / 2 + 0.5), (int)floor(y - wide / 2 + 0.5), (int)wide,
+                           (int)wide, colour);
+    }
 }
 
-void fxs_draw_text(const fxs_picture *picture, int x, int y, int dot, const char *text, uint32_t colour)
+enum { BINS = 2048 };
+
+/* log2(depth + 1) / 32 BINS, a number below BINS */
+static int bin_of(uint32_t depth)
 {
-    for (int column = 0; *text; text++, column++) {
-        draw_letter(picture, x + column * 6 * dot, y, dot, *text, colour);
-        if (*text == '\n') {
-            column = -1;
-            y += 9 * dot;
+    return (int)(log2((double)depth + 1) / 32 * BINS * (1 - 1e-9));
+}
+
+/* The bin that this many depths are below. */
+static int quantile(const uint32_t counts[BINS], uint64_t below)
+{
+    int bin = 0;
+    for (uint64_t sum = 0; bin < BINS - 1 && (sum += counts[bin]) <= below;)
+        bin++;
+    return bin;
+}
+
+void fxs_paint_depths(const fxs_picture *picture, const uint32_t *depths)
+{
+    static const uint8_t ramp[][3] = {{178, 24, 43}, {244, 109, 67}, {254, 224, 144}, {171, 217, 233}, {69, 117, 180},
+                                      {30, 40, 100}};
+    const size_t pixels = (size_t)picture->width * (size_t)picture->height;
+    uint32_t counts[BINS] = {0};
+    uint64_t seen = 0;
+    for (size_t i = 0; i < pixels; i++)
+        if (depths[i] != FXS_NOTHING) {
+            counts[bin_of(depths[i])]++;
+            seen++;
         }
+    const int near = quantile(counts, seen / 50), far = quantile(counts, seen - seen / 50);
+    for (size_t i = 0; i < pixels; i++) {
+        const double at = far > near ? (double)(bin_of(depths[i]) - near) / (far - near) : 0;
+        const double place = fmin(fmax(at, 0), 1) * 5;
+        const int step = place < 4 ? (int)place : 4;
+        uint8_t *rgba = picture->rgba + 4 * i;
+        for (int k = 0; k < 3; k++)
+            rgba[k] = depths[i] == FXS_NOTHING
+                          ? 0 : (uint8_t)lround(ramp[step][k] + (place - step) * (ramp[step + 1][k] - ramp[step][k]));
+        rgba[3] = 255;
     }
+}
+
+/* The bits of a product by an odd number near 2^64 / golden ratio, from the top: neighbours in number differ. */
+void fxs_paint_ids(const fxs_picture *picture, const fxs_id *ids)
+{
+    const size_t pixels = (size_t)picture->width * (size_t)picture->height;
+    for (size_t i = 0; i < pixels; i++) {
+        const uint64_t id = (uint64_t)ids[i].object << 32 | ids[i].gaussian, mixed = (id + 1) * 0x9e3779b97f4a7c15u;
+        const int nothing = ids[i].gaussian == FXS_NOTHING;
+        uint8_t *rgba = picture->rgba + 4 * i;
+        for (int k = 0; k < 3; k++)
+            rgba[k] = nothing ? 0 : (uint8_t)(64 + (mixed >> (56 - 8 * k) & 255) * 3 / 4);
+        rgba[3] = 255;
+    }
+}
+
+/* The share of a corner's pixel that is within the circle, by the distance of its centre. */
+static double corner_share(int x, int y, int radius)
+{
+    return fmin(fmax(radius + 0.5 - hypot(radius - x - 0.5, radius - y - 0.5), 0), 1);
+}
+
+int fxs_panel_make(fxs_panel *panel, int x, int y, int width, int height, int radius, uint32_t colour)
+{
+    width = width < 1 ? 1 : width;
+    height = height < 1 ? 1 : height;
+    *panel = (fxs_panel){{calloc((size_t)width * (size_t)height, 4), width, height}, x, y};
+    if (!panel->picture.rgba)
+        return -1;
+    fxs_draw_rectangle(&panel->picture, 0, 0, width, height, colour);
+    for (int row = 0; row < radius && 2 * radius <= width && 2 * radius <= height; row++)
+        for (int column = 0; column < radius; column++) {
+            const double share = corner_share(column, row, radius);
+            const uint32_t cut = (colour & ~0xffu) | (uint32_t)lround((colour & 255) * share);
+            for (int side = 0; side < 4; side++)
+                fxs_draw_rectangle(&panel->picture, side & 1 ? width - 1 - column : column,
+                                   side & 2 ? height - 1 - row : row, 1, 1, cut);
+        }
+    return 0;
+}
+
+void fxs_panel_free(fxs_panel *panel)
+{
+    free(panel->picture.rgba);
+    panel->picture.rgba = 0;
 }
 
 void fxs_frame_times_add(fxs_frame_times *times, const fxs_stats *stats)
@@ -88,34 +146,41 @@ static double graph_top(const fxs_frame_times *times)
     return top;
 }
 
-static void draw_bars(const fxs_picture *picture, int x, int y, int height, double top, const fxs_frame_times *times)
+static void draw_bars(const fxs_picture *picture, int margin, int height, int scale, double top,
+                      const fxs_frame_times *times)
 {
     for (int frame = 0; frame < FXS_GRAPH_FRAMES; frame++) {
         double below = 0;
         for (int i = 0, from = 0; i < FXS_STAGES; i++) {
             below += times->stage[frame][i];
             int to = (int)lround(below / top * height);
-            fxs_draw_rectangle(picture, x + 2 * (FXS_GRAPH_FRAMES - 1 - frame), y + height - to, 2, to - from,
-                               stage_colours[i]);
+            fxs_draw_rectangle(picture, margin + 2 * scale * (FXS_GRAPH_FRAMES - 1 - frame), margin + height - to,
+                               2 * scale, to - from, stage_colours[i]);
             from = to;
         }
     }
 }
 
-void fxs_draw_frame_times(const fxs_picture *picture, int x, int y, const fxs_frame_times *times)
+void fxs_draw_frame_times(const fxs_picture *picture, const fxs_frame_times *times, int scale, const fxs_theme *theme,
+                          fxs_words *words)
 {
-    enum { MARGIN = 8, HEIGHT = 112, LEGEND = 2 * FXS_GRAPH_FRAMES + 2 * MARGIN };
+    const int margin = 8 * scale, height = 112 * scale, wide = 2 * FXS_GRAPH_FRAMES * scale;
+    const int legend = wide + 2 * margin, numbers = (FXS_GRAPH_WIDTH - 8) * scale;
     char text[64];
     double top = graph_top(times);
-    fxs_draw_rectangle(picture, x, y, FXS_GRAPH_WIDTH, FXS_GRAPH_HEIGHT, FXS_PANEL);
-    fxs_draw_rectangle(picture, x + MARGIN, y + MARGIN, 2 * FXS_GRAPH_FRAMES, 1, 0xffffff60);
-    draw_bars(picture, x + MARGIN, y + MARGIN, HEIGHT, top, times);
+    fxs_draw_rectangle(picture, margin, margin, wide, scale, theme->faint);
+    draw_bars(picture, margin, height, scale, top, times);
+    fxs_words_resize(words, 11 * scale);
     snprintf(text, sizeof text, "%.0f ms", top);
-    fxs_draw_text(picture, x + MARGIN, y + MARGIN + 3, 1, text, 0xffffffc0);
-    snprintf(text, sizeof text, "%.1f ms", times->frame);
-    fxs_draw_text(picture, x + LEGEND, y + MARGIN, 2, text, 0xffffffff);
+    fxs_draw_words(words, picture, margin, margin + 3 * scale, text, theme->words);
     for (int i = 0; i < FXS_STAGES; i++) {
-        snprintf(text, sizeof text, "%-8s%6.1f", fxs_stage_name((enum fxs_stage)i), times->stage[0][i]);
-        fxs_draw_text(picture, x + LEGEND, y + MARGIN + 24 + 15 * i, 1, text, stage_colours[i]);
+        const int y = margin + (24 + 15 * i) * scale;
+        fxs_draw_rectangle(picture, legend, y + 3 * scale, 8 * scale, 8 * scale, stage_colours[i]);
+        fxs_draw_words(words, picture, legend + 14 * scale, y, fxs_stage_name((enum fxs_stage)i), theme->words);
+        snprintf(text, sizeof text, "%.1f", times->stage[0][i]);
+        fxs_draw_words(words, picture, numbers - fxs_words_width(words, text), y, text, theme->words);
     }
+    fxs_words_resize(words, 14 * scale);
+    snprintf(text, sizeof text, "%.1f ms", times->frame);
+    fxs_draw_words(words, picture, legend, margin, text, theme->words);
 }

@@ -13,6 +13,7 @@
 struct fxs_window {
     SDL_Window *window;
     char *dropped;
+    int moved;                      /* points since the left button went down, at least */
 };
 
 static int fail(fxs_message *message)
@@ -20,8 +21,9 @@ static int fail(fxs_message *message)
     return fxs_fail(message, "no window: %s", SDL_GetError());
 }
 
-/* Without a display SDL would fall back to drivers that show nothing. Wayland's library writes lines of its own where
-   it has no folder for its socket. A driver asked for by SDL_VIDEODRIVER is taken as it is. */
+/* Without a display SDL would fall back to drivers that show nothing, or that take the machine's console away from its
+   shell. Wayland's library writes lines of its own where it has no folder for its socket. A driver asked for by
+   SDL_VIDEODRIVER is taken as it is. */
 static void choose_drivers(void)
 {
     char list[256] = "";
@@ -31,7 +33,7 @@ static void choose_drivers(void)
     for (int i = 0; i < SDL_GetNumVideoDrivers(); i++) {
         const char *name = SDL_GetVideoDriver(i);
         if (!strcmp(name, "offscreen") || !strcmp(name, "dummy") || !strcmp(name, "evdev") ||
-            (!wayland && !strcmp(name, "wayland")))
+            !strcmp(name, "KMSDRM") || (!wayland && !strcmp(name, "wayland")))
             continue;
         SDL_strlcat(list, *list ? "," : "", sizeof list);
         SDL_strlcat(list, name, sizeof list);
@@ -50,12 +52,12 @@ int fxs_window_open(fxs_window **window, fxs_message *message)
     choose_drivers();
     if (!SDL_InitSubSystem(SDL_INIT_VIDEO)) {
         (*window)->window = SDL_CreateWindow("fixsplat", SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, 1, 1,
-                                             SDL_WINDOW_HIDDEN | SDL_WINDOW_RESIZABLE);
+                                             SDL_WINDOW_HIDDEN | SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI);
         SDL_StopTextInput();
     }
     if ((*window)->window)
         return 0;
-    fail(message);
+    fxs_fail(message, "no window: %s; without a display, view --web shows scenes in a browser", SDL_GetError());
     fxs_window_close(*window);
     *window = 0;
     return -1;
@@ -70,22 +72,32 @@ void fxs_window_close(fxs_window *window)
     free(window);
 }
 
+void fxs_window_size(const fxs_window *window, int *width, int *height)
+{
+#if SDL_VERSION_ATLEAST(2, 26, 0)
+    SDL_GetWindowSizeInPixels(window->window, width, height);
+#else
+    SDL_GetWindowSize(window->window, width, height);
+#endif
+}
+
+double fxs_window_scale(const fxs_window *window)
+{
+    int width, height, points;
+    fxs_window_size(window, &width, &height);
+    SDL_GetWindowSize(window->window, &points, 0);
+    return points > 0 ? fmax(1, (double)width / points) : 1;
+}
+
 void fxs_window_resize(fxs_window *window, int width, int height)
 {
     SDL_Rect room;
-    if (!SDL_GetDisplayUsableBounds(SDL_GetWindowDisplayIndex(window->window), &room)) {
-        double scale = fmin(1, fmin((double)room.w / width, (double)room.h / height));
-        width = (int)fmax(1, width * scale);
-        height = (int)fmax(1, height * scale);
-    }
-    SDL_SetWindowSize(window->window, width, height);
+    double scale = 1 / fxs_window_scale(window);
+    if (!SDL_GetDisplayUsableBounds(SDL_GetWindowDisplayIndex(window->window), &room))
+        scale = fmin(scale, fmin((double)room.w / width, (double)room.h / height));
+    SDL_SetWindowSize(window->window, (int)fmax(1, width * scale), (int)fmax(1, height * scale));
     SDL_SetWindowPosition(window->window, SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED);
     SDL_ShowWindow(window->window);
-}
-
-void fxs_window_size(const fxs_window *window, int *width, int *height)
-{
-    SDL_GetWindowSize(window->window, width, height);
 }
 
 void fxs_window_title(fxs_window *window, const char *title)
@@ -93,10 +105,37 @@ void fxs_window_title(fxs_window *window, const char *title)
     SDL_SetWindowTitle(window->window, title);
 }
 
+/* A hand that clicks shakes: three points are no drag. */
+static void translate_button(fxs_window *window, const SDL_MouseButtonEvent *in, fxs_window_event *out)
+{
+    const double scale = fxs_window_scale(window);
+    if (in->button != SDL_BUTTON_LEFT)
+        return;
+    if (in->type == SDL_MOUSEBUTTONUP && window->moved <= 3)
+        out->type = FXS_EVENT_CLICK;
+    window->moved = 0;
+    out->count = in->clicks;
+    out->x = in->x * scale;
+    out->y = in->y * scale;
+}
+
+static void translate_motion(fxs_window *window, const SDL_MouseMotionEvent *in, fxs_window_event *out)
+{
+    const double scale = fxs_window_scale(window);
+    out->type = FXS_EVENT_POINTER;
+    out->left = (in->state & SDL_BUTTON_LMASK) != 0;
+    out->other = (in->state & (SDL_BUTTON_MMASK | SDL_BUTTON_RMASK)) != 0;
+    out->dx = in->xrel * scale;
+    out->dy = in->yrel * scale;
+    out->x = in->x * scale;
+    out->y = in->y * scale;
+    window->moved += abs(in->xrel) + abs(in->yrel);
+}
+
 /* Returns 0 for what the viewer has no use for. */
 static int translate(fxs_window *window, const SDL_Event *in, fxs_window_event *out)
 {
-    *out = (fxs_window_event){FXS_EVENT_NONE, 0, 0, 0, 0, 0, 0};
+    *out = (fxs_window_event){.type = FXS_EVENT_NONE};
     switch (in->type) {
     case SDL_QUIT:
         out->type = FXS_EVENT_QUIT;
@@ -106,11 +145,11 @@ static int translate(fxs_window *window, const SDL_Event *in, fxs_window_event *
         out->key = in->key.keysym.sym;
         break;
     case SDL_MOUSEMOTION:
-        out->type = FXS_EVENT_POINTER;
-        out->left = (in->motion.state & SDL_BUTTON_LMASK) != 0;
-        out->other = (in->motion.state & (SDL_BUTTON_MMASK | SDL_BUTTON_RMASK)) != 0;
-        out->dx = in->motion.xrel;
-        out->dy = in->motion.yrel;
+        translate_motion(window, &in->motion, out);
+        break;
+    case SDL_MOUSEBUTTONDOWN:
+    case SDL_MOUSEBUTTONUP:
+        translate_button(window, &in->button, out);
         break;
     case SDL_MOUSEWHEEL:
         out->type = FXS_EVENT_WHEEL;
@@ -120,6 +159,9 @@ static int translate(fxs_window *window, const SDL_Event *in, fxs_window_event *
         SDL_free(window->dropped);
         out->type = FXS_EVENT_DROP;
         out->path = window->dropped = in->drop.file;
+        break;
+    case SDL_USEREVENT:
+        out->type = FXS_EVENT_WOKEN;
         break;
     case SDL_WINDOWEVENT:
         if (in->window.event == SDL_WINDOWEVENT_EXPOSED || in->window.event == SDL_WINDOWEVENT_SIZE_CHANGED)
@@ -140,6 +182,14 @@ int fxs_window_wait(fxs_window *window, int milliseconds, fxs_window_event *even
     return 0;
 }
 
+void fxs_window_wake(void)
+{
+    SDL_Event event;
+    SDL_zero(event);
+    event.type = SDL_USEREVENT;
+    SDL_PushEvent(&event);
+}
+
 int fxs_window_holds(int key)
 {
     const Uint8 *state = SDL_GetKeyboardState(0);
@@ -154,17 +204,30 @@ static SDL_Surface *surface_of(const fxs_picture *picture)
                                               SDL_PIXELFORMAT_RGBA32);
 }
 
-int fxs_window_show(fxs_window *window, const fxs_picture *picture, const fxs_picture *overlay, fxs_message *message)
+static int show_panel(SDL_Surface *target, const fxs_panel *panel)
 {
-    SDL_Surface *target = SDL_GetWindowSurface(window->window), *below = surface_of(picture);
-    SDL_Surface *above = overlay ? surface_of(overlay) : 0;
-    int result = !target || !below || (overlay && !above);
-    if (!result) {
+    SDL_Surface *surface = surface_of(&panel->picture);
+    SDL_Rect place = {panel->x, panel->y, 0, 0};
+    const int result = !surface || SDL_BlitSurface(surface, 0, target, &place);
+    SDL_FreeSurface(surface);
+    return result;
+}
+
+int fxs_window_show(fxs_window *window, const fxs_picture *picture, uint32_t colour, const fxs_panel *panels, int count,
+                    fxs_message *message)
+{
+    SDL_Surface *target = SDL_GetWindowSurface(window->window), *below = picture ? surface_of(picture) : 0;
+    int result = !target || (picture && !below);
+    if (!result && picture) {
         SDL_SetSurfaceBlendMode(below, SDL_BLENDMODE_NONE);
-        result = SDL_BlitScaled(below, 0, target, 0) || (above && SDL_BlitSurface(above, 0, target, 0)) ||
-                 SDL_UpdateWindowSurface(window->window);
+        result = SDL_BlitScaled(below, 0, target, 0);
+    } else if (!result) {
+        result = SDL_FillRect(target, 0, SDL_MapRGB(target->format, (Uint8)(colour >> 24), (Uint8)(colour >> 16),
+                                                    (Uint8)(colour >> 8)));
     }
+    for (int i = 0; i < count && !result; i++)
+        result = show_panel(target, &panels[i]);
+    result = result || SDL_UpdateWindowSurface(window->window);
     SDL_FreeSurface(below);
-    SDL_FreeSurface(above);
     return result ? fail(message) : 0;
 }

@@ -52,9 +52,11 @@ cameras wide.json "$(inria_camera front 0 128 32 120)"
 
 fails "no command" 2 "no command"
 fails "unknown command" 2 "'paint'" paint
-for command in render view bench info; do
+for command in render bench info; do
     fails "$command: no scene" 2 "$command takes a scene file, or several" $command --lod 0
 done
+fails "view --web: no scene" 2 "view takes a scene file, or several" view --web
+fails "view --cameras: no scene" 2 "view: --cameras needs a scene" view --cameras three.json
 fails "no output" 2 "where to" render knot.ply
 succeeds "version" --version
 succeeds "help" --help

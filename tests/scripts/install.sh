@@ -28,6 +28,15 @@ check "in it, the public headers" equal "$(ls "$include" | sort)" "$headers"
 check "no two of one name" equal "$(echo "$headers" | uniq -d)" ""
 check "none says where it was" equal "$(grep -l '^ *# *include *"[^"]*/' "$include"/*)" ""
 check "the command runs" "$prefix/bin/fixsplat" --version
+if [ -e "$B/fixsplat-view" ]; then
+    entry=$prefix/share/applications/fixsplat-view.desktop
+    icon=$(sed -n 's/^Icon=//p' "$entry")
+    check "its window: an entry for the desktop" test -x "$prefix/bin/$(sed -n 's/^TryExec=//p' "$entry")"
+    check "and the icon that it names" grep -q '<svg' "$prefix/share/icons/hicolor/scalable/apps/$icon.svg"
+    ! have desktop-file-validate || check "as the desktop wants it" desktop-file-validate "$entry"
+else
+    skip "an entry for the desktop" "built without SDL2"
+fi
 check "modes" equal "$(find "$prefix" -type f ! -perm 644 | sort | tr '\n' ' ')" \
     "$(find "$prefix/bin" -type f -perm 755 | sort | tr '\n' ' ')"
 

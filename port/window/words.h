@@ -1,0 +1,20 @@
+/* Words by SDL2_ttf and a font of the system. Where either is missing there are none: null is words of no size, which
+   draw nothing. One thread. */
+#ifndef FXS_WORDS_H
+#define FXS_WORDS_H
+
+#include "../files/message.h"
+#include "overlay.h"
+
+/* Returns 0 and words for fxs_words_close, or -1, null and a message. */
+int fxs_words_open(fxs_words **words, fxs_message *message);
+void fxs_words_close(fxs_words *words);
+
+/* Sets the size of those that follow: pixels, of a line without its gap. */
+void fxs_words_resize(fxs_words *words, int pixels);
+
+/* Pixels from one line to the next, and across a text. */
+int fxs_words_line(const fxs_words *words);
+int fxs_words_width(const fxs_words *words, const char *text);
+
+#endif

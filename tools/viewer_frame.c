@@ -1,0 +1,440 @@
+/* What the thread of the renderer does for the window. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "../port/backend/backends.h"
+#include "../port/image/film_file.h"
+#include "../port/posix/clock.h"
+#include "../port/window/motion.h"
+#include "viewer.h"
+
+const char *cutoff_name(enum fxs_cutoff cutoff)
+{
+    return cutoff == FXS_CUTOFF_SQUARE ? "square" : "mahalanobis";
+}
+
+int eyes_of(const viewer *v)
+{
+    return v->options.stereo > 0 ? 2 : 1;
+}
+
+/* ---- Requests ---------------------------------------------------------------------------------------------------- */
+
+/* A view at a size. */
+static fxs_file_view fit(const viewer *v, fxs_file_view view, int width, int height)
+{
+    fxs_message message;
+    if (width != view.width || height != view.height)
+        fxs_motion_fit(&view, width, height);
+    if (v->options.has_tangents)
+        fxs_view_set_tangents(&view, v->options.tangents, &message);
+    return view;
+}
+
+/* The view on show at the window's size, or a fraction of it; of two eyes, one of them. */
+static fxs_file_view fit_view(const viewer *v, int divisor)
+{
+    int width, height;
+    fxs_window_size(v->window, &width, &height);
+    width /= eyes_of(v);
+    width = width > divisor ? width / divisor : 1;
+    height = height > divisor ? height / divisor : 1;
+    return fit(v, v->view, width, height);
+}
+
+/* Returns the request, with the view as it is now, or null. */
+static request *ask(viewer *v, void (*work)(viewer *, request *), void (*done)(viewer *, request *), int divisor)
+{
+    if (v->request_count == REQUESTS_MOST)
+        return 0;
+    request *r = &v->requests[v->request_count++];
+    memset(r, 0, sizeof *r);
+    r->work = work;
+    r->done = done;
+    r->render = v->options.render;
+    r->shown = v->shown;
+    r->divisor = divisor;
+    if (v->path)
+        r->view = fit_view(v, divisor);
+    return r;
+}
+
+static void work_at_first(void *argument)
+{
+    viewer *v = argument;
+    v->requests[0].work(v, &v->requests[0]);
+}
+
+void viewer_collect(viewer *v)
+{
+    if (v->given && !fxs_worker_busy(v->drawer)) {
+        request done = v->requests[0];
+        memmove(v->requests, v->requests + 1, (size_t)--v->request_count * sizeof done);
+        v->given = 0;
+        done.done(v, &done);
+    }
+    if (!v->given && v->request_count) {
+        v->given = 1;
+        fxs_worker_do(v->drawer, work_at_first, v);
+    }
+}
+
+static void note(viewer *v, const char *text)
+{
+    snprintf(v->note, sizeof v->note, "%.255s", text);
+    v->exposed = 1;
+}
+
+/* ---- Back ends --------------------------------------------------------------------------------------------------- */
+
+static void open_renderer(viewer *v, request *r)
+{
+    r->status = renderer_open(&v->renderer, &v->opened);
+}
+
+static void end_without(viewer *v, request *r)
+{
+    if (r->status) {
+        v->quit = 1;
+        v->status = r->status;
+    }
+}
+
+void ask_open(viewer *v)
+{
+    v->opened = v->options;
+    ask(v, open_renderer, end_without, 1);
+}
+
+/* The next of the back ends that can be had, maybe the same again. */
+static void open_next(viewer *v, request *r)
+{
+    int now = 0, count = 0;
+    (void)r;
+    while (fxs_backend_at(count))
+        count++;
+    while (fxs_backend_at(now) != v->renderer.backend)
+        now++;
+    for (int i = 1; i <= count; i++) {
+        renderer other;
+        v->opened.backend = fxs_backend_at((now + i) % count)->name;
+        if (!renderer_open(&other, &v->opened)) {
+            renderer_close(&v->renderer);
+            v->renderer = other;
+            return;
+        }
+    }
+}
+
+static void take_backend(viewer *v, request *r)
+{
+    (void)r;
+    v->options.backend = v->renderer.backend->name;
+    v->changed = 1;
+}
+
+void ask_backend(viewer *v)
+{
+    ask(v, open_next, take_backend, 1);
+}
+
+static void forget(viewer *v, request *r)
+{
+    (void)r;
+    renderer_forget(&v->renderer, &v->world);
+}
+
+static void install(viewer *v, request *r)
+{
+    (void)r;
+    viewer_install(v);
+}
+
+int ask_install(viewer *v)
+{
+    return ask(v, forget, install, 1) != 0;
+}
+
+/* ---- Frames ------------------------------------------------------------------------------------------------------ */
+
+static void render(viewer *v, request *r)
+{
+    static const int draws[] = {[SHOW_DEPTH] = DRAW_MEDIAN_DEPTH, [SHOW_IDS] = DRAW_IDS};
+    const picture *p = &v->drawn;
+    v->renderer.divisor = r->divisor;
+    v->renderer.draws = draws[r->shown];
+    r->status = renderer_render(&v->renderer, &v->world, &r->view, &r->render, &v->drawn, &r->stats);
+    const fxs_picture out = {p->pixels, p->width, p->height};
+    if (!r->status && r->shown == SHOW_DEPTH)
+        fxs_paint_depths(&out, p->depths);
+    else if (!r->status && r->shown == SHOW_IDS)
+        fxs_paint_ids(&out, p->ids);
+}
+
+static void take_frame(viewer *v, request *r)
+{
+    if (r->status) {
+        note(v, "not rendered: see the terminal");
+        v->coarse = 0;
+        if (!v->seen.width)
+            end_without(v, r);
+        return;
+    }
+    const picture shown = v->picture;
+    v->picture = v->drawn;
+    v->drawn = shown;
+    v->seen = r->view;
+    v->coarse = r->divisor > 1;
+    v->moved = v->coarse ? fxs_clock(0) : v->moved;
+    v->exposed = 1;
+    fxs_frame_times_add(&v->times, &r->stats);
+}
+
+void ask_frame(viewer *v)
+{
+    ask(v, render, take_frame, v->moving ? v->divisor : 1);
+    v->changed = v->moving = 0;
+}
+
+/* ---- Screenshots ------------------------------------------------------------------------------------------------- */
+
+/* fixsplat-001.png or .y4m, or the first number that is free. Returns 0, or -1 and a message where none is. */
+static int name_file(request *r, const char *ending)
+{
+    for (int i = 1; i < 1000; i++) {
+        snprintf(r->path, sizeof r->path, "fixsplat-%03d.%s", i, ending);
+        if (access(r->path, F_OK))
+            return 0;
+    }
+    return fxs_fail(&r->message, "fixsplat-001.%s to fixsplat-999.%s are there already", ending, ending);
+}
+
+static void write_picture(viewer *v, request *r)
+{
+    render(v, r);
+    if (r->status)
+        return;
+    if (v->screenshot)
+        snprintf(r->path, sizeof r->path, "%s", v->screenshot);
+    else
+        r->unwritten = name_file(r, "png");
+    if (!r->unwritten)
+        r->unwritten = fxs_image_file_write(r->path, v->drawn.pixels, v->drawn.width, v->drawn.height, &r->message);
+}
+
+static void print_scenes(const world_options *o)
+{
+    if (o->file)
+        printf(" --scene %s", o->file);
+    for (int i = 0; i < o->scene_count; i++)
+        printf(" %s", o->scenes[i]);
+    for (int i = 0; i < o->place_count; i++)
+        printf(" --place %s", o->places[i]);
+}
+
+static void print_eyes(const viewer *v)
+{
+    const foveate_options *o = &v->options.foveate;
+    if (v->options.stereo > 0)
+        printf(" --stereo %.17g%s", v->options.stereo, v->options.stereo_exact ? " --stereo-exact" : "");
+    if (o->on)
+        printf(" --foveate");
+    for (int i = 0; i < o->given; i++)
+        printf("%c%.17g", i ? ',' : '=', o->numbers[i]);
+}
+
+/* Whether it is the view of the camera file that it started as. */
+static int is_of_file(const viewer *v, const fxs_file_view *view)
+{
+    const fxs_file_view *start = &v->views[v->index];
+    return v->options.cameras && !memcmp(view->position, start->position, sizeof view->position) &&
+           !memcmp(view->rotation, start->rotation, sizeof view->rotation) &&
+           view->width * (int64_t)start->height == start->width * (int64_t)view->height;
+}
+
+/* Eye, look and up, and the field of view. */
+static void print_camera(const viewer *v, const fxs_file_view *view)
+{
+    const double *e = view->position, *down = view->rotation + 3, *ahead = view->rotation + 6, d = v->distance;
+    printf(" --eye %.17g,%.17g,%.17g --look %.17g,%.17g,%.17g", e[0], e[1], e[2], e[0] + d * ahead[0],
+           e[1] + d * ahead[1], e[2] + d * ahead[2]);
+    printf(" --up %.17g,%.17g,%.17g", -down[0], -down[1], -down[2]);
+    if (v->options.has_tangents)
+        printf(" --tangents %.17g,%.17g,%.17g,%.17g", v->options.tangents[0], v->options.tangents[1],
+               v->options.tangents[2], v->options.tangents[3]);
+    else if (view->projection == FXS_PERSPECTIVE)
+        printf(" --fov %.17g", 2 * atan(view->height / 2.0 / view->fy) * 180 / acos(-1));
+}
+
+/* The command that renders the picture again, to the byte where pixels are square and the axis in the middle. */
+static void print_command(const viewer *v, const fxs_file_view *view, const fxs_options *render_options,
+                          const char *path)
+{
+    const fxs_file_view *start = &v->views[v->index];
+    const int of_file = is_of_file(v, view);
+    printf("fixsplat render");
+    print_scenes(&v->options.world);
+    printf(" --cutoff %s --sh-degree %d --bg %02x%02x%02x", cutoff_name(render_options->cutoff),
+           render_options->sh_degree, render_options->background[0], render_options->background[1],
+           render_options->background[2]);
+    if (of_file)
+        printf(" --cameras %s --view %ld", v->options.cameras, v->index);
+    else
+        print_camera(v, view);
+    if (view->projection == FXS_ORTHOGRAPHIC)
+        printf(" --ortho %.17g", view->height / view->fy);
+    if (!of_file || v->options.width || view->width != start->width)
+        printf(" --size %dx%d", view->width, view->height);
+    print_eyes(v);
+    printf(" --near %.17g --lod %d --profile %s -o %s\n", view->near, v->options.load.lod,
+           profile_name(v->options.load.profile), path);
+    fflush(stdout);
+}
+
+static void take_written(viewer *v, request *r)
+{
+    take_frame(v, r);
+    if (r->status)
+        return;
+    if (r->unwritten) {
+        fail(0, "%s", r->message.text);
+        note(v, r->message.text);
+        return;
+    }
+    if (r->shown == SHOW_COLOUR)
+        print_command(v, &r->view, &r->render, r->path);
+    snprintf(v->note, sizeof v->note, "written: %.200s", r->path);
+}
+
+void ask_screenshot(viewer *v)
+{
+    ask(v, write_picture, take_written, 1);
+}
+
+/* ---- Films ------------------------------------------------------------------------------------------------------- */
+
+/* The frames of the way, one behind the other. Returns 0, or not 0 with r->status or a message. */
+static int write_frames(viewer *v, request *r, fxs_film *film)
+{
+    fxs_encoded encoded = {0};
+    int failed = 0;
+    for (int i = 0; i < v->way_count && !failed; i++) {
+        request frame = *r;
+        frame.view = fit(v, v->way[i], r->view.width, r->view.height);
+        render(v, &frame);
+        failed = r->status = frame.status;
+        failed = failed || fxs_image_encode(FXS_IMAGE_Y4M, 0, v->drawn.pixels, v->drawn.width, v->drawn.height,
+                                            &encoded, &r->message) || fxs_film_write(film, &encoded, &r->message);
+        if (!failed && fxs_worker_tell(v->drawer, (i + 1.0) / v->way_count))
+            failed = fxs_fail(&r->message, "%s: dropped", r->path);
+    }
+    fxs_encoded_free(&encoded);
+    return failed;
+}
+
+static void write_film(viewer *v, request *r)
+{
+    fxs_film *film = 0;
+    const int width = eyes_of(v) * r->view.width;
+    r->unwritten = name_file(r, "y4m") || fxs_film_open(&film, r->path, FXS_IMAGE_Y4M, width, r->view.height, FILM_RATE,
+                                                        &r->message) || write_frames(v, r, film);
+    if (!r->unwritten)
+        r->unwritten = fxs_film_close(film, 1, &r->message);
+    else {
+        fxs_message of_close;
+        fxs_film_close(film, 0, &of_close);
+    }
+}
+
+static void take_film(viewer *v, request *r)
+{
+    char text[256];
+    v->film = FILM_NONE;
+    if (r->status)
+        snprintf(text, sizeof text, "no film: see the terminal");
+    else if (r->unwritten)
+        snprintf(text, sizeof text, "%.255s", r->message.text);
+    else
+        snprintf(text, sizeof text, "written: %.200s, %d frames", r->path, v->way_count);
+    note(v, text);
+    v->changed = 1;
+}
+
+void ask_film(viewer *v)
+{
+    if (ask(v, write_film, take_film, 1))
+        v->film = FILM_WRITTEN;
+}
+
+/* ---- Points of the scene ----------------------------------------------------------------------------------------- */
+
+static void pick(viewer *v, request *r)
+{
+    r->status = renderer_pick(&v->renderer, &v->world, &r->view, &r->render, r->x, r->y, &r->pick);
+}
+
+static void ask_pick(viewer *v, void (*done)(viewer *, request *), double x, double y)
+{
+    request *r = ask(v, pick, done, 1);
+    if (!r)
+        return;
+    x = fmod(x, r->view.width);              /* of two eyes, in either */
+    r->x = (int)fmax(x, 0);
+    r->y = (int)fmin(fmax(y, 0), r->view.height - 1);
+}
+
+static int found(viewer *v, const request *r)
+{
+    if (r->status <= 0)
+        note(v, r->status ? "not found: see the terminal" : "nothing there");
+    return r->status > 0;
+}
+
+static double units(int64_t q32)
+{
+    return (double)q32 / 4294967296.0;
+}
+
+/* The point comes to the middle, at the depth that it has, and becomes what the camera turns about. */
+static void take_focus(viewer *v, request *r)
+{
+    double seen[3] = {0, 0, 0};
+    if (!found(v, r))
+        return;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            seen[i] += v->view.rotation[3 * i + k] * (units(r->pick.position_q32[k]) - v->view.position[k]);
+    if (seen[2] <= 0)
+        return;
+    fxs_motion_fly(&v->view, seen[0], seen[1], 0);
+    v->distance = seen[2];
+    v->changed = 1;
+}
+
+void ask_focus(viewer *v, double x, double y)
+{
+    ask_pick(v, take_focus, x, y);
+}
+
+static void take_end(viewer *v, request *r)
+{
+    if (!v->measuring || !found(v, r))
+        return;
+    v->ends = v->ends == 2 ? 0 : v->ends;
+    for (int i = 0; i < 3; i++)
+        v->end[v->ends][i] = units(r->pick.position_q32[i]);
+    v->ends++;
+    const double *a = v->end[0], *b = v->end[1];
+    if (v->ends == 2)
+        snprintf(v->note, sizeof v->note, "%.4g units", hypot(hypot(b[0] - a[0], b[1] - a[1]), b[2] - a[2]));
+    else
+        snprintf(v->note, sizeof v->note, "measure: click the other end");
+    v->exposed = 1;
+}
+
+void ask_end(viewer *v, double x, double y)
+{
+    ask_pick(v, take_end, x, y);
+}
