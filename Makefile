@@ -12,19 +12,20 @@ VERSION := $(shell sed -n 's/^.define FXS_VERSION "\(.*\)"$$/\1/p' src/fixsplat.
 CORE_HEADERS := $(addprefix src/,fixsplat.h packed.h backend.h stage.h pixel.h fixed.h) kernels/kernels.h
 HEADERS := $(CORE_HEADERS) kernels/cuda/cuda.h kernels/gles/gles.h port/egl/egl.h port/osmesa/osmesa.h \
            $(addprefix port/posix/,clock.h map.h pool.h) $(addprefix port/files/,allocator.h message.h output.h) \
-           $(addprefix port/scene/,scene_file.h scene_filter.h fxs_file.h ply_write.h splat_write.h spz_write.h) \
-           port/camera/camera.h port/camera/camera_file.h port/image/image_file.h port/import/pack.h \
+           $(addprefix port/scene/,scene_file.h scene_filter.h fxs_file.h ply_write.h splat_write.h spz_write.h \
+             scene_write.h scene_decimate.h) \
+           port/camera/camera.h port/camera/camera_file.h port/image/image_file.h port/image/film_file.h port/import/pack.h \
            port/world/world.h port/backend/backends.h port/backend/foveate.h port/board/strip.h \
            port/fit/fit.h port/fit/photos.h port/fit/blocks.h
 
-PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libzstd-dev libegl-dev libgles-dev \
-            libsdl2-dev libmicrohttpd-dev
+PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libdeflate-dev libzstd-dev libegl-dev \
+            libgles-dev libsdl2-dev libmicrohttpd-dev
 TEST_PACKAGES := clang libclang-rt-14-dev cmake pkg-config glslang-tools qemu-user gcc-aarch64-linux-gnu \
                  libc6-dev-arm64-cross gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind libosmesa6-dev libosmesa6 \
                  libegl1 libgles2 libegl-mesa0 libgl1-mesa-dri xvfb xdotool gcc-s390x-linux-gnu \
                  libc6-dev-s390x-cross gcc-powerpc-linux-gnu libc6-dev-powerpc-cross gcc-arm-linux-gnueabihf \
                  libc6-dev-armhf-cross gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-i686-linux-gnu \
-                 libc6-dev-i386-cross g++ qemu-system-arm chromium curl openssl python3-numpy \
+                 libc6-dev-i386-cross g++ qemu-system-arm chromium curl openssl ffmpeg python3-numpy \
                  python3-setuptools python3-pip
 CROSS := mips-linux-gnu powerpc64-linux-gnu powerpc64le-linux-gnu m68k-linux-gnu sparc64-linux-gnu hppa-linux-gnu \
          arm-linux-gnueabi mips64el-linux-gnuabi64
@@ -86,14 +87,14 @@ PIC := $(if $(SHARED),-fPIC -fno-semantic-interposition)
 NVCC_FLAGS = -O3 -std=c++17 -diag-suppress 177 -gencode arch=compute_90,code=sm_90 \
              -gencode arch=compute_80,code=compute_80 \
              -Xcompiler -fno-exceptions,-fno-rtti,-fno-threadsafe-statics,-fPIC
-LIBS := $(foreach name,CJSON ZIP WEBP ZLIB ZSTD GLES CUDA,$(LIBS_$(name))) -lm -lpthread
+LIBS := $(foreach name,CJSON ZIP WEBP ZLIB DEFLATE ZSTD GLES CUDA,$(LIBS_$(name))) -lm -lpthread
 
 # Faster versions of the stages carry their instruction set in their name. clang 14 crashes on the debug information of
 # AVX-512 masks.
 CLANG_14 := $(if $(findstring clang,$(CC_VERSION)),-g0)
 # Lanes that are not wanted may overflow, as may stb_image with a damaged .jpg: -fwrapv says that this is no fault. -O3:
 # project takes 9 % less.
-isa = $(if $(filter port/image/image_file.c,$(1)),-fwrapv) $(if $(filter kernels/%,$(1)),-fwrapv $(if $(filter -O2,$(CFLAGS)),-O3)) $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
+isa = $(if $(filter port/image/image_%,$(1)),-fwrapv) $(if $(filter kernels/%,$(1)),-fwrapv $(if $(filter -O2,$(CFLAGS)),-O3)) $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
       -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi $(CLANG_14)))) \
       $(if $(filter port/fit/% kernels/x86/fit_% tests/gpu/test_fit% port/camera/% port/import/% port/scene/% tests/test_fit_%,$(1)),$(SINGLES))
 
@@ -197,7 +198,7 @@ $(FLAT_HEADERS): $(HEADERS)
 	@sed 's|^\(#include "\).*/|\1|' $(filter %/$(@F),$(HEADERS)) >$@
 
 $(B)/with/%: ;
--include $(wildcard $(addprefix $(B)/,$(addsuffix /*.d,src kernels kernels/* port/* tools tests tests/gpu)) \
+-include $(wildcard $(addprefix $(B)/,$(addsuffix /*.d,src kernels kernels/* kernels/*/* port/* tools tests tests/gpu)) \
            $(B)/firmware/*/*/*.d $(B)/firmware/*/*/*/*.d $(B)/web/*/*/*.d $(B)/web/*/*/*/*.d)
 .SUFFIXES:
 .DELETE_ON_ERROR:
@@ -285,20 +286,20 @@ WASM_FLAGS := --target=wasm32-wasi -std=gnu99 -fwrapv -ffp-contract=off -ffuncti
               -Wall -Wextra -Wpedantic -Wshadow -Wconversion -include port/web/files.h
 WASM_LINK := --target=wasm32-wasi -nostartfiles -Wl,--no-entry,--strip-all,--stack-first,-z,stack-size=524288
 WEB_C := $(addprefix port/web/,text.c heap.c files.c) port/files/message.c port/files/allocator.c
-WEB_CORE := $(wildcard src/*.c) kernels/kernels.c port/web/core.c port/web/crc.c port/scene/fxs_file.c \
+WEB_CORE := $(wildcard src/*.c) kernels/kernels.c port/web/core.c port/files/crc32.c port/scene/fxs_file.c \
             port/camera/camera.c port/world/world.c $(WEB_C)
 sources_of_core := $(WEB_CORE)
 WEB_GLES := $(wildcard kernels/gles/*.c) port/web/webgl.c
 sources_of_simd := $(WEB_CORE) $(wildcard kernels/wasm/*.c) $(WEB_GLES)
 sources_of_threads := $(sources_of_simd) port/web/pool.c
-sources_of_import := $(filter-out %_write.c %/scene_filter.c,$(wildcard port/scene/*.c port/import/*.c)) \
-                     port/web/import.c port/web/crc.c port/web/sort.c port/files/byte_reader.c port/files/text.c port/files/zip.c src/scene.c \
+sources_of_import := $(filter-out %_write.c %/scene_filter.c %/floaters.c %/scene_decimate.c,$(wildcard port/scene/*.c port/import/*.c)) \
+                     port/web/import.c port/web/crc.c port/web/sort.c \
+                     $(addprefix port/files/,crc32.c byte_reader.c text.c zip.c) src/scene.c \
                      src/fixsplat.c src/chunk.c $(WEB_C)
-# What takes little of a frame is to be small; kernels take a seventh less of it by -O3, for 2 KB. .fxs needs of zlib
-# what crc.c has. The lowest 1024 bytes are the end of the stack, which no pointer is to (--low-memory-unused).
+# What takes little of a frame is to be small; kernels take a seventh less of it by -O3, for 2 KB. The lowest 1024 bytes are
+# the end of the stack, which no pointer is to (--low-memory-unused).
 # <GLES3/gl3.h> is the host's.
-wasm_flags_of = $(if $(filter %/fxs_file.c,$(2)),-DFXS_WITH_ZLIB -Iport/web/zlib, \
-                     $(if $(filter import,$(1)),$(WEB_READERS_FLAGS))) \
+wasm_flags_of = $(if $(filter import,$(1)),$(WEB_READERS_FLAGS)) \
                 $(if $(filter simd,$(1)),-msimd128) $(if $(filter %/pool.c,$(2)),-matomics -mbulk-memory) \
                 $(if $(filter $(WEB_GLES),$(2)),-idirafter /usr/include -I$(B)/kernels/gles) \
                 $(if $(filter kernels/wasm/%,$(2)),-O3,$(if $(filter $(WEB_SMALL),$(1)/$(2)),-Oz,-O2))

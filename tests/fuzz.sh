@@ -286,7 +286,7 @@ printf '%s\n' '[pointer-overflow|nonnull-attribute]' 'src:*/stb/*' >"$work/ignor
 # What the Makefile compiles kernels/x86 with.
 instructions_of() {
     case $1 in
-    */image_file.c) echo -fwrapv ;;
+    */image_file.c | */image_encode.c) echo -fwrapv ;;
     *_sse41.c) echo -msse4.1 ;;
     *_avx2.c) echo -mavx2 ;;
     *_avx512.c) echo -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi -g0 ;;

@@ -47,10 +47,13 @@ tests_of() {
     */camera.c | */message.c) echo camera_file golden ;;
     */camera* | */colmap_text.c | */view_list.c) echo camera_file photos ;;
     */byte_reader.c) echo pack splat ksplat ply compressed_ply spz scene_input ;;
-    */image_file.c) echo image_file photo_bytes ;;
+    */image_file.c | */image_encode.c | */png.c) echo image_file photo_bytes ;;
     */output.c) echo image_file ply splat spz fxs_file ;;
     */encode.c | */pack.c | */order.c | */palette.c) echo fxs_bytes fxs_file pack scene_filter golden ;;
     */fxs_file.c) echo fxs_bytes fxs_file scene_input ;;
+    */scene_write.c | */held_write.c | */csv_write.c | */gltf_write.c | */sog_write.c | */compressed_ply_write.c | \
+        */codebook_write.c | */zip_write.c) echo scene_write ;;
+    */scene_decimate.c) echo scene_decimate ;;
     */ply*) echo ply compressed_ply scene_input allocation pack ;;
     */compressed_ply.c) echo compressed_ply scene_input allocation ;;
     */gltf.c) echo gltf bombs scene_input allocation ;;
@@ -58,7 +61,7 @@ tests_of() {
     */spz*) echo spz gltf bombs scene_input allocation ;;
     */splat*) echo splat scene_input allocation ;;
     */ksplat.c) echo ksplat scene_input allocation ;;
-    */scene_filter.c) echo scene_filter scene_input allocation ;;
+    */scene_filter.c | */floaters.c) echo scene_filter scene_input allocation ;;
     port/backend/processor.c | port/world/* | tools/*) echo cli.sh ;;
     port/posix/pool.c) echo threads allocation ;;
     port/posix/map.c) echo fxs_file ;;

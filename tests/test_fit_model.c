@@ -617,7 +617,7 @@ static void reference_recipe(void)
             const fxs_fit_plan p = plan_of(&o, step);
             const double position = 2.5 * 1.6e-4 * pow(0.01, step / 30000.0);
             wrong += !is_near((double)p.rate[2], position, 1e-6);
-            wrong += p.sh_degree != (step >= 3000 ? 3 : (int)step / 1000) || p.divisor != 1 || p.without_sh;
+            wrong += p.sh_degree != (step >= 3000 ? 3 : (int)step / 1000) || p.divisor != 1;
             wrong += p.densify != (step >= 600 && step <= 14900 && step % 100 == 0);
             wrong += p.reset != ((step <= 12000 && step % 3000 == 0) || (white && step == 500));
             wrong += step > 3000 ? !is_near((double)p.large, 0.25, 1e-6) : p.large < 1e30f;
@@ -1030,14 +1030,14 @@ static void fast_recipe(void)
     fxs_fit_options o;
     fxs_fit_options_init(&o);
     o.recipe = FXS_FIT_FAST;
-    o.steps = 7000;
+    o.steps = 8000;
     fxs_fit_plan p;
     size_t wrong = 0;
     int last = 4;
-    for (uint32_t step = 1; step <= 7000; step++) {
+    for (uint32_t step = 1; step <= 8000; step++) {
         fxs_fit_plan_step(&o, 2.5f, step, 600, &p);
-        wrong += p.divisor > last || !is_near((double)p.rate[0], 2.5 * 1.6e-4 * pow(0.01, step / 7000.0), 1e-6);
-        wrong += p.without_sh != (step % 4 != 0) || (step > 3500 && p.densify);
+        wrong += p.divisor > last || !is_near((double)p.rate[0], 2.5 * 1.6e-4 * pow(0.01, step / 8000.0), 1e-6);
+        wrong += step > 4000 && p.densify;
         last = p.divisor;
     }
     CHECK(!wrong && last == 1);

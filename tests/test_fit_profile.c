@@ -118,7 +118,10 @@ static int begin(fit *f, enum fxs_profile profile, fxs_pool *pool, uint32_t thre
     if (!CHECK(f->stepper) || !make_model(&f->model))
         return 0;
     take_photographs(f->stepper, &f->model);
-    return CHECK(!fxs_fit_profile_begin(&f->profile, &f->model, f->stepper, SH_DEGREE, &f->options, &message));
+    if (!CHECK(!fxs_fit_profile_begin(&f->profile, &f->model, SH_DEGREE, &f->options, &message)))
+        return 0;
+    fxs_fit_quantise(f->stepper, &f->model);
+    return 1;
 }
 
 static void steps(fit *f, uint32_t count)
@@ -133,8 +136,10 @@ static void steps(fit *f, uint32_t count)
                           : k < FXS_FIT_SH       ? 2.5e-4f
                                                  : 5e-4f;
     for (uint32_t end = f->step + count; f->step < end;) {
-        if (f->step && f->step % CODED_EVERY == 0)
-            CHECK(!fxs_fit_profile_code(&f->profile, &f->model, f->stepper, &f->options, &message));
+        if (f->step && f->step % CODED_EVERY == 0) {
+            CHECK(!fxs_fit_profile_code(&f->profile, &f->model, &f->options, &message));
+            fxs_fit_quantise(f->stepper, &f->model);
+        }
         options.number = ++f->step;
         CHECK(!fxs_fit_stepper_step(f->stepper, &f->model, &photographs[f->step * 5 % VIEWS], 1, &options, &report));
     }

@@ -206,9 +206,9 @@ static const recorded fits[FITS] = {
     {"reference, longer", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 3200, 200, 1, 0.5,
      0x8315acc89d6c28fe},
     {"fast, square", FXS_FIT_FAST, FXS_CUTOFF_SQUARE, FXS_PROFILE_COMPACT, ORDINARY, 1100, 250, 1, 0.5,
-     0x14d6c308f12fb23b},
+     0x6615dfc5c42623e3},
     {"fast, larger", FXS_FIT_FAST, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, LARGER, 24, 250, 1, 0.9,
-     0xd1193edc759c7096},
+     0xe4c75bb8fe208c32},
     {"batches of four", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 250, 4, 0.5,
      0xa7a5ae8ecc01a1c9}};
 

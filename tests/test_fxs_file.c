@@ -275,16 +275,6 @@ static void test_failures(void)
     CHECK(fxs_map(&file, path, &m) == FXS_ERR_FILE && fxs_map(&file, folder, &m) == FXS_ERR_FILE && !file.data);
 }
 
-#ifndef FXS_WITH_ZLIB
-static void test_without_zlib(void)
-{
-    fxs_message m;
-    (void)test_seal, (void)test_round_trip, (void)test_damage, (void)test_failures, (void)test_changed, (void)test_cut_and_grown, (void)test_other_faults, (void)test_many;
-    CHECK(fxs_file_write(fxs_path, packed.data, packed.bytes, &m) == FXS_ERR_UNSUPPORTED && strstr(m.text, "zlib"));
-    SKIP("built without zlib");
-}
-#endif
-
 int main(void)
 {
     fxs_map_guard();
@@ -294,9 +284,6 @@ int main(void)
     snprintf(ply_path, sizeof ply_path, "%s/a.ply", folder);
     if (import())
         return 1;
-#ifndef FXS_WITH_ZLIB
-    RUN(test_without_zlib);
-#else
     RUN(test_seal);
     RUN(test_round_trip);
     RUN(test_checksums);
@@ -306,7 +293,6 @@ int main(void)
     RUN(test_cut_and_grown);
     RUN(test_other_faults);
     RUN(test_many);
-#endif
     fxs_packed_scene_free(&packed);
     unlink(fxs_path);
     unlink(ply_path);

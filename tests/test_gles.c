@@ -870,6 +870,65 @@ static void target_in_windows(void)
     target_by(64);
 }
 
+/* How much a pixel of the caller's texture is off c + d (1 - alpha), d what was beneath it. */
+static double off_by(const uint8_t *pixel, const uint8_t *over)
+{
+    static const uint8_t beneath[4] = {51, 102, 153, 204};
+    double most = 0;
+    for (int c = 0; c < 4; c++) {
+        const double sum = over[c] + beneath[c] * (255 - over[3]) / 255.0;
+        most = fmax(most, fabs(pixel[c] - fmin(sum, 255)));
+    }
+    return most;
+}
+
+/* Over what is in the framebuffer, in windows and parts of lists too. */
+static void target_over_by(int small)
+{
+    subject s;
+    fake_limits(small, 0);
+    OPEN_OR_SKIP(gles);
+    caller c = make_caller();
+    if (!make_subject(&s, "knot", 9000, 111, 83))
+        return;
+    s.format = FXS_FORMAT_RGBA8_COVERAGE;
+    static uint8_t pixels[WIDE * HIGH * 4];
+    uint8_t *expected = new_picture(&s);
+    CHECK(!render(&s, 0, 0, 0, expected, 111 * 4, 0));
+    for (int way = 0; way < exact_ways(gles); way++) {
+        static const GLfloat beneath[4] = {0.2f, 0.4f, 0.6f, 0.8f};
+        const fxs_gles_target t = {.framebuffer = c.framebuffers[0], .x = 13, .y = 7, .format = s.format,
+                                   .top_down = 1, .fetch = way, .over = 1};
+        double most = 0;
+        settle();
+        GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, c.framebuffers[0]);
+        GL(CLEARBUFFERFV, ClearBufferfv)(GL_COLOR, 0, beneath);
+        upset(&c);
+        CHECK(!render(&s, 0, gles, &t, 0, 0, 0));
+        settle();
+        GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_READ_FRAMEBUFFER, t.framebuffer);
+        GL(READPIXELS, ReadPixels)(0, 0, WIDE, HIGH, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
+        for (int i = 0; i < 111 * 83; i++)
+            most = fmax(most, off_by(pixels + 4 * ((7 + i / 111) * WIDE + 13 + i % 111), expected + 4 * i));
+        if (!CHECK(most <= 1))
+            printf("  off by %g, way %d\n", most, way);
+    }
+    fxs_gles_target t = {.framebuffer = c.framebuffers[0], .over = 1};
+    CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_TARGET);
+    t.format = FXS_FORMAT_RGBA8_COVERAGE;
+    t.quads = 1;
+    CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
+    free(expected);
+    fxs_packed_scene_free(&s.packed);
+    close_gles(gles);
+}
+
+static void target_over(void)
+{
+    target_over_by(0);
+    target_over_by(16);
+}
+
 /* Quads: the bytes that they have on a framebuffer of the back end's own. */
 static void target_quads(void)
 {
@@ -1302,6 +1361,7 @@ int main(void)
         RUN(target);
         RUN(target_in_windows);
         RUN(target_quads);
+    RUN(target_over);
         RUN(target_of_short_lists);
         RUN(target_meshes);
         RUN(init_keeps_state);

@@ -10,6 +10,9 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#ifdef FXS_WITH_WEBP
+#include <webp/decode.h>
+#endif
 #ifdef FXS_WITH_ZLIB
 #include <zlib.h>
 #endif
@@ -109,14 +112,102 @@ static void raw(void)
 
 static void endings(void)
 {
-    CHECK(fxs_image_file_known("a.png") && fxs_image_file_known("b/c.d.ppm") && fxs_image_file_known("x.raw"));
-    CHECK(!fxs_image_file_known("a.jpg") && !fxs_image_file_known("png") && !fxs_image_file_known("a.png/b"));
-    CHECK(write_image("a.jpg") == FXS_ERR_ARGUMENT && strstr(message.text, "a.jpg") &&
-          strstr(message.text, ".png, .ppm and .raw"));
+    static const char *const known[] = {"a.png", "b/c.d.ppm", "x.raw", "a.JPG", "a.jpeg", "a.webp"};
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        CHECK(fxs_image_file_known(known[i]));
+    CHECK(!fxs_image_file_known("a.gif") && !fxs_image_file_known("png") && !fxs_image_file_known("a.png/b"));
+    CHECK(!fxs_image_file_known("a.y4m") && fxs_image_format_of("a.y4m") == FXS_IMAGE_Y4M);
+    CHECK(!fxs_image_file_known("a.rgba") && fxs_image_format_of("a.rgba") == FXS_IMAGE_RGBA);
+    CHECK(write_image("a.gif") == FXS_ERR_ARGUMENT && strstr(message.text, "a.gif") &&
+          strstr(message.text, ".png, .ppm, .raw, .jpg and .webp"));
+    CHECK(write_image("a.y4m") == FXS_ERR_ARGUMENT);
     CHECK(fxs_image_file_write(in_folder("a.png"), image, 0, 5, &message) == FXS_ERR_ARGUMENT);
-    CHECK(fxs_image_file_write(in_folder("a.png"), image, 16384, 16384, &message) == FXS_ERR_ARGUMENT);
+    CHECK(fxs_image_file_write(in_folder("a.png"), image, 16385, 1, &message) == FXS_ERR_ARGUMENT);
+    CHECK(fxs_image_file_write(in_folder("a.webp"), image, 16384, 1, &message) == FXS_ERR_ARGUMENT);
     CHECK(files_in_folder() == 0);
 }
+
+/* Encodes a picture, which it fails to where its library is missing. */
+static int encode(enum fxs_image_format format, int quality, fxs_encoded *encoded)
+{
+    const int status = fxs_image_encode(format, quality, image, WIDTH, HEIGHT, encoded, &message);
+    CHECK(status == 0 || status == FXS_ERR_UNSUPPORTED);
+    return status == 0;
+}
+
+static void qualities(void)
+{
+    static const enum fxs_image_format lossy[] = {FXS_IMAGE_JPG, FXS_IMAGE_WEBP};
+    fxs_encoded low = {0}, high = {0};
+    make_image(1);
+    for (int i = 0; i < 2; i++) {
+        if (!encode(lossy[i], 20, &low))
+            continue;
+        CHECK(encode(lossy[i], 90, &high) && low.size < high.size);
+        CHECK(fxs_image_encode(lossy[i], 101, image, WIDTH, HEIGHT, &low, &message) == FXS_ERR_ARGUMENT);
+        fxs_encoded_free(&low);
+        fxs_encoded_free(&high);
+    }
+}
+
+/* BT.709 by its formula, in doubles: each number is that, rounded, or one beside it. */
+static void frames_of_films(void)
+{
+    fxs_encoded frame = {0};
+    make_image(0);
+    if (!CHECK(encode(FXS_IMAGE_Y4M, 0, &frame) && frame.size == 6 + 3 * PIXELS && !memcmp(frame.bytes, "FRAME\n", 6)))
+        return;
+    for (int i = 0; i < PIXELS; i++) {
+        const double r = image[4 * i] / 255.0, g = image[4 * i + 1] / 255.0, b = image[4 * i + 2] / 255.0;
+        const double y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+        const double wanted[3] = {16 + 219 * y, 128 + 224 * (b - y) / 1.8556, 128 + 224 * (r - y) / 1.5748};
+        for (int k = 0; k < 3; k++)
+            if (!CHECK(fabs(frame.bytes[6 + k * PIXELS + i] - wanted[k]) < 0.51))
+                return;
+    }
+    const void *memory = frame.memory;
+    CHECK(encode(FXS_IMAGE_RGBA, 0, &frame) && frame.bytes == image && frame.size == sizeof image);
+    CHECK(encode(FXS_IMAGE_Y4M, 0, &frame) && frame.bytes == memory);   /* used again */
+    fxs_encoded_free(&frame);
+}
+
+/* What is smooth comes back within a few levels. */
+static void jpg(void)
+{
+    uint8_t *rgba;
+    int width, height;
+    for (int i = 0; i < PIXELS; i++)
+        memcpy(image + 4 * i, (uint8_t[4]){(uint8_t)(5 * (i % WIDTH)), (uint8_t)(9 * (i / WIDTH)), 90, 255}, 4);
+    const int status = write_image("a.jpg");
+    if (status == FXS_ERR_UNSUPPORTED)
+        SKIP("built without stb");
+    CHECK(!status);
+    if (!CHECK(!fxs_image_file_read(in_folder("a.jpg"), &rgba, &width, &height, &message)))
+        return;
+    CHECK(width == WIDTH && height == HEIGHT);
+    for (int i = 0; i < 4 * PIXELS; i++)
+        if (!CHECK(abs(rgba[i] - image[i]) <= 8))
+            break;
+    free(rgba);
+    remove(in_folder("a.jpg"));
+}
+
+#ifdef FXS_WITH_WEBP
+/* Without loss: colours under an alpha of 0 too. */
+static void webp(void)
+{
+    fxs_encoded encoded = {0};
+    int width, height;
+    make_image(0);
+    image[3] = 0;
+    if (!CHECK(encode(FXS_IMAGE_WEBP, 0, &encoded)))
+        return;
+    uint8_t *rgba = WebPDecodeRGBA(encoded.bytes, encoded.size, &width, &height);
+    CHECK(rgba && width == WIDTH && height == HEIGHT && !memcmp(rgba, image, sizeof image));
+    WebPFree(rgba);
+    fxs_encoded_free(&encoded);
+}
+#endif
 
 static void bad_targets(void)
 {
@@ -538,6 +629,12 @@ int main(void)
     RUN(round_trips);
     RUN(raw);
     RUN(endings);
+    RUN(qualities);
+    RUN(frames_of_films);
+    RUN(jpg);
+#ifdef FXS_WITH_WEBP
+    RUN(webp);
+#endif
     RUN(bad_targets);
     RUN(unwritable_folder);
     RUN(full_disk);

@@ -111,6 +111,102 @@ static void box(void)
     CHECK(report.outside == COUNT - 140 && report.faint == 0);
 }
 
+static int in_sphere(int i)
+{
+    const int y = i % 10 - 4;
+    return (i - 200) * (i - 200) + y * y + (i - 200) * (i - 200) <= 50 * 50;
+}
+
+/* Its surface belongs to it. */
+static void sphere(void)
+{
+    make();
+    const double middle[3] = {200, 4, -200};
+    memcpy(filter.middle, middle, sizeof middle);
+    filter.radius = 50;
+    check_left(in_sphere);
+    filter.high[0] = 100;
+    CHECK(open_filtered() == FXS_ERR_FILE && report.outside == COUNT);
+}
+
+/* ---- What floats ------------------------------------------------------------------------------------------------- */
+
+static int level(int i)
+{
+    const float *s = made[i].scale;
+    return (int)ceil(fmax(fmax(s[0], s[1]), s[2]) / log(2) + 2);
+}
+
+static int compare_levels(const void *a, const void *b)
+{
+    return *(const int *)a - *(const int *)b;
+}
+
+/* As scene_filter.h says, pair by pair. */
+static int stays(int i)
+{
+    static int levels[COUNT], known = 0;
+    int near = 0;
+    if (!known)
+        for (int k = 0; k < COUNT; k++)
+            levels[k] = level(k);
+    if (!known++)
+        qsort(levels, COUNT, sizeof *levels, compare_levels);
+    const double width = ldexp(1, level(i) > levels[COUNT / 2] ? level(i) : levels[COUNT / 2]);
+    for (int k = 0; k < COUNT; k++) {
+        int beside = k != i;
+        for (int a = 0; a < 3; a++)
+            beside &= fabs(floor(made[k].position[a] / width) - floor(made[i].position[a] / width)) <= 1;
+        near += beside;
+    }
+    return near >= FXS_FLOATER_NEIGHBOURS;
+}
+
+/* Sizes and places over several octaves, on both sides of 0. */
+static void floaters(void)
+{
+    uint32_t state = 3;
+    int left = 0;
+    make();
+    for (int i = 0; i < COUNT; i++)
+        for (int k = 0; k < 3; k++) {
+            state = state * 1664525 + 1013904223;
+            const double t = (double)(state >> 8) / 16777216 - 0.5;
+            made[i].position[k] = (float)(100 * t * t * t);
+            made[i].scale[k] = (float)(-4 + (double)((state = state * 1664525 + 1013904223) >> 8) / 4194304);
+        }
+    CHECK(write_made(3));
+    filter.floaters = 1;
+    check_left(stays);
+    for (int i = 0; i < COUNT; i++)
+        left += stays(i);
+    CHECK(report.floaters == (uint64_t)(COUNT - left) && left > COUNT / 10 && left < COUNT);
+}
+
+/* Of what the rest leaves: 8 of a heap have 7 neighbours, 9 have 8. NaN floats nowhere. */
+static void floaters_of_what_is_left(void)
+{
+    for (int count = 8; count <= 9; count++) {
+        make();
+        for (int i = 0; i < count; i++)
+            memset(made[i].position, 0, sizeof made[i].position);
+        made[0].position[1] = NAN;
+        CHECK(write_made(3));
+        filter.floaters = filter.drawable = 1;
+        filter.high[0] = 0.5;
+        const int result = open_filtered();
+        CHECK(result == FXS_ERR_FILE && report.floaters == (uint64_t)count - 1);
+        CHECK(strstr(message.text, "none of the 1000 Gaussians"));
+        made[0].position[1] = 0;
+        CHECK(write_made(3));
+        CHECK(open_filtered() == (count == 9 ? 0 : FXS_ERR_FILE));
+        if (count == 9) {
+            CHECK(info.count == 9 && report.floaters == 0);
+            fxs_scene_file_close(file);
+        }
+    }
+}
+
 static int is_half(int i)
 {
     return i % 20 >= 10;
@@ -278,6 +374,9 @@ int main(void)
     make_written();
     RUN(all_pass);
     RUN(box);
+    RUN(sphere);
+    RUN(floaters);
+    RUN(floaters_of_what_is_left);
     RUN(opacity);
     RUN(sh_degrees);
     RUN(undrawable);

@@ -6,6 +6,7 @@
 
 #include "metrics.h"
 #include "renderer.h"
+#include "views.h"
 
 static const char help[] =
     "Usage: fixsplat bench SCENE... [OPTION...]\n\n"
@@ -292,7 +293,7 @@ int command_bench(int argc, char **argv)
     int status = take_options(&o, argc, argv);
     if (status)
         return status;
-    if (o.frame.view && !strcmp(o.frame.view, "all"))
+    if (names_several(o.frame.view))
         return fail(EXIT_USAGE, "bench takes one view, not all");
     status = renderer_open(&r, &o.frame);
     r.draws = o.draws;

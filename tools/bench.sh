@@ -121,7 +121,7 @@ cutoff_rows() {
             json=$("$B/fixsplat" bench --json "$file" --threads 1 --size 1280x720 --cutoff $cutoff --cpu $cpu "$@")
             eval "blend_$cpu=$(echo "$json" | field blend)"
         done
-        json=$("$B/fixsplat" render "$file" --size 1280x720 --cutoff $cutoff -o "$work/$cutoff.png" --stats "$@")
+        json=$("$B/fixsplat" render "$file" --size 1280x720 --cutoff $cutoff -o "$work/$cutoff.png" --stats=pairs "$@")
         printf '| %s, %s | %s | %s | %s | %s | %s |\n' "$name" $cutoff "$(echo "$json" | sed 's/bytes.*//' | field entries)" \
             "$(echo "$json" | field pairs_evaluated)" "$(echo "$json" | field pairs_blended)" "$blend_c" "$blend_all"
     done

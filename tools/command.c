@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 int fail(int status, const char *format, ...)
@@ -47,6 +48,24 @@ int parse_count(const char *text, uint64_t low, uint64_t high, uint64_t *out)
     unsigned long long value = strtoull(text, &end, 10);
     *out = value;
     return text[0] >= '0' && text[0] <= '9' && !*end && !errno && value >= low && value <= high;
+}
+
+int parse_counts(const char *text, int count, int low, int high, int *out)
+{
+    for (int i = 0; i < count; i++) {
+        char number[24];
+        uint64_t value;
+        const size_t length = strcspn(text, ",");
+        if (length >= sizeof number || (text[length] == ',') != (i < count - 1))
+            return 0;
+        memcpy(number, text, length);
+        number[length] = 0;
+        if (!parse_count(number, (uint64_t)low, (uint64_t)high, &value))
+            return 0;
+        out[i] = (int)value;
+        text += length + 1;
+    }
+    return 1;
 }
 
 int parse_bytes(const char *text, size_t *out)
@@ -104,6 +123,36 @@ int parse_colour(const char *text, uint8_t rgb[3])
     for (int i = 0; i < 3; i++)
         rgb[i] = (uint8_t)(value >> (16 - 8 * i));
     return 1;
+}
+
+int take_number(const char *name, const char *value, uint64_t low, uint64_t high, uint64_t *out)
+{
+    return parse_count(value, low, high, out)
+               ? 0 : fail(EXIT_USAGE, "--%s %s: expected a whole number from %" PRIu64 " to %" PRIu64, name, value, low,
+                          high);
+}
+
+/* Of a file that is not there its folder, and how it is called in it. */
+static const char *stat_folder(const char *path, struct stat *status)
+{
+    char folder[4096];
+    const char *slash = strrchr(path, '/');
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path + 1) : 1, slash ? path : ".");
+    return stat(folder, status) ? 0 : slash ? slash + 1 : path;
+}
+
+int same_file(const char *a, const char *b)
+{
+    struct stat one, other;
+    const int there = !stat(a, &one);
+    if (there != !stat(b, &other))
+        return 0;
+    if (there)
+        return S_ISREG(one.st_mode) && one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+    const char *name_a = stat_folder(a, &one), *name_b = stat_folder(b, &other);
+    if (!name_a || !name_b)
+        return !strcmp(a, b);
+    return one.st_dev == other.st_dev && one.st_ino == other.st_ino && !strcmp(name_a, name_b);
 }
 
 void print_json_string(const char *text)

@@ -46,10 +46,18 @@ enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_ORTH
 
 /* Whole numbers and lists of numbers, checked; they return 0 where the text is anything else. */
 int parse_count(const char *text, uint64_t low, uint64_t high, uint64_t *out);
+int parse_counts(const char *text, int count, int low, int high, int *out);   /* N,M,... */
 int parse_bytes(const char *text, size_t *out);                     /* 1 or more; 64K, 3M, 2G: times 2^10, 2^20, 2^30 */
 int parse_size(const char *text, int *width, int *height);          /* WxH, each 1 to 16384 */
 int parse_vector(const char *text, int count, double *out);         /* X,Y,... */
 int parse_colour(const char *text, uint8_t rgb[3]);                 /* RRGGBB */
+
+/* Takes a whole number, the value of the option of that name. Returns 0, or prints what is wrong and returns
+   EXIT_USAGE. */
+int take_number(const char *name, const char *value, uint64_t low, uint64_t high, uint64_t *out);
+
+/* Whether two names are one regular file, which may not be there yet. */
+int same_file(const char *a, const char *b);
 
 /* Prints a text as a JSON string. */
 void print_json_string(const char *text);

@@ -7,14 +7,23 @@
 #include "metrics.h"
 
 static const char help[] =
-    "Usage: fixsplat compare A.png B.png [--diff D.png] [--json]\n\n"
+    "Usage: fixsplat compare A.png B.png [--diff D.png] [--min-psnr DB] [--min-ssim S] [--json]\n\n"
     "Prints PSNR, SSIM (Wang et al. 2004) and the largest difference of two pictures of one size, over red,\n"
     "green and blue.\n\n"
     "  --diff D.png        write 8 times the absolute difference\n"
+    "  --min-psnr DB       exit 1 where the PSNR is lower; equal pictures have more than any\n"
+    "  --min-ssim S        exit 1 where the SSIM is lower, 0 to 1\n"
     "  --json              print a JSON object (psnr is null where the pictures are equal)\n\n"
     "Examples:\n"
     "  fixsplat compare a.png b.png\n"
-    "  fixsplat compare a.png b.png --diff difference.png --json\n";
+    "  fixsplat compare a.png b.png --diff difference.png --json\n"
+    "  fixsplat compare golden.png got.png --min-psnr 45 --min-ssim 0.99 --diff diff.png\n";
+
+typedef struct compare_options {
+    const char *path[2], *difference;
+    double least_psnr, least_ssim;          /* 0: any */
+    int json;
+} compare_options;
 
 static int write_difference(const char *path, const uint8_t *a, const uint8_t *b, int width, int height)
 {
@@ -40,8 +49,21 @@ static void print(const struct fxs_metrics *m, int json)
         printf("PSNR %s dB, SSIM %.6f, largest difference %d\n", psnr, m->ssim, m->largest);
 }
 
-static int compare(const char *const path[2], const char *difference, int json)
+/* The metrics against what is the least. */
+static int judge(const struct fxs_metrics *m, const compare_options *o)
 {
+    if (m->psnr < o->least_psnr)
+        return fail(EXIT_FAILED, "%s and %s: a PSNR of %.4f dB is below %g", o->path[0], o->path[1], m->psnr,
+                    o->least_psnr);
+    if (m->ssim < o->least_ssim)
+        return fail(EXIT_FAILED, "%s and %s: an SSIM of %.6f is below %g", o->path[0], o->path[1], m->ssim,
+                    o->least_ssim);
+    return 0;
+}
+
+static int compare(const compare_options *o)
+{
+    const char *const *path = o->path;
     uint8_t *image[2] = {0, 0};
     int width[2], height[2], status = 0;
     fxs_message message;
@@ -54,34 +76,57 @@ static int compare(const char *const path[2], const char *difference, int json)
                       height[1]);
     if (!status && fxs_metrics_compare(image[0], image[1], width[0], height[0], &metrics))
         status = fail(EXIT_FAILED, "out of memory");
-    if (!status && difference)
-        status = write_difference(difference, image[0], image[1], width[0], height[0]);
-    if (!status)
-        print(&metrics, json);
+    if (!status && o->difference)
+        status = write_difference(o->difference, image[0], image[1], width[0], height[0]);
+    if (!status) {
+        print(&metrics, o->json);
+        status = judge(&metrics, o);
+    }
     free(image[0]);
     free(image[1]);
     return status;
 }
 
+static int check(const compare_options *o)
+{
+    if (!o->difference)
+        return 0;
+    if (!fxs_image_file_known(o->difference))
+        return fail(EXIT_USAGE, "%s: expected a name ending in .png, .ppm, .raw, .jpg or .webp", o->difference);
+    for (int i = 0; i < 2; i++)
+        if (same_file(o->difference, o->path[i]))
+            return fail(EXIT_USAGE, "%s: an output that is read too", o->difference);
+    return 0;
+}
+
 int command_compare(int argc, char **argv)
 {
-    enum { OPT_DIFF = OPT_OWN, OPT_JSON };
+    enum { OPT_DIFF = OPT_OWN, OPT_JSON, OPT_MIN_PSNR, OPT_MIN_SSIM };
     static const struct option table[] = {{"diff", required_argument, 0, OPT_DIFF}, {"json", no_argument, 0, OPT_JSON},
+                                          {"min-psnr", required_argument, 0, OPT_MIN_PSNR},
+                                          {"min-ssim", required_argument, 0, OPT_MIN_SSIM},
                                           {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
-    const char *difference = 0;
-    int json = 0;
+    compare_options o = {.difference = 0};
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;)
         switch (c) {
-        case OPT_DIFF: difference = optarg; break;
-        case OPT_JSON: json = 1; break;
+        case OPT_DIFF: o.difference = optarg; break;
+        case OPT_JSON: o.json = 1; break;
+        case OPT_MIN_PSNR:
+            if (!parse_vector(optarg, 1, &o.least_psnr) || o.least_psnr <= 0)
+                return fail(EXIT_USAGE, "--min-psnr %s: expected decibels above 0", optarg);
+            break;
+        case OPT_MIN_SSIM:
+            if (!parse_vector(optarg, 1, &o.least_ssim) || o.least_ssim <= 0 || o.least_ssim > 1)
+                return fail(EXIT_USAGE, "--min-ssim %s: expected a number above 0, up to 1", optarg);
+            break;
         case OPT_HELP: fputs(help, stdout); return EXIT_OK;
         default: return wrong_option(argv);
         }
     if (optind != argc - 2)
         return fail(EXIT_USAGE, "compare takes two pictures; see: fixsplat compare --help");
-    if (difference && !fxs_image_file_known(difference))
-        return fail(EXIT_USAGE, "%s: expected a name ending in .png, .ppm or .raw", difference);
-    const char *const path[2] = {argv[optind], argv[optind + 1]};
-    return compare(path, difference, json);
+    o.path[0] = argv[optind];
+    o.path[1] = argv[optind + 1];
+    const int status = check(&o);
+    return status ? status : compare(&o);
 }

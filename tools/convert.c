@@ -5,23 +5,46 @@
 #include <string.h>
 
 #include "../port/scene/fxs_file.h"
-#include "../port/scene/ply_write.h"
-#include "../port/scene/splat_write.h"
-#include "../port/scene/spz_write.h"
+#include "../port/scene/scene_write.h"
+#include "../port/world/merge.h"
 #include "quality.h"
 
 static const char help[] =
     "Usage: fixsplat convert IN... OUT [OPTION...]\n\n"
     "Writes a scene file, or several as they are placed, as another, by the ending of OUT:\n\n"
-    "  .fxs    packed: opens at once and is rendered from the file as it lies\n"
-    "  .ply    Inria's, floats\n"
-    "  .splat  32 bytes a Gaussian: no SH above degree 0\n"
-    "  .spz    compressed: positions in 24 bits over the scene, the rest in 8 to 10\n\n"
-    "What .fxs leaves out because it cannot be drawn, the others leave out too. An .fxs file is not converted back.\n\n"
+    "  .fxs             packed: opens at once and is rendered from the file as it lies\n"
+    "  .ply             Inria's, floats\n"
+    "  .compressed.ply  PlayCanvas's: 16 bytes a Gaussian, and one for each SH coefficient\n"
+    "  .splat           32 bytes a Gaussian: no SH above degree 0\n"
+    "  .spz             compressed: positions in 24 bits over the scene, the rest in 8 to 10\n"
+    "  .sog             PlayCanvas's, version 2, the smallest: positions in 16 bits, the rest in 8, SH by a palette\n"
+    "  .glb             glTF with KHR_gaussian_splatting, floats, y up\n"
+    "  .csv             text, a line a Gaussian, columns as in a .ply\n\n"
+    "What .fxs leaves out because it cannot be drawn, the others leave out too. An .fxs file is not converted back.\n"
+    "Several files become one with the highest SH degree of any: coefficients that a file lacks are 0. All must be\n"
+    "anti-aliased, or none. OUT must not be one of IN.\n\n"
+    "The whole is turned, scaled and moved in this order, whatever that of the options, with its SH, in the axes of a\n"
+    ".ply (x right, y down, z to the front):\n\n"
+    "  --up X,Y,Z          turn this direction to up, which is 0,-1,0, by the shortest way\n"
+    "  --rotate X,Y,Z      turn by so many degrees about the x axis, then the y axis, then the z axis; the axes stay\n"
+    "                      where they are\n"
+    "  --scale S           times as large, about the origin\n"
+    "  --translate X,Y,Z   move\n\n"
+    "Then Gaussians are left out, by where they are now:\n\n"
     "  --crop MINX,MINY,MINZ,MAXX,MAXY,MAXZ\n"
-    "                      keep the Gaussians with their centre in this box, edges included\n"
+    "                      keep those with their centre in this box, edges included\n"
+    "  --sphere X,Y,Z,R    keep those with their centre at most R from X,Y,Z\n"
     "  --prune ALPHA       keep those of this opacity or more, 0 to 1\n"
-    "  --sh-degree D       keep SH up to this degree, 0 to 3\n"
+    "  --drop-floaters     of what these leave, drop those with fewer than 8 others in the 27 cells around them; a\n"
+    "                      cell is as wide as 4 of a Gaussian's largest sigma (of the median Gaussian's, where that is\n"
+    "                      more), rounded up to a power of two\n"
+    "  --sh-degree D       keep SH up to this degree, 0 to 3\n\n"
+    "Last:\n\n"
+    "  --decimate N        merge neighbours until N Gaussians are left, or N%: position, covariance, colour and SH of\n"
+    "                      two become those of both together, weighted by opacity and area\n\n";
+
+/* C99 promises strings of 4095 bytes. */
+static const char more_help[] =
     "  --profile P         of .fxs, bytes a Gaussian at SH degree 3, and loss against floats on a captured scene:\n"
     "                      default 63.5 (56.9 dB), compact 39.6 (53.9 dB), small 19.6 (44.4 dB). Where SH lose much,\n"
     "                      views are compared with default, and one that loses more than it should is said\n"
@@ -36,6 +59,8 @@ static const char help[] =
     "  fixsplat convert scene.ply phone.fxs --profile compact\n"
     "  fixsplat convert scene.ply small.spz --prune 0.02 --sh-degree 1\n"
     "  fixsplat convert scene.spz table.ply --crop -1,-1,-1,1,0.5,1\n"
+    "  fixsplat convert scan.ply level.sog --up 0,0,1 --scale 0.01 --sphere 0,0,0,2 --drop-floaters\n"
+    "  fixsplat convert scene.ply far.glb --decimate 10%\n"
     "  fixsplat convert room.ply chair.spz both.fxs --place chair.spz:1,0,2\n"
     "  fixsplat convert --scene world.json all.fxs\n";
 
@@ -43,13 +68,16 @@ typedef struct convert_options {
     const char *in, *out;                   /* in: what is placed, by the name of the one file or of its list */
     world_options world;
     fxs_world placed;
+    fxs_placement whole;                    /* how all of it is placed; its rotation follows from these: */
+    double degrees[3], up[3];               /* up all 0: as it is */
     fxs_scene_filter filter;
     int filtered;                           /* an option asks for the filter */
     load_options load;
     int profile_given, spz_version;         /* spz_version 0: none given */
 } convert_options;
 
-enum { OPT_CROP = OPT_OWN, OPT_PRUNE, OPT_SPZ_VERSION };
+enum { OPT_CROP = OPT_OWN, OPT_SPHERE, OPT_PRUNE, OPT_DROP_FLOATERS, OPT_DECIMATE, OPT_TRANSLATE, OPT_ROTATE, OPT_SCALE,
+       OPT_SPZ_VERSION };
 
 /* ---- Options --------------------------------------------------------------------------------------------------- */
 
@@ -63,11 +91,72 @@ static int take_crop(fxs_scene_filter *filter, const char *value)
     return 0;
 }
 
+static int take_sphere(fxs_scene_filter *filter, const char *value)
+{
+    double sphere[4];
+    if (!parse_vector(value, 4, sphere) || sphere[3] < 0)
+        return fail(EXIT_USAGE, "--sphere %s: expected four numbers X,Y,Z,R, R 0 or more", value);
+    memcpy(filter->middle, sphere, sizeof filter->middle);
+    filter->radius = sphere[3];
+    return 0;
+}
+
+/* N or N% */
+static int take_decimate(convert_options *o, const char *value)
+{
+    const size_t length = strlen(value);
+    char number[64];
+    uint64_t count;
+    o->filter.drawable = o->filtered = 1;
+    o->load.decimate_share = 0;
+    o->load.decimate_count = 0;
+    if (parse_count(value, 1, UINT64_MAX, &count)) {
+        o->load.decimate_count = count;
+        return 0;
+    }
+    if (length > 1 && length < sizeof number && value[length - 1] == '%') {
+        memcpy(number, value, length - 1);
+        number[length - 1] = 0;
+        if (parse_vector(number, 1, &o->load.decimate_share) && o->load.decimate_share > 0 &&
+            o->load.decimate_share <= 100) {
+            o->load.decimate_share /= 100;
+            return 0;
+        }
+    }
+    return fail(EXIT_USAGE, "--decimate %s: expected a number of Gaussians from 1 on, or a share above 0%% up to 100%%",
+                value);
+}
+
+/* How the whole is placed. */
+static int take_place(convert_options *o, int which, const char *value)
+{
+    const double *up = o->up;
+    if (which == OPT_SCALE)
+        return parse_vector(value, 1, &o->whole.scale) && o->whole.scale > 0
+                   ? 0 : fail(EXIT_USAGE, "--scale %s: expected a number above 0", value);
+    if (which == OPT_UP)
+        return parse_vector(value, 3, o->up) && (up[0] != 0 || up[1] != 0 || up[2] != 0)
+                   ? 0 : fail(EXIT_USAGE, "--up %s: expected a direction X,Y,Z, not 0,0,0", value);
+    if (which == OPT_ROTATE)
+        return parse_vector(value, 3, o->degrees)
+                   ? 0 : fail(EXIT_USAGE, "--rotate %s: expected degrees about three axes X,Y,Z", value);
+    return parse_vector(value, 3, o->whole.translation)
+               ? 0 : fail(EXIT_USAGE, "--translate %s: expected three numbers X,Y,Z", value);
+}
+
 static int take_option(convert_options *o, int which, const char *value)
 {
     uint64_t number;
-    o->filtered |= which == OPT_CROP || which == OPT_PRUNE || which == OPT_SH_DEGREE;
+    o->filtered |= which == OPT_CROP || which == OPT_SPHERE || which == OPT_PRUNE || which == OPT_DROP_FLOATERS ||
+                   which == OPT_SH_DEGREE;
     switch (which) {
+    case OPT_UP:
+    case OPT_ROTATE:
+    case OPT_SCALE:
+    case OPT_TRANSLATE: return take_place(o, which, value);
+    case OPT_SPHERE: return take_sphere(&o->filter, value);
+    case OPT_DROP_FLOATERS: o->filter.floaters = 1; return 0;
+    case OPT_DECIMATE: return take_decimate(o, value);
     case OPT_LOD: return take_lod(&o->load, value);
     case OPT_AXES:
     case OPT_MAX_GAUSSIANS:
@@ -96,7 +185,14 @@ static int take_option(convert_options *o, int which, const char *value)
 
 static int take_options(convert_options *o, int argc, char **argv)
 {
-    static const struct option table[] = {{"crop", required_argument, 0, OPT_CROP},
+    static const struct option table[] = {{"up", required_argument, 0, OPT_UP},
+                                          {"rotate", required_argument, 0, OPT_ROTATE},
+                                          {"scale", required_argument, 0, OPT_SCALE},
+                                          {"translate", required_argument, 0, OPT_TRANSLATE},
+                                          {"crop", required_argument, 0, OPT_CROP},
+                                          {"sphere", required_argument, 0, OPT_SPHERE},
+                                          {"drop-floaters", no_argument, 0, OPT_DROP_FLOATERS},
+                                          {"decimate", required_argument, 0, OPT_DECIMATE},
                                           {"prune", required_argument, 0, OPT_PRUNE},
                                           {"sh-degree", required_argument, 0, OPT_SH_DEGREE},
                                           {"spz-version", required_argument, 0, OPT_SPZ_VERSION},
@@ -105,10 +201,12 @@ static int take_options(convert_options *o, int argc, char **argv)
                                           {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
     memset(o, 0, sizeof *o);
     fxs_scene_filter_default(&o->filter);
+    fxs_placement_init(&o->whole, 0, 0);
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;) {
         if (c == OPT_HELP) {
             fputs(help, stdout);
+            fputs(more_help, stdout);
             exit(EXIT_OK);
         }
         if (c == '?')
@@ -188,50 +286,35 @@ static int to_fxs(const convert_options *o)
 
 /* ---- The others, Gaussian by Gaussian -------------------------------------------------------------------------- */
 
-/* One of them is open. */
-typedef struct writer {
-    fxs_ply_writer *ply;
-    fxs_splat_writer *splat;
-    fxs_spz_writer *spz;
-} writer;
+enum { BATCH = 256 };
 
-static int open_writer(writer *w, const convert_options *o, const fxs_scene_file_info *info, fxs_message *message)
+/* Reads the file once for the bounds of its centres, and goes back to its beginning. */
+static int find_bounds(fxs_scene_file *file, fxs_scene_write_options *o, fxs_message *message)
 {
-    memset(w, 0, sizeof *w);
-    if (ends_with(o->out, ".ply"))
-        return fxs_ply_writer_open(o->out, info->count, info->sh_degree, info->antialiased, &w->ply, message);
-    if (ends_with(o->out, ".splat"))
-        return fxs_splat_writer_open(o->out, info->count, &w->splat, message);
-    return fxs_spz_writer_open(o->out, o->spz_version ? o->spz_version : 4, info->count, info->sh_degree,
-                               info->antialiased, &w->spz, message);
+    fxs_gaussian batch[BATCH];
+    int first = 1;
+    for (long n; (n = fxs_scene_file_read(file, batch, BATCH, message)) != 0;) {
+        if (n < 0)
+            return -1;
+        for (int i = 0; i < 3; i++)
+            for (long k = 0; k < n; k++) {
+                const float x = batch[k].position[i];
+                o->low[i] = (first && !k) || x < o->low[i] ? x : o->low[i];
+                o->high[i] = (first && !k) || x > o->high[i] ? x : o->high[i];
+            }
+        first = 0;
+    }
+    return fxs_scene_file_rewind(file, message);
 }
 
-static int put(const writer *w, const fxs_gaussian *gaussians, size_t n, fxs_message *message)
+static int copy(fxs_scene_writer *w, fxs_scene_file *file, uint64_t count, fxs_message *message)
 {
-    return w->ply     ? fxs_ply_writer_put(w->ply, gaussians, n, message)
-           : w->splat ? fxs_splat_writer_put(w->splat, gaussians, n, message)
-                      : fxs_spz_writer_put(w->spz, gaussians, n, message);
-}
-
-static int close_writer(writer *w, fxs_message *message)
-{
-    char label[] = "compressing";
-    int result = w->ply     ? fxs_ply_writer_close(w->ply, message)
-                 : w->splat ? fxs_splat_writer_close(w->splat, message)
-                            : fxs_spz_writer_close(w->spz, progress_bar, label, message);
-    progress_end();
-    return result;
-}
-
-static int copy(const writer *w, fxs_scene_file *file, uint64_t count, fxs_message *message)
-{
-    enum { BATCH = 256 };
     fxs_gaussian batch[BATCH];
     char label[] = "converting";
     uint64_t done = 0;
     int result = 0;
     for (long n; !result && (n = fxs_scene_file_read(file, batch, BATCH, message)) != 0;) {
-        result = n < 0 ? -1 : put(w, batch, (size_t)n, message);
+        result = n < 0 ? -1 : fxs_scene_writer_put(w, batch, (size_t)n, message);
         done += n < 0 ? 0 : (uint64_t)n;
         progress_bar(label, (double)done / (double)count);
     }
@@ -246,12 +329,14 @@ static void note_clamped(const char *out, uint32_t count, const char *what)
 }
 
 /* What the format of OUT cannot say. */
-static void note_losses(const char *out, const fxs_scene_file_info *info, const fxs_spz_clamped *clamped)
+static void note_losses(const char *out, const fxs_scene_write_report *report)
 {
-    if (ends_with(out, ".splat") && (info->sh_degree || info->antialiased))
-        fprintf(stderr, "fixsplat: %s: a .splat cannot hold%s%s%s\n", out,
-                info->sh_degree ? " the SH above degree 0" : "", info->sh_degree && info->antialiased ? " and" : "",
-                info->antialiased ? " that the scene is anti-aliased" : "");
+    const fxs_spz_clamped *clamped = &report->clamped;
+    if (report->lost_sh || report->lost_antialiased)
+        fprintf(stderr, "fixsplat: %s: a %s cannot hold%s%s%s\n", out, strrchr(out, '.'),
+                report->lost_sh ? " the SH above degree 0" : "",
+                report->lost_sh && report->lost_antialiased ? " and" : "",
+                report->lost_antialiased ? " that the scene is anti-aliased" : "");
     if (clamped->position)
         fprintf(stderr, "fixsplat: %s: brought in %" PRIu32 " Gaussians from beyond %g units: an .spz has 24 bits "
                 "for a position\n", out, clamped->position, clamped->reach);
@@ -260,40 +345,104 @@ static void note_losses(const char *out, const fxs_scene_file_info *info, const 
     note_clamped(out, clamped->scale, "ln(sigma) outside -10 to 5.94");
 }
 
+static int write_file(const convert_options *o, fxs_scene_file *file, const fxs_scene_file_info *info)
+{
+    fxs_scene_writer *w = NULL;
+    fxs_scene_write_report report;
+    fxs_message message, closing;
+    fxs_scene_write_options options = {.count = info->count, .sh_degree = info->sh_degree,
+                                       .antialiased = info->antialiased, .spz_version = o->spz_version};
+    char label[] = "compressing";
+    int result = ends_with(o->out, ".glb") ? find_bounds(file, &options, &message) : 0;
+    if (!result)
+        result = fxs_scene_writer_open(o->out, &options, &w, &message);
+    if (!result)
+        result = copy(w, file, info->count, &message);
+    if (fxs_scene_writer_close(w, &report, progress_bar, label, &closing) && !result) {
+        message = closing;
+        result = -1;
+    }
+    progress_end();
+    if (result)
+        return fail(EXIT_FAILED, "%s", message.text);
+    note_losses(o->out, &report);
+    return EXIT_OK;
+}
+
 static int stream(const convert_options *o)
 {
-    writer w;
     fxs_scene_file *file;
     fxs_scene_file_info info;
-    fxs_message message, closing;
     fxs_scene_filter filter = o->filter;
     load_options load = o->load;
     filter.drawable = 1;
     load.filter = &filter;
     if (open_merged(&o->placed, o->in, &load, &file, &info))
         return EXIT_FAILED;
-    int result = open_writer(&w, o, &info, &message);
-    if (!result) {
-        result = copy(&w, file, info.count, &message);
-        const fxs_spz_clamped clamped = w.spz ? fxs_spz_writer_finish(w.spz) : (fxs_spz_clamped){0};
-        if (close_writer(&w, &closing) && !result) {
-            message = closing;
-            result = -1;
-        }
-        if (!result)
-            note_losses(o->out, &info, &clamped);
-    }
+    const int status = write_file(o, file, &info);
     fxs_scene_file_close(file);
-    return result ? fail(EXIT_FAILED, "%s", message.text) : EXIT_OK;
+    return status;
 }
 
-/* No file of a world may be packed. */
-static int check_inputs(const fxs_world *placed)
+/* ---- The command ----------------------------------------------------------------------------------------------- */
+
+/* q = r q, with r the turn about an axis (0, 1, 2) by some degrees */
+static void turn_about(double q[4], int axis, double degrees)
 {
-    for (uint32_t i = 0; i < placed->file_count; i++)
+    const double half = fmod(degrees, 360) * (3.14159265358979324 / 360), c = cos(half), s = sin(half);
+    const int j = (axis + 1) % 3 + 1, k = (axis + 2) % 3 + 1;
+    const double old[4] = {q[0], q[1], q[2], q[3]};
+    q[0] = c * old[0] - s * old[axis + 1];
+    q[axis + 1] = c * old[axis + 1] + s * old[0];
+    q[j] = c * old[j] - s * old[k];
+    q[k] = c * old[k] + s * old[j];
+}
+
+/* The shortest turn from u to v = (0, -1, 0): (1 + u v, u x v); from (0, 1, 0), half a turn about x. */
+static void turn_up(double q[4], const double up[3])
+{
+    const double most = fmax(fmax(fabs(up[0]), fabs(up[1])), fabs(up[2]));
+    const double x = up[0] / most, y = up[1] / most, z = up[2] / most, length = sqrt(x * x + y * y + z * z);
+    const double turn[4] = {1 - y / length, z / length, 0, -x / length};
+    const double opposite[4] = {0, 1, 0, 0};
+    memcpy(q, turn[0] > 1e-12 ? turn : opposite, 4 * sizeof *q);
+}
+
+/* Places the whole. Returns 0, or prints why not and returns the exit status. */
+static int place_whole(convert_options *o)
+{
+    fxs_message message;
+    fxs_object checked;
+    if (o->up[0] != 0 || o->up[1] != 0 || o->up[2] != 0)
+        turn_up(o->whole.rotation, o->up);
+    for (int axis = 0; axis < 3; axis++)
+        if (o->degrees[axis] != 0)
+            turn_about(o->whole.rotation, axis, o->degrees[axis]);
+    if (fxs_object_place(&checked, 0, &o->whole, 0, &message))
+        return fail(EXIT_USAGE, "--scale or --translate: %s", message.text);
+    if (fxs_placement_is_plain(&o->whole))
+        return 0;
+    fxs_world_place(&o->placed, &o->whole);
+    for (uint32_t i = 0; i < o->placed.count; i++) {
+        const fxs_placement *p = &o->placed.objects[i];
+        fxs_crop crops[FXS_MAX_CROPS];
+        if (fxs_object_place(&checked, 0, p, crops, &message))
+            return fail(EXIT_FAILED, "%s, placed: %s", o->placed.files[p->file], message.text);
+    }
+    return 0;
+}
+
+/* No file of a world may be packed, or the one that is written. */
+static int check_inputs(const convert_options *o)
+{
+    const fxs_world *placed = &o->placed;
+    for (uint32_t i = 0; i < placed->file_count; i++) {
         if (is_packed(placed->files[i]))
             return fail(EXIT_FAILED, "%s: an .fxs file is not converted; convert the scene that it was made from",
                         placed->files[i]);
+        if (same_file(o->out, placed->files[i]))
+            return fail(EXIT_FAILED, "%s: is read and cannot be written too; give OUT another name", o->out);
+    }
     return 0;
 }
 
@@ -303,13 +452,16 @@ int command_convert(int argc, char **argv)
     int status = take_options(&o, argc, argv);
     if (status)
         return status;
-    int packed = ends_with(o.out, ".fxs");
-    if (!packed && !ends_with(o.out, ".ply") && !ends_with(o.out, ".splat") && !ends_with(o.out, ".spz"))
-        return fail(EXIT_USAGE, "%s: expected a name ending in .fxs, .ply, .splat or .spz", o.out);
+    const int packed = ends_with(o.out, ".fxs");
+    if (!packed && !fxs_scene_is_written(o.out))
+        return fail(EXIT_USAGE, "%s: expected a name ending in .fxs, .ply, .compressed.ply, .splat, .spz, .sog, .glb "
+                    "or .csv", o.out);
     status = place_scenes(&o.placed, &o.world);
     if (status)
         return status;
-    status = check_inputs(&o.placed);
+    status = place_whole(&o);
+    if (!status)
+        status = check_inputs(&o);
     if (!status)
         status = packed ? to_fxs(&o) : stream(&o);
     fxs_world_free(&o.placed);

@@ -20,13 +20,13 @@ static const char help[] =
     "  -o, --output OUT    .fxs (packed) or .ply (floats)\n"
     "  --recipe NAME       reference (default: Kerbl et al. 2023), mcmc (Kheradmand et al. 2024: up to a number of\n"
     "                      Gaussians) or fast (small photographs first, fewer steps)\n"
-    "  --steps N           one photograph each (default 30000, fast 7000)\n"
+    "  --steps N           one photograph each (default 30000, fast 8000)\n"
     "  --resolution N      pixels of a photograph's longer side, at most: averaged down to it (default 1600)\n"
     "  --sh-degree D       highest SH degree, 0 to 3 (default 3)\n"
     "  --batch N           photographs of a step, 1 to 8 (default 1; with several devices, one for each)\n"
     "  --block I/N         only the I-th of N blocks of space (N up to 4096), with the photographs that see it; OUT\n"
     "                      is a .ply of what lies in it, and convert makes one scene of all\n"
-    "  --max-gaussians N   at most so many (default 4194304, mcmc 1000000)\n"
+    "  --max-gaussians N   at most so many (default 4194304, mcmc 1000000, fast 250000)\n"
     "  --seed N            of all that is random (default 0)\n"
     "  --cutoff NAME       mahalanobis (default) or square\n"
     "  --background RRGGBB behind the scene, and below photographs with alpha (default 000000)\n"
@@ -82,13 +82,6 @@ static int take_recipe(fxs_fit_options *options, const char *value)
             return 0;
         }
     return fail(EXIT_USAGE, "--recipe %s: expected reference, mcmc or fast", value);
-}
-
-static int take_number(const char *name, const char *value, uint64_t low, uint64_t high, uint64_t *out)
-{
-    return parse_count(value, low, high, out)
-               ? 0 : fail(EXIT_USAGE, "--%s %s: expected a whole number from %" PRIu64 " to %" PRIu64, name, value, low,
-                          high);
 }
 
 static int take_block(fit_command *c, const char *value)
@@ -177,8 +170,8 @@ static int finish_options(fit_command *c)
     if (!status)
         status = take_devices(c, backend);
     o->steps = c->given[OPT_STEPS] ? o->steps : c->resume ? 0 : fxs_fit_recipe_steps(o->recipe);
-    if (o->recipe == FXS_FIT_MCMC && !c->given[OPT_MAX_GAUSSIANS])
-        o->max_gaussians = 1000000;
+    if (!c->given[OPT_MAX_GAUSSIANS])
+        o->max_gaussians = fxs_fit_recipe_gaussians(o->recipe);
     o->sh_degree = c->frame.render.sh_degree;
     o->cutoff = c->frame.render.cutoff;
     o->profile = c->frame.load.profile;

@@ -9,6 +9,7 @@
 #include "../port/posix/pool.h"
 #include "../port/scene/fxs_file.h"
 #include "quality.h"
+#include "stats.h"
 
 static const char help[] =
     "Usage: fixsplat info SCENE... [OPTION...]\n"
@@ -25,10 +26,17 @@ static const char help[] =
     "  --cameras FILE      compare from evenly spaced views of this file (default: around the scene, in turn framed\n"
     "                      as by render, close, where it is larger than the picture, and far)\n"
     "  --views N           how many, 1 to 1000 (default 8)\n"
-    "  --size WxH          pixels (default 1280x720; of the views of a file their own)\n"
+    "  --size WxH          pixels (default 1280x720; of the views of a file their own)\n";
+
+/* C99 promises strings of 4095 bytes. */
+static const char more_help[] =
     "  --board WxH         what a board with a display of this size needs to show the scene on a turntable: flash, a\n"
     "                      strip of RGB565, and working memory of one thread: the least, and from where on no row\n"
     "                      of tiles is drawn in slices, at each of 16 turns\n"
+    "  --stats             of the Gaussians as they are read, before they are packed, for each attribute: the least,\n"
+    "                      median, mean and greatest value, and a histogram. Position in scene units, scale_0 to\n"
+    "                      scale_2 as ln(sigma), opacity 0 to 1, colour of SH degree 0, sh_1 to sh_3: of the\n"
+    "                      coefficients of a degree the root mean square\n"
     "  --max-memory BYTES  (also as 64K, 3M, 2G) what render and bench can do with so much\n"
     "  --profile P         how a scene that is not an .fxs file is packed: default, compact or small\n"
     "  --lod LEVEL         level of detail of SCENE, where it is a streamed .sog, 0 the finest (default 0)\n"
@@ -42,6 +50,7 @@ static const char help[] =
     "  fixsplat info scene.ply\n"
     "  fixsplat info scene.ply --size 1920x1080 --json\n"
     "  fixsplat info room.fxs chair.spz --place chair.spz:1,0,2\n"
+    "  fixsplat info scene.ply --stats\n"
     "  fixsplat info toy.fxs --board 320x240\n"
     "  fixsplat info scene.spz --compare scene.ply --cameras cameras.json --views 4\n";
 
@@ -50,10 +59,10 @@ typedef struct info_options {
     const char *original;
     uint64_t views;                         /* 0: none given */
     int board_width, board_height;          /* 0: not asked for */
-    int json;
+    int json, stats;
 } info_options;
 
-enum { OPT_JSON = OPT_OWN, OPT_COMPARE, OPT_VIEWS, OPT_BACKENDS, OPT_BOARD };
+enum { OPT_JSON = OPT_OWN, OPT_COMPARE, OPT_VIEWS, OPT_BACKENDS, OPT_BOARD, OPT_STATS };
 
 /* A scene on a board with a display of this size. */
 typedef struct board {
@@ -71,6 +80,8 @@ typedef struct findings {
     size_t limit;                           /* --max-memory; 0: none */
     int compared;
     quality quality;
+    int has_stats;
+    scene_stats stats;
     board board;
 } findings;
 
@@ -165,6 +176,11 @@ static void print_json(const findings *f)
         quality_print_json(&f->quality);
         printf(", ");
     }
+    if (f->has_stats) {
+        printf("\"stats\": ");
+        stats_print_json(&f->stats);
+        printf(", ");
+    }
     if (f->board.width)
         print_board_json(&f->board);
     printf("\"frame\": {\"width\": %d, \"height\": %d, \"splats\": %zu, \"keys\": %zu, \"tiles\": %zu, "
@@ -248,6 +264,10 @@ static void print_text(const findings *f)
         print_board_text(&f->board, w->scenes[0].packed.bytes);
     if (f->limit)
         print_limit(m, f->limit);
+    if (f->has_stats) {
+        puts("");
+        stats_print_text(&f->stats);
+    }
     if (f->compared) {
         puts("");
         quality_print_text(&f->quality);
@@ -281,6 +301,7 @@ static int take_options(info_options *o, int argc, char **argv)
                                           {"cameras", required_argument, 0, OPT_CAMERAS},
                                           {"views", required_argument, 0, OPT_VIEWS},
                                           {"board", required_argument, 0, OPT_BOARD},
+                                          {"stats", no_argument, 0, OPT_STATS},
                                           {"backends", no_argument, 0, OPT_BACKENDS},
                                           {"size", required_argument, 0, OPT_SIZE},
                                           {"max-memory", required_argument, 0, OPT_MAX_MEMORY},
@@ -303,8 +324,9 @@ static int take_options(info_options *o, int argc, char **argv)
                 return fail(EXIT_USAGE, "--board %s: expected WIDTHxHEIGHT, each 1 to 16384", optarg);
             break;
         case OPT_JSON: o->json = 1; break;
+        case OPT_STATS: o->stats = 1; break;
         case OPT_BACKENDS: print_backends(); exit(EXIT_OK);
-        case OPT_HELP: fputs(help, stdout); exit(EXIT_OK);
+        case OPT_HELP: fputs(help, stdout); fputs(more_help, stdout); exit(EXIT_OK);
         case '?': return wrong_option(argv);
         default:
             if (frame_option(&o->frame, c, optarg))
@@ -395,10 +417,29 @@ static int check_files(const world *w)
     return 0;
 }
 
+/* Of all objects, as they are placed. */
+static int find_stats(findings *f, const info_options *o)
+{
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_message message;
+    load_options load = o->frame.load;
+    const fxs_world *placed = &f->world.placed;
+    for (uint32_t i = 0; i < placed->file_count; i++)
+        if (f->world.scenes[i].mapping.data)
+            return fail(EXIT_FAILED, "%s: --stats is of scenes that are not packed yet", placed->files[i]);
+    load.again = 1;
+    if (open_merged(placed, placed->files[0], &load, &file, &info))
+        return EXIT_FAILED;
+    f->has_stats = !stats_measure(&f->stats, file, &info, &message);
+    fxs_scene_file_close(file);
+    return f->has_stats ? 0 : fail(EXIT_FAILED, "%s", message.text);
+}
+
 static int find(findings *f, const info_options *o)
 {
     fxs_context context;
-    if (check_files(&f->world))
+    if (check_files(&f->world) || (o->stats && find_stats(f, o)))
         return EXIT_FAILED;
     f->width = o->frame.width ? o->frame.width : 1280;
     f->height = o->frame.height ? o->frame.height : 720;

@@ -1,4 +1,4 @@
-#include "options.h"
+#include "views.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,7 +13,9 @@
 const char camera_options_help[] =
     "Camera (without one, the scene is framed whole):\n"
     "  --cameras FILE      cameras.json, transforms.json or a COLMAP model (folder, images.bin or images.txt)\n"
-    "  --view N|NAME|all   a view of that file: its number from 0, its image name, or all (default 0)\n"
+    "  --view N|NAME|LIST|all\n"
+    "                      a view of that file: its number from 0, its image name, several as 8..40 or 0,8,40..20\n"
+    "                      (render alone), or all (default 0)\n"
     "  --eye X,Y,Z         camera centre\n"
     "  --look X,Y,Z        point looked at (default: the middle of the scene)\n"
     "  --up X,Y,Z          up in the picture (default 0,-1,0: y points down; 0,0,1 for scenes with z up)\n"
@@ -71,14 +73,6 @@ int take_max_memory(size_t *bytes, const char *value)
 {
     return parse_bytes(value, bytes)
                ? 0 : fail(EXIT_USAGE, "--max-memory %s: expected bytes, or a number with K, M or G", value);
-}
-
-static int take_number(const char *name, const char *value, uint64_t low, uint64_t high, uint64_t *out)
-{
-    if (parse_count(value, low, high, out))
-        return 0;
-    return fail(EXIT_USAGE, "--%s %s: expected a whole number from %llu to %llu", name, value, (unsigned long long)low,
-                (unsigned long long)high);
 }
 
 static int take_vector(const char *name, const char *value, double out[3], int *has)
@@ -225,6 +219,10 @@ int frame_options_check(const frame_options *options)
     if (options->panorama && options->width != 2 * options->height)
         return fail(EXIT_USAGE, "--panorama is twice as wide as high: --size %dx%d is not", options->width,
                     options->height);
+    if (options->orbit && options->frames)
+        return fail(EXIT_USAGE, "--orbit and --frames: give one");
+    if (options->frames && !options->view)
+        return fail(EXIT_USAGE, "--frames needs --view with several views, as 8..40 or all");
     if (options->has_look && !options->has_eye)
         return fail(EXIT_USAGE, "--look needs --eye");
     return 0;
@@ -260,14 +258,10 @@ static long views_of_file(const frame_options *options, fxs_file_view **views)
     if (count < 0)
         return fail(-1, "%s", message.text);
     if (!options->view || strcmp(options->view, "all")) {
-        long index = find_view(options, *views, count);
-        if (index < 0) {
-            free(*views);
-            *views = 0;
-            return -1;
-        }
-        (*views)[0] = (*views)[index];
-        count = 1;
+        fxs_file_view *chosen;
+        count = views_of_list(options, *views, count, &chosen);
+        free(*views);
+        *views = chosen;
     }
     for (long i = 0; i < count; i++)
         if (options->width || options->panorama)
@@ -354,7 +348,7 @@ long choose_views(const frame_options *options, const world *w, fxs_file_view **
     for (long i = 0; i < count && !result; i++)
         result = finish_view(options, &(*views)[i], &message);
     if (!result)
-        return count;
+        return options->orbit || options->frames ? frames_of_film(options, w, views, count) : count;
     free(*views);
     *views = 0;
     return options->cameras ? fail(-1, "%s: %s", options->cameras, message.text) : fail(-1, "%s", message.text);

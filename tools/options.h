@@ -15,7 +15,8 @@ typedef struct foveate_options {
 } foveate_options;
 
 typedef struct frame_options {
-    const char *cameras, *view;             /* camera file; number, name or "all" */
+    const char *cameras, *view;             /* camera file; number, name, list of numbers or "all" */
+    long orbit, frames;                     /* pictures of a turn, and of a way through the views; 0: neither */
     int has_eye, has_look, has_up;
     double eye[3], look[3], up[3], fov;
     double ortho;                           /* height of an orthographic picture, units; 0: perspective */
@@ -73,7 +74,7 @@ int choose_backend(const frame_options *options, int device, const fxs_backend *
 /* Fills in the devices that the options ask for; the first alone where the back end has no more. Returns how many. */
 int choose_devices(const frame_options *options, int devices[DEVICES_MOST]);
 
-/* The views that the options ask for, at their final size. Returns how many, with *views allocated; or prints why not
+/* The views that the options ask for, at their final size, of a film those of its frames. Returns how many, with *views allocated; or prints why not
    and returns -1, with views null if it was null before. */
 long choose_views(const frame_options *options, const world *w, fxs_file_view **views);
 

@@ -9,6 +9,7 @@ mkdir -p "$build/with" "$build/tests" || exit 1
 libraries='CJSON cjson/cJSON.h -lcjson
 ZIP zip.h -lzip
 ZLIB zlib.h -lz
+DEFLATE libdeflate.h -ldeflate
 ZSTD zstd.h -lzstd
 WEBP webp/decode.h -lwebp
 STB stb/stb_image_write.h

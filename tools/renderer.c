@@ -119,6 +119,17 @@ static void aim(const renderer *r, const picture *out, int eye, fxs_targets *tar
 
 /* ---- Rendering --------------------------------------------------------------------------------------------------- */
 
+/* The scissor is not larger than the picture. */
+static void cut(fxs_camera *camera, const int scissor[4])
+{
+    camera->whole_width = camera->width;
+    camera->whole_height = camera->height;
+    camera->whole_x = scissor[0];
+    camera->whole_y = scissor[1];
+    camera->width = scissor[2];
+    camera->height = scissor[3];
+}
+
 /* The view from `offset` units to the right of its centre; with its field of view turned over, or not. */
 static int camera_beside(fxs_camera *camera, const fxs_file_view *view, double offset, int mirrored)
 {
@@ -129,6 +140,22 @@ static int camera_beside(fxs_camera *camera, const fxs_file_view *view, double o
     if (mirrored)
         beside.cx = view->width - view->cx;
     return fxs_camera_from_view(camera, &beside, &message) ? fail(EXIT_FAILED, "%s", message.text) : 0;
+}
+
+int renderer_camera(const renderer *r, const fxs_file_view *view, fxs_camera *camera)
+{
+    const int *s = r->scissor;
+    if (r->has_scissor && (s[2] > view->width - s[0] || s[3] > view->height - s[1]))
+        return fail(EXIT_FAILED, "--scissor %d,%d,%d,%d: view %s is %dx%d", s[0], s[1], s[2], s[3], view->name,
+                    view->width, view->height);
+    fxs_file_view part = *view;
+    part.cx -= s[0];
+    part.cy -= s[1];
+    if (camera_beside(camera, &part, -r->stereo / 2, 0))
+        return EXIT_FAILED;
+    if (r->has_scissor)
+        cut(camera, s);
+    return 0;
 }
 
 static int fail_frame(const renderer *r, const fxs_file_view *view, int error, const fxs_message *why)
@@ -180,9 +207,8 @@ int renderer_render(renderer *r, const world *w, const fxs_file_view *view, cons
     fxs_camera cameras[2];
     fxs_targets targets[2];
     fxs_message why;
-    if (camera_beside(&cameras[0], view, -r->stereo / 2, 0) ||
-        camera_beside(&cameras[1], view, r->stereo / 2, r->mirrored) ||
-        make_room(r, out, eyes * view->width, view->height))
+    if (renderer_camera(r, view, &cameras[0]) || camera_beside(&cameras[1], view, r->stereo / 2, r->mirrored) ||
+        make_room(r, out, eyes * cameras->width, cameras->height))
         return EXIT_FAILED;
     out->depth_bits = choose_depth_bits(w, view);
     for (int eye = 0; eye < eyes; eye++)

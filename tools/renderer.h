@@ -29,6 +29,7 @@ typedef struct renderer {
     enum fxs_format format;
     int draws;                              /* DRAW_*; depths of one kind */
     int mirrored;                           /* the right eye's field of view is the left one's mirror */
+    int has_scissor, scissor[4];            /* what is drawn of the picture: x, y, width, height */
     foveate_options foveate;
     int divisor;                            /* its numbers are of a picture so many times as large; 0: 1 */
     void *rings;                            /* of foveated pictures */
@@ -38,7 +39,8 @@ typedef struct renderer {
     fxs_foveated foveated;
 } renderer;
 
-/* Opens the back end that the options name, on the first of their devices. `format` and `draws` may be set then.
+/* Opens the back end that the options name, on the first of their devices. `format`, `draws` and the scissor may be set
+   then.
    Returns 0, or prints why not and returns EXIT_FAILED or EXIT_USAGE (an unknown --cpu or --backend), with nothing to
    close. */
 int renderer_open(renderer *r, const frame_options *options);
@@ -46,6 +48,9 @@ void renderer_close(renderer *r);
 
 /* Before the scenes of a world are closed, where the renderer goes on. */
 void renderer_forget(renderer *r, const world *w);
+
+/* The camera of a view, or of the part of it that is drawn. Returns 0, or prints why not and returns EXIT_FAILED. */
+int renderer_camera(const renderer *r, const fxs_file_view *view, fxs_camera *camera);
 
 /* Renders into *out, making room where the size has changed. *stats may be null. Returns 0, or prints why not and
    returns EXIT_FAILED. */

@@ -1,15 +1,29 @@
 #include "scene.h"
 
+#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "../port/posix/clock.h"
 #include "../port/posix/pool.h"
 #include "../port/scene/fxs_file.h"
+#include "../port/scene/scene_decimate.h"
 #include "../src/packed.h"
+
+static int is_standard_input(const char *path)
+{
+    return !strcmp(path, "-");
+}
+
+/* For messages. */
+static const char *shown(const char *path)
+{
+    return is_standard_input(path) ? "standard input" : path;
+}
 
 /* The share of what is seen is told from 3 per mille on. */
 static void note_dropped(const char *path, const fxs_pack_dropped *d, uint64_t packed)
@@ -27,7 +41,8 @@ static void note_dropped(const char *path, const fxs_pack_dropped *d, uint64_t p
 /* A message about a scene, which may or may not begin with its name. */
 static int fail_scene(const char *path, const fxs_message *message)
 {
-    return fail(EXIT_FAILED, strncmp(message->text, path, strlen(path)) ? "%s: %s" : "%.0s%s", path, message->text);
+    const char *name = shown(path);
+    return fail(EXIT_FAILED, strncmp(message->text, name, strlen(name)) ? "%s: %s" : "%.0s%s", name, message->text);
 }
 
 static int filter(fxs_scene_file *file, const char *path, const load_options *o, fxs_scene_file_info *info)
@@ -41,29 +56,98 @@ static int filter(fxs_scene_file *file, const char *path, const load_options *o,
         return fail_scene(path, &message);
     if (o->again)
         return 0;
-    if (r.outside || r.faint)
-        fprintf(stderr, "fixsplat: %s: kept %" PRIu64 " of %" PRIu64 " Gaussians (%" PRIu64 " outside the box, %" PRIu64
-                " too faint)\n", path, r.read - r.outside - r.faint, r.read, r.outside, r.faint);
+    if (r.outside || r.faint || r.floaters)
+        fprintf(stderr, "fixsplat: %s: kept %" PRIu64 " of %" PRIu64 " Gaussians (%" PRIu64 " outside, %" PRIu64
+                " too faint, %" PRIu64 " floating)\n", path, r.read - r.outside - r.faint - r.floaters, r.read,
+                r.outside, r.faint, r.floaters);
     note_dropped(path, &r.dropped, r.kept);
     return 0;
 }
 
+static int decimate(fxs_scene_file *file, const char *path, const load_options *o, fxs_scene_file_info *info)
+{
+    fxs_message message;
+    char label[] = "merging";
+    const uint64_t share = (uint64_t)ceil(o->decimate_share * (double)info->count);
+    const int error = fxs_scene_file_decimate(file, o->decimate_count ? o->decimate_count : share, info, progress_bar,
+                                              label, &message);
+    progress_end();
+    return error ? fail_scene(path, &message) : 0;
+}
+
 int filter_scene(const char *path, const load_options *o, fxs_scene_file *file, fxs_scene_file_info *info)
 {
-    const int status = o->filter ? filter(file, path, o, info) : 0;
+    int status = o->filter ? filter(file, path, o, info) : 0;
+    if (!status && (o->decimate_count || o->decimate_share > 0))
+        status = decimate(file, path, o, info);
     if (status)
         fxs_scene_file_close(file);
     return status;
 }
 
-int open_unfiltered(const char *path, const load_options *o, fxs_scene_file **file, fxs_scene_file_info *info)
+/* ---- Standard input ---------------------------------------------------------------------------------------------- */
+
+/* All of it, as the path - stands for; read once, and kept. */
+static struct {
+    uint8_t *bytes;                         /* aligned to 64 */
+    size_t size, room;
+} standard_input;
+
+enum { PIECE = 1 << 20 };
+
+static int grow_standard_input(void)
+{
+    const size_t room = 2 * standard_input.room + PIECE;
+    void *larger;
+    if (posix_memalign(&larger, 64, room))
+        return fail(EXIT_FAILED, "standard input: out of memory");
+    if (standard_input.bytes)
+        memcpy(larger, standard_input.bytes, standard_input.size);
+    free(standard_input.bytes);
+    standard_input.bytes = larger;
+    standard_input.room = room;
+    return 0;
+}
+
+static int read_standard_input(void)
+{
+    if (standard_input.bytes)
+        return 0;
+    if (isatty(STDIN_FILENO))
+        return fail(EXIT_FAILED, "standard input is a terminal, not a scene");
+    for (ssize_t got = 1; got;) {
+        if (standard_input.room - standard_input.size < PIECE && grow_standard_input())
+            return EXIT_FAILED;
+        got = read(STDIN_FILENO, standard_input.bytes + standard_input.size, PIECE);
+        if (got < 0 && errno != EINTR)
+            return fail(EXIT_FAILED, "standard input: %s", strerror(errno));
+        standard_input.size += got > 0 ? (size_t)got : 0;
+    }
+    return standard_input.size ? 0 : fail(EXIT_FAILED, "standard input is empty");
+}
+
+/* ---- Scenes ------------------------------------------------------------------------------------------------------ */
+
+static int open_file(const char *path, const fxs_scene_file_options *options, fxs_scene_file **file,
+                     fxs_scene_file_info *info)
 {
     fxs_message message;
+    if (is_standard_input(path) && read_standard_input())
+        return EXIT_FAILED;
+    const int error = is_standard_input(path)
+                          ? fxs_scene_file_open_memory("standard input", standard_input.bytes, standard_input.size,
+                                                       options, file, info, &message)
+                          : fxs_scene_file_open(path, options, file, info, &message);
+    return error ? fail(EXIT_FAILED, "%s", message.text) : 0;
+}
+
+int open_unfiltered(const char *path, const load_options *o, fxs_scene_file **file, fxs_scene_file_info *info)
+{
     const fxs_scene_file_options options = {
         .level = o->lod, .axes = o->axes, .max_gaussians = o->max_gaussians, .max_memory = o->import_memory
     };
-    if (fxs_scene_file_open(path, &options, file, info, &message))
-        return fail(EXIT_FAILED, "%s", message.text);
+    if (open_file(path, &options, file, info))
+        return EXIT_FAILED;
     if (o->axes && strcmp(info->format, "spz")) {
         fxs_scene_file_close(*file);
         return fail(EXIT_FAILED, "%s: --axes is for .spz", path);
@@ -109,6 +193,10 @@ int is_packed(const char *path)
 {
     uint32_t magic = 0;
     struct stat information;
+    if (is_standard_input(path) && standard_input.size >= sizeof magic) {
+        memcpy(&magic, standard_input.bytes, sizeof magic);
+        return fxs_little_32(magic) == FXS_PACKED_MAGIC;
+    }
     FILE *file = stat(path, &information) == 0 && S_ISREG(information.st_mode) ? fopen(path, "rb") : 0;
     size_t got = file ? fread(&magic, sizeof magic, 1, file) : 0;
     if (file)
@@ -122,15 +210,28 @@ static int import(loaded_scene *loaded, const char *path, const load_options *o)
     return open_scene(path, o, &file, &loaded->info) ? EXIT_FAILED : pack_scene(loaded, path, o, file);
 }
 
+/* Without an allocation, a packed scene is not freed. */
+static int map_bytes(loaded_scene *loaded, const char *path, fxs_message *message)
+{
+    if (is_standard_input(path)) {
+        loaded->packed.data = standard_input.bytes;
+        loaded->packed.bytes = standard_input.size;
+        return 0;
+    }
+    fxs_map_guard();
+    if (fxs_map(&loaded->mapping, path, message))
+        return EXIT_FAILED;
+    loaded->packed.data = loaded->mapping.data;
+    loaded->packed.bytes = loaded->mapping.bytes;
+    return 0;
+}
+
 static int map(loaded_scene *loaded, const char *path)
 {
     fxs_message message;
-    fxs_map_guard();
-    if (fxs_map(&loaded->mapping, path, &message))
+    if (map_bytes(loaded, path, &message))
         return fail(EXIT_FAILED, "%s", message.text);
-    loaded->packed.data = loaded->mapping.data;
-    loaded->packed.bytes = loaded->mapping.bytes;
-    if (fxs_file_check(path, loaded->packed.data, loaded->packed.bytes, 0, &message))
+    if (fxs_file_check(shown(path), loaded->packed.data, loaded->packed.bytes, 0, &message))
         return fail(EXIT_FAILED, "%s", message.text);
     fxs_scene_open(&loaded->scene, loaded->packed.data, loaded->packed.bytes);
     fxs_packed_header header;
@@ -192,6 +293,8 @@ int load_scene(loaded_scene *loaded, const char *path, const load_options *optio
     uint64_t start = fxs_clock(0);
     memset(loaded, 0, sizeof *loaded);
     loaded->path = path;
+    if (is_standard_input(path) && read_standard_input())
+        return EXIT_FAILED;
     int status = !is_packed(path) ? import(loaded, path, options)
                  : options->axes  ? fail(EXIT_FAILED, "%s: --axes is for .spz", path)
                                   : map(loaded, path);

@@ -27,6 +27,8 @@ typedef struct load_options {
     uint32_t threads;                       /* of the import; 0: one a processor */
     enum fxs_profile profile;               /* of what is not packed yet */
     const fxs_scene_filter *filter;         /* what to leave out, or null; an .fxs file is mapped whole */
+    uint64_t decimate_count;                /* of what that leaves, so many are left by merging, 0: all; or so much, */
+    double decimate_share;                  /* 0 to 1, 0: all. The filter leaves what can be drawn then */
     uint64_t max_gaussians;                 /* in a file that is imported, and the memory that reading it may take: */
     size_t import_memory;                   /* as in fxs_scene_file_options */
     int again;                              /* what is left out or changed has been said */

@@ -6,6 +6,7 @@
 
 #include "../port/image/image_file.h"
 #include "view.h"
+#include "views.h"
 
 const char viewer_keys[] =
     "left drag      orbit\n"
@@ -113,10 +114,10 @@ int view_options_take(view_options *o, int argc, char **argv)
     }
     if (check_web(o, of_window, of_page) || take_scenes(&o->frame.world, "view", argc - optind, argv + optind))
         return EXIT_USAGE;
-    if (o->frame.view && !strcmp(o->frame.view, "all"))
+    if (names_several(o->frame.view))
         return fail(EXIT_USAGE, "view: --view takes one view to start from; n and p show the others");
     if (o->screenshot && !fxs_image_file_known(o->screenshot))
-        return fail(EXIT_USAGE, "%s: expected a name ending in .png, .ppm or .raw", o->screenshot);
+        return fail(EXIT_USAGE, "%s: expected a name ending in .png, .ppm, .raw, .jpg or .webp", o->screenshot);
     return frame_options_check(&o->frame);
 }
 

@@ -47,6 +47,8 @@ const char *words(cudaError_t error)
     int driver = 0;
     if (error == cudaErrorNoDevice)
         return "no NVIDIA GPU was found";
+    if (error == cudaErrorInvalidDevice)
+        return "there is no NVIDIA GPU of that number";
     if (error == cudaErrorInsufficientDriver && !cudaDriverGetVersion(&driver) && !driver)
         return "no NVIDIA driver was found";
     return cudaGetErrorString(error);

@@ -77,6 +77,9 @@ void fxs_gles_restore(const fxs_gl *gl, const fxs_gles_state *state);
 /* Sets what every draw wants: switches, masks, unpacking, and the textures of the tiles' shader at their units. */
 void fxs_gles_set(const fxs_gles *gles);
 
+/* Premultiplied colours over what is there. */
+void fxs_gles_blend_over(const fxs_gl *gl);
+
 /* Of the pixels that a run is drawn to. */
 static inline enum fxs_format fxs_gles_format(const fxs_gles *gles, const fxs_tile_run *run)
 {

@@ -463,13 +463,15 @@ int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_object *o
         return FXS_ERR_ARGUMENT;
     if (target->depth_bits < 0 || target->depth_bits > 28 || (target->occluder && target->depth_buffer) ||
         (target->backdrop && target->format != FXS_FORMAT_RGBA8) ||
+        (target->over && target->format != FXS_FORMAT_RGBA8_COVERAGE) ||
         (target->depth_buffer &&
          !(target->plane_0 > 0 && target->plane_1 > 0 && (target->plane_0 < target->plane_1 ||
                                                           target->plane_1 < target->plane_0))))
         return FXS_ERR_TARGET;
     if ((target->format != FXS_FORMAT_RGBA8 && target->format != FXS_FORMAT_RGBA8_COVERAGE) ||
         (target->fetch && g->no_fetch[0]) ||
-        (target->quads && (target->fetch || target->occluder || target->depth_buffer || target->backdrop)) ||
+        (target->quads && (target->fetch || target->occluder || target->depth_buffer || target->backdrop ||
+                           target->over)) ||
         camera->width > FXS_TILE << g->shift || camera->height > FXS_TILE << g->shift)
         return FXS_ERR_UNSUPPORTED;
     fxs_context drawing = *context;

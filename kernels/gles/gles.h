@@ -74,6 +74,9 @@ typedef struct fxs_gles_target {
     int top_down;                  /* 1: the picture's first row is the lowest one, as a texture is filled by rows */
     int fetch;                     /* 1: by fxs_gles_draw_fetch */
     int quads;                     /* 1: by fxs_gles_draw_quads, without what follows */
+    int over;                      /* 1: over what is in the framebuffer, blended as premultiplied colours are (GL_ONE,
+                                      GL_ONE_MINUS_SRC_ALPHA): `format` is RGBA8_COVERAGE. The picture's bytes are those
+                                      of every device, the rounding of their sums is this one's */
 
     /* What the caller has drawn: names of textures as large as the picture, with its lowest row first as it is in the
        framebuffer, or 0. No filter but GL_NEAREST. */
@@ -90,11 +93,14 @@ typedef struct fxs_gles_target {
 void fxs_gles_target_init(fxs_gles_target *target);
 
 /* Renders a frame (arguments and errors as fxs_render) into a target, in the caller's context. The GL state is left as
-   it was, but for a GL error that was pending. Transform feedback must not be active. An occlusion query that is active
+   it was, but for a GL error that was pending. Of that state, these do not count for the frame: blending, culling, depth
+   and stencil tests, dithering, rasterizer discard, alpha to coverage, scissor, viewport, colour mask, bindings, and how
+   pixels are unpacked. Depth and stencil buffers are neither read nor written. Transform feedback must not be active. An occlusion query that is active
    counts this draw too. `context` says how the stages before run; its draw is not used. Errors also: FXS_ERR_TARGET
-   (both an occluder and a depth buffer, planes or depth_bits out of range, a backdrop with RGBA8_COVERAGE),
+   (both an occluder and a depth buffer, planes or depth_bits out of range, a backdrop with RGBA8_COVERAGE, `over`
+   without it),
    FXS_ERR_UNSUPPORTED (another format, a picture larger than the device's textures, `fetch` where fxs_gles_no_fetch
-   says why not, `quads` with `fetch`, an occluder or a backdrop), FXS_ERR_DEVICE, FXS_ERR_MEMORY (the device's). */
+   says why not, `quads` with `fetch`, an occluder, a backdrop or `over`), FXS_ERR_DEVICE, FXS_ERR_MEMORY (the device's). */
 int fxs_gles_render(fxs_gles *gles, const fxs_context *context, const fxs_object *objects, uint32_t count,
                     const fxs_camera *camera, const fxs_options *options, const fxs_gles_target *target, void *memory,
                     size_t memory_bytes, fxs_stats *stats);

@@ -62,9 +62,7 @@ static void draw(const fxs_gles *g, const fxs_tile_run *run)
         gl->VertexAttribIPointer(i, 4, i ? GL_UNSIGNED_INT : GL_INT, INSTANCE,
                                  (const void *)(INSTANCE / 2 * (size_t)i));
     }
-    gl->Enable(GL_BLEND);
-    gl->BlendEquationSeparate(GL_FUNC_ADD, GL_FUNC_ADD);
-    gl->BlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    fxs_gles_blend_over(gl);
     gl->DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)run->visible);
 }
 

@@ -10,7 +10,7 @@ enum { SWITCHES = sizeof switches / sizeof *switches };
 static const GLenum unpack[] = {GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS};
 enum { UNPACK = sizeof unpack / sizeof *unpack };
 
-/* Of the quads, for which BLEND is on. */
+/* Of fxs_gles_blend_over. */
 static const GLenum blend[] = {GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA, GL_BLEND_SRC_RGB, GL_BLEND_DST_RGB,
                                GL_BLEND_SRC_ALPHA, GL_BLEND_DST_ALPHA};
 enum { BLEND = sizeof blend / sizeof *blend };
@@ -68,11 +68,20 @@ void fxs_gles_restore(const fxs_gl *gl, const fxs_gles_state *s)
     gl->ActiveTexture((GLenum)s->active_texture);
 }
 
+void fxs_gles_blend_over(const fxs_gl *gl)
+{
+    gl->Enable(GL_BLEND);
+    gl->BlendEquationSeparate(GL_FUNC_ADD, GL_FUNC_ADD);
+    gl->BlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+}
+
 void fxs_gles_set(const fxs_gles *g)
 {
     const fxs_gl *gl = &g->gl;
     for (int i = 0; i < SWITCHES - 1; i++)
         gl->Disable(switches[i]);
+    if (g->target && g->target->over)
+        fxs_gles_blend_over(gl);   /* what else is drawn on has integers, which are not blended */
     gl->Enable(GL_SCISSOR_TEST);
     gl->ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     for (int i = 0; i < UNPACK; i++)

@@ -37,6 +37,11 @@ int fxs_view_set_tangents(fxs_file_view *view, const double tangents[4], fxs_mes
 /* Turns the camera about an axis through `middle` by an angle in radians, as if the scene were turned the other way. */
 void fxs_view_orbit(fxs_file_view *view, const double middle[3], const double axis[3], double angle);
 
+/* The camera on a smooth way through `count` keys, 1 or more, at `at` = 0 to count - 1: key i at i, and the same time
+   between any two. Positions, rotations (as quaternions, the shorter way round), the logarithms of focal lengths and
+   near planes, and principal points are Catmull-Rom splines. Size, name and projection are those of the key before. */
+void fxs_view_between(const fxs_file_view *keys, long count, double at, fxs_file_view *view);
+
 /* Rounds a camera to the renderer's integers. Returns 0, or FXS_ERR_CAMERA and a message where it is out of the
    renderer's range. */
 int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_message *message);

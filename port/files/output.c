@@ -116,9 +116,12 @@ static char *follow_links(const char *path)
 
 /* ---- Open ------------------------------------------------------------------------------------------------------ */
 
+static char standard_output[] = "standard output";   /* the path "-", for messages */
+
 static void free_names(fxs_output *output)
 {
-    free(output->path);
+    if (output->path != standard_output)
+        free(output->path);
     free(output->target);
     free(output->temporary);
 }
@@ -169,6 +172,8 @@ static int is_standard_output(const char *path, const struct stat *status)
 static int open_descriptor(fxs_output *output)
 {
     struct stat status;
+    if (output->path == standard_output)
+        return dup(STDOUT_FILENO);
     int exists = !stat(output->path, &status);
     if (exists && is_standard_output(output->path, &status))
         return dup(STDOUT_FILENO);
@@ -201,12 +206,12 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
 {
     memset(output, 0, sizeof *output);
     output->left = count;
-    output->path = strdup(path);
+    output->path = strcmp(path, "-") ? strdup(path) : standard_output;
     int descriptor = output->path ? open_descriptor(output) : -1;
     output->file = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
     if (output->file)
         return 0;
-    const int error = fail(path, errno, message);
+    const int error = fail(output->path ? output->path : path, errno, message);
     if (descriptor >= 0) {
         close(descriptor);
         drop(output);

@@ -1,8 +1,8 @@
 /* Files that are being written: pictures, packed scenes, .ply, .splat and .spz. Each has a temporary name, beside its
    own and with the process's number in it, until it is complete and on the disk. A file that exists keeps its
    permissions. Of a symbolic link the target is written, whether it exists or not. A FIFO or a device is written to as
-   the bytes come, and so is standard output by another name (/dev/stdout): what has gone there before an error has
-   gone. Several threads may write files at the same time, each its own. */
+   the bytes come, and so is standard output, as "-" or by another name (/dev/stdout): what has gone there before an
+   error has gone. Several threads may write files at the same time, each its own. */
 #ifndef FXS_OUTPUT_H
 #define FXS_OUTPUT_H
 

@@ -3,6 +3,7 @@
 #define FXS_ZIP_INTERNAL_H
 
 #include "../scene/source_internal.h"
+#include "output_internal.h"
 
 typedef struct fxs_zip fxs_zip;
 
@@ -17,5 +18,15 @@ int fxs_zip_load(fxs_zip *zip, const char *name, fxs_text *text, fxs_message *me
 
 /* NULL is allowed. */
 void fxs_zip_close(fxs_zip *zip);
+
+typedef struct fxs_zip_entry {
+    const char *name;
+    void *data;
+    size_t size;
+} fxs_zip_entry;
+
+/* Writes an archive of these entries, stored and dated 1980, so that its bytes depend on nothing else. It is made in
+   memory first. Errors stay in the output; 0 where it was written. */
+int fxs_zip_write(fxs_output *output, const fxs_zip_entry *entries, uint32_t count, fxs_message *message);
 
 #endif

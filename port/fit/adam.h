@@ -11,17 +11,14 @@ static inline real without_tiny(real x)
     return choose(below(absolute(x), all(FXS_FIT_TINY)), all(0), x);
 }
 
-/* Of parameters that do not move, all stays as it is. */
-static inline void adam_step(const fxs_fit_adam *adam, float rate, real g, mask moves, real *at, real *mean,
-                             real *square)
+static inline void adam_step(const fxs_fit_adam *adam, float rate, real g, real *at, real *mean, real *square)
 {
     const real next_mean = without_tiny(*mean * 0.9f + g * 0.1f);
     const real next_square = without_tiny(*square * 0.999f + g * g * 0.001f);
     const real next = *at - rate * next_mean / (root(next_square * adam->correction) + adam->epsilon);
-    const mask is_near = below(absolute(next), all(FXS_FIT_FARTHEST_PLACE));
-    *mean = choose(moves, next_mean, *mean);
-    *square = choose(moves, next_square, *square);
-    *at = choose(both(moves, is_near), next, *at);
+    *mean = next_mean;
+    *square = next_square;
+    *at = choose(below(absolute(next), all(FXS_FIT_FARTHEST_PLACE)), next, *at);
 }
 
 /* Gradients, with those of the mean opacity and the mean scale. */

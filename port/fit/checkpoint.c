@@ -14,7 +14,7 @@
 #define END 0x646e6578u            /* "xend": the checksum of all before follows */
 
 /* Another number wherever a fit goes on otherwise than before: an older file would not end as if never stopped. */
-#define VERSION 3u
+#define VERSION 4u
 
 typedef struct archive {
     fxs_output *output;            /* null: it is read */

@@ -18,10 +18,13 @@ typedef struct fxs_fit_engine {
     int (*relocate)(void *self, const fxs_fit_relocate *relocate, fxs_message *message);
     int (*order)(void *self, fxs_message *message);
     int (*reset_opacity)(void *self, float opacity, fxs_message *message);
-    /* The model's planes become what they are now. */
+    /* The model's planes become what they are now; or the masters alone, of a model that has them. */
     int (*fetch)(void *self, fxs_message *message);
+    int (*fetch_masters)(void *self, fxs_message *message);
     /* The model's planes were changed, or are others: so they are from now on. */
     int (*give)(void *self, fxs_message *message);
+    /* The model's grid was changed: the parameters become what it makes of the masters. */
+    int (*quantise)(void *self, fxs_message *message);
     void (*free)(void *self);
 } fxs_fit_engine;
 

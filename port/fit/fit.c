@@ -22,7 +22,12 @@ void fxs_fit_options_init(fxs_fit_options *options)
 
 uint32_t fxs_fit_recipe_steps(enum fxs_fit_recipe recipe)
 {
-    return recipe == FXS_FIT_FAST ? 7000 : 30000;
+    return recipe == FXS_FIT_FAST ? 8000 : 30000;
+}
+
+size_t fxs_fit_recipe_gaussians(enum fxs_fit_recipe recipe)
+{
+    return recipe == FXS_FIT_FAST ? 250000 : recipe == FXS_FIT_MCMC ? 1000000 : 1u << 22;
 }
 
 /* ---- Beginning --------------------------------------------------------------------------------------------------- */
@@ -268,8 +273,6 @@ static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_op
     memset(options, 0, sizeof *options);
     options->sh_degree = plan->sh_degree;
     options->number = f->step;
-    options->without_sh = plan->without_sh;
-    options->only_touched = plan->only_touched;
     options->by_opacity = plan->by_opacity;
     options->by_scale = plan->by_scale;
     options->noise = (fxs_fit_noise){plan->noise, {(uint32_t)key, (uint32_t)(key >> 32)}};

@@ -82,8 +82,10 @@ typedef struct fxs_fit_options {
 /* The values that the comments above name, 0 where there is none: recipe reference, one thread. */
 void fxs_fit_options_init(fxs_fit_options *options);
 
-/* The steps that a recipe is meant for: 30,000, fast 7,000. */
+/* The steps that a recipe is meant for: 30,000, fast 8,000. And its max_gaussians: 2^22, mcmc 1,000,000, fast
+   250,000. */
 uint32_t fxs_fit_recipe_steps(enum fxs_fit_recipe recipe);
+size_t fxs_fit_recipe_gaussians(enum fxs_fit_recipe recipe);
 
 typedef struct fxs_fit_report {
     double absolute, dissimilar;   /* means of |a - b| and of 1 - SSIM over pixels and channels */

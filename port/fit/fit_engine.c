@@ -51,12 +51,21 @@ static int stay(void *self, fxs_message *message)
     return 0;
 }
 
+static int quantise(void *self, fxs_message *message)
+{
+    fxs_fit *f = self;
+    (void)message;
+    fxs_fit_quantise(f->stepper, &f->model);
+    return 0;
+}
+
 static void leave(void *self)
 {
     (void)self;
 }
 
-static const fxs_fit_engine here = {"cpu", step, densify, relocate, order, reset_opacity, stay, stay, leave};
+static const fxs_fit_engine here = {"cpu", step, densify, relocate, order, reset_opacity, stay, stay, stay, quantise,
+                                    leave};
 
 int fxs_fit_choose_engine(fxs_fit *f, fxs_message *message)
 {

@@ -16,6 +16,33 @@ static uint32_t profile_steps(const fxs_fit *f)
     return f->options.steps / 10;
 }
 
+/* Of a model that is where the engine has it. */
+static int code_again(fxs_fit *f, const fxs_pack_options *options, fxs_message *message)
+{
+    const int has_palette = f->profile.palette != NULL;
+    int error = has_palette ? f->engine->fetch(f->self, message) : f->engine->fetch_masters(f->self, message);
+    if (!error)
+        error = fxs_fit_profile_code(&f->profile, &f->model, options, message);
+    return error || !has_palette ? error : f->engine->give(f->self, message);
+}
+
+static int begin(fxs_fit *f, const fxs_pack_options *options, fxs_message *message)
+{
+    int error = f->engine->fetch(f->self, message);
+    if (!error)
+        error = fxs_fit_profile_begin(&f->profile, &f->model, f->options.sh_degree, options, message);
+    return error ? error : f->engine->give(f->self, message);
+}
+
+static int end(fxs_fit *f, fxs_message *message)
+{
+    const int error = f->engine->fetch(f->self, message);
+    if (error)
+        return error;
+    fxs_fit_profile_end(&f->profile, &f->model);
+    return f->engine->give(f->self, message);
+}
+
 /* Steps and palette of the profile are found 16 times. */
 int fxs_fit_pass_profile(fxs_fit *f, fxs_message *message)
 {
@@ -24,16 +51,12 @@ int fxs_fit_pass_profile(fxs_fit *f, fxs_message *message)
     const int is_within = f->step >= first && f->step < f->options.steps, has_begun = f->profile.chunks != NULL;
     const int begins = is_within && !has_begun && f->model.count, ends = has_begun && f->step < first;
     const int codes = is_within && has_begun && (f->step - first) % every == 0;
-    if (!begins && !ends && !codes)
+    if (ends)
+        return end(f, message);
+    if (!begins && !codes)
         return 0;
-    int error = f->engine->fetch(f->self, message);
-    if (!error && ends)
-        fxs_fit_profile_end(&f->profile, &f->model);
-    else if (!error && begins)
-        error = fxs_fit_profile_begin(&f->profile, &f->model, f->stepper, f->options.sh_degree, &options, message);
-    else if (!error)
-        error = fxs_fit_profile_code(&f->profile, &f->model, f->stepper, &options, message);
-    return error ? error : f->engine->give(f->self, message);
+    const int error = begins ? begin(f, &options, message) : code_again(f, &options, message);
+    return error ? error : f->engine->quantise(f->self, message);
 }
 
 int fxs_fit_pack(fxs_fit *f, fxs_packed_scene *scene, fxs_pack_report *report, fxs_message *message)

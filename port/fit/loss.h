@@ -40,4 +40,12 @@ static inline similarity similarity_of(real mean_a, real mean_b, real aa, real b
     return s;
 }
 
+/* 0.8 sign(a - b) - 0.2 (sum of by_mean + 2 a by_square + b by_product), of the sums over the windows. */
+static inline real gradient_of(real a, real b, real by_mean, real by_square, real by_product)
+{
+    const real similar = (by_mean + 2.0f * a * by_square) + b * by_product;
+    const real sign = choose(below(b, a), all(0.8f), keep(below(a, b), all(-0.8f)));
+    return sign - 0.2f * similar;
+}
+
 #endif

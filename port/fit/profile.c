@@ -222,8 +222,7 @@ static int code_sh(coding *c, const fxs_pack_options *options, fxs_message *mess
     return error;
 }
 
-int fxs_fit_profile_code(fxs_fit_profile *p, fxs_fit_model *m, fxs_fit_stepper *stepper,
-                         const fxs_pack_options *options, fxs_message *message)
+int fxs_fit_profile_code(fxs_fit_profile *p, fxs_fit_model *m, const fxs_pack_options *options, fxs_message *message)
 {
     coding c = {p, m, p->palette ? malloc(p->count * sizeof *c.items) : NULL};
     if (p->palette && !c.items)
@@ -231,8 +230,6 @@ int fxs_fit_profile_code(fxs_fit_profile *p, fxs_fit_model *m, fxs_fit_stepper *
     options->run(options->pool, headers_job, &c, JOBS);
     const int error = p->palette ? code_sh(&c, options, message) : 0;
     free(c.items);
-    if (!error)
-        fxs_fit_quantise(stepper, m);
     return error;
 }
 
@@ -300,15 +297,15 @@ int fxs_fit_profile_allocate(fxs_fit_profile *p, fxs_fit_model *m, enum fxs_prof
     return 0;
 }
 
-int fxs_fit_profile_begin(fxs_fit_profile *p, fxs_fit_model *m, fxs_fit_stepper *stepper, int sh_degree,
-                          const fxs_pack_options *options, fxs_message *message)
+int fxs_fit_profile_begin(fxs_fit_profile *p, fxs_fit_model *m, int sh_degree, const fxs_pack_options *options,
+                          fxs_message *message)
 {
     int error = order(m, sh_degree, options);
     if (!error)
         error = fxs_fit_profile_allocate(p, m, options->profile, sh_degree);
     if (error)
         return fxs_fail_memory(message, "a fit", m->count * FXS_FIT_PARAMETERS * sizeof(float));
-    error = fxs_fit_profile_code(p, m, stepper, options, message);
+    error = fxs_fit_profile_code(p, m, options, message);
     if (error)
         fxs_fit_profile_end(p, m);
     return error;

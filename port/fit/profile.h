@@ -7,7 +7,7 @@
 #define FXS_FIT_PROFILE_H
 
 #include "../import/coded.h"
-#include "stepper.h"
+#include "model.h"
 
 /* Null pointers: the phase has not begun. */
 typedef struct fxs_fit_profile {
@@ -21,15 +21,17 @@ typedef struct fxs_fit_profile {
     unsigned char *records;        /* SH of each Gaussian by the palette */
 } fxs_fit_profile;
 
-/* Puts the model's Gaussians in order and gives it masters. `options`: profile, run (not null), pool. Returns 0, or an
-   error and a message, and the model is one without masters. `model` and `profile` stay where they are. */
-int fxs_fit_profile_begin(fxs_fit_profile *profile, fxs_fit_model *model, fxs_fit_stepper *stepper, int sh_degree,
+/* Puts the model's Gaussians in order and gives it masters, which are coded as below. `options`: profile, run (not
+   null), pool. Returns 0, or an error and a message, and the model is one without masters. `model` and `profile` stay
+   where they are. */
+int fxs_fit_profile_begin(fxs_fit_profile *profile, fxs_fit_model *model, int sh_degree,
                           const fxs_pack_options *options, fxs_message *message);
 
-/* Finds ranges, steps and palette anew from the masters. Takes 64 bytes a Gaussian meanwhile where there is a palette.
-   Returns 0, or an error and a message. */
-int fxs_fit_profile_code(fxs_fit_profile *profile, fxs_fit_model *model, fxs_fit_stepper *stepper,
-                         const fxs_pack_options *options, fxs_message *message);
+/* Finds ranges, steps and palette anew from the masters, and the parameters that the palette has; the others are to be
+   quantised after that. Without a palette, nothing of the model is read but the masters, and nothing written. Takes 64
+   bytes a Gaussian meanwhile where there is a palette. Returns 0, or an error and a message. */
+int fxs_fit_profile_code(fxs_fit_profile *profile, fxs_fit_model *model, const fxs_pack_options *options,
+                         fxs_message *message);
 
 /* The masters become the parameters of a model without, as where more steps are wanted of a fit that was at its end. */
 void fxs_fit_profile_end(fxs_fit_profile *profile, fxs_fit_model *model);

@@ -102,11 +102,10 @@ static void plan_fast(const fxs_fit_options *options, float extent, uint32_t ste
 {
     const uint32_t steps = options->steps;
     set_rates(plan, position_rate(1.6e-4f * extent, step, steps), 0.025f);
-    plan->divisor = step <= steps / 5 ? 4 : step <= steps / 2 ? 2 : 1;
+    plan->divisor = step <= steps / 10 ? 4 : step <= steps / 10 * 3 ? 2 : 1;
     while (plan->divisor > 1 && least_side / plan->divisor < 50)
         plan->divisor /= 2;
-    plan->without_sh = step % 4 != 0;
-    plan->only_touched = 1;
+    plan->gradient = 0.0001f;
     plan->densify = is_every(step, 100, 200, steps / 2);
     plan->reset = is_every(step, 3000, 0, steps / 2) || (step == 500 && is_white(options->background));
     plan->order = plan->densify && step % 500 == 0;

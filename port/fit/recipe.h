@@ -8,8 +8,6 @@
 typedef struct fxs_fit_plan {
     int sh_degree;
     int divisor;                   /* the photograph is averaged down by it, either way */
-    int without_sh;                /* 1: SH above degree 0 is not updated */
-    int only_touched;              /* 1: what no pixel took anything of stays as it is */
     float rate[FXS_FIT_PARAMETERS];
     float by_opacity, by_scale;    /* weights of the mean opacity and the mean scale in the loss */
     float noise;                   /* of positions, in covariances */

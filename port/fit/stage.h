@@ -104,8 +104,6 @@ typedef struct fxs_fit_adam {
     float rate[FXS_FIT_PARAMETERS];        /* over the correction of the first moment */
     float correction;              /* 1 / (1 - 0.999^step) */
     float epsilon;                 /* in units of the gradient */
-    int only_touched;              /* the other Gaussians, of which all sums are 0, stay as they are */
-    int without_sh;                /* 1: SH above degree 0 is not updated */
     float by_opacity, by_scale;    /* d loss / d opacity, / d scale, of every Gaussian, beside the picture's */
 } fxs_fit_adam;
 

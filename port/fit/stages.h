@@ -185,7 +185,6 @@ static void NAMED(fxs_fit_loss_back_rows_, ISA)(const fxs_fit_loss *loss, int32_
     }
 }
 
-/* 0.8 sign(a - b) - 0.2 (sum of by_mean + 2 a by_square + b by_product) */
 static void NAMED(fxs_fit_loss_gradient_, ISA)(const fxs_fit_loss *loss, int32_t row)
 {
     float b[STRIP], differences[16] = {0};
@@ -196,9 +195,9 @@ static void NAMED(fxs_fit_loss_gradient_, ISA)(const fxs_fit_loss *loss, int32_t
             photograph_strip(loss, row, x, STRIP, b);
         for (int i = 0; i < FXS_FIT_DERIVATIVES; i++)
             sums[i] = window_sum(at_of(&loss->rows[i], row) + x, loss->rows[i].stride);
-        const real p = load(a + x), q = load(b + x % STRIP), similar = (sums[0] + 2.0f * p * sums[1]) + q * sums[2];
-        const real sign = choose(below(q, p), all(0.8f), keep(below(p, q), all(-0.8f)));
-        store(at_of(&loss->gradient, row) + x, within(x, loss->width, sign - 0.2f * similar));
+        const real p = load(a + x), q = load(b + x % STRIP);
+        store(at_of(&loss->gradient, row) + x,
+              within(x, loss->width, gradient_of(p, q, sums[0], sums[1], sums[2])));
         add_to(differences, x, within(x, loss->width, absolute(p - q)));
     }
     loss->absolute[row] = sum_of(differences);
@@ -219,9 +218,9 @@ static inline void add_regularisers(const fxs_fit_adam *adam, const float *at, s
     }
 }
 
-/* Adds a camera's gradient of LANES Gaussians to the `used` first planes; `touched` becomes 1 by any. */
+/* Adds a camera's gradient of LANES Gaussians to the `used` first planes. */
 static void add_part(const fxs_fit_camera *camera, int degree, int used, const float *at, size_t stride,
-                     const float *of_sums, float *by_centre, float *gradients, float *touched)
+                     const float *of_sums, float *by_centre, float *gradients)
 {
     real sums[FXS_FIT_SUMS], gradient[FXS_FIT_PARAMETERS], centre[2];
     mask is_touched = below(all(1), all(0));
@@ -234,7 +233,6 @@ static void add_part(const fxs_fit_camera *camera, int degree, int used, const f
     find_gradient(camera, degree, at, stride, sums, gradient, centre);
     for (int i = 0; i < used; i++)
         is_touched = both(is_touched, below(absolute(gradient[i]), all(FXS_FIT_FARTHEST_GRADIENT)));
-    store(touched, choose(is_touched, all(1), load(touched)));
     for (int i = 0; i < used; i++) {
         float *to = gradients + i * FXS_FIT_PART;
         store(to, load(to) + keep(is_touched, gradient[i]));
@@ -243,16 +241,15 @@ static void add_part(const fxs_fit_camera *camera, int degree, int used, const f
 }
 
 /* `ahead`: how far the next plane is, which is fetched meanwhile. */
-static inline void adam_plane(const fxs_fit_adam *adam, float rate, const float *gradient, const float *touched,
-                              size_t count, float *at, float *means, float *squares, size_t ahead)
+static inline void adam_plane(const fxs_fit_adam *adam, float rate, const float *gradient, size_t count, float *at,
+                              float *means, float *squares, size_t ahead)
 {
     for (size_t i = 0; i < count; i += LANES) {
         __builtin_prefetch(at + ahead + i, 1);
         __builtin_prefetch(means + ahead + i, 1);
         __builtin_prefetch(squares + ahead + i, 1);
         real number = load(at + i), mean = load(means + i), square = load(squares + i);
-        const mask moves = adam->only_touched ? below(all(0), load(touched + i)) : below(all(0), all(1));
-        adam_step(adam, rate, load(gradient + i), moves, &number, &mean, &square);
+        adam_step(adam, rate, load(gradient + i), &number, &mean, &square);
         store(means + i, mean);
         store(squares + i, square);
         store(at + i, number);
@@ -265,14 +262,6 @@ static void keep_within(float *at, size_t count)
         store(at + i, least(most(load(at + i), all(-FXS_FIT_FARTHEST)), all(FXS_FIT_FARTHEST)));
 }
 
-static int any_of(const float *touched, size_t count)
-{
-    for (size_t i = 0; i < count; i += LANES)
-        if (any(below(all(0), load(touched + i))))
-            return 1;
-    return 0;
-}
-
 /* SH of degrees that are not yet drawn have no gradient, and no moments. */
 static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *const *cameras, uint32_t batch, int degree,
                                         const fxs_fit_adam *adam, const float *parameters, float *masters,
@@ -280,25 +269,20 @@ static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *const *cameras, ui
                                         const float *sums, float *by_centre)
 {
     part_planes gradients;
-    float touched[FXS_FIT_PART];
-    const int used = FXS_FIT_SH + 3 * SH_COUNT(degree), end = adam->without_sh ? FXS_FIT_SH : used;
+    const int used = FXS_FIT_SH + 3 * SH_COUNT(degree);
     for (size_t i = 0; i < count; i += LANES) {
-        store(touched + i, all(0));
         for (int k = 0; k < used; k++)
             store(gradients[k] + i, all(0));
         for (uint32_t v = 0; v < batch; v++)
             add_part(cameras[v], degree, used, parameters + first + i, stride,
-                     sums + (size_t)v * FXS_FIT_SUMS * FXS_FIT_PART + i, by_centre + first + i, gradients[0] + i,
-                     touched + i);
+                     sums + (size_t)v * FXS_FIT_SUMS * FXS_FIT_PART + i, by_centre + first + i, gradients[0] + i);
         if (adam->by_opacity > 0)
             add_regularisers(adam, parameters + first + i, stride, gradients[0] + i);
     }
-    if (adam->only_touched && !any_of(touched, count))
-        return;
-    for (int k = 0; k < end; k++) {
+    for (int k = 0; k < used; k++) {
         const size_t at = (size_t)k * stride + first;
-        adam_plane(adam, adam->rate[k], gradients[k], touched, count, masters + at, means + at, squares + at,
-                   k + 1 < end ? stride : 0);
+        adam_plane(adam, adam->rate[k], gradients[k], count, masters + at, means + at, squares + at,
+                   k + 1 < used ? stride : 0);
         if ((k >= FXS_FIT_SCALE && k < FXS_FIT_ROTATION) || k == FXS_FIT_OPACITY)
             keep_within(masters + at, count);
     }

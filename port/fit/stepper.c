@@ -564,8 +564,6 @@ void fxs_fit_set_adam(fxs_fit_adam *adam, const fxs_fit_step_options *options, c
     adam->epsilon = 1e-15f * numbers;
     adam->by_opacity = options->by_opacity * numbers / (float)gaussians;
     adam->by_scale = options->by_scale * numbers / (3 * (float)gaussians);
-    adam->without_sh = options->without_sh;
-    adam->only_touched = options->only_touched;
 }
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */

@@ -34,8 +34,6 @@ typedef struct fxs_fit_step_options {
     float background[3];
     float rate[FXS_FIT_PARAMETERS];
     uint32_t number;               /* of the step, from 1 on */
-    int only_touched;              /* Adam leaves Gaussians as they are that no pixel took anything of */
-    int without_sh;                /* 1: SH above degree 0 is not updated */
     float by_opacity, by_scale;    /* weights of the mean opacity and the mean scale in the loss */
     fxs_fit_noise noise;           /* after the update; amount 0: none */
 } fxs_fit_step_options;

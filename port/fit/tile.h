@@ -2,8 +2,7 @@
 #ifndef FXS_FIT_TILE_H
 #define FXS_FIT_TILE_H
 
-#include "lanes.h"
-#include "stage.h"
+#include "pixel.h"
 
 enum {
     PLACES = 16,                   /* pixels of a block */
@@ -59,10 +58,10 @@ static inline void find_places(const fxs_fit_splat *s, int place, real *u, real 
 static inline int blend_pixels(const fxs_fit_splat *s, fxs_fit_tile *tile, int at, real u, real v)
 {
     const real t = load(tile->transmittance + at), level = (u * u + v * v) + s->offset;
-    const mask takes = both(at_most(level, all(s->limit)), at_most(all(FXS_FIT_CLOSED), t));
+    const mask takes = takes_of(level, all(s->limit), t);
     if (LANES < 8 && !any(takes))
         return 0;
-    const real weight = keep(takes, least(exp_2_minus(level), all(FXS_FIT_ALPHA_MOST)) * t);
+    const real weight = weight_of(takes, level, t);
     store(tile->transmittance + at, t - weight);
     for (int c = 0; c < 3; c++)
         store(tile->colour[c] + at, load(tile->colour[c] + at) + weight * s->colour[c]);
@@ -122,40 +121,29 @@ static inline uint32_t blend(const fxs_fit_splat *splats, fxs_fit_entry *entries
 
 /* ---- back -------------------------------------------------------------------------------------------------------- */
 
-/* What has passed of the pixels: transmittance; and what lies behind, the product of dL/dcolour with its colour. */
+/* Of the tile's pixels, as passed_pixel. */
 typedef struct passed {
     float transmittance[FXS_FIT_PIXELS], behind[FXS_FIT_PIXELS];
 } passed;
 
-/* dL/dalpha = T (c . g) - behind / (1 - alpha) */
 static inline void find_sums(const fxs_fit_splat *s, const fxs_fit_tile_gradient *g, passed *p, int at, real u, real v,
                              real sums[FXS_FIT_SUMS])
 {
-    const real t = load(p->transmittance + at), level = (u * u + v * v) + s->offset;
-    const mask takes = both(at_most(level, all(s->limit)), at_most(all(FXS_FIT_CLOSED), t));
+    const real level = (u * u + v * v) + s->offset;
+    passed_pixel pixel = {load(p->transmittance + at), load(p->behind + at)};
+    const mask takes = takes_of(level, all(s->limit), pixel.transmittance);
     if (LANES < 8 && !any(takes)) {
         for (int i = 0; i < FXS_FIT_SUMS; i++)
             sums[i] = all(0);
         return;
     }
-    const real exact = exp_2_minus(level), alpha = least(exact, all(FXS_FIT_ALPHA_MOST));
-    const real weight = keep(takes, alpha * t);
     const real g0 = load(g->colour[0] + at), g1 = load(g->colour[1] + at), g2 = load(g->colour[2] + at);
-    const real own = weight * ((g0 * s->colour[0] + g1 * s->colour[1]) + g2 * s->colour[2]);
-    const real behind = load(p->behind + at) - own;
-    store(p->transmittance + at, t - weight);
-    store(p->behind + at, behind);
-    const real h = keep(both(takes, below(exact, all(FXS_FIT_ALPHA_MOST))), behind * (alpha / (1.0f - alpha)) - own);
-    const real hu = h * u, hv = h * v;
-    sums[FXS_FIT_SUM] = h;
-    sums[FXS_FIT_SUM_U] = hu;
-    sums[FXS_FIT_SUM_V] = hv;
-    sums[FXS_FIT_SUM_UU] = hu * u;
-    sums[FXS_FIT_SUM_UV] = hu * v;
-    sums[FXS_FIT_SUM_VV] = hv * v;
-    sums[FXS_FIT_RED] = weight * g0;
-    sums[FXS_FIT_GREEN] = weight * g1;
-    sums[FXS_FIT_BLUE] = weight * g2;
+    const real of_colour = (g0 * s->colour[0] + g1 * s->colour[1]) + g2 * s->colour[2];
+    real weight;
+    const real h = pass_splat(takes, level, of_colour, &pixel, &weight);
+    store(p->transmittance + at, pixel.transmittance);
+    store(p->behind + at, pixel.behind);
+    sums_of(h, weight, u, v, g0, g1, g2, sums);
 }
 
 /* The sums of each row of places: p and p + 8, of those p and p + 4, p + 2, p + 1. */

@@ -1,15 +1,12 @@
 #include "depth_file.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
-#include "../files/output_internal.h"
-#include "image_file.h"
-#ifdef FXS_WITH_ZLIB
-#include <zlib.h>
-#endif
+#include "png_internal.h"
 
 static int ends_with(const char *path, const char *ending)
 {
@@ -36,14 +33,8 @@ static int fail_file(int error, const char *path, const char *why, fxs_message *
 /* Writes all of a file. */
 static int write_file(const char *path, const void *bytes, size_t size, fxs_message *message)
 {
-    fxs_output output;
-    if (fxs_output_open(&output, path, 0, message))
-        return FXS_ERR_FILE;
-    const int failed = fxs_output_write(&output, bytes, size, message);
-    fxs_message closing;
-    if (fxs_output_close(&output, failed ? &closing : message) || failed)
-        return FXS_ERR_FILE;
-    return 0;
+    const fxs_encoded file = {bytes, size, NULL, 0};
+    return fxs_encoded_write(path, &file, message);
 }
 
 /* ---- Depth as .png ----------------------------------------------------------------------------------------------- */
@@ -58,22 +49,6 @@ double fxs_depths_farthest(const fxs_depths *d)
     return ldexp(farthest, -d->depth_bits);
 }
 
-#ifdef FXS_WITH_ZLIB
-static unsigned char *put_32(unsigned char *out, uint32_t value)
-{
-    for (int i = 0; i < 4; i++)
-        *out++ = (unsigned char)(value >> (24 - 8 * i));
-    return out;
-}
-
-/* Puts a chunk's length before its data, which are there at out + 8, and its checksum behind them. */
-static unsigned char *put_chunk(unsigned char *out, const char *type, uint32_t length)
-{
-    put_32(out, length);
-    memcpy(out + 4, type, 4);
-    return put_32(out + 8 + length, (uint32_t)crc32(0, out + 4, length + 4));
-}
-
 /* 1 to 65535 up to the range; 0: no depth */
 static unsigned grey(uint32_t depth, uint64_t range)
 {
@@ -81,58 +56,29 @@ static unsigned grey(uint32_t depth, uint64_t range)
     return depth == FXS_NOTHING ? 0 : value < 1 ? 1 : value < 65535 ? (unsigned)value : 65535;
 }
 
-/* Rows of big-endian numbers, each after a 2: it is written as the difference from the row above. */
-static unsigned char *filter_rows(const fxs_depths *d, uint64_t range)
-{
-    const size_t row = 2 * (size_t)d->width + 1;
-    unsigned char *rows = malloc(row * (size_t)d->height), *out = rows;
-    for (int y = 0; y < d->height && rows; y++) {
-        const uint32_t *line = d->pixels + (size_t)y * (size_t)d->width;
-        *out++ = 2;
-        for (int x = 0; x < d->width; x++) {
-            const unsigned value = grey(line[x], range), above = y ? grey(line[x - d->width], range) : 0;
-            *out++ = (unsigned char)((value >> 8) - (above >> 8));
-            *out++ = (unsigned char)(value - above);
-        }
-    }
-    return rows;
-}
-
 static int write_png(const char *path, const fxs_depths *d, double range, fxs_message *message)
 {
-    static const unsigned char signature[8] = {137, 'P', 'N', 'G', 13, 10, 26, 10};
-    static const unsigned char form[5] = {16, 0, 0, 0, 0};   /* bits, grey, deflate, filtered, not interlaced */
-    const uLong size = (2 * (uLong)d->width + 1) * (uLong)d->height;
-    uLongf compressed = compressBound(size);
+    const size_t count = (size_t)d->width * (size_t)d->height;
     const double whole = floor(ldexp(range, d->depth_bits) + 0.5);
-    unsigned char *rows = filter_rows(d, whole < 1 ? 1 : whole < 0x1p62 ? (uint64_t)whole : (uint64_t)1 << 62);
-    unsigned char *png = malloc(compressed + 64);
-    int error = FXS_ERR_MEMORY;
-    if (rows && png) {
-        unsigned char *out = png;
-        memcpy(out, signature, sizeof signature);
-        out += sizeof signature;
-        put_32(put_32(out + 8, (uint32_t)d->width), (uint32_t)d->height);
-        memcpy(out + 16, form, sizeof form);
-        out = put_chunk(out, "IHDR", 13);
-        if (compress(out + 8, &compressed, rows, size) == Z_OK) {
-            out = put_chunk(out, "IDAT", (uint32_t)compressed);
-            out = put_chunk(out, "IEND", 0);
-            error = write_file(path, png, (size_t)(out - png), message);
-        }
+    const uint64_t most = whole < 1 ? 1 : whole < 0x1p62 ? (uint64_t)whole : (uint64_t)1 << 62;
+    uint8_t *pixels = malloc(2 * count);
+    fxs_encoded png = {NULL, 0, NULL, 0};
+    for (size_t i = 0; i < count && pixels; i++) {
+        const unsigned value = grey(d->pixels[i], most);
+        pixels[2 * i] = (uint8_t)(value >> 8);
+        pixels[2 * i + 1] = (uint8_t)value;
     }
-    free(rows);
-    free(png);
-    return error == FXS_ERR_MEMORY ? fail_file(error, path, "out of memory", message) : error;
+    int error = pixels ? fxs_png_encode(FXS_PNG_GREY_16, pixels, d->width, d->height, &png) : FXS_ERR_MEMORY;
+    free(pixels);
+    if (!error)
+        error = fxs_encoded_write(path, &png, message);
+    else if (error == FXS_ERR_MEMORY)
+        fail_file(error, path, "out of memory", message);
+    else
+        fail_file(error, path, "this program was built without zlib, which .png needs; .pfm can be written", message);
+    fxs_encoded_free(&png);
+    return error;
 }
-#else
-static int write_png(const char *path, const fxs_depths *d, double range, fxs_message *message)
-{
-    (void)d, (void)range;
-    return fail_file(FXS_ERR_UNSUPPORTED, path, "this program was built without zlib, which .png needs; .pfm can be "
-                     "written", message);
-}
-#endif
 
 /* ---- Numbers ----------------------------------------------------------------------------------------------------- */
 

@@ -3,41 +3,20 @@
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <strings.h>
 
-#include "../files/output_internal.h"
+#include "../files/message.h"
+#include "../files/try_internal.h"
 
 #define MAX_SIZE 16384
 #define MAX_READ_PIXELS (1 << 26)
 #define LEAST_ROOM (1 << 16)      /* for the data of any .png: they may be stored, or in many parts */
 #define MAX_JPEG_PIXELS 512       /* of a byte: the first scan has at least a bit for each 8 x 8 of them */
 #define JPEG_UNIT 32              /* pixels that sizes are rounded up to, at most */
-#define MAX_PNG_BYTES (1 << 29)   /* stb_image_write counts in int */
-
-/* stb_image_write's own compression ends the program where memory does. */
-#if defined(FXS_WITH_STB) && defined(FXS_WITH_ZLIB)
-#define WRITES_PNG
-#include <zlib.h>
-
-static unsigned char *compress_rows(unsigned char *rows, int size, int *compressed, int level)
-{
-    uLongf room = compressBound((uLong)size);
-    unsigned char *out = malloc(room);
-    (void)level;   /* of stb_image_write's own */
-    if (!out || compress(out, &room, rows, (uLong)size) != Z_OK || room > INT_MAX - 64) {
-        free(out);
-        return NULL;
-    }
-    *compressed = (int)room;
-    return out;
-}
-#endif
 
 /* Faults of a picture that are not the file's. */
 static const char out_of_memory[] = "out of memory";
@@ -88,113 +67,12 @@ static void *bounded_realloc(void *old, size_t size)
 #define STBI_REALLOC(old, size) bounded_realloc(old, size)
 #define STBI_FREE(old) free(old)
 #include <stb/stb_image.h>
-#ifdef WRITES_PNG
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#define STB_IMAGE_WRITE_STATIC
-#define STBI_WRITE_NO_STDIO
-#define STBIW_ASSERT(condition) ((void)(condition))
-#define STBIW_ZLIB_COMPRESS compress_rows
-#include <stb/stb_image_write.h>
-#endif
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
 #endif
 #endif
 
 static const char too_large[] = "without pixels, or more than 16384 on a side or 2^26 in all";
-
-enum { UNKNOWN, PNG, PPM, RAW };
-
-static int format_of(const char *path)
-{
-    static const char *const endings[] = {[PNG] = ".png", [PPM] = ".ppm", [RAW] = ".raw"};
-    const char *dot = strrchr(path, '.');
-    for (int format = PNG; dot && format <= RAW; format++)
-        if (!strcasecmp(dot, endings[format]))
-            return format;
-    return UNKNOWN;
-}
-
-int fxs_image_file_known(const char *path)
-{
-    return format_of(path) != UNKNOWN;
-}
-
-static int opaque(const uint8_t *rgba, size_t pixels)
-{
-    for (size_t i = 0; i < pixels; i++)
-        if (rgba[4 * i + 3] != 255)
-            return 0;
-    return 1;
-}
-
-#ifdef WRITES_PNG
-static void write_bytes(void *file, void *data, int size)
-{
-    fwrite(data, 1, (size_t)size, file);   /* ferror tells later */
-}
-
-static int write_png(FILE *file, int channels, const uint8_t *pixels, int width, int height)
-{
-    return stbi_write_png_to_func(write_bytes, file, width, height, channels, pixels, channels * width) ? 0
-           : FXS_ERR_MEMORY;
-}
-#else
-/* Refused before it comes to this. */
-static int write_png(FILE *file, int channels, const uint8_t *pixels, int width, int height)
-{
-    (void)file, (void)channels, (void)pixels, (void)width, (void)height;
-    return FXS_ERR_UNSUPPORTED;
-}
-#endif
-
-/* Writes the pixels, in which the caller looks for errors of the stream. Returns 0 or FXS_ERR_MEMORY. */
-static int write_pixels(FILE *file, int format, const uint8_t *rgba, int width, int height)
-{
-    size_t pixels = (size_t)width * (size_t)height;
-    if (format == RAW) {
-        fwrite(rgba, 4, pixels, file);
-        return 0;
-    }
-    if (format == PNG && !opaque(rgba, pixels))
-        return write_png(file, 4, rgba, width, height);
-    uint8_t *rgb = malloc(3 * pixels);
-    if (!rgb)
-        return FXS_ERR_MEMORY;
-    for (size_t i = 0; i < pixels; i++)
-        memcpy(rgb + 3 * i, rgba + 4 * i, 3);
-    int result = 0;
-    if (format == PNG)
-        result = write_png(file, 3, rgb, width, height);
-    else if (fprintf(file, "P6\n%d %d\n255\n", width, height) > 0)
-        fwrite(rgb, 3, pixels, file);
-    free(rgb);
-    return result;
-}
-
-int fxs_image_file_write(const char *path, const uint8_t *rgba, int width, int height, fxs_message *message)
-{
-    int format = format_of(path);
-    if (format == UNKNOWN)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: unknown ending of an image; known are .png, .ppm and .raw",
-                           path);
-    if (width < 1 || height < 1 || width > MAX_SIZE || height > MAX_SIZE)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: cannot write an image of %d x %d", path, width, height);
-#ifndef WRITES_PNG
-    if (format == PNG)
-        return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: this program was built without stb and zlib, which .png "
-                           "needs; .ppm and .raw can be written", path);
-#endif
-    if (format == PNG && (int64_t)width * height * 4 > MAX_PNG_BYTES)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: %d x %d is too large for .png here; .ppm and .raw can hold "
-                           "it", path, width, height);
-    fxs_output output;
-    FXS_TRY(fxs_output_open(&output, path, 0, message));
-    errno = 0;
-    if (write_pixels(output.file, format, rgba, width, height))
-        output.error = ENOMEM;
-    return fxs_output_close(&output, message);
-}
 
 static int readable_size(int width, int height)
 {

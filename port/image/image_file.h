@@ -4,6 +4,7 @@
 #ifndef FXS_IMAGE_FILE_H
 #define FXS_IMAGE_FILE_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "../../src/fixsplat.h"
@@ -12,13 +13,44 @@
 extern "C" {
 #endif
 
-/* Writes a picture of `width` x `height` pixels, each of 4 bytes. The ending of the name tells the format: .png (by
-   stb_image_write and zlib; RGB where every alpha byte is 255), .ppm (P6, without alpha) or .raw (the bytes as they
-   are). It is written to a temporary name beside `path` and renamed (output.h), so that a failure leaves an existing
-   file whole. Allocates up to 10 bytes a pixel for .png and 3 for .ppm.
+/* FXS_IMAGE_RAW: the bytes as they are. FXS_IMAGE_Y4M and FXS_IMAGE_RGBA are frames of a film (film_file.h). */
+enum fxs_image_format {
+    FXS_IMAGE_UNKNOWN, FXS_IMAGE_PNG, FXS_IMAGE_PPM, FXS_IMAGE_RAW, FXS_IMAGE_JPG, FXS_IMAGE_WEBP, FXS_IMAGE_Y4M,
+    FXS_IMAGE_RGBA
+};
 
-   Returns 0, or an error and a message. Errors: FXS_ERR_ARGUMENT where the ending is none of these or the size is out
-   of range, FXS_ERR_UNSUPPORTED for .png where this was built without stb or zlib, FXS_ERR_FILE, FXS_ERR_MEMORY. */
+/* The format that the ending of a name tells: .png, .ppm, .raw, .jpg or .jpeg, .webp, .y4m, .rgba; else
+   FXS_IMAGE_UNKNOWN. */
+enum fxs_image_format fxs_image_format_of(const char *path);
+
+/* A picture as the bytes of a file. All 0: none yet. */
+typedef struct fxs_encoded {
+    const uint8_t *bytes;    /* in `memory`, or the picture's own */
+    size_t size;
+    void *memory;            /* for fxs_encoded_free, and for the next picture */
+    size_t room;             /* bytes of that */
+} fxs_encoded;
+
+/* Encodes a picture of `width` x `height` pixels, each of 4 bytes: .png (by zlib or libdeflate, fast rather than small;
+   RGB where every alpha byte is 255), .ppm (P6, without alpha), .raw or .rgba, .jpg (by stb_image_write, without alpha,
+   4:4:4 above a quality of 90), .webp (by libwebp), or a frame of a .y4m. `quality`: of .jpg, 1 to 100, 0: 95; of .webp
+   the same, 0: without loss. But for .jpg and a .webp with loss, which are encoded in floats, the file has these
+   pixels, and a .y4m, the same bytes on every machine. Allocates up to 8 bytes a pixel for .png, 3 for .ppm and .y4m.
+
+   *encoded is all 0, or what an earlier call left there, whose memory is used again. Returns 0, or an error and a
+   message; fxs_encoded_free frees in any case. Errors: FXS_ERR_ARGUMENT where the size is out of range (of .webp
+   16383), FXS_ERR_UNSUPPORTED where this was built without the library (.png: zlib, .jpg: stb, .webp: libwebp),
+   FXS_ERR_MEMORY. */
+int fxs_image_encode(enum fxs_image_format format, int quality, const uint8_t *rgba, int width, int height,
+                     fxs_encoded *encoded, fxs_message *message);
+void fxs_encoded_free(fxs_encoded *encoded);
+
+/* Writes the bytes to a temporary name beside `path`, which is renamed (output.h), so that a failure leaves an existing
+   file whole. Returns 0, or FXS_ERR_FILE or FXS_ERR_MEMORY and a message. */
+int fxs_encoded_write(const char *path, const fxs_encoded *encoded, fxs_message *message);
+
+/* Both: encodes a picture, of the quality 0, in the format that the ending of the name tells, .y4m and .rgba left out,
+   and writes it. Returns 0, or an error as they do, FXS_ERR_ARGUMENT for any other ending. */
 int fxs_image_file_write(const char *path, const uint8_t *rgba, int width, int height, fxs_message *message);
 
 /* 1 where the ending of the name is one that fxs_image_file_write knows, else 0. */

@@ -5,18 +5,16 @@
 
 #include "../../src/fixsplat.h"
 #include "../../src/packed.h"
+#include "../files/crc32.h"
 #include "../files/output_internal.h"
 
-#ifdef FXS_WITH_ZLIB
-#include <zlib.h>
-
 /* Of the header as it lies at `data`, but for its checksum. */
-static uint32_t header_checksum(const void *data)
+static uint32_t header_checksum(const fxs_crc32_table *table, const void *data)
 {
     fxs_packed_header blank;
     memcpy(&blank, data, sizeof blank);
     blank.checksum = 0;
-    return (uint32_t)crc32(0, (const unsigned char *)&blank, sizeof blank);
+    return fxs_crc32(table, 0, &blank, sizeof blank);
 }
 
 static const unsigned char *rows_of(const fxs_scene *scene, uint32_t i)
@@ -32,12 +30,11 @@ static fxs_chunk chunk_of(const fxs_scene *scene, uint32_t i)
     return chunk;
 }
 
-static uint32_t chunk_checksum(const fxs_scene *scene, uint32_t i)
+static uint32_t chunk_checksum(const fxs_crc32_table *table, const fxs_scene *scene, uint32_t i)
 {
     fxs_chunk blank = chunk_of(scene, i);
     blank.checksum = 0;
-    uLong crc = crc32(0, (const unsigned char *)&blank, sizeof blank);
-    return (uint32_t)crc32(crc, rows_of(scene, i), scene->chunk_bytes);
+    return fxs_crc32(table, fxs_crc32(table, 0, &blank, sizeof blank), rows_of(scene, i), scene->chunk_bytes);
 }
 
 static size_t palette_bytes(const fxs_scene *scene)
@@ -45,38 +42,40 @@ static size_t palette_bytes(const fxs_scene *scene)
     return scene->palette ? (size_t)(scene->rows - (const unsigned char *)scene->palette) : 0;
 }
 
-static uint32_t palette_checksum(const fxs_scene *scene)
+static uint32_t palette_checksum(const fxs_crc32_table *table, const fxs_scene *scene)
 {
-    return (uint32_t)crc32(0, (const unsigned char *)scene->palette, (uInt)palette_bytes(scene));
+    return fxs_crc32(table, 0, scene->palette, palette_bytes(scene));
 }
 
-static fxs_packed_header sealed_header(const void *data, const fxs_scene *scene)
+static fxs_packed_header sealed_header(const fxs_crc32_table *table, const void *data, const fxs_scene *scene)
 {
     fxs_packed_header header;
     memcpy(&header, data, sizeof header);
-    header.palette_checksum = fxs_little_32(palette_checksum(scene));
-    header.checksum = fxs_little_32(header_checksum(&header));
+    header.palette_checksum = fxs_little_32(palette_checksum(table, scene));
+    header.checksum = fxs_little_32(header_checksum(table, &header));
     return header;
 }
 
-static fxs_chunk sealed_chunk(const fxs_scene *scene, uint32_t i)
+static fxs_chunk sealed_chunk(const fxs_crc32_table *table, const fxs_scene *scene, uint32_t i)
 {
     fxs_chunk chunk = chunk_of(scene, i);
-    chunk.checksum = fxs_little_32(chunk_checksum(scene, i));
+    chunk.checksum = fxs_little_32(chunk_checksum(table, scene, i));
     return chunk;
 }
 
 int fxs_file_seal(void *data, size_t bytes)
 {
+    fxs_crc32_table table;
     fxs_scene scene;
     const int error = fxs_scene_open(&scene, data, bytes);
     if (error)
         return error;
-    const fxs_packed_header header = sealed_header(data, &scene);
+    fxs_crc32_fill(&table);
+    const fxs_packed_header header = sealed_header(&table, data, &scene);
     memcpy(data, &header, sizeof header);
     unsigned char *chunks = (unsigned char *)data + sizeof header;
     for (uint32_t i = 0; i < scene.chunk_count; i++) {
-        const fxs_chunk chunk = sealed_chunk(&scene, i);
+        const fxs_chunk chunk = sealed_chunk(&table, &scene, i);
         memcpy(chunks + (size_t)i * sizeof chunk, &chunk, sizeof chunk);
     }
     return 0;
@@ -85,10 +84,12 @@ int fxs_file_seal(void *data, size_t bytes)
 /* Errors stay in the output. */
 static void write_scene(fxs_output *output, const void *data, const fxs_scene *scene, fxs_message *message)
 {
-    const fxs_packed_header header = sealed_header(data, scene);
+    fxs_crc32_table table;
+    fxs_crc32_fill(&table);
+    const fxs_packed_header header = sealed_header(&table, data, scene);
     int result = fxs_output_write(output, &header, sizeof header, message);
     for (uint32_t i = 0; i < scene->chunk_count && !result; i++) {
-        const fxs_chunk chunk = sealed_chunk(scene, i);
+        const fxs_chunk chunk = sealed_chunk(&table, scene, i);
         result = fxs_output_write(output, &chunk, sizeof chunk, message);
     }
     if (!result && scene->palette)
@@ -112,7 +113,9 @@ int fxs_file_write(const char *path, const void *data, size_t bytes, fxs_message
 int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fxs_message *message)
 {
     fxs_packed_header header;
+    fxs_crc32_table table;
     fxs_scene scene;
+    fxs_crc32_fill(&table);
     if (bytes < sizeof header)
         return fxs_fail(message, "%s: not an .fxs file", path);
     memcpy(&header, data, sizeof header);
@@ -122,38 +125,17 @@ int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fx
     if (header.version != FXS_PACKED_VERSION)
         return fxs_fail_as(FXS_ERR_VERSION, message, "%s: .fxs of version %u, this program reads %u; convert its "
                            "source again", path, header.version, FXS_PACKED_VERSION);
-    if (header.checksum != header_checksum(data))
+    if (header.checksum != header_checksum(&table, data))
         return fxs_fail(message, "%s: the header is damaged: its checksum is wrong", path);
     if (fxs_scene_open(&scene, data, bytes))
         return fxs_fail(message, "%s: damaged or cut short: %zu bytes, expected %zu", path, bytes,
                         fxs_scene_bytes(header.count, (int)(header.sh_degree & 3),
                                         (enum fxs_profile)header.profile, header.palette_entries));
-    if (all && header.palette_checksum != palette_checksum(&scene))
+    if (all && header.palette_checksum != palette_checksum(&table, &scene))
         return fxs_fail(message, "%s: the palette is damaged: its checksum is wrong", path);
     for (uint32_t i = 0; i < scene.chunk_count && all; i++)
-        if (fxs_little_32(chunk_of(&scene, i).checksum) != chunk_checksum(&scene, i))
+        if (fxs_little_32(chunk_of(&scene, i).checksum) != chunk_checksum(&table, &scene, i))
             return fxs_fail(message, "%s: chunk %u of %u is damaged: its checksum is wrong", path, i,
                             scene.chunk_count);
     return 0;
 }
-#else
-int fxs_file_seal(void *data, size_t bytes)
-{
-    (void)data;
-    (void)bytes;
-    return FXS_ERR_UNSUPPORTED;
-}
-
-int fxs_file_write(const char *path, const void *data, size_t bytes, fxs_message *message)
-{
-    (void)data;
-    (void)bytes;
-    return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: this program was built without zlib, which .fxs needs", path);
-}
-
-int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fxs_message *message)
-{
-    (void)all;
-    return fxs_file_write(path, data, bytes, message);
-}
-#endif

@@ -4,6 +4,8 @@
 
 #include <math.h>
 
+#include "../files/exponential.h"
+
 /* ln of the standard deviation of what has none, across a 2D Gaussian. */
 #define FXS_FLAT_SCALE (-20)
 
@@ -11,13 +13,13 @@
 static inline float fxs_log_scale(double scale)
 {
     const double size = fabs(scale);
-    return size > 2.061153622438558e-9 ? (float)log(size) : size >= 0 ? FXS_FLAT_SCALE : NAN;
+    return size > 2.061153622438558e-9 ? (float)fxs_log(size) : size >= 0 ? FXS_FLAT_SCALE : NAN;
 }
 
 /* Logit of the opacity code / 255, +-20 at the ends. */
 static inline float fxs_logit_of_code(int code)
 {
-    return code <= 0 ? -20 : code >= 255 ? 20 : (float)log(code / (255.0 - code));
+    return code <= 0 ? -20 : code >= 255 ? 20 : (float)fxs_log(code / (255.0 - code));
 }
 
 /* SH degree 0 of a colour, 0 to 1. */

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "../files/exponential.h"
+#include "floaters_internal.h"
 #include "scene_format.h"
 
 /* The reader of a filtered file. */
@@ -13,11 +14,13 @@ typedef struct filter_reader {
     const fxs_allocator *allocator;   /* of both readers */
     fxs_scene_filter filter;
     fxs_scene_filter_report report;   /* since the beginning */
+    fxs_floaters floaters;            /* of what the rest of the filter leaves */
 } filter_reader;
 
 void fxs_scene_filter_default(fxs_scene_filter *filter)
 {
-    *filter = (fxs_scene_filter){{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}, 0, 3, 0};
+    *filter = (fxs_scene_filter){.low = {-INFINITY, -INFINITY, -INFINITY}, .high = {INFINITY, INFINITY, INFINITY},
+                                 .radius = INFINITY, .sh_degree = 3};
 }
 
 /* NaN passes, here and below: it is for the last test. */
@@ -26,7 +29,9 @@ static int is_inside(const fxs_scene_filter *filter, const float position[3])
     for (int i = 0; i < 3; i++)
         if (position[i] < filter->low[i] || position[i] > filter->high[i])
             return 0;
-    return 1;
+    const double x = position[0] - filter->middle[0], y = position[1] - filter->middle[1],
+                 z = position[2] - filter->middle[2];
+    return !(x * x + y * y + z * z > filter->radius * filter->radius);
 }
 
 static int passes(filter_reader *r, fxs_gaussian *g)
@@ -39,6 +44,8 @@ static int passes(filter_reader *r, fxs_gaussian *g)
         return r->report.faint++, 0;
     if (r->filter.drawable && !fxs_drawable(g, r->filter.sh_degree, &r->report.dropped))
         return 0;
+    if (r->filter.floaters && fxs_floaters_take(&r->floaters, g))
+        return r->report.floaters++, 0;
     memset(g->sh + coefficients, 0, sizeof g->sh - (size_t)coefficients * sizeof *g->sh);
     r->report.dropped.kept += r->filter.drawable ? fxs_weight(g) : 0;
     r->report.kept++;
@@ -67,6 +74,7 @@ static int filter_rewind(void *handle, fxs_message *message)
 {
     filter_reader *r = handle;
     memset(&r->report, 0, sizeof r->report);
+    r->floaters.next = 0;
     return r->format->rewind(r->reader, message);
 }
 
@@ -76,6 +84,7 @@ static void filter_close(void *handle)
     if (r->format->close)
         r->format->close(r->reader);
     fxs_release(r->allocator, r->reader);
+    fxs_floaters_free(&r->floaters, r->allocator);
 }
 
 static const fxs_scene_format filtered = {
@@ -97,6 +106,15 @@ static int count(fxs_scene_file *file, const filter_reader *r, uint64_t total, f
     return 0;
 }
 
+/* A second count, with the floaters known. */
+static int count_again(fxs_scene_file *file, filter_reader *r, uint64_t total, fxs_progress_fn *progress,
+                       void *argument, fxs_message *message)
+{
+    FXS_TRY(fxs_floaters_find(&r->floaters, r->allocator, message));
+    FXS_TRY(fxs_scene_file_rewind(file, message));
+    return count(file, r, total, progress, argument, message);
+}
+
 int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, fxs_scene_file_info *info,
                           fxs_scene_filter_report *report, fxs_progress_fn *progress, void *argument,
                           fxs_message *message)
@@ -113,12 +131,16 @@ int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, 
     r->reader = r;
     fxs_scene_file_swap(file, &r->format, &r->reader);
     FXS_TRY(fxs_scene_file_rewind(file, message));
+    if (filter->floaters)
+        FXS_TRY(fxs_floaters_init(&r->floaters, info->count, allocator, message));
     FXS_TRY(count(file, r, info->count, progress, argument, message));
+    if (filter->floaters)
+        FXS_TRY(count_again(file, r, info->count, progress, argument, message));
     *report = r->report;
     info->count = report->kept;
     info->sh_degree = info->sh_degree < filter->sh_degree ? info->sh_degree : filter->sh_degree;
     if (report->kept == 0)
         return fxs_fail(message, "none of the %llu Gaussians %s", (unsigned long long)report->read,
-                        report->outside + report->faint < report->read ? "can be drawn" : "is left");
+                        report->outside + report->faint + report->floaters < report->read ? "can be drawn" : "is left");
     return fxs_scene_file_rewind(file, message);
 }

@@ -89,7 +89,7 @@ static void polar_rotation(matrix x, matrix m)
     }
 }
 
-static void matrix_of(matrix m, const float q[4])
+void fxs_rotation_matrix(matrix m, const float q[4])
 {
     double w = q[0], x = q[1], y = q[2], z = q[3];
     double s = 2 / (w * w + x * x + y * y + z * z);
@@ -135,8 +135,8 @@ static int orthogonalise(matrix m, int i, int j)
     double a = dot(m, i, i), b = dot(m, j, j), c = dot(m, i, j);
     if (!(fabs(c) > 1e-13 * sqrt(a * b)))
         return 0;
-    double zeta = (b - a) / (2 * c), t = copysign(1, zeta) / (fabs(zeta) + hypot(1, zeta));
-    double cosine = 1 / hypot(1, t), sine = cosine * t;
+    double zeta = (b - a) / (2 * c), t = copysign(1, zeta) / (fabs(zeta) + sqrt(1 + zeta * zeta));
+    double cosine = 1 / sqrt(1 + t * t), sine = cosine * t;
     for (int row = 0; row < 3; row++) {
         double x = m[row][i], y = m[row][j];
         m[row][i] = cosine * x - sine * y;
@@ -165,17 +165,9 @@ int fxs_transform_init(fxs_transform *transform, double rows[3][4])
     return 0;
 }
 
-/* With M the linear part, R and S rotation and scale of the Gaussian: the columns of M R S, made orthogonal by
-   rotations from the right (one-sided Jacobi), are the new axes times the new scales. */
-static void apply_linear(const fxs_transform *t, fxs_gaussian *g)
+/* m made orthogonal by rotations from the right (one-sided Jacobi): its columns are axes times scales then. */
+void fxs_set_axes(fxs_gaussian *g, matrix m)
 {
-    matrix r, m;
-    matrix_of(r, g->rotation);
-    for (int j = 0; j < 3; j++) {
-        double scale = fxs_exp(g->scale[j]);
-        for (int i = 0; i < 3; i++)
-            m[i][j] = scale * (t->linear[i][0] * r[0][j] + t->linear[i][1] * r[1][j] + t->linear[i][2] * r[2][j]);
-    }
     for (int sweep = 0; sweep < 16; sweep++)
         if (!(orthogonalise(m, 0, 1) | orthogonalise(m, 0, 2) | orthogonalise(m, 1, 2)))
             break;
@@ -187,6 +179,19 @@ static void apply_linear(const fxs_transform *t, fxs_gaussian *g)
             m[i][j] *= sign / length;
     }
     quaternion_of(g->rotation, m);
+}
+
+/* With M the linear part, R and S rotation and scale of the Gaussian: its axes become those of M R S. */
+static void apply_linear(const fxs_transform *t, fxs_gaussian *g)
+{
+    matrix r, m;
+    fxs_rotation_matrix(r, g->rotation);
+    for (int j = 0; j < 3; j++) {
+        double scale = fxs_exp(g->scale[j]);
+        for (int i = 0; i < 3; i++)
+            m[i][j] = scale * (t->linear[i][0] * r[0][j] + t->linear[i][1] * r[1][j] + t->linear[i][2] * r[2][j]);
+    }
+    fxs_set_axes(g, m);
 }
 
 void fxs_transform_apply(const fxs_transform *t, fxs_gaussian *g, int sh_degree)

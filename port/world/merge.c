@@ -53,13 +53,12 @@ static int is_kept(const fxs_placement *p, const float position[3])
 }
 
 /* a b, quaternions w, x, y, z */
-static void multiply(float out[4], const double a[4], const float b[4])
+static void multiply(double out[4], const double a[4], const double b[4])
 {
-    const double w = b[0], x = b[1], y = b[2], z = b[3];
-    out[0] = (float)(a[0] * w - a[1] * x - a[2] * y - a[3] * z);
-    out[1] = (float)(a[0] * x + a[1] * w + a[2] * z - a[3] * y);
-    out[2] = (float)(a[0] * y - a[1] * z + a[2] * w + a[3] * x);
-    out[3] = (float)(a[0] * z + a[1] * y - a[2] * x + a[3] * w);
+    out[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
+    out[1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];
+    out[2] = a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1];
+    out[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
 }
 
 static void turn(const part *p, fxs_gaussian *g, int sh_degree)
@@ -69,9 +68,11 @@ static void turn(const part *p, fxs_gaussian *g, int sh_degree)
     memcpy(turned.sh, g->sh, sizeof g->sh);
     fxs_transform_apply(&p->turn, &turned, sh_degree);
     memcpy(g->sh, turned.sh, sizeof g->sh);
-    float rotation[4];
-    multiply(rotation, p->placement.rotation, g->rotation);
-    memcpy(g->rotation, rotation, sizeof rotation);
+    const double own[4] = {g->rotation[0], g->rotation[1], g->rotation[2], g->rotation[3]};
+    double rotation[4];
+    multiply(rotation, p->placement.rotation, own);
+    for (int i = 0; i < 4; i++)
+        g->rotation[i] = (float)rotation[i];
 }
 
 static void move(const part *p, fxs_gaussian *g)
@@ -241,6 +242,21 @@ static int count_kept(fxs_scene_file *file, const merge_reader *r, fxs_scene_fil
         return FXS_ERR_OBJECT;
     }
     return fxs_scene_file_rewind(file, message) ? FXS_ERR_FILE : 0;
+}
+
+void fxs_world_place(fxs_world *world, const fxs_placement *whole)
+{
+    double rows[3][4];
+    fxs_placement_matrix(whole, rows);
+    for (uint32_t i = 0; i < world->count; i++) {
+        fxs_placement *p = &world->objects[i];
+        const fxs_placement old = *p;
+        const double *t = old.translation;
+        for (int k = 0; k < 3; k++)
+            p->translation[k] = rows[k][0] * t[0] + rows[k][1] * t[1] + rows[k][2] * t[2] + rows[k][3];
+        multiply(p->rotation, whole->rotation, old.rotation);
+        p->scale = whole->scale * old.scale;
+    }
 }
 
 int fxs_world_merge(const fxs_world *world, fxs_scene_file **files, const fxs_scene_file_info *infos,

@@ -9,6 +9,9 @@
 extern "C" {
 #endif
 
+/* Places the objects of a world anew, as if they were one object that is placed so. */
+void fxs_world_place(fxs_world *world, const fxs_placement *whole);
+
 /* Makes one file of those of a world, which are open, each at its place in world->files; `infos` are theirs. It gives
    the Gaussians of each visible object in turn, with its crops, opacity and tint, and SH turned with it. The files are
    its own from then on, also where this fails. All must be anti-aliased, or none. Where there are crops, the files are

@@ -30,7 +30,7 @@ int peek_fit(void *self, const fxs_fit_camera *c, peeked_fit *out)
            download(&out->sums, (const float(*)[FXS_FIT_SUMS])b->sums, out->entries) ||
            download(&out->picture, b->picture, 3 * pixels) ||
            download(&out->derivatives, b->derivatives, 9 * pixels) ||
-           download(&out->gradient, (const float *)b->gradient, 4 * pixels);
+           download(&out->gradient, b->gradient, 3 * pixels);
 }
 
 void peek_fit_free(peeked_fit *p)
@@ -58,4 +58,37 @@ int peek_fit_narrow(void *self, uint32_t capacity)
 uint64_t peek_fit_bytes(const void *self)
 {
     return ((const engine *)self)->devices[0].memory.bytes;
+}
+
+static __global__ void trap()
+{
+    __trap();
+}
+
+void peek_fit_lose(void *self)
+{
+    trap<<<1, 1, 0, ((engine *)self)->devices[0].stream>>>();
+}
+
+static __global__ void compare_odds(uint32_t first, uint32_t last, unsigned long long *wrong)
+{
+    for (uint32_t bits = first + blockIdx.x * blockDim.x + threadIdx.x; bits <= last; bits += gridDim.x * blockDim.x) {
+        const float alpha = __uint_as_float(bits);
+        if (odds_of(alpha) != __fdiv_rn(alpha, 1.0f - alpha))
+            atomicAdd(wrong, 1ull);
+    }
+}
+
+long peek_fit_odds()
+{
+    const float ends[2] = {0x1p-9f, FXS_FIT_ALPHA_MOST};
+    uint32_t bits[2];
+    unsigned long long *there = nullptr, wrong = 0;
+    memcpy(bits, ends, sizeof bits);
+    if (cudaMalloc(&there, sizeof wrong) || cudaMemset(there, 0, sizeof wrong))
+        return -1;
+    compare_odds<<<1024, 256>>>(bits[0], bits[1], there);
+    const bool failed = cudaMemcpy(&wrong, there, sizeof wrong, cudaMemcpyDeviceToHost) != cudaSuccess;
+    cudaFree(there);
+    return failed ? -1 : (long)wrong;
 }

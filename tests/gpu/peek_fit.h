@@ -14,7 +14,7 @@ typedef struct peeked_fit {
     uint32_t *starts, *slots, *splat_of, *needed, entries;
     uint16_t *blocks;
     float (*sums)[FXS_FIT_SUMS];
-    float *picture, *derivatives, *gradient;   /* 3 and 9 planes; 4 numbers a pixel */
+    float *picture, *derivatives, *gradient;   /* 3, 9 and 3 planes */
 } peeked_fit;
 
 /* Returns 0 where they could be copied. */
@@ -26,6 +26,13 @@ int peek_fit_narrow(void *engine, uint32_t capacity);
 
 /* Bytes of device memory that the first device's budget has taken. */
 uint64_t peek_fit_bytes(const void *engine);
+
+/* For how many alpha from 2^-9 to 0.99 odds_of is not the quotient; -1: could not be run. */
+long peek_fit_odds(void);
+
+/* A kernel of the first device ends in a trap: from then on CUDA fails, as where the device is lost, in all of the
+   process. */
+void peek_fit_lose(void *engine);
 
 #ifdef __cplusplus
 }

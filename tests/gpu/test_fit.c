@@ -14,7 +14,7 @@ static fxs_pool *pool;
 typedef struct what {
     int32_t width, height, is_square;
     size_t count;
-    int degree, batch, only_touched, without_sh;
+    int degree, batch;
     float by_opacity, noise, near_size;    /* near_size: about e^ that a Gaussian is wide */
 } what;
 
@@ -79,8 +79,6 @@ static void set_options(fxs_fit_step_options *o, const what *w, uint32_t number)
     memset(o, 0, sizeof *o);
     o->sh_degree = w->degree;
     o->number = number;
-    o->only_touched = w->only_touched;
-    o->without_sh = w->without_sh;
     o->by_opacity = o->by_scale = w->by_opacity;
     o->noise = (fxs_fit_noise){w->noise, {12345 + number, 67890}};
     for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
@@ -170,8 +168,7 @@ static int pixels_same(const fxs_fit_stepper *s, const peeked_fit *p)
             for (size_t k = 0; k < FXS_FIT_DERIVATIVES && found; k++)
                 found = CHECK(same(l->derivatives[k].first + row,
                                    p->derivatives + (3 * c + k) * size + y * width, width));
-            for (size_t x = 0; x < width && found; x++)
-                found = CHECK(same(&l->gradient.first[row + (ptrdiff_t)x], &p->gradient[4 * (y * width + x) + c], 1));
+            found = found && CHECK(same(l->gradient.first + row, p->gradient + c * size + y * width, width));
         }
     return found;
 }
@@ -219,9 +216,8 @@ static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t ste
         is_same = CHECK(splats_same(s, &p, w->count)) && CHECK(lists_same(s, &p)) && pixels_same(s, &p) &&
                   sums_same(s, &p) && models_same(&here, &there);
     if (!CHECK(is_same))
-        printf("  %d x %d, square %d, %zu Gaussians, degree %d, batch %d, touched %d, without SH %d, spoiled %d\n",
-               (int)w->width, (int)w->height, (int)w->is_square, w->count, w->degree, w->batch, w->only_touched,
-               w->without_sh, is_spoiled);
+        printf("  %d x %d, square %d, %zu Gaussians, degree %d, batch %d, spoiled %d\n", (int)w->width, (int)w->height,
+               (int)w->is_square, w->count, w->degree, w->batch, is_spoiled);
     peek_fit_free(&p);
     fxs_fit_stepper_free(s);
     engine->free(self);
@@ -237,8 +233,7 @@ static void test_steps(void)
         const int size = quick ? i % 3 : i % 6;
         const what w = {.width = sizes[size][0], .height = sizes[size][1], .is_square = i % 3 == 2,
                         .count = counts[quick ? i % 3 : i % 5], .degree = i % 4, .batch = 1,
-                        .only_touched = i % 5 == 4, .without_sh = i % 7 == 6, .by_opacity = i % 4 ? 0 : 0.01f,
-                        .noise = i % 3 ? 0 : 50.0f, .near_size = i % 2 ? -3.0f : -1.5f};
+                        .by_opacity = i % 4 ? 0 : 0.01f, .noise = i % 3 ? 0 : 50.0f, .near_size = i % 2 ? -3.0f : -1.5f};
         compare(&w, i % 4 == 3, 0, MOST_STEPS);
     }
 }
@@ -257,7 +252,7 @@ static void test_batches(void)
 {
     for (int i = 0; i < (quick ? 2 : 8); i++) {
         const what w = {.width = 90, .height = 70, .count = quick ? 200 : 3000, .degree = i % 4, .batch = 2 + i % 2,
-                        .only_touched = i % 3 == 1, .by_opacity = i % 2 ? 0 : 0.01f, .near_size = -2.5f};
+                        .by_opacity = i % 2 ? 0 : 0.01f, .near_size = -2.5f};
         compare(&w, i % 4 == 3, 0, MOST_STEPS);
     }
 }
@@ -271,14 +266,121 @@ static void test_no_room(void)
     compare(&batch, 0, 64, MOST_STEPS);
 }
 
+/* The division that kernels have of their own. */
+static void test_odds(void)
+{
+    CHECK(peek_fit_odds() == 0);
+}
+
+/* ---- What goes wrong --------------------------------------------------------------------------------------------- */
+
+static const what ordinary = {.width = 160, .height = 120, .count = 5000, .degree = 3, .batch = 2, .near_size = -2.5f};
+
+/* FNV-1a, a number at a time. */
+static uint64_t hash_of(const fxs_fit_model *m)
+{
+    uint64_t hash = 14695981039346656037u;
+    for (size_t k = 0; k < FXS_FIT_PARAMETERS; k++)
+        for (size_t i = 0; i < m->count; i++) {
+            uint32_t bits;
+            memcpy(&bits, &m->parameters[k * m->stride + i], sizeof bits);
+            hash = (hash ^ bits) * 1099511628211u;
+        }
+    return hash;
+}
+
+/* Some steps within so much memory. Returns 0, or an error and a message. */
+static int fit_within(uint64_t max_memory, uint64_t *hash, fxs_message *why)
+{
+    static uint8_t pixels[MOST_BATCH * 3 * 160 * 120];
+    fxs_fit_photograph photographs[MOST_BATCH];
+    const fxs_fit_engine *engine;
+    fxs_fit_options options;
+    fxs_fit_model model;
+    void *self;
+    if (fxs_fit_model_room(&model, ordinary.count))
+        return 1;
+    fit_state = 99;
+    fill_model(&model, &ordinary);
+    fill_photographs(photographs, &ordinary, pixels);
+    fxs_fit_options_init(&options);
+    options.device_count = 1;
+    options.max_memory = max_memory;
+    int error = fxs_cuda_fit_engine(&engine, &self, &model, &options, why);
+    for (uint32_t i = 0; i <= MOST_STEPS && !error; i++) {
+        fxs_fit_step_options o;
+        set_options(&o, &ordinary, i);
+        error = i ? engine->step(self, photographs, 2, &o, NULL, why) : engine->give(self, why);
+    }
+    error = error ? error : engine->fetch(self, why);
+    if (!error)
+        CHECK(!max_memory || peek_fit_bytes(self) <= max_memory);
+    *hash = error ? 0 : hash_of(&model);
+    if (self)
+        engine->free(self);
+    fxs_fit_model_free(&model);
+    return error;
+}
+
+/* With as much as the message says, there is an end. */
+static void test_too_little_memory(void)
+{
+    uint64_t wanted, hash, most = 1000;
+    fxs_message why;
+    int error = FXS_ERR_MEMORY;
+    CHECK(!fit_within(0, &wanted, &why));
+    for (int i = 0; i < 40 && error; i++) {
+        error = fit_within(most, &hash, &why);
+        if (error && (!CHECK(error == FXS_ERR_MEMORY) || !CHECK(why.text[0]) || !CHECK(why.bytes_needed > most)))
+            return;
+        most = error ? why.bytes_needed : most;
+    }
+    CHECK(!error && hash == wanted);
+}
+
+/* The last, as CUDA is of no use to the process after it. */
+static void test_lost_device(void)
+{
+    static uint8_t pixels[MOST_BATCH * 3 * 160 * 120];
+    fxs_fit_photograph photographs[MOST_BATCH];
+    const fxs_fit_engine *engine;
+    fxs_fit_step_options o;
+    fxs_fit_options options;
+    fxs_fit_model model;
+    fxs_fit_report report;
+    fxs_message why;
+    void *self;
+    if (!CHECK(!fxs_fit_model_room(&model, ordinary.count)))
+        return;
+    fill_model(&model, &ordinary);
+    fill_photographs(photographs, &ordinary, pixels);
+    set_options(&o, &ordinary, 1);
+    fxs_fit_options_init(&options);
+    options.device_count = 1;
+    if (!CHECK(!fxs_cuda_fit_engine(&engine, &self, &model, &options, &why)) || !CHECK(!engine->give(self, &why)))
+        return;
+    CHECK(!engine->step(self, photographs, 2, &o, NULL, &why));
+    peek_fit_lose(self);
+    why.text[0] = 0;
+    CHECK(engine->step(self, photographs, 2, &o, &report, &why) == FXS_ERR_DEVICE && why.text[0]);
+    CHECK(engine->fetch(self, &why) == FXS_ERR_DEVICE);
+    engine->free(self);
+    CHECK(fxs_cuda_fit_engine(&engine, &self, &model, &options, &why) == FXS_ERR_DEVICE && !self);
+    fxs_fit_model_free(&model);
+}
+
 int main(int argc, char **argv)
 {
     quick = argc > 1 && !strcmp(argv[1], "--quick");
     pool = fxs_pool_create(8);
+    RUN(test_odds);
     RUN(test_steps);
     RUN(test_large);
     RUN(test_batches);
     RUN(test_no_room);
+    RUN(test_too_little_memory);
+    if (!quick)
+        RUN(test_lost_device);
     fxs_pool_destroy(pool);
     return check_report();
 }

@@ -11,8 +11,8 @@ KINDS = {ctypes.c_float: "f4", ctypes.c_double: "f8", ctypes.c_char: "c1", ctype
 HEADERS = ["src/fixsplat.h", "src/packed.h", "src/backend.h", "port/backend/backends.h", "port/camera/camera.h",
            "port/camera/camera_file.h", "port/fit/fit.h", "port/fit/photos.h", "port/files/message.h",
            "port/image/image_file.h", "port/import/pack.h", "port/posix/map.h", "port/posix/pool.h",
-           "port/scene/fxs_file.h", "port/scene/ply_write.h", "port/scene/scene_file.h", "port/scene/scene_filter.h",
-           "port/scene/splat_write.h", "port/scene/spz_write.h", "port/world/world.h"]
+           "port/scene/fxs_file.h", "port/scene/scene_decimate.h", "port/scene/scene_file.h",
+           "port/scene/scene_filter.h", "port/scene/scene_write.h", "port/world/world.h"]
 PROGRAM = """#include <stdio.h>
 #define KIND(x) _Generic((x), float: "f4", double: "f8", char: "c1", unsigned char: "u1", int: "i4", \\
                          unsigned: "u4", long: sizeof(long) == 8 ? "i8" : "i4", \\

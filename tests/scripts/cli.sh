@@ -394,7 +394,7 @@ else
     chmod 555 locked
     fails "a folder without write permission" 1 "locked/x.png: cannot be" render knot.ply $small -o locked/x.png
 fi
-for output in x.jpg x png .; do
+for output in x.gif x png .; do
     fails "-o $output" 2 "$output: expected a name ending" render knot.ply $small -o $output
 done
 fails "make-scene -o missing/x.ply" 1 "missing/x.ply.*: cannot be" make-scene knot --count 10 -o missing/x.ply
@@ -457,7 +457,7 @@ fi
 # ---- JSON ------------------------------------------------------------------------------------------------------------
 
 stages='project shade sort bin blend resolve'
-succeeds "--stats" render knot.ply $small --stats
+succeeds "--stats" render knot.ply $small --stats=pairs
 check "--stats: keys" keys logs/out gaussians visible entries bands slices runs pairs_evaluated pairs_blended frame_ms \
     $(printf 'stages_ms.%s ' $stages) $(printf 'bytes.%s ' scene splats keys tiles entries frame)
 check "--stats: Gaussians" grep -q '"gaussians": 2000,' logs/out
@@ -498,26 +498,11 @@ check "compare --json of equal pictures: values" equal "$(cat logs/out)" \
 fails "compare: two sizes" 1 "knot.png is 64x48, long.png is 16384x1" compare knot.png long.png
 fails "compare: one picture" 2 "two pictures" compare knot.png
 fails "compare: no picture" 1 "knot.ply: " compare knot.png knot.ply
-fails "compare: --diff of no known ending" 2 "d.jpg" compare knot.png knot.png --diff d.jpg
+fails "compare: --diff of no known ending" 2 "d.gif" compare knot.png knot.png --diff d.gif
 head -c 500 knot.png >cut.png
 fails "compare: a picture cut short" 1 "cut.png: " compare cut.png knot.png
 
 # ---- convert ---------------------------------------------------------------------------------------------------------
-
-# psnr_of SCENE ORIGINAL OPTION...: the mean, or "equal"
-psnr_of() {
-    scene=$1 original=$2
-    shift 2
-    "$fixsplat" info "$scene" --compare "$original" --views 4 --size 320x240 "$@" | awk '/^mean/ { print $2 }'
-}
-at_least() { awk "BEGIN { exit !($1 >= $2) }" || { echo "$1 is below $2"; return 1; }; }
-says() { equal "$status $(cat logs/err)" "0 fixsplat: $1"; }
-# gaussians FILE COUNT DEGREE
-gaussians() {
-    "$fixsplat" info "$1" --json | grep -q "\"gaussians\": $2, \"packed\": $2, \"sh_degree\": $3," && return
-    "$fixsplat" info "$1"
-    return 1
-}
 
 # worst_of SCENE: the worst of the views that convert looks at, and its PSNR
 worst_of() {
@@ -597,10 +582,10 @@ check "convert .splat to .spz: PSNR" at_least "$(psnr_of plain.spz plain.ply)" 4
 { ply_header 5 && for i in 0 1 2 3 4; do echo "$i 0 0 1 .5 .2 $((i - 3)).5 -1 -1.5 -2 1 0 0 0"; done; } >rows.ply
 for out in ply splat spz fxs; do
     run convert rows.ply left.$out --crop 1,-1,-1,3,1,1
-    check "convert --crop to .$out" says "rows.ply: kept 3 of 5 Gaussians (2 outside the box, 0 too faint)"
+    check "convert --crop to .$out" says "rows.ply: kept 3 of 5 Gaussians (2 outside, 0 too faint, 0 floating)"
     check "convert --crop to .$out: what is left" gaussians left.$out 3 0
     run convert rows.ply left.$out --prune 0.5 --crop 0,0,0,3,0,0
-    check "convert --prune to .$out" says "rows.ply: kept 1 of 5 Gaussians (1 outside the box, 3 too faint)"
+    check "convert --prune to .$out" says "rows.ply: kept 1 of 5 Gaussians (1 outside, 3 too faint, 0 floating)"
     check "convert --prune to .$out: what is left" gaussians left.$out 1 0
     echo precious >left.$out
     fails "convert --crop to .$out: nothing left" 1 "rows.ply: none of the 5 Gaussians is left" convert rows.ply \
@@ -641,7 +626,7 @@ check "render --axes rdf" differ "$(hash_of knot4.spz $small --axes rdf)" "$(has
 check "render --axes rub: as it is" equal "$(hash_of knot4.spz $small --axes rub)" "$(hash_of knot4.spz $small)"
 fails "--axes of a .ply" 1 "knot.ply: --axes is for .spz" render knot.ply --axes rub --hash
 fails "--axes of another way" 2 "--axes up: expected rub or rdf" info knot4.spz --axes up
-fails "convert: an ending that is none" 2 "x.glb: expected a name ending" convert knot.ply x.glb
+fails "convert: an ending that is none" 2 "x.gltf: expected a name ending" convert knot.ply x.gltf
 fails "convert: one file" 2 "two files" convert knot.ply
 fails "convert --profile to .ply" 2 "--profile is for .fxs" convert knot.ply x.ply --profile small
 fails "convert --spz-version to .ply" 2 "x.ply is no .spz" convert knot.ply x.ply --spz-version 3

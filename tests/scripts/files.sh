@@ -7,7 +7,7 @@
 write="make-scene knot --count 2000 -o"
 "$fixsplat" $write knot.ply || exit 1
 convert="convert knot.ply"
-for ending in ply splat spz fxs; do "$fixsplat" $convert plain.$ending 2>logs/err || exit 1; done
+for ending in ply splat spz fxs compressed.ply sog glb csv; do "$fixsplat" $convert plain.$ending 2>logs/err || exit 1; done
 "$fixsplat" render knot.ply --size 64x48 -o plain.png || exit 1
 
 mode() { stat -c %a "$1" 2>/dev/null || stat -f %Lp "$1"; }
@@ -61,6 +61,10 @@ through ply $convert
 through splat $convert
 through spz $convert
 through fxs $convert
+through compressed.ply $convert
+through sog $convert
+through glb $convert
+through csv $convert
 through png render knot.ply --size 64x48 -o
 # By links: what would replace a device replaces one of those.
 ln -s /dev/stdout out.ply

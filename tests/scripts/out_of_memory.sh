@@ -61,6 +61,9 @@ survives() {
 
 survives o.ply make-scene knot --count 300 -o o.ply
 survives o.png render knot.ply --size 64x48 --threads 2 -o o.png
+for ending in y4m rgba; do survives o.$ending render knot.ply --size 64x48 --threads 2 --orbit 3 -o o.$ending; done
+for ending in jpg webp; do survives o.$ending render knot.ply --size 64x48 -o o.$ending; done
+survives - render knot.ply --size 64x48 --expect b.png
 make_photographs 3
 "$fixsplat" fit set --steps 4 --save-every 2 -o half.fxs >logs/out || exit 1
 survives o.fxs fit set --steps 4 --threads 2 -o o.fxs
@@ -71,6 +74,11 @@ survives o.fxs convert knot.ply o.fxs --profile small
 survives o.spz convert knot.ply o.spz
 survives o.spz convert knot.ply o.spz --spz-version 3
 survives o.splat convert knot.ply o.splat --sh-degree 0
+survives o.compressed.ply convert knot.ply o.compressed.ply
+survives o.sog convert knot.ply o.sog
+survives o.glb convert knot.ply o.glb --drop-floaters
+survives o.csv convert knot.ply o.csv --decimate 50%
+survives - info knot.ply --stats
 survives - info knot.ply
 survives - info packed.fxs --compare knot.ply --size 64x48 --views 2
 survives o.png compare a.png b.png --diff o.png

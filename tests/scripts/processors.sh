@@ -11,8 +11,7 @@ arm=aarch64-linux-gnu-gcc
 i686=i686-linux-gnu-gcc
 golden="src/*.c tests/test_golden.c tools/metrics.c tools/procedural.c port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c port/backend/*.c port/posix/*.c"
 photos="src/*.c tests/test_photo_bytes.c port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c port/posix/*.c port/fit/photo*.c"
-files="$PWD/tests/test_fxs_bytes.c $PWD/port/scene/fxs_file.c"
-others=$(ls "$PWD"/src/*.c "$PWD"/port/files/*.c "$PWD"/port/scene/*.c "$PWD"/port/camera/*.c "$PWD"/port/image/*.c "$PWD"/port/import/*.c | grep -v '/fxs_file\.c$' | tr '\n' ' ')
+files="src/*.c tests/test_fxs_bytes.c port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c"
 
 # processor NAME COMPILER EMULATOR: the programs that each processor runs.
 processor() {
@@ -23,9 +22,7 @@ processor() {
     else
         if "$work/links" 2>/dev/null; then set -- "$1" "$2"; fi
         variant $1 "$2 $flags -O1 -static src/*.c tests/test_random.c -o %" $3
-        variant $1-files "mkdir %.objects && cd %.objects &&
-            $2 $flags -O1 -c -DFXS_WITH_ZLIB -I$PWD/tests/scripts/lib/crc32 $files &&
-            $2 $flags -O1 -static *.o $others -lm -o %" $3
+        variant $1-files "$2 $flags -O1 -static $files -lm -o %" $3
     fi
 }
 

@@ -2,7 +2,6 @@
 #ifndef FXS_CUDA_FIT_BIN_CUH
 #define FXS_CUDA_FIT_BIN_CUH
 
-#include <iterator>
 #include <type_traits>
 
 #include <cub/device/device_radix_sort.cuh>
@@ -84,33 +83,13 @@ cudaError_t launch_project(const step_buffers *b, const device_model *m, const f
 
 /* ---- Slots ------------------------------------------------------------------------------------------------------- */
 
-/* Of the splat at a place in the order of depth; 0 of one that is not in the picture, and beyond the last. As CUB reads
-   numbers. */
-struct tiles_at {
-    using value_type = uint32_t;
-    using reference = uint32_t;
-    using pointer = const uint32_t *;
-    using difference_type = ptrdiff_t;
-    using iterator_category = std::random_access_iterator_tag;
-    const uint32_t *depths, *gaussians;
-    const fxs_fit_splat *splats;
-    uint32_t count;
-    ptrdiff_t place;
-
-    __host__ __device__ uint32_t operator[](ptrdiff_t n) const
-    {
-        const uint32_t at = (uint32_t)(place + n);
-        return at < count && depths[at] != UINT32_MAX ? (uint32_t)splats[gaussians[at]].tiles : 0;
-    }
-    __host__ __device__ uint32_t operator*() const
-    {
-        return (*this)[0];
-    }
-    __host__ __device__ tiles_at operator+(ptrdiff_t n) const
-    {
-        return {depths, gaussians, splats, count, place + n};
-    }
-};
+/* bases[i] becomes how many tiles the i-th splat in the order of depth touches. */
+__global__ void __launch_bounds__(BIN_THREADS) count_tiles(step_buffers b, uint32_t count)
+{
+    const uint32_t i = blockIdx.x * BIN_THREADS + threadIdx.x;
+    if (i <= count)
+        b.bases[i] = i < count && b.depths[1][i] != UINT32_MAX ? (uint32_t)b.splats[b.gaussians[1][i]].tiles : 0;
+}
 
 /* So that too many are too many. */
 struct add_saturated {
@@ -241,6 +220,14 @@ __device__ inline void put_large(const step_buffers &b, const fxs_fit_camera *ca
     }
 }
 
+/* The place in the order of depth that a thread has the splat of. Neighbours are often large alike, and go to different
+   blocks, four by four. */
+__device__ inline uint32_t place_in_order(uint32_t count)
+{
+    const uint32_t blocks = (count + BIN_THREADS - 1) / BIN_THREADS;
+    return blockIdx.x < blocks ? (threadIdx.x / 4 * blocks + blockIdx.x) * 4 + threadIdx.x % 4 : count;
+}
+
 /* A thread for each splat in the order of depth, and for each slot. */
 __global__ void __launch_bounds__(BIN_THREADS)
     put_slots(step_buffers b, uint32_t count, const __grid_constant__ fxs_fit_camera camera)
@@ -256,12 +243,13 @@ __global__ void __launch_bounds__(BIN_THREADS)
         b.slots[0][i] = i;
     if (i >= total && i < b.capacity)
         b.tiles[0][i] = UINT32_MAX;
-    const uint32_t slot = i < count ? b.bases[i] : 0, tiles = i < count ? b.bases[i + 1] - slot : 0;
+    const uint32_t place = place_in_order(count);
+    const uint32_t slot = place < count ? b.bases[place] : 0, tiles = place < count ? b.bases[place + 1] - slot : 0;
     uint32_t gaussian = 0;
     ellipses e;
     memset(&e, 0, sizeof e);
     if (tiles) {
-        gaussian = b.gaussians[1][i];
+        gaussian = b.gaussians[1][place];
         b.splats[gaussian].slot = slot;
         e = ellipse_of(&camera, &b.splats[gaussian]);
     }
@@ -304,10 +292,10 @@ cudaError_t sort_depths(void *scratch, size_t *bytes, const step_buffers *b, uin
                                            b->gaussians[1], count, 0, DEPTH_BITS, stream);
 }
 
+/* bases, in place. */
 cudaError_t add_tiles(void *scratch, size_t *bytes, const step_buffers *b, uint32_t count, cudaStream_t stream)
 {
-    const tiles_at tiles = {b->depths[1], b->gaussians[1], b->splats, count, 0};
-    return cub::DeviceScan::ExclusiveScan(scratch, *bytes, tiles, b->bases, add_saturated(), 0u, count + 1, stream);
+    return cub::DeviceScan::ExclusiveScan(scratch, *bytes, b->bases, b->bases, add_saturated(), 0u, count + 1, stream);
 }
 
 cudaError_t sort_tiles(void *scratch, size_t *bytes, const step_buffers *b, int bits, cudaStream_t stream)
@@ -337,6 +325,7 @@ cudaError_t launch_bin(const step_buffers *b, const device_model *m, const fxs_f
     const uint32_t slots_grid = bin_grid(count > b->capacity ? count : b->capacity);
     size_t bytes = b->scratch_bytes;
     cudaError_t failure = sort_depths(b->scratch, &bytes, b, count, stream);
+    count_tiles<<<bin_grid((uint64_t)count + 1), BIN_THREADS, 0, stream>>>(*b, count);
     if (!failure)
         failure = add_tiles(b->scratch, &bytes, b, count, stream);
     if (failure)

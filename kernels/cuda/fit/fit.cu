@@ -91,7 +91,7 @@ uint64_t cut_pixels(step_buffers *b, unsigned char *memory, uint64_t width, uint
     b->picture = cut<float>(&at, 3 * pixels);
     b->derivatives = cut<float>(&at, 9 * pixels);
     b->dissimilar = cut<float>(&at, 3 * pixels);
-    b->gradient = cut<float4>(&at, pixels);
+    b->gradient = cut<float>(&at, 3 * pixels);
     b->rows = cut<float>(&at, 6 * height);
     b->starts = cut<uint32_t>(&at, tiles + 1);
     b->needed = cut<uint32_t>(&at, tiles);
@@ -535,6 +535,28 @@ int fetch(void *self, fxs_message *why)
     return error ? error : model_download(&e->devices[0].model, e->model, e->devices[0].stream, why);
 }
 
+int fetch_masters(void *self, fxs_message *why)
+{
+    engine *e = (engine *)self;
+    const device *d = &e->devices[0];
+    const on_device here(d->number);
+    const int error = finish(e, why);
+    return error ? error : download_masters(&d->model, e->model, d->stream, why);
+}
+
+int quantise(void *self, fxs_message *why)
+{
+    engine *e = (engine *)self;
+    int error = finish(e, why);
+    for (uint32_t i = 0; i < e->device_count && !error; i++) {
+        device *d = &e->devices[i];
+        const on_device here(d->number);
+        const cudaError_t sent = upload_chunks(&d->model, e->model, d->stream);
+        error = check(why, sent, launch_quantise(&d->buffers, &d->model, e->model->grid, d->stream));
+    }
+    return error;
+}
+
 /* ---- Beginning and end ------------------------------------------------------------------------------------------- */
 
 void close(device *d)
@@ -613,7 +635,8 @@ void connect(const engine *e)
         }
 }
 
-const fxs_fit_engine functions = {"cuda", step, densify, relocate, order, reset_opacity, fetch, give, free_engine};
+const fxs_fit_engine functions = {"cuda", step, densify, relocate, order, reset_opacity, fetch, fetch_masters, give,
+                                  quantise, free_engine};
 
 }
 

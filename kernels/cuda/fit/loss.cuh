@@ -123,7 +123,7 @@ find_derivatives(step_buffers b, const uint8_t *photograph, fxs_fit_camera camer
 
 /* ---- The gradient ------------------------------------------------------------------------------------------------ */
 
-/* Of a channel: the sums over the windows of the derivatives, of a thread's run. */
+/* The sums over the windows of the derivatives of a channel, of a thread's run. */
 __device__ inline void sum_derivatives(const step_buffers &b, const fxs_fit_camera &camera, const loss_place &p,
                                        size_t channel, patch *derivatives, column_sums *rows,
                                        float sums[FXS_FIT_DERIVATIVES][RUN])
@@ -147,14 +147,6 @@ __device__ inline void sum_derivatives(const step_buffers &b, const fxs_fit_came
         window_sums([&](int k) { return rows[i][p.y + k][p.x]; }, sums[i]);
 }
 
-/* 0.8 sign(a - b) - 0.2 (sum of by_mean + 2 a by_square + b by_product): fxs_fit_loss_gradient of port/fit/stages.h */
-__device__ inline float gradient_of(float a, float b, float by_mean, float by_square, float by_product)
-{
-    const float similar = (by_mean + 2.0f * a * by_square) + b * by_product;
-    const float sign = b < a ? 0.8f : a < b ? -0.8f : 0.0f;
-    return sign - 0.2f * similar;
-}
-
 __global__ void __launch_bounds__(LOSS_THREADS, 4)
 find_gradient_of_pixels(step_buffers b, const uint8_t *photograph, fxs_fit_camera camera)
 {
@@ -163,31 +155,18 @@ find_gradient_of_pixels(step_buffers b, const uint8_t *photograph, fxs_fit_camer
     if (is_stopped(b.status))
         return;
     const loss_place p = place_of_run();
-    const size_t size = (size_t)camera.width * (size_t)camera.height;
-    float out[RUN][4] = {{0}};
-#pragma unroll
-    for (size_t channel = 0; channel < 3; channel++) {
-        float sums[FXS_FIT_DERIVATIVES][RUN];
-        sum_derivatives(b, camera, p, channel, derivatives, rows, sums);
-#pragma unroll
-        for (int k = 0; k < RUN; k++) {
-            const int x = p.left + p.x, y = p.top + p.y + k;
-            if (x >= camera.width || y >= camera.height)
-                continue;
-            const size_t at = (size_t)y * (size_t)camera.width + (size_t)x;
-            const float a = b.picture[channel * size + at];
-            out[k][channel] = gradient_of(a, level_of_byte(photograph[3 * at + channel]), sums[0][k], sums[1][k],
-                                          sums[2][k]);
-            out[k][3] += out[k][channel] * a;
-        }
-        __syncthreads();
-    }
+    const size_t size = (size_t)camera.width * (size_t)camera.height, channel = blockIdx.z;
+    float sums[FXS_FIT_DERIVATIVES][RUN];
+    sum_derivatives(b, camera, p, channel, derivatives, rows, sums);
 #pragma unroll
     for (int k = 0; k < RUN; k++) {
         const int x = p.left + p.x, y = p.top + p.y + k;
-        if (x < camera.width && y < camera.height)
-            b.gradient[(size_t)y * (size_t)camera.width + (size_t)x] = make_float4(out[k][0], out[k][1], out[k][2],
-                                                                                   out[k][3]);
+        if (x >= camera.width || y >= camera.height)
+            continue;
+        const size_t at = (size_t)y * (size_t)camera.width + (size_t)x;
+        b.gradient[channel * size + at] =
+            gradient_of(b.picture[channel * size + at], level_of_byte(photograph[3 * at + channel]), sums[0][k],
+                        sums[1][k], sums[2][k]);
     }
 }
 
@@ -230,7 +209,7 @@ cudaError_t launch_loss(const step_buffers *b, const uint8_t *photograph, const 
     const uint32_t columns = (uint32_t)(camera->width + SQUARE - 1) / SQUARE;
     const uint32_t rows = (uint32_t)(camera->height + SQUARE - 1) / SQUARE;
     find_derivatives<<<dim3(columns, rows, 3), LOSS_THREADS, 0, stream>>>(*b, photograph, *camera, has_report != 0);
-    find_gradient_of_pixels<<<dim3(columns, rows), LOSS_THREADS, 0, stream>>>(*b, photograph, *camera);
+    find_gradient_of_pixels<<<dim3(columns, rows, 3), LOSS_THREADS, 0, stream>>>(*b, photograph, *camera);
     if (has_report)
         report_rows<<<(3 * (uint32_t)camera->height + 15) / 16, 256, 0, stream>>>(*b, photograph, *camera);
     return cudaGetLastError();

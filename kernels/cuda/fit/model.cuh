@@ -210,6 +210,13 @@ int reserve_masters(device_model *m, budget *taken, fxs_message *why)
     return 0;
 }
 
+/* The chunks of the host's grid. */
+cudaError_t upload_chunks(const device_model *m, const fxs_fit_model *from, cudaStream_t stream)
+{
+    const size_t chunks = (from->count + FXS_FIT_CHUNK - 1) / FXS_FIT_CHUNK;
+    return cudaMemcpyAsync(m->chunks, from->grid->chunks, chunks * sizeof *m->chunks, cudaMemcpyHostToDevice, stream);
+}
+
 /* The model becomes that of the host; where an error is returned, it may have no Gaussians. */
 int model_upload(device_model *m, const fxs_fit_model *from, budget *taken, cudaStream_t stream, fxs_message *why)
 {
@@ -222,9 +229,8 @@ int model_upload(device_model *m, const fxs_fit_model *from, budget *taken, cuda
     if (error)
         return error;
     m->count = (uint32_t)from->count;
-    const size_t chunks = (from->count + FXS_FIT_CHUNK - 1) / FXS_FIT_CHUNK * sizeof *m->chunks;
     if (from->masters)
-        error = check(why, cudaMemcpyAsync(m->chunks, from->grid->chunks, chunks, cudaMemcpyHostToDevice, stream));
+        error = check(why, upload_chunks(m, from, stream));
     return error ? error : copy_model(from, m, true, stream, why);
 }
 
@@ -234,6 +240,13 @@ int model_download(const device_model *m, fxs_fit_model *to, cudaStream_t stream
     if (fxs_fit_model_resize(to, m->count))
         return failed(why, FXS_ERR_MEMORY, "out of memory", model_bytes(m->count));
     return copy_model(to, m, false, stream, why);
+}
+
+/* The host's model has as many Gaussians. */
+int download_masters(const device_model *m, const fxs_fit_model *to, cudaStream_t stream, fxs_message *why)
+{
+    const plane_pair masters[] = {{to->masters, m->masters, FXS_FIT_PARAMETERS}};
+    return copy_planes(to, m, masters, false, stream, why);
 }
 
 /* ---- What the changes share -------------------------------------------------------------------------------------- */

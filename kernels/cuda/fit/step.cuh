@@ -17,6 +17,26 @@ namespace {
 #include "../../../port/fit/lanes.h"
 #include "../../../port/fit/random.h"
 #include "../../../port/fit/gaussian.h"
+
+/* alpha / (1 - alpha), alpha in 2^-8..0.99, rounded as a division is, without a look at numbers that are too large or too
+   small for this: Newton's step for 1 / (1 - alpha), and one of the quotient by its rest (Markstein 1990). test_fit tries
+   all of them. */
+#define FXS_FIT_ODDS
+static inline float odds_of(float alpha)
+{
+#ifdef __CUDA_ARCH__
+    const float whole = 1.0f - alpha;
+    float inverse;
+    asm("rcp.approx.ftz.f32 %0, %1;" : "=f"(inverse) : "f"(whole));
+    inverse = __fmaf_rn(inverse, __fmaf_rn(-whole, inverse, 1.0f), inverse);
+    const float quotient = alpha * inverse;
+    return __fmaf_rn(inverse, __fmaf_rn(-whole, quotient, alpha), quotient);
+#else
+    return alpha / (1.0f - alpha);
+#endif
+}
+
+#include "../../../port/fit/pixel.h"
 #include "../../../port/fit/span.h"
 #include "../../../port/fit/project.h"
 #include "../../../port/fit/adam.h"
@@ -63,7 +83,7 @@ struct step_buffers {
     float *picture;                /* 3: with background */
     float *derivatives;            /* 9: of each channel, of SSIM by mean, square and product */
     float *dissimilar;             /* 3: 1 - SSIM; written where a report is wanted */
-    float4 *gradient;              /* by pixel: dL/dcolour, and its product with the picture */
+    float *gradient;               /* 3: dL/dcolour */
     float *rows;                   /* of a report: 3 times height sums of |a - b|, then as many of 1 - SSIM */
     uint8_t *photograph;           /* red, green, blue, of the camera's size */
     void *scratch;                 /* for sorts and sums */

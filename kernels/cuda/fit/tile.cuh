@@ -8,6 +8,7 @@ namespace {
 
 const uint32_t HALF = WARP / 2;    /* a half-warp has the 16 places of a block */
 const uint32_t BLEND_SPLATS = FXS_FIT_PIXELS, BACK_SPLATS = 128;  /* of a list at a time */
+const uint32_t GROUP = HALF / 2;   /* splats of a block that a half-warp takes from pixels to sums at once */
 const uint32_t BACK_PAIRS = 512;   /* of a splat and a block that takes of it, at a time: no fewer than of 32 splats */
 
 /* Splats of a list, as their pixels need them. */
@@ -122,6 +123,14 @@ __device__ inline uint32_t most_of_halves(uint32_t count)
     return max(count, __shfl_xor_sync(ALL_LANES, count, HALF));
 }
 
+/* So that beyond the end of a list there is always the number of a splat that is, or was, there. */
+template <uint32_t Splats>
+__device__ inline void clear_lists(uint8_t lists[FXS_FIT_BLOCKS][Splats])
+{
+    for (uint32_t i = threadIdx.x; i < FXS_FIT_BLOCKS * Splats / 4; i += FXS_FIT_PIXELS)
+        ((uint32_t *)lists)[i] = 0;
+}
+
 /* u, v and level of the thread's pixel, in the order of port/fit/tile.h. */
 template <uint32_t Splats>
 __device__ inline float level_of(const tile_splats<Splats> *s, uint32_t splat, const tile_place &p, float *u, float *v)
@@ -135,7 +144,7 @@ __device__ inline float level_of(const tile_splats<Splats> *s, uint32_t splat, c
 /* ---- blend ------------------------------------------------------------------------------------------------------- */
 
 struct blend_shared : tile_splats<BLEND_SPLATS> {
-    uint8_t lists[FXS_FIT_BLOCKS][BLEND_SPLATS];
+    alignas(4) uint8_t lists[FXS_FIT_BLOCKS][BLEND_SPLATS];
     uint32_t taken[BLEND_SPLATS];  /* the blocks that take of each */
     uint32_t needed;
 };
@@ -144,22 +153,30 @@ struct blend_pixel {
     float transmittance, red, green, blue;
 };
 
-/* Returns whether it takes of the splat. Where none is left, there need not be one. */
+/* Returns whether it takes of the splat. */
 __device__ inline bool blend_splat(const blend_shared *s, uint32_t splat, const tile_place &p, bool is_left,
                                    blend_pixel *pixel)
 {
     float u, v;
     const float level = level_of(s, splat, p, &u, &v), t = pixel->transmittance;
     const float4 colour = s->colour[splat];
-    const bool takes = is_left && level <= colour.x && FXS_FIT_CLOSED <= t;
-    if (takes) {
-        const float weight = least(exp_2_minus(level), FXS_FIT_ALPHA_MOST) * t;
-        pixel->transmittance = t - weight;
-        pixel->red = pixel->red + weight * colour.y;
-        pixel->green = pixel->green + weight * colour.z;
-        pixel->blue = pixel->blue + weight * colour.w;
-    }
+    const bool takes = is_left && takes_of(level, colour.x, t);
+    const float weight = weight_of(takes, level, t);
+    pixel->transmittance = t - weight;
+    pixel->red = pixel->red + weight * colour.y;
+    pixel->green = pixel->green + weight * colour.z;
+    pixel->blue = pixel->blue + weight * colour.w;
     return takes;
+}
+
+/* Of a list's 32 splats, the bits of those that the thread's pixel took of: the block took of them. */
+__device__ inline void note_taken(blend_shared *s, const uint8_t *list, const tile_place &p, uint32_t taken)
+{
+    for (uint32_t apart = HALF / 2; apart; apart /= 2)
+        taken |= __shfl_xor_sync(ALL_LANES, taken, apart);
+    for (uint32_t i = p.lane; i < WARP; i += HALF)
+        if (taken >> i & 1)
+            atomicOr(&s->taken[list[i]], 1u << p.block);
 }
 
 /* The batch's splats that a half-warp's block may touch. */
@@ -171,13 +188,11 @@ __device__ inline void blend_batch(blend_shared *s, const tile_place &p, blend_p
         if (!half_ballot(FXS_FIT_CLOSED <= pixel->transmittance))
             count = 0;
         const uint32_t end = min(most_of_halves(count), first + WARP);
-#pragma unroll 2
-        for (uint32_t i = first; i < end; i++) {
-            const uint32_t splat = list[i];
-            const uint32_t taking = half_ballot(blend_splat(s, splat, p, i < count, pixel));
-            if (taking && p.lane == 0)
-                atomicOr(&s->taken[splat], 1u << p.block);
-        }
+        uint32_t taken = 0;
+#pragma unroll 4
+        for (uint32_t i = first; i < end; i++)
+            taken |= (uint32_t)blend_splat(s, list[i], p, i < count, pixel) << (i - first);
+        note_taken(s, list + first, p, taken);
     }
 }
 
@@ -191,6 +206,7 @@ blend_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera, float
     const uint32_t tile = blockIdx.x, start = b.starts[tile], count = b.starts[tile + 1] - start;
     const tile_place p = place_of_thread(camera, tile);
     blend_pixel pixel = {1, 0, 0, 0};
+    clear_lists<BLEND_SPLATS>(s->lists);
     if (threadIdx.x == 0)
         s->needed = 0;
     for (uint32_t first = 0; first < count && __syncthreads_or(FXS_FIT_CLOSED <= pixel.transmittance);
@@ -244,94 +260,119 @@ cudaError_t launch_blend(const step_buffers *b, const fxs_fit_camera *camera, co
 /* ---- back -------------------------------------------------------------------------------------------------------- */
 
 struct back_shared : tile_splats<BACK_SPLATS> {
-    uint16_t lists[FXS_FIT_BLOCKS][BACK_SPLATS];      /* the splat, and from bit 7 on its pair */
+    alignas(4) uint8_t lists[FXS_FIT_BLOCKS][BACK_SPLATS];
     uint32_t slots[BACK_SPLATS];
     uint16_t blocks[BACK_SPLATS], pairs[BACK_SPLATS + 1];    /* of each; its first pair */
     uint32_t warp_pairs[BACK_SPLATS / WARP], splats;
+    float4 gradient[FXS_FIT_PIXELS];                  /* red, green, blue; by thread */
+    float2 staged[FXS_FIT_BLOCKS][GROUP][HALF];       /* h and weight: of splat j and place p at p ^ j, so that neither
+                                                         the places of a splat nor the splats at a place share a bank */
     float sums[BACK_PAIRS][FXS_FIT_SUMS];
 };
 
 /* What has passed of a pixel, and its gradient. */
 struct back_pixel {
-    float transmittance, behind, red, green, blue;
+    passed_pixel passed;
+    float red, green, blue;
 };
 
-/* dL/dalpha = T (c . g) - behind / (1 - alpha): find_sums of port/fit/tile.h */
-__device__ inline void find_sums(const back_shared *s, uint32_t splat, const tile_place &p, bool is_left,
-                                 back_pixel *pixel, float sums[FXS_FIT_SUMS])
+/* h and the weight. */
+__device__ inline float2 pass_pixel(const back_shared *s, uint32_t splat, const tile_place &p, bool is_left,
+                                    back_pixel *pixel)
 {
-    float u, v;
-    const float level = level_of(s, splat, p, &u, &v), t = pixel->transmittance;
+    float u, v, weight;
+    const float level = level_of(s, splat, p, &u, &v);
     const float4 colour = s->colour[splat];
-    const bool takes = is_left && level <= colour.x && FXS_FIT_CLOSED <= t;
-    for (int i = 0; i < FXS_FIT_SUMS; i++)
-        sums[i] = 0;
-    if (!takes)
-        return;
-    const float exact = exp_2_minus(level), alpha = least(exact, FXS_FIT_ALPHA_MOST), weight = alpha * t;
     const float of_colour = (pixel->red * colour.y + pixel->green * colour.z) + pixel->blue * colour.w;
-    const float own = weight * of_colour, behind = pixel->behind - own;
-    pixel->transmittance = t - weight;
-    pixel->behind = behind;
-    const float h = exact < FXS_FIT_ALPHA_MOST ? behind * (alpha / (1.0f - alpha)) - own : 0.0f;
-    const float hu = h * u, hv = h * v;
-    sums[FXS_FIT_SUM] = h;
-    sums[FXS_FIT_SUM_U] = hu;
-    sums[FXS_FIT_SUM_V] = hv;
-    sums[FXS_FIT_SUM_UU] = hu * u;
-    sums[FXS_FIT_SUM_UV] = hu * v;
-    sums[FXS_FIT_SUM_VV] = hv * v;
-    sums[FXS_FIT_RED] = weight * pixel->red;
-    sums[FXS_FIT_GREEN] = weight * pixel->green;
-    sums[FXS_FIT_BLUE] = weight * pixel->blue;
+    const bool takes = is_left && takes_of(level, colour.x, pixel->passed.transmittance);
+    const float h = pass_splat(takes, level, of_colour, &pixel->passed, &weight);
+    return make_float2(h, weight);
 }
 
-/* Each lane keeps the sums of half of the values, its own and those of the lane `apart`. */
-template <int Count>
-__device__ inline void halve(float *x, uint32_t lane, uint32_t apart)
+/* A lane's part of a block's pixels: every second place, for one splat. */
+struct back_lane {
+    const float2 *staged;          /* its splat's */
+    const float4 *gradient;        /* of the block's pixels */
+    uint32_t splat, parity;        /* of the group; of the places */
+    float along[2], down[4], v[4]; /* ux x, uy y, and v of its columns and rows */
+    float corner_u;
+};
+
+__device__ inline back_lane begin_lane(const back_shared *s, const tile_place &p, uint32_t splat)
 {
-    const bool is_upper = lane & apart;
+    const float4 shape = s->shape[splat];
+    const float corner_v = s->corner_v[p.block / 4][splat];
+    back_lane l;
+    l.splat = p.lane / 2;
+    l.parity = p.lane % 2;
+    l.staged = s->staged[p.block][l.splat];
+    l.gradient = s->gradient + p.block * HALF;
+    l.corner_u = s->corner_u[p.block][splat];
+    l.along[0] = (float)l.parity * shape.x;
+    l.along[1] = (float)(l.parity + 2) * shape.x;
 #pragma unroll
-    for (int i = 0; i < Count / 2; i++) {
-        const float given = is_upper ? x[i] : x[i + Count / 2], kept = is_upper ? x[i + Count / 2] : x[i];
-        x[i] = kept + __shfl_xor_sync(ALL_LANES, given, (int)apart);
+    for (int row = 0; row < 4; row++) {
+        l.down[row] = (float)row * shape.y;
+        l.v[row] = (float)row * shape.z + corner_v;
+    }
+    return l;
+}
+
+/* What the splat has of the lane's n-th place. */
+__device__ inline void find_sums(const back_lane &l, int n, float sums[FXS_FIT_SUMS])
+{
+    const uint32_t place = 2 * (uint32_t)n + l.parity;
+    const float2 passed = l.staged[place ^ l.splat];
+    const float4 g = l.gradient[place];
+    const float u = (l.along[n % 2] + l.down[n / 2]) + l.corner_u, v = l.v[n / 2];
+    sums_of(passed.x, passed.y, u, v, g.x, g.y, g.z, sums);
+}
+
+/* The tree over the places that are Apart from the lane's n-th: those p and p + 8 first. */
+template <int Apart>
+__device__ inline void add_places(const back_lane &l, int n, float sums[FXS_FIT_SUMS])
+{
+    if constexpr (Apart == HALF) {
+        find_sums(l, n, sums);
+    } else {
+        float other[FXS_FIT_SUMS];
+        add_places<2 * Apart>(l, n, sums);
+        add_places<2 * Apart>(l, n + Apart / 2, other);
+        for (int i = 0; i < FXS_FIT_SUMS; i++)
+            sums[i] += other[i];
     }
 }
 
-/* The tree over the places, p and p + 8, p + 4, p + 2, p + 1: eight of the sums are halved among the lanes, the ninth
-   is in all of them. */
-__device__ inline void add_places(float x[FXS_FIT_SUMS], uint32_t lane, float *out, bool is_left)
+/* The sums of a group's splats over the half-warp's block, two lanes a splat. */
+__device__ inline void add_group(back_shared *s, const tile_place &p, uint32_t first, uint32_t count)
 {
-    float last = x[8];
-    halve<8>(x, lane, 8);
-    halve<4>(x, lane, 4);
-    halve<2>(x, lane, 2);
-    x[0] += __shfl_xor_sync(ALL_LANES, x[0], 1);
+    const uint32_t item = first + p.lane / 2, splat = s->lists[p.block][item < count ? item : 0];
+    const uint32_t pair = s->pairs[splat] + (uint32_t)__popc(s->blocks[splat] & ((1u << p.block) - 1));
+    float sums[FXS_FIT_SUMS];
+    add_places<2>(begin_lane(s, p, splat), 0, sums);
 #pragma unroll
-    for (int apart = 8; apart; apart /= 2)
-        last += __shfl_xor_sync(ALL_LANES, last, apart);
-    if (!is_left)
-        return;
-    if (lane % 2 == 0)
-        out[(lane >> 3 & 1) * 4 + (lane >> 2 & 1) * 2 + (lane >> 1 & 1)] = x[0];
-    else if (lane == 1)
-        out[8] = last;
+    for (int i = 0; i < FXS_FIT_SUMS; i++) {
+        sums[i] += __shfl_xor_sync(ALL_LANES, sums[i], 1);
+        if (item < count && (uint32_t)i % 2 == p.lane % 2)
+            s->sums[pair][i] = sums[i];
+    }
 }
 
 __device__ inline void back_batch(back_shared *s, const tile_place &p, back_pixel *pixel)
 {
-    uint16_t *list = s->lists[p.block];
-    const uint32_t before = (1u << p.block) - 1;
-    const uint32_t count = list_splats(s, p, [&](uint32_t place, uint32_t splat) {
-        const uint32_t pair = s->pairs[splat] + (uint32_t)__popc(s->blocks[splat] & before);
-        list[place] = (uint16_t)(splat | pair << 7);
-    });
+    uint8_t *list = s->lists[p.block];
+    const uint32_t count = list_splats(s, p, [&](uint32_t place, uint32_t splat) { list[place] = (uint8_t)splat; });
     const uint32_t end = most_of_halves(count);
-    for (uint32_t i = 0; i < end; i++) {
-        const uint32_t item = i < count ? list[i] : 0;
-        float sums[FXS_FIT_SUMS];
-        find_sums(s, item & (BACK_SPLATS - 1), p, i < count, pixel, sums);
-        add_places(sums, p.lane, s->sums[item >> 7], i < count);
+    for (uint32_t first = 0; first < end; first += GROUP) {
+#pragma unroll
+        for (uint32_t j = 0; j < GROUP; j++) {
+            if (j % 2 == 0 && first + j >= end)
+                break;
+            s->staged[p.block][j][p.lane ^ j] = pass_pixel(s, list[first + j], p, first + j < count, pixel);
+        }
+        __syncwarp();
+        add_group(s, p, first, count);
+        __syncwarp();
     }
 }
 
@@ -377,13 +418,17 @@ __device__ inline void add_blocks(const back_shared *s, uint32_t count, float *s
 
 __device__ inline back_pixel begin_pixel(const step_buffers &b, const fxs_fit_camera &camera, const tile_place &p)
 {
-    float4 g = make_float4(0, 0, 0, 0);
-    if (p.is_inside)
-        g = b.gradient[(size_t)p.y * (size_t)camera.width + (size_t)p.x];
-    return {1, g.w, g.x, g.y, g.z};
+    const size_t at = (size_t)p.y * (size_t)camera.width + (size_t)p.x;
+    const size_t size = (size_t)camera.width * (size_t)camera.height;
+    float gradient[3] = {0, 0, 0}, behind = 0;
+    for (int c = 0; c < 3 && p.is_inside; c++) {
+        gradient[c] = b.gradient[c * size + at];
+        behind += gradient[c] * b.picture[c * size + at];
+    }
+    return {{1, behind}, gradient[0], gradient[1], gradient[2]};
 }
 
-__global__ void __launch_bounds__(FXS_FIT_PIXELS, 5)
+__global__ void __launch_bounds__(FXS_FIT_PIXELS, 4)
 back_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera)
 {
     extern __shared__ __align__(16) unsigned char memory[];
@@ -394,6 +439,8 @@ back_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera)
     const uint32_t needed = b.needed[tile];
     const tile_place p = place_of_thread(camera, tile);
     back_pixel pixel = begin_pixel(b, camera, p);
+    clear_lists<BACK_SPLATS>(s->lists);
+    s->gradient[threadIdx.x] = make_float4(pixel.red, pixel.green, pixel.blue, 0);
     for (uint32_t first = 0, here; first < needed; first += here) {
         const uint32_t entry = first + threadIdx.x;
         uint32_t blocks = 0;

@@ -15,36 +15,87 @@ inline uint32_t part_count(const device_model *m)
 /* ---- gather ------------------------------------------------------------------------------------------------------ */
 
 const uint32_t GATHERED = WARP;    /* Gaussians of a block of threads, which are each one's of a sum */
+const uint32_t GATHER_THREADS = GATHERED * FXS_FIT_SUMS;
+const uint32_t FEW_TILES = 16;     /* of a Gaussian whose sums its own threads add up */
+const uint32_t TILES_AT_ONCE = 64; /* of one with more, whose sums a warp fetches */
+
+/* What is beyond the last is 0, which changes no sum that begins with 0. */
+__device__ inline float sum_few(const float *sums, uint32_t tiles)
+{
+    float numbers[FEW_TILES], total = 0;
+#pragma unroll
+    for (uint32_t t = 0; t < FEW_TILES; t++)
+        numbers[t] = t < tiles ? sums[(size_t)t * FXS_FIT_SUMS] : 0;
+#pragma unroll
+    for (uint32_t t = 0; t < FEW_TILES; t++)
+        total += numbers[t];
+    return total;
+}
+
+/* By a warp; its first FXS_FIT_SUMS lanes have a sum each. */
+__device__ inline float sum_many(const float *sums, uint32_t tiles, float staged[TILES_AT_ONCE * FXS_FIT_SUMS])
+{
+    const uint32_t lane = threadIdx.x % WARP;
+    float total = 0;
+    for (uint32_t first = 0; first < tiles; first += TILES_AT_ONCE) {
+        const uint32_t count = min(tiles - first, TILES_AT_ONCE);
+        __syncwarp();
+#pragma unroll
+        for (uint32_t i = lane; i < TILES_AT_ONCE * FXS_FIT_SUMS; i += WARP)
+            if (i < count * FXS_FIT_SUMS)
+                staged[i] = sums[(size_t)first * FXS_FIT_SUMS + i];
+        __syncwarp();
+        if (lane < FXS_FIT_SUMS)
+#pragma unroll 16
+            for (uint32_t t = 0; t < count; t++)
+                total += staged[t * FXS_FIT_SUMS + lane];
+    }
+    return total;
+}
+
+/* A Gaussian of a block. Neighbours are often large alike, and go to different blocks, four by four. */
+__device__ inline uint32_t gathered_by(uint32_t own)
+{
+    return (own / 4 * gridDim.x + blockIdx.x) * 4 + own % 4;
+}
 
 /* The sums of Gaussians over their tiles, in their order, to planes. */
-__global__ void __launch_bounds__(GATHERED *FXS_FIT_SUMS) gather_view(step_buffers b, device_model m, float *planes)
+__global__ void __launch_bounds__(GATHER_THREADS) gather_view(step_buffers b, device_model m, float *planes)
 {
-    __shared__ float totals[FXS_FIT_SUMS][GATHERED + 1];
+    __shared__ float totals[FXS_FIT_SUMS][GATHERED + 1], staged[FXS_FIT_SUMS][TILES_AT_ONCE * FXS_FIT_SUMS];
+    __shared__ uint32_t tiles[GATHERED], slots[GATHERED];
     if (is_stopped(b.status))
         return;
-    const uint32_t first = blockIdx.x * GATHERED, own = threadIdx.x / FXS_FIT_SUMS, k = threadIdx.x % FXS_FIT_SUMS;
-    const fxs_fit_splat *splat = &b.splats[first + own];
-    const bool is_seen = first + own < m.count && splat->depth > 0;
-    const uint32_t tiles = is_seen ? (uint32_t)splat->tiles : 0;
-    const float *sums = b.sums + (size_t)(is_seen ? splat->slot : 0) * FXS_FIT_SUMS + k;
-    float total = 0;
-#pragma unroll 8
-    for (uint32_t t = 0; t < tiles; t++)
-        total += sums[(size_t)t * FXS_FIT_SUMS];
-    totals[k][own] = total;
-    if (k == 0 && first + own < m.count)
-        planes[(size_t)FXS_FIT_SUMS * m.stride + first + own] = is_seen;
+    const uint32_t column = threadIdx.x % GATHERED, row = threadIdx.x / GATHERED, gaussian = gathered_by(column);
+    if (row == 0) {
+        const fxs_fit_splat *splat = &b.splats[gaussian];
+        const bool is_seen = gaussian < m.count && splat->depth > 0;
+        tiles[column] = is_seen ? (uint32_t)splat->tiles : 0;
+        slots[column] = is_seen ? splat->slot : 0;
+        if (gaussian < m.count)
+            planes[(size_t)FXS_FIT_SUMS * m.stride + gaussian] = is_seen;
+    }
     __syncthreads();
-    const uint32_t column = threadIdx.x % GATHERED, row = threadIdx.x / GATHERED;
-    if (first + column < m.count)
-        planes[(size_t)row * m.stride + first + column] = totals[row][column];
+    const uint32_t own = threadIdx.x / FXS_FIT_SUMS, k = threadIdx.x % FXS_FIT_SUMS;
+    if (tiles[own] <= FEW_TILES)
+        totals[k][own] = sum_few(b.sums + (size_t)slots[own] * FXS_FIT_SUMS + k, tiles[own]);
+    for (uint32_t i = row; i < GATHERED; i += FXS_FIT_SUMS) {
+        if (tiles[i] <= FEW_TILES)
+            continue;
+        const float total = sum_many(b.sums + (size_t)slots[i] * FXS_FIT_SUMS, tiles[i], staged[row]);
+        if (column < FXS_FIT_SUMS)
+            totals[column][i] = total;
+    }
+    __syncthreads();
+    if (gaussian < m.count)
+        planes[(size_t)row * m.stride + gaussian] = totals[row][column];
 }
 
 /* The sums of a view to FXS_FIT_SUMS planes, m->stride numbers each, and one more: 1 where a Gaussian is in the
    picture, or 0. */
 cudaError_t launch_gather(const step_buffers *b, const device_model *m, float *planes, cudaStream_t stream)
 {
-    gather_view<<<(m->count + GATHERED - 1) / GATHERED, GATHERED * FXS_FIT_SUMS, 0, stream>>>(*b, *m, planes);
+    gather_view<<<(m->count + GATHERED - 1) / GATHERED, GATHER_THREADS, 0, stream>>>(*b, *m, planes);
     return cudaGetLastError();
 }
 
@@ -64,9 +115,9 @@ __device__ inline bool is_any(const float sums[FXS_FIT_SUMS])
     return found;
 }
 
-/* Returns whether there is one that is finite and not too large; else it is 0. `at`: the Gaussian's first parameter. */
+/* One that is not finite, or too large, is 0. `at`: the Gaussian's first parameter. */
 template <int Degree>
-__device__ inline bool find_view_gradient(const fxs_fit_camera *camera, const float *at, size_t stride,
+__device__ inline void find_view_gradient(const fxs_fit_camera *camera, const float *at, size_t stride,
                                           const float sums[FXS_FIT_SUMS], view_gradient *out, float *by_centre)
 {
     bool is_touched = is_any(sums);
@@ -82,7 +133,6 @@ __device__ inline bool find_view_gradient(const fxs_fit_camera *camera, const fl
     }
     if (!is_touched)
         memset(out, 0, sizeof *out);
-    return is_touched;
 }
 
 /* ---- Adam -------------------------------------------------------------------------------------------------------- */
@@ -130,7 +180,7 @@ __device__ inline void move_some(const fxs_fit_adam *adam, int first, const devi
     }
 #pragma unroll
     for (int k = 0; k < Count; k++) {
-        adam_step(adam, adam->rate[first + k], gradient_of(first + k), 1, &number[k], &mean[k], &square[k]);
+        adam_step(adam, adam->rate[first + k], gradient_of(first + k), &number[k], &mean[k], &square[k]);
         __stcs(number_of(m.means, m, first + k, i), mean[k]);
         __stcs(number_of(m.squares, m, first + k, i), square[k]);
         *number_of(to, m, first + k, i) = has_limits(first + k) ? within_limits(number[k]) : number[k];
@@ -147,19 +197,10 @@ __device__ inline void move_parameters(const fxs_fit_adam *adam, int first, cons
         move_parameters<Count - own>(adam, first + own, m, to, i, gradient_of);
 }
 
-/* Those of a part that do not move are brought within the limits too. */
-__device__ inline void limit_parameters(const device_model &m, float *to, size_t i)
-{
-    for (int k = 0; k < FXS_FIT_SH; k++)
-        if (has_limits(k))
-            to[(size_t)k * m.stride + i] = within_limits(to[(size_t)k * m.stride + i]);
-}
-
 /* ---- update ------------------------------------------------------------------------------------------------------ */
 
-/* Of each view: its planes (see launch_gather). Once the sums were read, there are g, the direction and, of the first
-   view, whether any view touches the Gaussian. */
-enum { PLANE_G = 0, PLANE_DIRECTION = 3, PLANE_TOUCHED = 6 };
+/* Of each view: its planes (see launch_gather). Once the sums were read, there are g and the direction. */
+enum { PLANE_G = 0, PLANE_DIRECTION = 3 };
 
 struct batch_views {
     uint32_t count;
@@ -167,9 +208,9 @@ struct batch_views {
     fxs_fit_camera cameras[FXS_FIT_BATCH];
 };
 
-/* Adds the gradient by a view; returns whether there is one. */
+/* Adds the gradient by a view. */
 template <int Degree>
-__device__ inline bool add_view(const batch_views &views, uint32_t v, const device_model &m, size_t i,
+__device__ inline void add_view(const batch_views &views, uint32_t v, const device_model &m, size_t i,
                                 real total[FXS_FIT_SH])
 {
     float sums[FXS_FIT_SUMS], *const planes = views.planes[v] + i;
@@ -179,42 +220,31 @@ __device__ inline bool add_view(const batch_views &views, uint32_t v, const devi
         sums[k] = planes[(size_t)k * m.stride];
     if (planes[(size_t)FXS_FIT_SUMS * m.stride] > 0)
         m.views[i] += 1;
-    const bool is_touched =
-        find_view_gradient<Degree>(&views.cameras[v], m.parameters + i, m.stride, sums, &own, m.by_centre + i);
+    find_view_gradient<Degree>(&views.cameras[v], m.parameters + i, m.stride, sums, &own, m.by_centre + i);
     for (int k = 0; k < FXS_FIT_SH; k++)
         total[k] += own.shape[k];
     for (int k = 0; k < 3 && Degree > 0; k++) {
         planes[(size_t)(PLANE_G + k) * m.stride] = own.g[k];
         planes[(size_t)(PLANE_DIRECTION + k) * m.stride] = own.l.direction[k];
     }
-    return is_touched;
 }
+
+const uint32_t SHAPE_THREADS = 128;    /* few enough for all that a thread has to be in registers */
 
 /* All but SH above degree 0. */
 template <int Degree>
-__global__ void __launch_bounds__(FXS_FIT_PART, 2)
+__global__ void __launch_bounds__(SHAPE_THREADS, 3)
     update_shapes(step_buffers b, device_model m, const __grid_constant__ batch_views views,
                   const __grid_constant__ fxs_fit_adam adam)
 {
-    const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
+    const uint32_t i = blockIdx.x * SHAPE_THREADS + threadIdx.x;
     float *const to = m.masters ? m.masters : m.parameters;
     real gradient[FXS_FIT_SH] = {0};
-    bool is_touched = false;
-    if (is_stopped(b.status))
+    if (i >= m.count || is_stopped(b.status))
         return;
 #pragma unroll 1
-    for (uint32_t v = 0; v < views.count && i < m.count; v++)
-        is_touched = add_view<Degree>(views, v, m, i, gradient) || is_touched;
-    if (i < m.count)
-        views.planes[0][(size_t)PLANE_TOUCHED * m.stride + i] = is_touched;
-    if (adam.only_touched && !__syncthreads_or(is_touched))
-        return;
-    if (i >= m.count)
-        return;
-    if (adam.only_touched && !is_touched) {
-        limit_parameters(m, to, i);
-        return;
-    }
+    for (uint32_t v = 0; v < views.count; v++)
+        add_view<Degree>(views, v, m, i, gradient);
     if (adam.by_opacity > 0)
         add_regularisers(&adam, m.parameters + i, m.stride, gradient);
     move_parameters<FXS_FIT_SH>(&adam, 0, m, to, i, [&](int k) { return gradient[k]; });
@@ -262,9 +292,7 @@ __global__ void __launch_bounds__(FXS_FIT_PART, 3)
               const __grid_constant__ fxs_fit_adam adam)
 {
     const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
-    if (i >= m.count || is_stopped(b.status))
-        return;
-    if (!adam.only_touched || views.planes[0][(size_t)PLANE_TOUCHED * m.stride + i] > 0)
+    if (i < m.count && !is_stopped(b.status))
         update_part_of_sh<Degree, 0>(&adam, views, m, i, blockIdx.y);
 }
 
@@ -282,11 +310,10 @@ cudaError_t launch_update(const step_buffers *b, const device_model *m, float *c
     }
     by_degree(degree, [&](auto d) {
         constexpr int Degree = d.value;
-        update_shapes<Degree><<<part_count(m), FXS_FIT_PART, 0, stream>>>(*b, *m, views, *adam);
+        update_shapes<Degree><<<(m->count + SHAPE_THREADS - 1) / SHAPE_THREADS, SHAPE_THREADS, 0, stream>>>(*b, *m, views, *adam);
         if constexpr (Degree > 0)
-            if (!adam->without_sh)
-                update_sh<Degree><<<dim3(part_count(m), (SH_COUNT(Degree) + SH_AT_ONCE - 1) / SH_AT_ONCE),
-                                    FXS_FIT_PART, 0, stream>>>(*b, *m, views, *adam);
+            update_sh<Degree><<<dim3(part_count(m), (SH_COUNT(Degree) + SH_AT_ONCE - 1) / SH_AT_ONCE), FXS_FIT_PART, 0,
+                                stream>>>(*b, *m, views, *adam);
     });
     return cudaGetLastError();
 }

@@ -163,17 +163,26 @@ class fxs_pack_options(Structure):
 
 
 class fxs_scene_filter(Structure):
-    _fields_ = [("low", c_double * 3), ("high", c_double * 3), ("opacity", c_double), ("sh_degree", c_int),
-                ("drawable", c_int)]
+    _fields_ = [("low", c_double * 3), ("high", c_double * 3), ("middle", c_double * 3), ("radius", c_double),
+                ("opacity", c_double), ("sh_degree", c_int), ("drawable", c_int), ("floaters", c_int)]
 
 
 class fxs_scene_filter_report(Structure):
     _fields_ = [("read", c_uint64), ("kept", c_uint64), ("outside", c_uint64), ("faint", c_uint64),
-                ("dropped", fxs_pack_dropped)]
+                ("floaters", c_uint64), ("dropped", fxs_pack_dropped)]
 
 
 class fxs_spz_clamped(Structure):
     _fields_ = [("position", c_uint32), ("scale", c_uint32), ("dc", c_uint32), ("sh", c_uint32), ("reach", c_double)]
+
+
+class fxs_scene_write_options(Structure):
+    _fields_ = [("count", c_uint64), ("sh_degree", c_int), ("antialiased", c_int), ("low", c_float * 3),
+                ("high", c_float * 3), ("spz_version", c_int)]
+
+
+class fxs_scene_write_report(Structure):
+    _fields_ = [("lost_sh", c_int), ("lost_antialiased", c_int), ("clamped", fxs_spz_clamped)]
 
 
 class fxs_mapping(Structure):
@@ -261,16 +270,13 @@ FUNCTIONS: "dict[str, tuple[Any, list[Any]]]" = {
     "fxs_packed_scene_free": (None, [POINTER(fxs_packed_scene)]),
     "fxs_file_write": (c_int, [c_char_p, c_void_p, c_size_t, _message]),
     "fxs_file_check": (c_int, [c_char_p, c_void_p, c_size_t, c_int, _message]),
-    "fxs_ply_writer_open": (c_int, [c_char_p, c_uint64, c_int, c_int, POINTER(_writer), _message]),
-    "fxs_ply_writer_put": (c_int, [_writer, POINTER(fxs_gaussian), c_size_t, _message]),
-    "fxs_ply_writer_close": (c_int, [_writer, _message]),
-    "fxs_splat_writer_open": (c_int, [c_char_p, c_uint64, POINTER(_writer), _message]),
-    "fxs_splat_writer_put": (c_int, [_writer, POINTER(fxs_gaussian), c_size_t, _message]),
-    "fxs_splat_writer_close": (c_int, [_writer, _message]),
-    "fxs_spz_writer_open": (c_int, [c_char_p, c_int, c_uint64, c_int, c_int, POINTER(_writer), _message]),
-    "fxs_spz_writer_put": (c_int, [_writer, POINTER(fxs_gaussian), c_size_t, _message]),
-    "fxs_spz_writer_finish": (fxs_spz_clamped, [_writer]),
-    "fxs_spz_writer_close": (c_int, [_writer, fxs_progress_fn, c_void_p, _message]),
+    "fxs_scene_is_written": (c_int, [c_char_p]),
+    "fxs_scene_writer_open": (c_int, [c_char_p, POINTER(fxs_scene_write_options), POINTER(_writer), _message]),
+    "fxs_scene_writer_put": (c_int, [_writer, POINTER(fxs_gaussian), c_size_t, _message]),
+    "fxs_scene_writer_close": (c_int, [_writer, POINTER(fxs_scene_write_report), fxs_progress_fn, c_void_p, _message]),
+    "fxs_scene_file_rewind": (c_int, [_file, _message]),
+    "fxs_scene_file_decimate": (c_int, [_file, c_uint64, POINTER(fxs_scene_file_info), fxs_progress_fn, c_void_p,
+                                        _message]),
     "fxs_map": (c_int, [POINTER(fxs_mapping), c_char_p, _message]),
     "fxs_map_check": (c_int, [POINTER(fxs_mapping), c_char_p, _message]),
     "fxs_map_guard": (None, []),
@@ -295,6 +301,7 @@ FUNCTIONS: "dict[str, tuple[Any, list[Any]]]" = {
     "fxs_photos_free": (None, [POINTER(fxs_photos)]),
     "fxs_fit_options_init": (None, [POINTER(fxs_fit_options)]),
     "fxs_fit_recipe_steps": (c_uint32, [c_uint]),
+    "fxs_fit_recipe_gaussians": (c_size_t, [c_uint]),
     "fxs_fit_create": (c_int, [POINTER(c_void_p), c_void_p, c_size_t, c_void_p, c_size_t, POINTER(fxs_fit_options),
                                _message]),
     "fxs_fit_free": (None, [c_void_p]),

@@ -38,3 +38,18 @@ fails() {
         fail "$name" "status $status, stdout of $(wc -c <logs/out) bytes, stderr: $(cat logs/err)"
     fi
 }
+
+# psnr_of SCENE ORIGINAL OPTION...: the mean, or "equal"
+psnr_of() {
+    scene=$1 original=$2
+    shift 2
+    "$fixsplat" info "$scene" --compare "$original" --views 4 --size 320x240 "$@" | awk '/^mean/ { print $2 }'
+}
+at_least() { awk "BEGIN { exit !($1 >= $2) }" || { echo "$1 is below $2"; return 1; }; }
+says() { equal "$status $(cat logs/err)" "0 fixsplat: $1"; }
+# gaussians FILE COUNT DEGREE
+gaussians() {
+    "$fixsplat" info "$1" --json | grep -q "\"gaussians\": $2, \"packed\": $2, \"sh_degree\": $3," && return
+    "$fixsplat" info "$1"
+    return 1
+}

@@ -1,0 +1,132 @@
+#include <math.h>
+
+#include "../files/exponential.h"
+#include "camera.h"
+
+/* A spline through values 0..count - 1 about value `first`: value first - 1 + k has weight[k]. */
+typedef struct spline {
+    long first, count;
+    double weight[4];
+} spline;
+
+/* Catmull-Rom: (-t + 2 t^2 - t^3, 2 - 5 t^2 + 3 t^3, t + 4 t^2 - 3 t^3, -t^2 + t^3) / 2; before the first value and
+   behind the last is what continues the line: 2 v0 - v1. */
+static spline spline_at(long count, double at)
+{
+    const long first = at >= (double)(count - 1) ? count - 2 : (long)at;
+    const double t = at - (double)first, t2 = t * t, t3 = t2 * t;
+    spline s = {first, count, {(-t + 2 * t2 - t3) / 2, (2 - 5 * t2 + 3 * t3) / 2, (t + 4 * t2 - 3 * t3) / 2,
+                               (t3 - t2) / 2}};
+    for (int end = 0; end < 2; end++)
+        if (end ? first + 2 >= count : first < 1) {
+            double *w = s.weight;
+            const double beyond = w[end ? 3 : 0];
+            w[end ? 2 : 1] += 2 * beyond;
+            w[end ? 1 : 2] -= beyond;
+            w[end ? 3 : 0] = 0;
+        }
+    return s;
+}
+
+/* The weighted sum of `values` numbers of each key, as `get` has them. */
+static void blend(const spline *s, const fxs_file_view *keys, int values, void (*get)(const fxs_file_view *, double *),
+                  double *out)
+{
+    double value[8];
+    for (int i = 0; i < values; i++)
+        out[i] = 0;
+    for (long k = 0; k < 4; k++) {
+        const long key = s->first - 1 + k;
+        if (key < 0 || key >= s->count)
+            continue;
+        get(&keys[key], value);
+        for (int i = 0; i < values; i++)
+            out[i] += s->weight[k] * value[i];
+    }
+}
+
+static void lens_of(const fxs_file_view *view, double *v)
+{
+    v[0] = fxs_log(view->fx);
+    v[1] = fxs_log(view->fy);
+    v[2] = view->cx;
+    v[3] = view->cy;
+    v[4] = fxs_log(view->near > 0 ? view->near : 0.2);
+}
+
+static void position_of(const fxs_file_view *view, double *v)
+{
+    for (int i = 0; i < 3; i++)
+        v[i] = view->position[i];
+}
+
+/* ---- Rotations --------------------------------------------------------------------------------------------------- */
+
+/* Of a rotation by q = (w, v), in rows r[3 i + j], 4 q q^T has 1 + trace, 1 + r00 - r11 - r22, ... on its diagonal, and
+   sums and differences of r beside it: the row of the largest is q, but for its length. */
+static void quaternion_of(const double r[9], double q[4])
+{
+    const double trace = r[0] + r[4] + r[8];
+    int largest = 0;
+    const double diagonal[4] = {1 + trace, 1 + 2 * r[0] - trace, 1 + 2 * r[4] - trace, 1 + 2 * r[8] - trace};
+    const double rows[4][4] = {{diagonal[0], r[7] - r[5], r[2] - r[6], r[3] - r[1]},
+                               {r[7] - r[5], diagonal[1], r[1] + r[3], r[2] + r[6]},
+                               {r[2] - r[6], r[1] + r[3], diagonal[2], r[5] + r[7]},
+                               {r[3] - r[1], r[2] + r[6], r[5] + r[7], diagonal[3]}};
+    for (int i = 1; i < 4; i++)
+        largest = diagonal[i] > diagonal[largest] ? i : largest;
+    const double *row = rows[largest];
+    const double length = sqrt(row[0] * row[0] + row[1] * row[1] + row[2] * row[2] + row[3] * row[3]);
+    for (int i = 0; i < 4; i++)
+        q[i] = row[i] / length;
+}
+
+static void matrix_of(const double q[4], double r[9])
+{
+    const double s = 2 / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        r[4 * i] = 1 - s * (q[1 + j] * q[1 + j] + q[1 + k] * q[1 + k]);
+        r[3 * i + j] = s * (q[1 + i] * q[1 + j] - q[0] * q[1 + k]);
+        r[3 * i + k] = s * (q[1 + i] * q[1 + k] + q[0] * q[1 + j]);
+    }
+}
+
+/* q and -q are one rotation: of each key that which is nearer to the key before. */
+static void turn_between(const spline *s, const fxs_file_view *keys, double rotation[9])
+{
+    double sum[4] = {0, 0, 0, 0}, before[4] = {0, 0, 0, 0}, q[4];
+    for (long k = 0; k < 4; k++) {
+        const long key = s->first - 1 + k;
+        if (key < 0 || key >= s->count)
+            continue;
+        quaternion_of(keys[key].rotation, q);
+        const double dot = before[0] * q[0] + before[1] * q[1] + before[2] * q[2] + before[3] * q[3];
+        for (int i = 0; i < 4; i++) {
+            before[i] = dot < 0 ? -q[i] : q[i];
+            sum[i] += s->weight[k] * before[i];
+        }
+    }
+    matrix_of(sum, rotation);
+}
+
+/* ---- The way ----------------------------------------------------------------------------------------------------- */
+
+/* A key is itself, to the bit. */
+void fxs_view_between(const fxs_file_view *keys, long count, double at, fxs_file_view *view)
+{
+    double lens[5];
+    const long key = at < (double)(count - 1) ? at > 0 ? (long)at : 0 : count - 1;
+    *view = keys[key];
+    if (!(at > (double)key) || key == count - 1)
+        return;
+    const spline s = spline_at(count, at);
+    blend(&s, keys, 5, lens_of, lens);
+    blend(&s, keys, 3, position_of, view->position);
+    turn_between(&s, keys, view->rotation);
+    view->fx = fxs_exp(lens[0]);
+    view->fy = fxs_exp(lens[1]);
+    view->cx = lens[2];
+    view->cy = lens[3];
+    view->near = fxs_exp(lens[4]);
+}

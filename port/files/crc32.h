@@ -1,0 +1,17 @@
+/* CRC-32 as of zlib and ISO 3309. */
+#ifndef FXS_CRC32_H
+#define FXS_CRC32_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct fxs_crc32_table {
+    uint32_t after[8][256];        /* [k][b]: what byte b is with k bytes 0 behind it */
+} fxs_crc32_table;
+
+void fxs_crc32_fill(fxs_crc32_table *table);
+
+/* Of bytes that follow those of `crc`, 0 at first. */
+uint32_t fxs_crc32(const fxs_crc32_table *table, uint32_t crc, const void *bytes, size_t count);
+
+#endif

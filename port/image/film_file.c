@@ -1,0 +1,44 @@
+#include "film_file.h"
+
+#include <errno.h>
+#include <stdlib.h>
+
+#include "../files/output_internal.h"
+
+struct fxs_film {
+    fxs_output output;
+};
+
+/* Without a buffer: who reads a pipe waits for the whole frame. */
+int fxs_film_open(fxs_film **film, const char *path, enum fxs_image_format format, int width, int height, int rate,
+                  fxs_message *message)
+{
+    fxs_film *made = *film = malloc(sizeof *made);
+    const int error = made ? fxs_output_open(&made->output, path, 0, message)
+                           : fxs_fail_memory(message, path, sizeof *made);
+    if (error) {
+        free(made);
+        *film = NULL;
+        return error;
+    }
+    setvbuf(made->output.file, NULL, _IONBF, 0);
+    if (format == FXS_IMAGE_Y4M)
+        fprintf(made->output.file, "YUV4MPEG2 W%d H%d F%d:1 Ip A1:1 C444 XCOLORRANGE=LIMITED\n", width, height, rate);
+    return 0;
+}
+
+int fxs_film_write(fxs_film *film, const fxs_encoded *frame, fxs_message *message)
+{
+    return fxs_output_write(&film->output, frame->bytes, frame->size, message);
+}
+
+int fxs_film_close(fxs_film *film, int complete, fxs_message *message)
+{
+    if (!film)
+        return 0;
+    if (!complete && !film->output.error)
+        film->output.error = ECANCELED;
+    const int error = fxs_output_close(&film->output, message);
+    free(film);
+    return error;
+}

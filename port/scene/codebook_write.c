@@ -1,0 +1,294 @@
+#include "codebook_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../files/exponential.h"
+
+/* ---- Numbers ----------------------------------------------------------------------------------------------------- */
+
+enum { BINS = 65536, GROUP = 64, GROUPS = BINS / GROUP, BOOK_ROUNDS = 30 };
+
+typedef struct bin {
+    double sum;
+    uint64_t count;
+} bin;
+
+/* Shares the values out by where they are between the least and the most. Returns how many bins have any. */
+static int fill_bins(bin *bins, const float *values, size_t count, double low, double high)
+{
+    const double scale = high > low ? (BINS - 1) / (high - low) : 0;
+    int used = 0;
+    for (size_t i = 0; i < count; i++) {
+        bin *b = &bins[(int)((values[i] - low) * scale + 0.5)];
+        used += !b->count++;
+        b->sum += values[i];
+    }
+    return used;
+}
+
+/* Where there are no more bins than values in a book: the means of the bins. */
+static void copy_bins(float book[FXS_BOOK], const bin *bins)
+{
+    int at = 0;
+    for (int i = 0; i < BINS; i++)
+        if (bins[i].count)
+            book[at++] = (float)(bins[i].sum / (double)bins[i].count);
+    for (; at < FXS_BOOK; at++)
+        book[at] = book[at - 1];
+}
+
+/* Values that lie as densely as the cube root of what is there, which is the best for many (Panter and Dite 1951). */
+static void begin_book(float book[FXS_BOOK], const bin *bins, double low, double high)
+{
+    double roots[GROUPS], total = 0, passed = 0;
+    int at = 0;
+    for (int g = 0; g < GROUPS; g++) {
+        double count = 0;
+        for (int i = 0; i < GROUP; i++)
+            count += (double)bins[g * GROUP + i].count;
+        roots[g] = count > 0 ? fxs_exp(fxs_log(count) / 3) : 0;
+        total += roots[g];
+    }
+    for (int g = 0; g < GROUPS; g++) {
+        for (; at < FXS_BOOK && (at + 0.5) / FXS_BOOK * total <= passed + roots[g]; at++) {
+            const double within = ((at + 0.5) / FXS_BOOK * total - passed) / roots[g];
+            book[at] = (float)(low + (high - low) * (g + within) / GROUPS);
+        }
+        passed += roots[g];
+    }
+    for (; at < FXS_BOOK; at++)
+        book[at] = (float)high;
+}
+
+/* Each value becomes the mean of what is nearest to it. */
+static void improve_book(float book[FXS_BOOK], const bin *bins)
+{
+    bin sums[FXS_BOOK] = {{0, 0}};
+    int at = 0;
+    for (int i = 0; i < BINS; i++) {
+        if (!bins[i].count)
+            continue;
+        const double mean = bins[i].sum / (double)bins[i].count;
+        while (at < FXS_BOOK - 1 && mean > ((double)book[at] + book[at + 1]) / 2)
+            at++;
+        sums[at].sum += bins[i].sum;
+        sums[at].count += bins[i].count;
+    }
+    for (int k = 0; k < FXS_BOOK; k++)
+        book[k] = sums[k].count ? (float)(sums[k].sum / (double)sums[k].count) : book[k];
+}
+
+int fxs_book_learn(float book[FXS_BOOK], const float *values, size_t count)
+{
+    bin *bins = calloc(BINS, sizeof *bins);
+    double low = INFINITY, high = -INFINITY;
+    if (!bins)
+        return -1;
+    for (size_t i = 0; i < count; i++) {
+        low = values[i] < low ? values[i] : low;
+        high = values[i] > high ? values[i] : high;
+    }
+    const int used = fill_bins(bins, values, count, low, high);
+    if (used > FXS_BOOK) {
+        begin_book(book, bins, low, high);
+        for (int round = 0; round < BOOK_ROUNDS; round++)
+            improve_book(book, bins);
+    } else if (used) {
+        copy_bins(book, bins);
+    }
+    free(bins);
+    return 0;
+}
+
+uint8_t fxs_book_find(const float book[FXS_BOOK], float value)
+{
+    int low = 0, high = FXS_BOOK - 1;
+    while (low < high) {
+        const int middle = (low + high) / 2;
+        if (value > ((double)book[middle] + book[middle + 1]) / 2)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return (uint8_t)low;
+}
+
+/* ---- SH ---------------------------------------------------------------------------------------------------------- */
+
+enum {
+    WIDTH = FXS_SH_PALETTE_STRIDE,
+    SAMPLE = 16384,                /* vectors that the coarse clusters are learned from, about */
+    COARSE_ROUNDS = 8, FINE_ROUNDS = 5
+};
+
+/* Vectors by their numbers, what they are shared out among, and where each went. */
+typedef struct cluster {
+    const fxs_sh_palette_vector *vectors;
+    const uint32_t *members;
+    uint32_t count, entries;
+    fxs_sh_palette_vector *means;
+    int32_t *half_squares;         /* |mean|^2 / 2 */
+    uint32_t *nearest;             /* of each member */
+} cluster;
+
+static int32_t dot(const int16_t *restrict a, const int16_t *restrict b)
+{
+    int32_t sum = 0;
+    for (int d = 0; d < WIDTH; d++)
+        sum += a[d] * b[d];
+    return sum;
+}
+
+/* |x - mean|^2 / 2 = |x|^2 / 2 + |mean|^2 / 2 - x mean; below 2^31, for a component is below 2^12 */
+static void share_out(const cluster *c)
+{
+    for (uint32_t e = 0; e < c->entries; e++)
+        c->half_squares[e] = dot(c->means[e], c->means[e]) / 2;
+    for (uint32_t i = 0; i < c->count; i++) {
+        const int16_t *x = c->vectors[c->members[i]];
+        int32_t least = INT32_MAX;
+        for (uint32_t e = 0; e < c->entries; e++) {
+            const int32_t cost = c->half_squares[e] - dot(x, c->means[e]);
+            c->nearest[i] = cost < least ? e : c->nearest[i];
+            least = cost < least ? cost : least;
+        }
+    }
+}
+
+static int16_t mean_of(int64_t sum, int64_t count)
+{
+    return (int16_t)((2 * sum + (sum < 0 ? -count : count)) / (2 * count));
+}
+
+/* An entry that is nearest to nothing stays. `sums` has room for WIDTH + 1 numbers an entry. */
+static void find_means(const cluster *c, int64_t (*sums)[WIDTH + 1])
+{
+    memset(sums, 0, c->entries * sizeof *sums);
+    for (uint32_t i = 0; i < c->count; i++) {
+        int64_t *sum = sums[c->nearest[i]];
+        for (int d = 0; d < WIDTH; d++)
+            sum[d] += c->vectors[c->members[i]][d];
+        sum[WIDTH]++;
+    }
+    for (uint32_t e = 0; e < c->entries; e++)
+        for (int d = 0; d < WIDTH && sums[e][WIDTH]; d++)
+            c->means[e][d] = mean_of(sums[e][d], sums[e][WIDTH]);
+}
+
+/* Begins with members that lie evenly in their order, which is one of neighbours. */
+static int learn(const cluster *c, int rounds)
+{
+    int64_t (*sums)[WIDTH + 1] = malloc(c->entries * sizeof *sums);
+    if (!sums)
+        return -1;
+    for (uint32_t e = 0; e < c->entries; e++)
+        memcpy(c->means[e], c->vectors[c->members[(uint64_t)e * c->count / c->entries]], sizeof *c->means);
+    share_out(c);
+    for (int round = 0; round < rounds && c->entries < c->count; round++) {
+        find_means(c, sums);
+        share_out(c);
+    }
+    free(sums);
+    return 0;
+}
+
+/* ---- The palette ------------------------------------------------------------------------------------------------- */
+
+uint32_t fxs_sh_palette_entries(uint32_t count)
+{
+    uint32_t entries = 1;
+    while (entries < FXS_SH_PALETTE_MOST && 2 * entries <= count)
+        entries *= 2;
+    return entries;
+}
+
+typedef struct work {
+    fxs_sh_palette_vector coarse[256];
+    uint32_t starts[257];          /* of each coarse cluster's members in `members` */
+    int32_t half_squares[FXS_SH_PALETTE_MOST];
+    uint32_t *members, *nearest;
+    fxs_progress_fn *progress;
+    void *argument;
+} work;
+
+/* Shares the vectors out among 2^(n / 2) clusters for 2^n entries. Returns how many clusters, 0: out of memory. */
+static uint32_t find_coarse(work *w, const fxs_sh_palette_vector *vectors, uint32_t count, uint32_t entries)
+{
+    const uint32_t step = count / SAMPLE + 1;
+    cluster c = {vectors, w->members, 0, 1, w->coarse, w->half_squares, w->nearest};
+    while (c.entries * c.entries * 4 <= entries)
+        c.entries *= 2;
+    for (uint32_t i = 0; i < count; i += step)
+        w->members[c.count++] = i;
+    if (learn(&c, COARSE_ROUNDS))
+        return 0;
+    for (uint32_t i = 0; i < count; i++)
+        w->members[i] = i;
+    c.count = count;
+    share_out(&c);
+    return c.entries;
+}
+
+/* Puts the members of each coarse cluster together. */
+static void sort_members(work *w, uint32_t coarse, uint32_t count)
+{
+    uint32_t next[256];
+    memset(w->starts, 0, sizeof w->starts);
+    for (uint32_t i = 0; i < count; i++)
+        w->starts[w->nearest[i] + 1]++;
+    for (uint32_t k = 0; k < coarse; k++) {
+        w->starts[k + 1] += w->starts[k];
+        next[k] = w->starts[k];
+    }
+    for (uint32_t i = 0; i < count; i++)
+        w->members[next[w->nearest[i]]++] = i;
+}
+
+/* Each coarse cluster has one entry, and of the others as large a share as of the members; never more than members. */
+static int find_fine(work *w, uint32_t coarse, fxs_sh_palette_vector *palette, uint32_t entries, uint32_t *labels,
+                     const fxs_sh_palette_vector *vectors, uint32_t count)
+{
+    uint32_t first = 0;
+    for (uint32_t k = 0; k < coarse; k++) {
+        const uint32_t start = w->starts[k], own = w->starts[k + 1] - start;
+        const uint32_t share = 1 + (uint32_t)((uint64_t)(entries - coarse) * own / count);
+        const cluster c = {vectors, w->members + start, own, share < own ? share : own, palette + first,
+                           w->half_squares, w->nearest};
+        if (!own)
+            continue;
+        if (learn(&c, FINE_ROUNDS) || (w->progress && w->progress(w->argument, (double)(start + own) / count)))
+            return -1;
+        for (uint32_t i = 0; i < own; i++)
+            labels[c.members[i]] = first + c.nearest[i];
+        first += c.entries;
+    }
+    return 0;
+}
+
+int fxs_sh_palette_learn(fxs_sh_palette_vector *palette, uint32_t entries, uint32_t *labels,
+                         const fxs_sh_palette_vector *vectors, uint32_t count, fxs_progress_fn *progress,
+                         void *argument)
+{
+    work *w = malloc(sizeof *w);
+    uint32_t *members = malloc(((size_t)count + 1) * sizeof *members);
+    uint32_t *nearest = malloc(((size_t)count + 1) * sizeof *nearest);
+    int result = -1;
+    if (w && members && nearest) {
+        w->members = members;
+        w->nearest = nearest;
+        w->progress = progress;
+        w->argument = argument;
+        memset(palette, 0, entries * sizeof *palette);
+        const uint32_t coarse = find_coarse(w, vectors, count, entries);
+        if (coarse) {
+            sort_members(w, coarse, count);
+            result = find_fine(w, coarse, palette, entries, labels, vectors, count);
+        }
+    }
+    free(members);
+    free(nearest);
+    free(w);
+    return result;
+}

@@ -1,0 +1,65 @@
+/* What a format that is written provides to scene_write.c. */
+#ifndef FXS_SCENE_WRITE_INTERNAL_H
+#define FXS_SCENE_WRITE_INTERNAL_H
+
+#include "../files/output_internal.h"
+#include "scene_write.h"
+
+typedef struct fxs_write_format {
+    const char *ending;
+    size_t writer_size;   /* bytes */
+    int holds_sh, holds_antialiased;
+    /* Is given a writer that is all 0, and a degree of 0 to 3. Returns 0, or an error and a message, with nothing to
+       close. */
+    int (*open)(void *writer, const char *path, const fxs_scene_write_options *options, fxs_message *message);
+    int (*put)(void *writer, const fxs_gaussian *gaussians, size_t n, fxs_message *message);
+    /* Completes the file, and frees what the writer holds, also after an error. */
+    int (*close)(void *writer, fxs_progress_fn *progress, void *argument, fxs_message *message);
+} fxs_write_format;
+
+extern const fxs_write_format fxs_write_compressed_ply, fxs_write_csv, fxs_write_glb, fxs_write_sog;
+
+/* ---- Gaussians that wait until all are known ---- */
+
+#define FXS_HELD_SH_ONE 4096       /* SH coefficients are whole multiples of 1 / this, within +-8 */
+
+typedef struct fxs_held_gaussian {
+    float position[3], scale[3], dc[3];
+    float rotation[4];             /* of length 1 */
+    float opacity;                 /* 0 to 1 */
+} fxs_held_gaussian;
+
+typedef struct fxs_held {
+    fxs_output output;             /* the file that they are for */
+    fxs_held_gaussian *gaussians;
+    int16_t *sh;                   /* `coefficients` of each, as in fxs_gaussian */
+    uint32_t *order;               /* their numbers, in the order of fxs_order, once there is one */
+    uint32_t count, next;
+    uint32_t coefficients;         /* of all channels */
+} fxs_held;
+
+/* Begins the file and makes room. Returns 0, or an error and a message, with nothing to close. */
+int fxs_held_open(fxs_held *held, const char *path, const fxs_scene_write_options *options, fxs_message *message);
+
+int fxs_held_put(fxs_held *held, const fxs_gaussian *gaussians, size_t n, fxs_message *message);
+
+/* Orders them in chunks of 256 neighbours. Returns 1 where the file can be made; where not, the output's error says
+   why. */
+int fxs_held_order(fxs_held *held);
+
+int fxs_held_close(fxs_held *held, fxs_message *message);
+
+/* ---- Codes ---- */
+
+/* Little-endian; they return where the next goes. */
+uint8_t *fxs_put_u32(uint8_t *to, uint32_t value);
+uint8_t *fxs_put_floats(uint8_t *to, const float *values, size_t n);
+
+/* The nearest whole number from 0 to `most`; 0 for NaN. */
+uint32_t fxs_code_within(double x, uint32_t most);
+
+/* Codes of the three smallest components of a rotation, w, x, y, z without the largest, which is made positive: 0 to
+   `most` is -1/sqrt(2) to 1/sqrt(2). Returns the number of the largest. */
+uint32_t fxs_code_rotation(const float rotation[4], uint32_t most, uint32_t codes[3]);
+
+#endif

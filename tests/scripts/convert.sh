@@ -1,0 +1,290 @@
+#!/bin/sh
+# fixsplat convert as an editor: placing, leaving out, merging, every format that is written.
+. tests/scripts/lib/check.sh
+. tests/scripts/lib/command.sh
+. "$root/tests/scripts/lib/json.sh"
+case ${NODE_MODULES:-${B:-build}/page/node_modules} in
+/*) modules=${NODE_MODULES:-$B/page/node_modules} ;;
+*) modules=$root/${NODE_MODULES:-${B:-build}/page/node_modules} ;;
+esac
+endings='ply compressed.ply splat spz sog glb csv fxs'
+read_back='ply compressed.ply spz sog glb'       # those with SH that the command reads too
+
+# ---- Scenes made here ------------------------------------------------------------------------------------------------
+
+names='x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3'
+
+# ply FILE COMMENT LINE...: x y z, dc, logit of the opacity, three ln(sigma), quaternion
+ply() {
+    file=$1 comment=$2
+    shift 2
+    { printf 'ply\nformat ascii 1.0\ncomment %s\nelement vertex %s\n' "$comment" $#
+      printf 'property float %s\n' $names
+      printf '%s\n' end_header "$@"; } >"$file"
+}
+
+"$fixsplat" make-scene knot --count 3000 -o knot.ply || exit 1
+ply row.ply 'one Gaussian' '1 2 3 0 0 0 0 -1 -2 -3 1 0 0 0'
+ply rows.ply 'along x' '0 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' '1 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' \
+    '2 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' '3 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' '4 0 0 1 0 0 1 -1 -1 -1 1 0 0 0'
+
+# placed NAME "X Y Z" OPTION...: where row.ply's Gaussian is then, to 4 digits
+placed() {
+    wanted=$1
+    shift
+    "$fixsplat" convert row.ply row.csv "$@" || return 1
+    equal "$(awk -F, 'NR == 2 { printf "%.4f %.4f %.4f", $1 + 0, $2 + 0, $3 + 0 }' row.csv | sed 's/-0\.0000/0.0000/g')" \
+        "$wanted"
+}
+
+# ---- Placing the whole -----------------------------------------------------------------------------------------------
+
+check "--translate" placed "11.0000 22.0000 33.0000" --translate 10,20,30
+check "--scale" placed "2.0000 4.0000 6.0000" --scale 2
+check "--scale: ln(sigma)" equal "$(awk -F, 'NR == 2 { printf "%.4f", $8 }' row.csv)" -0.3069
+check "--rotate about z" placed "-2.0000 1.0000 3.0000" --rotate 0,0,90
+check "--rotate about x, then y" placed "2.0000 -3.0000 -1.0000" --rotate 90,90,0
+check "--rotate: a whole turn" placed "1.0000 2.0000 3.0000" --rotate 0,360,-720
+check "--up: z becomes up" placed "1.0000 -3.0000 2.0000" --up 0,0,1
+check "--up: y, which was down" placed "1.0000 -2.0000 -3.0000" --up 0,7,0
+check "--up: what is up already" placed "1.0000 2.0000 3.0000" --up 0,-1e-9,0
+check "up, rotate, scale, translate, in this order" placed "16.0000 22.0000 34.0000" \
+    --translate 10,20,30 --scale 2 --rotate 0,0,90 --up 0,0,1
+for bad in 'translate 1,2' 'translate x' 'rotate 1,2,nan' 'rotate 90' 'scale 0' 'scale -1' 'scale 1e9' 'scale x' \
+    'translate 1e9,0,0' 'up 0,0,0' 'up 1,2' 'sphere 0,0,0' 'sphere 0,0,0,-1' 'decimate 0' 'decimate 0%' \
+    'decimate 101%' 'decimate -5' 'decimate x' 'decimate %' 'decimate 5%%'; do
+    fails "--$bad" 2 "--${bad%% *}" convert row.ply x.ply --$bad
+    check "--$bad: nothing is written" [ ! -e x.ply ]
+done
+
+# The renderer turns SH by itself: a scene that is turned looks as one that is placed so.
+"$fixsplat" convert knot.ply turned.ply --rotate 0,90,0 --scale 0.5 --translate 1,0,0
+view='--size 160x120 --eye 3,-2,-6 --look 1,0,0'
+"$fixsplat" render knot.ply --place knot.ply:1,0,0,0.70710678118654752,0,0.70710678118654752,0,0.5 $view -o placed.png
+"$fixsplat" render turned.ply $view -o turned.png
+"$fixsplat" convert knot.ply flat.ply --sh-degree 0
+"$fixsplat" convert flat.ply flat-turned.ply --rotate 0,90,0 --scale 0.5 --translate 1,0,0
+"$fixsplat" render flat-turned.ply $view -o flat.png
+psnr() { "$fixsplat" compare "$1" "$2" | sed -n 's/.*PSNR \([0-9.]*\).*/\1/p'; }
+check "SH turn with the scene" at_least "$(psnr turned.png placed.png)" 50
+check "SH matter in this view" sh -c "! awk 'BEGIN { exit !($(psnr flat.png placed.png) >= 45) }'"
+
+# ---- Several files ---------------------------------------------------------------------------------------------------
+
+ply smooth.ply 'antialiased 1' '0 0 0 1 0 0 1 -1 -1 -1 1 0 0 0'
+succeeds "degrees 0 and 3" convert rows.ply knot.ply both.ply
+check "degrees 0 and 3: the higher" gaussians both.ply 3005 3
+"$fixsplat" convert both.ply both.csv
+check "degrees 0 and 3: the lower has 0 there" equal \
+    "$(awk -F, 'NR > 1 && NR < 7 { for (k = 7; k < 52; k++) if ($k != 0) n++ } END { print n + 0 }' both.csv)" 0
+for ending in ply sog fxs; do
+    fails "one of two is anti-aliased, to .$ending" 1 "one is anti-aliased and one is not" \
+        convert rows.ply smooth.ply x.$ending
+done
+succeeds "two that are anti-aliased" convert smooth.ply smooth.ply two.ply --place 0:1,0,0 --place 0:2,0,0
+check "two that are anti-aliased: still" grep -aq 'comment antialiased 1' two.ply
+succeeds "several, placed as one" convert rows.ply row.ply moved.csv --translate 0,0,5
+check "several, placed as one: all of them" equal "$(awk -F, 'NR > 1 { print $3 }' moved.csv | tr '\n' ' ')" "5 5 5 5 5 8 "
+
+# ---- Leaving out -----------------------------------------------------------------------------------------------------
+
+# kept NAME FILE "X..." OPTION...: the x of what is left
+kept() {
+    file=$1 wanted=$2
+    shift 2
+    "$fixsplat" convert "$file" kept.csv "$@" 2>logs/err || return 1
+    equal "$(awk -F, 'NR > 1 { print $1 }' kept.csv | tr '\n' ' ')" "$wanted "
+}
+check "--sphere, its surface too" kept rows.ply "1 2 3" --sphere 2,0,0,1
+check "--sphere: said" grep -q 'kept 3 of 5 Gaussians (2 outside, 0 too faint, 0 floating)' logs/err
+check "--sphere and --crop: both" kept rows.ply "1 2" --sphere 2,0,0,1 --crop 0,0,0,2,0,0
+check "--sphere: after the scene was placed" kept rows.ply "11 12 13" --sphere 12,0,0,1 --translate 10,0,0
+check "--sphere of radius 0" kept rows.ply "4" --sphere 4,0,0,0
+
+"$fixsplat" convert knot.ply rows.ply stray.ply --place rows.ply:60,0,0
+run convert stray.ply clean.ply --drop-floaters
+check "--drop-floaters: the five that have four neighbours" says \
+    "stray.ply: kept 3000 of 3005 Gaussians (0 outside, 0 too faint, 5 floating)"
+"$fixsplat" convert stray.ply again.ply --drop-floaters 2>logs/err
+check "--drop-floaters: the same again" cmp clean.ply again.ply
+check "--drop-floaters: the others stay as they are" cmp clean.ply knot.ply
+check "--drop-floaters of a scene of many sizes: as many" equal \
+    "$("$fixsplat" convert stray.ply x.csv --drop-floaters --scale 100 2>&1 | sed 's/.*kept/kept/')" \
+    "kept 3000 of 3005 Gaussians (0 outside, 0 too faint, 5 floating)"
+
+for count in 1 2 257 2999; do
+    succeeds "--decimate $count" convert knot.ply few.ply --decimate $count
+    check "--decimate $count: as many" gaussians few.ply $count 3
+done
+succeeds "--decimate 50%" convert knot.ply half.ply --decimate 50%
+check "--decimate 50%: half" gaussians half.ply 1500 3
+"$fixsplat" convert knot.ply again.ply --decimate 1500
+check "--decimate: the same again" cmp half.ply again.ply
+succeeds "--decimate: more than there are" convert knot.ply again.ply --decimate 3001
+check "--decimate: more than there are: all stay" cmp knot.ply again.ply
+succeeds "--decimate to .fxs" convert knot.ply half.fxs --decimate 50%
+check "--decimate to .fxs: half" gaussians half.fxs 1500 3
+check "--decimate: two become their mean" kept rows.ply "0.5 2 3 4" --decimate 4
+ply pair.ply 'two, side by side' '0 0 0 1 0 0 -1 -1 -1 -1 1 0 0 0' '1 0 0 3 0 0 -1 -1 -1 -1 1 0 0 0'
+"$fixsplat" convert pair.ply one.csv --decimate 1
+# variance along x: e^-2 + 1/4; opacity: twice as much over an area larger by the root of that
+check "--decimate: mean, colour, covariance, opacity" equal "$(awk -F, 'NR == 2 {
+        most = $8 > $9 ? $8 > $10 ? $8 : $10 : $9 > $10 ? $9 : $10
+        printf "%.3f %.3f %.3f %.3f", $1, $4, exp(2 * most), 1 / (1 + exp(-$7)) }' one.csv)" "0.500 2.000 0.385 0.319"
+
+for option in '--crop 90,0,0,91,1,1' '--sphere 90,0,0,1' '--prune 1 --sphere 90,0,0,1'; do
+    for ending in $endings; do
+        echo precious >left.$ending
+        fails "$option to .$ending: nothing left" 1 "none of the 3000 Gaussians is left" \
+            convert knot.ply left.$ending $option
+        check "$option to .$ending: nothing is written" equal "$(cat left.$ending)" precious
+    done
+done
+fails "--drop-floaters: nothing left" 1 "rows.ply: none of the 5 Gaussians is left" convert rows.ply x.ply --drop-floaters
+
+# ---- Statistics ------------------------------------------------------------------------------------------------------
+
+succeeds "info --stats" info rows.ply --stats
+check "info --stats: x" equal "$(awk '$1 == "x" { print $2, $3, $4, $5 }' logs/out)" "0 2 2 4"
+check "info --stats: a histogram" grep -Eq '^x .* \|@ +@ +@ +@ +@\|$' logs/out
+check "info --stats: all attributes" equal "$(awk '/\|$/ { print $1 }' logs/out | tr '\n' ' ')" \
+    "x y z scale_0 scale_1 scale_2 opacity red green blue "
+succeeds "info --stats of SH" info knot.ply --stats
+check "info --stats of SH: a line a degree" equal "$(grep -c '^sh_[123] ' logs/out)" 3
+succeeds "info --stats --json" info knot.ply --stats --json
+check "info --stats --json: keys" keys logs/out stats
+check "info --stats --json: counts of all" equal "$(sed 's/.*"name": "x",[^[]*\[\([0-9, ]*\)\].*/\1/' logs/out |
+    tr ',' '\n' | awk '{ n += $1 } END { print n }')" 3000
+"$fixsplat" convert knot.ply knot.fxs
+fails "info --stats of an .fxs file" 1 "knot.fxs: --stats is of scenes that are not packed" info knot.fxs --stats
+
+# ---- Formats ---------------------------------------------------------------------------------------------------------
+
+# looks_as FILE ORIGINAL FLOOR OPTION...: by PSNR
+looks_as() {
+    file=$1 like=$2 floor=$3
+    shift 3
+    got=$(psnr_of "$file" "$like" "$@")
+    [ "$got" = equal ] || at_least "$got" "$floor"
+}
+floor_of() {
+    case $1 in ply) echo 99 ;; glb) echo 75 ;; spz) echo 44 ;; compressed.ply) echo 42 ;; sog) echo 36 ;; esac
+}
+for ending in $read_back; do
+    rm -f knot2.$ending
+    "$fixsplat" convert knot.ply knot2.$ending 2>logs/err
+    check "to .$ending: no more said than what .spz clamps" equal \
+        "$(grep -cv "knot2.spz: clamped SH beyond +-1, of 10 Gaussians" logs/err)" 0
+    check "to .$ending: all of it" gaussians knot2.$ending 3000 3
+    check "to .$ending: PSNR" looks_as knot2.$ending knot.ply "$(floor_of $ending)"
+    "$fixsplat" convert knot.ply again.$ending 2>logs/err
+    check "to .$ending: the same again" cmp knot2.$ending again.$ending
+    for degree in 0 1 2; do
+        "$fixsplat" convert knot.ply low.$ending --sh-degree $degree 2>logs/err
+        check "to .$ending: SH degree $degree" gaussians low.$ending 3000 $degree
+    done
+    "$fixsplat" convert row.ply single.$ending
+    check "to .$ending: a single Gaussian" gaussians single.$ending 1 0
+done
+succeeds "to .csv" convert knot.ply knot.csv
+check "to .csv: a line each, and one of names" equal "$(awk -F, '{ print NF }' knot.csv | sort | uniq -c | awk '{ print $1, $2 }')" \
+    "3001 59"
+# .csv as .ply again, by text alone
+{ printf 'ply\nformat ascii 1.0\nelement vertex 3000\n' && head -n 1 knot.csv | tr ',' '\n' | sed 's/^/property float /' &&
+    echo end_header && sed 1d knot.csv | tr ',' ' '; } >text.ply
+"$fixsplat" convert text.ply text-floats.ply
+check "to .csv: each float as it was" cmp text-floats.ply knot.ply
+for ending in ply compressed.ply sog spz; do
+    succeeds "anti-aliased, to .$ending" convert smooth.ply smooth2.$ending
+    check "anti-aliased, to .$ending: still" sh -c "'$fixsplat' info smooth2.$ending | grep -q ', anti-aliased'"
+done
+for ending in glb csv; do
+    run convert smooth.ply smooth2.$ending
+    check "anti-aliased, to .$ending: said" says "smooth2.$ending: a .$ending cannot hold that the scene is anti-aliased"
+done
+for name in x x.gltf x.ksplat x.html x.PLY x.ply.gz meta.json .sog .compressed.sog/x; do
+    fails "to $name" 2 "$name: expected a name ending in" convert knot.ply $name
+done
+
+for ending in $endings; do
+    [ $ending = fxs ] || { cp knot.ply same.$ending && ln -sf same.$ending link.$ending; }
+    [ $ending = fxs ] || for out in same.$ending link.$ending ./same.$ending; do
+        fails "$out is IN and OUT" 1 "$out: is read and cannot be written too" convert rows.ply same.$ending $out
+    done
+    [ $ending = fxs ] || check "same.$ending is as it was" cmp same.$ending knot.ply
+    if [ -c /dev/full ]; then
+        ln -sf /dev/full full.$ending
+        fails "a full disk, .$ending" 1 "full.$ending: cannot be written: No space" convert knot.ply full.$ending
+    fi
+    (
+        ulimit -f 8
+        trap '' XFSZ
+        echo precious >over.$ending
+        "$fixsplat" convert knot.ply over.$ending 2>logs/err
+    )
+    check "a disk that becomes full, .$ending: OUT is as it was" equal "$(cat over.$ending)" precious
+    check "a disk that becomes full, .$ending: said" grep -q "^fixsplat: over.$ending: cannot be written: " logs/err
+done
+check "nothing is left behind" equal "$(ls -a | grep -c '^.fixsplat-')" 0
+
+# ---- 3D Tiles --------------------------------------------------------------------------------------------------------
+
+mkdir tiles
+for i in 0 1; do "$fixsplat" convert knot.ply tiles/$i.glb --crop $((5 * i - 5)),-9,-9,$((5 * i)),9,9 2>logs/err; done
+tile() { printf '{"boundingVolume": {"sphere": [0, 0, 0, 9]}, "geometricError": 0, "content": {"uri": "%s.glb"}}' $1; }
+printf '{"asset": {"version": "1.1"}, "geometricError": 9, "root": {"boundingVolume": {"sphere": [0, 0, 0, 9]},
+    "geometricError": 1, "refine": "ADD", "children": [%s, %s]}}' "$(tile 0)" "$(tile 1)" >tiles/tileset.json
+succeeds "of a tileset with two .glb" convert tiles/tileset.json tiles.ply
+check "of a tileset with two .glb: all of it" gaussians tiles.ply 3000 3
+succeeds "of a folder with a tileset" convert tiles tiles2.ply
+check "of a folder with a tileset: the same" cmp tiles.ply tiles2.ply
+"$fixsplat" convert tiles.ply tiles.csv
+"$fixsplat" convert knot.ply knot.csv
+# The axes of a tileset, z up, are not those of a .ply: distances are.
+radii() { awk -F, 'NR > 1 { printf "%.3f\n", sqrt($1 * $1 + $2 * $2 + $3 * $3) }' $1 | sort -n; }
+radii tiles.csv >tiles.radii
+radii knot.csv >knot.radii
+check "of a tileset with two .glb: where they were" cmp tiles.radii knot.radii
+
+# ---- Read by others --------------------------------------------------------------------------------------------------
+
+transform() { node "$modules/@playcanvas/splat-transform/bin/cli.mjs" -q -w "$@" >logs/out 2>&1; }
+if have node && [ -d "$modules/@playcanvas/splat-transform" ]; then
+    for ending in compressed.ply sog spz; do
+        check "splat-transform reads .$ending" transform knot2.$ending theirs.ply
+        check "splat-transform reads .$ending: as we do" looks_as knot2.$ending theirs.ply 60
+    done
+    check "splat-transform writes .glb" transform knot.ply theirs.glb
+    check "splat-transform writes .glb: as we do" looks_as knot2.glb theirs.glb 75
+    # It places in its viewer's axes: x and y of a .ply with the other sign.
+    check "splat-transform places" transform knot.ply -r 20,30,40 -s 2 -t 1,2,3 theirs.ply
+    "$fixsplat" convert knot.ply ours.ply --rotate -20,-30,40 --scale 2 --translate -1,-2,3
+    check "splat-transform places: as we do" looks_as ours.ply theirs.ply 60
+else
+    skip "splat-transform" "no node or no @playcanvas/splat-transform here (make setup test)"
+fi
+if have node && [ -d "$modules/gltf-validator" ]; then
+    check "the glTF validator" node "$root/tests/web/validate_gltf.mjs" "$modules" knot2.glb
+else
+    skip "the glTF validator" "no node or no gltf-validator here (make setup test)"
+fi
+
+# ---- A real scene ----------------------------------------------------------------------------------------------------
+
+if [ -f "$scenes/snowmiku/snowmiku.ply" ]; then
+    folder=$scenes/snowmiku
+    "$fixsplat" convert "$folder/snowmiku.ply" plain.ply
+    on_views() { looks_as "$1" plain.ply "$2" --cameras "$folder/cameras.json"; }
+    for pair in compressed.ply:46 sog:41 glb:80; do
+        "$fixsplat" convert plain.ply snow.${pair%:*}
+        check "snowmiku as .${pair%:*}: PSNR" on_views snow.${pair%:*} ${pair#*:}
+        rm -f snow.${pair%:*}
+    done
+    "$fixsplat" convert plain.ply half.ply --decimate 50%
+    check "snowmiku, half of it: PSNR" on_views half.ply 37
+    "$fixsplat" convert plain.ply clean.ply --drop-floaters 2>logs/err
+    check "snowmiku without floaters: PSNR" on_views clean.ply 50
+else
+    skip "snowmiku" "no real scenes at FXS_SCENES"
+fi
+finish

@@ -1,0 +1,367 @@
+#!/bin/sh
+# Films, streams and expected pictures: what render writes to pipes and in which formats, the views of a turn and of a way,
+# parts of a picture, and what fails a build that holds golden pictures.
+. tests/scripts/lib/check.sh
+. tests/scripts/lib/command.sh
+
+differ() { [ "$1" != "$2" ] || { echo "both are $1"; return 1; }; }
+hash_of() { "$fixsplat" render "$@" --hash 2>&1; }
+lines_of() { wc -l <"$1" | tr -d ' '; }
+
+# ply FILE LINE...: x y z r g b opacity, three ln(sigma), quaternion
+ply() {
+    file=$1
+    shift
+    {
+        printf 'ply\nformat ascii 1.0\nelement vertex %s\n' $#
+        printf 'property float %s\n' x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3
+        echo end_header
+        printf '%s\n' "$@"
+    } >"$file"
+}
+
+# camera NAME X FX [ROTATION]: looks along z from (X, 0, -6)
+camera() {
+    echo "{\"id\": 0, \"img_name\": \"$1\", \"width\": 64, \"height\": 48, \"position\": [$2, 0, -6],"
+    echo " \"rotation\": ${4:-[[1, 0, 0], [0, 1, 0], [0, 0, 1]]}, \"fx\": $3, \"fy\": $3}"
+}
+cameras() { file=$1; shift; printf '[%s]\n' "$(IFS=,; echo "$*")" >"$file"; }
+
+small='--size 64x48'
+"$fixsplat" make-scene knot --count 2000 -o knot.ply || exit 1
+cameras three.json "$(camera front 0 60)" "$(camera side 1 60)" "$(camera far 2 60)"
+three='knot.ply --cameras three.json'
+
+# ---- Streams ---------------------------------------------------------------------------------------------------------
+
+for format in png ppm raw jpg webp rgba y4m; do
+    run render knot.ply $small -o file.$format
+    if grep -q 'built without' logs/err; then
+        skip ".$format" "$(cat logs/err)"
+        continue
+    fi
+    check ".$format" equal "$status $(cat logs/err)" "0 "
+    succeeds "-o - --format $format" render knot.ply $small -o - --format $format
+    check "-o - --format $format: the bytes of the file" cmp logs/out file.$format
+    succeeds "--format $format, whatever the name" render knot.ply $small -o file.tmp --format $format
+    check "--format $format, whatever the name: the bytes" cmp file.tmp file.$format
+done
+succeeds "-o -" render knot.ply $small -o -
+check "-o -: a .png" cmp logs/out file.png
+check "a .rgba of one view is a .raw" cmp file.rgba file.raw
+
+succeeds "--view all, one by one" render $three --view all -o %d.raw
+succeeds "--view all as .rgba" render $three --view all -o all.rgba
+cat 0.raw 1.raw 2.raw >frames.rgba
+check "--view all as .rgba: one behind the other" cmp all.rgba frames.rgba
+succeeds "--view all on standard output" render $three --view all -o -
+cp logs/out all.y4m
+check "--view all on standard output: a .y4m" equal "$(head -n 1 all.y4m)" \
+    "YUV4MPEG2 W64 H48 F30:1 Ip A1:1 C444 XCOLORRANGE=LIMITED"
+check "--view all on standard output: its size" equal "$(($(wc -c <all.y4m)))" \
+    $(($(head -n 1 all.y4m | wc -c) + 3 * (6 + 3 * 64 * 48)))
+succeeds "--view all as .y4m" render $three --view all -o film.y4m --fps 25 --threads 3
+check "--view all as .y4m: --fps" equal "$(head -n 1 film.y4m | cut -d ' ' -f 4)" F25:1
+tail -n +2 all.y4m >frames.one && tail -n +2 film.y4m >frames.two
+check "--view all as .y4m: the same frames" cmp frames.one frames.two
+succeeds "--stereo as .y4m" render $three --view all --stereo 0.1 -o eyes.y4m
+check "--stereo as .y4m: both eyes" equal "$(head -n 1 eyes.y4m | cut -d ' ' -f 2,3)" "W128 H48"
+
+# Behind the camera lies nothing: Y, Cb and Cr of the background, by BT.709.
+away='--eye 0,0,-9 --look 0,0,-20'
+for colour in 'ffffff 235 128 128' '000000 16 128 128' 'ff0000 63 102 240' '00ff00 173 42 26' '0000ff 32 240 118'; do
+    "$fixsplat" render knot.ply --size 1x1 $away --bg ${colour%% *} -o colour.y4m
+    check "a .y4m of ${colour%% *}" equal "$(tail -c 3 colour.y4m | od -An -tu1 | awk '{ print $1, $2, $3 }')" "${colour#* }"
+done
+
+mkfifo pipe.y4m
+cat pipe.y4m >got &
+succeeds "a FIFO" render $three --view all -o pipe.y4m
+wait
+check "a FIFO: stays" [ -p pipe.y4m ]
+check "a FIFO: the bytes" cmp got all.y4m
+mkdir there
+ln -s there/target.y4m link.y4m
+succeeds "a link" render $three --view all -o link.y4m
+check "a link: stays" equal "$(readlink link.y4m)" there/target.y4m
+check "a link: its target" cmp there/target.y4m all.y4m
+cp all.y4m old.y4m
+(
+    ulimit -f 10
+    trap '' XFSZ
+    fails "a film that cannot be written" 1 "old.y4m: cannot be written: File too large" render $three --view all \
+        --size 640x480 -o old.y4m
+    check "a film that cannot be written: the old one stays" cmp old.y4m all.y4m
+    echo "passed=$passed failed=$failed" >logs/counts
+)
+. logs/counts
+check "a film that cannot be written: nothing is left" equal "$(find . -name '.fixsplat-*')" ""
+
+if [ -c /dev/full ]; then
+    for views in 0 all; do
+        "$fixsplat" render $three --view $views -o - >/dev/full 2>logs/err
+        check "--view $views into a full device" equal "$? $(cat logs/err)" \
+            "1 fixsplat: standard output: cannot be written: No space left on device"
+    done
+else
+    skip "a full device" "no /dev/full here"
+fi
+# What a shell says of a command that a signal ended is its own.
+{ "$fixsplat" render $three --view all --size 640x480 -o - 2>logs/err; echo $? >logs/status; } 2>logs/shell | :
+check "a closed pipe: ended as by SIGPIPE, without a word" equal "$(cat logs/status logs/err)" 141
+
+fails "-o - --format gif" 2 "--format gif: expected png" render knot.ply -o - --format gif
+fails "-o x.gif" 2 "x.gif: expected a name ending in .png" render knot.ply -o x.gif
+for printed in hash stats 'pick 1,1' 'depth x.png'; do
+    fails "-o - --$printed" 2 "the picture goes to standard output.*--${printed%% *}" render knot.ply -o - --$printed
+done
+succeeds "-o - --depth x.pfm" render knot.ply $small -o - --depth x.pfm --depth-range 9
+fails "a film of a pattern" 2 "%d.y4m: a film is one file" render $three --view all -o %d.y4m
+fails "--quality of .png" 2 "--quality is of .jpg and .webp" render knot.ply -o x.png --quality 9
+fails "--quality 0" 2 "--quality 0" render knot.ply -o x.jpg --quality 0
+fails "--fps of .png" 2 "--fps is of .y4m" render knot.ply -o x.png --fps 25
+fails "--fps 0" 2 "--fps 0" render knot.ply -o x.y4m --fps 0
+cameras sizes.json "$(camera front 0 60)" "$(camera large 1 60 | sed 's/"width": 64/"width": 80/')"
+fails "a film of several sizes" 2 "one size, view front is 64x48, view large 80x48" \
+    render knot.ply --cameras sizes.json --view all -o x.y4m
+succeeds "a film of several sizes, with --size" render knot.ply --cameras sizes.json --view all $small -o x.y4m
+
+if have ffmpeg && have ffprobe; then
+    "$fixsplat" render knot.ply $small --orbit 12 -o - 2>logs/err |
+        ffmpeg -v error -y -i - -pix_fmt yuv420p film.mp4 2>>logs/err
+    probe='ffprobe -v error -count_frames -of csv=p=0 -show_entries stream'
+    check "ffmpeg takes the stream" equal "$($probe=width,height,r_frame_rate,nb_read_frames film.mp4)$(cat logs/err)" \
+        64,48,30/1,12
+    check "ffmpeg reads the .y4m" equal "$($probe=pix_fmt,color_range film.y4m)" yuv444p,tv
+    "$fixsplat" render $three --view all -o - --format png >all.png
+    check "ffmpeg reads .png after .png" equal "$($probe=nb_read_frames -f image2pipe -i all.png)" 3
+    for format in png webp; do
+        [ -s file.$format ] || continue
+        ffmpeg -v error -y -i file.$format -f rawvideo -pix_fmt rgba back.raw 2>logs/err
+        check "ffmpeg reads the .$format: the same pixels" cmp back.raw file.raw
+    done
+    ffmpeg -v error -y -i file.y4m -vf scale=in_color_matrix=bt709:flags=accurate_rnd -pix_fmt rgb24 back.ppm 2>logs/err
+    succeeds "ffmpeg reads the .y4m as BT.709" compare back.ppm file.ppm --min-psnr 50
+else
+    skip "ffmpeg" "not here"
+fi
+
+# ---- Views -----------------------------------------------------------------------------------------------------------
+
+view() { hash_of knot.ply --cameras "$1" --view "$2"; }
+lists() { "$fixsplat" render knot.ply --cameras "$1" --view "$2" --hash | tr '\n' ' '; }
+front=$(view three.json 0) side=$(view three.json 1) far=$(view three.json 2)
+check "--view 0..2" equal "$(lists three.json 0..2)" "$front $side $far "
+check "--view 2..1" equal "$(lists three.json 2..1)" "$far $side "
+check "--view 1,0..2,1" equal "$(lists three.json 1,0..2,1)" "$side $front $side $far $side "
+for list in 0..3 0, ,0 0..1..2 .. 1.. 0,,1 99999999999999999999,0; do
+    fails "--view $list" 1 "three.json: no views '$list'" render $three --view $list --hash
+done
+fails "bench --view 0..1" 2 "one view" bench $three --view 0..1
+
+# Six frames' time from one key to the next: keys are themselves.
+succeeds "--frames" render $three --view 0..2 --frames 13 --hash
+check "--frames: as many" equal "$(lines_of logs/out)" 13
+check "--frames: the views are among them" equal "$(sed -n '1p;7p;13p' logs/out | tr '\n' ' ')" "$front $side $far "
+"$fixsplat" render $three --view 0..2 --frames 5 -o way%d.raw
+cameras between.json "$(camera between 0.5 60)"
+check "--frames: on a line halfway" equal "$($helper hash way1.raw)" "$(view between.json 0)"
+"$fixsplat" render $three --view 0,2,0 --frames 5 -o back%d.raw
+check "--frames: there and back" cmp back1.raw back3.raw
+cameras turned.json "$(camera front 0 60)" "$(camera right 0 60 '[[0, 0, 1], [0, 1, 0], [-1, 0, 0]]')"
+cameras half.json "$(camera half 0 60 \
+    '[[0.70710678118654752, 0, 0.70710678118654752], [0, 1, 0], [-0.70710678118654752, 0, 0.70710678118654752]]')"
+"$fixsplat" render knot.ply --cameras turned.json --view 0..1 --frames 3 -o turn%d.raw
+check "--frames: turned halfway" equal "$($helper hash turn1.raw)" "$(view half.json 0)"
+cameras lens.json "$(camera wide 0 30)" "$(camera long 0 120)"
+cameras middle.json "$(camera middle 0 60)"
+"$fixsplat" render knot.ply --cameras lens.json --view 0..1 --frames 3 -o lens%d.raw
+check "--frames: the focal length between" equal "$($helper hash lens1.raw)" "$(view middle.json 0)"
+fails "--frames without --view" 2 "--frames needs --view" render $three --frames 3 --hash
+fails "--frames of one view" 1 "--frames needs several views, --view 1 is one" render $three --view 1 --frames 3 --hash
+fails "--frames 1" 2 "--frames 1" render $three --view all --frames 1 --hash
+fails "--frames and --orbit" 2 "give one" render $three --view all --frames 3 --orbit 3 --hash
+
+gaussian='1 .5 .2 4 -1 -1.5 -2 1 0 0 0'
+ply pair.ply "1 0 0 $gaussian" "-1 0 0 $gaussian"
+eye="pair.ply $small --eye 0,0,-6 --look 0,0,0"
+"$fixsplat" render $eye --orbit 4 --hash >turn
+check "--orbit: the camera is the first" equal "$(sed -n 1p turn)" "$(hash_of $eye)"
+check "--orbit: a quarter" equal "$(sed -n 2p turn)" "$(hash_of pair.ply $small --eye 6,0,0 --look 0,0,0)"
+check "--orbit: four views" equal "$(lines_of turn)" 4
+check "--orbit: a quarter is another view" differ "$(sed -n 1p turn)" "$(sed -n 2p turn)"
+"$fixsplat" render $three --view 1 --orbit 6 --hash >six && "$fixsplat" render $three --view 1 --orbit 3 --hash >three
+check "--orbit: from a view of a file" equal "$(sed -n 1p six)" "$side"
+check "--orbit: every second of twice as many" equal "$(sed -n '1p;3p;5p' six)" "$(cat three)"
+fails "--orbit of several views" 1 "--orbit begins at one view" render $three --view all --orbit 3 --hash
+fails "--orbit 1" 2 "--orbit 1" render $three --orbit 1 --hash
+fails "--orbit into one file" 2 "x.png: for 3 views" render $three --orbit 3 -o x.png
+
+# ---- Expected pictures -----------------------------------------------------------------------------------------------
+
+hash=$(hash_of knot.ply $small)
+succeeds "--expect HASH" render knot.ply $small --expect $hash
+fails "--expect another hash" 1 "the picture is another: its hash is $hash, not 0123456789abcdef" \
+    render knot.ply $small --expect 0123456789abcdef
+"$fixsplat" render knot.ply $small -o golden.png
+"$fixsplat" render knot.ply $small --bg 0a0000 -o other.png
+rm -f diff.png
+succeeds "--expect a picture" render knot.ply $small --expect golden.png --diff diff.png
+check "--expect a picture: no difference is written" [ ! -e diff.png ]
+fails "--expect another picture" 1 "other.png: the picture is another: [1-9][0-9]* pixels differ, PSNR .* dB, SSIM .*, \
+largest difference 10$" render knot.ply $small --expect other.png --diff diff.png -o got.png
+check "--expect another picture: the picture is written" cmp got.png golden.png
+"$fixsplat" compare golden.png other.png --diff wanted.png >logs/out
+check "--expect another picture: the difference" cmp diff.png wanted.png
+"$fixsplat" render knot.ply $small --alpha -o alpha.png
+fails "--expect a picture of other alpha" 1 "alpha.png: the picture is another" render knot.ply $small --expect alpha.png
+succeeds "--expect a picture with its alpha" render knot.ply $small --alpha --expect alpha.png
+fails "--expect a picture of another size" 1 "golden.png is 64x48, the picture 32x24" render knot.ply --size 32x24 \
+    --expect golden.png
+fails "--expect no picture" 1 "none.png: No such file" render knot.ply $small --expect none.png
+fails "--diff without --expect" 2 "--diff needs --expect" render knot.ply --diff x.png --hash
+fails "--diff x.gif" 2 "--diff x.gif: expected" render knot.ply --expect golden.png --diff x.gif
+"$fixsplat" render $three --view all -o golden%d.png
+succeeds "--expect of several views" render $three --view all --expect golden%d.png
+cp golden0.png golden1.png
+cp golden0.png golden2.png
+run render $three --view all --expect golden%d.png --diff diff%d.png
+check "--expect of several views: each that differs is named" equal "$status $(lines_of logs/err) $(ls diff?.png)" \
+    "1 2 diff1.png
+diff2.png"
+fails "--expect a hash of several views" 2 "a hash is of one view, not of 3" render $three --view all --expect $hash
+fails "--expect one picture of several views" 2 "golden.png: for 3 views" render $three --view all --expect golden.png
+
+succeeds "compare --min-psnr" compare golden.png other.png --min-psnr 20 --min-ssim 0.1
+for least in 'min-psnr 90' 'min-ssim 1'; do
+    run compare golden.png other.png --$least
+    check "compare --$least" equal "$status $(lines_of logs/out) $(lines_of logs/err)" "1 1 1"
+    check "compare --$least: says which" grep -q "is below ${least#* }" logs/err
+done
+succeeds "compare equal pictures" compare golden.png golden.png --min-psnr 1000 --min-ssim 1
+for bad in 'min-psnr 0' 'min-psnr x' 'min-ssim 0' 'min-ssim 1.1'; do
+    fails "compare --$bad" 2 "--$bad" compare golden.png other.png --$bad
+done
+
+# ---- The script of docs/golden.md ------------------------------------------------------------------------------------
+
+mkdir project
+sed -n '/^```sh$/,/^```$/p' "$root/docs/golden.md" | sed '/^```/d' >project/golden.sh
+cp knot.ply project/scene.ply
+cp three.json project/cameras.json
+golden() { (cd project && PATH=$(dirname "$fixsplat"):$PATH && sh golden.sh "$@") 2>&1; }
+check "golden.sh: without pictures" equal "$(golden | grep -c 'golden/000[012].png: No such file')" 3
+check "golden.sh --update" golden --update
+check "golden.sh: makes three" equal "$(ls project/golden | tr '\n' ' ')" "0000.png 0001.png 0002.png "
+check "golden.sh" golden
+cp project/golden/0000.png project/golden/0002.png
+check "golden.sh: a picture that is another" equal "$(golden | grep -c 'golden/0002.png: the picture is another')" 1
+check "golden.sh: what a build keeps" equal "$(ls project/out | tr '\n' ' ')" \
+    "diff-0002.png got-0000.png got-0001.png got-0002.png "
+
+# ---- Parts of a picture ----------------------------------------------------------------------------------------------
+
+# part FILE WIDTH BYTES X Y W H: rows of a picture of that width, of so many bytes a pixel.
+part() {
+    row=$5
+    while [ $row -lt $(($5 + $7)) ]; do
+        tail -c +$((($row * $2 + $4) * $3 + 1)) "$1" | head -c $(($6 * $3))
+        row=$((row + 1))
+    done
+}
+whole='knot.ply --size 200x150'
+"$fixsplat" render $whole -o whole.raw --ids whole-ids.raw
+for place in '0 0 200 150' '64 32 64 64' '71 39 55 41' '199 149 1 1'; do
+    set -- $place
+    succeeds "--scissor $place" render $whole --scissor $1,$2,$3,$4 -o part.raw --ids part-ids.raw
+    part whole.raw 200 4 $1 $2 $3 $4 >wanted.raw
+    part whole-ids.raw 200 8 $1 $2 $3 $4 >wanted-ids.raw
+    check "--scissor $place: the pixels" cmp part.raw wanted.raw
+    check "--scissor $place: the ids" cmp part-ids.raw wanted-ids.raw
+done
+for backend in gles gles-fetch osmesa cuda; do
+    run render $whole --scissor 71,39,55,41 --backend $backend -o other.raw
+    if [ $status = 0 ]; then
+        part whole.raw 200 4 71 39 55 41 >wanted.raw
+        check "--scissor --backend $backend" cmp other.raw wanted.raw
+    else
+        skip "--scissor --backend $backend" "$(cat logs/err)"
+    fi
+done
+succeeds "--scissor of a film" render $three --view all --scissor 8,8,16,16 -o part.y4m
+check "--scissor of a film: its size" equal "$(head -n 1 part.y4m | cut -d ' ' -f 2,3)" "W16 H16"
+fails "--scissor beyond the picture" 1 "--scissor 190,0,11,5: view look-at is 200x150" render $whole \
+    --scissor 190,0,11,5 --hash
+for bad in 1,2,3 1,2,3,4,5 -1,0,5,5 0,0,0,5 0,0,5,0 1,2,x,4; do
+    fails "--scissor $bad" 2 "--scissor $bad: expected X,Y,WIDTH,HEIGHT" render $whole --scissor $bad --hash
+done
+for other in panorama 'stereo 0.1' foveate 'pick 1,1'; do
+    fails "--scissor --$other" 2 "--scissor is of one picture" render $whole --scissor 0,0,8,8 --hash --$other \
+        $([ "$other" != panorama ] || echo --size 64x32)
+done
+fails "--scissor --cutoff square" 2 "other tiles" render $whole --scissor 0,0,8,8 --cutoff square --hash
+
+# ---- Statistics ------------------------------------------------------------------------------------------------------
+
+succeeds "--stats" render knot.ply $small --stats
+check "--stats: no pairs" equal "$(grep -c pairs logs/out)" 0
+succeeds "--stats=pairs" render knot.ply $small --stats=pairs
+check "--stats=pairs: pairs" grep -q '"pairs_evaluated": [1-9][0-9]*, "pairs_blended": [1-9]' logs/out
+fails "--stats=all" 2 "--stats=all: expected" render knot.ply --stats=all
+
+# ---- What is read and written ----------------------------------------------------------------------------------------
+
+run render - $small --hash <knot.ply
+check "a scene from standard input" equal "$status $(cat logs/out logs/err)" "0 $hash"
+check "a scene through a pipe" equal "$(cat knot.ply | "$fixsplat" render - $small --hash)" "$hash"
+"$fixsplat" convert knot.ply knot.fxs
+check "an .fxs through a pipe" equal "$(cat knot.fxs | "$fixsplat" render - $small --hash)" "$hash"
+"$fixsplat" convert - again.fxs <knot.ply
+check "convert from standard input" cmp again.fxs knot.fxs
+from() {
+    name=$1 words=$2
+    "$fixsplat" render - --hash >logs/out 2>logs/err
+    status=$?
+    check "standard input: $name" equal "$status $(cat logs/out) $(grep -c "^fixsplat: standard input.*$words" logs/err)" "1  1"
+}
+from "empty" "is empty" </dev/null
+from "a folder" "Is a directory" <.
+from "closed" "Bad file" <&-
+head -c 1000 knot.fxs | { from "an .fxs cut short" "cut short"; echo "passed=$passed failed=$failed" >logs/counts; }
+. logs/counts
+head -c 1000 knot.ply | { from "a .ply cut short" ""; echo "passed=$passed failed=$failed" >logs/counts; }
+. logs/counts
+
+twice='two outputs are one file'
+fails "-o and --depth one file" 2 "./x.png: $twice" render knot.ply -o x.png --depth ./x.png
+fails "--depth and --ids one file" 2 "x.png: $twice" render knot.ply --depth x.png --ids x.png
+ln golden.png hard.png
+fails "-o and --diff one file" 2 "hard.png: $twice" render knot.ply $small --expect got.png -o golden.png --diff hard.png
+succeeds "a device twice" render knot.ply $small -o /dev/null --format png --ids file.tmp.png
+fails "-o the expected picture" 2 "golden.png: an output that is read too" render knot.ply $small --expect golden.png \
+    -o golden.png
+fails "-o one of the expected pictures" 2 "golden0.png: an output that is read too" render $three --view 1..2 \
+    --expect golden%d.png --diff golden%d.png
+cp knot.ply scene.raw
+fails "-o the scene" 2 "scene.raw: an output that is read too" render scene.raw -o scene.raw
+ln -s knot.ply scene.png
+fails "-o a link to the scene" 2 "scene.png: an output that is read too" render knot.ply -o scene.png
+check "-o the scene: it stays" cmp scene.raw knot.ply
+fails "compare --diff one of the pictures" 2 "golden.png: an output that is read too" compare golden.png other.png \
+    --diff golden.png
+
+# ---- Time ------------------------------------------------------------------------------------------------------------
+
+# Processor time, which other work on the machine changes less: times prints that of children last.
+seconds() { (run "$@" && times) | awk 'END { gsub(/[ms]/, " "); print $1 * 60 + $2 + $3 * 60 + $4 }'; }
+if [ -d "$scenes/snowmiku" ] && [ -s file.png ]; then
+    views="snowmiku.fxs --cameras $scenes/snowmiku/cameras.json --view 0..23 --threads 2"
+    "$fixsplat" convert "$scenes/snowmiku/snowmiku.ply" snowmiku.fxs
+    ppm=$(seconds render $views -o many%d.ppm) png=$(seconds render $views -o many%d.png)
+    said="24 views as .png: $png s of a processor, as .ppm $ppm"
+    if awk "BEGIN { exit !($ppm > 0 && $png <= 2 * $ppm) }"; then ok "$said"; else fail "$said" "more than twice"; fi
+    check "24 views as .png: the pixels" equal "$("$fixsplat" compare many23.png many23.ppm)" equal
+else
+    skip "24 views as .png" "no real scenes at FXS_SCENES, or no .png"
+fi
+finish

@@ -1,0 +1,424 @@
+/* Scene files written in each format and read again, what the formats' own numbers say, and what is wrong. */
+#include "../port/scene/codebook_internal.h"
+#include "../port/scene/scene_write.h"
+#include "scene_bytes.h"
+
+enum { COUNT = 300 };
+
+#define SH_0 0.28209479177387814
+
+static fxs_gaussian wanted[COUNT], got[COUNT];
+static fxs_scene_write_report report;
+static char name[64];                   /* of the file that is written */
+static uint32_t state;
+
+static double random_between(double low, double high)
+{
+    state = state * 1664525 + 1013904223;
+    return low + (high - low) * (state >> 8) / 16777216.0;
+}
+
+/* Far enough from each other to be told apart in any format. */
+static void make(int sh_degree)
+{
+    state = 1;
+    memset(wanted, 0, sizeof wanted);
+    for (int i = 0; i < COUNT; i++) {
+        fxs_gaussian *g = &wanted[i];
+        const int cell[3] = {i % 7, i / 7 % 7, i / 49};
+        for (int k = 0; k < 3; k++) {
+            g->position[k] = (float)(cell[k] - 3 + random_between(-0.2, 0.2));
+            g->scale[k] = (float)random_between(-6, -1);
+            g->dc[k] = (float)random_between(-1.5, 1.5);
+        }
+        for (int k = 0; k < 4; k++)
+            g->rotation[k] = (float)random_between(-1, 1);
+        g->opacity = (float)random_between(-4, 4);
+        for (int k = 0; k < 3 * sh_degree * (sh_degree + 2); k++)
+            g->sh[k] = (float)random_between(-0.5, 0.5);
+    }
+    wanted[5].opacity = -9;                  /* code 0, which keeps its colour */
+}
+
+static fxs_scene_write_options options_of(int sh_degree, int antialiased)
+{
+    fxs_scene_write_options o = {.count = COUNT, .sh_degree = sh_degree, .antialiased = antialiased};
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < COUNT; k++) {
+            const float x = wanted[k].position[i];
+            o.low[i] = !k || x < o.low[i] ? x : o.low[i];
+            o.high[i] = !k || x > o.high[i] ? x : o.high[i];
+        }
+    return o;
+}
+
+static const char *named(const char *ending)
+{
+    snprintf(name, sizeof name, "%s%s", written, ending);
+    return name;
+}
+
+/* Writes them in two parts. */
+static int write_all(const char *ending, const fxs_scene_write_options *o, fxs_progress_fn *progress, void *argument)
+{
+    fxs_scene_writer *writer;
+    FILE *stream;
+    int result = fxs_scene_writer_open(named(ending), o, &writer, &message);
+    if (result)
+        return result;
+    CHECK(fxs_scene_writer_put(writer, wanted, 7, &message) == 0);
+    CHECK(fxs_scene_writer_put(writer, wanted + 7, COUNT - 7, &message) == 0);
+    result = fxs_scene_writer_close(writer, &report, progress, argument, &message);
+    stream = fopen(name, "rb");
+    put_file(stream ? fread(bytes, 1, MAX_FILE, stream) : 0);
+    if (stream)
+        fclose(stream);
+    remove(name);
+    return result;
+}
+
+static const fxs_gaussian *nearest(const fxs_gaussian *to)
+{
+    const fxs_gaussian *best = got;
+    double least = INFINITY;
+    for (const fxs_gaussian *g = got; g < got + COUNT; g++) {
+        double distance = 0;
+        for (int k = 0; k < 3; k++)
+            distance += ((double)g->position[k] - to->position[k]) * ((double)g->position[k] - to->position[k]);
+        best = distance < least ? g : best;
+        least = distance < least ? distance : least;
+    }
+    return best;
+}
+
+/* How far a format may be off. */
+typedef struct tolerance {
+    const char *ending, *format;
+    double position, scale, rotation, opacity, dc, sh;   /* rotation: 1 - cosine of half the angle */
+    int antialiased;
+} tolerance;
+
+static const tolerance formats[] = {
+    {".ply", "ply", 0, 0, 1e-6, 0, 0, 0, 1},
+    {".glb", "gltf", 0, 1e-6, 1e-6, 1e-6, 0, 0, 0},
+    {".spz", "spz", 1e-6, 0.033, 1e-4, 0.002, 0.014, 0.004, 1},
+    /* 6.4 / 1023 / 2; 5 / 1023 / 2; 3 / 255 / 2; 8 / 256 / 2 and half a 4096th */
+    {".compressed.ply", "compressed ply", 0.0032, 0.0025, 1e-5, 0.002, 0.006, 0.0159, 1},
+    /* positions: of ln(1 + |x|) from -1.4 to 1.4, times 4.2; the others by codebooks of 900 values; SH are noise,
+       which a palette cannot hold: see below */
+    {".sog", "sog", 1e-4, 0.03, 1e-4, 0.002, 0.02, 1.02, 1}
+};
+
+static void check_one(const tolerance *t, const fxs_gaussian *a)
+{
+    const fxs_gaussian *b = nearest(a);
+    int same = rotation_match(a, b) >= 1 - t->rotation && fabs(opacity_of(a) - opacity_of(b)) <= t->opacity;
+    for (int k = 0; k < 3; k++)
+        same &= fabs((double)a->position[k] - b->position[k]) <= t->position &&
+                fabs((double)a->scale[k] - b->scale[k]) <= t->scale && fabs((double)a->dc[k] - b->dc[k]) <= t->dc;
+    for (int k = 0; k < 45; k++)
+        same &= fabs((double)a->sh[k] - b->sh[k]) <= t->sh;
+    if (!CHECK(same))
+        printf("  of %s\n", t->ending);
+}
+
+static void written_and_read(void)
+{
+    for (size_t f = 0; f < sizeof formats / sizeof *formats; f++)
+        for (int degree = 0; degree <= 3; degree++) {
+            const tolerance *t = &formats[f];
+            make(degree);
+            const fxs_scene_write_options o = options_of(degree, degree == 1);
+            const int error = write_all(t->ending, &o, NULL, NULL);
+            if (error == FXS_ERR_UNSUPPORTED)
+                SKIP(message.text);
+            CHECK(error == 0 && read_file(got, COUNT) == 0 && !strcmp(info.format, t->format));
+            CHECK(info.count == COUNT && info.sh_degree == degree);
+            CHECK(info.antialiased == (t->antialiased && degree == 1));
+            CHECK(report.lost_sh == 0 && report.lost_antialiased == (!t->antialiased && degree == 1));
+            for (int i = 0; i < COUNT; i++)
+                check_one(t, &wanted[i]);
+        }
+}
+
+/* No more palette entries than 256 of 300: most SH are exact to their codebook. */
+static void sh_of_sog(void)
+{
+    double squares = 0;
+    make(3);
+    const fxs_scene_write_options o = options_of(3, 0);
+    if (write_all(".sog", &o, NULL, NULL) == FXS_ERR_UNSUPPORTED)
+        SKIP(message.text);
+    CHECK(read_file(got, COUNT) == 0);
+    for (int i = 0; i < COUNT; i++)
+        for (int k = 0; k < 45; k++) {
+            const double off = (double)wanted[i].sh[k] - nearest(&wanted[i])->sh[k];
+            squares += off * off;
+        }
+    CHECK(sqrt(squares / (COUNT * 45)) < 0.12);   /* 0.29 of no SH at all */
+}
+
+static void what_splat_cannot_hold(void)
+{
+    make(2);
+    const fxs_scene_write_options o = options_of(2, 1);
+    CHECK(write_all(".splat", &o, NULL, NULL) == 0 && report.lost_sh == 2 && report.lost_antialiased);
+    CHECK(read_file(got, COUNT) == 0 && info.count == COUNT && info.sh_degree == 0);
+}
+
+static uint32_t u32_at(size_t offset)
+{
+    return bytes[offset] | (uint32_t)bytes[offset + 1] << 8 | (uint32_t)bytes[offset + 2] << 16 |
+           (uint32_t)bytes[offset + 3] << 24;
+}
+
+static float float_at(size_t offset)
+{
+    const uint32_t word = u32_at(offset);
+    float value;
+    memcpy(&value, &word, sizeof value);
+    return value;
+}
+
+/* Rows of 236 bytes behind the JSON: y up, the rotation x, y, z, w of length 1, opacity and scale as they are. */
+static void bytes_of_glb(void)
+{
+    make(3);
+    const fxs_scene_write_options o = options_of(3, 0);
+    CHECK(write_all(".glb", &o, NULL, NULL) == 0 && !memcmp(bytes, "glTF\2\0\0\0", 8) && u32_at(8) == file_size);
+    const size_t json = u32_at(12), row = 28 + json;
+    CHECK(json % 4 == 0 && !memcmp(bytes + 16, "JSON{", 5) && !memcmp(bytes + 24 + json, "BIN\0", 4));
+    CHECK(u32_at(20 + json) == COUNT * 236 && row + COUNT * 236 == file_size);
+    const fxs_gaussian *g = wanted;
+    CHECK(float_at(row) == -g->position[0] && float_at(row + 4) == -g->position[1] &&
+          float_at(row + 8) == g->position[2]);
+    double square = 0;
+    for (size_t k = 0; k < 4; k++)
+        square += (double)float_at(row + 24 + 4 * k) * float_at(row + 24 + 4 * k);
+    CHECK(is_near(square, 1, 1e-6));
+    CHECK(is_near((double)float_at(row + 12), exp((double)g->scale[0]), 1e-6));
+    CHECK(is_near((double)float_at(row + 40), opacity_of(g), 1e-6) && float_at(row + 44) == g->dc[0]);
+    /* y, z, x of degree 1: two of the three change their sign */
+    CHECK(float_at(row + 56) == -g->sh[0] && float_at(row + 68) == g->sh[3] && float_at(row + 80) == -g->sh[6]);
+    bytes[row] = 0;
+    CHECK(strstr((char *)bytes + 20, "\"byteStride\":236") && strstr((char *)bytes + 20, "SH_DEGREE_3_COEF_6\":19"));
+}
+
+/* Two chunks, 72 bytes each; neighbours share one, so that its box is less than the scene. */
+static void bytes_of_compressed_ply(void)
+{
+    make(0);
+    const fxs_scene_write_options o = options_of(0, 1);
+    CHECK(write_all(".compressed.ply", &o, NULL, NULL) == 0);
+    const char *end = strstr((char *)bytes, "end_header\n");
+    if (!CHECK(end != NULL))
+        return;
+    const size_t body = (size_t)(end - (char *)bytes) + 11;
+    CHECK(file_size == body + 2 * 72 + COUNT * 16);
+    CHECK(strstr((char *)bytes, "comment antialiased 1\nelement chunk 2\n") && !strstr((char *)bytes, "element sh"));
+    double volumes = 0, whole = 1;
+    for (size_t c = 0; c < 2; c++) {
+        double volume = 1;
+        for (size_t k = 0; k < 3; k++)
+            volume *= (double)float_at(body + 72 * c + 12 + 4 * k) - float_at(body + 72 * c + 4 * k);
+        volumes += volume;
+    }
+    for (int k = 0; k < 3; k++)
+        whole *= (double)o.high[k] - o.low[k];
+    CHECK(volumes < 1.05 * whole);
+}
+
+static void lines_of_csv(void)
+{
+    make(1);
+    const fxs_scene_write_options o = options_of(1, 0);
+    CHECK(write_all(".csv", &o, NULL, NULL) == 0);
+    bytes[file_size < MAX_FILE ? file_size : MAX_FILE - 1] = 0;
+    const char *line = (char *)bytes;
+    CHECK(!strncmp(line, "x,y,z,f_dc_0,f_dc_1,f_dc_2,f_rest_0,", 35) &&
+          strstr(line, ",f_rest_8,opacity,scale_0,scale_1,scale_2,rot_0,rot_1,rot_2,rot_3\n"));
+    for (int i = 0; i < COUNT; i++) {
+        line = strchr(line, '\n') + 1;
+        const char *at = line;
+        float values[23];
+        for (int k = 0; k < 23; k++) {
+            char *after;
+            values[k] = strtof(at, &after);
+            CHECK(*after == (k < 22 ? ',' : '\n'));
+            at = after + 1;
+        }
+        CHECK(!memcmp(values, wanted[i].position, 12) && !memcmp(values + 3, wanted[i].dc, 12));
+        CHECK(values[6] == wanted[i].sh[0] && values[7] == wanted[i].sh[3] && values[9] == wanted[i].sh[1]);
+        CHECK(values[15] == wanted[i].opacity && !memcmp(values + 19, wanted[i].rotation, 16));
+    }
+    CHECK(!*(strchr(line, '\n') + 1));
+}
+
+/* What fxs_drawable lets through. */
+static void extremes(void)
+{
+    static const char *const endings[] = {".ply", ".compressed.ply", ".sog", ".spz", ".glb", ".splat"};
+    const fxs_gaussian wild[2] = {
+        {.position = {3e38f, -3e38f, 0}, .scale = {20, -INFINITY, 80}, .rotation = {1e-30f, 0, 0, 0}, .opacity = 1e30f,
+         .dc = {1e30f, -1e30f, 0}, .sh = {1e30f, -1e30f}},
+        {.position = {0, -0.0f, 1e-40f}, .scale = {-80, -20, -20}, .rotation = {-1e10f, 0, 0, 0}, .opacity = -1e30f}
+    };
+    fxs_scene_write_options o = {.count = 2, .sh_degree = 1};
+    for (size_t e = 0; e < sizeof endings / sizeof *endings; e++) {
+        fxs_scene_writer *writer;
+        if (fxs_scene_writer_open(named(endings[e]), &o, &writer, &message) == FXS_ERR_UNSUPPORTED)
+            continue;
+        CHECK(fxs_scene_writer_put(writer, wild, 2, &message) == 0);
+        CHECK(fxs_scene_writer_close(writer, &report, NULL, NULL, &message) == 0);
+        FILE *stream = fopen(name, "rb");
+        put_file(stream ? fread(bytes, 1, MAX_FILE, stream) : 0);
+        if (stream)
+            fclose(stream);
+        remove(name);
+        if (!CHECK(read_file(got, 2) == 0 && info.count == 2))
+            printf("  %s: %s\n", endings[e], message.text);
+        for (int i = 0; i < 2; i++)
+            CHECK(!isnan(got[i].position[0]) && !isnan(got[i].rotation[0]) && !isnan(got[i].dc[1]));
+    }
+}
+
+/* ---- What is wrong ----------------------------------------------------------------------------------------------- */
+
+static int stop(void *calls, double done)
+{
+    CHECK(done >= 0 && done <= 1);
+    return ++*(int *)calls == 2;
+}
+
+static void faulty(void)
+{
+    static const char *const endings[] = {".ply", ".compressed.ply", ".sog", ".spz", ".glb", ".csv", ".splat"};
+    make(3);
+    for (size_t e = 0; e < sizeof endings / sizeof *endings; e++) {
+        fxs_scene_writer *writer;
+        char nowhere[64];
+        fxs_scene_write_options o = options_of(3, 0);
+        if (write_all(endings[e], &o, NULL, NULL) == FXS_ERR_UNSUPPORTED)
+            continue;
+        CHECK(fxs_scene_writer_open(named(endings[e]), &o, &writer, &message) == 0);
+        CHECK(fxs_scene_writer_put(writer, wanted, 1, &message) == 0);
+        CHECK(fxs_scene_writer_close(writer, &report, NULL, NULL, &message) == FXS_ERR_ARGUMENT);
+        CHECK(strstr(message.text, "fewer than announced") && access(name, F_OK));
+        o.count = 1;
+        CHECK(fxs_scene_writer_open(name, &o, &writer, &message) == 0);
+        CHECK(fxs_scene_writer_put(writer, wanted, 2, &message) == FXS_ERR_ARGUMENT);
+        CHECK(fxs_scene_writer_close(writer, &report, NULL, NULL, &message) != 0 && access(name, F_OK));
+        snprintf(nowhere, sizeof nowhere, "no/such/folder/a%s", endings[e]);
+        CHECK(fxs_scene_writer_open(nowhere, &o, &writer, &message) == FXS_ERR_FILE && !writer);
+        o.sh_degree = 4;
+        CHECK(fxs_scene_writer_open(name, &o, &writer, &message) == FXS_ERR_ARGUMENT && !writer);
+    }
+    const fxs_scene_write_options o = options_of(0, 0);
+    fxs_scene_writer *writer;
+    CHECK(fxs_scene_writer_open("a.gltf", &o, &writer, &message) == FXS_ERR_ARGUMENT && !writer);
+    CHECK(!fxs_scene_is_written(".ply") && !fxs_scene_is_written("x.plyx") && fxs_scene_is_written("x.ply"));
+    CHECK(fxs_scene_writer_close(NULL, &report, NULL, NULL, &message) == 0);
+}
+
+static void too_many(void)
+{
+    fxs_scene_writer *writer;
+    fxs_scene_write_options o = {.count = UINT64_MAX, .sh_degree = 3};
+    CHECK(fxs_scene_writer_open(named(".glb"), &o, &writer, &message) == FXS_ERR_ARGUMENT);
+    CHECK(fxs_scene_writer_open(named(".compressed.ply"), &o, &writer, &message) == FXS_ERR_ARGUMENT);
+    const int error = fxs_scene_writer_open(named(".sog"), &o, &writer, &message);
+    CHECK(error == FXS_ERR_ARGUMENT || error == FXS_ERR_UNSUPPORTED);
+}
+
+static void stopped(void)
+{
+    static const char *const endings[] = {".compressed.ply", ".sog"};
+    make(3);
+    for (size_t e = 0; e < 2; e++) {
+        int calls = 0;
+        const fxs_scene_write_options o = options_of(3, 0);
+        const int error = write_all(endings[e], &o, stop, &calls);
+        CHECK(error == FXS_ERR_UNSUPPORTED || (error == FXS_ERR_FILE && calls == 2 && access(name, F_OK)));
+    }
+}
+
+/* ---- Codebooks --------------------------------------------------------------------------------------------------- */
+
+static void books(void)
+{
+    float values[5000], book[FXS_BOOK];
+    state = 5;
+    for (int i = 0; i < 5000; i++)
+        values[i] = (float)((i % 200) * (i % 200));
+    CHECK(fxs_book_learn(book, values, 5000) == 0);
+    for (int i = 0; i < 200; i++)
+        CHECK(book[fxs_book_find(book, values[i])] == values[i]);   /* 200 values fit */
+    double squares = 0;
+    for (int i = 0; i < 5000; i++)
+        values[i] = (float)(random_between(-1, 1) * random_between(0, 1) * random_between(0, 1));
+    CHECK(fxs_book_learn(book, values, 5000) == 0);
+    for (int i = 0; i < FXS_BOOK - 1; i++)
+        CHECK(book[i] <= book[i + 1]);
+    for (int i = 0; i < 5000; i++) {
+        const float found = book[fxs_book_find(book, values[i])];
+        float best = INFINITY;
+        for (int k = 0; k < FXS_BOOK; k++)
+            best = fabsf(book[k] - values[i]) < best ? fabsf(book[k] - values[i]) : best;
+        CHECK(fabsf(found - values[i]) <= best + 1e-7f);
+        squares += ((double)found - values[i]) * ((double)found - values[i]);
+    }
+    CHECK(sqrt(squares / 5000) < 0.9 * 2 / FXS_BOOK / sqrt(12));   /* below 256 even steps */
+    values[0] = 3;
+    CHECK(fxs_book_learn(book, values, 1) == 0 && book[fxs_book_find(book, 3)] == 3);
+}
+
+static int stop_at_once(void *argument, double done)
+{
+    (void)argument;
+    return done > 0;
+}
+
+/* 64 centres with a little noise: found again, to the noise. */
+static void palettes(void)
+{
+    enum { VECTORS = 4096, CENTRES = 64, ENTRIES = 1024 };
+    static fxs_sh_palette_vector vectors[VECTORS], palette[ENTRIES], centres[CENTRES];
+    static uint32_t labels[VECTORS];
+    double squares = 0;
+    state = 9;
+    CHECK(fxs_sh_palette_entries(1) == 1 && fxs_sh_palette_entries(4095) == 2048 &&
+          fxs_sh_palette_entries(UINT32_MAX) == 65536);
+    for (int i = 0; i < CENTRES; i++)
+        for (int d = 0; d < 45; d++)
+            centres[i][d] = (int16_t)random_between(-4000, 4000);
+    for (int i = 0; i < VECTORS; i++)
+        for (int d = 0; d < 45; d++)
+            vectors[i][d] = (int16_t)(centres[i % CENTRES][d] + random_between(-20, 20));
+    CHECK(fxs_sh_palette_learn(palette, ENTRIES, labels, (const fxs_sh_palette_vector *)vectors, VECTORS, NULL, NULL) ==
+          0);
+    for (int i = 0; i < VECTORS && CHECK(labels[i] < ENTRIES); i++)
+        for (int d = 0; d < 45; d++)
+            squares += (vectors[i][d] - palette[labels[i]][d]) * (vectors[i][d] - palette[labels[i]][d]);
+    CHECK(sqrt(squares / (VECTORS * 45)) < 12);
+    CHECK(fxs_sh_palette_learn(palette, ENTRIES, labels, (const fxs_sh_palette_vector *)vectors, VECTORS, stop_at_once,
+                               NULL) == -1);
+}
+
+int main(void)
+{
+    make_written();
+    RUN(written_and_read);
+    RUN(sh_of_sog);
+    RUN(what_splat_cannot_hold);
+    RUN(bytes_of_glb);
+    RUN(bytes_of_compressed_ply);
+    RUN(lines_of_csv);
+    RUN(extremes);
+    RUN(faulty);
+    RUN(too_many);
+    RUN(stopped);
+    RUN(books);
+    RUN(palettes);
+    remove(written);
+    return check_report();
+}

@@ -1,0 +1,26 @@
+/* What render is asked for. */
+#ifndef RENDER_H
+#define RENDER_H
+
+#include "../port/image/image_file.h"
+#include "renderer.h"
+
+typedef struct render_options {
+    frame_options frame;
+    enum fxs_format format;
+    const char *output, *depth, *ids;
+    const char *expect, *diff;              /* a picture, and where to write how it differs */
+    int has_expected_hash;
+    uint64_t expected_hash;                 /* in the place of that picture */
+    enum fxs_image_format encoding;         /* of the output; FXS_IMAGE_UNKNOWN: y4m of several, png of one */
+    int quality, rate;                      /* of .jpg and .webp, 0: the best; frames a second of a .y4m */
+    int draws;                              /* DRAW_* */
+    double depth_range;                     /* 0: that of the picture */
+    int has_pick, pick[2], has_scissor, scissor[4];
+    int hash, stats, pairs, json;
+} render_options;
+
+/* Renders all views and writes, compares and prints what is asked of them. Returns the exit status. */
+int render_views(const render_options *o);
+
+#endif

@@ -1,0 +1,29 @@
+/* What the attributes of a scene's Gaussians are like, one by one. */
+#ifndef STATS_H
+#define STATS_H
+
+#include "../port/scene/scene_file.h"
+
+enum { STATS_BINS = 40, STATS_MOST = 13 };
+
+typedef struct attribute_stats {
+    const char *name;
+    uint64_t count, not_finite;             /* Gaussians where it is a number; the rest leaves the others out */
+    double least, median, mean, most;       /* 0 where there is none */
+    uint64_t bins[STATS_BINS];              /* of equal width, from the least to the most */
+} attribute_stats;
+
+typedef struct scene_stats {
+    attribute_stats attributes[STATS_MOST];
+    int count;
+} scene_stats;
+
+/* Reads an open file to its end. Returns 0, or an error and a message. */
+int stats_measure(scene_stats *s, fxs_scene_file *file, const fxs_scene_file_info *info, fxs_message *message);
+
+void stats_print_text(const scene_stats *s);
+
+/* As the value of a key: a list of objects. */
+void stats_print_json(const scene_stats *s);
+
+#endif
