@@ -36,9 +36,9 @@ def fit(photos: PathLike, *, recipe: str = "reference", steps: Optional[int] = N
 
     photos: a COLMAP folder, a transforms.json of nerfstudio or Blender, Inria's cameras.json with images beside it, or
     a folder with one of those.
-    recipe: "reference", "mcmc" or "fast". steps: None: the recipe's, 30,000, of "fast" 8,000. resolution: pixels of a
-    photograph's longer side, at most. sh_degree: 0 to 3. max_gaussians: None: 2^22, mcmc 1,000,000,
-    fast 250,000.
+    recipe: "reference", "mcmc" or "fast". steps: None: the recipe's, 30,000, fast 8,000. resolution: pixels of a
+    photograph's longer side, at most. sh_degree: 0 to 3. max_gaussians: None: the recipe's, 2^22, mcmc 1,000,000, fast
+    250,000.
     seed: of all that is random. batch: photographs of a step, 1 to 8; 0: one, or one for each device.
     background: red, green, blue, 0 to 255. cutoff, profile: as for `render` and `load`.
     hold_out: every n-th photograph by name is not fitted; 0: all are. skip_bad: those that cannot be read are left out,
@@ -73,10 +73,8 @@ def _fill(options: c.fxs_fit_options, recipe: str, steps: Optional[int], max_gau
     lib.fxs_fit_options_init(options)
     options.recipe = choose("recipe", recipe, RECIPES)
     options.steps = lib.fxs_fit_recipe_steps(options.recipe) if steps is None else whole("steps", steps, 1, 10**9)
-    if max_gaussians is not None:
-        options.max_gaussians = whole("max_gaussians", max_gaussians, 1, c.FXS_MAX_COUNT)
-    else:
-        options.max_gaussians = lib.fxs_fit_recipe_gaussians(options.recipe)
+    options.max_gaussians = (lib.fxs_fit_recipe_gaussians(options.recipe) if max_gaussians is None
+                             else whole("max_gaussians", max_gaussians, 1, c.FXS_MAX_COUNT))
 
 
 def _choose_devices(options: c.fxs_fit_options, devices: "Sequence[int]") -> None:

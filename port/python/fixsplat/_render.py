@@ -277,7 +277,7 @@ class Picture:
     ids: "Optional[npt.NDArray[np.uint32]]" = None
 
     def save(self, path: PathLike) -> None:
-        """Writes the colours: .png, .ppm or .raw."""
+        """Writes the colours: .png, .webp, .jpg, .ppm or .raw."""
         if self.colour is None:
             raise ValueError("the picture has no colours: they were not among its targets")
         pixels = np.ascontiguousarray(self.colour)

@@ -296,73 +296,74 @@ def load(source: "Union[PathLike, bytes, bytearray, memoryview]", *, profile: st
 class Conversion:
     """What became of a file's Gaussians.
 
-    read, written: their numbers. outside, faint, floaters: left out by `crop` and `sphere`, by `prune` and by
-    `drop_floaters`. merged: fewer by `decimate`. left_out: those that no rule can draw. brought_in: packed from beyond
-    2^27 units. clamped: of an .spz, those with a position, scale or colour that the format cannot hold, the largest of
-    these numbers.
+    read, written: their numbers; with `decimate`, fewer were written than were kept. outside, faint, floaters: left out
+    by `crop` and `sphere`, `prune`, `drop_floaters`. left_out: those that no rule can draw. brought_in: packed from
+    beyond 2^27 units. clamped: of an .spz, those with a position, scale or colour that the format cannot hold, the
+    largest of these numbers. lost_sh: the degree of SH that the format cannot hold, or 0. lost_antialiased: it cannot
+    say that the scene is anti-aliased.
     """
     read: int
     written: int
     outside: int
     faint: int
+    floaters: int
     left_out: int
-    floaters: int = 0
-    merged: int = 0
     brought_in: int = 0
     clamped: int = 0
+    lost_sh: int = 0
+    lost_antialiased: bool = False
 
 
-def convert(src: PathLike, dst: PathLike, *, crop: Any = None, sphere: Any = None, prune: float = 0, sh_degree: int = 3,
-            drop_floaters: bool = False, decimate: Optional[int] = None, profile: Optional[str] = None,
-            spz_version: Optional[int] = None, level: int = 0, axes: str = "file", max_gaussians: int = 0,
-            max_memory: int = 0, threads: int = 0, progress: Progress = None) -> Conversion:
-    """Writes a scene file as another, by the ending of dst: .fxs (packed), .ply (floats), .compressed.ply, .splat, .spz,
-    .sog, .glb or .csv.
+def convert(src: PathLike, dst: PathLike, *, crop: Any = None, sphere: Any = None, prune: float = 0,
+            drop_floaters: bool = False, sh_degree: int = 3, decimate: Optional[int] = None,
+            profile: Optional[str] = None, spz_version: Optional[int] = None, level: int = 0, axes: str = "file",
+            max_gaussians: int = 0, max_memory: int = 0, threads: int = 0, progress: Progress = None) -> Conversion:
+    """Writes a scene file as another, by the ending of dst: .fxs (packed), .ply (floats), .compressed.ply, .splat,
+    .spz, .sog, .glb or .csv.
 
     The file is that of `fixsplat convert`, byte for byte. Until it is complete, an earlier file of that name stays.
 
-    crop: (low, high), of shape (2, 3), scene units: keeps the Gaussians with their centre in this box. sphere: (x, y, z,
-    radius): and in this sphere. prune: keeps those of this opacity or more, 0 to 1. sh_degree: keeps SH up to this degree.
-    drop_floaters: leaves out what has next to no neighbours. decimate: merges neighbours until so many are left.
+    crop: (low, high), of shape (2, 3), scene units: keeps the Gaussians with their centre in this box.
+    sphere: x, y, z and a radius, (4,): keeps those with their centre in it.
+    prune: keeps those of this opacity or more, 0 to 1. drop_floaters: drops those with next to nothing around them.
+    sh_degree: keeps SH up to this degree. decimate: merges neighbours until so many Gaussians are left.
     profile: of .fxs: "default", "compact" or "small". spz_version: of .spz: 3 (gzip) or 4 (zstd, the default).
     level, axes, max_gaussians, max_memory, threads, progress: as for `load`.
     """
     source, out = os.fsdecode(file_name(src)), os.fsdecode(file_name(dst))
-    is_packed = out.endswith(".fxs")
-    if not is_packed and not lib.fxs_scene_is_written(file_name(dst)):
+    packed = out.endswith(".fxs")
+    if not packed and not lib.fxs_scene_is_written(file_name(dst)):
         raise ValueError(f"{out}: expected a name ending in .fxs, .ply, .compressed.ply, .splat, .spz, .sog, .glb or "
                          ".csv")
-    if profile is not None and not is_packed:
+    if profile is not None and not packed:
         raise ValueError("profile: is for .fxs")
     if spz_version is not None and not out.endswith(".spz"):
         raise ValueError("spz_version: is for .spz")
-    version = 0 if spz_version is None else whole("spz_version", spz_version, 3, 4)
-    target = 0 if decimate is None else whole("decimate", decimate, 1, c.FXS_MAX_COUNT)
-    how = _filter(crop, sphere, prune, sh_degree, drop_floaters, not is_packed or target > 0)
+    version = whole("spz_version", 4 if spz_version is None else spz_version, 3, 4)
+    target = None if decimate is None else whole("decimate", decimate, 1, 2**64 - 1)
+    how = _filter(crop, sphere, prune, drop_floaters, sh_degree)
+    how.drawable = not packed or target is not None
+    _check_names(source, out)
+    with Calls(progress) as calls, _File(source, source, level, axes, max_gaussians, max_memory, calls) as file:
+        kept = file.filter(how)
+        if target is not None:
+            file.decimate(target)
+        if packed:
+            return _pack_into(file, out, profile or "default", threads, kept)
+        written = _write_into(file, out, version, progress)
+        clamped = max(getattr(written.clamped, name) for name in ("position", "scale", "dc", "sh"))
+        return _conversion(kept, file.info.count, 0, 0, clamped, written.lost_sh, bool(written.lost_antialiased))
+
+
+def _check_names(source: str, out: str) -> None:
     if _is_packed(source):
         raise Error(f"{source}: an .fxs file is not converted; convert the scene that it was made from",
                     c.FXS_ERR_FILE)
-    filtered = how.drawable or drop_floaters or crop is not None or sphere is not None or prune > 0 or sh_degree < 3
-    with Calls(progress) as calls, _File(source, source, level, axes, max_gaussians, max_memory, calls) as file:
-        kept = c.fxs_scene_filter_report(read=file.info.count, kept=file.info.count)
-        if filtered:
-            kept = file.filter(how)
-        if target:
-            file.decimate(target)
-        dropped, merged = kept.dropped.not_finite + kept.dropped.rotation, kept.kept - file.info.count
-        counts = (kept.outside, kept.faint)
-        if not is_packed:
-            clamped = _stream(file, out, version, progress)
-            return Conversion(kept.read, file.info.count, *counts, dropped, kept.floaters, merged, 0, clamped)
-        packed, report = file.pack(profile or "default", threads)
-        with Scene(Memory.packed(packed, out)) as scene:
-            scene.save(out)
-        return Conversion(kept.read, report.packed, *counts, dropped + report.read - report.packed, kept.floaters,
-                          merged, report.brought_in)
+    if os.path.exists(source) and os.path.exists(out) and os.path.samefile(source, out):
+        raise Error(f"{out}: is read and cannot be written too; give it another name", c.FXS_ERR_FILE)
 
 
-def _filter(crop: Any, sphere: Any, prune: float, sh_degree: int, drop_floaters: bool,
-            drawable: bool) -> c.fxs_scene_filter:
+def _filter(crop: Any, sphere: Any, prune: float, drop_floaters: bool, sh_degree: int) -> c.fxs_scene_filter:
     how = c.fxs_scene_filter()
     lib.fxs_scene_filter_default(how)
     if crop is not None:
@@ -371,57 +372,65 @@ def _filter(crop: Any, sphere: Any, prune: float, sh_degree: int, drop_floaters:
             raise ValueError("crop: its low is above its high")
         how.low, how.high = tuple(low), tuple(high)
     if sphere is not None:
-        *middle, radius = numbers("sphere", sphere, (4,))
+        x, y, z, radius = numbers("sphere", sphere, (4,))
         if radius < 0:
-            raise ValueError(f"sphere: a radius of {radius}")
-        how.middle, how.radius = tuple(middle), radius
+            raise ValueError("sphere: its radius is below 0")
+        how.middle, how.radius = (x, y, z), radius
     how.opacity = number("prune", prune, 0, 1)
     how.sh_degree = whole("sh_degree", sh_degree, 0, 3)
     how.floaters = bool(drop_floaters)
-    how.drawable = drawable
     return how
 
 
-_BATCH = c.fxs_gaussian * 4096
+def _conversion(kept: c.fxs_scene_filter_report, written: int, dropped: int, *rest: Any) -> Conversion:
+    left_out = kept.dropped.not_finite + kept.dropped.rotation + dropped
+    return Conversion(kept.read, written, kept.outside, kept.faint, kept.floaters, left_out, *rest)
 
 
-def _bounds(file: _File) -> "tuple[list[float], list[float]]":
-    """Of the centres. The file is read once, and at its beginning again."""
-    batch, low, high = _BATCH(), np.full(3, np.inf, np.float32), np.full(3, -np.inf, np.float32)
-    numbers_of = np.frombuffer(memoryview(batch).cast("B"), np.float32).reshape(len(batch), -1)
+def _pack_into(file: _File, out: str, profile: str, threads: int, kept: c.fxs_scene_filter_report) -> Conversion:
+    packed, report = file.pack(profile, threads)
+    with Scene(Memory.packed(packed, out)) as scene:
+        scene.save(out)
+    return _conversion(kept, report.packed, report.read - report.packed, report.brought_in)
+
+
+def _batches(file: _File) -> "Iterator[Tuple[Any, int]]":
+    """The Gaussians of a file, up to 4096 at a time."""
+    batch = (c.fxs_gaussian * 4096)()
     while True:
         n = call("fxs_scene_file_read", file.handle, batch, len(batch))
         if n == 0:
-            break
-        low, high = np.minimum(low, numbers_of[:n, :3].min(0)), np.maximum(high, numbers_of[:n, :3].max(0))
+            return
+        file.calls.heard()
+        yield batch, n
+
+
+def _find_bounds(file: _File, options: c.fxs_scene_write_options) -> None:
+    """Reads the file once for the bounds of its centres, and goes back to its beginning."""
+    low, high = np.full(3, np.inf, np.float32), np.full(3, -np.inf, np.float32)
+    for batch, n in _batches(file):
+        centres = np.frombuffer(batch, np.float32).reshape(len(batch), -1)[:n, :3]
+        low, high = np.minimum(low, centres.min(0)), np.maximum(high, centres.max(0))
+    options.low, options.high = tuple(low), tuple(high)
     call("fxs_scene_file_rewind", file.handle)
-    return low.tolist(), high.tolist()
 
 
-def _stream(file: _File, out: str, spz_version: int, progress: Progress) -> int:
-    """Writes what is read, Gaussian by Gaussian. Returns how many were clamped."""
-    info, writer, report, batch = file.info, ctypes.c_void_p(), c.fxs_scene_write_report(), _BATCH()
+def _write_into(file: _File, out: str, spz_version: int, progress: Progress) -> c.fxs_scene_write_report:
+    info, writer, report, done = file.info, ctypes.c_void_p(), c.fxs_scene_write_report(), 0
     options = c.fxs_scene_write_options(count=info.count, sh_degree=info.sh_degree, antialiased=info.antialiased,
                                         spz_version=spz_version)
     if out.endswith(".glb"):
-        low, high = _bounds(file)
-        options.low, options.high = tuple(low), tuple(high)
-    done = 0
+        _find_bounds(file, options)
     call("fxs_scene_writer_open", file_name(out), options, writer)
     try:
-        while True:
-            n = call("fxs_scene_file_read", file.handle, batch, len(batch))
-            if n == 0:
-                break
-            file.calls.heard()
+        for batch, n in _batches(file):
             if progress is not None:
                 progress(done / info.count)
             call("fxs_scene_writer_put", writer, batch, n)
             done += n
     except BaseException:
         # With Gaussians missing, it removes what it has written.
-        lib.fxs_scene_writer_close(writer, report, file.calls.progress, None, c.fxs_message())
+        lib.fxs_scene_writer_close(writer, report, c.fxs_progress_fn(), None, c.fxs_message())
         raise
     call("fxs_scene_writer_close", writer, report, file.calls.progress, None)
-    clamped = report.clamped
-    return int(max(clamped.position, clamped.scale, clamped.dc, clamped.sh))
+    return report
