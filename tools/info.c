@@ -39,7 +39,9 @@ static const char help[] =
     "  --backends          what can blend here, and why something cannot; with --json an array of objects: name,\n"
     "                      does, devices, here, why_not (null where it is here), and can: exact (the same bytes),\n"
     "                      trace (depths and ids), compose (meshes, coverage), share_eyes, devices (several)\n"
-    "  --help              this text\n\n"
+    "  --help              this text\n\n";
+
+static const char examples[] =
     "Examples:\n"
     "  fixsplat info scene.ply\n"
     "  fixsplat info scene.ply --size 1920x1080 --json\n"
@@ -109,7 +111,7 @@ static void print_scene_json(const loaded_scene *s)
 {
     const fxs_pack_report *r = &s->report;
     printf("\"format\": \"%s\", \"gaussians\": %" PRIu64 ", \"packed\": %" PRIu64 ", \"sh_degree\": %d, "
-           "\"antialiased\": %s, ", s->info.format, r->read, r->packed, s->info.sh_degree,
+           "\"levels\": %d, \"antialiased\": %s, ", s->info.format, r->read, r->packed, s->info.sh_degree, s->info.levels,
            s->info.antialiased ? "true" : "false");
     if (!s->mapping.data)
         printf("\"left_out\": {\"not_finite\": %" PRIu64 ", \"zero_quaternion\": %" PRIu64 ", \"share\": %.3g}, "
@@ -374,7 +376,7 @@ static int take_options(info_options *o, int argc, char **argv)
             break;
         case OPT_JSON: o->json = 1; break;
         case OPT_BACKENDS: o->backends = 1; break;
-        case OPT_HELP: fputs(help, stdout); exit(EXIT_OK);
+        case OPT_HELP: fputs(help, stdout); fputs(examples, stdout); exit(EXIT_OK);
         case '?': return wrong_option(argv);
         default:
             if (frame_option(&o->frame, c, optarg))
