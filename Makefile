@@ -405,7 +405,14 @@ fill = sed -e 's|@PREFIX@|$(PREFIX)|g' -e 's|@LIBDIR@|$(LIBDIR)|g' -e 's|@SONAME
            -e 's|@VERSION@|$(VERSION)|g' -e 's|@LIBS@|$(LIBS)|g' tools/package/$$f.in >$(DESTDIR)$(1)/$$f && \
        chmod 644 $(DESTDIR)$(1)/$$f || exit 1
 
-install: all $(if $(HAS_PAGE),web) ## install command, libraries, headers, the page where it is built: DESTDIR, PREFIX (/usr/local)
+# Pages for man, and completions: what the program says of itself, where it runs.
+$(B)/share/made: $(B)/fixsplat tools/man.sh tools/completions.sh
+	@rm -rf $(@D) && mkdir -p $(@D)
+	$(call say,MAN,$(@D))if $(B)/fixsplat --version >/dev/null 2>&1; then \
+	    sh tools/man.sh $(B)/fixsplat $(@D)/man/man1 && sh tools/completions.sh $(B)/fixsplat $(@D); fi
+	@touch $@
+
+install: all $(B)/share/made $(if $(HAS_PAGE),web) ## install command, libraries, headers, the page where it is built: DESTDIR, PREFIX (/usr/local)
 	install -d $(addprefix $(DESTDIR),$(PREFIX)/bin $(LIBDIR)/pkgconfig $(CMAKE) $(INCLUDE))
 	install $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin/
 	install -m 644 $(ARCHIVES) $(SHARED_LIBRARY) $(DESTDIR)$(LIBDIR)/
@@ -416,12 +423,16 @@ install: all $(if $(HAS_PAGE),web) ## install command, libraries, headers, the p
 	$(if $(WINDOW),install -d $(DESTDIR)$(ICONS) $(DESTDIR)$(APPLICATIONS))
 	$(if $(WINDOW),install -m 644 tools/package/fixsplat.svg $(DESTDIR)$(ICONS)/)
 	$(if $(WINDOW),install -m 644 tools/package/fixsplat-view.desktop $(DESTDIR)$(APPLICATIONS)/)
+	for f in $$(cd $(B)/share && find * -type f ! -name made); do \
+	    install -D -m 644 $(B)/share/$$f $(DESTDIR)$(PREFIX)/share/$$f || exit 1; done
 	$(if $(HAS_PAGE),install -d $(addprefix $(DESTDIR)$(PAGE)/,$(PAGE_FOLDERS)))
 	$(if $(HAS_PAGE),for f in $(PAGE_FILES); do install -m 644 $(WEB)/$$f $(DESTDIR)$(PAGE)/$$f || exit 1; done)
 
 uninstall: ## remove what install put there
 	rm -f $(addprefix $(DESTDIR)$(PREFIX)/bin/,fixsplat fixsplat-view fixsplat-web) \
 	    $(DESTDIR)$(ICONS)/fixsplat.svg $(DESTDIR)$(APPLICATIONS)/fixsplat-view.desktop \
+	    $(addprefix $(DESTDIR)$(PREFIX)/share/,man/man1/fixsplat.1 man/man1/fixsplat-*.1 zsh/site-functions/_fixsplat \
+	        bash-completion/completions/fixsplat fish/vendor_completions.d/fixsplat.fish) \
 	    $(addprefix $(DESTDIR)$(PAGE)/,$(PAGE_FILES)) \
 	    $(addprefix $(DESTDIR)$(LIBDIR)/,libfixsplat-core.a libfixsplat.a libfixsplat.so.$(VERSION) $(SONAME_LINKS)) \
 	    $(addprefix $(DESTDIR)$(LIBDIR)/pkgconfig/,$(PC_FILES)) $(addprefix $(DESTDIR)$(CMAKE)/,$(CMAKE_FILES)) \

@@ -86,7 +86,7 @@ static int take_options(bench_options *o, int argc, char **argv)
         case OPT_JSON: o->json = 1; break;
         case OPT_COMPARE: o->compare = optarg; break;
         case OPT_HELP: printf(help, camera_options_help, frame_options_help); exit(EXIT_OK);
-        case '?': return wrong_option(argv);
+        case '?': return wrong_option(argv, table);
         default:
             if (frame_option(&o->frame, c, optarg))
                 return EXIT_USAGE;

@@ -9,17 +9,134 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+static void say(const char *format, va_list arguments)
+{
+    progress_end();
+    fputs("fixsplat: ", stderr);
+    vfprintf(stderr, format, arguments);
+    fputc('\n', stderr);
+}
+
 int fail(int status, const char *format, ...)
 {
     va_list arguments;
-    progress_end();
-    fputs("fixsplat: ", stderr);
     va_start(arguments, format);
-    vfprintf(stderr, format, arguments);
+    say(format, arguments);
     va_end(arguments);
-    fputc('\n', stderr);
     return status;
 }
+
+/* ---- What every command takes ---------------------------------------------------------------------------------- */
+
+/* In the environment, so that the programs of `view` have it too. */
+static const char quiet_variable[] = "FIXSPLAT_QUIET";
+
+void be_quiet(void)
+{
+    setenv(quiet_variable, "1", 1);
+}
+
+int is_quiet(void)
+{
+    return getenv(quiet_variable) != 0;
+}
+
+void note(const char *format, ...)
+{
+    va_list arguments;
+    if (is_quiet())
+        return;
+    va_start(arguments, format);
+    say(format, arguments);
+    va_end(arguments);
+}
+
+void print_version(void)
+{
+    puts("fixsplat " FXS_VERSION);
+}
+
+enum { LONGEST_NAME = 32 };
+
+/* How many letters are to be put in, left out or changed to make one of the other (Levenshtein 1966): row i of the
+   table is of i letters of a. */
+static size_t edit_distance(const char *a, size_t length, const char *b)
+{
+    size_t row[LONGEST_NAME + 1];
+    const size_t columns = strlen(b);
+    for (size_t k = 0; k <= columns; k++)
+        row[k] = k;
+    for (size_t i = 0; i < length; i++) {
+        size_t diagonal = row[0];
+        row[0] = i + 1;
+        for (size_t k = 0; k < columns; k++) {
+            const size_t changed = diagonal + (a[i] != b[k]);
+            const size_t shorter = row[k] < row[k + 1] ? row[k] + 1 : row[k + 1] + 1;
+            diagonal = row[k + 1];
+            row[k + 1] = changed < shorter ? changed : shorter;
+        }
+    }
+    return row[columns];
+}
+
+void suggest(suggestion *s, const char *word, size_t length, const char *name)
+{
+    if (length > LONGEST_NAME || strlen(name) > LONGEST_NAME)
+        return;
+    const size_t distance = edit_distance(word, length, name);
+    if (distance <= 1 + length / 4 && (!s->name || distance < s->distance)) {
+        s->name = name;
+        s->distance = distance;
+    }
+}
+
+/* The word that getopt_long refused: in the middle of several letters it has not gone on to the next one yet. */
+static int wrong_word(char **argv)
+{
+    const char *before = argv[optind - 1];
+    const int is_letter = optopt > 0 && optopt < 256;
+    return is_letter && (before[0] != '-' || before[strlen(before) - 1] != optopt) ? optind : optind - 1;
+}
+
+static int is_one_of(const char *word, const char *first, const char *second)
+{
+    return !strcmp(word, first) || !strcmp(word, second);
+}
+
+int wrong_option(char **argv, const struct option *table)
+{
+    static char help[] = "--help";
+    const int at = wrong_word(argv);
+    const char *word = argv[at], *name = word + strspn(word, "-");
+    const size_t length = strcspn(name, "=");
+    suggestion s = {0, 0};
+    if (is_one_of(word, "-V", "--version")) {
+        print_version();
+        exit(EXIT_OK);
+    }
+    if (!strcmp(word, "-h")) {
+        argv[at] = help;
+        return EXIT_AGAIN;
+    }
+    if (!strcmp(word, "--quiet")) {
+        be_quiet();
+        for (int i = at; argv[i]; i++)
+            argv[i] = argv[i + 1];
+        return EXIT_AGAIN;
+    }
+    for (; table->name; table++)
+        suggest(&s, name, length, table->name);
+    suggest(&s, name, length, "quiet");
+    suggest(&s, name, length, "version");
+    const int is_known = s.name && !s.distance && name == word + 2;     /* and its value is missing */
+    return s.name && !is_known
+               ? fail(EXIT_USAGE, "%s: unknown option: %s; did you mean --%s? See: fixsplat %s --help", argv[0], word,
+                      s.name, argv[0])
+               : fail(EXIT_USAGE, "%s: unknown option or missing value: %s; see: fixsplat %s --help", argv[0], word,
+                      argv[0]);
+}
+
+/* ---- Messages of other parts ------------------------------------------------------------------------------------- */
 
 const char *needed_bytes(char text[64], const fxs_message *why)
 {
@@ -35,11 +152,7 @@ int fail_for(const fxs_message *why)
     return fail(EXIT_FAILED, "%s%s", why->text, needed_bytes(needed, why));
 }
 
-int wrong_option(char **argv)
-{
-    return fail(EXIT_USAGE, "%s: unknown option or missing value: %s; see: fixsplat %s --help", argv[0],
-                argv[optind - 1], argv[0]);
-}
+/* ---- Values ------------------------------------------------------------------------------------------------------ */
 
 int parse_count(const char *text, uint64_t low, uint64_t high, uint64_t *out)
 {
@@ -189,7 +302,7 @@ int progress_bar(void *label, double done)
 {
     static const char marks[] = "########################################";
     int width = (int)(sizeof marks - 1), filled = (int)(done * width), percent = (int)(done * 100);
-    if (percent == percent_shown || !isatty(STDERR_FILENO))
+    if (percent == percent_shown || !isatty(STDERR_FILENO) || is_quiet())
         return 0;
     fprintf(stderr, "\r%-12s [%.*s%*s] %3d %%", (const char *)label, filled, marks, width - filled, "", percent);
     percent_shown = percent;

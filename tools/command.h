@@ -8,7 +8,8 @@
 
 #include "../src/fixsplat.h"
 
-enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
+/* EXIT_AGAIN is for main alone: the command is to be run once more, with the words that are left. */
+enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_AGAIN = 3 };
 
 /* The sub-commands; argv[0] is their name. They return the exit status. */
 int command_render(int argc, char **argv);
@@ -29,14 +30,34 @@ __attribute__((format(printf, 2, 3)))
 #endif
 int fail(int status, const char *format, ...);
 
+/* Prints "fixsplat: ..." on stderr too, but not with --quiet: what is worth knowing and no error. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 1, 2)))
+#endif
+void note(const char *format, ...);
+
+/* --quiet: no notes and no progress, of this program and of those that it runs. */
+void be_quiet(void);
+int is_quiet(void);
+
+void print_version(void);
+
+/* The name that a word was probably meant to be, of all that were tried; null where none is near. */
+typedef struct suggestion {
+    const char *name;
+    size_t distance;
+} suggestion;
+void suggest(suggestion *s, const char *word, size_t length, const char *name);
+
 /* Writes and returns what is printed behind a message: how much memory it says is needed, or nothing. */
 const char *needed_bytes(char text[64], const fxs_message *why);
 
 /* Prints the message with that behind it, and returns EXIT_FAILED. */
 int fail_for(const fxs_message *why);
 
-/* After getopt_long met a wrong option (opterr is 0): names it, points at --help and returns EXIT_USAGE. */
-int wrong_option(char **argv);
+/* After getopt_long met an option that is not in the command's `table` (opterr is 0): -h, -V, --version and --quiet,
+   which every command takes, or a wrong one: names it, points at --help and returns EXIT_USAGE. */
+int wrong_option(char **argv, const struct option *table);
 
 /* What getopt_long returns for the options that several commands take; a command's own follow. */
 enum { OPT_CAMERAS = 256, OPT_VIEW, OPT_EYE, OPT_LOOK, OPT_UP, OPT_FOV, OPT_ORTHO, OPT_NEAR, OPT_SIZE, OPT_BG,

@@ -121,7 +121,7 @@ int command_compare(int argc, char **argv)
                 return fail(EXIT_USAGE, "--min-ssim %s: expected a number above 0, up to 1", optarg);
             break;
         case OPT_HELP: fputs(help, stdout); return EXIT_OK;
-        default: return wrong_option(argv);
+        default: return wrong_option(argv, table);
         }
     if (optind != argc - 2)
         return fail(EXIT_USAGE, "compare takes two pictures; see: fixsplat compare --help");

@@ -210,7 +210,7 @@ static int take_options(convert_options *o, int argc, char **argv)
             exit(EXIT_OK);
         }
         if (c == '?')
-            return wrong_option(argv);
+            return wrong_option(argv, table);
         if (take_option(o, c, optarg))
             return EXIT_USAGE;
     }
@@ -258,12 +258,11 @@ static void check_views(const world *packed, const convert_options *o, const loa
         world_close(&original);
     }
     if (status)
-        fprintf(stderr, "fixsplat: %s: not compared with the profile default\n", o->out);
+        note("%s: not compared with the profile default", o->out);
     else if (q.worst_psnr < promised)
-        fprintf(stderr, "fixsplat: %s: profile %s loses more of this scene than of most: a view %s is %.1f dB from the "
-                "profile default, where %.0f is usual; %s\n", o->out, profile_name(packed->scenes[0].scene.profile),
-                q.views[q.worst_view].name, q.worst_psnr, promised,
-                small ? "profile compact loses less" : "profile default loses less");
+        note("%s: profile %s loses more of this scene than of most: a view %s is %.1f dB from the profile default, where "
+             "%.0f is usual; %s", o->out, profile_name(packed->scenes[0].scene.profile), q.views[q.worst_view].name,
+             q.worst_psnr, promised, small ? "profile compact loses less" : "profile default loses less");
     if (!status)
         quality_free(&q);
 }
@@ -325,7 +324,7 @@ static int copy(fxs_scene_writer *w, fxs_scene_file *file, uint64_t count, fxs_m
 static void note_clamped(const char *out, uint32_t count, const char *what)
 {
     if (count)
-        fprintf(stderr, "fixsplat: %s: clamped %s, of %" PRIu32 " Gaussians\n", out, what, count);
+        note("%s: clamped %s, of %" PRIu32 " Gaussians", out, what, count);
 }
 
 /* What the format of OUT cannot say. */
@@ -333,13 +332,12 @@ static void note_losses(const char *out, const fxs_scene_write_report *report)
 {
     const fxs_spz_clamped *clamped = &report->clamped;
     if (report->lost_sh || report->lost_antialiased)
-        fprintf(stderr, "fixsplat: %s: a %s cannot hold%s%s%s\n", out, strrchr(out, '.'),
-                report->lost_sh ? " the SH above degree 0" : "",
-                report->lost_sh && report->lost_antialiased ? " and" : "",
-                report->lost_antialiased ? " that the scene is anti-aliased" : "");
+        note("%s: a %s cannot hold%s%s%s", out, strrchr(out, '.'), report->lost_sh ? " the SH above degree 0" : "",
+             report->lost_sh && report->lost_antialiased ? " and" : "",
+             report->lost_antialiased ? " that the scene is anti-aliased" : "");
     if (clamped->position)
-        fprintf(stderr, "fixsplat: %s: brought in %" PRIu32 " Gaussians from beyond %g units: an .spz has 24 bits "
-                "for a position\n", out, clamped->position, clamped->reach);
+        note("%s: brought in %" PRIu32 " Gaussians from beyond %g units: an .spz has 24 bits for a position", out,
+             clamped->position, clamped->reach);
     note_clamped(out, clamped->dc, "dc beyond +-3.33");
     note_clamped(out, clamped->sh, "SH beyond +-1");
     note_clamped(out, clamped->scale, "ln(sigma) outside -10 to 5.94");

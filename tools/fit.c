@@ -211,7 +211,7 @@ static int take_options(fit_command *c, int argc, char **argv)
             exit(EXIT_OK);
         }
         if (option == '?')
-            return wrong_option(argv);
+            return wrong_option(argv, table);
         if (take_option(c, option, optarg))
             return EXIT_USAGE;
     }
@@ -232,6 +232,8 @@ static int check_outputs(fit_command *c)
     const int wrong = result_check(c->out);
     if (wrong)
         return wrong;
+    if (same_file(c->out, c->in) || (c->resume && same_file(c->out, c->resume)))
+        return fail(EXIT_USAGE, "%s: is read and cannot be written too; give OUT another name", c->out);
     if (c->compare && mkdir(c->compare, 0777) && errno != EEXIST)
         return fail(EXIT_FAILED, "--compare %s: %s", c->compare, strerror(errno));
     if (c->compare && !stat(c->compare, &status) && !S_ISDIR(status.st_mode))
@@ -331,7 +333,7 @@ static void show(progress *p, uint32_t step, size_t gaussians, uint64_t now)
     char text[160], left[32];
     const int filled = (int)((uint64_t)step * 10 / p->steps);
     const int is_line = isatty(STDERR_FILENO);
-    if (now - p->shown < (is_line ? 200000000u : 30000000000u))
+    if (is_quiet() || now - p->shown < (is_line ? 200000000u : 30000000000u))
         return;
     say_duration(left, p->pace * (p->steps - step));
     snprintf(text, sizeof text, "[%.*s%*s] %" PRIu32 "/%" PRIu32 ", loss %.4f, %zu Gaussians, %.1f steps/s, %s left",
@@ -553,8 +555,7 @@ static void say_sizes(const fxs_photos *photos)
 static void say_left_out(void *label, const char *why)
 {
     (void)label;
-    progress_end();
-    fprintf(stderr, "fixsplat: left out: %s\n", why);
+    note("left out: %s", why);
 }
 
 /* As if the whole set were what the block needs of it. */
@@ -567,7 +568,7 @@ static int fit_block(fit_command *c, const fxs_photos *whole, char **argv)
     c->options.extent = block.extent;
     c->options.block = c->block;
     c->options.blocks = c->blocks;
-    if (isatty(STDERR_FILENO))
+    if (isatty(STDERR_FILENO) && !is_quiet())
         say_sizes(&block.photos);
     const int status = fit_photos(c, &block.photos, &block, argv);
     fxs_fit_block_free(&block);
@@ -586,11 +587,11 @@ static int read_photos(fit_command *c, fxs_photos *photos)
     if (error)
         return fail(EXIT_FAILED, "%s", message.text);
     if (photos->skipped)
-        fprintf(stderr, "fixsplat: %s: photographs left out: %zu, taken: %zu\n", c->in, photos->skipped,
-                photos->fit_count + photos->held_out_count);
+        note("%s: photographs left out: %zu, taken: %zu", c->in, photos->skipped,
+             photos->fit_count + photos->held_out_count);
     if (photos->points_are_random && !c->resume)
-        fprintf(stderr, "fixsplat: %s: no points: begins with %zu random ones\n", c->in, photos->point_count);
-    if (isatty(STDERR_FILENO))
+        note("%s: no points: begins with %zu random ones", c->in, photos->point_count);
+    if (isatty(STDERR_FILENO) && !is_quiet())
         say_sizes(photos);
     return 0;
 }

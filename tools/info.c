@@ -13,7 +13,7 @@
 
 static const char help[] =
     "Usage: fixsplat info SCENE... [OPTION...]\n"
-    "       fixsplat info --backends\n\n"
+    "       fixsplat info --backends [--json]\n\n"
     "Prints the number of Gaussians, SH degree and bounds of a scene, its bytes a Gaussian once packed, the largest\n"
     "difference that packing made to each attribute (of an .fxs file, which is packed already, every checksum is\n"
     "verified instead), and the memory that a frame needs: for any view, and the least. Of several scenes, or placed\n"
@@ -44,8 +44,12 @@ static const char more_help[] =
     IMPORT_HELP
     "  --json              print a JSON object: of --compare a list of views, psnr and ssim (means), worst_psnr,\n"
     "                      worst_ssim and worst_view (a PSNR is null where the pictures are equal)\n"
-    "  --backends          what can blend here, and why something cannot\n"
-    "  --help              this text\n\n"
+    "  --backends          what can blend here, and why something cannot; with --json an array of objects: name,\n"
+    "                      does, devices, here, why_not (null where it is here), and can: exact (the same bytes),\n"
+    "                      trace (depths and ids), compose (meshes, coverage), share_eyes, devices (several)\n"
+    "  --help              this text\n\n";
+
+static const char examples[] =
     "Examples:\n"
     "  fixsplat info scene.ply\n"
     "  fixsplat info scene.ply --size 1920x1080 --json\n"
@@ -59,7 +63,7 @@ typedef struct info_options {
     const char *original;
     uint64_t views;                         /* 0: none given */
     int board_width, board_height;          /* 0: not asked for */
-    int json, stats;
+    int json, stats, backends;
 } info_options;
 
 enum { OPT_JSON = OPT_OWN, OPT_COMPARE, OPT_VIEWS, OPT_BACKENDS, OPT_BOARD, OPT_STATS };
@@ -78,6 +82,7 @@ typedef struct findings {
     int width, height;
     fxs_frame_memory memory;
     size_t limit;                           /* --max-memory; 0: none */
+    int lod;
     int compared;
     quality quality;
     int has_stats;
@@ -93,6 +98,20 @@ static int is_one(const world *w)
 
 /* ---- Printing -------------------------------------------------------------------------------------------------- */
 
+static void print_vector_json(const double v[3])
+{
+    printf("[%.9g, %.9g, %.9g]", v[0], v[1], v[2]);
+}
+
+static void print_box_json(const double low[3], const double high[3])
+{
+    printf("[");
+    print_vector_json(low);
+    printf(", ");
+    print_vector_json(high);
+    printf("]");
+}
+
 static void print_error_json(const char *name, const fxs_pack_error *e)
 {
     printf("\"%s\": {\"position\": %.3g, \"scale\": %.3g, \"rotation_degrees\": %.3g, \"opacity\": %.3g, \"dc\": %.3g, "
@@ -103,26 +122,23 @@ static void print_scene_json(const loaded_scene *s)
 {
     const fxs_pack_report *r = &s->report;
     printf("\"format\": \"%s\", \"gaussians\": %" PRIu64 ", \"packed\": %" PRIu64 ", \"sh_degree\": %d, "
-           "\"antialiased\": %s, ", s->info.format, r->read, r->packed, s->info.sh_degree,
+           "\"levels\": %d, \"antialiased\": %s, ", s->info.format, r->read, r->packed, s->info.sh_degree, s->info.levels,
            s->info.antialiased ? "true" : "false");
     if (!s->mapping.data)
         printf("\"left_out\": {\"not_finite\": %" PRIu64 ", \"zero_quaternion\": %" PRIu64 ", \"share\": %.3g}, "
                "\"brought_in\": %" PRIu64 ", ", r->dropped.not_finite, r->dropped.rotation,
                fxs_dropped_share(&r->dropped), r->brought_in);
-    printf("\"bounds\": [[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]], ", r->low[0], r->low[1], r->low[2], r->high[0],
-           r->high[1], r->high[2]);
-    printf("\"profile\": \"%s\", ", profile_name(s->scene.profile));
+    printf("\"bounds\": ");
+    print_box_json(r->low, r->high);
+    printf(", \"seen\": ");
+    print_box_json(r->inner_low, r->inner_high);
+    printf(", \"profile\": \"%s\", ", profile_name(s->scene.profile));
     printf("\"packed_bytes\": %zu, \"bytes_per_gaussian\": %.3f, ", s->packed.bytes,
            (double)s->packed.bytes / (double)r->packed);
     if (!s->mapping.data) {
         print_error_json("largest_error", &r->largest);
         print_error_json("rms_error", &r->rms);
     }
-}
-
-static void print_vector_json(const double v[3])
-{
-    printf("[%.9g, %.9g, %.9g]", v[0], v[1], v[2]);
 }
 
 static void print_object_json(const world *w, uint32_t i)
@@ -134,21 +150,34 @@ static void print_object_json(const world *w, uint32_t i)
     printf(", \"id\": %" PRIu32 ", \"visible\": %s, \"scale\": %.9g, \"bounds\": ", p->id,
            p->visible ? "true" : "false", p->scale);
     if (world_box(w, i, low, high)) {
-        printf("[");
-        print_vector_json(low);
-        printf(", ");
-        print_vector_json(high);
-        printf("]}");
+        print_box_json(low, high);
+        printf("}");
     } else {
         printf("null}");
     }
 }
 
-static void print_board_json(const board *b)
+static void print_board_json(const board *b, size_t scene_bytes)
 {
     printf("\"board\": {\"width\": %d, \"height\": %d, \"strip\": %zu, \"bytes\": %zu, \"least\": %zu, "
-           "\"rows_least\": %zu, \"rows_most\": %zu}, ", b->width, b->height, b->strip, b->memory.total,
-           b->memory.least, b->rows, b->rows_most);
+           "\"rows_least\": %zu, \"rows_most\": %zu, \"flash\": %zu}, ", b->width, b->height, b->strip,
+           b->memory.total, b->memory.least, b->rows, b->rows_most, scene_bytes);
+}
+
+/* How many Gaussians a row of tiles may have with --max-memory: beyond the least, a band takes 88 bytes a splat. */
+static size_t row_of_limit(const fxs_frame_memory *m, size_t limit)
+{
+    return (limit - m->least) / 88 / 16 * 16;
+}
+
+static void print_limit_json(const fxs_frame_memory *m, size_t limit)
+{
+    const int is_enough = limit >= m->least;
+    printf("\"max_memory\": {\"bytes\": %zu, \"enough\": %s, \"slower_beyond\": ", limit, is_enough ? "true" : "false");
+    if (is_enough && limit < m->total)
+        printf("%zu}, ", row_of_limit(m, limit));
+    else
+        printf("null}, ");
 }
 
 /* Of one scene as it is, its own; of more, a list of scenes and one of objects. */
@@ -182,9 +211,11 @@ static void print_json(const findings *f)
         printf(", ");
     }
     if (f->board.width)
-        print_board_json(&f->board);
-    printf("\"frame\": {\"width\": %d, \"height\": %d, \"splats\": %zu, \"keys\": %zu, \"tiles\": %zu, "
-           "\"entries\": %zu, \"bytes\": %zu, \"least\": %zu}}\n", f->width, f->height, m->splats, m->keys, m->tiles,
+        print_board_json(&f->board, w->scenes[0].packed.bytes);
+    if (f->limit)
+        print_limit_json(m, f->limit);
+    printf("\"lod\": %d, \"frame\": {\"width\": %d, \"height\": %d, \"splats\": %zu, \"keys\": %zu, \"tiles\": %zu, "
+           "\"entries\": %zu, \"bytes\": %zu, \"least\": %zu}}\n", f->lod, f->width, f->height, m->splats, m->keys, m->tiles,
            m->entries, m->total, m->least);
 }
 
@@ -194,7 +225,6 @@ static void print_error_text(const char *name, const fxs_pack_error *e)
            e->position, e->scale, e->rotation, e->opacity, e->dc, e->sh);
 }
 
-/* What a frame can be with --max-memory: beyond the least, a band takes 88 bytes a splat. */
 static void print_limit(const fxs_frame_memory *m, size_t limit)
 {
     if (limit < m->least)
@@ -203,7 +233,7 @@ static void print_limit(const fxs_frame_memory *m, size_t limit)
         printf("--max-memory  %zu bytes: enough for any view\n", limit);
     else
         printf("--max-memory  %zu bytes: enough for any view; slower where a row of tiles (16 pixels) has more than "
-               "%zu Gaussians\n", limit, (limit - m->least) / 88 / 16 * 16);
+               "%zu Gaussians\n", limit, row_of_limit(m, limit));
 }
 
 static void print_scene_text(const loaded_scene *s)
@@ -293,6 +323,48 @@ static void print_backends(void)
     }
 }
 
+static void print_can_json(unsigned can)
+{
+    static const char *const names[] = {"exact", "trace", "compose", "share_eyes", "devices"};   /* FXS_CAN_* */
+    for (unsigned i = 0; i < sizeof names / sizeof *names; i++)
+        printf("%s\"%s\": %s", i ? ", " : "\"can\": {", names[i], can >> i & 1 ? "true" : "false");
+    printf("}");
+}
+
+static void print_backend_json(const fxs_backend *b)
+{
+    char name[256];
+    fxs_message why;
+    int device = 0;
+    printf("{\"name\": ");
+    print_json_string(b->name);
+    printf(", \"does\": ");
+    print_json_string(b->does);
+    printf(", \"devices\": [");
+    for (; !b->device(device, name, sizeof name, &why); device++) {
+        printf(device ? ", " : "");
+        print_json_string(name);
+    }
+    printf("], \"here\": %s, \"why_not\": ", device ? "true" : "false");
+    if (device)
+        printf("null");
+    else
+        print_json_string(why.text);
+    printf(", ");
+    print_can_json(b->can);
+    printf("}");
+}
+
+static void print_backends_json(void)
+{
+    const fxs_backend *b;
+    for (int i = 0; (b = fxs_backend_at(i)) != 0; i++) {
+        printf(i ? ",\n " : "[");
+        print_backend_json(b);
+    }
+    puts("]");
+}
+
 /* ---- The command ----------------------------------------------------------------------------------------------- */
 
 static int take_options(info_options *o, int argc, char **argv)
@@ -325,13 +397,17 @@ static int take_options(info_options *o, int argc, char **argv)
             break;
         case OPT_JSON: o->json = 1; break;
         case OPT_STATS: o->stats = 1; break;
-        case OPT_BACKENDS: print_backends(); exit(EXIT_OK);
-        case OPT_HELP: fputs(help, stdout); fputs(more_help, stdout); exit(EXIT_OK);
-        case '?': return wrong_option(argv);
+        case OPT_BACKENDS: o->backends = 1; break;
+        case OPT_HELP: fputs(help, stdout); fputs(more_help, stdout); fputs(examples, stdout); exit(EXIT_OK);
+        case '?': return wrong_option(argv, table);
         default:
             if (frame_option(&o->frame, c, optarg))
                 return EXIT_USAGE;
         }
+    if (o->backends) {
+        (o->json ? print_backends_json : print_backends)();
+        exit(EXIT_OK);
+    }
     if (take_scenes(&o->frame.world, "info", argc - optind, argv + optind))
         return EXIT_USAGE;
     if (!o->original && (o->frame.cameras || o->views))
@@ -445,6 +521,7 @@ static int find(findings *f, const info_options *o)
     f->height = o->frame.height ? o->frame.height : 720;
     const fxs_config config = {.run = fxs_pool_run, .threads = fxs_processors()};   /* only asked for sizes */
     f->limit = o->frame.max_memory;
+    f->lod = o->frame.load.lod;
     fxs_init(&context, &config);
     fxs_frame_bytes(&context, f->world.objects, f->world.count, f->width, f->height, &f->memory);
     const int status = o->board_width ? measure_board(f, o->board_width, o->board_height) : 0;

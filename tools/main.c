@@ -1,6 +1,7 @@
 /* fixsplat: renders 3D Gaussian splatting scenes in fixed point. */
 #include <string.h>
 
+#include "../port/backend/backends.h"
 #include "../port/files/output.h"
 #include "renderer.h"
 
@@ -20,14 +21,72 @@ static const struct {
 
 enum { COMMANDS = sizeof commands / sizeof *commands };
 
+static const char formats_help[] =
+    "Scenes that are read:\n"
+    "  .fxs                packed: opens at once, and is rendered from the file as it lies; written too\n"
+    "  .ply                Inria's (text, floats, halves; of 2D Gaussians too), written too\n"
+    "  .compressed.ply     PlayCanvas's, written too\n"
+    "  .splat              32 bytes a Gaussian, written too\n"
+    "  .ksplat             of GaussianSplats3D\n"
+    "  .spz                1 to 4; 3 and 4 are written too\n"
+    "  .sog                1 and 2, also streamed: a file, its folder, meta.json or lod-meta.json; 2 is written too\n"
+    "  .gltf, .glb         with KHR_gaussian_splatting; .glb is written too\n"
+    "  tileset.json        3D Tiles of such files\n"
+    "Scenes that are written alone:\n"
+    "  .csv                text, a line a Gaussian\n"
+    "Pictures that are written:\n"
+    "  .png, .ppm, .raw, .jpg, .webp; depths also as .pfm; films as .y4m and .rgba\n";
+
+static const char backends_help[] =
+    "A back end renders, and --backend names it; auto takes cpu. All but gles-quads give the same bytes.\n"
+    "fixsplat info --backends tells which are here, and why not; --json tells it to a program. With:\n\n";
+
+static void help_backends(void)
+{
+    const fxs_backend *b;
+    fputs(backends_help, stdout);
+    for (int i = 0; (b = fxs_backend_at(i)) != 0; i++)
+        printf("  %-19s %s\n", b->name, b->does);
+}
+
+static void help_cameras(void)
+{
+    fputs(camera_options_help, stdout);
+}
+
+static void help_formats(void)
+{
+    fputs(formats_help, stdout);
+}
+
+static const struct {
+    const char *name, *about;
+    void (*print)(void);
+} topics[] = {
+    {"cameras", "where a scene is seen from", help_cameras},
+    {"formats", "files that are read and written", help_formats},
+    {"backends", "what can render", help_backends},
+};
+
+enum { TOPICS = sizeof topics / sizeof *topics };
+
 static void help(void)
 {
     puts("fixsplat " FXS_VERSION ": renders 3D Gaussian splatting scenes in fixed point.\n\n"
-         "Usage: fixsplat COMMAND [OPTION...]     (fixsplat COMMAND --help tells more)\n");
+         "Usage: fixsplat COMMAND [OPTION...]     (fixsplat COMMAND --help tells more)\n"
+         "       fixsplat help COMMAND|TOPIC\n\n"
+         "Commands:");
     for (int i = 0; i < COMMANDS; i++)
-        printf("  %-12s %s\n", commands[i].name, commands[i].does);
-    puts("  --kernels    which version of each stage runs here\n"
-         "  --version\n"
+        printf("  %-19s %s\n", commands[i].name, commands[i].does);
+    puts("Topics of help:");
+    for (int i = 0; i < TOPICS; i++)
+        printf("  %-19s %s\n", topics[i].name, topics[i].about);
+    puts("Of every command:\n"
+         "  -h, --help          what the command does, and its options\n"
+         "  -V, --version       the version of fixsplat\n"
+         "  --quiet             no progress and no notes, errors alone; so does FIXSPLAT_QUIET=1 in the environment\n"
+         "Instead of one:\n"
+         "  --kernels           which version of each stage runs here\n"
          "\nExamples:\n"
          "  fixsplat make-scene knot -o knot.ply\n"
          "  fixsplat render knot.ply -o knot.png\n"
@@ -49,25 +108,72 @@ static int kernels(void)
     return EXIT_OK;
 }
 
+/* Once more where it met an option of all commands, which is taken care of then. */
+static int run(int i, char **argv)
+{
+    int argc, status;
+    do {
+        optind = 0;                             /* getopt_long begins anew */
+        for (argc = 0; argv[argc]; argc++)
+            ;
+        status = commands[i].run(argc, argv);
+    } while (status == EXIT_AGAIN);
+    return status;
+}
+
+static int wrong_command(const char *name)
+{
+    suggestion s = {0, 0};
+    if (!*name)
+        return fail(EXIT_USAGE, "no command; see: fixsplat --help");
+    for (int i = 0; i < COMMANDS; i++)
+        suggest(&s, name, strlen(name), commands[i].name);
+    suggest(&s, name, strlen(name), "help");
+    return s.name ? fail(EXIT_USAGE, "no command '%s'; did you mean %s? See: fixsplat --help", name, s.name)
+                  : fail(EXIT_USAGE, "no command '%s'; see: fixsplat --help", name);
+}
+
+static int help_about(const char *name)
+{
+    static char word[] = "--help";
+    suggestion s = {0, 0};
+    for (int i = 0; i < TOPICS; i++)
+        if (!strcmp(name, topics[i].name)) {
+            topics[i].print();
+            return EXIT_OK;
+        }
+    for (int i = 0; i < COMMANDS; i++)
+        if (!strcmp(name, commands[i].name))
+            return run(i, (char *[]){(char *)commands[i].name, word, 0});
+    for (int i = 0; i < COMMANDS; i++)
+        suggest(&s, name, strlen(name), commands[i].name);
+    for (int i = 0; i < TOPICS; i++)
+        suggest(&s, name, strlen(name), topics[i].name);
+    return s.name ? fail(EXIT_USAGE, "no help on '%s'; did you mean %s? See: fixsplat help", name, s.name)
+                  : fail(EXIT_USAGE, "no help on '%s'; see: fixsplat help", name);
+}
+
 int main(int argc, char **argv)
 {
-    const char *name = argc > 1 ? argv[1] : "";
     fxs_output_remove_at_signals();
     check_printed_at_exit();
+    for (; argc > 1 && !strcmp(argv[1], "--quiet"); argc--, argv++)
+        be_quiet();
+    const char *name = argc > 1 ? argv[1] : "";
+    if (!strcmp(name, "help") && argc > 2 && argv[2][0] != '-')
+        return argc == 3 ? help_about(argv[2]) : fail(EXIT_USAGE, "help takes one command or topic");
     if (!strcmp(name, "--help") || !strcmp(name, "-h") || !strcmp(name, "help")) {
         help();
         return EXIT_OK;
     }
-    if (!strcmp(name, "--version")) {
-        puts("fixsplat " FXS_VERSION);
+    if (!strcmp(name, "--version") || !strcmp(name, "-V")) {
+        print_version();
         return EXIT_OK;
     }
     if (!strcmp(name, "--kernels"))
         return kernels();
     for (int i = 0; i < COMMANDS; i++)
         if (!strcmp(name, commands[i].name))
-            return commands[i].run(argc - 1, argv + 1);
-    if (!*name)
-        return fail(EXIT_USAGE, "no command; see: fixsplat --help");
-    return fail(EXIT_USAGE, "no command '%s'; see: fixsplat --help", name);
+            return run(i, argv + 1);
+    return wrong_command(name);
 }

@@ -71,7 +71,7 @@ int command_make_scene(int argc, char **argv)
                 return fail(EXIT_USAGE, "--seed %s: expected 0 to 4294967295", optarg);
             break;
         case OPT_HELP: help(); return EXIT_OK;
-        default: return wrong_option(argv);
+        default: return wrong_option(argv, table);
         }
     if (optind != argc - 1 || !output)
         return fail(EXIT_USAGE, "make-scene takes a name and -o OUT.ply; see: fixsplat make-scene --help");

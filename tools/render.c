@@ -258,7 +258,7 @@ static int take_options(render_options *o, int argc, char **argv)
             exit(EXIT_OK);
         }
         if (c == '?')
-            return wrong_option(argv);
+            return wrong_option(argv, table);
         if (take_option(o, c, optarg))
             return EXIT_USAGE;
     }

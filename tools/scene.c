@@ -34,8 +34,8 @@ static void note_dropped(const char *path, const fxs_pack_dropped *d, uint64_t p
     if (share >= 0.003)
         snprintf(weight, sizeof weight, ", %.3g %% of the scene by opacity and area", 100 * share);
     if (dropped)
-        fprintf(stderr, "fixsplat: %s: left out %" PRIu64 " of %" PRIu64 " Gaussians (%" PRIu64 " not finite, %" PRIu64
-                " with a zero quaternion)%s\n", path, dropped, dropped + packed, d->not_finite, d->rotation, weight);
+        note("%s: left out %" PRIu64 " of %" PRIu64 " Gaussians (%" PRIu64 " not finite, %" PRIu64
+             " with a zero quaternion)%s", path, dropped, dropped + packed, d->not_finite, d->rotation, weight);
 }
 
 /* A message about a scene, which may or may not begin with its name. */
@@ -66,9 +66,8 @@ static int filter(fxs_scene_file *file, const char *path, const load_options *o,
     if (o->again)
         return 0;
     if (r.outside || r.faint || r.floaters)
-        fprintf(stderr, "fixsplat: %s: kept %" PRIu64 " of %" PRIu64 " Gaussians (%" PRIu64 " outside, %" PRIu64
-                " too faint, %" PRIu64 " floating)\n", path, r.read - r.outside - r.faint - r.floaters, r.read,
-                r.outside, r.faint, r.floaters);
+        note("%s: kept %" PRIu64 " of %" PRIu64 " Gaussians (%" PRIu64 " outside, %" PRIu64 " too faint, %" PRIu64
+             " floating)", path, r.read - r.outside - r.faint - r.floaters, r.read, r.outside, r.faint, r.floaters);
     note_dropped(path, &r.dropped, r.kept);
     return 0;
 }
@@ -163,8 +162,8 @@ int open_unfiltered(const char *path, const load_options *o, fxs_scene_file **fi
         return fail(EXIT_FAILED, "%s: --axes is for .spz", path);
     }
     if (info->stored_sh_degree > info->sh_degree && !o->again)
-        fprintf(stderr, "fixsplat: %s: the SH of degree %d are left out: degree %d is the highest that is drawn\n",
-                path, info->stored_sh_degree, info->sh_degree);
+        note("%s: the SH of degree %d are left out: degree %d is the highest that is drawn", path,
+             info->stored_sh_degree, info->sh_degree);
     return 0;
 }
 
@@ -195,8 +194,8 @@ int pack_scene(loaded_scene *loaded, const char *path, const load_options *o, fx
         return 0;
     note_dropped(path, &loaded->report.dropped, loaded->report.packed);
     if (loaded->report.brought_in)
-        fprintf(stderr, "fixsplat: %s: brought in %" PRIu64 " Gaussians from beyond 2^27 units, as they look from the "
-                "origin\n", path, loaded->report.brought_in);
+        note("%s: brought in %" PRIu64 " Gaussians from beyond 2^27 units, as they look from the origin", path,
+             loaded->report.brought_in);
     return 0;
 }
 

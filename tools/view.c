@@ -122,7 +122,7 @@ int view_options_take(view_options *o, int argc, char **argv)
                 return fail(EXIT_USAGE, "--port %s: expected a whole number from 0 to 65535", optarg);
             break;
         case OPT_HELP: printf(help, camera_options_help, frame_options_help, viewer_keys); exit(EXIT_OK);
-        case '?': return wrong_option(argv);
+        case '?': return wrong_option(argv, table);
         default:
             if (frame_option(&o->frame, c, optarg))
                 return EXIT_USAGE;

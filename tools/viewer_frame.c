@@ -81,7 +81,7 @@ void viewer_collect(viewer *v)
     }
 }
 
-static void note(viewer *v, const char *text)
+static void tell(viewer *v, const char *text)
 {
     snprintf(v->note, sizeof v->note, "%.255s", text);
     v->exposed = 1;
@@ -176,7 +176,7 @@ static void render(viewer *v, request *r)
 static void take_frame(viewer *v, request *r)
 {
     if (r->status) {
-        note(v, "not rendered: see the terminal");
+        tell(v, "not rendered: see the terminal");
         v->coarse = 0;
         if (!v->seen.width)
             end_without(v, r);
@@ -300,7 +300,7 @@ static void take_written(viewer *v, request *r)
         return;
     if (r->unwritten) {
         fail(0, "%s", r->message.text);
-        note(v, r->message.text);
+        tell(v, r->message.text);
         return;
     }
     if (r->shown == SHOW_COLOUR)
@@ -358,7 +358,7 @@ static void take_film(viewer *v, request *r)
         snprintf(text, sizeof text, "%.255s", r->message.text);
     else
         snprintf(text, sizeof text, "written: %.200s, %d frames", r->path, v->way_count);
-    note(v, text);
+    tell(v, text);
     v->changed = 1;
 }
 
@@ -388,7 +388,7 @@ static void ask_pick(viewer *v, void (*done)(viewer *, request *), double x, dou
 static int found(viewer *v, const request *r)
 {
     if (r->status <= 0)
-        note(v, r->status ? "not found: see the terminal" : "nothing there");
+        tell(v, r->status ? "not found: see the terminal" : "nothing there");
     return r->status > 0;
 }
 

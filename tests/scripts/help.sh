@@ -1,0 +1,113 @@
+#!/bin/sh
+# What the command says of itself: help on commands and topics, what was probably meant, --quiet, pages for man,
+# completions; JSON of what can render.
+. tests/scripts/lib/check.sh
+. tests/scripts/lib/command.sh
+
+share=$work/share
+says() { grep -Eq -- "$2" "$1" || { cat "$1"; return 1; }; }
+silent() { [ ! -s "$1" ] || { cat "$1"; return 1; }; }
+
+# ---- Help ------------------------------------------------------------------------------------------------------------
+
+commands=$("$fixsplat" --help | awk '/^Commands:/ { on = 1; next } /^[^ ]/ { on = 0 } on { print $1 }')
+check "commands" equal "$(echo $commands)" "render view info convert fit compare make-scene bench"
+for command in $commands; do
+    "$fixsplat" "$command" --help >logs/wanted
+    for way in "help $command" "$command -h" "$command --json -h"; do
+        [ "$way" != "$command --json -h" ] || [ "$command" = info ] || continue
+        succeeds "$way" $way
+        check "$way: as --help" cmp logs/out logs/wanted
+    done
+    succeeds "$command -V" "$command" -V
+    check "$command -V: the version" equal "$(cat logs/out)" "$("$fixsplat" --version)"
+done
+for topic in cameras formats backends; do
+    succeeds "help $topic" help $topic
+    check "help $topic: says something" says logs/out '^  '
+done
+check "help formats: names each that convert writes" sh -c '
+    for ending in .fxs .ply .compressed.ply .splat .spz .sog .glb .csv; do
+        grep -qF -- "$ending" "$0" || { echo "no $ending"; exit 1; }; done' logs/formats <<END
+$("$fixsplat" help formats >logs/formats)
+END
+fails "help: two words" 2 "takes one" help render view
+fails "help: nothing near" 2 "no help on 'zzzzzz'; see" help zzzzzz
+fails "help: near" 2 "did you mean cameras" help camera
+fails "a command that is near" 2 "no command 'rendr'; did you mean render" rendr x.ply
+fails "a command that is not" 2 "no command 'frobnicate'; see" frobnicate
+fails "an option that is near" 2 "unknown option: --szie; did you mean --size" info --szie 3x3
+fails "an option that is not" 2 "unknown option or missing value: --zzzzzz; see" info --zzzzzz
+fails "a value that is missing" 2 "missing value: --size" render x.ply --size
+
+# ---- Quiet -----------------------------------------------------------------------------------------------------------
+
+"$fixsplat" make-scene knot --count 500 -o knot.ply 2>/dev/null
+run convert knot.ply knot.splat
+check "a note" says logs/err "cannot hold the SH"
+succeeds "--quiet behind the command" convert knot.ply knot.splat --quiet
+succeeds "--quiet before it" --quiet convert knot.ply knot.splat
+fails "--quiet: errors stay" 1 "none.ply" --quiet convert none.ply knot.splat
+succeeds "--quiet is no value of another option" convert knot.ply -- --quiet.ply
+check "--quiet is no value of another option: the file" test -s ./--quiet.ply
+
+# ---- JSON ------------------------------------------------------------------------------------------------------------
+
+"$fixsplat" info --backends --json >logs/backends
+"$fixsplat" info knot.ply --json >logs/info
+if have python3; then
+    check "info --backends --json" python3 - logs/backends <<'END'
+import json, sys
+all = {b["name"]: b for b in json.load(open(sys.argv[1]))}
+assert all["cpu"]["here"] and all["cpu"]["why_not"] is None and all["cpu"]["can"]["exact"], all["cpu"]
+assert all["cuda"]["here"] or all["cuda"]["why_not"], all["cuda"]
+END
+    check "info --json" python3 - logs/info <<'END'
+import json, sys
+info = json.load(open(sys.argv[1]))
+assert len(info["seen"]) == 2 and len(info["seen"][0]) == 3 and info["levels"] == 1, info
+END
+else
+    skip "JSON" "no python3 here"
+fi
+
+# ---- Pages and completions -------------------------------------------------------------------------------------------
+
+check "pages are made" sh "$root/tools/man.sh" "$fixsplat" "$share/man/man1"
+check "completions are made" sh "$root/tools/completions.sh" "$fixsplat" "$share"
+for page in fixsplat $(for c in $commands; do echo "fixsplat-$c"; done); do
+    if have groff; then
+        groff -man -ww -Tutf8 "$share/man/man1/$page.1" >logs/page 2>logs/err
+        check "$page.1: without a warning" silent logs/err
+    fi
+    check "$page.1: has its parts" sh -c 'for part in NAME SYNOPSIS DESCRIPTION; do
+        grep -q "^.SH $part" "$0" || { echo "no $part"; exit 1; }; done' "$share/man/man1/$page.1"
+done
+have groff || skip "pages, drawn" "no groff here"
+"$fixsplat" render --help | grep -o '^  *--[a-z-]*' | tr -d ' ' | sort -u >logs/options
+check "render's page has every option" sh -c 'sed "s/\\\\-/-/g" "$1" >logs/plain; while read -r option; do
+    grep -qF -- "$option" logs/plain || { echo "no $option"; exit 1; }; done <"$0"' logs/options "$share/man/man1/fixsplat-render.1"
+
+if have bash; then
+    # complete WORD...: what bash completes the last word to.
+    complete() {
+        bash -c '. "$0"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _fixsplat; printf "%s\n" "${COMPREPLY[@]}"' \
+            "$share/bash-completion/completions/fixsplat" "$@" | tr '\n' ' '
+    }
+    check "bash: a command" equal "$(complete fixsplat comp)" "compare "
+    check "bash: an option" equal "$(complete fixsplat render --orb)" "--orbit "
+    check "bash: a value of few" equal "$(complete fixsplat convert x.ply x.fxs --profile '')" "default compact small "
+    check "bash: a recipe" equal "$(complete fixsplat fit x --recipe m)" "mcmc "
+    check "bash: a topic" equal "$(complete fixsplat help cam)" "cameras "
+else
+    skip "bash" "not here"
+fi
+for shell in zsh fish; do
+    case $shell in
+    zsh) file=zsh/site-functions/_fixsplat ;;
+    fish) file=fish/vendor_completions.d/fixsplat.fish ;;
+    esac
+    if have $shell; then check "$shell: reads it" $shell -n "$share/$file"; else skip "$shell" "not here"; fi
+done
+
+finish
