@@ -100,6 +100,8 @@ succeeds "--batch" fit set --steps 60 -o batch.ply --batch 2 --threads 1
 check "--batch, 2 threads: the same file" cmp batch.ply again.ply
 "$fixsplat" fit set --steps 60 -o again.ply --resume again.ply.fit >logs/out
 check "--batch, resumed: the same file" cmp batch.ply again.ply
+cp part.fxs.fit given.fxs
+fails "OUT is the file that it goes on from" 2 "given.fxs: is read and cannot be written too" $fit -o given.fxs --resume given.fxs
 fails "--resume: another batch" 2 "--batch: again.ply.fit was begun with another" fit set --steps 60 -o x.fxs \
     --resume again.ply.fit --batch 3
 run fit set -o resumed.fxs --resume part.fxs.fit
