@@ -1332,7 +1332,7 @@ static void test_render_refuses_arguments(void)
     REFUSES(FXS_ERR_ARGUMENT, good.options.sh_degree, -1);
     REFUSES(FXS_ERR_ARGUMENT, good.options.sh_degree, 4);
     REFUSES(FXS_ERR_ARGUMENT, good.options.cutoff, (enum fxs_cutoff)2);
-    REFUSES(FXS_ERR_TARGET, good.format, (enum fxs_format)4);
+    REFUSES(FXS_ERR_TARGET, good.format, (enum fxs_format)(FXS_FORMAT_RGB565_SWAPPED + 1));
     REFUSES(FXS_ERR_TARGET, good.format, (enum fxs_format)-1);
     REFUSES(FXS_ERR_ARGUMENT, good.memory, 0);
     REFUSES(FXS_ERR_MEMORY, good.memory, good.memory + 32);
