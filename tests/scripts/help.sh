@@ -48,8 +48,8 @@ check "a note" says logs/err "cannot hold the SH"
 succeeds "--quiet behind the command" convert knot.ply knot.splat --quiet
 succeeds "--quiet before it" --quiet convert knot.ply knot.splat
 fails "--quiet: errors stay" 1 "none.ply" --quiet convert none.ply knot.splat
-succeeds "--quiet is no value of another option" convert knot.ply -- --quiet.ply
-check "--quiet is no value of another option: the file" test -s ./--quiet.ply
+succeeds "a file whose name begins with --quiet" convert knot.ply -- --quiet.ply
+check "a file whose name begins with --quiet: is there" test -s ./--quiet.ply
 
 # ---- JSON ------------------------------------------------------------------------------------------------------------
 
