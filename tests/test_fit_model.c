@@ -1041,6 +1041,12 @@ static void fast_recipe(void)
         last = p.divisor;
     }
     CHECK(!wrong && last == 1);
+    for (uint32_t tenth = 0; tenth < 10; tenth++) {
+        fxs_fit_plan_step(&o, 2.5f, 800 * tenth + 800, 600, &p);
+        CHECK(p.divisor == (tenth < 1 ? 4 : tenth < 3 ? 2 : 1) && p.densify == (tenth < 4) && p.gradient == 0.0001f);
+    }
+    CHECK(fxs_fit_recipe_steps(FXS_FIT_FAST) == 8000 && fxs_fit_recipe_gaussians(FXS_FIT_FAST) == 250000);
+    CHECK(fxs_fit_recipe_gaussians(FXS_FIT_MCMC) == 1000000 && fxs_fit_recipe_gaussians(FXS_FIT_REFERENCE) == 1 << 22);
     fxs_fit_plan_step(&o, 2.5f, 1, 199, &p);
     CHECK(p.divisor == 2);
     fxs_fit_plan_step(&o, 2.5f, 1, 99, &p);
