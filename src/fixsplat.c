@@ -26,6 +26,7 @@ const char *fxs_strerror(int error)
         "an object's rotation, scale or another of its fields is out of range, or there are too many",
         "a target is missing or not aligned, its rows are longer than its stride, or it overlaps another",
         "a file is missing, cannot be read or written, or is not what it should be",
+        "stopped by the caller",
     };
     int count = (int)(sizeof words / sizeof *words);
     return error <= 0 && error > -count ? words[-error] : "unknown error";

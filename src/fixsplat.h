@@ -51,7 +51,8 @@ enum fxs_error {
                                    too many */
     FXS_ERR_TARGET = -10,       /* a target that is missing or not aligned, whose rows are longer than its stride, that
                                    overlaps another, or that the format does not allow */
-    FXS_ERR_FILE = -11          /* a file that is missing, cannot be read or written, or is not what it should be */
+    FXS_ERR_FILE = -11,         /* a file that is missing, cannot be read or written, or is not what it should be */
+    FXS_ERR_STOPPED = -12       /* a function of the caller's said so: fxs_options.stop, progress of long calls */
 };
 
 /* The words for an error code: one line, static, never null. */
@@ -156,13 +157,20 @@ enum fxs_cutoff {
     FXS_CUTOFF_SQUARE = 1          /* as in Kerbl et al. 2023: 16x16 tiles touched by a square of side 6 sigma_max */
 };
 
+/* Whether a frame is to end early: not 0, and it ends with FXS_ERR_STOPPED. It is asked every 4096 Gaussians and every
+   macro tile of 32x32 pixels, on any thread that renders and on several at once, so it should be quick; a GPU is asked
+   before each frame that it is given. */
+typedef int fxs_stop_fn(void *argument);
+
 typedef struct fxs_options {
     enum fxs_cutoff cutoff;
     int sh_degree;                 /* highest degree evaluated, 0 to 3; the scene's own where that is lower */
     uint8_t background[3];         /* r g b */
+    fxs_stop_fn *stop;             /* null: a frame is always finished */
+    void *stop_argument;
 } fxs_options;
 
-/* Mahalanobis cut-off, SH degree 3, black background. */
+/* Mahalanobis cut-off, SH degree 3, black background, no stop. */
 void fxs_options_init(fxs_options *options);
 
 /* ---- Targets --------------------------------------------------------------------------------------------------- */
@@ -367,7 +375,8 @@ typedef struct fxs_stats {
    `targets`: at least one; with a back end they are passed on to it, and may be null where it needs none. Only pixels
    are written. *stats may be null. Errors: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA, FXS_ERR_SIZE, FXS_ERR_OBJECT (also where
    the camera is more than 2^28 of the object's units away from its origin), FXS_ERR_TARGET, FXS_ERR_MEMORY; nothing is
-   written to the targets then. FXS_ERR_SCENE and those of a back end; a part of the pixels may be written then. */
+   written to the targets then. FXS_ERR_SCENE, FXS_ERR_STOPPED and those of a back end; a part of the pixels may be
+   written then. */
 int fxs_render(const fxs_context *context, const fxs_object *objects, uint32_t count, const fxs_camera *camera,
                const fxs_options *options, const fxs_targets *targets, void *memory, size_t memory_bytes,
                fxs_stats *stats);

@@ -39,6 +39,10 @@ static void draw_macro(void *argument, uint32_t job)
     uint32_t *entries = fxs_list_room(f, macro), tile;
     uint64_t *times = f->macro_times + FXS_LAPS * (size_t)macro;
     memset(times, 0, FXS_LAPS * sizeof *times);
+    if (fxs_frame_stopped(f)) {
+        f->lengths[macro] = FXS_NOTHING;
+        return;
+    }
     fxs_laps laps = {job % TIMED ? 0 : fxs_now(f), job % TIMED ? 0 : times};
     const fxs_key *keys = fxs_list_sort(f, macro);
     lap(f, &laps, FXS_SORTED);
@@ -178,7 +182,7 @@ static int place_objects(fxs_frame *f)
 }
 
 /* Counts the splats of each tile row. *least: the memory that the frame takes, more than before where no row can be
-   sliced. Returns 0 or FXS_ERR_SCENE. */
+   sliced. Returns 0, FXS_ERR_SCENE or FXS_ERR_STOPPED. */
 static int plan(fxs_frame *f, uint64_t *least)
 {
     fxs_bands_begin_plan(f);
@@ -220,7 +224,8 @@ int fxs_frame_prepare(fxs_frame *f)
     return 0;
 }
 
-static void draw_macros(fxs_frame *f)
+/* Returns 0 or FXS_ERR_STOPPED. */
+static int draw_macros(fxs_frame *f)
 {
     static const enum fxs_stage stages[FXS_LAPS] = {FXS_SORT, FXS_BIN, FXS_BLEND, FXS_RESOLVE};
     const uint64_t start = fxs_now(f);
@@ -228,6 +233,10 @@ static void draw_macros(fxs_frame *f)
     fxs_frame_run(f, draw_macro, jobs);
     f->stats.runs++;
     share_time(f, fxs_now(f) - start, f->macro_times + FXS_LAPS * (size_t)f->first_macro, jobs, FXS_LAPS, stages);
+    for (uint32_t macro = f->first_macro; macro <= f->last_macro; macro++)
+        if (f->lengths[macro] == FXS_NOTHING)
+            return FXS_ERR_STOPPED;
+    return 0;
 }
 
 static int draw_listed(fxs_frame *f);
@@ -257,10 +266,7 @@ static int draw_listed(fxs_frame *f)
     for (uint32_t end = f->last_macro + 1; f->first_macro < end && !error; f->first_macro = f->last_macro + 1) {
         fxs_lists_fill(f, end);
         f->stats.nanoseconds[FXS_BIN] += fxs_now(f) - start;
-        if (f->draw_tile)
-            draw_macros(f);
-        else
-            error = fxs_draw_lists(f);
+        error = f->draw_tile ? draw_macros(f) : fxs_draw_lists(f);
         start = fxs_now(f);
     }
     for (uint32_t tile = fxs_tiles_above(f, f->first_row); tile < fxs_tiles_above(f, f->end_row); tile++)

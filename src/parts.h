@@ -6,6 +6,7 @@
 
 #define FXS_BLOCK 16u              /* chunks that are projected, shaded and binned in one go */
 #define FXS_BLOCK_FAILED UINT32_MAX   /* the scene was damaged or changed */
+#define FXS_BLOCK_STOPPED (UINT32_MAX - 1)
 #define FXS_SORT_BUCKETS 2048
 
 /* Splats of a block whose first, or last, tile row is above a given one. */
@@ -70,13 +71,13 @@ typedef struct fxs_frame {
     /* Cut from the memory once, fixed_bytes long. */
     uint64_t fixed_bytes, bytes_for_all;   /* bytes_for_all: of a frame at once */
     uint32_t *block_slots;                 /* first slot of each block, and the end of the last one's */
-    uint32_t *block_counts;                /* its splats, or FXS_BLOCK_FAILED */
+    uint32_t *block_counts;                /* its splats, or FXS_BLOCK_FAILED or _STOPPED */
     uint64_t *block_times;                 /* nanoseconds of project, shade and bin */
     fxs_row_counts *row_counts;            /* planned only: tiles_y + 1 for each block */
     fxs_extent *extents;                   /* planned only: of each chunk */
     uint32_t (*histograms)[FXS_SORT_BUCKETS];   /* of each part, for a back end without lists */
     uint32_t *tile_counts, *tile_ends;     /* length of each tile's list, and for back ends where it ends */
-    uint32_t *lengths;                     /* of each macro tile's list */
+    uint32_t *lengths;                     /* of each macro tile's list; FXS_NOTHING where drawing it was stopped */
     uint32_t *next;                        /* a row of macro tiles for each part: keys, then where they go; and more */
     uint64_t *macro_times;                 /* nanoseconds of sort, bin, blend and resolve */
 
@@ -103,6 +104,12 @@ typedef struct fxs_frame {
 static inline void fxs_frame_run(const fxs_frame *f, void (*job)(void *, uint32_t), uint32_t jobs)
 {
     fxs_run(&f->context->config, job, (void *)f, jobs);
+}
+
+/* Asked by each job: what it finds is noted in a place of the job's own. */
+static inline int fxs_frame_stopped(const fxs_frame *f)
+{
+    return f->options->stop && f->options->stop(f->options->stop_argument);
 }
 
 static inline uint64_t fxs_now(const fxs_frame *f)
@@ -172,7 +179,8 @@ int32_t fxs_prepare_project(fxs_frame *f, uint32_t object, uint32_t chunk, uint3
 int fxs_prepare_shade(fxs_frame *f, uint32_t object, uint32_t chunk, uint32_t slot, uint32_t count);
 void fxs_prepare_bin(fxs_frame *f, uint32_t slot, uint32_t count);
 
-/* All three for every block; of a plan, project alone. Returns 0, or FXS_ERR_SCENE where a block failed. */
+/* All three for every block; of a plan, project alone. Returns 0, FXS_ERR_SCENE where a block failed, or
+   FXS_ERR_STOPPED. */
 int fxs_prepare_blocks(fxs_frame *f);
 
 /* ---- slices.c ---------------------------------------------------------------------------------------------------- */
@@ -186,7 +194,8 @@ typedef struct fxs_slice {
 } fxs_slice;
 
 /* Takes the next slice of the columns, f->count splats ready for lists; before the first all of *s is 0 but for `room`
-   and `more`. Returns 0, or FXS_ERR_SCENE: also where there are more than the scene has, as it changes meanwhile. */
+   and `more`. Returns 0, FXS_ERR_STOPPED, or FXS_ERR_SCENE: also where there are more than the scene has, as it changes
+   meanwhile. */
 int fxs_slice_next(fxs_frame *f, fxs_slice *s);
 
 /* ---- eyes.c ------------------------------------------------------------------------------------------------------ */

@@ -51,7 +51,7 @@ static int may_have(const fxs_frame *f, const fxs_slice *s, uint32_t chunk)
            e->farthest >= s->first >> 32 && e->nearest <= s->last >> 32;
 }
 
-/* Projects what the slice needs. Returns 0 or FXS_ERR_SCENE. */
+/* Projects what the slice needs. Returns 0, FXS_ERR_SCENE or FXS_ERR_STOPPED. */
 static int take(fxs_frame *f, fxs_slice *s)
 {
     s->last = UINT64_MAX;
@@ -60,6 +60,8 @@ static int take(fxs_frame *f, fxs_slice *s)
     for (uint32_t chunk = 0; chunk < f->chunk_count; chunk++) {
         if (!may_have(f, s, chunk))
             continue;
+        if (fxs_frame_stopped(f))
+            return FXS_ERR_STOPPED;
         const int32_t count = fxs_prepare_project(f, fxs_frame_object(f, chunk), chunk, s->count, s->room + FXS_CHUNK);
         if (count < 0)
             return count;

@@ -241,6 +241,10 @@ void fxs_trace_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *sp
 void fxs_resolve_c(const fxs_options *options, enum fxs_format format, const fxs_tile *tile, int32_t columns,
                    int32_t rows, unsigned char *pixels, ptrdiff_t stride);
 
+/* `resolve` in any format. */
+void fxs_resolve_colour(const fxs_kernels *kernels, const fxs_options *options, enum fxs_format format,
+                        const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels, ptrdiff_t stride);
+
 /* fxs_blend_c that counts: see fxs_count_pairs. */
 void fxs_blend_count(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
                      uint32_t count, fxs_tile *tile, uint64_t *evaluated, uint64_t *blended);

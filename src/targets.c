@@ -139,10 +139,12 @@ static enum fxs_format resolved_format(enum fxs_format format)
            : format == FXS_FORMAT_RGB565_SWAPPED ? FXS_FORMAT_RGB565 : format;
 }
 
-/* The first byte of each pixel and the one at `other` change places. */
-static void swap_bytes(int other, int bytes, int32_t columns, int32_t rows, unsigned char *pixels, ptrdiff_t stride)
+/* Has bytes change places where the format is one of those that are made of another: the first of each pixel and one
+   after it. */
+static void swap_bytes(enum fxs_format format, int32_t columns, int32_t rows, unsigned char *pixels, ptrdiff_t stride)
 {
-    for (int32_t y = 0; y < rows; y++)
+    const int bytes = fxs_pixel_bytes(format), other = format == FXS_FORMAT_BGRA8 ? 2 : 1;
+    for (int32_t y = 0; y < rows && format != resolved_format(format); y++)
         for (int32_t x = 0; x < columns; x++) {
             unsigned char *pixel = pixels + y * stride + x * bytes, first = pixel[0];
             pixel[0] = pixel[other];
@@ -150,21 +152,32 @@ static void swap_bytes(int other, int bytes, int32_t columns, int32_t rows, unsi
         }
 }
 
+void fxs_resolve_colour(const fxs_kernels *kernels, const fxs_options *options, enum fxs_format format,
+                        const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels, ptrdiff_t stride)
+{
+    kernels->resolve(options, resolved_format(format), tile, columns, rows, pixels, stride);
+    swap_bytes(format, columns, rows, pixels, stride);
+}
+
+static void resolve_over(const fxs_targets *t, const fxs_tile *tile, int32_t columns, int32_t rows, int32_t x,
+                         int32_t y, unsigned char *colour)
+{
+    fxs_resolve_over(resolved_format(t->format), tile, columns, rows, fxs_image_at(&t->backdrop, x, y, 4),
+                     t->backdrop.stride, colour, t->colour.stride);
+    swap_bytes(t->format, columns, rows, colour, t->colour.stride);
+}
+
 void fxs_resolve_targets(const fxs_frame *f, const fxs_tile *tile, int32_t x, int32_t y)
 {
     const fxs_targets *t = f->eye->targets;
     const int32_t columns = fxs_min(FXS_TILE, f->eye->view.width - x);
     const int32_t rows = fxs_min(FXS_TILE, f->eye->view.height - y);
-    const enum fxs_format format = resolved_format(t->format);
     unsigned char *colour = t->colour.pixels ? fxs_image_at(&t->colour, x, y, fxs_pixel_bytes(t->format)) : 0;
     if (colour && t->backdrop.pixels)
-        fxs_resolve_over(format, tile, columns, rows, fxs_image_at(&t->backdrop, x, y, 4), t->backdrop.stride,
-                         colour, t->colour.stride);
+        resolve_over(t, tile, columns, rows, x, y, colour);
     else if (colour)
-        f->context->kernels.resolve(f->options, format, tile, columns, rows, colour, t->colour.stride);
-    if (colour && format != t->format)
-        swap_bytes(t->format == FXS_FORMAT_BGRA8 ? 2 : 1, fxs_pixel_bytes(format), columns, rows, colour,
-                   t->colour.stride);
+        fxs_resolve_colour(&f->context->kernels, f->options, t->format, tile, columns, rows, colour,
+                           t->colour.stride);
     if (t->coverage.pixels)
         resolve_coverage(tile, columns, rows, fxs_image_at(&t->coverage, x, y, 1), t->coverage.stride);
 }

@@ -1245,7 +1245,7 @@ static void check_progress(uint32_t threads)
     fxs_packed_scene_free(&packed);
     for (int stop = 1; stop <= all.count; stop++) {
         struct calls calls = {0, stop, 1, 0};
-        CHECK(pack_with(path, threads, count_call, &calls) == FXS_ERR_FILE && calls.count == stop);
+        CHECK(pack_with(path, threads, count_call, &calls) == FXS_ERR_STOPPED && calls.count == stop);
         CHECK(!packed.data && !packed.allocation && !strcmp(message.text, "import stopped"));
     }
 }

@@ -259,7 +259,7 @@ static void bad_photos(void)
     double done = 0;
     options.progress = stop;
     options.argument = &done;
-    check_refused("c", &options, FXS_ERR_FILE, "stopped");
+    check_refused("c", &options, FXS_ERR_STOPPED, "stopped");
     options.progress = NULL;
     options.hold_out = 1;
     check_refused("c", &options, FXS_ERR_FILE, "every photograph of 9 would be held out");

@@ -396,7 +396,7 @@ static void progress_is_told(void)
     for (progress.stops_at = 0; progress.stops_at < calls; progress.stops_at++) {
         progress.done = 0;
         progress.calls = 0;
-        CHECK(read_made_scene(BY_INPUT, &watched, out) == FXS_ERR_FILE &&
+        CHECK(read_made_scene(BY_INPUT, &watched, out) == FXS_ERR_STOPPED &&
               strcmp(message.text, "folder/made: stopped") == 0);
         CHECK(progress.calls == progress.stops_at + 1 && memory.live == 0 && input_calls.open == 0);
     }
@@ -415,7 +415,7 @@ static void every_progress_stops(void)
         progress.stops_at = n;
         if (fxs_scene_file_open_memory(path, bytes, size, &watched, &file, &info, &message) == 0) {
             progress.done = 0;
-            CHECK(fxs_scene_file_read(file, &one, 1, &message) == FXS_ERR_FILE);
+            CHECK(fxs_scene_file_read(file, &one, 1, &message) == FXS_ERR_STOPPED);
             fxs_scene_file_close(file);
         }
         CHECK(progress.calls == n + 1 && strstr(message.text, ": stopped") && memory.live == 0);

@@ -338,7 +338,7 @@ static void stopped(void)
         int calls = 0;
         const fxs_scene_write_options o = options_of(3, 0);
         const int error = write_all(endings[e], &o, stop, &calls);
-        CHECK(error == FXS_ERR_UNSUPPORTED || (error == FXS_ERR_FILE && calls == 2 && access(name, F_OK)));
+        CHECK(error == FXS_ERR_UNSUPPORTED || (error == FXS_ERR_STOPPED && calls == 2 && access(name, F_OK)));
     }
 }
 

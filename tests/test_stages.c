@@ -227,8 +227,8 @@ static void project_all_chunks(const fxs_scene *scene, const fxs_camera *camera,
     project_chunks(scene);
 }
 
-static const fxs_options defaults = {FXS_CUTOFF_MAHALANOBIS, 3, {0, 0, 0}};
-static const fxs_options squares = {FXS_CUTOFF_SQUARE, 3, {0, 0, 0}};
+static const fxs_options defaults = {.sh_degree = 3};
+static const fxs_options squares = {.cutoff = FXS_CUTOFF_SQUARE, .sh_degree = 3};
 
 static struct reference_options reference_of(const fxs_options *options, const fxs_scene *scene)
 {
@@ -885,7 +885,7 @@ static fxs_stats check_bytes(const fxs_scene *scene, const fxs_camera *camera, c
 static fxs_stats check_frame(const fxs_scene *scene, const fxs_camera *camera, enum fxs_cutoff cutoff)
 {
     const enum fxs_format format = (enum fxs_format)below(3);
-    fxs_options options = {cutoff, 0, {0, 0, 0}};
+    fxs_options options = {.cutoff = cutoff};
     options.sh_degree = below(4);
     for (int c = 0; c < 3; c++)
         options.background[c] = (uint8_t)bits();
@@ -1371,10 +1371,10 @@ static void test_init(void)
 
 static void test_words(void)
 {
-    for (int error = 0; error >= FXS_ERR_FILE; error--)
+    for (int error = 0; error >= FXS_ERR_STOPPED; error--)
         for (int other = 0; other > error; other--)
             CHECK(strcmp(fxs_strerror(error), fxs_strerror(other)) != 0);
-    CHECK(!strcmp(fxs_strerror(1), fxs_strerror(FXS_ERR_FILE - 1)) && fxs_strerror(INT32_MIN));
+    CHECK(!strcmp(fxs_strerror(1), fxs_strerror(FXS_ERR_STOPPED - 1)) && fxs_strerror(INT32_MIN));
     CHECK(!strcmp(fxs_stage_name(FXS_PROJECT), "project") && !strcmp(fxs_stage_name(FXS_RESOLVE), "resolve"));
     CHECK(fxs_stage_name(FXS_STAGES) && fxs_stage_name((enum fxs_stage)-1));
 }

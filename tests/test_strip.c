@@ -7,14 +7,14 @@
 #include "../port/board/strip.h"
 #include "../port/board/turntable.h"
 #include "../port/posix/map.h"
-#include "../src/packed.h"
+#include "../src/stage.h"
 #include "check.h"
 #include "random_scene.h"
 
 #define WIDTH_MOST 330
 #define HEIGHT_MOST 250
 
-static const fxs_options options = {FXS_CUTOFF_MAHALANOBIS, 3, {0x11, 0x13, 0x1b}};
+static const fxs_options options = {.sh_degree = 3, .background = {0x11, 0x13, 0x1b}};
 
 /* A picture put together from strips. */
 typedef struct collected {
@@ -51,7 +51,7 @@ typedef struct bench {
 
 static void bench_init(bench *b, int32_t width, int32_t height, int32_t rows, enum fxs_format format)
 {
-    const int32_t bytes = format == FXS_FORMAT_RGB565 ? 2 : format == FXS_FORMAT_RGBA16_COVERAGE ? 8 : 4;
+    const int32_t bytes = fxs_pixel_bytes(format);
     memset(b, 0, sizeof *b);
     b->got = (collected){.pixels = check_aligned((size_t)(width * height * bytes)), .row_bytes = width * bytes};
     b->want = check_aligned((size_t)(width * height * bytes));
@@ -118,7 +118,7 @@ static void test_strips_are_the_picture(void)
         if (i % 2)
             enlarge(&scene, &camera);
         fxs_object_init(&object, &scene.scene);
-        bench_init(&b, camera.width, camera.height, rows, (enum fxs_format)(i % 4));
+        bench_init(&b, camera.width, camera.height, rows, (enum fxs_format)(i % 6));
         if (i % 5 == 0)
             b.got.other = check_aligned((size_t)(b.strip.stride * rows));
         fxs_frame_memory sizes;
@@ -168,7 +168,7 @@ static void test_wrong_strips(void)
         if (i == 3)
             b.strip.rows_done = 0;
         if (i == 4)
-            b.strip.format = (enum fxs_format)4;
+            b.strip.format = (enum fxs_format)6;
         CHECK(fxs_render(&b.strips, &object, 1, &camera, &options, 0, memory, whole, 0) == FXS_ERR_TARGET);
     }
     b.strip = good;

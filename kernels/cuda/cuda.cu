@@ -458,6 +458,8 @@ int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
     const frame *of = &cuda->frames[i];
     const fxs_view &view = of->view;
     slot_sizes sizes;
+    if (cuda->options.stop && cuda->options.stop(cuda->options.stop_argument))
+        return failed(why, FXS_ERR_STOPPED, fxs_strerror(FXS_ERR_STOPPED));
     frame_buffers f = slot_buffers(s, of, &sizes);
     f.needs = &cuda->needs[i];
     const bool traced = fxs_targets_traced(&of->targets);

@@ -74,16 +74,17 @@ void fxs_cuda_forget(fxs_cuda *cuda, const fxs_scene *scene);
 /* Whether stage times are taken: that puts an event between the stages. */
 void fxs_cuda_time(fxs_cuda *cuda, int on);
 
-/* Starts 1 to FXS_CUDA_BATCH frames, whose targets must not overlap, behind the work of `stream` (a cudaStream_t; null: the default one), and lets the
-   stream wait for them. The pixels are there once fxs_cuda_finish has returned 0, which must come before the next call
-   of any other function. Errors as fxs_render's, and FXS_ERR_DEVICE: no frame is under way then. */
+/* Starts 1 to FXS_CUDA_BATCH frames, whose targets must not overlap, behind the work of `stream` (a cudaStream_t; null:
+   the default one), and lets the stream wait for them. The pixels are there once fxs_cuda_finish has returned 0, which
+   must come before the next call of any other function. `options` are copied; their stop is asked before each frame.
+   Errors as fxs_render's, and FXS_ERR_DEVICE: no frame is under way then. */
 int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
                     void *stream, fxs_message *why);
 
 /* Waits for the frames of fxs_cuda_render. Frames whose tile lists did not fit are rendered again, in more memory.
    *stats may be null. Errors: FXS_ERR_ARGUMENT where none are under way, FXS_ERR_MEMORY, FXS_ERR_DEVICE, FXS_ERR_SCENE
-   where a chunk's header is out of range: the scene's bytes had changed before they were uploaded; pixels are undefined
-   then. */
+   where a chunk's header is out of range: the scene's bytes had changed before they were uploaded; FXS_ERR_STOPPED.
+   Pixels are undefined then. */
 int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_message *why);
 
 /* Render, finish and copy, for targets in any host memory: as fxs_render takes them. */

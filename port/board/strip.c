@@ -7,15 +7,15 @@ static int is_valid(const fxs_strip *s, const fxs_view *view)
 {
     const ptrdiff_t row = (ptrdiff_t)view->width * fxs_pixel_bytes(s->format);
     return s->pixels && s->rows >= FXS_TILE && s->rows % FXS_TILE == 0 && s->kernels && s->rows_done &&
-           (unsigned)s->format <= FXS_FORMAT_RGBA16_COVERAGE && s->stride >= row;
+           (unsigned)s->format <= FXS_FORMAT_RGB565_SWAPPED && s->stride >= row;
 }
 
 static void resolve(const fxs_strip *s, const fxs_tile_run *run, const fxs_tile *pixels, int32_t x, int32_t y)
 {
     unsigned char *to = (unsigned char *)s->pixels + y % s->rows * s->stride +
                         (ptrdiff_t)x * fxs_pixel_bytes(s->format);
-    s->kernels->resolve(run->options, s->format, pixels, fxs_min(run->view->width - x, FXS_TILE),
-                        fxs_min(run->view->height - y, FXS_TILE), to, s->stride);
+    fxs_resolve_colour(s->kernels, run->options, s->format, pixels, fxs_min(run->view->width - x, FXS_TILE),
+                       fxs_min(run->view->height - y, FXS_TILE), to, s->stride);
 }
 
 static void blend(fxs_strip *s, const fxs_tile_run *run, uint32_t tile, int32_t x, int32_t y)

@@ -70,7 +70,8 @@ int main(void)
                                       .draw_blended = 1};
     board_stack_mark();
     console_command(line, sizeof line);
-    const fxs_options options = {FXS_CUTOFF_MAHALANOBIS, (int)console_option(line, "degree", 3), {0x11, 0x13, 0x1b}};
+    const fxs_options options = {.sh_degree = (int)console_option(line, "degree", 3),
+                                 .background = {0x11, 0x13, 0x1b}};
     const uint32_t width = console_option(line, "width", 320), height = console_option(line, "height", 240);
     const uint32_t rows = console_option(line, "rows", 16), frames = console_option(line, "frames", 4);
     const uint32_t room = (uint32_t)(board_memory_end - board_memory), memory = console_option(line, "memory", room);

@@ -198,6 +198,8 @@ static void drop(fxs_output *output)
 
 static int fail(const char *path, int error, fxs_message *message)
 {
+    if (error == ECANCELED)
+        return fxs_fail_as(FXS_ERR_STOPPED, message, "%s: stopped", path);
     return fxs_fail_as(error == ENOMEM ? FXS_ERR_MEMORY : FXS_ERR_FILE, message, "%s: cannot be written: %s", path,
                        strerror(error));
 }

@@ -91,7 +91,7 @@ static int read_all(reading *r, const fxs_view_list *views, fxs_fit_photo **phot
         run(o->pool, read_job, r, jobs);
         FXS_TRY(keep(r, jobs, *photos, kept, all, message));
         if (o->progress && o->progress(o->argument, (double)(done + r->first + jobs) / (double)count))
-            return fxs_fail(message, "reading of photographs stopped");
+            return fxs_fail_as(FXS_ERR_STOPPED, message, "reading of photographs stopped");
     }
     return 0;
 }

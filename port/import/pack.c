@@ -112,7 +112,7 @@ static int pass(packer *p, int which, part_fn *work)
         b = &p->batches[p->ready];
         if (b->count >= 0 && p->options.progress &&
             p->options.progress(p->options.argument, (which + (double)b->first / (double)p->info->count) / p->steps))
-            return fxs_fail(p->message, "import stopped");
+            return fxs_fail_as(FXS_ERR_STOPPED, p->message, "import stopped");
     } while (b->count > 0);
     return (int)b->count;
 }
@@ -453,7 +453,7 @@ static int finish(packer *p)
     for (p->slice = 0; p->slice * SLICE < p->header->chunk_count; p->slice++) {
         p->options.run(p->options.pool, finish_part, p, p->parts);
         if (p->palette && note_learned(p, 1 + 3 * fmin(1, (p->slice + 1.0) * SLICE / chunks)))
-            return fxs_fail(p->message, "import stopped");
+            return fxs_fail_as(FXS_ERR_STOPPED, p->message, "import stopped");
     }
     return 0;
 }

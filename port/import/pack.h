@@ -74,8 +74,8 @@ size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile)
 
    Returns 0 and a scene that fxs_packed_scene_free frees, or an error and a message, with a scene that is all 0.
    Errors: those of fxs_scene_file_read; FXS_ERR_FILE where the file has no Gaussian that can be drawn or more than
-   FXS_MAX_COUNT, where it changed from one reading to the next, or where `progress` stopped it; FXS_ERR_ARGUMENT (the
-   profile, the SH degree); FXS_ERR_MEMORY. */
+   FXS_MAX_COUNT, or where it changed from one reading to the next; FXS_ERR_STOPPED by `progress`; FXS_ERR_ARGUMENT
+   (the profile, the SH degree); FXS_ERR_MEMORY. */
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
              const fxs_pack_options *options, fxs_message *message);
 

@@ -504,7 +504,7 @@ static int learn_with(learn_fn *work, fxs_palette *palette, const fxs_sh_item *i
     if (!l.vectors || !l.indices || !l.sums || !l.total)
         result = fxs_fail_memory(message, NULL, 0);
     else
-        result = work(&l, items, count, step) ? fxs_fail(message, "import stopped") : 0;
+        result = work(&l, items, count, step) ? fxs_fail_as(FXS_ERR_STOPPED, message, "import stopped") : 0;
     fxs_release(allocator, l.vectors);
     fxs_release(allocator, l.indices);
     fxs_release(allocator, l.sums);

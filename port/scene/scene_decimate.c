@@ -344,7 +344,7 @@ static int decimate(decimated *d, uint32_t target, fxs_progress_fn *progress, vo
         qsort(d->pairs, pairs, sizeof *d->pairs, compare_pairs);
         merge_pairs(d, pairs, target);
         if (progress && progress(argument, (double)(before - d->count) / (before - target)))
-            return fxs_fail(message, "stopped");
+            return fxs_fail_as(FXS_ERR_STOPPED, message, "stopped");
     }
     return 0;
 }

@@ -24,7 +24,7 @@ extern "C" {
 
    This takes 340 bytes a Gaussian, and 236 for each that is left until the file is closed. `progress` is called with
    `argument`, and may be null. Returns 0, or an error and a message; the file is to be closed then. Errors: those of
-   fxs_scene_file_read, FXS_ERR_FILE where `progress` stopped it, FXS_ERR_ARGUMENT (the target), FXS_ERR_MEMORY. */
+   fxs_scene_file_read, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT (the target), FXS_ERR_MEMORY. */
 int fxs_scene_file_decimate(fxs_scene_file *file, uint64_t target, fxs_scene_file_info *info, fxs_progress_fn *progress,
                             void *argument, fxs_message *message);
 

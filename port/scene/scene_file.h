@@ -1,8 +1,8 @@
 /* Scene files: a stream of Gaussians in the file's order, whatever the format.
  *
  * Functions return 0 or a count, or an error and a message: FXS_ERR_FILE where a file is missing, damaged, of an
- * unknown format, changed while it was open, or beyond max_gaussians, and where a progress function stopped the call;
- * FXS_ERR_MEMORY where memory ended, or more than max_memory would be needed (bytes_needed has how much);
+ * unknown format, changed while it was open, or beyond max_gaussians; FXS_ERR_STOPPED where a progress function said
+ * so; FXS_ERR_MEMORY where memory ended, or more than max_memory would be needed (bytes_needed has how much);
  * FXS_ERR_UNSUPPORTED where this was built without a library that the format needs; FXS_ERR_ARGUMENT for a level that
  * there is not. A file is used by one thread at a time; several threads may each have files of their own. */
 #ifndef FXS_SCENE_FILE_H

@@ -101,7 +101,7 @@ static int count(fxs_scene_file *file, const filter_reader *r, uint64_t total, f
         if (n < 0)
             return (int)n;
         if (progress && progress(argument, (double)r->report.read / (double)total))
-            return fxs_fail(message, "stopped");
+            return fxs_fail_as(FXS_ERR_STOPPED, message, "stopped");
     }
     return 0;
 }

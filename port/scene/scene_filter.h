@@ -39,13 +39,13 @@ void fxs_scene_filter_default(fxs_scene_filter *filter);
 
    A Gaussian floats where fewer than FXS_FLOATER_NEIGHBOURS others have their centres in the cube of 27 cells around
    it. The cells are those of a grid through the origin; their width is the least power of two that is 4 of the
-   Gaussian's largest sigma or more, and no less than that of the median Gaussian. So a large Gaussian of a background is asked for
-   neighbours farther away than a small one, and fine detail is asked for no more than the rest. To find them, the file
-   is read once more, and 16 bytes a Gaussian are held, 48 while they are found.
+   Gaussian's largest sigma or more, and no less than that of the median Gaussian. So a large Gaussian of a background
+   is asked for neighbours farther away than a small one, and fine detail is asked for no more than the rest. To find
+   them, the file is read once more, and 16 bytes a Gaussian are held, 48 while they are found.
 
-   Returns 0, or an error and a message; the file is to be closed
-   then. Errors: those of fxs_scene_file_read, FXS_ERR_FILE where nothing is left or `progress` stopped it,
-   FXS_ERR_ARGUMENT (the degree), FXS_ERR_MEMORY. */
+   Returns 0, or an error and a message; the file is to be closed then. Errors: those of
+   fxs_scene_file_read, FXS_ERR_FILE where nothing is left, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT (the degree),
+   FXS_ERR_MEMORY. */
 int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, fxs_scene_file_info *info,
                           fxs_scene_filter_report *report, fxs_progress_fn *progress, void *argument,
                           fxs_message *message);

@@ -51,9 +51,9 @@ int fxs_scene_writer_open(const char *path, const fxs_scene_write_options *optio
 int fxs_scene_writer_put(fxs_scene_writer *writer, const fxs_gaussian *gaussians, size_t n, fxs_message *message);
 
 /* Completes the file under its name, fills in *report, and frees the writer, which may be null. `progress` may be null.
-   Errors: FXS_ERR_FILE where something could not be written, now or earlier, or `progress` stopped it, FXS_ERR_ARGUMENT
-   where Gaussians are missing, FXS_ERR_MEMORY. After an error nothing is left behind, and an earlier file of that name
-   is as it was. */
+   Errors: FXS_ERR_FILE where something could not be written, now or earlier, FXS_ERR_STOPPED by `progress`,
+   FXS_ERR_ARGUMENT where Gaussians are missing, FXS_ERR_MEMORY. After an error nothing is left behind, and an
+   earlier file of that name is as it was. */
 int fxs_scene_writer_close(fxs_scene_writer *writer, fxs_scene_write_report *report, fxs_progress_fn *progress,
                            void *argument, fxs_message *message);
 

@@ -343,7 +343,7 @@ int fxs_scene_source_progress(const fxs_scene_source *source, double done, fxs_m
     const fxs_scene_file_options *options = &source->options;
     if (!options->progress || options->progress(options->progress_argument, done) == 0)
         return 0;
-    return fxs_fail(message, "%s: stopped", source->path);
+    return fxs_fail_as(FXS_ERR_STOPPED, message, "%s: stopped", source->path);
 }
 
 /* ---- Limits ---------------------------------------------------------------------------------------------------- */

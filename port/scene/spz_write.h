@@ -41,7 +41,7 @@ typedef struct fxs_spz_clamped {
 fxs_spz_clamped fxs_spz_writer_finish(fxs_spz_writer *writer);
 
 /* Compresses and writes the file, under a temporary name first (output.h), and frees the writer, which may be null.
-   `progress` may be null. Errors: FXS_ERR_FILE where something could not be written or `progress` stopped it,
+   `progress` may be null. Errors: FXS_ERR_FILE where something could not be written, FXS_ERR_STOPPED by `progress`,
    FXS_ERR_ARGUMENT where Gaussians are missing, FXS_ERR_MEMORY. After an error nothing is left behind, and an earlier
    file of that name is as it was. */
 int fxs_spz_writer_close(fxs_spz_writer *writer, fxs_progress_fn *progress, void *argument, fxs_message *message);

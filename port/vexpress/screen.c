@@ -47,7 +47,7 @@ int main(void)
     static fxs_context context;
     static fxs_strip strip = {pixels, sizeof *pixels, 16, FXS_FORMAT_RGB565, &context.kernels, copy_rows, 0, {0}};
     static const fxs_config config = {.draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1};
-    const fxs_options options = {FXS_CUTOFF_MAHALANOBIS, 3, {0x11, 0x13, 0x1b}};
+    const fxs_options options = {.sh_degree = 3, .background = {0x11, 0x13, 0x1b}};
     console_command(line, sizeof line);
     const uint32_t frames = console_option(line, "frames", 0);     /* 0: without end */
     fxs_init(&context, &config);

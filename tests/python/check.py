@@ -326,6 +326,14 @@ def interrupted(call):
         timer.cancel()
 
 
+# A picture that is stopped: by what is true, by what is raised; else it is the same.
+asked = []
+whole_picture = scene.render(large, threads=2).colour
+same_picture = scene.render(large, threads=2, stop=lambda: asked.append(0)).colour
+ok("render: asked to stop", len(asked) > 70 and np.array_equal(whole_picture, same_picture))
+refuses("render: stopped", fixsplat.Error, "stopped", lambda: scene.render(large, threads=2, stop=lambda: True))
+refuses("render: stop raises", ZeroDivisionError, "", lambda: scene.render(large, threads=2, stop=lambda: 1 / 0))
+
 for what, call in (("load", lambda: fixsplat.load("large.ply", profile="small", threads=1)),
                    ("convert", lambda: fixsplat.convert("large.ply", "x.spz")),
                    ("fit", lambda: fixsplat.fit("set", steps=10**6))):

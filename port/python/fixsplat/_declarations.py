@@ -68,8 +68,12 @@ class fxs_camera(Structure):
                 ("hidden_width", c_int32), ("hidden_height", c_int32)]
 
 
+fxs_stop_fn: Any = CFUNCTYPE(c_int, c_void_p)
+
+
 class fxs_options(Structure):
-    _fields_ = [("cutoff", c_uint), ("sh_degree", c_int), ("background", c_uint8 * 3)]
+    _fields_ = [("cutoff", c_uint), ("sh_degree", c_int), ("background", c_uint8 * 3), ("stop", fxs_stop_fn),
+                ("stop_argument", c_void_p)]
 
 
 class fxs_image(Structure):

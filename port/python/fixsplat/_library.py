@@ -138,11 +138,13 @@ class Calls:
     """
 
     def __init__(self, progress: "Optional[Callable[[float], object]]" = None,
-                 left_out: "Optional[Callable[[str], object]]" = None):
+                 left_out: "Optional[Callable[[str], object]]" = None,
+                 stop: "Optional[Callable[[], object]]" = None):
         self._raised: Optional[BaseException] = None
         self._handler: Any = None
         self.progress = c.fxs_progress_fn(lambda _, done: self._call(progress, done))
         self.left_out = c.fxs_left_out_fn(lambda _, why: self._call(left_out, why.decode("utf-8", "replace")))
+        self.stop = c.fxs_stop_fn(lambda _: self._ask(stop))
 
     def _call(self, function: "Optional[Callable[..., object]]", *values: Any) -> int:
         try:
@@ -151,6 +153,10 @@ class Calls:
         except BaseException as raised:
             self._raised = raised
         return int(self._raised is not None)
+
+    def _ask(self, function: "Optional[Callable[[], object]]") -> int:
+        answers: "list[object]" = []
+        return self._call(lambda: answers.append(function and function())) or int(any(answers))
 
     def heard(self) -> None:
         """Raises what was raised meanwhile."""

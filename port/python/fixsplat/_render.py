@@ -9,14 +9,14 @@ import weakref
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from types import TracebackType
-from typing import Any, Dict, Iterator, Optional, Sequence, Tuple, Type, Union
+from typing import Any, Callable, Dict, Iterator, Optional, Sequence, Tuple, Type, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _declarations as c
 from ._camera import Camera, number, numbers, rotation_of, vector
-from ._library import CUTOFFS, Error, PathLike, call, check, choose, colour, file_name, lib, whole
+from ._library import CUTOFFS, Calls, Error, PathLike, call, check, choose, colour, file_name, lib, whole
 from ._scene import Memory, Scene
 
 NOTHING = c.FXS_NOTHING
@@ -339,7 +339,8 @@ def render(objects: "Sequence[Union[Object, Scene]]", K: Any, world_to_camera: A
            height: Optional[int] = None, *, targets: "Sequence[str]" = ("colour",),
            background: "Sequence[int]" = (0, 0, 0), alpha: bool = False, cutoff: str = "mahalanobis",
            sh_degree: int = 3, near: Optional[float] = None, backend: "Union[str, Renderer]" = "auto",
-           threads: int = 0, device: int = 0, max_memory: int = 0) -> Picture:
+           threads: int = 0, device: int = 0, max_memory: int = 0,
+           stop: "Optional[Callable[[], object]]" = None) -> Picture:
     """Draws objects, placed in one world, in one order by depth.
 
     objects: a scene stands for itself at the origin. Without any, the picture is the background.
@@ -351,6 +352,7 @@ def render(objects: "Sequence[Union[Object, Scene]]", K: Any, world_to_camera: A
     near: depth of the near plane, scene units; None: the camera's, or 0.2.
     backend, threads, device, max_memory: as for `Renderer`, or a Renderer as the backend. One is kept for each thread
     of the program and name, until other options are asked for or the thread ends.
+    stop: asked often, from several threads; what is true, as what it raises, ends a long picture with an Error.
     """
     placed = _Placed(_objects(objects))
     camera = _camera(K, world_to_camera, width, height)
@@ -361,7 +363,13 @@ def render(objects: "Sequence[Union[Object, Scene]]", K: Any, world_to_camera: A
     aimed = _aim(arrays, alpha, bits)
     request = c.fxs_request(placed.array, len(placed.memories), ctypes.pointer(options), 1, ctypes.pointer(cameras),
                             ctypes.pointer(aimed), 0)
-    _renderer(backend, threads, device, max_memory).draw(placed, request)
+    renderer = _renderer(backend, threads, device, max_memory)
+    if stop is None:
+        renderer.draw(placed, request)
+    else:
+        with Calls(stop=stop) as calls:
+            options.stop = calls.stop
+            renderer.draw(placed, request)
     for memory in placed.memories:
         memory.check()
     for name in depths:

@@ -1,0 +1,204 @@
+/* Frames that are stopped, at each place where they ask: FXS_ERR_STOPPED, nothing else is lost, and a frame whose stop
+ * says no has the bytes of one without. */
+#include "../port/board/strip.h"
+#include "../port/posix/pool.h"
+#include "check.h"
+#include "one_scene.h"
+#include "random_scene.h"
+
+enum { SIDE = 100, THREADS = 4 };
+
+/* Says yes once, the `at`-th time that it is asked. */
+typedef struct asked {
+    int times, at;
+} asked;
+
+static int stop_at(void *argument)
+{
+    asked *a = argument;
+    return ++a->times == a->at;
+}
+
+typedef struct bench {
+    packed_scene packed;
+    fxs_object object;
+    fxs_camera cameras[2];
+    fxs_context context;
+    fxs_options options;
+    void *memory;
+    size_t bytes;
+    unsigned char pixels[2][SIDE * SIDE * 4], expected[2][SIDE * SIDE * 4];
+    uint32_t depths[SIDE * SIDE];
+} bench;
+
+typedef int draw_fn(bench *b);
+
+static fxs_targets targets_of(bench *b, int eye)
+{
+    return one_target(FXS_FORMAT_RGBA8, b->pixels[eye], SIDE * 4);
+}
+
+static int draw_colour(bench *b)
+{
+    const fxs_targets targets = targets_of(b, 0);
+    return fxs_render(&b->context, &b->object, 1, b->cameras, &b->options, &targets, b->memory, b->bytes, 0);
+}
+
+static int draw_depth(bench *b)
+{
+    fxs_targets targets = targets_of(b, 0);
+    targets.median_depth = (fxs_image){b->depths, SIDE * 4};
+    return fxs_render(&b->context, &b->object, 1, b->cameras, &b->options, &targets, b->memory, b->bytes, 0);
+}
+
+static int draw_eyes(bench *b)
+{
+    const fxs_targets targets[2] = {targets_of(b, 0), targets_of(b, 1)};
+    return fxs_render_stereo(&b->context, &b->object, 1, b->cameras, &b->options, targets, 0, b->memory, b->bytes, 0);
+}
+
+static int pick_pixel(bench *b)
+{
+    fxs_pick_result result;
+    const int found = fxs_pick(&b->context, &b->object, 1, b->cameras, &b->options, 0, SIDE / 2, SIDE / 2, b->memory,
+                               b->bytes, &result);
+    return found < 0 ? found : 0;
+}
+
+static int copy_rows(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
+{
+    memcpy((unsigned char *)argument + (size_t)first * SIDE * 4, strip->pixels, (size_t)rows * SIDE * 4);
+    return 0;
+}
+
+static int draw_strips(bench *b)
+{
+    static unsigned char rows[16 * SIDE * 4];
+    fxs_strip strip = {.pixels = rows, .stride = SIDE * 4, .rows = 16, .kernels = &b->context.kernels,
+                       .rows_done = copy_rows, .argument = b->pixels[0]};
+    fxs_context context = b->context;
+    context.config.draw = fxs_strip_draw;
+    context.config.draw_argument = &strip;
+    context.config.draw_blended = 1;
+    return fxs_render(&context, &b->object, 1, b->cameras, &b->options, 0, b->memory, b->bytes, 0);
+}
+
+/* `room` of what a frame takes over the least, in sixteenths. */
+static void bench_init(bench *b, uint64_t seed, int room)
+{
+    fxs_frame_memory sizes;
+    memset(b, 0, sizeof *b);
+    fxs_init(&b->context, 0);
+    fxs_options_init(&b->options);
+    state = seed;
+    b->packed = random_scene((enum fxs_profile)(seed % 3), 12000);
+    fxs_object_init(&b->object, &b->packed.scene);
+    random_camera(&b->cameras[0]);
+    b->cameras[0].width = b->cameras[0].height = SIDE;
+    b->cameras[0].cx_q12 = b->cameras[0].cy_q12 = SIDE * 2048;
+    b->cameras[1] = b->cameras[0];
+    b->cameras[1].position_q32[0] += 1 << 20;
+    const size_t whole = fxs_frame_bytes(&b->context, &b->object, 1, SIDE, SIDE, &sizes);
+    b->bytes = room < 16 ? sizes.least + (whole - sizes.least) / 16 * (size_t)room
+                         : fxs_stereo_bytes(&b->context, &b->object, 1, SIDE, SIDE);
+    b->memory = check_aligned(b->bytes);
+}
+
+static void bench_free(bench *b)
+{
+    free(b->memory);
+    free(b->packed.data);
+}
+
+/* Draws without a stop, with one that says no, with one that says yes at each place, and with none again. Returns at how
+   many places it was asked. */
+static int stop_everywhere(bench *b, draw_fn *draw)
+{
+    asked a = {0, 0};
+    CHECK(!draw(b));
+    memcpy(b->expected, b->pixels, sizeof b->expected);
+    b->options.stop = stop_at;
+    b->options.stop_argument = &a;
+    CHECK(!draw(b) && !memcmp(b->pixels, b->expected, sizeof b->expected));
+    const int places = a.times;
+    for (int at = 1; at <= places && !check_faults; at++) {
+        a = (asked){0, at};
+        CHECK(draw(b) == FXS_ERR_STOPPED);
+    }
+    b->options.stop = 0;
+    CHECK(!draw(b) && !memcmp(b->pixels, b->expected, sizeof b->expected));
+    return places;
+}
+
+static void test_stopped_at_each_place(void)
+{
+    static draw_fn *const draws[] = {draw_colour, draw_depth, draw_eyes, pick_pixel, draw_strips};
+    static bench b;
+    for (uint64_t seed = 1; seed <= 6; seed++)
+        for (int i = 0; i < 5; i++) {
+            bench_init(&b, seed, 16);
+            const int macros = draws[i] == draw_strips ? 0 : 16;
+            CHECK(stop_everywhere(&b, draws[i]) > macros);
+            bench_free(&b);
+        }
+}
+
+/* Bands, and slices of tile rows. */
+static void test_stopped_in_little_memory(void)
+{
+    static bench b;
+    int most = 0;
+    for (uint64_t seed = 1; seed <= 6; seed++)
+        for (int room = 0; room < 16; room += 5) {
+            bench_init(&b, seed, room);
+            const int places = stop_everywhere(&b, draw_colour), strips = stop_everywhere(&b, draw_strips);
+            most = places > most ? places : most;
+            CHECK(places > 16 && strips > 1);
+            bench_free(&b);
+        }
+    CHECK(most > 200);
+}
+
+/* ---- Threads ------------------------------------------------------------------------------------------------------- */
+
+/* Yes by chance, one time in so many; each thread has a series of its own, so that nothing is shared. */
+static int stop_by_chance(void *argument)
+{
+    static __thread uint32_t series;
+    series = series * 1664525 + 1013904223;
+    return (series >> 8) % *(const uint32_t *)argument == 0;
+}
+
+static void test_stopped_by_several_threads(void)
+{
+    static bench b;
+    int stopped = 0;
+    uint32_t every;
+    const fxs_config config = {.run = fxs_pool_run, .pool = fxs_pool_create(THREADS), .threads = THREADS};
+    bench_init(&b, 5, 16);
+    fxs_init(&b.context, &config);
+    free(b.memory);
+    b.bytes = fxs_frame_bytes(&b.context, &b.object, 1, SIDE, SIDE, 0);
+    b.memory = check_aligned(b.bytes);
+    CHECK(!draw_colour(&b));
+    memcpy(b.expected, b.pixels, sizeof b.expected);
+    b.options.stop = stop_by_chance;
+    b.options.stop_argument = &every;
+    for (every = 1; every <= 200 && !check_faults; every++) {
+        memset(b.pixels, 0, sizeof b.pixels);
+        const int error = draw_colour(&b);
+        CHECK(error == FXS_ERR_STOPPED || (!error && !memcmp(b.pixels, b.expected, sizeof b.expected)));
+        stopped += error != 0;
+    }
+    CHECK(stopped > 20 && stopped < 200);
+    bench_free(&b);
+    fxs_pool_destroy(config.pool);
+}
+
+int main(void)
+{
+    RUN(test_stopped_at_each_place);
+    RUN(test_stopped_in_little_memory);
+    RUN(test_stopped_by_several_threads);
+    return check_report();
+}
