@@ -55,7 +55,7 @@ static void measure(attribute_stats *a, float *values, uint64_t count)
     a->not_finite = count - a->count;
     if (!a->count)
         return;
-    qsort(values, a->count, sizeof *values, compare_floats);
+    qsort(values, (size_t)a->count, sizeof *values, compare_floats);
     a->least = values[0];
     a->most = values[a->count - 1];
     a->median = ((double)values[(a->count - 1) / 2] + values[a->count / 2]) / 2;
@@ -90,9 +90,10 @@ int stats_measure(scene_stats *s, fxs_scene_file *file, const fxs_scene_file_inf
     float *columns[STATS_MOST];
     memset(s, 0, sizeof *s);
     s->count = OF_ALL + info->sh_degree;
-    float *values = calloc(info->count * (uint64_t)s->count + 1, sizeof *values);
+    const uint64_t all = info->count * (uint64_t)s->count;
+    float *values = all < SIZE_MAX ? calloc((size_t)all + 1, sizeof *values) : NULL;
     if (!values)
-        return fxs_fail_memory(message, NULL, info->count * (uint64_t)s->count * sizeof *values);
+        return fxs_fail_memory(message, NULL, all * sizeof *values);
     for (int i = 0; i < s->count; i++)
         columns[i] = values + (uint64_t)i * info->count;
     const int error = read_columns(columns, file, info, message);

@@ -29,7 +29,7 @@ int fxs_floaters_init(fxs_floaters *f, uint64_t count, const fxs_allocator *allo
         return fxs_fail(message, "%llu Gaussians: floaters are found among at most %u", (unsigned long long)count,
                         FXS_MAX_COUNT);
     f->room = (uint32_t)count;
-    f->items = fxs_allocate(allocator, count, sizeof *f->items);
+    f->items = fxs_allocate(allocator, f->room, sizeof *f->items);
     return f->items ? 0 : fxs_fail_memory(message, NULL, count * sizeof *f->items);
 }
 

@@ -308,7 +308,7 @@ static const fxs_scene_format decimated_format = {
 
 /* ---- Decimation -------------------------------------------------------------------------------------------------- */
 
-static int make_room(decimated *d, uint64_t count, fxs_message *message)
+static int make_room(decimated *d, uint32_t count, fxs_message *message)
 {
     d->gaussians = fxs_allocate(d->allocator, count, sizeof *d->gaussians);
     d->shapes = fxs_allocate(d->allocator, count, sizeof *d->shapes);
@@ -316,11 +316,12 @@ static int make_room(decimated *d, uint64_t count, fxs_message *message)
     d->pairs = fxs_allocate(d->allocator, count, sizeof *d->pairs);
     d->merged = fxs_allocate(d->allocator, count, 1);
     return d->gaussians && d->shapes && d->entries && d->pairs && d->merged
-               ? 0 : fxs_fail_memory(message, NULL, count * (sizeof *d->gaussians + sizeof *d->shapes +
-                                                            sizeof *d->entries + sizeof *d->pairs + 1));
+               ? 0 : fxs_fail_memory(message, NULL, (uint64_t)count *
+                                          (sizeof *d->gaussians + sizeof *d->shapes + sizeof *d->entries +
+                                           sizeof *d->pairs + 1));
 }
 
-static int load(decimated *d, fxs_scene_file *file, uint64_t count, fxs_message *message)
+static int load(decimated *d, fxs_scene_file *file, uint32_t count, fxs_message *message)
 {
     FXS_TRY(fxs_scene_file_rewind(file, message));
     for (long n; (n = fxs_scene_file_read(file, d->gaussians + d->count, count - d->count, message)) != 0;) {
@@ -364,9 +365,9 @@ int fxs_scene_file_decimate(fxs_scene_file *file, uint64_t target, fxs_scene_fil
     if (!d)
         return fxs_fail_memory(message, NULL, sizeof *d);
     d->allocator = allocator;
-    int error = make_room(d, info->count, message);
+    int error = make_room(d, (uint32_t)info->count, message);
     if (!error)
-        error = load(d, file, info->count, message);
+        error = load(d, file, (uint32_t)info->count, message);
     if (!error)
         error = decimate(d, (uint32_t)target, progress, argument, message);
     release_work(d);

@@ -49,8 +49,8 @@ aarch64() {
 # By the Makefile, with the kernels of x86: without /usr/include, whose libraries are the host's.
 i686() {
     alone="$i686 -nostdinc -isystem $($i686 -print-file-name=include) -isystem /usr/i686-linux-gnu/include"
-    variant i686-kernels "env -u MAKEFLAGS make -s B=%.made CC='$alone' CFLAGS=-O1 LDFLAGS=-static NVCC=none \
-        %.made/tests/test_kernels && cp %.made/tests/test_kernels %" $(sed 's/ .*//' "$work/i686.run")
+    variant i686-kernels "env -u MAKEFLAGS make -s B=%.made CC='$alone' CFLAGS='-O1 -Werror' LDFLAGS=-static NVCC=none \
+        %.made/fixsplat %.made/tests/test_kernels && cp %.made/tests/test_kernels %" $(sed 's/ .*//' "$work/i686.run")
 }
 
 processor x86-64 x86_64-linux-gnu-gcc qemu-x86_64
