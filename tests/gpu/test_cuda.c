@@ -823,6 +823,40 @@ static void test_errors(void)
     free(packed.data);
 }
 
+/* Says yes the third time that it is asked. */
+static int stop_third(void *times)
+{
+    return ++*(int *)times == 3;
+}
+
+/* A batch that is stopped before its third frame; then the same without. */
+static void test_stopped(void)
+{
+    world w;
+    fxs_camera camera;
+    fxs_options options;
+    int times = 0;
+    state = 8;
+    random_world(&w, 4, 2000);
+    random_camera(&camera);
+    fxs_options_init(&options);
+    uint8_t *device = peek_device_memory(4 * (size_t)camera.width * (size_t)camera.height * 4);
+    fxs_cuda_frame frames[4];
+    for (int i = 0; i < 4; i++)
+        frames[i] = (fxs_cuda_frame){camera, &w.objects[i], 1, {.colour = {
+            device + (size_t)i * (size_t)camera.width * (size_t)camera.height * 4, camera.width * 4}}};
+    options.stop = stop_third;
+    options.stop_argument = &times;
+    CHECK(fxs_cuda_render(cuda, frames, 4, &options, 0, &why) == FXS_ERR_STOPPED && times == 3);
+    CHECK(!strcmp(why.text, fxs_strerror(FXS_ERR_STOPPED)) &&
+          fxs_cuda_finish(cuda, 0, &why) == FXS_ERR_ARGUMENT);                  /* none is under way */
+    CHECK(!fxs_cuda_render(cuda, frames, 4, &options, 0, &why) && !fxs_cuda_finish(cuda, 0, &why) && times >= 7);
+    options.stop = 0;
+    CHECK(frame_equal(w.objects, 4, &camera, &options, COLOUR | ID, FXS_FORMAT_RGBA8, 0));
+    peek_device_free(device);
+    world_free(&w);
+}
+
 /* The backdrop may be the colour target. */
 static void test_in_place(void)
 {
@@ -967,6 +1001,7 @@ int main(int argc, char **argv)
     RUN(test_scenes);
     RUN(test_memory);
     RUN(test_errors);
+    RUN(test_stopped);
     RUN(test_in_place);
     RUN(test_table);
     RUN(test_foveated);
