@@ -27,9 +27,9 @@ tests_of() {
     case $1 in
     src/stereo.c | src/eyes.c) echo stereo scribble ;;
     src/scene.c | src/packed.h) echo scene random pack fxs_file stages kernels bands ;;
-    src/slices.c) echo bands strip objects ;;
+    src/slices.c) echo bands strip objects stop ;;
     src/bands.c) echo random bands stereo stages scene scribble ;;
-    src/chunk.c | src/frame.c | src/prepare.c | src/lists.c | src/draw.c) echo random stages scene stereo kernels bands scribble golden foveate ;;
+    src/chunk.c | src/frame.c | src/prepare.c | src/lists.c | src/draw.c) echo random stages scene stereo kernels bands scribble stop golden foveate ;;
     src/pixel.h | src/fixed.h) echo random fixed stages kernels pixel scene golden ;;
     src/opacity.inc) echo pack random stages kernels ;;
     src/object.c | src/trace.c | src/targets.c | src/pick.c) echo targets objects stages ;;
