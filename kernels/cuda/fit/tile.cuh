@@ -328,7 +328,8 @@ __device__ inline void find_sums(const back_lane &l, int n, float sums[FXS_FIT_S
     sums_of(passed.x, passed.y, u, v, g.x, g.y, g.z, sums);
 }
 
-/* The tree over the places that are Apart from the lane's n-th: those p and p + 8 first. */
+/* The sum of the lane's places n, n + Apart / 2, n + Apart, ..., in the order of port/fit/tile.h: that of both halves,
+   in which places are twice as far apart. So p and p + 8 meet first. */
 template <int Apart>
 __device__ inline void add_places(const back_lane &l, int n, float sums[FXS_FIT_SUMS])
 {
