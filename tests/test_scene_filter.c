@@ -348,7 +348,7 @@ static void progress(void)
     filter.high[0] = 10;
     if (!CHECK(fxs_scene_file_open_memory(path, bytes, file_size, NULL, &file, &info, &message) == 0))
         return;
-    CHECK(fxs_scene_file_filter(file, &filter, &info, &report, stop_at_half, &last, &message) == FXS_ERR_FILE);
+    CHECK(fxs_scene_file_filter(file, &filter, &info, &report, stop_at_half, &last, &message) == FXS_ERR_STOPPED);
     CHECK(last >= 0.5);
     fxs_scene_file_close(file);
 }
