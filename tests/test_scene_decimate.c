@@ -172,7 +172,7 @@ static void faulty(void)
     if (!open_made(COUNT))
         return;
     CHECK(fxs_scene_file_decimate(file, 0, &info, NULL, NULL, &message) == FXS_ERR_ARGUMENT);
-    CHECK(fxs_scene_file_decimate(file, 1, &info, stop_at_once, &calls, &message) == FXS_ERR_FILE && calls == 1);
+    CHECK(fxs_scene_file_decimate(file, 1, &info, stop_at_once, &calls, &message) == FXS_ERR_STOPPED && calls == 1);
     fxs_scene_file_close(file);
 }
 
