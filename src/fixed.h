@@ -12,6 +12,15 @@
 #define FXS_PREFETCH(address) ((void)0)
 #endif
 
+/* A flag that several jobs read and write, and nothing else hangs on. */
+#if defined(__GNUC__)
+#define FXS_SHARED_READ(x) __atomic_load_n(&(x), __ATOMIC_RELAXED)
+#define FXS_SHARED_WRITE(x, to) __atomic_store_n(&(x), to, __ATOMIC_RELAXED)
+#else
+#define FXS_SHARED_READ(x) (*(volatile int *)&(x))
+#define FXS_SHARED_WRITE(x, to) (*(volatile int *)&(x) = (to))
+#endif
+
 /* Leading zeros; x above 0. */
 static inline int fxs_clz32(uint32_t x)
 {

@@ -158,8 +158,8 @@ enum fxs_cutoff {
 };
 
 /* Whether a frame is to end early: not 0, and it ends with FXS_ERR_STOPPED. It is asked every 4096 Gaussians and every
-   macro tile of 32x32 pixels, on any thread that renders and on several at once, so it should be quick; a GPU is asked
-   before each frame that it is given. */
+   macro tile of 32x32 pixels, on any thread that renders and on several at once, so it should be quick; before a GPU is
+   given a frame, it is asked once. */
 typedef int fxs_stop_fn(void *argument);
 
 typedef struct fxs_options {

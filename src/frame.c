@@ -39,10 +39,8 @@ static void draw_macro(void *argument, uint32_t job)
     uint32_t *entries = fxs_list_room(f, macro), tile;
     uint64_t *times = f->macro_times + FXS_LAPS * (size_t)macro;
     memset(times, 0, FXS_LAPS * sizeof *times);
-    if (fxs_frame_stopped(f)) {
-        f->lengths[macro] = FXS_NOTHING;
+    if (fxs_frame_stopped(f))
         return;
-    }
     fxs_laps laps = {job % TIMED ? 0 : fxs_now(f), job % TIMED ? 0 : times};
     const fxs_key *keys = fxs_list_sort(f, macro);
     lap(f, &laps, FXS_SORTED);
@@ -233,10 +231,7 @@ static int draw_macros(fxs_frame *f)
     fxs_frame_run(f, draw_macro, jobs);
     f->stats.runs++;
     share_time(f, fxs_now(f) - start, f->macro_times + FXS_LAPS * (size_t)f->first_macro, jobs, FXS_LAPS, stages);
-    for (uint32_t macro = f->first_macro; macro <= f->last_macro; macro++)
-        if (f->lengths[macro] == FXS_NOTHING)
-            return FXS_ERR_STOPPED;
-    return 0;
+    return f->stopped ? FXS_ERR_STOPPED : 0;
 }
 
 static int draw_listed(fxs_frame *f);

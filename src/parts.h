@@ -6,7 +6,6 @@
 
 #define FXS_BLOCK 16u              /* chunks that are projected, shaded and binned in one go */
 #define FXS_BLOCK_FAILED UINT32_MAX   /* the scene was damaged or changed */
-#define FXS_BLOCK_STOPPED (UINT32_MAX - 1)
 #define FXS_SORT_BUCKETS 2048
 
 /* Splats of a block whose first, or last, tile row is above a given one. */
@@ -71,13 +70,13 @@ typedef struct fxs_frame {
     /* Cut from the memory once, fixed_bytes long. */
     uint64_t fixed_bytes, bytes_for_all;   /* bytes_for_all: of a frame at once */
     uint32_t *block_slots;                 /* first slot of each block, and the end of the last one's */
-    uint32_t *block_counts;                /* its splats, or FXS_BLOCK_FAILED or _STOPPED */
+    uint32_t *block_counts;                /* its splats, or FXS_BLOCK_FAILED */
     uint64_t *block_times;                 /* nanoseconds of project, shade and bin */
     fxs_row_counts *row_counts;            /* planned only: tiles_y + 1 for each block */
     fxs_extent *extents;                   /* planned only: of each chunk */
     uint32_t (*histograms)[FXS_SORT_BUCKETS];   /* of each part, for a back end without lists */
     uint32_t *tile_counts, *tile_ends;     /* length of each tile's list, and for back ends where it ends */
-    uint32_t *lengths;                     /* of each macro tile's list; FXS_NOTHING where drawing it was stopped */
+    uint32_t *lengths;                     /* of each macro tile's list */
     uint32_t *next;                        /* a row of macro tiles for each part: keys, then where they go; and more */
     uint64_t *macro_times;                 /* nanoseconds of sort, bin, blend and resolve */
 
@@ -99,6 +98,7 @@ typedef struct fxs_frame {
     void (*draw_tile)(struct fxs_frame *f, uint32_t tile, const fxs_list *list,
                       fxs_laps *laps);     /* null: the back end draws */
     uint64_t evaluated, blended;           /* fxs_count_pairs only */
+    int stopped;                           /* the caller's stop said yes: jobs that begin later do nothing */
 } fxs_frame;
 
 static inline void fxs_frame_run(const fxs_frame *f, void (*job)(void *, uint32_t), uint32_t jobs)
@@ -106,10 +106,13 @@ static inline void fxs_frame_run(const fxs_frame *f, void (*job)(void *, uint32_
     fxs_run(&f->context->config, job, (void *)f, jobs);
 }
 
-/* Asked by each job: what it finds is noted in a place of the job's own. */
-static inline int fxs_frame_stopped(const fxs_frame *f)
+/* Asked by each job, until one is told to stop. */
+static inline int fxs_frame_stopped(fxs_frame *f)
 {
-    return f->options->stop && f->options->stop(f->options->stop_argument);
+    const fxs_options *o = f->options;
+    if (o->stop && !FXS_SHARED_READ(f->stopped) && o->stop(o->stop_argument))
+        FXS_SHARED_WRITE(f->stopped, 1);
+    return o->stop && FXS_SHARED_READ(f->stopped);
 }
 
 static inline uint64_t fxs_now(const fxs_frame *f)

@@ -109,10 +109,8 @@ static void prepare_block(void *argument, uint32_t block)
     f->block_counts[block] = FXS_BLOCK_FAILED;
     for (uint32_t first = fxs_block_start(f, block); first < end; first += FXS_BLOCK) {
         const uint32_t last = end - first < FXS_BLOCK ? end : first + FXS_BLOCK;
-        if (fxs_frame_stopped(f)) {
-            f->block_counts[block] = FXS_BLOCK_STOPPED;
+        if (fxs_frame_stopped(f))
             return;
-        }
         int32_t count = f->planning ? plan_chunks(f, block, first, last, slot)
                                     : prepare_chunks(f, first, last, slot + taken, f->block_slots[block + 1], times);
         if (count < 0)
@@ -126,7 +124,7 @@ int fxs_prepare_blocks(fxs_frame *f)
 {
     fxs_frame_run(f, prepare_block, f->blocks);
     for (uint32_t block = 0; block < f->blocks; block++)
-        if (f->block_counts[block] >= FXS_BLOCK_STOPPED)
-            return f->block_counts[block] == FXS_BLOCK_FAILED ? FXS_ERR_SCENE : FXS_ERR_STOPPED;
+        if (f->block_counts[block] == FXS_BLOCK_FAILED)
+            return f->stopped ? FXS_ERR_STOPPED : FXS_ERR_SCENE;
     return 0;
 }

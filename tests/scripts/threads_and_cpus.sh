@@ -64,7 +64,8 @@ if echo 'int main(void) { return 0; }' | clang -fsanitize=thread -x c - -o "$wor
         "$work/tsan/tests/test_threads" "$work/tsan/tests/test_stop" >"$work/log" 2>&1; then
         check "ThreadSanitizer, several callers of one context" env TSAN_OPTIONS=halt_on_error=1 \
             "$work/tsan/tests/test_threads"
-        check "ThreadSanitizer, frames that are stopped" env TSAN_OPTIONS=halt_on_error=1 "$work/tsan/tests/test_stop"
+        check "ThreadSanitizer, frames that are stopped" env TSAN_OPTIONS=halt_on_error=1 \
+            "$work/tsan/tests/test_stop" --threads
         for threads in 2 7; do
             same "ThreadSanitizer, $threads threads" env TSAN_OPTIONS=halt_on_error=1 "$work/tsan/fixsplat" "$@" \
                 --threads $threads
