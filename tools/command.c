@@ -6,7 +6,6 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 static void say(const char *format, va_list arguments)
@@ -243,29 +242,6 @@ int take_number(const char *name, const char *value, uint64_t low, uint64_t high
     return parse_count(value, low, high, out)
                ? 0 : fail(EXIT_USAGE, "--%s %s: expected a whole number from %" PRIu64 " to %" PRIu64, name, value, low,
                           high);
-}
-
-/* Of a file that is not there its folder, and how it is called in it. */
-static const char *stat_folder(const char *path, struct stat *status)
-{
-    char folder[4096];
-    const char *slash = strrchr(path, '/');
-    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path + 1) : 1, slash ? path : ".");
-    return stat(folder, status) ? 0 : slash ? slash + 1 : path;
-}
-
-int same_file(const char *a, const char *b)
-{
-    struct stat one, other;
-    const int there = !stat(a, &one);
-    if (there != !stat(b, &other))
-        return 0;
-    if (there)
-        return S_ISREG(one.st_mode) && one.st_dev == other.st_dev && one.st_ino == other.st_ino;
-    const char *name_a = stat_folder(a, &one), *name_b = stat_folder(b, &other);
-    if (!name_a || !name_b)
-        return !strcmp(a, b);
-    return one.st_dev == other.st_dev && one.st_ino == other.st_ino && !strcmp(name_a, name_b);
 }
 
 void print_json_string(const char *text)

@@ -77,9 +77,6 @@ int parse_colour(const char *text, uint8_t rgb[3]);                 /* RRGGBB */
    EXIT_USAGE. */
 int take_number(const char *name, const char *value, uint64_t low, uint64_t high, uint64_t *out);
 
-/* Whether two names are one regular file, which may not be there yet. */
-int same_file(const char *a, const char *b);
-
 /* Prints a text as a JSON string. */
 void print_json_string(const char *text);
 

@@ -4,6 +4,7 @@
 
 #include "../port/image/image_file.h"
 #include "command.h"
+#include "files.h"
 #include "metrics.h"
 
 static const char help[] =
@@ -93,10 +94,10 @@ static int check(const compare_options *o)
         return 0;
     if (!fxs_image_file_known(o->difference))
         return fail(EXIT_USAGE, "%s: expected a name ending in .png, .ppm, .raw, .jpg or .webp", o->difference);
-    for (int i = 0; i < 2; i++)
-        if (same_file(o->difference, o->path[i]))
-            return fail(EXIT_USAGE, "%s: an output that is read too", o->difference);
-    return 0;
+    files_read(o->path[0]);
+    files_read(o->path[1]);
+    files_write(o->difference);
+    return files_check(FILES_REFUSE);
 }
 
 int command_compare(int argc, char **argv)

@@ -7,6 +7,7 @@
 #include "../port/scene/fxs_file.h"
 #include "../port/scene/scene_write.h"
 #include "../port/world/merge.h"
+#include "files.h"
 #include "quality.h"
 
 static const char help[] =
@@ -22,7 +23,7 @@ static const char help[] =
     "  .csv             text, a line a Gaussian, columns as in a .ply\n\n"
     "What .fxs leaves out because it cannot be drawn, the others leave out too. An .fxs file is not converted back.\n"
     "Several files become one with the highest SH degree of any: coefficients that a file lacks are 0. All must be\n"
-    "anti-aliased, or none. OUT must not be one of IN.\n\n"
+    "anti-aliased, or none. A file that is there is replaced when OUT is complete; one of IN only with --force.\n\n"
     "The whole is turned, scaled and moved in this order, whatever that of the options, with its SH, in the axes of a\n"
     ".ply (x right, y down, z to the front):\n\n"
     "  --up X,Y,Z          turn this direction to up, which is 0,-1,0, by the shortest way\n"
@@ -49,6 +50,8 @@ static const char more_help[] =
     "                      default 63.5 (56.9 dB), compact 39.6 (53.9 dB), small 19.6 (44.4 dB). Where SH lose much,\n"
     "                      views are compared with default, and one that loses more than it should is said\n"
     "  --spz-version V     3 (gzip) or 4 (zstd, the default), for .spz\n"
+    "  --force             OUT may be one of IN: it is replaced, when OUT is complete. What only belongs to one, as a\n"
+    "                      content of a tileset, is never replaced\n"
     "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
     WORLD_HELP
     IMPORT_HELP
@@ -74,10 +77,11 @@ typedef struct convert_options {
     int filtered;                           /* an option asks for the filter */
     load_options load;
     int profile_given, spz_version;         /* spz_version 0: none given */
+    enum files_force force;
 } convert_options;
 
 enum { OPT_CROP = OPT_OWN, OPT_SPHERE, OPT_PRUNE, OPT_DROP_FLOATERS, OPT_DECIMATE, OPT_TRANSLATE, OPT_ROTATE, OPT_SCALE,
-       OPT_SPZ_VERSION };
+       OPT_SPZ_VERSION, OPT_FORCE };
 
 /* ---- Options --------------------------------------------------------------------------------------------------- */
 
@@ -174,6 +178,7 @@ static int take_option(convert_options *o, int which, const char *value)
             return fail(EXIT_USAGE, "--sh-degree %s: expected 0 to 3", value);
         o->filter.sh_degree = (int)number;
         return 0;
+    case OPT_FORCE: o->force = FILES_FORCED; return 0;
     case OPT_SPZ_VERSION:
         if (!parse_count(value, 3, 4, &number))
             return fail(EXIT_USAGE, "--spz-version %s: expected 3 or 4", value);
@@ -196,10 +201,12 @@ static int take_options(convert_options *o, int argc, char **argv)
                                           {"prune", required_argument, 0, OPT_PRUNE},
                                           {"sh-degree", required_argument, 0, OPT_SH_DEGREE},
                                           {"spz-version", required_argument, 0, OPT_SPZ_VERSION},
+                                          {"force", no_argument, 0, OPT_FORCE},
                                           {"lod", required_argument, 0, OPT_LOD}, IMPORT_OPTIONS,
                                           WORLD_OPTIONS, {"profile", required_argument, 0, OPT_PROFILE},
                                           {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
     memset(o, 0, sizeof *o);
+    o->force = FILES_REFUSE_UNFORCED;
     fxs_scene_filter_default(&o->filter);
     fxs_placement_init(&o->whole, 0, 0);
     opterr = 0;
@@ -276,11 +283,13 @@ static int to_fxs(const convert_options *o)
     if (world_open_merged(&w, &o->placed, o->in, &load))
         return EXIT_FAILED;
     const loaded_scene *loaded = &w.scenes[0];
-    int result = fxs_file_write(o->out, loaded->packed.data, loaded->packed.bytes, &message);
-    if (!result && loaded->report.rms.sh > loss_to_check(loaded->scene.profile))
-        check_views(&w, o, &load);
+    int status = files_check(o->force);
+    if (!status && loaded->report.rms.sh > loss_to_check(loaded->scene.profile))
+        check_views(&w, o, &load);      /* reads it again, so OUT is not written yet */
+    if (!status && fxs_file_write(o->out, loaded->packed.data, loaded->packed.bytes, &message))
+        status = fail(EXIT_FAILED, "%s", message.text);
     world_close(&w);
-    return result ? fail(EXIT_FAILED, "%s", message.text) : EXIT_OK;
+    return status;
 }
 
 /* ---- The others, Gaussian by Gaussian -------------------------------------------------------------------------- */
@@ -377,7 +386,9 @@ static int stream(const convert_options *o)
     load.filter = &filter;
     if (open_merged(&o->placed, o->in, &load, &file, &info))
         return EXIT_FAILED;
-    const int status = write_file(o, file, &info);
+    int status = files_check(o->force);
+    if (!status)
+        status = write_file(o, file, &info);
     fxs_scene_file_close(file);
     return status;
 }
@@ -430,18 +441,18 @@ static int place_whole(convert_options *o)
     return 0;
 }
 
-/* No file of a world may be packed, or the one that is written. */
-static int check_inputs(const convert_options *o)
+/* No file of a world may be packed. */
+static int check_files(const convert_options *o)
 {
     const fxs_world *placed = &o->placed;
     for (uint32_t i = 0; i < placed->file_count; i++) {
         if (is_packed(placed->files[i]))
             return fail(EXIT_FAILED, "%s: an .fxs file is not converted; convert the scene that it was made from",
                         placed->files[i]);
-        if (same_file(o->out, placed->files[i]))
-            return fail(EXIT_FAILED, "%s: is read and cannot be written too; give OUT another name", o->out);
+        files_read(placed->files[i]);
     }
-    return 0;
+    files_write(o->out);
+    return files_check(o->force);
 }
 
 int command_convert(int argc, char **argv)
@@ -459,7 +470,7 @@ int command_convert(int argc, char **argv)
         return status;
     status = place_whole(&o);
     if (!status)
-        status = check_inputs(&o);
+        status = check_files(&o);
     if (!status)
         status = packed ? to_fxs(&o) : stream(&o);
     fxs_world_free(&o.placed);

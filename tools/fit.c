@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "../port/posix/clock.h"
+#include "files.h"
 #include "fit_result.h"
 
 static const char help[] =
@@ -232,8 +233,12 @@ static int check_outputs(fit_command *c)
     const int wrong = result_check(c->out);
     if (wrong)
         return wrong;
-    if (same_file(c->out, c->in) || (c->resume && same_file(c->out, c->resume)))
-        return fail(EXIT_USAGE, "%s: is read and cannot be written too; give OUT another name", c->out);
+    files_read(c->in);
+    files_read(c->resume);
+    files_write(c->out);
+    const int taken = files_check(FILES_REFUSE);
+    if (taken)
+        return taken;
     if (c->compare && mkdir(c->compare, 0777) && errno != EEXIST)
         return fail(EXIT_FAILED, "--compare %s: %s", c->compare, strerror(errno));
     if (c->compare && !stat(c->compare, &status) && !S_ISDIR(status.st_mode))
@@ -391,6 +396,8 @@ static int resumes_its_own(const fit_command *c)
 /* The command that goes on from what is saved. */
 static void say_how_to_go_on(const fit_command *c, const char *why, uint32_t step, uint32_t steps, char **argv)
 {
+    if (is_quiet())
+        return;
     progress_end();
     fprintf(stderr, "fixsplat: %s after %" PRIu32 " steps of %" PRIu32 "; to go on: fixsplat", why, step, steps);
     for (; *argv; argv++)
@@ -519,8 +526,12 @@ static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, 
 
 static int fit_photos(const fit_command *c, const fxs_photos *photos, const fxs_fit_block *block, char **argv)
 {
-    fxs_fit *fit;
-    int status = open_fit(c, photos, &fit);
+    fxs_fit *fit = 0;
+    if (c->compare)
+        result_tell_pictures(photos, c->compare);
+    int status = files_check(FILES_REFUSE);     /* photographs are known now */
+    if (!status)
+        status = open_fit(c, photos, &fit);
     if (!status) {
         const uint64_t now = fxs_clock(0);
         const uint32_t first = fxs_fit_steps(fit);
@@ -548,8 +559,8 @@ static void say_sizes(const fxs_photos *photos)
         width = view->width > width ? view->width : width;
         height = view->height > height ? view->height : height;
     }
-    fprintf(stderr, "photographs: %zu to fit, %zu held out, up to %d x %d pixels; %zu points\n", photos->fit_count,
-            photos->held_out_count, width, height, photos->point_count);
+    note("photographs: %zu to fit, %zu held out, up to %d x %d pixels; %zu points", photos->fit_count,
+         photos->held_out_count, width, height, photos->point_count);
 }
 
 static void say_left_out(void *label, const char *why)
@@ -568,7 +579,7 @@ static int fit_block(fit_command *c, const fxs_photos *whole, char **argv)
     c->options.extent = block.extent;
     c->options.block = c->block;
     c->options.blocks = c->blocks;
-    if (isatty(STDERR_FILENO) && !is_quiet())
+    if (isatty(STDERR_FILENO))
         say_sizes(&block.photos);
     const int status = fit_photos(c, &block.photos, &block, argv);
     fxs_fit_block_free(&block);
@@ -591,7 +602,7 @@ static int read_photos(fit_command *c, fxs_photos *photos)
              photos->fit_count + photos->held_out_count);
     if (photos->points_are_random && !c->resume)
         note("%s: no points: begins with %zu random ones", c->in, photos->point_count);
-    if (isatty(STDERR_FILENO) && !is_quiet())
+    if (isatty(STDERR_FILENO))
         say_sizes(photos);
     return 0;
 }

@@ -1,8 +1,11 @@
 /* fixsplat: renders 3D Gaussian splatting scenes in fixed point. */
+#include <fcntl.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "../port/backend/backends.h"
 #include "../port/files/output.h"
+#include "files.h"
 #include "renderer.h"
 
 static const struct {
@@ -153,10 +156,20 @@ static int help_about(const char *name)
                   : fail(EXIT_USAGE, "no help on '%s'; see: fixsplat help", name);
 }
 
+/* One that is closed is opened the wrong way round: no file becomes standard output by chance, and to use it fails. */
+static void keep_standard_files(void)
+{
+    for (int i = STDIN_FILENO; i <= STDERR_FILENO; i++)
+        if (fcntl(i, F_GETFD) < 0)
+            open("/dev/null", i == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+}
+
 int main(int argc, char **argv)
 {
+    keep_standard_files();
     fxs_output_remove_at_signals();
     check_printed_at_exit();
+    files_begin();
     for (; argc > 1 && !strcmp(argv[1], "--quiet"); argc--, argv++)
         be_quiet();
     const char *name = argc > 1 ? argv[1] : "";

@@ -8,6 +8,7 @@
 #include "../port/image/depth_file.h"
 #include "../port/image/film_file.h"
 #include "../port/image/panorama.h"
+#include "files.h"
 #include "metrics.h"
 
 /* ---- Names ----------------------------------------------------------------------------------------------------- */
@@ -459,31 +460,21 @@ static int check_patterns(const shared_views *s, int film)
     return 0;
 }
 
-/* No output is another, or something that is read. */
-static int check_files(const shared_views *s, long index)
+/* What the library has not opened yet is the expected picture. */
+static void tell_files(const shared_views *s, int film, long index)
 {
     const render_options *o = s->o;
-    const char *const outputs[] = {o->output, o->depth, o->ids, o->diff};
-    const char *const read[] = {o->expect, o->frame.cameras, o->frame.world.file};
-    char names[4][4096], name[4096];
-    for (int i = 0; i < 4; i++) {
-        if (!outputs[i])
-            continue;
-        name_file(names[i], sizeof names[i], outputs[i], index);
-        for (int k = 0; k < i; k++)
-            if (outputs[k] && same_file(names[i], names[k]))
-                return fail(EXIT_USAGE, "%s: two outputs are one file", names[i]);
-        for (int k = 0; k < 3; k++) {
-            if (read[k])
-                name_file(name, sizeof name, read[k], index);
-            if (read[k] && same_file(names[i], k ? read[k] : name))
-                return fail(EXIT_USAGE, "%s: an output that is read too", names[i]);
+    const char *const outputs[] = {film && index ? 0 : o->output, o->depth, o->ids, o->diff};
+    char name[4096];
+    for (int i = 0; i < 4; i++)
+        if (outputs[i]) {
+            name_file(name, sizeof name, outputs[i], index);
+            files_write(name);
         }
-        for (uint32_t k = 0; k < s->world->placed.file_count; k++)
-            if (same_file(names[i], s->world->placed.files[k]))
-                return fail(EXIT_USAGE, "%s: an output that is read too", names[i]);
+    if (o->expect) {
+        name_file(name, sizeof name, o->expect, index);
+        files_read(name);
     }
-    return 0;
 }
 
 /* All frames have one size. */
@@ -512,7 +503,9 @@ static int render_all(shared_views *s)
     const int film = o->output && (!strcmp(o->output, "-") || s->encoding >= FXS_IMAGE_Y4M);
     int status = check_patterns(s, film);
     for (long i = 0; i < s->all && !status; i++)
-        status = check_files(s, i);
+        tell_files(s, film, i);
+    if (!status)
+        status = files_check(FILES_REFUSE);
     if (!status && o->rate && (!film || s->encoding != FXS_IMAGE_Y4M))
         status = fail(EXIT_USAGE, "--fps is of .y4m");
     if (!status && film)

@@ -13,6 +13,7 @@
 #include "../port/scene/fxs_file.h"
 #include "../port/scene/scene_decimate.h"
 #include "../src/packed.h"
+#include "files.h"
 
 static int is_standard_input(const char *path)
 {
@@ -121,6 +122,7 @@ static int read_standard_input(void)
 {
     if (standard_input.bytes)
         return 0;
+    files_read("-");
     if (isatty(STDIN_FILENO))
         return fail(EXIT_FAILED, "standard input is a terminal, not a scene");
     for (ssize_t got = 1; got;) {

@@ -338,16 +338,16 @@ fails "--depth and --ids one file" 2 "x.png: $twice" render knot.ply --depth x.p
 ln golden.png hard.png
 fails "-o and --diff one file" 2 "hard.png: $twice" render knot.ply $small --expect got.png -o golden.png --diff hard.png
 succeeds "a device twice" render knot.ply $small -o /dev/null --format png --ids file.tmp.png
-fails "-o the expected picture" 2 "golden.png: an output that is read too" render knot.ply $small --expect golden.png \
+fails "-o the expected picture" 2 "golden.png: is read and cannot be written too" render knot.ply $small --expect golden.png \
     -o golden.png
-fails "-o one of the expected pictures" 2 "golden0.png: an output that is read too" render $three --view 1..2 \
+fails "-o one of the expected pictures" 2 "golden0.png: is read and cannot be written too" render $three --view 1..2 \
     --expect golden%d.png --diff golden%d.png
 cp knot.ply scene.raw
-fails "-o the scene" 2 "scene.raw: an output that is read too" render scene.raw -o scene.raw
+fails "-o the scene" 2 "scene.raw: is read and cannot be written too" render scene.raw -o scene.raw
 ln -s knot.ply scene.png
-fails "-o a link to the scene" 2 "scene.png: an output that is read too" render knot.ply -o scene.png
+fails "-o a link to the scene" 2 "scene.png: is read and cannot be written too" render knot.ply -o scene.png
 check "-o the scene: it stays" cmp scene.raw knot.ply
-fails "compare --diff one of the pictures" 2 "golden.png: an output that is read too" compare golden.png other.png \
+fails "compare --diff one of the pictures" 2 "golden.png: is read and cannot be written too" compare golden.png other.png \
     --diff golden.png
 
 # ---- Time ------------------------------------------------------------------------------------------------------------
