@@ -244,6 +244,14 @@ int take_number(const char *name, const char *value, uint64_t low, uint64_t high
                           high);
 }
 
+int take_output(const char *name, const char *value, const char **out)
+{
+    if (*out)
+        return fail(EXIT_USAGE, "--%s %s: --%s %s is given before", name, value, name, *out);
+    *out = value;
+    return 0;
+}
+
 void print_json_string(const char *text)
 {
     putchar('"');

@@ -77,6 +77,9 @@ int parse_colour(const char *text, uint8_t rgb[3]);                 /* RRGGBB */
    EXIT_USAGE. */
 int take_number(const char *name, const char *value, uint64_t low, uint64_t high, uint64_t *out);
 
+/* Takes the name of an output, the value of the option of that name, once. Returns as above. */
+int take_output(const char *name, const char *value, const char **out);
+
 /* Prints a text as a JSON string. */
 void print_json_string(const char *text);
 

@@ -111,7 +111,10 @@ int command_compare(int argc, char **argv)
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;)
         switch (c) {
-        case OPT_DIFF: o.difference = optarg; break;
+        case OPT_DIFF:
+            if (take_output("diff", optarg, &o.difference))
+                return EXIT_USAGE;
+            break;
         case OPT_JSON: o.json = 1; break;
         case OPT_MIN_PSNR:
             if (!parse_vector(optarg, 1, &o.least_psnr) || o.least_psnr <= 0)

@@ -106,7 +106,7 @@ static int take_option(fit_command *c, int which, const char *value)
     int status = 0;
     c->given[which] = 1;
     switch (which) {
-    case 'o': c->out = value; break;
+    case 'o': return take_output("output", value, &c->out);
     case OPT_RECIPE: return take_recipe(&c->options, value);
     case OPT_STEPS:
         status = take_number("steps", value, 1, 1000000000, &number);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "../port/scene/ply_write.h"
+#include "../port/scene/scene_write.h"
 #include "command.h"
 #include "procedural.h"
 
@@ -49,6 +50,13 @@ static int write_scene(const fxs_procedural_scene *scene, uint64_t count, uint32
     return result ? fail(EXIT_FAILED, "%s", message.text) : 0;
 }
 
+/* By its ending; standard output and devices have none. */
+static int is_of_another_format(const char *name)
+{
+    const int is_ply = ends_with(name, ".ply") && !ends_with(name, ".compressed.ply");
+    return !is_ply && (fxs_scene_is_written(name) || ends_with(name, ".fxs"));
+}
+
 int command_make_scene(int argc, char **argv)
 {
     enum { OPT_COUNT = OPT_OWN, OPT_SEED };
@@ -61,7 +69,10 @@ int command_make_scene(int argc, char **argv)
     opterr = 0;
     for (int c; (c = getopt_long(argc, argv, "o:", table, 0)) != -1;)
         switch (c) {
-        case 'o': output = optarg; break;
+        case 'o':
+            if (take_output("output", optarg, &output))
+                return EXIT_USAGE;
+            break;
         case OPT_COUNT:
             if (!parse_count(optarg, 1, 100000000, &count))
                 return fail(EXIT_USAGE, "--count %s: expected 1 to 100000000", optarg);
@@ -75,6 +86,8 @@ int command_make_scene(int argc, char **argv)
         }
     if (optind != argc - 1 || !output)
         return fail(EXIT_USAGE, "make-scene takes a name and -o OUT.ply; see: fixsplat make-scene --help");
+    if (is_of_another_format(output))
+        return fail(EXIT_USAGE, "%s: a .ply is written; convert makes others of it", output);
     const fxs_procedural_scene *scene = fxs_procedural_find(argv[optind]);
     if (!scene)
         return fail(EXIT_USAGE, "no scene '%s'; see: fixsplat make-scene --help", argv[optind]);

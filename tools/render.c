@@ -21,7 +21,8 @@ static const char help[] =
     "                      at level 1, for speed\n"
     "  --fps N             frames a second of a .y4m, 1 to 1000 (default 30)\n"
     "  --orbit N           N views, a turn about the middle of the scene and the axis --up; the camera is the first\n"
-    "  --frames N          N views on a smooth way through those of --view, from the first to the last\n"
+    "  --frames N          N views on a smooth way through those of --view, from the first to the last, all of the\n"
+    "                      first one's size\n"
     "  --alpha             alpha holds the coverage, colours premultiplied; else alpha is 255\n"
     "  --depth OUT         depths along the camera's axis: .png (16 bits grey, 0 where there is none) or .pfm (scene\n"
     "                      units, infinity where there is none)\n"
@@ -117,18 +118,18 @@ static int take_option(render_options *o, int which, const char *value)
     uint64_t number = 0;
     int status = 0;
     switch (which) {
-    case 'o': o->output = value; break;
+    case 'o': return take_output("output", value, &o->output);
     case OPT_ALPHA: o->format = FXS_FORMAT_RGBA8_COVERAGE; break;
     case OPT_HASH: o->hash = 1; break;
     case OPT_STATS: return take_stats(o, value);
     case OPT_JSON: o->json = 1; break;
-    case OPT_DEPTH: o->depth = value; break;
+    case OPT_DEPTH: return take_output("depth", value, &o->depth);
     case OPT_DEPTH_KIND: return take_depth_kind(o, value);
     case OPT_DEPTH_RANGE:
         if (!parse_vector(value, 1, &o->depth_range) || o->depth_range <= 0)
             return fail(EXIT_USAGE, "--depth-range %s: expected a depth above 0", value);
         break;
-    case OPT_IDS: o->ids = value; o->draws |= DRAW_IDS; break;
+    case OPT_IDS: o->draws |= DRAW_IDS; return take_output("ids", value, &o->ids);
     case OPT_PICK: return take_pick(o, value);
     case OPT_FORMAT: return take_format(o, value);
     case OPT_QUALITY:
@@ -148,7 +149,7 @@ static int take_option(render_options *o, int which, const char *value)
         o->frame.frames = (long)number;
         break;
     case OPT_EXPECT: return take_expected(o, value);
-    case OPT_DIFF: o->diff = value; break;
+    case OPT_DIFF: return take_output("diff", value, &o->diff);
     case OPT_SCISSOR: return take_scissor(o, value);
     case OPT_PANORAMA: o->frame.panorama = 1; break;
     default: return frame_option(&o->frame, which, value);

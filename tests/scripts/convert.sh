@@ -206,9 +206,13 @@ for name in x x.gltf x.ksplat x.html x.PLY x.ply.gz meta.json .sog .compressed.s
     fails "to $name" 2 "$name: expected a name ending in" convert knot.ply $name
 done
 
-# In place, what is longer as it is read and what is shorter: all of IN is read before OUT takes its name.
+# In place: all of IN is read before OUT takes its name.
 for ending in $endings; do
-    case $ending in csv) continue ;; fxs) cp knot.ply in.fxs ;; *) cp knot2.$ending in.$ending 2>logs/err || "$fixsplat" convert knot.ply in.$ending 2>logs/err ;; esac
+    case $ending in
+    csv) continue ;;                                # not read
+    fxs) cp knot.ply in.fxs ;;                      # nor is that converted: a .ply by that name
+    *) "$fixsplat" convert knot.ply in.$ending 2>logs/err ;;
+    esac
     "$fixsplat" convert in.$ending rows.ply wanted.$ending --scale 2 --place rows.ply:60,0,0 2>logs/err
     ln -sf in.$ending link.$ending
     "$fixsplat" convert in.$ending rows.ply link.$ending --scale 2 --place rows.ply:60,0,0 --force 2>logs/err

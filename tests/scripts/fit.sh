@@ -179,6 +179,7 @@ fi
 fails "no photographs" 2 "takes one folder" fit -o x.fxs
 fails "two folders" 2 "takes one folder" fit set set -o x.fxs
 fails "no output" 2 "where to" fit set
+fails "two outputs" 2 "--output y.fxs: --output x.fxs is given before" fit set -o x.fxs -o y.fxs
 fails "another ending" 2 "x.png: expected a name ending in .fxs or .ply" fit set -o x.png
 fails "no such folder" 1 "none/x.fxs: cannot be written: No such file" fit set -o none/x.fxs
 mkdir folder.fxs
