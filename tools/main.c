@@ -94,7 +94,7 @@ static void help(void)
          "  fixsplat make-scene knot -o knot.ply\n"
          "  fixsplat render knot.ply -o knot.png\n"
          "  fixsplat render scene.ply --cameras cameras.json --view 0 -o view.png --stats\n\n"
-         "Exit status: 0 done, 1 failed, 2 wrong usage. A pipe that is closed ends it as SIGPIPE does (141 in a shell).");
+         "Exit status: 0 done, 1 failed, 2 wrong usage; where a pipe is closed, that of SIGPIPE (141 in a shell).");
 }
 
 static int kernels(void)

@@ -210,7 +210,8 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
     output->file = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
     if (output->file)
         return 0;
-    const int error = fail(output->path ? output->path : path, errno, message);
+    const int number = descriptor >= 0 && errno == EINVAL ? EBADF : errno;     /* open, but to be read */
+    const int error = fail(output->path ? output->path : path, number, message);
     if (descriptor >= 0) {
         close(descriptor);
         drop(output);

@@ -141,6 +141,9 @@ check "/dev/stdout as a pipe" cmp stdout.png plain.png
 "$fixsplat" $render -o closed.png --hash >&- 2>logs/err
 check "standard output is closed: said" equal "$? $(cat logs/err)" "1 fixsplat: cannot write to standard output"
 check "standard output is closed: the picture has nothing else" cmp closed.png plain.png
+"$fixsplat" $render -o - >&- 2>logs/err
+check "standard output is closed: -o -" equal "$? $(cat logs/err)" \
+    "1 fixsplat: standard output: cannot be written: Bad file descriptor"
 for arguments in "render - --hash" "info -" "convert - x.ply" "convert - x.fxs" "bench -"; do
     "$fixsplat" $arguments <&- >logs/out 2>logs/err
     check "standard input is closed: $arguments" equal "$? $(cat logs/err)" "1 fixsplat: standard input: Bad file descriptor"
