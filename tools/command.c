@@ -97,42 +97,33 @@ static int wrong_word(char **argv)
     return is_letter && (before[0] != '-' || before[strlen(before) - 1] != optopt) ? optind : optind - 1;
 }
 
-static int is_one_of(const char *word, const char *first, const char *second)
+static void say_wrong_option(char **argv, const struct option *table)
 {
-    return !strcmp(word, first) || !strcmp(word, second);
+    const char *word = argv[wrong_word(argv)], *name = word + strspn(word, "-");
+    suggestion s = {0, 0};
+    for (; table->name; table++)
+        suggest(&s, name, strcspn(name, "="), table->name);
+    const int is_known = s.name && !s.distance && name == word + 2;     /* and its value is missing */
+    if (s.name && !is_known)
+        fail(EXIT_USAGE, "%s: unknown option: %s; did you mean --%s? See: fixsplat %s --help", argv[0], word, s.name,
+             argv[0]);
+    else
+        fail(EXIT_USAGE, "%s: unknown option or missing value: %s; see: fixsplat %s --help", argv[0], word, argv[0]);
 }
 
-int wrong_option(char **argv, const struct option *table)
+int next_option(int argc, char **argv, const char *letters, const struct option *table, int *index, void (*help)(void))
 {
-    static char help[] = "--help";
-    const int at = wrong_word(argv);
-    const char *word = argv[at], *name = word + strspn(word, "-");
-    const size_t length = strcspn(name, "=");
-    suggestion s = {0, 0};
-    if (is_one_of(word, "-V", "--version")) {
-        print_version();
+    int option;
+    opterr = 0;
+    while ((option = getopt_long(argc, argv, letters, table, index)) == OPT_QUIET)
+        be_quiet();
+    if (option == 'h' || option == 'V') {
+        (option == 'h' ? help : print_version)();
         exit(EXIT_OK);
     }
-    if (!strcmp(word, "-h")) {
-        argv[at] = help;
-        return EXIT_AGAIN;
-    }
-    if (!strcmp(word, "--quiet")) {
-        be_quiet();
-        for (int i = at; argv[i]; i++)
-            argv[i] = argv[i + 1];
-        return EXIT_AGAIN;
-    }
-    for (; table->name; table++)
-        suggest(&s, name, length, table->name);
-    suggest(&s, name, length, "quiet");
-    suggest(&s, name, length, "version");
-    const int is_known = s.name && !s.distance && name == word + 2;     /* and its value is missing */
-    return s.name && !is_known
-               ? fail(EXIT_USAGE, "%s: unknown option: %s; did you mean --%s? See: fixsplat %s --help", argv[0], word,
-                      s.name, argv[0])
-               : fail(EXIT_USAGE, "%s: unknown option or missing value: %s; see: fixsplat %s --help", argv[0], word,
-                      argv[0]);
+    if (option == '?')
+        say_wrong_option(argv, table);
+    return option;
 }
 
 /* ---- Messages of other parts ------------------------------------------------------------------------------------- */
@@ -242,6 +233,20 @@ int take_number(const char *name, const char *value, uint64_t low, uint64_t high
     return parse_count(value, low, high, out)
                ? 0 : fail(EXIT_USAGE, "--%s %s: expected a whole number from %" PRIu64 " to %" PRIu64, name, value, low,
                           high);
+}
+
+int take_int(const char *name, const char *value, int low, int high, int *out)
+{
+    uint64_t number;
+    const int status = take_number(name, value, (uint64_t)low, (uint64_t)high, &number);
+    *out = (int)number;
+    return status;
+}
+
+int take_size(const char *name, const char *value, int *width, int *height)
+{
+    return parse_size(value, width, height)
+               ? 0 : fail(EXIT_USAGE, "--%s %s: expected WxH, each 1 to %d", name, value, FXS_MAX_SIZE);
 }
 
 int take_output(const char *name, const char *value, const char **out)

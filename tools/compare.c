@@ -100,16 +100,20 @@ static int check(const compare_options *o)
     return files_check(FILES_REFUSE);
 }
 
+static void print_help(void)
+{
+    fputs(help, stdout);
+}
+
 int command_compare(int argc, char **argv)
 {
     enum { OPT_DIFF = OPT_OWN, OPT_JSON, OPT_MIN_PSNR, OPT_MIN_SSIM };
     static const struct option table[] = {{"diff", required_argument, 0, OPT_DIFF}, {"json", no_argument, 0, OPT_JSON},
                                           {"min-psnr", required_argument, 0, OPT_MIN_PSNR},
                                           {"min-ssim", required_argument, 0, OPT_MIN_SSIM},
-                                          {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
+                                          COMMON_OPTIONS};
     compare_options o = {.difference = 0};
-    opterr = 0;
-    for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;)
+    for (int c; (c = next_option(argc, argv, COMMON_LETTERS, table, 0, print_help)) != -1;)
         switch (c) {
         case OPT_DIFF:
             if (take_output("diff", optarg, &o.difference))
@@ -124,8 +128,7 @@ int command_compare(int argc, char **argv)
             if (!parse_vector(optarg, 1, &o.least_ssim) || o.least_ssim <= 0 || o.least_ssim > 1)
                 return fail(EXIT_USAGE, "--min-ssim %s: expected a number above 0, up to 1", optarg);
             break;
-        case OPT_HELP: fputs(help, stdout); return EXIT_OK;
-        default: return wrong_option(argv, table);
+        default: return EXIT_USAGE;
         }
     if (optind != argc - 2)
         return fail(EXIT_USAGE, "compare takes two pictures; see: fixsplat compare --help");

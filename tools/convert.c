@@ -150,7 +150,6 @@ static int take_place(convert_options *o, int which, const char *value)
 
 static int take_option(convert_options *o, int which, const char *value)
 {
-    uint64_t number;
     o->filtered |= which == OPT_CROP || which == OPT_SPHERE || which == OPT_PRUNE || which == OPT_DROP_FLOATERS ||
                    which == OPT_SH_DEGREE;
     switch (which) {
@@ -161,7 +160,7 @@ static int take_option(convert_options *o, int which, const char *value)
     case OPT_SPHERE: return take_sphere(&o->filter, value);
     case OPT_DROP_FLOATERS: o->filter.floaters = 1; return 0;
     case OPT_DECIMATE: return take_decimate(o, value);
-    case OPT_LOD: return take_lod(&o->load, value);
+    case OPT_LOD: return take_int("lod", value, 0, 1000, &o->load.lod);
     case OPT_AXES:
     case OPT_MAX_GAUSSIANS:
     case OPT_IMPORT_MEMORY: return take_import_option(&o->load, which, value);
@@ -173,19 +172,17 @@ static int take_option(convert_options *o, int which, const char *value)
         if (!parse_vector(value, 1, &o->filter.opacity) || o->filter.opacity < 0 || o->filter.opacity > 1)
             return fail(EXIT_USAGE, "--prune %s: expected an opacity, 0 to 1", value);
         return 0;
-    case OPT_SH_DEGREE:
-        if (!parse_count(value, 0, 3, &number))
-            return fail(EXIT_USAGE, "--sh-degree %s: expected 0 to 3", value);
-        o->filter.sh_degree = (int)number;
-        return 0;
+    case OPT_SH_DEGREE: return take_int("sh-degree", value, 0, 3, &o->filter.sh_degree);
     case OPT_FORCE: o->force = FILES_FORCED; return 0;
-    case OPT_SPZ_VERSION:
-        if (!parse_count(value, 3, 4, &number))
-            return fail(EXIT_USAGE, "--spz-version %s: expected 3 or 4", value);
-        o->spz_version = (int)number;
-        return 0;
+    case OPT_SPZ_VERSION: return take_int("spz-version", value, 3, 4, &o->spz_version);
     default: return EXIT_USAGE;
     }
+}
+
+static void print_help(void)
+{
+    fputs(help, stdout);
+    fputs(more_help, stdout);
 }
 
 static int take_options(convert_options *o, int argc, char **argv)
@@ -204,23 +201,14 @@ static int take_options(convert_options *o, int argc, char **argv)
                                           {"force", no_argument, 0, OPT_FORCE},
                                           {"lod", required_argument, 0, OPT_LOD}, IMPORT_OPTIONS,
                                           WORLD_OPTIONS, {"profile", required_argument, 0, OPT_PROFILE},
-                                          {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
+                                          COMMON_OPTIONS};
     memset(o, 0, sizeof *o);
     o->force = FILES_REFUSE_UNFORCED;
     fxs_scene_filter_default(&o->filter);
     fxs_placement_init(&o->whole, 0, 0);
-    opterr = 0;
-    for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;) {
-        if (c == OPT_HELP) {
-            fputs(help, stdout);
-            fputs(more_help, stdout);
-            exit(EXIT_OK);
-        }
-        if (c == '?')
-            return wrong_option(argv, table);
-        if (take_option(o, c, optarg))
+    for (int c; (c = next_option(argc, argv, COMMON_LETTERS, table, 0, print_help)) != -1;)
+        if (c == '?' || take_option(o, c, optarg))
             return EXIT_USAGE;
-    }
     if (optind > argc - (o->world.file ? 1 : 2))
         return fail(EXIT_USAGE, "convert takes two files or more, IN and OUT; see: fixsplat convert --help");
     if (take_scenes(&o->world, "convert", argc - 1 - optind, argv + optind))

@@ -5,7 +5,7 @@
 /* For main to call first: files that the library opens are known then. */
 void files_begin(void);
 
-/* What the command was given to read, as far as it knows the names, and what it writes; - is standard input and standard
+/* What the command was given to read, as far as it knows the names, and what it writes; - is standard input or standard
    output, null is nothing. None has to be there. */
 void files_read(const char *name);
 void files_write(const char *name);

@@ -112,10 +112,7 @@ static int take_option(fit_command *c, int which, const char *value)
         status = take_number("steps", value, 1, 1000000000, &number);
         c->options.steps = (uint32_t)number;
         return status;
-    case OPT_RESOLUTION:
-        status = take_number("resolution", value, 1, FXS_MAX_SIZE, &number);
-        c->reading.resolution = (int)number;
-        return status;
+    case OPT_RESOLUTION: return take_int("resolution", value, 1, FXS_MAX_SIZE, &c->reading.resolution);
     case OPT_MAX_GAUSSIANS:
         status = take_number("max-gaussians", value, 1, FXS_MAX_COUNT, &number);
         c->options.max_gaussians = (size_t)number;
@@ -184,6 +181,11 @@ static int finish_options(fit_command *c)
     return status;
 }
 
+static void print_help(void)
+{
+    fputs(help, stdout);
+}
+
 static int take_options(fit_command *c, int argc, char **argv)
 {
     static const struct option table[] = {
@@ -198,24 +200,15 @@ static int take_options(fit_command *c, int argc, char **argv)
         {"hold-out", required_argument, 0, OPT_HOLD_OUT}, {"save-every", required_argument, 0, OPT_SAVE_EVERY},
         {"resume", required_argument, 0, OPT_RESUME}, {"skip-bad", no_argument, 0, OPT_SKIP_BAD},
         {"compare", required_argument, 0, OPT_COMPARE}, {"threads", required_argument, 0, OPT_THREADS},
-        {"cpu", required_argument, 0, OPT_CPU}, {"json", no_argument, 0, OPT_JSON}, {"help", no_argument, 0, OPT_HELP},
-        {0, 0, 0, 0}
+        {"cpu", required_argument, 0, OPT_CPU}, {"json", no_argument, 0, OPT_JSON}, COMMON_OPTIONS
     };
     memset(c, 0, sizeof *c);
     frame_options_default(&c->frame);
     fxs_fit_options_init(&c->options);
     c->reading.hold_out = 8;
-    opterr = 0;
-    for (int option; (option = getopt_long(argc, argv, "o:", table, 0)) != -1;) {
-        if (option == OPT_HELP) {
-            fputs(help, stdout);
-            exit(EXIT_OK);
-        }
-        if (option == '?')
-            return wrong_option(argv, table);
-        if (take_option(c, option, optarg))
+    for (int option; (option = next_option(argc, argv, "o:" COMMON_LETTERS, table, 0, print_help)) != -1;)
+        if (option == '?' || take_option(c, option, optarg))
             return EXIT_USAGE;
-    }
     if (optind != argc - 1)
         return fail(EXIT_USAGE, "fit takes one folder or file of photographs; see: fixsplat fit --help");
     if (!c->out)

@@ -111,19 +111,6 @@ static int kernels(void)
     return EXIT_OK;
 }
 
-/* Once more where it met an option of all commands, which is taken care of then. */
-static int run(int i, char **argv)
-{
-    int argc, status;
-    do {
-        optind = 0;                             /* getopt_long begins anew */
-        for (argc = 0; argv[argc]; argc++)
-            ;
-        status = commands[i].run(argc, argv);
-    } while (status == EXIT_AGAIN);
-    return status;
-}
-
 static int wrong_command(const char *name)
 {
     suggestion s = {0, 0};
@@ -147,7 +134,7 @@ static int help_about(const char *name)
         }
     for (int i = 0; i < COMMANDS; i++)
         if (!strcmp(name, commands[i].name))
-            return run(i, (char *[]){(char *)commands[i].name, word, 0});
+            return commands[i].run(2, (char *[]){(char *)commands[i].name, word, 0});
     for (int i = 0; i < COMMANDS; i++)
         suggest(&s, name, strlen(name), commands[i].name);
     for (int i = 0; i < TOPICS; i++)
@@ -187,6 +174,6 @@ int main(int argc, char **argv)
         return kernels();
     for (int i = 0; i < COMMANDS; i++)
         if (!strcmp(name, commands[i].name))
-            return run(i, argv + 1);
+            return commands[i].run(argc - 1, argv + 1);
     return wrong_command(name);
 }

@@ -63,11 +63,10 @@ int command_make_scene(int argc, char **argv)
     static const struct option table[] = {{"output", required_argument, 0, 'o'},
                                           {"count", required_argument, 0, OPT_COUNT},
                                           {"seed", required_argument, 0, OPT_SEED},
-                                          {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
+                                          COMMON_OPTIONS};
     const char *output = 0;
     uint64_t count = 0, seed = 1;
-    opterr = 0;
-    for (int c; (c = getopt_long(argc, argv, "o:", table, 0)) != -1;)
+    for (int c; (c = next_option(argc, argv, "o:" COMMON_LETTERS, table, 0, help)) != -1;)
         switch (c) {
         case 'o':
             if (take_output("output", optarg, &output))
@@ -81,8 +80,7 @@ int command_make_scene(int argc, char **argv)
             if (!parse_count(optarg, 0, UINT32_MAX, &seed))
                 return fail(EXIT_USAGE, "--seed %s: expected 0 to 4294967295", optarg);
             break;
-        case OPT_HELP: help(); return EXIT_OK;
-        default: return wrong_option(argv, table);
+        default: return EXIT_USAGE;
         }
     if (optind != argc - 1 || !output)
         return fail(EXIT_USAGE, "make-scene takes a name and -o OUT.ply; see: fixsplat make-scene --help");

@@ -292,15 +292,6 @@ int take_profile(load_options *options, const char *value)
     return fail(EXIT_USAGE, "--profile %s: expected default, compact or small", value);
 }
 
-int take_lod(load_options *options, const char *value)
-{
-    uint64_t number;
-    if (!parse_count(value, 0, 1000, &number))
-        return fail(EXIT_USAGE, "--lod %s: expected 0 to 1000", value);
-    options->lod = (int)number;
-    return 0;
-}
-
 int load_scene(loaded_scene *loaded, const char *path, const load_options *options)
 {
     uint64_t start = fxs_clock(0);
