@@ -50,8 +50,8 @@ static const char more_help[] =
     "                      default 63.5 (56.9 dB), compact 39.6 (53.9 dB), small 19.6 (44.4 dB). Where SH lose much,\n"
     "                      views are compared with default, and one that loses more than it should is said\n"
     "  --spz-version V     3 (gzip) or 4 (zstd, the default), for .spz\n"
-    "  --force             OUT may be one of IN: it is replaced, when OUT is complete. What only belongs to one, as a\n"
-    "                      content of a tileset, is never replaced\n"
+    "  --force             OUT may be one of IN, but for an .fxs: that is replaced, when OUT is complete. What only\n"
+    "                      belongs to one of IN, as a content of a tileset, is never replaced\n"
     "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
     WORLD_HELP
     IMPORT_HELP
@@ -271,11 +271,11 @@ static int to_fxs(const convert_options *o)
     if (world_open_merged(&w, &o->placed, o->in, &load))
         return EXIT_FAILED;
     const loaded_scene *loaded = &w.scenes[0];
-    int status = files_check(o->force);
-    if (!status && loaded->report.rms.sh > loss_to_check(loaded->scene.profile))
-        check_views(&w, o, &load);      /* reads it again, so OUT is not written yet */
+    int status = files_check(FILES_REFUSE);     /* check_views reads IN again */
     if (!status && fxs_file_write(o->out, loaded->packed.data, loaded->packed.bytes, &message))
         status = fail(EXIT_FAILED, "%s", message.text);
+    if (!status && loaded->report.rms.sh > loss_to_check(loaded->scene.profile))
+        check_views(&w, o, &load);
     world_close(&w);
     return status;
 }
@@ -440,7 +440,7 @@ static int check_files(const convert_options *o)
         files_read(placed->files[i]);
     }
     files_write(o->out);
-    return files_check(o->force);
+    return files_check(ends_with(o->out, ".fxs") ? FILES_REFUSE : o->force);
 }
 
 int command_convert(int argc, char **argv)

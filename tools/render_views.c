@@ -164,6 +164,7 @@ typedef struct shared_views {
     long round_most;                        /* views of a round: threads */
     enum fxs_image_format encoding;
     fxs_film *film;                         /* null: each view has a file */
+    int failed;                             /* a view could not be drawn, and that was said */
     int unexpected;                         /* a view was */
 } shared_views;
 
@@ -378,7 +379,7 @@ static int report_view(shared_views *s, const drawn_view *d, const fxs_file_view
     if (d->status)
         return d->status;
     if (d->unwritten)
-        return fail(EXIT_FAILED, "%s", d->why.text);
+        return s->failed ? EXIT_FAILED : fail(EXIT_FAILED, "%s", d->why.text);
     if (o->hash || o->depth || o->frame.panorama)
         progress_end();
     if (d->unexpected)
@@ -394,11 +395,9 @@ static int report_view(shared_views *s, const drawn_view *d, const fxs_file_view
 
 /* ---- Rounds ------------------------------------------------------------------------------------------------------ */
 
-/* Returns whether all of them were drawn. */
-static int draw_round(shared_views *s, drawn_round *round, long first)
+static void draw_round(shared_views *s, drawn_round *round, long first)
 {
     round_of_views argument = {s, round};
-    int failed = 0;
     round->first = first;
     round->count = s->all - first < s->round_most ? s->all - first : s->round_most;
     for (long i = 0; i < round->count; i++)
@@ -408,8 +407,7 @@ static int draw_round(shared_views *s, drawn_round *round, long first)
     else
         fxs_pool_run(s->pool, draw_views, &argument, (uint32_t)(round->count < s->devices ? round->count : s->devices));
     for (long i = 0; i < round->count; i++)
-        failed |= round->drawn[i].status;
-    return !failed;
+        s->failed |= round->drawn[i].status;
 }
 
 /* Waits until a round is written. */
@@ -429,13 +427,13 @@ static int finish_round(shared_views *s, drawn_round *round)
 static int render_rounds(shared_views *s)
 {
     round_of_views arguments[2] = {{s, &s->rounds[0]}, {s, &s->rounds[1]}};
-    int status = 0, now = 1, drawn = 1;
-    for (long first = 0; first < s->all && drawn && !status;) {
+    int status = 0, now = 1;
+    for (long first = 0; first < s->all && !s->failed && !status;) {
         now = !now;
-        drawn = draw_round(s, &s->rounds[now], first);
+        draw_round(s, &s->rounds[now], first);
         first += s->rounds[now].count;
         status = finish_round(s, &s->rounds[!now]);
-        s->rounds[now].writing = !status && drawn && first < s->all &&
+        s->rounds[now].writing = !status && !s->failed && first < s->all &&
                                  !pthread_create(&s->rounds[now].writer, 0, write_round, &arguments[now]);
         if (!status && !s->rounds[now].writing)
             write_round(&arguments[now]);

@@ -208,17 +208,16 @@ done
 
 # In place: all of IN is read before OUT takes its name.
 for ending in $endings; do
-    case $ending in
-    csv) continue ;;                                # not read
-    fxs) cp knot.ply in.fxs ;;                      # nor is that converted: a .ply by that name
-    *) "$fixsplat" convert knot.ply in.$ending 2>logs/err ;;
-    esac
+    case $ending in csv | fxs) continue ;; esac     # not converted
+    "$fixsplat" convert knot.ply in.$ending 2>logs/err
     "$fixsplat" convert in.$ending rows.ply wanted.$ending --scale 2 --place rows.ply:60,0,0 2>logs/err
     ln -sf in.$ending link.$ending
     "$fixsplat" convert in.$ending rows.ply link.$ending --scale 2 --place rows.ply:60,0,0 --force 2>logs/err
     check "--force, .$ending: as under another name" cmp in.$ending wanted.$ending
     check "--force, .$ending: a link stays" [ -L link.$ending ]
 done
+cp knot.ply in.fxs
+fails "--force, .fxs: a .ply by that name" 2 "in.fxs: is read and cannot be written too$" convert in.fxs in.fxs --force
 for ending in $endings; do
     [ $ending = fxs ] || { cp knot.ply same.$ending && ln -sf same.$ending link.$ending; }
     [ $ending = fxs ] || for out in same.$ending link.$ending ./same.$ending; do
