@@ -97,7 +97,7 @@ static int check(const compare_options *o)
     files_read(o->path[0]);
     files_read(o->path[1]);
     files_write(o->difference);
-    return files_check(FILES_REFUSE);
+    return files_check();
 }
 
 static void print_help(void)

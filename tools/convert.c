@@ -77,7 +77,6 @@ typedef struct convert_options {
     int filtered;                           /* an option asks for the filter */
     load_options load;
     int profile_given, spz_version;         /* spz_version 0: none given */
-    enum files_force force;
 } convert_options;
 
 enum { OPT_CROP = OPT_OWN, OPT_SPHERE, OPT_PRUNE, OPT_DROP_FLOATERS, OPT_DECIMATE, OPT_TRANSLATE, OPT_ROTATE, OPT_SCALE,
@@ -173,7 +172,7 @@ static int take_option(convert_options *o, int which, const char *value)
             return fail(EXIT_USAGE, "--prune %s: expected an opacity, 0 to 1", value);
         return 0;
     case OPT_SH_DEGREE: return take_int("sh-degree", value, 0, 3, &o->filter.sh_degree);
-    case OPT_FORCE: o->force = FILES_FORCED; return 0;
+    case OPT_FORCE: files_force(FILES_FORCED); return 0;
     case OPT_SPZ_VERSION: return take_int("spz-version", value, 3, 4, &o->spz_version);
     default: return EXIT_USAGE;
     }
@@ -203,7 +202,7 @@ static int take_options(convert_options *o, int argc, char **argv)
                                           WORLD_OPTIONS, {"profile", required_argument, 0, OPT_PROFILE},
                                           COMMON_OPTIONS};
     memset(o, 0, sizeof *o);
-    o->force = FILES_REFUSE_UNFORCED;
+    files_force(FILES_REFUSE_UNFORCED);
     fxs_scene_filter_default(&o->filter);
     fxs_placement_init(&o->whole, 0, 0);
     for (int c; (c = next_option(argc, argv, COMMON_LETTERS, table, 0, print_help)) != -1;)
@@ -271,7 +270,7 @@ static int to_fxs(const convert_options *o)
     if (world_open_merged(&w, &o->placed, o->in, &load))
         return EXIT_FAILED;
     const loaded_scene *loaded = &w.scenes[0];
-    int status = files_check(FILES_REFUSE);     /* check_views reads IN again */
+    int status = files_check();
     if (!status && fxs_file_write(o->out, loaded->packed.data, loaded->packed.bytes, &message))
         status = fail(EXIT_FAILED, "%s", message.text);
     if (!status && loaded->report.rms.sh > loss_to_check(loaded->scene.profile))
@@ -374,7 +373,7 @@ static int stream(const convert_options *o)
     load.filter = &filter;
     if (open_merged(&o->placed, o->in, &load, &file, &info))
         return EXIT_FAILED;
-    int status = files_check(o->force);
+    int status = files_check();
     if (!status)
         status = write_file(o, file, &info);
     fxs_scene_file_close(file);
@@ -440,7 +439,9 @@ static int check_files(const convert_options *o)
         files_read(placed->files[i]);
     }
     files_write(o->out);
-    return files_check(ends_with(o->out, ".fxs") ? FILES_REFUSE : o->force);
+    if (ends_with(o->out, ".fxs"))
+        files_force(FILES_REFUSE);          /* check_views reads IN again */
+    return files_check();
 }
 
 int command_convert(int argc, char **argv)

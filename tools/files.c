@@ -25,6 +25,7 @@ static struct {
     file *files;
     size_t count, room;
     int incomplete;                         /* no memory for one */
+    enum files_force force;
 } known = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
 static void add(file f)
@@ -107,6 +108,11 @@ void files_write(const char *name)
     add_named(OUTPUT, name);
 }
 
+void files_force(enum files_force force)
+{
+    known.force = force;
+}
+
 static int compare(const void *a, const void *b)
 {
     const file *one = a, *other = b;
@@ -118,7 +124,7 @@ static int compare(const void *a, const void *b)
 }
 
 /* One file, by all of its uses. */
-static int check_file(const file *files, size_t count, enum files_force force)
+static int check_file(const file *files, size_t count)
 {
     size_t uses[3] = {0};
     const char *name = 0;
@@ -128,13 +134,13 @@ static int check_file(const file *files, size_t count, enum files_force force)
     }
     if (uses[OUTPUT] > 1)
         return fail(EXIT_USAGE, "%s: two outputs are one file", name);
-    if (!uses[OUTPUT] || !(uses[GIVEN] || uses[OPENED]) || (uses[GIVEN] && force == FILES_FORCED))
+    if (!uses[OUTPUT] || !(uses[GIVEN] || uses[OPENED]) || (uses[GIVEN] && known.force == FILES_FORCED))
         return 0;
     return fail(EXIT_USAGE, "%s: is read and cannot be written too%s", name,
-                uses[GIVEN] && force == FILES_REFUSE_UNFORCED ? "; --force replaces it" : "");
+                uses[GIVEN] && known.force == FILES_REFUSE_UNFORCED ? "; --force replaces it" : "");
 }
 
-int files_check(enum files_force force)
+int files_check(void)
 {
     if (known.incomplete)
         return fail(EXIT_FAILED, "out of memory");
@@ -143,7 +149,7 @@ int files_check(enum files_force force)
     for (size_t first = 0, end; first < known.count; first = end) {
         for (end = first + 1; end < known.count && !compare(&known.files[first], &known.files[end]); end++)
             ;
-        const int status = check_file(known.files + first, end - first, force);
+        const int status = check_file(known.files + first, end - first);
         if (status)
             return status;
     }

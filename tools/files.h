@@ -10,11 +10,12 @@ void files_begin(void);
 void files_read(const char *name);
 void files_write(const char *name);
 
-/* What to do where an output is a file that the command was given to read. */
+/* Where an output is a file that the command was given to read: refuse it, as is done without this; refuse it, naming
+   --force; or let it be replaced. What belongs to such a file, as the pictures of an .sog folder, never is. */
 enum files_force { FILES_REFUSE, FILES_REFUSE_UNFORCED, FILES_FORCED };
+void files_force(enum files_force force);
 
-/* Returns 0; or prints which output is not to be, and returns the exit status. FILES_REFUSE_UNFORCED names --force too.
-   What belongs to a file that is read, as the pictures of an .sog folder, is never replaced. */
-int files_check(enum files_force force);
+/* Returns 0; or prints which output is not to be, and returns the exit status. */
+int files_check(void);
 
 #endif

@@ -229,7 +229,7 @@ static int check_outputs(fit_command *c)
     files_read(c->in);
     files_read(c->resume);
     files_write(c->out);
-    const int taken = files_check(FILES_REFUSE);
+    const int taken = files_check();
     if (taken)
         return taken;
     if (c->compare && mkdir(c->compare, 0777) && errno != EEXIST)
@@ -522,7 +522,7 @@ static int fit_photos(const fit_command *c, const fxs_photos *photos, const fxs_
     fxs_fit *fit = 0;
     if (c->compare)
         result_tell_pictures(photos, c->compare);
-    int status = files_check(FILES_REFUSE);     /* photographs are known now */
+    int status = files_check();     /* photographs are known now */
     if (!status)
         status = open_fit(c, photos, &fit);
     if (!status) {

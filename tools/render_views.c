@@ -415,7 +415,7 @@ static int render_all(batch *b)
     for (long i = 0; i < b->view_count && !status; i++)
         tell_files(b, film, i);
     if (!status)
-        status = files_check(FILES_REFUSE);
+        status = files_check();
     if (!status && o->rate && (!film || b->encoding != FXS_IMAGE_Y4M))
         status = fail(EXIT_USAGE, "--fps is of .y4m");
     if (!status && film)
