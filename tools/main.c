@@ -15,7 +15,7 @@ static const struct {
     {"render", "scene file -> picture", command_render},
     {"view", "scene file -> window, or --web: page", command_view},
     {"info", "what a scene holds, and what it needs", command_info},
-    {"convert", "scene file -> .fxs (packed), .ply, .splat or .spz", command_convert},
+    {"convert", "scene files -> another: .fxs (packed), .ply, .sog, .spz, .glb", command_convert},
     {"fit", "photographs -> scene", command_fit},
     {"compare", "how far two pictures are apart", command_compare},
     {"make-scene", "writes a procedural scene", command_make_scene},
@@ -94,6 +94,8 @@ static void help(void)
          "  fixsplat make-scene knot -o knot.ply\n"
          "  fixsplat render knot.ply -o knot.png\n"
          "  fixsplat render scene.ply --cameras cameras.json --view 0 -o view.png --stats\n\n"
+         "An output replaces the file of its name when it is complete, but never one that is read (convert --force may).\n"
+         "A FIFO or a device is written to, and of a link the target is replaced.\n\n"
          "Exit status: 0 done, 1 failed, 2 wrong usage; where a pipe is closed, that of SIGPIPE (141 in a shell).");
 }
 

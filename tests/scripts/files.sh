@@ -150,6 +150,10 @@ for arguments in "render - --hash" "info -" "convert - x.ply" "convert - x.fxs" 
     "$fixsplat" $arguments <. >logs/out 2>logs/err
     check "standard input is a folder: $arguments" equal "$? $(cat logs/err)" "1 fixsplat: standard input: Is a directory"
 done
+for arguments in "info knot.ply" "info --backends" "bench knot.ply --size 64x48" "compare plain.png plain.png" "--help"; do
+    { sleep 0.1; "$fixsplat" $arguments 2>logs/err; echo $? >logs/status; } 2>logs/shell | :
+    check "a pipe that nobody reads: $arguments" equal "$(cat logs/status logs/err)" 141
+done
 # What a shell says of a command that a signal ended is its own.
 for arguments in "render knot.ply --size 640x480 -o -" "make-scene knot --count 100000 -o -"; do
     { "$fixsplat" $arguments 2>logs/err; echo $? >logs/status; } 2>logs/shell | head -c 100 >logs/out
