@@ -243,6 +243,14 @@ int take_int(const char *name, const char *value, int low, int high, int *out)
     return status;
 }
 
+int take_uint32(const char *name, const char *value, uint32_t low, uint32_t high, uint32_t *out)
+{
+    uint64_t number;
+    const int status = take_number(name, value, low, high, &number);
+    *out = (uint32_t)number;
+    return status;
+}
+
 int take_size(const char *name, const char *value, int *width, int *height)
 {
     return parse_size(value, width, height)

@@ -81,8 +81,9 @@ int parse_colour(const char *text, uint8_t rgb[3]);                 /* RRGGBB */
    EXIT_USAGE. */
 int take_number(const char *name, const char *value, uint64_t low, uint64_t high, uint64_t *out);
 
-/* The same for an int. */
+/* The same for other types. */
 int take_int(const char *name, const char *value, int low, int high, int *out);
+int take_uint32(const char *name, const char *value, uint32_t low, uint32_t high, uint32_t *out);
 
 /* Takes a size WxH in pixels. Returns as above. */
 int take_size(const char *name, const char *value, int *width, int *height);

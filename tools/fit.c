@@ -100,33 +100,27 @@ static int take_block(fit_command *c, const char *value)
     return 0;
 }
 
+static int take_max_gaussians(fxs_fit_options *options, const char *value)
+{
+    uint64_t number;
+    const int status = take_number("max-gaussians", value, 1, FXS_MAX_COUNT, &number);
+    options->max_gaussians = (size_t)number;
+    return status;
+}
+
 static int take_option(fit_command *c, int which, const char *value)
 {
-    uint64_t number = 0;
-    int status = 0;
     c->given[which] = 1;
     switch (which) {
     case 'o': return take_output("output", value, &c->out);
     case OPT_RECIPE: return take_recipe(&c->options, value);
-    case OPT_STEPS:
-        status = take_number("steps", value, 1, 1000000000, &number);
-        c->options.steps = (uint32_t)number;
-        return status;
+    case OPT_STEPS: return take_uint32("steps", value, 1, 1000000000, &c->options.steps);
     case OPT_RESOLUTION: return take_int("resolution", value, 1, FXS_MAX_SIZE, &c->reading.resolution);
-    case OPT_MAX_GAUSSIANS:
-        status = take_number("max-gaussians", value, 1, FXS_MAX_COUNT, &number);
-        c->options.max_gaussians = (size_t)number;
-        return status;
-    case OPT_BATCH:
-        status = take_number("batch", value, 1, 8, &number);
-        c->options.batch = (uint32_t)number;
-        return status;
+    case OPT_MAX_GAUSSIANS: return take_max_gaussians(&c->options, value);
+    case OPT_BATCH: return take_uint32("batch", value, 1, 8, &c->options.batch);
     case OPT_BLOCK: return take_block(c, value);
     case OPT_SEED: return take_number("seed", value, 0, UINT64_MAX, &c->options.seed);
-    case OPT_HOLD_OUT:
-        status = take_number("hold-out", value, 0, UINT32_MAX, &number);
-        c->reading.hold_out = (uint32_t)number;
-        return status;
+    case OPT_HOLD_OUT: return take_uint32("hold-out", value, 0, UINT32_MAX, &c->reading.hold_out);
     case OPT_SAVE_EVERY: return take_number("save-every", value, 1, UINT32_MAX, &c->save_every);
     case OPT_RESUME: c->resume = value; break;
     case OPT_COMPARE: c->compare = value; break;

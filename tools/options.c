@@ -161,9 +161,8 @@ static int take_tangents(frame_options *options, const char *value)
 
 static int take_threads(frame_options *options, const char *value)
 {
-    uint64_t number;
-    const int status = take_number("threads", value, 1, 64, &number);
-    options->threads = options->load.threads = (uint32_t)number;
+    const int status = take_uint32("threads", value, 1, 64, &options->threads);
+    options->load.threads = options->threads;
     return status;
 }
 
