@@ -361,6 +361,8 @@ fails "-o one of the expected pictures" 2 "golden0.png: is read and cannot be wr
     --expect golden%d.png --diff golden%d.png
 cp knot.ply scene.raw
 fails "-o the scene" 2 "scene.raw: is read and cannot be written too" render scene.raw -o scene.raw
+ln knot.fxs packed.png
+fails "-o the packed scene" 2 "packed.png: is read and cannot be written too" render knot.fxs -o packed.png
 ln -s knot.ply scene.png
 fails "-o a link to the scene" 2 "scene.png: is read and cannot be written too" render knot.ply -o scene.png
 check "-o the scene: it stays" cmp scene.raw knot.ply
