@@ -295,7 +295,7 @@ sources_of_simd := $(WEB_CORE) $(wildcard kernels/wasm/*.c) $(WEB_GLES)
 sources_of_threads := $(sources_of_simd) port/web/pool.c
 sources_of_import := $(filter-out %_write.c %/scene_filter.c %/floaters.c %/scene_decimate.c,$(wildcard port/scene/*.c port/import/*.c)) \
                      port/web/import.c port/web/crc.c port/web/sort.c \
-                     $(addprefix port/files/,crc32.c byte_reader.c text.c zip.c) src/scene.c \
+                     $(addprefix port/files/,crc32.c byte_reader.c opened.c text.c zip.c) src/scene.c \
                      src/fixsplat.c src/chunk.c $(WEB_C)
 # What takes little of a frame is to be small; kernels take a seventh less of it by -O3, for 2 KB. The lowest 1024 bytes are
 # the end of the stack, which no pointer is to (--low-memory-unused).

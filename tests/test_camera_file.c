@@ -751,6 +751,45 @@ static void view_of_a_box(void)
     }
 }
 
+/* Where the camera is, and which way it looks, how far along it zooms. */
+static void state_at(const fxs_file_view *keys, long count, double at, double state[7])
+{
+    fxs_file_view view;
+    fxs_view_between(keys, count, at, &view);
+    memcpy(state, view.position, sizeof view.position);
+    memcpy(state + 3, view.rotation + 6, 3 * sizeof *state);
+    state[6] = log(view.fx);
+}
+
+/* At each key the velocity before it is that behind it, and in between no rotation is bent. */
+static void way_is_smooth(void)
+{
+    enum { KEYS = 6 };
+    static const double eyes[KEYS][3] = {{0, 0, -6}, {3, -1, -5}, {6, 0, 0}, {2, 1, 5}, {-4, 0, 3}, {-6, -2, -1}};
+    static const double middle[3] = {0, 0, 0}, up[3] = {0, -1, 0};
+    const double h = 1e-6;
+    fxs_file_view keys[KEYS], view;
+    for (int i = 0; i < KEYS; i++) {
+        CHECK(!fxs_view_look_at(&keys[i], eyes[i], middle, up, 30 + 10 * (i % 3), 64, 48, &message));
+        keys[i].near = 0.2;
+    }
+    for (long i = 1; i < KEYS - 1; i++) {
+        double before[7], here[7], behind[7];
+        state_at(keys, KEYS, (double)i - h, before);
+        state_at(keys, KEYS, (double)i, here);
+        state_at(keys, KEYS, (double)i + h, behind);
+        for (int k = 0; k < 7; k++)
+            CHECK(fabs((behind[k] - here[k]) - (here[k] - before[k])) < 1e-4 * h);
+    }
+    for (double at = 0; at <= KEYS - 1; at += 0.05) {
+        fxs_view_between(keys, KEYS, at, &view);
+        for (int i = 0; i < 9; i++) {
+            const double *a = view.rotation + i / 3 * 3, *b = view.rotation + i % 3 * 3;
+            CHECK(fabs(a[0] * b[0] + a[1] * b[1] + a[2] * b[2] - (i % 4 == 0)) < 1e-12);
+        }
+    }
+}
+
 int main(void)
 {
     if (!mkdtemp(folder)) {
@@ -762,6 +801,7 @@ int main(void)
     RUN(camera_from_view);
     RUN(camera_from_matrices);
     RUN(view_of_a_box);
+    RUN(way_is_smooth);
     RUN(colmap_bin);
     RUN(colmap_txt);
     RUN(colmap_models);

@@ -58,47 +58,42 @@ static int take_draw(bench_options *o, const char *kind)
            : (o->draws & depths) == depths ? fail(EXIT_USAGE, "--draw: give one kind of depth") : 0;
 }
 
+static int take_option(bench_options *o, int which, const char *value)
+{
+    switch (which) {
+    case OPT_FRAMES: return take_int("frames", value, 10, 10000, &o->frames);
+    case OPT_PATH: return take_int("path", value, 2, 10000, &o->path);
+    case OPT_DRAW: return take_draw(o, value);
+    case OPT_JSON: o->json = 1; return 0;
+    case OPT_COMPARE: o->compare = value; return 0;
+    default: return frame_option(&o->frame, which, value);
+    }
+}
+
+static void print_help(void)
+{
+    printf(help, camera_options_help, frame_options_help);
+}
+
 static int take_options(bench_options *o, int argc, char **argv)
 {
     static const struct option table[] = {FRAME_OPTIONS, {"frames", required_argument, 0, OPT_FRAMES},
                                           {"path", required_argument, 0, OPT_PATH},
                                           {"draw", required_argument, 0, OPT_DRAW},
                                           {"json", no_argument, 0, OPT_JSON},
-                                          {"compare", required_argument, 0, OPT_COMPARE}, {0, 0, 0, 0}};
-    uint64_t frames = 10, path = 0;
+                                          {"compare", required_argument, 0, OPT_COMPARE}, COMMON_OPTIONS};
     memset(o, 0, sizeof *o);
     frame_options_default(&o->frame);
-    opterr = 0;
-    for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;)
-        switch (c) {
-        case OPT_FRAMES:
-            if (!parse_count(optarg, 10, 10000, &frames))
-                return fail(EXIT_USAGE, "--frames %s: expected 10 to 10000", optarg);
-            break;
-        case OPT_PATH:
-            if (!parse_count(optarg, 2, 10000, &path))
-                return fail(EXIT_USAGE, "--path %s: expected 2 to 10000", optarg);
-            break;
-        case OPT_DRAW:
-            if (take_draw(o, optarg))
-                return EXIT_USAGE;
-            break;
-        case OPT_JSON: o->json = 1; break;
-        case OPT_COMPARE: o->compare = optarg; break;
-        case OPT_HELP: printf(help, camera_options_help, frame_options_help); exit(EXIT_OK);
-        case '?': return wrong_option(argv, table);
-        default:
-            if (frame_option(&o->frame, c, optarg))
-                return EXIT_USAGE;
-        }
+    for (int c; (c = next_option(argc, argv, COMMON_LETTERS, table, 0, print_help)) != -1;)
+        if (c == '?' || take_option(o, c, optarg))
+            return EXIT_USAGE;
     if (take_scenes(&o->frame.world, "bench", argc - optind, argv + optind))
         return EXIT_USAGE;
     if (o->draws && o->frame.foveate.on)
         return fail(EXIT_USAGE, "--foveate is of colours: no --draw");
     if (o->compare && o->json)
         return fail(EXIT_USAGE, "--compare prints a table: no --json");
-    o->path = (int)path;
-    o->frames = path ? o->path : (int)frames;
+    o->frames = o->path ? o->path : o->frames ? o->frames : 10;
     return frame_options_check(&o->frame);
 }
 

@@ -6,7 +6,6 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 static void say(const char *format, va_list arguments)
@@ -98,42 +97,33 @@ static int wrong_word(char **argv)
     return is_letter && (before[0] != '-' || before[strlen(before) - 1] != optopt) ? optind : optind - 1;
 }
 
-static int is_one_of(const char *word, const char *first, const char *second)
+static void say_wrong_option(char **argv, const struct option *table)
 {
-    return !strcmp(word, first) || !strcmp(word, second);
+    const char *word = argv[wrong_word(argv)], *name = word + strspn(word, "-");
+    suggestion s = {0, 0};
+    for (; table->name; table++)
+        suggest(&s, name, strcspn(name, "="), table->name);
+    const int is_known = s.name && !s.distance && name == word + 2;     /* and its value is missing */
+    if (s.name && !is_known)
+        fail(EXIT_USAGE, "%s: unknown option: %s; did you mean --%s? See: fixsplat %s --help", argv[0], word, s.name,
+             argv[0]);
+    else
+        fail(EXIT_USAGE, "%s: unknown option or missing value: %s; see: fixsplat %s --help", argv[0], word, argv[0]);
 }
 
-int wrong_option(char **argv, const struct option *table)
+int next_option(int argc, char **argv, const char *letters, const struct option *table, int *index, void (*help)(void))
 {
-    static char help[] = "--help";
-    const int at = wrong_word(argv);
-    const char *word = argv[at], *name = word + strspn(word, "-");
-    const size_t length = strcspn(name, "=");
-    suggestion s = {0, 0};
-    if (is_one_of(word, "-V", "--version")) {
-        print_version();
+    int option;
+    opterr = 0;
+    while ((option = getopt_long(argc, argv, letters, table, index)) == OPT_QUIET)
+        be_quiet();
+    if (option == 'h' || option == 'V') {
+        (option == 'h' ? help : print_version)();
         exit(EXIT_OK);
     }
-    if (!strcmp(word, "-h")) {
-        argv[at] = help;
-        return EXIT_AGAIN;
-    }
-    if (!strcmp(word, "--quiet")) {
-        be_quiet();
-        for (int i = at; argv[i]; i++)
-            argv[i] = argv[i + 1];
-        return EXIT_AGAIN;
-    }
-    for (; table->name; table++)
-        suggest(&s, name, length, table->name);
-    suggest(&s, name, length, "quiet");
-    suggest(&s, name, length, "version");
-    const int is_known = s.name && !s.distance && name == word + 2;     /* and its value is missing */
-    return s.name && !is_known
-               ? fail(EXIT_USAGE, "%s: unknown option: %s; did you mean --%s? See: fixsplat %s --help", argv[0], word,
-                      s.name, argv[0])
-               : fail(EXIT_USAGE, "%s: unknown option or missing value: %s; see: fixsplat %s --help", argv[0], word,
-                      argv[0]);
+    if (option == '?')
+        say_wrong_option(argv, table);
+    return option;
 }
 
 /* ---- Messages of other parts ------------------------------------------------------------------------------------- */
@@ -245,27 +235,34 @@ int take_number(const char *name, const char *value, uint64_t low, uint64_t high
                           high);
 }
 
-/* Of a file that is not there its folder, and how it is called in it. */
-static const char *stat_folder(const char *path, struct stat *status)
+int take_int(const char *name, const char *value, int low, int high, int *out)
 {
-    char folder[4096];
-    const char *slash = strrchr(path, '/');
-    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path + 1) : 1, slash ? path : ".");
-    return stat(folder, status) ? 0 : slash ? slash + 1 : path;
+    uint64_t number;
+    const int status = take_number(name, value, (uint64_t)low, (uint64_t)high, &number);
+    *out = (int)number;
+    return status;
 }
 
-int same_file(const char *a, const char *b)
+int take_uint32(const char *name, const char *value, uint32_t low, uint32_t high, uint32_t *out)
 {
-    struct stat one, other;
-    const int there = !stat(a, &one);
-    if (there != !stat(b, &other))
-        return 0;
-    if (there)
-        return S_ISREG(one.st_mode) && one.st_dev == other.st_dev && one.st_ino == other.st_ino;
-    const char *name_a = stat_folder(a, &one), *name_b = stat_folder(b, &other);
-    if (!name_a || !name_b)
-        return !strcmp(a, b);
-    return one.st_dev == other.st_dev && one.st_ino == other.st_ino && !strcmp(name_a, name_b);
+    uint64_t number;
+    const int status = take_number(name, value, low, high, &number);
+    *out = (uint32_t)number;
+    return status;
+}
+
+int take_size(const char *name, const char *value, int *width, int *height)
+{
+    return parse_size(value, width, height)
+               ? 0 : fail(EXIT_USAGE, "--%s %s: expected WxH, each 1 to %d", name, value, FXS_MAX_SIZE);
+}
+
+int take_output(const char *name, const char *value, const char **out)
+{
+    if (*out)
+        return fail(EXIT_USAGE, "--%s %s: --%s %s is given before", name, value, name, *out);
+    *out = value;
+    return 0;
 }
 
 void print_json_string(const char *text)

@@ -4,6 +4,7 @@
 
 #include "../port/image/image_file.h"
 #include "command.h"
+#include "files.h"
 #include "metrics.h"
 
 static const char help[] =
@@ -93,10 +94,15 @@ static int check(const compare_options *o)
         return 0;
     if (!fxs_image_file_known(o->difference))
         return fail(EXIT_USAGE, "%s: expected a name ending in .png, .ppm, .raw, .jpg or .webp", o->difference);
-    for (int i = 0; i < 2; i++)
-        if (same_file(o->difference, o->path[i]))
-            return fail(EXIT_USAGE, "%s: an output that is read too", o->difference);
-    return 0;
+    files_read(o->path[0]);
+    files_read(o->path[1]);
+    files_write(o->difference);
+    return files_check();
+}
+
+static void print_help(void)
+{
+    fputs(help, stdout);
 }
 
 int command_compare(int argc, char **argv)
@@ -105,12 +111,14 @@ int command_compare(int argc, char **argv)
     static const struct option table[] = {{"diff", required_argument, 0, OPT_DIFF}, {"json", no_argument, 0, OPT_JSON},
                                           {"min-psnr", required_argument, 0, OPT_MIN_PSNR},
                                           {"min-ssim", required_argument, 0, OPT_MIN_SSIM},
-                                          {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
+                                          COMMON_OPTIONS};
     compare_options o = {.difference = 0};
-    opterr = 0;
-    for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;)
+    for (int c; (c = next_option(argc, argv, COMMON_LETTERS, table, 0, print_help)) != -1;)
         switch (c) {
-        case OPT_DIFF: o.difference = optarg; break;
+        case OPT_DIFF:
+            if (take_output("diff", optarg, &o.difference))
+                return EXIT_USAGE;
+            break;
         case OPT_JSON: o.json = 1; break;
         case OPT_MIN_PSNR:
             if (!parse_vector(optarg, 1, &o.least_psnr) || o.least_psnr <= 0)
@@ -120,8 +128,7 @@ int command_compare(int argc, char **argv)
             if (!parse_vector(optarg, 1, &o.least_ssim) || o.least_ssim <= 0 || o.least_ssim > 1)
                 return fail(EXIT_USAGE, "--min-ssim %s: expected a number above 0, up to 1", optarg);
             break;
-        case OPT_HELP: fputs(help, stdout); return EXIT_OK;
-        default: return wrong_option(argv, table);
+        default: return EXIT_USAGE;
         }
     if (optind != argc - 2)
         return fail(EXIT_USAGE, "compare takes two pictures; see: fixsplat compare --help");

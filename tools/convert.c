@@ -7,6 +7,7 @@
 #include "../port/scene/fxs_file.h"
 #include "../port/scene/scene_write.h"
 #include "../port/world/merge.h"
+#include "files.h"
 #include "quality.h"
 
 static const char help[] =
@@ -22,7 +23,7 @@ static const char help[] =
     "  .csv             text, a line a Gaussian, columns as in a .ply\n\n"
     "What .fxs leaves out because it cannot be drawn, the others leave out too. An .fxs file is not converted back.\n"
     "Several files become one with the highest SH degree of any: coefficients that a file lacks are 0. All must be\n"
-    "anti-aliased, or none. OUT must not be one of IN.\n\n"
+    "anti-aliased, or none. A file that is there is replaced when OUT is complete; one of IN only with --force.\n\n"
     "The whole is turned, scaled and moved in this order, whatever that of the options, with its SH, in the axes of a\n"
     ".ply (x right, y down, z to the front):\n\n"
     "  --up X,Y,Z          turn this direction to up, which is 0,-1,0, by the shortest way\n"
@@ -49,6 +50,8 @@ static const char more_help[] =
     "                      default 63.5 (56.9 dB), compact 39.6 (53.9 dB), small 19.6 (44.4 dB). Where SH lose much,\n"
     "                      views are compared with default, and one that loses more than it should is said\n"
     "  --spz-version V     3 (gzip) or 4 (zstd, the default), for .spz\n"
+    "  --force             OUT may be one of IN, but for an .fxs: that is replaced, when OUT is complete. What only\n"
+    "                      belongs to one of IN, as a content of a tileset, is never replaced\n"
     "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
     WORLD_HELP
     IMPORT_HELP
@@ -77,7 +80,7 @@ typedef struct convert_options {
 } convert_options;
 
 enum { OPT_CROP = OPT_OWN, OPT_SPHERE, OPT_PRUNE, OPT_DROP_FLOATERS, OPT_DECIMATE, OPT_TRANSLATE, OPT_ROTATE, OPT_SCALE,
-       OPT_SPZ_VERSION };
+       OPT_SPZ_VERSION, OPT_FORCE };
 
 /* ---- Options --------------------------------------------------------------------------------------------------- */
 
@@ -146,7 +149,6 @@ static int take_place(convert_options *o, int which, const char *value)
 
 static int take_option(convert_options *o, int which, const char *value)
 {
-    uint64_t number;
     o->filtered |= which == OPT_CROP || which == OPT_SPHERE || which == OPT_PRUNE || which == OPT_DROP_FLOATERS ||
                    which == OPT_SH_DEGREE;
     switch (which) {
@@ -157,7 +159,7 @@ static int take_option(convert_options *o, int which, const char *value)
     case OPT_SPHERE: return take_sphere(&o->filter, value);
     case OPT_DROP_FLOATERS: o->filter.floaters = 1; return 0;
     case OPT_DECIMATE: return take_decimate(o, value);
-    case OPT_LOD: return take_lod(&o->load, value);
+    case OPT_LOD: return take_int("lod", value, 0, 1000, &o->load.lod);
     case OPT_AXES:
     case OPT_MAX_GAUSSIANS:
     case OPT_IMPORT_MEMORY: return take_import_option(&o->load, which, value);
@@ -169,18 +171,17 @@ static int take_option(convert_options *o, int which, const char *value)
         if (!parse_vector(value, 1, &o->filter.opacity) || o->filter.opacity < 0 || o->filter.opacity > 1)
             return fail(EXIT_USAGE, "--prune %s: expected an opacity, 0 to 1", value);
         return 0;
-    case OPT_SH_DEGREE:
-        if (!parse_count(value, 0, 3, &number))
-            return fail(EXIT_USAGE, "--sh-degree %s: expected 0 to 3", value);
-        o->filter.sh_degree = (int)number;
-        return 0;
-    case OPT_SPZ_VERSION:
-        if (!parse_count(value, 3, 4, &number))
-            return fail(EXIT_USAGE, "--spz-version %s: expected 3 or 4", value);
-        o->spz_version = (int)number;
-        return 0;
+    case OPT_SH_DEGREE: return take_int("sh-degree", value, 0, 3, &o->filter.sh_degree);
+    case OPT_FORCE: files_force(FILES_FORCED); return 0;
+    case OPT_SPZ_VERSION: return take_int("spz-version", value, 3, 4, &o->spz_version);
     default: return EXIT_USAGE;
     }
+}
+
+static void print_help(void)
+{
+    fputs(help, stdout);
+    fputs(more_help, stdout);
 }
 
 static int take_options(convert_options *o, int argc, char **argv)
@@ -196,24 +197,17 @@ static int take_options(convert_options *o, int argc, char **argv)
                                           {"prune", required_argument, 0, OPT_PRUNE},
                                           {"sh-degree", required_argument, 0, OPT_SH_DEGREE},
                                           {"spz-version", required_argument, 0, OPT_SPZ_VERSION},
+                                          {"force", no_argument, 0, OPT_FORCE},
                                           {"lod", required_argument, 0, OPT_LOD}, IMPORT_OPTIONS,
                                           WORLD_OPTIONS, {"profile", required_argument, 0, OPT_PROFILE},
-                                          {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
+                                          COMMON_OPTIONS};
     memset(o, 0, sizeof *o);
+    files_force(FILES_REFUSE_UNFORCED);
     fxs_scene_filter_default(&o->filter);
     fxs_placement_init(&o->whole, 0, 0);
-    opterr = 0;
-    for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;) {
-        if (c == OPT_HELP) {
-            fputs(help, stdout);
-            fputs(more_help, stdout);
-            exit(EXIT_OK);
-        }
-        if (c == '?')
-            return wrong_option(argv, table);
-        if (take_option(o, c, optarg))
+    for (int c; (c = next_option(argc, argv, COMMON_LETTERS, table, 0, print_help)) != -1;)
+        if (c == '?' || take_option(o, c, optarg))
             return EXIT_USAGE;
-    }
     if (optind > argc - (o->world.file ? 1 : 2))
         return fail(EXIT_USAGE, "convert takes two files or more, IN and OUT; see: fixsplat convert --help");
     if (take_scenes(&o->world, "convert", argc - 1 - optind, argv + optind))
@@ -276,11 +270,13 @@ static int to_fxs(const convert_options *o)
     if (world_open_merged(&w, &o->placed, o->in, &load))
         return EXIT_FAILED;
     const loaded_scene *loaded = &w.scenes[0];
-    int result = fxs_file_write(o->out, loaded->packed.data, loaded->packed.bytes, &message);
-    if (!result && loaded->report.rms.sh > loss_to_check(loaded->scene.profile))
+    int status = files_check();
+    if (!status && fxs_file_write(o->out, loaded->packed.data, loaded->packed.bytes, &message))
+        status = fail(EXIT_FAILED, "%s", message.text);
+    if (!status && loaded->report.rms.sh > loss_to_check(loaded->scene.profile))
         check_views(&w, o, &load);
     world_close(&w);
-    return result ? fail(EXIT_FAILED, "%s", message.text) : EXIT_OK;
+    return status;
 }
 
 /* ---- The others, Gaussian by Gaussian -------------------------------------------------------------------------- */
@@ -377,7 +373,9 @@ static int stream(const convert_options *o)
     load.filter = &filter;
     if (open_merged(&o->placed, o->in, &load, &file, &info))
         return EXIT_FAILED;
-    const int status = write_file(o, file, &info);
+    int status = files_check();
+    if (!status)
+        status = write_file(o, file, &info);
     fxs_scene_file_close(file);
     return status;
 }
@@ -430,18 +428,20 @@ static int place_whole(convert_options *o)
     return 0;
 }
 
-/* No file of a world may be packed, or the one that is written. */
-static int check_inputs(const convert_options *o)
+/* No file of a world may be packed. */
+static int check_files(const convert_options *o)
 {
     const fxs_world *placed = &o->placed;
     for (uint32_t i = 0; i < placed->file_count; i++) {
         if (is_packed(placed->files[i]))
             return fail(EXIT_FAILED, "%s: an .fxs file is not converted; convert the scene that it was made from",
                         placed->files[i]);
-        if (same_file(o->out, placed->files[i]))
-            return fail(EXIT_FAILED, "%s: is read and cannot be written too; give OUT another name", o->out);
+        files_read(placed->files[i]);
     }
-    return 0;
+    files_write(o->out);
+    if (ends_with(o->out, ".fxs"))
+        files_force(FILES_REFUSE);          /* check_views reads IN again */
+    return files_check();
 }
 
 int command_convert(int argc, char **argv)
@@ -459,7 +459,7 @@ int command_convert(int argc, char **argv)
         return status;
     status = place_whole(&o);
     if (!status)
-        status = check_inputs(&o);
+        status = check_files(&o);
     if (!status)
         status = packed ? to_fxs(&o) : stream(&o);
     fxs_world_free(&o.placed);

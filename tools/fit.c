@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "../port/posix/clock.h"
+#include "files.h"
 #include "fit_result.h"
 
 static const char help[] =
@@ -99,36 +100,27 @@ static int take_block(fit_command *c, const char *value)
     return 0;
 }
 
+static int take_max_gaussians(fxs_fit_options *options, const char *value)
+{
+    uint64_t number;
+    const int status = take_number("max-gaussians", value, 1, FXS_MAX_COUNT, &number);
+    options->max_gaussians = (size_t)number;
+    return status;
+}
+
 static int take_option(fit_command *c, int which, const char *value)
 {
-    uint64_t number = 0;
-    int status = 0;
     c->given[which] = 1;
     switch (which) {
-    case 'o': c->out = value; break;
+    case 'o': return take_output("output", value, &c->out);
     case OPT_RECIPE: return take_recipe(&c->options, value);
-    case OPT_STEPS:
-        status = take_number("steps", value, 1, 1000000000, &number);
-        c->options.steps = (uint32_t)number;
-        return status;
-    case OPT_RESOLUTION:
-        status = take_number("resolution", value, 1, FXS_MAX_SIZE, &number);
-        c->reading.resolution = (int)number;
-        return status;
-    case OPT_MAX_GAUSSIANS:
-        status = take_number("max-gaussians", value, 1, FXS_MAX_COUNT, &number);
-        c->options.max_gaussians = (size_t)number;
-        return status;
-    case OPT_BATCH:
-        status = take_number("batch", value, 1, 8, &number);
-        c->options.batch = (uint32_t)number;
-        return status;
+    case OPT_STEPS: return take_uint32("steps", value, 1, 1000000000, &c->options.steps);
+    case OPT_RESOLUTION: return take_int("resolution", value, 1, FXS_MAX_SIZE, &c->reading.resolution);
+    case OPT_MAX_GAUSSIANS: return take_max_gaussians(&c->options, value);
+    case OPT_BATCH: return take_uint32("batch", value, 1, 8, &c->options.batch);
     case OPT_BLOCK: return take_block(c, value);
     case OPT_SEED: return take_number("seed", value, 0, UINT64_MAX, &c->options.seed);
-    case OPT_HOLD_OUT:
-        status = take_number("hold-out", value, 0, UINT32_MAX, &number);
-        c->reading.hold_out = (uint32_t)number;
-        return status;
+    case OPT_HOLD_OUT: return take_uint32("hold-out", value, 0, UINT32_MAX, &c->reading.hold_out);
     case OPT_SAVE_EVERY: return take_number("save-every", value, 1, UINT32_MAX, &c->save_every);
     case OPT_RESUME: c->resume = value; break;
     case OPT_COMPARE: c->compare = value; break;
@@ -183,6 +175,11 @@ static int finish_options(fit_command *c)
     return status;
 }
 
+static void print_help(void)
+{
+    fputs(help, stdout);
+}
+
 static int take_options(fit_command *c, int argc, char **argv)
 {
     static const struct option table[] = {
@@ -197,24 +194,15 @@ static int take_options(fit_command *c, int argc, char **argv)
         {"hold-out", required_argument, 0, OPT_HOLD_OUT}, {"save-every", required_argument, 0, OPT_SAVE_EVERY},
         {"resume", required_argument, 0, OPT_RESUME}, {"skip-bad", no_argument, 0, OPT_SKIP_BAD},
         {"compare", required_argument, 0, OPT_COMPARE}, {"threads", required_argument, 0, OPT_THREADS},
-        {"cpu", required_argument, 0, OPT_CPU}, {"json", no_argument, 0, OPT_JSON}, {"help", no_argument, 0, OPT_HELP},
-        {0, 0, 0, 0}
+        {"cpu", required_argument, 0, OPT_CPU}, {"json", no_argument, 0, OPT_JSON}, COMMON_OPTIONS
     };
     memset(c, 0, sizeof *c);
     frame_options_default(&c->frame);
     fxs_fit_options_init(&c->options);
     c->reading.hold_out = 8;
-    opterr = 0;
-    for (int option; (option = getopt_long(argc, argv, "o:", table, 0)) != -1;) {
-        if (option == OPT_HELP) {
-            fputs(help, stdout);
-            exit(EXIT_OK);
-        }
-        if (option == '?')
-            return wrong_option(argv, table);
-        if (take_option(c, option, optarg))
+    for (int option; (option = next_option(argc, argv, "o:" COMMON_LETTERS, table, 0, print_help)) != -1;)
+        if (option == '?' || take_option(c, option, optarg))
             return EXIT_USAGE;
-    }
     if (optind != argc - 1)
         return fail(EXIT_USAGE, "fit takes one folder or file of photographs; see: fixsplat fit --help");
     if (!c->out)
@@ -232,8 +220,12 @@ static int check_outputs(fit_command *c)
     const int wrong = result_check(c->out);
     if (wrong)
         return wrong;
-    if (same_file(c->out, c->in) || (c->resume && same_file(c->out, c->resume)))
-        return fail(EXIT_USAGE, "%s: is read and cannot be written too; give OUT another name", c->out);
+    files_read(c->in);
+    files_read(c->resume);
+    files_write(c->out);
+    const int taken = files_check();
+    if (taken)
+        return taken;
     if (c->compare && mkdir(c->compare, 0777) && errno != EEXIST)
         return fail(EXIT_FAILED, "--compare %s: %s", c->compare, strerror(errno));
     if (c->compare && !stat(c->compare, &status) && !S_ISDIR(status.st_mode))
@@ -391,6 +383,8 @@ static int resumes_its_own(const fit_command *c)
 /* The command that goes on from what is saved. */
 static void say_how_to_go_on(const fit_command *c, const char *why, uint32_t step, uint32_t steps, char **argv)
 {
+    if (is_quiet())
+        return;
     progress_end();
     fprintf(stderr, "fixsplat: %s after %" PRIu32 " steps of %" PRIu32 "; to go on: fixsplat", why, step, steps);
     for (; *argv; argv++)
@@ -519,8 +513,12 @@ static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, 
 
 static int fit_photos(const fit_command *c, const fxs_photos *photos, const fxs_fit_block *block, char **argv)
 {
-    fxs_fit *fit;
-    int status = open_fit(c, photos, &fit);
+    fxs_fit *fit = 0;
+    if (c->compare)
+        result_tell_pictures(photos, c->compare);
+    int status = files_check();     /* photographs are known now */
+    if (!status)
+        status = open_fit(c, photos, &fit);
     if (!status) {
         const uint64_t now = fxs_clock(0);
         const uint32_t first = fxs_fit_steps(fit);
@@ -548,8 +546,8 @@ static void say_sizes(const fxs_photos *photos)
         width = view->width > width ? view->width : width;
         height = view->height > height ? view->height : height;
     }
-    fprintf(stderr, "photographs: %zu to fit, %zu held out, up to %d x %d pixels; %zu points\n", photos->fit_count,
-            photos->held_out_count, width, height, photos->point_count);
+    note("photographs: %zu to fit, %zu held out, up to %d x %d pixels; %zu points", photos->fit_count,
+         photos->held_out_count, width, height, photos->point_count);
 }
 
 static void say_left_out(void *label, const char *why)
@@ -568,7 +566,7 @@ static int fit_block(fit_command *c, const fxs_photos *whole, char **argv)
     c->options.extent = block.extent;
     c->options.block = c->block;
     c->options.blocks = c->blocks;
-    if (isatty(STDERR_FILENO) && !is_quiet())
+    if (isatty(STDERR_FILENO))
         say_sizes(&block.photos);
     const int status = fit_photos(c, &block.photos, &block, argv);
     fxs_fit_block_free(&block);
@@ -591,7 +589,7 @@ static int read_photos(fit_command *c, fxs_photos *photos)
              photos->fit_count + photos->held_out_count);
     if (photos->points_are_random && !c->resume)
         note("%s: no points: begins with %zu random ones", c->in, photos->point_count);
-    if (isatty(STDERR_FILENO) && !is_quiet())
+    if (isatty(STDERR_FILENO))
         say_sizes(photos);
     return 0;
 }

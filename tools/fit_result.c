@@ -10,6 +10,7 @@
 #include "../port/image/image_file.h"
 #include "../port/scene/fxs_file.h"
 #include "../port/scene/ply_write.h"
+#include "files.h"
 
 /* ---- Writing ----------------------------------------------------------------------------------------------------- */
 
@@ -118,6 +119,29 @@ static uint8_t *to_rgba(const fxs_fit_photo *photo)
     return rgba;
 }
 
+static const fxs_fit_photo *measured_of(const fxs_photos *photos, size_t *count)
+{
+    *count = photos->held_out_count ? photos->held_out_count : photos->fit_count;
+    return photos->held_out_count ? photos->held_out : photos->fit;
+}
+
+static void name_picture(char name[4096], const char *folder, long index, const fxs_file_view *view)
+{
+    const char *slash = strrchr(view->name, '/'), *base = slash ? slash + 1 : view->name;
+    snprintf(name, 4096, "%s/%04ld_%.*s.png", folder, index, (int)strcspn(base, "."), base);
+}
+
+void result_tell_pictures(const fxs_photos *photos, const char *compare)
+{
+    size_t count;
+    const fxs_fit_photo *measured = measured_of(photos, &count);
+    for (size_t i = 0; i < count; i++) {
+        char name[4096];
+        name_picture(name, compare, (long)i, &measured[i].view);
+        files_write(name);
+    }
+}
+
 /* The photograph left, what was drawn right. */
 static int write_pair(const gauge *g, long index, const fxs_file_view *view, const uint8_t *photograph)
 {
@@ -131,8 +155,7 @@ static int write_pair(const gauge *g, long index, const fxs_file_view *view, con
         memcpy(both + 2 * row * y, photograph + row * y, row);
         memcpy(both + 2 * row * y + row, g->drawn.pixels + row * y, row);
     }
-    const char *slash = strrchr(view->name, '/'), *base = slash ? slash + 1 : view->name;
-    snprintf(name, sizeof name, "%s/%04ld_%.*s.png", g->compare, index, (int)strcspn(base, "."), base);
+    name_picture(name, g->compare, index, view);
     const int result = fxs_image_file_write(name, both, 2 * view->width, view->height, &message);
     free(both);
     return result ? fail(EXIT_FAILED, "%s", message.text) : 0;
@@ -158,9 +181,10 @@ static int measure_photo(gauge *g, const fxs_fit_photo *photo, long index, quali
 static int measure_all(gauge *g, const fxs_photos *photos, quality *q)
 {
     char label[] = "measuring";
-    const fxs_fit_photo *measured = photos->held_out_count ? photos->held_out : photos->fit;
-    q->count = (long)(photos->held_out_count ? photos->held_out_count : photos->fit_count);
-    q->views = calloc((size_t)q->count, sizeof *q->views);
+    size_t count;
+    const fxs_fit_photo *measured = measured_of(photos, &count);
+    q->count = (long)count;
+    q->views = calloc(count, sizeof *q->views);
     int status = q->views ? 0 : fail(EXIT_FAILED, "out of memory");
     for (long i = 0; i < q->count && !status; i++) {
         progress_bar(label, (double)i / (double)q->count);

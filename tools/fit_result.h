@@ -22,6 +22,9 @@ typedef struct fit_result {
    EXIT_FAILED. result_free frees what it holds in either case. */
 int result_write(fit_result *result, fxs_fit *fit, const fxs_fit_block *block, const char *out);
 
+/* Names the pictures that result_measure will write to files_write. */
+void result_tell_pictures(const fxs_photos *photos, const char *compare);
+
 /* Draws what was packed from where photographs were taken, by the renderer. `compare`: a folder for pictures of each
    photograph, left, and what was drawn; or null. Returns as above. */
 int result_measure(fit_result *result, fxs_fit *fit, const fxs_photos *photos, const frame_options *frame,

@@ -61,7 +61,7 @@ static const char examples[] =
 typedef struct info_options {
     frame_options frame;                    /* scenes, cameras, size and lod are used */
     const char *original;
-    uint64_t views;                         /* 0: none given */
+    int views;                              /* 0: none given */
     int board_width, board_height;          /* 0: not asked for */
     int json, stats, backends;
 } info_options;
@@ -367,6 +367,26 @@ static void print_backends_json(void)
 
 /* ---- The command ----------------------------------------------------------------------------------------------- */
 
+static int take_option(info_options *o, int which, const char *value)
+{
+    switch (which) {
+    case OPT_COMPARE: o->original = value; return 0;
+    case OPT_VIEWS: return take_int("views", value, 1, 1000, &o->views);
+    case OPT_BOARD: return take_size("board", value, &o->board_width, &o->board_height);
+    case OPT_JSON: o->json = 1; return 0;
+    case OPT_STATS: o->stats = 1; return 0;
+    case OPT_BACKENDS: o->backends = 1; return 0;
+    default: return frame_option(&o->frame, which, value);
+    }
+}
+
+static void print_help(void)
+{
+    fputs(help, stdout);
+    fputs(more_help, stdout);
+    fputs(examples, stdout);
+}
+
 static int take_options(info_options *o, int argc, char **argv)
 {
     static const struct option table[] = {{"compare", required_argument, 0, OPT_COMPARE},
@@ -379,31 +399,12 @@ static int take_options(info_options *o, int argc, char **argv)
                                           {"max-memory", required_argument, 0, OPT_MAX_MEMORY},
                                           {"lod", required_argument, 0, OPT_LOD}, IMPORT_OPTIONS,
                                           WORLD_OPTIONS, {"profile", required_argument, 0, OPT_PROFILE},
-                                          {"json", no_argument, 0, OPT_JSON},
-                                          {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
+                                          {"json", no_argument, 0, OPT_JSON}, COMMON_OPTIONS};
     memset(o, 0, sizeof *o);
     frame_options_default(&o->frame);
-    opterr = 0;
-    for (int c; (c = getopt_long(argc, argv, "", table, 0)) != -1;)
-        switch (c) {
-        case OPT_COMPARE: o->original = optarg; break;
-        case OPT_VIEWS:
-            if (!parse_count(optarg, 1, 1000, &o->views))
-                return fail(EXIT_USAGE, "--views %s: expected 1 to 1000", optarg);
-            break;
-        case OPT_BOARD:
-            if (!parse_size(optarg, &o->board_width, &o->board_height))
-                return fail(EXIT_USAGE, "--board %s: expected WIDTHxHEIGHT, each 1 to 16384", optarg);
-            break;
-        case OPT_JSON: o->json = 1; break;
-        case OPT_STATS: o->stats = 1; break;
-        case OPT_BACKENDS: o->backends = 1; break;
-        case OPT_HELP: fputs(help, stdout); fputs(more_help, stdout); fputs(examples, stdout); exit(EXIT_OK);
-        case '?': return wrong_option(argv, table);
-        default:
-            if (frame_option(&o->frame, c, optarg))
-                return EXIT_USAGE;
-        }
+    for (int c; (c = next_option(argc, argv, COMMON_LETTERS, table, 0, print_help)) != -1;)
+        if (c == '?' || take_option(o, c, optarg))
+            return EXIT_USAGE;
     if (o->backends) {
         (o->json ? print_backends_json : print_backends)();
         exit(EXIT_OK);
@@ -425,7 +426,7 @@ static int compare(findings *f, const info_options *o)
                                                                           .import_memory = load->import_memory});
     if (status)
         return status;
-    status = quality_measure(&f->quality, &f->world, &original, &o->frame, o->views ? (long)o->views : 8);
+    status = quality_measure(&f->quality, &f->world, &original, &o->frame, o->views ? o->views : 8);
     f->compared = !status;
     world_close(&original);
     return status;

@@ -1,8 +1,11 @@
 /* fixsplat: renders 3D Gaussian splatting scenes in fixed point. */
+#include <fcntl.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "../port/backend/backends.h"
 #include "../port/files/output.h"
+#include "files.h"
 #include "renderer.h"
 
 static const struct {
@@ -12,7 +15,7 @@ static const struct {
     {"render", "scene file -> picture", command_render},
     {"view", "scene file -> window, or --web: page", command_view},
     {"info", "what a scene holds, and what it needs", command_info},
-    {"convert", "scene file -> .fxs (packed), .ply, .splat or .spz", command_convert},
+    {"convert", "scene files -> another: .fxs (packed), .ply, .sog, .spz, .glb", command_convert},
     {"fit", "photographs -> scene", command_fit},
     {"compare", "how far two pictures are apart", command_compare},
     {"make-scene", "writes a procedural scene", command_make_scene},
@@ -91,7 +94,9 @@ static void help(void)
          "  fixsplat make-scene knot -o knot.ply\n"
          "  fixsplat render knot.ply -o knot.png\n"
          "  fixsplat render scene.ply --cameras cameras.json --view 0 -o view.png --stats\n\n"
-         "Exit status: 0 done, 1 failed, 2 wrong usage.");
+         "An output replaces the file of its name when it is complete, but never one that is read (convert --force may).\n"
+         "A FIFO or a device is written to, and of a link the target is replaced.\n\n"
+         "Exit status: 0 done, 1 failed, 2 wrong usage; where a pipe is closed, that of SIGPIPE (141 in a shell).");
 }
 
 static int kernels(void)
@@ -106,19 +111,6 @@ static int kernels(void)
         printf("%-8s %s\n", fxs_stage_name((enum fxs_stage)i), r.backend->version(r.self, (enum fxs_stage)i));
     renderer_close(&r);
     return EXIT_OK;
-}
-
-/* Once more where it met an option of all commands, which is taken care of then. */
-static int run(int i, char **argv)
-{
-    int argc, status;
-    do {
-        optind = 0;                             /* getopt_long begins anew */
-        for (argc = 0; argv[argc]; argc++)
-            ;
-        status = commands[i].run(argc, argv);
-    } while (status == EXIT_AGAIN);
-    return status;
 }
 
 static int wrong_command(const char *name)
@@ -144,7 +136,7 @@ static int help_about(const char *name)
         }
     for (int i = 0; i < COMMANDS; i++)
         if (!strcmp(name, commands[i].name))
-            return run(i, (char *[]){(char *)commands[i].name, word, 0});
+            return commands[i].run(2, (char *[]){(char *)commands[i].name, word, 0});
     for (int i = 0; i < COMMANDS; i++)
         suggest(&s, name, strlen(name), commands[i].name);
     for (int i = 0; i < TOPICS; i++)
@@ -153,10 +145,20 @@ static int help_about(const char *name)
                   : fail(EXIT_USAGE, "no help on '%s'; see: fixsplat help", name);
 }
 
+/* One that is closed is opened the wrong way round: no file becomes standard output by chance, and to use it fails. */
+static void keep_standard_files(void)
+{
+    for (int i = STDIN_FILENO; i <= STDERR_FILENO; i++)
+        if (fcntl(i, F_GETFD) < 0)
+            open("/dev/null", i == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+}
+
 int main(int argc, char **argv)
 {
+    keep_standard_files();
     fxs_output_remove_at_signals();
     check_printed_at_exit();
+    files_begin();
     for (; argc > 1 && !strcmp(argv[1], "--quiet"); argc--, argv++)
         be_quiet();
     const char *name = argc > 1 ? argv[1] : "";
@@ -174,6 +176,6 @@ int main(int argc, char **argv)
         return kernels();
     for (int i = 0; i < COMMANDS; i++)
         if (!strcmp(name, commands[i].name))
-            return run(i, argv + 1);
+            return commands[i].run(argc - 1, argv + 1);
     return wrong_command(name);
 }

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "../port/scene/ply_write.h"
+#include "../port/scene/scene_write.h"
 #include "command.h"
 #include "procedural.h"
 
@@ -49,19 +50,28 @@ static int write_scene(const fxs_procedural_scene *scene, uint64_t count, uint32
     return result ? fail(EXIT_FAILED, "%s", message.text) : 0;
 }
 
+/* By its ending; standard output and devices have none. */
+static int is_of_another_format(const char *name)
+{
+    const int is_ply = ends_with(name, ".ply") && !ends_with(name, ".compressed.ply");
+    return !is_ply && (fxs_scene_is_written(name) || ends_with(name, ".fxs"));
+}
+
 int command_make_scene(int argc, char **argv)
 {
     enum { OPT_COUNT = OPT_OWN, OPT_SEED };
     static const struct option table[] = {{"output", required_argument, 0, 'o'},
                                           {"count", required_argument, 0, OPT_COUNT},
                                           {"seed", required_argument, 0, OPT_SEED},
-                                          {"help", no_argument, 0, OPT_HELP}, {0, 0, 0, 0}};
+                                          COMMON_OPTIONS};
     const char *output = 0;
     uint64_t count = 0, seed = 1;
-    opterr = 0;
-    for (int c; (c = getopt_long(argc, argv, "o:", table, 0)) != -1;)
+    for (int c; (c = next_option(argc, argv, "o:" COMMON_LETTERS, table, 0, help)) != -1;)
         switch (c) {
-        case 'o': output = optarg; break;
+        case 'o':
+            if (take_output("output", optarg, &output))
+                return EXIT_USAGE;
+            break;
         case OPT_COUNT:
             if (!parse_count(optarg, 1, 100000000, &count))
                 return fail(EXIT_USAGE, "--count %s: expected 1 to 100000000", optarg);
@@ -70,11 +80,12 @@ int command_make_scene(int argc, char **argv)
             if (!parse_count(optarg, 0, UINT32_MAX, &seed))
                 return fail(EXIT_USAGE, "--seed %s: expected 0 to 4294967295", optarg);
             break;
-        case OPT_HELP: help(); return EXIT_OK;
-        default: return wrong_option(argv, table);
+        default: return EXIT_USAGE;
         }
     if (optind != argc - 1 || !output)
         return fail(EXIT_USAGE, "make-scene takes a name and -o OUT.ply; see: fixsplat make-scene --help");
+    if (is_of_another_format(output))
+        return fail(EXIT_USAGE, "%s: a .ply is written; convert makes others of it", output);
     const fxs_procedural_scene *scene = fxs_procedural_find(argv[optind]);
     if (!scene)
         return fail(EXIT_USAGE, "no scene '%s'; see: fixsplat make-scene --help", argv[optind]);

@@ -152,10 +152,22 @@ static int take_foveate(foveate_options *foveate, const char *value)
                             "R2 larger, BAND at most R1", value);
 }
 
+static int take_tangents(frame_options *options, const char *value)
+{
+    options->has_tangents = parse_vector(value, 4, options->tangents);
+    return options->has_tangents
+               ? 0 : fail(EXIT_USAGE, "--tangents %s: expected four numbers LEFT,RIGHT,UP,DOWN", value);
+}
+
+static int take_threads(frame_options *options, const char *value)
+{
+    const int status = take_uint32("threads", value, 1, 64, &options->threads);
+    options->load.threads = options->threads;
+    return status;
+}
+
 int frame_option(frame_options *options, int which, const char *value)
 {
-    uint64_t number = 0;
-    int status = 0;
     switch (which) {
     case OPT_CAMERAS: options->cameras = value; break;
     case OPT_VIEW: options->view = value; break;
@@ -163,30 +175,22 @@ int frame_option(frame_options *options, int which, const char *value)
     case OPT_LOOK: return take_vector("look", value, options->look, &options->has_look);
     case OPT_UP: return take_vector("up", value, options->up, &options->has_up);
     case OPT_FOV: return take_fov(&options->fov, value);
-    case OPT_TANGENTS:
-        options->has_tangents = parse_vector(value, 4, options->tangents);
-        return options->has_tangents ? 0 : fail(EXIT_USAGE, "--tangents %s: expected four numbers LEFT,RIGHT,UP,DOWN",
-                                                value);
+    case OPT_TANGENTS: return take_tangents(options, value);
     case OPT_FOVEATE: return take_foveate(&options->foveate, value);
     case OPT_ORTHO: return take_ortho(&options->ortho, value);
     case OPT_NEAR: return take_near(&options->near, value);
-    case OPT_SIZE:
-        return parse_size(value, &options->width, &options->height)
-                   ? 0 : fail(EXIT_USAGE, "--size %s: expected WxH, each 1 to %d", value, FXS_MAX_SIZE);
+    case OPT_SIZE: return take_size("size", value, &options->width, &options->height);
     case OPT_STEREO: return take_stereo(&options->stereo, value);
     case OPT_STEREO_EXACT: options->stereo_exact = 1; break;
     case OPT_BG:
         return parse_colour(value, options->render.background)
                    ? 0 : fail(EXIT_USAGE, "--bg %s: expected six hex digits RRGGBB", value);
     case OPT_CUTOFF: return take_cutoff(&options->render, value);
-    case OPT_SH_DEGREE:
-        status = take_number("sh-degree", value, 0, 3, &number);
-        options->render.sh_degree = (int)number;
-        return status;
+    case OPT_SH_DEGREE: return take_int("sh-degree", value, 0, 3, &options->render.sh_degree);
     case OPT_CPU: options->cpu = value; break;
     case OPT_BACKEND: options->backend = value; break;
     case OPT_DEVICE: return take_devices(options, value);
-    case OPT_LOD: return take_lod(&options->load, value);
+    case OPT_LOD: return take_int("lod", value, 0, 1000, &options->load.lod);
     case OPT_AXES:
     case OPT_MAX_GAUSSIANS:
     case OPT_IMPORT_MEMORY: return take_import_option(&options->load, which, value);
@@ -194,10 +198,7 @@ int frame_option(frame_options *options, int which, const char *value)
     case OPT_PLACE: return take_world_option(&options->world, which, value);
     case OPT_PROFILE: return take_profile(&options->load, value);
     case OPT_MAX_MEMORY: return take_max_memory(&options->max_memory, value);
-    case OPT_THREADS:
-        status = take_number("threads", value, 1, 64, &number);
-        options->threads = options->load.threads = (uint32_t)number;
-        return status;
+    case OPT_THREADS: return take_threads(options, value);
     default: return EXIT_USAGE;
     }
     return 0;

@@ -16,7 +16,7 @@ typedef struct foveate_options {
 
 typedef struct frame_options {
     const char *cameras, *view;             /* camera file; number, name, list of numbers or "all" */
-    long orbit, frames;                     /* pictures of a turn, and of a way through the views; 0: neither */
+    int orbit, frames;                      /* pictures of a turn, and of a way through the views; 0: neither */
     int has_eye, has_look, has_up;
     double eye[3], look[3], up[3], fov;
     double ortho;                           /* height of an orthographic picture, units; 0: perspective */
@@ -52,8 +52,7 @@ typedef struct frame_options {
     {"lod", required_argument, 0, OPT_LOD}, IMPORT_OPTIONS, WORLD_OPTIONS, \
     {"profile", required_argument, 0, OPT_PROFILE}, {"stereo", required_argument, 0, OPT_STEREO}, \
     {"stereo-exact", no_argument, 0, OPT_STEREO_EXACT}, {"tangents", required_argument, 0, OPT_TANGENTS}, \
-    {"foveate", optional_argument, 0, OPT_FOVEATE}, \
-    {"help", no_argument, 0, OPT_HELP}
+    {"foveate", optional_argument, 0, OPT_FOVEATE}
 extern const char camera_options_help[], frame_options_help[];
 
 void frame_options_default(frame_options *options);
@@ -74,8 +73,8 @@ int choose_backend(const frame_options *options, int device, const fxs_backend *
 /* Fills in the devices that the options ask for; the first alone where the back end has no more. Returns how many. */
 int choose_devices(const frame_options *options, int devices[DEVICES_MOST]);
 
-/* The views that the options ask for, at their final size, of a film those of its frames. Returns how many, with *views allocated; or prints why not
-   and returns -1, with views null if it was null before. */
+/* The views that the options ask for, at their final size, of a film those of its frames. Returns how many, with *views
+   allocated; or prints why not and returns -1, with views null if it was null before. */
 long choose_views(const frame_options *options, const world *w, fxs_file_view **views);
 
 /* The number of the view that --view asks for, 0 without it; or prints that there is none and returns -1. */

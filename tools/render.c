@@ -21,7 +21,8 @@ static const char help[] =
     "                      at level 1, for speed\n"
     "  --fps N             frames a second of a .y4m, 1 to 1000 (default 30)\n"
     "  --orbit N           N views, a turn about the middle of the scene and the axis --up; the camera is the first\n"
-    "  --frames N          N views on a smooth way through those of --view, from the first to the last\n"
+    "  --frames N          N views on a smooth way through those of --view, from the first to the last, all of the\n"
+    "                      first one's size\n"
     "  --alpha             alpha holds the coverage, colours premultiplied; else alpha is 255\n"
     "  --depth OUT         depths along the camera's axis: .png (16 bits grey, 0 where there is none) or .pfm (scene\n"
     "                      units, infinity where there is none)\n"
@@ -64,6 +65,7 @@ static const char examples[] =
 enum { OPT_ALPHA = OPT_OWN, OPT_HASH, OPT_STATS, OPT_JSON, OPT_DEPTH, OPT_DEPTH_KIND, OPT_DEPTH_RANGE, OPT_IDS,
        OPT_PICK, OPT_PANORAMA, OPT_FORMAT, OPT_QUALITY, OPT_FPS, OPT_ORBIT, OPT_FRAMES, OPT_EXPECT, OPT_DIFF,
        OPT_SCISSOR };
+enum { FRAMES_MOST = 100000 };              /* of a film */
 
 /* ---- Options ----------------------------------------------------------------------------------------------------- */
 
@@ -114,46 +116,32 @@ static int take_expected(render_options *o, const char *value)
 
 static int take_option(render_options *o, int which, const char *value)
 {
-    uint64_t number = 0;
-    int status = 0;
     switch (which) {
-    case 'o': o->output = value; break;
+    case 'o': return take_output("output", value, &o->output);
     case OPT_ALPHA: o->format = FXS_FORMAT_RGBA8_COVERAGE; break;
     case OPT_HASH: o->hash = 1; break;
     case OPT_STATS: return take_stats(o, value);
     case OPT_JSON: o->json = 1; break;
-    case OPT_DEPTH: o->depth = value; break;
+    case OPT_DEPTH: return take_output("depth", value, &o->depth);
     case OPT_DEPTH_KIND: return take_depth_kind(o, value);
     case OPT_DEPTH_RANGE:
         if (!parse_vector(value, 1, &o->depth_range) || o->depth_range <= 0)
             return fail(EXIT_USAGE, "--depth-range %s: expected a depth above 0", value);
         break;
-    case OPT_IDS: o->ids = value; o->draws |= DRAW_IDS; break;
+    case OPT_IDS: o->draws |= DRAW_IDS; return take_output("ids", value, &o->ids);
     case OPT_PICK: return take_pick(o, value);
     case OPT_FORMAT: return take_format(o, value);
-    case OPT_QUALITY:
-        status = take_number("quality", value, 1, 100, &number);
-        o->quality = (int)number;
-        break;
-    case OPT_FPS:
-        status = take_number("fps", value, 1, 1000, &number);
-        o->rate = (int)number;
-        break;
-    case OPT_ORBIT:
-        status = take_number("orbit", value, 2, 100000, &number);
-        o->frame.orbit = (long)number;
-        break;
-    case OPT_FRAMES:
-        status = take_number("frames", value, 2, 100000, &number);
-        o->frame.frames = (long)number;
-        break;
+    case OPT_QUALITY: return take_int("quality", value, 1, 100, &o->quality);
+    case OPT_FPS: return take_int("fps", value, 1, 1000, &o->rate);
+    case OPT_ORBIT: return take_int("orbit", value, 2, FRAMES_MOST, &o->frame.orbit);
+    case OPT_FRAMES: return take_int("frames", value, 2, FRAMES_MOST, &o->frame.frames);
     case OPT_EXPECT: return take_expected(o, value);
-    case OPT_DIFF: o->diff = value; break;
+    case OPT_DIFF: return take_output("diff", value, &o->diff);
     case OPT_SCISSOR: return take_scissor(o, value);
     case OPT_PANORAMA: o->frame.panorama = 1; break;
     default: return frame_option(&o->frame, which, value);
     }
-    return status;
+    return 0;
 }
 
 /* The picture's name and format. */
@@ -228,6 +216,12 @@ static int check_outputs(render_options *o)
     return check_picture(o) || check_depths(o) || check_drawing(o);
 }
 
+static void print_help(void)
+{
+    printf(help, camera_options_help, frame_options_help);
+    fputs(examples, stdout);
+}
+
 static int take_options(render_options *o, int argc, char **argv)
 {
     static const struct option table[] = {FRAME_OPTIONS, {"output", required_argument, 0, 'o'},
@@ -247,21 +241,12 @@ static int take_options(render_options *o, int argc, char **argv)
                                           {"frames", required_argument, 0, OPT_FRAMES},
                                           {"expect", required_argument, 0, OPT_EXPECT},
                                           {"diff", required_argument, 0, OPT_DIFF},
-                                          {"scissor", required_argument, 0, OPT_SCISSOR}, {0, 0, 0, 0}};
+                                          {"scissor", required_argument, 0, OPT_SCISSOR}, COMMON_OPTIONS};
     memset(o, 0, sizeof *o);
     frame_options_default(&o->frame);
-    opterr = 0;
-    for (int c; (c = getopt_long(argc, argv, "o:", table, 0)) != -1;) {
-        if (c == OPT_HELP) {
-            printf(help, camera_options_help, frame_options_help);
-            fputs(examples, stdout);
-            exit(EXIT_OK);
-        }
-        if (c == '?')
-            return wrong_option(argv, table);
-        if (take_option(o, c, optarg))
+    for (int c; (c = next_option(argc, argv, "o:" COMMON_LETTERS, table, 0, print_help)) != -1;)
+        if (c == '?' || take_option(o, c, optarg))
             return EXIT_USAGE;
-    }
     if (take_scenes(&o->frame.world, "render", argc - optind, argv + optind) || check_outputs(o))
         return EXIT_USAGE;
     return frame_options_check(&o->frame);

@@ -23,4 +23,9 @@ typedef struct render_options {
 /* Renders all views and writes, compares and prints what is asked of them. Returns the exit status. */
 int render_views(const render_options *o);
 
+/* What --stats and --pick print of a view. Return 0, or print what is wrong and return EXIT_FAILED. */
+int print_stats(const renderer *r, const render_options *o, const world *w, const fxs_file_view *view,
+                const fxs_stats *stats);
+int print_pick(renderer *r, const render_options *o, const world *w, const fxs_file_view *view);
+
 #endif

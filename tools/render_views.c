@@ -8,6 +8,7 @@
 #include "../port/image/depth_file.h"
 #include "../port/image/film_file.h"
 #include "../port/image/panorama.h"
+#include "files.h"
 #include "metrics.h"
 
 /* ---- Names ----------------------------------------------------------------------------------------------------- */
@@ -37,95 +38,6 @@ static void name_file(char *name, size_t size, const char *pattern, long index)
         snprintf(name, size, "%s", pattern);
 }
 
-/* ---- What is printed --------------------------------------------------------------------------------------------- */
-
-/* In the memory of a frame on one thread, whatever --max-memory says: pairs are counted without slices. */
-static int count_pairs(const render_options *o, const world *w, const fxs_camera *camera, uint64_t *evaluated,
-                       uint64_t *blended)
-{
-    fxs_context context;
-    fxs_init(&context, 0);
-    const size_t bytes = fxs_frame_bytes(&context, w->objects, w->count, camera->width, camera->height, 0);
-    void *allocation = malloc(bytes + 63), *memory = (void *)(((uintptr_t)allocation + 63) / 64 * 64);
-    const int error = allocation ? fxs_count_pairs(w->objects, w->count, camera, &o->frame.render, memory, bytes,
-                                                   evaluated, blended) : FXS_ERR_MEMORY;
-    free(allocation);
-    return error ? fail(EXIT_FAILED, "%s", fxs_strerror(error)) : 0;
-}
-
-static int print_pairs(const renderer *r, const render_options *o, const world *w, const fxs_file_view *view)
-{
-    fxs_camera camera;
-    uint64_t evaluated, blended;
-    if (renderer_camera(r, view, &camera) || count_pairs(o, w, &camera, &evaluated, &blended))
-        return EXIT_FAILED;
-    printf(", \"pairs_evaluated\": %" PRIu64 ", \"pairs_blended\": %" PRIu64, evaluated, blended);
-    return 0;
-}
-
-static int print_stats(const renderer *r, const render_options *o, const world *w, const fxs_file_view *view,
-                       const fxs_stats *stats)
-{
-    const fxs_frame_memory *memory = &stats->memory;
-    uint64_t gaussians = 0;
-    size_t scene_bytes = 0;
-    for (uint32_t i = 0; i < w->count; i++)
-        gaussians += w->scenes[w->placed.objects[i].file].report.read;
-    for (uint32_t i = 0; i < w->placed.file_count; i++)
-        scene_bytes += w->scenes[i].packed.bytes;
-    printf("{\"gaussians\": %" PRIu64 ", \"packed\": %" PRIu32 ", \"visible\": %" PRIu32 ", \"entries\": %" PRIu64
-           ", \"bands\": %" PRIu32 ", \"slices\": %" PRIu32 ", \"runs\": %" PRIu32, gaussians, stats->gaussians,
-           stats->visible, stats->entries, stats->bands, stats->slices, stats->runs);
-    if (o->pairs && print_pairs(r, o, w, view))
-        return EXIT_FAILED;
-    printf(", \"frame_ms\": %.3f, \"stages_ms\": {", (double)stats->frame_nanoseconds * 1e-6);
-    for (int i = 0; i < FXS_STAGES; i++)
-        printf("%s\"%s\": %.3f", i ? ", " : "", fxs_stage_name((enum fxs_stage)i),
-               (double)stats->nanoseconds[i] * 1e-6);
-    printf("}, \"versions\": {");
-    for (int i = 0; i < FXS_STAGES; i++)
-        printf("%s\"%s\": \"%s\"", i ? ", " : "", fxs_stage_name((enum fxs_stage)i),
-               r->backend->version(r->self, (enum fxs_stage)i));
-    printf("}, \"bytes\": {\"scene\": %zu, \"splats\": %zu, \"keys\": %zu, \"tiles\": %zu, \"entries\": %zu, "
-           "\"frame\": %zu}}\n", scene_bytes, memory->splats, memory->keys, memory->tiles, memory->entries,
-           memory->total);
-    return 0;
-}
-
-static double units(int64_t q32)
-{
-    return (double)q32 / 4294967296.0;
-}
-
-static int print_pick(renderer *r, const render_options *o, const world *w, const fxs_file_view *view)
-{
-    fxs_pick_result p;
-    const int x = o->pick[0], y = o->pick[1];
-    if (x >= view->width || y >= view->height)
-        return fail(EXIT_FAILED, "--pick %d,%d: the picture is %dx%d", x, y, view->width, view->height);
-    const int found = renderer_pick(r, w, view, &o->frame.render, x, y, &p);
-    if (found < 0)
-        return EXIT_FAILED;
-    progress_end();
-    if (!found) {
-        printf(o->json ? "{\"x\": %d, \"y\": %d, \"object\": null}\n" : "%d,%d: nothing\n", x, y);
-        return 0;
-    }
-    const char *file = w->scenes[w->placed.objects[p.object].file].path;
-    const double depth = units(p.depth_q32), position[3] = {units(p.position_q32[0]), units(p.position_q32[1]),
-                                                            units(p.position_q32[2])};
-    if (o->json) {
-        printf("{\"x\": %d, \"y\": %d, \"object\": %" PRIu32 ", \"file\": ", x, y, p.object);
-        print_json_string(file);
-        printf(", \"gaussian\": %" PRIu32 ", \"id\": %" PRIu32 ", \"depth\": %.9g, \"position\": [%.9g, %.9g, %.9g]}\n",
-               p.gaussian, p.id, depth, position[0], position[1], position[2]);
-    } else {
-        printf("%d,%d: object %" PRIu32 ", %s, Gaussian %" PRIu32 ", id %" PRIu32 ", depth %.6g, position %.6g %.6g "
-               "%.6g\n", x, y, p.object, file, p.gaussian, p.id, depth, position[0], position[1], position[2]);
-    }
-    return 0;
-}
-
 /* ---- Views ------------------------------------------------------------------------------------------------------- */
 
 /* A view that is drawn, to be written. */
@@ -150,11 +62,12 @@ typedef struct drawn_round {
     int writing;                            /* the writer is to be joined */
 } drawn_round;
 
-typedef struct shared_views {
+/* All views of a run. */
+typedef struct batch {
     const render_options *o;
     const world *world;
     const fxs_file_view *views;
-    long all;                               /* views */
+    long view_count;
     renderer renderers[DEVICES_MOST];
     picture faces[DEVICES_MOST][FXS_PANORAMA_FACES];
     int devices;                            /* renderers, one on each */
@@ -163,13 +76,14 @@ typedef struct shared_views {
     long round_most;                        /* views of a round: threads */
     enum fxs_image_format encoding;
     fxs_film *film;                         /* null: each view has a file */
+    int failed;                             /* a view could not be drawn, and that was said */
     int unexpected;                         /* a view was */
-} shared_views;
+} batch;
 
-typedef struct round_of_views {
-    shared_views *views;
+typedef struct round_of_batch {
+    batch *batch;
     drawn_round *round;
-} round_of_views;
+} round_of_batch;
 
 /* Rows of a panorama, one job each 16. */
 typedef struct panorama {
@@ -187,19 +101,19 @@ static void join_rows(void *argument, uint32_t job)
                       first + PANORAMA_ROWS < height ? first + PANORAMA_ROWS : height);
 }
 
-static int draw_panorama(shared_views *s, int device, long number, picture *out)
+static int draw_panorama(batch *b, int device, long number, picture *out)
 {
-    const fxs_file_view *view = &s->views[number];
+    const fxs_file_view *view = &b->views[number];
     panorama p = {.out = out};
     const size_t bytes = (size_t)view->width * (size_t)view->height * 4;
     for (int i = 0; i < FXS_PANORAMA_FACES; i++) {
         fxs_file_view face;
         fxs_panorama_face(view, i, view->width, &face);
-        if (renderer_render(&s->renderers[device], s->world, &face, &s->o->frame.render, &s->faces[device][i], 0))
+        if (renderer_render(&b->renderers[device], b->world, &face, &b->o->frame.render, &b->faces[device][i], 0))
             return EXIT_FAILED;
-        p.faces[i] = s->faces[device][i].pixels;
+        p.faces[i] = b->faces[device][i].pixels;
         if (device == 0)
-            progress_bar("rendering", ((double)number + (i + 1) / (FXS_PANORAMA_FACES + 1.0)) / (double)s->all);
+            progress_bar("rendering", ((double)number + (i + 1) / (FXS_PANORAMA_FACES + 1.0)) / (double)b->view_count);
     }
     if (out->pixel_room < bytes) {
         free(out->pixels);
@@ -210,24 +124,24 @@ static int draw_panorama(shared_views *s, int device, long number, picture *out)
         return fail(EXIT_FAILED, "out of memory: a picture of %dx%d", view->width, view->height);
     out->width = view->width;
     out->height = view->height;
-    fxs_pool_run(s->pool, join_rows, &p, (uint32_t)((view->height + PANORAMA_ROWS - 1) / PANORAMA_ROWS));
+    fxs_pool_run(b->pool, join_rows, &p, (uint32_t)((view->height + PANORAMA_ROWS - 1) / PANORAMA_ROWS));
     return 0;
 }
 
 static void draw_views(void *argument, uint32_t device)
 {
-    const round_of_views *r = argument;
-    shared_views *s = r->views;
-    for (long i = (long)device; i < r->round->count; i += s->devices) {
+    const round_of_batch *r = argument;
+    batch *b = r->batch;
+    for (long i = (long)device; i < r->round->count; i += b->devices) {
         drawn_view *d = &r->round->drawn[i];
         const long number = r->round->first + i;
-        d->status = s->o->frame.panorama ? draw_panorama(s, (int)device, number, &d->picture)
-                                         : renderer_render(&s->renderers[device], s->world, &s->views[number],
-                                                           &s->o->frame.render, &d->picture, &d->stats);
+        d->status = b->o->frame.panorama ? draw_panorama(b, (int)device, number, &d->picture)
+                                         : renderer_render(&b->renderers[device], b->world, &b->views[number],
+                                                           &b->o->frame.render, &d->picture, &d->stats);
         if (d->status)
             break;
-        if (device == 0 && s->all > 1)
-            progress_bar("rendering", (double)(number + 1) / (double)s->all);
+        if (device == 0 && b->view_count > 1)
+            progress_bar("rendering", (double)(number + 1) / (double)b->view_count);
     }
 }
 
@@ -315,22 +229,22 @@ static int write_depths(const render_options *o, drawn_view *d, long index)
     return fxs_depth_file_write(d->depth_name, &depths, d->range, &d->why);
 }
 
-static int write_picture(const shared_views *s, drawn_view *d, long index)
+static int write_picture(const batch *b, drawn_view *d, long index)
 {
     const picture *p = &d->picture;
     char name[4096];
     fxs_message why;
-    name_file(name, sizeof name, s->o->output, index);
-    const int error = fxs_image_encode(s->encoding, s->o->quality, p->pixels, p->width, p->height, &d->encoded, &why);
+    name_file(name, sizeof name, b->o->output, index);
+    const int error = fxs_image_encode(b->encoding, b->o->quality, p->pixels, p->width, p->height, &d->encoded, &why);
     if (error)
         return fxs_fail_as(error, &d->why, "%s: %s", name, why.text);
-    return s->film ? 0 : fxs_encoded_write(name, &d->encoded, &d->why);
+    return b->film ? 0 : fxs_encoded_write(name, &d->encoded, &d->why);
 }
 
 static void write_view(void *argument, uint32_t i)
 {
-    const round_of_views *r = argument;
-    const render_options *o = r->views->o;
+    const round_of_batch *r = argument;
+    const render_options *o = r->batch->o;
     drawn_view *d = &r->round->drawn[i];
     const picture *p = &d->picture;
     const long index = r->round->first + (long)i;
@@ -341,12 +255,12 @@ static void write_view(void *argument, uint32_t i)
         d->hash = fnv1a64(p->pixels, bytes_of(p));
     d->unwritten = d->unexpected = 0;
     if (o->output)
-        d->unwritten = write_picture(r->views, d, index);
+        d->unwritten = write_picture(r->batch, d, index);
     if (o->depth && !d->unwritten)
         d->unwritten = write_depths(o, d, index);
     if (o->ids && !d->unwritten) {
         name_file(name, sizeof name, o->ids, index);
-        d->unwritten = fxs_id_file_write(name, p->ids, p->width, p->height, r->views->world->count > 1, &d->why);
+        d->unwritten = fxs_id_file_write(name, p->ids, p->width, p->height, r->batch->world->count > 1, &d->why);
     }
     if (o->expect && !d->unwritten)
         compare_with_file(o, d, index);
@@ -357,234 +271,223 @@ static void write_view(void *argument, uint32_t i)
 /* What follows a frame that cannot be written is not. */
 static void *write_round(void *argument)
 {
-    round_of_views *r = argument;
-    shared_views *s = r->views;
-    fxs_pool_run(s->writers, write_view, r, (uint32_t)r->round->count);
+    round_of_batch *r = argument;
+    batch *b = r->batch;
+    fxs_pool_run(b->writers, write_view, r, (uint32_t)r->round->count);
     int stopped = 0;
     for (long i = 0; i < r->round->count; i++) {
         drawn_view *d = &r->round->drawn[i];
         stopped |= d->status || d->unwritten;
-        if (s->film && !stopped)
-            stopped = d->unwritten = fxs_film_write(s->film, &d->encoded, &d->why);
+        if (b->film && !stopped)
+            stopped = d->unwritten = fxs_film_write(b->film, &d->encoded, &d->why);
     }
     return 0;
 }
 
 /* What is printed of a view, in the order of the views. */
-static int report_view(shared_views *s, const drawn_view *d, const fxs_file_view *view)
+static int report_view(batch *b, const drawn_view *d, const fxs_file_view *view)
 {
-    const render_options *o = s->o;
+    const render_options *o = b->o;
     if (d->status)
         return d->status;
     if (d->unwritten)
-        return fail(EXIT_FAILED, "%s", d->why.text);
+        return b->failed ? EXIT_FAILED : fail(EXIT_FAILED, "%s", d->why.text);
     if (o->hash || o->depth || o->frame.panorama)
         progress_end();
     if (d->unexpected)
-        s->unexpected = fail(EXIT_FAILED, "%s", d->why.text);
+        b->unexpected = fail(EXIT_FAILED, "%s", d->why.text);
     if (o->hash)
         printf("%016" PRIx64 "\n", d->hash);
     if (o->depth && !(o->depth_range > 0) && strcmp(strrchr(o->depth, '.'), ".pfm"))
         printf("%s: 65535 is a depth of %.9g\n", d->depth_name, d->range);
-    if (o->has_pick && print_pick(&s->renderers[0], o, s->world, view))
+    if (o->has_pick && print_pick(&b->renderers[0], o, b->world, view))
         return EXIT_FAILED;
-    return o->stats ? print_stats(&s->renderers[0], o, s->world, view, &d->stats) : 0;
+    return o->stats ? print_stats(&b->renderers[0], o, b->world, view, &d->stats) : 0;
 }
 
 /* ---- Rounds ------------------------------------------------------------------------------------------------------ */
 
-/* Returns whether all of them were drawn. */
-static int draw_round(shared_views *s, drawn_round *round, long first)
+static void draw_round(batch *b, drawn_round *round, long first)
 {
-    round_of_views argument = {s, round};
-    int failed = 0;
+    round_of_batch argument = {b, round};
     round->first = first;
-    round->count = s->all - first < s->round_most ? s->all - first : s->round_most;
+    round->count = b->view_count - first < b->round_most ? b->view_count - first : b->round_most;
     for (long i = 0; i < round->count; i++)
         round->drawn[i].status = EXIT_FAILED;   /* until it is drawn */
-    if (s->devices == 1)
+    if (b->devices == 1)
         draw_views(&argument, 0);               /* on this thread, whose a GL context is */
     else
-        fxs_pool_run(s->pool, draw_views, &argument, (uint32_t)(round->count < s->devices ? round->count : s->devices));
+        fxs_pool_run(b->pool, draw_views, &argument, (uint32_t)(round->count < b->devices ? round->count : b->devices));
     for (long i = 0; i < round->count; i++)
-        failed |= round->drawn[i].status;
-    return !failed;
+        b->failed |= round->drawn[i].status;
 }
 
 /* Waits until a round is written. */
-static int finish_round(shared_views *s, drawn_round *round)
+static int finish_round(batch *b, drawn_round *round)
 {
     int status = 0;
     if (round->writing)
         pthread_join(round->writer, 0);
     round->writing = 0;
     for (long i = 0; i < round->count && !status; i++)
-        status = report_view(s, &round->drawn[i], &s->views[round->first + i]);
+        status = report_view(b, &round->drawn[i], &b->views[round->first + i]);
     round->count = 0;
     return status;
 }
 
 /* One round is written while the next one is rendered. */
-static int render_rounds(shared_views *s)
+static int render_rounds(batch *b)
 {
-    round_of_views arguments[2] = {{s, &s->rounds[0]}, {s, &s->rounds[1]}};
-    int status = 0, now = 1, drawn = 1;
-    for (long first = 0; first < s->all && drawn && !status;) {
+    round_of_batch arguments[2] = {{b, &b->rounds[0]}, {b, &b->rounds[1]}};
+    int status = 0, now = 1;
+    for (long first = 0; first < b->view_count && !b->failed && !status;) {
         now = !now;
-        drawn = draw_round(s, &s->rounds[now], first);
-        first += s->rounds[now].count;
-        status = finish_round(s, &s->rounds[!now]);
-        s->rounds[now].writing = !status && drawn && first < s->all &&
-                                 !pthread_create(&s->rounds[now].writer, 0, write_round, &arguments[now]);
-        if (!status && !s->rounds[now].writing)
+        draw_round(b, &b->rounds[now], first);
+        first += b->rounds[now].count;
+        status = finish_round(b, &b->rounds[!now]);
+        b->rounds[now].writing = !status && !b->failed && first < b->view_count &&
+                                 !pthread_create(&b->rounds[now].writer, 0, write_round, &arguments[now]);
+        if (!status && !b->rounds[now].writing)
             write_round(&arguments[now]);
     }
-    return status ? status : finish_round(s, &s->rounds[now]);
+    return status ? status : finish_round(b, &b->rounds[now]);
 }
 
 /* ---- Outputs ----------------------------------------------------------------------------------------------------- */
 
-static int check_patterns(const shared_views *s, int film)
+static int check_patterns(const batch *b, int film)
 {
-    const render_options *o = s->o;
+    const render_options *o = b->o;
     const char *const names[] = {film ? 0 : o->output, o->depth, o->ids, o->expect, o->diff};
     if (film && is_pattern(o->output))
         return fail(EXIT_USAGE, "%s: a film is one file, expected a name without %%", o->output);
     for (int i = 0; i < 5; i++)
-        if (names[i] && s->all > 1 && !is_pattern(names[i]))
+        if (names[i] && b->view_count > 1 && !is_pattern(names[i]))
             return fail(EXIT_USAGE, "%s: for %ld views, expected a name with one %%d, as out/%%04d.png", names[i],
-                        s->all);
-    if (o->has_expected_hash && s->all > 1)
-        return fail(EXIT_USAGE, "--expect: a hash is of one view, not of %ld", s->all);
+                        b->view_count);
+    if (o->has_expected_hash && b->view_count > 1)
+        return fail(EXIT_USAGE, "--expect: a hash is of one view, not of %ld", b->view_count);
     return 0;
 }
 
-/* No output is another, or something that is read. */
-static int check_files(const shared_views *s, long index)
+/* What the library has not opened yet is the expected picture. */
+static void tell_files(const batch *b, int film, long index)
 {
-    const render_options *o = s->o;
-    const char *const outputs[] = {o->output, o->depth, o->ids, o->diff};
-    const char *const read[] = {o->expect, o->frame.cameras, o->frame.world.file};
-    char names[4][4096], name[4096];
-    for (int i = 0; i < 4; i++) {
-        if (!outputs[i])
-            continue;
-        name_file(names[i], sizeof names[i], outputs[i], index);
-        for (int k = 0; k < i; k++)
-            if (outputs[k] && same_file(names[i], names[k]))
-                return fail(EXIT_USAGE, "%s: two outputs are one file", names[i]);
-        for (int k = 0; k < 3; k++) {
-            if (read[k])
-                name_file(name, sizeof name, read[k], index);
-            if (read[k] && same_file(names[i], k ? read[k] : name))
-                return fail(EXIT_USAGE, "%s: an output that is read too", names[i]);
+    const render_options *o = b->o;
+    const char *const outputs[] = {film && index ? 0 : o->output, o->depth, o->ids, o->diff};
+    char name[4096];
+    for (int i = 0; i < 4; i++)
+        if (outputs[i]) {
+            name_file(name, sizeof name, outputs[i], index);
+            files_write(name);
         }
-        for (uint32_t k = 0; k < s->world->placed.file_count; k++)
-            if (same_file(names[i], s->world->placed.files[k]))
-                return fail(EXIT_USAGE, "%s: an output that is read too", names[i]);
+    if (o->expect) {
+        name_file(name, sizeof name, o->expect, index);
+        files_read(name);
     }
-    return 0;
 }
 
 /* All frames have one size. */
-static int open_film(shared_views *s)
+static int open_film(batch *b)
 {
-    const render_options *o = s->o;
+    const render_options *o = b->o;
     const int eyes = o->frame.stereo > 0 ? 2 : 1, rate = o->rate ? o->rate : 30;
-    const fxs_file_view *first = s->views;
+    const fxs_file_view *first = b->views;
     fxs_message why;
-    for (long i = 1; i < s->all && !o->has_scissor; i++)
-        if (s->views[i].width != first->width || s->views[i].height != first->height)
+    for (long i = 1; i < b->view_count && !o->has_scissor; i++)
+        if (b->views[i].width != first->width || b->views[i].height != first->height)
             return fail(EXIT_USAGE, "%s: the frames of a film have one size, view %s is %dx%d, view %s %dx%d: give "
-                        "--size", o->output, first->name, first->width, first->height, s->views[i].name,
-                        s->views[i].width, s->views[i].height);
+                        "--size", o->output, first->name, first->width, first->height, b->views[i].name,
+                        b->views[i].width, b->views[i].height);
     const int width = o->has_scissor ? o->scissor[2] : eyes * first->width;
     const int height = o->has_scissor ? o->scissor[3] : first->height;
-    return fxs_film_open(&s->film, o->output, s->encoding, width, height, rate, &why)
+    return fxs_film_open(&b->film, o->output, b->encoding, width, height, rate, &why)
                ? fail(EXIT_FAILED, "%s", why.text) : 0;
 }
 
-static int render_all(shared_views *s)
+static int render_all(batch *b)
 {
-    const render_options *o = s->o;
+    const render_options *o = b->o;
     fxs_message why;
-    s->encoding = o->encoding ? o->encoding : s->all > 1 ? FXS_IMAGE_Y4M : FXS_IMAGE_PNG;
-    const int film = o->output && (!strcmp(o->output, "-") || s->encoding >= FXS_IMAGE_Y4M);
-    int status = check_patterns(s, film);
-    for (long i = 0; i < s->all && !status; i++)
-        status = check_files(s, i);
-    if (!status && o->rate && (!film || s->encoding != FXS_IMAGE_Y4M))
+    b->encoding = o->encoding ? o->encoding : b->view_count > 1 ? FXS_IMAGE_Y4M : FXS_IMAGE_PNG;
+    const int film = o->output && (!strcmp(o->output, "-") || b->encoding >= FXS_IMAGE_Y4M);
+    int status = check_patterns(b, film);
+    for (long i = 0; i < b->view_count && !status; i++)
+        tell_files(b, film, i);
+    if (!status)
+        status = files_check();
+    if (!status && o->rate && (!film || b->encoding != FXS_IMAGE_Y4M))
         status = fail(EXIT_USAGE, "--fps is of .y4m");
     if (!status && film)
-        status = open_film(s);
+        status = open_film(b);
     if (!status)
-        status = render_rounds(s);
+        status = render_rounds(b);
     progress_end();
-    if (fxs_film_close(s->film, !status, &why) && !status)
+    if (fxs_film_close(b->film, !status, &why) && !status)
         status = fail(EXIT_FAILED, "%s", why.text);
-    return status ? status : s->unexpected;
+    return status ? status : b->unexpected;
 }
 
 /* ---- All of it --------------------------------------------------------------------------------------------------- */
 
-static int open_renderers(shared_views *s, const frame_options *options)
+static int open_renderers(batch *b, const frame_options *options)
 {
     int devices[DEVICES_MOST], count = choose_devices(options, devices), status = 0;
     const uint32_t threads = options->threads < (uint32_t)count ? (uint32_t)count : options->threads;
-    while (s->devices < count && !status) {
+    while (b->devices < count && !status) {
         frame_options own = *options;
-        renderer *r = &s->renderers[s->devices];
-        own.devices[0] = devices[s->devices++];
+        renderer *r = &b->renderers[b->devices];
+        own.devices[0] = devices[b->devices++];
         own.device_count = 1;
         status = renderer_open(r, &own);
-        r->format = s->o->format;
-        r->draws = s->o->draws;
-        r->has_scissor = s->o->has_scissor;
-        memcpy(r->scissor, s->o->scissor, sizeof r->scissor);
+        r->format = b->o->format;
+        r->draws = b->o->draws;
+        r->has_scissor = b->o->has_scissor;
+        memcpy(r->scissor, b->o->scissor, sizeof r->scissor);
     }
-    s->round_most = threads < DRAWN_MOST ? (long)threads : DRAWN_MOST;
+    b->round_most = threads < DRAWN_MOST ? (long)threads : DRAWN_MOST;
     for (int i = 0; i < 2; i++)
-        s->rounds[i].drawn = calloc((size_t)s->round_most, sizeof *s->rounds[i].drawn);
-    if (!status && (!s->rounds[0].drawn || !s->rounds[1].drawn))
+        b->rounds[i].drawn = calloc((size_t)b->round_most, sizeof *b->rounds[i].drawn);
+    if (!status && (!b->rounds[0].drawn || !b->rounds[1].drawn))
         status = fail(EXIT_FAILED, "out of memory");
-    if (!status && (!(s->pool = fxs_pool_create(threads)) || !(s->writers = fxs_pool_create(threads))))
+    if (!status && (!(b->pool = fxs_pool_create(threads)) || !(b->writers = fxs_pool_create(threads))))
         status = fail(EXIT_FAILED, "cannot start %u threads", threads);
     return status;
 }
 
-static void close_renderers(shared_views *s)
+static void close_renderers(batch *b)
 {
-    for (int i = 0; i < s->devices; i++) {
-        renderer_close(&s->renderers[i]);
+    for (int i = 0; i < b->devices; i++) {
+        renderer_close(&b->renderers[i]);
         for (int k = 0; k < FXS_PANORAMA_FACES; k++)
-            picture_free(&s->faces[i][k]);
+            picture_free(&b->faces[i][k]);
     }
     for (int i = 0; i < 2; i++) {
-        for (long k = 0; k < s->round_most && s->rounds[i].drawn; k++) {
-            picture_free(&s->rounds[i].drawn[k].picture);
-            fxs_encoded_free(&s->rounds[i].drawn[k].encoded);
+        for (long k = 0; k < b->round_most && b->rounds[i].drawn; k++) {
+            picture_free(&b->rounds[i].drawn[k].picture);
+            fxs_encoded_free(&b->rounds[i].drawn[k].encoded);
         }
-        free(s->rounds[i].drawn);
+        free(b->rounds[i].drawn);
     }
-    fxs_pool_destroy(s->pool);
-    fxs_pool_destroy(s->writers);
+    fxs_pool_destroy(b->pool);
+    fxs_pool_destroy(b->writers);
 }
 
 int render_views(const render_options *o)
 {
-    static shared_views s;
+    static batch b;
     world w = {.count = 0};
     fxs_file_view *views = 0;
-    s = (shared_views){.o = o, .world = &w};
-    int status = open_renderers(&s, &o->frame);
+    b = (batch){.o = o, .world = &w};
+    int status = open_renderers(&b, &o->frame);
     if (!status)
         status = world_open(&w, &o->frame.world, &o->frame.load);
     if (!status) {
-        s.all = choose_views(&o->frame, &w, &views);
-        s.views = views;
-        status = s.all < 0 ? EXIT_FAILED : render_all(&s);
+        b.view_count = choose_views(&o->frame, &w, &views);
+        b.views = views;
+        status = b.view_count < 0 ? EXIT_FAILED : render_all(&b);
     }
-    close_renderers(&s);
+    close_renderers(&b);
     free(views);
     world_close(&w);
     return status;

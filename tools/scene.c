@@ -13,6 +13,7 @@
 #include "../port/scene/fxs_file.h"
 #include "../port/scene/scene_decimate.h"
 #include "../src/packed.h"
+#include "files.h"
 
 static int is_standard_input(const char *path)
 {
@@ -121,6 +122,7 @@ static int read_standard_input(void)
 {
     if (standard_input.bytes)
         return 0;
+    files_read("-");
     if (isatty(STDIN_FILENO))
         return fail(EXIT_FAILED, "standard input is a terminal, not a scene");
     for (ssize_t got = 1; got;) {
@@ -288,15 +290,6 @@ int take_profile(load_options *options, const char *value)
             return 0;
         }
     return fail(EXIT_USAGE, "--profile %s: expected default, compact or small", value);
-}
-
-int take_lod(load_options *options, const char *value)
-{
-    uint64_t number;
-    if (!parse_count(value, 0, 1000, &number))
-        return fail(EXIT_USAGE, "--lod %s: expected 0 to 1000", value);
-    options->lod = (int)number;
-    return 0;
 }
 
 int load_scene(loaded_scene *loaded, const char *path, const load_options *options)

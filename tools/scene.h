@@ -66,9 +66,6 @@ int pack_scene(loaded_scene *loaded, const char *path, const load_options *optio
 /* Takes the value of one of IMPORT_OPTIONS. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
 int take_import_option(load_options *options, int which, const char *value);
 
-/* Takes the value of --lod. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
-int take_lod(load_options *options, const char *value);
-
 /* Takes the value of --profile. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
 int take_profile(load_options *options, const char *value);
 

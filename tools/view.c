@@ -92,12 +92,17 @@ static int take_scenes_or_none(view_options *o, int count, char *const *scenes)
     return 0;
 }
 
+static void print_help(void)
+{
+    printf(help, camera_options_help, frame_options_help, viewer_keys);
+}
+
 int view_options_take(view_options *o, int argc, char **argv)
 {
     static const struct option table[] = {
         FRAME_OPTIONS, {"screenshot", required_argument, 0, OPT_SCREENSHOT}, {"web", no_argument, 0, OPT_WEB},
         {"port", required_argument, 0, OPT_PORT}, {"bind", required_argument, 0, OPT_BIND},
-        {"cert", required_argument, 0, OPT_CERT}, {"key", required_argument, 0, OPT_KEY}, {0, 0, 0, 0}
+        {"cert", required_argument, 0, OPT_CERT}, {"key", required_argument, 0, OPT_KEY}, COMMON_OPTIONS
     };
     const char *of_window = 0, *of_page = 0;
     int index = 0;
@@ -105,8 +110,7 @@ int view_options_take(view_options *o, int argc, char **argv)
     o->bind = "127.0.0.1";
     o->port = 8080;
     frame_options_default(&o->frame);
-    opterr = 0;
-    for (int c; (c = getopt_long(argc, argv, "", table, &index)) != -1;) {
+    for (int c; (c = next_option(argc, argv, COMMON_LETTERS, table, &index, print_help)) != -1;) {
         if (c > OPT_WEB)
             of_page = table[index].name;
         else if (c != OPT_WEB && !is_for_web(c))
@@ -121,8 +125,7 @@ int view_options_take(view_options *o, int argc, char **argv)
             if (!parse_count(optarg, 0, 65535, &o->port))
                 return fail(EXIT_USAGE, "--port %s: expected a whole number from 0 to 65535", optarg);
             break;
-        case OPT_HELP: printf(help, camera_options_help, frame_options_help, viewer_keys); exit(EXIT_OK);
-        case '?': return wrong_option(argv, table);
+        case '?': return EXIT_USAGE;
         default:
             if (frame_option(&o->frame, c, optarg))
                 return EXIT_USAGE;

@@ -99,8 +99,7 @@ static char *read_link(const char *name)
     return target;
 }
 
-/* `path` without symbolic links at its end, whether there is such a file or not; or null and errno. */
-static char *follow_links(const char *path)
+char *fxs_output_target(const char *path)
 {
     struct stat status;
     char *name = strdup(path);
@@ -183,7 +182,7 @@ static int open_descriptor(fxs_output *output)
     }
     if (exists && !S_ISREG(status.st_mode))
         return open(output->path, O_WRONLY | O_NOCTTY);
-    output->target = follow_links(output->path);
+    output->target = fxs_output_target(output->path);
     return output->target ? create_beside(output, exists ? &status : NULL) : -1;
 }
 
@@ -213,7 +212,8 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
     output->file = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
     if (output->file)
         return 0;
-    const int error = fail(output->path ? output->path : path, errno, message);
+    const int number = descriptor >= 0 && errno == EINVAL ? EBADF : errno;     /* open, but to be read */
+    const int error = fail(output->path ? output->path : path, number, message);
     if (descriptor >= 0) {
         close(descriptor);
         drop(output);

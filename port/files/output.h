@@ -15,6 +15,10 @@ extern "C" {
    library never does this by itself: without it, or at any other signal, the temporary files stay behind. */
 void fxs_output_remove_at_signals(void);
 
+/* The name of the file that an output of this name becomes: where its symbolic links end, whether there is such a file
+   or not. For free(); null and errno where they do not end, or there is no memory. */
+char *fxs_output_target(const char *path);
+
 #ifdef __cplusplus
 }
 #endif

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "../files/message.h"
+#include "../files/opened.h"
 #include "../files/try_internal.h"
 
 #define MAX_SIZE 16384
@@ -311,6 +312,8 @@ static int open_regular(const char *path, FILE **file, fxs_message *message)
     } else if (fstat(descriptor, &status) || !S_ISREG(status.st_mode)) {
         result = fxs_fail(message, "%s: %s", path, S_ISDIR(status.st_mode) ? strerror(EISDIR) : "not a regular file");
         fclose(*file);
+    } else {
+        fxs_opened(&status);
     }
     return result;
 }

@@ -9,6 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "../files/opened.h"
+
 /* What the handler for SIGBUS looks through: a signal may come at any time, so there is no lock. All but `taken` are
    read and written atomically. */
 enum { RANGES = 64 };
@@ -109,6 +111,7 @@ static int map_file(fxs_mapping *mapping, const char *path, fxs_message *message
     if (data == MAP_FAILED)
         return fxs_fail(message, "%s: cannot be mapped into memory: %s", path, strerror(errno));
     mapping->data = data;
+    fxs_opened(&status);
     return 0;
 }
 

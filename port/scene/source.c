@@ -11,6 +11,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "../files/opened.h"
+
 /* ---- Files ----------------------------------------------------------------------------------------------------- */
 
 static int read_file(void *argument, uint64_t offset, void *out, size_t size)
@@ -48,6 +50,7 @@ static int open_file(fxs_scene_source *source, const char *name, int flags, fxs_
     source->input.size = (uint64_t)status.st_size;
     source->device = (uint64_t)status.st_dev;
     source->inode = (uint64_t)status.st_ino;
+    fxs_opened(&status);
     return 0;
 }
 

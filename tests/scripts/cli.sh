@@ -684,6 +684,11 @@ for bad in 'count 0' 'count 100000001' 'count -1' 'count 1e3' 'count' 'seed -1' 
     fails "make-scene --$bad" 2 "--${bad%% *}" make-scene knot -o a.ply --$bad
 done
 fails "make-scene of no such name" 2 "'castle'" make-scene castle -o a.ply
+for name in a.spz a.compressed.ply a.fxs; do
+    fails "make-scene -o $name" 2 "$name: a .ply is written" make-scene knot -o $name
+    check "make-scene -o $name: nothing is written" [ ! -e $name ]
+done
+fails "make-scene -o twice" 2 "--output b.ply: --output a.ply is given before" make-scene knot -o a.ply -o b.ply
 fails "make-scene without -o" 2 "-o OUT" make-scene knot
 
 check "no temporary file is left" equal "$(find . -name '*.tmp*')" ""

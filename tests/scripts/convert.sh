@@ -206,10 +206,23 @@ for name in x x.gltf x.ksplat x.html x.PLY x.ply.gz meta.json .sog .compressed.s
     fails "to $name" 2 "$name: expected a name ending in" convert knot.ply $name
 done
 
+# In place: all of IN is read before OUT takes its name.
+for ending in $endings; do
+    case $ending in csv | fxs) continue ;; esac     # not converted
+    "$fixsplat" convert knot.ply in.$ending 2>logs/err
+    "$fixsplat" convert in.$ending rows.ply wanted.$ending --scale 2 --place rows.ply:60,0,0 2>logs/err
+    ln -sf in.$ending link.$ending
+    "$fixsplat" convert in.$ending rows.ply link.$ending --scale 2 --place rows.ply:60,0,0 --force 2>logs/err
+    check "--force, .$ending: as under another name" cmp in.$ending wanted.$ending
+    check "--force, .$ending: a link stays" [ -L link.$ending ]
+done
+cp knot.ply in.fxs
+fails "--force, .fxs: a .ply by that name" 2 "in.fxs: is read and cannot be written too$" convert in.fxs in.fxs --force
 for ending in $endings; do
     [ $ending = fxs ] || { cp knot.ply same.$ending && ln -sf same.$ending link.$ending; }
     [ $ending = fxs ] || for out in same.$ending link.$ending ./same.$ending; do
-        fails "$out is IN and OUT" 1 "$out: is read and cannot be written too" convert rows.ply same.$ending $out
+        fails "$out is IN and OUT" 2 "$out: is read and cannot be written too; --force replaces it" \
+            convert rows.ply same.$ending $out
     done
     [ $ending = fxs ] || check "same.$ending is as it was" cmp same.$ending knot.ply
     if [ -c /dev/full ]; then
@@ -242,6 +255,12 @@ check "of a folder with a tileset: the same" cmp tiles.ply tiles2.ply
 "$fixsplat" convert knot.ply knot.csv
 # The axes of a tileset, z up, are not those of a .ply: distances are.
 radii() { awk -F, 'NR > 1 { printf "%.3f\n", sqrt($1 * $1 + $2 * $2 + $3 * $3) }' $1 | sort -n; }
+cp tiles/0.glb 0.glb
+for force in '' --force; do
+    fails "a content of the tileset as OUT $force" 2 "tiles/../tiles/0.glb: is read and cannot be written too$" \
+        convert tiles/tileset.json tiles/../tiles/0.glb $force
+done
+check "a content of the tileset as OUT: stays" cmp tiles/0.glb 0.glb
 radii tiles.csv >tiles.radii
 radii knot.csv >knot.radii
 check "of a tileset with two .glb: where they were" cmp tiles.radii knot.radii

@@ -77,6 +77,97 @@ succeeds "a link to a device" render knot.ply --size 64x48 -o null.png
 check "a link to a device: stays" equal "$(readlink null.png)" /dev/null
 check "a device: stays" [ -c /dev/null ]
 
+# ---- What is read ----------------------------------------------------------------------------------------------------
+
+# By device and inode: every part of what is read, by any name, stays.
+taken='is read and cannot be written too$'
+render='render knot.ply --size 64x48'
+succeeds "a scene for its folder" convert knot.ply set.sog
+if have unzip && mkdir set && (cd set && unzip -q ../set.sog) 2>logs/err; then
+    cp -r set kept
+    for part in set/means_l.webp set/../set//quats.webp; do
+        fails "a picture of an .sog folder, $part" 2 "$part: $taken" render set --size 64x48 -o $part
+    done
+    ln -s set/sh0.webp link.webp
+    fails "a picture of an .sog folder, by a link" 2 "link.webp: $taken" render set/meta.json --size 64x48 -o link.webp
+    check "the .sog folder is as it was" diff -r set kept
+else
+    skip "an .sog folder" "no unzip here"
+fi
+camera='"width": 64, "height": 48, "position": [0, 0, -6], "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "fx": 60, "fy": 60'
+echo "[{\"id\": 0, \"img_name\": \"a\", $camera}]" >cameras.json
+ln cameras.json cameras.png
+fails "the cameras" 2 "./cameras.png: $taken" render knot.ply --cameras cameras.json --ids ./cameras.png
+fails "the expected picture, which is not there" 2 "none.png: $taken" $render --expect none.png -o none.png
+ln -s later.png first.png
+ln -s ./later.png second.png
+fails "two links to one that is not there" 2 "(first|second).png: two outputs are one file" $render -o first.png \
+    --ids second.png
+mkdir views
+fails "one name of two views" 2 "views/1[01].png: two outputs are one file" render knot.ply --size 8x6 --orbit 12 \
+    -o views/%d.png --ids views/1%d.png
+check "one name of two views: nothing is written" equal "$(ls views)" ""
+cp knot.ply grown.ply
+for output in - /dev/stdout; do
+    "$fixsplat" render grown.ply --size 64x48 --format png -o $output 2>logs/err >>grown.ply
+    check "-o $output behind the scene" equal "$? $(cat logs/err)" "2 fixsplat: $(echo $output |
+        sed 's/^-/standard output/'): is read and cannot be written too"
+done
+"$fixsplat" render - --size 64x48 -o - <grown.ply 2>logs/err >>grown.ply
+check "standard input behind itself" equal "$? $(cat logs/err)" \
+    "2 fixsplat: standard output: is read and cannot be written too"
+check "the scene is as it was" cmp grown.ply knot.ply
+
+# A packed scene is rendered from the file as it was when it was opened.
+"$fixsplat" convert knot.ply mapped.fxs
+"$fixsplat" render mapped.fxs --size 64x48 --orbit 3 -o turn.rgba
+mkfifo turn
+"$fixsplat" render mapped.fxs --size 64x48 --orbit 3 -o turn --format rgba 2>logs/err &
+{
+    head -c 1 <&3 >got
+    "$fixsplat" make-scene cubes --count 300 -o other.ply && "$fixsplat" convert other.ply mapped.fxs
+    cat <&3 >>got
+} 3<turn
+wait $!
+check "replaced while it is rendered: no error" equal "$? $(cat logs/err)" "0 "
+check "replaced while it is rendered: the bytes" cmp got turn.rgba
+
+# ---- Standard output and standard input ------------------------------------------------------------------------------
+
+"$fixsplat" $write /dev/stdout >stdout.ply
+check "/dev/stdout as a file" cmp stdout.ply knot.ply
+{ "$fixsplat" $render -o /dev/stdout --format png; } | cat >stdout.png
+check "/dev/stdout as a pipe" cmp stdout.png plain.png
+"$fixsplat" $render -o closed.png --hash >&- 2>logs/err
+check "standard output is closed: said" equal "$? $(cat logs/err)" "1 fixsplat: cannot write to standard output"
+check "standard output is closed: the picture" cmp closed.png plain.png
+# More hashes than stdio holds back, while the film is open.
+"$fixsplat" render knot.ply --size 8x6 --orbit 600 -o open.rgba --hash >logs/out
+"$fixsplat" render knot.ply --size 8x6 --orbit 600 -o closed.rgba --hash >&- 2>logs/err
+check "standard output is closed: the film has nothing else" cmp closed.rgba open.rgba
+"$fixsplat" $render -o - >&- 2>logs/err
+check "standard output is closed: -o -" equal "$? $(cat logs/err)" \
+    "1 fixsplat: standard output: cannot be written: Bad file descriptor"
+for arguments in "render - --hash" "info -" "convert - x.ply" "convert - x.fxs" "bench -"; do
+    "$fixsplat" $arguments <&- >logs/out 2>logs/err
+    check "standard input is closed: $arguments" equal "$? $(cat logs/err)" "1 fixsplat: standard input: Bad file descriptor"
+    "$fixsplat" $arguments <. >logs/out 2>logs/err
+    check "standard input is a folder: $arguments" equal "$? $(cat logs/err)" "1 fixsplat: standard input: Is a directory"
+done
+for arguments in "info knot.ply" "info --backends" "bench knot.ply --size 64x48" "compare plain.png plain.png" "--help"; do
+    { sleep 0.1; "$fixsplat" $arguments 2>logs/err; echo $? >logs/status; } 2>logs/shell | :
+    check "a pipe that nobody reads: $arguments" equal "$(cat logs/status logs/err)" 141
+done
+# What a shell says of a command that a signal ended is its own.
+for arguments in "render knot.ply --size 640x480 -o -" "make-scene knot --count 100000 -o -"; do
+    { "$fixsplat" $arguments 2>logs/err; echo $? >logs/status; } 2>logs/shell | head -c 100 >logs/out
+    check "a pipe that is closed after 100 bytes: ${arguments%% *}" equal "$(cat logs/status logs/err)" 141
+    (trap '' PIPE; "$fixsplat" $arguments 2>logs/err; echo $? >logs/status) | head -c 100 >logs/out
+    check "the same where SIGPIPE is ignored: ${arguments%% *}" equal "$(cat logs/status logs/err)" \
+        "1
+fixsplat: standard output: cannot be written: Broken pipe"
+done
+
 # ---- Full devices ----------------------------------------------------------------------------------------------------
 
 if [ -c /dev/full ]; then

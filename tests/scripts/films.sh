@@ -116,6 +116,15 @@ for printed in hash stats 'pick 1,1' 'depth x.png'; do
     fails "-o - --$printed" 2 "the picture goes to standard output.*--${printed%% *}" render knot.ply -o - --$printed
 done
 succeeds "-o - --depth x.pfm" render knot.ply $small -o - --depth x.pfm --depth-range 9
+for option in 'o' 'depth' 'ids' 'diff'; do
+    long=--output
+    [ $option = o ] || long=--$option
+    fails "${long#--} given twice" 2 "$long b: $long a is given before" render knot.ply \
+        $([ $option = o ] && echo -o a -o b || echo $long a $long b)
+done
+fails "-o - twice" 2 "--output -: --output - is given before" render knot.ply -o - -o -
+fails "compare --diff given twice" 2 "--diff b.png: --diff a.png is given before" compare file.png file.png \
+    --diff a.png --diff b.png
 fails "a film of a pattern" 2 "%d.y4m: a film is one file" render $three --view all -o %d.y4m
 fails "--quality of .png" 2 "--quality is of .jpg and .webp" render knot.ply -o x.png --quality 9
 fails "--quality 0" 2 "--quality 0" render knot.ply -o x.jpg --quality 0
@@ -180,6 +189,13 @@ check "--frames: the focal length between" equal "$($helper hash lens1.raw)" "$(
 fails "--frames without --view" 2 "--frames needs --view" render $three --frames 3 --hash
 fails "--frames of one view" 1 "--frames needs several views, --view 1 is one" render $three --view 1 --frames 3 --hash
 fails "--frames 1" 2 "--frames 1" render $three --view all --frames 1 --hash
+fails "--frames of one view as a list" 1 "--frames needs several views, --view 1..1 is one" render $three --view 1..1 \
+    --frames 3 --hash
+check "--view 1..1: that one" equal "$(lists three.json 1..1)" "$side "
+succeeds "--frames of views of two sizes" render knot.ply --cameras sizes.json --view all --frames 5 -o sizes.y4m
+check "--frames of views of two sizes: all of the first one's" equal \
+    "$(head -n 1 sizes.y4m | cut -d ' ' -f 2,3) $(($(wc -c <sizes.y4m)))" \
+    "W64 H48 $(($(head -n 1 sizes.y4m | wc -c) + 5 * (6 + 3 * 64 * 48)))"
 fails "--frames and --orbit" 2 "give one" render $three --view all --frames 3 --orbit 3 --hash
 
 gaussian='1 .5 .2 4 -1 -1.5 -2 1 0 0 0'
@@ -194,6 +210,7 @@ check "--orbit: a quarter is another view" differ "$(sed -n 1p turn)" "$(sed -n 
 check "--orbit: from a view of a file" equal "$(sed -n 1p six)" "$side"
 check "--orbit: every second of twice as many" equal "$(sed -n '1p;3p;5p' six)" "$(cat three)"
 fails "--orbit of several views" 1 "--orbit begins at one view" render $three --view all --orbit 3 --hash
+fails "--orbit 0" 2 "--orbit 0: expected" render $three --orbit 0 --hash
 fails "--orbit 1" 2 "--orbit 1" render $three --orbit 1 --hash
 fails "--orbit into one file" 2 "x.png: for 3 views" render $three --orbit 3 -o x.png
 
@@ -338,16 +355,18 @@ fails "--depth and --ids one file" 2 "x.png: $twice" render knot.ply --depth x.p
 ln golden.png hard.png
 fails "-o and --diff one file" 2 "hard.png: $twice" render knot.ply $small --expect got.png -o golden.png --diff hard.png
 succeeds "a device twice" render knot.ply $small -o /dev/null --format png --ids file.tmp.png
-fails "-o the expected picture" 2 "golden.png: an output that is read too" render knot.ply $small --expect golden.png \
+fails "-o the expected picture" 2 "golden.png: is read and cannot be written too" render knot.ply $small --expect golden.png \
     -o golden.png
-fails "-o one of the expected pictures" 2 "golden0.png: an output that is read too" render $three --view 1..2 \
+fails "-o one of the expected pictures" 2 "golden0.png: is read and cannot be written too" render $three --view 1..2 \
     --expect golden%d.png --diff golden%d.png
 cp knot.ply scene.raw
-fails "-o the scene" 2 "scene.raw: an output that is read too" render scene.raw -o scene.raw
+fails "-o the scene" 2 "scene.raw: is read and cannot be written too" render scene.raw -o scene.raw
+ln knot.fxs packed.png
+fails "-o the packed scene" 2 "packed.png: is read and cannot be written too" render knot.fxs -o packed.png
 ln -s knot.ply scene.png
-fails "-o a link to the scene" 2 "scene.png: an output that is read too" render knot.ply -o scene.png
+fails "-o a link to the scene" 2 "scene.png: is read and cannot be written too" render knot.ply -o scene.png
 check "-o the scene: it stays" cmp scene.raw knot.ply
-fails "compare --diff one of the pictures" 2 "golden.png: an output that is read too" compare golden.png other.png \
+fails "compare --diff one of the pictures" 2 "golden.png: is read and cannot be written too" compare golden.png other.png \
     --diff golden.png
 
 # ---- Time ------------------------------------------------------------------------------------------------------------

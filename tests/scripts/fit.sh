@@ -55,6 +55,8 @@ if have script; then
     script -qec "'$fixsplat' fit set --steps 600 -o few.fxs" /dev/null </dev/null >logs/out
     check "on a terminal: what it begins with" grep -q \
         'photographs: 10 to fit, 2 held out, up to 64 x 48 pixels; 400 points' logs/out
+    script -qec "'$fixsplat' fit set --steps 600 -o few.fxs --quiet --json" /dev/null </dev/null >logs/said
+    check "on a terminal, --quiet: the report alone" equal "$(wc -l <logs/said) $(grep -c '^{"scene": .*}' logs/said)" "1 1"
     check "on a terminal: progress" grep -Eq \
         '\[#* *\] [0-9]+/600, loss 0\.[0-9]{4}, [0-9]+ Gaussians, [0-9.]+ steps/s, [0-9]+ s left' logs/out
 else
@@ -122,6 +124,9 @@ stops 2 "Ctrl-C"
 stops 15 "SIGTERM"
 stops 1 "SIGHUP"
 
+rm -f "it's.fxs" "it's.fxs.fit"
+ended=$($helper signal 15 "$fixsplat" $fit -o "it's.fxs" --save-every 2 --quiet 2>logs/err)
+check "SIGTERM, --quiet: saved, not a word" equal "$ended $(ls "it's.fxs.fit") $(cat logs/err)" "signal 15 it's.fxs.fit "
 fails "--resume: another seed" 2 "--seed: part.fxs.fit was begun with another" $fit -o x.fxs --resume part.fxs.fit --seed 3
 fails "--resume: another recipe" 2 "--recipe: " $fit -o x.fxs --resume part.fxs.fit --recipe mcmc
 fails "--resume: another size" 1 "part.fxs.fit: a fit of other photographs" $fit -o x.fxs --resume part.fxs.fit \
@@ -174,10 +179,25 @@ fi
 fails "no photographs" 2 "takes one folder" fit -o x.fxs
 fails "two folders" 2 "takes one folder" fit set set -o x.fxs
 fails "no output" 2 "where to" fit set
+fails "two outputs" 2 "--output y.fxs: --output x.fxs is given before" fit set -o x.fxs -o y.fxs
 fails "another ending" 2 "x.png: expected a name ending in .fxs or .ply" fit set -o x.png
 fails "no such folder" 1 "none/x.fxs: cannot be written: No such file" fit set -o none/x.fxs
 mkdir folder.fxs
 fails "a folder" 1 "folder.fxs: cannot be written: Is a directory" fit set -o folder.fxs
+mkdir taken
+cp -r set taken/set
+mv taken/set/images/00.png taken/set/images/0000_00.png
+sed 's/ 00.png/ 0000_00.png/' set/sparse/0/images.txt >taken/set/sparse/0/images.txt
+cp taken/set/images/0000_00.png taken/0000_00.png
+ln taken/set/images/0000_00.png taken/set/images/0000_0000_00.png
+fails "--compare: a picture is a photograph" 2 "taken/set/images/0000_0000_00.png: is read and cannot be written too" \
+    fit taken/set -o x.fxs --steps 5 --compare taken/set/images
+check "--compare: the photograph stays" cmp taken/set/images/0000_00.png taken/0000_00.png
+cp set/images/03.png photo.ply
+cp -r set other
+ln -sf ../../photo.ply other/images/03.png
+fails "OUT is a photograph" 2 "photo.ply: is read and cannot be written too" fit other -o photo.ply --steps 5
+check "OUT is a photograph: it stays" cmp photo.ply set/images/03.png
 fails "--compare: a file" 1 "--compare knot.ply: not a folder" fit set -o x.fxs --compare knot.ply
 fails "--compare: no such folder" 1 "--compare none/pictures: No such file" fit set -o x.fxs --compare none/pictures
 fails "an unknown option" 2 "unknown option" fit set -o x.fxs --fast

@@ -51,6 +51,36 @@ fails "--quiet: errors stay" 1 "none.ply" --quiet convert none.ply knot.splat
 succeeds "a file whose name begins with --quiet" convert knot.ply -- --quiet.ply
 check "a file whose name begins with --quiet: is there" test -s ./--quiet.ply
 
+# One of its Gaussians is left out, which is worth a note.
+{ printf 'ply\nformat ascii 1.0\nelement vertex 3\n'
+  printf 'property float %s\n' x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3
+  printf '%s\n' end_header '0 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' '1 0 0 1 0 0 1 -1 -1 -1 1 0 0 0' \
+      'nan 0 0 1 0 0 1 -1 -1 -1 1 0 0 0'; } >noted.ply
+"$fixsplat" render knot.ply --size 64x48 -o a.png
+for arguments in 'render noted.ply --size 64x48 -o b.png' 'info noted.ply' 'bench noted.ply --size 64x48' \
+    'convert noted.ply b.ply' 'convert noted.ply b.fxs'; do
+    run $arguments
+    check "$arguments: a note" equal "$status $(grep -c '^fixsplat: noted.ply: left out 1 of 3' logs/err)" "0 1"
+    succeeds "$arguments --quiet" $arguments --quiet
+    FIXSPLAT_QUIET=1 "$fixsplat" $arguments >logs/out 2>logs/err
+    check "$arguments, FIXSPLAT_QUIET" silent logs/err
+done
+if have script; then
+    for arguments in 'make-scene landscape --count 300000 -o c.ply' 'render knot.ply --size 64x48 --orbit 9 -o c.y4m' \
+        'convert knot.ply c.sog' 'compare a.png a.png --diff c.png' 'convert c.ply c.fxs'; do
+        script -qec "'$fixsplat' $arguments" /dev/null </dev/null >logs/loud
+        script -qec "'$fixsplat' $arguments --quiet" /dev/null </dev/null >logs/said
+        case $arguments in
+        compare*) check "$arguments --quiet: the result alone" equal "$(tr -d '\r' <logs/said)" equal ;;
+        *)
+            check "$arguments: a bar on a terminal" says logs/loud '%'
+            check "$arguments --quiet: nothing on a terminal" silent logs/said ;;
+        esac
+    done
+else
+    skip "--quiet on a terminal" "no script(1) here"
+fi
+
 # ---- JSON ------------------------------------------------------------------------------------------------------------
 
 "$fixsplat" info --backends --json >logs/backends

@@ -48,7 +48,7 @@ survives() {
             status=$?
             why=$(wrong "$1" 2>&1)
             [ -z "$why" ] || echo "allocation $n${ever:+ and on}: $why" >>logs/faults
-            rm -f "$written" "$written.fit" .fixsplat-*
+            rm -f -- "$written" "$written.fit" .fixsplat-*
             n=$((n + step))
         done
     done
