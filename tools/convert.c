@@ -49,7 +49,7 @@ static const char more_help[] =
     "                      default 63.5 (56.9 dB), compact 39.6 (53.9 dB), small 19.6 (44.4 dB). Where SH lose much,\n"
     "                      views are compared with default, and one that loses more than it should is said\n"
     "  --spz-version V     3 (gzip) or 4 (zstd, the default), for .spz\n"
-    "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
+    "  --lod LEVEL         level of detail of an .lcc or streamed .sog, 0 the finest (default 0)\n"
     WORLD_HELP
     IMPORT_HELP
     "  --help              this text\n\n"

@@ -28,6 +28,7 @@ static const char formats_help[] =
     "  .compressed.ply     PlayCanvas's, written too\n"
     "  .splat              32 bytes a Gaussian, written too\n"
     "  .ksplat             of GaussianSplats3D\n"
+    "  .lcc                of XGRIDS, with its index.bin, data.bin, shcoef.bin and environment.bin beside it\n"
     "  .spz                1 to 4; 3 and 4 are written too\n"
     "  .sog                1 and 2, also streamed: a file, its folder, meta.json or lod-meta.json; 2 is written too\n"
     "  .gltf, .glb         with KHR_gaussian_splatting; .glb is written too\n"

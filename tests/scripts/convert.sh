@@ -246,6 +246,21 @@ radii tiles.csv >tiles.radii
 radii knot.csv >knot.radii
 check "of a tileset with two .glb: where they were" cmp tiles.radii knot.radii
 
+# ---- .lcc --------------------------------------------------------------------------------------------------------
+
+mkdir lcc
+"$(dirname "$fixsplat")/tests/test_lcc" --write lcc knot.ply >logs/out 2>&1 && lcc=lcc/scene.lcc || lcc=
+if [ "$lcc" ]; then
+    succeeds "of an .lcc" convert $lcc lcc.ply
+    check "of an .lcc: all of it" gaussians lcc.ply 3000 3
+    check "of an .lcc: as it was" looks_as lcc.ply knot.ply 50
+    succeeds "of an .lcc, level 1" convert $lcc lcc1.ply --lod 1
+    check "of an .lcc, level 1: fewer" gaussians lcc1.ply 538 3
+    fails "of an .lcc, level 2" 1 "no level 2: levels of detail in this scene: 2" convert $lcc x.ply --lod 2
+else
+    skip ".lcc" "built without cJSON"
+fi
+
 # ---- Read by others --------------------------------------------------------------------------------------------------
 
 transform() { node "$modules/@playcanvas/splat-transform/bin/cli.mjs" -q -w "$@" >logs/out 2>&1; }
@@ -260,6 +275,10 @@ if have node && [ -d "$modules/@playcanvas/splat-transform" ]; then
     check "splat-transform places" transform knot.ply -r 20,30,40 -s 2 -t 1,2,3 theirs.ply
     "$fixsplat" convert knot.ply ours.ply --rotate -20,-30,40 --scale 2 --translate -1,-2,3
     check "splat-transform places: as we do" looks_as ours.ply theirs.ply 60
+    for level in ${lcc:+0 1}; do
+        check "splat-transform reads .lcc, level $level" transform -O $level $lcc theirs.ply
+        check "splat-transform reads .lcc, level $level: as we do" looks_as $lcc theirs.ply 60 --lod $level
+    done
 else
     skip "splat-transform" "no node or no @playcanvas/splat-transform here (make setup test)"
 fi
