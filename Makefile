@@ -503,7 +503,7 @@ bench: all $(B)/tests/test_quality ## measure and write the tables of docs/perfo
 	SCENES=$(SCENES) B=$(B) sh tools/bench.sh
 
 plot: ## draw docs/*.svg from the tables of docs/performance.md
-	@for plot in sizes growth; do \
+	@for plot in sizes growth levels; do \
 	    awk -v plot=$$plot -f tools/plot.awk docs/performance.md >docs/$$plot.svg.new && \
 	        mv docs/$$plot.svg.new docs/$$plot.svg || { rm -f docs/$$plot.svg.new; exit 1; }; done
 
