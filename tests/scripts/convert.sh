@@ -288,6 +288,35 @@ else
     skip "the glTF validator" "no node or no gltf-validator here (make setup test)"
 fi
 
+# ---- A real tile as a tileset of two ---------------------------------------------------------------------------------
+
+# Two halves, one of them moved away and put back by the transform of a tileset of its own, in place of a coarse whole.
+boatyard=$scenes/boatyard-tile3/boatyard-tile3.glb
+if [ -f "$boatyard" ] && [ "$lcc" ]; then
+    mkdir -p boatyard/left
+    "$fixsplat" convert "$boatyard" boatyard/whole.glb --decimate 5%
+    "$fixsplat" convert "$boatyard" half.ply --crop -1e4,-1e4,-1e4,-49,1e4,1e4 2>logs/err
+    "$fixsplat" convert half.ply boatyard/left/half.glb --translate 10,20,30
+    "$fixsplat" convert "$boatyard" boatyard/right.glb --crop -49,-1e4,-1e4,1e4,1e4,1e4 2>logs/err
+    # Of a tileset x, y, z are -x, -z, -y of a .ply.
+    box='"boundingVolume": {"sphere": [0, 0, 0, 999]}, "geometricError": 1'
+    printf '{"asset": {"version": "1.1"}, "geometricError": 9, "root": {%s, "refine": "REPLACE", "content": {"uri":
+        "whole.glb"}, "children": [{%s, "content": {"uri": "left/tileset.json"}}, {%s, "content": {"uri":
+        "right.glb"}}]}}' "$box" "$box" "$box" >boatyard/tileset.json
+    printf '{"asset": {"version": "1.0"}, "geometricError": 9, "root": {%s, "transform": [1, 0, 0, 0, 0, 1, 0, 0,
+        0, 0, 1, 0, 10, 30, 20, 1], "content": {"uri": "half.glb"}}}' "$box" >boatyard/left/tileset.json
+    succeeds "boatyard as a tileset of two" convert boatyard/tileset.json boatyard.fxs
+    check "boatyard as a tileset of two: all of the finest" gaussians boatyard.fxs 83145 3
+    check "boatyard as a tileset of two: as it was" looks_as boatyard.fxs "$boatyard" 60
+    fails "boatyard as a tileset of two: no --lod" 1 "no level 1: levels of detail in this scene: 1" \
+        convert boatyard/tileset.json x.fxs --lod 1
+    printf x >boatyard/right.glb
+    fails "boatyard, a tile that is damaged" 1 "boatyard/right.glb: " convert boatyard/tileset.json x.fxs
+    check "boatyard, a tile that is damaged: nothing is written" [ ! -e x.fxs ]
+else
+    skip "boatyard" "not here, or built without cJSON"
+fi
+
 # ---- A real scene ----------------------------------------------------------------------------------------------------
 
 if [ -f "$scenes/snowmiku/snowmiku.ply" ]; then
