@@ -1,5 +1,5 @@
-/* Reads of .lcc made here, by an encoder of its own: with SH and without, levels, an environment; faulty ones, each file
-   cut short. `--write FOLDER SCENE` makes FOLDER/scene.lcc of a scene, for tests/scripts/convert.sh. */
+/* Reads of .lcc made here, by an encoder of its own: with SH and without, levels, an environment; faulty ones, each
+   file cut short. `--write FOLDER SCENE [SKY]` makes FOLDER/scene.lcc of a scene, for tests/scripts/convert.sh. */
 #include "../port/scene/scene_file.h"
 
 #include <math.h>
@@ -26,7 +26,7 @@ typedef struct bounds {
 } bounds;
 
 static blob index_bytes, data, sh, sky_bytes;
-static fxs_gaussian made[COUNT], made_sky[SKY], expected[MOST], out[MOST + 1];
+static fxs_gaussian made[COUNT], made_sky[SKY], out[MOST + 1];
 static int level_counts[LEVELS];
 static bounds scale_bounds[2], sh_bounds[2];   /* of the cells, of the sky */
 
@@ -214,7 +214,7 @@ static void write_scene(const fxs_gaussian *g, size_t count, const fxs_gaussian 
         put_file("environment.bin", sky_bytes.bytes, sky_bytes.size);
 }
 
-/* ---- Reading ------------------------------------------------------------------------------------------------------ */
+/* ---- Reading ----------------------------------------------------------------------------------------------------- */
 
 /* Reads a few at a time, twice. Returns the number of Gaussians, or the error and the message. */
 static long read_scene(const fxs_scene_file_options *options)
@@ -325,7 +325,7 @@ static void check_level(int level, size_t sky_count, int has_sh)
     CHECK(at == count);
 }
 
-/* ---- Whole scenes ------------------------------------------------------------------------------------------------- */
+/* ---- Whole scenes ------------------------------------------------------------------------------------------------ */
 
 static void levels(void)
 {
@@ -402,7 +402,7 @@ static void bounds_of_the_sky(void)
         CHECK(is_as_made(&out[COUNT + i], &made[i], 0, 1));
 }
 
-/* ---- Faults ------------------------------------------------------------------------------------------------------- */
+/* ---- Faults ------------------------------------------------------------------------------------------------------ */
 
 static void every_length(void)
 {
@@ -553,18 +553,25 @@ static void run_tests(void)
     RUN(without_cells);
 }
 
-/* The .lcc of another scene, without a sky. */
-static int write_of(const char *to, const char *scene)
+static long read_other(const char *path, fxs_gaussian *gaussians)
 {
     fxs_scene_file *file;
-    snprintf(folder, sizeof folder, "%s", to);
-    if (fxs_scene_file_open(scene, NULL, &file, &info, &message) || info.count > MOST)
-        return 1;
-    const long count = fxs_scene_file_read(file, expected, MOST, &message);
+    if (fxs_scene_file_open(path, NULL, &file, &info, &message) || info.count > MOST)
+        return -1;
+    const long count = fxs_scene_file_read(file, gaussians, MOST, &message);
     fxs_scene_file_close(file);
-    if (count > 0)
-        write_scene(expected, (size_t)count, NULL, 0, 1);
-    return count <= 0 || check_faults != 0;
+    return count;
+}
+
+/* The .lcc of another scene, and of a third as its sky, or NULL. */
+static int write_of(const char *to, const char *scene, const char *sky)
+{
+    static fxs_gaussian others[2][MOST];
+    snprintf(folder, sizeof folder, "%s", to);
+    const long count = read_other(scene, others[0]), sky_count = sky ? read_other(sky, others[1]) : 0;
+    if (count > 0 && sky_count >= 0)
+        write_scene(others[0], (size_t)count, others[1], (size_t)sky_count, 1);
+    return count <= 0 || sky_count < 0 || check_faults != 0;
 }
 
 #else
@@ -583,14 +590,17 @@ static void run_tests(void)
     RUN(built_without);
 }
 
-static int write_of(const char *to, const char *scene)
+static int write_of(const char *to, const char *scene, const char *sky)
 {
-    return !to || !scene;
+    (void)to, (void)scene, (void)sky;
+    return 1;   /* there is nothing to write */
 }
 
 #endif
 
 int main(int argc, char **argv)
 {
-    return argc == 4 && strcmp(argv[1], "--write") == 0 ? write_of(argv[2], argv[3]) : in_a_folder(run_tests);
+    if (argc >= 4 && strcmp(argv[1], "--write") == 0)
+        return write_of(argv[2], argv[3], argc > 4 ? argv[4] : NULL);
+    return in_a_folder(run_tests);
 }

@@ -52,7 +52,7 @@ static const cJSON *member(const cJSON *object, const char *name)
     return cJSON_GetObjectItemCaseSensitive(object, name);
 }
 
-/* ---- The .lcc -------------------------------------------------------------------------------------------------- */
+/* ---- The .lcc ---------------------------------------------------------------------------------------------------- */
 
 static const cJSON *find_attribute(const cJSON *root, const char *name)
 {

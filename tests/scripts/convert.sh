@@ -248,8 +248,9 @@ check "of a tileset with two .glb: where they were" cmp tiles.radii knot.radii
 
 # ---- .lcc --------------------------------------------------------------------------------------------------------
 
-mkdir lcc
-"$(dirname "$fixsplat")/tests/test_lcc" --write lcc knot.ply >logs/out 2>&1 && lcc=lcc/scene.lcc || lcc=
+mkdir lcc sky
+make_lcc() { "$(dirname "$fixsplat")/tests/test_lcc" --write "$@" >logs/out 2>&1; }
+make_lcc lcc knot.ply && lcc=lcc/scene.lcc || lcc=
 if [ "$lcc" ]; then
     succeeds "of an .lcc" convert $lcc lcc.ply
     check "of an .lcc: all of it" gaussians lcc.ply 3000 3
@@ -275,6 +276,14 @@ if have node && [ -d "$modules/@playcanvas/splat-transform" ]; then
     check "splat-transform places" transform knot.ply -r 20,30,40 -s 2 -t 1,2,3 theirs.ply
     "$fixsplat" convert knot.ply ours.ply --rotate -20,-30,40 --scale 2 --translate -1,-2,3
     check "splat-transform places: as we do" looks_as ours.ply theirs.ply 60
+    if [ "$lcc" ]; then   # an environment it writes to a lod-meta.json alone
+        "$fixsplat" make-scene knot --count 300 -o small.ply
+        "$fixsplat" convert small.ply sky.ply --scale 3 --translate 1,-4,9
+        make_lcc sky small.ply sky.ply
+        check "splat-transform reads .lcc with an environment" transform -g cpu sky/scene.lcc sky/lod-meta.json
+        check "splat-transform reads .lcc with an environment: as many" gaussians sky/lod-meta.json 600 3
+        check "splat-transform reads .lcc with an environment: as we do" looks_as sky/scene.lcc sky/lod-meta.json 46
+    fi
     for level in ${lcc:+0 1}; do
         check "splat-transform reads .lcc, level $level" transform -O $level $lcc theirs.ply
         check "splat-transform reads .lcc, level $level: as we do" looks_as $lcc theirs.ply 60 --lod $level
