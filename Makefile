@@ -458,7 +458,7 @@ EVERY := $(TESTS) $(SCRIPTS) $(GATES)
 containing = $(strip $(foreach name,$(EVERY),$(if $(findstring $(1),$(name)),$(name))))
 called = $(or $(filter $(1) test_$(1) $(1).sh,$(EVERY)),$(call containing,$(1)),$(error no test is called $(1)))
 RUN := $(if $(T),$(sort $(foreach name,$(T),$(call called,$(name)))),$(EVERY))
-NEEDED := $(filter $(TESTS),$(RUN)) $(if $(filter bombs.sh web.sh,$(RUN)),test_bombs) $(if $(filter web.sh,$(RUN)),test_scene_input)
+NEEDED := $(filter $(TESTS),$(RUN)) $(if $(filter bombs.sh web.sh,$(RUN)),test_bombs) $(if $(filter convert.sh,$(RUN)),test_lcc) $(if $(filter web.sh,$(RUN)),test_scene_input)
 
 $(B)/tests/test_%: $(B)/tests/test_%.o $(B)/tests/reference.o $(call objects,$(TOOL_SHARED)) $(B)/libfixsplat.a \
                    $(B)/commands/link
@@ -503,7 +503,7 @@ bench: all $(B)/tests/test_quality ## measure and write the tables of docs/perfo
 	SCENES=$(SCENES) B=$(B) sh tools/bench.sh
 
 plot: ## draw docs/*.svg from the tables of docs/performance.md
-	@for plot in sizes growth; do \
+	@for plot in sizes growth levels; do \
 	    awk -v plot=$$plot -f tools/plot.awk docs/performance.md >docs/$$plot.svg.new && \
 	        mv docs/$$plot.svg.new docs/$$plot.svg || { rm -f docs/$$plot.svg.new; exit 1; }; done
 

@@ -217,6 +217,24 @@ static inline void make_tileset(void)
     }
 }
 
+/* Two Gaussians in a cell, one in the environment, of SH degree 3. */
+static inline void make_lcc(void)
+{
+    put("{\"totalLevel\":1,\"attributes\":[{\"name\":\"scale\",\"min\":[1,2,3],\"max\":[4,5,6]},{\"name\":\"shcoef\",");
+    put("\"min\":[-1,-2,-3],\"max\":[4,5,6]}]}");
+    add_file("a.lcc");
+    const uint32_t unit[5] = {0, GAUSSIANS - 1, 0, 0, 32 * (GAUSSIANS - 1)};
+    for (int i = 0; i < 5; i++)
+        put_u32(unit[i]);
+    add_file("index.bin");
+    put_floats(8 + 16);
+    add_file("environment.bin");
+    put_floats(16 * (GAUSSIANS - 1));
+    add_file("shcoef.bin");
+    put_floats(8 * (GAUSSIANS - 1));
+    add_file("data.bin");
+}
+
 #endif
 
 /* ---- SOG ------------------------------------------------------------------------------------------------------- */
@@ -302,6 +320,7 @@ static const struct made_format { const char *name; void (*make)(void); int is_s
 #endif
 #ifdef FXS_WITH_CJSON
     {"gltf", make_glb, 0}, {"gltf", make_gltf, 1}, {"tileset", make_tileset, 1},
+    {"lcc", make_lcc, 1},
 #endif
 #ifdef WITH_SOG
     {"sog", make_sog_folder, 1}, {"sog", make_streamed_sog, 1},

@@ -176,6 +176,20 @@ seeds_of_sog() {
             )"'"transform":[1,0,0,0,0,1,0,0,0,0,1,0,1e7,2,3,1],"contents":[{"uri":"%%31"}]}]}}'
         part ''
     } >tiles
+    {
+        for name in 1 2 3 4 5 6 7 8 9 10 11 12; do
+            part ''
+        done
+        bounds='"min":[0,1,2],"max":[1,2,3]'
+        part '{"totalLevel":2,"attributes":[{"name":"scale",'"$bounds"'},{"name":"shcoef",'"$bounds"'}]}'
+        int='\1\0\0\0' row='\40\0\0\0' zero='\0\0\0\0'
+        part "$int$int$zero$zero$row$int$row$zero$row"
+        record='\0\0\200\77\0\0\0\100\0\0\100\300\1\2\3\377abcdefghijklmnop'
+        part "$record$record"
+        sh="$record$record"
+        part "$sh$sh"
+        part "$record$sh"
+    } >lcc
 }
 
 # fxs FLAGS NAME...: the control bytes of tests/fuzz_frame.h, each flags and a few more, then the file NAME, if any

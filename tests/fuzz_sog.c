@@ -1,5 +1,5 @@
 /* libFuzzer target: bytes as the files of a folder, each after its size of two bytes, for a .sog as a zip, as files and
-   streamed, and for a tileset. The environment is there where it has bytes. What opens is read whole, rewound, and read
+   streamed, for a tileset and an .lcc. An environment is there where it has bytes. What opens is read whole, rewound, and read
    again with the same result. */
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +9,8 @@
 static struct file { const char *name; const uint8_t *data; size_t size; } files[] = {
     {"a.sog", NULL, 0}, {"meta.json", NULL, 0}, {"lod-meta.json", NULL, 0}, {"0", NULL, 0}, {"1", NULL, 0},
     {"2", NULL, 0}, {"3", NULL, 0}, {"4", NULL, 0}, {"5", NULL, 0}, {"6", NULL, 0}, {"tileset.json", NULL, 0},
-    {"environment.sog", NULL, 0}
+    {"environment.sog", NULL, 0}, {"a.lcc", NULL, 0}, {"index.bin", NULL, 0}, {"data.bin", NULL, 0},
+    {"shcoef.bin", NULL, 0}, {"environment.bin", NULL, 0}
 };
 
 enum { FILES = sizeof files / sizeof *files };
@@ -39,7 +40,7 @@ static int open_beside(void *argument, const char *name, fxs_scene_input *input)
 {
     (void)argument;
     for (int i = 0; i < FILES; i++)
-        if (strcmp(files[i].name, name) == 0 && (files[i].size > 0 || i < FILES - 1)) {
+        if (strcmp(files[i].name, name) == 0 && (files[i].size > 0 || strncmp(name, "environment.", 12) != 0)) {
             *input = (fxs_scene_input){files[i].size, read_bytes, open_beside, NULL, &files[i]};
             return 0;
         }
@@ -89,5 +90,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     read_scene("lod-meta.json", 0);
     read_scene("lod-meta.json", 1);
     read_scene("tileset.json", 0);
+    read_scene("a.lcc", 0);
+    read_scene("a.lcc", 1);
     return 0;
 }

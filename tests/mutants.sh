@@ -61,6 +61,7 @@ tests_of() {
     */spz*) echo spz gltf bombs scene_input allocation ;;
     */splat*) echo splat scene_input allocation ;;
     */ksplat.c) echo ksplat scene_input allocation ;;
+    */lcc.c) echo lcc scene_input allocation ;;
     */scene_filter.c | */floaters.c) echo scene_filter scene_input allocation ;;
     port/backend/processor.c | port/world/* | tools/*) echo cli.sh ;;
     port/posix/pool.c) echo threads allocation ;;

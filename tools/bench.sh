@@ -1,6 +1,6 @@
 #!/bin/sh
 # bench.sh [PART...]: measures and writes the parts of a document (between their marker lines): tables, gles, sizes, limits, stereo,
-# foveated; without PART, all. FOVEATED: the back ends of that part (cpu gles). The document changes once, when all is measured;
+# foveated, levels; without PART, all. FOVEATED: the back ends of that part (cpu gles). The document changes once, when all is measured;
 # where anything fails or it is interrupted, it stays as it is.
 # fit and fit_stages, only where named (half an hour): fits by either cut-off; the stages of a step, with FIT_CPUS. FIT_STEPS,
 # FIT_SIZE: of each (3000, 600).
@@ -320,6 +320,36 @@ foveated() {
     done
 }
 
+# Of a scene, and of what --decimate leaves of it: "equal" for PSNR where that is all. Their frames take turns, and the
+# fastest counts, as in stereo_row.
+level_rows() {
+    name=$1 file=$2 cameras=$3 view=$4 shares='100 50 25 10 5'
+    for share in $shares; do
+        "$B/fixsplat" convert "$file" "$work/level-$share.fxs" --decimate $share%
+    done
+    rm -f "$work"/turn-*
+    for share in $shares $shares $shares; do
+        "$B/fixsplat" bench --json "$work/level-$share.fxs" --threads $two --size 1280x720 --frames 60 $cameras $view |
+            field frame_ms_min >>"$work/turn-$share"
+    done
+    for share in $shares; do
+        "$B/fixsplat" info "$work/level-$share.fxs" --compare "$file" --views 8 $cameras >"$work/compared"
+        printf '| %s | %s %% | %s | %s | %s | %s |\n' "$name" $share "$(awk '/^Gaussians/ { print $2 + 0 }' "$work/compared")" \
+            "$(wc -c <"$work/level-$share.fxs")" "$(awk '/^mean/ { print $2 }' "$work/compared")" \
+            "$(sort -n "$work/turn-$share" | head -n 1)"
+    done
+}
+
+levels() {
+    printf '.fxs files of what `convert --decimate` leaves; PSNR against the whole, packed the same way, mean of 8 views; milliseconds of a frame at 1280x720, '
+    printf 'the fastest of 180, %s threads, snowmiku from view 8.\n\n' $two
+    printf '| scene | left | Gaussians | bytes | PSNR, dB | frame |\n|---|---|---|---|---|---|\n'
+    if [ -d "$SCENES" ]; then
+        level_rows snowmiku "$SCENES/snowmiku/snowmiku.ply" "--cameras $SCENES/snowmiku/cameras.json" '--view 8'
+        level_rows statue "$SCENES/statue-st-peter/st-peter.ply" '' ''
+    fi
+}
+
 # Stages of a step: of 40 steps, one thread, from where the same fit was saved after FIT_STEPS of them.
 fit_stages() {
     steps=${FIT_STEPS:-3000}
@@ -386,8 +416,8 @@ stamp() {
 # measure PART: its text. A number that a run did not give leaves two spaces in its cell.
 measure() {
     case $1 in
-    tables | gles | sizes | limits | stereo | foveated | fit | fit_stages) ;;
-    *) fail "no part $1: expected tables, gles, sizes, limits, stereo, foveated, fit or fit_stages" ;;
+    tables | gles | sizes | limits | stereo | foveated | levels | fit | fit_stages) ;;
+    *) fail "no part $1: expected tables, gles, sizes, limits, stereo, foveated, levels, fit or fit_stages" ;;
     esac
     {
         stamp
@@ -409,7 +439,7 @@ put() {
 }
 
 cp "$DOCUMENT" "$work/document"
-for part in ${*:-tables gles sizes limits stereo foveated}; do
+for part in ${*:-tables gles sizes limits stereo foveated levels}; do
     measure "$part"
     put "$part"
 done

@@ -52,7 +52,7 @@ static const char more_help[] =
     "  --spz-version V     3 (gzip) or 4 (zstd, the default), for .spz\n"
     "  --force             OUT may be one of IN, but for an .fxs: that is replaced, when OUT is complete. What only\n"
     "                      belongs to one of IN, as a content of a tileset, is never replaced\n"
-    "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
+    "  --lod LEVEL         level of detail of an .lcc or streamed .sog, 0 the finest (default 0)\n"
     WORLD_HELP
     IMPORT_HELP
     "  --help              this text\n\n"

@@ -39,7 +39,7 @@ static const char more_help[] =
     "                      coefficients of a degree the root mean square\n"
     "  --max-memory BYTES  (also as 64K, 3M, 2G) what render and bench can do with so much\n"
     "  --profile P         how a scene that is not an .fxs file is packed: default, compact or small\n"
-    "  --lod LEVEL         level of detail of SCENE, where it is a streamed .sog, 0 the finest (default 0)\n"
+    "  --lod LEVEL         level of detail of SCENE, where it is an .lcc or streamed .sog, 0 the finest (default 0)\n"
     WORLD_HELP
     IMPORT_HELP
     "  --json              print a JSON object: of --compare a list of views, psnr and ssim (means), worst_psnr,\n"

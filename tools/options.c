@@ -52,7 +52,7 @@ const char frame_options_help[] =
     "                      device. auto (default): cpu. See fixsplat info --backends\n"
     "  --device LIST       GPUs of --backend cuda: numbers from 0 on with commas, or all (default 0); render --view\n"
     "                      all shares the views out among them, other commands take the first\n"
-    "  --lod LEVEL         level of detail of a streamed .sog, 0 the finest (default 0)\n"
+    "  --lod LEVEL         level of detail of an .lcc or streamed .sog, 0 the finest (default 0)\n"
     "  --profile P         how a scene that is not an .fxs file is packed: default, compact or small\n"
     IMPORT_HELP
     "  --help              this text\n";

@@ -1,5 +1,6 @@
 # awk -v plot=NAME -f tools/plot.awk docs/performance.md: an SVG of a table that tools/bench.sh wrote there.
-# sizes: bytes a Gaussian against PSNR, of each form. growth: milliseconds a frame against Gaussians.
+# sizes: bytes a Gaussian against PSNR, of each form. growth: milliseconds a frame against Gaussians. levels: milliseconds
+# a frame against PSNR, of what is left of each scene.
 BEGIN {
     FS = " *[|] *"
     if (plot == "sizes") {
@@ -11,9 +12,14 @@ BEGIN {
         part = "tables"; columns = "Gaussians project"
         title = "Time of a frame, landscape at 1280x720"
         label_x = "Gaussians"; label_y = "milliseconds"
-        log_scale = 1
+        log_scale = with_lines = 1
+    } else if (plot == "levels") {
+        part = "levels"; columns = "scene left Gaussians"
+        title = "What convert --decimate saves and costs: a mark is what is left of a scene"
+        label_x = "milliseconds a frame, 1280x720"; label_y = "PSNR, dB, against the whole, mean of 8 views"
+        with_lines = 1
     } else
-        stop("no plot " plot ": expected sizes or growth")
+        stop("no plot " plot ": expected sizes, growth or levels")
 }
 
 function stop(why) {
@@ -43,6 +49,8 @@ inside && /^landscape, 1280x720/ { setting = $0; sub(/.*: */, "", setting); spli
 inside && /^\|/ && index($2 " " $3 " " $4, columns) == 1 { in_table = 1; next }
 in_table && /^\|---/ { next }
 in_table && plot == "sizes" && $4 != "" { add($3, $4 + 0, $5 + 0) }
+in_table && plot == "levels" && $6 == "equal" { whole = $2 sprintf(", all: %.1f ms", $7) }
+in_table && plot == "levels" && $6 != "equal" { add(whole, $7 + 0, $6 + 0); notes[points] = $3 }
 in_table && plot == "growth" && $2 ~ /^[0-9]+(, C)?$/ { add(names_of[$2 ~ /C$/ ? 1 : 2], $2 + 0, $(NF - 1) + 0) }
 
 # ---- Drawing -------------------------------------------------------------------------------------------------------
@@ -148,13 +156,16 @@ END {
     text(left - 44, 28, "title", "start", title)
     grid()
     for (s = 1; s in names; s++) {
-        if (log_scale)
+        if (with_lines)
             path_of(s)
         mark(right + 24, top + 24 * s - 14, s)
         text(right + 36, top + 24 * s - 9, "legend", "start", names[s])
     }
-    for (i = 1; i <= points; i++)
+    for (i = 1; i <= points; i++) {
         mark(px(at_x[i]), py(at_y[i]), series[i])
+        if (i in notes)
+            text(px(at_x[i]) + 9, py(at_y[i]) + 14, "small", "start", notes[i])
+    }
     text(left - 44, bottom + 60, "small", "start", measured)
     print "</svg>"
 }

@@ -10,8 +10,8 @@
 
 static const char help[] =
     "Usage: fixsplat render SCENE... -o OUT [OPTION...]\n\n"
-    "Renders scenes (.fxs, .ply, .splat, .ksplat, .spz, .sog, .gltf, .glb, tileset.json; - is standard input) to\n"
-    "OUT: .png, .ppm, .raw (RGBA bytes, rows from the top), .jpg, .webp, or a film, .y4m or .rgba.\n\n"
+    "Renders scenes (.fxs, .ply, .splat, .ksplat, .lcc, .spz, .sog, .gltf, .glb, tileset.json; - is standard input)\n"
+    "to OUT: .png, .ppm, .raw (RGBA bytes, rows from the top), .jpg, .webp, or a film, .y4m or .rgba.\n\n"
     "  -o, --output OUT    the picture; of several views a name with one %%d, as out/%%04d.png, and so below; - is\n"
     "                      standard output. A film has all views in one file or stream: .y4m (4:4:4, BT.709, limited\n"
     "                      range) or .rgba (the bytes of a .raw, frame after frame)\n"

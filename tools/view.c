@@ -33,7 +33,7 @@ const char viewer_keys[] =
 
 static const char help[] =
     "Usage: fixsplat view [SCENE...] [OPTION...]\n\n"
-    "Shows scenes (.fxs, .ply, .splat, .ksplat, .spz, .sog, .gltf, .glb, tileset.json) in a window; opens files\n"
+    "Shows scenes (.fxs, .ply, .splat, .ksplat, .lcc, .spz, .sog, .gltf, .glb, tileset.json) in a window; opens files\n"
     "dropped on it. Without a scene the window waits for one.\n"
     "With --cameras, up is the mean of the views' up, unless --up says otherwise.\n\n"
     "  --screenshot OUT    the picture that key p writes: .png, .ppm, .raw, .jpg or .webp (default: fixsplat-001.png\n"

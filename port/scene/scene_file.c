@@ -56,6 +56,8 @@ static const fxs_scene_format *format_of(const fxs_scene_source *source, const c
         return &fxs_scene_tileset;
     if (memcmp(head, "glTF", 4) == 0 || (name && is_gltf(name)))
         return &fxs_scene_gltf;
+    if (name && strstr(head, "\"totalLevel\""))
+        return &fxs_scene_lcc;
     if (memcmp(head, "PK\3\4", 4) == 0 || name)
         return &fxs_scene_sog;
     return fxs_is_splat(source) ? &fxs_scene_splat : NULL;
@@ -73,8 +75,8 @@ int fxs_scene_format_of(const fxs_scene_source *source, const fxs_scene_format *
     }
     *format = format_of(source, head, size);
     return *format ? 0 : fxs_fail(message, "%s: not a scene file of a known format (.ply, .spz, .glb, .gltf, .sog, "
-                                  ".ksplat, tileset.json; or .splat: whole records of 32 bytes, finite positions and "
-                                  "scales)", source->path);
+                                  ".ksplat, .lcc, tileset.json; or .splat: whole records of 32 bytes, finite positions "
+                                  "and scales)", source->path);
 }
 
 /* The path, or of a folder that of the index in it, for fxs_release; NULL when out of memory. */

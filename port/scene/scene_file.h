@@ -36,14 +36,14 @@ typedef struct fxs_grid {
 } fxs_grid;
 
 typedef struct fxs_scene_file_info {
-    const char *format;   /* "ply", "compressed ply", "ksplat", "sog", "splat", "spz", "gltf", "tileset",
+    const char *format;   /* "ply", "compressed ply", "ksplat", "lcc", "sog", "splat", "spz", "gltf", "tileset",
                              "gaussians" (of the program); static */
     uint64_t count;       /* Gaussians in the file */
     int sh_degree;        /* 0 to 3 */
     int stored_sh_degree; /* the same, or 4 where the coefficients of degree 4 are left out */
     int antialiased;      /* 1: opacities were fitted with the dilation compensated */
-    int levels;           /* of detail that can be opened; 1 but for streamed SOG. A leaf of that which lacks the level
-                             is read at the nearest that it has */
+    int levels;           /* of detail that can be opened; 1 but for .lcc and streamed SOG. A leaf of the
+                             latter that lacks the level is read at the nearest that it has */
     fxs_grid colour;      /* of 0.5 + 0.28209479177387814 dc */
     fxs_grid sh;          /* of the coefficients above degree 0 */
 } fxs_scene_file_info;
@@ -96,11 +96,11 @@ struct fxs_scene_input {
    before anything large is allocated. But a .ply is read up to its vertices where it has lists or text before them, and
    .sog (each file of a level) as far as its images, which are kept compressed.
 
-   What a reader allocates. A .ply, .ksplat or .splat: at most 1 MiB. An .spz: from the first read on 65 bytes a
-   Gaussian of SH degree 3 (92 of 4), and for that read the longest stream of version 4. A .sog: its images, and from
-   the first read on 4 bytes a pixel of each instead. A .glb or .gltf: 3 MiB, its JSON and base64, and as its .spz. A
-   tileset: 512 bytes a content, and as 33 of them. What cJSON, libzip, libwebp and zstd need themselves comes from
-   malloc. Of that, cJSON's part is held against max_memory too.
+   What a reader allocates. A .ply, .ksplat or .splat: at most 1 MiB. An .lcc: 1 MiB, its JSON, and 16 bytes a cell. An
+   .spz: from the first read on 65 bytes a Gaussian of SH degree 3 (92 of 4), and for that read the longest stream of
+   version 4. A .sog: its images, and from the first read on 4 bytes a pixel of each instead. A .glb or .gltf: 3 MiB, its
+   JSON and base64, and as its .spz. A tileset: 512 bytes a content, and as 33 of them. What cJSON, libzip, libwebp and
+   zstd need themselves comes from malloc. Of that, cJSON's part is held against max_memory too.
 
    What is decompressed is kept until the file is closed, so that no pass over it decompresses it again, and one .spz
    that several nodes of a glTF use is there once. Where the .spz of a glTF or the files of a streamed SOG are more than

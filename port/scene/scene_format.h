@@ -16,8 +16,8 @@ typedef struct fxs_scene_format {
     void (*close)(void *reader);   /* frees what the reader holds; NULL: nothing */
 } fxs_scene_format;
 
-extern const fxs_scene_format fxs_scene_ply, fxs_scene_compressed_ply, fxs_scene_ksplat, fxs_scene_sog, fxs_scene_splat,
-                              fxs_scene_spz, fxs_scene_gltf, fxs_scene_tileset, fxs_scene_gaussians;
+extern const fxs_scene_format fxs_scene_ply, fxs_scene_compressed_ply, fxs_scene_ksplat, fxs_scene_lcc, fxs_scene_sog,
+                              fxs_scene_splat, fxs_scene_spz, fxs_scene_gltf, fxs_scene_tileset, fxs_scene_gaussians;
 
 /* Finds the format of a file by its first bytes. Returns 0, or an error and a message. */
 int fxs_scene_format_of(const fxs_scene_source *source, const fxs_scene_format **format, fxs_message *message);

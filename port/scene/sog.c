@@ -481,14 +481,17 @@ static int list_names(sog_reader *r, fxs_message *message)
 }
 
 /* The environment is drawn at every level: a file that the index names, else one of this name beside it, as PlayCanvas
-   had it before the index could name one. 1 where there is one, which is the last of the files then. */
-static int add_environment(sog_reader *r, cJSON *root)
+   had it before the index could name one. 1 where there is one, which is the last of the files then; 0, or an error and
+   a message. */
+static int add_environment(sog_reader *r, cJSON *root, fxs_message *message)
 {
     static const char name[] = "environment.sog";
     cJSON *named = cJSON_DetachItemFromObjectCaseSensitive(root, "environment");
     if (!cJSON_IsString(named)) {
         cJSON_Delete(named);
-        named = fxs_scene_source_is_beside(r->source, name) ? cJSON_CreateString(name) : NULL;
+        const int is_there = fxs_scene_source_is_beside(r->source, name, message);
+        FXS_TRY(is_there);
+        named = is_there ? cJSON_CreateString(name) : NULL;
     }
     return named && cJSON_AddItemToArray(r->files, named);
 }
@@ -511,7 +514,8 @@ static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs
     if (environment && !cJSON_IsString(environment) && !cJSON_IsNull(environment))
         return fxs_fail(message, "%s: an \"environment\" that is not a file name", r->source->path);
     FXS_TRY(add_leaves(r, member(root, "tree"), r->source->options.level, message));
-    const int has_environment = add_environment(r, root);
+    const int has_environment = add_environment(r, root, message);
+    FXS_TRY(has_environment);
     FXS_TRY(list_names(r, message));
     if (r->range_count > 0)
         qsort(r->ranges, r->range_count, sizeof *r->ranges, compare_ranges);

@@ -272,15 +272,13 @@ int fxs_scene_source_open_beside(fxs_scene_source *opened, const fxs_scene_sourc
     return opened->import ? fxs_import_count(opened, message) : 0;
 }
 
-int fxs_scene_source_is_beside(const fxs_scene_source *source, const char *name)
+int fxs_scene_source_is_beside(const fxs_scene_source *source, const char *name, fxs_message *message)
 {
     const fxs_scene_source *first = source->first ? source->first : source;
     fxs_scene_source beside = {.options = source->options};
-    fxs_message ignored;
     struct stat status;
     int is_there = 0;
-    if (set_path(&beside, source->path, folder_length(source->path), name, &ignored))
-        return 0;
+    FXS_TRY(set_path(&beside, source->path, folder_length(source->path), name, message));
     if (first->input.read == read_file)
         is_there = lstat(beside.path, &status) == 0;
     else if (first->input.beside)

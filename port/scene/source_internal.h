@@ -52,8 +52,8 @@ int fxs_compare_names(const char *a, const char *b);
 /* Undoes %XX of a URI, in place. */
 void fxs_decode_percent(char *text);
 
-/* 1 where there is such a file, which need not be one that can be opened. */
-int fxs_scene_source_is_beside(const fxs_scene_source *source, const char *name);
+/* 1 where there is such a file, which need not be one that can be opened; 0, or an error and a message. */
+int fxs_scene_source_is_beside(const fxs_scene_source *source, const char *name, fxs_message *message);
 
 /* Bytes in memory; `data` is not copied. */
 fxs_scene_input fxs_memory_input(const void *data, size_t size);

@@ -96,7 +96,7 @@ async function fromBlob(blob) {
 
 // ---- A scene's files ------------------------------------------------------------------------------------------
 
-const INDEX = /(^|\/)(tileset\.json|lod-meta\.json|meta\.json|[^/]*\.gltf)$/i
+const INDEX = /(^|\/)(tileset\.json|lod-meta\.json|meta\.json|[^/]*\.(gltf|lcc))$/i
 const isBlob = (source) => typeof Blob === 'function' && source instanceof Blob
 const pathOf = (file) => file.webkitRelativePath || file.name
 

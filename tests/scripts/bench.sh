@@ -68,7 +68,7 @@ chmod +x programs/fixsplat
 # measure COMMAND... PART: $status, logs/out, logs/err; the document is $work/document.md.
 measure() {
     cp "$root/docs/performance.md" document.md
-    (cd "$root" && SCENES=$work/none B=$work/programs DOCUMENT=$work/document.md "$@") >logs/out 2>logs/err
+    (cd "$root" && SCENES=$work/${SCENES_HERE:-none} B=$work/programs DOCUMENT=$work/document.md "$@") >logs/out 2>logs/err
     status=$?
 }
 unchanged() { cmp document.md "$root/docs/performance.md" && [ ! -e document.md.new ]; }
@@ -90,6 +90,26 @@ for order in make-scene bench render compare; do
     check "$order fails: so does bench.sh" [ $status != 0 ]
     check "$order fails: the document stays" unchanged
 done
+# Levels: of two scenes in the place of the captured ones, and cameras for view 8.
+mkdir -p captured/snowmiku captured/statue-st-peter
+cp knot.ply captured/snowmiku/snowmiku.ply
+cp other.ply captured/statue-st-peter/st-peter.ply
+camera='{"img_name": "a", "width": 80, "height": 60, "fx": 90, "fy": 90, "position": [0, 0, -9],
+    "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}'
+{ printf '[%s' "$camera"; for i in 1 2 3 4 5 6 7 8; do printf ', %s' "$camera"; done; echo ']'; } >captured/snowmiku/cameras.json
+ORDER=
+SCENES_HERE=captured measure sh tools/bench.sh levels
+check "levels: measured" equal $status 0
+sed -n '/^<!-- levels: begin/,/^<!-- levels: end/p' document.md >part.md
+check "levels: the Gaussians that are left" equal "$(awk -F ' *[|] *' '/%/ { print $2, $3, $4 }' part.md | tr '\n' ';')" \
+    "$(for name in snowmiku statue; do for n in '100 % 2000' '50 % 1000' '25 % 500' '10 % 200' '5 % 100'; do
+        printf '%s %s;' $name "$n"; done; done)"
+check "levels: the whole is equal, fewer are further from it" awk -F ' *[|] *' '
+    /%/ && $3 == "100 %" { if ($6 != "equal") wrong = 1; last = 200 }
+    /%/ && $3 != "100 %" { if (!($6 > 5 && $6 < last)) wrong = 1; last = $6 }
+    /%/ { rows++; if (!($5 > 0 && $7 > 0)) wrong = 1 }
+    END { exit wrong || rows != 10 }' part.md
+
 ORDER=sleep
 for signal in INT TERM; do
     measure timeout -s $signal 1 sh tools/bench.sh stereo
@@ -123,7 +143,25 @@ check "plot: small at 20 bytes, 40 dB" grep -q 'd="M70.0 400.0' plot.svg
 check "plot: compact at 40 bytes, 60 dB" grep -q 'd="M385.0 70.0' plot.svg
 check "plot: no other mark but the legend's" equal "$(grep -c 'class="s[1-4]"' plot.svg)" 7
 check "plot: where it was measured" grep -q '>Measured today, on a machine<' plot.svg
-for plot in sizes growth; do
+levels='<!-- levels: begin -->
+Measured today; not this.
+| scene | left | Gaussians | bytes | PSNR, dB | frame |
+|---|---|---|---|---|---|
+| a | 100 % | 100 | 9000 | equal | 20.04 |
+| a | 50 % | 50 | 5000 | 50.0 | 10.000 |
+| a | 25 % | 25 | 2500 | 40.0 | 5.000 |
+| b | 100 % | 10 | 900 | equal | 3 |
+| b | 50 % | 5 | 500 | 30.0 | 2 |
+<!-- levels: end -->
+| b | 5 % | 5 | 500 | 30.0 | 2 |'
+printf '%s\n' "$levels" >table.md
+draw levels table.md >plot.svg
+# From 70, 400 (0 ms, 30 dB) to 700, 70 (10 ms, 50 dB).
+check "plot: a line from 50 % to 25 %" grep -q '<path d="M700.0 70.0L385.0 235.0" class="path l1"/>' plot.svg
+check "plot: 50 % of b" grep -q 'd="M196.0 400.0' plot.svg
+check "plot: what is left" equal "$(grep -o '>[0-9]* %<' plot.svg | tr '\n' ' ')" ">50 %< >25 %< >50 %< "
+check "plot: the whole" grep -q '>a, all: 20.0 ms<' plot.svg
+for plot in sizes growth levels; do
     draw $plot "$root/docs/performance.md" >plot.svg
     check "docs/$plot.svg is of docs/performance.md: make plot" cmp plot.svg "$root/docs/$plot.svg"
     if have rsvg-convert; then
@@ -133,7 +171,7 @@ for plot in sizes growth; do
         skip "$plot.svg is drawn" "no rsvg-convert here"
     fi
 done
-for plot in sizes growth colours; do
+for plot in sizes growth levels colours; do
     draw $plot /dev/null >plot.svg 2>logs/err && fail "plot $plot of nothing" "no error" || ok "plot $plot of nothing: fails"
     check "plot $plot of nothing: said" equal "$(grep -c '^plot.awk: no ' logs/err)" 1
 done

@@ -265,6 +265,22 @@ radii tiles.csv >tiles.radii
 radii knot.csv >knot.radii
 check "of a tileset with two .glb: where they were" cmp tiles.radii knot.radii
 
+# ---- .lcc --------------------------------------------------------------------------------------------------------
+
+mkdir lcc sky
+make_lcc() { "$(dirname "$fixsplat")/tests/test_lcc" --write "$@" >logs/out 2>&1; }
+make_lcc lcc knot.ply && lcc=lcc/scene.lcc || lcc=
+if [ "$lcc" ]; then
+    succeeds "of an .lcc" convert $lcc lcc.ply
+    check "of an .lcc: all of it" gaussians lcc.ply 3000 3
+    check "of an .lcc: as it was" looks_as lcc.ply knot.ply 50
+    succeeds "of an .lcc, level 1" convert $lcc lcc1.ply --lod 1
+    check "of an .lcc, level 1: fewer" gaussians lcc1.ply 538 3
+    fails "of an .lcc, level 2" 1 "no level 2: levels of detail in this scene: 2" convert $lcc x.ply --lod 2
+else
+    skip ".lcc" "built without cJSON"
+fi
+
 # ---- Read by others --------------------------------------------------------------------------------------------------
 
 transform() { node "$modules/@playcanvas/splat-transform/bin/cli.mjs" -q -w "$@" >logs/out 2>&1; }
@@ -279,6 +295,18 @@ if have node && [ -d "$modules/@playcanvas/splat-transform" ]; then
     check "splat-transform places" transform knot.ply -r 20,30,40 -s 2 -t 1,2,3 theirs.ply
     "$fixsplat" convert knot.ply ours.ply --rotate -20,-30,40 --scale 2 --translate -1,-2,3
     check "splat-transform places: as we do" looks_as ours.ply theirs.ply 60
+    if [ "$lcc" ]; then   # an environment it writes to a lod-meta.json alone
+        "$fixsplat" make-scene knot --count 300 -o small.ply
+        "$fixsplat" convert small.ply sky.ply --scale 3 --translate 1,-4,9
+        make_lcc sky small.ply sky.ply
+        check "splat-transform reads .lcc with an environment" transform -g cpu sky/scene.lcc sky/lod-meta.json
+        check "splat-transform reads .lcc with an environment: as many" gaussians sky/lod-meta.json 600 3
+        check "splat-transform reads .lcc with an environment: as we do" looks_as sky/scene.lcc sky/lod-meta.json 46
+    fi
+    for level in ${lcc:+0 1}; do
+        check "splat-transform reads .lcc, level $level" transform -O $level $lcc theirs.ply
+        check "splat-transform reads .lcc, level $level: as we do" looks_as $lcc theirs.ply 60 --lod $level
+    done
 else
     skip "splat-transform" "no node or no @playcanvas/splat-transform here (make setup test)"
 fi
@@ -286,6 +314,35 @@ if have node && [ -d "$modules/gltf-validator" ]; then
     check "the glTF validator" node "$root/tests/web/validate_gltf.mjs" "$modules" knot2.glb
 else
     skip "the glTF validator" "no node or no gltf-validator here (make setup test)"
+fi
+
+# ---- A real tile as a tileset of two ---------------------------------------------------------------------------------
+
+# Two halves, one of them moved away and put back by the transform of a tileset of its own, in place of a coarse whole.
+boatyard=$scenes/boatyard-tile3/boatyard-tile3.glb
+if [ -f "$boatyard" ] && [ "$lcc" ]; then
+    mkdir -p boatyard/left
+    "$fixsplat" convert "$boatyard" boatyard/whole.glb --decimate 5%
+    "$fixsplat" convert "$boatyard" half.ply --crop -1e4,-1e4,-1e4,-49,1e4,1e4 2>logs/err
+    "$fixsplat" convert half.ply boatyard/left/half.glb --translate 10,20,30
+    "$fixsplat" convert "$boatyard" boatyard/right.glb --crop -49,-1e4,-1e4,1e4,1e4,1e4 2>logs/err
+    # Of a tileset x, y, z are -x, -z, -y of a .ply.
+    box='"boundingVolume": {"sphere": [0, 0, 0, 999]}, "geometricError": 1'
+    printf '{"asset": {"version": "1.1"}, "geometricError": 9, "root": {%s, "refine": "REPLACE", "content": {"uri":
+        "whole.glb"}, "children": [{%s, "content": {"uri": "left/tileset.json"}}, {%s, "content": {"uri":
+        "right.glb"}}]}}' "$box" "$box" "$box" >boatyard/tileset.json
+    printf '{"asset": {"version": "1.0"}, "geometricError": 9, "root": {%s, "transform": [1, 0, 0, 0, 0, 1, 0, 0,
+        0, 0, 1, 0, 10, 30, 20, 1], "content": {"uri": "half.glb"}}}' "$box" >boatyard/left/tileset.json
+    succeeds "boatyard as a tileset of two" convert boatyard/tileset.json boatyard.fxs
+    check "boatyard as a tileset of two: all of the finest" gaussians boatyard.fxs 83145 3
+    check "boatyard as a tileset of two: as it was" looks_as boatyard.fxs "$boatyard" 60
+    fails "boatyard as a tileset of two: no --lod" 1 "no level 1: levels of detail in this scene: 1" \
+        convert boatyard/tileset.json x.fxs --lod 1
+    printf x >boatyard/right.glb
+    fails "boatyard, a tile that is damaged" 1 "boatyard/right.glb: " convert boatyard/tileset.json x.fxs
+    check "boatyard, a tile that is damaged: nothing is written" [ ! -e x.fxs ]
+else
+    skip "boatyard" "not here, or built without cJSON"
 fi
 
 # ---- A real scene ----------------------------------------------------------------------------------------------------

@@ -135,7 +135,7 @@ readers() {
     while read -r file; do
         check "packs $file" same_packed "$work/formats/$file" default
         case $file in
-        *.json | *.gltf) check "$file by its parts" reader beside "$work/formats/$file" ;;
+        *.json | *.gltf | *.lcc) check "$file by its parts" reader beside "$work/formats/$file" ;;
         *) check "hurt: $file" reader hurt "$work/formats/$file" ;;
         esac
     done <"$work/formats.txt"

@@ -266,7 +266,7 @@ def load(source: "Union[PathLike, bytes, bytearray, memoryview]", *, profile: st
     An .fxs file is mapped, and rendered as it lies; any other is packed in memory.
 
     profile: how it is packed: "default", "compact" or "small" (63.5, 39.6, 19.6 bytes a Gaussian at SH degree 3).
-    level: of detail, of a streamed .sog; 0 is the finest.
+    level: of detail, of an .lcc or streamed .sog; 0 is the finest.
     axes: of an .spz: "file" (as it says), "rub" (right, up, back) or "rdf" (right, down, front).
     max_gaussians, max_memory: a scene with more, or that takes more bytes to read, is an Error; 0: the library's
     limits.
