@@ -470,7 +470,7 @@ static void test_keys(void)
     if (start(&v, &options))
         return;
     CHECK(shows(&v, v.views[0], 64, 48));
-    key(&v, 'c');
+    key(&v, 'x');
     CHECK(v.options.render.cutoff == FXS_CUTOFF_SQUARE && shows(&v, v.views[0], 64, 48));
     key(&v, '1');
     CHECK(v.options.render.sh_degree == 1 && shows(&v, v.views[0], 64, 48));
@@ -489,7 +489,7 @@ static void test_keys(void)
     double speed = v.speed;
     key(&v, '+');
     CHECK(v.speed > speed && strstr(v.note, "units a second"));
-    key(&v, 'x');
+    key(&v, 'y');
     CHECK(strstr(v.note, "units a second"));
     CHECK(!v.quit);
     key(&v, SDLK_ESCAPE);

@@ -22,14 +22,16 @@ const char viewer_keys[] =
     "m              measure between two clicks\n"
     "k              film the way from here; again: write it, fixsplat-001.y4m\n"
     "z i            depths, ids; again: colours\n"
-    "c              cut-off\n"
+    "c              crop box, by its handles; again: the whole scene\n"
+    "enter          write what is in the crop box, SCENE-cropped-001\n"
+    "x              cut-off\n"
     "0 1 2 3        SH degree\n"
     "v              resolution in motion\n"
     "b              back end\n"
     "f g            frames a second, frame times\n"
     "t              dark or light words\n"
     "h              these keys\n"
-    "escape         quit\n";
+    "escape         leave the crop box, or quit\n";
 
 static const char help[] =
     "Usage: fixsplat view [SCENE...] [OPTION...]\n\n"

@@ -111,7 +111,9 @@ static void translate_button(fxs_window *window, const SDL_MouseButtonEvent *in,
     const double scale = fxs_window_scale(window);
     if (in->button != SDL_BUTTON_LEFT)
         return;
-    if (in->type == SDL_MOUSEBUTTONUP && window->moved <= 3)
+    if (in->type == SDL_MOUSEBUTTONDOWN)
+        out->type = FXS_EVENT_PRESS;
+    else if (window->moved <= 3)
         out->type = FXS_EVENT_CLICK;
     window->moved = 0;
     out->count = in->clicks;
@@ -142,7 +144,7 @@ static int translate(fxs_window *window, const SDL_Event *in, fxs_window_event *
         break;
     case SDL_KEYDOWN:
         out->type = in->key.repeat ? FXS_EVENT_NONE : FXS_EVENT_KEY;
-        out->key = in->key.keysym.sym;
+        out->key = in->key.keysym.sym == SDLK_KP_ENTER ? FXS_KEY_ENTER : in->key.keysym.sym;
         break;
     case SDL_MOUSEMOTION:
         translate_motion(window, &in->motion, out);
