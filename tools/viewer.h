@@ -12,10 +12,10 @@ enum viewer_picture { SHOW_COLOUR, SHOW_DEPTH, SHOW_IDS };
 enum viewer_film { FILM_NONE, FILM_TAKEN, FILM_WRITTEN };   /* being so */
 enum { FILM_RATE = 30, FILM_MOST = FILM_RATE * 600 };       /* frames a second, frames */
 
-/* What is drawn where it is on: centres of Gaussians within it. The world's units; all sides are whole floats. */
+/* What is drawn where it is on: Gaussians with their centres within it. The world's units. */
 typedef struct crop_box {
     int on;
-    double low[3], high[3];
+    float low[3], high[3];
 } crop_box;
 
 typedef struct viewer viewer;

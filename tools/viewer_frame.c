@@ -355,8 +355,9 @@ static void write_film(viewer *v, request *r)
 {
     fxs_film *film = 0;
     const int width = eyes_of(v) * r->view.width;
-    r->unwritten = name_file(r, "fixsplat", ".y4m") || fxs_film_open(&film, r->path, FXS_IMAGE_Y4M, width, r->view.height, FILM_RATE,
-                                                        &r->message) || write_frames(v, r, film);
+    r->unwritten = name_file(r, "fixsplat", ".y4m") ||
+                   fxs_film_open(&film, r->path, FXS_IMAGE_Y4M, width, r->view.height, FILM_RATE, &r->message) ||
+                   write_frames(v, r, film);
     if (!r->unwritten)
         r->unwritten = fxs_film_close(film, 1, &r->message);
     else {
@@ -428,8 +429,10 @@ static void write_cropped(viewer *v, request *r)
         return;
     }
     fxs_scene_filter_default(&filter);
-    memcpy(filter.low, r->crop.low, sizeof filter.low);
-    memcpy(filter.high, r->crop.high, sizeof filter.high);
+    for (int i = 0; i < 3; i++) {
+        filter.low[i] = (double)r->crop.low[i];
+        filter.high[i] = (double)r->crop.high[i];
+    }
     load.filter = &filter;
     load.again = 1;
     load.progress = fxs_worker_tell;
@@ -443,10 +446,11 @@ static void write_cropped(viewer *v, request *r)
 static void print_conversion(const viewer *v, const request *r)
 {
     const load_options *o = &v->options.load;
-    const double *low = r->crop.low, *high = r->crop.high;
     printf("fixsplat convert");
     print_scenes(&v->options.world);
-    printf(" %s --crop %.9g,%.9g,%.9g,%.9g,%.9g,%.9g", r->path, low[0], low[1], low[2], high[0], high[1], high[2]);
+    printf(" %s --crop ", r->path);
+    for (int i = 0; i < 6; i++)
+        printf("%s%.9g", i ? "," : "", (double)(i < 3 ? r->crop.low[i] : r->crop.high[i - 3]));
     if (o->lod)
         printf(" --lod %d", o->lod);
     if (o->axes)
