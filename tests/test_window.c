@@ -742,6 +742,23 @@ static void test_films(void)
 
 /* ---- What the window waits for ----------------------------------------------------------------------------------- */
 
+/* In a small window: the panel leaves its edges free. */
+static int help_fits(viewer *v)
+{
+    static const int places[5][2] = {{160, 120}, {0, 120}, {319, 120}, {160, 0}, {160, 239}};
+    SDL_Window *window = SDL_GetWindowFromID(1);
+    int free_edges = 0;
+    SDL_SetWindowSize(window, 320, 240);
+    settle(v);
+    const SDL_Surface *surface = SDL_GetWindowSurface(window);
+    for (int i = 0; i < 5; i++) {
+        Uint32 pixel;
+        memcpy(&pixel, (const Uint8 *)surface->pixels + places[i][1] * surface->pitch + 4 * places[i][0], sizeof pixel);
+        free_edges |= (pixel == SDL_MapRGB(surface->format, 0x14, 0x17, 0x1d)) << i;
+    }
+    return free_edges == (v->words ? 30 : 31);
+}
+
 static void test_empty_window(void)
 {
     viewer v;
@@ -755,7 +772,7 @@ static void test_empty_window(void)
     drag(&v, SDL_BUTTON_LMASK, 9, 4);
     CHECK(!v.quit && !v.path && !*v.note && !v.seen.width);
     key(&v, 'h');
-    CHECK(v.help);
+    CHECK(v.help && help_fits(&v));
     drop(&v, junk);
     CHECK(!v.quit && !v.path && strstr(v.note, junk));
     drop(&v, cubes);

@@ -7,7 +7,7 @@
 #include "view.h"
 #include "viewer.h"
 
-enum { PANELS_MOST = 12, KEYS_MOST = 64 };
+enum { PANELS_MOST = 12, KEYS_MOST = 64, SMALLEST = 7 };    /* pixels of words */
 
 typedef struct panels {
     fxs_panel list[PANELS_MOST];
@@ -27,11 +27,13 @@ static fxs_panel *add(panels *p, int x, int y, int width, int height, int radius
 
 enum place { TOP_RIGHT, MIDDLE, BOTTOM_LEFT };
 
-/* A line of words on a panel; nothing without words. */
+/* A line of words on a panel, smaller until it fits; nothing without words. */
 static void add_words(panels *p, enum place place, const char *text)
 {
-    const int pad = 10 * p->scale, edge = 12 * p->scale;
-    fxs_words_resize(p->words, 14 * p->scale);
+    const int pad = 10 * p->scale, edge = 12 * p->scale, room = p->width - 2 * (pad + edge);
+    int size = 14 * p->scale;
+    for (fxs_words_resize(p->words, size); size > SMALLEST && fxs_words_width(p->words, text) > room;)
+        fxs_words_resize(p->words, --size);
     const int width = fxs_words_width(p->words, text) + 2 * pad, height = fxs_words_line(p->words) + pad;
     if (width == 2 * pad)
         return;
@@ -59,7 +61,7 @@ static key_table lay_out(const panels *p, const key_line *lines, int count, int 
 {
     key_table t = {.size = size, .pad = size};
     fxs_words_resize(p->words, size);
-    t.line = fxs_words_line(p->words) + size / 6;
+    t.line = fxs_words_line(p->words) + (size - 6) / 4;
     for (int i = 0; i < count; i++) {
         const int key = fxs_words_width(p->words, lines[i].key), does = fxs_words_width(p->words, lines[i].does);
         t.key_width = key > t.key_width ? key : t.key_width;
@@ -67,7 +69,7 @@ static key_table lay_out(const panels *p, const key_line *lines, int count, int 
     }
     t.key_width += size;
     t.column_width += t.key_width + 2 * size;
-    const int most = (p->height - 4 * t.pad) / (t.line > 0 ? t.line : 1);
+    const int most = (p->height - 2 * t.pad) / (t.line > 0 ? t.line : 1);
     t.rows = most < 1 ? 1 : most < count ? most : count;
     t.columns = (count + t.rows - 1) / t.rows;
     t.rows = (count + t.columns - 1) / t.columns;
@@ -82,7 +84,7 @@ static key_table lay_out(const panels *p, const key_line *lines, int count, int 
 static key_table lay_out_to_fit(const panels *p, const key_line *lines, int count)
 {
     key_table t = lay_out(p, lines, count, 14 * p->scale);
-    while (t.size > 7 && (t.width > p->width || t.height > p->height))
+    while (t.size > SMALLEST && (t.width > p->width || t.height > p->height))
         t = lay_out(p, lines, count, t.size - 1);
     return t;
 }
