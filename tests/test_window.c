@@ -1132,6 +1132,16 @@ static void test_recent(void)
     key(&v, '2');
     CHECK(v.path && !strcmp(v.path, cubes) && shows(&v, v.views[0], 64, 48));
     viewer_close(&v);
+    setenv("XDG_STATE_HOME", "/proc/none", 1);                   /* where nothing can be written */
+    if (!start(&v, &options))
+        CHECK(v.path && !v.quit && v.loading.unkept == 1);
+    viewer_close(&v);
+    setenv("XDG_STATE_HOME", state, 1);
+}
+
+static void test_recent_by_click(void)
+{
+    viewer v;
     if (!open_empty(&v))
         return;
     SDL_SetWindowSize(SDL_GetWindowFromID(1), 640, 480);
@@ -1147,11 +1157,6 @@ static void test_recent(void)
         CHECK(v.path && !strcmp(v.path, knot));                  /* the one before the last */
     }
     viewer_close(&v);
-    setenv("XDG_STATE_HOME", "/proc/none", 1);                   /* where nothing can be written */
-    if (!start(&v, &options))
-        CHECK(v.path && !v.quit && v.loading.unkept == 1);
-    viewer_close(&v);
-    setenv("XDG_STATE_HOME", state, 1);
 }
 
 /* Ten, each once; by HOME where XDG_STATE_HOME is no whole path; nowhere without both. */
@@ -1387,6 +1392,7 @@ int main(void)
     RUN(test_crop_of_objects);
     RUN(test_crop_not_written);
     RUN(test_recent);
+    RUN(test_recent_by_click);
     RUN(test_recent_list);
     RUN(test_fine_pixels);
     RUN(test_speed);

@@ -36,7 +36,9 @@ const char viewer_keys[] =
 static const char help[] =
     "Usage: fixsplat view [SCENE...] [OPTION...]\n\n"
     "Shows scenes (.fxs, .ply, .splat, .ksplat, .spz, .sog, .gltf, .glb, tileset.json) in a window; opens files\n"
-    "dropped on it. Without a scene the window waits for one.\n"
+    "dropped on it. Without a scene the window waits for one, and lists the last ten that were open; they are kept in\n"
+    "$XDG_STATE_HOME/fixsplat/recent (~/.local/state/fixsplat/recent). What is left by the crop box of key c, key enter\n"
+    "writes beside the scene, in its format or else as .ply; the convert command that does the same is printed.\n"
     "With --cameras, up is the mean of the views' up, unless --up says otherwise.\n\n"
     "  --screenshot OUT    the picture that key p writes: .png, .ppm, .raw, .jpg or .webp (default: fixsplat-001.png\n"
     "                      and on, in the current folder); the command that renders it again is printed\n"
@@ -94,6 +96,22 @@ static int take_scenes_or_none(view_options *o, int count, char *const *scenes)
     return 0;
 }
 
+static int take_option(view_options *o, int which, const char *value)
+{
+    switch (which) {
+    case OPT_SCREENSHOT: o->screenshot = value; return 0;
+    case OPT_WEB: o->web = 1; return 0;
+    case OPT_BIND: o->bind = value; return 0;
+    case OPT_CERT: o->certificate = value; return 0;
+    case OPT_KEY: o->key = value; return 0;
+    case OPT_PORT:
+        return parse_count(value, 0, 65535, &o->port)
+                   ? 0 : fail(EXIT_USAGE, "--port %s: expected a whole number from 0 to 65535", value);
+    case OPT_HELP: printf(help, camera_options_help, frame_options_help, viewer_keys); exit(EXIT_OK);
+    default: return frame_option(&o->frame, which, value);
+    }
+}
+
 int view_options_take(view_options *o, int argc, char **argv)
 {
     static const struct option table[] = {
@@ -113,22 +131,10 @@ int view_options_take(view_options *o, int argc, char **argv)
             of_page = table[index].name;
         else if (c != OPT_WEB && !is_for_web(c))
             of_window = table[index].name;
-        switch (c) {
-        case OPT_SCREENSHOT: o->screenshot = optarg; break;
-        case OPT_WEB: o->web = 1; break;
-        case OPT_BIND: o->bind = optarg; break;
-        case OPT_CERT: o->certificate = optarg; break;
-        case OPT_KEY: o->key = optarg; break;
-        case OPT_PORT:
-            if (!parse_count(optarg, 0, 65535, &o->port))
-                return fail(EXIT_USAGE, "--port %s: expected a whole number from 0 to 65535", optarg);
-            break;
-        case OPT_HELP: printf(help, camera_options_help, frame_options_help, viewer_keys); exit(EXIT_OK);
-        case '?': return wrong_option(argv, table);
-        default:
-            if (frame_option(&o->frame, c, optarg))
-                return EXIT_USAGE;
-        }
+        if (c == '?')
+            return wrong_option(argv, table);
+        if (take_option(o, c, optarg))
+            return EXIT_USAGE;
     }
     if (check_web(o, of_window, of_page) || take_scenes_or_none(o, argc - optind, argv + optind))
         return EXIT_USAGE;

@@ -421,14 +421,16 @@ static void click(viewer *v, const fxs_window_event *event)
 
 static void open_recent(viewer *v, int i)
 {
-    if (i >= 0 && i < v->recent.count)
+    if (i >= 0 && i < v->recent.count && !v->loading.on)
         drop(v, v->recent.paths[i]);
 }
 
 /* In the window without a scene. */
 static void choose_recent(viewer *v, const fxs_window_event *event)
 {
-    const int i = event->type == FXS_EVENT_WHEEL ? v->recent_marked : viewer_recent_at(v, event->x, event->y);
+    if (event->type == FXS_EVENT_WHEEL || v->help)
+        return;
+    const int i = viewer_recent_at(v, event->x, event->y);
     if (event->type == FXS_EVENT_CLICK)
         open_recent(v, i);
     v->exposed |= i != v->recent_marked;

@@ -1,5 +1,5 @@
 /* What `fixsplat view` does: a scene in a window, the view that is on show and how it moves. One thread has the window
-   (viewer.c, viewer_panels.c), one the renderer (viewer_frame.c), one opens scenes. */
+   (viewer.c, viewer_crop.c, viewer_panels.c), one the renderer (viewer_frame.c), one opens scenes. */
 #ifndef VIEWER_H
 #define VIEWER_H
 
