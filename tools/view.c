@@ -36,9 +36,9 @@ const char viewer_keys[] =
 static const char help[] =
     "Usage: fixsplat view [SCENE...] [OPTION...]\n\n"
     "Shows scenes (.fxs, .ply, .splat, .ksplat, .spz, .sog, .gltf, .glb, tileset.json) in a window; opens files\n"
-    "dropped on it. Without a scene the window waits for one, and lists the last ten that were open; they are kept in\n"
-    "$XDG_STATE_HOME/fixsplat/recent (~/.local/state/fixsplat/recent). What is left by the crop box of key c, key enter\n"
-    "writes beside the scene, in its format or else as .ply; the convert command that does the same is printed.\n"
+    "dropped on it. Without a scene the window waits for one, and lists the last ten that were open; they are kept\n"
+    "in $XDG_STATE_HOME/fixsplat/recent (~/.local/state/fixsplat/recent). Key enter writes what the crop box of key c\n"
+    "leaves beside the scene, in its format or else as .ply; the convert command that does the same is printed.\n"
     "With --cameras, up is the mean of the views' up, unless --up says otherwise.\n\n"
     "  --screenshot OUT    the picture that key p writes: .png, .ppm, .raw, .jpg or .webp (default: fixsplat-001.png\n"
     "                      and on, in the current folder); the command that renders it again is printed\n"
