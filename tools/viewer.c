@@ -337,11 +337,10 @@ static void press(viewer *v, int pressed)
         void (*act)(viewer *v, int key);
     } keys[] = {{'n', 1, next_view}, {'r', 1, reset}, {'c', 1, toggle_crop}, {FXS_KEY_ENTER, 1, write_crop},
                 {'x', 1, toggle_cutoff}, {'0', 1, choose_degree}, {'1', 1, choose_degree}, {'2', 1, choose_degree},
-                {'3', 1, choose_degree}, {'b', 1, next_backend},
-                {'v', 0, next_divisor}, {'+', 1, change_speed}, {'=', 1, change_speed}, {'-', 1, change_speed},
-                {'z', 1, show_other}, {'i', 1, show_other}, {'m', 1, toggle_measure}, {'k', 1, toggle_film},
-                {'f', 0, toggle_rate}, {'g', 0, toggle_graph}, {'t', 0, toggle_theme}, {'h', 0, toggle_help},
-                {'p', 1, screenshot}, {FXS_KEY_ESCAPE, 0, leave}};
+                {'3', 1, choose_degree}, {'b', 1, next_backend}, {'v', 0, next_divisor}, {'+', 1, change_speed},
+                {'=', 1, change_speed}, {'-', 1, change_speed}, {'z', 1, show_other}, {'i', 1, show_other},
+                {'m', 1, toggle_measure}, {'k', 1, toggle_film}, {'f', 0, toggle_rate}, {'g', 0, toggle_graph},
+                {'t', 0, toggle_theme}, {'h', 0, toggle_help}, {'p', 1, screenshot}, {FXS_KEY_ESCAPE, 0, leave}};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
         if (keys[i].key == pressed && (v->path || !keys[i].of_scene)) {
             *v->note = 0;
@@ -483,7 +482,7 @@ static int time_to_wait(const viewer *v, int milliseconds)
     const int due[] = {v->flying ? milliseconds_until(now, v->clock + FRAME_MS * 1000000) : -1,
                        v->coarse && !v->request_count ? milliseconds_until(now, v->moved + STILL_MS * 1000000) : -1,
                        (v->loading.on && !v->installing) || is_writing(v) ? LOADING_MS : -1,
-                       v->film == FILM_TAKEN ? milliseconds_until(now, v->filmed) : -1,
+                       v->film == FILM_TAKEN && v->way_count < FILM_MOST ? milliseconds_until(now, v->filmed) : -1,
                        v->hint ? milliseconds_until(now, v->hint) : -1};
     for (size_t i = 0; i < sizeof due / sizeof *due; i++)
         if (due[i] >= 0 && (milliseconds < 0 || due[i] < milliseconds))
