@@ -63,10 +63,21 @@ int fxs_window_open(fxs_window **window, fxs_message *message)
     return -1;
 }
 
+/* SDL wakes a window of X by an event on a connection of its own. One that is under way when the window goes comes back
+   as an error, which ends the program: it gets the time to arrive. */
+static void let_wakes_arrive(fxs_window *window)
+{
+    SDL_HideWindow(window->window);
+    if (!strcmp(SDL_GetCurrentVideoDriver(), "x11"))
+        SDL_Delay(20);
+}
+
 void fxs_window_close(fxs_window *window)
 {
-    if (window->window)
+    if (window->window) {
+        let_wakes_arrive(window);
         SDL_DestroyWindow(window->window);
+    }
     SDL_free(window->dropped);
     SDL_Quit();
     free(window);
