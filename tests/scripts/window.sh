@@ -210,12 +210,6 @@ if open "$B/fixsplat"; then
     close kill $viewer
     check "a signal: status 0" [ $status = 0 ]
 fi
-statuses=
-for _ in 1 2 3 4 5 6 7 8; do
-    open "$B/fixsplat" && close xdotool key --delay 6 n n n n n n n n Escape
-    statuses="$statuses$status"
-done
-check "closed while pictures are drawn: status 0, each time" equal "$statuses" 00000000
 
 # ---- Without a scene, or none that can be read -----------------------------------------------------------------------
 
