@@ -264,6 +264,26 @@ if until_ 300 xdotool search --onlyvisible --class fixsplat; then
     close xdotool key Escape
 fi
 
+# On one processor with the screen: what wakes the window, when it closes as pictures are done, is the later to be served.
+if have taskset; then
+    processor=$(taskset -pc $$ | sed 's/.*: //; s/[,-].*//')
+    taskset -pc "$processor" $server >/dev/null
+    "$B/fixsplat" make-scene knot --count 20000 -o "$work/large.ply"
+    statuses=
+    for delay in 4 5 6 7; do
+        taskset -c "$processor" "$command" view "$work/large.ply" --size 400x300 >"$work/out" 2>"$work/errors" &
+        viewer=$!
+        until_ 300 xdotool search --onlyvisible --class fixsplat
+        window=$(xdotool search --onlyvisible --class fixsplat)
+        xdotool windowfocus --sync "$window"
+        close taskset -c "$processor" xdotool key --delay $delay n n n n n n n n Escape
+        statuses="$statuses$status"
+    done
+    check "closed while pictures are drawn: status 0, each time" equal "$statuses" 0000
+else
+    skip "closed while pictures are drawn" "no taskset here"
+fi
+
 if ! have valgrind || [ "$FXS_EMULATED" ]; then
     skip Valgrind "not here, or not of an emulator"
 elif open valgrind -q --trace-children=yes --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite \
