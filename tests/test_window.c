@@ -4,8 +4,10 @@
 #include "../port/window/words.h"
 #include "check.h"
 
+#include <libgen.h>
 #include <math.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static const double up[3] = {0, -1, 0};
@@ -320,7 +322,17 @@ static void test_graph_shows_the_times(void)
 #include "../port/image/image_file.h"
 #include "../tools/viewer.h"
 
-static char folder[] = "/tmp/fixsplat-window-XXXXXX";
+/* In the place of SDL's: a screen whose pixels are finer than its points. */
+static int pixels_a_point = 1;
+
+void SDL_GetWindowSizeInPixels(SDL_Window *window, int *width, int *height)
+{
+    SDL_GetWindowSize(window, width, height);
+    *width *= pixels_a_point;
+    *height *= pixels_a_point;
+}
+
+static char folder[] = "/tmp/fixsplat-window-XXXXXX", state[64];
 static char knot[64], cubes[64], junk[64], cameras[64], shot[64], other[64];
 
 static void make_scene(char *path, const char *file, const char *name, char *count)
@@ -410,17 +422,33 @@ static void drag(viewer *v, Uint32 buttons, int dx, int dy)
     settle(v);
 }
 
-static void click(viewer *v, Uint8 count, int x, int y)
+static void move_to(viewer *v, Uint32 buttons, int x, int y)
 {
     SDL_Event event = {0};
-    event.type = SDL_MOUSEBUTTONDOWN;
+    event.type = SDL_MOUSEMOTION;
+    event.motion.state = buttons;
+    event.motion.x = x;
+    event.motion.y = y;
+    event.motion.xrel = 4;
+    SDL_PushEvent(&event);
+    settle(v);
+}
+
+static void push_button(Uint32 type, Uint8 count, int x, int y)
+{
+    SDL_Event event = {0};
+    event.type = type;
     event.button.button = SDL_BUTTON_LEFT;
     event.button.clicks = count;
     event.button.x = x;
     event.button.y = y;
     SDL_PushEvent(&event);
-    event.type = SDL_MOUSEBUTTONUP;
-    SDL_PushEvent(&event);
+}
+
+static void click(viewer *v, Uint8 count, int x, int y)
+{
+    push_button(SDL_MOUSEBUTTONDOWN, count, x, y);
+    push_button(SDL_MOUSEBUTTONUP, count, x, y);
     settle(v);
 }
 
@@ -470,7 +498,7 @@ static void test_keys(void)
     if (start(&v, &options))
         return;
     CHECK(shows(&v, v.views[0], 64, 48));
-    key(&v, 'c');
+    key(&v, 'x');
     CHECK(v.options.render.cutoff == FXS_CUTOFF_SQUARE && shows(&v, v.views[0], 64, 48));
     key(&v, '1');
     CHECK(v.options.render.sh_degree == 1 && shows(&v, v.views[0], 64, 48));
@@ -489,7 +517,7 @@ static void test_keys(void)
     double speed = v.speed;
     key(&v, '+');
     CHECK(v.speed > speed && strstr(v.note, "units a second"));
-    key(&v, 'x');
+    key(&v, 'y');
     CHECK(strstr(v.note, "units a second"));
     CHECK(!v.quit);
     key(&v, SDLK_ESCAPE);
@@ -714,6 +742,23 @@ static void test_films(void)
 
 /* ---- What the window waits for ----------------------------------------------------------------------------------- */
 
+/* In a small window: the panel leaves its edges free. */
+static int help_fits(viewer *v)
+{
+    static const int places[5][2] = {{160, 120}, {0, 120}, {319, 120}, {160, 0}, {160, 239}};
+    SDL_Window *window = SDL_GetWindowFromID(1);
+    int free_edges = 0;
+    SDL_SetWindowSize(window, 320, 240);
+    settle(v);
+    const SDL_Surface *surface = SDL_GetWindowSurface(window);
+    for (int i = 0; i < 5; i++) {
+        Uint32 pixel;
+        memcpy(&pixel, (const Uint8 *)surface->pixels + places[i][1] * surface->pitch + 4 * places[i][0], sizeof pixel);
+        free_edges |= (pixel == SDL_MapRGB(surface->format, 0x14, 0x17, 0x1d)) << i;
+    }
+    return free_edges == (v->words ? 30 : 31);
+}
+
 static void test_empty_window(void)
 {
     viewer v;
@@ -727,7 +772,7 @@ static void test_empty_window(void)
     drag(&v, SDL_BUTTON_LMASK, 9, 4);
     CHECK(!v.quit && !v.path && !*v.note && !v.seen.width);
     key(&v, 'h');
-    CHECK(v.help);
+    CHECK(v.help && help_fits(&v));
     drop(&v, junk);
     CHECK(!v.quit && !v.path && strstr(v.note, junk));
     drop(&v, cubes);
@@ -862,6 +907,332 @@ static void test_measure(void)
     key(&v, 'm');
     CHECK(!v.ends && !v.measuring);
     viewer_close(&v);
+}
+
+/* ---- The crop box ------------------------------------------------------------------------------------------------ */
+
+/* Drags a handle by so many pixels. */
+static void drag_handle(viewer *v, int face, int dx, int dy)
+{
+    double point[3], pixel[2];
+    crop_handle(&v->crop, face, point);
+    if (!CHECK(viewer_project(v, point, pixel)))
+        return;
+    const int x = (int)lround(pixel[0]), y = (int)lround(pixel[1]);
+    move_to(v, 0, x, y);
+    CHECK(v->face == face && !v->dragged);
+    push_button(SDL_MOUSEBUTTONDOWN, 1, x, y);
+    move_to(v, SDL_BUTTON_LMASK, x + dx, y + dy);
+    CHECK(v->dragged);
+    push_button(SDL_MOUSEBUTTONUP, 1, x + dx, y + dy);
+    move_to(v, 0, x + dx, y + dy);
+    CHECK(!v->dragged);
+    rest(v);
+}
+
+/* How many Gaussians are drawn: all lie in the view. */
+static uint32_t drawn(const viewer *v)
+{
+    renderer r;
+    picture p = {.pixels = 0};
+    fxs_stats stats = {0};
+    CHECK(!renderer_open(&r, &v->options) && !renderer_render(&r, &v->world, &v->view, &v->options.render, &p, &stats));
+    renderer_close(&r);
+    picture_free(&p);
+    return stats.visible;
+}
+
+/* Enter writes a file of that name beside the scene; how many Gaussians it has. */
+static uint32_t write_cropped(viewer *v, const char *name)
+{
+    char path[80];
+    world w;
+    const load_options load = {.again = 1};
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    key(v, SDLK_RETURN);
+    if (!CHECK(strstr(v->note, "written: ") && strstr(v->note, path)) || !CHECK(!world_open_file(&w, path, &load)))
+        return 0;
+    const uint32_t count = w.gaussians;
+    world_close(&w);
+    remove(path);
+    return count;
+}
+
+static void test_crop(void)
+{
+    viewer v;
+    char first[80];
+    const frame_options options = small_options();
+    if (start(&v, &options))
+        return;
+    key(&v, SDLK_RETURN);
+    CHECK(!*v.note && drawn(&v) == 2000);
+    key(&v, 'c');
+    const crop_box whole = v.crop;
+    CHECK(v.crop.on && v.world.objects->crop_count == 1 && shows(&v, v.views[0], 64, 48));
+    for (int i = 0; i < 3; i++)
+        CHECK(whole.low[i] == (float)v.world.inner_low[i] && whole.high[i] == (float)v.world.inner_high[i]);
+    drag_handle(&v, 1, -8, 0);
+    CHECK(v.crop.high[0] < whole.high[0] - 0.5 && v.crop.low[0] == whole.low[0]);
+    CHECK(!memcmp(v.view.rotation, v.views[0].rotation, sizeof v.view.rotation) && shows(&v, v.views[0], 64, 48));
+    drag_handle(&v, 2, 0, 8);
+    CHECK(v.crop.low[1] > whole.low[1] + 0.5 && v.crop.high[1] == whole.high[1]);
+    const uint32_t left = drawn(&v);
+    CHECK(left > 100 && left < 1900);
+    snprintf(first, sizeof first, "%s/knot-cropped-001.ply", folder);
+    write_text(first, "knot-cropped-001.ply", "mine");
+    CHECK(write_cropped(&v, "knot-cropped-002.ply") == left);
+    CHECK(!remove(first) && write_cropped(&v, "knot-cropped-001.ply") == left);
+    for (int i = 0; i < 5 && (i == 0 || strcmp(v.options.backend, "cpu")); i++) {   /* the back ends here, in turn */
+        key(&v, 'b');
+        CHECK(drawn(&v) == left && shows(&v, v.views[0], 64, 48));
+    }
+    drag_handle(&v, 1, -1000, 0);
+    CHECK(v.crop.high[0] > v.crop.low[0] && v.crop.high[0] < v.crop.low[0] + 0.1);
+    key(&v, SDLK_ESCAPE);
+    CHECK(!v.quit && !v.crop.on && !v.world.objects->crop_count && drawn(&v) == 2000 && shows(&v, v.views[0], 64, 48));
+    key(&v, 'c');
+    CHECK(v.crop.on && v.crop.low[1] > whole.low[1] + 0.5);      /* it is as it was left */
+    drop(&v, cubes);
+    CHECK(!v.crop.on && drawn(&v) == 300);
+    key(&v, SDLK_ESCAPE);
+    CHECK(v.quit);
+    viewer_close(&v);
+}
+
+/* The handle stays below the pointer, wherever the camera is, of parallel rays too. */
+static void test_crop_handles(void)
+{
+    viewer v;
+    double point[3], pixel[2];
+    frame_options options = small_options();
+    for (int parallel = 0; parallel < 2; parallel++) {
+        options.ortho = parallel ? 12 : 0;
+        if (start(&v, &options))
+            return;
+        drag(&v, SDL_BUTTON_LMASK, 7, 3);
+        rest(&v);
+        key(&v, 'c');
+        for (int face = 0; face < CROP_FACES; face++) {
+            crop_handle(&v.crop, face, point);
+            CHECK(viewer_project(&v, point, pixel) && crop_face_at(&v, pixel[0], pixel[1]) != CROP_NONE);
+        }
+        crop_handle(&v.crop, 1, point);
+        CHECK(viewer_project(&v, point, pixel));
+        const double before = pixel[0];
+        drag_handle(&v, 1, -5, 0);
+        crop_handle(&v.crop, 1, point);
+        CHECK(viewer_project(&v, point, pixel) && fabs(pixel[0] - before + 5) < 1.5);
+        viewer_close(&v);
+    }
+}
+
+/* Boxes of the world become the objects' own, within those that they have. */
+static void test_crop_of_objects(void)
+{
+    static const char text[] =
+        "{\"objects\": [{\"file\": \"knot.ply\", \"crops\": [{\"low\": [-9, -9, -9], \"high\": [1, 9, 9], "
+        "\"keep\": \"inside\"}, {\"low\": [2, -9, -9], \"high\": [9, 9, 9], \"keep\": \"inside\"}, "
+        "{\"low\": [-9, 1, -9], \"high\": [9, 9, 9], \"keep\": \"outside\"}]}, {\"file\": \"cubes.ply\", "
+        "\"translation\": [1, -1, 0], \"rotation\": [1, 0, 0, %s], \"scale\": 0.5}]}";
+    viewer v;
+    char json[1024];
+    frame_options options = small_options();
+    snprintf(json, sizeof json, text, "1");                      /* a quarter turn */
+    write_text(other, "world.json", json);
+    options.world.file = other;
+    if (!CHECK(!viewer_open(&v, &options, 0)))
+        return;
+    settle(&v);
+    const uint32_t all = drawn(&v);
+    key(&v, 'c');
+    drag_handle(&v, 1, -8, 0);
+    const uint32_t left = drawn(&v);
+    CHECK(v.crop.on && left > 100 && left < all && shows(&v, v.views[0], 64, 48));
+    CHECK(write_cropped(&v, "world-cropped-001.ply") == left);
+    drag_handle(&v, 1, -1000, 0);
+    CHECK(drawn(&v) < left);
+    viewer_close(&v);
+    snprintf(json, sizeof json, text, "0.5");
+    write_text(other, "world.json", json);
+    if (!CHECK(!viewer_open(&v, &options, 0)))
+        return;
+    settle(&v);
+    key(&v, 'c');
+    CHECK(!v.crop.on && strstr(v.note, "turned"));
+    viewer_close(&v);
+    remove(other);
+}
+
+/* A packed scene is shown cropped, and not written; what was begun is dropped by escape. */
+static void test_crop_not_written(void)
+{
+    viewer v;
+    char packed[80];
+    const frame_options options = small_options();
+    snprintf(packed, sizeof packed, "%s/knot.fxs", folder);
+    char *arguments[] = {"convert", knot, packed, 0};
+    optind = 1;
+    CHECK(command_convert(3, arguments) == EXIT_OK);
+    if (!CHECK(!open_file(&v, &options, packed, 0)))
+        return;
+    settle(&v);
+    push_key('c');
+    key(&v, SDLK_RETURN);
+    CHECK(v.crop.on && strstr(v.note, ".fxs") && !v.crop_written);
+    make_scene(other, "large", "knot", "300000");
+    drop(&v, other);
+    push_key('c'), push_key(SDLK_RETURN);
+    viewer_step(&v, 0);
+    CHECK(v.crop_written && !v.quit);
+    push_key('t');
+    viewer_step(&v, 0);
+    CHECK(v.light && v.crop_written);
+    key(&v, SDLK_ESCAPE);
+    CHECK(!v.quit && v.crop.on && !v.crop_written && strstr(v.note, "not written"));
+    CHECK(!remove(other) && !remove(packed));
+    snprintf(packed, sizeof packed, "%s/large-cropped-001.ply", folder);
+    CHECK(access(packed, F_OK));
+    viewer_close(&v);
+}
+
+/* ---- Recent scenes ----------------------------------------------------------------------------------------------- */
+
+static int open_empty(viewer *v)
+{
+    const frame_options options = small_options();
+    if (!CHECK(!viewer_open(v, &options, 0)))
+        return 0;
+    settle(v);
+    return 1;
+}
+
+static void test_recent(void)
+{
+    viewer v;
+    const frame_options options = small_options();
+    char list[80], line[80];
+    snprintf(list, sizeof list, "%s/state/fixsplat/recent", folder);
+    remove(list);
+    if (!open_empty(&v))
+        return;
+    CHECK(!v.recent.count && viewer_recent_at(&v, 32, 24) == -1);
+    key(&v, '1');
+    drop(&v, knot);
+    drop(&v, cubes);
+    drop(&v, junk);
+    make_scene(other, "gone", "knot", "20");
+    drop(&v, other);
+    drop(&v, knot);
+    viewer_close(&v);
+    CHECK(size_of(list, line) == (long)(strlen(knot) + strlen(cubes) + strlen(other) + 3));
+    CHECK(!strncmp(line, knot, strlen(knot)));
+    remove(other);
+    if (!open_empty(&v))
+        return;
+    CHECK(v.recent.count == 2 && !strcmp(v.recent.paths[0], knot) && !strcmp(v.recent.paths[1], cubes));
+    key(&v, '3');
+    CHECK(!v.path);
+    key(&v, '2');
+    CHECK(v.path && !strcmp(v.path, cubes) && shows(&v, v.views[0], 64, 48));
+    viewer_close(&v);
+    setenv("XDG_STATE_HOME", "/proc/none", 1);                   /* where nothing can be written */
+    if (!start(&v, &options))
+        CHECK(v.path && !v.quit && v.loading.unkept == 1);
+    viewer_close(&v);
+    setenv("XDG_STATE_HOME", state, 1);
+}
+
+static void test_recent_by_click(void)
+{
+    viewer v;
+    if (!open_empty(&v))
+        return;
+    SDL_SetWindowSize(SDL_GetWindowFromID(1), 640, 480);
+    settle(&v);
+    int y = 0;
+    while (y < 480 && viewer_recent_at(&v, 320, y) != 1)
+        y++;
+    if (v.words && CHECK(y < 480)) {
+        CHECK(viewer_recent_at(&v, 320, y - 1) == 0 && viewer_recent_at(&v, 2, y) == -1);
+        move_to(&v, 0, 320, y + 2);
+        CHECK(v.recent_marked == 1);
+        click(&v, 1, 320, y + 2);
+        CHECK(v.path && !strcmp(v.path, knot));                  /* the one before the last */
+    }
+    viewer_close(&v);
+}
+
+/* Ten, each once; by HOME where XDG_STATE_HOME is no whole path; nowhere without both. */
+static void test_recent_list(void)
+{
+    fxs_message message;
+    fxs_recent recent;
+    char path[80], home[80];
+    snprintf(home, sizeof home, "%s/home", folder);
+    setenv("XDG_STATE_HOME", "relative", 1);
+    setenv("HOME", home, 1);
+    CHECK(!mkdir(home, 0700));
+    for (int i = 0; i < 13; i++) {
+        snprintf(path, sizeof path, "%s/%02d.ply", folder, i % 12);
+        write_text(other, path + strlen(folder) + 1, "");
+        CHECK(!fxs_recent_add(path, &message));
+    }
+    fxs_recent_read(&recent);
+    CHECK(recent.count == FXS_RECENT_MOST && strstr(recent.paths[0], "/00.ply") && strstr(recent.paths[1], "/11.ply") &&
+          strstr(recent.paths[9], "/03.ply"));
+    fxs_recent_free(&recent);
+    unsetenv("HOME");
+    CHECK(!fxs_recent_add(knot, &message));
+    fxs_recent_read(&recent);
+    CHECK(!recent.count);
+    for (int i = 0; i < 12; i++) {
+        snprintf(path, sizeof path, "%s/%02d.ply", folder, i);
+        CHECK(!remove(path));
+    }
+    static const char *const made[] = {"/.local/state/fixsplat/recent", "/.local/state/fixsplat", "/.local/state",
+                                       "/.local", ""};
+    for (int i = 0; i < 5; i++) {
+        snprintf(path, sizeof path, "%s%s", home, made[i]);
+        CHECK(!remove(path));
+    }
+    setenv("XDG_STATE_HOME", state, 1);
+}
+
+/* ---- Others ------------------------------------------------------------------------------------------------------ */
+
+/* Of a window of 64 x 48 pixels, which are half a point: the pointer's points are those of the picture twice. */
+static void test_fine_pixels(void)
+{
+#if SDL_VERSION_ATLEAST(2, 26, 0)
+    viewer coarse, fine;
+    fxs_pick_result pick;
+    double point[3], pixel[2];
+    int x, y, width, height;
+    const frame_options options = small_options();
+    if (start(&coarse, &options))
+        return;
+    drag(&coarse, SDL_BUTTON_LMASK, 10, 4);
+    pixels_a_point = 2;
+    if (!start(&fine, &options)) {
+        SDL_GetWindowSize(SDL_GetWindowFromID(2), &width, &height);
+        CHECK(width == 32 && height == 24 && fxs_window_scale(fine.window) == 2 && shows(&fine, fine.views[0], 64, 48));
+        drag(&fine, SDL_BUTTON_LMASK, 5, 2);
+        CHECK(!memcmp(fine.view.rotation, coarse.view.rotation, sizeof fine.view.rotation));
+        key(&fine, 'r');
+        CHECK(find_seen(&fine, 64 * 20, &x, &y) && find_seen(&fine, 64 * y + (x + 1) / 2 * 2, &x, &y));
+        CHECK(renderer_pick(&fine.renderer, &fine.world, &fine.view, &fine.options.render, x, y, &pick) == 1);
+        for (int i = 0; i < 3; i++)
+            point[i] = ldexp((double)pick.position_q32[i], -32);
+        click(&fine, 2, x / 2, y / 2);
+        CHECK(!(x % 2) && !(y % 2) && fabs(see(&fine.view, point, pixel) - fine.distance) < 1e-6);
+    }
+    viewer_close(&fine);
+    pixels_a_point = 1;
+    viewer_close(&coarse);
+#else
+    check_skipped++;
+#endif
 }
 
 /* By what lies near: slower the closer the camera is. */
@@ -1002,6 +1373,8 @@ int main(void)
     setenv("SDL_VIDEODRIVER", "dummy", 1);
     if (!mkdtemp(folder))
         return 1;
+    snprintf(state, sizeof state, "%s/state", folder);
+    setenv("XDG_STATE_HOME", state, 1);
     RUN(test_files_are_made);
     RUN(test_keys);
     RUN(test_motion_is_coarse_then_full);
@@ -1018,11 +1391,21 @@ int main(void)
     RUN(test_depths_and_ids);
     RUN(test_focus);
     RUN(test_measure);
+    RUN(test_crop);
+    RUN(test_crop_handles);
+    RUN(test_crop_of_objects);
+    RUN(test_crop_not_written);
+    RUN(test_recent);
+    RUN(test_recent_by_click);
+    RUN(test_recent_list);
+    RUN(test_fine_pixels);
     RUN(test_speed);
     RUN(test_two_eyes);
     RUN(test_foveated);
     RUN(test_failures_to_open);
-    remove(shot), remove(knot), remove(cubes), remove(junk), remove(cameras), remove(folder);
+    remove(shot), remove(knot), remove(cubes), remove(junk), remove(cameras);
+    snprintf(cubes, sizeof cubes, "%s/state/fixsplat/recent", folder);
+    remove(cubes), remove(dirname(cubes)), remove(state), remove(folder);
 #else
     printf("  the viewer's tests are left out: built without SDL2\n");
     check_skipped++;

@@ -308,8 +308,9 @@ int progress_bar(void *label, double done)
 
 void progress_end(void)
 {
-    if (percent_shown >= 0)
-        fputs("\r\033[K", stderr);
+    if (percent_shown < 0)
+        return;
+    fputs("\r\033[K", stderr);
     percent_shown = -1;
 }
 

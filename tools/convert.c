@@ -7,6 +7,7 @@
 #include "../port/scene/fxs_file.h"
 #include "../port/scene/scene_write.h"
 #include "../port/world/merge.h"
+#include "convert.h"
 #include "files.h"
 #include "quality.h"
 
@@ -302,16 +303,20 @@ static int find_bounds(fxs_scene_file *file, fxs_scene_write_options *o, fxs_mes
     return fxs_scene_file_rewind(file, message);
 }
 
-static int copy(fxs_scene_writer *w, fxs_scene_file *file, uint64_t count, fxs_message *message)
+static int copy(fxs_scene_writer *w, const char *out, fxs_scene_file *file, uint64_t count, const load_options *load,
+                fxs_message *message)
 {
     fxs_gaussian batch[BATCH];
     char label[] = "converting";
+    void *argument;
+    fxs_progress_fn *progress = progress_of(load, label, &argument);
     uint64_t done = 0;
     int result = 0;
     for (long n; !result && (n = fxs_scene_file_read(file, batch, BATCH, message)) != 0;) {
         result = n < 0 ? -1 : fxs_scene_writer_put(w, batch, (size_t)n, message);
         done += n < 0 ? 0 : (uint64_t)n;
-        progress_bar(label, (double)done / (double)count);
+        if (progress(argument, (double)done / (double)count) && !result)
+            result = fxs_fail(message, "%s: stopped", out);
     }
     progress_end();
     return result;
@@ -339,43 +344,46 @@ static void note_losses(const char *out, const fxs_scene_write_report *report)
     note_clamped(out, clamped->scale, "ln(sigma) outside -10 to 5.94");
 }
 
-static int write_file(const convert_options *o, fxs_scene_file *file, const fxs_scene_file_info *info)
+static int write_file(const char *out, int spz_version, const load_options *load, fxs_scene_file *file,
+                      const fxs_scene_file_info *info)
 {
     fxs_scene_writer *w = NULL;
     fxs_scene_write_report report;
     fxs_message message, closing;
     fxs_scene_write_options options = {.count = info->count, .sh_degree = info->sh_degree,
-                                       .antialiased = info->antialiased, .spz_version = o->spz_version};
+                                       .antialiased = info->antialiased, .spz_version = spz_version};
     char label[] = "compressing";
-    int result = ends_with(o->out, ".glb") ? find_bounds(file, &options, &message) : 0;
+    void *argument;
+    fxs_progress_fn *progress = progress_of(load, label, &argument);
+    int result = ends_with(out, ".glb") ? find_bounds(file, &options, &message) : 0;
     if (!result)
-        result = fxs_scene_writer_open(o->out, &options, &w, &message);
+        result = fxs_scene_writer_open(out, &options, &w, &message);
     if (!result)
-        result = copy(w, file, info->count, &message);
-    if (fxs_scene_writer_close(w, &report, progress_bar, label, &closing) && !result) {
+        result = copy(w, out, file, info->count, load, &message);
+    if (fxs_scene_writer_close(w, &report, progress, argument, &closing) && !result) {
         message = closing;
         result = -1;
     }
     progress_end();
     if (result)
         return fail(EXIT_FAILED, "%s", message.text);
-    note_losses(o->out, &report);
+    note_losses(out, &report);
     return EXIT_OK;
 }
 
-static int stream(const convert_options *o)
+int convert_merged(const char *out, int spz_version, const fxs_world *placed, const char *name, const load_options *how)
 {
     fxs_scene_file *file;
     fxs_scene_file_info info;
-    fxs_scene_filter filter = o->filter;
-    load_options load = o->load;
+    fxs_scene_filter filter = *how->filter;
+    load_options load = *how;
     filter.drawable = 1;
     load.filter = &filter;
-    if (open_merged(&o->placed, o->in, &load, &file, &info))
+    if (open_merged(placed, name, &load, &file, &info))
         return EXIT_FAILED;
     int status = files_check();
     if (!status)
-        status = write_file(o, file, &info);
+        status = write_file(out, spz_version, &load, file, &info);
     fxs_scene_file_close(file);
     return status;
 }
@@ -460,8 +468,9 @@ int command_convert(int argc, char **argv)
     status = place_whole(&o);
     if (!status)
         status = check_files(&o);
+    o.load.filter = &o.filter;
     if (!status)
-        status = packed ? to_fxs(&o) : stream(&o);
+        status = packed ? to_fxs(&o) : convert_merged(o.out, o.spz_version, &o.placed, o.in, &o.load);
     fxs_world_free(&o.placed);
     return status;
 }

@@ -46,8 +46,7 @@ static int fail_scene(const char *path, const fxs_message *message)
     return fail(EXIT_FAILED, strncmp(message->text, name, strlen(name)) ? "%s: %s" : "%.0s%s", name, message->text);
 }
 
-/* Where progress goes, and with which argument: by default a bar behind its label. */
-static fxs_progress_fn *progress_of(const load_options *o, char *label, void **argument)
+fxs_progress_fn *progress_of(const load_options *o, char *label, void **argument)
 {
     *argument = o->progress ? o->progress_argument : label;
     return o->progress ? o->progress : progress_bar;

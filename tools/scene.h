@@ -36,6 +36,9 @@ typedef struct load_options {
     void *progress_argument;
 } load_options;
 
+/* Where progress goes, and with which argument: by default a bar behind its label. */
+fxs_progress_fn *progress_of(const load_options *options, char *label, void **argument);
+
 /* Returns 0, or prints why not and returns EXIT_FAILED, with nothing to free. */
 int load_scene(loaded_scene *loaded, const char *path, const load_options *options);
 

@@ -22,22 +22,27 @@ const char viewer_keys[] =
     "m              measure between two clicks\n"
     "k              film the way from here; again: write it, fixsplat-001.y4m\n"
     "z i            depths, ids; again: colours\n"
-    "c              cut-off\n"
+    "c              crop box, by its handles; again: the whole scene\n"
+    "enter          write what is in the crop box, SCENE-cropped-001\n"
+    "x              cut-off\n"
     "0 1 2 3        SH degree\n"
     "v              resolution in motion\n"
     "b              back end\n"
     "f g            frames a second, frame times\n"
     "t              dark or light words\n"
     "h              these keys\n"
-    "escape         quit\n";
+    "escape         leave the crop box, or quit\n";
 
 static const char help[] =
     "Usage: fixsplat view [SCENE...] [OPTION...]\n\n"
     "Shows scenes (.fxs, .ply, .splat, .ksplat, .lcc, .spz, .sog, .gltf, .glb, tileset.json) in a window; opens files\n"
-    "dropped on it. Without a scene the window waits for one.\n"
+    "dropped on it. Without a scene the window waits for one, and lists the last ten that were open; they are kept\n"
+    "in $XDG_STATE_HOME/fixsplat/recent (~/.local/state/fixsplat/recent). Key enter writes what the crop box of key c\n"
+    "leaves beside the scene, in its format or else as .ply; the convert command that does the same is printed.\n"
     "With --cameras, up is the mean of the views' up, unless --up says otherwise.\n\n"
     "  --screenshot OUT    the picture that key p writes: .png, .ppm, .raw, .jpg or .webp (default: fixsplat-001.png\n"
-    "                      and on, in the current folder); the command that renders it again is printed\n"
+    "                      and on, in the current folder); the command that renders it again is printed, but not for\n"
+    "                      depths, ids and crops\n"
     "In a browser:\n"
     "  --web               serve the scenes and a page that shows them, and print the page's address, until Ctrl-C.\n"
     "                      Of what follows it takes --cameras, --view, --bg and the options of an import; a scene is\n"
@@ -97,6 +102,19 @@ static void print_help(void)
     printf(help, camera_options_help, frame_options_help, viewer_keys);
 }
 
+static int take_option(view_options *o, int which, const char *value)
+{
+    switch (which) {
+    case OPT_SCREENSHOT: o->screenshot = value; return 0;
+    case OPT_WEB: o->web = 1; return 0;
+    case OPT_BIND: o->bind = value; return 0;
+    case OPT_CERT: o->certificate = value; return 0;
+    case OPT_KEY: o->key = value; return 0;
+    case OPT_PORT: return take_number("port", value, 0, 65535, &o->port);
+    default: return frame_option(&o->frame, which, value);
+    }
+}
+
 int view_options_take(view_options *o, int argc, char **argv)
 {
     static const struct option table[] = {
@@ -115,21 +133,8 @@ int view_options_take(view_options *o, int argc, char **argv)
             of_page = table[index].name;
         else if (c != OPT_WEB && !is_for_web(c))
             of_window = table[index].name;
-        switch (c) {
-        case OPT_SCREENSHOT: o->screenshot = optarg; break;
-        case OPT_WEB: o->web = 1; break;
-        case OPT_BIND: o->bind = optarg; break;
-        case OPT_CERT: o->certificate = optarg; break;
-        case OPT_KEY: o->key = optarg; break;
-        case OPT_PORT:
-            if (!parse_count(optarg, 0, 65535, &o->port))
-                return fail(EXIT_USAGE, "--port %s: expected a whole number from 0 to 65535", optarg);
-            break;
-        case '?': return EXIT_USAGE;
-        default:
-            if (frame_option(&o->frame, c, optarg))
-                return EXIT_USAGE;
-        }
+        if (c == '?' || take_option(o, c, optarg))
+            return EXIT_USAGE;
     }
     if (check_web(o, of_window, of_page) || take_scenes_or_none(o, argc - optind, argv + optind))
         return EXIT_USAGE;

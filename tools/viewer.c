@@ -93,6 +93,14 @@ static double reach(const viewer *v)
 
 /* ---- Opening scenes ---------------------------------------------------------------------------------------------- */
 
+/* A scene that was opened alone is kept among the recent ones; that it cannot be is said once. */
+static void keep_recent(loading *l)
+{
+    fxs_message message;
+    if (l->world.placed.file_count == 1 && fxs_recent_add(l->world.placed.files[0], &message) && !l->unkept++)
+        note("recent scenes are not kept: %s", message.text);
+}
+
 /* On the loader's thread: the scenes and their views, as v->loading says. */
 static void load(void *argument)
 {
@@ -109,8 +117,10 @@ static void load(void *argument)
         return;
     l->count = choose_views(&all, &l->world, &l->views);
     l->index = l->count < 0 ? -1 : find_view(&l->options, l->views, l->count);
-    if (l->index >= 0)
+    if (l->index >= 0) {
+        keep_recent(l);
         return;
+    }
     world_close(&l->world);
     free(l->views);
     l->status = EXIT_FAILED;
@@ -184,10 +194,11 @@ void viewer_install(viewer *v)
     if (l->path)
         v->options.world = (world_options){.scenes = &v->path, .scene_count = 1};
     l->path = 0;
-    v->ends = v->installing = 0;
+    v->ends = v->installing = v->cropped = 0;
     v->film = v->film == FILM_TAKEN ? FILM_NONE : v->film;
     find_up(v);
     find_points(v);
+    crop_begin(v);
     show_view(v, l->index);
     if (first)
         fxs_window_resize(v->window, v->view.width * eyes_of(v), v->view.height);
@@ -207,6 +218,20 @@ static void reset(viewer *v, int key)
 {
     (void)key;
     show_view(v, v->index);
+}
+
+static void toggle_crop(viewer *v, int key) { (void)key; crop_toggle(v); }
+
+static int is_writing(const viewer *v)
+{
+    return v->film == FILM_WRITTEN || v->crop_written;
+}
+
+static void write_crop(viewer *v, int key)
+{
+    (void)key;
+    if (v->crop.on && !is_writing(v))
+        ask_crop(v);
 }
 
 static void toggle_cutoff(viewer *v, int key)
@@ -263,7 +288,7 @@ static void toggle_film(viewer *v, int key)
     if (v->film == FILM_WRITTEN) {
         fxs_worker_stop(v->drawer);
     } else if (v->film == FILM_TAKEN) {
-        if (v->way_count)
+        if (v->way_count && !v->crop_written)
             ask_film(v);
     } else {
         free(v->way);
@@ -281,7 +306,7 @@ static void take_way(viewer *v, uint64_t now)
     v->filmed = v->way_count ? v->filmed : now;
     for (; v->way_count < FILM_MOST && v->filmed <= now; v->filmed += FILM_NS)
         v->way[v->way_count++] = v->view;
-    if (v->way_count == FILM_MOST)
+    if (v->way_count == FILM_MOST && !v->crop_written)
         ask_film(v);
 }
 
@@ -293,19 +318,29 @@ static void toggle_theme(viewer *v, int key) { (void)key; v->light = !v->light; 
 
 static void toggle_help(viewer *v, int key) { (void)key; v->help = !v->help; }
 
-static void quit(viewer *v, int key) { (void)key; v->quit = 1; }
+/* What goes on ends, at last the viewer. */
+static void leave(viewer *v, int key)
+{
+    (void)key;
+    if (v->crop_written)
+        fxs_worker_stop(v->drawer);
+    else if (v->crop.on)
+        crop_toggle(v);
+    else
+        v->quit = 1;
+}
 
 static void press(viewer *v, int pressed)
 {
     static const struct {
         int key, of_scene;                  /* without a scene, it does nothing */
         void (*act)(viewer *v, int key);
-    } keys[] = {{'n', 1, next_view}, {'r', 1, reset}, {'c', 1, toggle_cutoff}, {'0', 1, choose_degree},
-                {'1', 1, choose_degree}, {'2', 1, choose_degree}, {'3', 1, choose_degree}, {'b', 1, next_backend},
-                {'v', 0, next_divisor}, {'+', 1, change_speed}, {'=', 1, change_speed}, {'-', 1, change_speed},
-                {'z', 1, show_other}, {'i', 1, show_other}, {'m', 1, toggle_measure}, {'k', 1, toggle_film},
-                {'f', 0, toggle_rate}, {'g', 0, toggle_graph}, {'t', 0, toggle_theme}, {'h', 0, toggle_help},
-                {'p', 1, screenshot}, {FXS_KEY_ESCAPE, 0, quit}};
+    } keys[] = {{'n', 1, next_view}, {'r', 1, reset}, {'c', 1, toggle_crop}, {FXS_KEY_ENTER, 1, write_crop},
+                {'x', 1, toggle_cutoff}, {'0', 1, choose_degree}, {'1', 1, choose_degree}, {'2', 1, choose_degree},
+                {'3', 1, choose_degree}, {'b', 1, next_backend}, {'v', 0, next_divisor}, {'+', 1, change_speed},
+                {'=', 1, change_speed}, {'-', 1, change_speed}, {'z', 1, show_other}, {'i', 1, show_other},
+                {'m', 1, toggle_measure}, {'k', 1, toggle_film}, {'f', 0, toggle_rate}, {'g', 0, toggle_graph},
+                {'t', 0, toggle_theme}, {'h', 0, toggle_help}, {'p', 1, screenshot}, {FXS_KEY_ESCAPE, 0, leave}};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
         if (keys[i].key == pressed && (v->path || !keys[i].of_scene)) {
             *v->note = 0;
@@ -314,10 +349,26 @@ static void press(viewer *v, int pressed)
         }
 }
 
+/* The handle of the crop box that the pointer is on, or drags. Returns whether it drags one. */
+static int point_at_handle(viewer *v, const fxs_window_event *event)
+{
+    v->dragged = v->dragged && event->left;
+    if (v->dragged)
+        crop_drag(v, event->x, event->y);
+    else if (v->crop.on) {
+        const int face = event->left || event->other ? CROP_NONE : crop_face_at(v, event->x, event->y);
+        v->exposed |= face != v->face;
+        v->face = face;
+    }
+    return v->dragged;
+}
+
 /* Half a turn across the window's height; what is seen keeps up with the pointer. */
 static void point(viewer *v, const fxs_window_event *event)
 {
     int width, height, look = fxs_window_holds(' ');
+    if (point_at_handle(v, event))
+        return;
     fxs_window_size(v->window, &width, &height);
     double turn = acos(-1) / height, pixels = (double)v->view.height / height;
     if (look)
@@ -349,29 +400,64 @@ static void fly(viewer *v, double seconds)
     }
 }
 
+static void press_at(viewer *v, const fxs_window_event *event)
+{
+    v->face = v->crop.on ? crop_face_at(v, event->x, event->y) : CROP_NONE;
+    v->dragged = v->face != CROP_NONE;
+    v->exposed |= v->dragged;
+}
+
 static void click(viewer *v, const fxs_window_event *event)
 {
     *v->note = 0;
+    if (v->dragged)
+        return;
     if (v->measuring)
         ask_end(v, event->x, event->y);
     else if (event->count == 2)
         ask_focus(v, event->x, event->y);
 }
 
+static void open_recent(viewer *v, int i)
+{
+    if (i >= 0 && i < v->recent.count && !v->loading.on)
+        drop(v, v->recent.paths[i]);
+}
+
+/* In the window without a scene. */
+static void choose_recent(viewer *v, const fxs_window_event *event)
+{
+    if (event->type == FXS_EVENT_WHEEL || v->help)
+        return;
+    const int i = viewer_recent_at(v, event->x, event->y);
+    if (event->type == FXS_EVENT_CLICK)
+        open_recent(v, i);
+    v->exposed |= i != v->recent_marked;
+    v->recent_marked = i;
+}
+
 static void take(viewer *v, const fxs_window_event *event)
 {
     switch (event->type) {
     case FXS_EVENT_QUIT: v->quit = 1; break;
-    case FXS_EVENT_KEY: press(v, event->key); break;
+    case FXS_EVENT_KEY:
+        if (!v->path && event->key >= '0' && event->key <= '9')
+            open_recent(v, (event->key - '0' + 9) % 10);
+        else
+            press(v, event->key);
+        break;
     case FXS_EVENT_DROP: drop(v, event->path); break;
     case FXS_EVENT_CHANGED: v->changed = v->exposed = 1; break;
     case FXS_EVENT_POINTER:
+    case FXS_EVENT_PRESS:
     case FXS_EVENT_WHEEL:
     case FXS_EVENT_CLICK:
         if (!v->path)
-            break;
-        if (event->type == FXS_EVENT_POINTER)
+            choose_recent(v, event);
+        else if (event->type == FXS_EVENT_POINTER)
             point(v, event);
+        else if (event->type == FXS_EVENT_PRESS)
+            press_at(v, event);
         else if (event->type == FXS_EVENT_WHEEL)
             zoom(v, event->dy);
         else
@@ -395,8 +481,8 @@ static int time_to_wait(const viewer *v, int milliseconds)
     const uint64_t now = fxs_clock(0);
     const int due[] = {v->flying ? milliseconds_until(now, v->clock + FRAME_MS * 1000000) : -1,
                        v->coarse && !v->request_count ? milliseconds_until(now, v->moved + STILL_MS * 1000000) : -1,
-                       (v->loading.on && !v->installing) || v->film == FILM_WRITTEN ? LOADING_MS : -1,
-                       v->film == FILM_TAKEN ? milliseconds_until(now, v->filmed) : -1,
+                       (v->loading.on && !v->installing) || is_writing(v) ? LOADING_MS : -1,
+                       v->film == FILM_TAKEN && v->way_count < FILM_MOST ? milliseconds_until(now, v->filmed) : -1,
                        v->hint ? milliseconds_until(now, v->hint) : -1};
     for (size_t i = 0; i < sizeof due / sizeof *due; i++)
         if (due[i] >= 0 && (milliseconds < 0 || due[i] < milliseconds))
@@ -454,7 +540,7 @@ void viewer_step(viewer *v, int milliseconds)
         ask_frame(v);
         viewer_collect(v);
     }
-    v->exposed |= v->loading.on || v->film == FILM_WRITTEN;
+    v->exposed |= v->loading.on || is_writing(v);
     if (v->exposed && !v->quit && viewer_show(v)) {
         v->quit = 1;
         v->status = EXIT_FAILED;
@@ -483,6 +569,8 @@ static int start(viewer *v)
     ask_open(v);
     if (has_scenes(&v->options))
         start_loading(v);
+    else
+        fxs_recent_read(&v->recent);
     return viewer_show(v);
 }
 
@@ -493,6 +581,7 @@ int viewer_open(viewer *v, const frame_options *options, const char *screenshot_
     v->screenshot = screenshot_path;
     v->divisor = 2;
     v->speed = 0.5;
+    v->recent_marked = -1;
     v->options = v->loading.options = *options;
     int status = fxs_window_open(&v->window, &message) ? fail(EXIT_FAILED, "%s", message.text) : start(v);
     if (status)
@@ -527,6 +616,7 @@ void viewer_close(viewer *v)
     world_close(&v->world);
     picture_free(&v->picture);
     picture_free(&v->drawn);
+    fxs_recent_free(&v->recent);
     free(v->points);
     free(v->way);
     free(v->views);

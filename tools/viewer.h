@@ -1,8 +1,9 @@
 /* What `fixsplat view` does: a scene in a window, the view that is on show and how it moves. One thread has the window
-   (viewer.c, viewer_panels.c), one the renderer (viewer_frame.c), one opens scenes. */
+   (viewer.c, viewer_crop.c, viewer_panels.c), one the renderer (viewer_frame.c), one opens scenes. */
 #ifndef VIEWER_H
 #define VIEWER_H
 
+#include "../port/window/recent.h"
 #include "../port/window/window.h"
 #include "../port/window/worker.h"
 #include "renderer.h"
@@ -10,6 +11,12 @@
 enum viewer_picture { SHOW_COLOUR, SHOW_DEPTH, SHOW_IDS };
 enum viewer_film { FILM_NONE, FILM_TAKEN, FILM_WRITTEN };   /* being so */
 enum { FILM_RATE = 30, FILM_MOST = FILM_RATE * 600 };       /* frames a second, frames */
+
+/* What is drawn where it is on: Gaussians with their centres within it. The world's units. */
+typedef struct crop_box {
+    int on;
+    float low[3], high[3];
+} crop_box;
 
 typedef struct viewer viewer;
 
@@ -21,8 +28,9 @@ typedef struct request {
     fxs_options render;
     int divisor, x, y;
     enum viewer_picture shown;
+    crop_box crop;
     int status;                             /* of the work; of a pick, as renderer_pick has it */
-    char path[4096];                        /* of a screenshot or film */
+    char path[4096];                        /* of what is written */
     int unwritten;
     fxs_message message;                    /* why */
     fxs_stats stats;
@@ -40,6 +48,7 @@ typedef struct loading {
     fxs_file_view *views;
     long count, index;
     int status;
+    int unkept;                             /* how often it could not be kept among the recent ones */
 } loading;
 
 struct viewer {
@@ -53,12 +62,15 @@ struct viewer {
     int request_count, given;               /* whether the first is with the drawer */
     renderer renderer;                      /* the drawer's while there are requests, with the world, and: */
     frame_options opened;                   /* what the renderer was opened by */
+    int cropped;                            /* whether a box crops the world's objects */
     picture drawn;
     picture picture;                        /* the last frame */
     fxs_file_view seen;                     /* its view; no width: there is none */
 
     loading loading;
     int installing;                         /* what was loaded is asked to be installed */
+    fxs_recent recent;                      /* for the window without a scene */
+    int recent_marked;                      /* that the pointer is on, or -1 */
     char *path;                             /* of the scene, or of the file that says which there are; null: none */
     world world;
     fxs_file_view *views;                   /* of the camera file, or the one to start from */
@@ -82,6 +94,10 @@ struct viewer {
     fxs_file_view *way;                     /* of the camera, FILM_MOST at most; the drawer's while it is written */
     int way_count;
     uint64_t filmed;                        /* the time of the next, nanoseconds */
+
+    crop_box crop;                          /* stays while it is not on, for the next time */
+    int face, dragged;                      /* whose handle the pointer is on, or CROP_NONE; whether it drags it */
+    int crop_written;                       /* being so */
 
     int graph, help, rate, light, quit, status;
     int measuring, ends;                    /* the ends that there are, of: */
@@ -114,6 +130,7 @@ void ask_backend(viewer *v);
 void ask_focus(viewer *v, double x, double y);
 void ask_film(viewer *v);                            /* of v->way, which is not empty */
 void ask_end(viewer *v, double x, double y);         /* of what is measured */
+void ask_crop(viewer *v);                            /* to be written */
 int ask_install(viewer *v);                          /* puts the loaded scenes in the place of those there are */
 
 /* Takes what the renderer's thread has done, and gives it the next. */
@@ -125,12 +142,40 @@ int eyes_of(const viewer *v);
 /* "mahalanobis" or "square". */
 const char *cutoff_name(enum fxs_cutoff cutoff);
 
+/* ---- viewer_crop.c ----------------------------------------------------------------------------------------------- */
+
+enum { CROP_FACES = 6, CROP_NONE = -1 };
+
+/* A box around what a new scene shows. */
+void crop_begin(viewer *v);
+
+/* Shows the box, or the whole scene. */
+void crop_toggle(viewer *v);
+
+/* The middle of a face: of axis face / 2 the low side where face is even, else the high one. */
+void crop_handle(const crop_box *crop, int face, double point[3]);
+
+/* The face whose handle is at a place of the window, or CROP_NONE. */
+int crop_face_at(const viewer *v, double x, double y);
+
+/* Moves v->face so that its handle comes to that place, or as near as it can. */
+void crop_drag(viewer *v, double x, double y);
+
+/* For the renderer's thread: gives the world's objects the crops of their placements within the box. */
+void crop_world(world *w, const crop_box *crop);
+
 /* ---- viewer.c ---------------------------------------------------------------------------------------------------- */
 
 /* Takes the loaded scenes; nothing is drawn meanwhile. */
 void viewer_install(viewer *v);
 
 /* ---- viewer_panels.c --------------------------------------------------------------------------------------------- */
+
+/* Where the view that is shown has a point: pixels of the window. Returns 0 for what is behind the camera. */
+int viewer_project(const viewer *v, const double point[3], double pixel[2]);
+
+/* Which of the recent scenes is listed at a place of the window, or -1. */
+int viewer_recent_at(const viewer *v, double x, double y);
 
 /* Shows the last frame and what is over it. Returns 0, or prints why not and returns EXIT_FAILED. */
 int viewer_show(viewer *v);

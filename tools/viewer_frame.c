@@ -8,6 +8,7 @@
 #include "../port/image/film_file.h"
 #include "../port/posix/clock.h"
 #include "../port/window/motion.h"
+#include "convert.h"
 #include "viewer.h"
 
 const char *cutoff_name(enum fxs_cutoff cutoff)
@@ -55,6 +56,7 @@ static request *ask(viewer *v, void (*work)(viewer *, request *), void (*done)(v
     r->done = done;
     r->render = v->options.render;
     r->shown = v->shown;
+    r->crop = v->crop;
     r->divisor = divisor;
     if (v->path)
         r->view = fit_view(v, divisor);
@@ -159,10 +161,19 @@ int ask_install(viewer *v)
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
+/* Before the objects are drawn or picked. */
+static void crop_objects(viewer *v, const crop_box *crop)
+{
+    if (crop->on || v->cropped)
+        crop_world(&v->world, crop);
+    v->cropped = crop->on;
+}
+
 static void render(viewer *v, request *r)
 {
     static const int draws[] = {[SHOW_DEPTH] = DRAW_MEDIAN_DEPTH, [SHOW_IDS] = DRAW_IDS};
     const picture *p = &v->drawn;
+    crop_objects(v, &r->crop);
     v->renderer.divisor = r->divisor;
     v->renderer.draws = draws[r->shown];
     r->status = renderer_render(&v->renderer, &v->world, &r->view, &r->render, &v->drawn, &r->stats);
@@ -200,15 +211,17 @@ void ask_frame(viewer *v)
 
 /* ---- Screenshots ------------------------------------------------------------------------------------------------- */
 
-/* fixsplat-001.png or .y4m, or the first number that is free. Returns 0, or -1 and a message where none is. */
-static int name_file(request *r, const char *ending)
+/* STEM-001 and on: the first number that is free. Returns 0, or not 0 and a message where none is. */
+static int name_file(request *r, const char *stem, const char *ending)
 {
     for (int i = 1; i < 1000; i++) {
-        snprintf(r->path, sizeof r->path, "fixsplat-%03d.%s", i, ending);
+        const int length = snprintf(r->path, sizeof r->path, "%s-%03d%s", stem, i, ending);
+        if (length >= (int)sizeof r->path)
+            return fxs_fail(&r->message, "not written: the name of the scene is too long");
         if (access(r->path, F_OK))
             return 0;
     }
-    return fxs_fail(&r->message, "fixsplat-001.%s to fixsplat-999.%s are there already", ending, ending);
+    return fxs_fail(&r->message, "%s-001%s to -999%s are there already", stem, ending, ending);
 }
 
 static void write_picture(viewer *v, request *r)
@@ -219,7 +232,7 @@ static void write_picture(viewer *v, request *r)
     if (v->screenshot)
         snprintf(r->path, sizeof r->path, "%s", v->screenshot);
     else
-        r->unwritten = name_file(r, "png");
+        r->unwritten = name_file(r, "fixsplat", ".png");
     if (!r->unwritten)
         r->unwritten = fxs_image_file_write(r->path, v->drawn.pixels, v->drawn.width, v->drawn.height, &r->message);
 }
@@ -293,19 +306,23 @@ static void print_command(const viewer *v, const fxs_file_view *view, const fxs_
     fflush(stdout);
 }
 
+static void tell_written(viewer *v, const request *r)
+{
+    char text[256];
+    snprintf(text, sizeof text, "written: %.200s", r->path);
+    if (r->unwritten)
+        fail(0, "%s", r->message.text);
+    tell(v, r->unwritten ? r->message.text : text);
+}
+
 static void take_written(viewer *v, request *r)
 {
     take_frame(v, r);
     if (r->status)
         return;
-    if (r->unwritten) {
-        fail(0, "%s", r->message.text);
-        tell(v, r->message.text);
-        return;
-    }
-    if (r->shown == SHOW_COLOUR)
+    tell_written(v, r);
+    if (!r->unwritten && r->shown == SHOW_COLOUR && !r->crop.on)
         print_command(v, &r->view, &r->render, r->path);
-    snprintf(v->note, sizeof v->note, "written: %.200s", r->path);
 }
 
 void ask_screenshot(viewer *v)
@@ -338,8 +355,9 @@ static void write_film(viewer *v, request *r)
 {
     fxs_film *film = 0;
     const int width = eyes_of(v) * r->view.width;
-    r->unwritten = name_file(r, "y4m") || fxs_film_open(&film, r->path, FXS_IMAGE_Y4M, width, r->view.height, FILM_RATE,
-                                                        &r->message) || write_frames(v, r, film);
+    r->unwritten = name_file(r, "fixsplat", ".y4m") ||
+                   fxs_film_open(&film, r->path, FXS_IMAGE_Y4M, width, r->view.height, FILM_RATE, &r->message) ||
+                   write_frames(v, r, film);
     if (!r->unwritten)
         r->unwritten = fxs_film_close(film, 1, &r->message);
     else {
@@ -368,10 +386,101 @@ void ask_film(viewer *v)
         v->film = FILM_WRITTEN;
 }
 
+/* ---- Cropped scenes ---------------------------------------------------------------------------------------------- */
+
+/* The ending of the source, where scenes are written so, or .ply. */
+static const char *cropped_ending(const viewer *v)
+{
+    static const char *const endings[] = {".compressed.ply", ".splat", ".spz", ".sog", ".glb", ".csv"};
+    for (size_t i = 0; i < sizeof endings / sizeof *endings && v->world.placed.file_count == 1; i++)
+        if (ends_with(v->path, endings[i]))
+            return endings[i];
+    return ".ply";
+}
+
+/* SCENE-cropped-001.ply beside the scene. */
+static int name_cropped(const viewer *v, request *r)
+{
+    const char *ending = cropped_ending(v), *slash = strrchr(v->path, '/'), *dot = strrchr(v->path, '.');
+    char stem[4096];
+    size_t length = ends_with(v->path, ending) ? strlen(v->path) - strlen(ending)
+                    : dot && dot > (slash ? slash + 1 : v->path) ? (size_t)(dot - v->path) : strlen(v->path);
+    const int is_piped = !strcmp(v->path, "-");
+    if (length >= sizeof stem)
+        return fxs_fail(&r->message, "not written: the name of the scene is too long");
+    snprintf(stem, sizeof stem, "%.*s-cropped", is_piped ? 5 : (int)length, is_piped ? "scene" : v->path);
+    return name_file(r, stem, ending);
+}
+
+static int has_packed(const world *w)
+{
+    for (uint32_t i = 0; i < w->placed.file_count; i++)
+        if (is_packed(w->placed.files[i]))
+            return 1;
+    return 0;
+}
+
+static void write_cropped(viewer *v, request *r)
+{
+    fxs_scene_filter filter;
+    load_options load = v->options.load;
+    if (has_packed(&v->world)) {
+        r->unwritten = fxs_fail(&r->message, "an .fxs file is not written cropped; open what it was made from");
+        return;
+    }
+    fxs_scene_filter_default(&filter);
+    for (int i = 0; i < 3; i++) {
+        filter.low[i] = (double)r->crop.low[i];
+        filter.high[i] = (double)r->crop.high[i];
+    }
+    load.filter = &filter;
+    load.again = 1;
+    load.progress = fxs_worker_tell;
+    load.progress_argument = v->drawer;
+    r->unwritten = name_cropped(v, r);
+    if (!r->unwritten)
+        r->status = convert_merged(r->path, 0, &v->world.placed, v->path, &load);
+}
+
+/* The command that writes the same. */
+static void print_conversion(const viewer *v, const request *r)
+{
+    const load_options *o = &v->options.load;
+    printf("fixsplat convert");
+    print_scenes(&v->options.world);
+    printf(" %s --crop ", r->path);
+    for (int i = 0; i < 6; i++)
+        printf("%s%.9g", i ? "," : "", (double)(i < 3 ? r->crop.low[i] : r->crop.high[i - 3]));
+    if (o->lod)
+        printf(" --lod %d", o->lod);
+    if (o->axes)
+        printf(" --axes %s", o->axes == FXS_AXES_RUB ? "rub" : "rdf");
+    printf("\n");
+    fflush(stdout);
+}
+
+static void take_cropped(viewer *v, request *r)
+{
+    v->crop_written = 0;
+    if (r->status)
+        tell(v, "not written: see the terminal");
+    else
+        tell_written(v, r);
+    if (!r->status && !r->unwritten)
+        print_conversion(v, r);
+}
+
+void ask_crop(viewer *v)
+{
+    if (ask(v, write_cropped, take_cropped, 1))
+        v->crop_written = 1;
+}
+
 /* ---- Points of the scene ----------------------------------------------------------------------------------------- */
 
 static void pick(viewer *v, request *r)
 {
+    crop_objects(v, &r->crop);
     r->status = renderer_pick(&v->renderer, &v->world, &r->view, &r->render, r->x, r->y, &r->pick);
 }
 

@@ -63,10 +63,21 @@ int fxs_window_open(fxs_window **window, fxs_message *message)
     return -1;
 }
 
+/* SDL wakes a window of X by an event on a connection of its own. One that is under way when the window goes comes back
+   as an error, which ends the program: it gets the time to arrive. */
+static void let_wakes_arrive(fxs_window *window)
+{
+    SDL_HideWindow(window->window);
+    if (!strcmp(SDL_GetCurrentVideoDriver(), "x11"))
+        SDL_Delay(20);
+}
+
 void fxs_window_close(fxs_window *window)
 {
-    if (window->window)
+    if (window->window) {
+        let_wakes_arrive(window);
         SDL_DestroyWindow(window->window);
+    }
     SDL_free(window->dropped);
     SDL_Quit();
     free(window);
@@ -111,7 +122,9 @@ static void translate_button(fxs_window *window, const SDL_MouseButtonEvent *in,
     const double scale = fxs_window_scale(window);
     if (in->button != SDL_BUTTON_LEFT)
         return;
-    if (in->type == SDL_MOUSEBUTTONUP && window->moved <= 3)
+    if (in->type == SDL_MOUSEBUTTONDOWN)
+        out->type = FXS_EVENT_PRESS;
+    else if (window->moved <= 3)
         out->type = FXS_EVENT_CLICK;
     window->moved = 0;
     out->count = in->clicks;
@@ -142,7 +155,7 @@ static int translate(fxs_window *window, const SDL_Event *in, fxs_window_event *
         break;
     case SDL_KEYDOWN:
         out->type = in->key.repeat ? FXS_EVENT_NONE : FXS_EVENT_KEY;
-        out->key = in->key.keysym.sym;
+        out->key = in->key.keysym.sym == SDLK_KP_ENTER ? FXS_KEY_ENTER : in->key.keysym.sym;
         break;
     case SDL_MOUSEMOTION:
         translate_motion(window, &in->motion, out);

@@ -13,6 +13,7 @@ enum fxs_window_event_type {
     FXS_EVENT_QUIT,
     FXS_EVENT_KEY,              /* pressed, not repeated */
     FXS_EVENT_POINTER,          /* moved */
+    FXS_EVENT_PRESS,            /* the left button goes down */
     FXS_EVENT_CLICK,            /* the left button, down and up at one place */
     FXS_EVENT_WHEEL,
     FXS_EVENT_DROP,             /* a file was dropped on the window */
@@ -20,14 +21,14 @@ enum fxs_window_event_type {
     FXS_EVENT_WOKEN             /* by fxs_window_wake */
 };
 
-enum { FXS_KEY_ESCAPE = 27, FXS_KEY_SHIFT = 128 };
+enum { FXS_KEY_ENTER = 13, FXS_KEY_ESCAPE = 27, FXS_KEY_SHIFT = 128 };
 
 typedef struct fxs_window_event {
     enum fxs_window_event_type type;
-    int key;                    /* the character on the key, small letters, or FXS_KEY_ESCAPE */
+    int key;                    /* the character on the key, small letters, FXS_KEY_ENTER or _ESCAPE */
     int left, other;            /* pointer: whether the left, or the middle or right button is down */
     double dx, dy;              /* pointer: pixels, y down; wheel: steps away from the person in dy */
-    double x, y;                /* pointer and click: where, from the window's top left corner */
+    double x, y;                /* pointer, press and click: where, from the window's top left corner */
     int count;                  /* click: 2 is a double click */
     const char *path;           /* of the file dropped; the window's, until the next event */
 } fxs_window_event;

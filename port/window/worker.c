@@ -44,6 +44,8 @@ fxs_worker *fxs_worker_start(void (*done)(void))
     pthread_cond_init(&w->changed, 0);
     if (!pthread_create(&w->thread, 0, work, w))
         return w;
+    pthread_cond_destroy(&w->changed);
+    pthread_mutex_destroy(&w->lock);
     free(w);
     return 0;
 }

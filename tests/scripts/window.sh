@@ -3,6 +3,8 @@
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
+XDG_STATE_HOME=$work/state                         # recent scenes are kept there
+export XDG_STATE_HOME
 server= viewer=
 trap 'kill $viewer $server 2>/dev/null; rm -rf "$work"' EXIT
 
@@ -25,6 +27,10 @@ nothing=$(env -u DISPLAY -u WAYLAND_DISPLAY -u XDG_RUNTIME_DIR -u SDL_VIDEODRIVE
 status=$?
 check "no display: SDL's own choice of driver, status 1" [ $status = 1 ]
 check "no display: one line that says so" equal "$nothing" "fixsplat: no window: x11 not available$hint"
+nobody=$(env -u WAYLAND_DISPLAY -u SDL_VIDEODRIVER DISPLAY=:77 timeout 10 "$B/fixsplat" view "$work/knot.ply" 2>&1)
+status=$?
+check "a display that is not there: status 1" [ $status = 1 ]
+check "a display that is not there: one line" [ "$(printf '%s\n' "$nobody" | grep -c "^fixsplat: no window: .*$hint")" = 1 ]
 have Xvfb && have xdotool || { skip window "no Xvfb and xdotool here"; finish; exit; }
 
 # ---- A screen and the viewer on it -----------------------------------------------------------------------------------
@@ -110,11 +116,11 @@ if open "$B/fixsplat"; then
     check "the next view's name" until_ 50 titled 'at-10 (2 of 3)'
     shot next
     same next $cameras --view 1
-    xdotool key c 1
+    xdotool key x 1
     shot square
     same square $cameras --view 1 --cutoff square --sh-degree 1
     check "the cut-off shows" differ next square
-    xdotool key c 3 shift+n keydown w
+    xdotool key x 3 shift+n keydown w
     sleep 0.3
     xdotool keyup w
     shot flown
@@ -163,6 +169,43 @@ if open "$B/fixsplat"; then
     close xdotool key Escape
 fi
 others=
+
+# ---- The crop box ----------------------------------------------------------------------------------------------------
+
+# The handle of the side right: 5.01,-0.2,0 of 0,-1,-12 at 300 pixels.
+drag_right() { xdotool mousemove --window "$window" 285 120 mousedown 1 mousemove_relative -- "$1" 0 mouseup 1; }
+
+# crops TIMES: the last of so many commands that write what is in the box.
+crops() {
+    xdotool key Return
+    check "cropped, $1" until_ 100 titled "written: $work/knot-cropped-00$1.ply"
+    command=$(tail -n 1 "$work/out")
+}
+
+if open "$B/fixsplat"; then
+    xdotool key n n
+    until_ 50 titled 'at-12 (3 of 3)'
+    shot whole
+    xdotool key c
+    drag_right -60
+    sleep 0.5
+    crops 1
+    right=$(printf '%s\n' "$command" | sed 's/.*--crop //; s/ .*//' | cut -d , -f 4)
+    check "the side went with the pointer: $right" awk "BEGIN { exit !($right > 2.3 && $right < 2.9) }"
+    "$B/fixsplat" $(printf '%s\n' "${command#fixsplat }" | sed 's/knot-cropped-001/again/') 2>"$work/notes"
+    check "as the printed command writes it" cmp "$work/knot-cropped-001.ply" "$work/again.ply"
+    kept=$(sed -n 's/.*kept \([0-9]*\) of 2000 .*/\1/p' "$work/notes")
+    check "a part of the scene: $kept" [ "$kept" -gt 500 ] && check "not all of it" [ "$kept" -lt 1900 ]
+    xdotool key p
+    check "a picture of that part" until_ 50 titled 'written: .*shot.png'
+    mv "$work/shot.png" "$work/cropped.png"
+    check "it shows" differ whole cropped
+    crops 2
+    check "the same again, beside it" cmp "$work/knot-cropped-001.ply" "$work/knot-cropped-002.ply"
+    close xdotool key Escape Escape
+    check "escape leaves the box, then the window: status 0" [ $status = 0 ]
+    check "cropped: not a word on stderr" equal "$(grep -v 'no words in the window' "$work/errors")" ""
+fi
 if open "$B/fixsplat"; then
     close kill $viewer
     check "a signal: status 0" [ $status = 0 ]
@@ -179,6 +222,24 @@ xdotool windowfocus --sync "$window"
 close xdotool key p n h Escape
 check "without a scene: escape, status 0" [ $status = 0 ]
 check "without a scene: not a word" equal "$(cat "$work/out" "$work/errors" | grep -v 'no words in the window')" ""
+# reopen COMMAND...: the scene that was open last is opened by this from the window without one.
+reopen() {
+    "$B/fixsplat" view >"$work/out" 2>"$work/errors" &
+    viewer=$!
+    until_ 300 xdotool search --onlyvisible --class fixsplat || { fail "a window" "$(cat "$work/errors")"; return 1; }
+    window=$(xdotool search --onlyvisible --class fixsplat)
+    xdotool windowfocus --sync "$window"
+    eval "$(xdotool getwindowgeometry --shell "$window")"
+    "$@"
+    check "a recent scene by $1 $2" until_ 100 titled 'knot.ply - '
+    close xdotool key Escape
+}
+
+click_first() { xdotool mousemove --window "$window" $((WIDTH / 2)) $((HEIGHT / 2 + 6)) click 1; }
+
+check "recent scenes" equal "$(cat "$work/state/fixsplat/recent")" "$work/knot.ply"
+reopen xdotool key 1
+grep -q 'no words' "$work/errors" || reopen click_first
 missing=$(timeout 20 "$B/fixsplat" view "$work/none.ply" 2>&1)
 status=$?
 check "a scene that is not there: status 1" [ $status = 1 ]
@@ -203,13 +264,35 @@ if until_ 300 xdotool search --onlyvisible --class fixsplat; then
     close xdotool key Escape
 fi
 
+# On one processor with the screen: what wakes the window, when it closes as pictures are done, is the later to be served.
+if have taskset; then
+    processor=$(taskset -pc $$ | sed 's/.*: //; s/[,-].*//')
+    taskset -pc "$processor" $server >/dev/null
+    "$B/fixsplat" make-scene knot --count 20000 -o "$work/large.ply"
+    statuses=
+    for delay in 4 5 6 7; do
+        taskset -c "$processor" "$command" view "$work/large.ply" --size 400x300 >"$work/out" 2>"$work/errors" &
+        viewer=$!
+        until_ 300 xdotool search --onlyvisible --class fixsplat
+        window=$(xdotool search --onlyvisible --class fixsplat)
+        xdotool windowfocus --sync "$window"
+        close taskset -c "$processor" xdotool key --delay $delay n n n n n n n n Escape
+        statuses="$statuses$status"
+    done
+    check "closed while pictures are drawn: status 0, each time" equal "$statuses" 0000
+else
+    skip "closed while pictures are drawn" "no taskset here"
+fi
+
 if ! have valgrind || [ "$FXS_EMULATED" ]; then
     skip Valgrind "not here, or not of an emulator"
 elif open valgrind -q --trace-children=yes --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite \
     "$B/fixsplat"; then
-    xdotool key g h n c v z m t      # not b: Mesa keeps some hundred bytes
+    xdotool key g h n x v z z m t      # not b: Mesa keeps some hundred bytes
     shot checked
-    close xdotool key Escape
+    xdotool key c
+    sleep 1
+    close xdotool key Escape Escape
     check "Valgrind" [ $status = 0 ]
     grep '^==' "$work/errors"
 fi

@@ -1,0 +1,13 @@
+/* How a scene file becomes another. */
+#ifndef CONVERT_H
+#define CONVERT_H
+
+#include "world.h"
+
+/* Writes the files of a world as one, what load->filter leaves of it, by the ending of `out`. None of them is an .fxs,
+   or `out`. `spz_version` 0 is the default; `name` is that of the whole, for messages. Returns 0, or prints why not and
+   returns EXIT_FAILED; what was at `out` before is there still then. */
+int convert_merged(const char *out, int spz_version, const fxs_world *placed, const char *name,
+                   const load_options *load);
+
+#endif
