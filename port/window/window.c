@@ -79,7 +79,9 @@ void fxs_window_close(fxs_window *window)
         SDL_DestroyWindow(window->window);
     }
     SDL_free(window->dropped);
-    SDL_Quit();
+    SDL_QuitSubSystem(SDL_INIT_VIDEO);
+    if (!SDL_WasInit(0))           /* there is no other window */
+        SDL_Quit();
     free(window);
 }
 
