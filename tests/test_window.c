@@ -569,6 +569,40 @@ static void test_zoom_stays_in_range(void)
     viewer_close(&v);
 }
 
+static int frames_taken(const viewer *v)
+{
+    int count = 0;
+    while (count < FXS_GRAPH_FRAMES && v->times.stage[count][FXS_BLEND] > 0)
+        count++;
+    return count;
+}
+
+/* A whole picture that takes a while, by plain C, is not waited for when the view moves. */
+static void test_frame_is_stopped(void)
+{
+    viewer v;
+    SDL_Event event = {0};
+    frame_options options = small_options();
+    options.cpu = "c";
+    options.width = 1000;
+    options.height = 700;
+    if (start(&v, &options))
+        return;
+    CHECK(frames_taken(&v) == 1);
+    v.changed = 1;
+    viewer_step(&v, 0);
+    CHECK(v.request_count == 1 && frames_taken(&v) == 1);
+    event.type = SDL_MOUSEMOTION;
+    event.motion.state = SDL_BUTTON_LMASK;
+    event.motion.xrel = 9;
+    SDL_PushEvent(&event);
+    settle(&v);
+    CHECK(frames_taken(&v) == 2 && v.coarse && v.seen.width == 500);
+    rest(&v);
+    CHECK(frames_taken(&v) == 3 && !v.coarse && shows(&v, v.view, 1000, 700));
+    viewer_close(&v);
+}
+
 static void test_dropped_files(void)
 {
     viewer v;
@@ -1379,6 +1413,7 @@ int main(void)
     RUN(test_keys);
     RUN(test_motion_is_coarse_then_full);
     RUN(test_zoom_stays_in_range);
+    RUN(test_frame_is_stopped);
     RUN(test_dropped_files);
     RUN(test_views_of_a_file);
     RUN(test_objects);

@@ -161,6 +161,8 @@ int renderer_camera(const renderer *r, const fxs_file_view *view, fxs_camera *ca
 static int fail_frame(const renderer *r, const fxs_file_view *view, int error, const fxs_message *why)
 {
     char needed[64];
+    if (error == FXS_ERR_STOPPED)      /* who stopped it knows */
+        return EXIT_FAILED;
     if (error == FXS_ERR_MEMORY && why->bytes_needed && r->max_memory)
         return fail(EXIT_FAILED, "view %s: a frame of %dx%d does not fit in --max-memory %zu%s", view->name,
                     view->width, view->height, r->max_memory, needed_bytes(needed, why));

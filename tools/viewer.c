@@ -535,6 +535,7 @@ void viewer_step(viewer *v, int milliseconds)
     if (v->quit)
         return;
     collect_loaded(v);
+    stop_frame(v);
     viewer_collect(v);
     if (v->path && !v->request_count && (v->changed || is_still(v))) {
         ask_frame(v);

@@ -125,6 +125,9 @@ int viewer_busy(const viewer *v);
    whether it is asked for. */
 void ask_open(viewer *v);
 void ask_frame(viewer *v);
+
+/* Has a frame of the full size end that is under way, where the view has begun to move and is drawn smaller. */
+void stop_frame(viewer *v);
 void ask_screenshot(viewer *v);
 void ask_backend(viewer *v);
 void ask_focus(viewer *v, double x, double y);

@@ -186,6 +186,8 @@ static void render(viewer *v, request *r)
 
 static void take_frame(viewer *v, request *r)
 {
+    if (r->status && fxs_worker_stopped(v->drawer))     /* the next one is wanted */
+        return;
     if (r->status) {
         tell(v, "not rendered: see the terminal");
         v->coarse = 0;
@@ -205,8 +207,19 @@ static void take_frame(viewer *v, request *r)
 
 void ask_frame(viewer *v)
 {
-    ask(v, render, take_frame, v->moving ? v->divisor : 1);
+    request *r = ask(v, render, take_frame, v->moving ? v->divisor : 1);
+    if (r) {
+        r->render.stop = fxs_worker_stopped;
+        r->render.stop_argument = v->drawer;
+    }
     v->changed = v->moving = 0;
+}
+
+void stop_frame(viewer *v)
+{
+    const request *r = v->requests;
+    if (v->given && r->done == take_frame && r->divisor == 1 && v->moving && v->divisor > 1)
+        fxs_worker_stop(v->drawer);
 }
 
 /* ---- Screenshots ------------------------------------------------------------------------------------------------- */

@@ -106,12 +106,20 @@ double fxs_worker_progress(fxs_worker *w)
     return progress;
 }
 
+int fxs_worker_stopped(void *worker)
+{
+    fxs_worker *w = worker;
+    pthread_mutex_lock(&w->lock);
+    const int stop = w->stop;
+    pthread_mutex_unlock(&w->lock);
+    return stop;
+}
+
 int fxs_worker_tell(void *worker, double done)
 {
     fxs_worker *w = worker;
     pthread_mutex_lock(&w->lock);
     w->progress = done;
-    const int stop = w->stop;
     pthread_mutex_unlock(&w->lock);
-    return stop;
+    return fxs_worker_stopped(w);
 }

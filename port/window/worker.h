@@ -1,5 +1,5 @@
-/* A thread that does one job at a time, while the window goes on. All but fxs_worker_tell is for one thread, the
-   window's. */
+/* A thread that does one job at a time, while the window goes on. The last two functions are for any thread,
+   the others for one, the window's. */
 #ifndef FXS_WORKER_H
 #define FXS_WORKER_H
 
@@ -26,7 +26,9 @@ void fxs_worker_do(fxs_worker *worker, void (*job)(void *argument), void *argume
 /* How much of the job is done, 0 to 1, by what it told last. */
 double fxs_worker_progress(fxs_worker *worker);
 
-/* For the job: tells that, and whether it is to stop. An fxs_progress_fn; the argument is the worker. */
+/* For the job: whether it is to stop, an fxs_stop_fn; and the same that tells how much is done, an fxs_progress_fn. The
+   argument is the worker. */
+int fxs_worker_stopped(void *worker);
 int fxs_worker_tell(void *worker, double done);
 
 #endif
