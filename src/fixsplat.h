@@ -23,9 +23,9 @@ extern "C" {
 #endif
 
 #define FXS_VERSION_MAJOR 0
-#define FXS_VERSION_MINOR 7
+#define FXS_VERSION_MINOR 8
 #define FXS_VERSION_PATCH 0
-#define FXS_VERSION "0.7.0"
+#define FXS_VERSION "0.8.0"
 #define FXS_VERSION_NUMBER (FXS_VERSION_MAJOR * 10000 + FXS_VERSION_MINOR * 100 + FXS_VERSION_PATCH)
 
 /* FXS_VERSION_NUMBER of the library that is linked. Programs built with the same major and minor number go with it. */
