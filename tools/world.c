@@ -34,14 +34,30 @@ int take_scenes(world_options *o, const char *command, int count, char *const *s
     return 0;
 }
 
-/* The number of the scene that --place names, up to its colon; -1: none. */
+/* Whether a scene's path is the name (2), or ends in it behind a slash (1). */
+static int is_called(const char *scene, const char *name, size_t length)
+{
+    const size_t size = strlen(scene);
+    if (size < length || strncmp(scene + size - length, name, length))
+        return 0;
+    return size == length ? 2 : scene[size - length - 1] == '/';
+}
+
+/* The number of the scene that --place names, up to its colon; -1: none, or several in different folders. */
 static int find_scene(const world_options *o, const char *place, size_t length)
 {
     char name[16];
     uint64_t number;
-    for (int i = 0; i < o->scene_count; i++)
-        if (strlen(o->scenes[i]) == length && !strncmp(o->scenes[i], place, length))
+    int ending = -1, endings = 0;
+    for (int i = 0; i < o->scene_count; i++) {
+        const int called = is_called(o->scenes[i], place, length);
+        if (called == 2)
             return i;
+        ending = called ? i : ending;
+        endings += called;
+    }
+    if (endings)
+        return endings == 1 ? ending : -1;
     if (!length || length >= sizeof name)
         return -1;
     memcpy(name, place, length);
@@ -99,7 +115,7 @@ static int check_places(const world_options *o)
         const char *place = o->places[i];
         const size_t length = (size_t)(strrchr(place, ':') - place);
         if (find_scene(o, place, length) < 0)
-            return fail(EXIT_USAGE, "--place %s: no scene %.*s is given", place, (int)length, place);
+            return fail(EXIT_USAGE, "--place %s: no scene, or more than one, is called %.*s", place, (int)length, place);
     }
     return 0;
 }

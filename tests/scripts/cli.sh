@@ -702,6 +702,11 @@ front='--size 64x48 --eye 0,-2,-12 --look 0,0,0'
 both=$(hash_of knot.ply cubes.ply $front --place cubes.ply:3,0.5,-1,0.6,0,0.8,0,1.5)
 check "two scenes: both are seen" differ "$both" "$(hash_of knot.ply $front)"
 check "two scenes: by number" equal "$(hash_of knot.ply cubes.ply $front --place 1:3,0.5,-1,0.6,0,0.8,0,1.5)" "$both"
+check "two scenes: by the end of a path" equal \
+    "$(hash_of knot.ply folder/inner.ply $front --place inner.ply:3,0.5,-1,0.6,0,0.8,0,1.5)" "$both"
+fails "two scenes: one name" 2 "more than one, is called cubes.ply" render ./cubes.ply folder/../cubes.ply \
+    --place cubes.ply:1,2,3 --hash
+fails "two scenes: a part of a name" 2 "is called bes.ply" render knot.ply cubes.ply --place bes.ply:1,2,3 --hash
 check "two scenes: a quaternion of any length" equal \
     "$(hash_of knot.ply cubes.ply $front --place 1:3,0.5,-1,3,0,4,0,1.5)" "$both"
 check "two scenes: the place shows" differ "$(hash_of knot.ply cubes.ply $front)" "$both"
