@@ -115,7 +115,8 @@ static int check_places(const world_options *o)
         const char *place = o->places[i];
         const size_t length = (size_t)(strrchr(place, ':') - place);
         if (find_scene(o, place, length) < 0)
-            return fail(EXIT_USAGE, "--place %s: no scene, or more than one, is called %.*s", place, (int)length, place);
+            return fail(EXIT_USAGE, "--place %s: no scene, or more than one, is called %.*s", place, (int)length,
+                        place);
     }
     return 0;
 }

@@ -20,9 +20,9 @@ typedef struct world_options {
     {"scene", required_argument, 0, OPT_SCENE}, {"place", required_argument, 0, OPT_PLACE}
 #define WORLD_HELP \
     "  --place SCENE:X,Y,Z[,QW,QX,QY,QZ[,S]]\n" \
-    "                      put a scene, named as it was given, by the end of its path or by its number from 0 on, at\n" \
-    "                      X,Y,Z, turned by a quaternion and S times as large. Given again for the same scene, it is\n" \
-    "                      there once more. A scene that is not placed is as in its file\n" \
+    "                      put a scene, named as it was given, by the end of its path or by its number from 0\n" \
+    "                      on, at X,Y,Z, turned by a quaternion and S times as large. Given again for the same\n" \
+    "                      scene, it is there once more. A scene that is not placed is as in its file\n" \
     "  --scene FILE.json   the scenes, and how they are placed, from a file: {\"objects\": [{\"file\": \"a.fxs\",\n" \
     "                      \"translation\": [x, y, z], \"rotation\": [w, x, y, z], \"scale\": s, \"opacity\": o,\n" \
     "                      \"tint\": [r, g, b], \"visible\": true, \"id\": n, \"crops\": [{\"low\": [x, y, z],\n" \
