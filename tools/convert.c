@@ -19,7 +19,7 @@ static const char help[] =
     "  .compressed.ply  PlayCanvas's: 16 bytes a Gaussian, and one for each SH coefficient\n"
     "  .splat           32 bytes a Gaussian: no SH above degree 0\n"
     "  .spz             compressed: positions in 24 bits over the scene, the rest in 8 to 10\n"
-    "  .sog             PlayCanvas's, version 2, the smallest: positions in 16 bits, the rest in 8, SH by a palette\n"
+    "  .sog             PlayCanvas's, version 2: positions in 16 bits, the rest in 8, SH by a palette\n"
     "  .glb             glTF with KHR_gaussian_splatting, floats, y up\n"
     "  .csv             text, a line a Gaussian, columns as in a .ply\n\n"
     "What .fxs leaves out because it cannot be drawn, the others leave out too. An .fxs file is not converted back.\n"
