@@ -257,7 +257,7 @@ static void colmap_images(void)
     remove(in_folder("cameras.txt"));
     check_fault("images.txt", "cameras.txt: No such file");
     remove(in_folder("images.txt"));
-    check_fault("", "no images.bin or images.txt");
+    check_fault("", "neither sparse/0 of COLMAP");
 }
 
 static void colmap_bin_faults(void)

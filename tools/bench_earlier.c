@@ -55,7 +55,7 @@ static int check_fact(bench_earlier *e, const char *path, const cJSON *root, con
     if (fact->kind == FACT_ASIDE || !strcmp(here, there))
         return 0;
     if (fact->kind == FACT_SAME)
-        return fail(EXIT_FAILED, "%s cannot be compared: its %s is %.200s, here it is %.200s", path, fact->name, there,
+        return fail(EXIT_FAILED, "%s cannot be compared: %s: %.200s there, %.200s here", path, fact->name, there,
                     here);
     snprintf(e->marks + used, sizeof e->marks - used, "%s%s is %.100s there and %.100s here", used ? "; " : "",
              fact->name, there, here);

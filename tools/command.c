@@ -97,18 +97,21 @@ static int wrong_word(char **argv)
     return is_letter && (before[0] != '-' || before[strlen(before) - 1] != optopt) ? optind : optind - 1;
 }
 
-static void say_wrong_option(char **argv, const struct option *table)
+static void say_wrong_option(char **argv, const char *letters, const struct option *table)
 {
     const char *word = argv[wrong_word(argv)], *name = word + strspn(word, "-");
+    const int is_letter = optopt > 0 && optopt < 256 && strchr(letters, optopt);
     suggestion s = {0, 0};
     for (; table->name; table++)
         suggest(&s, name, strcspn(name, "="), table->name);
-    const int is_known = s.name && !s.distance && name == word + 2;     /* and its value is missing */
-    if (s.name && !is_known)
+    if (is_letter || (s.name && !s.distance && name == word + 2))
+        fail(EXIT_USAGE, "%s: %s: %s; see: fixsplat %s --help", argv[0], word,
+             strchr(word, '=') ? "it takes no value" : "its value is missing", argv[0]);
+    else if (s.name)
         fail(EXIT_USAGE, "%s: unknown option: %s; did you mean --%s? See: fixsplat %s --help", argv[0], word, s.name,
              argv[0]);
     else
-        fail(EXIT_USAGE, "%s: unknown option or missing value: %s; see: fixsplat %s --help", argv[0], word, argv[0]);
+        fail(EXIT_USAGE, "%s: unknown option: %s; see: fixsplat %s --help", argv[0], word, argv[0]);
 }
 
 int next_option(int argc, char **argv, const char *letters, const struct option *table, int *index, void (*help)(void))
@@ -122,7 +125,7 @@ int next_option(int argc, char **argv, const char *letters, const struct option 
         exit(EXIT_OK);
     }
     if (option == '?')
-        say_wrong_option(argv, table);
+        say_wrong_option(argv, letters, table);
     return option;
 }
 

@@ -90,6 +90,7 @@ static void help(void)
          "  -h, --help          what the command does, and its options\n"
          "  -V, --version       the version of fixsplat\n"
          "  --quiet             no progress and no notes, errors alone; so does FIXSPLAT_QUIET=1 in the environment\n"
+         "  The beginning of a long option will do where no other begins so; scripts write them out, as there may be more.\n"
          "Instead of one:\n"
          "  --kernels           which version of each stage runs here\n"
          "\nExamples:\n"
@@ -120,6 +121,8 @@ static int wrong_command(const char *name)
     suggestion s = {0, 0};
     if (!*name)
         return fail(EXIT_USAGE, "no command; see: fixsplat --help");
+    if (!access(name, F_OK))
+        return fail(EXIT_USAGE, "no command before %s: render it, view it, or see: fixsplat --help", name);
     for (int i = 0; i < COMMANDS; i++)
         suggest(&s, name, strlen(name), commands[i].name);
     suggest(&s, name, strlen(name), "help");
@@ -170,7 +173,7 @@ int main(int argc, char **argv)
         help();
         return EXIT_OK;
     }
-    if (!strcmp(name, "--version") || !strcmp(name, "-V")) {
+    if (!strcmp(name, "--version") || !strcmp(name, "-V") || !strcmp(name, "version")) {
         print_version();
         return EXIT_OK;
     }

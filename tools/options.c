@@ -12,7 +12,8 @@
 
 const char camera_options_help[] =
     "Camera (without one, the scene is framed whole):\n"
-    "  --cameras FILE      cameras.json, transforms.json or a COLMAP model (folder, images.bin or images.txt)\n"
+    "  --cameras FILE      cameras.json, transforms.json, images.bin or images.txt of COLMAP, or a folder with one\n"
+    "                      of them\n"
     "  --view N|NAME|LIST|all\n"
     "                      a view of that file: its number from 0, its image name, several as 8..40 or 0,8,40..20\n"
     "                      (render alone), or all (default 0)\n"

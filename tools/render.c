@@ -150,8 +150,8 @@ static int check_picture(render_options *o)
     if (o->output && strcmp(o->output, "-")) {
         o->encoding = o->encoding ? o->encoding : fxs_image_format_of(o->output);
         if (!o->encoding)
-            return fail(EXIT_USAGE, "%s: expected a name ending in .png, .ppm, .raw, .jpg, .webp, .y4m or .rgba",
-                        o->output);
+            return fail(EXIT_USAGE, "%s: expected a name ending in .png, .ppm, .raw, .jpg, .webp, .y4m or .rgba, or "
+                        "-o - | ffmpeg -i - %s for a film", o->output, o->output);
     } else if (o->output) {
         if (o->hash || o->stats || o->has_pick || (o->depth && !(o->depth_range > 0)))
             return fail(EXIT_USAGE, "-o -: the picture goes to standard output, and so does what --%s prints",

@@ -6,8 +6,6 @@
 
 #include "camera_internal.h"
 
-#define MAX_PATH 4096    /* characters */
-
 static int read_json(fxs_view_list *list)
 {
     fxs_text json;
@@ -19,7 +17,7 @@ static int read_json(fxs_view_list *list)
 
 static int read_colmap(fxs_view_list *list, const char *folder, int folder_length, int binary)
 {
-    char cameras_path[MAX_PATH], images_path[MAX_PATH];
+    char cameras_path[FXS_CAMERA_PATH], images_path[FXS_CAMERA_PATH];
     const char *ending = binary ? "bin" : "txt";
     snprintf(cameras_path, sizeof cameras_path, "%.*scameras.%s", folder_length, folder, ending);
     snprintf(images_path, sizeof images_path, "%.*simages.%s", folder_length, folder, ending);
@@ -37,25 +35,25 @@ static int read_colmap(fxs_view_list *list, const char *folder, int folder_lengt
     return status;
 }
 
-static int read_folder(fxs_view_list *list)
+int fxs_camera_file_find(const char *folder, char path[FXS_CAMERA_PATH], fxs_message *message)
 {
-    char path[MAX_PATH];
+    static const char *const known[] = {"sparse/0/images.bin", "sparse/0/images.txt", "sparse/images.bin",
+                                        "sparse/images.txt", "images.bin", "images.txt", "transforms.json",
+                                        "transforms_train.json", "cameras.json"};
+    const char *slash = *folder && folder[strlen(folder) - 1] == '/' ? "" : "/";
     struct stat status;
-    int folder_length = snprintf(path, sizeof path, "%s/images.bin", list->path) - 10;
-    if (!stat(path, &status))
-        return read_colmap(list, path, folder_length, 1);
-    snprintf(path + folder_length, 11, "images.txt");
-    if (!stat(path, &status))
-        return read_colmap(list, path, folder_length, 0);
-    return fxs_fail(list->message, "%s: no images.bin or images.txt in this folder", list->path);
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        const int length = snprintf(path, FXS_CAMERA_PATH, "%s%s%s", folder, slash, known[i]);
+        if (length < FXS_CAMERA_PATH && !stat(path, &status))
+            return 0;
+    }
+    return fxs_fail(message, "%s: neither sparse/0 of COLMAP nor transforms.json, transforms_train.json or "
+                    "cameras.json in this folder", folder);
 }
 
-static int read_views(fxs_view_list *list)
+static int read_file(fxs_view_list *list)
 {
     const char *path = list->path, *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
-    struct stat status;
-    if (!stat(path, &status) && S_ISDIR(status.st_mode))
-        return read_folder(list);
     if (!strcmp(name, "images.bin") || !strcmp(name, "cameras.bin"))
         return read_colmap(list, path, (int)(name - path), 1);
     if (!strcmp(name, "images.txt") || !strcmp(name, "cameras.txt"))
@@ -63,9 +61,23 @@ static int read_views(fxs_view_list *list)
     return read_json(list);
 }
 
+static int read_views(fxs_view_list *list)
+{
+    char found[FXS_CAMERA_PATH];
+    const char *path = list->path;
+    struct stat status;
+    if (stat(path, &status) || !S_ISDIR(status.st_mode))
+        return read_file(list);
+    FXS_TRY(fxs_camera_file_find(path, found, list->message));
+    list->path = found;
+    const int error = read_file(list);
+    list->path = path;
+    return error;
+}
+
 int fxs_view_list_read(fxs_view_list *list)
 {
-    if (strlen(list->path) > MAX_PATH - 16)
+    if (strlen(list->path) > FXS_CAMERA_PATH - 16)
         return fxs_fail(list->message, "%s: name too long", list->path);
     FXS_TRY(read_views(list));
     return list->count ? 0 : fxs_fail(list->message, "%s: no views", list->path);

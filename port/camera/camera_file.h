@@ -21,8 +21,9 @@ typedef struct fxs_file_view {
 } fxs_file_view;
 
 /* Reads every camera of a file. Its content tells which kind it is: a cameras.json (an array), a transforms.json (an
-   object with "frames"), or a COLMAP model, named by its folder or by its images.bin or images.txt. Those of COLMAP
-   come in order of their image name.
+   object with "frames"), or a COLMAP model, named by its images.bin or images.txt. Of a folder it is what there is of a
+   COLMAP model in sparse/0, sparse or the folder itself, transforms.json, transforms_train.json and cameras.json, the
+   first of these. Views of COLMAP come in order of their image name.
 
    Returns their number, at least 1, with *views allocated by malloc, which the caller frees; or an error and a
    message, which names the camera at fault. Errors: FXS_ERR_FILE where a file is missing, damaged, or has a camera

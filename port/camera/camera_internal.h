@@ -8,6 +8,8 @@
 #include "lens.h"
 #include "../files/text_internal.h"
 
+enum { FXS_CAMERA_PATH = 4096 };   /* characters, with the zero at the end */
+
 /* A view, and what only those want who read its photograph. */
 typedef struct fxs_listed_view {
     fxs_file_view view;
@@ -26,6 +28,10 @@ typedef struct fxs_view_list {
     int is_array;       /* 1: it was a cameras.json */
     char *points;       /* name of the .ply that a transforms.json names for its points, or NULL */
 } fxs_view_list;
+
+/* The camera file of a folder: COLMAP's in sparse/0, sparse or itself, transforms.json, transforms_train.json or
+   cameras.json, the first that there is. Returns 0 and its path, or an error and a message. */
+int fxs_camera_file_find(const char *folder, char path[FXS_CAMERA_PATH], fxs_message *message);
 
 /* Reads the file at list->path, as fxs_camera_file_read says. Returns 0, or an error and a message. */
 int fxs_view_list_read(fxs_view_list *list);

@@ -57,20 +57,12 @@ static void parent_of(char out[FXS_PHOTO_PATH], const char *path)
 
 static int find_cameras(fxs_photo_list *list, const char *path, fxs_message *message)
 {
-    static const char *const known[] = {"sparse/0/images.bin", "sparse/0/images.txt", "sparse/images.bin",
-                                        "sparse/images.txt", "images.bin", "images.txt", "transforms.json",
-                                        "transforms_train.json", "cameras.json"};
     if (strlen(path) > FXS_PHOTO_PATH - 64)
         return fxs_fail(message, "a name of %zu characters is too long", strlen(path));
-    if (!is_folder(path)) {
-        strcpy(list->cameras, path);
-        return 0;
-    }
-    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
-        if (join(list->cameras, path, known[i]) && exists(list->cameras))
-            return 0;
-    return fxs_fail(message, "%s: neither sparse/0 of COLMAP nor transforms.json, transforms_train.json or "
-                    "cameras.json in this folder", path);
+    if (is_folder(path))
+        return fxs_camera_file_find(path, list->cameras, message);
+    strcpy(list->cameras, path);
+    return 0;
 }
 
 static int colmap_name(const char *name)

@@ -4,7 +4,7 @@
 
 #include "../camera/camera_internal.h"
 
-enum { FXS_PHOTO_PATH = 4096 };    /* characters, with the zero at the end */
+enum { FXS_PHOTO_PATH = FXS_CAMERA_PATH };
 
 typedef struct fxs_photo_list {
     char cameras[FXS_PHOTO_PATH];  /* the file of the cameras */

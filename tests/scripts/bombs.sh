@@ -73,7 +73,7 @@ for scene in pipe /dev/null /dev/zero; do
     done
 done
 refuses "a folder" "folder/meta.json: No such file" render folder --hash
-refuses "a folder of cameras" "folder: no images.bin or images.txt" render knot.ply --hash --cameras folder
+refuses "a folder of cameras" "folder: neither sparse/0 of COLMAP" render knot.ply --hash --cameras folder
 check "/dev/stdin that is a file" sh -c '"$0" render /dev/stdin --size 64x48 --hash <knot.ply >hash' "$fixsplat"
 check "/dev/stdin: the same picture" sh -c '"$0" render knot.ply --size 64x48 --hash | cmp - hash' "$fixsplat"
 finish

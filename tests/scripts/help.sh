@@ -31,18 +31,24 @@ check "help formats: names each that convert writes" sh -c '
         grep -qF -- "$ending" "$0" || { echo "no $ending"; exit 1; }; done' logs/formats <<END
 $("$fixsplat" help formats >logs/formats)
 END
+"$fixsplat" make-scene knot --count 500 -o knot.ply 2>/dev/null
+succeeds "version" version
 fails "help: two words" 2 "takes one" help render view
 fails "help: nothing near" 2 "no help on 'zzzzzz'; see" help zzzzzz
 fails "help: near" 2 "did you mean cameras" help camera
 fails "a command that is near" 2 "no command 'rendr'; did you mean render" rendr x.ply
 fails "a command that is not" 2 "no command 'frobnicate'; see" frobnicate
 fails "an option that is near" 2 "unknown option: --szie; did you mean --size" info --szie 3x3
-fails "an option that is not" 2 "unknown option or missing value: --zzzzzz; see" info --zzzzzz
-fails "a value that is missing" 2 "missing value: --size" render x.ply --size
+fails "an option that is not" 2 "unknown option: --zzzzzz; see" info --zzzzzz
+fails "a letter that is not" 2 "unknown option: -z" info -z
+fails "a value that is missing" 2 "render: --size: its value is missing" render x.ply --size
+fails "a letter's value that is missing" 2 "render: -o: its value is missing" render x.ply -o
+fails "a value too many" 2 "info: --json=3: it takes no value" info x.ply --json=3
+fails "a scene in place of a command" 2 "no command before knot.ply: render it" knot.ply
+fails "a film that ffmpeg writes" 2 "-o - [|] ffmpeg -i - x.mp4" render knot.ply -o x.mp4
 
 # ---- Quiet -----------------------------------------------------------------------------------------------------------
 
-"$fixsplat" make-scene knot --count 500 -o knot.ply 2>/dev/null
 run convert knot.ply knot.splat
 check "a note" says logs/err "cannot hold the SH"
 succeeds "--quiet behind the command" convert knot.ply knot.splat --quiet
