@@ -90,15 +90,15 @@ static void help(void)
          "  -h, --help          what the command does, and its options\n"
          "  -V, --version       the version of fixsplat\n"
          "  --quiet             no progress and no notes, errors alone; so does FIXSPLAT_QUIET=1 in the environment\n"
-         "  The beginning of a long option will do where no other begins so; scripts write them out, as there may be more.\n"
+         "  The beginning of a long option will do where no other begins so, but later versions may have more options.\n"
          "Instead of one:\n"
          "  --kernels           which version of each stage runs here\n"
          "\nExamples:\n"
          "  fixsplat make-scene knot -o knot.ply\n"
          "  fixsplat render knot.ply -o knot.png\n"
          "  fixsplat render scene.ply --cameras cameras.json --view 0 -o view.png --stats\n\n"
-         "An output replaces the file of its name when it is complete, but never one that is read (convert --force may).\n"
-         "A FIFO or a device is written to, and of a link the target is replaced.\n\n"
+         "An output replaces the file of its name when it is complete, but never one that is read (but for convert\n"
+         "--force). A FIFO or a device is written to, and of a link the target is replaced.\n\n"
          "Exit status: 0 done, 1 failed, 2 wrong usage; where a pipe is closed, that of SIGPIPE (141 in a shell).");
 }
 
