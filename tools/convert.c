@@ -316,7 +316,7 @@ static int copy(fxs_scene_writer *w, const char *out, fxs_scene_file *file, uint
         result = n < 0 ? -1 : fxs_scene_writer_put(w, batch, (size_t)n, message);
         done += n < 0 ? 0 : (uint64_t)n;
         if (progress(argument, (double)done / (double)count) && !result)
-            result = fxs_fail(message, "%s: stopped", out);
+            result = fxs_fail_as(FXS_ERR_STOPPED, message, "%s: stopped", out);
     }
     progress_end();
     return result;

@@ -90,7 +90,7 @@ static void help(void)
          "  -h, --help          what the command does, and its options\n"
          "  -V, --version       the version of fixsplat\n"
          "  --quiet             no progress and no notes, errors alone; so does FIXSPLAT_QUIET=1 in the environment\n"
-         "  The beginning of a long option will do where no other begins so, but later versions may have more options.\n"
+         "  The beginning of a long option will do where no other begins so; later versions may have more of them.\n"
          "Instead of one:\n"
          "  --kernels           which version of each stage runs here\n"
          "\nExamples:\n"
