@@ -226,6 +226,9 @@ succeeds "--eye inside a Gaussian" render knot.ply $small --eye 0,0.9,0 --hash
 # ---- Cameras ---------------------------------------------------------------------------------------------------------
 
 view() { hash_of knot.ply --cameras "$@"; }
+mkdir shots
+cp three.json shots/cameras.json
+check "--cameras of a folder" equal "$(view shots --view 1)" "$(view three.json --view 1)"
 check "--view 0 is the default" equal "$(view three.json)" "$(view three.json --view 0)"
 check "--view by name" equal "$(view three.json --view side)" "$(view three.json --view 1)"
 check "views differ" differ "$(view three.json --view 0)" "$(view three.json --view 1)"
