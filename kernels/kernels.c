@@ -1,5 +1,5 @@
-#include "kernels.h"
-#include "lanes/stages.h"
+#include <fixsplat/kernels.h>
+#include "kernels/simd/lanes/stages.h"
 
 #if defined(__x86_64__) || defined(__i386__)
 FXS_PROJECT(sse41);

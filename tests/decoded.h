@@ -5,8 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "../src/chunk.h"
-#include "../src/packed.h"
+#include "src/core/chunk.h"
+#include <fixsplat/packed.h>
 #include "check.h"
 
 static inline const fxs_chunk *chunk_of(const fxs_scene *scene, uint32_t i)

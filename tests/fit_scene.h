@@ -5,8 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "../kernels/kernels.h"
-#include "../port/fit/model.h"
+#include <fixsplat/kernels.h>
+#include "src/fit/model.h"
 #include "check.h"
 
 static uint64_t fit_state = 1;

@@ -310,13 +310,13 @@ instructions_of() {
 # Compiles the library once for all targets, and links each, as $work/NAME.
 build() {
     case $(clang -dumpmachine) in
-    x86_64*) kernels='kernels/*.c kernels/x86/*.c' ;;
-    aarch64*) kernels='kernels/*.c kernels/arm/*.c' ;;
+    x86_64*) kernels='kernels/*.c kernels/simd/x86/*.c' ;;
+    aarch64*) kernels='kernels/*.c kernels/simd/arm/*.c' ;;
     *) kernels='kernels/*.c' ;;
     esac
     mkdir "$work/objects"
-    for source in src/*.c $kernels port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c \
-        port/fit/*.c tests/fuzz_*.c; do
+    for source in src/core/*.c $kernels src/base/*.c src/gaussian/*.c src/scene/*.c src/scene/*/*.c src/camera/*.c src/image/*.c src/pack/*.c \
+        src/fit/*.c tests/fuzz_*.c; do
         echo "$compile $features -DFXS_WITH_KERNELS $(instructions_of "$source") -c $source -o $work/objects/$(
             )$(basename "$source" .c).o"
     done | xargs -P "$jobs" -I COMMAND sh -c COMMAND || return

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/camera/camera.h"
-#include "../port/camera/camera_internal.h"
+#include <fixsplat/camera.h>
+#include "src/camera/camera_internal.h"
 
 static fxs_text copy(const char *path, const uint8_t *data, size_t size)
 {

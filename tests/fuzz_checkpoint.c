@@ -7,8 +7,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../port/fit/fit_internal.h"
-#include "../port/fit/random.h"
+#include "src/fit/fit_internal.h"
+#include "src/fit/random.h"
 
 enum { SIDE = 20, POINTS = 5, HEAD = 8, PRINT = 56, PRINT_BYTES = 8, END = 12 };
 

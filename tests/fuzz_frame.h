@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../kernels/kernels.h"
-#include "../port/scene/fxs_file.h"
+#include <fixsplat/kernels.h>
+#include <fixsplat/fxs_file.h>
 #include "one_scene.h"
 #include "random_scene.h"
 

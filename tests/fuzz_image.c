@@ -6,7 +6,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "../port/image/image_file.h"
+#include <fixsplat/image_file.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

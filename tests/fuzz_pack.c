@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/import/pack.h"
+#include <fixsplat/pack.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

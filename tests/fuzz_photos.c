@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "../port/fit/photos.h"
+#include <fixsplat/photos.h>
 
 enum { FILES = 4 };
 

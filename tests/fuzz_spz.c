@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/scene/spz_internal.h"
+#include "src/scene/read/spz_internal.h"
 #include "spz_bytes.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "../src/chunk.h"
+#include "src/core/chunk.h"
 #include "check.h"
 #include "reference.h"
 
@@ -48,7 +48,7 @@ static inline void decode_rotation(float rotation[4], uint32_t word)
     rotation[largest] = (float)sqrt(fmax(0, rest));
 }
 
-/* What src/packed.h says that Gaussian `index` is, in the default profile. */
+/* What src/include/fixsplat/packed.h says that Gaussian `index` is, in the default profile. */
 static inline fxs_gaussian decode(const fxs_scene *scene, uint32_t index)
 {
     const unsigned char *rows = fxs_rows(scene, index / FXS_CHUNK);

@@ -3,7 +3,7 @@
 # red. A change that none notices survives: it wants a test, or a line that says why it changes nothing.
 #
 #     sh tests/mutants.sh              all of them
-#     sh tests/mutants.sh src/bin.c    those whose line contains the text
+#     sh tests/mutants.sh src/core/bin.c    those whose line contains the text
 #
 # JOBS: changes at a time, each in a tree of its own (the number of processors). FOLDER: where the trees are, and stay,
 # so that a later run builds less (a new one in /tmp, removed at the end). Fails where a change survives, is noticed
@@ -25,21 +25,21 @@ ulimit -v 8388608
 # The tests for a file, by what notices most in the least time.
 tests_of() {
     case $1 in
-    src/stereo.c | src/eyes.c) echo stereo scribble ;;
-    src/scene.c | src/packed.h) echo scene random pack fxs_file stages kernels bands ;;
-    src/slices.c) echo bands strip objects stop ;;
-    src/bands.c) echo random bands stereo stages scene scribble ;;
-    src/chunk.c | src/frame.c | src/prepare.c | src/lists.c | src/draw.c) echo random stages scene stereo kernels bands scribble stop golden foveate ;;
-    src/pixel.h | src/fixed.h) echo random fixed stages kernels pixel scene golden ;;
-    src/opacity.inc) echo pack random stages kernels ;;
-    src/object.c | src/trace.c | src/targets.c | src/pick.c) echo targets objects stages ;;
+    src/core/stereo.c | src/core/eyes.c) echo stereo scribble ;;
+    src/core/scene.c | src/include/fixsplat/packed.h) echo scene random pack fxs_file stages kernels bands ;;
+    src/core/slices.c) echo bands strip objects stop ;;
+    src/core/bands.c) echo random bands stereo stages scene scribble ;;
+    src/core/chunk.c | src/core/frame.c | src/core/prepare.c | src/core/lists.c | src/core/draw.c) echo random stages scene stereo kernels bands scribble stop golden foveate ;;
+    src/include/fixsplat/pixel.h | src/include/fixsplat/fixed.h) echo random fixed stages kernels pixel scene golden ;;
+    src/core/opacity.inc) echo pack random stages kernels ;;
+    src/core/object.c | src/core/trace.c | src/core/targets.c | src/core/pick.c) echo targets objects stages ;;
     src/*) echo random stages scene stereo kernels bands golden targets objects foveate ;;
     port/board/*) echo strip ;;
-    port/fit/photo* | */lens.c) echo photos photo_bytes ;;
-    port/fit/profile* | port/fit/quantise.h) echo fit_profile fit_steps ;;
-    port/fit/checkpoint.c) echo checkpoint ;;
-    port/fit/*.h | port/fit/fit*.c | port/fit/stepper.c) echo fit_gradient fit_loss fit_numbers fit_steps ;;
-    port/fit/*) echo fit_model fit_steps ;;
+    src/fit/photo* | */lens.c) echo photos photo_bytes ;;
+    src/fit/profile* | src/fit/quantise.h) echo fit_profile fit_steps ;;
+    src/fit/checkpoint.c) echo checkpoint ;;
+    src/fit/*.h | src/fit/fit*.c | src/fit/stepper.c) echo fit_gradient fit_loss fit_numbers fit_steps ;;
+    src/fit/*) echo fit_model fit_steps ;;
     port/backend/foveate.c) echo foveate ;;
     kernels/gles/*) echo gles ;;
     kernels/*/fit_*) echo fit_gradient fit_loss ;;

@@ -7,8 +7,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "../port/cortexm/board.h"
-#include "../port/cortexm/console.h"
+#include "port/board/cortexm/board.h"
+#include "port/board/cortexm/console.h"
 
 int test_main(int argc, char **argv);
 

@@ -2,7 +2,7 @@
 #ifndef ONE_SCENE_H
 #define ONE_SCENE_H
 
-#include "../src/object.h"
+#include "src/core/object.h"
 
 static inline fxs_object one_object(const fxs_scene *scene)
 {

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-#include "../src/packed.h"
+#include <fixsplat/packed.h>
 #include "check.h"
 
 typedef struct packed_scene {

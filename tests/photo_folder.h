@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#include "../port/fit/photos.h"
+#include <fixsplat/photos.h>
 #include "folder.h"
 
 static fxs_message message;

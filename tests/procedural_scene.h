@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "../port/files/message.h"
-#include "../port/import/pack.h"
-#include "../port/scene/ply_write.h"
-#include "../tools/procedural.h"
+#include <fixsplat/message.h>
+#include <fixsplat/pack.h>
+#include <fixsplat/ply_write.h>
+#include "src/scene/make/procedural.h"
 
 /* *report may be null. Returns 0, or -1 and why not; *packed is for fxs_packed_scene_free. */
 static inline int procedural_scene_make(const char *name, uint64_t count, int antialiased, fxs_packed_scene *packed,

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../src/fixsplat.h"
+#include <fixsplat/fixsplat.h>
 #include "packed_scene.h"
 
 static uint64_t state;

@@ -6,8 +6,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../port/camera/camera.h"
-#include "../tools/metrics.h"
+#include <fixsplat/camera.h>
+#include "tools/metrics.h"
 #include "in_doubles.h"
 #include "one_scene.h"
 #include "procedural_scene.h"
@@ -272,7 +272,7 @@ static inline double world_psnr(const picture *p, const reference_world *r, doub
 /* ---- Versions of the stages -------------------------------------------------------------------------------------- */
 
 #ifdef FXS_WITH_KERNELS
-#include "../kernels/kernels.h"
+#include <fixsplat/kernels.h>
 
 enum { WORLD_VERSIONS = 6 };
 

@@ -7,8 +7,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../port/camera/camera_file.h"
-#include "../port/scene/scene_file.h"
+#include <fixsplat/camera_file.h>
+#include <fixsplat/scene_file.h>
 
 enum reference_cutoff {
     REFERENCE_MAHALANOBIS,   /* distance squared <= 9 */

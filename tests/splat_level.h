@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "../src/stage.h"
+#include <fixsplat/stage.h>
 
 /* u or v of a pixel before it was cut to 32 bits: near `about`, with the same low bits. */
 static inline int64_t unwrap_q24(uint32_t low_bits, int64_t about_q24)

@@ -2,12 +2,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/camera/camera.h"
-#include "../port/posix/pool.h"
+#include <fixsplat/camera.h>
+#include <fixsplat/pool.h>
 #include "one_scene.h"
 #include "packed_scene.h"
 #ifdef FXS_WITH_KERNELS
-#include "../kernels/kernels.h"
+#include <fixsplat/kernels.h>
 #endif
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)

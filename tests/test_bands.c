@@ -1,10 +1,10 @@
 /* Frames in less memory than fxs_frame_bytes: the same bytes down to the least of any view, on any number of threads,
  * in bands, and in slices where a tile row does not fit; one byte less is refused with nothing written. */
-#include "../port/posix/pool.h"
+#include <fixsplat/pool.h>
 #include "one_scene.h"
 #include "random_scene.h"
 #ifdef FXS_WITH_KERNELS
-#include "../kernels/kernels.h"
+#include <fixsplat/kernels.h>
 #endif
 
 enum { GUARD = 0xa5, GUARD_BYTES = 256, MOST_PIXELS = 100 * 300 };

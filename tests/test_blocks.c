@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "../port/fit/blocks.h"
+#include <fixsplat/blocks.h>
 #include "check.h"
 
 enum { POINTS = 5000 };

@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 
-#include "../port/import/pack.h"
+#include <fixsplat/pack.h>
 #include "every_format_bytes.h"
 
 #if defined(FXS_WITH_ZLIB) && defined(WITH_SOG) && defined(FXS_WITH_ZIP)

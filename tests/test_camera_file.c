@@ -1,7 +1,7 @@
 /* Camera files: one camera through every format, faults, truncations, real files. */
-#include "../port/camera/camera.h"
-#include "../port/camera/camera_file.h"
-#include "../port/files/message.h"
+#include <fixsplat/camera.h>
+#include <fixsplat/camera_file.h>
+#include <fixsplat/message.h>
 
 #include <math.h>
 #include <stdarg.h>

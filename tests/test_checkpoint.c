@@ -1,9 +1,9 @@
 /* Fits that are saved, and go on from the file: the same end, whatever happens to the file in between. */
 #include <math.h>
 
-#include "../port/fit/fit_internal.h"
-#include "../port/fit/random.h"
-#include "../port/posix/pool.h"
+#include "src/fit/fit_internal.h"
+#include "src/fit/random.h"
+#include <fixsplat/pool.h>
 #include "folder.h"
 
 enum { PHOTOS = 3, WIDTH = 40, HEIGHT = 24, POINTS = 90, SAVED_AT = 611, LATE = 671, STEPS = 705 };

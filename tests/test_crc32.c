@@ -1,5 +1,5 @@
 /* The checksum of .fxs files: known values, every length against bit by bit, in pieces. */
-#include "../port/files/crc32.h"
+#include "src/base/crc32.h"
 
 #include <string.h>
 

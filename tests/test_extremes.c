@@ -1,5 +1,5 @@
 /* Frames at the ends of what the public header allows: of objects, orthographic cameras, targets and pairs of eyes. */
-#include "../kernels/kernels.h"
+#include <fixsplat/kernels.h>
 #include "one_scene.h"
 #include "random_scene.h"
 

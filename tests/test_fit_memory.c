@@ -1,6 +1,6 @@
 /* A fit in which one allocation, or each from there on, gets no memory: an error, nothing kept, and a right fit
  * after. And how much it allocates. */
-#include "../port/fit/fit_internal.h"
+#include "src/fit/fit_internal.h"
 #include "fit_scene.h"
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)

@@ -4,12 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../kernels/kernels.h"
-#include "../port/fit/fit.h"
-#include "../port/fit/model.h"
-#include "../port/fit/nearest.h"
-#include "../port/fit/random.h"
-#include "../port/fit/recipe.h"
+#include <fixsplat/kernels.h>
+#include <fixsplat/fit.h>
+#include "src/fit/model.h"
+#include "src/fit/nearest.h"
+#include "src/fit/random.h"
+#include "src/fit/recipe.h"
 #include "check.h"
 
 /* Allocations that there is memory for; below 0: any number. */

@@ -1,7 +1,7 @@
 /* The fit's own functions of a number against the C library's over their whole range, and its optimiser against Adam
  * in doubles. */
-#include "../port/files/exponential.h"
-#include "../port/fit/lanes.h"
+#include "src/base/exponential.h"
+#include "src/fit/fit_lanes.h"
 #include "fit_scene.h"
 
 /* ---- Functions --------------------------------------------------------------------------------------------------- */

@@ -3,11 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../kernels/kernels.h"
-#include "../port/camera/camera.h"
-#include "../port/fit/model.h"
-#include "../port/fit/profile.h"
-#include "../port/posix/pool.h"
+#include <fixsplat/kernels.h>
+#include <fixsplat/camera.h>
+#include "src/fit/model.h"
+#include "src/fit/profile.h"
+#include <fixsplat/pool.h>
 #include "check.h"
 #include "decoded.h"
 #include "one_scene.h"

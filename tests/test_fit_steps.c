@@ -2,8 +2,8 @@
  * here, by every instruction set and several numbers of threads. The hashes are constants, so every compiler and
  * processor is held to them: tests/scripts/fit_same.sh. With -DFXS_FIT_FEW, fewer steps: for an emulator.
  * test_fit_steps --cuda: on a GPU. */
-#include "../port/fit/fit.h"
-#include "../port/posix/pool.h"
+#include <fixsplat/fit.h>
+#include <fixsplat/pool.h>
 #include "fit_scene.h"
 
 /* ---- Pictures ---------------------------------------------------------------------------------------------------- */

@@ -1,7 +1,7 @@
 /* The error bounds that fixed.h states, over strided mantissas and the edges. */
 #include <math.h>
 
-#include "../src/fixed.h"
+#include <fixsplat/fixed.h>
 #include "check.h"
 
 enum { STRIDE = 251 };   /* prime */

@@ -3,10 +3,10 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "../port/backend/backends.h"
-#include "../port/backend/foveate.h"
-#include "../port/camera/camera.h"
-#include "../port/posix/pool.h"
+#include <fixsplat/backends.h>
+#include <fixsplat/foveate.h>
+#include <fixsplat/camera.h>
+#include <fixsplat/pool.h>
 #include "check.h"
 #include "one_scene.h"
 #include "procedural_scene.h"

@@ -5,10 +5,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../port/scene/fxs_file.h"
-#include "../port/import/pack.h"
-#include "../port/scene/ply_write.h"
-#include "../src/fixsplat.h"
+#include <fixsplat/fxs_file.h>
+#include <fixsplat/pack.h>
+#include <fixsplat/ply_write.h>
+#include <fixsplat/fixsplat.h>
 #include "check.h"
 #include "one_scene.h"
 

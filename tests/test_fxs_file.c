@@ -10,13 +10,13 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "../port/scene/fxs_file.h"
-#include "../port/import/pack.h"
-#include "../port/scene/ply_write.h"
-#include "../port/posix/map.h"
-#include "../src/fixsplat.h"
-#include "../src/packed.h"
-#include "../tools/procedural.h"
+#include <fixsplat/fxs_file.h>
+#include <fixsplat/pack.h>
+#include <fixsplat/ply_write.h>
+#include <fixsplat/map.h>
+#include <fixsplat/fixsplat.h>
+#include <fixsplat/packed.h>
+#include "src/scene/make/procedural.h"
 #include "check.h"
 #include "one_scene.h"
 

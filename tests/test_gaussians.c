@@ -3,9 +3,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "../port/import/pack.h"
-#include "../port/scene/ply_write.h"
-#include "../port/scene/scene_filter.h"
+#include <fixsplat/pack.h>
+#include <fixsplat/ply_write.h>
+#include <fixsplat/scene_filter.h>
 #include "folder.h"
 
 enum { COUNT = 9000 };                  /* more than two batches of the packer */

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "../port/camera/camera.h"
-#include "../tools/metrics.h"
+#include <fixsplat/camera.h>
+#include "tools/metrics.h"
 #include "check.h"
 #include "one_scene.h"
 #include "packed_scene.h"
@@ -13,8 +13,8 @@
 #ifdef FXS_WITH_GLES
 #include <GLES3/gl3.h>
 
-#include "../kernels/gles/gles.h"
-#include "../src/pixel.h"
+#include <fixsplat/gles.h>
+#include <fixsplat/pixel.h>
 
 
 /* What weight.frag may say of its factors. */
@@ -27,14 +27,14 @@ static int FACTOR(int x)
 }
 
 #define min fxs_min
-#include "../kernels/gles/weight.frag"
+#include "kernels/gles/weight.frag"
 #undef min
 #endif
 #ifdef FXS_WITH_EGL
-#include "../port/egl/egl.h"
+#include <fixsplat/egl.h>
 #endif
 #ifdef FXS_WITH_OSMESA
-#include "../port/osmesa/osmesa.h"
+#include <fixsplat/osmesa.h>
 #endif
 
 #ifndef FXS_WITH_GLES

@@ -5,10 +5,10 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "../port/backend/backends.h"
-#include "../port/camera/camera.h"
-#include "../port/image/image_file.h"
-#include "../tools/metrics.h"
+#include <fixsplat/backends.h>
+#include <fixsplat/camera.h>
+#include <fixsplat/image_file.h>
+#include "tools/metrics.h"
 #include "check.h"
 #include "one_scene.h"
 #include "procedural_scene.h"

@@ -1,5 +1,5 @@
 /* Image files: round trips, failures that leave the old file whole. Metrics: values worked out by hand. */
-#include "../port/image/image_file.h"
+#include <fixsplat/image_file.h>
 
 #include <dirent.h>
 #include <math.h>
@@ -17,7 +17,7 @@
 #include <zlib.h>
 #endif
 
-#include "../tools/metrics.h"
+#include "tools/metrics.h"
 #include "check.h"
 #include "jpeg_bytes.h"
 

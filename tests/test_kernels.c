@@ -12,8 +12,8 @@
 #define TICK "ns"                      /* 0 where there is no such clock */
 #endif
 
-#include "../kernels/kernels.h"
-#include "../src/chunk.h"
+#include <fixsplat/kernels.h>
+#include "src/core/chunk.h"
 #include "one_scene.h"
 #include "packed_scene.h"
 

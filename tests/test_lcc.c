@@ -1,11 +1,11 @@
 /* Reads of .lcc made here, by an encoder of its own: with SH and without, levels, an environment; faulty ones, each
    file cut short. `--write FOLDER SCENE [SKY]` makes FOLDER/scene.lcc of a scene, for tests/scripts/convert.sh. */
-#include "../port/scene/scene_file.h"
+#include <fixsplat/scene_file.h>
 
 #include <math.h>
 #include <stdint.h>
 
-#include "../port/scene/transform_internal.h"
+#include "src/gaussian/transform_internal.h"
 #include "folder.h"
 
 static fxs_message message;

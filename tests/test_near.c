@@ -4,11 +4,11 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../port/camera/camera.h"
-#include "../port/import/pack.h"
-#include "../port/scene/ply_write.h"
-#include "../tools/metrics.h"
-#include "../tools/procedural.h"
+#include <fixsplat/camera.h>
+#include <fixsplat/pack.h>
+#include <fixsplat/ply_write.h>
+#include "tools/metrics.h"
+#include "src/scene/make/procedural.h"
 #include "check.h"
 #include "one_scene.h"
 #include "reference.h"

@@ -2,10 +2,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/backend/backends.h"
+#include <fixsplat/backends.h>
 #include "check.h"
 #ifdef FXS_WITH_CUDA
-#include "../kernels/cuda/cuda.h"
+#include <fixsplat/cuda.h>
 #endif
 
 #ifdef FXS_WITH_CUDA

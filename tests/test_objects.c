@@ -1,8 +1,8 @@
 /* Frames of several objects: against the double-precision reference of the merged scene, and, where the integers are
  * the same, against frames of one scene, byte for byte. */
-#include "../port/posix/pool.h"
+#include <fixsplat/pool.h>
 #include "random_scene.h"
-#include "world.h"
+#include "random_world.h"
 
 #define FLOOR 54.0                 /* dB */
 enum { WIDTH = 400, HEIGHT = 260 };

@@ -5,17 +5,17 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../port/files/byte_reader.h"
-#include "../port/import/encode.h"
-#include "../port/import/order.h"
-#include "../port/import/pack.h"
-#include "../port/scene/ply_write.h"
-#include "../port/scene/spz_write.h"
-#include "../port/posix/pool.h"
-#include "../src/fixsplat.h"
-#include "../src/packed.h"
-#include "../src/chunk.h"
-#include "../tools/procedural.h"
+#include "src/base/byte_reader.h"
+#include "src/pack/encode.h"
+#include "src/pack/order.h"
+#include <fixsplat/pack.h>
+#include <fixsplat/ply_write.h>
+#include <fixsplat/spz_write.h>
+#include <fixsplat/pool.h>
+#include <fixsplat/fixsplat.h>
+#include <fixsplat/packed.h>
+#include "src/core/chunk.h"
+#include "src/scene/make/procedural.h"
 #include "check.h"
 #include "decoded.h"
 

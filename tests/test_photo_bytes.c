@@ -2,7 +2,7 @@
    so that it is built for other processors too (tests/scripts/processors.sh). */
 #include "jpeg_bytes.h"
 #include "photo_folder.h"
-#include "../port/posix/pool.h"
+#include <fixsplat/pool.h>
 
 /* Of all that is read from the folder below. */
 #define EXPECTED 0x27b8163au

@@ -1,8 +1,8 @@
 /* Photographs with their cameras: every layout of files, sizes, backgrounds and lenses against plain reference code,
    points, bad input, and the real sets where they are. */
 #include "photo_folder.h"
-#include "../port/camera/lens.h"
-#include "../port/posix/pool.h"
+#include "src/camera/lens.h"
+#include <fixsplat/pool.h>
 
 /* ---- COLMAP ------------------------------------------------------------------------------------------------------ */
 
@@ -666,7 +666,7 @@ static void inria(void)
 /* ---- Alpha ------------------------------------------------------------------------------------------------------- */
 
 #if defined(FXS_WITH_STB) && defined(FXS_WITH_ZLIB)
-#include "../port/image/image_file.h"
+#include <fixsplat/image_file.h>
 
 /* Colour times alpha and background times the rest, before the average and rounded once. */
 static void alpha(void)

@@ -1,5 +1,5 @@
-#include "../port/scene/ply_write.h"
-#include "../tools/procedural.h"
+#include <fixsplat/ply_write.h>
+#include "src/scene/make/procedural.h"
 #include "check.h"
 
 #include <math.h>

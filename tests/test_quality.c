@@ -10,16 +10,16 @@
 #include <unistd.h>
 
 #ifdef FXS_WITH_KERNELS
-#include "../kernels/kernels.h"
+#include <fixsplat/kernels.h>
 #endif
-#include "../port/camera/camera.h"
-#include "../port/import/pack.h"
-#include "../port/scene/ply_write.h"
-#include "../port/scene/spz_write.h"
-#include "../port/posix/pool.h"
-#include "../src/frame.h"
-#include "../tools/metrics.h"
-#include "../tools/procedural.h"
+#include <fixsplat/camera.h>
+#include <fixsplat/pack.h>
+#include <fixsplat/ply_write.h>
+#include <fixsplat/spz_write.h>
+#include <fixsplat/pool.h>
+#include "src/core/frame.h"
+#include "tools/metrics.h"
+#include "src/scene/make/procedural.h"
 #include "check.h"
 #include "one_scene.h"
 #include "reference.h"

@@ -1,6 +1,6 @@
 /* Merged scenes: their counts, what a merger keeps, and what is wrong. */
-#include "../port/import/pack.h"
-#include "../port/scene/scene_decimate.h"
+#include <fixsplat/pack.h>
+#include <fixsplat/scene_decimate.h>
 #include "scene_bytes.h"
 
 enum { COUNT = 2000 };

@@ -1,6 +1,6 @@
 /* Filtered scene files: what is left, its count before anything is read, and the same through fxs_pack. */
-#include "../port/scene/ply_write.h"
-#include "../port/scene/scene_filter.h"
+#include <fixsplat/ply_write.h>
+#include <fixsplat/scene_filter.h>
 #include "scene_bytes.h"
 
 enum { COUNT = 1000 };

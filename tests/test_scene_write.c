@@ -1,6 +1,6 @@
 /* Scene files written in each format and read again, what the formats' own numbers say, and what is wrong. */
-#include "../port/scene/codebook_internal.h"
-#include "../port/scene/scene_write.h"
+#include "src/scene/write/codebook_internal.h"
+#include <fixsplat/scene_write.h>
 #include "scene_bytes.h"
 
 enum { COUNT = 300 };

@@ -1,5 +1,5 @@
 /* Reads of .sog made here: both versions, every SH degree, as a zip and as a folder; streamed; faulty; a real one. */
-#include "../port/scene/scene_file.h"
+#include <fixsplat/scene_file.h>
 
 #include <math.h>
 #include <stdint.h>

@@ -1,5 +1,5 @@
 /* Reads of .splat files made here, of what is none, and of a real scene; files written and read again. */
-#include "../port/scene/splat_write.h"
+#include <fixsplat/splat_write.h>
 #include "scene_bytes.h"
 
 enum { RECORD = 32, ROWS = 100 };

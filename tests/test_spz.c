@@ -1,5 +1,5 @@
 /* Reads of .spz files made here in every version, of faulty ones, and of a real scene. */
-#include "../port/scene/spz_write.h"
+#include <fixsplat/spz_write.h>
 #include "scene_bytes.h"
 #include "spz_bytes.h"
 

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../src/frame.h"
+#include "src/core/frame.h"
 #include "in_doubles.h"
 #include "one_scene.h"
 #include "packed_scene.h"

@@ -4,16 +4,16 @@
 #include <math.h>
 #include <unistd.h>
 
-#include "../port/camera/camera.h"
-#include "../port/import/pack.h"
-#include "../port/scene/ply_write.h"
-#include "../port/posix/pool.h"
-#include "../tools/metrics.h"
-#include "../tools/procedural.h"
+#include <fixsplat/camera.h>
+#include <fixsplat/pack.h>
+#include <fixsplat/ply_write.h>
+#include <fixsplat/pool.h>
+#include "tools/metrics.h"
+#include "src/scene/make/procedural.h"
 #include "one_scene.h"
 #include "random_scene.h"
 #ifdef FXS_WITH_KERNELS
-#include "../kernels/kernels.h"
+#include <fixsplat/kernels.h>
 #endif
 
 enum { GUARD = 0xa5, GUARD_BYTES = 256, CASES = 80 };

@@ -1,7 +1,7 @@
 /* Frames that are stopped, at each place where they ask: FXS_ERR_STOPPED, nothing else is lost, and a frame whose stop
  * says no has the bytes of one without. With --threads only the test of several threads, for ThreadSanitizer. */
-#include "../port/board/strip.h"
-#include "../port/posix/pool.h"
+#include <fixsplat/strip.h>
+#include <fixsplat/pool.h>
 #include "check.h"
 #include "one_scene.h"
 #include "random_scene.h"

@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/board/strip.h"
-#include "../port/board/turntable.h"
-#include "../port/posix/map.h"
-#include "../src/stage.h"
+#include <fixsplat/strip.h>
+#include "port/board/turntable.h"
+#include <fixsplat/map.h>
+#include <fixsplat/stage.h>
 #include "check.h"
 #include "random_scene.h"
 

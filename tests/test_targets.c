@@ -1,9 +1,9 @@
 /* Depths, ids, coverage, occluders and backdrops: against a loop over every pixel and every splat in order, without
  * tiles and parts, exactly; against the double-precision reference; and against each other. */
-#include "../src/frame.h"
+#include "src/core/frame.h"
 #include "random_scene.h"
 #include "splat_level.h"
-#include "world.h"
+#include "random_world.h"
 
 static fxs_context plain;          /* C, one thread */
 static const double up[3] = {0, -1, 0};

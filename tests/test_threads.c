@@ -8,8 +8,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../kernels/kernels.h"
-#include "../port/posix/pool.h"
+#include <fixsplat/kernels.h>
+#include <fixsplat/pool.h>
 #include "check.h"
 #include "one_scene.h"
 #include "random_scene.h"

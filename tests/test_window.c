@@ -1,7 +1,7 @@
 /* Camera motion, the overlay, and the viewer with events pushed to SDL, on its driver without a screen. */
-#include "../port/camera/camera.h"
-#include "../port/window/motion.h"
-#include "../port/window/words.h"
+#include <fixsplat/camera.h>
+#include "port/window/motion.h"
+#include "port/window/words.h"
 #include "check.h"
 
 #include <libgen.h>
@@ -319,8 +319,8 @@ static void test_graph_shows_the_times(void)
 #ifdef FXS_WITH_SDL
 #include <SDL2/SDL.h>
 
-#include "../port/image/image_file.h"
-#include "../tools/viewer.h"
+#include <fixsplat/image_file.h>
+#include "tools/viewer.h"
 
 /* In the place of SDL's: a screen whose pixels are finer than its points. */
 static int pixels_a_point = 1;

@@ -4,7 +4,7 @@
 
 #include <stdlib.h>
 
-#include "../src/parts.h"
+#include "src/core/parts.h"
 
 /* Tile t's list is counts[t] entries that end before entries[ends[t]]. */
 typedef struct tile_lists {

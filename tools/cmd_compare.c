@@ -2,9 +2,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "../port/image/image_file.h"
+#include <fixsplat/image_file.h>
 #include "command.h"
-#include "files.h"
+#include "file_guard.h"
 #include "metrics.h"
 
 static const char help[] =

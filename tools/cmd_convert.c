@@ -4,11 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/scene/fxs_file.h"
-#include "../port/scene/scene_write.h"
-#include "../port/world/merge.h"
-#include "convert.h"
-#include "files.h"
+#include <fixsplat/fxs_file.h>
+#include <fixsplat/scene_write.h>
+#include "src/scene/edit/merge.h"
+#include "cmd_convert.h"
+#include "file_guard.h"
 #include "quality.h"
 
 static const char help[] =

@@ -2,7 +2,7 @@
 #ifndef CONVERT_H
 #define CONVERT_H
 
-#include "world.h"
+#include "load_world.h"
 
 /* Writes the files of a world as one, what load->filter leaves of it, by the ending of `out`. None of them is an .fxs,
    or `out`. `spz_version` 0 is the default; `name` is that of the whole, for messages. Returns 0, or prints why not and

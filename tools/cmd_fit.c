@@ -7,8 +7,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "../port/posix/clock.h"
-#include "files.h"
+#include <fixsplat/clock.h>
+#include "file_guard.h"
 #include "fit_result.h"
 
 static const char help[] =

@@ -3,11 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/backend/backends.h"
-#include "../port/board/strip.h"
-#include "../port/board/turntable.h"
-#include "../port/posix/pool.h"
-#include "../port/scene/fxs_file.h"
+#include <fixsplat/backends.h>
+#include <fixsplat/strip.h>
+#include "port/board/turntable.h"
+#include <fixsplat/pool.h>
+#include <fixsplat/fxs_file.h>
 #include "quality.h"
 #include "stats.h"
 

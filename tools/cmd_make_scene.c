@@ -2,10 +2,10 @@
 #include <inttypes.h>
 #include <stdlib.h>
 
-#include "../port/scene/ply_write.h"
-#include "../port/scene/scene_write.h"
+#include <fixsplat/ply_write.h>
+#include <fixsplat/scene_write.h>
 #include "command.h"
-#include "procedural.h"
+#include "src/scene/make/procedural.h"
 
 static void help(void)
 {

@@ -1,12 +1,12 @@
 /* fixsplat render */
-#include "render.h"
+#include "cmd_render.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "../port/backend/backends.h"
-#include "../port/image/depth_file.h"
+#include <fixsplat/backends.h>
+#include "src/image/depth_file.h"
 
 static const char help[] =
     "Usage: fixsplat render SCENE... -o OUT [OPTION...]\n\n"

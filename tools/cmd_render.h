@@ -2,7 +2,7 @@
 #ifndef RENDER_H
 #define RENDER_H
 
-#include "../port/image/image_file.h"
+#include <fixsplat/image_file.h>
 #include "renderer.h"
 
 typedef struct render_options {

@@ -4,8 +4,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../port/image/image_file.h"
-#include "view.h"
+#include <fixsplat/image_file.h>
+#include "cmd_view.h"
 #include "views.h"
 
 const char viewer_keys[] =

@@ -1,4 +1,4 @@
-#include "files.h"
+#include "file_guard.h"
 
 #include <pthread.h>
 #include <stdlib.h>
@@ -6,8 +6,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "../port/files/opened.h"
-#include "../port/files/output.h"
+#include "src/base/opened.h"
+#include <fixsplat/output.h>
 #include "command.h"
 
 enum use { OPENED, GIVEN, OUTPUT };         /* by the library; to the command */

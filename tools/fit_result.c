@@ -7,10 +7,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "../port/image/image_file.h"
-#include "../port/scene/fxs_file.h"
-#include "../port/scene/ply_write.h"
-#include "files.h"
+#include <fixsplat/image_file.h>
+#include <fixsplat/fxs_file.h>
+#include <fixsplat/ply_write.h>
+#include "file_guard.h"
 
 /* ---- Writing ----------------------------------------------------------------------------------------------------- */
 

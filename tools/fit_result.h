@@ -2,7 +2,7 @@
 #ifndef FIT_RESULT_H
 #define FIT_RESULT_H
 
-#include "../port/fit/blocks.h"
+#include <fixsplat/blocks.h>
 #include "quality.h"
 
 /* Whether the name has an ending that result_write knows, and can be written. Returns 0, or prints why not and returns

@@ -1,4 +1,4 @@
-#include "scene.h"
+#include "load_scene.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -8,12 +8,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "../port/posix/clock.h"
-#include "../port/posix/pool.h"
-#include "../port/scene/fxs_file.h"
-#include "../port/scene/scene_decimate.h"
-#include "../src/packed.h"
-#include "files.h"
+#include <fixsplat/clock.h>
+#include <fixsplat/pool.h>
+#include <fixsplat/fxs_file.h>
+#include <fixsplat/scene_decimate.h>
+#include <fixsplat/packed.h>
+#include "file_guard.h"
 
 static int is_standard_input(const char *path)
 {

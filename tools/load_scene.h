@@ -2,9 +2,9 @@
 #ifndef SCENE_H
 #define SCENE_H
 
-#include "../port/import/pack.h"
-#include "../port/posix/map.h"
-#include "../port/scene/scene_filter.h"
+#include <fixsplat/pack.h>
+#include <fixsplat/map.h>
+#include <fixsplat/scene_filter.h>
 #include "command.h"
 
 typedef struct loaded_scene {

@@ -1,10 +1,10 @@
-#include "world.h"
+#include "load_world.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/world/merge.h"
+#include "src/scene/edit/merge.h"
 
 /* ---- Options ----------------------------------------------------------------------------------------------------- */
 

@@ -2,8 +2,8 @@
 #ifndef WORLD_H
 #define WORLD_H
 
-#include "../port/world/world.h"
-#include "scene.h"
+#include <fixsplat/world.h>
+#include "load_scene.h"
 
 #define PLACES_MOST 1024
 

@@ -3,9 +3,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../port/backend/backends.h"
-#include "../port/files/output.h"
-#include "files.h"
+#include <fixsplat/backends.h>
+#include <fixsplat/output.h>
+#include "file_guard.h"
 #include "renderer.h"
 
 static const struct {

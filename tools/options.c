@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/backend/backends.h"
-#include "../port/posix/pool.h"
+#include <fixsplat/backends.h>
+#include <fixsplat/pool.h>
 #ifdef FXS_WITH_KERNELS
-#include "../kernels/kernels.h"
+#include <fixsplat/kernels.h>
 #endif
 
 const char camera_options_help[] =

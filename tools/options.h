@@ -2,9 +2,9 @@
 #ifndef OPTIONS_H
 #define OPTIONS_H
 
-#include "../port/camera/camera.h"
-#include "../src/backend.h"
-#include "world.h"
+#include <fixsplat/camera.h>
+#include <fixsplat/backend.h>
+#include "load_world.h"
 
 #define DEVICES_MOST 16
 

@@ -1,4 +1,4 @@
-#include "render.h"
+#include "cmd_render.h"
 
 #include <inttypes.h>
 #include <stdlib.h>

@@ -1,14 +1,14 @@
-#include "render.h"
+#include "cmd_render.h"
 
 #include <inttypes.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/image/depth_file.h"
-#include "../port/image/film_file.h"
-#include "../port/image/panorama.h"
-#include "files.h"
+#include "src/image/depth_file.h"
+#include <fixsplat/film_file.h>
+#include "src/image/panorama.h"
+#include "file_guard.h"
 #include "metrics.h"
 
 /* ---- Names ----------------------------------------------------------------------------------------------------- */

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/backend/backends.h"
+#include <fixsplat/backends.h>
 
 void picture_free(picture *p)
 {

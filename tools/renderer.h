@@ -2,8 +2,8 @@
 #ifndef RENDERER_H
 #define RENDERER_H
 
-#include "../port/backend/foveate.h"
-#include "../port/posix/pool.h"
+#include <fixsplat/foveate.h>
+#include <fixsplat/pool.h>
 #include "options.h"
 
 /* What is drawn beside colour. */

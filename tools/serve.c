@@ -8,11 +8,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "../port/camera/camera_file.h"
-#include "../port/http/server.h"
-#include "../port/scene/fxs_file.h"
-#include "scene.h"
-#include "view.h"
+#include <fixsplat/camera_file.h>
+#include "port/http/server.h"
+#include <fixsplat/fxs_file.h>
+#include "load_scene.h"
+#include "cmd_view.h"
 
 typedef struct site {
     fxs_http_site served;

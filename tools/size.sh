@@ -37,7 +37,7 @@ done
 strip -o "$stripped" "$build/fixsplat" && part "fixsplat, stripped" size "$stripped"
 
 if command -v arm-none-eabi-gcc >/dev/null 2>&1; then
-    for source in src/*.c; do
+    for source in src/core/*.c; do
         object=$objects/$(basename "$source" .c).o
         arm-none-eabi-gcc -std=c99 -Os -mcpu=cortex-m3 -mthumb -c "$source" -o "$object" || exit 1
     done

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/files/exponential.h"
-#include "../port/files/message.h"
+#include "src/base/exponential.h"
+#include <fixsplat/message.h>
 #include "command.h"
 
 #define SH_0 0.28209479177387814

@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/posix/clock.h"
-#include "../port/window/motion.h"
-#include "../port/window/words.h"
-#include "../src/packed.h"
+#include <fixsplat/clock.h>
+#include "port/window/motion.h"
+#include "port/window/words.h"
+#include <fixsplat/packed.h>
 
 enum { STILL_MS = 150, FRAME_MS = 16, LOADING_MS = 50, HINT_MS = 6000, FILM_NS = 1000000000 / FILM_RATE };
 

@@ -3,9 +3,9 @@
 #ifndef VIEWER_H
 #define VIEWER_H
 
-#include "../port/window/recent.h"
-#include "../port/window/window.h"
-#include "../port/window/worker.h"
+#include "port/window/recent.h"
+#include "port/window/window.h"
+#include "port/window/worker.h"
 #include "renderer.h"
 
 enum viewer_picture { SHOW_COLOUR, SHOW_DEPTH, SHOW_IDS };

@@ -4,11 +4,11 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "../port/backend/backends.h"
-#include "../port/image/film_file.h"
-#include "../port/posix/clock.h"
-#include "../port/window/motion.h"
-#include "convert.h"
+#include <fixsplat/backends.h>
+#include <fixsplat/film_file.h>
+#include <fixsplat/clock.h>
+#include "port/window/motion.h"
+#include "cmd_convert.h"
 #include "viewer.h"
 
 const char *cutoff_name(enum fxs_cutoff cutoff)

@@ -1,7 +1,7 @@
 /* fixsplat-view: what `fixsplat view` runs, with the same words. */
-#include "../port/files/output.h"
+#include <fixsplat/output.h>
 #include "viewer.h"
-#include "view.h"
+#include "cmd_view.h"
 
 int main(int argc, char **argv)
 {

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../port/window/words.h"
-#include "view.h"
+#include "port/window/words.h"
+#include "cmd_view.h"
 #include "viewer.h"
 
 enum { PANELS_MOST = 12, KEYS_MOST = 64, SMALLEST = 7 };    /* pixels of words */

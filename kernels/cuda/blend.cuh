@@ -158,7 +158,7 @@ __device__ inline void blend_queued(pixel *p, const uint16_t *alpha_q15, queued_
     blend_pixel(p, alpha_q15, row, column, s, s->limit);
 }
 
-/* The same, and what src/trace.c keeps. */
+/* The same, and what src/core/trace.c keeps. */
 __device__ inline void blend_queued(traced_pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t column,
                                     const queued_splat *s, const queued_trace *trace, int depth_bits)
 {

@@ -1,6 +1,6 @@
 /* The kernels of a frame in order, for several frames at a time. */
 #include "blend.cuh"
-#include "cuda.h"
+#include <fixsplat/cuda.h>
 #include "dense.cuh"
 #include "lists.cuh"
 #include "scenes.cuh"

@@ -7,7 +7,7 @@
 
 #include <cuda_runtime.h>
 
-#include "../../src/fixsplat.h"
+#include <fixsplat/fixsplat.h>
 
 namespace {
 

@@ -6,29 +6,29 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "../../src/fixsplat.h"
+#include <fixsplat/fixsplat.h>
 
 #define FXS_STAGE __host__ __device__
 #define static static __host__ __device__
-#include "../../src/packed.h"
+#include <fixsplat/packed.h>
 namespace {
-#include "../../src/fixed.h"
-#include "../../src/stage.h"
-#include "../../src/view.c"
-#include "../../src/object.c"
-#include "../../src/chunk.c"
-#include "../../src/project.c"
-#include "../../src/shade.c"
-#include "../../src/bin.c"
-#include "../../src/resolve.c"
-#include "../../src/targets.c"
+#include <fixsplat/fixed.h>
+#include <fixsplat/stage.h>
+#include "src/core/view.c"
+#include "src/core/object.c"
+#include "src/core/chunk.c"
+#include "src/core/project.c"
+#include "src/core/shade.c"
+#include "src/core/bin.c"
+#include "src/core/resolve.c"
+#include "src/core/targets.c"
 }
 #undef static
 
 namespace {
 
 __device__ const uint16_t offset_of_code_q11[FXS_OPACITY_LAWS][256] = {
-#include "../../src/opacity.inc"
+#include "src/core/opacity.inc"
 };
 
 /* A splat that does not fit in BOX_COLUMNS x BOX_ROWS tiles, or any with the square cut-off. */

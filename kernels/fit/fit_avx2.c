@@ -8,4 +8,4 @@
 #define ANY(which) (!_mm256_testz_si256((__m256i)(which), (__m256i)(which)))
 #define CHOOSE(which, a, b) ((real)_mm256_blendv_ps((__m256)(b), (__m256)(a), (__m256)(which)))
 #define BITS(which) ((uint32_t)_mm256_movemask_ps((__m256)(which)))
-#include "../../port/fit/stages.h"
+#include "src/fit/fit_stages.h"

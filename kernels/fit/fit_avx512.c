@@ -42,4 +42,4 @@ static inline void add_vectors(const __m512 *v, float *sums)
 }
 
 #define ADD_PLACES(vectors, sums) add_vectors((const __m512 *)(vectors), sums)
-#include "../../port/fit/stages.h"
+#include "src/fit/fit_stages.h"

@@ -8,4 +8,4 @@
 #define ANY(which) (vmaxvq_u32((uint32x4_t)(which)) != 0)
 #define CHOOSE(which, a, b) ((real)vbslq_f32((uint32x4_t)(which), (float32x4_t)(a), (float32x4_t)(b)))
 #define BITS(which) vaddvq_u32((uint32x4_t)(which) & (uint32x4_t){1, 2, 4, 8})
-#include "../../port/fit/stages.h"
+#include "src/fit/fit_stages.h"

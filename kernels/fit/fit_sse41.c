@@ -8,4 +8,4 @@
 #define ANY(which) (!_mm_testz_si128((__m128i)(which), (__m128i)(which)))
 #define CHOOSE(which, a, b) ((real)_mm_blendv_ps((__m128)(b), (__m128)(a), (__m128)(which)))
 #define BITS(which) ((uint32_t)_mm_movemask_ps((__m128)(which)))
-#include "../../port/fit/stages.h"
+#include "src/fit/fit_stages.h"

@@ -2,10 +2,10 @@
 #ifndef FXS_GLES_DEVICE_H
 #define FXS_GLES_DEVICE_H
 
-#include "../../src/packed.h"
-#include "../../src/stage.h"
+#include <fixsplat/packed.h>
+#include <fixsplat/stage.h>
 #include "gl.h"
-#include "gles.h"
+#include <fixsplat/gles.h>
 
 #define FXS_GLES_SIDE 2048         /* texels, of what every device has: 2 M records */
 #define FXS_GLES_MOST 8192         /* pixels: as words, 1 GiB, which 32 bits can count */

@@ -1,9 +1,9 @@
 /* The exact picture without lists: splats near to far, each a triangle or two, in one draw; the fragment shader reads
    the state of its pixel from the framebuffer, where a tile-based GPU has it at hand, and writes the next. Then one
    draw over all of the picture resolves the states. */
-#include "../../src/fixed.h"
-#include "../../src/memory.h"
-#include "../../src/parts.h"
+#include <fixsplat/fixed.h>
+#include "src/core/memory.h"
+#include "src/core/parts.h"
 #include "device.h"
 
 #define TEXELS 3u                  /* of a record */

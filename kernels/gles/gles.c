@@ -1,7 +1,7 @@
 /* The back end's objects: functions, programs, textures and buffers; reading back; the caller's target. */
-#include "gles.h"
+#include <fixsplat/gles.h>
 
-#include "../../src/memory.h"
+#include "src/core/memory.h"
 #include "device.h"
 #include "shaders.h"
 

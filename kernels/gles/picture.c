@@ -1,5 +1,5 @@
 /* What both exact ways share: windows of a picture, the caller's pictures in textures, draws over all of a surface. */
-#include "../../src/fixed.h"
+#include <fixsplat/fixed.h>
 #include "device.h"
 
 int fxs_gles_has_occluder(const fxs_gles *g, const fxs_tile_run *run)

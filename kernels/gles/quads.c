@@ -1,7 +1,7 @@
 /* The inexact picture: an instance of a quad for each splat, the farthest first, blended over the background by the
    hardware: C = C' (1 - alpha) + colour alpha. */
-#include "../../src/fixed.h"
-#include "../../src/memory.h"
+#include <fixsplat/fixed.h>
+#include "src/core/memory.h"
 #include "device.h"
 
 #define INSTANCE 32                /* bytes */

@@ -3,8 +3,8 @@
    for each list that it is in: a fetch less than by its number, and one pass over the lists. A draw before finds which
    blocks of 4x4 pixels each splat of a tile may touch, so that a pixel passes over the rest. Tiles are drawn by the
    length of their lists, the longest first: in the picture's order an H200 takes up to 3.5 times as long. */
-#include "../../src/fixed.h"
-#include "../../src/memory.h"
+#include <fixsplat/fixed.h>
+#include "src/core/memory.h"
 #include "device.h"
 
 #define RECORD 32                  /* bytes */

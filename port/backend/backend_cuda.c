@@ -1,12 +1,12 @@
-/* The CUDA back end (kernels/cuda) in the table of src/backend.h. */
+/* The CUDA back end (kernels/cuda) in the table of src/include/fixsplat/backend.h. */
 #include <stdlib.h>
 #include <string.h>
 
-#include "../files/message.h"
-#include "../posix/clock.h"
-#include "backends.h"
+#include <fixsplat/message.h>
+#include <fixsplat/clock.h>
+#include <fixsplat/backends.h>
 #ifdef FXS_WITH_CUDA
-#include "../../kernels/cuda/cuda.h"
+#include <fixsplat/cuda.h>
 #endif
 
 #ifdef FXS_WITH_CUDA

@@ -3,24 +3,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../camera/camera.h"
-#include "../import/pack.h"
-#include "backends.h"
+#include <fixsplat/camera.h>
+#include <fixsplat/pack.h>
+#include <fixsplat/backends.h>
 #include "processor_internal.h"
 
 #ifdef FXS_WITH_GLES
-#include "../../kernels/gles/gles.h"
+#include <fixsplat/gles.h>
 #else
 typedef int fxs_gl_load_fn;
 #endif
 #ifdef FXS_WITH_EGL
-#include "../egl/egl.h"
+#include <fixsplat/egl.h>
 #define EGL fxs_egl_open, fxs_egl_load, fxs_egl_use, fxs_egl_close
 #else
 #define EGL 0, 0, 0, 0
 #endif
 #ifdef FXS_WITH_OSMESA
-#include "../osmesa/osmesa.h"
+#include <fixsplat/osmesa.h>
 #define OSMESA fxs_osmesa_open, fxs_osmesa_load, fxs_osmesa_use, fxs_osmesa_close
 #else
 #define OSMESA 0, 0, 0, 0

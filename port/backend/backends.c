@@ -1,4 +1,4 @@
-#include "backends.h"
+#include <fixsplat/backends.h>
 
 #include <string.h>
 

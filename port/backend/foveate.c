@@ -1,10 +1,10 @@
-#include "foveate.h"
+#include <fixsplat/foveate.h>
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "../files/message.h"
-#include "../posix/clock.h"
+#include <fixsplat/message.h>
+#include <fixsplat/clock.h>
 
 enum { TILE = 16, ROWS = 16 /* of a job */, OPAQUE = 256 };
 

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../posix/clock.h"
+#include <fixsplat/clock.h>
 #ifdef FXS_WITH_KERNELS
-#include "../../kernels/kernels.h"
+#include <fixsplat/kernels.h>
 #endif
 
 int fxs_refuse(int error, uint64_t bytes_needed, fxs_message *why, const char *format, ...)

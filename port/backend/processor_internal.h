@@ -2,8 +2,8 @@
 #ifndef FXS_PROCESSOR_INTERNAL_H
 #define FXS_PROCESSOR_INTERNAL_H
 
-#include "../../src/backend.h"
-#include "../posix/pool.h"
+#include <fixsplat/backend.h>
+#include <fixsplat/pool.h>
 
 typedef struct fxs_processor {
     fxs_context context;

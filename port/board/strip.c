@@ -1,7 +1,7 @@
 /* A picture in strips. */
-#include "strip.h"
+#include <fixsplat/strip.h>
 
-#include "../../src/stage.h"
+#include <fixsplat/stage.h>
 
 static int is_valid(const fxs_strip *s, const fxs_view *view)
 {

@@ -1,7 +1,7 @@
 /* A scene that turns before a camera which frames it. */
 #include "turntable.h"
 
-#include "../../src/packed.h"
+#include <fixsplat/packed.h>
 
 #define COS_18_Q30 1021189159
 #define SIN_18_Q30 331804471

@@ -3,7 +3,7 @@
 #ifndef FXS_TURNTABLE_H
 #define FXS_TURNTABLE_H
 
-#include "../../src/fixsplat.h"
+#include <fixsplat/fixsplat.h>
 
 #ifdef __cplusplus
 extern "C" {

@@ -1,4 +1,4 @@
-#include "egl.h"
+#include <fixsplat/egl.h>
 
 #include <EGL/egl.h>
 #include <EGL/eglext.h>

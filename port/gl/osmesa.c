@@ -1,4 +1,4 @@
-#include "osmesa.h"
+#include <fixsplat/osmesa.h>
 
 #include <GL/osmesa.h>
 #include <dlfcn.h>

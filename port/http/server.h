@@ -5,7 +5,7 @@
 #ifndef FXS_HTTP_SERVER_H
 #define FXS_HTTP_SERVER_H
 
-#include "../files/message.h"
+#include <fixsplat/message.h>
 
 typedef struct fxs_http_file {
     const char *name;                       /* "/scenes/0/room.ply" */

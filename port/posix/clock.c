@@ -1,4 +1,4 @@
-#include "clock.h"
+#include <fixsplat/clock.h>
 
 #include <time.h>
 

@@ -1,5 +1,5 @@
 #define _DEFAULT_SOURCE            /* MAP_ANONYMOUS */
-#include "map.h"
+#include <fixsplat/map.h>
 
 #include <errno.h>
 #include <fcntl.h>
@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "../files/opened.h"
+#include "src/base/opened.h"
 
 /* What the handler for SIGBUS looks through: a signal may come at any time, so there is no lock. All but `taken` are
    read and written atomically. */

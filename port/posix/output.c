@@ -1,4 +1,4 @@
-#include "output_internal.h"
+#include "src/base/output_internal.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "output.h"
+#include <fixsplat/output.h>
 
 enum { LINKS_MOST = 40 };   /* as Linux has it */
 

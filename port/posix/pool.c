@@ -3,7 +3,7 @@
 #include <sched.h>
 #endif
 
-#include "pool.h"
+#include <fixsplat/pool.h>
 
 #include <pthread.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #ifndef FXS_WEB_H
 #define FXS_WEB_H
 
-#include "../../src/fixsplat.h"
+#include <fixsplat/fixsplat.h>
 
 #define EXPORT(name) __attribute__((export_name(#name)))
 

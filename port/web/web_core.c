@@ -4,13 +4,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../kernels/kernels.h"
-#include "../../src/packed.h"
-#include "../camera/camera.h"
-#include "../files/allocator.h"
-#include "../files/message.h"
-#include "../scene/fxs_file.h"
-#include "../world/world.h"
+#include <fixsplat/kernels.h>
+#include <fixsplat/packed.h>
+#include <fixsplat/camera.h>
+#include <fixsplat/allocator.h>
+#include <fixsplat/message.h>
+#include <fixsplat/fxs_file.h>
+#include <fixsplat/world.h>
 #include "web.h"
 
 __attribute__((import_module("env"), import_name("tan"))) double fxs_web_tan(double x);

@@ -1,5 +1,5 @@
 /* The checksum that zlib and libzip ask for. */
-#include "../files/crc32.h"
+#include "src/base/crc32.h"
 
 unsigned long crc32(unsigned long crc, const unsigned char *bytes, unsigned count);
 

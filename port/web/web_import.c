@@ -4,11 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../files/allocator.h"
-#include "../files/message.h"
-#include "../import/pack.h"
-#include "../scene/fxs_file.h"
-#include "../scene/scene_file.h"
+#include <fixsplat/allocator.h>
+#include <fixsplat/message.h>
+#include <fixsplat/pack.h>
+#include <fixsplat/fxs_file.h>
+#include <fixsplat/scene_file.h>
 #include "web.h"
 
 #define IMPORT(name) __attribute__((import_module("env"), import_name(#name)))

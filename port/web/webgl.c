@@ -2,8 +2,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../kernels/gles/gl.h"
-#include "../../kernels/gles/gles.h"
+#include "kernels/gles/gl.h"
+#include <fixsplat/gles.h>
 #include "web.h"
 
 #define IMPORT(type, name) \

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "../camera/camera.h"
+#include <fixsplat/camera.h>
 
 #define POLE 0.02   /* radians left between the view and up */
 

@@ -3,7 +3,7 @@
 #ifndef FXS_MOTION_H
 #define FXS_MOTION_H
 
-#include "../camera/camera_file.h"
+#include <fixsplat/camera_file.h>
 
 /* Turns the camera about the pivot, as if a drag to the right and down by these angles turned the scene. It stops short
    of looking along `up`. */

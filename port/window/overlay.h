@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "../../src/fixsplat.h"
+#include <fixsplat/fixsplat.h>
 
 /* RGBA, alpha not multiplied in; rows from the top, without padding. The bytes belong to the caller. */
 typedef struct fxs_picture {

@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "../files/output_internal.h"
+#include "src/base/output_internal.h"
 
 /* As https://specifications.freedesktop.org/basedir-spec says, what is relative is ignored. Returns 0 where there is no
    place to keep them. */

@@ -3,7 +3,7 @@
 #ifndef FXS_WINDOW_H
 #define FXS_WINDOW_H
 
-#include "../files/message.h"
+#include <fixsplat/message.h>
 #include "overlay.h"
 
 typedef struct fxs_window fxs_window;

@@ -1,4 +1,4 @@
-#include "allocator.h"
+#include <fixsplat/allocator.h>
 
 #include <stdint.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "../scene/source_internal.h"
+#include "source_internal.h"
 
 enum { FXS_BYTE_READER_BUFFER = 1 << 17 };
 

@@ -1,4 +1,4 @@
-#include "message.h"
+#include <fixsplat/message.h>
 
 #include <errno.h>
 #include <stdarg.h>

@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "message.h"
+#include <fixsplat/message.h>
 #include "try_internal.h"
 
 typedef struct fxs_output {

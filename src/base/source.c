@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "../files/opened.h"
+#include "opened.h"
 
 /* ---- Files ----------------------------------------------------------------------------------------------------- */
 

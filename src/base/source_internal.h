@@ -2,8 +2,8 @@
 #ifndef FXS_SOURCE_INTERNAL_H
 #define FXS_SOURCE_INTERNAL_H
 
-#include "scene_file.h"
-#include "../files/text_internal.h"
+#include <fixsplat/scene_file.h>
+#include "text_internal.h"
 
 /* What the sources of one scene take together, to be held against the limits of the options. */
 typedef struct fxs_import {

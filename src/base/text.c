@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "../scene/source_internal.h"
+#include "source_internal.h"
 
 int fxs_text_load(const char *path, fxs_text *text, fxs_message *message)
 {

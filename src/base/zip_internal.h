@@ -2,7 +2,7 @@
 #ifndef FXS_ZIP_INTERNAL_H
 #define FXS_ZIP_INTERNAL_H
 
-#include "../scene/source_internal.h"
+#include "source_internal.h"
 #include "output_internal.h"
 
 typedef struct fxs_zip fxs_zip;

@@ -1,10 +1,10 @@
-#include "camera.h"
+#include <fixsplat/camera.h>
 
 #include <math.h>
 #include <string.h>
 
-#include "../files/message.h"
-#include "../files/try_internal.h"
+#include <fixsplat/message.h>
+#include "src/base/try_internal.h"
 #include "camera_internal.h"
 
 #define DEGREES 57.29577951308232

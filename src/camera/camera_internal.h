@@ -4,9 +4,9 @@
 
 #include <stddef.h>
 
-#include "camera_file.h"
+#include <fixsplat/camera_file.h>
 #include "lens.h"
-#include "../files/text_internal.h"
+#include "src/base/text_internal.h"
 
 enum { FXS_CAMERA_PATH = 4096 };   /* characters, with the zero at the end */
 

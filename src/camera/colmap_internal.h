@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "../files/text_internal.h"
+#include "src/base/text_internal.h"
 
 typedef struct fxs_colmap_cursor {
     const unsigned char *at;

@@ -3,7 +3,7 @@
 #ifndef FXS_LENS_H
 #define FXS_LENS_H
 
-#include "camera_file.h"
+#include <fixsplat/camera_file.h>
 
 /* All 0: a pinhole. The coefficients are OpenCV's. */
 typedef struct fxs_lens {

@@ -1,7 +1,7 @@
 #include <math.h>
 
-#include "../files/exponential.h"
-#include "camera.h"
+#include "src/base/exponential.h"
+#include <fixsplat/camera.h>
 
 /* A spline through values 0..count - 1 about value `first`: value first - 1 + k has weight[k]. */
 typedef struct spline {

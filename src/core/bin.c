@@ -2,7 +2,7 @@
  * sqrt(r^2 - v^2), v between the row's first and last pixel row; the widest points are at v = +- r shear / sqrt(A). A
  * margin of 1/8 pixel and 1/256 of the size makes up for rounding, so a list never misses a pixel that passes the
  * test in pixel.h. */
-#include "fixed.h"
+#include <fixsplat/fixed.h>
 #include "memory.h"
 #include "parts.h"
 

@@ -2,7 +2,7 @@
    seen. */
 #include "chunk.h"
 
-#include "fixed.h"
+#include <fixsplat/fixed.h>
 #include "memory.h"
 
 const uint16_t fxs_offset_of_code_q11[FXS_OPACITY_LAWS][256] = {

@@ -1,5 +1,5 @@
 #include "memory.h"
-#include "stage.h"
+#include <fixsplat/stage.h>
 
 const fxs_kernels fxs_kernels_c = {
     {"c", "c", "c", "c", "c", "c"}, fxs_project_c, fxs_shade_c, fxs_bin_c, fxs_spans_c, fxs_note_c,

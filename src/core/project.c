@@ -2,7 +2,7 @@
  * Kerbl et al. 2023: Sigma' = J W R S S^T R^T W^T J^T + 0.3 I. The 2x3 matrix T = J W R S is kept in fixed point
  * relative to its own size, 2^E pixels. */
 #include "codes.h"
-#include "fixed.h"
+#include <fixsplat/fixed.h>
 
 #define TENTH_Q60 (((uint64_t)1 << 60) / 10)
 

@@ -1,7 +1,7 @@
 /* sort: by depth, equal depths by slot; least significant digit first. A list is sorted by one job. All that is
  * visible, for a back end without lists, is sorted by several: each has a part of the keys, and a digit's places go to
  * the jobs in order, so the result does not depend on their number. */
-#include "fixed.h"
+#include <fixsplat/fixed.h>
 #include "memory.h"
 #include "parts.h"
 

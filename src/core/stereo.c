@@ -1,6 +1,6 @@
 /* Two eyes: each has the geometry and tile lists of its own camera; the colours are found once for both, and, where
  * both measure depth alike, the order. */
-#include "fixed.h"
+#include <fixsplat/fixed.h>
 #include "frame.h"
 
 size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,

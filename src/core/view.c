@@ -1,7 +1,7 @@
 /* The camera, once a frame and object: everything of the projection that does not depend on the Gaussian. */
 #include "view.h"
 
-#include "fixed.h"
+#include <fixsplat/fixed.h>
 #include "memory.h"
 
 #define POSITION_LIMIT_Q32 ((int64_t)1 << 60)   /* 2^28 units */

@@ -2,7 +2,7 @@
 #ifndef FXS_VIEW_H
 #define FXS_VIEW_H
 
-#include "stage.h"
+#include <fixsplat/stage.h>
 
 /* The camera in the world. Returns 0 or FXS_ERR_CAMERA, FXS_ERR_SIZE. */
 int fxs_view_init(fxs_view *view, const fxs_camera *camera, const fxs_options *options);

@@ -1,10 +1,10 @@
-#include "blocks.h"
+#include <fixsplat/blocks.h>
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../files/message.h"
+#include <fixsplat/message.h>
 #include "recipe.h"
 
 /* ---- The block's bounds ------------------------------------------------------------------------------------------ */

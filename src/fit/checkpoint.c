@@ -5,8 +5,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "../files/message.h"
-#include "../files/output_internal.h"
+#include <fixsplat/message.h>
+#include "src/base/output_internal.h"
 #include "fit_internal.h"
 #include "random.h"
 

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../camera/camera.h"
-#include "../files/message.h"
+#include <fixsplat/camera.h>
+#include <fixsplat/message.h>
 #include "random.h"
 #include "recipe.h"
 

@@ -1,8 +1,8 @@
 #define ISA c
-#include "stages.h"
+#include "fit_stages.h"
 
 #ifdef FXS_WITH_KERNELS
-#include "../../kernels/kernels.h"
+#include <fixsplat/kernels.h>
 
 #if defined(__x86_64__) || defined(__i386__)
 extern const fxs_fit_stages fxs_fit_stages_sse41, fxs_fit_stages_avx2, fxs_fit_stages_avx512;

@@ -1,11 +1,11 @@
 /* The engines: the processor, whose model is the fit's; and devices. */
 #include <stdlib.h>
 
-#include "../backend/backends.h"
-#include "../files/message.h"
+#include <fixsplat/backends.h>
+#include <fixsplat/message.h>
 #include "fit_internal.h"
 #ifdef FXS_WITH_CUDA
-#include "../../kernels/cuda/fit/fit.h"
+#include "kernels/fit/cuda/cuda_fit.h"
 #endif
 
 static int fail(int error, fxs_message *message)

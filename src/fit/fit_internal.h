@@ -3,7 +3,7 @@
 #define FXS_FIT_INTERNAL_H
 
 #include "engine.h"
-#include "fit.h"
+#include <fixsplat/fit.h>
 #include "model.h"
 #include "profile.h"
 

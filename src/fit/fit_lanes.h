@@ -1,6 +1,6 @@
 /* The operations of the fit's texts (gaussian.h, tile.h, loss.h, ...) on LANES numbers. Without LANES it is the
  * instance of one, plain C. Others define LANES and MASK, ROOT, BELOW, AT_MOST, ANY, CHOOSE and BITS first, as
- * kernels/x86/fit_avx2.c: vectors of GCC and clang.
+ * kernels/fit/fit_avx2.c: vectors of GCC and clang.
  * Every operation is that of IEEE single precision, one by one, so the instances have the same bytes. */
 #ifndef FXS_FIT_LANES_H
 #define FXS_FIT_LANES_H

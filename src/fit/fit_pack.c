@@ -1,5 +1,5 @@
 /* The Gaussians of a fit as the renderer draws them. */
-#include "../files/run.h"
+#include "src/base/run.h"
 #include "fit_internal.h"
 
 static fxs_pack_options pack_options(const fxs_fit *f)

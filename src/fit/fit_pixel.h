@@ -2,8 +2,8 @@
 #ifndef FXS_FIT_PIXEL_H
 #define FXS_FIT_PIXEL_H
 
-#include "lanes.h"
-#include "stage.h"
+#include "fit_lanes.h"
+#include "fit_stage.h"
 
 static inline mask takes_of(real level, real limit, real transmittance)
 {

@@ -2,7 +2,7 @@
 #include "adam.h"
 #include "loss.h"
 #include "noise.h"
-#include "project.h"
+#include "fit_project.h"
 #include "quantise.h"
 #include "tile.h"
 

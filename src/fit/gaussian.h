@@ -3,8 +3,8 @@
 #ifndef FXS_FIT_GAUSSIAN_H
 #define FXS_FIT_GAUSSIAN_H
 
-#include "lanes.h"
-#include "stage.h"
+#include "fit_lanes.h"
+#include "fit_stage.h"
 
 /* What project finds, and update needs again. Sigma on the picture = T T^t + 0.3, T = M R S, M = J W: the rows of M are
    f / z (W_i - slope W_2). */

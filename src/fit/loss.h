@@ -3,7 +3,7 @@
 #ifndef FXS_FIT_LOSS_H
 #define FXS_FIT_LOSS_H
 
-#include "lanes.h"
+#include "fit_lanes.h"
 
 #define FXS_FIT_WINDOW 11
 

@@ -2,7 +2,7 @@
 #ifndef FXS_FIT_NEAREST_H
 #define FXS_FIT_NEAREST_H
 
-#include "fit.h"
+#include <fixsplat/fit.h>
 
 /* squares[i] becomes the mean square of the distances of point i to its three nearest (to all others where there are
    fewer, 1 where there is none). A tree of medians: any points take n log n, many in one place too. Returns 0 or

@@ -2,7 +2,7 @@
 #ifndef FXS_FIT_PHOTO_LIST_H
 #define FXS_FIT_PHOTO_LIST_H
 
-#include "../camera/camera_internal.h"
+#include "src/camera/camera_internal.h"
 
 enum { FXS_PHOTO_PATH = FXS_CAMERA_PATH };
 

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../image/image_file.h"
+#include <fixsplat/image_file.h>
 
 /* Colours on their way are 0 to 255 x 255: alpha is divided by at the end. */
 #define POSITION_BITS 8            /* of a pixel, between pixels */

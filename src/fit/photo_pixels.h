@@ -2,7 +2,7 @@
 #ifndef FXS_FIT_PHOTO_PIXELS_H
 #define FXS_FIT_PHOTO_PIXELS_H
 
-#include "../camera/camera_internal.h"
+#include "src/camera/camera_internal.h"
 
 typedef struct fxs_photo_pixels {
     fxs_file_view view;            /* of these pixels; a pinhole's */

@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../camera/colmap_internal.h"
-#include "../files/message.h"
-#include "../scene/ply_header.h"
+#include "src/camera/colmap_internal.h"
+#include <fixsplat/message.h>
+#include "src/scene/read/ply_header.h"
 #include "random.h"
 
 #define MOST_POINTS FXS_GAUSSIANS_CEILING

@@ -2,7 +2,7 @@
 #ifndef FXS_FIT_PHOTO_POINTS_H
 #define FXS_FIT_PHOTO_POINTS_H
 
-#include "fit.h"
+#include <fixsplat/fit.h>
 
 typedef struct fxs_photo_points {
     fxs_fit_point *points;         /* the caller frees them */

@@ -1,12 +1,12 @@
-#include "photos.h"
+#include <fixsplat/photos.h>
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../camera/camera.h"
-#include "../files/message.h"
-#include "../files/run.h"
+#include <fixsplat/camera.h>
+#include <fixsplat/message.h>
+#include "src/base/run.h"
 #include "photo_list.h"
 #include "photo_pixels.h"
 #include "photo_points.h"

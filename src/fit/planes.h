@@ -2,7 +2,7 @@
 #ifndef FXS_FIT_PLANES_H
 #define FXS_FIT_PLANES_H
 
-#include "lanes.h"
+#include "fit_lanes.h"
 #include "model.h"
 
 static inline float *plane(const fxs_fit_model *m, int which)

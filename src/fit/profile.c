@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../src/packed.h"
-#include "../files/message.h"
-#include "../files/try_internal.h"
-#include "../import/order.h"
+#include <fixsplat/packed.h>
+#include <fixsplat/message.h>
+#include "src/base/try_internal.h"
+#include "src/pack/order.h"
 #include "model.h"
 #include "quantise.h"
 

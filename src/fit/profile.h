@@ -6,7 +6,7 @@
 #ifndef FXS_FIT_PROFILE_H
 #define FXS_FIT_PROFILE_H
 
-#include "../import/coded.h"
+#include "src/pack/coded.h"
 #include "model.h"
 
 /* Null pointers: the phase has not begun. */

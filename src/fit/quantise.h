@@ -2,8 +2,8 @@
 #ifndef FXS_FIT_QUANTISE_H
 #define FXS_FIT_QUANTISE_H
 
-#include "lanes.h"
-#include "stage.h"
+#include "fit_lanes.h"
+#include "fit_stage.h"
 
 /* Round to the nearest, within 0..most; most below 2^22. */
 static inline whole code_of(real x, int most_code)

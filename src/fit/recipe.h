@@ -2,8 +2,8 @@
 #ifndef FXS_FIT_RECIPE_H
 #define FXS_FIT_RECIPE_H
 
-#include "fit.h"
-#include "stage.h"
+#include <fixsplat/fit.h>
+#include "fit_stage.h"
 
 typedef struct fxs_fit_plan {
     int sh_degree;

@@ -2,8 +2,8 @@
 #ifndef FXS_FIT_SPAN_H
 #define FXS_FIT_SPAN_H
 
-#include "lanes.h"
-#include "stage.h"
+#include "fit_lanes.h"
+#include "fit_stage.h"
 
 /* Of LANES splats. radius2: that of u and v, squared; first, end: rows of tiles, none where a splat is not seen. */
 typedef struct ellipses {

@@ -2,8 +2,8 @@
 #ifndef FXS_FIT_STEPPER_H
 #define FXS_FIT_STEPPER_H
 
-#include "fit.h"
-#include "stage.h"
+#include <fixsplat/fit.h>
+#include "fit_stage.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -2,7 +2,7 @@
 #ifndef FXS_FIT_TILE_H
 #define FXS_FIT_TILE_H
 
-#include "pixel.h"
+#include "fit_pixel.h"
 
 enum {
     PLACES = 16,                   /* pixels of a block */

@@ -1,7 +1,7 @@
 /* Gaussians of the program, read like those of a file. What it hands over is trusted no more than a file is. */
 #include <string.h>
 
-#include "scene_format.h"
+#include "src/scene/scene_format.h"
 
 typedef struct gaussians_reader {
     fxs_gaussian_source from;

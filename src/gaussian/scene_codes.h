@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "../files/exponential.h"
+#include "src/base/exponential.h"
 
 /* ln of the standard deviation of what has none, across a 2D Gaussian. */
 #define FXS_FLAT_SCALE (-20)

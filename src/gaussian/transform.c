@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "../files/exponential.h"
+#include "src/base/exponential.h"
 #include "scene_codes.h"
 
 typedef double matrix[3][3];

@@ -2,7 +2,7 @@
 #ifndef FXS_DEPTH_FILE_H
 #define FXS_DEPTH_FILE_H
 
-#include "../files/message.h"
+#include <fixsplat/message.h>
 
 #ifdef __cplusplus
 extern "C" {

@@ -1,9 +1,9 @@
-#include "film_file.h"
+#include <fixsplat/film_file.h>
 
 #include <errno.h>
 #include <stdlib.h>
 
-#include "../files/output_internal.h"
+#include "src/base/output_internal.h"
 
 struct fxs_film {
     fxs_output output;

@@ -3,7 +3,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "../files/output_internal.h"
+#include "src/base/output_internal.h"
 #include "png_internal.h"
 
 #ifdef FXS_WITH_STB

@@ -1,4 +1,4 @@
-#include "image_file.h"
+#include <fixsplat/image_file.h>
 
 #include <ctype.h>
 #include <errno.h>
@@ -9,9 +9,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "../files/message.h"
-#include "../files/opened.h"
-#include "../files/try_internal.h"
+#include <fixsplat/message.h>
+#include "src/base/opened.h"
+#include "src/base/try_internal.h"
 
 #define MAX_SIZE 16384
 #define MAX_READ_PIXELS (1 << 26)

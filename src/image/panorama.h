@@ -3,7 +3,7 @@
 #ifndef FXS_PANORAMA_H
 #define FXS_PANORAMA_H
 
-#include "../camera/camera_file.h"
+#include <fixsplat/camera_file.h>
 
 #ifdef __cplusplus
 extern "C" {

@@ -4,7 +4,7 @@
 #define FXS_CODED_H
 
 #include "encode.h"
-#include "pack.h"
+#include <fixsplat/pack.h>
 
 typedef struct fxs_coded {
     const fxs_chunk *chunks;           /* of each FXS_CHUNK Gaussians */

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "../files/exponential.h"
+#include "src/base/exponential.h"
 
 #define C0 0.28209479177387814
 #define DEGREES 57.29577951308232   /* a radian */

@@ -1,10 +1,10 @@
-/* Gaussians -> the codes of a chunk (src/packed.h). The only place where attributes are quantised. */
+/* Gaussians -> the codes of a chunk (src/include/fixsplat/packed.h). The only place where attributes are quantised. */
 #ifndef FXS_ENCODE_H
 #define FXS_ENCODE_H
 
-#include "../../src/packed.h"
+#include <fixsplat/packed.h>
 #include "palette.h"
-#include "../scene/scene_file.h"
+#include <fixsplat/scene_file.h>
 
 #define FXS_LOG2_E 1.4426950408889634
 

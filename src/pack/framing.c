@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "../files/exponential.h"
+#include "src/base/exponential.h"
 
 #define EDGE 0.002                   /* of the weight, left out at each end of an axis */
 #define CORE 0.05                    /* the same, of what is surely a part */

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../src/packed.h"
+#include <fixsplat/packed.h>
 
 enum {
     BINS = 32,                       /* of a histogram; the cuts that are tried are between them */

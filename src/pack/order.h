@@ -2,7 +2,7 @@
 #ifndef FXS_ORDER_H
 #define FXS_ORDER_H
 
-#include "pack.h"
+#include <fixsplat/pack.h>
 
 #define FXS_NO_SLOT UINT32_MAX
 

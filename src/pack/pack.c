@@ -1,14 +1,14 @@
-#include "pack.h"
+#include <fixsplat/pack.h>
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../src/packed.h"
-#include "../files/exponential.h"
-#include "../files/message.h"
-#include "../files/run.h"
-#include "../files/try_internal.h"
+#include <fixsplat/packed.h>
+#include "src/base/exponential.h"
+#include <fixsplat/message.h>
+#include "src/base/run.h"
+#include "src/base/try_internal.h"
 #include "coded.h"
 #include "framing.h"
 #include "order.h"

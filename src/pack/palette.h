@@ -7,9 +7,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../../src/packed.h"
-#include "../files/message.h"
-#include "pack.h"
+#include <fixsplat/packed.h>
+#include <fixsplat/message.h>
+#include <fixsplat/pack.h>
 
 /* A Gaussian as it waits for the palette of its scene. 64 bytes. */
 typedef struct fxs_sh_item {
@@ -68,7 +68,7 @@ typedef struct fxs_sh_loss {
     double largest, squares;
 } fxs_sh_loss;
 
-/* Finds the SH of a chunk of `count` Gaussians: its mean, and the record of each (src/packed.h), `stride` bytes from
+/* Finds the SH of a chunk of `count` Gaussians: its mean, and the record of each (src/include/fixsplat/packed.h), `stride` bytes from
    one to the next. What a Gaussian's code is off is made good by those that overlap it and come later. */
 void fxs_palette_code_chunk(const fxs_palette *palette, const fxs_sh_item *items, uint32_t count, int8_t mean[48],
                             unsigned char *records, size_t stride, fxs_sh_loss *loss);

@@ -1,12 +1,12 @@
-#include "fxs_file.h"
+#include <fixsplat/fxs_file.h>
 
 #include <stdint.h>
 #include <string.h>
 
-#include "../../src/fixsplat.h"
-#include "../../src/packed.h"
-#include "../files/crc32.h"
-#include "../files/output_internal.h"
+#include <fixsplat/fixsplat.h>
+#include <fixsplat/packed.h>
+#include "src/base/crc32.h"
+#include "src/base/output_internal.h"
 
 /* Of the header as it lies at `data`, but for its checksum. */
 static uint32_t header_checksum(const fxs_crc32_table *table, const void *data)

@@ -1,4 +1,4 @@
-#include "scene_file.h"
+#include <fixsplat/scene_file.h>
 
 #include <stdio.h>
 #include <string.h>

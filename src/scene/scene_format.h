@@ -2,7 +2,7 @@
 #ifndef FXS_SCENE_FORMAT_H
 #define FXS_SCENE_FORMAT_H
 
-#include "source_internal.h"
+#include "src/base/source_internal.h"
 
 typedef struct fxs_scene_format {
     const char *name;

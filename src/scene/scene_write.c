@@ -1,11 +1,11 @@
-#include "scene_write.h"
+#include <fixsplat/scene_write.h>
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "ply_write.h"
-#include "scene_write_internal.h"
-#include "splat_write.h"
+#include <fixsplat/ply_write.h>
+#include "src/scene/write/scene_write_internal.h"
+#include <fixsplat/splat_write.h>
 
 struct fxs_scene_writer {
     const fxs_write_format *format;

@@ -1,4 +1,4 @@
-#include "world.h"
+#include <fixsplat/world.h>
 
 #include <math.h>
 #include <stdlib.h>

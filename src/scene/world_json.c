@@ -1,10 +1,10 @@
 /* A world from a JSON file. */
-#include "world.h"
+#include <fixsplat/world.h>
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "../files/text_internal.h"
+#include "src/base/text_internal.h"
 
 #ifdef FXS_WITH_CJSON
 

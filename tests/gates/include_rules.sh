@@ -3,7 +3,7 @@
 #   src      -> src; <stdint.h>, <stddef.h>, and <string.h> in memory.h alone
 #   kernels  -> src, kernels; an instruction set kernels/lanes, which includes src alone, and never another; intrinsics
 #               headers (not in lanes), and GPU headers in cuda and gles
-#               fit_* of an instruction set includes port/fit/stages.h alone; cuda/fit what is in cuda and port/fit
+#               fit_* of an instruction set includes src/fit/fit_stages.h alone; cuda/fit what is in cuda and port/fit
 #   port     -> port, the public headers of src and kernels, and gl.h, which lists the functions that gles calls;
 #               port/fit the header of cuda/fit
 #   tools    -> tools, the public headers of src, kernels and port
@@ -32,7 +32,7 @@ quoted() {
     kernels/*/fit_*) allowed="port/fit/stages\.h|kernels/[^/]*" ;;
     kernels/*/*) allowed="src/.*|$(dirname "$1")/.*|kernels/lanes/.*|kernels/[^/]*" ;;
     kernels/*) allowed='src/.*|kernels/.*' ;;
-    port/fit/*) allowed="port/.*|$public|kernels/cuda/fit/fit\.h" ;;
+    src/fit/*) allowed="port/.*|$public|kernels/cuda/fit/fit\.h" ;;
     port/*) allowed="port/.*|$public|kernels/gles/gl\.h" ;;
     tools/*) allowed="tools/.*|port/.*|$public" ;;
     esac
@@ -43,7 +43,7 @@ quoted() {
 # angled FILE HEADER: the same for <HEADER>.
 angled() {
     case $1 in
-    src/memory.h) allowed='string\.h' ;;
+    src/core/memory.h) allowed='string\.h' ;;
     src/*) allowed='std(int|def)\.h' ;;
     kernels/cuda/* | kernels/gles/*) return 0 ;;
     kernels/lanes/*) allowed='std(int|def)\.h' ;;

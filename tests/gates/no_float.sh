@@ -21,7 +21,7 @@ build() {
         missing="$missing $compiler"
         return 1
     }
-    for source in src/*.c; do
+    for source in src/core/*.c; do
         "$compiler" -std=c99 -O2 "$@" -c "$source" -o "$objects/${name}_$(basename "$source" .c).o" 2>"$objects/log" ||
             fail "$source does not build with $compiler $*: $(head -n 1 "$objects/log")"
     done

@@ -1,8 +1,8 @@
 #!/bin/sh
-# src/pixel.h is one text for three languages: C99 (gcc, clang), GLSL ES 3.00 (glslangValidator) and CUDA C (nvcc, where
+# src/include/fixsplat/pixel.h is one text for three languages: C99 (gcc, clang), GLSL ES 3.00 (glslangValidator) and CUDA C (nvcc, where
 # there is one).
 cd "$(dirname "$0")/../.." || exit 1
-header=src/pixel.h
+header=src/include/fixsplat/pixel.h
 use=tests/gates/pixel_use.inc
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT

@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../port/camera/camera.h"
-#include "../../port/posix/map.h"
-#include "../../src/packed.h"
+#include <fixsplat/camera.h>
+#include <fixsplat/map.h>
+#include <fixsplat/packed.h>
 #include "peek.h"
 
 enum { WARM_UP = 5, REPEATS = 31, BATCH = 16, SLOTS = 4, OBJECTS = 400, TRACE = 16 };   /* bytes a pixel */

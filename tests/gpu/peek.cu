@@ -1,7 +1,7 @@
 /* What the tests see of the CUDA back end's insides. */
 #include <stdlib.h>
 
-#include "../../kernels/cuda/cuda.cu"
+#include "kernels/cuda/cuda.cu"
 #include "peek.h"
 
 namespace {

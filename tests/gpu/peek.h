@@ -2,7 +2,7 @@
 #ifndef PEEK_H
 #define PEEK_H
 
-#include "../../kernels/cuda/cuda.h"
+#include <fixsplat/cuda.h>
 
 #ifdef __cplusplus
 extern "C" {

@@ -1,7 +1,7 @@
 /* What the tests see of the insides of fits on CUDA. */
 #include <stdlib.h>
 
-#include "../../kernels/cuda/fit/fit.cu"
+#include "kernels/fit/cuda/cuda_fit.cu"
 #include "peek_fit.h"
 
 namespace {

@@ -2,7 +2,7 @@
 #ifndef PEEK_FIT_H
 #define PEEK_FIT_H
 
-#include "../../kernels/cuda/fit/fit.h"
+#include "kernels/fit/cuda/cuda_fit.h"
 
 #ifdef __cplusplus
 extern "C" {

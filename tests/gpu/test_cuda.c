@@ -2,13 +2,13 @@
  * `test_cuda [--quick] [FILE.fxs...]`; --quick: few random frames, for the sanitizers. */
 #include <inttypes.h>
 
-#include "../../port/backend/backends.h"
-#include "../../port/backend/foveate.h"
-#include "../../port/camera/camera.h"
-#include "../../port/posix/map.h"
-#include "../../src/frame.h"
-#include "../random_scene.h"
-#include "../tile_lists.h"
+#include <fixsplat/backends.h>
+#include <fixsplat/foveate.h>
+#include <fixsplat/camera.h>
+#include <fixsplat/map.h>
+#include "src/core/frame.h"
+#include "tests/random_scene.h"
+#include "tests/tile_lists.h"
 #include "peek.h"
 
 static fxs_cuda *cuda;
@@ -883,7 +883,7 @@ static void test_in_place(void)
     free(packed.data);
 }
 
-/* By the table of src/backend.h: one eye, then two. */
+/* By the table of src/include/fixsplat/backend.h: one eye, then two. */
 static void test_table(void)
 {
     const fxs_backend *b = &fxs_backend_cuda;

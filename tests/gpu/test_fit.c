@@ -1,9 +1,9 @@
 /* Steps of a fit on CUDA against the processor's: every buffer of a step, bit by bit, on random models and pictures.
  * `test_fit [--quick]`; --quick: few and small ones, for the sanitizers. Whole fits: test_fit_steps --cuda. */
-#include "../../port/fit/stepper.c"
+#include "src/fit/stepper.c"
 
-#include "../../port/posix/pool.h"
-#include "../fit_scene.h"
+#include <fixsplat/pool.h>
+#include "tests/fit_scene.h"
 #include "peek_fit.h"
 
 static int quick;

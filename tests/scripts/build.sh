@@ -30,11 +30,11 @@ make_() { env -u MAKEFLAGS -u MAKELEVEL make --no-print-directory NVCC=none "$@"
 
 # Three objects: the first asks for OSMesa, the second for zstd, the third for nothing. Prints what is made anew.
 build() {
-    make_ -j1 B="$work/build" CC="$work/cc" CPPFLAGS="-I$work/include" "$@" "$work/build/port/backend/gles.o" \
-        "$work/build/port/scene/spz.o" "$work/build/src/frame.o" >"$work/log" || cat "$work/log"
+    make_ -j1 B="$work/build" CC="$work/cc" CPPFLAGS="-I$work/include" "$@" "$work/build/port/backend/backend_gles.o" \
+        "$work/build/src/scene/read/spz.o" "$work/build/src/core/frame.o" >"$work/log" || cat "$work/log"
     sed -n 's/^  CC *//p' "$work/log" | tr '\n' ' '
 }
-every='port/backend/gles.c port/scene/spz.c src/frame.c '
+every='port/backend/backend_gles.c src/scene/read/spz.c src/core/frame.c '
 
 # is NAME EXPECTED SAID
 is() { if [ "$2" = "$3" ]; then ok "$1"; else fail "$1" "$3"; fi; }
@@ -46,11 +46,11 @@ is "first: built" "$every" "$(build)"
 is "the same again: kept" "" "$(build)"
 if echo '#include <GL/osmesa.h>' | cc -E -x c - >/dev/null 2>&1; then
     hide
-    is "a library found: what asks for it is built anew" "port/backend/gles.c " "$(build)"
-    check "a library found: used" uses port/backend/gles.o fxs_osmesa_open
+    is "a library found: what asks for it is built anew" "port/backend/backend_gles.c " "$(build)"
+    check "a library found: used" uses port/backend/backend_gles.o fxs_osmesa_open
     hide osmesa
-    is "a library gone: what asks for it is built anew" "port/backend/gles.c " "$(build)"
-    check "a library gone: not used" lacks port/backend/gles.o fxs_osmesa_open
+    is "a library gone: what asks for it is built anew" "port/backend/backend_gles.c " "$(build)"
+    check "a library gone: not used" lacks port/backend/backend_gles.o fxs_osmesa_open
 else
     skip "a library found" "no GL/osmesa.h here"
 fi
@@ -58,16 +58,16 @@ if echo '#include <zstd.h>' | cc -E -x c - >/dev/null 2>&1; then
     hide
     build >/dev/null
     hide -lzstd
-    is "headers without their library" "port/scene/spz.c " "$(build)"
-    check "headers without their library: not used" lacks port/scene/spz.o ZSTD_decompress
+    is "headers without their library" "src/scene/read/spz.c " "$(build)"
+    check "headers without their library: not used" lacks src/scene/read/spz.o ZSTD_decompress
     echo '#define OTHER' | cat - $(echo '#include <zstd.h>' | cc -M -x c - | tr -d ':\\' | tr ' ' '\n' | grep /zstd.h) \
         >"$work/include/zstd.h"
     hide
     build >/dev/null
-    check "headers with their library: used" uses port/scene/spz.o ZSTD_decompress
+    check "headers with their library: used" uses src/scene/read/spz.o ZSTD_decompress
     echo '#define MORE' >>"$work/include/zstd.h"
     touch "$work/include/other.h"
-    is "other headers of a library: what asks for it is built anew" "port/scene/spz.c " "$(build)"
+    is "other headers of a library: what asks for it is built anew" "src/scene/read/spz.c " "$(build)"
 else
     skip "headers without their library" "no zstd.h here"
 fi
@@ -79,10 +79,10 @@ check "flags with quotes: libraries are found" grep -q KERNELS "$work/build/prob
 sed -i 's/^exec cc "$@"$/case $1 in --version) echo other ;; *) exec cc "$@" ;; esac/' "$work/cc"
 is "another version of the compiler: built anew" "$every" "$(build CFLAGS="-DWORDS='\"it is\"'")"
 is "another version of the compiler again: kept" "" "$(build CFLAGS="-DWORDS='\"it is\"'")"
-check "one line a file" equal "$(rm "$work/build/src/frame.o"; build CFLAGS=-O1 V= | grep -c frame)" 1
-rm "$work/build/src/frame.o"
+check "one line a file" equal "$(rm "$work/build/src/core/frame.o"; build CFLAGS=-O1 V= | grep -c frame)" 1
+rm "$work/build/src/core/frame.o"
 build CFLAGS=-O1 V=1 >/dev/null
-check "V=1: whole commands" grep -q -- "-c -o $work/build/src/frame.o src/frame.c" "$work/log"
+check "V=1: whole commands" grep -q -- "-c -o $work/build/src/core/frame.o src/core/frame.c" "$work/log"
 
 # ---- What is chosen --------------------------------------------------------------------------------------------------
 

@@ -65,8 +65,8 @@ succeeds "help" --help
 for command in render view bench info convert compare make-scene; do
     source=$root/tools/$(echo $command | sed -e 's/-/_/').c
     grep -q FRAME_OPTIONS "$source" && source="$source $root/tools/options.h"
-    grep -Eq '(IMPORT|FRAME)_OPTIONS' $source && source="$source $root/tools/scene.h"
-    grep -Eq '(WORLD|FRAME)_OPTIONS' $source && source="$source $root/tools/world.h"
+    grep -Eq '(IMPORT|FRAME)_OPTIONS' $source && source="$source $root/tools/load_scene.h"
+    grep -Eq '(WORLD|FRAME)_OPTIONS' $source && source="$source $root/tools/load_world.h"
     succeeds "$command --help" $command --help
     check "$command --help has examples" grep -q '^Examples:' logs/out
     for option in $(sed -n 's/{"/\n{"/gp' $source |

@@ -7,8 +7,8 @@ work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 . tests/scripts/lib/variants.sh
 # Without the photographs' readers, and what saves.
-sources="tests/test_fit_steps.c $(ls port/fit/*.c port/import/*.c src/*.c | grep -v '/photo\|/checkpoint' | tr '\n' ' ')
-    port/camera/camera.c port/files/message.c port/files/allocator.c port/posix/pool.c"
+sources="tests/test_fit_steps.c $(ls src/fit/*.c src/pack/*.c src/core/*.c | grep -v '/photo\|/checkpoint' | tr '\n' ' ')
+    src/camera/camera.c src/base/message.c src/base/allocator.c port/posix/pool.c"
 few="$flags -w -DFXS_FIT_FEW -ffunction-sections -Wl,--gc-sections"
 one="$(echo $sources) -o % -lm -lpthread"
 
@@ -31,7 +31,7 @@ fit clang-native clang '-O3 -march=native'
 fit clang-sanitized clang '-O1 -fsanitize=address,undefined -fno-sanitize-recover=all'
 fit i686 i686-linux-gnu-gcc '-O2 -static -msse2 -mfpmath=sse' qemu-i386
 fit aarch64 aarch64-linux-gnu-gcc '-O2 -static' qemu-aarch64
-fit aarch64-neon aarch64-linux-gnu-gcc '-O2 -static -fwrapv -DFXS_WITH_KERNELS kernels/kernels.c kernels/arm/*.c' qemu-aarch64
+fit aarch64-neon aarch64-linux-gnu-gcc '-O2 -static -fwrapv -DFXS_WITH_KERNELS kernels/kernels.c kernels/simd/arm/*.c' qemu-aarch64
 fit s390x s390x-linux-gnu-gcc '-O2 -static -fexcess-precision=fast' qemu-s390x
 if [ "$FXS_PROCESSORS" = all ]; then
     fit gcc-O3 gcc -O3
@@ -66,7 +66,7 @@ refuses "i686 with x87" i686-linux-gnu-gcc '-O1 -static' qemu-i386
 # What the Makefile compiles a fit with there.
 for compiler in i686-linux-gnu-gcc s390x-linux-gnu-gcc; do
     if have $compiler; then
-        env -u MAKEFLAGS make -n V=1 B="$work/made" CC=$compiler NVCC=none "$work/made/port/fit/fit.o" >"$work/log" 2>&1
+        env -u MAKEFLAGS make -n V=1 B="$work/made" CC=$compiler NVCC=none "$work/made/src/fit/fit.o" >"$work/log" 2>&1
         check "make CC=$compiler" grep -q -e '-mfpmath=sse' -e '-fexcess-precision=fast' "$work/log"
     else
         skip "make CC=$compiler" "not here"

@@ -8,7 +8,7 @@ trap 'rm -rf "$work"' EXIT
 prefix=$work/prefix
 library=$prefix/lib
 include=$prefix/include/fixsplat
-version=$(sed -n 's/^#define FXS_VERSION "\(.*\)"/\1/p' src/fixsplat.h)
+version=$(sed -n 's/^#define FXS_VERSION "\(.*\)"/\1/p' src/include/fixsplat/fixsplat.h)
 CC=${CC:-cc}
 strict='-Wall -Wextra -Wpedantic -Werror'
 

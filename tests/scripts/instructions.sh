@@ -10,7 +10,7 @@ if ! have $arm || ! have qemu-aarch64; then
     finish
     exit
 fi
-for source in src/*.c kernels/*.c kernels/arm/*.c tests/test_kernels.c; do
+for source in src/core/*.c kernels/*.c kernels/simd/arm/*.c tests/test_kernels.c; do
     echo "$arm -std=gnu99 -fwrapv -O2 -DFXS_WITH_KERNELS -c $source -o $work/$(basename "$source" .c).o"
 done | xargs -P 2 -I COMMAND sh -c COMMAND
 check "builds" $arm -static -Wl,-Map="$work/map" "$work"/*.o -lm -o "$work/kernels"

@@ -5,7 +5,7 @@
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 . tests/scripts/lib/variants.sh
-random='src/*.c tests/test_random.c'
+random='src/core/*.c tests/test_random.c'
 
 for compiler in gcc clang; do
     if links $compiler; then

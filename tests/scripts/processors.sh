@@ -9,9 +9,9 @@ trap 'rm -rf "$work"' EXIT
 . tests/scripts/lib/variants.sh
 arm=aarch64-linux-gnu-gcc
 i686=i686-linux-gnu-gcc
-golden="src/*.c tests/test_golden.c tools/metrics.c tools/procedural.c port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c port/backend/*.c port/posix/*.c"
-photos="src/*.c tests/test_photo_bytes.c port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c port/posix/*.c port/fit/photo*.c"
-files="src/*.c tests/test_fxs_bytes.c port/files/*.c port/scene/*.c port/camera/*.c port/image/*.c port/import/*.c"
+golden="src/core/*.c tests/test_golden.c tools/metrics.c src/base/*.c src/gaussian/*.c src/scene/*.c src/scene/*/*.c src/camera/*.c src/image/*.c src/pack/*.c port/backend/*.c port/posix/*.c"
+photos="src/core/*.c tests/test_photo_bytes.c src/base/*.c src/gaussian/*.c src/scene/*.c src/scene/*/*.c src/camera/*.c src/image/*.c src/pack/*.c port/posix/*.c src/fit/photo*.c"
+files="src/core/*.c tests/test_fxs_bytes.c src/base/*.c src/gaussian/*.c src/scene/*.c src/scene/*/*.c src/camera/*.c src/image/*.c src/pack/*.c"
 
 # processor NAME COMPILER EMULATOR: the programs that each processor runs.
 processor() {
@@ -21,7 +21,7 @@ processor() {
         skip "$1" "no $3 here"
     else
         if "$work/links" 2>/dev/null; then set -- "$1" "$2"; fi
-        variant $1 "$2 $flags -O1 -static src/*.c tests/test_random.c -o %" $3
+        variant $1 "$2 $flags -O1 -static src/core/*.c tests/test_random.c -o %" $3
         variant $1-files "$2 $flags -O1 -static $files -lm -o %" $3
     fi
 }
@@ -29,9 +29,9 @@ processor() {
 # What only AArch64 is asked: no float register in src, the kernels, the golden images.
 aarch64() {
     variant aarch64-integers "mkdir %.objects && cd %.objects &&
-        $arm $flags -O2 -c $PWD/tests/test_random.c && $arm $flags -O2 -mgeneral-regs-only -c $PWD/src/*.c &&
+        $arm $flags -O2 -c $PWD/tests/test_random.c && $arm $flags -O2 -mgeneral-regs-only -c $PWD/src/core/*.c &&
         $arm -static *.o -o %" qemu-aarch64
-    variant aarch64-kernels "$arm $flags -O2 -static -DFXS_WITH_KERNELS src/*.c kernels/*.c kernels/arm/*.c \
+    variant aarch64-kernels "$arm $flags -O2 -static -DFXS_WITH_KERNELS src/core/*.c kernels/*.c kernels/simd/arm/*.c \
         tests/test_kernels.c -lm -o %" qemu-aarch64
     # The folder of stb alone: beside it lie the host's headers.
     stb=$(echo '#include <stb/stb_image.h>' | gcc -E -x c - 2>/dev/null |

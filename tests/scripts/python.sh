@@ -6,7 +6,7 @@ B=${B:-build}
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"
 library=$(cd "$root" && cd "$(dirname "$fixsplat")" && pwd)
-version=$(sed -n 's/^#define FXS_VERSION "\(.*\)"/\1/p' "$root/src/fixsplat.h")
+version=$(sed -n 's/^#define FXS_VERSION "\(.*\)"/\1/p' "$root/src/include/fixsplat/fixsplat.h")
 soname=libfixsplat.so.${version%.*}
 
 # One that has NumPy: that of the path, or Debian's.
@@ -95,7 +95,7 @@ refuses "another library" "is not libfixsplat.so" "$work/other.so"
 cp -r "$root/port/python" source
 mkdir -p checkout/port checkout/src checkout/build system
 cp -r source checkout/port/python
-cp "$root/src/fixsplat.h" checkout/src
+cp "$root/src/include/fixsplat/fixsplat.h" checkout/src
 cp "$FIXSPLAT_LIBRARY" checkout/build
 PYTHONPATH=$work/checkout/port/python imports "found in the build folder of a checkout" \
     "checkout/build/libfixsplat.so.$version"

@@ -1,7 +1,7 @@
 /* The engine: the kernels of a step in order, on each device, and the photographs that they need. */
-#include "fit.h"
+#include "cuda_fit.h"
 
-#include "../device.cuh"
+#include "kernels/cuda/device.cuh"
 #include "bin.cuh"
 #include "loss.cuh"
 #include "model.cuh"

@@ -1,8 +1,8 @@
-/* Fits on NVIDIA GPUs: the engine of port/fit/engine.h whose model is on a device, with the same bytes. */
+/* Fits on NVIDIA GPUs: the engine of src/fit/engine.h whose model is on a device, with the same bytes. */
 #ifndef FXS_CUDA_FIT_H
 #define FXS_CUDA_FIT_H
 
-#include "../../../port/fit/engine.h"
+#include "src/fit/engine.h"
 
 #ifdef __cplusplus
 extern "C" {

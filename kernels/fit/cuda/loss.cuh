@@ -6,7 +6,7 @@
 
 namespace {
 #define static static __host__ __device__
-#include "../../../port/fit/loss.h"
+#include "src/fit/loss.h"
 #undef static
 
 /* A block of threads has a square of the picture, and what windows reach beyond it. A thread has a run of outputs,
@@ -217,7 +217,7 @@ cudaError_t launch_loss(const step_buffers *b, const uint8_t *photograph, const 
 
 /* ---- Averaging down ---------------------------------------------------------------------------------------------- */
 
-/* The mean of divisor x divisor pixels: average_down of port/fit/stepper.c */
+/* The mean of divisor x divisor pixels: average_down of src/fit/stepper.c */
 __global__ void average_down(const uint8_t *full, int32_t full_width, int divisor, int32_t width, int32_t height,
                              uint8_t *out)
 {

@@ -3,19 +3,19 @@
 #ifndef FXS_CUDA_FIT_MODEL_CUH
 #define FXS_CUDA_FIT_MODEL_CUH
 
-#include "../../../port/fit/model.h"
+#include "src/fit/model.h"
 
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 
-#include "../device.cuh"
+#include "kernels/cuda/device.cuh"
 #include "step.cuh"
 
 namespace {
 #define static static __host__ __device__
-#include "../../../port/fit/curve.h"
-#include "../../../port/fit/fates.h"
-#include "../../../port/fit/sharing.h"
+#include "src/fit/curve.h"
+#include "src/fit/fates.h"
+#include "src/fit/sharing.h"
 #undef static
 
 const uint32_t MODEL_THREADS = 256;

@@ -9,14 +9,14 @@
 
 #include <cuda_runtime.h>
 
-#include "../../../port/fit/stage.h"
+#include "src/fit/fit_stage.h"
 
 /* The instance of one lane: real is float, so the same operations, one by one. Compiled without contraction. */
 namespace {
 #define static static __host__ __device__
-#include "../../../port/fit/lanes.h"
-#include "../../../port/fit/random.h"
-#include "../../../port/fit/gaussian.h"
+#include "src/fit/fit_lanes.h"
+#include "src/fit/random.h"
+#include "src/fit/gaussian.h"
 
 /* alpha / (1 - alpha), alpha in 2^-8..0.99, rounded as a division is, without a look at numbers that are too large or too
    small for this: Newton's step for 1 / (1 - alpha), and one of the quotient by its rest (Markstein 1990). test_fit tries
@@ -36,12 +36,12 @@ static inline float odds_of(float alpha)
 #endif
 }
 
-#include "../../../port/fit/pixel.h"
-#include "../../../port/fit/span.h"
-#include "../../../port/fit/project.h"
-#include "../../../port/fit/adam.h"
-#include "../../../port/fit/noise.h"
-#include "../../../port/fit/quantise.h"
+#include "src/fit/fit_pixel.h"
+#include "src/fit/span.h"
+#include "src/fit/fit_project.h"
+#include "src/fit/adam.h"
+#include "src/fit/noise.h"
+#include "src/fit/quantise.h"
 #undef static
 
 const uint32_t WARP = 32;

@@ -50,7 +50,7 @@ __device__ inline uint32_t half_ballot(bool x)
     return __ballot_sync(ALL_LANES, x) >> (threadIdx.x & HALF) & 0xffffu;
 }
 
-/* A splat to the place of the thread, by find_corners of port/fit/tile.h. */
+/* A splat to the place of the thread, by find_corners of src/fit/tile.h. */
 template <uint32_t Splats>
 __device__ inline void keep_splat(tile_splats<Splats> *to, const fxs_fit_splat &s, const tile_place &p)
 {
@@ -68,7 +68,7 @@ __device__ inline void keep_splat(tile_splats<Splats> *to, const fxs_fit_splat &
     }
 }
 
-/* The blocks that the ellipse of the thread's splat may touch: find_blocks of port/fit/tile.h. */
+/* The blocks that the ellipse of the thread's splat may touch: find_blocks of src/fit/tile.h. */
 template <uint32_t Splats>
 __device__ inline uint32_t find_blocks(const tile_splats<Splats> *kept, const fxs_fit_splat &s)
 {
@@ -131,7 +131,7 @@ __device__ inline void clear_lists(uint8_t lists[FXS_FIT_BLOCKS][Splats])
         ((uint32_t *)lists)[i] = 0;
 }
 
-/* u, v and level of the thread's pixel, in the order of port/fit/tile.h. */
+/* u, v and level of the thread's pixel, in the order of src/fit/tile.h. */
 template <uint32_t Splats>
 __device__ inline float level_of(const tile_splats<Splats> *s, uint32_t splat, const tile_place &p, float *u, float *v)
 {
@@ -328,7 +328,7 @@ __device__ inline void find_sums(const back_lane &l, int n, float sums[FXS_FIT_S
     sums_of(passed.x, passed.y, u, v, g.x, g.y, g.z, sums);
 }
 
-/* The sum of the lane's places n, n + Apart / 2, n + Apart, ..., in the order of port/fit/tile.h: that of both halves,
+/* The sum of the lane's places n, n + Apart / 2, n + Apart, ..., in the order of src/fit/tile.h: that of both halves,
    in which places are twice as far apart. So p and p + 8 meet first. */
 template <int Apart>
 __device__ inline void add_places(const back_lane &l, int n, float sums[FXS_FIT_SUMS])

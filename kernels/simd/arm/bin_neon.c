@@ -1,2 +1,2 @@
 #include "lanes_neon.h"
-#include "../lanes/bin.h"
+#include "kernels/simd/lanes/bin.h"

@@ -1,2 +1,2 @@
 #include "lanes_neon.h"
-#include "../lanes/blend.h"
+#include "kernels/simd/lanes/blend.h"

@@ -1,2 +1,2 @@
 #include "lanes_neon.h"
-#include "../lanes/project.h"
+#include "kernels/simd/lanes/project.h"

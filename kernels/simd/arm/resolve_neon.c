@@ -1,2 +1,2 @@
 #include "lanes_neon.h"
-#include "../lanes/resolve.h"
+#include "kernels/simd/lanes/resolve.h"

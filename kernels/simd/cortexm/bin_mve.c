@@ -1,2 +1,2 @@
 #include "lanes_mve.h"
-#include "../lanes/bin.h"
+#include "kernels/simd/lanes/bin.h"

@@ -1,8 +1,8 @@
-/* blend on Cortex-M without vectors: src/blend.c, of a row only the pixels from the first that a splat can reach to the
+/* blend on Cortex-M without vectors: src/core/blend.c, of a row only the pixels from the first that a splat can reach to the
  * first behind the last one, and no row that is closed. */
-#include "../../src/pixel.h"
-#include "../../src/parts.h"
-#include "../lanes/stages.h"
+#include <fixsplat/pixel.h>
+#include "src/core/parts.h"
+#include "kernels/simd/lanes/stages.h"
 
 /* |u| where u^2 is at most 1024 (i + 1) Q11, and one unit more. */
 static const uint16_t reach_q13[(FXS_FAINT_Q11 >> 10) + 1] = {

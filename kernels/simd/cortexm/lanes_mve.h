@@ -7,9 +7,9 @@
 #define ISA mve
 #define LANES 4
 #define AT_ONCE 8
-#include "../../src/memory.h"
-#include "../../src/stage.h"
-#include "../lanes/vectors.h"
+#include "src/core/memory.h"
+#include <fixsplat/stage.h>
+#include "kernels/simd/lanes/vectors.h"
 
 typedef unsigned mask;             /* 4 bits a lane, what is above 16 bits does not count */
 
@@ -216,7 +216,7 @@ static inline vu top_half(wide x, vi shift)
     return shift_left(x.high, shift) | shift_left(x.low, shift - 32);
 }
 
-/* As in src/fixed.h: a b >> 30 is the high half of 2 a times 2 b, as both are below 2^31. */
+/* As in src/include/fixsplat/fixed.h: a b >> 30 is the high half of 2 a times 2 b, as both are below 2^31. */
 static inline vu reciprocal(vu m)
 {
     vu y_q30 = 3031741620u - mul_high(m, (vu)all(2021161081));

@@ -1,9 +1,9 @@
 /* resolve on Cortex-M without vectors: what displays take. A pixel that nothing touched is the background, whose bits
  * are known. */
-#include "../../src/memory.h"
-#include "../../src/packed.h"
-#include "../../src/pixel.h"
-#include "../lanes/stages.h"
+#include "src/core/memory.h"
+#include <fixsplat/packed.h>
+#include <fixsplat/pixel.h>
+#include "kernels/simd/lanes/stages.h"
 
 /* (most c + 127) / 255: n / 255 is (n + 1 + (n >> 8)) >> 8 for n below 65535. */
 static inline int of_255(int c, int most)

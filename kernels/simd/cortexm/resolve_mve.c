@@ -1,2 +1,2 @@
 #include "lanes_mve.h"
-#include "../lanes/resolve.h"
+#include "kernels/simd/lanes/resolve.h"

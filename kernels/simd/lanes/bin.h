@@ -1,4 +1,4 @@
-/* bin, LANES splats at a time: src/bin.c with the same numbers, in 32 bits. First come the boxes, and the masks of
+/* bin, LANES splats at a time: src/core/bin.c with the same numbers, in 32 bits. First come the boxes, and the masks of
  * those that lie whole on one tile row; other splats that fit in a box wait in lists, until they fill a vector for the
  * row by row pass. */
 #include "lanes.h"

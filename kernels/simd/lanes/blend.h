@@ -1,7 +1,7 @@
 /* blend and trace. A tile is cut into patches of 2 * LANES pixels: 8 columns, and ROWS rows. The entries of a list are
  * taken in groups of as many. First it is found which of a group reach which patches: in vectors whose lanes are
  * splats. Then each patch is blended with those that reach it: in vectors whose lanes are pixels. */
-#include "../../src/memory.h"
+#include "src/core/memory.h"
 #include "stages.h"
 
 #define GROUP (2 * LANES)

@@ -1,5 +1,5 @@
-/* src/codes.h, LANES Gaussians at a time. */
-#include "../../src/codes.h"
+/* src/core/codes.h, LANES Gaussians at a time. */
+#include "src/core/codes.h"
 #include "lanes.h"
 #include "stages.h"
 

@@ -1,4 +1,4 @@
-/* src/fixed.h, LANES numbers at a time. Include an instruction set's operations first, as lanes_avx2.h. */
+/* src/include/fixsplat/fixed.h, LANES numbers at a time. Include an instruction set's operations first, as lanes_avx2.h. */
 #ifndef FXS_LANES_H
 #define FXS_LANES_H
 

@@ -1,8 +1,8 @@
-/* project, LANES Gaussians at a time: src/project.c with the same numbers in the same order, in two passes over a
+/* project, LANES Gaussians at a time: src/core/project.c with the same numbers in the same order, in two passes over a
  * chunk. The first finds the centres and drops what is behind the camera or off the picture; the second shapes what is
  * left, without gaps. A chunk with a veil is left to C, as they are rare, and so is the square cut-off, which is there
  * to be measured. */
-#include "codes.h"
+#include "lane_codes.h"
 
 #ifndef AT_ONCE                    /* Gaussians to a pass: less than a chunk where the stack is small */
 #define AT_ONCE FXS_CHUNK
@@ -239,7 +239,7 @@ static inline void covariance_of(covariance *out, vi t_q15[2][3], vi exponent)
     out->exponent = exponent;
 }
 
-/* As in src/project.c: x = m 2^-32 4^half. */
+/* As in src/core/project.c: x = m 2^-32 4^half. */
 typedef struct mantissa {
     vu m, inverse_q30;
     vi half;

@@ -1,5 +1,5 @@
 /* resolve, 2 * LANES pixels at a time: (255 c + 2^12) >> 13 is the rounding product with 4 * 255. */
-#include "../../src/memory.h"
+#include "src/core/memory.h"
 #include "stages.h"
 
 static inline vh colour_8bit(const int16_t *sum_q13, vh transmittance_q15, vh background_q13)

@@ -1,6 +1,6 @@
-/* shade, PARTS vectors of neighbours in a chunk at a time, whether visible or not: src/shade.c with the same numbers in
+/* shade, PARTS vectors of neighbours in a chunk at a time, whether visible or not: src/core/shade.c with the same numbers in
  * the same order. The colours of those that are visible go to their splats. */
-#include "codes.h"
+#include "lane_codes.h"
 
 #define GROUP (PARTS * LANES)
 

@@ -1,9 +1,9 @@
 /* The versions of the stages by their names, as fxs_blend_avx2: FXS_BLEND(avx2) stands before a body or a semicolon.
-   Each does what src/stage.h says of the C version. */
+   Each does what src/include/fixsplat/stage.h says of the C version. */
 #ifndef FXS_STAGES_H
 #define FXS_STAGES_H
 
-#include "../../src/chunk.h"
+#include "src/core/chunk.h"
 
 #define FXS_JOIN(stage, isa) fxs_##stage##_##isa
 #define FXS_STAGE_OF(stage, isa) FXS_JOIN(stage, isa)

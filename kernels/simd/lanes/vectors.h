@@ -1,5 +1,5 @@
 /* Vectors of LANES numbers, as GCC and clang have them: + - * & | ~ and shifts by a constant need no name. What else
- * the stages need of an instruction set is its header (kernels/x86/lanes_avx2.h and so on), which defines first
+ * the stages need of an instruction set is its header (kernels/simd/x86/lanes_avx2.h and so on), which defines first
  *
  *   ISA      its name
  *   LANES    numbers of 32 bits in a vector: 4, 8 or 16

@@ -1,2 +1,2 @@
 #include "lanes_simd128.h"
-#include "../lanes/bin.h"
+#include "kernels/simd/lanes/bin.h"

@@ -1,2 +1,2 @@
 #include "lanes_simd128.h"
-#include "../lanes/blend.h"
+#include "kernels/simd/lanes/blend.h"

@@ -1,2 +1,2 @@
 #include "lanes_simd128.h"
-#include "../lanes/resolve.h"
+#include "kernels/simd/lanes/resolve.h"

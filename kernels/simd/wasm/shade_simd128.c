@@ -1,2 +1,2 @@
 #include "lanes_simd128.h"
-#include "../lanes/shade.h"
+#include "kernels/simd/lanes/shade.h"

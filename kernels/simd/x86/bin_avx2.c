@@ -1,2 +1,2 @@
 #include "lanes_avx2.h"
-#include "../lanes/bin.h"
+#include "kernels/simd/lanes/bin.h"

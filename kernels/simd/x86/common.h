@@ -4,7 +4,7 @@
 
 #include <immintrin.h>
 
-#include "../lanes/vectors.h"
+#include "kernels/simd/lanes/vectors.h"
 
 static inline vi all(int32_t x)
 {

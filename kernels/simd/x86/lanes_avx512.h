@@ -6,7 +6,7 @@
 #define LANES 16
 #define V __m512i
 #define MM(name) _mm512_##name
-#include "../../src/stage.h"
+#include <fixsplat/stage.h>
 #include "common.h"
 
 typedef __mmask16 mask;

@@ -6,8 +6,8 @@
 #define LANES 4
 #define V __m128i
 #define MM(name) _mm_##name
-#include "../../src/memory.h"
-#include "../../src/stage.h"
+#include "src/core/memory.h"
+#include <fixsplat/stage.h>
 #include "common.h"
 
 typedef vi mask;                   /* -1 or 0 */

@@ -1,2 +1,2 @@
 #include "lanes_sse41.h"
-#include "../lanes/project.h"
+#include "kernels/simd/lanes/project.h"

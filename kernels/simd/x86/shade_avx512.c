@@ -1,2 +1,2 @@
 #include "lanes_avx512.h"
-#include "../lanes/shade.h"
+#include "kernels/simd/lanes/shade.h"

@@ -1,8 +1,8 @@
 /* sort: keys go to buckets by the top digit of their range. Runs of buckets that fit in 8 vectors are sorted there:
  * first each lane by itself; then lanes become vectors, which are merged two by two. */
 #include "lanes_avx512.h"
-#include "../lanes/stages.h"
-#include "../../src/memory.h"
+#include "kernels/simd/lanes/stages.h"
+#include "src/core/memory.h"
 
 #define KEYS 8u                    /* in a vector */
 #define FEW (8 * KEYS)

@@ -101,7 +101,7 @@ static inline vi round_shift(vi x, const int shift)
     return (x + half) >> shift;
 }
 
-/* Newton's steps as in src/fixed.h, on the low halves of 64-bit numbers: the results need no narrowing in between. */
+/* Newton's steps as in src/include/fixsplat/fixed.h, on the low halves of 64-bit numbers: the results need no narrowing in between. */
 static inline vw reciprocal_step(vw m, vw y_q30)
 {
     return mul_low(y_q30, 0x80000000u - (mul_low(m, y_q30) >> 32)) >> 30;

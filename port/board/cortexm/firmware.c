@@ -2,11 +2,11 @@
  * machine has. */
 #include "board.h"
 #include "console.h"
-#include "../board/strip.h"
-#include "../board/turntable.h"
+#include <fixsplat/strip.h>
+#include "port/board/turntable.h"
 
 #ifdef FXS_WITH_KERNELS
-#include "../../kernels/kernels.h"
+#include <fixsplat/kernels.h>
 #endif
 
 #define WIDTH_MOST 480

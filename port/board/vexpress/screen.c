@@ -2,10 +2,10 @@
  * would be sent to a display; a whole picture takes the place of the one that is. */
 #include <string.h>
 
-#include "../board/strip.h"
-#include "../board/turntable.h"
-#include "../cortexm/board.h"
-#include "../cortexm/console.h"
+#include <fixsplat/strip.h>
+#include "port/board/turntable.h"
+#include "port/board/cortexm/board.h"
+#include "port/board/cortexm/console.h"
 
 #define WIDTH 640
 #define HEIGHT 480

@@ -8,7 +8,7 @@ from ctypes import (CFUNCTYPE, POINTER, LittleEndianStructure, Structure, c_char
                     c_int32, c_int64, c_long, c_size_t, c_ssize_t, c_uint, c_uint8, c_uint32, c_uint64, c_void_p)
 from typing import Any
 
-# ---- src/fixsplat.h, src/packed.h ------------------------------------------------------------------------------------
+# ---- src/include/fixsplat/fixsplat.h, src/include/fixsplat/packed.h ------------------------------------------------------------------------------------
 
 FXS_MAX_SIZE = 16384
 FXS_MAX_COUNT = 1 << 30
@@ -86,7 +86,7 @@ class fxs_targets(Structure):
                 ("backdrop", fxs_image)]
 
 
-# ---- src/backend.h ---------------------------------------------------------------------------------------------------
+# ---- src/include/fixsplat/backend.h ---------------------------------------------------------------------------------------------------
 
 FXS_CAN_EXACT = 1
 FXS_CAN_TRACE = 2

@@ -8,7 +8,7 @@
 #ifndef FXS_BACKENDS_H
 #define FXS_BACKENDS_H
 
-#include "../../src/backend.h"
+#include "backend.h"
 
 /* Why a build without nvcc has no CUDA. */
 #define FXS_WITHOUT_CUDA "this build is without nvcc, the compiler of the CUDA toolkit"

@@ -4,7 +4,7 @@
 #ifndef FXS_CAMERA_H
 #define FXS_CAMERA_H
 
-#include "../../src/fixsplat.h"
+#include "fixsplat.h"
 #include "camera_file.h"
 
 #ifdef __cplusplus

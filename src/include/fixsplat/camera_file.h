@@ -3,7 +3,7 @@
 #ifndef FXS_CAMERA_FILE_H
 #define FXS_CAMERA_FILE_H
 
-#include "../../src/fixsplat.h"
+#include "fixsplat.h"
 
 #ifdef __cplusplus
 extern "C" {

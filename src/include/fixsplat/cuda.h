@@ -7,7 +7,7 @@
 #ifndef FXS_CUDA_H
 #define FXS_CUDA_H
 
-#include "../../src/fixsplat.h"
+#include "fixsplat.h"
 
 #ifdef __cplusplus
 extern "C" {

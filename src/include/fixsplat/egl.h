@@ -3,7 +3,7 @@
 #ifndef FXS_EGL_H
 #define FXS_EGL_H
 
-#include "../files/message.h"
+#include "message.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -24,10 +24,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../../src/fixsplat.h"
-#include "../camera/camera_file.h"
-#include "../import/pack.h"
-#include "../scene/scene_file.h"
+#include "fixsplat.h"
+#include "camera_file.h"
+#include "pack.h"
+#include "scene_file.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #ifndef FXS_FOVEATE_H
 #define FXS_FOVEATE_H
 
-#include "../../src/backend.h"
+#include "backend.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -1,4 +1,4 @@
-/* .fxs: a packed scene (src/packed.h) in a file, with its checksums filled in.
+/* .fxs: a packed scene (src/include/fixsplat/packed.h) in a file, with its checksums filled in.
  *
  * The renderer reads such a file from a read-only mapping as it is. These functions need zlib for the checksums; built
  * without it, all are FXS_ERR_UNSUPPORTED. But for fxs_file_seal they only read the scene, so several threads may share
@@ -8,7 +8,7 @@
 
 #include <stddef.h>
 
-#include "../../src/fixsplat.h"
+#include "fixsplat.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -9,7 +9,7 @@
 #ifndef FXS_GLES_H
 #define FXS_GLES_H
 
-#include "../../src/fixsplat.h"
+#include "fixsplat.h"
 
 #ifdef __cplusplus
 extern "C" {

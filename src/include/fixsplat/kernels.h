@@ -2,7 +2,7 @@
 #ifndef FXS_KERNELS_H
 #define FXS_KERNELS_H
 
-#include "../src/fixsplat.h"
+#include "fixsplat.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../files/message.h"
+#include "message.h"
 
 #ifdef __cplusplus
 extern "C" {

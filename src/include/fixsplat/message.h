@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "../../src/fixsplat.h"
+#include "fixsplat.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -3,7 +3,7 @@
 #ifndef FXS_OSMESA_H
 #define FXS_OSMESA_H
 
-#include "../files/message.h"
+#include "message.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -1,4 +1,4 @@
-/* Import: a scene file -> a packed scene (src/packed.h).
+/* Import: a scene file -> a packed scene (src/include/fixsplat/packed.h).
  *
  * A program that has Gaussians of its own opens them with fxs_scene_file_open_gaussians. Scenes may be packed at the
  * same time by several threads, each from a file of its own. */
@@ -8,9 +8,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../../src/fixsplat.h"
-#include "../files/allocator.h"
-#include "../scene/scene_file.h"
+#include "fixsplat.h"
+#include "allocator.h"
+#include "scene_file.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../../src/fixsplat.h"
+#include "fixsplat.h"
 #include "scene_file.h"
 
 #ifdef __cplusplus

@@ -11,8 +11,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../../src/fixsplat.h"
-#include "../files/allocator.h"
+#include "fixsplat.h"
+#include "allocator.h"
 
 #ifdef __cplusplus
 extern "C" {

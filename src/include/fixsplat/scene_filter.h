@@ -4,8 +4,8 @@
 
 #include <stdint.h>
 
-#include "../../src/fixsplat.h"
-#include "../import/pack.h"
+#include "fixsplat.h"
+#include "pack.h"
 #include "scene_file.h"
 
 #ifdef __cplusplus

@@ -13,7 +13,7 @@
 #ifndef FXS_STRIP_H
 #define FXS_STRIP_H
 
-#include "../../src/fixsplat.h"
+#include "fixsplat.h"
 
 #ifdef __cplusplus
 extern "C" {

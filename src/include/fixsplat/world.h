@@ -2,7 +2,7 @@
 #ifndef FXS_WORLD_H
 #define FXS_WORLD_H
 
-#include "../files/message.h"
+#include "message.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -5,8 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "../files/message.h"
-#include "scene_filter.h"
+#include <fixsplat/message.h>
+#include <fixsplat/scene_filter.h>
 
 enum { LEAST_LEVEL = -32, MOST_LEVEL = 40, LEVELS = MOST_LEVEL - LEAST_LEVEL + 1 };
 

@@ -3,9 +3,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "../files/exponential.h"
-#include "../scene/scene_format.h"
-#include "../scene/transform_internal.h"
+#include "src/base/exponential.h"
+#include "src/scene/scene_format.h"
+#include "src/gaussian/transform_internal.h"
 
 #define SH_0 0.28209479177387814
 

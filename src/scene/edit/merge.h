@@ -2,8 +2,8 @@
 #ifndef FXS_MERGE_H
 #define FXS_MERGE_H
 
-#include "../scene/scene_file.h"
-#include "world.h"
+#include <fixsplat/scene_file.h>
+#include <fixsplat/world.h>
 
 #ifdef __cplusplus
 extern "C" {

@@ -1,13 +1,13 @@
-#include "scene_decimate.h"
+#include <fixsplat/scene_decimate.h>
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../files/exponential.h"
-#include "../import/order.h"
-#include "scene_format.h"
-#include "transform_internal.h"
+#include "src/base/exponential.h"
+#include "src/pack/order.h"
+#include "src/scene/scene_format.h"
+#include "src/gaussian/transform_internal.h"
 
 #define SH_0 0.28209479177387814
 

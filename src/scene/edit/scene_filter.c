@@ -1,11 +1,11 @@
-#include "scene_filter.h"
+#include <fixsplat/scene_filter.h>
 
 #include <math.h>
 #include <string.h>
 
-#include "../files/exponential.h"
+#include "src/base/exponential.h"
 #include "floaters_internal.h"
-#include "scene_format.h"
+#include "src/scene/scene_format.h"
 
 /* The reader of a filtered file. */
 typedef struct filter_reader {

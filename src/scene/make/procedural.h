@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../port/scene/scene_file.h"
+#include <fixsplat/scene_file.h>
 
 typedef struct fxs_procedural_scene {
     const char *name;

@@ -1,8 +1,8 @@
 /* PlayCanvas's compressed .ply: words of 32 bits, for 256 Gaussians between the bounds of their chunk; layout as its
    engine's gsplat-compressed-data.js reads it. */
 #include "ply_header.h"
-#include "scene_codes.h"
-#include "scene_format.h"
+#include "src/gaussian/scene_codes.h"
+#include "src/scene/scene_format.h"
 
 enum { CHUNK = 256, WORDS = 4 };
 

@@ -2,7 +2,7 @@
    the frame of a .ply, y down: x and y of glTF change their signs. A colorSpace of linear light is refused: such
    Gaussians are blended before they are encoded, so that no colours blended in sRGB make the same picture. Drafts of
    the extension are read too: SCALE as logarithms (February 2026), _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
-#include "scene_format.h"
+#include "src/scene/scene_format.h"
 
 #ifdef FXS_WITH_CJSON
 
@@ -11,13 +11,13 @@
 #include <string.h>
 #include <strings.h>
 
-#include "../files/byte_reader.h"
-#include "../files/exponential.h"
+#include "src/base/byte_reader.h"
+#include "src/base/exponential.h"
 #include "gltf_internal.h"
-#include "scene_codes.h"
+#include "src/gaussian/scene_codes.h"
 #include "spz_internal.h"
-#include "../files/text_internal.h"
-#include "transform_internal.h"
+#include "src/base/text_internal.h"
+#include "src/gaussian/transform_internal.h"
 
 enum {
     MAX_DEPTH = 64,              /* of nodes */

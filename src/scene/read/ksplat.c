@@ -1,9 +1,9 @@
 /* .ksplat 0.x: a header of 4096 bytes, section headers of 1024, sections; layout as mkkellogg/GaussianSplats3D's
    SplatBuffer.js writes it. A section holds the lengths of its partly filled buckets, the buckets' centres, and its
    Gaussians, bucket by bucket; with compression level 0, the Gaussians only. */
-#include "../files/byte_reader.h"
-#include "scene_codes.h"
-#include "scene_format.h"
+#include "src/base/byte_reader.h"
+#include "src/gaussian/scene_codes.h"
+#include "src/scene/scene_format.h"
 
 enum { HEADER_SIZE = 4096, SECTION_HEADER_SIZE = 1024, LEVELS = 3 };
 

@@ -3,7 +3,7 @@
    Organization Format White Paper" (https://github.com/xgrids/LCCWhitepaper; Data Organization Format originated from
    XGRIDS). Where that leaves something open (axes, SH of files without "fileType"), as PlayCanvas's splat-transform has
    it. */
-#include "scene_format.h"
+#include "src/scene/scene_format.h"
 
 #ifdef FXS_WITH_CJSON
 
@@ -13,9 +13,9 @@
 
 #include <cjson/cJSON.h>
 
-#include "../files/byte_reader.h"
-#include "scene_codes.h"
-#include "transform_internal.h"
+#include "src/base/byte_reader.h"
+#include "src/gaussian/scene_codes.h"
+#include "src/gaussian/transform_internal.h"
 
 enum {
     MAX_LEVELS = 1000,

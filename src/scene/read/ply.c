@@ -2,8 +2,8 @@
 #include <stdio.h>
 
 #include "ply_header.h"
-#include "scene_codes.h"
-#include "scene_format.h"
+#include "src/gaussian/scene_codes.h"
+#include "src/scene/scene_format.h"
 
 /* A field is an index into the floats of fxs_gaussian. */
 enum { SCALE_2 = 5, FIRST_REST = 14, SH_FLOATS = 45, NO_FIELD = -1 };

@@ -2,7 +2,7 @@
 #ifndef FXS_PLY_HEADER_H
 #define FXS_PLY_HEADER_H
 
-#include "../files/byte_reader.h"
+#include "src/base/byte_reader.h"
 
 enum { FXS_PLY_MAX_ELEMENTS = 64, FXS_PLY_MAX_PROPERTIES = 1024, FXS_PLY_MAX_NAME = 39, FXS_PLY_MAX_REST = 72 };
 

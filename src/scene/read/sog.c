@@ -1,7 +1,7 @@
 /* .sog versions 1 and 2, as a zip or as files in a folder, and streamed SOG: PlayCanvas, "The SOG Format" and "The
    Streamed SOG Format". Where those and PlayCanvas's own code differ (order of a quaternion, logarithms of scales,
    width of a palette of degree 1), as the code has it. */
-#include "scene_format.h"
+#include "src/scene/scene_format.h"
 
 #if defined(FXS_WITH_WEBP) && defined(FXS_WITH_CJSON)
 
@@ -13,9 +13,9 @@
 #include <cjson/cJSON.h>
 #include <webp/decode.h>
 
-#include "../files/exponential.h"
-#include "scene_codes.h"
-#include "../files/zip_internal.h"
+#include "src/base/exponential.h"
+#include "src/gaussian/scene_codes.h"
+#include "src/base/zip_internal.h"
 
 enum {
     SLACK = 1 << 16,

@@ -1,7 +1,7 @@
 /* .splat as antimatter15/splat writes it: records of 32 bytes, and nothing else. */
-#include "../files/byte_reader.h"
-#include "scene_codes.h"
-#include "scene_format.h"
+#include "src/base/byte_reader.h"
+#include "src/gaussian/scene_codes.h"
+#include "src/scene/scene_format.h"
 
 enum { RECORD_SIZE = 32, SCALE = 12, COLOUR = 24, ROTATION = 28, RECORDS_CHECKED = 64 };
 

@@ -3,9 +3,9 @@
 
 #include <string.h>
 
-#include "../files/byte_reader.h"
-#include "scene_codes.h"
-#include "scene_format.h"
+#include "src/base/byte_reader.h"
+#include "src/gaussian/scene_codes.h"
+#include "src/scene/scene_format.h"
 
 #ifdef FXS_WITH_ZLIB
 #define ZLIB_CONST

@@ -2,7 +2,7 @@
 #ifndef FXS_SPZ_INTERNAL_H
 #define FXS_SPZ_INTERNAL_H
 
-#include "source_internal.h"
+#include "src/base/source_internal.h"
 
 #define FXS_SPZ_MAGIC 0x5053474eu   /* "NGSP" */
 enum { FXS_SPZ_MAX_COUNT = 1 << 30 };

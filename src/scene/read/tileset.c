@@ -3,7 +3,7 @@
    tile that is refined by REPLACE where no tile below it has any. Bounding volumes and errors are not looked at.
    A tileset is z up and its contents y up; the Gaussians come as those of a content alone do. A tileset on the globe is
    put into the frame of the first tile that lies there, as floats have half a metre left at the Earth's radius. */
-#include "scene_format.h"
+#include "src/scene/scene_format.h"
 
 #ifdef FXS_WITH_CJSON
 

@@ -2,7 +2,7 @@
 #ifndef FXS_CODEBOOK_INTERNAL_H
 #define FXS_CODEBOOK_INTERNAL_H
 
-#include "scene_file.h"
+#include <fixsplat/scene_file.h>
 
 #define FXS_BOOK 256
 

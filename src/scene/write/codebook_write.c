@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../files/exponential.h"
+#include "src/base/exponential.h"
 
 /* ---- Numbers ----------------------------------------------------------------------------------------------------- */
 

@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../files/exponential.h"
+#include "src/base/exponential.h"
 #include "scene_write_internal.h"
-#include "spz_internal.h"
+#include "src/scene/read/spz_internal.h"
 
 /* Bytes of a row: position, scale, rotation, opacity, then SH from degree 0 on. glTF lets it be 252 at most. */
 enum { SCALE = 12, ROTATION = 24, OPACITY = 40, SH = 44, MAX_ROW = SH + 16 * 12 };

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../files/exponential.h"
-#include "../import/order.h"
+#include "src/base/exponential.h"
+#include "src/pack/order.h"
 #include "scene_write_internal.h"
 
 /* ---- Codes ------------------------------------------------------------------------------------------------------- */

@@ -1,10 +1,10 @@
-#include "ply_write.h"
+#include <fixsplat/ply_write.h>
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../files/output_internal.h"
+#include "src/base/output_internal.h"
 
 #define MAX_PROPERTIES 62   /* position, normal, degree 0, degrees 1 to 3, opacity, scale, rotation */
 

@@ -2,8 +2,8 @@
 #ifndef FXS_SCENE_WRITE_INTERNAL_H
 #define FXS_SCENE_WRITE_INTERNAL_H
 
-#include "../files/output_internal.h"
-#include "scene_write.h"
+#include "src/base/output_internal.h"
+#include <fixsplat/scene_write.h>
 
 typedef struct fxs_write_format {
     const char *ending;

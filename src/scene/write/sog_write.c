@@ -10,8 +10,8 @@
 #include <string.h>
 #include <webp/encode.h>
 
-#include "../files/exponential.h"
-#include "../files/zip_internal.h"
+#include "src/base/exponential.h"
+#include "src/base/zip_internal.h"
 #include "codebook_internal.h"
 
 enum { MEANS_LOW, MEANS_HIGH, SCALES, QUATS, SH0, LABELS, CENTROIDS, IMAGES };

@@ -1,12 +1,12 @@
-#include "splat_write.h"
+#include <fixsplat/splat_write.h>
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../files/exponential.h"
-#include "../import/encode.h"
-#include "../files/output_internal.h"
+#include "src/base/exponential.h"
+#include "src/pack/encode.h"
+#include "src/base/output_internal.h"
 
 enum { RECORD_SIZE = 32, SCALE = 12, COLOUR = 24, ROTATION = 28 };
 

@@ -1,14 +1,14 @@
-#include "spz_write.h"
+#include <fixsplat/spz_write.h>
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "../files/exponential.h"
-#include "../import/encode.h"
-#include "../files/output_internal.h"
-#include "spz_internal.h"
+#include "src/base/exponential.h"
+#include "src/pack/encode.h"
+#include "src/base/output_internal.h"
+#include "src/scene/read/spz_internal.h"
 
 #ifdef FXS_WITH_ZLIB
 #define ZLIB_CONST

@@ -1,0 +1,145 @@
+# The command and the libraries: what is here to build with, what is built from what, and how.
+
+# Compiler, kernels for its processors and optional libraries, as of the last change of any (tools/probe.sh). Without a
+# library, its feature answers with a clear message.
+ifneq ($(filter-out clean help headers core-headers uninstall,$(GOALS)),)
+quoted = '$(subst ','\'',$(1))'
+$(shell CC=$(call quoted,$(CC)) CPPFLAGS=$(call quoted,$(CPPFLAGS)) CFLAGS=$(call quoted,$(CFLAGS)) \
+    LDFLAGS=$(call quoted,$(LDFLAGS)) NVCC=$(call quoted,$(NVCC)) sh tools/probe.sh $(B) >&2)
+include $(B)/probe.mk
+ifeq ($(filter CUDA,$(FOUND)),)
+$(info built without the CUDA back end: no $(NVCC) for this compiler's machine)
+endif
+endif
+ifeq ($(origin AR),default)
+AR := $(or $(AR_OF_CC),ar)
+endif
+
+# No contraction of a * b + c: procedural scenes and imports are the same everywhere.
+INCLUDES := -Isrc/include -I.
+FLAGS = -std=c99 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off $(INCLUDES) \
+        -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(FOUND:%=-DFXS_WITH_%) $(CFLAGS) $(CPPFLAGS)
+# One set of objects for the static and the shared libraries.
+PIC := $(if $(SHARED),-fPIC -fno-semantic-interposition)
+NVCC_FLAGS = -O3 -std=c++17 $(INCLUDES) -diag-suppress 177 -gencode arch=compute_90,code=sm_90 \
+             -gencode arch=compute_80,code=compute_80 \
+             -Xcompiler -fno-exceptions,-fno-rtti,-fno-threadsafe-statics,-fPIC
+LIBS := $(foreach name,CJSON ZIP WEBP ZLIB DEFLATE ZSTD GLES CUDA,$(LIBS_$(name))) -lm -lpthread
+
+# Faster versions of the stages carry their instruction set in their name. clang 14 crashes on the debug information of
+# AVX-512 masks.
+CLANG_14 := $(if $(findstring clang,$(CC_VERSION)),-g0)
+# Lanes that are not wanted may overflow, as may stb_image with a damaged .jpg: -fwrapv says that this is no fault. -O3:
+# project takes 9 % less.
+isa = $(if $(filter src/image/image_%,$(1)),-fwrapv) $(if $(filter kernels/%,$(1)),-fwrapv $(if $(filter -O2,$(CFLAGS)),-O3)) $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
+      -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi $(CLANG_14)))) \
+      $(if $(filter src/fit/% kernels/fit/% src/camera/% src/pack/% src/scene/% src/gaussian/% tests/gpu/test_fit% tests/test_fit_%,$(1)),$(SINGLES))
+
+with = $(if $(filter $(1),$(FOUND)),$(wildcard $(2)))
+FIT_KERNELS_x86 := sse41 avx2 avx512
+FIT_KERNELS_arm := neon
+KERNELS := $(if $(KERNEL_FOLDER),$(wildcard kernels/simd/$(KERNEL_FOLDER)/*.c))
+CORE := $(wildcard src/core/*.c kernels/*.c) $(KERNELS)
+DEVICES := $(call with,GLES,kernels/gles/*.c) $(call with,CUDA,kernels/cuda/cuda.cu kernels/fit/cuda/cuda_fit.cu)
+LIBRARY := $(wildcard $(patsubst %,src/%/*.c,base gaussian scene scene/read scene/write scene/edit pack camera image fit) \
+                      $(patsubst %,port/%/*.c,posix backend board)) \
+           $(wildcard $(patsubst %,kernels/fit/fit_%.c,$(FIT_KERNELS_$(KERNEL_FOLDER))))
+LIBRARY += $(if $(filter GLES,$(FOUND)),$(call with,EGL,port/gl/egl.c) $(call with,OSMESA,port/gl/osmesa.c))
+WINDOW := $(if $(call with,SDL,port/window/*.c),$(wildcard port/window/*.c) \
+                                             $(filter-out tools/viewer_main.c,$(wildcard tools/viewer*.c)))
+SERVER := $(call with,MICROHTTPD,port/http/*.c)
+TOOL := $(filter-out tools/viewer% tools/serve%,$(wildcard tools/*.c)) src/scene/make/procedural.c
+TOOL_SHARED := tools/metrics.c src/scene/make/procedural.c
+objects = $(patsubst %.cu,$(B)/%.o,$(patsubst %.c,$(B)/%.o,$(1)))
+
+PROGRAMS := $(B)/fixsplat $(if $(WINDOW),$(B)/fixsplat-view) $(if $(SERVER),$(B)/fixsplat-web)
+ARCHIVES := $(B)/libfixsplat-core.a $(B)/libfixsplat.a
+SONAME := libfixsplat.so.$(basename $(VERSION))
+SHARED_LIBRARY := $(if $(SHARED),$(B)/libfixsplat.so.$(VERSION))
+
+
+# ---- Rules ---------------------------------------------------------------------------------------------------------
+
+# One line a file; V=1: the whole command.
+ifeq ($(V),)
+say = @$(if $(findstring s,$(firstword -$(MAKEFLAGS))),,printf '  %-4s %s\n' $(1) $(2) &&)
+endif
+
+all: $(PROGRAMS) $(ARCHIVES) $(SHARED_LIBRARY)
+
+$(B)/libfixsplat-core.a: $(call objects,$(CORE))
+$(B)/libfixsplat.a: $(call objects,$(CORE) $(DEVICES) $(LIBRARY))
+$(ARCHIVES): $(B)/commands/link
+	$(call say,AR,$@)rm -f $@ && $(AR) rcs $@ $(filter %.o,$^)
+
+link = $(call say,LD,$@)$(CC) $(FLAGS) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(1) $(LIBS)
+
+# It shows the functions that public headers declare, and nothing else.
+SHARED_FLAGS := -shared -Wl,-soname,$(SONAME) -Wl,--version-script=$(B)/exports
+$(SHARED_LIBRARY): $(call objects,$(CORE) $(DEVICES) $(LIBRARY)) $(B)/exports $(B)/commands/link
+	$(call link,$(SHARED_FLAGS))
+$(B)/exports: $(HEADERS) make/build.mk
+	@{ echo '{ global:'; grep -oh 'fxs_[a-z0-9_]*[(;,]' $(HEADERS) | tr '(,' ';;' | sort -u; echo 'local: *; };'; } >$@
+
+$(B)/fixsplat: $(call objects,$(TOOL)) $(B)/libfixsplat.a $(B)/commands/link
+	$(call link)
+
+$(B)/fixsplat-view: $(call objects,tools/viewer_main.c $(WINDOW) $(filter-out tools/main.c,$(TOOL))) \
+                    $(B)/libfixsplat.a $(B)/commands/link
+	$(call link,$(LIBS_TTF) $(LIBS_SDL))
+
+$(B)/fixsplat-web: $(call objects,tools/serve.c $(SERVER) $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a \
+                   $(B)/commands/link
+	$(call link,$(LIBS_MICROHTTPD))
+
+# What commands are made of: what was built by another is built again.
+$(B)/commands/compile: COMMAND := $(CC) $(CC_VERSION) $(filter-out -DFXS_WITH_%,$(FLAGS)) $(PIC)
+$(B)/commands/nvcc: COMMAND := $(NVCC) $(NVCC_VERSION) $(NVCC_FLAGS)
+$(B)/commands/link: COMMAND := $(CC) $(CC_VERSION) $(CFLAGS) $(LDFLAGS) $(LIBS) $(LIBS_TTF) $(LIBS_SDL) $(LIBS_MICROHTTPD) $(AR) \
+                              $(CORE) $(DEVICES) $(LIBRARY)
+$(B)/commands/%: FORCE
+	@mkdir -p $(@D)
+	@printf '%s\n' $(call quoted,$(COMMAND)) | cmp -s - $@ || printf '%s\n' $(call quoted,$(COMMAND)) >$@
+
+# An object depends on the optional libraries that its source and headers ask for: those are added to its .d.
+features = grep -ohs 'FXS_WITH_[A-Z0-9]*' $$(sed 's/^[^ ]*://; s/[\\:]//g' $(@:.o=.d)) | sort -u | \
+           sed 's|FXS_WITH_|$@: $(B)/with/|' >>$(@:.o=.d)
+
+$(B)/%.o: %.c $(B)/commands/compile
+	@mkdir -p $(@D)
+	$(call say,CC,$<)$(CC) $(FLAGS) $(if $(filter tools/% tests/%,$*),,$(PIC)) $(call isa,$*) -MMD -MP -c -o $@ $<
+	@$(features)
+
+$(B)/%.o: %.cu $(B)/commands/nvcc
+	@mkdir -p $(@D)
+	$(call say,NVCC,$<)$(NVCC) $(NVCC_FLAGS) $(if $(findstring fit,$*),-fmad=false) -MMD -MP -c -o $@ $<
+
+# These are there only with their library, and do not ask.
+$(call objects,$(wildcard port/window/*.c)): $(B)/with/SDL
+$(call objects,$(wildcard port/http/*.c)): $(B)/with/MICROHTTPD
+$(call objects,$(wildcard kernels/gles/*.c)): $(B)/with/GLES
+$(call objects,$(wildcard port/gl/egl.c)): $(B)/with/EGL
+$(call objects,$(wildcard port/gl/osmesa.c)): $(B)/with/OSMESA
+
+# The shaders' texts, and src/include/fixsplat/pixel.h that they are built around, as arrays of characters, without comments and spaces
+# about a line.
+SHADERS := src/include/fixsplat/pixel.h $(wildcard kernels/gles/*.vert kernels/gles/*.frag)
+$(B)/kernels/gles/shaders.h: $(SHADERS) make/build.mk
+	@mkdir -p $(@D)
+	@for f in $(SHADERS); do echo "static const char $$(basename $$f | tr . _)[] = {"; \
+	    sed -e ':more' -e '/\/\*/{/\*\//!{N' -e 'b more' -e '}' -e 's|/\*.*\*/||' -e '}' -e 's|//.*||' \
+	        -e 's/^ *//' -e 's/ *$$//' -e '/^$$/d' $$f | od -An -v -tu1 | sed 's/[0-9][0-9]*/&,/g'; echo '0};'; done >$@
+$(B)/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h
+$(B)/kernels/gles/gles.o: CPPFLAGS += -I$(B)/kernels/gles
+
+$(B)/with/%: ;
+FOLDERS := src/* src/*/* kernels kernels/* kernels/*/* port/* port/*/* tools tests tests/gpu
+-include $(wildcard $(foreach place,. firmware/* web/*,$(FOLDERS:%=$(B)/$(place)/%/*.d)))
+.SUFFIXES:
+.DELETE_ON_ERROR:
+.PRECIOUS: $(B)/%.o
+
+demo: all ## make a procedural scene and render it to demo.png
+	$(B)/fixsplat make-scene knot --count 200000 -o demo.ply
+	$(B)/fixsplat render demo.ply --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --fov 36 --bg 11131b -o demo.png --stats
+	@echo "demo.png: 200,000 Gaussians with view-dependent colour of degree 3, from demo.ply"

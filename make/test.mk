@@ -1,0 +1,46 @@
+# Tests.
+
+TESTS := $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
+SCRIPTS := $(notdir $(wildcard tests/scripts/*.sh))
+GATES := $(notdir $(wildcard tests/gates/*.sh))
+
+# T=name: what is called so, with test_ before or .sh behind or not; else what has that in its name.
+EVERY := $(TESTS) $(SCRIPTS) $(GATES)
+containing = $(strip $(foreach name,$(EVERY),$(if $(findstring $(1),$(name)),$(name))))
+called = $(or $(filter $(1) test_$(1) $(1).sh,$(EVERY)),$(call containing,$(1)),$(error no test is called $(1)))
+RUN := $(if $(T),$(sort $(foreach name,$(T),$(call called,$(name)))),$(EVERY))
+NEEDED := $(filter $(TESTS),$(RUN)) $(if $(filter bombs.sh web.sh,$(RUN)),test_bombs) $(if $(filter convert.sh,$(RUN)),test_lcc) $(if $(filter web.sh,$(RUN)),test_scene_input)
+
+$(B)/tests/test_%: $(B)/tests/test_%.o $(B)/tests/reference.o $(call objects,$(TOOL_SHARED)) $(B)/libfixsplat.a \
+                   $(B)/commands/link
+	$(call link)
+
+$(B)/tests/test_window: $(call objects,tests/test_window.c port/window/motion.c port/window/overlay.c \
+                        port/window/words.c $(WINDOW) \
+                        $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a $(B)/commands/link
+	$(call link,$(LIBS_TTF) $(LIBS_SDL))
+
+test: all $(addprefix $(B)/tests/,$(NEEDED)) ## run all tests, JOBS at once; T=name: those with that in their names
+	@FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(PROCESSORS)) sh tests/run.sh $(RUN)
+
+test-all: ## the same, on a dozen kinds of processor more
+	FXS_PROCESSORS=all $(MAKE) test
+
+test-programs: $(addprefix $(B)/tests/,$(TESTS)) ## build the test programs
+
+# Need a GPU: see tests/gpu/cuda.sh and tests/gpu/fit.sh.
+$(B)/tests/gpu/test_cuda $(B)/tests/gpu/bench_cuda: $(B)/tests/gpu/peek.o
+$(B)/tests/gpu/test_fit: $(B)/tests/gpu/peek_fit.o
+$(B)/tests/gpu/%: $(B)/tests/gpu/%.o $(B)/libfixsplat.a $(B)/commands/link
+	$(call link)
+
+cuda-tests: $(addprefix $(B)/tests/gpu/,test_cuda bench_cuda test_fit) $(B)/tests/test_fit_steps ## build what tests/gpu/*.sh run on a GPU
+
+golden-update: all $(B)/tests/test_golden ## write the golden images anew (and say why in the commit)
+	$(B)/tests/test_golden --update
+
+fuzz: all ## fuzz readers and renderer, SECONDS=60 each, JOBS at once
+	B=$(B) sh tests/fuzz.sh $(or $(SECONDS),60)
+
+mutants: ## change the code in small ways and see that a test notices each (long)
+	sh tests/mutants.sh

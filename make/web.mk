@@ -1,0 +1,111 @@
+# The npm package (docs/web.md).
+
+# Modules of WebAssembly: the renderer without simd128, with it, with it and threads; the readers with the packing.
+WASM_CC ?= clang
+WASM_OPT ?= wasm-opt
+WEB := $(B)/web/package
+MODULES := core simd threads import
+WASM_FLAGS := --target=wasm32-wasi -std=gnu99 $(INCLUDES) -fwrapv -ffp-contract=off -ffunction-sections \
+              -Wall -Wextra -Wpedantic -Wshadow -Wconversion -include port/web/web_files.h
+WASM_LINK := --target=wasm32-wasi -nostartfiles -Wl,--no-entry,--strip-all,--stack-first,-z,stack-size=524288
+WEB_C := $(addprefix port/web/web_,text.c heap.c files.c) src/base/message.c src/base/allocator.c
+WEB_CORE := $(wildcard src/core/*.c) kernels/kernels.c port/web/web_core.c src/base/crc32.c src/scene/fxs_file.c \
+            src/camera/camera.c src/scene/world.c $(WEB_C)
+sources_of_core := $(WEB_CORE)
+WEB_GLES := $(wildcard kernels/gles/*.c) port/web/webgl.c
+sources_of_simd := $(WEB_CORE) $(wildcard kernels/simd/wasm/*.c) $(WEB_GLES)
+sources_of_threads := $(sources_of_simd) port/web/web_pool.c
+sources_of_import := $(wildcard $(patsubst %,src/%/*.c,gaussian scene/read pack)) src/scene/scene_file.c \
+                     src/scene/fxs_file.c $(addprefix port/web/web_,import.c crc.c sort.c) \
+                     $(addprefix src/base/,crc32.c byte_reader.c opened.c source.c text.c zip.c) \
+                     $(addprefix src/core/,scene.c fixsplat.c chunk.c) $(WEB_C)
+# What takes little of a frame is to be small; kernels take a seventh less of it by -O3, for 2 KB. The lowest 1024 bytes are
+# the end of the stack, which no pointer is to (--low-memory-unused).
+# <GLES3/gl3.h> is the host's.
+wasm_flags_of = $(if $(filter import,$(1)),$(WEB_READERS_FLAGS)) \
+                $(if $(filter simd,$(1)),-msimd128) $(if $(filter %/web_pool.c,$(2)),-matomics -mbulk-memory) \
+                $(if $(filter $(WEB_GLES),$(2)),-idirafter /usr/include -I$(B)/kernels/gles) \
+                $(if $(filter kernels/simd/wasm/%,$(2)),-O3,$(if $(filter $(WEB_SMALL),$(1)/$(2)),-Oz,-O2))
+WEB_SMALL := simd/src/% core/port/% core/src/base/% core/src/camera/% core/src/scene/% simd/port/% %/gles/gles.c %/gles/fetch.c %/gles/state.c
+# The objects are those of simd; nothing of them but pool.c knows of threads, and nothing of wasi-libc that is linked
+# (memcpy, qsort, exp) cares. Its memory is made by fixsplat.js, of 16 pages at first.
+wasm_link_of_threads := -Wl,--shared-memory,--import-memory,--initial-memory=1048576,--max-memory=4294967296 \
+                        -Wl,--no-check-features,--export=__stack_pointer
+wasm_opt_of_threads := --enable-threads --enable-bulk-memory --enable-mutable-globals
+web_objects_of = $(patsubst %.c,$(B)/web/$(if $(filter threads,$(1)),simd,$(1))/%.o,$(sources_of_$(1)))
+# Libraries that readers need, where `make setup web` has put their sources: what decompresses, and cJSON.
+not_of_libzip := $(addprefix zip_,crypto_% winzip_aes% source_winzip_aes% pkware.c source_pkware% source_file_% random_% \
+                   get_encryption_implementation.c mkstempm.c libzip_version.c algorithm_bzip2.c algorithm_xz.c)
+WEB_LIBS_C := cjson/cJSON.c $(patsubst %,zlib/%.c,adler32 inflate inftrees inffast zutil) \
+              $(patsubst %,libzstd/lib/common/%.c,entropy_common error_private fse_decompress xxhash zstd_common) \
+              $(patsubst %,libzstd/lib/decompress/%.c,huf_decompress zstd_ddict zstd_decompress \
+                                                      zstd_decompress_block) \
+              $(patsubst %,libwebp/src/dec/%_dec.c,alpha buffer frame idec io quant tree vp8 vp8l webp) \
+              $(patsubst %,libwebp/src/dsp/%.c,alpha_processing cpu dec dec_clip_tables filters lossless rescaler \
+                                               upsampling yuv) libwebp/src/utils/utils.c \
+              $(patsubst %,libwebp/src/utils/%_utils.c,bit_reader color_cache huffman quant_levels_dec random \
+                                                       rescaler thread) \
+              $(addprefix libzip/lib/,$(filter-out $(not_of_libzip),$(notdir $(wildcard $(WEB_SOURCES)/libzip/lib/*.c))))
+WEB_VERSIONS := $(if $(WEB_SOURCES),$(if $(wildcard $(WEB_SOURCES)/versions),$(shell cat $(WEB_SOURCES)/versions)))
+WEB_LIBS := $(if $(WEB_VERSIONS),$(patsubst %.c,$(B)/web/libs/%.o,$(WEB_LIBS_C) none.c))
+WEB_LIBS_FLAGS := --target=wasm32-wasi -Oz -w -fwrapv -ffunction-sections -DNDEBUG \
+                  -DHUF_FORCE_DECOMPRESS_X1 -DZSTD_FORCE_DECOMPRESS_SEQUENCES_SHORT -DZSTD_STRIP_ERROR_STRINGS \
+                  -DZSTD_LEGACY_SUPPORT=0 -DZSTD_DISABLE_ASM \
+                  $(addprefix -I,port/web/libs $(addprefix $(WEB_SOURCES)/,zlib libzip/lib libwebp))
+WEB_READERS_FLAGS := $(if $(WEB_LIBS),$(patsubst %,-DFXS_WITH_%,CJSON WEBP ZIP ZLIB ZSTD) -isystem port/web/libs \
+                       $(patsubst %,-isystem $(WEB_SOURCES)/%,. zlib libzip/lib libzstd/lib libwebp/src))
+ifneq ($(filter web,$(GOALS)),)
+ifeq ($(WEB_LIBS),)
+$(info built without .sog, glTF, 3D Tiles and gzip and zstd of .spz for the web: no sources of libraries in $(WEB_SOURCES))
+endif
+endif
+
+WASM := $(MODULES:%=$(WEB)/%.wasm)
+
+PACKAGE := $(WASM) $(addprefix $(WEB)/,fixsplat.js webgl.js read.js thread.js fixsplat.d.ts package.json README.md LICENSE) \
+           $(patsubst port/web/%,$(WEB)/%,$(wildcard port/web/viewer/*))
+
+web: $(PACKAGE) ## the npm package (docs/web.md), in build/web/package
+
+define web_rules
+$(B)/web/$(1)/%.o: %.c $(B)/commands/web
+	@mkdir -p $$(@D)
+	$$(call say,CC,'$$< ($(1))')$(WASM_CC) $(WASM_FLAGS) $$(call wasm_flags_of,$(1),$$<) -MMD -MP -c -o $$@ $$<
+$(WEB)/$(1).wasm: $(call web_objects_of,$(1))
+	@mkdir -p $$(@D)
+	$$(call say,LD,$$@)$(WASM_CC) $(WASM_LINK) $(wasm_link_of_$(1)) -o $(B)/web/$(1).linked $$(filter %.o,$$^) && \
+	    $(WASM_OPT) --enable-simd $(wasm_opt_of_$(1)) -O3 --low-memory-unused -o $$@ $(B)/web/$(1).linked
+endef
+$(foreach module,$(MODULES),$(eval $(call web_rules,$(module))))
+$(B)/web/simd/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h
+$(B)/web/libs/%.o: $(WEB_SOURCES)/%.c $(B)/commands/web
+	@mkdir -p $(@D)
+	$(call say,CC,'$* (import)')$(WASM_CC) $(WEB_LIBS_FLAGS) -c -o $@ $<
+$(B)/web/libs/none.o: port/web/libs/none.c $(B)/commands/web
+	@mkdir -p $(@D)
+	$(call say,CC,'$< (import)')$(WASM_CC) $(WEB_LIBS_FLAGS) -c -o $@ $<
+$(WEB_LIBS): $(wildcard port/web/libs/*.h)
+$(WEB)/import.wasm: $(WEB_LIBS)
+$(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WEB_LIBS_FLAGS) $(WEB_VERSIONS) $(WASM_LINK) $(wasm_link_of_threads) $(WASM_OPT) \
+    $(foreach module,$(MODULES),$(foreach file,$(sources_of_$(module)),$(strip $(call wasm_flags_of,$(module),$(file)))))
+
+$(WEB)/package.json: port/web/package.json src/include/fixsplat/fixsplat.h
+	@mkdir -p $(@D)
+	@sed 's/@VERSION@/$(VERSION)/' $< >$@
+# With those of what is compiled in.
+WEB_LICENSES := $(if $(WEB_LIBS),$(addprefix $(WEB_SOURCES)/,cjson/LICENSE libwebp/COPYING libwebp/PATENTS \
+                                                             libzip/LICENSE libzstd/LICENSE zlib/LICENSE))
+$(WEB)/LICENSE: LICENSE $(wildcard /usr/share/doc/wasi-libc/copyright) $(WEB_LICENSES)
+	@mkdir -p $(@D)
+	@for f in $^; do [ $$f = LICENSE ] || printf '\n---- %s ----\n\n' $$(basename $$(dirname $$f)); cat $$f; done >$@
+# Without comments, but for those of several lines, and indentation: a sixth less to download.
+$(WEB)/%.js: port/web/%.js
+	@mkdir -p $(@D)
+	@sed -e 's/^ *//' -e '/^\/\//d' -e '/^\/\*\*.*\*\/$$/d' -e "s| *// [^'\"\`]*\$$||" -e '/^$$/d' $< >$@
+$(WEB)/%: port/web/%
+	@mkdir -p $(@D) && cp $< $@
+
+# tests/test_kernels.c as a program of WASI: node tests/web/wasi.mjs runs it.
+$(B)/web/test_kernels.wasm: $(patsubst %.c,$(B)/web/simd/%.o,$(wildcard src/core/*.c kernels/simd/wasm/*.c) kernels/kernels.c \
+                                                            tests/test_kernels.c)
+	$(call say,LD,$@)$(WASM_CC) --target=wasm32-wasi -Wl,-z,stack-size=1048576 -o $@ $^
