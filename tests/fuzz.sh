@@ -292,12 +292,12 @@ seeds_of_checkpoint() {
 # ---- Run -------------------------------------------------------------------------------------------------------------
 
 sanitizers=address,undefined,float-cast-overflow
-compile="clang -std=c11 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off -g -O1 \
+compile="clang -std=c11 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off -Isrc/include -I. -g -O1 \
     -fsanitize=fuzzer-no-link,$sanitizers -fno-sanitize-recover=all -fsanitize-ignorelist=$work/ignored"
 # stb_image adds 0 to a null pointer, and reads 0 bytes to it, where the first data of a .png are empty.
 printf '%s\n' '[pointer-overflow|nonnull-attribute]' 'src:*/stb/*' >"$work/ignored"
 
-# What the Makefile compiles kernels/x86 with.
+# What the Makefile compiles kernels with.
 instructions_of() {
     case $1 in
     */image_file.c | */image_encode.c) echo -fwrapv ;;
@@ -310,13 +310,12 @@ instructions_of() {
 # Compiles the library once for all targets, and links each, as $work/NAME.
 build() {
     case $(clang -dumpmachine) in
-    x86_64*) kernels='kernels/*.c kernels/simd/x86/*.c' ;;
-    aarch64*) kernels='kernels/*.c kernels/simd/arm/*.c' ;;
+    x86_64*) kernels='kernels/*.c kernels/simd/x86/*.c kernels/fit/fit_[sa]*.c' ;;
+    aarch64*) kernels='kernels/*.c kernels/simd/arm/*.c kernels/fit/fit_neon.c' ;;
     *) kernels='kernels/*.c' ;;
     esac
     mkdir "$work/objects"
-    for source in src/core/*.c $kernels src/base/*.c src/gaussian/*.c src/scene/*.c src/scene/*/*.c src/camera/*.c src/image/*.c src/pack/*.c \
-        src/fit/*.c tests/fuzz_*.c; do
+    for source in src/*/*.c src/*/*/*.c $kernels port/posix/output.c tests/fuzz_*.c; do
         echo "$compile $features -DFXS_WITH_KERNELS $(instructions_of "$source") -c $source -o $work/objects/$(
             )$(basename "$source" .c).o"
     done | xargs -P "$jobs" -I COMMAND sh -c COMMAND || return

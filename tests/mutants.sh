@@ -33,7 +33,7 @@ tests_of() {
     src/include/fixsplat/pixel.h | src/include/fixsplat/fixed.h) echo random fixed stages kernels pixel scene golden ;;
     src/core/opacity.inc) echo pack random stages kernels ;;
     src/core/object.c | src/core/trace.c | src/core/targets.c | src/core/pick.c) echo targets objects stages ;;
-    src/*) echo random stages scene stereo kernels bands golden targets objects foveate ;;
+    src/core/*) echo random stages scene stereo kernels bands golden targets objects foveate ;;
     port/board/*) echo strip ;;
     src/fit/photo* | */lens.c) echo photos photo_bytes ;;
     src/fit/profile* | src/fit/quantise.h) echo fit_profile fit_steps ;;
@@ -42,7 +42,7 @@ tests_of() {
     src/fit/*) echo fit_model fit_steps ;;
     port/backend/foveate.c) echo foveate ;;
     kernels/gles/*) echo gles ;;
-    kernels/*/fit_*) echo fit_gradient fit_loss ;;
+    kernels/fit/*) echo fit_gradient fit_loss ;;
     kernels/*) echo kernels foveate random stereo golden bands ;;
     */camera.c | */message.c) echo camera_file golden ;;
     */camera* | */colmap_text.c | */view_list.c) echo camera_file photos ;;
@@ -63,7 +63,7 @@ tests_of() {
     */ksplat.c) echo ksplat scene_input allocation ;;
     */lcc.c) echo lcc scene_input allocation ;;
     */scene_filter.c | */floaters.c) echo scene_filter scene_input allocation ;;
-    port/backend/processor.c | port/world/* | tools/*) echo cli.sh ;;
+    port/backend/processor.c | */world*.c | */merge.c | tools/*) echo cli.sh ;;
     port/posix/pool.c) echo threads allocation ;;
     port/posix/map.c) echo fxs_file ;;
     *) echo bombs splat ply gltf sog spz ksplat compressed_ply camera_file scene_filter scene_input allocation pack ;;
@@ -175,7 +175,7 @@ wanted=$(while read -r line; do tests_of "${line%% | *}"; done <"$folder/list" |
 echo .SECONDARY: >"$folder/keep.mk"
 rm -rf "$folder"/tree.* "$folder"/time.* "$folder/taken"
 mkdir -p "$folder/tree" "$folder/taken"
-tar cf - Makefile src kernels port tools tests | tar xf - -C "$folder/tree" || exit 1
+tar cf - Makefile make src kernels port tools tests | tar xf - -C "$folder/tree" || exit 1
 
 cd "$folder/tree" || exit 1
 build -j"$JOBS" build/libfixsplat.a build/fixsplat $(for test in $wanted; do built_for "$test"; done) >build.log 2>&1 ||

@@ -30,7 +30,7 @@ objects_of() {
 }
 
 row "bytes, $(uname -m)" text data bss
-for folder in src kernels kernels/*/ port/*/ tools; do
+for folder in src/*/ src/*/*/ kernels kernels/*/ kernels/*/*/ port/*/ tools; do
     folder=${folder%/}
     ls "$folder"/*.c >/dev/null 2>&1 && part "$folder" size $(objects_of "$folder")
 done
@@ -39,7 +39,7 @@ strip -o "$stripped" "$build/fixsplat" && part "fixsplat, stripped" size "$strip
 if command -v arm-none-eabi-gcc >/dev/null 2>&1; then
     for source in src/core/*.c; do
         object=$objects/$(basename "$source" .c).o
-        arm-none-eabi-gcc -std=c99 -Os -mcpu=cortex-m3 -mthumb -c "$source" -o "$object" || exit 1
+        arm-none-eabi-gcc -std=c99 -Isrc/include -I. -Os -mcpu=cortex-m3 -mthumb -c "$source" -o "$object" || exit 1
     done
-    part "src, Cortex-M3 -Os" arm-none-eabi-size "$objects"/*.o
+    part "src/core, Cortex-M3 -Os" arm-none-eabi-size "$objects"/*.o
 fi

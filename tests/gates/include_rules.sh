@@ -1,76 +1,152 @@
 #!/bin/sh
-# Who may include whom:
-#   src      -> src; <stdint.h>, <stddef.h>, and <string.h> in memory.h alone
-#   kernels  -> src, kernels; an instruction set kernels/lanes, which includes src alone, and never another; intrinsics
-#               headers (not in lanes), and GPU headers in cuda and gles
-#               fit_* of an instruction set includes src/fit/fit_stages.h alone; cuda/fit what is in cuda and port/fit
-#   port     -> port, the public headers of src and kernels, and gl.h, which lists the functions that gles calls;
-#               port/fit the header of cuda/fit
-#   tools    -> tools, the public headers of src, kernels and port
-# and src and kernels neither allocate nor print.
+# Who may include whom. A room is a folder; each may include itself and those named behind it, and of the public headers
+# those of the same rooms. So no arrow goes up, and no two rooms hold each other.
 cd "$(dirname "$0")/../.." || exit 1
-public=$(MAKEFLAGS='' make -s headers | grep -E '^(src|kernels)/' | sed 's/\./\\./' | paste -sd '|')
-isa='[a-z]*mmintrin\.h|cpuid\.h|arm_(neon|mve|acle)\.h|sys/auxv\.h|wasm_simd128\.h'
-internal='port/[a-z]*/([a-z_]*_internal|scene_format)\.h'
 faults=
+
+# room ALLOWED...: what a file of the room may include beside its own folder. The first that fits counts.
+rooms='
+src/core
+src/base        src/core
+src/gaussian    src/base src/core
+src/camera      src/base src/core
+src/image       src/camera src/base src/core
+src/pack        src/gaussian src/base src/core
+src/scene       src/pack src/gaussian src/base src/core
+src/fit         src/scene src/pack src/gaussian src/image src/camera src/base src/core
+kernels/simd/lanes  src/core
+kernels/simd    kernels/simd/lanes kernels src/core
+kernels/gles    src/core
+kernels/cuda    src/core
+kernels/fit     src/fit kernels/cuda
+kernels         kernels/simd/lanes src/core
+port            src kernels/gles kernels/cuda kernels/fit kernels
+tools           public
+'
+
+# The room of each public header.
+public='
+src/core      fixsplat packed stage pixel fixed
+src/base      allocator message output input
+src/gaussian  gaussian
+src/camera    camera camera_file
+src/image     image_file film_file
+src/pack      pack
+src/scene     scene_file scene_filter scene_write scene_decimate fxs_file ply_write splat_write spz_write world
+src/fit       fit photos blocks
+kernels       kernels
+kernels/gles  gles
+kernels/cuda  cuda
+port/posix    clock map pool
+port/gl       egl osmesa
+port/backend  backend backends foveate
+port/board    strip
+'
 
 files() {
     find "$@" -type f \( -name '*.[ch]' -o -name '*.inc' -o -name '*.cu' -o -name '*.cuh' \) 2>/dev/null
 }
 
-# The path of "../b.h" as included in a/c.c.
-resolve() {
-    printf '%s/%s\n' "$(dirname "$1")" "$2" | sed -e 's#/\./#/#g' -e ':again' -e 's#[^/]*/\.\./##' -e 'tagain'
-}
+# Lines "FILE KIND NAME" of every include; a name without a folder is the file's own folder's.
+files src kernels port tools | xargs grep -HE '^[ 	]*#[ 	]*include' |
+    sed -E 's/^([^:]*):[^"<]*(["<])([^">]*).*/\1 \2 \3/' |
+    ROOMS=$rooms PUBLIC=$public awk '
+    function says(why) { print $1 ": " why }
+    function within(path, room) { return index(path "/", room "/") == 1 }
+    function room_of(path,    i) {
+        for (i = 1; i <= count; i++)
+            if (within(path, room[i]))
+                return i
+        return 0
+    }
+    # Whether room number i may include what lies at a path.
+    function may(i, path,    words, k, n) {
+        if (within(path, room[i]))
+            return 1
+        n = split(allowed[i], words, " ")
+        for (k = 1; k <= n; k++)
+            if (words[k] == "kernels" ? path !~ /^kernels\/.*\// && path ~ /^kernels/ : within(path, words[k]))
+                return 1
+        return 0
+    }
+    BEGIN {
+        n = split(ENVIRON["ROOMS"], lines, "\n")
+        for (i = 1; i <= n; i++)
+            if (split(lines[i], words, " ")) {
+                room[++count] = words[1]
+                allowed[count] = substr(lines[i], length(words[1]) + 1)
+            }
+        n = split(ENVIRON["PUBLIC"], lines, "\n")
+        for (i = 1; i <= n; i++) {
+            m = split(lines[i], words, " ")
+            for (k = 2; k <= m; k++)
+                owner[words[k] ".h"] = words[1]
+        }
+    }
+    {
+        name = $3
+        sub(/.*\//, "", name)
+        folder = $1
+        sub(/\/[^\/]*$/, "", folder)
+        if (folder == "src/include/fixsplat") {
+            base = $1
+            sub(/.*\//, "", base)
+            if (!(base in owner)) {
+                if (!(base in told)) says("no room is said for it in tests/gates/include_rules.sh")
+                told[base] = 1
+                next
+            }
+            folder = owner[base]
+            if ($2 == "\"" && $3 !~ /\//)
+                $3 = "fixsplat/" $3
+            $2 = "<"
+        }
+        i = room_of(folder "/x")
+        isa = $3 ~ /^([a-z]*mmintrin\.h|cpuid\.h|arm_(neon|mve|acle)\.h|sys\/auxv\.h|wasm_simd128\.h)$/
+        plain = $3 ~ /^std(int|def)\.h$/
+        if ($2 == "<" && $3 ~ /^fixsplat\//) {
+            # stage.h and its like say what kernels are, and the texts of devices hold the stages.
+            if (folder == "tools" || folder ~ /^port/)
+                next
+            if (!(name in owner)) says("no public header " $3)
+            else if (!may(i, owner[name] "/" name)) says("includes <" $3 "> of " owner[name])
+        } else if ($2 == "<") {
+            if (folder == "src/core" && !plain && !($1 == "src/core/memory.h" && $3 == "string.h") ||
+                folder ~ /^kernels\/simd\/lanes/ && !plain ||
+                folder ~ /^kernels(\/simd|$)/ && !plain && !isa ||
+                folder ~ /^src/ && $3 ~ /^(unistd|fcntl|pthread|signal|sched|dirent|sys\/.*|cuda.*|GL.*|EGL.*)(\.h)?$/ ||
+                folder == "tools" && $3 ~ /^(cuda|GL|EGL)/)
+                says("includes <" $3 ">")
+        } else if ($3 ~ /\//) {
+            if (folder == "tools")
+                ok = $3 ~ /^(src|port)\/[a-z\/_]*\.h$/ && $3 !~ /_internal\.h$/
+            else
+                ok = may(i, $3) && !(folder ~ /^port/ && $3 ~ /^kernels\/.*\// && $3 !~ /\/(gl|cuda_fit)\.h$/)
+            if (!ok) says("includes \"" $3 "\"")
+        }
+    }' >"${TMPDIR:-/tmp}/include_rules.$$"
+faults=$(cat "${TMPDIR:-/tmp}/include_rules.$$")
+rm -f "${TMPDIR:-/tmp}/include_rules.$$"
 
-# quoted FILE TARGET: what FILE may include with quotes.
-quoted() {
-    case $1 in
-    src/*) allowed='src/.*' ;;
-    kernels/lanes/*) allowed='src/.*|kernels/lanes/.*' ;;
-    kernels/cuda/fit/*) allowed="kernels/cuda/(fit/.*|device\.cuh)|port/fit/.*" ;;
-    kernels/*/fit_*) allowed="port/fit/stages\.h|kernels/[^/]*" ;;
-    kernels/*/*) allowed="src/.*|$(dirname "$1")/.*|kernels/lanes/.*|kernels/[^/]*" ;;
-    kernels/*) allowed='src/.*|kernels/.*' ;;
-    src/fit/*) allowed="port/.*|$public|kernels/cuda/fit/fit\.h" ;;
-    port/*) allowed="port/.*|$public|kernels/gles/gl\.h" ;;
-    tools/*) allowed="tools/.*|port/.*|$public" ;;
-    esac
-    printf '%s\n' "$2" | grep -Eqx "$allowed" || return 1
-    case $1 in tools/*) ! printf '%s\n' "$2" | grep -Eqx "$internal" ;; esac
-}
+# Quoted names without a folder are files beside; no way up in any.
+faults="$faults$(files src kernels port tools tests | xargs grep -nE '#[ 	]*include[ 	]*"\.' | sed 's/$/: a way up/')"
 
-# angled FILE HEADER: the same for <HEADER>.
-angled() {
-    case $1 in
-    src/core/memory.h) allowed='string\.h' ;;
-    src/*) allowed='std(int|def)\.h' ;;
-    kernels/cuda/* | kernels/gles/*) return 0 ;;
-    kernels/lanes/*) allowed='std(int|def)\.h' ;;
-    kernels/*) allowed="std(int|def)\.h|$isa" ;;
-    port/*) return 0 ;;
-    tools/*) ! printf '%s\n' "$2" | grep -Eq '^(cuda|GL|EGL)'; return ;;
-    esac
-    printf '%s\n' "$2" | grep -Eqx "$allowed"
-}
+# No name stands for two files of the product.
+twice=$(find src kernels port tools -type f ! -name 'README.md' ! -name '*.py' | sed 's|.*/||' | sort | uniq -d | tr '\n' ' ')
+[ -z "$twice" ] || faults="$faults two files are called $twice"
 
-for file in $(files src kernels port tools); do
-    for include in $(sed -n 's/^[ \t]*#[ \t]*include[ \t]*\(["<][^">]*\).*/\1/p' "$file"); do
-        name=${include#?}
-        case $include in
-        '"'*) quoted "$file" "$(resolve "$file" "$name")" || faults="$faults $file includes \"$name\";" ;;
-        *) angled "$file" "$name" || faults="$faults $file includes <$name>;" ;;
-        esac
-    done
-done
-
-calls='(^|[^A-Za-z0-9_])(malloc|calloc|realloc|free|alloca|[a-z]*printf|puts|fopen|fread|fwrite|exit|abort)[ \t]*\('
-calling=$(files src kernels | xargs awk -f tests/gates/strip_comments.awk | grep -E "$calls" | cut -d: -f1,2 |
+# core and kernels neither allocate nor print; all of src opens no file and starts no thread.
+calls='(^|[^A-Za-z0-9_>.])(malloc|calloc|realloc|free|alloca|[a-z]*printf|puts|fopen|fread|fwrite|exit|abort)[ \t]*\('
+calling=$(files src/core kernels | xargs awk -f tests/gates/strip_comments.awk | grep -E "$calls" | grep -v '^kernels/fit' | cut -d: -f1,2 |
     tr '\n' ' ')
 [ -z "$calling" ] || faults="$faults allocates or prints: $calling"
+calls='(^|[^A-Za-z0-9_>.])(fopen|open|creat|rename|unlink|stat|lstat|realpath|mmap|pthread_create|fork|system)[ \t]*\('
+calling=$(files src | xargs awk -f tests/gates/strip_comments.awk | grep -E "$calls" | cut -d: -f1,2 | tr '\n' ' ')
+[ -z "$calling" ] || faults="$faults opens a file or starts a thread: $calling"
 
 if [ -n "$faults" ]; then
-    echo "FAIL include_rules:$faults"
+    printf '%s\n' "$faults"
+    echo "FAIL include_rules"
     exit 1
 fi
 echo "ok   include_rules"

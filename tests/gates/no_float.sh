@@ -1,6 +1,6 @@
 #!/bin/sh
-# No floating point in src and kernels: no such type or number in the text (a GPU may carry integers in its float
-# registers, so its folders are left out; the fit is float, and no rendering path has it), no soft-float call in src on a processor without floating point, and no
+# No floating point in src/core, its headers and kernels: no such type or number in the text (a GPU may carry integers in its float
+# registers, so its folders are left out; the fit is float, and no rendering path has it), no soft-float call in src/core on a processor without floating point, and no
 # vector or float register on AArch64.
 cd "$(dirname "$0")/../.." || exit 1
 objects=$(mktemp -d) || exit 1
@@ -22,15 +22,15 @@ build() {
         return 1
     }
     for source in src/core/*.c; do
-        "$compiler" -std=c99 -O2 "$@" -c "$source" -o "$objects/${name}_$(basename "$source" .c).o" 2>"$objects/log" ||
+        "$compiler" -std=c99 -O2 -Isrc/include -I. "$@" -c "$source" -o "$objects/${name}_$(basename "$source" .c).o" 2>"$objects/log" ||
             fail "$source does not build with $compiler $*: $(head -n 1 "$objects/log")"
     done
 }
 
 type='(float|double|long double|_Float[0-9]*|__fp16|float(16|32|64)(x[0-9]+)?(x[0-9]+)?_t)'
 number='([0-9]+\.[0-9]*|\.[0-9]+|[0-9]+[eE][-+]?[0-9]+)'
-text=$(find src kernels \( -path kernels/cuda -o -path kernels/gles -o -name 'fit_*' \) -prune -o -type f \
-    \( -name '*.[ch]' -o -name '*.inc' \) -print | xargs awk -f tests/gates/strip_comments.awk |
+text=$({ MAKEFLAGS='' make -s core-headers; find src/core kernels \( -path kernels/cuda -o -path kernels/gles -o -path kernels/fit \) -prune -o -type f \
+    \( -name '*.[ch]' -o -name '*.inc' \) -print; } | xargs awk -f tests/gates/strip_comments.awk |
     grep -v '^[^:]*:[0-9]*:[ \t]*#[ \t]*include' |
     grep -E "^[^:]*:[0-9]*:(.*[^A-Za-z0-9_.])?($type|$number)([^A-Za-z0-9_]|\$)" | cut -d: -f1,2 | tr '\n' ' ')
 [ -z "$text" ] || fail "in $text"

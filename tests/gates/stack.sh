@@ -15,7 +15,7 @@ if ! command -v arm-none-eabi-gcc >/dev/null 2>&1; then
 fi
 for level in -Os -O2; do
     for source in src/core/*.c port/board/*.c; do
-        arm-none-eabi-gcc -std=c99 $level -mcpu=cortex-m3 -mthumb -ffreestanding -DFXS_SMALL_STACK -fstack-usage \
+        arm-none-eabi-gcc -std=c99 -Isrc/include -I. $level -mcpu=cortex-m3 -mthumb -ffreestanding -DFXS_SMALL_STACK -fstack-usage \
             -c "$source" -o "$objects/$(basename "$source" .c)$level.o" || { echo "FAIL stack: $source"; exit 1; }
     done
 done

@@ -8,11 +8,8 @@ from fixsplat import _declarations as declarations
 KINDS = {ctypes.c_float: "f4", ctypes.c_double: "f8", ctypes.c_char: "c1", ctypes.c_uint8: "u1", ctypes.c_int: "i4",
          ctypes.c_uint: "u4", ctypes.c_int32: "i4", ctypes.c_uint32: "u4", ctypes.c_int64: "i8", ctypes.c_uint64: "u8",
          ctypes.c_size_t: f"u{ctypes.sizeof(ctypes.c_size_t)}", ctypes.c_ssize_t: f"i{ctypes.sizeof(ctypes.c_size_t)}"}
-HEADERS = ["src/include/fixsplat/fixsplat.h", "src/include/fixsplat/packed.h", "src/include/fixsplat/backend.h", "src/include/fixsplat/backends.h", "src/include/fixsplat/camera.h",
-           "src/include/fixsplat/camera_file.h", "src/include/fixsplat/fit.h", "src/include/fixsplat/photos.h", "src/include/fixsplat/message.h",
-           "src/include/fixsplat/image_file.h", "src/include/fixsplat/pack.h", "src/include/fixsplat/map.h", "src/include/fixsplat/pool.h",
-           "src/include/fixsplat/fxs_file.h", "src/include/fixsplat/scene_decimate.h", "src/include/fixsplat/scene_file.h",
-           "src/include/fixsplat/scene_filter.h", "src/include/fixsplat/scene_write.h", "src/include/fixsplat/world.h"]
+HEADERS = ["fixsplat", "packed", "backend", "backends", "camera", "camera_file", "fit", "photos", "message", "image_file",
+           "pack", "map", "pool", "fxs_file", "scene_decimate", "scene_file", "scene_filter", "scene_write", "world"]
 PROGRAM = """#include <stdio.h>
 #define KIND(x) _Generic((x), float: "f4", double: "f8", char: "c1", unsigned char: "u1", int: "i4", \\
                          unsigned: "u4", long: sizeof(long) == 8 ? "i8" : "i4", \\
@@ -41,7 +38,7 @@ def kind_of(field):
 
 def print_program():
     for header in HEADERS:
-        print(f'#include "{header}"')
+        print(f'#include <fixsplat/{header}.h>')
     print(PROGRAM)
     for name, value in structs():
         print(f'    printf("{name} %zu\\n", sizeof({name}));')

@@ -63,7 +63,7 @@ succeeds "help" --help
 
 # The options of each command stand in its table for getopt_long.
 for command in render view bench info convert compare make-scene; do
-    source=$root/tools/$(echo $command | sed -e 's/-/_/').c
+    source=$root/tools/cmd_$(echo $command | sed -e 's/-/_/').c
     grep -q FRAME_OPTIONS "$source" && source="$source $root/tools/options.h"
     grep -Eq '(IMPORT|FRAME)_OPTIONS' $source && source="$source $root/tools/load_scene.h"
     grep -Eq '(WORLD|FRAME)_OPTIONS' $source && source="$source $root/tools/load_world.h"

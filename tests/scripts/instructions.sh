@@ -11,7 +11,7 @@ if ! have $arm || ! have qemu-aarch64; then
     exit
 fi
 for source in src/core/*.c kernels/*.c kernels/simd/arm/*.c tests/test_kernels.c; do
-    echo "$arm -std=gnu99 -fwrapv -O2 -DFXS_WITH_KERNELS -c $source -o $work/$(basename "$source" .c).o"
+    echo "$arm -std=gnu99 -Isrc/include -I. -fwrapv -O2 -DFXS_WITH_KERNELS -c $source -o $work/$(basename "$source" .c).o"
 done | xargs -P 2 -I COMMAND sh -c COMMAND
 check "builds" $arm -static -Wl,-Map="$work/map" "$work"/*.o -lm -o "$work/kernels"
 check "the plugin builds" "${CC:-cc}" -O2 -shared -fPIC tests/count_instructions.c -o "$work/count.so"

@@ -24,7 +24,7 @@ export PYTHONPATH PYTHONDONTWRITEBYTECODE FIXSPLAT_LIBRARY
 
 check "the version is the library's" equal "$("$python" -c 'import fixsplat; print(fixsplat.__version__)')" "$version"
 "$python" "$root/tests/python/layout.py" print >layout.c
-check "structs: a C program" ${CC:-cc} -std=c11 -D_POSIX_C_SOURCE=200809L -O2 -I"$root" -o layout layout.c \
+check "structs: a C program" ${CC:-cc} -std=c11 -D_POSIX_C_SOURCE=200809L -O2 -I"$root/src/include" -o layout layout.c \
     "$FIXSPLAT_LIBRARY"
 ln -s "$FIXSPLAT_LIBRARY" "$soname"
 LD_LIBRARY_PATH=. ./layout >layout.txt
@@ -93,9 +93,9 @@ ${CC:-cc} -shared -fPIC -o other.so other.c
 refuses "another library" "is not libfixsplat.so" "$work/other.so"
 
 cp -r "$root/port/python" source
-mkdir -p checkout/port checkout/src checkout/build system
+mkdir -p checkout/port checkout/src/include/fixsplat checkout/build system
 cp -r source checkout/port/python
-cp "$root/src/include/fixsplat/fixsplat.h" checkout/src
+cp "$root/src/include/fixsplat/fixsplat.h" checkout/src/include/fixsplat
 cp "$FIXSPLAT_LIBRARY" checkout/build
 PYTHONPATH=$work/checkout/port/python imports "found in the build folder of a checkout" \
     "checkout/build/libfixsplat.so.$version"

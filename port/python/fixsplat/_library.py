@@ -37,7 +37,7 @@ def _found() -> Iterator[str]:
     soname = "libfixsplat.so." + VERSION.rpartition(".")[0]
     names = (soname, f"libfixsplat.so.{VERSION}", "libfixsplat.so")
     folders = [package]
-    if (package.parents[2] / "src" / "fixsplat.h").exists():
+    if (package.parents[2] / "src" / "include" / "fixsplat" / "fixsplat.h").exists():
         folders.append(package.parents[2] / "build")
     for folder in folders:
         for name in names:

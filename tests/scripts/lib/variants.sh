@@ -1,5 +1,6 @@
 # Sourced by the scripts that build a test program in many ways, after check.sh. $work: a folder of the script's own.
 flags='-std=c99 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off -g0'
+flags="$flags -I$PWD/src/include -I$PWD"
 variants=
 
 links() { echo 'int main(void) { return 0; }' | "$@" -x c - -o "$work/links" >/dev/null 2>&1; }
