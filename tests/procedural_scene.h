@@ -1,3 +1,4 @@
+#include "scene_writer.h"
 /* A procedural scene, written as .ply, read and packed as a user would. */
 #ifndef PROCEDURAL_SCENE_H
 #define PROCEDURAL_SCENE_H
@@ -8,7 +9,6 @@
 
 #include <fixsplat/message.h>
 #include <fixsplat/pack.h>
-#include <fixsplat/ply_write.h>
 #include "src/scene/make/procedural.h"
 
 /* *report may be null. Returns 0, or -1 and why not; *packed is for fxs_packed_scene_free. */
@@ -16,7 +16,7 @@ static inline int procedural_scene_make(const char *name, uint64_t count, int an
                                         fxs_pack_report *report, fxs_message *m)
 {
     char path[] = "/tmp/fixsplat-scene-XXXXXX";
-    fxs_ply_writer *writer;
+    fxs_scene_writer *writer;
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_pack_report unused;
@@ -25,17 +25,17 @@ static inline int procedural_scene_make(const char *name, uint64_t count, int an
     if (descriptor < 0)
         return fxs_fail(m, "%s: no such scene, or no file %s", name, path);
     close(descriptor);
-    if (fxs_ply_writer_open(path, count, scene->sh_degree, antialiased, &writer, m)) {
+    if (open_writer("ply", path, count, scene->sh_degree, antialiased, &writer, m)) {
         unlink(path);
         return -1;
     }
     for (uint64_t i = 0; i < count; i++) {
         fxs_gaussian gaussian;
         scene->gaussian(i, count, 1, &gaussian);
-        if (fxs_ply_writer_put(writer, &gaussian, 1, m))
+        if (fxs_scene_writer_put(writer, &gaussian, 1, m))
             break;
     }
-    int result = fxs_ply_writer_close(writer, m) || fxs_scene_file_open(path, NULL, &file, &info, m) ? -1 : 0;
+    int result = close_writer(writer, m) || fxs_scene_file_open(path, NULL, &file, &info, m) ? -1 : 0;
     if (!result) {
         result = fxs_pack(file, &info, packed, report ? report : &unused, 0, m);
         fxs_scene_file_close(file);

@@ -7,8 +7,9 @@
 
 #include <fixsplat/fxs_file.h>
 #include <fixsplat/pack.h>
-#include <fixsplat/ply_write.h>
+#include <fixsplat/scene_file.h>
 #include <fixsplat/fixsplat.h>
+#include "scene_writer.h"
 #include "check.h"
 #include "one_scene.h"
 
@@ -42,16 +43,16 @@ static void make_gaussian(uint32_t *seed, fxs_gaussian *g)
 
 static int write_ply(int count, int sh_degree)
 {
-    fxs_ply_writer *writer;
+    fxs_scene_writer *writer;
     fxs_gaussian gaussian;
     uint32_t seed = 11;
-    if (fxs_ply_writer_open(ply_path, (uint64_t)count, sh_degree, 0, &writer, &message))
+    if (open_writer("ply", ply_path, (uint64_t)count, sh_degree, 0, &writer, &message))
         return 0;
     for (int i = 0; i < count; i++) {
         make_gaussian(&seed, &gaussian);
-        fxs_ply_writer_put(writer, &gaussian, 1, &message);
+        fxs_scene_writer_put(writer, &gaussian, 1, &message);
     }
-    return !fxs_ply_writer_close(writer, &message);
+    return !close_writer(writer, &message);
 }
 
 static int pack(enum fxs_profile profile)

@@ -12,11 +12,11 @@
 
 #include <fixsplat/fxs_file.h>
 #include <fixsplat/pack.h>
-#include <fixsplat/ply_write.h>
 #include <fixsplat/map.h>
 #include <fixsplat/fixsplat.h>
 #include <fixsplat/packed.h>
 #include "src/scene/make/procedural.h"
+#include "scene_writer.h"
 #include "check.h"
 #include "one_scene.h"
 
@@ -29,19 +29,19 @@ static fxs_packed_scene packed;
 static int import(void)
 {
     fxs_message m;
-    fxs_ply_writer *writer;
+    fxs_scene_writer *writer;
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_pack_report report;
     const fxs_procedural_scene *scene = fxs_procedural_find("knot");
-    if (fxs_ply_writer_open(ply_path, COUNT, 3, 0, &writer, &m))
+    if (open_writer("ply", ply_path, COUNT, 3, 0, &writer, &m))
         return -1;
     for (uint64_t i = 0; i < COUNT; i++) {
         fxs_gaussian g;
         scene->gaussian(i, COUNT, 1, &g);
-        fxs_ply_writer_put(writer, &g, 1, &m);
+        fxs_scene_writer_put(writer, &g, 1, &m);
     }
-    if (fxs_ply_writer_close(writer, &m) || fxs_scene_file_open(ply_path, NULL, &file, &info, &m))
+    if (close_writer(writer, &m) || fxs_scene_file_open(ply_path, NULL, &file, &info, &m))
         return -1;
     int result = fxs_pack(file, &info, &packed, &report, 0, &m);
     fxs_scene_file_close(file);

@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include <fixsplat/pack.h>
-#include <fixsplat/ply_write.h>
 #include <fixsplat/scene_filter.h>
+#include "scene_writer.h"
 #include "folder.h"
 
 enum { COUNT = 9000 };                  /* more than two batches of the packer */
@@ -102,9 +102,9 @@ static int pack_made(void)
 
 static int open_ply(int degree)
 {
-    fxs_ply_writer *writer;
-    return fxs_ply_writer_open(in_folder("made.ply"), COUNT, degree, 1, &writer, &message) ||
-           fxs_ply_writer_put(writer, made, COUNT, &message) || fxs_ply_writer_close(writer, &message) ||
+    fxs_scene_writer *writer;
+    return open_writer("ply", in_folder("made.ply"), COUNT, degree, 1, &writer, &message) ||
+           fxs_scene_writer_put(writer, made, COUNT, &message) || close_writer(writer, &message) ||
            fxs_scene_file_open(in_folder("made.ply"), NULL, &file, &info, &message);
 }
 

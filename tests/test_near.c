@@ -6,9 +6,9 @@
 
 #include <fixsplat/camera.h>
 #include <fixsplat/pack.h>
-#include <fixsplat/ply_write.h>
 #include "tools/metrics.h"
 #include "src/scene/make/procedural.h"
+#include "scene_writer.h"
 #include "check.h"
 #include "one_scene.h"
 #include "reference.h"
@@ -26,7 +26,7 @@ static int make_knot(double size)
 {
     char path[] = "/tmp/fixsplat-near-XXXXXX";
     fxs_message m;
-    fxs_ply_writer *writer;
+    fxs_scene_writer *writer;
     fxs_scene_file *file;
     fxs_scene_file_info info;
     const fxs_procedural_scene *scene = fxs_procedural_find("knot");
@@ -38,10 +38,10 @@ static int make_knot(double size)
             gaussians[i].scale[k] += (float)log(size);
         }
     }
-    if (descriptor < 0 || close(descriptor) || fxs_ply_writer_open(path, COUNT, scene->sh_degree, 0, &writer, &m))
+    if (descriptor < 0 || close(descriptor) || open_writer("ply", path, COUNT, scene->sh_degree, 0, &writer, &m))
         return -1;
-    int result = fxs_ply_writer_put(writer, gaussians, COUNT, &m);
-    result = fxs_ply_writer_close(writer, &m) || result || fxs_scene_file_open(path, NULL, &file, &info, &m) ? -1 : 0;
+    int result = fxs_scene_writer_put(writer, gaussians, COUNT, &m);
+    result = close_writer(writer, &m) || result || fxs_scene_file_open(path, NULL, &file, &info, &m) ? -1 : 0;
     if (!result) {
         result = fxs_pack(file, &info, &packed, &report, NULL, &m);
         fxs_scene_file_close(file);

@@ -9,13 +9,12 @@
 #include "src/pack/encode.h"
 #include "src/pack/order.h"
 #include <fixsplat/pack.h>
-#include <fixsplat/ply_write.h>
-#include <fixsplat/spz_write.h>
 #include <fixsplat/pool.h>
 #include <fixsplat/fixsplat.h>
 #include <fixsplat/packed.h>
 #include "src/core/chunk.h"
 #include "src/scene/make/procedural.h"
+#include "scene_writer.h"
 #include "check.h"
 #include "decoded.h"
 
@@ -58,10 +57,10 @@ static void make_gaussians(size_t count)
 
 static int write_file(uint64_t count, int sh_degree, int antialiased)
 {
-    fxs_ply_writer *writer;
-    return fxs_ply_writer_open(path, count, sh_degree, antialiased, &writer, &message) == 0 &&
-           fxs_ply_writer_put(writer, gaussians, (size_t)count, &message) == 0 &&
-           fxs_ply_writer_close(writer, &message) == 0;
+    fxs_scene_writer *writer;
+    return open_writer("ply", path, count, sh_degree, antialiased, &writer, &message) == 0 &&
+           fxs_scene_writer_put(writer, gaussians, (size_t)count, &message) == 0 &&
+           close_writer(writer, &message) == 0;
 }
 
 static enum fxs_profile profile;
@@ -743,12 +742,12 @@ static void test_few_bits_are_kept(void)
         CHECK(report.largest.dc * 0.28209479177387814 < 2e-4 && report.largest.opacity < 1e-6);
         fxs_packed_scene_free(&packed);
     }
-    fxs_spz_writer *writer;
+    fxs_scene_writer *writer;
     make_gaussians(2000);
-    if (fxs_spz_writer_open(path, 4, 2000, 3, 0, &writer, &message))
+    if (open_spz(path, 4, 2000, 3, 0, &writer, &message))
         SKIP(message.text);
-    CHECK(fxs_spz_writer_put(writer, gaussians, 2000, &message) == 0);
-    CHECK(fxs_spz_writer_close(writer, NULL, NULL, &message) == 0 && pack_file(0, 0) == 0);
+    CHECK(fxs_scene_writer_put(writer, gaussians, 2000, &message) == 0);
+    CHECK(close_writer(writer, &message) == 0 && pack_file(0, 0) == 0);
     CHECK(report.largest.sh < 1e-7 && report.largest.dc * 0.28209479177387814 < 2e-4);
     fxs_packed_scene_free(&packed);
 }

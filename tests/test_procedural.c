@@ -1,5 +1,5 @@
-#include <fixsplat/ply_write.h>
 #include "src/scene/make/procedural.h"
+#include "scene_writer.h"
 #include "check.h"
 
 #include <math.h>
@@ -162,17 +162,17 @@ static int exists(const char *name)
 static int write_scene(const char *path, const fxs_procedural_scene *scene, uint64_t announced, uint64_t written,
                        fxs_message *message)
 {
-    fxs_ply_writer *writer;
-    const int error = fxs_ply_writer_open(path, announced, scene->sh_degree, 0, &writer, message);
+    fxs_scene_writer *writer;
+    const int error = open_writer("ply", path, announced, scene->sh_degree, 0, &writer, message);
     if (error)
         return error;
     for (uint64_t i = 0; i < written; i++) {
         fxs_gaussian g;
         scene->gaussian(i, written, 1, &g);
-        if (fxs_ply_writer_put(writer, &g, 1, message))
+        if (fxs_scene_writer_put(writer, &g, 1, message))
             break;
     }
-    return fxs_ply_writer_close(writer, message);
+    return close_writer(writer, message);
 }
 
 static float float_at(const unsigned char *bytes)
@@ -247,7 +247,7 @@ static void test_ply_failures(void)
 {
     const fxs_procedural_scene *scene = fxs_procedural_find("cubes");
     fxs_message message;
-    fxs_ply_writer *writer;
+    fxs_scene_writer *writer;
     struct stat before, after;
     const struct rlimit small = { 20000, RLIM_INFINITY }, unlimited = { RLIM_INFINITY, RLIM_INFINITY };
     CHECK(write_scene(in_folder("kept.ply"), scene, 5, 5, &message) == 0);
@@ -266,8 +266,8 @@ static void test_ply_failures(void)
           strstr(message.text, "none/a.ply"));
     CHECK(mkdir(in_folder("folder"), 0700) == 0);
     CHECK(write_scene(in_folder("folder"), scene, 5, 5, &message) == FXS_ERR_FILE && !exists("folder.tmp"));
-    CHECK(fxs_ply_writer_open(in_folder("a.ply"), 1, 4, 0, &writer, &message) == FXS_ERR_ARGUMENT && !writer);
-    CHECK(fxs_ply_writer_close(NULL, &message) == 0);
+    CHECK(open_writer("ply", in_folder("a.ply"), 1, 4, 0, &writer, &message) == FXS_ERR_ARGUMENT && !writer);
+    CHECK(close_writer(NULL, &message) == 0);
 }
 
 int main(void)

@@ -14,12 +14,11 @@
 #endif
 #include <fixsplat/camera.h>
 #include <fixsplat/pack.h>
-#include <fixsplat/ply_write.h>
-#include <fixsplat/spz_write.h>
 #include <fixsplat/pool.h>
 #include "src/core/frame.h"
 #include "tools/metrics.h"
 #include "src/scene/make/procedural.h"
+#include "scene_writer.h"
 #include "check.h"
 #include "one_scene.h"
 #include "reference.h"
@@ -148,7 +147,7 @@ static void load_spz(subject *s)
 {
     char path[] = "/tmp/fixsplat-quality-XXXXXX";
     fxs_message m;
-    fxs_spz_writer *writer;
+    fxs_scene_writer *writer;
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_pack_report report;
@@ -156,9 +155,9 @@ static void load_spz(subject *s)
     int fd = mkstemp(path);
     if (fd < 0 || close(fd))
         return;
-    if (!fxs_spz_writer_open(path, 4, s->info.count, s->info.sh_degree, s->info.antialiased, &writer, &m)) {
-        fxs_spz_writer_put(writer, s->gaussians, s->count, &m);
-        if (!fxs_spz_writer_close(writer, NULL, NULL, &m) && !fxs_scene_file_open(path, NULL, &file, &info, &m)) {
+    if (!open_spz(path, 4, s->info.count, s->info.sh_degree, s->info.antialiased, &writer, &m)) {
+        fxs_scene_writer_put(writer, s->gaussians, s->count, &m);
+        if (!close_writer(writer, &m) && !fxs_scene_file_open(path, NULL, &file, &info, &m)) {
             const double start = processor_seconds();
             CHECK(!fxs_pack(file, &info, &s->packed[SPZ], &report, NULL, &m) && !stat(path, &status));
             s->seconds[SPZ] = processor_seconds() - start;
@@ -439,15 +438,15 @@ static const struct {
 static int write_made(const char *path, const fxs_procedural_scene *scene)
 {
     fxs_message m;
-    fxs_ply_writer *writer;
-    if (fxs_ply_writer_open(path, scene->count, scene->sh_degree, 0, &writer, &m))
+    fxs_scene_writer *writer;
+    if (open_writer("ply", path, scene->count, scene->sh_degree, 0, &writer, &m))
         return -1;
     for (uint64_t i = 0; i < scene->count; i++) {
         fxs_gaussian g;
         scene->gaussian(i, scene->count, 1, &g);
-        fxs_ply_writer_put(writer, &g, 1, &m);
+        fxs_scene_writer_put(writer, &g, 1, &m);
     }
-    return fxs_ply_writer_close(writer, &m);
+    return close_writer(writer, &m);
 }
 
 static void quality_of_made_scene(void)

@@ -1,6 +1,6 @@
 /* Filtered scene files: what is left, its count before anything is read, and the same through fxs_pack. */
-#include <fixsplat/ply_write.h>
 #include <fixsplat/scene_filter.h>
+#include "scene_writer.h"
 #include "scene_bytes.h"
 
 enum { COUNT = 1000 };
@@ -13,9 +13,9 @@ static fxs_scene_file *file;
 /* Writes the Gaussians to a file, which is then the one to read. */
 static int write_made(int sh_degree)
 {
-    fxs_ply_writer *writer;
-    if (fxs_ply_writer_open(written, COUNT, sh_degree, 0, &writer, &message) ||
-        fxs_ply_writer_put(writer, made, COUNT, &message) || fxs_ply_writer_close(writer, &message))
+    fxs_scene_writer *writer;
+    if (open_writer("ply", written, COUNT, sh_degree, 0, &writer, &message) ||
+        fxs_scene_writer_put(writer, made, COUNT, &message) || close_writer(writer, &message))
         return 0;
     take_written();
     return 1;
@@ -318,11 +318,11 @@ static void packed(void)
             return;
         CHECK(fxs_pack(file, &info, &scenes[k], &reports[k], NULL, &message) == 0);
         if (k == 0) {
-            fxs_ply_writer *writer;
+            fxs_scene_writer *writer;
             CHECK(fxs_scene_file_rewind(file, &message) == 0 && read_left(out, COUNT) == (long)info.count);
-            CHECK(fxs_ply_writer_open(written, info.count, 2, 0, &writer, &message) == 0);
-            CHECK(fxs_ply_writer_put(writer, out, info.count, &message) == 0);
-            CHECK(fxs_ply_writer_close(writer, &message) == 0);
+            CHECK(open_writer("ply", written, info.count, 2, 0, &writer, &message) == 0);
+            CHECK(fxs_scene_writer_put(writer, out, info.count, &message) == 0);
+            CHECK(close_writer(writer, &message) == 0);
             fxs_scene_filter_default(&filter);
         }
         fxs_scene_file_close(file);

@@ -1,5 +1,5 @@
 /* Reads of .splat files made here, of what is none, and of a real scene; files written and read again. */
-#include <fixsplat/splat_write.h>
+#include "scene_writer.h"
 #include "scene_bytes.h"
 
 enum { RECORD = 32, ROWS = 100 };
@@ -132,12 +132,12 @@ static void wild_record_at_the_end(void)
 
 static int write_file(const fxs_gaussian *gaussians, uint64_t announced, size_t count)
 {
-    fxs_splat_writer *writer;
-    int result = fxs_splat_writer_open(written, announced, &writer, &message);
+    fxs_scene_writer *writer;
+    int result = open_writer("splat", written, announced, 0, 0, &writer, &message);
     if (result)
         return result;
-    fxs_splat_writer_put(writer, gaussians, count, &message);
-    result = fxs_splat_writer_close(writer, &message);
+    fxs_scene_writer_put(writer, gaussians, count, &message);
+    result = close_writer(writer, &message);
     take_written();
     return result;
 }
@@ -191,14 +191,14 @@ static void faulty_writes(void)
 {
     fxs_gaussian g[2] = {{.rotation = {1, 0, 0, 0}}, {.rotation = {1, 0, 0, 0}}};
     fxs_gaussian kept[3];
-    fxs_splat_writer *writer;
+    fxs_scene_writer *writer;
     CHECK(write_file((fxs_gaussian[3]){g[0], g[0], g[0]}, 3, 3) == 0);
     CHECK(write_file(g, 2, 1) == FXS_ERR_ARGUMENT && strstr(message.text, "1 Gaussians fewer than announced"));
     CHECK(write_file(g, 1, 2) == FXS_ERR_FILE && strncmp(message.text, written, strlen(written)) == 0);
     CHECK(read_file(kept, 3) == 0 && info.count == 3);
-    CHECK(fxs_splat_writer_open("no/such/folder/a.splat", 1, &writer, &message) == FXS_ERR_FILE && !writer);
+    CHECK(open_writer("splat", "no/such/folder/a.splat", 1, 0, 0, &writer, &message) == FXS_ERR_FILE && !writer);
     CHECK(strstr(message.text, "no/such/folder/a.splat: cannot be written: No such file"));
-    CHECK(fxs_splat_writer_close(NULL, &message) == 0);
+    CHECK(close_writer(NULL, &message) == 0);
 }
 
 static void real_scene(void)

@@ -1,5 +1,5 @@
 /* Reads of .spz files made here in every version, of faulty ones, and of a real scene. */
-#include <fixsplat/spz_write.h>
+#include "scene_writer.h"
 #include "scene_bytes.h"
 #include "spz_bytes.h"
 
@@ -411,16 +411,15 @@ static fxs_spz_clamped clamped;
 
 static int write_file(int version, int degree)
 {
-    fxs_spz_writer *writer;
-    int result = fxs_spz_writer_open(written, version, COUNT, degree, degree == 1, &writer, &message);
+    fxs_scene_writer *writer;
+    int result = open_spz(written, version, COUNT, degree, degree == 1, &writer, &message);
     if (result)
         return result;
-    CHECK(fxs_spz_writer_put(writer, wanted, 3, &message) == 0);
-    CHECK(fxs_spz_writer_put(writer, wanted + 3, COUNT - 3, &message) == 0);
-    clamped = fxs_spz_writer_finish(writer);
-    const fxs_spz_clamped again = fxs_spz_writer_finish(writer);
-    CHECK(memcmp(&clamped, &again, sizeof clamped) == 0);
-    result = fxs_spz_writer_close(writer, NULL, NULL, &message);
+    CHECK(fxs_scene_writer_put(writer, wanted, 3, &message) == 0);
+    CHECK(fxs_scene_writer_put(writer, wanted + 3, COUNT - 3, &message) == 0);
+    fxs_scene_write_report report;
+    result = fxs_scene_writer_close(writer, &report, NULL, NULL, &message);
+    clamped = report.clamped;
     take_written();
     return result;
 }
@@ -574,25 +573,25 @@ static void asked_axes(void)
 
 static void faulty_writes(void)
 {
-    fxs_spz_writer *writer;
-    CHECK(fxs_spz_writer_open(written, 2, 1, 0, 0, &writer, &message) == FXS_ERR_ARGUMENT &&
+    fxs_scene_writer *writer;
+    CHECK(open_spz(written, 2, 1, 0, 0, &writer, &message) == FXS_ERR_ARGUMENT &&
           strstr(message.text, "version 2"));
-    CHECK(fxs_spz_writer_open(written, 5, 1, 0, 0, &writer, &message) == FXS_ERR_ARGUMENT &&
+    CHECK(open_spz(written, 5, 1, 0, 0, &writer, &message) == FXS_ERR_ARGUMENT &&
           strstr(message.text, "version 5"));
-    CHECK(fxs_spz_writer_close(NULL, NULL, NULL, &message) == 0);
-    if (fxs_spz_writer_open(written, 3, 1, 0, 0, &writer, &message) != 0)
+    CHECK(close_writer(NULL, &message) == 0);
+    if (open_spz(written, 3, 1, 0, 0, &writer, &message) != 0)
         SKIP(message.text);
-    CHECK(fxs_spz_writer_close(writer, NULL, NULL, &message) == FXS_ERR_ARGUMENT);
+    CHECK(close_writer(writer, &message) == FXS_ERR_ARGUMENT);
     CHECK(strstr(message.text, "1 Gaussians fewer than announced"));
-    CHECK(fxs_spz_writer_open(written, 3, 1, 0, 0, &writer, &message) == 0);
-    CHECK(fxs_spz_writer_put(writer, wanted, 2, &message) == FXS_ERR_ARGUMENT);
+    CHECK(open_spz(written, 3, 1, 0, 0, &writer, &message) == 0);
+    CHECK(fxs_scene_writer_put(writer, wanted, 2, &message) == FXS_ERR_ARGUMENT);
     CHECK(strstr(message.text, "more Gaussians than announced"));
-    CHECK(fxs_spz_writer_close(writer, NULL, NULL, &message) == FXS_ERR_FILE);
-    CHECK(fxs_spz_writer_open(written, 3, 1, 4, 0, &writer, &message) == FXS_ERR_ARGUMENT &&
+    CHECK(close_writer(writer, &message) == FXS_ERR_FILE);
+    CHECK(open_spz(written, 3, 1, 4, 0, &writer, &message) == FXS_ERR_ARGUMENT &&
           strstr(message.text, "SH degree 4"));
-    CHECK(fxs_spz_writer_open(written, 3, UINT64_MAX, 0, 0, &writer, &message) == FXS_ERR_ARGUMENT &&
+    CHECK(open_spz(written, 3, UINT64_MAX, 0, 0, &writer, &message) == FXS_ERR_ARGUMENT &&
           strstr(message.text, "more than"));
-    CHECK(fxs_spz_writer_open("no/such/folder/a.spz", 3, 0, 0, 0, &writer, &message) == FXS_ERR_FILE);
+    CHECK(open_spz("no/such/folder/a.spz", 3, 0, 0, 0, &writer, &message) == FXS_ERR_FILE);
     CHECK(strstr(message.text, "No such file"));
 }
 
@@ -616,14 +615,14 @@ static void progress(void)
     static const halt cases[] = {{0, 2}, {0, 0.5}};
     fill_gaussians(3);
     for (int k = 0; k < 4; k++) {
-        fxs_spz_writer *writer;
+        fxs_scene_writer *writer;
         fxs_scene_file *whole = NULL;
         halt h = cases[k % 2];
-        if (fxs_spz_writer_open(written, 3 + k / 2, MANY, 3, 0, &writer, &message) != 0)
+        if (open_spz(written, 3 + k / 2, MANY, 3, 0, &writer, &message) != 0)
             SKIP(message.text);
         for (int i = 0; i < MANY; i++)
-            fxs_spz_writer_put(writer, &wanted[i % COUNT], 1, &message);
-        int result = fxs_spz_writer_close(writer, note_progress, &h, &message);
+            fxs_scene_writer_put(writer, &wanted[i % COUNT], 1, &message);
+        int result = fxs_scene_writer_close(writer, NULL, note_progress, &h, &message);
         CHECK(k % 2 ? result == FXS_ERR_STOPPED && h.done >= 0.5 && h.done < 0.9 : result == 0 && h.done == 1);
         if (k % 2)
             CHECK(strncmp(message.text, written, strlen(written)) == 0);

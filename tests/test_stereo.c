@@ -6,10 +6,10 @@
 
 #include <fixsplat/camera.h>
 #include <fixsplat/pack.h>
-#include <fixsplat/ply_write.h>
 #include <fixsplat/pool.h>
 #include "tools/metrics.h"
 #include "src/scene/make/procedural.h"
+#include "scene_writer.h"
 #include "one_scene.h"
 #include "random_scene.h"
 #ifdef FXS_WITH_KERNELS
@@ -531,16 +531,16 @@ static void test_captured_scene(void)
 static int write_scene(const char *path, const char *name, uint64_t count)
 {
     fxs_message m;
-    fxs_ply_writer *writer;
+    fxs_scene_writer *writer;
     const fxs_procedural_scene *scene = fxs_procedural_find(name);
-    if (fxs_ply_writer_open(path, count, scene->sh_degree, 0, &writer, &m))
+    if (open_writer("ply", path, count, scene->sh_degree, 0, &writer, &m))
         return -1;
     for (uint64_t i = 0; i < count; i++) {
         fxs_gaussian gaussian;
         scene->gaussian(i, count, 1, &gaussian);
-        fxs_ply_writer_put(writer, &gaussian, 1, &m);
+        fxs_scene_writer_put(writer, &gaussian, 1, &m);
     }
-    return fxs_ply_writer_close(writer, &m);
+    return close_writer(writer, &m);
 }
 
 static void check_procedural(const char *name, const double eye[3], const double look[3])

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include <fixsplat/fxs_file.h>
+#include <fixsplat/formats.h>
 #include <fixsplat/scene_write.h>
 #include "src/scene/edit/merge.h"
 #include "cmd_convert.h"
@@ -459,9 +460,10 @@ int command_convert(int argc, char **argv)
     if (status)
         return status;
     const int packed = ends_with(o.out, ".fxs");
-    if (!packed && !fxs_scene_is_written(o.out))
-        return fail(EXIT_USAGE, "%s: expected a name ending in .fxs, .ply, .compressed.ply, .splat, .spz, .sog, .glb "
-                    "or .csv", o.out);
+    char endings[256];
+    fxs_scene_format_endings(endings, sizeof endings, 1);
+    if (!fxs_scene_format_of(o.out, 1))
+        return fail(EXIT_USAGE, "%s: expected a name ending in one of %s", o.out, endings);
     status = place_scenes(&o.placed, &o.world);
     if (status)
         return status;

@@ -1,8 +1,9 @@
 /* fixsplat make-scene */
 #include <inttypes.h>
 #include <stdlib.h>
+#include <string.h>
 
-#include <fixsplat/ply_write.h>
+#include <fixsplat/formats.h>
 #include <fixsplat/scene_write.h>
 #include "command.h"
 #include "src/scene/make/procedural.h"
@@ -29,23 +30,24 @@ static int write_scene(const fxs_procedural_scene *scene, uint64_t count, uint32
 {
     enum { BATCH = 512 };
     fxs_gaussian batch[BATCH];
-    fxs_ply_writer *writer;
+    const fxs_scene_write_options options = {.count = count, .sh_degree = scene->sh_degree, .format = "ply"};
+    fxs_scene_writer *writer;
     fxs_message message;
     char label[] = "writing";
-    if (fxs_ply_writer_open(output, count, scene->sh_degree, 0, &writer, &message))
+    if (fxs_scene_writer_open(output, &options, &writer, &message))
         return fail(EXIT_FAILED, "%s", message.text);
     int result = 0;
     for (uint64_t i = 0; i < count && !result;) {
         size_t n = 0;
         while (n < BATCH && i < count)
             scene->gaussian(i++, count, seed, &batch[n++]);
-        result = fxs_ply_writer_put(writer, batch, n, &message);
+        result = fxs_scene_writer_put(writer, batch, n, &message);
         if (i % (BATCH * 64) == 0)
             progress_bar(label, (double)i / (double)count);
     }
     progress_end();
     fxs_message closing;
-    if (fxs_ply_writer_close(writer, &closing) && !result)
+    if (fxs_scene_writer_close(writer, 0, 0, 0, &closing) && !result)
         return fail(EXIT_FAILED, "%s", closing.text);
     return result ? fail(EXIT_FAILED, "%s", message.text) : 0;
 }
@@ -53,8 +55,8 @@ static int write_scene(const fxs_procedural_scene *scene, uint64_t count, uint32
 /* By its ending; standard output and devices have none. */
 static int is_of_another_format(const char *name)
 {
-    const int is_ply = ends_with(name, ".ply") && !ends_with(name, ".compressed.ply");
-    return !is_ply && (fxs_scene_is_written(name) || ends_with(name, ".fxs"));
+    const fxs_scene_format *format = fxs_scene_format_of(name, 1);
+    return format && strcmp(format->name, "ply");
 }
 
 int command_make_scene(int argc, char **argv)

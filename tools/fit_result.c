@@ -9,7 +9,7 @@
 
 #include <fixsplat/image_file.h>
 #include <fixsplat/fxs_file.h>
-#include <fixsplat/ply_write.h>
+#include <fixsplat/scene_write.h>
 #include "file_guard.h"
 
 /* ---- Writing ----------------------------------------------------------------------------------------------------- */
@@ -36,12 +36,12 @@ int result_check(const char *out)
     return error ? fail(EXIT_FAILED, "%s: cannot be written: %s", out, strerror(error)) : 0;
 }
 
-static int copy(fxs_ply_writer *writer, fxs_scene_file *file, fxs_message *message)
+static int copy(fxs_scene_writer *writer, fxs_scene_file *file, fxs_message *message)
 {
     enum { BATCH = 256 };
     fxs_gaussian batch[BATCH];
     for (long n; (n = fxs_scene_file_read(file, batch, BATCH, message)) != 0;)
-        if (n < 0 || fxs_ply_writer_put(writer, batch, (size_t)n, message))
+        if (n < 0 || fxs_scene_writer_put(writer, batch, (size_t)n, message))
             return -1;
     return 0;
 }
@@ -63,7 +63,7 @@ static int write_floats(fxs_fit *fit, const fxs_fit_block *block, const char *ou
     fxs_scene_file_info info;
     fxs_scene_filter filter;
     fxs_scene_filter_report report;
-    fxs_ply_writer *writer;
+    fxs_scene_writer *writer;
     fxs_message closing;
     fxs_scene_filter_default(&filter);
     filter.drawable = 1;
@@ -74,11 +74,13 @@ static int write_floats(fxs_fit *fit, const fxs_fit_block *block, const char *ou
     if (fxs_scene_file_open_gaussians(out, &gaussians, 0, &file, &info, message))
         return -1;
     int result = fxs_scene_file_filter(file, &filter, &info, &report, 0, 0, message);
+    const fxs_scene_write_options options = {.count = info.count, .sh_degree = info.sh_degree,
+                                             .antialiased = info.antialiased, .format = "ply"};
     if (!result)
-        result = fxs_ply_writer_open(out, info.count, info.sh_degree, info.antialiased, &writer, message);
+        result = fxs_scene_writer_open(out, &options, &writer, message);
     if (!result) {
         result = copy(writer, file, message);
-        if (fxs_ply_writer_close(writer, result ? &closing : message))
+        if (fxs_scene_writer_close(writer, 0, 0, 0, result ? &closing : message))
             result = -1;
     }
     fxs_scene_file_close(file);

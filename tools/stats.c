@@ -5,11 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "src/base/exponential.h"
 #include <fixsplat/message.h>
+#include "src/gaussian/attributes.h"
 #include "command.h"
 
-#define SH_0 0.28209479177387814
 
 enum { OF_ALL = 10 };                       /* attributes without SH above degree 0, one a degree */
 
@@ -30,9 +29,9 @@ static void take(float *const *columns, uint64_t row, const fxs_gaussian *g, int
     for (int i = 0; i < 3; i++) {
         columns[i][row] = g->position[i];
         columns[3 + i][row] = g->scale[i];
-        columns[7 + i][row] = (float)(0.5 + SH_0 * g->dc[i]);
+        columns[7 + i][row] = (float)(0.5 + FXS_SH_0 * g->dc[i]);
     }
-    columns[6][row] = (float)(1 / (1 + fxs_exp(-(double)g->opacity)));
+    columns[6][row] = (float)(fxs_opacity_of_logit(g->opacity));
     for (int l = 1; l <= sh_degree; l++)
         columns[OF_ALL - 1 + l][row] = size_of(g->sh + 3 * (l * l - 1), 3 * (2 * l + 1));
 }

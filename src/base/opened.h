@@ -3,7 +3,6 @@
 #define FXS_OPENED_H
 
 #include <stdint.h>
-#include <sys/stat.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -16,8 +15,8 @@ typedef void fxs_opened_fn(uint64_t device, uint64_t inode);
    it, of camera files, pictures and photographs. Not of a saved fit, which may be saved over itself. */
 void fxs_tell_opened(fxs_opened_fn *told);
 
-/* For readers to call, with what fstat says. */
-void fxs_opened(const struct stat *status);
+/* For what opens files to call. */
+void fxs_opened(uint64_t device, uint64_t inode);
 
 #ifdef __cplusplus
 }

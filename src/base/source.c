@@ -1,24 +1,16 @@
-#define _XOPEN_SOURCE 700   /* realpath */
-
 #include "source_internal.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
+#include "files_internal.h"
 #include "opened.h"
 
 /* ---- Files ----------------------------------------------------------------------------------------------------- */
 
 static int read_file(void *argument, uint64_t offset, void *out, size_t size)
 {
-    FILE *stream = argument;
-    return fseeko(stream, (off_t)offset, SEEK_SET) == 0 && fread(out, 1, size, stream) == size ? 0 : -1;
+    return fxs_file_read_at(argument, offset, out, size);
 }
 
 static void close_file(void *argument)
@@ -26,31 +18,18 @@ static void close_file(void *argument)
     fclose(argument);
 }
 
-/* Unbuffered: who reads little at a time has a buffer of his own. `name` is the path to open, `flags` are added. */
-static int open_file(fxs_scene_source *source, const char *name, int flags, fxs_message *message)
+/* `first`: null, or the file whose folder it must lie in. */
+static int open_file(fxs_scene_source *source, const char *first, fxs_message *message)
 {
-    const char *path = source->path;
-    struct stat status;
-    if (stat(name, &status) != 0)
-        return fxs_fail_errno(message, path, errno);
-    if (!S_ISREG(status.st_mode))   /* before it is opened: a device may do something then */
-        return fxs_fail(message, "%s: not a regular file", path);
-    int descriptor = open(name, O_RDONLY | O_NONBLOCK | O_CLOEXEC | flags);   /* does not wait for a pipe's writer */
-    FILE *stream = descriptor < 0 ? NULL : fdopen(descriptor, "rb");
-    if (!stream) {
-        const int error = fxs_fail_errno(message, path, errno);
-        if (descriptor >= 0)
-            close(descriptor);
-        return error;
-    }
-    setvbuf(stream, NULL, _IONBF, 0);
-    source->input = (fxs_scene_input){0, read_file, NULL, close_file, stream};
-    if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
-        return fxs_fail(message, "%s: not a regular file", path);
-    source->input.size = (uint64_t)status.st_size;
-    source->device = (uint64_t)status.st_dev;
-    source->inode = (uint64_t)status.st_ino;
-    fxs_opened(&status);
+    fxs_file_facts facts;
+    FILE *file;
+    FXS_TRY(first ? fxs_file_open_within(first, source->path, &file, &facts, message)
+                  : fxs_file_open(source->path, &file, &facts, message));
+    setvbuf(file, NULL, _IONBF, 0);   /* a reader that reads little at a time has a buffer of its own */
+    source->input = (fxs_scene_input){facts.size, read_file, NULL, close_file, file};
+    source->device = facts.device;
+    source->inode = facts.inode;
+    fxs_opened(facts.device, facts.inode);
     return 0;
 }
 
@@ -194,48 +173,10 @@ static size_t folder_length(const char *path)
     return slash ? (size_t)(slash + 1 - path) : 0;
 }
 
-/* What realpath says of the folder of a path; the caller frees it. NULL: an error. */
-static char *real_folder(const fxs_scene_source *source)
-{
-    const size_t length = folder_length(source->path);
-    char *folder = fxs_allocate(source->options.allocator, length + 1, 1);
-    if (!folder) {
-        errno = ENOMEM;
-        return NULL;
-    }
-    memcpy(folder, source->path, length);
-    folder[length] = '\0';
-    char *real = realpath(length > 0 ? folder : ".", NULL);
-    fxs_release(source->options.allocator, folder);
-    return real;
-}
-
-static int is_within(const char *folder, const char *path)
-{
-    const size_t length = strlen(folder);
-    return strncmp(path, folder, length) == 0 &&
-           (path[length] == '/' || path[length] == '\0' || folder[length - 1] == '/');
-}
-
-static int open_file_beside(fxs_scene_source *opened, const fxs_scene_source *first, fxs_message *message)
-{
-    char *folder = real_folder(first), *path = realpath(opened->path, NULL);
-    int result;
-    if (!path || !folder)
-        result = fxs_fail_errno(message, opened->path, errno);
-    else if (!is_within(folder, path))
-        result = fxs_fail(message, "%s: leaves the folder of %s", opened->path, first->path);
-    else
-        result = open_file(opened, path, O_NOFOLLOW, message);
-    free(folder);
-    free(path);
-    return result;
-}
-
 int fxs_scene_source_open(fxs_scene_source *source, const char *path, fxs_message *message)
 {
     FXS_TRY(set_path(source, path, 0, path, message));
-    return open_file(source, path, 0, message);
+    return open_file(source, NULL, message);
 }
 
 int fxs_scene_source_open_input(fxs_scene_source *source, const char *name, const fxs_scene_input *input,
@@ -251,7 +192,7 @@ static int open_beside(fxs_scene_source *opened, const fxs_scene_source *source,
     const fxs_scene_source *first = opened->first;
     FXS_TRY(set_path(opened, source->path, folder_length(source->path), name, message));
     if (first->input.read == read_file)
-        return open_file_beside(opened, first, message);
+        return open_file(opened, first->path, message);
     if (!first->input.beside)
         return fxs_fail(message, "%s: needs the file %s beside it, but was not opened from a folder", source->path,
                         name);
@@ -276,11 +217,10 @@ int fxs_scene_source_is_beside(const fxs_scene_source *source, const char *name,
 {
     const fxs_scene_source *first = source->first ? source->first : source;
     fxs_scene_source beside = {.options = source->options};
-    struct stat status;
     int is_there = 0;
     FXS_TRY(set_path(&beside, source->path, folder_length(source->path), name, message));
     if (first->input.read == read_file)
-        is_there = lstat(beside.path, &status) == 0;
+        is_there = fxs_file_is_named(beside.path);
     else if (first->input.beside)
         is_there = first->input.beside(first->input.argument, beside.path + folder_length(first->path),
                                        &beside.input) == 0;

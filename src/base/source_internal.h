@@ -2,7 +2,7 @@
 #ifndef FXS_SOURCE_INTERNAL_H
 #define FXS_SOURCE_INTERNAL_H
 
-#include <fixsplat/scene_file.h>
+#include <fixsplat/input.h>
 #include "text_internal.h"
 
 /* What the sources of one scene take together, to be held against the limits of the options. */

@@ -2,9 +2,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "camera_internal.h"
+#include "src/base/files_internal.h"
 
 static int read_json(fxs_view_list *list)
 {
@@ -41,10 +41,9 @@ int fxs_camera_file_find(const char *folder, char path[FXS_CAMERA_PATH], fxs_mes
                                         "sparse/images.txt", "images.bin", "images.txt", "transforms.json",
                                         "transforms_train.json", "cameras.json"};
     const char *slash = *folder && folder[strlen(folder) - 1] == '/' ? "" : "/";
-    struct stat status;
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         const int length = snprintf(path, FXS_CAMERA_PATH, "%s%s%s", folder, slash, known[i]);
-        if (length < FXS_CAMERA_PATH && !stat(path, &status))
+        if (length < FXS_CAMERA_PATH && fxs_file_kind(path) != FXS_FILE_NONE)
             return 0;
     }
     return fxs_fail(message, "%s: neither sparse/0 of COLMAP nor transforms.json, transforms_train.json or "
@@ -65,8 +64,7 @@ static int read_views(fxs_view_list *list)
 {
     char found[FXS_CAMERA_PATH];
     const char *path = list->path;
-    struct stat status;
-    if (stat(path, &status) || !S_ISDIR(status.st_mode))
+    if (fxs_file_kind(path) != FXS_FILE_FOLDER)
         return read_file(list);
     FXS_TRY(fxs_camera_file_find(path, found, list->message));
     list->path = found;

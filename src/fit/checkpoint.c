@@ -3,9 +3,9 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include <fixsplat/message.h>
+#include "src/base/files_internal.h"
 #include "src/base/output_internal.h"
 #include "fit_internal.h"
 #include "random.h"
@@ -288,19 +288,13 @@ int fxs_fit_save(fxs_fit *f, const char *path, fxs_message *message)
 
 /* ---- Reading ----------------------------------------------------------------------------------------------------- */
 
-/* Only a regular file: a pipe would wait for its writer. */
 static int open_input(archive *a, const char *path, fxs_message *message)
 {
-    struct stat status;
+    fxs_file_facts facts;
     memset(a, 0, sizeof *a);
-    errno = ENOENT;
-    if (stat(path, &status))
-        return fxs_fail_errno(message, path, errno);
-    if (!S_ISREG(status.st_mode))
-        return fxs_fail(message, "%s: not a regular file", path);
-    a->size = (uint64_t)status.st_size;
-    a->input = fopen(path, "rb");
-    return a->input ? 0 : fxs_fail_errno(message, path, errno);
+    FXS_TRY(fxs_file_open(path, &a->input, &facts, message));
+    a->size = facts.size;
+    return 0;
 }
 
 /* As far as the options. Returns 0, or an error and a message. */

@@ -1,12 +1,8 @@
-/* The engines: the processor, whose model is the fit's; and devices. */
+/* The engine of the processor, whose model is the fit's. */
 #include <stdlib.h>
 
-#include <fixsplat/backends.h>
 #include <fixsplat/message.h>
 #include "fit_internal.h"
-#ifdef FXS_WITH_CUDA
-#include "kernels/fit/cuda/cuda_fit.h"
-#endif
 
 static int fail(int error, fxs_message *message)
 {
@@ -64,22 +60,5 @@ static void leave(void *self)
     (void)self;
 }
 
-static const fxs_fit_engine here = {"cpu", step, densify, relocate, order, reset_opacity, stay, stay, stay, quantise,
-                                    leave};
-
-int fxs_fit_choose_engine(fxs_fit *f, fxs_message *message)
-{
-    if (!f->options.device_count) {
-        f->engine = &here;
-        f->self = f;
-        return 0;
-    }
-#ifdef FXS_WITH_CUDA
-    const int error = fxs_cuda_fit_engine(&f->engine, &f->self, &f->model, &f->options, message);
-    if (error)
-        f->engine = NULL;
-    return error;
-#else
-    return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, FXS_WITHOUT_CUDA);
-#endif
-}
+const fxs_fit_engine fxs_fit_engine_cpu = {"cpu", step, densify, relocate, order, reset_opacity, stay, stay, stay,
+                                           quantise, leave};

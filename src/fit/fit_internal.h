@@ -25,7 +25,10 @@ struct fxs_fit {
 int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_options *options,
                   fxs_message *message);
 
-/* The engine for the options: the processor, whose `self` is the fit, or devices. Returns 0, or an error and a
+/* The processor, whose `self` is the fit. */
+extern const fxs_fit_engine fxs_fit_engine_cpu;
+
+/* The engine for the options, which the back ends choose (port/backend/fit_engines.c). Returns 0, or an error and a
    message. */
 int fxs_fit_choose_engine(fxs_fit *fit, fxs_message *message);
 

@@ -1,4 +1,4 @@
-/* The operations of the fit's texts (gaussian.h, tile.h, loss.h, ...) on LANES numbers. Without LANES it is the
+/* The operations of the fit's texts (fit_gaussian.h, tile.h, loss.h, ...) on LANES numbers. Without LANES it is the
  * instance of one, plain C. Others define LANES and MASK, ROOT, BELOW, AT_MOST, ANY, CHOOSE and BITS first, as
  * kernels/fit/fit_avx2.c: vectors of GCC and clang.
  * Every operation is that of IEEE single precision, one by one, so the instances have the same bytes. */

@@ -2,7 +2,7 @@
 #ifndef FXS_FIT_PROJECT_H
 #define FXS_FIT_PROJECT_H
 
-#include "gaussian.h"
+#include "fit_gaussian.h"
 #include "span.h"
 
 enum { SPLAT_NUMBERS = 15 };       /* of fxs_fit_splat, up to `tiles` */

@@ -170,6 +170,7 @@ typedef struct fxs_fit_stages {
 
 /* The best version for the instruction sets in `cpu` (enum fxs_cpu) that this processor has. */
 const fxs_fit_stages *fxs_fit_stages_choose(unsigned cpu);
+extern const fxs_fit_stages fxs_fit_stages_c;
 
 #define FXS_FIT_ALPHA_MOST 0.99f
 #define FXS_FIT_CLOSED 0.001f      /* a pixel with less transmittance takes no more */

@@ -3,18 +3,17 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+
+#include "src/base/files_internal.h"
 
 static int is_folder(const char *path)
 {
-    struct stat status;
-    return !stat(path, &status) && S_ISDIR(status.st_mode);
+    return fxs_file_kind(path) == FXS_FILE_FOLDER;
 }
 
 static int exists(const char *path)
 {
-    struct stat status;
-    return !stat(path, &status);
+    return fxs_file_kind(path) != FXS_FILE_NONE;
 }
 
 /* Returns 0 where it is too long. */

@@ -1,7 +1,7 @@
 /* Gaussians of the program, read like those of a file. What it hands over is trusted no more than a file is. */
 #include <string.h>
 
-#include "src/scene/scene_format.h"
+#include "stream_internal.h"
 
 typedef struct gaussians_reader {
     fxs_gaussian_source from;
@@ -51,6 +51,29 @@ static int gaussians_rewind(void *handle, fxs_message *message)
     return 0;
 }
 
-const fxs_scene_format fxs_scene_gaussians = {
-    "gaussians", sizeof(gaussians_reader), gaussians_open, gaussians_read, gaussians_rewind, NULL
+static const fxs_reader reader = {
+    NULL, sizeof(gaussians_reader), gaussians_open, gaussians_read, gaussians_rewind, NULL
 };
+
+int fxs_scene_file_open_gaussians(const char *name, const fxs_gaussian_source *gaussians,
+                                  const fxs_scene_file_options *options, fxs_scene_file **file,
+                                  fxs_scene_file_info *info, fxs_message *message)
+{
+    const fxs_scene_input input = {.argument = (void *)gaussians};
+    fxs_scene_file_options own = {.max_gaussians = 0};
+    if (options)
+        own = *options;
+    if (own.max_gaussians == 0)
+        own.max_gaussians = FXS_MAX_COUNT;
+    *file = fxs_stream_create(name, &own, message);
+    if (!*file)
+        return FXS_ERR_MEMORY;
+    int result = fxs_scene_source_open_input(&(*file)->source, name, &input, message);
+    if (!result)
+        result = fxs_stream_begin(*file, "gaussians", &reader, info, message);
+    if (result) {
+        fxs_scene_file_close(*file);
+        *file = NULL;
+    }
+    return result;
+}

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "src/base/exponential.h"
-#include "scene_codes.h"
+#include "attributes.h"
 
 typedef double matrix[3][3];
 

@@ -2,7 +2,7 @@
 #ifndef FXS_TRANSFORM_INTERNAL_H
 #define FXS_TRANSFORM_INTERNAL_H
 
-#include <fixsplat/scene_file.h>
+#include <fixsplat/gaussian.h>
 
 typedef struct fxs_transform {
     double linear[3][3], shift[3];

@@ -2,14 +2,12 @@
 
 #include <ctype.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <fixsplat/message.h>
+#include "src/base/files_internal.h"
 #include "src/base/opened.h"
 #include "src/base/try_internal.h"
 
@@ -221,11 +219,10 @@ static int at_end(void *argument)
 }
 
 /* stb_image takes what is missing at the end as 0, or not, by its version: here a picture is whole or refused. */
-static const char *read_jpeg(FILE *file, uint8_t **rgba, int *width, int *height)
+static const char *read_jpeg(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
 {
     static const stbi_io_callbacks calls = {read_stream, skip_stream, at_end};
     jpeg_stream stream = {file, 0};
-    struct stat status;
     int channels;
     const char *fault = check_jpeg(file);
     if (fault)
@@ -234,7 +231,7 @@ static const char *read_jpeg(FILE *file, uint8_t **rgba, int *width, int *height
         return stream.beyond ? cut_short : why_not_decoded();
     if (!readable_size(*width, *height))
         return too_large;
-    if (fstat(fileno(file), &status) || (int64_t)*width * *height / MAX_JPEG_PIXELS > status.st_size)
+    if ((uint64_t)*width * (uint64_t)*height / MAX_JPEG_PIXELS > bytes)
         return "fewer bytes than a picture of its size has";
     rewind(file);
     stream.beyond = 0;
@@ -243,16 +240,16 @@ static const char *read_jpeg(FILE *file, uint8_t **rgba, int *width, int *height
     return stream.beyond ? cut_short : *rgba ? NULL : why_not_decoded();
 }
 
-static const char *read_by_stb(FILE *file, int first, uint8_t **rgba, int *width, int *height)
+static const char *read_by_stb(FILE *file, uint64_t bytes, int first, uint8_t **rgba, int *width, int *height)
 {
     decoding.most = LEAST_ROOM;
     decoding.fault = NULL;
-    return first == 0xff ? read_jpeg(file, rgba, width, height) : read_png(file, rgba, width, height);
+    return first == 0xff ? read_jpeg(file, bytes, rgba, width, height) : read_png(file, rgba, width, height);
 }
 #else
-static const char *read_by_stb(FILE *file, int first, uint8_t **rgba, int *width, int *height)
+static const char *read_by_stb(FILE *file, uint64_t bytes, int first, uint8_t **rgba, int *width, int *height)
 {
-    (void)file, (void)first, (void)rgba, (void)width, (void)height;
+    (void)file, (void)bytes, (void)first, (void)rgba, (void)width, (void)height;
     return no_stb;
 }
 #endif
@@ -299,25 +296,6 @@ static const char *read_ppm(FILE *file, uint8_t **rgba, int *width, int *height)
     return NULL;
 }
 
-/* Of a FIFO it does not wait for the writer. */
-static int open_regular(const char *path, FILE **file, fxs_message *message)
-{
-    struct stat status;
-    int descriptor = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC), result = 0;
-    *file = descriptor < 0 ? NULL : fdopen(descriptor, "rb");
-    if (!*file) {
-        result = fxs_fail_errno(message, path, errno);
-        if (descriptor >= 0)
-            close(descriptor);
-    } else if (fstat(descriptor, &status) || !S_ISREG(status.st_mode)) {
-        result = fxs_fail(message, "%s: %s", path, S_ISDIR(status.st_mode) ? strerror(EISDIR) : "not a regular file");
-        fclose(*file);
-    } else {
-        fxs_opened(&status);
-    }
-    return result;
-}
-
 static int fail_read(const char *path, const char *fault, fxs_message *message)
 {
     const int error = fault == out_of_memory ? FXS_ERR_MEMORY : fault == no_stb ? FXS_ERR_UNSUPPORTED : FXS_ERR_FILE;
@@ -327,13 +305,15 @@ static int fail_read(const char *path, const char *fault, fxs_message *message)
 int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_message *message)
 {
     FILE *file;
+    fxs_file_facts facts;
     int result = 0;
     *rgba = NULL;
-    FXS_TRY(open_regular(path, &file, message));
+    FXS_TRY(fxs_file_open(path, &file, &facts, message));
+    fxs_opened(facts.device, facts.inode);
     const int first = getc(file);
     rewind(file);
     const char *fault = first == 'P' ? read_ppm(file, rgba, width, height)
-                                     : read_by_stb(file, first, rgba, width, height);
+                                     : read_by_stb(file, facts.size, first, rgba, width, height);
     if (fault) {
         result = ferror(file) ? fxs_fail_errno(message, path, errno) : fail_read(path, fault, message);
         free(*rgba);

@@ -3,9 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "src/base/exponential.h"
+#include "src/gaussian/attributes.h"
 
-#define C0 0.28209479177387814
 #define DEGREES 57.29577951308232   /* a radian */
 #define SCALE_LIMIT 20.0f           /* of |ln(sigma)| */
 #define THINNEST 9.0f               /* ln of the largest axis over the thinnest */
@@ -72,13 +71,13 @@ static double log2_scale(const fxs_gaussian *g, int axis)
 
 static double base_colour(const fxs_gaussian *g, int channel)
 {
-    double colour = 0.5 + C0 * g->dc[channel];
+    double colour = 0.5 + FXS_SH_0 * g->dc[channel];
     return colour < -60 ? -60 : colour > 60 ? 60 : colour;
 }
 
 double fxs_opacity(const fxs_gaussian *g)
 {
-    return 1 / (1 + fxs_exp(-g->opacity));
+    return fxs_opacity_of_logit(g->opacity);
 }
 
 /* 1/255 + (4^(1 - law) - 1/255) ((code - 1) / 254)^2 */
@@ -296,7 +295,7 @@ static void encode_colour(const fxs_encoder *e, const fxs_gaussian *g, const fxs
         const int bits = !small ? 8 : i < 2 ? 7 : 6;
         double low = chunk->colour_q16[i] * 0x1p-16, step = chunk->colour_step_q20[i] * 0x1p-20, x = base_colour(g, i);
         codes->colour[i] = encode(x, low, step, bits, 8);
-        note(loss, FXS_LOSS_DC, (low + spread((int)codes->colour[i], bits, 8) * step - x) / C0);
+        note(loss, FXS_LOSS_DC, (low + spread((int)codes->colour[i], bits, 8) * step - x) / FXS_SH_0);
     }
 }
 

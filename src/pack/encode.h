@@ -4,7 +4,7 @@
 
 #include <fixsplat/packed.h>
 #include "palette.h"
-#include <fixsplat/scene_file.h>
+#include <fixsplat/gaussian.h>
 
 #define FXS_LOG2_E 1.4426950408889634
 

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "src/base/exponential.h"
+#include "src/gaussian/attributes.h"
 
 #define EDGE 0.002                   /* of the weight, left out at each end of an axis */
 #define CORE 0.05                    /* the same, of what is surely a part */
@@ -14,7 +14,7 @@ fxs_seen fxs_seen_of(const fxs_gaussian *g)
 {
     const double a = (double)g->scale[0], b = (double)g->scale[1], c = (double)g->scale[2];
     const double largest = fmax(fmax(a, b), c), second = fmax(fmin(a, b), fmin(fmax(a, b), c));
-    const double opacity = 1 / (1 + fxs_exp(-(double)g->opacity));
+    const double opacity = fxs_opacity_of_logit(g->opacity);
     return (fxs_seen){{g->position[0], g->position[1], g->position[2]}, (float)fxs_exp((largest + second) / 2),
                       opacity * 255 < 0.5 ? 0 : (float)opacity};   /* 0 in 8 bits is never drawn */
 }

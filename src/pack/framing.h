@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include <fixsplat/scene_file.h>
+#include <fixsplat/gaussian.h>
 
 #define FXS_SEEN_MOST 16384          /* Gaussians of a sample, at most */
 

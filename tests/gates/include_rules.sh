@@ -32,7 +32,7 @@ src/gaussian  gaussian
 src/camera    camera camera_file
 src/image     image_file film_file
 src/pack      pack
-src/scene     scene_file scene_filter scene_write scene_decimate fxs_file ply_write splat_write spz_write world
+src/scene     formats scene_file scene_filter scene_write scene_decimate fxs_file world
 src/fit       fit photos blocks
 kernels       kernels
 kernels/gles  gles

@@ -10,7 +10,7 @@
 
 #include "fixsplat.h"
 #include "allocator.h"
-#include "scene_file.h"
+#include "gaussian.h"
 
 #ifdef __cplusplus
 extern "C" {

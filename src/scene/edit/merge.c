@@ -3,11 +3,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "src/base/exponential.h"
-#include "src/scene/scene_format.h"
+#include "src/gaussian/attributes.h"
+#include "src/scene/formats_internal.h"
 #include "src/gaussian/transform_internal.h"
 
-#define SH_0 0.28209479177387814
 
 /* How an object changes the Gaussians of its file. */
 typedef struct part {
@@ -19,8 +18,8 @@ typedef struct part {
 } part;
 
 typedef struct merge_reader {
-    const fxs_scene_format *format;   /* of file 0, whose handle is that of the whole */
-    void *reader;
+    const fxs_reader *reader;   /* of file 0, whose handle is that of the whole */
+    void *data;
     const fxs_allocator *allocator;
     fxs_scene_file **files;           /* the others; null: not there */
     uint32_t file_count;
@@ -88,7 +87,7 @@ static void move(const part *p, fxs_gaussian *g)
 static void tint(const double factor[3], fxs_gaussian *g)
 {
     for (int c = 0; c < 3; c++) {
-        g->dc[c] = (float)((factor[c] * (0.5 + SH_0 * g->dc[c]) - 0.5) / SH_0);
+        g->dc[c] = (float)((factor[c] * (0.5 + FXS_SH_0 * g->dc[c]) - 0.5) / FXS_SH_0);
         for (int k = 0; k < 15; k++)
             g->sh[3 * k + c] = (float)(factor[c] * g->sh[3 * k + c]);
     }
@@ -113,12 +112,12 @@ static void change(const part *p, fxs_gaussian *g, int sh_degree)
 static long read_file(merge_reader *r, uint32_t file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
 {
     return file ? fxs_scene_file_read(r->files[file], gaussians, capacity, message)
-                : r->format->read(r->reader, gaussians, capacity, message);
+                : r->reader->read(r->data, gaussians, capacity, message);
 }
 
 static int rewind_file(merge_reader *r, uint32_t file, fxs_message *message)
 {
-    return file ? fxs_scene_file_rewind(r->files[file], message) : r->format->rewind(r->reader, message);
+    return file ? fxs_scene_file_rewind(r->files[file], message) : r->reader->rewind(r->data, message);
 }
 
 static long merge_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
@@ -156,12 +155,12 @@ static void merge_close(void *handle)
         fxs_scene_file_close(r->files[i]);
     fxs_release(r->allocator, r->files);
     fxs_release(r->allocator, r->parts);
-    if (r->format->close)
-        r->format->close(r->reader);
-    fxs_release(r->allocator, r->reader);
+    if (r->reader->close)
+        r->reader->close(r->data);
+    fxs_release(r->allocator, r->data);
 }
 
-static const fxs_scene_format merged_format = {"several", sizeof(merge_reader), NULL, merge_read, merge_rewind,
+static const fxs_reader merged_format = {NULL, sizeof(merge_reader), NULL, merge_read, merge_rewind,
                                                merge_close};
 
 /* ---- Merging ----------------------------------------------------------------------------------------------------- */
@@ -262,19 +261,19 @@ void fxs_world_place(fxs_world *world, const fxs_placement *whole)
 int fxs_world_merge(const fxs_world *world, fxs_scene_file **files, const fxs_scene_file_info *infos,
                     fxs_scene_file **merged, fxs_scene_file_info *info, fxs_message *message)
 {
-    const fxs_allocator *allocator = fxs_scene_file_allocator(files[0]);
+    const fxs_allocator *allocator = fxs_stream_allocator(files[0]);
     merge_reader *r = fxs_allocate_zeroed(allocator, 1, sizeof *r);
     *merged = NULL;
-    *info = (fxs_scene_file_info){.format = merged_format.name, .levels = 1};
+    *info = (fxs_scene_file_info){.format = "several", .levels = 1};
     if (!r) {
         close_all(files, world->file_count);
         fxs_fail(message, "out of memory");
         return FXS_ERR_MEMORY;
     }
     r->allocator = allocator;
-    r->format = &merged_format;
-    r->reader = r;
-    fxs_scene_file_swap(files[0], &r->format, &r->reader);
+    r->reader = &merged_format;
+    r->data = r;
+    fxs_stream_swap(files[0], &r->reader, &r->data);
     r->files = fxs_allocate_zeroed(allocator, world->file_count, sizeof(fxs_scene_file *));
     r->parts = fxs_allocate_zeroed(allocator, world->count, sizeof *r->parts);
     int error = FXS_ERR_MEMORY;

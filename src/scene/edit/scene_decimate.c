@@ -4,12 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "src/base/exponential.h"
+#include "src/gaussian/attributes.h"
 #include "src/pack/order.h"
-#include "src/scene/scene_format.h"
+#include "src/scene/formats_internal.h"
 #include "src/gaussian/transform_internal.h"
-
-#define SH_0 0.28209479177387814
 
 enum {
     CHUNK = 256,
@@ -34,8 +32,8 @@ typedef struct pair {
 
 /* The reader of what is left. */
 typedef struct decimated {
-    const fxs_scene_format *format;
-    void *reader;                  /* of the file before */
+    const fxs_reader *reader;
+    void *data;                  /* of the file before */
     const fxs_allocator *allocator;
     fxs_gaussian *gaussians;
     uint32_t count, next;
@@ -50,7 +48,7 @@ typedef struct decimated {
 
 static double opacity_of(const fxs_gaussian *g)
 {
-    return 1 / (1 + fxs_exp(-(double)g->opacity));
+    return fxs_opacity_of_logit(g->opacity);
 }
 
 /* R S S R', R of a quaternion w, x, y, z of any length */
@@ -109,7 +107,7 @@ static double colour_difference(const fxs_gaussian *a, const fxs_gaussian *b)
         sum += ((double)a->dc[c] - b->dc[c]) * ((double)a->dc[c] - b->dc[c]);
     for (int k = 0; k < COEFFICIENTS; k++)
         sum += ((double)a->sh[k] - b->sh[k]) * ((double)a->sh[k] - b->sh[k]);
-    return SH_0 * SH_0 * sum;
+    return FXS_SH_0 * FXS_SH_0 * sum;
 }
 
 /* ((v + w) ln |joint| - v ln |A| - w ln |B|) / 2 + v w / (v + w) colour_weight difference */
@@ -297,13 +295,13 @@ static void decimated_close(void *handle)
     decimated *d = handle;
     release_work(d);
     fxs_release(d->allocator, d->gaussians);
-    if (d->format->close)
-        d->format->close(d->reader);
-    fxs_release(d->allocator, d->reader);
+    if (d->reader->close)
+        d->reader->close(d->data);
+    fxs_release(d->allocator, d->data);
 }
 
-static const fxs_scene_format decimated_format = {
-    "decimated", sizeof(decimated), NULL, decimated_read, decimated_rewind, decimated_close
+static const fxs_reader decimated_format = {
+    NULL, sizeof(decimated), NULL, decimated_read, decimated_rewind, decimated_close
 };
 
 /* ---- Decimation -------------------------------------------------------------------------------------------------- */
@@ -353,7 +351,7 @@ static int decimate(decimated *d, uint32_t target, fxs_progress_fn *progress, vo
 int fxs_scene_file_decimate(fxs_scene_file *file, uint64_t target, fxs_scene_file_info *info, fxs_progress_fn *progress,
                             void *argument, fxs_message *message)
 {
-    const fxs_allocator *allocator = fxs_scene_file_allocator(file);
+    const fxs_allocator *allocator = fxs_stream_allocator(file);
     if (target < 1)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no Gaussian would be left");
     if (info->count <= target)
@@ -371,9 +369,9 @@ int fxs_scene_file_decimate(fxs_scene_file *file, uint64_t target, fxs_scene_fil
     if (!error)
         error = decimate(d, (uint32_t)target, progress, argument, message);
     release_work(d);
-    d->format = &decimated_format;
-    d->reader = d;
-    fxs_scene_file_swap(file, &d->format, &d->reader);
+    d->reader = &decimated_format;
+    d->data = d;
+    fxs_stream_swap(file, &d->reader, &d->data);
     info->count = d->count;
     return error;
 }

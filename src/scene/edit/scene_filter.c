@@ -3,14 +3,14 @@
 #include <math.h>
 #include <string.h>
 
-#include "src/base/exponential.h"
+#include "src/gaussian/attributes.h"
 #include "floaters_internal.h"
-#include "src/scene/scene_format.h"
+#include "src/scene/formats_internal.h"
 
 /* The reader of a filtered file. */
 typedef struct filter_reader {
-    const fxs_scene_format *format;   /* of the file's own reader */
-    void *reader;
+    const fxs_reader *reader;   /* of the file's own reader */
+    void *data;
     const fxs_allocator *allocator;   /* of both readers */
     fxs_scene_filter filter;
     fxs_scene_filter_report report;   /* since the beginning */
@@ -40,7 +40,7 @@ static int passes(filter_reader *r, fxs_gaussian *g)
     r->report.read++;
     if (!is_inside(&r->filter, g->position))
         return r->report.outside++, 0;
-    if (1 / (1 + fxs_exp(-(double)g->opacity)) < r->filter.opacity)
+    if (fxs_opacity_of_logit(g->opacity) < r->filter.opacity)
         return r->report.faint++, 0;
     if (r->filter.drawable && !fxs_drawable(g, r->filter.sh_degree, &r->report.dropped))
         return 0;
@@ -58,7 +58,7 @@ static long filter_read(void *handle, fxs_gaussian *gaussians, size_t capacity, 
     size_t kept = 0;
     while (kept < capacity) {
         fxs_gaussian *next = gaussians + kept;
-        long n = r->format->read(r->reader, next, capacity - kept, message);
+        long n = r->reader->read(r->data, next, capacity - kept, message);
         if (n < 0)
             return n;
         if (n == 0)
@@ -75,20 +75,20 @@ static int filter_rewind(void *handle, fxs_message *message)
     filter_reader *r = handle;
     memset(&r->report, 0, sizeof r->report);
     r->floaters.next = 0;
-    return r->format->rewind(r->reader, message);
+    return r->reader->rewind(r->data, message);
 }
 
 static void filter_close(void *handle)
 {
     filter_reader *r = handle;
-    if (r->format->close)
-        r->format->close(r->reader);
-    fxs_release(r->allocator, r->reader);
+    if (r->reader->close)
+        r->reader->close(r->data);
+    fxs_release(r->allocator, r->data);
     fxs_floaters_free(&r->floaters, r->allocator);
 }
 
-static const fxs_scene_format filtered = {
-    "filtered", sizeof(filter_reader), NULL, filter_read, filter_rewind, filter_close
+static const fxs_reader filtered = {
+    NULL, sizeof(filter_reader), NULL, filter_read, filter_rewind, filter_close
 };
 
 /* Reads all, so that the report is that of the whole file. */
@@ -121,15 +121,15 @@ int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, 
 {
     if (filter->sh_degree < 0 || filter->sh_degree > 3)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "SH degree %d, not 0 to 3", filter->sh_degree);
-    const fxs_allocator *allocator = fxs_scene_file_allocator(file);
+    const fxs_allocator *allocator = fxs_stream_allocator(file);
     filter_reader *r = fxs_allocate_zeroed(allocator, 1, sizeof *r);
     if (!r)
         return fxs_fail_memory(message, NULL, sizeof *r);
     r->allocator = allocator;
     r->filter = *filter;
-    r->format = &filtered;
-    r->reader = r;
-    fxs_scene_file_swap(file, &r->format, &r->reader);
+    r->reader = &filtered;
+    r->data = r;
+    fxs_stream_swap(file, &r->reader, &r->data);
     FXS_TRY(fxs_scene_file_rewind(file, message));
     if (filter->floaters)
         FXS_TRY(fxs_floaters_init(&r->floaters, info->count, allocator, message));

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <string.h>
+#include "src/gaussian/attributes.h"
 
 /* gcc has no such pragma and does the same by -std=c99 or -ffp-contract=off. */
 #ifdef __clang__
@@ -9,7 +10,6 @@
 #endif
 
 #define PI 3.14159265358979324
-#define SH_C0 0.28209479177387814
 
 /* ---- Arithmetic: nothing here but operations that IEEE 754 rounds exactly ---------------------------------------- */
 
@@ -177,7 +177,7 @@ typedef struct splat {
 static void sh_basis(vec d, double y[16])
 {
     double xx = d.x * d.x, yy = d.y * d.y, zz = d.z * d.z;
-    y[0] = SH_C0;
+    y[0] = FXS_SH_0;
     y[1] = -0.48860251190292 * d.y;
     y[2] = 0.48860251190292 * d.z;
     y[3] = -0.48860251190292 * d.x;
@@ -195,7 +195,7 @@ static void sh_basis(vec d, double y[16])
     y[15] = -0.59004358992664 * d.x * (xx - 3 * yy);
 }
 
-static void add_constant(splat *s, vec colour) { s->sh[0] = add(s->sh[0], times(colour, 1 / SH_C0)); }
+static void add_constant(splat *s, vec colour) { s->sh[0] = add(s->sh[0], times(colour, 1 / FXS_SH_0)); }
 
 /* Adds colour f(d . axis), f = sum of p[l] P_l (Legendre polynomials), by the addition theorem:
    P_l(d . a) = 4 pi / (2 l + 1) sum over m of Y_lm(d) Y_lm(a) */
@@ -290,7 +290,7 @@ static void finish(const splat *s, fxs_gaussian *out)
         out->scale[k] = (float)logarithm(s->sigma[k]);
     store(out->position, s->position);
     out->opacity = (float)logarithm(s->opacity / (1 - s->opacity));
-    store(out->dc, sub(s->sh[0], times(v3(1, 1, 1), 0.5 / SH_C0)));
+    store(out->dc, sub(s->sh[0], times(v3(1, 1, 1), 0.5 / FXS_SH_0)));
     for (int k = 0; k < 15; k++)
         store(out->sh + 3 * k, s->sh[k + 1]);
 }
@@ -1075,7 +1075,7 @@ static void discs_sky(place *p, splat *s)
     s->sigma[2] = THIN;
     vec d = normalise(s->position);
     double dusk = smoothstep(0.5, 0, -d.y) * (0.6 + 0.4 * dot(d, v3(0, 0, 1)));
-    s->sh[0] = blend3(s->sh[0], times(v3(1.0, 0.66, 0.42), 1 / SH_C0), clamp(dusk, 0, 1));
+    s->sh[0] = blend3(s->sh[0], times(v3(1.0, 0.66, 0.42), 1 / FXS_SH_0), clamp(dusk, 0, 1));
 }
 
 static void discs(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)

@@ -1,8 +1,8 @@
 /* PlayCanvas's compressed .ply: words of 32 bits, for 256 Gaussians between the bounds of their chunk; layout as its
    engine's gsplat-compressed-data.js reads it. */
 #include "ply_header.h"
-#include "src/gaussian/scene_codes.h"
-#include "src/scene/scene_format.h"
+#include "src/gaussian/attributes.h"
+#include "src/scene/formats_internal.h"
 
 enum { CHUNK = 256, WORDS = 4 };
 
@@ -36,10 +36,13 @@ typedef struct compressed_reader {
 
 /* Header */
 
-int fxs_is_compressed_ply(const fxs_scene_source *source, fxs_message *message)
+static int is_compressed_ply(const fxs_head *head, fxs_message *message)
 {
+    const fxs_scene_source *source = head->source;
     struct { fxs_ply_header header; fxs_byte_reader bytes; } *start;
     fxs_message ignored;
+    if (memcmp(head->bytes, "ply", 3))
+        return 0;
     start = fxs_allocate_zeroed(source->options.allocator, 1, sizeof *start);
     if (!start)
         return fxs_fail_memory(message, source->path, sizeof *start);
@@ -260,6 +263,6 @@ static long compressed_read(void *handle, fxs_gaussian *gaussians, size_t capaci
     return count;
 }
 
-const fxs_scene_format fxs_scene_compressed_ply = {
-    "compressed ply", sizeof(compressed_reader), compressed_open, compressed_read, compressed_rewind, NULL
+const fxs_reader fxs_read_compressed_ply = {
+    is_compressed_ply, sizeof(compressed_reader), compressed_open, compressed_read, compressed_rewind, NULL
 };

@@ -2,7 +2,7 @@
    the frame of a .ply, y down: x and y of glTF change their signs. A colorSpace of linear light is refused: such
    Gaussians are blended before they are encoded, so that no colours blended in sRGB make the same picture. Drafts of
    the extension are read too: SCALE as logarithms (February 2026), _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
-#include "src/scene/scene_format.h"
+#include "src/scene/formats_internal.h"
 
 #ifdef FXS_WITH_CJSON
 
@@ -14,7 +14,7 @@
 #include "src/base/byte_reader.h"
 #include "src/base/exponential.h"
 #include "gltf_internal.h"
-#include "src/gaussian/scene_codes.h"
+#include "src/gaussian/attributes.h"
 #include "spz_internal.h"
 #include "src/base/text_internal.h"
 #include "src/gaussian/transform_internal.h"
@@ -907,4 +907,24 @@ static int gltf_open(void *handle, const fxs_scene_source *source, fxs_scene_fil
 
 #endif
 
-const fxs_scene_format fxs_scene_gltf = {"gltf", READER_SIZE, gltf_open, gltf_read, gltf_rewind, gltf_close};
+/* Whether a JSON object with that first name is a glTF. The index of a .sog has "asset" of these, but also what is
+   looked for. */
+static int is_gltf_name(const char *name)
+{
+    static const char *const names[] = {
+        "accessors\"", "animations\"", "asset\"", "buffers\"", "bufferViews\"", "cameras\"", "extensions", "extras\"",
+        "images\"", "materials\"", "meshes\"", "nodes\"", "samplers\"", "scene\"", "scenes\"", "skins\"", "textures\""
+    };
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strncmp(name, names[i], strlen(names[i])) == 0)
+            return !strstr(name, "\"means\"") && !strstr(name, "\"lodLevels\"");
+    return 0;
+}
+
+static int is_gltf(const fxs_head *head, fxs_message *message)
+{
+    (void)message;
+    return !memcmp(head->bytes, "glTF", 4) || (head->name && is_gltf_name(head->name));
+}
+
+const fxs_reader fxs_read_gltf = {is_gltf, READER_SIZE, gltf_open, gltf_read, gltf_rewind, gltf_close};

@@ -2,7 +2,7 @@
 #ifndef FXS_GLTF_INTERNAL_H
 #define FXS_GLTF_INTERNAL_H
 
-#include "src/scene/scene_format.h"
+#include "src/scene/formats_internal.h"
 
 /* As fxs_scene_gltf opens, but: what is read comes in a frame to which these rows map the file's own (x right, y up, z
    back); a scene without Gaussians is opened too; and another reader answers for the import's memory. */

@@ -2,8 +2,8 @@
    SplatBuffer.js writes it. A section holds the lengths of its partly filled buckets, the buckets' centres, and its
    Gaussians, bucket by bucket; with compression level 0, the Gaussians only. */
 #include "src/base/byte_reader.h"
-#include "src/gaussian/scene_codes.h"
-#include "src/scene/scene_format.h"
+#include "src/gaussian/attributes.h"
+#include "src/scene/formats_internal.h"
 
 enum { HEADER_SIZE = 4096, SECTION_HEADER_SIZE = 1024, LEVELS = 3 };
 
@@ -242,6 +242,12 @@ static long ksplat_read(void *handle, fxs_gaussian *gaussians, size_t capacity, 
     return count;
 }
 
-const fxs_scene_format fxs_scene_ksplat = {
-    "ksplat", sizeof(ksplat_reader), ksplat_open, ksplat_read, ksplat_rewind, NULL
+static int is_ksplat(const fxs_head *head, fxs_message *message)
+{
+    (void)message;
+    return head->size >= 4 && head->bytes[0] == 0 && head->bytes[1] != 0 && head->bytes[2] == 0 && head->bytes[3] == 0;
+}
+
+const fxs_reader fxs_read_ksplat = {
+    is_ksplat, sizeof(ksplat_reader), ksplat_open, ksplat_read, ksplat_rewind, NULL
 };

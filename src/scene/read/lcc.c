@@ -3,7 +3,7 @@
    Organization Format White Paper" (https://github.com/xgrids/LCCWhitepaper; Data Organization Format originated from
    XGRIDS). Where that leaves something open (axes, SH of files without "fileType"), as PlayCanvas's splat-transform has
    it. */
-#include "src/scene/scene_format.h"
+#include "src/scene/formats_internal.h"
 
 #ifdef FXS_WITH_CJSON
 
@@ -14,7 +14,7 @@
 #include <cjson/cJSON.h>
 
 #include "src/base/byte_reader.h"
-#include "src/gaussian/scene_codes.h"
+#include "src/gaussian/attributes.h"
 #include "src/gaussian/transform_internal.h"
 
 enum {
@@ -380,4 +380,10 @@ static int lcc_open(void *handle, const fxs_scene_source *source, fxs_scene_file
 
 #endif
 
-const fxs_scene_format fxs_scene_lcc = {"lcc", READER_SIZE, lcc_open, lcc_read, lcc_rewind, lcc_close};
+static int is_lcc(const fxs_head *head, fxs_message *message)
+{
+    (void)message;
+    return head->name && strstr(head->bytes, "\"totalLevel\"");
+}
+
+const fxs_reader fxs_read_lcc = {is_lcc, READER_SIZE, lcc_open, lcc_read, lcc_rewind, lcc_close};

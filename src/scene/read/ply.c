@@ -2,8 +2,8 @@
 #include <stdio.h>
 
 #include "ply_header.h"
-#include "src/gaussian/scene_codes.h"
-#include "src/scene/scene_format.h"
+#include "src/gaussian/attributes.h"
+#include "src/scene/formats_internal.h"
 
 /* A field is an index into the floats of fxs_gaussian. */
 enum { SCALE_2 = 5, FIRST_REST = 14, SH_FLOATS = 45, NO_FIELD = -1 };
@@ -206,4 +206,10 @@ static int ply_rewind(void *handle, fxs_message *message)
     return 0;
 }
 
-const fxs_scene_format fxs_scene_ply = {"ply", sizeof(ply_reader), ply_open, ply_read, ply_rewind, NULL};
+static int is_ply(const fxs_head *head, fxs_message *message)
+{
+    (void)message;
+    return !memcmp(head->bytes, "ply", 3);
+}
+
+const fxs_reader fxs_read_ply = {is_ply, sizeof(ply_reader), ply_open, ply_read, ply_rewind, NULL};

@@ -1,20 +1,28 @@
 /* .sog versions 1 and 2, as a zip or as files in a folder, and streamed SOG: PlayCanvas, "The SOG Format" and "The
    Streamed SOG Format". Where those and PlayCanvas's own code differ (order of a quaternion, logarithms of scales,
    width of a palette of degree 1), as the code has it. */
-#include "src/scene/scene_format.h"
+#include <string.h>
+
+#include "src/scene/formats_internal.h"
+
+/* A zip, or a JSON file that no other format has claimed. */
+static int is_sog(const fxs_head *head, fxs_message *message)
+{
+    (void)message;
+    return !memcmp(head->bytes, "PK\3\4", 4) || head->name;
+}
 
 #if defined(FXS_WITH_WEBP) && defined(FXS_WITH_CJSON)
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include <cjson/cJSON.h>
 #include <webp/decode.h>
 
 #include "src/base/exponential.h"
-#include "src/gaussian/scene_codes.h"
+#include "src/gaussian/attributes.h"
 #include "src/base/zip_internal.h"
 
 enum {
@@ -726,7 +734,7 @@ static void sog_close(void *handle)
     fxs_release(allocator, r->ranges);
 }
 
-const fxs_scene_format fxs_scene_sog = {"sog", sizeof(sog_reader), sog_open, sog_read, sog_rewind, sog_close};
+const fxs_reader fxs_read_sog = {is_sog, sizeof(sog_reader), sog_open, sog_read, sog_rewind, sog_close};
 
 #else
 
@@ -737,6 +745,6 @@ static int sog_open(void *handle, const fxs_scene_source *source, fxs_scene_file
                        source->path);
 }
 
-const fxs_scene_format fxs_scene_sog = {"sog", 0, sog_open, NULL, NULL, NULL};
+const fxs_reader fxs_read_sog = {is_sog, 0, sog_open, NULL, NULL, NULL};
 
 #endif

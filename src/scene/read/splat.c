@@ -1,7 +1,7 @@
 /* .splat as antimatter15/splat writes it: records of 32 bytes, and nothing else. */
 #include "src/base/byte_reader.h"
-#include "src/gaussian/scene_codes.h"
-#include "src/scene/scene_format.h"
+#include "src/gaussian/attributes.h"
+#include "src/scene/formats_internal.h"
 
 enum { RECORD_SIZE = 32, SCALE = 12, COLOUR = 24, ROTATION = 28, RECORDS_CHECKED = 64 };
 
@@ -31,10 +31,13 @@ static int is_plausible(const uint8_t *record)
     return 1;
 }
 
-int fxs_is_splat(const fxs_scene_source *source)
+/* There is no magic number: whole records, the first of them plausible. */
+static int is_splat(const fxs_head *head, fxs_message *message)
 {
+    const fxs_scene_source *source = head->source;
     uint8_t records[RECORDS_CHECKED * RECORD_SIZE];
     int any_scale = 0;
+    (void)message;
     fxs_message ignored;
     uint64_t count = source->input.size / RECORD_SIZE;
     count = count < RECORDS_CHECKED ? count : RECORDS_CHECKED;
@@ -95,6 +98,6 @@ static int splat_rewind(void *handle, fxs_message *message)
     return fxs_bytes_seek(&reader->bytes, 0);
 }
 
-const fxs_scene_format fxs_scene_splat = {
-    "splat", sizeof(splat_reader), splat_open, splat_read, splat_rewind, NULL
+const fxs_reader fxs_read_splat = {
+    is_splat, sizeof(splat_reader), splat_open, splat_read, splat_rewind, NULL
 };

@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "src/base/byte_reader.h"
-#include "src/gaussian/scene_codes.h"
-#include "src/scene/scene_format.h"
+#include "src/gaussian/attributes.h"
+#include "src/scene/formats_internal.h"
 
 #ifdef FXS_WITH_ZLIB
 #define ZLIB_CONST
@@ -24,7 +24,6 @@ enum {
     MAX_EXPANSION = 1032                     /* of deflate */
 };
 
-#define C0 0.28209479177387814
 #define COLOUR_RANGE 0.15                    /* dc = (code / 255 - 0.5) / range */
 
 enum { ANTIALIASED = 1, HAS_EXTENSIONS = 2, LEVELS_OF_DETAIL = 0x80 };   /* flags */
@@ -465,8 +464,8 @@ int fxs_spz_open(const fxs_scene_source *source, uint64_t offset, uint64_t size,
     info->sh_degree = s->sh_degree < 3 ? s->sh_degree : 3;
     info->stored_sh_degree = s->sh_degree;
     info->antialiased = s->flags & ANTIALIASED;
-    info->colour.step = C0 / COLOUR_RANGE / 255;
-    info->colour.low = 0.5 - C0 / COLOUR_RANGE / 2;
+    info->colour.step = FXS_SH_0 / COLOUR_RANGE / 255;
+    info->colour.low = 0.5 - FXS_SH_0 / COLOUR_RANGE / 2;
     info->sh.step = 1 / 128.0;
     return 0;
 }
@@ -584,4 +583,10 @@ static void spz_close(void *handle)
     fxs_spz_close(((spz_reader *)handle)->spz);
 }
 
-const fxs_scene_format fxs_scene_spz = {"spz", sizeof(spz_reader), spz_open, spz_read, spz_rewind, spz_close};
+static int is_spz(const fxs_head *head, fxs_message *message)
+{
+    (void)message;
+    return !memcmp(head->bytes, "NGSP", 4) || !memcmp(head->bytes, "\x1f\x8b", 2);
+}
+
+const fxs_reader fxs_read_spz = {is_spz, sizeof(spz_reader), spz_open, spz_read, spz_rewind, spz_close};

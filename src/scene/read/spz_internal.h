@@ -2,6 +2,8 @@
 #ifndef FXS_SPZ_INTERNAL_H
 #define FXS_SPZ_INTERNAL_H
 
+#include <fixsplat/gaussian.h>
+
 #include "src/base/source_internal.h"
 
 #define FXS_SPZ_MAGIC 0x5053474eu   /* "NGSP" */

@@ -3,7 +3,7 @@
    tile that is refined by REPLACE where no tile below it has any. Bounding volumes and errors are not looked at.
    A tileset is z up and its contents y up; the Gaussians come as those of a content alone do. A tileset on the globe is
    put into the frame of the first tile that lies there, as floats have half a metre left at the Earth's radius. */
-#include "src/scene/scene_format.h"
+#include "src/scene/formats_internal.h"
 
 #ifdef FXS_WITH_CJSON
 
@@ -277,12 +277,12 @@ static int list_content(tileset *t, size_t index, const fxs_scene_source *source
     for (int i = 0; i < 4; i++)
         if (memcmp(magic, others[i], 4) == 0)
             return fxs_fail(t->message, "%s: the content of a tile is %s, not glTF", source->path, others[i]);
-    const fxs_scene_format *format;
-    FXS_TRY(fxs_scene_format_of(source, &format, t->message));
-    if (format == &fxs_scene_gltf)
+    const fxs_format_row *format;
+    FXS_TRY(fxs_format_by_content(source, &format, t->message));
+    if (format->reader == &fxs_read_gltf)
         return 0;
-    if (format != &fxs_scene_tileset)
-        return fxs_fail(t->message, "%s: the content of a tile is %s, not glTF", source->path, format->name);
+    if (format->reader != &fxs_read_tileset)
+        return fxs_fail(t->message, "%s: the content of a tile is %s, not glTF", source->path, format->about.name);
     if (c->nesting > MAX_NESTING)
         return fail(t, source->path, "tilesets nested too deep");
     const char *slash = strrchr(c->name, '/');
@@ -314,10 +314,10 @@ static int list_all(tileset *t)
 static void close_content(tileset *t, content *c)
 {
     if (c->reader) {
-        fxs_scene_gltf.close(c->reader);
+        fxs_read_gltf.close(c->reader);
         t->open--;
     }
-    fxs_let_go(t->source, c->reader, fxs_scene_gltf.reader_size);
+    fxs_let_go(t->source, c->reader, fxs_read_gltf.size);
     c->reader = NULL;
     fxs_scene_source_close(&c->source);
 }
@@ -343,10 +343,10 @@ static int open_reader(tileset *t, content *c, fxs_scene_file_info *info)
     const matrix tile = multiply(&t->frame, &c->tile);
     matrix frame = multiply(&tile, &c->up);
     FXS_TRY(fxs_scene_source_open_beside(&c->source, t->source, c->name, t->message));
-    c->reader = fxs_hold(t->source, fxs_scene_gltf.reader_size, t->message);
+    c->reader = fxs_hold(t->source, fxs_read_gltf.size, t->message);
     if (!c->reader)
         return FXS_ERR_MEMORY;
-    memset(c->reader, 0, fxs_scene_gltf.reader_size);
+    memset(c->reader, 0, fxs_read_gltf.size);
     t->open++;
     return fxs_gltf_open(c->reader, &c->source, frame.m, info, t->message);
 }
@@ -380,7 +380,7 @@ static int enter_content(tileset *t)
         FXS_TRY(open_content(t, &info));
     if (info.count != c->count)
         return fail(t, c->source.path, "changed while it was open");
-    FXS_TRY(fxs_scene_gltf.rewind(c->reader, t->message));
+    FXS_TRY(fxs_read_gltf.rewind(c->reader, t->message));
     t->is_entered = 1;
     return 0;
 }
@@ -450,7 +450,7 @@ static long tileset_read(void *handle, fxs_gaussian *gaussians, size_t capacity,
     while (done < capacity && t->at < t->count) {
         if (!t->is_entered)
             FXS_TRY(enter_content(t));
-        const long count = fxs_scene_gltf.read(t->contents[t->at].reader, gaussians + done, capacity - done, message);
+        const long count = fxs_read_gltf.read(t->contents[t->at].reader, gaussians + done, capacity - done, message);
         if (count < 0)
             return count;
         done += (size_t)count;
@@ -488,6 +488,13 @@ static int tileset_open(void *handle, const fxs_scene_source *source, fxs_scene_
 
 #endif
 
-const fxs_scene_format fxs_scene_tileset = {
-    "tileset", READER_SIZE, tileset_open, tileset_read, tileset_rewind, tileset_close
+/* Each tile of a tileset has an error. A glTF may begin with the same name. */
+static int is_tileset(const fxs_head *head, fxs_message *message)
+{
+    (void)message;
+    return head->name && (strstr(head->bytes, "\"geometricError\"") || !strncmp(head->name, "root\"", 5));
+}
+
+const fxs_reader fxs_read_tileset = {
+    is_tileset, READER_SIZE, tileset_open, tileset_read, tileset_rewind, tileset_close
 };

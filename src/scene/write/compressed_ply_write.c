@@ -5,10 +5,10 @@
 #include <stdlib.h>
 
 #include "scene_write_internal.h"
+#include "src/gaussian/attributes.h"
 
 enum { CHUNK = 256, BOUNDS = 18, CHUNK_BYTES = 4 * BOUNDS, WORDS_BYTES = 16 };
 
-#define SH_0 0.28209479177387814
 
 /* Of a chunk: lower and upper of position, ln(sigma) and colour, 0.5 + SH_0 dc. */
 typedef struct chunk {
@@ -39,7 +39,7 @@ static void values_of(const fxs_held_gaussian *g, float values[9])
     for (int i = 0; i < 3; i++) {
         values[i] = g->position[i];
         values[3 + i] = g->scale[i];
-        values[6 + i] = (float)(0.5 + SH_0 * g->dc[i]);
+        values[6 + i] = (float)(0.5 + FXS_SH_0 * g->dc[i]);
     }
 }
 
@@ -142,10 +142,12 @@ static void write_body(fxs_held *h, chunk *chunks, fxs_progress_fn *progress, vo
     }
 }
 
-static int compressed_close(void *writer, fxs_progress_fn *progress, void *argument, fxs_message *message)
+static int compressed_close(void *writer, fxs_scene_write_report *report, fxs_progress_fn *progress, void *argument,
+                            fxs_message *message)
 {
     compressed_writer *w = writer;
     fxs_held *h = &w->held;
+    (void)report;
     if (fxs_held_order(h)) {
         chunk *chunks = malloc(((size_t)h->count / CHUNK + 1) * sizeof *chunks);
         if (chunks) {
@@ -159,6 +161,6 @@ static int compressed_close(void *writer, fxs_progress_fn *progress, void *argum
     return fxs_held_close(h, message);
 }
 
-const fxs_write_format fxs_write_compressed_ply = {
-    ".compressed.ply", sizeof(compressed_writer), 1, 1, compressed_open, compressed_put, compressed_close
+const fxs_writer fxs_write_compressed_ply = {
+    sizeof(compressed_writer), compressed_open, compressed_put, compressed_close
 };

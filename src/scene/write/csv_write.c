@@ -44,10 +44,11 @@ static int csv_put(void *writer, const fxs_gaussian *gaussians, size_t n, fxs_me
     return 0;
 }
 
-static int csv_close(void *writer, fxs_progress_fn *progress, void *argument, fxs_message *message)
+static int csv_close(void *writer, fxs_scene_write_report *report, fxs_progress_fn *progress, void *argument,
+                     fxs_message *message)
 {
-    (void)progress, (void)argument;
+    (void)report, (void)progress, (void)argument;
     return fxs_output_close(&((csv_writer *)writer)->output, message);
 }
 
-const fxs_write_format fxs_write_csv = {".csv", sizeof(csv_writer), 1, 0, csv_open, csv_put, csv_close};
+const fxs_writer fxs_write_csv = {sizeof(csv_writer), csv_open, csv_put, csv_close};

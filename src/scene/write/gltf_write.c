@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "src/base/exponential.h"
+#include "src/gaussian/attributes.h"
 #include "scene_write_internal.h"
 #include "src/scene/read/spz_internal.h"
 
@@ -128,7 +128,7 @@ static void turn_rotation(float to[4], const float q[4])
 static void encode(const glb_writer *w, const fxs_gaussian *g, uint8_t *row)
 {
     const float position[3] = {-g->position[0], -g->position[1], g->position[2]};
-    const float opacity = (float)(1 / (1 + fxs_exp(-(double)g->opacity)));
+    const float opacity = (float)(fxs_opacity_of_logit(g->opacity));
     float scale[3], rotation[4], sh[45];
     turn_rotation(rotation, g->rotation);
     for (int i = 0; i < 3; i++)
@@ -158,10 +158,11 @@ static int glb_put(void *writer, const fxs_gaussian *gaussians, size_t n, fxs_me
     return 0;
 }
 
-static int glb_close(void *writer, fxs_progress_fn *progress, void *argument, fxs_message *message)
+static int glb_close(void *writer, fxs_scene_write_report *report, fxs_progress_fn *progress, void *argument,
+                     fxs_message *message)
 {
-    (void)progress, (void)argument;
+    (void)report, (void)progress, (void)argument;
     return fxs_output_close(&((glb_writer *)writer)->output, message);
 }
 
-const fxs_write_format fxs_write_glb = {".glb", sizeof(glb_writer), 1, 0, glb_open, glb_put, glb_close};
+const fxs_writer fxs_write_glb = {sizeof(glb_writer), glb_open, glb_put, glb_close};

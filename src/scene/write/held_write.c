@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "src/base/exponential.h"
+#include "src/gaussian/attributes.h"
 #include "src/pack/order.h"
 #include "scene_write_internal.h"
 
@@ -82,7 +82,7 @@ static void hold(fxs_held_gaussian *to, int16_t *sh, const fxs_gaussian *g, uint
         norm += (double)g->rotation[i] * g->rotation[i];
     for (int i = 0; i < 4; i++)
         to->rotation[i] = (float)(g->rotation[i] / sqrt(norm));
-    to->opacity = (float)(1 / (1 + fxs_exp(-(double)g->opacity)));
+    to->opacity = (float)(fxs_opacity_of_logit(g->opacity));
     for (uint32_t k = 0; k < coefficients; k++)
         sh[k] = (int16_t)fmin(fmax(floor((double)g->sh[k] * FXS_HELD_SH_ONE + 0.5), INT16_MIN), INT16_MAX);
 }

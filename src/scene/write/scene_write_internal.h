@@ -1,23 +1,9 @@
-/* What a format that is written provides to scene_write.c. */
+/* What the writers of formats share. */
 #ifndef FXS_SCENE_WRITE_INTERNAL_H
 #define FXS_SCENE_WRITE_INTERNAL_H
 
 #include "src/base/output_internal.h"
-#include <fixsplat/scene_write.h>
-
-typedef struct fxs_write_format {
-    const char *ending;
-    size_t writer_size;   /* bytes */
-    int holds_sh, holds_antialiased;
-    /* Is given a writer that is all 0, and a degree of 0 to 3. Returns 0, or an error and a message, with nothing to
-       close. */
-    int (*open)(void *writer, const char *path, const fxs_scene_write_options *options, fxs_message *message);
-    int (*put)(void *writer, const fxs_gaussian *gaussians, size_t n, fxs_message *message);
-    /* Completes the file, and frees what the writer holds, also after an error. */
-    int (*close)(void *writer, fxs_progress_fn *progress, void *argument, fxs_message *message);
-} fxs_write_format;
-
-extern const fxs_write_format fxs_write_compressed_ply, fxs_write_csv, fxs_write_glb, fxs_write_sog;
+#include "src/scene/formats_internal.h"
 
 /* ---- Gaussians that wait until all are known ---- */
 

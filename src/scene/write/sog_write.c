@@ -306,9 +306,11 @@ static void write_zip(sog_writer *w, fxs_message *message)
     fxs_zip_write(&w->held.output, entries, count, message);
 }
 
-static int sog_close(void *writer, fxs_progress_fn *progress, void *argument, fxs_message *message)
+static int sog_close(void *writer, fxs_scene_write_report *report, fxs_progress_fn *progress, void *argument,
+                     fxs_message *message)
 {
     sog_writer *w = writer;
+    (void)report;
     w->progress = progress;
     w->argument = argument;
     if (fxs_held_order(&w->held) && advance(w, 0.1) && find_books(w) && find_palette(w)) {
@@ -326,7 +328,7 @@ static int sog_close(void *writer, fxs_progress_fn *progress, void *argument, fx
     return fxs_held_close(&w->held, message);
 }
 
-const fxs_write_format fxs_write_sog = {".sog", sizeof(sog_writer), 1, 1, sog_open, sog_put, sog_close};
+const fxs_writer fxs_write_sog = {sizeof(sog_writer), sog_open, sog_put, sog_close};
 
 #else
 
@@ -336,6 +338,6 @@ static int sog_open(void *writer, const char *path, const fxs_scene_write_option
     return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot write .sog: built without libwebp or libzip", path);
 }
 
-const fxs_write_format fxs_write_sog = {".sog", 0, 1, 1, sog_open, NULL, NULL};
+const fxs_writer fxs_write_sog = {0, sog_open, NULL, NULL};
 
 #endif

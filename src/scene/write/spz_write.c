@@ -1,13 +1,12 @@
-#include <fixsplat/spz_write.h>
-
+/* .spz versions 3 (gzip) and 4 (zstd). SH have 8 bits, where the reference writer keeps 5 or 4. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "scene_write_internal.h"
 #include "src/base/exponential.h"
 #include "src/pack/encode.h"
-#include "src/base/output_internal.h"
 #include "src/scene/read/spz_internal.h"
 
 #ifdef FXS_WITH_ZLIB
@@ -25,7 +24,7 @@ typedef struct placement {
     float position[3], scale[3];
 } placement;
 
-struct fxs_spz_writer {
+typedef struct spz_writer {
     fxs_output output;
     int version, sh_degree, antialiased;
     uint32_t count, next;
@@ -38,7 +37,7 @@ struct fxs_spz_writer {
     size_t size, done;   /* bytes of the payload, and those compressed */
     fxs_progress_fn *progress;
     void *argument;
-};
+} spz_writer;
 
 static int is_built_in(int version)
 {
@@ -53,45 +52,49 @@ static int is_built_in(int version)
     return version != 3 && version != 4;
 }
 
-int fxs_spz_writer_open(const char *path, int version, uint64_t count, int sh_degree, int antialiased,
-                        fxs_spz_writer **writer, fxs_message *message)
+static int make_room(spz_writer *w, const char *path, fxs_message *message)
 {
-    *writer = NULL;
-    if (version != 3 && version != 4)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: .spz version %d is not written, only 3 and 4", path,
-                           version);
-    if (!is_built_in(version))
-        return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot write .spz version %d: built without %s", path,
-                           version, version == 3 ? "zlib" : "zstd");
-    if (sh_degree < 0 || sh_degree > 3)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: SH degree %d, not 0 to 3", path, sh_degree);
-    if (count > FXS_SPZ_MAX_COUNT)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: more than %d Gaussians", path, FXS_SPZ_MAX_COUNT);
-    fxs_spz_writer *made = calloc(1, sizeof *made);
-    if (!made)
-        return fxs_fail_memory(message, path, sizeof *made);
-    made->version = version;
-    made->sh_degree = sh_degree;
-    made->antialiased = antialiased;
-    made->count = (uint32_t)count;
-    fxs_spz_strides(made->stride, (uint32_t)version, sh_degree);
+    const size_t count = w->count;
     for (int i = 0; i < FXS_SPZ_ARRAYS; i++)
-        made->size += (size_t)count * made->stride[i];
-    made->payload = malloc(made->size + 1);
-    made->placements = malloc(((size_t)count + 1) * sizeof *made->placements);
-    const int error = made->payload && made->placements ? fxs_output_open(&made->output, path, count, message)
-                      : fxs_fail_memory(message, path, made->size + count * sizeof *made->placements);
-    if (error) {
-        free(made->placements);
-        free(made->payload);
-        free(made);
-        return error;
-    }
-    made->array[0] = made->payload;
+        w->size += count * w->stride[i];
+    w->payload = malloc(w->size + 1);
+    w->placements = malloc((count + 1) * sizeof *w->placements);
+    if (!w->payload || !w->placements)
+        return fxs_fail_memory(message, path, w->size + count * sizeof *w->placements);
+    w->array[0] = w->payload;
     for (int i = 1; i < FXS_SPZ_ARRAYS; i++)
-        made->array[i] = made->array[i - 1] + (size_t)count * made->stride[i - 1];
-    *writer = made;
+        w->array[i] = w->array[i - 1] + count * w->stride[i - 1];
     return 0;
+}
+
+static void free_room(spz_writer *w)
+{
+    free(w->placements);
+    free(w->payload);
+}
+
+static int spz_open(void *writer, const char *path, const fxs_scene_write_options *o, fxs_message *message)
+{
+    spz_writer *w = writer;
+    w->version = o->spz_version ? o->spz_version : 4;
+    if (w->version != 3 && w->version != 4)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: .spz version %d is not written, only 3 and 4", path,
+                           w->version);
+    if (!is_built_in(w->version))
+        return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot write .spz version %d: built without %s", path,
+                           w->version, w->version == 3 ? "zlib" : "zstd");
+    if (o->count > FXS_SPZ_MAX_COUNT)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: more than %d Gaussians", path, FXS_SPZ_MAX_COUNT);
+    w->sh_degree = o->sh_degree;
+    w->antialiased = o->antialiased;
+    w->count = (uint32_t)o->count;
+    fxs_spz_strides(w->stride, (uint32_t)w->version, o->sh_degree);
+    int error = make_room(w, path, message);
+    if (!error)
+        error = fxs_output_open(&w->output, path, o->count, message);
+    if (error)
+        free_room(w);
+    return error;
 }
 
 /* ---- Codes ----------------------------------------------------------------------------------------------------- */
@@ -156,7 +159,7 @@ static int bits_for(const float position[3])
 
 /* All but what depends on the fractional bits. y and z change their signs: from right, down, front to right, up,
    back. */
-static void encode(fxs_spz_writer *w, const fxs_gaussian *g, size_t index)
+static void encode(spz_writer *w, const fxs_gaussian *g, size_t index)
 {
     uint8_t *at[FXS_SPZ_ARRAYS];
     const double q[4] = {g->rotation[1], -g->rotation[2], -g->rotation[3], g->rotation[0]};
@@ -183,15 +186,18 @@ static void encode(fxs_spz_writer *w, const fxs_gaussian *g, size_t index)
     w->clamped.sh += (uint32_t)sh;
 }
 
-int fxs_spz_writer_put(fxs_spz_writer *writer, const fxs_gaussian *gaussians, size_t n, fxs_message *message)
+static int spz_put(void *writer, const fxs_gaussian *gaussians, size_t n, fxs_message *message)
 {
-    FXS_TRY(fxs_output_expect(&writer->output, n, message));
+    spz_writer *w = writer;
+    FXS_TRY(fxs_output_expect(&w->output, n, message));
     for (size_t i = 0; i < n; i++)
-        encode(writer, &gaussians[i], writer->next++);
+        encode(w, &gaussians[i], w->next++);
     return 0;
 }
 
-static void choose_bits(fxs_spz_writer *w)
+/* As many fractional bits as hold all positions in 24 bits with their sign, 24 at most. Where that is less than 12 (2048
+   units), the most up to 12 with which at most one in a hundred is beyond. */
+static void choose_bits(spz_writer *w)
 {
     uint32_t beyond = 0;
     int bits = 0;
@@ -201,7 +207,7 @@ static void choose_bits(fxs_spz_writer *w)
 }
 
 /* Positions and scales. */
-static void place(fxs_spz_writer *w, size_t index)
+static void place(spz_writer *w, size_t index)
 {
     uint8_t *position = w->array[FXS_SPZ_POSITION] + index * w->stride[FXS_SPZ_POSITION];
     uint8_t *scale = w->array[FXS_SPZ_SCALE] + index * w->stride[FXS_SPZ_SCALE];
@@ -223,23 +229,20 @@ static void place(fxs_spz_writer *w, size_t index)
     w->clamped.scale += (uint32_t)clamped;
 }
 
-fxs_spz_clamped fxs_spz_writer_finish(fxs_spz_writer *writer)
+static void place_all(spz_writer *w)
 {
-    if (writer->placements) {
-        choose_bits(writer);
-        writer->clamped.reach = ldexp(POSITION_MAX, -writer->fractional_bits);
-        for (size_t i = 0; i < writer->next; i++)
-            place(writer, i);
-        free(writer->placements);
-        writer->placements = NULL;
-    }
-    return writer->clamped;
+    choose_bits(w);
+    w->clamped.reach = ldexp(POSITION_MAX, -w->fractional_bits);
+    for (size_t i = 0; i < w->next; i++)
+        place(w, i);
+    free(w->placements);
+    w->placements = NULL;
 }
 
 /* ---- The file -------------------------------------------------------------------------------------------------- */
 
 #if defined(FXS_WITH_ZLIB) || defined(FXS_WITH_ZSTD)
-static void make_header(const fxs_spz_writer *w, uint8_t header[16])
+static void make_header(const spz_writer *w, uint8_t header[16])
 {
     put_u32(header, FXS_SPZ_MAGIC);
     put_u32(header + 4, (uint32_t)w->version);
@@ -251,7 +254,7 @@ static void make_header(const fxs_spz_writer *w, uint8_t header[16])
 }
 
 /* Notes what was compressed; returns other than 0 where that is to stop. */
-static int advance(fxs_spz_writer *w, size_t bytes)
+static int advance(spz_writer *w, size_t bytes)
 {
     w->done += bytes;
     if (w->progress && w->progress(w->argument, (double)w->done / (double)w->size))
@@ -268,7 +271,7 @@ static size_t piece_of(size_t left)
 /* Both writers leave errors in the output. */
 
 #ifdef FXS_WITH_ZLIB
-static int deflate_bytes(fxs_spz_writer *w, z_stream *stream, const uint8_t *bytes, size_t size, int flush,
+static int deflate_bytes(spz_writer *w, z_stream *stream, const uint8_t *bytes, size_t size, int flush,
                          fxs_message *message)
 {
     uint8_t out[1 << 14];
@@ -283,7 +286,7 @@ static int deflate_bytes(fxs_spz_writer *w, z_stream *stream, const uint8_t *byt
     return 0;
 }
 
-static void write_gzip(fxs_spz_writer *w, fxs_message *message)
+static void write_gzip(spz_writer *w, fxs_message *message)
 {
     z_stream stream;
     uint8_t header[16];
@@ -308,7 +311,7 @@ static void write_gzip(fxs_spz_writer *w, fxs_message *message)
 
 #ifdef FXS_WITH_ZSTD
 /* Compresses an array into the rest of `out`. Returns how many bytes that made. */
-static size_t write_frame(fxs_spz_writer *w, ZSTD_CStream *stream, const uint8_t *bytes, size_t size,
+static size_t write_frame(spz_writer *w, ZSTD_CStream *stream, const uint8_t *bytes, size_t size,
                           ZSTD_outBuffer *out)
 {
     const size_t before = out->pos;
@@ -334,7 +337,7 @@ static void put_u64(uint8_t *to, uint64_t value)
 }
 
 /* Compresses all arrays, with the header and their sizes before them in `head`. */
-static void write_arrays(fxs_spz_writer *w, ZSTD_CStream *stream, uint8_t *head, size_t head_size, ZSTD_outBuffer *out,
+static void write_arrays(spz_writer *w, ZSTD_CStream *stream, uint8_t *head, size_t head_size, ZSTD_outBuffer *out,
                          fxs_message *message)
 {
     uint8_t *entry = head + 32;
@@ -348,7 +351,7 @@ static void write_arrays(fxs_spz_writer *w, ZSTD_CStream *stream, uint8_t *head,
 }
 
 /* The table of contents comes first, and a file need not be one that can be sought. */
-static void write_zstd(fxs_spz_writer *w, fxs_message *message)
+static void write_zstd(spz_writer *w, fxs_message *message)
 {
     uint8_t head[32 + 16 * FXS_SPZ_ARRAYS] = {0};
     ZSTD_outBuffer out = {NULL, 0, 0};
@@ -371,20 +374,22 @@ static void write_zstd(fxs_spz_writer *w, fxs_message *message)
 #define write_zstd(writer, message) ((void)0)
 #endif
 
-int fxs_spz_writer_close(fxs_spz_writer *writer, fxs_progress_fn *progress, void *argument, fxs_message *message)
+static int spz_close(void *writer, fxs_scene_write_report *report, fxs_progress_fn *progress, void *argument,
+                     fxs_message *message)
 {
-    if (!writer)
-        return 0;
-    fxs_spz_writer_finish(writer);
-    writer->progress = progress;
-    writer->argument = argument;
-    int whole = writer->next == writer->count && !writer->output.error;
-    if (whole && writer->version == 3)
-        write_gzip(writer, message);
-    if (whole && writer->version == 4)
-        write_zstd(writer, message);
-    int result = fxs_output_close(&writer->output, message);
-    free(writer->payload);
-    free(writer);
+    spz_writer *w = writer;
+    place_all(w);
+    w->progress = progress;
+    w->argument = argument;
+    int whole = w->next == w->count && !w->output.error;
+    if (whole && w->version == 3)
+        write_gzip(w, message);
+    if (whole && w->version == 4)
+        write_zstd(w, message);
+    report->clamped = w->clamped;
+    int result = fxs_output_close(&w->output, message);
+    free_room(w);
     return result;
 }
+
+const fxs_writer fxs_write_spz = {sizeof(spz_writer), spz_open, spz_put, spz_close};

@@ -1,0 +1,55 @@
+/* What makes a fit's steps here: the stages of this processor's instruction set, or an engine on GPUs. */
+#include <fixsplat/backends.h>
+#include <fixsplat/message.h>
+
+#include "src/fit/fit_internal.h"
+#ifdef FXS_WITH_CUDA
+#include "kernels/fit/cuda/cuda_fit.h"
+#endif
+#ifdef FXS_WITH_KERNELS
+#include <fixsplat/kernels.h>
+#endif
+
+int fxs_fit_choose_engine(fxs_fit *f, fxs_message *message)
+{
+    if (!f->options.device_count) {
+        f->engine = &fxs_fit_engine_cpu;
+        f->self = f;
+        return 0;
+    }
+#ifdef FXS_WITH_CUDA
+    const int error = fxs_cuda_fit_engine(&f->engine, &f->self, &f->model, &f->options, message);
+    if (error)
+        f->engine = NULL;
+    return error;
+#else
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, FXS_WITHOUT_CUDA);
+#endif
+}
+
+#if defined(FXS_WITH_KERNELS) && (defined(__x86_64__) || defined(__i386__))
+extern const fxs_fit_stages fxs_fit_stages_sse41, fxs_fit_stages_avx2, fxs_fit_stages_avx512;
+#elif defined(FXS_WITH_KERNELS) && defined(__aarch64__) && !defined(__AARCH64EB__)
+extern const fxs_fit_stages fxs_fit_stages_neon;
+#endif
+
+const fxs_fit_stages *fxs_fit_stages_choose(unsigned cpu)
+{
+    const fxs_fit_stages *chosen = &fxs_fit_stages_c;
+#ifdef FXS_WITH_KERNELS
+    cpu &= fxs_cpu_detect();
+#if defined(__x86_64__) || defined(__i386__)
+    if (cpu & FXS_CPU_SSE41)
+        chosen = &fxs_fit_stages_sse41;
+    if (cpu & FXS_CPU_AVX2)
+        chosen = &fxs_fit_stages_avx2;
+    if (cpu & FXS_CPU_AVX512)
+        chosen = &fxs_fit_stages_avx512;
+#elif defined(__aarch64__) && !defined(__AARCH64EB__)
+    if (cpu & FXS_CPU_NEON)
+        chosen = &fxs_fit_stages_neon;
+#endif
+#endif
+    (void)cpu;
+    return chosen;
+}

@@ -1,0 +1,35 @@
+/* The files of the operating system, as the library sees them: port/posix has these functions, and port/web has no
+ * files. */
+#ifndef FXS_FILES_INTERNAL_H
+#define FXS_FILES_INTERNAL_H
+
+#include <stdint.h>
+#include <stdio.h>
+
+#include <fixsplat/fixsplat.h>
+
+enum fxs_file_kind { FXS_FILE_NONE, FXS_FILE_REGULAR, FXS_FILE_FOLDER, FXS_FILE_OTHER };
+
+/* What lies at a path, at the end of its symbolic links. */
+enum fxs_file_kind fxs_file_kind(const char *path);
+
+/* 1 where there is something of that name, which may be a symbolic link that leads nowhere. */
+int fxs_file_is_named(const char *path);
+
+typedef struct fxs_file_facts {
+    uint64_t size, device, inode;
+} fxs_file_facts;
+
+/* Opens a regular file to be read, and fills in *facts, which may be null. A FIFO or a device is refused before it is
+   opened. Returns 0, or an error and a message. */
+int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_message *message);
+
+/* The same for the file that `path` is once symbolic links are followed, which must lie in the folder of `first` or in
+   one within. */
+int fxs_file_open_within(const char *first, const char *path, FILE **file, fxs_file_facts *facts,
+                         fxs_message *message);
+
+/* Reads the bytes at an offset. Returns 0, or -1. */
+int fxs_file_read_at(FILE *file, uint64_t offset, void *out, size_t size);
+
+#endif

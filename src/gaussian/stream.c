@@ -1,0 +1,76 @@
+#include "stream_internal.h"
+
+#include <fixsplat/message.h>
+
+fxs_scene_file *fxs_stream_create(const char *path, const fxs_scene_file_options *options, fxs_message *message)
+{
+    fxs_scene_file *file = fxs_allocate_zeroed(options ? options->allocator : NULL, 1, sizeof *file);
+    if (!file) {
+        fxs_fail_memory(message, path, sizeof *file);
+        return NULL;
+    }
+    if (options)
+        file->source.options = *options;
+    file->source.import = &file->import;
+    return file;
+}
+
+int fxs_stream_begin(fxs_scene_file *file, const char *format, const fxs_reader *reader, fxs_scene_file_info *info,
+                     fxs_message *message)
+{
+    const fxs_scene_source *source = &file->source;
+    const int level = source->options.level;
+    file->reader = reader;
+    file->data = fxs_allocate_zeroed(source->options.allocator, 1, reader->size);
+    if (!file->data)
+        return fxs_fail_memory(message, source->path, reader->size);
+    info->format = format;
+    info->levels = 1;
+    info->stored_sh_degree = 0;
+    info->colour = info->sh = (fxs_grid){0, 0};
+    FXS_TRY(reader->open(file->data, source, info, message));
+    if (info->stored_sh_degree < info->sh_degree)
+        info->stored_sh_degree = info->sh_degree;
+    if (level < 0 || level >= info->levels)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: no level %d: levels of detail in this scene: %d",
+                           source->path, level, info->levels);
+    return fxs_limit_gaussians(source, info->count, message);
+}
+
+long fxs_scene_file_read(fxs_scene_file *file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
+{
+    return file->reader->read(file->data, gaussians, capacity, message);
+}
+
+int fxs_scene_file_rewind(fxs_scene_file *file, fxs_message *message)
+{
+    return file->reader->rewind(file->data, message);
+}
+
+const fxs_allocator *fxs_stream_allocator(const fxs_scene_file *file)
+{
+    return file->source.options.allocator;
+}
+
+void fxs_stream_swap(fxs_scene_file *file, const fxs_reader **reader, void **data)
+{
+    const fxs_reader *old_reader = file->reader;
+    void *old_data = file->data;
+    file->reader = *reader;
+    file->data = *data;
+    *reader = old_reader;
+    *data = old_data;
+}
+
+void fxs_scene_file_close(fxs_scene_file *file)
+{
+    if (!file)
+        return;
+    const fxs_allocator *allocator = file->source.options.allocator;
+    if (file->data && file->reader->close)
+        file->reader->close(file->data);
+    fxs_release(allocator, file->data);
+    fxs_release(allocator, file->import.files);
+    fxs_scene_source_close(&file->source);
+    fxs_release(allocator, file);
+}

@@ -1,0 +1,167 @@
+/* The one list of scene formats. A new one is its reader and writer, a row here, and its test. */
+#include "formats_internal.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include <fixsplat/message.h>
+
+#ifdef FXS_WITHOUT_WRITERS
+#define WRITE(name) NULL
+#else
+#define WRITE(name) &fxs_write_##name
+#endif
+
+/* A file is of the first format that its content or its name fits: one without a magic number, and the shorter of two
+   endings, come later. */
+static const fxs_format_row formats[] = {
+    /* name, endings, about
+       read, written, SH degree, anti-aliased, what writing it loses
+       reader, writer */
+    {{"fxs", ".fxs", "packed: opens at once, and is rendered from the file as it lies",
+      1, 1, 3, 1, "by its profile"},
+     &fxs_read_fxs, NULL},
+    {{"compressed ply", ".compressed.ply", "PlayCanvas's: 16 bytes a Gaussian, and one for each SH coefficient",
+      1, 1, 3, 1, "positions, scales and rotations have 10 or 11 bits, the rest 8"},
+     &fxs_read_compressed_ply, WRITE(compressed_ply)},
+    {{"ply", ".ply", "Inria's (text, floats, halves; of 2D Gaussians too)",
+      1, 1, 3, 1, NULL},
+     &fxs_read_ply, WRITE(ply)},
+    {{"ksplat", ".ksplat", "of GaussianSplats3D",
+      1, 0, 0, 0, NULL},
+     &fxs_read_ksplat, NULL},
+    {{"spz", ".spz", "Niantic's, versions 1 to 4; 3 and 4 are written",
+      1, 1, 3, 1, "positions have 24 bits over the scene, the rest 8 to 10"},
+     &fxs_read_spz, WRITE(spz)},
+    {{"tileset", "tileset.json", "3D Tiles of .gltf and .glb, nested ones too: the finest tiles",
+      1, 0, 0, 0, NULL},
+     &fxs_read_tileset, NULL},
+    {{"gltf", ".glb .gltf", "glTF with KHR_gaussian_splatting; .glb is written",
+      1, 1, 3, 0, NULL},
+     &fxs_read_gltf, WRITE(glb)},
+    {{"lcc", ".lcc", "of XGRIDS, with its index.bin, data.bin, shcoef.bin and environment.bin beside it",
+      1, 0, 0, 0, NULL},
+     &fxs_read_lcc, NULL},
+    {{"sog", ".sog lod-meta.json meta.json", "PlayCanvas's, 1 and 2, also streamed: a file, its folder or its index",
+      1, 1, 3, 1, "positions have 16 bits, the rest 8, SH are of a palette"},
+     &fxs_read_sog, WRITE(sog)},
+    {{"splat", ".splat", "32 bytes a Gaussian",
+      1, 1, 0, 0, "no SH above degree 0, 8 bits for all but positions and scales"},
+     &fxs_read_splat, WRITE(splat)},
+    {{"csv", ".csv", "text, a line a Gaussian, columns as in a .ply",
+      0, 1, 3, 0, NULL},
+     NULL, WRITE(csv)},
+};
+
+enum { FORMATS = sizeof formats / sizeof *formats };
+
+const fxs_scene_format *fxs_scene_format_at(int index)
+{
+    return index >= 0 && index < FORMATS ? &formats[index].about : NULL;
+}
+
+/* ---- By name ----------------------------------------------------------------------------------------------------- */
+
+/* Ending number `i` of a format: its first character and its length, or NULL. */
+static const char *ending_of(const fxs_scene_format *format, int i, size_t *length)
+{
+    const char *at = format->endings;
+    for (; i > 0 && at; i--)
+        at = strchr(at, ' ') ? strchr(at, ' ') + 1 : NULL;
+    *length = at ? strcspn(at, " ") : 0;
+    return at;
+}
+
+/* Whether a name ends so: with something in front of a dot, with nothing or a folder in front of a whole name. */
+static int ends_so(const char *path, const char *ending, size_t length)
+{
+    const size_t size = strlen(path);
+    if (size < length || memcmp(path + size - length, ending, length))
+        return 0;
+    return *ending == '.' ? size > length : size == length || path[size - length - 1] == '/';
+}
+
+const fxs_scene_format *fxs_scene_format_of(const char *path, int to_write)
+{
+    size_t length;
+    for (int f = 0; f < FORMATS; f++) {
+        const fxs_scene_format *format = &formats[f].about;
+        const char *ending;
+        if (to_write ? !format->is_written : !format->is_read)
+            continue;
+        for (int i = 0; (ending = ending_of(format, i, &length)) != NULL && (i == 0 || !to_write); i++)
+            if (ends_so(path, ending, length))
+                return format;
+    }
+    return NULL;
+}
+
+size_t fxs_scene_format_endings(char *text, size_t size, int to_write)
+{
+    size_t all = 0, length;
+    if (size)
+        *text = 0;
+    for (int f = 0; f < FORMATS; f++) {
+        const fxs_scene_format *format = &formats[f].about;
+        const char *ending;
+        if (to_write ? !format->is_written : !format->is_read)
+            continue;
+        for (int i = 0; (ending = ending_of(format, i, &length)) != NULL && (i == 0 || !to_write); i++) {
+            const char *comma = all ? ", " : "";
+            if (all < size)
+                snprintf(text + all, size - all, "%s%.*s", comma, (int)length, ending);
+            all += strlen(comma) + length;
+        }
+    }
+    return all;
+}
+
+const fxs_format_row *fxs_format_to_write(const char *name, const char *path)
+{
+    const fxs_scene_format *by_ending = name ? NULL : fxs_scene_format_of(path, 1);
+    for (int f = 0; f < FORMATS; f++)
+        if (formats[f].writer && (name ? !strcmp(name, formats[f].about.name) : by_ending == &formats[f].about))
+            return &formats[f];
+    return NULL;
+}
+
+const char *fxs_format_index_name(int number)
+{
+    size_t length;
+    for (int f = 0; f < FORMATS; f++) {
+        const char *ending;
+        for (int i = 0; (ending = ending_of(&formats[f].about, i, &length)) != NULL; i++)
+            if (*ending != '.' && number-- == 0)
+                return ending;
+    }
+    return NULL;
+}
+
+/* ---- By content -------------------------------------------------------------------------------------------------- */
+
+/* The first name in a JSON object, or NULL. */
+static const char *first_name(const char *bytes)
+{
+    static const char blanks[] = " \t\r\n";
+    bytes += strspn(bytes, blanks);
+    if (*bytes != '{')
+        return NULL;
+    bytes += 1 + strspn(bytes + 1, blanks);
+    return *bytes == '"' ? bytes + 1 : NULL;
+}
+
+int fxs_format_by_content(const fxs_scene_source *source, const fxs_format_row **format, fxs_message *message)
+{
+    char bytes[4096] = "", endings[256];
+    const size_t size = source->input.size < sizeof bytes - 1 ? (size_t)source->input.size : sizeof bytes - 1;
+    FXS_TRY(fxs_scene_source_read(source, 0, bytes, size, message));
+    const fxs_head head = {source, bytes, size, first_name(bytes)};
+    for (*format = formats; *format < formats + FORMATS; ++*format) {
+        const int is = (*format)->reader ? (*format)->reader->is(&head, message) : 0;
+        if (is)
+            return is < 0 ? is : 0;
+    }
+    fxs_scene_format_endings(endings, sizeof endings, 0);
+    return fxs_fail(message, "%s: not a scene file of a known format (%s; a .splat: whole records of 32 bytes, finite "
+                    "positions and scales)", source->path, endings);
+}
