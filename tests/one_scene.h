@@ -20,6 +20,23 @@ static inline fxs_targets one_target(enum fxs_format format, void *pixels, ptrdi
     return targets;
 }
 
+/* What the arguments say, in one struct. */
+static inline fxs_request request_for(const fxs_object *objects, uint32_t count, const fxs_options *options,
+                                      uint32_t eyes, const fxs_camera *cameras, const fxs_targets *targets, int exact)
+{
+    fxs_request request;
+    fxs_request_init(&request, objects, count);
+    request.options = *options;
+    request.eyes = eyes;
+    request.exact = exact;
+    for (uint32_t eye = 0; eye < eyes; eye++) {
+        request.cameras[eye] = cameras[eye];
+        if (targets)
+            request.targets[eye] = targets[eye];
+    }
+    return request;
+}
+
 static inline size_t one_frame_bytes(const fxs_context *context, const fxs_scene *scene, int32_t width, int32_t height,
                                      fxs_frame_memory *memory)
 {

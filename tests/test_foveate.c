@@ -387,7 +387,11 @@ static void check_composition(int32_t width, int32_t height, uint32_t eyes, fxs_
         cameras[eye].height = height;
         targets[eye] = one_target(FXS_FORMAT_RGBA8_COVERAGE, pixels + 4 * eye * (size_t)width, stride);
     }
-    const fxs_request q = {.eyes = eyes, .cameras = cameras, .targets = targets};
+    fxs_request q;
+    fxs_request_init(&q, 0, 0);
+    q.eyes = eyes;
+    memcpy(q.cameras, cameras, sizeof cameras);
+    memcpy(q.targets, targets, sizeof targets);
     const size_t bytes = fxs_foveation_bytes(&f, cameras, eyes);
     uint8_t *memory = malloc(bytes);
     CHECK(fxs_foveate(&recording, &r, &q, &f, memory, bytes - 1, run, pool, &out, &why) == FXS_ERR_MEMORY &&
@@ -431,7 +435,10 @@ static void test_cameras_of_rings(void)
     fxs_message why;
     static uint8_t pixels[1000 * 900 * 4];
     const fxs_targets targets = one_target(FXS_FORMAT_RGBA8, pixels, 4000);
-    const fxs_request q = {.eyes = 1, .cameras = &camera, .targets = &targets};
+    fxs_request q;
+    fxs_request_init(&q, 0, 0);
+    q.cameras[0] = camera;
+    q.targets[0] = targets;
     const size_t bytes = fxs_foveation_bytes(&f, &camera, 1);
     void *memory = malloc(bytes);
     CHECK(!fxs_foveate(&recording, &r, &q, &f, memory, bytes, 0, 0, &out, &why) && out.count == 3);
@@ -451,6 +458,7 @@ static void test_cameras_of_rings(void)
     camera.whole_width = 1100;
     camera.whole_height = 900;
     camera.whole_x = 100;
+    q.cameras[0] = camera;
     r.calls = 0;
     CHECK(!fxs_foveate(&recording, &r, &q, &f, memory, bytes, 0, 0, &out, &why));
     CHECK(r.cameras[1][0].whole_width == 550 && r.cameras[1][0].whole_x == 50 + 196);
@@ -484,8 +492,7 @@ static eyes eyes_of(const fxs_scene *scene, int32_t width, int32_t height)
 
 static fxs_request request_of(const eyes *e)
 {
-    return (fxs_request){.objects = &e->object, .count = 1, .options = &e->options, .eyes = 2, .cameras = e->cameras,
-                         .targets = e->targets, .exact = 1};
+    return request_for(&e->object, 1, &e->options, 2, e->cameras, e->targets, 1);
 }
 
 /* By a back end, into e->pixels. Returns 0 where it is not there. */
@@ -553,13 +560,9 @@ static void test_back_ends(void)
 /* The processor, with nothing hidden. */
 static int render_all(void *self, const fxs_request *q, fxs_stats *stats, fxs_message *why)
 {
-    fxs_camera cameras[2];
     fxs_request all = *q;
-    for (uint32_t eye = 0; eye < q->eyes; eye++) {
-        cameras[eye] = q->cameras[eye];
-        cameras[eye].hidden_width = 0;
-    }
-    all.cameras = cameras;
+    for (uint32_t eye = 0; eye < q->eyes; eye++)
+        all.cameras[eye].hidden_width = 0;
     return fxs_backend_cpu.render(self, &all, stats, why);
 }
 
@@ -621,15 +624,15 @@ static void test_errors(void)
     const int32_t bad[][3] = {{0, 5, 0}, {5, 5, 0}, {5, 4, 0}, {5, FXS_MAX_SIZE + 1, 0}, {5, 9, -1}, {5, 9, 6},
                               {-1, 5, 0}, {INT32_MIN, INT32_MAX, 0}};
     recorder r = {.fail_at = UINT32_MAX};
-    fxs_camera cameras[2];
-    fxs_targets targets[2];
     fxs_foveation f;
-    fxs_request q = {.eyes = 2, .cameras = cameras, .targets = targets};
+    fxs_request q;
+    fxs_request_init(&q, 0, 0);
+    q.eyes = 2;
     for (int eye = 0; eye < 2; eye++) {
-        fxs_camera_init(&cameras[eye], 64, 48);
-        targets[eye] = one_target(FXS_FORMAT_RGBA8, error_pixels + eye * 64 * 48 * 4, 256);
+        fxs_camera_init(&q.cameras[eye], 64, 48);
+        q.targets[eye] = one_target(FXS_FORMAT_RGBA8, error_pixels + eye * 64 * 48 * 4, 256);
     }
-    fxs_foveation_init(&f, cameras, 2);
+    fxs_foveation_init(&f, q.cameras, 2);
     f.radius[0] = 5;
     f.radius[1] = 7;
     CHECK(!attempt(&r, &q, &f) && r.calls == 3);
@@ -640,21 +643,21 @@ static void test_errors(void)
     r = (recorder){.fail_at = 0};                /* not called again */
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         const fxs_foveation wrong = {{{0, 0}, {0, 0}}, {bad[i][0], bad[i][1]}, bad[i][2]};
-        CHECK(attempt(&r, &q, &wrong) == FXS_ERR_ARGUMENT && !fxs_foveation_bytes(&wrong, cameras, 2));
+        CHECK(attempt(&r, &q, &wrong) == FXS_ERR_ARGUMENT && !fxs_foveation_bytes(&wrong, q.cameras, 2));
     }
     CHECK(attempt(&r, &q, 0) == FXS_ERR_ARGUMENT);
-    const fxs_request wrong[] = {{.eyes = 0, .cameras = cameras, .targets = targets},
-                                 {.eyes = 3, .cameras = cameras, .targets = targets},
-                                 {.eyes = 1, .targets = targets}, {.eyes = 1, .cameras = cameras}};
-    for (int i = 0; i < 4; i++)
-        CHECK(attempt(&r, &wrong[i], &f) == FXS_ERR_ARGUMENT);
+    for (uint32_t number = 0; number <= 3; number += 3) {
+        fxs_request wrong = q;
+        wrong.eyes = number;
+        CHECK(attempt(&r, &wrong, &f) == FXS_ERR_ARGUMENT);
+    }
     for (int i = 0; i < 4; i++) {
-        cameras[1].width = (const int32_t[]){0, 63, FXS_MAX_SIZE + 1, INT32_MIN}[i];
+        q.cameras[1].width = (const int32_t[]){0, 63, FXS_MAX_SIZE + 1, INT32_MIN}[i];
         CHECK(attempt(&r, &q, &f) == FXS_ERR_SIZE);
     }
-    cameras[1].width = 64;
+    q.cameras[1].width = 64;
     const int32_t near_least = INT32_MIN + (FXS_MAX_SIZE << 12) - 1;
-    int32_t *const centres[] = {&cameras[1].cx_q12, &cameras[1].cy_q12};
+    int32_t *const centres[] = {&q.cameras[1].cx_q12, &q.cameras[1].cy_q12};
     for (int i = 0; i < 2; i++) {
         const int32_t was = *centres[i];
         *centres[i] = near_least;
@@ -662,23 +665,23 @@ static void test_errors(void)
         *centres[i] = was;
     }
     const fxs_image image = {error_pixels, 512};
-    fxs_image *const others[] = {&targets[1].coverage, &targets[1].mean_depth, &targets[1].median_depth,
-                                 &targets[1].id, &targets[1].occluder, &targets[1].backdrop};
+    fxs_image *const others[] = {&q.targets[1].coverage, &q.targets[1].mean_depth, &q.targets[1].median_depth,
+                                 &q.targets[1].id, &q.targets[1].occluder, &q.targets[1].backdrop};
     for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
         *others[i] = image;
         CHECK(attempt(&r, &q, &f) == FXS_ERR_UNSUPPORTED);
         others[i]->pixels = 0;
     }
-    targets[1].colour.pixels = 0;
+    q.targets[1].colour.pixels = 0;
     CHECK(attempt(&r, &q, &f) == FXS_ERR_UNSUPPORTED);
-    targets[1] = targets[0];
-    targets[1].format = FXS_FORMAT_RGB565;
+    q.targets[1] = q.targets[0];
+    q.targets[1].format = FXS_FORMAT_RGB565;
     CHECK(attempt(&r, &q, &f) == FXS_ERR_UNSUPPORTED);
-    targets[1].format = FXS_FORMAT_RGBA16_COVERAGE;
+    q.targets[1].format = FXS_FORMAT_RGBA16_COVERAGE;
     CHECK(attempt(&r, &q, &f) == FXS_ERR_UNSUPPORTED);
-    targets[1].format = FXS_FORMAT_RGBA8;
+    q.targets[1].format = FXS_FORMAT_RGBA8;
     for (ptrdiff_t stride = -252; stride <= 252; stride += 84) {
-        targets[1].colour.stride = stride;
+        q.targets[1].colour.stride = stride;
         CHECK(attempt(&r, &q, &f) == FXS_ERR_TARGET);
     }
 }

@@ -8,6 +8,7 @@
 #include "src/base/byte_reader.h"
 #include "src/pack/encode.h"
 #include "src/pack/order.h"
+#include <fixsplat/fxs_file.h>
 #include <fixsplat/pack.h>
 #include <fixsplat/pool.h>
 #include <fixsplat/fixsplat.h>
@@ -717,6 +718,69 @@ static void test_loss_of_each_profile(void)
     profile = FXS_PROFILE_DEFAULT;
 }
 
+static int is_near(double x, double expected)
+{
+    return fabs(x - expected) <= 2e-6 * fmax(1, fabs(expected));
+}
+
+/* Read as a file, a packed scene gives what its codes stand for; each byte of it that is another is noticed. */
+static void check_read_back(size_t count, int sh_degree, enum fxs_profile which)
+{
+    static fxs_gaussian read[1000];
+    fxs_scene s;
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_message m;
+    profile = which;
+    make_gaussians(count);
+    if (!CHECK(write_file(count, sh_degree, 1)) || !CHECK(pack_file(0, 0) == 0))
+        return;
+    CHECK(!fxs_file_seal(packed.data, packed.bytes) && !fxs_scene_open(&s, packed.data, packed.bytes));
+    if (!CHECK(!fxs_scene_file_open_memory("x.fxs", packed.data, packed.bytes, NULL, &file, &info, &m)))
+        return;
+    CHECK(info.count == s.count && info.sh_degree == sh_degree && info.antialiased && !strcmp(info.format, "fxs"));
+    for (int pass = 0; pass < 2; pass++) {
+        CHECK(fxs_scene_file_read(file, read, 1, &m) == 1);
+        CHECK(fxs_scene_file_read(file, read + 1, 999, &m) == (long)s.count - 1);
+        CHECK(fxs_scene_file_read(file, read, 1, &m) == 0 && !fxs_scene_file_rewind(file, &m));
+    }
+    CHECK(fxs_scene_file_read(file, read, 1000, &m) == (long)s.count);
+    int wrong = 0;
+    for (uint32_t i = 0; i < s.count; i++) {
+        const decoded d = decode(&s, i);
+        const double opacity = 1 / (1 + exp(-(double)read[i].opacity));
+        for (int k = 0; k < 3; k++)
+            wrong += !is_near(read[i].position[k], d.position[k]) || !is_near(read[i].scale[k], d.scale[k]) ||
+                     !is_near(read[i].dc[k], d.dc[k]);
+        for (int k = 0; k < 4; k++)
+            wrong += !is_near(read[i].rotation[k], d.rotation[k]);
+        for (int k = 0; k < 45; k++)
+            wrong += !is_near(read[i].sh[k], d.sh[k]);
+        wrong += !(fabs(opacity - d.opacity) < 1e-6);
+    }
+    CHECK(wrong == 0);
+    fxs_scene_file_close(file);
+    for (size_t at = 0; at < packed.bytes; at += at < 400 ? 1 : 97) {
+        unsigned char *bytes = packed.data;
+        bytes[at] ^= 16;
+        int error = fxs_scene_file_open_memory("x.fxs", bytes, packed.bytes, NULL, &file, &info, &m);
+        if (!error)
+            error = fxs_scene_file_read(file, read, 1000, &m) < 0;
+        CHECK(error);
+        fxs_scene_file_close(file);
+        bytes[at] ^= 16;
+    }
+    fxs_packed_scene_free(&packed);
+}
+
+static void test_read_back(void)
+{
+    for (int which = FXS_PROFILE_DEFAULT; which <= FXS_PROFILE_SMALL; which++)
+        for (int degree = 0; degree <= 3; degree++)
+            check_read_back(degree == 2 ? 512 : 600, degree, (enum fxs_profile)which);
+    profile = FXS_PROFILE_DEFAULT;
+}
+
 /* One Gaussian's SH is beyond what the units of a palette reach, among many that are not: said is what is lost of it. */
 static void test_loss_of_huge_sh(void)
 {
@@ -1366,6 +1430,7 @@ int main(void)
     RUN(test_flags);
     RUN(test_same_bytes_twice);
     RUN(test_loss_of_each_profile);
+    RUN(test_read_back);
     RUN(test_loss_of_huge_sh);
     RUN(test_few_bits_are_kept);
     RUN(test_faint_chunks_get_fine_steps);

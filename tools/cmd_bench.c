@@ -6,7 +6,7 @@
 
 #include "bench_earlier.h"
 #include "metrics.h"
-#include "renderer.h"
+#include "drawing.h"
 #include "views.h"
 
 static const char help[] =

@@ -23,7 +23,8 @@ static const char help[] =
     "  .sog             PlayCanvas's, version 2: positions in 16 bits, the rest in 8, SH by a palette\n"
     "  .glb             glTF with KHR_gaussian_splatting, floats, y up\n"
     "  .csv             text, a line a Gaussian, columns as in a .ply\n\n"
-    "What .fxs leaves out because it cannot be drawn, the others leave out too. An .fxs file is not converted back.\n"
+    "What .fxs leaves out because it cannot be drawn, the others leave out too. Of an .fxs file the Gaussians that its\n"
+    "codes stand for are written.\n"
     "Several files become one with the highest SH degree of any: coefficients that a file lacks are 0. All must be\n"
     "anti-aliased, or none. A file that is there is replaced when OUT is complete; one of IN only with --force.\n\n"
     "The whole is turned, scaled and moved in this order, whatever that of the options, with its SH, in the axes of a\n"
@@ -237,7 +238,7 @@ static double loss_to_check(enum fxs_profile profile)
 static void check_views(const world *packed, const convert_options *o, const load_options *load)
 {
     enum { WIDTH = 480, HEIGHT = 320, AROUND = 6 };
-    const int small = packed->scenes[0].scene.profile == FXS_PROFILE_SMALL;
+    const int small = packed->scenes[0].opened->scene->profile == FXS_PROFILE_SMALL;
     const double promised = small ? 36 : 46;
     world original;
     load_options plain = *load;
@@ -257,7 +258,7 @@ static void check_views(const world *packed, const convert_options *o, const loa
         note("%s: not compared with the profile default", o->out);
     else if (q.worst_psnr < promised)
         note("%s: profile %s loses more of this scene than of most: a view %s is %.1f dB from the profile default, where "
-             "%.0f is usual; %s", o->out, profile_name(packed->scenes[0].scene.profile), q.views[q.worst_view].name,
+             "%.0f is usual; %s", o->out, profile_name(packed->scenes[0].opened->scene->profile), q.views[q.worst_view].name,
              q.worst_psnr, promised, small ? "profile compact loses less" : "profile default loses less");
     if (!status)
         quality_free(&q);
@@ -273,9 +274,9 @@ static int to_fxs(const convert_options *o)
         return EXIT_FAILED;
     const loaded_scene *loaded = &w.scenes[0];
     int status = files_check();
-    if (!status && fxs_file_write(o->out, loaded->packed.data, loaded->packed.bytes, &message))
+    if (!status && fxs_file_write(o->out, loaded->opened->data, loaded->opened->bytes, &message))
         status = fail(EXIT_FAILED, "%s", message.text);
-    if (!status && loaded->report.rms.sh > loss_to_check(loaded->scene.profile))
+    if (!status && loaded->opened->report->rms.sh > loss_to_check(loaded->opened->scene->profile))
         check_views(&w, o, &load);
     world_close(&w);
     return status;
@@ -437,16 +438,11 @@ static int place_whole(convert_options *o)
     return 0;
 }
 
-/* No file of a world may be packed. */
 static int check_files(const convert_options *o)
 {
     const fxs_world *placed = &o->placed;
-    for (uint32_t i = 0; i < placed->file_count; i++) {
-        if (is_packed(placed->files[i]))
-            return fail(EXIT_FAILED, "%s: an .fxs file is not converted; convert the scene that it was made from",
-                        placed->files[i]);
+    for (uint32_t i = 0; i < placed->file_count; i++)
         files_read(placed->files[i]);
-    }
     files_write(o->out);
     if (ends_with(o->out, ".fxs"))
         files_force(FILES_REFUSE);          /* check_views reads IN again */

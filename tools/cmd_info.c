@@ -120,11 +120,11 @@ static void print_error_json(const char *name, const fxs_pack_error *e)
 
 static void print_scene_json(const loaded_scene *s)
 {
-    const fxs_pack_report *r = &s->report;
+    const fxs_pack_report *r = s->opened->report;
     printf("\"format\": \"%s\", \"gaussians\": %" PRIu64 ", \"packed\": %" PRIu64 ", \"sh_degree\": %d, "
-           "\"levels\": %d, \"antialiased\": %s, ", s->info.format, r->read, r->packed, s->info.sh_degree, s->info.levels,
-           s->info.antialiased ? "true" : "false");
-    if (!s->mapping.data)
+           "\"levels\": %d, \"antialiased\": %s, ", s->opened->info->format, r->read, r->packed, s->opened->info->sh_degree, s->opened->info->levels,
+           s->opened->info->antialiased ? "true" : "false");
+    if (!is_packed(s))
         printf("\"left_out\": {\"not_finite\": %" PRIu64 ", \"zero_quaternion\": %" PRIu64 ", \"share\": %.3g}, "
                "\"brought_in\": %" PRIu64 ", ", r->dropped.not_finite, r->dropped.rotation,
                fxs_dropped_share(&r->dropped), r->brought_in);
@@ -132,10 +132,10 @@ static void print_scene_json(const loaded_scene *s)
     print_box_json(r->low, r->high);
     printf(", \"seen\": ");
     print_box_json(r->inner_low, r->inner_high);
-    printf(", \"profile\": \"%s\", ", profile_name(s->scene.profile));
-    printf("\"packed_bytes\": %zu, \"bytes_per_gaussian\": %.3f, ", s->packed.bytes,
-           (double)s->packed.bytes / (double)r->packed);
-    if (!s->mapping.data) {
+    printf(", \"profile\": \"%s\", ", profile_name(s->opened->scene->profile));
+    printf("\"packed_bytes\": %zu, \"bytes_per_gaussian\": %.3f, ", s->opened->bytes,
+           (double)s->opened->bytes / (double)r->packed);
+    if (!is_packed(s)) {
         print_error_json("largest_error", &r->largest);
         print_error_json("rms_error", &r->rms);
     }
@@ -211,7 +211,7 @@ static void print_json(const findings *f)
         printf(", ");
     }
     if (f->board.width)
-        print_board_json(&f->board, w->scenes[0].packed.bytes);
+        print_board_json(&f->board, w->scenes[0].opened->bytes);
     if (f->limit)
         print_limit_json(m, f->limit);
     printf("\"lod\": %d, \"frame\": {\"width\": %d, \"height\": %d, \"splats\": %zu, \"keys\": %zu, \"tiles\": %zu, "
@@ -238,18 +238,18 @@ static void print_limit(const fxs_frame_memory *m, size_t limit)
 
 static void print_scene_text(const loaded_scene *s)
 {
-    const fxs_pack_report *r = &s->report;
-    printf("format        %s%s\n", s->info.format, s->info.antialiased ? ", anti-aliased" : "");
+    const fxs_pack_report *r = s->opened->report;
+    printf("format        %s%s\n", s->opened->info->format, s->opened->info->antialiased ? ", anti-aliased" : "");
     printf("Gaussians     %" PRIu64 ", %" PRIu64 " of them drawable\n", r->read, r->packed);
-    printf("SH degree     %d\n", s->info.sh_degree);
-    printf("profile       %s\n", profile_name(s->scene.profile));
+    printf("SH degree     %d\n", s->opened->info->sh_degree);
+    printf("profile       %s\n", profile_name(s->opened->scene->profile));
     printf("bounds        %.6g %.6g %.6g to %.6g %.6g %.6g\n", r->low[0], r->low[1], r->low[2], r->high[0], r->high[1],
            r->high[2]);
     printf("seen          %.6g %.6g %.6g to %.6g %.6g %.6g\n", r->inner_low[0], r->inner_low[1], r->inner_low[2],
            r->inner_high[0], r->inner_high[1], r->inner_high[2]);
-    printf("packed        %zu bytes, %.2f a Gaussian\n", s->packed.bytes,
-           (double)s->packed.bytes / (double)r->packed);
-    if (!s->mapping.data) {
+    printf("packed        %zu bytes, %.2f a Gaussian\n", s->opened->bytes,
+           (double)s->opened->bytes / (double)r->packed);
+    if (!is_packed(s)) {
         print_error_text("largest error", &r->largest);
         print_error_text("rms error", &r->rms);
     }
@@ -291,7 +291,7 @@ static void print_text(const findings *f)
     printf("frame         %dx%d needs %zu bytes: splats %zu, keys %zu, tiles %zu, entries %zu; in bands %zu or more\n",
            f->width, f->height, m->total, m->splats, m->keys, m->tiles, m->entries, m->least);
     if (f->board.width)
-        print_board_text(&f->board, w->scenes[0].packed.bytes);
+        print_board_text(&f->board, w->scenes[0].opened->bytes);
     if (f->limit)
         print_limit(m, f->limit);
     if (f->has_stats) {
@@ -468,7 +468,7 @@ static int measure_board(findings *f, int width, int height)
     const loaded_scene *s = &f->world.scenes[0];
     if (!is_one(&f->world))
         return fail(EXIT_USAGE, "--board takes one scene");
-    const int error = fxs_turntable_open(&t, s->packed.data, s->packed.bytes, width, height);
+    const int error = fxs_turntable_open(&t, s->opened->data, s->opened->bytes, width, height);
     if (error)
         return fail(EXIT_FAILED, "%s: %s", s->path, fxs_strerror(error));
     fxs_init(&context, 0);
@@ -488,7 +488,7 @@ static int check_files(const world *w)
     fxs_message message;
     for (uint32_t i = 0; i < w->placed.file_count; i++) {
         const loaded_scene *s = &w->scenes[i];
-        if (s->mapping.data && fxs_file_check(s->path, s->packed.data, s->packed.bytes, 1, &message))
+        if (is_packed(s) && fxs_file_check(s->path, s->opened->data, s->opened->bytes, 1, &message))
             return fail(EXIT_FAILED, "%s", message.text);
     }
     return 0;
@@ -502,9 +502,6 @@ static int find_stats(findings *f, const info_options *o)
     fxs_message message;
     load_options load = o->frame.load;
     const fxs_world *placed = &f->world.placed;
-    for (uint32_t i = 0; i < placed->file_count; i++)
-        if (f->world.scenes[i].mapping.data)
-            return fail(EXIT_FAILED, "%s: --stats is of scenes that are not packed yet", placed->files[i]);
     load.again = 1;
     if (open_merged(placed, placed->files[0], &load, &file, &info))
         return EXIT_FAILED;

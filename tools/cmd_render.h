@@ -3,7 +3,7 @@
 #define RENDER_H
 
 #include <fixsplat/image_file.h>
-#include "renderer.h"
+#include "drawing.h"
 
 typedef struct render_options {
     frame_options frame;

@@ -205,7 +205,7 @@ int result_measure(fit_result *r, fxs_fit *fit, const fxs_photos *photos, const 
     gauge g = {.options = frame->render, .compare = compare};
     g.options.cutoff = o->cutoff;
     memcpy(g.options.background, o->background, sizeof g.options.background);
-    int status = world_open_packed(&g.world, out, &r->packed, &r->report);
+    int status = world_open_packed(&g.world, out, &r->packed);
     if (!status)
         status = renderer_open(&g.renderer, frame);
     if (!status)

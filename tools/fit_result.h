@@ -11,7 +11,7 @@ int result_check(const char *out);
 
 /* A fit's Gaussians, packed. */
 typedef struct fit_result {
-    fxs_packed_scene packed;                /* until it is measured */
+    fxs_packed_scene packed;
     fxs_pack_report report;
     size_t bytes;                           /* of it */
     quality quality;                        /* of the photographs that were held out; of all where none were */

@@ -5,14 +5,12 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fixsplat/clock.h>
-#include <fixsplat/pool.h>
-#include <fixsplat/fxs_file.h>
+#include <fixsplat/map.h>
+#include <fixsplat/message.h>
 #include <fixsplat/scene_decimate.h>
-#include <fixsplat/packed.h>
 #include "file_guard.h"
 
 static int is_standard_input(const char *path)
@@ -52,19 +50,17 @@ fxs_progress_fn *progress_of(const load_options *o, char *label, void **argument
     return o->progress ? o->progress : progress_bar;
 }
 
-static int filter(fxs_scene_file *file, const char *path, const load_options *o, fxs_scene_file_info *info)
+static int filter(fxs_scene_file *file, const char *path, const load_options *o, fxs_scene_file_info *info,
+                  fxs_message *message)
 {
-    fxs_message message;
     fxs_scene_filter_report r;
     char label[] = "counting";
     void *argument;
     fxs_progress_fn *progress = progress_of(o, label, &argument);
-    int result = fxs_scene_file_filter(file, o->filter, info, &r, progress, argument, &message);
+    int result = fxs_scene_file_filter(file, o->filter, info, &r, progress, argument, message);
     progress_end();
-    if (result)
-        return fail_scene(path, &message);
-    if (o->again)
-        return 0;
+    if (result || o->again)
+        return result;
     if (r.outside || r.faint || r.floaters)
         note("%s: kept %" PRIu64 " of %" PRIu64 " Gaussians (%" PRIu64 " outside, %" PRIu64 " too faint, %" PRIu64
              " floating)", path, r.read - r.outside - r.faint - r.floaters, r.read, r.outside, r.faint, r.floaters);
@@ -72,25 +68,54 @@ static int filter(fxs_scene_file *file, const char *path, const load_options *o,
     return 0;
 }
 
-static int decimate(fxs_scene_file *file, const char *path, const load_options *o, fxs_scene_file_info *info)
+static int decimate(fxs_scene_file *file, const load_options *o, fxs_scene_file_info *info, fxs_message *message)
 {
-    fxs_message message;
     char label[] = "merging";
     const uint64_t share = (uint64_t)ceil(o->decimate_share * (double)info->count);
     const int error = fxs_scene_file_decimate(file, o->decimate_count ? o->decimate_count : share, info, progress_bar,
-                                              label, &message);
+                                              label, message);
     progress_end();
-    return error ? fail_scene(path, &message) : 0;
+    return error;
+}
+
+/* What a file is made into before it is packed or written. */
+typedef struct preparation {
+    const char *path;
+    const load_options *options;
+} preparation;
+
+static int apply_filter(const preparation *p, fxs_scene_file *file, fxs_scene_file_info *info, fxs_message *message)
+{
+    const load_options *o = p->options;
+    const int error = o->filter ? filter(file, p->path, o, info, message) : 0;
+    return error || !(o->decimate_count || o->decimate_share > 0) ? error : decimate(file, o, info, message);
+}
+
+/* What is wrong or to be said of a file as it was opened. */
+static int look_at(const preparation *p, const fxs_scene_file_info *info, fxs_message *message)
+{
+    if (p->options->axes && strcmp(info->format, "spz"))
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: --axes is for .spz", shown(p->path));
+    if (info->stored_sh_degree > info->sh_degree && !p->options->again)
+        note("%s: the SH of degree %d are left out: degree %d is the highest that is drawn", p->path,
+             info->stored_sh_degree, info->sh_degree);
+    return 0;
+}
+
+static int prepare(void *argument, fxs_scene_file *file, fxs_scene_file_info *info, fxs_message *message)
+{
+    const preparation *p = argument;
+    const int error = look_at(p, info, message);
+    return error ? error : apply_filter(p, file, info, message);
 }
 
 int filter_scene(const char *path, const load_options *o, fxs_scene_file *file, fxs_scene_file_info *info)
 {
-    int status = o->filter ? filter(file, path, o, info) : 0;
-    if (!status && (o->decimate_count || o->decimate_share > 0))
-        status = decimate(file, path, o, info);
-    if (status)
-        fxs_scene_file_close(file);
-    return status;
+    fxs_message message;
+    if (!apply_filter(&(preparation){path, o}, file, info, &message))
+        return 0;
+    fxs_scene_file_close(file);
+    return fail_scene(path, &message);
 }
 
 /* ---- Standard input ---------------------------------------------------------------------------------------------- */
@@ -137,35 +162,27 @@ static int read_standard_input(void)
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */
 
-static int open_file(const char *path, const fxs_scene_file_options *options, fxs_scene_file **file,
-                     fxs_scene_file_info *info)
+static fxs_scene_file_options file_options(const load_options *o)
 {
-    fxs_message message;
-    if (is_standard_input(path) && read_standard_input())
-        return EXIT_FAILED;
-    const int error = is_standard_input(path)
-                          ? fxs_scene_file_open_memory("standard input", standard_input.bytes, standard_input.size,
-                                                       options, file, info, &message)
-                          : fxs_scene_file_open(path, options, file, info, &message);
-    return error ? fail(EXIT_FAILED, "%s", message.text) : 0;
+    return (fxs_scene_file_options){
+        .level = o->lod, .axes = o->axes, .max_gaussians = o->max_gaussians, .max_memory = o->import_memory,
+        .progress = o->progress, .progress_argument = o->progress_argument
+    };
 }
 
 int open_unfiltered(const char *path, const load_options *o, fxs_scene_file **file, fxs_scene_file_info *info)
 {
-    const fxs_scene_file_options options = {
-        .level = o->lod, .axes = o->axes, .max_gaussians = o->max_gaussians, .max_memory = o->import_memory,
-        .progress = o->progress, .progress_argument = o->progress_argument
-    };
-    if (open_file(path, &options, file, info))
+    const fxs_scene_file_options options = file_options(o);
+    fxs_message message;
+    if (is_standard_input(path) && read_standard_input())
         return EXIT_FAILED;
-    if (o->axes && strcmp(info->format, "spz")) {
+    int error = is_standard_input(path)
+                    ? fxs_scene_file_open_memory(shown(path), standard_input.bytes, standard_input.size, &options, file,
+                                                 info, &message)
+                    : fxs_scene_file_open(path, &options, file, info, &message);
+    if (!error && (error = look_at(&(preparation){path, o}, info, &message)) != 0)
         fxs_scene_file_close(*file);
-        return fail(EXIT_FAILED, "%s: --axes is for .spz", path);
-    }
-    if (info->stored_sh_degree > info->sh_degree && !o->again)
-        note("%s: the SH of degree %d are left out: degree %d is the highest that is drawn", path,
-             info->stored_sh_degree, info->sh_degree);
-    return 0;
+    return error ? fail(EXIT_FAILED, "%s", message.text) : 0;
 }
 
 int open_scene(const char *path, const load_options *o, fxs_scene_file **file, fxs_scene_file_info *info)
@@ -173,92 +190,59 @@ int open_scene(const char *path, const load_options *o, fxs_scene_file **file, f
     return open_unfiltered(path, o, file, info) ? EXIT_FAILED : filter_scene(path, o, *file, info);
 }
 
-int pack_scene(loaded_scene *loaded, const char *path, const load_options *o, fxs_scene_file *file)
+/* Opens the file, or where that is null the path, and says what packing left out. */
+static int open_to_render(loaded_scene *loaded, const char *path, const load_options *o, fxs_scene_file *file,
+                          const fxs_scene_file_info *info)
 {
-    fxs_message message;
     char label[] = "packing";
-    const uint32_t threads = o->threads ? o->threads : fxs_processors();
-    fxs_pool *pool = fxs_pool_create(threads);
-    void *argument;
-    fxs_progress_fn *progress = progress_of(o, label, &argument);
-    const fxs_pack_options options = {o->profile, pool ? fxs_pool_run : 0, pool, threads, progress, argument, 0};
-    int result = fxs_pack(file, &loaded->info, &loaded->packed, &loaded->report, &options, &message);
-    fxs_pool_destroy(pool);
-    fxs_scene_file_close(file);
-    progress_end();
-    if (result)
-        return fail_scene(path, &message);
-    result = fxs_scene_open(&loaded->scene, loaded->packed.data, loaded->packed.bytes);
-    if (result)
-        return fail(EXIT_FAILED, "%s: %s", path, fxs_strerror(result));
-    if (o->again)
-        return 0;
-    note_dropped(path, &loaded->report.dropped, loaded->report.packed);
-    if (loaded->report.brought_in)
-        note("%s: brought in %" PRIu64 " Gaussians from beyond 2^27 units, as they look from the origin", path,
-             loaded->report.brought_in);
-    return 0;
-}
-
-/* By the four bytes with which an .fxs file begins. Only a regular file is opened: a pipe would wait for its writer. */
-int is_packed(const char *path)
-{
-    uint32_t magic = 0;
-    struct stat information;
-    if (is_standard_input(path) && standard_input.size >= sizeof magic) {
-        memcpy(&magic, standard_input.bytes, sizeof magic);
-        return fxs_little_32(magic) == FXS_PACKED_MAGIC;
-    }
-    FILE *file = stat(path, &information) == 0 && S_ISREG(information.st_mode) ? fopen(path, "rb") : 0;
-    size_t got = file ? fread(&magic, sizeof magic, 1, file) : 0;
-    if (file)
-        fclose(file);
-    return got == 1 && fxs_little_32(magic) == FXS_PACKED_MAGIC;
-}
-
-static int import(loaded_scene *loaded, const char *path, const load_options *o)
-{
-    fxs_scene_file *file;
-    return open_scene(path, o, &file, &loaded->info) ? EXIT_FAILED : pack_scene(loaded, path, o, file);
-}
-
-/* Without an allocation, a packed scene is not freed. */
-static int map_bytes(loaded_scene *loaded, const char *path, fxs_message *message)
-{
-    if (is_standard_input(path)) {
-        loaded->packed.data = standard_input.bytes;
-        loaded->packed.bytes = standard_input.size;
-        return 0;
-    }
-    fxs_map_guard();
-    if (fxs_map(&loaded->mapping, path, message))
-        return EXIT_FAILED;
-    loaded->packed.data = loaded->mapping.data;
-    loaded->packed.bytes = loaded->mapping.bytes;
-    return 0;
-}
-
-static int map(loaded_scene *loaded, const char *path)
-{
     fxs_message message;
-    if (map_bytes(loaded, path, &message))
-        return fail(EXIT_FAILED, "%s", message.text);
-    if (fxs_file_check(shown(path), loaded->packed.data, loaded->packed.bytes, 0, &message))
-        return fail(EXIT_FAILED, "%s", message.text);
-    fxs_scene_open(&loaded->scene, loaded->packed.data, loaded->packed.bytes);
-    fxs_packed_header header;
-    memcpy(&header, loaded->packed.data, sizeof header);
-    fxs_packed_header_turn(&header);
-    loaded->info = (fxs_scene_file_info){"fxs", header.count, (int)header.sh_degree, (int)header.sh_degree,
-                                        loaded->scene.antialiased, 1, {0, 0}, {0, 0}};
-    loaded->report.read = loaded->report.packed = header.count;
-    for (int i = 0; i < 3; i++) {
-        loaded->report.low[i] = ldexp((double)header.low_q32[i], -32);
-        loaded->report.high[i] = ldexp((double)header.high_q32[i], -32);
-        loaded->report.inner_low[i] = ldexp((double)header.inner_low_q32[i], -32);
-        loaded->report.inner_high[i] = ldexp((double)header.inner_high_q32[i], -32);
+    preparation p = {path, o};
+    fxs_open_options options = {.file = file_options(o), .profile = o->profile, .threads = o->threads};
+    options.progress = progress_of(o, label, &options.progress_argument);
+    if (!file) {
+        options.prepare = prepare;
+        options.prepare_argument = &p;
     }
+    const int error =
+        file ? fxs_open_gaussians(path, file, info, &options, &loaded->opened, &message)
+        : is_standard_input(path)
+            ? fxs_open_memory(shown(path), standard_input.bytes, standard_input.size, &options, &loaded->opened, &message)
+            : fxs_open(path, &options, &loaded->opened, &message);
+    progress_end();
+    if (error)
+        return fail_scene(path, &message);
+    const fxs_pack_report *report = loaded->opened->report;
+    if (!o->again)
+        note_dropped(path, &report->dropped, report->packed);
+    if (!o->again && report->brought_in)
+        note("%s: brought in %" PRIu64 " Gaussians from beyond 2^27 units, as they look from the origin", path,
+             report->brought_in);
     return 0;
+}
+
+int load_stream(loaded_scene *loaded, const char *path, const load_options *options, fxs_scene_file *file,
+                const fxs_scene_file_info *info)
+{
+    memset(loaded, 0, sizeof *loaded);
+    loaded->path = path;
+    return open_to_render(loaded, path, options, file, info);
+}
+
+int load_scene(loaded_scene *loaded, const char *path, const load_options *options)
+{
+    const uint64_t start = fxs_clock(0);
+    memset(loaded, 0, sizeof *loaded);
+    loaded->path = path;
+    fxs_map_guard();
+    if ((is_standard_input(path) && read_standard_input()) || open_to_render(loaded, path, options, 0, 0))
+        return EXIT_FAILED;
+    loaded->load_nanoseconds = fxs_clock(0) - start;
+    return 0;
+}
+
+int is_packed(const loaded_scene *loaded)
+{
+    return !strcmp(loaded->opened->info->format, "fxs");
 }
 
 int take_import_option(load_options *options, int which, const char *value)
@@ -291,35 +275,14 @@ int take_profile(load_options *options, const char *value)
     return fail(EXIT_USAGE, "--profile %s: expected default, compact or small", value);
 }
 
-int load_scene(loaded_scene *loaded, const char *path, const load_options *options)
-{
-    uint64_t start = fxs_clock(0);
-    memset(loaded, 0, sizeof *loaded);
-    loaded->path = path;
-    if (is_standard_input(path) && read_standard_input())
-        return EXIT_FAILED;
-    int status = !is_packed(path) ? import(loaded, path, options)
-                 : options->axes  ? fail(EXIT_FAILED, "%s: --axes is for .spz", path)
-                                  : map(loaded, path);
-    loaded->load_nanoseconds = fxs_clock(0) - start;
-    if (status)
-        free_scene(loaded);
-    return status;
-}
-
 int check_scene(const loaded_scene *loaded)
 {
     fxs_message message;
-    if (loaded->mapping.data && fxs_map_check(&loaded->mapping, loaded->path, &message))
-        return fail(EXIT_FAILED, "%s", message.text);
-    return 0;
+    return fxs_opened_check(loaded->opened, &message) ? fail(EXIT_FAILED, "%s", message.text) : 0;
 }
 
 void free_scene(loaded_scene *loaded)
 {
-    if (loaded->mapping.data)
-        fxs_unmap(&loaded->mapping);
-    else
-        fxs_packed_scene_free(&loaded->packed);
+    fxs_close(loaded->opened);
     memset(loaded, 0, sizeof *loaded);
 }

@@ -1,24 +1,19 @@
-/* A scene file of the command: imported and packed, or mapped. */
+/* The scene files of the command. */
 #ifndef SCENE_H
 #define SCENE_H
 
-#include <fixsplat/pack.h>
-#include <fixsplat/map.h>
+#include <fixsplat/renderer.h>
 #include <fixsplat/scene_filter.h>
 #include "command.h"
 
 typedef struct loaded_scene {
-    fxs_scene_file_info info;
-    fxs_packed_scene packed;
-    fxs_pack_report report;                 /* of an .fxs file: counts and bounds only */
-    fxs_scene scene;
+    fxs_opened *opened;
     const char *path;
-    fxs_mapping mapping;                    /* what `packed` is of an .fxs file */
     uint64_t load_nanoseconds;
 } loaded_scene;
 
-/* Whether a file begins as an .fxs file does. */
-int is_packed(const char *path);
+/* 1 where it was an .fxs file, which is rendered as it lies. */
+int is_packed(const loaded_scene *loaded);
 
 /* All 0 is a default. */
 typedef struct load_options {
@@ -39,8 +34,13 @@ typedef struct load_options {
 /* Where progress goes, and with which argument: by default a bar behind its label. */
 fxs_progress_fn *progress_of(const load_options *options, char *label, void **argument);
 
-/* Returns 0, or prints why not and returns EXIT_FAILED, with nothing to free. */
+/* Opens a scene to be rendered, and says on stderr what is left out of it. Returns 0, or prints why not and returns
+   EXIT_FAILED, with nothing to free. */
 int load_scene(loaded_scene *loaded, const char *path, const load_options *options);
+
+/* The same for a file that open_scene or open_merged opened; it is closed. */
+int load_stream(loaded_scene *loaded, const char *path, const load_options *options, fxs_scene_file *file,
+                const fxs_scene_file_info *info);
 
 /* Opens a scene file to be read in floats, and says on stderr what the filter (or null) leaves out. Returns 0 and a
    file for fxs_scene_file_close, or prints why not and returns EXIT_FAILED. */
@@ -49,9 +49,6 @@ int open_scene(const char *path, const load_options *options, fxs_scene_file **f
 /* The two steps of that: without the filter; and the filter, which closes the file where it fails. */
 int open_unfiltered(const char *path, const load_options *options, fxs_scene_file **file, fxs_scene_file_info *info);
 int filter_scene(const char *path, const load_options *options, fxs_scene_file *file, fxs_scene_file_info *info);
-
-/* Packs and closes a file that open_scene opened; loaded->info is its. Returns as load_scene. */
-int pack_scene(loaded_scene *loaded, const char *path, const load_options *options, fxs_scene_file *file);
 
 /* Entries of a getopt_long table for what an import may take, and their help. */
 #define IMPORT_OPTIONS \

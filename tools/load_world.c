@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <fixsplat/fxs_file.h>
+
 #include "src/scene/edit/merge.h"
 
 /* ---- Options ----------------------------------------------------------------------------------------------------- */
@@ -140,7 +142,7 @@ int place_scenes(fxs_world *placed, const world_options *o)
 int world_box(const world *w, uint32_t object, double low[3], double high[3])
 {
     const fxs_placement *p = &w->placed.objects[object];
-    const fxs_pack_report *report = &w->scenes[p->file].report;
+    const fxs_pack_report *report = w->scenes[p->file].opened->report;
     return fxs_placement_box(p, report->low, report->high, low, high);
 }
 
@@ -158,7 +160,7 @@ static int find_bounds(world *w, int visible_only)
     int found = 0;
     for (uint32_t i = 0; i < w->count; i++) {
         const fxs_placement *p = &w->placed.objects[i];
-        const fxs_pack_report *report = &w->scenes[p->file].report;
+        const fxs_pack_report *report = w->scenes[p->file].opened->report;
         double low[3], high[3];
         if ((visible_only && !p->visible) || !world_box(w, i, low, high))
             continue;
@@ -178,9 +180,9 @@ static int place_objects(world *w)
     for (uint32_t i = 0; i < w->count; i++) {
         const fxs_placement *p = &w->placed.objects[i];
         const loaded_scene *scene = &w->scenes[p->file];
-        if (fxs_object_place(&w->objects[i], &scene->scene, p, w->crops + i * FXS_MAX_CROPS, &message))
+        if (fxs_object_place(&w->objects[i], scene->opened->scene, p, w->crops + i * FXS_MAX_CROPS, &message))
             return fail(EXIT_FAILED, "%s: %s", scene->path, message.text);
-        gaussians += scene->scene.count;
+        gaussians += scene->opened->scene->count;
     }
     if (gaussians > FXS_MAX_COUNT)
         return fail(EXIT_FAILED, "%" PRIu64 " Gaussians in all objects: at most %u can be drawn", gaussians,
@@ -281,17 +283,16 @@ static int begin_plain(world *w, const char *name)
     return error ? fail(EXIT_FAILED, "%s", message.text) : make_room(w);
 }
 
-int world_open_packed(world *w, const char *name, fxs_packed_scene *packed, const fxs_pack_report *report)
+int world_open_packed(world *w, const char *name, fxs_packed_scene *packed)
 {
+    fxs_message message;
     int status = begin_plain(w, name);
     if (!status) {
         loaded_scene *loaded = &w->scenes[0];
         loaded->path = w->placed.files[0];
-        loaded->packed = *packed;
-        loaded->report = *report;
-        memset(packed, 0, sizeof *packed);
-        const int error = fxs_scene_open(&loaded->scene, loaded->packed.data, loaded->packed.bytes);
-        status = error ? fail(EXIT_FAILED, "%s: %s", name, fxs_strerror(error)) : place_objects(w);
+        fxs_file_seal(packed->data, packed->bytes);
+        const int error = fxs_open_memory(name, packed->data, packed->bytes, 0, &loaded->opened, &message);
+        status = error ? fail(EXIT_FAILED, "%s", message.text) : place_objects(w);
     }
     if (status)
         world_close(w);
@@ -301,11 +302,12 @@ int world_open_packed(world *w, const char *name, fxs_packed_scene *packed, cons
 int world_open_merged(world *w, const fxs_world *placed, const char *name, const load_options *load)
 {
     fxs_scene_file *file;
+    fxs_scene_file_info info;
     int status = begin_plain(w, name);
     if (!status)
-        status = open_merged(placed, name, load, &file, &w->scenes[0].info);
+        status = open_merged(placed, name, load, &file, &info);
     if (!status)
-        status = pack_scene(&w->scenes[0], w->placed.files[0], load, file);
+        status = load_stream(&w->scenes[0], w->placed.files[0], load, file, &info);
     if (!status)
         status = place_objects(w);
     if (status)

@@ -64,8 +64,8 @@ int open_merged(const fxs_world *placed, const char *name, const load_options *l
 /* Loads that as one scene. */
 int world_open_merged(world *w, const fxs_world *placed, const char *name, const load_options *load);
 
-/* One of a packed scene, which becomes the world's and is all 0 then. */
-int world_open_packed(world *w, const char *name, fxs_packed_scene *packed, const fxs_pack_report *report);
+/* One of a packed scene, which stays the caller's and where it is. */
+int world_open_packed(world *w, const char *name, fxs_packed_scene *packed);
 
 /* The world's box of an object. Returns 0 where its crops leave nothing. */
 int world_box(const world *w, uint32_t object, double low[3], double high[3]);

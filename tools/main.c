@@ -6,7 +6,7 @@
 #include <fixsplat/backends.h>
 #include <fixsplat/output.h>
 #include "file_guard.h"
-#include "renderer.h"
+#include "drawing.h"
 
 static const struct {
     const char *name, *does;

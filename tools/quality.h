@@ -3,7 +3,7 @@
 #define QUALITY_H
 
 #include "metrics.h"
-#include "renderer.h"
+#include "drawing.h"
 
 typedef struct quality_view {
     char name[128];

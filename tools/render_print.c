@@ -34,9 +34,9 @@ int print_stats(const renderer *r, const render_options *o, const world *w, cons
     uint64_t gaussians = 0;
     size_t scene_bytes = 0;
     for (uint32_t i = 0; i < w->count; i++)
-        gaussians += w->scenes[w->placed.objects[i].file].report.read;
+        gaussians += w->scenes[w->placed.objects[i].file].opened->report->read;
     for (uint32_t i = 0; i < w->placed.file_count; i++)
-        scene_bytes += w->scenes[i].packed.bytes;
+        scene_bytes += w->scenes[i].opened->bytes;
     printf("{\"gaussians\": %" PRIu64 ", \"packed\": %" PRIu32 ", \"visible\": %" PRIu32 ", \"entries\": %" PRIu64
            ", \"bands\": %" PRIu32 ", \"slices\": %" PRIu32 ", \"runs\": %" PRIu32, gaussians, stats->gaussians,
            stats->visible, stats->entries, stats->bands, stats->slices, stats->runs);

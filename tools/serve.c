@@ -102,15 +102,22 @@ static int is_sent(const char *path, const load_options *o)
     return !o->lod && !o->axes && !o->profile && !o->max_gaussians && !o->import_memory && is_one_file(path);
 }
 
-/* That it can be read is found out here and not first by the page. */
-static int check_file(const char *path, const load_options *o)
+/* That it can be read is found out here and not first by the page: of an .fxs file as it is rendered. */
+static int check_file(const char *path, const load_options *o, int *is_fxs)
 {
     fxs_scene_file *file;
     fxs_scene_file_info info;
+    loaded_scene packed;
     if (open_scene(path, o, &file, &info))
         return EXIT_FAILED;
     fxs_scene_file_close(file);
-    return 0;
+    *is_fxs = !strcmp(info.format, "fxs");
+    if (!*is_fxs)
+        return 0;
+    const int status = load_scene(&packed, path, o);
+    if (!status)
+        free_scene(&packed);
+    return status;
 }
 
 static int pack(const char *path, const load_options *o, int *descriptor)
@@ -118,8 +125,8 @@ static int pack(const char *path, const load_options *o, int *descriptor)
     loaded_scene scene;
     if (load_scene(&scene, path, o))
         return EXIT_FAILED;
-    fxs_file_seal(scene.packed.data, scene.packed.bytes);
-    *descriptor = keep(scene.packed.data, scene.packed.bytes);
+    fxs_file_seal((void *)scene.opened->data, scene.opened->bytes);   /* packed here, so the bytes are no file's */
+    *descriptor = keep(scene.opened->data, scene.opened->bytes);
     free_scene(&scene);
     return *descriptor < 0 ? fail(EXIT_FAILED, "%s: a temporary file: %s", path, strerror(errno)) : 0;
 }
@@ -140,19 +147,14 @@ static int add_scene(site *s, const char *path, const load_options *o)
     const int i = s->served.file_count++;
     fxs_http_file *file = &s->files[i];
     const char *base;
-    loaded_scene packed;
-    int status = 0;
-    if (is_packed(path)) {
-        status = load_scene(&packed, path, o);
+    int is_fxs;
+    int status = check_file(path, o, &is_fxs);
+    if (status)
+        return status;
+    if (is_fxs || is_sent(path, o))
         file->path = path;
-        if (!status)
-            free_scene(&packed);
-    } else if (is_sent(path, o)) {
-        status = check_file(path, o);
-        file->path = path;
-    } else {
+    else
         status = pack(path, o, &file->descriptor);
-    }
     if (status)
         return status;
     const int length = base_of(&base, path);

@@ -6,7 +6,7 @@
 #include "port/window/recent.h"
 #include "port/window/window.h"
 #include "port/window/worker.h"
-#include "renderer.h"
+#include "drawing.h"
 
 enum viewer_picture { SHOW_COLOUR, SHOW_DEPTH, SHOW_IDS };
 enum viewer_film { FILM_NONE, FILM_TAKEN, FILM_WRITTEN };   /* being so */

@@ -117,7 +117,7 @@ void crop_world(world *w, const crop_box *crop)
         fxs_placement p = w->placed.objects[i];
         if (crop->on)
             crop_placement(&p, crop);
-        fxs_object_place(&w->objects[i], &w->scenes[p.file].scene, &p, w->crops + i * FXS_MAX_CROPS, &message);
+        fxs_object_place(&w->objects[i], w->scenes[p.file].opened->scene, &p, w->crops + i * FXS_MAX_CROPS, &message);
     }
 }
 

@@ -9,6 +9,8 @@
 #include <fixsplat/clock.h>
 #include "port/window/motion.h"
 #include "cmd_convert.h"
+#include <fixsplat/formats.h>
+
 #include "viewer.h"
 
 const char *cutoff_name(enum fxs_cutoff cutoff)
@@ -401,14 +403,13 @@ void ask_film(viewer *v)
 
 /* ---- Cropped scenes ---------------------------------------------------------------------------------------------- */
 
-/* The ending of the source, where scenes are written so, or .ply. */
+/* The ending of the source, where scenes are written Gaussian by Gaussian so, or .ply. */
 static const char *cropped_ending(const viewer *v)
 {
-    static const char *const endings[] = {".compressed.ply", ".splat", ".spz", ".sog", ".glb", ".csv"};
-    for (size_t i = 0; i < sizeof endings / sizeof *endings && v->world.placed.file_count == 1; i++)
-        if (ends_with(v->path, endings[i]))
-            return endings[i];
-    return ".ply";
+    const fxs_scene_format *format = v->world.placed.file_count == 1 ? fxs_scene_format_of(v->path, 1) : 0;
+    if (!format || !strcmp(format->name, "fxs"))
+        return ".ply";
+    return v->path + strlen(v->path) - strcspn(format->endings, " ");
 }
 
 /* SCENE-cropped-001.ply beside the scene. */
@@ -425,22 +426,10 @@ static int name_cropped(const viewer *v, request *r)
     return name_file(r, stem, ending);
 }
 
-static int has_packed(const world *w)
-{
-    for (uint32_t i = 0; i < w->placed.file_count; i++)
-        if (is_packed(w->placed.files[i]))
-            return 1;
-    return 0;
-}
-
 static void write_cropped(viewer *v, request *r)
 {
     fxs_scene_filter filter;
     load_options load = v->options.load;
-    if (has_packed(&v->world)) {
-        r->unwritten = fxs_fail(&r->message, "an .fxs file is not written cropped; open what it was made from");
-        return;
-    }
     fxs_scene_filter_default(&filter);
     for (int i = 0; i < 3; i++) {
         filter.low[i] = (double)r->crop.low[i];

@@ -65,8 +65,8 @@ static void fill_stats(fxs_stats *out, const fxs_cuda_stats *stats, uint32_t eye
 
 static int check_request(const fxs_request *r, fxs_message *why)
 {
-    if (r->eyes < 1 || r->eyes > EYES || !r->cameras || !r->targets)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, why, "one or two eyes, with a camera and targets each");
+    if (r->eyes < 1 || r->eyes > EYES)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, why, "one or two eyes");
     if (r->eyes == 1)
         return 0;
     if (!r->exact)
@@ -87,7 +87,7 @@ static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_
     for (uint32_t i = 0; i < request->eyes && !error; i++)
         frames[i] = (fxs_cuda_frame){request->cameras[i], request->objects, request->count, request->targets[i]};
     if (!error)
-        error = fxs_cuda_render_host(b->cuda, frames, request->eyes, request->options, &cuda_stats, why);
+        error = fxs_cuda_render_host(b->cuda, frames, request->eyes, &request->options, &cuda_stats, why);
     if (error)
         return error;
     b->nanoseconds = 0;

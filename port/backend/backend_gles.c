@@ -266,20 +266,16 @@ static int try_both(gl_backend *b, const fxs_packed_scene *packed, fxs_message *
     static const double eye[3] = {2, 2, -6}, look[3] = {2, 2, 2}, up[3] = {0, -1, 0};
     unsigned char *pixels = malloc(TRIAL_WIDTH * TRIAL_HEIGHT * 4);
     fxs_file_view view;
-    fxs_camera camera;
     fxs_scene scene;
     fxs_object object;
-    fxs_options options;
-    fxs_targets targets;
-    fxs_options_init(&options);
-    fxs_targets_init(&targets);
-    targets.colour = (fxs_image){pixels, TRIAL_WIDTH * 4};
+    fxs_request request;
+    fxs_request_init(&request, &object, 1);
+    request.targets->colour = (fxs_image){pixels, TRIAL_WIDTH * 4};
     int error = pixels ? fxs_scene_open(&scene, packed->data, packed->bytes) : FXS_ERR_MEMORY;
     error = error ? error : fxs_view_look_at(&view, eye, look, up, 50, TRIAL_WIDTH, TRIAL_HEIGHT, why);
-    error = error ? error : fxs_camera_from_view(&camera, &view, why);
+    error = error ? error : fxs_camera_from_view(request.cameras, &view, why);
     if (!error)
         fxs_object_init(&object, &scene);
-    const fxs_request request = {&object, 1, &options, 1, &camera, &targets, 0};
     for (int i = 0; i < MEASURED && !error; i++)
         error = render(b, &request, 0, why);
     free(pixels);

@@ -168,21 +168,17 @@ static void hide(fxs_camera *c, const fxs_ring *r, int eye, const rectangle *cov
 static int render_ring(const fxs_backend *backend, void *self, const fxs_request *request, fxs_ring *r,
                        const fxs_ring *finer, int32_t band, uint8_t *pixels, fxs_message *why)
 {
-    fxs_camera cameras[2];
-    fxs_targets targets[2];
     fxs_request own = *request;
     for (uint32_t eye = 0; eye < request->eyes; eye++) {
-        cameras[eye] = camera_of(&request->cameras[eye], r, (int)eye);
+        own.cameras[eye] = camera_of(&request->cameras[eye], r, (int)eye);
         if (finer) {
             const rectangle covered = inside_of(finer, (int)eye, band, request->cameras);
-            hide(&cameras[eye], r, (int)eye, &covered, request->cameras);
+            hide(&own.cameras[eye], r, (int)eye, &covered, request->cameras);
         }
-        fxs_targets_init(&targets[eye]);
-        targets[eye].format = request->targets[eye].format;
-        targets[eye].colour = (fxs_image){pixels + 4 * eye * pixels_of(r), 4 * (ptrdiff_t)r->width};
+        fxs_targets_init(&own.targets[eye]);
+        own.targets[eye].format = request->targets[eye].format;
+        own.targets[eye].colour = (fxs_image){pixels + 4 * eye * pixels_of(r), 4 * (ptrdiff_t)r->width};
     }
-    own.cameras = cameras;
-    own.targets = targets;
     return backend->render(self, &own, &r->stats, why);
 }
 
@@ -398,8 +394,8 @@ static int check_target(const fxs_targets *t, const fxs_camera *camera, fxs_mess
 
 static int check(const fxs_request *q, const fxs_foveation *f, fxs_message *why)
 {
-    if (!f || q->eyes < 1 || q->eyes > 2 || !q->cameras || !q->targets)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, why, "one or two eyes, with a camera and targets each, and a foveation");
+    if (!f || q->eyes < 1 || q->eyes > 2)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, why, "one or two eyes, and a foveation");
     if (!in_range(f))
         return fxs_fail_as(FXS_ERR_ARGUMENT, why, "foveation: radii of %ld and %ld pixels, a band of %ld: expected 1 "
                            "to %d, the second larger, and a band of at most the first", (long)f->radius[0],

@@ -54,3 +54,14 @@ int fxs_init(fxs_context *context, const fxs_config *config)
     context->kernels = fxs_kernels_c;
     return 0;
 }
+
+void fxs_request_init(fxs_request *request, const fxs_object *objects, uint32_t count)
+{
+    memset(request, 0, sizeof *request);
+    request->objects = objects;
+    request->count = count;
+    request->eyes = 1;
+    fxs_options_init(&request->options);
+    fxs_targets_init(&request->targets[0]);
+    fxs_targets_init(&request->targets[1]);
+}

@@ -39,7 +39,7 @@ kernels/gles  gles
 kernels/cuda  cuda
 port/posix    clock map pool
 port/gl       egl osmesa
-port/backend  backend backends foveate
+port/backend  backend backends foveate renderer
 port/board    strip
 '
 

@@ -7,6 +7,7 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/map.h>
 #include "src/core/frame.h"
+#include "tests/one_scene.h"
 #include "tests/random_scene.h"
 #include "tests/tile_lists.h"
 #include "peek.h"
@@ -910,7 +911,7 @@ static void test_table(void)
         render_c(&frame, &options, &p[eye][0].targets);
         targets[eye] = p[eye][1].targets;
     }
-    fxs_request request = {w.objects, w.count, &options, 2, cameras, targets, 0};
+    fxs_request request = request_for(w.objects, w.count, &options, 2, cameras, targets, 0);
     CHECK(b->render(self, &request, &stats, &why) == FXS_ERR_UNSUPPORTED);
     request.exact = 1;
     CHECK(!b->render(self, &request, &stats, &why) && stats.frame_nanoseconds && b->nanoseconds(self));
@@ -923,7 +924,7 @@ static void test_table(void)
     request.eyes = 1;
     CHECK(!b->render(self, &request, 0, &why) && pictures_equal(p[0], &cameras[0]));
     request.eyes = 2;
-    cameras[1].width++;
+    request.cameras[1].width++;
     CHECK(b->render(self, &request, 0, &why) == FXS_ERR_SIZE);
     for (int i = 0; i < SCENES; i++)
         b->forget(self, &w.scenes[i]);
@@ -944,7 +945,6 @@ static void test_foveated(void)
     const fxs_foveation f = {{{80, 40}, {50, 60}}, {20, 48}, 5};
     fxs_camera cameras[2];
     fxs_options options;
-    fxs_targets targets[2];
     fxs_foveated out;
     world w;
     state = 37;
@@ -959,12 +959,12 @@ static void test_foveated(void)
     cameras[1].cx_q12 += 20 << 12;
     const size_t bytes = 2 * 200 * 120 * 4, ring_bytes = fxs_foveation_bytes(&f, cameras, 2);
     unsigned char *pixels[2] = {room(bytes), room(bytes)}, *rings = room(ring_bytes);
-    const fxs_request request = {w.objects, w.count, &options, 2, cameras, targets, 1};
+    fxs_request request = request_for(w.objects, w.count, &options, 2, cameras, 0, 1);
     for (int i = 0; i < 2; i++) {
         void *self;
         for (int eye = 0; eye < 2; eye++) {
-            fxs_targets_init(&targets[eye]);
-            targets[eye].colour = (fxs_image){pixels[i] + eye * 800, 1600};
+            fxs_targets_init(&request.targets[eye]);
+            request.targets[eye].colour = (fxs_image){pixels[i] + eye * 800, 1600};
         }
         if (!CHECK(!backends[i]->open(&self, &settings, &why)))
             break;

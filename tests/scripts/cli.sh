@@ -583,6 +583,9 @@ check "convert to .splat: the SH was left out" cmp plain.splat knot.splat
 succeeds "convert .splat to .spz" convert plain.splat plain.spz --spz-version 3
 check "convert .splat to .spz: PSNR" at_least "$(psnr_of plain.spz plain.ply)" 44
 
+"$fixsplat" convert plain.ply plain.fxs
+head -c 9000 plain.fxs >cut.fxs
+{ head -c 20000 plain.fxs && printf '\377\001\377\001' && tail -c +20005 plain.fxs; } >damaged.fxs
 # Row i: x = i; logits of the opacity -3.5, -2.5, -1.5, 0.5, 1.5.
 { ply_header 5 && for i in 0 1 2 3 4; do echo "$i 0 0 1 .5 .2 $((i - 3)).5 -1 -1.5 -2 1 0 0 0"; done; } >rows.ply
 for out in ply splat spz fxs; do
@@ -600,7 +603,13 @@ for out in ply splat spz fxs; do
     fails "convert a scene with a bad row to .$out" 1 "x-row.ply: " convert x-row.ply left.$out
     fails "convert a scene that is not there to .$out" 1 "none.ply: No such file" convert none.ply left.$out
     fails "convert to missing/x.$out" 1 "missing/x.$out: cannot be written: " convert plain.ply missing/x.$out
-    fails "convert an .fxs file to .$out" 1 "knot.fxs: an .fxs file is not converted" convert knot.fxs left.$out
+    succeeds "convert an .fxs file to .$out" convert plain.fxs back.$out
+    check "convert an .fxs file to .$out: all of it" gaussians back.$out 2000 0
+    check "convert an .fxs file to .$out: PSNR" at_least "$(psnr_of back.$out plain.fxs)" 44
+    fails "convert an .fxs file cut short to .$out" 1 "cut.fxs: the header, or the file's length, is damaged" \
+        convert cut.fxs left.$out
+    fails "convert an .fxs file with a damaged chunk to .$out" 1 "damaged.fxs: a chunk is damaged" \
+        convert damaged.fxs left.$out
     (
         trap '' XFSZ
         ulimit -f 1
@@ -837,7 +846,8 @@ END
     succeeds "render: cropped away" render --scene none.json $small --hash
     json packed.json '{"file": "knot.fxs"}, {"file": "knot.ply"}'
     cp knot.ply knot.fxs && "$fixsplat" convert knot.ply knot.fxs
-    fails "convert: of packed scenes" 1 "knot.fxs: an .fxs file is not converted" convert --scene packed.json x.ply
+    succeeds "convert: of a packed scene and another" convert --scene packed.json x.ply
+    check "convert: of a packed scene and another: all of both" gaussians x.ply 4000 3
     check "--scene: packed and not" differ "$(hash_of --scene packed.json $small)" "$hash_small"
     rm -f none.json
 fi

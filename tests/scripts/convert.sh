@@ -156,7 +156,9 @@ check "info --stats --json: keys" keys logs/out stats
 check "info --stats --json: counts of all" equal "$(sed 's/.*"name": "x",[^[]*\[\([0-9, ]*\)\].*/\1/' logs/out |
     tr ',' '\n' | awk '{ n += $1 } END { print n }')" 3000
 "$fixsplat" convert knot.ply knot.fxs
-fails "info --stats of an .fxs file" 1 "knot.fxs: --stats is of scenes that are not packed" info knot.fxs --stats
+succeeds "info --stats of an .fxs file" info knot.fxs --stats
+check "info --stats of an .fxs file: all attributes" equal "$(awk '/\|$/ { print $1 }' logs/out | head -n 10 | tr '\n' ' ')" \
+    "x y z scale_0 scale_1 scale_2 opacity red green blue "
 
 # ---- Formats ---------------------------------------------------------------------------------------------------------
 

@@ -27,17 +27,6 @@ typedef struct fxs_backend_options {
     unsigned without_cpu;          /* instruction sets not to be used: FXS_CPU_* of kernels.h */
 } fxs_backend_options;
 
-/* One frame, or the two of a pair of eyes: cameras and targets as for fxs_render and fxs_render_stereo. */
-typedef struct fxs_request {
-    const fxs_object *objects;
-    uint32_t count;
-    const fxs_options *options;
-    uint32_t eyes;                 /* 1 or 2 */
-    const fxs_camera *cameras;     /* of each eye */
-    const fxs_targets *targets;
-    int exact;                     /* of two eyes */
-} fxs_request;
-
 /* The functions return 0 or an FXS_ERR_*. `why`, which is not null, is filled in where it is an error. */
 typedef struct fxs_backend {
     const char *name;              /* as --backend takes it */

@@ -365,6 +365,20 @@ typedef struct fxs_stats {
     uint64_t frame_nanoseconds;
 } fxs_stats;
 
+/* What to render: one frame, or a frame for each of two eyes. */
+typedef struct fxs_request {
+    const fxs_object *objects;     /* the caller's */
+    uint32_t count;                /* 0 to FXS_MAX_OBJECTS */
+    fxs_options options;
+    uint32_t eyes;                 /* 1, or 2: left and right */
+    fxs_camera cameras[2];         /* of each eye */
+    fxs_targets targets[2];
+    int exact;                     /* of two eyes: not 0: each has the very bytes of a frame of its own */
+} fxs_request;
+
+/* One eye, with the options and targets of fxs_options_init and fxs_targets_init, and a camera that is all 0. */
+void fxs_request_init(fxs_request *request, const fxs_object *objects, uint32_t count);
+
 /* Renders a frame of `count` objects, 0 to FXS_MAX_OBJECTS: one order by depth over all of them, ties by object, then
    by Gaussian. One object as fxs_object_init leaves it is the scene itself. Not drawn are Gaussians whose centre is not
    beyond the camera's near plane.

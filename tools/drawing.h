@@ -1,6 +1,6 @@
 /* Draws what the options ask for: a back end that is open, and the pictures that it fills in. */
-#ifndef RENDERER_H
-#define RENDERER_H
+#ifndef DRAWING_H
+#define DRAWING_H
 
 #include <fixsplat/foveate.h>
 #include <fixsplat/pool.h>

@@ -1,4 +1,4 @@
-#include "renderer.h"
+#include "drawing.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -54,7 +54,7 @@ void renderer_close(renderer *r)
 void renderer_forget(renderer *r, const world *w)
 {
     for (uint32_t i = 0; i < w->placed.file_count && r->self; i++)
-        r->backend->forget(r->self, &w->scenes[i].scene);
+        r->backend->forget(r->self, w->scenes[i].opened->scene);
 }
 
 /* ---- Pictures ---------------------------------------------------------------------------------------------------- */
@@ -206,18 +206,19 @@ int renderer_render(renderer *r, const world *w, const fxs_file_view *view, cons
                     fxs_stats *stats)
 {
     const int eyes = r->stereo > 0 ? 2 : 1;
-    fxs_camera cameras[2];
-    fxs_targets targets[2];
+    fxs_request request;
     fxs_message why;
-    if (renderer_camera(r, view, &cameras[0]) || camera_beside(&cameras[1], view, r->stereo / 2, r->mirrored) ||
-        make_room(r, out, eyes * cameras->width, cameras->height))
+    fxs_request_init(&request, w->objects, w->count);
+    request.options = *options;
+    request.eyes = (uint32_t)eyes;
+    request.exact = r->stereo_exact;
+    if (renderer_camera(r, view, &request.cameras[0]) ||
+        camera_beside(&request.cameras[1], view, r->stereo / 2, r->mirrored) ||
+        make_room(r, out, eyes * request.cameras->width, request.cameras->height))
         return EXIT_FAILED;
     out->depth_bits = choose_depth_bits(w, view);
     for (int eye = 0; eye < eyes; eye++)
-        aim(r, out, eye, &targets[eye]);
-    const fxs_request request = {.objects = w->objects, .count = w->count, .options = options,
-                                 .eyes = (uint32_t)eyes, .cameras = cameras, .targets = targets,
-                                 .exact = r->stereo_exact};
+        aim(r, out, eye, &request.targets[eye]);
     const int error = r->foveate.on ? render_foveated(r, &request, stats, &why)
                                     : r->backend->render(r->self, &request, stats, &why);
     return error ? fail_frame(r, view, error, &why) : world_check(w);
@@ -238,12 +239,12 @@ static int pick_elsewhere(const fxs_request *request, int x, int y, fxs_pick_res
 int renderer_pick(renderer *r, const world *w, const fxs_file_view *view, const fxs_options *options, int x, int y,
                   fxs_pick_result *result)
 {
-    fxs_camera camera;
+    fxs_request request;
     fxs_message why;
-    if (camera_beside(&camera, view, 0, 0))
+    fxs_request_init(&request, w->objects, w->count);
+    request.options = *options;
+    if (camera_beside(request.cameras, view, 0, 0))
         return -1;
-    const fxs_request request = {.objects = w->objects, .count = w->count, .options = options, .eyes = 1,
-                                 .cameras = &camera};
     const int found = r->backend->pick ? r->backend->pick(r->self, &request, x, y, result, &why)
                                        : pick_elsewhere(&request, x, y, result, &why);
     return found < 0 ? fail(-1, "--pick: %s", why.text) : world_check(w) ? -1 : found;

@@ -1,0 +1,65 @@
+#include <fixsplat/renderer.h>
+
+#include <stdlib.h>
+
+#include <fixsplat/message.h>
+
+struct fxs_renderer {
+    const fxs_backend *backend;
+    void *self;                    /* the back end's */
+    void *picker;                  /* of the processor, where the back end does not pick; null until it is asked to */
+};
+
+int fxs_renderer_create(const char *name, const fxs_backend_options *options, fxs_renderer **renderer,
+                        fxs_message *message)
+{
+    static const fxs_backend_options usual;
+    const fxs_backend *backend = fxs_backend_find(name ? name : "auto");
+    *renderer = NULL;
+    if (!backend)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "there is no back end of the name %s", name);
+    fxs_renderer *made = calloc(1, sizeof *made);
+    if (!made)
+        return fxs_fail_memory(message, NULL, sizeof *made);
+    made->backend = backend;
+    const int error = backend->open(&made->self, options ? options : &usual, message);
+    if (error)
+        free(made);
+    else
+        *renderer = made;
+    return error;
+}
+
+int fxs_renderer_render(fxs_renderer *renderer, const fxs_request *request, fxs_stats *stats, fxs_message *message)
+{
+    return renderer->backend->render(renderer->self, request, stats, message);
+}
+
+int fxs_renderer_pick(fxs_renderer *renderer, const fxs_request *request, int32_t x, int32_t y,
+                      fxs_pick_result *result, fxs_message *message)
+{
+    static const fxs_backend_options usual;
+    if (renderer->backend->pick)
+        return renderer->backend->pick(renderer->self, request, x, y, result, message);
+    const int error = renderer->picker ? 0 : fxs_backend_cpu.open(&renderer->picker, &usual, message);
+    return error ? error : fxs_backend_cpu.pick(renderer->picker, request, x, y, result, message);
+}
+
+void fxs_renderer_forget(fxs_renderer *renderer, const fxs_scene *scene)
+{
+    renderer->backend->forget(renderer->self, scene);
+}
+
+const fxs_backend *fxs_renderer_backend(const fxs_renderer *renderer)
+{
+    return renderer->backend;
+}
+
+void fxs_renderer_destroy(fxs_renderer *renderer)
+{
+    if (!renderer)
+        return;
+    renderer->backend->close(renderer->self);
+    fxs_backend_cpu.close(renderer->picker);
+    free(renderer);
+}

@@ -1,0 +1,215 @@
+/* Scene files that are opened to be rendered: mapped where they are packed, packed where they are not. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <fixsplat/fxs_file.h>
+#include <fixsplat/map.h>
+#include <fixsplat/message.h>
+#include <fixsplat/packed.h>
+#include <fixsplat/pool.h>
+#include <fixsplat/renderer.h>
+
+#include "src/base/files_internal.h"
+
+typedef struct open_scene {
+    fxs_opened shown;
+    fxs_scene scene;
+    fxs_scene_file_info info;
+    fxs_pack_report report;
+    fxs_packed_scene packed;       /* all 0 where the bytes are the caller's or mapped */
+    fxs_mapping mapping;
+    char name[];
+} open_scene;
+
+static int is_fxs(const void *bytes)
+{
+    uint32_t magic;
+    memcpy(&magic, bytes, sizeof magic);
+    return fxs_little_32(magic) == FXS_PACKED_MAGIC;
+}
+
+static int is_fxs_file(const char *path)
+{
+    unsigned char bytes[4] = {0};
+    fxs_message unwanted;
+    FILE *file;
+    if (fxs_file_kind(path) != FXS_FILE_REGULAR || fxs_file_open(path, &file, NULL, &unwanted))
+        return 0;
+    const int is = fread(bytes, 1, sizeof bytes, file) == sizeof bytes && is_fxs(bytes);
+    fclose(file);
+    return is;
+}
+
+static open_scene *create(const char *name, fxs_message *message)
+{
+    const size_t length = strlen(name) + 1;
+    open_scene *s = calloc(1, sizeof *s + length);
+    if (!s) {
+        fxs_fail_memory(message, name, sizeof *s + length);
+        return NULL;
+    }
+    memcpy(s->name, name, length);
+    return s;
+}
+
+/* Shows the scene, once it is there, or frees it after an error. */
+static int finish(open_scene *s, int error, const void *data, size_t bytes, fxs_opened **opened, fxs_message *message)
+{
+    if (!error && (error = fxs_scene_open(&s->scene, data, bytes)) != 0)
+        fxs_fail_as(error, message, "%s: %s", s->name, fxs_strerror(error));
+    s->shown = (fxs_opened){&s->scene, &s->info, &s->report, data, bytes};
+    *opened = error ? NULL : &s->shown;
+    if (error)
+        fxs_close(&s->shown);
+    return error;
+}
+
+/* ---- Packed scenes ----------------------------------------------------------------------------------------------- */
+
+/* What the header of a packed scene says, in the words of a file that was packed here. */
+static void describe(open_scene *s, const void *data)
+{
+    fxs_packed_header h;
+    memcpy(&h, data, sizeof h);
+    fxs_packed_header_turn(&h);
+    s->info = (fxs_scene_file_info){"fxs", h.count, (int)h.sh_degree, (int)h.sh_degree,
+                                    (h.flags & FXS_PACKED_ANTIALIASED) != 0, 1, {0, 0}, {0, 0}};
+    s->report.read = s->report.packed = h.count;
+    for (int i = 0; i < 3; i++) {
+        s->report.low[i] = ldexp((double)h.low_q32[i], -32);
+        s->report.high[i] = ldexp((double)h.high_q32[i], -32);
+        s->report.inner_low[i] = ldexp((double)h.inner_low_q32[i], -32);
+        s->report.inner_high[i] = ldexp((double)h.inner_high_q32[i], -32);
+    }
+}
+
+static int take_packed(open_scene *s, const void *data, size_t bytes, const fxs_open_options *o, fxs_opened **opened,
+                       fxs_message *message)
+{
+    int error = o->file.axes ? fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: axes are for .spz", s->name)
+                             : fxs_file_check(s->name, data, bytes, 0, message);
+    if (!error)
+        describe(s, data);
+    return finish(s, error, data, bytes, opened, message);
+}
+
+static int map_file(open_scene *s, const fxs_open_options *o, fxs_opened **opened, fxs_message *message)
+{
+    const int error = fxs_map(&s->mapping, s->name, message);
+    return error ? finish(s, error, NULL, 0, opened, message)
+                 : take_packed(s, s->mapping.data, s->mapping.bytes, o, opened, message);
+}
+
+/* Bytes that lie as the renderer reads them stay where they are. */
+static int take_bytes(open_scene *s, const void *data, size_t bytes, const fxs_open_options *o, fxs_opened **opened,
+                      fxs_message *message)
+{
+    if ((uintptr_t)data % 64 == 0)
+        return take_packed(s, data, bytes, o, opened, message);
+    s->packed.allocator = o->file.allocator;
+    s->packed.allocation = bytes < SIZE_MAX - 63 ? fxs_allocate(o->file.allocator, bytes + 63, 1) : NULL;
+    if (!s->packed.allocation)
+        return finish(s, fxs_fail_memory(message, s->name, bytes), NULL, 0, opened, message);
+    s->packed.data = (void *)(((uintptr_t)s->packed.allocation + 63) / 64 * 64);
+    memcpy(s->packed.data, data, bytes);
+    return take_packed(s, s->packed.data, bytes, o, opened, message);
+}
+
+/* ---- Scenes that are packed -------------------------------------------------------------------------------------- */
+
+static int pack(open_scene *s, fxs_scene_file *file, const fxs_open_options *o, fxs_message *message)
+{
+    const uint32_t threads = o->threads ? o->threads : fxs_processors();
+    if (threads > 64)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%u threads: expected 1 to 64", (unsigned)threads);
+    fxs_pool *pool = threads > 1 ? fxs_pool_create(threads) : NULL;
+    const fxs_pack_options options = {o->profile, pool ? fxs_pool_run : NULL, pool, pool ? threads : 1, o->progress,
+                                      o->progress_argument, o->file.allocator};
+    const int error = fxs_pack(file, &s->info, &s->packed, &s->report, &options, message);
+    fxs_pool_destroy(pool);
+    return error;
+}
+
+/* Closes the file. `error`: of opening it. */
+static int pack_file(open_scene *s, int error, fxs_scene_file *file, const fxs_open_options *o, fxs_opened **opened,
+                     fxs_message *message)
+{
+    if (!error && o->prepare)
+        error = o->prepare(o->prepare_argument, file, &s->info, message);
+    if (!error)
+        error = pack(s, file, o, message);
+    fxs_scene_file_close(file);
+    return finish(s, error, s->packed.data, s->packed.bytes, opened, message);
+}
+
+static const fxs_open_options usual;
+
+int fxs_open(const char *path, const fxs_open_options *options, fxs_opened **opened, fxs_message *message)
+{
+    const fxs_open_options *o = options ? options : &usual;
+    fxs_scene_file *file = NULL;
+    open_scene *s = create(path, message);
+    *opened = NULL;
+    if (!s)
+        return FXS_ERR_MEMORY;
+    if (is_fxs_file(path))
+        return map_file(s, o, opened, message);
+    const int error = fxs_scene_file_open(path, &o->file, &file, &s->info, message);
+    return pack_file(s, error, file, o, opened, message);
+}
+
+int fxs_open_memory(const char *name, const void *data, size_t bytes, const fxs_open_options *options,
+                    fxs_opened **opened, fxs_message *message)
+{
+    const fxs_open_options *o = options ? options : &usual;
+    fxs_scene_file *file = NULL;
+    open_scene *s = create(name, message);
+    *opened = NULL;
+    if (!s)
+        return FXS_ERR_MEMORY;
+    if (bytes >= 4 && is_fxs(data))
+        return take_bytes(s, data, bytes, o, opened, message);
+    const int error = fxs_scene_file_open_memory(name, data, bytes, &o->file, &file, &s->info, message);
+    return pack_file(s, error, file, o, opened, message);
+}
+
+int fxs_open_gaussians(const char *name, fxs_scene_file *file, const fxs_scene_file_info *info,
+                       const fxs_open_options *options, fxs_opened **opened, fxs_message *message)
+{
+    open_scene *s = create(name, message);
+    *opened = NULL;
+    if (!s) {
+        fxs_scene_file_close(file);
+        return FXS_ERR_MEMORY;
+    }
+    s->info = *info;
+    return pack_file(s, 0, file, options ? options : &usual, opened, message);
+}
+
+int fxs_opened_check(const fxs_opened *opened, fxs_message *message)
+{
+    const open_scene *s = (const open_scene *)(const void *)opened;
+    return s->mapping.data ? fxs_map_check(&s->mapping, s->name, message) : 0;
+}
+
+int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, fxs_camera *camera,
+                      fxs_message *message)
+{
+    static const double up[3] = {0, -1, 0};
+    fxs_file_view view;
+    const int error = fxs_view_frame_box(&view, opened->report->inner_low, opened->report->inner_high, up, 50, width,
+                                         height, message);
+    return error ? error : fxs_camera_from_view(camera, &view, message);
+}
+
+void fxs_close(fxs_opened *opened)
+{
+    open_scene *s = (open_scene *)(void *)opened;
+    if (!s)
+        return;
+    if (s->mapping.data)
+        fxs_unmap(&s->mapping);
+    fxs_packed_scene_free(&s->packed);
+    free(s);
+}
