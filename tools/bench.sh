@@ -4,11 +4,11 @@
 # where anything fails or it is interrupted, it stays as it is.
 # fit and fit_stages, only where named (half an hour): fits by either cut-off; the stages of a step, with FIT_CPUS. FIT_STEPS,
 # FIT_SIZE: of each (3000, 600).
-# B: build folder; SCENES: folder of real scenes; PHOTOS: of photographs; DOCUMENT: docs/performance.md, or a copy of it.
+# B: build folder; SCENES: folder of real scenes; PHOTOS: of photographs; DOCUMENT: docs/measured.md, or a copy of it.
 # Medians of 10 frames or more, from `fixsplat bench --json`; rows of one table are from one run.
 set -eu
 B=${B:-build} SCENES=${SCENES:-../shared/scenes} PHOTOS=${PHOTOS:-../shared/photos}
-DOCUMENT=${DOCUMENT:-docs/performance.md}
+DOCUMENT=${DOCUMENT:-docs/measured.md}
 work=$(mktemp -d)
 trap 'rm -rf "$work" "$DOCUMENT.new"' EXIT
 trap 'exit 130' INT
