@@ -302,7 +302,7 @@ foveated_row() {
 }
 
 foveated() {
-    printf 'Milliseconds, medians of three turns; pixels rendered, of those of the picture and of each ring in thousands; PSNR in what the ring shows.\n\n'
+    printf 'Milliseconds, medians of three turns; rendered: the share of the picture'\''s pixels; full, half and quarter: the pixels of each ring in thousands; PSNR within the part that the ring shows.\n\n'
     printf '| back end, view | whole | foveated | ratio | rendered | full | ms | PSNR | half | ms | PSNR | quarter | ms | PSNR |\n'
     printf '|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n'
     landscape 1000000
@@ -341,7 +341,7 @@ level_rows() {
 }
 
 levels() {
-    printf '.fxs files of what `convert --decimate` leaves; PSNR against the whole, packed the same way, mean of 8 views; milliseconds of a frame at 1280x720, '
+    printf '.fxs files of the Gaussians that `convert --decimate` leaves; PSNR against the whole, packed the same way, mean of 8 views; milliseconds of a frame at 1280x720, '
     printf 'the fastest of 180, %s threads, snowmiku from view 8.\n\n' $two
     printf '| scene | left | Gaussians | bytes | PSNR, dB | frame |\n|---|---|---|---|---|---|\n'
     if [ -d "$SCENES" ]; then
