@@ -1,7 +1,7 @@
 /* Quality floors: 8-bit frames against an independent double-precision renderer (reference.c) of the unquantised
  * file, mean and worst of four views a scene: the packed scene of each profile, and the pixel stage alone (blend and
  * resolve) fed with splats projected in doubles. A scene as .spz is measured beside them. What it prints of each scene
- * is a part of the table in docs/performance.md. */
+ * is a part of the table in docs/measured.md. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -4,11 +4,11 @@
 # where anything fails or it is interrupted, it stays as it is.
 # fit and fit_stages, only where named (half an hour): fits by either cut-off; the stages of a step, with FIT_CPUS. FIT_STEPS,
 # FIT_SIZE: of each (3000, 600).
-# B: build folder; SCENES: folder of real scenes; PHOTOS: of photographs; DOCUMENT: docs/performance.md, or a copy of it.
+# B: build folder; SCENES: folder of real scenes; PHOTOS: of photographs; DOCUMENT: docs/measured.md, or a copy of it.
 # Medians of 10 frames or more, from `fixsplat bench --json`; rows of one table are from one run.
 set -eu
 B=${B:-build} SCENES=${SCENES:-../shared/scenes} PHOTOS=${PHOTOS:-../shared/photos}
-DOCUMENT=${DOCUMENT:-docs/performance.md}
+DOCUMENT=${DOCUMENT:-docs/measured.md}
 work=$(mktemp -d)
 trap 'rm -rf "$work" "$DOCUMENT.new"' EXIT
 trap 'exit 130' INT
@@ -302,7 +302,7 @@ foveated_row() {
 }
 
 foveated() {
-    printf 'Milliseconds, medians of three turns; pixels rendered, of those of the picture and of each ring in thousands; PSNR in what the ring shows.\n\n'
+    printf 'Milliseconds, medians of three turns; rendered: the share of the picture'\''s pixels; full, half and quarter: the pixels of each ring in thousands; PSNR within the part that the ring shows.\n\n'
     printf '| back end, view | whole | foveated | ratio | rendered | full | ms | PSNR | half | ms | PSNR | quarter | ms | PSNR |\n'
     printf '|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n'
     landscape 1000000
@@ -341,7 +341,7 @@ level_rows() {
 }
 
 levels() {
-    printf '.fxs files of what `convert --decimate` leaves; PSNR against the whole, packed the same way, mean of 8 views; milliseconds of a frame at 1280x720, '
+    printf '.fxs files of the Gaussians that `convert --decimate` leaves; PSNR against the whole, packed the same way, mean of 8 views; milliseconds of a frame at 1280x720, '
     printf 'the fastest of 180, %s threads, snowmiku from view 8.\n\n' $two
     printf '| scene | left | Gaussians | bytes | PSNR, dB | frame |\n|---|---|---|---|---|---|\n'
     if [ -d "$SCENES" ]; then

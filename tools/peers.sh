@@ -1,7 +1,7 @@
 #!/bin/sh
 # peers.sh [ROUNDS [SCENE...]]: the page beside @playcanvas/supersplat-viewer and @sparkjsdev/spark, the newest of npm, in
 # headless Chromium without a GPU, 1280x720: download, first complete picture, time of a frame in motion. Prints a table;
-# pictures lie in B/peers/pictures. VIEWERS="fixsplat Spark" for some; docs/performance.md says how it is measured.
+# pictures lie in B/peers/pictures. VIEWERS="fixsplat Spark" for some; docs/measured.md says how it is measured.
 # B: build folder, with `make web`; SCENES: folder of real scenes.
 set -eu
 B=${B:-build} SCENES=${SCENES:-../shared/scenes}

@@ -1,4 +1,4 @@
-# awk -v plot=NAME -f tools/plot.awk docs/performance.md: an SVG of a table that tools/bench.sh wrote there.
+# awk -v plot=NAME -f tools/plot.awk docs/measured.md: an SVG of a table that tools/bench.sh wrote there.
 # sizes: bytes a Gaussian against PSNR, of each form. growth: milliseconds a frame against Gaussians. levels: milliseconds
 # a frame against PSNR, of what is left of each scene.
 BEGIN {

@@ -1,6 +1,6 @@
 #!/bin/sh
-# bench --compare, and tools/bench.sh on a copy of docs/performance.md, with a landscape of 2,000 Gaussians for a million: a part is replaced as a
-# whole, or the document stays as it is.
+# bench --compare, and tools/bench.sh on a copy of docs/measured.md, with a landscape of 2,000 Gaussians for a million: a part
+# is replaced as a whole, or the document stays as it is.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
@@ -67,16 +67,16 @@ chmod +x programs/fixsplat
 
 # measure COMMAND... PART: $status, logs/out, logs/err; the document is $work/document.md.
 measure() {
-    cp "$root/docs/performance.md" document.md
+    cp "$root/docs/measured.md" document.md
     (cd "$root" && SCENES=$work/${SCENES_HERE:-none} B=$work/programs DOCUMENT=$work/document.md "$@") >logs/out 2>logs/err
     status=$?
 }
-unchanged() { cmp document.md "$root/docs/performance.md" && [ ! -e document.md.new ]; }
+unchanged() { cmp document.md "$root/docs/measured.md" && [ ! -e document.md.new ]; }
 
 measure sh tools/bench.sh stereo
 check "a part: measured" equal $status 0
 sed '/^<!-- stereo: begin/,/^<!-- stereo: end/d' document.md >rest.md
-sed '/^<!-- stereo: begin/,/^<!-- stereo: end/d' "$root/docs/performance.md" >rest-before.md
+sed '/^<!-- stereo: begin/,/^<!-- stereo: end/d' "$root/docs/measured.md" >rest-before.md
 check "a part: nothing else changes" cmp rest.md rest-before.md
 sed -n '/^<!-- stereo: begin/,/^<!-- stereo: end/p' document.md >part.md
 check "a part: day, commit and machine" grep -Eq \
@@ -162,8 +162,8 @@ check "plot: 50 % of b" grep -q 'd="M196.0 400.0' plot.svg
 check "plot: what is left" equal "$(grep -o '>[0-9]* %<' plot.svg | tr '\n' ' ')" ">50 %< >25 %< >50 %< "
 check "plot: the whole" grep -q '>a, all: 20.0 ms<' plot.svg
 for plot in sizes growth levels; do
-    draw $plot "$root/docs/performance.md" >plot.svg
-    check "docs/$plot.svg is of docs/performance.md: make plot" cmp plot.svg "$root/docs/$plot.svg"
+    draw $plot "$root/docs/measured.md" >plot.svg
+    check "docs/$plot.svg is of docs/measured.md: make plot" cmp plot.svg "$root/docs/$plot.svg"
     if have rsvg-convert; then
         check "$plot.svg is drawn" rsvg-convert plot.svg -o plot.png
         check "$plot.svg has its size" equal "$("$fixsplat" compare plot.png plot.png)" equal
