@@ -24,6 +24,7 @@
 #endif
 #endif
 #ifdef FXS_WITH_WEBP
+#include <webp/decode.h>
 #include <webp/encode.h>
 #endif
 
@@ -151,6 +152,17 @@ static int encode_jpg(const uint8_t *rgba, int width, int height, int quality, f
 #endif
 
 #ifdef FXS_WITH_WEBP
+/* Whether a lossless picture has these pixels: libwebp 1.2.4 takes a stream that ended early, for want of memory, as the
+   smallest one, and says that all is well. */
+static int holds(const WebPMemoryWriter *webp, const uint8_t *rgba, int width, int height)
+{
+    int w, h;
+    uint8_t *read = WebPDecodeRGBA(webp->mem, webp->size, &w, &h);
+    const int same = read && w == width && h == height && !memcmp(read, rgba, 4 * (size_t)width * (size_t)height);
+    WebPFree(read);
+    return same;
+}
+
 /* Without loss as little work as there is (0 of 9), and colours below an alpha of 0 as they are. */
 static int encode_webp(const uint8_t *rgba, int width, int height, int quality, fxs_encoded *webp)
 {
@@ -169,7 +181,8 @@ static int encode_webp(const uint8_t *rgba, int width, int height, int quality, 
     picture.height = height;
     picture.writer = WebPMemoryWrite;
     picture.custom_ptr = &writer;
-    const int written = WebPPictureImportRGBA(&picture, rgba, 4 * width) && WebPEncode(&config, &picture);
+    const int written = WebPPictureImportRGBA(&picture, rgba, 4 * width) && WebPEncode(&config, &picture) &&
+                        (quality || holds(&writer, rgba, width, height));
     uint8_t *bytes = written ? fxs_encoded_room(webp, writer.size) : NULL;   /* the writer's are WebPFree's */
     if (bytes) {
         webp->bytes = memcpy(bytes, writer.mem, writer.size);

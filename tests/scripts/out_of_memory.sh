@@ -18,25 +18,11 @@ fi
 "$fixsplat" render knot.ply --size 64x48 -o a.png || exit 1
 "$fixsplat" render knot.ply --size 64x48 --bg 010101 -o b.png || exit 1
 
-# pixels_of FILE: of a .webp, which libwebp codes in another way where it lacks memory for the best.
-pixels_of() {
-    ffmpeg -v error -i "$1" -f rawvideo -pix_fmt rgba - 2>/dev/null
-}
-
-# is_right: `written` has the bytes of the run with all its memory, or a .webp its pixels.
-is_right() {
-    cmp "$written" logs/right || case $written in
-    *.webp) have ffmpeg && cp logs/right logs/right.webp && pixels_of logs/right.webp >logs/pixels && [ -s logs/pixels ] &&
-        pixels_of "$written" | cmp - logs/pixels ;;
-    *) false ;;
-    esac
-}
-
 # wrong COMMAND: what is wrong with the run that had no memory, of which `written` is right. A scene that was fitted stays,
 # though it could not be measured; a fit whose scene could not be packed is saved, or that is said to fail too.
 wrong() {
     case $status in
-    0) [ ! -e logs/right ] || is_right >logs/cmp 2>&1 || cat logs/cmp ;;
+    0) [ ! -e logs/right ] || cmp "$written" logs/right ;;
     1) [ "$1" != fit ] || sed -i -e "2{ /^fixsplat: saved after 4 steps of 4; to go on: /d; /^fixsplat: $written.fit: /d }" logs/err
         [ "$(wc -l <logs/err)" = 1 ] && grep '^fixsplat: ' logs/err >logs/line || cat logs/err
         if [ "$1" != fit ]; then ls "$written"; elif [ -e "$written" ]; then cmp "$written" logs/right; fi 2>/dev/null ;;
