@@ -334,9 +334,10 @@ def convert(src: PathLike, dst: PathLike, *, crop: Any = None, sphere: Any = Non
     """
     source, out = os.fsdecode(file_name(src)), os.fsdecode(file_name(dst))
     packed = out.endswith(".fxs")
-    if not packed and not lib.fxs_scene_is_written(file_name(dst)):
-        raise ValueError(f"{out}: expected a name ending in .fxs, .ply, .compressed.ply, .splat, .spz, .sog, .glb or "
-                         ".csv")
+    if not packed and not lib.fxs_scene_format_of(file_name(dst), 1):
+        endings = ffi.new("char[]", 1 + lib.fxs_scene_format_endings(NULL, 0, 1))
+        lib.fxs_scene_format_endings(endings, len(endings), 1)
+        raise ValueError(f"{out}: expected a name ending in one of {string(endings)}")
     if profile is not None and not packed:
         raise ValueError("profile: is for .fxs")
     if spz_version is not None and not out.endswith(".spz"):
