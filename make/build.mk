@@ -45,6 +45,7 @@ LIBRARY := $(wildcard $(patsubst %,src/%/*.c,base gaussian scene scene/read scen
                       $(patsubst %,port/%/*.c,posix backend board)) \
            $(wildcard $(patsubst %,kernels/fit/fit_%.c,$(FIT_KERNELS_$(KERNEL_FOLDER))))
 LIBRARY += $(if $(filter GLES,$(FOUND)),$(call with,EGL,port/gl/egl.c) $(call with,OSMESA,port/gl/osmesa.c))
+LIBRARY += $(B)/declarations.c
 WINDOW := $(if $(call with,SDL,port/window/*.c),$(wildcard port/window/*.c) \
                                              $(filter-out tools/viewer_main.c,$(wildcard tools/viewer*.c)))
 SERVER := $(call with,MICROHTTPD,port/http/*.c)
@@ -131,6 +132,13 @@ $(B)/kernels/gles/shaders.h: $(SHADERS) make/build.mk
 	        -e 's/^ *//' -e 's/ *$$//' -e '/^$$/d' $$f | od -An -v -tu1 | sed 's/[0-9][0-9]*/&,/g'; echo '0};'; done >$@
 $(B)/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h
 $(B)/kernels/gles/gles.o: CPPFLAGS += -I$(B)/kernels/gles
+
+# What the headers declare, as a text that the library carries.
+$(B)/declarations.c: $(HEADERS) tools/declarations.sh make/build.mk $(B)/commands/compile
+	@text=$$(CC=$(call quoted,$(CC) $(CPPFLAGS)) sh tools/declarations.sh $(HEADERS)) && \
+	    { echo '#include <fixsplat/declarations.h>'; echo 'static const char text[] = {'; \
+	    printf '%s\n' "$$text" | od -An -v -tu1 | sed 's/[0-9][0-9]*/&,/g'; echo '0};'; \
+	    echo 'const char *fxs_declarations(void) { return text; }'; } >$@
 
 $(B)/with/%: ;
 FOLDERS := src/* src/*/* kernels kernels/* kernels/*/* port/* port/*/* tools tests tests/gpu

@@ -288,7 +288,7 @@ static void bad_images(void)
         {"P6\n1 2\n255\n12345", "cut short"}, {"P6 # 1 1 255", "255 levels"},
     };
     check_unreadable("missing.png", "No such file");
-    check_unreadable("", "directory");
+    check_unreadable("", "not a regular file");
     for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {
         put("a.png", faults[i][0], strlen(faults[i][0]));
         check_unreadable("a.png", faults[i][1]);

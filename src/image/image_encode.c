@@ -153,12 +153,15 @@ static int encode_jpg(const uint8_t *rgba, int width, int height, int quality, f
 
 #ifdef FXS_WITH_WEBP
 /* Whether a lossless picture has these pixels: libwebp 1.2.4 takes a stream that ended early, for want of memory, as the
-   smallest one, and says that all is well. */
+   smallest one, and says that all is well. Its decoder does not live through a lack of memory, so there is to be some. */
 static int holds(const WebPMemoryWriter *webp, const uint8_t *rgba, int width, int height)
 {
-    int w, h;
-    uint8_t *read = WebPDecodeRGBA(webp->mem, webp->size, &w, &h);
-    const int same = read && w == width && h == height && !memcmp(read, rgba, 4 * (size_t)width * (size_t)height);
+    const size_t bytes = 4 * (size_t)width * (size_t)height;
+    void *spare = malloc(2 * bytes + (1 << 22));
+    int w = 0, h = 0;
+    free(spare);
+    uint8_t *read = spare ? WebPDecodeRGBA(webp->mem, webp->size, &w, &h) : NULL;
+    const int same = read && w == width && h == height && !memcmp(read, rgba, bytes);
     WebPFree(read);
     return same;
 }

@@ -41,6 +41,7 @@ port/posix    clock map pool
 port/gl       egl osmesa
 port/backend  backend backends foveate renderer
 port/board    strip
+port/python   declarations
 '
 
 files() {

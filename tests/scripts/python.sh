@@ -1,6 +1,6 @@
 #!/bin/sh
 # The Python package: arrays against the command's files, and how it is found and installed. tests/python/check.py has
-# what is asked of it, tests/python/layout.py compares its structs with the C compiler.
+# what is asked of it.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 . tests/scripts/lib/command.sh
@@ -9,12 +9,13 @@ library=$(cd "$root" && cd "$(dirname "$fixsplat")" && pwd)
 version=$(sed -n 's/^#define FXS_VERSION "\(.*\)"/\1/p' "$root/src/include/fixsplat/fixsplat.h")
 soname=libfixsplat.so.${version%.*}
 
-# One that has NumPy: that of the path, or Debian's.
+# One that has NumPy and cffi: that of the path, or Debian's.
 python=
 for name in python3 /usr/bin/python3; do
-    [ "$python" ] || ! "$name" -c 'import numpy' 2>/dev/null || python=$name
+    [ "$python" ] || ! "$name" -c 'import cffi, numpy' 2>/dev/null || python=$name
 done
-[ "$python" ] || { skip "the Python package" "no python3 with numpy here (python3-numpy)"; finish; exit; }
+[ "$python" ] ||
+    { skip "the Python package" "no python3 with numpy and cffi here (python3-numpy, python3-cffi)"; finish; exit; }
 [ -e "$library/libfixsplat.so.$version" ] ||
     { skip "the Python package" "no shared library is built with this compiler"; finish; exit; }
 PYTHONPATH=$root/port/python PYTHONDONTWRITEBYTECODE=1 FIXSPLAT_LIBRARY=$library/libfixsplat.so.$version
@@ -23,13 +24,18 @@ export PYTHONPATH PYTHONDONTWRITEBYTECODE FIXSPLAT_LIBRARY
 # ---- What is declared ------------------------------------------------------------------------------------------------
 
 check "the version is the library's" equal "$("$python" -c 'import fixsplat; print(fixsplat.__version__)')" "$version"
-"$python" "$root/tests/python/layout.py" print >layout.c
-check "structs: a C program" ${CC:-cc} -std=c11 -D_POSIX_C_SOURCE=200809L -O2 -I"$root/src/include" -o layout layout.c \
-    "$FIXSPLAT_LIBRARY"
-ln -s "$FIXSPLAT_LIBRARY" "$soname"
-LD_LIBRARY_PATH=. ./layout >layout.txt
-check "structs: sizes, offsets, kinds and constants are the C compiler's" "$python" "$root/tests/python/layout.py" \
-    compare layout.txt
+(cd "$root" && sh tools/declarations.sh src/include/fixsplat/*.h) >headers.txt
+"$python" -c 'from fixsplat._library import lib, string; print(string(lib.fxs_declarations()), end="")' >declared.txt
+check "the library's declarations are those of the headers" cmp headers.txt declared.txt
+cat >undeclared.py <<'END'
+import re, sys
+from fixsplat._library import ffi, lib
+types = {name for names in ffi.list_types() for name in names}
+used = set(re.findall(r'(?:\blib\.|")(fxs_\w+|FXS_\w+)', sys.stdin.read()))
+print(len(used) > 80, *(name for name in used if name not in types and not hasattr(lib, name)))
+END
+check "all that the package uses is declared, and there" equal \
+    "$(cat "$root"/port/python/fixsplat/*.py | "$python" undeclared.py)" True
 if have mypy; then
     check "types: mypy --strict" sh -c "cd '$root/port/python' && mypy --strict --cache-dir '$work/mypy' fixsplat"
 else
@@ -72,7 +78,7 @@ check "docs/python.md: the command's file" cmp fifty.fxs example/garden.fxs
 
 # imports NAME WORDS: without a library named; what is loaded is a path with these words at its end.
 imports() {
-    said=$(unset FIXSPLAT_LIBRARY; cd / && "$python" -c 'import fixsplat; print(fixsplat._library.lib._name)' 2>&1)
+    said=$(unset FIXSPLAT_LIBRARY; cd / && "$python" -c 'import fixsplat; print(fixsplat._library.PATH)' 2>&1)
     case $said in *"$2") ok "$1" ;; *) fail "$1" "$said" ;; esac
 }
 

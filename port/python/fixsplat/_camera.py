@@ -1,14 +1,12 @@
 """Cameras: matrices of numpy, camera files, and the conventions of others."""
 from __future__ import annotations
 
-import ctypes
 from typing import Any, Optional, Sequence, Tuple
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _declarations as c
-from ._library import PathLike, call, file_name, lib, whole
+from ._library import PathLike, Struct, call, copy, file_name, lib, new, string, whole
 
 Floats = npt.NDArray[np.float64]
 
@@ -45,11 +43,6 @@ def rotation_of(name: str, matrix: Floats) -> Floats:
     return matrix
 
 
-def vector(values: Any) -> Any:
-    """Three numbers for C."""
-    return (ctypes.c_double * 3)(*values)
-
-
 class Camera:
     """A camera: where it is, where it looks, and its picture's size.
 
@@ -72,18 +65,17 @@ class Camera:
         if (pose[3] != (0, 0, 0, 1)).any():
             raise ValueError("world_to_camera: expected 0, 0, 0, 1 as its last row")
         rotation = rotation_of("world_to_camera", pose[:3, :3])
-        view = c.fxs_file_view(name=name.encode()[:127], width=whole("width", width, 1, c.FXS_MAX_SIZE),
-                               height=whole("height", height, 1, c.FXS_MAX_SIZE), fx=k[0, 0], fy=k[1, 1], cx=k[0, 2],
-                               cy=k[1, 2], rotation=tuple(rotation.ravel()),
-                               position=tuple(np.linalg.solve(rotation, -pose[:3, 3])),
-                               projection=c.FXS_ORTHOGRAPHIC if orthographic else c.FXS_PERSPECTIVE)
+        view = new("fxs_file_view", name=name.encode()[:127], width=whole("width", width, 1, lib.FXS_MAX_SIZE),
+                   height=whole("height", height, 1, lib.FXS_MAX_SIZE), fx=k[0, 0], fy=k[1, 1], cx=k[0, 2], cy=k[1, 2],
+                   rotation=list(rotation.ravel()), position=list(np.linalg.solve(rotation, -pose[:3, 3])),
+                   projection=lib.FXS_ORTHOGRAPHIC if orthographic else lib.FXS_PERSPECTIVE)
         if near is not None:
             view.near = number("near", near, 2.0**-20, 2.0**28)
         self._view = view
         self.rounded()
 
     @classmethod
-    def _of(cls, view: c.fxs_file_view) -> "Camera":
+    def _of(cls, view: Struct) -> "Camera":
         camera = cls.__new__(cls)
         camera._view = view
         return camera
@@ -92,11 +84,10 @@ class Camera:
     def look_at(cls, eye: Sequence[float], target: Sequence[float], width: int, height: int, *, fov: float = 50,
                 up: Sequence[float] = (0, -1, 0)) -> "Camera":
         """A camera at `eye` that looks towards `target`, scene units. fov: vertical field of view, 1 to 170 degrees."""
-        view = c.fxs_file_view()
-        vectors = [vector(numbers(name, values, (3,)))
-                   for name, values in (("eye", eye), ("target", target), ("up", up))]
+        view = new("fxs_file_view")
+        vectors = [list(numbers(name, values, (3,))) for name, values in (("eye", eye), ("target", target), ("up", up))]
         call("fxs_view_look_at", view, *vectors, number("fov", fov, 1, 170),
-             whole("width", width, 1, c.FXS_MAX_SIZE), whole("height", height, 1, c.FXS_MAX_SIZE))
+             whole("width", width, 1, lib.FXS_MAX_SIZE), whole("height", height, 1, lib.FXS_MAX_SIZE))
         return cls._of(view)
 
     @property
@@ -108,7 +99,7 @@ class Camera:
     @property
     def world_to_camera(self) -> Floats:
         """(4, 4), scene units; axes x right, y down, z forward."""
-        rotation = np.reshape(self._view.rotation, (3, 3))
+        rotation = np.reshape(list(self._view.rotation), (3, 3))
         pose = np.eye(4)
         pose[:3, :3] = rotation
         pose[:3, 3] = -rotation @ self.position
@@ -122,7 +113,7 @@ class Camera:
     @property
     def position(self) -> Floats:
         """(3,), the camera's centre, scene units."""
-        return np.array(self._view.position)
+        return np.array(list(self._view.position))
 
     @property
     def width(self) -> int:
@@ -139,22 +130,23 @@ class Camera:
 
     @property
     def orthographic(self) -> bool:
-        return bool(self._view.projection == c.FXS_ORTHOGRAPHIC)
+        return bool(self._view.projection == lib.FXS_ORTHOGRAPHIC)
 
     @property
     def name(self) -> str:
-        return str(self._view.name.decode("utf-8", "replace"))
+        return string(self._view.name)
 
     def resized(self, width: int, height: int) -> "Camera":
         """The same for a picture of another size, as `fixsplat render --size` has it: fx and fy are scaled by new width
         / old width, and the principal point comes to the centre."""
-        view = c.fxs_file_view.from_buffer_copy(self._view)
-        lib.fxs_view_resize(view, whole("width", width, 1, c.FXS_MAX_SIZE), whole("height", height, 1, c.FXS_MAX_SIZE))
+        view = copy(self._view)
+        lib.fxs_view_resize(view, whole("width", width, 1, lib.FXS_MAX_SIZE),
+                            whole("height", height, 1, lib.FXS_MAX_SIZE))
         return self._of(view)
 
-    def rounded(self, near: Optional[float] = None) -> c.fxs_camera:
+    def rounded(self, near: Optional[float] = None) -> Struct:
         """The renderer's integers; an Error where the camera is out of their range."""
-        view, camera = c.fxs_file_view.from_buffer_copy(self._view), c.fxs_camera()
+        view, camera = copy(self._view), new("fxs_camera")
         if near is not None:
             view.near = number("near", near, 2.0**-20, 2.0**28)
         call("fxs_camera_from_view", camera, view)
@@ -167,14 +159,12 @@ class Camera:
 def load_cameras(path: PathLike) -> "list[Camera]":
     """The cameras of a file: Inria's cameras.json, a transforms.json of nerfstudio or Blender, or a COLMAP model by its
     folder, images.bin or images.txt. All are turned to the axes x right, y down, z forward."""
-    views = ctypes.POINTER(c.fxs_file_view)()
+    views = new("fxs_file_view *")
     count = call("fxs_camera_file_read", file_name(path), views)
     try:
-        return [Camera._of(c.fxs_file_view.from_buffer_copy(views[i])) for i in range(count)]
+        return [Camera._of(copy(views[0] + i)) for i in range(count)]
     finally:
-        free = ctypes.CDLL(None).free
-        free.argtypes, free.restype = [ctypes.c_void_p], None
-        free(views)
+        lib.free(views[0])
 
 
 def from_nerfstudio(camera_to_world: Any) -> Floats:

@@ -1,7 +1,6 @@
 """Scenes fitted to photographs."""
 from __future__ import annotations
 
-import ctypes
 import os
 import time
 import warnings
@@ -9,11 +8,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Callable, Iterator, Optional, Sequence
 
-from . import _declarations as c
-from ._library import CUTOFFS, PROFILES, Calls, PathLike, call, choose, colour, file_name, lib, pool, whole
+from ._library import (CUTOFFS, NULL, PROFILES, Calls, PathLike, Struct, call, choose, colour, file_name, lib, new,
+                       pool, whole)
 from ._scene import Memory, Scene
 
-RECIPES = {"reference": c.FXS_FIT_REFERENCE, "mcmc": c.FXS_FIT_MCMC, "fast": c.FXS_FIT_FAST}
+RECIPES = {"reference": lib.FXS_FIT_REFERENCE, "mcmc": lib.FXS_FIT_MCMC, "fast": lib.FXS_FIT_FAST}
 
 
 @dataclass(frozen=True)
@@ -47,7 +46,7 @@ def fit(photos: PathLike, *, recipe: str = "reference", steps: Optional[int] = N
     threads: 0: one for each processor. The scene depends on none of these four.
     progress: called after each step (with "cuda" a few times a second); what it raises ends the fit.
     """
-    options, reading = c.fxs_fit_options(), c.fxs_photos_options()
+    options, reading = new("fxs_fit_options"), new("fxs_photos_options")
     _fill(options, recipe, steps, max_gaussians)
     options.sh_degree = whole("sh_degree", sh_degree, 0, 3)
     options.seed = reading.seed = whole("seed", seed, 0, 2**64 - 1)
@@ -58,7 +57,7 @@ def fit(photos: PathLike, *, recipe: str = "reference", steps: Optional[int] = N
     options.max_memory = whole("max_memory", max_memory, 0, 2**64 - 1)
     if choose("backend", backend, {"cpu": 0, "cuda": 1}):
         _choose_devices(options, devices)
-    reading.resolution = whole("resolution", resolution, 1, c.FXS_MAX_SIZE)
+    reading.resolution = whole("resolution", resolution, 1, lib.FXS_MAX_SIZE)
     reading.hold_out = whole("hold_out", hold_out, 0, 2**32 - 1)
     reading.skip_bad = bool(skip_bad)
     with pool(threads) as (run, made, count):
@@ -69,15 +68,15 @@ def fit(photos: PathLike, *, recipe: str = "reference", steps: Optional[int] = N
             return _fit(os.fsdecode(file_name(photos)), taken, options, progress)
 
 
-def _fill(options: c.fxs_fit_options, recipe: str, steps: Optional[int], max_gaussians: Optional[int]) -> None:
+def _fill(options: Struct, recipe: str, steps: Optional[int], max_gaussians: Optional[int]) -> None:
     lib.fxs_fit_options_init(options)
     options.recipe = choose("recipe", recipe, RECIPES)
     options.steps = lib.fxs_fit_recipe_steps(options.recipe) if steps is None else whole("steps", steps, 1, 10**9)
     options.max_gaussians = (lib.fxs_fit_recipe_gaussians(options.recipe) if max_gaussians is None
-                             else whole("max_gaussians", max_gaussians, 1, c.FXS_MAX_COUNT))
+                             else whole("max_gaussians", max_gaussians, 1, lib.FXS_MAX_COUNT))
 
 
-def _choose_devices(options: c.fxs_fit_options, devices: "Sequence[int]") -> None:
+def _choose_devices(options: Struct, devices: "Sequence[int]") -> None:
     if not 1 <= len(devices) <= 8:
         raise ValueError(f"devices: {len(devices)} of them, expected 1 to 8")
     options.device_count = len(devices)
@@ -86,8 +85,8 @@ def _choose_devices(options: c.fxs_fit_options, devices: "Sequence[int]") -> Non
 
 
 @contextmanager
-def _read(path: PathLike, reading: c.fxs_photos_options) -> "Iterator[c.fxs_photos]":
-    photos, name = c.fxs_photos(), file_name(path)
+def _read(path: PathLike, reading: Struct) -> "Iterator[Struct]":
+    photos, name = new("fxs_photos"), file_name(path)
     with Calls(left_out=lambda why: warnings.warn(f"left out: {why}", stacklevel=2)) as calls:
         reading.progress, reading.left_out = calls.progress, calls.left_out
         call("fxs_photos_read", name, reading, photos)
@@ -99,26 +98,24 @@ def _read(path: PathLike, reading: c.fxs_photos_options) -> "Iterator[c.fxs_phot
         lib.fxs_photos_free(photos)
 
 
-def _fit(name: str, photos: c.fxs_photos, options: c.fxs_fit_options,
-         progress: "Optional[Callable[[FitProgress], object]]") -> Scene:
-    handle, packed, report = ctypes.c_void_p(), c.fxs_packed_scene(), c.fxs_pack_report()
+def _fit(name: str, photos: Struct, options: Struct, progress: "Optional[Callable[[FitProgress], object]]") -> Scene:
+    handle, packed, report = new("fxs_fit *"), new("fxs_packed_scene"), new("fxs_pack_report")
     call("fxs_fit_create", handle, photos.fit, photos.fit_count, photos.points, photos.point_count, options)
     try:
-        _make_steps(handle, options, progress)
-        call("fxs_fit_pack", handle, packed, report)
+        _make_steps(handle[0], options, progress)
+        call("fxs_fit_pack", handle[0], packed, report)
         return Scene(Memory.packed(packed, name), report.read - report.packed, report.brought_in)
     finally:
-        lib.fxs_fit_free(handle)
+        lib.fxs_fit_free(handle[0])
 
 
-def _make_steps(handle: ctypes.c_void_p, options: c.fxs_fit_options,
-                progress: "Optional[Callable[[FitProgress], object]]") -> None:
+def _make_steps(handle: Any, options: Struct, progress: "Optional[Callable[[FitProgress], object]]") -> None:
     """A device works on while it is not asked: it is some times a second, and for the last step."""
-    report: Any = c.fxs_fit_report()
+    report = new("fxs_fit_report")
     last = time.monotonic()
     for step in range(1, options.steps + 1):
         asked = not options.device_count or step == options.steps or time.monotonic() - last > 0.2
-        call("fxs_fit_step", handle, report if asked else None)
+        call("fxs_fit_step", handle, report if asked else NULL)
         if asked and progress is not None:
             last = time.monotonic()
             progress(FitProgress(step, options.steps, 0.8 * report.absolute + 0.2 * report.dissimilar,

@@ -1,7 +1,6 @@
 """The shared library: where it is found, how its functions are called, and what their errors become."""
 from __future__ import annotations
 
-import ctypes
 import operator
 import os
 import signal
@@ -10,10 +9,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Callable, Iterator, Mapping, Optional, Union
 
-from . import _declarations as c
+from cffi import FFI
+
 from ._version import VERSION
 
 PathLike = Union[str, "os.PathLike[str]"]
+Struct = Any                                    # a pointer to a struct of C
 
 
 class Error(Exception):
@@ -46,15 +47,15 @@ def _found() -> Iterator[str]:
     yield soname
 
 
-def _load() -> ctypes.CDLL:
-    path = os.environ.get("FIXSPLAT_LIBRARY") or next(_found())
+def _load(path: str) -> Any:
+    """The library, whose functions, structs and constants are those of the headers that it was built with."""
+    ffi.cdef("int fxs_version(void); const char *fxs_declarations(void); void free(void *block);")
     try:
-        library = ctypes.CDLL(path)
+        library: Any = ffi.dlopen(path)
     except OSError as error:
         raise ImportError(f"fixsplat: its library cannot be loaded: {error}; build it (make), install it (make "
                           "install) or name its file in FIXSPLAT_LIBRARY") from None
     try:
-        library.fxs_version.restype = ctypes.c_int
         number = library.fxs_version()
     except AttributeError:
         raise ImportError(f"fixsplat: {path} is not libfixsplat.so") from None
@@ -62,32 +63,48 @@ def _load() -> ctypes.CDLL:
     if version.rpartition(".")[0] != VERSION.rpartition(".")[0]:
         raise ImportError(f"fixsplat: {path} is of version {version}, this package is for {VERSION}")
     try:
-        for name, (result, arguments) in c.FUNCTIONS.items():
-            function = getattr(library, name)
-            function.restype, function.argtypes = result, arguments
+        ffi.cdef(string(library.fxs_declarations()), override=True)
     except AttributeError as error:
         raise ImportError(f"fixsplat: {path} is of version {version}, but not this package's: {error}") from None
     return library
 
 
-lib = _load()
+def string(chars: Any) -> str:
+    """The text of characters that end with a 0."""
+    return str(ffi.string(chars), "utf-8", "replace")
+
+
+ffi: Any = FFI()
+NULL = ffi.NULL
+PATH = os.environ.get("FIXSPLAT_LIBRARY") or next(_found())
+lib = _load(PATH)
 
 
 # ---- Calling ---------------------------------------------------------------------------------------------------------
 
-def check(result: int, message: c.fxs_message, prefix: str = "") -> int:
+def new(kind: str, **fields: Any) -> Any:
+    """A pointer to a struct with these fields and 0 in the others, or to a null pointer. It does not hold what they
+    point to."""
+    return ffi.new(f"{kind} *", fields or None)
+
+
+def copy(struct: Struct) -> Struct:
+    return ffi.new(ffi.typeof(struct), struct[0])
+
+
+def check(result: int, message: Struct, prefix: str = "") -> int:
     """The result, or an Error with the message where it is negative."""
     if result >= 0:
         return result
-    text = prefix + message.text.decode("utf-8", "replace")
+    text = prefix + string(message.text)
     if message.bytes_needed:
         text += f" ({message.bytes_needed} bytes would do)"
     raise Error(text, result, message.bytes_needed)
 
 
 def call(name: str, *arguments: Any) -> int:
-    """Calls a function whose last argument is the message. ctypes lets go of the GIL meanwhile."""
-    message = c.fxs_message()
+    """Calls a function whose last argument is the message. cffi lets go of the GIL meanwhile."""
+    message = new("fxs_message")
     return check(getattr(lib, name)(*arguments, message), message)
 
 
@@ -126,8 +143,8 @@ def colour(name: str, values: Any) -> "tuple[int, int, int]":
     return whole(name, red, 0, 255), whole(name, green, 0, 255), whole(name, blue, 0, 255)
 
 
-PROFILES = {"default": c.FXS_PROFILE_DEFAULT, "compact": c.FXS_PROFILE_COMPACT, "small": c.FXS_PROFILE_SMALL}
-CUTOFFS = {"mahalanobis": c.FXS_CUTOFF_MAHALANOBIS, "square": c.FXS_CUTOFF_SQUARE}
+PROFILES = {"default": lib.FXS_PROFILE_DEFAULT, "compact": lib.FXS_PROFILE_COMPACT, "small": lib.FXS_PROFILE_SMALL}
+CUTOFFS = {"mahalanobis": lib.FXS_CUTOFF_MAHALANOBIS, "square": lib.FXS_CUTOFF_SQUARE}
 
 
 class Calls:
@@ -142,9 +159,9 @@ class Calls:
                  stop: "Optional[Callable[[], object]]" = None):
         self._raised: Optional[BaseException] = None
         self._handler: Any = None
-        self.progress = c.fxs_progress_fn(lambda _, done: self._call(progress, done))
-        self.left_out = c.fxs_left_out_fn(lambda _, why: self._call(left_out, why.decode("utf-8", "replace")))
-        self.stop = c.fxs_stop_fn(lambda _: self._ask(stop))
+        self.progress = ffi.callback("fxs_progress_fn *", lambda _, done: self._call(progress, done))
+        self.left_out = ffi.callback("fxs_left_out_fn *", lambda _, why: self._tell(left_out, string(why)))
+        self.stop = ffi.callback("fxs_stop_fn *", lambda _: self._ask(stop))
 
     def _call(self, function: "Optional[Callable[..., object]]", *values: Any) -> int:
         try:
@@ -153,6 +170,9 @@ class Calls:
         except BaseException as raised:
             self._raised = raised
         return int(self._raised is not None)
+
+    def _tell(self, function: "Optional[Callable[[str], object]]", what: str) -> None:
+        self._call(function, what)
 
     def _ask(self, function: "Optional[Callable[[], object]]") -> int:
         answers: "list[object]" = []
@@ -178,11 +198,11 @@ class Calls:
 
 
 @contextmanager
-def pool(threads: int) -> "Iterator[tuple[Optional[int], Optional[int], int]]":
+def pool(threads: int) -> "Iterator[tuple[Any, Any, int]]":
     """A pool of threads: function, its first argument, number of threads. 0 threads: one for each processor."""
     threads = whole("threads", threads, 0, 64) or lib.fxs_processors()
     made = lib.fxs_pool_create(threads)
     try:
-        yield (ctypes.cast(lib.fxs_pool_run, ctypes.c_void_p).value, made, threads) if made else (None, None, 1)
+        yield (lib.fxs_pool_run, made, threads) if made else (NULL, NULL, 1)
     finally:
         lib.fxs_pool_destroy(made)

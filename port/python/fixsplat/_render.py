@@ -1,7 +1,6 @@
 """Pictures: objects, targets, back ends."""
 from __future__ import annotations
 
-import ctypes
 import math
 import os
 import threading
@@ -14,12 +13,12 @@ from typing import Any, Callable, Dict, Iterator, Optional, Sequence, Tuple, Typ
 import numpy as np
 import numpy.typing as npt
 
-from . import _declarations as c
-from ._camera import Camera, number, numbers, rotation_of, vector
-from ._library import CUTOFFS, Calls, Error, PathLike, call, check, choose, colour, file_name, lib, whole
+from ._camera import Camera, number, numbers, rotation_of
+from ._library import (CUTOFFS, NULL, Calls, Error, PathLike, Struct, call, check, choose, colour, ffi, file_name, lib,
+                       new, string, whole)
 from ._scene import Memory, Scene
 
-NOTHING = c.FXS_NOTHING
+NOTHING: int = lib.FXS_NOTHING
 TARGETS = ("colour", "coverage", "mean_depth", "median_depth", "ids")
 
 
@@ -53,22 +52,22 @@ class Object:
     id: int = 0
     crops: Sequence[Crop] = field(default=())
 
-    def _placement(self) -> c.fxs_placement:
-        placement = c.fxs_placement()
+    def _placement(self) -> Struct:
+        placement = new("fxs_placement")
         lib.fxs_placement_init(placement, 0, whole("id", self.id, 0, NOTHING - 1))
-        placement.translation = tuple(numbers("translation", self.translation, (3,)))
+        placement.translation = list(numbers("translation", self.translation, (3,)))
         rotation = numbers("rotation", self.rotation, (4,), (3, 3))
-        placement.rotation = tuple(rotation if rotation.ndim == 1 else _quaternion(rotation))
+        placement.rotation = list(rotation if rotation.ndim == 1 else _quaternion(rotation))
         placement.scale = number("scale", self.scale, 2.0**-16, 2.0**16)
         placement.opacity = number("opacity", self.opacity, 0, 1)
-        placement.tint = tuple(numbers("tint", self.tint, (3,)))
+        placement.tint = list(numbers("tint", self.tint, (3,)))
         placement.visible = bool(self.visible)
-        if len(self.crops) > c.FXS_MAX_CROPS:
-            raise ValueError(f"crops: {len(self.crops)} boxes, at most {c.FXS_MAX_CROPS}")
+        if len(self.crops) > lib.FXS_MAX_CROPS:
+            raise ValueError(f"crops: {len(self.crops)} boxes, at most {lib.FXS_MAX_CROPS}")
         placement.crop_count = len(self.crops)
         for i, crop in enumerate(self.crops):
-            placement.crops[i] = c.fxs_world_crop(tuple(numbers("crop.low", crop.low, (3,))),
-                                                  tuple(numbers("crop.high", crop.high, (3,))), bool(crop.outside))
+            placement.crops[i] = {"low": list(numbers("crop.low", crop.low, (3,))),
+                                  "high": list(numbers("crop.high", crop.high, (3,))), "outside": bool(crop.outside)}
         return placement
 
 
@@ -88,24 +87,21 @@ class _Placed:
     """Objects as C has them, with what they point to, which is held as long as this is."""
 
     def __init__(self, objects: "Sequence[Object]"):
-        if len(objects) > c.FXS_MAX_OBJECTS:
-            raise ValueError(f"{len(objects)} objects: at most {c.FXS_MAX_OBJECTS}")
+        if len(objects) > lib.FXS_MAX_OBJECTS:
+            raise ValueError(f"{len(objects)} objects: at most {lib.FXS_MAX_OBJECTS}")
         self.memories = [o.scene.memory for o in objects]
         self.placements = [o._placement() for o in objects]
-        self.array = (c.fxs_object * len(objects))()
-        self._crops = (c.fxs_crop * (c.FXS_MAX_CROPS * len(objects)))()
-        size = ctypes.sizeof(c.fxs_crop) * c.FXS_MAX_CROPS
+        self.array = ffi.new("fxs_object[]", len(objects))
+        self._crops = ffi.new("fxs_crop[]", lib.FXS_MAX_CROPS * len(objects))
         for i, (memory, placement) in enumerate(zip(self.memories, self.placements)):
-            crops = ctypes.cast(ctypes.addressof(self._crops) + i * size, ctypes.POINTER(c.fxs_crop))
-            call("fxs_object_place", self.array[i], memory.scene, placement, crops)
+            call("fxs_object_place", self.array + i, memory.scene, placement, self._crops + i * lib.FXS_MAX_CROPS)
 
     def depth_bits(self, camera: Camera) -> int:
         """As many as hold every depth from this camera, up to 28: those of `fixsplat render --depth`."""
         farthest = 1.0
         for memory, placement in zip(self.memories, self.placements):
-            low, high = vector((0, 0, 0)), vector((0, 0, 0))
-            bounds = [vector(x * 2.0**-32 for x in q32) for q32 in (memory.header.low_q32, memory.header.high_q32)]
-            if placement.visible and lib.fxs_placement_box(placement, *bounds, low, high):
+            low, high = ffi.new("double[3]"), ffi.new("double[3]")
+            if placement.visible and lib.fxs_placement_box(placement, *memory.box, low, high):
                 corners = np.stack(np.meshgrid(*zip(low, high)), -1).reshape(8, 3)
                 farthest = max(farthest, ((corners - camera.position) @ camera.world_to_camera[2, :3]).max())
         exponent = math.frexp(2 * farthest)[1]
@@ -130,18 +126,18 @@ def backends() -> "list[Backend]":
     """Those of this build, the processor's first; and those that it is without, with the reason."""
     result: "list[Backend]" = []
     while True:
-        found = lib.fxs_backend_at(len(result))
-        if not found:
+        table = lib.fxs_backend_at(len(result))
+        if not table:
             return result
-        table, message, name = found.contents, c.fxs_message(), ctypes.create_string_buffer(256)
+        message, name = new("fxs_message"), ffi.new("char[256]")
         devices: "list[str]" = []
         while table.device(len(devices), name, len(name), message) == 0:
-            devices.append(name.value.decode("utf-8", "replace"))
-            if not table.can & c.FXS_CAN_DEVICES:
+            devices.append(string(name))
+            if not table.can & lib.FXS_CAN_DEVICES:
                 break
-        missing = None if devices else message.text.decode("utf-8", "replace")
-        result.append(Backend(table.name.decode(), table.does.decode(), tuple(devices), missing,
-                              bool(table.can & c.FXS_CAN_EXACT), bool(table.can & c.FXS_CAN_TRACE)))
+        missing = None if devices else string(message.text)
+        result.append(Backend(string(table.name), string(table.does), tuple(devices), missing,
+                              bool(table.can & lib.FXS_CAN_EXACT), bool(table.can & lib.FXS_CAN_TRACE)))
 
 
 class Renderer:
@@ -159,17 +155,18 @@ class Renderer:
     def __init__(self, backend: str = "auto", *, threads: int = 0, device: int = 0, max_memory: int = 0):
         if not isinstance(backend, str):
             raise TypeError(f"backend: expected a name or a Renderer, not {type(backend).__name__}")
-        found = lib.fxs_backend_find(backend.encode())
-        if not found:
+        self._table = lib.fxs_backend_find(backend.encode())
+        if not self._table:
             names = ", ".join(["auto"] + [b.name for b in backends()])
             raise ValueError(f"backend={backend!r}: expected one of {names}")
-        options = c.fxs_backend_options(whole("device", device, 0, 2**31 - 1),
-                                        whole("max_memory", max_memory, 0, 2**64 - 1), whole("threads", threads, 0, 64))
-        self._table, self._handle, message = found.contents, ctypes.c_void_p(), c.fxs_message()
-        self.name = self._table.name.decode()
-        check(self._table.open(self._handle, options, message), message, f"backend {self.name}: ")
+        options = new("fxs_backend_options", device=whole("device", device, 0, 2**31 - 1),
+                      max_memory=whole("max_memory", max_memory, 0, 2**64 - 1),
+                      threads=whole("threads", threads, 0, 64))
+        handle, message, self.name = new("void *"), new("fxs_message"), string(self._table.name)
+        check(self._table.open(handle, options, message), message, f"backend {self.name}: ")
+        self._handle = handle[0]
         self._lock, self._process, self._thread = threading.Lock(), os.getpid(), threading.get_ident()
-        self._drawn: "Dict[int, Tuple[c.fxs_scene, weakref.ref[Memory]]]" = {}
+        self._drawn: "Dict[Struct, weakref.ref[Memory]]" = {}
         self._close = weakref.finalize(self, _close_backend, self._table, self._handle, self._process)
         self._close.atexit = False
 
@@ -188,21 +185,21 @@ class Renderer:
                 raise ValueError("the renderer is closed")
             yield
 
-    def draw(self, placed: _Placed, request: c.fxs_request) -> None:
+    def draw(self, placed: _Placed, request: Struct) -> None:
         """Draws into the request's targets, and waits."""
-        message = c.fxs_message()
+        message = new("fxs_message")
         with self._turn():
             self._forget_closed()
             for memory in placed.memories:
-                self._drawn[ctypes.addressof(memory.scene)] = memory.scene, weakref.ref(memory)
-            check(self._table.render(self._handle, request, None, message), message)
+                self._drawn[memory.scene] = weakref.ref(memory)
+            check(self._table.render(self._handle, request, NULL, message), message)
 
     def _forget_closed(self) -> None:
         """What a device keeps of a scene is found by the address of its struct, which is held until it is dropped."""
-        for address, (scene, memory) in list(self._drawn.items()):
+        for scene, memory in list(self._drawn.items()):
             if memory() is None:
                 self._table.forget(self._handle, scene)
-                del self._drawn[address]
+                del self._drawn[scene]
 
     def forget_closed(self) -> None:
         with self._turn():
@@ -221,7 +218,7 @@ class Renderer:
         self.close()
 
 
-def _close_backend(table: c.fxs_backend, handle: ctypes.c_void_p, process: int) -> None:
+def _close_backend(table: Struct, handle: Any, process: int) -> None:
     """Behind a fork its threads are not there, and it would wait for them."""
     if process == os.getpid():
         table.close(handle)
@@ -281,7 +278,7 @@ class Picture:
         if self.colour is None:
             raise ValueError("the picture has no colours: they were not among its targets")
         pixels = np.ascontiguousarray(self.colour)
-        call("fxs_image_file_write", file_name(path), pixels.ctypes.data, pixels.shape[1], pixels.shape[0])
+        call("fxs_image_file_write", file_name(path), ffi.from_buffer(pixels), pixels.shape[1], pixels.shape[0])
 
 
 def _arrays(targets: "Sequence[str]", width: int, height: int) -> "Dict[str, npt.NDArray[Any]]":
@@ -294,11 +291,11 @@ def _arrays(targets: "Sequence[str]", width: int, height: int) -> "Dict[str, npt
     return {name: np.empty((height, width) + shape, kind) for name, (shape, kind) in shapes.items() if name in targets}
 
 
-def _aim(arrays: "Dict[str, npt.NDArray[Any]]", alpha: bool, depth_bits: int) -> c.fxs_targets:
-    images = {"id" if name == "ids" else name: c.fxs_image(array.ctypes.data, array.strides[0])
+def _aim(arrays: "Dict[str, npt.NDArray[Any]]", alpha: bool, depth_bits: int) -> Struct:
+    images = {"id" if name == "ids" else name: {"pixels": ffi.from_buffer(array), "stride": array.strides[0]}
               for name, array in arrays.items()}
-    return c.fxs_targets(format=c.FXS_FORMAT_RGBA8_COVERAGE if alpha else c.FXS_FORMAT_RGBA8, depth_bits=depth_bits,
-                         **images)
+    return new("fxs_targets", format=lib.FXS_FORMAT_RGBA8_COVERAGE if alpha else lib.FXS_FORMAT_RGBA8,
+               depth_bits=depth_bits, **images)
 
 
 def _in_units(depths: "npt.NDArray[Any]", bits: int) -> "npt.NDArray[np.float32]":
@@ -307,11 +304,12 @@ def _in_units(depths: "npt.NDArray[Any]", bits: int) -> "npt.NDArray[np.float32]
     return units
 
 
-def _options(cutoff: str, sh_degree: int, background: Any, alpha: bool) -> c.fxs_options:
+def _options(cutoff: str, sh_degree: int, background: Any, alpha: bool) -> Struct:
     behind = colour("background", background)
     if alpha and any(behind):
         raise ValueError("background: with alpha=True there is none")
-    return c.fxs_options(choose("cutoff", cutoff, CUTOFFS), whole("sh_degree", sh_degree, 0, 3), behind)
+    return new("fxs_options", cutoff=choose("cutoff", cutoff, CUTOFFS), sh_degree=whole("sh_degree", sh_degree, 0, 3),
+               background=behind)
 
 
 def _camera(K: Any, world_to_camera: Any, width: Optional[int], height: Optional[int]) -> Camera:
@@ -361,8 +359,8 @@ def render(objects: "Sequence[Union[Object, Scene]]", K: Any, world_to_camera: A
     depths = [name for name in arrays if name.endswith("depth")]
     bits = placed.depth_bits(camera) if depths else 0
     aimed = _aim(arrays, alpha, bits)
-    request = c.fxs_request(placed.array, len(placed.memories), ctypes.pointer(options), 1, ctypes.pointer(cameras),
-                            ctypes.pointer(aimed), 0)
+    request = new("fxs_request", objects=placed.array, count=len(placed.memories), options=options, eyes=1,
+                  cameras=cameras, targets=aimed)
     renderer = _renderer(backend, threads, device, max_memory)
     if stop is None:
         renderer.draw(placed, request)

@@ -1,7 +1,6 @@
 """Scenes: loaded from files and bytes, converted, saved."""
 from __future__ import annotations
 
-import ctypes
 import os
 import weakref
 from contextlib import contextmanager
@@ -11,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Sequence, T
 
 import numpy as np
 
-from . import _declarations as c
-from ._camera import Camera, numbers, number, vector
-from ._library import PROFILES, Calls, Error, PathLike, call, choose, file_name, lib, pool, whole
+from ._camera import Camera, numbers, number
+from ._library import (NULL, PROFILES, Calls, Error, PathLike, Struct, call, choose, ffi, file_name, lib, new, pool,
+                       string, whole)
 
 if TYPE_CHECKING:
     from ._render import Picture
@@ -21,26 +20,34 @@ if TYPE_CHECKING:
 Box = Tuple[Tuple[float, float, float], Tuple[float, float, float]]
 Progress = Optional[Callable[[float], object]]
 
-AXES = {"file": c.FXS_AXES_OF_FILE, "rub": c.FXS_AXES_RUB, "rdf": c.FXS_AXES_RDF}
+AXES = {"file": lib.FXS_AXES_OF_FILE, "rub": lib.FXS_AXES_RUB, "rdf": lib.FXS_AXES_RDF}
+
+
+def _box(header: bytes, *corners: str) -> Box:
+    """Of a packed scene's header, whose bytes are the same on every machine."""
+    low, high = ((np.frombuffer(header, "<i8", 3, ffi.offsetof("fxs_packed_header", name)) * 2.0**-32).tolist()
+                 for name in corners)
+    return (low[0], low[1], low[2]), (high[0], high[1], high[2])
 
 
 class Memory:
     """The bytes of a packed scene, which are given back when nobody holds this any more."""
 
-    def __init__(self, data: int, size: int, name: str, mapping: Optional[c.fxs_mapping] = None, keeps: Any = None):
+    def __init__(self, data: Any, size: int, name: str, mapping: Optional[Struct] = None):
         self.data, self.size, self.name = data, size, name
-        self.scene = c.fxs_scene()
-        self._mapping, self._keeps = mapping, keeps
+        self.scene = new("fxs_scene")
+        self._mapping = mapping
         result = lib.fxs_scene_open(self.scene, data, size)
         if result:
-            raise Error(f"{name}: {lib.fxs_strerror(result).decode()}", result)
-        self.header = c.fxs_packed_header.from_buffer_copy(ctypes.string_at(data, ctypes.sizeof(c.fxs_packed_header)))
+            raise Error(f"{name}: {string(lib.fxs_strerror(result))}", result)
+        header = bytes(ffi.buffer(data, ffi.sizeof("fxs_packed_header")))
+        self.box, self.inner_box = _box(header, "low_q32", "high_q32"), _box(header, "inner_low_q32", "inner_high_q32")
 
     @classmethod
     def mapped(cls, path: PathLike) -> "Memory":
         """An .fxs file as it lies."""
         lib.fxs_map_guard()
-        mapping, name = c.fxs_mapping(), file_name(path)
+        mapping, name = new("fxs_mapping"), file_name(path)
         call("fxs_map", mapping, name)
         try:
             call("fxs_file_check", name, mapping.data, mapping.bytes, 0)
@@ -57,11 +64,12 @@ class Memory:
         room = np.empty(data.nbytes + 63, np.uint8)
         start = -room.ctypes.data % 64
         room[start:start + data.nbytes] = np.frombuffer(data, np.uint8)
-        call("fxs_file_check", name.encode(), room.ctypes.data + start, data.nbytes, 1)
-        return cls(room.ctypes.data + start, data.nbytes, name, keeps=room)
+        aligned = ffi.from_buffer(room[start:])
+        call("fxs_file_check", name.encode(), aligned, data.nbytes, 1)
+        return cls(aligned, data.nbytes, name)
 
     @classmethod
-    def packed(cls, packed: c.fxs_packed_scene, name: str) -> "Memory":
+    def packed(cls, packed: Struct, name: str) -> "Memory":
         """What fxs_pack or fxs_fit_pack made."""
         try:
             memory = cls(packed.data, packed.bytes, name)
@@ -130,21 +138,19 @@ class Scene:
     @property
     def box(self) -> Box:
         """The least and the greatest x, y, z of the centres, scene units."""
-        header = self.memory.header
-        return _units(header.low_q32), _units(header.high_q32)
+        return self.memory.box
 
     @property
     def inner_box(self) -> Box:
         """The same of what is seen, without stray Gaussians: to frame the scene."""
-        header = self.memory.header
-        return _units(header.inner_low_q32), _units(header.inner_high_q32)
+        return self.memory.inner_box
 
     def frame(self, width: int, height: int, *, fov: float = 50, up: Sequence[float] = (0, -1, 0)) -> Camera:
         """A camera that sees the scene whole, from in front and a little above. fov: vertical, 1 to 170 degrees."""
-        view = c.fxs_file_view()
-        low, high = map(vector, self.inner_box)
-        call("fxs_view_frame_box", view, low, high, vector(numbers("up", up, (3,))), number("fov", fov, 1, 170),
-             whole("width", width, 1, c.FXS_MAX_SIZE), whole("height", height, 1, c.FXS_MAX_SIZE))
+        view = new("fxs_file_view")
+        low, high = self.inner_box
+        call("fxs_view_frame_box", view, low, high, list(numbers("up", up, (3,))), number("fov", fov, 1, 170),
+             whole("width", width, 1, lib.FXS_MAX_SIZE), whole("height", height, 1, lib.FXS_MAX_SIZE))
         view.near = lib.fxs_near_of_box(low, high)
         return Camera._of(view)
 
@@ -181,11 +187,6 @@ class Scene:
         return f"<fixsplat.Scene {self._memory.name!r}, {self.count} Gaussians, SH degree {self.sh_degree}>"
 
 
-def _units(q32: "Sequence[int]") -> "Tuple[float, float, float]":
-    x, y, z = (value * 2.0**-32 for value in q32)
-    return x, y, z
-
-
 # ---- Reading ---------------------------------------------------------------------------------------------------------
 
 @contextmanager
@@ -204,37 +205,38 @@ class _File:
 
     def __init__(self, source: "Union[PathLike, memoryview]", name: str, level: int, axes: str, max_gaussians: int,
                  max_memory: int, calls: Calls):
-        self.info, self.handle, self.calls = c.fxs_scene_file_info(), ctypes.c_void_p(), calls
+        self.info, self.calls, handle = new("fxs_scene_file_info"), calls, new("fxs_scene_file *")
         self._name = name
-        self._options = c.fxs_scene_file_options(
-            level=whole("level", level, 0, 1000), axes=choose("axes", axes, AXES), progress=calls.progress,
-            max_gaussians=whole("max_gaussians", max_gaussians, 0, 2**64 - 1),
-            max_memory=whole("max_memory", max_memory, 0, 2**64 - 1))
+        self._options = new("fxs_scene_file_options", level=whole("level", level, 0, 1000),
+                            axes=choose("axes", axes, AXES), progress=calls.progress,
+                            max_gaussians=whole("max_gaussians", max_gaussians, 0, 2**64 - 1),
+                            max_memory=whole("max_memory", max_memory, 0, 2**64 - 1))
         if isinstance(source, memoryview):
-            self._bytes = np.frombuffer(source, np.uint8)
-            call("fxs_scene_file_open_memory", name.encode(), self._bytes.ctypes.data, self._bytes.nbytes,
-                 self._options, self.handle, self.info)
+            self._bytes = ffi.from_buffer(source)
+            call("fxs_scene_file_open_memory", name.encode(), self._bytes, source.nbytes, self._options, handle,
+                 self.info)
         else:
-            call("fxs_scene_file_open", file_name(source), self._options, self.handle, self.info)
-        if axes != "file" and self.info.format != b"spz":
+            call("fxs_scene_file_open", file_name(source), self._options, handle, self.info)
+        self.handle = handle[0]
+        if axes != "file" and string(self.info.format) != "spz":
             self.__exit__()
-            raise Error(f"{name}: axes are for .spz", c.FXS_ERR_ARGUMENT)
+            raise Error(f"{name}: axes are for .spz", lib.FXS_ERR_ARGUMENT)
 
-    def filter(self, how: c.fxs_scene_filter) -> c.fxs_scene_filter_report:
-        report = c.fxs_scene_filter_report()
+    def filter(self, how: Struct) -> Struct:
+        report = new("fxs_scene_filter_report")
         with _about(self._name):
-            call("fxs_scene_file_filter", self.handle, how, self.info, report, self.calls.progress, None)
+            call("fxs_scene_file_filter", self.handle, how, self.info, report, self.calls.progress, NULL)
         return report
 
     def decimate(self, target: int) -> None:
         with _about(self._name):
-            call("fxs_scene_file_decimate", self.handle, target, self.info, self.calls.progress, None)
+            call("fxs_scene_file_decimate", self.handle, target, self.info, self.calls.progress, NULL)
 
-    def pack(self, profile: str, threads: int) -> "tuple[c.fxs_packed_scene, c.fxs_pack_report]":
-        packed, report = c.fxs_packed_scene(), c.fxs_pack_report()
+    def pack(self, profile: str, threads: int) -> "tuple[Struct, Struct]":
+        packed, report = new("fxs_packed_scene"), new("fxs_pack_report")
         with pool(threads) as (run, made, count):
-            options = c.fxs_pack_options(profile=choose("profile", profile, PROFILES), run=run, pool=made,
-                                         threads=count, progress=self.calls.progress)
+            options = new("fxs_pack_options", profile=choose("profile", profile, PROFILES), run=run, pool=made,
+                          threads=count, progress=self.calls.progress)
             with _about(self._name):
                 call("fxs_pack", self.handle, self.info, packed, report, options)
         return packed, report
@@ -255,7 +257,7 @@ def _is_packed(path: PathLike) -> bool:
 
 
 def _begins_packed(data: "Union[bytes, memoryview]") -> bool:
-    return bytes(data[:4]) == c.FXS_PACKED_MAGIC.to_bytes(4, "little")
+    return bytes(data[:4]) == int(lib.FXS_PACKED_MAGIC).to_bytes(4, "little")
 
 
 def load(source: "Union[PathLike, bytes, bytearray, memoryview]", *, profile: str = "default", level: int = 0,
@@ -283,7 +285,7 @@ def load(source: "Union[PathLike, bytes, bytearray, memoryview]", *, profile: st
         raise TypeError(f"source: expected a path or bytes, not {type(source).__name__}")
     if packed:
         if choose("axes", axes, AXES):
-            raise Error(f"{name}: axes are for .spz", c.FXS_ERR_ARGUMENT)
+            raise Error(f"{name}: axes are for .spz", lib.FXS_ERR_ARGUMENT)
         return Scene(Memory.copied(data, name) if isinstance(data, memoryview) else Memory.mapped(data))
     with Calls(progress) as calls, _File(data, name, level, axes, max_gaussians, max_memory, calls) as file:
         scene, report = file.pack(profile, threads)
@@ -332,9 +334,10 @@ def convert(src: PathLike, dst: PathLike, *, crop: Any = None, sphere: Any = Non
     """
     source, out = os.fsdecode(file_name(src)), os.fsdecode(file_name(dst))
     packed = out.endswith(".fxs")
-    if not packed and not lib.fxs_scene_is_written(file_name(dst)):
-        raise ValueError(f"{out}: expected a name ending in .fxs, .ply, .compressed.ply, .splat, .spz, .sog, .glb or "
-                         ".csv")
+    if not packed and not lib.fxs_scene_format_of(file_name(dst), 1):
+        endings = ffi.new("char[]", 1 + lib.fxs_scene_format_endings(NULL, 0, 1))
+        lib.fxs_scene_format_endings(endings, len(endings), 1)
+        raise ValueError(f"{out}: expected a name ending in one of {string(endings)}")
     if profile is not None and not packed:
         raise ValueError("profile: is for .fxs")
     if spz_version is not None and not out.endswith(".spz"):
@@ -358,19 +361,19 @@ def convert(src: PathLike, dst: PathLike, *, crop: Any = None, sphere: Any = Non
 def _check_names(source: str, out: str) -> None:
     if _is_packed(source):
         raise Error(f"{source}: an .fxs file is not converted; convert the scene that it was made from",
-                    c.FXS_ERR_FILE)
+                    lib.FXS_ERR_FILE)
     if os.path.exists(source) and os.path.exists(out) and os.path.samefile(source, out):
-        raise Error(f"{out}: is read and cannot be written too; give it another name", c.FXS_ERR_FILE)
+        raise Error(f"{out}: is read and cannot be written too; give it another name", lib.FXS_ERR_FILE)
 
 
-def _filter(crop: Any, sphere: Any, prune: float, drop_floaters: bool, sh_degree: int) -> c.fxs_scene_filter:
-    how = c.fxs_scene_filter()
+def _filter(crop: Any, sphere: Any, prune: float, drop_floaters: bool, sh_degree: int) -> Struct:
+    how = new("fxs_scene_filter")
     lib.fxs_scene_filter_default(how)
     if crop is not None:
         low, high = numbers("crop", crop, (2, 3))
         if (low > high).any():
             raise ValueError("crop: its low is above its high")
-        how.low, how.high = tuple(low), tuple(high)
+        how.low, how.high = list(low), list(high)
     if sphere is not None:
         x, y, z, radius = numbers("sphere", sphere, (4,))
         if radius < 0:
@@ -382,12 +385,12 @@ def _filter(crop: Any, sphere: Any, prune: float, drop_floaters: bool, sh_degree
     return how
 
 
-def _conversion(kept: c.fxs_scene_filter_report, written: int, dropped: int, *rest: Any) -> Conversion:
+def _conversion(kept: Struct, written: int, dropped: int, *rest: Any) -> Conversion:
     left_out = kept.dropped.not_finite + kept.dropped.rotation + dropped
     return Conversion(kept.read, written, kept.outside, kept.faint, kept.floaters, left_out, *rest)
 
 
-def _pack_into(file: _File, out: str, profile: str, threads: int, kept: c.fxs_scene_filter_report) -> Conversion:
+def _pack_into(file: _File, out: str, profile: str, threads: int, kept: Struct) -> Conversion:
     packed, report = file.pack(profile, threads)
     with Scene(Memory.packed(packed, out)) as scene:
         scene.save(out)
@@ -396,7 +399,7 @@ def _pack_into(file: _File, out: str, profile: str, threads: int, kept: c.fxs_sc
 
 def _batches(file: _File) -> "Iterator[Tuple[Any, int]]":
     """The Gaussians of a file, up to 4096 at a time."""
-    batch = (c.fxs_gaussian * 4096)()
+    batch = ffi.new("fxs_gaussian[4096]")
     while True:
         n = call("fxs_scene_file_read", file.handle, batch, len(batch))
         if n == 0:
@@ -405,20 +408,20 @@ def _batches(file: _File) -> "Iterator[Tuple[Any, int]]":
         yield batch, n
 
 
-def _find_bounds(file: _File, options: c.fxs_scene_write_options) -> None:
+def _find_bounds(file: _File, options: Struct) -> None:
     """Reads the file once for the bounds of its centres, and goes back to its beginning."""
     low, high = np.full(3, np.inf, np.float32), np.full(3, -np.inf, np.float32)
     for batch, n in _batches(file):
-        centres = np.frombuffer(batch, np.float32).reshape(len(batch), -1)[:n, :3]
+        centres = np.frombuffer(ffi.buffer(batch), np.float32).reshape(len(batch), -1)[:n, :3]
         low, high = np.minimum(low, centres.min(0)), np.maximum(high, centres.max(0))
-    options.low, options.high = tuple(low), tuple(high)
+    options.low, options.high = list(low), list(high)
     call("fxs_scene_file_rewind", file.handle)
 
 
-def _write_into(file: _File, out: str, spz_version: int, progress: Progress) -> c.fxs_scene_write_report:
-    info, writer, report, done = file.info, ctypes.c_void_p(), c.fxs_scene_write_report(), 0
-    options = c.fxs_scene_write_options(count=info.count, sh_degree=info.sh_degree, antialiased=info.antialiased,
-                                        spz_version=spz_version)
+def _write_into(file: _File, out: str, spz_version: int, progress: Progress) -> Struct:
+    info, writer, report, done = file.info, new("fxs_scene_writer *"), new("fxs_scene_write_report"), 0
+    options = new("fxs_scene_write_options", count=info.count, sh_degree=info.sh_degree, antialiased=info.antialiased,
+                  spz_version=spz_version)
     if out.endswith(".glb"):
         _find_bounds(file, options)
     call("fxs_scene_writer_open", file_name(out), options, writer)
@@ -426,11 +429,11 @@ def _write_into(file: _File, out: str, spz_version: int, progress: Progress) -> 
         for batch, n in _batches(file):
             if progress is not None:
                 progress(done / info.count)
-            call("fxs_scene_writer_put", writer, batch, n)
+            call("fxs_scene_writer_put", writer[0], batch, n)
             done += n
     except BaseException:
         # With Gaussians missing, it removes what it has written.
-        lib.fxs_scene_writer_close(writer, report, c.fxs_progress_fn(), None, c.fxs_message())
+        lib.fxs_scene_writer_close(writer[0], report, NULL, NULL, new("fxs_message"))
         raise
-    call("fxs_scene_writer_close", writer, report, file.calls.progress, None)
+    call("fxs_scene_writer_close", writer[0], report, file.calls.progress, NULL)
     return report

@@ -1,0 +1,31 @@
+#!/bin/sh
+# declarations.sh HEADER...: what public headers declare, as cffi takes it: preprocessed by $CC, without the functions
+# that have a body there, and with an enum for each #define of a whole number. Run at the root.
+#
+# A #define is looked up by a line "NAME" = NAME; behind the headers: the preprocessor leaves its name and gives its
+# value.
+text=$({
+    printf '#include "%s"\n' "$@"
+    sed -n 's/^#define \(FXS_[A-Z0-9_]*\) .*/"\1" = \1;/p' "$@"
+} | ${CC:-cc} -E -std=c99 -Isrc/include -x c -) || exit 1
+
+printf '%s\n' "$text" | awk '
+    /^#/ { of_headers = $3 ~ /include\/fixsplat\//; of_values = $3 == "\"<stdin>\""; next }
+    of_values { values = values $0; next }
+    !of_headers || NF == 0 { next }
+    /^static inline/ { body = 1 }
+    /^typedef char .*\[sizeof/ { size = 1 }    # one that is checked as the headers are compiled
+    !body && !size { gsub(/__attribute__\(\(format\([^()]*\)\)\)/, ""); print }
+    body && /^}/ { body = 0 }
+    size && /;/ { size = 0 }
+    END {
+        count = split(values, value, ";")
+        for (i = 1; i <= count; i++) {
+            $0 = value[i]
+            $1 = $1
+            if (/^"[A-Z0-9_]*" = [-+*<|() 0-9a-fA-FxuUlL]*$/) {
+                gsub(/"/, "")
+                print "enum { " $0 " };"
+            }
+        }
+    }'
