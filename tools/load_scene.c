@@ -91,22 +91,18 @@ static int apply_filter(const preparation *p, fxs_scene_file *file, fxs_scene_fi
     return error || !(o->decimate_count || o->decimate_share > 0) ? error : decimate(file, o, info, message);
 }
 
-/* What is wrong or to be said of a file as it was opened. */
-static int look_at(const preparation *p, const fxs_scene_file_info *info, fxs_message *message)
+static void look_at(const char *path, const load_options *o, const fxs_scene_file_info *info)
 {
-    if (p->options->axes && strcmp(info->format, "spz"))
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: --axes is for .spz", shown(p->path));
-    if (info->stored_sh_degree > info->sh_degree && !p->options->again)
-        note("%s: the SH of degree %d are left out: degree %d is the highest that is drawn", p->path,
+    if (info->stored_sh_degree > info->sh_degree && !o->again)
+        note("%s: the SH of degree %d are left out: degree %d is the highest that is drawn", path,
              info->stored_sh_degree, info->sh_degree);
-    return 0;
 }
 
 static int prepare(void *argument, fxs_scene_file *file, fxs_scene_file_info *info, fxs_message *message)
 {
     const preparation *p = argument;
-    const int error = look_at(p, info, message);
-    return error ? error : apply_filter(p, file, info, message);
+    look_at(p->path, p->options, info);
+    return apply_filter(p, file, info, message);
 }
 
 int filter_scene(const char *path, const load_options *o, fxs_scene_file *file, fxs_scene_file_info *info)
@@ -176,13 +172,14 @@ int open_unfiltered(const char *path, const load_options *o, fxs_scene_file **fi
     fxs_message message;
     if (is_standard_input(path) && read_standard_input())
         return EXIT_FAILED;
-    int error = is_standard_input(path)
+    const int error = is_standard_input(path)
                     ? fxs_scene_file_open_memory(shown(path), standard_input.bytes, standard_input.size, &options, file,
                                                  info, &message)
                     : fxs_scene_file_open(path, &options, file, info, &message);
-    if (!error && (error = look_at(&(preparation){path, o}, info, &message)) != 0)
-        fxs_scene_file_close(*file);
-    return error ? fail(EXIT_FAILED, "%s", message.text) : 0;
+    if (error)
+        return fail(EXIT_FAILED, "%s", message.text);
+    look_at(path, o, info);
+    return 0;
 }
 
 int open_scene(const char *path, const load_options *o, fxs_scene_file **file, fxs_scene_file_info *info)

@@ -87,7 +87,7 @@ static void describe(open_scene *s, const void *data)
 static int take_packed(open_scene *s, const void *data, size_t bytes, const fxs_open_options *o, fxs_opened **opened,
                        fxs_message *message)
 {
-    int error = o->file.axes ? fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: axes are for .spz", s->name)
+    int error = o->file.axes ? fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: axes (--axes) are for .spz", s->name)
                              : fxs_file_check(s->name, data, bytes, 0, message);
     if (!error)
         describe(s, data);

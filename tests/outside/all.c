@@ -1,27 +1,28 @@
-/* all SCENE PACKED: reads a scene file, packs and draws it, and writes the packed scene. */
+/* all SCENE PACKED: opens a scene file, draws it, and writes the packed scene; in the common subset of C99 and C++17. */
 #include "picture.h"
 
-#include <fixsplat/image_file.h>
-#include <fixsplat/pack.h>
-#include <fixsplat/pool.h>
+#include <fixsplat/fxs_file.h>
+#include <fixsplat/renderer.h>
 
 int main(int argc, char **argv)
 {
+    static unsigned char pixels[WIDTH * HEIGHT * 4];
     fxs_message message;
-    fxs_scene_file *file;
-    fxs_scene_file_info info;
-    fxs_packed_scene packed;
-    fxs_pack_report report;
-    fxs_scene scene;
-    if (argc != 3 || fxs_scene_file_open(argv[1], 0, &file, &info, &message))
+    fxs_opened *opened;
+    fxs_renderer *renderer;
+    fxs_object object;
+    fxs_request request;
+    if (argc != 3 || fxs_open(argv[1], 0, &opened, &message) || fxs_renderer_create(0, 0, &renderer, &message))
         return 1;
-    if (fxs_pack(file, &info, &packed, &report, 0, &message) || fxs_scene_open(&scene, packed.data, packed.bytes))
+    fxs_object_init(&object, opened->scene);
+    fxs_request_init(&request, &object, 1);
+    request.targets[0].colour.pixels = pixels;
+    request.targets[0].colour.stride = WIDTH * 4;
+    picture_camera(&request.cameras[0]);
+    if (fxs_renderer_render(renderer, &request, 0, &message) || picture_print(pixels) ||
+        fxs_file_write(argv[2], opened->data, opened->bytes, &message))
         return 1;
-    fxs_scene_file_close(file);
-    FILE *out = fopen(argv[2], "wb");
-    if (!out || fwrite(packed.data, packed.bytes, 1, out) != 1 || fclose(out) || picture(&scene))
-        return 1;
-    fxs_packed_scene_free(&packed);
-    fxs_pool_destroy(fxs_pool_create(2));
+    fxs_renderer_destroy(renderer);
+    fxs_close(opened);
     return fxs_image_file_known("picture.png") != 1;
 }

@@ -15,6 +15,7 @@
 #include <fixsplat/gles.h>
 #include <fixsplat/kernels.h>
 #include <fixsplat/pack.h>
+#include <fixsplat/scene_file.h>
 
 enum { WIDTH = 208, HEIGHT = 224, IMAGES = 3, FRAMES = 4 };
 #define NEAR_PLANE 0.1f

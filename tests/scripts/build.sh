@@ -89,7 +89,7 @@ check "V=1: whole commands" grep -q -- "-c -o $work/build/src/core/frame.o src/c
 # chosen COMPILER: the folder of kernels and the archiver, by what would be done.
 chosen() {
     make_ -n V=1 B="$work/chosen" CC="$1" $2 "$work/chosen/libfixsplat-core.a" >"$work/log"
-    folders=$(sed -n 's|.* kernels/\([a-z0-9]*\)/[a-z_0-9]*\.c$|\1|p' "$work/log" | sort -u | tr '\n' ' ')
+    folders=$(sed -n 's|.* kernels/simd/\([a-z0-9]*\)/[a-z_0-9]*\.c$|\1|p' "$work/log" | sort -u | tr '\n' ' ')
     echo "$folders:$(sed -n 's/.*&& \(.*\) rcs .*/\1/p' "$work/log")"
 }
 if have aarch64-linux-gnu-gcc; then

@@ -359,14 +359,14 @@ def render(objects: "Sequence[Union[Object, Scene]]", K: Any, world_to_camera: A
     depths = [name for name in arrays if name.endswith("depth")]
     bits = placed.depth_bits(camera) if depths else 0
     aimed = _aim(arrays, alpha, bits)
-    request = new("fxs_request", objects=placed.array, count=len(placed.memories), options=options, eyes=1,
-                  cameras=cameras, targets=aimed)
+    request = new("fxs_request", objects=placed.array, count=len(placed.memories), options=options[0], eyes=1,
+                  cameras=[cameras[0]], targets=[aimed[0]])
     renderer = _renderer(backend, threads, device, max_memory)
     if stop is None:
         renderer.draw(placed, request)
     else:
         with Calls(stop=stop) as calls:
-            options.stop = calls.stop
+            request.options.stop = calls.stop
             renderer.draw(placed, request)
     for memory in placed.memories:
         memory.check()

@@ -33,56 +33,33 @@ def _box(header: bytes, *corners: str) -> Box:
 class Memory:
     """The bytes of a packed scene, which are given back when nobody holds this any more."""
 
-    def __init__(self, data: Any, size: int, name: str, mapping: Optional[Struct] = None):
-        self.data, self.size, self.name = data, size, name
-        self.scene = new("fxs_scene")
-        self._mapping = mapping
-        result = lib.fxs_scene_open(self.scene, data, size)
-        if result:
-            raise Error(f"{name}: {string(lib.fxs_strerror(result))}", result)
+    def __init__(self, scene: Struct, data: Any, size: int, name: str, opened: Optional[Struct] = None,
+                 source: Any = None):
+        self.scene, self.data, self.size, self.name = scene, data, size, name
+        self._opened, self._source = opened, source
         header = bytes(ffi.buffer(data, ffi.sizeof("fxs_packed_header")))
         self.box, self.inner_box = _box(header, "low_q32", "high_q32"), _box(header, "inner_low_q32", "inner_high_q32")
 
     @classmethod
-    def mapped(cls, path: PathLike) -> "Memory":
-        """An .fxs file as it lies."""
-        lib.fxs_map_guard()
-        mapping, name = new("fxs_mapping"), file_name(path)
-        call("fxs_map", mapping, name)
-        try:
-            call("fxs_file_check", name, mapping.data, mapping.bytes, 0)
-            memory = cls(mapping.data, mapping.bytes, os.fsdecode(name), mapping)
-        except BaseException:
-            lib.fxs_unmap(mapping)
-            raise
-        weakref.finalize(memory, lib.fxs_unmap, mapping).atexit = False
+    def opened(cls, opened: Struct, name: str, source: Any = None) -> "Memory":
+        """What fxs_open opened, of bytes that `source` holds."""
+        memory = cls(opened.scene, opened.data, opened.bytes, name, opened, source)
+        weakref.finalize(memory, lib.fxs_close, opened).atexit = False
         return memory
 
     @classmethod
-    def copied(cls, data: "memoryview", name: str) -> "Memory":
-        """The bytes of an .fxs file, where they are aligned."""
-        room = np.empty(data.nbytes + 63, np.uint8)
-        start = -room.ctypes.data % 64
-        room[start:start + data.nbytes] = np.frombuffer(data, np.uint8)
-        aligned = ffi.from_buffer(room[start:])
-        call("fxs_file_check", name.encode(), aligned, data.nbytes, 1)
-        return cls(aligned, data.nbytes, name)
-
-    @classmethod
     def packed(cls, packed: Struct, name: str) -> "Memory":
-        """What fxs_pack or fxs_fit_pack made."""
-        try:
-            memory = cls(packed.data, packed.bytes, name)
-        except BaseException:
-            lib.fxs_packed_scene_free(packed)
-            raise
+        """What fxs_fit_pack made."""
+        scene = new("fxs_scene")
+        lib.fxs_scene_open(scene, packed.data, packed.bytes)
+        memory = cls(scene, packed.data, packed.bytes, name)
         weakref.finalize(memory, lib.fxs_packed_scene_free, packed).atexit = False
         return memory
 
     def check(self) -> None:
         """An Error where the file that is mapped has been written to."""
-        if self._mapping is not None:
-            call("fxs_map_check", self._mapping, os.fsencode(self.name))
+        if self._opened is not None:
+            call("fxs_opened_check", self._opened)
 
 
 class Scene:
@@ -200,27 +177,25 @@ def _about(name: str) -> "Iterator[None]":
         raise Error(f"{name}: {error}", error.code, error.bytes_needed) from None
 
 
+def _file_options(level: int, axes: str, max_gaussians: int, max_memory: int, calls: Calls) -> "dict[str, Any]":
+    return {"level": whole("level", level, 0, 1000), "axes": choose("axes", axes, AXES), "progress": calls.progress,
+            "max_gaussians": whole("max_gaussians", max_gaussians, 0, 2**64 - 1),
+            "max_memory": whole("max_memory", max_memory, 0, 2**64 - 1)}
+
+
+def _open_options(file: "dict[str, Any]", profile: str, threads: int, calls: Calls) -> Struct:
+    return new("fxs_open_options", file=file, profile=choose("profile", profile, PROFILES),
+               threads=whole("threads", threads, 0, 64), progress=calls.progress)
+
+
 class _File:
     """A scene file that is open, to be read in floats."""
 
-    def __init__(self, source: "Union[PathLike, memoryview]", name: str, level: int, axes: str, max_gaussians: int,
-                 max_memory: int, calls: Calls):
-        self.info, self.calls, handle = new("fxs_scene_file_info"), calls, new("fxs_scene_file *")
-        self._name = name
-        self._options = new("fxs_scene_file_options", level=whole("level", level, 0, 1000),
-                            axes=choose("axes", axes, AXES), progress=calls.progress,
-                            max_gaussians=whole("max_gaussians", max_gaussians, 0, 2**64 - 1),
-                            max_memory=whole("max_memory", max_memory, 0, 2**64 - 1))
-        if isinstance(source, memoryview):
-            self._bytes = ffi.from_buffer(source)
-            call("fxs_scene_file_open_memory", name.encode(), self._bytes, source.nbytes, self._options, handle,
-                 self.info)
-        else:
-            call("fxs_scene_file_open", file_name(source), self._options, handle, self.info)
+    def __init__(self, path: str, options: "dict[str, Any]", calls: Calls):
+        self.info, self.calls, handle = new("fxs_scene_file_info"), calls, new("fxs_scene_file **")
+        self._name = path
+        call("fxs_scene_file_open", file_name(path), new("fxs_scene_file_options", **options), handle, self.info)
         self.handle = handle[0]
-        if axes != "file" and string(self.info.format) != "spz":
-            self.__exit__()
-            raise Error(f"{name}: axes are for .spz", lib.FXS_ERR_ARGUMENT)
 
     def filter(self, how: Struct) -> Struct:
         report = new("fxs_scene_filter_report")
@@ -232,32 +207,18 @@ class _File:
         with _about(self._name):
             call("fxs_scene_file_decimate", self.handle, target, self.info, self.calls.progress, NULL)
 
-    def pack(self, profile: str, threads: int) -> "tuple[Struct, Struct]":
-        packed, report = new("fxs_packed_scene"), new("fxs_pack_report")
-        with pool(threads) as (run, made, count):
-            options = new("fxs_pack_options", profile=choose("profile", profile, PROFILES), run=run, pool=made,
-                          threads=count, progress=self.calls.progress)
-            with _about(self._name):
-                call("fxs_pack", self.handle, self.info, packed, report, options)
-        return packed, report
+    def pack(self, profile: str, threads: int) -> Struct:
+        handle, self.handle, opened = self.handle, NULL, new("fxs_opened **")
+        with _about(self._name):
+            call("fxs_open_gaussians", file_name(self._name), handle, self.info,
+                 _open_options({}, profile, threads, self.calls), opened)
+        return opened[0]
 
     def __enter__(self) -> "_File":
         return self
 
     def __exit__(self, *_: object) -> None:
         lib.fxs_scene_file_close(self.handle)
-
-
-def _is_packed(path: PathLike) -> bool:
-    """By the four bytes with which an .fxs file begins. Only a regular file is opened: a pipe waits for its writer."""
-    if not os.path.isfile(path):
-        return False
-    with open(path, "rb") as file:
-        return _begins_packed(file.read(4))
-
-
-def _begins_packed(data: "Union[bytes, memoryview]") -> bool:
-    return bytes(data[:4]) == int(lib.FXS_PACKED_MAGIC).to_bytes(4, "little")
 
 
 def load(source: "Union[PathLike, bytes, bytearray, memoryview]", *, profile: str = "default", level: int = 0,
@@ -275,21 +236,23 @@ def load(source: "Union[PathLike, bytes, bytearray, memoryview]", *, profile: st
     threads: 1 to 64; 0: one for each processor. The packed scene does not depend on it.
     progress: called now and then with 0 to 1, perhaps more than once from the start; what it raises ends the call.
     """
-    if isinstance(source, (bytes, bytearray, memoryview)):
-        data: "Union[PathLike, memoryview]" = memoryview(source).cast("B")
-        name, packed = "bytes", _begins_packed(memoryview(source).cast("B"))
-    elif isinstance(source, (str, os.PathLike)):
-        data, name = source, os.fsdecode(file_name(source))
-        packed = _is_packed(source)
-    else:
-        raise TypeError(f"source: expected a path or bytes, not {type(source).__name__}")
-    if packed:
-        if choose("axes", axes, AXES):
-            raise Error(f"{name}: axes are for .spz", lib.FXS_ERR_ARGUMENT)
-        return Scene(Memory.copied(data, name) if isinstance(data, memoryview) else Memory.mapped(data))
-    with Calls(progress) as calls, _File(data, name, level, axes, max_gaussians, max_memory, calls) as file:
-        scene, report = file.pack(profile, threads)
-        return Scene(Memory.packed(scene, name), report.read - report.packed, report.brought_in)
+    opened = new("fxs_opened **")
+    with Calls(progress) as calls:
+        options = _open_options(_file_options(level, axes, max_gaussians, max_memory, calls), profile, threads, calls)
+        if isinstance(source, (bytes, bytearray, memoryview)):
+            data = bytes(source)
+            name, held = "bytes", ffi.from_buffer(data)
+            call("fxs_open_memory", name.encode(), held, len(data), options, opened)
+        elif isinstance(source, (str, os.PathLike)):
+            lib.fxs_map_guard()
+            name, held = os.fsdecode(file_name(source)), None
+            call("fxs_open", file_name(source), options, opened)
+        else:
+            raise TypeError(f"source: expected a path or bytes, not {type(source).__name__}")
+    memory, report = Memory.opened(opened[0], name, held), opened[0].report
+    if held is not None and string(opened[0].info.format) == "fxs":
+        call("fxs_file_check", name.encode(), memory.data, memory.size, 1)
+    return Scene(memory, report.read - report.packed, report.brought_in)
 
 
 # ---- Converting ------------------------------------------------------------------------------------------------------
@@ -347,7 +310,8 @@ def convert(src: PathLike, dst: PathLike, *, crop: Any = None, sphere: Any = Non
     how = _filter(crop, sphere, prune, drop_floaters, sh_degree)
     how.drawable = not packed or target is not None
     _check_names(source, out)
-    with Calls(progress) as calls, _File(source, source, level, axes, max_gaussians, max_memory, calls) as file:
+    options = (level, axes, max_gaussians, max_memory)
+    with Calls(progress) as calls, _File(source, _file_options(*options, calls), calls) as file:
         kept = file.filter(how)
         if target is not None:
             file.decimate(target)
@@ -359,9 +323,6 @@ def convert(src: PathLike, dst: PathLike, *, crop: Any = None, sphere: Any = Non
 
 
 def _check_names(source: str, out: str) -> None:
-    if _is_packed(source):
-        raise Error(f"{source}: an .fxs file is not converted; convert the scene that it was made from",
-                    lib.FXS_ERR_FILE)
     if os.path.exists(source) and os.path.exists(out) and os.path.samefile(source, out):
         raise Error(f"{out}: is read and cannot be written too; give it another name", lib.FXS_ERR_FILE)
 
@@ -391,10 +352,11 @@ def _conversion(kept: Struct, written: int, dropped: int, *rest: Any) -> Convers
 
 
 def _pack_into(file: _File, out: str, profile: str, threads: int, kept: Struct) -> Conversion:
-    packed, report = file.pack(profile, threads)
-    with Scene(Memory.packed(packed, out)) as scene:
+    opened = file.pack(profile, threads)
+    report = opened.report
+    with Scene(Memory.opened(opened, out)) as scene:
         scene.save(out)
-    return _conversion(kept, report.packed, report.read - report.packed, report.brought_in)
+        return _conversion(kept, report.packed, report.read - report.packed, report.brought_in)
 
 
 def _batches(file: _File) -> "Iterator[Tuple[Any, int]]":

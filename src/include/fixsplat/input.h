@@ -29,7 +29,7 @@ enum fxs_axes { FXS_AXES_OF_FILE, FXS_AXES_RUB, FXS_AXES_RDF };
 /* All 0: the finest level, axes as the file says, malloc and free, no progress, the limits above. */
 typedef struct fxs_scene_file_options {
     int level;                       /* of detail, 0 the finest */
-    enum fxs_axes axes;              /* of a file that is an .spz; of no meaning in others */
+    enum fxs_axes axes;              /* of an .spz; for others FXS_ERR_ARGUMENT */
     const fxs_allocator *allocator;  /* for all that a reader allocates itself; may be null, else outlives the file */
     fxs_progress_fn *progress;       /* of opening streamed SOG, and of the first read of .spz; may be null */
     void *progress_argument;
