@@ -192,7 +192,7 @@ class _File:
     """A scene file that is open, to be read in floats."""
 
     def __init__(self, path: str, options: "dict[str, Any]", calls: Calls):
-        self.info, self.calls, handle = new("fxs_scene_file_info"), calls, new("fxs_scene_file **")
+        self.info, self.calls, handle = new("fxs_scene_file_info"), calls, new("fxs_scene_file *")
         self._name = path
         call("fxs_scene_file_open", file_name(path), new("fxs_scene_file_options", **options), handle, self.info)
         self.handle = handle[0]
@@ -208,7 +208,7 @@ class _File:
             call("fxs_scene_file_decimate", self.handle, target, self.info, self.calls.progress, NULL)
 
     def pack(self, profile: str, threads: int) -> Struct:
-        handle, self.handle, opened = self.handle, NULL, new("fxs_opened **")
+        handle, self.handle, opened = self.handle, NULL, new("fxs_opened *")
         with _about(self._name):
             call("fxs_open_gaussians", file_name(self._name), handle, self.info,
                  _open_options({}, profile, threads, self.calls), opened)
@@ -236,7 +236,7 @@ def load(source: "Union[PathLike, bytes, bytearray, memoryview]", *, profile: st
     threads: 1 to 64; 0: one for each processor. The packed scene does not depend on it.
     progress: called now and then with 0 to 1, perhaps more than once from the start; what it raises ends the call.
     """
-    opened = new("fxs_opened **")
+    opened = new("fxs_opened *")
     with Calls(progress) as calls:
         options = _open_options(_file_options(level, axes, max_gaussians, max_memory, calls), profile, threads, calls)
         if isinstance(source, (bytes, bytearray, memoryview)):
