@@ -49,4 +49,13 @@ static inline double fxs_colour_of_dc(double dc)
     return 0.5 + FXS_SH_0 * dc;
 }
 
+/* The rotation matrix of a quaternion of any length but 0. */
+static inline void fxs_rotation_matrix(double rows[3][3], double w, double x, double y, double z)
+{
+    const double s = 2 / (w * w + x * x + y * y + z * z);
+    rows[0][0] = 1 - s * (y * y + z * z), rows[0][1] = s * (x * y - w * z), rows[0][2] = s * (x * z + w * y);
+    rows[1][0] = s * (x * y + w * z), rows[1][1] = 1 - s * (x * x + z * z), rows[1][2] = s * (y * z - w * x);
+    rows[2][0] = s * (x * z - w * y), rows[2][1] = s * (y * z + w * x), rows[2][2] = 1 - s * (x * x + y * y);
+}
+
 #endif

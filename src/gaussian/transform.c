@@ -89,16 +89,6 @@ static void polar_rotation(matrix x, matrix m)
     }
 }
 
-void fxs_rotation_matrix(matrix m, const float q[4])
-{
-    double w = q[0], x = q[1], y = q[2], z = q[3];
-    double s = 2 / (w * w + x * x + y * y + z * z);
-    const matrix made = {{1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)},
-                         {s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x)},
-                         {s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y)}};
-    memcpy(m, made, sizeof made);
-}
-
 /* By the largest of the four components. */
 static void quaternion_of(float q[4], matrix m)
 {
@@ -185,7 +175,7 @@ void fxs_set_axes(fxs_gaussian *g, matrix m)
 static void apply_linear(const fxs_transform *t, fxs_gaussian *g)
 {
     matrix r, m;
-    fxs_rotation_matrix(r, g->rotation);
+    fxs_rotation_matrix(r, g->rotation[0], g->rotation[1], g->rotation[2], g->rotation[3]);
     for (int j = 0; j < 3; j++) {
         double scale = fxs_exp(g->scale[j]);
         for (int i = 0; i < 3; i++)

@@ -15,9 +15,6 @@ int fxs_transform_init(fxs_transform *transform, double rows[3][4]);
 /* Maps position and covariance, and the SH by the map's rotation. */
 void fxs_transform_apply(const fxs_transform *transform, fxs_gaussian *gaussian, int sh_degree);
 
-/* Of a quaternion w, x, y, z, of any length but 0. */
-void fxs_rotation_matrix(double rows[3][3], const float rotation[4]);
-
 /* Sets rotation and scales to those of the covariance m m'; m is changed. */
 void fxs_set_axes(fxs_gaussian *gaussian, double m[3][3]);
 

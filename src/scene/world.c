@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/gaussian/attributes.h"
+
 #define FARTHEST 0x1p28
 #define SCALE_LEAST 0x1p-16
 #define SCALE_MOST 0x1p16
@@ -136,19 +138,13 @@ static int64_t to_fixed(double x, int q)
 
 static void rotation_of(double r[3][3], const double quaternion[4])
 {
-    double most = 0, q[4], square = 0;
+    double most = 0, q[4];
     for (int i = 0; i < 4; i++)
         if (fabs(quaternion[i]) > most)
             most = fabs(quaternion[i]);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; i++)
         q[i] = quaternion[i] / most;
-        square += q[i] * q[i];
-    }
-    const double w = q[0], x = q[1], y = q[2], z = q[3], s = 2 / square;
-    const double made[3][3] = {{1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)},
-                               {s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x)},
-                               {s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y)}};
-    memcpy(r, made, sizeof made);
+    fxs_rotation_matrix(r, q[0], q[1], q[2], q[3]);
 }
 
 static int64_t crop_side(double x)

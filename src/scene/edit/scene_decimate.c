@@ -56,7 +56,7 @@ static void find_covariance(double covariance[6], const float q[4], const double
 {
     static const uint8_t rows[6] = {0, 1, 2, 0, 0, 1}, columns[6] = {0, 1, 2, 1, 2, 2};
     double r[3][3];
-    fxs_rotation_matrix(r, q);
+    fxs_rotation_matrix(r, q[0], q[1], q[2], q[3]);
     for (int k = 0; k < 6; k++) {
         covariance[k] = 0;
         for (int axis = 0; axis < 3; axis++)
