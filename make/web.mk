@@ -6,7 +6,7 @@ WASM_OPT ?= wasm-opt
 WEB := $(B)/web/package
 MODULES := core simd threads import
 WASM_FLAGS := --target=wasm32-wasi -std=gnu99 $(INCLUDES) -fwrapv -ffp-contract=off -ffunction-sections \
-              -Wall -Wextra -Wpedantic -Wshadow -Wconversion -include port/web/web_files.h
+              -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 WASM_LINK := --target=wasm32-wasi -nostartfiles -Wl,--no-entry,--strip-all,--stack-first,-z,stack-size=524288
 WEB_C := $(addprefix port/web/web_,text.c heap.c files.c) src/base/message.c src/base/allocator.c
 WEB_CORE := $(wildcard src/core/*.c) kernels/kernels.c port/web/web_core.c src/base/crc32.c src/scene/fxs_file.c \
@@ -15,18 +15,20 @@ sources_of_core := $(WEB_CORE)
 WEB_GLES := $(wildcard kernels/gles/*.c) port/web/webgl.c
 sources_of_simd := $(WEB_CORE) $(wildcard kernels/simd/wasm/*.c) $(WEB_GLES)
 sources_of_threads := $(sources_of_simd) port/web/web_pool.c
-sources_of_import := $(wildcard $(patsubst %,src/%/*.c,gaussian scene/read pack)) src/scene/scene_file.c \
+sources_of_import := $(filter-out %/fxs.c,$(wildcard $(patsubst %,src/%/*.c,gaussian scene/read pack))) src/scene/scene_file.c src/scene/formats.c \
                      src/scene/fxs_file.c $(addprefix port/web/web_,import.c crc.c sort.c) \
                      $(addprefix src/base/,crc32.c byte_reader.c opened.c source.c text.c zip.c) \
                      $(addprefix src/core/,scene.c fixsplat.c chunk.c) $(WEB_C)
 # What takes little of a frame is to be small; kernels take a seventh less of it by -O3, for 2 KB. The lowest 1024 bytes are
 # the end of the stack, which no pointer is to (--low-memory-unused).
 # <GLES3/gl3.h> is the host's.
-wasm_flags_of = $(if $(filter import,$(1)),$(WEB_READERS_FLAGS)) \
+wasm_flags_of = $(if $(filter import,$(1)),$(WEB_READERS_FLAGS) -DFXS_TO_PACK) \
                 $(if $(filter simd,$(1)),-msimd128) $(if $(filter %/web_pool.c,$(2)),-matomics -mbulk-memory) \
                 $(if $(filter $(WEB_GLES),$(2)),-idirafter /usr/include -I$(B)/kernels/gles) \
                 $(if $(filter kernels/simd/wasm/%,$(2)),-O3,$(if $(filter $(WEB_SMALL),$(1)/$(2)),-Oz,-O2))
-WEB_SMALL := simd/src/% core/port/% core/src/base/% core/src/camera/% core/src/scene/% simd/port/% %/gles/gles.c %/gles/fetch.c %/gles/state.c
+WEB_SMALL := simd/src/% core/port/% core/src/base/% core/src/camera/% core/src/scene/% simd/port/% %/gles/gles.c %/gles/fetch.c %/gles/state.c \
+             import/src/scene/formats.c import/src/scene/scene_file.c import/src/gaussian/stream.c \
+             import/src/base/source.c import/src/base/text.c import/src/base/zip.c
 # The objects are those of simd; nothing of them but pool.c knows of threads, and nothing of wasi-libc that is linked
 # (memcpy, qsort, exp) cares. Its memory is made by fixsplat.js, of 16 pages at first.
 wasm_link_of_threads := -Wl,--shared-memory,--import-memory,--initial-memory=1048576,--max-memory=4294967296 \
@@ -98,12 +100,17 @@ WEB_LICENSES := $(if $(WEB_LIBS),$(addprefix $(WEB_SOURCES)/,cjson/LICENSE libwe
 $(WEB)/LICENSE: LICENSE $(wildcard /usr/share/doc/wasi-libc/copyright) $(WEB_LICENSES)
 	@mkdir -p $(@D)
 	@for f in $^; do [ $$f = LICENSE ] || printf '\n---- %s ----\n\n' $$(basename $$(dirname $$f)); cat $$f; done >$@
+# The endings of what is read, of the table of formats: a row, and 1 at the beginning of its next line of numbers.
+FORMATS := $(shell awk '/^    \{\{"/ { split($$0, quoted, "\""); endings = quoted[4] } \
+    /^      1, / && endings { gsub(/ /, ", ", endings); list = list (list ? ", " : "") endings } \
+    /^      [01], / { endings = "" } END { print list }' src/scene/formats.c)
+$(PACKAGE): src/scene/formats.c
 # Without comments, but for those of several lines, and indentation: a sixth less to download.
 $(WEB)/%.js: port/web/%.js
 	@mkdir -p $(@D)
-	@sed -e 's/^ *//' -e '/^\/\//d' -e '/^\/\*\*.*\*\/$$/d' -e "s| *// [^'\"\`]*\$$||" -e '/^$$/d' $< >$@
+	@sed -e 's/@FORMATS@/$(FORMATS)/' -e 's/^ *//' -e '/^\/\//d' -e '/^\/\*\*.*\*\/$$/d' -e "s| *// [^'\"\`]*\$$||" -e '/^$$/d' $< >$@
 $(WEB)/%: port/web/%
-	@mkdir -p $(@D) && cp $< $@
+	@mkdir -p $(@D) && sed 's/@FORMATS@/$(FORMATS)/' $< >$@
 
 # tests/test_kernels.c as a program of WASI: node tests/web/wasi.mjs runs it.
 $(B)/web/test_kernels.wasm: $(patsubst %.c,$(B)/web/simd/%.o,$(wildcard src/core/*.c kernels/simd/wasm/*.c) kernels/kernels.c \

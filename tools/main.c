@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <fixsplat/backends.h>
+#include <fixsplat/formats.h>
 #include <fixsplat/output.h>
 #include "file_guard.h"
 #include "drawing.h"
@@ -24,24 +25,6 @@ static const struct {
 
 enum { COMMANDS = sizeof commands / sizeof *commands };
 
-static const char formats_help[] =
-    "Scenes that are read:\n"
-    "  .fxs                packed: opens at once, and is rendered from the file as it lies; written too\n"
-    "  .ply                Inria's (text, floats, halves; of 2D Gaussians too), written too\n"
-    "  .compressed.ply     PlayCanvas's, written too\n"
-    "  .splat              32 bytes a Gaussian, written too\n"
-    "  .ksplat             of GaussianSplats3D\n"
-    "  .lcc                of XGRIDS, with its index.bin, data.bin, shcoef.bin and environment.bin beside it; --lod\n"
-    "  .spz                1 to 4; 3 and 4 are written too\n"
-    "  .sog                1 and 2, also streamed: a file, its folder, meta.json or lod-meta.json (--lod);\n"
-    "                      2 is written too\n"
-    "  .gltf, .glb         with KHR_gaussian_splatting; .glb is written too\n"
-    "  tileset.json        3D Tiles of .gltf and .glb, nested ones too: the finest tiles\n"
-    "Scenes that are written alone:\n"
-    "  .csv                text, a line a Gaussian\n"
-    "Pictures that are written:\n"
-    "  .png, .ppm, .raw, .jpg, .webp; depths also as .pfm; films as .y4m and .rgba\n";
-
 static const char backends_help[] =
     "A back end renders, and --backend names it; auto takes cpu. All but gles-quads give the same bytes.\n"
     "fixsplat info --backends tells which are here, and why not; --json tells it to a program. With:\n\n";
@@ -61,7 +44,16 @@ static void help_cameras(void)
 
 static void help_formats(void)
 {
-    fputs(formats_help, stdout);
+    const fxs_scene_format *f;
+    printf("Scenes, by the endings of their names (convert writes by the first):\n\n");
+    for (int i = 0; (f = fxs_scene_format_at(i)) != 0; i++) {
+        printf("  %-31s %-8s %s\n", f->endings, f->is_read && f->is_written ? "in, out" : f->is_read ? "in" : "out",
+               f->about);
+        if (f->is_written && f->loses)
+            printf("  %40s written: %s\n", "", f->loses);
+    }
+    printf("\nPictures that are written:\n\n"
+           "  .png, .ppm, .raw, .jpg, .webp; depths also as .pfm; films as .y4m and .rgba\n");
 }
 
 static const struct {

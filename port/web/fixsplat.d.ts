@@ -39,8 +39,8 @@ export interface Progress {
   bytes?: number
 }
 
-/** Opens a scene: .fxs, .ply (PlayCanvas's compressed one too), .splat, .ksplat, .lcc, .spz, .sog, .glb, .gltf, tileset.json,
-    meta.json, lod-meta.json. Files that it names are fetched from beside it, or are in the same list of files, by their
+/** Opens a scene: @FORMATS@.
+    Files that it names are fetched from beside it, or are in the same list of files, by their
     webkitRelativePath or name. */
 export function load(
   source: string | URL | ArrayBuffer | ArrayBufferView | Blob | Iterable<File>,

@@ -1,83 +1,50 @@
 /* There are no files here: whoever asks for one by its path hears so. Scenes come in from memory. */
-#include <errno.h>
-#include <fcntl.h>
-#include <stdio.h>
-#include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
+#include <fixsplat/message.h>
 
-static int none(void)
+#include "src/base/files_internal.h"
+
+enum fxs_file_kind fxs_file_kind(const char *path)
 {
-    errno = ENOENT;
-    return -1;
+    (void)path;
+    return FXS_FILE_NONE;
 }
 
-int open(const char *path, int flags, ...)
+int fxs_file_is_named(const char *path)
 {
-    (void)path, (void)flags;
-    return none();
-}
-
-int stat(const char *restrict path, struct stat *restrict status)
-{
-    (void)path, (void)status;
-    return none();
-}
-
-int lstat(const char *restrict path, struct stat *restrict status)
-{
-    (void)path, (void)status;
-    return none();
-}
-
-int fstat(int file, struct stat *status)
-{
-    (void)file, (void)status;
-    return none();
-}
-
-int close(int file)
-{
-    (void)file;
-    return none();
-}
-
-char *realpath(const char *path, char *resolved)
-{
-    (void)path, (void)resolved;
-    none();
-    return NULL;
-}
-
-FILE *fdopen(int file, const char *mode)
-{
-    (void)file, (void)mode;
-    none();
-    return NULL;
-}
-
-int fclose(FILE *stream)
-{
-    (void)stream;
-    return none();
-}
-
-size_t fread(void *restrict out, size_t size, size_t count, FILE *restrict stream)
-{
-    (void)out, (void)size, (void)count, (void)stream;
+    (void)path;
     return 0;
 }
 
-int fseeko(FILE *stream, off_t offset, int from)
+int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_message *message)
 {
-    (void)stream, (void)offset, (void)from;
-    return none();
+    (void)facts;
+    *file = NULL;
+    return fxs_fail(message, "%s: there are no files here", path);
+}
+
+int fxs_file_open_within(const char *first, const char *path, FILE **file, fxs_file_facts *facts, fxs_message *message)
+{
+    (void)first;
+    return fxs_file_open(path, file, facts, message);
+}
+
+int fxs_file_read_at(FILE *file, uint64_t offset, void *out, size_t size)
+{
+    (void)file, (void)offset, (void)out, (void)size;
+    return -1;
+}
+
+/* What is called of a file that was opened. */
+int fclose(FILE *stream)
+{
+    (void)stream;
+    return -1;
 }
 
 int setvbuf(FILE *restrict stream, char *restrict buffer, int mode, size_t size)
 {
     (void)stream, (void)buffer, (void)mode, (void)size;
-    return none();
+    return -1;
 }
 
 char *strerror(int number)

@@ -6,10 +6,16 @@
 
 #include <fixsplat/message.h>
 
-#ifdef FXS_WITHOUT_WRITERS
+/* FXS_TO_PACK: a build that only packs what it reads has neither writers nor the reader of
+   packed scenes, and nobody to read words. */
+#ifdef FXS_TO_PACK
 #define WRITE(name) NULL
+#define READ_PACKED NULL
+#define SAYS(text) NULL
 #else
 #define WRITE(name) &fxs_write_##name
+#define READ_PACKED &fxs_read_fxs
+#define SAYS(text) text
 #endif
 
 /* A file is of the first format that its content or its name fits: one without a magic number, and the shorter of two
@@ -18,37 +24,38 @@ static const fxs_format_row formats[] = {
     /* name, endings, about
        read, written, SH degree, anti-aliased, what writing it loses
        reader, writer */
-    {{"fxs", ".fxs", "packed: opens at once, and is rendered from the file as it lies",
-      1, 1, 3, 1, "by its profile"},
-     &fxs_read_fxs, NULL},
-    {{"compressed ply", ".compressed.ply", "PlayCanvas's: 16 bytes a Gaussian, and one for each SH coefficient",
-      1, 1, 3, 1, "positions, scales and rotations have 10 or 11 bits, the rest 8"},
+    {{"fxs", ".fxs", SAYS("packed: opens at once, and is rendered from the file as it lies"),
+      1, 1, 3, 1, SAYS("by its profile")},
+     READ_PACKED, NULL},
+    {{"compressed ply", ".compressed.ply", SAYS("PlayCanvas's: 16 bytes a Gaussian, and one for each SH coefficient"),
+      1, 1, 3, 1, SAYS("positions, scales and rotations have 10 or 11 bits, the rest 8")},
      &fxs_read_compressed_ply, WRITE(compressed_ply)},
-    {{"ply", ".ply", "Inria's (text, floats, halves; of 2D Gaussians too)",
+    {{"ply", ".ply", SAYS("Inria's (text, floats, halves; of 2D Gaussians too)"),
       1, 1, 3, 1, NULL},
      &fxs_read_ply, WRITE(ply)},
-    {{"ksplat", ".ksplat", "of GaussianSplats3D",
+    {{"ksplat", ".ksplat", SAYS("of GaussianSplats3D"),
       1, 0, 0, 0, NULL},
      &fxs_read_ksplat, NULL},
-    {{"spz", ".spz", "Niantic's, versions 1 to 4; 3 and 4 are written",
-      1, 1, 3, 1, "positions have 24 bits over the scene, the rest 8 to 10"},
+    {{"spz", ".spz", SAYS("Niantic's, versions 1 to 4; 3 and 4 are written"),
+      1, 1, 3, 1, SAYS("positions have 24 bits over the scene, the rest 8 to 10")},
      &fxs_read_spz, WRITE(spz)},
-    {{"tileset", "tileset.json", "3D Tiles of .gltf and .glb, nested ones too: the finest tiles",
+    {{"tileset", "tileset.json", SAYS("3D Tiles of .gltf and .glb, nested ones too: the finest tiles"),
       1, 0, 0, 0, NULL},
      &fxs_read_tileset, NULL},
-    {{"gltf", ".glb .gltf", "glTF with KHR_gaussian_splatting; .glb is written",
+    {{"gltf", ".glb .gltf", SAYS("glTF with KHR_gaussian_splatting; .glb is written"),
       1, 1, 3, 0, NULL},
      &fxs_read_gltf, WRITE(glb)},
-    {{"lcc", ".lcc", "of XGRIDS, with its index.bin, data.bin, shcoef.bin and environment.bin beside it",
+    {{"lcc", ".lcc", SAYS("of XGRIDS, with its index.bin, data.bin, shcoef.bin and environment.bin beside it"),
       1, 0, 0, 0, NULL},
      &fxs_read_lcc, NULL},
-    {{"sog", ".sog lod-meta.json meta.json", "PlayCanvas's, 1 and 2, also streamed: a file, its folder or its index",
-      1, 1, 3, 1, "positions have 16 bits, the rest 8, SH are of a palette"},
+    {{"sog", ".sog lod-meta.json meta.json",
+      SAYS("PlayCanvas's, 1 and 2, also streamed: a file, its folder or its index; 2 is written"),
+      1, 1, 3, 1, SAYS("positions have 16 bits, the rest 8, SH are of a palette")},
      &fxs_read_sog, WRITE(sog)},
-    {{"splat", ".splat", "32 bytes a Gaussian",
-      1, 1, 0, 0, "no SH above degree 0, 8 bits for all but positions and scales"},
+    {{"splat", ".splat", SAYS("32 bytes a Gaussian"),
+      1, 1, 0, 0, SAYS("no SH above degree 0, 8 bits for all but positions and scales")},
      &fxs_read_splat, WRITE(splat)},
-    {{"csv", ".csv", "text, a line a Gaussian, columns as in a .ply",
+    {{"csv", ".csv", SAYS("text, a line a Gaussian, columns as in a .ply"),
       0, 1, 3, 0, NULL},
      NULL, WRITE(csv)},
 };

@@ -97,7 +97,7 @@ export const body = `
   aria-label="The scene. Drag or use the arrow keys to turn it; H lists the keys."></div>
 <div id="empty" class="ui">
   <h1>fixsplat</h1>
-  <p>Drop a scene here: .ply, .splat, .ksplat, .lcc, .spz, .sog, .glb or .fxs</p>
+  <p>Drop a scene here: @FORMATS@</p>
   <button id="choose" type="button" class="main">Open a file</button>
   <p class="fine">It stays on this machine: nothing is sent.</p>
 </div>
