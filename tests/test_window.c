@@ -643,8 +643,7 @@ static void test_views_of_a_file(void)
     drop(&v, cubes);
     CHECK(v.view_count == 1 && !v.options.cameras && near(v.up[1], -1));
     viewer_close(&v);
-    memcpy(options.up, (double[3]){0, 0, 1}, sizeof options.up);
-    options.has_up = 1;
+    options.up = (point_option){1, {0, 0, 1}};
     options.near = 0.5;
     if (start(&v, &options))
         return;

@@ -7,24 +7,11 @@
 #include <fixsplat/fxs_file.h>
 
 #include "src/scene/edit/merge.h"
+#include "command_line.h"
 
 /* ---- Options ----------------------------------------------------------------------------------------------------- */
 
-int take_world_option(world_options *o, int which, const char *value)
-{
-    if (which == OPT_SCENE) {
-        o->file = value;
-        return 0;
-    }
-    if (o->place_count == PLACES_MOST)
-        return fail(EXIT_USAGE, "--place %s: more than %d; --scene takes any number", value, PLACES_MOST);
-    if (!strrchr(value, ':'))
-        return fail(EXIT_USAGE, "--place %s: expected SCENE:X,Y,Z[,QW,QX,QY,QZ[,S]]", value);
-    o->places[o->place_count++] = value;
-    return 0;
-}
-
-int take_scenes(world_options *o, const char *command, int count, char *const *scenes)
+int take_scenes(world_options *o, const char *name, int count, char *const *scenes)
 {
     o->scenes = scenes;
     o->scene_count = count;
@@ -32,7 +19,7 @@ int take_scenes(world_options *o, const char *command, int count, char *const *s
         return fail(EXIT_USAGE, "--scene says which scenes there are and where: give no %s",
                     count ? "others" : "--place");
     if (!o->file && !count)
-        return fail(EXIT_USAGE, "%s takes a scene file, or several; see: fixsplat %s --help", command, command);
+        return fail(EXIT_USAGE, "%s takes a scene file, or several; see: fixsplat %s --help", name, name);
     return 0;
 }
 

@@ -16,24 +16,8 @@ typedef struct world_options {
     int place_count;
 } world_options;
 
-#define WORLD_OPTIONS \
-    {"scene", required_argument, 0, OPT_SCENE}, {"place", required_argument, 0, OPT_PLACE}
-#define WORLD_HELP \
-    "  --place SCENE:X,Y,Z[,QW,QX,QY,QZ[,S]]\n" \
-    "                      put a scene, named as it was given, by the end of its path or by its number from 0\n" \
-    "                      on, at X,Y,Z, turned by a quaternion and S times as large. Given again for the same\n" \
-    "                      scene, it is there once more. A scene that is not placed is as in its file\n" \
-    "  --scene FILE.json   the scenes, and how they are placed, from a file: {\"objects\": [{\"file\": \"a.fxs\",\n" \
-    "                      \"translation\": [x, y, z], \"rotation\": [w, x, y, z], \"scale\": s, \"opacity\": o,\n" \
-    "                      \"tint\": [r, g, b], \"visible\": true, \"id\": n, \"crops\": [{\"low\": [x, y, z],\n" \
-    "                      \"high\": [x, y, z], \"keep\": \"inside\"}]}]}; all but \"file\" may be left out,\n" \
-    "                      \"keep\" may be \"outside\" too\n"
-
-/* Takes the value of one of WORLD_OPTIONS. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
-int take_world_option(world_options *options, int which, const char *value);
-
-/* Takes the files that are given. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
-int take_scenes(world_options *options, const char *command, int count, char *const *scenes);
+/* Takes the files that the command of that name is given. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
+int take_scenes(world_options *options, const char *name, int count, char *const *scenes);
 
 /* What the options ask for, before a scene is opened; fxs_world_free frees it. Returns 0, or prints why not and
    returns the exit status. */

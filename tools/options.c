@@ -10,88 +10,25 @@
 #include <fixsplat/kernels.h>
 #endif
 
-const char camera_options_help[] =
-    "Camera (without one, the scene is framed whole):\n"
-    "  --cameras FILE      cameras.json, transforms.json, images.bin or images.txt of COLMAP, or a folder with one\n"
-    "                      of them\n"
-    "  --view N|NAME|LIST|all\n"
-    "                      a view of that file: its number from 0, its image name, several as 8..40 or 0,8,40..20\n"
-    "                      (render alone), or all (default 0)\n"
-    "  --eye X,Y,Z         camera centre\n"
-    "  --look X,Y,Z        point looked at (default: the middle of the scene)\n"
-    "  --up X,Y,Z          up in the picture (default 0,-1,0: y points down; 0,0,1 for scenes with z up)\n"
-    "  --fov DEG           vertical field of view, 1 to 170 (default 50)\n"
-    "  --tangents L,R,U,D  field of view as a headset states it, tangents to the left (negative), right, up and down\n"
-    "                      (negative), in place of --fov; with --stereo of the left eye, the right one is its mirror\n"
-    "  --ortho UNITS       parallel rays, a picture so many scene units high, in place of --fov\n"
-    "  --near DEPTH        near plane: only what lies beyond is drawn, scene units, 2^-20 to 2^28 (default: 0.2 for\n"
-    "                      views of a file in render, bench and info; else 1/100 of the scene's radius, at most 0.2)\n"
-    "  --size WxH          pixels (default: the view's own size, else 1280x720; of a panorama 2048x1024)\n"
-    "  --stereo DISTANCE   two pictures side by side, of eyes so far apart (scene units, above 0) about the camera;\n"
-    "                      order and colours are found once for both\n"
-    "  --stereo-exact      each eye as its camera alone would be rendered\n"
-    "  --foveate[=X,Y[,R1,R2[,BAND]]]\n"
-    "                      full rate R1 pixels about the gaze X,Y (of two eyes in the left picture; the other looks\n"
-    "                      the same way), half rate as far as R2, a quarter beyond; edges faded over BAND pixels\n"
-    "                      (default: straight ahead, 1/5 and 2/5 of the shorter side, 1/4 of R1)\n"
-    "Scenes:\n"
-    WORLD_HELP;
+/* ---- Taking ------------------------------------------------------------------------------------------------------ */
 
-const char frame_options_help[] =
-    "Rendering:\n"
-    "  --bg RRGGBB         background (default 000000)\n"
-    "  --cutoff NAME       mahalanobis (default) or square\n"
-    "  --sh-degree D       highest SH degree used, 0 to 3 (default 3)\n"
-    "  --threads N         threads, 1 to 64 (default: one a processor); the picture does not depend on it\n"
-    "  --max-memory BYTES  working memory of a frame, also as 64K, 3M, 2G: rendered in bands where it does not hold\n"
-    "                      every Gaussian; the picture does not depend on it. With --backend cuda: device memory,\n"
-    "                      scene included\n"
-    "  --cpu LIST          instruction sets that may be used: all (default), c for none, or names out of\n"
-    "                      sse41,avx2,avx512,neon\n"
-    "  --backend NAME      what renders: cpu; gles (OpenGL ES 3.0 by EGL) or osmesa in place of blend and resolve;\n"
-    "                      gles-fetch (gles without lists); cuda: the same bytes. gles-quads: inexact, blended by the\n"
-    "                      device. auto (default): cpu. See fixsplat info --backends\n"
-    "  --device LIST       GPUs of --backend cuda: numbers from 0 on with commas, or all (default 0); render --view\n"
-    "                      all shares the views out among them, other commands take the first\n"
-    "  --lod LEVEL         level of detail of an .lcc or streamed .sog, 0 the finest (default 0)\n"
-    "  --profile P         how a scene that is not an .fxs file is packed: default, compact or small\n"
-    IMPORT_HELP
-    "  --help              this text\n";
-
-void frame_options_default(frame_options *options)
+int take_frame_size(const option_row *row, void *field, const char *value)
 {
-    memset(options, 0, sizeof *options);
-    fxs_options_init(&options->render);
-    options->up[1] = -1;
-    options->fov = 50;
-    options->cpu = "all";
-    options->backend = "auto";
-    options->threads = fxs_processors();
-    options->device_count = 1;
+    frame_options *options = field;
+    return parse_size(value, &options->width, &options->height) ? 0 : wrong_value(row, value);
 }
 
-int take_max_memory(size_t *bytes, const char *value)
+int take_devices(const option_row *row, void *field, const char *value)
 {
-    return parse_bytes(value, bytes)
-               ? 0 : fail(EXIT_USAGE, "--max-memory %s: expected bytes, or a number with K, M or G", value);
-}
-
-static int take_vector(const char *name, const char *value, double out[3], int *has)
-{
-    *has = parse_vector(value, 3, out);
-    return *has ? 0 : fail(EXIT_USAGE, "--%s %s: expected three numbers X,Y,Z", name, value);
-}
-
-static int take_devices(frame_options *options, const char *value)
-{
+    frame_options *options = field;
     const char *at = value;
     options->device_count = 0;
     while (strcmp(value, "all")) {
         char *end;
         const long number = strtol(at, &end, 10);
         if (*at < '0' || *at > '9' || number > 255 || options->device_count == DEVICES_MOST || (*end && *end != ','))
-            return fail(EXIT_USAGE, "--device %s: expected all, or up to %d numbers from 0 to 255 with commas", value,
-                        DEVICES_MOST);
+            return fail(EXIT_USAGE, "--%s %s: expected all, or up to %d numbers from 0 to 255 with commas", row->name,
+                        value, DEVICES_MOST);
         options->devices[options->device_count++] = (int)number;
         if (!*end)
             break;
@@ -100,46 +37,18 @@ static int take_devices(frame_options *options, const char *value)
     return 0;
 }
 
-static int take_cutoff(fxs_options *options, const char *value)
+int take_threads(const option_row *row, void *field, const char *value)
 {
-    if (!strcmp(value, "mahalanobis"))
-        options->cutoff = FXS_CUTOFF_MAHALANOBIS;
-    else if (!strcmp(value, "square"))
-        options->cutoff = FXS_CUTOFF_SQUARE;
-    else
-        return fail(EXIT_USAGE, "--cutoff %s: expected mahalanobis or square", value);
-    return 0;
+    frame_options *options = field;
+    const int status = take_uint32(row, &options->threads, value);
+    options->load.threads = options->threads;
+    return status;
 }
 
-static int take_fov(double *fov, const char *value)
-{
-    char *end;
-    *fov = strtod(value, &end);
-    return end != value && !*end && *fov >= 1 && *fov <= 170
-               ? 0 : fail(EXIT_USAGE, "--fov %s: expected 1 to 170 degrees", value);
-}
-
-static int take_ortho(double *units, const char *value)
-{
-    return parse_vector(value, 1, units) && *units > 0
-               ? 0 : fail(EXIT_USAGE, "--ortho %s: expected a height in scene units, above 0", value);
-}
-
-static int take_near(double *near, const char *value)
-{
-    return parse_vector(value, 1, near) && *near >= 0x1p-20 && *near <= 0x1p28
-               ? 0 : fail(EXIT_USAGE, "--near %s: expected a depth from 2^-20 to 2^28", value);
-}
-
-static int take_stereo(double *distance, const char *value)
-{
-    return parse_vector(value, 1, distance) && *distance > 0
-               ? 0 : fail(EXIT_USAGE, "--stereo %s: expected a distance above 0", value);
-}
-
-static int take_foveate(foveate_options *foveate, const char *value)
+static int take_foveate(const option_row *row, void *field, const char *value)
 {
     static const int counts[] = {2, 4, 5};
+    foveate_options *foveate = field;
     double *n = foveate->numbers;
     foveate->on = 1;
     foveate->given = 0;
@@ -149,67 +58,145 @@ static int take_foveate(foveate_options *foveate, const char *value)
     const int right = !value || (given && fabs(n[0]) <= FXS_MAX_SIZE && fabs(n[1]) <= FXS_MAX_SIZE &&
                                  (given < 4 || (n[2] >= 1 && n[3] >= n[2] + 1 && n[3] <= FXS_MAX_SIZE)) &&
                                  (given < 5 || (n[4] >= 0 && n[4] <= n[2])));
-    return right ? 0 : fail(EXIT_USAGE, "--foveate=%s: expected X,Y or X,Y,R1,R2 or X,Y,R1,R2,BAND, pixels: R1 from 1, "
-                            "R2 larger, BAND at most R1", value);
+    return right ? 0 : wrong_value(row, value);
 }
 
-static int take_tangents(frame_options *options, const char *value)
+static int take_tangents(const option_row *row, void *field, const char *value)
 {
+    frame_options *options = field;
     options->has_tangents = parse_vector(value, 4, options->tangents);
-    return options->has_tangents
-               ? 0 : fail(EXIT_USAGE, "--tangents %s: expected four numbers LEFT,RIGHT,UP,DOWN", value);
+    return options->has_tangents ? 0 : wrong_value(row, value);
 }
 
-static int take_threads(frame_options *options, const char *value)
+static int take_place(const option_row *row, void *field, const char *value)
 {
-    const int status = take_uint32("threads", value, 1, 64, &options->threads);
-    options->load.threads = options->threads;
-    return status;
-}
-
-int frame_option(frame_options *options, int which, const char *value)
-{
-    switch (which) {
-    case OPT_CAMERAS: options->cameras = value; break;
-    case OPT_VIEW: options->view = value; break;
-    case OPT_EYE: return take_vector("eye", value, options->eye, &options->has_eye);
-    case OPT_LOOK: return take_vector("look", value, options->look, &options->has_look);
-    case OPT_UP: return take_vector("up", value, options->up, &options->has_up);
-    case OPT_FOV: return take_fov(&options->fov, value);
-    case OPT_TANGENTS: return take_tangents(options, value);
-    case OPT_FOVEATE: return take_foveate(&options->foveate, value);
-    case OPT_ORTHO: return take_ortho(&options->ortho, value);
-    case OPT_NEAR: return take_near(&options->near, value);
-    case OPT_SIZE: return take_size("size", value, &options->width, &options->height);
-    case OPT_STEREO: return take_stereo(&options->stereo, value);
-    case OPT_STEREO_EXACT: options->stereo_exact = 1; break;
-    case OPT_BG:
-        return parse_colour(value, options->render.background)
-                   ? 0 : fail(EXIT_USAGE, "--bg %s: expected six hex digits RRGGBB", value);
-    case OPT_CUTOFF: return take_cutoff(&options->render, value);
-    case OPT_SH_DEGREE: return take_int("sh-degree", value, 0, 3, &options->render.sh_degree);
-    case OPT_CPU: options->cpu = value; break;
-    case OPT_BACKEND: options->backend = value; break;
-    case OPT_DEVICE: return take_devices(options, value);
-    case OPT_LOD: return take_int("lod", value, 0, 1000, &options->load.lod);
-    case OPT_AXES:
-    case OPT_MAX_GAUSSIANS:
-    case OPT_IMPORT_MEMORY: return take_import_option(&options->load, which, value);
-    case OPT_SCENE:
-    case OPT_PLACE: return take_world_option(&options->world, which, value);
-    case OPT_PROFILE: return take_profile(&options->load, value);
-    case OPT_MAX_MEMORY: return take_max_memory(&options->max_memory, value);
-    case OPT_THREADS: return take_threads(options, value);
-    default: return EXIT_USAGE;
-    }
+    world_options *options = field;
+    if (options->place_count == PLACES_MOST)
+        return fail(EXIT_USAGE, "--place %s: more than %d; --scene takes any number", value, PLACES_MOST);
+    if (!strrchr(value, ':'))
+        return wrong_value(row, value);
+    options->places[options->place_count++] = value;
     return 0;
+}
+
+/* ---- Rows -------------------------------------------------------------------------------------------------------- */
+
+const char *const cutoff_names[] = {"mahalanobis", "square", 0};
+
+#define OPTIONS frame_options
+
+const option_row camera_rows[] = {
+    {.help = "Camera (without one, the scene is framed whole):"},
+    {"cameras", "FILE", TEXT(cameras), .help =
+     "cameras.json, transforms.json, images.bin or images.txt of COLMAP, or a folder with one of them"},
+    {"view", "N|NAME|LIST|all", TEXT(view), .help =
+     "a view of that file: its number from 0, its image name, several as 8..40 or 0,8,40..20 (render alone), or all "
+     "(default 0)"},
+    {"eye", "X,Y,Z", POINT(eye), .help = "camera centre"},
+    {"look", "X,Y,Z", POINT(look), .help = "point looked at (default: the middle of the scene)"},
+    {"up", "X,Y,Z", POINT(up), .help = "up in the picture (default 0,-1,0: y points down; 0,0,1 for scenes with z up)"},
+    {"fov", "DEG", REAL(fov, 1, 170, "1 to 170 degrees"), .help = "vertical field of view, 1 to 170 (default 50)"},
+    {"tangents", "L,R,U,D", take_tangents, 0, .expected = "four numbers LEFT,RIGHT,UP,DOWN", .help =
+     "field of view as a headset states it, tangents to the left (negative), right, up and down (negative), in place "
+     "of --fov; with --stereo of the left eye, the right one is its mirror"},
+    {"ortho", "UNITS", REAL(ortho, ABOVE_0, INFINITY, "a height in scene units, above 0"), .help =
+     "parallel rays, a picture so many scene units high, in place of --fov"},
+    {"near", "DEPTH", REAL(near, 0x1p-20, 0x1p28, "a depth from 2^-20 to 2^28"), .help =
+     "near plane: only what lies beyond is drawn, scene units, 2^-20 to 2^28 (default: 0.2 for views of a file in "
+     "render, bench and info; else 1/100 of the scene's radius, at most 0.2)"},
+    {"size", "WxH", take_frame_size, 0, .expected = SIZE_EXPECTED, .help =
+     "pixels (default: the view's own size, else 1280x720; of a panorama 2048x1024)"},
+    {"stereo", "DISTANCE", REAL(stereo, ABOVE_0, INFINITY, "a distance above 0"), .help =
+     "two pictures side by side, of eyes so far apart (scene units, above 0) about the camera; order and colours are "
+     "found once for both"},
+    {"stereo-exact", 0, FLAG(stereo_exact), .help = "each eye as its camera alone would be rendered"},
+    {"foveate", "[=X,Y[,R1,R2[,BAND]]]", take_foveate, FIELD(foveate_options, foveate), .expected =
+     "X,Y or X,Y,R1,R2 or X,Y,R1,R2,BAND, pixels: R1 from 1, R2 larger, BAND at most R1", .help =
+     "full rate R1 pixels about the gaze X,Y (of two eyes in the left picture; the other looks the same way), half "
+     "rate as far as R2, a quarter beyond; edges faded over BAND pixels (default: straight ahead, 1/5 and 2/5 of the "
+     "shorter side, 1/4 of R1)"},
+    {0}
+};
+
+const option_row frame_rows[] = {
+    {.help = "Rendering:"},
+    {"bg", "RRGGBB", COLOUR(render.background), .help = "background (default 000000)"},
+    {"cutoff", "NAME", CHOICE(render.cutoff, cutoff_names), .help = "mahalanobis (default) or square"},
+    {"sh-degree", "D", INT(render.sh_degree, 0, 3), .help = "highest SH degree used, 0 to 3 (default 3)"},
+    {"threads", "N", take_threads, 0, 1, 64, .help =
+     "threads, 1 to 64 (default: one a processor); the picture does not depend on it"},
+    {"max-memory", "BYTES", BYTES(max_memory), .help =
+     "working memory of a frame, also as 64K, 3M, 2G: rendered in bands where it does not hold every Gaussian; the "
+     "picture does not depend on it. With --backend cuda: device memory, scene included"},
+    {"cpu", "LIST", TEXT(cpu), .help =
+     "instruction sets that may be used: all (default), c for none, or names out of sse41,avx2,avx512,neon"},
+    {"backend", "NAME", TEXT(backend), .help =
+     "what renders: cpu; gles (OpenGL ES 3.0 by EGL) or osmesa in place of blend and resolve; gles-fetch (gles "
+     "without lists); cuda: the same bytes. gles-quads: inexact, blended by the device. auto (default): cpu. See "
+     "fixsplat info --backends"},
+    {"device", "LIST", take_devices, 0, .help =
+     "GPUs of --backend cuda: numbers from 0 on with commas, or all (default 0); render --view all shares the views "
+     "out among them, other commands take the first"},
+    {"profile", "P", CHOICE(load.profile, profile_names), .help =
+     "how a scene that is not an .fxs file is packed: default, compact or small"},
+    {0}
+};
+
+#undef OPTIONS
+#define OPTIONS world_options
+
+const option_row world_rows[] = {
+    {.help = "Scenes:"},
+    {"place", "SCENE:X,Y,Z[,QW,QX,QY,QZ[,S]]", take_place, 0, .expected = "SCENE:X,Y,Z[,QW,QX,QY,QZ[,S]]", .help =
+     "put a scene, named as it was given, by the end of its path or by its number from 0 on, at X,Y,Z, turned by a "
+     "quaternion and S times as large. Given again for the same scene, it is there once more. A scene that is not "
+     "placed is as in its file"},
+    {"scene", "FILE.json", TEXT(file), .help =
+     "the scenes, and how they are placed, from a file: {\"objects\": [{\"file\": \"a.fxs\", \"translation\": [x, y, "
+     "z], \"rotation\": [w, x, y, z], \"scale\": s, \"opacity\": o, \"tint\": [r, g, b], \"visible\": true, \"id\": "
+     "n, \"crops\": [{\"low\": [x, y, z], \"high\": [x, y, z], \"keep\": \"inside\"}]}]}; all but \"file\" may be "
+     "left out, \"keep\" may be \"outside\" too"},
+    {0}
+};
+
+#undef OPTIONS
+#define OPTIONS load_options
+
+const option_row load_rows[] = {
+    {.help = "Reading scenes:"},
+    {"lod", "LEVEL", INT(lod, 0, 1000), .help =
+     "level of detail of an .lcc or streamed .sog, 0 the finest (default 0)"},
+    {"axes", "AXES", CHOICE_FROM(FXS_AXES_RUB, axes, WORDS("rub", "rdf")), .help =
+     "of an .spz: rub (right, up, back) or rdf (right, down, front: files of splat-transform 3); default: as the "
+     "file says, without a word rub"},
+    {"max-gaussians", "N", UINT64(max_gaussians, 1, INFINITY), .help =
+     "refuse to import a scene of more Gaussians (default: 1000000 and one for each byte of its files, 67108864 at "
+     "most); each takes about 100 bytes while it is packed"},
+    {"import-memory", "BYTES", BYTES(import_memory), .help =
+     "refuse to import a scene that takes more memory to read and decompress, also as 64K, 3M, 2G (default: 96 bytes "
+     "for each Gaussian of that limit, for 1000000 at least)"},
+    {0}
+};
+
+/* ---- Together ---------------------------------------------------------------------------------------------------- */
+
+void frame_options_default(frame_options *options)
+{
+    memset(options, 0, sizeof *options);
+    fxs_options_init(&options->render);
+    options->up.at[1] = -1;
+    options->fov = 50;
+    options->cpu = "all";
+    options->backend = "auto";
+    options->threads = fxs_processors();
+    options->device_count = 1;
 }
 
 int frame_options_check(const frame_options *options)
 {
     if (options->view && !options->cameras)
         return fail(EXIT_USAGE, "--view needs --cameras");
-    if (options->cameras && (options->has_eye || options->has_look))
+    if (options->cameras && (options->eye.given || options->look.given))
         return fail(EXIT_USAGE, "--cameras and --eye or --look: give one camera");
     if (options->stereo_exact && options->stereo <= 0)
         return fail(EXIT_USAGE, "--stereo-exact needs --stereo");
@@ -225,7 +212,7 @@ int frame_options_check(const frame_options *options)
         return fail(EXIT_USAGE, "--orbit and --frames: give one");
     if (options->frames && !options->view)
         return fail(EXIT_USAGE, "--frames needs --view with several views, as 8..40 or all");
-    if (options->has_look && !options->has_eye)
+    if (options->look.given && !options->eye.given)
         return fail(EXIT_USAGE, "--look needs --eye");
     return 0;
 }
@@ -274,10 +261,10 @@ static long views_of_file(const frame_options *options, fxs_file_view **views)
 /* The camera's look-at point, where none is given: the middle of the scene; of a panorama ahead, level. */
 static void find_target(const frame_options *options, const double middle[3], const double eye[3], double target[3])
 {
-    const double *up = options->up;
+    const double *up = options->up.at;
     const int across = fabs(up[2]) > fabs(up[1]) ? 1 : 2;   /* an axis that is not up */
     for (int i = 0; i < 3; i++)
-        target[i] = options->has_look ? options->look[i] : options->panorama ? eye[i] + (i == across) : middle[i];
+        target[i] = options->look.given ? options->look.at[i] : options->panorama ? eye[i] + (i == across) : middle[i];
 }
 
 /* Without a camera file. */
@@ -288,12 +275,12 @@ static int make_view(const frame_options *options, const world *w, fxs_file_view
     int result;
     for (int i = 0; i < 3; i++)
         middle[i] = (w->inner_low[i] + w->inner_high[i]) / 2;
-    if (options->has_eye || options->panorama) {
-        const double *eye = options->has_eye ? options->eye : middle;
+    if (options->eye.given || options->panorama) {
+        const double *eye = options->eye.given ? options->eye.at : middle;
         find_target(options, middle, eye, target);
-        result = fxs_view_look_at(view, eye, target, options->up, options->fov, width, height, message);
+        result = fxs_view_look_at(view, eye, target, options->up.at, options->fov, width, height, message);
     } else {
-        result = fxs_view_frame_box(view, w->inner_low, w->inner_high, options->up, options->fov, width, height,
+        result = fxs_view_frame_box(view, w->inner_low, w->inner_high, options->up.at, options->fov, width, height,
                                     message);
     }
     view->near = fxs_near_of_box(w->inner_low, w->inner_high);
@@ -303,7 +290,7 @@ static int make_view(const frame_options *options, const world *w, fxs_file_view
 /* Turns a panorama's view until its y axis is down, its heading as it was. */
 static int make_level(fxs_file_view *view, const frame_options *options, fxs_message *message)
 {
-    const double *forward = view->rotation + 6, *up = options->up, *eye = view->position;
+    const double *forward = view->rotation + 6, *up = options->up.at, *eye = view->position;
     const fxs_file_view old = *view;
     double square = 0, along = 0, target[3];
     for (int i = 0; i < 3; i++) {
@@ -331,7 +318,7 @@ static int finish_view(const frame_options *options, fxs_file_view *view, fxs_me
     }
     if (options->has_tangents && fxs_view_set_tangents(view, options->tangents, message))
         return -1;
-    if (options->panorama && (!options->cameras || options->has_up) && make_level(view, options, message))
+    if (options->panorama && (!options->cameras || options->up.given) && make_level(view, options, message))
         return -1;
     return options->cameras ? fxs_camera_from_view(&camera, view, message) : 0;
 }

@@ -4,6 +4,7 @@
 
 #include <fixsplat/camera.h>
 #include <fixsplat/backend.h>
+#include "command_line.h"
 #include "load_world.h"
 
 #define DEVICES_MOST 16
@@ -17,8 +18,8 @@ typedef struct foveate_options {
 typedef struct frame_options {
     const char *cameras, *view;             /* camera file; number, name, list of numbers or "all" */
     int orbit, frames;                      /* pictures of a turn, and of a way through the views; 0: neither */
-    int has_eye, has_look, has_up;
-    double eye[3], look[3], up[3], fov;
+    point_option eye, look, up;
+    double fov;
     double ortho;                           /* height of an orthographic picture, units; 0: perspective */
     double near;                            /* near plane, scene units; 0: as --help says */
     int panorama;                           /* the camera is in the scene's middle where none is given, and level */
@@ -38,33 +39,23 @@ typedef struct frame_options {
     world_options world;
 } frame_options;
 
-/* Their entries for a getopt_long table. */
-#define FRAME_OPTIONS \
-    {"cameras", required_argument, 0, OPT_CAMERAS}, {"view", required_argument, 0, OPT_VIEW}, \
-    {"eye", required_argument, 0, OPT_EYE}, {"look", required_argument, 0, OPT_LOOK}, \
-    {"up", required_argument, 0, OPT_UP}, {"fov", required_argument, 0, OPT_FOV}, \
-    {"ortho", required_argument, 0, OPT_ORTHO}, {"near", required_argument, 0, OPT_NEAR}, \
-    {"size", required_argument, 0, OPT_SIZE}, {"bg", required_argument, 0, OPT_BG}, \
-    {"cutoff", required_argument, 0, OPT_CUTOFF}, {"sh-degree", required_argument, 0, OPT_SH_DEGREE}, \
-    {"cpu", required_argument, 0, OPT_CPU}, {"threads", required_argument, 0, OPT_THREADS}, \
-    {"max-memory", required_argument, 0, OPT_MAX_MEMORY}, \
-    {"backend", required_argument, 0, OPT_BACKEND}, {"device", required_argument, 0, OPT_DEVICE}, \
-    {"lod", required_argument, 0, OPT_LOD}, IMPORT_OPTIONS, WORLD_OPTIONS, \
-    {"profile", required_argument, 0, OPT_PROFILE}, {"stereo", required_argument, 0, OPT_STEREO}, \
-    {"stereo-exact", no_argument, 0, OPT_STEREO_EXACT}, {"tangents", required_argument, 0, OPT_TANGENTS}, \
-    {"foveate", optional_argument, 0, OPT_FOVEATE}
-extern const char camera_options_help[], frame_options_help[];
+/* The rows of cameras, of scenes and where they are, of how frames are rendered, and of how scenes are read; and all of
+   them, for a command whose options have frame_options as their member `frame`. */
+extern const option_row camera_rows[], world_rows[], frame_rows[], load_rows[];
+#define FRAME_TABLES(options) \
+    {camera_rows, offsetof(options, frame)}, {world_rows, offsetof(options, frame.world)}, \
+    {frame_rows, offsetof(options, frame)}, {load_rows, offsetof(options, frame.load)}
+
+/* For rows of other commands, whose offset is that of frame_options: --size, --device, and --threads from 1 to 64. */
+take_option take_frame_size, take_devices, take_threads;
+
+/* Of enum fxs_cutoff. */
+extern const char *const cutoff_names[];
 
 void frame_options_default(frame_options *options);
 
-/* Takes one of FRAME_OPTIONS. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
-int frame_option(frame_options *options, int which, const char *value);
-
 /* Checks the options against each other. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
 int frame_options_check(const frame_options *options);
-
-/* Takes the value of --max-memory. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
-int take_max_memory(size_t *bytes, const char *value);
 
 /* The back end that the options name, and how it is to be opened on a device. Returns 0, or prints what is wrong and
    returns EXIT_USAGE. */

@@ -317,7 +317,7 @@ static void print_command(const viewer *v, const fxs_file_view *view, const fxs_
         printf(" --size %dx%d", view->width, view->height);
     print_eyes(v);
     printf(" --near %.17g --lod %d --profile %s -o %s\n", view->near, v->options.load.lod,
-           profile_name(v->options.load.profile), path);
+           profile_names[v->options.load.profile], path);
     fflush(stdout);
 }
 

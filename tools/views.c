@@ -92,7 +92,7 @@ static void turn(const frame_options *o, const world *w, const fxs_file_view *fi
     for (long i = 0; i < o->orbit; i++) {
         frames[i] = *first;
         if (i)
-            fxs_view_orbit(&frames[i], middle, o->up, 6.283185307179586 * (double)i / (double)o->orbit);
+            fxs_view_orbit(&frames[i], middle, o->up.at, 6.283185307179586 * (double)i / (double)o->orbit);
     }
 }
 
