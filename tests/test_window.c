@@ -340,7 +340,7 @@ static void make_scene(char *path, const char *file, const char *name, char *cou
     snprintf(path, sizeof knot, "%s/%s.ply", folder, file);
     char *arguments[] = {"make-scene", (char *)name, "-o", path, "--count", count, 0};
     optind = 1;
-    CHECK(command_make_scene(6, arguments) == EXIT_OK);
+    CHECK(command_make_scene.run(6, arguments) == EXIT_OK);
 }
 
 static void write_text(char *path, const char *name, const char *text)
@@ -1106,7 +1106,7 @@ static void test_crop_not_written(void)
     snprintf(packed, sizeof packed, "%s/knot.fxs", folder);
     char *arguments[] = {"convert", knot, packed, 0};
     optind = 1;
-    CHECK(command_convert(3, arguments) == EXIT_OK);
+    CHECK(command_convert.run(3, arguments) == EXIT_OK);
     if (!CHECK(!open_file(&v, &options, packed, 0)))
         return;
     settle(&v);

@@ -201,11 +201,6 @@ static const char *column_name(int column)
     return column < FXS_STAGES ? fxs_stage_name((enum fxs_stage)column) : column == FRAME ? "frame" : "device";
 }
 
-static const char *cutoff_name(const bench_options *o)
-{
-    return o->frame.render.cutoff == FXS_CUTOFF_SQUARE ? "square" : "mahalanobis";
-}
-
 /* ---- What was measured ------------------------------------------------------------------------------------------- */
 
 #define SCENES_ROOM 4096
@@ -267,7 +262,7 @@ static void state(bench_facts *f, const renderer *r, const bench_options *o, con
     const bench_fact facts[FACTS] = {
         {"gaussians", 0, w->gaussians, FACT_SAME}, {"width", 0, view->width, FACT_SAME},
         {"height", 0, view->height, FACT_SAME}, {"threads", 0, o->frame.threads, FACT_MARKED},
-        {"cpu", o->frame.cpu, 0, FACT_MARKED}, {"cutoff", cutoff_name(o), 0, FACT_SAME},
+        {"cpu", o->frame.cpu, 0, FACT_MARKED}, {"cutoff", cutoff_names[o->frame.render.cutoff], 0, FACT_SAME},
         {"backend", r->backend->name, 0, FACT_MARKED}, {"frames", 0, o->frames, o->path ? FACT_SAME : FACT_ASIDE},
         {"path", 0, o->path, FACT_SAME}, {"scenes", f->scenes, 0, FACT_SAME}, {"camera", f->camera, 0, FACT_SAME},
         {"stereo", 0, o->frame.stereo, FACT_SAME}, {"stereo_exact", 0, o->frame.stereo_exact, FACT_SAME},
@@ -309,7 +304,7 @@ static void print_text(const spread columns[COLUMNS], const ring_picture rings[F
                        const bench_options *o, const world *w, const fxs_file_view *view)
 {
     printf("%" PRIu32 " Gaussians, %dx%d, %" PRIu32 " threads, cut-off %s, %d frames%s; milliseconds\n",
-           w->gaussians, view->width, view->height, o->frame.threads, cutoff_name(o), o->frames,
+           w->gaussians, view->width, view->height, o->frame.threads, cutoff_names[o->frame.render.cutoff], o->frames,
            o->path ? " around the scene" : "");
     printf("           %9s %9s %9s   share  version\n", "minimum", "median", "maximum");
     for (int s = 0; s < (columns[DEVICE].most > 0 ? DEVICE + 1 : DEVICE); s++)

@@ -36,7 +36,7 @@ static int write_difference(const char *path, const uint8_t *a, const uint8_t *b
     fxs_metrics_difference(a, b, width, height, rgba);
     int result = fxs_image_file_write(path, rgba, width, height, &message);
     free(rgba);
-    return result ? fail(EXIT_FAILED, "%s", message.text) : 0;
+    return result ? fail_for(&message) : 0;
 }
 
 static void print(const struct fxs_metrics *m, int json)
@@ -72,7 +72,7 @@ static int compare(const compare_options *o)
     struct fxs_metrics metrics;
     for (int i = 0; i < 2 && !status; i++)
         if (fxs_image_file_read(path[i], &image[i], &width[i], &height[i], &message))
-            status = fail(EXIT_FAILED, "%s", message.text);
+            status = fail_for(&message);
     if (!status && (width[0] != width[1] || height[0] != height[1]))
         status = fail(EXIT_FAILED, "%s is %dx%d, %s is %dx%d", path[0], width[0], height[0], path[1], width[1],
                       height[1]);

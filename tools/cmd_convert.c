@@ -207,7 +207,7 @@ static int to_fxs(const convert_options *o)
     const loaded_scene *loaded = &w.scenes[0];
     int status = files_check();
     if (!status && fxs_file_write(o->out, loaded->opened->data, loaded->opened->bytes, &message))
-        status = fail(EXIT_FAILED, "%s", message.text);
+        status = fail_for(&message);
     if (!status && loaded->opened->report->rms.sh > loss_to_check(loaded->opened->scene->profile))
         check_views(&w, o, &load);
     world_close(&w);
@@ -300,7 +300,7 @@ static int write_file(const char *out, int spz_version, const load_options *load
     }
     progress_end();
     if (result)
-        return fail(EXIT_FAILED, "%s", message.text);
+        return fail_for(&message);
     note_losses(out, &report);
     return EXIT_OK;
 }

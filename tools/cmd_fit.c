@@ -525,7 +525,7 @@ static int read_photos(fit_command *c, fxs_photos *photos)
     const int error = fxs_photos_read(c->in, &c->reading, photos, &message);
     progress_end();
     if (error)
-        return fail(EXIT_FAILED, "%s", message.text);
+        return fail_for(&message);
     if (photos->skipped)
         note("%s: photographs left out: %zu, taken: %zu", c->in, photos->skipped,
              photos->fit_count + photos->held_out_count);

@@ -451,7 +451,7 @@ static int check_files(const world *w)
     for (uint32_t i = 0; i < w->placed.file_count; i++) {
         const loaded_scene *s = &w->scenes[i];
         if (is_packed(s) && fxs_file_check(s->path, s->opened->data, s->opened->bytes, 1, &message))
-            return fail(EXIT_FAILED, "%s", message.text);
+            return fail_for(&message);
     }
     return 0;
 }
@@ -469,7 +469,7 @@ static int find_stats(findings *f, const info_options *o)
         return EXIT_FAILED;
     f->has_stats = !stats_measure(&f->stats, file, &info, &message);
     fxs_scene_file_close(file);
-    return f->has_stats ? 0 : fail(EXIT_FAILED, "%s", message.text);
+    return f->has_stats ? 0 : fail_for(&message);
 }
 
 static int find(findings *f, const info_options *o)

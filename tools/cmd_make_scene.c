@@ -43,7 +43,7 @@ static int write_scene(const fxs_procedural_scene *scene, uint64_t count, uint32
     fxs_message message;
     char label[] = "writing";
     if (fxs_scene_writer_open(output, &options, &writer, &message))
-        return fail(EXIT_FAILED, "%s", message.text);
+        return fail_for(&message);
     int result = 0;
     for (uint64_t i = 0; i < count && !result;) {
         size_t n = 0;
@@ -56,8 +56,8 @@ static int write_scene(const fxs_procedural_scene *scene, uint64_t count, uint32
     progress_end();
     fxs_message closing;
     if (fxs_scene_writer_close(writer, 0, 0, 0, &closing) && !result)
-        return fail(EXIT_FAILED, "%s", closing.text);
-    return result ? fail(EXIT_FAILED, "%s", message.text) : 0;
+        return fail_for(&closing);
+    return result ? fail_for(&message) : 0;
 }
 
 /* By its ending; standard output and devices have none. */

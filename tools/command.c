@@ -1,28 +1,42 @@
 #include "command.h"
 
-#include <errno.h>
 #include <inttypes.h>
-#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-static void say(const char *format, va_list arguments)
+/* ---- Errors and notes -------------------------------------------------------------------------------------------- */
+
+static void say(const fxs_message *message)
 {
     progress_end();
-    fputs("fixsplat: ", stderr);
-    vfprintf(stderr, format, arguments);
-    fputc('\n', stderr);
+    fprintf(stderr, "fixsplat: %s\n", message->text);
 }
 
 int fail(int status, const char *format, ...)
 {
+    fxs_message message;
     va_list arguments;
     va_start(arguments, format);
-    say(format, arguments);
+    fxs_fail_list(status, &message, format, arguments);
     va_end(arguments);
+    say(&message);
     return status;
+}
+
+const char *needed_bytes(char text[64], const fxs_message *why)
+{
+    text[0] = 0;
+    if (why->bytes_needed)
+        snprintf(text, 64, ": it needs at least %" PRIu64 " bytes", why->bytes_needed);
+    return text;
+}
+
+int fail_for(const fxs_message *why)
+{
+    char needed[64];
+    return fail(EXIT_FAILED, "%s%s", why->text, needed_bytes(needed, why));
 }
 
 /* ---- What every command takes ---------------------------------------------------------------------------------- */
@@ -42,12 +56,14 @@ int is_quiet(void)
 
 void note(const char *format, ...)
 {
+    fxs_message message;
     va_list arguments;
     if (is_quiet())
         return;
     va_start(arguments, format);
-    say(format, arguments);
+    fxs_fail_list(0, &message, format, arguments);
     va_end(arguments);
+    say(&message);
 }
 
 void print_version(void)
@@ -87,22 +103,6 @@ void suggest(suggestion *s, const char *word, size_t length, const char *name)
         s->name = name;
         s->distance = distance;
     }
-}
-
-/* ---- Messages of other parts ------------------------------------------------------------------------------------- */
-
-const char *needed_bytes(char text[64], const fxs_message *why)
-{
-    text[0] = 0;
-    if (why->bytes_needed)
-        snprintf(text, 64, ": it needs at least %" PRIu64 " bytes", why->bytes_needed);
-    return text;
-}
-
-int fail_for(const fxs_message *why)
-{
-    char needed[64];
-    return fail(EXIT_FAILED, "%s%s", why->text, needed_bytes(needed, why));
 }
 
 void print_json_string(const char *text)

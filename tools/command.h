@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include <fixsplat/fixsplat.h>
+#include <fixsplat/message.h>
 
 enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 
@@ -13,16 +13,10 @@ enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 void check_printed_at_exit(void);
 
 /* Prints "fixsplat: ..." on stderr and returns the status. */
-#if defined(__GNUC__)
-__attribute__((format(printf, 2, 3)))
-#endif
-int fail(int status, const char *format, ...);
+int fail(int status, const char *format, ...) FXS_PRINTF(2, 3);
 
 /* Prints "fixsplat: ..." on stderr too, but not with --quiet: what is worth knowing and no error. */
-#if defined(__GNUC__)
-__attribute__((format(printf, 1, 2)))
-#endif
-void note(const char *format, ...);
+void note(const char *format, ...) FXS_PRINTF(1, 2);
 
 /* --quiet: no notes and no progress, of this program and of those that it runs. */
 void be_quiet(void);

@@ -247,7 +247,7 @@ const char *const profile_names[] = {"default", "compact", "small", 0};
 int check_scene(const loaded_scene *loaded)
 {
     fxs_message message;
-    return fxs_opened_check(loaded->opened, &message) ? fail(EXIT_FAILED, "%s", message.text) : 0;
+    return fxs_opened_check(loaded->opened, &message) ? fail_for(&message) : 0;
 }
 
 void free_scene(loaded_scene *loaded)

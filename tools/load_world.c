@@ -115,7 +115,7 @@ int place_scenes(fxs_world *placed, const world_options *o)
     fxs_message message;
     memset(placed, 0, sizeof *placed);
     if (o->file)
-        return fxs_world_read(placed, o->file, &message) ? fail(EXIT_FAILED, "%s", message.text) : 0;
+        return fxs_world_read(placed, o->file, &message) ? fail_for(&message) : 0;
     int status = check_places(o);
     for (int i = 0; i < o->scene_count && !status; i++)
         status = add_scene(placed, o, i);
@@ -232,7 +232,7 @@ static int merge(const fxs_world *placed, const char *name, const load_options *
         return EXIT_FAILED;
     }
     if (fxs_world_merge(placed, files, infos, file, info, &message))
-        return fail(EXIT_FAILED, "%s", message.text);
+        return fail_for(&message);
     return filter_scene(name, load, *file, info);
 }
 
@@ -267,7 +267,7 @@ static int begin_plain(world *w, const char *name)
     fxs_placement_init(&as_it_is, 0, 0);
     const int error = fxs_world_add_file(&w->placed, name, &number, &message) ||
                       fxs_world_add(&w->placed, &as_it_is, &message);
-    return error ? fail(EXIT_FAILED, "%s", message.text) : make_room(w);
+    return error ? fail_for(&message) : make_room(w);
 }
 
 int world_open_packed(world *w, const char *name, fxs_packed_scene *packed)

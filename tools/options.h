@@ -64,11 +64,4 @@ int choose_backend(const frame_options *options, int device, const fxs_backend *
 /* Fills in the devices that the options ask for; the first alone where the back end has no more. Returns how many. */
 int choose_devices(const frame_options *options, int devices[DEVICES_MOST]);
 
-/* The views that the options ask for, at their final size, of a film those of its frames. Returns how many, with *views
-   allocated; or prints why not and returns -1, with views null if it was null before. */
-long choose_views(const frame_options *options, const world *w, fxs_file_view **views);
-
-/* The number of the view that --view asks for, 0 without it; or prints that there is none and returns -1. */
-long find_view(const frame_options *options, const fxs_file_view *views, long count);
-
 #endif

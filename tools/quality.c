@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "views.h"
+
 #define FARTHEST 134000000.0        /* a camera may be within 2^27 units */
 
 /* Of a scene and its original, to be compared. */

@@ -10,6 +10,7 @@
 #include "src/image/panorama.h"
 #include "file_guard.h"
 #include "metrics.h"
+#include "views.h"
 
 /* ---- Names ----------------------------------------------------------------------------------------------------- */
 
@@ -402,7 +403,7 @@ static int open_film(batch *b)
     const int width = o->has_scissor ? o->scissor[2] : eyes * first->width;
     const int height = o->has_scissor ? o->scissor[3] : first->height;
     return fxs_film_open(&b->film, o->output, b->encoding, width, height, rate, &why)
-               ? fail(EXIT_FAILED, "%s", why.text) : 0;
+               ? fail_for(&why) : 0;
 }
 
 static int render_all(batch *b)
@@ -424,7 +425,7 @@ static int render_all(batch *b)
         status = render_rounds(b);
     progress_end();
     if (fxs_film_close(b->film, !status, &why) && !status)
-        status = fail(EXIT_FAILED, "%s", why.text);
+        status = fail_for(&why);
     return status ? status : b->unexpected;
 }
 

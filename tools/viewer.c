@@ -7,6 +7,7 @@
 #include <fixsplat/clock.h>
 #include "port/window/motion.h"
 #include "port/window/words.h"
+#include "views.h"
 #include <fixsplat/packed.h>
 
 enum { STILL_MS = 150, FRAME_MS = 16, LOADING_MS = 50, HINT_MS = 6000, FILM_NS = 1000000000 / FILM_RATE };
@@ -584,7 +585,7 @@ int viewer_open(viewer *v, const frame_options *options, const char *screenshot_
     v->speed = 0.5;
     v->recent_marked = -1;
     v->options = v->loading.options = *options;
-    int status = fxs_window_open(&v->window, &message) ? fail(EXIT_FAILED, "%s", message.text) : start(v);
+    int status = fxs_window_open(&v->window, &message) ? fail_for(&message) : start(v);
     if (status)
         viewer_close(v);
     return status;

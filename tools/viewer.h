@@ -142,9 +142,6 @@ void viewer_collect(viewer *v);
 /* Side by side in the window. */
 int eyes_of(const viewer *v);
 
-/* "mahalanobis" or "square". */
-const char *cutoff_name(enum fxs_cutoff cutoff);
-
 /* ---- viewer_crop.c ----------------------------------------------------------------------------------------------- */
 
 enum { CROP_FACES = 6, CROP_NONE = -1 };

@@ -13,11 +13,6 @@
 
 #include "viewer.h"
 
-const char *cutoff_name(enum fxs_cutoff cutoff)
-{
-    return cutoff == FXS_CUTOFF_SQUARE ? "square" : "mahalanobis";
-}
-
 int eyes_of(const viewer *v)
 {
     return v->options.stereo > 0 ? 2 : 1;
@@ -304,7 +299,7 @@ static void print_command(const viewer *v, const fxs_file_view *view, const fxs_
     const int of_file = is_of_file(v, view);
     printf("fixsplat render");
     print_scenes(&v->options.world);
-    printf(" --cutoff %s --sh-degree %d --bg %02x%02x%02x", cutoff_name(render_options->cutoff),
+    printf(" --cutoff %s --sh-degree %d --bg %02x%02x%02x", cutoff_names[render_options->cutoff],
            render_options->sh_degree, render_options->background[0], render_options->background[1],
            render_options->background[2]);
     if (of_file)
