@@ -9,7 +9,7 @@
 #include <fixsplat/scene_write.h>
 #include "src/scene/edit/merge.h"
 #include "cmd_convert.h"
-#include "options.h"
+#include "frame_options.h"
 #include "file_guard.h"
 #include "quality.h"
 

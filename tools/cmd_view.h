@@ -2,7 +2,7 @@
 #ifndef VIEW_H
 #define VIEW_H
 
-#include "options.h"
+#include "frame_options.h"
 
 typedef struct view_options {
     frame_options frame;

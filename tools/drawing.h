@@ -4,7 +4,7 @@
 
 #include <fixsplat/foveate.h>
 #include <fixsplat/pool.h>
-#include "options.h"
+#include "frame_options.h"
 
 /* What is drawn beside colour. */
 enum { DRAW_MEAN_DEPTH = 1, DRAW_MEDIAN_DEPTH = 2, DRAW_IDS = 4 };

@@ -2,7 +2,7 @@
 #ifndef VIEWS_H
 #define VIEWS_H
 
-#include "options.h"
+#include "frame_options.h"
 
 /* Whether the value of --view is all, or a list as 8..40 or 0,8,40..20. */
 int names_several(const char *view);

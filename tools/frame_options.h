@@ -1,6 +1,6 @@
 /* The options that render, view and bench share: cameras, and how frames are rendered. */
-#ifndef OPTIONS_H
-#define OPTIONS_H
+#ifndef FRAME_OPTIONS_H
+#define FRAME_OPTIONS_H
 
 #include <fixsplat/camera.h>
 #include <fixsplat/backend.h>
