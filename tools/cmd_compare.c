@@ -1,4 +1,4 @@
-/* fixsplat compare */
+/* fixsplat compare: measures how far two pictures are apart. */
 #include <math.h>
 #include <stdlib.h>
 

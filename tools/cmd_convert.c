@@ -1,4 +1,4 @@
-/* fixsplat convert */
+/* fixsplat convert: writes scene files as another one. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -189,9 +189,10 @@ static void check_views(const world *packed, const convert_options *o, const loa
     if (status)
         note("%s: not compared with the profile default", o->out);
     else if (q.worst_psnr < promised)
-        note("%s: profile %s loses more of this scene than of most: a view %s is %.1f dB from the profile default, where "
-             "%.0f is usual; %s", o->out, profile_names[packed->scenes[0].opened->scene->profile], q.views[q.worst_view].name,
-             q.worst_psnr, promised, small ? "profile compact loses less" : "profile default loses less");
+        note("%s: profile %s loses more of this scene than of most: a view %s is %.1f dB from the profile default, "
+             "where %.0f is usual; %s", o->out, profile_names[packed->scenes[0].opened->scene->profile],
+             q.views[q.worst_view].name, q.worst_psnr, promised,
+             small ? "profile compact loses less" : "profile default loses less");
     if (!status)
         quality_free(&q);
 }

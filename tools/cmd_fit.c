@@ -1,4 +1,4 @@
-/* fixsplat fit */
+/* fixsplat fit: fits a scene to photographs. */
 #include <errno.h>
 #include <inttypes.h>
 #include <signal.h>

@@ -1,4 +1,4 @@
-/* fixsplat info */
+/* fixsplat info: prints what a scene holds, and what a frame of it needs. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -71,10 +71,11 @@ static void print_error_json(const char *name, const fxs_pack_error *e)
 
 static void print_scene_json(const loaded_scene *s)
 {
+    const fxs_scene_file_info *info = s->opened->info;
     const fxs_pack_report *r = s->opened->report;
     printf("\"format\": \"%s\", \"gaussians\": %" PRIu64 ", \"packed\": %" PRIu64 ", \"sh_degree\": %d, "
-           "\"levels\": %d, \"antialiased\": %s, ", s->opened->info->format, r->read, r->packed, s->opened->info->sh_degree, s->opened->info->levels,
-           s->opened->info->antialiased ? "true" : "false");
+           "\"levels\": %d, \"antialiased\": %s, ", info->format, r->read, r->packed, info->sh_degree,
+           info->levels, info->antialiased ? "true" : "false");
     if (!is_packed(s))
         printf("\"left_out\": {\"not_finite\": %" PRIu64 ", \"zero_quaternion\": %" PRIu64 ", \"share\": %.3g}, "
                "\"brought_in\": %" PRIu64 ", ", r->dropped.not_finite, r->dropped.rotation,
@@ -166,8 +167,8 @@ static void print_json(const findings *f)
     if (f->limit)
         print_limit_json(m, f->limit);
     printf("\"lod\": %d, \"frame\": {\"width\": %d, \"height\": %d, \"splats\": %zu, \"keys\": %zu, \"tiles\": %zu, "
-           "\"entries\": %zu, \"bytes\": %zu, \"least\": %zu}}\n", f->lod, f->width, f->height, m->splats, m->keys, m->tiles,
-           m->entries, m->total, m->least);
+           "\"entries\": %zu, \"bytes\": %zu, \"least\": %zu}}\n", f->lod, f->width, f->height, m->splats, m->keys,
+           m->tiles, m->entries, m->total, m->least);
 }
 
 static void print_error_text(const char *name, const fxs_pack_error *e)
@@ -222,8 +223,8 @@ static void print_board_text(const board *b, size_t scene_bytes)
 {
     printf("board         %dx%d, one thread: %zu bytes of flash for the scene, %zu of RAM for a strip of 16 "
            "rows;\n              working memory: %zu at the least; from %zu to %zu on, by how it is turned, rows of "
-           "tiles at once;\n              %zu for the whole frame at once\n", b->width, b->height, scene_bytes, b->strip,
-           b->memory.least, b->rows, b->rows_most, b->memory.total);
+           "tiles at once;\n              %zu for the whole frame at once\n", b->width, b->height, scene_bytes,
+           b->strip, b->memory.least, b->rows, b->rows_most, b->memory.total);
 }
 
 static void print_text(const findings *f)

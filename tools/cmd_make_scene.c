@@ -1,4 +1,4 @@
-/* fixsplat make-scene */
+/* fixsplat make-scene: writes a procedural scene. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-/* fixsplat render */
+/* fixsplat render: its options. render_views.c renders, render_print.c prints. */
 #include "cmd_render.h"
 
 #include <stdlib.h>
@@ -236,7 +236,8 @@ const command command_render = {
     "  $ fixsplat render scene.ply --eye 0,-1,-4 --look 0,0,0 --fov 40 --bg ffffff -o white.png --hash\n"
     "  $ fixsplat render room.fxs chair.spz --place chair.spz:1,0,2 --place chair.spz:-1,0,2,0,0,1,0 -o room.png\n"
     "  $ fixsplat render scene.ply --ortho 4 --size 1000x1000 -o plan.png --ids ids.png\n"
-    "  $ fixsplat render scene.ply --stereo 0.063 --tangents -1.38,1.19,1.0,-1.2 --size 2064x2208 --foveate -o eyes.png\n"
+    "  $ fixsplat render scene.ply --stereo 0.063 --tangents -1.38,1.19,1.0,-1.2 --size 2064x2208 --foveate \\\n"
+    "      -o eyes.png\n"
     "  $ fixsplat render scene.ply --panorama --size 4096x2048 -o around.png\n",
     {{own_rows, 0}, FRAME_TABLES(render_options), COMMON_TABLE}
 };

@@ -1,4 +1,4 @@
-/* fixsplat view */
+/* fixsplat view: its options. fixsplat-view, a program beside this one, has the window, and fixsplat-web the page. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,15 +40,15 @@ static const option_row window_rows[] = {
     {"screenshot", "OUT", TEXT(screenshot), .help =
      "the picture that key p writes: .png, .ppm, .raw, .jpg or .webp (default: fixsplat-001.png and on, in the "
      "current folder); the command that renders it again is printed, but not for depths, ids and crops"},
-    {"web", 0, FLAG(web), .help =
-     "serve the scenes and a page that shows them, and print the page's address, until Ctrl-C. Of what follows it "
-     "takes --cameras, --view, --bg and the options of an import; a scene is sent as it lies on the disk, or packed "
-     "here where it has several files or such an option"},
     {0}
 };
 
 static const option_row page_rows[] = {
-    {.help = "Of the page:"},
+    {.help = "In a browser:"},
+    {"web", 0, FLAG(web), .help =
+     "serve the scenes and a page that shows them, and print the page's address, until Ctrl-C. Of what follows it "
+     "takes --cameras, --view, --bg and the options of an import; a scene is sent as it lies on the disk, or packed "
+     "here where it has several files or such an option"},
     {"port", "N", UINT64(port, 0, 65535), .help = "1 to 65535, or 0 for any that is free (default 8080)"},
     {"bind", "ADDRESS", TEXT(bind), .help =
      "0.0.0.0 for every machine of the network, or one address of this one (default 127.0.0.1)"},
@@ -59,37 +59,34 @@ static const option_row page_rows[] = {
     {0}
 };
 
-/* Of the other options, those that --web takes. */
-static int is_for_web(const option_row *row)
+/* Whether --web takes an option of those that frames have. */
+static int is_for_page(const char *name)
 {
-    static const char *const taken[] = {"web", "cameras", "view", "bg", "threads", "profile"};
+    static const char *const taken[] = {"cameras", "view", "bg", "threads", "profile"};
     for (size_t i = 0; i < sizeof taken / sizeof *taken; i++)
-        if (!strcmp(row->name, taken[i]))
+        if (!strcmp(name, taken[i]))
             return 1;
     return 0;
 }
 
-/* An option that was given and that is not for the page, or not for the window; null: none. */
-static const char *option_not_for(int page)
+/* The first option of a table that was given and is not for both window and page; null: none. */
+static const char *given_of(const option_row *rows)
 {
-    for (const option_table *t = command_view.tables; t->rows; t++)
-        for (const option_row *r = t->rows; r->help; r++) {
-            const int of_page = t->rows == page_rows;
-            const int of_both = t->rows == load_rows || t->rows == common_rows || (r->name && is_for_web(r));
-            if (r->name && !of_both && of_page != page && is_given(r->name))
-                return r->name;
-        }
+    for (; rows->help; rows++)
+        if (rows->name && is_given(rows->name) && !is_for_page(rows->name))
+            return rows->name;
     return 0;
 }
 
-/* Options of the window with the page, and the other way round. */
 static int check_web(const view_options *o)
 {
-    const char *of_window = option_not_for(1), *of_page = option_not_for(0);
-    if (o->web && of_window)
-        return fail(EXIT_USAGE, "view: --web shows scenes as the page does: no --%s", of_window);
-    if (!o->web && of_page)
-        return fail(EXIT_USAGE, "view: --%s needs --web", of_page);
+    const option_row *const of_window[] = {window_rows, camera_rows, world_rows, frame_rows};
+    const char *name = given_of(page_rows);
+    if (!o->web && name)
+        return fail(EXIT_USAGE, "view: --%s needs --web", name);
+    for (size_t i = 0; o->web && i < sizeof of_window / sizeof *of_window; i++)
+        if ((name = given_of(of_window[i])) != 0)
+            return fail(EXIT_USAGE, "view: --web shows scenes as the page does: no --%s", name);
     if (!o->certificate != !o->key)
         return fail(EXIT_USAGE, "view: --cert and --key: give both");
     return 0;

@@ -1,4 +1,4 @@
-/* The fixsplat command: what its sub-commands share. */
+/* Shared by all parts of the fixsplat command: messages, --quiet, progress. */
 #ifndef COMMAND_H
 #define COMMAND_H
 
@@ -15,10 +15,10 @@ void check_printed_at_exit(void);
 /* Prints "fixsplat: ..." on stderr and returns the status. */
 int fail(int status, const char *format, ...) FXS_PRINTF(2, 3);
 
-/* Prints "fixsplat: ..." on stderr too, but not with --quiet: what is worth knowing and no error. */
+/* The same for news that are no error: not printed with --quiet. */
 void note(const char *format, ...) FXS_PRINTF(1, 2);
 
-/* --quiet: no notes and no progress, of this program and of those that it runs. */
+/* --quiet: no notes and no progress, of this program and of the programs that it runs. */
 void be_quiet(void);
 int is_quiet(void);
 
@@ -31,10 +31,10 @@ typedef struct suggestion {
 } suggestion;
 void suggest(suggestion *s, const char *word, size_t length, const char *name);
 
-/* Writes and returns what is printed behind a message: how much memory it says is needed, or nothing. */
+/* Writes and returns the words on how much memory would do, for behind the message; empty where it does not say. */
 const char *needed_bytes(char text[64], const fxs_message *why);
 
-/* Prints the message with that behind it, and returns EXIT_FAILED. */
+/* Prints the message with those words behind it, and returns EXIT_FAILED. */
 int fail_for(const fxs_message *why);
 
 /* Prints a text as a JSON string. */

@@ -1,5 +1,5 @@
-/* Options: each one is a row of a table, and a command is made of tables. From the rows come the options that are taken,
-   the text of --help, the guess at what a wrong option was meant to be, and what a shell completes. */
+/* Options: each one is a row of a table, and a command has a list of tables. From the rows come the options that are
+   taken, the text of --help, the guess at what a wrong option was meant to be, and what a shell completes. */
 #ifndef COMMAND_LINE_H
 #define COMMAND_LINE_H
 

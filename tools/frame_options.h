@@ -1,4 +1,4 @@
-/* The options that render, view and bench share: cameras, and how frames are rendered. */
+/* The options that render, view and bench share (cameras, scenes, how frames are rendered), and their rows. */
 #ifndef FRAME_OPTIONS_H
 #define FRAME_OPTIONS_H
 

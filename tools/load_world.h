@@ -1,6 +1,6 @@
-/* What a command shows: scenes, each loaded once, and the objects that they are placed as. */
-#ifndef WORLD_H
-#define WORLD_H
+/* The world of a command: its scenes, each loaded once, and the objects that they are placed as. */
+#ifndef LOAD_WORLD_H
+#define LOAD_WORLD_H
 
 #include <fixsplat/world.h>
 #include "load_scene.h"
@@ -19,8 +19,8 @@ typedef struct world_options {
 /* Takes the files that the command of that name is given. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
 int take_scenes(world_options *options, const char *name, int count, char *const *scenes);
 
-/* What the options ask for, before a scene is opened; fxs_world_free frees it. Returns 0, or prints why not and
-   returns the exit status. */
+/* Reads --scene, or places the scenes as --place says, before a scene is opened; fxs_world_free frees *placed. Returns
+   0, or prints why not and returns the exit status. */
 int place_scenes(fxs_world *placed, const world_options *options);
 
 typedef struct world {
@@ -57,7 +57,7 @@ int world_box(const world *w, uint32_t object, double low[3], double high[3]);
 /* Whether the scenes are still what was loaded. Returns 0, or prints that one is not and returns EXIT_FAILED. */
 int world_check(const world *w);
 
-/* Null scenes are allowed: it was not opened. */
+/* Also of a world that was not opened: its scenes are null. */
 void world_close(world *w);
 
 #endif

@@ -111,6 +111,14 @@ static int kernels(void)
     return EXIT_OK;
 }
 
+static const command *find_command(const char *name)
+{
+    for (int i = 0; i < COMMANDS; i++)
+        if (!strcmp(name, commands[i]->name))
+            return commands[i];
+    return 0;
+}
+
 static int wrong_command(const char *name)
 {
     suggestion s = {0, 0};
@@ -125,17 +133,24 @@ static int wrong_command(const char *name)
                   : fail(EXIT_USAGE, "no command '%s'; see: fixsplat --help", name);
 }
 
+/* For programs: completions are made of it. */
+static void help_table(void)
+{
+    for (int i = 0; i < COMMANDS; i++)
+        print_table(commands[i]);
+}
+
 static int help_about(const char *name)
 {
+    const command *c = find_command(name);
     suggestion s = {0, 0};
+    if (c) {
+        print_help(c);
+        return EXIT_OK;
+    }
     for (int i = 0; i < TOPICS; i++)
         if (!strcmp(name, topics[i].name)) {
             topics[i].print();
-            return EXIT_OK;
-        }
-    for (int i = 0; i < COMMANDS; i++)
-        if (!strcmp(name, commands[i]->name)) {
-            print_help(commands[i]);
             return EXIT_OK;
         }
     for (int i = 0; i < COMMANDS; i++)
@@ -154,14 +169,6 @@ static void keep_standard_files(void)
             open("/dev/null", i == STDIN_FILENO ? O_WRONLY : O_RDONLY);
 }
 
-/* For programs: completions are made of it. */
-static int help_table(void)
-{
-    for (int i = 0; i < COMMANDS; i++)
-        print_table(commands[i]);
-    return EXIT_OK;
-}
-
 int main(int argc, char **argv)
 {
     keep_standard_files();
@@ -173,8 +180,10 @@ int main(int argc, char **argv)
     const char *name = argc > 1 ? argv[1] : "";
     if (!strcmp(name, "help") && argc > 2 && argv[2][0] != '-')
         return argc == 3 ? help_about(argv[2]) : fail(EXIT_USAGE, "help takes one command or topic");
-    if (!strcmp(name, "help") && argc == 3 && !strcmp(argv[2], "--table"))
-        return help_table();
+    if (!strcmp(name, "help") && argc == 3 && !strcmp(argv[2], "--table")) {
+        help_table();
+        return EXIT_OK;
+    }
     if (!strcmp(name, "--help") || !strcmp(name, "-h") || !strcmp(name, "help")) {
         help();
         return EXIT_OK;
@@ -185,8 +194,6 @@ int main(int argc, char **argv)
     }
     if (!strcmp(name, "--kernels"))
         return kernels();
-    for (int i = 0; i < COMMANDS; i++)
-        if (!strcmp(name, commands[i]->name))
-            return commands[i]->run(argc - 1, argv + 1);
-    return wrong_command(name);
+    const command *c = find_command(name);
+    return c ? c->run(argc - 1, argv + 1) : wrong_command(name);
 }

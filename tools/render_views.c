@@ -1,3 +1,4 @@
+/* Renders the views of `fixsplat render`: a round of them is written and compared while the next one is rendered. */
 #include "cmd_render.h"
 
 #include <inttypes.h>

@@ -1,4 +1,4 @@
-/* fixsplat-web: what `fixsplat view --web` runs, with the same words. */
+/* fixsplat-web: what `fixsplat view --web` runs, with the same arguments. */
 #include <ctype.h>
 #include <errno.h>
 #include <signal.h>

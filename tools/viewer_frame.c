@@ -1,4 +1,4 @@
-/* What the thread of the renderer does for the window. */
+/* The work of the renderer's thread for the window. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

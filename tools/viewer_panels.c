@@ -1,4 +1,4 @@
-/* What lies over the picture in the window. */
+/* Words, panels and marks over the picture in the window. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
