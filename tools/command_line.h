@@ -26,9 +26,13 @@ struct option_row {
     char letter;                            /* the short name, or 0 */
 };
 
-/* The middle of a row, for a member of the struct OPTIONS: how it is taken, and where to. One of another type does not
-   compile. */
-#define FIELD(type, member) (offsetof(OPTIONS, member) + 0 * sizeof(&((OPTIONS *)0)->member - (type *)0))
+/* Where a member of the struct OPTIONS is. One of another type does not compile: no difference of pointers to two types,
+   no array of -1. */
+#define FIELD(type, member) (offsetof(OPTIONS, member) + 0 * sizeof(&((OPTIONS *)0)->member - (type *)1))
+#define FIELD_OF_INT_SIZE(member) \
+    (offsetof(OPTIONS, member) + 0 * sizeof(char[sizeof ((OPTIONS *)0)->member == sizeof(int) ? 1 : -1]))
+
+/* The middle of a row, for a member of OPTIONS: how it is taken, where to, and which values. */
 #define FLAG(member) take_flag, FIELD(int, member)                              /* 1 */
 #define TEXT(member) take_text, FIELD(const char *, member)
 #define OUTPUT(member) take_output, FIELD(const char *, member)                 /* name of a file, given once */
@@ -44,8 +48,6 @@ struct option_row {
 #define COLOUR(member) take_colour, FIELD(colour_option, member), .expected = "six hex digits RRGGBB"
 #define CHOICE_FROM(first, member, words) take_choice, FIELD_OF_INT_SIZE(member), first, .choices = words
 #define CHOICE(member, words) CHOICE_FROM(0, member, words)                     /* an enum, whose 0 is the first word */
-#define FIELD_OF_INT_SIZE(member) \
-    (offsetof(OPTIONS, member) + 0 * sizeof(char[sizeof ((OPTIONS *)0)->member == sizeof(int) ? 1 : -1]))
 #define WORDS(...) ((const char *const[]){__VA_ARGS__, 0})
 #define ABOVE_0 0x1p-1074                                                       /* the least number above 0 */
 

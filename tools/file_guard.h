@@ -5,8 +5,8 @@
 /* For main to call first: files that the library opens are known then. */
 void files_begin(void);
 
-/* Names of files that the command was given to read, as far as it knows them, and of files that it writes; - is standard
-   input or output, null is nothing. None has to be there. */
+/* Names of files that the command was given to read, as far as it knows them, and of files that it writes; - is
+   standard input or output, null is nothing. None has to be there. */
 void files_read(const char *name);
 void files_write(const char *name);
 
