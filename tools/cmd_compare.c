@@ -27,18 +27,6 @@ static const option_row own_rows[] = {
     {0}
 };
 
-static int write_difference(const char *path, const uint8_t *a, const uint8_t *b, int width, int height)
-{
-    fxs_message message;
-    uint8_t *rgba = malloc((size_t)width * (size_t)height * 4);
-    if (!rgba)
-        return fail(EXIT_FAILED, "out of memory");
-    fxs_metrics_difference(a, b, width, height, rgba);
-    int result = fxs_image_file_write(path, rgba, width, height, &message);
-    free(rgba);
-    return result ? fail_for(&message) : 0;
-}
-
 static void print(const struct fxs_metrics *m, int json)
 {
     char psnr[32];
@@ -78,8 +66,9 @@ static int compare(const compare_options *o)
                       height[1]);
     if (!status && fxs_metrics_compare(image[0], image[1], width[0], height[0], &metrics))
         status = fail(EXIT_FAILED, "out of memory");
-    if (!status && o->difference)
-        status = write_difference(o->difference, image[0], image[1], width[0], height[0]);
+    if (!status && o->difference &&
+        fxs_metrics_difference(o->difference, image[0], image[1], width[0], height[0], &message))
+        status = fail_for(&message);
     if (!status) {
         print(&metrics, o->json);
         status = judge(&metrics, o);

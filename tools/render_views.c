@@ -162,17 +162,6 @@ static size_t bytes_of(const picture *p)
     return (size_t)p->width * (size_t)p->height * 4;
 }
 
-static int write_difference(const char *path, const uint8_t *expected, const picture *p, fxs_message *why)
-{
-    uint8_t *rgba = malloc(bytes_of(p));
-    if (!rgba)
-        return fxs_fail_memory(why, path, bytes_of(p));
-    fxs_metrics_difference(expected, p->pixels, p->width, p->height, rgba);
-    const int error = fxs_image_file_write(path, rgba, p->width, p->height, why);
-    free(rgba);
-    return error;
-}
-
 /* Says how the picture differs from one of its size. */
 static void say_difference(drawn_view *d, const char *name, const uint8_t *expected)
 {
@@ -206,7 +195,7 @@ static void compare_with_file(const render_options *o, drawn_view *d, long index
         say_difference(d, name, expected);
         if (o->diff) {
             name_file(difference, sizeof difference, o->diff, index);
-            d->unwritten = write_difference(difference, expected, p, &d->why);
+            d->unwritten = fxs_metrics_difference(difference, expected, p->pixels, p->width, p->height, &d->why);
         }
     }
     free(expected);
