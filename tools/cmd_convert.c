@@ -418,8 +418,8 @@ const command command_convert = {
     "  .sog             PlayCanvas's, version 2: positions in 16 bits, the rest in 8, SH by a palette\n"
     "  .glb             glTF with KHR_gaussian_splatting, floats, y up\n"
     "  .csv             text, a line a Gaussian, columns as in a .ply\n\n"
-    "What .fxs leaves out because it cannot be drawn, the others leave out too. Of an .fxs file the Gaussians that its\n"
-    "codes stand for are written.\n"
+    "What .fxs leaves out because it cannot be drawn, the others leave out too. Of an .fxs file the Gaussians that\n"
+    "its codes stand for are written.\n"
     "Several files become one with the highest SH degree of any: coefficients that a file lacks are 0. All must be\n"
     "anti-aliased, or none. A file that is there is replaced when OUT is complete; one of IN only with --force.\n",
     0,

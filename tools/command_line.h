@@ -26,8 +26,8 @@ struct option_row {
     char letter;                            /* the short name, or 0 */
 };
 
-/* Where a member of the struct OPTIONS is. One of another type does not compile: there is no difference of pointers to two
-   types, and no array of -1. */
+/* Where a member of the struct OPTIONS is. One of another type does not compile: pointers to two types have no
+   difference, and no array has -1 members. */
 #define FIELD(type, member) (offsetof(OPTIONS, member) + 0 * sizeof(&((OPTIONS *)0)->member - (type *)1))
 #define FIELD_OF_INT_SIZE(member) \
     (offsetof(OPTIONS, member) + 0 * sizeof(char[sizeof ((OPTIONS *)0)->member == sizeof(int) ? 1 : -1]))

@@ -177,7 +177,7 @@ int open_unfiltered(const char *path, const load_options *o, fxs_scene_file **fi
                                                  info, &message)
                     : fxs_scene_file_open(path, &options, file, info, &message);
     if (error)
-        return fail(EXIT_FAILED, "%s", message.text);
+        return fail_for(&message);
     look_at(path, o, info);
     return 0;
 }

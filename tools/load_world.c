@@ -279,7 +279,7 @@ int world_open_packed(world *w, const char *name, fxs_packed_scene *packed)
         loaded->path = w->placed.files[0];
         fxs_file_seal(packed->data, packed->bytes);
         const int error = fxs_open_memory(name, packed->data, packed->bytes, 0, &loaded->opened, &message);
-        status = error ? fail(EXIT_FAILED, "%s", message.text) : place_objects(w);
+        status = error ? fail_for(&message) : place_objects(w);
     }
     if (status)
         world_close(w);
