@@ -6,6 +6,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "src/base/fail_list.h"
+
 /* ---- Errors and notes -------------------------------------------------------------------------------------------- */
 
 static void say(const fxs_message *message)

@@ -1,4 +1,4 @@
-#include <fixsplat/message.h>
+#include "fail_list.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -2,7 +2,6 @@
 #ifndef FXS_MESSAGE_H
 #define FXS_MESSAGE_H
 
-#include <stdarg.h>
 #include <stdint.h>
 
 #include "fixsplat.h"
@@ -23,7 +22,6 @@ int fxs_fail(fxs_message *message, const char *format, ...) FXS_PRINTF(2, 3);
 
 /* The same for another error, which is returned. */
 int fxs_fail_as(int error, fxs_message *message, const char *format, ...) FXS_PRINTF(3, 4);
-int fxs_fail_list(int error, fxs_message *message, const char *format, va_list arguments) FXS_PRINTF(3, 0);
 
 /* "PATH: out of memory", or without the path where that is null. `bytes` is the memory that would do, 0 where that is
    not known. Returns FXS_ERR_MEMORY. */
