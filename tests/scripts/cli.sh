@@ -644,7 +644,7 @@ run convert knot4.spz turned.ply --axes rdf
 check "convert --axes rdf" differ "$(hash_of turned.ply $small)" "$(hash_of knot4.spz $small)"
 check "render --axes rdf" differ "$(hash_of knot4.spz $small --axes rdf)" "$(hash_of knot4.spz $small)"
 check "render --axes rub: as it is" equal "$(hash_of knot4.spz $small --axes rub)" "$(hash_of knot4.spz $small)"
-fails "--axes of a .ply" 1 "knot.ply: axes (--axes) are for .spz" render knot.ply --axes rub --hash
+fails "--axes of a .ply" 1 "knot.ply: axes .--axes. are for .spz" render knot.ply --axes rub --hash
 fails "--axes of another way" 2 "--axes up: expected rub or rdf" info knot4.spz --axes up
 fails "convert: an ending that is none" 2 "x.gltf: expected a name ending" convert knot.ply x.gltf
 fails "convert: one file" 2 "two files" convert knot.ply
