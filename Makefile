@@ -13,7 +13,7 @@ CORE_HEADERS := $(addprefix src/include/fixsplat/,fixsplat.h packed.h backend.h 
 HEADERS := $(wildcard src/include/fixsplat/*.h)
 
 PACKAGES := libcjson-dev libstb-dev libwebp-dev libzip-dev zlib1g-dev libdeflate-dev libzstd-dev libegl-dev \
-            libgles-dev libsdl2-dev libsdl2-ttf-dev fonts-dejavu-core libmicrohttpd-dev
+            libgles-dev libsdl2-dev libsdl2-ttf-dev fonts-dejavu-core libmicrohttpd-dev help2man
 TEST_PACKAGES := clang libclang-rt-14-dev cmake pkg-config glslang-tools qemu-user gcc-aarch64-linux-gnu \
                  libc6-dev-arm64-cross gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind libosmesa6-dev libosmesa6 \
                  libegl1 libgles2 libegl-mesa0 libgl1-mesa-dri xvfb xdotool gcc-s390x-linux-gnu \

@@ -615,9 +615,13 @@ static void difference(void)
 {
     const uint8_t a[8] = {10, 10, 200, 0, 0, 5, 255, 9}, b[8] = {10, 11, 100, 0, 31, 0, 223, 200};
     const uint8_t expected[8] = {0, 8, 255, 255, 248, 40, 255, 255};
-    uint8_t out[8];
-    fxs_metrics_difference(a, b, 2, 1, out);
-    CHECK(!memcmp(out, expected, 8));
+    uint8_t *out = 0;
+    int width = 0, height = 0;
+    CHECK(!fxs_metrics_difference(in_folder("a.png"), a, b, 2, 1, &message));
+    CHECK(!fxs_image_file_read(in_folder("a.png"), &out, &width, &height, &message));
+    CHECK(width == 2 && height == 1 && !memcmp(out, expected, 8));
+    free(out);
+    remove(in_folder("a.png"));
 }
 
 int main(void)

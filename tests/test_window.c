@@ -340,7 +340,7 @@ static void make_scene(char *path, const char *file, const char *name, char *cou
     snprintf(path, sizeof knot, "%s/%s.ply", folder, file);
     char *arguments[] = {"make-scene", (char *)name, "-o", path, "--count", count, 0};
     optind = 1;
-    CHECK(command_make_scene(6, arguments) == EXIT_OK);
+    CHECK(command_make_scene.run(6, arguments) == EXIT_OK);
 }
 
 static void write_text(char *path, const char *name, const char *text)
@@ -643,8 +643,7 @@ static void test_views_of_a_file(void)
     drop(&v, cubes);
     CHECK(v.view_count == 1 && !v.options.cameras && near(v.up[1], -1));
     viewer_close(&v);
-    memcpy(options.up, (double[3]){0, 0, 1}, sizeof options.up);
-    options.has_up = 1;
+    options.up = (point_option){1, {0, 0, 1}};
     options.near = 0.5;
     if (start(&v, &options))
         return;
@@ -1107,7 +1106,7 @@ static void test_crop_not_written(void)
     snprintf(packed, sizeof packed, "%s/knot.fxs", folder);
     char *arguments[] = {"convert", knot, packed, 0};
     optind = 1;
-    CHECK(command_convert(3, arguments) == EXIT_OK);
+    CHECK(command_convert.run(3, arguments) == EXIT_OK);
     if (!CHECK(!open_file(&v, &options, packed, 0)))
         return;
     settle(&v);

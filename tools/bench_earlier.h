@@ -1,10 +1,10 @@
-/* What an earlier `fixsplat bench --json` printed, for bench --compare. */
+/* Reads what an earlier `fixsplat bench --json` printed, for bench --compare. */
 #ifndef BENCH_EARLIER_H
 #define BENCH_EARLIER_H
 
 #include "command.h"
 
-/* What a fact of a run means for comparing: an earlier one with another is refused, or its ratios are marked. */
+/* How an earlier run may differ in a fact: freely, with its ratios marked, or not at all. */
 enum { FACT_ASIDE, FACT_MARKED, FACT_SAME };
 
 /* A member of the JSON object: a text, or where that is null a number. */
@@ -21,8 +21,7 @@ typedef struct bench_earlier {
     char marks[MARKS_MOST];                 /* what differs but the times, one line, or empty */
 } bench_earlier;
 
-/* Reads the file. Returns 0, or prints that it is none or what about it cannot be compared, and returns the exit
-   status. */
+/* Returns 0, or prints why the file cannot be read or compared, and returns the exit status. */
 int bench_earlier_read(bench_earlier *earlier, const char *path, const bench_fact *facts, int count);
 
 #endif

@@ -1,4 +1,4 @@
-/* fixsplat bench */
+/* fixsplat bench: times the stages of a frame. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -9,34 +9,12 @@
 #include "drawing.h"
 #include "views.h"
 
-static const char help[] =
-    "Usage: fixsplat bench SCENE... [OPTION...]\n\n"
-    "Renders one view again and again and prints the median milliseconds of each stage; of a back end\n"
-    "with a timer also those of its device. With --foveate also pixels, milliseconds and PSNR of each ring,\n"
-    "against the picture without.\n\n"
-    "  --path N            fly once around the scene in N frames, 2 to 10000, and print minimum, median and maximum\n"
-    "  --frames N          frames measured after a warm-up of two, 10 to 10000 (default 10)\n"
-    "  --draw KIND         beside colour draw mean-depth, median-depth or ids; may be given for each\n"
-    "  --json              print a JSON object\n"
-    "  --compare FILE      beside the times those of a file that --json wrote of the same scenes, view and options,\n"
-    "                      and the ratio; marked with * where back end, processor or threads are others\n"
-    "%s%s\n"
-    "Examples:\n"
-    "  fixsplat bench scene.ply --cameras cameras.json --view 8 --size 1280x720\n"
-    "  fixsplat bench scene.ply --threads 1 --cutoff square --json\n"
-    "  fixsplat bench scene.ply --draw median-depth --draw ids\n"
-    "  fixsplat bench scene.ply --path 120\n"
-    "  fixsplat bench scene.ply --json > before.json\n"
-    "  fixsplat bench scene.ply --compare before.json\n";
-
 typedef struct bench_options {
     frame_options frame;
     int frames, path, json;
     const char *compare;                    /* file of an earlier run, or null */
     int draws;                              /* DRAW_* */
 } bench_options;
-
-enum { OPT_FRAMES = OPT_OWN, OPT_PATH, OPT_DRAW, OPT_JSON, OPT_COMPARE };
 
 /* Columns of the times: the stages, the whole frame, of that the device of a back end, and foveated the rings and what
    puts them together. */
@@ -48,45 +26,39 @@ typedef struct ring_picture {
     double psnr;                            /* of those shown */
 } ring_picture;
 
-static int take_draw(bench_options *o, const char *kind)
+static int take_draw(const option_row *row, void *field, const char *value)
 {
-    const int draw = !strcmp(kind, "mean-depth") ? DRAW_MEAN_DEPTH : !strcmp(kind, "median-depth") ? DRAW_MEDIAN_DEPTH
-                     : !strcmp(kind, "ids") ? DRAW_IDS : 0;
-    const int depths = DRAW_MEAN_DEPTH | DRAW_MEDIAN_DEPTH;
-    o->draws |= draw;
-    return !draw ? fail(EXIT_USAGE, "--draw %s: expected mean-depth, median-depth or ids", kind)
-           : (o->draws & depths) == depths ? fail(EXIT_USAGE, "--draw: give one kind of depth") : 0;
+    static const int kinds[] = {DRAW_MEAN_DEPTH, DRAW_MEDIAN_DEPTH, DRAW_IDS};
+    const int depths = DRAW_MEAN_DEPTH | DRAW_MEDIAN_DEPTH, choice = choice_of(row, value);
+    int *draws = field;
+    if (choice < 0)
+        return wrong_value(row, value);
+    *draws |= kinds[choice];
+    return (*draws & depths) == depths ? fail(EXIT_USAGE, "--draw: give one kind of depth") : 0;
 }
 
-static int take_option(bench_options *o, int which, const char *value)
-{
-    switch (which) {
-    case OPT_FRAMES: return take_int("frames", value, 10, 10000, &o->frames);
-    case OPT_PATH: return take_int("path", value, 2, 10000, &o->path);
-    case OPT_DRAW: return take_draw(o, value);
-    case OPT_JSON: o->json = 1; return 0;
-    case OPT_COMPARE: o->compare = value; return 0;
-    default: return frame_option(&o->frame, which, value);
-    }
-}
+#define OPTIONS bench_options
 
-static void print_help(void)
-{
-    printf(help, camera_options_help, frame_options_help);
-}
+static const option_row own_rows[] = {
+    {.help = "Options:"},
+    {"path", "N", INT(path, 2, 10000), .help =
+     "fly once around the scene in N frames, 2 to 10000, and print minimum, median and maximum"},
+    {"frames", "N", INT(frames, 10, 10000), .help = "frames measured after a warm-up of two, 10 to 10000 (default 10)"},
+    {"draw", "KIND", take_draw, FIELD(int, draws), .choices = WORDS("mean-depth", "median-depth", "ids"), .help =
+     "beside colour draw mean-depth, median-depth or ids; may be given for each"},
+    {"json", 0, FLAG(json), .help = "print a JSON object"},
+    {"compare", "FILE", TEXT(compare), .help =
+     "beside the times those of a file that --json wrote of the same scenes, view and options, and the ratio; marked "
+     "with * where back end, processor or threads are others"},
+    {0}
+};
 
-static int take_options(bench_options *o, int argc, char **argv)
+static int read_options(bench_options *o, int argc, char **argv)
 {
-    static const struct option table[] = {FRAME_OPTIONS, {"frames", required_argument, 0, OPT_FRAMES},
-                                          {"path", required_argument, 0, OPT_PATH},
-                                          {"draw", required_argument, 0, OPT_DRAW},
-                                          {"json", no_argument, 0, OPT_JSON},
-                                          {"compare", required_argument, 0, OPT_COMPARE}, COMMON_OPTIONS};
     memset(o, 0, sizeof *o);
     frame_options_default(&o->frame);
-    for (int c; (c = next_option(argc, argv, COMMON_LETTERS, table, 0, print_help)) != -1;)
-        if (c == '?' || take_option(o, c, optarg))
-            return EXIT_USAGE;
+    if (take_options(&command_bench, o, argc, argv))
+        return EXIT_USAGE;
     if (take_scenes(&o->frame.world, "bench", argc - optind, argv + optind))
         return EXIT_USAGE;
     if (o->draws && o->frame.foveate.on)
@@ -121,7 +93,7 @@ static fxs_file_view view_of_frame(const bench_options *o, const world *w, const
     for (int k = 0; k < 3; k++)
         middle[k] = (w->inner_low[k] + w->inner_high[k]) / 2;
     if (o->path)
-        fxs_view_orbit(&turned, middle, o->frame.up, 6.283185307179586 * i / o->path);
+        fxs_view_orbit(&turned, middle, o->frame.up.at, 6.283185307179586 * i / o->path);
     return turned;
 }
 
@@ -229,11 +201,6 @@ static const char *column_name(int column)
     return column < FXS_STAGES ? fxs_stage_name((enum fxs_stage)column) : column == FRAME ? "frame" : "device";
 }
 
-static const char *cutoff_name(const bench_options *o)
-{
-    return o->frame.render.cutoff == FXS_CUTOFF_SQUARE ? "square" : "mahalanobis";
-}
-
 /* ---- What was measured ------------------------------------------------------------------------------------------- */
 
 #define SCENES_ROOM 4096
@@ -295,7 +262,7 @@ static void state(bench_facts *f, const renderer *r, const bench_options *o, con
     const bench_fact facts[FACTS] = {
         {"gaussians", 0, w->gaussians, FACT_SAME}, {"width", 0, view->width, FACT_SAME},
         {"height", 0, view->height, FACT_SAME}, {"threads", 0, o->frame.threads, FACT_MARKED},
-        {"cpu", o->frame.cpu, 0, FACT_MARKED}, {"cutoff", cutoff_name(o), 0, FACT_SAME},
+        {"cpu", o->frame.cpu, 0, FACT_MARKED}, {"cutoff", cutoff_names[o->frame.render.cutoff], 0, FACT_SAME},
         {"backend", r->backend->name, 0, FACT_MARKED}, {"frames", 0, o->frames, o->path ? FACT_SAME : FACT_ASIDE},
         {"path", 0, o->path, FACT_SAME}, {"scenes", f->scenes, 0, FACT_SAME}, {"camera", f->camera, 0, FACT_SAME},
         {"stereo", 0, o->frame.stereo, FACT_SAME}, {"stereo_exact", 0, o->frame.stereo_exact, FACT_SAME},
@@ -337,7 +304,7 @@ static void print_text(const spread columns[COLUMNS], const ring_picture rings[F
                        const bench_options *o, const world *w, const fxs_file_view *view)
 {
     printf("%" PRIu32 " Gaussians, %dx%d, %" PRIu32 " threads, cut-off %s, %d frames%s; milliseconds\n",
-           w->gaussians, view->width, view->height, o->frame.threads, cutoff_name(o), o->frames,
+           w->gaussians, view->width, view->height, o->frame.threads, cutoff_names[o->frame.render.cutoff], o->frames,
            o->path ? " around the scene" : "");
     printf("           %9s %9s %9s   share  version\n", "minimum", "median", "maximum");
     for (int s = 0; s < (columns[DEVICE].most > 0 ? DEVICE + 1 : DEVICE); s++)
@@ -402,13 +369,13 @@ static int bench(renderer *r, const bench_options *o, const world *w, const fxs_
     return 0;
 }
 
-int command_bench(int argc, char **argv)
+static int run(int argc, char **argv)
 {
     bench_options o;
     renderer r;
     world w;
     fxs_file_view *views = 0;
-    int status = take_options(&o, argc, argv);
+    int status = read_options(&o, argc, argv);
     if (status)
         return status;
     if (names_several(o.frame.view))
@@ -424,3 +391,19 @@ int command_bench(int argc, char **argv)
     renderer_close(&r);
     return status;
 }
+
+const command command_bench = {
+    "bench", "times each stage", run,
+    "Usage: fixsplat bench SCENE... [OPTION...]\n\n"
+    "Renders one view again and again and prints the median milliseconds of each stage; of a back end\n"
+    "with a timer also those of its device. With --foveate also pixels, milliseconds and PSNR of each ring,\n"
+    "against the picture without.\n",
+    0,
+    "  $ fixsplat bench scene.ply --cameras cameras.json --view 8 --size 1280x720\n"
+    "  $ fixsplat bench scene.ply --threads 1 --cutoff square --json\n"
+    "  $ fixsplat bench scene.ply --draw median-depth --draw ids\n"
+    "  $ fixsplat bench scene.ply --path 120\n"
+    "  $ fixsplat bench scene.ply --json > before.json\n"
+    "  $ fixsplat bench scene.ply --compare before.json\n",
+    {{own_rows, 0}, FRAME_TABLES(bench_options), COMMON_TABLE}
+};

@@ -1,24 +1,12 @@
-/* fixsplat compare */
+/* fixsplat compare: measures how far two pictures are apart. */
 #include <math.h>
 #include <stdlib.h>
 
 #include <fixsplat/image_file.h>
 #include "command.h"
+#include "command_line.h"
 #include "file_guard.h"
 #include "metrics.h"
-
-static const char help[] =
-    "Usage: fixsplat compare A.png B.png [--diff D.png] [--min-psnr DB] [--min-ssim S] [--json]\n\n"
-    "Prints PSNR, SSIM (Wang et al. 2004) and the largest difference of two pictures of one size, over red,\n"
-    "green and blue.\n\n"
-    "  --diff D.png        write 8 times the absolute difference\n"
-    "  --min-psnr DB       exit 1 where the PSNR is lower; equal pictures have more than any\n"
-    "  --min-ssim S        exit 1 where the SSIM is lower, 0 to 1\n"
-    "  --json              print a JSON object (psnr is null where the pictures are equal)\n\n"
-    "Examples:\n"
-    "  fixsplat compare a.png b.png\n"
-    "  fixsplat compare a.png b.png --diff difference.png --json\n"
-    "  fixsplat compare golden.png got.png --min-psnr 45 --min-ssim 0.99 --diff diff.png\n";
 
 typedef struct compare_options {
     const char *path[2], *difference;
@@ -26,17 +14,18 @@ typedef struct compare_options {
     int json;
 } compare_options;
 
-static int write_difference(const char *path, const uint8_t *a, const uint8_t *b, int width, int height)
-{
-    fxs_message message;
-    uint8_t *rgba = malloc((size_t)width * (size_t)height * 4);
-    if (!rgba)
-        return fail(EXIT_FAILED, "out of memory");
-    fxs_metrics_difference(a, b, width, height, rgba);
-    int result = fxs_image_file_write(path, rgba, width, height, &message);
-    free(rgba);
-    return result ? fail(EXIT_FAILED, "%s", message.text) : 0;
-}
+#define OPTIONS compare_options
+
+static const option_row own_rows[] = {
+    {.help = "Options:"},
+    {"diff", "D.png", OUTPUT(difference), .help = "write 8 times the absolute difference"},
+    {"min-psnr", "DB", REAL(least_psnr, ABOVE_0, INFINITY, "decibels above 0"), .help =
+     "exit 1 where the PSNR is lower; equal pictures have more than any"},
+    {"min-ssim", "S", REAL(least_ssim, ABOVE_0, 1, "a number above 0, up to 1"), .help =
+     "exit 1 where the SSIM is lower, 0 to 1"},
+    {"json", 0, FLAG(json), .help = "print a JSON object (psnr is null where the pictures are equal)"},
+    {0}
+};
 
 static void print(const struct fxs_metrics *m, int json)
 {
@@ -71,14 +60,15 @@ static int compare(const compare_options *o)
     struct fxs_metrics metrics;
     for (int i = 0; i < 2 && !status; i++)
         if (fxs_image_file_read(path[i], &image[i], &width[i], &height[i], &message))
-            status = fail(EXIT_FAILED, "%s", message.text);
+            status = fail_for(&message);
     if (!status && (width[0] != width[1] || height[0] != height[1]))
         status = fail(EXIT_FAILED, "%s is %dx%d, %s is %dx%d", path[0], width[0], height[0], path[1], width[1],
                       height[1]);
     if (!status && fxs_metrics_compare(image[0], image[1], width[0], height[0], &metrics))
         status = fail(EXIT_FAILED, "out of memory");
-    if (!status && o->difference)
-        status = write_difference(o->difference, image[0], image[1], width[0], height[0]);
+    if (!status && o->difference &&
+        fxs_metrics_difference(o->difference, image[0], image[1], width[0], height[0], &message))
+        status = fail_for(&message);
     if (!status) {
         print(&metrics, o->json);
         status = judge(&metrics, o);
@@ -100,36 +90,11 @@ static int check(const compare_options *o)
     return files_check();
 }
 
-static void print_help(void)
+static int run(int argc, char **argv)
 {
-    fputs(help, stdout);
-}
-
-int command_compare(int argc, char **argv)
-{
-    enum { OPT_DIFF = OPT_OWN, OPT_JSON, OPT_MIN_PSNR, OPT_MIN_SSIM };
-    static const struct option table[] = {{"diff", required_argument, 0, OPT_DIFF}, {"json", no_argument, 0, OPT_JSON},
-                                          {"min-psnr", required_argument, 0, OPT_MIN_PSNR},
-                                          {"min-ssim", required_argument, 0, OPT_MIN_SSIM},
-                                          COMMON_OPTIONS};
     compare_options o = {.difference = 0};
-    for (int c; (c = next_option(argc, argv, COMMON_LETTERS, table, 0, print_help)) != -1;)
-        switch (c) {
-        case OPT_DIFF:
-            if (take_output("diff", optarg, &o.difference))
-                return EXIT_USAGE;
-            break;
-        case OPT_JSON: o.json = 1; break;
-        case OPT_MIN_PSNR:
-            if (!parse_vector(optarg, 1, &o.least_psnr) || o.least_psnr <= 0)
-                return fail(EXIT_USAGE, "--min-psnr %s: expected decibels above 0", optarg);
-            break;
-        case OPT_MIN_SSIM:
-            if (!parse_vector(optarg, 1, &o.least_ssim) || o.least_ssim <= 0 || o.least_ssim > 1)
-                return fail(EXIT_USAGE, "--min-ssim %s: expected a number above 0, up to 1", optarg);
-            break;
-        default: return EXIT_USAGE;
-        }
+    if (take_options(&command_compare, &o, argc, argv))
+        return EXIT_USAGE;
     if (optind != argc - 2)
         return fail(EXIT_USAGE, "compare takes two pictures; see: fixsplat compare --help");
     o.path[0] = argv[optind];
@@ -137,3 +102,15 @@ int command_compare(int argc, char **argv)
     const int status = check(&o);
     return status ? status : compare(&o);
 }
+
+const command command_compare = {
+    "compare", "how far two pictures are apart", run,
+    "Usage: fixsplat compare A.png B.png [OPTION...]\n\n"
+    "Prints PSNR, SSIM (Wang et al. 2004) and the largest difference of two pictures of one size, over red,\n"
+    "green and blue.\n",
+    0,
+    "  $ fixsplat compare a.png b.png\n"
+    "  $ fixsplat compare a.png b.png --diff difference.png --json\n"
+    "  $ fixsplat compare golden.png got.png --min-psnr 45 --min-ssim 0.99 --diff diff.png\n",
+    {{own_rows, 0}, COMMON_TABLE}
+};

@@ -1,4 +1,4 @@
-/* fixsplat convert */
+/* fixsplat convert: writes scene files as another one. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -9,66 +9,9 @@
 #include <fixsplat/scene_write.h>
 #include "src/scene/edit/merge.h"
 #include "cmd_convert.h"
+#include "frame_options.h"
 #include "file_guard.h"
 #include "quality.h"
-
-static const char help[] =
-    "Usage: fixsplat convert IN... OUT [OPTION...]\n\n"
-    "Writes a scene file, or several as they are placed, as another, by the ending of OUT:\n\n"
-    "  .fxs             packed: opens at once and is rendered from the file as it lies\n"
-    "  .ply             Inria's, floats\n"
-    "  .compressed.ply  PlayCanvas's: 16 bytes a Gaussian, and one for each SH coefficient\n"
-    "  .splat           32 bytes a Gaussian: no SH above degree 0\n"
-    "  .spz             compressed: positions in 24 bits over the scene, the rest in 8 to 10\n"
-    "  .sog             PlayCanvas's, version 2: positions in 16 bits, the rest in 8, SH by a palette\n"
-    "  .glb             glTF with KHR_gaussian_splatting, floats, y up\n"
-    "  .csv             text, a line a Gaussian, columns as in a .ply\n\n"
-    "What .fxs leaves out because it cannot be drawn, the others leave out too. Of an .fxs file the Gaussians that its\n"
-    "codes stand for are written.\n"
-    "Several files become one with the highest SH degree of any: coefficients that a file lacks are 0. All must be\n"
-    "anti-aliased, or none. A file that is there is replaced when OUT is complete; one of IN only with --force.\n\n"
-    "The whole is turned, scaled and moved in this order, whatever that of the options, with its SH, in the axes of a\n"
-    ".ply (x right, y down, z to the front):\n\n"
-    "  --up X,Y,Z          turn this direction to up, which is 0,-1,0, by the shortest way\n"
-    "  --rotate X,Y,Z      turn by so many degrees about the x axis, then the y axis, then the z axis; the axes stay\n"
-    "                      where they are\n"
-    "  --scale S           times as large, about the origin\n"
-    "  --translate X,Y,Z   move\n\n"
-    "Then Gaussians are left out, by where they are now:\n\n"
-    "  --crop MINX,MINY,MINZ,MAXX,MAXY,MAXZ\n"
-    "                      keep those with their centre in this box, edges included\n"
-    "  --sphere X,Y,Z,R    keep those with their centre at most R from X,Y,Z\n"
-    "  --prune ALPHA       keep those of this opacity or more, 0 to 1\n"
-    "  --drop-floaters     of what these leave, drop those with fewer than 8 others in the 27 cells around them; a\n"
-    "                      cell is as wide as 4 of a Gaussian's largest sigma (of the median Gaussian's, where that is\n"
-    "                      more), rounded up to a power of two\n"
-    "  --sh-degree D       keep SH up to this degree, 0 to 3\n\n"
-    "Last:\n\n"
-    "  --decimate N        merge neighbours until N Gaussians are left, or N%: position, covariance, colour and SH of\n"
-    "                      two become those of both together, weighted by opacity and area\n\n";
-
-/* C99 promises strings of 4095 bytes. */
-static const char more_help[] =
-    "  --profile P         of .fxs, bytes a Gaussian at SH degree 3, and loss against floats on a captured scene:\n"
-    "                      default 63.5 (56.9 dB), compact 39.6 (53.9 dB), small 19.6 (44.4 dB). Where SH lose much,\n"
-    "                      views are compared with default, and one that loses more than it should is said\n"
-    "  --spz-version V     3 (gzip) or 4 (zstd, the default), for .spz\n"
-    "  --force             OUT may be one of IN, but for an .fxs: that is replaced, when OUT is complete. What only\n"
-    "                      belongs to one of IN, as a content of a tileset, is never replaced\n"
-    "  --lod LEVEL         level of detail of an .lcc or streamed .sog, 0 the finest (default 0)\n"
-    WORLD_HELP
-    IMPORT_HELP
-    "  --help              this text\n\n"
-    "Examples:\n"
-    "  fixsplat convert scene.ply scene.fxs\n"
-    "  fixsplat render scene.fxs -o scene.png\n"
-    "  fixsplat convert scene.ply phone.fxs --profile compact\n"
-    "  fixsplat convert scene.ply small.spz --prune 0.02 --sh-degree 1\n"
-    "  fixsplat convert scene.spz table.ply --crop -1,-1,-1,1,0.5,1\n"
-    "  fixsplat convert scan.ply level.sog --up 0,0,1 --scale 0.01 --sphere 0,0,0,2 --drop-floaters\n"
-    "  fixsplat convert scene.ply far.glb --decimate 10%\n"
-    "  fixsplat convert room.ply chair.spz both.fxs --place chair.spz:1,0,2\n"
-    "  fixsplat convert --scene world.json all.fxs\n";
 
 typedef struct convert_options {
     const char *in, *out;                   /* in: what is placed, by the name of the one file or of its list */
@@ -77,147 +20,136 @@ typedef struct convert_options {
     fxs_placement whole;                    /* how all of it is placed; its rotation follows from these: */
     double degrees[3], up[3];               /* up all 0: as it is */
     fxs_scene_filter filter;
-    int filtered;                           /* an option asks for the filter */
     load_options load;
-    int profile_given, spz_version;         /* spz_version 0: none given */
+    int spz_version;                        /* 0: none given */
 } convert_options;
-
-enum { OPT_CROP = OPT_OWN, OPT_SPHERE, OPT_PRUNE, OPT_DROP_FLOATERS, OPT_DECIMATE, OPT_TRANSLATE, OPT_ROTATE, OPT_SCALE,
-       OPT_SPZ_VERSION, OPT_FORCE };
 
 /* ---- Options --------------------------------------------------------------------------------------------------- */
 
-static int take_crop(fxs_scene_filter *filter, const char *value)
+static int take_up(const option_row *row, void *field, const char *value)
 {
+    const double *up = field;
+    return parse_vector(value, 3, field) && (up[0] != 0 || up[1] != 0 || up[2] != 0) ? 0 : wrong_value(row, value);
+}
+
+static int take_crop(const option_row *row, void *field, const char *value)
+{
+    fxs_scene_filter *filter = field;
     double box[6];
     if (!parse_vector(value, 6, box) || box[0] > box[3] || box[1] > box[4] || box[2] > box[5])
-        return fail(EXIT_USAGE, "--crop %s: expected six numbers MINX,MINY,MINZ,MAXX,MAXY,MAXZ", value);
+        return wrong_value(row, value);
     memcpy(filter->low, box, sizeof filter->low);
     memcpy(filter->high, box + 3, sizeof filter->high);
     return 0;
 }
 
-static int take_sphere(fxs_scene_filter *filter, const char *value)
+static int take_sphere(const option_row *row, void *field, const char *value)
 {
+    fxs_scene_filter *filter = field;
     double sphere[4];
     if (!parse_vector(value, 4, sphere) || sphere[3] < 0)
-        return fail(EXIT_USAGE, "--sphere %s: expected four numbers X,Y,Z,R, R 0 or more", value);
+        return wrong_value(row, value);
     memcpy(filter->middle, sphere, sizeof filter->middle);
     filter->radius = sphere[3];
     return 0;
 }
 
 /* N or N% */
-static int take_decimate(convert_options *o, const char *value)
+static int take_decimate(const option_row *row, void *field, const char *value)
 {
+    convert_options *o = field;
     const size_t length = strlen(value);
     char number[64];
-    uint64_t count;
-    o->filter.drawable = o->filtered = 1;
+    o->filter.drawable = 1;
     o->load.decimate_share = 0;
     o->load.decimate_count = 0;
-    if (parse_count(value, 1, UINT64_MAX, &count)) {
-        o->load.decimate_count = count;
+    if (parse_count(value, 1, UINT64_MAX, &o->load.decimate_count))
         return 0;
-    }
-    if (length > 1 && length < sizeof number && value[length - 1] == '%') {
-        memcpy(number, value, length - 1);
-        number[length - 1] = 0;
-        if (parse_vector(number, 1, &o->load.decimate_share) && o->load.decimate_share > 0 &&
-            o->load.decimate_share <= 100) {
-            o->load.decimate_share /= 100;
-            return 0;
-        }
-    }
-    return fail(EXIT_USAGE, "--decimate %s: expected a number of Gaussians from 1 on, or a share above 0%% up to 100%%",
-                value);
+    o->load.decimate_count = 0;
+    if (!length || length >= sizeof number || value[length - 1] != '%')
+        return wrong_value(row, value);
+    memcpy(number, value, length - 1);
+    number[length - 1] = 0;
+    if (!parse_vector(number, 1, &o->load.decimate_share) || o->load.decimate_share <= 0 ||
+        o->load.decimate_share > 100)
+        return wrong_value(row, value);
+    o->load.decimate_share /= 100;
+    return 0;
 }
 
-/* How the whole is placed. */
-static int take_place(convert_options *o, int which, const char *value)
+static int take_force(const option_row *row, void *field, const char *value)
 {
-    const double *up = o->up;
-    if (which == OPT_SCALE)
-        return parse_vector(value, 1, &o->whole.scale) && o->whole.scale > 0
-                   ? 0 : fail(EXIT_USAGE, "--scale %s: expected a number above 0", value);
-    if (which == OPT_UP)
-        return parse_vector(value, 3, o->up) && (up[0] != 0 || up[1] != 0 || up[2] != 0)
-                   ? 0 : fail(EXIT_USAGE, "--up %s: expected a direction X,Y,Z, not 0,0,0", value);
-    if (which == OPT_ROTATE)
-        return parse_vector(value, 3, o->degrees)
-                   ? 0 : fail(EXIT_USAGE, "--rotate %s: expected degrees about three axes X,Y,Z", value);
-    return parse_vector(value, 3, o->whole.translation)
-               ? 0 : fail(EXIT_USAGE, "--translate %s: expected three numbers X,Y,Z", value);
+    (void)row, (void)field, (void)value;
+    files_force(FILES_FORCED);
+    return 0;
 }
 
-static int take_option(convert_options *o, int which, const char *value)
+#define OPTIONS convert_options
+
+static const option_row own_rows[] = {
+    {.help = "Options:"},
+    {.help =
+     "The whole is turned, scaled and moved in this order, whatever that of the options, with its SH, in the axes of "
+     "a .ply (x right, y down, z to the front):"},
+    {"up", "X,Y,Z", take_up, FIELD(vector_option, up), .expected = "a direction X,Y,Z, not 0,0,0", .help =
+     "turn this direction to up, which is 0,-1,0, by the shortest way"},
+    {"rotate", "X,Y,Z", VECTOR(degrees, "degrees about three axes X,Y,Z"), .help =
+     "turn by so many degrees about the x axis, then the y axis, then the z axis; the axes stay where they are"},
+    {"scale", "S", REAL(whole.scale, ABOVE_0, INFINITY, "a number above 0"), .help =
+     "times as large, about the origin"},
+    {"translate", "X,Y,Z", VECTOR(whole.translation, "three numbers X,Y,Z"), .help = "move"},
+    {.help = "Then Gaussians are left out, by where they are now:"},
+    {"crop", "MINX,MINY,MINZ,MAXX,MAXY,MAXZ", take_crop, FIELD(fxs_scene_filter, filter), .expected =
+     "six numbers MINX,MINY,MINZ,MAXX,MAXY,MAXZ", .help =
+     "keep those with their centre in this box, edges included"},
+    {"sphere", "X,Y,Z,R", take_sphere, FIELD(fxs_scene_filter, filter), .expected =
+     "four numbers X,Y,Z,R, R 0 or more", .help =
+     "keep those with their centre at most R from X,Y,Z"},
+    {"prune", "ALPHA", REAL(filter.opacity, 0, 1, "an opacity, 0 to 1"), .help =
+     "keep those of this opacity or more, 0 to 1"},
+    {"drop-floaters", 0, FLAG(filter.floaters), .help =
+     "of what these leave, drop those with fewer than 8 others in the 27 cells around them; a cell is as wide as 4 "
+     "of a Gaussian's largest sigma (of the median Gaussian's, where that is more), rounded up to a power of two"},
+    {"sh-degree", "D", INT(filter.sh_degree, 0, 3), .help = "keep SH up to this degree, 0 to 3"},
+    {.help = "Last:"},
+    {"decimate", "N", take_decimate, 0, .expected =
+     "a number of Gaussians from 1 on, or a share above 0% up to 100%", .help =
+     "merge neighbours until N Gaussians are left, or N%: position, covariance, colour and SH of two become those of "
+     "both together, weighted by opacity and area"},
+    {.help = "The file that is written:"},
+    {"profile", "P", CHOICE(load.profile, profile_names), .help =
+     "of .fxs, bytes a Gaussian at SH degree 3, and loss against floats on a captured scene: default 63.5 (56.9 dB), "
+     "compact 39.6 (53.9 dB), small 19.6 (44.4 dB). Where SH lose much, views are compared with default, and one "
+     "that loses more than it should is said"},
+    {"spz-version", "V", INT(spz_version, 3, 4), .help = "3 (gzip) or 4 (zstd, the default), for .spz"},
+    {"force", 0, take_force, 0, .help =
+     "OUT may be one of IN, but for an .fxs: that is replaced, when OUT is complete. What only belongs to one of IN, "
+     "as a content of a tileset, is never replaced"},
+    {0}
+};
+
+/* Whether an option asks for the filter. */
+static int is_filtered(void)
 {
-    o->filtered |= which == OPT_CROP || which == OPT_SPHERE || which == OPT_PRUNE || which == OPT_DROP_FLOATERS ||
-                   which == OPT_SH_DEGREE;
-    switch (which) {
-    case OPT_UP:
-    case OPT_ROTATE:
-    case OPT_SCALE:
-    case OPT_TRANSLATE: return take_place(o, which, value);
-    case OPT_SPHERE: return take_sphere(&o->filter, value);
-    case OPT_DROP_FLOATERS: o->filter.floaters = 1; return 0;
-    case OPT_DECIMATE: return take_decimate(o, value);
-    case OPT_LOD: return take_int("lod", value, 0, 1000, &o->load.lod);
-    case OPT_AXES:
-    case OPT_MAX_GAUSSIANS:
-    case OPT_IMPORT_MEMORY: return take_import_option(&o->load, which, value);
-    case OPT_SCENE:
-    case OPT_PLACE: return take_world_option(&o->world, which, value);
-    case OPT_PROFILE: o->profile_given = 1; return take_profile(&o->load, value);
-    case OPT_CROP: return take_crop(&o->filter, value);
-    case OPT_PRUNE:
-        if (!parse_vector(value, 1, &o->filter.opacity) || o->filter.opacity < 0 || o->filter.opacity > 1)
-            return fail(EXIT_USAGE, "--prune %s: expected an opacity, 0 to 1", value);
-        return 0;
-    case OPT_SH_DEGREE: return take_int("sh-degree", value, 0, 3, &o->filter.sh_degree);
-    case OPT_FORCE: files_force(FILES_FORCED); return 0;
-    case OPT_SPZ_VERSION: return take_int("spz-version", value, 3, 4, &o->spz_version);
-    default: return EXIT_USAGE;
-    }
+    return is_given("crop") || is_given("sphere") || is_given("prune") || is_given("drop-floaters") ||
+           is_given("sh-degree") || is_given("decimate");
 }
 
-static void print_help(void)
+static int read_options(convert_options *o, int argc, char **argv)
 {
-    fputs(help, stdout);
-    fputs(more_help, stdout);
-}
-
-static int take_options(convert_options *o, int argc, char **argv)
-{
-    static const struct option table[] = {{"up", required_argument, 0, OPT_UP},
-                                          {"rotate", required_argument, 0, OPT_ROTATE},
-                                          {"scale", required_argument, 0, OPT_SCALE},
-                                          {"translate", required_argument, 0, OPT_TRANSLATE},
-                                          {"crop", required_argument, 0, OPT_CROP},
-                                          {"sphere", required_argument, 0, OPT_SPHERE},
-                                          {"drop-floaters", no_argument, 0, OPT_DROP_FLOATERS},
-                                          {"decimate", required_argument, 0, OPT_DECIMATE},
-                                          {"prune", required_argument, 0, OPT_PRUNE},
-                                          {"sh-degree", required_argument, 0, OPT_SH_DEGREE},
-                                          {"spz-version", required_argument, 0, OPT_SPZ_VERSION},
-                                          {"force", no_argument, 0, OPT_FORCE},
-                                          {"lod", required_argument, 0, OPT_LOD}, IMPORT_OPTIONS,
-                                          WORLD_OPTIONS, {"profile", required_argument, 0, OPT_PROFILE},
-                                          COMMON_OPTIONS};
     memset(o, 0, sizeof *o);
     files_force(FILES_REFUSE_UNFORCED);
     fxs_scene_filter_default(&o->filter);
     fxs_placement_init(&o->whole, 0, 0);
-    for (int c; (c = next_option(argc, argv, COMMON_LETTERS, table, 0, print_help)) != -1;)
-        if (c == '?' || take_option(o, c, optarg))
-            return EXIT_USAGE;
+    if (take_options(&command_convert, o, argc, argv))
+        return EXIT_USAGE;
     if (optind > argc - (o->world.file ? 1 : 2))
         return fail(EXIT_USAGE, "convert takes two files or more, IN and OUT; see: fixsplat convert --help");
     if (take_scenes(&o->world, "convert", argc - 1 - optind, argv + optind))
         return EXIT_USAGE;
     o->in = o->world.file ? o->world.file : argv[optind];
     o->out = argv[argc - 1];
-    if (o->profile_given && !ends_with(o->out, ".fxs"))
+    if (is_given("profile") && !ends_with(o->out, ".fxs"))
         return fail(EXIT_USAGE, "--profile is for .fxs");
     if (o->spz_version && !ends_with(o->out, ".spz"))
         return fail(EXIT_USAGE, "--spz-version: %s is no .spz", o->out);
@@ -257,9 +189,10 @@ static void check_views(const world *packed, const convert_options *o, const loa
     if (status)
         note("%s: not compared with the profile default", o->out);
     else if (q.worst_psnr < promised)
-        note("%s: profile %s loses more of this scene than of most: a view %s is %.1f dB from the profile default, where "
-             "%.0f is usual; %s", o->out, profile_name(packed->scenes[0].opened->scene->profile), q.views[q.worst_view].name,
-             q.worst_psnr, promised, small ? "profile compact loses less" : "profile default loses less");
+        note("%s: profile %s loses more of this scene than of most: a view %s is %.1f dB from the profile default, "
+             "where %.0f is usual; %s", o->out, profile_names[packed->scenes[0].opened->scene->profile],
+             q.views[q.worst_view].name, q.worst_psnr, promised,
+             small ? "profile compact loses less" : "profile default loses less");
     if (!status)
         quality_free(&q);
 }
@@ -269,13 +202,13 @@ static int to_fxs(const convert_options *o)
     world w;
     fxs_message message;
     load_options load = o->load;
-    load.filter = o->filtered ? &o->filter : 0;
+    load.filter = is_filtered() ? &o->filter : 0;
     if (world_open_merged(&w, &o->placed, o->in, &load))
         return EXIT_FAILED;
     const loaded_scene *loaded = &w.scenes[0];
     int status = files_check();
     if (!status && fxs_file_write(o->out, loaded->opened->data, loaded->opened->bytes, &message))
-        status = fail(EXIT_FAILED, "%s", message.text);
+        status = fail_for(&message);
     if (!status && loaded->opened->report->rms.sh > loss_to_check(loaded->opened->scene->profile))
         check_views(&w, o, &load);
     world_close(&w);
@@ -368,7 +301,7 @@ static int write_file(const char *out, int spz_version, const load_options *load
     }
     progress_end();
     if (result)
-        return fail(EXIT_FAILED, "%s", message.text);
+        return fail_for(&message);
     note_losses(out, &report);
     return EXIT_OK;
 }
@@ -449,10 +382,10 @@ static int check_files(const convert_options *o)
     return files_check();
 }
 
-int command_convert(int argc, char **argv)
+static int run(int argc, char **argv)
 {
     static convert_options o;
-    int status = take_options(&o, argc, argv);
+    int status = read_options(&o, argc, argv);
     if (status)
         return status;
     const int packed = ends_with(o.out, ".fxs");
@@ -472,3 +405,33 @@ int command_convert(int argc, char **argv)
     fxs_world_free(&o.placed);
     return status;
 }
+
+const command command_convert = {
+    "convert", "scene files -> another: .fxs (packed), .ply, .sog, .spz, .glb", run,
+    "Usage: fixsplat convert IN... OUT [OPTION...]\n\n"
+    "Writes a scene file, or several as they are placed, as another, by the ending of OUT:\n\n"
+    "  .fxs             packed: opens at once and is rendered from the file as it lies\n"
+    "  .ply             Inria's, floats\n"
+    "  .compressed.ply  PlayCanvas's: 16 bytes a Gaussian, and one for each SH coefficient\n"
+    "  .splat           32 bytes a Gaussian: no SH above degree 0\n"
+    "  .spz             compressed: positions in 24 bits over the scene, the rest in 8 to 10\n"
+    "  .sog             PlayCanvas's, version 2: positions in 16 bits, the rest in 8, SH by a palette\n"
+    "  .glb             glTF with KHR_gaussian_splatting, floats, y up\n"
+    "  .csv             text, a line a Gaussian, columns as in a .ply\n\n"
+    "What .fxs leaves out because it cannot be drawn, the others leave out too. Of an .fxs file the Gaussians that\n"
+    "its codes stand for are written.\n"
+    "Several files become one with the highest SH degree of any: coefficients that a file lacks are 0. All must be\n"
+    "anti-aliased, or none. A file that is there is replaced when OUT is complete; one of IN only with --force.\n",
+    0,
+    "  $ fixsplat convert scene.ply scene.fxs\n"
+    "  $ fixsplat render scene.fxs -o scene.png\n"
+    "  $ fixsplat convert scene.ply phone.fxs --profile compact\n"
+    "  $ fixsplat convert scene.ply small.spz --prune 0.02 --sh-degree 1\n"
+    "  $ fixsplat convert scene.spz table.ply --crop -1,-1,-1,1,0.5,1\n"
+    "  $ fixsplat convert scan.ply level.sog --up 0,0,1 --scale 0.01 --sphere 0,0,0,2 --drop-floaters\n"
+    "  $ fixsplat convert scene.ply far.glb --decimate 10%\n"
+    "  $ fixsplat convert room.ply chair.spz both.fxs --place chair.spz:1,0,2\n"
+    "  $ fixsplat convert --scene world.json all.fxs\n",
+    {{own_rows, 0}, {world_rows, offsetof(convert_options, world)},
+     {load_rows, offsetof(convert_options, load)}, COMMON_TABLE}
+};

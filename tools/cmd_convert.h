@@ -1,6 +1,6 @@
-/* How a scene file becomes another. */
-#ifndef CONVERT_H
-#define CONVERT_H
+/* Writes scenes as a file of another format, for `fixsplat convert` and for the window. */
+#ifndef CMD_CONVERT_H
+#define CMD_CONVERT_H
 
 #include "load_world.h"
 

@@ -1,4 +1,4 @@
-/* fixsplat fit */
+/* fixsplat fit: fits a scene to photographs. */
 #include <errno.h>
 #include <inttypes.h>
 #include <signal.h>
@@ -11,54 +11,6 @@
 #include "file_guard.h"
 #include "fit_result.h"
 
-static const char help[] =
-    "Usage: fixsplat fit PHOTOS -o OUT [OPTION...]\n\n"
-    "Fits a scene to photographs, on the processor or on NVIDIA GPUs: the same file, byte for byte, for the same\n"
-    "photographs, options and seed, whatever the machine and the threads. PHOTOS is a COLMAP folder (images, and\n"
-    "sparse/0 or sparse with .bin or .txt), a transforms.json of nerfstudio or Blender, Inria's cameras.json with\n"
-    "images beside it, or a folder with one of those. At the end the packed scene is rendered from where photographs\n"
-    "were held out, and PSNR and SSIM are printed.\n\n"
-    "  -o, --output OUT    .fxs (packed) or .ply (floats)\n"
-    "  --recipe NAME       reference (default: Kerbl et al. 2023), mcmc (Kheradmand et al. 2024: up to a number of\n"
-    "                      Gaussians) or fast (small photographs first, fewer steps)\n"
-    "  --steps N           one photograph each (default 30000, fast 8000)\n"
-    "  --resolution N      pixels of a photograph's longer side, at most: averaged down to it (default 1600)\n"
-    "  --sh-degree D       highest SH degree, 0 to 3 (default 3)\n"
-    "  --batch N           photographs of a step, 1 to 8 (default 1; with several devices, one for each)\n"
-    "  --block I/N         only the I-th of N blocks of space (N up to 4096), with the photographs that see it; OUT\n"
-    "                      is a .ply of what lies in it, and convert makes one scene of all\n"
-    "  --max-gaussians N   at most so many (default 4194304, mcmc 1000000, fast 250000)\n"
-    "  --seed N            of all that is random (default 0)\n"
-    "  --cutoff NAME       mahalanobis (default) or square\n"
-    "  --background RRGGBB behind the scene, and below photographs with alpha (default 000000)\n"
-    "  --profile P         how the scene is packed, and what the last tenth of the steps fits: default, compact or\n"
-    "                      small\n"
-    "  --hold-out N        keep every N-th photograph by name, from the first on, for measuring (default 8; 0: none,\n"
-    "                      and those that were fitted are measured)\n"
-    "  --skip-bad          leave out photographs that cannot be read, else an error\n"
-    "  --compare FOLDER    write there each photograph that is measured beside its picture, .png\n"
-    "  --save-every N      save the fit after every N steps, in OUT.fit; so does Ctrl-C, and ends\n"
-    "  --resume FILE       go on from there, with the same PHOTOS and options for them; the options of the fit are\n"
-    "                      the file's, --steps may be others. It ends in the bytes of a fit that was never stopped\n"
-    "  --backend NAME      what makes the steps: cpu (default), or cuda; the scene does not depend on it\n"
-    "  --device LIST       GPUs of --backend cuda: numbers from 0 on with commas, or all (default 0); a batch's\n"
-    "                      photographs are shared out among them\n"
-    "  --max-memory SIZE   bytes that are taken of each GPU, at most; 512M, 2G (default: any)\n"
-    "  --threads N         threads, 1 to 64 (default: one a processor); the scene does not depend on it\n"
-    "  --cpu LIST          instruction sets that may be used: all (default), c for none, or names out of\n"
-    "                      sse41,avx2,avx512,neon; the scene does not depend on it\n"
-    "  --json              print a JSON object instead of the table\n"
-    "  --help              this text\n\n"
-    "Examples:\n"
-    "  fixsplat fit garden -o garden.fxs\n"
-    "  fixsplat fit garden -o garden.ply --resolution 600 --steps 7000 --compare pictures\n"
-    "  fixsplat fit garden -o garden.fxs --backend cuda --device 0,1\n"
-    "  fixsplat fit lego/transforms_train.json -o lego.fxs --background ffffff --json\n"
-    "  fixsplat fit garden -o garden.fxs --resume garden.fxs.fit\n";
-
-enum { OPT_RECIPE = OPT_OWN, OPT_STEPS, OPT_RESOLUTION, OPT_SEED, OPT_HOLD_OUT, OPT_SAVE_EVERY, OPT_RESUME,
-       OPT_SKIP_BAD, OPT_COMPARE, OPT_JSON, OPT_BATCH, OPT_BLOCK, OPTIONS_END };
-
 typedef struct fit_command {
     frame_options frame;            /* background, cut-off, SH degree, profile, threads, instruction sets */
     fxs_photos_options reading;
@@ -68,25 +20,15 @@ typedef struct fit_command {
     uint32_t block, blocks;         /* 0: all */
     uint64_t save_every;            /* 0: never */
     int json;
-    char given[OPTIONS_END];        /* by option, those that were */
 } fit_command;
 
-static const char *const recipes[] = {"reference", "mcmc", "fast"};
+static const char *const recipes[] = {"reference", "mcmc", "fast", 0};   /* of enum fxs_fit_recipe */
 
 /* ---- Options ----------------------------------------------------------------------------------------------------- */
 
-static int take_recipe(fxs_fit_options *options, const char *value)
+static int take_block(const option_row *row, void *field, const char *value)
 {
-    for (int i = 0; i < 3; i++)
-        if (!strcmp(value, recipes[i])) {
-            options->recipe = (enum fxs_fit_recipe)i;
-            return 0;
-        }
-    return fail(EXIT_USAGE, "--recipe %s: expected reference, mcmc or fast", value);
-}
-
-static int take_block(fit_command *c, const char *value)
-{
+    fit_command *c = field;
     const char *slash = strchr(value, '/');
     const size_t length = slash ? (size_t)(slash - value) : 0;
     char first[8] = "";
@@ -94,45 +36,66 @@ static int take_block(fit_command *c, const char *value)
     if (length && length < sizeof first)
         memcpy(first, value, length);
     if (!slash || !parse_count(slash + 1, 1, FXS_FIT_BLOCKS_MOST, &blocks) || !parse_count(first, 1, blocks, &block))
-        return fail(EXIT_USAGE, "--block %s: expected I/N, I from 1 to N, N up to %d", value, FXS_FIT_BLOCKS_MOST);
+        return wrong_value(row, value);
     c->block = (uint32_t)block;
     c->blocks = (uint32_t)blocks;
     return 0;
 }
 
-static int take_max_gaussians(fxs_fit_options *options, const char *value)
-{
-    uint64_t number;
-    const int status = take_number("max-gaussians", value, 1, FXS_MAX_COUNT, &number);
-    options->max_gaussians = (size_t)number;
-    return status;
-}
+#define OPTIONS fit_command
 
-static int take_option(fit_command *c, int which, const char *value)
-{
-    c->given[which] = 1;
-    switch (which) {
-    case 'o': return take_output("output", value, &c->out);
-    case OPT_RECIPE: return take_recipe(&c->options, value);
-    case OPT_STEPS: return take_uint32("steps", value, 1, 1000000000, &c->options.steps);
-    case OPT_RESOLUTION: return take_int("resolution", value, 1, FXS_MAX_SIZE, &c->reading.resolution);
-    case OPT_MAX_GAUSSIANS: return take_max_gaussians(&c->options, value);
-    case OPT_BATCH: return take_uint32("batch", value, 1, 8, &c->options.batch);
-    case OPT_BLOCK: return take_block(c, value);
-    case OPT_SEED: return take_number("seed", value, 0, UINT64_MAX, &c->options.seed);
-    case OPT_HOLD_OUT: return take_uint32("hold-out", value, 0, UINT32_MAX, &c->reading.hold_out);
-    case OPT_SAVE_EVERY: return take_number("save-every", value, 1, UINT32_MAX, &c->save_every);
-    case OPT_RESUME: c->resume = value; break;
-    case OPT_COMPARE: c->compare = value; break;
-    case OPT_SKIP_BAD: c->reading.skip_bad = 1; break;
-    case OPT_JSON: c->json = 1; break;
-    default: return frame_option(&c->frame, which, value);
-    }
-    return 0;
-}
+static const option_row own_rows[] = {
+    {.help = "Options:"},
+    {"output", "OUT", OUTPUT(out), .letter = 'o', .help = ".fxs (packed) or .ply (floats)"},
+    {"recipe", "NAME", CHOICE(options.recipe, recipes), .help =
+     "reference (default: Kerbl et al. 2023), mcmc (Kheradmand et al. 2024: up to a number of Gaussians) or fast "
+     "(small photographs first, fewer steps)"},
+    {"steps", "N", UINT32(options.steps, 1, 1000000000), .help = "one photograph each (default 30000, fast 8000)"},
+    {"resolution", "N", INT(reading.resolution, 1, FXS_MAX_SIZE), .help =
+     "pixels of a photograph's longer side, at most: averaged down to it (default 1600)"},
+    {"sh-degree", "D", INT(frame.render.sh_degree, 0, 3), .help = "highest SH degree, 0 to 3 (default 3)"},
+    {"batch", "N", UINT32(options.batch, 1, 8), .help =
+     "photographs of a step, 1 to 8 (default 1; with several devices, one for each)"},
+    {"block", "I/N", take_block, 0, .expected = "I/N, I from 1 to N, N up to 4096", .help =
+     "only the I-th of N blocks of space (N up to 4096), with the photographs that see it; OUT is a .ply of what "
+     "lies in it, and convert makes one scene of all"},
+    {"max-gaussians", "N", SIZE_T(options.max_gaussians, 1, FXS_MAX_COUNT), .help =
+     "at most so many (default 4194304, mcmc 1000000, fast 250000)"},
+    {"seed", "N", UINT64(options.seed, 0, INFINITY), .help = "of all that is random (default 0)"},
+    {"cutoff", "NAME", CHOICE(frame.render.cutoff, cutoff_names), .help = "mahalanobis (default) or square"},
+    {"background", "RRGGBB", COLOUR(frame.render.background), .help =
+     "behind the scene, and below photographs with alpha (default 000000)"},
+    {"profile", "P", CHOICE(frame.load.profile, profile_names), .help =
+     "how the scene is packed, and what the last tenth of the steps fits: default, compact or small"},
+    {"hold-out", "N", UINT32(reading.hold_out, 0, UINT32_MAX), .help =
+     "keep every N-th photograph by name, from the first on, for measuring (default 8; 0: none, and those that were "
+     "fitted are measured)"},
+    {"skip-bad", 0, FLAG(reading.skip_bad), .help = "leave out photographs that cannot be read, else an error"},
+    {"compare", "FOLDER", TEXT(compare), .help =
+     "write there each photograph that is measured beside its picture, .png"},
+    {"save-every", "N", UINT64(save_every, 1, UINT32_MAX), .help =
+     "save the fit after every N steps, in OUT.fit; so does Ctrl-C, and ends"},
+    {"resume", "FILE", TEXT(resume), .help =
+     "go on from there, with the same PHOTOS and options for them; the options of the fit are the file's, --steps "
+     "may be others. It ends in the bytes of a fit that was never stopped"},
+    {"backend", "NAME", TEXT(frame.backend), .choices = WORDS("cpu", "cuda"), .help =
+     "what makes the steps: cpu (default), or cuda; the scene does not depend on it"},
+    {"device", "LIST", take_devices, FIELD(frame_options, frame), .help =
+     "GPUs of --backend cuda: numbers from 0 on with commas, or all (default 0); a batch's photographs are shared "
+     "out among them"},
+    {"max-memory", "SIZE", BYTES(frame.max_memory), .help =
+     "bytes that are taken of each GPU, at most; 512M, 2G (default: any)"},
+    {"threads", "N", take_threads, FIELD(frame_options, frame), 1, 64, .help =
+     "threads, 1 to 64 (default: one a processor); the scene does not depend on it"},
+    {"cpu", "LIST", TEXT(frame.cpu), .help =
+     "instruction sets that may be used: all (default), c for none, or names out of sse41,avx2,avx512,neon; the "
+     "scene does not depend on it"},
+    {"json", 0, FLAG(json), .help = "print a JSON object instead of the table"},
+    {0}
+};
 
 /* The devices of --backend cuda. */
-static int take_devices(fit_command *c, const fxs_backend *backend)
+static int set_devices(fit_command *c, const fxs_backend *backend)
 {
     fxs_fit_options *o = &c->options;
     int devices[DEVICES_MOST];
@@ -160,9 +123,9 @@ static int finish_options(fit_command *c)
     fxs_fit_options *o = &c->options;
     int status = choose_backend(&c->frame, 0, &backend, &how);
     if (!status)
-        status = take_devices(c, backend);
-    o->steps = c->given[OPT_STEPS] ? o->steps : c->resume ? 0 : fxs_fit_recipe_steps(o->recipe);
-    if (!c->given[OPT_MAX_GAUSSIANS])
+        status = set_devices(c, backend);
+    o->steps = is_given("steps") ? o->steps : c->resume ? 0 : fxs_fit_recipe_steps(o->recipe);
+    if (!is_given("max-gaussians"))
         o->max_gaussians = fxs_fit_recipe_gaussians(o->recipe);
     o->sh_degree = c->frame.render.sh_degree;
     o->cutoff = c->frame.render.cutoff;
@@ -175,34 +138,14 @@ static int finish_options(fit_command *c)
     return status;
 }
 
-static void print_help(void)
+static int read_options(fit_command *c, int argc, char **argv)
 {
-    fputs(help, stdout);
-}
-
-static int take_options(fit_command *c, int argc, char **argv)
-{
-    static const struct option table[] = {
-        {"output", required_argument, 0, 'o'}, {"recipe", required_argument, 0, OPT_RECIPE},
-        {"steps", required_argument, 0, OPT_STEPS}, {"resolution", required_argument, 0, OPT_RESOLUTION},
-        {"sh-degree", required_argument, 0, OPT_SH_DEGREE}, {"max-gaussians", required_argument, 0, OPT_MAX_GAUSSIANS},
-        {"backend", required_argument, 0, OPT_BACKEND}, {"device", required_argument, 0, OPT_DEVICE},
-        {"max-memory", required_argument, 0, OPT_MAX_MEMORY}, {"batch", required_argument, 0, OPT_BATCH},
-        {"block", required_argument, 0, OPT_BLOCK},
-        {"seed", required_argument, 0, OPT_SEED}, {"cutoff", required_argument, 0, OPT_CUTOFF},
-        {"background", required_argument, 0, OPT_BG}, {"profile", required_argument, 0, OPT_PROFILE},
-        {"hold-out", required_argument, 0, OPT_HOLD_OUT}, {"save-every", required_argument, 0, OPT_SAVE_EVERY},
-        {"resume", required_argument, 0, OPT_RESUME}, {"skip-bad", no_argument, 0, OPT_SKIP_BAD},
-        {"compare", required_argument, 0, OPT_COMPARE}, {"threads", required_argument, 0, OPT_THREADS},
-        {"cpu", required_argument, 0, OPT_CPU}, {"json", no_argument, 0, OPT_JSON}, COMMON_OPTIONS
-    };
     memset(c, 0, sizeof *c);
     frame_options_default(&c->frame);
     fxs_fit_options_init(&c->options);
     c->reading.hold_out = 8;
-    for (int option; (option = next_option(argc, argv, "o:" COMMON_LETTERS, table, 0, print_help)) != -1;)
-        if (option == '?' || take_option(c, option, optarg))
-            return EXIT_USAGE;
+    if (take_options(&command_fit, c, argc, argv))
+        return EXIT_USAGE;
     if (optind != argc - 1)
         return fail(EXIT_USAGE, "fit takes one folder or file of photographs; see: fixsplat fit --help");
     if (!c->out)
@@ -243,18 +186,17 @@ static int check_resumed(const fit_command *c, const fxs_fit *fit)
 {
     const fxs_fit_options *given = &c->options, *is = fxs_fit_options_of(fit);
     const struct {
-        int which, same;
         const char *name;
+        int same;
     } options[] = {
-        {OPT_RECIPE, given->recipe == is->recipe, "recipe"}, {OPT_SEED, given->seed == is->seed, "seed"},
-        {OPT_BATCH, given->batch == is->batch, "batch"},
-        {OPT_SH_DEGREE, given->sh_degree == is->sh_degree, "sh-degree"},
-        {OPT_MAX_GAUSSIANS, given->max_gaussians == is->max_gaussians, "max-gaussians"},
-        {OPT_CUTOFF, given->cutoff == is->cutoff, "cutoff"}, {OPT_PROFILE, given->profile == is->profile, "profile"},
-        {OPT_BG, !memcmp(given->background, is->background, sizeof is->background), "background"}
+        {"recipe", given->recipe == is->recipe}, {"seed", given->seed == is->seed},
+        {"batch", given->batch == is->batch}, {"sh-degree", given->sh_degree == is->sh_degree},
+        {"max-gaussians", given->max_gaussians == is->max_gaussians}, {"cutoff", given->cutoff == is->cutoff},
+        {"profile", given->profile == is->profile},
+        {"background", !memcmp(given->background, is->background, sizeof is->background)}
     };
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
-        if (c->given[options[i].which] && !options[i].same)
+        if (is_given(options[i].name) && !options[i].same)
             return fail(EXIT_USAGE, "--%s: %s was begun with another", options[i].name, c->resume);
     return 0;
 }
@@ -456,7 +398,7 @@ static void print_text(const fit_command *c, const fxs_fit *fit, const fxs_photo
 {
     const fxs_fit_options *o = fxs_fit_options_of(fit);
     printf("%s: %" PRIu64 " Gaussians, %zu bytes in the profile %s; %" PRIu32 " steps, recipe %s, seed %" PRIu64 "\n",
-           c->out, r->report.packed, r->bytes, profile_name(o->profile), fxs_fit_steps(fit), recipes[o->recipe],
+           c->out, r->report.packed, r->bytes, profile_names[o->profile], fxs_fit_steps(fit), recipes[o->recipe],
            o->seed);
     if (photos->held_out_count)
         printf("Photographs fitted: %zu. Of the %zu held out:\n", photos->fit_count, photos->held_out_count);
@@ -484,7 +426,7 @@ static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photo
     print_json_string(c->out);
     printf(", \"gaussians\": %" PRIu64 ", \"bytes\": %zu, \"profile\": \"%s\", \"recipe\": \"%s\", \"steps\": %" PRIu32
            ", \"seed\": %" PRIu64 ", \"seconds\": %.3f, \"fitted\": %zu, \"held_out\": %zu, \"skipped\": %zu, "
-           "\"measured\": \"%s\", \"photographs\": ", r->report.packed, r->bytes, profile_name(o->profile),
+           "\"measured\": \"%s\", \"photographs\": ", r->report.packed, r->bytes, profile_names[o->profile],
            recipes[o->recipe], fxs_fit_steps(fit), o->seed, (double)(p->last - p->start) * 1e-9, photos->fit_count,
            photos->held_out_count, photos->skipped, photos->held_out_count ? "held out" : "fitted");
     quality_print_json(&r->quality);
@@ -583,7 +525,7 @@ static int read_photos(fit_command *c, fxs_photos *photos)
     const int error = fxs_photos_read(c->in, &c->reading, photos, &message);
     progress_end();
     if (error)
-        return fail(EXIT_FAILED, "%s", message.text);
+        return fail_for(&message);
     if (photos->skipped)
         note("%s: photographs left out: %zu, taken: %zu", c->in, photos->skipped,
              photos->fit_count + photos->held_out_count);
@@ -594,11 +536,11 @@ static int read_photos(fit_command *c, fxs_photos *photos)
     return 0;
 }
 
-int command_fit(int argc, char **argv)
+static int run(int argc, char **argv)
 {
     static fit_command c;
     fxs_photos photos;
-    int status = take_options(&c, argc, argv);
+    int status = read_options(&c, argc, argv);
     if (!status)
         status = check_outputs(&c);
     if (status)
@@ -615,3 +557,20 @@ int command_fit(int argc, char **argv)
     free(c.saved);
     return status;
 }
+
+const command command_fit = {
+    "fit", "photographs -> scene", run,
+    "Usage: fixsplat fit PHOTOS -o OUT [OPTION...]\n\n"
+    "Fits a scene to photographs, on the processor or on NVIDIA GPUs: the same file, byte for byte, for the same\n"
+    "photographs, options and seed, whatever the machine and the threads. PHOTOS is a COLMAP folder (images, and\n"
+    "sparse/0 or sparse with .bin or .txt), a transforms.json of nerfstudio or Blender, Inria's cameras.json with\n"
+    "images beside it, or a folder with one of those. At the end the packed scene is rendered from where photographs\n"
+    "were held out, and PSNR and SSIM are printed.\n",
+    0,
+    "  $ fixsplat fit garden -o garden.fxs\n"
+    "  $ fixsplat fit garden -o garden.ply --resolution 600 --steps 7000 --compare pictures\n"
+    "  $ fixsplat fit garden -o garden.fxs --backend cuda --device 0,1\n"
+    "  $ fixsplat fit lego/transforms_train.json -o lego.fxs --background ffffff --json\n"
+    "  $ fixsplat fit garden -o garden.fxs --resume garden.fxs.fit\n",
+    {{own_rows, 0}, COMMON_TABLE}
+};

@@ -1,4 +1,4 @@
-/* fixsplat info */
+/* fixsplat info: prints what a scene holds, and what a frame of it needs. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,53 +11,6 @@
 #include "quality.h"
 #include "stats.h"
 
-static const char help[] =
-    "Usage: fixsplat info SCENE... [OPTION...]\n"
-    "       fixsplat info --backends [--json]\n\n"
-    "Prints the number of Gaussians, SH degree and bounds of a scene, its bytes a Gaussian once packed, the largest\n"
-    "difference that packing made to each attribute (of an .fxs file, which is packed already, every checksum is\n"
-    "verified instead), and the memory that a frame needs: for any view, and the least. Of several scenes, or placed\n"
-    "ones, the objects too, with their boxes in the world.\n\n"
-    "  --compare ORIGINAL  render SCENE and the scene that it was made from, and print PSNR and SSIM of each view,\n"
-    "                      their means (that of PSNR without views that are equal), the worst of each, and the view\n"
-    "                      of the worst PSNR. The original is packed as convert does without options: what that\n"
-    "                      loses itself, against the floats, is not in the figures (57 dB on a captured scene; the\n"
-    "                      tests hold a mean of 54 dB, 50 dB in the worst view)\n"
-    "  --cameras FILE      compare from evenly spaced views of this file (default: around the scene, in turn framed\n"
-    "                      as by render, close, where it is larger than the picture, and far)\n"
-    "  --views N           how many, 1 to 1000 (default 8)\n"
-    "  --size WxH          pixels (default 1280x720; of the views of a file their own)\n";
-
-/* C99 promises strings of 4095 bytes. */
-static const char more_help[] =
-    "  --board WxH         what a board with a display of this size needs to show the scene on a turntable: flash, a\n"
-    "                      strip of RGB565, and working memory of one thread: the least, and from where on no row\n"
-    "                      of tiles is drawn in slices, at each of 16 turns\n"
-    "  --stats             of the Gaussians as they are read, before they are packed, for each attribute: the least,\n"
-    "                      median, mean and greatest value, and a histogram. Position in scene units, scale_0 to\n"
-    "                      scale_2 as ln(sigma), opacity 0 to 1, colour of SH degree 0, sh_1 to sh_3: of the\n"
-    "                      coefficients of a degree the root mean square\n"
-    "  --max-memory BYTES  (also as 64K, 3M, 2G) what render and bench can do with so much\n"
-    "  --profile P         how a scene that is not an .fxs file is packed: default, compact or small\n"
-    "  --lod LEVEL         level of detail of SCENE, where it is an .lcc or streamed .sog, 0 the finest (default 0)\n"
-    WORLD_HELP
-    IMPORT_HELP
-    "  --json              print a JSON object: of --compare a list of views, psnr and ssim (means), worst_psnr,\n"
-    "                      worst_ssim and worst_view (a PSNR is null where the pictures are equal)\n"
-    "  --backends          what can blend here, and why something cannot; with --json an array of objects: name,\n"
-    "                      does, devices, here, why_not (null where it is here), and can: exact (the same bytes),\n"
-    "                      trace (depths and ids), compose (meshes, coverage), share_eyes, devices (several)\n"
-    "  --help              this text\n\n";
-
-static const char examples[] =
-    "Examples:\n"
-    "  fixsplat info scene.ply\n"
-    "  fixsplat info scene.ply --size 1920x1080 --json\n"
-    "  fixsplat info room.fxs chair.spz --place chair.spz:1,0,2\n"
-    "  fixsplat info scene.ply --stats\n"
-    "  fixsplat info toy.fxs --board 320x240\n"
-    "  fixsplat info scene.spz --compare scene.ply --cameras cameras.json --views 4\n";
-
 typedef struct info_options {
     frame_options frame;                    /* scenes, cameras, size and lod are used */
     const char *original;
@@ -65,8 +18,6 @@ typedef struct info_options {
     int board_width, board_height;          /* 0: not asked for */
     int json, stats, backends;
 } info_options;
-
-enum { OPT_JSON = OPT_OWN, OPT_COMPARE, OPT_VIEWS, OPT_BACKENDS, OPT_BOARD, OPT_STATS };
 
 /* A scene on a board with a display of this size. */
 typedef struct board {
@@ -120,10 +71,11 @@ static void print_error_json(const char *name, const fxs_pack_error *e)
 
 static void print_scene_json(const loaded_scene *s)
 {
+    const fxs_scene_file_info *info = s->opened->info;
     const fxs_pack_report *r = s->opened->report;
     printf("\"format\": \"%s\", \"gaussians\": %" PRIu64 ", \"packed\": %" PRIu64 ", \"sh_degree\": %d, "
-           "\"levels\": %d, \"antialiased\": %s, ", s->opened->info->format, r->read, r->packed, s->opened->info->sh_degree, s->opened->info->levels,
-           s->opened->info->antialiased ? "true" : "false");
+           "\"levels\": %d, \"antialiased\": %s, ", info->format, r->read, r->packed, info->sh_degree,
+           info->levels, info->antialiased ? "true" : "false");
     if (!is_packed(s))
         printf("\"left_out\": {\"not_finite\": %" PRIu64 ", \"zero_quaternion\": %" PRIu64 ", \"share\": %.3g}, "
                "\"brought_in\": %" PRIu64 ", ", r->dropped.not_finite, r->dropped.rotation,
@@ -132,7 +84,7 @@ static void print_scene_json(const loaded_scene *s)
     print_box_json(r->low, r->high);
     printf(", \"seen\": ");
     print_box_json(r->inner_low, r->inner_high);
-    printf(", \"profile\": \"%s\", ", profile_name(s->opened->scene->profile));
+    printf(", \"profile\": \"%s\", ", profile_names[s->opened->scene->profile]);
     printf("\"packed_bytes\": %zu, \"bytes_per_gaussian\": %.3f, ", s->opened->bytes,
            (double)s->opened->bytes / (double)r->packed);
     if (!is_packed(s)) {
@@ -215,8 +167,8 @@ static void print_json(const findings *f)
     if (f->limit)
         print_limit_json(m, f->limit);
     printf("\"lod\": %d, \"frame\": {\"width\": %d, \"height\": %d, \"splats\": %zu, \"keys\": %zu, \"tiles\": %zu, "
-           "\"entries\": %zu, \"bytes\": %zu, \"least\": %zu}}\n", f->lod, f->width, f->height, m->splats, m->keys, m->tiles,
-           m->entries, m->total, m->least);
+           "\"entries\": %zu, \"bytes\": %zu, \"least\": %zu}}\n", f->lod, f->width, f->height, m->splats, m->keys,
+           m->tiles, m->entries, m->total, m->least);
 }
 
 static void print_error_text(const char *name, const fxs_pack_error *e)
@@ -242,7 +194,7 @@ static void print_scene_text(const loaded_scene *s)
     printf("format        %s%s\n", s->opened->info->format, s->opened->info->antialiased ? ", anti-aliased" : "");
     printf("Gaussians     %" PRIu64 ", %" PRIu64 " of them drawable\n", r->read, r->packed);
     printf("SH degree     %d\n", s->opened->info->sh_degree);
-    printf("profile       %s\n", profile_name(s->opened->scene->profile));
+    printf("profile       %s\n", profile_names[s->opened->scene->profile]);
     printf("bounds        %.6g %.6g %.6g to %.6g %.6g %.6g\n", r->low[0], r->low[1], r->low[2], r->high[0], r->high[1],
            r->high[2]);
     printf("seen          %.6g %.6g %.6g to %.6g %.6g %.6g\n", r->inner_low[0], r->inner_low[1], r->inner_low[2],
@@ -271,8 +223,8 @@ static void print_board_text(const board *b, size_t scene_bytes)
 {
     printf("board         %dx%d, one thread: %zu bytes of flash for the scene, %zu of RAM for a strip of 16 "
            "rows;\n              working memory: %zu at the least; from %zu to %zu on, by how it is turned, rows of "
-           "tiles at once;\n              %zu for the whole frame at once\n", b->width, b->height, scene_bytes, b->strip,
-           b->memory.least, b->rows, b->rows_most, b->memory.total);
+           "tiles at once;\n              %zu for the whole frame at once\n", b->width, b->height, scene_bytes,
+           b->strip, b->memory.least, b->rows, b->rows_most, b->memory.total);
 }
 
 static void print_text(const findings *f)
@@ -367,44 +319,55 @@ static void print_backends_json(void)
 
 /* ---- The command ----------------------------------------------------------------------------------------------- */
 
-static int take_option(info_options *o, int which, const char *value)
+static int take_board(const option_row *row, void *field, const char *value)
 {
-    switch (which) {
-    case OPT_COMPARE: o->original = value; return 0;
-    case OPT_VIEWS: return take_int("views", value, 1, 1000, &o->views);
-    case OPT_BOARD: return take_size("board", value, &o->board_width, &o->board_height);
-    case OPT_JSON: o->json = 1; return 0;
-    case OPT_STATS: o->stats = 1; return 0;
-    case OPT_BACKENDS: o->backends = 1; return 0;
-    default: return frame_option(&o->frame, which, value);
-    }
+    info_options *o = field;
+    return parse_size(value, &o->board_width, &o->board_height) ? 0 : wrong_value(row, value);
 }
 
-static void print_help(void)
-{
-    fputs(help, stdout);
-    fputs(more_help, stdout);
-    fputs(examples, stdout);
-}
+#define OPTIONS info_options
 
-static int take_options(info_options *o, int argc, char **argv)
+static const option_row own_rows[] = {
+    {.help = "Options:"},
+    {"compare", "ORIGINAL", TEXT(original), .help =
+     "render SCENE and the scene that it was made from, and print PSNR and SSIM of each view, their means (that of "
+     "PSNR without views that are equal), the worst of each, and the view of the worst PSNR. The original is packed "
+     "as convert does without options: what that loses itself, against the floats, is not in the figures (57 dB on a "
+     "captured scene; the tests hold a mean of 54 dB, 50 dB in the worst view)"},
+    {"cameras", "FILE", TEXT(frame.cameras), .help =
+     "compare from evenly spaced views of this file (default: around the scene, in turn framed as by render, close, "
+     "where it is larger than the picture, and far)"},
+    {"views", "N", INT(views, 1, 1000), .help = "how many, 1 to 1000 (default 8)"},
+    {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .expected = SIZE_EXPECTED, .help =
+     "pixels (default 1280x720; of the views of a file their own)"},
+    {"board", "WxH", take_board, 0, .expected = SIZE_EXPECTED, .help =
+     "what a board with a display of this size needs to show the scene on a turntable: flash, a strip of RGB565, and "
+     "working memory of one thread: the least, and from where on no row of tiles is drawn in slices, at each of 16 "
+     "turns"},
+    {"stats", 0, FLAG(stats), .help =
+     "of the Gaussians as they are read, before they are packed, for each attribute: the least, median, mean and "
+     "greatest value, and a histogram. Position in scene units, scale_0 to scale_2 as ln(sigma), opacity 0 to 1, "
+     "colour of SH degree 0, sh_1 to sh_3: of the coefficients of a degree the root mean square"},
+    {"max-memory", "BYTES", BYTES(frame.max_memory), .help =
+     "(also as 64K, 3M, 2G) what render and bench can do with so much"},
+    {"profile", "P", CHOICE(frame.load.profile, profile_names), .help =
+     "how a scene that is not an .fxs file is packed: default, compact or small"},
+    {"json", 0, FLAG(json), .help =
+     "print a JSON object: of --compare a list of views, psnr and ssim (means), worst_psnr, worst_ssim and "
+     "worst_view (a PSNR is null where the pictures are equal)"},
+    {"backends", 0, FLAG(backends), .help =
+     "what can blend here, and why something cannot; with --json an array of objects: name, does, devices, here, "
+     "why_not (null where it is here), and can: exact (the same bytes), trace (depths and ids), compose (meshes, "
+     "coverage), share_eyes, devices (several)"},
+    {0}
+};
+
+static int read_options(info_options *o, int argc, char **argv)
 {
-    static const struct option table[] = {{"compare", required_argument, 0, OPT_COMPARE},
-                                          {"cameras", required_argument, 0, OPT_CAMERAS},
-                                          {"views", required_argument, 0, OPT_VIEWS},
-                                          {"board", required_argument, 0, OPT_BOARD},
-                                          {"stats", no_argument, 0, OPT_STATS},
-                                          {"backends", no_argument, 0, OPT_BACKENDS},
-                                          {"size", required_argument, 0, OPT_SIZE},
-                                          {"max-memory", required_argument, 0, OPT_MAX_MEMORY},
-                                          {"lod", required_argument, 0, OPT_LOD}, IMPORT_OPTIONS,
-                                          WORLD_OPTIONS, {"profile", required_argument, 0, OPT_PROFILE},
-                                          {"json", no_argument, 0, OPT_JSON}, COMMON_OPTIONS};
     memset(o, 0, sizeof *o);
     frame_options_default(&o->frame);
-    for (int c; (c = next_option(argc, argv, COMMON_LETTERS, table, 0, print_help)) != -1;)
-        if (c == '?' || take_option(o, c, optarg))
-            return EXIT_USAGE;
+    if (take_options(&command_info, o, argc, argv))
+        return EXIT_USAGE;
     if (o->backends) {
         (o->json ? print_backends_json : print_backends)();
         exit(EXIT_OK);
@@ -489,7 +452,7 @@ static int check_files(const world *w)
     for (uint32_t i = 0; i < w->placed.file_count; i++) {
         const loaded_scene *s = &w->scenes[i];
         if (is_packed(s) && fxs_file_check(s->path, s->opened->data, s->opened->bytes, 1, &message))
-            return fail(EXIT_FAILED, "%s", message.text);
+            return fail_for(&message);
     }
     return 0;
 }
@@ -507,7 +470,7 @@ static int find_stats(findings *f, const info_options *o)
         return EXIT_FAILED;
     f->has_stats = !stats_measure(&f->stats, file, &info, &message);
     fxs_scene_file_close(file);
-    return f->has_stats ? 0 : fail(EXIT_FAILED, "%s", message.text);
+    return f->has_stats ? 0 : fail_for(&message);
 }
 
 static int find(findings *f, const info_options *o)
@@ -526,11 +489,11 @@ static int find(findings *f, const info_options *o)
     return status || !o->original ? status : compare(f, o);
 }
 
-int command_info(int argc, char **argv)
+static int run(int argc, char **argv)
 {
     static info_options o;
     findings f = {.compared = 0};
-    int status = take_options(&o, argc, argv);
+    int status = read_options(&o, argc, argv);
     if (!status && !(status = world_open(&f.world, &o.frame.world, &o.frame.load))) {
         status = find(&f, &o);
         if (!status)
@@ -541,3 +504,22 @@ int command_info(int argc, char **argv)
     }
     return status;
 }
+
+const command command_info = {
+    "info", "what a scene holds, and what it needs", run,
+    "Usage: fixsplat info SCENE... [OPTION...]\n"
+    "  or:  fixsplat info --backends [--json]\n\n"
+    "Prints the number of Gaussians, SH degree and bounds of a scene, its bytes a Gaussian once packed, the largest\n"
+    "difference that packing made to each attribute (of an .fxs file, which is packed already, every checksum is\n"
+    "verified instead), and the memory that a frame needs: for any view, and the least. Of several scenes, or placed\n"
+    "ones, the objects too, with their boxes in the world.\n",
+    0,
+    "  $ fixsplat info scene.ply\n"
+    "  $ fixsplat info scene.ply --size 1920x1080 --json\n"
+    "  $ fixsplat info room.fxs chair.spz --place chair.spz:1,0,2\n"
+    "  $ fixsplat info scene.ply --stats\n"
+    "  $ fixsplat info toy.fxs --board 320x240\n"
+    "  $ fixsplat info scene.spz --compare scene.ply --cameras cameras.json --views 4\n",
+    {{own_rows, 0}, {world_rows, offsetof(info_options, frame.world)},
+     {load_rows, offsetof(info_options, frame.load)}, COMMON_TABLE}
+};

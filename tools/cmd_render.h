@@ -1,6 +1,6 @@
-/* What render is asked for. */
-#ifndef RENDER_H
-#define RENDER_H
+/* The options of `fixsplat render`, and what follows from them. */
+#ifndef CMD_RENDER_H
+#define CMD_RENDER_H
 
 #include <fixsplat/image_file.h>
 #include "drawing.h"
@@ -23,7 +23,7 @@ typedef struct render_options {
 /* Renders all views and writes, compares and prints what is asked of them. Returns the exit status. */
 int render_views(const render_options *o);
 
-/* What --stats and --pick print of a view. Return 0, or print what is wrong and return EXIT_FAILED. */
+/* Print the answer to --stats or --pick for a view. Return 0, or print what is wrong and return EXIT_FAILED. */
 int print_stats(const renderer *r, const render_options *o, const world *w, const fxs_file_view *view,
                 const fxs_stats *stats);
 int print_pick(renderer *r, const render_options *o, const world *w, const fxs_file_view *view);

@@ -1,4 +1,4 @@
-/* fixsplat view */
+/* fixsplat view: its options. fixsplat-view, a program beside this one, has the window, and fixsplat-web the page. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,54 +33,60 @@ const char viewer_keys[] =
     "h              these keys\n"
     "escape         leave the crop box, or quit\n";
 
-static const char help[] =
-    "Usage: fixsplat view [SCENE...] [OPTION...]\n\n"
-    "Shows scenes (.fxs, .ply, .splat, .ksplat, .lcc, .spz, .sog, .gltf, .glb, tileset.json) in a window; opens files\n"
-    "dropped on it. Without a scene the window waits for one, and lists the last ten that were open; they are kept\n"
-    "in $XDG_STATE_HOME/fixsplat/recent (~/.local/state/fixsplat/recent). Key enter writes what the crop box of key c\n"
-    "leaves beside the scene, in its format or else as .ply; the convert command that does the same is printed.\n"
-    "With --cameras, up is the mean of the views' up, unless --up says otherwise.\n\n"
-    "  --screenshot OUT    the picture that key p writes: .png, .ppm, .raw, .jpg or .webp (default: fixsplat-001.png\n"
-    "                      and on, in the current folder); the command that renders it again is printed, but not for\n"
-    "                      depths, ids and crops\n"
-    "In a browser:\n"
-    "  --web               serve the scenes and a page that shows them, and print the page's address, until Ctrl-C.\n"
-    "                      Of what follows it takes --cameras, --view, --bg and the options of an import; a scene is\n"
-    "                      sent as it lies on the disk, or packed here where it has several files or such an option\n"
-    "  --port N            1 to 65535, or 0 for any that is free (default 8080)\n"
-    "  --bind ADDRESS      0.0.0.0 for every machine of the network, or one address of this one (default 127.0.0.1)\n"
-    "  --cert FILE --key FILE\n"
-    "                      https by this certificate, .pem: what browsers of other machines ask for before a page may\n"
-    "                      have threads or a headset\n"
-    "%s%s\n"
-    "Keys:\n"
-    "%s\n"
-    "Examples:\n"
-    "  fixsplat view scene.ply\n"
-    "  fixsplat view scene.ply --cameras cameras.json --view 8\n"
-    "  fixsplat view scene.ply --up 0,0,1 --size 1920x1080 --screenshot shot.png\n"
-    "  fixsplat view scene.ply --web --bind 0.0.0.0 --cert cert.pem --key key.pem\n";
+#define OPTIONS view_options
 
-enum { OPT_SCREENSHOT = OPT_OWN, OPT_WEB, OPT_PORT, OPT_BIND, OPT_CERT, OPT_KEY };
+static const option_row window_rows[] = {
+    {.help = "Options:"},
+    {"screenshot", "OUT", TEXT(screenshot), .help =
+     "the picture that key p writes: .png, .ppm, .raw, .jpg or .webp (default: fixsplat-001.png and on, in the "
+     "current folder); the command that renders it again is printed, but not for depths, ids and crops"},
+    {0}
+};
 
-/* Of the options of frames, those that --web takes. */
-static int is_for_web(int option)
+static const option_row page_rows[] = {
+    {.help = "In a browser:"},
+    {"web", 0, FLAG(web), .help =
+     "serve the scenes and a page that shows them, and print the page's address, until Ctrl-C. Of what follows it "
+     "takes --cameras, --view, --bg and the options of an import; a scene is sent as it lies on the disk, or packed "
+     "here where it has several files or such an option"},
+    {"port", "N", UINT64(port, 0, 65535), .help = "1 to 65535, or 0 for any that is free (default 8080)"},
+    {"bind", "ADDRESS", TEXT(bind), .help =
+     "0.0.0.0 for every machine of the network, or one address of this one (default 127.0.0.1)"},
+    {"cert", "FILE", TEXT(certificate), .help =
+     "https by this certificate, .pem: what browsers of other machines ask for before a page may have threads or a "
+     "headset"},
+    {"key", "FILE", TEXT(key), .help = "of that certificate, .pem"},
+    {0}
+};
+
+/* Whether --web takes an option of those that frames have. */
+static int is_for_page(const char *name)
 {
-    static const int taken[] = {OPT_CAMERAS, OPT_VIEW, OPT_BG, OPT_AXES, OPT_LOD, OPT_PROFILE, OPT_THREADS,
-                                OPT_MAX_GAUSSIANS, OPT_IMPORT_MEMORY};
+    static const char *const taken[] = {"cameras", "view", "bg", "threads", "profile"};
     for (size_t i = 0; i < sizeof taken / sizeof *taken; i++)
-        if (taken[i] == option)
+        if (!strcmp(name, taken[i]))
             return 1;
     return 0;
 }
 
-/* Options of the window with the page, and the other way round. */
-static int check_web(const view_options *o, const char *of_window, const char *of_page)
+/* The first option of a table that was given and is not for both window and page; null: none. */
+static const char *given_of(const option_row *rows)
 {
-    if (o->web && of_window)
-        return fail(EXIT_USAGE, "view: --web shows scenes as the page does: no --%s", of_window);
-    if (!o->web && of_page)
-        return fail(EXIT_USAGE, "view: --%s needs --web", of_page);
+    for (; rows->help; rows++)
+        if (rows->name && is_given(rows->name) && !is_for_page(rows->name))
+            return rows->name;
+    return 0;
+}
+
+static int check_web(const view_options *o)
+{
+    const option_row *const of_window[] = {window_rows, camera_rows, world_rows, frame_rows};
+    const char *name = given_of(page_rows);
+    if (!o->web && name)
+        return fail(EXIT_USAGE, "view: --%s needs --web", name);
+    for (size_t i = 0; o->web && i < sizeof of_window / sizeof *of_window; i++)
+        if ((name = given_of(of_window[i])) != 0)
+            return fail(EXIT_USAGE, "view: --web shows scenes as the page does: no --%s", name);
     if (!o->certificate != !o->key)
         return fail(EXIT_USAGE, "view: --cert and --key: give both");
     return 0;
@@ -97,46 +103,22 @@ static int take_scenes_or_none(view_options *o, int count, char *const *scenes)
     return 0;
 }
 
-static void print_help(void)
+static void list_keys(void)
 {
-    printf(help, camera_options_help, frame_options_help, viewer_keys);
-}
-
-static int take_option(view_options *o, int which, const char *value)
-{
-    switch (which) {
-    case OPT_SCREENSHOT: o->screenshot = value; return 0;
-    case OPT_WEB: o->web = 1; return 0;
-    case OPT_BIND: o->bind = value; return 0;
-    case OPT_CERT: o->certificate = value; return 0;
-    case OPT_KEY: o->key = value; return 0;
-    case OPT_PORT: return take_number("port", value, 0, 65535, &o->port);
-    default: return frame_option(&o->frame, which, value);
-    }
+    puts("\nKeys:");
+    for (const char *key = viewer_keys, *end; (end = strchr(key, '\n')) != 0; key = end + 1)
+        printf("  %.*s\n", (int)(end - key), key);
 }
 
 int view_options_take(view_options *o, int argc, char **argv)
 {
-    static const struct option table[] = {
-        FRAME_OPTIONS, {"screenshot", required_argument, 0, OPT_SCREENSHOT}, {"web", no_argument, 0, OPT_WEB},
-        {"port", required_argument, 0, OPT_PORT}, {"bind", required_argument, 0, OPT_BIND},
-        {"cert", required_argument, 0, OPT_CERT}, {"key", required_argument, 0, OPT_KEY}, COMMON_OPTIONS
-    };
-    const char *of_window = 0, *of_page = 0;
-    int index = 0;
     memset(o, 0, sizeof *o);
     o->bind = "127.0.0.1";
     o->port = 8080;
     frame_options_default(&o->frame);
-    for (int c; (c = next_option(argc, argv, COMMON_LETTERS, table, &index, print_help)) != -1;) {
-        if (c > OPT_WEB)
-            of_page = table[index].name;
-        else if (c != OPT_WEB && !is_for_web(c))
-            of_window = table[index].name;
-        if (c == '?' || take_option(o, c, optarg))
-            return EXIT_USAGE;
-    }
-    if (check_web(o, of_window, of_page) || take_scenes_or_none(o, argc - optind, argv + optind))
+    if (take_options(&command_view, o, argc, argv))
+        return EXIT_USAGE;
+    if (check_web(o) || take_scenes_or_none(o, argc - optind, argv + optind))
         return EXIT_USAGE;
     if (names_several(o->frame.view))
         return fail(EXIT_USAGE, "view: --view takes one view to start from; n shows the others");
@@ -175,9 +157,25 @@ static int show(const view_options *o, char **argv)
     return fail(EXIT_FAILED, "%s: cannot be shown: %s: %s", scene_name(o), path, strerror(errno));
 }
 
-int command_view(int argc, char **argv)
+static int run(int argc, char **argv)
 {
     view_options o;
     int status = view_options_take(&o, argc, argv);
     return status ? status : show(&o, argv);
 }
+
+const command command_view = {
+    "view", "scene file -> window, or --web: page", run,
+    "Usage: fixsplat view [SCENE...] [OPTION...]\n\n"
+    "Shows scenes (.fxs, .ply, .splat, .ksplat, .lcc, .spz, .sog, .gltf, .glb, tileset.json) in a window; opens files\n"
+    "dropped on it. Without a scene the window waits for one, and lists the last ten that were open; they are kept\n"
+    "in $XDG_STATE_HOME/fixsplat/recent (~/.local/state/fixsplat/recent). Key enter writes what the crop box of key c\n"
+    "leaves beside the scene, in its format or else as .ply; the convert command that does the same is printed.\n"
+    "With --cameras, up is the mean of the views' up, unless --up says otherwise.\n",
+    list_keys,
+    "  $ fixsplat view scene.ply\n"
+    "  $ fixsplat view scene.ply --cameras cameras.json --view 8\n"
+    "  $ fixsplat view scene.ply --up 0,0,1 --size 1920x1080 --screenshot shot.png\n"
+    "  $ fixsplat view scene.ply --web --bind 0.0.0.0 --cert cert.pem --key key.pem\n",
+    {{window_rows, 0}, {page_rows, 0}, FRAME_TABLES(view_options), COMMON_TABLE}
+};

@@ -1,8 +1,8 @@
 /* The options of `fixsplat view`. */
-#ifndef VIEW_H
-#define VIEW_H
+#ifndef CMD_VIEW_H
+#define CMD_VIEW_H
 
-#include "options.h"
+#include "frame_options.h"
 
 typedef struct view_options {
     frame_options frame;
@@ -15,7 +15,7 @@ typedef struct view_options {
 /* Returns 0, or prints what is wrong and returns EXIT_USAGE; after --help the program ends. */
 int view_options_take(view_options *options, int argc, char **argv);
 
-/* The keys, a line each. */
+/* What each key does, a line each. */
 extern const char viewer_keys[];
 
 #endif

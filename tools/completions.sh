@@ -1,6 +1,6 @@
 #!/bin/sh
-# completions.sh PROGRAM FOLDER: what bash, zsh and fish complete behind `fixsplat`, of what --help prints, at their
-# usual places below a folder `share`.
+# completions.sh PROGRAM FOLDER: writes completions of `fixsplat` for bash, zsh and fish, at their usual places below a
+# folder `share`. The program itself says what there is to complete.
 program=$1 folder=$2
 mkdir -p "$folder/bash-completion/completions" "$folder/zsh/site-functions" "$folder/fish/vendor_completions.d" || exit 1
 list() { "$program" --help | awk -v title="$1" '$0 == title { on = 1; next } /^[^ ]/ { on = 0 } on { print $1 }'; }
@@ -11,57 +11,10 @@ work=$(mktemp) || exit 1
 trap 'rm -f "$work"' EXIT
 
 # A line an option: command, name, letter, what is its value, the values if they are few, what it is for; tabs between.
-# Names are listed as "a, b or c", as "a: ...; b: ..." or where info --backends does it.
-for command in $commands; do
-    { "$program" --help | sed -n '/^Of every command/,/^Instead/p' | grep -v -e --help; "$program" help "$command"; } |
-        awk -v command="$command" -v backends="$(echo $backends)" '
-    function values(text,    found, all, count, i, out) {
-        if (text ~ /info --backends/)
-            return backends
-        gsub(/ \([^()]*\)/, "", text)
-        if (match(text, /([a-z0-9-]+, )*[a-z0-9-]+,? or [a-z0-9-]+/)) {
-            found = substr(text, RSTART, RLENGTH)
-            gsub(/,? or |, /, " ", found)
-            return found
-        }
-        count = split(text, all, /; /)
-        for (i = 1; i <= count; i++)
-            if (match(all[i], /^[a-z0-9-]+:/))
-                out = out (out == "" ? "" : " ") substr(all[i], 1, RLENGTH - 1)
-        return out
-    }
-    function flush() {
-        if (name != "")
-            printf "%s\t%s\t%s\t%s\t%s\t%s\n", command, name, letter, value,
-                   value ~ /^(NAME|P|FORMAT|KIND|AXES)$/ ? values(text) : "", text
-        name = ""
-    }
-    /^  -/ {
-        flush()
-        line = substr($0, 3)
-        at = match(line, /  +/)
-        spec = at ? substr(line, 1, at - 1) : line
-        text = at ? substr(line, at + RLENGTH) : ""
-        letter = match(spec, /^-[a-zA-Z],/) ? substr(spec, 2, 1) : ""
-        match(spec, /--[a-z-]+/)
-        name = substr(spec, RSTART + 2, RLENGTH - 2)
-        value = substr(spec, RSTART + RLENGTH + 1)
-        if (substr(spec, RSTART + RLENGTH, 1) != " ")
-            value = ""
-        if (match(value, / --[a-z]+/)) {            # two on a line
-            other = substr(value, RSTART + 3, RLENGTH - 3)
-            value = substr(value, 1, RSTART - 1)
-            printf "%s\t%s\t\t%s\t\t%s\n", command, other, value, text
-        }
-        next
-    }
-    name != "" && /^          / { sub(/^ */, ""); text = text (text == "" ? "" : " ") $0; next }
-    { flush() }
-    END { flush() }'
-done |
-    awk -F '\t' -v OFS='\t' '{ row[NR] = $0; if ($5 != "" && !($2 in known)) known[$2] = $5 }
-    END { for (i = 1; i <= NR; i++) { $0 = row[i]; if ($5 == "" && $4 ~ /^(NAME|P|FORMAT|KIND|AXES)$/) $5 = known[$2]
-                                      print } }' >"$work"
+"$program" help --table | awk -F '\t' -v OFS='\t' -v backends="$(echo $backends)" '
+    $4 ~ /^\[/ { $4 = "" }
+    $2 == "backend" && $5 == "" { $5 = backends }
+    { print }' >"$work"
 
 # options COMMAND, and of bash and zsh the branches of a case: values COMMANDS.
 options() { awk -F '\t' -v c="$1" '$1 == c { print "--" $2; if ($3 != "") print "-" $3 }' "$work"; }

@@ -139,7 +139,7 @@ static int camera_beside(fxs_camera *camera, const fxs_file_view *view, double o
         beside.position[i] += offset * view->rotation[i];
     if (mirrored)
         beside.cx = view->width - view->cx;
-    return fxs_camera_from_view(camera, &beside, &message) ? fail(EXIT_FAILED, "%s", message.text) : 0;
+    return fxs_camera_from_view(camera, &beside, &message) ? fail_for(&message) : 0;
 }
 
 int renderer_camera(const renderer *r, const fxs_file_view *view, fxs_camera *camera)
@@ -191,10 +191,8 @@ static int render_foveated(renderer *r, const fxs_request *request, fxs_stats *s
 {
     r->foveation = foveation_of(r, request->cameras, request->eyes);
     const size_t bytes = fxs_foveation_bytes(&r->foveation, request->cameras, request->eyes);
-    if (!grow(&r->rings, &r->ring_room, bytes)) {
-        snprintf(why->text, sizeof why->text, "out of memory");
-        return FXS_ERR_MEMORY;
-    }
+    if (!grow(&r->rings, &r->ring_room, bytes))
+        return fxs_fail_memory(why, 0, bytes);
     const int error = fxs_foveate(r->backend, r->self, request, &r->foveation, r->rings, r->ring_room,
                                   r->pool ? fxs_pool_run : 0, r->pool, &r->foveated, why);
     if (stats)

@@ -1,10 +1,10 @@
-/* Draws what the options ask for: a back end that is open, and the pictures that it fills in. */
+/* The renderer of the command: an open back end, and the pictures that it draws. */
 #ifndef DRAWING_H
 #define DRAWING_H
 
 #include <fixsplat/foveate.h>
 #include <fixsplat/pool.h>
-#include "options.h"
+#include "frame_options.h"
 
 /* What is drawn beside colour. */
 enum { DRAW_MEAN_DEPTH = 1, DRAW_MEDIAN_DEPTH = 2, DRAW_IDS = 4 };
@@ -40,13 +40,12 @@ typedef struct renderer {
 } renderer;
 
 /* Opens the back end that the options name, on the first of their devices. `format`, `draws` and the scissor may be set
-   then.
-   Returns 0, or prints why not and returns EXIT_FAILED or EXIT_USAGE (an unknown --cpu or --backend), with nothing to
-   close. */
+   after that. Returns 0, or prints why not and returns EXIT_FAILED or EXIT_USAGE (an unknown --cpu or --backend), with
+   nothing to close. */
 int renderer_open(renderer *r, const frame_options *options);
 void renderer_close(renderer *r);
 
-/* Before the scenes of a world are closed, where the renderer goes on. */
+/* To be called before the scenes of a world are closed, where the renderer is used afterwards. */
 void renderer_forget(renderer *r, const world *w);
 
 /* The camera of a view, or of the part of it that is drawn. Returns 0, or prints why not and returns EXIT_FAILED. */

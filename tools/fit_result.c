@@ -160,7 +160,7 @@ static int write_pair(const gauge *g, long index, const fxs_file_view *view, con
     name_picture(name, g->compare, index, view);
     const int result = fxs_image_file_write(name, both, 2 * view->width, view->height, &message);
     free(both);
-    return result ? fail(EXIT_FAILED, "%s", message.text) : 0;
+    return result ? fail_for(&message) : 0;
 }
 
 static int measure_photo(gauge *g, const fxs_fit_photo *photo, long index, quality_view *out)

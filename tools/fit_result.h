@@ -1,4 +1,4 @@
-/* What comes of a fit: the scene's file, and how far its pictures are from the photographs. */
+/* The result of a fit: the scene's file, and how far its pictures are from the photographs. */
 #ifndef FIT_RESULT_H
 #define FIT_RESULT_H
 
@@ -17,16 +17,16 @@ typedef struct fit_result {
     quality quality;                        /* of the photographs that were held out; of all where none were */
 } fit_result;
 
-/* Packs the fit and writes it, as .fxs or, its Gaussians in floats, as .ply. `block`: null, or those
-   with their centre in it are written, as .ply, while the packed ones are all. Returns 0, or prints why not and returns
-   EXIT_FAILED. result_free frees what it holds in either case. */
+/* Packs the fit and writes it: as .fxs the packed scene, as .ply its Gaussians in floats. Of a block (or null) the .ply
+   has the Gaussians with their centre in it alone, the packed scene has all. Returns 0, or prints why not and returns
+   EXIT_FAILED; result_free frees what *result holds in either case. */
 int result_write(fit_result *result, fxs_fit *fit, const fxs_fit_block *block, const char *out);
 
-/* Names the pictures that result_measure will write to files_write. */
+/* Tells files_write the names of the pictures that result_measure will write. */
 void result_tell_pictures(const fxs_photos *photos, const char *compare);
 
-/* Draws what was packed from where photographs were taken, by the renderer. `compare`: a folder for pictures of each
-   photograph, left, and what was drawn; or null. Returns as above. */
+/* Renders the packed scene from where photographs were taken, and measures how far it is from them. `compare`: a folder
+   for pictures of each photograph, left, beside the rendered one; or null. Returns as above. */
 int result_measure(fit_result *result, fxs_fit *fit, const fxs_photos *photos, const frame_options *frame,
                    const char *out, const char *compare);
 

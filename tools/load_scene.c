@@ -177,7 +177,7 @@ int open_unfiltered(const char *path, const load_options *o, fxs_scene_file **fi
                                                  info, &message)
                     : fxs_scene_file_open(path, &options, file, info, &message);
     if (error)
-        return fail(EXIT_FAILED, "%s", message.text);
+        return fail_for(&message);
     look_at(path, o, info);
     return 0;
 }
@@ -242,40 +242,12 @@ int is_packed(const loaded_scene *loaded)
     return !strcmp(loaded->opened->info->format, "fxs");
 }
 
-int take_import_option(load_options *options, int which, const char *value)
-{
-    if (which == OPT_AXES) {
-        options->axes = !strcmp(value, "rub") ? FXS_AXES_RUB : !strcmp(value, "rdf") ? FXS_AXES_RDF : FXS_AXES_OF_FILE;
-        return options->axes ? 0 : fail(EXIT_USAGE, "--axes %s: expected rub or rdf", value);
-    }
-    if (which == OPT_IMPORT_MEMORY)
-        return parse_bytes(value, &options->import_memory)
-                   ? 0 : fail(EXIT_USAGE, "--import-memory %s: expected bytes, or a number with K, M or G", value);
-    return parse_count(value, 1, UINT64_MAX, &options->max_gaussians)
-               ? 0 : fail(EXIT_USAGE, "--max-gaussians %s: expected a whole number from 1 on", value);
-}
-
-static const char *const profiles[] = {"default", "compact", "small"};
-
-const char *profile_name(enum fxs_profile profile)
-{
-    return profiles[profile];
-}
-
-int take_profile(load_options *options, const char *value)
-{
-    for (int i = 0; i < 3; i++)
-        if (!strcmp(value, profiles[i])) {
-            options->profile = (enum fxs_profile)i;
-            return 0;
-        }
-    return fail(EXIT_USAGE, "--profile %s: expected default, compact or small", value);
-}
+const char *const profile_names[] = {"default", "compact", "small", 0};
 
 int check_scene(const loaded_scene *loaded)
 {
     fxs_message message;
-    return fxs_opened_check(loaded->opened, &message) ? fail(EXIT_FAILED, "%s", message.text) : 0;
+    return fxs_opened_check(loaded->opened, &message) ? fail_for(&message) : 0;
 }
 
 void free_scene(loaded_scene *loaded)

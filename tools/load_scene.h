@@ -50,27 +50,8 @@ int open_scene(const char *path, const load_options *options, fxs_scene_file **f
 int open_unfiltered(const char *path, const load_options *options, fxs_scene_file **file, fxs_scene_file_info *info);
 int filter_scene(const char *path, const load_options *options, fxs_scene_file *file, fxs_scene_file_info *info);
 
-/* Entries of a getopt_long table for what an import may take, and their help. */
-#define IMPORT_OPTIONS \
-    {"axes", required_argument, 0, OPT_AXES}, {"max-gaussians", required_argument, 0, OPT_MAX_GAUSSIANS}, \
-    {"import-memory", required_argument, 0, OPT_IMPORT_MEMORY}
-#define IMPORT_HELP \
-    "  --axes AXES         of an .spz: rub (right, up, back) or rdf (right, down, front: files of\n" \
-    "                      splat-transform 3); default: as the file says, without a word rub\n" \
-    "  --max-gaussians N   refuse to import a scene of more Gaussians (default: 1000000 and one for each byte of\n" \
-    "                      its files, 67108864 at most); each takes about 100 bytes while it is packed\n" \
-    "  --import-memory BYTES\n" \
-    "                      refuse to import a scene that takes more memory to read and decompress, also as 64K,\n" \
-    "                      3M, 2G (default: 96 bytes for each Gaussian of that limit, for 1000000 at least)\n"
-
-/* Takes the value of one of IMPORT_OPTIONS. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
-int take_import_option(load_options *options, int which, const char *value);
-
-/* Takes the value of --profile. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
-int take_profile(load_options *options, const char *value);
-
-/* "default", "compact" or "small". */
-const char *profile_name(enum fxs_profile profile);
+/* Of enum fxs_profile: "default", "compact" and "small", and a null. */
+extern const char *const profile_names[];
 
 /* Whether the scene is still what was loaded: an .fxs file may be written to. Returns 0, or prints that it is not and
    returns EXIT_FAILED. */

@@ -7,24 +7,11 @@
 #include <fixsplat/fxs_file.h>
 
 #include "src/scene/edit/merge.h"
+#include "command_line.h"
 
 /* ---- Options ----------------------------------------------------------------------------------------------------- */
 
-int take_world_option(world_options *o, int which, const char *value)
-{
-    if (which == OPT_SCENE) {
-        o->file = value;
-        return 0;
-    }
-    if (o->place_count == PLACES_MOST)
-        return fail(EXIT_USAGE, "--place %s: more than %d; --scene takes any number", value, PLACES_MOST);
-    if (!strrchr(value, ':'))
-        return fail(EXIT_USAGE, "--place %s: expected SCENE:X,Y,Z[,QW,QX,QY,QZ[,S]]", value);
-    o->places[o->place_count++] = value;
-    return 0;
-}
-
-int take_scenes(world_options *o, const char *command, int count, char *const *scenes)
+int take_scenes(world_options *o, const char *name, int count, char *const *scenes)
 {
     o->scenes = scenes;
     o->scene_count = count;
@@ -32,7 +19,7 @@ int take_scenes(world_options *o, const char *command, int count, char *const *s
         return fail(EXIT_USAGE, "--scene says which scenes there are and where: give no %s",
                     count ? "others" : "--place");
     if (!o->file && !count)
-        return fail(EXIT_USAGE, "%s takes a scene file, or several; see: fixsplat %s --help", command, command);
+        return fail(EXIT_USAGE, "%s takes a scene file, or several; see: fixsplat %s --help", name, name);
     return 0;
 }
 
@@ -128,7 +115,7 @@ int place_scenes(fxs_world *placed, const world_options *o)
     fxs_message message;
     memset(placed, 0, sizeof *placed);
     if (o->file)
-        return fxs_world_read(placed, o->file, &message) ? fail(EXIT_FAILED, "%s", message.text) : 0;
+        return fxs_world_read(placed, o->file, &message) ? fail_for(&message) : 0;
     int status = check_places(o);
     for (int i = 0; i < o->scene_count && !status; i++)
         status = add_scene(placed, o, i);
@@ -245,7 +232,7 @@ static int merge(const fxs_world *placed, const char *name, const load_options *
         return EXIT_FAILED;
     }
     if (fxs_world_merge(placed, files, infos, file, info, &message))
-        return fail(EXIT_FAILED, "%s", message.text);
+        return fail_for(&message);
     return filter_scene(name, load, *file, info);
 }
 
@@ -280,7 +267,7 @@ static int begin_plain(world *w, const char *name)
     fxs_placement_init(&as_it_is, 0, 0);
     const int error = fxs_world_add_file(&w->placed, name, &number, &message) ||
                       fxs_world_add(&w->placed, &as_it_is, &message);
-    return error ? fail(EXIT_FAILED, "%s", message.text) : make_room(w);
+    return error ? fail_for(&message) : make_room(w);
 }
 
 int world_open_packed(world *w, const char *name, fxs_packed_scene *packed)
@@ -292,7 +279,7 @@ int world_open_packed(world *w, const char *name, fxs_packed_scene *packed)
         loaded->path = w->placed.files[0];
         fxs_file_seal(packed->data, packed->bytes);
         const int error = fxs_open_memory(name, packed->data, packed->bytes, 0, &loaded->opened, &message);
-        status = error ? fail(EXIT_FAILED, "%s", message.text) : place_objects(w);
+        status = error ? fail_for(&message) : place_objects(w);
     }
     if (status)
         world_close(w);

@@ -1,6 +1,6 @@
-/* What a command shows: scenes, each loaded once, and the objects that they are placed as. */
-#ifndef WORLD_H
-#define WORLD_H
+/* The world of a command: its scenes, each loaded once, and the objects that they are placed as. */
+#ifndef LOAD_WORLD_H
+#define LOAD_WORLD_H
 
 #include <fixsplat/world.h>
 #include "load_scene.h"
@@ -16,27 +16,11 @@ typedef struct world_options {
     int place_count;
 } world_options;
 
-#define WORLD_OPTIONS \
-    {"scene", required_argument, 0, OPT_SCENE}, {"place", required_argument, 0, OPT_PLACE}
-#define WORLD_HELP \
-    "  --place SCENE:X,Y,Z[,QW,QX,QY,QZ[,S]]\n" \
-    "                      put a scene, named as it was given, by the end of its path or by its number from 0\n" \
-    "                      on, at X,Y,Z, turned by a quaternion and S times as large. Given again for the same\n" \
-    "                      scene, it is there once more. A scene that is not placed is as in its file\n" \
-    "  --scene FILE.json   the scenes, and how they are placed, from a file: {\"objects\": [{\"file\": \"a.fxs\",\n" \
-    "                      \"translation\": [x, y, z], \"rotation\": [w, x, y, z], \"scale\": s, \"opacity\": o,\n" \
-    "                      \"tint\": [r, g, b], \"visible\": true, \"id\": n, \"crops\": [{\"low\": [x, y, z],\n" \
-    "                      \"high\": [x, y, z], \"keep\": \"inside\"}]}]}; all but \"file\" may be left out,\n" \
-    "                      \"keep\" may be \"outside\" too\n"
+/* Takes the files that the command of that name is given. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
+int take_scenes(world_options *options, const char *name, int count, char *const *scenes);
 
-/* Takes the value of one of WORLD_OPTIONS. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
-int take_world_option(world_options *options, int which, const char *value);
-
-/* Takes the files that are given. Returns 0, or prints what is wrong and returns EXIT_USAGE. */
-int take_scenes(world_options *options, const char *command, int count, char *const *scenes);
-
-/* What the options ask for, before a scene is opened; fxs_world_free frees it. Returns 0, or prints why not and
-   returns the exit status. */
+/* Reads --scene, or places the scenes as --place says, before a scene is opened; fxs_world_free frees *placed. Returns
+   0, or prints why not and returns the exit status. */
 int place_scenes(fxs_world *placed, const world_options *options);
 
 typedef struct world {
@@ -73,7 +57,7 @@ int world_box(const world *w, uint32_t object, double low[3], double high[3]);
 /* Whether the scenes are still what was loaded. Returns 0, or prints that one is not and returns EXIT_FAILED. */
 int world_check(const world *w);
 
-/* Null scenes are allowed: it was not opened. */
+/* Also of a world that was not opened: its scenes are null. */
 void world_close(world *w);
 
 #endif

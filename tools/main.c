@@ -9,18 +9,9 @@
 #include "file_guard.h"
 #include "drawing.h"
 
-static const struct {
-    const char *name, *does;
-    int (*run)(int argc, char **argv);
-} commands[] = {
-    {"render", "scene file -> picture", command_render},
-    {"view", "scene file -> window, or --web: page", command_view},
-    {"info", "what a scene holds, and what it needs", command_info},
-    {"convert", "scene files -> another: .fxs (packed), .ply, .sog, .spz, .glb", command_convert},
-    {"fit", "photographs -> scene", command_fit},
-    {"compare", "how far two pictures are apart", command_compare},
-    {"make-scene", "writes a procedural scene", command_make_scene},
-    {"bench", "times each stage", command_bench},
+static const command *const commands[] = {
+    &command_render, &command_view, &command_info, &command_convert, &command_fit, &command_compare,
+    &command_make_scene, &command_bench
 };
 
 enum { COMMANDS = sizeof commands / sizeof *commands };
@@ -39,7 +30,9 @@ static void help_backends(void)
 
 static void help_cameras(void)
 {
-    fputs(camera_options_help, stdout);
+    puts("Options of render, view and bench.");
+    print_rows(camera_rows);
+    print_rows(world_rows);
 }
 
 static void help_formats(void)
@@ -71,27 +64,29 @@ static void help(void)
 {
     puts("fixsplat " FXS_VERSION ": renders 3D Gaussian splatting scenes in fixed point.\n\n"
          "Usage: fixsplat COMMAND [OPTION...]     (fixsplat COMMAND --help tells more)\n"
-         "       fixsplat help COMMAND|TOPIC\n\n"
+         "  or:  fixsplat help COMMAND|TOPIC\n\n"
          "Commands:");
     for (int i = 0; i < COMMANDS; i++)
-        printf("  %-19s %s\n", commands[i].name, commands[i].does);
-    puts("Topics of help:");
+        printf("  %-19s %s\n", commands[i]->name, commands[i]->does);
+    puts("\nTopics of help:");
     for (int i = 0; i < TOPICS; i++)
         printf("  %-19s %s\n", topics[i].name, topics[i].about);
-    puts("Of every command:\n"
-         "  -h, --help          what the command does, and its options\n"
-         "  -V, --version       the version of fixsplat\n"
-         "  --quiet             no progress and no notes, errors alone; so does FIXSPLAT_QUIET=1 in the environment\n"
-         "  The beginning of a long option will do where no other begins so; later versions may have more of them.\n"
-         "Instead of one:\n"
+    print_rows(common_rows);
+    puts("  The beginning of a long option will do where no other begins so; later versions may have more of them.\n"
+         "\nInstead of a command:\n"
          "  --kernels           which version of each stage runs here\n"
-         "\nExamples:\n"
-         "  fixsplat make-scene knot -o knot.ply\n"
-         "  fixsplat render knot.ply -o knot.png\n"
-         "  fixsplat render scene.ply --cameras cameras.json --view 0 -o view.png --stats\n\n"
-         "An output replaces the file of its name when it is complete, but never one that is read (but for convert\n"
-         "--force). A FIFO or a device is written to, and of a link the target is replaced.\n\n"
-         "Exit status: 0 done, 1 failed, 2 wrong usage; where a pipe is closed, that of SIGPIPE (141 in a shell).");
+         "\nOutputs:\n"
+         "  An output replaces the file of its name when it is complete, but never one that is read (but for convert\n"
+         "  --force). A FIFO or a device is written to, and of a link the target is replaced.\n\n"
+         "Exit status:\n"
+         "  0                   done\n"
+         "  1                   failed\n"
+         "  2                   wrong usage\n"
+         "  Where a pipe is closed, that of SIGPIPE (141 in a shell).\n\n"
+         "Examples:\n"
+         "  $ fixsplat make-scene knot -o knot.ply\n"
+         "  $ fixsplat render knot.ply -o knot.png\n"
+         "  $ fixsplat render scene.ply --cameras cameras.json --view 0 -o view.png --stats");
 }
 
 static int kernels(void)
@@ -108,6 +103,14 @@ static int kernels(void)
     return EXIT_OK;
 }
 
+static const command *find_command(const char *name)
+{
+    for (int i = 0; i < COMMANDS; i++)
+        if (!strcmp(name, commands[i]->name))
+            return commands[i];
+    return 0;
+}
+
 static int wrong_command(const char *name)
 {
     suggestion s = {0, 0};
@@ -116,26 +119,34 @@ static int wrong_command(const char *name)
     if (!access(name, F_OK))
         return fail(EXIT_USAGE, "no command before %s: render it, view it, or see: fixsplat --help", name);
     for (int i = 0; i < COMMANDS; i++)
-        suggest(&s, name, strlen(name), commands[i].name);
+        suggest(&s, name, strlen(name), commands[i]->name);
     suggest(&s, name, strlen(name), "help");
     return s.name ? fail(EXIT_USAGE, "no command '%s'; did you mean %s? See: fixsplat --help", name, s.name)
                   : fail(EXIT_USAGE, "no command '%s'; see: fixsplat --help", name);
 }
 
+/* For programs: completions are made of it. */
+static void help_table(void)
+{
+    for (int i = 0; i < COMMANDS; i++)
+        print_table(commands[i]);
+}
+
 static int help_about(const char *name)
 {
-    static char word[] = "--help";
+    const command *c = find_command(name);
     suggestion s = {0, 0};
+    if (c) {
+        print_help(c);
+        return EXIT_OK;
+    }
     for (int i = 0; i < TOPICS; i++)
         if (!strcmp(name, topics[i].name)) {
             topics[i].print();
             return EXIT_OK;
         }
     for (int i = 0; i < COMMANDS; i++)
-        if (!strcmp(name, commands[i].name))
-            return commands[i].run(2, (char *[]){(char *)commands[i].name, word, 0});
-    for (int i = 0; i < COMMANDS; i++)
-        suggest(&s, name, strlen(name), commands[i].name);
+        suggest(&s, name, strlen(name), commands[i]->name);
     for (int i = 0; i < TOPICS; i++)
         suggest(&s, name, strlen(name), topics[i].name);
     return s.name ? fail(EXIT_USAGE, "no help on '%s'; did you mean %s? See: fixsplat help", name, s.name)
@@ -161,6 +172,10 @@ int main(int argc, char **argv)
     const char *name = argc > 1 ? argv[1] : "";
     if (!strcmp(name, "help") && argc > 2 && argv[2][0] != '-')
         return argc == 3 ? help_about(argv[2]) : fail(EXIT_USAGE, "help takes one command or topic");
+    if (!strcmp(name, "help") && argc == 3 && !strcmp(argv[2], "--table")) {
+        help_table();
+        return EXIT_OK;
+    }
     if (!strcmp(name, "--help") || !strcmp(name, "-h") || !strcmp(name, "help")) {
         help();
         return EXIT_OK;
@@ -171,8 +186,6 @@ int main(int argc, char **argv)
     }
     if (!strcmp(name, "--kernels"))
         return kernels();
-    for (int i = 0; i < COMMANDS; i++)
-        if (!strcmp(name, commands[i].name))
-            return commands[i].run(argc - 1, argv + 1);
-    return wrong_command(name);
+    const command *c = find_command(name);
+    return c ? c->run(argc - 1, argv + 1) : wrong_command(name);
 }

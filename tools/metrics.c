@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <fixsplat/image_file.h>
+
 #define WINDOW 11
 #define SIGMA 1.5
 
@@ -114,10 +116,18 @@ const char *fxs_metrics_psnr(char text[32], double psnr, const char *equal)
     return text;
 }
 
-void fxs_metrics_difference(const uint8_t *a, const uint8_t *b, int width, int height, uint8_t *rgba)
+int fxs_metrics_difference(const char *path, const uint8_t *a, const uint8_t *b, int width, int height,
+                           fxs_message *message)
 {
-    for (size_t i = 0; i < 4 * (size_t)width * (size_t)height; i++) {
-        int difference = 8 * abs(a[i] - b[i]);
+    const size_t bytes = 4 * (size_t)width * (size_t)height;
+    uint8_t *rgba = malloc(bytes);
+    if (!rgba)
+        return fxs_fail_memory(message, path, bytes);
+    for (size_t i = 0; i < bytes; i++) {
+        const int difference = 8 * abs(a[i] - b[i]);
         rgba[i] = i % 4 == 3 || difference > 255 ? 255 : (uint8_t)difference;
     }
+    const int error = fxs_image_file_write(path, rgba, width, height, message);
+    free(rgba);
+    return error;
 }

@@ -2,7 +2,7 @@
 #ifndef METRICS_H
 #define METRICS_H
 
-#include <stdint.h>
+#include <fixsplat/message.h>
 
 struct fxs_metrics {
     double mse;    /* mean squared error, levels of 255 */
@@ -19,7 +19,8 @@ int fxs_metrics_compare(const uint8_t *a, const uint8_t *b, int width, int heigh
 /* A PSNR as text, four decimals; `equal` where it is infinite. Returns text. */
 const char *fxs_metrics_psnr(char text[32], double psnr, const char *equal);
 
-/* Writes 8 |a - b|, at most 255, with alpha 255. rgba: width * height * 4 bytes. */
-void fxs_metrics_difference(const uint8_t *a, const uint8_t *b, int width, int height, uint8_t *rgba);
+/* Writes 8 |a - b|, at most 255, with alpha 255, as a picture file. Returns 0, or an error and a message. */
+int fxs_metrics_difference(const char *path, const uint8_t *a, const uint8_t *b, int width, int height,
+                           fxs_message *message);
 
 #endif

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "views.h"
+
 #define FARTHEST 134000000.0        /* a camera may be within 2^27 units */
 
 /* Of a scene and its original, to be compared. */
@@ -44,7 +46,7 @@ static fxs_file_view choose(quality *q, long i, const fxs_file_view *views, long
         middle[k] = (original->inner_low[k] + original->inner_high[k]) / 2;
         turned.position[k] = middle[k] + distances[i % 3].factor * (turned.position[k] - middle[k]);
     }
-    fxs_view_orbit(&turned, middle, options->up, 6.283185307179586 * (double)i / (double)q->count);
+    fxs_view_orbit(&turned, middle, options->up.at, 6.283185307179586 * (double)i / (double)q->count);
     for (int k = 0; k < 3; k++)
         turned.position[k] = fmin(fmax(turned.position[k], -FARTHEST), FARTHEST);
     snprintf(turned.name, sizeof turned.name, "%.0f degrees, %s", 360.0 * (double)i / (double)q->count,

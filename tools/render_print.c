@@ -1,3 +1,4 @@
+/* Prints what --stats and --pick of `fixsplat render` ask for. */
 #include "cmd_render.h"
 
 #include <inttypes.h>

@@ -1,3 +1,4 @@
+/* Renders the views of `fixsplat render`: a round of them is written and compared while the next one is rendered. */
 #include "cmd_render.h"
 
 #include <inttypes.h>
@@ -10,6 +11,7 @@
 #include "src/image/panorama.h"
 #include "file_guard.h"
 #include "metrics.h"
+#include "views.h"
 
 /* ---- Names ----------------------------------------------------------------------------------------------------- */
 
@@ -160,17 +162,6 @@ static size_t bytes_of(const picture *p)
     return (size_t)p->width * (size_t)p->height * 4;
 }
 
-static int write_difference(const char *path, const uint8_t *expected, const picture *p, fxs_message *why)
-{
-    uint8_t *rgba = malloc(bytes_of(p));
-    if (!rgba)
-        return fxs_fail_memory(why, path, bytes_of(p));
-    fxs_metrics_difference(expected, p->pixels, p->width, p->height, rgba);
-    const int error = fxs_image_file_write(path, rgba, p->width, p->height, why);
-    free(rgba);
-    return error;
-}
-
 /* Says how the picture differs from one of its size. */
 static void say_difference(drawn_view *d, const char *name, const uint8_t *expected)
 {
@@ -204,7 +195,7 @@ static void compare_with_file(const render_options *o, drawn_view *d, long index
         say_difference(d, name, expected);
         if (o->diff) {
             name_file(difference, sizeof difference, o->diff, index);
-            d->unwritten = write_difference(difference, expected, p, &d->why);
+            d->unwritten = fxs_metrics_difference(difference, expected, p->pixels, p->width, p->height, &d->why);
         }
     }
     free(expected);
@@ -402,7 +393,7 @@ static int open_film(batch *b)
     const int width = o->has_scissor ? o->scissor[2] : eyes * first->width;
     const int height = o->has_scissor ? o->scissor[3] : first->height;
     return fxs_film_open(&b->film, o->output, b->encoding, width, height, rate, &why)
-               ? fail(EXIT_FAILED, "%s", why.text) : 0;
+               ? fail_for(&why) : 0;
 }
 
 static int render_all(batch *b)
@@ -424,7 +415,7 @@ static int render_all(batch *b)
         status = render_rounds(b);
     progress_end();
     if (fxs_film_close(b->film, !status, &why) && !status)
-        status = fail(EXIT_FAILED, "%s", why.text);
+        status = fail_for(&why);
     return status ? status : b->unexpected;
 }
 

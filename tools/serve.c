@@ -1,4 +1,4 @@
-/* fixsplat-web: what `fixsplat view --web` runs, with the same words. */
+/* fixsplat-web: what `fixsplat view --web` runs, with the same arguments. */
 #include <ctype.h>
 #include <errno.h>
 #include <signal.h>
@@ -13,6 +13,7 @@
 #include <fixsplat/fxs_file.h>
 #include "load_scene.h"
 #include "cmd_view.h"
+#include "views.h"
 
 typedef struct site {
     fxs_http_site served;
@@ -184,7 +185,7 @@ static int add_views(site *s, const frame_options *o)
     fxs_file_view *views;
     const long count = fxs_camera_file_read(o->cameras, &views, &message);
     if (count < 0)
-        return fail(EXIT_FAILED, "%s", message.text);
+        return fail_for(&message);
     const long first = find_view(o, views, count);
     FILE *file = first < 0 ? 0 : tmpfile();
     for (long i = 0; file && i < count; i++) {
@@ -306,7 +307,7 @@ static int serve(const site *s, const view_options *o)
     signal(SIGPIPE, SIG_IGN);
     sigprocmask(SIG_BLOCK, &ending, 0);
     if (fxs_http_open(&server, &s->served, &options, &message))
-        return fail(EXIT_FAILED, "%s", message.text);
+        return fail_for(&message);
     tell_all(server, s, o->key != 0);
     sigwait(&ending, &which);
     fxs_http_close(server);

@@ -1,4 +1,4 @@
-/* What the attributes of a scene's Gaussians are like, one by one. */
+/* Statistics of each attribute of a scene's Gaussians. */
 #ifndef STATS_H
 #define STATS_H
 
@@ -8,7 +8,7 @@ enum { STATS_BINS = 40, STATS_MOST = 13 };
 
 typedef struct attribute_stats {
     const char *name;
-    uint64_t count, not_finite;             /* Gaussians where it is a number; the rest leaves the others out */
+    uint64_t count, not_finite;             /* Gaussians where it is a number, which the rest is of; the others */
     double least, median, mean, most;       /* 0 where there is none */
     uint64_t bins[STATS_BINS];              /* of equal width, from the least to the most */
 } attribute_stats;

@@ -7,6 +7,7 @@
 #include <fixsplat/clock.h>
 #include "port/window/motion.h"
 #include "port/window/words.h"
+#include "views.h"
 #include <fixsplat/packed.h>
 
 enum { STILL_MS = 150, FRAME_MS = 16, LOADING_MS = 50, HINT_MS = 6000, FILM_NS = 1000000000 / FILM_RATE };
@@ -21,7 +22,7 @@ static void show_view(viewer *v, long index)
     double ahead = 0, square = 0;
     for (int i = 0; i < 3; i++) {
         double half = (high[i] - low[i]) / 2;
-        double target = v->options.has_look ? v->options.look[i] : low[i] + half;
+        double target = v->options.look.given ? v->options.look.at[i] : low[i] + half;
         square += half * half;
         ahead += (target - view->position[i]) * view->rotation[6 + i];
     }
@@ -40,8 +41,8 @@ static void find_up(viewer *v)
     for (long i = 0; i < v->view_count; i++)
         for (int k = 0; k < 3; k++)
             mean[k] -= v->views[i].rotation[3 + k] / (double)v->view_count;
-    int of_views = v->options.cameras && !v->options.has_up && hypot(hypot(mean[0], mean[1]), mean[2]) > 0.1;
-    memcpy(v->up, of_views ? mean : v->options.up, sizeof v->up);
+    int of_views = v->options.cameras && !v->options.up.given && hypot(hypot(mean[0], mean[1]), mean[2]) > 0.1;
+    memcpy(v->up, of_views ? mean : v->options.up.at, sizeof v->up);
 }
 
 /* A corner of a chunk, as the object is placed: p = R o s + t */
@@ -142,7 +143,7 @@ static void drop(viewer *v, const char *path)
         return;
     v->loading.options = v->options;
     v->loading.options.cameras = v->loading.options.view = 0;
-    v->loading.options.has_eye = v->loading.options.has_look = 0;
+    v->loading.options.eye.given = v->loading.options.look.given = 0;
     start_loading(v);
 }
 
@@ -189,8 +190,8 @@ void viewer_install(viewer *v)
     v->view_count = l->count;
     v->options.cameras = o->cameras;
     v->options.view = o->view;
-    v->options.has_eye = o->has_eye;
-    v->options.has_look = o->has_look;
+    v->options.eye.given = o->eye.given;
+    v->options.look.given = o->look.given;
     if (l->path)
         v->options.world = (world_options){.scenes = &v->path, .scene_count = 1};
     l->path = 0;
@@ -584,7 +585,7 @@ int viewer_open(viewer *v, const frame_options *options, const char *screenshot_
     v->speed = 0.5;
     v->recent_marked = -1;
     v->options = v->loading.options = *options;
-    int status = fxs_window_open(&v->window, &message) ? fail(EXIT_FAILED, "%s", message.text) : start(v);
+    int status = fxs_window_open(&v->window, &message) ? fail_for(&message) : start(v);
     if (status)
         viewer_close(v);
     return status;

@@ -1,4 +1,4 @@
-/* What `fixsplat view` does: a scene in a window, the view that is on show and how it moves. One thread has the window
+/* The window of `fixsplat view`: its scene, the view that is on show and how it moves. One thread has the window
    (viewer.c, viewer_crop.c, viewer_panels.c), one the renderer (viewer_frame.c), one opens scenes. */
 #ifndef VIEWER_H
 #define VIEWER_H
@@ -141,9 +141,6 @@ void viewer_collect(viewer *v);
 
 /* Side by side in the window. */
 int eyes_of(const viewer *v);
-
-/* "mahalanobis" or "square". */
-const char *cutoff_name(enum fxs_cutoff cutoff);
 
 /* ---- viewer_crop.c ----------------------------------------------------------------------------------------------- */
 

@@ -1,4 +1,4 @@
-/* What the thread of the renderer does for the window. */
+/* The work of the renderer's thread for the window. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,11 +12,6 @@
 #include <fixsplat/formats.h>
 
 #include "viewer.h"
-
-const char *cutoff_name(enum fxs_cutoff cutoff)
-{
-    return cutoff == FXS_CUTOFF_SQUARE ? "square" : "mahalanobis";
-}
 
 int eyes_of(const viewer *v)
 {
@@ -304,7 +299,7 @@ static void print_command(const viewer *v, const fxs_file_view *view, const fxs_
     const int of_file = is_of_file(v, view);
     printf("fixsplat render");
     print_scenes(&v->options.world);
-    printf(" --cutoff %s --sh-degree %d --bg %02x%02x%02x", cutoff_name(render_options->cutoff),
+    printf(" --cutoff %s --sh-degree %d --bg %02x%02x%02x", cutoff_names[render_options->cutoff],
            render_options->sh_degree, render_options->background[0], render_options->background[1],
            render_options->background[2]);
     if (of_file)
@@ -317,7 +312,7 @@ static void print_command(const viewer *v, const fxs_file_view *view, const fxs_
         printf(" --size %dx%d", view->width, view->height);
     print_eyes(v);
     printf(" --near %.17g --lod %d --profile %s -o %s\n", view->near, v->options.load.lod,
-           profile_name(v->options.load.profile), path);
+           profile_names[v->options.load.profile], path);
     fflush(stdout);
 }
 

@@ -1,4 +1,4 @@
-/* fixsplat-view: what `fixsplat view` runs, with the same words. */
+/* fixsplat-view: what `fixsplat view` runs, with the same arguments. */
 #include <fixsplat/output.h>
 #include "viewer.h"
 #include "cmd_view.h"

@@ -1,4 +1,4 @@
-/* What lies over the picture in the window. */
+/* Words, panels and marks over the picture in the window. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -379,7 +379,7 @@ static void show_title(viewer *v)
     else
         snprintf(title, sizeof title, "%.200s - %s (%ld of %ld) - %s, SH %d, %s, 1/%d - %.1f ms%s%s",
                  file_name(v->path), v->view.name, v->index + 1, v->view_count,
-                 cutoff_name(v->options.render.cutoff), v->options.render.sh_degree, v->options.backend,
+                 cutoff_names[v->options.render.cutoff], v->options.render.sh_degree, v->options.backend,
                  v->coarse ? v->divisor : 1, v->times.frame, *v->note ? " - " : "", v->note);
     fxs_window_title(v->window, title);
 }
@@ -395,5 +395,5 @@ int viewer_show(viewer *v)
     for (int i = 0; i < p.count; i++)
         fxs_panel_free(&p.list[i]);
     show_title(v);
-    return failed ? fail(EXIT_FAILED, "%s", message.text) : 0;
+    return failed ? fail_for(&message) : 0;
 }

@@ -1,6 +1,7 @@
 #include "views.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -52,6 +53,18 @@ int names_several(const char *view)
                                              !view[strspn(view, "0123456789,.")]));
 }
 
+long find_view(const frame_options *options, const fxs_file_view *views, long count)
+{
+    const char *wanted = options->view ? options->view : "0";
+    uint64_t number;
+    for (long i = 0; i < count; i++)
+        if (!strcmp(views[i].name, wanted))
+            return i;
+    if (parse_count(wanted, 0, (uint64_t)count - 1, &number))
+        return (long)number;
+    return fail(-1, "%s: no view '%s' (there are %ld, from 0 on)", options->cameras, wanted, count);
+}
+
 static long take_one(const frame_options *options, const fxs_file_view *views, long count, fxs_file_view **chosen)
 {
     const long index = find_view(options, views, count);
@@ -64,7 +77,9 @@ static long take_one(const frame_options *options, const fxs_file_view *views, l
     return 1;
 }
 
-long views_of_list(const frame_options *options, const fxs_file_view *views, long count, fxs_file_view **chosen)
+/* The views that --view names, of `count` of its file: one, or those of a list. Returns how many, with *chosen
+   allocated; or prints why not and returns -1, with *chosen null. */
+static long views_of_list(const frame_options *options, const fxs_file_view *views, long count, fxs_file_view **chosen)
 {
     const int several = names_several(options->view);
     *chosen = 0;
@@ -92,7 +107,7 @@ static void turn(const frame_options *o, const world *w, const fxs_file_view *fi
     for (long i = 0; i < o->orbit; i++) {
         frames[i] = *first;
         if (i)
-            fxs_view_orbit(&frames[i], middle, o->up, 6.283185307179586 * (double)i / (double)o->orbit);
+            fxs_view_orbit(&frames[i], middle, o->up.at, 6.283185307179586 * (double)i / (double)o->orbit);
     }
 }
 
@@ -106,7 +121,9 @@ static void pass_through(const frame_options *o, fxs_file_view *keys, long count
         fxs_view_between(keys, count, (double)(i * (count - 1)) / (double)(o->frames - 1), &frames[i]);
 }
 
-long frames_of_film(const frame_options *options, const world *w, fxs_file_view **views, long count)
+/* Makes `count` views the frames of a turn about the world's middle, or of a way through them. Returns how many; or
+   prints why not and returns -1, with *views freed and null. */
+static long frames_of_film(const frame_options *options, const world *w, fxs_file_view **views, long count)
 {
     const long frames = options->orbit ? options->orbit : options->frames;
     fxs_file_view *made = 0;
@@ -123,4 +140,120 @@ long frames_of_film(const frame_options *options, const world *w, fxs_file_view 
     free(*views);
     *views = made;
     return made ? frames : -1;
+}
+
+/* ---- Cameras ----------------------------------------------------------------------------------------------------- */
+
+/* Where the view has no size of its own. */
+static int width_of(const frame_options *options)
+{
+    return options->width ? options->width : options->panorama ? 2048 : 1280;
+}
+
+static int height_of(const frame_options *options)
+{
+    return options->height ? options->height : options->panorama ? 1024 : 720;
+}
+
+static long views_of_file(const frame_options *options, fxs_file_view **views)
+{
+    fxs_message message;
+    long count = fxs_camera_file_read(options->cameras, views, &message);
+    if (count < 0)
+        return fail(-1, "%s", message.text);
+    if (!options->view || strcmp(options->view, "all")) {
+        fxs_file_view *chosen;
+        count = views_of_list(options, *views, count, &chosen);
+        free(*views);
+        *views = chosen;
+    }
+    for (long i = 0; i < count; i++)
+        if (options->width || options->panorama)
+            fxs_view_resize(&(*views)[i], width_of(options), height_of(options));
+    return count;
+}
+
+/* The camera's look-at point, where none is given: the middle of the scene; of a panorama ahead, level. */
+static void find_target(const frame_options *options, const double middle[3], const double eye[3], double target[3])
+{
+    const double *up = options->up.at;
+    const int across = fabs(up[2]) > fabs(up[1]) ? 1 : 2;   /* an axis that is not up */
+    for (int i = 0; i < 3; i++)
+        target[i] = options->look.given ? options->look.at[i] : options->panorama ? eye[i] + (i == across) : middle[i];
+}
+
+/* Without a camera file. */
+static int make_view(const frame_options *options, const world *w, fxs_file_view *view, fxs_message *message)
+{
+    const int width = width_of(options), height = height_of(options);
+    double middle[3], target[3];
+    int result;
+    for (int i = 0; i < 3; i++)
+        middle[i] = (w->inner_low[i] + w->inner_high[i]) / 2;
+    if (options->eye.given || options->panorama) {
+        const double *eye = options->eye.given ? options->eye.at : middle;
+        find_target(options, middle, eye, target);
+        result = fxs_view_look_at(view, eye, target, options->up.at, options->fov, width, height, message);
+    } else {
+        result = fxs_view_frame_box(view, w->inner_low, w->inner_high, options->up.at, options->fov, width, height,
+                                    message);
+    }
+    view->near = fxs_near_of_box(w->inner_low, w->inner_high);
+    return result;
+}
+
+/* Turns a panorama's view until its y axis is down, its heading as it was. */
+static int make_level(fxs_file_view *view, const frame_options *options, fxs_message *message)
+{
+    const double *forward = view->rotation + 6, *up = options->up.at, *eye = view->position;
+    const fxs_file_view old = *view;
+    double square = 0, along = 0, target[3];
+    for (int i = 0; i < 3; i++) {
+        square += up[i] * up[i];
+        along += up[i] * forward[i];
+    }
+    for (int i = 0; i < 3; i++)
+        target[i] = eye[i] + forward[i] - (square > 0 ? along / square * up[i] : 0);
+    if (fxs_view_look_at(view, old.position, target, up, 90, old.width, old.height, message))
+        return -1;
+    memcpy(view->name, old.name, sizeof view->name);
+    view->near = old.near;
+    return 0;
+}
+
+/* What the options change of a view; of a file's, whether it can be rendered then. */
+static int finish_view(const frame_options *options, fxs_file_view *view, fxs_message *message)
+{
+    fxs_camera camera;
+    if (options->near > 0)
+        view->near = options->near;
+    if (options->ortho > 0) {
+        view->projection = FXS_ORTHOGRAPHIC;
+        view->fx = view->fy = view->height / options->ortho;
+    }
+    if (options->has_tangents && fxs_view_set_tangents(view, options->tangents, message))
+        return -1;
+    if (options->panorama && (!options->cameras || options->up.given) && make_level(view, options, message))
+        return -1;
+    return options->cameras ? fxs_camera_from_view(&camera, view, message) : 0;
+}
+
+long choose_views(const frame_options *options, const world *w, fxs_file_view **views)
+{
+    fxs_message message;
+    long count = options->cameras ? views_of_file(options, views) : 1;
+    if (count < 0)
+        return -1;
+    int result = 0;
+    if (!options->cameras) {
+        *views = malloc(sizeof **views);
+        result = *views ? make_view(options, w, *views, &message) : fxs_fail(&message, "out of memory");
+    }
+    for (long i = 0; i < count && !result; i++)
+        result = finish_view(options, &(*views)[i], &message);
+    if (!result)
+        return options->orbit || options->frames ? frames_of_film(options, w, views, count) : count;
+    free(*views);
+    *views = 0;
+    return options->cameras ? fail(-1, "%s: %s", options->cameras, message.text) : fail(-1, "%s", message.text);
 }

@@ -1,18 +1,17 @@
-/* Views of a list, and the frames of a film. */
+/* The views that a scene is drawn from: from the options, a camera file or the scene itself. */
 #ifndef VIEWS_H
 #define VIEWS_H
 
-#include "options.h"
+#include "frame_options.h"
 
 /* Whether the value of --view is all, or a list as 8..40 or 0,8,40..20. */
 int names_several(const char *view);
 
-/* The views that --view names, of `count` of its file: one, or those of a list. Returns how many, with *chosen
-   allocated; or prints why not and returns -1, with *chosen null. */
-long views_of_list(const frame_options *options, const fxs_file_view *views, long count, fxs_file_view **chosen);
+/* The views that the options ask for, at their final size; of a film one for each frame. Returns how many, with *views
+   allocated; or prints why not and returns -1, with views null if it was null before. */
+long choose_views(const frame_options *options, const world *w, fxs_file_view **views);
 
-/* Makes `count` views the frames of a turn about the world's middle, or of a way through them. Returns how many; or
-   prints why not and returns -1, with *views freed and null. */
-long frames_of_film(const frame_options *options, const world *w, fxs_file_view **views, long count);
+/* The number of the view that --view asks for, 0 without it; or prints that there is none and returns -1. */
+long find_view(const frame_options *options, const fxs_file_view *views, long count);
 
 #endif

@@ -8,7 +8,7 @@
 static int device(int number, char *name, size_t size, fxs_message *why)
 {
     if (number != 0)
-        return fxs_refuse(FXS_ERR_DEVICE, 0, why, "there is no device %d: the processor is 0", number);
+        return fxs_fail_as(FXS_ERR_DEVICE, why, "there is no device %d: the processor is 0", number);
     snprintf(name, size, "the processor, what auto takes");
     return 0;
 }
@@ -19,7 +19,7 @@ static int open_cpu(void **self, const fxs_backend_options *options, fxs_message
     fxs_processor *p = malloc(sizeof *p);
     *self = 0;
     if (!p)
-        return fxs_refuse(FXS_ERR_MEMORY, sizeof *p, why, "out of memory");
+        return fxs_fail_memory(why, 0, sizeof *p);
     const int error = options->device ? device(options->device, 0, 0, why)
                                       : fxs_processor_open(p, options, &no_drawing, why);
     if (error)

@@ -64,16 +64,16 @@ static int open_gles(gl_backend *b, fxs_message *why)
     char text[FXS_GLES_MESSAGE];
     fxs_gles *gles = malloc(fxs_gles_bytes());
     if (!gles)
-        return fxs_refuse(FXS_ERR_MEMORY, fxs_gles_bytes(), why, "out of memory");
+        return fxs_fail_memory(why, 0, fxs_gles_bytes());
     const int error = fxs_gles_init(gles, b->kind->load, b->kind->use, b->port, text);
     if (error) {
         free(gles);
-        return fxs_refuse(error, 0, why, "%s", text);
+        return fxs_fail_as(error, why, "%s", text);
     }
     b->gles = gles;
     const char *no_fetch = fxs_gles_no_fetch(gles);
     if (no_fetch && b->kind->way == FETCH)
-        return fxs_refuse(FXS_ERR_UNSUPPORTED, 0, why, "%s", no_fetch);
+        return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "%s", no_fetch);
     snprintf(b->lost, sizeof b->lost, "%s", no_fetch ? no_fetch : "");
     return 0;
 }
@@ -103,7 +103,7 @@ static const char *renderer(const gl_backend *b)
 #else
 static int open_gles(gl_backend *b, fxs_message *why)
 {
-    return fxs_refuse(FXS_ERR_UNSUPPORTED, 0, why, "built without the headers in %s", b->kind->packages);
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "built without the headers in %s", b->kind->packages);
 }
 
 static void close_gles(gl_backend *b)
@@ -147,12 +147,12 @@ static int open_context(gl_backend **out, const kind *k, int device, fxs_message
 {
     *out = 0;
     if (!k->open)
-        return fxs_refuse(FXS_ERR_UNSUPPORTED, 0, why, "built without the headers in %s", k->packages);
+        return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "built without the headers in %s", k->packages);
     if (device != 0)
-        return fxs_refuse(FXS_ERR_DEVICE, 0, why, "there is no device %d: the first that can be had is 0", device);
+        return fxs_fail_as(FXS_ERR_DEVICE, why, "there is no device %d: the first that can be had is 0", device);
     gl_backend *b = calloc(1, sizeof *b);
     if (!b)
-        return fxs_refuse(FXS_ERR_MEMORY, sizeof *b, why, "out of memory");
+        return fxs_fail_memory(why, 0, sizeof *b);
     b->kind = k;
     why->bytes_needed = 0;
     int error = k->open(&b->port, why) ? FXS_ERR_DEVICE : open_gles(b, why);

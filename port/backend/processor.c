@@ -1,7 +1,6 @@
 #include "processor_internal.h"
 
 #include <inttypes.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,16 +10,6 @@
 #include <fixsplat/kernels.h>
 #endif
 
-int fxs_refuse(int error, uint64_t bytes_needed, fxs_message *why, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(why->text, sizeof why->text, format, arguments);
-    va_end(arguments);
-    why->bytes_needed = bytes_needed;
-    return error;
-}
-
 int fxs_processor_open(fxs_processor *p, const fxs_backend_options *options, const fxs_config *drawing,
                        fxs_message *why)
 {
@@ -28,21 +17,21 @@ int fxs_processor_open(fxs_processor *p, const fxs_backend_options *options, con
     fxs_config config = *drawing;
     memset(p, 0, sizeof *p);
     if (threads > 64)
-        return fxs_refuse(FXS_ERR_ARGUMENT, 0, why, "%" PRIu32 " threads: expected 1 to 64", threads);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, why, "%" PRIu32 " threads: expected 1 to 64", threads);
     p->max_memory = options->max_memory < SIZE_MAX ? (size_t)options->max_memory : SIZE_MAX;
     config.threads = threads;
     config.clock = fxs_clock;
     if (threads > 1) {
         p->pool = fxs_pool_create(threads);
         if (!p->pool)
-            return fxs_refuse(FXS_ERR_MEMORY, 0, why, "cannot start %" PRIu32 " threads", threads);
+            return fxs_fail_as(FXS_ERR_MEMORY, why, "cannot start %" PRIu32 " threads", threads);
         config.run = fxs_pool_run;
         config.pool = p->pool;
     }
     const int error = fxs_init(&p->context, &config);
     if (error) {
         fxs_processor_close(p);
-        return fxs_refuse(error, 0, why, "%s", fxs_strerror(error));
+        return fxs_fail_as(error, why, "%s", fxs_strerror(error));
     }
 #ifdef FXS_WITH_KERNELS
     fxs_kernels_choose(&p->context.kernels, fxs_cpu_detect() & ~options->without_cpu);
@@ -61,16 +50,21 @@ static int make_room(fxs_processor *p, size_t bytes, const fxs_camera *camera, f
     p->allocation = bytes < SIZE_MAX - 63 ? malloc(bytes + 63) : 0;
     p->memory = (void *)(((uintptr_t)p->allocation + 63) / 64 * 64);
     p->memory_bytes = p->allocation ? bytes : 0;
-    return p->allocation ? 0 : fxs_refuse(FXS_ERR_MEMORY, bytes, why, "out of memory: a frame of %" PRId32 "x%" PRId32
-                                          " needs %zu bytes", camera->width, camera->height, bytes);
+    if (p->allocation)
+        return 0;
+    fxs_fail(why, "out of memory: a frame of %" PRId32 "x%" PRId32 " needs %zu bytes", camera->width, camera->height,
+             bytes);
+    why->bytes_needed = bytes;
+    return FXS_ERR_MEMORY;
 }
 
 static int fail_frame(const fxs_processor *p, int error, const fxs_stats *stats, fxs_message *why)
 {
-    if (error == FXS_ERR_MEMORY && stats->memory.least > p->memory_bytes)
-        return fxs_refuse(error, stats->memory.least, why, "%zu bytes of memory are too few, it takes %zu",
-                          p->memory_bytes, stats->memory.least);
-    return fxs_refuse(error, 0, why, "%s", fxs_strerror(error));
+    if (error != FXS_ERR_MEMORY || stats->memory.least <= p->memory_bytes)
+        return fxs_fail_as(error, why, "%s", fxs_strerror(error));
+    fxs_fail(why, "%zu bytes of memory are too few, it takes %zu", p->memory_bytes, stats->memory.least);
+    why->bytes_needed = stats->memory.least;
+    return error;
 }
 
 int fxs_processor_render(fxs_processor *p, const fxs_request *q, fxs_stats *stats, fxs_message *why)
@@ -78,7 +72,7 @@ int fxs_processor_render(fxs_processor *p, const fxs_request *q, fxs_stats *stat
     fxs_stats own;
     const int32_t width = q->cameras->width, height = q->cameras->height;
     if (q->eyes != 1 && q->eyes != 2)
-        return fxs_refuse(FXS_ERR_ARGUMENT, 0, why, "%" PRIu32 " eyes: expected 1 or 2", q->eyes);
+        return fxs_fail_as(FXS_ERR_ARGUMENT, why, "%" PRIu32 " eyes: expected 1 or 2", q->eyes);
     stats = stats ? stats : &own;
     memset(stats, 0, sizeof *stats);
     /* 0 where an argument is out of range: rendering says which. */
@@ -101,7 +95,7 @@ int fxs_processor_pick(fxs_processor *p, const fxs_request *q, int32_t x, int32_
         return FXS_ERR_MEMORY;
     const int found = fxs_pick(&p->context, q->objects, q->count, q->cameras, &q->options, q->targets, x, y, p->memory,
                                p->memory_bytes, result);
-    return found < 0 ? fxs_refuse(found, 0, why, "%s", fxs_strerror(found)) : found;
+    return found < 0 ? fxs_fail_as(found, why, "%s", fxs_strerror(found)) : found;
 }
 
 void fxs_processor_close(fxs_processor *p)

@@ -3,6 +3,7 @@
 #define FXS_PROCESSOR_INTERNAL_H
 
 #include <fixsplat/backend.h>
+#include <fixsplat/message.h>
 #include <fixsplat/pool.h>
 
 typedef struct fxs_processor {
@@ -12,12 +13,6 @@ typedef struct fxs_processor {
     size_t memory_bytes;
     size_t max_memory;             /* 0: as much as a frame takes */
 } fxs_processor;
-
-/* Writes why a call failed, and returns the error. */
-#if defined(__GNUC__)
-__attribute__((format(printf, 4, 5)))
-#endif
-int fxs_refuse(int error, uint64_t bytes_needed, fxs_message *why, const char *format, ...);
 
 /* The threads, and the kernels that this processor has, without those that the options leave out. `drawing`: draw,
    draw_argument and draw_unlisted are taken from it. Returns 0, or an error with nothing to close. */

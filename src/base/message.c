@@ -1,32 +1,32 @@
-#include <fixsplat/message.h>
+#include "fail_list.h"
 
 #include <errno.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-static void write_text(fxs_message *message, const char *format, va_list arguments)
+int fxs_fail_list(int error, fxs_message *message, const char *format, va_list arguments)
 {
     vsnprintf(message->text, sizeof message->text, format, arguments);
     for (char *c = message->text; *c; c++)   /* what a file says may be in it */
         *c = (unsigned char)*c < ' ' || *c == 127 ? '?' : *c;
     message->bytes_needed = 0;
+    return error;
 }
 
 int fxs_fail(fxs_message *message, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    write_text(message, format, arguments);
+    const int error = fxs_fail_list(FXS_ERR_FILE, message, format, arguments);
     va_end(arguments);
-    return FXS_ERR_FILE;
+    return error;
 }
 
 int fxs_fail_as(int error, fxs_message *message, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    write_text(message, format, arguments);
+    fxs_fail_list(error, message, format, arguments);
     va_end(arguments);
     return error;
 }

@@ -61,18 +61,24 @@ fails "no output" 2 "where to" render knot.ply
 succeeds "version" --version
 succeeds "help" --help
 
-# The options of each command stand in its table for getopt_long.
-for command in render view bench info convert compare make-scene; do
-    source=$root/tools/cmd_$(echo $command | sed -e 's/-/_/').c
-    grep -q FRAME_OPTIONS "$source" && source="$source $root/tools/options.h"
-    grep -Eq '(IMPORT|FRAME)_OPTIONS' $source && source="$source $root/tools/load_scene.h"
-    grep -Eq '(WORLD|FRAME)_OPTIONS' $source && source="$source $root/tools/load_world.h"
+# Each option is a row in tools/*.c: one with a name, a value, and how that is taken.
+"$fixsplat" help --table >table
+cut -f 2 table | sort -u >options
+check "each row belongs to a command" equal "$(cat options)" \
+    "$(sed -En 's/^    \{"([a-z-]*)", (0|"[^"]*"), (take_|[A-Z0-9_]*\().*/\1/p' "$root"/tools/*.c | sort -u)"
+for command in render view bench info convert compare make-scene fit; do
     succeeds "$command --help" $command --help
     check "$command --help has examples" grep -q '^Examples:' logs/out
-    for option in $(sed -n 's/{"/\n{"/gp' $source |
-                    sed -n 's/^{"\([a-z-]*\)", \(no\|required\|optional\)_argument.*/\1/p'); do
-        [ "$option" = help ] || check "$command --help names --$option" grep -q -- "--$option" logs/out
-    done
+    awk -F '\t' -v command=$command '$1 == command { print $2, $4 }' table >options
+    check "$command: no option twice" equal "$(cut -d ' ' -f 1 options | sort | uniq -d)" ""
+    while read -r option value; do
+        case $option$value in
+        help | version) ;;
+        *[A-Z]*) fails "$command --$option is taken" 2 "(--$option[ =]: expected|: --no-such)" \
+                     $command --$option= --no-such-option ;;
+        *) fails "$command --$option is taken" 2 ": --no-such" $command --$option --no-such-option ;;
+        esac
+    done <options
     fails "$command: unknown option" 2 "" $command --no-such-option
     fails "$command: option without its value" 2 "" $command -o
 done
@@ -638,7 +644,7 @@ run convert knot4.spz turned.ply --axes rdf
 check "convert --axes rdf" differ "$(hash_of turned.ply $small)" "$(hash_of knot4.spz $small)"
 check "render --axes rdf" differ "$(hash_of knot4.spz $small --axes rdf)" "$(hash_of knot4.spz $small)"
 check "render --axes rub: as it is" equal "$(hash_of knot4.spz $small --axes rub)" "$(hash_of knot4.spz $small)"
-fails "--axes of a .ply" 1 "knot.ply: axes (--axes) are for .spz" render knot.ply --axes rub --hash
+fails "--axes of a .ply" 1 "knot.ply: axes .--axes. are for .spz" render knot.ply --axes rub --hash
 fails "--axes of another way" 2 "--axes up: expected rub or rdf" info knot4.spz --axes up
 fails "convert: an ending that is none" 2 "x.gltf: expected a name ending" convert knot.ply x.gltf
 fails "convert: one file" 2 "two files" convert knot.ply

@@ -236,7 +236,4 @@ cp -r set behind
 awk '{ $2 = 1; $4 = 0; if (NF > 1) print; else print "" }' set/sparse/0/images.txt >behind/sparse/0/images.txt
 awk '{ $4 = -1000; print }' set/sparse/0/points3D.txt >behind/sparse/0/points3D.txt
 fails "points behind every camera" 1 "behind" fit behind -o x.fxs --steps 5
-check "--help: every option" equal "$("$fixsplat" fit --help | grep -Eo '^  (-o, )?--[a-z-]+' | sed 's/.*--//' |
-    sort | tr '\n' ' ')" "$(printf '%s\n' output recipe steps resolution sh-degree batch block max-gaussians seed cutoff \
-    background profile hold-out skip-bad compare save-every resume backend device max-memory threads cpu json help | sort | tr '\n' ' ')"
 finish

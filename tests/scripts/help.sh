@@ -109,20 +109,28 @@ fi
 
 # ---- Pages and completions -------------------------------------------------------------------------------------------
 
-check "pages are made" sh "$root/tools/man.sh" "$fixsplat" "$share/man/man1"
 check "completions are made" sh "$root/tools/completions.sh" "$fixsplat" "$share"
-for page in fixsplat $(for c in $commands; do echo "fixsplat-$c"; done); do
-    if have groff; then
-        groff -man -ww -Tutf8 "$share/man/man1/$page.1" >logs/page 2>logs/err
-        check "$page.1: without a warning" silent logs/err
-    fi
-    check "$page.1: has its parts" sh -c 'for part in NAME SYNOPSIS DESCRIPTION; do
-        grep -q "^.SH $part" "$0" || { echo "no $part"; exit 1; }; done' "$share/man/man1/$page.1"
-done
-have groff || skip "pages, drawn" "no groff here"
-"$fixsplat" render --help | grep -o '^  *--[a-z-]*' | tr -d ' ' | sort -u >logs/options
-check "render's page has every option" sh -c 'sed "s/\\\\-/-/g" "$1" >logs/plain; while read -r option; do
-    grep -qF -- "$option" logs/plain || { echo "no $option"; exit 1; }; done <"$0"' logs/options "$share/man/man1/fixsplat-render.1"
+if have help2man; then
+    check "pages are made" sh "$root/tools/man.sh" "$fixsplat" "$share/man/man1"
+    for page in fixsplat $(for c in $commands; do echo "fixsplat-$c"; done); do
+        if have groff; then
+            groff -man -ww -Tutf8 "$share/man/man1/$page.1" >logs/page 2>logs/err
+            check "$page.1: without a warning" silent logs/err
+        fi
+        check "$page.1: has its parts" sh -c 'for part in NAME SYNOPSIS DESCRIPTION EXAMPLES "\"SEE ALSO\""; do
+            grep -q "^.SH $part" "$0" || { echo "no $part"; exit 1; }; done' "$share/man/man1/$page.1"
+    done
+    have groff || skip "pages, drawn" "no groff here"
+    sed 's/\\-/-/g' "$share/man/man1/fixsplat-render.1" >logs/plain
+    check "render's page has every option" sh -c '"$0" help --table | cut -f 1,2 | sed -n "s/^render.//p" >logs/options
+        while read -r option; do grep -qE -- "--$option([^a-z-]|\$)" logs/plain || { echo "no $option"; exit 1; }; done \
+            <logs/options; [ "$(wc -l <logs/options)" -gt 40 ]' "$fixsplat"
+else
+    skip "pages" "no help2man here"
+fi
+mkdir -p bin && ln -sf "$(command -v sh)" bin/sh
+check "without help2man: no pages, said" equal "$(PATH=$work/bin sh "$root/tools/man.sh" "$fixsplat" "$share/none")" \
+    "no manual pages: no help2man here"
 
 if have bash; then
     # complete WORD...: what bash completes the last word to.

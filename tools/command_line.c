@@ -1,0 +1,401 @@
+#include "command_line.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "command.h"
+
+/* ---- What every command takes ---------------------------------------------------------------------------------- */
+
+static const command *parsed;               /* whose options are being taken */
+
+static int take_help(const option_row *row, void *field, const char *value)
+{
+    (void)row, (void)field, (void)value;
+    print_help(parsed);
+    exit(EXIT_OK);
+}
+
+static int take_version(const option_row *row, void *field, const char *value)
+{
+    (void)row, (void)field, (void)value;
+    print_version();
+    exit(EXIT_OK);
+}
+
+static int take_quiet(const option_row *row, void *field, const char *value)
+{
+    (void)row, (void)field, (void)value;
+    be_quiet();
+    return 0;
+}
+
+const option_row common_rows[] = {
+    {.help = "Of every command:"},
+    {"help", 0, take_help, .help = "what the command does, and its options", .letter = 'h'},
+    {"version", 0, take_version, .help = "the version of fixsplat", .letter = 'V'},
+    {"quiet", 0, take_quiet, .help =
+     "no progress and no notes, errors alone; so does FIXSPLAT_QUIET=1 in the environment"},
+    {0}
+};
+
+/* ---- Help -------------------------------------------------------------------------------------------------------- */
+
+enum { HELP_COLUMN = 22, HELP_WIDTH = 118 };
+
+/* Breaks a text into lines from the column `indent` on, where the first one already is. */
+static void print_wrapped(const char *text, int indent)
+{
+    int column = indent;
+    while (*text) {
+        const int length = (int)strcspn(text, " ");
+        if (column > indent && column + 1 + length > HELP_WIDTH)
+            column = printf("\n%*s", indent, "") - 1;
+        else if (column > indent)
+            column += printf(" ");
+        column += printf("%.*s", length, text);
+        text += length + (text[length] == ' ');
+    }
+    putchar('\n');
+}
+
+static void print_row(const option_row *r)
+{
+    int column = printf("  ");
+    if (r->letter)
+        column += printf("-%c, ", r->letter);
+    column += printf("--%s", r->name);
+    if (r->value)
+        column += printf(*r->value == '[' ? "%s" : " %s", r->value);
+    if (column > HELP_COLUMN - 2) {         /* two spaces at the least */
+        putchar('\n');
+        column = 0;
+    }
+    printf("%*s", HELP_COLUMN - column, "");
+    print_wrapped(r->help, HELP_COLUMN);
+}
+
+void print_rows(const option_row *rows)
+{
+    for (; rows->help; rows++)
+        if (rows->name) {
+            print_row(rows);
+        } else {
+            putchar('\n');
+            print_wrapped(rows->help, 0);
+        }
+}
+
+void print_help(const command *c)
+{
+    fputs(c->about, stdout);
+    for (const option_table *t = c->tables; t->rows; t++)
+        print_rows(t->rows);
+    if (c->more)
+        c->more();
+    printf("\nExamples:\n%s", c->examples);
+}
+
+void print_table(const command *c)
+{
+    for (const option_table *t = c->tables; t->rows; t++)
+        for (const option_row *r = t->rows; r->help; r++) {
+            if (!r->name)
+                continue;
+            printf("%s\t%s\t%.1s\t%s\t", c->name, r->name, &r->letter, r->value ? r->value : "");
+            for (int i = 0; r->choices && r->choices[i]; i++)
+                printf(i ? " %s" : "%s", r->choices[i]);
+            printf("\t%s\n", r->help);
+        }
+}
+
+/* ---- Taking ------------------------------------------------------------------------------------------------------ */
+
+enum { ROWS_MOST = 96, LONG_OPTION = 256 };   /* getopt_long returns a letter, or LONG_OPTION + i for row i */
+
+static struct row_taken {
+    const option_row *row;
+    char *options;                          /* the struct that the row is of */
+    int given;
+} taken[ROWS_MOST];
+
+/* The rows of a command, and the same for getopt_long, as long options and as letters. */
+static void list_rows(const command *c, void *options, struct option table[ROWS_MOST], char letters[2 * ROWS_MOST])
+{
+    int count = 0;
+    for (const option_table *t = c->tables; t->rows; t++)
+        for (const option_row *r = t->rows; r->help; r++)
+            if (r->name) {
+                const int argument = !r->value ? no_argument : *r->value == '[' ? optional_argument : required_argument;
+                taken[count] = (struct row_taken){r, (char *)options + t->offset, 0};
+                table[count] = (struct option){r->name, argument, 0, LONG_OPTION + count};
+                if (r->letter) {
+                    *letters++ = r->letter;
+                    if (argument == required_argument)
+                        *letters++ = ':';
+                }
+                count++;
+            }
+    taken[count].row = 0;
+    table[count] = (struct option){0};
+    *letters = 0;
+}
+
+static struct row_taken *find_row(int option)
+{
+    struct row_taken *t = taken;
+    if (option >= LONG_OPTION)
+        return taken + (option - LONG_OPTION);
+    while (t->row->letter != option)
+        t++;
+    return t;
+}
+
+int is_given(const char *name)
+{
+    const struct row_taken *t = taken;
+    while (strcmp(t->row->name, name))
+        t++;
+    return t->given;
+}
+
+/* The word that getopt_long refused: in the middle of several letters it has not gone on to the next one yet. */
+static int wrong_word(char **argv)
+{
+    const char *before = argv[optind - 1];
+    const int is_letter = optopt > 0 && optopt < LONG_OPTION;
+    return is_letter && (before[0] != '-' || before[strlen(before) - 1] != optopt) ? optind : optind - 1;
+}
+
+static int say_wrong_option(char **argv, const char *letters)
+{
+    const char *word = argv[wrong_word(argv)], *name = word + strspn(word, "-");
+    const int is_letter = optopt > 0 && optopt < LONG_OPTION && strchr(letters, optopt);
+    suggestion s = {0, 0};
+    for (const struct row_taken *t = taken; t->row; t++)
+        suggest(&s, name, strcspn(name, "="), t->row->name);
+    if (is_letter || (s.name && !s.distance && name == word + 2))
+        return fail(EXIT_USAGE, "%s: %s: %s; see: fixsplat %s --help", argv[0], word,
+                    strchr(word, '=') ? "it takes no value" : "its value is missing", argv[0]);
+    if (s.name)
+        return fail(EXIT_USAGE, "%s: unknown option: %s; did you mean --%s? See: fixsplat %s --help", argv[0], word,
+                    s.name, argv[0]);
+    return fail(EXIT_USAGE, "%s: unknown option: %s; see: fixsplat %s --help", argv[0], word, argv[0]);
+}
+
+int take_options(const command *c, void *options, int argc, char **argv)
+{
+    struct option table[ROWS_MOST];
+    char letters[2 * ROWS_MOST];
+    parsed = c;
+    list_rows(c, options, table, letters);
+    opterr = 0;
+    for (int option; (option = getopt_long(argc, argv, letters, table, 0)) != -1;) {
+        if (option == '?')
+            return say_wrong_option(argv, letters);
+        struct row_taken *t = find_row(option);
+        t->given = 1;
+        if (t->row->take(t->row, t->options + t->row->offset, optarg))
+            return EXIT_USAGE;
+    }
+    return 0;
+}
+
+/* ---- Values ------------------------------------------------------------------------------------------------------ */
+
+/* "a, b or c" */
+static void join_choices(char *text, size_t room, const char *const *choices)
+{
+    size_t used = 0;
+    for (int i = 0; choices[i] && used < room; i++)
+        used += (size_t)snprintf(text + used, room - used, "%s%s",
+                                 !i ? "" : choices[i + 1] ? ", " : " or ", choices[i]);
+}
+
+int wrong_value(const option_row *r, const char *value)
+{
+    char expected[256];
+    if (r->expected)
+        snprintf(expected, sizeof expected, "%s", r->expected);
+    else if (r->choices)
+        join_choices(expected, sizeof expected, r->choices);
+    else if (isinf(r->high))
+        snprintf(expected, sizeof expected, "a whole number from %.0f on", r->low);
+    else
+        snprintf(expected, sizeof expected, "a whole number from %.0f to %.0f", r->low, r->high);
+    return fail(EXIT_USAGE, "--%s%c%s: expected %s", r->name, r->value[0] == '[' ? '=' : ' ', value, expected);
+}
+
+int take_flag(const option_row *row, void *field, const char *value)
+{
+    (void)row, (void)value;
+    *(int *)field = 1;
+    return 0;
+}
+
+int take_text(const option_row *row, void *field, const char *value)
+{
+    (void)row;
+    *(const char **)field = value;
+    return 0;
+}
+
+int take_output(const option_row *row, void *field, const char *value)
+{
+    const char **name = field;
+    if (*name)
+        return fail(EXIT_USAGE, "--%s %s: --%s %s is given before", row->name, value, row->name, *name);
+    *name = value;
+    return 0;
+}
+
+int take_uint64(const option_row *row, void *field, const char *value)
+{
+    uint64_t number;
+    if (!parse_count(value, 0, UINT64_MAX, &number) || (double)number < row->low || (double)number > row->high)
+        return wrong_value(row, value);
+    *(uint64_t *)field = number;
+    return 0;
+}
+
+int take_uint32(const option_row *row, void *field, const char *value)
+{
+    uint64_t number = *(uint32_t *)field;
+    const int status = take_uint64(row, &number, value);
+    *(uint32_t *)field = (uint32_t)number;
+    return status;
+}
+
+int take_int(const option_row *row, void *field, const char *value)
+{
+    uint64_t number = 0;
+    const int status = take_uint64(row, &number, value);
+    *(int *)field = (int)number;
+    return status;
+}
+
+int take_size_t(const option_row *row, void *field, const char *value)
+{
+    uint64_t number = 0;
+    const int status = take_uint64(row, &number, value);
+    *(size_t *)field = (size_t)number;
+    return status;
+}
+
+int take_real(const option_row *row, void *field, const char *value)
+{
+    double *number = field;
+    return parse_vector(value, 1, number) && *number >= row->low && *number <= row->high ? 0 : wrong_value(row, value);
+}
+
+int take_choice(const option_row *row, void *field, const char *value)
+{
+    const int choice = choice_of(row, value);
+    *(int *)field = (int)row->low + choice;
+    return choice < 0 ? wrong_value(row, value) : 0;
+}
+
+int choice_of(const option_row *row, const char *value)
+{
+    for (int i = 0; row->choices[i]; i++)
+        if (!strcmp(value, row->choices[i]))
+            return i;
+    return -1;
+}
+
+int take_bytes(const option_row *row, void *field, const char *value)
+{
+    static const char units[] = "KMG";      /* 2^10, 2^20, 2^30 */
+    char *end;
+    errno = 0;
+    const unsigned long long number = strtoull(value, &end, 10);
+    const char *unit = *end ? strchr(units, *end) : 0;
+    const int shift = unit ? 10 * (int)(unit - units + 1) : 0;
+    if (*value < '0' || *value > '9' || errno || !number || number > SIZE_MAX >> shift || (*end && (!unit || end[1])))
+        return wrong_value(row, value);
+    *(size_t *)field = (size_t)number << shift;
+    return 0;
+}
+
+int take_vector(const option_row *row, void *field, const char *value)
+{
+    return parse_vector(value, 3, field) ? 0 : wrong_value(row, value);
+}
+
+int take_point(const option_row *row, void *field, const char *value)
+{
+    point_option *point = field;
+    point->given = 1;
+    return take_vector(row, point->at, value);
+}
+
+int take_colour(const option_row *row, void *field, const char *value)
+{
+    uint8_t *rgb = field;
+    if (strlen(value) != 6 || strspn(value, "0123456789abcdefABCDEF") != 6)
+        return wrong_value(row, value);
+    const unsigned long number = strtoul(value, 0, 16);
+    for (int i = 0; i < 3; i++)
+        rgb[i] = (uint8_t)(number >> (16 - 8 * i));
+    return 0;
+}
+
+/* ---- Texts as numbers -------------------------------------------------------------------------------------------- */
+
+int parse_count(const char *text, uint64_t low, uint64_t high, uint64_t *out)
+{
+    char *end;
+    errno = 0;
+    unsigned long long value = strtoull(text, &end, 10);
+    *out = value;
+    return text[0] >= '0' && text[0] <= '9' && !*end && !errno && value >= low && value <= high;
+}
+
+int parse_counts(const char *text, int count, int low, int high, int *out)
+{
+    for (int i = 0; i < count; i++) {
+        char number[24];
+        uint64_t value;
+        const size_t length = strcspn(text, ",");
+        if (length >= sizeof number || (text[length] == ',') != (i < count - 1))
+            return 0;
+        memcpy(number, text, length);
+        number[length] = 0;
+        if (!parse_count(number, (uint64_t)low, (uint64_t)high, &value))
+            return 0;
+        out[i] = (int)value;
+        text += length + 1;
+    }
+    return 1;
+}
+
+int parse_size(const char *text, int *width, int *height)
+{
+    uint64_t w, h;
+    char first[16];
+    const char *x = strchr(text, 'x');
+    size_t length = x ? (size_t)(x - text) : 0;
+    if (!length || length >= sizeof first)
+        return 0;
+    memcpy(first, text, length);
+    first[length] = 0;
+    if (!parse_count(first, 1, FXS_MAX_SIZE, &w) || !parse_count(x + 1, 1, FXS_MAX_SIZE, &h))
+        return 0;
+    *width = (int)w;
+    *height = (int)h;
+    return 1;
+}
+
+int parse_vector(const char *text, int count, double *out)
+{
+    for (int i = 0; i < count; i++) {
+        char *end;
+        out[i] = strtod(text, &end);
+        if (end == text || !isfinite(out[i]) || *end != (i < count - 1 ? ',' : 0))
+            return 0;
+        text = end + 1;
+    }
+    return 1;
+}
