@@ -407,17 +407,10 @@ static int run(int argc, char **argv)
 }
 
 const command command_convert = {
-    "convert", "scene files -> another: .fxs (packed), .ply, .sog, .spz, .glb", run,
+    "convert", "scene files -> one of another format", run,
     "Usage: fixsplat convert IN... OUT [OPTION...]\n\n"
-    "Writes a scene file, or several as they are placed, as another, by the ending of OUT:\n\n"
-    "  .fxs             packed: opens at once and is rendered from the file as it lies\n"
-    "  .ply             Inria's, floats\n"
-    "  .compressed.ply  PlayCanvas's: 16 bytes a Gaussian, and one for each SH coefficient\n"
-    "  .splat           32 bytes a Gaussian: no SH above degree 0\n"
-    "  .spz             compressed: positions in 24 bits over the scene, the rest in 8 to 10\n"
-    "  .sog             PlayCanvas's, version 2: positions in 16 bits, the rest in 8, SH by a palette\n"
-    "  .glb             glTF with KHR_gaussian_splatting, floats, y up\n"
-    "  .csv             text, a line a Gaussian, columns as in a .ply\n\n"
+    "Writes a scene file, or several as they are placed, as another, by the ending of OUT. fixsplat help formats lists\n"
+    "the formats, and what each loses.\n\n"
     "What .fxs leaves out because it cannot be drawn, the others leave out too. Of an .fxs file the Gaussians that\n"
     "its codes stand for are written.\n"
     "Several files become one with the highest SH degree of any: coefficients that a file lacks are 0. All must be\n"

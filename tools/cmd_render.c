@@ -222,7 +222,7 @@ static int run(int argc, char **argv)
 const command command_render = {
     "render", "scene file -> picture", run,
     "Usage: fixsplat render SCENE... -o OUT [OPTION...]\n\n"
-    "Renders scenes (.fxs, .ply, .splat, .ksplat, .lcc, .spz, .sog, .gltf, .glb, tileset.json; - is standard input)\n"
+    "Renders scenes of any format (fixsplat help formats lists them; - is standard input)\n"
     "to OUT: .png, .ppm, .raw (RGBA bytes, rows from the top), .jpg, .webp, or a film, .y4m or .rgba.\n",
     0,
     "  $ fixsplat render scene.ply -o scene.png\n"

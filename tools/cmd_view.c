@@ -167,7 +167,7 @@ static int run(int argc, char **argv)
 const command command_view = {
     "view", "scene file -> window, or --web: page", run,
     "Usage: fixsplat view [SCENE...] [OPTION...]\n\n"
-    "Shows scenes (.fxs, .ply, .splat, .ksplat, .lcc, .spz, .sog, .gltf, .glb, tileset.json) in a window; opens files\n"
+    "Shows scenes of any format (fixsplat help formats lists them) in a window; opens files\n"
     "dropped on it. Without a scene the window waits for one, and lists the last ten that were open; they are kept\n"
     "in $XDG_STATE_HOME/fixsplat/recent (~/.local/state/fixsplat/recent). Key enter writes what the crop box of key c\n"
     "leaves beside the scene, in its format or else as .ply; the convert command that does the same is printed.\n"
