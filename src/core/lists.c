@@ -69,6 +69,7 @@ static void share_notes(fxs_frame *f)
 
 void fxs_lists_count(fxs_frame *f)
 {
+    const uint64_t start = fxs_now(f);
     const uint32_t across = fxs_macros(f->eye->view.tiles_x);
     f->first_macro = (uint32_t)f->first_row / FXS_MACRO * across;
     f->last_macro = fxs_macros(f->end_row) * across - 1;
@@ -81,6 +82,7 @@ void fxs_lists_count(fxs_frame *f)
         for (uint32_t macro = 0; macro < f->macros; macro++)
             f->lengths[macro] += next[macro];
     }
+    f->stats.nanoseconds[FXS_BIN] += fxs_now(f) - start;
 }
 
 int fxs_lists_rows_fit(const fxs_frame *f)
@@ -101,6 +103,7 @@ int fxs_lists_rows_fit(const fxs_frame *f)
 void fxs_lists_fill(fxs_frame *f, uint32_t end)
 {
     const uint32_t across = fxs_macros(f->eye->view.tiles_x), row_end = (f->first_macro / across + 1) * across;
+    const uint64_t start = fxs_now(f);
     uint32_t used = 0, macro = f->first_macro;
     for (uint32_t room = f->key_capacity; macro < end && f->lengths[macro] <= room; macro++)
         room -= f->lengths[macro];
@@ -115,6 +118,7 @@ void fxs_lists_fill(fxs_frame *f, uint32_t end)
             used += count;
         }
     fxs_frame_run(f, fill_part, f->parts);
+    f->stats.nanoseconds[FXS_BIN] += fxs_now(f) - start;
 }
 
 /* Where the list of a macro tile begins, in `keys` and in `spare`. */
@@ -146,5 +150,6 @@ int fxs_tile_of(const fxs_frame *f, uint32_t macro, int32_t i, uint32_t *tile)
     const int32_t row = (int32_t)macro / across * FXS_MACRO + i / FXS_MACRO;
     const int32_t column = (int32_t)macro % across * FXS_MACRO + i % FXS_MACRO;
     *tile = fxs_tiles_above(f, row) + (uint32_t)column;
-    return row >= f->first_row && row < f->end_row && column >= f->first_column && column < f->end_column;
+    return row >= f->first_row && row < f->end_row && column >= f->first_column && column < f->end_column &&
+           (f->only_tile == FXS_NOTHING || f->only_tile == *tile);
 }

@@ -1,6 +1,6 @@
 /* What a pixel shows: a frame of which one tile is blended. */
-#include "frame.h"
 #include "memory.h"
+#include "parts.h"
 
 #define SLOPE_MOST_Q23 ((int64_t)4096 << 23)
 #define POSITION_MOST_Q32 ((int64_t)1 << 60)

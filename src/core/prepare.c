@@ -111,7 +111,7 @@ static void prepare_block(void *argument, uint32_t block)
         const uint32_t last = end - first < FXS_BLOCK ? end : first + FXS_BLOCK;
         if (fxs_frame_stopped(f))
             return;
-        int32_t count = f->planning ? plan_chunks(f, block, first, last, slot)
+        int32_t count = f->mode == FXS_FRAME_PLAN ? plan_chunks(f, block, first, last, slot)
                                     : prepare_chunks(f, first, last, slot + taken, f->block_slots[block + 1], times);
         if (count < 0)
             return;
@@ -126,5 +126,21 @@ int fxs_prepare_blocks(fxs_frame *f)
     for (uint32_t block = 0; block < f->blocks; block++)
         if (f->block_counts[block] == FXS_BLOCK_FAILED)
             return f->stopped ? FXS_ERR_STOPPED : FXS_ERR_SCENE;
+    return 0;
+}
+
+int fxs_prepare_band(fxs_frame *f)
+{
+    static const enum fxs_stage stages[] = {FXS_PROJECT, FXS_SHADE, FXS_BIN};
+    const uint64_t start = fxs_now(f);
+    const int error = fxs_prepare_blocks(f);
+    f->depths = f->eye->depths;
+    if (error)
+        return error;
+    fxs_share_time(f, start, f->block_times, f->blocks, 3, stages);
+    f->count = 0;
+    for (uint32_t block = 0; block < f->blocks; block++)
+        f->count += f->block_counts[block];
+    f->stats.visible += f->mode == FXS_FRAME_WHOLE ? f->count : 0;     /* else a plan counted them */
     return 0;
 }
