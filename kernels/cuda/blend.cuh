@@ -204,7 +204,7 @@ __device__ inline uint32_t queue_splats(queued_splat queue[WARP], queued_trace *
 {
     queued_splat q;
     bool touched = false;
-    if (listed && !(entry & FXS_ENTRY_FAR)) {
+    if (listed && !(entry & FXS_ENTRY_CUT_OFF)) {
         const fxs_splat s = splats[entry];
         touched = splat_at(&q, &s, view, x, y);
         q.red_green = (uint32_t)s.colour_q13[0] | (uint32_t)s.colour_q13[1] << 16;
@@ -244,7 +244,7 @@ __device__ inline uint32_t key_of(pixel *, const uint32_t *, uint32_t, bool)
 
 __device__ inline uint32_t key_of(traced_pixel p[2], const uint32_t *depths, uint32_t entry, bool listed)
 {
-    const uint32_t key = listed ? depths[entry & ~FXS_ENTRY_FAR] : 0, first = __shfl_sync(ALL_LANES, key, 0);
+    const uint32_t key = listed ? depths[entry & ~FXS_ENTRY_CUT_OFF] : 0, first = __shfl_sync(ALL_LANES, key, 0);
     for (int i = 0; i < 2; i++)
         p[i].hidden = first > p[i].limit;
     return key;

@@ -68,8 +68,8 @@ struct frame_buffers {
     uint32_t *counts;              /* length of each tile's list */
     uint32_t *next;                /* where its next entry goes: after the fill, its end */
     uint32_t *classes;             /* tiles by the magnitude of their lists: a row of all tiles for each class */
-    uint64_t *entries;             /* the lists: depth above, index and FXS_ENTRY_FAR below, in no order; then, but for
-                                      long ones, the lower halves alone, near to far */
+    uint64_t *entries;             /* the lists: depth above, index and FXS_ENTRY_CUT_OFF below, in no order; then,
+                                      but for long ones, the lower halves alone, near to far */
     uint64_t *split_entries;       /* long lists again, in bins: over boxes and, where pixels are not traced, over
                                       depths, which are done with by then */
     uint64_t capacity, split_capacity;

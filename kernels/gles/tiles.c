@@ -158,10 +158,10 @@ static void put_records(const batch *b, uint32_t at, list l)
     const fxs_splat *splats = b->run->splats;
     const int occluded = fxs_gles_has_occluder(b->gles, b->run);
     for (uint32_t i = 0; i < l.count; i++) {
-        const uint32_t entry = l.entries[i], slot = entry & ~FXS_ENTRY_FAR;
+        const uint32_t entry = l.entries[i], slot = entry & ~FXS_ENTRY_CUT_OFF;
         if (i + AHEAD < l.count)
-            FXS_PREFETCH(&splats[l.entries[i + AHEAD] & ~FXS_ENTRY_FAR]);
-        put_record(b->records + RECORD / 4 * (size_t)(at + i), entry & FXS_ENTRY_FAR ? &nothing : &splats[slot],
+            FXS_PREFETCH(&splats[l.entries[i + AHEAD] & ~FXS_ENTRY_CUT_OFF]);
+        put_record(b->records + RECORD / 4 * (size_t)(at + i), entry & FXS_ENTRY_CUT_OFF ? &nothing : &splats[slot],
                    occluded ? b->run->depths[slot] : 0);
     }
 }

@@ -35,8 +35,8 @@ static void draw_macro(void *argument, uint32_t job)
     for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
         if (fxs_tile_of(f, macro, i, &tile)) {
             f->tile_counts[tile] = f->context->kernels.list(keys, length, (uint32_t)i, entries);
-            if (l.view->square)
-                fxs_mark_far(&l, tile, entries, f->tile_counts[tile]);
+            if (l.view->cutoff == FXS_CUTOFF_SQUARE)
+                fxs_mark_cut_off(&l, tile, entries, f->tile_counts[tile]);
             if (length)
                 fxs_lap(f, &laps, FXS_LISTED_TILES);
             f->draw_tile(f, tile, &(fxs_list){entries, f->tile_counts[tile]}, &laps);

@@ -103,8 +103,8 @@ void fxs_bin_fill(fxs_lister *l, uint32_t first, uint32_t count, fxs_key *keys);
 /* The same for what was noted of slots before `from`. */
 void fxs_bin_fill_noted(fxs_lister *l, fxs_key *keys);
 
-/* With the square cut-off: sets FXS_ENTRY_FAR in those of a tile's list whose ellipse does not touch it. */
-void fxs_mark_far(const fxs_lister *l, uint32_t tile, uint32_t *entries, uint32_t count);
+/* With the square cut-off: sets FXS_ENTRY_CUT_OFF in those of a tile's list whose ellipse does not touch it. */
+void fxs_mark_cut_off(const fxs_lister *l, uint32_t tile, uint32_t *entries, uint32_t count);
 
 /* ---- lists.c ----------------------------------------------------------------------------------------------------- */
 

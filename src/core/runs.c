@@ -53,8 +53,8 @@ static void list_macro(void *argument, uint32_t job)
         for (uint32_t k = 0; k < length; k++)
             if ((uint32_t)keys[k] >> i & 1)
                 *to++ = FXS_LISTED_SLOT(keys[k]);
-        if (l.view->square)
-            fxs_mark_far(&l, tile, first, f->tile_counts[tile]);
+        if (l.view->cutoff == FXS_CUTOFF_SQUARE)
+            fxs_mark_cut_off(&l, tile, first, f->tile_counts[tile]);
     }
 }
 

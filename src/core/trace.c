@@ -25,7 +25,7 @@ typedef struct tracer {
 
 static uint32_t slot_of(uint32_t entry)
 {
-    return entry & ~FXS_ENTRY_FAR;
+    return entry & ~FXS_ENTRY_CUT_OFF;
 }
 
 /* ---- A part of the list ------------------------------------------------------------------------------------------ */

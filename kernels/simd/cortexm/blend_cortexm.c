@@ -126,6 +126,6 @@ FXS_BLEND(cortexm)
     for (int row = 0; row < FXS_TILE; row++)
         open[row] = FXS_TILE;
     for (uint32_t i = 0; i < count && pixels; i++)
-        if (!(entries[i] & FXS_ENTRY_FAR))
+        if (!(entries[i] & FXS_ENTRY_CUT_OFF))
             pixels -= blend_splat(tile, open, view, &splats[entries[i]], x, y);
 }

@@ -103,7 +103,7 @@ static inline pair take_entries(const uint32_t *entries, uint32_t left, int squa
     return (pair){(vu)at.val[0], (vu)at.val[1]};
 }
 
-/* Word i of the splats at 8 words times `at`; FXS_ENTRY_FAR has fallen off. */
+/* Word i of the splats at 8 words times `at`; FXS_ENTRY_CUT_OFF has fallen off. */
 static inline pair word_of(const fxs_splat *splats, pair at, int i)
 {
     const uint32_t *word = (const uint32_t *)(const void *)splats + i;
@@ -176,7 +176,7 @@ static __attribute__((noinline)) void set_out(group *g, const fxs_view *view, co
 {
     outline o;
     uint32_t which;
-    pair at = take_entries(entries, left, view->square, &which);
+    pair at = take_entries(entries, left, view->cutoff == FXS_CUTOFF_SQUARE, &which);
     at = (pair){at.even << 3, at.odd << 3};
     place(g, &o, view, splats, at, which, (uint32_t)y);
     place_across(g, &o, splats, at, (uint32_t)x, (uint32_t)y);

@@ -207,7 +207,7 @@ FXS_BIN(ISA)
 {
     const job j = {view, splats, bounds, boxes};
     list lists[FXS_BOX_TILES];
-    if (view->square || count < LANES) {
+    if (view->cutoff == FXS_CUTOFF_SQUARE || count < LANES) {
         fxs_bin_c(view, splats, bounds, count, boxes);
         return;
     }
@@ -225,7 +225,7 @@ FXS_BIN(ISA)
 /* Lanes are rows of one splat. */
 FXS_SPANS(ISA)
 {
-    if (view->square || bounds->half_width_q8 > HALF_WIDTH_LIMIT_Q8) {
+    if (view->cutoff == FXS_CUTOFF_SQUARE || bounds->half_width_q8 > HALF_WIDTH_LIMIT_Q8) {
         fxs_spans_c(view, splat, bounds, row, rows, spans);
         return;
     }

@@ -93,7 +93,7 @@ static inline uint32_t take_entries(int32_t at[GROUP], const uint32_t *entries, 
     for (uint32_t i = 0; i < GROUP; i += 4)
         memcpy(at + place_of(i), entries + i, 4 * sizeof *entries);
     for (int j = 0; j < GROUP; j += LANES)
-        store(at + j, load(at + j) & (int32_t)~FXS_ENTRY_FAR);
+        store(at + j, load(at + j) & (int32_t)~FXS_ENTRY_CUT_OFF);
     return which;
 }
 
@@ -168,7 +168,7 @@ static inline void set_out(group *g, const fxs_view *view, const fxs_splat *spla
 {
     outline o;
     int32_t at[GROUP];
-    uint32_t which = take_entries(at, entries, left, view->square), some = 0;
+    uint32_t which = take_entries(at, entries, left, view->cutoff == FXS_CUTOFF_SQUARE), some = 0;
     const vu first = load_places(g, &o, 0, view, splats, at, x, y);
     const vu second = load_places(g, &o, 1, view, splats, at + LANES, x, y);
     o.offset_q11 = pack_q13(first << 11, second << 11);
@@ -271,7 +271,7 @@ ALWAYS_INLINE void blend_list(pixels patches[PATCHES], kept *k, const fxs_view *
     for (uint32_t i = first; i < end && open; i += GROUP) {
         set_out(&g, view, splats, entries + i, end - i, x, y);
         for (uint32_t j = i + AHEAD; j < end && j < i + AHEAD + GROUP; j++)
-            __builtin_prefetch(&splats[entries[j] & ~FXS_ENTRY_FAR]);
+            __builtin_prefetch(&splats[entries[j] & ~FXS_ENTRY_CUT_OFF]);
         for (uint32_t rest = open; rest; rest &= rest - 1) {
             const int patch = __builtin_ctz(rest);
             if (g.reached[patch] && !blend_patch(patches + patch, k ? k + patch : 0, which, &g, patch, i,

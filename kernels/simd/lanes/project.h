@@ -404,6 +404,6 @@ static __attribute__((noinline)) int32_t project_chunk(const fxs_view *view, con
 FXS_PROJECT(ISA)
 {
     const outputs out = {splats, bounds, indices, depths, 0};
-    const int32_t count = view->square ? LEFT_TO_C : project_chunk(view, scene, chunk, out);
+    const int32_t count = view->cutoff == FXS_CUTOFF_SQUARE ? LEFT_TO_C : project_chunk(view, scene, chunk, out);
     return count == LEFT_TO_C ? fxs_project_c(view, scene, chunk, splats, bounds, indices, depths) : count;
 }

@@ -21,10 +21,13 @@ extern "C" {
 #define FXS_TILE 16
 #define FXS_TILE_PIXELS (FXS_TILE * FXS_TILE)
 
-/* In a tile list, with the square cut-off: the tile is in the square, the ellipse does not touch it. */
-#define FXS_ENTRY_FAR 0x80000000u
-/* Whitened coordinate of the corner of such a tile: over the tile it stays beyond +-4 and within +-128. */
-#define FXS_FAR_Q24 (70 << 24)
+/* A bit of a list's entries, set with FXS_CUTOFF_SQUARE alone. The square lists a splat in tiles that its ellipse does not
+   touch. It adds nothing there, and its u and v, which are right modulo 2^32 only where the ellipse is, may come out as
+   if it did. So such an entry is marked as cut off, and does without them. */
+#define FXS_ENTRY_CUT_OFF 0x80000000u
+/* What the C version of blend takes for the u and v of such an entry at the tile's corner: over the whole tile, where each
+   changes by at most 40.3, they stay beyond +-4, where nothing is drawn, and within +-128, where Q24 ends. */
+#define FXS_CUT_OFF_Q24 (70 << 24)
 
 /* A camera made ready for the stages, in the world or in the space of an object. */
 typedef struct fxs_view {
@@ -46,7 +49,7 @@ typedef struct fxs_view {
     int32_t cut_q11;               /* for fxs_limit_q11 */
     int32_t offset_q11;            /* of an object: -2 ln(opacity factor), at most FXS_FAINT_Q11 + 1 */
     int sh_degree, antialiased;    /* of an object's scene */
-    int square;                    /* the square cut-off */
+    enum fxs_cutoff cutoff;
     int orthographic;              /* 1: all is projected as if z were 2^plane_exponent */
     int32_t plane_exponent;
 } fxs_view;
@@ -67,7 +70,7 @@ typedef struct fxs_bounds {
     uint32_t breadth_q8;           /* sqrt(A - B^2 / C), pixels */
     int32_t shear_q8;              /* B / sqrt(C) */
     uint32_t half_width_q8;        /* r sqrt(A), plus 1/256 of it and 1/8 pixel */
-    uint32_t radius;               /* square cut-off: ceil(3 sigma_max), pixels; else 0 */
+    uint32_t square_radius;        /* of FXS_CUTOFF_SQUARE: half a side, ceil(3 sigma_max) pixels; else 0 */
 } fxs_bounds;
 
 #define FXS_CENTRE_LIMIT_Q14 (1 << 30)           /* 65536 pixels */
