@@ -1,11 +1,12 @@
-/* Where a frame's memory goes, and its bands. Where the memory does not hold a splat for every Gaussian, the frame is
- * rendered in bands of tile rows. A first projection only counts the splats of each tile row, so that the bands are
- * known, and the least memory that would do, before a pixel is written. */
+/* How a frame's memory is divided, and the frame into bands. Where the memory holds a splat for every Gaussian, there
+ * is one band, of all tile rows. Else a plan comes first: Gaussians are projected only to count the splats of each tile
+ * row. So it is known, before a pixel is written, how many tile rows fit in the memory at a time, and how much memory
+ * the fullest one takes. */
 #include "memory.h"
 #include "parts.h"
 
-#define JOBS 8u                    /* blocks a thread where bands are planned, at most; of one thread 1 */
-#define KEYS 2u                    /* a slot: what lists usually take */
+#define JOBS 8u                    /* blocks of a plan for each thread, at most; one thread has one */
+#define KEYS 2u                    /* of lists for each slot, as many as they usually take */
 #define EYE_BYTES (sizeof(fxs_splat) + sizeof(fxs_bounds) + sizeof(fxs_box) + sizeof(uint32_t))
 #define SLOT_BYTES sizeof(uint32_t)            /* and EYE_BYTES for each eye */
 #define LIST_BYTES (2 * sizeof(fxs_key))       /* a key, and room to sort it */
@@ -36,8 +37,8 @@ static uint64_t to_multiple_of_16(uint64_t x)
     return (x + 15) / 16 * 16;
 }
 
-/* What lasts for the frame. Where bands are planned, a block needs room for a chunk beyond what it keeps, so there are
-   fewer. */
+/* Divides the work into jobs, and cuts off the arrays that stay for the whole frame. In a band every block needs room
+   for a chunk beyond the splats that it keeps; so a frame in bands has fewer and larger blocks. */
 static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
 {
     arena m = {f->memory, 0};
@@ -72,8 +73,8 @@ static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
     f->fixed_bytes = m.used;
 }
 
-/* What lasts for a band. The lists take the rest of the memory, up to KEYS a slot and 16 a tile. Returns the bytes of
-   all, which may be more than a size_t holds. */
+/* Cuts off the arrays of a band with so many slots. The lists take the rest of the memory, up to KEYS keys for each
+   slot and 16 for each tile. Returns the bytes of the whole frame, which may be more than a size_t holds. */
 static uint64_t lay_out_band(fxs_frame *f, uint64_t slots)
 {
     arena m = {f->memory ? f->memory + f->fixed_bytes : 0, f->fixed_bytes};
@@ -126,13 +127,13 @@ static uint64_t smaller(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
-/* And for slices: a macro tile, room for a chunk and for some splats beside. */
+/* And for slices: of one macro tile, with room for a chunk and for some splats beside. */
 static uint64_t bytes_for_slices(const fxs_frame *f)
 {
     return bytes_for(f, FXS_CHUNK + SLICE_LEAST, 1) + SLICE_MACRO_BYTES;
 }
 
-/* Macro tiles of a sliced tile row: what is left beyond the least goes to them to a quarter. */
+/* How many macro tiles' columns a slice has: a quarter of the memory beyond the least goes to their pixels. */
 static uint32_t slice_macros(const fxs_frame *f)
 {
     const uint64_t more = (f->memory_bytes - bytes_for_slices(f)) / 4 / SLICE_MACRO_BYTES;
@@ -187,7 +188,7 @@ void fxs_band_count(fxs_frame *f, uint32_t block, uint32_t chunk, uint32_t first
     f->extents[chunk] = e;
 }
 
-/* Splats that start, or end, on a row become those of all rows above. */
+/* The splats that start, or end, on a row become the splats that start, or end, on any row above it. */
 static void sum_rows(fxs_frame *f, uint32_t block)
 {
     fxs_row_counts *counts = row_counts_of(f, block);
@@ -197,7 +198,7 @@ static void sum_rows(fxs_frame *f, uint32_t block)
     }
 }
 
-/* Slots for what of a block touches tile rows first_row to end_row - 1, and for projecting one chunk more. */
+/* Slots for the splats of a block that touch tile rows first_row to end_row - 1, and for projecting one chunk more. */
 static uint32_t block_slots(const fxs_frame *f, uint32_t block, int32_t first_row, int32_t end_row)
 {
     uint32_t most = (fxs_block_start(f, block + 1) - fxs_block_start(f, block)) * FXS_CHUNK;
@@ -275,7 +276,7 @@ int fxs_bands_init(fxs_frame *f)
     return f->memory_bytes < least ? FXS_ERR_MEMORY : 0;
 }
 
-/* One tile row, of which as many splats as fit are taken at a time. */
+/* Slots for a slice of a tile row, as many as fit, and pixels for its columns. */
 static void lay_out_slices(fxs_frame *f)
 {
     f->slice_macros = slice_macros(f);
@@ -319,7 +320,7 @@ int fxs_band_next(fxs_frame *f)
     return 1;
 }
 
-/* All of them, or those of the band. */
+/* Whether all splats of a chunk are kept, as none can be outside of the band. */
 static int is_whole(const fxs_frame *f, uint32_t chunk)
 {
     return f->mode < FXS_FRAME_BAND ||

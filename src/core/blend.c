@@ -1,5 +1,5 @@
-/* blend: the splats of a tile, near to far, over its 256 pixels. The math of one pixel is in pixel.h; here are the
-   loops and the early stop. */
+/* blend: the splats of a tile's list, near to far, over its 256 pixels; trace: the same, with auxiliary outputs. The
+ * math of one pixel is in pixel.h; here are the loops and the early stop. */
 #include "memory.h"
 #include "parts.h"
 
@@ -28,7 +28,7 @@ void fxs_tile_clear(fxs_tile *tile)
         tile->transmittance_q15[i] = FXS_CLEAR_Q15;
 }
 
-/* What is done with the pixels that a splat is blended into. */
+/* The tile, and the splat that is blended into it. */
 typedef struct blending {
     fxs_tile *tile;
     fxs_trace *trace;              /* or null */

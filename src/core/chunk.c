@@ -1,4 +1,4 @@
-/* The part of project that is done once a chunk: where it lies for this camera, and whether anything of it can be
+/* The part of project that is done once for a chunk: where it lies for this camera, and whether any of it can be
    seen. */
 #include "chunk.h"
 

@@ -1,5 +1,5 @@
-/* A frame while it is rendered: what it has, and the functions that take it from its memory to its pixels. The functions
- * of each step are in parts.h. */
+/* A frame while it is rendered: what it has, and the functions that take it from its memory to its pixels. The
+ * functions of each step are in parts.h. */
 #ifndef FXS_FRAME_H
 #define FXS_FRAME_H
 
@@ -10,7 +10,7 @@
 /* Which splats are at work. */
 enum fxs_frame_mode {
     FXS_FRAME_WHOLE,               /* all: the memory holds a splat for every Gaussian */
-    FXS_FRAME_PLAN,                /* none yet, as it does not: splats are projected only to count those of each tile row */
+    FXS_FRAME_PLAN,                /* it does not: splats are projected only to count those of each tile row */
     FXS_FRAME_BAND,                /* then those of a band, as many tile rows as the memory has room for */
     FXS_FRAME_SLICES               /* the band is a tile row whose splats do not fit: the nearest ones, then the next */
 };
@@ -21,7 +21,7 @@ typedef struct fxs_list {
     uint32_t count;
 } fxs_list;
 
-/* A stopwatch: the time of the last lap, and where those of a macro tile are added up; null where it is not timed. */
+/* A stopwatch: when the last lap ended, and the sums of a macro tile's laps; null where it is not timed. */
 typedef struct fxs_laps {
     uint64_t start, *times;
 } fxs_laps;
@@ -61,14 +61,14 @@ typedef struct fxs_frame {
     uint32_t object_count, chunk_count;    /* chunks: of all objects */
     unsigned char *memory;
     uint64_t memory_bytes;
-    fxs_tile_fn *draw_tile;                /* fxs_draw_tile, or that of a pick, a count or a slice; null: a back end draws */
+    fxs_tile_fn *draw_tile;                /* of draw.c, pick.c, count.c or slices.c; null: a back end draws */
     uint32_t only_tile;                    /* a pick draws one; else FXS_NOTHING */
     uint32_t eye_count;                    /* eyes that are prepared together, in the same slots */
     fxs_eye *eye;                          /* the one that is drawn, */
     const uint32_t *depths;                /* and the depths by which its lists are sorted */
 
-    /* The work and its jobs (bands.c). Blocks of chunks are the jobs of project, shade and bin; parts of the blocks those
-       that make lists; macro tiles those of sort, blend and resolve. */
+    /* The work and its jobs (bands.c). Blocks of chunks are the jobs of project, shade and bin; parts of the blocks
+       those that make lists; macro tiles those of sort, blend and resolve. */
     enum fxs_frame_mode mode;
     uint32_t blocks, block_chunks;         /* chunks of a block */
     uint32_t parts;                        /* one a thread */
@@ -84,7 +84,7 @@ typedef struct fxs_frame {
     uint32_t (*histograms)[FXS_SORT_BUCKETS];   /* of each part, for a back end without lists */
     uint32_t *tile_counts, *tile_ends;     /* length of each tile's list, and for back ends where it ends */
     uint32_t *lengths;                     /* of each macro tile's list */
-    uint32_t *next;                        /* a row of macro tiles for each part: keys, then where they go; and more */
+    uint32_t *next;                        /* of each part, by macro tile: how many keys, then where the next goes */
     uint64_t *macro_times;                 /* nanoseconds of sort, bin, blend and resolve */
 
     /* The band, and what is cut from the rest of the memory for it, beside the eyes' splats. */

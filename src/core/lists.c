@@ -1,9 +1,12 @@
-/* The lists of a frame's macro tiles: counted, filled and sorted. */
+/* The lists of a frame's macro tiles, of 2x2 tiles: the keys of the splats that touch one of them. First it is counted
+ * how long each list is, so that as many as fit in the memory can be laid one behind the other; then they are filled,
+ * and sorted one by one. Several jobs count and fill, each for a part of the blocks. */
 #include "memory.h"
 #include "parts.h"
 
-/* A part's row of `next`: a number for each macro tile, then these. */
-enum { NOTED, FROM, NOTES, ROOM }; /* notes, the slot that they end before, where they begin in `spare`, their room */
+/* Behind a part's numbers of macro tiles in fxs_frame.next: how many notes it has; the slot that they end before; where
+   they begin in `spare`; how many have room. */
+enum { NOTED, FROM, NOTES, ROOM };
 
 static uint32_t *next_of(const fxs_frame *f, uint32_t part)
 {
@@ -52,7 +55,7 @@ static void fill_part(void *argument, uint32_t part)
     notes_of(f, part)[NOTED] = notes_of(f, part)[FROM] = 0;    /* sorting overwrites them */
 }
 
-/* Each part has room for notes by its splats. */
+/* Each part has room for notes in proportion to its splats. */
 static void share_notes(fxs_frame *f)
 {
     uint32_t before = 0, block = 0;
@@ -99,7 +102,7 @@ int fxs_lists_rows_fit(const fxs_frame *f)
     return 1;
 }
 
-/* In a list the parts follow each other, so it is almost in the order of the slots. */
+/* In a list the keys of part after part follow each other, so it is almost in the order of the slots. */
 void fxs_lists_fill(fxs_frame *f, uint32_t end)
 {
     const uint32_t across = fxs_macros(f->eye->view.tiles_x), row_end = (f->first_macro / across + 1) * across;

@@ -1,4 +1,5 @@
-/* The first stages: project, shade and bin, of a chunk and of blocks of chunks. */
+/* The first three stages, project, shade and bin: on a chunk, on a block of chunks, on all blocks. Blocks are jobs for
+ * any thread, and each has slots of its own, so splats come out in the order of the chunks. */
 #include "chunk.h"
 #include "memory.h"
 #include "parts.h"
@@ -21,7 +22,7 @@ int32_t fxs_prepare_project(fxs_frame *f, uint32_t number, uint32_t chunk, uint3
     return count < 0 ? count : (int32_t)fxs_band_keep(f, chunk, slot, (uint32_t)count);
 }
 
-/* shade; both eyes have the first one's colours. */
+/* Both eyes have the colours of the first one. */
 int fxs_prepare_shade(fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t slot, uint32_t count)
 {
     const fxs_object_view *object = &f->eye->objects[number];
@@ -51,8 +52,8 @@ static void fetch_rows(const fxs_frame *f, uint32_t number, uint32_t chunk, uint
     (void)rows;
 }
 
-/* What of the first stages needs no other block, for up to FXS_BLOCK chunks, while their splats are in the cache.
-   Their splats in the band lie from `slot` on, before end_slot. Returns their number or FXS_ERR_SCENE. */
+/* project, then shade, then bin, on up to FXS_BLOCK chunks, as many as the cache holds the splats of. Those of the band
+   go to the slots from `slot` on, before end_slot. Returns their number or FXS_ERR_SCENE. */
 static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32_t slot, uint32_t end_slot,
                               uint64_t *times)
 {

@@ -1,7 +1,7 @@
 /* A tile row whose splats do not fit in the memory, drawn in slices. Some of its columns at a time are drawn whole: of
- * the splats that touch them the nearest are projected, as many as there is room for, and blended; then the next ones, over
- * the same pixels; until none is left. So any view is drawn in the least memory, though every slice goes through the
- * chunks of the whole tile row again. */
+ * the splats that touch them the nearest are projected, as many as there is room for, and blended; then the next ones,
+ * over the same pixels; until none is left. So any view is drawn in the least memory, though every slice goes through
+ * the chunks of the whole tile row again. */
 #include "memory.h"
 #include "parts.h"
 
@@ -91,8 +91,8 @@ static int finish(fxs_frame *f, uint32_t count)
     return 0;
 }
 
-/* Takes the next slice of the columns, f->count splats ready for lists. Returns 0, FXS_ERR_STOPPED, or FXS_ERR_SCENE: also
-   where there are more splats than the scene has Gaussians, as it changes meanwhile. */
+/* Takes the next slice of the columns, f->count splats ready for lists. Returns 0, FXS_ERR_STOPPED, or FXS_ERR_SCENE:
+   also where there are more splats than the scene has Gaussians, as it changes meanwhile. */
 static int next_slice(fxs_frame *f, slice *s)
 {
     int error = take(f, s);
@@ -102,7 +102,7 @@ static int next_slice(fxs_frame *f, slice *s)
     return error ? error : s->taken > (uint64_t)f->chunk_count * FXS_CHUNK ? FXS_ERR_SCENE : 0;
 }
 
-/* ---- Drawing ------------------------------------------------------------------------------------------------------ */
+/* ---- Drawing ----------------------------------------------------------------------------------------------------- */
 
 /* Goes on with a tile of a slice: `trace` of nothing goes on where `blend` begins. */
 static void blend_on(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)

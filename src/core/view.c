@@ -1,4 +1,5 @@
-/* The camera, once a frame and object: everything of the projection that does not depend on the Gaussian. */
+/* The camera made ready for the stages, once for a frame and once for each of its objects: everything of the projection
+ * that does not depend on the Gaussian. */
 #include "view.h"
 
 #include <fixsplat/fixed.h>
