@@ -2,8 +2,8 @@
 #include <fixsplat/kernels.h>
 #include "kernels/simd/lanes/stages.h"
 
-/* Every instruction set by the processors that may have it: SET(flag, name, the versions that there are for it). Where a
-   processor has several, a later one is better. */
+/* Every instruction set by the processors that may have it: SET(flag, name, the versions that there are for it). Where
+   a processor has several, a later one is better. */
 #define X86(SET, X) \
     SET(SSE41, sse41, FXS_VECTOR_STAGES(X, sse41) FXS_RESOLVE_STAGE(X, sse41)) \
     SET(AVX2, avx2, FXS_VECTOR_STAGES(X, avx2) FXS_RESOLVE_STAGE(X, avx2)) \

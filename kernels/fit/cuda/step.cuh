@@ -18,9 +18,9 @@ namespace {
 #include "src/fit/random.h"
 #include "src/fit/fit_gaussian.h"
 
-/* alpha / (1 - alpha), alpha in 2^-8..0.99, rounded as a division is, without a look at numbers that are too large or too
-   small for this: Newton's step for 1 / (1 - alpha), and one of the quotient by its rest (Markstein 1990). test_fit tries
-   all of them. */
+/* alpha / (1 - alpha), alpha in 2^-8..0.99, rounded as a division is, without a look at numbers that are too large or
+   too small for this: Newton's step for 1 / (1 - alpha), and one of the quotient by its rest (Markstein 1990). test_fit
+   tries all of them. */
 #define FXS_FIT_ODDS
 static inline float odds_of(float alpha)
 {

@@ -1,8 +1,8 @@
-/* blend and trace in Helium. As in kernels/simd/lanes/blend.h, entries are taken in groups of 8: first it is found which of
- * them reach which patches of the tile, in vectors whose lanes are splats; then each patch is blended with those that
- * reach it, in vectors whose lanes are pixels. Here a patch is 4 columns of 2 rows, and pixel (c, r) of it lane
- * 2 c + r, as that is how instructions narrow; what all pixels of a patch share is a number in a general register; and
- * while a tile is blended, its arrays hold patch after patch. */
+/* blend and trace in Helium. As in kernels/simd/lanes/blend.h, entries are taken in groups of 8: first it is found
+ * which of them reach which patches of the tile, in vectors whose lanes are splats; then each patch is blended with
+ * those that reach it, in vectors whose lanes are pixels. Here a patch is 4 columns of 2 rows, and its pixel (c, r) is
+ * in lane 2 c + r, as that is how instructions narrow. A number that all pixels of a patch share is in a general
+ * register. While a tile is blended, its arrays hold patch after patch. */
 #include "lanes_mve.h"
 #include "src/core/parts.h"
 #include "kernels/simd/lanes/stages.h"

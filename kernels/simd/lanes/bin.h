@@ -1,6 +1,6 @@
-/* bin, LANES splats at a time: src/core/bin.c with the same numbers, in 32 bits. First come the boxes, and the masks of
- * those that lie whole on one tile row; other splats that fit in a box wait in lists, until they fill a vector for the
- * row by row pass. */
+/* bin, LANES splats at a time: src/core/bin.c with the same numbers, in 32 bits. A first pass finds the bounding boxes
+ * of all splats, and the masks of those that lie whole on one tile row. Other splats that fit in a box wait until they
+ * fill a vector; then a second pass finds their tiles row by row. */
 #include "lanes.h"
 #include "stages.h"
 
