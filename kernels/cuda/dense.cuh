@@ -1,7 +1,8 @@
-/* Long lists, which are of small splats: a block a tile. The list is first put into bins by depth. Bin after bin, the
- * splats that can touch an open pixel are collected; once there are enough, they are sorted, a splat a thread marks the
- * pixels that it can touch, and each pixel takes its own, in order: a lane a pixel, or where few are open a warp a
- * pixel, that does for 32 splats at once what does not depend on the order. */
+/* blend_dense: blends long lists, whose splats are mostly small. A block has a tile. It puts the list into bins by
+ * depth. Then, bin after bin, it collects the splats that can touch an open pixel. Once there are enough of them, they
+ * are sorted; each thread marks the pixels that its splat can touch; and each pixel takes the splats that are marked
+ * for it, in order. A pixel is the work of a lane. Where few pixels are open, it is the work of a warp, which computes
+ * for 32 splats at once everything that does not depend on the order. */
 #ifndef FXS_CUDA_DENSE_CUH
 #define FXS_CUDA_DENSE_CUH
 

@@ -1,6 +1,6 @@
-/* The exact picture without lists: splats near to far, each a triangle or two, in one draw; the fragment shader reads
-   the state of its pixel from the framebuffer, where a tile-based GPU has it at hand, and writes the next. Then one
-   draw over all of the picture resolves the states. */
+/* The exact picture without lists. One draw has all splats near to far, each as a triangle or two; the fragment shader
+   reads the state of its pixel from the framebuffer, where a tile-based GPU has it at hand, and writes the next state.
+   Then one draw over the whole picture resolves the states. */
 #include <fixsplat/fixed.h>
 #include "src/core/memory.h"
 #include "src/core/parts.h"

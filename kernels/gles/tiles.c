@@ -1,8 +1,9 @@
-/* The exact picture: the lists of as many tiles as the textures hold are uploaded and drawn, and so on. A list that no
-   draw can hold is drawn in parts, with the tile's state kept in a texture in between. A splat's record is there once
-   for each list that it is in: a fetch less than by its number, and one pass over the lists. A draw before finds which
-   blocks of 4x4 pixels each splat of a tile may touch, so that a pixel passes over the rest. Tiles are drawn by the
-   length of their lists, the longest first: in the picture's order an H200 takes up to 3.5 times as long. */
+/* The exact picture by lists. The lists of as many tiles as the textures hold are uploaded and drawn, then the next
+   ones. A list that is too long for one draw is drawn in parts, with the tile's state kept in a texture in between. A
+   splat has a record for each list that it is in, which takes a fetch less than a number of a record, and one pass over
+   the lists. An earlier draw finds which blocks of 4x4 pixels each splat of a tile may touch, so that a pixel passes
+   over the other splats. Tiles are drawn by the length of their lists, the longest first: in the picture's order an
+   H200 takes up to 3.5 times as long. */
 #include <fixsplat/fixed.h>
 #include "src/core/memory.h"
 #include "device.h"

@@ -1,54 +1,20 @@
 /* A frame, from fxs_render to its pixels, by six stages in this order:
  *
- *   project    Gaussians to splats, 2D Gaussians in the picture            project.c
- *   shade      the splats' colours, from their spherical harmonics         shade.c
- *   bin        which tiles each splat touches, and a list of splats for each macro tile of 2x2 tiles     bin.c
- *   sort       each list by depth, near to far                             sort.c
- *   blend      a tile's splats over its pixels                             blend.c
- *   resolve    pixels to the caller's formats                              resolve.c
+ *   project   project.c   Gaussians become splats, 2D Gaussians in the picture, with their depths
+ *   shade     shade.c     the splats' colours, from spherical harmonics
+ *   bin       bin.c       the tiles that each splat touches; then lists of splats, one for each macro tile of 2x2 tiles
+ *   sort      sort.c      each list by depth, near to far
+ *   blend     blend.c     the splats of a tile's list, over its pixels
+ *   resolve   resolve.c   the tile's pixels in the caller's format
  *
  * The stages are functions of a table, fxs_kernels, so that a faster version may take the place of any. prepare.c calls
- * the first three, lists.c makes the lists, and draw.c calls the last three. Where the caller has a back end, runs.c
- * gives it the lists in place of draw.c. A frame is rendered at once, where the memory holds all splats; else bands.c
- * divides it into bands of tile rows, and slices.c does so with a tile row that is too full for the memory. */
+ * the first three, lists.c makes the lists, draw.c calls the last three. Where there is a back end, runs.c hands it the
+ * lists in place of draw.c.
+ *
+ * All splats are in the memory at once, if it is large enough. Else bands.c divides the frame into bands of tile rows,
+ * and slices.c draws a tile row whose splats alone are too many. */
 #include "memory.h"
 #include "parts.h"
-
-/* bin's lists, sort, blend and resolve: for as many macro tiles at a time as their lists fit in the memory. */
-int fxs_frame_draw(fxs_frame *f)
-{
-    int error = 0;
-    if (fxs_runs_unlisted(f))
-        return fxs_runs_draw_unlisted(f);
-    fxs_lists_count(f);
-    if (fxs_runs_by_rows(f))
-        return fxs_runs_draw_rows(f);
-    for (uint32_t end = f->last_macro + 1; f->first_macro < end && !error; f->first_macro = f->last_macro + 1) {
-        fxs_lists_fill(f, end);
-        error = f->draw_tile ? fxs_draw_macros(f) : fxs_runs_draw(f);
-    }
-    for (uint32_t tile = fxs_tiles_above(f, f->first_row); tile < fxs_tiles_above(f, f->end_row); tile++)
-        f->stats.entries += f->tile_counts[tile];
-    return error;
-}
-
-/* A band: project, shade and bin make its splats, then they are drawn. */
-static int render_band(fxs_frame *f)
-{
-    const int error = fxs_prepare_band(f);
-    return error ? error : fxs_frame_draw(f);
-}
-
-int fxs_frame_render(fxs_frame *f)
-{
-    const uint64_t start = fxs_now(f);
-    int error = fxs_frame_begin(f);
-    f->stats.nanoseconds[FXS_PROJECT] += fxs_now(f) - start;
-    while (!error && fxs_band_next(f))
-        error = f->mode == FXS_FRAME_SLICES ? fxs_slices_draw(f) : render_band(f);
-    f->stats.frame_nanoseconds += fxs_now(f) - start;
-    return error;
-}
 
 int fxs_render(const fxs_context *context, const fxs_object *objects, uint32_t count, const fxs_camera *camera,
                const fxs_options *options, const fxs_targets *targets, void *memory, size_t memory_bytes,
@@ -65,5 +31,39 @@ int fxs_render(const fxs_context *context, const fxs_object *objects, uint32_t c
     error = fxs_frame_render(&f);
     if (stats)
         *stats = f.stats;
+    return error;
+}
+
+int fxs_frame_render(fxs_frame *f)
+{
+    const uint64_t start = fxs_now(f);
+    int error = fxs_frame_begin(f);
+    f->stats.nanoseconds[FXS_PROJECT] += fxs_now(f) - start;
+    while (!error && fxs_band_next(f)) {
+        if (f->mode == FXS_FRAME_SLICES)
+            error = fxs_slices_draw(f);
+        else if (!(error = fxs_prepare_band(f)))                    /* project, shade and bin */
+            error = fxs_frame_draw(f);
+    }
+    f->stats.frame_nanoseconds += fxs_now(f) - start;
+    return error;
+}
+
+/* Draws macro tiles, as many at a time as there is room for their lists. */
+int fxs_frame_draw(fxs_frame *f)
+{
+    int error = 0;
+    if (fxs_runs_unlisted(f))
+        return fxs_runs_draw_unlisted(f);
+    fxs_lists_count(f);
+    if (fxs_runs_by_rows(f))
+        return fxs_runs_draw_rows(f);
+    for (uint32_t end = f->last_macro + 1; f->first_macro < end && !error; f->first_macro = f->last_macro + 1) {
+        fxs_lists_fill(f, end);                                     /* bin: their lists */
+        error = f->draw_tile ? fxs_draw_macros(f)                   /* sort, blend and resolve */
+                             : fxs_runs_draw(f);                    /* the back end's part */
+    }
+    for (uint32_t tile = fxs_tiles_above(f, f->first_row); tile < fxs_tiles_above(f, f->end_row); tile++)
+        f->stats.entries += f->tile_counts[tile];
     return error;
 }

@@ -1,16 +1,16 @@
-/* A tile row whose splats do not fit in the memory, drawn in slices. Some of its columns at a time are drawn whole: of
- * the splats that touch them the nearest are projected, as many as there is room for, and blended; then the next ones,
- * over the same pixels; until none is left. So any view is drawn in the least memory, though every slice goes through
- * the chunks of the whole tile row again. */
+/* Draws a tile row whose splats do not fit in the memory, in slices. Some columns of the row are drawn at a time. Of
+ * the splats that touch them, as many of the nearest as there is room for are projected and blended; then the next
+ * nearest, over the same pixels; and so on, until none is left. So any view can be drawn in the least memory. It takes
+ * time, as the chunks of the row are projected again for every slice. */
 #include "memory.h"
 #include "parts.h"
 
-/* Splats that are taken at a time: the nearest from a key on. Keys are depth and place in the scene, no two alike. */
+/* A slice: the splats from one key to another. A key is a depth and a place in the scene, so no two are alike. */
 typedef struct slice {
     fxs_key first, last;
-    uint32_t count, room;          /* splats, and those that are kept before a chunk is projected behind them */
-    uint64_t taken;                /* in all slices so far */
-    int more;                      /* there are some beyond `last` */
+    uint32_t count, room;          /* splats; how many at most are kept, so that one more chunk can be projected */
+    uint64_t taken;                /* splats of all slices so far */
+    int more;                      /* there are splats beyond `last` */
 } slice;
 
 static fxs_key key_of(const fxs_frame *f, uint32_t slot)
@@ -18,7 +18,7 @@ static fxs_key key_of(const fxs_frame *f, uint32_t slot)
     return FXS_KEY(f->eye->depths[slot], f->indices[slot]);
 }
 
-/* Keeps those of `count` splats behind the slice's that are in it and touch its columns. */
+/* `count` splats were projected behind the slice's: keeps the ones that are in its range and touch the columns. */
 static void keep(const fxs_frame *f, slice *s, uint32_t count)
 {
     for (uint32_t slot = s->count, end = s->count + count; slot < end; slot++) {
@@ -29,7 +29,8 @@ static void keep(const fxs_frame *f, slice *s, uint32_t count)
     }
 }
 
-/* Leaves the nearest three quarters of the room, in the order of the scene. */
+/* Keeps the nearest splats, three quarters of what there is room for, in the order of the scene; `last` is where they
+   end. */
 static void drop_farthest(const fxs_frame *f, slice *s)
 {
     const uint32_t left = s->room / 4 * 3, count = s->count;
@@ -52,7 +53,7 @@ static int may_have(const fxs_frame *f, const slice *s, uint32_t chunk)
            e->farthest >= s->first >> 32 && e->nearest <= s->last >> 32;
 }
 
-/* Projects what the slice needs. Returns 0, FXS_ERR_SCENE or FXS_ERR_STOPPED. */
+/* Projects the splats of the slice. Returns 0, FXS_ERR_SCENE or FXS_ERR_STOPPED. */
 static int take(fxs_frame *f, slice *s)
 {
     s->last = UINT64_MAX;
@@ -73,7 +74,7 @@ static int take(fxs_frame *f, slice *s)
     return 0;
 }
 
-/* Colours, and boxes; slots are in the order of the chunks. Returns 0 or FXS_ERR_SCENE. */
+/* shade and bin, on slots that are in the order of the chunks. Returns 0 or FXS_ERR_SCENE. */
 static int finish(fxs_frame *f, uint32_t count)
 {
     for (uint32_t slot = 0, end; slot < count; slot = end) {
@@ -91,8 +92,8 @@ static int finish(fxs_frame *f, uint32_t count)
     return 0;
 }
 
-/* Takes the next slice of the columns, f->count splats ready for lists. Returns 0, FXS_ERR_STOPPED, or FXS_ERR_SCENE:
-   also where there are more splats than the scene has Gaussians, as it changes meanwhile. */
+/* Goes on to the next slice of the columns: its f->count splats are ready for lists then. Returns 0, FXS_ERR_STOPPED,
+   or FXS_ERR_SCENE, which is also the error where the scene changes meanwhile and so has no end of splats. */
 static int next_slice(fxs_frame *f, slice *s)
 {
     int error = take(f, s);
@@ -104,7 +105,8 @@ static int next_slice(fxs_frame *f, slice *s)
 
 /* ---- Drawing ----------------------------------------------------------------------------------------------------- */
 
-/* Goes on with a tile of a slice: `trace` of nothing goes on where `blend` begins. */
+/* Blends a slice's list into the pixels that a tile has so far. That is what `trace` does, which goes on where `blend`
+   begins anew; of its auxiliary outputs none is asked for. */
 static void blend_on(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)
 {
     const int32_t column = (int32_t)tile % f->eye->view.tiles_x - f->first_column;
@@ -120,7 +122,7 @@ static void blend_on(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps
     fxs_lap(f, laps, FXS_BLENDED);
 }
 
-/* The tiles of the columns, once they are blended. Returns 0 or a back end's error. */
+/* The tiles of the columns are blended: draws their pixels, or has the back end do so. Returns 0 or its error. */
 static int hand_over(fxs_frame *f)
 {
     const uint32_t above = fxs_tiles_above(f, f->first_row);
@@ -136,7 +138,7 @@ static int hand_over(fxs_frame *f)
     return 0;
 }
 
-/* Every slice of the columns. */
+/* Draws the columns, slice after slice. */
 static int draw_columns(fxs_frame *f)
 {
     slice s = {.room = f->slice_room, .more = 1};
