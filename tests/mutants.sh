@@ -29,7 +29,7 @@ tests_of() {
     src/core/scene.c | src/include/fixsplat/packed.h) echo scene random pack fxs_file stages kernels bands ;;
     src/core/slices.c) echo bands strip objects stop ;;
     src/core/bands.c) echo random bands stereo stages scene scribble ;;
-    src/core/chunk.c | src/core/frame.c | src/core/prepare.c | src/core/lists.c | src/core/draw.c) echo random stages scene stereo kernels bands scribble stop golden foveate ;;
+    src/core/chunk.c | src/core/frame.* | src/core/draw.c | src/core/times.c | src/core/prepare.c | src/core/lists.c | src/core/runs.c) echo random stages scene stereo kernels bands scribble stop golden foveate ;;
     src/include/fixsplat/pixel.h | src/include/fixsplat/fixed.h) echo random fixed stages kernels pixel scene golden ;;
     src/core/opacity.inc) echo pack random stages kernels ;;
     src/core/object.c | src/core/trace.c | src/core/targets.c | src/core/pick.c) echo targets objects stages ;;

@@ -31,7 +31,7 @@ static inline int splat_level(const fxs_splat *s, const fxs_bounds *b, int x, in
 /* The pixel's tile is in the square of Kerbl et al.: floor((c - r) / 16) to floor((c + r + 15) / 16), exclusive. */
 static inline int splat_has_tile(const fxs_bounds *b, int x, int y)
 {
-    double cx = ldexp(b->cx_q14, -14), cy = ldexp(b->cy_q14, -14), radius = b->radius;
+    double cx = ldexp(b->cx_q14, -14), cy = ldexp(b->cy_q14, -14), radius = b->square_radius;
     int tile_x = x / FXS_TILE, tile_y = y / FXS_TILE;
     return tile_x >= floor((cx - radius) / 16) && tile_x < floor((cx + radius + 15) / 16) &&
            tile_y >= floor((cy - radius) / 16) && tile_y < floor((cy + radius + 15) / 16);

@@ -374,7 +374,7 @@ static void make_view(void)
     CHECK(one_view_init(&view, &scene, &camera, &options) == 0);
     if (parallel && kind == 2 && one_in(2))
         move_off_axis();
-    view.square = one_in(16);
+    view.cutoff = one_in(16) ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
 }
 
 /* ---- project, shade -------------------------------------------------------------------------------------------- */
@@ -387,7 +387,8 @@ static void count_visible(uint32_t count, int veils)
 {
     fxs_chunk_view cv;
     visible_total += count;
-    if (count && !veils && view.orthographic && !view.square && fxs_chunk_view_init(&cv, &view, &scene, 0) == 1)
+    if (count && !veils && view.orthographic && view.cutoff != FXS_CUTOFF_SQUARE &&
+        fxs_chunk_view_init(&cv, &view, &scene, 0) == 1)
         zooms |= (uint64_t)1 << (cv.plane_zeros + 22);
 }
 
@@ -611,16 +612,16 @@ static uint32_t tile_entries[MAX_ENTRIES];
 static uint32_t make_list(int32_t x, int32_t y)
 {
     const uint32_t count = one_in(16) ? 0 : one_in(4) ? below(MAX_ENTRIES) : below(40);
-    const int faint = one_in(2), far = one_in(4);
+    const int faint = one_in(2), square = one_in(4);
     memset(&view, 0, sizeof view);
     view.width = view.height = TILE_COLUMNS * FXS_TILE;
     view.tiles_x = view.tiles_y = TILE_COLUMNS;
-    view.square = far;
-    view.cut_q11 = view.square ? FXS_LEVEL_MAX_Q11 : FXS_CUT_Q11;
+    view.cutoff = square ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
+    view.cut_q11 = square ? FXS_LEVEL_MAX_Q11 : FXS_CUT_Q11;
     for (uint32_t i = 0; i < MAX_SPLATS; i++)
         make_splat(&tile_splats[i], x, y, faint);
     for (uint32_t i = 0; i < count; i++)
-        tile_entries[i] = below(MAX_SPLATS) | (far && one_in(4) ? FXS_ENTRY_FAR : 0);
+        tile_entries[i] = below(MAX_SPLATS) | (square && one_in(4) ? FXS_ENTRY_CUT_OFF : 0);
     return count;
 }
 

@@ -275,8 +275,8 @@ static void compare_splat(struct errors *e, uint32_t slot, const struct referenc
     e->centre = fmax(e->centre, veil ? 0 : hypot(dx, dy));
     e->shape = fmax(e->shape, shape_error(s, r));
     e->opacity = fmax(e->opacity, fabs(exp(-ldexp(s->offset_q11, -12)) - r->opacity));
-    if (all.view.square && !veil)
-        e->radius = fmax(e->radius, (fabs((double)b->radius - r->radius) - 1) / r->radius);
+    if (all.view.cutoff == FXS_CUTOFF_SQUARE && !veil)
+        e->radius = fmax(e->radius, (fabs((double)b->square_radius - r->radius) - 1) / r->radius);
     for (int c = 0; c < 3; c++)
         e->colour = fmax(e->colour, fabs(ldexp(s->colour_q13[c], -13) - fmin(r->colour[c], 32767 / 8192.0)));
 }
@@ -606,7 +606,7 @@ static int in_square(uint32_t slot, int x, int y)
     return splat_has_tile(&all.bounds[slot], x, y);
 }
 
-enum listed { NOT_LISTED, FAR, NEAR };
+enum listed { NOT_LISTED, CUT_OFF, NEAR };
 
 /* The tiles that one splat is listed in. */
 static void list_splat(uint32_t slot, unsigned char *listed)
@@ -620,24 +620,24 @@ static void list_splat(uint32_t slot, unsigned char *listed)
     for (uint32_t tile = 0; tile < tiles; tile++) {
         const uint32_t count = lists.counts[tile], last = lists.ends[tile] - 1;
         CHECK(count <= 1);
-        listed[tile] = count == 0 ? NOT_LISTED : lists.entries[last] & FXS_ENTRY_FAR ? FAR : NEAR;
+        listed[tile] = count == 0 ? NOT_LISTED : lists.entries[last] & FXS_ENTRY_CUT_OFF ? CUT_OFF : NEAR;
     }
     tile_lists_free(&lists);
 }
 
 static struct {
-    int64_t missed, wrapped, in_far;
+    int64_t missed, wrapped, in_cut_off;
 } lists;
 
 /* A pixel counts in the blend stage exactly where its level is within the limit (and its tile in the square). */
 static void check_pixel(uint32_t slot, int x, int y, enum listed listed)
 {
     const fxs_splat *s = &all.splats[slot];
-    int counts = level_at(slot, x, y) <= limit_of(slot), square = all.view.square;
+    int counts = level_at(slot, x, y) <= limit_of(slot), square = all.view.cutoff == FXS_CUTOFF_SQUARE;
     int on_row = y >= s->first_row && y <= s->last_row;
     if (counts && (!square || in_square(slot, x, y))) {
         lists.missed += listed == NOT_LISTED || !on_row;
-        lists.in_far += listed == FAR;
+        lists.in_cut_off += listed == CUT_OFF;
     }
     if (!counts && listed == NEAR && on_row) {
         int32_t u = (int32_t)(s->u0_q24 + (uint32_t)x * (uint32_t)s->ux_q24 + (uint32_t)y * (uint32_t)s->uy_q24);
@@ -660,9 +660,9 @@ static void check_lists(const recipe *r, int width, int height, const fxs_option
             for (int x = 0; x < width; x++)
                 check_pixel(slot, x, y, listed[y / FXS_TILE * all.view.tiles_x + x / FXS_TILE]);
     }
-    if (!CHECK(lists.missed == 0) || !CHECK(lists.in_far == 0) || !CHECK(lists.wrapped == 0))
-        printf("  sigma_high %g, %dx%d, cut-off %d: %d pixels missed, %d in far tiles, %d wrapped\n",
-               r->sigma_high, width, height, (int)options->cutoff, (int)lists.missed, (int)lists.in_far,
+    if (!CHECK(lists.missed == 0) || !CHECK(lists.in_cut_off == 0) || !CHECK(lists.wrapped == 0))
+        printf("  sigma_high %g, %dx%d, cut-off %d: %d pixels missed, %d in tiles where it is cut off, %d wrapped\n",
+               r->sigma_high, width, height, (int)options->cutoff, (int)lists.missed, (int)lists.in_cut_off,
                (int)lists.wrapped);
     free(s.data);
 }
@@ -704,10 +704,10 @@ static void test_squares_at_tile_edges(void)
     memset(all.bounds, 0, sizeof *all.bounds);
     for (int i = 0; i < 400; i++) {
         fxs_bounds *b = all.bounds;
-        b->radius = (uint32_t)(1 + below(40));
+        b->square_radius = (uint32_t)(1 + below(40));
         const int sign = below(2) ? 1 : -1, tile = below(6);
-        b->cx_q14 = (tile << 18) + sign * ((int)b->radius << 14) + below(3) - 1;
-        b->cy_q14 = (below(4) << 18) + sign * ((int)b->radius << 14) + below(3) - 1;
+        b->cx_q14 = (tile << 18) + sign * ((int)b->square_radius << 14) + below(3) - 1;
+        b->cy_q14 = (below(4) << 18) + sign * ((int)b->square_radius << 14) + below(3) - 1;
         list_splat(0, listed);
         for (int y = 0; y < all.view.tiles_y; y++)
             for (int x = 0; x < all.view.tiles_x; x++) {
@@ -732,7 +732,8 @@ static void blend_splat(uint32_t slot)
     for (int y = 0, i = 0; y < all.view.height; y++)
         for (int x = 0; x < all.view.width; x++, i++) {
             int level = level_at(slot, x, y), t = brute.transmittance_q15[i];
-            if (t < FXS_CLOSED_Q15 || level > limit_of(slot) || (all.view.square && !in_square(slot, x, y)))
+            if (t < FXS_CLOSED_Q15 || level > limit_of(slot) ||
+                (all.view.cutoff == FXS_CUTOFF_SQUARE && !in_square(slot, x, y)))
                 continue;
             int weight = fxs_weight_q15(fxs_alpha_q15(level), t);
             brute.transmittance_q15[i] -= weight;
@@ -986,8 +987,9 @@ static void test_times_are_shared_out(void)
         CHECK(one_render(&context, &s.scene, &camera, &defaults, FXS_FORMAT_RGBA8, memory, size, pixels,
                          camera.width * 4, &stats) == 0);
         const uint64_t *t = stats.nanoseconds;
-        /* project has the layout of the memory as well, bin the lists of macro tiles and those of tiles. */
-        CHECK(t[FXS_SHADE] > 0 && t[FXS_PROJECT] == t[FXS_SHADE] + 1 && t[FXS_BIN] == t[FXS_SHADE] + 1 + t[FXS_BLEND]);
+        /* project has the layout of the memory as well; bin counts and then makes the lists of macro tiles, and those of
+           tiles. */
+        CHECK(t[FXS_SHADE] > 0 && t[FXS_PROJECT] == t[FXS_SHADE] + 1 && t[FXS_BIN] == t[FXS_SHADE] + 2 + t[FXS_BLEND]);
         CHECK(t[FXS_BLEND] > 0 && t[FXS_BLEND] == t[FXS_RESOLVE] && t[FXS_SORT] > 0 && t[FXS_SORT] <= t[FXS_BLEND]);
         free(memory);
         free(pixels);

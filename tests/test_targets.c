@@ -93,7 +93,7 @@ static void blend(brute *b, uint32_t slot, int x, int y)
     const fxs_splat *s = &all.splats[slot];
     const int level = splat_level(s, &all.bounds[slot], x, y);
     if (b->t_q15 < FXS_CLOSED_Q15 || level > fxs_limit_q11(s->offset_q11, all.view.cut_q11) ||
-        (all.view.square && !splat_has_tile(&all.bounds[slot], x, y)))
+        (all.view.cutoff == FXS_CUTOFF_SQUARE && !splat_has_tile(&all.bounds[slot], x, y)))
         return;
     const int weight = fxs_weight_q15(fxs_alpha_q15(level), b->t_q15);
     add_depth(b, all.keys[slot], weight);
@@ -121,7 +121,7 @@ static uint32_t splats_of_row(int y, uint32_t *row)
 static int may_touch(uint32_t slot, int x)
 {
     const fxs_bounds *b = &all.bounds[slot];
-    return all.view.square || b->half_width_q8 == FXS_EVERYWHERE_Q8 ||
+    return all.view.cutoff == FXS_CUTOFF_SQUARE || b->half_width_q8 == FXS_EVERYWHERE_Q8 ||
            llabs(((int64_t)x << 8) - (b->cx_q14 >> 6)) <= (int64_t)b->half_width_q8 + 512;
 }
 

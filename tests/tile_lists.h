@@ -35,8 +35,8 @@ static tile_lists tile_lists_new(const fxs_view *view, const fxs_splat *splats, 
         const uint32_t macro = row / FXS_MACRO * across + column / FXS_MACRO;
         lists.counts[tile] = fxs_list_c(keys + next[macro] - lengths[macro], lengths[macro],
                                         row % FXS_MACRO * 2 + column % FXS_MACRO, lists.entries + total);
-        if (view->square)
-            fxs_mark_far(&l, tile, lists.entries + total, lists.counts[tile]);
+        if (view->cutoff == FXS_CUTOFF_SQUARE)
+            fxs_mark_cut_off(&l, tile, lists.entries + total, lists.counts[tile]);
         lists.ends[tile] = total += lists.counts[tile];
     }
     free(next);

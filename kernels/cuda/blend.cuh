@@ -1,8 +1,8 @@
 /* sort, blend and resolve. A list is sorted by a warp or a block; then each of 4 warps blends it over 8x8 pixels, two a
- * lane, until all are closed. A warp tests 32 splats at a time against its 8 rows, a splat a lane; those that can
+ * lane, until all are closed. A warp tests 32 splats at a time against its 8 rows, a splat a lane; the splats that can
  * touch a pixel are queued in shared memory, then all lanes take them one by one. Lists of 2^LONG_MAGNITUDE entries or
- * more are for blend_dense, or else for groups of 4 warps, which sort the next keys of a list and blend them, as far as
- * there are open pixels.
+ * more are left to blend_dense (dense.cuh); where that is not used, groups of 4 warps sort and blend as many of their
+ * keys at a time as there is room for, as long as there are open pixels.
  *
  * Levels are integers in float registers, twice the level of pixel.h plus the bit that its rounding drops: with c =
  * coordinate_q13 2^-7,
@@ -10,7 +10,8 @@
  * where that is below 2^24, and no less than 2^24 elsewhere; a limit is at most 2^23 + 45395. Coordinates are not cut
  * to +-4: beyond that the level is over every limit either way.
  *
- * Where a frame has depths, ids or an occluder, its pixels are traced_pixels; every list is blended here then. */
+ * Where a frame has auxiliary outputs (depths, ids) or an occluder, its pixels are traced_pixels, and every list is
+ * blended here. */
 #ifndef FXS_CUDA_BLEND_CUH
 #define FXS_CUDA_BLEND_CUH
 
@@ -42,7 +43,7 @@ struct alignas(16) queued_splat {
     uint32_t red_green, blue;
 };
 
-/* The same splat, as a traced_pixel takes it. */
+/* The same splat, for the auxiliary outputs of a traced_pixel. */
 struct queued_trace {
     uint32_t key, index;                   /* of its depth; in all objects */
 };
@@ -59,7 +60,7 @@ struct traced_pixel : pixel {
     uint64_t depths;                       /* fxs_depth_sum */
 };
 
-/* Groups of a block, at most: with more, pixels do not fit in registers. */
+/* How many groups a block has at most: with more, pixels do not fit in registers. */
 template <class Pixel>
 constexpr uint32_t groups_most = 6;
 template <>
@@ -158,7 +159,7 @@ __device__ inline void blend_queued(pixel *p, const uint16_t *alpha_q15, queued_
     blend_pixel(p, alpha_q15, row, column, s, s->limit);
 }
 
-/* The same, and what src/core/trace.c keeps. */
+/* The same with the auxiliary outputs, whose numbers are those of src/core/trace.c. */
 __device__ inline void blend_queued(traced_pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t column,
                                     const queued_splat *s, const queued_trace *trace, int depth_bits)
 {
@@ -196,15 +197,15 @@ __device__ inline bool splat_at(queued_splat *q, const fxs_splat *s, const fxs_v
     return touched;
 }
 
-/* Tests one splat a lane, and queues those that can touch the region; traces: null where they are not. Returns how
-   many. */
+/* Tests one splat a lane, and queues the splats that can touch the region. Returns how many there are. traces: null
+   where pixels have no auxiliary outputs. */
 __device__ inline uint32_t queue_splats(queued_splat queue[WARP], queued_trace *traces, const fxs_splat *splats,
                                         const fxs_view *view, uint32_t entry, uint32_t key, bool listed, int32_t x,
                                         int32_t y)
 {
     queued_splat q;
     bool touched = false;
-    if (listed && !(entry & FXS_ENTRY_FAR)) {
+    if (listed && !(entry & FXS_ENTRY_CUT_OFF)) {
         const fxs_splat s = splats[entry];
         touched = splat_at(&q, &s, view, x, y);
         q.red_green = (uint32_t)s.colour_q13[0] | (uint32_t)s.colour_q13[1] << 16;
@@ -244,7 +245,7 @@ __device__ inline uint32_t key_of(pixel *, const uint32_t *, uint32_t, bool)
 
 __device__ inline uint32_t key_of(traced_pixel p[2], const uint32_t *depths, uint32_t entry, bool listed)
 {
-    const uint32_t key = listed ? depths[entry & ~FXS_ENTRY_FAR] : 0, first = __shfl_sync(ALL_LANES, key, 0);
+    const uint32_t key = listed ? depths[entry & ~FXS_ENTRY_CUT_OFF] : 0, first = __shfl_sync(ALL_LANES, key, 0);
     for (int i = 0; i < 2; i++)
         p[i].hidden = first > p[i].limit;
     return key;
@@ -281,14 +282,14 @@ __device__ inline void blend_entries(Pixel p[2], const uint32_t *entries, uint32
     }
 }
 
-/* What a frame writes. */
+/* The targets of a frame. */
 struct target {
     fxs_targets images;                    /* each aligned to its pixels */
     int background_q13[3], depth_bits;
     int plain;                             /* the colour is for store_bytes */
 };
 
-/* RGBA8 or RGBA8_COVERAGE over one background. */
+/* Writes a pixel's colour as RGBA8 or RGBA8_COVERAGE over one background. */
 __device__ inline void store_bytes(const target *t, const pixel *p, int32_t x, int32_t y)
 {
     uint32_t word = t->images.format == FXS_FORMAT_RGBA8 ? 255u << 24
@@ -298,7 +299,7 @@ __device__ inline void store_bytes(const target *t, const pixel *p, int32_t x, i
     *(uint32_t *)fxs_image_at(&t->images.colour, x, y, 4) = word;
 }
 
-/* Any format. A function by itself, so that it takes no registers from the loops. */
+/* Writes a pixel's colour in any format. It is not inlined, so that it takes no registers from the loops. */
 __device__ __noinline__ void store_colour(const target *t, pixel p, int32_t x, int32_t y)
 {
     union {
@@ -379,8 +380,8 @@ __device__ inline void clear_pixel(traced_pixel *p, const target *t, int32_t x, 
     p->depths = 0;
 }
 
-/* The order of the tiles, long lists first, in a warp: the lane has the turns from start to end, for the tiles of
-   magnitude 31 - lane, `each` of them a tile. */
+/* The order in which tiles are taken, long lists first. Each tile has `each` turns. A lane of a warp has the tiles
+   whose lists are of magnitude 31 - lane, with the turns from start to end. */
 struct turns {
     uint32_t start, end, each, all;
 };
@@ -403,7 +404,7 @@ __device__ inline turn_of_tile tile_of_turn(const frame_buffers *f, const turns 
     return {f->classes[(WARP - 1 - (uint32_t)lane) * tiles + i / each], i % each, each};
 }
 
-/* Puts a list into bins. Returns it, and where they end, from there on; null where there is no room. */
+/* Puts a list into bins. Returns it, and in *ends where each bin ends; null where there is no room. */
 template <class Pixel>
 __device__ __noinline__ const uint64_t *split_long(const uint32_t **ends, group_shared<Pixel> *own,
                                                    const frame_buffers *f, const uint64_t *list, uint32_t count,

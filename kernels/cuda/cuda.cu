@@ -1,4 +1,4 @@
-/* The kernels of a frame in order, for several frames at a time. */
+/* The CUDA back end (cuda.h): its memory, and the kernels of a frame in order, for several frames at a time. */
 #include "blend.cuh"
 #include <fixsplat/cuda.h>
 #include "dense.cuh"
@@ -10,7 +10,7 @@ namespace {
 const uint32_t SLOTS = 16;
 const uint64_t ENTRIES_MAX = 0xffffffffu;  /* `next` counts in 32 bits */
 
-/* What a frame needs while it is under way. */
+/* The streams, events and memory of a frame that is under way. */
 struct slot {
     cudaStream_t stream, side;     /* side: of blend_dense */
     cudaStream_t on;               /* its own stream; the caller's for a frame by itself */
@@ -151,7 +151,7 @@ void free_slot(fxs_cuda *cuda, slot *s)
         reserve(&cuda->memory, b, 0, nullptr);
 }
 
-/* Gives the memory of frames back; none are under way. */
+/* Gives the memory of frames back, where none is under way. */
 void free_slots(fxs_cuda *cuda)
 {
     for (uint32_t i = 0; i < cuda->slot_count; i++)
@@ -164,7 +164,8 @@ uint64_t missing(const block *b, uint64_t bytes)
     return bytes > b->bytes ? bytes - b->bytes : 0;
 }
 
-/* What the frames take of each slot. Returns the device memory with that and the scenes that are wanted. */
+/* Finds how much memory of each slot the frames take. Returns the device memory with that and the scenes that are
+   wanted. */
 uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
 {
     const slot none = {};
@@ -258,7 +259,7 @@ void find_hosted(frame *f)
                        is_in_host_memory(planes[k].image->pixels);
 }
 
-/* Counts what is in the objects. */
+/* Counts the Gaussians and chunks of the objects. */
 int count_objects(frame *f, const fxs_object *objects, uint32_t count)
 {
     uint64_t chunks = 0, gaussians = 0;
@@ -279,7 +280,7 @@ int count_objects(frame *f, const fxs_object *objects, uint32_t count)
     return error;
 }
 
-/* Checks a frame as fxs_render does, and what is needed of it later, but for its objects. */
+/* Checks a frame as fxs_render does, and copies all of it that is needed later, but for its objects. */
 int take_frame(frame *f, const fxs_cuda_frame *from, const fxs_options *options, fxs_message *why)
 {
     *f = {};

@@ -1,7 +1,8 @@
-/* Long lists, which are of small splats: a block a tile. The list is first put into bins by depth. Bin after bin, the
- * splats that can touch an open pixel are collected; once there are enough, they are sorted, a splat a thread marks the
- * pixels that it can touch, and each pixel takes its own, in order: a lane a pixel, or where few are open a warp a
- * pixel, that does for 32 splats at once what does not depend on the order. */
+/* blend_dense: blends long lists, whose splats are mostly small. A block has a tile. It puts the list into bins by
+ * depth. Then, bin after bin, it collects the splats that can touch an open pixel. Once there are enough of them, they
+ * are sorted; each thread marks the pixels that its splat can touch; and each pixel takes the splats that are marked
+ * for it, in order. A pixel is the work of a lane. Where few pixels are open, it is the work of a warp, which computes
+ * for 32 splats at once everything that does not depend on the order. */
 #ifndef FXS_CUDA_DENSE_CUH
 #define FXS_CUDA_DENSE_CUH
 
@@ -109,12 +110,12 @@ __device__ void visit_near(const uint64_t *list, const uint32_t *marks, uint32_t
 #pragma unroll
         for (uint32_t i = 0; i < FETCHES; i++) {
             const uint32_t place = first + i * DENSE_THREADS;
-            k[i] = place < count ? __ldcg(&list[place]) : FXS_ENTRY_FAR;
+            k[i] = place < count ? __ldcg(&list[place]) : FXS_ENTRY_CUT_OFF;
             marked[i] = marks && place < count ? __ldcg(&marks[place / WARP]) : ALL_LANES;
         }
 #pragma unroll
         for (uint32_t i = 0; i < FETCHES; i++)
-            if (!(k[i] & FXS_ENTRY_FAR) && marked[i] >> lane_index() & 1)
+            if (!(k[i] & FXS_ENTRY_CUT_OFF) && marked[i] >> lane_index() & 1)
                 visit(k[i]);
     }
 }
@@ -383,8 +384,8 @@ __device__ bool blend_collected(dense_shared *shared, const dense_tile *t, uint3
 {
     sort_keys(shared->entries, &shared->keys, shared->bins, count, g);
     for (uint32_t i = g->thread; i < dense_keys::room; i += DENSE_THREADS) {
-        const uint32_t entry = i < count ? shared->entries[i] : FXS_ENTRY_FAR;
-        const bool listed = !(entry & FXS_ENTRY_FAR);
+        const uint32_t entry = i < count ? shared->entries[i] : FXS_ENTRY_CUT_OFF;
+        const bool listed = !(entry & FXS_ENTRY_CUT_OFF);
         fxs_splat s = {};
         if (listed) {
             s = t->splats[entry];
@@ -412,14 +413,14 @@ __device__ void visit_open(const dense_shared *shared, const dense_tile *t, cons
         fxs_splat splats[FETCHES];
 #pragma unroll
         for (uint32_t k = 0; k < FETCHES; k++)
-            keys[k] = first + k * DENSE_THREADS < count ? __ldcg(&list[first + k * DENSE_THREADS]) : FXS_ENTRY_FAR;
+            keys[k] = first + k * DENSE_THREADS < count ? __ldcg(&list[first + k * DENSE_THREADS]) : FXS_ENTRY_CUT_OFF;
 #pragma unroll
         for (uint32_t k = 0; k < FETCHES; k++)
-            splats[k] = t->splats[keys[k] & FXS_ENTRY_FAR ? 0 : (uint32_t)keys[k]];
+            splats[k] = t->splats[keys[k] & FXS_ENTRY_CUT_OFF ? 0 : (uint32_t)keys[k]];
 #pragma unroll
         for (uint32_t k = 0; k < FETCHES; k++)
             keep(first + k * DENSE_THREADS, keys[k],
-                 !(keys[k] & FXS_ENTRY_FAR) && touches_open(t, &splats[k], shared->open, rows));
+                 !(keys[k] & FXS_ENTRY_CUT_OFF) && touches_open(t, &splats[k], shared->open, rows));
     }
     g->sync();
 }

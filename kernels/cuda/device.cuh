@@ -1,4 +1,4 @@
-/* The host's side: errors and memory. */
+/* The host's side of the CUDA back ends: errors of the runtime, and memory of the device. */
 #ifndef FXS_CUDA_DEVICE_CUH
 #define FXS_CUDA_DEVICE_CUH
 

@@ -122,14 +122,14 @@ __device__ uint32_t splat_of_row(const block_splats *b, uint32_t item)
 
 __device__ bool is_large(const ellipse *e, const fxs_view *view)
 {
-    return view->square || e->columns.last - e->columns.first >= BOX_COLUMNS ||
+    return view->cutoff == FXS_CUTOFF_SQUARE || e->columns.last - e->columns.first >= BOX_COLUMNS ||
            e->rows.last - e->rows.first >= BOX_ROWS;
 }
 
 /* Of an ellipse that is whole on a tile row, fxs_bin_c lists all columns. */
 __device__ bool is_whole(const ellipse *e, const fxs_view *view)
 {
-    return !view->square && e->rows.first == e->rows.last && e->splat->first_row > 0 &&
+    return view->cutoff != FXS_CUTOFF_SQUARE && e->rows.first == e->rows.last && e->splat->first_row > 0 &&
            e->splat->last_row < view->height - 1 && e->columns.last - e->columns.first < 4;
 }
 
@@ -343,16 +343,16 @@ __device__ void fill_large(const fxs_view *view, const frame_buffers *f, const l
     span s = {0, -1}, touched = s;
     if (lane_index() < LARGE_ROWS && row <= fxs_bin_rows(view, e.splat, e.bounds).last) {
         s = span_of(&e, view, row);
-        touched = view->square ? ellipse_span(&e, view, row) : s;
+        touched = view->cutoff == FXS_CUTOFF_SQUARE ? ellipse_span(&e, view, row) : s;
     }
     share_out(s.last < s.first ? 0 : (uint32_t)(s.last - s.first + 1), [&](int lane, uint32_t item, bool active) {
         const int32_t column = __shfl_sync(ALL_LANES, s.first, lane) + (int32_t)item;
         const int32_t touched_first = __shfl_sync(ALL_LANES, touched.first, lane);
         const int32_t touched_last = __shfl_sync(ALL_LANES, touched.last, lane);
-        const bool far = column < touched_first || column > touched_last;
+        const bool cut_off = column < touched_first || column > touched_last;
         if (active)
             f->entries[atomicAdd(&f->next[(large->first + lane) * view->tiles_x + column], 1u)] =
-                FXS_KEY(depth, large->index | (far ? FXS_ENTRY_FAR : 0));
+                FXS_KEY(depth, large->index | (cut_off ? FXS_ENTRY_CUT_OFF : 0));
     });
 }
 

@@ -1,4 +1,4 @@
-/* The host's side: the scenes that are on the device. */
+/* The host's side of the CUDA back end: the packed scenes that are on the device. */
 #ifndef FXS_CUDA_SCENES_CUH
 #define FXS_CUDA_SCENES_CUH
 
@@ -13,7 +13,7 @@ struct scene_copy {
     block data;                    /* none: it is wanted */
 };
 
-/* In the order of their keys. */
+/* The scene_copies, in the order of their keys. */
 struct scene_table {
     host_block memory;
     uint32_t count;
@@ -39,14 +39,14 @@ uint32_t place_of(const scene_table *t, const fxs_scene *scene)
     return low;
 }
 
-/* Null where it is not there. */
+/* A scene's copy; null where there is none. */
 scene_copy *find_scene(const scene_table *t, const fxs_scene *scene)
 {
     const uint32_t place = place_of(t, scene);
     return place < t->count && copies_of(t)[place].key == scene ? &copies_of(t)[place] : nullptr;
 }
 
-/* Of what is copied: at least 1. */
+/* Bytes of a scene's copy; at least 1. */
 uint64_t bytes_of(const fxs_scene *scene)
 {
     const uint64_t bytes = (uint64_t)(scene->rows - scene->chunks) + (uint64_t)scene->chunk_count * scene->chunk_bytes;

@@ -1,4 +1,5 @@
-/* sort, for a group of threads: the next keys of a list, near to far, as far as they are needed. */
+/* sort, by a group of threads. A list is not sorted as a whole: the group sorts the nearest keys, as many as there is
+ * room for, and the next ones only where they are still needed. */
 #ifndef FXS_CUDA_SORT_CUH
 #define FXS_CUDA_SORT_CUH
 
@@ -8,7 +9,7 @@ namespace {
 
 const uint32_t GROUP_WARPS_MOST = 32;
 
-/* Where a group sorts, up to Room keys at a time, by 2^Bits bins. */
+/* The memory in which a group sorts up to Room keys at a time, by 2^Bits bins. */
 template <uint32_t Room, int Bits = 11>
 struct group_keys {
     static constexpr uint32_t room = Room, bins = 1u << Bits;

@@ -1,4 +1,5 @@
-/* The C stages as device code: the text of src/ itself, so the same integers. Host code gets a copy of its own. */
+/* The C stages as device code: the text of src/core itself, compiled for the device, so the integers are the same. Host
+ * code gets a copy of its own. */
 #ifndef FXS_CUDA_STAGES_CUH
 #define FXS_CUDA_STAGES_CUH
 
@@ -38,7 +39,7 @@ struct large_splat {
     int32_t first;                 /* of LARGE_ROWS tile rows; the others have records of their own */
 };
 
-/* What a frame needed; over the capacity of its buffers, it is not blended. */
+/* How much a frame needed. Where that is more than the capacity of its buffers, it is not blended. */
 struct frame_needs {
     uint64_t entries;
     uint32_t larges, visible;
@@ -53,7 +54,7 @@ struct frame_status : frame_needs {
     uint64_t split_taken[2];       /* of split_entries, and behind the entries */
 };
 
-/* What the kernels of a frame share; device memory. */
+/* The memory of a frame on the device. */
 struct frame_buffers {
     frame_status *status;
     frame_needs *needs;            /* in the host's memory, known before lists are sorted */
@@ -68,8 +69,8 @@ struct frame_buffers {
     uint32_t *counts;              /* length of each tile's list */
     uint32_t *next;                /* where its next entry goes: after the fill, its end */
     uint32_t *classes;             /* tiles by the magnitude of their lists: a row of all tiles for each class */
-    uint64_t *entries;             /* the lists: depth above, index and FXS_ENTRY_FAR below, in no order; then, but for
-                                      long ones, the lower halves alone, near to far */
+    uint64_t *entries;             /* the lists: depth above, index and FXS_ENTRY_CUT_OFF below, in no order; then,
+                                      but for long ones, the lower halves alone, near to far */
     uint64_t *split_entries;       /* long lists again, in bins: over boxes and, where pixels are not traced, over
                                       depths, which are done with by then */
     uint64_t capacity, split_capacity;

@@ -1,3 +1,4 @@
+/* The stages of the fit (src/fit/fit_stages.h) in AVX-512: 16 numbers at a time. */
 #include <immintrin.h>
 #define ISA avx512
 #define LANES 16

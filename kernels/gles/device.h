@@ -1,4 +1,4 @@
-/* What the files of the GLES back end share. */
+/* The GLES back end: its objects in the device, and the functions that its files have for each other. */
 #ifndef FXS_GLES_DEVICE_H
 #define FXS_GLES_DEVICE_H
 
@@ -13,20 +13,39 @@
    65,535 rounds. */
 #define FXS_GLES_LOOP 32768u
 
-/* BLOCKS fills the masks; BLEND is the fetch path's, LIMITED that with an occluder or the square cut-off; RESOLVED...
-   show what it left. */
-enum { FXS_GLES_STATE, FXS_GLES_INTEGER, FXS_GLES_NORMALISED, FXS_GLES_QUADS, FXS_GLES_BLOCKS, FXS_GLES_BLEND,
-       FXS_GLES_LIMITED, FXS_GLES_RESOLVED_INTEGER, FXS_GLES_RESOLVED_NORMALISED, FXS_GLES_PROGRAMS };
-/* Textures by unit: of the tiles' shader, CHUNKS of that of the masks; two of tile size take turns as the last and the
-   next state. OCCLUDER, BUFFER (a depth buffer of GL) and BACKDROP are the caller's or made from his. */
-enum { FXS_GLES_LISTS, FXS_GLES_RECORDS, FXS_GLES_MASKS, FXS_GLES_CHUNKS, FXS_GLES_OCCLUDER, FXS_GLES_BUFFER,
-       FXS_GLES_BACKDROP, FXS_GLES_CARRIED, FXS_GLES_UNITS,
-       FXS_GLES_NEXT = FXS_GLES_UNITS, FXS_GLES_WHOLE, FXS_GLES_TEXTURES };
-/* Framebuffers: of integers; of the quads, blended and then as bytes; of the two states of a tile, of a window's; of
-   the masks. */
-enum { FXS_GLES_TARGET, FXS_GLES_BLENDED, FXS_GLES_BYTES, FXS_GLES_TARGETS,
-       FXS_GLES_FIRST_STATE = FXS_GLES_TARGETS, FXS_GLES_SECOND_STATE, FXS_GLES_WHOLE_STATE, FXS_GLES_MASKED,
-       FXS_GLES_FRAMEBUFFERS };
+/* Programs. Those that write pixels come twice: for a target of integers (the back end's own) and for a normalised one
+   (the caller's). */
+enum {
+    FXS_GLES_STATE,                /* tiles: T and sums of a part of a list, to go on from */
+    FXS_GLES_INTEGER, FXS_GLES_NORMALISED,   /* tiles: pixels */
+    FXS_GLES_QUADS,                /* the inexact picture */
+    FXS_GLES_BLOCKS,               /* tiles: the masks */
+    FXS_GLES_BLEND,                /* fetch: T and sums */
+    FXS_GLES_LIMITED,              /* the same with an occluder or the square cut-off */
+    FXS_GLES_RESOLVED_INTEGER, FXS_GLES_RESOLVED_NORMALISED,   /* fetch: pixels */
+    FXS_GLES_PROGRAMS
+};
+/* Textures by their unit. */
+enum {
+    FXS_GLES_LISTS, FXS_GLES_RECORDS, FXS_GLES_MASKS,   /* tiles: where lists are, their splats, their masks */
+    FXS_GLES_CHUNKS,               /* tiles: what masks are made for */
+    FXS_GLES_OCCLUDER, FXS_GLES_BUFFER, FXS_GLES_BACKDROP,   /* the caller's, or made from his; BUFFER: GL's depths */
+    FXS_GLES_CARRIED,              /* T and sums so far */
+    FXS_GLES_UNITS,
+    FXS_GLES_NEXT = FXS_GLES_UNITS,   /* T and sums that are drawn: it takes turns with CARRIED */
+    FXS_GLES_WHOLE,                /* fetch: T and sums of a window */
+    FXS_GLES_TEXTURES
+};
+/* Framebuffers. */
+enum {
+    FXS_GLES_TARGET,               /* pixels as integers */
+    FXS_GLES_BLENDED, FXS_GLES_BYTES,   /* the quads: blended, then as bytes */
+    FXS_GLES_TARGETS,
+    FXS_GLES_FIRST_STATE = FXS_GLES_TARGETS, FXS_GLES_SECOND_STATE,   /* CARRIED and NEXT */
+    FXS_GLES_WHOLE_STATE,          /* WHOLE */
+    FXS_GLES_MASKED,               /* MASKS */
+    FXS_GLES_FRAMEBUFFERS
+};
 
 typedef struct fxs_gles_program {
     GLuint name;
@@ -114,7 +133,8 @@ void fxs_gles_stop_timer(fxs_gles *gles);
 int fxs_gles_read(fxs_gles *gles, const fxs_tile_run *run, int target, int32_t x, int32_t y, int32_t width,
                   int32_t height);
 
-/* Has the texture of masks hold so many chunks, where that can be. Returns 0, FXS_ERR_DEVICE or FXS_ERR_MEMORY. */
+/* Makes the texture of masks larger, so that it holds as many chunks, if the device can. Returns 0, FXS_ERR_DEVICE or
+   FXS_ERR_MEMORY. */
 int fxs_gles_make_masks(fxs_gles *gles, uint64_t chunks);
 
 /* ---- picture.c --------------------------------------------------------------------------------------------------- */
@@ -124,39 +144,42 @@ typedef struct fxs_gles_window {
     int32_t x, y, width, height, first_column, first_row, columns, rows;
 } fxs_gles_window;
 
-/* Where the fragments of a draw over the whole of it go. */
+/* A framebuffer to which a part of the picture is drawn, and how its fragments are the picture's pixels. */
 typedef struct fxs_gles_surface {
     GLuint framebuffer;
     int program;
-    int32_t x, y, width, height;   /* its viewport */
-    int32_t pixel_x, pixel_y, row_step;         /* pixel of the viewport's fragment (0, 0); rows go by */
-    int32_t first_line, lines;     /* of the viewport, that the draw covers */
+    int32_t x, y, width, height;   /* the viewport */
+    int32_t pixel_x, pixel_y;      /* the pixel of the viewport's lowest left fragment */
+    int32_t row_step;              /* from a row of fragments to the next one above, in rows of pixels: 1 or -1 */
+    int32_t first_line, lines;     /* the lines of the viewport that the draw covers */
 } fxs_gles_surface;
 
-/* Lines of a window, on the back end's target or the caller's, by the program for either. */
+/* The surface for some lines of a window: on the back end's target, drawn by the program `integer`, or on the caller's,
+   by `normalised`. */
 fxs_gles_surface fxs_gles_surface_of(const fxs_gles *gles, const fxs_tile_run *run, const fxs_gles_window *window,
                                      int32_t first_line, int32_t lines, int integer, int normalised);
 
-/* Has the texture of records hold so many texels, where that can be. */
+/* Makes the texture of records larger, so that it holds as many texels, if the device can. */
 void fxs_gles_make_records(fxs_gles *gles, uint64_t texels);
 
-/* Rows of words for a texture, from `offset` in the bound buffer. */
+/* Uploads rows of words to a texture, from `offset` in the bound buffer. */
 void fxs_gles_upload(const fxs_gles *gles, int unit, int32_t y, int32_t width, int32_t height, GLenum layout,
                      size_t offset);
 
-/* Whether something hides splats. */
+/* Whether there is an occluder, of depths or as a depth buffer. */
 int fxs_gles_has_occluder(const fxs_gles *gles, const fxs_tile_run *run);
 
-/* Says to a program where the caller's pictures are. */
+/* Tells a program where the occluder and the backdrop are in their textures. */
 void fxs_gles_set_mesh(const fxs_gles *gles, const fxs_tile_run *run, const fxs_gles_window *window,
                        const fxs_gles_program *program);
 
-/* Has draws go to a surface by its program. `source`: its uniform, of four. */
+/* Sets the framebuffer, the viewport and the program for draws to a surface. `source`: the program's uniform of that
+   name. `carried`: whether it goes on from CARRIED. */
 void fxs_gles_aim(const fxs_gles *gles, const fxs_tile_run *run, const fxs_gles_window *window,
                   const fxs_gles_surface *surface, int carried, const int32_t source[4]);
 
-/* Draws a run in windows of `most` pixels, and reads back what is not the caller's. Returns 0 or an error, as `draw`
-   does. */
+/* Draws a run by `draw`, in windows at most `most` pixels wide and high, and reads back pixels that are not drawn to
+   the caller's framebuffer. Returns 0 or an error, as `draw` does. */
 typedef int fxs_gles_draw_window_fn(fxs_gles *gles, const fxs_tile_run *run, const fxs_gles_window *window);
 int fxs_gles_draw_windows(fxs_gles *gles, const fxs_tile_run *run, int32_t most, fxs_gles_draw_window_fn *draw);
 

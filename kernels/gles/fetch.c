@@ -1,6 +1,6 @@
-/* The exact picture without lists: splats near to far, each a triangle or two, in one draw; the fragment shader reads
-   the state of its pixel from the framebuffer, where a tile-based GPU has it at hand, and writes the next. Then one
-   draw over all of the picture resolves the states. */
+/* The exact picture without lists. One draw has all splats near to far, each as a triangle or two; the fragment shader
+   reads the state of its pixel from the framebuffer, where a tile-based GPU has it at hand, and writes the next state.
+   Then one draw over the whole picture resolves the states. */
 #include <fixsplat/fixed.h>
 #include "src/core/memory.h"
 #include "src/core/parts.h"
@@ -67,7 +67,7 @@ static drawn drawn_of(const batch *b, uint32_t slot)
     const fxs_bounds *bounds = &b->run->bounds[slot];
     const int64_t x_q8 = bounds->cx_q14 >> 6, half_q8 = bounds->half_width_q8;
     drawn d = {0, TRIANGLE, {0, view->tiles_x}, {0, view->tiles_y}};
-    if (view->square) {
+    if (view->cutoff == FXS_CUTOFF_SQUARE) {
         d.columns = columns_of(view, s, bounds);
         d.rows = fxs_bin_rows(view, s, bounds);
         if (d.columns.first > d.columns.last || d.rows.first > d.rows.last)
@@ -201,7 +201,7 @@ static void draw(const fxs_gles *g, const batch *b, uint32_t count)
 {
     const fxs_gles_window *w = b->window;
     const fxs_view *view = b->run->view;
-    const int limited = view->square || fxs_gles_has_occluder(g, b->run);
+    const int limited = view->cutoff == FXS_CUTOFF_SQUARE || fxs_gles_has_occluder(g, b->run);
     const fxs_gles_program *p = &g->programs[limited ? FXS_GLES_LIMITED : FXS_GLES_BLEND];
     const int32_t guard = guard_of(g, w), beside = guard / 2;
     g->gl.Viewport(-beside * w->width, -beside * w->height, guard * w->width, guard * w->height);

@@ -1,5 +1,5 @@
-// A corner of what a splat is drawn as: a triangle about its ellipse, of a large one two that make the tightest
-// rectangle, of a veil two that make the window. A record is one triangle.
+// A corner of a triangle. A splat is drawn as one triangle about its ellipse; a large splat as two, which make the
+// tightest rectangle; a veil as two, which make the window. A record is one triangle.
 // Three texels: u0, ux, uy, v0; vy, offset and r, g and b, columns; cx, cy, shape and rows, depth key.
 uniform highp usampler2D records;
 uniform ivec4 size;                  // the window's width and height; cut-off (Q11); log2 of the width of `records`

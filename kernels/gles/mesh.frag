@@ -1,4 +1,4 @@
-// What hides splats at a pixel: as a depth key.
+// The occluder at a pixel, as a depth key.
 uniform highp usampler2D occluder;   // depths, as in fxs_targets
 uniform highp sampler2D depth_buffer;        // in place of that
 // Texel of these two, and of backdrop, for pixel (0, 0); rows go by; depth_bits, and which there are.

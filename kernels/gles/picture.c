@@ -1,4 +1,5 @@
-/* What both exact ways share: windows of a picture, the caller's pictures in textures, draws over all of a surface. */
+/* The parts that both exact ways share: windows of a picture, the caller's pictures in textures, draws over a
+   surface. */
 #include <fixsplat/fixed.h>
 #include "device.h"
 

@@ -1,4 +1,4 @@
-// What one splat adds to one pixel, for the hardware to blend.
+// The colour that one splat adds to one pixel, for the hardware to blend.
 uniform ivec4 size;
 in vec2 uv;
 flat in vec4 colour;

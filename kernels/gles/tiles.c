@@ -1,8 +1,9 @@
-/* The exact picture: the lists of as many tiles as the textures hold are uploaded and drawn, and so on. A list that no
-   draw can hold is drawn in parts, with the tile's state kept in a texture in between. A splat's record is there once
-   for each list that it is in: a fetch less than by its number, and one pass over the lists. A draw before finds which
-   blocks of 4x4 pixels each splat of a tile may touch, so that a pixel passes over the rest. Tiles are drawn by the
-   length of their lists, the longest first: in the picture's order an H200 takes up to 3.5 times as long. */
+/* The exact picture by lists. The lists of as many tiles as the textures hold are uploaded and drawn, then the next
+   ones. A list that is too long for one draw is drawn in parts, with the tile's state kept in a texture in between. A
+   splat has a record for each list that it is in, which takes a fetch less than a number of a record, and one pass over
+   the lists. An earlier draw finds which blocks of 4x4 pixels each splat of a tile may touch, so that a pixel passes
+   over the other splats. Tiles are drawn by the length of their lists, the longest first: in the picture's order an
+   H200 takes up to 3.5 times as long. */
 #include <fixsplat/fixed.h>
 #include "src/core/memory.h"
 #include "device.h"
@@ -158,10 +159,10 @@ static void put_records(const batch *b, uint32_t at, list l)
     const fxs_splat *splats = b->run->splats;
     const int occluded = fxs_gles_has_occluder(b->gles, b->run);
     for (uint32_t i = 0; i < l.count; i++) {
-        const uint32_t entry = l.entries[i], slot = entry & ~FXS_ENTRY_FAR;
+        const uint32_t entry = l.entries[i], slot = entry & ~FXS_ENTRY_CUT_OFF;
         if (i + AHEAD < l.count)
-            FXS_PREFETCH(&splats[l.entries[i + AHEAD] & ~FXS_ENTRY_FAR]);
-        put_record(b->records + RECORD / 4 * (size_t)(at + i), entry & FXS_ENTRY_FAR ? &nothing : &splats[slot],
+            FXS_PREFETCH(&splats[l.entries[i + AHEAD] & ~FXS_ENTRY_CUT_OFF]);
+        put_record(b->records + RECORD / 4 * (size_t)(at + i), entry & FXS_ENTRY_CUT_OFF ? &nothing : &splats[slot],
                    occluded ? b->run->depths[slot] : 0);
     }
 }

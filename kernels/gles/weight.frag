@@ -1,4 +1,4 @@
-// Products of pixel.h whose factors are 0 to 32767. FACTOR says so to a compiler that multiplies 16 bits faster.
+// Products of pixel.h whose factors are 0 to 32767. FACTOR tells that to compilers, as some multiply 16 bits faster.
 FXS_FN int fxs_product_q15(int a, int b)
 {
     return (FACTOR(a) * FACTOR(b) + 16384) >> 15;

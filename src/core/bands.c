@@ -1,11 +1,12 @@
-/* Where a frame's memory goes, and its bands. Where the memory does not hold a splat for every Gaussian, the frame is
- * rendered in bands of tile rows. A first projection only counts the splats of each tile row, so that the bands are
- * known, and the least memory that would do, before a pixel is written. */
+/* How a frame's memory is divided, and the frame into bands. Where the memory holds a splat for every Gaussian, there
+ * is one band, of all tile rows. Else a plan comes first: Gaussians are projected only to count the splats of each tile
+ * row. So it is known, before a pixel is written, how many tile rows fit in the memory at a time, and how much memory
+ * the fullest one takes. */
 #include "memory.h"
 #include "parts.h"
 
-#define JOBS 8u                    /* blocks a thread where bands are planned, at most; of one thread 1 */
-#define KEYS 2u                    /* a slot: what lists usually take */
+#define JOBS 8u                    /* blocks of a plan for each thread, at most; one thread has one */
+#define KEYS 2u                    /* of lists for each slot, as many as they usually take */
 #define EYE_BYTES (sizeof(fxs_splat) + sizeof(fxs_bounds) + sizeof(fxs_box) + sizeof(uint32_t))
 #define SLOT_BYTES sizeof(uint32_t)            /* and EYE_BYTES for each eye */
 #define LIST_BYTES (2 * sizeof(fxs_key))       /* a key, and room to sort it */
@@ -36,14 +37,15 @@ static uint64_t to_multiple_of_16(uint64_t x)
     return (x + 15) / 16 * 16;
 }
 
-/* What lasts for the frame. Where bands are planned, a block needs room for a chunk beyond what it keeps, so there are
-   fewer. */
-static void lay_out_frame(fxs_frame *f, int planned)
+/* Divides the work into jobs, and cuts off the arrays that stay for the whole frame. In a band every block needs room
+   for a chunk beyond the splats that it keeps; so a frame in bands has fewer and larger blocks. */
+static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
 {
     arena m = {f->memory, 0};
     const fxs_config *config = &f->context->config;
     const uint32_t chunks = f->chunk_count, tiles_y = (uint32_t)f->eye->view.tiles_y;
-    f->planned = planned;
+    const int planned = mode != FXS_FRAME_WHOLE;
+    f->mode = mode;
     f->parts = config->run && config->threads > 1 ? config->threads : 1;
     const uint64_t blocks = f->parts > 1 ? JOBS * f->parts : 1;
     f->tiles = (uint32_t)f->eye->view.tiles_x * tiles_y;
@@ -71,8 +73,8 @@ static void lay_out_frame(fxs_frame *f, int planned)
     f->fixed_bytes = m.used;
 }
 
-/* What lasts for a band. The lists take the rest of the memory, up to KEYS a slot and 16 a tile. Returns the bytes of
-   all, which may be more than a size_t holds. */
+/* Cuts off the arrays of a band with so many slots. The lists take the rest of the memory, up to KEYS keys for each
+   slot and 16 for each tile. Returns the bytes of the whole frame, which may be more than a size_t holds. */
 static uint64_t lay_out_band(fxs_frame *f, uint64_t slots)
 {
     arena m = {f->memory ? f->memory + f->fixed_bytes : 0, f->fixed_bytes};
@@ -125,13 +127,13 @@ static uint64_t smaller(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
-/* And for slices: a macro tile, room for a chunk and for some splats beside. */
+/* And for slices: of one macro tile, with room for a chunk and for some splats beside. */
 static uint64_t bytes_for_slices(const fxs_frame *f)
 {
     return bytes_for(f, FXS_CHUNK + SLICE_LEAST, 1) + SLICE_MACRO_BYTES;
 }
 
-/* Macro tiles of a sliced tile row: what is left beyond the least goes to them to a quarter. */
+/* How many macro tiles' columns a slice has: a quarter of the memory beyond the least goes to their pixels. */
 static uint32_t slice_macros(const fxs_frame *f)
 {
     const uint64_t more = (f->memory_bytes - bytes_for_slices(f)) / 4 / SLICE_MACRO_BYTES;
@@ -145,12 +147,12 @@ static uint64_t least_bytes(const fxs_frame *f)
     return plan > slices ? plan : slices;
 }
 
-uint64_t fxs_frame_measure(fxs_frame *f)
+uint64_t fxs_bands_measure(fxs_frame *f)
 {
     f->memory_bytes = UINT64_MAX;
-    lay_out_frame(f, 1);
+    lay_out_frame(f, FXS_FRAME_PLAN);
     const uint64_t least = least_bytes(f);
-    lay_out_frame(f, 0);
+    lay_out_frame(f, FXS_FRAME_WHOLE);
     const uint64_t all = lay_out_band(f, (uint64_t)f->chunk_count * FXS_CHUNK);
     f->stats.memory.least = (size_t)smaller(smaller(least, bytes_for_all(f)), SIZE_MAX);
     return all;
@@ -186,7 +188,7 @@ void fxs_band_count(fxs_frame *f, uint32_t block, uint32_t chunk, uint32_t first
     f->extents[chunk] = e;
 }
 
-/* Splats that start, or end, on a row become those of all rows above. */
+/* The splats that start, or end, on a row become the splats that start, or end, on any row above it. */
 static void sum_rows(fxs_frame *f, uint32_t block)
 {
     fxs_row_counts *counts = row_counts_of(f, block);
@@ -196,11 +198,11 @@ static void sum_rows(fxs_frame *f, uint32_t block)
     }
 }
 
-/* Slots for what of a block touches tile rows first_row to end_row - 1, and for projecting one chunk more. */
+/* Slots for the splats of a block that touch tile rows first_row to end_row - 1, and for projecting one chunk more. */
 static uint32_t block_slots(const fxs_frame *f, uint32_t block, int32_t first_row, int32_t end_row)
 {
     uint32_t most = (fxs_block_start(f, block + 1) - fxs_block_start(f, block)) * FXS_CHUNK;
-    if (!f->planned)
+    if (f->mode == FXS_FRAME_WHOLE)
         return most;
     const fxs_row_counts *counts = row_counts_of(f, block);
     return (uint32_t)smaller(most, counts[end_row].started - counts[first_row].ended + FXS_CHUNK);
@@ -214,7 +216,8 @@ static uint64_t band_bytes(const fxs_frame *f, int32_t first_row, int32_t end_ro
     return bytes_for(f, slots, keys_a_slot);
 }
 
-void fxs_bands_begin_plan(fxs_frame *f)
+/* So that the plan's blocks have slots, and nothing is counted yet. */
+static void begin_plan(fxs_frame *f)
 {
     lay_out_band(f, (uint64_t)f->blocks * FXS_CHUNK);
     for (uint32_t block = 0; block < f->blocks; block++) {
@@ -223,7 +226,8 @@ void fxs_bands_begin_plan(fxs_frame *f)
     }
 }
 
-uint64_t fxs_bands_end_plan(fxs_frame *f)
+/* Returns the bytes that the fullest tile row takes. */
+static uint64_t end_plan(fxs_frame *f)
 {
     uint64_t most = 0;
     for (uint32_t block = 0; block < f->blocks; block++) {
@@ -237,17 +241,42 @@ uint64_t fxs_bands_end_plan(fxs_frame *f)
     return smaller(most, f->bytes_for_all);
 }
 
-uint64_t fxs_bands_init(fxs_frame *f)
+/* Whether tiles that are blended slice by slice can be drawn: their colours alone are kept meanwhile. */
+static int can_slice(const fxs_frame *f)
 {
-    lay_out_frame(f, 0);
-    f->bytes_for_all = bytes_for_all(f);
-    if (f->memory_bytes >= f->bytes_for_all)
-        return f->bytes_for_all;
-    lay_out_frame(f, 1);
-    return smaller(least_bytes(f), f->bytes_for_all);
+    return (f->draw_tile ? f->draw_tile == fxs_draw_tile : f->context->config.draw_blended) &&
+           !fxs_targets_traced(f->eye->targets);
 }
 
-/* One tile row, of which as many splats as fit are taken at a time. */
+int fxs_bands_plan(fxs_frame *f)
+{
+    fxs_frame_memory *sizes = &f->stats.memory;
+    begin_plan(f);
+    const int error = fxs_prepare_blocks(f);
+    if (error)
+        return error;
+    const uint64_t rows = end_plan(f);
+    sizes->rows = (size_t)smaller(rows, SIZE_MAX);
+    if (!can_slice(f) && sizes->rows > sizes->least)
+        sizes->least = sizes->rows;
+    f->mode = FXS_FRAME_BAND;
+    return f->memory_bytes < sizes->least ? FXS_ERR_MEMORY : 0;
+}
+
+int fxs_bands_init(fxs_frame *f)
+{
+    f->end_row = 0;
+    lay_out_frame(f, FXS_FRAME_WHOLE);
+    f->bytes_for_all = bytes_for_all(f);
+    if (f->memory_bytes >= f->bytes_for_all)
+        return 0;
+    lay_out_frame(f, FXS_FRAME_PLAN);
+    const uint64_t least = smaller(least_bytes(f), f->bytes_for_all);
+    f->stats.memory.least = (size_t)smaller(least, SIZE_MAX);
+    return f->memory_bytes < least ? FXS_ERR_MEMORY : 0;
+}
+
+/* Slots for a slice of a tile row, as many as fit, and pixels for its columns. */
 static void lay_out_slices(fxs_frame *f)
 {
     f->slice_macros = slice_macros(f);
@@ -257,20 +286,10 @@ static void lay_out_slices(fxs_frame *f)
     lay_out_band(f, f->slice_room + FXS_CHUNK);
 }
 
-void fxs_band_next(fxs_frame *f)
+/* The tile rows from first_row on that fit in the memory, and slots for their splats. */
+static void lay_out_rows(fxs_frame *f)
 {
     uint32_t slots = 0;
-    f->first_row = f->end_row;
-    f->end_row = f->planned ? f->first_row + 1 : f->eye->view.tiles_y;
-    f->first_column = 0;
-    f->end_column = f->eye->view.tiles_x;
-    f->slice_macros = 0;
-    f->sliced = f->planned && band_bytes(f, f->first_row, f->end_row, 1) > f->memory_bytes;
-    f->stats.bands++;
-    if (f->sliced) {
-        lay_out_slices(f);
-        return;
-    }
     while (f->end_row < f->eye->view.tiles_y && band_bytes(f, f->first_row, f->end_row + 1, KEYS) <= f->memory_bytes)
         f->end_row++;
     for (uint32_t block = 0; block < f->blocks; block++) {
@@ -281,16 +300,36 @@ void fxs_band_next(fxs_frame *f)
     lay_out_band(f, slots);
 }
 
-/* All of them, or those of the band. */
+int fxs_band_next(fxs_frame *f)
+{
+    const fxs_view *view = &f->eye->view;
+    if (f->end_row == view->tiles_y)
+        return 0;
+    f->first_row = f->end_row;
+    f->end_row = f->mode == FXS_FRAME_WHOLE ? view->tiles_y : f->first_row + 1;
+    f->first_column = 0;
+    f->end_column = view->tiles_x;
+    f->slice_macros = 0;
+    if (f->mode != FXS_FRAME_WHOLE)
+        f->mode = band_bytes(f, f->first_row, f->end_row, 1) > f->memory_bytes ? FXS_FRAME_SLICES : FXS_FRAME_BAND;
+    f->stats.bands++;
+    if (f->mode == FXS_FRAME_SLICES)
+        lay_out_slices(f);
+    else
+        lay_out_rows(f);
+    return 1;
+}
+
+/* Whether all splats of a chunk are kept, as none can be outside of the band. */
 static int is_whole(const fxs_frame *f, uint32_t chunk)
 {
-    return !f->planned || f->planning ||
+    return f->mode < FXS_FRAME_BAND ||
            (f->extents[chunk].rows.first >= f->first_row && f->extents[chunk].rows.last < f->end_row);
 }
 
 int fxs_band_has_chunk(const fxs_frame *f, uint32_t chunk)
 {
-    return !f->planned || f->planning ||
+    return f->mode < FXS_FRAME_BAND ||
            (f->extents[chunk].rows.last >= f->first_row && f->extents[chunk].rows.first < f->end_row);
 }
 
@@ -304,10 +343,7 @@ uint32_t fxs_band_keep(fxs_frame *f, uint32_t chunk, uint32_t first_slot, uint32
         fxs_span rows = fxs_bin_rows(&eye->view, &eye->splats[slot], &eye->bounds[slot]);
         if (rows.last < f->first_row || rows.first >= f->end_row)
             continue;
-        eye->splats[to] = eye->splats[slot];
-        eye->bounds[to] = eye->bounds[slot];
-        f->indices[to] = f->indices[slot];
-        eye->depths[to++] = eye->depths[slot];
+        fxs_frame_move(f, to++, slot);
     }
     return to - first_slot;
 }

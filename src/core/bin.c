@@ -106,22 +106,22 @@ static span square_span(int32_t centre_q14, uint32_t radius, int32_t tiles)
 
 FXS_STAGE fxs_span fxs_bin_rows(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds)
 {
-    return view->square ? square_span(bounds->cy_q14, bounds->radius, view->tiles_y)
-                        : (span){splat->first_row / FXS_TILE, splat->last_row / FXS_TILE};
+    return view->cutoff == FXS_CUTOFF_SQUARE ? square_span(bounds->cy_q14, bounds->square_radius, view->tiles_y)
+                                             : (span){splat->first_row / FXS_TILE, splat->last_row / FXS_TILE};
 }
 
 fxs_span fxs_bin_columns(const fxs_view *view, const fxs_bounds *bounds)
 {
     const int32_t cx_q8 = bounds->cx_q14 >> 6, reach_q8 = (int32_t)bounds->half_width_q8;
-    return view->square                      ? square_span(bounds->cx_q14, bounds->radius, view->tiles_x)
-           : reach_q8 == FXS_EVERYWHERE_Q8 ? (span){0, view->tiles_x - 1}
-                                           : columns_between(view, cx_q8 - reach_q8, cx_q8 + reach_q8);
+    return view->cutoff == FXS_CUTOFF_SQUARE ? square_span(bounds->cx_q14, bounds->square_radius, view->tiles_x)
+           : reach_q8 == FXS_EVERYWHERE_Q8   ? (span){0, view->tiles_x - 1}
+                                             : columns_between(view, cx_q8 - reach_q8, cx_q8 + reach_q8);
 }
 
 static span span_of(const ellipse *e, const fxs_view *view, int32_t row)
 {
-    return view->square ? square_span(e->bounds->cx_q14, e->bounds->radius, view->tiles_x)
-                        : ellipse_span(e, view, row);
+    return view->cutoff == FXS_CUTOFF_SQUARE ? square_span(e->bounds->cx_q14, e->bounds->square_radius, view->tiles_x)
+                                             : ellipse_span(e, view, row);
 }
 
 /* Bits of the six tiles of a row in a box go to the three macro tiles. */
@@ -141,7 +141,7 @@ static fxs_box box_of(const fxs_view *view, ellipse *e)
     const int32_t row = e->rows.first & ~1, column = e->columns.first & ~1;
     const uint32_t macro = (uint32_t)row / FXS_MACRO * fxs_macros(view->tiles_x) + (uint32_t)column / FXS_MACRO;
     uint64_t mask = 0;
-    if (view->square)
+    if (view->cutoff == FXS_CUTOFF_SQUARE)
         return FXS_LARGE;
     if (e->columns.first > e->columns.last)
         return FXS_NOWHERE;
@@ -294,8 +294,8 @@ uint32_t fxs_list_c(const fxs_key *keys, uint32_t count, uint32_t tile, uint32_t
     return listed;
 }
 
-void fxs_mark_far(const fxs_lister *l, uint32_t tile, uint32_t *entries, uint32_t count)
+void fxs_mark_cut_off(const fxs_lister *l, uint32_t tile, uint32_t *entries, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++)
-        entries[i] |= touches(l->view, &l->splats[entries[i]], &l->bounds[entries[i]], tile) ? 0 : FXS_ENTRY_FAR;
+        entries[i] |= touches(l->view, &l->splats[entries[i]], &l->bounds[entries[i]], tile) ? 0 : FXS_ENTRY_CUT_OFF;
 }

@@ -1,5 +1,5 @@
-/* blend: the splats of a tile, near to far, over its 256 pixels. The math of one pixel is in pixel.h; here are the
-   loops and the early stop. */
+/* blend: the splats of a tile's list, near to far, over its 256 pixels; trace: the same, with auxiliary outputs. The
+ * math of one pixel is in pixel.h; here are the loops and the early stop. */
 #include "memory.h"
 #include "parts.h"
 
@@ -13,8 +13,8 @@ static at_tile at_tile_of(const fxs_view *view, const fxs_splat *splat, uint32_t
     uint32_t u = splat->u0_q24 + (uint32_t)x * (uint32_t)splat->ux_q24 + (uint32_t)y * (uint32_t)splat->uy_q24;
     uint32_t v = splat->v0_q24 + (uint32_t)y * (uint32_t)splat->vy_q24;
     at_tile p;
-    p.u_q24 = entry & FXS_ENTRY_FAR ? FXS_FAR_Q24 : (int32_t)u;
-    p.v_q24 = entry & FXS_ENTRY_FAR ? FXS_FAR_Q24 : (int32_t)v;
+    p.u_q24 = entry & FXS_ENTRY_CUT_OFF ? FXS_CUT_OFF_Q24 : (int32_t)u;
+    p.v_q24 = entry & FXS_ENTRY_CUT_OFF ? FXS_CUT_OFF_Q24 : (int32_t)v;
     p.first_row = splat->first_row > y ? splat->first_row - y : 0;
     p.last_row = fxs_min(splat->last_row - y, FXS_TILE - 1);
     p.limit_q11 = fxs_limit_q11(splat->offset_q11, view->cut_q11);
@@ -28,7 +28,7 @@ void fxs_tile_clear(fxs_tile *tile)
         tile->transmittance_q15[i] = FXS_CLEAR_Q15;
 }
 
-/* What is done with the pixels that a splat is blended into. */
+/* The tile, and the splat that is blended into it. */
 typedef struct blending {
     fxs_tile *tile;
     fxs_trace *trace;              /* or null */
@@ -91,7 +91,7 @@ static void blend_list(blending *b, const fxs_view *view, int32_t x, int32_t y, 
     for (int i = 0; i < FXS_TILE_PIXELS; i++)
         open += b->tile->transmittance_q15[i] >= FXS_CLOSED_Q15;
     for (uint32_t i = first; i < end && open > 0; i++) {
-        const fxs_splat *splat = &splats[entries[i] & ~FXS_ENTRY_FAR];
+        const fxs_splat *splat = &splats[entries[i] & ~FXS_ENTRY_CUT_OFF];
         at_tile p = at_tile_of(view, splat, entries[i], x, y);
         b->number = (int)i;
         b->depth_q15 = b->trace && b->trace->which & FXS_TRACE_MEAN ? depths_q15[i - first] : 0;

@@ -1,4 +1,4 @@
-/* The part of project that is done once a chunk: where it lies for this camera, and whether anything of it can be
+/* The part of project that is done once for a chunk: where it lies for this camera, and whether any of it can be
    seen. */
 #include "chunk.h"
 
@@ -104,7 +104,7 @@ FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, cons
         z_q16 += cv->m_q16[2][j] > 0 ? (int64_t)cv->m_q16[2][j] * 65535 : 0;
     if (z_q16 >> 16 <= cv->near)
         return 0;
-    if (view->square)                            /* its tiles reach further; it is there to be measured */
+    if (view->cutoff == FXS_CUTOFF_SQUARE)       /* its tiles reach further; it is there to be measured */
         return 1;
     int64_t reach = reach_across(cv, view);
     for (int i = 0; i < 2; i++)                  /* x + reach < edge_low z: left of the picture; and so on */

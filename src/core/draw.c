@@ -1,126 +1,59 @@
-/* What a back end draws: runs of tiles with their lists, or all that is visible in order. */
+/* sort, blend and resolve by the kernels: a job for each macro tile whose list there is. */
+#include "memory.h"
 #include "parts.h"
 
-/* Where a block's keys start: after those of the blocks before it. */
-static void gather_part(void *argument, uint32_t part)
+#define TIMED 4                    /* one macro tile of so many is timed, as a look at the clock takes a while */
+
+void fxs_draw_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)
 {
-    fxs_frame *f = argument;
-    uint32_t first = fxs_part(f->blocks, f->parts, part), end = fxs_part(f->blocks, f->parts, part + 1), at = 0;
-    for (uint32_t block = 0; block < first; block++)
-        at += f->block_counts[block];
-    for (uint32_t block = first; block < end; block++)
-        for (uint32_t i = 0; i < f->block_counts[block]; i++) {
-            uint32_t slot = f->block_slots[block] + i;
-            f->keys[at++] = FXS_KEY(f->depths[slot], slot);
-        }
+    fxs_tile pixels;
+    int32_t x, y;
+    fxs_tile_origin(f, tile, &x, &y);
+    if (fxs_targets_traced(f->eye->targets))
+        fxs_trace_tile(f, list, x, y, &pixels, 0);
+    else if (!list->count)
+        fxs_tile_clear(&pixels);
+    else
+        f->context->kernels.blend(&f->eye->view, x, y, f->eye->splats, list->entries, list->count, &pixels);
+    fxs_lap(f, laps, FXS_BLENDED);
+    fxs_resolve_targets(f, &pixels, x, y);
 }
 
-/* The keys of all that is visible, in order. */
-static const fxs_key *sort_all(fxs_frame *f)
-{
-    const uint64_t start = fxs_now(f);
-    fxs_frame_run(f, gather_part, f->parts);
-    const fxs_key *sorted = fxs_sort(&f->context->config, f->keys, f->spare, f->count, f->histograms, f->parts);
-    f->stats.nanoseconds[FXS_SORT] += fxs_now(f) - start;
-    return sorted;
-}
-
-/* Has lists sorted, and the lengths of those of the tiles, for a back end. */
-static void order_macro(void *argument, uint32_t job)
-{
-    fxs_frame *f = argument;
-    const uint32_t macro = f->first_macro + job, length = f->lengths[macro];
-    const fxs_key *list = fxs_list_sort(f, macro);
-    uint32_t tile;
-    for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
-        if (fxs_tile_of(f, macro, i, &tile))
-            for (uint32_t k = 0; k < length; k++)
-                f->tile_counts[tile] += (uint32_t)list[k] >> i & 1;
-}
-
-/* The lists of those tiles of a macro tile that are in the back end's run. No more is written, as other jobs do. */
-static void list_macro(void *argument, uint32_t job)
+static void draw_macro(void *argument, uint32_t job)
 {
     fxs_frame *f = argument;
     const fxs_lister l = fxs_lister_of(f, 0);
     const uint32_t macro = f->first_macro + job, length = f->lengths[macro];
-    const fxs_key *keys = fxs_list_of(f, macro);
-    uint32_t tile;
-    for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++) {
-        if (!fxs_tile_of(f, macro, i, &tile) || tile < f->first_tile || tile > f->last_tile)
-            continue;
-        uint32_t *first = (uint32_t *)(void *)f->spare + f->tile_ends[tile] - f->tile_counts[tile], *to = first;
-        for (uint32_t k = 0; k < length; k++)
-            if ((uint32_t)keys[k] >> i & 1)
-                *to++ = FXS_LISTED_SLOT(keys[k]);
-        if (l.view->square)
-            fxs_mark_far(&l, tile, first, f->tile_counts[tile]);
-    }
-}
-
-/* Has the back end draw a run of tiles by their lists, or all that is `visible`, or tiles that are `blended`. */
-static int draw_run(fxs_frame *f, const fxs_key *visible, const fxs_tile *blended)
-{
-    const fxs_config *config = &f->context->config;
-    const fxs_eye *eye = f->eye;
-    const uint64_t start = fxs_now(f);
-    const int listed = !visible && !blended;
-    const fxs_tile_run r = {config, &eye->view, f->options, eye->splats, eye->bounds, eye->depths, visible, f->count,
-                            listed ? (const uint32_t *)(const void *)f->spare : 0, listed ? f->tile_ends : 0,
-                            listed ? f->tile_counts : 0, f->first_tile, f->last_tile, blended, eye->targets};
-    const int error = fxs_frame_stopped(f) ? FXS_ERR_STOPPED : config->draw(config->draw_argument, &r);
-    f->stats.nanoseconds[FXS_BLEND] += fxs_now(f) - start;
-    return error;
-}
-
-/* Draws tiles first to last, as many at once as fit in `spare`: one always does. */
-static int draw_tiles(fxs_frame *f, uint32_t first, uint32_t last)
-{
-    int error = 0;
-    for (f->first_tile = first; f->first_tile <= last && !error; f->first_tile = f->last_tile + 1) {
-        const uint64_t start = fxs_now(f), room = 2 * (uint64_t)f->key_capacity;
-        uint64_t used = 0;
-        uint32_t tile = f->first_tile;
-        for (; tile <= last && used + f->tile_counts[tile] <= room; tile++) {
-            used += f->tile_counts[tile];
-            f->tile_ends[tile] = (uint32_t)used;
+    uint32_t *entries = fxs_list_room(f, macro), tile;
+    uint64_t *times = f->macro_times + FXS_LAPS * (size_t)macro;
+    memset(times, 0, FXS_LAPS * sizeof *times);
+    if (fxs_frame_stopped(f))
+        return;
+    fxs_laps laps = {job % TIMED ? 0 : fxs_now(f), job % TIMED ? 0 : times};
+    const fxs_key *keys = fxs_list_sort(f, macro);
+    fxs_lap(f, &laps, FXS_SORTED);
+    for (int32_t i = 0; i < FXS_MACRO * FXS_MACRO; i++)
+        if (fxs_tile_of(f, macro, i, &tile)) {
+            f->tile_counts[tile] = f->context->kernels.list(keys, length, (uint32_t)i, entries);
+            if (l.view->cutoff == FXS_CUTOFF_SQUARE)
+                fxs_mark_cut_off(&l, tile, entries, f->tile_counts[tile]);
+            if (length)
+                fxs_lap(f, &laps, FXS_LISTED_TILES);
+            f->draw_tile(f, tile, &(fxs_list){entries, f->tile_counts[tile]}, &laps);
+            if (length)
+                fxs_lap(f, &laps, FXS_RESOLVED);
         }
-        f->last_tile = tile - 1;
-        fxs_frame_run(f, list_macro, f->last_macro - f->first_macro + 1);
-        f->stats.nanoseconds[FXS_BIN] += fxs_now(f) - start;
-        error = draw_run(f, 0, 0);
-        f->stats.runs++;
-    }
-    return error;
+    if (!length)                   /* fewer looks at the clock, which take a while */
+        fxs_lap(f, &laps, FXS_RESOLVED);
 }
 
-int fxs_draw_lists(fxs_frame *f)
+int fxs_draw_macros(fxs_frame *f)
 {
+    static const enum fxs_stage stages[FXS_LAPS] = {FXS_SORT, FXS_BIN, FXS_BLEND, FXS_RESOLVE};
     const uint64_t start = fxs_now(f);
-    const int32_t across = (int32_t)fxs_macros(f->eye->view.tiles_x), tiles_x = f->eye->view.tiles_x;
-    const int32_t first = (int32_t)f->first_macro % across * FXS_MACRO;
-    const int32_t last = fxs_min(((int32_t)f->last_macro % across + 1) * FXS_MACRO, tiles_x) - 1;
-    const int32_t row = (int32_t)f->first_macro / across * FXS_MACRO;
-    const int32_t first_row = row > f->first_row ? row : f->first_row;
-    const int32_t end_row = fxs_min(((int32_t)f->last_macro / across + 1) * FXS_MACRO, f->end_row);
-    int error = 0;
-    fxs_frame_run(f, order_macro, f->last_macro - f->first_macro + 1);
-    f->stats.nanoseconds[FXS_SORT] += fxs_now(f) - start;
-    if (last - first + 1 == tiles_x)
-        return draw_tiles(f, fxs_tiles_above(f, first_row), fxs_tiles_above(f, end_row) - 1);
-    for (int32_t r = first_row; r < end_row && !error; r++)
-        error = draw_tiles(f, fxs_tiles_above(f, r) + (uint32_t)first, fxs_tiles_above(f, r) + (uint32_t)last);
-    return error;
-}
-
-int fxs_draw_unlisted(fxs_frame *f)
-{
-    f->first_tile = fxs_tiles_above(f, f->first_row);
-    f->last_tile = fxs_tiles_above(f, f->end_row) - 1;
-    return draw_run(f, sort_all(f), 0);
-}
-
-int fxs_draw_blended(fxs_frame *f)
-{
-    return draw_run(f, 0, f->pixels);
+    const uint32_t jobs = f->last_macro - f->first_macro + 1;
+    fxs_frame_run(f, draw_macro, jobs);
+    f->stats.runs++;
+    fxs_share_time(f, start, f->macro_times + FXS_LAPS * (size_t)f->first_macro, jobs, FXS_LAPS, stages);
+    return f->stopped ? FXS_ERR_STOPPED : 0;
 }

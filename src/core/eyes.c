@@ -1,4 +1,5 @@
-/* The slots of a chunk that two eyes see: what either sees has the same slot in both eyes' splats. */
+/* project for two eyes. A Gaussian that either eye sees has the same slot in the splats of both, so that colours and
+ * the order by depth can be found once. */
 #include "parts.h"
 
 static uint32_t union_count(const uint32_t *a, uint32_t a_count, const uint32_t *b, uint32_t b_count)

@@ -1,3 +1,4 @@
+/* The table of the C stages, and functions of fixsplat.h that render nothing: words, defaults, a context. */
 #include "memory.h"
 #include <fixsplat/stage.h>
 

@@ -1,9 +1,12 @@
-/* The lists of a frame's macro tiles: counted, filled and sorted. */
+/* The lists of a frame's macro tiles, of 2x2 tiles: the keys of the splats that touch one of them. First it is counted
+ * how long each list is, so that as many as fit in the memory can be laid one behind the other; then they are filled,
+ * and sorted one by one. Several jobs count and fill, each for a part of the blocks. */
 #include "memory.h"
 #include "parts.h"
 
-/* A part's row of `next`: a number for each macro tile, then these. */
-enum { NOTED, FROM, NOTES, ROOM }; /* notes, the slot that they end before, where they begin in `spare`, their room */
+/* Behind a part's numbers of macro tiles in fxs_frame.next: how many notes it has; the slot that they end before; where
+   they begin in `spare`; how many have room. */
+enum { NOTED, FROM, NOTES, ROOM };
 
 static uint32_t *next_of(const fxs_frame *f, uint32_t part)
 {
@@ -52,7 +55,7 @@ static void fill_part(void *argument, uint32_t part)
     notes_of(f, part)[NOTED] = notes_of(f, part)[FROM] = 0;    /* sorting overwrites them */
 }
 
-/* Each part has room for notes by its splats. */
+/* Each part has room for notes in proportion to its splats. */
 static void share_notes(fxs_frame *f)
 {
     uint32_t before = 0, block = 0;
@@ -69,6 +72,7 @@ static void share_notes(fxs_frame *f)
 
 void fxs_lists_count(fxs_frame *f)
 {
+    const uint64_t start = fxs_now(f);
     const uint32_t across = fxs_macros(f->eye->view.tiles_x);
     f->first_macro = (uint32_t)f->first_row / FXS_MACRO * across;
     f->last_macro = fxs_macros(f->end_row) * across - 1;
@@ -81,6 +85,7 @@ void fxs_lists_count(fxs_frame *f)
         for (uint32_t macro = 0; macro < f->macros; macro++)
             f->lengths[macro] += next[macro];
     }
+    f->stats.nanoseconds[FXS_BIN] += fxs_now(f) - start;
 }
 
 int fxs_lists_rows_fit(const fxs_frame *f)
@@ -97,10 +102,11 @@ int fxs_lists_rows_fit(const fxs_frame *f)
     return 1;
 }
 
-/* In a list the parts follow each other, so it is almost in the order of the slots. */
+/* In a list the keys of part after part follow each other, so it is almost in the order of the slots. */
 void fxs_lists_fill(fxs_frame *f, uint32_t end)
 {
     const uint32_t across = fxs_macros(f->eye->view.tiles_x), row_end = (f->first_macro / across + 1) * across;
+    const uint64_t start = fxs_now(f);
     uint32_t used = 0, macro = f->first_macro;
     for (uint32_t room = f->key_capacity; macro < end && f->lengths[macro] <= room; macro++)
         room -= f->lengths[macro];
@@ -115,6 +121,7 @@ void fxs_lists_fill(fxs_frame *f, uint32_t end)
             used += count;
         }
     fxs_frame_run(f, fill_part, f->parts);
+    f->stats.nanoseconds[FXS_BIN] += fxs_now(f) - start;
 }
 
 /* Where the list of a macro tile begins, in `keys` and in `spare`. */
@@ -146,5 +153,6 @@ int fxs_tile_of(const fxs_frame *f, uint32_t macro, int32_t i, uint32_t *tile)
     const int32_t row = (int32_t)macro / across * FXS_MACRO + i / FXS_MACRO;
     const int32_t column = (int32_t)macro % across * FXS_MACRO + i % FXS_MACRO;
     *tile = fxs_tiles_above(f, row) + (uint32_t)column;
-    return row >= f->first_row && row < f->end_row && column >= f->first_column && column < f->end_column;
+    return row >= f->first_row && row < f->end_row && column >= f->first_column && column < f->end_column &&
+           (f->only_tile == FXS_NOTHING || f->only_tile == *tile);
 }

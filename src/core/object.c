@@ -1,5 +1,6 @@
-/* An object is rendered by a camera in its own space, so the stages see a view and a scene as ever. What is left is
- * done here, splat by splat: depths become the world's, crop boxes and tint apply. */
+/* An object of a frame is rendered by the camera as it stands in the object's space, so that the stages need not know
+ * of objects: they are given a view and a scene. What they do not know is done here, splat by splat: depths become
+ * those of the world, and crop boxes and tint are applied. */
 #include "object.h"
 
 #include "codes.h"

@@ -1,4 +1,4 @@
-/* An object of a frame: the camera in its space, and what it changes of its Gaussians. */
+/* An object of a frame: the camera in its space, and its changes to projected Gaussians. */
 #ifndef FXS_OBJECT_H
 #define FXS_OBJECT_H
 
@@ -28,11 +28,12 @@ int fxs_object_view_init(fxs_object_view *out, const fxs_view *world, const fxs_
 /* The object that a chunk of all objects is of. */
 FXS_STAGE uint32_t fxs_object_of(const fxs_object_view *objects, uint32_t count, uint32_t chunk);
 
-/* What the object changes of a projected Gaussian with these position codes. Returns 0 where it is not drawn. */
+/* Applies the object to a projected Gaussian with these position codes: *depth becomes the depth in the world. Returns
+   0 where the crop boxes leave the Gaussian out. */
 FXS_STAGE int fxs_object_change(const fxs_object_view *object, const fxs_chunk *header, const uint16_t position[3],
                                 uint32_t *depth);
 
-/* What it changes of its colour. */
+/* Applies the object's tint to a splat's colour. */
 FXS_STAGE void fxs_object_tint(const fxs_object_view *object, fxs_splat *splat);
 
 /* A chunk's header was read: returns 0 where none of its Gaussians is within the crop boxes. */

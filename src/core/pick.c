@@ -1,6 +1,6 @@
-/* What a pixel shows: a frame of which one tile is blended. */
-#include "frame.h"
+/* fxs_pick: what a pixel shows, by a frame of which only the pixel's tile is blended. */
 #include "memory.h"
+#include "parts.h"
 
 #define SLOPE_MOST_Q23 ((int64_t)4096 << 23)
 #define POSITION_MOST_Q32 ((int64_t)1 << 60)
@@ -9,7 +9,8 @@ typedef struct pick {
     fxs_frame frame;               /* first, as pick_tile is given it */
     fxs_targets targets;
     int32_t x, y;
-    uint32_t key, index;           /* depth and place of what was found: of the tile's band, whose slots go */
+    uint32_t key, index;           /* what was found: its depth and its place in the chunks; its slot goes with the
+                                      band */
 } pick;
 
 static void pick_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)

@@ -1,4 +1,5 @@
-/* The first stages: project, shade and bin, of a chunk and of blocks of chunks. */
+/* The first three stages, project, shade and bin: on a chunk, on a block of chunks, on all blocks. Blocks are jobs for
+ * any thread, and each has slots of its own, so splats come out in the order of the chunks. */
 #include "chunk.h"
 #include "memory.h"
 #include "parts.h"
@@ -21,7 +22,7 @@ int32_t fxs_prepare_project(fxs_frame *f, uint32_t number, uint32_t chunk, uint3
     return count < 0 ? count : (int32_t)fxs_band_keep(f, chunk, slot, (uint32_t)count);
 }
 
-/* shade; both eyes have the first one's colours. */
+/* Both eyes have the colours of the first one. */
 int fxs_prepare_shade(fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t slot, uint32_t count)
 {
     const fxs_object_view *object = &f->eye->objects[number];
@@ -51,8 +52,8 @@ static void fetch_rows(const fxs_frame *f, uint32_t number, uint32_t chunk, uint
     (void)rows;
 }
 
-/* What of the first stages needs no other block, for up to FXS_BLOCK chunks, while their splats are in the cache.
-   Their splats in the band lie from `slot` on, before end_slot. Returns their number or FXS_ERR_SCENE. */
+/* project, then shade, then bin, on up to FXS_BLOCK chunks, as many as the cache holds the splats of. Those of the band
+   go to the slots from `slot` on, before end_slot. Returns their number or FXS_ERR_SCENE. */
 static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32_t slot, uint32_t end_slot,
                               uint64_t *times)
 {
@@ -111,7 +112,7 @@ static void prepare_block(void *argument, uint32_t block)
         const uint32_t last = end - first < FXS_BLOCK ? end : first + FXS_BLOCK;
         if (fxs_frame_stopped(f))
             return;
-        int32_t count = f->planning ? plan_chunks(f, block, first, last, slot)
+        int32_t count = f->mode == FXS_FRAME_PLAN ? plan_chunks(f, block, first, last, slot)
                                     : prepare_chunks(f, first, last, slot + taken, f->block_slots[block + 1], times);
         if (count < 0)
             return;
@@ -126,5 +127,21 @@ int fxs_prepare_blocks(fxs_frame *f)
     for (uint32_t block = 0; block < f->blocks; block++)
         if (f->block_counts[block] == FXS_BLOCK_FAILED)
             return f->stopped ? FXS_ERR_STOPPED : FXS_ERR_SCENE;
+    return 0;
+}
+
+int fxs_prepare_band(fxs_frame *f)
+{
+    static const enum fxs_stage stages[] = {FXS_PROJECT, FXS_SHADE, FXS_BIN};
+    const uint64_t start = fxs_now(f);
+    const int error = fxs_prepare_blocks(f);
+    f->depths = f->eye->depths;
+    if (error)
+        return error;
+    fxs_share_time(f, start, f->block_times, f->blocks, 3, stages);
+    f->count = 0;
+    for (uint32_t block = 0; block < f->blocks; block++)
+        f->count += f->block_counts[block];
+    f->stats.visible += f->mode == FXS_FRAME_WHOLE ? f->count : 0;     /* else a plan counted them */
     return 0;
 }

@@ -198,7 +198,7 @@ static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, ro
     bounds->shear_q8 = (int32_t)fxs_round_shift((int64_t)s->b_q30 * c.inverse_q30, 52 + c.half - e);
     bounds->half_width_q8 = (uint32_t)((uint64_t)sqrt_q8(a, e) * r_q12 >> 12);
     bounds->half_width_q8 += (bounds->half_width_q8 >> 8) + 32;
-    bounds->radius = 0;
+    bounds->square_radius = 0;
 
     int64_t u_q38 = (int64_t)bounds->cx_q14 * splat->ux_q24 + (int64_t)bounds->cy_q14 * splat->uy_q24;
     int64_t v_q38 = (int64_t)bounds->cy_q14 * splat->vy_q24;
@@ -236,8 +236,8 @@ static int square(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, co
     root spread = root_of_q60(spread_q60 < (int64_t)least_q60 ? least_q60 : (uint64_t)spread_q60);
     uint64_t lambda_q30 = mid_q30 + ((uint64_t)fxs_mulhi(spread.m, spread.inverse_q30) << 1 >> (1 - spread.half));
     uint32_t sigma_q8 = sqrt_q8(root_of_q60(lambda_q30 << 30), s->exponent);
-    bounds->radius = (uint32_t)((3 * (uint64_t)sigma_q8 + 255) >> 8);
-    int64_t x = bounds->cx_q14, y = bounds->cy_q14, radius_q14 = (int64_t)bounds->radius << 14;
+    bounds->square_radius = (uint32_t)((3 * (uint64_t)sigma_q8 + 255) >> 8);
+    int64_t x = bounds->cx_q14, y = bounds->cy_q14, radius_q14 = (int64_t)bounds->square_radius << 14;
     splat->first_row = 0;
     splat->last_row = (uint16_t)(view->height - 1);
     return x + radius_q14 + (15 << 14) >= 16 << 14 && y + radius_q14 + (15 << 14) >= 16 << 14 &&
@@ -304,7 +304,7 @@ static int veil(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, cons
     splat->v0_q24 = (uint32_t)(v_q24 - half_y * splat->vy_q24) + (1 << 10);
     splat->first_row = 0;
     splat->last_row = (uint16_t)(view->height - 1);
-    *bounds = (fxs_bounds){0, 0, 0, 0, FXS_EVERYWHERE_Q8, view->square ? 1u << 17 : 0};
+    *bounds = (fxs_bounds){0, 0, 0, 0, FXS_EVERYWHERE_Q8, view->cutoff == FXS_CUTOFF_SQUARE ? 1u << 17 : 0};
     const int64_t r_q24 = ((int64_t)r_q12 + 1) * 4096;
     return magnitude_of(u_q24) <= r_q24 + half_x * splat->ux_q24 + half_y * magnitude_of(splat->uy_q24) &&
            magnitude_of(v_q24) <= r_q24 + half_y * splat->vy_q24;
@@ -355,15 +355,15 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
         return 0;
     splat->offset_q11 = (uint16_t)offset_q11;
     uint32_t r2_q11 = (uint32_t)(fxs_limit_q11(offset_q11, FXS_CUT_Q11) - offset_q11);
-    if (view->square)
+    if (view->cutoff == FXS_CUTOFF_SQUARE)
         r2_q11 = (uint32_t)(FXS_FAINT_Q11 - offset_q11);
     uint32_t r_q12 = fxs_sqrt((r2_q11 + 1) << 13) + 1;
     if (is_veil)
         return veil(splat, bounds, view, &s, centre, r_q12);
     const root c = root_of_q30(s.c_q30);
     whiten(splat, bounds, &s, c, centre, r_q12);
-    return view->square ? square(splat, bounds, view, &s)
-                        : clip(splat, bounds, view, sqrt_q8(c, exponent), r_q12);
+    return view->cutoff == FXS_CUTOFF_SQUARE ? square(splat, bounds, view, &s)
+                                             : clip(splat, bounds, view, sqrt_q8(c, exponent), r_q12);
 }
 
 /* Depth in an order-keeping 32 bits: exponent in 6, mantissa in 26. z is 1 to 2^30 - 1 units of 2^(shift - 32), shift 0

@@ -1,3 +1,4 @@
+/* fxs_scene_open: checks a packed scene in the caller's memory, and finds its parts; fxs_scene_bytes: its size. */
 #include "chunk.h"
 #include "memory.h"
 

@@ -1,35 +1,37 @@
-/* What a tile row has that does not fit in the memory, taken in slices: of some of its columns the nearest splats that
- * fit, then the next ones. So any view is drawn in the least memory, the slower the less. */
+/* Draws a tile row whose splats do not fit in the memory, in slices. Some columns of the row are drawn at a time. Of
+ * the splats that touch them, as many of the nearest as there is room for are projected and blended; then the next
+ * nearest, over the same pixels; and so on, until none is left. So any view can be drawn in the least memory. It takes
+ * time, as the chunks of the row are projected again for every slice. */
 #include "memory.h"
 #include "parts.h"
+
+/* A slice: the splats from one key to another. A key is a depth and a place in the scene, so no two are alike. */
+typedef struct slice {
+    fxs_key first, last;
+    uint32_t count, room;          /* splats; how many at most are kept, so that one more chunk can be projected */
+    uint64_t taken;                /* splats of all slices so far */
+    int more;                      /* there are splats beyond `last` */
+} slice;
 
 static fxs_key key_of(const fxs_frame *f, uint32_t slot)
 {
     return FXS_KEY(f->eye->depths[slot], f->indices[slot]);
 }
 
-static void move(const fxs_frame *f, uint32_t to, uint32_t slot)
-{
-    const fxs_eye *eye = f->eye;
-    eye->splats[to] = eye->splats[slot];
-    eye->bounds[to] = eye->bounds[slot];
-    eye->depths[to] = eye->depths[slot];
-    f->indices[to] = f->indices[slot];
-}
-
-/* Keeps those of `count` splats behind the slice's that are in it and touch its columns. */
-static void keep(const fxs_frame *f, fxs_slice *s, uint32_t count)
+/* `count` splats were projected behind the slice's: keeps the ones that are in its range and touch the columns. */
+static void keep(const fxs_frame *f, slice *s, uint32_t count)
 {
     for (uint32_t slot = s->count, end = s->count + count; slot < end; slot++) {
         const fxs_key key = key_of(f, slot);
         const fxs_span columns = fxs_bin_columns(&f->eye->view, &f->eye->bounds[slot]);
         if (key >= s->first && key <= s->last && columns.last >= f->first_column && columns.first < f->end_column)
-            move(f, s->count++, slot);
+            fxs_frame_move(f, s->count++, slot);
     }
 }
 
-/* Leaves the nearest three quarters of the room, in the order of the scene. */
-static void drop_farthest(const fxs_frame *f, fxs_slice *s)
+/* Keeps the nearest splats, three quarters of what there is room for, in the order of the scene; `last` is where they
+   end. */
+static void drop_farthest(const fxs_frame *f, slice *s)
 {
     const uint32_t left = s->room / 4 * 3, count = s->count;
     for (uint32_t slot = 0; slot < count; slot++)
@@ -40,19 +42,19 @@ static void drop_farthest(const fxs_frame *f, fxs_slice *s)
     s->count = 0;
     for (uint32_t slot = 0; slot < count; slot++)
         if (key_of(f, slot) <= s->last)
-            move(f, s->count++, slot);
+            fxs_frame_move(f, s->count++, slot);
 }
 
 /* Whether a chunk may have splats of the slice. */
-static int may_have(const fxs_frame *f, const fxs_slice *s, uint32_t chunk)
+static int may_have(const fxs_frame *f, const slice *s, uint32_t chunk)
 {
     const fxs_extent *e = &f->extents[chunk];
     return fxs_band_has_chunk(f, chunk) && e->columns.last >= f->first_column && e->columns.first < f->end_column &&
            e->farthest >= s->first >> 32 && e->nearest <= s->last >> 32;
 }
 
-/* Projects what the slice needs. Returns 0, FXS_ERR_SCENE or FXS_ERR_STOPPED. */
-static int take(fxs_frame *f, fxs_slice *s)
+/* Projects the splats of the slice. Returns 0, FXS_ERR_SCENE or FXS_ERR_STOPPED. */
+static int take(fxs_frame *f, slice *s)
 {
     s->last = UINT64_MAX;
     s->count = 0;
@@ -72,7 +74,7 @@ static int take(fxs_frame *f, fxs_slice *s)
     return 0;
 }
 
-/* Colours, and boxes; slots are in the order of the chunks. Returns 0 or FXS_ERR_SCENE. */
+/* shade and bin, on slots that are in the order of the chunks. Returns 0 or FXS_ERR_SCENE. */
 static int finish(fxs_frame *f, uint32_t count)
 {
     for (uint32_t slot = 0, end; slot < count; slot = end) {
@@ -90,11 +92,82 @@ static int finish(fxs_frame *f, uint32_t count)
     return 0;
 }
 
-int fxs_slice_next(fxs_frame *f, fxs_slice *s)
+/* Goes on to the next slice of the columns: its f->count splats are ready for lists then. Returns 0, FXS_ERR_STOPPED,
+   or FXS_ERR_SCENE, which is also the error where the scene changes meanwhile and so has no end of splats. */
+static int next_slice(fxs_frame *f, slice *s)
 {
     int error = take(f, s);
     error = error ? error : finish(f, s->count);
     s->first = s->last + 1;
     s->taken += s->count;
     return error ? error : s->taken > (uint64_t)f->chunk_count * FXS_CHUNK ? FXS_ERR_SCENE : 0;
+}
+
+/* ---- Drawing ----------------------------------------------------------------------------------------------------- */
+
+/* Blends a slice's list into the pixels that a tile has so far. That is what `trace` does, which goes on where `blend`
+   begins anew; of its auxiliary outputs none is asked for. */
+static void blend_on(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)
+{
+    const int32_t column = (int32_t)tile % f->eye->view.tiles_x - f->first_column;
+    fxs_trace *nothing = &f->nothing[column / FXS_MACRO];      /* kernels write to it all the same */
+    int32_t x, y;
+    nothing->which = 0;
+    fxs_tile_origin(f, tile, &x, &y);
+    for (uint32_t first = 0; first < list->count; first += INT16_MAX) {
+        const uint32_t left = list->count - first, count = left < INT16_MAX ? left : INT16_MAX;
+        f->context->kernels.trace(&f->eye->view, x, y, f->eye->splats, list->entries + first, 0, 0, count,
+                                  &f->pixels[column], nothing);
+    }
+    fxs_lap(f, laps, FXS_BLENDED);
+}
+
+/* The tiles of the columns are blended: draws their pixels, or has the back end do so. Returns 0 or its error. */
+static int hand_over(fxs_frame *f)
+{
+    const uint32_t above = fxs_tiles_above(f, f->first_row);
+    f->first_tile = above + (uint32_t)f->first_column;
+    f->last_tile = above + (uint32_t)f->end_column - 1;
+    if (f->context->config.draw)
+        return fxs_runs_draw_blended(f);
+    for (uint32_t tile = f->first_tile; tile <= f->last_tile; tile++) {
+        int32_t x, y;
+        fxs_tile_origin(f, tile, &x, &y);
+        fxs_resolve_targets(f, &f->pixels[tile - f->first_tile], x, y);
+    }
+    return 0;
+}
+
+/* Draws the columns, slice after slice. */
+static int draw_columns(fxs_frame *f)
+{
+    slice s = {.room = f->slice_room, .more = 1};
+    for (int32_t i = 0; i < f->end_column - f->first_column; i++)
+        fxs_tile_clear(&f->pixels[i]);
+    while (s.more) {
+        const uint64_t start = fxs_now(f);
+        int error = next_slice(f, &s);
+        f->stats.nanoseconds[FXS_PROJECT] += fxs_now(f) - start;
+        if (!error)
+            error = fxs_frame_draw(f);
+        if (error)
+            return error;
+        f->stats.slices++;
+    }
+    return hand_over(f);
+}
+
+int fxs_slices_draw(fxs_frame *f)
+{
+    const int32_t step = (int32_t)f->slice_macros * FXS_MACRO, tiles_x = f->eye->view.tiles_x;
+    fxs_tile_fn *const draw_tile = f->draw_tile;
+    int error = 0;
+    f->depths = f->eye->depths;
+    f->draw_tile = blend_on;
+    for (f->first_column = 0; f->first_column < tiles_x && !error; f->first_column = f->end_column) {
+        f->end_column = fxs_min(f->first_column + step, tiles_x);
+        error = draw_columns(f);
+    }
+    f->draw_tile = draw_tile;
+    return error;
 }

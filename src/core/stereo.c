@@ -1,7 +1,7 @@
 /* Two eyes: each has the geometry and tile lists of its own camera; the colours are found once for both, and, where
  * both measure depth alike, the order. */
 #include <fixsplat/fixed.h>
-#include "frame.h"
+#include "parts.h"
 
 size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
                         int32_t height)
@@ -46,7 +46,7 @@ static int render_shared(fxs_frame *f)
         return error;
     share_eye(f);
     fxs_band_next(f);
-    error = fxs_frame_prepare(f);
+    error = fxs_prepare_band(f);
     if (!error)
         error = fxs_frame_draw(f);
     if (error)

@@ -1,4 +1,5 @@
-/* What a frame writes: checks, and the pixels of a tile in each target but depths and ids. */
+/* The targets of a frame: their checks, and the pixels of a tile as colour and coverage. (Depths and ids are
+   trace.c's.) */
 #include "memory.h"
 #include "parts.h"
 
@@ -132,7 +133,7 @@ static void resolve_coverage(const fxs_tile *tile, int32_t columns, int32_t rows
 }
 
 #ifndef __CUDACC__                 /* the device has no table of kernels */
-/* What `resolve` writes, before bytes change places. */
+/* The format that `resolve` writes, before bytes change places. */
 static enum fxs_format resolved_format(enum fxs_format format)
 {
     return format == FXS_FORMAT_BGRA8 ? FXS_FORMAT_RGBA8

@@ -1,5 +1,6 @@
-/* trace: blend, for targets of depth and id and with an occluder. A tile's list is blended part by part. Within a part
- * depths are in one octave, so that a code of 15 bits holds them; between parts they are added up. */
+/* trace: blend with auxiliary outputs (depths and ids), or with an occluder. A tile's list is blended part by part, by
+ * the kernel `trace`, which keeps numbers of 16 bits for each pixel. So all depths of a part are in one octave, where a
+ * code of 15 bits holds them; between parts the numbers become sums of depths and slots. */
 #include "memory.h"
 #include "parts.h"
 
@@ -25,12 +26,12 @@ typedef struct tracer {
 
 static uint32_t slot_of(uint32_t entry)
 {
-    return entry & ~FXS_ENTRY_FAR;
+    return entry & ~FXS_ENTRY_CUT_OFF;
 }
 
 /* ---- A part of the list ------------------------------------------------------------------------------------------ */
 
-/* Without depths to compare or to sum, a part is the stretch. */
+/* Finds the next part. Where no depths are compared or summed, it is the rest of the stretch. */
 static void begin_part(tracer *t)
 {
     const uint32_t *depths = t->f->eye->depths;
@@ -137,7 +138,7 @@ static void read_limits(tracer *t, int32_t x, int32_t y, int32_t columns, int32_
     }
 }
 
-/* Of a slot or none. *object: of the pixel before, as a guess. */
+/* The id of a slot, or of FXS_NOTHING. *object: the object of the pixel before, which is tried first. */
 static fxs_id id_of(const fxs_frame *f, uint32_t slot, const fxs_object_view **object)
 {
     if (slot == FXS_NOTHING)

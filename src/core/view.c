@@ -1,4 +1,5 @@
-/* The camera, once a frame and object: everything of the projection that does not depend on the Gaussian. */
+/* The camera made ready for the stages, once for a frame and once for each of its objects: everything of the projection
+ * that does not depend on the Gaussian. */
 #include "view.h"
 
 #include <fixsplat/fixed.h>
@@ -252,8 +253,8 @@ int fxs_view_init(fxs_view *view, const fxs_camera *camera, const fxs_options *o
     view->orthographic = camera->projection == FXS_ORTHOGRAPHIC;
     if (view->orthographic)
         choose_plane(view, camera, fxs_scale_of(FXS_ONE_Q32));
-    view->square = options->cutoff == FXS_CUTOFF_SQUARE;
-    view->cut_q11 = view->square ? FXS_LEVEL_MAX_Q11 : FXS_CUT_Q11;
+    view->cutoff = options->cutoff;
+    view->cut_q11 = view->cutoff == FXS_CUTOFF_SQUARE ? FXS_LEVEL_MAX_Q11 : FXS_CUT_Q11;
     view->sh_degree = options->sh_degree;
     derive(view, camera);
     return 0;

@@ -7,7 +7,7 @@ objects=$(mktemp -d) || exit 1
 trap 'rm -rf "$objects"' EXIT
 most=1536
 # Depths and ids, picking, counting pairs, a tile without a strip; sort_by_top is not called.
-larger='fxs_trace_tile|pick_tile|count_tile|blend_tile'
+larger='fxs_trace_tile|pick_tile|count_tile|fxs_draw_tile'
 
 if ! command -v arm-none-eabi-gcc >/dev/null 2>&1; then
     echo "skip stack: not here: arm-none-eabi-gcc"

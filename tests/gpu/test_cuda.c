@@ -288,8 +288,8 @@ static int list_equal(const expected *e, uint32_t tile, uint64_t *list)
     const uint32_t count = e->lists.counts[tile], *entries = e->lists.entries + e->lists.ends[tile] - count;
     uint64_t *wanted = room(count * sizeof *wanted);
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t slot = entries[i] & ~FXS_ENTRY_FAR;
-        wanted[i] = (uint64_t)e->depths[slot] << 32 | e->indices[slot] | (entries[i] & FXS_ENTRY_FAR);
+        uint32_t slot = entries[i] & ~FXS_ENTRY_CUT_OFF;
+        wanted[i] = (uint64_t)e->depths[slot] << 32 | e->indices[slot] | (entries[i] & FXS_ENTRY_CUT_OFF);
     }
     qsort(wanted, count, sizeof *wanted, compare_keys);
     int equal = 1;

@@ -13,7 +13,7 @@ namespace {
 
 const uint32_t BIN_THREADS = 256;
 
-/* Splats of more tiles are a warp's. */
+/* Splats that touch more tiles are listed by a whole warp each. */
 const uint32_t LARGE_TILES = 16;
 
 inline uint32_t bin_grid(uint64_t threads)
@@ -21,7 +21,7 @@ inline uint32_t bin_grid(uint64_t threads)
     return (uint32_t)((threads + BIN_THREADS - 1) / BIN_THREADS);
 }
 
-/* Calls launch(degree), a constant, so that what kernels have of SH stays in registers. */
+/* Calls launch(degree) with a constant, so that the SH of a kernel stay in registers. */
 template <class Launch>
 void by_degree(int degree, Launch launch)
 {
@@ -39,7 +39,7 @@ void by_degree(int degree, Launch launch)
 
 /* ---- project ----------------------------------------------------------------------------------------------------- */
 
-/* Of one that is not in the picture, only that. */
+/* Writes a splat; of one that is not in the picture only the number that says so. */
 __device__ inline void put_splat(const real numbers[SPLAT_NUMBERS], fxs_fit_splat *splat)
 {
     float4 *to = (float4 *)splat;
@@ -91,7 +91,7 @@ __global__ void __launch_bounds__(BIN_THREADS) count_tiles(step_buffers b, uint3
         b.bases[i] = i < count && b.depths[1][i] != UINT32_MAX ? (uint32_t)b.splats[b.gaussians[1][i]].tiles : 0;
 }
 
-/* So that too many are too many. */
+/* A sum that stays at the largest number, so that a count that is too large does not look small. */
 struct add_saturated {
     __host__ __device__ uint32_t operator()(uint32_t x, uint32_t y) const
     {
@@ -99,7 +99,7 @@ struct add_saturated {
     }
 };
 
-/* The number of the step's slots is known: whether there is room for them. */
+/* Whether there is room for the step's slots; notes how many they are. */
 __device__ inline bool has_room(const step_buffers &b, uint32_t total)
 {
     if (!blockIdx.x && !threadIdx.x) {
@@ -277,7 +277,7 @@ __global__ void __launch_bounds__(BIN_THREADS) find_starts(step_buffers b, uint3
 /* Bits of depths, which are above 0; all of them set come last. */
 const int DEPTH_BITS = 31;
 
-/* Of tiles below the count, so that all bits set come last. */
+/* Bits of a tile's number, such that a number with all bits set comes after all tiles. */
 inline int tile_bits(uint32_t tile_count)
 {
     int bits = 1;
@@ -292,7 +292,7 @@ cudaError_t sort_depths(void *scratch, size_t *bytes, const step_buffers *b, uin
                                            b->gaussians[1], count, 0, DEPTH_BITS, stream);
 }
 
-/* bases, in place. */
+/* Replaces the numbers in `bases` by the sums of the numbers before them. */
 cudaError_t add_tiles(void *scratch, size_t *bytes, const step_buffers *b, uint32_t count, cudaStream_t stream)
 {
     return cub::DeviceScan::ExclusiveScan(scratch, *bytes, b->bases, b->bases, add_saturated(), 0u, count + 1, stream);

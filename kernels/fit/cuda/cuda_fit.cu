@@ -1,4 +1,4 @@
-/* The engine: the kernels of a step in order, on each device, and the photographs that they need. */
+/* The engine of the fit on GPUs: the kernels of a step in order, on each device, and the photographs that they need. */
 #include "cuda_fit.h"
 
 #include "kernels/cuda/device.cuh"
@@ -23,7 +23,7 @@ struct photograph_slot {
     cudaEvent_t ready, is_free;
 };
 
-/* What a device has. Its model is that of the others, bit by bit. */
+/* A device, with its memory. All devices have the same model, bit by bit. */
 struct device {
     int number;
     cudaStream_t stream, copies;   /* of the kernels; of the photographs */
@@ -37,7 +37,7 @@ struct device {
     cudaEvent_t stages[STAGES + 1], gathered, received;    /* the sums of its photographs are there; those of others */
 };
 
-/* What a step was asked for. */
+/* The arguments of a step. */
 struct step_order {
     fxs_fit_photograph photographs[FXS_FIT_BATCH];
     uint32_t count;
@@ -58,7 +58,8 @@ struct engine {                    /* in page-locked host memory, for the sake o
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
-/* Buffers by Gaussian; returns their bytes, also for memory null. */
+/* Cuts up memory for the buffers whose numbers are one for each Gaussian. Returns their bytes, also where memory is
+   null. */
 uint64_t cut_gaussians(step_buffers *b, unsigned char *memory, uint64_t stride)
 {
     unsigned char *at = memory;
@@ -186,7 +187,7 @@ void mark(const device *d, const step_order *s, int stage)
         cudaEventRecord(d->stages[stage], d->stream);
 }
 
-/* Sums of the loss to the host, for a report. */
+/* Copies sums of the loss to the host, for a report. */
 int fetch_rows(engine *e, device *d, const step_order *s, uint32_t view, fxs_message *why)
 {
     const uint64_t bytes = 6 * (uint64_t)s->photographs[view].camera.height * sizeof(float);
@@ -287,7 +288,7 @@ int receive(engine *e, uint32_t to, const step_order *s, fxs_message *why)
     return e->device_count > 1 ? check(why, cudaEventRecord(d->received, d->stream)) : 0;
 }
 
-/* The numbers of Adam's step: of the sum over all pixels of a batch. */
+/* The constants of a step of Adam, for gradients that are sums over all pixels of a batch. */
 fxs_fit_adam adam_of(const engine *e, const step_order *s)
 {
     fxs_fit_adam adam;
@@ -295,7 +296,7 @@ fxs_fit_adam adam_of(const engine *e, const step_order *s)
     return adam;
 }
 
-/* An update writes over the sums that other devices may still be copying. */
+/* Waits for the other devices: they may still be copying the sums that an update overwrites. */
 void wait_for_receivers(const engine *e, const device *d)
 {
     for (uint32_t i = 0; i < e->device_count; i++)

@@ -1,4 +1,5 @@
-/* The photograph averaged down, loss, and its report. */
+/* The loss between a picture and its photograph, the gradient of each pixel, and the report; photographs made
+   smaller. */
 #ifndef FXS_CUDA_FIT_LOSS_CUH
 #define FXS_CUDA_FIT_LOSS_CUH
 

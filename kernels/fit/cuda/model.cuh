@@ -1,5 +1,6 @@
-/* The model on a device: its memory, and what changes its Gaussians now and then. Bit by bit what port/fit's model.c,
- * densify.c and relocate.c make of it on the processor; what they do with one Gaussian is the same text. */
+/* The model on a device: its memory, and the changes to its set of Gaussians now and then (densification, relocation,
+ * order). The result is bit by bit that of src/fit/model.c, densify.c and relocate.c on the processor; the parts of
+ * these that deal with one Gaussian are the same text. */
 #ifndef FXS_CUDA_FIT_MODEL_CUH
 #define FXS_CUDA_FIT_MODEL_CUH
 
@@ -21,7 +22,7 @@ namespace {
 const uint32_t MODEL_THREADS = 256;
 const uint32_t SPARE = 8;          /* planes that are gathered at once */
 
-/* For the texts of port/fit. */
+/* The model as the texts of src/fit take it. */
 fxs_fit_model as_host(const device_model *m)
 {
     fxs_fit_model out = {};
@@ -47,7 +48,7 @@ __device__ uint32_t gaussian_of_thread()
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
-/* Of FXS_FIT_PARAMETERS planes. */
+/* Bytes of FXS_FIT_PARAMETERS planes. */
 uint64_t block_bytes(uint64_t stride)
 {
     return FXS_FIT_PARAMETERS * stride * sizeof(float);
@@ -58,7 +59,7 @@ uint64_t chunks_bytes(uint64_t stride)
     return stride / FXS_FIT_CHUNK * sizeof(fxs_fit_chunk);
 }
 
-/* Of a model without masters. */
+/* Bytes of a model without masters. */
 uint64_t model_bytes(uint64_t stride)
 {
     return 3 * block_bytes(stride) + 2 * stride * sizeof(float);
@@ -85,7 +86,7 @@ void model_free(device_model *m, budget *taken)
     *m = device_model{};
 }
 
-/* Other memory for planes, with what they had. */
+/* Moves planes to larger memory. */
 cudaError_t widen(float **planes, uint64_t count, uint64_t old, uint64_t stride, uint64_t used, cudaStream_t stream)
 {
     float *made = nullptr;
@@ -115,7 +116,8 @@ void narrow_again(float *planes, uint64_t count, uint64_t old, uint64_t stride, 
         }
 }
 
-/* One after the other, so that no more than one of the three large ones is there twice. */
+/* Moves all planes to larger memory, one set after the other, so that no more than one of the three large sets is there
+   twice. */
 cudaError_t widen_all(device_model *m, uint64_t stride, cudaStream_t stream)
 {
     float **const all[] = {&m->by_centre, &m->views, &m->parameters, &m->means, &m->squares};
@@ -242,7 +244,7 @@ int model_download(const device_model *m, fxs_fit_model *to, cudaStream_t stream
     return copy_model(to, m, false, stream, why);
 }
 
-/* The host's model has as many Gaussians. */
+/* Copies the masters to the host's model, which has as many Gaussians. */
 int download_masters(const device_model *m, const fxs_fit_model *to, cudaStream_t stream, fxs_message *why)
 {
     const plane_pair masters[] = {{to->masters, m->masters, FXS_FIT_PARAMETERS}};
@@ -302,7 +304,7 @@ __global__ void gather_planes(const float *from, size_t stride, float *to, const
         to[(size_t)blockIdx.y * count + i] = i < kept ? from[blockIdx.y * stride + sources[i]] : 0;
 }
 
-/* By way of `spare`, SPARE planes at a time. */
+/* Makes the planes of the next model in place, by way of `spare`, SPARE planes at a time. */
 cudaError_t rebuild_planes(float *planes, size_t stride, const uint32_t *sources, uint32_t count, uint32_t kept,
                            float *spare, cudaStream_t stream)
 {
@@ -318,7 +320,8 @@ cudaError_t rebuild_planes(float *planes, size_t stride, const uint32_t *sources
     return error;
 }
 
-/* The model of these: the first `kept` ones with Adam's moments, all with no sums of densification. There is room. */
+/* The model becomes one of these Gaussians, for which there is room: the first `kept` ones with Adam's moments, and
+   none with sums of densification. */
 cudaError_t rebuild(device_model *m, const uint32_t *sources, uint32_t count, uint32_t kept, float *spare,
                     cudaStream_t stream)
 {
@@ -333,7 +336,7 @@ cudaError_t rebuild(device_model *m, const uint32_t *sources, uint32_t count, ui
 
 /* ---- Densification ----------------------------------------------------------------------------------------------- */
 
-/* How many are not to go, and how many of those are to be cloned or split. */
+/* How many Gaussians stay, and how many of these are to be cloned or split. */
 struct fate_counts {
     uint32_t staying, grown;
 };
@@ -351,7 +354,8 @@ __global__ void find_fates(fxs_fit_model m, fxs_fit_densify d, float least_logit
     }
 }
 
-/* A gradient that is not negative to a number: the larger it is, the smaller. Those that are not wanted are last. */
+/* Keys for a sort of the Gaussians that are to be cloned or split, by their gradients, the largest first; the others
+   come last. */
 __global__ void rank_wanted(fxs_fit_model m, const uint8_t *fates, uint32_t *keys, uint32_t *indices)
 {
     const uint32_t i = gaussian_of_thread();
@@ -361,7 +365,7 @@ __global__ void rank_wanted(fxs_fit_model m, const uint8_t *fates, uint32_t *key
     indices[i] = i;
 }
 
-/* Those in the places from..end. */
+/* Changes the fates of the Gaussians in the places `from` to before `end`, for which there is no room. */
 __global__ void leave_out(fxs_fit_model m, fxs_fit_densify d, const uint32_t *indices, uint32_t from, uint32_t end,
                           uint8_t *fates)
 {
@@ -370,7 +374,7 @@ __global__ void leave_out(fxs_fit_model m, fxs_fit_densify d, const uint32_t *in
         fates[indices[k]] = fate_without_room(&m, &d, indices[k]);
 }
 
-/* How many a Gaussian becomes: itself, in the upper half, and new ones. */
+/* How many Gaussians each one becomes: in the upper half 1 where it stays, in the lower one how many are new. */
 __global__ void count_next(const uint8_t *fates, uint32_t count, uint64_t *numbers)
 {
     const uint32_t i = gaussian_of_thread();
@@ -401,7 +405,7 @@ __global__ void set_children(fxs_fit_model m, fxs_fit_densify d, const uint8_t *
         set_child(&m, i, d.seed, d.step, i);
 }
 
-/* Memory of a densification of `count` to `next`. */
+/* Device memory of a densification. */
 struct densify_memory {
     fate_counts *counts;
     uint64_t *sums;
@@ -412,7 +416,7 @@ struct densify_memory {
     size_t scratch_bytes;
 };
 
-/* What is needed to find the fates. Returns the bytes, also for memory null. */
+/* Cuts up memory for finding the fates. Returns the bytes, also where memory is null. */
 uint64_t cut_fates(densify_memory *d, void *memory, uint32_t count)
 {
     unsigned char *at = (unsigned char *)memory;
@@ -428,7 +432,7 @@ uint64_t cut_fates(densify_memory *d, void *memory, uint32_t count)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* What is needed to make the next model. */
+/* The same for making the next model. */
 uint64_t cut_next(densify_memory *d, void *memory, uint32_t next)
 {
     unsigned char *at = (unsigned char *)memory;
@@ -438,7 +442,8 @@ uint64_t cut_next(densify_memory *d, void *memory, uint32_t next)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* Of those that are to be cloned and split, the `room` of the largest gradients are; of equal ones, the first. */
+/* Of the Gaussians that are to be cloned or split, only as many are as there is room for: the ones with the largest
+   gradients, and of equal ones the first. */
 int limit(const fxs_fit_model *m, const fxs_fit_densify *how, densify_memory *d, uint32_t grown, uint32_t room,
           cudaStream_t stream, fxs_message *why)
 {
@@ -449,7 +454,7 @@ int limit(const fxs_fit_model *m, const fxs_fit_densify *how, densify_memory *d,
     return check(why, error, cudaGetLastError());
 }
 
-/* Fates, after the limit, and their sums; *last: of all. */
+/* Finds the fates, after the limit, and their sums; *last: the sum of all. */
 int find_next(const fxs_fit_model *m, const fxs_fit_densify *how, densify_memory *d, uint64_t *last,
               cudaStream_t stream, fxs_message *why)
 {
@@ -530,7 +535,7 @@ int model_reset_opacity(device_model *m, float opacity, cudaStream_t stream, fxs
 
 /* ---- Relocation -------------------------------------------------------------------------------------------------- */
 
-/* Memory of a relocation. */
+/* Device memory of a relocation. */
 struct relocate_memory {
     uint64_t *sums, *dead;         /* of chances; of those that are dead: up to and with each */
     uint32_t *times, *sources;     /* how often each was drawn, or DEAD; of each draw, what was drawn */
@@ -550,7 +555,7 @@ uint64_t cut_relocate(relocate_memory *d, void *memory, uint32_t count)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* `dead` may be null. */
+/* Finds the chance that each Gaussian is drawn, and where `dead` is not null, which ones are dead. */
 __global__ void find_chances(fxs_fit_model m, fxs_fit_relocate r, float least_opacity, uint64_t *chances,
                              uint64_t *dead)
 {
@@ -588,7 +593,7 @@ __global__ void share_places(fxs_fit_model m, const uint32_t *times)
     forget(&m, i);
 }
 
-/* A plane a row of blocks. What is dead becomes what was drawn for it, of which none is dead. */
+/* Each dead Gaussian becomes the one that was drawn for it, which is not dead. A row of blocks has a plane. */
 __global__ void move_planes(fxs_fit_model m, const uint64_t *dead, const uint32_t *times, const uint32_t *sources)
 {
     const uint32_t i = gaussian_of_thread();
@@ -599,7 +604,7 @@ __global__ void move_planes(fxs_fit_model m, const uint64_t *dead, const uint32_
     m.means[at + i] = m.squares[at + i] = 0;
 }
 
-/* A plane a row of blocks: `added` behind the others. */
+/* Adds Gaussians behind the others. A row of blocks has a plane. */
 __global__ void add_planes(fxs_fit_model m, const uint32_t *sources, uint32_t added)
 {
     const uint32_t k = gaussian_of_thread();
@@ -610,7 +615,7 @@ __global__ void add_planes(fxs_fit_model m, const uint32_t *sources, uint32_t ad
     m.means[to] = m.squares[to] = 0;
 }
 
-/* Draws, and what was drawn shares its place with what comes there. */
+/* Draws Gaussians, and makes each that was drawn share its opacity and scale with those that come to its place. */
 cudaError_t start_draws(const fxs_fit_model *m, const fxs_fit_relocate *how, uint64_t number, uint32_t draws,
                         const relocate_memory *d, cudaStream_t stream)
 {
@@ -638,7 +643,7 @@ int move_dead(const fxs_fit_model *m, const fxs_fit_relocate *how, const relocat
     return check(why, failure, cudaGetLastError());
 }
 
-/* There is room. */
+/* Adds Gaussians, for which there is room. */
 int add(device_model *m, const fxs_fit_relocate *how, uint32_t next, const relocate_memory *d, cudaStream_t stream,
         fxs_message *why)
 {
@@ -680,13 +685,13 @@ int model_relocate(device_model *m, const fxs_fit_relocate *how, budget *taken, 
 
 /* ---- Order ------------------------------------------------------------------------------------------------------- */
 
-/* What the order is found by: the curve, and sums on the way to it. */
+/* The curve along which Gaussians are ordered, and the sums that it is found by. */
 struct order_state {
     curve of;
     double sums[3];
 };
 
-/* A block for each axis. */
+/* Finds the middle, or the spread, of the Gaussians on an axis: a block for each. */
 __global__ void __launch_bounds__(CURVE_SUMS) sum_planes(fxs_fit_model m, order_state *state, int is_spread)
 {
     __shared__ double sums[CURVE_SUMS];

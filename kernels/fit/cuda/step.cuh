@@ -1,4 +1,4 @@
-/* A step on a device: the fit's texts (port/fit) as device code, and what the kernels share. */
+/* A step of the fit on a device: the text of src/fit compiled for the device, and the memory that the kernels share. */
 #ifndef FXS_CUDA_FIT_STEP_CUH
 #define FXS_CUDA_FIT_STEP_CUH
 
@@ -11,16 +11,17 @@
 
 #include "src/fit/fit_stage.h"
 
-/* The instance of one lane: real is float, so the same operations, one by one. Compiled without contraction. */
+/* The text of src/fit for one lane: `real` is float, so the operations are the same, one by one. It is compiled without
+   contraction. */
 namespace {
 #define static static __host__ __device__
 #include "src/fit/fit_lanes.h"
 #include "src/fit/random.h"
 #include "src/fit/fit_gaussian.h"
 
-/* alpha / (1 - alpha), alpha in 2^-8..0.99, rounded as a division is, without a look at numbers that are too large or too
-   small for this: Newton's step for 1 / (1 - alpha), and one of the quotient by its rest (Markstein 1990). test_fit tries
-   all of them. */
+/* alpha / (1 - alpha), alpha in 2^-8..0.99, rounded as a division is, without a look at numbers that are too large or
+   too small for this: Newton's step for 1 / (1 - alpha), and one of the quotient by its rest (Markstein 1990). test_fit
+   tries all of them. */
 #define FXS_FIT_ODDS
 static inline float odds_of(float alpha)
 {
@@ -47,13 +48,13 @@ static inline float odds_of(float alpha)
 const uint32_t WARP = 32;
 const unsigned ALL_LANES = 0xffffffffu;
 
-/* What was in the pictures since this was cleared. */
+/* Counts of what was in the pictures, since they were last cleared. */
 struct step_seen {
     uint64_t entries;
     uint32_t visible;
 };
 
-/* Of the steps since the host last looked. */
+/* How the steps since the host last looked went. */
 struct step_status {
     uint32_t done;                 /* steps that were completed */
     uint32_t is_full;              /* 1: a step had more entries than there is room for; it and those after it change

@@ -1,4 +1,5 @@
-/* blend and back: a block of threads a tile, half a warp a block of 4x4 pixels, a thread a pixel. */
+/* blend, and back, which takes gradients from the pixels back to the splats. A block of threads has a tile, half a warp
+ * a block of 4x4 pixels, a thread a pixel. */
 #ifndef FXS_CUDA_FIT_TILE_CUH
 #define FXS_CUDA_FIT_TILE_CUH
 
@@ -11,7 +12,7 @@ const uint32_t BLEND_SPLATS = FXS_FIT_PIXELS, BACK_SPLATS = 128;  /* of a list a
 const uint32_t GROUP = HALF / 2;   /* splats of a block that a half-warp takes from pixels to sums at once */
 const uint32_t BACK_PAIRS = 512;   /* of a splat and a block that takes of it, at a time: no fewer than of 32 splats */
 
-/* Splats of a list, as their pixels need them. */
+/* Splats of a list in the form in which pixels need them. */
 template <uint32_t Splats>
 struct tile_splats {
     float4 shape[Splats];          /* ux, uy, vy, offset */
@@ -20,7 +21,7 @@ struct tile_splats {
     uint32_t words[FXS_FIT_BLOCKS][Splats / WARP];    /* for each block a bit for each splat */
 };
 
-/* Where a thread's pixel is. */
+/* The place of a thread's pixel. */
 struct tile_place {
     uint32_t block, lane;          /* of the tile; of the half-warp: the place in the block */
     float along, down;             /* from the block's first pixel */
@@ -50,7 +51,7 @@ __device__ inline uint32_t half_ballot(bool x)
     return __ballot_sync(ALL_LANES, x) >> (threadIdx.x & HALF) & 0xffffu;
 }
 
-/* A splat to the place of the thread, by find_corners of src/fit/tile.h. */
+/* Writes a splat to the thread's place, by find_corners of src/fit/tile.h. */
 template <uint32_t Splats>
 __device__ inline void keep_splat(tile_splats<Splats> *to, const fxs_fit_splat &s, const tile_place &p)
 {
@@ -117,13 +118,13 @@ __device__ inline uint32_t list_splats(const tile_splats<Splats> *of, const tile
     return count;
 }
 
-/* The more of both half-warps. */
+/* The larger of the counts of both half-warps. */
 __device__ inline uint32_t most_of_halves(uint32_t count)
 {
     return max(count, __shfl_xor_sync(ALL_LANES, count, HALF));
 }
 
-/* So that beyond the end of a list there is always the number of a splat that is, or was, there. */
+/* Clears lists, so that beyond a list's end there always is the number of some splat. */
 template <uint32_t Splats>
 __device__ inline void clear_lists(uint8_t lists[FXS_FIT_BLOCKS][Splats])
 {
@@ -153,7 +154,7 @@ struct blend_pixel {
     float transmittance, red, green, blue;
 };
 
-/* Returns whether it takes of the splat. */
+/* Blends a splat into the thread's pixel. Returns whether the pixel takes any of it. */
 __device__ inline bool blend_splat(const blend_shared *s, uint32_t splat, const tile_place &p, bool is_left,
                                    blend_pixel *pixel)
 {
@@ -169,7 +170,8 @@ __device__ inline bool blend_splat(const blend_shared *s, uint32_t splat, const 
     return takes;
 }
 
-/* Of a list's 32 splats, the bits of those that the thread's pixel took of: the block took of them. */
+/* taken: a bit for each of a list's 32 splats that the thread's pixel took some of. Notes the ones that any pixel of
+   the block did. */
 __device__ inline void note_taken(blend_shared *s, const uint8_t *list, const tile_place &p, uint32_t taken)
 {
     for (uint32_t apart = HALF / 2; apart; apart /= 2)
@@ -179,7 +181,7 @@ __device__ inline void note_taken(blend_shared *s, const uint8_t *list, const ti
             atomicOr(&s->taken[list[i]], 1u << p.block);
 }
 
-/* The batch's splats that a half-warp's block may touch. */
+/* Blends the splats of a batch that may touch the half-warp's block. */
 __device__ inline void blend_batch(blend_shared *s, const tile_place &p, blend_pixel *pixel)
 {
     uint8_t *list = s->lists[p.block];
@@ -240,7 +242,7 @@ blend_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera, float
     }
 }
 
-/* So much of shared memory that a kernel has to ask for it. */
+/* Asks for more shared memory than a kernel has unasked. */
 template <class Kernel>
 cudaError_t allow_shared(Kernel kernel, size_t bytes)
 {
@@ -270,13 +272,13 @@ struct back_shared : tile_splats<BACK_SPLATS> {
     float sums[BACK_PAIRS][FXS_FIT_SUMS];
 };
 
-/* What has passed of a pixel, and its gradient. */
+/* A pixel on the way back through its splats, and its gradient. */
 struct back_pixel {
     passed_pixel passed;
     float red, green, blue;
 };
 
-/* h and the weight. */
+/* Takes the thread's pixel back by a splat. Returns h and the weight. */
 __device__ inline float2 pass_pixel(const back_shared *s, uint32_t splat, const tile_place &p, bool is_left,
                                     back_pixel *pixel)
 {
@@ -318,7 +320,7 @@ __device__ inline back_lane begin_lane(const back_shared *s, const tile_place &p
     return l;
 }
 
-/* What the splat has of the lane's n-th place. */
+/* The terms of the splat's sums at the lane's n-th place. */
 __device__ inline void find_sums(const back_lane &l, int n, float sums[FXS_FIT_SUMS])
 {
     const uint32_t place = 2 * (uint32_t)n + l.parity;

@@ -1,4 +1,4 @@
-/* update: Gaussians' sums over their tiles, the gradients of their parameters, and a step of Adam by them. */
+/* update: each Gaussian's sums over its tiles become the gradients of its parameters, with which Adam takes a step. */
 #ifndef FXS_CUDA_FIT_UPDATE_CUH
 #define FXS_CUDA_FIT_UPDATE_CUH
 
@@ -6,7 +6,7 @@
 
 namespace {
 
-/* A block's Gaussians are a part of stage.h. */
+/* The Gaussians of a block are a part of src/fit/fit_stage.h. */
 inline uint32_t part_count(const device_model *m)
 {
     return (m->count + FXS_FIT_PART - 1) / FXS_FIT_PART;
@@ -19,7 +19,7 @@ const uint32_t GATHER_THREADS = GATHERED * FXS_FIT_SUMS;
 const uint32_t FEW_TILES = 16;     /* of a Gaussian whose sums its own threads add up */
 const uint32_t TILES_AT_ONCE = 64; /* of one with more, whose sums a warp fetches */
 
-/* What is beyond the last is 0, which changes no sum that begins with 0. */
+/* A sum over FEW_TILES tiles at most. Behind the last one 0 is added, which changes no sum that begins with 0. */
 __device__ inline float sum_few(const float *sums, uint32_t tiles)
 {
     float numbers[FEW_TILES], total = 0;
@@ -32,7 +32,7 @@ __device__ inline float sum_few(const float *sums, uint32_t tiles)
     return total;
 }
 
-/* By a warp; its first FXS_FIT_SUMS lanes have a sum each. */
+/* Sums by a warp, whose first FXS_FIT_SUMS lanes have a sum each. */
 __device__ inline float sum_many(const float *sums, uint32_t tiles, float staged[TILES_AT_ONCE * FXS_FIT_SUMS])
 {
     const uint32_t lane = threadIdx.x % WARP;
@@ -53,7 +53,7 @@ __device__ inline float sum_many(const float *sums, uint32_t tiles, float staged
     return total;
 }
 
-/* A Gaussian of a block. Neighbours are often large alike, and go to different blocks, four by four. */
+/* The Gaussian of a thread. Neighbours are often alike in size, so they go to different blocks, four by four. */
 __device__ inline uint32_t gathered_by(uint32_t own)
 {
     return (own / 4 * gridDim.x + blockIdx.x) * 4 + own % 4;
@@ -101,7 +101,7 @@ cudaError_t launch_gather(const step_buffers *b, const device_model *m, float *p
 
 /* ---- Gradients --------------------------------------------------------------------------------------------------- */
 
-/* Of a Gaussian, by one view. That of SH is the basis, which hangs on the direction, times g. */
+/* The gradient of a Gaussian by one view. Its SH have the basis, which depends on the direction, times g. */
 struct view_gradient {
     real shape[FXS_FIT_SH], g[3];
     look l;
@@ -115,7 +115,8 @@ __device__ inline bool is_any(const float sums[FXS_FIT_SUMS])
     return found;
 }
 
-/* One that is not finite, or too large, is 0. `at`: the Gaussian's first parameter. */
+/* Finds the gradient of a Gaussian by a view; 0 where it is not finite, or too large. `at`: the Gaussian's first
+   parameter. */
 template <int Degree>
 __device__ inline void find_view_gradient(const fxs_fit_camera *camera, const float *at, size_t stride,
                                           const float sums[FXS_FIT_SUMS], view_gradient *out, float *by_centre)
@@ -137,7 +138,7 @@ __device__ inline void find_view_gradient(const fxs_fit_camera *camera, const fl
 
 /* ---- Adam -------------------------------------------------------------------------------------------------------- */
 
-/* Of mean opacity and mean scale. */
+/* The gradients of mean opacity and mean scale. */
 __device__ inline void add_regularisers(const fxs_fit_adam *adam, const float *at, size_t stride,
                                         real gradient[FXS_FIT_SH])
 {
@@ -159,14 +160,15 @@ __device__ inline real within_limits(real x)
     return least(most(x, -FXS_FIT_FARTHEST), FXS_FIT_FARTHEST);
 }
 
-/* Of a plane, a Gaussian's number. */
+/* A Gaussian's number in a plane. */
 __device__ inline float *number_of(float *planes, const device_model &m, int plane, uint32_t i)
 {
     return planes + (size_t)plane * m.stride + i;
 }
 
-/* Of `Count` parameters from `first` on, whose gradients gradient_of(k) says. All is read before the first is written,
-   so that much of it is under way at once; moments, which are not read again soon, make no room for themselves. */
+/* Adam's step for `Count` parameters from `first` on, whose gradients are gradient_of(k). All numbers are read before
+   the first is written, so that many reads are under way at once; moments, which are not read again soon, are not kept
+   in the cache. */
 template <int Count, class Gradient>
 __device__ inline void move_some(const fxs_fit_adam *adam, int first, const device_model &m, float *to, uint32_t i,
                                  Gradient gradient_of)
@@ -199,7 +201,7 @@ __device__ inline void move_parameters(const fxs_fit_adam *adam, int first, cons
 
 /* ---- update ------------------------------------------------------------------------------------------------------ */
 
-/* Of each view: its planes (see launch_gather). Once the sums were read, there are g and the direction. */
+/* The planes of each view (see launch_gather). Once their sums are read, g and the direction take their place. */
 enum { PLANE_G = 0, PLANE_DIRECTION = 3 };
 
 struct batch_views {

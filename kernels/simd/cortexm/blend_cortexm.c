@@ -1,5 +1,5 @@
-/* blend on Cortex-M without vectors: src/core/blend.c, of a row only the pixels from the first that a splat can reach to the
- * first behind the last one, and no row that is closed. */
+/* blend on Cortex-M without vectors. It does what src/core/blend.c does, on fewer pixels: on each row only those that
+ * the splat can reach, and none on rows whose pixels are all closed. */
 #include <fixsplat/pixel.h>
 #include "src/core/parts.h"
 #include "kernels/simd/lanes/stages.h"
@@ -126,6 +126,6 @@ FXS_BLEND(cortexm)
     for (int row = 0; row < FXS_TILE; row++)
         open[row] = FXS_TILE;
     for (uint32_t i = 0; i < count && pixels; i++)
-        if (!(entries[i] & FXS_ENTRY_FAR))
+        if (!(entries[i] & FXS_ENTRY_CUT_OFF))
             pixels -= blend_splat(tile, open, view, &splats[entries[i]], x, y);
 }

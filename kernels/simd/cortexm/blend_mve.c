@@ -1,8 +1,8 @@
-/* blend and trace in Helium. As in kernels/simd/lanes/blend.h, entries are taken in groups of 8: first it is found which of
- * them reach which patches of the tile, in vectors whose lanes are splats; then each patch is blended with those that
- * reach it, in vectors whose lanes are pixels. Here a patch is 4 columns of 2 rows, and pixel (c, r) of it lane
- * 2 c + r, as that is how instructions narrow; what all pixels of a patch share is a number in a general register; and
- * while a tile is blended, its arrays hold patch after patch. */
+/* blend and trace in Helium. As in kernels/simd/lanes/blend.h, entries are taken in groups of 8: first it is found
+ * which of them reach which patches of the tile, in vectors whose lanes are splats; then each patch is blended with
+ * those that reach it, in vectors whose lanes are pixels. Here a patch is 4 columns of 2 rows, and its pixel (c, r) is
+ * in lane 2 c + r, as that is how instructions narrow. A number that all pixels of a patch share is in a general
+ * register. While a tile is blended, its arrays hold patch after patch. */
 #include "lanes_mve.h"
 #include "src/core/parts.h"
 #include "kernels/simd/lanes/stages.h"
@@ -103,7 +103,7 @@ static inline pair take_entries(const uint32_t *entries, uint32_t left, int squa
     return (pair){(vu)at.val[0], (vu)at.val[1]};
 }
 
-/* Word i of the splats at 8 words times `at`; FXS_ENTRY_FAR has fallen off. */
+/* Word i of the splats at 8 words times `at`; FXS_ENTRY_CUT_OFF has fallen off. */
 static inline pair word_of(const fxs_splat *splats, pair at, int i)
 {
     const uint32_t *word = (const uint32_t *)(const void *)splats + i;
@@ -176,7 +176,7 @@ static __attribute__((noinline)) void set_out(group *g, const fxs_view *view, co
 {
     outline o;
     uint32_t which;
-    pair at = take_entries(entries, left, view->square, &which);
+    pair at = take_entries(entries, left, view->cutoff == FXS_CUTOFF_SQUARE, &which);
     at = (pair){at.even << 3, at.odd << 3};
     place(g, &o, view, splats, at, which, (uint32_t)y);
     place_across(g, &o, splats, at, (uint32_t)x, (uint32_t)y);

@@ -1,5 +1,5 @@
-/* resolve on Cortex-M without vectors: what displays take. A pixel that nothing touched is the background, whose bits
- * are known. */
+/* resolve on Cortex-M without vectors: to RGB565, the format of displays; the other formats are left to C. A pixel that
+ * nothing touched has the background, whose bits are found once. */
 #include "src/core/memory.h"
 #include <fixsplat/packed.h>
 #include <fixsplat/pixel.h>

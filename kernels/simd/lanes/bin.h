@@ -1,6 +1,6 @@
-/* bin, LANES splats at a time: src/core/bin.c with the same numbers, in 32 bits. First come the boxes, and the masks of
- * those that lie whole on one tile row; other splats that fit in a box wait in lists, until they fill a vector for the
- * row by row pass. */
+/* bin, LANES splats at a time: src/core/bin.c with the same numbers, in 32 bits. A first pass finds the bounding boxes
+ * of all splats, and the masks of those that lie whole on one tile row. Other splats that fit in a box wait until they
+ * fill a vector; then a second pass finds their tiles row by row. */
 #include "lanes.h"
 #include "stages.h"
 
@@ -207,7 +207,7 @@ FXS_BIN(ISA)
 {
     const job j = {view, splats, bounds, boxes};
     list lists[FXS_BOX_TILES];
-    if (view->square || count < LANES) {
+    if (view->cutoff == FXS_CUTOFF_SQUARE || count < LANES) {
         fxs_bin_c(view, splats, bounds, count, boxes);
         return;
     }
@@ -225,7 +225,7 @@ FXS_BIN(ISA)
 /* Lanes are rows of one splat. */
 FXS_SPANS(ISA)
 {
-    if (view->square || bounds->half_width_q8 > HALF_WIDTH_LIMIT_Q8) {
+    if (view->cutoff == FXS_CUTOFF_SQUARE || bounds->half_width_q8 > HALF_WIDTH_LIMIT_Q8) {
         fxs_spans_c(view, splat, bounds, row, rows, spans);
         return;
     }

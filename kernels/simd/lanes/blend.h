@@ -1,6 +1,7 @@
-/* blend and trace. A tile is cut into patches of 2 * LANES pixels: 8 columns, and ROWS rows. The entries of a list are
- * taken in groups of as many. First it is found which of a group reach which patches: in vectors whose lanes are
- * splats. Then each patch is blended with those that reach it: in vectors whose lanes are pixels. */
+/* blend, and trace, which is blend with auxiliary outputs. A tile is cut into patches of 2 * LANES pixels: 8 columns,
+ * and ROWS rows. The entries of a list are taken in groups of as many. First it is found which splats of a group reach
+ * which patches: in vectors whose lanes are splats. Then each patch is blended with the splats that reach it: in
+ * vectors whose lanes are pixels. */
 #include "src/core/memory.h"
 #include "stages.h"
 
@@ -34,14 +35,16 @@ typedef struct pixels {
     vh transmittance_q15, red_q13, green_q13, blue_q13;
 } pixels;
 
-/* What trace keeps of them beside: a patch of each array of fxs_trace. */
+/* The auxiliary outputs of a patch: its part of each array of fxs_trace. */
 typedef struct kept {
     vh depth_q15, median, weight_q15, largest, end;
 } kept;
 
-/* The splats of a group at a tile. They lie in two vectors as pack_q13 makes one of them: by their place, which is that
-   of entry 8 i + 4 j + k in lane 4 i + k of vector j. Numbers of 16 bits stand in both halves of a word, which is
-   spread faster. */
+/* The splats of a group at a tile, as vectors whose lanes are splats: two for each number, of 32 bits. pack_q13 makes
+   one vector of 16 bits of such two, and takes 4 lanes of the first and 4 of the second by turns; so that splats come
+   out in the order of their entries, the two hold them in another: entry 8 i + 4 j + k is in lane 4 i + k of vector j.
+   (place_of: LANES j + 4 i + k.) A number of 16 bits stands in both halves of its word: that way it is spread over a
+   vector faster. */
 typedef struct group {
     vu u_q24[PATCHES][2];          /* at a patch's first pixel */
     vu ux_q24[2], uy_q24[2], four_q24[2];      /* four: 4 ux */
@@ -51,7 +54,7 @@ typedef struct group {
     uint32_t reached[PATCHES];     /* which entries may have a pixel within their limit there */
 } group;
 
-/* What is needed of them only until it is found which patches they reach. */
+/* Numbers of these splats that are needed only until it is found which patches they reach. */
 typedef struct outline {
     vu u_q24[2], v_q24[2], vy_q24[2];          /* u, v: at the first pixel of a row */
     vu u_low_q24[2], u_high_q24[2];            /* how far u goes within a patch */
@@ -80,8 +83,8 @@ static inline vu twice(vi x)
 
 /* ---- Which patches a group reaches ------------------------------------------------------------------------------- */
 
-/* The slots of the next entries by place; past the end, the first again. Returns which entries there are that touch
-   something. */
+/* at[place] becomes the slot of each of the next entries; past the end of the list, that of the first again. Returns a
+   bit for each entry that is there and is not cut off. */
 static inline uint32_t take_entries(int32_t at[GROUP], const uint32_t *entries, uint32_t left, int square)
 {
     uint32_t few[GROUP], which = ~0u >> (32 - (left < GROUP ? left : GROUP));
@@ -93,11 +96,11 @@ static inline uint32_t take_entries(int32_t at[GROUP], const uint32_t *entries, 
     for (uint32_t i = 0; i < GROUP; i += 4)
         memcpy(at + place_of(i), entries + i, 4 * sizeof *entries);
     for (int j = 0; j < GROUP; j += LANES)
-        store(at + j, load(at + j) & (int32_t)~FXS_ENTRY_FAR);
+        store(at + j, load(at + j) & (int32_t)~FXS_ENTRY_CUT_OFF);
     return which;
 }
 
-/* Fills in vector j, at the tile of pixel (x, y). Returns offset. */
+/* Fills in vector j of each number, at the tile of pixel (x, y). Returns the offsets. */
 static inline vu load_places(group *g, outline *o, int j, const fxs_view *view, const fxs_splat *splats,
                              const int32_t at[LANES], int32_t x, int32_t y)
 {
@@ -168,7 +171,7 @@ static inline void set_out(group *g, const fxs_view *view, const fxs_splat *spla
 {
     outline o;
     int32_t at[GROUP];
-    uint32_t which = take_entries(at, entries, left, view->square), some = 0;
+    uint32_t which = take_entries(at, entries, left, view->cutoff == FXS_CUTOFF_SQUARE), some = 0;
     const vu first = load_places(g, &o, 0, view, splats, at, x, y);
     const vu second = load_places(g, &o, 1, view, splats, at + LANES, x, y);
     o.offset_q11 = pack_q13(first << 11, second << 11);
@@ -199,7 +202,7 @@ static inline vh alpha_of(vh level)
     return least_h(p, all_h(FXS_ALPHA_MAX_Q15));
 }
 
-/* Keeps track of a patch; t: before the entry. */
+/* Adds an entry to the auxiliary outputs of a patch; t: before the entry. */
 static inline void trace_entry(kept *k, unsigned which, int entry, int depth_q15, vh weight_q15, vh t_q15)
 {
     const vh number = all_h(entry);
@@ -216,7 +219,7 @@ static inline void trace_entry(kept *k, unsigned which, int entry, int depth_q15
     }
 }
 
-/* An entry and what a trace keeps of it; k: null without a trace, here and below. */
+/* Blends an entry into a patch. k, here and below: its auxiliary outputs, null for blend. */
 ALWAYS_INLINE void blend_entry(pixels *at, kept *k, unsigned which, const group *g, int patch, uint32_t entry,
                                int number, int depth_q15)
 {
@@ -237,7 +240,8 @@ ALWAYS_INLINE void blend_entry(pixels *at, kept *k, unsigned which, const group 
     at->blue_q13 = mul_add_cut_h(weight, (vh)spread(g->blue_q13, place), at->blue_q13);
 }
 
-/* Blends a group from entry `number` on into a patch that some reach. Returns whether it is still open. */
+/* Blends a group, whose first entry is `number`, into a patch that some of it reach. Returns whether a pixel of the
+   patch is still open. */
 ALWAYS_INLINE int blend_patch(pixels *at, kept *k, unsigned which, const group *g, int patch, uint32_t number,
                               const int16_t *depths_q15)
 {
@@ -259,7 +263,7 @@ ALWAYS_INLINE int blend_patch(pixels *at, kept *k, unsigned which, const group *
     return any_h(open_of(p.transmittance_q15));
 }
 
-/* Blends a list; depths_q15: null without a trace. */
+/* Blends a list from entry `first` to before `end`; depths_q15: null for blend. */
 ALWAYS_INLINE void blend_list(pixels patches[PATCHES], kept *k, const fxs_view *view, int32_t x, int32_t y,
                               const fxs_splat *splats, const uint32_t *entries, const int16_t *depths_q15,
                               unsigned which, uint32_t first, uint32_t end)
@@ -271,7 +275,7 @@ ALWAYS_INLINE void blend_list(pixels patches[PATCHES], kept *k, const fxs_view *
     for (uint32_t i = first; i < end && open; i += GROUP) {
         set_out(&g, view, splats, entries + i, end - i, x, y);
         for (uint32_t j = i + AHEAD; j < end && j < i + AHEAD + GROUP; j++)
-            __builtin_prefetch(&splats[entries[j] & ~FXS_ENTRY_FAR]);
+            __builtin_prefetch(&splats[entries[j] & ~FXS_ENTRY_CUT_OFF]);
         for (uint32_t rest = open; rest; rest &= rest - 1) {
             const int patch = __builtin_ctz(rest);
             if (g.reached[patch] && !blend_patch(patches + patch, k ? k + patch : 0, which, &g, patch, i,

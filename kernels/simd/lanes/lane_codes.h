@@ -1,4 +1,4 @@
-/* src/core/codes.h, LANES Gaussians at a time. */
+/* The codes of LANES Gaussians of a packed scene at a time: src/core/codes.h with the same numbers. */
 #include "src/core/codes.h"
 #include "lanes.h"
 #include "stages.h"

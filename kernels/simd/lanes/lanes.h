@@ -1,4 +1,5 @@
-/* src/include/fixsplat/fixed.h, LANES numbers at a time. Include an instruction set's operations first, as lanes_avx2.h. */
+/* The functions of src/include/fixsplat/fixed.h, on LANES numbers at a time. An instruction set's operations, such as
+ * lanes_avx2.h, are to be included first. */
 #ifndef FXS_LANES_H
 #define FXS_LANES_H
 

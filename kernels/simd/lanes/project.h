@@ -1,7 +1,7 @@
 /* project, LANES Gaussians at a time: src/core/project.c with the same numbers in the same order, in two passes over a
  * chunk. The first finds the centres and drops what is behind the camera or off the picture; the second shapes what is
- * left, without gaps. A chunk with a veil is left to C, as they are rare, and so is the square cut-off, which is there
- * to be measured. */
+ * left, without gaps. Two things are left to the C version: chunks with a veil, which are rare, and the square cut-off,
+ * which is there for comparison only. */
 #include "lane_codes.h"
 
 #ifndef AT_ONCE                    /* Gaussians to a pass: less than a chunk where the stack is small */
@@ -404,6 +404,6 @@ static __attribute__((noinline)) int32_t project_chunk(const fxs_view *view, con
 FXS_PROJECT(ISA)
 {
     const outputs out = {splats, bounds, indices, depths, 0};
-    const int32_t count = view->square ? LEFT_TO_C : project_chunk(view, scene, chunk, out);
+    const int32_t count = view->cutoff == FXS_CUTOFF_SQUARE ? LEFT_TO_C : project_chunk(view, scene, chunk, out);
     return count == LEFT_TO_C ? fxs_project_c(view, scene, chunk, splats, bounds, indices, depths) : count;
 }

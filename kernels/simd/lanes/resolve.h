@@ -1,4 +1,5 @@
-/* resolve, 2 * LANES pixels at a time: (255 c + 2^12) >> 13 is the rounding product with 4 * 255. */
+/* resolve, 2 * LANES pixels at a time. A colour of Q13 as 8 bits, (255 c + 2^12) >> 13, is the rounding product with 4
+ * * 255 that blend uses too, (4 * 255 c + 2^14) >> 15. */
 #include "src/core/memory.h"
 #include "stages.h"
 

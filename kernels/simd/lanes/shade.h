@@ -1,5 +1,5 @@
-/* shade, PARTS vectors of neighbours in a chunk at a time, whether visible or not: src/core/shade.c with the same numbers in
- * the same order. The colours of those that are visible go to their splats. */
+/* shade, on PARTS vectors of Gaussians at a time: src/core/shade.c with the same numbers in the same order. Neighbours
+ * in a chunk are shaded together, whether visible or not; the colours of those that are visible go to their splats. */
 #include "lane_codes.h"
 
 #define GROUP (PARTS * LANES)

@@ -1,5 +1,5 @@
-/* The versions of the stages by their names, as fxs_blend_avx2: FXS_BLEND(avx2) stands before a body or a semicolon.
-   Each does what src/include/fixsplat/stage.h says of the C version. */
+/* How the versions of the stages are declared: FXS_BLEND(avx2) is the head of fxs_blend_avx2, to stand before a body or
+   a semicolon. Each gives the same results as the C version, of which src/include/fixsplat/stage.h has the head. */
 #ifndef FXS_STAGES_H
 #define FXS_STAGES_H
 
@@ -28,5 +28,15 @@
     fxs_tile *tile, fxs_trace *trace)
 #define FXS_RESOLVE(isa) void FXS_STAGE_OF(resolve, isa)(const fxs_options *options, enum fxs_format format, \
     const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels, ptrdiff_t stride)
+
+/* Tables of these: X(head, stage that it belongs to, its name in fxs_kernels, isa). The first is of the functions that
+   the headers of this folder have for every instruction set with vectors. */
+#define FXS_VECTOR_STAGES(X, isa) \
+    X(FXS_PROJECT, FXS_PROJECT, project, isa) X(FXS_SHADE, FXS_SHADE, shade, isa) \
+    X(FXS_BIN, FXS_BIN, bin, isa) X(FXS_SPANS, FXS_BIN, spans, isa) X(FXS_NOTE, FXS_BIN, note, isa) \
+    X(FXS_LIST, FXS_BIN, list, isa) X(FXS_BLEND, FXS_BLEND, blend, isa) X(FXS_TRACE, FXS_BLEND, trace, isa)
+#define FXS_SORT_STAGE(X, isa) X(FXS_SORT, FXS_SORT, sort, isa)
+#define FXS_BLEND_STAGE(X, isa) X(FXS_BLEND, FXS_BLEND, blend, isa)
+#define FXS_RESOLVE_STAGE(X, isa) X(FXS_RESOLVE, FXS_RESOLVE, resolve, isa)
 
 #endif

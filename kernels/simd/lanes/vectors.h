@@ -1,5 +1,6 @@
-/* Vectors of LANES numbers, as GCC and clang have them: + - * & | ~ and shifts by a constant need no name. What else
- * the stages need of an instruction set is its header (kernels/simd/x86/lanes_avx2.h and so on), which defines first
+/* Vectors of LANES numbers, as GCC and clang have them: + - * & | ~ and shifts by a constant need no name. Other
+ * operations that the stages need are in the header of each instruction set (kernels/simd/x86/lanes_avx2.h and so on),
+ * which defines first
  *
  *   ISA      its name
  *   LANES    numbers of 32 bits in a vector: 4, 8 or 16

@@ -1,4 +1,4 @@
-/* What AVX2 and AVX-512 share, around the operations that differ. */
+/* Operations that AVX2 and AVX-512 share. V and MM: as in common.h. */
 #ifndef FXS_AVX_H
 #define FXS_AVX_H
 

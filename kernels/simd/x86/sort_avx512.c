@@ -1,5 +1,5 @@
-/* sort: keys go to buckets by the top digit of their range. Runs of buckets that fit in 8 vectors are sorted there:
- * first each lane by itself; then lanes become vectors, which are merged two by two. */
+/* sort: keys go to buckets by the top digit of their range. As many buckets at a time as fit in 8 vectors are sorted in
+ * registers: first each lane by itself; then lanes become vectors, which are merged two by two. */
 #include "lanes_avx512.h"
 #include "kernels/simd/lanes/stages.h"
 #include "src/core/memory.h"

@@ -1,4 +1,5 @@
-/* Numbers of 64 bits, and what else any vector of x86 has, around the operations that differ: include those first. */
+/* Numbers of 64 bits, and other operations that all vectors of x86 share. They are made of operations that differ,
+ * which are to be included first. */
 #ifndef FXS_X86_WIDE_H
 #define FXS_X86_WIDE_H
 
@@ -101,7 +102,8 @@ static inline vi round_shift(vi x, const int shift)
     return (x + half) >> shift;
 }
 
-/* Newton's steps as in src/include/fixsplat/fixed.h, on the low halves of 64-bit numbers: the results need no narrowing in between. */
+/* Newton's steps as in src/include/fixsplat/fixed.h, on the low halves of 64-bit numbers: the results need no narrowing
+   in between. */
 static inline vw reciprocal_step(vw m, vw y_q30)
 {
     return mul_low(y_q30, 0x80000000u - (mul_low(m, y_q30) >> 32)) >> 30;

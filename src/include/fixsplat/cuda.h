@@ -27,9 +27,14 @@ typedef struct fxs_cuda_memory {
     uint64_t total;                /* the five above */
 } fxs_cuda_memory;
 
-/* project and shade, and the lengths of the lists; the lists; sort, but of long lists; blend and resolve, and what is
-   left of the long lists, which are sorted and blended from the sort on. */
-enum fxs_cuda_stage { FXS_CUDA_PROJECT, FXS_CUDA_BIN, FXS_CUDA_SORT, FXS_CUDA_BLEND, FXS_CUDA_STAGES };
+/* The stages whose times are taken. Long lists are sorted and blended by kernels of their own, beside the last two. */
+enum fxs_cuda_stage {
+    FXS_CUDA_PROJECT,              /* project, shade and the lengths of the tiles' lists */
+    FXS_CUDA_BIN,                  /* the lists */
+    FXS_CUDA_SORT,                 /* sort, but of long lists */
+    FXS_CUDA_BLEND,                /* blend and resolve, until the long lists are done too */
+    FXS_CUDA_STAGES
+};
 
 typedef struct fxs_cuda_stats {
     uint32_t gaussians;            /* in all objects, of all frames together; so too the next two */
@@ -62,16 +67,16 @@ int fxs_cuda_create(fxs_cuda **out, int device, uint64_t max_memory, uint32_t sl
 /* Waits for what is under way and gives everything back; `cuda` may be null. */
 void fxs_cuda_destroy(fxs_cuda *cuda);
 
-/* Copies a packed scene to the device, where it stays until it is forgotten; does nothing where it is there, found by
-   the address of the fxs_scene. fxs_cuda_render does this for scenes that are not there. Errors: FXS_ERR_ARGUMENT,
-   FXS_ERR_MEMORY, FXS_ERR_DEVICE. */
+/* Copies a packed scene to the device, where it stays until it is forgotten. A scene is known by the address of its
+   fxs_scene; one that is there already is not copied again. fxs_cuda_render does this for scenes that are not there.
+   Errors: FXS_ERR_ARGUMENT, FXS_ERR_MEMORY, FXS_ERR_DEVICE. */
 int fxs_cuda_upload(fxs_cuda *cuda, const fxs_scene *scene, fxs_message *why);
 
-/* Drops a scene's copy: before its fxs_scene is another, or its bytes are. After the last one, the frames' memory is
-   given back too. */
+/* Drops a scene's copy. To be called before the fxs_scene, or the bytes that it points to, change or go away. With the
+   last scene the memory of frames is given back too. */
 void fxs_cuda_forget(fxs_cuda *cuda, const fxs_scene *scene);
 
-/* Whether stage times are taken: that puts an event between the stages. */
+/* Sets whether the times of stages are taken, which costs an event between any two. */
 void fxs_cuda_time(fxs_cuda *cuda, int on);
 
 /* Starts 1 to FXS_CUDA_BATCH frames, whose targets must not overlap, behind the work of `stream` (a cudaStream_t; null:

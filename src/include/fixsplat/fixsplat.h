@@ -91,10 +91,10 @@ typedef struct fxs_scene {
 size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries);
 
 /* Checks `bytes` bytes of a packed scene at `data` (aligned to 64; memory, a mapped file or flash) and fills *scene.
-   `data` must stay in place and unchanged as long as the scene is used; nothing is copied. Where its bytes change all
-   the same (another program writes to a mapped file), a frame is FXS_ERR_SCENE or of some bytes of before and some of
-   after, but nothing is read or written beyond the caller's memory. Memory that goes away (a mapped file is cut short:
-   SIGBUS) is for the caller to prevent, or to catch as map.h does.
+   `data` must stay in place and unchanged as long as the scene is used; nothing is copied. Where another program
+   changes the bytes nevertheless, as in a mapped file, a frame ends with FXS_ERR_SCENE or shows a mixture of the old
+   and the new bytes; in no case is anything read or written beyond the caller's memory. Memory that goes away (a mapped
+   file that is cut short: SIGBUS) is for the caller to prevent, or to catch as map.h does.
    Errors: FXS_ERR_ARGUMENT, FXS_ERR_SCENE, FXS_ERR_VERSION. */
 int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes);
 
@@ -107,8 +107,9 @@ typedef struct fxs_crop {
     int outside;                   /* 0: keeps what is inside. 1: leaves out what is inside */
 } fxs_crop;
 
-/* A packed scene placed in the world: world = translation + scale * rotation * position. SH turn with it. A Gaussian is
-   drawn where it lies in one of the boxes that keep, or there is none of these, and in none of those that leave out. */
+/* A packed scene placed in the world: world = translation + scale * rotation * position. SH turn with it. Where there
+   are crop boxes that keep what is inside, only Gaussians in at least one of them are drawn; Gaussians in a box that
+   leaves out what is inside never are. */
 typedef struct fxs_object {
     const fxs_scene *scene;        /* may be shared by any number of objects */
     int32_t rotation_q30[9];       /* object to world, by rows */
@@ -141,12 +142,18 @@ typedef struct fxs_camera {
     int64_t position_q32[3];       /* the camera's centre, world units, within +-2^28 */
     int64_t near_q32;              /* depth of the near plane, world units, 2^-20 to 2^28; 0: 0.2 */
     enum fxs_projection projection;
-    int32_t whole_width, whole_height;   /* 0, or: the picture is a window of one of this size. Its pixels are the */
-    int32_t whole_x, whole_y;            /* same then as there; its first one is (whole_x, whole_y) of that picture.
-                                            Gaussians of more than 65536 pixels, or with a centre so far out, may
-                                            differ in the last bit, and so does FXS_CUTOFF_SQUARE off its tiles */
-    int32_t hidden_x, hidden_y;          /* a part of the picture whose pixels may be left without some Gaussians: */
-    int32_t hidden_width, hidden_height; /* what touches no others is not drawn, or is. 0: none */
+
+    /* Where the picture is a window of a larger one, the whole: the size of the whole, and which of its pixels is the
+       window's first; else 0. The window has the same pixels as that part of the whole, but for the last bit of
+       Gaussians of more than 65536 pixels, or with a centre so far out; with FXS_CUTOFF_SQUARE only where whole_x and
+       whole_y are multiples of 16, as its tiles are not those of the whole otherwise. */
+    int32_t whole_width, whole_height;
+    int32_t whole_x, whole_y;
+
+    /* A part of the picture that nobody will see; width and height 0 where there is none. Its pixels may lack some of
+       the Gaussians that touch no pixel outside of it. */
+    int32_t hidden_x, hidden_y;
+    int32_t hidden_width, hidden_height;
 } fxs_camera;
 
 /* A camera at the origin that looks along z, with a field of view of 90 degrees across the width. */
@@ -154,12 +161,13 @@ void fxs_camera_init(fxs_camera *camera, int32_t width, int32_t height);
 
 enum fxs_cutoff {
     FXS_CUTOFF_MAHALANOBIS = 0,    /* a Gaussian touches a pixel where its Mahalanobis distance is at most 3 */
-    FXS_CUTOFF_SQUARE = 1          /* as in Kerbl et al. 2023: 16x16 tiles touched by a square of side 6 sigma_max */
+    FXS_CUTOFF_SQUARE = 1          /* where its tile of 16x16 pixels is touched by a square of side 6 sigma_max about
+                                      the Gaussian's centre, as in Kerbl et al. 2023 */
 };
 
-/* Whether a frame is to end early: not 0, and it ends with FXS_ERR_STOPPED. It is asked every 4096 Gaussians and every
-   macro tile of 32x32 pixels, on any thread that renders and on several at once, so it should be quick; before a GPU is
-   given a frame, it is asked once. */
+/* Returns not 0 where the frame is to end early, with FXS_ERR_STOPPED. It is asked every 4096 Gaussians and every macro
+   tile of 32x32 pixels, on any thread that renders and on several at once, so it should be quick; before a GPU is given
+   a frame, it is asked once. */
 typedef int fxs_stop_fn(void *argument);
 
 typedef struct fxs_options {
@@ -200,7 +208,8 @@ typedef struct fxs_id {
 
 #define FXS_NOTHING UINT32_MAX
 
-/* What a frame writes, any set of these, in one pass. The rest costs nothing.
+/* What a frame writes: the colour and auxiliary outputs (coverage, depths, ids), any set of them, in one pass. What is
+ * not asked for costs nothing.
  *
  * Depths are distances along the camera's z axis, in the world's units, as uint32_t times 2^depth_bits (16, where that
  * is 0): with 16, 0 to 65,535 units in steps of 15 millionths. What is farther has 2^32 - 2; a pixel without a depth
@@ -248,8 +257,8 @@ typedef struct fxs_config {
     void *clock_argument;
     fxs_draw_fn *draw;             /* null: the kernels' blend and resolve */
     void *draw_argument;
-    int draw_blended;              /* 1: draw resolves tiles that are blended already, where fxs_tile_run has them, and
-                                      is given all tiles row by row */
+    int draw_blended;              /* 1: draw is given all tiles row by row, and also takes tiles that the kernels have
+                                      blended (fxs_tile_run.blended), which it only resolves */
     int draw_unlisted;             /* 1: draw needs no tile lists, and is called once for each band of a frame */
 } fxs_config;
 
@@ -307,9 +316,10 @@ typedef struct fxs_kernels {
     void (*blend)(const struct fxs_view *view, int32_t x, int32_t y, const struct fxs_splat *splats,
                   const uint32_t *entries, uint32_t count, struct fxs_tile *tile);
 
-    /* blend over a part of a list, from entry `first` to before `end`, which is at most 32767. It goes on from the
-       tile's state and keeps track of what depths and ids are made from. depths_q15: a code for the depth of each
-       entry of the part, where a mean depth is wanted; else it may be null. */
+    /* blend with auxiliary outputs: besides the tile it fills in *trace, from which depths and ids are made. It takes a
+       part of a list, from entry `first` to before `end`, which is at most 32767, and goes on from the state in which
+       *tile and *trace are. depths_q15: a code for the depth of each entry of the part, where a mean depth is wanted;
+       else it may be null. */
     void (*trace)(const struct fxs_view *view, int32_t x, int32_t y, const struct fxs_splat *splats,
                   const uint32_t *entries, const int16_t *depths_q15, uint32_t first, uint32_t end,
                   struct fxs_tile *tile, struct fxs_trace *trace);
@@ -338,16 +348,19 @@ typedef struct fxs_frame_memory {
     size_t keys;                   /* room to sort them, as much; with draw_unlisted 8 KiB a thread */
     size_t total;                  /* the four above */
     size_t least;                  /* with less there is no frame */
-    size_t rows;                   /* of a view that was planned: with less, tile rows are drawn in slices; else 0 */
+    size_t rows;                   /* with less, tile rows of this view are drawn in slices; 0 where `total` is there */
 } fxs_frame_memory;
 
-/* The working memory with which a frame of this size is rendered at once, whatever the view, the targets and where the
-   objects are: `total`, of a splat for every Gaussian of every object. From `least` on (some 45 KB with one thread, 200
-   KB a thread with more, 24 bytes a chunk, the objects and the tiles), less memory will do: the frame is rendered in
-   bands of tile rows, whose splats fit, after a first projection that plans them. Each band takes 88 bytes for each
-   Gaussian that touches it. A tile row whose splats do not fit is drawn in slices, near to far, in a time that grows
-   with the square of their number: of colour and coverage alone, and by a back end only where it has `draw_blended`.
-   The bytes of the picture are the same.
+/* The working memory of a frame of this size. With `total` it is rendered at once, whatever the camera sees, wherever
+   the objects are and whatever is written: there is room for a splat for every Gaussian of every object. With less, but
+   at least `least`, the picture has the same bytes and takes longer. (`least` is some 45 KB with one thread, or 200 KB
+   a thread with more; and 24 bytes a chunk, the objects and the tiles.)
+     Bands   Every Gaussian is projected once more, before, to count the splats on each row of tiles. Then the frame is
+             rendered in bands, each of as many tile rows as have room for their splats: 88 bytes for each Gaussian that
+             touches the band.
+     Slices  A tile row that does not fit even by itself is drawn in slices: the nearest splats that fit, then the next
+             ones. The time grows with the square of their number. So drawn are colour and coverage alone, and by a back
+             end only where it has `draw_blended`; otherwise the frame ends with FXS_ERR_MEMORY.
    *memory may be null. Returns total; 0 where an argument is out of range, or the memory more than a size_t can
    count. */
 size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
@@ -382,23 +395,25 @@ void fxs_request_init(fxs_request *request, const fxs_object *objects, uint32_t 
 /* Renders a frame of `count` objects, 0 to FXS_MAX_OBJECTS: one order by depth over all of them, ties by object, then
    by Gaussian. One object as fxs_object_init leaves it is the scene itself. Not drawn are Gaussians whose centre is not
    beyond the camera's near plane.
-   `memory`: `memory_bytes` bytes, aligned to 64, contents undefined before and after. fxs_frame_bytes are always
-   enough; with less than their `least`, FXS_ERR_MEMORY is the answer, and with less than this view's `rows` it may be
-   where tile rows are not sliced (depths, ids, an occluder, most back ends): stats->memory.least is what it takes, in
-   the first case at least, in the second exactly, for this number of threads.
+   `memory`: `memory_bytes` bytes, aligned to 64; what they hold does not matter before, and is undefined after. As many
+   as fxs_frame_bytes returns are always enough. FXS_ERR_MEMORY has two reasons, and stats->memory.least says how much
+   would do with this number of threads. Either there is less than the `least` of fxs_frame_bytes; stats has that,
+   though this view may take more. Or a tile row of this view does not fit and cannot be drawn in slices, because of
+   depths, ids, an occluder or the back end; stats has the exact number.
    `targets`: at least one; with a back end they are passed on to it, and may be null where it needs none. Only pixels
-   are written. *stats may be null. Errors: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA, FXS_ERR_SIZE, FXS_ERR_OBJECT (also where
-   the camera is more than 2^28 of the object's units away from its origin), FXS_ERR_TARGET, FXS_ERR_MEMORY; nothing is
-   written to the targets then. FXS_ERR_SCENE, FXS_ERR_STOPPED and those of a back end; a part of the pixels may be
-   written then. */
+   are written, not what lies between rows. *stats may be null.
+   Errors after which nothing is written to the targets: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA, FXS_ERR_SIZE, FXS_ERR_OBJECT
+   (also where the camera is more than 2^28 of the object's units away from its origin), FXS_ERR_TARGET, FXS_ERR_MEMORY.
+   Errors after which a part of the pixels may be written: FXS_ERR_SCENE, FXS_ERR_STOPPED and those of a back end. */
 int fxs_render(const fxs_context *context, const fxs_object *objects, uint32_t count, const fxs_camera *camera,
                const fxs_options *options, const fxs_targets *targets, void *memory, size_t memory_bytes,
                fxs_stats *stats);
 
-/* Counts, after fxs_render and with the same arguments, what its blend stage did: pairs of pixel and Gaussian
-   evaluated (the pixel still open, of a whole tile also beyond the picture's edge, the Gaussian in its tile's list
-   and on its row) and blended (within the cut-off and at least 1/255). Renders the frame once more with the plain C
-   stages, one thread, without an occluder. Errors as fxs_render. */
+/* Counts the work of a frame's blend stage, in pairs of a pixel and a Gaussian. Called with the arguments of
+   fxs_render, it renders the frame once more, by the plain C stages and one thread, without an occluder. A pair is
+   evaluated where the Gaussian is in the list of the pixel's tile and may touch the pixel's row, and the pixel is not
+   opaque yet; pixels of a tile beyond the picture's edge count too. It is blended where the pixel is also within the
+   cut-off and alpha at least 1/255. Errors as fxs_render. */
 int fxs_count_pairs(const fxs_object *objects, uint32_t count, const fxs_camera *camera, const fxs_options *options,
                     void *memory, size_t memory_bytes, uint64_t *evaluated, uint64_t *blended);
 
@@ -420,23 +435,27 @@ int fxs_pick(const fxs_context *context, const fxs_object *objects, uint32_t cou
 
 /* ---- Stereo ---------------------------------------------------------------------------------------------------- */
 
-/* The working memory of two eyes with pictures of this size: that of fxs_frame_bytes, 72 bytes for every Gaussian and
-   384 for every object. 0 where an argument is out of range, or the memory more than a size_t can count. */
+/* The working memory of two eyes with pictures of this size: that of fxs_frame_bytes, and 72 bytes more for every
+   Gaussian and 384 for every object. 0 where an argument is out of range, or the memory more than a size_t can
+   count. */
 size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
                         int32_t height);
 
-/* Renders a frame for each of two eyes, left and right, whose pictures are of one size and projection. Each has the
-   geometry of its own camera: field of view and principal point may differ, as in a headset. Their colours are found
-   once, as seen from the point between them; so is the order, where their z axes are parallel, neither eye is ahead of
-   the other (within 2^-14) and the right one has no occluder: elsewhere each is sorted by itself. The bytes are the
-   same on every machine. Where both cameras are equal they are those of fxs_render; with eyes 2 % of the distance to
-   the scene apart, each picture is within 54 dB (PSNR) of it on the scenes measured (the tests hold 50). `exact` not
-   0: each eye has the very bytes of fxs_render, in the time of two frames.
+/* Renders a frame for each of two eyes, left and right, that share work. The two pictures have one size and projection.
+   Each eye has the geometry of its own camera: field of view and principal point may differ, as in a headset.
+   Colours are computed once for both eyes, as seen from the point between them. So is the order by depth, where both
+   cameras measure depth alike (their z axes are parallel, and neither is ahead of the other, within 2^-14) and the
+   right eye has no occluder; otherwise each eye's splats are sorted by themselves.
+   The bytes are the same on every machine. They are those of fxs_render only where both cameras are equal: with eyes
+   2 % of the distance to the scene apart, each picture has a PSNR of 54 dB or more against that of fxs_render on the
+   scenes measured (the tests hold 50). With `exact` not 0 nothing is shared: each eye has the very bytes of fxs_render,
+   in the time of two frames.
    `memory`: `memory_bytes` bytes, aligned to 64, at least fxs_stereo_bytes; with less, FXS_ERR_MEMORY, and
-   stats->memory.least is what it takes. `targets`: of the two eyes, as for fxs_render; what is written for one does not
-   overlap what the other has. *stats, which may be null, is of both eyes together; `visible` counts what either sees
-   once, or with `exact` once for each eye. Errors as fxs_render, FXS_ERR_OBJECT beyond 2^28 Gaussians (in whole
-   chunks), and FXS_ERR_SIZE where the pictures differ in size or projection; nothing is written to the targets then. */
+   stats->memory.least says how many it takes. `targets`: of the two eyes, each as for fxs_render; an image that is
+   written for one eye must not overlap an image of the other. *stats, which may be null, is of both eyes together;
+   `visible` counts a Gaussian that both eyes see once, or with `exact` once for each eye.
+   Errors: those of fxs_render; FXS_ERR_OBJECT also beyond 2^28 Gaussians (in whole chunks), and FXS_ERR_SIZE where the
+   pictures differ in size or projection; nothing is written to the targets then. */
 int fxs_render_stereo(const fxs_context *context, const fxs_object *objects, uint32_t count,
                       const fxs_camera cameras[2], const fxs_options *options, const fxs_targets targets[2], int exact,
                       void *memory, size_t memory_bytes, fxs_stats *stats);

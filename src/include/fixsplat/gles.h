@@ -44,21 +44,21 @@ void fxs_gles_free(fxs_gles *gles);
 const char *fxs_gles_renderer(const fxs_gles *gles);
 
 /* For fxs_config.draw, with the fxs_gles as argument, in a context that is the back end's own: GL state is not kept.
-   Errors: FXS_ERR_DEVICE, and FXS_ERR_MEMORY where the device has too little, after which the back end is to be made
-   anew; in another context where that one was lost. */
+   Errors: FXS_ERR_DEVICE, and FXS_ERR_MEMORY where the device has too little. After either the back end is freed and
+   made anew, in another context where that one was lost. */
 fxs_draw_fn fxs_gles_draw;
 
-/* The same bytes without lists, by a context that can read the framebuffer where it draws: splats near to far, blended
-   one by one on a framebuffer of integers. Wants fxs_config.draw_unlisted; what of the two is faster depends on device
-   and scene. Errors: those, and FXS_ERR_UNSUPPORTED where fxs_gles_no_fetch says why. */
+/* The same bytes without lists, in a context that can read the framebuffer where it draws: splats are blended near to
+   far, one by one, on a framebuffer of integers. Wants fxs_config.draw_unlisted. Which of the two is faster depends on
+   device and scene. Errors: those of fxs_gles_draw, and FXS_ERR_UNSUPPORTED where fxs_gles_no_fetch says why. */
 fxs_draw_fn fxs_gles_draw_fetch;
 
 /* Null where fxs_gles_draw_fetch can be had; else one line why not. */
 const char *fxs_gles_no_fetch(const fxs_gles *gles);
 
 /* As fxs_gles_draw, for an inexact picture: a quad for each Gaussian, back to front, blended by the hardware in half
-   floats where it can, else in 10 or 8 bits. Wants fxs_config.draw_unlisted. Errors: those, and FXS_ERR_UNSUPPORTED
-   (the picture is larger than a render target can be, or the memory cuts the frame into bands). */
+   floats where it can, else in 10 or 8 bits. Wants fxs_config.draw_unlisted. Errors: those of fxs_gles_draw, and
+   FXS_ERR_UNSUPPORTED (the picture is larger than a render target can be, or the memory cuts the frame into bands). */
 fxs_draw_fn fxs_gles_draw_quads;
 
 /* The time that the device took from the first upload to the last draw of the last frame, without reading back; 0
@@ -75,32 +75,33 @@ typedef struct fxs_gles_target {
     int fetch;                     /* 1: by fxs_gles_draw_fetch */
     int quads;                     /* 1: by fxs_gles_draw_quads, without what follows */
     int over;                      /* 1: over what is in the framebuffer, blended as premultiplied colours are (GL_ONE,
-                                      GL_ONE_MINUS_SRC_ALPHA): `format` is RGBA8_COVERAGE. The picture's bytes are those
-                                      of every device, the rounding of their sums is this one's */
+                                      GL_ONE_MINUS_SRC_ALPHA); `format` is RGBA8_COVERAGE. The picture has the same
+                                      bytes on every device, but the device rounds the sums */
 
     /* What the caller has drawn: names of textures as large as the picture, with its lowest row first as it is in the
        framebuffer, or 0. No filter but GL_NEAREST. */
     uint32_t occluder;             /* GL_R32UI, as the occluder of fxs_targets: the same bytes everywhere */
     int depth_bits;                /* of that, or of what depth_buffer is turned to; 0: 16 */
-    uint32_t depth_buffer;         /* in place of occluder: GL_DEPTH_COMPONENT of a perspective. Made depths in floats, so
-                                      the last bits are the device's */
-    float plane_0, plane_1;        /* distances of what has 0 and 1 in it, world units; either way round, and the farther
-                                      one, which hides nothing, may be infinite */
+    uint32_t depth_buffer;         /* in place of occluder: GL_DEPTH_COMPONENT of a perspective. It is turned to depths
+                                      in floats, so their last bits depend on the device */
+    float plane_0, plane_1;        /* the distances that 0 and 1 stand for in it, world units. Either may be the farther
+                                      one, which hides nothing and may be infinite */
     uint32_t backdrop;             /* GL_RGBA8: in place of the background; not the framebuffer's own texture */
 } fxs_gles_target;
 
 /* The context's own framebuffer at its corner, RGBA8, rows from the top; nothing else. */
 void fxs_gles_target_init(fxs_gles_target *target);
 
-/* Renders a frame (arguments and errors as fxs_render) into a target, in the caller's context. The GL state is left as
-   it was, but for a GL error that was pending. Of that state, these do not count for the frame: blending, culling, depth
-   and stencil tests, dithering, rasterizer discard, alpha to coverage, scissor, viewport, colour mask, bindings, and how
-   pixels are unpacked. Depth and stencil buffers are neither read nor written. Transform feedback must not be active. An occlusion query that is active
-   counts this draw too. `context` says how the stages before run; its draw is not used. Errors also: FXS_ERR_TARGET
-   (both an occluder and a depth buffer, planes or depth_bits out of range, a backdrop with RGBA8_COVERAGE, `over`
-   without it),
-   FXS_ERR_UNSUPPORTED (another format, a picture larger than the device's textures, `fetch` where fxs_gles_no_fetch
-   says why not, `quads` with `fetch`, an occluder, a backdrop or `over`), FXS_ERR_DEVICE, FXS_ERR_MEMORY (the device's). */
+/* Renders a frame (arguments and errors as fxs_render) into a target, in the caller's context. `context` says how the
+   stages before blend run; its draw is not used. The GL state is left as it was, but for a GL error that was pending.
+   The frame does not depend on blending, culling, depth and stencil tests, dithering, rasterizer discard, alpha to
+   coverage, scissor, viewport, colour mask, bindings, and how pixels are unpacked. Depth and stencil buffers are
+   neither read nor written. Transform feedback must not be active. An occlusion query that is active counts this draw
+   too.
+   Further errors: FXS_ERR_TARGET (both an occluder and a depth buffer, planes or depth_bits out of range, a
+   backdrop with RGBA8_COVERAGE, `over` without it), FXS_ERR_UNSUPPORTED (another format, a picture larger than the
+   device's textures, `fetch` where fxs_gles_no_fetch says why not, `quads` with `fetch`, an occluder, a backdrop or
+   `over`), FXS_ERR_DEVICE, FXS_ERR_MEMORY (the device's). */
 int fxs_gles_render(fxs_gles *gles, const fxs_context *context, const fxs_object *objects, uint32_t count,
                     const fxs_camera *camera, const fxs_options *options, const fxs_gles_target *target, void *memory,
                     size_t memory_bytes, fxs_stats *stats);

@@ -1,4 +1,5 @@
-/* Faster versions of the stages, chosen at run time. This folder can be deleted: src/ renders without it. */
+/* Faster versions of the stages, for the instruction sets of several processors, chosen at run time. The renderer does
+   not need them: fxs_init fills in the plain C versions, which give the same bytes. */
 #ifndef FXS_KERNELS_H
 #define FXS_KERNELS_H
 
@@ -24,7 +25,8 @@ unsigned fxs_cpu_detect(void);
 /* The name of one flag, as in "avx2"; null for any other value. */
 const char *fxs_cpu_name(unsigned flag);
 
-/* Overwrites the stages of *kernels that have a version for one of the instruction sets in `cpu`, the best last. */
+/* Replaces the functions of *kernels by the best versions that there are for the instruction sets in `cpu` (of enum
+   fxs_cpu, or'ed), as far as this processor has them. */
 void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu);
 
 #ifdef __cplusplus

@@ -1,6 +1,6 @@
 /* What one Gaussian does to one pixel. Compiled as C99, CUDA C and GLSL ES 3.00, so: one integer type of 32 bits, no
- * division, no pointers, every intermediate under 2^31. FXS_FN stands before its functions: `static inline`, where it is
- * not defined before (GLSL: as nothing).
+ * division, no pointers, every intermediate under 2^31. FXS_FN stands before its functions: `static inline`, where it
+ * is not defined before (GLSL: as nothing).
  *
  * A splat comes in whitened coordinates (u, v): distance^2 = u^2 + v^2, v constant on a row. Its opacity is folded in
  * as offset = -2 ln(opacity), so that level = distance^2 + offset = -2 ln(alpha), and one limit on the level, min(9 +

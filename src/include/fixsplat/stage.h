@@ -1,5 +1,5 @@
-/* What the stages of a frame hand to each other: for kernels and back ends. Not stable: it may change with every
-   version. */
+/* The records that the stages of a frame (src/core/frame.c) hand to each other, for faster versions of the stages and
+   for back ends. Not stable: it may change with every version. */
 #ifndef FXS_STAGE_H
 #define FXS_STAGE_H
 
@@ -21,10 +21,13 @@ extern "C" {
 #define FXS_TILE 16
 #define FXS_TILE_PIXELS (FXS_TILE * FXS_TILE)
 
-/* In a tile list, with the square cut-off: the tile is in the square, the ellipse does not touch it. */
-#define FXS_ENTRY_FAR 0x80000000u
-/* Whitened coordinate of the corner of such a tile: over the tile it stays beyond +-4 and within +-128. */
-#define FXS_FAR_Q24 (70 << 24)
+/* A bit of a list's entries, set with FXS_CUTOFF_SQUARE alone. The square lists a splat in tiles that its ellipse does
+   not touch. It adds nothing there, and its u and v, which are right modulo 2^32 only where the ellipse is, may come
+   out as if it did. So such an entry is marked as cut off, and does without them. */
+#define FXS_ENTRY_CUT_OFF 0x80000000u
+/* What the C version of blend takes for the u and v of such an entry at the tile's corner: over the whole tile, where
+   each changes by at most 40.3, they stay beyond +-4, where nothing is drawn, and within +-128, where Q24 ends. */
+#define FXS_CUT_OFF_Q24 (70 << 24)
 
 /* A camera made ready for the stages, in the world or in the space of an object. */
 typedef struct fxs_view {
@@ -46,7 +49,7 @@ typedef struct fxs_view {
     int32_t cut_q11;               /* for fxs_limit_q11 */
     int32_t offset_q11;            /* of an object: -2 ln(opacity factor), at most FXS_FAINT_Q11 + 1 */
     int sh_degree, antialiased;    /* of an object's scene */
-    int square;                    /* the square cut-off */
+    enum fxs_cutoff cutoff;
     int orthographic;              /* 1: all is projected as if z were 2^plane_exponent */
     int32_t plane_exponent;
 } fxs_view;
@@ -67,7 +70,7 @@ typedef struct fxs_bounds {
     uint32_t breadth_q8;           /* sqrt(A - B^2 / C), pixels */
     int32_t shear_q8;              /* B / sqrt(C) */
     uint32_t half_width_q8;        /* r sqrt(A), plus 1/256 of it and 1/8 pixel */
-    uint32_t radius;               /* square cut-off: ceil(3 sigma_max), pixels; else 0 */
+    uint32_t square_radius;        /* of FXS_CUTOFF_SQUARE: half a side, ceil(3 sigma_max) pixels; else 0 */
 } fxs_bounds;
 
 #define FXS_CENTRE_LIMIT_Q14 (1 << 30)           /* 65536 pixels */
@@ -78,8 +81,9 @@ typedef struct fxs_span {
     int32_t first, last;
 } fxs_span;
 
-#define FXS_SPANS_MORE 15          /* that the versions of `spans` may write beyond those asked for, */
-#define FXS_NOTES_MORE 15          /* and those of `note` */
+/* How many more than they are asked for versions of `spans` and of `note` may write, as they write whole vectors. */
+#define FXS_SPANS_MORE 15
+#define FXS_NOTES_MORE 15
 
 /* Lists are made for macro tiles of 2x2 tiles. Bit 2 r + c of a mask stands for the tile in row r and column c. */
 #define FXS_MACRO 2
@@ -117,8 +121,9 @@ typedef struct fxs_tile {
     int16_t sum_q13[3][FXS_TILE_PIXELS];
 } fxs_tile;
 
-/* What `trace` keeps of a tile's pixels: of these arrays those that `which` names. Places are those of entries in the
-   list that it is given. */
+/* The auxiliary outputs of a tile while it is blended by `trace`: numbers for each pixel, from which its depths and id
+   are made. `which` says which of the arrays are wanted. An entry is named by its place in the list that `trace` is
+   given. */
 enum { FXS_TRACE_MEAN = 1, FXS_TRACE_MEDIAN = 2, FXS_TRACE_ID = 4, FXS_TRACE_END = 8 };
 
 typedef struct fxs_trace {
@@ -132,9 +137,9 @@ typedef struct fxs_trace {
 
 #define FXS_HALF_Q15 16384         /* transmittance */
 
-/* A run of tiles, first to last, ready to be drawn by a back end: of one tile row, or of whole tile rows but for the
-   first tiles and the last. Tile t's list is counts[t] entries that end before entries[ends[t]]. Without lists
-   (draw_unlisted) entries, ends and counts are null, and keys are those of all that touches the tiles. */
+/* Tiles for a back end to draw: first_tile to last_tile as the picture has them, row by row, so that the run may begin
+   and end within a row. Tile t's list is counts[t] entries that end before entries[ends[t]]. Without lists
+   (draw_unlisted) entries, ends and counts are null, and `keys` has every splat that touches the tiles. */
 typedef struct fxs_tile_run {
     const fxs_config *config;
     const fxs_view *view;          /* of the world */
@@ -162,7 +167,7 @@ static inline int fxs_is_premultiplied(enum fxs_format format)
     return format == FXS_FORMAT_RGBA8_COVERAGE || format == FXS_FORMAT_RGBA16_COVERAGE;
 }
 
-/* A background that resolve adds, of 8 bits. */
+/* A background of 8 bits, as resolve adds it. */
 static inline int fxs_background_q13(int background)
 {
     return (background * 8192 + 127) / 255;
@@ -174,8 +179,9 @@ static inline uint16_t fxs_rgb565(int r, int g, int b)
     return (uint16_t)((r * 31 + 127) / 255 << 11 | (g * 63 + 127) / 255 << 5 | (b * 31 + 127) / 255);
 }
 
-/* Depths as keys, which sort as they do: floor(log2 z), -32 to 31, plus 32 in 6 bits, then 26 bits behind the leading
-   one. What is nearer than 2^-32 is 0; what is farther than 2^32, and FXS_NOTHING of a target, the largest. */
+/* A depth of a target as a depth key. Keys are in the same order as depths z: floor(log2 z), -32 to 31, plus 32 in 6
+   bits, then the 26 bits behind the leading one. What is nearer than 2^-32 has the key 0; what is farther than 2^32,
+   and FXS_NOTHING of a target, the largest. */
 static inline uint32_t fxs_depth_key(uint32_t depth, int bits)
 {
     const int zeros = fxs_clz32(depth | 1);
@@ -183,7 +189,7 @@ static inline uint32_t fxs_depth_key(uint32_t depth, int bits)
            : !depth ? 0 : (uint32_t)(63 - zeros - bits) << 26 | ((depth << zeros) >> 5 & 0x3ffffff);
 }
 
-/* The other way round, rounded down. */
+/* A depth key as a depth of a target, rounded down. */
 static inline uint32_t fxs_depth_of_key(uint32_t key, int bits)
 {
     const int shift = (int)(key >> 26) - 32 + bits - 26;
@@ -191,18 +197,19 @@ static inline uint32_t fxs_depth_of_key(uint32_t key, int bits)
     return shift > 5 ? FXS_NOTHING - 1 : shift >= 0 ? mantissa << shift : shift > -32 ? mantissa >> -shift : 0;
 }
 
-/* The mean depth of a pixel is made from sums with FXS_DEPTH_GUARD bits below a unit of the target. A Gaussian at
-   2^octave (1 + code), of weight w, adds w + fxs_mul_q15(w, code) times 2^shift: the same whatever is summed first. */
+/* The mean depth of a pixel is made from sums with FXS_DEPTH_GUARD bits below a unit of the target. A Gaussian at depth
+   2^octave (1 + code), of weight w, adds w + fxs_mul_q15(w, code) times 2^shift: integers, so their order does not
+   matter. */
 #define FXS_DEPTH_GUARD 8
 
-/* How far behind its octave a key is, 0 to 1. */
+/* The code of a depth key: how far into its octave it is, 0 to 1. */
 static inline int fxs_depth_code_q15(uint32_t key)
 {
     return fxs_min((int)(((key & 0x3ffffff) + 1024) >> 11), 32767);
 }
 
-/* A sum of Gaussians in one octave, that of `key`, in units of the target. Depths beyond its range have the least
-   beyond; those below 2^-FXS_DEPTH_GUARD units count as 0. */
+/* The sum of Gaussians that are in one octave, that of `key`, in units of the target. Depths beyond the target's range
+   count as the least depth beyond; those below 2^-FXS_DEPTH_GUARD units as 0. */
 static inline uint64_t fxs_depth_sum(uint32_t sum_q15, uint32_t key, int bits)
 {
     const int shift = fxs_min((int)(key >> 26) - 32 + bits, 32) + FXS_DEPTH_GUARD;
@@ -245,7 +252,7 @@ void fxs_resolve_c(const fxs_options *options, enum fxs_format format, const fxs
 void fxs_resolve_colour(const fxs_kernels *kernels, const fxs_options *options, enum fxs_format format,
                         const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels, ptrdiff_t stride);
 
-/* fxs_blend_c that counts: see fxs_count_pairs. */
+/* fxs_blend_c, and adds to *evaluated and *blended the pairs that fxs_count_pairs counts. */
 void fxs_blend_count(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
                      uint32_t count, fxs_tile *tile, uint64_t *evaluated, uint64_t *blended);
 

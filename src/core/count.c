@@ -1,0 +1,36 @@
+/* fxs_count_pairs: a frame whose tiles are blended by a version of blend that counts. */
+#include "parts.h"
+
+typedef struct counting {
+    fxs_frame frame;               /* first, as count_tile is given it */
+    uint64_t evaluated, blended;
+} counting;
+
+static void count_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)
+{
+    counting *c = (counting *)(void *)f;
+    fxs_tile pixels;
+    int32_t x, y;
+    (void)laps;
+    fxs_tile_origin(f, tile, &x, &y);
+    fxs_blend_count(&f->eye->view, x, y, f->eye->splats, list->entries, list->count, &pixels, &c->evaluated,
+                    &c->blended);
+}
+
+int fxs_count_pairs(const fxs_object *objects, uint32_t count, const fxs_camera *camera, const fxs_options *options,
+                    void *memory, size_t memory_bytes, uint64_t *evaluated, uint64_t *blended)
+{
+    counting c = {.evaluated = 0, .blended = 0};
+    fxs_context context;
+    fxs_init(&context, 0);
+    if (!evaluated || !blended)
+        return FXS_ERR_ARGUMENT;
+    int error = fxs_frame_init(&c.frame, &context, objects, count, camera, options, 0, memory, memory_bytes);
+    if (error)
+        return error;
+    c.frame.draw_tile = count_tile;
+    error = fxs_frame_render(&c.frame);
+    *evaluated = c.evaluated;
+    *blended = c.blended;
+    return error;
+}
