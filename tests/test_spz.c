@@ -222,18 +222,6 @@ static void faulty_extensions(void)
         check_fails("the gzip stream has more bytes than the header asks for");
 }
 
-static void truncated(void)
-{
-    for (int container = PLAIN; container < CONTAINERS; container++) {
-        fill(container == ZSTD ? 4 : 3, 1);
-        if (!make(container))
-            continue;
-        for (size_t length = 0; length < size; length++)
-            check_cut_fails(length, "");
-        reads(COUNT);
-    }
-}
-
 static void one_byte_more(void)
 {
     fill(3, 1);
@@ -643,7 +631,6 @@ int main(void)
     RUN(antialiased);
     RUN(coordinate_systems);
     RUN(faulty_extensions);
-    RUN(truncated);
     RUN(one_byte_more);
     RUN(faulty_headers);
     RUN(empty_scene);
