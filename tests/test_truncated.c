@@ -250,7 +250,7 @@ static void *file_of(const char *name, size_t *length)
 
 static void make_fxs(void)
 {
-    packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 1, 300, 1);
+    packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 1, 40, 1);
     CHECK(!packed_scene_finish(&s) && !fxs_file_write(in_folder("made.fxs"), s.data, s.bytes, &message));
     free(s.data);
     add_file_of(in_folder("made.fxs"), "a.fxs");
@@ -513,6 +513,7 @@ static const struct row {
 #endif
     {"packed scene", make_fxs, read_packed, of_packed},
     {"fxs", make_fxs, read_fxs, any_fault},
+    {"fxs as a scene", make_fxs, read_scene, any_fault},
     {"cameras of COLMAP", make_colmap, read_cameras, of_colmap},
     {"photographs", make_photos, read_photos, of_colmap},
     {"ppm", make_image_ppm, read_image, any_fault},
