@@ -5,8 +5,8 @@ SCRIPTS := $(notdir $(wildcard tests/scripts/*.sh))
 GATES := $(notdir $(wildcard tests/gates/*.sh))
 
 # These take long, the longest first, and start first; `make check` leaves them and the other scripts to `make test`.
-LONG := web.sh page.sh webgl.sh test_quality processors.sh fuzz.sh threads_and_cpus.sh cli.sh test_pack test_gles build.sh \
-        xr.sh matrix.sh fit_same.sh test_fit_steps test_bands
+LONG := web.sh page.sh webgl.sh test_quality processors.sh fuzz.sh threads_and_cpus.sh cli.sh test_pack test_gles \
+        build.sh xr.sh matrix.sh fit_same.sh test_fit_steps test_bands
 # These wait for a window, or measure: one at a time, at the end.
 ALONE := window.sh web_speed.sh
 CHECKED := $(filter-out $(LONG),$(TESTS) $(GATES))

@@ -71,13 +71,19 @@ static inline void put_floats(int count)
 
 /* ---- One file -------------------------------------------------------------------------------------------------- */
 
-static inline void make_ply(void)
+/* The header of a .ply but for its end: 14 floats a Gaussian, behind another property where one is given. */
+static inline void put_ply_header(const char *encoding, const char *before)
 {
     static const char *const names[] = {"x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",
                                         "rot_3", "opacity", "f_dc_0", "f_dc_1", "f_dc_2"};
-    put("ply\nformat binary_little_endian 1.0\nelement vertex %d\n", GAUSSIANS);
+    put("ply\nformat %s 1.0\nelement vertex %d\n%s", encoding, GAUSSIANS, before);
     for (int i = 0; i < 14; i++)
         put("property float %s\n", names[i]);
+}
+
+static inline void make_ply(void)
+{
+    put_ply_header("binary_little_endian", "");
     put("end_header\n");
     put_floats(14 * GAUSSIANS);
     add_file("a.ply");

@@ -74,8 +74,8 @@ function find_ways(code, starts,    at, end, number) {
     if (end)
         way("condition", at, end - at + 1, "(!" substr(text, at, end - at + 1) ")")
     at = match(code, /[^ ]/)
-    if (starts && code ~ /;$/ &&
-        code ~ /^ +([^ ]+ ([-+*\/|&^]|<<|>>)?= |[a-z_0-9]+\(|[^ ]+(\+\+|--);)/ && code !~ /^ +(return|if|for|while|else|do)[ (]/)
+    if (starts && code ~ /^ +([^ ]+ ([-+*\/|&^]|<<|>>)?= |[a-z_0-9]+\(|[^ ]+(\+\+|--);)/ && code ~ /;$/ &&
+        code !~ /^ +(return|if|for|while|else|do)[ (]/)
         way("statement", at, length(code) - at + 1, ";")
     if (match(code, /return [^;]+;/) && substr(code, RSTART, RLENGTH) != "return 0;")
         way("return", RSTART, RLENGTH, "return 0;")

@@ -18,8 +18,8 @@ case $(uname -m) in x86_64) simd=x86 ;; *) simd=arm ;; esac
 
 # draw: the changes, one a line.
 draw() {
-    find src kernels/*.[ch] kernels/gles kernels/fit kernels/simd/lanes kernels/simd/$simd port/backend port/board/*.[ch] \
-        tools -name '*.[ch]' -o -name '*.inc' | grep -v cuda | grep -E -- "$pattern" | LC_ALL=C sort |
+    find src kernels/*.[ch] kernels/gles kernels/fit kernels/simd/lanes kernels/simd/$simd port/backend \
+        port/board/*.[ch] tools -name '*.[ch]' -o -name '*.inc' | grep -v cuda | grep -E -- "$pattern" | LC_ALL=C sort |
         xargs awk -v seed="$seed" -v count="$count" -f tests/mutants.awk
 }
 
@@ -142,7 +142,8 @@ checked=$(names check)
 programs=$(echo "$checked" | grep -v '\.sh$')
 long=$(names test | grep '^test_' | grep -Fvx "$checked")
 scripts=$(names test | grep '\.sh$' | while read -r name; do [ ! -e "tests/scripts/$name" ] || echo "$name"; done)
-wanted=$(cut -f 1 "$folder/list" | sort -u | while read -r file; do candidates "$file"; done | cut -d ' ' -f 2 | sort -u)
+wanted=$(cut -f 1 "$folder/list" | sort -u | while read -r file; do candidates "$file"; done |
+    cut -d ' ' -f 2 | sort -u)
 echo .SECONDARY: >"$folder/keep.mk"
 rm -rf "$folder"/tree.* "$folder/taken"
 mkdir -p "$folder/tree" "$folder/taken"

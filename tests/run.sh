@@ -86,11 +86,13 @@ awk '{ print $4, $6 }' all | while read -r seconds name; do
                 why = ""
             }
             END {
-                printf "<testsuite name=\"%s\" time=\"%.3f\" tests=\"%d\" failures=\"%d\" skipped=\"%d\">\n%s</testsuite>\n",
-                    suite, seconds, number["ok"] + number["FAIL"] + number["skip"], number["FAIL"], number["skip"], cases
+                printf "<testsuite name=\"%s\" time=\"%.3f\" tests=\"%d\" failures=\"%d\" skipped=\"%d\">\n",
+                    suite, seconds, number["ok"] + number["FAIL"] + number["skip"], number["FAIL"], number["skip"]
+                printf "%s</testsuite>\n", cases
             }'
 done >suites
-{ echo '<?xml version="1.0" encoding="US-ASCII"?>'; echo '<testsuites>'; cat suites; echo '</testsuites>'; } >../junit.xml
+{ printf '%s\n' '<?xml version="1.0" encoding="US-ASCII"?>' '<testsuites>'; cat suites; echo '</testsuites>'; } \
+    >../junit.xml
 
 awk '{ passed += $1; failed += $2; skipped += $3 }
     END { printf "%d passed, %d failed, %d skipped\n", passed, failed, skipped; exit failed != 0 }' all

@@ -97,10 +97,7 @@ static long of_ascii_lists(const struct made_file *f, size_t length)
 
 static void make_ascii_ply(void)
 {
-    put("ply\nformat ascii 1.0\nelement vertex %d\n", GAUSSIANS);
-    for (const char *names = "x,y,z,scale_0,scale_1,scale_2,rot_0,rot_1,rot_2,rot_3,opacity,f_dc_0,f_dc_1,f_dc_2,";
-         *names; names = strchr(names, ',') + 1)
-        put("property float %.*s\n", (int)strcspn(names, ","), names);
+    put_ply_header("ascii", "");
     for (int i = 0; i < 9; i++)
         put("property float f_rest_%d\n", i);
     put("end_header\n");
@@ -112,13 +109,14 @@ static void make_ascii_ply(void)
     add_file("a.ply");
 }
 
-/* `count` zeros of `width` bytes. */
-static void put_zeros(int encoding, int count, size_t width)
+/* `count` zeros of `width` bytes, or in ASCII. */
+static void put_zeros(int encoding, int count, int width)
 {
-    for (int i = 0; i < count; i++)
-        put("%s", encoding ? "" : "0 ");
-    for (size_t i = 0; encoding && i < (size_t)count * width; i++)
-        put_u8(0);
+    for (int i = 0; i < (encoding ? count * width : count); i++)
+        if (encoding)
+            put_u8(0);
+        else
+            put("0 ");
 }
 
 /* With lists, the last of them the row's last property: the size by the header is only a lower bound. `encoding` 0:
@@ -126,10 +124,7 @@ static void put_zeros(int encoding, int count, size_t width)
 static void make_lists_ply(int encoding)
 {
     static const char *const encodings[] = {"ascii", "binary_little_endian", "binary_big_endian"};
-    put("ply\nformat %s 1.0\nelement vertex %d\nproperty list uchar double a\n", encodings[encoding], GAUSSIANS);
-    for (const char *names = "x,y,z,scale_0,scale_1,scale_2,rot_0,rot_1,rot_2,rot_3,opacity,f_dc_0,f_dc_1,f_dc_2,";
-         *names; names = strchr(names, ',') + 1)
-        put("property float %.*s\n", (int)strcspn(names, ","), names);
+    put_ply_header(encodings[encoding], "property list uchar double a\n");
     put("property list int ushort b\nend_header\n");
     for (int row = 0; row < GAUSSIANS; row++) {
         if (encoding)
