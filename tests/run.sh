@@ -55,7 +55,7 @@ for name; do
     is_alone "$name" || echo "$name"
 done | xargs -P "${JOBS:-1}" -n 1 sh tests/run.sh --one
 for name; do
-    is_alone "$name" && run_one "$name"
+    is_alone "$name" && sh tests/run.sh --one "$name"
 done
 
 cd "$results" || exit 1
@@ -73,7 +73,8 @@ awk '{ print $4, $6 }' all | while read -r seconds name; do
     LC_ALL=C tr -d '\000-\010\013-\037' <"$name.log" | LC_ALL=C tr '\177-\377' '?' |
         awk -v suite="$name" -v seconds="$seconds" '
             function escaped(text) {
-                gsub(/&/, "\\&amp;", text); gsub(/</, "\\&lt;", text); gsub(/"/, "\\&quot;", text)
+                gsub(/&/, "\\&amp;", text); gsub(/</, "\\&lt;", text); gsub(/>/, "\\&gt;", text)
+                gsub(/"/, "\\&quot;", text)
                 return text
             }
             !/^(ok|FAIL|skip) / { why = why $0 "\n"; next }

@@ -16,7 +16,7 @@ echo 'skip second'
 echo '1 passed, 0 failed, 1 skipped'
 END
 program bad <<'END'
-echo '  test.c:7: not so: a < b && "c"'
+echo '  test.c:7: not so: a[b[0]]>c && "c"'
 echo 'FAIL third'
 echo 'ok   fourth'
 echo '1 passed, 1 failed, 0 skipped'
@@ -50,7 +50,7 @@ for suite in sorted(xml.parse(sys.argv[1]).getroot(), key=lambda suite: suite.ge
         print("-", case.get("name"), *("".join((inside.tag, ": ", inside.text or "")).strip() for inside in case))
 END
     check "junit.xml" equal "$(cat "$work/read")" "bad 2 1 0
-- third failure:   test.c:7: not so: a < b && \"c\"
+- third failure:   test.c:7: not so: a[b[0]]>c && \"c\"
 - fourth
 early 2 1 0
 - fifth
