@@ -7,7 +7,8 @@
 #     sh tests/mutants.sh --show SEED N [FILES]               the diff of change N of a seed
 #
 # The tests of a change are the programs of `make check` that its code is linked into, and those of `make test` whose
-# name shares a word with the file's path: most words first, then the least time. Of tools/, scripts too, cli.sh last.
+# name shares a word with the file's path: most words first, then the least time. Of tools/, scripts too, cli.sh and
+# films.sh last.
 # JOBS: changes at a time, each in a tree of its own (the number of processors). FOLDER: where the trees are, and stay,
 # so that a later run builds less (a new one in /tmp, removed at the end).
 show=
@@ -77,7 +78,7 @@ by_words() {
 candidates() {
     by_words "$1" $programs
     by_words "$1" $long | grep -v '^0'
-    case $1 in tools/*) by_words "$1" $scripts | grep -v '^0'; echo 0 cli.sh ;; esac
+    case $1 in tools/*) by_words "$1" $scripts | grep -v '^0'; printf '0 %s\n' cli.sh films.sh ;; esac
 }
 
 # ordered FILE: those that are green without a change, as they are run.
