@@ -4,9 +4,11 @@ TESTS := $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
 SCRIPTS := $(notdir $(wildcard tests/scripts/*.sh))
 GATES := $(notdir $(wildcard tests/gates/*.sh))
 
-# These take long, the longest first, and start first; `make check` leaves them and the other scripts to `make test`.
-LONG := web.sh page.sh webgl.sh test_quality processors.sh fuzz.sh threads_and_cpus.sh cli.sh test_pack test_gles \
-        build.sh xr.sh matrix.sh fit_same.sh test_fit_steps test_bands
+# These take long, and start first, the longest before the others; `make check` leaves them and the other scripts to
+# `make test`.
+LONG := web.sh test_quality page.sh fit_same.sh fuzz.sh boards.sh processors.sh webgl.sh convert.sh \
+        threads_and_cpus.sh cli.sh build.sh test_gles test_pack bench.sh xr.sh test_fit_steps matrix.sh \
+        instructions.sh test_bands
 # These wait for a window, or measure: one at a time, at the end.
 ALONE := window.sh web_speed.sh
 CHECKED := $(filter-out $(LONG),$(TESTS) $(GATES))

@@ -10,9 +10,10 @@ trap 'rm -rf "$work"' EXIT
 arm=aarch64-linux-gnu-gcc
 i686=i686-linux-gnu-gcc
 library="$(echo src/core src/base src/gaussian src/scene src/scene/read src/scene/write src/scene/edit src/scene/make \
-    src/camera src/image src/pack | sed 's|[^ ]*|&/*.c|g') port/posix/output.c"
-golden="$library tests/test_golden.c tools/metrics.c port/backend/*.c port/posix/[!o]*.c"
-photos="$library tests/test_photo_bytes.c port/posix/[!o]*.c src/fit/photo*.c"
+    src/camera src/image src/pack | sed 's|[^ ]*|&/*.c|g') port/posix/output.c port/posix/files.c"
+golden="$library tests/test_golden.c tools/metrics.c port/backend/[!f]*.c port/backend/foveate.c \
+    port/posix/[!fo]*.c"
+photos="$library tests/test_photo_bytes.c port/posix/[!fo]*.c src/fit/photo*.c"
 files="$library tests/test_fxs_bytes.c"
 
 # processor NAME COMPILER EMULATOR: the programs that each processor runs.
