@@ -64,8 +64,8 @@ include $(addprefix make/,build.mk firmware.mk web.mk install.mk test.mk measure
 clean: ## remove what was built
 	rm -rf $(B) demo.ply demo.png
 
-.PHONY: all demo firmware web install uninstall headers core-headers test test-programs cuda-tests golden-update fuzz mutants bench plot test-all
-.PHONY: size clean peers FORCE
+.PHONY: all demo firmware web install uninstall headers core-headers check test test-all \
+        test-programs cuda-tests golden-update fuzz mutants bench plot size clean peers FORCE
 endif
 
 help: ## this list

@@ -4,11 +4,22 @@ TESTS := $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
 SCRIPTS := $(notdir $(wildcard tests/scripts/*.sh))
 GATES := $(notdir $(wildcard tests/gates/*.sh))
 
+# These take long, and start first, the longest before the others; `make check` leaves them and the other scripts to
+# `make test`.
+LONG := web.sh test_quality page.sh fit_same.sh fuzz.sh boards.sh processors.sh webgl.sh convert.sh \
+        threads_and_cpus.sh cli.sh build.sh test_gles test_pack bench.sh xr.sh test_fit_steps matrix.sh \
+        instructions.sh test_bands
+# These wait for a window, or measure: one at a time, at the end.
+ALONE := window.sh web_speed.sh
+CHECKED := $(filter-out $(LONG),$(TESTS) $(GATES))
+
 # T=name: what is called so, with test_ before or .sh behind or not; else what has that in its name.
 EVERY := $(TESTS) $(SCRIPTS) $(GATES)
 containing = $(strip $(foreach name,$(EVERY),$(if $(findstring $(1),$(name)),$(name))))
 called = $(or $(filter $(1) test_$(1) $(1).sh,$(EVERY)),$(call containing,$(1)),$(error no test is called $(1)))
 RUN := $(if $(T),$(sort $(foreach name,$(T),$(call called,$(name)))),$(EVERY))
+run = @FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(PROCESSORS)) ALONE='$(ALONE)' \
+    sh tests/run.sh $(strip $(foreach name,$(LONG),$(filter $(name),$(1))) $(filter-out $(LONG),$(1)))
 NEEDED := $(filter $(TESTS),$(RUN)) $(if $(filter bombs.sh web.sh,$(RUN)),test_bombs) $(if $(filter convert.sh,$(RUN)),test_lcc) $(if $(filter web.sh,$(RUN)),test_scene_input)
 
 $(B)/tests/test_%: $(B)/tests/test_%.o $(B)/tests/reference.o $(call objects,$(TOOL_SHARED)) $(B)/libfixsplat.a \
@@ -21,9 +32,12 @@ $(B)/tests/test_window: $(call objects,tests/test_window.c port/window/motion.c 
 	$(call link,$(LIBS_TTF) $(LIBS_SDL))
 
 test: all $(addprefix $(B)/tests/,$(NEEDED)) ## run all tests, JOBS at once; T=name: those with that in their names
-	@FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(PROCESSORS)) sh tests/run.sh $(RUN)
+	$(call run,$(RUN))
 
-test-all: ## the same, on a dozen kinds of processor more
+check: all $(addprefix $(B)/tests/,$(filter $(TESTS),$(CHECKED))) ## run the test programs and gates that take a moment
+	$(call run,$(CHECKED))
+
+test-all: ## the same, with every compiler, processor, board and sanitizer at hand
 	FXS_PROCESSORS=all $(MAKE) test
 
 test-programs: $(addprefix $(B)/tests/,$(TESTS)) ## build the test programs
@@ -42,5 +56,5 @@ golden-update: all $(B)/tests/test_golden ## write the golden images anew (and s
 fuzz: all ## fuzz readers and renderer, SECONDS=60 each, JOBS at once
 	B=$(B) sh tests/fuzz.sh $(or $(SECONDS),60)
 
-mutants: ## change the code in small ways and see that a test notices each (long)
-	sh tests/mutants.sh
+mutants: ## change the code in COUNT small ways, drawn by SEED, and see that a test notices each (long)
+	sh tests/mutants.sh $(or $(SEED),1) $(or $(COUNT),30) $(FILES)

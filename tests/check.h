@@ -1,5 +1,5 @@
 /* The smallest test harness: RUN(test) counts a test as failed when a CHECK in it failed, as skipped when it called
-   SKIP. */
+   SKIP; RUN_AS, one under a name of its own. */
 #ifndef CHECK_H
 #define CHECK_H
 
@@ -15,12 +15,14 @@ static int check_faults, check_skips;                   /* in the running test *
 /* Leaves the test, saying why it could not run here. */
 #define SKIP(reason) do { printf("  skipped: %s\n", reason); check_skips++; return; } while (0)
 
-#define RUN(test) do { \
+#define RUN(test) RUN_AS(#test, test())
+
+#define RUN_AS(name, call) do { \
         check_faults = check_skips = 0; \
-        test(); \
-        if (check_faults) { check_failed++; printf("FAIL %s\n", #test); } \
-        else if (check_skips) { check_skipped++; printf("skip %s\n", #test); } \
-        else { check_passed++; printf("ok   %s\n", #test); } \
+        call; \
+        if (check_faults) { check_failed++; printf("FAIL %s\n", name); } \
+        else if (check_skips) { check_skipped++; printf("skip %s\n", name); } \
+        else { check_passed++; printf("ok   %s\n", name); } \
         fflush(stdout); \
     } while (0)
 

@@ -2,6 +2,8 @@
 #ifndef EVERY_FORMAT_BYTES_H
 #define EVERY_FORMAT_BYTES_H
 
+#include <sys/stat.h>
+
 #include "scene_bytes.h"
 #include "spz_bytes.h"
 #if defined(FXS_WITH_WEBP) && defined(FXS_WITH_CJSON)
@@ -28,6 +30,38 @@ static inline void add_file(const char *name)
     size = 0;
 }
 
+/* Writes the files into a folder, with those that their names ask for. */
+static inline void write_made(const char *folder)
+{
+    char full[160];
+    for (int i = 0; i < file_count; i++) {
+        snprintf(full, sizeof full, "%s/%.31s", folder, files[i].name);
+        for (char *slash = full + strlen(folder) + 1; (slash = strchr(slash, '/')) != NULL; *slash++ = '/') {
+            *slash = '\0';
+            mkdir(full, 0700);
+        }
+        FILE *stream = fopen(full, "wb");
+        if (!CHECK(stream != NULL))
+            return;
+        CHECK(fwrite(files[i].data, 1, files[i].size, stream) == files[i].size);
+        fclose(stream);
+    }
+}
+
+/* Removes them; the folder stays. */
+static inline void remove_made(const char *folder)
+{
+    char full[160];
+    for (int i = file_count - 1; i >= 0; i--) {
+        snprintf(full, sizeof full, "%s/%.31s", folder, files[i].name);
+        unlink(full);
+        for (char *slash; (slash = strrchr(full, '/')) != full + strlen(folder);) {
+            *slash = '\0';
+            rmdir(full);
+        }
+    }
+}
+
 /* Finite floats, none of them 0. */
 static inline void put_floats(int count)
 {
@@ -37,13 +71,19 @@ static inline void put_floats(int count)
 
 /* ---- One file -------------------------------------------------------------------------------------------------- */
 
-static inline void make_ply(void)
+/* The header of a .ply but for its end: 14 floats a Gaussian, behind another property where one is given. */
+static inline void put_ply_header(const char *encoding, const char *before)
 {
     static const char *const names[] = {"x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",
                                         "rot_3", "opacity", "f_dc_0", "f_dc_1", "f_dc_2"};
-    put("ply\nformat binary_little_endian 1.0\nelement vertex %d\n", GAUSSIANS);
+    put("ply\nformat %s 1.0\nelement vertex %d\n%s", encoding, GAUSSIANS, before);
     for (int i = 0; i < 14; i++)
         put("property float %s\n", names[i]);
+}
+
+static inline void make_ply(void)
+{
+    put_ply_header("binary_little_endian", "");
     put("end_header\n");
     put_floats(14 * GAUSSIANS);
     add_file("a.ply");
@@ -217,15 +257,17 @@ static inline void make_tileset(void)
     }
 }
 
-/* Two Gaussians in a cell, one in the environment, of SH degree 3. */
+/* Two cells of a Gaussian each, one in the environment, of SH degree 3. */
 static inline void make_lcc(void)
 {
     put("{\"totalLevel\":1,\"attributes\":[{\"name\":\"scale\",\"min\":[1,2,3],\"max\":[4,5,6]},{\"name\":\"shcoef\",");
     put("\"min\":[-1,-2,-3],\"max\":[4,5,6]}]}");
     add_file("a.lcc");
-    const uint32_t unit[5] = {0, GAUSSIANS - 1, 0, 0, 32 * (GAUSSIANS - 1)};
-    for (int i = 0; i < 5; i++)
-        put_u32(unit[i]);
+    for (uint32_t cell = 0; cell < GAUSSIANS - 1; cell++) {
+        const uint32_t unit[5] = {cell, 1, 32 * cell, 0, 32};
+        for (int i = 0; i < 5; i++)
+            put_u32(unit[i]);
+    }
     add_file("index.bin");
     put_floats(8 + 16);
     add_file("environment.bin");

@@ -315,7 +315,8 @@ build() {
     *) kernels='kernels/*.c' ;;
     esac
     mkdir "$work/objects"
-    for source in src/*/*.c src/*/*/*.c $kernels port/posix/output.c tests/fuzz_*.c; do
+    for source in src/*/*.c src/*/*/*.c $kernels port/posix/output.c port/posix/files.c port/backend/fit_engines.c \
+        tests/fuzz_*.c; do
         echo "$compile $features -DFXS_WITH_KERNELS $(instructions_of "$source") -c $source -o $work/objects/$(
             )$(basename "$source" .c).o"
     done | xargs -P "$jobs" -I COMMAND sh -c COMMAND || return

@@ -1,20 +1,15 @@
 #!/bin/sh
-# tests/run.sh NAME...: runs these test programs, scripts and gates, $JOBS at once, and adds up their results. A program
-# or script prints "N passed, N failed, N skipped" last, a gate "ok", "FAIL" or "skip" and its name. What one prints
-# comes in one piece, when it ends. B: the build folder.
+# tests/run.sh NAME...: runs these test programs, scripts and gates, $JOBS at once, those named in $ALONE one at a time
+# at the end, and adds up their results. A program or script prints "N passed, N failed, N skipped" last, a gate "ok",
+# "FAIL" or "skip" and its name. The output of each comes in one piece, when it ends, and goes into junit.xml, as
+# programs read it. B: the build folder.
 B=${B:-build}
 results=$B/tests/results
-
-# What takes long, the longest first: the others fill the gaps. What waits for a window, or measures, comes alone, at the
-# end.
-long='web.sh page.sh webgl.sh test_quality processors.sh fuzz.sh threads_and_cpus.sh cli.sh test_pack test_gles build.sh
-      xr.sh matrix.sh fit_same.sh test_fit_steps'
-alone='window.sh web_speed.sh'
 
 # run_one NAME: its output and "passed failed skipped seconds processor-seconds name", in the folder of results.
 run_one() {
     log=$results/$1.log
-    start=$(date +%s)
+    start=$(date +%s.%N)
     if [ -e "tests/scripts/$1" ]; then
         sh "tests/scripts/$1" >"$log" 2>&1
     elif [ -e "tests/gates/$1" ]; then
@@ -23,7 +18,7 @@ run_one() {
         "$B/tests/$1" >"$log" 2>&1
     fi
     status=$?
-    seconds=$(($(date +%s) - start))
+    seconds=$(awk "BEGIN { print $(date +%s.%N) - $start }")
     last=$(tail -n 1 "$log")
     if printf '%s\n' "$last" | grep -Eqx '[0-9]+ passed, [0-9]+ failed, [0-9]+ skipped'; then
         counts=$(printf '%s\n' "$last" | tr -dc '0-9 ')
@@ -32,9 +27,10 @@ run_one() {
         echo "FAIL $1: ended early (status $status)" >>"$log"
     else
         case $status in 0) counts='1 0 0' ;; 77) counts='0 0 1' ;; *) counts='0 1 0' ;; esac
+        case $counts in *1\ 0) grep -q '^FAIL' "$log" || echo "FAIL $1: status $status" >>"$log" ;; esac
     fi
     times >"$results/$1.times"
-    echo "$counts $seconds $(awk 'END { gsub(/[ms]/, " "); print int($1 * 60 + $2 + $3 * 60 + $4 + 0.5) }' \
+    echo "$counts $seconds $(awk 'END { gsub(/[ms]/, " "); print $1 * 60 + $2 + $3 * 60 + $4 }' \
         "$results/$1.times") $1" >"$results/$1.result"
     until mkdir "$results/lock" 2>/dev/null; do sleep 0.1; done
     echo "== $1"
@@ -54,16 +50,12 @@ unset MAKELEVEL
 rm -rf "$results"
 mkdir -p "$results" || exit 1
 
-# chosen NAME...: those of them that are to be run, once each.
-chosen() {
-    for name in "$@"; do
-        case " $wanted " in *" $name "*) echo "$name" ;; esac
-    done | awk '!seen[$0]++'
-}
-wanted=$*
-chosen $long "$@" | grep -Fvx "$(printf '%s\n' $alone)" | xargs -P "${JOBS:-1}" -n 1 sh tests/run.sh --one
-for name in $(chosen $alone); do
-    run_one "$name"
+is_alone() { case " $ALONE " in *" $1 "*) ;; *) false ;; esac; }
+for name; do
+    is_alone "$name" || echo "$name"
+done | xargs -P "${JOBS:-1}" -n 1 sh tests/run.sh --one
+for name; do
+    is_alone "$name" && sh tests/run.sh --one "$name"
 done
 
 cd "$results" || exit 1
@@ -73,6 +65,35 @@ awk '/^  skipped: / { why = ": " substr($0, 12); next }
     /^skip / { print FILENAME " " substr($0, 6) why; why = "" }' *.log | sed 's/\.log / /' | section skipped
 grep '^FAIL' *.log /dev/null | sed 's/\.log:FAIL / /' | section failed
 cat *.result >all
-sort -k 4rn all | awk 'NR <= 10 { printf "%4d (%d) %s\n", $4, $5, $6 }' | section "slowest, seconds (of a processor)"
+sort -k 4rn all | awk 'NR <= 10 { printf "%4.0f (%.0f) %s\n", $4, $5, $6 }' |
+    section "slowest, seconds (of a processor)"
+
+# A <testsuite> a log, a <testcase> a line of it that says ok, FAIL or skip; the lines above say why.
+awk '{ print $4, $6 }' all | while read -r seconds name; do
+    LC_ALL=C tr -d '\000-\010\013-\037' <"$name.log" | LC_ALL=C tr '\177-\377' '?' |
+        awk -v suite="$name" -v seconds="$seconds" '
+            function escaped(text) {
+                gsub(/&/, "\\&amp;", text); gsub(/</, "\\&lt;", text); gsub(/>/, "\\&gt;", text)
+                gsub(/"/, "\\&quot;", text)
+                return text
+            }
+            !/^(ok|FAIL|skip) / { why = why $0 "\n"; next }
+            {
+                inside = $1 == "FAIL" ? "failure" : $1 == "skip" ? "skipped" : ""
+                number[$1]++
+                sub(/^[a-zA-Z]+ +/, "")
+                cases = cases "<testcase classname=\"" suite "\" name=\"" escaped($0) "\">" \
+                    (inside ? "<" inside ">" escaped(why) "</" inside ">" : "") "</testcase>\n"
+                why = ""
+            }
+            END {
+                printf "<testsuite name=\"%s\" time=\"%.3f\" tests=\"%d\" failures=\"%d\" skipped=\"%d\">\n",
+                    suite, seconds, number["ok"] + number["FAIL"] + number["skip"], number["FAIL"], number["skip"]
+                printf "%s</testsuite>\n", cases
+            }'
+done >suites
+{ printf '%s\n' '<?xml version="1.0" encoding="US-ASCII"?>' '<testsuites>'; cat suites; echo '</testsuites>'; } \
+    >../junit.xml
+
 awk '{ passed += $1; failed += $2; skipped += $3 }
     END { printf "%d passed, %d failed, %d skipped\n", passed, failed, skipped; exit failed != 0 }' all

@@ -1,4 +1,4 @@
-/* Camera files: one camera through every format, faults, truncations, real files. */
+/* Camera files: one camera through every format, faults, real files. */
 #include <fixsplat/camera.h>
 #include <fixsplat/camera_file.h>
 #include <fixsplat/message.h>
@@ -289,24 +289,6 @@ static void colmap_bin_faults(void)
     check_fault("", "no views");
 }
 
-static void colmap_bin_truncated(void)
-{
-    remove_all();
-    put_colmap_bin();
-    size_t whole = size;
-    for (size_t i = 0; i < whole; i++) {
-        put("images.bin", bytes, i);
-        check_fault("", "images.bin: cut short");
-    }
-    put_colmap_bin();
-    make_cameras_bin(1, pinhole, 4);
-    whole = size;
-    for (size_t i = 0; i < whole; i++) {
-        put("cameras.bin", bytes, i);
-        check_fault("", "cameras.bin: cut short");
-    }
-}
-
 static void colmap_long_name(void)
 {
     fxs_file_view *views;
@@ -523,22 +505,6 @@ static void transforms_faults(void)
     check_fault("transforms.json", "view 0: \"transform_matrix\"");
     put_text("transforms.json", "{\"frames\":[{\"transform_matrix\":[[1,0,0,0],[0,1,0,0],[0,0,1,0],[5,6,7,1]]}]}");
     check_fault("transforms.json", "last row");
-}
-
-static void json_truncated(void)
-{
-    char text[8192];
-    remove_all();
-    put_inria();
-    FILE *file = fopen(in_folder("cameras.json"), "rb");
-    if (!CHECK(file != NULL))
-        return;
-    size_t whole = fread(text, 1, sizeof text, file);
-    fclose(file);
-    for (size_t i = 0; i < whole; i++) {
-        put("cameras.json", text, i);
-        check_fault("cameras.json", "bad JSON");
-    }
 }
 
 static void too_many_values(void)
@@ -807,7 +773,6 @@ int main(void)
     RUN(colmap_models);
     RUN(colmap_images);
     RUN(colmap_bin_faults);
-    RUN(colmap_bin_truncated);
     RUN(colmap_long_name);
     RUN(no_file);
 #ifdef FXS_WITH_CJSON
@@ -819,7 +784,6 @@ int main(void)
     RUN(blender);
     RUN(angles);
     RUN(transforms_faults);
-    RUN(json_truncated);
     RUN(too_many_values);
     RUN(real_cameras);
 #else

@@ -123,17 +123,6 @@ static void every_kind(void)
             }
 }
 
-static void every_length(void)
-{
-    char text[80];
-    make_file(FEW, 1, 9);
-    size_t header = (size_t)(strstr((char *)bytes, "end_header\n") - (char *)bytes) + 11;
-    for (size_t length = 3; length < size; length++) {
-        snprintf(text, sizeof text, "at least %zu bytes, the file has %zu", size, length);
-        check_cut_fails(length, length < header ? "no end_header" : text);
-    }
-}
-
 static void replace(const char *from, const char *to)
 {
     char *at = strstr((char *)bytes, from);
@@ -199,7 +188,6 @@ static void real_scene(void)
 int main(void)
 {
     RUN(every_kind);
-    RUN(every_length);
     RUN(faulty_headers);
     RUN(absurd_count);
     RUN(other_elements);

@@ -746,27 +746,6 @@ static void deep_nodes(void)
     check_fails("node 65: nested too deep");
 }
 
-static void truncated(void)
-{
-    add_all(1);
-    write_json("{\"mesh\":0}", extension, "");
-    make_glb();
-    for (size_t length = 0; length < file_size; length++) {
-        put_named("a.glb", file_bytes, length);
-        CHECK(read_scene("a.glb", 3) == FXS_ERR_FILE);
-    }
-    put_named("a.bin", bin, bin_size);
-    write_json("{\"mesh\":0}", extension, "\"uri\":\"a.bin\",");
-    for (size_t length = 0; length < strlen(json); length++) {
-        put_named("a.gltf", json, length);
-        CHECK(read_scene("a.gltf", 3) == FXS_ERR_FILE);
-    }
-    for (size_t length = 0; length < bin_size; length += 7) {
-        put_named("a.bin", bin, length);
-        CHECK(read_scene("a.gltf", 3) == FXS_ERR_FILE);
-    }
-}
-
 static void faulty_containers(void)
 {
     static const struct { int offset; uint32_t value; const char *text; } cases[] = {
@@ -869,7 +848,6 @@ int main(void)
     RUN(faulty_text);
     RUN(many_of_all);
     RUN(deep_nodes);
-    RUN(truncated);
     RUN(faulty_containers);
     RUN(real_scene);
     remove_files();

@@ -1,5 +1,5 @@
-/* Reads of .lcc made here, by an encoder of its own: with SH and without, levels, an environment; faulty ones, each
-   file cut short. `--write FOLDER SCENE [SKY]` makes FOLDER/scene.lcc of a scene, for tests/scripts/convert.sh. */
+/* Reads of .lcc made here, by an encoder of its own: with SH and without, levels, an environment; faulty ones.
+   `--write FOLDER SCENE [SKY]` makes FOLDER/scene.lcc of a scene, for tests/scripts/convert.sh. */
 #include <fixsplat/scene_file.h>
 
 #include <math.h>
@@ -404,41 +404,6 @@ static void bounds_of_the_sky(void)
 
 /* ---- Faults ------------------------------------------------------------------------------------------------------ */
 
-static void every_length(void)
-{
-    write_made(SKY, 1);
-    for (size_t cut = 0; cut < length; cut++) {
-        put_file("scene.lcc", text, cut);
-        CHECK(read_scene(NULL) == FXS_ERR_FILE);
-    }
-    put_file("scene.lcc", text, length);
-    for (size_t cut = 0; cut < index_bytes.size; cut++) {
-        put_file("index.bin", index_bytes.bytes, cut);
-        if (cut % UNIT)
-            check_fails("index.bin: ");
-        else
-            CHECK(read_scene(NULL) < COUNT + SKY);
-    }
-    put_file("index.bin", index_bytes.bytes, index_bytes.size);
-    for (size_t cut = 0; cut < data.size; cut++) {
-        put_file("data.bin", data.bytes, cut);
-        check_fails("data.bin: the file ends before the last Gaussian of a cell");
-    }
-    put_file("data.bin", data.bytes, data.size);
-    for (size_t cut = 0; cut < sh.size; cut++) {
-        put_file("shcoef.bin", sh.bytes, cut);
-        check_fails("shcoef.bin: the file ends before the last Gaussian of a cell");
-    }
-    put_file("shcoef.bin", sh.bytes, sh.size);
-    for (size_t cut = 0; cut < sky_bytes.size; cut++) {
-        put_file("environment.bin", sky_bytes.bytes, cut);
-        if (cut % 96)
-            check_fails("environment.bin: ");
-        else
-            CHECK(read_scene(NULL) == COUNT + (long)cut / 96);
-    }
-}
-
 static void faulty_meta(void)
 {
     static const struct { const char *from, *to, *words; } cases[] = {
@@ -544,7 +509,6 @@ static void run_tests(void)
     RUN(names_of_the_white_paper);
     RUN(without_a_type);
     RUN(bounds_of_the_sky);
-    RUN(every_length);
     RUN(faulty_meta);
     RUN(faulty_index);
     RUN(same_cell_again);

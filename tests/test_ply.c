@@ -451,56 +451,6 @@ static void not_finite_values_pass(void)
     CHECK(gaussians[ROWS - 1].rotation[3] == -INFINITY);
 }
 
-static void truncated_binary(void)
-{
-    fxs_gaussian gaussians[ROWS];
-    char text[80];
-    make_file(LITTLE, fill_properties(9), 0);
-    size_t header = (size_t)(strstr((char *)bytes, "end_header\n") - (char *)bytes) + 11;
-    for (size_t length = 0; length < size; length++) {
-        put_file(length);
-        CHECK(read_file(gaussians, ROWS) == FXS_ERR_FILE);
-        snprintf(text, sizeof text, "at least %zu bytes, the file has %zu", size, length);
-        CHECK(strstr(message.text, length < 3 ? "not a scene file" : length < header ? "no end_header" : text) != NULL);
-    }
-}
-
-/* With lists, the last of them the row's last property: the size by the header is only a lower bound. */
-static void truncated_lists(void)
-{
-    fxs_gaussian gaussians[ROWS];
-    for (int encoding = ASCII; encoding <= BIG; encoding++) {
-        int count = fill_properties(0);
-        properties[0] = "list uchar double a";
-        properties[count++] = "float x";
-        properties[count++] = "list int ushort b";
-        make_file(encoding, count, 0);
-        put_file(size);
-        CHECK(read_file(gaussians, ROWS) == 0);
-        for (size_t length = 0; length < size - 3; length++) {
-            put_file(length);
-            CHECK(read_file(gaussians, ROWS) == FXS_ERR_FILE);
-        }
-    }
-}
-
-/* Only a cut within the last number cannot be told: the number is read as it stands. */
-static void truncated_ascii(void)
-{
-    fxs_gaussian gaussians[ROWS];
-    make_file(ASCII, fill_properties(9), 0);
-    size_t last = size - 2;
-    while (bytes[last - 1] != ' ')
-        last--;
-    for (size_t length = 0; length < size; length++) {
-        put_file(length);
-        int status = read_file(gaussians, ROWS);
-        CHECK(length > last ? status == 0 || bytes[length - 1] == '-' : status == FXS_ERR_FILE);
-        CHECK(length > last || strstr(message.text, "vertex 3 of 3: the file ends early") || length < last - 1
-              || !printf("  %s\n", message.text));
-    }
-}
-
 static void list_lengths(void)
 {
     static const char *const lengths[] = {"-1", "nan", "1e30"};
@@ -698,9 +648,6 @@ int main(void)
     RUN(ascii_numbers);
     RUN(ascii_round_trip);
     RUN(not_finite_values_pass);
-    RUN(truncated_binary);
-    RUN(truncated_lists);
-    RUN(truncated_ascii);
     RUN(list_lengths);
     RUN(faulty_headers);
     RUN(header_limits);

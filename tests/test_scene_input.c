@@ -1,7 +1,5 @@
 /* Scene files of every format from a file, from memory and by functions: the same Gaussians. Every allocation and every
    read that fails is an error without a leak, and opening allocates little. */
-#include <sys/stat.h>
-
 #include "every_format_bytes.h"
 
 enum { MOST = 64 };
@@ -112,41 +110,12 @@ static long read_made_scene(way by, const fxs_scene_file_options *options, fxs_g
     return count;
 }
 
-static void write_made(void)
-{
-    char full[128];
-    for (int i = 0; i < file_count; i++) {
-        snprintf(full, sizeof full, "%s/%.31s", folder, files[i].name);
-        char *slash = strrchr(full, '/');
-        *slash = '\0';
-        mkdir(full, 0700);
-        *slash = '/';
-        FILE *stream = fopen(full, "wb");
-        if (!CHECK(stream != NULL))
-            return;
-        CHECK(fwrite(files[i].data, 1, files[i].size, stream) == files[i].size);
-        fclose(stream);
-    }
-}
-
-static void remove_made(void)
-{
-    char full[128];
-    for (int i = file_count - 1; i >= 0; i--) {
-        snprintf(full, sizeof full, "%s/%.31s", folder, files[i].name);
-        unlink(full);
-        *strrchr(full, '/') = '\0';
-        rmdir(full);
-    }
-    mkdir(folder, 0700);
-}
-
 static void same_from_everywhere(void)
 {
     static fxs_gaussian out[3][MOST];
     for (int i = 0; i < FORMATS; i++) {
         const struct made_format *f = make_format(i);
-        write_made();
+        write_made(folder);
         forget_calls(-1);
         long count = read_made_scene(BY_PATH, NULL, out[0]);
         if (!CHECK(count >= 2 && strcmp(info.format, f->name) == 0 && (uint64_t)count == info.count))
@@ -160,7 +129,7 @@ static void same_from_everywhere(void)
             CHECK(read_made_scene(BY_MEMORY, NULL, out[1]) == FXS_ERR_FILE);
             CHECK(strncmp(message.text, "folder/made: needs the file ", 28) == 0);
         }
-        remove_made();
+        remove_made(folder);
     }
 }
 
@@ -200,7 +169,7 @@ static void links_stay_in_the_folder(void)
     for (int i = 0; i < FORMATS; i++) {
         if (!make_format(i)->is_several)
             continue;
-        write_made();
+        write_made(folder);
         snprintf(linked, sizeof linked, "%s/%.31s", folder, files[file_count - 1].name);
         CHECK(read_made_scene(BY_PATH, NULL, out) > 0);
         while (strlen(linked) > strlen(folder)) {   /* the file, then the folder that it is in */
@@ -215,7 +184,7 @@ static void links_stay_in_the_folder(void)
             move_back(linked, inside);
             *strrchr(linked, '/') = '\0';
         }
-        remove_made();
+        remove_made(folder);
     }
 }
 
@@ -227,12 +196,12 @@ static void linked_scene(void)
     snprintf(outside, sizeof outside, "%s.outside", folder);
     for (int i = 0; i < FORMATS; i++) {
         make_format(i);
-        write_made();
+        write_made(folder);
         snprintf(full, sizeof full, "%s/%.31s", folder, files[0].name);
         move_and_link(full, outside);
         CHECK(read_made_scene(BY_PATH, NULL, out) > 0);
         move_back(full, outside);
-        remove_made();
+        remove_made(folder);
     }
 }
 
@@ -245,7 +214,7 @@ static void only_regular_files(void)
         make_format(i);
         for (int which = 0; which < 2 * file_count; which++) {
             char full[128];
-            write_made();
+            write_made(folder);
             snprintf(full, sizeof full, "%s/%.31s", folder, files[which / 2].name);
             CHECK(unlink(full) == 0 && (which % 2 ? mkdir(full, 0700) : mkfifo(full, 0600)) == 0);
             alarm(10);
@@ -256,7 +225,7 @@ static void only_regular_files(void)
             alarm(0);
             if (which % 2)
                 rmdir(full);
-            remove_made();
+            remove_made(folder);
         }
     }
 }
@@ -473,7 +442,7 @@ static int write_all(const char *parent)
         make_format(i);
         snprintf(folder, sizeof folder, "%s/%d", parent, i);
         mkdir(folder, 0700);
-        write_made();
+        write_made(folder);
         printf("%d/%s\n", i, files[0].name);
     }
     return check_faults != 0;

@@ -216,21 +216,14 @@ static void faulty_extensions(void)
             check_fails("an extension ends early");
     }
     s.version = 3;
-    s.extensions_size = sizeof records;
-    spz_put(spz_put(records, 1, 4), sizeof records - 8, 4);
-    if (make(GZIP))
-        check_fails("the gzip stream has more bytes than the header asks for");
-}
-
-static void truncated(void)
-{
-    for (int container = PLAIN; container < CONTAINERS; container++) {
-        fill(container == ZSTD ? 4 : 3, 1);
-        if (!make(container))
+    for (s.extensions_size = 65536; s.extensions_size <= 65537; s.extensions_size++) {
+        spz_put(spz_put(records, 1, 4), s.extensions_size - 8, 4);
+        if (!make(GZIP))
             continue;
-        for (size_t length = 0; length < size; length++)
-            check_cut_fails(length, "");
-        reads(COUNT);
+        if (s.extensions_size == 65536)
+            reads(COUNT);
+        else
+            check_fails("the gzip stream has more bytes than the header asks for");
     }
 }
 
@@ -643,7 +636,6 @@ int main(void)
     RUN(antialiased);
     RUN(coordinate_systems);
     RUN(faulty_extensions);
-    RUN(truncated);
     RUN(one_byte_more);
     RUN(faulty_headers);
     RUN(empty_scene);

@@ -343,24 +343,6 @@ static void faulty_tilesets(void)
     check_fails("tileset.json: no Gaussians in the contents of its tiles");
 }
 
-static void truncations(void)
-{
-    static uint8_t whole[sizeof glb];
-    put_glb("1.glb", 1, 2);
-    put_glb("2.glb", 2, 2);
-    const size_t size = glb_size;
-    memcpy(whole, glb, size);
-    for (size_t cut = 0; cut < sizeof good - 1; cut++) {
-        put_file("tileset.json", good, cut);
-        CHECK(read_scene("tileset.json") == FXS_ERR_FILE);
-    }
-    put_file("tileset.json", good, sizeof good - 1);
-    for (size_t cut = 0; cut < size; cut++) {
-        put_file("2.glb", whole, cut);
-        CHECK(read_scene("tileset.json") == FXS_ERR_FILE);
-    }
-}
-
 /* Tilesets within each other, `depth` of them, each in a folder of its own. */
 static void deep_nesting(void)
 {
@@ -481,7 +463,6 @@ static void run_tests(void)
     RUN(globe);
     RUN(nested);
     RUN(faulty_tilesets);
-    RUN(truncations);
     RUN(deep_nesting);
     RUN(many_contents);
     RUN(bytes_count_once);

@@ -1,19 +1,18 @@
 #!/bin/sh
-# One picture everywhere: the random frames of tests/test_random.c by every compiler, optimisation level and sanitizer
-# at hand. processors.sh has the processors.
+# One picture everywhere: the random frames of tests/test_random.c by each compiler, and under sanitizers.
+# FXS_PROCESSORS=all (make test-all): by every optimisation level too. processors.sh has the processors.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 . tests/scripts/lib/variants.sh
 random='src/core/*.c tests/test_random.c'
 
-for compiler in gcc clang; do
-    if links $compiler; then
-        for level in O0 O2 O3; do
-            variant $compiler-$level "$compiler $flags -$level $random -o %"
-        done
+few='gcc-O3 clang-O2' every='gcc-O0 gcc-O2 gcc-O3 clang-O0 clang-O2 clang-O3'
+for name in $([ "$FXS_PROCESSORS" = all ] && echo "$every" || echo "$few"); do
+    if links ${name%-*}; then
+        variant $name "${name%-*} $flags -${name#*-} $random -o %"
     else
-        skip $compiler "not here"
+        skip $name "not here"
     fi
 done
 if links clang -fsanitize=address,undefined; then

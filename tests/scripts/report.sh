@@ -1,0 +1,64 @@
+#!/bin/sh
+# tests/run.sh over programs of its own: what passes, fails, is skipped and ends early, in words and in junit.xml, as
+# Python's parser reads it.
+. tests/scripts/lib/check.sh
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+mkdir "$work/tests"
+
+# program NAME: its text comes in.
+program() { { echo '#!/bin/sh'; cat; } >"$work/tests/$1" && chmod +x "$work/tests/$1"; }
+program good <<'END'
+printf 'noise before\001\377 it\n'
+echo 'ok   first "of" <two> & more'
+echo '  skipped: no such thing here'
+echo 'skip second'
+echo '1 passed, 0 failed, 1 skipped'
+END
+program bad <<'END'
+echo '  test.c:7: not so: a[b[0]]>c && "c"'
+echo 'FAIL third'
+echo 'ok   fourth'
+echo '1 passed, 1 failed, 0 skipped'
+exit 1
+END
+program early <<'END'
+echo 'ok   fifth'
+exit 3
+END
+program last <<'END'
+test -e "$B/tests/results/early.result" && echo 'ok   sixth'
+echo '1 passed, 0 failed, 0 skipped'
+END
+
+B=$work JOBS=2 ALONE=last sh tests/run.sh last good bad early >"$work/said" 2>&1
+check "status" [ $? = 1 ]
+check "sum" equal "$(tail -n 1 "$work/said")" '3 passed, 2 failed, 1 skipped'
+check "says what was skipped" grep -qx 'good second: no such thing here' "$work/said"
+check "says what failed" grep -qx 'bad third' "$work/said"
+check "says what ended early" grep -qx 'early early: ended early (status 3)' "$work/said"
+if ! have python3; then
+    skip junit.xml "no python3 here"
+else
+    python3 - "$work/tests/junit.xml" >"$work/read" 2>&1 <<'END'
+import sys, xml.etree.ElementTree as xml
+for suite in sorted(xml.parse(sys.argv[1]).getroot(), key=lambda suite: suite.get("name")):
+    assert suite.tag == "testsuite" and float(suite.get("time")) >= 0
+    print(suite.get("name"), suite.get("tests"), suite.get("failures"), suite.get("skipped"))
+    for case in suite:
+        assert case.tag == "testcase" and case.get("classname") == suite.get("name")
+        print("-", case.get("name"), *("".join((inside.tag, ": ", inside.text or "")).strip() for inside in case))
+END
+    check "junit.xml" equal "$(cat "$work/read")" "bad 2 1 0
+- third failure:   test.c:7: not so: a[b[0]]>c && \"c\"
+- fourth
+early 2 1 0
+- fifth
+- early: ended early (status 3) failure:
+good 2 0 1
+- first \"of\" <two> & more
+- second skipped:   skipped: no such thing here
+last 1 0 0
+- sixth"
+fi
+finish
