@@ -1,6 +1,7 @@
 /* libFuzzer target: a packed scene, damaged or not, rendered in several objects, in all its memory and in the least,
    for one eye and two, picked from and its pairs counted; every version of the stages that this processor has against
    plain C, byte for byte. */
+#include "one_scene.h"
 #include "fuzz_frame.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -35,7 +36,7 @@ static void compare(const fuzz_frame *f, const result *a, const result *b, int e
 
 static void count(const fuzz_frame *f, size_t bytes, const result *expected, uint64_t pairs[2])
 {
-    const int error = fxs_count_pairs(f->objects, f->count, &f->cameras[0], &f->options, fuzz_room(0, bytes), bytes,
+    const int error = count_pairs(f->objects, f->count, &f->cameras[0], &f->options, fuzz_room(0, bytes), bytes,
                                       &pairs[0], &pairs[1]);
     if (error != expected->error)
         abort();
@@ -53,11 +54,11 @@ static void pick(const fuzz_frame *f, size_t bytes)
     targets.occluder = occluder;
     targets.depth_bits = f->depth_bits;
     targets.id = (fxs_image){ids, width * (ptrdiff_t)sizeof *ids};
-    const int error = fxs_render(&f->levels[0], f->objects, f->count, &f->cameras[0], &f->options, &targets,
+    const int error = render_frame(&f->levels[0], f->objects, f->count, &f->cameras[0], &f->options, &targets,
                                  fuzz_room(0, bytes), bytes, NULL);
     for (int i = 0; i < 4; i++) {
         const int32_t x = between(0, width - 1), y = between(0, height - 1);
-        const int found = fxs_pick(&f->levels[0], f->objects, f->count, &f->cameras[0], &f->options, &targets, x, y,
+        const int found = pick_pixel(&f->levels[0], f->objects, f->count, &f->cameras[0], &f->options, &targets, x, y,
                                    fuzz_room(0, bytes), bytes, &picked);
         if (error ? found != error : found != (ids[y * width + x].gaussian != FXS_NOTHING))
             abort();

@@ -5,6 +5,7 @@
 #include <sched.h>
 #include <stdatomic.h>
 
+#include "one_scene.h"
 #include "fuzz_frame.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -101,8 +102,8 @@ static void render(const fuzz_frame *f, const fxs_context *context, size_t least
     uint64_t pairs[2];
     for (int i = 0; i < 4; i++)
         check(fuzz_render(f, context, sizes[i], NULL));
-    check(fxs_count_pairs(f->objects, f->count, camera, &f->options, fuzz_room(0, least), least, &pairs[0], &pairs[1]));
-    check(fxs_pick(context, f->objects, f->count, camera, &f->options, NULL, camera->width / 2, camera->height / 2,
+    check(count_pairs(f->objects, f->count, camera, &f->options, fuzz_room(0, least), least, &pairs[0], &pairs[1]));
+    check(pick_pixel(context, f->objects, f->count, camera, &f->options, NULL, camera->width / 2, camera->height / 2,
                    fuzz_room(0, least), least, &picked));
     if (both <= FUZZ_ROOM)
         check(fuzz_render_stereo(f, context, both));

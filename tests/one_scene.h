@@ -37,6 +37,38 @@ static inline fxs_request request_for(const fxs_object *objects, uint32_t count,
     return request;
 }
 
+static inline int render_frame(const fxs_context *context, const fxs_object *objects, uint32_t count,
+                               const fxs_camera *camera, const fxs_options *options, const fxs_targets *targets,
+                               void *memory, size_t memory_bytes, fxs_stats *stats)
+{
+    const fxs_request request = request_for(objects, count, options, 1, camera, targets, 0);
+    return fxs_render(context, &request, memory, memory_bytes, stats);
+}
+
+static inline int render_eyes(const fxs_context *context, const fxs_object *objects, uint32_t count,
+                              const fxs_camera cameras[2], const fxs_options *options, const fxs_targets targets[2],
+                              int exact, void *memory, size_t memory_bytes, fxs_stats *stats)
+{
+    const fxs_request request = request_for(objects, count, options, 2, cameras, targets, exact);
+    return fxs_render(context, &request, memory, memory_bytes, stats);
+}
+
+static inline int count_pairs(const fxs_object *objects, uint32_t count, const fxs_camera *camera,
+                              const fxs_options *options, void *memory, size_t memory_bytes, uint64_t *evaluated,
+                              uint64_t *blended)
+{
+    const fxs_request request = request_for(objects, count, options, 1, camera, 0, 0);
+    return fxs_count_pairs(&request, memory, memory_bytes, evaluated, blended);
+}
+
+static inline int pick_pixel(const fxs_context *context, const fxs_object *objects, uint32_t count,
+                             const fxs_camera *camera, const fxs_options *options, const fxs_targets *targets, int32_t x,
+                             int32_t y, void *memory, size_t memory_bytes, fxs_pick_result *result)
+{
+    const fxs_request request = request_for(objects, count, options, 1, camera, targets, 0);
+    return fxs_pick(context, &request, x, y, memory, memory_bytes, result);
+}
+
 static inline size_t one_frame_bytes(const fxs_context *context, const fxs_scene *scene, int32_t width, int32_t height,
                                      fxs_frame_memory *memory)
 {
@@ -56,14 +88,14 @@ static inline int one_render(const fxs_context *context, const fxs_scene *scene,
 {
     const fxs_object object = one_object(scene);
     const fxs_targets targets = one_target(format, pixels, stride);
-    return fxs_render(context, &object, 1, camera, options, &targets, memory, memory_bytes, stats);
+    return render_frame(context, &object, 1, camera, options, &targets, memory, memory_bytes, stats);
 }
 
 static inline int one_count_pairs(const fxs_scene *scene, const fxs_camera *camera, const fxs_options *options,
                                   void *memory, size_t memory_bytes, uint64_t *evaluated, uint64_t *blended)
 {
     const fxs_object object = one_object(scene);
-    return fxs_count_pairs(&object, 1, camera, options, memory, memory_bytes, evaluated, blended);
+    return count_pairs(&object, 1, camera, options, memory, memory_bytes, evaluated, blended);
 }
 
 /* Both pictures have this stride. */
@@ -73,7 +105,7 @@ static inline int one_render_stereo(const fxs_context *context, const fxs_scene 
 {
     const fxs_object object = one_object(scene);
     const fxs_targets targets[2] = {one_target(format, pixels[0], stride), one_target(format, pixels[1], stride)};
-    return fxs_render_stereo(context, &object, 1, cameras, options, targets, exact, memory, memory_bytes, stats);
+    return render_eyes(context, &object, 1, cameras, options, targets, exact, memory, memory_bytes, stats);
 }
 
 /* The camera as the stages of the scene's chunks are given it. */

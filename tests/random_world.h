@@ -180,7 +180,7 @@ static inline int world_render(const fxs_context *context, const world *w, const
     const size_t bytes = fxs_frame_bytes(context, w->objects, w->count, camera->width, camera->height, 0);
     unsigned char *memory = check_aligned(bytes + 64);
     memset(memory, WORLD_GUARD, bytes + 64);
-    const int error = fxs_render(context, w->objects, w->count, camera, options, targets, memory, bytes, stats);
+    const int error = render_frame(context, w->objects, w->count, camera, options, targets, memory, bytes, stats);
     for (int i = 0; i < 64; i++)
         CHECK(memory[bytes + (size_t)i] == WORLD_GUARD);
     free(memory);

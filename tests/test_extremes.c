@@ -45,7 +45,7 @@ static int draw(const fxs_context *context, const fxs_object *object, const fxs_
     const fxs_targets targets = one_target(FXS_FORMAT_RGBA8, to, 4 * (ptrdiff_t)camera->width);
     const size_t bytes = fxs_frame_bytes(context, object, 1, camera->width, camera->height, 0);
     void *memory = check_aligned(bytes);
-    const int error = fxs_render(context, object, 1, camera, &options, &targets, memory, bytes, 0);
+    const int error = render_frame(context, object, 1, camera, &options, &targets, memory, bytes, 0);
     free(memory);
     return error;
 }
@@ -117,7 +117,7 @@ static void test_end_of_a_long_list(void)
     for (int last = 0; last < 2; last++) {             /* by versions */
         fxs_context context = plain;
         fxs_kernels_choose(&context.kernels, last ? ~0u : 0);
-        CHECK(!fxs_render(&context, objects, 2, &camera, &options, &targets, memory, bytes, &stats));
+        CHECK(!render_frame(&context, objects, 2, &camera, &options, &targets, memory, bytes, &stats));
         CHECK(stats.entries > 40000 && ids[SIZE + 1].object == 1);
         for (int i = CORNER * SIZE + CORNER; i < SIZE * SIZE; i++)
             CHECK(i % SIZE < CORNER || (ids[i].object == 2 && medians[i] / 65536 == 10));
@@ -160,7 +160,7 @@ static void test_camera_of_any_size(void)
     fxs_camera camera;
     for (int i = 0; i < 5; i++) {
         fxs_camera_init(&camera, sizes[i], sizes[i]);
-        CHECK(fxs_render(&plain, &object, 1, &camera, &options, &targets, pixels[1], 0, 0) == FXS_ERR_SIZE);
+        CHECK(render_frame(&plain, &object, 1, &camera, &options, &targets, pixels[1], 0, 0) == FXS_ERR_SIZE);
     }
     free(s.data);
 }
@@ -176,7 +176,7 @@ static int render_to(ptrdiff_t stride, void *top, int32_t height)
     fxs_targets_init(&targets);
     targets.colour = (fxs_image){pixels[0], 32};
     targets.coverage = (fxs_image){top, stride};
-    return fxs_render(&plain, 0, 0, &camera, &options, &targets, memory, sizeof memory, 0);
+    return render_frame(&plain, 0, 0, &camera, &options, &targets, memory, sizeof memory, 0);
 }
 
 static void test_strides_beyond_all_memory(void)
@@ -198,7 +198,7 @@ static int draw_pair(const fxs_object *object, const fxs_camera cameras[2], cons
 {
     const size_t bytes = fxs_stereo_bytes(&plain, object, 1, cameras[0].width, cameras[0].height);
     void *memory = check_aligned(bytes);
-    const int error = fxs_render_stereo(&plain, object, 1, cameras, &options, targets, exact, memory, bytes, 0);
+    const int error = render_eyes(&plain, object, 1, cameras, &options, targets, exact, memory, bytes, 0);
     free(memory);
     return error;
 }
@@ -407,13 +407,13 @@ static int draw_wild(const fxs_context *context, wild_frame *w, int number, int 
     fxs_stats stats;
     int error = FXS_ERR_MEMORY;
     if (less) {
-        error = fxs_render(context, w->objects, w->count, &w->camera, &w->options, &targets, memory, 0, &stats);
+        error = render_frame(context, w->objects, w->count, &w->camera, &w->options, &targets, memory, 0, &stats);
         if (error == FXS_ERR_MEMORY)
-            error = fxs_render(context, w->objects, w->count, &w->camera, &w->options, &targets, memory,
+            error = render_frame(context, w->objects, w->count, &w->camera, &w->options, &targets, memory,
                                stats.memory.least, &stats);
     }
     if (error == FXS_ERR_MEMORY)
-        error = fxs_render(context, w->objects, w->count, &w->camera, &w->options, &targets, memory, bytes, &stats);
+        error = render_frame(context, w->objects, w->count, &w->camera, &w->options, &targets, memory, bytes, &stats);
     free(memory);
     return error;
 }
@@ -425,11 +425,11 @@ static void check_wild_pick(wild_frame *w)
     wild_targets(&targets, w->bytes[0], w->occluder, &w->camera, w->which | 1u << 12, 0);
     const size_t bytes = fxs_frame_bytes(&plain, w->objects, w->count, w->camera.width, w->camera.height, 0);
     void *memory = check_aligned(bytes);
-    CHECK(!fxs_render(&plain, w->objects, w->count, &w->camera, &w->options, &targets, memory, bytes, 0));
+    CHECK(!render_frame(&plain, w->objects, w->count, &w->camera, &w->options, &targets, memory, bytes, 0));
     for (int i = 0; i < 3; i++) {
         const int x = between(0, w->camera.width - 1), y = between(0, w->camera.height - 1);
         const fxs_id *id = (const fxs_id *)targets.id.pixels + y * w->camera.width + x;
-        const int found = fxs_pick(&plain, w->objects, w->count, &w->camera, &w->options, &targets, x, y, memory, bytes,
+        const int found = pick_pixel(&plain, w->objects, w->count, &w->camera, &w->options, &targets, x, y, memory, bytes,
                                    &result);
         CHECK(found == (id->gaussian != FXS_NOTHING));
         CHECK(found < 1 || (result.id == id->object && result.gaussian == id->gaussian));
@@ -447,7 +447,7 @@ static int draw_wild_pair(const fxs_context *context, wild_frame *w, const fxs_c
         memset(bytes[i], 0xa5, sizeof bytes[i]);
         wild_targets(&targets[i], bytes[i], w->occluder, &w->camera, w->which, i);
     }
-    const int error = fxs_render_stereo(context, w->objects, w->count, cameras, &w->options, targets, exact, memory,
+    const int error = render_eyes(context, w->objects, w->count, cameras, &w->options, targets, exact, memory,
                                         memory_bytes, 0);
     free(memory);
     return error;

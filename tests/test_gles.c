@@ -181,7 +181,8 @@ static int render(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const fxs
     size_t bytes = one_frame_bytes(&c, &s->scene, s->camera.width, s->camera.height, 0);
     void *memory = check_aligned(bytes);
     const fxs_object object = one_object(&s->scene);
-    int error = target ? fxs_gles_render(gles, &c, &object, 1, &s->camera, &s->options, target, memory, bytes, stats)
+    const fxs_request request = request_for(&object, 1, &s->options, 1, &s->camera, 0, 0);
+    int error = target ? fxs_gles_render(gles, &c, &request, target, memory, bytes, stats)
                        : one_render(&c, &s->scene, &s->camera, &s->options, s->format, memory, bytes, pixels, stride,
                                     stats);
     free(memory);
@@ -567,7 +568,7 @@ static void fetch_eyes(void)
                 pictures[drawn][eye] = new_picture(&s);
                 targets[eye] = one_target(FXS_FORMAT_RGBA8, pictures[drawn][eye], 60 * 4);
             }
-            CHECK(!fxs_render_stereo(&c, &object, 1, cameras, &s.options, targets, 0, memory, bytes, 0));
+            CHECK(!render_eyes(&c, &object, 1, cameras, &s.options, targets, 0, memory, bytes, 0));
             free(memory);
         }
         for (int eye = 0; eye < 2; eye++) {
@@ -629,7 +630,7 @@ static int render_mesh(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, cons
     size_t bytes = one_frame_bytes(&c, &s->scene, s->camera.width, s->camera.height, 0);
     bytes = memory_bytes && memory_bytes < bytes ? memory_bytes : bytes;
     void *memory = check_aligned(bytes);
-    const int error = fxs_render(&c, &object, 1, &s->camera, &s->options, &t, memory, bytes, 0);
+    const int error = render_frame(&c, &object, 1, &s->camera, &s->options, &t, memory, bytes, 0);
     free(memory);
     return error;
 }

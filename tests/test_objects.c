@@ -1,6 +1,7 @@
 /* Frames of several objects: against the double-precision reference of the merged scene, and, where the integers are
  * the same, against frames of one scene, byte for byte. */
 #include <fixsplat/pool.h>
+#include "one_scene.h"
 #include "random_scene.h"
 #include "random_world.h"
 
@@ -226,7 +227,7 @@ static int draw(const fxs_context *context, const fxs_object *objects, uint32_t 
     unsigned char *memory = check_aligned(bytes + 64);
     memset(memory + bytes, WORLD_GUARD, 64);
     picture_clear(p);
-    const int error = fxs_render(context, objects, count, camera, options, &p->targets, memory, bytes, stats);
+    const int error = render_frame(context, objects, count, camera, options, &p->targets, memory, bytes, stats);
     for (int i = 0; i < 64; i++)
         CHECK(memory[bytes + (size_t)i] == WORLD_GUARD);
     free(memory);
@@ -513,7 +514,7 @@ static int draw_stereo(const fxs_context *context, const scenario *s, const fxs_
     const fxs_targets targets[2] = {eyes[0].targets, eyes[1].targets};
     picture_clear(&eyes[0]);
     picture_clear(&eyes[1]);
-    const int error = fxs_render_stereo(context, s->objects, s->count, cameras, &s->options, targets, exact, memory,
+    const int error = render_eyes(context, s->objects, s->count, cameras, &s->options, targets, exact, memory,
                                         bytes, 0);
     free(memory);
     return error;
@@ -574,7 +575,7 @@ static void test_count_pairs(void)
         size_t bytes = fxs_frame_bytes(&plain, s.objects, s.count, s.camera.width, s.camera.height, &memory);
         for (int k = 0; k < 2; k++) {
             void *room = check_aligned(bytes);
-            int error = fxs_count_pairs(s.objects, s.count, &s.camera, &s.options, room, bytes, &evaluated[k],
+            int error = count_pairs(s.objects, s.count, &s.camera, &s.options, room, bytes, &evaluated[k],
                                         &blended[k]);
             CHECK(!error || (k && error == FXS_ERR_MEMORY));
             CHECK(error || (evaluated[k] == evaluated[0] && blended[k] == blended[0] && blended[k] <= evaluated[k]));
@@ -649,7 +650,7 @@ static int untouched(const picture *p)
 
 static int render_good(uint32_t count)
 {
-    return fxs_render(&plain, good.objects, count, &good.camera, &good.options, &good.picture.targets, good.memory,
+    return render_frame(&plain, good.objects, count, &good.camera, &good.options, &good.picture.targets, good.memory,
                       good.bytes, 0);
 }
 
@@ -660,9 +661,9 @@ static int render_good(uint32_t count)
         uint64_t pairs[2]; \
         fxs_pick_result result; \
         if (!CHECK(render_good(2) == (error)) || !CHECK(untouched(&good.picture)) || \
-            !CHECK(fxs_count_pairs(good.objects, 2, &good.camera, &good.options, good.memory, good.bytes, &pairs[0], \
+            !CHECK(count_pairs(good.objects, 2, &good.camera, &good.options, good.memory, good.bytes, &pairs[0], \
                                    &pairs[1]) == (error)) || \
-            !CHECK(fxs_pick(&plain, good.objects, 2, &good.camera, &good.options, 0, 3, 3, good.memory, good.bytes, \
+            !CHECK(pick_pixel(&plain, good.objects, 2, &good.camera, &good.options, 0, 3, 3, good.memory, good.bytes, \
                             &result) == (error))) \
             printf("  %s = %s\n", #place, #value); \
         memcpy(&(place), saved, sizeof (place)); \
@@ -716,7 +717,7 @@ static void test_bad_objects(void)
     o->scale_q32 = 1 << 16;                                               /* so that the camera is far away */
     REFUSES(FXS_ERR_OBJECT, good.camera.position_q32[0], INT64_C(1) << 45);
     o->scale_q32 = INT64_C(1) << 32;
-    CHECK(fxs_render(&plain, 0, 2, &good.camera, &good.options, &good.picture.targets, good.memory, good.bytes, 0) ==
+    CHECK(render_frame(&plain, 0, 2, &good.camera, &good.options, &good.picture.targets, good.memory, good.bytes, 0) ==
           FXS_ERR_ARGUMENT);
     CHECK(fxs_frame_bytes(&plain, 0, 2, 10, 10, 0) == 0);
     CHECK(untouched(&good.picture));
@@ -736,19 +737,19 @@ static void test_too_many_objects(void)
     const size_t bytes = fxs_frame_bytes(&plain, objects, FXS_MAX_OBJECTS, 16, 16, 0);
     void *memory = check_aligned(bytes);
     picture p = picture_new(16, 16, FXS_FORMAT_RGBA8);
-    CHECK(fxs_render(&plain, objects, FXS_MAX_OBJECTS + 1, &good.camera, &good.options, &p.targets, memory, bytes, 0) ==
+    CHECK(render_frame(&plain, objects, FXS_MAX_OBJECTS + 1, &good.camera, &good.options, &p.targets, memory, bytes, 0) ==
           FXS_ERR_OBJECT && untouched(&p));
-    CHECK(fxs_render(&plain, objects, UINT32_MAX, &good.camera, &good.options, &p.targets, memory, bytes, 0) ==
+    CHECK(render_frame(&plain, objects, UINT32_MAX, &good.camera, &good.options, &p.targets, memory, bytes, 0) ==
           FXS_ERR_OBJECT && untouched(&p));
     fxs_stats stats;
-    CHECK(!fxs_render(&plain, objects, FXS_MAX_OBJECTS, &good.camera, &good.options, &p.targets, memory, bytes,
+    CHECK(!render_frame(&plain, objects, FXS_MAX_OBJECTS, &good.camera, &good.options, &p.targets, memory, bytes,
                       &stats));
     CHECK(stats.gaussians == FXS_MAX_OBJECTS);
     huge.count = FXS_MAX_COUNT / 2;
     huge.chunk_count = huge.count / FXS_CHUNK;
     objects[0].scene = objects[1].scene = &huge;
     CHECK(fxs_frame_bytes(&plain, objects, 3, 16, 16, 0) == 0);
-    CHECK(fxs_render(&plain, objects, 3, &good.camera, &good.options, &p.targets, memory, bytes, 0) == FXS_ERR_OBJECT);
+    CHECK(render_frame(&plain, objects, 3, &good.camera, &good.options, &p.targets, memory, bytes, 0) == FXS_ERR_OBJECT);
     free(memory);
     free(objects);
     free(small.data);
@@ -768,7 +769,7 @@ static void test_no_objects(void)
     picture_clear(p);
     const size_t bytes = fxs_frame_bytes(&plain, 0, 0, p->width, p->height, 0);
     CHECK(bytes > 0 && bytes <= good.bytes);
-    CHECK(!fxs_render(&plain, 0, 0, &camera, &good.options, &p->targets, good.memory, bytes, &stats));
+    CHECK(!render_frame(&plain, 0, 0, &camera, &good.options, &p->targets, good.memory, bytes, &stats));
     CHECK(stats.visible == 0 && stats.gaussians == 0 && stats.entries == 0);
     for (int i = 0; i < p->width * p->height; i++) {
         static const uint8_t background[4] = {200, 0, 0, 255};
@@ -777,8 +778,8 @@ static void test_no_objects(void)
         CHECK(picture_id(p, i).object == FXS_NOTHING && picture_id(p, i).gaussian == FXS_NOTHING);
         CHECK(((const uint8_t *)p->targets.coverage.pixels)[i] == 0);
     }
-    CHECK(!fxs_pick(&plain, 0, 0, &camera, &good.options, 0, 0, 0, good.memory, bytes, &result));
-    CHECK(!fxs_count_pairs(0, 0, &camera, &good.options, good.memory, bytes, &pairs[0], &pairs[1]) && !pairs[0]);
+    CHECK(!pick_pixel(&plain, 0, 0, &camera, &good.options, 0, 0, 0, good.memory, bytes, &result));
+    CHECK(!count_pairs(0, 0, &camera, &good.options, good.memory, bytes, &pairs[0], &pairs[1]) && !pairs[0]);
     picture_free(p);
     free(good.memory);
     free_scenes();

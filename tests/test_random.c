@@ -160,7 +160,7 @@ static uint64_t hash_world(int which)
     memset(colour, 0, sizeof colour);
     size_t bytes = fxs_frame_bytes(&context, objects, OBJECTS, camera.width, camera.height, 0);
     void *memory = check_aligned(bytes);
-    if (!CHECK(memory && !fxs_render(&context, objects, OBJECTS, &camera, &options, &targets, memory, bytes, 0)))
+    if (!CHECK(memory && !render_frame(&context, objects, OBJECTS, &camera, &options, &targets, memory, bytes, 0)))
         exit(1);
     uint64_t hash = 0xcbf29ce484222325u;
     fold(&hash, colour, pixels * 4, targets.format == FXS_FORMAT_RGBA16_COVERAGE ? 2 : 1);

@@ -811,7 +811,8 @@ static int draw_tiles(void *argument, const fxs_tile_run *run)
 static int draw_keys(void *argument, const fxs_tile_run *run)
 {
     uint32_t *ordered = argument;
-    CHECK(!run->entries && !run->ends && !run->counts && run->first_tile == 0 && !run->targets);
+    CHECK(!run->entries && !run->ends && !run->counts && run->first_tile == 0 &&
+              !run->targets->colour.pixels);
     CHECK(run->last_tile == (uint32_t)(run->view->tiles_x * run->view->tiles_y) - 1);
     for (uint32_t i = 0; i < run->visible; i++)
         *ordered += i == 0 || run->keys[i - 1] < run->keys[i];
@@ -846,7 +847,7 @@ static void check_back_ends(const fxs_scene *scene, const fxs_camera *camera, co
     const fxs_object object = one_object(scene);
     const size_t unlisted = fxs_frame_bytes(&context, &object, 1, camera->width, camera->height, 0);
     void *room = check_aligned(unlisted);
-    CHECK(fxs_render(&context, &object, 1, camera, options, 0, room, unlisted, &stats) == 0);
+    CHECK(render_frame(&context, &object, 1, camera, options, 0, room, unlisted, &stats) == 0);
     CHECK(ordered == stats.visible && stats.visible == all.count);
     free(room);
     free(pixels);
@@ -1349,8 +1350,15 @@ static void test_render_refuses_arguments(void)
     const enum fxs_format rgba = FXS_FORMAT_RGBA8;
     CHECK(one_render(0, s, camera, options, rgba, memory, good.bytes, pixels, 80, 0) == FXS_ERR_ARGUMENT);
     CHECK(one_render(context, 0, camera, options, rgba, memory, good.bytes, pixels, 80, 0) == FXS_ERR_ARGUMENT);
-    CHECK(one_render(context, s, 0, options, rgba, memory, good.bytes, pixels, 80, 0) == FXS_ERR_ARGUMENT);
-    CHECK(one_render(context, s, camera, 0, rgba, memory, good.bytes, pixels, 80, 0) == FXS_ERR_ARGUMENT);
+    CHECK(fxs_render(context, 0, memory, good.bytes, 0) == FXS_ERR_ARGUMENT);
+    CHECK(fxs_count_pairs(0, memory, good.bytes, &pairs, &pairs) == FXS_ERR_ARGUMENT);
+    const fxs_object object = one_object(s);
+    const fxs_targets targets = one_target(rgba, pixels, 80);
+    for (uint32_t eyes = 0; eyes <= 3; eyes += 3) {
+        fxs_request request = request_for(&object, 1, options, 1, camera, &targets, 0);
+        request.eyes = eyes;
+        CHECK(fxs_render(context, &request, memory, good.bytes, 0) == FXS_ERR_ARGUMENT);
+    }
     CHECK(one_render(context, s, camera, options, rgba, memory, good.bytes, 0, 80, 0) == FXS_ERR_TARGET);
     for (ptrdiff_t stride = -79; stride < 80; stride++)
         CHECK(one_render(context, s, camera, options, rgba, memory, good.bytes, pixels, stride, 0) == FXS_ERR_TARGET);

@@ -359,8 +359,6 @@ static void test_arguments(void)
             other.stride = cameras[0].width * fxs_pixel_bytes(format) - 1;
             CHECK(render(&other, &context, exact, bytes, pixels) == FXS_ERR_TARGET && untouched(pixels, p.bytes));
         }
-    CHECK(one_render_stereo(&context, &scene, 0, &options, format, 0, pixels, bytes, (void *[]){pixels, pixels},
-                            p.stride, 0) == FXS_ERR_ARGUMENT);
     free(pixels);
     free(packed.data);
 }
@@ -389,11 +387,11 @@ static void test_too_many_slots(void)
         targets[eye] = one_target(FXS_FORMAT_RGBA8, pixels + eye * 256 * 256 * 4, 256 * 4);
     }
     CHECK(fxs_frame_bytes(&context, objects, FXS_MAX_OBJECTS, 256, 256, &memory) > 0 && memory.least < memory.total);
-    CHECK(fxs_render(&context, objects, FXS_MAX_OBJECTS, cameras, &options, targets, pixels, 4096, &stats) ==
+    CHECK(render_frame(&context, objects, FXS_MAX_OBJECTS, cameras, &options, targets, pixels, 4096, &stats) ==
           FXS_ERR_MEMORY && stats.memory.least < memory.total);
-    CHECK(fxs_render_stereo(&context, objects, FXS_MAX_OBJECTS, cameras, &options, targets, 0, pixels, 4096, 0) ==
+    CHECK(render_eyes(&context, objects, FXS_MAX_OBJECTS, cameras, &options, targets, 0, pixels, 4096, 0) ==
           FXS_ERR_OBJECT);
-    CHECK(fxs_render_stereo(&context, objects, FXS_MAX_OBJECTS - 4096, cameras, &options, targets, 0, pixels, 4096,
+    CHECK(render_eyes(&context, objects, FXS_MAX_OBJECTS - 4096, cameras, &options, targets, 0, pixels, 4096,
                             0) == FXS_ERR_MEMORY);
     free(pixels);
     free(packed.data);

@@ -41,26 +41,26 @@ static fxs_targets targets_of(bench *b, int eye)
 static int draw_colour(bench *b)
 {
     const fxs_targets targets = targets_of(b, 0);
-    return fxs_render(&b->context, &b->object, 1, b->cameras, &b->options, &targets, b->memory, b->bytes, 0);
+    return render_frame(&b->context, &b->object, 1, b->cameras, &b->options, &targets, b->memory, b->bytes, 0);
 }
 
 static int draw_depth(bench *b)
 {
     fxs_targets targets = targets_of(b, 0);
     targets.median_depth = (fxs_image){b->depths, SIDE * 4};
-    return fxs_render(&b->context, &b->object, 1, b->cameras, &b->options, &targets, b->memory, b->bytes, 0);
+    return render_frame(&b->context, &b->object, 1, b->cameras, &b->options, &targets, b->memory, b->bytes, 0);
 }
 
 static int draw_eyes(bench *b)
 {
     const fxs_targets targets[2] = {targets_of(b, 0), targets_of(b, 1)};
-    return fxs_render_stereo(&b->context, &b->object, 1, b->cameras, &b->options, targets, 0, b->memory, b->bytes, 0);
+    return render_eyes(&b->context, &b->object, 1, b->cameras, &b->options, targets, 0, b->memory, b->bytes, 0);
 }
 
-static int pick_pixel(bench *b)
+static int pick_middle(bench *b)
 {
     fxs_pick_result result;
-    const int found = fxs_pick(&b->context, &b->object, 1, b->cameras, &b->options, 0, SIDE / 2, SIDE / 2, b->memory,
+    const int found = pick_pixel(&b->context, &b->object, 1, b->cameras, &b->options, 0, SIDE / 2, SIDE / 2, b->memory,
                                b->bytes, &result);
     return found < 0 ? found : 0;
 }
@@ -80,7 +80,7 @@ static int draw_strips(bench *b)
     context.config.draw = fxs_strip_draw;
     context.config.draw_argument = &strip;
     context.config.draw_blended = 1;
-    return fxs_render(&context, &b->object, 1, b->cameras, &b->options, 0, b->memory, b->bytes, 0);
+    return render_frame(&context, &b->object, 1, b->cameras, &b->options, 0, b->memory, b->bytes, 0);
 }
 
 /* `room` of what a frame takes over the least, in sixteenths. */
@@ -132,7 +132,7 @@ static int stop_everywhere(bench *b, draw_fn *draw)
 
 static void test_stopped_at_each_place(void)
 {
-    static draw_fn *const draws[] = {draw_colour, draw_depth, draw_eyes, pick_pixel, draw_strips};
+    static draw_fn *const draws[] = {draw_colour, draw_depth, draw_eyes, pick_middle, draw_strips};
     static bench b;
     for (uint64_t seed = 1; seed <= 6; seed++)
         for (int i = 0; i < 5; i++) {

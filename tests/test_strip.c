@@ -8,6 +8,7 @@
 #include "port/board/turntable.h"
 #include <fixsplat/map.h>
 #include <fixsplat/stage.h>
+#include "one_scene.h"
 #include "check.h"
 #include "random_scene.h"
 
@@ -79,9 +80,9 @@ static int draw_both(bench *b, const fxs_object *object, const fxs_camera *camer
     fxs_targets_init(&targets);
     targets.format = b->strip.format;
     targets.colour = (fxs_image){b->want, b->got.row_bytes};
-    CHECK(!fxs_render(&b->whole, object, 1, camera, &options, &targets, memory, whole, stats));
+    CHECK(!render_frame(&b->whole, object, 1, camera, &options, &targets, memory, whole, stats));
     b->got.next = b->got.strips = 0;
-    return fxs_render(&b->strips, object, 1, camera, &options, 0, memory, bytes, stats);
+    return render_frame(&b->strips, object, 1, camera, &options, 0, memory, bytes, stats);
 }
 
 static int same(const bench *b, const fxs_camera *camera)
@@ -169,7 +170,7 @@ static void test_wrong_strips(void)
             b.strip.rows_done = 0;
         if (i == 4)
             b.strip.format = (enum fxs_format)6;
-        CHECK(fxs_render(&b.strips, &object, 1, &camera, &options, 0, memory, whole, 0) == FXS_ERR_TARGET);
+        CHECK(render_frame(&b.strips, &object, 1, &camera, &options, 0, memory, whole, 0) == FXS_ERR_TARGET);
     }
     b.strip = good;
     b.got.error = FXS_ERR_DEVICE;

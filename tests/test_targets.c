@@ -1,6 +1,7 @@
 /* Depths, ids, coverage, occluders and backdrops: against a loop over every pixel and every splat in order, without
  * tiles and parts, exactly; against the double-precision reference; and against each other. */
 #include "src/core/frame.h"
+#include "one_scene.h"
 #include "random_scene.h"
 #include "splat_level.h"
 #include "random_world.h"
@@ -247,7 +248,7 @@ static int draw_in(const fxs_context *context, const scenario *s, size_t bytes, 
                    fxs_stats *stats)
 {
     void *memory = check_aligned(bytes);
-    const int error = fxs_render(context, s->objects, s->count, &s->camera, &s->options, targets, memory, bytes, stats);
+    const int error = render_frame(context, s->objects, s->count, &s->camera, &s->options, targets, memory, bytes, stats);
     free(memory);
     return error;
 }
@@ -931,7 +932,7 @@ static void test_pick(void)
             const int x = between(0, s.camera.width - 1), y = between(0, s.camera.height - 1);
             const fxs_id id = picture_id(&p, y * s.camera.width + x);
             fxs_pick_result r;
-            const int found = fxs_pick(&plain, s.objects, s.count, &s.camera, &s.options, i % 2 ? &p.targets : 0, x, y,
+            const int found = pick_pixel(&plain, s.objects, s.count, &s.camera, &s.options, i % 2 ? &p.targets : 0, x, y,
                                        room, bytes, &r);
             if (found == FXS_ERR_MEMORY && i % 3 == 0)
                 break;
@@ -1062,20 +1063,19 @@ static void test_bad_picks(void)
     fxs_targets_init(&t);
     const int places[][2] = {{-1, 0}, {0, -1}, {37, 0}, {0, 21}, {INT32_MIN, 3}, {3, INT32_MAX}};
     for (size_t i = 0; i < sizeof places / sizeof *places; i++)
-        CHECK(fxs_pick(&plain, good.objects, good.count, &good.camera, &good.options, 0, places[i][0], places[i][1],
+        CHECK(pick_pixel(&plain, good.objects, good.count, &good.camera, &good.options, 0, places[i][0], places[i][1],
                        memory, bytes, &r) == FXS_ERR_ARGUMENT);
-    CHECK(fxs_pick(0, good.objects, good.count, &good.camera, &good.options, 0, 0, 0, memory, bytes, &r) ==
+    CHECK(pick_pixel(0, good.objects, good.count, &good.camera, &good.options, 0, 0, 0, memory, bytes, &r) ==
           FXS_ERR_ARGUMENT);
-    CHECK(fxs_pick(&plain, good.objects, good.count, 0, &good.options, 0, 0, 0, memory, bytes, &r) == FXS_ERR_ARGUMENT);
-    CHECK(fxs_pick(&plain, good.objects, good.count, &good.camera, 0, 0, 0, 0, memory, bytes, &r) == FXS_ERR_ARGUMENT);
-    CHECK(fxs_pick(&plain, good.objects, good.count, &good.camera, &good.options, 0, 0, 0, 0, bytes, &r) ==
+    CHECK(fxs_pick(&plain, 0, 0, 0, memory, bytes, &r) == FXS_ERR_ARGUMENT);
+    CHECK(pick_pixel(&plain, good.objects, good.count, &good.camera, &good.options, 0, 0, 0, 0, bytes, &r) ==
           FXS_ERR_ARGUMENT);
-    CHECK(fxs_pick(&plain, good.objects, good.count, &good.camera, &good.options, 0, 0, 0, memory, bytes, 0) ==
+    CHECK(pick_pixel(&plain, good.objects, good.count, &good.camera, &good.options, 0, 0, 0, memory, bytes, 0) ==
           FXS_ERR_ARGUMENT);
-    CHECK(fxs_pick(&plain, good.objects, good.count, &good.camera, &good.options, 0, 0, 0, memory, 64, &r) ==
+    CHECK(pick_pixel(&plain, good.objects, good.count, &good.camera, &good.options, 0, 0, 0, memory, 64, &r) ==
           FXS_ERR_MEMORY);
     t.depth_bits = 29;
-    CHECK(fxs_pick(&plain, good.objects, good.count, &good.camera, &good.options, &t, 0, 0, memory, bytes, &r) ==
+    CHECK(pick_pixel(&plain, good.objects, good.count, &good.camera, &good.options, &t, 0, 0, memory, bytes, &r) ==
           FXS_ERR_TARGET);
     free(memory);
     free_scenario(&good);

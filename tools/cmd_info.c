@@ -406,14 +406,15 @@ static int enough(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
 static int measure_turns(board *b, fxs_turntable *t, unsigned char *rows, void *memory)
 {
     fxs_context context;
-    fxs_options options;
+    fxs_request request;
     fxs_strip strip = {rows, 2 * b->width, 16, FXS_FORMAT_RGB565, &context.kernels, enough, 0, {0}};
     fxs_init(&context, &(fxs_config){.draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1});
-    fxs_options_init(&options);
+    fxs_request_init(&request, &t->object, 1);
     for (uint32_t turn = 0; turn < 16; turn++) {
         fxs_stats stats;
         fxs_turntable_turn(t, turn * FXS_TURNTABLE_STEPS / 16);
-        const int error = fxs_render(&context, &t->object, 1, &t->camera, &options, 0, memory, b->memory.least, &stats);
+        request.cameras[0] = t->camera;
+        const int error = fxs_render(&context, &request, memory, b->memory.least, &stats);
         if (error != FXS_ERR_UNSUPPORTED)
             return fail(EXIT_FAILED, "%s", fxs_strerror(error));
         const size_t from = stats.memory.rows > b->memory.least ? stats.memory.rows : b->memory.least;

@@ -9,11 +9,14 @@ static int count_pairs(const render_options *o, const world *w, const fxs_camera
                        uint64_t *blended)
 {
     fxs_context context;
+    fxs_request request;
     fxs_init(&context, 0);
+    fxs_request_init(&request, w->objects, w->count);
+    request.options = o->frame.render;
+    request.cameras[0] = *camera;
     const size_t bytes = fxs_frame_bytes(&context, w->objects, w->count, camera->width, camera->height, 0);
     void *allocation = malloc(bytes + 63), *memory = (void *)(((uintptr_t)allocation + 63) / 64 * 64);
-    const int error = allocation ? fxs_count_pairs(w->objects, w->count, camera, &o->frame.render, memory, bytes,
-                                                   evaluated, blended) : FXS_ERR_MEMORY;
+    const int error = allocation ? fxs_count_pairs(&request, memory, bytes, evaluated, blended) : FXS_ERR_MEMORY;
     free(allocation);
     return error ? fail(EXIT_FAILED, "%s", fxs_strerror(error)) : 0;
 }

@@ -454,12 +454,11 @@ void fxs_gles_target_init(fxs_gles_target *target)
     memset(target, 0, sizeof *target);
 }
 
-int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_object *objects, uint32_t count,
-                    const fxs_camera *camera, const fxs_options *options, const fxs_gles_target *target, void *memory,
-                    size_t memory_bytes, fxs_stats *stats)
+int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_request *request, const fxs_gles_target *target,
+                    void *memory, size_t memory_bytes, fxs_stats *stats)
 {
     fxs_gles_state state;
-    if (!g || !context || !camera || !options || !target)
+    if (!g || !context || !request || !target)
         return FXS_ERR_ARGUMENT;
     if (target->depth_bits < 0 || target->depth_bits > 28 || (target->occluder && target->depth_buffer) ||
         (target->backdrop && target->format != FXS_FORMAT_RGBA8) ||
@@ -472,9 +471,12 @@ int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_object *o
         (target->fetch && g->no_fetch[0]) ||
         (target->quads && (target->fetch || target->occluder || target->depth_buffer || target->backdrop ||
                            target->over)) ||
-        camera->width > FXS_TILE << g->shift || camera->height > FXS_TILE << g->shift)
+        request->cameras->width > FXS_TILE << g->shift || request->cameras->height > FXS_TILE << g->shift)
         return FXS_ERR_UNSUPPORTED;
     fxs_context drawing = *context;
+    fxs_request own = *request;
+    own.eyes = 1;
+    fxs_targets_init(own.targets);
     drawing.config.draw = target->fetch ? fxs_gles_draw_fetch : target->quads ? fxs_gles_draw_quads : fxs_gles_draw;
     drawing.config.draw_argument = g;
     drawing.config.draw_unlisted = target->fetch || target->quads;
@@ -483,7 +485,7 @@ int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_object *o
     fxs_gles_save(&g->gl, &state);
     fxs_gles_check(g);
     g->target = target;
-    int error = fxs_render(&drawing, objects, count, camera, options, 0, memory, memory_bytes, stats);
+    int error = fxs_render(&drawing, &own, memory, memory_bytes, stats);
     g->target = 0;
     fxs_gles_restore(&g->gl, &state);
     return error;

@@ -80,10 +80,7 @@ int fxs_processor_render(fxs_processor *p, const fxs_request *q, fxs_stats *stat
                                       : fxs_frame_bytes(&p->context, q->objects, q->count, width, height, 0);
     if (make_room(p, bytes, q->cameras, why))
         return FXS_ERR_MEMORY;
-    const int error = q->eyes == 2 ? fxs_render_stereo(&p->context, q->objects, q->count, q->cameras, &q->options,
-                                                       q->targets, q->exact, p->memory, p->memory_bytes, stats)
-                                   : fxs_render(&p->context, q->objects, q->count, q->cameras, &q->options, q->targets,
-                                                p->memory, p->memory_bytes, stats);
+    const int error = fxs_render(&p->context, q, p->memory, p->memory_bytes, stats);
     return error ? fail_frame(p, error, stats, why) : 0;
 }
 
@@ -93,8 +90,7 @@ int fxs_processor_pick(fxs_processor *p, const fxs_request *q, int32_t x, int32_
     const size_t bytes = fxs_frame_bytes(&p->context, q->objects, q->count, q->cameras->width, q->cameras->height, 0);
     if (make_room(p, bytes, q->cameras, why))
         return FXS_ERR_MEMORY;
-    const int found = fxs_pick(&p->context, q->objects, q->count, q->cameras, &q->options, q->targets, x, y, p->memory,
-                               p->memory_bytes, result);
+    const int found = fxs_pick(&p->context, q, x, y, p->memory, p->memory_bytes, result);
     return found < 0 ? fxs_fail_as(found, why, "%s", fxs_strerror(found)) : found;
 }
 

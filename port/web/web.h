@@ -16,10 +16,7 @@ __attribute__((weak)) void fxs_web_run(void *pool, void (*job)(void *argument, u
 /* A frame of the objects and the camera that were set. */
 typedef struct fxs_web_frame {
     const fxs_context *context;
-    const fxs_object *objects;
-    uint32_t count;
-    const fxs_camera *camera;
-    fxs_options options;
+    fxs_request request;
     void *memory;
     size_t bytes;
 } fxs_web_frame;

@@ -223,13 +223,16 @@ static void *frame_memory(size_t *bytes, size_t limit)
 
 int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree, int square, size_t limit)
 {
-    *frame = (fxs_web_frame){.context = &context, .objects = objects, .count = object_count, .camera = cameras};
-    frame->memory = frame_memory(&frame->bytes, limit);
-    fxs_options_init(&frame->options);
+    fxs_request *r = &frame->request;
+    frame->context = &context;
+    fxs_request_init(r, objects, object_count);
+    r->eyes = eyes;
+    memcpy(r->cameras, cameras, sizeof cameras);
     for (int c = 0; c < 3; c++)
-        frame->options.background[c] = (uint8_t)(background >> (16 - 8 * c));
-    frame->options.sh_degree = sh_degree;
-    frame->options.cutoff = square ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
+        r->options.background[c] = (uint8_t)(background >> (16 - 8 * c));
+    r->options.sh_degree = sh_degree;
+    r->options.cutoff = square ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
+    frame->memory = frame_memory(&frame->bytes, limit);
     return frame->memory ? 0 : FXS_ERR_MEMORY;
 }
 
@@ -266,28 +269,22 @@ EXPORT(render) int fxs_web_render(int format, int depth_bits, int exact, uint32_
                                   int square, size_t limit)
 {
     fxs_web_frame f;
-    fxs_targets targets[2];
     if (fxs_web_frame_begin(&f, background, sh_degree, square, limit))
         return FXS_ERR_MEMORY;
+    f.request.exact = exact;
     for (uint32_t eye = 0; eye < eyes; eye++)
-        take_targets(&targets[eye], numbers + 7 * eye, format, depth_bits);
-    return fxs_web_frame_end(
-        eyes == 2 ? fxs_render_stereo(&context, objects, object_count, cameras, &f.options, targets, exact, f.memory,
-                                      f.bytes, NULL)
-                  : fxs_render(&context, objects, object_count, cameras, &f.options, targets, f.memory, f.bytes, NULL));
+        take_targets(&f.request.targets[eye], numbers + 7 * eye, format, depth_bits);
+    return fxs_web_frame_end(fxs_render(&context, &f.request, f.memory, f.bytes, NULL));
 }
 
 /* What a pixel shows: 1, or 0 where that is nothing. Out: the object's place, its Gaussian, depth and position. */
 EXPORT(pick) int fxs_web_pick(int x, int y, size_t limit)
 {
-    size_t bytes;
-    fxs_options options;
+    fxs_web_frame f;
     fxs_pick_result result = {0};
-    void *memory = frame_memory(&bytes, limit);
-    if (!memory)
+    if (fxs_web_frame_begin(&f, 0, 3, 0, limit))
         return FXS_ERR_MEMORY;
-    fxs_options_init(&options);
-    const int found = fxs_pick(&context, objects, object_count, cameras, &options, NULL, x, y, memory, bytes, &result);
+    const int found = fxs_pick(&context, &f.request, x, y, f.memory, f.bytes, &result);
     numbers[0] = result.object;
     numbers[1] = result.gaussian;
     numbers[2] = (double)result.depth_q32 * 0x1p-32;

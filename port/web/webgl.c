@@ -72,6 +72,5 @@ EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, int quads, uint32_t fram
     target.y = y;
     target.format = (enum fxs_format)format;
     target.quads = quads;
-    return fxs_web_frame_end(fxs_gles_render(gles, f.context, f.objects, f.count, f.camera, &f.options, &target,
-                                             f.memory, f.bytes, NULL));
+    return fxs_web_frame_end(fxs_gles_render(gles, f.context, &f.request, &target, f.memory, f.bytes, NULL));
 }

@@ -3,6 +3,7 @@
 
 typedef struct counting {
     fxs_frame frame;               /* first, as count_tile is given it */
+    fxs_targets targets;           /* none */
     uint64_t evaluated, blended;
 } counting;
 
@@ -17,17 +18,19 @@ static void count_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_la
                     &c->blended);
 }
 
-int fxs_count_pairs(const fxs_object *objects, uint32_t count, const fxs_camera *camera, const fxs_options *options,
-                    void *memory, size_t memory_bytes, uint64_t *evaluated, uint64_t *blended)
+int fxs_count_pairs(const fxs_request *request, void *memory, size_t memory_bytes, uint64_t *evaluated,
+                    uint64_t *blended)
 {
     counting c = {.evaluated = 0, .blended = 0};
     fxs_context context;
     fxs_init(&context, 0);
-    if (!evaluated || !blended)
+    if (!request || !evaluated || !blended)
         return FXS_ERR_ARGUMENT;
-    int error = fxs_frame_init(&c.frame, &context, objects, count, camera, options, 0, memory, memory_bytes);
+    int error = fxs_frame_init(&c.frame, &context, request, memory, memory_bytes);
     if (error)
         return error;
+    c.frame.eyes->targets = &c.targets;
+    c.frame.eye_count = 1;
     c.frame.draw_tile = count_tile;
     error = fxs_frame_render(&c.frame);
     *evaluated = c.evaluated;

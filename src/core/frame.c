@@ -16,19 +16,18 @@
 #include "memory.h"
 #include "parts.h"
 
-int fxs_render(const fxs_context *context, const fxs_object *objects, uint32_t count, const fxs_camera *camera,
-               const fxs_options *options, const fxs_targets *targets, void *memory, size_t memory_bytes,
+int fxs_render(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes,
                fxs_stats *stats)
 {
     fxs_frame f;
     if (stats)
         memset(stats, 0, sizeof *stats);
-    int error = fxs_targets_missing(context, targets);
+    int error = fxs_targets_missing(context, request);
     if (!error)
-        error = fxs_frame_init(&f, context, objects, count, camera, options, targets, memory, memory_bytes);
+        error = fxs_frame_init(&f, context, request, memory, memory_bytes);
     if (error)
         return error;
-    error = fxs_frame_render(&f);
+    error = request->eyes == 2 ? fxs_stereo_render(&f, request) : fxs_frame_render(&f);
     if (stats)
         *stats = f.stats;
     return error;

@@ -111,13 +111,9 @@ typedef struct fxs_frame {
 
 /* ---- setup.c ----------------------------------------------------------------------------------------------------- */
 
-/* Checks the arguments, then the memory. Targets may be null. Returns 0 or an FXS_ERR_*. */
-int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_object *objects, uint32_t count,
-                   const fxs_camera *camera, const fxs_options *options, const fxs_targets *targets, void *memory,
+/* Checks the arguments, then the memory. Returns 0 or an FXS_ERR_*. */
+int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_request *request, void *memory,
                    size_t memory_bytes);
-
-/* A second camera and its targets. Errors as fxs_frame_init. */
-int fxs_frame_add_eye(fxs_frame *f, const fxs_camera *camera, const fxs_targets *targets);
 
 /* Cuts up the memory and places the objects; where it does not hold every Gaussian, finds out how many splats each tile
    row has. Returns 0, FXS_ERR_MEMORY where they do not fit either (stats.memory.least has what would do),

@@ -164,6 +164,11 @@ int fxs_runs_draw_rows(fxs_frame *f);
 /* Has the back end resolve tiles first_tile to last_tile, which are blended. */
 int fxs_runs_draw_blended(fxs_frame *f);
 
+/* ---- stereo.c ---------------------------------------------------------------------------------------------------- */
+
+/* Renders both eyes of a frame that is set up. Returns 0 or an FXS_ERR_*. */
+int fxs_stereo_render(fxs_frame *f, const fxs_request *request);
+
 /* ---- times.c ----------------------------------------------------------------------------------------------------- */
 
 /* Where the time of drawing a macro tile goes. */
@@ -195,8 +200,8 @@ int fxs_targets_check(const fxs_targets *targets, int32_t width, int32_t height)
 /* Whether checked targets of two pictures of this size overlap where one of them is written to. */
 int fxs_targets_collide(const fxs_targets *a, const fxs_targets *b, int32_t width, int32_t height);
 
-/* FXS_ERR_TARGET where no target is to be written and no back end may draw elsewhere; else 0. */
-int fxs_targets_missing(const fxs_context *context, const fxs_targets *targets);
+/* FXS_ERR_TARGET where an eye has no target to be written and no back end may draw elsewhere; else 0. */
+int fxs_targets_missing(const fxs_context *context, const fxs_request *request);
 
 /* Whether a tile has to be blended by `trace` in place of `blend`: for depths, for ids or with an occluder. */
 int fxs_targets_traced(const fxs_targets *targets);

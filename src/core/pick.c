@@ -7,7 +7,7 @@
 
 typedef struct pick {
     fxs_frame frame;               /* first, as pick_tile is given it */
-    fxs_targets targets;
+    fxs_targets targets;           /* none is written */
     int32_t x, y;
     uint32_t key, index;           /* what was found: its depth and its place in the chunks; its slot goes with the
                                       band */
@@ -67,20 +67,20 @@ static void fill_in(const pick *p, const fxs_camera *camera, fxs_pick_result *re
         result->position_q32[i] = camera->position_q32[i] + fxs_turned_back(camera->rotation_q30, offset_q32, i);
 }
 
-int fxs_pick(const fxs_context *context, const fxs_object *objects, uint32_t count, const fxs_camera *camera,
-             const fxs_options *options, const fxs_targets *targets, int32_t x, int32_t y, void *memory,
+int fxs_pick(const fxs_context *context, const fxs_request *request, int32_t x, int32_t y, void *memory,
              size_t memory_bytes, fxs_pick_result *result)
 {
     pick p = {.x = x, .y = y, .index = FXS_NOTHING};
-    if (!camera || !result || x < 0 || y < 0 || x >= camera->width || y >= camera->height)
+    const fxs_camera *camera = request ? request->cameras : 0;
+    if (!request || !result || x < 0 || y < 0 || x >= camera->width || y >= camera->height)
         return FXS_ERR_ARGUMENT;
-    if (targets) {
-        p.targets.occluder = targets->occluder;
-        p.targets.depth_bits = targets->depth_bits;
-    }
-    int error = fxs_frame_init(&p.frame, context, objects, count, camera, options, &p.targets, memory, memory_bytes);
+    int error = fxs_frame_init(&p.frame, context, request, memory, memory_bytes);
     if (error)
         return error;
+    p.targets.occluder = request->targets->occluder;
+    p.targets.depth_bits = request->targets->depth_bits;
+    p.frame.eyes->targets = &p.targets;
+    p.frame.eye_count = 1;
     p.frame.draw_tile = pick_tile;
     p.frame.only_tile = (uint32_t)(y / FXS_TILE * p.frame.eye->view.tiles_x + x / FXS_TILE);
     error = fxs_frame_render(&p.frame);

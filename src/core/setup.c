@@ -21,48 +21,42 @@ static int take_objects(fxs_frame *f, const fxs_object *objects, uint32_t count)
     return error;
 }
 
-static int check(const fxs_context *context, const fxs_object *objects, uint32_t count, const fxs_camera *camera,
-                 const fxs_options *options, const void *memory)
+static int check(const fxs_context *context, const fxs_request *request, const void *memory)
 {
-    return !context || (!objects && count) || !camera || !options || !memory || options->sh_degree < 0 ||
-           options->sh_degree > 3 ||
-           (options->cutoff != FXS_CUTOFF_MAHALANOBIS && options->cutoff != FXS_CUTOFF_SQUARE)
+    return !context || !request || (!request->objects && request->count) || !memory || request->eyes < 1 ||
+           request->eyes > 2 || request->options.sh_degree < 0 || request->options.sh_degree > 3 ||
+           (request->options.cutoff != FXS_CUTOFF_MAHALANOBIS && request->options.cutoff != FXS_CUTOFF_SQUARE)
                ? FXS_ERR_ARGUMENT : 0;
 }
 
-static int eye_init(fxs_eye *eye, const fxs_camera *camera, const fxs_options *options, const fxs_targets *targets)
+static int eye_init(fxs_eye *eye, const fxs_request *request, uint32_t i)
 {
-    eye->camera = *camera;
-    eye->targets = targets;
-    const int error = fxs_view_init(&eye->view, camera, options);
-    return error || !targets ? error : fxs_targets_check(targets, camera->width, camera->height);
+    eye->camera = request->cameras[i];
+    eye->targets = &request->targets[i];
+    const int error = fxs_view_init(&eye->view, &eye->camera, &request->options);
+    return error ? error : fxs_targets_check(eye->targets, eye->camera.width, eye->camera.height);
 }
 
-int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_object *objects, uint32_t count,
-                   const fxs_camera *camera, const fxs_options *options, const fxs_targets *targets, void *memory,
+int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_request *request, void *memory,
                    size_t memory_bytes)
 {
     memset(f, 0, sizeof *f);
-    int error = check(context, objects, count, camera, options, memory);
-    error = error ? error : take_objects(f, objects, count);
-    error = error ? error : eye_init(&f->eyes[0], camera, options, targets);
+    int error = check(context, request, memory);
+    error = error ? error : take_objects(f, request->objects, request->count);
+    error = error ? error : eye_init(&f->eyes[0], request, 0);
+    if (!error && request->eyes == 2)
+        error = eye_init(&f->eyes[1], request, 1);
     if (error)
         return error;
     f->context = context;
-    f->options = options;
+    f->options = &request->options;
     f->memory = memory;
     f->memory_bytes = memory_bytes;
     f->eye = f->eyes;
-    f->eye_count = 1;
+    f->eye_count = request->eyes;
     f->draw_tile = context->config.draw ? 0 : fxs_draw_tile;
     f->only_tile = FXS_NOTHING;
     return (uintptr_t)memory % 64 ? FXS_ERR_MEMORY : 0;
-}
-
-int fxs_frame_add_eye(fxs_frame *f, const fxs_camera *camera, const fxs_targets *targets)
-{
-    f->eye_count = 2;
-    return eye_init(&f->eyes[1], camera, f->options, targets);
 }
 
 /* Each object as each eye sees it. */

@@ -67,36 +67,20 @@ static int render_exact(fxs_frame *f)
     return error ? error : fxs_frame_render(f);
 }
 
-int fxs_render_stereo(const fxs_context *context, const fxs_object *objects, uint32_t count,
-                      const fxs_camera cameras[2], const fxs_options *options, const fxs_targets targets[2], int exact,
-                      void *memory, size_t memory_bytes, fxs_stats *stats)
+int fxs_stereo_render(fxs_frame *f, const fxs_request *request)
 {
-    fxs_frame f;
-    if (!cameras || !targets)
-        return FXS_ERR_ARGUMENT;
-    int error = fxs_targets_missing(context, &targets[0]);
-    error = error ? error : fxs_targets_missing(context, &targets[1]);
-    if (!error)
-        error = fxs_frame_init(&f, context, objects, count, &cameras[0], options, &targets[0], memory, memory_bytes);
-    if (!error)
-        error = fxs_frame_add_eye(&f, &cameras[1], &targets[1]);
-    if (error)
-        return error;
-    if (cameras[0].width != cameras[1].width || cameras[0].height != cameras[1].height ||
-        cameras[0].projection != cameras[1].projection)
+    const fxs_camera *a = &request->cameras[0], *b = &request->cameras[1];
+    if (a->width != b->width || a->height != b->height || a->projection != b->projection)
         return FXS_ERR_SIZE;
-    if ((uint64_t)f.chunk_count * FXS_CHUNK > FXS_MAX_SLOTS)   /* there are no bands */
+    if ((uint64_t)f->chunk_count * FXS_CHUNK > FXS_MAX_SLOTS)   /* there are no bands */
         return FXS_ERR_OBJECT;
-    if (fxs_targets_collide(&targets[0], &targets[1], cameras[0].width, cameras[0].height))
+    if (fxs_targets_collide(&request->targets[0], &request->targets[1], a->width, a->height))
         return FXS_ERR_TARGET;
-    f.stats.memory.least = fxs_stereo_bytes(context, objects, count, cameras[0].width, cameras[0].height);
-    error = f.stats.memory.least && memory_bytes >= f.stats.memory.least ? 0 : FXS_ERR_MEMORY;
-    if (!error) {
-        uint64_t start = fxs_now(&f);
-        error = exact ? render_exact(&f) : render_shared(&f);
-        f.stats.frame_nanoseconds = fxs_now(&f) - start;
-    }
-    if (stats)
-        *stats = f.stats;
+    f->stats.memory.least = fxs_stereo_bytes(f->context, request->objects, request->count, a->width, a->height);
+    if (!f->stats.memory.least || f->memory_bytes < f->stats.memory.least)
+        return FXS_ERR_MEMORY;
+    const uint64_t start = fxs_now(f);
+    const int error = request->exact ? render_exact(f) : render_shared(f);
+    f->stats.frame_nanoseconds = fxs_now(f) - start;
     return error;
 }

@@ -109,12 +109,16 @@ int fxs_targets_collide(const fxs_targets *a, const fxs_targets *b, int32_t widt
     return any;
 }
 
-int fxs_targets_missing(const fxs_context *context, const fxs_targets *t)
+static int is_written(const fxs_targets *t)
 {
-    return !context || context->config.draw ? 0
-           : !t || !(t->colour.pixels || t->coverage.pixels || t->mean_depth.pixels || t->median_depth.pixels ||
-                     t->id.pixels)
-               ? FXS_ERR_TARGET : 0;
+    return t->colour.pixels || t->coverage.pixels || t->mean_depth.pixels || t->median_depth.pixels || t->id.pixels;
+}
+
+int fxs_targets_missing(const fxs_context *context, const fxs_request *request)
+{
+    const int all = request && (request->eyes != 2 || is_written(&request->targets[1])) &&
+                    is_written(&request->targets[0]);
+    return !context || !request || context->config.draw || all ? 0 : FXS_ERR_TARGET;
 }
 
 int fxs_targets_traced(const fxs_targets *t)

@@ -349,7 +349,7 @@ static void render_c(const fxs_cuda_frame *frame, const fxs_options *options, co
     fxs_init(&context, 0);
     const size_t bytes = fxs_frame_bytes(&context, frame->objects, frame->count, camera->width, camera->height, 0);
     void *memory = check_aligned(bytes);
-    if (!memory || fxs_render(&context, frame->objects, frame->count, camera, options, targets, memory, bytes, 0))
+    if (!memory || render_frame(&context, frame->objects, frame->count, camera, options, targets, memory, bytes, 0))
         abort();
     free(memory);
 }

@@ -166,18 +166,19 @@ static int draw_eye(program *p, int eye, const fxs_camera *camera, const swapcha
 {
     const unsigned image = s->acquired % IMAGES;
     fxs_gles_target target;
-    fxs_targets targets;
+    fxs_request request;
+    fxs_request_init(&request, &p->object, 1);
+    request.options = p->options;
+    request.cameras[0] = *camera;
     fxs_gles_target_init(&target);
     target.framebuffer = s->framebuffers[image];
-    int error = fxs_gles_render(p->gles, &p->context, &p->object, 1, camera, &p->options, &target, p->memory, p->bytes,
-                                0);
-    fxs_targets_init(&targets);
-    targets.median_depth.pixels = p->depths[eye];
-    targets.median_depth.stride = WIDTH * 4;
-    targets.colour.pixels = p->colours[eye];       /* to compare: a program leaves it out */
-    targets.colour.stride = WIDTH * 4;
+    int error = fxs_gles_render(p->gles, &p->context, &request, &target, p->memory, p->bytes, 0);
+    request.targets[0].median_depth.pixels = p->depths[eye];
+    request.targets[0].median_depth.stride = WIDTH * 4;
+    request.targets[0].colour.pixels = p->colours[eye];       /* to compare: a program leaves it out */
+    request.targets[0].colour.stride = WIDTH * 4;
     if (!error)
-        error = fxs_render(&p->context, &p->object, 1, camera, &p->options, &targets, p->memory, p->bytes, 0);
+        error = fxs_render(&p->context, &request, p->memory, p->bytes, 0);
     if (error)
         return printf("eye %d: %s\n", eye, fxs_strerror(error)), 1;
     fill_depth(p->depths[eye], s->depths[image]);

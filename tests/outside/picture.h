@@ -52,8 +52,7 @@ static inline int picture(const fxs_scene *scene)
     request.targets[0].colour.stride = WIDTH * 4;
     const size_t bytes = fxs_frame_bytes(&context, &object, 1, WIDTH, HEIGHT, 0);
     void *memory = aligned(bytes);
-    if (!memory || fxs_render(&context, &object, 1, &request.cameras[0], &request.options, &request.targets[0], memory,
-                              bytes, 0))
+    if (!memory || fxs_render(&context, &request, memory, bytes, 0))
         return 1;
     return picture_print(pixels);
 }

@@ -63,6 +63,7 @@ int main(void)
     static char line[128];
     static fxs_turntable table;
     static fxs_context context;
+    static fxs_request request;
     static fxs_stats stats;
     static uint64_t hash;
     static fxs_strip strip = {pixels, 0, 0, FXS_FORMAT_RGB565, &context.kernels, add_rows, &hash, {0}};
@@ -70,8 +71,8 @@ int main(void)
                                       .draw_blended = 1};
     board_stack_mark();
     console_command(line, sizeof line);
-    const fxs_options options = {.sh_degree = (int)console_option(line, "degree", 3),
-                                 .background = {0x11, 0x13, 0x1b}};
+    fxs_request_init(&request, &table.object, 1);
+    request.options = (fxs_options){.sh_degree = (int)console_option(line, "degree", 3), .background = {0x11, 0x13, 0x1b}};
     const uint32_t width = console_option(line, "width", 320), height = console_option(line, "height", 240);
     const uint32_t rows = console_option(line, "rows", 16), frames = console_option(line, "frames", 4);
     const uint32_t room = (uint32_t)(board_memory_end - board_memory), memory = console_option(line, "memory", room);
@@ -87,8 +88,8 @@ int main(void)
         const uint32_t step = i * FXS_TURNTABLE_STEPS / frames;
         hash = 0xcbf29ce484222325u;
         fxs_turntable_turn(&table, step);
-        error = fxs_render(&context, &table.object, 1, &table.camera, &options, 0, board_memory,
-                           memory < room ? memory : room, &stats);
+        request.cameras[0] = table.camera;
+        error = fxs_render(&context, &request, board_memory, memory < room ? memory : room, &stats);
         if (!error)
             say_frame(step, hash, &stats);
     }

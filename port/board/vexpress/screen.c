@@ -47,16 +47,18 @@ int main(void)
     static fxs_context context;
     static fxs_strip strip = {pixels, sizeof *pixels, 16, FXS_FORMAT_RGB565, &context.kernels, copy_rows, 0, {0}};
     static const fxs_config config = {.draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1};
-    const fxs_options options = {.sh_degree = 3, .background = {0x11, 0x13, 0x1b}};
+    static fxs_request request;
     console_command(line, sizeof line);
     const uint32_t frames = console_option(line, "frames", 0);     /* 0: without end */
     fxs_init(&context, &config);
+    fxs_request_init(&request, &table.object, 1);
+    request.options = (fxs_options){.sh_degree = 3, .background = {0x11, 0x13, 0x1b}};
     int error = fxs_turntable_open(&table, board_scene, (size_t)(board_scene_end - board_scene), WIDTH, HEIGHT);
     for (uint32_t i = 0; !error && (i < frames || !frames); i++) {
         strip.argument = screens[i & 1];
         fxs_turntable_turn(&table, i);
-        error = fxs_render(&context, &table.object, 1, &table.camera, &options, 0, board_memory,
-                           (size_t)(board_memory_end - board_memory), 0);
+        request.cameras[0] = table.camera;
+        error = fxs_render(&context, &request, board_memory, (size_t)(board_memory_end - board_memory), 0);
         show(screens[i & 1]);
     }
     console_text(error ? "error: " : "shown\n");

@@ -366,6 +366,12 @@ typedef struct fxs_frame_memory {
 size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
                        int32_t height, fxs_frame_memory *memory);
 
+/* The working memory of two eyes with pictures of this size: that of fxs_frame_bytes, and 72 bytes more for every
+   Gaussian and 384 for every object. 0 where an argument is out of range, or the memory more than a size_t can
+   count. */
+size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
+                        int32_t height);
+
 typedef struct fxs_stats {
     uint32_t gaussians;            /* in all objects */
     uint32_t visible;              /* left after culling */
@@ -392,7 +398,7 @@ typedef struct fxs_request {
 /* One eye, with the options and targets of fxs_options_init and fxs_targets_init, and a camera that is all 0. */
 void fxs_request_init(fxs_request *request, const fxs_object *objects, uint32_t count);
 
-/* Renders a frame of `count` objects, 0 to FXS_MAX_OBJECTS: one order by depth over all of them, ties by object, then
+/* Renders a request. A frame has one order by depth over all of them, ties by object, then
    by Gaussian. One object as fxs_object_init leaves it is the scene itself. Not drawn are Gaussians whose centre is not
    beyond the camera's near plane.
    `memory`: `memory_bytes` bytes, aligned to 64; what they hold does not matter before, and is undefined after. As many
@@ -400,22 +406,32 @@ void fxs_request_init(fxs_request *request, const fxs_object *objects, uint32_t 
    would do with this number of threads. Either there is less than the `least` of fxs_frame_bytes; stats has that,
    though this view may take more. Or a tile row of this view does not fit and cannot be drawn in slices, because of
    depths, ids, an occluder or the back end; stats has the exact number.
-   `targets`: at least one; with a back end they are passed on to it, and may be null where it needs none. Only pixels
-   are written, not what lies between rows. *stats may be null.
+   Targets: at least one; with a back end they are passed on to it, and there may be none. Only pixels are written, not
+   what lies between rows. *stats may be null.
+   Two eyes have pictures of one size and projection, and targets that do not overlap where one is written. Each eye has
+   the geometry of its own camera: field of view and principal point may differ, as in a headset. Their colours are
+   computed once, as seen from the point between them. So is the order by depth, where both cameras measure depth alike
+   (their z axes are parallel, and neither is ahead of the other, within 2^-14) and the right eye has no occluder;
+   otherwise each eye's splats are sorted by themselves. The bytes are the same on every machine. They are those of two
+   frames only where both cameras are equal: with eyes 2 % of the distance to the scene apart, each picture has a PSNR of
+   54 dB or more against a frame of its own on the scenes measured (the tests hold 50). With `exact` nothing is shared:
+   each eye has the very bytes of a frame of its own, in the time of two frames. There are no bands: two eyes take
+   fxs_stereo_bytes. *stats is of both eyes together; `visible` counts a Gaussian that both eyes see once, or with
+   `exact` once for each eye.
    Errors after which nothing is written to the targets: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA, FXS_ERR_SIZE, FXS_ERR_OBJECT
-   (also where the camera is more than 2^28 of the object's units away from its origin), FXS_ERR_TARGET, FXS_ERR_MEMORY.
+   (also where the camera is more than 2^28 of the object's units away from its origin, and for two eyes beyond 2^28
+   Gaussians in whole chunks), FXS_ERR_TARGET, FXS_ERR_MEMORY.
    Errors after which a part of the pixels may be written: FXS_ERR_SCENE, FXS_ERR_STOPPED and those of a back end. */
-int fxs_render(const fxs_context *context, const fxs_object *objects, uint32_t count, const fxs_camera *camera,
-               const fxs_options *options, const fxs_targets *targets, void *memory, size_t memory_bytes,
+int fxs_render(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes,
                fxs_stats *stats);
 
-/* Counts the work of a frame's blend stage, in pairs of a pixel and a Gaussian. Called with the arguments of
-   fxs_render, it renders the frame once more, by the plain C stages and one thread, without an occluder. A pair is
+/* Counts the work of the blend stage for the first eye of a request, in pairs of a pixel and a Gaussian. It renders the
+   frame once more, by the plain C stages and one thread, without an occluder. A pair is
    evaluated where the Gaussian is in the list of the pixel's tile and may touch the pixel's row, and the pixel is not
    opaque yet; pixels of a tile beyond the picture's edge count too. It is blended where the pixel is also within the
    cut-off and alpha at least 1/255. Errors as fxs_render. */
-int fxs_count_pairs(const fxs_object *objects, uint32_t count, const fxs_camera *camera, const fxs_options *options,
-                    void *memory, size_t memory_bytes, uint64_t *evaluated, uint64_t *blended);
+int fxs_count_pairs(const fxs_request *request, void *memory, size_t memory_bytes, uint64_t *evaluated,
+                    uint64_t *blended);
 
 /* What a pixel shows. */
 typedef struct fxs_pick_result {
@@ -426,39 +442,11 @@ typedef struct fxs_pick_result {
     int64_t position_q32[3];       /* in the world, on the pixel's ray, at that depth; across the axis cut to +-2^28 */
 } fxs_pick_result;
 
-/* Finds out what fxs_render shows at pixel (x, y): its id target holds the same. Of `targets`, which may be null, the
+/* Finds out what fxs_render shows at pixel (x, y) of the first eye: its id target holds the same. Of the targets the
    occluder and depth_bits are read. Projects the whole frame, blends one tile. Returns 1, 0 where no Gaussian
    contributes, or an error as fxs_render. */
-int fxs_pick(const fxs_context *context, const fxs_object *objects, uint32_t count, const fxs_camera *camera,
-             const fxs_options *options, const fxs_targets *targets, int32_t x, int32_t y, void *memory,
+int fxs_pick(const fxs_context *context, const fxs_request *request, int32_t x, int32_t y, void *memory,
              size_t memory_bytes, fxs_pick_result *result);
-
-/* ---- Stereo ---------------------------------------------------------------------------------------------------- */
-
-/* The working memory of two eyes with pictures of this size: that of fxs_frame_bytes, and 72 bytes more for every
-   Gaussian and 384 for every object. 0 where an argument is out of range, or the memory more than a size_t can
-   count. */
-size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
-                        int32_t height);
-
-/* Renders a frame for each of two eyes, left and right, that share work. The two pictures have one size and projection.
-   Each eye has the geometry of its own camera: field of view and principal point may differ, as in a headset.
-   Colours are computed once for both eyes, as seen from the point between them. So is the order by depth, where both
-   cameras measure depth alike (their z axes are parallel, and neither is ahead of the other, within 2^-14) and the
-   right eye has no occluder; otherwise each eye's splats are sorted by themselves.
-   The bytes are the same on every machine. They are those of fxs_render only where both cameras are equal: with eyes
-   2 % of the distance to the scene apart, each picture has a PSNR of 54 dB or more against that of fxs_render on the
-   scenes measured (the tests hold 50). With `exact` not 0 nothing is shared: each eye has the very bytes of fxs_render,
-   in the time of two frames.
-   `memory`: `memory_bytes` bytes, aligned to 64, at least fxs_stereo_bytes; with less, FXS_ERR_MEMORY, and
-   stats->memory.least says how many it takes. `targets`: of the two eyes, each as for fxs_render; an image that is
-   written for one eye must not overlap an image of the other. *stats, which may be null, is of both eyes together;
-   `visible` counts a Gaussian that both eyes see once, or with `exact` once for each eye.
-   Errors: those of fxs_render; FXS_ERR_OBJECT also beyond 2^28 Gaussians (in whole chunks), and FXS_ERR_SIZE where the
-   pictures differ in size or projection; nothing is written to the targets then. */
-int fxs_render_stereo(const fxs_context *context, const fxs_object *objects, uint32_t count,
-                      const fxs_camera cameras[2], const fxs_options *options, const fxs_targets targets[2], int exact,
-                      void *memory, size_t memory_bytes, fxs_stats *stats);
 
 #ifdef __cplusplus
 }

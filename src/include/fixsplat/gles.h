@@ -92,7 +92,7 @@ typedef struct fxs_gles_target {
 /* The context's own framebuffer at its corner, RGBA8, rows from the top; nothing else. */
 void fxs_gles_target_init(fxs_gles_target *target);
 
-/* Renders a frame (arguments and errors as fxs_render) into a target, in the caller's context. `context` says how the
+/* Renders the first eye of a request (errors as fxs_render; its own targets are not used) into a target, in the caller's context. `context` says how the
    stages before blend run; its draw is not used. The GL state is left as it was, but for a GL error that was pending.
    The frame does not depend on blending, culling, depth and stencil tests, dithering, rasterizer discard, alpha to
    coverage, scissor, viewport, colour mask, bindings, and how pixels are unpacked. Depth and stencil buffers are
@@ -102,9 +102,8 @@ void fxs_gles_target_init(fxs_gles_target *target);
    backdrop with RGBA8_COVERAGE, `over` without it), FXS_ERR_UNSUPPORTED (another format, a picture larger than the
    device's textures, `fetch` where fxs_gles_no_fetch says why not, `quads` with `fetch`, an occluder, a backdrop or
    `over`), FXS_ERR_DEVICE, FXS_ERR_MEMORY (the device's). */
-int fxs_gles_render(fxs_gles *gles, const fxs_context *context, const fxs_object *objects, uint32_t count,
-                    const fxs_camera *camera, const fxs_options *options, const fxs_gles_target *target, void *memory,
-                    size_t memory_bytes, fxs_stats *stats);
+int fxs_gles_render(fxs_gles *gles, const fxs_context *context, const fxs_request *request,
+                    const fxs_gles_target *target, void *memory, size_t memory_bytes, fxs_stats *stats);
 
 #ifdef __cplusplus
 }

@@ -152,7 +152,7 @@ typedef struct fxs_tile_run {
     const uint32_t *entries, *ends, *counts;
     uint32_t first_tile, last_tile;
     const fxs_tile *blended;       /* these tiles, with draw_blended where memory is short; then there is no list */
-    const fxs_targets *targets;    /* of the whole picture, as in fxs_render; may be null */
+    const fxs_targets *targets;    /* of the whole picture, as in fxs_request */
 } fxs_tile_run;
 
 /* Bytes of a pixel. */

@@ -7,7 +7,8 @@
  *     const fxs_config config = {.draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1};
  *     fxs_init(&context, &config);
  *     strip.kernels = &context.kernels;
- *     fxs_render(&context, &object, 1, &camera, &options, 0, memory, sizeof memory, 0);
+ *     fxs_request_init(&request, &object, 1);        and its camera
+ *     fxs_render(&context, &request, memory, sizeof memory, 0);
  *
  * It allocates nothing. One frame at a time. */
 #ifndef FXS_STRIP_H
@@ -37,7 +38,7 @@ typedef struct fxs_strip {
 } fxs_strip;
 
 /* An fxs_draw_fn, for fxs_config.draw; `argument` is an fxs_strip. FXS_ERR_TARGET where the strip is not as it says
-   above. The targets of fxs_render are not written, and may be null. */
+   above. The targets of the request are not written. */
 struct fxs_tile_run;
 int fxs_strip_draw(void *argument, const struct fxs_tile_run *run);
 
