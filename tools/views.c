@@ -167,9 +167,15 @@ static long views_of_file(const frame_options *options, fxs_file_view **views)
         free(*views);
         *views = chosen;
     }
-    for (long i = 0; i < count; i++)
+    long bent = 0;
+    for (long i = 0; i < count; i++) {
+        bent += (*views)[i].bends;
         if (options->width || options->panorama)
             fxs_view_resize(&(*views)[i], width_of(options), height_of(options));
+    }
+    if (bent)
+        note("%s: %ld of %ld views have a lens that bends: they are drawn as by a pinhole", options->cameras, bent,
+             count);
     return count;
 }
 

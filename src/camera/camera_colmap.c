@@ -31,7 +31,6 @@ typedef struct camera {
 typedef struct camera_list {
     const char *path;
     fxs_message *message;
-    int lenses;         /* as those of fxs_view_list */
     camera *cameras;
     size_t count, capacity;
 } camera_list;
@@ -41,10 +40,10 @@ static int params_of(size_t model)
     return models[model].focals + 2 + (int)strlen(models[model].coefficients);
 }
 
-static int not_pinhole(const camera_list *list, double id)
+static int not_known(const camera_list *list, double id)
 {
-    return fxs_fail(list->message, list->lenses ? "%s: camera %.0f: a camera model that is not known here" :
-                    "%s: camera %.0f: not a pinhole camera; undistort the images first", list->path, id);
+    return fxs_fail(list->message, "%s: camera %.0f: a camera model that is not known here; undistort the images first",
+                    list->path, id);
 }
 
 static int read_lens(size_t model, const double *params, fxs_lens *lens)
@@ -63,8 +62,8 @@ static int add_camera(camera_list *list, size_t model, double id, const double s
 {
     const int focals = models[model].focals;
     fxs_lens lens;
-    if (!read_lens(model, params + focals + 2, &lens) || (!list->lenses && !fxs_lens_is_pinhole(&lens)))
-        return not_pinhole(list, id);
+    if (!read_lens(model, params + focals + 2, &lens))
+        return not_known(list, id);
     if (list->count == MAX_CAMERAS)
         return fxs_fail(list->message, "%s: more than %d cameras", list->path, MAX_CAMERAS);
     if (list->count == list->capacity) {
@@ -129,6 +128,7 @@ static int add_image(fxs_view_list *list, const camera_list *cameras, const char
     view->cx = found->cx;
     view->cy = found->cy;
     listed->lens = found->lens;
+    view->bends = !fxs_lens_is_pinhole(&found->lens);
     return fxs_view_list_finish(list, found->width, found->height);
 }
 
@@ -139,7 +139,7 @@ static int read_cameras_bin(camera_list *list, const fxs_text *text)
         double id = (double)fxs_colmap_take(&in, 4), size[2], params[MAX_PARAMS];
         const size_t model = (size_t)fxs_colmap_take(&in, 4);
         if (!in.short_of && (model >= MODELS))
-            return not_pinhole(list, id);
+            return not_known(list, id);
         size[0] = (double)fxs_colmap_take(&in, 8);
         size[1] = (double)fxs_colmap_take(&in, 8);
         if (!in.short_of)
@@ -184,7 +184,7 @@ static int read_cameras_txt(camera_list *list, const fxs_text *text)
         while (model < MODELS && strcmp(name, models[model].name))
             model++;
         if (model == MODELS)
-            return not_pinhole(list, id);
+            return not_known(list, id);
         if (!fxs_colmap_numbers(&line, size, 2) || !fxs_colmap_numbers(&line, params, params_of(model)) ||
             *fxs_colmap_word(&line))
             return fxs_fail(list->message, "%s: camera %.0f: not a size and %d parameters", list->path, id,
@@ -220,7 +220,7 @@ static int compare_views(const void *a, const void *b)
 
 int fxs_camera_colmap_parse(fxs_view_list *list, int binary, const fxs_text *cameras, const fxs_text *images)
 {
-    camera_list found = {cameras->path, list->message, list->lenses, NULL, 0, 0};
+    camera_list found = {cameras->path, list->message, NULL, 0, 0};
     if (!binary && (strlen(cameras->data) < cameras->size || strlen(images->data) < images->size))
         return fxs_fail(list->message, "%s: zero bytes in this text or in cameras.txt", list->path);
     int status = binary ? read_cameras_bin(&found, cameras)

@@ -24,7 +24,6 @@ typedef struct fxs_view_list {
     fxs_message *message;
     fxs_listed_view *views;
     size_t count, capacity;
-    int lenses;         /* 1: they are read; 0: COLMAP's must be pinholes, and those of transforms.json count as such */
     int is_array;       /* 1: it was a cameras.json */
     char *points;       /* name of the .ply that a transforms.json names for its points, or NULL */
 } fxs_view_list;

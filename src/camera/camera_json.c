@@ -122,8 +122,8 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
         width = height = 800;   /* Blender's synthetic scenes do not say it */
         listed->sizeless = isnan(first(own.fl_x, file->fl_x));
     }
-    if (list->lenses)
-        FXS_TRY(read_lens(list, fisheye, &own, file, &listed->lens));
+    FXS_TRY(read_lens(list, fisheye, &own, file, &listed->lens));
+    view->bends = !fxs_lens_is_pinhole(&listed->lens);
     if (!matrix(cJSON_GetObjectItemCaseSensitive(frame, "transform_matrix"), m, 4))
         return fxs_view_list_fault(list, "\"transform_matrix\" is not four rows of four numbers");
     if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1)
@@ -145,8 +145,7 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
     return fxs_view_list_finish(list, width, height);
 }
 
-/* The models whose pinhole part is close to the truth. Where no lenses are read, small distortions k1 to k6, p1 and p2
-   are ignored: nerfstudio writes them with nearly every capture. */
+/* The models whose lens is a pinhole with small distortions. */
 static int perspective(const char *model)
 {
     static const char *const models[] = {"SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV",
@@ -160,7 +159,7 @@ static int perspective(const char *model)
 static int read_transforms(fxs_view_list *list, const cJSON *root, const cJSON *frames)
 {
     const char *model = fxs_json_string(root, "camera_model"), *points = fxs_json_string(root, "ply_file_path");
-    const int fisheye = list->lenses && model && !strcmp(model, "OPENCV_FISHEYE");
+    const int fisheye = model && !strcmp(model, "OPENCV_FISHEYE");
     intrinsics file = read_intrinsics(root);
     if (model && !fisheye && !perspective(model))
         return fxs_fail(list->message, "%s: camera_model is not a perspective one; undistort the images", list->path);

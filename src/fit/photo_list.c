@@ -143,7 +143,6 @@ static int read_views(fxs_view_list *views, const char *path, fxs_message *messa
 {
     views->path = path;
     views->message = message;
-    views->lenses = 1;
     FXS_TRY(fxs_view_list_read(views));
     for (size_t i = 0; i < views->count; i++) {
         const fxs_listed_view *v = &views->views[i];

@@ -987,4 +987,18 @@ if [ "$(df -Pk . | awk 'NR == 2 { print $4 }')" -gt 1048576 ]; then
 else
     skip "memory for a million Gaussians" "less than 1 GB free"
 fi
+# ---- Lenses: the cameras of a fit are cameras of render, drawn as by a pinhole -----------------------------------------
+
+# colmap FOLDER CAMERA: a model of one view
+colmap() {
+    mkdir -p "$1" && echo "$2" >"$1/cameras.txt" && printf '1 1 0 0 0 0 0 6 7 a.jpg\n\n' >"$1/images.txt"
+}
+colmap bent "7 OPENCV 64 48 60 60 32 24 0.1 0.01 0.001 0"
+colmap straight "7 PINHOLE 64 48 60 60 32 24"
+run render knot.ply --cameras straight --view 0 -o straight.ppm
+check "a pinhole: not a word" equal "$status $(cat logs/err)" "0 "
+run render knot.ply --cameras bent --view 0 -o bent.ppm
+check "a lens that bends: said" equal "$status $(cat logs/err)" \
+    "0 fixsplat: bent: 1 of 1 views have a lens that bends: they are drawn as by a pinhole"
+check "a lens that bends: drawn as by a pinhole" cmp bent.ppm straight.ppm
 finish

@@ -18,6 +18,8 @@ typedef struct fxs_file_view {
     double position[3];      /* the camera's centre, scene units */
     double near;             /* depth of the near plane, scene units; 0: the renderer's default, 0.2 */
     enum fxs_projection projection;   /* orthographic where a cameras.json says "orthographic": true */
+    int bends;               /* 1: the file says that the lens bends (radial, tangential, fisheye); the other fields are
+                                those of a pinhole in its place */
 } fxs_file_view;
 
 /* Reads every camera of a file. Its content tells which kind it is: a cameras.json (an array), a transforms.json (an
@@ -28,7 +30,7 @@ typedef struct fxs_file_view {
    Returns their number, at least 1, with *views allocated by malloc, which the caller frees; or an error and a
    message, which names the camera at fault. Errors: FXS_ERR_FILE where a file is missing, damaged, or has a camera
    that cannot be used (a focal length that is not above 0, a rotation that is not orthonormal within 1e-3, a number
-   that is not finite, a size out of range, a model that distorts); FXS_ERR_UNSUPPORTED for .json where this was built
+   that is not finite, a size out of range, a camera model that is not known); FXS_ERR_UNSUPPORTED for .json where this was built
    without cJSON; FXS_ERR_MEMORY. Several threads may read files at the same time. */
 long fxs_camera_file_read(const char *path, fxs_file_view **views, fxs_message *message);
 
