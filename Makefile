@@ -7,6 +7,8 @@ LIBDIR ?= $(PREFIX)/lib
 SCENES ?= ../shared/scenes
 B := build
 VERSION := $(shell sed -n 's/^.define FXS_VERSION "\(.*\)"$$/\1/p' src/include/fixsplat/fixsplat.h)
+# Libraries of one major number take each other's place.
+MAJOR := $(firstword $(subst ., ,$(VERSION)))
 
 # What programs include as <fixsplat/...>: of libfixsplat-core.a, and of libfixsplat.
 CORE_HEADERS := $(addprefix src/include/fixsplat/,fixsplat.h packed.h backend.h stage.h pixel.h fixed.h kernels.h)

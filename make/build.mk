@@ -55,7 +55,7 @@ objects = $(patsubst %.cu,$(B)/%.o,$(patsubst %.c,$(B)/%.o,$(1)))
 
 PROGRAMS := $(B)/fixsplat $(if $(WINDOW),$(B)/fixsplat-view) $(if $(SERVER),$(B)/fixsplat-web)
 ARCHIVES := $(B)/libfixsplat-core.a $(B)/libfixsplat.a
-SONAME := libfixsplat.so.$(basename $(VERSION))
+SONAME := libfixsplat.so.$(MAJOR)
 SHARED_LIBRARY := $(if $(SHARED),$(B)/libfixsplat.so.$(VERSION))
 
 

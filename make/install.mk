@@ -11,7 +11,7 @@ ICONS := $(PREFIX)/share/icons/hicolor/scalable/apps
 APPLICATIONS := $(PREFIX)/share/applications
 INCLUDE := $(PREFIX)/include/fixsplat
 CMAKE := $(LIBDIR)/cmake/fixsplat
-fill = sed -e 's|@PREFIX@|$(PREFIX)|g' -e 's|@LIBDIR@|$(LIBDIR)|g' -e 's|@SONAME_VERSION@|$(basename $(VERSION))|g' \
+fill = sed -e 's|@PREFIX@|$(PREFIX)|g' -e 's|@LIBDIR@|$(LIBDIR)|g' -e 's|@SONAME_VERSION@|$(MAJOR)|g' \
            -e 's|@VERSION@|$(VERSION)|g' -e 's|@LIBS@|$(LIBS)|g' tools/package/$$f.in >$(DESTDIR)$(1)/$$f && \
        chmod 644 $(DESTDIR)$(1)/$$f || exit 1
 

@@ -78,9 +78,9 @@ needs() {
 check "the core depends on nothing" equal "$(needs "$library/libfixsplat-core.a")" ""
 if [ "$shared" ]; then
     check "the shared library's names" equal "$(ls "$library" | grep '\.so' | tr '\n' ' ')" \
-        "libfixsplat.so libfixsplat.so.${version%.*} libfixsplat.so.$version "
+        "libfixsplat.so libfixsplat.so.${version%%.*} libfixsplat.so.$version "
     check "its SONAME" equal "$(readelf -d "$library/libfixsplat.so" | sed -n 's/.*SONAME.*\[\(.*\)\]/\1/p')" \
-        "libfixsplat.so.${version%.*}"
+        "libfixsplat.so.${version%%.*}"
     check "it shows names with fxs_ alone" equal \
         "$(nm -D --defined-only "$library/libfixsplat.so" | awk '{ print $3 }' | grep -v '^fxs_')" ""
     nm -D --defined-only "$library/libfixsplat.so" | awk '{ print $3 }' | sort >"$work/shown"
@@ -160,6 +160,11 @@ else
 fi
 
 if have cmake; then
+    mkdir "$work/older" && sed 's/fixsplat 1.0/fixsplat 0.8/' "$work/outside/CMakeLists.txt" >"$work/older/CMakeLists.txt"
+    check "CMake: a program for 0.8 is told so" sh -c '! cmake -S "$0" -B "$0/build" -DCMAKE_PREFIX_PATH="$1" \
+        -DCMAKE_C_COMPILER="$2" 2>&1 | tr "\n" " " | grep -q "Configuring done" &&
+        cmake -S "$0" -B "$0/build" -DCMAKE_PREFIX_PATH="$1" 2>&1 | grep -q "compatible with requested version .0.8"' \
+        "$work/older" "$prefix" "$CC"
     check "CMake: built" sh -c 'cmake -S "$0" -B "$0/build" -DCMAKE_PREFIX_PATH="$1" -DCMAKE_C_COMPILER="$2" &&
         cmake --build "$0/build"' "$outside" "$prefix" "${CC%% *}"
     for target in fixsplat static; do

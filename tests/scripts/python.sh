@@ -7,7 +7,7 @@ B=${B:-build}
 . "$root/tests/scripts/lib/photos.sh"
 library=$(cd "$root" && cd "$(dirname "$fixsplat")" && pwd)
 version=$(sed -n 's/^#define FXS_VERSION "\(.*\)"/\1/p' "$root/src/include/fixsplat/fixsplat.h")
-soname=libfixsplat.so.${version%.*}
+soname=libfixsplat.so.${version%%.*}
 
 # One that has NumPy and cffi: that of the path, or Debian's.
 python=
@@ -91,7 +91,7 @@ refuses "FIXSPLAT_LIBRARY: no such file" "cannot be loaded: .*none.so.*FIXSPLAT_
 echo 'int fxs_version(void) { return 507; }' >other.c
 ${CC:-cc} -shared -fPIC -o other.so other.c
 refuses "another version" "other.so is of version 0.5.7, this package is for $version" "$work/other.so"
-echo "int fxs_version(void) { return $(echo "$version" | awk -F. '{ print $1 * 10000 + $2 * 100 + $3 }'); }" >other.c
+echo "int fxs_version(void) { return $(echo "$version" | awk -F'[.-]' '{ print $1 * 10000 + $2 * 100 + $3 }'); }" >other.c
 ${CC:-cc} -shared -fPIC -o other.so other.c
 refuses "a library without its functions" "not this package's: .*undefined symbol" "$work/other.so"
 echo 'int other;' >other.c
@@ -116,7 +116,7 @@ if "$python" -c 'import setuptools, pip' 2>/dev/null; then
         --disable-pip-version-check --root-user-action ignore --target prefix ./source
     check "pip: what is installed" equal "$(cd prefix/fixsplat && ls | grep -v __pycache__ | tr '\n' ' ')" \
         "$(cd source/fixsplat && ls | grep -v __pycache__ | tr '\n' ' ')"
-    check "pip: its version" ls "prefix/fixsplat-$version.dist-info/METADATA"
+    check "pip: its version" ls "prefix/fixsplat-$(echo "$version" | tr -d -).dist-info/METADATA"
     PYTHONPATH=$work/prefix imports "found beside the package" "prefix/fixsplat/$soname"
     check "pip: it renders" env -u FIXSPLAT_LIBRARY PYTHONPATH="$work/prefix" "$python" -c \
         'import fixsplat; s = fixsplat.load("knot.ply"); assert s.render(s.frame(64, 48)).colour.any()'

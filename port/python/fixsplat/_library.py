@@ -35,7 +35,7 @@ class Error(Exception):
 def _found() -> Iterator[str]:
     """Where the library may be: beside this package, in the build folder of the checkout, where the system has it."""
     package = Path(__file__).resolve().parent
-    soname = "libfixsplat.so." + VERSION.rpartition(".")[0]
+    soname = "libfixsplat.so." + VERSION.partition(".")[0]
     names = (soname, f"libfixsplat.so.{VERSION}", "libfixsplat.so")
     folders = [package]
     if (package.parents[2] / "src" / "include" / "fixsplat" / "fixsplat.h").exists():
@@ -60,7 +60,8 @@ def _load(path: str) -> Any:
     except AttributeError:
         raise ImportError(f"fixsplat: {path} is not libfixsplat.so") from None
     version = f"{number // 10000}.{number // 100 % 100}.{number % 100}"
-    if version.rpartition(".")[0] != VERSION.rpartition(".")[0]:
+    major, minor = (int(part) for part in VERSION.split(".")[:2])
+    if number // 10000 != major or number // 100 % 100 < minor:
         raise ImportError(f"fixsplat: {path} is of version {version}, this package is for {VERSION}")
     try:
         ffi.cdef(string(library.fxs_declarations()), override=True)

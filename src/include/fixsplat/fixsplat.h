@@ -22,13 +22,14 @@
 extern "C" {
 #endif
 
-#define FXS_VERSION_MAJOR 0
-#define FXS_VERSION_MINOR 8
+#define FXS_VERSION_MAJOR 1
+#define FXS_VERSION_MINOR 0
 #define FXS_VERSION_PATCH 0
-#define FXS_VERSION "0.8.0"
+#define FXS_VERSION "1.0.0-rc1"
 #define FXS_VERSION_NUMBER (FXS_VERSION_MAJOR * 10000 + FXS_VERSION_MINOR * 100 + FXS_VERSION_PATCH)
 
-/* FXS_VERSION_NUMBER of the library that is linked. Programs built with the same major and minor number go with it. */
+/* FXS_VERSION_NUMBER of the library that is linked. A program that was built with the same major number, and a minor one
+   that is no higher, goes with it. */
 int fxs_version(void);
 
 #define FXS_MAX_SIZE 16384           /* pixels, width and height of a picture */
