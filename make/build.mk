@@ -24,14 +24,14 @@ PIC := $(if $(SHARED),-fPIC -fno-semantic-interposition)
 NVCC_FLAGS = -O3 -std=c++17 $(INCLUDES) -diag-suppress 177 -gencode arch=compute_90,code=sm_90 \
              -gencode arch=compute_80,code=compute_80 \
              -Xcompiler -fno-exceptions,-fno-rtti,-fno-threadsafe-statics,-fPIC
-LIBS := $(foreach name,CJSON ZIP WEBP ZLIB DEFLATE ZSTD GLES CUDA,$(LIBS_$(name))) -lm -lpthread
+LIBS := $(foreach name,CJSON ZIP JPEG WEBP ZLIB DEFLATE ZSTD GLES CUDA,$(LIBS_$(name))) -lm -lpthread
 
 # Faster versions of the stages carry their instruction set in their name. clang 14 crashes on the debug information of
 # AVX-512 masks.
 CLANG_14 := $(if $(findstring clang,$(CC_VERSION)),-g0)
-# Lanes that are not wanted may overflow, as may stb_image with a damaged .jpg: -fwrapv says that this is no fault. -O3:
-# project takes 9 % less.
-isa = $(if $(filter src/image/image_%,$(1)),-fwrapv) $(if $(filter kernels/%,$(1)),-fwrapv $(if $(filter -O2,$(CFLAGS)),-O3)) $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
+# Lanes that are not wanted may overflow, as do the bits of a .jpg in stb_image_write: -fwrapv says that this is no
+# fault. -O3: project takes 9 % less.
+isa = $(if $(filter src/image/image_encode,$(1)),-fwrapv) $(if $(filter kernels/%,$(1)),-fwrapv $(if $(filter -O2,$(CFLAGS)),-O3)) $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
       -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi $(CLANG_14)))) \
       $(if $(filter src/fit/% kernels/fit/% src/camera/% src/pack/% src/scene/% src/gaussian/% tests/gpu/test_fit% tests/test_fit_%,$(1)),$(SINGLES))
 

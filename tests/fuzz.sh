@@ -300,7 +300,7 @@ printf '%s\n' '[pointer-overflow|nonnull-attribute]' 'src:*/stb/*' >"$work/ignor
 # What the Makefile compiles kernels with.
 instructions_of() {
     case $1 in
-    */image_file.c | */image_encode.c) echo -fwrapv ;;
+    */image_encode.c) echo -fwrapv ;;
     *_sse41.c) echo -msse4.1 ;;
     *_avx2.c) echo -mavx2 ;;
     *_avx512.c) echo -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi -g0 ;;
@@ -354,7 +354,7 @@ if ! clang -fsanitize=fuzzer,$sanitizers "$work/links.c" -o "$work/links" 2>/dev
     exit
 fi
 for library in CJSON:cjson/cJSON.h:-lcjson WEBP:webp/decode.h:-lwebp ZIP:zip.h:-lzip ZLIB:zlib.h:-lz \
-    ZSTD:zstd.h:-lzstd STB:stb/stb_image_write.h:; do
+    ZSTD:zstd.h:-lzstd JPEG:jpeglib.h:-ljpeg STB:stb/stb_image_write.h:; do
     header=${library#*:}
     if echo "#include <${header%:*}>" | clang -E -x c - >/dev/null 2>&1; then
         features="$features -DFXS_WITH_${library%%:*}" libraries="$libraries ${library##*:}"

@@ -410,7 +410,9 @@ static long of_png(const struct made_file *f, size_t length)
 {
     return length < f->size - 12 ? fault("a.png") : EITHER;
 }
+#endif
 
+#if defined(FXS_WITH_STB) && defined(FXS_WITH_JPEG)
 static void make_jpeg(const uint8_t *jpeg, size_t length)
 {
     memcpy(bytes, jpeg, size = length);
@@ -424,7 +426,7 @@ static void make_grey(void) { make_jpeg(grey_jpeg, sizeof grey_jpeg); }
 static long of_jpeg(const struct made_file *f, size_t length)
 {
     (void)f;
-    return fault(length < 2 ? "not a .png, .jpg or .ppm" : "cut short");
+    return fault(!length ? "not a .png, .jpg or .ppm" : "cut short");
 }
 #endif
 
@@ -514,6 +516,8 @@ static const struct row {
     {"ppm", make_image_ppm, read_image, any_fault},
 #ifdef FXS_WITH_STB
     {"png", make_png, read_image, of_png},
+#endif
+#if defined(FXS_WITH_STB) && defined(FXS_WITH_JPEG)
     {"baseline jpg", make_baseline, read_image, of_jpeg},
     {"progressive jpg", make_progressive, read_image, of_jpeg},
     {"grey jpg", make_grey, read_image, of_jpeg},

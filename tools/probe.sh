@@ -11,6 +11,7 @@ ZIP zip.h -lzip
 ZLIB zlib.h -lz
 DEFLATE libdeflate.h -ldeflate
 ZSTD zstd.h -lzstd
+JPEG jpeglib.h -ljpeg
 WEBP webp/decode.h -lwebp
 STB stb/stb_image_write.h
 SDL SDL2/SDL.h -lSDL2
@@ -54,7 +55,7 @@ source=$build/probe.c
 object=$build/probe.out
 probe() {
     echo "$libraries" | while read -r name header flags; do
-        printf '%s\n' "#include <$header>" 'int main(int argc, char **argv) { return argc && argv ? 0 : 1; }' >"$source"
+        printf '%s\n' '#include <stdio.h>' "#include <$header>" 'int main(int argc, char **argv) { return argc && argv ? 0 : 1; }' >"$source"
         if link "$source" -O0 -g0 -o "$object" -MD -MF "$object.d" $flags 2>/dev/null; then
             found $name "$(tr -d '\\\n' <"$object.d" | sed 's/^[^:]*://')" yes
             echo "LIBS_$name := $flags"

@@ -11,35 +11,32 @@
 #include "src/base/opened.h"
 #include "src/base/try_internal.h"
 
+#ifdef FXS_WITH_JPEG
+#include <jpeglib.h>
+#include <jerror.h>
+#include <setjmp.h>
+#endif
+
 #define MAX_SIZE 16384
 #define MAX_READ_PIXELS (1 << 26)
 #define LEAST_ROOM (1 << 16)      /* for the data of any .png: they may be stored, or in many parts */
 #define MAX_JPEG_PIXELS 512       /* of a byte: the first scan has at least a bit for each 8 x 8 of them */
-#define JPEG_UNIT 32              /* pixels that sizes are rounded up to, at most */
+#define MAX_JPEG_SCANS 100        /* each may be a few bytes long, and takes time for all of the picture */
 
 /* Faults of a picture that are not the file's. */
 static const char out_of_memory[] = "out of memory";
-static const char no_stb[] = "not a .ppm; this program was built without stb, which .png and .jpg need";
+static const char no_stb[] = "not a .jpg or .ppm; this program was built without stb, which .png needs";
+static const char no_jpeg[] = "a .jpg; this program was built without libjpeg-turbo, which .jpg needs";
 static const char cut_short[] = "cut short";
 
 #ifdef FXS_WITH_STB
-static const char no_picture[] = "not a .png, .jpg or .ppm";
 static const char too_much_data[] = "more data than a picture of its size has";
 
-/* What stb_image may have in one piece for the picture that this thread reads, and why it did not get that. */
+/* The bytes that stb_image may have in one piece for the picture that this thread reads, and why it got none. */
 static __thread struct {
     size_t most;
     const char *fault;
 } decoding;
-
-/* Zeroed: stb_image 2.27 takes a .jpg that leaves out tables or parts of its picture, and reads what is there. */
-static void *bounded_malloc(size_t size)
-{
-    void *made = size <= decoding.most ? calloc(1, size) : NULL;
-    if (!made)
-        decoding.fault = size <= decoding.most ? out_of_memory : too_much_data;
-    return made;
-}
 
 static void *bounded_realloc(void *old, size_t size)
 {
@@ -59,10 +56,8 @@ static void *bounded_realloc(void *old, size_t size)
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_PNG
-#define STBI_ONLY_JPEG
-#define STBI_NO_SIMD              /* .jpg by its one text in integers: the same bytes on every processor */
 #define STBI_MAX_DIMENSIONS MAX_SIZE
-#define STBI_MALLOC(size) bounded_malloc(size)
+#define STBI_MALLOC(size) bounded_realloc(NULL, size)
 #define STBI_REALLOC(old, size) bounded_realloc(old, size)
 #define STBI_FREE(old) free(old)
 #include <stb/stb_image.h>
@@ -79,178 +74,120 @@ static int readable_size(int width, int height)
            (int64_t)width * height <= MAX_READ_PIXELS;
 }
 
-#ifdef FXS_WITH_STB
-static const char *why_not_decoded(void)
-{
-    const char *reason = decoding.fault ? decoding.fault : stbi_failure_reason();
-    return reason ? reason : "damaged";   /* stb_image does not always say */
-}
+/* The readers return NULL or the fault. */
 
+#ifdef FXS_WITH_STB
 static const char *read_png(FILE *file, uint8_t **rgba, int *width, int *height)
 {
     int channels;
+    decoding.most = LEAST_ROOM;
+    decoding.fault = NULL;
     if (!stbi_info_from_file(file, width, height, &channels))
-        return no_picture;
+        return "not a .png, .jpg or .ppm";
     if (!readable_size(*width, *height))
         return too_large;
     /* A row is its bytes and one more; stb_image doubles a room that does not do, as for interlaced pictures. */
     const size_t pixel_bytes = stbi_is_16_bit_from_file(file) ? 8 : 4;
     decoding.most = 2 * (pixel_bytes * (size_t)*width + 1) * (size_t)*height + LEAST_ROOM;
     *rgba = stbi_load_from_file(file, width, height, &channels, 4);
-    return *rgba ? NULL : why_not_decoded();
-}
-
-/* ---- What stb_image 2.27 does not check of a .jpg ---- */
-
-static int big_endian_16(FILE *file)
-{
-    const int upper = getc(file), lower = getc(file);
-    return upper == EOF || lower == EOF ? EOF : upper << 8 | lower;
-}
-
-/* Huffman tables in `size` bytes. What a picture of 8 bits needs is less than 256 codes. */
-static const char *check_tables(FILE *file, int size)
-{
-    while (size > 0) {
-        int codes = 0;
-        getc(file);                /* which table */
-        for (int i = 0; i < 16; i++) {
-            const int count = getc(file);
-            if (count == EOF)
-                return cut_short;
-            codes += count;
-        }
-        size -= 17 + codes;
-        if (codes > 255 || size < 0)
-            return "a Huffman table of more codes than there are";
-        if (fseek(file, codes, SEEK_CUR))
-            return cut_short;
-    }
-    return NULL;
-}
-
-/* The components of a frame: each must be sampled a whole number of times less often than the one that is most. */
-static const char *check_frame(FILE *file, int size)
-{
-    int sampling[4][2], most[2] = {1, 1}, count;
-    if (fseek(file, 5, SEEK_CUR) || (count = getc(file)) == EOF)
-        return cut_short;
-    if (count > 4 || size != 6 + 3 * count)
-        return "a frame of another size than its components have";
-    for (int i = 0; i < count; i++) {
-        getc(file);
-        const int both = getc(file);
-        if (getc(file) == EOF)
-            return cut_short;
-        for (int k = 0; k < 2; k++) {
-            sampling[i][k] = k ? both & 15 : both >> 4;
-            most[k] = sampling[i][k] > most[k] ? sampling[i][k] : most[k];
-        }
-    }
-    for (int i = 0; i < count; i++)
-        for (int k = 0; k < 2; k++)
-            if (!sampling[i][k] || most[k] % sampling[i][k])
-                return "components that do not lie on each other";
-    return NULL;
-}
-
-/* The second byte of the next marker that begins a segment, or EOF. */
-static int next_marker(FILE *file)
-{
-    int c = 0;
-    while (c == 0 || (c >= 0xd0 && c <= 0xd7)) {   /* coded: a byte of 255, and where to take up again */
-        do
-            c = getc(file);
-        while (c != 0xff && c != EOF);
-        while (c == 0xff)
-            c = getc(file);
-    }
-    return c;
-}
-
-static const char *check_jpeg(FILE *file)
-{
-    const char *fault = NULL;
-    int marker;
-    if (getc(file) != 0xff || getc(file) != 0xd8)
-        return no_picture;
-    while (!fault && (marker = next_marker(file)) != 0xd9) {
-        const int size = marker == EOF ? EOF : big_endian_16(file) - 2;
-        if (size < 0)
-            fault = cut_short;
-        else if (marker == 0xc4)
-            fault = check_tables(file, size);
-        else if (marker >= 0xc0 && marker <= 0xc2)
-            fault = check_frame(file, size);
-        else if (fseek(file, size, SEEK_CUR))
-            fault = cut_short;
-    }
-    rewind(file);
-    return fault;
-}
-
-/* ---- A .jpg ---- */
-
-/* A file, and whether stb_image read on at its end. */
-typedef struct jpeg_stream {
-    FILE *file;
-    int beyond;
-} jpeg_stream;
-
-static int read_stream(void *argument, char *data, int size)
-{
-    jpeg_stream *stream = argument;
-    const size_t read = fread(data, 1, (size_t)size, stream->file);
-    stream->beyond |= !read;
-    return (int)read;
-}
-
-static void skip_stream(void *argument, int bytes)
-{
-    jpeg_stream *stream = argument;
-    stream->beyond |= fseek(stream->file, bytes, SEEK_CUR) != 0;
-}
-
-/* fseek forgets what feof says. */
-static int at_end(void *argument)
-{
-    const jpeg_stream *stream = argument;
-    return stream->beyond || feof(stream->file);
-}
-
-/* stb_image takes what is missing at the end as 0, or not, by its version: here a picture is whole or refused. */
-static const char *read_jpeg(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
-{
-    static const stbi_io_callbacks calls = {read_stream, skip_stream, at_end};
-    jpeg_stream stream = {file, 0};
-    int channels;
-    const char *fault = check_jpeg(file);
-    if (fault)
-        return fault;
-    if (!stbi_info_from_callbacks(&calls, &stream, width, height, &channels))
-        return stream.beyond ? cut_short : why_not_decoded();
-    if (!readable_size(*width, *height))
-        return too_large;
-    if ((uint64_t)*width * (uint64_t)*height / MAX_JPEG_PIXELS > bytes)
-        return "fewer bytes than a picture of its size has";
-    rewind(file);
-    stream.beyond = 0;
-    decoding.most = 4 * ((size_t)*width + JPEG_UNIT) * ((size_t)*height + JPEG_UNIT) + LEAST_ROOM;
-    *rgba = stbi_load_from_callbacks(&calls, &stream, width, height, &channels, 4);
-    return stream.beyond ? cut_short : *rgba ? NULL : why_not_decoded();
-}
-
-static const char *read_by_stb(FILE *file, uint64_t bytes, int first, uint8_t **rgba, int *width, int *height)
-{
-    decoding.most = LEAST_ROOM;
-    decoding.fault = NULL;
-    return first == 0xff ? read_jpeg(file, bytes, rgba, width, height) : read_png(file, rgba, width, height);
+    if (*rgba)
+        return NULL;
+    const char *reason = decoding.fault ? decoding.fault : stbi_failure_reason();
+    return reason ? reason : "damaged";   /* stb_image does not always say */
 }
 #else
-static const char *read_by_stb(FILE *file, uint64_t bytes, int first, uint8_t **rgba, int *width, int *height)
+static const char *read_png(FILE *file, uint8_t **rgba, int *width, int *height)
 {
-    (void)file, (void)bytes, (void)first, (void)rgba, (void)width, (void)height;
+    (void)file, (void)rgba, (void)width, (void)height;
     return no_stb;
+}
+#endif
+
+#ifdef FXS_WITH_JPEG
+/* A .jpg that libjpeg reads: the fault that ended it, and the place to go on from then. */
+typedef struct jpeg_reading {
+    struct jpeg_decompress_struct jpeg;
+    struct jpeg_error_mgr errors;
+    struct jpeg_progress_mgr progress;
+    const char *fault;
+    jmp_buf refused;
+} jpeg_reading;
+
+static void refuse(void *jpeg, const char *fault)
+{
+    jpeg_reading *reading = ((j_common_ptr)jpeg)->client_data;
+    reading->fault = fault;
+    longjmp(reading->refused, 1);
+}
+
+static void refuse_by_code(j_common_ptr jpeg)
+{
+    static __thread char words[JMSG_LENGTH_MAX];
+    const int code = jpeg->err->msg_code;
+    jpeg->err->format_message(jpeg, words);
+    refuse(jpeg, code == JERR_OUT_OF_MEMORY ? out_of_memory : code == JWRN_JPEG_EOF ? cut_short : words);
+}
+
+/* libjpeg warns of damaged data and makes up their pixels: here a picture is whole or refused. Bytes between segments,
+   which some cameras leave, do no harm. */
+static void refuse_damage(j_common_ptr jpeg, int level)
+{
+    if (level < 0 && jpeg->err->msg_code != JWRN_EXTRANEOUS_DATA)
+        refuse_by_code(jpeg);
+}
+
+static void limit_scans(j_common_ptr jpeg)
+{
+    if (((j_decompress_ptr)jpeg)->input_scan_number > MAX_JPEG_SCANS)
+        refuse(jpeg, "more scans than a picture needs");
+}
+
+/* By the inverse cosine transform in integers and smooth chroma: libjpeg-turbo has both alike for every processor. */
+static void decode_jpeg(jpeg_reading *reading, FILE *file, uint64_t bytes, uint8_t **rgba)
+{
+    j_decompress_ptr jpeg = &reading->jpeg;
+    if (setjmp(reading->refused))
+        return;
+    jpeg_create_decompress(jpeg);
+    jpeg->progress = &reading->progress;
+    jpeg_stdio_src(jpeg, file);
+    jpeg_read_header(jpeg, TRUE);
+    const uint64_t pixels = (uint64_t)jpeg->image_width * jpeg->image_height;
+    if (!readable_size((int)jpeg->image_width, (int)jpeg->image_height))
+        refuse(jpeg, too_large);
+    if (pixels / MAX_JPEG_PIXELS > bytes)
+        refuse(jpeg, "fewer bytes than a picture of its size has");
+    *rgba = malloc(4 * (size_t)pixels);
+    if (!*rgba)
+        refuse(jpeg, out_of_memory);
+    jpeg->out_color_space = JCS_EXT_RGBA;
+    jpeg->dct_method = JDCT_ISLOW;
+    jpeg->do_fancy_upsampling = TRUE;
+    jpeg->do_block_smoothing = FALSE;
+    jpeg_start_decompress(jpeg);
+    while (jpeg->output_scanline < jpeg->output_height)
+        jpeg_read_scanlines(jpeg, &(JSAMPROW){*rgba + 4 * (size_t)jpeg->image_width * jpeg->output_scanline}, 1);
+    jpeg_finish_decompress(jpeg);
+}
+
+static const char *read_jpeg(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
+{
+    jpeg_reading reading = {.progress.progress_monitor = limit_scans};
+    reading.jpeg.err = jpeg_std_error(&reading.errors);
+    reading.jpeg.client_data = &reading;
+    reading.errors.error_exit = refuse_by_code;
+    reading.errors.emit_message = refuse_damage;
+    decode_jpeg(&reading, file, bytes, rgba);
+    *width = (int)reading.jpeg.image_width;
+    *height = (int)reading.jpeg.image_height;
+    jpeg_destroy_decompress(&reading.jpeg);
+    return reading.fault;
+}
+#else
+static const char *read_jpeg(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
+{
+    (void)file, (void)bytes, (void)rgba, (void)width, (void)height;
+    return no_jpeg;
 }
 #endif
 
@@ -268,8 +205,6 @@ static int header_number(FILE *file)
         value = 10 * value + (c - '0');
     return isspace(c) ? value : -1;
 }
-
-/* The readers return NULL or the fault. */
 
 /* stb_image 2.27 has a .ppm reader too, but takes a file that is cut short. */
 static const char *read_ppm(FILE *file, uint8_t **rgba, int *width, int *height)
@@ -298,7 +233,8 @@ static const char *read_ppm(FILE *file, uint8_t **rgba, int *width, int *height)
 
 static int fail_read(const char *path, const char *fault, fxs_message *message)
 {
-    const int error = fault == out_of_memory ? FXS_ERR_MEMORY : fault == no_stb ? FXS_ERR_UNSUPPORTED : FXS_ERR_FILE;
+    const int unsupported = fault == no_stb || fault == no_jpeg;
+    const int error = fault == out_of_memory ? FXS_ERR_MEMORY : unsupported ? FXS_ERR_UNSUPPORTED : FXS_ERR_FILE;
     return fxs_fail_as(error, message, "%s: %s", path, fault);
 }
 
@@ -313,7 +249,8 @@ int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *heigh
     const int first = getc(file);
     rewind(file);
     const char *fault = first == 'P' ? read_ppm(file, rgba, width, height)
-                                     : read_by_stb(file, facts.size, first, rgba, width, height);
+                        : first == 0xff ? read_jpeg(file, facts.size, rgba, width, height)
+                                        : read_png(file, rgba, width, height);
     if (fault) {
         result = ferror(file) ? fxs_fail_errno(message, path, errno) : fail_read(path, fault, message);
         free(*rgba);

@@ -82,6 +82,8 @@ survives - info knot.ply --stats
 survives - info knot.ply
 survives - info packed.fxs --compare knot.ply --size 64x48 --views 2
 survives o.png compare a.png b.png --diff o.png
+"$fixsplat" render knot.ply --size 64x48 -o a.jpg || exit 1
+survives o.png compare a.jpg b.png --diff o.png
 survives - bench knot.ply --size 64x48 --threads 2
 
 # A picture larger than the memory there is.

@@ -68,7 +68,8 @@ typedef struct fxs_photos {
    a perspective one or has a lens that is not known or cannot be undone, none would be left to fit, a point is not
    finite or beyond 2^27 units, or all points lie behind all cameras; FXS_ERR_STOPPED by `progress`; FXS_ERR_CAMERA
    where a camera is out of the renderer's range; FXS_ERR_ARGUMENT (the resolution); FXS_ERR_UNSUPPORTED where this was
-   built without cJSON or stb and the files need it; FXS_ERR_MEMORY. All-black photographs are as good as others. */
+   built without cJSON, stb or libjpeg-turbo and the files need it; FXS_ERR_MEMORY. All-black photographs are as good
+   as others. */
 int fxs_photos_read(const char *path, const fxs_photos_options *options, fxs_photos *photos, fxs_message *message);
 void fxs_photos_free(fxs_photos *photos);
 
