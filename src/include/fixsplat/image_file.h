@@ -1,6 +1,8 @@
-/* Image files: 8-bit RGBA, rows from the top, no padding between rows.
+/* Reads and writes image files. Pictures in memory are 8-bit RGBA, rows from the top, no padding between rows.
  *
- * Several threads may read and write files at the same time. */
+ * Several threads may read and write files at the same time.
+ *
+ * Stable from version 1.0 on. */
 #ifndef FXS_IMAGE_FILE_H
 #define FXS_IMAGE_FILE_H
 
@@ -13,60 +15,61 @@
 extern "C" {
 #endif
 
-/* FXS_IMAGE_RAW: the bytes as they are. FXS_IMAGE_Y4M and FXS_IMAGE_RGBA are frames of a film (film_file.h). */
+/* FXS_IMAGE_RAW: the bytes of the picture. FXS_IMAGE_Y4M and FXS_IMAGE_RGBA: frames of a film (film_file.h). */
 enum fxs_image_format {
     FXS_IMAGE_UNKNOWN, FXS_IMAGE_PNG, FXS_IMAGE_PPM, FXS_IMAGE_RAW, FXS_IMAGE_JPG, FXS_IMAGE_WEBP, FXS_IMAGE_Y4M,
     FXS_IMAGE_RGBA
 };
 
-/* The format that the ending of a name tells: .png, .ppm, .raw, .jpg or .jpeg, .webp, .y4m, .rgba; else
+/* The format of a file name by its ending: .png, .ppm, .raw, .jpg or .jpeg, .webp, .y4m, .rgba; else
    FXS_IMAGE_UNKNOWN. */
 enum fxs_image_format fxs_image_format_of(const char *path);
 
-/* A picture as the bytes of a file. All 0: none yet. */
+/* A picture encoded as the bytes of a file. All fields 0: no picture yet. */
 typedef struct fxs_encoded {
-    const uint8_t *bytes;    /* in `memory`, or the picture's own */
+    const uint8_t *bytes;    /* in `memory`, or the caller's picture itself */
     size_t size;
-    void *memory;            /* for fxs_encoded_free, and for the next picture */
-    size_t room;             /* bytes of that */
+    void *memory;            /* used again for the next picture; fxs_encoded_free frees it */
+    size_t room;             /* size of `memory` in bytes */
 } fxs_encoded;
 
 /* Encodes a picture of `width` x `height` pixels, each of 4 bytes: .png (by zlib or libdeflate, fast rather than small;
    RGB where every alpha byte is 255), .ppm (P6, without alpha), .raw or .rgba, .jpg (by stb_image_write, without alpha,
-   4:4:4 above a quality of 90), .webp (by libwebp), or a frame of a .y4m. `quality`: of .jpg, 1 to 100, 0: 95; of .webp
-   the same, 0: without loss. But for .jpg and a .webp with loss, which are encoded in floats, the file has these
-   pixels, and a .y4m, the same bytes on every machine. Allocates up to 8 bytes a pixel for .png, 3 for .ppm and .y4m.
+   4:4:4 above a quality of 90), .webp (by libwebp), or a frame of a .y4m. `quality` is 1 to 100; 0 means 95 for a .jpg
+   and lossless for a .webp; other formats ignore it. Except for .jpg and lossy .webp, which are encoded in floats, a
+   file decodes to the same pixels on every machine, and a .y4m has the same bytes there. Allocates up to 8 bytes a
+   pixel for .png, 3 for .ppm and .y4m.
 
-   *encoded is all 0, or what an earlier call left there, whose memory is used again. Returns 0, or an error and a
-   message; fxs_encoded_free frees in any case. Errors: FXS_ERR_ARGUMENT where the size is out of range (of .webp
-   16383), FXS_ERR_UNSUPPORTED where this was built without the library (.png: zlib, .jpg: stb, .webp: libwebp),
-   FXS_ERR_MEMORY. */
+   encoded must be all 0, or the result of an earlier call, whose memory is used again. Returns 0, or an error and a
+   message; fxs_encoded_free must be called in either case. Errors: FXS_ERR_ARGUMENT where the size or the quality is
+   out of range (for .webp above 16383), FXS_ERR_UNSUPPORTED where fixsplat was built without the library (.png: zlib,
+   .jpg: stb, .webp: libwebp), FXS_ERR_MEMORY. */
 int fxs_image_encode(enum fxs_image_format format, int quality, const uint8_t *rgba, int width, int height,
                      fxs_encoded *encoded, fxs_message *message);
 void fxs_encoded_free(fxs_encoded *encoded);
 
-/* Writes the bytes to a temporary name beside `path`, which is renamed (output.h), so that a failure leaves an existing
-   file whole. Returns 0, or FXS_ERR_FILE or FXS_ERR_MEMORY and a message. */
+/* Writes the bytes to a temporary file beside `path` and renames it (output.h), so a failure leaves an existing file
+   unchanged. Returns 0, or FXS_ERR_FILE or FXS_ERR_MEMORY and a message. */
 int fxs_encoded_write(const char *path, const fxs_encoded *encoded, fxs_message *message);
 
-/* Both: encodes a picture, of the quality 0, in the format that the ending of the name tells, .y4m and .rgba left out,
-   and writes it. Returns 0, or an error as they do, FXS_ERR_ARGUMENT for any other ending. */
+/* Encodes a picture with quality 0 in the format of the name's ending, other than .y4m and .rgba, and writes it.
+   Returns 0, or an error of the two functions above, or FXS_ERR_ARGUMENT for any other ending. */
 int fxs_image_file_write(const char *path, const uint8_t *rgba, int width, int height, fxs_message *message);
 
-/* 1 where the ending of the name is one that fxs_image_file_write knows, else 0. */
+/* 1 where fxs_image_file_write knows the ending of the name, else 0. */
 int fxs_image_file_known(const char *path);
 
-/* Reads a .png or .jpg (by stb_image) or .ppm, of at most 2^26 pixels; its content tells which it is. Of 16 bits the
-   upper 8 are taken, grey and palettes become RGBA, and how EXIF would turn a picture is not looked at (nor does
-   COLMAP, whose cameras are for the pixels as they are stored). The pixels are the same on every machine: .png and
-   .ppm say what they are, and a .jpg, whose standard leaves the last bit open, is decoded by stb_image's text in
-   integers, with its SIMD left out. What stb_image 2.27 does not check of a .jpg is checked before.
+/* Reads a .png or .jpg (by stb_image) or .ppm, of at most 2^26 pixels; its content tells the format. Of 16-bit channels
+   the upper 8 bits are kept, grey and colour palettes become RGBA, and a rotation in EXIF is ignored (as in COLMAP,
+   whose cameras are for the stored pixels). The pixels are the same on every machine: .png and .ppm define them, and a
+   .jpg, whose standard leaves the last bit open, is decoded by stb_image's integer code without SIMD. Faults of a .jpg
+   that stb_image 2.27 does not notice are checked first.
 
-   The data of a .png are inflated to at most twice the bytes that RGBA of its stated size and depth has, and 64 KiB;
-   one with more is refused, as is a .jpg of more than 512 pixels a byte. A picture that is cut short is refused.
+   The data of a .png may inflate to twice the bytes of RGBA in its stated size and depth plus 64 KiB; a larger one is
+   refused, as are a .jpg of more than 512 pixels a byte and a picture that is cut short.
 
    Returns 0 with *rgba allocated by malloc, which the caller frees, or an error and a message, with *rgba null. Errors:
-   FXS_ERR_FILE, FXS_ERR_UNSUPPORTED for all but .ppm where this was built without stb, FXS_ERR_MEMORY. */
+   FXS_ERR_FILE, FXS_ERR_UNSUPPORTED for .png and .jpg where fixsplat was built without stb, FXS_ERR_MEMORY. */
 int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_message *message);
 
 #ifdef __cplusplus
