@@ -1,4 +1,4 @@
-/* COLMAP sparse models, as its page "Output Format" and the list in its src/colmap/sensor/models.h describe them. */
+/* Reads COLMAP's sparse models, as its page "Output Format" and its src/colmap/sensor/models.h describe them. */
 #include "camera_internal.h"
 #include "colmap_internal.h"
 
@@ -10,8 +10,8 @@
 #define MAX_CAMERAS 1000000
 #define MAX_PARAMS 12
 
-/* The index is COLMAP's model id. Focal lengths and the principal point come first, then the coefficients of the lens
-   by their letters, 0 to 5 for k1 to k6. */
+/* COLMAP's camera models by their id. The parameters are focal lengths, principal point, then the coefficients of the
+   lens, written here as digits 0 to 5 for k1 to k6 and letters for the others. */
 static const struct {
     const char *name;
     int focals;
@@ -31,7 +31,7 @@ typedef struct camera {
 typedef struct camera_list {
     const char *path;
     fxs_message *message;
-    int lenses;         /* as those of fxs_view_list */
+    int lenses;         /* `lenses` of fxs_view_list */
     camera *cameras;
     size_t count, capacity;
 } camera_list;
@@ -86,7 +86,7 @@ static int compare_ids(const void *a, const void *b)
     return (p->id > q->id) - (p->id < q->id);
 }
 
-/* The rows of the rotation of a quaternion w, x, y, z of any length; 0 where that is 0 or not finite. */
+/* The rows of the rotation by a quaternion w, x, y, z of any length. Returns 0 where that is 0 or not finite. */
 static int quaternion_rows(const double q[4], double r[9])
 {
     double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
@@ -194,7 +194,7 @@ static int read_cameras_txt(camera_list *list, const fxs_text *text)
     return 0;
 }
 
-/* Two lines an image; the second, its 2D points, may be empty. */
+/* Each image has two lines; the second, with its 2D points, may be empty. */
 static int read_images_txt(fxs_view_list *list, const camera_list *cameras, const fxs_text *text)
 {
     char *rest = text->data, *line;
