@@ -13,11 +13,11 @@
 
 #define MAX_SIZE 16384
 #define MAX_READ_PIXELS (1 << 26)
-#define LEAST_ROOM (1 << 16)      /* for the data of any .png: they may be stored, or in many parts */
-#define MAX_JPEG_PIXELS 512       /* of a byte: the first scan has at least a bit for each 8 x 8 of them */
-#define JPEG_UNIT 32              /* pixels that sizes are rounded up to, at most */
+#define LEAST_ROOM (1 << 16)      /* the least limit for the data of a .png, which may be stored or in many parts */
+#define MAX_JPEG_PIXELS 512       /* for a byte: the first scan has at least a bit for 8 x 8 pixels */
+#define JPEG_UNIT 32              /* sizes are rounded up to a multiple of at most this, pixels */
 
-/* Faults of a picture that are not the file's. */
+/* Messages about faults of a picture. */
 static const char out_of_memory[] = "out of memory";
 static const char no_stb[] = "not a .ppm; this program was built without stb, which .png and .jpg need";
 static const char cut_short[] = "cut short";
@@ -26,13 +26,13 @@ static const char cut_short[] = "cut short";
 static const char no_picture[] = "not a .png, .jpg or .ppm";
 static const char too_much_data[] = "more data than a picture of its size has";
 
-/* What stb_image may have in one piece for the picture that this thread reads, and why it did not get that. */
+/* The largest block that stb_image may allocate for the picture that this thread reads, and why it did not get one. */
 static __thread struct {
     size_t most;
     const char *fault;
 } decoding;
 
-/* Zeroed: stb_image 2.27 takes a .jpg that leaves out tables or parts of its picture, and reads what is there. */
+/* Zeroed memory: stb_image 2.27 accepts a .jpg without some tables or parts, and would read what the memory had. */
 static void *bounded_malloc(size_t size)
 {
     void *made = size <= decoding.most ? calloc(1, size) : NULL;
@@ -60,7 +60,7 @@ static void *bounded_realloc(void *old, size_t size)
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG
-#define STBI_NO_SIMD              /* .jpg by its one text in integers: the same bytes on every processor */
+#define STBI_NO_SIMD              /* only its integer code for .jpg: the same bytes on every processor */
 #define STBI_MAX_DIMENSIONS MAX_SIZE
 #define STBI_MALLOC(size) bounded_malloc(size)
 #define STBI_REALLOC(old, size) bounded_realloc(old, size)
@@ -83,7 +83,7 @@ static int readable_size(int width, int height)
 static const char *why_not_decoded(void)
 {
     const char *reason = decoding.fault ? decoding.fault : stbi_failure_reason();
-    return reason ? reason : "damaged";   /* stb_image does not always say */
+    return reason ? reason : "damaged";   /* stb_image does not always give a reason */
 }
 
 static const char *read_png(FILE *file, uint8_t **rgba, int *width, int *height)
@@ -93,7 +93,8 @@ static const char *read_png(FILE *file, uint8_t **rgba, int *width, int *height)
         return no_picture;
     if (!readable_size(*width, *height))
         return too_large;
-    /* A row is its bytes and one more; stb_image doubles a room that does not do, as for interlaced pictures. */
+    /* A row has one byte more than its pixels; stb_image doubles a buffer that is too small, as for interlaced
+       pictures. */
     const size_t pixel_bytes = stbi_is_16_bit_from_file(file) ? 8 : 4;
     decoding.most = 2 * (pixel_bytes * (size_t)*width + 1) * (size_t)*height + LEAST_ROOM;
     *rgba = stbi_load_from_file(file, width, height, &channels, 4);
@@ -108,7 +109,7 @@ static int big_endian_16(FILE *file)
     return upper == EOF || lower == EOF ? EOF : upper << 8 | lower;
 }
 
-/* Huffman tables in `size` bytes. What a picture of 8 bits needs is less than 256 codes. */
+/* Checks Huffman tables of `size` bytes. A picture of 8 bits needs less than 256 codes. */
 static const char *check_tables(FILE *file, int size)
 {
     while (size > 0) {
@@ -129,7 +130,7 @@ static const char *check_tables(FILE *file, int size)
     return NULL;
 }
 
-/* The components of a frame: each must be sampled a whole number of times less often than the one that is most. */
+/* Checks the components of a frame: the highest sampling rate must be a multiple of each component's. */
 static const char *check_frame(FILE *file, int size)
 {
     int sampling[4][2], most[2] = {1, 1}, count;
@@ -158,7 +159,7 @@ static const char *check_frame(FILE *file, int size)
 static int next_marker(FILE *file)
 {
     int c = 0;
-    while (c == 0 || (c >= 0xd0 && c <= 0xd7)) {   /* coded: a byte of 255, and where to take up again */
+    while (c == 0 || (c >= 0xd0 && c <= 0xd7)) {   /* in coded data: a byte of 255, or a restart marker */
         do
             c = getc(file);
         while (c != 0xff && c != EOF);
@@ -191,7 +192,7 @@ static const char *check_jpeg(FILE *file)
 
 /* ---- A .jpg ---- */
 
-/* A file, and whether stb_image read on at its end. */
+/* A file, and 1 once stb_image has read beyond its end. */
 typedef struct jpeg_stream {
     FILE *file;
     int beyond;
@@ -211,14 +212,14 @@ static void skip_stream(void *argument, int bytes)
     stream->beyond |= fseek(stream->file, bytes, SEEK_CUR) != 0;
 }
 
-/* fseek forgets what feof says. */
+/* fseek clears the state of feof. */
 static int at_end(void *argument)
 {
     const jpeg_stream *stream = argument;
     return stream->beyond || feof(stream->file);
 }
 
-/* stb_image takes what is missing at the end as 0, or not, by its version: here a picture is whole or refused. */
+/* Versions of stb_image differ in whether missing data at the end are 0: here a picture is complete or refused. */
 static const char *read_jpeg(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
 {
     static const stbi_io_callbacks calls = {read_stream, skip_stream, at_end};
@@ -254,7 +255,7 @@ static const char *read_by_stb(FILE *file, uint64_t bytes, int first, uint8_t **
 }
 #endif
 
-/* A number of a .ppm's header, after blanks and comments and with the blank that follows; -1 where there is none. */
+/* Reads a number in the header of a .ppm, blanks and comments before it and the blank after it; -1: there is none. */
 static int header_number(FILE *file)
 {
     int c = getc(file), comment = 0, value = 0;
@@ -269,9 +270,9 @@ static int header_number(FILE *file)
     return isspace(c) ? value : -1;
 }
 
-/* The readers return NULL or the fault. */
+/* The readers return NULL or a text about the fault. */
 
-/* stb_image 2.27 has a .ppm reader too, but takes a file that is cut short. */
+/* stb_image 2.27 has a .ppm reader too, but accepts a file that is cut short. */
 static const char *read_ppm(FILE *file, uint8_t **rgba, int *width, int *height)
 {
     if (getc(file) != 'P' || getc(file) != '6')
@@ -286,7 +287,7 @@ static const char *read_ppm(FILE *file, uint8_t **rgba, int *width, int *height)
     *rgba = malloc(4 * pixels);
     if (!*rgba)
         return out_of_memory;
-    uint8_t *rgb = *rgba + pixels;   /* spread from the end of the room to the front */
+    uint8_t *rgb = *rgba + pixels;   /* spread to RGBA from the end to the front */
     if (fread(rgb, 3, pixels, file) != pixels)
         return cut_short;
     for (size_t i = 0; i < pixels; i++) {
