@@ -1,4 +1,4 @@
-/* Included before every file of a module: what its C library does not declare. */
+/* Declarations that the module's C library lacks; included before every file of a module. */
 #ifndef FXS_WEB_FILES_H
 #define FXS_WEB_FILES_H
 
